@@ -1,0 +1,100 @@
+//! Names of the features of a body (vertices, edges, faces) and of pairs of them.
+
+use core::fmt;
+
+macro_rules! id {
+    ($(#[$doc:meta])* $name:ident, $letter:literal) => {
+        $(#[$doc])*
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+        #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+        pub struct $name(pub(crate) u32);
+
+        impl $name {
+            /// The position of this feature among those of its kind and body.
+            #[inline]
+            pub fn index(self) -> usize {
+                self.0 as usize
+            }
+        }
+
+        impl fmt::Display for $name {
+            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                write!(f, concat!($letter, "{}"), self.0)
+            }
+        }
+    };
+}
+
+id!(
+    /// A vertex of one body. [`ConvexPolyhedron::source_vertex`] leads back to the caller's own index.
+    ///
+    /// [`ConvexPolyhedron::source_vertex`]: crate::ConvexPolyhedron::source_vertex
+    VertexId,
+    "v"
+);
+id!(
+    /// An undirected edge of one body, named by the lower of the numbers of its two half-edges (so the numbers have gaps).
+    EdgeId,
+    "e"
+);
+id!(
+    /// A face of one body: all coplanar facets of the hull are one face.
+    FaceId,
+    "f"
+);
+
+/// A vertex, an edge or a face of one body.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Feature {
+    /// A vertex.
+    Vertex(VertexId),
+    /// An edge, its ends left out.
+    Edge(EdgeId),
+    /// A face, its rim left out.
+    Face(FaceId),
+}
+
+impl Feature {
+    /// 0 for a vertex, 1 for an edge, 2 for a face.
+    pub fn dimension(self) -> usize {
+        match self {
+            Feature::Vertex(_) => 0,
+            Feature::Edge(_) => 1,
+            Feature::Face(_) => 2,
+        }
+    }
+}
+
+impl fmt::Display for Feature {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Feature::Vertex(v) => v.fmt(f),
+            Feature::Edge(e) => e.fmt(f),
+            Feature::Face(x) => x.fmt(f),
+        }
+    }
+}
+
+/// The closest features of two bodies: one of A, one of B.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct FeaturePair {
+    /// The feature of A.
+    pub a: Feature,
+    /// The feature of B.
+    pub b: Feature,
+}
+
+impl FeaturePair {
+    /// The same pair seen with A and B exchanged.
+    pub fn swapped(self) -> Self {
+        Self { a: self.b, b: self.a }
+    }
+}
+
+impl fmt::Display for FeaturePair {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}-{}", self.a, self.b)
+    }
+}

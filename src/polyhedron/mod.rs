@@ -1,0 +1,57 @@
+//! The immutable body: a convex polyhedron with its features, their neighbours and their planes.
+//!
+//! Reading order: [`feature`] (names), `topology` (who is beside whom, without coordinates), `build` and `hull` (points
+//! or faces to a body), `support` (extreme vertices), `bounds`, `mass`, [`solids`].
+//!
+//! # Stored coordinates
+//!
+//! A body keeps its vertices as `stored = (given - origin) / 2^exponent`, exactly. `origin` is zero in every coordinate
+//! in which the body lies about its own origin, and `exponent` is zero for ordinary sizes, so most bodies are kept as
+//! given. The rest is what makes far-off and extreme bodies as accurate as any other: rounding is relative to the
+//! body's size, never to its place.
+
+mod build;
+pub mod feature;
+mod hull;
+pub(crate) mod support;
+pub(crate) mod topology;
+
+use alloc::vec::Vec;
+use nalgebra::{Point3, Vector3};
+
+pub use build::{BuildError, BuildReport};
+pub use feature::{EdgeId, FaceId, Feature, FeaturePair, VertexId};
+use support::CubeMap;
+use topology::Topology;
+
+/// The supporting plane of a face: `normal . x <= offset` for every vertex `x` of the body, rounding included.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct Plane {
+    /// Unit up to rounding; zero for the null face of a segment.
+    pub(crate) normal: Vector3<f64>,
+    /// The largest `normal . x` over the body, rounded up.
+    pub(crate) offset: f64,
+}
+
+/// A convex body: a polyhedron, or on purpose a polygon, a segment or a point.
+///
+/// Immutable, `Send + Sync`, cheap to share by reference or `Arc`. Coordinates are those of the caller, in the body's
+/// own frame, in any unit.
+#[derive(Clone, Debug)]
+pub struct ConvexPolyhedron {
+    pub(crate) topology: Topology,
+    /// Stored coordinates, see the module page.
+    pub(crate) points: Vec<Vector3<f64>>,
+    pub(crate) planes: Vec<Plane>,
+    pub(crate) lookup: CubeMap,
+    /// The caller's index of each vertex.
+    pub(crate) source: Vec<u32>,
+    /// The place of the stored origin in the caller's coordinates.
+    pub(crate) origin: Vector3<f64>,
+    /// Stored lengths times `2^exponent` are the caller's.
+    pub(crate) exponent: i32,
+    /// Largest distance of a vertex from the stored origin, rounded up, in stored units.
+    pub(crate) radius: f64,
+    pub(crate) report: BuildReport,
+}

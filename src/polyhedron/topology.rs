@@ -1,0 +1,243 @@
+//! Who is beside whom: half-edges by number, without a single coordinate.
+//!
+//! The half-edges that leave a vertex are contiguous and counter-clockwise seen from outside (its *fan*); those
+//! round a face are linked by `next`, counter-clockwise too (its *rim*).
+//!
+//! ```text
+//!            to
+//!          / | \          h = from -> to     (this half-edge)
+//!         /  |  \         face(h)            the face on its left
+//!   next(h)  h   .        face(twin(h))      the face on its right
+//!       /    |    \       h + 1 in the fan   turns left about `from`
+//!            from
+//! ```
+
+use alloc::vec;
+use alloc::vec::Vec;
+
+/// One of the two directions of an edge.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct HalfEdge {
+    /// The vertex it points to.
+    pub(crate) to: u32,
+    /// The same edge the other way.
+    pub(crate) twin: u32,
+    /// The half-edge that follows round `face`.
+    pub(crate) next: u32,
+    /// The face on the left.
+    pub(crate) face: u32,
+}
+
+/// The vertices, half-edges and faces of one body by number.
+///
+/// A point has one vertex and an empty fan; a segment has one face of two half-edges, its *null face*, whose plane
+/// has a zero normal; a polygon has two faces, one for each side.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct Topology {
+    /// Where the fan of each vertex begins, and one entry more for the end of the last.
+    first: Vec<u32>,
+    half_edges: Vec<HalfEdge>,
+    /// One half-edge of each face.
+    rim: Vec<u32>,
+}
+
+impl Topology {
+    /// From the vertex loops of the faces, counter-clockwise from outside. `None` where the loops are not a closed
+    /// surface in which every directed edge occurs once beside its reverse and every vertex has one fan.
+    pub(crate) fn from_loops(vertices: usize, loops: &[Vec<u32>]) -> Option<Self> {
+        // Provisional half-edges in loop order: (from, to, next, face).
+        let mut raw: Vec<[u32; 4]> = Vec::new();
+        for (face, ring) in loops.iter().enumerate() {
+            let base = raw.len() as u32;
+            let n = ring.len() as u32;
+            for k in 0..n {
+                let (from, to) = (ring[k as usize], ring[((k + 1) % n) as usize]);
+                if from as usize >= vertices || to as usize >= vertices || from == to {
+                    return None;
+                }
+                raw.push([from, to, base + (k + 1) % n, face as u32]);
+            }
+        }
+        let mut order: Vec<u32> = (0..raw.len() as u32).collect();
+        order.sort_unstable_by_key(|&h| (raw[h as usize][0], raw[h as usize][1]));
+        let find = |from: u32, to: u32| -> Option<u32> {
+            let i = order.partition_point(|&h| (raw[h as usize][0], raw[h as usize][1]) < (from, to));
+            let h = *order.get(i)?;
+            let twin_free = order.get(i + 1).is_none_or(|&g| raw[g as usize][..2] != raw[h as usize][..2]);
+            (raw[h as usize][..2] == [from, to] && twin_free).then_some(h)
+        };
+        let twin: Vec<u32> =
+            raw.iter().map(|h| find(h[1], h[0])).collect::<Option<_>>()?;
+        let mut previous = vec![0u32; raw.len()];
+        for (h, r) in raw.iter().enumerate() {
+            previous[r[2] as usize] = h as u32;
+        }
+        let (first, number) = fans(vertices, &raw, &order, |h| twin[previous[h as usize] as usize])?;
+        let mut half_edges = vec![HalfEdge { to: 0, twin: 0, next: 0, face: 0 }; raw.len()];
+        for (h, r) in raw.iter().enumerate() {
+            half_edges[number[h] as usize] =
+                HalfEdge { to: r[1], twin: number[twin[h] as usize], next: number[r[2] as usize], face: r[3] };
+        }
+        let mut rim = vec![u32::MAX; loops.len()];
+        for (h, e) in half_edges.iter().enumerate() {
+            let slot = &mut rim[e.face as usize];
+            *slot = (*slot).min(h as u32);
+        }
+        (!rim.contains(&u32::MAX)).then_some(Self { first, half_edges, rim })
+    }
+
+    #[inline]
+    pub(crate) fn vertex_count(&self) -> usize {
+        self.first.len() - 1
+    }
+
+    #[inline]
+    pub(crate) fn half_edge_count(&self) -> usize {
+        self.half_edges.len()
+    }
+
+    #[inline]
+    pub(crate) fn face_count(&self) -> usize {
+        self.rim.len()
+    }
+
+    #[inline]
+    pub(crate) fn half_edge(&self, h: u32) -> HalfEdge {
+        self.half_edges[h as usize]
+    }
+
+    /// The numbers of the half-edges that leave `v`.
+    #[inline]
+    pub(crate) fn fan(&self, v: u32) -> core::ops::Range<u32> {
+        self.first[v as usize]..self.first[v as usize + 1]
+    }
+
+    /// The half-edges that leave `v`, counter-clockwise from outside.
+    #[inline]
+    pub(crate) fn fan_edges(&self, v: u32) -> &[HalfEdge] {
+        &self.half_edges[self.first[v as usize] as usize..self.first[v as usize + 1] as usize]
+    }
+
+    /// The vertex `h` leaves.
+    #[inline]
+    pub(crate) fn from(&self, h: u32) -> u32 {
+        self.half_edges[self.half_edges[h as usize].twin as usize].to
+    }
+
+    /// One half-edge of the rim of `f`.
+    #[inline]
+    pub(crate) fn rim_start(&self, f: u32) -> u32 {
+        self.rim[f as usize]
+    }
+
+    /// The half-edges round `f`, counter-clockwise from outside.
+    pub(crate) fn rim(&self, f: u32) -> impl Iterator<Item = u32> + '_ {
+        let start = self.rim[f as usize];
+        let mut next = Some(start);
+        core::iter::from_fn(move || {
+            let h = next?;
+            let n = self.half_edges[h as usize].next;
+            next = (n != start).then_some(n);
+            Some(h)
+        })
+    }
+
+    /// The lower of `h` and its twin: the name of the edge.
+    #[inline]
+    pub(crate) fn edge(&self, h: u32) -> u32 {
+        h.min(self.half_edges[h as usize].twin)
+    }
+}
+
+/// Numbers the half-edges so that each fan is contiguous and counter-clockwise: the fan starts and the new number of
+/// each old half-edge. `None` where a vertex has no fan (unless it is the only one) or more than one.
+fn fans(vertices: usize, raw: &[[u32; 4]], order: &[u32], left: impl Fn(u32) -> u32) -> Option<(Vec<u32>, Vec<u32>)> {
+    let mut first = Vec::with_capacity(vertices + 1);
+    let mut number = vec![u32::MAX; raw.len()];
+    let (mut next, mut i) = (0u32, 0usize);
+    for v in 0..vertices as u32 {
+        first.push(next);
+        let from = i;
+        while i < order.len() && raw[order[i] as usize][0] == v {
+            i += 1;
+        }
+        if i == from {
+            if vertices == 1 {
+                break;
+            }
+            return None;
+        }
+        let start = order[from];
+        let mut h = start;
+        loop {
+            if number[h as usize] != u32::MAX {
+                return None;
+            }
+            number[h as usize] = next;
+            next += 1;
+            h = left(h);
+            if h == start {
+                break;
+            }
+        }
+        if (next - first[v as usize]) as usize != i - from {
+            return None;
+        }
+    }
+    first.push(next);
+    Some((first, number))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn tetrahedron() -> Vec<Vec<u32>> {
+        vec![vec![0, 1, 2], vec![0, 3, 1], vec![1, 3, 2], vec![2, 3, 0]]
+    }
+
+    #[test]
+    fn links_of_a_tetrahedron_agree_with_each_other() {
+        let t = Topology::from_loops(4, &tetrahedron()).unwrap();
+        assert_eq!((t.vertex_count(), t.half_edge_count(), t.face_count()), (4, 12, 4));
+        for v in 0..4 {
+            for h in t.fan(v) {
+                let e = t.half_edge(h);
+                assert_eq!(t.from(h), v);
+                assert_eq!(t.half_edge(e.twin).twin, h);
+                assert_eq!(t.from(e.next), e.to);
+                assert_eq!(t.half_edge(e.next).face, e.face);
+                // turning left about v crosses the face on the left
+                let fan = t.fan(v);
+                let left = if h + 1 == fan.end { fan.start } else { h + 1 };
+                assert_eq!(t.half_edge(t.half_edge(left).twin).face, e.face);
+            }
+        }
+        for f in 0..4 {
+            assert_eq!(t.rim(f).count(), 3);
+            assert!(t.rim(f).all(|h| t.half_edge(h).face == f));
+        }
+    }
+
+    #[test]
+    fn flat_bodies_have_a_topology() {
+        assert_eq!(Topology::from_loops(1, &[]).unwrap().half_edge_count(), 0);
+        let segment = Topology::from_loops(2, &[vec![0, 1]]).unwrap();
+        assert_eq!((segment.half_edge(0).twin, segment.half_edge(1).twin), (1, 0));
+        let polygon = Topology::from_loops(4, &[vec![0, 1, 2, 3], vec![3, 2, 1, 0]]).unwrap();
+        assert_eq!((polygon.face_count(), polygon.half_edge_count()), (2, 8));
+    }
+
+    #[test]
+    fn loops_that_are_no_closed_surface_are_refused() {
+        let open = &tetrahedron()[..3];
+        assert!(Topology::from_loops(4, open).is_none());
+        let mut twisted = tetrahedron();
+        twisted[3] = vec![0, 3, 2];
+        assert!(Topology::from_loops(4, &twisted).is_none());
+        assert!(Topology::from_loops(5, &tetrahedron()).is_none());
+        assert!(Topology::from_loops(3, &tetrahedron()).is_none());
+    }
+}
