@@ -1,0 +1,35 @@
+//! The arithmetic a solver is written over: plain or double-double.
+
+/// Square root, correctly rounded with and without std.
+#[inline]
+pub(crate) fn sqrt(x: f64) -> f64 {
+    #[cfg(feature = "std")]
+    return x.sqrt();
+    #[cfg(not(feature = "std"))]
+    return libm::sqrt(x);
+}
+
+/// What the fallback needs of a number: the same code runs in f64 and in double-double.
+pub(crate) trait Scalar:
+    Copy
+    + PartialOrd
+    + core::ops::Add<Output = Self>
+    + core::ops::Sub<Output = Self>
+    + core::ops::Mul<Output = Self>
+    + core::ops::Div<Output = Self>
+    + core::ops::Neg<Output = Self>
+    + From<f64>
+{
+    /// Bound of the relative rounding error of one operation.
+    const UNIT: f64;
+    /// The nearest f64.
+    fn value(self) -> f64;
+}
+
+impl Scalar for f64 {
+    const UNIT: f64 = crate::tolerance::UNIT;
+    #[inline]
+    fn value(self) -> f64 {
+        self
+    }
+}
