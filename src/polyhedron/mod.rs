@@ -1,7 +1,8 @@
 //! The immutable body: a convex polyhedron with its features, their neighbours and their planes.
 //!
-//! Reading order: [`feature`] (names), `topology` (who is beside whom, without coordinates), `build` and `hull` (points
-//! or faces to a body), `support` (extreme vertices), `bounds`, `mass`, [`solids`].
+//! Reading order: [`feature`] (names), `topology` (who is beside whom, without coordinates), `cloud`, `hull`, `facets`,
+//! `plane` and `build` (points to a body), `build_faces` (the caller's faces), `flat` (polygon, segment, point),
+//! `support` (extreme vertices), `access`, `query`, `mass`, [`solids`].
 //!
 //! # Stored coordinates
 //!
@@ -10,21 +11,30 @@
 //! given. The rest is what makes far-off and extreme bodies as accurate as any other: rounding is relative to the
 //! body's size, never to its place.
 
+mod access;
 mod build;
+mod cloud;
+mod error;
+mod facets;
 pub mod feature;
 mod hull;
+mod plane;
+mod report;
+mod sign;
 pub(crate) mod support;
 pub(crate) mod topology;
 
 use alloc::vec::Vec;
-use nalgebra::{Point3, Vector3};
+use nalgebra::Vector3;
 
-pub use build::{BuildError, BuildReport};
+pub use error::BuildError;
 pub use feature::{EdgeId, FaceId, Feature, FeaturePair, VertexId};
+pub use report::BuildReport;
 use support::CubeMap;
 use topology::Topology;
 
-/// The supporting plane of a face: `normal . x <= offset` for every vertex `x` of the body, rounding included.
+/// The supporting plane of a face: `normal . x <= offset` for every vertex `x` of the body, exactly, for the normal as
+/// stored. The offset exceeds the least such number by at most 4 UNIT times the radius.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Plane {
@@ -47,11 +57,16 @@ pub struct ConvexPolyhedron {
     pub(crate) lookup: CubeMap,
     /// The caller's index of each vertex.
     pub(crate) source: Vec<u32>,
+    /// The caller's face that holds each face; empty for bodies from points.
+    pub(crate) source_faces: Vec<u32>,
     /// The place of the stored origin in the caller's coordinates.
     pub(crate) origin: Vector3<f64>,
     /// Stored lengths times `2^exponent` are the caller's.
     pub(crate) exponent: i32,
     /// Largest distance of a vertex from the stored origin, rounded up, in stored units.
     pub(crate) radius: f64,
+    /// Corners of the bounding box, in stored coordinates.
+    pub(crate) low: Vector3<f64>,
+    pub(crate) high: Vector3<f64>,
     pub(crate) report: BuildReport,
 }

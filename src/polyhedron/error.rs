@@ -1,0 +1,146 @@
+//! Why a body was refused.
+
+use alloc::vec::Vec;
+
+/// Why points or faces make no body. Indices are the caller's, lengths in the caller's unit.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum BuildError {
+    /// A coordinate is infinite or not a number.
+    #[error("point {index} has a coordinate that is not finite")]
+    NotFinite {
+        /// The first such point.
+        index: usize,
+    },
+    /// Fewer points than the body needs.
+    #[error("{count} points are too few, {needed} are needed")]
+    TooFewPoints {
+        /// Points given.
+        count: usize,
+        /// Points needed.
+        needed: usize,
+    },
+    /// More points, faces or corners than 32-bit ids can name.
+    #[error("{count} points or corners of faces are more than ids can name")]
+    TooMany {
+        /// Points or corners given.
+        count: usize,
+    },
+    /// The longest side of the bounding box is below 1e-100 or above 1e100.
+    #[error("the extent {extent:e}, reached at point {index}, lies outside 1e-100..1e100")]
+    OutOfRange {
+        /// A point at an end of the longest side.
+        index: usize,
+        /// The longest side of the bounding box.
+        extent: f64,
+    },
+    /// All points are exactly coplanar (dimension 2), collinear (1) or equal (0).
+    #[error("the points are flat: they span only {dimension} dimensions (points {span:?})")]
+    Flat {
+        /// Dimension of the affine hull.
+        dimension: usize,
+        /// One point more than `dimension`, which span the affine hull.
+        span: Vec<usize>,
+    },
+    /// The corners of a polygon leave their plane by more than rounding explains.
+    #[error("point {index} lies {distance:e} off the plane of the polygon, more than {bound:e}")]
+    PolygonNotPlanar {
+        /// The point farthest off.
+        index: usize,
+        /// Its distance from the plane.
+        distance: f64,
+        /// What is accepted.
+        bound: f64,
+    },
+    /// A face names a point that does not exist.
+    #[error("face {face} names point {index}, which does not exist")]
+    IndexOutOfRange {
+        /// The face.
+        face: usize,
+        /// The index it names.
+        index: usize,
+    },
+    /// A face has fewer than three corners.
+    #[error("face {face} has fewer than three corners")]
+    FaceTooSmall {
+        /// The face.
+        face: usize,
+    },
+    /// A face passes twice through one point, or through two points at the same place.
+    #[error("face {face} passes twice through point {vertex}")]
+    RepeatedVertex {
+        /// The face.
+        face: usize,
+        /// The point.
+        vertex: usize,
+    },
+    /// All corners of a face are collinear.
+    #[error("the corners of face {face} are collinear")]
+    FaceWithoutArea {
+        /// The face.
+        face: usize,
+    },
+    /// A corner leaves the plane of its face by more than the bound.
+    #[error("point {vertex} lies {distance:e} off the plane of face {face}, more than {bound:e}")]
+    FaceNotPlanar {
+        /// The face.
+        face: usize,
+        /// Its corner farthest off.
+        vertex: usize,
+        /// The distance of that corner from the plane.
+        distance: f64,
+        /// What is accepted.
+        bound: f64,
+    },
+    /// An edge has a face on one side only.
+    #[error("the faces are not closed: the edge from point {} to point {} has one face", edge[0], edge[1])]
+    NotClosed {
+        /// The ends of the edge, in the direction of its one face.
+        edge: [usize; 2],
+    },
+    /// An edge belongs to more than two faces, or twice to the same side.
+    #[error("the edge from point {} to point {} is used too often", edge[0], edge[1])]
+    EdgeUsedTwice {
+        /// The ends of the edge.
+        edge: [usize; 2],
+    },
+    /// A face runs clockwise seen from outside.
+    #[error("face {face} is wrongly oriented: its normal points inward")]
+    WrongOrientation {
+        /// The face.
+        face: usize,
+    },
+    /// A point lies in front of a face.
+    #[error("not convex: point {vertex} lies {by:e} in front of face {face}")]
+    NotConvex {
+        /// The face.
+        face: usize,
+        /// The point that sticks out farthest.
+        vertex: usize,
+        /// By how much.
+        by: f64,
+    },
+    /// A planarity bound that is negative or not finite.
+    #[error("the planarity bound {value} is negative or not finite")]
+    BadBound {
+        /// The bound given.
+        value: f64,
+    },
+    /// A size or count of a solid that makes no body.
+    #[error("{value} is no {what} for this solid")]
+    BadSize {
+        /// Which parameter.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// Data of a stored body that do not describe one.
+    #[error("the stored body is damaged: {what}")]
+    Damaged {
+        /// What does not fit.
+        what: &'static str,
+    },
+    /// The surface found is not a polyhedron. Exact predicates exclude it, so to meet it is a defect of this crate.
+    #[error("the hull found is not a polyhedron; please report these points")]
+    Inconsistent,
+}

@@ -1,0 +1,189 @@
+//! Supporting planes of faces: a unit normal right to the last bit or so, and an offset that provably bounds the body.
+
+use alloc::vec::Vec;
+use nalgebra::Vector3;
+
+use super::Plane;
+use super::cloud::{exponent_of, power_of_two};
+use crate::double_double::{DoubleDouble, two_product, two_sum};
+use crate::scalar::Scalar;
+use crate::tolerance::{CROSS_CANCELLED, NORMAL_ERROR, UNIT_DOUBLE_DOUBLE};
+
+/// Three corners of a face far from collinear: all triples of an exactly planar face span the same plane.
+pub(crate) fn widest_corners(points: &[Vector3<f64>], rim: &[u32]) -> [u32; 3] {
+    let at = |v: u32| points[v as usize];
+    if let [a, b, c] = *rim {
+        return [a, b, c];
+    }
+    let a = rim[0];
+    let (b, _) = most(&rim[1..], |v| (at(v) - at(a)).norm_squared());
+    let chord = at(b) - at(a);
+    let (c, _) = most(&rim[1..], |v| chord.cross(&(at(v) - at(a))).norm_squared());
+    let place = |v: u32| rim.iter().position(|&r| r == v);
+    if place(b) < place(c) { [a, b, c] } else { [a, c, b] }
+}
+
+fn most(rim: &[u32], measure: impl Fn(u32) -> f64) -> (u32, f64) {
+    rim.iter().fold((rim[0], f64::NEG_INFINITY), |best, &v| {
+        let m = measure(v);
+        if m > best.1 { (v, m) } else { best }
+    })
+}
+
+/// The plane through three points of a body whose vertices lie within `radius` of the stored origin and exactly below
+/// the plane, and twice the area of the triangle.
+///
+/// For a vertex x and the true normal N, `N . (x - a) <= 0` exactly; the stored one differs by at most `NORMAL_ERROR`,
+/// so `n . x <= n . a + NORMAL_ERROR |x - a|`, and `|x - a| <= radius + |a|`. Nothing needs to be searched.
+pub(crate) fn plane(a: &Vector3<f64>, b: &Vector3<f64>, c: &Vector3<f64>, radius: f64) -> (Plane, f64) {
+    let (cross, exponent) = cross(a, b, c);
+    let squares = cross[0] * cross[0] + cross[1] * cross[1] + cross[2] * cross[2];
+    let length = squares.sqrt();
+    let area = length.value() * power_of_two(exponent);
+    if area == 0.0 {
+        return (
+            Plane {
+                normal: Vector3::zeros(),
+                offset: 0.0,
+            },
+            0.0,
+        );
+    }
+    let parallel_to_axis = cross.iter().filter(|x| x.value() != 0.0).count() == 1;
+    let normal = Vector3::from_fn(|k, _| {
+        let x = cross[k];
+        if parallel_to_axis {
+            x.value().signum() * (x.value() != 0.0) as u8 as f64
+        } else {
+            (x / length).value()
+        }
+    });
+    if parallel_to_axis {
+        return (
+            Plane {
+                normal,
+                offset: normal.dot(a),
+            },
+            area,
+        );
+    }
+    let reach = radius + a.norm();
+    let slack = reach * (NORMAL_ERROR * (1.0 + f64::EPSILON * 4.0) + 4.0 * UNIT_DOUBLE_DOUBLE);
+    let at = |k: usize| DoubleDouble::product(normal[k], a[k]);
+    let offset = at(0) + at(1) + at(2) + DoubleDouble::from(slack);
+    (
+        Plane {
+            normal,
+            offset: offset.value().next_up(),
+        },
+        area,
+    )
+}
+
+/// `(b - a) x (c - a)` times a power of two, in double-double, and the exponent that undoes the power.
+///
+/// Cut at the corner opposite the longest edge, which keeps the products small.
+fn cross(a: &Vector3<f64>, b: &Vector3<f64>, c: &Vector3<f64>) -> ([DoubleDouble; 3], i32) {
+    let (ab, bc, ca) = ((b - a).norm_squared(), (c - b).norm_squared(), (a - c).norm_squared());
+    let (a, b, c) = if ab >= bc && ab >= ca {
+        (c, a, b)
+    } else if ca >= bc {
+        (b, c, a)
+    } else {
+        (a, b, c)
+    };
+    let ((u, i), (v, j)) = (edge(a, b), edge(a, c));
+    let mut exponent = i + j;
+    let mut size = 0.0f64;
+    let mut cross = [DoubleDouble::default(); 3];
+    for k in 0..3 {
+        let (p, q) = (u[(k + 1) % 3] * v[(k + 2) % 3], u[(k + 2) % 3] * v[(k + 1) % 3]);
+        size = size.max(p.value().abs()).max(q.value().abs());
+        cross[k] = p - q;
+    }
+    let largest = |x: &[DoubleDouble; 3]| x.iter().fold(0.0f64, |m, x| m.max(x.value().abs()));
+    if largest(&cross) < CROSS_CANCELLED * size {
+        cross =
+            core::array::from_fn(|k| exact_difference(u[(k + 1) % 3], v[(k + 2) % 3], u[(k + 2) % 3], v[(k + 1) % 3]));
+    }
+    let most = largest(&cross);
+    if most > 0.0 {
+        let k = exponent_of(most);
+        let scale = power_of_two(-k);
+        cross = cross.map(|x| DoubleDouble {
+            hi: x.hi * scale,
+            lo: x.lo * scale,
+        });
+        exponent += k;
+    }
+    (cross, exponent)
+}
+
+/// `b - a` exactly, times the power of two that brings its largest coordinate into [1, 2).
+fn edge(a: &Vector3<f64>, b: &Vector3<f64>) -> ([DoubleDouble; 3], i32) {
+    let k = exponent_of((b - a).amax());
+    let scale = power_of_two(-k);
+    let part = |i: usize| {
+        let (hi, lo) = two_sum(b[i], -a[i]);
+        DoubleDouble {
+            hi: hi * scale,
+            lo: lo * scale,
+        }
+    };
+    ([part(0), part(1), part(2)], k)
+}
+
+/// `a b - c d` with one rounding to double-double: the sixteen parts of the products are summed as an expansion
+/// (Shewchuk 1997, grow-expansion with zero elimination).
+fn exact_difference(a: DoubleDouble, b: DoubleDouble, c: DoubleDouble, d: DoubleDouble) -> DoubleDouble {
+    let mut expansion: Vec<f64> = Vec::with_capacity(16);
+    for (x, y) in [(a, b), (-c, d)] {
+        for (x, y) in [(x.hi, y.hi), (x.hi, y.lo), (x.lo, y.hi), (x.lo, y.lo)] {
+            let (high, low) = two_product(x, y);
+            grow(&mut expansion, low);
+            grow(&mut expansion, high);
+        }
+    }
+    expansion
+        .iter()
+        .fold(DoubleDouble::default(), |sum, &part| sum + DoubleDouble::from(part))
+}
+
+/// Adds a number to an expansion whose parts rise in magnitude and do not overlap.
+fn grow(expansion: &mut Vec<f64>, term: f64) {
+    let mut carry = term;
+    for part in expansion.iter_mut() {
+        (carry, *part) = two_sum(carry, *part);
+    }
+    expansion.push(carry);
+    expansion.retain(|part| *part != 0.0);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cancelled_products_are_exact() {
+        let tiny = 2f64.powi(-60);
+        let a = DoubleDouble::sum(1.0, tiny);
+        let b = DoubleDouble::sum(1.0, -tiny);
+        // (1 + t)(1 - t) - 1 = -t^2
+        let x = exact_difference(a, b, DoubleDouble::from(1.0), DoubleDouble::from(1.0));
+        assert_eq!((x.hi, x.lo), (-tiny * tiny, 0.0));
+    }
+
+    #[test]
+    fn normals_of_slivers_are_right() {
+        let a = Vector3::new(0.0, 0.0, 0.0);
+        let b = Vector3::new(1.0, 1.0, 1.0);
+        let c = Vector3::new(1.0, 1.0 + f64::EPSILON, 1.0);
+        let (p, area) = plane(&a, &b, &c, 2.0);
+        let root = 0.5f64.sqrt();
+        assert!((p.normal - Vector3::new(-root, 0.0, root)).amax() < 2e-16, "{p:?}");
+        assert!((area / f64::EPSILON - 2f64.sqrt()).abs() < 1e-15);
+        assert!(p.offset > 0.0 && p.offset < 1e-15);
+        let (p, _) = plane(&a, &Vector3::new(0.0, 1.0, 0.0), &Vector3::new(1e-300, 0.0, 0.0), 2.0);
+        assert_eq!((p.normal, p.offset), (Vector3::new(0.0, 0.0, -1.0), 0.0));
+    }
+}
