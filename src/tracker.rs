@@ -1,12 +1,12 @@
 //! The state a user keeps per pair: where the last answer was found.
 
-use nalgebra::{Point3, Unit};
+use nalgebra::Unit;
 
 use crate::closest::outcome::{Class, Distance, Layer, Outcome, Proposal, Work};
-use crate::closest::placed::{Placed, power_of_two};
+use crate::closest::placed::Placed;
 use crate::closest::state::State;
 use crate::closest::{self, Answer, far};
-use crate::polyhedron::{ConvexPolyhedron, FeaturePair};
+use crate::polyhedron::{ConvexPolyhedron, FeaturePair, power_of_two};
 use crate::pose::RelativePose;
 
 /// The features of the last answer of one pair, from which the next walk starts, and counters.
@@ -300,8 +300,8 @@ fn outcome(a: &ConvexPolyhedron, b: &ConvexPolyhedron, x: &Answer) -> Outcome {
         lower: x.lower * unit,
         upper: x.upper * unit,
         features: x.state.features(),
-        point_on_a: Point3::from(a.given(&x.point_a)),
-        point_on_b: Point3::from(b.given(&x.point_b)),
+        point_on_a: a.given(&x.point_a),
+        point_on_b: b.given(&x.point_b),
         normal: Unit::new_normalize(x.normal),
         layer: x.layer,
         work: x.work,

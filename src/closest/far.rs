@@ -3,7 +3,7 @@
 //! The radii are below the rounding of the separation (or zero), so the vertices that face each other are the closest
 //! features within every bound asked for, and lengths are scaled before they are squared.
 
-use nalgebra::{Point3, Unit, Vector3};
+use nalgebra::{Unit, Vector3};
 
 use super::outcome::{Class, Layer, Outcome, Work};
 use super::state::State;
@@ -22,7 +22,7 @@ pub(crate) fn answer(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &Relative
     let between = pose.rotation * point_on_b.coords + pose.translation - point_on_a.coords;
     let largest = between.amax();
     let distance = if largest > 0.0 { largest * (between / largest).norm() } else { 0.0 };
-    let radii = a.given_radius() + b.given_radius();
+    let radii = a.radius * a.unit() + b.radius * b.unit();
     let slack = CERTIFICATE * UNIT * (distance + radii) + 2.0 * radii;
     let lower = (distance - slack).max(0.0);
     let class = if lower > 0.0 { Class::Separated } else { Class::Touching };
@@ -32,8 +32,8 @@ pub(crate) fn answer(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &Relative
         lower,
         upper: distance + slack,
         features: State::VertexVertex { a: va, b: vb }.features(),
-        point_on_a: Point3::from(point_on_a),
-        point_on_b: Point3::from(point_on_b),
+        point_on_a: point_on_a,
+        point_on_b: point_on_b,
         normal: Unit::new_unchecked(n),
         layer: Layer::Far,
         work: Work::default(),

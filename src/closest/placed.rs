@@ -3,7 +3,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use crate::double_double::DoubleDouble;
-use crate::polyhedron::ConvexPolyhedron;
+use crate::polyhedron::{ConvexPolyhedron, power_of_two};
 use crate::pose::RelativePose;
 use crate::scalar::{Scalar, sqrt};
 use crate::tolerance::{FAR, NEAR};
@@ -201,9 +201,4 @@ fn apply<T: Scalar>(m: &[[T; 3]; 3], v: &[T; 3]) -> [T; 3] {
 
 fn transposed<T: Copy>(m: &[[T; 3]; 3]) -> [[T; 3]; 3] {
     core::array::from_fn(|r| core::array::from_fn(|c| m[c][r]))
-}
-
-/// `2^e` for the exponents of bodies.
-pub(crate) fn power_of_two(e: i32) -> f64 {
-    f64::from_bits(((1023 + i64::from(e.clamp(-1022, 1023))) as u64) << 52)
 }

@@ -165,6 +165,12 @@ impl ConvexPolyhedron {
         }
     }
 
+    /// Middle of the bounding box, in stored coordinates.
+    #[inline]
+    pub(crate) fn center(&self) -> Vector3<f64> {
+        (self.low + self.high) * 0.5
+    }
+
     /// Whether stored coordinates are the caller's.
     #[inline]
     pub(crate) fn is_as_given(&self) -> bool {
