@@ -110,3 +110,7 @@ pub const PLANARITY: f64 = 64.0 * UNIT;
 /// arithmetic: `n . p` errs by 4 UNIT radius at most, the tilt of the stored normal and the rounding up of the offset
 /// each by less than 4.
 pub(crate) const NEAR_PLANE: f64 = 16.0 * UNIT;
+
+/// The filter of the exact rung: vertices within this times `|n|_1 r` of the highest in f64 are placed exactly. The
+/// direction is turned by a matrix of error 40 UNIT (see [`CERTIFICATE`]) and rounded twice; heights add 3 UNIT each.
+pub const EXACT_FILTER: f64 = 128.0 * UNIT;

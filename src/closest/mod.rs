@@ -11,10 +11,12 @@
 //! difference around the origin. Bounds that straddle zero send the pair to the next finer arithmetic.
 
 mod edge_edge;
+#[cfg(feature = "exact")]
+pub(crate) mod exact;
 pub(crate) mod fallback;
 mod fan;
 pub(crate) mod far;
-pub mod outcome;
+pub(crate) mod outcome;
 pub(crate) mod placed;
 mod refine;
 pub(crate) mod seed;

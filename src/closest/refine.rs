@@ -12,7 +12,7 @@ use crate::double_double::DoubleDouble;
 use crate::polyhedron::ConvexPolyhedron;
 use crate::pose::Which;
 use crate::scalar::Scalar;
-use crate::tolerance::{AGREE, CERTIFICATE, UNIT, UNIT_DOUBLE_DOUBLE};
+use crate::tolerance::{AGREE, CERTIFICATE, UNIT};
 
 /// Restart, fallback, double-double, exact: the first that proves its answer.
 #[cold]
@@ -122,7 +122,7 @@ fn zero(state: State) -> Answer {
 }
 
 /// Out of the range of the finer arithmetic: what any two vertices prove.
-fn undecided(placed: &Placed, state: State, work: &Work) -> Answer {
+pub(super) fn undecided(placed: &Placed, state: State, work: &Work) -> Answer {
     let (a, b) = state.vertices_of(placed.a, placed.b);
     let (point_a, point_b) = (placed.a.points[a as usize], placed.b.points[b as usize]);
     let normal = placed.a_from_b.point(&point_b) - point_a;
@@ -131,7 +131,7 @@ fn undecided(placed: &Placed, state: State, work: &Work) -> Answer {
 }
 
 /// `x + by`, rounded away from `x` by the last place, in f64.
-pub(super) fn outward<T: Scalar>(x: T, by: f64) -> f64 {
+fn outward<T: Scalar>(x: T, by: f64) -> f64 {
     let sum = (x + T::from(by)).value();
     if by < 0.0 { sum.next_down() } else { sum.next_up() }
 }
@@ -158,13 +158,17 @@ fn witnesses<T: Scalar>(placed: &Placed, simplex: &Simplex<T>) -> (Vector3<f64>,
 }
 
 /// The smallest features that hold the corners' vertices.
-pub(super) fn features<T: Scalar>(placed: &Placed, simplex: &Simplex<T>) -> State {
+fn features<T: Scalar>(placed: &Placed, simplex: &Simplex<T>) -> State {
     let (mut a, mut b) = ([0; 4], [0; 4]);
     for (k, c) in simplex.kept().iter().enumerate() {
         (a[k], b[k]) = (c.a, c.b);
     }
-    let n = simplex.len;
-    let (fa, fb) = (placed.a.feature_of(&a[..n]), placed.b.feature_of(&b[..n]));
+    state_of(placed, &a[..simplex.len], &b[..simplex.len])
+}
+
+/// The smallest features that hold one to four vertices of each body.
+pub(super) fn state_of(placed: &Placed, a: &[u32], b: &[u32]) -> State {
+    let (fa, fb) = (placed.a.feature_of(a), placed.b.feature_of(b));
     use Hull::{Edge, Face, Vertex};
     match (fa, fb) {
         (Vertex(a), Vertex(b)) => State::VertexVertex { a, b },
@@ -204,9 +208,4 @@ impl ConvexPolyhedron {
             None => Hull::Vertex(v),
         }
     }
-}
-
-/// Bound of the error term of the double-double layer, for the callers that compare with it.
-pub(crate) fn finest(size: f64) -> f64 {
-    CERTIFICATE * UNIT_DOUBLE_DOUBLE * size
 }
