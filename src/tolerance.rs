@@ -46,3 +46,7 @@ pub const PLANARITY: f64 = 64.0 * UNIT;
 /// arithmetic: `n . p` errs by 4 UNIT radius at most, the tilt of the stored normal and the rounding up of the offset
 /// each by less than 4.
 pub(crate) const NEAR_PLANE: f64 = 16.0 * UNIT;
+
+/// From beyond `2^60` radii a body's closest point depends on the direction only, to `2^-60` of its size: below
+/// rounding.
+pub(crate) const FAR_POINT: f64 = (1u64 << 60) as f64;

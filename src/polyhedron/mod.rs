@@ -13,12 +13,15 @@
 
 mod access;
 mod build;
+mod build_faces;
 mod cloud;
 mod error;
 mod facets;
 pub mod feature;
+mod flat;
 mod hull;
 mod plane;
+mod query;
 mod report;
 mod sign;
 pub(crate) mod support;
