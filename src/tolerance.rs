@@ -114,3 +114,6 @@ pub(crate) const NEAR_PLANE: f64 = 16.0 * UNIT;
 /// The filter of the exact rung: vertices within this times `|n|_1 r` of the highest in f64 are placed exactly. The
 /// direction is turned by a matrix of error 40 UNIT (see [`CERTIFICATE`]) and rounded twice; heights add 3 UNIT each.
 pub const EXACT_FILTER: f64 = 128.0 * UNIT;
+/// From beyond `2^60` radii a body's closest point depends on the direction only, to `2^-60` of its size: below
+/// rounding.
+pub(crate) const FAR_POINT: f64 = (1u64 << 60) as f64;

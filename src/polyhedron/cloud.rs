@@ -113,9 +113,9 @@ fn placement(given: &[Point3<f64>], indices: &[u32]) -> Result<(Vector3<f64>, i3
             extent,
         });
     }
+    // Half the diagonal, not the farthest point: it depends on extreme points only, without rounding in between.
     let middle = low * 0.5 + high * 0.5;
-    let radius = all().fold(0.0f64, |r, p| r.max((p - middle).norm_squared()));
-    let radius = sqrt(radius);
+    let radius = sqrt((sides * 0.5).norm_squared());
     // The shift is exact by Sterbenz' lemma; the check costs nothing and covers the rounding of `middle`.
     let origin = Vector3::from_fn(|k, _| {
         let shifts = middle[k].abs() > 2.0 * radius && all().all(|p| two_sum(p[k], -middle[k]).1 == 0.0);

@@ -2,7 +2,7 @@
 //!
 //! Reading order: [`feature`] (names), `topology` (who is beside whom, without coordinates), `cloud`, `hull`, `facets`,
 //! `plane` and `build` (points to a body), `build_faces` (the caller's faces), `flat` (polygon, segment, point),
-//! `support` (extreme vertices), `access`, `query`, `mass`, [`solids`].
+//! `support` (extreme vertices), `access`, `query`, `mass`, `persist`, [`solids`].
 //!
 //! # Stored coordinates
 //!
@@ -13,14 +13,21 @@
 
 mod access;
 mod build;
+mod build_faces;
 mod cloud;
 mod error;
 mod facets;
 pub mod feature;
+mod flat;
 mod hull;
+mod mass;
+#[cfg(feature = "serde")]
+mod persist;
 mod plane;
+mod query;
 mod report;
 mod sign;
+pub mod solids;
 pub(crate) mod support;
 pub(crate) mod topology;
 

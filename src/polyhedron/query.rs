@@ -1,0 +1,166 @@
+//! Questions to one body: extreme vertex, containment, closest point.
+
+use nalgebra::{Point3, Vector3};
+
+use super::sign::{projection, turn};
+use super::{ConvexPolyhedron, VertexId};
+use crate::scalar::sqrt;
+use crate::tolerance::{FAR_POINT, NEAR_PLANE};
+
+impl ConvexPolyhedron {
+    /// A vertex farthest along a direction of any length; among equals the lowest. Vertex 0 for a direction that is
+    /// zero or not finite.
+    #[doc(alias = "support")]
+    pub fn extreme_vertex(&self, direction: &Vector3<f64>) -> VertexId {
+        let size = direction.amax();
+        if !(size > 0.0 && size.is_finite()) {
+            return VertexId(0);
+        }
+        let direction = direction / size;
+        let mut best = (0, f64::NEG_INFINITY);
+        for (v, p) in self.points.iter().enumerate() {
+            let along = direction.dot(p);
+            if along > best.1 {
+                best = (v as u32, along);
+            }
+        }
+        VertexId(best.0)
+    }
+
+    /// Whether the closed body holds a point: points on the surface belong to it. The answer is exact for the body as
+    /// stored (coordinates of the point below 2^-250 of the body's radius count as zero, as those of the vertices do).
+    /// `false` for a point that is not finite.
+    pub fn contains(&self, point: &Point3<f64>) -> bool {
+        let (low, high) = self.aabb();
+        if !(0..3).all(|k| low[k] <= point[k] && point[k] <= high[k]) {
+            return false; // also where a coordinate is not a number
+        }
+        // Within the box of a shifted body the shift is exact (Sterbenz), as it was for the vertices.
+        let p = (point.coords - self.origin) / self.unit();
+        match self.topology.face_count() {
+            0 => true,
+            1 => projection(&self.points[0], &self.points[1], &p).is_none(),
+            2 => self.polygon_contains(&p),
+            _ => {
+                // Stored planes decide what is clear, exact signs the rest.
+                let clear = NEAR_PLANE * (self.radius + p.norm());
+                self.planes.iter().zip(0u32..).all(|(plane, f)| {
+                    let height = plane.normal.dot(&p) - plane.offset;
+                    height < -clear || height <= clear && self.face_side(f, &p) <= 0.0
+                })
+            }
+        }
+    }
+
+    /// Whether an exactly flat polygon holds a point.
+    fn polygon_contains(&self, p: &Vector3<f64>) -> bool {
+        let at = |h: u32| &self.points[self.topology.from(h) as usize];
+        let start = self.topology.rim_start(0);
+        let second = self.topology.half_edge(start).next;
+        let third = self.topology.half_edge(second).next;
+        let corners = [at(start), at(second), at(third)];
+        let Some(axis) = projection(corners[0], corners[1], corners[2]) else { return false };
+        let forward = turn(axis, corners[0], corners[1], corners[2]) > 0.0;
+        self.face_side(0, p) == 0.0
+            && self.topology.rim(0).all(|h| {
+                let t = turn(axis, at(h), at(self.topology.half_edge(h).next), p);
+                if forward { t >= 0.0 } else { t <= 0.0 }
+            })
+    }
+
+    /// The point of the closed body closest to a point: the point itself if the body holds it. `None` for a point that
+    /// is not finite.
+    ///
+    /// Looks at every face and edge, so time is linear in the size of the body.
+    pub fn closest_point(&self, point: &Point3<f64>) -> Option<Point3<f64>> {
+        if !point.iter().all(|x| x.is_finite()) {
+            return None;
+        }
+        if self.contains(point) {
+            return Some(*point);
+        }
+        let p = self.nearby(point);
+        let mut best = (f64::INFINITY, self.points[0]);
+        let mut propose = |candidate: Vector3<f64>| {
+            let distance = (p - candidate).norm_squared();
+            if distance < best.0 {
+                best = (distance, candidate);
+            }
+        };
+        self.points.iter().for_each(|v| propose(*v));
+        for e in self.edges() {
+            let (a, b) = (self.points[self.topology.from(e.0) as usize], self.points[self.topology.half_edge(e.0).to as usize]);
+            propose(on_segment(&a, &b, &p));
+        }
+        for f in self.faces() {
+            if let Some(foot) = self.foot_on_face(f.0, &p) {
+                propose(foot);
+            }
+        }
+        Some(self.given(&best.1))
+    }
+
+    /// The point in stored coordinates; one beyond 2^60 radii is drawn in along its ray, where it sees the same.
+    fn nearby(&self, point: &Point3<f64>) -> Vector3<f64> {
+        let far = FAR_POINT * self.radius.max(f64::MIN_POSITIVE);
+        // Halves keep the difference finite.
+        let half = point.coords * 0.5 - self.origin * 0.5;
+        let size = half.amax() / self.unit();
+        if size < far {
+            return (point.coords - self.origin) / self.unit();
+        }
+        half / half.amax() * far
+    }
+
+    /// The foot of the perpendicular from `p`, in front of a face, where it falls within the rim.
+    fn foot_on_face(&self, f: u32, p: &Vector3<f64>) -> Option<Vector3<f64>> {
+        let n = self.planes[f as usize].normal;
+        let a = self.points[self.topology.from(self.topology.rim_start(f)) as usize];
+        let height = n.dot(&(p - a));
+        let inside = self.topology.rim(f).all(|h| {
+            let e = self.topology.half_edge(h);
+            let from = self.points[self.topology.from(h) as usize];
+            (self.points[e.to as usize] - from).cross(&(p - from)).dot(&n) >= 0.0
+        });
+        (height > 0.0 && inside).then(|| p - n * height)
+    }
+
+    /// A vertex farthest along `direction` but for rounding, by climbing from `start`: a linear function has no other
+    /// local maximum on a convex body.
+    pub(crate) fn climb(&self, direction: &Vector3<f64>, start: u32) -> u32 {
+        let mut v = start;
+        for _ in 0..self.points.len() {
+            let here = self.points[v as usize];
+            let mut best = (v, 0.0);
+            for e in self.topology.fan_edges(v) {
+                let up = direction.dot(&(self.points[e.to as usize] - here));
+                if up > best.1 {
+                    best = (e.to, up);
+                }
+            }
+            if best.0 == v {
+                break;
+            }
+            v = best.0;
+        }
+        v
+    }
+}
+
+fn on_segment(a: &Vector3<f64>, b: &Vector3<f64>, p: &Vector3<f64>) -> Vector3<f64> {
+    let (edge, to) = (b - a, p - a);
+    let scale = edge.amax();
+    if scale == 0.0 {
+        return *a;
+    }
+    let unit = edge / scale;
+    let direction = unit / sqrt(unit.norm_squared());
+    let t = direction.dot(&to) / direction.dot(&edge);
+    if t <= 0.0 {
+        *a
+    } else if t >= 1.0 {
+        *b
+    } else {
+        a + edge * t
+    }
+}
