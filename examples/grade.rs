@@ -169,7 +169,7 @@ fn run(o: &Options) -> Result<(), Box<dyn std::error::Error>> {
     writeln!(part, "# engine lin-canny {level}\n# signed no\n# witness local\n# normal yes\n# distance yes")?;
     let mut bodies: HashMap<usize, Option<ConvexPolyhedron>> = HashMap::new();
     let (mut tracker, mut sequence, mut layers, mut seen) = (Tracker::new(), None, Layers::default(), 0);
-    for line in Reader::open(o.file.as_ref())? {
+    for line in Reader::open(&o.file)? {
         match line? {
             Line::Header(_) => {}
             Line::Shape(s) => {

@@ -70,10 +70,20 @@ impl core::ops::AddAssign for Totals {
     }
 }
 
-/// A question in terms of the bodies whose units it is computed in.
+/// An answer in stored units, or one that needs none.
 enum Solved {
     Answer(Answer),
     Outcome(Outcome),
+}
+
+impl Solved {
+    #[inline]
+    fn outcome(self, a: &ConvexPolyhedron, b: &ConvexPolyhedron) -> Outcome {
+        match self {
+            Solved::Answer(answer) => outcome(a, b, &answer),
+            Solved::Outcome(outcome) => outcome,
+        }
+    }
 }
 
 impl Tracker {
@@ -106,15 +116,19 @@ impl Tracker {
     /// wider than `1e-13 L`, with `L` the sum of both radii and the distance of the bodies. Allocates nothing as long
     /// as the exact rung is not needed.
     pub fn closest(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Outcome {
-        match self.solve(a, b, a_from_b) {
-            Solved::Answer(answer) => outcome(a, b, &answer),
-            Solved::Outcome(outcome) => outcome,
-        }
+        self.solve(a, b, a_from_b, closest::certified).outcome(a, b)
+    }
+
+    /// As [`closest`](Self::closest), with the distance of separated bodies within one unit in the last place of the
+    /// truth. Costs microseconds: every answer is taken again in double-double arithmetic, some in exact integers.
+    #[cfg(feature = "exact")]
+    pub fn closest_exact(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Outcome {
+        self.solve(a, b, a_from_b, closest::exactly).outcome(a, b)
     }
 
     /// The distance and its bounds without the witnesses.
     pub fn distance(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Distance {
-        match self.solve(a, b, a_from_b) {
+        match self.solve(a, b, a_from_b, closest::certified) {
             Solved::Answer(x) => {
                 let unit = power_of_two(a.exponent.max(b.exponent));
                 Distance { class: x.class, value: x.distance * unit, lower: x.lower * unit, upper: x.upper * unit }
@@ -139,7 +153,7 @@ impl Tracker {
         if !(d >= 0.0) || clear_of(a, b, a_from_b, d) {
             return false;
         }
-        let (lower, upper, class) = match self.solve(a, b, a_from_b) {
+        let (lower, upper, class) = match self.solve(a, b, a_from_b, closest::certified) {
             Solved::Answer(x) => {
                 let unit = power_of_two(a.exponent.max(b.exponent));
                 (x.lower * unit, x.upper * unit, x.class)
@@ -158,27 +172,7 @@ impl Tracker {
     /// The closest features as the walk proposes them, without bounds. Where the walk does not end, the minimum-norm
     /// solver in f64 stands in.
     pub fn propose(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Proposal {
-        let swap = b.exponent > a.exponent;
-        let (first, second, pose) = ordered(a, b, a_from_b, swap);
-        let answer = match Placed::new(first, second, &pose) {
-            Ok(placed) => closest::proposed(&placed, self.start(first, second, swap)),
-            Err(_) => {
-                let o = far::answer(a, b, a_from_b);
-                self.count(None, o.layer, &o.work);
-                return Proposal {
-                    distance: Some(o.distance),
-                    features: o.features,
-                    point_on_a: o.point_on_a,
-                    point_on_b: o.point_on_b,
-                    normal: o.normal,
-                    layer: o.layer,
-                    work: o.work,
-                };
-            }
-        };
-        let answer = if swap { answer.swapped(&pose) } else { answer };
-        self.count(Some(answer.state), answer.layer, &answer.work);
-        let o = outcome(a, b, &answer);
+        let o = self.solve(a, b, a_from_b, closest::proposed).outcome(a, b);
         Proposal {
             distance: (o.class != Class::Overlapping).then_some(o.distance),
             features: o.features,
@@ -190,34 +184,38 @@ impl Tracker {
         }
     }
 
+    /// Asks one of the solvers, in the units of the larger body.
     #[inline]
-    fn solve(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Solved {
-        let swap = b.exponent > a.exponent;
-        if swap {
-            return self.solve_swapped(a, b, a_from_b);
+    fn solve(
+        &mut self,
+        a: &ConvexPolyhedron,
+        b: &ConvexPolyhedron,
+        a_from_b: &RelativePose,
+        solver: impl Fn(&Placed, Option<State>) -> Answer,
+    ) -> Solved {
+        if b.exponent > a.exponent {
+            let b_from_a = a_from_b.swapped();
+            return match Placed::new(b, a, &b_from_a) {
+                Ok(placed) => {
+                    let answer = solver(&placed, self.start(b, a, true)).swapped(&b_from_a);
+                    self.counted(answer)
+                }
+                Err(_) => self.solve_far(a, b, a_from_b),
+            };
         }
         match Placed::new(a, b, a_from_b) {
             Ok(placed) => {
-                let answer = closest::certified(&placed, self.start(a, b, false));
-                self.count(Some(answer.state), answer.layer, &answer.work);
-                Solved::Answer(answer)
+                let answer = solver(&placed, self.start(a, b, false));
+                self.counted(answer)
             }
             Err(_) => self.solve_far(a, b, a_from_b),
         }
     }
 
-    /// In the units of B, which are the larger.
-    #[cold]
-    fn solve_swapped(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Solved {
-        let b_from_a = a_from_b.swapped();
-        match Placed::new(b, a, &b_from_a) {
-            Ok(placed) => {
-                let answer = closest::certified(&placed, self.start(b, a, true)).swapped(&b_from_a);
-                self.count(Some(answer.state), answer.layer, &answer.work);
-                Solved::Answer(answer)
-            }
-            Err(_) => self.solve_far(a, b, a_from_b),
-        }
+    #[inline]
+    fn counted(&mut self, answer: Answer) -> Solved {
+        self.count(Some(answer.state), answer.layer, &answer.work);
+        Solved::Answer(answer)
     }
 
     #[cold]
@@ -254,16 +252,6 @@ impl Tracker {
     fn decide_within(&self, _: &ConvexPolyhedron, _: &ConvexPolyhedron, _: &RelativePose, _: f64) -> bool {
         true
     }
-}
-
-/// The pair in the order of its units.
-fn ordered<'a>(
-    a: &'a ConvexPolyhedron,
-    b: &'a ConvexPolyhedron,
-    pose: &RelativePose,
-    swap: bool,
-) -> (&'a ConvexPolyhedron, &'a ConvexPolyhedron, RelativePose) {
-    if swap { (b, a, pose.swapped()) } else { (a, b, *pose) }
 }
 
 /// Whether the bounding balls alone prove the bodies more than `d` apart.

@@ -107,6 +107,12 @@ pub(crate) fn certified(placed: &Placed, start: Option<State>) -> Answer {
     }
 }
 
+/// The certified answer, sharpened to one unit in the last place where the bodies are apart, and with an exact class.
+#[cfg(feature = "exact")]
+pub(crate) fn exactly(placed: &Placed, start: Option<State>) -> Answer {
+    refine::sharpen(placed, certified(placed, start))
+}
+
 /// The walk's word for it, or the f64 solver's where the walk does not end.
 pub(crate) fn proposed(placed: &Placed, start: Option<State>) -> Answer {
     let mut work = Work::default();

@@ -62,6 +62,32 @@ pub(crate) fn doubled(placed: &Placed, state: State, work: &mut Work) -> Answer 
     }
 }
 
+/// The distance of a separated pair within one unit in the last place: by the double-double layer where its bounds
+/// are that close, else by the exact rung.
+#[cfg(feature = "exact")]
+pub(crate) fn sharpen(placed: &Placed, certified: Answer) -> Answer {
+    if certified.class != Class::Separated || certified.layer == Layer::Exact {
+        return certified;
+    }
+    let mut work = certified.work;
+    work.double_doubles += 1;
+    if let Some(frame) = Frame::<DoubleDouble>::new(placed.a, placed.b, placed.pose) {
+        let minimum = solve(placed, &frame, certified.state);
+        if let Minimum::Outside { simplex, lower } = &minimum {
+            let distance = root(simplex.squared);
+            let gap = (distance - *lower).value().abs() + 2.0 * CERTIFICATE * DoubleDouble::UNIT * placed.size();
+            let d = distance.value();
+            // Rounding takes half a unit; what is left open must not take the other half.
+            if gap <= 0.25 * (d - d.next_down()) {
+                let fine = answer(placed, &minimum, Layer::DoubleDouble, &work);
+                return Answer { distance: d, lower: d.next_down(), upper: d.next_up(), ..fine };
+            }
+        }
+    }
+    work.exacts += 1;
+    super::exact::answer(placed, certified.state, &work)
+}
+
 impl Answer {
     /// Whether class and distance are settled: apart or overlapping with proof, bounds no wider than they should be.
     fn is_proven(&self, size: f64) -> bool {

@@ -124,27 +124,6 @@ impl ConvexPolyhedron {
         });
         (height > 0.0 && inside).then(|| p - n * height)
     }
-
-    /// A vertex farthest along `direction` but for rounding, by climbing from `start`: a linear function has no other
-    /// local maximum on a convex body.
-    pub(crate) fn climb(&self, direction: &Vector3<f64>, start: u32) -> u32 {
-        let mut v = start;
-        for _ in 0..self.points.len() {
-            let here = self.points[v as usize];
-            let mut best = (v, 0.0);
-            for e in self.topology.fan_edges(v) {
-                let up = direction.dot(&(self.points[e.to as usize] - here));
-                if up > best.1 {
-                    best = (e.to, up);
-                }
-            }
-            if best.0 == v {
-                break;
-            }
-            v = best.0;
-        }
-        v
-    }
 }
 
 fn on_segment(a: &Vector3<f64>, b: &Vector3<f64>, p: &Vector3<f64>) -> Vector3<f64> {
