@@ -4,7 +4,7 @@
 //! With `n = u x w` for the edge vectors `u` of A and `w` of B, the feet come from cross products over `n . n`, never
 //! from `1 - cos^2`, which is where every wrong answer of the closed form was seen to end. By the Binet-Cauchy identity
 //! the four plane tests are four products: `n` turned towards B is `alpha nL + beta nR` on A with
-//! `alpha = -sign w . nR` and `beta = sign w . nL`, and its opposite is the same on B with `u` for `w`.
+//! `alpha = -sign w . nR` and `beta = sign w . nL`, and its opposite the same on B with `u` for `w`.
 
 use nalgebra::Vector3;
 
@@ -73,7 +73,7 @@ pub(crate) fn look<const CERTIFY: bool>(placed: &Placed, a: u32, b: u32) -> Step
     let sign = if across < 0.0 { -1.0 } else { 1.0 };
     let (alpha_a, beta_a) = ea.weights(&w, sign);
     let u_in_b = placed.b_from_a.vector(&u);
-    let (alpha_b, beta_b) = eb.weights(&u_in_b, -sign);
+    let (alpha_b, beta_b) = eb.weights(&u_in_b, sign);
     // F(left) or F(right) of A under the edge of B, and the reverse.
     let (least_a, least_b) = (alpha_a.min(beta_a), alpha_b.min(beta_b));
     let out_a = least_a < -DIRECTION * w.abs().sum();

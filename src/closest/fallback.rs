@@ -25,9 +25,9 @@ const SUPPORTS: u32 = 64;
 /// Where a solve ended.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Minimum<T> {
-    /// The origin is outside, or on the surface up to rounding: `lower` bounds `direction . w / |direction|` over the
-    /// whole difference from below (its error term still to be taken off).
-    Outside { simplex: Simplex<T>, lower: T },
+    /// The origin is outside, or on the surface up to rounding: `direction . w / |direction|` is at least `lower` over
+    /// the whole difference (its error term still to be taken off).
+    Outside { simplex: Simplex<T>, lower: T, direction: Vec3<T> },
     /// The tetrahedron holds the origin, proven.
     Inside { simplex: Simplex<T> },
 }
@@ -42,7 +42,7 @@ pub(crate) fn solve<T: Scalar>(placed: &Placed, frame: &Frame<T>, from: State) -
 pub(crate) fn solve_from<T: Scalar>(placed: &Placed, frame: &Frame<T>, a: u32, b: u32) -> Minimum<T> {
     let size = placed.size();
     let mut simplex = Simplex::vertex(corner(placed, frame, a, b));
-    let mut lower = T::from(f64::NEG_INFINITY);
+    let (mut lower, mut direction) = (T::from(f64::NEG_INFINITY), simplex.direction);
     for _ in 0..SUPPORTS {
         let d = simplex.direction;
         let norm_squared = dot(&d, &d);
@@ -56,7 +56,7 @@ pub(crate) fn solve_from<T: Scalar>(placed: &Placed, frame: &Frame<T>, a: u32, b
         let c = corner(placed, frame, a, b);
         let reach = dot(&d, &c.w) / root(norm_squared);
         if reach > lower {
-            lower = reach;
+            (lower, direction) = (reach, d);
         }
         if simplex.holds(a, b) {
             break;
@@ -69,12 +69,8 @@ pub(crate) fn solve_from<T: Scalar>(placed: &Placed, frame: &Frame<T>, a: u32, b
             break;
         }
         simplex = next;
-        // A bound from an earlier direction holds all the same, but it is the last one that closes the gap.
-        if lower > T::from(0.0) && simplex.squared < lower * lower {
-            break;
-        }
     }
-    Minimum::Outside { simplex, lower }
+    Minimum::Outside { simplex, lower, direction }
 }
 
 /// Square root to the precision of f64 and, in double-double, one Newton step further.

@@ -73,7 +73,7 @@ pub(crate) fn sharpen(placed: &Placed, certified: Answer) -> Answer {
     work.double_doubles += 1;
     if let Some(frame) = Frame::<DoubleDouble>::new(placed.a, placed.b, placed.pose) {
         let minimum = solve(placed, &frame, certified.state);
-        if let Minimum::Outside { simplex, lower } = &minimum {
+        if let Minimum::Outside { simplex, lower, .. } = &minimum {
             let distance = root(simplex.squared);
             let gap = (distance - *lower).value().abs() + 2.0 * CERTIFICATE * DoubleDouble::UNIT * placed.size();
             let d = distance.value();
@@ -115,13 +115,12 @@ fn answer<T: Scalar>(placed: &Placed, minimum: &Minimum<T>, layer: Layer, work: 
             let blank = Answer { class: Class::Overlapping, distance: 0.0, lower: f64::NEG_INFINITY, ..zero(state) };
             Answer { upper: 0.0, point_a, point_b, layer, work: *work, ..blank }
         }
-        Minimum::Outside { simplex, lower } => {
+        Minimum::Outside { simplex, lower, direction: d } => {
             let distance = root(simplex.squared);
             let lower = outward(*lower, -term);
             let upper = outward(distance, term);
             let class = if lower > 0.0 { Class::Separated } else { Class::Undecided };
             let (point_a, point_b) = witnesses(placed, simplex);
-            let d = simplex.direction;
             let normal = Vector3::new(-d[0].value(), -d[1].value(), -d[2].value());
             let normal = if normal.norm_squared() > 0.0 { normal } else { Vector3::x() };
             let distance = distance.value().clamp(lower.max(0.0), upper.max(0.0));
