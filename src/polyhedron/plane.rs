@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 use super::Plane;
 use super::cloud::{exponent_of, power_of_two};
 use crate::double_double::{DoubleDouble, two_product, two_sum};
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, sqrt};
 use crate::tolerance::{CROSS_CANCELLED, NORMAL_ERROR, UNIT_DOUBLE_DOUBLE};
 
 /// Three corners of a face far from collinear: all triples of an exactly planar face span the same plane.
@@ -38,8 +38,7 @@ fn most(rim: &[u32], measure: impl Fn(u32) -> f64) -> (u32, f64) {
 pub(crate) fn plane(a: &Vector3<f64>, b: &Vector3<f64>, c: &Vector3<f64>, radius: f64) -> (Plane, f64) {
     let (cross, exponent) = cross(a, b, c);
     let squares = cross[0] * cross[0] + cross[1] * cross[1] + cross[2] * cross[2];
-    let length = squares.sqrt();
-    let area = length.value() * power_of_two(exponent);
+    let area = sqrt(squares.value()) * power_of_two(exponent);
     if area == 0.0 {
         return (
             Plane {
@@ -49,13 +48,14 @@ pub(crate) fn plane(a: &Vector3<f64>, b: &Vector3<f64>, c: &Vector3<f64>, radius
             0.0,
         );
     }
+    let inverse = inverse_root(squares);
     let parallel_to_axis = cross.iter().filter(|x| x.value() != 0.0).count() == 1;
     let normal = Vector3::from_fn(|k, _| {
         let x = cross[k];
         if parallel_to_axis {
             x.value().signum() * (x.value() != 0.0) as u8 as f64
         } else {
-            (x / length).value()
+            (x * inverse).value()
         }
     });
     if parallel_to_axis {
@@ -78,6 +78,13 @@ pub(crate) fn plane(a: &Vector3<f64>, b: &Vector3<f64>, c: &Vector3<f64>, radius
         },
         area,
     )
+}
+
+/// `1 / sqrt(x)` in double-double: a Newton step past the f64 value.
+fn inverse_root(x: DoubleDouble) -> DoubleDouble {
+    let y = 1.0 / sqrt(x.value());
+    let rest = DoubleDouble::from(1.0) - x * DoubleDouble::product(y, y);
+    DoubleDouble::sum(y, 0.5 * y * rest.value())
 }
 
 /// `(b - a) x (c - a)` times a power of two, in double-double, and the exponent that undoes the power.
