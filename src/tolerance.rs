@@ -101,14 +101,14 @@ pub(crate) const CROSS_CANCELLED: f64 = 1.0 / (1u64 << 40) as f64;
 /// UNIT, the computation in double-double before by less than UNIT / 32 (`CROSS_CANCELLED` and a root).
 pub(crate) const NORMAL_ERROR: f64 = 1.0625 * UNIT;
 
-/// Faces given by the caller may leave their plane by this times the diameter of the body: the corners of a polygon
+/// Faces given by the caller may leave their plane by this times the diagonal of the body's box: the corners of a polygon
 /// computed by a rotation and a shift err by a few UNIT each, and the plane through three of them, extrapolated, by
 /// some tens.
 pub const PLANARITY: f64 = 64.0 * UNIT;
 
 /// A point of the body exactly in the plane of a face satisfies `n . p >= offset - NEAR_PLANE radius` in rounded
-/// arithmetic: `n . p` errs by 4 UNIT radius at most, the tilt of the stored normal and the rounding up of the offset
-/// each by less than 4.
+/// arithmetic: `n . p` errs by 4 UNIT radius at most, the tilt of the stored normal by 3 and the rounding up of the
+/// offset by 5.
 pub(crate) const NEAR_PLANE: f64 = 16.0 * UNIT;
 
 /// The filter of the exact rung: vertices within this times `|n|_1 r` of the highest in f64 are placed exactly. The

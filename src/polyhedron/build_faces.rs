@@ -9,7 +9,7 @@ use alloc::vec::Vec;
 use nalgebra::{Point3, Vector3};
 
 use super::ConvexPolyhedron;
-use super::cloud::Cloud;
+use super::cloud::{Cloud, power_of_two};
 use super::error::BuildError;
 use super::plane::{plane, widest_corners};
 use crate::tolerance::PLANARITY;
@@ -22,7 +22,7 @@ const CROWD: usize = 8;
 impl ConvexPolyhedron {
     /// A body from points and faces, each a loop of indices counter-clockwise seen from outside.
     ///
-    /// Faces may leave their plane by rounding: 64 UNIT times the diameter of the body. Several coplanar faces become
+    /// Faces may leave their plane by rounding: 64 UNIT times the diagonal of the box. Several coplanar faces become
     /// one face of the body; [`source_face`](Self::source_face) leads back. Equal points are taken for one, points no
     /// face uses are ignored and listed in [`report`](Self::report).
     ///
@@ -52,14 +52,17 @@ impl ConvexPolyhedron {
     }
 }
 
-fn build(points: &[Point3<f64>], faces: &[impl AsRef<[u32]>], bound: Option<f64>) -> Result<ConvexPolyhedron, BuildError> {
+fn build(
+    points: &[Point3<f64>],
+    faces: &[impl AsRef<[u32]>],
+    bound: Option<f64>,
+) -> Result<ConvexPolyhedron, BuildError> {
     let (used, unused) = used_points(points, faces)?;
     let cloud = Cloud::new(points, used, 4)?;
     let mesh = Mesh::new(points.len(), faces, &cloud)?;
     let misdirected = mesh.check_edges()?;
-    let scale = 1.0 / super::cloud::power_of_two(cloud.exponent);
-    let size = (cloud.points.iter()).fold(0.0f64, |r, p| r.max((p - cloud.points[0]).norm_squared()));
-    let bound = bound.map_or(PLANARITY * 2.0 * crate::scalar::sqrt(size), |b| b * scale);
+    let scale = power_of_two(-cloud.exponent);
+    let bound = bound.map_or(PLANARITY * cloud.diagonal(), |b| b * scale);
     let planes = mesh.check_planes(&cloud, bound)?;
     let stored = cloud.points.clone();
     let mut body = ConvexPolyhedron::hull_of(cloud)?;
@@ -87,7 +90,12 @@ fn used_points(points: &[Point3<f64>], faces: &[impl AsRef<[u32]>]) -> Result<(V
         for &index in rim.as_ref() {
             match is_used.get_mut(index as usize) {
                 Some(slot) => *slot = true,
-                None => return Err(BuildError::IndexOutOfRange { face, index: index as usize }),
+                None => {
+                    return Err(BuildError::IndexOutOfRange {
+                        face,
+                        index: index as usize,
+                    });
+                }
             }
         }
     }
@@ -121,13 +129,20 @@ impl Mesh {
         for &(dropped, kept) in &cloud.duplicates {
             place[dropped as usize] = place[kept as usize];
         }
-        let mut mesh = Self { corners: Vec::new(), first: vec![0], source: cloud.source.clone() };
+        let mut mesh = Self {
+            corners: Vec::new(),
+            first: vec![0],
+            source: cloud.source.clone(),
+        };
         let mut met = vec![NONE; cloud.points.len()];
         for (face, rim) in faces.iter().enumerate() {
             for &index in rim.as_ref() {
                 let corner = place[index as usize];
                 if core::mem::replace(&mut met[corner as usize], face as u32) == face as u32 {
-                    return Err(BuildError::RepeatedVertex { face, vertex: index as usize });
+                    return Err(BuildError::RepeatedVertex {
+                        face,
+                        vertex: index as usize,
+                    });
                 }
                 mesh.corners.push(corner);
             }
@@ -177,7 +192,9 @@ impl Mesh {
     }
 
     fn check_planes(&self, cloud: &Cloud, bound: f64) -> Result<Vec<FacePlane>, BuildError> {
-        (0..self.face_count()).map(|f| self.face_plane(f, cloud, bound)).collect()
+        (0..self.face_count())
+            .map(|f| self.face_plane(f, cloud, bound))
+            .collect()
     }
 
     fn face_plane(&self, f: usize, cloud: &Cloud, bound: f64) -> Result<FacePlane, BuildError> {
@@ -191,18 +208,31 @@ impl Mesh {
         // Corners may turn either way where the face is not convex; the area of the whole face has the right sign.
         let around = rim.iter().zip(rim.iter().cycle().skip(1));
         let at = |v: &u32| cloud.points[*v as usize] - a;
-        if around.fold(Vector3::zeros(), |sum, (p, q)| sum + at(p).cross(&at(q))).dot(&normal) < 0.0 {
+        if around
+            .fold(Vector3::zeros(), |sum, (p, q)| sum + at(p).cross(&at(q)))
+            .dot(&normal)
+            < 0.0
+        {
             normal = -normal;
         }
         let off = |v: u32| normal.dot(&(cloud.points[v as usize] - a)).abs();
         let worst = rim.iter().fold(rim[0], |w, &v| if off(v) > off(w) { v } else { w });
         let deviation = off(worst);
         if deviation > bound {
-            let unit = super::cloud::power_of_two(cloud.exponent);
+            let unit = power_of_two(cloud.exponent);
             let (distance, bound) = (deviation * unit, bound * unit);
-            return Err(BuildError::FaceNotPlanar { face: f, vertex: self.name(worst), distance, bound });
+            return Err(BuildError::FaceNotPlanar {
+                face: f,
+                vertex: self.name(worst),
+                distance,
+                bound,
+            });
         }
-        Ok(FacePlane { normal, base: *a, deviation })
+        Ok(FacePlane {
+            normal,
+            base: *a,
+            deviation,
+        })
     }
 
     /// The place of each vertex of the body; both orders agree.
@@ -227,7 +257,11 @@ impl Mesh {
         // The excess of a sound face is at most the bound plus the rounding of this comparison.
         let accept = bound + PLANARITY * body.radius;
         for (f, p) in planes.iter().enumerate() {
-            let corners = self.face(f).iter().map(|&c| vertex_at[c as usize]).filter(|&v| v != NONE);
+            let corners = self
+                .face(f)
+                .iter()
+                .map(|&c| vertex_at[c as usize])
+                .filter(|&v| v != NONE);
             let start = corners.min_by_key(|&v| body.topology.fan(v).len()).unwrap_or(0);
             let front = body.climb(&p.normal, start);
             let by = p.normal.dot(&(body.points[front as usize] - p.base));
@@ -238,7 +272,11 @@ impl Mesh {
                     return Err(BuildError::WrongOrientation { face: f });
                 }
                 let vertex = body.source[front as usize] as usize;
-                return Err(BuildError::NotConvex { face: f, vertex, by: by * body.unit() });
+                return Err(BuildError::NotConvex {
+                    face: f,
+                    vertex,
+                    by: by * body.unit(),
+                });
             }
         }
         Ok(())
@@ -275,7 +313,10 @@ impl Mesh {
                 let count = |g: u32| shared[g as usize].1;
                 let off = |g: u32| {
                     let plane = &body.planes[f as usize];
-                    let heights = self.face(g as usize).iter().map(|&c| plane.normal.dot(&points[c as usize]));
+                    let heights = self
+                        .face(g as usize)
+                        .iter()
+                        .map(|&c| plane.normal.dot(&points[c as usize]));
                     heights.fold(0.0f64, |m, h| m.max(plane.offset - h))
                 };
                 let most = candidates.iter().map(|&g| count(g)).max().unwrap_or(0);
@@ -301,8 +342,13 @@ impl Incidence {
         }
         pairs.sort_unstable();
         let places = mesh.source.len() as u32;
-        let first = (0..=places).map(|c| pairs.partition_point(|p| p.0 < c) as u32).collect();
-        Self { first, faces: pairs.into_iter().map(|p| p.1).collect() }
+        let first = (0..=places)
+            .map(|c| pairs.partition_point(|p| p.0 < c) as u32)
+            .collect();
+        Self {
+            first,
+            faces: pairs.into_iter().map(|p| p.1).collect(),
+        }
     }
 
     fn faces_at(&self, place: u32) -> &[u32] {

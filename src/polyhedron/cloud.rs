@@ -51,11 +51,10 @@ impl Cloud {
             });
         }
         let (origin, exponent, flush) = placement(given, &indices)?;
-        let scale = power_of_two(-exponent);
         let mut flushed = 0;
-        let mut stored = Vec::with_capacity(indices.len());
+        let mut stored: Vec<Vector3<f64>> = Vec::with_capacity(indices.len());
         for &i in &indices {
-            let mut p = (given[i as usize].coords - origin) * scale;
+            let mut p = stored_place(&given[i as usize], &origin, exponent);
             for x in p.iter_mut() {
                 if x.abs() < flush {
                     flushed += (*x != 0.0) as usize;
@@ -86,6 +85,21 @@ impl Cloud {
         }
         Ok(cloud)
     }
+
+    /// The stored place of one of the points given, but for flushing.
+    pub(crate) fn place(&self, given: &Point3<f64>) -> Vector3<f64> {
+        stored_place(given, &self.origin, self.exponent)
+    }
+
+    /// The diagonal of the bounding box, in stored units.
+    pub(crate) fn diagonal(&self) -> f64 {
+        let (low, high) = bounding_box(&self.points);
+        sqrt((high - low).norm_squared())
+    }
+}
+
+fn stored_place(given: &Point3<f64>, origin: &Vector3<f64>, exponent: i32) -> Vector3<f64> {
+    (given.coords - origin) * power_of_two(-exponent)
 }
 
 /// Corners of the bounding box.

@@ -10,7 +10,6 @@ use super::cloud::{Cloud, power_of_two};
 use super::error::BuildError;
 use super::plane::{plane, widest_corners};
 use super::sign::{projection, side, turn};
-use crate::scalar::sqrt;
 use crate::tolerance::PLANARITY;
 
 impl ConvexPolyhedron {
@@ -42,7 +41,7 @@ impl ConvexPolyhedron {
     /// the points turn counter-clockwise as the first three that are not collinear do.
     ///
     /// Points exactly in one plane make a body without thickness. Points that leave a plane by rounding only, up to 64
-    /// UNIT times the diameter, are accepted too; rounded coordinates cannot in general be put back into one plane, so
+    /// UNIT times the diagonal of the box, are accepted too; rounded coordinates cannot in general be put back into one plane, so
     /// then the body is their exact hull, a sliver with the faces of one: it is always the hull of the points stored.
     ///
     /// # Errors
@@ -54,7 +53,11 @@ impl ConvexPolyhedron {
         let cloud = Cloud::new(points, indices, 3)?;
         let all: Vec<u32> = (0..cloud.points.len() as u32).collect();
         let Some((corners, axis)) = spanning_corners(&cloud) else {
-            let span = if all.len() < 2 { all } else { vec![0, all.len() as u32 - 1] };
+            let span = if all.len() < 2 {
+                all
+            } else {
+                vec![0, all.len() as u32 - 1]
+            };
             return Err(flat(&cloud, &span));
         };
         let [a, b, c] = corners.map(|i| &cloud.points[i as usize]);
@@ -62,7 +65,7 @@ impl ConvexPolyhedron {
             check_planar(&cloud, a, &plane(a, b, c, 0.0).0.normal)?;
             return Self::hull_of(cloud);
         }
-        let forward = first_turn(points, axis) > 0.0;
+        let forward = first_turn(&cloud, points, axis) > 0.0;
         let (rim, on_edges) = planar_hull(&cloud.points, axis);
         let mut kept = rim.clone();
         kept.sort_unstable();
@@ -76,7 +79,9 @@ impl ConvexPolyhedron {
         let back: Vec<u32> = front.iter().rev().copied().collect();
         let mut body = Self::assemble(&cloud, &kept, &[front, back])?;
         body.report.on_edges = on_edges.iter().map(|&i| cloud.source[i as usize]).collect();
-        let inner = all.iter().filter(|i| kept.binary_search(i).is_err() && on_edges.binary_search(i).is_err());
+        let inner = all
+            .iter()
+            .filter(|i| kept.binary_search(i).is_err() && on_edges.binary_search(i).is_err());
         body.report.on_faces = inner.map(|&i| cloud.source[i as usize]).collect();
         Ok(body)
     }
@@ -98,26 +103,37 @@ fn spanning_corners(cloud: &Cloud) -> Option<([u32; 3], usize)> {
     }
     let (a, b) = (0, all.len() as u32 - 1);
     let at = |i: u32| &points[i as usize];
-    all.into_iter().find_map(|c| projection(at(a), at(b), at(c)).map(|axis| ([a, b, c], axis)))
+    all.into_iter()
+        .find_map(|c| projection(at(a), at(b), at(c)).map(|axis| ([a, b, c], axis)))
 }
 
 /// The turn of the caller's first three points that are not collinear, projected along `axis`.
-fn first_turn(points: &[Point3<f64>], axis: usize) -> f64 {
+fn first_turn(cloud: &Cloud, points: &[Point3<f64>], axis: usize) -> f64 {
     let Some(a) = points.first() else { return 1.0 };
-    let Some(b) = points.iter().find(|p| *p != a) else { return 1.0 };
-    let turns = points.iter().map(|c| turn(axis, &a.coords, &b.coords, &c.coords));
+    let Some(b) = points.iter().find(|p| *p != a) else {
+        return 1.0;
+    };
+    let [a, b] = [a, b].map(|p| cloud.place(p));
+    let turns = points.iter().map(|c| turn(axis, &a, &b, &cloud.place(c)));
     turns.into_iter().find(|t| *t != 0.0).unwrap_or(1.0)
 }
 
 fn check_planar(cloud: &Cloud, base: &Vector3<f64>, normal: &Vector3<f64>) -> Result<(), BuildError> {
     let off = |p: &Vector3<f64>| normal.dot(&(p - base)).abs();
-    let (worst, p) = cloud.points.iter().enumerate().fold((0, base), |best, x| if off(x.1) > off(best.1) { x } else { best });
-    let size = cloud.points.iter().fold(0.0f64, |r, p| r.max((p - base).norm_squared()));
-    let (distance, bound) = (off(p), PLANARITY * sqrt(size));
+    let (worst, p) = cloud
+        .points
+        .iter()
+        .enumerate()
+        .fold((0, base), |best, x| if off(x.1) > off(best.1) { x } else { best });
+    let (distance, bound) = (off(p), PLANARITY * cloud.diagonal());
     if distance > bound {
         let unit = power_of_two(cloud.exponent);
         let index = cloud.source[worst] as usize;
-        return Err(BuildError::PolygonNotPlanar { index, distance: distance * unit, bound: bound * unit });
+        return Err(BuildError::PolygonNotPlanar {
+            index,
+            distance: distance * unit,
+            bound: bound * unit,
+        });
     }
     Ok(())
 }

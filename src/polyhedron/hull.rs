@@ -14,6 +14,7 @@
 //! Why a handed-over point needs to be tried on the new triangles only: a point that sees both triangles at a horizon
 //! edge sees the new one between them, whose plane is a positive combination of theirs; and what it sees is connected.
 
+use alloc::collections::VecDeque;
 use alloc::vec;
 use alloc::vec::Vec;
 use nalgebra::Vector3;
@@ -64,7 +65,8 @@ struct Hull<'a> {
     sides: Vector3<f64>,
     facets: Vec<Facet>,
     free: Vec<u32>,
-    pending: Vec<u32>,
+    /// Triangles where points may wait, oldest first: the hull grows on all sides alike, which keeps horizons short.
+    pending: VecDeque<u32>,
     /// The next point of the same list.
     next: Vec<u32>,
     touching: Vec<bool>,
@@ -86,7 +88,7 @@ pub(crate) fn hull(points: &[Vector3<f64>]) -> Result<Option<Surface>, Span> {
         sides: high - low,
         facets: Vec::with_capacity(64 + 2 * points.len()),
         free: Vec::new(),
-        pending: Vec::new(),
+        pending: VecDeque::new(),
         next: vec![NONE; points.len()],
         touching: vec![false; points.len()],
         insertion: 0,
@@ -96,7 +98,7 @@ pub(crate) fn hull(points: &[Vector3<f64>]) -> Result<Option<Surface>, Span> {
         starting_at: vec![NONE; points.len()],
     };
     hull.begin(simplex);
-    while let Some(facet) = hull.pending.pop() {
+    while let Some(facet) = hull.pending.pop_front() {
         let f = &hull.facets[facet as usize];
         if f.alive && f.first != NONE && hull.add(facet).is_none() {
             return Ok(None);

@@ -73,7 +73,11 @@ impl ConvexPolyhedron {
 
     fn moments(&self, second: bool) -> Moments {
         let zero = DoubleDouble::default();
-        let mut sum = Moments { volume: zero, first: [zero; 3], second: [zero; 6] };
+        let mut sum = Moments {
+            volume: zero,
+            first: [zero; 3],
+            second: [zero; 6],
+        };
         let middle = self.middle();
         let at = |v: u32| {
             let p = &self.points[v as usize];
@@ -84,7 +88,9 @@ impl ConvexPolyhedron {
         }
         for f in 0..self.topology.face_count() as u32 {
             let mut rim = self.topology.rim(f).map(|h| self.topology.from(h));
-            let (Some(a), Some(b)) = (rim.next(), rim.next()) else { continue };
+            let (Some(a), Some(b)) = (rim.next(), rim.next()) else {
+                continue;
+            };
             let (a, mut b) = (at(a), at(b));
             for c in rim {
                 let c = at(c);
@@ -98,7 +104,11 @@ impl ConvexPolyhedron {
     /// The centroid of the area of a polygon, in stored coordinates.
     fn polygon_centroid(&self) -> Vector3<f64> {
         let normal = self.planes[0].normal;
-        let rim = || self.topology.rim(0).map(|h| self.points[self.topology.from(h) as usize]);
+        let rim = || {
+            self.topology
+                .rim(0)
+                .map(|h| self.points[self.topology.from(h) as usize])
+        };
         let Some(a) = rim().next() else { return self.middle() };
         let (mut area, mut first) = (0.0, Vector3::zeros());
         for (b, c) in rim().skip(1).zip(rim().skip(2)) {
@@ -106,7 +116,11 @@ impl ConvexPolyhedron {
             area += part;
             first += ((b - a) + (c - a)) * part;
         }
-        if area > 0.0 { a + first / (3.0 * area) } else { self.middle() }
+        if area > 0.0 {
+            a + first / (3.0 * area)
+        } else {
+            self.middle()
+        }
     }
 }
 

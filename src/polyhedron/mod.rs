@@ -42,7 +42,7 @@ use support::CubeMap;
 use topology::Topology;
 
 /// The supporting plane of a face: `normal . x <= offset` for every vertex `x` of the body, exactly, for the normal as
-/// stored. The offset exceeds the least such number by at most 4 UNIT times the radius.
+/// stored. The offset exceeds the least such number by at most 5 UNIT times the radius.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Plane {

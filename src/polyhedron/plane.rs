@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 use super::Plane;
 use super::cloud::{exponent_of, power_of_two};
 use crate::double_double::{DoubleDouble, two_product, two_sum};
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, sqrt};
 use crate::tolerance::{CROSS_CANCELLED, NORMAL_ERROR, UNIT_DOUBLE_DOUBLE};
 
 /// Three corners of a face far from collinear: all triples of an exactly planar face span the same plane.
@@ -38,8 +38,7 @@ fn most(rim: &[u32], measure: impl Fn(u32) -> f64) -> (u32, f64) {
 pub(crate) fn plane(a: &Vector3<f64>, b: &Vector3<f64>, c: &Vector3<f64>, radius: f64) -> (Plane, f64) {
     let (cross, exponent) = cross(a, b, c);
     let squares = cross[0] * cross[0] + cross[1] * cross[1] + cross[2] * cross[2];
-    let length = squares.sqrt();
-    let area = length.value() * power_of_two(exponent);
+    let area = sqrt(squares.value()) * power_of_two(exponent);
     if area == 0.0 {
         return (
             Plane {
@@ -49,13 +48,14 @@ pub(crate) fn plane(a: &Vector3<f64>, b: &Vector3<f64>, c: &Vector3<f64>, radius
             0.0,
         );
     }
+    let inverse = inverse_root(squares);
     let parallel_to_axis = cross.iter().filter(|x| x.value() != 0.0).count() == 1;
     let normal = Vector3::from_fn(|k, _| {
         let x = cross[k];
         if parallel_to_axis {
             x.value().signum() * (x.value() != 0.0) as u8 as f64
         } else {
-            (x / length).value()
+            (x * inverse).value()
         }
     });
     if parallel_to_axis {
@@ -78,6 +78,13 @@ pub(crate) fn plane(a: &Vector3<f64>, b: &Vector3<f64>, c: &Vector3<f64>, radius
         },
         area,
     )
+}
+
+/// `1 / sqrt(x)` in double-double: a Newton step past the f64 value.
+fn inverse_root(x: DoubleDouble) -> DoubleDouble {
+    let y = 1.0 / sqrt(x.value());
+    let rest = DoubleDouble::from(1.0) - x * DoubleDouble::product(y, y);
+    DoubleDouble::sum(y, 0.5 * y * rest.value())
 }
 
 /// `(b - a) x (c - a)` times a power of two, in double-double, and the exponent that undoes the power.
@@ -161,7 +168,9 @@ fn grow(expansion: &mut Vec<f64>, term: f64) {
 
 #[cfg(test)]
 mod tests {
+    use super::super::solids;
     use super::*;
+    use crate::tolerance::UNIT;
 
     #[test]
     fn cancelled_products_are_exact() {
@@ -185,5 +194,51 @@ mod tests {
         assert!(p.offset > 0.0 && p.offset < 1e-15);
         let (p, _) = plane(&a, &Vector3::new(0.0, 1.0, 0.0), &Vector3::new(1e-300, 0.0, 0.0), 2.0);
         assert_eq!((p.normal, p.offset), (Vector3::new(0.0, 0.0, -1.0), 0.0));
+    }
+
+    /// `n . x - offset`, exactly, to the nearest f64.
+    fn excess(plane: &Plane, x: &Vector3<f64>) -> f64 {
+        let mut expansion = Vec::new();
+        for k in 0..3 {
+            let (high, low) = two_product(plane.normal[k], x[k]);
+            grow(&mut expansion, low);
+            grow(&mut expansion, high);
+        }
+        grow(&mut expansion, -plane.offset);
+        expansion.last().copied().unwrap_or(0.0)
+    }
+
+    #[test]
+    fn planes_bound_every_vertex_exactly_and_tightly() {
+        let mut bodies = Vec::new();
+        for (seed, z) in [1.0, 0.1, 1e-3, 1e-6, 1e-12].into_iter().enumerate() {
+            bodies.push(solids::random_hull(300, Vector3::new(1.0, 0.7, z), seed as u64).unwrap());
+            bodies.push(solids::random_hull(40, Vector3::new(1.0, z, z), seed as u64).unwrap());
+        }
+        bodies.push(solids::prism(100, 3.0, 0.1).unwrap());
+        bodies.push(solids::cone(64, 1.0, 1e-9).unwrap());
+        bodies.push(solids::dodecahedron(2.0).unwrap());
+        for body in &bodies {
+            for plane in &body.planes {
+                let worst = body
+                    .points
+                    .iter()
+                    .map(|x| excess(plane, x))
+                    .fold(f64::NEG_INFINITY, f64::max);
+                assert!(
+                    worst <= 0.0 && worst >= -5.0 * UNIT * body.radius,
+                    "{worst:e} for {}",
+                    body.report()
+                );
+                assert!((plane.normal.norm() - 1.0).abs() < 4.0 * UNIT);
+            }
+            assert!(body.points.iter().all(|p| p.norm() <= body.radius));
+        }
+        let cube = solids::cuboid(Vector3::new(0.1, 0.2, 0.3)).unwrap();
+        assert!(
+            cube.planes
+                .iter()
+                .all(|p| p.offset == p.normal.abs().dot(&Vector3::new(0.1, 0.2, 0.3)))
+        );
     }
 }

@@ -59,7 +59,9 @@ impl ConvexPolyhedron {
         let second = self.topology.half_edge(start).next;
         let third = self.topology.half_edge(second).next;
         let corners = [at(start), at(second), at(third)];
-        let Some(axis) = projection(corners[0], corners[1], corners[2]) else { return false };
+        let Some(axis) = projection(corners[0], corners[1], corners[2]) else {
+            return false;
+        };
         let forward = turn(axis, corners[0], corners[1], corners[2]) > 0.0;
         self.face_side(0, p) == 0.0
             && self.topology.rim(0).all(|h| {
@@ -89,7 +91,10 @@ impl ConvexPolyhedron {
         };
         self.points.iter().for_each(|v| propose(*v));
         for e in self.edges() {
-            let (a, b) = (self.points[self.topology.from(e.0) as usize], self.points[self.topology.half_edge(e.0).to as usize]);
+            let (a, b) = (
+                self.points[self.topology.from(e.0) as usize],
+                self.points[self.topology.half_edge(e.0).to as usize],
+            );
             propose(on_segment(&a, &b, &p));
         }
         for f in self.faces() {

@@ -17,11 +17,22 @@ const COUNT_MAX: usize = 1 << 24;
 const SUBDIVISIONS_MAX: u32 = 9;
 
 fn size(what: &'static str, value: f64) -> Result<f64, BuildError> {
-    if (EXTENT_MIN..=EXTENT_MAX).contains(&value) { Ok(value) } else { Err(BuildError::BadSize { what, value }) }
+    if (EXTENT_MIN..=EXTENT_MAX).contains(&value) {
+        Ok(value)
+    } else {
+        Err(BuildError::BadSize { what, value })
+    }
 }
 
 fn count(what: &'static str, value: usize, least: usize) -> Result<usize, BuildError> {
-    if (least..=COUNT_MAX).contains(&value) { Ok(value) } else { Err(BuildError::BadSize { what, value: value as f64 }) }
+    if (least..=COUNT_MAX).contains(&value) {
+        Ok(value)
+    } else {
+        Err(BuildError::BadSize {
+            what,
+            value: value as f64,
+        })
+    }
 }
 
 /// A box with faces across the axes.
@@ -57,7 +68,9 @@ fn circle(n: usize, radius: f64, z: f64) -> impl Iterator<Item = Point3<f64>> {
 pub fn prism(n: usize, radius: f64, half_height: f64) -> Result<ConvexPolyhedron, BuildError> {
     count("number of corners", n, 3)?;
     let (radius, half_height) = (size("radius", radius)?, size("half height", half_height)?);
-    let points: Vec<_> = circle(n, radius, -half_height).chain(circle(n, radius, half_height)).collect();
+    let points: Vec<_> = circle(n, radius, -half_height)
+        .chain(circle(n, radius, half_height))
+        .collect();
     ConvexPolyhedron::from_points(&points)
 }
 
@@ -92,8 +105,9 @@ pub fn tetrahedron(radius: f64) -> Result<ConvexPolyhedron, BuildError> {
 /// A radius that is not between 1e-100 and 1e100.
 pub fn octahedron(radius: f64) -> Result<ConvexPolyhedron, BuildError> {
     let r = size("radius", radius)?;
-    let points: Vec<_> =
-        (0..6).map(|k| Point3::from(Vector3::ith(k / 2, if k % 2 == 0 { r } else { -r }))).collect();
+    let points: Vec<_> = (0..6)
+        .map(|k| Point3::from(Vector3::ith(k / 2, if k % 2 == 0 { r } else { -r })))
+        .collect();
     ConvexPolyhedron::from_points(&points)
 }
 
@@ -141,7 +155,13 @@ pub fn dodecahedron(radius: f64) -> Result<ConvexPolyhedron, BuildError> {
     // 26 digits, and integers below 2^27.
     let scale = f64::from_bits(exact.to_bits() + (1 << 26) & !((1 << 27) - 1));
     let cube = (0..8).map(|k| {
-        let sign = |axis: u32| if k >> axis & 1 == 1 { scale * (q * q) } else { -(scale * (q * q)) };
+        let sign = |axis: u32| {
+            if k >> axis & 1 == 1 {
+                scale * (q * q)
+            } else {
+                -(scale * (q * q))
+            }
+        };
         Point3::new(sign(0), sign(1), sign(2))
     });
     let rest = golden_rectangles(scale * (q * (q + p)), scale * (q * q - p * p));
@@ -158,7 +178,10 @@ pub fn dodecahedron(radius: f64) -> Result<ConvexPolyhedron, BuildError> {
 pub fn geodesic_sphere(subdivisions: u32, radius: f64) -> Result<ConvexPolyhedron, BuildError> {
     let radius = size("radius", radius)?;
     if subdivisions > SUBDIVISIONS_MAX {
-        return Err(BuildError::BadSize { what: "number of subdivisions", value: subdivisions as f64 });
+        return Err(BuildError::BadSize {
+            what: "number of subdivisions",
+            value: subdivisions as f64,
+        });
     }
     let mut points: Vec<Vector3<f64>> = icosahedron_points(1.0).iter().map(|p| p.coords).collect();
     let icosahedron = ConvexPolyhedron::from_points(&icosahedron_points(1.0))?;

@@ -60,16 +60,15 @@ impl Topology {
                 raw.push([from, to, base + (k + 1) % n, face as u32]);
             }
         }
-        let mut order: Vec<u32> = (0..raw.len() as u32).collect();
-        order.sort_unstable_by_key(|&h| (raw[h as usize][0], raw[h as usize][1]));
+        let (start, order) = sort_by_ends(vertices, &raw);
         let find = |from: u32, to: u32| -> Option<u32> {
-            let i = order.partition_point(|&h| (raw[h as usize][0], raw[h as usize][1]) < (from, to));
-            let h = *order.get(i)?;
-            let twin_free = order.get(i + 1).is_none_or(|&g| raw[g as usize][..2] != raw[h as usize][..2]);
-            (raw[h as usize][..2] == [from, to] && twin_free).then_some(h)
+            let leaving = &order[start[from as usize] as usize..start[from as usize + 1] as usize];
+            let i = leaving.partition_point(|&h| raw[h as usize][1] < to);
+            let h = *leaving.get(i)?;
+            let twin_free = leaving.get(i + 1).is_none_or(|&g| raw[g as usize][1] != to);
+            (raw[h as usize][1] == to && twin_free).then_some(h)
         };
-        let twin: Vec<u32> =
-            raw.iter().map(|h| find(h[1], h[0])).collect::<Option<_>>()?;
+        let twin: Vec<u32> = raw.iter().map(|h| find(h[1], h[0])).collect::<Option<_>>()?;
         let mut previous = vec![0u32; raw.len()];
         for (h, r) in raw.iter().enumerate() {
             previous[r[2] as usize] = h as u32;
@@ -149,6 +148,28 @@ impl Topology {
     pub(crate) fn edge(&self, h: u32) -> u32 {
         h.min(self.half_edges[h as usize].twin)
     }
+}
+
+/// The provisional half-edges by (from, to), and where those that leave each vertex begin: a counting sort, as most
+/// vertices have few.
+fn sort_by_ends(vertices: usize, raw: &[[u32; 4]]) -> (Vec<u32>, Vec<u32>) {
+    let mut start = vec![0u32; vertices + 1];
+    for h in raw {
+        start[h[0] as usize + 1] += 1;
+    }
+    for v in 0..vertices {
+        start[v + 1] += start[v];
+    }
+    let mut place = start.clone();
+    let mut order = vec![0u32; raw.len()];
+    for (h, r) in raw.iter().enumerate() {
+        order[place[r[0] as usize] as usize] = h as u32;
+        place[r[0] as usize] += 1;
+    }
+    for v in 0..vertices {
+        order[start[v] as usize..start[v + 1] as usize].sort_unstable_by_key(|&h| raw[h as usize][1]);
+    }
+    (start, order)
 }
 
 /// Numbers the half-edges so that each fan is contiguous and counter-clockwise: the fan starts and the new number of

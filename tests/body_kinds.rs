@@ -1,0 +1,440 @@
+//! Bodies from faces, flat bodies, solids, mass, queries of one body, and files.
+
+use lin_canny::polyhedron::{BuildError, ConvexPolyhedron, FaceId, solids};
+use nalgebra::{Matrix3, Point3, Rotation3, Vector3};
+
+type Points = Vec<Point3<f64>>;
+
+fn cube() -> (Points, Vec<Vec<u32>>) {
+    let corner = |k: usize| Point3::new((k & 1) as f64, (k >> 1 & 1) as f64, (k >> 2) as f64);
+    let faces = [
+        [0, 2, 3, 1],
+        [4, 5, 7, 6],
+        [0, 1, 5, 4],
+        [2, 6, 7, 3],
+        [0, 4, 6, 2],
+        [1, 3, 7, 5],
+    ];
+    ((0..8).map(corner).collect(), faces.map(Vec::from).to_vec())
+}
+
+fn refused(points: &[Point3<f64>], faces: &[Vec<u32>]) -> BuildError {
+    ConvexPolyhedron::from_faces(points, faces).unwrap_err()
+}
+
+#[test]
+fn faces_of_the_caller_are_found_again() {
+    let (mut points, faces) = cube();
+    points.push(Point3::new(9.0, 9.0, 9.0));
+    let body = ConvexPolyhedron::from_faces(&points, &faces).unwrap();
+    assert_eq!((body.vertex_count(), body.face_count(), body.edge_count()), (8, 6, 12));
+    assert_eq!(body.report().unused, [8]);
+    for f in body.faces() {
+        let mut mine: Vec<u32> = body
+            .face_vertices(f)
+            .map(|v| body.source_vertex(v).unwrap() as u32)
+            .collect();
+        let mut theirs = faces[body.source_face(f).unwrap()].clone();
+        mine.sort();
+        theirs.sort();
+        assert_eq!(mine, theirs);
+    }
+    // each face cut round a point in its middle: no piece has three corners of the face
+    let mut pieces = Vec::new();
+    for f in &faces {
+        let middle = f.iter().fold(Vector3::zeros(), |s, &i| s + points[i as usize].coords) / 4.0;
+        points.push(Point3::from(middle));
+        let m = points.len() as u32 - 1;
+        pieces.extend((0..4).map(|k| [f[k], f[(k + 1) % 4], m]));
+    }
+    let body = ConvexPolyhedron::from_faces(&points, &pieces).unwrap();
+    assert_eq!((body.face_count(), body.report().on_faces.len()), (6, 6));
+    for f in body.faces() {
+        let piece = pieces[body.source_face(f).unwrap()];
+        let n = body.face_plane(f).unwrap().0;
+        let [a, b, c] = piece.map(|i| points[i as usize]);
+        assert!((b - a).cross(&(c - a)).normalize().dot(&n) > 0.99);
+    }
+}
+
+#[test]
+fn turned_faces_are_accepted_and_split() {
+    let (points, faces) = cube();
+    let turn = Rotation3::from_euler_angles(0.3, 0.7, 1.1);
+    let turned: Points = points.iter().map(|p| turn * p + Vector3::new(0.1, 0.2, 0.3)).collect();
+    let body = ConvexPolyhedron::from_faces(&turned, &faces).unwrap();
+    assert!(body.face_count() > 6, "rounding breaks most squares");
+    assert!(body.report().non_planarity > 0.0 && body.report().non_planarity < 1e-15);
+    let mut seen: Vec<usize> = body.faces().map(|f| body.source_face(f).unwrap()).collect();
+    for (f, g) in body.faces().zip(&seen) {
+        let outward = body.face_plane(f).unwrap().0;
+        let centre = faces[*g]
+            .iter()
+            .fold(Vector3::zeros(), |s, &i| s + turned[i as usize].coords)
+            / 4.0;
+        assert!((centre - body.centroid().coords).dot(&outward) > 0.4);
+    }
+    seen.dedup();
+    seen.sort();
+    seen.dedup();
+    assert_eq!(seen, [0, 1, 2, 3, 4, 5]);
+    let single: Points = turned.iter().map(|p| p.map(|x| x as f32 as f64)).collect();
+    assert!(matches!(
+        refused(&single, &faces),
+        BuildError::FaceNotPlanar { .. } | BuildError::NotConvex { .. }
+    ));
+    assert!(ConvexPolyhedron::from_faces_within(&single, &faces, 1e-6).is_ok());
+    let bad = ConvexPolyhedron::from_faces_within(&single, &faces, f64::NAN);
+    assert!(matches!(bad, Err(BuildError::BadBound { .. })));
+}
+
+#[test]
+fn faults_of_faces_are_named() {
+    let (points, faces) = cube();
+    let with = |k: usize, face: &[u32]| {
+        let mut faces = faces.clone();
+        faces[k] = face.to_vec();
+        refused(&points, &faces)
+    };
+    assert_eq!(with(2, &[0, 1, 8]), BuildError::IndexOutOfRange { face: 2, index: 8 });
+    assert_eq!(with(3, &[2, 6]), BuildError::FaceTooSmall { face: 3 });
+    assert_eq!(
+        with(1, &[4, 5, 7, 5]),
+        BuildError::RepeatedVertex { face: 1, vertex: 5 }
+    );
+    assert_eq!(with(4, &[2, 6, 4, 0]), BuildError::WrongOrientation { face: 4 });
+    assert!(matches!(
+        with(0, &[0, 2, 3]),
+        BuildError::NotClosed {
+            edge: [0, 1] | [1, 3] | [3, 0] | [0, 3]
+        }
+    ));
+    assert!(matches!(refused(&points, &faces[..5]), BuildError::NotClosed { .. }));
+    let inward: Vec<Vec<u32>> = faces.iter().map(|f| f.iter().rev().copied().collect()).collect();
+    assert_eq!(refused(&points, &inward), BuildError::WrongOrientation { face: 0 });
+    let mut twice = faces.clone();
+    twice.push(faces[0].clone());
+    assert!(matches!(refused(&points, &twice), BuildError::EdgeUsedTwice { .. }));
+    // a corner pulled off makes its faces bend
+    let mut bent = points.clone();
+    bent[7] = Point3::new(1.0, 1.0, 1.25);
+    assert!(matches!(
+        refused(&bent, &faces),
+        BuildError::FaceNotPlanar { face: 1, .. }
+    ));
+    // a pyramid pressed into the top
+    let mut dented = points.clone();
+    dented.push(Point3::new(0.5, 0.5, 0.75));
+    let mut pieces = faces.clone();
+    pieces.remove(1);
+    pieces.extend([[4, 5, 8], [5, 7, 8], [7, 6, 8], [6, 4, 8]].map(Vec::from));
+    match refused(&dented, &pieces) {
+        BuildError::NotConvex { face, vertex, by } => {
+            assert!(face >= 5 && vertex < 8 && by > 0.2 && by < 1.0, "{face} {vertex} {by}");
+        }
+        other => panic!("{other}"),
+    }
+    dented[8].z = 1.5;
+    assert_eq!(ConvexPolyhedron::from_faces(&dented, &pieces).unwrap().face_count(), 9);
+    let line = [[0.0, 0.0, 0.0], [1.0, 1.0, 1.0], [2.0, 2.0, 2.0], [0.0, 1.0, 0.0]].map(Point3::from);
+    let faces = [[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]].map(Vec::from);
+    assert_eq!(refused(&line, &faces), BuildError::FaceWithoutArea { face: 0 });
+    assert!(matches!(
+        refused(&points, &[]),
+        BuildError::TooFewPoints { count: 0, .. }
+    ));
+}
+
+#[test]
+fn flat_bodies() {
+    let p = Point3::new(1e9, 2.0, -3.0);
+    let point = ConvexPolyhedron::point(p).unwrap();
+    assert_eq!(
+        (point.vertex_count(), point.edge_count(), point.face_count()),
+        (1, 0, 0)
+    );
+    assert_eq!(
+        (point.centroid(), point.volume(), point.bounding_ball()),
+        (p, 0.0, (p, 0.0))
+    );
+    assert_eq!(point.closest_point(&Point3::origin()), Some(p));
+    assert!(point.contains(&p) && !point.contains(&Point3::origin()));
+    let q = p + Vector3::new(0.5, 1.0, 2.0);
+    let segment = ConvexPolyhedron::segment(p, q).unwrap();
+    assert_eq!(
+        (segment.vertex_count(), segment.edge_count(), segment.face_count()),
+        (2, 1, 0)
+    );
+    assert!(segment.contains(&nalgebra::center(&p, &q)) && !segment.contains(&Point3::new(p.x, p.y, q.z)));
+    assert_eq!(segment.centroid(), nalgebra::center(&p, &q));
+    assert!(
+        segment
+            .edges()
+            .all(|e| segment.edge_vertices(e).is_some() && segment.edge_faces(e).is_none())
+    );
+    assert_eq!(
+        ConvexPolyhedron::segment(p, p).unwrap_err(),
+        BuildError::Flat {
+            dimension: 0,
+            span: vec![0]
+        }
+    );
+
+    let corners: Points = [
+        [0.0, 0.0],
+        [2.0, 0.0],
+        [1.0, 0.0],
+        [2.0, 1.0],
+        [0.5, 0.5],
+        [0.0, 1.0],
+        [0.0, 0.5],
+        [2.0, 1.0],
+    ]
+    .map(|[x, y]| Point3::new(x, y, x + y))
+    .to_vec();
+    for (scale, shift) in [(1.0, 0.0), (2f64.powi(-300), 0.0), (1.0, 4096.0)] {
+        let placed: Points = corners.iter().map(|p| (p * scale) + Vector3::repeat(shift)).collect();
+        let polygon = ConvexPolyhedron::polygon(&placed).unwrap();
+        assert_eq!(
+            (polygon.vertex_count(), polygon.edge_count(), polygon.face_count()),
+            (4, 4, 2)
+        );
+        let report = polygon.report();
+        assert_eq!(
+            (report.on_edges.len(), &report.on_faces[..], report.duplicates.len()),
+            (2, &[4u32][..], 1)
+        );
+        let front = polygon
+            .face_plane(FaceId::clone(&polygon.faces().next().unwrap()))
+            .unwrap()
+            .0;
+        assert!(front.z > 0.0, "the first corners turn counter-clockwise");
+        let backward: Points = placed.iter().rev().copied().collect();
+        let turned = ConvexPolyhedron::polygon(&backward).unwrap();
+        assert!(turned.face_plane(turned.faces().next().unwrap()).unwrap().0.z < 0.0);
+        let centre = Point3::from(Vector3::new(1.0, 0.5, 1.5) * scale + Vector3::repeat(shift));
+        assert!((polygon.centroid() - centre).norm() <= 1e-15 * (scale + shift));
+        assert!(placed.iter().all(|p| polygon.contains(p)));
+        assert!(!polygon.contains(&(centre + Vector3::z() * scale * 1e-3)) && polygon.contains(&centre));
+        let above = polygon
+            .closest_point(&(centre + Vector3::new(-scale, -scale, scale) * 0.1))
+            .unwrap();
+        assert!((above - centre).norm() <= 1e-12 * scale + 1e-15 * shift);
+    }
+    let line: Points = (0..4).map(|k| Point3::new(k as f64, 2.0 * k as f64, 0.1)).collect();
+    assert!(matches!(
+        ConvexPolyhedron::polygon(&line),
+        Err(BuildError::Flat { dimension: 1, .. })
+    ));
+    let turn = Rotation3::from_euler_angles(0.3, 0.7, 1.1);
+    let hexagon: Points = (0..6)
+        .map(|k| turn * Point3::new((k as f64).cos(), (k as f64).sin(), 0.0))
+        .collect();
+    let sliver = ConvexPolyhedron::polygon(&hexagon).unwrap();
+    assert!(sliver.vertex_count() == 6 && sliver.report().flatness < 1e-14);
+    let mut warped = hexagon.clone();
+    warped[3] += Vector3::repeat(1e-9);
+    assert!(matches!(
+        ConvexPolyhedron::polygon(&warped),
+        Err(BuildError::PolygonNotPlanar { .. })
+    ));
+}
+
+#[test]
+fn solids_have_their_features_and_sizes() {
+    let features = |b: &ConvexPolyhedron| (b.vertex_count(), b.edge_count(), b.face_count());
+    let radii_agree = |b: &ConvexPolyhedron, r: f64, tolerance: f64| {
+        b.vertex_points()
+            .all(|p| (p.coords.norm() / r - 1.0).abs() <= tolerance)
+    };
+    for r in [1.0, 0.3, 7e40, 3e-90] {
+        for (body, expected, tolerance) in [
+            (solids::tetrahedron(r), (4, 6, 4), 1e-15),
+            (solids::octahedron(r), (6, 12, 8), 0.0),
+            (solids::icosahedron(r), (12, 30, 20), 1e-15),
+            (solids::dodecahedron(r), (20, 30, 12), 3e-8),
+            (solids::geodesic_sphere(2, r), (162, 480, 320), 1e-15),
+        ] {
+            let body = body.unwrap();
+            assert_eq!(features(&body), expected, "radius {r}");
+            assert!(radii_agree(&body, r, tolerance), "radius {r} of {:?}", features(&body));
+        }
+    }
+    assert_eq!(
+        features(&solids::cuboid(Vector3::new(1.0, 2.0, 3.0)).unwrap()),
+        (8, 12, 6)
+    );
+    assert_eq!(features(&solids::prism(7, 1.0, 2.0).unwrap()), (14, 21, 9));
+    assert_eq!(features(&solids::cone(100, 1.0, 2.0).unwrap()), (101, 200, 101));
+    assert_eq!(
+        solids::random_hull(50, Vector3::repeat(1.0), 3).unwrap().vertex_count(),
+        50
+    );
+    let (a, b) = (
+        solids::random_hull(9, Vector3::repeat(1.0), 4),
+        solids::random_hull(9, Vector3::repeat(1.0), 5),
+    );
+    assert_ne!(a.unwrap(), b.unwrap());
+    for bad in [
+        solids::cuboid(Vector3::new(1.0, 0.0, 1.0)),
+        solids::prism(2, 1.0, 1.0),
+        solids::cone(8, f64::NAN, 1.0),
+        solids::icosahedron(-1.0),
+        solids::geodesic_sphere(40, 1.0),
+        solids::random_hull(3, Vector3::repeat(1.0), 0),
+    ] {
+        assert!(matches!(bad, Err(BuildError::BadSize { .. })));
+    }
+}
+
+#[test]
+fn mass_properties_match_closed_forms() {
+    let h = Vector3::new(0.5, 1.0, 2.0);
+    let moved = |body: &ConvexPolyhedron, by: Vector3<f64>| {
+        ConvexPolyhedron::from_points(&body.vertex_points().map(|p| p + by).collect::<Points>()).unwrap()
+    };
+    let shift = Vector3::new(1e6, -3.0, 0.25);
+    for by in [Vector3::zeros(), shift] {
+        let cuboid = moved(&solids::cuboid(h).unwrap(), by);
+        assert_eq!((cuboid.volume(), cuboid.centroid()), (8.0, Point3::from(by)));
+        let expected = Matrix3::from_diagonal(&Vector3::new(5.0, 4.25, 1.25)) * (8.0 / 3.0);
+        assert!((cuboid.inertia() - expected).norm() < 1e-14);
+    }
+    let corner = [[0.0; 3], [2.0, 0.0, 0.0], [0.0, 3.0, 0.0], [0.0, 0.0, 4.0]].map(Point3::from);
+    let tetrahedron = ConvexPolyhedron::from_points(&corner).unwrap();
+    assert!((tetrahedron.volume() - 4.0).abs() < 1e-15);
+    assert!((tetrahedron.centroid() - Point3::new(0.5, 0.75, 1.0)).norm() < 1e-15);
+    // corner tetrahedron with legs a, b, c: xx = 3 V (b^2 + c^2) / 80, xy = V a b / 80
+    let i = tetrahedron.inertia();
+    assert!(
+        (i[(0, 0)] - 4.0 * 3.0 * 25.0 / 80.0).abs() < 1e-14 && (i[(0, 1)] - 4.0 * 6.0 / 80.0).abs() < 1e-14,
+        "{i}"
+    );
+    let sphere = solids::geodesic_sphere(5, 1.0).unwrap();
+    assert!((sphere.volume() / (4.0 / 3.0 * std::f64::consts::PI) - 1.0).abs() < 1e-3);
+    assert!((sphere.inertia()[(1, 1)] / (0.4 * sphere.volume()) - 1.0).abs() < 1e-3);
+    // a needle in a general direction keeps all its digits
+    let turn = Rotation3::from_euler_angles(0.3, 0.7, 1.1);
+    let e = [
+        Vector3::new(1.0, 0.0, 0.0),
+        Vector3::new(0.0, 1e-7, 0.0),
+        Vector3::new(0.0, 0.0, 1e-7),
+    ]
+    .map(|v| turn * v);
+    let needle = [Vector3::zeros(), e[0], e[0] + e[1], e[0] + e[2]].map(Point3::from);
+    let body = ConvexPolyhedron::from_points(&needle).unwrap();
+    assert!((body.volume() / (1e-14 / 6.0) - 1.0).abs() < 1e-8);
+    assert!(body.inertia().iter().all(|x| x.is_finite()));
+}
+
+#[test]
+fn closest_points_are_optimal() {
+    let mut state = 3u64;
+    let mut next = || {
+        state = state
+            .wrapping_mul(6364136223846793005)
+            .wrapping_add(1442695040888963407);
+        (state >> 11) as f64 / (1u64 << 53) as f64 * 2.0 - 1.0
+    };
+    let bodies = [
+        solids::cuboid(Vector3::new(0.4, 0.7, 0.2)).unwrap(),
+        solids::random_hull(60, Vector3::new(1.0, 0.5, 1e-3), 1).unwrap(),
+        solids::cone(32, 0.5, 1.0).unwrap(),
+    ];
+    let (mut inside, mut outside) = (0, 0);
+    for body in &bodies {
+        for _ in 0..400 {
+            let p = Point3::new(next(), next(), next() * 0.3);
+            let q = body.closest_point(&p).unwrap();
+            if body.contains(&p) {
+                inside += 1;
+                assert_eq!(p, q);
+                continue;
+            }
+            outside += 1;
+            let (d, v) = ((p - q).norm(), body.extreme_vertex(&(p - q)));
+            let beyond = (p - q).dot(&(body.vertex(v).unwrap() - q)) / d;
+            assert!(beyond < 1e-14, "{p} {q} {beyond:e}");
+            assert!(body.faces().all(|f| {
+                let (n, offset) = body.face_plane(f).unwrap();
+                n.dot(&q.coords) <= offset + 1e-15
+            }));
+        }
+        let v = body.vertices().next().unwrap();
+        let far = body.closest_point(&Point3::new(1e300, -1e299, 1e298)).unwrap();
+        assert!(body.contains(&far) || far.coords.norm() < 2.0);
+        assert_eq!(body.closest_point(&body.vertex(v).unwrap()), body.vertex(v));
+        assert_eq!(body.closest_point(&Point3::new(f64::NAN, 0.0, 0.0)), None);
+        assert!(!body.contains(&Point3::new(f64::NAN, 0.0, 0.0)));
+    }
+    assert!(inside > 50 && outside > 500, "{inside} {outside}");
+}
+
+#[test]
+fn links_agree_and_foreign_ids_are_refused() {
+    let large = solids::random_hull(40, Vector3::repeat(1.0), 2).unwrap();
+    let small = solids::tetrahedron(1.0).unwrap();
+    assert_eq!(large.edges().count(), large.edge_count());
+    for e in large.edges() {
+        let [a, b] = large.edge_vertices(e).unwrap();
+        let [left, right] = large.edge_faces(e).unwrap();
+        assert!(large.vertex_neighbours(a).any(|v| v == b) && large.vertex_edges(b).any(|x| x == e));
+        for (face, from, to) in [(left, a, b), (right, b, a)] {
+            let rim: Vec<_> = large.face_vertices(face).collect();
+            let k = rim.iter().position(|v| *v == from).unwrap();
+            assert_eq!(rim[(k + 1) % rim.len()], to);
+            assert_eq!(large.face_edges(face).nth(k), Some(e));
+            assert!(large.vertex_faces(a).any(|f| f == face));
+        }
+    }
+    let (v, e, f) = (
+        large.vertices().last().unwrap(),
+        large.edges().last().unwrap(),
+        large.faces().last().unwrap(),
+    );
+    assert!(small.vertex(v).is_none() && small.source_vertex(v).is_none());
+    assert!(small.edge_vertices(e).is_none() && small.edge_faces(e).is_none());
+    assert!(small.face_plane(f).is_none() && small.source_face(f).is_none());
+    assert_eq!(small.face_vertices(f).count() + small.vertex_neighbours(v).count(), 0);
+    fn shared<T: Send + Sync>(_: &T) {}
+    shared(&small);
+}
+
+#[cfg(feature = "serde")]
+#[test]
+fn stored_bodies_come_back_bit_for_bit() {
+    let (points, faces) = cube();
+    let far: Points = points
+        .iter()
+        .map(|p| p * 1e-60 + Vector3::new(3e-50, 0.0, 7e-60))
+        .collect();
+    let bodies = [
+        ConvexPolyhedron::from_faces(&points, &faces).unwrap(),
+        ConvexPolyhedron::from_points(&far).unwrap(),
+        solids::random_hull(200, Vector3::new(1.0, 1e-3, 1e60), 1).unwrap(),
+        ConvexPolyhedron::point(points[3]).unwrap(),
+        ConvexPolyhedron::segment(points[7], points[0]).unwrap(),
+        ConvexPolyhedron::polygon(&points[..4]).unwrap(),
+        ConvexPolyhedron::polygon(&[points[2], points[1], points[0]]).unwrap(),
+    ];
+    for body in &bodies {
+        let text = serde_json::to_string(body).unwrap();
+        let back: ConvexPolyhedron = serde_json::from_str(&text).unwrap();
+        assert_eq!(format!("{body:?}"), format!("{back:?}"));
+    }
+    let text = serde_json::to_string(&bodies[0]).unwrap();
+    for (from, to) in [
+        ("[0.0,0.0,0.0],", ""),
+        ("[0.0,0.0,0.0]", "[0.5,0.5,0.5]"),
+        ("[0.0,0.0,0.0]", "[1e300,0.0,0.0]"),
+        ("\"source\":[0,", "\"source\":["),
+        ("\"polygon\":[]", "\"polygon\":[0,1,99]"),
+        ("\"polygon\":[]", "\"polygon\":[0,1,2]"),
+    ] {
+        assert!(text.contains(from), "{text}");
+        assert!(
+            serde_json::from_str::<ConvexPolyhedron>(&text.replacen(from, to, 1)).is_err(),
+            "{to}"
+        );
+    }
+}
