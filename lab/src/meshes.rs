@@ -85,30 +85,35 @@ fn read(path: &Path) -> Result<Mesh, Reason> {
     }
 }
 
-/// Text of an OBJ file; materials, normals and texture coordinates are passed over.
+/// Text of an OBJ file. Objects, groups, materials and curves are passed over, so that corners shared by several objects
+/// stay one point, and names in any encoding do no harm.
 fn parse_obj(bytes: Vec<u8>) -> Result<Mesh, Reason> {
-    let options = tobj::LoadOptions {
-        ignore_points: true,
-        ignore_lines: true,
-        ..Default::default()
+    let text = String::from_utf8_lossy(&bytes)
+        .replace("\\\r\n", " ")
+        .replace("\\\n", " ");
+    let known = |l: &&str| {
+        l.split_whitespace()
+            .next()
+            .is_some_and(|word| ["v", "vn", "vt", "f"].contains(&word))
     };
+    let plain: String = text.lines().filter(known).flat_map(|l| [l, "\n"]).collect();
     let no_materials = |_: &Path| Ok(Default::default());
-    let (models, _) =
-        tobj::load_obj_buf(&mut &bytes[..], &options, no_materials).map_err(|e| Reason::Malformed(e.to_string()))?;
+    let read = tobj::load_obj_buf(&mut plain.as_bytes(), &tobj::LoadOptions::default(), no_materials);
+    let (models, _) = read.map_err(|e| Reason::Malformed(e.to_string()))?;
+    let Some(m) = models.into_iter().next().map(|m| m.mesh) else {
+        return Err(Reason::Empty);
+    };
     let mut mesh = Mesh {
-        points: Vec::new(),
+        points: m.positions.as_chunks::<3>().0.to_vec(),
         faces: Vec::new(),
     };
-    for m in models.iter().map(|m| &m.mesh) {
-        let base = mesh.points.len() as u32;
-        mesh.points.extend(m.positions.as_chunks::<3>().0);
-        let mut rest = &m.indices[..];
-        let triangles = vec![3; if m.face_arities.is_empty() { rest.len() / 3 } else { 0 }];
-        for &n in m.face_arities.iter().chain(&triangles) {
-            let (face, after) = rest.split_at(n as usize);
-            mesh.faces.push(face.iter().map(|i| base + i).collect());
-            rest = after;
-        }
+    let mut rest = &m.indices[..];
+    // No sizes are given where all faces are triangles. Faces of one or two corners are points and edges.
+    let triangles = vec![3; if m.face_arities.is_empty() { rest.len() / 3 } else { 0 }];
+    for &n in m.face_arities.iter().chain(&triangles) {
+        let (face, after) = rest.split_at(n as usize);
+        mesh.faces.extend((n > 2).then(|| face.to_vec()));
+        rest = after;
     }
     Ok(mesh)
 }

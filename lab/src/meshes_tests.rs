@@ -49,10 +49,17 @@ fn obj_polygons_keep_their_corners_and_digits() {
 
 #[test]
 fn obj_of_several_objects_is_one_list() {
-    let two = format!("{OBJ}o second\nv 5 0 0\nv 6 0 0\nv 5 1 0\nf 6 7 8\n");
+    let two = format!("{OBJ}o\ng\nv 5 0 0\r\nv 6 0 \\\n 0\nv 5 1 0\nf 6 7 8\nl 1 2\n");
     let m = parse_obj(two.into()).unwrap();
     assert_eq!((m.points.len(), m.faces.len()), (8, 6));
     assert_eq!(m.points[m.faces[5][1] as usize], [6.0, 0.0, 0.0]);
+}
+
+#[test]
+fn obj_names_need_not_be_unicode() {
+    let mut bytes = b"# caf\xe9\no caf\xe9\nusemtl \xff\n".to_vec();
+    bytes.extend(OBJ.bytes());
+    assert_eq!(parse_obj(bytes).unwrap(), parse_obj(OBJ.into()).unwrap());
 }
 
 #[test]

@@ -4,6 +4,7 @@
 //! as in hue (Okabe and Ito 2008), so that they read in grey too.
 
 use plotters::coord::Shift;
+use plotters::coord::combinators::WithKeyPoints;
 use plotters::coord::ranged1d::{AsRangedCoord, ValueFormatter};
 use plotters::prelude::*;
 use std::path::Path;
@@ -21,6 +22,12 @@ const COLOURS: [RGBColor; 7] = [
 
 /// Dark grey of text and axes.
 const INK: RGBColor = RGBColor(40, 40, 40);
+
+/// Where a chart is drawn.
+type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+
+/// What the drawing library complains of.
+type Trouble<'a> = DrawingAreaErrorKind<<SVGBackend<'a> as DrawingBackend>::ErrorType>;
 
 /// How a series is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -144,21 +151,23 @@ impl Chart {
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), v| (lo.min(v), hi.max(v)));
         match (log, lo < hi) {
             _ if lo > hi => 1.0..10.0, // nothing to show
-            (true, true) => lo / (hi / lo).powf(margin)..hi * (hi / lo).powf(margin),
-            (true, false) => lo / 2.0..hi * 2.0,
+            (true, _) => {
+                // At least a factor of three, so that some numbers fall on the axis.
+                let wide = (3.0 * lo / hi).max(1.0).sqrt() * (hi / lo).powf(margin);
+                lo / wide..hi * wide
+            }
             (false, true) if from == Some(lo) => lo..hi + margin * (hi - lo),
             (false, true) => lo - margin * (hi - lo)..hi + margin * (hi - lo),
             (false, false) => lo - 0.5 - lo.abs() / 2.0..hi + 0.5 + hi.abs() / 2.0,
         }
     }
 
-    /// Writes the chart. Errors are the file's.
+    /// Writes the chart.
     ///
     /// # Errors
     /// What kept the file from being written, with its name.
     pub fn save(&self, path: impl AsRef<Path>) -> Result<(), String> {
-        let path = path.as_ref();
-        std::fs::write(path, self.svg()?).map_err(|e| format!("{}: {e}", path.display()))
+        save_stack(&[self], path)
     }
 
     /// The chart as SVG text.
@@ -166,34 +175,26 @@ impl Chart {
     /// # Errors
     /// What the drawing library has to complain of.
     pub fn svg(&self) -> Result<String, String> {
-        let mut text = String::new();
-        {
-            let root = SVGBackend::with_string(&mut text, self.size).into_drawing_area();
-            root.fill(&WHITE).map_err(|e| e.to_string())?;
-            let x = self.range(|p| p.0, self.log.0, 0.0, None);
-            let y = self.range(
-                |p| p.1,
-                self.log.1,
-                0.05,
-                (self.from_zero && !self.log.1).then_some(0.0),
-            );
-            let done = match self.log {
-                (false, false) => self.draw(&root, x, y),
-                (true, false) => self.draw(&root, x.log_scale(), y),
-                (false, true) => self.draw(&root, x, y.log_scale()),
-                (true, true) => self.draw(&root, x.log_scale(), y.log_scale()),
-            };
-            done.and_then(|()| root.present()).map_err(|e| e.to_string())?;
-        }
-        Ok(text)
+        stack(&[self])
     }
 
-    fn draw<'a, X, Y>(
-        &self,
-        root: &DrawingArea<SVGBackend<'a>, Shift>,
-        x: X,
-        y: Y,
-    ) -> Result<(), DrawingAreaErrorKind<<SVGBackend<'a> as DrawingBackend>::ErrorType>>
+    fn draw_on<'a>(&self, area: &Area<'a>) -> Result<(), Trouble<'a>> {
+        let x = self.range(|p| p.0, self.log.0, 0.0, None);
+        let y = self.range(
+            |p| p.1,
+            self.log.1,
+            0.05,
+            (self.from_zero && !self.log.1).then_some(0.0),
+        );
+        match self.log {
+            (false, false) => self.draw(area, x, y),
+            (true, false) => self.draw(area, log_axis(x), y),
+            (false, true) => self.draw(area, x, log_axis(y)),
+            (true, true) => self.draw(area, log_axis(x), log_axis(y)),
+        }
+    }
+
+    fn draw<'a, X, Y>(&self, area: &Area<'a>, x: X, y: Y) -> Result<(), Trouble<'a>>
     where
         X: AsRangedCoord<Value = f64>,
         Y: AsRangedCoord<Value = f64>,
@@ -201,7 +202,7 @@ impl Chart {
         Y::CoordDescType: ValueFormatter<f64>,
     {
         let font = |size: i32| ("sans-serif", size).into_font().color(&INK);
-        let mut chart = ChartBuilder::on(root)
+        let mut chart = ChartBuilder::on(area)
             .caption(&self.title, font(20))
             .margin(12)
             .x_label_area_size(48)
@@ -246,6 +247,63 @@ impl Chart {
     }
 }
 
+/// A logarithmic axis with numbers of our choice: the library marks powers of ten only, which a narrow axis may lack.
+fn log_axis(range: std::ops::Range<f64>) -> WithKeyPoints<LogCoord<f64>> {
+    let ticks = log_ticks(range.start, range.end);
+    range.log_scale().with_key_points(ticks)
+}
+
+/// Powers of ten, some ten at most, and where they are few some of their multiples.
+fn log_ticks(lo: f64, hi: f64) -> Vec<f64> {
+    let (first, last) = (lo.log10().floor() as i32, hi.log10().ceil() as i32);
+    let digits: &[f64] = match (hi / lo).log10() {
+        d if d < 1.0 => &[1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0],
+        d if d < 3.0 => &[1.0, 2.0, 5.0],
+        _ => &[1.0],
+    };
+    let step = 1 + (last - first) as usize / 10;
+    let powers = (first..=last).step_by(step).map(|e| 10f64.powi(e));
+    powers
+        .flat_map(|p| digits.iter().map(move |d| d * p))
+        .filter(|t| (lo..=hi).contains(t))
+        .collect()
+}
+
+/// Charts beneath one another as SVG text, as wide as the widest.
+///
+/// # Errors
+/// What the drawing library has to complain of.
+pub fn stack(charts: &[&Chart]) -> Result<String, String> {
+    let width = charts.iter().map(|c| c.size.0).max().unwrap_or(0);
+    let ends: Vec<u32> = charts
+        .iter()
+        .scan(0, |end, c| Some(std::mem::replace(end, *end + c.size.1) + c.size.1))
+        .collect();
+    let mut text = String::new();
+    {
+        let root = SVGBackend::with_string(&mut text, (width, *ends.last().unwrap_or(&0))).into_drawing_area();
+        let inner = || {
+            root.fill(&WHITE)?;
+            for (c, end) in charts.iter().zip(&ends) {
+                let from = (end - c.size.1) as i32;
+                c.draw_on(&root.clone().shrink((0, from), c.size))?;
+            }
+            root.present()
+        };
+        inner().map_err(|e| e.to_string())?;
+    }
+    Ok(text)
+}
+
+/// Writes charts beneath one another to a file: quantities of different units over the same time, say.
+///
+/// # Errors
+/// What kept the file from being written, with its name.
+pub fn save_stack(charts: &[&Chart], path: impl AsRef<Path>) -> Result<(), String> {
+    let path = path.as_ref();
+    std::fs::write(path, stack(charts)?).map_err(|e| format!("{}: {e}", path.display()))
+}
+
 /// A number of an axis: plain where that is short, else with an exponent.
 fn short(v: f64) -> String {
     let plain = v == 0.0 || (1e-3..1e5).contains(&v.abs());
@@ -255,55 +313,5 @@ fn short(v: f64) -> String {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn chart() -> Chart {
-        let points = (1..50).map(|i| (i as f64, (i * i) as f64));
-        Chart::new("squares & co")
-            .axes("n", "n^2")
-            .line("exact", points.clone())
-            .curve("twice", points.map(|(x, y)| (x, 2.0 * y)))
-    }
-
-    #[test]
-    fn all_four_kinds_of_axes_draw() {
-        for c in [
-            chart(),
-            chart().log_x(),
-            chart().log_y(),
-            chart().log_x().log_y().size(400, 300),
-        ] {
-            let svg = c.svg().unwrap();
-            assert!(svg.starts_with("<svg") && svg.trim_end().ends_with("</svg>"));
-            for word in ["squares &amp; co", "exact", "twice", "n^2", "polyline", "circle"] {
-                assert!(svg.contains(word), "{word}");
-            }
-            assert!(!svg.contains("NaN"));
-        }
-    }
-
-    #[test]
-    fn gaps_zeros_and_emptiness_do_no_harm() {
-        let c = Chart::new("gaps")
-            .log_y()
-            .line("l", [(0.0, 1.0), (1.0, f64::NAN), (2.0, 0.0), (3.0, 1e-9), (4.0, 1e9)]);
-        assert!(!c.svg().unwrap().contains("NaN"));
-        assert!(Chart::new("none").svg().is_ok());
-        assert!(Chart::new("none").log_x().log_y().line("l", []).svg().is_ok());
-        assert!(Chart::new("one").dots("d", [(1.0, 0.0)]).from_zero().svg().is_ok());
-    }
-
-    #[test]
-    fn numbers_are_short() {
-        assert_eq!(
-            [0.1 + 0.2, 0.0, 1e-9, 1200.0, 2e7].map(short),
-            ["0.3", "0", "1e-9", "1200", "2e7"]
-        );
-    }
-
-    #[test]
-    fn a_file_that_cannot_be_written_is_named() {
-        assert!(chart().save("/no/such/place/a.svg").unwrap_err().contains("a.svg"));
-    }
-}
+#[path = "plot_tests.rs"]
+mod tests;
