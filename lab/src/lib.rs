@@ -20,14 +20,19 @@
 //! answer); [`pose`] holds the pose and a few vector helpers.
 
 pub mod body;
+pub mod bound;
 pub mod brute_hull;
 pub mod exact;
+pub mod meshes;
 pub mod motion;
 pub mod parry;
+pub mod plot;
 pub mod pose;
+pub mod progress;
 pub mod rational;
 pub mod rng;
 pub mod shapes;
+pub mod suite;
 pub mod verdict;
 
 pub use body::Body;

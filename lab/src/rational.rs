@@ -56,16 +56,16 @@ pub fn common(a: &[[RBig; 3]], b: &[[RBig; 3]]) -> (Vec<IntVec>, Vec<IntVec>, UB
     (each(a), each(b), den)
 }
 
-/// `sqrt(x)` for `x >= 0`: correctly rounded, and what rounding lost (rounded again, good to 70 bits of the whole).
+/// `sqrt(x)` for `x >= 0`: correctly rounded, and what rounding lost, rounded too.
 pub fn sqrt(x: &RBig) -> (f64, f64) {
     if x.is_zero() {
         return (0.0, 0.0);
     }
-    // Scale by 4^h so that the integer root has at least 130 bits; a last bit stands for all that is below it,
+    // Scale by 4^h so that the integer root has at least 200 bits; a last bit stands for all that is below it,
     // so that rounding sees on which side of a tie the true root lies.
     let (num, den) = (x.numerator().abs_ref(), x.denominator());
     let bits = num.bit_len() as i64 - den.bit_len() as i64;
-    let h = ((262 - bits).max(0) / 2) as usize;
+    let h = ((402 - bits).max(0) / 2) as usize;
     let (m, rest) = (num << (2 * h)).div_rem(den);
     let root = m.sqrt();
     let inexact = !rest.is_zero() || &root * &root != m;

@@ -56,7 +56,7 @@ pub struct Exact {
     pub class: Class,
     /// Signed distance, correctly rounded: minus the depth when overlapping.
     pub distance: f64,
-    /// What rounding `distance` lost: `distance + remainder` is good to 100 bits, the range of doubles permitting.
+    /// What rounding `distance` lost: `distance + remainder` is good to 106 bits, the range of doubles permitting.
     pub remainder: f64,
     /// The exact square of the signed distance.
     pub squared: RBig,

@@ -1,6 +1,7 @@
 //! Every body is what its name says.
 
 use super::*;
+use crate::pose::{cross, dot, sub};
 use std::collections::HashMap;
 
 /// Every side of every face is met once in each direction, and V - E + F is 2 over the points that are used.
