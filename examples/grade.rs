@@ -58,7 +58,14 @@ fn options() -> Option<Options> {
         }
     }
     let [file, part, start] = <[String; 3]>::try_from(rest).ok()?;
-    Some(Options { level, mesh, cold, file, part, start: start.parse().ok()? })
+    Some(Options {
+        level,
+        mesh,
+        cold,
+        file,
+        part,
+        start: start.parse().ok()?,
+    })
 }
 
 /// A pose from the numbers of the file: taken as they are where they are a rotation, else divided by the norm.
@@ -66,7 +73,11 @@ fn pose(p: &lab::Pose) -> Isometry3<f64> {
     let [x, y, z, w] = p.q;
     let q = Quaternion::new(w, x, y, z);
     let unit = (q.norm_squared() - 1.0).abs() <= 1e-12;
-    let q = if unit { UnitQuaternion::new_unchecked(q) } else { UnitQuaternion::new_normalize(q) };
+    let q = if unit {
+        UnitQuaternion::new_unchecked(q)
+    } else {
+        UnitQuaternion::new_normalize(q)
+    };
     Isometry3::from_parts(Translation3::new(p.t[0], p.t[1], p.t[2]), q)
 }
 
@@ -95,8 +106,19 @@ fn answer(
     let (class, distance, on_a, on_b, normal, layer) = match level {
         Level::Walk => {
             let p = tracker.propose(a, b, &relative);
-            let class = if p.distance.is_some() { Class::Separated } else { Class::Overlapping };
-            (class, p.distance.unwrap_or(0.0), p.point_on_a, p.point_on_b, p.normal, p.layer)
+            let class = if p.distance.is_some() {
+                Class::Separated
+            } else {
+                Class::Overlapping
+            };
+            (
+                class,
+                p.distance.unwrap_or(0.0),
+                p.point_on_a,
+                p.point_on_b,
+                p.normal,
+                p.layer,
+            )
         }
         Level::Certified => {
             let o = tracker.closest(a, b, &relative);
@@ -166,14 +188,19 @@ fn run(o: &Options) -> Result<(), Box<dyn std::error::Error>> {
         Level::Certified => "certified",
         Level::Exact => "exact",
     };
-    writeln!(part, "# engine lin-canny {level}\n# signed no\n# witness local\n# normal yes\n# distance yes")?;
+    writeln!(
+        part,
+        "# engine lin-canny {level}\n# signed no\n# witness local\n# normal yes\n# distance yes"
+    )?;
     let mut bodies: HashMap<usize, Option<ConvexPolyhedron>> = HashMap::new();
     let (mut tracker, mut sequence, mut layers, mut seen) = (Tracker::new(), None, Layers::default(), 0);
     for line in Reader::open(&o.file)? {
         match line? {
             Line::Header(_) => {}
             Line::Shape(s) => {
-                let built = body(&s.shape, o.mesh).inspect_err(|e| eprintln!("shape {}: {e}", s.id)).ok();
+                let built = body(&s.shape, o.mesh)
+                    .inspect_err(|e| eprintln!("shape {}: {e}", s.id))
+                    .ok();
                 bodies.insert(s.id, built);
             }
             Line::Case(case) => {
@@ -185,7 +212,10 @@ fn run(o: &Options) -> Result<(), Box<dyn std::error::Error>> {
                 if seen <= o.start {
                     continue;
                 }
-                let (a, b) = (bodies.get(&case.a).and_then(Option::as_ref), bodies.get(&case.b).and_then(Option::as_ref));
+                let (a, b) = (
+                    bodies.get(&case.a).and_then(Option::as_ref),
+                    bodies.get(&case.b).and_then(Option::as_ref),
+                );
                 let text = match (a, b) {
                     (Some(a), Some(b)) => answer(&mut tracker, o.level, a, b, &case, &mut layers)?,
                     _ => format!("{} noshape - - - - - - - - - - -\n", case.id),

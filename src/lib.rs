@@ -13,8 +13,6 @@ mod tracker;
 
 pub use closest::outcome::{Class, Distance, Layer, Outcome, Proposal, Work};
 pub use nalgebra;
-pub use polyhedron::{
-    BuildError, BuildReport, ConvexPolyhedron, EdgeId, FaceId, Feature, FeaturePair, VertexId,
-};
+pub use polyhedron::{BuildError, BuildReport, ConvexPolyhedron, EdgeId, FaceId, Feature, FeaturePair, VertexId};
 pub use pose::{PoseError, RelativePose, Which};
 pub use tracker::{Totals, Tracker};

@@ -75,7 +75,10 @@ impl Placement {
     #[inline]
     fn new(pose: &Isometry3<f64>) -> Self {
         let (q, t) = (&pose.rotation.coords, &pose.translation.vector);
-        Self { q: [q.x, q.y, q.z, q.w], t: [t.x, t.y, t.z] }
+        Self {
+            q: [q.x, q.y, q.z, q.w],
+            t: [t.x, t.y, t.z],
+        }
     }
 
     #[inline]
@@ -85,7 +88,11 @@ impl Placement {
 
     fn check(&self, body: Which, norm_squared: f64) -> Result<(), PoseError> {
         if let Some(axis) = (0..3).find(|&k| !self.t[k].is_finite()) {
-            return Err(PoseError::Translation { body, axis, value: self.t[axis] });
+            return Err(PoseError::Translation {
+                body,
+                axis,
+                value: self.t[axis],
+            });
         }
         // NaN fails the comparison and is refused.
         if (norm_squared - 1.0).abs() <= POSE_UNIT {
@@ -118,11 +125,20 @@ impl RelativePose {
         let (axis, w) = (-Vector3::new(a.q[0], a.q[1], a.q[2]), a.q[3]);
         let c = axis.cross(&offset);
         let translation = offset + (c * w + axis.cross(&c)) * (2.0 / na);
-        let pose = Self { rotation: relative_rotation(&a.q, &b.q), translation, a, b };
+        let pose = Self {
+            rotation: relative_rotation(&a.q, &b.q),
+            translation,
+            a,
+            b,
+        };
         // Two finite translations can still be further apart than f64 reaches.
         match (0..3).find(|&k| !translation[k].is_finite()) {
             None => Ok(pose),
-            Some(axis) => Err(PoseError::Translation { body: Which::B, axis, value: translation[axis] }),
+            Some(axis) => Err(PoseError::Translation {
+                body: Which::B,
+                axis,
+                value: translation[axis],
+            }),
         }
     }
 
@@ -212,11 +228,18 @@ mod tests {
         let nan = Isometry3::from_parts(Translation3::new(0.0, f64::NAN, 0.0), UnitQuaternion::identity());
         assert!(matches!(
             RelativePose::new(&one, &nan),
-            Err(PoseError::Translation { body: Which::B, axis: 1, .. })
+            Err(PoseError::Translation {
+                body: Which::B,
+                axis: 1,
+                ..
+            })
         ));
         let long = UnitQuaternion::new_unchecked(Quaternion::new(1.0 + 1e-9, 0.0, 0.0, 0.0));
         let long = Isometry3::from_parts(Translation3::identity(), long);
-        assert!(matches!(RelativePose::new(&long, &one), Err(PoseError::Rotation { body: Which::A, .. })));
+        assert!(matches!(
+            RelativePose::new(&long, &one),
+            Err(PoseError::Rotation { body: Which::A, .. })
+        ));
         let far = |x| Isometry3::translation(x, 0.0, 0.0);
         assert!(RelativePose::new(&far(-1.7e308), &far(1.7e308)).is_err());
     }

@@ -94,7 +94,10 @@ impl Tracker {
 
     /// A tracker that starts from the given features; those that are not the bodies' own are ignored.
     pub fn starting_from(features: FeaturePair, a: &ConvexPolyhedron, b: &ConvexPolyhedron) -> Self {
-        Self { last: State::from_features(a, b, features), totals: Totals::default() }
+        Self {
+            last: State::from_features(a, b, features),
+            totals: Totals::default(),
+        }
     }
 
     /// The features of the last answer.
@@ -131,9 +134,19 @@ impl Tracker {
         match self.solve(a, b, a_from_b, closest::certified) {
             Solved::Answer(x) => {
                 let unit = power_of_two(a.exponent.max(b.exponent));
-                Distance { class: x.class, value: x.distance * unit, lower: x.lower * unit, upper: x.upper * unit }
+                Distance {
+                    class: x.class,
+                    value: x.distance * unit,
+                    lower: x.lower * unit,
+                    upper: x.upper * unit,
+                }
             }
-            Solved::Outcome(o) => Distance { class: o.class, value: o.distance, lower: o.lower, upper: o.upper },
+            Solved::Outcome(o) => Distance {
+                class: o.class,
+                value: o.distance,
+                lower: o.lower,
+                upper: o.upper,
+            },
         }
     }
 

@@ -34,14 +34,26 @@ impl<'a> Edge<'a> {
         let e = body.topology.half_edge(edge);
         let twin = body.topology.half_edge(e.twin);
         let (p, q) = (body.points[twin.to as usize], body.points[e.to as usize]);
-        Self { name: edge, tail: twin.to, head: e.to, left: e.face, right: twin.face, p, q, body }
+        Self {
+            name: edge,
+            tail: twin.to,
+            head: e.to,
+            left: e.face,
+            right: twin.face,
+            p,
+            q,
+            body,
+        }
     }
 
     /// How far `t` leaves the face on the left and on the right behind, for a normal turned by `sign`: both are weights
     /// of the normal over the planes and not negative inside.
     #[inline]
     fn weights(&self, t: &Vector3<f64>, sign: f64) -> (f64, f64) {
-        let (l, r) = (&self.body.planes[self.left as usize], &self.body.planes[self.right as usize]);
+        let (l, r) = (
+            &self.body.planes[self.left as usize],
+            &self.body.planes[self.right as usize],
+        );
         (-sign * t.dot(&r.normal), sign * t.dot(&l.normal))
     }
 }
@@ -104,22 +116,54 @@ pub(crate) fn look<const CERTIFY: bool>(placed: &Placed, a: u32, b: u32) -> Step
     } else {
         f64::NEG_INFINITY
     };
-    Step::Found(Found { normal, point_a, point_b, distance, lower })
+    Step::Found(Found {
+        normal,
+        point_a,
+        point_b,
+        distance,
+        lower,
+    })
 }
 
 /// Slides the edge of B over a face of A, downhill from `start` (A's frame).
 fn over_face_of_a(p: &Placed, e: &Edge, face: u32, rim: u32, start: &Vector3<f64>, w: &Vector3<f64>) -> Step {
     let rising = p.a.planes[face as usize].normal.dot(w) > 0.0;
-    let half_edge = if rising { e.body.topology.half_edge(e.name).twin } else { e.name };
-    slide(&p.b_beside_a(), Which::B, &Slide { half_edge, start: *start, face, from_rim: Some(rim) })
+    let half_edge = if rising {
+        e.body.topology.half_edge(e.name).twin
+    } else {
+        e.name
+    };
+    slide(
+        &p.b_beside_a(),
+        Which::B,
+        &Slide {
+            half_edge,
+            start: *start,
+            face,
+            from_rim: Some(rim),
+        },
+    )
 }
 
 /// Slides the edge of A over a face of B, downhill from `start` (A's frame).
 fn over_face_of_b(p: &Placed, e: &Edge, face: u32, rim: u32, start: &Vector3<f64>, u: &Vector3<f64>) -> Step {
     let rising = p.b.planes[face as usize].normal.dot(u) > 0.0;
-    let half_edge = if rising { e.body.topology.half_edge(e.name).twin } else { e.name };
+    let half_edge = if rising {
+        e.body.topology.half_edge(e.name).twin
+    } else {
+        e.name
+    };
     let start = p.b_from_a.point(start);
-    slide(&p.a_beside_b(), Which::A, &Slide { half_edge, start, face, from_rim: Some(rim) })
+    slide(
+        &p.a_beside_b(),
+        Which::A,
+        &Slide {
+            half_edge,
+            start,
+            face,
+            from_rim: Some(rim),
+        },
+    )
 }
 
 /// The nearest pair of points of the two segments where at least one of them is an end: clamp on A's edge, project on
@@ -151,8 +195,16 @@ fn ends(ea: &Edge, eb: &Edge, r: &Vector3<f64>, u: &Vector3<f64>, w: &Vector3<f6
     };
     match (end(ea, s), end(eb, t)) {
         (Some(a), Some(b)) => State::VertexVertex { a, b },
-        (Some(vertex), None) => State::VertexEdge { of: Which::A, vertex, edge: eb.name },
-        (None, Some(vertex)) => State::VertexEdge { of: Which::B, vertex, edge: ea.name },
+        (Some(vertex), None) => State::VertexEdge {
+            of: Which::A,
+            vertex,
+            edge: eb.name,
+        },
+        (None, Some(vertex)) => State::VertexEdge {
+            of: Which::B,
+            vertex,
+            edge: ea.name,
+        },
         // A projection that is NaN or at neither end: the tails stand in.
         (None, None) => State::VertexVertex { a: ea.tail, b: eb.tail },
     }

@@ -27,7 +27,11 @@ const SUPPORTS: u32 = 64;
 pub(crate) enum Minimum<T> {
     /// The origin is outside, or on the surface up to rounding: `direction . w / |direction|` is at least `lower` over
     /// the whole difference (its error term still to be taken off).
-    Outside { simplex: Simplex<T>, lower: T, direction: Vec3<T> },
+    Outside {
+        simplex: Simplex<T>,
+        lower: T,
+        direction: Vec3<T>,
+    },
     /// The tetrahedron holds the origin, proven.
     Inside { simplex: Simplex<T> },
 }
@@ -70,7 +74,11 @@ pub(crate) fn solve_from<T: Scalar>(placed: &Placed, frame: &Frame<T>, a: u32, b
         }
         simplex = next;
     }
-    Minimum::Outside { simplex, lower, direction }
+    Minimum::Outside {
+        simplex,
+        lower,
+        direction,
+    }
 }
 
 /// Square root to the precision of f64 and, in double-double, one Newton step further.
@@ -81,7 +89,10 @@ fn root<T: Scalar>(x: T) -> T {
 
 fn corner<T: Scalar>(placed: &Placed, frame: &Frame<T>, a: u32, b: u32) -> Corner<T> {
     let p = placed.a.points[a as usize];
-    let w = sub(&[T::from(p.x), T::from(p.y), T::from(p.z)], &frame.point(&placed.b.points[b as usize]));
+    let w = sub(
+        &[T::from(p.x), T::from(p.y), T::from(p.z)],
+        &frame.point(&placed.b.points[b as usize]),
+    );
     Corner { a, b, w }
 }
 

@@ -18,7 +18,10 @@ impl ConvexPolyhedron {
     #[inline]
     pub(crate) fn fan_minimum(&self, v: u32, n: &Vector3<f64>) -> Fan {
         let p = self.points[v as usize];
-        let mut fan = Fan { least: f64::INFINITY, half_edge: 0 };
+        let mut fan = Fan {
+            least: f64::INFINITY,
+            half_edge: 0,
+        };
         for (h, e) in self.topology.fan(v).zip(self.topology.fan_edges(v)) {
             let c = n.dot(&(self.points[e.to as usize] - p));
             if c < fan.least {

@@ -60,14 +60,19 @@ pub(crate) fn certified_walk(placed: &Placed, start: State, layer: Layer, work: 
     let walk = walk::walk::<true>(placed, start);
     work.steps += walk.steps;
     work.certificates += 1;
-    let Some(found) = walk.found else { return Err(walk.state) };
+    let Some(found) = walk.found else {
+        return Err(walk.state);
+    };
     let agree = AGREE * placed.size();
     // Comparisons are written so that NaN refuses.
     if found.distance - found.lower <= agree {
         return separated(placed, walk.state, &found, layer, work);
     }
     let (a, b) = walk.state.vertices_of(placed.a, placed.b);
-    let found = Found { lower: certificate::supports(placed, &found.normal, a, b), ..found };
+    let found = Found {
+        lower: certificate::supports(placed, &found.normal, a, b),
+        ..found
+    };
     if found.distance - found.lower <= agree {
         return separated(placed, walk.state, &found, layer, work);
     }
@@ -118,7 +123,9 @@ pub(crate) fn proposed(placed: &Placed, start: Option<State>) -> Answer {
     let mut work = Work::default();
     let walk = walk::walk::<false>(placed, start.unwrap_or_else(|| seed::facing(placed)));
     work.steps += walk.steps;
-    let Some(found) = walk.found else { return refine::unchecked(placed, walk.state, &mut work) };
+    let Some(found) = walk.found else {
+        return refine::unchecked(placed, walk.state, &mut work);
+    };
     Answer {
         class: Class::Separated,
         distance: found.distance,

@@ -89,8 +89,18 @@ impl<'a> Placed<'a> {
         Ok(Self {
             a,
             b,
-            a_from_b: Map { matrix, translation, size, unit: 1.0 },
-            b_from_a: Map { matrix: back, translation: -(back * translation), size: size / scale, unit: scale },
+            a_from_b: Map {
+                matrix,
+                translation,
+                size,
+                unit: 1.0,
+            },
+            b_from_a: Map {
+                matrix: back,
+                translation: -(back * translation),
+                size: size / scale,
+                unit: scale,
+            },
             pose,
         })
     }
@@ -104,13 +114,23 @@ impl<'a> Placed<'a> {
     /// A as `x`, B as `y`.
     #[inline]
     pub(crate) fn a_beside_b(&self) -> Sides<'_> {
-        Sides { x: self.a, y: self.b, y_from_x: &self.b_from_a, x_from_y: &self.a_from_b }
+        Sides {
+            x: self.a,
+            y: self.b,
+            y_from_x: &self.b_from_a,
+            x_from_y: &self.a_from_b,
+        }
     }
 
     /// B as `x`, A as `y`.
     #[inline]
     pub(crate) fn b_beside_a(&self) -> Sides<'_> {
-        Sides { x: self.b, y: self.a, y_from_x: &self.a_from_b, x_from_y: &self.b_from_a }
+        Sides {
+            x: self.b,
+            y: self.a,
+            y_from_x: &self.a_from_b,
+            x_from_y: &self.b_from_a,
+        }
     }
 }
 
@@ -161,7 +181,10 @@ impl Frame<DoubleDouble> {
         let scale = DoubleDouble::from(power_of_two(b.exponent - a.exponent));
         let columns: [[DoubleDouble; 3]; 3] =
             core::array::from_fn(|c| apply(&ra, &core::array::from_fn(|r| rb[r][c] * scale)));
-        Some(Self { matrix: transposed(&columns), translation })
+        Some(Self {
+            matrix: transposed(&columns),
+            translation,
+        })
     }
 }
 

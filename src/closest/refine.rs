@@ -38,7 +38,12 @@ pub(crate) fn refine(placed: &Placed, state: State, warm: bool, work: &mut Work)
 #[cold]
 pub(crate) fn unchecked(placed: &Placed, state: State, work: &mut Work) -> Answer {
     work.fallbacks += 1;
-    answer(placed, &solve(placed, &Frame::of(&placed.a_from_b), state), Layer::Fallback, work)
+    answer(
+        placed,
+        &solve(placed, &Frame::of(&placed.a_from_b), state),
+        Layer::Fallback,
+        work,
+    )
 }
 
 /// The double-double layer and what follows it.
@@ -58,7 +63,14 @@ pub(crate) fn doubled(placed: &Placed, state: State, work: &mut Work) -> Answer 
     }
     #[cfg(not(feature = "exact"))]
     {
-        Answer { class: if fine.is_narrow(placed.size()) { Class::Touching } else { Class::Undecided }, ..fine }
+        Answer {
+            class: if fine.is_narrow(placed.size()) {
+                Class::Touching
+            } else {
+                Class::Undecided
+            },
+            ..fine
+        }
     }
 }
 
@@ -80,7 +92,12 @@ pub(crate) fn sharpen(placed: &Placed, certified: Answer) -> Answer {
             // Rounding takes half a unit; what is left open must not take the other half.
             if gap <= 0.25 * (d - d.next_down()) {
                 let fine = answer(placed, &minimum, Layer::DoubleDouble, &work);
-                return Answer { distance: d, lower: d.next_down(), upper: d.next_up(), ..fine };
+                return Answer {
+                    distance: d,
+                    lower: d.next_down(),
+                    upper: d.next_up(),
+                    ..fine
+                };
             }
         }
     }
@@ -112,20 +129,55 @@ fn answer<T: Scalar>(placed: &Placed, minimum: &Minimum<T>, layer: Layer, work: 
             let state = features(placed, simplex);
             let (point_a, point_b) = witnesses(placed, simplex);
             // The direction has no meaning inside; any unit vector serves.
-            let blank = Answer { class: Class::Overlapping, distance: 0.0, lower: f64::NEG_INFINITY, ..zero(state) };
-            Answer { upper: 0.0, point_a, point_b, layer, work: *work, ..blank }
+            let blank = Answer {
+                class: Class::Overlapping,
+                distance: 0.0,
+                lower: f64::NEG_INFINITY,
+                ..zero(state)
+            };
+            Answer {
+                upper: 0.0,
+                point_a,
+                point_b,
+                layer,
+                work: *work,
+                ..blank
+            }
         }
-        Minimum::Outside { simplex, lower, direction: d } => {
+        Minimum::Outside {
+            simplex,
+            lower,
+            direction: d,
+        } => {
             let distance = root(simplex.squared);
             let lower = outward(*lower, -term);
             let upper = outward(distance, term);
-            let class = if lower > 0.0 { Class::Separated } else { Class::Undecided };
+            let class = if lower > 0.0 {
+                Class::Separated
+            } else {
+                Class::Undecided
+            };
             let (point_a, point_b) = witnesses(placed, simplex);
             let normal = Vector3::new(-d[0].value(), -d[1].value(), -d[2].value());
-            let normal = if normal.norm_squared() > 0.0 { normal } else { Vector3::x() };
+            let normal = if normal.norm_squared() > 0.0 {
+                normal
+            } else {
+                Vector3::x()
+            };
             let distance = distance.value().clamp(lower.max(0.0), upper.max(0.0));
             let state = features(placed, simplex);
-            Answer { class, distance, lower, upper, state, point_a, point_b, normal, layer, work: *work }
+            Answer {
+                class,
+                distance,
+                lower,
+                upper,
+                state,
+                point_a,
+                point_b,
+                normal,
+                layer,
+                work: *work,
+            }
         }
     }
 }
@@ -152,7 +204,15 @@ pub(super) fn undecided(placed: &Placed, state: State, work: &Work) -> Answer {
     let (point_a, point_b) = (placed.a.points[a as usize], placed.b.points[b as usize]);
     let normal = placed.a_from_b.point(&point_b) - point_a;
     let upper = crate::scalar::sqrt(normal.norm_squared()) + CERTIFICATE * UNIT * placed.size();
-    Answer { upper, distance: upper, point_a, point_b, normal, work: *work, ..zero(state) }
+    Answer {
+        upper,
+        distance: upper,
+        point_a,
+        point_b,
+        normal,
+        work: *work,
+        ..zero(state)
+    }
 }
 
 /// `x + by`, rounded away from `x` by the last place, in f64.
@@ -166,7 +226,11 @@ fn root<T: Scalar>(x: T) -> T {
         return T::from(0.0);
     }
     let r = T::from(crate::scalar::sqrt(x.value()));
-    if r > T::from(0.0) { (r + x / r) * T::from(0.5) } else { r }
+    if r > T::from(0.0) {
+        (r + x / r) * T::from(0.5)
+    } else {
+        r
+    }
 }
 
 /// The convex combinations of the corners' vertices, each in its body's stored frame.
@@ -179,7 +243,10 @@ fn witnesses<T: Scalar>(placed: &Placed, simplex: &Simplex<T>) -> (Vector3<f64>,
             on_b[k] = on_b[k] + w * T::from(q[k]);
         }
     }
-    (Vector3::from(on_a.map(|c| c.value())), Vector3::from(on_b.map(|c| c.value())))
+    (
+        Vector3::from(on_a.map(|c| c.value())),
+        Vector3::from(on_b.map(|c| c.value())),
+    )
 }
 
 /// The smallest features that hold the corners' vertices.
@@ -197,14 +264,38 @@ pub(super) fn state_of(placed: &Placed, a: &[u32], b: &[u32]) -> State {
     use Hull::{Edge, Face, Vertex};
     match (fa, fb) {
         (Vertex(a), Vertex(b)) => State::VertexVertex { a, b },
-        (Vertex(vertex), Edge(edge)) => State::VertexEdge { of: Which::A, vertex, edge },
-        (Edge(edge), Vertex(vertex)) => State::VertexEdge { of: Which::B, vertex, edge },
-        (Vertex(vertex), Face(face)) => State::VertexFace { of: Which::A, vertex, face },
-        (Face(face), Vertex(vertex)) => State::VertexFace { of: Which::B, vertex, face },
+        (Vertex(vertex), Edge(edge)) => State::VertexEdge {
+            of: Which::A,
+            vertex,
+            edge,
+        },
+        (Edge(edge), Vertex(vertex)) => State::VertexEdge {
+            of: Which::B,
+            vertex,
+            edge,
+        },
+        (Vertex(vertex), Face(face)) => State::VertexFace {
+            of: Which::A,
+            vertex,
+            face,
+        },
+        (Face(face), Vertex(vertex)) => State::VertexFace {
+            of: Which::B,
+            vertex,
+            face,
+        },
         (Edge(a), Edge(b)) => State::EdgeEdge { a, b },
         // An edge over a face, or two faces: parallel features, of which a vertex over the face is closest too.
-        (Face(face), _) => State::VertexFace { of: Which::B, vertex: b[0], face },
-        (_, Face(face)) => State::VertexFace { of: Which::A, vertex: a[0], face },
+        (Face(face), _) => State::VertexFace {
+            of: Which::B,
+            vertex: b[0],
+            face,
+        },
+        (_, Face(face)) => State::VertexFace {
+            of: Which::A,
+            vertex: a[0],
+            face,
+        },
     }
 }
 
@@ -220,7 +311,9 @@ impl ConvexPolyhedron {
     /// holds them all.
     fn feature_of(&self, vertices: &[u32]) -> Hull {
         let v = vertices[0];
-        let Some(&w) = vertices.iter().find(|&&w| w != v) else { return Hull::Vertex(v) };
+        let Some(&w) = vertices.iter().find(|&&w| w != v) else {
+            return Hull::Vertex(v);
+        };
         let t = &self.topology;
         if vertices.iter().all(|&x| x == v || x == w) {
             if let Some(h) = t.fan(v).find(|&h| t.half_edge(h).to == w) {

@@ -32,7 +32,13 @@ impl<T: Scalar> Simplex<T> {
     /// One corner.
     pub(crate) fn vertex(c: Corner<T>) -> Self {
         let one = T::from(1.0);
-        Self { corners: [c; 4], weights: [one; 4], len: 1, direction: c.w, squared: dot(&c.w, &c.w) }
+        Self {
+            corners: [c; 4],
+            weights: [one; 4],
+            len: 1,
+            direction: c.w,
+            squared: dot(&c.w, &c.w),
+        }
     }
 
     fn edge(p: Corner<T>, q: Corner<T>) -> Self {
@@ -51,7 +57,13 @@ impl<T: Scalar> Simplex<T> {
         let along = dot(&v, &d) / dd;
         v = sub(&v, &scaled(&d, along));
         let weights = [T::from(1.0) - s, s, zero, zero];
-        Self { corners: [p, q, q, q], weights, len: 2, direction: v, squared: dot(&v, &v) }
+        Self {
+            corners: [p, q, q, q],
+            weights,
+            len: 2,
+            direction: v,
+            squared: dot(&v, &v),
+        }
     }
 
     fn triangle(p: Corner<T>, q: Corner<T>, r: Corner<T>) -> Self {
@@ -77,7 +89,13 @@ impl<T: Scalar> Simplex<T> {
         let weights = [w[0] / sum, w[1] / sum, w[2] / sum, zero];
         let direction = if height < zero { neg(&n) } else { n };
         let squared = height * height / dot(&n, &n);
-        Self { corners: [p, q, r, r], weights, len: 3, direction, squared }
+        Self {
+            corners: [p, q, r, r],
+            weights,
+            len: 3,
+            direction,
+            squared,
+        }
     }
 
     /// Four corners: the origin inside (`len` 4, proven against rounding for corners no longer than `size`), or the
@@ -104,7 +122,13 @@ impl<T: Scalar> Simplex<T> {
         }
         best.unwrap_or_else(|| {
             let sum = volume[0] + volume[1] + volume[2] + volume[3];
-            Self { corners: c, weights: volume.map(|v| v / sum), len: 4, direction: [zero; 3], squared: zero }
+            Self {
+                corners: c,
+                weights: volume.map(|v| v / sum),
+                len: 4,
+                direction: [zero; 3],
+                squared: zero,
+            }
         })
     }
 

@@ -26,13 +26,20 @@ pub(crate) fn slide(sides: &Sides, of: Which, s: &Slide) -> Step {
     let way = sides.y_from_x.point(&sides.x.points[end as usize]) - s.start;
     let plane = &sides.y.planes[s.face as usize];
     let mut first = 1.0;
-    let mut to = State::VertexFace { of, vertex: end, face: s.face };
+    let mut to = State::VertexFace {
+        of,
+        vertex: end,
+        face: s.face,
+    };
     for h in y.rim(s.face) {
         let e = y.half_edge(h);
         if s.from_rim == Some(h.min(e.twin)) {
             continue;
         }
-        let (p, q) = (sides.y.points[y.half_edge(e.twin).to as usize], sides.y.points[e.to as usize]);
+        let (p, q) = (
+            sides.y.points[y.half_edge(e.twin).to as usize],
+            sides.y.points[e.to as usize],
+        );
         let inward = plane.normal.cross(&(q - p));
         let speed = inward.dot(&way);
         if speed < 0.0 {
@@ -43,5 +50,9 @@ pub(crate) fn slide(sides: &Sides, of: Which, s: &Slide) -> Step {
         }
     }
     let (height, fall) = (plane.normal.dot(&s.start) - plane.offset, plane.normal.dot(&way));
-    if height + first * fall <= 0.0 { Step::Lost } else { Step::Move(to) }
+    if height + first * fall <= 0.0 {
+        Step::Lost
+    } else {
+        Step::Move(to)
+    }
 }

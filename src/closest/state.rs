@@ -98,12 +98,31 @@ impl State {
         (a.has(pair.a) && b.has(pair.b)).then_some(())?;
         Some(match (pair.a, pair.b) {
             (Feature::Vertex(v), Feature::Vertex(w)) => State::VertexVertex { a: v.0, b: w.0 },
-            (Feature::Vertex(v), Feature::Edge(e)) => State::VertexEdge { of: Which::A, vertex: v.0, edge: e.0 },
-            (Feature::Edge(e), Feature::Vertex(v)) => State::VertexEdge { of: Which::B, vertex: v.0, edge: e.0 },
-            (Feature::Vertex(v), Feature::Face(f)) => State::VertexFace { of: Which::A, vertex: v.0, face: f.0 },
-            (Feature::Face(f), Feature::Vertex(v)) => State::VertexFace { of: Which::B, vertex: v.0, face: f.0 },
+            (Feature::Vertex(v), Feature::Edge(e)) => State::VertexEdge {
+                of: Which::A,
+                vertex: v.0,
+                edge: e.0,
+            },
+            (Feature::Edge(e), Feature::Vertex(v)) => State::VertexEdge {
+                of: Which::B,
+                vertex: v.0,
+                edge: e.0,
+            },
+            (Feature::Vertex(v), Feature::Face(f)) => State::VertexFace {
+                of: Which::A,
+                vertex: v.0,
+                face: f.0,
+            },
+            (Feature::Face(f), Feature::Vertex(v)) => State::VertexFace {
+                of: Which::B,
+                vertex: v.0,
+                face: f.0,
+            },
             (Feature::Edge(e), Feature::Edge(g)) => State::EdgeEdge { a: e.0, b: g.0 },
-            (x, y) => State::VertexVertex { a: a.first_vertex(x), b: b.first_vertex(y) },
+            (x, y) => State::VertexVertex {
+                a: a.first_vertex(x),
+                b: b.first_vertex(y),
+            },
         })
     }
 
@@ -111,8 +130,16 @@ impl State {
     pub(crate) fn swapped(self) -> Self {
         match self {
             State::VertexVertex { a, b } => State::VertexVertex { a: b, b: a },
-            State::VertexEdge { of, vertex, edge } => State::VertexEdge { of: of.other(), vertex, edge },
-            State::VertexFace { of, vertex, face } => State::VertexFace { of: of.other(), vertex, face },
+            State::VertexEdge { of, vertex, edge } => State::VertexEdge {
+                of: of.other(),
+                vertex,
+                edge,
+            },
+            State::VertexFace { of, vertex, face } => State::VertexFace {
+                of: of.other(),
+                vertex,
+                face,
+            },
             State::EdgeEdge { a, b } => State::EdgeEdge { a: b, b: a },
         }
     }

@@ -16,7 +16,12 @@ use crate::tolerance::{DIFFERENCE, ON_BOUNDARY};
 
 #[inline]
 pub(crate) fn look<const CERTIFY: bool>(sides: &Sides, of: Which, vertex: u32, edge: u32) -> Step {
-    let Sides { x: body, y: other, y_from_x, x_from_y } = *sides;
+    let Sides {
+        x: body,
+        y: other,
+        y_from_x,
+        x_from_y,
+    } = *sides;
     let e = other.topology.half_edge(edge);
     let twin = other.topology.half_edge(e.twin);
     let (p, q) = (other.points[twin.to as usize], other.points[e.to as usize]);
@@ -62,7 +67,19 @@ pub(crate) fn look<const CERTIFY: bool>(sides: &Sides, of: Which, vertex: u32, e
     let distance = distance * y_from_x.unit;
     let on_x = body.points[vertex as usize];
     Step::Found(match of {
-        Which::A => Found { normal: -x_from_y.vector(&d), point_a: on_x, point_b: foot, distance, lower },
-        Which::B => Found { normal: d, point_a: foot, point_b: on_x, distance, lower },
+        Which::A => Found {
+            normal: -x_from_y.vector(&d),
+            point_a: on_x,
+            point_b: foot,
+            distance,
+            lower,
+        },
+        Which::B => Found {
+            normal: d,
+            point_a: foot,
+            point_b: on_x,
+            distance,
+            lower,
+        },
     })
 }

@@ -11,7 +11,12 @@ use crate::tolerance::{DIFFERENCE, DIRECTION, ON_BOUNDARY};
 
 #[inline]
 pub(crate) fn look<const CERTIFY: bool>(sides: &Sides, of: Which, vertex: u32, face: u32) -> Step {
-    let Sides { x: body, y: other, y_from_x, x_from_y } = *sides;
+    let Sides {
+        x: body,
+        y: other,
+        y_from_x,
+        x_from_y,
+    } = *sides;
     let x = y_from_x.point(&body.points[vertex as usize]);
     let plane = &other.planes[face as usize];
     let size = y_from_x.size;
@@ -26,7 +31,16 @@ pub(crate) fn look<const CERTIFY: bool>(sides: &Sides, of: Which, vertex: u32, f
     let n = y_from_x.direction(&plane.normal);
     let fan = body.fan_minimum(vertex, &n);
     if let Some(h) = body.descent(vertex, &fan, DIRECTION) {
-        return slide(sides, of, &Slide { half_edge: h, start: x, face, from_rim: None });
+        return slide(
+            sides,
+            of,
+            &Slide {
+                half_edge: h,
+                start: x,
+                face,
+                from_rim: None,
+            },
+        );
     }
     let lower = if CERTIFY && body.proves_lowest(&fan, &n) {
         (plane.normal.dot(&x) - plane.offset) * y_from_x.unit
@@ -36,8 +50,20 @@ pub(crate) fn look<const CERTIFY: bool>(sides: &Sides, of: Which, vertex: u32, f
     let distance = height * y_from_x.unit;
     let (on_x, foot) = (body.points[vertex as usize], x - plane.normal * height);
     Step::Found(match of {
-        Which::A => Found { normal: -x_from_y.vector(&plane.normal), point_a: on_x, point_b: foot, distance, lower },
-        Which::B => Found { normal: plane.normal, point_a: foot, point_b: on_x, distance, lower },
+        Which::A => Found {
+            normal: -x_from_y.vector(&plane.normal),
+            point_a: on_x,
+            point_b: foot,
+            distance,
+            lower,
+        },
+        Which::B => Found {
+            normal: plane.normal,
+            point_a: foot,
+            point_b: on_x,
+            distance,
+            lower,
+        },
     })
 }
 

@@ -59,7 +59,13 @@ pub(crate) fn walk<const CERTIFY: bool>(placed: &Placed, start: State) -> Walk {
                 jumps += 1;
                 next
             }
-            Step::Found(found) => return Walk { state, found: Some(found), steps },
+            Step::Found(found) => {
+                return Walk {
+                    state,
+                    found: Some(found),
+                    steps,
+                };
+            }
             Step::Jump(_) | Step::Lost => break,
         };
         if steps >= 8 {
@@ -75,7 +81,11 @@ pub(crate) fn walk<const CERTIFY: bool>(placed: &Placed, start: State) -> Walk {
         }
         state = next;
     }
-    Walk { state, found: None, steps }
+    Walk {
+        state,
+        found: None,
+        steps,
+    }
 }
 
 /// Round bodies take about sqrt(n) steps from anywhere; twice the sum of both and a constant leaves room.

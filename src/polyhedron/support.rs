@@ -72,7 +72,10 @@ impl ConvexPolyhedron {
 
     /// The extreme vertex along `n`, proven: visits every vertex that may tie with the one climbed to.
     pub(crate) fn extreme(&self, n: &Vector3<f64>, hint: u32) -> Extreme {
-        let mut best = Extreme { vertex: 0, value: f64::NEG_INFINITY };
+        let mut best = Extreme {
+            vertex: 0,
+            value: f64::NEG_INFINITY,
+        };
         self.extremes(n, hint, 0.0, |v, value| {
             if value > best.value || (value == best.value && v < best.vertex) {
                 best = Extreme { vertex: v, value };

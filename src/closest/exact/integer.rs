@@ -13,7 +13,11 @@ pub(super) type Big3 = [IBig; 3];
 fn odd_part(x: f64) -> (i64, i32) {
     let bits = x.to_bits();
     let (field, fraction) = (((bits >> 52) & 0x7ff) as i32, (bits & ((1 << 52) - 1)) as i64);
-    let (m, e) = if field == 0 { (fraction, -1074) } else { (fraction | 1 << 52, field - 1075) };
+    let (m, e) = if field == 0 {
+        (fraction, -1074)
+    } else {
+        (fraction | 1 << 52, field - 1075)
+    };
     let zeros = m.trailing_zeros();
     let m = m >> zeros;
     (if x < 0.0 { -m } else { m }, e + zeros as i32)
@@ -38,7 +42,11 @@ pub(super) fn dot(a: &Big3, b: &Big3) -> IBig {
 }
 
 pub(super) fn cross(a: &Big3, b: &Big3) -> Big3 {
-    [&a[1] * &b[2] - &a[2] * &b[1], &a[2] * &b[0] - &a[0] * &b[2], &a[0] * &b[1] - &a[1] * &b[0]]
+    [
+        &a[1] * &b[2] - &a[2] * &b[1],
+        &a[2] * &b[0] - &a[0] * &b[2],
+        &a[0] * &b[1] - &a[1] * &b[0],
+    ]
 }
 
 pub(super) fn sub(a: &Big3, b: &Big3) -> Big3 {
@@ -83,7 +91,11 @@ pub(super) fn root(num: &UBig, den: &UBig, e: i32) -> f64 {
     let mantissa = (root << 1) | UBig::from(u8::from(inexact));
     let cut = mantissa.bit_len().saturating_sub(900);
     let low_bits = cut > 0 && mantissa.trailing_zeros().is_some_and(|z| z < cut);
-    let mantissa = if cut > 0 { (mantissa >> cut) | UBig::from(u8::from(low_bits)) } else { mantissa };
+    let mantissa = if cut > 0 {
+        (mantissa >> cut) | UBig::from(u8::from(low_bits))
+    } else {
+        mantissa
+    };
     let exponent = e - h as i32 - 1 + cut as i32;
     // In halves, so that neither factor leaves the range of powers of two.
     mantissa.to_f64().value() * power_of_two(exponent / 2) * power_of_two(exponent - exponent / 2)
@@ -98,7 +110,11 @@ mod tests {
         for x in [1.0, -0.1, 1e-300, 5e-324, 1.7e308, 3.0] {
             let e = lowest_bit([x, 1.0]).unwrap();
             let back = integer(x, e);
-            let (num, den) = if e < 0 { (back, IBig::ONE << (-e) as usize) } else { (back << e as usize, IBig::ONE) };
+            let (num, den) = if e < 0 {
+                (back, IBig::ONE << (-e) as usize)
+            } else {
+                (back << e as usize, IBig::ONE)
+            };
             if x.abs() <= 1.0 && x > 0.0 && x > 1e-290 {
                 assert_eq!(fraction(&num, &den), x);
             }

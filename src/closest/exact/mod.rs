@@ -65,11 +65,19 @@ impl<'a> Turned<'a> {
         let [x, y, z, w] = *q;
         let unit = nalgebra::UnitQuaternion::new_unchecked(nalgebra::Quaternion::new(w, x, y, z));
         let matrix = rows.map(|row| row.map(|m| m * factor));
-        Self { body, matrix, rounded: unit.to_rotation_matrix().into_inner() }
+        Self {
+            body,
+            matrix,
+            rounded: unit.to_rotation_matrix().into_inner(),
+        }
     }
 
     fn vector(&self, v: &Big3) -> Big3 {
-        [dot(&self.matrix[0], v), dot(&self.matrix[1], v), dot(&self.matrix[2], v)]
+        [
+            dot(&self.matrix[0], v),
+            dot(&self.matrix[1], v),
+            dot(&self.matrix[2], v),
+        ]
     }
 
     fn given(&self, v: u32, exponent: i32) -> Big3 {
@@ -89,7 +97,10 @@ impl<'a> Turned<'a> {
         let mut best: Option<(IBig, u32)> = None;
         self.body.extremes(&local, hint, slack, |v, _| {
             let height = dot(n, &self.point(v, exponent));
-            if best.as_ref().is_none_or(|(top, u)| height > *top || (height == *top && v < *u)) {
+            if best
+                .as_ref()
+                .is_none_or(|(top, u)| height > *top || (height == *top && v < *u))
+            {
                 best = Some((height, v));
             }
         });
@@ -111,9 +122,8 @@ impl<'a> Pair<'a> {
         let translations = pose.a.t.into_iter().chain(pose.b.t);
         let exponent = lowest_bit(given(a).chain(given(b)).chain(translations)).unwrap_or(0);
         let denominator = &na * &nb;
-        let offset = [0, 1, 2].map(|k| {
-            (integer(pose.b.t[k], exponent) - integer(pose.a.t[k], exponent)) * &denominator
-        });
+        let offset =
+            [0, 1, 2].map(|k| (integer(pose.b.t[k], exponent) - integer(pose.a.t[k], exponent)) * &denominator);
         Self {
             a: Turned::new(a, &pose.a.q, rows_a, &nb),
             b: Turned::new(b, &pose.b.q, rows_b, &na),
@@ -126,7 +136,11 @@ impl<'a> Pair<'a> {
     /// The point `a - b` of the difference.
     fn corner(&self, a: u32, b: u32) -> Corner {
         let (p, q) = (self.a.point(a, self.exponent), self.b.point(b, self.exponent));
-        Corner { a, b, w: sub(&sub(&p, &q), &self.offset) }
+        Corner {
+            a,
+            b,
+            w: sub(&sub(&p, &q), &self.offset),
+        }
     }
 
     /// The corner greatest along `n`.
@@ -147,7 +161,13 @@ impl<'a> Pair<'a> {
             edges.extend(self.b.edges(c.b, self.exponent).iter().map(neg));
             edges
         };
-        locate(&Set { highest: &|n| self.highest(n, hint), edges: &edges }, at)
+        locate(
+            &Set {
+                highest: &|n| self.highest(n, hint),
+                edges: &edges,
+            },
+            at,
+        )
     }
 }
 
@@ -155,7 +175,9 @@ impl<'a> Pair<'a> {
 pub(crate) fn answer(placed: &Placed, state: State, work: &Work) -> Answer {
     let hint = state.vertices_of(placed.a, placed.b);
     let pair = Pair::new(placed.a, placed.b, placed.pose);
-    let Some(at) = pair.nearest(hint) else { return refine::undecided(placed, state, work) };
+    let Some(at) = pair.nearest(hint) else {
+        return refine::undecided(placed, state, work);
+    };
     let (point_a, point_b) = witnesses(&pair, &at);
     let (mut a, mut b) = ([0; 4], [0; 4]);
     for (k, c) in at.kept.iter().enumerate().take(4) {
@@ -167,7 +189,13 @@ pub(crate) fn answer(placed: &Placed, state: State, work: &Work) -> Answer {
         match pair.locate(&at, hint) {
             // P = A - B lies below the normal: A's side is behind, so the normal points from A to B.
             Origin::Boundary(n) => (Class::Touching, 0.0, 0.0, 0.0, n),
-            Origin::Interior => (Class::Overlapping, 0.0, f64::NEG_INFINITY, 0.0, [IBig::ONE, IBig::ZERO, IBig::ZERO]),
+            Origin::Interior => (
+                Class::Overlapping,
+                0.0,
+                f64::NEG_INFINITY,
+                0.0,
+                [IBig::ONE, IBig::ZERO, IBig::ZERO],
+            ),
         }
     } else {
         let d = distance(&pair, &at) / placed.a.unit();
@@ -175,7 +203,18 @@ pub(crate) fn answer(placed: &Placed, state: State, work: &Work) -> Answer {
     };
     let normal = pair.a.rounded.tr_mul(&direction(&normal));
     let layer = Layer::Exact;
-    Answer { class, distance, lower, upper, state, point_a, point_b, normal, layer, work: *work }
+    Answer {
+        class,
+        distance,
+        lower,
+        upper,
+        state,
+        point_a,
+        point_b,
+        normal,
+        layer,
+        work: *work,
+    }
 }
 
 /// The distance in the caller's units, correctly rounded.

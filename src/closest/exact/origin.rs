@@ -57,7 +57,9 @@ fn on_plane(highest: &dyn Fn(&Big3) -> Corner, n: Big3) -> Origin {
 /// plane of `e` and `f`. The directions that no point found so far rules out are those from `start`, turning left, to
 /// `end`; `start` is tried and moved until it supports or nothing is left.
 fn on_line(highest: &dyn Fn(&Big3) -> Corner, d: &Big3) -> Origin {
-    let axis = (0..3).find(|&k| d[(k + 1) % 3] != IBig::ZERO || d[(k + 2) % 3] != IBig::ZERO).unwrap_or(0);
+    let axis = (0..3)
+        .find(|&k| d[(k + 1) % 3] != IBig::ZERO || d[(k + 2) % 3] != IBig::ZERO)
+        .unwrap_or(0);
     let mut unit = [IBig::ZERO, IBig::ZERO, IBig::ZERO];
     unit[axis] = IBig::ONE;
     let e = cross(d, &unit);
@@ -88,9 +90,19 @@ fn on_line(highest: &dyn Fn(&Big3) -> Corner, d: &Big3) -> Origin {
 /// The origin is a corner of the set: a normal must not rise along any of its edges, so the question is where the
 /// origin lies in the hull of the edge directions.
 fn at_vertex(edges: &[Big3]) -> Origin {
-    let corner = |k: usize| Corner { a: k as u32, b: 0, w: edges[k].clone() };
+    let corner = |k: usize| Corner {
+        a: k as u32,
+        b: 0,
+        w: edges[k].clone(),
+    };
     let highest = |n: &Big3| {
-        let top = (1..edges.len()).fold(0, |top, k| if dot(n, &edges[k]) > dot(n, &edges[top]) { k } else { top });
+        let top = (1..edges.len()).fold(0, |top, k| {
+            if dot(n, &edges[k]) > dot(n, &edges[top]) {
+                k
+            } else {
+                top
+            }
+        });
         corner(top)
     };
     if edges.is_empty() {
@@ -99,10 +111,18 @@ fn at_vertex(edges: &[Big3]) -> Origin {
     let lowest = |n: &Big3| highest(&neg(n));
     let first = corner(0);
     let normal = neg(&first.w);
-    let Some(at) = minimize([first].into(), &lowest) else { return Origin::Boundary(normal) };
+    let Some(at) = minimize([first].into(), &lowest) else {
+        return Origin::Boundary(normal);
+    };
     if is_zero(&at.direction) {
         // No edge is zero, so the origin is not a corner of their hull and this goes no deeper.
-        locate(&Set { highest: &highest, edges: &|_| Vec::new() }, &at)
+        locate(
+            &Set {
+                highest: &highest,
+                edges: &|_| Vec::new(),
+            },
+            &at,
+        )
     } else {
         Origin::Boundary(neg(&at.direction))
     }

@@ -112,13 +112,19 @@ pub(super) fn nearest(corners: &[Corner]) -> Option<Nearest> {
         for mask in (1u32..1 << n).filter(|m| m.count_ones() as usize == size) {
             let chosen = |k: &usize| mask & 1 << k != 0;
             let subset: Vec<&Corner> = (0..n).filter(chosen).map(|k| &corners[k]).collect();
-            let Some((weights, sum, direction)) = inside(&subset) else { continue };
+            let Some((weights, sum, direction)) = inside(&subset) else {
+                continue;
+            };
             let base = dot(&direction, &subset[0].w);
-            let supports =
-                is_zero(&direction) || (0..n).all(|k| chosen(&k) || dot(&direction, &corners[k].w) >= base);
+            let supports = is_zero(&direction) || (0..n).all(|k| chosen(&k) || dot(&direction, &corners[k].w) >= base);
             if supports {
                 let kept = subset.into_iter().cloned().collect();
-                return Some(Nearest { kept, weights, sum, direction });
+                return Some(Nearest {
+                    kept,
+                    weights,
+                    sum,
+                    direction,
+                });
             }
         }
     }
