@@ -117,3 +117,8 @@ pub const EXACT_FILTER: f64 = 128.0 * UNIT;
 /// From beyond `2^60` radii a body's closest point depends on the direction only, to `2^-60` of its size: below
 /// rounding.
 pub(crate) const FAR_POINT: f64 = (1u64 << 60) as f64;
+
+/// Error of a bound by two faces, in units of their weights times the radius: `m = alpha nL + beta nR` has two
+/// roundings a coordinate relative to `alpha + beta` (3.5 UNIT as a vector), `s m` one more, and the weighted sum of the
+/// offsets three, each at most the radius.
+pub const EDGE_BOUND: f64 = 8.0 * UNIT;

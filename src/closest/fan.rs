@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 
 use crate::polyhedron::{ConvexPolyhedron, Plane};
-use crate::tolerance::EDGE_SIGN;
+use crate::tolerance::{EDGE_BOUND, EDGE_SIGN};
 
 /// The edge of a vertex's fan along which a direction rises least.
 pub(crate) struct Fan {
@@ -54,14 +54,16 @@ impl ConvexPolyhedron {
     ///
     /// `n . x = s m . x + (n - s m) . x <= s (alpha oL + beta oR) + |n - s m| r`  for every `s >= 0`.
     ///
-    /// The rest `n - s m` is evaluated, never assumed small, so the bound holds whatever the weights.
+    /// The rest `n - s m` is evaluated, never assumed small, so the bound holds whatever the weights. Where `m` cancels
+    /// (thin bodies), its rounding and that of the offsets' sum grow with the weights; the last term covers both.
     #[inline]
     pub(crate) fn edge_bound(&self, n: &Vector3<f64>, left: &Plane, right: &Plane, alpha: f64, beta: f64) -> f64 {
         let (alpha, beta) = (alpha.max(0.0), beta.max(0.0));
         let m = left.normal * alpha + right.normal * beta;
         let s = m.dot(n) / m.norm_squared();
         let rest = n - m * s;
-        let bound = s * (alpha * left.offset + beta * right.offset) + rest.abs().sum() * self.radius;
+        let weights = s * (alpha + beta) * EDGE_BOUND;
+        let bound = s * (alpha * left.offset + beta * right.offset) + (rest.abs().sum() + weights) * self.radius;
         // A zero m or a negative s proves nothing; the comparison is false for NaN.
         if s >= 0.0 { bound } else { f64::INFINITY }
     }
