@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 
+use super::fan::one_norm;
 use super::placed::Sides;
 use super::slide::{Slide, slide};
 use super::state::{Found, State, Step};
@@ -10,42 +11,29 @@ use crate::pose::Which;
 use crate::scalar::sqrt;
 use crate::tolerance::{DIFFERENCE, DIRECTION, ON_BOUNDARY};
 
-#[inline]
-pub(crate) fn look<const CERTIFY: bool>(sides: &Sides, of: Which, vertex: u32, face: u32) -> Step {
-    let Sides {
-        x: body,
-        y: other,
-        y_from_x,
-        x_from_y,
-    } = *sides;
-    let x = y_from_x.point(&body.points[vertex as usize]);
+// Not inlined: the walk's loop would hoist the loads of every kind of pair and spill them.
+#[inline(never)]
+pub(crate) fn look<const CERTIFY: bool, S: Sides>(sides: &S, vertex: u32, face: u32, found: &mut Found) -> Step {
+    let (body, other) = (sides.x(), sides.y());
+    let on_x = body.points[vertex as usize];
+    let x = sides.point_in_y(&on_x);
     let plane = &other.planes[face as usize];
-    let size = y_from_x.size;
-    let rim = rim_side(other, face, &plane.normal, &x, DIFFERENCE * size);
+    let size = sides.size();
+    let (rim, corner) = rim_side(other, face, &plane.normal, &x, DIFFERENCE * size);
     if let Rim::Outside(edge) = rim {
-        return Step::Move(State::VertexEdge { of, vertex, edge });
+        return Step::Move(State::VertexEdge { of: S::OF, vertex, edge });
     }
-    let on_rim = other.points[other.topology.half_edge(other.topology.rim_start(face)).to as usize];
-    let height = plane.normal.dot(&(x - on_rim));
+    let height = plane.normal.dot(&(x - corner));
     if height <= ON_BOUNDARY * size {
-        return behind(other, of, vertex, face, &x, ON_BOUNDARY * size);
+        return behind(other, S::OF, vertex, face, &x, ON_BOUNDARY * size);
     }
-    let n = y_from_x.direction(&plane.normal);
+    let n = sides.direction_in_x(&plane.normal);
     let fan = body.fan_minimum(vertex, &n);
     if let Some(h) = body.descent(vertex, &fan, DIRECTION) {
-        return slide(
-            sides,
-            of,
-            &Slide {
-                half_edge: h,
-                start: x,
-                face,
-                from_rim: None,
-            },
-        );
+        return slide(sides, &Slide { half_edge: h, start: x, face, from_rim: None });
     }
     let lower = if CERTIFY && body.proves_lowest(&fan, &n) {
-        (plane.normal.dot(&x) - plane.offset) * y_from_x.unit
+        (plane.normal.dot(&x) - plane.offset) * sides.unit()
     } else {
         f64::NEG_INFINITY
     };
@@ -53,23 +41,10 @@ pub(crate) fn look<const CERTIFY: bool>(sides: &Sides, of: Which, vertex: u32, f
         Rim::Grazes(edge) => onto_edge(other, edge, &x),
         _ => (x - plane.normal * height, height),
     };
-    let (on_x, distance) = (body.points[vertex as usize], height * y_from_x.unit);
-    Step::Found(match of {
-        Which::A => Found {
-            normal: -x_from_y.vector(&plane.normal),
-            point_a: on_x,
-            point_b: foot,
-            distance,
-            lower,
-        },
-        Which::B => Found {
-            normal: plane.normal,
-            point_a: foot,
-            point_b: on_x,
-            distance,
-            lower,
-        },
-    })
+    let (point_a, point_b) = S::witnesses(on_x, foot);
+    let normal = sides.normal(&plane.normal);
+    *found = Found { normal, point_a, point_b, distance: height * sides.unit(), lower };
+    Step::Found
 }
 
 /// Where a point is beside the side planes of a face.
@@ -82,9 +57,15 @@ enum Rim {
     Outside(u32),
 }
 
-/// Looks at the side planes of `face` from `x`; `noise` is what rounding may do to a length.
+/// Looks at the side planes of `face` from `x`; `noise` is what rounding may do to a length. Returns a corner too.
 #[inline]
-fn rim_side(body: &ConvexPolyhedron, face: u32, n: &Vector3<f64>, x: &Vector3<f64>, noise: f64) -> Rim {
+fn rim_side(
+    body: &ConvexPolyhedron,
+    face: u32,
+    n: &Vector3<f64>,
+    x: &Vector3<f64>,
+    noise: f64,
+) -> (Rim, Vector3<f64>) {
     // No edge is longer than the diameter, and the 1-norm is less than twice the length.
     let close = 4.0 * noise * body.radius;
     let start = body.topology.rim_start(face);
@@ -97,7 +78,7 @@ fn rim_side(body: &ConvexPolyhedron, face: u32, n: &Vector3<f64>, x: &Vector3<f6
         let u = to - from;
         let side = n.cross(&u).dot(&(x - to));
         if side < close {
-            let slack = noise * u.abs().sum();
+            let slack = noise * one_norm(&u);
             let signed = side * side.abs() / u.norm_squared();
             if side < slack && signed < furthest {
                 let edge = h.min(e.twin);
@@ -111,7 +92,7 @@ fn rim_side(body: &ConvexPolyhedron, face: u32, n: &Vector3<f64>, x: &Vector3<f6
         }
         (from, h) = (to, e.next);
         if h == start {
-            return rim;
+            return (rim, from);
         }
     }
 }
