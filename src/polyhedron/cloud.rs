@@ -8,6 +8,9 @@ use crate::double_double::two_sum;
 use crate::scalar::sqrt;
 use crate::tolerance::{EXPONENT_FREE, EXTENT_MAX, EXTENT_MIN, FLUSH_EXPONENT};
 
+/// Most points accepted: a body of n vertices has fewer than 6 n half-edges, each with a 32-bit number.
+const POINTS_MAX: usize = 1 << 29;
+
 /// Distinct points in stored coordinates, in Morton order, so that neighbours in space are neighbours in memory.
 pub(crate) struct Cloud {
     pub(crate) points: Vec<Vector3<f64>>,
@@ -35,7 +38,7 @@ pub(crate) fn exponent_of(x: f64) -> i32 {
 impl Cloud {
     /// Of the points named by `indices`, which must exist; `needed` is the least count accepted.
     pub(crate) fn new(given: &[Point3<f64>], indices: Vec<u32>, needed: usize) -> Result<Self, BuildError> {
-        if given.len() >= u32::MAX as usize {
+        if given.len() > POINTS_MAX {
             return Err(BuildError::TooMany { count: given.len() });
         }
         if let Some(&index) = indices
