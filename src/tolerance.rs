@@ -50,3 +50,7 @@ pub(crate) const NEAR_PLANE: f64 = 16.0 * UNIT;
 /// From beyond `2^60` radii a body's closest point depends on the direction only, to `2^-60` of its size: below
 /// rounding.
 pub(crate) const FAR_POINT: f64 = (1u64 << 60) as f64;
+
+/// Error of a rounded `n . (b - a)` relative to the sum of `|n_k| |b_k - a_k|`: difference, product and two sums, one
+/// UNIT each; the fifth covers the second order and the rounding of the sum itself.
+pub(crate) const DOT_ERROR: f64 = 5.0 * UNIT;

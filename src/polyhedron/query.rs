@@ -5,7 +5,7 @@ use nalgebra::{Point3, Vector3};
 use super::sign::{projection, turn};
 use super::{ConvexPolyhedron, VertexId};
 use crate::scalar::sqrt;
-use crate::tolerance::{FAR_POINT, NEAR_PLANE};
+use crate::tolerance::{DOT_ERROR, FAR_POINT, NEAR_PLANE};
 
 impl ConvexPolyhedron {
     /// A vertex farthest along a direction of any length; among equals the lowest. Vertex 0 for a direction that is
@@ -131,24 +131,25 @@ impl ConvexPolyhedron {
     }
 
     /// A vertex farthest along `direction` but for rounding, by climbing from `start`: a linear function has no other
-    /// local maximum on a convex body.
+    /// local maximum on a convex body. Only steps that are up for certain are taken, so it cannot run in circles.
     pub(crate) fn climb(&self, direction: &Vector3<f64>, start: u32) -> u32 {
+        let sizes = direction.abs();
         let mut v = start;
-        for _ in 0..self.points.len() {
+        loop {
             let here = self.points[v as usize];
             let mut best = (v, 0.0);
             for e in self.topology.fan_edges(v) {
-                let up = direction.dot(&(self.points[e.to as usize] - here));
+                let edge = self.points[e.to as usize] - here;
+                let up = direction.dot(&edge) - DOT_ERROR * sizes.dot(&edge.abs());
                 if up > best.1 {
                     best = (e.to, up);
                 }
             }
             if best.0 == v {
-                break;
+                return v;
             }
             v = best.0;
         }
-        v
     }
 }
 
