@@ -27,6 +27,21 @@ impl ConvexPolyhedron {
     /// [`report`](Self::report). Vertices are numbered along a space-filling curve, whatever the order of the input.
     /// Time is near `n log n`.
     ///
+    /// ```
+    /// use lin_canny::polyhedron::{BuildError, ConvexPolyhedron};
+    /// use nalgebra::Point3;
+    ///
+    /// let corners = [[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [0., 0., 1.], [0.1, 0.1, 0.1]];
+    /// let body = ConvexPolyhedron::from_points(&corners.map(Point3::from))?;
+    /// assert_eq!((body.vertex_count(), body.edge_count(), body.face_count()), (4, 6, 4));
+    /// assert_eq!(body.report().interior, [4]);
+    ///
+    /// let flat = [0, 1, 2, 0].map(|i: usize| Point3::from(corners[i]));
+    /// let flat = ConvexPolyhedron::from_points(&flat);
+    /// assert!(matches!(flat, Err(BuildError::Flat { dimension: 2, .. })));
+    /// # Ok::<(), BuildError>(())
+    /// ```
+    ///
     /// # Errors
     ///
     /// Fewer than four points, a coordinate that is not finite, an extent outside 1e-100..1e100, or points that are all

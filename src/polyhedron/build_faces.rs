@@ -24,6 +24,21 @@ impl ConvexPolyhedron {
     /// one face of the body; [`source_face`](Self::source_face) leads back. Equal points are taken for one, points no
     /// face uses are ignored and listed in [`report`](Self::report).
     ///
+    /// ```
+    /// use lin_canny::polyhedron::{BuildError, ConvexPolyhedron};
+    /// use nalgebra::Point3;
+    ///
+    /// let corners = [[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [0., 0., 1.]].map(Point3::from);
+    /// let mut faces = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+    /// let body = ConvexPolyhedron::from_faces(&corners, &faces)?;
+    /// assert!(body.faces().all(|f| body.source_face(f).is_some()));
+    ///
+    /// faces[1].reverse();
+    /// let error = ConvexPolyhedron::from_faces(&corners, &faces).unwrap_err();
+    /// assert_eq!(error, BuildError::WrongOrientation { face: 1 });
+    /// # Ok::<(), BuildError>(())
+    /// ```
+    ///
     /// # Errors
     ///
     /// Those of [`from_points`](Self::from_points), and every way in which faces fail to be the surface of a convex
