@@ -13,7 +13,7 @@ use super::cloud::{Cloud, power_of_two};
 use super::error::BuildError;
 use super::plane::{plane, widest_corners};
 use super::source_faces::source_faces;
-use crate::tolerance::PLANARITY;
+use crate::tolerance::{DOT_ERROR, PLANARITY};
 
 const NONE: u32 = u32::MAX;
 
@@ -172,7 +172,12 @@ impl Mesh {
     }
 
     pub(crate) fn face(&self, f: usize) -> &[u32] {
-        &self.corners[self.first[f] as usize..self.first[f + 1] as usize]
+        &self.corners[self.corners_of(f)]
+    }
+
+    /// Where the corners of a face stand.
+    pub(crate) fn corners_of(&self, f: usize) -> core::ops::Range<usize> {
+        self.first[f] as usize..self.first[f + 1] as usize
     }
 
     fn name(&self, place: u32) -> usize {
@@ -218,14 +223,14 @@ impl Mesh {
         if normal == Vector3::zeros() {
             return Err(BuildError::FaceWithoutArea { face: f });
         }
-        // Corners may turn either way where the face is not convex; the area of the whole face has the right sign.
-        let around = rim.iter().zip(rim.iter().cycle().skip(1));
+        // Corners may turn either way where the face is not convex; the area of the whole face has the right sign, unless
+        // it is a sliver at rounding level.
         let at = |v: &u32| cloud.points[*v as usize] - a;
-        if around
-            .fold(Vector3::zeros(), |sum, (p, q)| sum + at(p).cross(&at(q)))
-            .dot(&normal)
-            < 0.0
-        {
+        let around = rim.iter().zip(rim.iter().cycle().skip(1)).map(|(p, q)| (at(p), at(q)));
+        let (area, error) = around.fold((0.0, 0.0), |(area, error), (p, q)| {
+            (area + p.cross(&q).dot(&normal), error + DOT_ERROR * p.norm() * q.norm())
+        });
+        if area < -4.0 * error {
             normal = -normal;
         }
         let off = |v: u32| normal.dot(&(cloud.points[v as usize] - a)).abs();

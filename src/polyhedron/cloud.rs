@@ -113,6 +113,11 @@ pub(crate) fn bounding_box<'a>(points: impl IntoIterator<Item = &'a Vector3<f64>
         .fold(start, |(low, high), p| (low.inf(p), high.sup(p)))
 }
 
+/// Stored coordinates below this count as zero, by half the diagonal of the stored box.
+pub(crate) fn flush_below(radius: f64) -> f64 {
+    power_of_two(exponent_of(radius) - FLUSH_EXPONENT)
+}
+
 /// Origin, exponent and the magnitude below which a stored coordinate becomes zero.
 fn placement(given: &[Point3<f64>], indices: &[u32]) -> Result<(Vector3<f64>, i32, f64), BuildError> {
     let all = || indices.iter().map(|&i| &given[i as usize].coords);
@@ -140,7 +145,7 @@ fn placement(given: &[Point3<f64>], indices: &[u32]) -> Result<(Vector3<f64>, i3
     });
     let size = exponent_of(radius);
     let exponent = if size.abs() <= EXPONENT_FREE { 0 } else { size };
-    Ok((origin, exponent, power_of_two(size - exponent - FLUSH_EXPONENT)))
+    Ok((origin, exponent, flush_below(radius * power_of_two(-exponent))))
 }
 
 /// Positions of `points` along the Morton curve of their bounding box; equal points follow each other by index.

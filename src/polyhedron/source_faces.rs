@@ -9,7 +9,7 @@ use super::build_faces::Mesh;
 
 const NONE: u32 = u32::MAX;
 
-/// A corner where more faces meet than this is looked at only if no other corner names a candidate.
+/// A corner where more faces meet than this names no candidates if another one did.
 const CROWD: usize = 8;
 
 /// For each face of the body the caller's face that shares most corners with it, the lowest among equals. Three corners
@@ -27,11 +27,14 @@ pub(crate) fn source_faces(mesh: &Mesh, body: &ConvexPolyhedron, places: &[u32],
         rim.clear();
         candidates.clear();
         rim.extend(body.topology.rim(f).map(|h| places[body.topology.from(h) as usize]));
-        // Crowded corners, such as the apex of a cone, come last and are needed only if all are crowded.
+        // Crowded corners, such as the apex of a cone, come last and are only looked up in the candidates known by then.
         rim.sort_by_key(|&c| incidence.faces_at(c).len());
         for &corner in &rim {
             if !candidates.is_empty() && incidence.faces_at(corner).len() > CROWD {
-                break;
+                for &g in candidates.iter().filter(|&&g| incidence.has_corner(g, corner)) {
+                    shared[g as usize].1 += 1;
+                }
+                continue;
             }
             for &g in incidence.faces_at(corner) {
                 let (last, count) = &mut shared[g as usize];
@@ -66,14 +69,17 @@ fn depth_below(corners: &[u32], body: &ConvexPolyhedron, face: u32, points: &[Ve
     depths.into_iter().fold(0.0, f64::max)
 }
 
-/// Which of the caller's faces meet at each place.
-struct Incidence {
+/// Which of the caller's faces meet at each place, both ways.
+struct Incidence<'a> {
+    mesh: &'a Mesh,
+    /// Corners of each face in rising order, laid out as in the mesh.
+    sorted: Vec<u32>,
     first: Vec<u32>,
     faces: Vec<u32>,
 }
 
-impl Incidence {
-    fn new(mesh: &Mesh) -> Self {
+impl<'a> Incidence<'a> {
+    fn new(mesh: &'a Mesh) -> Self {
         let mut first = vec![0u32; mesh.source.len() + 1];
         for &c in &mesh.corners {
             first[c as usize + 1] += 1;
@@ -83,16 +89,29 @@ impl Incidence {
         }
         let mut next = first.clone();
         let mut faces = vec![0u32; mesh.corners.len()];
+        let mut sorted = mesh.corners.clone();
         for f in 0..mesh.face_count() {
+            sorted[mesh.corners_of(f)].sort_unstable();
             for &c in mesh.face(f) {
                 faces[next[c as usize] as usize] = f as u32;
                 next[c as usize] += 1;
             }
         }
-        Self { first, faces }
+        Self {
+            mesh,
+            sorted,
+            first,
+            faces,
+        }
     }
 
     fn faces_at(&self, place: u32) -> &[u32] {
         &self.faces[self.first[place as usize] as usize..self.first[place as usize + 1] as usize]
+    }
+
+    fn has_corner(&self, face: u32, place: u32) -> bool {
+        self.sorted[self.mesh.corners_of(face as usize)]
+            .binary_search(&place)
+            .is_ok()
     }
 }
