@@ -7,7 +7,7 @@
 use core::cmp::Ordering;
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
-use crate::scalar::{Scalar, sqrt};
+use crate::scalar::Scalar;
 
 /// `hi + lo` with `hi` the nearest f64 to the sum.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
@@ -60,17 +60,6 @@ impl DoubleDouble {
         let (hi, lo) = two_product(a, b);
         Self { hi, lo }
     }
-
-    /// Square root of a number that is not negative: one Newton step past the f64 root.
-    pub(crate) fn sqrt(self) -> Self {
-        if self.hi <= 0.0 {
-            return Self::default();
-        }
-        let s = sqrt(self.hi);
-        let rest = self - Self::product(s, s);
-        let (hi, lo) = quick_two_sum(s, rest.hi / (2.0 * s));
-        Self { hi, lo }
-    }
 }
 
 impl From<f64> for DoubleDouble {
@@ -96,7 +85,10 @@ impl Neg for DoubleDouble {
     type Output = Self;
     #[inline]
     fn neg(self) -> Self {
-        Self { hi: -self.hi, lo: -self.lo }
+        Self {
+            hi: -self.hi,
+            lo: -self.lo,
+        }
     }
 }
 
@@ -162,8 +154,6 @@ mod tests {
         let third = DoubleDouble::from(1.0) / DoubleDouble::from(3.0);
         let one = third * DoubleDouble::from(3.0);
         assert!((one - DoubleDouble::from(1.0)).value().abs() < 1e-31);
-        let two = DoubleDouble::from(2.0).sqrt();
-        assert!((two * two - DoubleDouble::from(2.0)).value().abs() < 1e-30);
         let tiny = DoubleDouble::sum(1.0, 1e-25);
         assert!(tiny > DoubleDouble::from(1.0));
         assert_eq!((tiny - DoubleDouble::from(1.0)).value(), 1e-25);

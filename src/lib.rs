@@ -1,10 +1,18 @@
 //! lin-canny
-#![no_std]
+#![cfg_attr(not(feature = "std"), no_std)]
 extern crate alloc;
-#[cfg(feature = "std")]
-extern crate std;
 
+mod certificate;
+mod closest;
 mod double_double;
 pub mod polyhedron;
+mod pose;
 mod scalar;
 pub mod tolerance;
+mod tracker;
+
+pub use closest::outcome::{Class, Distance, Layer, Outcome, Proposal, Work};
+pub use nalgebra;
+pub use polyhedron::{BuildError, BuildReport, ConvexPolyhedron, EdgeId, FaceId, Feature, FeaturePair, VertexId};
+pub use pose::{PoseError, RelativePose, Which};
+pub use tracker::{Totals, Tracker};

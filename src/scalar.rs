@@ -33,3 +33,35 @@ impl Scalar for f64 {
         self
     }
 }
+
+/// A vector in the arithmetic of a solver.
+pub(crate) type Vec3<T> = [T; 3];
+
+#[inline]
+pub(crate) fn sub<T: Scalar>(a: &Vec3<T>, b: &Vec3<T>) -> Vec3<T> {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+#[inline]
+pub(crate) fn neg<T: Scalar>(a: &Vec3<T>) -> Vec3<T> {
+    [-a[0], -a[1], -a[2]]
+}
+
+#[inline]
+pub(crate) fn scaled<T: Scalar>(a: &Vec3<T>, s: T) -> Vec3<T> {
+    [a[0] * s, a[1] * s, a[2] * s]
+}
+
+#[inline]
+pub(crate) fn dot<T: Scalar>(a: &Vec3<T>, b: &Vec3<T>) -> T {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+#[inline]
+pub(crate) fn cross<T: Scalar>(a: &Vec3<T>, b: &Vec3<T>) -> Vec3<T> {
+    [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ]
+}

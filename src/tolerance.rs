@@ -8,6 +8,70 @@ pub const UNIT: f64 = f64::EPSILON / 2.0;
 /// and less for the others).
 pub const UNIT_DOUBLE_DOUBLE: f64 = 16.0 * UNIT * UNIT;
 
+/// The sign of `n . e` is certain above this times the sum of the absolute terms: one rounding for each coordinate of
+/// `e` (a difference of stored points), one for each product and two additions, to first order `(1 + 1 + 2) UNIT`; 8
+/// leaves room for the second order and for the rounding of the bound itself.
+pub const EDGE_SIGN: f64 = 8.0 * UNIT;
+
+/// How far the squared norm of a pose's quaternion may be off 1: what repeated composition of f64 rotations
+/// accumulates over thousands of products. Placement divides by the squared norm, so the value does not limit accuracy.
+pub const POSE_UNIT: f64 = 1e-12;
+
+/// Pairs whose size L (in the stored units of the larger body) is beyond this are answered by their separation alone:
+/// their radii are below the rounding of L, and cubes of lengths (determinants of a simplex) would leave the range.
+pub const FAR: f64 = f64::from_bits((1023 + 300) << 52);
+
+/// The same at the small end; only two points can be so close, as every other body is stored at radius 2^-40 or more.
+pub const NEAR: f64 = f64::from_bits((1023 - 300) << 52);
+
+/// Noise of a difference of two placed points, in units of the pair's size L: each coordinate of a placed point carries
+/// a few roundings of numbers up to L. A direction made from such a difference leaves a vertex or a plane only where
+/// more than this says so; what it hides is left to the certificate. Not a matter of soundness.
+pub const DIFFERENCE: f64 = 8.0 * UNIT;
+
+/// The same for a direction of unit length that is no difference of points (a face normal, an edge turned by a pose).
+pub const DIRECTION: f64 = 16.0 * UNIT;
+
+/// Witnesses closer than this times L are no ground for a direction; the finer layers take over. Not a matter of
+/// soundness.
+pub const ON_BOUNDARY: f64 = 16.0 * UNIT;
+
+/// Two edges with a squared sine below this have their cross product orthogonalised once more before use: its error
+/// across is `UNIT / sine`.
+pub const NEARLY_PARALLEL: f64 = 1.0 / 16.0;
+
+/// Two edges with a squared sine below this are taken as parallel: their cross product is rounding alone.
+pub const PARALLEL: f64 = 256.0 * UNIT * UNIT;
+
+/// The walk's answer stands where witnesses and supporting planes agree within this times L. Measured on right answers:
+/// at most 11 UNIT L.
+pub const AGREE: f64 = 32.0 * UNIT;
+
+/// Four signed volumes of corners up to L prove the origin inside when each exceeds this times UNIT L^3 (UNIT of the
+/// arithmetic): a determinant of three vectors up to L has an error of at most 14 UNIT L^3, and corners displaced by
+/// the [`CERTIFICATE`] error of placement change it by three times that.
+pub const VOLUME: f64 = 512.0;
+
+/// Vertices whose height along `n` is, in f64, within this times `|n|_1 r` of the highest may be the highest: three
+/// roundings of each of two dot products and of the direction itself.
+pub const PLATEAU: f64 = 16.0 * UNIT;
+
+/// Error term of both bounds, in units of UNIT L, derived line by line (u = UNIT, norms are Euclidean):
+///
+/// 1. The relative quaternion: four products a coordinate, error at most 4 u each, 8 u as a vector; as a rotation
+///    twice that, 16 u.
+/// 2. Its matrix: each entry has two or three products of relative error at most 8 u and absolute sum at most 2:
+///    at most 40 u in the Frobenius norm. Together with 1, a vertex of B is turned wrong by at most 56 u rB.
+/// 3. The relative translation: one subtraction (u), a cross product, its double, a scaling and two additions:
+///    at most 20 u |t|.
+/// 4. Placing a vertex: three products and three additions a coordinate: at most 6 u (rB + |t|).
+/// 5. The direction taken into B's frame: 6 u rB. Heights along it: 3 u of rA, rB and |t| each, and two additions of
+///    numbers up to L: 2 u L.
+/// 6. The witnesses, made as `p + s u` with `s` in 0..1: 3 u of rA and of rB. The norm: 3 u L.
+///
+/// Sum: at most 78 u for rB, 31 u for |t| and 11 u for rA. Second-order terms are below 1 u. The largest violation of
+/// the bounds without their term that was ever seen is 11 u L.
+pub const CERTIFICATE: f64 = 96.0;
 /// Least extent (longest side of the bounding box) of a body, in the caller's unit: cubes of lengths, as volumes are,
 /// stay above the least f64.
 pub const EXTENT_MIN: f64 = 1e-100;
@@ -47,10 +111,14 @@ pub const PLANARITY: f64 = 64.0 * UNIT;
 /// offset by 5.
 pub(crate) const NEAR_PLANE: f64 = 16.0 * UNIT;
 
+/// The filter of the exact rung: vertices within this times `|n|_1 r` of the highest in f64 are placed exactly. The
+/// direction is turned by a matrix of error 40 UNIT (see [`CERTIFICATE`]) and rounded twice; heights add 3 UNIT each.
+pub const EXACT_FILTER: f64 = 128.0 * UNIT;
 /// From beyond `2^60` radii a body's closest point depends on the direction only, to `2^-60` of its size: below
 /// rounding.
 pub(crate) const FAR_POINT: f64 = (1u64 << 60) as f64;
 
-/// Error of a rounded `n . (b - a)` relative to the sum of `|n_k| |b_k - a_k|`: difference, product and two sums, one
-/// UNIT each; the fifth covers the second order and the rounding of the sum itself.
-pub(crate) const DOT_ERROR: f64 = 5.0 * UNIT;
+/// Error of a bound by two faces, in units of their weights times the radius: `m = alpha nL + beta nR` has two
+/// roundings a coordinate relative to `alpha + beta` (3.5 UNIT as a vector), `s m` one more, and the weighted sum of the
+/// offsets three, each at most the radius.
+pub const EDGE_BOUND: f64 = 8.0 * UNIT;

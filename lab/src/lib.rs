@@ -1,1 +1,43 @@
 //! What the tests, benches and examples of `lin-canny` share.
+//!
+//! Everything here works on plain data: a point is `[f64; 3]`, a face is a list of point indices counter-clockwise
+//! from outside, a pose is [`Pose`]. So a judge never borrows the code it judges.
+//!
+//! | module | what it gives |
+//! |---|---|
+//! | [`rng`] | a seeded generator: the same numbers on every machine |
+//! | [`shapes`] | bodies that are hard on purpose |
+//! | [`motion`] | seeded motions of a pair |
+//! | [`exact`] | the naive oracle: exact class and distance of two small bodies |
+//! | [`brute_hull`] | exact faces of a few points |
+//! | [`bound`] | exact checks of an answer for bodies of any size |
+//! | [`suite`] | files of cases with or without their truth |
+//! | [`parry`] | the reference engine and the competitor |
+//! | [`meshes`] | OBJ and STL files |
+//! | [`plot`], [`progress`] | charts as SVG, progress bars |
+//!
+//! Below `exact` and `bound` lie [`body`] (placed bodies), [`rational`] (exact arithmetic) and [`verdict`] (the oracle's
+//! answer); [`pose`] holds the pose and a few vector helpers.
+
+pub mod body;
+pub mod bound;
+pub mod brute_hull;
+pub mod exact;
+pub mod meshes;
+pub mod motion;
+pub mod parry;
+pub mod plot;
+pub mod pose;
+pub mod progress;
+pub mod rational;
+pub mod rng;
+pub mod shapes;
+pub mod suite;
+pub mod verdict;
+
+pub use body::Body;
+pub use pose::{Point, Pose};
+pub use verdict::{Class, Exact};
+
+/// A face: indices of points, counter-clockwise seen from outside.
+pub type Face = Vec<u32>;

@@ -13,7 +13,7 @@ use super::cloud::{Cloud, power_of_two};
 use super::error::BuildError;
 use super::plane::{plane, widest_corners};
 use super::source_faces::source_faces;
-use crate::tolerance::{DOT_ERROR, PLANARITY};
+use crate::tolerance::{PLANARITY, SIDE_ERROR};
 
 const NONE: u32 = u32::MAX;
 
@@ -228,9 +228,12 @@ impl Mesh {
         let at = |v: &u32| cloud.points[*v as usize] - a;
         let around = rim.iter().zip(rim.iter().cycle().skip(1)).map(|(p, q)| (at(p), at(q)));
         let (area, error) = around.fold((0.0, 0.0), |(area, error), (p, q)| {
-            (area + p.cross(&q).dot(&normal), error + DOT_ERROR * p.norm() * q.norm())
+            (
+                area + p.cross(&q).dot(&normal),
+                error + SIDE_ERROR * p.norm() * q.norm(),
+            )
         });
-        if area < -4.0 * error {
+        if area < -2.0 * error {
             normal = -normal;
         }
         let off = |v: u32| normal.dot(&(cloud.points[v as usize] - a)).abs();

@@ -35,6 +35,7 @@ pub(crate) mod topology;
 use alloc::vec::Vec;
 use nalgebra::Vector3;
 
+pub(crate) use cloud::power_of_two;
 pub use error::BuildError;
 pub use feature::{EdgeId, FaceId, Feature, FeaturePair, VertexId};
 pub use report::BuildReport;

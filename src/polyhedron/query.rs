@@ -6,11 +6,11 @@ use super::cloud::flush_below;
 use super::sign::{projection, turn};
 use super::{ConvexPolyhedron, VertexId};
 use crate::scalar::sqrt;
-use crate::tolerance::{DOT_ERROR, FAR_POINT, NEAR_PLANE};
+use crate::tolerance::{FAR_POINT, NEAR_PLANE};
 
 impl ConvexPolyhedron {
-    /// A vertex farthest along a direction of any length; among equals the lowest. Vertex 0 for a direction that is
-    /// zero or not finite.
+    /// A vertex farthest along a direction of any length, proven so up to the rounding of `direction . vertex`; among
+    /// equals the lowest. Vertex 0 for a direction that is zero or not finite. Looks at a few vertices only.
     #[doc(alias = "support")]
     pub fn extreme_vertex(&self, direction: &Vector3<f64>) -> VertexId {
         let size = direction.amax();
@@ -18,14 +18,7 @@ impl ConvexPolyhedron {
             return VertexId(0);
         }
         let direction = direction / size;
-        let mut best = (0, f64::NEG_INFINITY);
-        for (v, p) in self.points.iter().enumerate() {
-            let along = direction.dot(p);
-            if along > best.1 {
-                best = (v as u32, along);
-            }
-        }
-        VertexId(best.0)
+        VertexId(self.extreme(&direction, self.lookup.cell(&direction)).vertex)
     }
 
     /// Whether the closed body holds a point: points on the surface belong to it. The answer is exact for the body as
@@ -131,28 +124,6 @@ impl ConvexPolyhedron {
             (self.points[e.to as usize] - from).cross(&(p - from)).dot(&n) >= 0.0
         });
         inside.then(|| p - n * height)
-    }
-
-    /// A vertex farthest along `direction` but for rounding, by climbing from `start`: a linear function has no other
-    /// local maximum on a convex body. Only steps that are up for certain are taken, so it cannot run in circles.
-    pub(crate) fn climb(&self, direction: &Vector3<f64>, start: u32) -> u32 {
-        let sizes = direction.abs();
-        let mut v = start;
-        loop {
-            let here = self.points[v as usize];
-            let mut best = (v, 0.0);
-            for e in self.topology.fan_edges(v) {
-                let edge = self.points[e.to as usize] - here;
-                let up = direction.dot(&edge) - DOT_ERROR * sizes.dot(&edge.abs());
-                if up > best.1 {
-                    best = (e.to, up);
-                }
-            }
-            if best.0 == v {
-                return v;
-            }
-            v = best.0;
-        }
     }
 }
 

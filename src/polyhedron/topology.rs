@@ -74,10 +74,22 @@ impl Topology {
             previous[r[2] as usize] = h as u32;
         }
         let (first, number) = fans(vertices, &raw, &order, |h| twin[previous[h as usize] as usize])?;
-        let mut half_edges = vec![HalfEdge { to: 0, twin: 0, next: 0, face: 0 }; raw.len()];
+        let mut half_edges = vec![
+            HalfEdge {
+                to: 0,
+                twin: 0,
+                next: 0,
+                face: 0
+            };
+            raw.len()
+        ];
         for (h, r) in raw.iter().enumerate() {
-            half_edges[number[h] as usize] =
-                HalfEdge { to: r[1], twin: number[twin[h] as usize], next: number[r[2] as usize], face: r[3] };
+            half_edges[number[h] as usize] = HalfEdge {
+                to: r[1],
+                twin: number[twin[h] as usize],
+                next: number[r[2] as usize],
+                face: r[3],
+            };
         }
         let mut rim = vec![u32::MAX; loops.len()];
         for (h, e) in half_edges.iter().enumerate() {

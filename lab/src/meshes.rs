@@ -1,0 +1,164 @@
+//! Meshes from files of other programs: OBJ, and STL binary or text.
+//!
+//! What a file holds is taken as it is: points may repeat, faces may be split, several objects are one list. A body is
+//! then the hull of the points, or, for a clean convex mesh, points and faces.
+
+use crate::{Face, Point};
+use std::path::{Path, PathBuf};
+use std::{error, fmt, io};
+
+/// Points and faces of a file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mesh {
+    /// Points in the order in which faces use them. STL has single precision, OBJ as many digits as are written.
+    pub points: Vec<Point>,
+    /// Faces: polygons of an OBJ as they are, triangles of an STL with equal corners made one point.
+    pub faces: Vec<Face>,
+}
+
+/// Why a file gives no mesh.
+#[derive(Debug)]
+pub struct MeshError {
+    /// The file.
+    pub path: PathBuf,
+    /// What is wrong.
+    pub reason: Reason,
+}
+
+/// What is wrong with a mesh file.
+#[derive(Debug)]
+pub enum Reason {
+    /// It cannot be read.
+    Read(io::Error),
+    /// Its name ends in neither `.obj` nor `.stl`.
+    Extension,
+    /// It is not what its name says.
+    Malformed(String),
+    /// It holds no face.
+    Empty,
+    /// A coordinate of a point is not finite.
+    NotFinite(usize),
+}
+
+impl fmt::Display for MeshError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: ", self.path.display())?;
+        match &self.reason {
+            Reason::Read(e) => write!(f, "cannot be read: {e}"),
+            Reason::Extension => f.write_str("only .obj and .stl files are read"),
+            Reason::Malformed(why) => write!(f, "malformed: {why}"),
+            Reason::Empty => f.write_str("holds no face"),
+            Reason::NotFinite(i) => write!(f, "point {i} is not finite"),
+        }
+    }
+}
+
+impl error::Error for MeshError {}
+
+/// Reads a mesh by the ending of the file's name.
+///
+/// # Errors
+/// Names the file and what is wrong with it.
+pub fn load(path: impl AsRef<Path>) -> Result<Mesh, MeshError> {
+    let path = path.as_ref();
+    read(path).map_err(|reason| MeshError {
+        path: path.to_owned(),
+        reason,
+    })
+}
+
+fn read(path: &Path) -> Result<Mesh, Reason> {
+    let ending = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
+    let parse = match ending.as_deref() {
+        Some("obj") => parse_obj,
+        Some("stl") => parse_stl,
+        _ => return Err(Reason::Extension),
+    };
+    let mesh = parse(std::fs::read(path).map_err(Reason::Read)?)?;
+    if let Some(i) = mesh.points.iter().position(|p| !p.iter().all(|x| x.is_finite())) {
+        return Err(Reason::NotFinite(i));
+    }
+    if mesh.faces.is_empty() {
+        Err(Reason::Empty)
+    } else {
+        Ok(mesh)
+    }
+}
+
+/// Text of an OBJ file. Objects, groups, materials and curves are passed over, so that corners shared by several objects
+/// stay one point, and names in any encoding do no harm.
+fn parse_obj(bytes: Vec<u8>) -> Result<Mesh, Reason> {
+    let text = String::from_utf8_lossy(&bytes)
+        .replace("\\\r\n", " ")
+        .replace("\\\n", " ");
+    let known = |l: &&str| {
+        l.split_whitespace()
+            .next()
+            .is_some_and(|word| ["v", "vn", "vt", "f"].contains(&word))
+    };
+    let plain: String = text.lines().filter(known).flat_map(|l| [l, "\n"]).collect();
+    let no_materials = |_: &Path| Ok(Default::default());
+    let read = tobj::load_obj_buf(&mut plain.as_bytes(), &tobj::LoadOptions::default(), no_materials);
+    let (models, _) = read.map_err(|e| Reason::Malformed(e.to_string()))?;
+    let Some(m) = models.into_iter().next().map(|m| m.mesh) else {
+        return Err(Reason::Empty);
+    };
+    let mut mesh = Mesh {
+        points: m.positions.as_chunks::<3>().0.to_vec(),
+        faces: Vec::new(),
+    };
+    let mut rest = &m.indices[..];
+    // No sizes are given where all faces are triangles. Faces of one or two corners are points and edges.
+    let triangles = vec![3; if m.face_arities.is_empty() { rest.len() / 3 } else { 0 }];
+    for &n in m.face_arities.iter().chain(&triangles) {
+        let (face, after) = rest.split_at(n as usize);
+        mesh.faces.extend((n > 2).then(|| face.to_vec()));
+        rest = after;
+    }
+    Ok(mesh)
+}
+
+/// An STL file. Many programs begin binary files with the word `solid` too, so the length decides: 80 bytes of header, a
+/// count, and 50 bytes a triangle.
+fn parse_stl(mut bytes: Vec<u8>) -> Result<Mesh, Reason> {
+    let count = bytes.get(80..84).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]));
+    let binary = count.is_some_and(|n| bytes.len() as u64 >= 84 + 50 * u64::from(n) && !is_text(&bytes));
+    if binary {
+        bytes[..80].fill(0); // so that the reader does not take it for text
+    } else {
+        bytes = tidy_text(&bytes)?;
+    }
+    let read = stl_io::read_stl(&mut io::Cursor::new(bytes)).map_err(|e| Reason::Malformed(e.to_string()))?;
+    let points = read.vertices.iter().map(|v| v.0.map(f64::from)).collect();
+    let faces = read
+        .faces
+        .iter()
+        .map(|f| f.vertices.map(|i| i as u32).to_vec())
+        .collect();
+    Ok(Mesh { points, faces })
+}
+
+/// Text begins with `solid` and has no zero byte near its beginning; a binary header or its first triangles have.
+fn is_text(bytes: &[u8]) -> bool {
+    let start = bytes.trim_ascii_start();
+    let word = start.get(..5).is_some_and(|w| w.eq_ignore_ascii_case(b"solid"));
+    word && !bytes[..bytes.len().min(512)].contains(&0)
+}
+
+/// What the reader expects of text: lower case, `solid` and a space at the beginning, one solid.
+fn tidy_text(bytes: &[u8]) -> Result<Vec<u8>, Reason> {
+    let bad = |why: &str| Err(Reason::Malformed(why.into()));
+    if !is_text(bytes) {
+        return bad("neither text that begins with `solid` nor a binary of the right length");
+    }
+    let text = String::from_utf8_lossy(bytes).to_ascii_lowercase();
+    let body = text.trim_start().strip_prefix("solid").expect("is text");
+    if body.lines().filter(|l| l.trim_start().starts_with("endsolid")).count() > 1 {
+        return bad("it holds several solids");
+    }
+    Ok(format!("solid {body}").into_bytes())
+}
+
+#[cfg(test)]
+#[path = "meshes_tests.rs"]
+mod tests;

@@ -1,0 +1,269 @@
+//! Seeded motions of a pair: a list of world poses, frame by frame.
+//!
+//! Bodies are taken to stand about their origins with radii `ra` and `rb` ([`crate::pose::radius`]), so that centres
+//! `ra + rb` apart never overlap. What a motion does to the true gap depends on the bodies; [`hold_gap`] moves a frame
+//! until a given gap is met.
+
+use crate::pose::{add, cross, dot, norm, quat, quat_mul, scale, sub, unit, unit_quat};
+use crate::rng::Rng;
+use crate::{Point, Pose};
+use std::f64::consts::TAU;
+
+/// World poses of A and B in one frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Frame {
+    /// Pose of A.
+    pub a: Pose,
+    /// Pose of B.
+    pub b: Pose,
+}
+
+impl Frame {
+    /// B's pose seen from A, in f64.
+    pub fn relative(&self) -> Pose {
+        Pose::relative(&self.a, &self.b)
+    }
+
+    /// The same two bodies with the letters exchanged.
+    pub fn swapped(&self) -> Self {
+        Self { a: self.b, b: self.a }
+    }
+
+    /// Both bodies moved alike, which changes no answer but for rounding.
+    pub fn moved(&self, common: &Pose) -> Self {
+        Self {
+            a: common.after(&self.a),
+            b: common.after(&self.b),
+        }
+    }
+}
+
+/// A direction at right angles to `u`.
+fn across(rng: &mut Rng, u: Point) -> Point {
+    loop {
+        let v = cross(u, rng.unit());
+        if norm(v) > 0.1 {
+            return unit(v);
+        }
+    }
+}
+
+/// `start` turned by `angle` radians about `axis`.
+fn spun(start: [f64; 4], axis: Point, angle: f64) -> [f64; 4] {
+    unit_quat(quat_mul(quat(axis, angle), start))
+}
+
+/// B orbits A while both spin, each by `degrees` a frame about an axis of its own. Centres are `ra + rb + gap` apart,
+/// `gap` swinging between `gaps.0` and `gaps.1` once in `period` frames.
+pub fn orbit_and_spin(
+    rng: &mut Rng,
+    frames: usize,
+    degrees: f64,
+    radii: (f64, f64),
+    gaps: (f64, f64),
+    period: usize,
+) -> Vec<Frame> {
+    let (axis_a, axis_b, pole) = (rng.unit(), rng.unit(), rng.unit());
+    let (qa, qb) = (rng.quat(), rng.quat());
+    let out = across(rng, pole);
+    let side = cross(pole, out);
+    let frame = |i: usize| {
+        let turn = (degrees * i as f64).to_radians();
+        let swing = 0.5 - 0.5 * (TAU * i as f64 / period as f64).cos();
+        let r = radii.0 + radii.1 + gaps.0 + (gaps.1 - gaps.0) * swing;
+        let t = add(scale(out, r * turn.cos()), scale(side, r * turn.sin()));
+        Frame {
+            a: Pose {
+                q: spun(qa, axis_a, turn),
+                t: [0.0; 3],
+            },
+            b: Pose {
+                q: spun(qb, axis_b, turn),
+                t,
+            },
+        }
+    };
+    (0..frames).map(frame).collect()
+}
+
+/// Both bodies tumble and pass each other on parallel lines `miss` apart, from `reach` before to `reach` behind the
+/// closest approach; `degrees` of spin a frame.
+pub fn tumble_past(rng: &mut Rng, frames: usize, degrees: f64, miss: f64, reach: f64) -> Vec<Frame> {
+    let along = rng.unit();
+    let aside = scale(across(rng, along), miss);
+    let (axis_a, axis_b, qa, qb) = (rng.unit(), rng.unit(), rng.quat(), rng.quat());
+    let frame = |i: usize| {
+        let turn = (degrees * i as f64).to_radians();
+        let x = scale(along, reach * (2.0 * i as f64 / (frames - 1).max(1) as f64 - 1.0) * 0.5);
+        let a = Pose {
+            q: spun(qa, axis_a, turn),
+            t: scale(x, -1.0),
+        };
+        Frame {
+            a,
+            b: Pose {
+                q: spun(qb, axis_b, 0.7 * turn),
+                t: add(aside, x),
+            },
+        }
+    };
+    (0..frames).map(frame).collect()
+}
+
+/// B runs straight through A: apart, touching, overlapping, touching, apart; a slow spin on the way. The line passes
+/// within `miss` of A's centre.
+pub fn pass_through(rng: &mut Rng, frames: usize, radii: (f64, f64), miss: f64) -> Vec<Frame> {
+    let degrees = rng.range(0.0, 1.0);
+    let reach = 2.4 * (radii.0 + radii.1);
+    tumble_past(rng, frames, degrees, miss, reach)
+}
+
+/// B slides along `direction` without turning, `step` a frame: features change one by one, or a face rests on a face.
+pub fn slide(start: Frame, direction: Point, step: f64, frames: usize) -> Vec<Frame> {
+    let at = |i: usize| Pose {
+        t: add(start.b.t, scale(direction, step * i as f64)),
+        ..start.b
+    };
+    (0..frames).map(|i| Frame { b: at(i), ..start }).collect()
+}
+
+/// B comes nearer along the unit `axis` from centre distance `far` to `near`, the way above `near` shrinking by one factor
+/// a frame (so that the last frames are as close as you like): `far > near`, the last gap is `(far - near) * ratio`.
+pub fn approach(rng: &mut Rng, axis: Point, far: f64, near: f64, ratio: f64, frames: usize) -> Vec<Frame> {
+    let (qa, qb) = (rng.quat(), rng.quat());
+    let frame = |i: usize| {
+        let left = (far - near) * ratio.powf(i as f64 / (frames - 1).max(1) as f64);
+        Frame {
+            a: Pose { q: qa, t: [0.0; 3] },
+            b: Pose {
+                q: qb,
+                t: scale(axis, near + left),
+            },
+        }
+    };
+    (0..frames).map(frame).collect()
+}
+
+/// Frames that have nothing to do with each other: random turns, centres `lo..hi` times `ra + rb` apart, the whole pair
+/// within `spread` of the origin.
+pub fn random_poses(rng: &mut Rng, frames: usize, radii: (f64, f64), apart: (f64, f64), spread: f64) -> Vec<Frame> {
+    let mut frame = || {
+        let d = rng.range(apart.0, apart.1) * (radii.0 + radii.1);
+        let place: Point = std::array::from_fn(|_| spread * rng.range(-1.0, 1.0));
+        let a = Pose {
+            q: rng.quat(),
+            t: place,
+        };
+        Frame {
+            a,
+            b: Pose {
+                q: rng.quat(),
+                t: add(place, scale(rng.unit(), d)),
+            },
+        }
+    };
+    (0..frames).map(|_| frame()).collect()
+}
+
+/// Shifts B along the line of the witness points until the distance is `gap`, to a relative `1e-6` of it or as near as 60
+/// rounds bring it. `query` returns the witness points in the world, or none when the bodies overlap.
+pub fn hold_gap(frame: Frame, gap: f64, mut query: impl FnMut(&Frame) -> Option<(Point, Point)>) -> Frame {
+    let mut f = frame;
+    for _ in 0..60 {
+        let apart = sub(f.b.t, f.a.t);
+        match query(&f) {
+            Some((p, q)) => {
+                let d = sub(q, p);
+                let length = norm(d);
+                if (length - gap).abs() <= 1e-6 * gap {
+                    break;
+                }
+                f.b.t = add(f.b.t, scale(unit(d), gap - length));
+            }
+            // Overlapping: leave along the line of centres, or any line if they coincide.
+            None if dot(apart, apart) > 0.0 => f.b.t = add(f.b.t, scale(apart, 0.05)),
+            None => f.b.t[0] += gap,
+        }
+    }
+    f
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn centres(f: &Frame) -> f64 {
+        norm(sub(f.a.t, f.b.t))
+    }
+
+    fn turned(p: &Pose, q: &Pose) -> f64 {
+        let cos = p.q.iter().zip(&q.q).map(|(x, y)| x * y).sum::<f64>().abs().min(1.0);
+        2.0 * cos.acos().to_degrees()
+    }
+
+    #[test]
+    fn orbits_keep_their_gap_and_turn_as_told() {
+        let frames = orbit_and_spin(&mut Rng::new(1), 720, 0.5, (1.0, 2.0), (0.1, 0.5), 90);
+        assert_eq!(frames.len(), 720);
+        let gaps: Vec<f64> = frames.iter().map(|f| centres(f) - 3.0).collect();
+        assert!(gaps.iter().all(|g| (0.1 - 1e-12..0.5 + 1e-12).contains(g)));
+        assert!((gaps[0] - 0.1).abs() < 1e-12 && (gaps[45] - 0.5).abs() < 1e-12);
+        for w in frames.windows(2) {
+            assert!((turned(&w[0].a, &w[1].a) - 0.5).abs() < 1e-5 && (turned(&w[0].b, &w[1].b) - 0.5).abs() < 1e-5);
+        }
+    }
+
+    #[test]
+    fn passing_bodies_meet_in_the_middle_only() {
+        let frames = pass_through(&mut Rng::new(2), 101, (1.0, 1.0), 0.25);
+        assert!((centres(&frames[50]) - 0.25).abs() < 1e-12);
+        assert!(centres(&frames[0]) > 4.0 && centres(&frames[100]) > 4.0);
+    }
+
+    #[test]
+    fn approaches_end_where_told() {
+        let frames = approach(&mut Rng::new(3), [0.0, 0.0, 1.0], 5.0, 2.0, 1e-12, 25);
+        assert_eq!(centres(&frames[0]), 5.0);
+        let last = centres(&frames[24]) - 2.0;
+        assert!((last - 3e-12).abs() < 1e-15);
+    }
+
+    #[test]
+    fn sliding_moves_only_b() {
+        let start = random_poses(&mut Rng::new(4), 1, (1.0, 1.0), (1.5, 2.0), 10.0)[0];
+        let frames = slide(start, [1.0, 0.0, 0.0], 0.25, 5);
+        assert_eq!(frames[0], start);
+        assert!(frames.iter().all(|f| f.a == start.a && f.b.q == start.b.q));
+        assert_eq!(frames[4].b.t[0], start.b.t[0] + 1.0);
+    }
+
+    #[test]
+    fn motions_are_seeded_and_unit() {
+        let make = || random_poses(&mut Rng::new(5), 50, (1.0, 0.5), (1.01, 2.0), 100.0);
+        assert_eq!(make(), make());
+        for f in make() {
+            assert!(
+                [f.a, f.b]
+                    .iter()
+                    .all(|p| (p.q.iter().map(|x| x * x).sum::<f64>() - 1.0).abs() < 1e-15)
+            );
+            assert!((1.5..3.01).contains(&centres(&f)));
+            let alike = f.moved(&Pose::turn([0.0, 1.0, 0.0], 1.0, [3.0, 0.0, 0.0]));
+            assert!((centres(&alike) - centres(&f)).abs() < 1e-12);
+            assert_eq!(f.swapped().swapped(), f);
+        }
+    }
+
+    #[test]
+    fn a_gap_between_balls_is_held() {
+        // Two unit balls stand for bodies; the query knows them exactly.
+        let balls = |f: &Frame| {
+            let d = sub(f.b.t, f.a.t);
+            (norm(d) > 2.0).then(|| (add(f.a.t, unit(d)), sub(f.b.t, unit(d))))
+        };
+        for start in random_poses(&mut Rng::new(6), 20, (1.0, 1.0), (0.2, 3.0), 5.0) {
+            let f = hold_gap(start, 0.02, balls);
+            assert!((centres(&f) - 2.02).abs() < 1e-7);
+        }
+    }
+}

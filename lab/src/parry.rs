@@ -1,0 +1,332 @@
+//! parry3d-f64 as reference, and as the competitor that counts.
+//!
+//! **Reference.** Within its envelope (bodies of about size 1, `gap >= 1e-8` of it) its distance errs by at most
+//! [`tolerance`]. Its own hull drops points of flat bodies, so [`mesh`] and [`Cloud`] (its GJK over our points, no hull at
+//! all) are the better references. For overlapping bodies it is none.
+//!
+//! **Competitor.** `parry3d_f64::query::distance` starts cold and scans all points at every step. [`GjkCached`] is what a
+//! user who cares would build from parry's public parts: its GJK, fed with the simplex of the last frame, over a support
+//! map that climbs along edges from the last frame's vertex.
+
+use crate::body::edge_ids;
+use crate::shapes::triangles;
+use crate::{Face, Point, Pose};
+use parry3d_f64::math::{Pose as ParryPose, Rotation, Vector};
+use parry3d_f64::query::details::closest_points_support_map_support_map;
+use parry3d_f64::query::gjk::{self, CsoPoint, GJKResult, VoronoiSimplex};
+use parry3d_f64::query::{self, ClosestPoints};
+use parry3d_f64::shape::{ConvexPolyhedron, SupportMap};
+use std::cell::Cell;
+
+/// Distance and witness points in the world.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Witnesses {
+    /// Distance as the engine finds it in A's frame.
+    pub distance: f64,
+    /// Closest point of A.
+    pub on_a: Point,
+    /// Closest point of B.
+    pub on_b: Point,
+}
+
+/// Relative error that parry f64 may have on bodies of size about 1 at distance `gap`.
+pub fn tolerance(gap: f64) -> f64 {
+    f64::max(6e-8, 1e-15 / gap)
+}
+
+fn vector(p: Point) -> Vector {
+    Vector::new(p[0], p[1], p[2])
+}
+
+fn vectors(points: &[Point]) -> Vec<Vector> {
+    points.iter().map(|&p| vector(p)).collect()
+}
+
+/// The pose in parry's types.
+pub fn pose(p: &Pose) -> ParryPose {
+    ParryPose::from_parts(vector(p.t), Rotation::from_xyzw(p.q[0], p.q[1], p.q[2], p.q[3]))
+}
+
+/// The body parry makes of points: `None` where its hull gives up. It may drop vertices and flatten thin bodies.
+pub fn hull(points: &[Point]) -> Option<ConvexPolyhedron> {
+    ConvexPolyhedron::from_convex_hull(&vectors(points))
+}
+
+/// The body parry makes of points and faces, cut into triangles; points that no face uses stay.
+pub fn mesh(points: &[Point], faces: &[Face]) -> Option<ConvexPolyhedron> {
+    ConvexPolyhedron::from_convex_mesh(vectors(points), &triangles(faces))
+}
+
+/// Points as a body for parry's GJK: a support map by linear scan, no hull, nothing merged.
+#[derive(Clone, Debug)]
+pub struct Cloud {
+    points: Vec<Vector>,
+}
+
+impl Cloud {
+    /// The hull of `points`, which are not empty.
+    pub fn new(points: &[Point]) -> Self {
+        Self {
+            points: vectors(points),
+        }
+    }
+}
+
+impl SupportMap for Cloud {
+    fn local_support_point(&self, dir: Vector) -> Vector {
+        let better = |best: Vector, &p: &Vector| if p.dot(dir) > best.dot(dir) { p } else { best };
+        self.points[1..].iter().fold(self.points[0], better)
+    }
+}
+
+/// parry's own distance of two of its bodies, cold; 0 when overlapping.
+pub fn distance(a: &ConvexPolyhedron, pose_a: &Pose, b: &ConvexPolyhedron, pose_b: &Pose) -> f64 {
+    query::distance(&pose(pose_a), a, &pose(pose_b), b)
+        .expect("convex bodies are supported")
+        .distance
+}
+
+/// parry's closest points of two bodies (its own or [`Cloud`]s), cold; `None` when overlapping.
+pub fn closest_points<A: SupportMap, B: SupportMap>(a: &A, pose_a: &Pose, b: &B, pose_b: &Pose) -> Option<Witnesses> {
+    let (world_a, world_b) = (pose(pose_a), pose(pose_b));
+    match closest_points_support_map_support_map(&world_a.inv_mul(&world_b), a, b, f64::MAX) {
+        // Both come in their own frames; the distance is taken in A's frame, where B's offset has cancelled.
+        ClosestPoints::WithinMargin(p, q) => {
+            let distance = (world_a.inv_mul(&world_b) * q - p).length();
+            Some(Witnesses {
+                distance,
+                on_a: (world_a * p).into(),
+                on_b: (world_b * q).into(),
+            })
+        }
+        _ => None,
+    }
+}
+
+/// A body for [`GjkCached`]: points and, for each, its neighbours along edges, in one list.
+#[derive(Clone, Debug)]
+pub struct Climber {
+    points: Vec<Vector>,
+    /// Neighbours of point `i` are `neighbours[first[i]..first[i + 1]]`.
+    first: Vec<u32>,
+    neighbours: Vec<u32>,
+}
+
+impl Climber {
+    /// A body from its points and faces (merged or triangles). Points that no face uses are never climbed to.
+    pub fn new(points: &[Point], faces: &[Face]) -> Self {
+        let mut near = vec![Vec::new(); points.len()];
+        for [i, j] in edge_ids(points.len(), faces) {
+            near[i as usize].push(j);
+            near[j as usize].push(i);
+        }
+        let mut first = vec![0];
+        first.extend(near.iter().scan(0, |end, l| {
+            *end += l.len() as u32;
+            Some(*end)
+        }));
+        Self {
+            points: vectors(points),
+            first,
+            neighbours: near.concat(),
+        }
+    }
+
+    /// A point from which climbing can start: one that has neighbours.
+    fn start(&self) -> u32 {
+        self.first.windows(2).position(|w| w[0] < w[1]).unwrap_or(0) as u32
+    }
+
+    /// The farthest point along `dir`, climbing from `from`. On a convex body a point with no better neighbour is it.
+    fn climb(&self, from: u32, dir: Vector) -> u32 {
+        let mut at = from as usize;
+        let mut height = self.points[at].dot(dir);
+        loop {
+            let here = at;
+            for &k in &self.neighbours[self.first[here] as usize..self.first[here + 1] as usize] {
+                let h = self.points[k as usize].dot(dir);
+                if h > height {
+                    (at, height) = (k as usize, h);
+                }
+            }
+            if at == here {
+                return at as u32;
+            }
+        }
+    }
+}
+
+/// A climber with the point it stands on.
+struct Climbing<'a> {
+    body: &'a Climber,
+    at: Cell<u32>,
+}
+
+impl SupportMap for Climbing<'_> {
+    fn local_support_point(&self, dir: Vector) -> Vector {
+        self.at.set(self.body.climb(self.at.get(), dir));
+        self.body.points[self.at.get() as usize]
+    }
+}
+
+/// What is kept of a pair between frames: the vertices stood on, and up to three pairs of points that span the last
+/// simplex, each in its own body's frame. Start anew when a body changes.
+#[derive(Clone)]
+pub struct GjkCached {
+    stand: Option<(u32, u32)>,
+    kept: [(Vector, Vector); 3],
+    count: usize,
+    simplex: VoronoiSimplex,
+}
+
+impl Default for GjkCached {
+    fn default() -> Self {
+        Self {
+            stand: None,
+            kept: [(Vector::ZERO, Vector::ZERO); 3],
+            count: 0,
+            simplex: VoronoiSimplex::new(),
+        }
+    }
+}
+
+impl GjkCached {
+    /// Distance and witness points from two world poses; `None` when overlapping.
+    pub fn closest(&mut self, a: &Climber, pose_a: &Pose, b: &Climber, pose_b: &Pose) -> Option<Witnesses> {
+        let (world_a, world_b) = (pose(pose_a), pose(pose_b));
+        let a_from_b = world_a.inv_mul(&world_b);
+        let (at_a, at_b) = self.stand.unwrap_or_else(|| (a.start(), b.start()));
+        let (a, b) = (
+            Climbing {
+                body: a,
+                at: Cell::new(at_a),
+            },
+            Climbing {
+                body: b,
+                at: Cell::new(at_b),
+            },
+        );
+        self.warm(&a_from_b, &a, &b);
+        let found = gjk::closest_points(&a_from_b, &a, &b, f64::MAX, true, &mut self.simplex);
+        self.stand = Some((a.at.get(), b.at.get()));
+        // A simplex that holds the origin is no start for the next frame.
+        self.count = 0;
+        let GJKResult::ClosestPoints(p, q, _) = found else {
+            return None;
+        };
+        self.keep(&a_from_b);
+        Some(Witnesses {
+            distance: (q - p).length(),
+            on_a: (world_a * p).into(),
+            on_b: (world_a * q).into(),
+        })
+    }
+
+    /// Puts last frame's simplex, at this frame's pose, into the solver; without one, a first support point.
+    fn warm(&mut self, a_from_b: &ParryPose, a: &Climbing, b: &Climbing) {
+        let Some((first, more)) = self.kept[..self.count].split_first() else {
+            self.simplex
+                .reset(CsoPoint::from_shapes(a_from_b, a, b, a_from_b.translation));
+            return;
+        };
+        let place = |&(p, q): &(Vector, Vector)| CsoPoint::new(p, *a_from_b * q);
+        self.simplex.reset(place(first));
+        for pair in more {
+            // Refused where the pose has made it degenerate: then the simplex is smaller, not wrong.
+            let _ = self.simplex.add_point(place(pair));
+        }
+    }
+
+    /// Keeps at most a triangle of the solver's simplex.
+    fn keep(&mut self, a_from_b: &ParryPose) {
+        self.count = (self.simplex.dimension() + 1).min(3);
+        for i in 0..self.count {
+            let c = self.simplex.point(i);
+            self.kept[i] = (c.orig1, a_from_b.inverse_transform_point(c.orig2));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::exact::{Class, solve};
+    use crate::motion;
+    use crate::pose::{norm, radius, sub};
+    use crate::rng::Rng;
+    use crate::shapes::{self, Shape};
+
+    fn agree(d: f64, truth: f64) -> bool {
+        (d - truth).abs() <= tolerance(truth) * truth
+    }
+
+    #[test]
+    fn all_ways_agree_with_the_oracle() {
+        let mut r = Rng::new(21);
+        let mut compared = 0;
+        for k in 0..40 {
+            let (na, nb) = (5 + k % 6, 5 + k % 4);
+            let (a, b) = (shapes::sphere(&mut r, na).solved(), shapes::sphere(&mut r, nb).solved());
+            let f = motion::random_poses(&mut r, 1, (1.0, 1.0), (0.6, 1.2), 1.0)[0];
+            let truth = solve((&a).into(), &f.a, (&b).into(), &f.b);
+            let own = (mesh(&a.points, &a.faces).unwrap(), mesh(&b.points, &b.faces).unwrap());
+            let clouds = closest_points(&Cloud::new(&a.points), &f.a, &Cloud::new(&b.points), &f.b);
+            let climbers = (Climber::new(&a.points, &a.faces), Climber::new(&b.points, &b.faces));
+            let cached = GjkCached::default().closest(&climbers.0, &f.a, &climbers.1, &f.b);
+            if truth.class == Class::Separated && truth.distance > 1e-3 {
+                compared += 1;
+                assert!(agree(distance(&own.0, &f.a, &own.1, &f.b), truth.distance));
+                for w in [clouds, cached, closest_points(&own.0, &f.a, &own.1, &f.b)].map(Option::unwrap) {
+                    assert!(agree(w.distance, truth.distance));
+                    assert!((norm(sub(w.on_a, w.on_b)) - truth.distance).abs() < 1e-9);
+                }
+            } else if truth.distance < -1e-3 {
+                assert!(clouds.is_none() && cached.is_none());
+            }
+        }
+        assert!(compared > 10, "{compared}");
+    }
+
+    #[test]
+    fn the_cache_changes_the_time_only() {
+        let ball = shapes::icosphere(2);
+        let can = shapes::prism(24, 1.0, 0.8);
+        let body = |s: &Shape| (Climber::new(&s.points, &s.faces), Cloud::new(&s.points));
+        let ((a, cloud_a), (b, cloud_b)) = (body(&ball), body(&can));
+        let mut cache = GjkCached::default();
+        let radii = (radius(&ball.points), radius(&can.points));
+        let mut r = Rng::new(22);
+        let mut frames = motion::orbit_and_spin(&mut r, 300, 2.0, radii, (-0.2, 0.5), 100);
+        frames.extend(motion::pass_through(&mut r, 200, radii, 0.1));
+        for f in &frames {
+            let cold = closest_points(&cloud_a, &f.a, &cloud_b, &f.b).map_or(0.0, |w| w.distance);
+            let warm = cache.closest(&a, &f.a, &b, &f.b).map_or(0.0, |w| w.distance);
+            assert!((cold - warm).abs() <= 1e-7 * cold.max(1e-5), "{cold} {warm}");
+        }
+    }
+
+    #[test]
+    fn climbing_finds_what_scanning_finds() {
+        let mut r = Rng::new(23);
+        for s in [
+            shapes::cone(64, 1.0, 0.3),
+            shapes::icosphere(2),
+            shapes::cuboid([1.0, 0.5, 0.1]),
+        ] {
+            let climber = Climber::new(&s.points, &s.faces);
+            let mut at = climber.start();
+            for _ in 0..500 {
+                let d = vector(r.unit());
+                at = climber.climb(at, d);
+                let best = Cloud::new(&s.points).local_support_point(d).dot(d);
+                assert!((climber.points[at as usize].dot(d) - best).abs() < 1e-14);
+            }
+        }
+    }
+
+    #[test]
+    fn hulls_of_plain_points_are_built() {
+        let s = shapes::sphere(&mut Rng::new(24), 50);
+        assert_eq!(hull(&s.points).unwrap().points().len(), 50);
+    }
+}

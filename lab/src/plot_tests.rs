@@ -1,0 +1,74 @@
+//! Charts hold what they were given and nothing that is not a number.
+
+use super::*;
+
+fn chart() -> Chart {
+    let points = (1..50).map(|i| (i as f64, (i * i) as f64));
+    Chart::new("squares & co")
+        .axes("n", "n^2")
+        .line("exact", points.clone())
+        .curve("twice", points.map(|(x, y)| (x, 2.0 * y)))
+}
+
+#[test]
+fn all_four_kinds_of_axes_draw() {
+    for c in [
+        chart(),
+        chart().log_x(),
+        chart().log_y(),
+        chart().log_x().log_y().size(400, 300),
+    ] {
+        let svg = c.svg().unwrap();
+        assert!(svg.starts_with("<svg") && svg.trim_end().ends_with("</svg>"));
+        for word in ["squares &amp; co", "exact", "twice", "n^2", "polyline", "circle"] {
+            assert!(svg.contains(word), "{word}");
+        }
+        assert!(!svg.contains("NaN"));
+    }
+}
+
+#[test]
+fn gaps_zeros_and_emptiness_do_no_harm() {
+    let c = Chart::new("gaps")
+        .log_y()
+        .line("l", [(0.0, 1.0), (1.0, f64::NAN), (2.0, 0.0), (3.0, 1e-9), (4.0, 1e9)]);
+    assert!(!c.svg().unwrap().contains("NaN"));
+    assert!(Chart::new("none").svg().is_ok());
+    assert!(Chart::new("none").log_x().log_y().line("l", []).svg().is_ok());
+    assert!(Chart::new("one").dots("d", [(1.0, 0.0)]).from_zero().svg().is_ok());
+}
+
+#[test]
+fn charts_stack_beneath_one_another() {
+    let svg = stack(&[&chart().size(600, 200), &chart().log_y().size(500, 300)]).unwrap();
+    assert!(svg.starts_with("<svg width=\"600\" height=\"500\""));
+    assert_eq!(svg.matches("squares &amp; co").count(), 2);
+}
+
+#[test]
+fn a_narrow_logarithmic_axis_still_has_numbers() {
+    let svg = Chart::new("")
+        .log_y()
+        .line("l", [(0.0, 38.0), (1.0, 91.0)])
+        .svg()
+        .unwrap();
+    let labels = svg
+        .lines()
+        .filter_map(|l| l.parse::<f64>().ok())
+        .filter(|v| (38.0..91.0).contains(v))
+        .count();
+    assert!(labels >= 2, "{labels}");
+}
+
+#[test]
+fn numbers_are_short() {
+    assert_eq!(
+        [0.1 + 0.2, 0.0, 1e-9, 1200.0, 2e7].map(short),
+        ["0.3", "0", "1e-9", "1200", "2e7"]
+    );
+}
+
+#[test]
+fn a_file_that_cannot_be_written_is_named() {
+    assert!(chart().save("/no/such/place/a.svg").unwrap_err().contains("a.svg"));
+}

@@ -1,0 +1,175 @@
+//! A rigid pose as plain numbers, and the few vector operations the generators need.
+
+/// A point or a vector.
+pub type Point = [f64; 3];
+
+/// The rigid motion `v -> R(q) v + t`, with `q = [x, y, z, w]`.
+///
+/// `q` is unit up to rounding; exact code divides by `|q|^2` instead of trusting that.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pose {
+    /// Rotation as a quaternion `x, y, z, w`.
+    pub q: [f64; 4],
+    /// Translation.
+    pub t: Point,
+}
+
+impl Pose {
+    /// The pose that moves nothing.
+    pub const IDENTITY: Self = Self {
+        q: [0.0, 0.0, 0.0, 1.0],
+        t: [0.0; 3],
+    };
+
+    /// A shift without rotation.
+    pub fn shift(t: Point) -> Self {
+        Self { t, ..Self::IDENTITY }
+    }
+
+    /// A rotation by `angle` radians about the unit `axis`, then a shift by `t`.
+    pub fn turn(axis: Point, angle: f64, t: Point) -> Self {
+        Self {
+            q: quat(axis, angle),
+            t,
+        }
+    }
+
+    /// Where the pose puts `v`, in f64.
+    pub fn apply(&self, v: Point) -> Point {
+        add(self.rotate(v), self.t)
+    }
+
+    /// The rotation alone.
+    pub fn rotate(&self, v: Point) -> Point {
+        let [x, y, z, w] = self.q;
+        let u = [x, y, z];
+        let twice = scale(cross(u, v), 2.0);
+        add(add(v, scale(twice, w)), cross(u, twice))
+    }
+
+    /// The rotation undone.
+    pub fn rotate_back(&self, v: Point) -> Point {
+        let [x, y, z, w] = self.q;
+        Self {
+            q: [-x, -y, -z, w],
+            t: self.t,
+        }
+        .rotate(v)
+    }
+
+    /// Where `p` of the world lies in the body's own frame, in f64.
+    pub fn apply_inverse(&self, p: Point) -> Point {
+        self.rotate_back(sub(p, self.t))
+    }
+
+    /// `self` after `first`: the pose `v -> self(first(v))`.
+    pub fn after(&self, first: &Self) -> Self {
+        Self {
+            q: unit_quat(quat_mul(self.q, first.q)),
+            t: self.apply(first.t),
+        }
+    }
+
+    /// The pose of `b` seen from `a`, in f64 (rounded: exact checks must use the pose that was really queried).
+    pub fn relative(a: &Self, b: &Self) -> Self {
+        let [x, y, z, w] = a.q;
+        Self {
+            q: unit_quat(quat_mul([-x, -y, -z, w], b.q)),
+            t: a.apply_inverse(b.t),
+        }
+    }
+}
+
+/// The unit quaternion of a rotation by `angle` radians about the unit `axis`.
+pub fn quat(axis: Point, angle: f64) -> [f64; 4] {
+    let (s, c) = (0.5 * angle).sin_cos();
+    unit_quat([axis[0] * s, axis[1] * s, axis[2] * s, c])
+}
+
+/// Hamilton product.
+pub fn quat_mul(a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
+    let [ax, ay, az, aw] = a;
+    let [bx, by, bz, bw] = b;
+    [
+        aw * bx + ax * bw + ay * bz - az * by,
+        aw * by - ax * bz + ay * bw + az * bx,
+        aw * bz + ax * by - ay * bx + az * bw,
+        aw * bw - ax * bx - ay * by - az * bz,
+    ]
+}
+
+/// `q` divided by its length.
+pub fn unit_quat(q: [f64; 4]) -> [f64; 4] {
+    let n = q.iter().map(|x| x * x).sum::<f64>().sqrt();
+    q.map(|x| x / n)
+}
+
+/// `a + b`.
+pub fn add(a: Point, b: Point) -> Point {
+    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
+}
+
+/// `a - b`.
+pub fn sub(a: Point, b: Point) -> Point {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+/// `s a`.
+pub fn scale(a: Point, s: f64) -> Point {
+    a.map(|x| x * s)
+}
+
+/// `a . b`.
+pub fn dot(a: Point, b: Point) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// `a x b`.
+pub fn cross(a: Point, b: Point) -> Point {
+    [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ]
+}
+
+/// `|a|`.
+pub fn norm(a: Point) -> f64 {
+    dot(a, a).sqrt()
+}
+
+/// `a / |a|`; the zero vector stays zero.
+pub fn unit(a: Point) -> Point {
+    let n = norm(a);
+    if n > 0.0 { scale(a, 1.0 / n) } else { a }
+}
+
+/// Largest distance of a point from the origin: the radius of a body about its own frame's origin.
+pub fn radius(points: &[Point]) -> f64 {
+    points.iter().map(|&p| norm(p)).fold(0.0, f64::max)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn close(a: Point, b: Point) -> bool {
+        norm(sub(a, b)) < 1e-14
+    }
+
+    #[test]
+    fn a_quarter_turn_about_z_sends_x_to_y() {
+        let pose = Pose::turn([0.0, 0.0, 1.0], std::f64::consts::FRAC_PI_2, [0.0, 0.0, 5.0]);
+        assert!(close(pose.apply([1.0, 0.0, 0.0]), [0.0, 1.0, 5.0]));
+        assert!(close(pose.apply_inverse([0.0, 1.0, 5.0]), [1.0, 0.0, 0.0]));
+    }
+
+    #[test]
+    fn relative_and_after_undo_each_other() {
+        let a = Pose::turn(unit([1.0, 2.0, -1.0]), 0.7, [1.0, -2.0, 0.5]);
+        let b = Pose::turn(unit([0.0, -1.0, 3.0]), 2.1, [-0.3, 0.4, 2.0]);
+        let back = a.after(&Pose::relative(&a, &b));
+        let v = [0.3, 0.9, -0.2];
+        assert!(close(back.apply(v), b.apply(v)));
+    }
+}

@@ -1,0 +1,330 @@
+//! Reader of case files: pairs of bodies at two poses, with or without the truth. The format stands in `tests/CASES.md`.
+//!
+//! Files may be large, so [`Reader`] gives one line after the other; it holds no more than that line.
+
+use crate::shapes::Shape;
+use crate::verdict::Class;
+use crate::{Face, Point, Pose};
+use serde::Deserialize;
+use std::fs::File;
+use std::io::{self, BufRead, BufReader};
+use std::path::Path;
+use std::{error, fmt};
+
+/// One line of a case file.
+#[derive(Clone, Debug)]
+pub enum Line {
+    /// The first line.
+    Header(Header),
+    /// A body; it comes before the first case that names it.
+    Shape(SuiteShape),
+    /// A case.
+    Case(Box<Case>),
+}
+
+/// Name and seed of a file.
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
+pub struct Header {
+    /// Version of the format; 1 today.
+    pub version: u32,
+    /// Name of the file's kind.
+    #[serde(default)]
+    pub name: String,
+    /// Seed it was made from.
+    #[serde(default)]
+    pub seed: u64,
+}
+
+/// A body and the number by which cases name it.
+#[derive(Clone, Debug)]
+pub struct SuiteShape {
+    /// Number, unique in the file.
+    pub id: usize,
+    /// Points and faces; a flat body has no faces.
+    pub shape: Shape,
+}
+
+/// Two bodies at two poses.
+#[derive(Clone, Debug)]
+pub struct Case {
+    /// Number, unique in the file.
+    pub id: u64,
+    /// Family of cases.
+    pub family: String,
+    /// Level within the family.
+    pub level: String,
+    /// The motion this is a frame of; none when the case stands alone.
+    pub sequence: Option<u64>,
+    /// Number of the frame in its motion.
+    pub frame: u64,
+    /// Number of the body A.
+    pub a: usize,
+    /// Number of the body B.
+    pub b: usize,
+    /// World pose of A, its quaternion as written: unit up to 1e-6.
+    pub pose_a: Pose,
+    /// World pose of B.
+    pub pose_b: Pose,
+    /// The truth, unless the file is blind.
+    pub truth: Option<Truth>,
+}
+
+/// What is true of a case.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Truth {
+    /// Class, exactly.
+    pub class: Class,
+    /// Signed distance, correctly rounded.
+    pub distance: f64,
+    /// What rounding lost.
+    pub remainder: f64,
+    /// Unit normal from A to B.
+    pub normal: Option<Point>,
+    /// Witness points in the world.
+    pub witnesses: Option<(Point, Point)>,
+    /// Size of the pair, to which tolerances are relative.
+    pub size: Option<f64>,
+    /// Number of normals of equal depth.
+    pub ties: Option<u64>,
+}
+
+/// What is wrong with a file, and in which line (from 1; 0 before the first).
+#[derive(Debug)]
+pub struct SuiteError {
+    /// Number of the line.
+    pub line: usize,
+    /// What is wrong.
+    pub reason: String,
+}
+
+impl fmt::Display for SuiteError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "case file, line {}: {}", self.line, self.reason)
+    }
+}
+
+impl error::Error for SuiteError {}
+
+/// Kind of a line, read before the rest.
+#[derive(Deserialize)]
+struct Kind<'a> {
+    t: &'a str,
+}
+
+#[derive(Deserialize)]
+struct RawShape {
+    id: usize,
+    #[serde(default)]
+    name: String,
+    v: Vec<f64>,
+    #[serde(default)]
+    f: Vec<Face>,
+}
+
+#[derive(Deserialize)]
+struct RawCase {
+    id: u64,
+    #[serde(default)]
+    fam: String,
+    #[serde(default)]
+    lvl: String,
+    #[serde(default = "alone")]
+    seq: i64,
+    #[serde(default)]
+    frame: u64,
+    a: usize,
+    b: usize,
+    qa: [f64; 4],
+    ta: Point,
+    qb: [f64; 4],
+    tb: Point,
+    cls: Option<String>,
+    s: Option<f64>,
+    s_lo: Option<f64>,
+    n: Option<Point>,
+    wa: Option<Point>,
+    wb: Option<Point>,
+    ties: Option<u64>,
+    #[serde(rename = "L")]
+    size: Option<f64>,
+}
+
+fn alone() -> i64 {
+    -1
+}
+
+impl RawShape {
+    fn check(self) -> Result<SuiteShape, String> {
+        let (points, rest) = self.v.as_chunks::<3>();
+        if !rest.is_empty() {
+            return Err(format!(
+                "shape {} has {} coordinates, not a multiple of 3",
+                self.id,
+                self.v.len()
+            ));
+        }
+        if let Some(i) = self.f.iter().flatten().find(|&&i| i as usize >= points.len()) {
+            return Err(format!(
+                "a face of shape {} names point {i} of {}",
+                self.id,
+                points.len()
+            ));
+        }
+        Ok(SuiteShape {
+            id: self.id,
+            shape: Shape {
+                name: self.name,
+                points: points.to_vec(),
+                faces: self.f,
+            },
+        })
+    }
+}
+
+impl RawCase {
+    fn check(self) -> Result<Case, String> {
+        let truth = match (&self.cls, self.s) {
+            (None, None) => None,
+            (Some(word), Some(distance)) => Some(Truth {
+                class: Class::from_word(word).ok_or_else(|| format!("class {word:?} of case {}", self.id))?,
+                distance,
+                remainder: self.s_lo.unwrap_or(0.0),
+                normal: self.n,
+                witnesses: self.wa.zip(self.wb),
+                size: self.size,
+                ties: self.ties,
+            }),
+            _ => return Err(format!("case {} has only one of cls and s", self.id)),
+        };
+        Ok(Case {
+            id: self.id,
+            family: self.fam,
+            level: self.lvl,
+            sequence: u64::try_from(self.seq).ok(),
+            frame: self.frame,
+            a: self.a,
+            b: self.b,
+            pose_a: Pose { q: self.qa, t: self.ta },
+            pose_b: Pose { q: self.qb, t: self.tb },
+            truth,
+        })
+    }
+}
+
+/// The meaning of one line; `None` for an empty line and for kinds this reader does not know.
+fn parse(text: &str) -> Result<Option<Line>, String> {
+    if text.trim().is_empty() {
+        return Ok(None);
+    }
+    let json = |e: serde_json::Error| e.to_string();
+    let kind: Kind = serde_json::from_str(text).map_err(json)?;
+    Ok(match kind.t {
+        "suite" => Some(Line::Header(serde_json::from_str(text).map_err(json)?)),
+        "shape" => Some(Line::Shape(
+            serde_json::from_str::<RawShape>(text).map_err(json)?.check()?,
+        )),
+        "case" => Some(Line::Case(Box::new(
+            serde_json::from_str::<RawCase>(text).map_err(json)?.check()?,
+        ))),
+        _ => None,
+    })
+}
+
+/// The lines of a case file, one by one. The first error ends the file.
+pub struct Reader<R> {
+    input: R,
+    line: usize,
+    buffer: String,
+    failed: bool,
+}
+
+impl Reader<BufReader<File>> {
+    /// Opens a file.
+    pub fn open(path: impl AsRef<Path>) -> io::Result<Self> {
+        Ok(Self::new(BufReader::with_capacity(1 << 20, File::open(path)?)))
+    }
+}
+
+impl<R: BufRead> Reader<R> {
+    /// Reads from memory, a pipe or a file.
+    pub fn new(input: R) -> Self {
+        Self {
+            input,
+            line: 0,
+            buffer: String::new(),
+            failed: false,
+        }
+    }
+
+    /// The next line that says something.
+    fn advance(&mut self) -> Result<Option<Line>, String> {
+        loop {
+            self.buffer.clear();
+            self.line += 1;
+            if self.input.read_line(&mut self.buffer).map_err(|e| e.to_string())? == 0 {
+                return Ok(None);
+            }
+            let line = parse(&self.buffer)?;
+            match &line {
+                Some(Line::Header(h)) if h.version != 1 => return Err(format!("version {} is not known", h.version)),
+                Some(_) => return Ok(line),
+                None => {}
+            }
+        }
+    }
+}
+
+impl<R: BufRead> Iterator for Reader<R> {
+    type Item = Result<Line, SuiteError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        if self.failed {
+            return None;
+        }
+        let line = self.advance().map_err(|reason| SuiteError {
+            line: self.line,
+            reason,
+        });
+        self.failed = line.is_err();
+        line.transpose()
+    }
+}
+
+/// One line of answers to a case file: what a grading program prints. `None` is written as `-`.
+#[derive(Clone, Copy, Debug)]
+pub struct Answer<'a> {
+    /// Number of the case.
+    pub id: u64,
+    /// `sep`, `touch`, `pen`, or why there is no answer: `none`, `unsup`, `panic`, `noshape`.
+    pub status: &'a str,
+    /// Signed distance.
+    pub distance: Option<f64>,
+    /// Witness points of A and B.
+    pub witnesses: Option<(Point, Point)>,
+    /// Normal from A to B.
+    pub normal: Option<Point>,
+    /// Time of the query alone.
+    pub nanoseconds: u64,
+}
+
+impl fmt::Display for Answer<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} {}", self.id, self.status)?;
+        let (on_a, on_b) = self.witnesses.unzip();
+        let vector = |p: Option<Point>| p.map_or([None; 3], |p| p.map(Some));
+        let numbers = [self.distance]
+            .into_iter()
+            .chain([on_a, on_b, self.normal].into_iter().flat_map(vector));
+        for x in numbers {
+            match x {
+                Some(x) => write!(f, " {x:e}")?, // shortest digits that give the same bits
+                None => f.write_str(" -")?,
+            }
+        }
+        write!(f, " {}", self.nanoseconds)
+    }
+}
+
+#[cfg(test)]
+#[path = "suite_tests.rs"]
+mod tests;

@@ -1,0 +1,133 @@
+//! Integers of any length and vectors of them.
+
+use dashu_base::{BitTest, DivRem, SquareRoot};
+use dashu_int::{IBig, UBig};
+use nalgebra::Vector3;
+
+use crate::polyhedron::power_of_two;
+
+/// A vector of integers.
+pub(super) type Big3 = [IBig; 3];
+
+/// `x = m 2^e` with `m` odd, of a finite number that is not zero.
+fn odd_part(x: f64) -> (i64, i32) {
+    let bits = x.to_bits();
+    let (field, fraction) = (((bits >> 52) & 0x7ff) as i32, (bits & ((1 << 52) - 1)) as i64);
+    let (m, e) = if field == 0 {
+        (fraction, -1074)
+    } else {
+        (fraction | 1 << 52, field - 1075)
+    };
+    let zeros = m.trailing_zeros();
+    let m = m >> zeros;
+    (if x < 0.0 { -m } else { m }, e + zeros as i32)
+}
+
+/// The exponent of the lowest bit set in any of the numbers, if any is not zero.
+pub(super) fn lowest_bit(numbers: impl IntoIterator<Item = f64>) -> Option<i32> {
+    numbers.into_iter().filter(|&x| x != 0.0).map(|x| odd_part(x).1).min()
+}
+
+/// `x / 2^e`, where no bit of `x` is lower.
+pub(super) fn integer(x: f64, e: i32) -> IBig {
+    if x == 0.0 {
+        return IBig::ZERO;
+    }
+    let (m, own) = odd_part(x);
+    IBig::from(m) << (own - e) as usize
+}
+
+pub(super) fn dot(a: &Big3, b: &Big3) -> IBig {
+    &a[0] * &b[0] + &a[1] * &b[1] + &a[2] * &b[2]
+}
+
+pub(super) fn cross(a: &Big3, b: &Big3) -> Big3 {
+    [
+        &a[1] * &b[2] - &a[2] * &b[1],
+        &a[2] * &b[0] - &a[0] * &b[2],
+        &a[0] * &b[1] - &a[1] * &b[0],
+    ]
+}
+
+pub(super) fn sub(a: &Big3, b: &Big3) -> Big3 {
+    [&a[0] - &b[0], &a[1] - &b[1], &a[2] - &b[2]]
+}
+
+pub(super) fn neg(a: &Big3) -> Big3 {
+    [-&a[0], -&a[1], -&a[2]]
+}
+
+pub(super) fn is_zero(a: &Big3) -> bool {
+    a.iter().all(IBig::is_zero)
+}
+
+/// A multiple of `a` in f64, its largest coordinate between a half and one: each coordinate right to one rounding.
+pub(super) fn direction(a: &Big3) -> Vector3<f64> {
+    let bits = a.iter().map(BitTest::bit_len).max().unwrap_or(0);
+    // 62 bits fit in an i64; what is cut off is below the rounding to f64.
+    let shift = bits.saturating_sub(62);
+    let coordinate = |x: &IBig| i64::try_from(x >> shift).unwrap_or(0) as f64;
+    let v = Vector3::new(coordinate(&a[0]), coordinate(&a[1]), coordinate(&a[2]));
+    v * power_of_two(-((bits - shift) as i32))
+}
+
+/// `num / den` in f64, for `0 <= num <= den`, right to two roundings.
+pub(super) fn fraction(num: &IBig, den: &IBig) -> f64 {
+    let shift = den.bit_len().saturating_sub(1000);
+    (num >> shift).to_f64().value() / (den >> shift).to_f64().value()
+}
+
+/// `sqrt(num / den) 2^e`, correctly rounded unless it is subnormal; `num >= 0`, `den > 0`.
+pub(super) fn root(num: &UBig, den: &UBig, e: i32) -> f64 {
+    if num.is_zero() {
+        return 0.0;
+    }
+    // Scaled by 4^h so that the integer root has at least 64 bits; the last bit stands for all below.
+    let bits = num.bit_len() as i64 - den.bit_len() as i64;
+    let h = ((132 - bits).max(0) / 2) as usize;
+    let (quotient, rest) = (num << (2 * h)).div_rem(den);
+    let root = quotient.sqrt();
+    let inexact = !rest.is_zero() || &root * &root != quotient;
+    let mantissa = (root << 1) | UBig::from(u8::from(inexact));
+    let cut = mantissa.bit_len().saturating_sub(900);
+    let low_bits = cut > 0 && mantissa.trailing_zeros().is_some_and(|z| z < cut);
+    let mantissa = if cut > 0 {
+        (mantissa >> cut) | UBig::from(u8::from(low_bits))
+    } else {
+        mantissa
+    };
+    let exponent = e - h as i32 - 1 + cut as i32;
+    // In halves, so that neither factor leaves the range of powers of two.
+    mantissa.to_f64().value() * power_of_two(exponent / 2) * power_of_two(exponent - exponent / 2)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_go_in_and_out_exactly() {
+        for x in [1.0, -0.1, 1e-300, 5e-324, 1.7e308, 3.0] {
+            let e = lowest_bit([x, 1.0]).unwrap();
+            let back = integer(x, e);
+            let (num, den) = if e < 0 {
+                (back, IBig::ONE << (-e) as usize)
+            } else {
+                (back << e as usize, IBig::ONE)
+            };
+            if x.abs() <= 1.0 && x > 0.0 && x > 1e-290 {
+                assert_eq!(fraction(&num, &den), x);
+            }
+            assert_eq!(integer(x, e).to_f64().value() * 2f64.powi(e), x);
+        }
+    }
+
+    #[test]
+    fn roots_are_correctly_rounded() {
+        for n in [1u32, 2, 3, 4, 5, 1_000_003] {
+            assert_eq!(root(&UBig::from(n), &UBig::ONE, 0), f64::from(n).sqrt());
+        }
+        assert_eq!(root(&UBig::from(1u8), &UBig::from(4u8), 3), 4.0);
+        assert_eq!(root(&(UBig::ONE << 2000), &UBig::ONE, -900), 2f64.powi(100));
+    }
+}

@@ -1,0 +1,129 @@
+//! Inside or on the boundary: where exactly the origin lies in a convex set that holds it.
+
+use alloc::vec::Vec;
+
+use dashu_int::IBig;
+
+use super::integer::{Big3, cross, dot, is_zero, neg};
+use super::simplex::{Corner, Nearest, minimize, sign};
+
+/// Where the origin lies in a convex set that holds it.
+pub(super) enum Origin {
+    Interior,
+    /// The set lies on the side of the origin that this does not point to: `n . w <= 0` for all of it.
+    Boundary(Big3),
+}
+
+/// A convex set by its extreme points.
+pub(super) struct Set<'a> {
+    /// A point greatest along a direction.
+    pub(super) highest: &'a dyn Fn(&Big3) -> Corner,
+    /// The directions of the edges that leave a corner, a multiple of each; together they span the set seen from there.
+    pub(super) edges: &'a dyn Fn(&Corner) -> Vec<Big3>,
+}
+
+/// Locates the origin, which `at` holds in the relative interior of its corners.
+pub(super) fn locate(set: &Set, at: &Nearest) -> Origin {
+    let w = |k: usize| &at.kept[k].w;
+    match at.kept.len() {
+        1 => at_vertex(&(set.edges)(&at.kept[0])),
+        // The two corners are opposite, so either is the line through both.
+        2 => on_line(set.highest, w(1)),
+        // With the origin inside their triangle, no two corners are parallel.
+        3 => on_plane(set.highest, cross(w(0), w(1))),
+        _ => Origin::Interior,
+    }
+}
+
+/// Whether the set stays on one side of `n` and the origin.
+fn supports(highest: &dyn Fn(&Big3) -> Corner, n: &Big3) -> Result<(), Corner> {
+    let top = highest(n);
+    if sign(&dot(n, &top.w)) <= 0 { Ok(()) } else { Err(top) }
+}
+
+/// The set holds a neighbourhood of the origin in the plane across `n`: only `n` and `-n` can support it.
+fn on_plane(highest: &dyn Fn(&Big3) -> Corner, n: Big3) -> Origin {
+    let opposite = neg(&n);
+    if supports(highest, &n).is_ok() {
+        Origin::Boundary(n)
+    } else if supports(highest, &opposite).is_ok() {
+        Origin::Boundary(opposite)
+    } else {
+        Origin::Interior
+    }
+}
+
+/// The set holds a neighbourhood of the origin on the line along `d`: a normal is across it, so the search is in the
+/// plane of `e` and `f`. The directions that no point found so far rules out are those from `start`, turning left, to
+/// `end`; `start` is tried and moved until it supports or nothing is left.
+fn on_line(highest: &dyn Fn(&Big3) -> Corner, d: &Big3) -> Origin {
+    let axis = (0..3)
+        .find(|&k| d[(k + 1) % 3] != IBig::ZERO || d[(k + 2) % 3] != IBig::ZERO)
+        .unwrap_or(0);
+    let mut unit = [IBig::ZERO, IBig::ZERO, IBig::ZERO];
+    unit[axis] = IBig::ONE;
+    let e = cross(d, &unit);
+    let f = cross(d, &e);
+    let space = |n: &[IBig; 2]| [0, 1, 2].map(|k| &n[0] * &e[k] + &n[1] * &f[k]);
+    let plane = |p: &Big3| [dot(&e, p), dot(&f, p)];
+    let top = match supports(highest, &e) {
+        Ok(()) => return Origin::Boundary(e),
+        Err(top) => plane(&top.w),
+    };
+    let left = |p: &[IBig; 2]| [-&p[1], p[0].clone()];
+    let mut start = left(&top);
+    let end = [top[1].clone(), -&top[0]];
+    loop {
+        match supports(highest, &space(&start)) {
+            Ok(()) => return Origin::Boundary(space(&start)),
+            Err(top) => start = left(&plane(&top.w)),
+        }
+        let turn = sign(&(&start[0] * &end[1] - &start[1] * &end[0]));
+        let ahead = sign(&(&start[0] * &end[0] + &start[1] * &end[1]));
+        // Past the end, or turned right round: no direction is left.
+        if turn < 0 || (turn == 0 && ahead < 0) {
+            return Origin::Interior;
+        }
+    }
+}
+
+/// The origin is a corner of the set: a normal must not rise along any of its edges, so the question is where the
+/// origin lies in the hull of the edge directions.
+fn at_vertex(edges: &[Big3]) -> Origin {
+    let corner = |k: usize| Corner {
+        a: k as u32,
+        b: 0,
+        w: edges[k].clone(),
+    };
+    let highest = |n: &Big3| {
+        let top = (1..edges.len()).fold(0, |top, k| {
+            if dot(n, &edges[k]) > dot(n, &edges[top]) {
+                k
+            } else {
+                top
+            }
+        });
+        corner(top)
+    };
+    if edges.is_empty() {
+        return Origin::Boundary([IBig::ONE, IBig::ZERO, IBig::ZERO]);
+    }
+    let lowest = |n: &Big3| highest(&neg(n));
+    let first = corner(0);
+    let normal = neg(&first.w);
+    let Some(at) = minimize([first].into(), &lowest) else {
+        return Origin::Boundary(normal);
+    };
+    if is_zero(&at.direction) {
+        // No edge is zero, so the origin is not a corner of their hull and this goes no deeper.
+        locate(
+            &Set {
+                highest: &highest,
+                edges: &|_| Vec::new(),
+            },
+            &at,
+        )
+    } else {
+        Origin::Boundary(neg(&at.direction))
+    }
+}

@@ -1,0 +1,116 @@
+//! The solver that stands in for the walk: the minimum-norm point of the Minkowski difference A - B.
+//!
+//! Gilbert, Johnson and Keerthi 1988, in f64 and in double-double. Departures:
+//! 1. It starts from the features the walk ended on, so a few supports settle most cases.
+//! 2. The direction of a triangle is its normal and that of an edge is orthogonalised once more (never the rounded
+//!    nearest point), so the last support is also the certificate.
+//! 3. Supports are proven (see [`ConvexPolyhedron::extremes`]); it ends where the support is in the simplex already or
+//!    nothing is gained, and what it then knows are bounds.
+//! 4. Origin inside means four signed volumes beyond rounding: a proof of overlap.
+//!
+//! [`ConvexPolyhedron::extremes`]: crate::ConvexPolyhedron
+
+use nalgebra::Vector3;
+
+use super::placed::{Frame, Placed};
+use super::simplex::{Corner, Simplex};
+use super::state::State;
+use crate::polyhedron::ConvexPolyhedron;
+use crate::scalar::{Scalar, Vec3, dot, neg, sub};
+use crate::tolerance::{ON_BOUNDARY, PLATEAU, UNIT};
+
+/// Supports one solve may take. Right answers were seen to take at most 24.
+const SUPPORTS: u32 = 64;
+
+/// Where a solve ended.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Minimum<T> {
+    /// The origin is outside, or on the surface up to rounding: `direction . w / |direction|` is at least `lower` over
+    /// the whole difference (its error term still to be taken off).
+    Outside {
+        simplex: Simplex<T>,
+        lower: T,
+        direction: Vec3<T>,
+    },
+    /// The tetrahedron holds the origin, proven.
+    Inside { simplex: Simplex<T> },
+}
+
+/// Solves from the vertices of a state.
+pub(crate) fn solve<T: Scalar>(placed: &Placed, frame: &Frame<T>, from: State) -> Minimum<T> {
+    let (a, b) = from.vertices_of(placed.a, placed.b);
+    solve_from(placed, frame, a, b)
+}
+
+/// Solves from one vertex of each body.
+pub(crate) fn solve_from<T: Scalar>(placed: &Placed, frame: &Frame<T>, a: u32, b: u32) -> Minimum<T> {
+    let size = placed.size();
+    let mut simplex = Simplex::vertex(corner(placed, frame, a, b));
+    let (mut lower, mut direction) = (T::from(f64::NEG_INFINITY), simplex.direction);
+    for _ in 0..SUPPORTS {
+        let d = simplex.direction;
+        let norm_squared = dot(&d, &d);
+        let touches = T::from(ON_BOUNDARY * T::UNIT / UNIT * size);
+        if !(simplex.squared > touches * touches) || !(norm_squared > T::from(0.0)) {
+            break;
+        }
+        let (hint, toward) = (simplex.corners[simplex.len - 1], neg(&d));
+        let a = extreme(placed.a, &toward, hint.a);
+        let b = extreme(placed.b, &frame.direction(&d), hint.b);
+        let c = corner(placed, frame, a, b);
+        let reach = dot(&d, &c.w) / root(norm_squared);
+        if reach > lower {
+            (lower, direction) = (reach, d);
+        }
+        if simplex.holds(a, b) {
+            break;
+        }
+        let next = simplex.with(c, size);
+        if next.len == 4 {
+            return Minimum::Inside { simplex: next };
+        }
+        if !(next.squared < simplex.squared) {
+            break;
+        }
+        simplex = next;
+    }
+    Minimum::Outside {
+        simplex,
+        lower,
+        direction,
+    }
+}
+
+/// Square root to the precision of f64 and, in double-double, one Newton step further.
+fn root<T: Scalar>(x: T) -> T {
+    let r = T::from(crate::scalar::sqrt(x.value()));
+    (r + x / r) * T::from(0.5)
+}
+
+fn corner<T: Scalar>(placed: &Placed, frame: &Frame<T>, a: u32, b: u32) -> Corner<T> {
+    let p = placed.a.points[a as usize];
+    let w = sub(
+        &[T::from(p.x), T::from(p.y), T::from(p.z)],
+        &frame.point(&placed.b.points[b as usize]),
+    );
+    Corner { a, b, w }
+}
+
+/// The extreme vertex along `n` in the arithmetic of the solver; the lowest number among equals.
+fn extreme<T: Scalar>(body: &ConvexPolyhedron, n: &Vec3<T>, hint: u32) -> u32 {
+    let rounded = Vector3::new(n[0].value(), n[1].value(), n[2].value());
+    if T::UNIT == UNIT {
+        return body.extreme(&rounded, hint).vertex;
+    }
+    // In f64 the true extreme vertex is within this of the highest.
+    let slack = PLATEAU * rounded.abs().sum() * body.radius;
+    let mut best: Option<(T, u32)> = None;
+    body.extremes(&rounded, hint, slack, |v, _| {
+        let p = body.points[v as usize];
+        let value = n[0] * T::from(p.x) + n[1] * T::from(p.y) + n[2] * T::from(p.z);
+        if best.is_none_or(|(top, u)| value > top || (value == top && v < u)) {
+            best = Some((value, v));
+        }
+    });
+    best.map_or(hint, |(_, v)| v)
+}

@@ -1,0 +1,49 @@
+//! Bodies so far apart that only their separation counts, or two points so near that squares of lengths vanish.
+//!
+//! The radii are below the rounding of the separation (or zero), so the vertices that face each other are the closest
+//! features within every bound asked for, and lengths are scaled before they are squared.
+
+use nalgebra::{Unit, Vector3};
+
+use super::outcome::{Class, Layer, Outcome, Work};
+use super::state::State;
+use crate::polyhedron::ConvexPolyhedron;
+use crate::pose::RelativePose;
+use crate::tolerance::{CERTIFICATE, UNIT};
+
+/// The answer in the caller's units.
+#[cold]
+pub(crate) fn answer(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &RelativePose) -> Outcome {
+    let t = pose.translation + pose.rotation * b.origin - a.origin;
+    let largest = t.amax();
+    let n = if largest > 0.0 {
+        (t / largest).normalize()
+    } else {
+        Vector3::x()
+    };
+    let (va, vb) = (a.climb_cold(&n), b.climb_cold(&-pose.rotation.tr_mul(&n)));
+    let (point_on_a, point_on_b) = (a.given(&a.points[va as usize]), b.given(&b.points[vb as usize]));
+    let between = pose.rotation * point_on_b.coords + pose.translation - point_on_a.coords;
+    let largest = between.amax();
+    let distance = if largest > 0.0 {
+        largest * (between / largest).norm()
+    } else {
+        0.0
+    };
+    let radii = a.radius * a.unit() + b.radius * b.unit();
+    let slack = CERTIFICATE * UNIT * (distance + radii) + 2.0 * radii;
+    let lower = (distance - slack).max(0.0);
+    let class = if lower > 0.0 { Class::Separated } else { Class::Touching };
+    Outcome {
+        class,
+        distance,
+        lower,
+        upper: distance + slack,
+        features: State::VertexVertex { a: va, b: vb }.features(),
+        point_on_a: point_on_a,
+        point_on_b: point_on_b,
+        normal: Unit::new_unchecked(n),
+        layer: Layer::Far,
+        work: Work::default(),
+    }
+}

@@ -1,0 +1,136 @@
+//! What a query answers, and how it came about.
+
+use nalgebra::{Point3, Unit, Vector3};
+
+use crate::polyhedron::FeaturePair;
+
+/// Which side of contact a pair is on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Class {
+    /// Proven apart: the lower bound is positive.
+    Separated,
+    /// The bounds straddle zero and no finer arithmetic could, or was asked to, part them; or proven to touch.
+    Touching,
+    /// Proven to share an interior point.
+    Overlapping,
+    /// The bounds are wider than the accuracy asked for, and straddle zero or not. Possible only without the feature
+    /// `exact`.
+    Undecided,
+}
+
+/// Which layer gave the answer. Each is tried where the certificate refuses the one before.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Layer {
+    /// The walk over Voronoi regions, from the cached features or a first start.
+    #[default]
+    Walk,
+    /// The walk, started afresh from the support vertices.
+    Restart,
+    /// The minimum-norm solver in f64.
+    Fallback,
+    /// The minimum-norm solver in double-double.
+    DoubleDouble,
+    /// The minimum-norm solver in exact integers (feature `exact`).
+    Exact,
+    /// Bodies so far apart that only their separation counts.
+    Far,
+}
+
+/// Work done by one query, or summed over many.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct Work {
+    /// Feature pairs the walk evaluated.
+    pub steps: u32,
+    /// Certificates taken.
+    pub certificates: u32,
+    /// Walks started from support vertices.
+    pub restarts: u32,
+    /// Minimum-norm solves in f64.
+    pub fallbacks: u32,
+    /// Minimum-norm solves in double-double.
+    pub double_doubles: u32,
+    /// Exact solves.
+    pub exacts: u32,
+}
+
+impl core::ops::AddAssign for Work {
+    fn add_assign(&mut self, o: Self) {
+        self.steps += o.steps;
+        self.certificates += o.certificates;
+        self.restarts += o.restarts;
+        self.fallbacks += o.fallbacks;
+        self.double_doubles += o.double_doubles;
+        self.exacts += o.exacts;
+    }
+}
+
+/// The closest features of two bodies, with proof.
+///
+/// The signed distance is positive when apart and minus the penetration depth when overlapping. `lower` and `upper`
+/// bound it for the placement given, rounding included.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct Outcome {
+    /// Which side of contact.
+    pub class: Class,
+    /// The best estimate of the signed distance, between the bounds; zero for an overlap, whose depth is not computed.
+    pub distance: f64,
+    /// No greater than the signed distance; minus infinity where nothing is known (an overlap).
+    pub lower: f64,
+    /// No less than the signed distance.
+    pub upper: f64,
+    /// The closest features. For an overlap, features that meet or the last ones looked at.
+    pub features: FeaturePair,
+    /// The witness on A, in A's frame. For an overlap, a point inside both bodies.
+    pub point_on_a: Point3<f64>,
+    /// The witness on B, in B's frame. For an overlap, the same point in B's frame.
+    pub point_on_b: Point3<f64>,
+    /// Unit direction from A to B, in A's frame: the direction of the witnesses and of the proof. For an overlap, a
+    /// direction without meaning.
+    pub normal: Unit<Vector3<f64>>,
+    /// Which layer answered.
+    pub layer: Layer,
+    /// What it took.
+    pub work: Work,
+}
+
+/// The closest features as the walk proposes them, with no bound: the level for those who check elsewhere.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct Proposal {
+    /// `None` where the bodies seem to overlap.
+    pub distance: Option<f64>,
+    /// The closest features.
+    pub features: FeaturePair,
+    /// The witness on A, in A's frame.
+    pub point_on_a: Point3<f64>,
+    /// The witness on B, in B's frame.
+    pub point_on_b: Point3<f64>,
+    /// Unit direction from A to B, in A's frame.
+    pub normal: Unit<Vector3<f64>>,
+    /// [`Layer::Walk`], or what stood in where the walk did not end.
+    pub layer: Layer,
+    /// What it took.
+    pub work: Work,
+}
+
+/// The distance alone, with proof.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct Distance {
+    /// Which side of contact.
+    pub class: Class,
+    /// The best estimate of the signed distance; zero for an overlap.
+    pub value: f64,
+    /// No greater than the signed distance.
+    pub lower: f64,
+    /// No less than the signed distance.
+    pub upper: f64,
+}

@@ -1,0 +1,58 @@
+//! An edge over a face is no place to rest: it falls towards the face until it leaves it or meets it.
+
+use nalgebra::Vector3;
+
+use super::placed::Sides;
+use super::state::{State, Step};
+use crate::pose::Which;
+
+/// An edge that falls towards a face.
+pub(crate) struct Slide {
+    /// The half-edge of `x`, in the direction it falls.
+    pub(crate) half_edge: u32,
+    /// Where to begin, in the frame of the face's body.
+    pub(crate) start: Vector3<f64>,
+    /// The face of `y`.
+    pub(crate) face: u32,
+    /// The edge of the rim the edge comes in over, if it does.
+    pub(crate) from_rim: Option<u32>,
+}
+
+/// Follows the edge to the first of: a side plane of the face (edge-edge), its own end (vertex-face), the plane of the
+/// face (the bodies meet).
+pub(crate) fn slide(sides: &Sides, of: Which, s: &Slide) -> Step {
+    let (x, y) = (&sides.x.topology, &sides.y.topology);
+    let end = x.half_edge(s.half_edge).to;
+    let way = sides.y_from_x.point(&sides.x.points[end as usize]) - s.start;
+    let plane = &sides.y.planes[s.face as usize];
+    let mut first = 1.0;
+    let mut to = State::VertexFace {
+        of,
+        vertex: end,
+        face: s.face,
+    };
+    for h in y.rim(s.face) {
+        let e = y.half_edge(h);
+        if s.from_rim == Some(h.min(e.twin)) {
+            continue;
+        }
+        let (p, q) = (
+            sides.y.points[y.half_edge(e.twin).to as usize],
+            sides.y.points[e.to as usize],
+        );
+        let inward = plane.normal.cross(&(q - p));
+        let speed = inward.dot(&way);
+        if speed < 0.0 {
+            let when = -inward.dot(&(s.start - p)) / speed;
+            if when < first {
+                (first, to) = (when, State::edges(of, x.edge(s.half_edge), h.min(e.twin)));
+            }
+        }
+    }
+    let (height, fall) = (plane.normal.dot(&s.start) - plane.offset, plane.normal.dot(&way));
+    if height + first * fall <= 0.0 {
+        Step::Lost
+    } else {
+        Step::Move(to)
+    }
+}

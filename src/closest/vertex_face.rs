@@ -1,0 +1,155 @@
+//! A vertex beside a face: it must stand over the face, and the face's plane must support its body at it.
+
+use nalgebra::Vector3;
+
+use super::placed::Sides;
+use super::slide::{Slide, slide};
+use super::state::{Found, State, Step};
+use crate::polyhedron::ConvexPolyhedron;
+use crate::pose::Which;
+use crate::scalar::sqrt;
+use crate::tolerance::{DIFFERENCE, DIRECTION, ON_BOUNDARY};
+
+#[inline]
+pub(crate) fn look<const CERTIFY: bool>(sides: &Sides, of: Which, vertex: u32, face: u32) -> Step {
+    let Sides {
+        x: body,
+        y: other,
+        y_from_x,
+        x_from_y,
+    } = *sides;
+    let x = y_from_x.point(&body.points[vertex as usize]);
+    let plane = &other.planes[face as usize];
+    let size = y_from_x.size;
+    let rim = rim_side(other, face, &plane.normal, &x, DIFFERENCE * size);
+    if let Rim::Outside(edge) = rim {
+        return Step::Move(State::VertexEdge { of, vertex, edge });
+    }
+    let on_rim = other.points[other.topology.half_edge(other.topology.rim_start(face)).to as usize];
+    let height = plane.normal.dot(&(x - on_rim));
+    if height <= ON_BOUNDARY * size {
+        return behind(other, of, vertex, face, &x, ON_BOUNDARY * size);
+    }
+    let n = y_from_x.direction(&plane.normal);
+    let fan = body.fan_minimum(vertex, &n);
+    if let Some(h) = body.descent(vertex, &fan, DIRECTION) {
+        return slide(
+            sides,
+            of,
+            &Slide {
+                half_edge: h,
+                start: x,
+                face,
+                from_rim: None,
+            },
+        );
+    }
+    let lower = if CERTIFY && body.proves_lowest(&fan, &n) {
+        (plane.normal.dot(&x) - plane.offset) * y_from_x.unit
+    } else {
+        f64::NEG_INFINITY
+    };
+    let (foot, height) = match rim {
+        Rim::Grazes(edge) => onto_edge(other, edge, &x),
+        _ => (x - plane.normal * height, height),
+    };
+    let (on_x, distance) = (body.points[vertex as usize], height * y_from_x.unit);
+    Step::Found(match of {
+        Which::A => Found {
+            normal: -x_from_y.vector(&plane.normal),
+            point_a: on_x,
+            point_b: foot,
+            distance,
+            lower,
+        },
+        Which::B => Found {
+            normal: plane.normal,
+            point_a: foot,
+            point_b: on_x,
+            distance,
+            lower,
+        },
+    })
+}
+
+/// Where a point is beside the side planes of a face.
+enum Rim {
+    /// Within all of them, beyond rounding.
+    Inside,
+    /// Within rounding of the plane of this edge.
+    Grazes(u32),
+    /// Furthest outside the plane of this edge, beyond rounding.
+    Outside(u32),
+}
+
+/// Looks at the side planes of `face` from `x`; `noise` is what rounding may do to a length.
+#[inline]
+fn rim_side(body: &ConvexPolyhedron, face: u32, n: &Vector3<f64>, x: &Vector3<f64>, noise: f64) -> Rim {
+    // No edge is longer than the diameter, and the 1-norm is less than twice the length.
+    let close = 4.0 * noise * body.radius;
+    let start = body.topology.rim_start(face);
+    let mut from = body.points[body.topology.from(start) as usize];
+    let (mut rim, mut furthest) = (Rim::Inside, f64::INFINITY);
+    let mut h = start;
+    loop {
+        let e = body.topology.half_edge(h);
+        let to = body.points[e.to as usize];
+        let u = to - from;
+        let side = n.cross(&u).dot(&(x - to));
+        if side < close {
+            let slack = noise * u.abs().sum();
+            let signed = side * side.abs() / u.norm_squared();
+            if side < slack && signed < furthest {
+                let edge = h.min(e.twin);
+                furthest = signed;
+                rim = if side < -slack {
+                    Rim::Outside(edge)
+                } else {
+                    Rim::Grazes(edge)
+                };
+            }
+        }
+        (from, h) = (to, e.next);
+        if h == start {
+            return rim;
+        }
+    }
+}
+
+/// The point of an edge nearest to `x`, and its distance. Where `x` grazes the rim, the foot of the perpendicular may
+/// fall outside the face, and far outside at an acute corner; this one is a point of the body.
+#[cold]
+fn onto_edge(body: &ConvexPolyhedron, edge: u32, x: &Vector3<f64>) -> (Vector3<f64>, f64) {
+    let (p, q) = (
+        body.points[body.topology.from(edge) as usize],
+        body.points[body.topology.half_edge(edge).to as usize],
+    );
+    let u = q - p;
+    let foot = p + u * ((x - p).dot(&u) / u.norm_squared()).clamp(0.0, 1.0);
+    (foot, sqrt((x - foot).norm_squared()))
+}
+
+/// A vertex on the back side: climbs over neighbouring faces to the one it is furthest above.
+#[cold]
+fn behind(body: &ConvexPolyhedron, of: Which, vertex: u32, face: u32, x: &Vector3<f64>, least: f64) -> Step {
+    let height = |f: u32| body.planes[f as usize].normal.dot(x) - body.planes[f as usize].offset;
+    let (mut best, mut top) = (face, height(face));
+    loop {
+        let from = best;
+        for h in body.topology.rim(from) {
+            let f = body.topology.half_edge(body.topology.half_edge(h).twin).face;
+            let up = height(f);
+            if up > top {
+                (best, top) = (f, up);
+            }
+        }
+        if best == from {
+            break;
+        }
+    }
+    if best != face && top > least {
+        Step::Jump(State::VertexFace { of, vertex, face: best })
+    } else {
+        Step::Lost
+    }
+}

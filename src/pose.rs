@@ -1,0 +1,254 @@
+//! The relative pose of two bodies: the only place a pose is refused.
+
+use nalgebra::{Isometry3, Matrix3, Quaternion, Vector3};
+
+use crate::tolerance::POSE_UNIT;
+
+/// Why a pose is no rigid motion.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum PoseError {
+    /// A coordinate of the translation is NaN or infinite.
+    #[error("translation of {body} is not finite: coordinate {axis} is {value}")]
+    Translation {
+        /// Which of the two poses.
+        body: Which,
+        /// 0, 1 or 2.
+        axis: usize,
+        /// The coordinate.
+        value: f64,
+    },
+    /// The rotation is not a unit quaternion: `| |q|^2 - 1 |` must not exceed 1e-12.
+    #[error("rotation of {body} is not a unit quaternion: its squared norm is {norm_squared}")]
+    Rotation {
+        /// Which of the two poses.
+        body: Which,
+        /// The squared norm, NaN or infinite where a coordinate is.
+        norm_squared: f64,
+    },
+}
+
+/// The first or the second body of a query.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Which {
+    /// The first.
+    A,
+    /// The second.
+    B,
+}
+
+impl core::fmt::Display for Which {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str(if *self == Which::A { "A" } else { "B" })
+    }
+}
+
+/// Where B stands as seen from A.
+///
+/// A vertex `v` of a body at pose `(q, t)` is at `R(q) v / |q|^2 + t` over the rationals, for the bits of `q` and `t`
+/// as given: that placement, not its rounding, is what every bound of a certified answer speaks of. World offsets
+/// cancel first: the relative translation is formed from `t_b - t_a`, so a common shift that both translations absorb
+/// exactly changes no bit of any answer.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct RelativePose {
+    /// Rotation of `a_from_b`.
+    pub(crate) rotation: Matrix3<f64>,
+    /// Translation of `a_from_b`.
+    pub(crate) translation: Vector3<f64>,
+    /// The poses as given, for the rungs that place exactly.
+    pub(crate) a: Placement,
+    pub(crate) b: Placement,
+}
+
+/// One pose as given.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub(crate) struct Placement {
+    /// Quaternion: vector part, then scalar part.
+    pub(crate) q: [f64; 4],
+    pub(crate) t: [f64; 3],
+}
+
+impl Placement {
+    #[inline]
+    fn new(pose: &Isometry3<f64>) -> Self {
+        let (q, t) = (&pose.rotation.coords, &pose.translation.vector);
+        Self {
+            q: [q.x, q.y, q.z, q.w],
+            t: [t.x, t.y, t.z],
+        }
+    }
+
+    #[inline]
+    fn norm_squared(&self) -> f64 {
+        self.q.iter().map(|c| c * c).sum()
+    }
+
+    fn check(&self, body: Which, norm_squared: f64) -> Result<(), PoseError> {
+        if let Some(axis) = (0..3).find(|&k| !self.t[k].is_finite()) {
+            return Err(PoseError::Translation {
+                body,
+                axis,
+                value: self.t[axis],
+            });
+        }
+        // NaN fails the comparison and is refused.
+        if (norm_squared - 1.0).abs() <= POSE_UNIT {
+            Ok(())
+        } else {
+            Err(PoseError::Rotation { body, norm_squared })
+        }
+    }
+
+    pub(crate) fn isometry(&self) -> Isometry3<f64> {
+        let [x, y, z, w] = self.q;
+        let q = nalgebra::UnitQuaternion::new_unchecked(Quaternion::new(w, x, y, z));
+        Isometry3::from_parts(Vector3::from(self.t).into(), q)
+    }
+}
+
+impl RelativePose {
+    /// From the poses of both bodies in one common frame.
+    ///
+    /// # Errors
+    /// A translation that is not finite, or a rotation whose squared norm is off 1 by more than 1e-12.
+    #[inline]
+    pub fn new(pose_a: &Isometry3<f64>, pose_b: &Isometry3<f64>) -> Result<Self, PoseError> {
+        let (a, b) = (Placement::new(pose_a), Placement::new(pose_b));
+        let (na, nb) = (a.norm_squared(), b.norm_squared());
+        a.check(Which::A, na)?;
+        b.check(Which::B, nb)?;
+        let offset = Vector3::from(b.t) - Vector3::from(a.t);
+        // R_a^T offset, with the axis reversed.
+        let (axis, w) = (-Vector3::new(a.q[0], a.q[1], a.q[2]), a.q[3]);
+        let c = axis.cross(&offset);
+        let translation = offset + (c * w + axis.cross(&c)) * (2.0 / na);
+        let pose = Self {
+            rotation: relative_rotation(&a.q, &b.q),
+            translation,
+            a,
+            b,
+        };
+        // Two finite translations can still be further apart than f64 reaches.
+        match (0..3).find(|&k| !translation[k].is_finite()) {
+            None => Ok(pose),
+            Some(axis) => Err(PoseError::Translation {
+                body: Which::B,
+                axis,
+                value: translation[axis],
+            }),
+        }
+    }
+
+    /// From the pose of B in A's frame.
+    ///
+    /// # Errors
+    /// As [`RelativePose::new`].
+    pub fn from_isometry(a_from_b: &Isometry3<f64>) -> Result<Self, PoseError> {
+        Self::new(&Isometry3::identity(), a_from_b)
+    }
+
+    /// The same pair of poses with A and B exchanged.
+    pub fn swapped(&self) -> Self {
+        Self::new(&self.b.isometry(), &self.a.isometry()).unwrap_or(*self)
+    }
+
+    /// The poses this was made from, bit for bit.
+    pub fn poses(&self) -> (Isometry3<f64>, Isometry3<f64>) {
+        (self.a.isometry(), self.b.isometry())
+    }
+}
+
+/// The matrix of `conj(qa) qb`, divided by its squared norm.
+#[inline]
+fn relative_rotation(qa: &[f64; 4], qb: &[f64; 4]) -> Matrix3<f64> {
+    let ([ax, ay, az, aw], [bx, by, bz, bw]) = (*qa, *qb);
+    let w = aw * bw + ax * bx + ay * by + az * bz;
+    let x = aw * bx - ax * bw - ay * bz + az * by;
+    let y = aw * by + ax * bz - ay * bw - az * bx;
+    let z = aw * bz - ax * by + ay * bx - az * bw;
+    let s = 2.0 / (w * w + x * x + y * y + z * z);
+    let (xs, ys, zs) = (x * s, y * s, z * s);
+    let (xx, yy, zz) = (x * xs, y * ys, z * zs);
+    let (xy, xz, yz) = (x * ys, x * zs, y * zs);
+    let (wx, wy, wz) = (w * xs, w * ys, w * zs);
+    Matrix3::new(
+        1.0 - (yy + zz),
+        xy - wz,
+        xz + wy,
+        xy + wz,
+        1.0 - (xx + zz),
+        yz - wx,
+        xz - wy,
+        yz + wx,
+        1.0 - (xx + yy),
+    )
+}
+
+#[cfg(feature = "serde")]
+impl<'de> serde::Deserialize<'de> for RelativePose {
+    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        #[derive(serde::Deserialize)]
+        struct Raw {
+            a: RawPlacement,
+            b: RawPlacement,
+        }
+        #[derive(serde::Deserialize)]
+        struct RawPlacement {
+            q: [f64; 4],
+            t: [f64; 3],
+        }
+        let raw = Raw::deserialize(deserializer)?;
+        let pose = |p: RawPlacement| Placement { q: p.q, t: p.t }.isometry();
+        Self::new(&pose(raw.a), &pose(raw.b)).map_err(serde::de::Error::custom)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::{Translation3, UnitQuaternion};
+
+    #[test]
+    fn agrees_with_inv_mul() {
+        let a = Isometry3::new(Vector3::new(1.0, -2.0, 3.0), Vector3::new(0.3, 0.4, -0.9));
+        let b = Isometry3::new(Vector3::new(-4.0, 0.5, 2.0), Vector3::new(-1.3, 0.2, 0.7));
+        let pose = RelativePose::new(&a, &b).unwrap();
+        let expected = a.inv_mul(&b);
+        assert!((pose.translation - expected.translation.vector).norm() < 1e-14);
+        assert!((pose.rotation - expected.rotation.to_rotation_matrix().matrix()).norm() < 1e-14);
+        assert_eq!(pose.poses(), (a, b));
+    }
+
+    #[test]
+    fn what_is_no_pose_is_refused_by_name() {
+        let one = Isometry3::identity();
+        let nan = Isometry3::from_parts(Translation3::new(0.0, f64::NAN, 0.0), UnitQuaternion::identity());
+        assert!(matches!(
+            RelativePose::new(&one, &nan),
+            Err(PoseError::Translation {
+                body: Which::B,
+                axis: 1,
+                ..
+            })
+        ));
+        let long = UnitQuaternion::new_unchecked(Quaternion::new(1.0 + 1e-9, 0.0, 0.0, 0.0));
+        let long = Isometry3::from_parts(Translation3::identity(), long);
+        assert!(matches!(
+            RelativePose::new(&long, &one),
+            Err(PoseError::Rotation { body: Which::A, .. })
+        ));
+        let far = |x| Isometry3::translation(x, 0.0, 0.0);
+        assert!(RelativePose::new(&far(-1.7e308), &far(1.7e308)).is_err());
+    }
+
+    #[test]
+    fn a_common_shift_changes_nothing() {
+        let at = |x: f64| Isometry3::translation(x, 2.0, 3.0);
+        let near = RelativePose::new(&at(1.0), &at(1.5)).unwrap();
+        let far = RelativePose::new(&at(1048577.0), &at(1048577.5)).unwrap();
+        assert_eq!((near.rotation, near.translation), (far.rotation, far.translation));
+    }
+}

@@ -1,0 +1,310 @@
+//! The state a user keeps per pair: where the last answer was found.
+
+use nalgebra::Unit;
+
+use crate::closest::outcome::{Class, Distance, Layer, Outcome, Proposal, Work};
+use crate::closest::placed::Placed;
+use crate::closest::state::State;
+use crate::closest::{self, Answer, far};
+use crate::polyhedron::{ConvexPolyhedron, FeaturePair, power_of_two};
+use crate::pose::RelativePose;
+
+/// The features of the last answer of one pair, from which the next walk starts, and counters.
+///
+/// Owns no body. A tracker that comes from another pair, or is out of date, costs time and never an answer:
+/// classification and predicates are the same warm and cold, and distances agree within their bounds. Only among exact
+/// ties may features, witnesses and normal follow history.
+///
+/// ```
+/// use lin_canny::nalgebra::{Isometry3, Vector3};
+/// use lin_canny::{RelativePose, Tracker, polyhedron::solids};
+///
+/// let (a, b) = (solids::cuboid(Vector3::new(1.0, 1.0, 1.0))?, solids::octahedron(0.5)?);
+/// let mut pair = Tracker::default();
+/// for k in 0..10 {
+///     let a_from_b = RelativePose::from_isometry(&Isometry3::translation(3.0, 0.1 * k as f64, 0.0))?;
+///     let c = pair.closest(&a, &b, &a_from_b);
+///     assert!(c.lower <= 1.5 && 1.5 <= c.upper);
+/// }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[doc(alias = "v-clip")]
+#[doc(alias = "gjk")]
+#[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Tracker {
+    last: Option<State>,
+    totals: Totals,
+}
+
+/// What a tracker has done since it was made or reset.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct Totals {
+    /// Queries that came as far as a walk.
+    pub queries: u64,
+    /// Of these, how many started from the features of the answer before.
+    pub warm: u64,
+    /// Queries by the layer that answered, in the order of [`Layer`].
+    pub answered: [u64; 6],
+    /// Feature pairs looked at.
+    pub steps: u64,
+}
+
+impl Totals {
+    /// How many queries `layer` answered.
+    pub fn answered_by(&self, layer: Layer) -> u64 {
+        self.answered[layer as usize]
+    }
+}
+
+impl core::ops::AddAssign for Totals {
+    fn add_assign(&mut self, o: Self) {
+        self.queries += o.queries;
+        self.warm += o.warm;
+        self.steps += o.steps;
+        for (mine, theirs) in self.answered.iter_mut().zip(o.answered) {
+            *mine += theirs;
+        }
+    }
+}
+
+/// An answer in stored units, or one that needs none.
+enum Solved {
+    Answer(Answer),
+    Outcome(Outcome),
+}
+
+impl Solved {
+    #[inline]
+    fn outcome(self, a: &ConvexPolyhedron, b: &ConvexPolyhedron) -> Outcome {
+        match self {
+            Solved::Answer(answer) => outcome(a, b, &answer),
+            Solved::Outcome(outcome) => outcome,
+        }
+    }
+}
+
+impl Tracker {
+    /// A tracker without a start: the first query begins at the support vertices along the line of centres.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// A tracker that starts from the given features; those that are not the bodies' own are ignored.
+    pub fn starting_from(features: FeaturePair, a: &ConvexPolyhedron, b: &ConvexPolyhedron) -> Self {
+        Self {
+            last: State::from_features(a, b, features),
+            totals: Totals::default(),
+        }
+    }
+
+    /// The features of the last answer.
+    pub fn features(&self) -> Option<FeaturePair> {
+        self.last.map(State::features)
+    }
+
+    /// What has been done so far.
+    pub fn totals(&self) -> Totals {
+        self.totals
+    }
+
+    /// Forgets features and counters.
+    pub fn reset(&mut self) {
+        *self = Self::default();
+    }
+
+    /// The closest features, their witnesses and bounds of the distance, certified: separated bodies get bounds no
+    /// wider than `1e-13 L`, with `L` the sum of both radii and the distance of the bodies. Allocates nothing as long
+    /// as the exact rung is not needed.
+    pub fn closest(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Outcome {
+        self.solve(a, b, a_from_b, closest::certified).outcome(a, b)
+    }
+
+    /// As [`closest`](Self::closest), with the distance of separated bodies within one unit in the last place of the
+    /// truth. Costs microseconds: every answer is taken again in double-double arithmetic, some in exact integers.
+    #[cfg(feature = "exact")]
+    pub fn closest_exact(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Outcome {
+        self.solve(a, b, a_from_b, closest::exactly).outcome(a, b)
+    }
+
+    /// The distance and its bounds without the witnesses.
+    pub fn distance(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Distance {
+        match self.solve(a, b, a_from_b, closest::certified) {
+            Solved::Answer(x) => {
+                let unit = power_of_two(a.exponent.max(b.exponent));
+                Distance {
+                    class: x.class,
+                    value: x.distance * unit,
+                    lower: x.lower * unit,
+                    upper: x.upper * unit,
+                }
+            }
+            Solved::Outcome(o) => Distance {
+                class: o.class,
+                value: o.distance,
+                lower: o.lower,
+                upper: o.upper,
+            },
+        }
+    }
+
+    /// Whether the closed bodies share a point: touching is intersecting.
+    ///
+    /// With the feature `exact` the answer is that of exact arithmetic on the poses given. Without it, bodies within
+    /// `1e-27 L` of touching count as intersecting.
+    pub fn intersects(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> bool {
+        self.within(a, b, a_from_b, 0.0)
+    }
+
+    /// Whether the closed bodies are at most `d` apart, `d` in the caller's units. Never so for a negative or NaN `d`.
+    ///
+    /// With the feature `exact` the answer is that of exact arithmetic on the poses and the `d` given. Without it, a
+    /// distance that the bounds cannot tell from `d` counts as within.
+    pub fn within(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose, d: f64) -> bool {
+        if !(d >= 0.0) || clear_of(a, b, a_from_b, d) {
+            return false;
+        }
+        let (lower, upper, class) = match self.solve(a, b, a_from_b, closest::certified) {
+            Solved::Answer(x) => {
+                let unit = power_of_two(a.exponent.max(b.exponent));
+                (x.lower * unit, x.upper * unit, x.class)
+            }
+            Solved::Outcome(o) => (o.lower, o.upper, o.class),
+        };
+        if class == Class::Overlapping || upper <= d {
+            return true;
+        }
+        if lower > d {
+            return false;
+        }
+        self.decide_within(a, b, a_from_b, d)
+    }
+
+    /// The closest features as the walk proposes them, without bounds. Where the walk does not end, the minimum-norm
+    /// solver in f64 stands in.
+    pub fn propose(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Proposal {
+        let o = self.solve(a, b, a_from_b, closest::proposed).outcome(a, b);
+        Proposal {
+            distance: (o.class != Class::Overlapping).then_some(o.distance),
+            features: o.features,
+            point_on_a: o.point_on_a,
+            point_on_b: o.point_on_b,
+            normal: o.normal,
+            layer: o.layer,
+            work: o.work,
+        }
+    }
+
+    /// Asks one of the solvers, in the units of the larger body.
+    #[inline]
+    fn solve(
+        &mut self,
+        a: &ConvexPolyhedron,
+        b: &ConvexPolyhedron,
+        a_from_b: &RelativePose,
+        solver: impl Fn(&Placed, Option<State>) -> Answer,
+    ) -> Solved {
+        if b.exponent > a.exponent {
+            let b_from_a = a_from_b.swapped();
+            return match Placed::new(b, a, &b_from_a) {
+                Ok(placed) => {
+                    let answer = solver(&placed, self.start(b, a, true)).swapped(&b_from_a);
+                    self.counted(answer)
+                }
+                Err(_) => self.solve_far(a, b, a_from_b),
+            };
+        }
+        match Placed::new(a, b, a_from_b) {
+            Ok(placed) => {
+                let answer = solver(&placed, self.start(a, b, false));
+                self.counted(answer)
+            }
+            Err(_) => self.solve_far(a, b, a_from_b),
+        }
+    }
+
+    #[inline]
+    fn counted(&mut self, answer: Answer) -> Solved {
+        self.count(Some(answer.state), answer.layer, &answer.work);
+        Solved::Answer(answer)
+    }
+
+    #[cold]
+    fn solve_far(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Solved {
+        let outcome = far::answer(a, b, a_from_b);
+        self.count(None, outcome.layer, &outcome.work);
+        Solved::Outcome(outcome)
+    }
+
+    /// The cached state, where it names features of these bodies.
+    #[inline]
+    fn start(&self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, swap: bool) -> Option<State> {
+        let state = if swap { self.last?.swapped() } else { self.last? };
+        state.is_of(a, b).then_some(state)
+    }
+
+    #[inline]
+    fn count(&mut self, state: Option<State>, layer: Layer, work: &Work) {
+        self.totals.queries += 1;
+        self.totals.warm += u64::from(self.last.is_some());
+        self.totals.answered[layer as usize] += 1;
+        self.totals.steps += u64::from(work.steps);
+        self.last = state;
+    }
+
+    #[cfg(feature = "exact")]
+    #[cold]
+    fn decide_within(&self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose, d: f64) -> bool {
+        let hint = self.last.map_or((0, 0), |s| s.vertices_of(a, b));
+        crate::closest::exact::within(a, b, a_from_b, hint, d)
+    }
+
+    #[cfg(not(feature = "exact"))]
+    fn decide_within(&self, _: &ConvexPolyhedron, _: &ConvexPolyhedron, _: &RelativePose, _: f64) -> bool {
+        true
+    }
+}
+
+/// Whether the bounding balls alone prove the bodies more than `d` apart.
+#[inline]
+fn clear_of(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &RelativePose, d: f64) -> bool {
+    if !a.is_as_given() || !b.is_as_given() {
+        return false;
+    }
+    let reach = a.radius + b.radius + d;
+    // One part in 2^20 is far more than the rounding of both sides.
+    pose.translation.norm_squared() > reach * reach * (1.0 + 1.0 / 1_048_576.0)
+}
+
+impl Answer {
+    /// The same answer with the bodies exchanged; `pose` is the one it was computed in.
+    fn swapped(self, pose: &RelativePose) -> Self {
+        Self {
+            state: self.state.swapped(),
+            point_a: self.point_b,
+            point_b: self.point_a,
+            normal: -pose.rotation.tr_mul(&self.normal),
+            ..self
+        }
+    }
+}
+
+/// The answer in the caller's units.
+#[inline]
+fn outcome(a: &ConvexPolyhedron, b: &ConvexPolyhedron, x: &Answer) -> Outcome {
+    let unit = power_of_two(a.exponent.max(b.exponent));
+    Outcome {
+        class: x.class,
+        distance: x.distance * unit,
+        lower: x.lower * unit,
+        upper: x.upper * unit,
+        features: x.state.features(),
+        point_on_a: a.given(&x.point_a),
+        point_on_b: b.given(&x.point_b),
+        normal: Unit::new_normalize(x.normal),
+        layer: x.layer,
+        work: x.work,
+    }
+}
