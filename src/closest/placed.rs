@@ -6,7 +6,7 @@ use crate::double_double::DoubleDouble;
 use crate::polyhedron::{ConvexPolyhedron, power_of_two};
 use crate::pose::RelativePose;
 use crate::scalar::{Scalar, sqrt};
-use crate::tolerance::{FAR, NEAR};
+use crate::tolerance::{FAR, NEAR, UNIT, UNIT_DOUBLE_DOUBLE};
 
 /// An affine map between two stored frames.
 #[derive(Clone, Copy, Debug)]
@@ -51,6 +51,8 @@ pub(crate) struct Placed<'a> {
     pub(crate) b: &'a ConvexPolyhedron,
     pub(crate) a_from_b: Map,
     pub(crate) b_from_a: Map,
+    /// How far the stored origins are from the bodies' own, in A's stored units: zero for ordinary bodies.
+    offsets: f64,
     pub(crate) pose: &'a RelativePose,
 }
 
@@ -80,7 +82,11 @@ impl<'a> Placed<'a> {
         } else {
             shifted_and_scaled(a, b, pose)?
         };
-        let size = a.radius + scale * b.radius + sqrt(translation.norm_squared());
+        let offsets = if ordinary { 0.0 } else { offsets(a, b) };
+        // The shift by the origins is made in double-double, and its error is relative to the origins: as a part of L
+        // it is covered by every term in UNIT L.
+        let extra = UNIT_DOUBLE_DOUBLE / UNIT * offsets;
+        let size = a.radius + scale * b.radius + sqrt(translation.norm_squared()) + extra;
         // Written so that NaN goes the safe way.
         if !(size > NEAR && size < FAR) {
             return Err(BeyondRange);
@@ -101,6 +107,7 @@ impl<'a> Placed<'a> {
                 size: size / scale,
                 unit: scale,
             },
+            offsets,
             pose,
         })
     }
@@ -109,6 +116,16 @@ impl<'a> Placed<'a> {
     #[inline]
     pub(crate) fn size(&self) -> f64 {
         self.a_from_b.size
+    }
+
+    /// What the rounding of a solver is relative to: L, and the origins of the bodies in full where the placement rounds
+    /// as coarsely as the solver (in double-double; for f64 they are a part of L).
+    pub(crate) fn reach<T: Scalar>(&self) -> f64 {
+        if T::UNIT == UNIT {
+            self.size()
+        } else {
+            self.size() + self.offsets
+        }
     }
 
     /// A as `x`, B as `y`.
@@ -132,6 +149,13 @@ impl<'a> Placed<'a> {
             x_from_y: &self.b_from_a,
         }
     }
+}
+
+/// How far the stored origins are from the bodies' own, in A's stored units.
+#[cold]
+fn offsets(a: &ConvexPolyhedron, b: &ConvexPolyhedron) -> f64 {
+    let length = |v: &Vector3<f64>| v.abs().sum();
+    (length(&a.origin) + length(&b.origin)) / a.unit()
 }
 
 /// Matrix, translation and scale of `a_from_b` between stored frames that are not the given ones. In double-double,

@@ -86,8 +86,9 @@ pub(crate) fn sharpen(placed: &Placed, certified: Answer) -> Answer {
     if let Some(frame) = Frame::<DoubleDouble>::new(placed.a, placed.b, placed.pose) {
         let minimum = solve(placed, &frame, certified.state);
         if let Minimum::Outside { simplex, lower, .. } = &minimum {
-            let distance = root(simplex.squared);
-            let gap = (distance - *lower).value().abs() + 2.0 * CERTIFICATE * DoubleDouble::UNIT * placed.size();
+            let distance = simplex.reach();
+            let gap = (distance - *lower).value().abs()
+                + 2.0 * CERTIFICATE * DoubleDouble::UNIT * placed.reach::<DoubleDouble>();
             let d = distance.value();
             // Rounding takes half a unit; what is left open must not take the other half.
             if gap <= 0.25 * (d - d.next_down()) {
@@ -123,7 +124,7 @@ impl Answer {
 
 /// The bounds that a solve proves, and its witnesses.
 fn answer<T: Scalar>(placed: &Placed, minimum: &Minimum<T>, layer: Layer, work: &Work) -> Answer {
-    let term = CERTIFICATE * T::UNIT * placed.size();
+    let term = CERTIFICATE * T::UNIT * placed.reach::<T>();
     match minimum {
         Minimum::Inside { simplex } => {
             let state = features(placed, simplex);
@@ -149,7 +150,7 @@ fn answer<T: Scalar>(placed: &Placed, minimum: &Minimum<T>, layer: Layer, work: 
             lower,
             direction: d,
         } => {
-            let distance = root(simplex.squared);
+            let distance = simplex.reach();
             let lower = outward(*lower, -term);
             let upper = outward(distance, term);
             let class = if lower > 0.0 {
@@ -219,18 +220,6 @@ pub(super) fn undecided(placed: &Placed, state: State, work: &Work) -> Answer {
 fn outward<T: Scalar>(x: T, by: f64) -> f64 {
     let sum = (x + T::from(by)).value();
     if by < 0.0 { sum.next_down() } else { sum.next_up() }
-}
-
-fn root<T: Scalar>(x: T) -> T {
-    if !(x > T::from(0.0)) {
-        return T::from(0.0);
-    }
-    let r = T::from(crate::scalar::sqrt(x.value()));
-    if r > T::from(0.0) {
-        (r + x / r) * T::from(0.5)
-    } else {
-        r
-    }
 }
 
 /// The convex combinations of the corners' vertices, each in its body's stored frame.

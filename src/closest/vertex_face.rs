@@ -8,7 +8,7 @@ use super::state::{Found, State, Step};
 use crate::polyhedron::ConvexPolyhedron;
 use crate::pose::Which;
 use crate::scalar::sqrt;
-use crate::tolerance::{DIFFERENCE, DIRECTION, ON_BOUNDARY};
+use crate::tolerance::{DIFFERENCE, DIRECTION, FOOT, ON_BOUNDARY};
 
 #[inline]
 pub(crate) fn look<const CERTIFY: bool>(sides: &Sides, of: Which, vertex: u32, face: u32) -> Step {
@@ -21,7 +21,7 @@ pub(crate) fn look<const CERTIFY: bool>(sides: &Sides, of: Which, vertex: u32, f
     let x = y_from_x.point(&body.points[vertex as usize]);
     let plane = &other.planes[face as usize];
     let size = y_from_x.size;
-    let rim = rim_side(other, face, &plane.normal, &x, DIFFERENCE * size);
+    let rim = rim_side(other, face, &plane.normal, &x, size);
     if let Rim::Outside(edge) = rim {
         return Step::Move(State::VertexEdge { of, vertex, edge });
     }
@@ -82,11 +82,12 @@ enum Rim {
     Outside(u32),
 }
 
-/// Looks at the side planes of `face` from `x`; `noise` is what rounding may do to a length.
+/// Looks at the side planes of `face` from `x`, with rounding relative to the pair's `size`.
 #[inline]
-fn rim_side(body: &ConvexPolyhedron, face: u32, n: &Vector3<f64>, x: &Vector3<f64>, noise: f64) -> Rim {
+fn rim_side(body: &ConvexPolyhedron, face: u32, n: &Vector3<f64>, x: &Vector3<f64>, size: f64) -> Rim {
+    let (outside, inside) = (-DIFFERENCE * size, FOOT * size);
     // No edge is longer than the diameter, and the 1-norm is less than twice the length.
-    let close = 4.0 * noise * body.radius;
+    let close = 4.0 * inside * body.radius;
     let start = body.topology.rim_start(face);
     let mut from = body.points[body.topology.from(start) as usize];
     let (mut rim, mut furthest) = (Rim::Inside, f64::INFINITY);
@@ -97,12 +98,12 @@ fn rim_side(body: &ConvexPolyhedron, face: u32, n: &Vector3<f64>, x: &Vector3<f6
         let u = to - from;
         let side = n.cross(&u).dot(&(x - to));
         if side < close {
-            let slack = noise * u.abs().sum();
+            let length = u.abs().sum();
             let signed = side * side.abs() / u.norm_squared();
-            if side < slack && signed < furthest {
+            if side < inside * length && signed < furthest {
                 let edge = h.min(e.twin);
                 furthest = signed;
-                rim = if side < -slack {
+                rim = if side < outside * length {
                     Rim::Outside(edge)
                 } else {
                     Rim::Grazes(edge)
