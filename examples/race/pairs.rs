@@ -51,8 +51,13 @@ enum Engine {
 }
 
 impl Engine {
-    const ALL: [Engine; 5] =
-        [Engine::Ours, Engine::Walk, Engine::Exact, Engine::GjkCached, Engine::ParryDistance];
+    const ALL: [Engine; 5] = [
+        Engine::Ours,
+        Engine::Walk,
+        Engine::Exact,
+        Engine::GjkCached,
+        Engine::ParryDistance,
+    ];
 
     fn name(self) -> &'static str {
         match self {
@@ -67,7 +72,10 @@ impl Engine {
 
 fn plain(i: &Isometry3<f64>) -> Pose {
     let q = i.rotation.coords;
-    Pose { q: [q.x, q.y, q.z, q.w], t: i.translation.vector.into() }
+    Pose {
+        q: [q.x, q.y, q.z, q.w],
+        t: i.translation.vector.into(),
+    }
 }
 
 /// The points of one shape.
@@ -83,10 +91,20 @@ fn body(points: &[Point], with_parry: bool) -> Body {
     let cloud: Vec<Point3<f64>> = points.iter().map(|&p| p.into()).collect();
     let ours = ConvexPolyhedron::from_points(&cloud).expect("the points of a solid");
     let at: Vec<Point> = ours.vertex_points().map(Into::into).collect();
-    let faces: Vec<Face> =
-        ours.faces().map(|f| ours.face_vertices(f).map(|v| v.index() as u32).collect()).collect();
-    let parry = if with_parry { lab::parry::mesh(&at, &faces) } else { None };
-    Body { climber: Climber::new(&at, &faces), parry, ours }
+    let faces: Vec<Face> = ours
+        .faces()
+        .map(|f| ours.face_vertices(f).map(|v| v.index() as u32).collect())
+        .collect();
+    let parry = if with_parry {
+        lab::parry::mesh(&at, &faces)
+    } else {
+        None
+    };
+    Body {
+        climber: Climber::new(&at, &faces),
+        parry,
+        ours,
+    }
 }
 
 /// Moves B along the normal until the gap is what it should be.
@@ -99,7 +117,11 @@ fn hold(a: &Body, b: &Body, at: (Isometry3<f64>, Isometry3<f64>)) -> (Isometry3<
         if (o.distance - GAP).abs() < 1e-12 {
             break;
         }
-        let away = if o.lower > 0.0 { pa.rotation * o.normal.into_inner() } else { pb.translation.vector - pa.translation.vector };
+        let away = if o.lower > 0.0 {
+            pa.rotation * o.normal.into_inner()
+        } else {
+            pb.translation.vector - pa.translation.vector
+        };
         let by = if o.lower > 0.0 { GAP - o.distance } else { 0.1 };
         pb.translation.vector += away * by;
     }
@@ -107,7 +129,13 @@ fn hold(a: &Body, b: &Body, at: (Isometry3<f64>, Isometry3<f64>)) -> (Isometry3<
 }
 
 /// B orbits A by `degrees` a frame and spins by as much about a drifting axis; at random poses for `None`.
-fn motion(a: &Body, b: &Body, degrees: Option<f64>, frames: usize, rng: &mut Rng) -> Vec<(Isometry3<f64>, Isometry3<f64>)> {
+fn motion(
+    a: &Body,
+    b: &Body,
+    degrees: Option<f64>,
+    frames: usize,
+    rng: &mut Rng,
+) -> Vec<(Isometry3<f64>, Isometry3<f64>)> {
     let reach = 2.2;
     let unit = |rng: &mut Rng| Vector3::from(rng.unit());
     let quat = |rng: &mut Rng| {
@@ -135,10 +163,24 @@ fn motion(a: &Body, b: &Body, degrees: Option<f64>, frames: usize, rng: &mut Rng
 }
 
 fn pair(shape: &str, n: usize, degrees: Option<f64>, frames: usize, rng: &mut Rng, with_parry: bool) -> Pair {
-    let (a, b) = (body(&points(shape, n, rng), with_parry), body(&points(shape, n, rng), with_parry));
+    let (a, b) = (
+        body(&points(shape, n, rng), with_parry),
+        body(&points(shape, n, rng), with_parry),
+    );
     let isometries = motion(&a, &b, degrees, frames, rng);
-    let frames = isometries.iter().map(|(p, q)| Frame { a: plain(p), b: plain(q) }).collect();
-    Pair { a, b, frames, isometries }
+    let frames = isometries
+        .iter()
+        .map(|(p, q)| Frame {
+            a: plain(p),
+            b: plain(q),
+        })
+        .collect();
+    Pair {
+        a,
+        b,
+        frames,
+        isometries,
+    }
 }
 
 /// What one engine keeps for one pair.
@@ -157,7 +199,9 @@ fn ask(engine: Engine, pair: &Pair, frame: usize, state: &mut State) -> Answer {
     match engine {
         Engine::Ours | Engine::Exact => {
             let (pa, pb) = &pair.isometries[frame];
-            let Ok(relative) = RelativePose::new(pa, pb) else { return none };
+            let Ok(relative) = RelativePose::new(pa, pb) else {
+                return none;
+            };
             let o = if engine == Engine::Ours {
                 state.tracker.closest(&pair.a.ours, &pair.b.ours, &relative)
             } else {
@@ -167,9 +211,15 @@ fn ask(engine: Engine, pair: &Pair, frame: usize, state: &mut State) -> Answer {
         }
         Engine::Walk => {
             let (pa, pb) = &pair.isometries[frame];
-            let Ok(relative) = RelativePose::new(pa, pb) else { return none };
+            let Ok(relative) = RelativePose::new(pa, pb) else {
+                return none;
+            };
             let o = state.tracker.propose(&pair.a.ours, &pair.b.ours, &relative);
-            (o.distance.unwrap_or(0.0), (pa * o.point_on_a).into(), (pb * o.point_on_b).into())
+            (
+                o.distance.unwrap_or(0.0),
+                (pa * o.point_on_a).into(),
+                (pb * o.point_on_b).into(),
+            )
         }
         Engine::GjkCached => {
             let f = &pair.frames[frame];
@@ -180,7 +230,9 @@ fn ask(engine: Engine, pair: &Pair, frame: usize, state: &mut State) -> Answer {
         }
         Engine::ParryDistance => {
             let f = &pair.frames[frame];
-            let (Some(a), Some(b)) = (&pair.a.parry, &pair.b.parry) else { return none };
+            let (Some(a), Some(b)) = (&pair.a.parry, &pair.b.parry) else {
+                return none;
+            };
             match lab::parry::closest_points(a, &f.a, b, &f.b) {
                 Some(w) => (w.distance, w.on_a, w.on_b),
                 None => none,
@@ -258,7 +310,14 @@ fn race(scene: &'static str, shape: &'static str, n: usize, pairs: &[Pair], quic
     let frames = pairs[0].frames.len();
     let mut reference = Vec::new();
     pass(Engine::Ours, pairs, frames, Some(&mut reference));
-    let mut row = Row { scene, shape, n, ns: BTreeMap::new(), totals: Totals::default(), note: String::new() };
+    let mut row = Row {
+        scene,
+        shape,
+        n,
+        ns: BTreeMap::new(),
+        totals: Totals::default(),
+        note: String::new(),
+    };
     let mut times: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
     // A slow engine gets fewer frames a pass, never fewer than one motion of it needs to warm up.
     let share = |e: Engine| match e {
@@ -318,7 +377,11 @@ fn print(row: &Row) {
 }
 
 fn options(words: &[String]) -> Option<Options> {
-    let mut o = Options { csv: None, quick: false, only: None };
+    let mut o = Options {
+        csv: None,
+        quick: false,
+        only: None,
+    };
     let mut words = words.iter();
     while let Some(word) = words.next() {
         match word.as_str() {
@@ -333,7 +396,14 @@ fn options(words: &[String]) -> Option<Options> {
 
 /// Scenes, shapes and sizes in the order they run.
 fn plan() -> Vec<(&'static str, &'static str, usize)> {
-    let scenes = ["coherent-0", "coherent-0.5", "coherent-5", "coherent-25", "random", "cold256-0.5"];
+    let scenes = [
+        "coherent-0",
+        "coherent-0.5",
+        "coherent-5",
+        "coherent-25",
+        "random",
+        "cold256-0.5",
+    ];
     let mut list = vec![];
     for scene in scenes {
         for shape in ["sphere", "flat", "box"] {
@@ -364,7 +434,10 @@ pub(crate) fn run_pairs(words: &[String]) {
         eprintln!("usage: race pairs [--csv FILE] [--quick] [--only SCENE]");
         std::process::exit(2);
     };
-    let plan: Vec<_> = plan().into_iter().filter(|p| o.only.as_ref().is_none_or(|s| s == p.0)).collect();
+    let plan: Vec<_> = plan()
+        .into_iter()
+        .filter(|p| o.only.as_ref().is_none_or(|s| s == p.0))
+        .collect();
     println!(
         "{:<14} {:<7} {:>5} {:>8} {:>8} {:>9} {:>8} {:>10} {:>7} {:>9} {:>7} {:>9}",
         "scene", "shape", "n", "ours", "walk", "exact", "gjk", "parry", "/gjk", "/parry", "steps", "not walk"
@@ -375,12 +448,20 @@ pub(crate) fn run_pairs(words: &[String]) {
         let mut rng = Rng::new(1000 + n as u64);
         let cold = scene.starts_with("cold");
         let frames = match (cold, o.quick) {
-            (true, quick) => if quick { 10 } else { 40 },
+            (true, quick) => {
+                if quick {
+                    10
+                } else {
+                    40
+                }
+            }
             (false, true) => 250,
             (false, false) => 2000,
         };
         let count = if cold { 256 } else { 1 };
-        let pairs: Vec<Pair> = (0..count).map(|_| pair(shape, n, degrees(scene), frames, &mut rng, !cold)).collect();
+        let pairs: Vec<Pair> = (0..count)
+            .map(|_| pair(shape, n, degrees(scene), frames, &mut rng, !cold))
+            .collect();
         let row = race(scene, shape, n, &pairs, o.quick);
         print(&row);
         rows.push(row);
@@ -400,7 +481,14 @@ fn write_csv(file: &str, rows: &[Row]) -> std::io::Result<()> {
     writeln!(out, "scene,shape,n,engine,ns")?;
     for row in rows {
         for (&k, ns) in &row.ns {
-            writeln!(out, "{},{},{},{},{ns:.1}", row.scene, row.shape, row.n, Engine::ALL[k].name())?;
+            writeln!(
+                out,
+                "{},{},{},{},{ns:.1}",
+                row.scene,
+                row.shape,
+                row.n,
+                Engine::ALL[k].name()
+            )?;
         }
     }
     Ok(())

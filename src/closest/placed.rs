@@ -6,7 +6,7 @@ use crate::double_double::DoubleDouble;
 use crate::polyhedron::{ConvexPolyhedron, power_of_two};
 use crate::pose::{RelativePose, Which};
 use crate::scalar::{Scalar, sqrt};
-use crate::tolerance::{FAR, NEAR};
+use crate::tolerance::{FAR, NEAR, UNIT, UNIT_DOUBLE_DOUBLE};
 
 /// Two bodies placed against each other, in stored units.
 pub(crate) struct Placed<'a> {
@@ -19,6 +19,8 @@ pub(crate) struct Placed<'a> {
     unit: f64,
     /// The pair's size L in A's stored units.
     size: f64,
+    /// How far the stored origins are from the bodies' own, in A's stored units: zero for ordinary bodies.
+    offsets: f64,
     pub(crate) pose: &'a RelativePose,
 }
 
@@ -33,23 +35,32 @@ impl<'a> Placed<'a> {
         b: &'a ConvexPolyhedron,
         pose: &'a RelativePose,
     ) -> Result<Self, BeyondRange> {
-        let (matrix, translation, unit) = if a.is_as_given() && b.is_as_given() {
-            (pose.rotation(), pose.translation(), 1.0)
+        let (matrix, translation, unit, offsets) = if a.is_as_given() && b.is_as_given() {
+            (pose.rotation(), pose.translation(), 1.0, 0.0)
         } else {
             shifted_and_scaled(a, b, pose)?
         };
-        let size = a.radius + unit * b.radius + sqrt(translation.norm_squared());
+        // The shift by the origins is made in double-double, and its error is relative to the origins: as a part of L
+        // it is covered by every term in UNIT L.
+        let extra = UNIT_DOUBLE_DOUBLE / UNIT * offsets;
+        let size = a.radius + unit * b.radius + sqrt(translation.norm_squared()) + extra;
         // Written so that NaN goes the safe way.
         if !(size > NEAR && size < FAR) {
             return Err(BeyondRange);
         }
-        Ok(Self { a, b, matrix, translation, unit, size, pose })
+        Ok(Self { a, b, matrix, translation, unit, size, offsets, pose })
     }
 
     /// L in A's stored units.
     #[inline]
     pub(crate) fn size(&self) -> f64 {
         self.size
+    }
+
+    /// What the rounding of a solver is relative to: L, and the origins of the bodies in full where the placement rounds
+    /// as coarsely as the solver (in double-double; for f64 they are a part of L).
+    pub(crate) fn reach<T: Scalar>(&self) -> f64 {
+        if T::UNIT == UNIT { self.size } else { self.size + self.offsets }
     }
 
     /// One unit of B's stored frame in A's.
@@ -197,18 +208,20 @@ impl Sides for OfB<'_, '_> {
     }
 }
 
-/// Matrix, translation and scale of `a_from_b` between stored frames that are not the given ones. In double-double,
+/// Matrix, translation, scale and offsets of `a_from_b` between stored frames that are not the given ones. In double-double,
 /// because the offsets of the bodies may be far larger than the bodies and cancel.
 #[cold]
 fn shifted_and_scaled(
     a: &ConvexPolyhedron,
     b: &ConvexPolyhedron,
     pose: &RelativePose,
-) -> Result<(Matrix3<f64>, Vector3<f64>, f64), BeyondRange> {
+) -> Result<(Matrix3<f64>, Vector3<f64>, f64, f64), BeyondRange> {
     let frame = Frame::<DoubleDouble>::new(a, b, pose).ok_or(BeyondRange)?;
     let matrix = Matrix3::from_fn(|r, c| frame.matrix[r][c].value());
     let translation = Vector3::from_fn(|r, _| frame.translation[r].value());
-    Ok((matrix, translation, power_of_two(b.exponent - a.exponent)))
+    let length = |v: &Vector3<f64>| v.abs().sum();
+    let offsets = (length(&a.origin) + length(&b.origin)) / a.unit();
+    Ok((matrix, translation, power_of_two(b.exponent - a.exponent), offsets))
 }
 
 /// `a_from_b` between stored frames in the arithmetic of a solver.

@@ -79,8 +79,8 @@ pub(crate) fn sharpen(placed: &Placed, answer: &mut Answer) {
     if let Some(frame) = Frame::<DoubleDouble>::new(placed.a, placed.b, placed.pose) {
         let minimum = solve(placed, &frame, answer.state);
         if let Minimum::Outside { simplex, lower, .. } = &minimum {
-            let distance = root(simplex.squared);
-            let gap = (distance - *lower).value().abs() + 2.0 * CERTIFICATE * DoubleDouble::UNIT * placed.size();
+            let distance = simplex.reach();
+            let gap = (distance - *lower).value().abs() + 2.0 * CERTIFICATE * DoubleDouble::UNIT * placed.reach::<DoubleDouble>();
             let d = distance.value();
             // Rounding takes half a unit; what is left open must not take the other half.
             if gap <= 0.25 * (d - d.next_down()) {
@@ -109,14 +109,14 @@ fn is_narrow(placed: &Placed, answer: &Answer) -> bool {
 
 /// Takes over what a solve proves, and its witnesses.
 fn take<T: Scalar>(placed: &Placed, minimum: &Minimum<T>, answer: &mut Answer) {
-    let term = CERTIFICATE * T::UNIT * placed.size();
+    let term = CERTIFICATE * T::UNIT * placed.reach::<T>();
     let (Minimum::Inside { simplex } | Minimum::Outside { simplex, .. }) = minimum;
     answer.state = features(placed, simplex);
     (answer.found.point_a, answer.found.point_b) = witnesses(placed, simplex);
     match minimum {
         Minimum::Inside { .. } => overlapping(answer),
         Minimum::Outside { simplex, lower, direction: d } => {
-            let distance = root(simplex.squared);
+            let distance = simplex.reach();
             answer.lower = outward(*lower, -term);
             answer.upper = outward(distance, term);
             answer.class = if answer.lower > 0.0 { Class::Separated } else { Class::Undecided };
@@ -162,18 +162,6 @@ pub(super) fn give_up(placed: &Placed, answer: &mut Answer) {
 fn outward<T: Scalar>(x: T, by: f64) -> f64 {
     let sum = (x + T::from(by)).value();
     if by < 0.0 { sum.next_down() } else { sum.next_up() }
-}
-
-fn root<T: Scalar>(x: T) -> T {
-    if !(x > T::from(0.0)) {
-        return T::from(0.0);
-    }
-    let r = T::from(crate::scalar::sqrt(x.value()));
-    if r > T::from(0.0) {
-        (r + x / r) * T::from(0.5)
-    } else {
-        r
-    }
 }
 
 /// The convex combinations of the corners' vertices, each in its body's stored frame.

@@ -9,7 +9,7 @@ use super::state::{Found, State, Step};
 use crate::polyhedron::ConvexPolyhedron;
 use crate::pose::Which;
 use crate::scalar::sqrt;
-use crate::tolerance::{DIFFERENCE, DIRECTION, ON_BOUNDARY};
+use crate::tolerance::{DIFFERENCE, DIRECTION, FOOT, ON_BOUNDARY};
 
 // Not inlined: the walk's loop would hoist the loads of every kind of pair and spill them.
 #[inline(never)]
@@ -19,7 +19,7 @@ pub(crate) fn look<const CERTIFY: bool, S: Sides>(sides: &S, vertex: u32, face: 
     let x = sides.point_in_y(&on_x);
     let plane = &other.planes[face as usize];
     let size = sides.size();
-    let (rim, corner) = rim_side(other, face, &plane.normal, &x, DIFFERENCE * size);
+    let (rim, corner) = rim_side(other, face, &plane.normal, &x, size);
     if let Rim::Outside(edge) = rim {
         return Step::Move(State::VertexEdge { of: S::OF, vertex, edge });
     }
@@ -57,17 +57,18 @@ enum Rim {
     Outside(u32),
 }
 
-/// Looks at the side planes of `face` from `x`; `noise` is what rounding may do to a length. Returns a corner too.
+/// Looks at the side planes of `face` from `x`, with rounding relative to the pair's `size`. Returns a corner too.
 #[inline]
 fn rim_side(
     body: &ConvexPolyhedron,
     face: u32,
     n: &Vector3<f64>,
     x: &Vector3<f64>,
-    noise: f64,
+    size: f64,
 ) -> (Rim, Vector3<f64>) {
+    let (outside, inside) = (-DIFFERENCE * size, FOOT * size);
     // No edge is longer than the diameter, and the 1-norm is less than twice the length.
-    let close = 4.0 * noise * body.radius;
+    let close = 4.0 * inside * body.radius;
     let start = body.topology.rim_start(face);
     let mut from = body.points[body.topology.from(start) as usize];
     let (mut rim, mut furthest) = (Rim::Inside, f64::INFINITY);
@@ -78,12 +79,12 @@ fn rim_side(
         let u = to - from;
         let side = n.cross(&u).dot(&(x - to));
         if side < close {
-            let slack = noise * one_norm(&u);
+            let length = one_norm(&u);
             let signed = side * side.abs() / u.norm_squared();
-            if side < slack && signed < furthest {
+            if side < inside * length && signed < furthest {
                 let edge = h.min(e.twin);
                 furthest = signed;
-                rim = if side < -slack {
+                rim = if side < outside * length {
                     Rim::Outside(edge)
                 } else {
                     Rim::Grazes(edge)
