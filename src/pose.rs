@@ -64,29 +64,32 @@ pub(crate) struct Placement {
     /// Quaternion: vector part, then scalar part.
     pub(crate) q: [f64; 4],
     pub(crate) t: [f64; 3],
+    /// `|q|^2`, rounded.
+    norm_squared: f64,
 }
 
 impl Placement {
     #[inline]
     fn new(pose: &Isometry3<f64>) -> Self {
         let (q, t) = (&pose.rotation.coords, &pose.translation.vector);
-        Self {
-            q: [q.x, q.y, q.z, q.w],
-            t: [t.x, t.y, t.z],
-        }
+        Self::of([q.x, q.y, q.z, q.w], [t.x, t.y, t.z])
     }
 
     #[inline]
-    fn norm_squared(&self) -> f64 {
-        let [x, y, z, w] = self.q;
-        x * x + y * y + z * z + w * w
+    fn of(q: [f64; 4], t: [f64; 3]) -> Self {
+        let [x, y, z, w] = q;
+        Self { q, t, norm_squared: x * x + y * y + z * z + w * w }
     }
 
     fn check(&self, body: Which) -> Result<(), PoseError> {
         if let Some(axis) = (0..3).find(|&k| !self.t[k].is_finite()) {
-            return Err(PoseError::Translation { body, axis, value: self.t[axis] });
+            return Err(PoseError::Translation {
+                body,
+                axis,
+                value: self.t[axis],
+            });
         }
-        let norm_squared = self.norm_squared();
+        let norm_squared = self.norm_squared;
         // NaN fails the comparison and is refused.
         if (norm_squared - 1.0).abs() <= POSE_UNIT {
             Ok(())
@@ -109,12 +112,19 @@ impl RelativePose {
     /// A translation that is not finite, or a rotation whose squared norm is off 1 by more than 1e-12.
     #[inline]
     pub fn new(pose_a: &Isometry3<f64>, pose_b: &Isometry3<f64>) -> Result<Self, PoseError> {
-        let pose = Self { a: Placement::new(pose_a), b: Placement::new(pose_b) };
+        let pose = Self {
+            a: Placement::new(pose_a),
+            b: Placement::new(pose_b),
+        };
         let offset = pose.offset();
-        let unit = |p: &Placement| (p.norm_squared() - 1.0).abs() <= POSE_UNIT;
+        let unit = |p: &Placement| (p.norm_squared - 1.0).abs() <= POSE_UNIT;
         // Finite numbers times zero are zero, others are NaN, and comparisons with NaN are false.
         let finite = (offset.x + offset.y + offset.z) * 0.0 == 0.0;
-        if finite && unit(&pose.a) && unit(&pose.b) { Ok(pose) } else { pose.checked() }
+        if finite && unit(&pose.a) && unit(&pose.b) {
+            Ok(pose)
+        } else {
+            pose.checked()
+        }
     }
 
     /// The same with every number looked at.
@@ -126,7 +136,11 @@ impl RelativePose {
         // Two finite translations can still be further apart than f64 reaches.
         match (0..3).find(|&k| !offset[k].is_finite()) {
             None => Ok(self),
-            Some(axis) => Err(PoseError::Translation { body: Which::B, axis, value: offset[axis] }),
+            Some(axis) => Err(PoseError::Translation {
+                body: Which::B,
+                axis,
+                value: offset[axis],
+            }),
         }
     }
 
@@ -162,24 +176,24 @@ impl RelativePose {
         // R_a^T offset, with the axis reversed.
         let axis = Vector3::new(-x, -y, -z);
         let c = axis.cross(&offset);
-        offset + (c * w + axis.cross(&c)) * (2.0 / self.a.norm_squared())
+        offset + (c * w + axis.cross(&c)) * (2.0 * (2.0 - self.a.norm_squared))
     }
 
-    /// Rotation of `a_from_b`: the matrix of `conj(qa) qb`, divided by its squared norm.
+    /// Rotation of `a_from_b`: the matrix of `conj(qa) qb`, divided by its squared norm. The norms are within 1e-12 of
+    /// one, so `2 - n` is `1 / n` to 1e-24.
     #[inline]
     pub(crate) fn rotation(&self) -> Matrix3<f64> {
-        relative_rotation(&self.a.q, &self.b.q)
+        relative_rotation(&self.a.q, &self.b.q, 2.0 * (2.0 - self.a.norm_squared) * (2.0 - self.b.norm_squared))
     }
 }
 
 #[inline]
-fn relative_rotation(qa: &[f64; 4], qb: &[f64; 4]) -> Matrix3<f64> {
+fn relative_rotation(qa: &[f64; 4], qb: &[f64; 4], s: f64) -> Matrix3<f64> {
     let ([ax, ay, az, aw], [bx, by, bz, bw]) = (*qa, *qb);
     let w = aw * bw + ax * bx + ay * by + az * bz;
     let x = aw * bx - ax * bw - ay * bz + az * by;
     let y = aw * by + ax * bz - ay * bw - az * bx;
     let z = aw * bz - ax * by + ay * bx - az * bw;
-    let s = 2.0 / (w * w + x * x + y * y + z * z);
     let (xs, ys, zs) = (x * s, y * s, z * s);
     let (xx, yy, zz) = (x * xs, y * ys, z * zs);
     let (xy, xz, yz) = (x * ys, x * zs, y * zs);
@@ -211,7 +225,7 @@ impl<'de> serde::Deserialize<'de> for RelativePose {
             t: [f64; 3],
         }
         let raw = Raw::deserialize(deserializer)?;
-        let pose = |p: RawPlacement| Placement { q: p.q, t: p.t }.isometry();
+        let pose = |p: RawPlacement| Placement::of(p.q, p.t).isometry();
         Self::new(&pose(raw.a), &pose(raw.b)).map_err(serde::de::Error::custom)
     }
 }
@@ -259,6 +273,9 @@ mod tests {
         let at = |x: f64| Isometry3::translation(x, 2.0, 3.0);
         let near = RelativePose::new(&at(1.0), &at(1.5)).unwrap();
         let far = RelativePose::new(&at(1048577.0), &at(1048577.5)).unwrap();
-        assert_eq!((near.rotation(), near.translation()), (far.rotation(), far.translation()));
+        assert_eq!(
+            (near.rotation(), near.translation()),
+            (far.rotation(), far.translation())
+        );
     }
 }

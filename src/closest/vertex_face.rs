@@ -5,8 +5,8 @@ use nalgebra::Vector3;
 use super::fan::one_norm;
 use super::placed::Sides;
 use super::slide::{Slide, slide};
-use super::state::{Found, State, Step};
-use crate::polyhedron::ConvexPolyhedron;
+use super::state::{Found, Step};
+use crate::polyhedron::{ConvexPolyhedron, FeaturePair};
 use crate::pose::Which;
 use crate::scalar::sqrt;
 use crate::tolerance::{DIFFERENCE, DIRECTION, FOOT, ON_BOUNDARY};
@@ -21,7 +21,7 @@ pub(crate) fn look<const CERTIFY: bool, S: Sides>(sides: &S, vertex: u32, face: 
     let size = sides.size();
     let (rim, corner) = rim_side(other, face, &plane.normal, &x, size);
     if let Rim::Outside(edge) = rim {
-        return Step::Move(State::VertexEdge { of: S::OF, vertex, edge });
+        return Step::Move(FeaturePair::vertex_edge(S::OF, vertex, edge));
     }
     let height = plane.normal.dot(&(x - corner));
     if height <= ON_BOUNDARY * size {
@@ -30,10 +30,18 @@ pub(crate) fn look<const CERTIFY: bool, S: Sides>(sides: &S, vertex: u32, face: 
     let n = sides.direction_in_x(&plane.normal);
     let fan = body.fan_minimum(vertex, &n);
     if let Some(h) = body.descent(vertex, &fan, DIRECTION) {
-        return slide(sides, &Slide { half_edge: h, start: x, face, from_rim: None });
+        return slide(
+            sides,
+            &Slide {
+                half_edge: h,
+                start: x,
+                face,
+                from_rim: None,
+            },
+        );
     }
     let lower = if CERTIFY && body.proves_lowest(&fan, &n) {
-        (plane.normal.dot(&x) - plane.offset) * sides.unit()
+        (plane.normal.dot(&x) - plane.offset)
     } else {
         f64::NEG_INFINITY
     };
@@ -43,7 +51,13 @@ pub(crate) fn look<const CERTIFY: bool, S: Sides>(sides: &S, vertex: u32, face: 
     };
     let (point_a, point_b) = S::witnesses(on_x, foot);
     let normal = sides.normal(&plane.normal);
-    *found = Found { normal, point_a, point_b, distance: height * sides.unit(), lower };
+    *found = Found {
+        normal,
+        point_a,
+        point_b,
+        distance: height,
+        lower,
+    };
     Step::Found
 }
 
@@ -59,13 +73,7 @@ enum Rim {
 
 /// Looks at the side planes of `face` from `x`, with rounding relative to the pair's `size`. Returns a corner too.
 #[inline]
-fn rim_side(
-    body: &ConvexPolyhedron,
-    face: u32,
-    n: &Vector3<f64>,
-    x: &Vector3<f64>,
-    size: f64,
-) -> (Rim, Vector3<f64>) {
+fn rim_side(body: &ConvexPolyhedron, face: u32, n: &Vector3<f64>, x: &Vector3<f64>, size: f64) -> (Rim, Vector3<f64>) {
     let (outside, inside) = (-DIFFERENCE * size, FOOT * size);
     // No edge is longer than the diameter, and the 1-norm is less than twice the length.
     let close = 4.0 * inside * body.radius;
@@ -130,7 +138,7 @@ fn behind(body: &ConvexPolyhedron, of: Which, vertex: u32, face: u32, x: &Vector
         }
     }
     if best != face && top > least {
-        Step::Jump(State::VertexFace { of, vertex, face: best })
+        Step::Jump(FeaturePair::vertex_face(of, vertex, best))
     } else {
         Step::Lost
     }
