@@ -78,7 +78,11 @@ impl Placement {
     #[inline]
     fn of(q: [f64; 4], t: [f64; 3]) -> Self {
         let [x, y, z, w] = q;
-        Self { q, t, norm_squared: x * x + y * y + z * z + w * w }
+        Self {
+            q,
+            t,
+            norm_squared: x * x + y * y + z * z + w * w,
+        }
     }
 
     fn check(&self, body: Which) -> Result<(), PoseError> {
@@ -183,7 +187,11 @@ impl RelativePose {
     /// one, so `2 - n` is `1 / n` to 1e-24.
     #[inline]
     pub(crate) fn rotation(&self) -> Matrix3<f64> {
-        relative_rotation(&self.a.q, &self.b.q, 2.0 * (2.0 - self.a.norm_squared) * (2.0 - self.b.norm_squared))
+        relative_rotation(
+            &self.a.q,
+            &self.b.q,
+            2.0 * (2.0 - self.a.norm_squared) * (2.0 - self.b.norm_squared),
+        )
     }
 }
 
