@@ -12,7 +12,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let pose = Isometry3::translation(2.5 - 0.3 * f64::from(frame), 1.5, 0.5);
         let wedge_from_part = RelativePose::new(&Isometry3::identity(), &pose)?;
         let c = pair.closest(&wedge, &part, &wedge_from_part);
-        println!("{:>7}  {:.6} in [{:.15}, {:.15}]  {} steps", c.features, c.distance, c.lower, c.upper, c.work.steps);
+        println!(
+            "{:>7}  {:.6} in [{:.15}, {:.15}]  {} steps",
+            c.features, c.distance, c.lower, c.upper, c.work.steps
+        );
     }
     Ok(())
 }

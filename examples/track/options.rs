@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-pub const USAGE: &str = "\
+pub(crate) const USAGE: &str = "\
 usage: track [A.obj|A.stl B.obj|B.stl] [--frames N] [--out FILE.svg]
 
 Two meshes, taken as their convex hulls, tumble past each other. Prints the closest features, the distance with its
@@ -15,14 +15,14 @@ bounds and the steps of each frame, and draws distance and steps over time.
 /// Frames are kept in memory.
 const MOST_FRAMES: usize = 1_000_000;
 
-pub struct Options {
-    pub meshes: [PathBuf; 2],
-    pub frames: usize,
-    pub out: PathBuf,
+pub(crate) struct Options {
+    pub(crate) meshes: [PathBuf; 2],
+    pub(crate) frames: usize,
+    pub(crate) out: PathBuf,
 }
 
 /// The options, or what to tell the user: `Ok(None)` when asked for help.
-pub fn parse(mut words: impl Iterator<Item = String>) -> Result<Option<Options>, String> {
+pub(crate) fn parse(mut words: impl Iterator<Item = String>) -> Result<Option<Options>, String> {
     let (mut meshes, mut frames, mut out) = (vec![], 720, PathBuf::from("track.svg"));
     while let Some(word) = words.next() {
         let mut value = || words.next().ok_or(format!("{word} needs a value"));
@@ -34,7 +34,11 @@ pub fn parse(mut words: impl Iterator<Item = String>) -> Result<Option<Options>,
             _ => meshes.push(PathBuf::from(word)),
         }
     }
-    let ours = |name: &str| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("examples/meshes").join(name);
+    let ours = |name: &str| {
+        PathBuf::from(env!("CARGO_MANIFEST_DIR"))
+            .join("examples/meshes")
+            .join(name)
+    };
     let meshes = match <[PathBuf; 2]>::try_from(meshes) {
         Ok(two) => two,
         Err(none) if none.is_empty() => [ours("gem.obj"), ours("nut.stl")],
