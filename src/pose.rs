@@ -53,11 +53,6 @@ impl core::fmt::Display for Which {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct RelativePose {
-    /// Rotation of `a_from_b`.
-    pub(crate) rotation: Matrix3<f64>,
-    /// Translation of `a_from_b`.
-    pub(crate) translation: Vector3<f64>,
-    /// The poses as given, for the rungs that place exactly.
     pub(crate) a: Placement,
     pub(crate) b: Placement,
 }
@@ -83,17 +78,15 @@ impl Placement {
 
     #[inline]
     fn norm_squared(&self) -> f64 {
-        self.q.iter().map(|c| c * c).sum()
+        let [x, y, z, w] = self.q;
+        x * x + y * y + z * z + w * w
     }
 
-    fn check(&self, body: Which, norm_squared: f64) -> Result<(), PoseError> {
+    fn check(&self, body: Which) -> Result<(), PoseError> {
         if let Some(axis) = (0..3).find(|&k| !self.t[k].is_finite()) {
-            return Err(PoseError::Translation {
-                body,
-                axis,
-                value: self.t[axis],
-            });
+            return Err(PoseError::Translation { body, axis, value: self.t[axis] });
         }
+        let norm_squared = self.norm_squared();
         // NaN fails the comparison and is refused.
         if (norm_squared - 1.0).abs() <= POSE_UNIT {
             Ok(())
@@ -116,29 +109,24 @@ impl RelativePose {
     /// A translation that is not finite, or a rotation whose squared norm is off 1 by more than 1e-12.
     #[inline]
     pub fn new(pose_a: &Isometry3<f64>, pose_b: &Isometry3<f64>) -> Result<Self, PoseError> {
-        let (a, b) = (Placement::new(pose_a), Placement::new(pose_b));
-        let (na, nb) = (a.norm_squared(), b.norm_squared());
-        a.check(Which::A, na)?;
-        b.check(Which::B, nb)?;
-        let offset = Vector3::from(b.t) - Vector3::from(a.t);
-        // R_a^T offset, with the axis reversed.
-        let (axis, w) = (-Vector3::new(a.q[0], a.q[1], a.q[2]), a.q[3]);
-        let c = axis.cross(&offset);
-        let translation = offset + (c * w + axis.cross(&c)) * (2.0 / na);
-        let pose = Self {
-            rotation: relative_rotation(&a.q, &b.q),
-            translation,
-            a,
-            b,
-        };
+        let pose = Self { a: Placement::new(pose_a), b: Placement::new(pose_b) };
+        let offset = pose.offset();
+        let unit = |p: &Placement| (p.norm_squared() - 1.0).abs() <= POSE_UNIT;
+        // Finite numbers times zero are zero, others are NaN, and comparisons with NaN are false.
+        let finite = (offset.x + offset.y + offset.z) * 0.0 == 0.0;
+        if finite && unit(&pose.a) && unit(&pose.b) { Ok(pose) } else { pose.checked() }
+    }
+
+    /// The same with every number looked at.
+    #[cold]
+    fn checked(self) -> Result<Self, PoseError> {
+        self.a.check(Which::A)?;
+        self.b.check(Which::B)?;
+        let offset = self.offset();
         // Two finite translations can still be further apart than f64 reaches.
-        match (0..3).find(|&k| !translation[k].is_finite()) {
-            None => Ok(pose),
-            Some(axis) => Err(PoseError::Translation {
-                body: Which::B,
-                axis,
-                value: translation[axis],
-            }),
+        match (0..3).find(|&k| !offset[k].is_finite()) {
+            None => Ok(self),
+            Some(axis) => Err(PoseError::Translation { body: Which::B, axis, value: offset[axis] }),
         }
     }
 
@@ -152,16 +140,38 @@ impl RelativePose {
 
     /// The same pair of poses with A and B exchanged.
     pub fn swapped(&self) -> Self {
-        Self::new(&self.b.isometry(), &self.a.isometry()).unwrap_or(*self)
+        Self { a: self.b, b: self.a }
     }
 
     /// The poses this was made from, bit for bit.
     pub fn poses(&self) -> (Isometry3<f64>, Isometry3<f64>) {
         (self.a.isometry(), self.b.isometry())
     }
+
+    /// `t_b - t_a`: world offsets end here.
+    #[inline]
+    fn offset(&self) -> Vector3<f64> {
+        Vector3::from(self.b.t) - Vector3::from(self.a.t)
+    }
+
+    /// Translation of `a_from_b`.
+    #[inline]
+    pub(crate) fn translation(&self) -> Vector3<f64> {
+        let [x, y, z, w] = self.a.q;
+        let offset = self.offset();
+        // R_a^T offset, with the axis reversed.
+        let axis = Vector3::new(-x, -y, -z);
+        let c = axis.cross(&offset);
+        offset + (c * w + axis.cross(&c)) * (2.0 / self.a.norm_squared())
+    }
+
+    /// Rotation of `a_from_b`: the matrix of `conj(qa) qb`, divided by its squared norm.
+    #[inline]
+    pub(crate) fn rotation(&self) -> Matrix3<f64> {
+        relative_rotation(&self.a.q, &self.b.q)
+    }
 }
 
-/// The matrix of `conj(qa) qb`, divided by its squared norm.
 #[inline]
 fn relative_rotation(qa: &[f64; 4], qb: &[f64; 4]) -> Matrix3<f64> {
     let ([ax, ay, az, aw], [bx, by, bz, bw]) = (*qa, *qb);
@@ -217,8 +227,8 @@ mod tests {
         let b = Isometry3::new(Vector3::new(-4.0, 0.5, 2.0), Vector3::new(-1.3, 0.2, 0.7));
         let pose = RelativePose::new(&a, &b).unwrap();
         let expected = a.inv_mul(&b);
-        assert!((pose.translation - expected.translation.vector).norm() < 1e-14);
-        assert!((pose.rotation - expected.rotation.to_rotation_matrix().matrix()).norm() < 1e-14);
+        assert!((pose.translation() - expected.translation.vector).norm() < 1e-14);
+        assert!((pose.rotation() - expected.rotation.to_rotation_matrix().matrix()).norm() < 1e-14);
         assert_eq!(pose.poses(), (a, b));
     }
 
@@ -249,6 +259,6 @@ mod tests {
         let at = |x: f64| Isometry3::translation(x, 2.0, 3.0);
         let near = RelativePose::new(&at(1.0), &at(1.5)).unwrap();
         let far = RelativePose::new(&at(1048577.0), &at(1048577.5)).unwrap();
-        assert_eq!((near.rotation, near.translation), (far.rotation, far.translation));
+        assert_eq!((near.rotation(), near.translation()), (far.rotation(), far.translation()));
     }
 }

@@ -34,6 +34,16 @@ impl Scalar for f64 {
     }
 }
 
+/// The square root to the precision of the arithmetic (one Newton step past f64); 0 for what is not positive.
+pub(crate) fn root<T: Scalar>(x: T) -> T {
+    let r = sqrt(x.value());
+    if !(r > 0.0) {
+        return T::from(0.0);
+    }
+    let r = T::from(r);
+    (r + x / r) * T::from(0.5)
+}
+
 /// A vector in the arithmetic of a solver.
 pub(crate) type Vec3<T> = [T; 3];
 

@@ -32,6 +32,12 @@ pub const DIFFERENCE: f64 = 8.0 * UNIT;
 /// The same for a direction of unit length that is no difference of points (a face normal, an edge turned by a pose).
 pub const DIRECTION: f64 = 16.0 * UNIT;
 
+/// A point over the plane of a face has its foot in the face where it is inside every side plane by more than this times
+/// L. For an edge `u` of the rim the side `(n x u) . (x - to)`, over `|u|`, errs by `5.1 UNIT` (the stored normal 1.1, the
+/// edge 1, the cross product 3), `UNIT` (the difference) and `3 UNIT` (the product), all times `|x - to| <= L`; the foot
+/// itself, `x - n h`, by `4 UNIT L` within the plane. Sum: 13.1.
+pub const FOOT: f64 = 16.0 * UNIT;
+
 /// Witnesses closer than this times L are no ground for a direction; the finer layers take over. Not a matter of
 /// soundness.
 pub const ON_BOUNDARY: f64 = 16.0 * UNIT;
@@ -49,29 +55,37 @@ pub const AGREE: f64 = 32.0 * UNIT;
 
 /// Four signed volumes of corners up to L prove the origin inside when each exceeds this times UNIT L^3 (UNIT of the
 /// arithmetic): a determinant of three vectors up to L has an error of at most 14 UNIT L^3, and corners displaced by
-/// the [`CERTIFICATE`] error of placement change it by three times that.
+/// the [`CERTIFICATE`] error of placement change it by three times that: 398 in all.
 pub const VOLUME: f64 = 512.0;
 
 /// Vertices whose height along `n` is, in f64, within this times `|n|_1 r` of the highest may be the highest: three
 /// roundings of each of two dot products and of the direction itself.
 pub const PLATEAU: f64 = 16.0 * UNIT;
 
-/// Error term of both bounds, in units of UNIT L, derived line by line (u = UNIT, norms are Euclidean):
+/// Error term of both bounds, in units of UNIT L, derived line by line (u = UNIT, norms are Euclidean, `t` the relative
+/// translation; a cross product errs by `2.5 u |a| |b|`, a product with a rotation matrix by `6 u`):
 ///
 /// 1. The relative quaternion: four products a coordinate, error at most 4 u each, 8 u as a vector; as a rotation
 ///    twice that, 16 u.
-/// 2. Its matrix: each entry has two or three products of relative error at most 8 u and absolute sum at most 2:
-///    at most 40 u in the Frobenius norm. Together with 1, a vertex of B is turned wrong by at most 56 u rB.
-/// 3. The relative translation: one subtraction (u), a cross product, its double, a scaling and two additions:
-///    at most 20 u |t|.
-/// 4. Placing a vertex: three products and three additions a coordinate: at most 6 u (rB + |t|).
-/// 5. The direction taken into B's frame: 6 u rB. Heights along it: 3 u of rA, rB and |t| each, and two additions of
-///    numbers up to L: 2 u L.
-/// 6. The witnesses, made as `p + s u` with `s` in 0..1: 3 u of rA and of rB. The norm: 3 u L.
+/// 2. Its matrix: 8 u relative to the absolute sums of its entries, whose Frobenius norm is below 4, and the last
+///    rounding of each entry: at most 40 u. Together with 1, a vertex of B is turned wrong by at most 56 u rB.
+/// 3. The relative translation: the difference of the translations, `u |t|`; the two cross products and their sum, 6.5 u,
+///    doubled; the factor `2 / |q|^2`, 6 u, doubled; the last sum: together at most 28 u |t|.
+/// 4. The way back, from A to B: the transposed matrix errs by the same 56 u, now for `|t| + rA`, and its product with
+///    the translation by 6 u |t|. So a vertex is misplaced by at most 56 u rB + 28 u |t| in A's frame, and by
+///    56 u rA + 90 u |t| in B's.
+/// 5. Placing a vertex: 6 u of its radius, and a sum: u L.
+/// 6. A direction taken into the other frame: 6 u, which may put another vertex lowest: 12 u of that body's radius.
+///    Heights along a direction: 3 u of rA, rB and |t|, once more where the highest of several is taken; their sums, 2 u L.
+/// 7. The witnesses, made as `p + s u` with `s` in 0..1, or as a sum of corners whose weights sum to one within 4 u: 8 u
+///    of rA and of rB, in the upper bound instead of 6. The norm: 3 u L.
 ///
-/// Sum: at most 78 u for rB, 31 u for |t| and 11 u for rA. Second-order terms are below 1 u. The largest violation of
-/// the bounds without their term that was ever seen is 11 u L.
-pub const CERTIFICATE: f64 = 96.0;
+/// Sum, with u L counted for every summand: at most 56 + 6 + 12 + 6 + 6 = 86 u for the radius of the body that is placed,
+/// 90 + 3 + 6 = 99 u for |t|, 24 u for the other radius. Second-order terms are below 1 u. In double-double the same holds
+/// with two matrices for one in 2 (80 instead of 40, and 16 for their product) and 2 times 46 for the translation with the
+/// origins of the bodies added to L; its sums and products err by 10 UNIT^2 at most, so all is below 100
+/// [`UNIT_DOUBLE_DOUBLE`]. The largest violation of the bounds without their term that was ever seen is 11 u L.
+pub const CERTIFICATE: f64 = 128.0;
 /// Least extent (longest side of the bounding box) of a body, in the caller's unit: cubes of lengths, as volumes are,
 /// stay above the least f64.
 pub const EXTENT_MIN: f64 = 1e-100;
@@ -117,3 +131,8 @@ pub const EXACT_FILTER: f64 = 128.0 * UNIT;
 /// From beyond `2^60` radii a body's closest point depends on the direction only, to `2^-60` of its size: below
 /// rounding.
 pub(crate) const FAR_POINT: f64 = (1u64 << 60) as f64;
+
+/// Error of a bound by two faces, in units of their weights times the radius: `m = alpha nL + beta nR` has two
+/// roundings a coordinate relative to `alpha + beta` (3.5 UNIT as a vector), `s m` one more, and the weighted sum of the
+/// offsets three, each at most the radius.
+pub const EDGE_BOUND: f64 = 8.0 * UNIT;

@@ -4,7 +4,7 @@ use nalgebra::Unit;
 
 use crate::closest::outcome::{Class, Distance, Layer, Outcome, Proposal, Work};
 use crate::closest::placed::Placed;
-use crate::closest::state::State;
+use crate::closest::state::{Found, State};
 use crate::closest::{self, Answer, far};
 use crate::polyhedron::{ConvexPolyhedron, FeaturePair, power_of_two};
 use crate::pose::RelativePose;
@@ -70,22 +70,6 @@ impl core::ops::AddAssign for Totals {
     }
 }
 
-/// An answer in stored units, or one that needs none.
-enum Solved {
-    Answer(Answer),
-    Outcome(Outcome),
-}
-
-impl Solved {
-    #[inline]
-    fn outcome(self, a: &ConvexPolyhedron, b: &ConvexPolyhedron) -> Outcome {
-        match self {
-            Solved::Answer(answer) => outcome(a, b, &answer),
-            Solved::Outcome(outcome) => outcome,
-        }
-    }
-}
-
 impl Tracker {
     /// A tracker without a start: the first query begins at the support vertices along the line of centres.
     pub fn new() -> Self {
@@ -119,35 +103,20 @@ impl Tracker {
     /// wider than `1e-13 L`, with `L` the sum of both radii and the distance of the bodies. Allocates nothing as long
     /// as the exact rung is not needed.
     pub fn closest(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Outcome {
-        self.solve(a, b, a_from_b, closest::certified).outcome(a, b)
+        self.solve(a, b, a_from_b, closest::certified)
     }
 
     /// As [`closest`](Self::closest), with the distance of separated bodies within one unit in the last place of the
     /// truth. Costs microseconds: every answer is taken again in double-double arithmetic, some in exact integers.
     #[cfg(feature = "exact")]
     pub fn closest_exact(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Outcome {
-        self.solve(a, b, a_from_b, closest::exactly).outcome(a, b)
+        self.solve(a, b, a_from_b, closest::exactly)
     }
 
     /// The distance and its bounds without the witnesses.
     pub fn distance(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Distance {
-        match self.solve(a, b, a_from_b, closest::certified) {
-            Solved::Answer(x) => {
-                let unit = power_of_two(a.exponent.max(b.exponent));
-                Distance {
-                    class: x.class,
-                    value: x.distance * unit,
-                    lower: x.lower * unit,
-                    upper: x.upper * unit,
-                }
-            }
-            Solved::Outcome(o) => Distance {
-                class: o.class,
-                value: o.distance,
-                lower: o.lower,
-                upper: o.upper,
-            },
-        }
+        let o = self.solve(a, b, a_from_b, closest::certified);
+        Distance { class: o.class, value: o.distance, lower: o.lower, upper: o.upper }
     }
 
     /// Whether the closed bodies share a point: touching is intersecting.
@@ -166,17 +135,11 @@ impl Tracker {
         if !(d >= 0.0) || clear_of(a, b, a_from_b, d) {
             return false;
         }
-        let (lower, upper, class) = match self.solve(a, b, a_from_b, closest::certified) {
-            Solved::Answer(x) => {
-                let unit = power_of_two(a.exponent.max(b.exponent));
-                (x.lower * unit, x.upper * unit, x.class)
-            }
-            Solved::Outcome(o) => (o.lower, o.upper, o.class),
-        };
-        if class == Class::Overlapping || upper <= d {
+        let o = self.solve(a, b, a_from_b, closest::certified);
+        if o.class == Class::Overlapping || o.upper <= d {
             return true;
         }
-        if lower > d {
+        if o.lower > d {
             return false;
         }
         self.decide_within(a, b, a_from_b, d)
@@ -185,7 +148,7 @@ impl Tracker {
     /// The closest features as the walk proposes them, without bounds. Where the walk does not end, the minimum-norm
     /// solver in f64 stands in.
     pub fn propose(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Proposal {
-        let o = self.solve(a, b, a_from_b, closest::proposed).outcome(a, b);
+        let o = self.solve(a, b, a_from_b, closest::proposed);
         Proposal {
             distance: (o.class != Class::Overlapping).then_some(o.distance),
             features: o.features,
@@ -197,52 +160,57 @@ impl Tracker {
         }
     }
 
-    /// Asks one of the solvers, in the units of the larger body.
-    #[inline]
+    /// Asks one of the solvers.
+    #[inline(always)]
     fn solve(
         &mut self,
         a: &ConvexPolyhedron,
         b: &ConvexPolyhedron,
         a_from_b: &RelativePose,
-        solver: impl Fn(&Placed, Option<State>) -> Answer,
-    ) -> Solved {
+        solver: impl Fn(&Placed, bool, &mut Answer),
+    ) -> Outcome {
         if b.exponent > a.exponent {
-            let b_from_a = a_from_b.swapped();
-            return match Placed::new(b, a, &b_from_a) {
-                Ok(placed) => {
-                    let answer = solver(&placed, self.start(b, a, true)).swapped(&b_from_a);
-                    self.counted(answer)
-                }
-                Err(_) => self.solve_far(a, b, a_from_b),
-            };
+            return self.solve_swapped(a, b, a_from_b, solver);
         }
-        match Placed::new(a, b, a_from_b) {
-            Ok(placed) => {
-                let answer = solver(&placed, self.start(a, b, false));
-                self.counted(answer)
-            }
-            Err(_) => self.solve_far(a, b, a_from_b),
-        }
+        let Ok(placed) = Placed::new(a, b, a_from_b) else { return self.solve_far(a, b, a_from_b) };
+        let start = self.start(a, b);
+        let mut answer = Answer::open(start.unwrap_or_else(|| closest::seed::facing(&placed)));
+        solver(&placed, start.is_some(), &mut answer);
+        self.count(Some(answer.state), answer.layer, &answer.work);
+        outcome(a, b, &answer)
     }
 
-    #[inline]
-    fn counted(&mut self, answer: Answer) -> Solved {
+    /// The same in the units of B, which are the larger.
+    #[cold]
+    fn solve_swapped(
+        &mut self,
+        a: &ConvexPolyhedron,
+        b: &ConvexPolyhedron,
+        a_from_b: &RelativePose,
+        solver: impl Fn(&Placed, bool, &mut Answer),
+    ) -> Outcome {
+        let b_from_a = a_from_b.swapped();
+        let Ok(placed) = Placed::new(b, a, &b_from_a) else { return self.solve_far(a, b, a_from_b) };
+        let start = self.start(a, b).map(State::swapped);
+        let mut answer = Answer::open(start.unwrap_or_else(|| closest::seed::facing(&placed)));
+        solver(&placed, start.is_some(), &mut answer);
+        answer.state = answer.state.swapped();
+        answer.found = answer.found.swapped(&b_from_a);
         self.count(Some(answer.state), answer.layer, &answer.work);
-        Solved::Answer(answer)
+        outcome(a, b, &answer)
     }
 
     #[cold]
-    fn solve_far(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Solved {
+    fn solve_far(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Outcome {
         let outcome = far::answer(a, b, a_from_b);
         self.count(None, outcome.layer, &outcome.work);
-        Solved::Outcome(outcome)
+        outcome
     }
 
     /// The cached state, where it names features of these bodies.
     #[inline]
-    fn start(&self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, swap: bool) -> Option<State> {
-        let state = if swap { self.last?.swapped() } else { self.last? };
-        state.is_of(a, b).then_some(state)
+    fn start(&self, a: &ConvexPolyhedron, b: &ConvexPolyhedron) -> Option<State> {
+        self.last.filter(|state| state.is_of(a, b))
     }
 
     #[inline]
@@ -275,36 +243,49 @@ fn clear_of(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &RelativePose, d: 
     }
     let reach = a.radius + b.radius + d;
     // One part in 2^20 is far more than the rounding of both sides.
-    pose.translation.norm_squared() > reach * reach * (1.0 + 1.0 / 1_048_576.0)
+    pose.translation().norm_squared() > reach * reach * (1.0 + 1.0 / 1_048_576.0)
 }
 
-impl Answer {
-    /// The same answer with the bodies exchanged; `pose` is the one it was computed in.
-    fn swapped(self, pose: &RelativePose) -> Self {
+impl Found {
+    /// The same with the bodies exchanged; `pose` is the one it was found at.
+    fn swapped(&self, pose: &RelativePose) -> Self {
         Self {
-            state: self.state.swapped(),
             point_a: self.point_b,
             point_b: self.point_a,
-            normal: -pose.rotation.tr_mul(&self.normal),
-            ..self
+            normal: -pose.rotation().tr_mul(&self.normal),
+            ..*self
         }
     }
 }
 
 /// The answer in the caller's units.
-#[inline]
+#[inline(always)]
 fn outcome(a: &ConvexPolyhedron, b: &ConvexPolyhedron, x: &Answer) -> Outcome {
-    let unit = power_of_two(a.exponent.max(b.exponent));
-    Outcome {
+    let mut outcome = Outcome {
         class: x.class,
-        distance: x.distance * unit,
-        lower: x.lower * unit,
-        upper: x.upper * unit,
+        distance: x.found.distance,
+        lower: x.lower,
+        upper: x.upper,
         features: x.state.features(),
-        point_on_a: a.given(&x.point_a),
-        point_on_b: b.given(&x.point_b),
-        normal: Unit::new_normalize(x.normal),
+        point_on_a: x.found.point_a.into(),
+        point_on_b: x.found.point_b.into(),
+        normal: Unit::new_unchecked(x.found.normal),
         layer: x.layer,
         work: x.work,
+    };
+    if !(a.is_as_given() && b.is_as_given()) {
+        give_back(a, b, x, &mut outcome);
     }
+    outcome
+}
+
+/// Stored units and frames to the caller's.
+#[cold]
+fn give_back(a: &ConvexPolyhedron, b: &ConvexPolyhedron, x: &Answer, outcome: &mut Outcome) {
+    let unit = power_of_two(a.exponent.max(b.exponent));
+    outcome.distance *= unit;
+    outcome.lower *= unit;
+    outcome.upper *= unit;
+    outcome.point_on_a = a.given(&x.found.point_a);
+    outcome.point_on_b = b.given(&x.found.point_b);
 }

@@ -8,7 +8,8 @@
 
 use nalgebra::Vector3;
 
-use super::placed::Placed;
+use super::fan::one_norm;
+use super::placed::{OfA, OfB, Placed};
 use super::slide::{Slide, slide};
 use super::state::{Found, State, Step};
 use crate::polyhedron::ConvexPolyhedron;
@@ -56,13 +57,21 @@ impl<'a> Edge<'a> {
         );
         (-sign * t.dot(&r.normal), sign * t.dot(&l.normal))
     }
+
+    /// How high the body is along `n`, by the planes of the edge's faces.
+    #[inline]
+    fn height(&self, n: &Vector3<f64>, weights: (f64, f64)) -> f64 {
+        let (left, right) = (&self.body.planes[self.left as usize], &self.body.planes[self.right as usize]);
+        self.body.edge_bound(n, left, right, weights.0, weights.1)
+    }
 }
 
-#[inline]
-pub(crate) fn look<const CERTIFY: bool>(placed: &Placed, a: u32, b: u32) -> Step {
+// Not inlined: the walk's loop would hoist the loads of every kind of pair and spill them.
+#[inline(never)]
+pub(crate) fn look<const CERTIFY: bool>(placed: &Placed, a: u32, b: u32, found: &mut Found) -> Step {
     let (ea, eb) = (Edge::new(placed.a, a), Edge::new(placed.b, b));
     let (u, w_in_b) = (ea.q - ea.p, eb.q - eb.p);
-    let (w, p2) = (placed.a_from_b.vector(&w_in_b), placed.a_from_b.point(&eb.p));
+    let (w, p2) = (placed.vector_in_a(&w_in_b), placed.point_in_a(&eb.p));
     let r = p2 - ea.p;
     let (uu, ww) = (u.norm_squared(), w.norm_squared());
     let mut n = u.cross(&w);
@@ -74,30 +83,29 @@ pub(crate) fn look<const CERTIFY: bool>(placed: &Placed, a: u32, b: u32) -> Step
             return Step::Move(ends(&ea, &eb, &r, &u, &w));
         }
     }
-    let noise = DIFFERENCE * placed.size();
-    let (s, t) = (r.cross(&w).dot(&n) / nn, r.cross(&u).dot(&n) / nn);
-    let outside = |x: f64, along: f64| (x < 0.0 || x > 1.0) && (x - x.clamp(0.0, 1.0)).abs() * sqrt(along) > noise;
-    if outside(s, uu) || outside(t, ww) {
+    let per_square = 1.0 / nn;
+    let (s, t) = (r.cross(&w).dot(&n) * per_square, r.cross(&u).dot(&n) * per_square);
+    if beyond(s, uu, placed.size()) || beyond(t, ww, placed.size()) {
         return Step::Move(ends(&ea, &eb, &r, &u, &w));
     }
-    let (s, t) = (s.clamp(0.0, 1.0), t.clamp(0.0, 1.0));
     let across = r.dot(&n);
     let sign = if across < 0.0 { -1.0 } else { 1.0 };
-    let (alpha_a, beta_a) = ea.weights(&w, sign);
-    let u_in_b = placed.b_from_a.vector(&u);
-    let (alpha_b, beta_b) = eb.weights(&u_in_b, sign);
-    // F(left) or F(right) of A under the edge of B, and the reverse.
-    let (least_a, least_b) = (alpha_a.min(beta_a), alpha_b.min(beta_b));
-    let out_a = least_a < -DIRECTION * w.abs().sum();
-    let out_b = least_b < -DIRECTION * u_in_b.abs().sum();
-    // The weights are as long as the other edge: compare sines.
-    if out_a && (!out_b || least_a * sqrt(uu) <= least_b * placed.b_from_a.unit * sqrt(ww)) {
-        let face = if alpha_a < beta_a { ea.right } else { ea.left };
-        return over_face_of_a(placed, &eb, face, a, &(p2 + w * t), &w);
-    }
-    if out_b {
-        let face = if alpha_b < beta_b { eb.right } else { eb.left };
-        return over_face_of_b(placed, &ea, face, b, &(ea.p + u * s), &u_in_b);
+    let u_in_b = placed.vector_in_b(&u);
+    let (weights_a, weights_b) = (ea.weights(&w, sign), eb.weights(&u_in_b, sign));
+    let (s, t) = (s.clamp(0.0, 1.0), t.clamp(0.0, 1.0));
+    let (least_a, least_b) = (weights_a.0.min(weights_a.1), weights_b.0.min(weights_b.1));
+    if least_a < 0.0 || least_b < 0.0 {
+        let out_a = least_a < -DIRECTION * one_norm(&w);
+        let out_b = least_b < -DIRECTION * one_norm(&u_in_b);
+        // The weights are as long as the other edge: compare sines.
+        if out_a && (!out_b || least_a * sqrt(uu) <= least_b * placed.unit_of_b() * sqrt(ww)) {
+            let face = if weights_a.0 < weights_a.1 { ea.right } else { ea.left };
+            return over_face_of_a(placed, &eb, face, a, &(p2 + w * t), &w);
+        }
+        if out_b {
+            let face = if weights_b.0 < weights_b.1 { eb.right } else { eb.left };
+            return over_face_of_b(placed, &ea, face, b, &(ea.p + u * s), &u_in_b);
+        }
     }
     let (point_a, point_b) = (ea.p + u * s, eb.p + w_in_b * t);
     let between = (p2 + w * t) - point_a;
@@ -105,24 +113,23 @@ pub(crate) fn look<const CERTIFY: bool>(placed: &Placed, a: u32, b: u32) -> Step
     if distance <= ON_BOUNDARY * placed.size() {
         return Step::Lost;
     }
-    let normal = n * sign;
+    let normal = n * (sign * sqrt(nn) * per_square);
     let lower = if CERTIFY {
-        let planes = |e: &Edge| (e.body.planes[e.left as usize], e.body.planes[e.right as usize]);
-        let ((al, ar), (bl, br)) = (planes(&ea), planes(&eb));
-        let in_b = -placed.a_from_b.direction(&normal);
-        let high_a = placed.a.edge_bound(&normal, &al, &ar, alpha_a, beta_a);
-        let high_b = placed.b.edge_bound(&in_b, &bl, &br, alpha_b, beta_b);
-        (placed.a_from_b.lift(&normal) - high_a - high_b) / sqrt(nn)
+        let high_a = ea.height(&normal, weights_a);
+        let high_b = eb.height(&-placed.direction_in_b(&normal), weights_b);
+        placed.lift(&normal) - high_a - high_b
     } else {
         f64::NEG_INFINITY
     };
-    Step::Found(Found {
-        normal,
-        point_a,
-        point_b,
-        distance,
-        lower,
-    })
+    *found = Found { normal, point_a, point_b, distance, lower };
+    Step::Found
+}
+
+/// Whether a parameter is off its edge by more than rounding does to a length.
+#[inline]
+fn beyond(s: f64, squared_length: f64, size: f64) -> bool {
+    let off = if s < 0.0 { -s } else { s - 1.0 };
+    off > 0.0 && off * sqrt(squared_length) > DIFFERENCE * size
 }
 
 /// Slides the edge of B over a face of A, downhill from `start` (A's frame).
@@ -134,8 +141,7 @@ fn over_face_of_a(p: &Placed, e: &Edge, face: u32, rim: u32, start: &Vector3<f64
         e.name
     };
     slide(
-        &p.b_beside_a(),
-        Which::B,
+        &OfB(p),
         &Slide {
             half_edge,
             start: *start,
@@ -153,10 +159,9 @@ fn over_face_of_b(p: &Placed, e: &Edge, face: u32, rim: u32, start: &Vector3<f64
     } else {
         e.name
     };
-    let start = p.b_from_a.point(start);
+    let start = p.point_in_b(start);
     slide(
-        &p.a_beside_b(),
-        Which::A,
+        &OfA(p),
         &Slide {
             half_edge,
             start,

@@ -16,7 +16,7 @@ use super::placed::{Frame, Placed};
 use super::simplex::{Corner, Simplex};
 use super::state::State;
 use crate::polyhedron::ConvexPolyhedron;
-use crate::scalar::{Scalar, Vec3, dot, neg, sub};
+use crate::scalar::{Scalar, Vec3, dot, neg, root, sub};
 use crate::tolerance::{ON_BOUNDARY, PLATEAU, UNIT};
 
 /// Supports one solve may take. Right answers were seen to take at most 24.
@@ -44,7 +44,7 @@ pub(crate) fn solve<T: Scalar>(placed: &Placed, frame: &Frame<T>, from: State) -
 
 /// Solves from one vertex of each body.
 pub(crate) fn solve_from<T: Scalar>(placed: &Placed, frame: &Frame<T>, a: u32, b: u32) -> Minimum<T> {
-    let size = placed.size();
+    let size = placed.reach::<T>();
     let mut simplex = Simplex::vertex(corner(placed, frame, a, b));
     let (mut lower, mut direction) = (T::from(f64::NEG_INFINITY), simplex.direction);
     for _ in 0..SUPPORTS {
@@ -79,12 +79,6 @@ pub(crate) fn solve_from<T: Scalar>(placed: &Placed, frame: &Frame<T>, a: u32, b
         lower,
         direction,
     }
-}
-
-/// Square root to the precision of f64 and, in double-double, one Newton step further.
-fn root<T: Scalar>(x: T) -> T {
-    let r = T::from(crate::scalar::sqrt(x.value()));
-    (r + x / r) * T::from(0.5)
 }
 
 fn corner<T: Scalar>(placed: &Placed, frame: &Frame<T>, a: u32, b: u32) -> Corner<T> {

@@ -3,7 +3,13 @@
 use nalgebra::Vector3;
 
 use crate::polyhedron::{ConvexPolyhedron, Plane};
-use crate::tolerance::EDGE_SIGN;
+use crate::tolerance::{EDGE_BOUND, EDGE_SIGN};
+
+/// The sum of absolute coordinates: a norm without a root.
+#[inline]
+pub(crate) fn one_norm(v: &Vector3<f64>) -> f64 {
+    v.x.abs() + v.y.abs() + v.z.abs()
+}
 
 /// The edge of a vertex's fan along which a direction rises least.
 pub(crate) struct Fan {
@@ -22,10 +28,11 @@ impl ConvexPolyhedron {
             least: f64::INFINITY,
             half_edge: 0,
         };
-        for (h, e) in self.topology.fan(v).zip(self.topology.fan_edges(v)) {
+        let start = self.topology.fan(v).start;
+        for (k, e) in self.topology.fan_edges(v).iter().enumerate() {
             let c = n.dot(&(self.points[e.to as usize] - p));
             if c < fan.least {
-                fan = Fan { least: c, half_edge: h };
+                fan = Fan { least: c, half_edge: start + k as u32 };
             }
         }
         fan
@@ -34,7 +41,7 @@ impl ConvexPolyhedron {
     /// Whether a fan minimum proves its vertex the lowest of the body along `n`: every edge certainly rises.
     #[inline]
     pub(crate) fn proves_lowest(&self, fan: &Fan, n: &Vector3<f64>) -> bool {
-        fan.least > 2.0 * EDGE_SIGN * self.radius * (n.x.abs() + n.y.abs() + n.z.abs())
+        fan.least > 2.0 * EDGE_SIGN * self.radius * one_norm(n)
     }
 
     /// The edge to leave the vertex by: the one that falls most, where it falls by more than the direction's own
@@ -46,7 +53,7 @@ impl ConvexPolyhedron {
         }
         let to = self.topology.half_edge(fan.half_edge).to;
         let e = self.points[to as usize] - self.points[v as usize];
-        (fan.least < -noise * e.abs().sum()).then_some(fan.half_edge)
+        (fan.least < -noise * one_norm(&e)).then_some(fan.half_edge)
     }
 
     /// A bound of the largest `n . x` over the body from the planes of two faces (or one twice), by linear programming
@@ -54,14 +61,16 @@ impl ConvexPolyhedron {
     ///
     /// `n . x = s m . x + (n - s m) . x <= s (alpha oL + beta oR) + |n - s m| r`  for every `s >= 0`.
     ///
-    /// The rest `n - s m` is evaluated, never assumed small, so the bound holds whatever the weights.
+    /// The rest `n - s m` is evaluated, never assumed small, so the bound holds whatever the weights. Where `m` cancels
+    /// (thin bodies), its rounding and that of the offsets' sum grow with the weights; the last term covers both.
     #[inline]
     pub(crate) fn edge_bound(&self, n: &Vector3<f64>, left: &Plane, right: &Plane, alpha: f64, beta: f64) -> f64 {
         let (alpha, beta) = (alpha.max(0.0), beta.max(0.0));
         let m = left.normal * alpha + right.normal * beta;
         let s = m.dot(n) / m.norm_squared();
         let rest = n - m * s;
-        let bound = s * (alpha * left.offset + beta * right.offset) + rest.abs().sum() * self.radius;
+        let weights = s * (alpha + beta) * EDGE_BOUND;
+        let bound = s * (alpha * left.offset + beta * right.offset) + (one_norm(&rest) + weights) * self.radius;
         // A zero m or a negative s proves nothing; the comparison is false for NaN.
         if s >= 0.0 { bound } else { f64::INFINITY }
     }

@@ -14,16 +14,17 @@ use crate::tolerance::{CERTIFICATE, UNIT};
 /// The answer in the caller's units.
 #[cold]
 pub(crate) fn answer(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &RelativePose) -> Outcome {
-    let t = pose.translation + pose.rotation * b.origin - a.origin;
+    let (rotation, translation) = (pose.rotation(), pose.translation());
+    let t = translation + rotation * b.origin - a.origin;
     let largest = t.amax();
     let n = if largest > 0.0 {
         (t / largest).normalize()
     } else {
         Vector3::x()
     };
-    let (va, vb) = (a.climb_cold(&n), b.climb_cold(&-pose.rotation.tr_mul(&n)));
+    let (va, vb) = (a.climb_cold(&n), b.climb_cold(&-rotation.tr_mul(&n)));
     let (point_on_a, point_on_b) = (a.given(&a.points[va as usize]), b.given(&b.points[vb as usize]));
-    let between = pose.rotation * point_on_b.coords + pose.translation - point_on_a.coords;
+    let between = rotation * point_on_b.coords + translation - point_on_a.coords;
     let largest = between.amax();
     let distance = if largest > 0.0 {
         largest * (between / largest).norm()

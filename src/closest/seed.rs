@@ -5,8 +5,8 @@ use super::state::State;
 
 /// The support vertices along the line of centres (cube map and hill climb).
 pub(crate) fn facing(placed: &Placed) -> State {
-    let n = placed.a_from_b.point(&placed.b.center()) - placed.a.center();
+    let n = placed.point_in_a(&placed.b.center()) - placed.a.center();
     let a = placed.a.climb_cold(&n);
-    let b = placed.b.climb_cold(&-placed.a_from_b.direction(&n));
+    let b = placed.b.climb_cold(&-placed.direction_in_b(&n));
     State::VertexVertex { a, b }
 }

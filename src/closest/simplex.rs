@@ -3,7 +3,7 @@
 //! Signed volumes (Montanari, Petrinic, Barbieri 2017) with one departure: where a sign says the origin lies beyond
 //! more than one face, or rounding hides the sign, each such face is tried and the nearest answer taken.
 
-use crate::scalar::{Scalar, Vec3, cross, dot, neg, scaled, sub};
+use crate::scalar::{Scalar, Vec3, cross, dot, neg, root, scaled, sub};
 use crate::tolerance::VOLUME;
 
 /// A point of the Minkowski difference A - B: a vertex of each body.
@@ -140,6 +140,18 @@ impl<T: Scalar> Simplex<T> {
             2 => Self::triangle(k[0], k[1], c),
             _ => Self::tetrahedron([k[0], k[1], k[2], c], size),
         }
+    }
+
+    /// The distance of the point that the weights name. The weights are positive and sum to one, so it is a point of the
+    /// difference whatever rounding did to them, and the distance an upper bound; the root of `squared` is none, because
+    /// the plane of a needle-shaped triangle may be nearer than the triangle.
+    pub(crate) fn reach(&self) -> T {
+        let at = |k: usize| {
+            let parts = self.kept().iter().zip(&self.weights);
+            parts.fold(T::from(0.0), |sum, (c, &weight)| sum + c.w[k] * weight)
+        };
+        let v = [at(0), at(1), at(2)];
+        root(dot(&v, &v))
     }
 
     /// The corners kept.

@@ -25,16 +25,16 @@ pub(crate) enum Step {
     Move(State),
     /// A face elsewhere sees the vertex from outside; the distance need not be smaller.
     Jump(State),
-    /// Each witness lies in the Voronoi region of the other feature.
-    Found(Found),
+    /// Each witness lies in the Voronoi region of the other feature; they are written to where the look was told.
+    Found,
     /// No neighbour helps: the bodies overlap or nearly touch, or rounding hides the way.
     Lost,
 }
 
 /// A pair of witnesses that the Voronoi tests accept.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Found {
-    /// From A to B in A's stored frame, of any length.
+    /// Unit, from A to B in A's frame.
     pub(crate) normal: Vector3<f64>,
     /// In A's stored frame.
     pub(crate) point_a: Vector3<f64>,

@@ -2,94 +2,113 @@
 
 use nalgebra::Vector3;
 
+use super::fan::one_norm;
 use super::placed::Sides;
 use super::slide::{Slide, slide};
 use super::state::{Found, State, Step};
 use crate::polyhedron::ConvexPolyhedron;
 use crate::pose::Which;
-use crate::tolerance::{DIFFERENCE, DIRECTION, ON_BOUNDARY};
+use crate::scalar::sqrt;
+use crate::tolerance::{DIFFERENCE, DIRECTION, FOOT, ON_BOUNDARY};
 
-#[inline]
-pub(crate) fn look<const CERTIFY: bool>(sides: &Sides, of: Which, vertex: u32, face: u32) -> Step {
-    let Sides {
-        x: body,
-        y: other,
-        y_from_x,
-        x_from_y,
-    } = *sides;
-    let x = y_from_x.point(&body.points[vertex as usize]);
+// Not inlined: the walk's loop would hoist the loads of every kind of pair and spill them.
+#[inline(never)]
+pub(crate) fn look<const CERTIFY: bool, S: Sides>(sides: &S, vertex: u32, face: u32, found: &mut Found) -> Step {
+    let (body, other) = (sides.x(), sides.y());
+    let on_x = body.points[vertex as usize];
+    let x = sides.point_in_y(&on_x);
     let plane = &other.planes[face as usize];
-    let size = y_from_x.size;
-    if let Some(edge) = outside(other, face, &plane.normal, &x, DIFFERENCE * size) {
-        return Step::Move(State::VertexEdge { of, vertex, edge });
+    let size = sides.size();
+    let (rim, corner) = rim_side(other, face, &plane.normal, &x, size);
+    if let Rim::Outside(edge) = rim {
+        return Step::Move(State::VertexEdge { of: S::OF, vertex, edge });
     }
-    let on_rim = other.points[other.topology.half_edge(other.topology.rim_start(face)).to as usize];
-    let height = plane.normal.dot(&(x - on_rim));
+    let height = plane.normal.dot(&(x - corner));
     if height <= ON_BOUNDARY * size {
-        return behind(other, of, vertex, face, &x, ON_BOUNDARY * size);
+        return behind(other, S::OF, vertex, face, &x, ON_BOUNDARY * size);
     }
-    let n = y_from_x.direction(&plane.normal);
+    let n = sides.direction_in_x(&plane.normal);
     let fan = body.fan_minimum(vertex, &n);
     if let Some(h) = body.descent(vertex, &fan, DIRECTION) {
-        return slide(
-            sides,
-            of,
-            &Slide {
-                half_edge: h,
-                start: x,
-                face,
-                from_rim: None,
-            },
-        );
+        return slide(sides, &Slide { half_edge: h, start: x, face, from_rim: None });
     }
     let lower = if CERTIFY && body.proves_lowest(&fan, &n) {
-        (plane.normal.dot(&x) - plane.offset) * y_from_x.unit
+        (plane.normal.dot(&x) - plane.offset) * sides.unit()
     } else {
         f64::NEG_INFINITY
     };
-    let distance = height * y_from_x.unit;
-    let (on_x, foot) = (body.points[vertex as usize], x - plane.normal * height);
-    Step::Found(match of {
-        Which::A => Found {
-            normal: -x_from_y.vector(&plane.normal),
-            point_a: on_x,
-            point_b: foot,
-            distance,
-            lower,
-        },
-        Which::B => Found {
-            normal: plane.normal,
-            point_a: foot,
-            point_b: on_x,
-            distance,
-            lower,
-        },
-    })
+    let (foot, height) = match rim {
+        Rim::Grazes(edge) => onto_edge(other, edge, &x),
+        _ => (x - plane.normal * height, height),
+    };
+    let (point_a, point_b) = S::witnesses(on_x, foot);
+    let normal = sides.normal(&plane.normal);
+    *found = Found { normal, point_a, point_b, distance: height * sides.unit(), lower };
+    Step::Found
 }
 
-/// The edge of the rim whose side plane `x` is furthest outside of, where it is outside by more than `noise`.
+/// Where a point is beside the side planes of a face.
+enum Rim {
+    /// Within all of them, beyond rounding.
+    Inside,
+    /// Within rounding of the plane of this edge.
+    Grazes(u32),
+    /// Furthest outside the plane of this edge, beyond rounding.
+    Outside(u32),
+}
+
+/// Looks at the side planes of `face` from `x`, with rounding relative to the pair's `size`. Returns a corner too.
 #[inline]
-fn outside(body: &ConvexPolyhedron, face: u32, n: &Vector3<f64>, x: &Vector3<f64>, noise: f64) -> Option<u32> {
+fn rim_side(
+    body: &ConvexPolyhedron,
+    face: u32,
+    n: &Vector3<f64>,
+    x: &Vector3<f64>,
+    size: f64,
+) -> (Rim, Vector3<f64>) {
+    let (outside, inside) = (-DIFFERENCE * size, FOOT * size);
+    // No edge is longer than the diameter, and the 1-norm is less than twice the length.
+    let close = 4.0 * inside * body.radius;
     let start = body.topology.rim_start(face);
     let mut from = body.points[body.topology.from(start) as usize];
-    let (mut worst, mut furthest) = (None, 0.0);
+    let (mut rim, mut furthest) = (Rim::Inside, f64::INFINITY);
     let mut h = start;
     loop {
         let e = body.topology.half_edge(h);
         let to = body.points[e.to as usize];
         let u = to - from;
         let side = n.cross(&u).dot(&(x - to));
-        if side < -noise * u.abs().sum() {
-            let squared = side * side / u.norm_squared();
-            if squared > furthest {
-                (worst, furthest) = (Some(h.min(e.twin)), squared);
+        if side < close {
+            let length = one_norm(&u);
+            let signed = side * side.abs() / u.norm_squared();
+            if side < inside * length && signed < furthest {
+                let edge = h.min(e.twin);
+                furthest = signed;
+                rim = if side < outside * length {
+                    Rim::Outside(edge)
+                } else {
+                    Rim::Grazes(edge)
+                };
             }
         }
         (from, h) = (to, e.next);
         if h == start {
-            return worst;
+            return (rim, from);
         }
     }
+}
+
+/// The point of an edge nearest to `x`, and its distance. Where `x` grazes the rim, the foot of the perpendicular may
+/// fall outside the face, and far outside at an acute corner; this one is a point of the body.
+#[cold]
+fn onto_edge(body: &ConvexPolyhedron, edge: u32, x: &Vector3<f64>) -> (Vector3<f64>, f64) {
+    let (p, q) = (
+        body.points[body.topology.from(edge) as usize],
+        body.points[body.topology.half_edge(edge).to as usize],
+    );
+    let u = q - p;
+    let foot = p + u * ((x - p).dot(&u) / u.norm_squared()).clamp(0.0, 1.0);
+    (foot, sqrt((x - foot).norm_squared()))
 }
 
 /// A vertex on the back side: climbs over neighbouring faces to the one it is furthest above.

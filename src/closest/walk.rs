@@ -11,7 +11,7 @@
 //! 2. No flare angles, no stickiness: rounding may end the walk early, and the certificate says so.
 //! 3. A repeated pair (Brent's mark) or too many steps end it. What stands in then is no worse (`fallback`).
 
-use super::placed::Placed;
+use super::placed::{OfA, OfB, Placed};
 use super::state::{Found, State, Step};
 use super::{edge_edge, vertex_edge, vertex_face, vertex_vertex};
 use crate::pose::Which;
@@ -24,48 +24,49 @@ const JUMPS: u32 = 3;
 pub(crate) struct Walk {
     /// The last pair looked at.
     pub(crate) state: State,
-    /// Its witnesses, where the Voronoi tests accept it.
-    pub(crate) found: Option<Found>,
+    /// Whether the Voronoi tests accept it.
+    pub(crate) ended: bool,
     /// Pairs looked at.
     pub(crate) steps: u32,
 }
 
 /// Looks at one state.
 #[inline]
-fn look<const CERTIFY: bool>(placed: &Placed, state: State) -> Step {
-    let sides = |of| match of {
-        Which::A => placed.a_beside_b(),
-        Which::B => placed.b_beside_a(),
-    };
+fn look<const CERTIFY: bool>(placed: &Placed, state: State, found: &mut Found) -> Step {
     match state {
-        State::VertexVertex { a, b } => vertex_vertex::look::<CERTIFY>(placed, a, b),
-        State::VertexEdge { of, vertex, edge } => vertex_edge::look::<CERTIFY>(&sides(of), of, vertex, edge),
-        State::VertexFace { of, vertex, face } => vertex_face::look::<CERTIFY>(&sides(of), of, vertex, face),
-        State::EdgeEdge { a, b } => edge_edge::look::<CERTIFY>(placed, a, b),
+        State::EdgeEdge { a, b } => edge_edge::look::<CERTIFY>(placed, a, b, found),
+        State::VertexFace { of: Which::A, vertex, face } => {
+            vertex_face::look::<CERTIFY, _>(&OfA(placed), vertex, face, found)
+        }
+        State::VertexFace { of: Which::B, vertex, face } => {
+            vertex_face::look::<CERTIFY, _>(&OfB(placed), vertex, face, found)
+        }
+        State::VertexEdge { of: Which::A, vertex, edge } => {
+            vertex_edge::look::<CERTIFY, _>(&OfA(placed), vertex, edge, found)
+        }
+        State::VertexEdge { of: Which::B, vertex, edge } => {
+            vertex_edge::look::<CERTIFY, _>(&OfB(placed), vertex, edge, found)
+        }
+        State::VertexVertex { a, b } => vertex_vertex::look::<CERTIFY>(placed, a, b, found),
     }
 }
 
 /// Walks from `start`; at most `4 sqrt(nA + nB) + 16` steps.
-pub(crate) fn walk<const CERTIFY: bool>(placed: &Placed, start: State) -> Walk {
+#[inline]
+pub(crate) fn walk<const CERTIFY: bool>(placed: &Placed, start: State, found: &mut Found) -> Walk {
     let (mut state, mut mark) = (start, start);
     let (mut jumps, mut next_mark) = (0, 8);
     let mut limit = u32::MAX;
     let mut steps = 0;
     loop {
         steps += 1;
-        let next = match look::<CERTIFY>(placed, state) {
+        let next = match look::<CERTIFY>(placed, state, found) {
             Step::Move(next) => next,
             Step::Jump(next) if jumps < JUMPS => {
                 jumps += 1;
                 next
             }
-            Step::Found(found) => {
-                return Walk {
-                    state,
-                    found: Some(found),
-                    steps,
-                };
-            }
+            Step::Found => return Walk { state, ended: true, steps },
             Step::Jump(_) | Step::Lost => break,
         };
         if steps >= 8 {
@@ -83,7 +84,7 @@ pub(crate) fn walk<const CERTIFY: bool>(placed: &Placed, start: State) -> Walk {
     }
     Walk {
         state,
-        found: None,
+        ended: false,
         steps,
     }
 }

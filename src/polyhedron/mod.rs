@@ -1,7 +1,7 @@
 //! The immutable body: a convex polyhedron with its features, their neighbours and their planes.
 //!
 //! Reading order: [`feature`] (names), `topology` (who is beside whom, without coordinates), `cloud`, `hull`, `facets`,
-//! `plane` and `build` (points to a body), `build_faces` (the caller's faces), `flat` (polygon, segment, point),
+//! `plane` and `build` (points to a body), `build_faces` and `source_faces` (the caller's faces), `flat` (polygon, segment, point),
 //! `support` (extreme vertices), `access`, `query`, `mass`, `persist`, [`solids`].
 //!
 //! # Stored coordinates
@@ -28,6 +28,7 @@ mod query;
 mod report;
 mod sign;
 pub mod solids;
+mod source_faces;
 pub(crate) mod support;
 pub(crate) mod topology;
 
