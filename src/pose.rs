@@ -84,7 +84,11 @@ impl Placement {
 
     fn check(&self, body: Which) -> Result<(), PoseError> {
         if let Some(axis) = (0..3).find(|&k| !self.t[k].is_finite()) {
-            return Err(PoseError::Translation { body, axis, value: self.t[axis] });
+            return Err(PoseError::Translation {
+                body,
+                axis,
+                value: self.t[axis],
+            });
         }
         let norm_squared = self.norm_squared();
         // NaN fails the comparison and is refused.
@@ -109,12 +113,19 @@ impl RelativePose {
     /// A translation that is not finite, or a rotation whose squared norm is off 1 by more than 1e-12.
     #[inline]
     pub fn new(pose_a: &Isometry3<f64>, pose_b: &Isometry3<f64>) -> Result<Self, PoseError> {
-        let pose = Self { a: Placement::new(pose_a), b: Placement::new(pose_b) };
+        let pose = Self {
+            a: Placement::new(pose_a),
+            b: Placement::new(pose_b),
+        };
         let offset = pose.offset();
         let unit = |p: &Placement| (p.norm_squared() - 1.0).abs() <= POSE_UNIT;
         // Finite numbers times zero are zero, others are NaN, and comparisons with NaN are false.
         let finite = (offset.x + offset.y + offset.z) * 0.0 == 0.0;
-        if finite && unit(&pose.a) && unit(&pose.b) { Ok(pose) } else { pose.checked() }
+        if finite && unit(&pose.a) && unit(&pose.b) {
+            Ok(pose)
+        } else {
+            pose.checked()
+        }
     }
 
     /// The same with every number looked at.
@@ -126,7 +137,11 @@ impl RelativePose {
         // Two finite translations can still be further apart than f64 reaches.
         match (0..3).find(|&k| !offset[k].is_finite()) {
             None => Ok(self),
-            Some(axis) => Err(PoseError::Translation { body: Which::B, axis, value: offset[axis] }),
+            Some(axis) => Err(PoseError::Translation {
+                body: Which::B,
+                axis,
+                value: offset[axis],
+            }),
         }
     }
 
@@ -259,6 +274,9 @@ mod tests {
         let at = |x: f64| Isometry3::translation(x, 2.0, 3.0);
         let near = RelativePose::new(&at(1.0), &at(1.5)).unwrap();
         let far = RelativePose::new(&at(1048577.0), &at(1048577.5)).unwrap();
-        assert_eq!((near.rotation(), near.translation()), (far.rotation(), far.translation()));
+        assert_eq!(
+            (near.rotation(), near.translation()),
+            (far.rotation(), far.translation())
+        );
     }
 }

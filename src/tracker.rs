@@ -116,7 +116,12 @@ impl Tracker {
     /// The distance and its bounds without the witnesses.
     pub fn distance(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Distance {
         let o = self.solve(a, b, a_from_b, closest::certified);
-        Distance { class: o.class, value: o.distance, lower: o.lower, upper: o.upper }
+        Distance {
+            class: o.class,
+            value: o.distance,
+            lower: o.lower,
+            upper: o.upper,
+        }
     }
 
     /// Whether the closed bodies share a point: touching is intersecting.
@@ -172,7 +177,9 @@ impl Tracker {
         if b.exponent > a.exponent {
             return self.solve_swapped(a, b, a_from_b, solver);
         }
-        let Ok(placed) = Placed::new(a, b, a_from_b) else { return self.solve_far(a, b, a_from_b) };
+        let Ok(placed) = Placed::new(a, b, a_from_b) else {
+            return self.solve_far(a, b, a_from_b);
+        };
         let start = self.start(a, b);
         let mut answer = Answer::open(start.unwrap_or_else(|| closest::seed::facing(&placed)));
         solver(&placed, start.is_some(), &mut answer);
@@ -190,7 +197,9 @@ impl Tracker {
         solver: impl Fn(&Placed, bool, &mut Answer),
     ) -> Outcome {
         let b_from_a = a_from_b.swapped();
-        let Ok(placed) = Placed::new(b, a, &b_from_a) else { return self.solve_far(a, b, a_from_b) };
+        let Ok(placed) = Placed::new(b, a, &b_from_a) else {
+            return self.solve_far(a, b, a_from_b);
+        };
         let start = self.start(a, b).map(State::swapped);
         let mut answer = Answer::open(start.unwrap_or_else(|| closest::seed::facing(&placed)));
         solver(&placed, start.is_some(), &mut answer);

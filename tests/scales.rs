@@ -1,7 +1,7 @@
 //! Promise: no absolute tolerance: the answer scales with the scene, whatever its unit, its place and the ratio of its
 //! bodies.
 
-mod support;
+mod world;
 
 use lab::bound;
 use lab::motion::{Frame, random_poses};
@@ -9,7 +9,7 @@ use lab::pose::{add, scale, sub};
 use lab::rng::Rng;
 use lab::shapes::{self, Shape};
 use lin_canny::{Class, Outcome, RelativePose, Tracker};
-use support::{body, relative};
+use world::{body, relative};
 
 fn pairs(rng: &mut Rng) -> Vec<(Shape, Shape, Vec<Frame>)> {
     let mut pair = || {
@@ -78,7 +78,7 @@ fn extents_from_1e_minus_100_to_1e100() {
     let mut separated = 0;
     for (a, b, frames) in pairs(&mut Rng::new(602)) {
         // Some sizes are no powers of two, so bodies are rounded: the exact oracle sees the rounded ones.
-        for by in [1e-99, 1e-60, 1e-13, 1e13, 1e60, 4e99] {
+        for by in [1e-99, 1e-60, 1e-13, 1e13, 1e60, 1e99] {
             let (a, b) = (scaled(&a, by), scaled(&b, by));
             let (body_a, body_b) = (body(&a), body(&b));
             for f in frames.iter().map(|f| scaled_frame(f, by)) {
@@ -199,7 +199,7 @@ fn distances_up_to_the_largest_number() {
     let cube = body(&shapes::cube());
     let mut t = Tracker::new();
     for x in [1e20, 1e100, 1e155, 1e200, 1e300, 1.7e308] {
-        let pose = support::shifted([x, 0.0, 0.0]);
+        let pose = world::shifted([x, 0.0, 0.0]);
         let o = t.closest(&cube, &cube, &pose);
         assert!(
             o.class == Class::Separated && o.lower <= x && x - 2.0 <= o.upper,

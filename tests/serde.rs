@@ -1,7 +1,7 @@
 //! Promise: every public type of the feature `serde` comes back from a file as it was.
 #![cfg(feature = "serde")]
 
-mod support;
+mod world;
 
 use lin_canny::polyhedron::solids;
 use lin_canny::{Class, ConvexPolyhedron, Distance, Layer, Outcome, Proposal, RelativePose, Tracker};
@@ -24,7 +24,7 @@ fn query() -> (ConvexPolyhedron, ConvexPolyhedron, RelativePose) {
     (
         a,
         b,
-        RelativePose::from_isometry(&support::isometry(&pose)).expect("a pose"),
+        RelativePose::from_isometry(&world::isometry(&pose)).expect("a pose"),
     )
 }
 

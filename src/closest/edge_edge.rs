@@ -61,7 +61,10 @@ impl<'a> Edge<'a> {
     /// How high the body is along `n`, by the planes of the edge's faces.
     #[inline]
     fn height(&self, n: &Vector3<f64>, weights: (f64, f64)) -> f64 {
-        let (left, right) = (&self.body.planes[self.left as usize], &self.body.planes[self.right as usize]);
+        let (left, right) = (
+            &self.body.planes[self.left as usize],
+            &self.body.planes[self.right as usize],
+        );
         self.body.edge_bound(n, left, right, weights.0, weights.1)
     }
 }
@@ -121,7 +124,13 @@ pub(crate) fn look<const CERTIFY: bool>(placed: &Placed, a: u32, b: u32, found: 
     } else {
         f64::NEG_INFINITY
     };
-    *found = Found { normal, point_a, point_b, distance, lower };
+    *found = Found {
+        normal,
+        point_a,
+        point_b,
+        distance,
+        lower,
+    };
     Step::Found
 }
 

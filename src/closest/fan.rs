@@ -32,7 +32,10 @@ impl ConvexPolyhedron {
         for (k, e) in self.topology.fan_edges(v).iter().enumerate() {
             let c = n.dot(&(self.points[e.to as usize] - p));
             if c < fan.least {
-                fan = Fan { least: c, half_edge: start + k as u32 };
+                fan = Fan {
+                    least: c,
+                    half_edge: start + k as u32,
+                };
             }
         }
         fan

@@ -48,7 +48,16 @@ impl<'a> Placed<'a> {
         if !(size > NEAR && size < FAR) {
             return Err(BeyondRange);
         }
-        Ok(Self { a, b, matrix, translation, unit, size, offsets, pose })
+        Ok(Self {
+            a,
+            b,
+            matrix,
+            translation,
+            unit,
+            size,
+            offsets,
+            pose,
+        })
     }
 
     /// L in A's stored units.
@@ -60,7 +69,11 @@ impl<'a> Placed<'a> {
     /// What the rounding of a solver is relative to: L, and the origins of the bodies in full where the placement rounds
     /// as coarsely as the solver (in double-double; for f64 they are a part of L).
     pub(crate) fn reach<T: Scalar>(&self) -> f64 {
-        if T::UNIT == UNIT { self.size } else { self.size + self.offsets }
+        if T::UNIT == UNIT {
+            self.size
+        } else {
+            self.size + self.offsets
+        }
     }
 
     /// One unit of B's stored frame in A's.
@@ -92,7 +105,11 @@ impl<'a> Placed<'a> {
     pub(crate) fn vector_in_b(&self, v: &Vector3<f64>) -> Vector3<f64> {
         let turned = self.matrix.tr_mul(v);
         // The transpose is `unit` squared times the inverse; nearly always that is one.
-        if self.unit == 1.0 { turned } else { turned / (self.unit * self.unit) }
+        if self.unit == 1.0 {
+            turned
+        } else {
+            turned / (self.unit * self.unit)
+        }
     }
 
     /// The direction of B's frame along which points rise as they do along `n` of A's.
@@ -146,7 +163,11 @@ impl Sides for OfA<'_, '_> {
     }
     #[inline]
     fn size(&self) -> f64 {
-        if self.0.unit == 1.0 { self.0.size } else { self.0.size / self.0.unit }
+        if self.0.unit == 1.0 {
+            self.0.size
+        } else {
+            self.0.size / self.0.unit
+        }
     }
     #[inline]
     fn unit(&self) -> f64 {
@@ -159,12 +180,20 @@ impl Sides for OfA<'_, '_> {
     #[inline]
     fn direction_in_x(&self, n: &Vector3<f64>) -> Vector3<f64> {
         let turned = self.0.vector_in_a(n);
-        if self.0.unit == 1.0 { turned } else { turned / (self.0.unit * self.0.unit) }
+        if self.0.unit == 1.0 {
+            turned
+        } else {
+            turned / (self.0.unit * self.0.unit)
+        }
     }
     #[inline]
     fn normal(&self, n: &Vector3<f64>) -> Vector3<f64> {
         let turned = self.0.vector_in_a(n);
-        if self.0.unit == 1.0 { -turned } else { turned / -self.0.unit }
+        if self.0.unit == 1.0 {
+            -turned
+        } else {
+            turned / -self.0.unit
+        }
     }
     #[inline]
     fn witnesses(on_x: Vector3<f64>, on_y: Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {

@@ -64,7 +64,11 @@ fn last(placed: &Placed, answer: &mut Answer) {
 /// Without the exact rung, bounds that are narrow and straddle zero are called touching.
 #[cfg(not(feature = "exact"))]
 fn last(placed: &Placed, answer: &mut Answer) {
-    answer.class = if is_narrow(placed, answer) { Class::Touching } else { Class::Undecided };
+    answer.class = if is_narrow(placed, answer) {
+        Class::Touching
+    } else {
+        Class::Undecided
+    };
 }
 
 /// The distance of a separated pair within one unit in the last place: by the double-double layer where its bounds
@@ -80,7 +84,8 @@ pub(crate) fn sharpen(placed: &Placed, answer: &mut Answer) {
         let minimum = solve(placed, &frame, answer.state);
         if let Minimum::Outside { simplex, lower, .. } = &minimum {
             let distance = simplex.reach();
-            let gap = (distance - *lower).value().abs() + 2.0 * CERTIFICATE * DoubleDouble::UNIT * placed.reach::<DoubleDouble>();
+            let gap = (distance - *lower).value().abs()
+                + 2.0 * CERTIFICATE * DoubleDouble::UNIT * placed.reach::<DoubleDouble>();
             let d = distance.value();
             // Rounding takes half a unit; what is left open must not take the other half.
             if gap <= 0.25 * (d - d.next_down()) {
@@ -115,11 +120,19 @@ fn take<T: Scalar>(placed: &Placed, minimum: &Minimum<T>, answer: &mut Answer) {
     (answer.found.point_a, answer.found.point_b) = witnesses(placed, simplex);
     match minimum {
         Minimum::Inside { .. } => overlapping(answer),
-        Minimum::Outside { simplex, lower, direction: d } => {
+        Minimum::Outside {
+            simplex,
+            lower,
+            direction: d,
+        } => {
             let distance = simplex.reach();
             answer.lower = outward(*lower, -term);
             answer.upper = outward(distance, term);
-            answer.class = if answer.lower > 0.0 { Class::Separated } else { Class::Undecided };
+            answer.class = if answer.lower > 0.0 {
+                Class::Separated
+            } else {
+                Class::Undecided
+            };
             answer.found.distance = distance.value().clamp(answer.lower.max(0.0), answer.upper.max(0.0));
             answer.found.normal = unit(&Vector3::new(-d[0].value(), -d[1].value(), -d[2].value()));
         }

@@ -144,25 +144,22 @@ impl State {
         }
     }
 
-    /// Whether every number names a feature of bodies with as many.
+    /// Whether every number names a feature of these bodies. Edges have two numbers; only the lower one is a name.
     #[inline]
     pub(crate) fn is_of(self, a: &ConvexPolyhedron, b: &ConvexPolyhedron) -> bool {
         let pick = |of| if of == Which::A { (a, b) } else { (b, a) };
+        let has_vertex = |x: &ConvexPolyhedron, v: u32| (v as usize) < x.topology.vertex_count();
         match self {
-            State::VertexVertex { a: v, b: w } => {
-                (v as usize) < a.topology.vertex_count() && (w as usize) < b.topology.vertex_count()
-            }
+            State::VertexVertex { a: v, b: w } => has_vertex(a, v) && has_vertex(b, w),
             State::VertexEdge { of, vertex, edge } => {
                 let (x, y) = pick(of);
-                (vertex as usize) < x.topology.vertex_count() && (edge as usize) < y.topology.half_edge_count()
+                has_vertex(x, vertex) && y.has_edge(EdgeId(edge))
             }
             State::VertexFace { of, vertex, face } => {
                 let (x, y) = pick(of);
-                (vertex as usize) < x.topology.vertex_count() && (face as usize) < y.topology.face_count()
+                has_vertex(x, vertex) && y.has_face(FaceId(face))
             }
-            State::EdgeEdge { a: e, b: g } => {
-                (e as usize) < a.topology.half_edge_count() && (g as usize) < b.topology.half_edge_count()
-            }
+            State::EdgeEdge { a: e, b: g } => a.has_edge(EdgeId(e)) && b.has_edge(EdgeId(g)),
         }
     }
 
@@ -174,12 +171,12 @@ impl State {
 }
 
 impl ConvexPolyhedron {
-    /// Whether `feature` names a feature of a body with this many.
+    /// Whether `feature` names a feature of this body.
     pub(crate) fn has(&self, feature: Feature) -> bool {
         match feature {
             Feature::Vertex(v) => v.index() < self.topology.vertex_count(),
-            Feature::Edge(e) => e.index() < self.topology.half_edge_count(),
-            Feature::Face(f) => f.index() < self.topology.face_count(),
+            Feature::Edge(e) => self.has_edge(e),
+            Feature::Face(f) => self.has_face(f),
         }
     }
 

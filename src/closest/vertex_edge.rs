@@ -44,7 +44,11 @@ pub(crate) fn look<const CERTIFY: bool, S: Sides>(sides: &S, vertex: u32, edge: 
     let (alpha, beta) = (right.normal.dot(&w), -left.normal.dot(&w));
     if alpha < -slack || beta < -slack {
         let face = if alpha < beta { twin.face } else { e.face };
-        return Step::Move(State::VertexFace { of: S::OF, vertex, face });
+        return Step::Move(State::VertexFace {
+            of: S::OF,
+            vertex,
+            face,
+        });
     }
     let n = sides.direction_in_x(&d);
     let fan = body.fan_minimum(vertex, &n);
@@ -64,6 +68,12 @@ pub(crate) fn look<const CERTIFY: bool, S: Sides>(sides: &S, vertex: u32, edge: 
     };
     let (point_a, point_b) = S::witnesses(on_x, foot);
     let normal = sides.normal(&(d * per_length));
-    *found = Found { normal, point_a, point_b, distance: distance * sides.unit(), lower };
+    *found = Found {
+        normal,
+        point_a,
+        point_b,
+        distance: distance * sides.unit(),
+        lower,
+    };
     Step::Found
 }

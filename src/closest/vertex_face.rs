@@ -21,7 +21,11 @@ pub(crate) fn look<const CERTIFY: bool, S: Sides>(sides: &S, vertex: u32, face: 
     let size = sides.size();
     let (rim, corner) = rim_side(other, face, &plane.normal, &x, size);
     if let Rim::Outside(edge) = rim {
-        return Step::Move(State::VertexEdge { of: S::OF, vertex, edge });
+        return Step::Move(State::VertexEdge {
+            of: S::OF,
+            vertex,
+            edge,
+        });
     }
     let height = plane.normal.dot(&(x - corner));
     if height <= ON_BOUNDARY * size {
@@ -30,7 +34,15 @@ pub(crate) fn look<const CERTIFY: bool, S: Sides>(sides: &S, vertex: u32, face: 
     let n = sides.direction_in_x(&plane.normal);
     let fan = body.fan_minimum(vertex, &n);
     if let Some(h) = body.descent(vertex, &fan, DIRECTION) {
-        return slide(sides, &Slide { half_edge: h, start: x, face, from_rim: None });
+        return slide(
+            sides,
+            &Slide {
+                half_edge: h,
+                start: x,
+                face,
+                from_rim: None,
+            },
+        );
     }
     let lower = if CERTIFY && body.proves_lowest(&fan, &n) {
         (plane.normal.dot(&x) - plane.offset) * sides.unit()
@@ -43,7 +55,13 @@ pub(crate) fn look<const CERTIFY: bool, S: Sides>(sides: &S, vertex: u32, face: 
     };
     let (point_a, point_b) = S::witnesses(on_x, foot);
     let normal = sides.normal(&plane.normal);
-    *found = Found { normal, point_a, point_b, distance: height * sides.unit(), lower };
+    *found = Found {
+        normal,
+        point_a,
+        point_b,
+        distance: height * sides.unit(),
+        lower,
+    };
     Step::Found
 }
 
@@ -59,13 +77,7 @@ enum Rim {
 
 /// Looks at the side planes of `face` from `x`, with rounding relative to the pair's `size`. Returns a corner too.
 #[inline]
-fn rim_side(
-    body: &ConvexPolyhedron,
-    face: u32,
-    n: &Vector3<f64>,
-    x: &Vector3<f64>,
-    size: f64,
-) -> (Rim, Vector3<f64>) {
+fn rim_side(body: &ConvexPolyhedron, face: u32, n: &Vector3<f64>, x: &Vector3<f64>, size: f64) -> (Rim, Vector3<f64>) {
     let (outside, inside) = (-DIFFERENCE * size, FOOT * size);
     // No edge is longer than the diameter, and the 1-norm is less than twice the length.
     let close = 4.0 * inside * body.radius;

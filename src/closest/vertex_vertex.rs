@@ -16,13 +16,21 @@ pub(crate) fn look<const CERTIFY: bool>(placed: &Placed, a: u32, b: u32, found: 
     let fan_a = placed.a.fan_minimum(a, &from_b);
     if let Some(h) = placed.a.descent(a, &fan_a, noise) {
         let edge = placed.a.topology.edge(h);
-        return Step::Move(State::VertexEdge { of: Which::B, vertex: b, edge });
+        return Step::Move(State::VertexEdge {
+            of: Which::B,
+            vertex: b,
+            edge,
+        });
     }
     let to_b_in_b = placed.direction_in_b(&to_b);
     let fan_b = placed.b.fan_minimum(b, &to_b_in_b);
     if let Some(h) = placed.b.descent(b, &fan_b, noise) {
         let edge = placed.b.topology.edge(h);
-        return Step::Move(State::VertexEdge { of: Which::A, vertex: a, edge });
+        return Step::Move(State::VertexEdge {
+            of: Which::A,
+            vertex: a,
+            edge,
+        });
     }
     let distance = sqrt(to_b.norm_squared());
     if distance <= ON_BOUNDARY * placed.size() {
@@ -31,6 +39,12 @@ pub(crate) fn look<const CERTIFY: bool>(placed: &Placed, a: u32, b: u32, found: 
     let proven = CERTIFY && placed.a.proves_lowest(&fan_a, &from_b) && placed.b.proves_lowest(&fan_b, &to_b_in_b);
     // Both are extreme along the line that joins them, so the supporting planes are as far apart as they are.
     let lower = if proven { distance } else { f64::NEG_INFINITY };
-    *found = Found { normal: to_b / distance, point_a: p, point_b: q, distance, lower };
+    *found = Found {
+        normal: to_b / distance,
+        point_a: p,
+        point_b: q,
+        distance,
+        lower,
+    };
     Step::Found
 }

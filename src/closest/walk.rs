@@ -35,18 +35,26 @@ pub(crate) struct Walk {
 fn look<const CERTIFY: bool>(placed: &Placed, state: State, found: &mut Found) -> Step {
     match state {
         State::EdgeEdge { a, b } => edge_edge::look::<CERTIFY>(placed, a, b, found),
-        State::VertexFace { of: Which::A, vertex, face } => {
-            vertex_face::look::<CERTIFY, _>(&OfA(placed), vertex, face, found)
-        }
-        State::VertexFace { of: Which::B, vertex, face } => {
-            vertex_face::look::<CERTIFY, _>(&OfB(placed), vertex, face, found)
-        }
-        State::VertexEdge { of: Which::A, vertex, edge } => {
-            vertex_edge::look::<CERTIFY, _>(&OfA(placed), vertex, edge, found)
-        }
-        State::VertexEdge { of: Which::B, vertex, edge } => {
-            vertex_edge::look::<CERTIFY, _>(&OfB(placed), vertex, edge, found)
-        }
+        State::VertexFace {
+            of: Which::A,
+            vertex,
+            face,
+        } => vertex_face::look::<CERTIFY, _>(&OfA(placed), vertex, face, found),
+        State::VertexFace {
+            of: Which::B,
+            vertex,
+            face,
+        } => vertex_face::look::<CERTIFY, _>(&OfB(placed), vertex, face, found),
+        State::VertexEdge {
+            of: Which::A,
+            vertex,
+            edge,
+        } => vertex_edge::look::<CERTIFY, _>(&OfA(placed), vertex, edge, found),
+        State::VertexEdge {
+            of: Which::B,
+            vertex,
+            edge,
+        } => vertex_edge::look::<CERTIFY, _>(&OfB(placed), vertex, edge, found),
         State::VertexVertex { a, b } => vertex_vertex::look::<CERTIFY>(placed, a, b, found),
     }
 }
@@ -66,7 +74,13 @@ pub(crate) fn walk<const CERTIFY: bool>(placed: &Placed, start: State, found: &m
                 jumps += 1;
                 next
             }
-            Step::Found => return Walk { state, ended: true, steps },
+            Step::Found => {
+                return Walk {
+                    state,
+                    ended: true,
+                    steps,
+                };
+            }
             Step::Jump(_) | Step::Lost => break,
         };
         if steps >= 8 {

@@ -175,7 +175,9 @@ pub(crate) fn settle(placed: &Placed, answer: &mut Answer) {
     let hint = answer.state.vertices_of(placed.a, placed.b);
     let pair = Pair::new(placed.a, placed.b, placed.pose);
     // One to four corners always have a nearest point.
-    let Some(at) = pair.nearest(hint) else { return refine::give_up(placed, answer) };
+    let Some(at) = pair.nearest(hint) else {
+        return refine::give_up(placed, answer);
+    };
     let (mut a, mut b) = ([0; 4], [0; 4]);
     for (k, c) in at.kept.iter().enumerate().take(4) {
         (a[k], b[k]) = (c.a, c.b);
