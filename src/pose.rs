@@ -64,22 +64,25 @@ pub(crate) struct Placement {
     /// Quaternion: vector part, then scalar part.
     pub(crate) q: [f64; 4],
     pub(crate) t: [f64; 3],
+    /// `|q|^2`, rounded.
+    norm_squared: f64,
 }
 
 impl Placement {
     #[inline]
     fn new(pose: &Isometry3<f64>) -> Self {
         let (q, t) = (&pose.rotation.coords, &pose.translation.vector);
-        Self {
-            q: [q.x, q.y, q.z, q.w],
-            t: [t.x, t.y, t.z],
-        }
+        Self::of([q.x, q.y, q.z, q.w], [t.x, t.y, t.z])
     }
 
     #[inline]
-    fn norm_squared(&self) -> f64 {
-        let [x, y, z, w] = self.q;
-        x * x + y * y + z * z + w * w
+    fn of(q: [f64; 4], t: [f64; 3]) -> Self {
+        let [x, y, z, w] = q;
+        Self {
+            q,
+            t,
+            norm_squared: x * x + y * y + z * z + w * w,
+        }
     }
 
     fn check(&self, body: Which) -> Result<(), PoseError> {
@@ -90,7 +93,7 @@ impl Placement {
                 value: self.t[axis],
             });
         }
-        let norm_squared = self.norm_squared();
+        let norm_squared = self.norm_squared;
         // NaN fails the comparison and is refused.
         if (norm_squared - 1.0).abs() <= POSE_UNIT {
             Ok(())
@@ -118,7 +121,7 @@ impl RelativePose {
             b: Placement::new(pose_b),
         };
         let offset = pose.offset();
-        let unit = |p: &Placement| (p.norm_squared() - 1.0).abs() <= POSE_UNIT;
+        let unit = |p: &Placement| (p.norm_squared - 1.0).abs() <= POSE_UNIT;
         // Finite numbers times zero are zero, others are NaN, and comparisons with NaN are false.
         let finite = (offset.x + offset.y + offset.z) * 0.0 == 0.0;
         if finite && unit(&pose.a) && unit(&pose.b) {
@@ -177,24 +180,28 @@ impl RelativePose {
         // R_a^T offset, with the axis reversed.
         let axis = Vector3::new(-x, -y, -z);
         let c = axis.cross(&offset);
-        offset + (c * w + axis.cross(&c)) * (2.0 / self.a.norm_squared())
+        offset + (c * w + axis.cross(&c)) * (2.0 * (2.0 - self.a.norm_squared))
     }
 
-    /// Rotation of `a_from_b`: the matrix of `conj(qa) qb`, divided by its squared norm.
+    /// Rotation of `a_from_b`: the matrix of `conj(qa) qb`, divided by its squared norm. The norms are within 1e-12 of
+    /// one, so `2 - n` is `1 / n` to 1e-24.
     #[inline]
     pub(crate) fn rotation(&self) -> Matrix3<f64> {
-        relative_rotation(&self.a.q, &self.b.q)
+        relative_rotation(
+            &self.a.q,
+            &self.b.q,
+            2.0 * (2.0 - self.a.norm_squared) * (2.0 - self.b.norm_squared),
+        )
     }
 }
 
 #[inline]
-fn relative_rotation(qa: &[f64; 4], qb: &[f64; 4]) -> Matrix3<f64> {
+fn relative_rotation(qa: &[f64; 4], qb: &[f64; 4], s: f64) -> Matrix3<f64> {
     let ([ax, ay, az, aw], [bx, by, bz, bw]) = (*qa, *qb);
     let w = aw * bw + ax * bx + ay * by + az * bz;
     let x = aw * bx - ax * bw - ay * bz + az * by;
     let y = aw * by + ax * bz - ay * bw - az * bx;
     let z = aw * bz - ax * by + ay * bx - az * bw;
-    let s = 2.0 / (w * w + x * x + y * y + z * z);
     let (xs, ys, zs) = (x * s, y * s, z * s);
     let (xx, yy, zz) = (x * xs, y * ys, z * zs);
     let (xy, xz, yz) = (x * ys, x * zs, y * zs);
@@ -226,7 +233,7 @@ impl<'de> serde::Deserialize<'de> for RelativePose {
             t: [f64; 3],
         }
         let raw = Raw::deserialize(deserializer)?;
-        let pose = |p: RawPlacement| Placement { q: p.q, t: p.t }.isometry();
+        let pose = |p: RawPlacement| Placement::of(p.q, p.t).isometry();
         Self::new(&pose(raw.a), &pose(raw.b)).map_err(serde::de::Error::custom)
     }
 }

@@ -1,11 +1,11 @@
 //! The state a user keeps per pair: where the last answer was found.
 
-use nalgebra::Unit;
+use nalgebra::{Point3, Unit};
 
 use crate::closest::outcome::{Class, Distance, Layer, Outcome, Proposal, Work};
 use crate::closest::placed::Placed;
-use crate::closest::state::{Found, State};
-use crate::closest::{self, Answer, far};
+use crate::closest::state::Found;
+use crate::closest::{self, Answer, Level, far};
 use crate::polyhedron::{ConvexPolyhedron, FeaturePair, power_of_two};
 use crate::pose::RelativePose;
 
@@ -33,7 +33,7 @@ use crate::pose::RelativePose;
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Tracker {
-    last: Option<State>,
+    last: Option<FeaturePair>,
     totals: Totals,
 }
 
@@ -79,14 +79,14 @@ impl Tracker {
     /// A tracker that starts from the given features; those that are not the bodies' own are ignored.
     pub fn starting_from(features: FeaturePair, a: &ConvexPolyhedron, b: &ConvexPolyhedron) -> Self {
         Self {
-            last: State::from_features(a, b, features),
+            last: features.is_of(a, b).then(|| features.to_stand_on(a, b)),
             totals: Totals::default(),
         }
     }
 
     /// The features of the last answer.
     pub fn features(&self) -> Option<FeaturePair> {
-        self.last.map(State::features)
+        self.last
     }
 
     /// What has been done so far.
@@ -103,19 +103,19 @@ impl Tracker {
     /// wider than `1e-13 L`, with `L` the sum of both radii and the distance of the bodies. Allocates nothing as long
     /// as the exact rung is not needed.
     pub fn closest(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Outcome {
-        self.solve(a, b, a_from_b, closest::certified)
+        self.solve(a, b, a_from_b, Level::Certified)
     }
 
     /// As [`closest`](Self::closest), with the distance of separated bodies within one unit in the last place of the
     /// truth. Costs microseconds: every answer is taken again in double-double arithmetic, some in exact integers.
     #[cfg(feature = "exact")]
     pub fn closest_exact(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Outcome {
-        self.solve(a, b, a_from_b, closest::exactly)
+        self.solve(a, b, a_from_b, Level::Exact)
     }
 
     /// The distance and its bounds without the witnesses.
     pub fn distance(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Distance {
-        let o = self.solve(a, b, a_from_b, closest::certified);
+        let o = self.solve(a, b, a_from_b, Level::Certified);
         Distance {
             class: o.class,
             value: o.distance,
@@ -140,7 +140,7 @@ impl Tracker {
         if !(d >= 0.0) || clear_of(a, b, a_from_b, d) {
             return false;
         }
-        let o = self.solve(a, b, a_from_b, closest::certified);
+        let o = self.solve(a, b, a_from_b, Level::Certified);
         if o.class == Class::Overlapping || o.upper <= d {
             return true;
         }
@@ -153,7 +153,7 @@ impl Tracker {
     /// The closest features as the walk proposes them, without bounds. Where the walk does not end, the minimum-norm
     /// solver in f64 stands in.
     pub fn propose(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Proposal {
-        let o = self.solve(a, b, a_from_b, closest::proposed);
+        let o = self.solve(a, b, a_from_b, Level::Proposed);
         Proposal {
             distance: (o.class != Class::Overlapping).then_some(o.distance),
             features: o.features,
@@ -167,22 +167,16 @@ impl Tracker {
 
     /// Asks one of the solvers.
     #[inline(always)]
-    fn solve(
-        &mut self,
-        a: &ConvexPolyhedron,
-        b: &ConvexPolyhedron,
-        a_from_b: &RelativePose,
-        solver: impl Fn(&Placed, bool, &mut Answer),
-    ) -> Outcome {
+    fn solve(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose, level: Level) -> Outcome {
         if b.exponent > a.exponent {
-            return self.solve_swapped(a, b, a_from_b, solver);
+            return self.solve_swapped(a, b, a_from_b, level);
         }
         let Ok(placed) = Placed::new(a, b, a_from_b) else {
             return self.solve_far(a, b, a_from_b);
         };
         let start = self.start(a, b);
         let mut answer = Answer::open(start.unwrap_or_else(|| closest::seed::facing(&placed)));
-        solver(&placed, start.is_some(), &mut answer);
+        closest::solve(level, &placed, start.is_some(), &mut answer);
         self.count(Some(answer.state), answer.layer, &answer.work);
         outcome(a, b, &answer)
     }
@@ -194,15 +188,15 @@ impl Tracker {
         a: &ConvexPolyhedron,
         b: &ConvexPolyhedron,
         a_from_b: &RelativePose,
-        solver: impl Fn(&Placed, bool, &mut Answer),
+        level: Level,
     ) -> Outcome {
         let b_from_a = a_from_b.swapped();
         let Ok(placed) = Placed::new(b, a, &b_from_a) else {
             return self.solve_far(a, b, a_from_b);
         };
-        let start = self.start(a, b).map(State::swapped);
+        let start = self.start(a, b).map(FeaturePair::swapped);
         let mut answer = Answer::open(start.unwrap_or_else(|| closest::seed::facing(&placed)));
-        solver(&placed, start.is_some(), &mut answer);
+        closest::solve(level, &placed, start.is_some(), &mut answer);
         answer.state = answer.state.swapped();
         answer.found = answer.found.swapped(&b_from_a);
         self.count(Some(answer.state), answer.layer, &answer.work);
@@ -218,12 +212,12 @@ impl Tracker {
 
     /// The cached state, where it names features of these bodies.
     #[inline]
-    fn start(&self, a: &ConvexPolyhedron, b: &ConvexPolyhedron) -> Option<State> {
+    fn start(&self, a: &ConvexPolyhedron, b: &ConvexPolyhedron) -> Option<FeaturePair> {
         self.last.filter(|state| state.is_of(a, b))
     }
 
     #[inline]
-    fn count(&mut self, state: Option<State>, layer: Layer, work: &Work) {
+    fn count(&mut self, state: Option<FeaturePair>, layer: Layer, work: &Work) {
         self.totals.queries += 1;
         self.totals.warm += u64::from(self.last.is_some());
         self.totals.answered[layer as usize] += 1;
@@ -247,7 +241,7 @@ impl Tracker {
 /// Whether the bounding balls alone prove the bodies more than `d` apart.
 #[inline]
 fn clear_of(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &RelativePose, d: f64) -> bool {
-    if !a.is_as_given() || !b.is_as_given() {
+    if !a.as_given || !b.as_given {
         return false;
     }
     let reach = a.radius + b.radius + d;
@@ -270,31 +264,32 @@ impl Found {
 /// The answer in the caller's units.
 #[inline(always)]
 fn outcome(a: &ConvexPolyhedron, b: &ConvexPolyhedron, x: &Answer) -> Outcome {
-    let mut outcome = Outcome {
-        class: x.class,
-        distance: x.found.distance,
-        lower: x.lower,
-        upper: x.upper,
-        features: x.state.features(),
-        point_on_a: x.found.point_a.into(),
-        point_on_b: x.found.point_b.into(),
-        normal: Unit::new_unchecked(x.found.normal),
-        layer: x.layer,
-        work: x.work,
-    };
-    if !(a.is_as_given() && b.is_as_given()) {
-        give_back(a, b, x, &mut outcome);
+    if a.as_given && b.as_given {
+        in_units(x, 1.0, x.found.point_a.into(), x.found.point_b.into())
+    } else {
+        given_back(a, b, x)
     }
-    outcome
 }
 
 /// Stored units and frames to the caller's.
 #[cold]
-fn give_back(a: &ConvexPolyhedron, b: &ConvexPolyhedron, x: &Answer, outcome: &mut Outcome) {
+fn given_back(a: &ConvexPolyhedron, b: &ConvexPolyhedron, x: &Answer) -> Outcome {
     let unit = power_of_two(a.exponent.max(b.exponent));
-    outcome.distance *= unit;
-    outcome.lower *= unit;
-    outcome.upper *= unit;
-    outcome.point_on_a = a.given(&x.found.point_a);
-    outcome.point_on_b = b.given(&x.found.point_b);
+    in_units(x, unit, a.given(&x.found.point_a), b.given(&x.found.point_b))
+}
+
+#[inline(always)]
+fn in_units(x: &Answer, unit: f64, point_on_a: Point3<f64>, point_on_b: Point3<f64>) -> Outcome {
+    Outcome {
+        class: x.class,
+        distance: x.found.distance * unit,
+        lower: x.lower * unit,
+        upper: x.upper * unit,
+        features: x.state,
+        point_on_a,
+        point_on_b,
+        normal: Unit::new_unchecked(x.found.normal),
+        layer: x.layer,
+        work: x.work,
+    }
 }

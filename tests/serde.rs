@@ -94,9 +94,19 @@ fn damaged_files_are_refused() {
     assert!(serde_json::from_str::<ConvexPolyhedron>(&damage(text, "\"source\":[", "\"source\":[0,")).is_err());
     let mut t = Tracker::new();
     t.closest(&b, &b, &pose);
-    let strange = r#"{"last":{"VertexEdge":{"of":"A","vertex":4000000000,"edge":4000000000}},"totals":"#.to_owned()
-        + &serde_json::to_string(&t.totals()).expect("serialises")
-        + "}";
-    let mut t: Tracker = serde_json::from_str(&strange).expect("a hint of no body");
-    assert_eq!(t.closest(&a, &b, &pose).class, Class::Separated);
+    let totals = serde_json::to_string(&t.totals()).expect("serialises");
+    let wanted = Tracker::new().closest(&a, &b, &pose);
+    for features in [
+        r#"{"a":{"Edge":4000000000},"b":{"Vertex":0}}"#,
+        r#"{"a":{"Vertex":0},"b":{"Face":4294967295}}"#,
+        r#"{"a":{"Edge":0},"b":{"Face":0}}"#,
+        r#"{"a":{"Face":0},"b":{"Face":0}}"#,
+        r#"{"a":{"Edge":59},"b":{"Edge":27}}"#,
+    ] {
+        let text = format!(r#"{{"last":{features},"totals":{totals}}}"#);
+        let mut strange: Tracker = serde_json::from_str(&text).expect("a hint, whatever it says");
+        let o = strange.closest(&a, &b, &pose);
+        assert_eq!((o.class, o.features), (wanted.class, wanted.features), "{features}");
+        assert!(o.lower <= wanted.upper && wanted.lower <= o.upper, "{features}: {o:?}");
+    }
 }

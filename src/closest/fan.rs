@@ -21,7 +21,7 @@ pub(crate) struct Fan {
 
 impl ConvexPolyhedron {
     /// Scans the fan of `v` for the edge that falls most along `n`.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn fan_minimum(&self, v: u32, n: &Vector3<f64>) -> Fan {
         let p = self.points[v as usize];
         let mut fan = Fan {
@@ -42,14 +42,14 @@ impl ConvexPolyhedron {
     }
 
     /// Whether a fan minimum proves its vertex the lowest of the body along `n`: every edge certainly rises.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn proves_lowest(&self, fan: &Fan, n: &Vector3<f64>) -> bool {
         fan.least > 2.0 * EDGE_SIGN * self.radius * one_norm(n)
     }
 
     /// The edge to leave the vertex by: the one that falls most, where it falls by more than the direction's own
     /// uncertainty `noise` explains.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn descent(&self, v: u32, fan: &Fan, noise: f64) -> Option<u32> {
         if fan.least >= 0.0 {
             return None;
@@ -62,15 +62,24 @@ impl ConvexPolyhedron {
     /// A bound of the largest `n . x` over the body from the planes of two faces (or one twice), by linear programming
     /// duality: for any weights that are not negative and `m = alpha nL + beta nR`,
     ///
-    /// `n . x = s m . x + (n - s m) . x <= s (alpha oL + beta oR) + |n - s m| r`  for every `s >= 0`.
+    /// `n . x = s m . x + (n - s m) . x <= s (alpha oL + beta oR) + |n - s m| r`  for every `s >= 0`,
+    ///
+    /// here `s = n . n / m . n`, the least rest where `m` is parallel to `n`; the caller has `squared = n . n` at hand.
     ///
     /// The rest `n - s m` is evaluated, never assumed small, so the bound holds whatever the weights. Where `m` cancels
     /// (thin bodies), its rounding and that of the offsets' sum grow with the weights; the last term covers both.
-    #[inline]
-    pub(crate) fn edge_bound(&self, n: &Vector3<f64>, left: &Plane, right: &Plane, alpha: f64, beta: f64) -> f64 {
+    #[inline(always)]
+    pub(crate) fn edge_bound(
+        &self,
+        n: &Vector3<f64>,
+        left: &Plane,
+        right: &Plane,
+        (alpha, beta): (f64, f64),
+        squared: f64,
+    ) -> f64 {
         let (alpha, beta) = (alpha.max(0.0), beta.max(0.0));
         let m = left.normal * alpha + right.normal * beta;
-        let s = m.dot(n) / m.norm_squared();
+        let s = squared / m.dot(n);
         let rest = n - m * s;
         let weights = s * (alpha + beta) * EDGE_BOUND;
         let bound = s * (alpha * left.offset + beta * right.offset) + (one_norm(&rest) + weights) * self.radius;

@@ -6,9 +6,8 @@
 use nalgebra::{Unit, Vector3};
 
 use super::outcome::{Class, Layer, Outcome, Work};
-use super::state::State;
-use crate::polyhedron::ConvexPolyhedron;
-use crate::pose::RelativePose;
+use crate::polyhedron::{ConvexPolyhedron, FeaturePair};
+use crate::pose::{RelativePose, Which};
 use crate::tolerance::{CERTIFICATE, UNIT};
 
 /// The answer in the caller's units.
@@ -40,7 +39,7 @@ pub(crate) fn answer(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &Relative
         distance,
         lower,
         upper: distance + slack,
-        features: State::VertexVertex { a: va, b: vb }.features(),
+        features: FeaturePair::vertices(Which::A, va, vb),
         point_on_a: point_on_a,
         point_on_b: point_on_b,
         normal: Unit::new_unchecked(n),

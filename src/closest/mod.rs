@@ -29,10 +29,11 @@ mod vertex_vertex;
 pub(crate) mod walk;
 
 use crate::certificate;
+use crate::polyhedron::FeaturePair;
 use crate::tolerance::{AGREE, CERTIFICATE, UNIT};
 use outcome::{Class, Layer, Work};
 use placed::Placed;
-use state::{Found, State};
+use state::Found;
 
 /// An answer in stored units and frames.
 #[derive(Clone, Copy, Debug)]
@@ -42,7 +43,7 @@ pub(crate) struct Answer {
     pub(crate) found: Found,
     pub(crate) lower: f64,
     pub(crate) upper: f64,
-    pub(crate) state: State,
+    pub(crate) state: FeaturePair,
     pub(crate) layer: Layer,
     pub(crate) work: Work,
 }
@@ -50,7 +51,7 @@ pub(crate) struct Answer {
 impl Answer {
     /// An answer that says nothing yet.
     #[inline]
-    pub(crate) fn open(state: State) -> Self {
+    pub(crate) fn open(state: FeaturePair) -> Self {
         Self {
             class: Class::Undecided,
             found: Found::default(),
@@ -64,18 +65,17 @@ impl Answer {
 }
 
 /// Walks from the state of `answer` and takes the certificate; on refusal, `answer` says how far it got.
-#[inline]
+#[inline(always)]
 pub(crate) fn certified_walk(placed: &Placed, answer: &mut Answer) -> bool {
-    let walk = walk::walk::<true>(placed, answer.state, &mut answer.found);
-    answer.state = walk.state;
-    answer.work.steps += walk.steps;
     answer.work.certificates += 1;
     // Comparisons are written so that NaN refuses.
-    walk.ended && (agrees(placed, answer) || supports_agree(placed, answer)) && proves_apart(placed, answer)
+    walk::walk::<true>(placed, answer)
+        && (agrees(placed, answer) || supports_agree(placed, answer))
+        && proves_apart(placed, answer)
 }
 
 /// Whether witnesses and supporting planes agree.
-#[inline]
+#[inline(always)]
 fn agrees(placed: &Placed, answer: &Answer) -> bool {
     answer.found.distance - answer.found.lower <= AGREE * placed.size()
 }
@@ -89,7 +89,7 @@ fn supports_agree(placed: &Placed, answer: &mut Answer) -> bool {
 }
 
 /// Takes the error terms and refuses what they leave open.
-#[inline]
+#[inline(always)]
 fn proves_apart(placed: &Placed, answer: &mut Answer) -> bool {
     let term = CERTIFICATE * UNIT * placed.size();
     answer.lower = answer.found.lower - term;
@@ -98,29 +98,33 @@ fn proves_apart(placed: &Placed, answer: &mut Answer) -> bool {
     answer.lower > 0.0
 }
 
-/// The certified answer, from the state of `answer`; `warm` if that is a cached one.
-#[inline]
-pub(crate) fn certified(placed: &Placed, warm: bool, answer: &mut Answer) {
-    if !certified_walk(placed, answer) {
+/// How right an answer is asked for.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Level {
+    /// The walk's word for it, or the f64 solver's where the walk does not end.
+    Proposed,
+    /// With bounds no wider than they should be.
+    Certified,
+    /// Sharpened to one unit in the last place where the bodies are apart.
+    #[cfg(feature = "exact")]
+    Exact,
+}
+
+/// Answers from the pair of `answer`; `warm` if that is a cached one.
+#[inline(always)]
+pub(crate) fn solve(level: Level, placed: &Placed, warm: bool, answer: &mut Answer) {
+    if level == Level::Proposed {
+        answer.class = Class::Separated;
+        if !(placed.has_one_unit() && walk::walk::<false>(placed, answer)) {
+            refine::unchecked(placed, answer);
+        }
+        return;
+    }
+    if !(placed.has_one_unit() && certified_walk(placed, answer)) {
         refine::refine(placed, warm, answer);
     }
-}
-
-/// The certified answer, sharpened to one unit in the last place where the bodies are apart, and with an exact class.
-#[cfg(feature = "exact")]
-pub(crate) fn exactly(placed: &Placed, warm: bool, answer: &mut Answer) {
-    certified(placed, warm, answer);
-    refine::sharpen(placed, answer);
-}
-
-/// The walk's word for it, or the f64 solver's where the walk does not end.
-#[inline]
-pub(crate) fn proposed(placed: &Placed, _warm: bool, answer: &mut Answer) {
-    let walk = walk::walk::<false>(placed, answer.state, &mut answer.found);
-    answer.state = walk.state;
-    answer.work.steps += walk.steps;
-    answer.class = Class::Separated;
-    if !walk.ended {
-        refine::unchecked(placed, answer);
+    #[cfg(feature = "exact")]
+    if level == Level::Exact {
+        refine::sharpen(placed, answer);
     }
 }

@@ -35,7 +35,7 @@ impl<'a> Placed<'a> {
         b: &'a ConvexPolyhedron,
         pose: &'a RelativePose,
     ) -> Result<Self, BeyondRange> {
-        let (matrix, translation, unit, offsets) = if a.is_as_given() && b.is_as_given() {
+        let (matrix, translation, unit, offsets) = if a.as_given && b.as_given {
             (pose.rotation(), pose.translation(), 1.0, 0.0)
         } else {
             shifted_and_scaled(a, b, pose)?
@@ -61,9 +61,16 @@ impl<'a> Placed<'a> {
     }
 
     /// L in A's stored units.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn size(&self) -> f64 {
         self.size
+    }
+
+    /// Whether both bodies are stored in the same unit, so that directions and vectors turn alike: what the walk needs.
+    /// Pairs that are not have a body 2^40 units or more, or less than 2^-40, in radius.
+    #[inline(always)]
+    pub(crate) fn has_one_unit(&self) -> bool {
+        self.unit == 1.0
     }
 
     /// What the rounding of a solver is relative to: L, and the origins of the bodies in full where the placement rounds
@@ -76,50 +83,38 @@ impl<'a> Placed<'a> {
         }
     }
 
-    /// One unit of B's stored frame in A's.
-    #[inline]
-    pub(crate) fn unit_of_b(&self) -> f64 {
-        self.unit
-    }
-
     /// Where a point of B is in A's frame.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn point_in_a(&self, p: &Vector3<f64>) -> Vector3<f64> {
         self.matrix * p + self.translation
     }
 
-    /// Where a difference of points of B points in A's frame.
-    #[inline]
+    /// A vector of B's frame in A's.
+    #[inline(always)]
     pub(crate) fn vector_in_a(&self, v: &Vector3<f64>) -> Vector3<f64> {
         self.matrix * v
     }
 
-    /// Where a point of A is in B's frame.
-    #[inline]
+    /// Where a point of A is in B's frame. Needs one unit.
+    #[inline(always)]
     pub(crate) fn point_in_b(&self, p: &Vector3<f64>) -> Vector3<f64> {
         self.vector_in_b(&(p - self.translation))
     }
 
-    /// Where a difference of points of A points in B's frame.
-    #[inline]
+    /// A vector of A's frame in B's. Needs one unit.
+    #[inline(always)]
     pub(crate) fn vector_in_b(&self, v: &Vector3<f64>) -> Vector3<f64> {
-        let turned = self.matrix.tr_mul(v);
-        // The transpose is `unit` squared times the inverse; nearly always that is one.
-        if self.unit == 1.0 {
-            turned
-        } else {
-            turned / (self.unit * self.unit)
-        }
+        self.matrix.tr_mul(v)
     }
 
     /// The direction of B's frame along which points rise as they do along `n` of A's.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn direction_in_b(&self, n: &Vector3<f64>) -> Vector3<f64> {
         self.matrix.tr_mul(n)
     }
 
     /// How high B's stored origin is along `n` of A's frame.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn lift(&self, n: &Vector3<f64>) -> f64 {
         n.dot(&self.translation)
     }
@@ -132,10 +127,8 @@ pub(crate) trait Sides {
     const OF: Which;
     fn x(&self) -> &ConvexPolyhedron;
     fn y(&self) -> &ConvexPolyhedron;
-    /// L in `y`'s units.
+    /// L.
     fn size(&self) -> f64;
-    /// One unit of `y` in A's.
-    fn unit(&self) -> f64;
     fn point_in_y(&self, p: &Vector3<f64>) -> Vector3<f64>;
     /// The direction of `x`'s frame along which points rise as they do along `n` of `y`'s.
     fn direction_in_x(&self, n: &Vector3<f64>) -> Vector3<f64>;
@@ -153,49 +146,31 @@ pub(crate) struct OfB<'a, 'b>(pub(crate) &'a Placed<'b>);
 
 impl Sides for OfA<'_, '_> {
     const OF: Which = Which::A;
-    #[inline]
+    #[inline(always)]
     fn x(&self) -> &ConvexPolyhedron {
         self.0.a
     }
-    #[inline]
+    #[inline(always)]
     fn y(&self) -> &ConvexPolyhedron {
         self.0.b
     }
-    #[inline]
+    #[inline(always)]
     fn size(&self) -> f64 {
-        if self.0.unit == 1.0 {
-            self.0.size
-        } else {
-            self.0.size / self.0.unit
-        }
+        self.0.size
     }
-    #[inline]
-    fn unit(&self) -> f64 {
-        self.0.unit
-    }
-    #[inline]
+    #[inline(always)]
     fn point_in_y(&self, p: &Vector3<f64>) -> Vector3<f64> {
         self.0.point_in_b(p)
     }
-    #[inline]
+    #[inline(always)]
     fn direction_in_x(&self, n: &Vector3<f64>) -> Vector3<f64> {
-        let turned = self.0.vector_in_a(n);
-        if self.0.unit == 1.0 {
-            turned
-        } else {
-            turned / (self.0.unit * self.0.unit)
-        }
+        self.0.vector_in_a(n)
     }
-    #[inline]
+    #[inline(always)]
     fn normal(&self, n: &Vector3<f64>) -> Vector3<f64> {
-        let turned = self.0.vector_in_a(n);
-        if self.0.unit == 1.0 {
-            -turned
-        } else {
-            turned / -self.0.unit
-        }
+        -self.0.vector_in_a(n)
     }
-    #[inline]
+    #[inline(always)]
     fn witnesses(on_x: Vector3<f64>, on_y: Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
         (on_x, on_y)
     }
@@ -203,35 +178,31 @@ impl Sides for OfA<'_, '_> {
 
 impl Sides for OfB<'_, '_> {
     const OF: Which = Which::B;
-    #[inline]
+    #[inline(always)]
     fn x(&self) -> &ConvexPolyhedron {
         self.0.b
     }
-    #[inline]
+    #[inline(always)]
     fn y(&self) -> &ConvexPolyhedron {
         self.0.a
     }
-    #[inline]
+    #[inline(always)]
     fn size(&self) -> f64 {
         self.0.size
     }
-    #[inline]
-    fn unit(&self) -> f64 {
-        1.0
-    }
-    #[inline]
+    #[inline(always)]
     fn point_in_y(&self, p: &Vector3<f64>) -> Vector3<f64> {
         self.0.point_in_a(p)
     }
-    #[inline]
+    #[inline(always)]
     fn direction_in_x(&self, n: &Vector3<f64>) -> Vector3<f64> {
         self.0.direction_in_b(n)
     }
-    #[inline]
+    #[inline(always)]
     fn normal(&self, n: &Vector3<f64>) -> Vector3<f64> {
         *n
     }
-    #[inline]
+    #[inline(always)]
     fn witnesses(on_x: Vector3<f64>, on_y: Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
         (on_y, on_x)
     }
@@ -295,7 +266,7 @@ impl Frame<DoubleDouble> {
 
 impl<T: Scalar> Frame<T> {
     /// A stored point of B in A's stored frame.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn point(&self, p: &Vector3<f64>) -> [T; 3] {
         let p = [T::from(p.x), T::from(p.y), T::from(p.z)];
         let r = apply(&self.matrix, &p);
@@ -303,7 +274,7 @@ impl<T: Scalar> Frame<T> {
     }
 
     /// The direction of B's stored frame along which points rise as they do along `n` in A's.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn direction(&self, n: &[T; 3]) -> [T; 3] {
         core::array::from_fn(|c| self.matrix[0][c] * n[0] + self.matrix[1][c] * n[1] + self.matrix[2][c] * n[2])
     }

@@ -6,10 +6,9 @@ use super::fallback::{Minimum, solve};
 use super::outcome::{Class, Layer};
 use super::placed::{Frame, Placed};
 use super::simplex::Simplex;
-use super::state::State;
 use super::{Answer, certified_walk, seed};
 use crate::double_double::DoubleDouble;
-use crate::polyhedron::ConvexPolyhedron;
+use crate::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, Feature, FeaturePair, VertexId};
 use crate::pose::Which;
 use crate::scalar::Scalar;
 use crate::tolerance::{AGREE, CERTIFICATE, UNIT};
@@ -17,7 +16,7 @@ use crate::tolerance::{AGREE, CERTIFICATE, UNIT};
 /// Restart, fallback, double-double, exact: the first that proves its answer.
 #[cold]
 pub(crate) fn refine(placed: &Placed, warm: bool, answer: &mut Answer) {
-    if warm {
+    if warm && placed.has_one_unit() {
         answer.work.restarts += 1;
         answer.state = seed::facing(placed);
         answer.layer = Layer::Restart;
@@ -194,7 +193,7 @@ fn witnesses<T: Scalar>(placed: &Placed, simplex: &Simplex<T>) -> (Vector3<f64>,
 }
 
 /// The smallest features that hold the corners' vertices.
-fn features<T: Scalar>(placed: &Placed, simplex: &Simplex<T>) -> State {
+fn features<T: Scalar>(placed: &Placed, simplex: &Simplex<T>) -> FeaturePair {
     let (mut a, mut b) = ([0; 4], [0; 4]);
     for (k, c) in simplex.kept().iter().enumerate() {
         (a[k], b[k]) = (c.a, c.b);
@@ -203,71 +202,38 @@ fn features<T: Scalar>(placed: &Placed, simplex: &Simplex<T>) -> State {
 }
 
 /// The smallest features that hold one to four vertices of each body.
-pub(super) fn state_of(placed: &Placed, a: &[u32], b: &[u32]) -> State {
+pub(super) fn state_of(placed: &Placed, a: &[u32], b: &[u32]) -> FeaturePair {
     let (fa, fb) = (placed.a.feature_of(a), placed.b.feature_of(b));
-    use Hull::{Edge, Face, Vertex};
-    match (fa, fb) {
-        (Vertex(a), Vertex(b)) => State::VertexVertex { a, b },
-        (Vertex(vertex), Edge(edge)) => State::VertexEdge {
-            of: Which::A,
-            vertex,
-            edge,
-        },
-        (Edge(edge), Vertex(vertex)) => State::VertexEdge {
-            of: Which::B,
-            vertex,
-            edge,
-        },
-        (Vertex(vertex), Face(face)) => State::VertexFace {
-            of: Which::A,
-            vertex,
-            face,
-        },
-        (Face(face), Vertex(vertex)) => State::VertexFace {
-            of: Which::B,
-            vertex,
-            face,
-        },
-        (Edge(a), Edge(b)) => State::EdgeEdge { a, b },
-        // An edge over a face, or two faces: parallel features, of which a vertex over the face is closest too.
-        (Face(face), _) => State::VertexFace {
-            of: Which::B,
-            vertex: b[0],
-            face,
-        },
-        (_, Face(face)) => State::VertexFace {
-            of: Which::A,
-            vertex: a[0],
-            face,
-        },
+    let features = FeaturePair { a: fa, b: fb };
+    if fa.dimension() + fb.dimension() <= 2 {
+        return features;
     }
-}
-
-/// A feature by its number.
-enum Hull {
-    Vertex(u32),
-    Edge(u32),
-    Face(u32),
+    // An edge over a face, or two faces: parallel features, of which a vertex beside the face is closest too.
+    match (fa, fb) {
+        (Feature::Face(f), _) => FeaturePair::vertex_face(Which::B, b[0], f.0),
+        (_, Feature::Face(f)) => FeaturePair::vertex_face(Which::A, a[0], f.0),
+        _ => features,
+    }
 }
 
 impl ConvexPolyhedron {
     /// The smallest feature that holds the given vertices (one to four, with repeats); the first vertex where no face
     /// holds them all.
-    fn feature_of(&self, vertices: &[u32]) -> Hull {
+    fn feature_of(&self, vertices: &[u32]) -> Feature {
         let v = vertices[0];
         let Some(&w) = vertices.iter().find(|&&w| w != v) else {
-            return Hull::Vertex(v);
+            return Feature::Vertex(VertexId(v));
         };
         let t = &self.topology;
         if vertices.iter().all(|&x| x == v || x == w) {
             if let Some(h) = t.fan(v).find(|&h| t.half_edge(h).to == w) {
-                return Hull::Edge(t.edge(h));
+                return Feature::Edge(EdgeId(t.edge(h)));
             }
         }
         let holds = |f: u32| vertices.iter().all(|&x| t.rim(f).any(|h| t.half_edge(h).to == x));
         match t.fan(v).map(|h| t.half_edge(h).face).find(|&f| holds(f)) {
-            Some(f) => Hull::Face(f),
-            None => Hull::Vertex(v),
+            Some(f) => Feature::Face(FaceId(f)),
+            None => Feature::Vertex(VertexId(v)),
         }
     }
 }

@@ -3,7 +3,8 @@
 use nalgebra::Vector3;
 
 use super::placed::Sides;
-use super::state::{State, Step};
+use super::state::Step;
+use crate::polyhedron::FeaturePair;
 
 /// An edge that falls towards a face.
 pub(crate) struct Slide {
@@ -26,11 +27,7 @@ pub(crate) fn slide<S: Sides>(sides: &S, s: &Slide) -> Step {
     let way = sides.point_in_y(&body.points[end as usize]) - s.start;
     let plane = &other.planes[s.face as usize];
     let mut first = 1.0;
-    let mut to = State::VertexFace {
-        of: S::OF,
-        vertex: end,
-        face: s.face,
-    };
+    let mut to = FeaturePair::vertex_face(S::OF, end, s.face);
     for h in y.rim(s.face) {
         let e = y.half_edge(h);
         if s.from_rim == Some(h.min(e.twin)) {
@@ -45,7 +42,7 @@ pub(crate) fn slide<S: Sides>(sides: &S, s: &Slide) -> Step {
         if speed < 0.0 {
             let when = -inward.dot(&(s.start - p)) / speed;
             if when < first {
-                (first, to) = (when, State::edges(S::OF, x.edge(s.half_edge), h.min(e.twin)));
+                (first, to) = (when, FeaturePair::edges(S::OF, x.edge(s.half_edge), h.min(e.twin)));
             }
         }
     }

@@ -10,7 +10,8 @@
 
 use super::fan::one_norm;
 use super::placed::Sides;
-use super::state::{Found, State, Step};
+use super::state::{Found, Step};
+use crate::polyhedron::FeaturePair;
 use crate::scalar::sqrt;
 use crate::tolerance::{DIFFERENCE, ON_BOUNDARY};
 
@@ -29,40 +30,43 @@ pub(crate) fn look<const CERTIFY: bool, S: Sides>(sides: &S, vertex: u32, edge: 
     let slack = noise * one_norm(&u);
     // V(p), V(q)
     if along < -slack {
-        return Step::Move(State::vertices(S::OF, vertex, twin.to));
+        return Step::Move(FeaturePair::vertices(S::OF, vertex, twin.to));
     }
     if along > uu + slack {
-        return Step::Move(State::vertices(S::OF, vertex, e.to));
+        return Step::Move(FeaturePair::vertices(S::OF, vertex, e.to));
     }
     let inverse = 1.0 / uu;
     let s = along * inverse;
-    let mut d = r - u * s;
-    d -= u * (d.dot(&u) * inverse);
+    let d = r - u * s;
+    let correction = d.dot(&u) * inverse;
+    let (s, d) = (s + correction, d - u * correction);
     // F(left), F(right)
     let w = u.cross(&d);
     let (left, right) = (&other.planes[e.face as usize], &other.planes[twin.face as usize]);
     let (alpha, beta) = (right.normal.dot(&w), -left.normal.dot(&w));
     if alpha < -slack || beta < -slack {
         let face = if alpha < beta { twin.face } else { e.face };
-        return Step::Move(State::VertexFace {
-            of: S::OF,
-            vertex,
-            face,
-        });
+        return Step::Move(FeaturePair::vertex_face(S::OF, vertex, face));
     }
     let n = sides.direction_in_x(&d);
     let fan = body.fan_minimum(vertex, &n);
     if let Some(h) = body.descent(vertex, &fan, noise) {
-        return Step::Move(State::edges(S::OF, body.topology.edge(h), edge));
+        return Step::Move(FeaturePair::edges(S::OF, body.topology.edge(h), edge));
     }
-    let foot = p + u * s.clamp(0.0, 1.0);
-    let distance = sqrt((x - foot).norm_squared());
+    // The distance is that of points of the bodies: an end where rounding puts the foot beyond it.
+    let squared = d.norm_squared();
+    let (foot, distance) = if s >= 0.0 && s <= 1.0 {
+        (p + u * s, sqrt(squared))
+    } else {
+        let end = if s < 0.5 { p } else { q };
+        (end, sqrt((x - end).norm_squared()))
+    };
     if distance <= ON_BOUNDARY * sides.size() {
         return Step::Lost;
     }
-    let per_length = 1.0 / sqrt(d.norm_squared());
+    let per_length = 1.0 / sqrt(squared);
     let lower = if CERTIFY && body.proves_lowest(&fan, &n) {
-        (d.dot(&x) - other.edge_bound(&d, left, right, alpha, beta)) * per_length * sides.unit()
+        (d.dot(&x) - other.edge_bound(&d, left, right, (alpha, beta), squared)) * per_length
     } else {
         f64::NEG_INFINITY
     };
@@ -72,7 +76,7 @@ pub(crate) fn look<const CERTIFY: bool, S: Sides>(sides: &S, vertex: u32, edge: 
         normal,
         point_a,
         point_b,
-        distance: distance * sides.unit(),
+        distance: distance,
         lower,
     };
     Step::Found

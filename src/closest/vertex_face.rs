@@ -5,8 +5,8 @@ use nalgebra::Vector3;
 use super::fan::one_norm;
 use super::placed::Sides;
 use super::slide::{Slide, slide};
-use super::state::{Found, State, Step};
-use crate::polyhedron::ConvexPolyhedron;
+use super::state::{Found, Step};
+use crate::polyhedron::{ConvexPolyhedron, FeaturePair};
 use crate::pose::Which;
 use crate::scalar::sqrt;
 use crate::tolerance::{DIFFERENCE, DIRECTION, FOOT, ON_BOUNDARY};
@@ -21,11 +21,7 @@ pub(crate) fn look<const CERTIFY: bool, S: Sides>(sides: &S, vertex: u32, face: 
     let size = sides.size();
     let (rim, corner) = rim_side(other, face, &plane.normal, &x, size);
     if let Rim::Outside(edge) = rim {
-        return Step::Move(State::VertexEdge {
-            of: S::OF,
-            vertex,
-            edge,
-        });
+        return Step::Move(FeaturePair::vertex_edge(S::OF, vertex, edge));
     }
     let height = plane.normal.dot(&(x - corner));
     if height <= ON_BOUNDARY * size {
@@ -45,7 +41,7 @@ pub(crate) fn look<const CERTIFY: bool, S: Sides>(sides: &S, vertex: u32, face: 
         );
     }
     let lower = if CERTIFY && body.proves_lowest(&fan, &n) {
-        (plane.normal.dot(&x) - plane.offset) * sides.unit()
+        (plane.normal.dot(&x) - plane.offset)
     } else {
         f64::NEG_INFINITY
     };
@@ -59,7 +55,7 @@ pub(crate) fn look<const CERTIFY: bool, S: Sides>(sides: &S, vertex: u32, face: 
         normal,
         point_a,
         point_b,
-        distance: height * sides.unit(),
+        distance: height,
         lower,
     };
     Step::Found
@@ -142,7 +138,7 @@ fn behind(body: &ConvexPolyhedron, of: Which, vertex: u32, face: u32, x: &Vector
         }
     }
     if best != face && top > least {
-        Step::Jump(State::VertexFace { of, vertex, face: best })
+        Step::Jump(FeaturePair::vertex_face(of, vertex, best))
     } else {
         Step::Lost
     }

@@ -1,7 +1,8 @@
 //! A vertex beside a vertex: each must be the lowest of its body towards the other.
 
 use super::placed::Placed;
-use super::state::{Found, State, Step};
+use super::state::{Found, Step};
+use crate::polyhedron::FeaturePair;
 use crate::pose::Which;
 use crate::scalar::sqrt;
 use crate::tolerance::{DIFFERENCE, ON_BOUNDARY};
@@ -16,21 +17,13 @@ pub(crate) fn look<const CERTIFY: bool>(placed: &Placed, a: u32, b: u32, found: 
     let fan_a = placed.a.fan_minimum(a, &from_b);
     if let Some(h) = placed.a.descent(a, &fan_a, noise) {
         let edge = placed.a.topology.edge(h);
-        return Step::Move(State::VertexEdge {
-            of: Which::B,
-            vertex: b,
-            edge,
-        });
+        return Step::Move(FeaturePair::vertex_edge(Which::B, b, edge));
     }
     let to_b_in_b = placed.direction_in_b(&to_b);
     let fan_b = placed.b.fan_minimum(b, &to_b_in_b);
     if let Some(h) = placed.b.descent(b, &fan_b, noise) {
         let edge = placed.b.topology.edge(h);
-        return Step::Move(State::VertexEdge {
-            of: Which::A,
-            vertex: a,
-            edge,
-        });
+        return Step::Move(FeaturePair::vertex_edge(Which::A, a, edge));
     }
     let distance = sqrt(to_b.norm_squared());
     if distance <= ON_BOUNDARY * placed.size() {

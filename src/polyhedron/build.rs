@@ -104,6 +104,7 @@ impl ConvexPolyhedron {
             source_faces: Vec::new(),
             origin: cloud.origin,
             exponent: cloud.exponent,
+            as_given: cloud.exponent == 0 && cloud.origin == Vector3::zeros(),
             radius,
             low,
             high,

@@ -72,6 +72,8 @@ pub struct ConvexPolyhedron {
     pub(crate) origin: Vector3<f64>,
     /// Stored lengths times `2^exponent` are the caller's.
     pub(crate) exponent: i32,
+    /// Whether stored coordinates are the caller's: no origin, no exponent.
+    pub(crate) as_given: bool,
     /// Largest distance of a vertex from the stored origin, rounded up, in stored units.
     pub(crate) radius: f64,
     /// Corners of the bounding box, in stored coordinates.
