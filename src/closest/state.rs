@@ -119,13 +119,13 @@ impl FeaturePair {
 }
 
 impl ConvexPolyhedron {
-    /// Whether `feature` names a feature of a body with this many.
+    /// Whether `feature` names a feature of this body. An edge has two numbers; only the lower one is its name.
     #[inline]
     pub(crate) fn has(&self, feature: Feature) -> bool {
         match feature {
             Feature::Vertex(v) => v.index() < self.topology.vertex_count(),
-            Feature::Edge(e) => e.index() < self.topology.half_edge_count(),
-            Feature::Face(f) => f.index() < self.topology.face_count(),
+            Feature::Edge(e) => self.has_edge(e),
+            Feature::Face(f) => self.has_face(f),
         }
     }
 
