@@ -7,7 +7,9 @@ mod closest;
 mod double_double;
 pub mod polyhedron;
 mod pose;
+mod replay;
 mod scalar;
+mod soundness;
 pub mod tolerance;
 mod tracker;
 
@@ -15,4 +17,5 @@ pub use closest::outcome::{Class, Distance, Layer, Outcome, Proposal, Work};
 pub use nalgebra;
 pub use polyhedron::{BuildError, BuildReport, ConvexPolyhedron, EdgeId, FaceId, Feature, FeaturePair, VertexId};
 pub use pose::{PoseError, RelativePose, Which};
+pub use replay::{Level, Replay, ReplayError};
 pub use tracker::{Totals, Tracker};

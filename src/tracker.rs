@@ -1,13 +1,17 @@
 //! The state a user keeps per pair: where the last answer was found.
 
+use alloc::vec::Vec;
+
 use nalgebra::Unit;
 
 use crate::closest::outcome::{Class, Distance, Layer, Outcome, Proposal, Work};
 use crate::closest::placed::Placed;
 use crate::closest::state::State;
+use crate::closest::trace::trace;
 use crate::closest::{self, Answer, far};
 use crate::polyhedron::{ConvexPolyhedron, FeaturePair, power_of_two};
 use crate::pose::RelativePose;
+use crate::replay::{Level, Replay};
 
 /// The features of the last answer of one pair, from which the next walk starts, and counters.
 ///
@@ -105,6 +109,30 @@ impl Tracker {
         self.last.map(State::features)
     }
 
+    /// The pairs of features that the walk of the next query would look at, in order, and whether it ends on the last
+    /// of them rather than handing over there. Nothing is changed or counted. Empty for bodies too far apart to walk.
+    pub fn trace(
+        &self,
+        a: &ConvexPolyhedron,
+        b: &ConvexPolyhedron,
+        a_from_b: &RelativePose,
+    ) -> (Vec<FeaturePair>, bool) {
+        let swap = b.exponent > a.exponent;
+        let (x, y) = if swap { (b, a) } else { (a, b) };
+        let turned = if swap { a_from_b.swapped() } else { *a_from_b };
+        let Ok(placed) = Placed::new(x, y, &turned) else {
+            return (Vec::new(), false);
+        };
+        let (way, ended) = trace(&placed, self.start(x, y, swap));
+        let name = |s: State| if swap { s.features().swapped() } else { s.features() };
+        (way.into_iter().map(name).collect(), ended)
+    }
+
+    /// The query as a text that rebuilds it bit for bit: ask for it before the query, or the start is the answer's.
+    pub fn replay(&self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose, level: Level) -> Replay {
+        replay(a, b, a_from_b, self.start(a, b, false), level)
+    }
+
     /// What has been done so far.
     pub fn totals(&self) -> Totals {
         self.totals
@@ -119,14 +147,20 @@ impl Tracker {
     /// wider than `1e-13 L`, with `L` the sum of both radii and the distance of the bodies. Allocates nothing as long
     /// as the exact rung is not needed.
     pub fn closest(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Outcome {
-        self.solve(a, b, a_from_b, closest::certified).outcome(a, b)
+        let before = self.last;
+        let outcome = self.solve(a, b, a_from_b, closest::certified).outcome(a, b);
+        debug_check(a, b, a_from_b, before, Level::Certified, &outcome);
+        outcome
     }
 
     /// As [`closest`](Self::closest), with the distance of separated bodies within one unit in the last place of the
     /// truth. Costs microseconds: every answer is taken again in double-double arithmetic, some in exact integers.
     #[cfg(feature = "exact")]
     pub fn closest_exact(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Outcome {
-        self.solve(a, b, a_from_b, closest::exactly).outcome(a, b)
+        let before = self.last;
+        let outcome = self.solve(a, b, a_from_b, closest::exactly).outcome(a, b);
+        debug_check(a, b, a_from_b, before, Level::Exact, &outcome);
+        outcome
     }
 
     /// The distance and its bounds without the witnesses.
@@ -264,6 +298,48 @@ impl Tracker {
     #[cfg(not(feature = "exact"))]
     fn decide_within(&self, _: &ConvexPolyhedron, _: &ConvexPolyhedron, _: &RelativePose, _: f64) -> bool {
         true
+    }
+}
+
+fn replay(
+    a: &ConvexPolyhedron,
+    b: &ConvexPolyhedron,
+    pose: &RelativePose,
+    start: Option<State>,
+    level: Level,
+) -> Replay {
+    Replay {
+        a: a.clone(),
+        b: b.clone(),
+        pose: *pose,
+        start: start.map(State::features),
+        level,
+    }
+}
+
+/// In debug builds: an answer that contradicts itself ends the program with the text that replays the query.
+#[inline]
+fn debug_check(
+    a: &ConvexPolyhedron,
+    b: &ConvexPolyhedron,
+    pose: &RelativePose,
+    before: Option<State>,
+    level: Level,
+    outcome: &Outcome,
+) {
+    if cfg!(debug_assertions) {
+        if let Some(fault) = crate::soundness::fault(a, b, pose, outcome) {
+            let start = before.filter(|s| s.is_of(a, b));
+            panic!("{fault}: {outcome:?}\n{}", replay(a, b, pose, start, level));
+        }
+    }
+}
+
+impl Replay {
+    /// A tracker that starts where the recorded one did.
+    pub fn tracker(&self) -> Tracker {
+        let start = self.start.map(|pair| Tracker::starting_from(pair, &self.a, &self.b));
+        start.unwrap_or_default()
     }
 }
 

@@ -23,6 +23,7 @@ pub(crate) mod seed;
 pub(crate) mod simplex;
 mod slide;
 pub(crate) mod state;
+pub(crate) mod trace;
 mod vertex_edge;
 mod vertex_face;
 mod vertex_vertex;

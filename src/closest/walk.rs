@@ -46,13 +46,21 @@ fn look<const CERTIFY: bool>(placed: &Placed, state: State) -> Step {
 }
 
 /// Walks from `start`; at most `4 sqrt(nA + nB) + 16` steps.
+#[inline]
 pub(crate) fn walk<const CERTIFY: bool>(placed: &Placed, start: State) -> Walk {
+    watched::<CERTIFY>(placed, start, |_| {})
+}
+
+/// The same walk, each pair it looks at told to `seen`.
+#[inline]
+pub(crate) fn watched<const CERTIFY: bool>(placed: &Placed, start: State, mut seen: impl FnMut(State)) -> Walk {
     let (mut state, mut mark) = (start, start);
     let (mut jumps, mut next_mark) = (0, 8);
     let mut limit = u32::MAX;
     let mut steps = 0;
     loop {
         steps += 1;
+        seen(state);
         let next = match look::<CERTIFY>(placed, state) {
             Step::Move(next) => next,
             Step::Jump(next) if jumps < JUMPS => {
