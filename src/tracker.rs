@@ -12,6 +12,7 @@ use crate::closest::{self, Answer, far};
 use crate::polyhedron::{ConvexPolyhedron, FeaturePair, power_of_two};
 use crate::pose::RelativePose;
 use crate::replay::{Level, Replay};
+use crate::tolerance::EXPONENT_FREE;
 
 /// The features of the last answer of one pair, from which the next walk starts, and counters.
 ///
@@ -117,7 +118,7 @@ impl Tracker {
         b: &ConvexPolyhedron,
         a_from_b: &RelativePose,
     ) -> (Vec<FeaturePair>, bool) {
-        let swap = b.exponent > a.exponent;
+        let swap = needs_swap(a, b);
         let (x, y) = if swap { (b, a) } else { (a, b) };
         let turned = if swap { a_from_b.swapped() } else { *a_from_b };
         let Ok(placed) = Placed::new(x, y, &turned) else {
@@ -158,7 +159,10 @@ impl Tracker {
     #[cfg(feature = "exact")]
     pub fn closest_exact(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Outcome {
         let before = self.last;
-        let outcome = self.solve(a, b, a_from_b, closest::exactly).outcome(a, b);
+        let mut outcome = self.solve(a, b, a_from_b, closest::exactly).outcome(a, b);
+        if outcome.layer == Layer::Far {
+            outcome = far::exactly(a, b, a_from_b, outcome);
+        }
         debug_check(a, b, a_from_b, before, Level::Exact, &outcome);
         outcome
     }
@@ -167,7 +171,7 @@ impl Tracker {
     pub fn distance(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Distance {
         match self.solve(a, b, a_from_b, closest::certified) {
             Solved::Answer(x) => {
-                let unit = power_of_two(a.exponent.max(b.exponent));
+                let unit = power_of_two(unit_exponent(a, b));
                 Distance {
                     class: x.class,
                     value: x.distance * unit,
@@ -202,7 +206,7 @@ impl Tracker {
         }
         let (lower, upper, class) = match self.solve(a, b, a_from_b, closest::certified) {
             Solved::Answer(x) => {
-                let unit = power_of_two(a.exponent.max(b.exponent));
+                let unit = power_of_two(unit_exponent(a, b));
                 (x.lower * unit, x.upper * unit, x.class)
             }
             Solved::Outcome(o) => (o.lower, o.upper, o.class),
@@ -240,7 +244,7 @@ impl Tracker {
         a_from_b: &RelativePose,
         solver: impl Fn(&Placed, Option<State>) -> Answer,
     ) -> Solved {
-        if b.exponent > a.exponent {
+        if needs_swap(a, b) {
             let b_from_a = a_from_b.swapped();
             return match Placed::new(b, a, &b_from_a) {
                 Ok(placed) => {
@@ -343,6 +347,19 @@ impl Replay {
     }
 }
 
+/// Whether B's units are so much larger than A's that the pair is solved the other way round. Bodies of any ratio up to
+/// 2^60 keep their order whatever the unit of the scene, so that powers of two change no bit.
+#[inline]
+fn needs_swap(a: &ConvexPolyhedron, b: &ConvexPolyhedron) -> bool {
+    b.exponent - a.exponent > 60 + EXPONENT_FREE
+}
+
+/// The exponent of the units that a pair is solved in.
+#[inline]
+fn unit_exponent(a: &ConvexPolyhedron, b: &ConvexPolyhedron) -> i32 {
+    if needs_swap(a, b) { b.exponent } else { a.exponent }
+}
+
 /// Whether the bounding balls alone prove the bodies more than `d` apart.
 #[inline]
 fn clear_of(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &RelativePose, d: f64) -> bool {
@@ -370,7 +387,7 @@ impl Answer {
 /// The answer in the caller's units.
 #[inline]
 fn outcome(a: &ConvexPolyhedron, b: &ConvexPolyhedron, x: &Answer) -> Outcome {
-    let unit = power_of_two(a.exponent.max(b.exponent));
+    let unit = power_of_two(unit_exponent(a, b));
     Outcome {
         class: x.class,
         distance: x.distance * unit,

@@ -69,7 +69,7 @@ pub(crate) struct Sides<'a> {
 pub(crate) struct BeyondRange;
 
 impl<'a> Placed<'a> {
-    /// Places B beside A. The caller has seen to it that A's units are not the smaller ones.
+    /// Places B beside A. The caller has seen to it that A's units are not far smaller than B's.
     #[inline]
     pub(crate) fn new(
         a: &'a ConvexPolyhedron,
@@ -91,7 +91,7 @@ impl<'a> Placed<'a> {
         if !(size > NEAR && size < FAR) {
             return Err(BeyondRange);
         }
-        let back = matrix.transpose() / (scale * scale);
+        let back = matrix.transpose() / scale / scale;
         Ok(Self {
             a,
             b,
@@ -158,18 +158,24 @@ fn offsets(a: &ConvexPolyhedron, b: &ConvexPolyhedron) -> f64 {
     (length(&a.origin) + length(&b.origin)) / a.unit()
 }
 
-/// Matrix, translation and scale of `a_from_b` between stored frames that are not the given ones. In double-double,
-/// because the offsets of the bodies may be far larger than the bodies and cancel.
+/// Matrix, translation and scale of `a_from_b` between stored frames that are not the given ones. Scaling alone is exact,
+/// so that powers of two change no bit of an answer but the exponent. Shifts are made in double-double, because the
+/// origins of the bodies may be far larger than the bodies and cancel.
 #[cold]
 fn shifted_and_scaled(
     a: &ConvexPolyhedron,
     b: &ConvexPolyhedron,
     pose: &RelativePose,
 ) -> Result<(Matrix3<f64>, Vector3<f64>, f64), BeyondRange> {
+    let scale = power_of_two(b.exponent - a.exponent);
+    if a.origin == Vector3::zeros() && b.origin == Vector3::zeros() {
+        let unit = power_of_two(-a.exponent);
+        return Ok((pose.rotation * scale, pose.translation * unit, scale));
+    }
     let frame = Frame::<DoubleDouble>::new(a, b, pose).ok_or(BeyondRange)?;
     let matrix = Matrix3::from_fn(|r, c| frame.matrix[r][c].value());
     let translation = Vector3::from_fn(|r, _| frame.translation[r].value());
-    Ok((matrix, translation, power_of_two(b.exponent - a.exponent)))
+    Ok((matrix, translation, scale))
 }
 
 /// `a_from_b` between stored frames in the arithmetic of a solver.

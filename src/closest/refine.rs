@@ -28,7 +28,7 @@ pub(crate) fn refine(placed: &Placed, state: State, warm: bool, work: &mut Work)
     work.fallbacks += 1;
     let plain = solve(placed, &Frame::of(&placed.a_from_b), state);
     let plain = answer(placed, &plain, Layer::Fallback, work);
-    if plain.is_proven(placed.size()) {
+    if plain.is_proven(placed) {
         return plain;
     }
     doubled(placed, plain.state, work)
@@ -53,7 +53,7 @@ pub(crate) fn doubled(placed: &Placed, state: State, work: &mut Work) -> Answer 
         return undecided(placed, state, work);
     };
     let fine = answer(placed, &solve(placed, &frame, state), Layer::DoubleDouble, work);
-    if fine.is_proven(placed.size()) {
+    if fine.is_proven(placed) {
         return fine;
     }
     #[cfg(feature = "exact")]
@@ -63,14 +63,12 @@ pub(crate) fn doubled(placed: &Placed, state: State, work: &mut Work) -> Answer 
     }
     #[cfg(not(feature = "exact"))]
     {
-        Answer {
-            class: if fine.is_narrow(placed.size()) {
-                Class::Touching
-            } else {
-                Class::Undecided
-            },
-            ..fine
-        }
+        let class = match fine.class {
+            Class::Overlapping => Class::Overlapping,
+            _ if fine.is_narrow(placed.size()) => Class::Touching,
+            _ => Class::Undecided,
+        };
+        Answer { class, ..fine }
     }
 }
 
@@ -107,11 +105,16 @@ pub(crate) fn sharpen(placed: &Placed, certified: Answer) -> Answer {
 }
 
 impl Answer {
-    /// Whether class and distance are settled: apart or overlapping with proof, bounds no wider than they should be.
-    fn is_proven(&self, size: f64) -> bool {
+    /// Whether class and distance are settled: apart with bounds no wider than they should be, or overlapping with
+    /// witnesses that are one point up to rounding (the weights of a flat tetrahedron around the origin may be wrong in
+    /// every digit while the signs of its volumes are certain).
+    fn is_proven(&self, placed: &Placed) -> bool {
         match self.class {
-            Class::Overlapping => true,
-            Class::Separated => self.is_narrow(size),
+            Class::Overlapping => {
+                let between = placed.a_from_b.point(&self.point_b) - self.point_a;
+                crate::scalar::sqrt(between.norm_squared()) <= AGREE * placed.size()
+            }
+            Class::Separated => self.is_narrow(placed.size()),
             Class::Touching | Class::Undecided => false,
         }
     }
