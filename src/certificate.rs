@@ -29,6 +29,6 @@ pub(crate) fn supports(placed: &Placed, normal: &Vector3<f64>, hint_a: u32, hint
     }
     let n = normal / norm;
     let high_a = placed.a.extreme(&n, hint_a).value;
-    let high_b = placed.b.extreme(&-placed.a_from_b.direction(&n), hint_b).value;
-    placed.a_from_b.lift(&n) - high_a - high_b
+    let high_b = placed.b.extreme(&-placed.direction_in_b(&n), hint_b).value;
+    placed.lift(&n) - high_a - high_b
 }

@@ -13,9 +13,9 @@ mod soundness;
 pub mod tolerance;
 mod tracker;
 
-pub use closest::outcome::{Class, Distance, Layer, Outcome, Proposal, Work};
+pub use closest::outcome::{Class, Distance, Layer, Level, Outcome, Proposal, Work};
 pub use nalgebra;
 pub use polyhedron::{BuildError, BuildReport, ConvexPolyhedron, EdgeId, FaceId, Feature, FeaturePair, VertexId};
 pub use pose::{PoseError, RelativePose, Which};
-pub use replay::{Level, Replay, ReplayError};
+pub use replay::{Replay, ReplayError};
 pub use tracker::{Totals, Tracker};

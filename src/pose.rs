@@ -53,11 +53,6 @@ impl core::fmt::Display for Which {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct RelativePose {
-    /// Rotation of `a_from_b`.
-    pub(crate) rotation: Matrix3<f64>,
-    /// Translation of `a_from_b`.
-    pub(crate) translation: Vector3<f64>,
-    /// The poses as given, for the rungs that place exactly.
     pub(crate) a: Placement,
     pub(crate) b: Placement,
 }
@@ -69,24 +64,28 @@ pub(crate) struct Placement {
     /// Quaternion: vector part, then scalar part.
     pub(crate) q: [f64; 4],
     pub(crate) t: [f64; 3],
+    /// `|q|^2`, rounded.
+    norm_squared: f64,
 }
 
 impl Placement {
     #[inline]
     fn new(pose: &Isometry3<f64>) -> Self {
         let (q, t) = (&pose.rotation.coords, &pose.translation.vector);
-        Self {
-            q: [q.x, q.y, q.z, q.w],
-            t: [t.x, t.y, t.z],
-        }
+        Self::of([q.x, q.y, q.z, q.w], [t.x, t.y, t.z])
     }
 
     #[inline]
-    fn norm_squared(&self) -> f64 {
-        self.q.iter().map(|c| c * c).sum()
+    fn of(q: [f64; 4], t: [f64; 3]) -> Self {
+        let [x, y, z, w] = q;
+        Self {
+            q,
+            t,
+            norm_squared: x * x + y * y + z * z + w * w,
+        }
     }
 
-    fn check(&self, body: Which, norm_squared: f64) -> Result<(), PoseError> {
+    fn check(&self, body: Which) -> Result<(), PoseError> {
         if let Some(axis) = (0..3).find(|&k| !self.t[k].is_finite()) {
             return Err(PoseError::Translation {
                 body,
@@ -94,6 +93,7 @@ impl Placement {
                 value: self.t[axis],
             });
         }
+        let norm_squared = self.norm_squared;
         // NaN fails the comparison and is refused.
         if (norm_squared - 1.0).abs() <= POSE_UNIT {
             Ok(())
@@ -116,28 +116,34 @@ impl RelativePose {
     /// A translation that is not finite, or a rotation whose squared norm is off 1 by more than 1e-12.
     #[inline]
     pub fn new(pose_a: &Isometry3<f64>, pose_b: &Isometry3<f64>) -> Result<Self, PoseError> {
-        let (a, b) = (Placement::new(pose_a), Placement::new(pose_b));
-        let (na, nb) = (a.norm_squared(), b.norm_squared());
-        a.check(Which::A, na)?;
-        b.check(Which::B, nb)?;
-        let offset = Vector3::from(b.t) - Vector3::from(a.t);
-        // R_a^T offset, with the axis reversed.
-        let (axis, w) = (-Vector3::new(a.q[0], a.q[1], a.q[2]), a.q[3]);
-        let c = axis.cross(&offset);
-        let translation = offset + (c * w + axis.cross(&c)) * (2.0 / na);
         let pose = Self {
-            rotation: relative_rotation(&a.q, &b.q),
-            translation,
-            a,
-            b,
+            a: Placement::new(pose_a),
+            b: Placement::new(pose_b),
         };
+        let offset = pose.offset();
+        let unit = |p: &Placement| (p.norm_squared - 1.0).abs() <= POSE_UNIT;
+        // Finite numbers times zero are zero, others are NaN, and comparisons with NaN are false.
+        let finite = (offset.x + offset.y + offset.z) * 0.0 == 0.0;
+        if finite && unit(&pose.a) && unit(&pose.b) {
+            Ok(pose)
+        } else {
+            pose.checked()
+        }
+    }
+
+    /// The same with every number looked at.
+    #[cold]
+    fn checked(self) -> Result<Self, PoseError> {
+        self.a.check(Which::A)?;
+        self.b.check(Which::B)?;
+        let offset = self.offset();
         // Two finite translations can still be further apart than f64 reaches.
-        match (0..3).find(|&k| !translation[k].is_finite()) {
-            None => Ok(pose),
+        match (0..3).find(|&k| !offset[k].is_finite()) {
+            None => Ok(self),
             Some(axis) => Err(PoseError::Translation {
                 body: Which::B,
                 axis,
-                value: translation[axis],
+                value: offset[axis],
             }),
         }
     }
@@ -152,24 +158,50 @@ impl RelativePose {
 
     /// The same pair of poses with A and B exchanged.
     pub fn swapped(&self) -> Self {
-        Self::new(&self.b.isometry(), &self.a.isometry()).unwrap_or(*self)
+        Self { a: self.b, b: self.a }
     }
 
     /// The poses this was made from, bit for bit.
     pub fn poses(&self) -> (Isometry3<f64>, Isometry3<f64>) {
         (self.a.isometry(), self.b.isometry())
     }
+
+    /// `t_b - t_a`: world offsets end here.
+    #[inline]
+    fn offset(&self) -> Vector3<f64> {
+        Vector3::from(self.b.t) - Vector3::from(self.a.t)
+    }
+
+    /// Translation of `a_from_b`.
+    #[inline]
+    pub(crate) fn translation(&self) -> Vector3<f64> {
+        let [x, y, z, w] = self.a.q;
+        let offset = self.offset();
+        // R_a^T offset, with the axis reversed.
+        let axis = Vector3::new(-x, -y, -z);
+        let c = axis.cross(&offset);
+        offset + (c * w + axis.cross(&c)) * (2.0 * (2.0 - self.a.norm_squared))
+    }
+
+    /// Rotation of `a_from_b`: the matrix of `conj(qa) qb`, divided by its squared norm. The norms are within 1e-12 of
+    /// one, so `2 - n` is `1 / n` to 1e-24.
+    #[inline]
+    pub(crate) fn rotation(&self) -> Matrix3<f64> {
+        relative_rotation(
+            &self.a.q,
+            &self.b.q,
+            2.0 * (2.0 - self.a.norm_squared) * (2.0 - self.b.norm_squared),
+        )
+    }
 }
 
-/// The matrix of `conj(qa) qb`, divided by its squared norm.
 #[inline]
-fn relative_rotation(qa: &[f64; 4], qb: &[f64; 4]) -> Matrix3<f64> {
+fn relative_rotation(qa: &[f64; 4], qb: &[f64; 4], s: f64) -> Matrix3<f64> {
     let ([ax, ay, az, aw], [bx, by, bz, bw]) = (*qa, *qb);
     let w = aw * bw + ax * bx + ay * by + az * bz;
     let x = aw * bx - ax * bw - ay * bz + az * by;
     let y = aw * by + ax * bz - ay * bw - az * bx;
     let z = aw * bz - ax * by + ay * bx - az * bw;
-    let s = 2.0 / (w * w + x * x + y * y + z * z);
     let (xs, ys, zs) = (x * s, y * s, z * s);
     let (xx, yy, zz) = (x * xs, y * ys, z * zs);
     let (xy, xz, yz) = (x * ys, x * zs, y * zs);
@@ -201,7 +233,7 @@ impl<'de> serde::Deserialize<'de> for RelativePose {
             t: [f64; 3],
         }
         let raw = Raw::deserialize(deserializer)?;
-        let pose = |p: RawPlacement| Placement { q: p.q, t: p.t }.isometry();
+        let pose = |p: RawPlacement| Placement::of(p.q, p.t).isometry();
         Self::new(&pose(raw.a), &pose(raw.b)).map_err(serde::de::Error::custom)
     }
 }
@@ -217,8 +249,8 @@ mod tests {
         let b = Isometry3::new(Vector3::new(-4.0, 0.5, 2.0), Vector3::new(-1.3, 0.2, 0.7));
         let pose = RelativePose::new(&a, &b).unwrap();
         let expected = a.inv_mul(&b);
-        assert!((pose.translation - expected.translation.vector).norm() < 1e-14);
-        assert!((pose.rotation - expected.rotation.to_rotation_matrix().matrix()).norm() < 1e-14);
+        assert!((pose.translation() - expected.translation.vector).norm() < 1e-14);
+        assert!((pose.rotation() - expected.rotation.to_rotation_matrix().matrix()).norm() < 1e-14);
         assert_eq!(pose.poses(), (a, b));
     }
 
@@ -249,6 +281,9 @@ mod tests {
         let at = |x: f64| Isometry3::translation(x, 2.0, 3.0);
         let near = RelativePose::new(&at(1.0), &at(1.5)).unwrap();
         let far = RelativePose::new(&at(1048577.0), &at(1048577.5)).unwrap();
-        assert_eq!((near.rotation, near.translation), (far.rotation, far.translation));
+        assert_eq!(
+            (near.rotation(), near.translation()),
+            (far.rotation(), far.translation())
+        );
     }
 }

@@ -22,23 +22,11 @@ use core::str::FromStr;
 
 use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion};
 
+use crate::closest::outcome::Level;
 use crate::polyhedron::{BuildError, ConvexPolyhedron, EdgeId, FaceId, Feature, FeaturePair, VertexId};
 use crate::pose::{PoseError, RelativePose, Which};
 
 const TITLE: &str = "lin-canny replay 1";
-
-/// How exact an answer is asked for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum Level {
-    /// The word of the walk, without bounds: [`Tracker::propose`](crate::Tracker::propose).
-    Walk,
-    /// With proven bounds: [`Tracker::closest`](crate::Tracker::closest).
-    #[default]
-    Certified,
-    /// Within one unit in the last place: `Tracker::closest_exact`.
-    Exact,
-}
 
 /// One query: both bodies, their poses, where the walk starts, and how exact the answer is to be.
 ///

@@ -45,10 +45,10 @@ pub(crate) fn fault(
 /// witnesses rounded in the caller's coordinates, which may be far from the body.
 fn witnesses_agree(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &RelativePose, o: &Outcome) -> bool {
     let (p, q) = (o.point_on_a.coords, o.point_on_b.coords);
-    let between = pose.rotation * q + pose.translation - p;
+    let between = pose.rotation() * q + pose.translation() - p;
     let apart = length(&between);
     let origins = length(&a.origin) + length(&b.origin);
-    let size = a.radius * a.unit() + b.radius * b.unit() + length(&pose.translation) + 2.0 * origins;
+    let size = a.radius * a.unit() + b.radius * b.unit() + length(&pose.translation()) + 2.0 * origins;
     let slack = 1024.0 * UNIT * size;
     if o.class == Class::Undecided {
         return apart.is_finite();

@@ -2,17 +2,16 @@
 
 use alloc::vec::Vec;
 
-use nalgebra::Unit;
+use nalgebra::{Point3, Unit};
 
-use crate::closest::outcome::{Class, Distance, Layer, Outcome, Proposal, Work};
+use crate::closest::outcome::{Class, Distance, Layer, Level, Outcome, Proposal, Work};
 use crate::closest::placed::Placed;
-use crate::closest::state::State;
+use crate::closest::state::Found;
 use crate::closest::trace::trace;
 use crate::closest::{self, Answer, far};
 use crate::polyhedron::{ConvexPolyhedron, FeaturePair, power_of_two};
 use crate::pose::RelativePose;
-use crate::replay::{Level, Replay};
-use crate::tolerance::EXPONENT_FREE;
+use crate::replay::Replay;
 
 /// The features of the last answer of one pair, from which the next walk starts, and counters.
 ///
@@ -38,7 +37,7 @@ use crate::tolerance::EXPONENT_FREE;
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Tracker {
-    last: Option<State>,
+    last: Option<FeaturePair>,
     totals: Totals,
 }
 
@@ -75,22 +74,6 @@ impl core::ops::AddAssign for Totals {
     }
 }
 
-/// An answer in stored units, or one that needs none.
-enum Solved {
-    Answer(Answer),
-    Outcome(Outcome),
-}
-
-impl Solved {
-    #[inline]
-    fn outcome(self, a: &ConvexPolyhedron, b: &ConvexPolyhedron) -> Outcome {
-        match self {
-            Solved::Answer(answer) => outcome(a, b, &answer),
-            Solved::Outcome(outcome) => outcome,
-        }
-    }
-}
-
 impl Tracker {
     /// A tracker without a start: the first query begins at the support vertices along the line of centres.
     pub fn new() -> Self {
@@ -100,38 +83,34 @@ impl Tracker {
     /// A tracker that starts from the given features; those that are not the bodies' own are ignored.
     pub fn starting_from(features: FeaturePair, a: &ConvexPolyhedron, b: &ConvexPolyhedron) -> Self {
         Self {
-            last: State::from_features(a, b, features),
+            last: features.is_of(a, b).then(|| features.to_stand_on(a, b)),
             totals: Totals::default(),
         }
     }
 
     /// The features of the last answer.
     pub fn features(&self) -> Option<FeaturePair> {
-        self.last.map(State::features)
+        self.last
     }
 
     /// The pairs of features that the walk of the next query would look at, in order, and whether it ends on the last
-    /// of them rather than handing over there. Nothing is changed or counted. Empty for bodies too far apart to walk.
+    /// of them rather than handing over there. Nothing is changed or counted. Empty for bodies that no walk is tried on:
+    /// too far apart, or of sizes too different.
     pub fn trace(
         &self,
         a: &ConvexPolyhedron,
         b: &ConvexPolyhedron,
         a_from_b: &RelativePose,
     ) -> (Vec<FeaturePair>, bool) {
-        let swap = needs_swap(a, b);
-        let (x, y) = if swap { (b, a) } else { (a, b) };
-        let turned = if swap { a_from_b.swapped() } else { *a_from_b };
-        let Ok(placed) = Placed::new(x, y, &turned) else {
-            return (Vec::new(), false);
-        };
-        let (way, ended) = trace(&placed, self.start(x, y, swap));
-        let name = |s: State| if swap { s.features().swapped() } else { s.features() };
-        (way.into_iter().map(name).collect(), ended)
+        match Placed::new(a, b, a_from_b) {
+            Ok(placed) => trace(&placed, self.start(a, b)),
+            Err(_) => (Vec::new(), false),
+        }
     }
 
     /// The query as a text that rebuilds it bit for bit: ask for it before the query, or the start is the answer's.
     pub fn replay(&self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose, level: Level) -> Replay {
-        replay(a, b, a_from_b, self.start(a, b, false), level)
+        replay(a, b, a_from_b, self.start(a, b), level)
     }
 
     /// What has been done so far.
@@ -149,7 +128,7 @@ impl Tracker {
     /// as the exact rung is not needed.
     pub fn closest(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Outcome {
         let before = self.last;
-        let outcome = self.solve(a, b, a_from_b, closest::certified).outcome(a, b);
+        let outcome = self.solve(a, b, a_from_b, Level::Certified);
         debug_check(a, b, a_from_b, before, Level::Certified, &outcome);
         outcome
     }
@@ -159,7 +138,7 @@ impl Tracker {
     #[cfg(feature = "exact")]
     pub fn closest_exact(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Outcome {
         let before = self.last;
-        let mut outcome = self.solve(a, b, a_from_b, closest::exactly).outcome(a, b);
+        let mut outcome = self.solve(a, b, a_from_b, Level::Exact);
         if outcome.layer == Layer::Far {
             outcome = far::exactly(a, b, a_from_b, outcome);
         }
@@ -169,22 +148,12 @@ impl Tracker {
 
     /// The distance and its bounds without the witnesses.
     pub fn distance(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Distance {
-        match self.solve(a, b, a_from_b, closest::certified) {
-            Solved::Answer(x) => {
-                let unit = power_of_two(unit_exponent(a, b));
-                Distance {
-                    class: x.class,
-                    value: x.distance * unit,
-                    lower: x.lower * unit,
-                    upper: x.upper * unit,
-                }
-            }
-            Solved::Outcome(o) => Distance {
-                class: o.class,
-                value: o.distance,
-                lower: o.lower,
-                upper: o.upper,
-            },
+        let o = self.solve(a, b, a_from_b, Level::Certified);
+        Distance {
+            class: o.class,
+            value: o.distance,
+            lower: o.lower,
+            upper: o.upper,
         }
     }
 
@@ -204,17 +173,11 @@ impl Tracker {
         if !(d >= 0.0) || clear_of(a, b, a_from_b, d) {
             return false;
         }
-        let (lower, upper, class) = match self.solve(a, b, a_from_b, closest::certified) {
-            Solved::Answer(x) => {
-                let unit = power_of_two(unit_exponent(a, b));
-                (x.lower * unit, x.upper * unit, x.class)
-            }
-            Solved::Outcome(o) => (o.lower, o.upper, o.class),
-        };
-        if class == Class::Overlapping || upper <= d {
+        let o = self.solve(a, b, a_from_b, Level::Certified);
+        if o.class == Class::Overlapping || o.upper <= d {
             return true;
         }
-        if lower > d {
+        if o.lower > d {
             return false;
         }
         self.decide_within(a, b, a_from_b, d)
@@ -223,7 +186,7 @@ impl Tracker {
     /// The closest features as the walk proposes them, without bounds. Where the walk does not end, the minimum-norm
     /// solver in f64 stands in.
     pub fn propose(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Proposal {
-        let o = self.solve(a, b, a_from_b, closest::proposed).outcome(a, b);
+        let o = self.solve(a, b, a_from_b, Level::Walk);
         Proposal {
             distance: (o.class != Class::Overlapping).then_some(o.distance),
             features: o.features,
@@ -235,56 +198,59 @@ impl Tracker {
         }
     }
 
-    /// Asks one of the solvers, in the units of the larger body.
-    #[inline]
-    fn solve(
+    /// Asks one of the solvers.
+    #[inline(always)]
+    fn solve(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose, level: Level) -> Outcome {
+        if b.exponent > a.exponent {
+            return self.solve_swapped(a, b, a_from_b, level);
+        }
+        let Ok(placed) = Placed::new(a, b, a_from_b) else {
+            return self.solve_far(a, b, a_from_b);
+        };
+        let start = self.start(a, b);
+        let mut answer = Answer::open(start.unwrap_or_else(|| closest::seed::facing(&placed)));
+        closest::solve(level, &placed, start.is_some(), &mut answer);
+        self.count(Some(answer.state), answer.layer, &answer.work);
+        outcome(a, b, &answer)
+    }
+
+    /// The same in the units of B, which are the larger.
+    #[cold]
+    fn solve_swapped(
         &mut self,
         a: &ConvexPolyhedron,
         b: &ConvexPolyhedron,
         a_from_b: &RelativePose,
-        solver: impl Fn(&Placed, Option<State>) -> Answer,
-    ) -> Solved {
-        if needs_swap(a, b) {
-            let b_from_a = a_from_b.swapped();
-            return match Placed::new(b, a, &b_from_a) {
-                Ok(placed) => {
-                    let answer = solver(&placed, self.start(b, a, true)).swapped(&b_from_a);
-                    self.counted(answer)
-                }
-                Err(_) => self.solve_far(a, b, a_from_b),
-            };
-        }
-        match Placed::new(a, b, a_from_b) {
-            Ok(placed) => {
-                let answer = solver(&placed, self.start(a, b, false));
-                self.counted(answer)
-            }
-            Err(_) => self.solve_far(a, b, a_from_b),
-        }
-    }
-
-    #[inline]
-    fn counted(&mut self, answer: Answer) -> Solved {
+        level: Level,
+    ) -> Outcome {
+        let b_from_a = a_from_b.swapped();
+        let Ok(placed) = Placed::new(b, a, &b_from_a) else {
+            return self.solve_far(a, b, a_from_b);
+        };
+        let start = self.start(a, b).map(FeaturePair::swapped);
+        let mut answer = Answer::open(start.unwrap_or_else(|| closest::seed::facing(&placed)));
+        closest::solve(level, &placed, start.is_some(), &mut answer);
+        answer.state = answer.state.swapped();
+        answer.found = answer.found.swapped(&b_from_a);
         self.count(Some(answer.state), answer.layer, &answer.work);
-        Solved::Answer(answer)
+        outcome(a, b, &answer)
     }
 
     #[cold]
-    fn solve_far(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Solved {
+    fn solve_far(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Outcome {
         let outcome = far::answer(a, b, a_from_b);
         self.count(None, outcome.layer, &outcome.work);
-        Solved::Outcome(outcome)
+        outcome
     }
 
     /// The cached state, where it names features of these bodies.
     #[inline]
-    fn start(&self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, swap: bool) -> Option<State> {
-        let state = if swap { self.last?.swapped() } else { self.last? };
-        state.is_of(a, b).then_some(state)
+    fn start(&self, a: &ConvexPolyhedron, b: &ConvexPolyhedron) -> Option<FeaturePair> {
+        self.last.filter(|state| state.is_of(a, b))
     }
 
     #[inline]
-    fn count(&mut self, state: Option<State>, layer: Layer, work: &Work) {
+    fn count(&mut self, state: Option<FeaturePair>, layer: Layer, work: &Work) {
         self.totals.queries += 1;
         self.totals.warm += u64::from(self.last.is_some());
         self.totals.answered[layer as usize] += 1;
@@ -309,31 +275,31 @@ fn replay(
     a: &ConvexPolyhedron,
     b: &ConvexPolyhedron,
     pose: &RelativePose,
-    start: Option<State>,
+    start: Option<FeaturePair>,
     level: Level,
 ) -> Replay {
     Replay {
         a: a.clone(),
         b: b.clone(),
         pose: *pose,
-        start: start.map(State::features),
+        start,
         level,
     }
 }
 
 /// In debug builds: an answer that contradicts itself ends the program with the text that replays the query.
-#[inline]
+#[inline(always)]
 fn debug_check(
     a: &ConvexPolyhedron,
     b: &ConvexPolyhedron,
     pose: &RelativePose,
-    before: Option<State>,
+    before: Option<FeaturePair>,
     level: Level,
     outcome: &Outcome,
 ) {
     if cfg!(debug_assertions) {
         if let Some(fault) = crate::soundness::fault(a, b, pose, outcome) {
-            let start = before.filter(|s| s.is_of(a, b));
+            let start = before.filter(|pair| pair.is_of(a, b));
             panic!("{fault}: {outcome:?}\n{}", replay(a, b, pose, start, level));
         }
     }
@@ -347,56 +313,57 @@ impl Replay {
     }
 }
 
-/// Whether B's units are so much larger than A's that the pair is solved the other way round. Bodies of any ratio up to
-/// 2^60 keep their order whatever the unit of the scene, so that powers of two change no bit.
-#[inline]
-fn needs_swap(a: &ConvexPolyhedron, b: &ConvexPolyhedron) -> bool {
-    b.exponent - a.exponent > 60 + EXPONENT_FREE
-}
-
-/// The exponent of the units that a pair is solved in.
-#[inline]
-fn unit_exponent(a: &ConvexPolyhedron, b: &ConvexPolyhedron) -> i32 {
-    if needs_swap(a, b) { b.exponent } else { a.exponent }
-}
-
 /// Whether the bounding balls alone prove the bodies more than `d` apart.
 #[inline]
 fn clear_of(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &RelativePose, d: f64) -> bool {
-    if !a.is_as_given() || !b.is_as_given() {
+    if !a.as_given || !b.as_given {
         return false;
     }
     let reach = a.radius + b.radius + d;
     // One part in 2^20 is far more than the rounding of both sides.
-    pose.translation.norm_squared() > reach * reach * (1.0 + 1.0 / 1_048_576.0)
+    pose.translation().norm_squared() > reach * reach * (1.0 + 1.0 / 1_048_576.0)
 }
 
-impl Answer {
-    /// The same answer with the bodies exchanged; `pose` is the one it was computed in.
-    fn swapped(self, pose: &RelativePose) -> Self {
+impl Found {
+    /// The same with the bodies exchanged; `pose` is the one it was found at.
+    fn swapped(&self, pose: &RelativePose) -> Self {
         Self {
-            state: self.state.swapped(),
             point_a: self.point_b,
             point_b: self.point_a,
-            normal: -pose.rotation.tr_mul(&self.normal),
-            ..self
+            normal: -pose.rotation().tr_mul(&self.normal),
+            ..*self
         }
     }
 }
 
 /// The answer in the caller's units.
-#[inline]
+#[inline(always)]
 fn outcome(a: &ConvexPolyhedron, b: &ConvexPolyhedron, x: &Answer) -> Outcome {
-    let unit = power_of_two(unit_exponent(a, b));
+    if a.as_given && b.as_given {
+        in_units(x, 1.0, x.found.point_a.into(), x.found.point_b.into())
+    } else {
+        given_back(a, b, x)
+    }
+}
+
+/// Stored units and frames to the caller's.
+#[cold]
+fn given_back(a: &ConvexPolyhedron, b: &ConvexPolyhedron, x: &Answer) -> Outcome {
+    let unit = power_of_two(a.exponent.max(b.exponent));
+    in_units(x, unit, a.given(&x.found.point_a), b.given(&x.found.point_b))
+}
+
+#[inline(always)]
+fn in_units(x: &Answer, unit: f64, point_on_a: Point3<f64>, point_on_b: Point3<f64>) -> Outcome {
     Outcome {
         class: x.class,
-        distance: x.distance * unit,
+        distance: x.found.distance * unit,
         lower: x.lower * unit,
         upper: x.upper * unit,
-        features: x.state.features(),
-        point_on_a: a.given(&x.point_a),
-        point_on_b: b.given(&x.point_b),
-        normal: Unit::new_normalize(x.normal),
+        features: x.state,
+        point_on_a,
+        point_on_b,
+        normal: Unit::new_unchecked(x.found.normal),
         layer: x.layer,
         work: x.work,
     }

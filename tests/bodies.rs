@@ -178,6 +178,46 @@ fn hulls_of_hard_families_are_right() {
     }
 }
 
+/// Small integer coordinates: most triples are collinear or most quadruples coplanar somewhere.
+#[test]
+fn degenerate_clouds_match_brute_force() {
+    let mut random = Random(11);
+    let (mut solid, mut dropped) = (0, [0; 4]);
+    for round in 0..1500 {
+        let n = 4 + round % 10;
+        let size = [1.0, 1.5, 2.0, 4.0][round % 4];
+        let points: Points = (0..n)
+            .map(|_| random.point(size, size, size).map(|x| x.round() + 0.0))
+            .collect();
+        match ConvexPolyhedron::from_points(&points) {
+            Err(BuildError::Flat { dimension, span }) => {
+                assert_eq!(span.len(), dimension + 1);
+                assert!(brute_force_planes(&points).is_empty());
+            }
+            Err(e) => panic!("{e}"),
+            Ok(_) => {
+                solid += 1;
+                let body = check(&points, &format!("round {round}: {points:?}"));
+                let planes = brute_force_planes(&points);
+                assert_eq!(planes.len(), body.face_count(), "{points:?}");
+                let report = body.report();
+                let through = |i: &u32| planes.iter().filter(|p| p.contains(&(*i as usize))).count();
+                assert!(report.interior.iter().all(|i| through(i) == 0), "{points:?}");
+                assert!(report.on_faces.iter().all(|i| through(i) == 1), "{points:?}");
+                assert!(report.on_edges.iter().all(|i| through(i) == 2), "{points:?}");
+                assert!(
+                    body.vertices()
+                        .all(|v| through(&(body.source_vertex(v).unwrap() as u32)) >= 3)
+                );
+                let lists = [&report.interior, &report.on_faces, &report.on_edges].map(Vec::len);
+                let counts = [lists[0], lists[1], lists[2], report.duplicates.len()];
+                counts.iter().zip(&mut dropped).for_each(|(c, d)| *d += c);
+            }
+        }
+    }
+    assert!(solid > 800 && dropped.iter().all(|&d| d > 50), "{solid} {dropped:?}");
+}
+
 #[test]
 fn the_report_sorts_what_was_dropped() {
     let (_, dirty) = families().into_iter().find(|f| f.0 == "dirty cube").unwrap();

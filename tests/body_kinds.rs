@@ -370,6 +370,49 @@ fn closest_points_are_optimal() {
     assert!(inside > 50 && outside > 500, "{inside} {outside}");
 }
 
+/// Bodies as thin as one unit in the last place, on which a careless sign or a missing candidate shows.
+#[test]
+fn slivers_at_rounding_level_behave() {
+    let cluster = [
+        [0.6000000000000002, 0.4, 0.5000000000000001],
+        [0.2, 0.3, 0.1],
+        [0.7000000000000001, 0.09999999999999999, 0.7000000000000001],
+        [0.3000000000000001, 0.5, 0.6000000000000002],
+        [0.5000000000000001, 0.5, 0.4000000000000001],
+        [0.3, 0.39999999999999997, 0.10000000000000002],
+        [0.39999999999999997, 0.4000000000000001, 0.7],
+        [0.10000000000000002, 0.3000000000000001, 0.7000000000000002],
+        [0.7, 0.10000000000000002, 0.7000000000000001],
+    ]
+    .map(Point3::from);
+    let sliver = [
+        [0.2335088557185494, -0.8379976706381789, -0.5165457127311603],
+        [-0.7008580241691877, -0.5400168053869379, -0.5882691710216128],
+        [0.6008952052941783, -0.7540565813188926, -0.34757104533497135],
+        [0.7262029563273924, 0.76964580718209, 0.7566129519256808],
+    ]
+    .map(Point3::from);
+    for points in [&cluster[..], &sliver] {
+        let body = ConvexPolyhedron::from_points(points).unwrap();
+        let rim = |f| {
+            body.face_vertices(f)
+                .map(|v| body.source_vertex(v).unwrap() as u32)
+                .collect::<Vec<_>>()
+        };
+        let faces: Vec<Vec<u32>> = body.faces().map(rim).collect();
+        let back = ConvexPolyhedron::from_faces(points, &faces).unwrap();
+        assert!(back == body && back.faces().all(|f| back.source_face(f) == Some(f.index())));
+        let centre = Point3::from(points.iter().fold(Vector3::zeros(), |s, p| s + p.coords) / points.len() as f64);
+        assert!((body.closest_point(&centre).unwrap() - centre).norm() < 1e-15);
+    }
+    // coordinates far below the flush limit are the caller's points all the same
+    let mut corners = cube().0;
+    corners[7].x += 1.0;
+    corners[0].x = 5e-316;
+    let body = ConvexPolyhedron::from_points(&corners).unwrap();
+    assert!(body.report().flushed_coordinates == 1 && corners.iter().all(|p| body.contains(p)));
+}
+
 #[test]
 fn links_agree_and_foreign_ids_are_refused() {
     let large = solids::random_hull(40, Vector3::repeat(1.0), 2).unwrap();

@@ -8,61 +8,55 @@
 
 use nalgebra::Vector3;
 
-use super::placed::Placed;
+use super::fan::one_norm;
+use super::placed::{OfA, OfB, Placed};
 use super::slide::{Slide, slide};
-use super::state::{Found, State, Step};
-use crate::polyhedron::ConvexPolyhedron;
+use super::state::{Found, Step};
+use crate::polyhedron::{ConvexPolyhedron, FeaturePair, Plane};
 use crate::pose::Which;
 use crate::scalar::sqrt;
 use crate::tolerance::{DIFFERENCE, DIRECTION, NEARLY_PARALLEL, ON_BOUNDARY, PARALLEL};
 
-/// An edge with its ends and the planes of its faces.
+/// The ends of an edge and the planes of its faces.
+#[derive(Clone, Copy)]
 struct Edge<'a> {
-    name: u32,
     tail: u32,
     head: u32,
-    left: u32,
-    right: u32,
     p: Vector3<f64>,
     q: Vector3<f64>,
-    body: &'a ConvexPolyhedron,
+    left: &'a Plane,
+    right: &'a Plane,
 }
 
 impl<'a> Edge<'a> {
-    #[inline]
+    #[inline(always)]
     fn new(body: &'a ConvexPolyhedron, edge: u32) -> Self {
         let e = body.topology.half_edge(edge);
         let twin = body.topology.half_edge(e.twin);
-        let (p, q) = (body.points[twin.to as usize], body.points[e.to as usize]);
         Self {
-            name: edge,
             tail: twin.to,
             head: e.to,
-            left: e.face,
-            right: twin.face,
-            p,
-            q,
-            body,
+            p: body.points[twin.to as usize],
+            q: body.points[e.to as usize],
+            left: &body.planes[e.face as usize],
+            right: &body.planes[twin.face as usize],
         }
     }
 
-    /// How far `t` leaves the face on the left and on the right behind, for a normal turned by `sign`: both are weights
-    /// of the normal over the planes and not negative inside.
-    #[inline]
+    /// How far `t` leaves the faces on the right and on the left behind, for a normal turned by `sign`: the weights of
+    /// the normal over the planes of the left and the right one, not negative inside.
+    #[inline(always)]
     fn weights(&self, t: &Vector3<f64>, sign: f64) -> (f64, f64) {
-        let (l, r) = (
-            &self.body.planes[self.left as usize],
-            &self.body.planes[self.right as usize],
-        );
-        (-sign * t.dot(&r.normal), sign * t.dot(&l.normal))
+        (-sign * t.dot(&self.right.normal), sign * t.dot(&self.left.normal))
     }
 }
 
-#[inline]
-pub(crate) fn look<const CERTIFY: bool>(placed: &Placed, a: u32, b: u32) -> Step {
+// Not inlined: the walk's loop would hoist the loads of every kind of pair and spill them.
+#[inline(never)]
+pub(crate) fn look<const CERTIFY: bool>(placed: &Placed, a: u32, b: u32, found: &mut Found) -> Step {
     let (ea, eb) = (Edge::new(placed.a, a), Edge::new(placed.b, b));
     let (u, w_in_b) = (ea.q - ea.p, eb.q - eb.p);
-    let (w, p2) = (placed.a_from_b.vector(&w_in_b), placed.a_from_b.point(&eb.p));
+    let (w, p2) = (placed.vector_in_a(&w_in_b), placed.point_in_a(&eb.p));
     let r = p2 - ea.p;
     let (uu, ww) = (u.norm_squared(), w.norm_squared());
     let mut n = u.cross(&w);
@@ -71,33 +65,37 @@ pub(crate) fn look<const CERTIFY: bool>(placed: &Placed, a: u32, b: u32) -> Step
         n -= u * (n.dot(&u) / uu);
         nn = n.norm_squared();
         if nn <= PARALLEL * uu * ww {
-            return Step::Move(ends(&ea, &eb, &r, &u, &w));
+            return ends(placed, a, b);
         }
     }
-    let noise = DIFFERENCE * placed.size();
-    let (s, t) = (r.cross(&w).dot(&n) / nn, r.cross(&u).dot(&n) / nn);
-    let outside = |x: f64, along: f64| (x < 0.0 || x > 1.0) && (x - x.clamp(0.0, 1.0)).abs() * sqrt(along) > noise;
-    if outside(s, uu) || outside(t, ww) {
-        return Step::Move(ends(&ea, &eb, &r, &u, &w));
+    let per_square = 1.0 / nn;
+    let (s, t) = (r.cross(&w).dot(&n) * per_square, r.cross(&u).dot(&n) * per_square);
+    if s.min(t) < 0.0 || s.max(t) > 1.0 {
+        let off = |s: f64, squared: f64| (s - s.clamp(0.0, 1.0)).abs() * sqrt(squared) > DIFFERENCE * placed.size();
+        if off(s, uu) || off(t, ww) {
+            return ends(placed, a, b);
+        }
     }
+    let sign = if r.dot(&n) < 0.0 { -1.0 } else { 1.0 };
+    let u_in_b = placed.vector_in_b(&u);
+    let (on_a, on_b) = (ea.weights(&w, sign), eb.weights(&u_in_b, sign));
     let (s, t) = (s.clamp(0.0, 1.0), t.clamp(0.0, 1.0));
-    let across = r.dot(&n);
-    let sign = if across < 0.0 { -1.0 } else { 1.0 };
-    let (alpha_a, beta_a) = ea.weights(&w, sign);
-    let u_in_b = placed.b_from_a.vector(&u);
-    let (alpha_b, beta_b) = eb.weights(&u_in_b, sign);
-    // F(left) or F(right) of A under the edge of B, and the reverse.
-    let (least_a, least_b) = (alpha_a.min(beta_a), alpha_b.min(beta_b));
-    let out_a = least_a < -DIRECTION * w.abs().sum();
-    let out_b = least_b < -DIRECTION * u_in_b.abs().sum();
-    // The weights are as long as the other edge: compare sines.
-    if out_a && (!out_b || least_a * sqrt(uu) <= least_b * placed.b_from_a.unit * sqrt(ww)) {
-        let face = if alpha_a < beta_a { ea.right } else { ea.left };
-        return over_face_of_a(placed, &eb, face, a, &(p2 + w * t), &w);
-    }
-    if out_b {
-        let face = if alpha_b < beta_b { eb.right } else { eb.left };
-        return over_face_of_b(placed, &ea, face, b, &(ea.p + u * s), &u_in_b);
+    if on_a.0.min(on_a.1) < 0.0 || on_b.0.min(on_b.1) < 0.0 {
+        // The weights are as long as the other edge: compare sines.
+        let sine = |least: f64, other: &Vector3<f64>| {
+            if least < -DIRECTION * one_norm(other) {
+                least / sqrt(other.norm_squared())
+            } else {
+                0.0
+            }
+        };
+        let (out_a, out_b) = (sine(on_a.0.min(on_a.1), &w), sine(on_b.0.min(on_b.1), &u_in_b));
+        if out_a < 0.0 && out_a <= out_b {
+            return over_face_of_a(placed, a, b, on_a.0 < on_a.1, t);
+        }
+        if out_b < 0.0 {
+            return over_face_of_b(placed, a, b, on_b.0 < on_b.1, s);
+        }
     }
     let (point_a, point_b) = (ea.p + u * s, eb.p + w_in_b * t);
     let between = (p2 + w * t) - point_a;
@@ -105,74 +103,97 @@ pub(crate) fn look<const CERTIFY: bool>(placed: &Placed, a: u32, b: u32) -> Step
     if distance <= ON_BOUNDARY * placed.size() {
         return Step::Lost;
     }
-    let normal = n * sign;
+    let normal = n * (sign * sqrt(nn) * per_square);
     let lower = if CERTIFY {
-        let planes = |e: &Edge| (e.body.planes[e.left as usize], e.body.planes[e.right as usize]);
-        let ((al, ar), (bl, br)) = (planes(&ea), planes(&eb));
-        let in_b = -placed.a_from_b.direction(&normal);
-        let high_a = placed.a.edge_bound(&normal, &al, &ar, alpha_a, beta_a);
-        let high_b = placed.b.edge_bound(&in_b, &bl, &br, alpha_b, beta_b);
-        (placed.a_from_b.lift(&normal) - high_a - high_b) / sqrt(nn)
+        let high_a = placed.a.edge_bound(&normal, ea.left, ea.right, on_a, 1.0);
+        let high_b = placed
+            .b
+            .edge_bound(&-placed.direction_in_b(&normal), eb.left, eb.right, on_b, 1.0);
+        placed.lift(&normal) - high_a - high_b
     } else {
         f64::NEG_INFINITY
     };
-    Step::Found(Found {
+    *found = Found {
         normal,
         point_a,
         point_b,
         distance,
         lower,
-    })
+    };
+    Step::Found
 }
 
-/// Slides the edge of B over a face of A, downhill from `start` (A's frame).
-fn over_face_of_a(p: &Placed, e: &Edge, face: u32, rim: u32, start: &Vector3<f64>, w: &Vector3<f64>) -> Step {
-    let rising = p.a.planes[face as usize].normal.dot(w) > 0.0;
-    let half_edge = if rising {
-        e.body.topology.half_edge(e.name).twin
-    } else {
-        e.name
-    };
+/// Slides the edge of B over the right or the left face of A's, downhill from `t`.
+#[inline(never)]
+fn over_face_of_a(placed: &Placed, a: u32, b: u32, right: bool, t: f64) -> Step {
+    let eb = Edge::new(placed.b, b);
+    let start = placed.point_in_a(&(eb.p + (eb.q - eb.p) * t));
+    let way = placed.vector_in_a(&(eb.q - eb.p));
+    let (face, half_edge) = downhill(placed.a, a, right, &way, placed.b, b);
     slide(
-        &p.b_beside_a(),
-        Which::B,
-        &Slide {
-            half_edge,
-            start: *start,
-            face,
-            from_rim: Some(rim),
-        },
-    )
-}
-
-/// Slides the edge of A over a face of B, downhill from `start` (A's frame).
-fn over_face_of_b(p: &Placed, e: &Edge, face: u32, rim: u32, start: &Vector3<f64>, u: &Vector3<f64>) -> Step {
-    let rising = p.b.planes[face as usize].normal.dot(u) > 0.0;
-    let half_edge = if rising {
-        e.body.topology.half_edge(e.name).twin
-    } else {
-        e.name
-    };
-    let start = p.b_from_a.point(start);
-    slide(
-        &p.a_beside_b(),
-        Which::A,
+        &OfB(placed),
         &Slide {
             half_edge,
             start,
             face,
-            from_rim: Some(rim),
+            from_rim: Some(a),
         },
     )
 }
 
-/// The nearest pair of points of the two segments where at least one of them is an end: clamp on A's edge, project on
-/// B's, clamp, project back.
+/// Slides the edge of A over the right or the left face of B's, downhill from `s`.
+#[inline(never)]
+fn over_face_of_b(placed: &Placed, a: u32, b: u32, right: bool, s: f64) -> Step {
+    let ea = Edge::new(placed.a, a);
+    let start = placed.point_in_b(&(ea.p + (ea.q - ea.p) * s));
+    let way = placed.vector_in_b(&(ea.q - ea.p));
+    let (face, half_edge) = downhill(placed.b, b, right, &way, placed.a, a);
+    slide(
+        &OfA(placed),
+        &Slide {
+            half_edge,
+            start,
+            face,
+            from_rim: Some(b),
+        },
+    )
+}
+
+/// The face right or left of `rim`, and the half-edge of `edge` (pointing along `way`) that falls towards it.
+fn downhill(
+    body: &ConvexPolyhedron,
+    rim: u32,
+    right: bool,
+    way: &Vector3<f64>,
+    other: &ConvexPolyhedron,
+    edge: u32,
+) -> (u32, u32) {
+    let e = body.topology.half_edge(rim);
+    let face = if right {
+        body.topology.half_edge(e.twin).face
+    } else {
+        e.face
+    };
+    let rising = body.planes[face as usize].normal.dot(way) > 0.0;
+    (
+        face,
+        if rising {
+            other.topology.half_edge(edge).twin
+        } else {
+            edge
+        },
+    )
+}
+
+/// The nearest pair of points of the two segments where at least one of them is an end: the ends of each projected on
+/// the other, the best of the four.
 #[cold]
-fn ends(ea: &Edge, eb: &Edge, r: &Vector3<f64>, u: &Vector3<f64>, w: &Vector3<f64>) -> State {
-    let (uu, ww, uw) = (u.norm_squared(), w.norm_squared(), u.dot(w));
-    let (ru, rw) = (r.dot(u), r.dot(w));
-    // Squared distance from the point at s on A's edge to its nearest on B's, and where that is; and the reverse.
+fn ends(placed: &Placed, a: u32, b: u32) -> Step {
+    let (ea, eb) = (Edge::new(placed.a, a), Edge::new(placed.b, b));
+    let (u, w) = (ea.q - ea.p, placed.vector_in_a(&(eb.q - eb.p)));
+    let r = placed.point_in_a(&eb.p) - ea.p;
+    let (uu, ww, uw) = (u.norm_squared(), w.norm_squared(), u.dot(&w));
+    let (ru, rw) = (r.dot(&u), r.dot(&w));
     let on_b = |s: f64| ((s * uw - rw) / ww).clamp(0.0, 1.0);
     let on_a = |t: f64| ((t * uw + ru) / uu).clamp(0.0, 1.0);
     let candidates = [(0.0, on_b(0.0)), (1.0, on_b(1.0)), (on_a(0.0), 0.0), (on_a(1.0), 1.0)];
@@ -183,7 +204,6 @@ fn ends(ea: &Edge, eb: &Edge, r: &Vector3<f64>, u: &Vector3<f64>, w: &Vector3<f6
             best = *c;
         }
     }
-    let (s, t) = best;
     let end = |e: &Edge, x: f64| {
         if x == 0.0 {
             Some(e.tail)
@@ -193,19 +213,11 @@ fn ends(ea: &Edge, eb: &Edge, r: &Vector3<f64>, u: &Vector3<f64>, w: &Vector3<f6
             None
         }
     };
-    match (end(ea, s), end(eb, t)) {
-        (Some(a), Some(b)) => State::VertexVertex { a, b },
-        (Some(vertex), None) => State::VertexEdge {
-            of: Which::A,
-            vertex,
-            edge: eb.name,
-        },
-        (None, Some(vertex)) => State::VertexEdge {
-            of: Which::B,
-            vertex,
-            edge: ea.name,
-        },
-        // A projection that is NaN or at neither end: the tails stand in.
-        (None, None) => State::VertexVertex { a: ea.tail, b: eb.tail },
-    }
+    Step::Move(match (end(&ea, best.0), end(&eb, best.1)) {
+        (Some(v), Some(w)) => FeaturePair::vertices(Which::A, v, w),
+        (Some(v), None) => FeaturePair::vertex_edge(Which::A, v, b),
+        (None, Some(v)) => FeaturePair::vertex_edge(Which::B, v, a),
+        // A projection that is NaN: the tails stand in.
+        (None, None) => FeaturePair::vertices(Which::A, ea.tail, eb.tail),
+    })
 }

@@ -14,8 +14,7 @@ use nalgebra::Vector3;
 
 use super::placed::{Frame, Placed};
 use super::simplex::{Corner, Simplex};
-use super::state::State;
-use crate::polyhedron::ConvexPolyhedron;
+use crate::polyhedron::{ConvexPolyhedron, FeaturePair};
 use crate::scalar::{Scalar, Vec3, dot, neg, root, sub};
 use crate::tolerance::{ON_BOUNDARY, PLATEAU, UNIT};
 
@@ -37,7 +36,7 @@ pub(crate) enum Minimum<T> {
 }
 
 /// Solves from the vertices of a state.
-pub(crate) fn solve<T: Scalar>(placed: &Placed, frame: &Frame<T>, from: State) -> Minimum<T> {
+pub(crate) fn solve<T: Scalar>(placed: &Placed, frame: &Frame<T>, from: FeaturePair) -> Minimum<T> {
     let (a, b) = from.vertices_of(placed.a, placed.b);
     solve_from(placed, frame, a, b)
 }

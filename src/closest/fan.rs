@@ -5,6 +5,12 @@ use nalgebra::Vector3;
 use crate::polyhedron::{ConvexPolyhedron, Plane};
 use crate::tolerance::{EDGE_BOUND, EDGE_SIGN};
 
+/// The sum of absolute coordinates: a norm without a root.
+#[inline]
+pub(crate) fn one_norm(v: &Vector3<f64>) -> f64 {
+    v.x.abs() + v.y.abs() + v.z.abs()
+}
+
 /// The edge of a vertex's fan along which a direction rises least.
 pub(crate) struct Fan {
     /// The smallest `n . e` over the fan, plus infinity for an empty fan.
@@ -15,55 +21,68 @@ pub(crate) struct Fan {
 
 impl ConvexPolyhedron {
     /// Scans the fan of `v` for the edge that falls most along `n`.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn fan_minimum(&self, v: u32, n: &Vector3<f64>) -> Fan {
         let p = self.points[v as usize];
         let mut fan = Fan {
             least: f64::INFINITY,
             half_edge: 0,
         };
-        for (h, e) in self.topology.fan(v).zip(self.topology.fan_edges(v)) {
+        let start = self.topology.fan(v).start;
+        for (k, e) in self.topology.fan_edges(v).iter().enumerate() {
             let c = n.dot(&(self.points[e.to as usize] - p));
             if c < fan.least {
-                fan = Fan { least: c, half_edge: h };
+                fan = Fan {
+                    least: c,
+                    half_edge: start + k as u32,
+                };
             }
         }
         fan
     }
 
     /// Whether a fan minimum proves its vertex the lowest of the body along `n`: every edge certainly rises.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn proves_lowest(&self, fan: &Fan, n: &Vector3<f64>) -> bool {
-        fan.least > 2.0 * EDGE_SIGN * self.radius * (n.x.abs() + n.y.abs() + n.z.abs())
+        fan.least > 2.0 * EDGE_SIGN * self.radius * one_norm(n)
     }
 
     /// The edge to leave the vertex by: the one that falls most, where it falls by more than the direction's own
     /// uncertainty `noise` explains.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn descent(&self, v: u32, fan: &Fan, noise: f64) -> Option<u32> {
         if fan.least >= 0.0 {
             return None;
         }
         let to = self.topology.half_edge(fan.half_edge).to;
         let e = self.points[to as usize] - self.points[v as usize];
-        (fan.least < -noise * e.abs().sum()).then_some(fan.half_edge)
+        (fan.least < -noise * one_norm(&e)).then_some(fan.half_edge)
     }
 
     /// A bound of the largest `n . x` over the body from the planes of two faces (or one twice), by linear programming
     /// duality: for any weights that are not negative and `m = alpha nL + beta nR`,
     ///
-    /// `n . x = s m . x + (n - s m) . x <= s (alpha oL + beta oR) + |n - s m| r`  for every `s >= 0`.
+    /// `n . x = s m . x + (n - s m) . x <= s (alpha oL + beta oR) + |n - s m| r`  for every `s >= 0`,
+    ///
+    /// here `s = n . n / m . n`, the least rest where `m` is parallel to `n`; the caller has `squared = n . n` at hand.
     ///
     /// The rest `n - s m` is evaluated, never assumed small, so the bound holds whatever the weights. Where `m` cancels
     /// (thin bodies), its rounding and that of the offsets' sum grow with the weights; the last term covers both.
-    #[inline]
-    pub(crate) fn edge_bound(&self, n: &Vector3<f64>, left: &Plane, right: &Plane, alpha: f64, beta: f64) -> f64 {
+    #[inline(always)]
+    pub(crate) fn edge_bound(
+        &self,
+        n: &Vector3<f64>,
+        left: &Plane,
+        right: &Plane,
+        (alpha, beta): (f64, f64),
+        squared: f64,
+    ) -> f64 {
         let (alpha, beta) = (alpha.max(0.0), beta.max(0.0));
         let m = left.normal * alpha + right.normal * beta;
-        let s = m.dot(n) / m.norm_squared();
+        let s = squared / m.dot(n);
         let rest = n - m * s;
         let weights = s * (alpha + beta) * EDGE_BOUND;
-        let bound = s * (alpha * left.offset + beta * right.offset) + (rest.abs().sum() + weights) * self.radius;
+        let bound = s * (alpha * left.offset + beta * right.offset) + (one_norm(&rest) + weights) * self.radius;
         // A zero m or a negative s proves nothing; the comparison is false for NaN.
         if s >= 0.0 { bound } else { f64::INFINITY }
     }

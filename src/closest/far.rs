@@ -6,24 +6,24 @@
 use nalgebra::{Unit, Vector3};
 
 use super::outcome::{Class, Layer, Outcome, Work};
-use super::state::State;
-use crate::polyhedron::ConvexPolyhedron;
-use crate::pose::RelativePose;
+use crate::polyhedron::{ConvexPolyhedron, FeaturePair};
+use crate::pose::{RelativePose, Which};
 use crate::tolerance::{CERTIFICATE, UNIT};
 
 /// The answer in the caller's units.
 #[cold]
 pub(crate) fn answer(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &RelativePose) -> Outcome {
-    let t = pose.translation + pose.rotation * b.origin - a.origin;
+    let (rotation, translation) = (pose.rotation(), pose.translation());
+    let t = translation + rotation * b.origin - a.origin;
     let largest = t.amax();
     let n = if largest > 0.0 {
         (t / largest).normalize()
     } else {
         Vector3::x()
     };
-    let (va, vb) = (a.climb_cold(&n), b.climb_cold(&-pose.rotation.tr_mul(&n)));
+    let (va, vb) = (a.climb_cold(&n), b.climb_cold(&-rotation.tr_mul(&n)));
     let (point_on_a, point_on_b) = (a.given(&a.points[va as usize]), b.given(&b.points[vb as usize]));
-    let between = pose.rotation * point_on_b.coords + pose.translation - point_on_a.coords;
+    let between = rotation * point_on_b.coords + translation - point_on_a.coords;
     let largest = between.amax();
     let distance = if largest > 0.0 {
         largest * (between / largest).norm()
@@ -40,7 +40,7 @@ pub(crate) fn answer(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &Relative
         distance,
         lower,
         upper: distance + slack,
-        features: State::VertexVertex { a: va, b: vb }.features(),
+        features: FeaturePair::vertices(Which::A, va, vb),
         point_on_a,
         point_on_b,
         normal: Unit::new_unchecked(n),
@@ -59,7 +59,7 @@ pub(crate) fn answer(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &Relative
 #[cfg(feature = "exact")]
 #[cold]
 pub(crate) fn exactly(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &RelativePose, outcome: Outcome) -> Outcome {
-    let hint = State::from_features(a, b, outcome.features).map_or((0, 0), |s| s.vertices_of(a, b));
+    let hint = outcome.features.vertices_of(a, b);
     let Some(distance) = super::exact::separation(a, b, pose, hint) else {
         return outcome;
     };

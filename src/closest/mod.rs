@@ -29,114 +29,91 @@ mod vertex_face;
 mod vertex_vertex;
 pub(crate) mod walk;
 
-use nalgebra::Vector3;
-
 use crate::certificate;
+use crate::polyhedron::FeaturePair;
 use crate::tolerance::{AGREE, CERTIFICATE, UNIT};
-use outcome::{Class, Layer, Work};
+use outcome::{Class, Layer, Level, Work};
 use placed::Placed;
-use state::{Found, State};
+use state::Found;
 
 /// An answer in stored units and frames.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Answer {
     pub(crate) class: Class,
-    pub(crate) distance: f64,
+    /// Witnesses, normal and distance.
+    pub(crate) found: Found,
     pub(crate) lower: f64,
     pub(crate) upper: f64,
-    pub(crate) state: State,
-    /// In A's stored frame.
-    pub(crate) point_a: Vector3<f64>,
-    /// In B's stored frame.
-    pub(crate) point_b: Vector3<f64>,
-    /// From A to B in A's frame, of any length that is not zero.
-    pub(crate) normal: Vector3<f64>,
+    pub(crate) state: FeaturePair,
     pub(crate) layer: Layer,
     pub(crate) work: Work,
 }
 
-/// The answer of the walk with its certificate, or `None` and how far it got.
-#[inline]
-pub(crate) fn certified_walk(placed: &Placed, start: State, layer: Layer, work: &mut Work) -> Result<Answer, State> {
-    let walk = walk::walk::<true>(placed, start);
-    work.steps += walk.steps;
-    work.certificates += 1;
-    let Some(found) = walk.found else {
-        return Err(walk.state);
-    };
-    let agree = AGREE * placed.size();
+impl Answer {
+    /// An answer that says nothing yet.
+    #[inline]
+    pub(crate) fn open(state: FeaturePair) -> Self {
+        Self {
+            class: Class::Undecided,
+            found: Found::default(),
+            lower: f64::NEG_INFINITY,
+            upper: f64::INFINITY,
+            state,
+            layer: Layer::Walk,
+            work: Work::default(),
+        }
+    }
+}
+
+/// Walks from the state of `answer` and takes the certificate; on refusal, `answer` says how far it got.
+#[inline(always)]
+pub(crate) fn certified_walk(placed: &Placed, answer: &mut Answer) -> bool {
+    answer.work.certificates += 1;
     // Comparisons are written so that NaN refuses.
-    if found.distance - found.lower <= agree {
-        return separated(placed, walk.state, &found, layer, work);
-    }
-    let (a, b) = walk.state.vertices_of(placed.a, placed.b);
-    let found = Found {
-        lower: certificate::supports(placed, &found.normal, a, b),
-        ..found
-    };
-    if found.distance - found.lower <= agree {
-        return separated(placed, walk.state, &found, layer, work);
-    }
-    Err(walk.state)
+    walk::walk::<true>(placed, answer)
+        && (agrees(placed, answer) || supports_agree(placed, answer))
+        && proves_apart(placed, answer)
+}
+
+/// Whether witnesses and supporting planes agree.
+#[inline(always)]
+fn agrees(placed: &Placed, answer: &Answer) -> bool {
+    answer.found.distance - answer.found.lower <= AGREE * placed.size()
+}
+
+/// The same with both supports looked for along the normal.
+#[cold]
+fn supports_agree(placed: &Placed, answer: &mut Answer) -> bool {
+    let (a, b) = answer.state.vertices_of(placed.a, placed.b);
+    answer.found.lower = certificate::supports(placed, &answer.found.normal, a, b);
+    agrees(placed, answer)
 }
 
 /// Takes the error terms and refuses what they leave open.
-#[inline]
-fn separated(placed: &Placed, state: State, found: &Found, layer: Layer, work: &Work) -> Result<Answer, State> {
+#[inline(always)]
+fn proves_apart(placed: &Placed, answer: &mut Answer) -> bool {
     let term = CERTIFICATE * UNIT * placed.size();
-    let (lower, upper) = (found.lower - term, found.distance + term);
-    if !(lower > 0.0) {
-        return Err(state);
+    answer.lower = answer.found.lower - term;
+    answer.upper = answer.found.distance + term;
+    answer.class = Class::Separated;
+    answer.lower > 0.0
+}
+
+/// Answers from the pair of `answer`; `warm` if that is a cached one.
+#[inline(always)]
+pub(crate) fn solve(level: Level, placed: &Placed, warm: bool, answer: &mut Answer) {
+    if level == Level::Walk {
+        answer.class = Class::Separated;
+        if !(placed.has_one_unit() && walk::walk::<false>(placed, answer)) {
+            refine::unchecked(placed, answer);
+        }
+        return;
     }
-    Ok(Answer {
-        class: Class::Separated,
-        distance: found.distance,
-        lower,
-        upper,
-        state,
-        point_a: found.point_a,
-        point_b: found.point_b,
-        normal: found.normal,
-        layer,
-        work: *work,
-    })
-}
-
-/// The certified answer, from `start` where there is one.
-#[inline]
-pub(crate) fn certified(placed: &Placed, start: Option<State>) -> Answer {
-    let mut work = Work::default();
-    let first = start.unwrap_or_else(|| seed::facing(placed));
-    match certified_walk(placed, first, Layer::Walk, &mut work) {
-        Ok(answer) => answer,
-        Err(state) => refine::refine(placed, state, start.is_some(), &mut work),
+    if !(placed.has_one_unit() && certified_walk(placed, answer)) {
+        refine::refine(placed, warm, answer);
     }
-}
-
-/// The certified answer, sharpened to one unit in the last place where the bodies are apart, and with an exact class.
-#[cfg(feature = "exact")]
-pub(crate) fn exactly(placed: &Placed, start: Option<State>) -> Answer {
-    refine::sharpen(placed, certified(placed, start))
-}
-
-/// The walk's word for it, or the f64 solver's where the walk does not end.
-pub(crate) fn proposed(placed: &Placed, start: Option<State>) -> Answer {
-    let mut work = Work::default();
-    let walk = walk::walk::<false>(placed, start.unwrap_or_else(|| seed::facing(placed)));
-    work.steps += walk.steps;
-    let Some(found) = walk.found else {
-        return refine::unchecked(placed, walk.state, &mut work);
-    };
-    Answer {
-        class: Class::Separated,
-        distance: found.distance,
-        lower: f64::NEG_INFINITY,
-        upper: f64::INFINITY,
-        state: walk.state,
-        point_a: found.point_a,
-        point_b: found.point_b,
-        normal: found.normal,
-        layer: Layer::Walk,
-        work,
+    #[cfg(feature = "exact")]
+    if level == Level::Exact {
+        refine::sharpen(placed, answer);
     }
 }

@@ -4,178 +4,230 @@ use nalgebra::{Matrix3, Vector3};
 
 use crate::double_double::DoubleDouble;
 use crate::polyhedron::{ConvexPolyhedron, power_of_two};
-use crate::pose::RelativePose;
+use crate::pose::{RelativePose, Which};
 use crate::scalar::{Scalar, sqrt};
 use crate::tolerance::{FAR, NEAR, UNIT, UNIT_DOUBLE_DOUBLE};
-
-/// An affine map between two stored frames.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Map {
-    matrix: Matrix3<f64>,
-    translation: Vector3<f64>,
-    /// The pair's size L in the units of the frame mapped into.
-    pub(crate) size: f64,
-    /// One unit of the frame mapped into, in A's.
-    pub(crate) unit: f64,
-}
-
-impl Map {
-    /// Where a point of the source frame is.
-    #[inline]
-    pub(crate) fn point(&self, p: &Vector3<f64>) -> Vector3<f64> {
-        self.matrix * p + self.translation
-    }
-
-    /// Where a difference of points of the source frame points.
-    #[inline]
-    pub(crate) fn vector(&self, v: &Vector3<f64>) -> Vector3<f64> {
-        self.matrix * v
-    }
-
-    /// How high the source's origin is along `n`.
-    #[inline]
-    pub(crate) fn lift(&self, n: &Vector3<f64>) -> f64 {
-        n.dot(&self.translation)
-    }
-
-    /// The direction of the source frame along which points rise as they do along `n` here.
-    #[inline]
-    pub(crate) fn direction(&self, n: &Vector3<f64>) -> Vector3<f64> {
-        self.matrix.tr_mul(n)
-    }
-}
 
 /// Two bodies placed against each other, in stored units.
 pub(crate) struct Placed<'a> {
     pub(crate) a: &'a ConvexPolyhedron,
     pub(crate) b: &'a ConvexPolyhedron,
-    pub(crate) a_from_b: Map,
-    pub(crate) b_from_a: Map,
+    /// `a_from_b` between stored frames: a rotation times `unit`.
+    matrix: Matrix3<f64>,
+    translation: Vector3<f64>,
+    /// One unit of B's stored frame in A's.
+    unit: f64,
+    /// The pair's size L in A's stored units.
+    size: f64,
     /// How far the stored origins are from the bodies' own, in A's stored units: zero for ordinary bodies.
     offsets: f64,
     pub(crate) pose: &'a RelativePose,
-}
-
-/// One body as the walk sees it beside the other: `x` owns the first feature of a pair, `y` the second.
-#[derive(Clone, Copy)]
-pub(crate) struct Sides<'a> {
-    pub(crate) x: &'a ConvexPolyhedron,
-    pub(crate) y: &'a ConvexPolyhedron,
-    pub(crate) y_from_x: &'a Map,
-    pub(crate) x_from_y: &'a Map,
 }
 
 /// Why a pair cannot be placed in f64: it is so far apart, or its bodies such points, that only the separation counts.
 pub(crate) struct BeyondRange;
 
 impl<'a> Placed<'a> {
-    /// Places B beside A. The caller has seen to it that A's units are not far smaller than B's.
-    #[inline]
+    /// Places B beside A. The caller has seen to it that A's units are not the smaller ones.
+    #[inline(always)]
     pub(crate) fn new(
         a: &'a ConvexPolyhedron,
         b: &'a ConvexPolyhedron,
         pose: &'a RelativePose,
     ) -> Result<Self, BeyondRange> {
-        let ordinary = a.is_as_given() && b.is_as_given();
-        let (matrix, translation, scale) = if ordinary {
-            (pose.rotation, pose.translation, 1.0)
+        let (matrix, translation, unit, offsets) = if a.as_given && b.as_given {
+            (pose.rotation(), pose.translation(), 1.0, 0.0)
         } else {
             shifted_and_scaled(a, b, pose)?
         };
-        let offsets = if ordinary { 0.0 } else { offsets(a, b) };
         // The shift by the origins is made in double-double, and its error is relative to the origins: as a part of L
         // it is covered by every term in UNIT L.
         let extra = UNIT_DOUBLE_DOUBLE / UNIT * offsets;
-        let size = a.radius + scale * b.radius + sqrt(translation.norm_squared()) + extra;
+        let size = a.radius + unit * b.radius + sqrt(translation.norm_squared()) + extra;
         // Written so that NaN goes the safe way.
         if !(size > NEAR && size < FAR) {
             return Err(BeyondRange);
         }
-        let back = matrix.transpose() / scale / scale;
         Ok(Self {
             a,
             b,
-            a_from_b: Map {
-                matrix,
-                translation,
-                size,
-                unit: 1.0,
-            },
-            b_from_a: Map {
-                matrix: back,
-                translation: -(back * translation),
-                size: size / scale,
-                unit: scale,
-            },
+            matrix,
+            translation,
+            unit,
+            size,
             offsets,
             pose,
         })
     }
 
     /// L in A's stored units.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn size(&self) -> f64 {
-        self.a_from_b.size
+        self.size
+    }
+
+    /// Whether both bodies are stored in the same unit, so that directions and vectors turn alike: what the walk needs.
+    /// Pairs that are not have a body 2^40 units or more, or less than 2^-40, in radius.
+    #[inline(always)]
+    pub(crate) fn has_one_unit(&self) -> bool {
+        self.unit == 1.0
     }
 
     /// What the rounding of a solver is relative to: L, and the origins of the bodies in full where the placement rounds
     /// as coarsely as the solver (in double-double; for f64 they are a part of L).
     pub(crate) fn reach<T: Scalar>(&self) -> f64 {
         if T::UNIT == UNIT {
-            self.size()
+            self.size
         } else {
-            self.size() + self.offsets
+            self.size + self.offsets
         }
     }
 
-    /// A as `x`, B as `y`.
-    #[inline]
-    pub(crate) fn a_beside_b(&self) -> Sides<'_> {
-        Sides {
-            x: self.a,
-            y: self.b,
-            y_from_x: &self.b_from_a,
-            x_from_y: &self.a_from_b,
-        }
+    /// Where a point of B is in A's frame.
+    #[inline(always)]
+    pub(crate) fn point_in_a(&self, p: &Vector3<f64>) -> Vector3<f64> {
+        self.matrix * p + self.translation
     }
 
-    /// B as `x`, A as `y`.
-    #[inline]
-    pub(crate) fn b_beside_a(&self) -> Sides<'_> {
-        Sides {
-            x: self.b,
-            y: self.a,
-            y_from_x: &self.a_from_b,
-            x_from_y: &self.b_from_a,
-        }
+    /// A vector of B's frame in A's.
+    #[inline(always)]
+    pub(crate) fn vector_in_a(&self, v: &Vector3<f64>) -> Vector3<f64> {
+        self.matrix * v
+    }
+
+    /// Where a point of A is in B's frame. Needs one unit.
+    #[inline(always)]
+    pub(crate) fn point_in_b(&self, p: &Vector3<f64>) -> Vector3<f64> {
+        self.vector_in_b(&(p - self.translation))
+    }
+
+    /// A vector of A's frame in B's. Needs one unit.
+    #[inline(always)]
+    pub(crate) fn vector_in_b(&self, v: &Vector3<f64>) -> Vector3<f64> {
+        self.matrix.tr_mul(v)
+    }
+
+    /// The direction of B's frame along which points rise as they do along `n` of A's.
+    #[inline(always)]
+    pub(crate) fn direction_in_b(&self, n: &Vector3<f64>) -> Vector3<f64> {
+        self.matrix.tr_mul(n)
+    }
+
+    /// How high B's stored origin is along `n` of A's frame.
+    #[inline(always)]
+    pub(crate) fn lift(&self, n: &Vector3<f64>) -> f64 {
+        n.dot(&self.translation)
     }
 }
 
-/// How far the stored origins are from the bodies' own, in A's stored units.
-#[cold]
-fn offsets(a: &ConvexPolyhedron, b: &ConvexPolyhedron) -> f64 {
-    let length = |v: &Vector3<f64>| v.abs().sum();
-    (length(&a.origin) + length(&b.origin)) / a.unit()
+/// The bodies in the order a test needs them: `x` owns the vertex or edge that moves, `y` the feature beside it, and
+/// the test is done in `y`'s frame.
+pub(crate) trait Sides {
+    /// Which body is `x`.
+    const OF: Which;
+    fn x(&self) -> &ConvexPolyhedron;
+    fn y(&self) -> &ConvexPolyhedron;
+    /// L.
+    fn size(&self) -> f64;
+    fn point_in_y(&self, p: &Vector3<f64>) -> Vector3<f64>;
+    /// The direction of `x`'s frame along which points rise as they do along `n` of `y`'s.
+    fn direction_in_x(&self, n: &Vector3<f64>) -> Vector3<f64>;
+    /// From A to B in A's frame, for the unit direction `n` from `y` to `x` in `y`'s.
+    fn normal(&self, n: &Vector3<f64>) -> Vector3<f64>;
+    /// The witnesses on A and on B.
+    fn witnesses(on_x: Vector3<f64>, on_y: Vector3<f64>) -> (Vector3<f64>, Vector3<f64>);
 }
 
-/// Matrix, translation and scale of `a_from_b` between stored frames that are not the given ones. Scaling alone is exact,
-/// so that powers of two change no bit of an answer but the exponent. Shifts are made in double-double, because the
-/// origins of the bodies may be far larger than the bodies and cancel.
+/// A as `x`, B as `y`.
+pub(crate) struct OfA<'a, 'b>(pub(crate) &'a Placed<'b>);
+
+/// B as `x`, A as `y`.
+pub(crate) struct OfB<'a, 'b>(pub(crate) &'a Placed<'b>);
+
+impl Sides for OfA<'_, '_> {
+    const OF: Which = Which::A;
+    #[inline(always)]
+    fn x(&self) -> &ConvexPolyhedron {
+        self.0.a
+    }
+    #[inline(always)]
+    fn y(&self) -> &ConvexPolyhedron {
+        self.0.b
+    }
+    #[inline(always)]
+    fn size(&self) -> f64 {
+        self.0.size
+    }
+    #[inline(always)]
+    fn point_in_y(&self, p: &Vector3<f64>) -> Vector3<f64> {
+        self.0.point_in_b(p)
+    }
+    #[inline(always)]
+    fn direction_in_x(&self, n: &Vector3<f64>) -> Vector3<f64> {
+        self.0.vector_in_a(n)
+    }
+    #[inline(always)]
+    fn normal(&self, n: &Vector3<f64>) -> Vector3<f64> {
+        -self.0.vector_in_a(n)
+    }
+    #[inline(always)]
+    fn witnesses(on_x: Vector3<f64>, on_y: Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
+        (on_x, on_y)
+    }
+}
+
+impl Sides for OfB<'_, '_> {
+    const OF: Which = Which::B;
+    #[inline(always)]
+    fn x(&self) -> &ConvexPolyhedron {
+        self.0.b
+    }
+    #[inline(always)]
+    fn y(&self) -> &ConvexPolyhedron {
+        self.0.a
+    }
+    #[inline(always)]
+    fn size(&self) -> f64 {
+        self.0.size
+    }
+    #[inline(always)]
+    fn point_in_y(&self, p: &Vector3<f64>) -> Vector3<f64> {
+        self.0.point_in_a(p)
+    }
+    #[inline(always)]
+    fn direction_in_x(&self, n: &Vector3<f64>) -> Vector3<f64> {
+        self.0.direction_in_b(n)
+    }
+    #[inline(always)]
+    fn normal(&self, n: &Vector3<f64>) -> Vector3<f64> {
+        *n
+    }
+    #[inline(always)]
+    fn witnesses(on_x: Vector3<f64>, on_y: Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
+        (on_y, on_x)
+    }
+}
+
+/// Matrix, translation, scale and offsets of `a_from_b` between stored frames that are not the given ones. Scaling alone
+/// is exact, so that powers of two change no bit of an answer but the exponent. Shifts are made in double-double, because
+/// the offsets of the bodies may be far larger than the bodies and cancel.
 #[cold]
 fn shifted_and_scaled(
     a: &ConvexPolyhedron,
     b: &ConvexPolyhedron,
     pose: &RelativePose,
-) -> Result<(Matrix3<f64>, Vector3<f64>, f64), BeyondRange> {
+) -> Result<(Matrix3<f64>, Vector3<f64>, f64, f64), BeyondRange> {
     let scale = power_of_two(b.exponent - a.exponent);
     if a.origin == Vector3::zeros() && b.origin == Vector3::zeros() {
-        let unit = power_of_two(-a.exponent);
-        return Ok((pose.rotation * scale, pose.translation * unit, scale));
+        let translation = pose.translation() * power_of_two(-a.exponent);
+        return Ok((pose.rotation() * scale, translation, scale, 0.0));
     }
     let frame = Frame::<DoubleDouble>::new(a, b, pose).ok_or(BeyondRange)?;
     let matrix = Matrix3::from_fn(|r, c| frame.matrix[r][c].value());
     let translation = Vector3::from_fn(|r, _| frame.translation[r].value());
-    Ok((matrix, translation, scale))
+    let length = |v: &Vector3<f64>| v.abs().sum();
+    let offsets = (length(&a.origin) + length(&b.origin)) / a.unit();
+    Ok((matrix, translation, scale, offsets))
 }
 
 /// `a_from_b` between stored frames in the arithmetic of a solver.
@@ -186,10 +238,10 @@ pub(crate) struct Frame<T> {
 }
 
 impl Frame<f64> {
-    pub(crate) fn of(map: &Map) -> Self {
+    pub(crate) fn of(placed: &Placed) -> Self {
         Self {
-            matrix: core::array::from_fn(|r| core::array::from_fn(|c| map.matrix[(r, c)])),
-            translation: core::array::from_fn(|r| map.translation[r]),
+            matrix: core::array::from_fn(|r| core::array::from_fn(|c| placed.matrix[(r, c)])),
+            translation: placed.translation.into(),
         }
     }
 }
@@ -198,7 +250,7 @@ impl Frame<DoubleDouble> {
     /// From the poses as given. `None` where the translation is beyond the range of the products that follow.
     pub(crate) fn new(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &RelativePose) -> Option<Self> {
         // The bodies' own offsets are at most 1e100 and cannot leave the range alone.
-        if pose.translation.amax() > FAR * power_of_two(a.exponent) {
+        if pose.translation().amax() > FAR * power_of_two(a.exponent) {
             return None;
         }
         let (ra, rb) = (rotation(&pose.a.q), rotation(&pose.b.q));
@@ -220,7 +272,7 @@ impl Frame<DoubleDouble> {
 
 impl<T: Scalar> Frame<T> {
     /// A stored point of B in A's stored frame.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn point(&self, p: &Vector3<f64>) -> [T; 3] {
         let p = [T::from(p.x), T::from(p.y), T::from(p.z)];
         let r = apply(&self.matrix, &p);
@@ -228,7 +280,7 @@ impl<T: Scalar> Frame<T> {
     }
 
     /// The direction of B's stored frame along which points rise as they do along `n` in A's.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn direction(&self, n: &[T; 3]) -> [T; 3] {
         core::array::from_fn(|c| self.matrix[0][c] * n[0] + self.matrix[1][c] * n[1] + self.matrix[2][c] * n[2])
     }

@@ -3,86 +3,84 @@
 use nalgebra::Vector3;
 
 use super::fallback::{Minimum, solve};
-use super::outcome::{Class, Layer, Work};
+use super::outcome::{Class, Layer};
 use super::placed::{Frame, Placed};
 use super::simplex::Simplex;
-use super::state::State;
 use super::{Answer, certified_walk, seed};
 use crate::double_double::DoubleDouble;
-use crate::polyhedron::ConvexPolyhedron;
+use crate::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, Feature, FeaturePair, VertexId};
 use crate::pose::Which;
 use crate::scalar::Scalar;
 use crate::tolerance::{AGREE, CERTIFICATE, UNIT};
 
 /// Restart, fallback, double-double, exact: the first that proves its answer.
 #[cold]
-pub(crate) fn refine(placed: &Placed, state: State, warm: bool, work: &mut Work) -> Answer {
-    let mut state = state;
-    if warm {
-        work.restarts += 1;
-        match certified_walk(placed, seed::facing(placed), Layer::Restart, work) {
-            Ok(answer) => return answer,
-            Err(last) => state = last,
+pub(crate) fn refine(placed: &Placed, warm: bool, answer: &mut Answer) {
+    if warm && placed.has_one_unit() {
+        answer.work.restarts += 1;
+        answer.state = seed::facing(placed);
+        answer.layer = Layer::Restart;
+        if certified_walk(placed, answer) {
+            return;
         }
     }
-    work.fallbacks += 1;
-    let plain = solve(placed, &Frame::of(&placed.a_from_b), state);
-    let plain = answer(placed, &plain, Layer::Fallback, work);
-    if plain.is_proven(placed) {
-        return plain;
+    answer.work.fallbacks += 1;
+    answer.layer = Layer::Fallback;
+    take(placed, &solve(placed, &Frame::of(placed), answer.state), answer);
+    if !is_proven(placed, answer) {
+        doubled(placed, answer);
     }
-    doubled(placed, plain.state, work)
 }
 
 /// The f64 solver alone, its bounds not looked at.
 #[cold]
-pub(crate) fn unchecked(placed: &Placed, state: State, work: &mut Work) -> Answer {
-    work.fallbacks += 1;
-    answer(
-        placed,
-        &solve(placed, &Frame::of(&placed.a_from_b), state),
-        Layer::Fallback,
-        work,
-    )
+pub(crate) fn unchecked(placed: &Placed, answer: &mut Answer) {
+    answer.work.fallbacks += 1;
+    answer.layer = Layer::Fallback;
+    take(placed, &solve(placed, &Frame::of(placed), answer.state), answer);
 }
 
 /// The double-double layer and what follows it.
-pub(crate) fn doubled(placed: &Placed, state: State, work: &mut Work) -> Answer {
-    work.double_doubles += 1;
-    let Some(frame) = Frame::<DoubleDouble>::new(placed.a, placed.b, placed.pose) else {
-        return undecided(placed, state, work);
+fn doubled(placed: &Placed, answer: &mut Answer) {
+    answer.work.double_doubles += 1;
+    answer.layer = Layer::DoubleDouble;
+    match Frame::<DoubleDouble>::new(placed.a, placed.b, placed.pose) {
+        Some(frame) => take(placed, &solve(placed, &frame, answer.state), answer),
+        None => give_up(placed, answer),
+    }
+    if !is_proven(placed, answer) {
+        last(placed, answer);
+    }
+}
+
+/// What no floating-point arithmetic decides.
+#[cfg(feature = "exact")]
+fn last(placed: &Placed, answer: &mut Answer) {
+    answer.work.exacts += 1;
+    super::exact::settle(placed, answer);
+}
+
+/// Without the exact rung, bounds that are narrow and straddle zero are called touching.
+#[cfg(not(feature = "exact"))]
+fn last(placed: &Placed, answer: &mut Answer) {
+    answer.class = match answer.class {
+        Class::Overlapping => Class::Overlapping,
+        _ if is_narrow(placed, answer) => Class::Touching,
+        _ => Class::Undecided,
     };
-    let fine = answer(placed, &solve(placed, &frame, state), Layer::DoubleDouble, work);
-    if fine.is_proven(placed) {
-        return fine;
-    }
-    #[cfg(feature = "exact")]
-    {
-        work.exacts += 1;
-        super::exact::answer(placed, fine.state, work)
-    }
-    #[cfg(not(feature = "exact"))]
-    {
-        let class = match fine.class {
-            Class::Overlapping => Class::Overlapping,
-            _ if fine.is_narrow(placed.size()) => Class::Touching,
-            _ => Class::Undecided,
-        };
-        Answer { class, ..fine }
-    }
 }
 
 /// The distance of a separated pair within one unit in the last place: by the double-double layer where its bounds
 /// are that close, else by the exact rung.
 #[cfg(feature = "exact")]
-pub(crate) fn sharpen(placed: &Placed, certified: Answer) -> Answer {
-    if certified.class != Class::Separated || certified.layer == Layer::Exact {
-        return certified;
+pub(crate) fn sharpen(placed: &Placed, answer: &mut Answer) {
+    if answer.class != Class::Separated || answer.layer == Layer::Exact {
+        return;
     }
-    let mut work = certified.work;
-    work.double_doubles += 1;
+    answer.work.double_doubles += 1;
+    answer.layer = Layer::DoubleDouble;
     if let Some(frame) = Frame::<DoubleDouble>::new(placed.a, placed.b, placed.pose) {
-        let minimum = solve(placed, &frame, certified.state);
+        let minimum = solve(placed, &frame, answer.state);
         if let Minimum::Outside { simplex, lower, .. } = &minimum {
             let distance = simplex.reach();
             let gap = (distance - *lower).value().abs()
@@ -90,133 +88,91 @@ pub(crate) fn sharpen(placed: &Placed, certified: Answer) -> Answer {
             let d = distance.value();
             // Rounding takes half a unit; what is left open must not take the other half.
             if gap <= 0.25 * (d - d.next_down()) {
-                let fine = answer(placed, &minimum, Layer::DoubleDouble, &work);
-                return Answer {
-                    distance: d,
-                    lower: d.next_down(),
-                    upper: d.next_up(),
-                    ..fine
-                };
+                take(placed, &minimum, answer);
+                (answer.found.distance, answer.lower, answer.upper) = (d, d.next_down(), d.next_up());
+                return;
             }
         }
     }
-    work.exacts += 1;
-    super::exact::answer(placed, certified.state, &work)
+    last(placed, answer);
 }
 
-impl Answer {
-    /// Whether class and distance are settled: apart with bounds no wider than they should be, or overlapping with
-    /// witnesses that are one point up to rounding (the weights of a flat tetrahedron around the origin may be wrong in
-    /// every digit while the signs of its volumes are certain).
-    fn is_proven(&self, placed: &Placed) -> bool {
-        match self.class {
-            Class::Overlapping => {
-                let between = placed.a_from_b.point(&self.point_b) - self.point_a;
-                crate::scalar::sqrt(between.norm_squared()) <= AGREE * placed.size()
-            }
-            Class::Separated => self.is_narrow(placed.size()),
-            Class::Touching | Class::Undecided => false,
+/// Whether class and distance are settled: apart with bounds no wider than they should be, or overlapping with witnesses
+/// that are one point up to rounding (the weights of a flat tetrahedron around the origin may be wrong in every digit
+/// while the signs of its volumes are certain).
+fn is_proven(placed: &Placed, answer: &Answer) -> bool {
+    match answer.class {
+        Class::Overlapping => {
+            let between = placed.point_in_a(&answer.found.point_b) - answer.found.point_a;
+            crate::scalar::sqrt(between.norm_squared()) <= AGREE * placed.size()
         }
-    }
-
-    /// Whether the bounds agree as well as a certified answer's must.
-    fn is_narrow(&self, size: f64) -> bool {
-        self.upper - self.lower <= (AGREE + 2.0 * CERTIFICATE * UNIT) * size
+        Class::Separated => is_narrow(placed, answer),
+        Class::Touching | Class::Undecided => false,
     }
 }
 
-/// The bounds that a solve proves, and its witnesses.
-fn answer<T: Scalar>(placed: &Placed, minimum: &Minimum<T>, layer: Layer, work: &Work) -> Answer {
+/// Whether the bounds agree as well as a certified answer's must.
+fn is_narrow(placed: &Placed, answer: &Answer) -> bool {
+    answer.upper - answer.lower <= (AGREE + 2.0 * CERTIFICATE * UNIT) * placed.size()
+}
+
+/// Takes over what a solve proves, and its witnesses.
+fn take<T: Scalar>(placed: &Placed, minimum: &Minimum<T>, answer: &mut Answer) {
     let term = CERTIFICATE * T::UNIT * placed.reach::<T>();
+    let (Minimum::Inside { simplex } | Minimum::Outside { simplex, .. }) = minimum;
+    answer.state = features(placed, simplex);
+    (answer.found.point_a, answer.found.point_b) = witnesses(placed, simplex);
     match minimum {
-        Minimum::Inside { simplex } => {
-            let state = features(placed, simplex);
-            let (point_a, point_b) = witnesses(placed, simplex);
-            // The direction has no meaning inside; any unit vector serves.
-            let blank = Answer {
-                class: Class::Overlapping,
-                distance: 0.0,
-                lower: f64::NEG_INFINITY,
-                ..zero(state)
-            };
-            Answer {
-                upper: 0.0,
-                point_a,
-                point_b,
-                layer,
-                work: *work,
-                ..blank
-            }
-        }
+        Minimum::Inside { .. } => overlapping(answer),
         Minimum::Outside {
             simplex,
             lower,
             direction: d,
         } => {
             let distance = simplex.reach();
-            let lower = outward(*lower, -term);
-            let upper = outward(distance, term);
-            let class = if lower > 0.0 {
+            answer.lower = outward(*lower, -term);
+            answer.upper = outward(distance, term);
+            answer.class = if answer.lower > 0.0 {
                 Class::Separated
             } else {
                 Class::Undecided
             };
-            let (point_a, point_b) = witnesses(placed, simplex);
-            let normal = Vector3::new(-d[0].value(), -d[1].value(), -d[2].value());
-            let normal = if normal.norm_squared() > 0.0 {
-                normal
-            } else {
-                Vector3::x()
-            };
-            let distance = distance.value().clamp(lower.max(0.0), upper.max(0.0));
-            let state = features(placed, simplex);
-            Answer {
-                class,
-                distance,
-                lower,
-                upper,
-                state,
-                point_a,
-                point_b,
-                normal,
-                layer,
-                work: *work,
-            }
+            answer.found.distance = distance.value().clamp(answer.lower.max(0.0), answer.upper.max(0.0));
+            answer.found.normal = unit(&Vector3::new(-d[0].value(), -d[1].value(), -d[2].value()));
         }
     }
 }
 
-/// An answer that says nothing yet.
-fn zero(state: State) -> Answer {
-    Answer {
-        class: Class::Undecided,
-        distance: 0.0,
-        lower: f64::NEG_INFINITY,
-        upper: f64::INFINITY,
-        state,
-        point_a: Vector3::zeros(),
-        point_b: Vector3::zeros(),
-        normal: Vector3::x(),
-        layer: Layer::DoubleDouble,
-        work: Work::default(),
+/// Depth and normal of an overlap are not known here; the direction has no meaning, but it is a unit vector.
+pub(super) fn overlapping(answer: &mut Answer) {
+    answer.class = Class::Overlapping;
+    answer.found.distance = 0.0;
+    answer.found.normal = Vector3::x();
+    (answer.lower, answer.upper) = (f64::NEG_INFINITY, 0.0);
+}
+
+/// The unit vector along `v`; some unit vector where `v` has no direction.
+pub(super) fn unit(v: &Vector3<f64>) -> Vector3<f64> {
+    let largest = v.amax();
+    if largest > 0.0 && largest < f64::INFINITY {
+        let scaled = v / largest;
+        scaled / crate::scalar::sqrt(scaled.norm_squared())
+    } else {
+        Vector3::x()
     }
 }
 
 /// Out of the range of the finer arithmetic: what any two vertices prove.
-pub(super) fn undecided(placed: &Placed, state: State, work: &Work) -> Answer {
-    let (a, b) = state.vertices_of(placed.a, placed.b);
-    let (point_a, point_b) = (placed.a.points[a as usize], placed.b.points[b as usize]);
-    let normal = placed.a_from_b.point(&point_b) - point_a;
-    let upper = crate::scalar::sqrt(normal.norm_squared()) + CERTIFICATE * UNIT * placed.size();
-    Answer {
-        upper,
-        distance: upper,
-        point_a,
-        point_b,
-        normal,
-        work: *work,
-        ..zero(state)
-    }
+pub(super) fn give_up(placed: &Placed, answer: &mut Answer) {
+    let (a, b) = answer.state.vertices_of(placed.a, placed.b);
+    let found = &mut answer.found;
+    (found.point_a, found.point_b) = (placed.a.points[a as usize], placed.b.points[b as usize]);
+    let between = placed.point_in_a(&found.point_b) - found.point_a;
+    found.normal = unit(&between);
+    found.distance = crate::scalar::sqrt(between.norm_squared());
+    answer.upper = found.distance + CERTIFICATE * UNIT * placed.size();
+    answer.lower = f64::NEG_INFINITY;
+    answer.class = Class::Undecided;
 }
 
 /// `x + by`, rounded away from `x` by the last place, in f64.
@@ -242,7 +198,7 @@ fn witnesses<T: Scalar>(placed: &Placed, simplex: &Simplex<T>) -> (Vector3<f64>,
 }
 
 /// The smallest features that hold the corners' vertices.
-fn features<T: Scalar>(placed: &Placed, simplex: &Simplex<T>) -> State {
+fn features<T: Scalar>(placed: &Placed, simplex: &Simplex<T>) -> FeaturePair {
     let (mut a, mut b) = ([0; 4], [0; 4]);
     for (k, c) in simplex.kept().iter().enumerate() {
         (a[k], b[k]) = (c.a, c.b);
@@ -251,71 +207,38 @@ fn features<T: Scalar>(placed: &Placed, simplex: &Simplex<T>) -> State {
 }
 
 /// The smallest features that hold one to four vertices of each body.
-pub(super) fn state_of(placed: &Placed, a: &[u32], b: &[u32]) -> State {
+pub(super) fn state_of(placed: &Placed, a: &[u32], b: &[u32]) -> FeaturePair {
     let (fa, fb) = (placed.a.feature_of(a), placed.b.feature_of(b));
-    use Hull::{Edge, Face, Vertex};
-    match (fa, fb) {
-        (Vertex(a), Vertex(b)) => State::VertexVertex { a, b },
-        (Vertex(vertex), Edge(edge)) => State::VertexEdge {
-            of: Which::A,
-            vertex,
-            edge,
-        },
-        (Edge(edge), Vertex(vertex)) => State::VertexEdge {
-            of: Which::B,
-            vertex,
-            edge,
-        },
-        (Vertex(vertex), Face(face)) => State::VertexFace {
-            of: Which::A,
-            vertex,
-            face,
-        },
-        (Face(face), Vertex(vertex)) => State::VertexFace {
-            of: Which::B,
-            vertex,
-            face,
-        },
-        (Edge(a), Edge(b)) => State::EdgeEdge { a, b },
-        // An edge over a face, or two faces: parallel features, of which a vertex over the face is closest too.
-        (Face(face), _) => State::VertexFace {
-            of: Which::B,
-            vertex: b[0],
-            face,
-        },
-        (_, Face(face)) => State::VertexFace {
-            of: Which::A,
-            vertex: a[0],
-            face,
-        },
+    let features = FeaturePair { a: fa, b: fb };
+    if fa.dimension() + fb.dimension() <= 2 {
+        return features;
     }
-}
-
-/// A feature by its number.
-enum Hull {
-    Vertex(u32),
-    Edge(u32),
-    Face(u32),
+    // An edge over a face, or two faces: parallel features, of which a vertex beside the face is closest too.
+    match (fa, fb) {
+        (Feature::Face(f), _) => FeaturePair::vertex_face(Which::B, b[0], f.0),
+        (_, Feature::Face(f)) => FeaturePair::vertex_face(Which::A, a[0], f.0),
+        _ => features,
+    }
 }
 
 impl ConvexPolyhedron {
     /// The smallest feature that holds the given vertices (one to four, with repeats); the first vertex where no face
     /// holds them all.
-    fn feature_of(&self, vertices: &[u32]) -> Hull {
+    fn feature_of(&self, vertices: &[u32]) -> Feature {
         let v = vertices[0];
         let Some(&w) = vertices.iter().find(|&&w| w != v) else {
-            return Hull::Vertex(v);
+            return Feature::Vertex(VertexId(v));
         };
         let t = &self.topology;
         if vertices.iter().all(|&x| x == v || x == w) {
             if let Some(h) = t.fan(v).find(|&h| t.half_edge(h).to == w) {
-                return Hull::Edge(t.edge(h));
+                return Feature::Edge(EdgeId(t.edge(h)));
             }
         }
         let holds = |f: u32| vertices.iter().all(|&x| t.rim(f).any(|h| t.half_edge(h).to == x));
         match t.fan(v).map(|h| t.half_edge(h).face).find(|&f| holds(f)) {
-            Some(f) => Hull::Face(f),
-            None => Hull::Vertex(v),
+            Some(f) => Feature::Face(FaceId(f)),
+            None => Feature::Vertex(VertexId(v)),
         }
     }
 }

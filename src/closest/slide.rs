@@ -3,8 +3,8 @@
 use nalgebra::Vector3;
 
 use super::placed::Sides;
-use super::state::{State, Step};
-use crate::pose::Which;
+use super::state::Step;
+use crate::polyhedron::FeaturePair;
 
 /// An edge that falls towards a face.
 pub(crate) struct Slide {
@@ -20,32 +20,29 @@ pub(crate) struct Slide {
 
 /// Follows the edge to the first of: a side plane of the face (edge-edge), its own end (vertex-face), the plane of the
 /// face (the bodies meet).
-pub(crate) fn slide(sides: &Sides, of: Which, s: &Slide) -> Step {
-    let (x, y) = (&sides.x.topology, &sides.y.topology);
+pub(crate) fn slide<S: Sides>(sides: &S, s: &Slide) -> Step {
+    let (body, other) = (sides.x(), sides.y());
+    let (x, y) = (&body.topology, &other.topology);
     let end = x.half_edge(s.half_edge).to;
-    let way = sides.y_from_x.point(&sides.x.points[end as usize]) - s.start;
-    let plane = &sides.y.planes[s.face as usize];
+    let way = sides.point_in_y(&body.points[end as usize]) - s.start;
+    let plane = &other.planes[s.face as usize];
     let mut first = 1.0;
-    let mut to = State::VertexFace {
-        of,
-        vertex: end,
-        face: s.face,
-    };
+    let mut to = FeaturePair::vertex_face(S::OF, end, s.face);
     for h in y.rim(s.face) {
         let e = y.half_edge(h);
         if s.from_rim == Some(h.min(e.twin)) {
             continue;
         }
         let (p, q) = (
-            sides.y.points[y.half_edge(e.twin).to as usize],
-            sides.y.points[e.to as usize],
+            other.points[y.half_edge(e.twin).to as usize],
+            other.points[e.to as usize],
         );
         let inward = plane.normal.cross(&(q - p));
         let speed = inward.dot(&way);
         if speed < 0.0 {
             let when = -inward.dot(&(s.start - p)) / speed;
             if when < first {
-                (first, to) = (when, State::edges(of, x.edge(s.half_edge), h.min(e.twin)));
+                (first, to) = (when, FeaturePair::edges(S::OF, x.edge(s.half_edge), h.min(e.twin)));
             }
         }
     }

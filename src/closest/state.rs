@@ -5,36 +5,22 @@ use nalgebra::Vector3;
 use crate::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, Feature, FeaturePair, VertexId};
 use crate::pose::Which;
 
-/// A pair of features the walk can end on. Edges are named by the lower of their half-edges.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(crate) enum State {
-    /// A vertex of A, a vertex of B.
-    VertexVertex { a: u32, b: u32 },
-    /// A vertex of one body, an edge of the other.
-    VertexEdge { of: Which, vertex: u32, edge: u32 },
-    /// A vertex of one body, a face of the other.
-    VertexFace { of: Which, vertex: u32, face: u32 },
-    /// An edge of A, an edge of B.
-    EdgeEdge { a: u32, b: u32 },
-}
-
-/// What the look at one state says.
+/// What the look at one pair says.
 pub(crate) enum Step {
     /// A neighbour is closer.
-    Move(State),
+    Move(FeaturePair),
     /// A face elsewhere sees the vertex from outside; the distance need not be smaller.
-    Jump(State),
-    /// Each witness lies in the Voronoi region of the other feature.
-    Found(Found),
+    Jump(FeaturePair),
+    /// Each witness lies in the Voronoi region of the other feature; they are written to where the look was told.
+    Found,
     /// No neighbour helps: the bodies overlap or nearly touch, or rounding hides the way.
     Lost,
 }
 
 /// A pair of witnesses that the Voronoi tests accept.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Found {
-    /// From A to B in A's stored frame, of any length.
+    /// Unit, from A to B in A's frame.
     pub(crate) normal: Vector3<f64>,
     /// In A's stored frame.
     pub(crate) point_a: Vector3<f64>,
@@ -46,135 +32,64 @@ pub(crate) struct Found {
     pub(crate) lower: f64,
 }
 
-impl Which {
-    /// The other body.
-    #[inline]
-    pub(crate) fn other(self) -> Self {
-        match self {
-            Which::A => Which::B,
-            Which::B => Which::A,
-        }
+/// The pair of `x`, a feature of body `of`, and `y`, a feature of the other.
+#[inline]
+fn pair(of: Which, x: Feature, y: Feature) -> FeaturePair {
+    match of {
+        Which::A => FeaturePair { a: x, b: y },
+        Which::B => FeaturePair { a: y, b: x },
     }
 }
 
-impl State {
+impl FeaturePair {
     /// A vertex of `of` beside a vertex of the other body.
     #[inline]
     pub(crate) fn vertices(of: Which, vertex: u32, other: u32) -> Self {
-        match of {
-            Which::A => State::VertexVertex { a: vertex, b: other },
-            Which::B => State::VertexVertex { a: other, b: vertex },
-        }
+        pair(of, Feature::Vertex(VertexId(vertex)), Feature::Vertex(VertexId(other)))
+    }
+
+    /// A vertex of `of` beside an edge of the other body, named by the lower of its half-edges.
+    #[inline]
+    pub(crate) fn vertex_edge(of: Which, vertex: u32, edge: u32) -> Self {
+        pair(of, Feature::Vertex(VertexId(vertex)), Feature::Edge(EdgeId(edge)))
+    }
+
+    /// A vertex of `of` beside a face of the other body.
+    #[inline]
+    pub(crate) fn vertex_face(of: Which, vertex: u32, face: u32) -> Self {
+        pair(of, Feature::Vertex(VertexId(vertex)), Feature::Face(FaceId(face)))
     }
 
     /// An edge of `of` beside an edge of the other body.
     #[inline]
     pub(crate) fn edges(of: Which, edge: u32, other: u32) -> Self {
-        match of {
-            Which::A => State::EdgeEdge { a: edge, b: other },
-            Which::B => State::EdgeEdge { a: other, b: edge },
-        }
+        pair(of, Feature::Edge(EdgeId(edge)), Feature::Edge(EdgeId(other)))
     }
 
-    /// The features by their public names.
-    pub(crate) fn features(self) -> FeaturePair {
-        let pair = |of, x, y| match of {
-            Which::A => FeaturePair { a: x, b: y },
-            Which::B => FeaturePair { a: y, b: x },
-        };
-        let vertex = |v| Feature::Vertex(VertexId(v));
-        let edge = |e| Feature::Edge(EdgeId(e));
-        match self {
-            State::VertexVertex { a, b } => pair(Which::A, vertex(a), vertex(b)),
-            State::VertexEdge { of, vertex: v, edge: e } => pair(of, vertex(v), edge(e)),
-            State::VertexFace { of, vertex: v, face } => pair(of, vertex(v), Feature::Face(FaceId(face))),
-            State::EdgeEdge { a, b } => pair(Which::A, edge(a), edge(b)),
-        }
-    }
-
-    /// The state for a pair of features of these very bodies; `None` for ids that are not theirs. An edge beside a
-    /// face, or two faces, are no states: their first vertices stand in.
-    pub(crate) fn from_features(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pair: FeaturePair) -> Option<Self> {
-        (a.has(pair.a) && b.has(pair.b)).then_some(())?;
-        Some(match (pair.a, pair.b) {
-            (Feature::Vertex(v), Feature::Vertex(w)) => State::VertexVertex { a: v.0, b: w.0 },
-            (Feature::Vertex(v), Feature::Edge(e)) => State::VertexEdge {
-                of: Which::A,
-                vertex: v.0,
-                edge: e.0,
-            },
-            (Feature::Edge(e), Feature::Vertex(v)) => State::VertexEdge {
-                of: Which::B,
-                vertex: v.0,
-                edge: e.0,
-            },
-            (Feature::Vertex(v), Feature::Face(f)) => State::VertexFace {
-                of: Which::A,
-                vertex: v.0,
-                face: f.0,
-            },
-            (Feature::Face(f), Feature::Vertex(v)) => State::VertexFace {
-                of: Which::B,
-                vertex: v.0,
-                face: f.0,
-            },
-            (Feature::Edge(e), Feature::Edge(g)) => State::EdgeEdge { a: e.0, b: g.0 },
-            (x, y) => State::VertexVertex {
-                a: a.first_vertex(x),
-                b: b.first_vertex(y),
-            },
-        })
-    }
-
-    /// The same pair with A and B exchanged.
-    pub(crate) fn swapped(self) -> Self {
-        match self {
-            State::VertexVertex { a, b } => State::VertexVertex { a: b, b: a },
-            State::VertexEdge { of, vertex, edge } => State::VertexEdge {
-                of: of.other(),
-                vertex,
-                edge,
-            },
-            State::VertexFace { of, vertex, face } => State::VertexFace {
-                of: of.other(),
-                vertex,
-                face,
-            },
-            State::EdgeEdge { a, b } => State::EdgeEdge { a: b, b: a },
-        }
-    }
-
-    /// Whether every number names a feature of bodies with as many.
+    /// Whether both ids name features of bodies with as many.
     #[inline]
     pub(crate) fn is_of(self, a: &ConvexPolyhedron, b: &ConvexPolyhedron) -> bool {
-        let pick = |of| if of == Which::A { (a, b) } else { (b, a) };
-        match self {
-            State::VertexVertex { a: v, b: w } => {
-                (v as usize) < a.topology.vertex_count() && (w as usize) < b.topology.vertex_count()
-            }
-            State::VertexEdge { of, vertex, edge } => {
-                let (x, y) = pick(of);
-                (vertex as usize) < x.topology.vertex_count() && (edge as usize) < y.topology.half_edge_count()
-            }
-            State::VertexFace { of, vertex, face } => {
-                let (x, y) = pick(of);
-                (vertex as usize) < x.topology.vertex_count() && (face as usize) < y.topology.face_count()
-            }
-            State::EdgeEdge { a: e, b: g } => {
-                (e as usize) < a.topology.half_edge_count() && (g as usize) < b.topology.half_edge_count()
-            }
+        a.has(self.a) && b.has(self.b)
+    }
+
+    /// A pair the walk can stand on. An edge beside a face, or two faces, are none: a vertex of each stands in.
+    pub(crate) fn to_stand_on(self, a: &ConvexPolyhedron, b: &ConvexPolyhedron) -> Self {
+        if self.a.dimension() + self.b.dimension() <= 2 {
+            return self;
         }
+        let (v, w) = self.vertices_of(a, b);
+        Self::vertices(Which::A, v, w)
     }
 
     /// One vertex of each body's feature.
     pub(crate) fn vertices_of(self, a: &ConvexPolyhedron, b: &ConvexPolyhedron) -> (u32, u32) {
-        let pair = self.features();
-        (a.first_vertex(pair.a), b.first_vertex(pair.b))
+        (a.first_vertex(self.a), b.first_vertex(self.b))
     }
 }
 
 impl ConvexPolyhedron {
     /// Whether `feature` names a feature of a body with this many.
+    #[inline]
     pub(crate) fn has(&self, feature: Feature) -> bool {
         match feature {
             Feature::Vertex(v) => v.index() < self.topology.vertex_count(),
@@ -196,11 +111,5 @@ impl ConvexPolyhedron {
     #[inline]
     pub(crate) fn center(&self) -> Vector3<f64> {
         (self.low + self.high) * 0.5
-    }
-
-    /// Whether stored coordinates are the caller's.
-    #[inline]
-    pub(crate) fn is_as_given(&self) -> bool {
-        self.exponent == 0 && self.origin == Vector3::zeros()
     }
 }

@@ -2,15 +2,17 @@
 
 use alloc::vec::Vec;
 
+use super::Answer;
 use super::placed::Placed;
 use super::seed;
-use super::state::State;
 use super::walk::watched;
+use crate::polyhedron::FeaturePair;
 
 /// The pairs of features that the walk from `start`, or from the first start, looks at, and whether it ended on the
 /// last of them rather than giving up there.
-pub(crate) fn trace(placed: &Placed, start: Option<State>) -> (Vec<State>, bool) {
+pub(crate) fn trace(placed: &Placed, start: Option<FeaturePair>) -> (Vec<FeaturePair>, bool) {
     let mut way = Vec::new();
-    let walk = watched::<true>(placed, start.unwrap_or_else(|| seed::facing(placed)), |s| way.push(s));
-    (way, walk.found.is_some())
+    let mut answer = Answer::open(start.unwrap_or_else(|| seed::facing(placed)));
+    let ended = placed.has_one_unit() && watched::<true>(placed, &mut answer, |pair| way.push(pair));
+    (way, ended)
 }

@@ -8,78 +8,76 @@
 //!  nR (right)  nL (left): d = alpha nL + beta nR with alpha = nR . (u x d), beta = -nL . (u x d), both >= 0
 //! ```
 
+use super::fan::one_norm;
 use super::placed::Sides;
-use super::state::{Found, State, Step};
-use crate::pose::Which;
+use super::state::{Found, Step};
+use crate::polyhedron::FeaturePair;
 use crate::scalar::sqrt;
 use crate::tolerance::{DIFFERENCE, ON_BOUNDARY};
 
-#[inline]
-pub(crate) fn look<const CERTIFY: bool>(sides: &Sides, of: Which, vertex: u32, edge: u32) -> Step {
-    let Sides {
-        x: body,
-        y: other,
-        y_from_x,
-        x_from_y,
-    } = *sides;
+// Not inlined: the walk's loop would hoist the loads of every kind of pair and spill them.
+#[inline(never)]
+pub(crate) fn look<const CERTIFY: bool, S: Sides>(sides: &S, vertex: u32, edge: u32, found: &mut Found) -> Step {
+    let (body, other) = (sides.x(), sides.y());
     let e = other.topology.half_edge(edge);
     let twin = other.topology.half_edge(e.twin);
     let (p, q) = (other.points[twin.to as usize], other.points[e.to as usize]);
-    let x = y_from_x.point(&body.points[vertex as usize]);
+    let on_x = body.points[vertex as usize];
+    let x = sides.point_in_y(&on_x);
     let (u, r) = (q - p, x - p);
-    let size = y_from_x.size;
-    let noise = DIFFERENCE * size;
+    let noise = DIFFERENCE * sides.size();
     let (along, uu) = (r.dot(&u), u.norm_squared());
-    let slack = noise * u.abs().sum();
+    let slack = noise * one_norm(&u);
     // V(p), V(q)
     if along < -slack {
-        return Step::Move(State::vertices(of, vertex, twin.to));
+        return Step::Move(FeaturePair::vertices(S::OF, vertex, twin.to));
     }
     if along > uu + slack {
-        return Step::Move(State::vertices(of, vertex, e.to));
+        return Step::Move(FeaturePair::vertices(S::OF, vertex, e.to));
     }
-    let s = (along / uu).clamp(0.0, 1.0);
-    let mut d = r - u * (along / uu);
-    d -= u * (d.dot(&u) / uu);
+    let inverse = 1.0 / uu;
+    let s = along * inverse;
+    let d = r - u * s;
+    let correction = d.dot(&u) * inverse;
+    let (s, d) = (s + correction, d - u * correction);
     // F(left), F(right)
     let w = u.cross(&d);
     let (left, right) = (&other.planes[e.face as usize], &other.planes[twin.face as usize]);
     let (alpha, beta) = (right.normal.dot(&w), -left.normal.dot(&w));
     if alpha < -slack || beta < -slack {
         let face = if alpha < beta { twin.face } else { e.face };
-        return Step::Move(State::VertexFace { of, vertex, face });
+        return Step::Move(FeaturePair::vertex_face(S::OF, vertex, face));
     }
-    let n = y_from_x.direction(&d);
+    let n = sides.direction_in_x(&d);
     let fan = body.fan_minimum(vertex, &n);
     if let Some(h) = body.descent(vertex, &fan, noise) {
-        return Step::Move(State::edges(of, body.topology.edge(h), edge));
+        return Step::Move(FeaturePair::edges(S::OF, body.topology.edge(h), edge));
     }
-    let foot = p + u * s;
-    let distance = sqrt((x - foot).norm_squared());
-    if distance <= ON_BOUNDARY * size {
+    // The distance is that of points of the bodies: an end where rounding puts the foot beyond it.
+    let squared = d.norm_squared();
+    let (foot, distance) = if s >= 0.0 && s <= 1.0 {
+        (p + u * s, sqrt(squared))
+    } else {
+        let end = if s < 0.5 { p } else { q };
+        (end, sqrt((x - end).norm_squared()))
+    };
+    if distance <= ON_BOUNDARY * sides.size() {
         return Step::Lost;
     }
+    let per_length = 1.0 / sqrt(squared);
     let lower = if CERTIFY && body.proves_lowest(&fan, &n) {
-        (d.dot(&x) - other.edge_bound(&d, left, right, alpha, beta)) / sqrt(d.norm_squared()) * y_from_x.unit
+        (d.dot(&x) - other.edge_bound(&d, left, right, (alpha, beta), squared)) * per_length
     } else {
         f64::NEG_INFINITY
     };
-    let distance = distance * y_from_x.unit;
-    let on_x = body.points[vertex as usize];
-    Step::Found(match of {
-        Which::A => Found {
-            normal: -x_from_y.vector(&d),
-            point_a: on_x,
-            point_b: foot,
-            distance,
-            lower,
-        },
-        Which::B => Found {
-            normal: d,
-            point_a: foot,
-            point_b: on_x,
-            distance,
-            lower,
-        },
-    })
+    let (point_a, point_b) = S::witnesses(on_x, foot);
+    let normal = sides.normal(&(d * per_length));
+    *found = Found {
+        normal,
+        point_a,
+        point_b,
+        distance: distance,
+        lower,
+    };
+    Step::Found
 }

@@ -2,40 +2,36 @@
 
 use nalgebra::Vector3;
 
+use super::fan::one_norm;
 use super::placed::Sides;
 use super::slide::{Slide, slide};
-use super::state::{Found, State, Step};
-use crate::polyhedron::ConvexPolyhedron;
+use super::state::{Found, Step};
+use crate::polyhedron::{ConvexPolyhedron, FeaturePair};
 use crate::pose::Which;
 use crate::scalar::sqrt;
 use crate::tolerance::{DIFFERENCE, DIRECTION, FOOT, ON_BOUNDARY};
 
-#[inline]
-pub(crate) fn look<const CERTIFY: bool>(sides: &Sides, of: Which, vertex: u32, face: u32) -> Step {
-    let Sides {
-        x: body,
-        y: other,
-        y_from_x,
-        x_from_y,
-    } = *sides;
-    let x = y_from_x.point(&body.points[vertex as usize]);
+// Not inlined: the walk's loop would hoist the loads of every kind of pair and spill them.
+#[inline(never)]
+pub(crate) fn look<const CERTIFY: bool, S: Sides>(sides: &S, vertex: u32, face: u32, found: &mut Found) -> Step {
+    let (body, other) = (sides.x(), sides.y());
+    let on_x = body.points[vertex as usize];
+    let x = sides.point_in_y(&on_x);
     let plane = &other.planes[face as usize];
-    let size = y_from_x.size;
-    let rim = rim_side(other, face, &plane.normal, &x, size);
+    let size = sides.size();
+    let (rim, corner) = rim_side(other, face, &plane.normal, &x, size);
     if let Rim::Outside(edge) = rim {
-        return Step::Move(State::VertexEdge { of, vertex, edge });
+        return Step::Move(FeaturePair::vertex_edge(S::OF, vertex, edge));
     }
-    let on_rim = other.points[other.topology.half_edge(other.topology.rim_start(face)).to as usize];
-    let height = plane.normal.dot(&(x - on_rim));
+    let height = plane.normal.dot(&(x - corner));
     if height <= ON_BOUNDARY * size {
-        return behind(other, of, vertex, face, &x, ON_BOUNDARY * size);
+        return behind(other, S::OF, vertex, face, &x, ON_BOUNDARY * size);
     }
-    let n = y_from_x.direction(&plane.normal);
+    let n = sides.direction_in_x(&plane.normal);
     let fan = body.fan_minimum(vertex, &n);
     if let Some(h) = body.descent(vertex, &fan, DIRECTION) {
         return slide(
             sides,
-            of,
             &Slide {
                 half_edge: h,
                 start: x,
@@ -45,7 +41,7 @@ pub(crate) fn look<const CERTIFY: bool>(sides: &Sides, of: Which, vertex: u32, f
         );
     }
     let lower = if CERTIFY && body.proves_lowest(&fan, &n) {
-        (plane.normal.dot(&x) - plane.offset) * y_from_x.unit
+        plane.normal.dot(&x) - plane.offset
     } else {
         f64::NEG_INFINITY
     };
@@ -53,23 +49,16 @@ pub(crate) fn look<const CERTIFY: bool>(sides: &Sides, of: Which, vertex: u32, f
         Rim::Grazes(edge) => onto_edge(other, edge, &x),
         _ => (x - plane.normal * height, height),
     };
-    let (on_x, distance) = (body.points[vertex as usize], height * y_from_x.unit);
-    Step::Found(match of {
-        Which::A => Found {
-            normal: -x_from_y.vector(&plane.normal),
-            point_a: on_x,
-            point_b: foot,
-            distance,
-            lower,
-        },
-        Which::B => Found {
-            normal: plane.normal,
-            point_a: foot,
-            point_b: on_x,
-            distance,
-            lower,
-        },
-    })
+    let (point_a, point_b) = S::witnesses(on_x, foot);
+    let normal = sides.normal(&plane.normal);
+    *found = Found {
+        normal,
+        point_a,
+        point_b,
+        distance: height,
+        lower,
+    };
+    Step::Found
 }
 
 /// Where a point is beside the side planes of a face.
@@ -82,9 +71,9 @@ enum Rim {
     Outside(u32),
 }
 
-/// Looks at the side planes of `face` from `x`, with rounding relative to the pair's `size`.
+/// Looks at the side planes of `face` from `x`, with rounding relative to the pair's `size`. Returns a corner too.
 #[inline]
-fn rim_side(body: &ConvexPolyhedron, face: u32, n: &Vector3<f64>, x: &Vector3<f64>, size: f64) -> Rim {
+fn rim_side(body: &ConvexPolyhedron, face: u32, n: &Vector3<f64>, x: &Vector3<f64>, size: f64) -> (Rim, Vector3<f64>) {
     let (outside, inside) = (-DIFFERENCE * size, FOOT * size);
     // No edge is longer than the diameter, and the 1-norm is less than twice the length.
     let close = 4.0 * inside * body.radius;
@@ -98,7 +87,7 @@ fn rim_side(body: &ConvexPolyhedron, face: u32, n: &Vector3<f64>, x: &Vector3<f6
         let u = to - from;
         let side = n.cross(&u).dot(&(x - to));
         if side < close {
-            let length = u.abs().sum();
+            let length = one_norm(&u);
             let signed = side * side.abs() / u.norm_squared();
             if side < inside * length && signed < furthest {
                 let edge = h.min(e.twin);
@@ -112,7 +101,7 @@ fn rim_side(body: &ConvexPolyhedron, face: u32, n: &Vector3<f64>, x: &Vector3<f6
         }
         (from, h) = (to, e.next);
         if h == start {
-            return rim;
+            return (rim, from);
         }
     }
 }
@@ -149,7 +138,7 @@ fn behind(body: &ConvexPolyhedron, of: Which, vertex: u32, face: u32, x: &Vector
         }
     }
     if best != face && top > least {
-        Step::Jump(State::VertexFace { of, vertex, face: best })
+        Step::Jump(FeaturePair::vertex_face(of, vertex, best))
     } else {
         Step::Lost
     }

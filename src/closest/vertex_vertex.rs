@@ -1,35 +1,29 @@
 //! A vertex beside a vertex: each must be the lowest of its body towards the other.
 
 use super::placed::Placed;
-use super::state::{Found, State, Step};
+use super::state::{Found, Step};
+use crate::polyhedron::FeaturePair;
 use crate::pose::Which;
 use crate::scalar::sqrt;
 use crate::tolerance::{DIFFERENCE, ON_BOUNDARY};
 
-#[inline]
-pub(crate) fn look<const CERTIFY: bool>(placed: &Placed, a: u32, b: u32) -> Step {
+// Not inlined: the walk's loop would hoist the loads of every kind of pair and spill them.
+#[inline(never)]
+pub(crate) fn look<const CERTIFY: bool>(placed: &Placed, a: u32, b: u32, found: &mut Found) -> Step {
     let (p, q) = (placed.a.points[a as usize], placed.b.points[b as usize]);
-    let to_b = placed.a_from_b.point(&q) - p;
+    let to_b = placed.point_in_a(&q) - p;
     let noise = DIFFERENCE * placed.size();
     let from_b = -to_b;
     let fan_a = placed.a.fan_minimum(a, &from_b);
     if let Some(h) = placed.a.descent(a, &fan_a, noise) {
         let edge = placed.a.topology.edge(h);
-        return Step::Move(State::VertexEdge {
-            of: Which::B,
-            vertex: b,
-            edge,
-        });
+        return Step::Move(FeaturePair::vertex_edge(Which::B, b, edge));
     }
-    let to_b_in_b = placed.a_from_b.direction(&to_b);
+    let to_b_in_b = placed.direction_in_b(&to_b);
     let fan_b = placed.b.fan_minimum(b, &to_b_in_b);
     if let Some(h) = placed.b.descent(b, &fan_b, noise) {
         let edge = placed.b.topology.edge(h);
-        return Step::Move(State::VertexEdge {
-            of: Which::A,
-            vertex: a,
-            edge,
-        });
+        return Step::Move(FeaturePair::vertex_edge(Which::A, a, edge));
     }
     let distance = sqrt(to_b.norm_squared());
     if distance <= ON_BOUNDARY * placed.size() {
@@ -38,11 +32,12 @@ pub(crate) fn look<const CERTIFY: bool>(placed: &Placed, a: u32, b: u32) -> Step
     let proven = CERTIFY && placed.a.proves_lowest(&fan_a, &from_b) && placed.b.proves_lowest(&fan_b, &to_b_in_b);
     // Both are extreme along the line that joins them, so the supporting planes are as far apart as they are.
     let lower = if proven { distance } else { f64::NEG_INFINITY };
-    Step::Found(Found {
-        normal: to_b,
+    *found = Found {
+        normal: to_b / distance,
         point_a: p,
         point_b: q,
         distance,
         lower,
-    })
+    };
+    Step::Found
 }

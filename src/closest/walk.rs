@@ -11,88 +11,98 @@
 //! 2. No flare angles, no stickiness: rounding may end the walk early, and the certificate says so.
 //! 3. A repeated pair (Brent's mark) or too many steps end it. What stands in then is no worse (`fallback`).
 
-use super::placed::Placed;
-use super::state::{Found, State, Step};
+use super::Answer;
+use super::placed::{OfA, OfB, Placed};
+use super::state::{Found, Step};
 use super::{edge_edge, vertex_edge, vertex_face, vertex_vertex};
-use crate::pose::Which;
+use crate::polyhedron::{Feature, FeaturePair};
 use crate::scalar::sqrt;
 
 /// Jumps to a far face (vertex-face from behind) a walk may take: they are not monotone.
 const JUMPS: u32 = 3;
 
-/// Where a walk ended.
-pub(crate) struct Walk {
-    /// The last pair looked at.
-    pub(crate) state: State,
-    /// Its witnesses, where the Voronoi tests accept it.
-    pub(crate) found: Option<Found>,
-    /// Pairs looked at.
-    pub(crate) steps: u32,
-}
+/// Steps before the guard looks.
+const FREE: u32 = 8;
 
 /// Looks at one state.
-#[inline]
-fn look<const CERTIFY: bool>(placed: &Placed, state: State) -> Step {
-    let sides = |of| match of {
-        Which::A => placed.a_beside_b(),
-        Which::B => placed.b_beside_a(),
-    };
-    match state {
-        State::VertexVertex { a, b } => vertex_vertex::look::<CERTIFY>(placed, a, b),
-        State::VertexEdge { of, vertex, edge } => vertex_edge::look::<CERTIFY>(&sides(of), of, vertex, edge),
-        State::VertexFace { of, vertex, face } => vertex_face::look::<CERTIFY>(&sides(of), of, vertex, face),
-        State::EdgeEdge { a, b } => edge_edge::look::<CERTIFY>(placed, a, b),
+#[inline(always)]
+fn look<const CERTIFY: bool>(placed: &Placed, state: FeaturePair, found: &mut Found) -> Step {
+    use Feature::{Edge, Face, Vertex};
+    match (state.a, state.b) {
+        (Edge(e), Edge(g)) => edge_edge::look::<CERTIFY>(placed, e.0, g.0, found),
+        (Vertex(v), Face(f)) => vertex_face::look::<CERTIFY, _>(&OfA(placed), v.0, f.0, found),
+        (Face(f), Vertex(v)) => vertex_face::look::<CERTIFY, _>(&OfB(placed), v.0, f.0, found),
+        (Vertex(v), Edge(e)) => vertex_edge::look::<CERTIFY, _>(&OfA(placed), v.0, e.0, found),
+        (Edge(e), Vertex(v)) => vertex_edge::look::<CERTIFY, _>(&OfB(placed), v.0, e.0, found),
+        (Vertex(v), Vertex(w)) => vertex_vertex::look::<CERTIFY>(placed, v.0, w.0, found),
+        // No state; nothing leads here (see `to_stand_on`).
+        (Edge(_), Face(_)) | (Face(_), Edge(_) | Face(_)) => Step::Lost,
     }
 }
 
-/// Walks from `start`; at most `4 sqrt(nA + nB) + 16` steps.
-#[inline]
-pub(crate) fn walk<const CERTIFY: bool>(placed: &Placed, start: State) -> Walk {
-    watched::<CERTIFY>(placed, start, |_| {})
+/// Walks from the pair of `answer` until the Voronoi tests accept one; whether they do. At most
+/// `4 sqrt(nA + nB) + 16` steps.
+#[inline(always)]
+pub(crate) fn walk<const CERTIFY: bool>(placed: &Placed, answer: &mut Answer) -> bool {
+    watched::<CERTIFY>(placed, answer, |_| {})
 }
 
 /// The same walk, each pair it looks at told to `seen`.
-#[inline]
-pub(crate) fn watched<const CERTIFY: bool>(placed: &Placed, start: State, mut seen: impl FnMut(State)) -> Walk {
-    let (mut state, mut mark) = (start, start);
-    let (mut jumps, mut next_mark) = (0, 8);
-    let mut limit = u32::MAX;
-    let mut steps = 0;
+#[inline(always)]
+pub(crate) fn watched<const CERTIFY: bool>(
+    placed: &Placed,
+    answer: &mut Answer,
+    mut seen: impl FnMut(FeaturePair),
+) -> bool {
+    let mut guard = Guard {
+        steps: 0,
+        jumps: 0,
+        mark: answer.state,
+        next_mark: FREE,
+        limit: u32::MAX,
+    };
     loop {
-        steps += 1;
-        seen(state);
-        let next = match look::<CERTIFY>(placed, state) {
+        answer.work.steps += 1;
+        seen(answer.state);
+        let next = match look::<CERTIFY>(placed, answer.state, &mut answer.found) {
+            Step::Found => return true,
             Step::Move(next) => next,
-            Step::Jump(next) if jumps < JUMPS => {
-                jumps += 1;
+            Step::Jump(next) => {
+                guard.jumps += 1;
                 next
             }
-            Step::Found(found) => {
-                return Walk {
-                    state,
-                    found: Some(found),
-                    steps,
-                };
-            }
-            Step::Jump(_) | Step::Lost => break,
+            Step::Lost => return false,
         };
-        if steps >= 8 {
-            if steps == 8 {
-                limit = step_limit(placed);
-            }
-            if next == mark || steps >= limit {
-                break;
-            }
-            if steps == next_mark {
-                (mark, next_mark) = (next, 2 * next_mark);
-            }
+        guard.steps += 1;
+        if guard.steps >= FREE && guard.stops(placed, next) || guard.jumps > JUMPS {
+            return false;
         }
-        state = next;
+        answer.state = next;
     }
-    Walk {
-        state,
-        found: None,
-        steps,
+}
+
+/// Ends walks that go in a circle or too far.
+struct Guard {
+    steps: u32,
+    jumps: u32,
+    /// The pair remembered at step 8, 16, 32 and so on (Brent): to meet it again is a circle.
+    mark: FeaturePair,
+    next_mark: u32,
+    limit: u32,
+}
+
+impl Guard {
+    #[cold]
+    fn stops(&mut self, placed: &Placed, next: FeaturePair) -> bool {
+        if self.steps == FREE {
+            self.limit = step_limit(placed);
+        } else if next == self.mark || self.steps >= self.limit {
+            return true;
+        }
+        if self.steps == self.next_mark {
+            (self.mark, self.next_mark) = (next, 2 * self.next_mark);
+        }
+        false
     }
 }
 

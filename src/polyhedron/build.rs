@@ -27,6 +27,21 @@ impl ConvexPolyhedron {
     /// [`report`](Self::report). Vertices are numbered along a space-filling curve, whatever the order of the input.
     /// Time is near `n log n`.
     ///
+    /// ```
+    /// use lin_canny::polyhedron::{BuildError, ConvexPolyhedron};
+    /// use nalgebra::Point3;
+    ///
+    /// let corners = [[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [0., 0., 1.], [0.1, 0.1, 0.1]];
+    /// let body = ConvexPolyhedron::from_points(&corners.map(Point3::from))?;
+    /// assert_eq!((body.vertex_count(), body.edge_count(), body.face_count()), (4, 6, 4));
+    /// assert_eq!(body.report().interior, [4]);
+    ///
+    /// let flat = [0, 1, 2, 0].map(|i: usize| Point3::from(corners[i]));
+    /// let flat = ConvexPolyhedron::from_points(&flat);
+    /// assert!(matches!(flat, Err(BuildError::Flat { dimension: 2, .. })));
+    /// # Ok::<(), BuildError>(())
+    /// ```
+    ///
     /// # Errors
     ///
     /// Fewer than four points, a coordinate that is not finite, an extent outside 1e-100..1e100, or points that are all
@@ -61,25 +76,7 @@ impl ConvexPolyhedron {
         let radius = points.iter().fold(0.0f64, |r, p| r.max(p.norm_squared()));
         // Three squares, two sums and a root err by less than 3 UNIT together.
         let radius = sqrt(radius) * (1.0 + 4.0 * UNIT);
-        let mut planes = Vec::with_capacity(loops.len());
-        let mut areas = Vec::with_capacity(loops.len());
-        for rim in loops {
-            let (plane, area) = match rim.len() {
-                2 => (
-                    Plane {
-                        normal: Vector3::zeros(),
-                        offset: 0.0,
-                    },
-                    0.0,
-                ),
-                _ => {
-                    let [a, b, c] = widest_corners(&points, rim).map(|v| &points[v as usize]);
-                    plane(a, b, c, radius)
-                }
-            };
-            planes.push(plane);
-            areas.push(area);
-        }
+        let (planes, areas) = planes_of(&points, loops, radius);
         let (low, high) = bounding_box(&points);
         let flatness = flatness(&points, &planes, &areas, (high - low).max());
         let (vertices, edges) = (points.len(), topology.half_edge_count() / 2);
@@ -107,6 +104,7 @@ impl ConvexPolyhedron {
             source_faces: Vec::new(),
             origin: cloud.origin,
             exponent: cloud.exponent,
+            as_given: cloud.exponent == 0 && cloud.origin == Vector3::zeros(),
             radius,
             low,
             high,
@@ -169,6 +167,22 @@ impl ConvexPolyhedron {
     pub(crate) fn unit(&self) -> f64 {
         power_of_two(self.exponent)
     }
+}
+
+/// The plane of each face, and twice the area of the widest triangle on it; zeros for the null face of a segment.
+fn planes_of(points: &[Vector3<f64>], loops: &[Vec<u32>], radius: f64) -> (Vec<Plane>, Vec<f64>) {
+    let null = Plane {
+        normal: Vector3::zeros(),
+        offset: 0.0,
+    };
+    let of_face = |rim: &Vec<u32>| {
+        if rim.len() < 3 {
+            return (null, 0.0);
+        }
+        let [a, b, c] = widest_corners(points, rim).map(|v| &points[v as usize]);
+        plane(a, b, c, radius)
+    };
+    loops.iter().map(of_face).unzip()
 }
 
 /// The error for a flat cloud.

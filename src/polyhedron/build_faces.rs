@@ -12,12 +12,10 @@ use super::ConvexPolyhedron;
 use super::cloud::{Cloud, power_of_two};
 use super::error::BuildError;
 use super::plane::{plane, widest_corners};
-use crate::tolerance::PLANARITY;
+use super::source_faces::source_faces;
+use crate::tolerance::{PLANARITY, SIDE_ERROR};
 
 const NONE: u32 = u32::MAX;
-
-/// A corner where more faces meet than this is looked at only if nothing else names a face.
-const CROWD: usize = 8;
 
 impl ConvexPolyhedron {
     /// A body from points and faces, each a loop of indices counter-clockwise seen from outside.
@@ -25,6 +23,21 @@ impl ConvexPolyhedron {
     /// Faces may leave their plane by rounding: 64 UNIT times the diagonal of the box. Several coplanar faces become
     /// one face of the body; [`source_face`](Self::source_face) leads back. Equal points are taken for one, points no
     /// face uses are ignored and listed in [`report`](Self::report).
+    ///
+    /// ```
+    /// use lin_canny::polyhedron::{BuildError, ConvexPolyhedron};
+    /// use nalgebra::Point3;
+    ///
+    /// let corners = [[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [0., 0., 1.]].map(Point3::from);
+    /// let mut faces = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+    /// let body = ConvexPolyhedron::from_faces(&corners, &faces)?;
+    /// assert!(body.faces().all(|f| body.source_face(f).is_some()));
+    ///
+    /// faces[1].reverse();
+    /// let error = ConvexPolyhedron::from_faces(&corners, &faces).unwrap_err();
+    /// assert_eq!(error, BuildError::WrongOrientation { face: 1 });
+    /// # Ok::<(), BuildError>(())
+    /// ```
     ///
     /// # Errors
     ///
@@ -71,7 +84,7 @@ fn build(
     if let Some(edge) = misdirected {
         return Err(BuildError::EdgeUsedTwice { edge });
     }
-    body.source_faces = mesh.faces_of(&body, &places, &stored);
+    body.source_faces = source_faces(&mesh, &body, &places, &stored);
     body.report.non_planarity = planes.iter().fold(0.0f64, |m, p| m.max(p.deviation)) * body.unit();
     body.report.unused = unused;
     Ok(body)
@@ -103,13 +116,13 @@ fn used_points(points: &[Point3<f64>], faces: &[impl AsRef<[u32]>]) -> Result<(V
 }
 
 /// The caller's faces over the points of the cloud.
-struct Mesh {
+pub(crate) struct Mesh {
     /// Corners of all faces one after the other, as places in the cloud.
-    corners: Vec<u32>,
+    pub(crate) corners: Vec<u32>,
     /// Where each face begins, and the end of the last.
     first: Vec<u32>,
     /// The caller's index of each place.
-    source: Vec<u32>,
+    pub(crate) source: Vec<u32>,
 }
 
 /// The plane of one of the caller's faces, in stored units.
@@ -154,12 +167,17 @@ impl Mesh {
         Ok(mesh)
     }
 
-    fn face_count(&self) -> usize {
+    pub(crate) fn face_count(&self) -> usize {
         self.first.len() - 1
     }
 
-    fn face(&self, f: usize) -> &[u32] {
-        &self.corners[self.first[f] as usize..self.first[f + 1] as usize]
+    pub(crate) fn face(&self, f: usize) -> &[u32] {
+        &self.corners[self.corners_of(f)]
+    }
+
+    /// Where the corners of a face stand.
+    pub(crate) fn corners_of(&self, f: usize) -> core::ops::Range<usize> {
+        self.first[f] as usize..self.first[f + 1] as usize
     }
 
     fn name(&self, place: u32) -> usize {
@@ -205,14 +223,17 @@ impl Mesh {
         if normal == Vector3::zeros() {
             return Err(BuildError::FaceWithoutArea { face: f });
         }
-        // Corners may turn either way where the face is not convex; the area of the whole face has the right sign.
-        let around = rim.iter().zip(rim.iter().cycle().skip(1));
+        // Corners may turn either way where the face is not convex; the area of the whole face has the right sign, unless
+        // it is a sliver at rounding level.
         let at = |v: &u32| cloud.points[*v as usize] - a;
-        if around
-            .fold(Vector3::zeros(), |sum, (p, q)| sum + at(p).cross(&at(q)))
-            .dot(&normal)
-            < 0.0
-        {
+        let around = rim.iter().zip(rim.iter().cycle().skip(1)).map(|(p, q)| (at(p), at(q)));
+        let (area, error) = around.fold((0.0, 0.0), |(area, error), (p, q)| {
+            (
+                area + p.cross(&q).dot(&normal),
+                error + SIDE_ERROR * p.norm() * q.norm(),
+            )
+        });
+        if area < -2.0 * error {
             normal = -normal;
         }
         let off = |v: u32| normal.dot(&(cloud.points[v as usize] - a)).abs();
@@ -280,78 +301,5 @@ impl Mesh {
             }
         }
         Ok(())
-    }
-
-    /// For each face of the body the caller's face that shares most corners with it, the lowest among equals. Three
-    /// corners settle it; where the caller cut a face so that no piece has three, the piece that lies in its plane.
-    fn faces_of(&self, body: &ConvexPolyhedron, places: &[u32], points: &[Vector3<f64>]) -> Vec<u32> {
-        let incidence = Incidence::new(self);
-        // The last face each of the caller's was compared with, and the corners shared.
-        let mut shared = vec![(NONE, 0u32); self.face_count()];
-        let mut rim: Vec<u32> = Vec::new();
-        let mut candidates: Vec<u32> = Vec::new();
-        (0..body.face_count() as u32)
-            .map(|f| {
-                rim.clear();
-                candidates.clear();
-                rim.extend(body.topology.rim(f).map(|h| places[body.topology.from(h) as usize]));
-                // Crowded corners, such as the apex of a cone, come last and are mostly not needed.
-                rim.sort_by_key(|&c| incidence.faces_at(c).len());
-                for &corner in &rim {
-                    if candidates.len() > CROWD && incidence.faces_at(corner).len() > CROWD {
-                        break;
-                    }
-                    for &g in incidence.faces_at(corner) {
-                        let (last, count) = &mut shared[g as usize];
-                        if *last != f {
-                            (*last, *count) = (f, 0);
-                            candidates.push(g);
-                        }
-                        *count += 1;
-                    }
-                }
-                let count = |g: u32| shared[g as usize].1;
-                let off = |g: u32| {
-                    let plane = &body.planes[f as usize];
-                    let heights = self
-                        .face(g as usize)
-                        .iter()
-                        .map(|&c| plane.normal.dot(&points[c as usize]));
-                    heights.fold(0.0f64, |m, h| m.max(plane.offset - h))
-                };
-                let most = candidates.iter().map(|&g| count(g)).max().unwrap_or(0);
-                let best = candidates.iter().copied().filter(|&g| most < 3 || count(g) == most);
-                let best = best.min_by(|&g, &h| if most < 3 { off(g).total_cmp(&off(h)) } else { g.cmp(&h) });
-                best.unwrap_or(0)
-            })
-            .collect()
-    }
-}
-
-/// Which of the caller's faces meet at each place.
-struct Incidence {
-    first: Vec<u32>,
-    faces: Vec<u32>,
-}
-
-impl Incidence {
-    fn new(mesh: &Mesh) -> Self {
-        let mut pairs: Vec<(u32, u32)> = Vec::with_capacity(mesh.corners.len());
-        for f in 0..mesh.face_count() {
-            pairs.extend(mesh.face(f).iter().map(|&c| (c, f as u32)));
-        }
-        pairs.sort_unstable();
-        let places = mesh.source.len() as u32;
-        let first = (0..=places)
-            .map(|c| pairs.partition_point(|p| p.0 < c) as u32)
-            .collect();
-        Self {
-            first,
-            faces: pairs.into_iter().map(|p| p.1).collect(),
-        }
-    }
-
-    fn faces_at(&self, place: u32) -> &[u32] {
-        &self.faces[self.first[place as usize] as usize..self.first[place as usize + 1] as usize]
     }
 }

@@ -8,6 +8,9 @@ use crate::double_double::two_sum;
 use crate::scalar::sqrt;
 use crate::tolerance::{EXPONENT_FREE, EXTENT_MAX, EXTENT_MIN, FLUSH_EXPONENT};
 
+/// Most points accepted: a body of n vertices has fewer than 6 n half-edges, each with a 32-bit number.
+const POINTS_MAX: usize = 1 << 29;
+
 /// Distinct points in stored coordinates, in Morton order, so that neighbours in space are neighbours in memory.
 pub(crate) struct Cloud {
     pub(crate) points: Vec<Vector3<f64>>,
@@ -35,7 +38,7 @@ pub(crate) fn exponent_of(x: f64) -> i32 {
 impl Cloud {
     /// Of the points named by `indices`, which must exist; `needed` is the least count accepted.
     pub(crate) fn new(given: &[Point3<f64>], indices: Vec<u32>, needed: usize) -> Result<Self, BuildError> {
-        if given.len() >= u32::MAX as usize {
+        if given.len() > POINTS_MAX {
             return Err(BuildError::TooMany { count: given.len() });
         }
         if let Some(&index) = indices
@@ -110,6 +113,11 @@ pub(crate) fn bounding_box<'a>(points: impl IntoIterator<Item = &'a Vector3<f64>
         .fold(start, |(low, high), p| (low.inf(p), high.sup(p)))
 }
 
+/// Stored coordinates below this count as zero, by half the diagonal of the stored box.
+pub(crate) fn flush_below(radius: f64) -> f64 {
+    power_of_two(exponent_of(radius) - FLUSH_EXPONENT)
+}
+
 /// Origin, exponent and the magnitude below which a stored coordinate becomes zero.
 fn placement(given: &[Point3<f64>], indices: &[u32]) -> Result<(Vector3<f64>, i32, f64), BuildError> {
     let all = || indices.iter().map(|&i| &given[i as usize].coords);
@@ -136,8 +144,10 @@ fn placement(given: &[Point3<f64>], indices: &[u32]) -> Result<(Vector3<f64>, i3
         if shifts { middle[k] } else { 0.0 }
     });
     let size = exponent_of(radius);
-    let exponent = if size.abs() <= EXPONENT_FREE { 0 } else { size };
-    Ok((origin, exponent, power_of_two(size - exponent - FLUSH_EXPONENT)))
+    // The nearest multiple of the window, so that bodies of like size are stored in one unit whatever the caller's.
+    let window = 2 * EXPONENT_FREE;
+    let exponent = (size + EXPONENT_FREE).div_euclid(window) * window;
+    Ok((origin, exponent, flush_below(radius * power_of_two(-exponent))))
 }
 
 /// Positions of `points` along the Morton curve of their bounding box; equal points follow each other by index.

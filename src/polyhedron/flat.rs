@@ -147,33 +147,35 @@ fn planar_hull(points: &[Vector3<f64>], axis: usize) -> (Vec<u32>, Vec<u32>) {
         let (p, q) = (&points[i as usize], &points[j as usize]);
         p[u].total_cmp(&q[u]).then(p[v].total_cmp(&q[v]))
     });
-    let at = |i: u32| &points[i as usize];
-    let mut edges = Vec::new();
-    let mut half = |order: &mut dyn Iterator<Item = u32>| {
+    let mut rank = vec![0u32; points.len()];
+    order.iter().zip(0u32..).for_each(|(&i, r)| rank[i as usize] = r);
+    let turns = |a: u32, b: u32, c: u32| turn(axis, &points[a as usize], &points[b as usize], &points[c as usize]);
+    let chain_of = |order: &mut dyn Iterator<Item = u32>| {
         let mut chain: Vec<u32> = Vec::new();
         for i in order {
-            while let [.., a, b] = chain[..] {
-                let t = turn(axis, at(a), at(b), at(i));
-                if t > 0.0 {
-                    break;
-                }
-                if t == 0.0 {
-                    edges.push((a, i, b));
-                }
+            while let [.., a, b] = chain[..]
+                && turns(a, b, i) <= 0.0
+            {
                 chain.pop();
             }
             chain.push(i);
         }
-        chain.pop();
         chain
     };
-    let mut rim = half(&mut order.iter().copied());
-    rim.extend(half(&mut order.iter().rev().copied()));
-    // A point dropped for lying between two others is on the rim only if those stayed there, or lie on it themselves.
-    let next = |i: usize| rim[(i + 1) % rim.len()];
-    let mut on: Vec<u32> = edges.into_iter().map(|e| e.2).collect();
-    on.sort_unstable();
-    on.dedup();
-    on.retain(|&p| !rim.contains(&p) && (0..rim.len()).any(|i| turn(axis, at(rim[i]), at(next(i)), at(p)) == 0.0));
-    (rim, on)
+    let lower = chain_of(&mut order.iter().copied());
+    let mut upper = chain_of(&mut order.iter().rev().copied());
+    let mut rim = lower.clone();
+    rim.pop();
+    rim.extend(&upper[..upper.len() - 1]);
+    upper.reverse();
+    // Both chains rise: a point can only lie on the link of each that passes over or under it.
+    let on_chain = |chain: &[u32], p: u32| {
+        let k = chain.partition_point(|&i| rank[i as usize] < rank[p as usize]);
+        0 < k && k < chain.len() && chain[k] != p && turns(chain[k - 1], chain[k], p) == 0.0
+    };
+    let mut is_corner = vec![false; points.len()];
+    rim.iter().for_each(|&i| is_corner[i as usize] = true);
+    let others = (0..points.len() as u32).filter(|&p| !is_corner[p as usize]);
+    let on_edges = others.filter(|&p| on_chain(&lower, p) || on_chain(&upper, p)).collect();
+    (rim, on_edges)
 }

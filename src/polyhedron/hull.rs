@@ -272,11 +272,8 @@ impl Hull<'_> {
     /// The triangles left, renumbered without gaps.
     fn finish(self) -> Surface {
         let mut number = vec![NONE; self.facets.len()];
-        let mut count = 0;
-        for (slot, _) in number.iter_mut().zip(&self.facets).filter(|(_, f)| f.alive) {
-            *slot = count;
-            count += 1;
-        }
+        let slots = number.iter_mut().zip(&self.facets).filter(|(_, f)| f.alive);
+        slots.zip(0u32..).for_each(|((slot, _), count)| *slot = count);
         let alive = self.facets.iter().filter(|f| f.alive);
         let renumber = |t: &Triangle| Triangle {
             v: t.v,

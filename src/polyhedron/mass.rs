@@ -2,7 +2,7 @@
 //!
 //! The body is cut into tetrahedra between its box centre and triangles of its faces; their moments are polynomials of
 //! the corners (Tonon 2004). All is summed in double-double from exact differences, so that thin, far-off and round
-//! bodies lose nothing to cancellation.
+//! bodies lose nothing to cancellation; only slivers thinner than rounding (1e-16 of their extent) lose digits.
 
 use nalgebra::{Matrix3, Point3, Vector3};
 

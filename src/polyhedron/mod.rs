@@ -1,7 +1,7 @@
 //! The immutable body: a convex polyhedron with its features, their neighbours and their planes.
 //!
 //! Reading order: [`feature`] (names), `topology` (who is beside whom, without coordinates), `cloud`, `hull`, `facets`,
-//! `plane` and `build` (points to a body), `build_faces` (the caller's faces), `flat` (polygon, segment, point),
+//! `plane` and `build` (points to a body), `build_faces` and `source_faces` (the caller's faces), `flat` (polygon, segment, point),
 //! `support` (extreme vertices), `access`, `query`, `mass`, `rebuild`, `persist`, [`solids`].
 //!
 //! # Stored coordinates
@@ -29,6 +29,7 @@ mod rebuild;
 mod report;
 mod sign;
 pub mod solids;
+mod source_faces;
 pub(crate) mod support;
 pub(crate) mod topology;
 
@@ -72,6 +73,8 @@ pub struct ConvexPolyhedron {
     pub(crate) origin: Vector3<f64>,
     /// Stored lengths times `2^exponent` are the caller's.
     pub(crate) exponent: i32,
+    /// Whether stored coordinates are the caller's: no origin, no exponent.
+    pub(crate) as_given: bool,
     /// Largest distance of a vertex from the stored origin, rounded up, in stored units.
     pub(crate) radius: f64,
     /// Corners of the bounding box, in stored coordinates.

@@ -16,18 +16,21 @@ pub(crate) fn widest_corners(points: &[Vector3<f64>], rim: &[u32]) -> [u32; 3] {
         return [a, b, c];
     }
     let a = rim[0];
-    let (b, _) = most(&rim[1..], |v| (at(v) - at(a)).norm_squared());
+    // Largest coordinates, not squares: those of the smallest faces would underflow.
+    let b = most(&rim[1..], |v| (at(v) - at(a)).amax());
     let chord = at(b) - at(a);
-    let (c, _) = most(&rim[1..], |v| chord.cross(&(at(v) - at(a))).norm_squared());
+    let c = most(&rim[1..], |v| chord.cross(&(at(v) - at(a))).amax());
     let place = |v: u32| rim.iter().position(|&r| r == v);
     if place(b) < place(c) { [a, b, c] } else { [a, c, b] }
 }
 
-fn most(rim: &[u32], measure: impl Fn(u32) -> f64) -> (u32, f64) {
-    rim.iter().fold((rim[0], f64::NEG_INFINITY), |best, &v| {
+/// The first vertex of the largest measure.
+fn most(rim: &[u32], measure: impl Fn(u32) -> f64) -> u32 {
+    let better = |best: (u32, f64), v: u32| {
         let m = measure(v);
         if m > best.1 { (v, m) } else { best }
-    })
+    };
+    rim.iter().copied().fold((0, f64::NEG_INFINITY), better).0
 }
 
 /// The plane through three points of a body whose vertices lie within `radius` of the stored origin and exactly below

@@ -2,14 +2,15 @@
 
 use nalgebra::{Point3, Vector3};
 
+use super::cloud::flush_below;
 use super::sign::{projection, turn};
 use super::{ConvexPolyhedron, VertexId};
 use crate::scalar::sqrt;
 use crate::tolerance::{FAR_POINT, NEAR_PLANE};
 
 impl ConvexPolyhedron {
-    /// A vertex farthest along a direction of any length; among equals the lowest. Vertex 0 for a direction that is
-    /// zero or not finite.
+    /// A vertex farthest along a direction of any length, proven so up to the rounding of `direction . vertex`; among
+    /// equals the lowest. Vertex 0 for a direction that is zero or not finite. Looks at a few vertices only.
     #[doc(alias = "support")]
     pub fn extreme_vertex(&self, direction: &Vector3<f64>) -> VertexId {
         let size = direction.amax();
@@ -17,26 +18,20 @@ impl ConvexPolyhedron {
             return VertexId(0);
         }
         let direction = direction / size;
-        let mut best = (0, f64::NEG_INFINITY);
-        for (v, p) in self.points.iter().enumerate() {
-            let along = direction.dot(p);
-            if along > best.1 {
-                best = (v as u32, along);
-            }
-        }
-        VertexId(best.0)
+        VertexId(self.extreme(&direction, self.lookup.cell(&direction)).vertex)
     }
 
     /// Whether the closed body holds a point: points on the surface belong to it. The answer is exact for the body as
     /// stored (coordinates of the point below 2^-250 of the body's radius count as zero, as those of the vertices do).
     /// `false` for a point that is not finite.
     pub fn contains(&self, point: &Point3<f64>) -> bool {
-        let (low, high) = self.aabb();
-        if !(0..3).all(|k| low[k] <= point[k] && point[k] <= high[k]) {
+        let flush = flush_below(sqrt(((self.high - self.low) * 0.5).norm_squared()));
+        // Within the box of a shifted body the shift is exact (Sterbenz), as it was for the vertices; a point that is not
+        // shifted exactly is at least half the shift away, farther than the body reaches.
+        let p = ((point.coords - self.origin) / self.unit()).map(|x| if x.abs() < flush { 0.0 } else { x });
+        if !(0..3).all(|k| self.low[k] <= p[k] && p[k] <= self.high[k]) {
             return false; // also where a coordinate is not a number
         }
-        // Within the box of a shifted body the shift is exact (Sterbenz), as it was for the vertices.
-        let p = (point.coords - self.origin) / self.unit();
         match self.topology.face_count() {
             0 => true,
             1 => projection(&self.points[0], &self.points[1], &p).is_none(),
@@ -117,7 +112,8 @@ impl ConvexPolyhedron {
         half / half.amax() * far
     }
 
-    /// The foot of the perpendicular from `p`, in front of a face, where it falls within the rim.
+    /// The foot of the perpendicular from `p` to a face, where it falls within the rim. Seen from behind it is a point
+    /// of the body too, and the closest one where rounding misjudges the side.
     fn foot_on_face(&self, f: u32, p: &Vector3<f64>) -> Option<Vector3<f64>> {
         let n = self.planes[f as usize].normal;
         let a = self.points[self.topology.from(self.topology.rim_start(f)) as usize];
@@ -127,7 +123,7 @@ impl ConvexPolyhedron {
             let from = self.points[self.topology.from(h) as usize];
             (self.points[e.to as usize] - from).cross(&(p - from)).dot(&n) >= 0.0
         });
-        (height > 0.0 && inside).then(|| p - n * height)
+        inside.then(|| p - n * height)
     }
 }
 

@@ -153,7 +153,7 @@ pub fn dodecahedron(radius: f64) -> Result<ConvexPolyhedron, BuildError> {
     let (p, q) = (4181.0, 6765.0);
     let exact = radius / (sqrt(3.0) * q * q);
     // 26 digits, and integers below 2^27.
-    let scale = f64::from_bits(exact.to_bits() + (1 << 26) & !((1 << 27) - 1));
+    let scale = f64::from_bits((exact.to_bits() + (1 << 26)) & !((1 << 27) - 1));
     let cube = (0..8).map(|k| {
         let sign = |axis: u32| {
             if k >> axis & 1 == 1 {

@@ -17,10 +17,9 @@ use dashu_int::IBig;
 use nalgebra::{Matrix3, Vector3};
 
 use super::Answer;
-use super::outcome::{Class, Layer, Work};
+use super::outcome::{Class, Layer};
 use super::placed::Placed;
 use super::refine;
-use super::state::State;
 use crate::polyhedron::ConvexPolyhedron;
 use crate::pose::RelativePose;
 use crate::tolerance::EXACT_FILTER;
@@ -171,49 +170,39 @@ impl<'a> Pair<'a> {
     }
 }
 
-/// The exact answer, from the vertices of `state`.
-pub(crate) fn answer(placed: &Placed, state: State, work: &Work) -> Answer {
-    let hint = state.vertices_of(placed.a, placed.b);
+/// Settles class and distance exactly, from the vertices of the answer's state.
+pub(crate) fn settle(placed: &Placed, answer: &mut Answer) {
+    let hint = answer.state.vertices_of(placed.a, placed.b);
     let pair = Pair::new(placed.a, placed.b, placed.pose);
+    // One to four corners always have a nearest point.
     let Some(at) = pair.nearest(hint) else {
-        return refine::undecided(placed, state, work);
+        return refine::give_up(placed, answer);
     };
-    let (point_a, point_b) = witnesses(&pair, &at);
     let (mut a, mut b) = ([0; 4], [0; 4]);
     for (k, c) in at.kept.iter().enumerate().take(4) {
         (a[k], b[k]) = (c.a, c.b);
     }
-    let n = at.kept.len();
-    let state = refine::state_of(placed, &a[..n], &b[..n]);
-    let (class, distance, lower, upper, normal) = if is_zero(&at.direction) {
-        match pair.locate(&at, hint) {
-            // P = A - B lies below the normal: A's side is behind, so the normal points from A to B.
-            Origin::Boundary(n) => (Class::Touching, 0.0, 0.0, 0.0, n),
-            Origin::Interior => (
-                Class::Overlapping,
-                0.0,
-                f64::NEG_INFINITY,
-                0.0,
-                [IBig::ONE, IBig::ZERO, IBig::ZERO],
-            ),
-        }
-    } else {
+    answer.layer = Layer::Exact;
+    answer.state = refine::state_of(placed, &a[..at.kept.len()], &b[..at.kept.len()]);
+    (answer.found.point_a, answer.found.point_b) = witnesses(&pair, &at);
+    let normal = |n: &Big3| refine::unit(&pair.a.rounded.tr_mul(&direction(n)));
+    if !is_zero(&at.direction) {
         let d = distance(&pair, &at) / placed.a.unit();
-        (Class::Separated, d, d.next_down(), d.next_up(), neg(&at.direction))
-    };
-    let normal = pair.a.rounded.tr_mul(&direction(&normal));
-    let layer = Layer::Exact;
-    Answer {
-        class,
-        distance,
-        lower,
-        upper,
-        state,
-        point_a,
-        point_b,
-        normal,
-        layer,
-        work: *work,
+        answer.class = Class::Separated;
+        answer.found.distance = d;
+        answer.found.normal = normal(&neg(&at.direction));
+        (answer.lower, answer.upper) = (d.next_down(), d.next_up());
+        return;
+    }
+    match pair.locate(&at, hint) {
+        // A - B lies below the normal, A behind and B in front: it points from A to B.
+        Origin::Boundary(n) => {
+            answer.class = Class::Touching;
+            answer.found.distance = 0.0;
+            answer.found.normal = normal(&n);
+            (answer.lower, answer.upper) = (0.0, 0.0);
+        }
+        Origin::Interior => refine::overlapping(answer),
     }
 }
 
