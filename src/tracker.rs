@@ -1,12 +1,16 @@
 //! The state a user keeps per pair: where the last answer was found.
 
+use alloc::vec::Vec;
+
 use nalgebra::Unit;
 
-use crate::closest::outcome::{Class, Distance, Layer, Outcome, Proposal};
+use crate::closest::outcome::{Class, Distance, Layer, Level, Outcome, Proposal};
 use crate::closest::placed::Placed;
-use crate::closest::{self, Level, far};
+use crate::closest::trace::trace;
+use crate::closest::{self, far};
 use crate::polyhedron::{ConvexPolyhedron, FeaturePair, power_of_two};
 use crate::pose::{RelativePose, Which};
+use crate::replay::Replay;
 
 /// The features of the last answer of one pair, from which the next walk starts, and counters.
 ///
@@ -88,6 +92,26 @@ impl Tracker {
         self.last
     }
 
+    /// The pairs of features that the walk of the next query would look at, in order, and whether it ends on the last
+    /// of them rather than handing over there. Nothing is changed or counted. Empty for bodies that no walk is tried on:
+    /// too far apart, or of sizes too different.
+    pub fn trace(
+        &self,
+        a: &ConvexPolyhedron,
+        b: &ConvexPolyhedron,
+        a_from_b: &RelativePose,
+    ) -> (Vec<FeaturePair>, bool) {
+        match Placed::new(a, b, a_from_b) {
+            Ok(placed) => trace(&placed, self.start(a, b)),
+            Err(_) => (Vec::new(), false),
+        }
+    }
+
+    /// The query as a text that rebuilds it bit for bit: ask for it before the query, or the start is the answer's.
+    pub fn replay(&self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose, level: Level) -> Replay {
+        replay(a, b, a_from_b, self.start(a, b), level)
+    }
+
     /// What has been done so far.
     pub fn totals(&self) -> Totals {
         self.totals
@@ -103,14 +127,23 @@ impl Tracker {
     /// as the exact rung is not needed.
     #[inline]
     pub fn closest(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Outcome {
-        self.answer(a, b, a_from_b, Level::Certified)
+        let before = self.last;
+        let outcome = self.answer(a, b, a_from_b, Level::Certified);
+        debug_check(a, b, a_from_b, before, Level::Certified, &outcome);
+        outcome
     }
 
     /// As [`closest`](Self::closest), with the distance of separated bodies within one unit in the last place of the
     /// truth. Costs microseconds: every answer is taken again in double-double arithmetic, some in exact integers.
     #[cfg(feature = "exact")]
     pub fn closest_exact(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Outcome {
-        self.answer(a, b, a_from_b, Level::Exact)
+        let before = self.last;
+        let mut outcome = self.answer(a, b, a_from_b, Level::Exact);
+        if outcome.layer == Layer::Far {
+            outcome = far::exactly(a, b, a_from_b, outcome);
+        }
+        debug_check(a, b, a_from_b, before, Level::Exact, &outcome);
+        outcome
     }
 
     /// The distance and its bounds without the witnesses.
@@ -154,7 +187,7 @@ impl Tracker {
     /// solver in f64 stands in.
     #[inline]
     pub fn propose(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Proposal {
-        let o = self.answer(a, b, a_from_b, Level::Proposed);
+        let o = self.answer(a, b, a_from_b, Level::Walk);
         Proposal {
             distance: (o.class != Class::Overlapping).then_some(o.distance),
             features: o.features,
@@ -261,6 +294,48 @@ impl Tracker {
     #[cfg(not(feature = "exact"))]
     fn decide_within(&self, _: &ConvexPolyhedron, _: &ConvexPolyhedron, _: &RelativePose, _: f64) -> bool {
         true
+    }
+}
+
+fn replay(
+    a: &ConvexPolyhedron,
+    b: &ConvexPolyhedron,
+    pose: &RelativePose,
+    start: Option<FeaturePair>,
+    level: Level,
+) -> Replay {
+    Replay {
+        a: a.clone(),
+        b: b.clone(),
+        pose: *pose,
+        start,
+        level,
+    }
+}
+
+/// In debug builds: an answer that contradicts itself ends the program with the text that replays the query.
+#[inline(always)]
+fn debug_check(
+    a: &ConvexPolyhedron,
+    b: &ConvexPolyhedron,
+    pose: &RelativePose,
+    before: Option<FeaturePair>,
+    level: Level,
+    outcome: &Outcome,
+) {
+    if cfg!(debug_assertions) {
+        if let Some(fault) = crate::soundness::fault(a, b, pose, outcome) {
+            let start = before.filter(|pair| pair.is_of(a, b));
+            panic!("{fault}: {outcome:?}\n{}", replay(a, b, pose, start, level));
+        }
+    }
+}
+
+impl Replay {
+    /// A tracker that starts where the recorded one did.
+    pub fn tracker(&self) -> Tracker {
+        let start = self.start.map(|pair| Tracker::starting_from(pair, &self.a, &self.b));
+        start.unwrap_or_default()
     }
 }
 

@@ -23,6 +23,7 @@ pub(crate) mod seed;
 pub(crate) mod simplex;
 mod slide;
 pub(crate) mod state;
+pub(crate) mod trace;
 mod vertex_edge;
 mod vertex_face;
 mod vertex_vertex;
@@ -30,7 +31,7 @@ pub(crate) mod walk;
 
 use crate::certificate;
 use crate::tolerance::{AGREE, CERTIFICATE, UNIT};
-use outcome::{Class, Outcome};
+use outcome::{Class, Level, Outcome};
 use placed::Placed;
 
 /// Walks from the features of `outcome` and takes the certificate; on refusal, it says how far it got.
@@ -67,22 +68,10 @@ fn proves_apart(placed: &Placed, outcome: &mut Outcome) -> bool {
     outcome.lower > 0.0
 }
 
-/// How right an answer is asked for.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Level {
-    /// The walk's word for it, or the f64 solver's where the walk does not end.
-    Proposed,
-    /// With bounds no wider than they should be.
-    Certified,
-    /// Sharpened to one unit in the last place where the bodies are apart.
-    #[cfg(feature = "exact")]
-    Exact,
-}
-
 /// Answers from the features of `outcome`; `warm` if that is a cached one.
 #[inline(always)]
 pub(crate) fn solve(level: Level, placed: &Placed, warm: bool, outcome: &mut Outcome) {
-    if level == Level::Proposed {
+    if level == Level::Walk {
         outcome.class = Class::Separated;
         if !(placed.has_one_unit() && walk::walk::<false>(placed, outcome)) {
             refine::unchecked(placed, outcome);

@@ -44,6 +44,16 @@ fn look<const CERTIFY: bool>(placed: &Placed, outcome: &mut Outcome) -> Step {
 /// `4 sqrt(nA + nB) + 16` steps.
 #[inline(always)]
 pub(crate) fn walk<const CERTIFY: bool>(placed: &Placed, outcome: &mut Outcome) -> bool {
+    watched::<CERTIFY>(placed, outcome, |_| {})
+}
+
+/// The same walk, each pair it looks at told to `seen`.
+#[inline(always)]
+pub(crate) fn watched<const CERTIFY: bool>(
+    placed: &Placed,
+    outcome: &mut Outcome,
+    mut seen: impl FnMut(FeaturePair),
+) -> bool {
     let mut guard = Guard {
         steps: 0,
         jumps: 0,
@@ -53,6 +63,7 @@ pub(crate) fn walk<const CERTIFY: bool>(placed: &Placed, outcome: &mut Outcome) 
     };
     loop {
         outcome.work.steps += 1;
+        seen(outcome.features);
         match look::<CERTIFY>(placed, outcome) {
             Step::Found => return true,
             Step::Move => {}

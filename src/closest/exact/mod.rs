@@ -212,6 +212,18 @@ fn distance(pair: &Pair, at: &Nearest) -> f64 {
     root(&num.unsigned_abs(), &den.unsigned_abs(), pair.exponent)
 }
 
+/// The distance of two bodies of which it is known that they do not overlap, in the caller's units and correctly
+/// rounded; zero where they touch.
+pub(crate) fn separation(
+    a: &ConvexPolyhedron,
+    b: &ConvexPolyhedron,
+    pose: &RelativePose,
+    hint: (u32, u32),
+) -> Option<f64> {
+    let pair = Pair::new(a, b, pose);
+    pair.nearest(hint).map(|at| distance(&pair, &at))
+}
+
 /// The convex combinations of the corners' vertices in stored coordinates, rounded.
 fn witnesses(pair: &Pair, at: &Nearest) -> (Point3<f64>, Point3<f64>) {
     let (mut on_a, mut on_b) = (Point3::origin(), Point3::origin());
