@@ -19,6 +19,7 @@ pub(crate) mod far;
 pub(crate) mod outcome;
 pub(crate) mod placed;
 mod refine;
+mod rim;
 pub(crate) mod seed;
 pub(crate) mod simplex;
 mod slide;

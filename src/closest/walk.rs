@@ -75,7 +75,7 @@ pub(crate) fn watched<const CERTIFY: bool>(
             Step::Lost => return false,
         }
         guard.steps += 1;
-        if guard.steps == LONG {
+        if guard.steps == LONG && !placed.a.topology.has_large_faces() && !placed.b.topology.has_large_faces() {
             outcome.work.coarse += 1;
             outcome.features = seed::nearer(placed, outcome.features);
         }

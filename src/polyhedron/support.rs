@@ -79,10 +79,11 @@ impl ConvexPolyhedron {
         self.climb(n, self.lookup.cell(n))
     }
 
-    /// Whether a walk over the body may be long even from the side that faces the other: flat, with many vertices.
+    /// Whether a walk over the body may be long even from the side that faces the other: flat, with many vertices. Along long
+    /// rims the walk has ways of its own.
     #[inline]
     pub(crate) fn is_long_way(&self) -> bool {
-        self.topology.vertex_count() > MANY && self.lookup.is_flat()
+        self.topology.vertex_count() > MANY && self.lookup.is_flat() && !self.topology.has_large_faces()
     }
 
     /// The higher along `n` of `hint` and the vertex of the cube map: a start for a climb.
