@@ -5,7 +5,7 @@ mod world;
 
 use lab::bound;
 use lab::motion::{Frame, random_poses};
-use lab::pose::{add, scale, sub};
+use lab::pose::{add, norm, radius, scale, sub};
 use lab::rng::Rng;
 use lab::shapes::{self, Shape};
 use lin_canny::{Class, Outcome, RelativePose, Tracker};
@@ -14,7 +14,7 @@ use world::{body, relative};
 fn pairs(rng: &mut Rng) -> Vec<(Shape, Shape, Vec<Frame>)> {
     let mut pair = || {
         let (a, b) = (shapes::small(rng), shapes::small(rng));
-        let radii = (lab::pose::radius(&a.points), lab::pose::radius(&b.points));
+        let radii = (radius(&a.points), radius(&b.points));
         let frames = random_poses(rng, 8, radii, (0.4, 1.3), 0.0);
         (a, b, frames)
     };
@@ -108,8 +108,9 @@ fn proved(a: &Shape, b: &Shape, f: &Frame, o: &Outcome, unit: f64) {
         apart - gap <= near && (o.distance - gap).abs() <= near,
         "{gap:e} {apart:e} {o:?} {a:?} {b:?} {f:?}"
     );
+    let size = radius(&a.points) + radius(&b.points) + norm(sub(f.b.t, f.a.t));
     assert!(
-        o.lower <= apart + near && gap <= o.upper && o.upper - o.lower <= 3.0 * near,
+        o.lower <= apart + near && gap <= o.upper && o.upper - o.lower <= 1e-13 * size,
         "{gap:e} {apart:e} {o:?}"
     );
 }

@@ -41,7 +41,7 @@ pub(crate) fn look<const CERTIFY: bool, S: Sides>(sides: &S, vertex: u32, face: 
         );
     }
     let lower = if CERTIFY && body.proves_lowest(&fan, &n) {
-        (plane.normal.dot(&x) - plane.offset)
+        plane.normal.dot(&x) - plane.offset
     } else {
         f64::NEG_INFINITY
     };
