@@ -93,7 +93,8 @@ pub const EXTENT_MIN: f64 = 1e-100;
 /// Largest extent of a body: cubes of lengths stay finite.
 pub const EXTENT_MAX: f64 = 1e100;
 
-/// Bodies whose radius lies between `2^-40` and `2^40` are stored unscaled; others with a radius in [1, 2).
+/// Bodies are stored with a radius from `2^-40` to `2^40`, scaled by a multiple of `2^80` where they need it: most are as
+/// given, and bodies of like size share a unit.
 pub(crate) const EXPONENT_FREE: i32 = 40;
 
 /// Stored coordinates below `2^-250` of the radius become zero. Radii are at least `2^-40`, so the last bit of any kept

@@ -1,13 +1,16 @@
 //! The state a user keeps per pair: where the last answer was found.
 
-use nalgebra::{Point3, Unit};
+use alloc::vec::Vec;
 
-use crate::closest::outcome::{Class, Distance, Layer, Outcome, Proposal, Work};
+use nalgebra::Unit;
+
+use crate::closest::outcome::{Class, Distance, Layer, Level, Outcome, Proposal};
 use crate::closest::placed::Placed;
-use crate::closest::state::Found;
-use crate::closest::{self, Answer, Level, far};
+use crate::closest::trace::trace;
+use crate::closest::{self, far};
 use crate::polyhedron::{ConvexPolyhedron, FeaturePair, power_of_two};
-use crate::pose::RelativePose;
+use crate::pose::{RelativePose, Which};
+use crate::replay::Replay;
 
 /// The features of the last answer of one pair, from which the next walk starts, and counters.
 ///
@@ -89,6 +92,26 @@ impl Tracker {
         self.last
     }
 
+    /// The pairs of features that the walk of the next query would look at, in order, and whether it ends on the last
+    /// of them rather than handing over there. Nothing is changed or counted. Empty for bodies that no walk is tried on:
+    /// too far apart, or of sizes too different.
+    pub fn trace(
+        &self,
+        a: &ConvexPolyhedron,
+        b: &ConvexPolyhedron,
+        a_from_b: &RelativePose,
+    ) -> (Vec<FeaturePair>, bool) {
+        match Placed::new(a, b, a_from_b) {
+            Ok(placed) => trace(&placed, self.start(a, b)),
+            Err(_) => (Vec::new(), false),
+        }
+    }
+
+    /// The query as a text that rebuilds it bit for bit: ask for it before the query, or the start is the answer's.
+    pub fn replay(&self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose, level: Level) -> Replay {
+        replay(a, b, a_from_b, self.start(a, b), level)
+    }
+
     /// What has been done so far.
     pub fn totals(&self) -> Totals {
         self.totals
@@ -102,20 +125,30 @@ impl Tracker {
     /// The closest features, their witnesses and bounds of the distance, certified: separated bodies get bounds no
     /// wider than `1e-13 L`, with `L` the sum of both radii and the distance of the bodies. Allocates nothing as long
     /// as the exact rung is not needed.
+    #[inline]
     pub fn closest(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Outcome {
-        self.solve(a, b, a_from_b, Level::Certified)
+        let before = self.last;
+        let outcome = self.answer(a, b, a_from_b, Level::Certified);
+        debug_check(a, b, a_from_b, before, Level::Certified, &outcome);
+        outcome
     }
 
     /// As [`closest`](Self::closest), with the distance of separated bodies within one unit in the last place of the
     /// truth. Costs microseconds: every answer is taken again in double-double arithmetic, some in exact integers.
     #[cfg(feature = "exact")]
     pub fn closest_exact(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Outcome {
-        self.solve(a, b, a_from_b, Level::Exact)
+        let before = self.last;
+        let mut outcome = self.answer(a, b, a_from_b, Level::Exact);
+        if outcome.layer == Layer::Far {
+            outcome = far::exactly(a, b, a_from_b, outcome);
+        }
+        debug_check(a, b, a_from_b, before, Level::Exact, &outcome);
+        outcome
     }
 
     /// The distance and its bounds without the witnesses.
     pub fn distance(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Distance {
-        let o = self.solve(a, b, a_from_b, Level::Certified);
+        let o = self.answer(a, b, a_from_b, Level::Certified);
         Distance {
             class: o.class,
             value: o.distance,
@@ -140,7 +173,7 @@ impl Tracker {
         if !(d >= 0.0) || clear_of(a, b, a_from_b, d) {
             return false;
         }
-        let o = self.solve(a, b, a_from_b, Level::Certified);
+        let o = self.answer(a, b, a_from_b, Level::Certified);
         if o.class == Class::Overlapping || o.upper <= d {
             return true;
         }
@@ -152,8 +185,9 @@ impl Tracker {
 
     /// The closest features as the walk proposes them, without bounds. Where the walk does not end, the minimum-norm
     /// solver in f64 stands in.
+    #[inline]
     pub fn propose(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Proposal {
-        let o = self.solve(a, b, a_from_b, Level::Proposed);
+        let o = self.answer(a, b, a_from_b, Level::Walk);
         Proposal {
             distance: (o.class != Class::Overlapping).then_some(o.distance),
             features: o.features,
@@ -165,49 +199,74 @@ impl Tracker {
         }
     }
 
-    /// Asks one of the solvers.
+    /// Answers at one level. The outcome is written where it is returned: copied whole, it would wait for its parts to
+    /// leave the store queue.
     #[inline(always)]
-    fn solve(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose, level: Level) -> Outcome {
-        if b.exponent > a.exponent {
-            return self.solve_swapped(a, b, a_from_b, level);
-        }
-        let Ok(placed) = Placed::new(a, b, a_from_b) else {
-            return self.solve_far(a, b, a_from_b);
-        };
-        let start = self.start(a, b);
-        let mut answer = Answer::open(start.unwrap_or_else(|| closest::seed::facing(&placed)));
-        closest::solve(level, &placed, start.is_some(), &mut answer);
-        self.count(Some(answer.state), answer.layer, &answer.work);
-        outcome(a, b, &answer)
+    fn answer(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose, level: Level) -> Outcome {
+        let mut outcome = Outcome::open(FeaturePair::vertices(Which::A, 0, 0));
+        self.solve(a, b, a_from_b, level, &mut outcome);
+        outcome
     }
 
-    /// The same in the units of B, which are the larger.
-    #[cold]
-    fn solve_swapped(
+    #[inline(never)]
+    fn solve(
         &mut self,
         a: &ConvexPolyhedron,
         b: &ConvexPolyhedron,
         a_from_b: &RelativePose,
         level: Level,
-    ) -> Outcome {
-        let b_from_a = a_from_b.swapped();
-        let Ok(placed) = Placed::new(b, a, &b_from_a) else {
-            return self.solve_far(a, b, a_from_b);
-        };
-        let start = self.start(a, b).map(FeaturePair::swapped);
-        let mut answer = Answer::open(start.unwrap_or_else(|| closest::seed::facing(&placed)));
-        closest::solve(level, &placed, start.is_some(), &mut answer);
-        answer.state = answer.state.swapped();
-        answer.found = answer.found.swapped(&b_from_a);
-        self.count(Some(answer.state), answer.layer, &answer.work);
-        outcome(a, b, &answer)
+        outcome: &mut Outcome,
+    ) {
+        if b.exponent > a.exponent {
+            // In the units of B, which are the larger.
+            self.solve_in_units_of_b(a, b, a_from_b, level, outcome);
+        } else if let Ok(placed) = Placed::new(a, b, a_from_b) {
+            let warm = self.start(a, b);
+            outcome.features = warm.unwrap_or_else(|| closest::seed::facing(&placed));
+            closest::solve(level, &placed, warm.is_some(), outcome);
+            self.count(outcome);
+            if !(a.as_given && b.as_given) {
+                give_back(a, b, outcome);
+            }
+        } else {
+            self.solve_far(a, b, a_from_b, outcome);
+        }
     }
 
     #[cold]
-    fn solve_far(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Outcome {
-        let outcome = far::answer(a, b, a_from_b);
-        self.count(None, outcome.layer, &outcome.work);
-        outcome
+    fn solve_in_units_of_b(
+        &mut self,
+        a: &ConvexPolyhedron,
+        b: &ConvexPolyhedron,
+        a_from_b: &RelativePose,
+        level: Level,
+        outcome: &mut Outcome,
+    ) {
+        let b_from_a = a_from_b.swapped();
+        let Ok(placed) = Placed::new(b, a, &b_from_a) else {
+            return self.solve_far(a, b, a_from_b, outcome);
+        };
+        let warm = self.start(a, b).map(FeaturePair::swapped);
+        outcome.features = warm.unwrap_or_else(|| closest::seed::facing(&placed));
+        closest::solve(level, &placed, warm.is_some(), outcome);
+        outcome.features = outcome.features.swapped();
+        core::mem::swap(&mut outcome.point_on_a, &mut outcome.point_on_b);
+        let normal = -b_from_a.rotation().tr_mul(&outcome.normal);
+        outcome.normal = Unit::new_normalize(normal);
+        self.count(outcome);
+        give_back(a, b, outcome);
+    }
+
+    #[cold]
+    fn solve_far(
+        &mut self,
+        a: &ConvexPolyhedron,
+        b: &ConvexPolyhedron,
+        a_from_b: &RelativePose,
+        outcome: &mut Outcome,
+    ) {
+        *outcome = far::answer(a, b, a_from_b);
+        self.count(outcome);
     }
 
     /// The cached state, where it names features of these bodies.
@@ -216,13 +275,13 @@ impl Tracker {
         self.last.filter(|state| state.is_of(a, b))
     }
 
-    #[inline]
-    fn count(&mut self, state: Option<FeaturePair>, layer: Layer, work: &Work) {
+    #[inline(always)]
+    fn count(&mut self, outcome: &Outcome) {
         self.totals.queries += 1;
         self.totals.warm += u64::from(self.last.is_some());
-        self.totals.answered[layer as usize] += 1;
-        self.totals.steps += u64::from(work.steps);
-        self.last = state;
+        self.totals.answered[outcome.layer as usize] += 1;
+        self.totals.steps += u64::from(outcome.work.steps);
+        self.last = Some(outcome.features);
     }
 
     #[cfg(feature = "exact")]
@@ -238,6 +297,48 @@ impl Tracker {
     }
 }
 
+fn replay(
+    a: &ConvexPolyhedron,
+    b: &ConvexPolyhedron,
+    pose: &RelativePose,
+    start: Option<FeaturePair>,
+    level: Level,
+) -> Replay {
+    Replay {
+        a: a.clone(),
+        b: b.clone(),
+        pose: *pose,
+        start,
+        level,
+    }
+}
+
+/// In debug builds: an answer that contradicts itself ends the program with the text that replays the query.
+#[inline(always)]
+fn debug_check(
+    a: &ConvexPolyhedron,
+    b: &ConvexPolyhedron,
+    pose: &RelativePose,
+    before: Option<FeaturePair>,
+    level: Level,
+    outcome: &Outcome,
+) {
+    if cfg!(debug_assertions) {
+        if let Some(fault) = crate::soundness::fault(a, b, pose, outcome) {
+            let start = before.filter(|pair| pair.is_of(a, b));
+            panic!("{fault}: {outcome:?}\n{}", replay(a, b, pose, start, level));
+        }
+    }
+}
+
+impl Replay {
+    /// A tracker that starts where the recorded one did.
+    pub fn tracker(&self) -> Tracker {
+        let start = self.start.map(|pair| Tracker::starting_from(pair, &self.a, &self.b));
+        start.unwrap_or_default()
+    }
+}
+
 /// Whether the bounding balls alone prove the bodies more than `d` apart.
 #[inline]
 fn clear_of(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &RelativePose, d: f64) -> bool {
@@ -249,47 +350,13 @@ fn clear_of(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &RelativePose, d: 
     pose.translation().norm_squared() > reach * reach * (1.0 + 1.0 / 1_048_576.0)
 }
 
-impl Found {
-    /// The same with the bodies exchanged; `pose` is the one it was found at.
-    fn swapped(&self, pose: &RelativePose) -> Self {
-        Self {
-            point_a: self.point_b,
-            point_b: self.point_a,
-            normal: -pose.rotation().tr_mul(&self.normal),
-            ..*self
-        }
-    }
-}
-
-/// The answer in the caller's units.
-#[inline(always)]
-fn outcome(a: &ConvexPolyhedron, b: &ConvexPolyhedron, x: &Answer) -> Outcome {
-    if a.as_given && b.as_given {
-        in_units(x, 1.0, x.found.point_a.into(), x.found.point_b.into())
-    } else {
-        given_back(a, b, x)
-    }
-}
-
-/// Stored units and frames to the caller's.
+/// From stored units and frames to the caller's.
 #[cold]
-fn given_back(a: &ConvexPolyhedron, b: &ConvexPolyhedron, x: &Answer) -> Outcome {
+fn give_back(a: &ConvexPolyhedron, b: &ConvexPolyhedron, outcome: &mut Outcome) {
     let unit = power_of_two(a.exponent.max(b.exponent));
-    in_units(x, unit, a.given(&x.found.point_a), b.given(&x.found.point_b))
-}
-
-#[inline(always)]
-fn in_units(x: &Answer, unit: f64, point_on_a: Point3<f64>, point_on_b: Point3<f64>) -> Outcome {
-    Outcome {
-        class: x.class,
-        distance: x.found.distance * unit,
-        lower: x.lower * unit,
-        upper: x.upper * unit,
-        features: x.state,
-        point_on_a,
-        point_on_b,
-        normal: Unit::new_unchecked(x.found.normal),
-        layer: x.layer,
-        work: x.work,
-    }
+    outcome.distance *= unit;
+    outcome.lower *= unit;
+    outcome.upper *= unit;
+    outcome.point_on_a = a.given(&outcome.point_on_a.coords);
+    outcome.point_on_b = b.given(&outcome.point_on_b.coords);
 }

@@ -31,19 +31,48 @@ pub(crate) fn answer(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &Relative
         0.0
     };
     let radii = a.radius * a.unit() + b.radius * b.unit();
-    let slack = CERTIFICATE * UNIT * (distance + radii) + 2.0 * radii;
+    let rounded = distance + radii + a.origin.abs().sum() + b.origin.abs().sum();
+    let slack = CERTIFICATE * UNIT * rounded + 2.0 * radii;
     let lower = (distance - slack).max(0.0);
     let class = if lower > 0.0 { Class::Separated } else { Class::Touching };
-    Outcome {
+    let outcome = Outcome {
         class,
         distance,
         lower,
         upper: distance + slack,
         features: FeaturePair::vertices(Which::A, va, vb),
-        point_on_a: point_on_a,
-        point_on_b: point_on_b,
+        point_on_a,
+        point_on_b,
         normal: Unit::new_unchecked(n),
         layer: Layer::Far,
         work: Work::default(),
+    };
+    // Two points that f64 cannot tell apart, or that stand far from their own origins.
+    #[cfg(feature = "exact")]
+    if class != Class::Separated {
+        return exactly(a, b, pose, outcome);
+    }
+    outcome
+}
+
+/// The same answer with class and distance by exact arithmetic.
+#[cfg(feature = "exact")]
+#[cold]
+pub(crate) fn exactly(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &RelativePose, outcome: Outcome) -> Outcome {
+    let hint = outcome.features.vertices_of(a, b);
+    let Some(distance) = super::exact::separation(a, b, pose, hint) else {
+        return outcome;
+    };
+    let apart = distance > 0.0;
+    Outcome {
+        class: if apart { Class::Separated } else { Class::Touching },
+        distance,
+        lower: if apart { distance.next_down() } else { 0.0 },
+        upper: if apart { distance.next_up() } else { 0.0 },
+        work: Work {
+            exacts: outcome.work.exacts + 1,
+            ..outcome.work
+        },
+        ..outcome
     }
 }

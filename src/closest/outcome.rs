@@ -19,6 +19,20 @@ pub enum Class {
     Undecided,
 }
 
+/// How right an answer is asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Level {
+    /// The word of the walk, or of the f64 solver where it does not end, without bounds:
+    /// [`Tracker::propose`](crate::Tracker::propose).
+    Walk,
+    /// With proven bounds: [`Tracker::closest`](crate::Tracker::closest).
+    #[default]
+    Certified,
+    /// Within one unit in the last place where the bodies are apart: `Tracker::closest_exact` (feature `exact`).
+    Exact,
+}
+
 /// Which layer gave the answer. Each is tried where the certificate refuses the one before.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

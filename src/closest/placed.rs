@@ -208,20 +208,26 @@ impl Sides for OfB<'_, '_> {
     }
 }
 
-/// Matrix, translation, scale and offsets of `a_from_b` between stored frames that are not the given ones. In double-double,
-/// because the offsets of the bodies may be far larger than the bodies and cancel.
+/// Matrix, translation, scale and offsets of `a_from_b` between stored frames that are not the given ones. Scaling alone
+/// is exact, so that powers of two change no bit of an answer but the exponent. Shifts are made in double-double, because
+/// the offsets of the bodies may be far larger than the bodies and cancel.
 #[cold]
 fn shifted_and_scaled(
     a: &ConvexPolyhedron,
     b: &ConvexPolyhedron,
     pose: &RelativePose,
 ) -> Result<(Matrix3<f64>, Vector3<f64>, f64, f64), BeyondRange> {
+    let scale = power_of_two(b.exponent - a.exponent);
+    if a.origin == Vector3::zeros() && b.origin == Vector3::zeros() {
+        let translation = pose.translation() * power_of_two(-a.exponent);
+        return Ok((pose.rotation() * scale, translation, scale, 0.0));
+    }
     let frame = Frame::<DoubleDouble>::new(a, b, pose).ok_or(BeyondRange)?;
     let matrix = Matrix3::from_fn(|r, c| frame.matrix[r][c].value());
     let translation = Vector3::from_fn(|r, _| frame.translation[r].value());
     let length = |v: &Vector3<f64>| v.abs().sum();
     let offsets = (length(&a.origin) + length(&b.origin)) / a.unit();
-    Ok((matrix, translation, power_of_two(b.exponent - a.exponent), offsets))
+    Ok((matrix, translation, scale, offsets))
 }
 
 /// `a_from_b` between stored frames in the arithmetic of a solver.

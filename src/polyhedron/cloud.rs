@@ -144,7 +144,9 @@ fn placement(given: &[Point3<f64>], indices: &[u32]) -> Result<(Vector3<f64>, i3
         if shifts { middle[k] } else { 0.0 }
     });
     let size = exponent_of(radius);
-    let exponent = if size.abs() <= EXPONENT_FREE { 0 } else { size };
+    // The nearest multiple of the window, so that bodies of like size are stored in one unit whatever the caller's.
+    let window = 2 * EXPONENT_FREE;
+    let exponent = (size + EXPONENT_FREE).div_euclid(window) * window;
     Ok((origin, exponent, flush_below(radius * power_of_two(-exponent))))
 }
 

@@ -2,7 +2,7 @@
 //!
 //! Reading order: [`feature`] (names), `topology` (who is beside whom, without coordinates), `cloud`, `hull`, `facets`,
 //! `plane` and `build` (points to a body), `build_faces` and `source_faces` (the caller's faces), `flat` (polygon, segment, point),
-//! `support` (extreme vertices), `access`, `query`, `mass`, `persist`, [`solids`].
+//! `support` (extreme vertices), `access`, `query`, `mass`, `rebuild`, `persist`, [`solids`].
 //!
 //! # Stored coordinates
 //!
@@ -25,6 +25,7 @@ mod mass;
 mod persist;
 mod plane;
 mod query;
+mod rebuild;
 mod report;
 mod sign;
 pub mod solids;

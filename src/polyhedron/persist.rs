@@ -24,10 +24,9 @@ struct Stored {
 
 impl Serialize for ConvexPolyhedron {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let side = self.faces().next().filter(|_| self.face_count() == 2);
         Stored {
             vertices: self.vertex_points().map(|p| [p.x, p.y, p.z]).collect(),
-            polygon: side.map_or(Vec::new(), |f| self.face_vertices(f).map(|v| v.0).collect()),
+            polygon: self.first_side(),
             source: self.source.clone(),
             source_faces: self.source_faces.clone(),
             report: self.report.clone(),
@@ -45,19 +44,7 @@ impl<'de> Deserialize<'de> for ConvexPolyhedron {
 fn restore(stored: Stored) -> Result<ConvexPolyhedron, BuildError> {
     let damaged = |what| BuildError::Damaged { what };
     let points: Vec<Point3<f64>> = stored.vertices.iter().map(|&[x, y, z]| Point3::new(x, y, z)).collect();
-    let mut body = match *points {
-        [p] => ConvexPolyhedron::point(p)?,
-        [p, q] => ConvexPolyhedron::segment(p, q)?,
-        _ if stored.polygon.is_empty() => ConvexPolyhedron::from_points(&points)?,
-        _ => {
-            let corner = |&i: &u32| points.get(i as usize).copied();
-            let rim: Option<Vec<_>> = stored.polygon.iter().map(corner).collect();
-            ConvexPolyhedron::polygon(&rim.ok_or(damaged("the polygon names an unknown vertex"))?)?
-        }
-    };
-    if body.vertex_points().ne(points.iter().copied()) {
-        return Err(damaged("the vertices are not those of a body in order"));
-    }
+    let mut body = ConvexPolyhedron::rebuilt(&points, &stored.polygon)?;
     let sizes = (stored.source.len(), stored.source_faces.len());
     if sizes.0 != body.vertex_count() || sizes.1 != 0 && sizes.1 != body.face_count() {
         return Err(damaged("the lists of names have the wrong length"));

@@ -1,0 +1,269 @@
+//! A query as a text that rebuilds it bit for bit: for a report, a corpus, a debugger.
+//!
+//! ```text
+//! lin-canny replay 1
+//! level certified                           walk, certified or exact
+//! body A 8                                  and its count of vertices
+//! vertex bff0000000000000 0000000000000000 3fe0000000000000    # -1 0 0.5
+//! ...                                       in the order of their ids
+//! polygon 0 2 1 3                           only for a polygon: the vertices round its first side
+//! body B
+//! ...
+//! pose A 0000000000000000 ... (seven numbers: quaternion x y z w, translation)    # the same in decimal
+//! pose B ...
+//! start v3 e12                              or: start cold
+//! ```
+//!
+//! Numbers are the bits of an f64 in hexadecimal. What follows `#` and empty lines are passed over.
+
+use alloc::vec::Vec;
+use core::fmt;
+use core::str::FromStr;
+
+use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion};
+
+use crate::closest::outcome::Level;
+use crate::polyhedron::{BuildError, ConvexPolyhedron, EdgeId, FaceId, Feature, FeaturePair, VertexId};
+use crate::pose::{PoseError, RelativePose, Which};
+
+const TITLE: &str = "lin-canny replay 1";
+
+/// One query: both bodies, their poses, where the walk starts, and how exact the answer is to be.
+///
+/// `Display` writes the text, `FromStr` reads it; the bodies that come back have the same vertices under the same ids
+/// and answer the same bits. The caller's own indices and the build reports are not kept.
+///
+/// ```
+/// use lin_canny::nalgebra::Isometry3;
+/// use lin_canny::{Level, RelativePose, Replay, Tracker, polyhedron::solids};
+///
+/// let (a, b) = (solids::octahedron(0.1)?, solids::icosahedron(0.3)?);
+/// let pose = RelativePose::from_isometry(&Isometry3::translation(0.4, 0.5, 0.6))?;
+/// let mut pair = Tracker::new();
+/// let text = pair.replay(&a, &b, &pose, Level::Certified).to_string();
+/// let again: Replay = text.parse()?;
+/// assert_eq!(again.tracker().closest(&again.a, &again.b, &again.pose), pair.closest(&a, &b, &pose));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct Replay {
+    /// The first body.
+    pub a: ConvexPolyhedron,
+    /// The second body.
+    pub b: ConvexPolyhedron,
+    /// Both poses.
+    pub pose: RelativePose,
+    /// The features the tracker held; `None` for a cold start.
+    pub start: Option<FeaturePair>,
+    /// The level asked for.
+    pub level: Level,
+}
+
+/// Why a text is no replay. Lines are counted from 1.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ReplayError {
+    /// The text does not begin with the title of this format and version.
+    #[error("the first line is not \"lin-canny replay 1\"")]
+    Title,
+    /// A line is not what has to stand there; line 0 is the end of the text.
+    #[error("line {line}: {expected} expected")]
+    Line {
+        /// The line.
+        line: usize,
+        /// What should stand there.
+        expected: &'static str,
+    },
+    /// The vertices make no body.
+    #[error("body {which}: {error}")]
+    Body {
+        /// Which of the two.
+        which: Which,
+        /// Why.
+        error: BuildError,
+    },
+    /// The poses are none.
+    #[error(transparent)]
+    Pose(#[from] PoseError),
+    /// The start names features that the bodies do not have.
+    #[error("the start {0} is no pair of features of these bodies")]
+    Start(FeaturePair),
+}
+
+impl fmt::Display for Level {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Level::Walk => "walk",
+            Level::Certified => "certified",
+            Level::Exact => "exact",
+        })
+    }
+}
+
+impl fmt::Display for Replay {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "{TITLE}\nlevel {}", self.level)?;
+        for (which, body) in [(Which::A, &self.a), (Which::B, &self.b)] {
+            writeln!(f, "body {which} {}", body.vertex_count())?;
+            for p in body.vertex_points() {
+                numbers(f, "vertex", &[p.x, p.y, p.z])?;
+            }
+            let side = body.first_side();
+            if !side.is_empty() {
+                f.write_str("polygon")?;
+                side.iter().try_for_each(|v| write!(f, " {v}"))?;
+                writeln!(f)?;
+            }
+        }
+        for (word, p) in [("pose A", &self.pose.a), ("pose B", &self.pose.b)] {
+            let ([x, y, z, w], [tx, ty, tz]) = (p.q, p.t);
+            numbers(f, word, &[x, y, z, w, tx, ty, tz])?;
+        }
+        match self.start {
+            Some(pair) => writeln!(f, "start {} {}", pair.a, pair.b),
+            None => writeln!(f, "start cold"),
+        }
+    }
+}
+
+/// A word, the bits of some numbers, and the numbers for people.
+fn numbers(f: &mut fmt::Formatter<'_>, word: &str, values: &[f64]) -> fmt::Result {
+    f.write_str(word)?;
+    values.iter().try_for_each(|x| write!(f, " {:016x}", x.to_bits()))?;
+    f.write_str("    #")?;
+    values.iter().try_for_each(|x| write!(f, " {x:?}"))?;
+    writeln!(f)
+}
+
+impl FromStr for Replay {
+    type Err = ReplayError;
+
+    fn from_str(text: &str) -> Result<Self, ReplayError> {
+        let mut lines = Lines::new(text);
+        if lines.peek().is_none_or(|(_, l)| l != TITLE) {
+            return Err(ReplayError::Title);
+        }
+        lines.take();
+        let level = match lines.word("level", "a level")? {
+            (_, "walk") => Level::Walk,
+            (_, "certified") => Level::Certified,
+            (_, "exact") => Level::Exact,
+            (line, _) => return Err(expected(line, "walk, certified or exact")),
+        };
+        let (a, b) = (lines.body(Which::A)?, lines.body(Which::B)?);
+        let pose = RelativePose::new(&lines.pose("pose A")?, &lines.pose("pose B")?)?;
+        let start = match lines.word("start", "a start")? {
+            (_, "cold") => None,
+            (line, words) => {
+                let pair = features(words).ok_or(expected(line, "two features, as v3 e12, or cold"))?;
+                if !a.has(pair.a) || !b.has(pair.b) {
+                    return Err(ReplayError::Start(pair));
+                }
+                Some(pair)
+            }
+        };
+        match lines.take() {
+            Some((line, _)) => Err(expected(line, "the end")),
+            None => Ok(Self {
+                a,
+                b,
+                pose,
+                start,
+                level,
+            }),
+        }
+    }
+}
+
+/// The lines that say something, with their numbers.
+struct Lines<'a> {
+    rest: Vec<(usize, &'a str)>,
+    next: usize,
+}
+
+impl<'a> Lines<'a> {
+    fn new(text: &'a str) -> Self {
+        let bare = |l: &'a str| l.split('#').next().unwrap_or(l).trim();
+        let lines = text.lines().enumerate().map(|(i, l)| (i + 1, bare(l)));
+        Self {
+            rest: lines.filter(|(_, l)| !l.is_empty()).collect(),
+            next: 0,
+        }
+    }
+
+    fn peek(&self) -> Option<(usize, &'a str)> {
+        self.rest.get(self.next).copied()
+    }
+
+    fn take(&mut self) -> Option<(usize, &'a str)> {
+        let line = self.peek();
+        self.next += 1;
+        line
+    }
+
+    /// What follows `word` in the next line, which must begin with it.
+    fn word(&mut self, word: &str, what: &'static str) -> Result<(usize, &'a str), ReplayError> {
+        let (line, text) = self.take().ok_or(expected(0, what))?;
+        let rest = text.strip_prefix(word).filter(|r| r.starts_with(' ') || r.is_empty());
+        rest.map(|r| (line, r.trim())).ok_or(expected(line, what))
+    }
+
+    fn body(&mut self, which: Which) -> Result<ConvexPolyhedron, ReplayError> {
+        let title = if which == Which::A { "body A" } else { "body B" };
+        let (line, count) = self.word(title, "a body")?;
+        let mut points = Vec::new();
+        while self.peek().is_some_and(|(_, l)| l.starts_with("vertex")) {
+            let (line, text) = self.word("vertex", "a vertex")?;
+            points.push(Point3::from(bits::<3>(line, text)?));
+        }
+        if count.parse() != Ok(points.len()) {
+            return Err(expected(line, "the count of the vertices that follow"));
+        }
+        let mut side = Vec::new();
+        if self.peek().is_some_and(|(_, l)| l.starts_with("polygon")) {
+            let (line, text) = self.word("polygon", "a polygon")?;
+            for word in text.split_whitespace() {
+                side.push(word.parse().map_err(|_| expected(line, "the number of a vertex"))?);
+            }
+        }
+        ConvexPolyhedron::rebuilt(&points, &side).map_err(|error| ReplayError::Body { which, error })
+    }
+
+    fn pose(&mut self, word: &str) -> Result<Isometry3<f64>, ReplayError> {
+        let (line, text) = self.word(word, "a pose")?;
+        let [x, y, z, w, tx, ty, tz] = bits::<7>(line, text)?;
+        let q = UnitQuaternion::new_unchecked(Quaternion::new(w, x, y, z));
+        Ok(Isometry3::from_parts(Translation3::new(tx, ty, tz), q))
+    }
+}
+
+fn expected(line: usize, expected: &'static str) -> ReplayError {
+    ReplayError::Line { line, expected }
+}
+
+/// `N` numbers by their bits.
+fn bits<const N: usize>(line: usize, text: &str) -> Result<[f64; N], ReplayError> {
+    let wrong = expected(line, "numbers of sixteen hexadecimal digits");
+    let word = |w: &str| (w.len() == 16).then(|| u64::from_str_radix(w, 16).ok().map(f64::from_bits))?;
+    let numbers: Option<Vec<f64>> = text.split_whitespace().map(word).collect();
+    numbers.and_then(|n| n.try_into().ok()).ok_or(wrong)
+}
+
+/// Two features by their names, as `v3 e12`.
+fn features(text: &str) -> Option<FeaturePair> {
+    let feature = |word: &str| {
+        let id = word.get(1..)?.parse().ok()?;
+        match word.get(..1)? {
+            "v" => Some(Feature::Vertex(VertexId(id))),
+            "e" => Some(Feature::Edge(EdgeId(id))),
+            "f" => Some(Feature::Face(FaceId(id))),
+            _ => None,
+        }
+    };
+    let mut words = text.split_whitespace();
+    let pair = FeaturePair {
+        a: feature(words.next()?)?,
+        b: feature(words.next()?)?,
+    };
+    words.next().is_none().then_some(pair)
+}

@@ -1,0 +1,68 @@
+//! What is true of every certified answer, checked in debug builds.
+
+use nalgebra::Vector3;
+
+use crate::closest::outcome::{Class, Layer, Outcome};
+use crate::polyhedron::ConvexPolyhedron;
+use crate::pose::RelativePose;
+use crate::tolerance::UNIT;
+
+/// What is wrong with an answer, if anything is: its bounds, its normal, or its witnesses.
+pub(crate) fn fault(
+    a: &ConvexPolyhedron,
+    b: &ConvexPolyhedron,
+    pose: &RelativePose,
+    o: &Outcome,
+) -> Option<&'static str> {
+    // Each comparison is written so that NaN is a fault.
+    if !(o.lower <= o.distance && o.distance <= o.upper) {
+        return Some("the distance is not between its bounds");
+    }
+    if !(o.distance.is_finite() && o.upper.is_finite()) {
+        return Some("the distance or its upper bound is not finite");
+    }
+    let classed = match o.class {
+        Class::Separated => o.lower > 0.0,
+        Class::Overlapping => o.upper <= 0.0,
+        Class::Touching => o.lower <= 0.0 && o.upper >= 0.0,
+        Class::Undecided => true,
+    };
+    if !classed {
+        return Some("the bounds contradict the class");
+    }
+    if !((o.normal.norm() - 1.0).abs() <= 16.0 * UNIT) {
+        return Some("the normal is not of unit length");
+    }
+    // Of bodies too far apart or too near for squares the witnesses are what they are.
+    if o.layer == Layer::Far || witnesses_agree(a, b, pose, o) {
+        None
+    } else {
+        Some("the witnesses contradict the bounds")
+    }
+}
+
+/// Whether the witnesses, placed in f64, are as far apart as the bounds say, and along the normal. The slack is that of
+/// witnesses rounded in the caller's coordinates, which may be far from the body.
+fn witnesses_agree(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &RelativePose, o: &Outcome) -> bool {
+    let (p, q) = (o.point_on_a.coords, o.point_on_b.coords);
+    let between = pose.rotation() * q + pose.translation() - p;
+    let apart = length(&between);
+    let origins = length(&a.origin) + length(&b.origin);
+    let size = a.radius * a.unit() + b.radius * b.unit() + length(&pose.translation()) + 2.0 * origins;
+    let slack = 1024.0 * UNIT * size;
+    if o.class == Class::Undecided {
+        return apart.is_finite();
+    }
+    apart <= o.upper + slack
+        && (o.class != Class::Separated || apart >= o.lower - slack && o.normal.dot(&between) >= o.lower - slack)
+}
+
+/// The length of a vector whose squares may leave the range.
+fn length(v: &Vector3<f64>) -> f64 {
+    let largest = v.amax();
+    if largest > 0.0 {
+        largest * crate::scalar::sqrt((v / largest).norm_squared())
+    } else {
+        largest
+    }
+}

@@ -1,0 +1,77 @@
+//! Queries allocate nothing, whatever layer below the exact rung answers: counted by an allocator that counts.
+
+mod support;
+
+use std::alloc::System;
+
+use lab::rng::Rng;
+use lab::shapes;
+use lin_canny::nalgebra::{Isometry3, Vector3};
+use lin_canny::{Class, Layer, RelativePose, Tracker};
+use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
+use support::body;
+
+#[global_allocator]
+static COUNTING: &StatsAlloc<System> = &INSTRUMENTED_SYSTEM;
+
+/// Allocations, new and grown, while `f` runs.
+fn allocations(f: impl FnOnce()) -> usize {
+    let region = Region::new(COUNTING);
+    f();
+    let change = region.change();
+    change.allocations + change.reallocations
+}
+
+// One test only: tests of one file run at the same time and would count each other's allocations.
+#[test]
+fn no_query_allocates_below_the_exact_rung() {
+    assert!(
+        allocations(|| drop(std::hint::black_box(vec![1u8]))) > 0,
+        "the allocator counts"
+    );
+    let mut rng = Rng::new(21);
+    let mut shapes = vec![
+        shapes::cube(),
+        shapes::icosphere(2),
+        shapes::cone(512, 1.0, 0.4),
+        shapes::grid(4),
+    ];
+    shapes.extend([1e-3, 1e-9].map(|z| shapes::sliver(&mut rng, 24, z)));
+    shapes.extend([1e-6].map(|z| shapes::needle(&mut rng, 24, z)));
+    shapes.push(shapes::sphere(&mut rng, 300));
+    let bodies: Vec<_> = shapes.iter().map(body).collect();
+    let (mut separated, mut overlapping, mut fallbacks) = (0, 0, 0);
+    // Two cubes a rounding apart are work for double-double.
+    let near = RelativePose::from_isometry(&Isometry3::translation(2.0 + 2e-14, 0.3, 0.2)).unwrap();
+    let mut answer = None;
+    let count = allocations(|| answer = Some(Tracker::new().closest(&bodies[0], &bodies[0], &near)));
+    assert_eq!((count, answer.map(|o| o.layer)), (0, Some(Layer::DoubleDouble)));
+    for (a, b) in bodies.iter().flat_map(|a| bodies.iter().map(move |b| (a, b))) {
+        let mut pair = Tracker::new();
+        let n = Vector3::from(rng.unit());
+        let axis = Vector3::from(rng.unit());
+        for k in 0..60 {
+            // From apart into overlap and out again; and now and then elsewhere.
+            let reach = 2.5 - 0.08 * f64::from(k);
+            let pose = Isometry3::new(n * reach, axis * (0.02 * f64::from(k)));
+            let pose = RelativePose::from_isometry(&pose).unwrap();
+            let (mut answer, mut proposal) = (None, None);
+            let count = allocations(|| {
+                proposal = Some(pair.clone().propose(a, b, &pose));
+                answer = Some(pair.closest(a, b, &pose));
+            });
+            let o = answer.unwrap();
+            assert!(proposal.is_some());
+            if o.work.exacts == 0 {
+                assert_eq!(count, 0, "{o:?}");
+                separated += u32::from(o.class == Class::Separated);
+                overlapping += u32::from(o.class == Class::Overlapping);
+                fallbacks += o.work.fallbacks;
+            }
+        }
+    }
+    assert!(
+        separated > 500 && overlapping > 500 && fallbacks > 500,
+        "{separated} {overlapping} {fallbacks}"
+    );
+}

@@ -1,0 +1,298 @@
+//! Every case of `tests/corpus/`, at every level and in every disguise. The format stands in `tests/corpus/README.md`.
+
+mod support;
+
+use std::collections::HashSet;
+use std::path::Path;
+
+use lab::rng::Rng;
+use lab::shapes::{self, Shape};
+use lab::{Exact, Pose, bound, exact};
+use lin_canny::{Class, ConvexPolyhedron, FeaturePair, Outcome, Tracker};
+use serde_json::Value;
+use support::{body, class, isometry, pairs, relative};
+
+struct Case {
+    name: String,
+    a: Shape,
+    b: Shape,
+    pose_a: Pose,
+    pose_b: Pose,
+    class: lab::Class,
+    /// Present for separated cases, and where the oracle knows the depth.
+    distance: Option<f64>,
+}
+
+fn text<'a>(v: &'a Value, key: &str) -> &'a str {
+    v[key].as_str().unwrap_or_else(|| panic!("{key} is missing in {v}"))
+}
+
+fn numbers<const N: usize>(v: &Value) -> [f64; N] {
+    let list: Vec<f64> = v
+        .as_array()
+        .map_or(vec![], |l| l.iter().filter_map(Value::as_f64).collect());
+    list.try_into().unwrap_or_else(|_| panic!("{N} numbers expected: {v}"))
+}
+
+fn recipe(words: &str) -> Shape {
+    let mut words = words.split(' ');
+    let kind = words.next().unwrap_or_default();
+    let x: Vec<f64> = words.map(|w| w.parse().expect("numbers follow the recipe")).collect();
+    match (kind, &x[..]) {
+        ("box", &[x, y, z]) => shapes::cuboid([x, y, z]),
+        ("prism", &[n, r, h]) => shapes::prism(n as usize, r, h),
+        ("cone", &[n, r, h]) => shapes::cone(n as usize, r, h),
+        ("icosphere", &[level]) => shapes::icosphere(level as usize),
+        ("icosahedron", []) => shapes::icosahedron(),
+        ("octahedron", []) => shapes::octahedron(),
+        ("tetrahedron", []) => shapes::tetrahedron(),
+        ("dodecahedron", []) => shapes::dodecahedron(),
+        ("grid", &[k]) => shapes::grid(k as usize),
+        ("chamfered", &[x, y, z, c]) => shapes::chamfered([x, y, z], c),
+        _ => panic!("unknown recipe {kind} {x:?}"),
+    }
+}
+
+fn shape(v: &Value) -> Shape {
+    match v.as_str() {
+        Some(words) => recipe(words),
+        None => Shape::hull(
+            "points",
+            v.as_array().expect("points").iter().map(numbers::<3>).collect(),
+        ),
+    }
+}
+
+fn pose(v: &Value) -> Pose {
+    let q = v.get("q").map_or(Pose::IDENTITY.q, numbers::<4>);
+    Pose { q, t: numbers(&v["t"]) }
+}
+
+fn read(v: &Value) -> Case {
+    assert!(!text(v, "origin").is_empty() && !text(v, "why").is_empty());
+    Case {
+        name: text(v, "name").to_owned(),
+        a: shape(&v["a"]),
+        b: shape(&v["b"]),
+        pose_a: pose(&v["pose_a"]),
+        pose_b: pose(&v["pose_b"]),
+        class: lab::Class::from_word(text(v, "class")).expect("sep, touch or pen"),
+        distance: v.get("distance").and_then(Value::as_f64),
+    }
+}
+
+fn corpus() -> Vec<Case> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/corpus");
+    let mut files: Vec<_> = std::fs::read_dir(folder).unwrap().map(|f| f.unwrap().path()).collect();
+    files.sort();
+    let mut cases = vec![];
+    for file in files.iter().filter(|f| f.extension().is_some_and(|e| e == "json")) {
+        let text = std::fs::read_to_string(file).unwrap();
+        let list: Vec<Value> = serde_json::from_str(&text).unwrap_or_else(|e| panic!("{}: {e}", file.display()));
+        cases.extend(list.iter().map(read));
+    }
+    assert!(cases.len() >= 100, "the corpus has shrunk to {} cases", cases.len());
+    let names: HashSet<_> = cases.iter().map(|c| &c.name).collect();
+    assert_eq!(names.len(), cases.len(), "names are unique");
+    cases
+}
+
+/// Whether the exact oracle can judge a case: small bodies, one of them solid, coordinates that leave it time.
+fn is_small(c: &Case) -> bool {
+    let solid = |s: &Shape| s.points.len() > 3;
+    c.a.points.len().max(c.b.points.len()) <= 16 && (solid(&c.a) || solid(&c.b))
+}
+
+fn oracle(c: &Case) -> Exact {
+    let faces = |s: &Shape| match s.points.len() {
+        1 | 2 => s.clone(),
+        // A triangle has two sides.
+        3 => Shape {
+            faces: vec![vec![0, 1, 2], vec![2, 1, 0]],
+            ..s.clone()
+        },
+        _ => s.clone().solved(),
+    };
+    exact::solve((&faces(&c.a)).into(), &c.pose_a, (&faces(&c.b)).into(), &c.pose_b)
+}
+
+/// L about the bodies' own origins: no less than the library's.
+fn size(c: &Case) -> f64 {
+    let between = lab::pose::norm(lab::pose::sub(c.pose_b.t, c.pose_a.t));
+    lab::pose::radius(&c.a.points) + lab::pose::radius(&c.b.points) + between
+}
+
+/// One answer against what is known of the case. `unit` is the scale of the disguise; `exactly`: of the exact level;
+/// `moved`: the disguise moves the bodies by rounding.
+fn judge(c: &Case, o: &Outcome, unit: f64, exactly: bool, what: &str) {
+    let what = format!("{} {what}: {o:?}", c.name);
+    assert_eq!(o.class, class(c.class), "{what}");
+    assert!(o.lower <= o.distance && o.distance <= o.upper, "{what}");
+    if let (lab::Class::Separated, Some(d)) = (c.class, c.distance) {
+        let d = d * unit;
+        // The file holds the distance rounded to nearest: the truth is within half a unit of it.
+        assert!(
+            o.lower <= d.next_up() && o.upper >= d.next_down(),
+            "{what} misses {d:e}"
+        );
+        let slack = if exactly {
+            d.next_up() - d
+        } else {
+            1e-14 * size(c) * unit
+        };
+        assert!((o.distance - d).abs() <= slack, "{what} is not {d:e}");
+    }
+}
+
+fn ask(c: &Case, a: &ConvexPolyhedron, b: &ConvexPolyhedron, poses: (&Pose, &Pose), unit: f64, what: &str) {
+    let pose = relative(poses.0, poses.1);
+    let p = Tracker::new().propose(a, b, &pose);
+    let numbers = p.point_on_a.iter().chain(p.point_on_b.iter()).chain(p.normal.iter());
+    assert!(
+        numbers.copied().chain(p.distance).all(f64::is_finite),
+        "{} {what}: {p:?}",
+        c.name
+    );
+    let o = Tracker::new().closest(a, b, &pose);
+    judge(c, &o, unit, false, what);
+    let o = Tracker::new().closest_exact(a, b, &pose);
+    judge(c, &o, unit, true, &format!("{what}, exactly"));
+    let mut pair = Tracker::new();
+    assert_eq!(
+        pair.intersects(a, b, &pose),
+        c.class != lab::Class::Separated,
+        "{} {what}",
+        c.name
+    );
+}
+
+/// At most `most` of the pairs, spread over all.
+fn starts(a: &ConvexPolyhedron, b: &ConvexPolyhedron, most: usize) -> Vec<FeaturePair> {
+    if a.vertex_count() * b.vertex_count() > 2000 {
+        return vec![];
+    }
+    let all = pairs(a, b);
+    let step = all.len().div_ceil(most).max(1);
+    all.into_iter().step_by(step).collect()
+}
+
+fn times(p: &Pose, unit: f64) -> Pose {
+    Pose {
+        q: p.q,
+        t: p.t.map(|x| x * unit),
+    }
+}
+
+fn run(c: &Case) {
+    let (a, b) = (body(&c.a), body(&c.b));
+    ask(c, &a, &b, (&c.pose_a, &c.pose_b), 1.0, "as it is");
+    ask(c, &b, &a, (&c.pose_b, &c.pose_a), 1.0, "letters exchanged");
+    let pose = relative(&c.pose_a, &c.pose_b);
+    for start in starts(&a, &b, 1000) {
+        let o = Tracker::starting_from(start, &a, &b).closest(&a, &b, &pose);
+        judge(c, &o, 1.0, false, &format!("from {start}"));
+    }
+    for k in [-35, 35, 90] {
+        let unit = 2f64.powi(k);
+        // Out of range at the other end, the case says nothing about scale.
+        if size(c) * unit > 1e200 || c.distance.is_some_and(|d| d != 0.0 && d.abs() * unit < 1e-290) {
+            continue;
+        }
+        let scaled = |s: &Shape| body(&s.clone().stretched([unit; 3]));
+        let poses = (&times(&c.pose_a, unit), &times(&c.pose_b, unit));
+        ask(c, &scaled(&c.a), &scaled(&c.b), poses, unit, &format!("times 2^{k}"));
+    }
+    let mut rng = Rng::new(71);
+    let (sa, sb) = (c.a.clone().shuffled(&mut rng), c.b.clone().shuffled(&mut rng));
+    ask(
+        c,
+        &body(&sa),
+        &body(&sb),
+        (&c.pose_a, &c.pose_b),
+        1.0,
+        "points in another order",
+    );
+    moved(c, &a, &b);
+}
+
+/// Moved in common: only the rounding of the poses may show.
+fn moved(c: &Case, a: &ConvexPolyhedron, b: &ConvexPolyhedron) {
+    let common = Pose::turn(lab::pose::unit([1.0, -2.0, 0.5]), 0.9, [3.0, 1.0, -2.0]);
+    let (pa, pb) = (common.after(&c.pose_a), common.after(&c.pose_b));
+    let o = Tracker::new().closest(a, b, &relative(&pa, &pb));
+    let slack = 1e-14 * (size(c) + 10.0 + lab::pose::norm(c.pose_a.t) + lab::pose::norm(c.pose_b.t));
+    let truth = if c.class == lab::Class::Touching {
+        Some(0.0)
+    } else {
+        c.distance
+    };
+    if let Some(d) = truth.filter(|d| d.abs() > slack) {
+        assert_eq!(o.class, class(c.class), "{} moved: {o:?}", c.name);
+        if o.class == Class::Separated {
+            assert!((o.distance - d).abs() <= slack, "{} moved: {o:?}, not {d:e}", c.name);
+        }
+    }
+}
+
+#[test]
+fn every_case_at_every_level_in_every_disguise() {
+    for case in corpus() {
+        run(&case);
+    }
+}
+
+#[test]
+fn the_oracle_agrees_with_the_corpus() {
+    let mut judged = 0;
+    for c in corpus().iter().filter(|c| is_small(c)) {
+        let truth = oracle(c);
+        assert_eq!(
+            truth.class, c.class,
+            "{}: the truth is {} {:e}",
+            c.name, truth.class, truth.distance
+        );
+        if let Some(d) = c.distance {
+            assert_eq!(d, truth.distance, "{}", c.name);
+        } else {
+            assert_ne!(
+                c.class,
+                lab::Class::Separated,
+                "{}: the distance is {:e}",
+                c.name,
+                truth.distance
+            );
+        }
+        judged += 1;
+    }
+    assert!(judged >= 80, "{judged}");
+}
+
+/// Bodies too large for the oracle: the gap along the answer's normal and the distance of its witnesses, both exact,
+/// have the distance of the file between them.
+#[test]
+fn exact_bounds_agree_with_the_corpus() {
+    let mut judged = 0;
+    for c in corpus()
+        .iter()
+        .filter(|c| !is_small(c) && c.class == lab::Class::Separated)
+    {
+        let (a, b) = (body(&c.a), body(&c.b));
+        let o = Tracker::new().closest(&a, &b, &relative(&c.pose_a, &c.pose_b));
+        let n = isometry(&c.pose_a).rotation * o.normal;
+        let (n, p, q) = (
+            n.into_inner().into(),
+            o.point_on_a.coords.into(),
+            o.point_on_b.coords.into(),
+        );
+        let low = bound::support_gap((&c.a).into(), &c.pose_a, (&c.b).into(), &c.pose_b, n);
+        let high = bound::witness_distance(p, &c.pose_a, q, &c.pose_b);
+        let (d, slack) = (c.distance.expect("separated cases have a distance"), 1e-14 * size(c));
+        assert!(
+            low <= d.next_up() && d - low <= slack && (high - d).abs() <= slack,
+            "{}: {low:e} {d:e} {high:e}",
+            c.name
+        );
+        judged += 1;
+    }
+    assert!(judged >= 15, "{judged}");
+}
