@@ -102,7 +102,9 @@
 //! * State changes time, never the answer: classes and predicates are the same warm and cold, A to B and B to A, and
 //!   distances agree within their bounds. Among exact ties features may follow history. A tracker of other bodies is
 //!   allowed.
-//! * There is no absolute tolerance: a scene scaled by a power of two gives the answer scaled bit for bit.
+//! * There is no absolute tolerance: a scene scaled by a power of two gives the answer scaled bit for bit, but where the
+//!   scale puts the sizes of two bodies on both sides of 2^40, 2^-40 or another border between units of storage: there
+//!   class and bounds agree.
 //! * Bodies are [`Send`] and [`Sync`] and never change; a tracker belongs to one pair at a time and owns no body.
 //! * A body's extent lies between 1e-100 and 1e100; one body may be any number of times larger than the other.
 //! * An overlap is proven and said ([`Class::Overlapping`]); its depth and direction are not computed yet. Nor are contact
