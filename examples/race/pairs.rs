@@ -14,7 +14,7 @@ use lab::parry::{Climber, GjkCached};
 use lab::progress::Progress;
 use lab::rng::Rng;
 use lab::{Face, Point, Pose};
-use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
+use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, UnitQuaternion, Vector3};
 use lin_canny::{ConvexPolyhedron, Layer, RelativePose, Totals, Tracker};
 
 const SIZES: [usize; 6] = [8, 32, 128, 512, 2048, 8192];
@@ -468,11 +468,11 @@ pub(crate) fn run_pairs(words: &[String]) {
         progress.step();
     }
     progress.done();
-    if let Some(file) = o.csv {
-        if let Err(e) = write_csv(&file, &rows) {
-            eprintln!("{file}: {e}");
-            std::process::exit(1);
-        }
+    if let Some(file) = o.csv
+        && let Err(e) = write_csv(&file, &rows)
+    {
+        eprintln!("{file}: {e}");
+        std::process::exit(1);
     }
 }
 

@@ -108,8 +108,8 @@ fn table(a: &Loaded, b: &Loaded, run: &Run) {
         println!("Every {group}th frame; steps and changes of the features over the {group} frames from there on.");
     }
     println!(
-        "\n{:>7}  {:>13}  {:>8}  {:<14} {:<14} {:>5} {:>4} {:>7}  {}",
-        "frame", "distance", "+-", "on A", "on B", "steps", "most", "changes", "layer"
+        "\n{:>7}  {:>13}  {:>8}  {:<14} {:<14} {:>5} {:>4} {:>7}  layer",
+        "frame", "distance", "+-", "on A", "on B", "steps", "most", "changes"
     );
     for (k, frames) in run.outcomes.chunks(group).enumerate() {
         let first = &frames[0];
