@@ -13,8 +13,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let wedge_from_part = RelativePose::new(&Isometry3::identity(), &pose)?;
         let c = pair.closest(&wedge, &part, &wedge_from_part);
         println!(
-            "{:>7}  {:.6} in [{:.15}, {:.15}]  {} steps",
-            c.features, c.distance, c.lower, c.upper, c.work.steps
+            "{:>7}  {:.6} in [{:.15}, {:.15}]",
+            c.features, c.distance, c.lower, c.upper
         );
     }
     Ok(())

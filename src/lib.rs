@@ -36,6 +36,8 @@
 //! | Where, and which features? | [`Tracker::closest`] | [`Outcome`]: features, witnesses, normal, bounds |
 //! | The same to the last bit? | `Tracker::closest_exact` (feature `exact`) | [`Outcome`] |
 //! | As the walk says, checked elsewhere? | [`Tracker::propose`] | [`Proposal`]: no bounds |
+//! | Which pairs would the walk look at? | [`Tracker::trace`] | the way, pair by pair |
+//! | How do I report this query? | [`Tracker::replay`] | [`Replay`]: a text that rebuilds it bit for bit |
 //! | Where does B stand? | [`RelativePose::new`] | a checked pose, or a [`PoseError`] |
 //! | A body of points, of faces? | [`ConvexPolyhedron::from_points`], [`from_faces`](ConvexPolyhedron::from_faces) | a body with its [`BuildReport`], or a [`BuildError`] |
 //! | A common solid? | [`polyhedron::solids`] | a body |
@@ -98,7 +100,8 @@
 //! # Guarantees and limits
 //!
 //! * Bad input is refused where it enters: a body by [`BuildError`], a pose by [`PoseError`], each with index or value. After
-//!   that no query panics, loops without bound or returns NaN.
+//!   that no query panics, loops without bound or returns NaN. (Debug builds check every answer and panic, with a text that
+//!   replays the query, on a defect of the crate.)
 //! * State changes time, never the answer: classes and predicates are the same warm and cold, A to B and B to A, and
 //!   distances agree within their bounds. Among exact ties features may follow history. A tracker of other bodies is
 //!   allowed.
@@ -128,6 +131,7 @@
 //! 4. `closest`: the walk, one file for each pair of feature kinds, starts, the solvers behind it, outcomes.
 //! 5. `certificate`: what any direction proves.
 //! 6. `tracker`: what a caller keeps, and which solver to ask.
+//! 7. `soundness`, `replay`: what debug builds check of every answer, and the text of a query that fails.
 //!
 //! # From the thesis
 //!
