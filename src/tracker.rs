@@ -365,11 +365,11 @@ fn debug_check(
     level: Level,
     outcome: &Outcome,
 ) {
-    if cfg!(debug_assertions) {
-        if let Some(fault) = crate::soundness::fault(a, b, pose, outcome) {
-            let start = before.filter(|pair| pair.is_of(a, b));
-            panic!("{fault}: {outcome:?}\n{}", replay(a, b, pose, start, level));
-        }
+    if cfg!(debug_assertions)
+        && let Some(fault) = crate::soundness::fault(a, b, pose, outcome)
+    {
+        let start = before.filter(|pair| pair.is_of(a, b));
+        panic!("{fault}: {outcome:?}\n{}", replay(a, b, pose, start, level));
     }
 }
 

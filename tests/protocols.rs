@@ -120,7 +120,7 @@ fn bisections_between_nearly_parallel_poses_end_in_proof() {
 /// Frames of the coherence protocol: B on a sinusoidal path about A, turned by `degrees` more in each frame.
 fn sinusoid(rng: &mut Rng, frames: usize, degrees: f64) -> Vec<Pose> {
     let axis = unit(rng.unit());
-    let phase: [f64; 3] = std::array::from_fn(|_| rng.range(0.0, 6.28));
+    let phase: [f64; 3] = std::array::from_fn(|_| rng.range(0.0, std::f64::consts::TAU));
     let frame = |i: usize| {
         let theta = (degrees * i as f64).to_radians();
         let swing = |k: usize| 0.7 * (theta + phase[k]).cos();

@@ -230,10 +230,10 @@ impl ConvexPolyhedron {
             return Feature::Vertex(VertexId(v));
         };
         let t = &self.topology;
-        if vertices.iter().all(|&x| x == v || x == w) {
-            if let Some(h) = t.fan(v).find(|&h| t.half_edge(h).to == w) {
-                return Feature::Edge(EdgeId(t.edge(h)));
-            }
+        if vertices.iter().all(|&x| x == v || x == w)
+            && let Some(h) = t.fan(v).find(|&h| t.half_edge(h).to == w)
+        {
+            return Feature::Edge(EdgeId(t.edge(h)));
         }
         let holds = |f: u32| vertices.iter().all(|&x| t.rim(f).any(|h| t.half_edge(h).to == x));
         match t.fan(v).map(|h| t.half_edge(h).face).find(|&f| holds(f)) {

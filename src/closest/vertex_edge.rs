@@ -59,7 +59,7 @@ pub(crate) fn look<const CERTIFY: bool, S: Sides>(sides: &S, vertex: u32, edge: 
     }
     // The distance is that of points of the bodies: an end where rounding puts the foot beyond it.
     let squared = d.norm_squared();
-    let (foot, distance) = if s >= 0.0 && s <= 1.0 {
+    let (foot, distance) = if (0.0..=1.0).contains(&s) {
         (p + u * s, sqrt(squared))
     } else {
         let end = if s < 0.5 { p } else { q };
