@@ -17,6 +17,10 @@ pub const EDGE_SIGN: f64 = 8.0 * UNIT;
 /// accumulates over thousands of products. Placement divides by the squared norm, so the value does not limit accuracy.
 pub const POSE_UNIT: f64 = 1e-12;
 
+/// The sum of the coordinates of the relative translation stays below this, so that no distance leaves f64 (bodies
+/// themselves reach to 1e100 at most, or are points).
+pub const REACH: f64 = f64::from_bits((1023 + 1020) << 52);
+
 /// Pairs whose size L (in the stored units of the larger body) is beyond this are answered by their separation alone:
 /// their radii are below the rounding of L, and cubes of lengths (determinants of a simplex) would leave the range.
 pub const FAR: f64 = f64::from_bits((1023 + 300) << 52);
@@ -65,26 +69,27 @@ pub const PLATEAU: f64 = 16.0 * UNIT;
 /// Error term of both bounds, in units of UNIT L, derived line by line (u = UNIT, norms are Euclidean, `t` the relative
 /// translation; a cross product errs by `2.5 u |a| |b|`, a product with a rotation matrix by `6 u`):
 ///
-/// 1. The relative quaternion: four products a coordinate, error at most 4 u each, 8 u as a vector; as a rotation
-///    twice that, 16 u.
-/// 2. Its matrix: 8 u relative to the absolute sums of its entries, whose Frobenius norm is below 4, and the last
-///    rounding of each entry: at most 40 u. Together with 1, a vertex of B is turned wrong by at most 56 u rB.
+/// 1. The relative quaternion: four products a coordinate, error at most 4 u each, 8 u as a vector. Across itself such
+///    an error turns by twice as much; along itself it scales what the matrix adds to the identity, a matrix of norm 2,
+///    by twice as much: together at most `8 u sqrt(4 + 16)`, 36 u. The squared norms of both poses err by 4 u each and
+///    scale it too: 16 u.
+/// 2. Its matrix: 5 u relative to the absolute sums of its entries, whose Frobenius norm is below 3.8, and the last
+///    rounding of each entry: 19 u wherever the factor's own roundings, 3 u, are counted in. With 1, a vertex of B is
+///    turned wrong by at most 71 u rB.
 /// 3. The relative translation: the difference of the translations, `u |t|`; the two cross products and their sum, 6.5 u,
 ///    doubled; the factor `2 / |q|^2`, 6 u, doubled; the last sum: together at most 28 u |t|.
-/// 4. The way back, from A to B: the transposed matrix errs by the same 56 u, now for `|t| + rA`, and its product with
-///    the translation by 6 u |t|. So a vertex is misplaced by at most 56 u rB + 28 u |t| in A's frame, and by
-///    56 u rA + 90 u |t| in B's.
-/// 5. Placing a vertex: 6 u of its radius, and a sum: u L.
-/// 6. A direction taken into the other frame: 6 u, which may put another vertex lowest: 12 u of that body's radius.
+/// 4. A vertex of B in A's frame: 71 u rB + 28 u |t|, and 6 u rB for the product. A vertex of A in B's: 71 u and 6 u of
+///    `|t| + rA`, the difference from the translation and its own error, 29 u |t|: 77 u rA + 106 u |t|. Sums: u L.
+/// 5. A direction taken into the other frame: 6 u, which may put another vertex lowest: 12 u of that body's radius.
 ///    Heights along a direction: 3 u of rA, rB and |t|, once more where the highest of several is taken; their sums, 2 u L.
-/// 7. The witnesses, made as `p + s u` with `s` in 0..1, or as a sum of corners whose weights sum to one within 4 u: 8 u
-///    of rA and of rB, in the upper bound instead of 6. The norm: 3 u L.
+/// 6. The witnesses, made as `p + s u` with `s` in 0..1, or as a sum of corners whose weights sum to one within 4 u: 8 u
+///    of rA and of rB, in the upper bound instead of 5. The norm, or that of a normal: 3 u L.
 ///
-/// Sum, with u L counted for every summand: at most 56 + 6 + 12 + 6 + 6 = 86 u for the radius of the body that is placed,
-/// 90 + 3 + 6 = 99 u for |t|, 24 u for the other radius. Second-order terms are below 1 u. In double-double the same holds
-/// with two matrices for one in 2 (80 instead of 40, and 16 for their product) and 2 times 46 for the translation with the
-/// origins of the bodies added to L; its sums and products err by 10 UNIT^2 at most, so all is below 100
-/// [`UNIT_DOUBLE_DOUBLE`]. The largest violation of the bounds without their term that was ever seen is 11 u L.
+/// Sum, with u L counted for every summand: at most 77 + 12 + 6 + 6 = 101 u for the radius of the body that is placed,
+/// 106 + 3 + 6 = 115 u for |t|, 24 u for the other radius. Second-order terms are below 1 u. In double-double the same
+/// holds with two matrices of 40 for one, 16 for their product, and 2 times 46 for the translation with the origins of the
+/// bodies added to L; its sums and products err by 10 UNIT^2 at most, so all is below 100 [`UNIT_DOUBLE_DOUBLE`]. The
+/// largest violation of the bounds without their term that was ever seen is 11 u L.
 pub const CERTIFICATE: f64 = 128.0;
 /// Least extent (longest side of the bounding box) of a body, in the caller's unit: cubes of lengths, as volumes are,
 /// stay above the least f64.
@@ -92,6 +97,10 @@ pub const EXTENT_MIN: f64 = 1e-100;
 
 /// Largest extent of a body: cubes of lengths stay finite.
 pub const EXTENT_MAX: f64 = 1e100;
+
+/// Largest coordinate of a vertex: no body of an extent up to [`EXTENT_MAX`] has a larger one and a neighbouring double
+/// within its extent; a point is held to the same.
+pub const PLACE_MAX: f64 = 1e116;
 
 /// Bodies are stored with a radius from `2^-40` to `2^40`, scaled by a multiple of `2^80` where they need it: most are as
 /// given, and bodies of like size share a unit.

@@ -32,7 +32,8 @@ pub(crate) fn answer(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &Relative
     };
     let radii = a.radius * a.unit() + b.radius * b.unit();
     let rounded = distance + radii + a.origin.abs().sum() + b.origin.abs().sum();
-    let slack = CERTIFICATE * UNIT * rounded + 2.0 * radii;
+    // Below the normal numbers rounding is absolute: 64 times half of the least f64 for at most as many operations.
+    let slack = CERTIFICATE * UNIT * rounded + 2.0 * radii + f64::from_bits(64);
     let lower = (distance - slack).max(0.0);
     let class = if lower > 0.0 { Class::Separated } else { Class::Touching };
     let outcome = Outcome {
@@ -60,14 +61,13 @@ pub(crate) fn answer(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &Relative
 #[cold]
 pub(crate) fn exactly(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &RelativePose, outcome: Outcome) -> Outcome {
     let hint = outcome.features.vertices_of(a, b);
-    let Some(distance) = super::exact::separation(a, b, pose, hint) else {
+    let Some((apart, distance)) = super::exact::separation(a, b, pose, hint) else {
         return outcome;
     };
-    let apart = distance > 0.0;
     Outcome {
         class: if apart { Class::Separated } else { Class::Touching },
         distance,
-        lower: if apart { distance.next_down() } else { 0.0 },
+        lower: if apart { distance.next_down().max(0.0) } else { 0.0 },
         upper: if apart { distance.next_up() } else { 0.0 },
         work: Work {
             exacts: outcome.work.exacts + 1,

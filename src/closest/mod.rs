@@ -16,6 +16,8 @@ pub(crate) mod exact;
 pub(crate) mod fallback;
 mod fan;
 pub(crate) mod far;
+#[cfg(test)]
+mod mutation;
 pub(crate) mod outcome;
 pub(crate) mod placed;
 mod refine;
@@ -69,16 +71,18 @@ impl Answer {
 #[inline(always)]
 pub(crate) fn certified_walk(placed: &Placed, answer: &mut Answer) -> bool {
     answer.work.certificates += 1;
+    let ended = walk::walk::<true>(placed, answer);
+    #[cfg(test)]
+    let ended = mutation::falsify(placed, answer, ended);
     // Comparisons are written so that NaN refuses.
-    walk::walk::<true>(placed, answer)
-        && (agrees(placed, answer) || supports_agree(placed, answer))
-        && proves_apart(placed, answer)
+    ended && (agrees(placed, answer) || supports_agree(placed, answer)) && proves_apart(placed, answer)
 }
 
-/// Whether witnesses and supporting planes agree.
+/// Whether witnesses and supporting planes agree. Planes further apart than the witnesses are no agreement either: one of
+/// the two is wrong then.
 #[inline(always)]
 fn agrees(placed: &Placed, answer: &Answer) -> bool {
-    answer.found.distance - answer.found.lower <= AGREE * placed.size()
+    (answer.found.distance - answer.found.lower).abs() <= AGREE * placed.size()
 }
 
 /// The same with both supports looked for along the normal.

@@ -249,7 +249,7 @@ impl Frame<f64> {
 impl Frame<DoubleDouble> {
     /// From the poses as given. `None` where the translation is beyond the range of the products that follow.
     pub(crate) fn new(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &RelativePose) -> Option<Self> {
-        // The bodies' own offsets are at most 1e100 and cannot leave the range alone.
+        // The bodies' own offsets are at most 1e116 and cannot leave the range alone.
         if pose.translation().amax() > FAR * power_of_two(a.exponent) {
             return None;
         }

@@ -118,7 +118,10 @@ mod tests {
             if x.abs() <= 1.0 && x > 0.0 && x > 1e-290 {
                 assert_eq!(fraction(&num, &den), x);
             }
-            assert_eq!(integer(x, e).to_f64().value() * 2f64.powi(e / 2) * 2f64.powi(e - e / 2), x);
+            assert_eq!(
+                integer(x, e).to_f64().value() * 2f64.powi(e / 2) * 2f64.powi(e - e / 2),
+                x
+            );
         }
     }
 
