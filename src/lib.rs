@@ -1,6 +1,8 @@
 //! lin-canny
-#![cfg_attr(not(feature = "std"), no_std)]
+#![no_std]
 extern crate alloc;
+#[cfg(feature = "std")]
+extern crate std;
 
 mod certificate;
 mod closest;

@@ -8,8 +8,8 @@ use crate::tolerance::{POSE_UNIT, REACH};
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PoseError {
-    /// A coordinate of the translation is NaN or infinite, or the bodies are 2^1018 or more apart along an axis, so that
-    /// their distance may leave f64: then the body is B and the value its place seen from A's.
+    /// A coordinate of the translation is NaN or infinite, or the bodies are so far apart that their distance may leave
+    /// f64: then the body is B and the value its place seen from A's.
     #[error("translation of {body} is out of range: coordinate {axis} is {value}")]
     Translation {
         /// Which of the two poses.
@@ -176,8 +176,17 @@ impl RelativePose {
     /// Translation of `a_from_b`.
     #[inline]
     pub(crate) fn translation(&self) -> Vector3<f64> {
+        self.turned_to_a(self.offset())
+    }
+
+    /// A sixteenth of the translation, whose computation leaves no range that the translation itself does not.
+    pub(crate) fn sixteenth(&self) -> Vector3<f64> {
+        self.turned_to_a(self.offset() / 16.0)
+    }
+
+    #[inline(always)]
+    fn turned_to_a(&self, offset: Vector3<f64>) -> Vector3<f64> {
         let [x, y, z, w] = self.a.q;
-        let offset = self.offset();
         // R_a^T offset, with the axis reversed.
         let axis = Vector3::new(-x, -y, -z);
         let c = axis.cross(&offset);

@@ -17,15 +17,15 @@ pub const EDGE_SIGN: f64 = 8.0 * UNIT;
 /// accumulates over thousands of products. Placement divides by the squared norm, so the value does not limit accuracy.
 pub const POSE_UNIT: f64 = 1e-12;
 
-/// The sum of the coordinates of the relative translation stays below this, so that no distance leaves f64 (bodies
-/// themselves reach to 1e100 at most, or are points).
-pub const REACH: f64 = f64::from_bits((1023 + 1020) << 52);
+/// The sum of the coordinates of the relative translation stays below this, so that no distance leaves f64, nor its
+/// upper bound: bodies themselves reach to 1e116 at most.
+pub const REACH: f64 = f64::MAX * (1.0 - 1.0 / (1u64 << 40) as f64);
 
 /// Pairs whose size L (in the stored units of the larger body) is beyond this are answered by their separation alone:
 /// their radii are below the rounding of L, and cubes of lengths (determinants of a simplex) would leave the range.
 pub const FAR: f64 = f64::from_bits((1023 + 300) << 52);
 
-/// The same at the small end; only two points can be so close, as every other body is stored at radius 2^-40 or more.
+/// The same at the small end; only two points can be so close, as every other body is stored at radius 2^-105 or more.
 pub const NEAR: f64 = f64::from_bits((1023 - 300) << 52);
 
 /// Noise of a difference of two placed points, in units of the pair's size L: each coordinate of a placed point carries
@@ -102,14 +102,14 @@ pub const EXTENT_MAX: f64 = 1e100;
 /// within its extent; a point is held to the same.
 pub const PLACE_MAX: f64 = 1e116;
 
-/// Bodies are stored with a radius from `2^-40` to `2^40`, scaled by a multiple of `2^80` where they need it: most are as
-/// given, and bodies of like size share a unit.
-pub(crate) const EXPONENT_FREE: i32 = 40;
+/// Bodies are stored with a radius from `2^-105` to `2^105`, scaled by a multiple of `2^210` where they need it: most are
+/// as given, and bodies of like size share a unit.
+pub(crate) const EXPONENT_FREE: i32 = 105;
 
-/// Stored coordinates below `2^-250` of the radius become zero. Radii are at least `2^-40`, so the last bit of any kept
-/// coordinate is worth `2^(-40 - 250 - 52)` or more and a product of three differences `2^-1026`: above the least
+/// Stored coordinates below `2^-200` of the radius become zero. Radii are at least `2^-105`, so the last bit of any kept
+/// coordinate is worth `2^(-105 - 200 - 52)` or more and a product of three differences `2^-1071`: above the least
 /// f64, `2^-1074`, hence the expansions of the orientation predicates are exact.
-pub(crate) const FLUSH_EXPONENT: i32 = 250;
+pub(crate) const FLUSH_EXPONENT: i32 = 200;
 
 /// Error of `n . (p - a)`, `n = (b - a) x (c - a)`, all rounded, relative to the sum over k of
 /// `(|u_i v_j| + |u_j v_i|) |p_k - a_k|`, `u` and `v` the edges: each of the eight roundings a term passes (two

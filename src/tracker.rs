@@ -2,15 +2,14 @@
 
 use alloc::vec::Vec;
 
-use nalgebra::{Point3, Unit};
+use nalgebra::Unit;
 
-use crate::closest::outcome::{Class, Distance, Layer, Level, Outcome, Proposal, Work};
+use crate::closest::outcome::{Class, Distance, Layer, Level, Outcome, Proposal};
 use crate::closest::placed::Placed;
-use crate::closest::state::Found;
 use crate::closest::trace::trace;
-use crate::closest::{self, Answer, far};
+use crate::closest::{self, far};
 use crate::polyhedron::{ConvexPolyhedron, FeaturePair, power_of_two};
-use crate::pose::RelativePose;
+use crate::pose::{RelativePose, Which};
 use crate::replay::Replay;
 
 /// The features of the last answer of one pair, from which the next walk starts, and counters.
@@ -126,9 +125,10 @@ impl Tracker {
     /// The closest features, their witnesses and bounds of the distance, certified: separated bodies get bounds no
     /// wider than `1e-13 L`, with `L` the sum of both radii and the distance of the bodies. Allocates nothing as long
     /// as the exact rung is not needed.
+    #[inline]
     pub fn closest(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Outcome {
         let before = self.last;
-        let outcome = self.solve(a, b, a_from_b, Level::Certified);
+        let outcome = self.answer(a, b, a_from_b, Level::Certified);
         debug_check(a, b, a_from_b, before, Level::Certified, &outcome);
         outcome
     }
@@ -138,7 +138,7 @@ impl Tracker {
     #[cfg(feature = "exact")]
     pub fn closest_exact(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Outcome {
         let before = self.last;
-        let mut outcome = self.solve(a, b, a_from_b, Level::Exact);
+        let mut outcome = self.answer(a, b, a_from_b, Level::Exact);
         // The second: a distance that only f64 in the caller's own unit can hold.
         if outcome.layer == Layer::Far || outcome.class == Class::Separated && outcome.lower <= 0.0 {
             outcome = far::exactly(a, b, a_from_b, outcome);
@@ -149,7 +149,7 @@ impl Tracker {
 
     /// The distance and its bounds without the witnesses.
     pub fn distance(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Distance {
-        let o = self.solve(a, b, a_from_b, Level::Certified);
+        let o = self.answer(a, b, a_from_b, Level::Certified);
         Distance {
             class: o.class,
             value: o.distance,
@@ -174,7 +174,7 @@ impl Tracker {
         if !(d >= 0.0) || clear_of(a, b, a_from_b, d) {
             return false;
         }
-        let o = self.solve(a, b, a_from_b, Level::Certified);
+        let o = self.answer(a, b, a_from_b, Level::Certified);
         if o.class == Class::Overlapping || o.upper <= d {
             return true;
         }
@@ -186,8 +186,9 @@ impl Tracker {
 
     /// The closest features as the walk proposes them, without bounds. Where the walk does not end, the minimum-norm
     /// solver in f64 stands in.
+    #[inline]
     pub fn propose(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Proposal {
-        let o = self.solve(a, b, a_from_b, Level::Walk);
+        let o = self.answer(a, b, a_from_b, Level::Walk);
         Proposal {
             distance: (o.class != Class::Overlapping).then_some(o.distance),
             features: o.features,
@@ -199,49 +200,74 @@ impl Tracker {
         }
     }
 
-    /// Asks one of the solvers.
+    /// Answers at one level. The outcome is written where it is returned: copied whole, it would wait for its parts to
+    /// leave the store queue.
     #[inline(always)]
-    fn solve(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose, level: Level) -> Outcome {
-        if b.exponent > a.exponent {
-            return self.solve_swapped(a, b, a_from_b, level);
-        }
-        let Ok(placed) = Placed::new(a, b, a_from_b) else {
-            return self.solve_far(a, b, a_from_b);
-        };
-        let start = self.start(a, b);
-        let mut answer = Answer::open(start.unwrap_or_else(|| closest::seed::facing(&placed)));
-        closest::solve(level, &placed, start.is_some(), &mut answer);
-        self.count(Some(answer.state), answer.layer, &answer.work);
-        outcome(a, b, &answer)
+    fn answer(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose, level: Level) -> Outcome {
+        let mut outcome = Outcome::open(FeaturePair::vertices(Which::A, 0, 0));
+        self.solve(a, b, a_from_b, level, &mut outcome);
+        outcome
     }
 
-    /// The same in the units of B, which are the larger.
-    #[cold]
-    fn solve_swapped(
+    #[inline(never)]
+    fn solve(
         &mut self,
         a: &ConvexPolyhedron,
         b: &ConvexPolyhedron,
         a_from_b: &RelativePose,
         level: Level,
-    ) -> Outcome {
-        let b_from_a = a_from_b.swapped();
-        let Ok(placed) = Placed::new(b, a, &b_from_a) else {
-            return self.solve_far(a, b, a_from_b);
-        };
-        let start = self.start(a, b).map(FeaturePair::swapped);
-        let mut answer = Answer::open(start.unwrap_or_else(|| closest::seed::facing(&placed)));
-        closest::solve(level, &placed, start.is_some(), &mut answer);
-        answer.state = answer.state.swapped();
-        answer.found = answer.found.swapped(&b_from_a);
-        self.count(Some(answer.state), answer.layer, &answer.work);
-        outcome(a, b, &answer)
+        outcome: &mut Outcome,
+    ) {
+        if b.exponent > a.exponent {
+            // In the units of B, which are the larger.
+            self.solve_in_units_of_b(a, b, a_from_b, level, outcome);
+        } else if let Ok(placed) = Placed::new(a, b, a_from_b) {
+            let warm = self.start(a, b);
+            outcome.features = warm.unwrap_or_else(|| closest::seed::facing(&placed));
+            closest::solve(level, &placed, warm.is_some(), outcome);
+            self.count(outcome);
+            if !(a.as_given && b.as_given) {
+                give_back(a, b, outcome);
+            }
+        } else {
+            self.solve_far(a, b, a_from_b, outcome);
+        }
     }
 
     #[cold]
-    fn solve_far(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Outcome {
-        let outcome = far::answer(a, b, a_from_b);
-        self.count(None, outcome.layer, &outcome.work);
-        outcome
+    fn solve_in_units_of_b(
+        &mut self,
+        a: &ConvexPolyhedron,
+        b: &ConvexPolyhedron,
+        a_from_b: &RelativePose,
+        level: Level,
+        outcome: &mut Outcome,
+    ) {
+        let b_from_a = a_from_b.swapped();
+        let Ok(placed) = Placed::new(b, a, &b_from_a) else {
+            return self.solve_far(a, b, a_from_b, outcome);
+        };
+        let warm = self.start(a, b).map(FeaturePair::swapped);
+        outcome.features = warm.unwrap_or_else(|| closest::seed::facing(&placed));
+        closest::solve(level, &placed, warm.is_some(), outcome);
+        outcome.features = outcome.features.swapped();
+        core::mem::swap(&mut outcome.point_on_a, &mut outcome.point_on_b);
+        let normal = -b_from_a.rotation().tr_mul(&outcome.normal);
+        outcome.normal = Unit::new_normalize(normal);
+        self.count(outcome);
+        give_back(a, b, outcome);
+    }
+
+    #[cold]
+    fn solve_far(
+        &mut self,
+        a: &ConvexPolyhedron,
+        b: &ConvexPolyhedron,
+        a_from_b: &RelativePose,
+        outcome: &mut Outcome,
+    ) {
+        *outcome = far::answer(a, b, a_from_b);
+        self.count(outcome);
     }
 
     /// The cached state, where it names features of these bodies.
@@ -250,13 +276,13 @@ impl Tracker {
         self.last.filter(|state| state.is_of(a, b))
     }
 
-    #[inline]
-    fn count(&mut self, state: Option<FeaturePair>, layer: Layer, work: &Work) {
+    #[inline(always)]
+    fn count(&mut self, outcome: &Outcome) {
         self.totals.queries += 1;
         self.totals.warm += u64::from(self.last.is_some());
-        self.totals.answered[layer as usize] += 1;
-        self.totals.steps += u64::from(work.steps);
-        self.last = state;
+        self.totals.answered[outcome.layer as usize] += 1;
+        self.totals.steps += u64::from(outcome.work.steps);
+        self.last = Some(outcome.features);
     }
 
     #[cfg(feature = "exact")]
@@ -325,47 +351,13 @@ fn clear_of(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &RelativePose, d: 
     pose.translation().norm_squared() > reach * reach * (1.0 + 1.0 / 1_048_576.0)
 }
 
-impl Found {
-    /// The same with the bodies exchanged; `pose` is the one it was found at.
-    fn swapped(&self, pose: &RelativePose) -> Self {
-        Self {
-            point_a: self.point_b,
-            point_b: self.point_a,
-            normal: -pose.rotation().tr_mul(&self.normal),
-            ..*self
-        }
-    }
-}
-
-/// The answer in the caller's units.
-#[inline(always)]
-fn outcome(a: &ConvexPolyhedron, b: &ConvexPolyhedron, x: &Answer) -> Outcome {
-    if a.as_given && b.as_given {
-        in_units(x, 1.0, x.found.point_a.into(), x.found.point_b.into())
-    } else {
-        given_back(a, b, x)
-    }
-}
-
-/// Stored units and frames to the caller's.
+/// From stored units and frames to the caller's.
 #[cold]
-fn given_back(a: &ConvexPolyhedron, b: &ConvexPolyhedron, x: &Answer) -> Outcome {
+fn give_back(a: &ConvexPolyhedron, b: &ConvexPolyhedron, outcome: &mut Outcome) {
     let unit = power_of_two(a.exponent.max(b.exponent));
-    in_units(x, unit, a.given(&x.found.point_a), b.given(&x.found.point_b))
-}
-
-#[inline(always)]
-fn in_units(x: &Answer, unit: f64, point_on_a: Point3<f64>, point_on_b: Point3<f64>) -> Outcome {
-    Outcome {
-        class: x.class,
-        distance: x.found.distance * unit,
-        lower: x.lower * unit,
-        upper: x.upper * unit,
-        features: x.state,
-        point_on_a,
-        point_on_b,
-        normal: Unit::new_unchecked(x.found.normal),
-        layer: x.layer,
-        work: x.work,
-    }
+    outcome.distance *= unit;
+    outcome.lower *= unit;
+    outcome.upper *= unit;
+    outcome.point_on_a = a.given(&outcome.point_on_a.coords);
+    outcome.point_on_b = b.given(&outcome.point_on_b.coords);
 }

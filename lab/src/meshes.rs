@@ -4,6 +4,7 @@
 //! then the hull of the points, or, for a clean convex mesh, points and faces.
 
 use crate::{Face, Point};
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::{error, fmt, io};
 
@@ -14,6 +15,9 @@ pub struct Mesh {
     pub points: Vec<Point>,
     /// Faces: polygons of an OBJ as they are, triangles of an STL with equal corners made one point.
     pub faces: Vec<Face>,
+    /// What the file calls each point: for an OBJ the number of its first `v` line at this place, from 1 on; for an STL,
+    /// which names no points, their order of appearance, from 0 on.
+    pub numbers: Vec<u32>,
 }
 
 /// Why a file gives no mesh.
@@ -103,8 +107,10 @@ fn parse_obj(bytes: Vec<u8>) -> Result<Mesh, Reason> {
     let Some(m) = models.into_iter().next().map(|m| m.mesh) else {
         return Err(Reason::Empty);
     };
+    let points = m.positions.as_chunks::<3>().0.to_vec();
     let mut mesh = Mesh {
-        points: m.positions.as_chunks::<3>().0.to_vec(),
+        numbers: numbers(&plain, &points),
+        points,
         faces: Vec::new(),
     };
     let mut rest = &m.indices[..];
@@ -118,6 +124,24 @@ fn parse_obj(bytes: Vec<u8>) -> Result<Mesh, Reason> {
     Ok(mesh)
 }
 
+/// The number of the first `v` line at the place of each point; 0 where there is none.
+fn numbers(text: &str, points: &[Point]) -> Vec<u32> {
+    let place = |line: &str| {
+        let mut words = line.strip_prefix('v')?.split_whitespace();
+        let mut bits = || Some((words.next()?.parse::<f64>().ok()? + 0.0).to_bits());
+        Some([bits()?, bits()?, bits()?])
+    };
+    let vertices = text.lines().map(str::trim_start).filter(|l| l.starts_with("v "));
+    let mut first = HashMap::new();
+    for (line, number) in vertices.zip(1..) {
+        if let Some(p) = place(line) {
+            first.entry(p).or_insert(number);
+        }
+    }
+    let of = |p: &Point| first.get(&p.map(|x| (x + 0.0).to_bits())).copied();
+    points.iter().map(|p| of(p).unwrap_or(0)).collect()
+}
+
 /// An STL file. Many programs begin binary files with the word `solid` too, so the length decides: 80 bytes of header, a
 /// count, and 50 bytes a triangle.
 fn parse_stl(mut bytes: Vec<u8>) -> Result<Mesh, Reason> {
@@ -129,13 +153,14 @@ fn parse_stl(mut bytes: Vec<u8>) -> Result<Mesh, Reason> {
         bytes = tidy_text(&bytes)?;
     }
     let read = stl_io::read_stl(&mut io::Cursor::new(bytes)).map_err(|e| Reason::Malformed(e.to_string()))?;
-    let points = read.vertices.iter().map(|v| v.0.map(f64::from)).collect();
+    let points: Vec<Point> = read.vertices.iter().map(|v| v.0.map(f64::from)).collect();
     let faces = read
         .faces
         .iter()
         .map(|f| f.vertices.map(|i| i as u32).to_vec())
         .collect();
-    Ok(Mesh { points, faces })
+    let numbers = (0..points.len() as u32).collect();
+    Ok(Mesh { points, faces, numbers })
 }
 
 /// Text begins with `solid` and has no zero byte near its beginning; a binary header or its first triangles have.

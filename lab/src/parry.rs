@@ -47,6 +47,9 @@ pub fn pose(p: &Pose) -> ParryPose {
     ParryPose::from_parts(vector(p.t), Rotation::from_xyzw(p.q[0], p.q[1], p.q[2], p.q[3]))
 }
 
+/// A body of parry's own.
+pub type Hull = ConvexPolyhedron;
+
 /// The body parry makes of points: `None` where its hull gives up. It may drop vertices and flatten thin bodies.
 pub fn hull(points: &[Point]) -> Option<ConvexPolyhedron> {
     ConvexPolyhedron::from_convex_hull(&vectors(points))

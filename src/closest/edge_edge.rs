@@ -9,9 +9,10 @@
 use nalgebra::Vector3;
 
 use super::fan::one_norm;
+use super::outcome::Outcome;
 use super::placed::{OfA, OfB, Placed};
 use super::slide::{Slide, slide};
-use super::state::{Found, Step};
+use super::state::Step;
 use crate::polyhedron::{ConvexPolyhedron, FeaturePair, Plane};
 use crate::pose::Which;
 use crate::scalar::sqrt;
@@ -53,7 +54,7 @@ impl<'a> Edge<'a> {
 
 // Not inlined: the walk's loop would hoist the loads of every kind of pair and spill them.
 #[inline(never)]
-pub(crate) fn look<const CERTIFY: bool>(placed: &Placed, a: u32, b: u32, found: &mut Found) -> Step {
+pub(crate) fn look<const CERTIFY: bool>(placed: &Placed, a: u32, b: u32, outcome: &mut Outcome) -> Step {
     let (ea, eb) = (Edge::new(placed.a, a), Edge::new(placed.b, b));
     let (u, w_in_b) = (ea.q - ea.p, eb.q - eb.p);
     let (w, p2) = (placed.vector_in_a(&w_in_b), placed.point_in_a(&eb.p));
@@ -65,7 +66,7 @@ pub(crate) fn look<const CERTIFY: bool>(placed: &Placed, a: u32, b: u32, found: 
         n -= u * (n.dot(&u) / uu);
         nn = n.norm_squared();
         if nn <= PARALLEL * uu * ww {
-            return ends(placed, a, b);
+            return ends(placed, a, b, outcome);
         }
     }
     let per_square = 1.0 / nn;
@@ -73,7 +74,7 @@ pub(crate) fn look<const CERTIFY: bool>(placed: &Placed, a: u32, b: u32, found: 
     if s.min(t) < 0.0 || s.max(t) > 1.0 {
         let off = |s: f64, squared: f64| (s - s.clamp(0.0, 1.0)).abs() * sqrt(squared) > DIFFERENCE * placed.size();
         if off(s, uu) || off(t, ww) {
-            return ends(placed, a, b);
+            return ends(placed, a, b, outcome);
         }
     }
     let sign = if r.dot(&n) < 0.0 { -1.0 } else { 1.0 };
@@ -91,10 +92,10 @@ pub(crate) fn look<const CERTIFY: bool>(placed: &Placed, a: u32, b: u32, found: 
         };
         let (out_a, out_b) = (sine(on_a.0.min(on_a.1), &w), sine(on_b.0.min(on_b.1), &u_in_b));
         if out_a < 0.0 && out_a <= out_b {
-            return over_face_of_a(placed, a, b, on_a.0 < on_a.1, t);
+            return over_face_of_a(placed, a, b, on_a.0 < on_a.1, t, outcome);
         }
         if out_b < 0.0 {
-            return over_face_of_b(placed, a, b, on_b.0 < on_b.1, s);
+            return over_face_of_b(placed, a, b, on_b.0 < on_b.1, s, outcome);
         }
     }
     let (point_a, point_b) = (ea.p + u * s, eb.p + w_in_b * t);
@@ -113,19 +114,12 @@ pub(crate) fn look<const CERTIFY: bool>(placed: &Placed, a: u32, b: u32, found: 
     } else {
         f64::NEG_INFINITY
     };
-    *found = Found {
-        normal,
-        point_a,
-        point_b,
-        distance,
-        lower,
-    };
-    Step::Found
+    outcome.end(normal, (point_a, point_b), distance, lower)
 }
 
 /// Slides the edge of B over the right or the left face of A's, downhill from `t`.
 #[inline(never)]
-fn over_face_of_a(placed: &Placed, a: u32, b: u32, right: bool, t: f64) -> Step {
+fn over_face_of_a(placed: &Placed, a: u32, b: u32, right: bool, t: f64, outcome: &mut Outcome) -> Step {
     let eb = Edge::new(placed.b, b);
     let start = placed.point_in_a(&(eb.p + (eb.q - eb.p) * t));
     let way = placed.vector_in_a(&(eb.q - eb.p));
@@ -138,12 +132,13 @@ fn over_face_of_a(placed: &Placed, a: u32, b: u32, right: bool, t: f64) -> Step 
             face,
             from_rim: Some(a),
         },
+        outcome,
     )
 }
 
 /// Slides the edge of A over the right or the left face of B's, downhill from `s`.
 #[inline(never)]
-fn over_face_of_b(placed: &Placed, a: u32, b: u32, right: bool, s: f64) -> Step {
+fn over_face_of_b(placed: &Placed, a: u32, b: u32, right: bool, s: f64, outcome: &mut Outcome) -> Step {
     let ea = Edge::new(placed.a, a);
     let start = placed.point_in_b(&(ea.p + (ea.q - ea.p) * s));
     let way = placed.vector_in_b(&(ea.q - ea.p));
@@ -156,6 +151,7 @@ fn over_face_of_b(placed: &Placed, a: u32, b: u32, right: bool, s: f64) -> Step 
             face,
             from_rim: Some(b),
         },
+        outcome,
     )
 }
 
@@ -188,7 +184,7 @@ fn downhill(
 /// The nearest pair of points of the two segments where at least one of them is an end: the ends of each projected on
 /// the other, the best of the four.
 #[cold]
-fn ends(placed: &Placed, a: u32, b: u32) -> Step {
+fn ends(placed: &Placed, a: u32, b: u32, outcome: &mut Outcome) -> Step {
     let (ea, eb) = (Edge::new(placed.a, a), Edge::new(placed.b, b));
     let (u, w) = (ea.q - ea.p, placed.vector_in_a(&(eb.q - eb.p)));
     let r = placed.point_in_a(&eb.p) - ea.p;
@@ -213,7 +209,7 @@ fn ends(placed: &Placed, a: u32, b: u32) -> Step {
             None
         }
     };
-    Step::Move(match (end(&ea, best.0), end(&eb, best.1)) {
+    outcome.go(match (end(&ea, best.0), end(&eb, best.1)) {
         (Some(v), Some(w)) => FeaturePair::vertices(Which::A, v, w),
         (Some(v), None) => FeaturePair::vertex_edge(Which::A, v, b),
         (None, Some(v)) => FeaturePair::vertex_edge(Which::B, v, a),

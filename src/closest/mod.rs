@@ -32,92 +32,61 @@ mod vertex_vertex;
 pub(crate) mod walk;
 
 use crate::certificate;
-use crate::polyhedron::FeaturePair;
 use crate::tolerance::{AGREE, CERTIFICATE, UNIT};
-use outcome::{Class, Layer, Level, Work};
+use outcome::{Class, Level, Outcome};
 use placed::Placed;
-use state::Found;
 
-/// An answer in stored units and frames.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Answer {
-    pub(crate) class: Class,
-    /// Witnesses, normal and distance.
-    pub(crate) found: Found,
-    pub(crate) lower: f64,
-    pub(crate) upper: f64,
-    pub(crate) state: FeaturePair,
-    pub(crate) layer: Layer,
-    pub(crate) work: Work,
-}
-
-impl Answer {
-    /// An answer that says nothing yet.
-    #[inline]
-    pub(crate) fn open(state: FeaturePair) -> Self {
-        Self {
-            class: Class::Undecided,
-            found: Found::default(),
-            lower: f64::NEG_INFINITY,
-            upper: f64::INFINITY,
-            state,
-            layer: Layer::Walk,
-            work: Work::default(),
-        }
-    }
-}
-
-/// Walks from the state of `answer` and takes the certificate; on refusal, `answer` says how far it got.
+/// Walks from the features of `outcome` and takes the certificate; on refusal, it says how far it got.
 #[inline(always)]
-pub(crate) fn certified_walk(placed: &Placed, answer: &mut Answer) -> bool {
-    answer.work.certificates += 1;
-    let ended = walk::walk::<true>(placed, answer);
+pub(crate) fn certified_walk(placed: &Placed, outcome: &mut Outcome) -> bool {
+    outcome.work.certificates += 1;
+    let ended = walk::walk::<true>(placed, outcome);
     #[cfg(test)]
-    let ended = mutation::falsify(placed, answer, ended);
+    let ended = mutation::falsify(placed, outcome, ended);
     // Comparisons are written so that NaN refuses.
-    ended && (agrees(placed, answer) || supports_agree(placed, answer)) && proves_apart(placed, answer)
+    ended && (agrees(placed, outcome) || supports_agree(placed, outcome)) && proves_apart(placed, outcome)
 }
 
 /// Whether witnesses and supporting planes agree. Planes further apart than the witnesses are no agreement either: one of
 /// the two is wrong then.
 #[inline(always)]
-fn agrees(placed: &Placed, answer: &Answer) -> bool {
-    (answer.found.distance - answer.found.lower).abs() <= AGREE * placed.size()
+fn agrees(placed: &Placed, outcome: &Outcome) -> bool {
+    (outcome.distance - outcome.lower).abs() <= AGREE * placed.size()
 }
 
 /// The same with both supports looked for along the normal.
 #[cold]
-fn supports_agree(placed: &Placed, answer: &mut Answer) -> bool {
-    let (a, b) = answer.state.vertices_of(placed.a, placed.b);
-    answer.found.lower = certificate::supports(placed, &answer.found.normal, a, b);
-    agrees(placed, answer)
+fn supports_agree(placed: &Placed, outcome: &mut Outcome) -> bool {
+    let (a, b) = outcome.features.vertices_of(placed.a, placed.b);
+    outcome.lower = certificate::supports(placed, &outcome.normal, a, b);
+    agrees(placed, outcome)
 }
 
 /// Takes the error terms and refuses what they leave open.
 #[inline(always)]
-fn proves_apart(placed: &Placed, answer: &mut Answer) -> bool {
+fn proves_apart(placed: &Placed, outcome: &mut Outcome) -> bool {
     let term = CERTIFICATE * UNIT * placed.size();
-    answer.lower = answer.found.lower - term;
-    answer.upper = answer.found.distance + term;
-    answer.class = Class::Separated;
-    answer.lower > 0.0
+    outcome.lower = outcome.lower - term;
+    outcome.upper = outcome.distance + term;
+    outcome.class = Class::Separated;
+    outcome.lower > 0.0
 }
 
-/// Answers from the pair of `answer`; `warm` if that is a cached one.
+/// Answers from the features of `outcome`; `warm` if that is a cached one.
 #[inline(always)]
-pub(crate) fn solve(level: Level, placed: &Placed, warm: bool, answer: &mut Answer) {
+pub(crate) fn solve(level: Level, placed: &Placed, warm: bool, outcome: &mut Outcome) {
     if level == Level::Walk {
-        answer.class = Class::Separated;
-        if !(placed.has_one_unit() && walk::walk::<false>(placed, answer)) {
-            refine::unchecked(placed, answer);
+        outcome.class = Class::Separated;
+        if !(placed.has_one_unit() && walk::walk::<false>(placed, outcome)) {
+            refine::unchecked(placed, outcome);
         }
         return;
     }
-    if !(placed.has_one_unit() && certified_walk(placed, answer)) {
-        refine::refine(placed, warm, answer);
+    if !(placed.has_one_unit() && certified_walk(placed, outcome)) {
+        refine::refine(placed, warm, outcome);
     }
     #[cfg(feature = "exact")]
     if level == Level::Exact {
-        refine::sharpen(placed, answer);
+        refine::sharpen(placed, outcome);
     }
 }

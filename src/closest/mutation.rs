@@ -1,14 +1,16 @@
 //! Tests of the certificate: a walk that errs, in any of the ways below, is found out. What it says is falsified after it
 //! ended; the answer must be the right one all the same, from whichever layer.
+#![cfg(test)]
 extern crate std;
 
 use alloc::{format, vec, vec::Vec};
 use std::cell::Cell;
 
-use nalgebra::{Isometry3, Vector3};
+use nalgebra::{Isometry3, Unit, Vector3};
 
+use super::outcome::{Class, Layer, Level, Outcome};
 use super::placed::Placed;
-use super::{Answer, Class, Layer, Level, seed, solve};
+use super::{seed, solve};
 use crate::polyhedron::{ConvexPolyhedron, FeaturePair, solids};
 use crate::pose::{RelativePose, Which};
 
@@ -36,33 +38,33 @@ std::thread_local! {
 }
 
 /// What the walk of this thread says after it ended at `answer`: with no error set, the truth.
-pub(super) fn falsify(placed: &Placed, answer: &mut Answer, ended: bool) -> bool {
+pub(super) fn falsify(placed: &Placed, outcome: &mut Outcome, ended: bool) -> bool {
     let Some(error) = ERROR.get() else { return ended };
-    let vertices = |answer: &mut Answer, seed: u64| {
+    let vertices = |outcome: &mut Outcome, seed: u64| {
         let (a, b) = (
             seed % placed.a.points.len() as u64,
             seed / 7 % placed.b.points.len() as u64,
         );
-        answer.state = FeaturePair::vertices(Which::A, a as u32, b as u32);
+        outcome.features = FeaturePair::vertices(Which::A, a as u32, b as u32);
         let (p, q) = (placed.a.points[a as usize], placed.b.points[b as usize]);
         let between = placed.point_in_a(&q) - p;
-        answer.found.distance = between.norm();
-        answer.found.normal = between.normalize();
-        (answer.found.point_a, answer.found.point_b) = (p, q);
-        answer.found.lower = f64::NEG_INFINITY;
+        outcome.distance = between.norm();
+        outcome.normal = Unit::new_normalize(between);
+        (outcome.point_on_a, outcome.point_on_b) = (p.into(), q.into());
+        outcome.lower = f64::NEG_INFINITY;
     };
     match error {
-        Error::Ends(seed) => vertices(answer, seed),
+        Error::Ends(seed) => vertices(outcome, seed),
         Error::Turns(seed) => {
-            vertices(answer, seed);
-            answer.found.normal = Vector3::new(seed as f64, 1.0, -(seed as f64) / 2.0).normalize();
+            vertices(outcome, seed);
+            outcome.normal = Unit::new_normalize(Vector3::new(seed as f64, 1.0, -(seed as f64) / 2.0));
         }
-        Error::Scales(by) => answer.found.distance *= by,
-        Error::Lifts(by) => answer.found.lower += by * placed.size(),
-        Error::Lies => *answer = Answer::open(answer.state),
+        Error::Scales(by) => outcome.distance *= by,
+        Error::Lifts(by) => outcome.lower += by * placed.size(),
+        Error::Lies => *outcome = Outcome::open(outcome.features),
         Error::Blurs => {
-            answer.found.distance = f64::NAN;
-            answer.found.lower = f64::NAN;
+            outcome.distance = f64::NAN;
+            outcome.lower = f64::NAN;
         }
         Error::Loops => return false,
     }
@@ -72,12 +74,12 @@ pub(super) fn falsify(placed: &Placed, answer: &mut Answer, ended: bool) -> bool
     }
 }
 
-fn ask(placed: &Placed, error: Option<Error>, start: Option<FeaturePair>) -> Answer {
+fn ask(placed: &Placed, error: Option<Error>, start: Option<FeaturePair>) -> Outcome {
     ERROR.set(error);
-    let mut answer = Answer::open(start.unwrap_or_else(|| seed::facing(placed)));
-    solve(Level::Certified, placed, start.is_some(), &mut answer);
+    let mut outcome = Outcome::open(start.unwrap_or_else(|| seed::facing(placed)));
+    solve(Level::Certified, placed, start.is_some(), &mut outcome);
     ERROR.set(None);
-    answer
+    outcome
 }
 
 fn errors() -> Vec<Error> {
@@ -130,10 +132,7 @@ fn a_walk_that_errs_is_found_out() {
                         let what = format!("{error:?}: {x:?} for {truth:?}");
                         assert_eq!(x.class, Class::Separated, "{what}");
                         assert!(x.lower <= truth.upper && truth.lower <= x.upper, "{what}");
-                        assert!(
-                            (x.found.distance - truth.found.distance).abs() <= 1e-14 * placed.size(),
-                            "{what}"
-                        );
+                        assert!((x.distance - truth.distance).abs() <= 1e-14 * placed.size(), "{what}");
                         assert!(x.upper - x.lower <= 1e-13 * placed.size(), "{what}");
                         right += 1;
                         by_walk += usize::from(x.layer == Layer::Walk);

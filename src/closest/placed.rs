@@ -67,7 +67,7 @@ impl<'a> Placed<'a> {
     }
 
     /// Whether both bodies are stored in the same unit, so that directions and vectors turn alike: what the walk needs.
-    /// Pairs that are not have a body 2^40 units or more, or less than 2^-40, in radius.
+    /// Pairs that are not have a body 2^105 units or more, or less than 2^-105, in radius.
     #[inline(always)]
     pub(crate) fn has_one_unit(&self) -> bool {
         self.unit == 1.0

@@ -1,71 +1,71 @@
 //! What follows a walk that the certificate refuses: each layer finer and slower than the one before.
 
-use nalgebra::Vector3;
+use nalgebra::{Point3, Unit, Vector3};
 
 use super::fallback::{Minimum, solve};
-use super::outcome::{Class, Layer};
+use super::outcome::{Class, Layer, Outcome};
 use super::placed::{Frame, Placed};
 use super::simplex::Simplex;
-use super::{Answer, certified_walk, seed};
+use super::{certified_walk, seed};
 use crate::double_double::DoubleDouble;
 use crate::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, Feature, FeaturePair, VertexId};
 use crate::pose::Which;
 use crate::scalar::Scalar;
 use crate::tolerance::{AGREE, CERTIFICATE, UNIT};
 
-/// Restart, fallback, double-double, exact: the first that proves its answer.
+/// Restart, fallback, double-double, exact: the first that proves its outcome.
 #[cold]
-pub(crate) fn refine(placed: &Placed, warm: bool, answer: &mut Answer) {
+pub(crate) fn refine(placed: &Placed, warm: bool, outcome: &mut Outcome) {
     if warm && placed.has_one_unit() {
-        answer.work.restarts += 1;
-        answer.state = seed::facing(placed);
-        answer.layer = Layer::Restart;
-        if certified_walk(placed, answer) {
+        outcome.work.restarts += 1;
+        outcome.features = seed::facing(placed);
+        outcome.layer = Layer::Restart;
+        if certified_walk(placed, outcome) {
             return;
         }
     }
-    answer.work.fallbacks += 1;
-    answer.layer = Layer::Fallback;
-    take(placed, &solve(placed, &Frame::of(placed), answer.state), answer);
-    if !is_proven(placed, answer) {
-        doubled(placed, answer);
+    outcome.work.fallbacks += 1;
+    outcome.layer = Layer::Fallback;
+    take(placed, &solve(placed, &Frame::of(placed), outcome.features), outcome);
+    if !is_proven(placed, outcome) {
+        doubled(placed, outcome);
     }
 }
 
 /// The f64 solver alone, its bounds not looked at.
 #[cold]
-pub(crate) fn unchecked(placed: &Placed, answer: &mut Answer) {
-    answer.work.fallbacks += 1;
-    answer.layer = Layer::Fallback;
-    take(placed, &solve(placed, &Frame::of(placed), answer.state), answer);
+pub(crate) fn unchecked(placed: &Placed, outcome: &mut Outcome) {
+    outcome.work.fallbacks += 1;
+    outcome.layer = Layer::Fallback;
+    take(placed, &solve(placed, &Frame::of(placed), outcome.features), outcome);
 }
 
 /// The double-double layer and what follows it.
-fn doubled(placed: &Placed, answer: &mut Answer) {
-    answer.work.double_doubles += 1;
-    answer.layer = Layer::DoubleDouble;
+fn doubled(placed: &Placed, outcome: &mut Outcome) {
+    outcome.work.double_doubles += 1;
+    outcome.layer = Layer::DoubleDouble;
     match Frame::<DoubleDouble>::new(placed.a, placed.b, placed.pose) {
-        Some(frame) => take(placed, &solve(placed, &frame, answer.state), answer),
-        None => give_up(placed, answer),
+        Some(frame) => take(placed, &solve(placed, &frame, outcome.features), outcome),
+        None => give_up(placed, outcome),
     }
-    if !is_proven(placed, answer) {
-        last(placed, answer);
+    if !is_proven(placed, outcome) {
+        last(placed, outcome);
     }
 }
 
 /// What no floating-point arithmetic decides.
 #[cfg(feature = "exact")]
-fn last(placed: &Placed, answer: &mut Answer) {
-    answer.work.exacts += 1;
-    super::exact::settle(placed, answer);
+fn last(placed: &Placed, outcome: &mut Outcome) {
+    outcome.work.exacts += 1;
+    super::exact::settle(placed, outcome);
 }
 
 /// Without the exact rung, bounds that are narrow and straddle zero are called touching.
 #[cfg(not(feature = "exact"))]
-fn last(placed: &Placed, answer: &mut Answer) {
-    answer.class = match answer.class {
+fn last(placed: &Placed, outcome: &mut Outcome) {
+    outcome.class = match outcome.class {
         Class::Overlapping => Class::Overlapping,
-        _ if is_narrow(placed, answer) => Class::Touching,
+        _ if is_narrow(placed, outcome) => Class::Touching,
         _ => Class::Undecided,
     };
 }
@@ -73,14 +73,14 @@ fn last(placed: &Placed, answer: &mut Answer) {
 /// The distance of a separated pair within one unit in the last place: by the double-double layer where its bounds
 /// are that close, else by the exact rung.
 #[cfg(feature = "exact")]
-pub(crate) fn sharpen(placed: &Placed, answer: &mut Answer) {
-    if answer.class != Class::Separated || answer.layer == Layer::Exact {
+pub(crate) fn sharpen(placed: &Placed, outcome: &mut Outcome) {
+    if outcome.class != Class::Separated || outcome.layer == Layer::Exact {
         return;
     }
-    answer.work.double_doubles += 1;
-    answer.layer = Layer::DoubleDouble;
+    outcome.work.double_doubles += 1;
+    outcome.layer = Layer::DoubleDouble;
     if let Some(frame) = Frame::<DoubleDouble>::new(placed.a, placed.b, placed.pose) {
-        let minimum = solve(placed, &frame, answer.state);
+        let minimum = solve(placed, &frame, outcome.features);
         if let Minimum::Outside { simplex, lower, .. } = &minimum {
             let distance = simplex.reach();
             let gap = (distance - *lower).value().abs()
@@ -88,91 +88,91 @@ pub(crate) fn sharpen(placed: &Placed, answer: &mut Answer) {
             let d = distance.value();
             // Rounding takes half a unit; what is left open must not take the other half.
             if gap <= 0.25 * (d - d.next_down()) {
-                take(placed, &minimum, answer);
-                (answer.found.distance, answer.lower, answer.upper) = (d, d.next_down(), d.next_up());
+                take(placed, &minimum, outcome);
+                (outcome.distance, outcome.lower, outcome.upper) = (d, d.next_down(), d.next_up());
                 return;
             }
         }
     }
-    last(placed, answer);
+    last(placed, outcome);
 }
 
 /// Whether class and distance are settled: apart with bounds no wider than they should be, or overlapping with witnesses
 /// that are one point up to rounding (the weights of a flat tetrahedron around the origin may be wrong in every digit
 /// while the signs of its volumes are certain).
-fn is_proven(placed: &Placed, answer: &Answer) -> bool {
-    match answer.class {
+fn is_proven(placed: &Placed, outcome: &Outcome) -> bool {
+    match outcome.class {
         Class::Overlapping => {
-            let between = placed.point_in_a(&answer.found.point_b) - answer.found.point_a;
+            let between = placed.point_in_a(&outcome.point_on_b.coords) - outcome.point_on_a.coords;
             crate::scalar::sqrt(between.norm_squared()) <= AGREE * placed.size()
         }
-        Class::Separated => is_narrow(placed, answer),
+        Class::Separated => is_narrow(placed, outcome),
         Class::Touching | Class::Undecided => false,
     }
 }
 
 /// Whether the bounds agree as well as a certified answer's must.
-fn is_narrow(placed: &Placed, answer: &Answer) -> bool {
-    answer.upper - answer.lower <= (AGREE + 2.0 * CERTIFICATE * UNIT) * placed.size()
+fn is_narrow(placed: &Placed, outcome: &Outcome) -> bool {
+    outcome.upper - outcome.lower <= (AGREE + 2.0 * CERTIFICATE * UNIT) * placed.size()
 }
 
 /// Takes over what a solve proves, and its witnesses.
-fn take<T: Scalar>(placed: &Placed, minimum: &Minimum<T>, answer: &mut Answer) {
+fn take<T: Scalar>(placed: &Placed, minimum: &Minimum<T>, outcome: &mut Outcome) {
     let term = CERTIFICATE * T::UNIT * placed.reach::<T>();
     let (Minimum::Inside { simplex } | Minimum::Outside { simplex, .. }) = minimum;
-    answer.state = features(placed, simplex);
-    (answer.found.point_a, answer.found.point_b) = witnesses(placed, simplex);
+    outcome.features = features(placed, simplex);
+    (outcome.point_on_a, outcome.point_on_b) = witnesses(placed, simplex);
     match minimum {
-        Minimum::Inside { .. } => overlapping(answer),
+        Minimum::Inside { .. } => overlapping(outcome),
         Minimum::Outside {
             simplex,
             lower,
             direction: d,
         } => {
             let distance = simplex.reach();
-            answer.lower = outward(*lower, -term);
-            answer.upper = outward(distance, term);
-            answer.class = if answer.lower > 0.0 {
+            outcome.lower = outward(*lower, -term);
+            outcome.upper = outward(distance, term);
+            outcome.class = if outcome.lower > 0.0 {
                 Class::Separated
             } else {
                 Class::Undecided
             };
-            answer.found.distance = distance.value().clamp(answer.lower.max(0.0), answer.upper.max(0.0));
-            answer.found.normal = unit(&Vector3::new(-d[0].value(), -d[1].value(), -d[2].value()));
+            outcome.distance = distance.value().clamp(outcome.lower.max(0.0), outcome.upper.max(0.0));
+            outcome.normal = unit(&Vector3::new(-d[0].value(), -d[1].value(), -d[2].value()));
         }
     }
 }
 
 /// Depth and normal of an overlap are not known here; the direction has no meaning, but it is a unit vector.
-pub(super) fn overlapping(answer: &mut Answer) {
-    answer.class = Class::Overlapping;
-    answer.found.distance = 0.0;
-    answer.found.normal = Vector3::x();
-    (answer.lower, answer.upper) = (f64::NEG_INFINITY, 0.0);
+pub(super) fn overlapping(outcome: &mut Outcome) {
+    outcome.class = Class::Overlapping;
+    outcome.distance = 0.0;
+    outcome.normal = Vector3::x_axis();
+    (outcome.lower, outcome.upper) = (f64::NEG_INFINITY, 0.0);
 }
 
 /// The unit vector along `v`; some unit vector where `v` has no direction.
-pub(super) fn unit(v: &Vector3<f64>) -> Vector3<f64> {
+pub(super) fn unit(v: &Vector3<f64>) -> Unit<Vector3<f64>> {
     let largest = v.amax();
     if largest > 0.0 && largest < f64::INFINITY {
         let scaled = v / largest;
-        scaled / crate::scalar::sqrt(scaled.norm_squared())
+        Unit::new_unchecked(scaled / crate::scalar::sqrt(scaled.norm_squared()))
     } else {
-        Vector3::x()
+        Vector3::x_axis()
     }
 }
 
 /// Out of the range of the finer arithmetic: what any two vertices prove.
-pub(super) fn give_up(placed: &Placed, answer: &mut Answer) {
-    let (a, b) = answer.state.vertices_of(placed.a, placed.b);
-    let found = &mut answer.found;
-    (found.point_a, found.point_b) = (placed.a.points[a as usize], placed.b.points[b as usize]);
-    let between = placed.point_in_a(&found.point_b) - found.point_a;
-    found.normal = unit(&between);
-    found.distance = crate::scalar::sqrt(between.norm_squared());
-    answer.upper = found.distance + CERTIFICATE * UNIT * placed.size();
-    answer.lower = f64::NEG_INFINITY;
-    answer.class = Class::Undecided;
+pub(super) fn give_up(placed: &Placed, outcome: &mut Outcome) {
+    let (a, b) = outcome.features.vertices_of(placed.a, placed.b);
+    let (p, q) = (placed.a.points[a as usize], placed.b.points[b as usize]);
+    (outcome.point_on_a, outcome.point_on_b) = (p.into(), q.into());
+    let between = placed.point_in_a(&q) - p;
+    outcome.normal = unit(&between);
+    outcome.distance = crate::scalar::sqrt(between.norm_squared());
+    outcome.upper = outcome.distance + CERTIFICATE * UNIT * placed.size();
+    outcome.lower = f64::NEG_INFINITY;
+    outcome.class = Class::Undecided;
 }
 
 /// `x + by`, rounded away from `x` by the last place, in f64.
@@ -182,7 +182,7 @@ fn outward<T: Scalar>(x: T, by: f64) -> f64 {
 }
 
 /// The convex combinations of the corners' vertices, each in its body's stored frame.
-fn witnesses<T: Scalar>(placed: &Placed, simplex: &Simplex<T>) -> (Vector3<f64>, Vector3<f64>) {
+fn witnesses<T: Scalar>(placed: &Placed, simplex: &Simplex<T>) -> (Point3<f64>, Point3<f64>) {
     let (mut on_a, mut on_b) = ([T::from(0.0); 3], [T::from(0.0); 3]);
     for (c, &w) in simplex.kept().iter().zip(&simplex.weights) {
         let (p, q) = (placed.a.points[c.a as usize], placed.b.points[c.b as usize]);
@@ -192,8 +192,8 @@ fn witnesses<T: Scalar>(placed: &Placed, simplex: &Simplex<T>) -> (Vector3<f64>,
         }
     }
     (
-        Vector3::from(on_a.map(|c| c.value())),
-        Vector3::from(on_b.map(|c| c.value())),
+        Point3::from(on_a.map(|c| c.value())),
+        Point3::from(on_b.map(|c| c.value())),
     )
 }
 

@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 
+use super::outcome::Outcome;
 use super::placed::Sides;
 use super::state::Step;
 use crate::polyhedron::FeaturePair;
@@ -20,7 +21,7 @@ pub(crate) struct Slide {
 
 /// Follows the edge to the first of: a side plane of the face (edge-edge), its own end (vertex-face), the plane of the
 /// face (the bodies meet).
-pub(crate) fn slide<S: Sides>(sides: &S, s: &Slide) -> Step {
+pub(crate) fn slide<S: Sides>(sides: &S, s: &Slide, outcome: &mut Outcome) -> Step {
     let (body, other) = (sides.x(), sides.y());
     let (x, y) = (&body.topology, &other.topology);
     let end = x.half_edge(s.half_edge).to;
@@ -50,6 +51,6 @@ pub(crate) fn slide<S: Sides>(sides: &S, s: &Slide) -> Step {
     if height + first * fall <= 0.0 {
         Step::Lost
     } else {
-        Step::Move(to)
+        outcome.go(to)
     }
 }

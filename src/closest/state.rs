@@ -1,36 +1,67 @@
 //! The pairs of features the walk stands on, and what the look at one of them says.
+//!
+//! The [`Outcome`] of a query is where everything is written, from the first look to the last layer, in stored units and
+//! frames until the tracker hands it out: the walk is so short that copying an answer would show.
 
-use nalgebra::Vector3;
+use nalgebra::{Point3, Unit, Vector3};
 
+use super::outcome::{Class, Layer, Outcome, Work};
 use crate::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, Feature, FeaturePair, VertexId};
 use crate::pose::Which;
 
 /// What the look at one pair says.
+#[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Step {
-    /// A neighbour is closer.
-    Move(FeaturePair),
+    /// A neighbour is closer; it is the pair to look at next.
+    Move,
     /// A face elsewhere sees the vertex from outside; the distance need not be smaller.
-    Jump(FeaturePair),
-    /// Each witness lies in the Voronoi region of the other feature; they are written to where the look was told.
+    Jump,
+    /// Each witness lies in the Voronoi region of the other feature.
     Found,
     /// No neighbour helps: the bodies overlap or nearly touch, or rounding hides the way.
     Lost,
 }
 
-/// A pair of witnesses that the Voronoi tests accept.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Found {
-    /// Unit, from A to B in A's frame.
-    pub(crate) normal: Vector3<f64>,
-    /// In A's stored frame.
-    pub(crate) point_a: Vector3<f64>,
-    /// In B's stored frame.
-    pub(crate) point_b: Vector3<f64>,
-    /// Distance of the witnesses in A's stored units.
-    pub(crate) distance: f64,
-    /// Lower bound of the distance before its error term, minus infinity where the tests do not prove one.
-    pub(crate) lower: f64,
+impl Outcome {
+    /// Nothing known yet but where to begin.
+    #[inline(always)]
+    pub(crate) fn open(pair: FeaturePair) -> Self {
+        Self {
+            class: Class::Undecided,
+            distance: 0.0,
+            lower: f64::NEG_INFINITY,
+            upper: f64::INFINITY,
+            features: pair,
+            point_on_a: Point3::origin(),
+            point_on_b: Point3::origin(),
+            normal: Vector3::x_axis(),
+            layer: Layer::Walk,
+            work: Work::default(),
+        }
+    }
+
+    /// Goes to a closer pair.
+    #[inline(always)]
+    pub(crate) fn go(&mut self, pair: FeaturePair) -> Step {
+        self.features = pair;
+        Step::Move
+    }
+
+    /// Ends at this pair: the unit direction from A to B in A's frame, the witnesses in their stored frames, their
+    /// distance, and a lower bound of it before its error term (minus infinity where the tests do not prove one).
+    #[inline(always)]
+    pub(crate) fn end(&mut self, normal: Vector3<f64>, witnesses: Witnesses, distance: f64, lower: f64) -> Step {
+        self.normal = Unit::new_unchecked(normal);
+        self.point_on_a = witnesses.0.into();
+        self.point_on_b = witnesses.1.into();
+        self.distance = distance;
+        self.lower = lower;
+        Step::Found
+    }
 }
+
+/// A point of A and a point of B, each in its body's stored frame.
+pub(crate) type Witnesses = (Vector3<f64>, Vector3<f64>);
 
 /// The pair of `x`, a feature of body `of`, and `y`, a feature of the other.
 #[inline]
@@ -88,13 +119,13 @@ impl FeaturePair {
 }
 
 impl ConvexPolyhedron {
-    /// Whether `feature` names a feature of a body with this many.
+    /// Whether `feature` names a feature of this body. An edge has two numbers; only the lower one is its name.
     #[inline]
     pub(crate) fn has(&self, feature: Feature) -> bool {
         match feature {
             Feature::Vertex(v) => v.index() < self.topology.vertex_count(),
-            Feature::Edge(e) => e.index() < self.topology.half_edge_count(),
-            Feature::Face(f) => f.index() < self.topology.face_count(),
+            Feature::Edge(e) => self.has_edge(e),
+            Feature::Face(f) => self.has_face(f),
         }
     }
 

@@ -9,15 +9,16 @@
 //! ```
 
 use super::fan::one_norm;
+use super::outcome::Outcome;
 use super::placed::Sides;
-use super::state::{Found, Step};
+use super::state::Step;
 use crate::polyhedron::FeaturePair;
 use crate::scalar::sqrt;
 use crate::tolerance::{DIFFERENCE, ON_BOUNDARY};
 
 // Not inlined: the walk's loop would hoist the loads of every kind of pair and spill them.
 #[inline(never)]
-pub(crate) fn look<const CERTIFY: bool, S: Sides>(sides: &S, vertex: u32, edge: u32, found: &mut Found) -> Step {
+pub(crate) fn look<const CERTIFY: bool, S: Sides>(sides: &S, vertex: u32, edge: u32, outcome: &mut Outcome) -> Step {
     let (body, other) = (sides.x(), sides.y());
     let e = other.topology.half_edge(edge);
     let twin = other.topology.half_edge(e.twin);
@@ -30,10 +31,10 @@ pub(crate) fn look<const CERTIFY: bool, S: Sides>(sides: &S, vertex: u32, edge: 
     let slack = noise * one_norm(&u);
     // V(p), V(q)
     if along < -slack {
-        return Step::Move(FeaturePair::vertices(S::OF, vertex, twin.to));
+        return outcome.go(FeaturePair::vertices(S::OF, vertex, twin.to));
     }
     if along > uu + slack {
-        return Step::Move(FeaturePair::vertices(S::OF, vertex, e.to));
+        return outcome.go(FeaturePair::vertices(S::OF, vertex, e.to));
     }
     let inverse = 1.0 / uu;
     let s = along * inverse;
@@ -46,12 +47,12 @@ pub(crate) fn look<const CERTIFY: bool, S: Sides>(sides: &S, vertex: u32, edge: 
     let (alpha, beta) = (right.normal.dot(&w), -left.normal.dot(&w));
     if alpha < -slack || beta < -slack {
         let face = if alpha < beta { twin.face } else { e.face };
-        return Step::Move(FeaturePair::vertex_face(S::OF, vertex, face));
+        return outcome.go(FeaturePair::vertex_face(S::OF, vertex, face));
     }
     let n = sides.direction_in_x(&d);
     let fan = body.fan_minimum(vertex, &n);
     if let Some(h) = body.descent(vertex, &fan, noise) {
-        return Step::Move(FeaturePair::edges(S::OF, body.topology.edge(h), edge));
+        return outcome.go(FeaturePair::edges(S::OF, body.topology.edge(h), edge));
     }
     // The distance is that of points of the bodies: an end where rounding puts the foot beyond it.
     let squared = d.norm_squared();
@@ -70,14 +71,6 @@ pub(crate) fn look<const CERTIFY: bool, S: Sides>(sides: &S, vertex: u32, edge: 
     } else {
         f64::NEG_INFINITY
     };
-    let (point_a, point_b) = S::witnesses(on_x, foot);
     let normal = sides.normal(&(d * per_length));
-    *found = Found {
-        normal,
-        point_a,
-        point_b,
-        distance: distance,
-        lower,
-    };
-    Step::Found
+    outcome.end(normal, S::witnesses(on_x, foot), distance, lower)
 }

@@ -3,17 +3,17 @@
 use nalgebra::Vector3;
 
 use super::fan::one_norm;
+use super::outcome::Outcome;
 use super::placed::Sides;
 use super::slide::{Slide, slide};
-use super::state::{Found, Step};
+use super::state::Step;
 use crate::polyhedron::{ConvexPolyhedron, FeaturePair};
-use crate::pose::Which;
 use crate::scalar::sqrt;
 use crate::tolerance::{DIFFERENCE, DIRECTION, FOOT, ON_BOUNDARY};
 
 // Not inlined: the walk's loop would hoist the loads of every kind of pair and spill them.
 #[inline(never)]
-pub(crate) fn look<const CERTIFY: bool, S: Sides>(sides: &S, vertex: u32, face: u32, found: &mut Found) -> Step {
+pub(crate) fn look<const CERTIFY: bool, S: Sides>(sides: &S, vertex: u32, face: u32, outcome: &mut Outcome) -> Step {
     let (body, other) = (sides.x(), sides.y());
     let on_x = body.points[vertex as usize];
     let x = sides.point_in_y(&on_x);
@@ -21,11 +21,17 @@ pub(crate) fn look<const CERTIFY: bool, S: Sides>(sides: &S, vertex: u32, face: 
     let size = sides.size();
     let (rim, corner) = rim_side(other, face, &plane.normal, &x, size);
     if let Rim::Outside(edge) = rim {
-        return Step::Move(FeaturePair::vertex_edge(S::OF, vertex, edge));
+        return outcome.go(FeaturePair::vertex_edge(S::OF, vertex, edge));
     }
     let height = plane.normal.dot(&(x - corner));
     if height <= ON_BOUNDARY * size {
-        return behind(other, S::OF, vertex, face, &x, ON_BOUNDARY * size);
+        return match behind(other, face, &x, ON_BOUNDARY * size) {
+            Some(face) => {
+                outcome.features = FeaturePair::vertex_face(S::OF, vertex, face);
+                Step::Jump
+            }
+            None => Step::Lost,
+        };
     }
     let n = sides.direction_in_x(&plane.normal);
     let fan = body.fan_minimum(vertex, &n);
@@ -38,6 +44,7 @@ pub(crate) fn look<const CERTIFY: bool, S: Sides>(sides: &S, vertex: u32, face: 
                 face,
                 from_rim: None,
             },
+            outcome,
         );
     }
     let lower = if CERTIFY && body.proves_lowest(&fan, &n) {
@@ -49,16 +56,8 @@ pub(crate) fn look<const CERTIFY: bool, S: Sides>(sides: &S, vertex: u32, face: 
         Rim::Grazes(edge) => onto_edge(other, edge, &x),
         _ => (x - plane.normal * height, height),
     };
-    let (point_a, point_b) = S::witnesses(on_x, foot);
     let normal = sides.normal(&plane.normal);
-    *found = Found {
-        normal,
-        point_a,
-        point_b,
-        distance: height,
-        lower,
-    };
-    Step::Found
+    outcome.end(normal, S::witnesses(on_x, foot), height, lower)
 }
 
 /// Where a point is beside the side planes of a face.
@@ -121,7 +120,7 @@ fn onto_edge(body: &ConvexPolyhedron, edge: u32, x: &Vector3<f64>) -> (Vector3<f
 
 /// A vertex on the back side: climbs over neighbouring faces to the one it is furthest above.
 #[cold]
-fn behind(body: &ConvexPolyhedron, of: Which, vertex: u32, face: u32, x: &Vector3<f64>, least: f64) -> Step {
+fn behind(body: &ConvexPolyhedron, face: u32, x: &Vector3<f64>, least: f64) -> Option<u32> {
     let height = |f: u32| body.planes[f as usize].normal.dot(x) - body.planes[f as usize].offset;
     let (mut best, mut top) = (face, height(face));
     loop {
@@ -137,9 +136,5 @@ fn behind(body: &ConvexPolyhedron, of: Which, vertex: u32, face: u32, x: &Vector
             break;
         }
     }
-    if best != face && top > least {
-        Step::Jump(FeaturePair::vertex_face(of, vertex, best))
-    } else {
-        Step::Lost
-    }
+    (best != face && top > least).then_some(best)
 }

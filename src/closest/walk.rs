@@ -11,9 +11,9 @@
 //! 2. No flare angles, no stickiness: rounding may end the walk early, and the certificate says so.
 //! 3. A repeated pair (Brent's mark) or too many steps end it. What stands in then is no worse (`fallback`).
 
-use super::Answer;
+use super::outcome::Outcome;
 use super::placed::{OfA, OfB, Placed};
-use super::state::{Found, Step};
+use super::state::Step;
 use super::{edge_edge, vertex_edge, vertex_face, vertex_vertex};
 use crate::polyhedron::{Feature, FeaturePair};
 use crate::scalar::sqrt;
@@ -26,58 +26,54 @@ const FREE: u32 = 8;
 
 /// Looks at one state.
 #[inline(always)]
-fn look<const CERTIFY: bool>(placed: &Placed, state: FeaturePair, found: &mut Found) -> Step {
+fn look<const CERTIFY: bool>(placed: &Placed, outcome: &mut Outcome) -> Step {
     use Feature::{Edge, Face, Vertex};
-    match (state.a, state.b) {
-        (Edge(e), Edge(g)) => edge_edge::look::<CERTIFY>(placed, e.0, g.0, found),
-        (Vertex(v), Face(f)) => vertex_face::look::<CERTIFY, _>(&OfA(placed), v.0, f.0, found),
-        (Face(f), Vertex(v)) => vertex_face::look::<CERTIFY, _>(&OfB(placed), v.0, f.0, found),
-        (Vertex(v), Edge(e)) => vertex_edge::look::<CERTIFY, _>(&OfA(placed), v.0, e.0, found),
-        (Edge(e), Vertex(v)) => vertex_edge::look::<CERTIFY, _>(&OfB(placed), v.0, e.0, found),
-        (Vertex(v), Vertex(w)) => vertex_vertex::look::<CERTIFY>(placed, v.0, w.0, found),
+    match (outcome.features.a, outcome.features.b) {
+        (Edge(e), Edge(g)) => edge_edge::look::<CERTIFY>(placed, e.0, g.0, outcome),
+        (Vertex(v), Face(f)) => vertex_face::look::<CERTIFY, _>(&OfA(placed), v.0, f.0, outcome),
+        (Face(f), Vertex(v)) => vertex_face::look::<CERTIFY, _>(&OfB(placed), v.0, f.0, outcome),
+        (Vertex(v), Edge(e)) => vertex_edge::look::<CERTIFY, _>(&OfA(placed), v.0, e.0, outcome),
+        (Edge(e), Vertex(v)) => vertex_edge::look::<CERTIFY, _>(&OfB(placed), v.0, e.0, outcome),
+        (Vertex(v), Vertex(w)) => vertex_vertex::look::<CERTIFY>(placed, v.0, w.0, outcome),
         // No state; nothing leads here (see `to_stand_on`).
         (Edge(_), Face(_)) | (Face(_), Edge(_) | Face(_)) => Step::Lost,
     }
 }
 
-/// Walks from the pair of `answer` until the Voronoi tests accept one; whether they do. At most
+/// Walks from the features of `outcome` until the Voronoi tests accept one; whether they do. At most
 /// `4 sqrt(nA + nB) + 16` steps.
 #[inline(always)]
-pub(crate) fn walk<const CERTIFY: bool>(placed: &Placed, answer: &mut Answer) -> bool {
-    watched::<CERTIFY>(placed, answer, |_| {})
+pub(crate) fn walk<const CERTIFY: bool>(placed: &Placed, outcome: &mut Outcome) -> bool {
+    watched::<CERTIFY>(placed, outcome, |_| {})
 }
 
 /// The same walk, each pair it looks at told to `seen`.
 #[inline(always)]
 pub(crate) fn watched<const CERTIFY: bool>(
     placed: &Placed,
-    answer: &mut Answer,
+    outcome: &mut Outcome,
     mut seen: impl FnMut(FeaturePair),
 ) -> bool {
     let mut guard = Guard {
         steps: 0,
         jumps: 0,
-        mark: answer.state,
+        mark: outcome.features,
         next_mark: FREE,
         limit: u32::MAX,
     };
     loop {
-        answer.work.steps += 1;
-        seen(answer.state);
-        let next = match look::<CERTIFY>(placed, answer.state, &mut answer.found) {
+        outcome.work.steps += 1;
+        seen(outcome.features);
+        match look::<CERTIFY>(placed, outcome) {
             Step::Found => return true,
-            Step::Move(next) => next,
-            Step::Jump(next) => {
-                guard.jumps += 1;
-                next
-            }
+            Step::Move => {}
+            Step::Jump => guard.jumps += 1,
             Step::Lost => return false,
-        };
+        }
         guard.steps += 1;
-        if guard.steps >= FREE && guard.stops(placed, next) || guard.jumps > JUMPS {
+        if guard.steps >= FREE && guard.stops(placed, outcome.features) || guard.jumps > JUMPS {
             return false;
         }
-        answer.state = next;
     }
 }
 

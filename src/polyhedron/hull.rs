@@ -127,7 +127,7 @@ impl Hull<'_> {
     fn create(&mut self, v: [u32; 3], beside: [u32; 3]) -> u32 {
         let [a, b, c] = v.map(|i| self.points[i as usize]);
         let (u, w) = (b - a, c - a);
-        let guard = SIDE_ERROR * products(&u, &w).dot(&self.sides) * (1.0 + 1e-15) + f64::MIN_POSITIVE;
+        let guard = SIDE_ERROR * products(&u, &w).dot(&self.sides) * (1.0 + SIDE_ERROR) + f64::MIN_POSITIVE;
         let facet = Facet {
             triangle: Triangle { v, beside },
             base: a,

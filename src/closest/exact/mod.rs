@@ -14,10 +14,9 @@ use alloc::vec::Vec;
 
 use dashu_base::UnsignedAbs;
 use dashu_int::IBig;
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Matrix3, Point3};
 
-use super::Answer;
-use super::outcome::{Class, Layer};
+use super::outcome::{Class, Layer, Outcome};
 use super::placed::Placed;
 use super::refine;
 use crate::polyhedron::ConvexPolyhedron;
@@ -170,40 +169,40 @@ impl<'a> Pair<'a> {
     }
 }
 
-/// Settles class and distance exactly, from the vertices of the answer's state.
-pub(crate) fn settle(placed: &Placed, answer: &mut Answer) {
-    let hint = answer.state.vertices_of(placed.a, placed.b);
+/// Settles class and distance exactly, from the vertices of the outcome's features.
+pub(crate) fn settle(placed: &Placed, outcome: &mut Outcome) {
+    let hint = outcome.features.vertices_of(placed.a, placed.b);
     let pair = Pair::new(placed.a, placed.b, placed.pose);
     // One to four corners always have a nearest point.
     let Some(at) = pair.nearest(hint) else {
-        return refine::give_up(placed, answer);
+        return refine::give_up(placed, outcome);
     };
     let (mut a, mut b) = ([0; 4], [0; 4]);
     for (k, c) in at.kept.iter().enumerate().take(4) {
         (a[k], b[k]) = (c.a, c.b);
     }
-    answer.layer = Layer::Exact;
-    answer.state = refine::state_of(placed, &a[..at.kept.len()], &b[..at.kept.len()]);
-    (answer.found.point_a, answer.found.point_b) = witnesses(&pair, &at);
+    outcome.layer = Layer::Exact;
+    outcome.features = refine::state_of(placed, &a[..at.kept.len()], &b[..at.kept.len()]);
+    (outcome.point_on_a, outcome.point_on_b) = witnesses(&pair, &at);
     let normal = |n: &Big3| refine::unit(&pair.a.rounded.tr_mul(&direction(n)));
     if !is_zero(&at.direction) {
         let d = distance(&pair, &at) / placed.a.unit();
-        answer.class = Class::Separated;
-        answer.found.distance = d;
-        answer.found.normal = normal(&neg(&at.direction));
+        outcome.class = Class::Separated;
+        outcome.distance = d;
+        outcome.normal = normal(&neg(&at.direction));
         // Zero where f64 ends.
-        (answer.lower, answer.upper) = (d.next_down().max(0.0), d.next_up());
+        (outcome.lower, outcome.upper) = (d.next_down().max(0.0), d.next_up());
         return;
     }
     match pair.locate(&at, hint) {
         // A - B lies below the normal, A behind and B in front: it points from A to B.
         Origin::Boundary(n) => {
-            answer.class = Class::Touching;
-            answer.found.distance = 0.0;
-            answer.found.normal = normal(&n);
-            (answer.lower, answer.upper) = (0.0, 0.0);
+            outcome.class = Class::Touching;
+            outcome.distance = 0.0;
+            outcome.normal = normal(&n);
+            (outcome.lower, outcome.upper) = (0.0, 0.0);
         }
-        Origin::Interior => refine::overlapping(answer),
+        Origin::Interior => refine::overlapping(outcome),
     }
 }
 
@@ -228,8 +227,8 @@ pub(crate) fn separation(
 }
 
 /// The convex combinations of the corners' vertices in stored coordinates, rounded.
-fn witnesses(pair: &Pair, at: &Nearest) -> (Vector3<f64>, Vector3<f64>) {
-    let (mut on_a, mut on_b) = (Vector3::zeros(), Vector3::zeros());
+fn witnesses(pair: &Pair, at: &Nearest) -> (Point3<f64>, Point3<f64>) {
+    let (mut on_a, mut on_b) = (Point3::origin(), Point3::origin());
     for (c, weight) in at.kept.iter().zip(&at.weights) {
         let s = fraction(weight, &at.sum);
         on_a += pair.a.body.points[c.a as usize] * s;

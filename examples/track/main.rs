@@ -1,0 +1,206 @@
+//! Two meshes tumble past each other while one tracker follows their closest features.
+//!
+//! `cargo run --release --example track -- [A.obj|stl B.obj|stl] [--frames N] [--out track.svg]`
+
+mod load;
+mod motion;
+mod options;
+
+use std::process::ExitCode;
+use std::time::{Duration, Instant};
+
+use lab::plot::{Chart, save_stack};
+use lab::progress::Progress;
+use lin_canny::nalgebra::Isometry3;
+use lin_canny::{Class, ConvexPolyhedron, Layer, Outcome, RelativePose, Tracker};
+use load::Loaded;
+use options::Options;
+
+type Trouble = Box<dyn std::error::Error>;
+
+/// Lines of the table.
+const LINES: usize = 24;
+
+/// Frames between two looks at the clock and the progress bar.
+const BLOCK: usize = 4096;
+
+/// Most points of a curve.
+const CURVE: usize = 2000;
+
+/// Every so many frames a query without memory is asked too.
+const COLD: usize = 16;
+
+/// What a motion gave.
+struct Run {
+    outcomes: Vec<Outcome>,
+    tracker: Tracker,
+    time: Duration,
+    /// Mean steps of queries that start from nothing.
+    cold: f64,
+}
+
+fn main() -> ExitCode {
+    let options = match options::parse(std::env::args().skip(1)) {
+        Ok(Some(options)) => options,
+        Ok(None) => {
+            println!("{}", options::USAGE);
+            return ExitCode::SUCCESS;
+        }
+        Err(why) => {
+            eprintln!("track: {why}\n\n{}", options::USAGE);
+            return ExitCode::from(2);
+        }
+    };
+    match track(&options) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(why) => {
+            eprintln!("track: {why}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn track(options: &Options) -> Result<(), Trouble> {
+    let [a, b] = &options.meshes;
+    let (a, b) = (load::load('A', a)?, load::load('B', b)?);
+    let poses = motion::poses(&a.body, &b.body, options.frames);
+    let run = follow(&a.body, &b.body, &poses)?;
+    table(&a, &b, &run);
+    summary(&run);
+    draw(options, &run)?;
+    println!("drawn: {}", options.out.display());
+    Ok(())
+}
+
+/// Asks every frame, keeping the tracker.
+fn follow(a: &ConvexPolyhedron, b: &ConvexPolyhedron, poses: &[[Isometry3<f64>; 2]]) -> Result<Run, Trouble> {
+    let progress = Progress::new("frames", poses.len() as u64);
+    let (mut tracker, mut outcomes, mut time) = (Tracker::new(), Vec::with_capacity(poses.len()), Duration::ZERO);
+    for block in poses.chunks(BLOCK) {
+        let began = Instant::now();
+        for [pose_a, pose_b] in block {
+            let a_from_b = RelativePose::new(pose_a, pose_b)?;
+            outcomes.push(tracker.closest(a, b, &a_from_b));
+        }
+        time += began.elapsed();
+        progress.steps(block.len() as u64);
+    }
+    let mut cold = 0;
+    for [pose_a, pose_b] in poses.iter().step_by(COLD) {
+        cold += Tracker::new()
+            .closest(a, b, &RelativePose::new(pose_a, pose_b)?)
+            .work
+            .steps;
+    }
+    Ok(Run {
+        outcomes,
+        tracker,
+        time,
+        cold: f64::from(cold) / poses.len().div_ceil(COLD) as f64,
+    })
+}
+
+/// A line for every frame of a short motion, else for groups of frames: the first of the group, and its steps.
+fn table(a: &Loaded, b: &Loaded, run: &Run) {
+    let group = run.outcomes.len().div_ceil(LINES);
+    println!("\nNames: v vertex, e edge, f face, by the numbers of their points in the files.");
+    if group > 1 {
+        println!("Every {group}th frame; steps and changes of the features over the {group} frames from there on.");
+    }
+    println!(
+        "\n{:>7}  {:>13}  {:>8}  {:<14} {:<14} {:>5} {:>4} {:>7}  {}",
+        "frame", "distance", "+-", "on A", "on B", "steps", "most", "changes", "layer"
+    );
+    for (k, frames) in run.outcomes.chunks(group).enumerate() {
+        let first = &frames[0];
+        let steps: u32 = frames.iter().map(|o| o.work.steps).sum();
+        let changes = frames.windows(2).filter(|w| w[0].features != w[1].features).count();
+        println!(
+            "{:>7}  {:>13.8}  {:>8.1e}  {:<14} {:<14} {:>5.1} {:>4} {:>7}  {}",
+            k * group,
+            first.distance,
+            (first.upper - first.lower) / 2.0,
+            a.name(first.features.a),
+            b.name(first.features.b),
+            f64::from(steps) / frames.len() as f64,
+            frames.iter().map(|o| o.work.steps).max().unwrap_or(0),
+            changes,
+            word(first),
+        );
+    }
+}
+
+/// The class where it is not the ordinary one, else the layer that answered.
+fn word(outcome: &Outcome) -> String {
+    match outcome.class {
+        Class::Separated => format!("{:?}", outcome.layer).to_lowercase(),
+        class => format!("{class:?}").to_lowercase(),
+    }
+}
+
+fn summary(run: &Run) {
+    let (totals, frames) = (run.tracker.totals(), run.outcomes.len());
+    let closest = run
+        .outcomes
+        .iter()
+        .enumerate()
+        .min_by(|x, y| x.1.distance.total_cmp(&y.1.distance));
+    if let Some((frame, o)) = closest {
+        println!(
+            "\nclosest: {} in [{}, {}] at frame {frame}",
+            o.distance, o.lower, o.upper
+        );
+    }
+    let layers = [
+        (Layer::Walk, "walk"),
+        (Layer::Restart, "restarted walk"),
+        (Layer::Fallback, "fallback"),
+        (Layer::DoubleDouble, "double-double"),
+        (Layer::Exact, "exact"),
+        (Layer::Far, "far"),
+    ];
+    let answered = layers
+        .iter()
+        .map(|(l, name)| (totals.answered_by(*l), name))
+        .filter(|x| x.0 > 0);
+    let answered: Vec<String> = answered.map(|(n, name)| format!("{name} {n}")).collect();
+    println!("answered by: {} of {frames} frames", answered.join(", "));
+    println!(
+        "steps a frame: {:.2} tracked, {:.2} from nothing",
+        totals.steps as f64 / frames as f64,
+        run.cold
+    );
+    let each = run.time.as_nanos() as f64 / frames as f64;
+    println!(
+        "time a frame: {each:.0} ns, two poses in, certified answer out ({:.2?} in all)",
+        run.time
+    );
+}
+
+/// Distance and steps over time, one above the other.
+fn draw(options: &Options, run: &Run) -> Result<(), Trouble> {
+    let name = |k: usize| {
+        options.meshes[k]
+            .file_stem()
+            .unwrap_or_default()
+            .to_string_lossy()
+            .into_owned()
+    };
+    let group = run.outcomes.len().div_ceil(CURVE);
+    let curve = |of: fn(&[Outcome]) -> f64| {
+        let groups = run.outcomes.chunks(group).enumerate();
+        groups.map(|(k, g)| ((k * group) as f64, of(g))).collect::<Vec<_>>()
+    };
+    let least = curve(|g| g.iter().map(|o| o.distance).fold(f64::INFINITY, f64::min));
+    let most = curve(|g| g.iter().map(|o| f64::from(o.work.steps)).fold(0.0, f64::max));
+    let distance = Chart::new(format!("{} and {}: distance", name(0), name(1)))
+        .axes("frame", "distance")
+        .from_zero()
+        .line("distance", least);
+    let steps = Chart::new("steps of the walk, tracked")
+        .axes("frame", "steps")
+        .from_zero()
+        .size(860, 280)
+        .line("steps", most);
+    Ok(save_stack(&[&distance, &steps], &options.out)?)
+}

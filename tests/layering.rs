@@ -1,0 +1,245 @@
+//! Promise: the source keeps its layers and its sizes. Reads `src/**` as text; what a compiler checks is left to it.
+//!
+//! Formatting is `rustfmt`'s, so a function ends at the first line that is its closing brace at its own indent.
+
+use std::path::{Path, PathBuf};
+
+/// Lines of a file, tests inside it included.
+const FILE: usize = 500;
+
+/// Lines of a function.
+const FUNCTION: usize = 100;
+
+/// One source file.
+struct Source {
+    /// Its path below `src`, with `/`.
+    name: String,
+    text: String,
+}
+
+impl Source {
+    /// The code without comments, documentation and the tests at the end, with line numbers from 1.
+    fn code(&self) -> impl Iterator<Item = (usize, &str)> {
+        let lines = self
+            .text
+            .lines()
+            .take_while(|l| !matches!(l.trim(), "#[cfg(test)]" | "#![cfg(test)]"));
+        let code = lines
+            .enumerate()
+            .map(|(k, l)| (k + 1, l.split("//").next().unwrap_or("")));
+        code.filter(|(_, l)| !l.trim().is_empty())
+    }
+
+    fn is_in(&self, folder: &str) -> bool {
+        self.name == format!("{folder}.rs") || self.name.starts_with(&format!("{folder}/"))
+    }
+}
+
+fn sources() -> Vec<Source> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let (mut folders, mut files) = (vec![root.clone()], Vec::<PathBuf>::new());
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(folder).expect("src is readable") {
+            let path = entry.expect("src is readable").path();
+            if path.is_dir() { &mut folders } else { &mut files }.push(path);
+        }
+    }
+    let source = |path: &PathBuf| {
+        let below = path.strip_prefix(&root).expect("below src");
+        let name = below
+            .components()
+            .map(|c| c.as_os_str().to_string_lossy())
+            .collect::<Vec<_>>()
+            .join("/");
+        Source {
+            name,
+            text: std::fs::read_to_string(path).expect("src is text"),
+        }
+    };
+    let all: Vec<Source> = files
+        .iter()
+        .filter(|p| p.extension().is_some_and(|e| e == "rs"))
+        .map(source)
+        .collect();
+    assert!(all.len() > 30, "only {} files found", all.len());
+    all
+}
+
+/// Fails with all of them if there are any.
+fn none(what: &str, found: Vec<String>) {
+    assert!(found.is_empty(), "{what}:\n  {}", found.join("\n  "));
+}
+
+/// Lines of code of the files picked that hold one of the words.
+fn holding(words: &[&str], pick: impl Fn(&Source) -> bool) -> Vec<String> {
+    let mut found = Vec::new();
+    for s in sources().iter().filter(|s| pick(s)) {
+        for (k, line) in s.code().filter(|(_, l)| words.iter().any(|w| has_word(l, w))) {
+            found.push(format!("{}:{k}: {}", s.name, line.trim()));
+        }
+    }
+    found
+}
+
+/// Whether `word` stands in the line, not as a part of a longer name.
+fn has_word(line: &str, word: &str) -> bool {
+    let of_name = |c: char| c.is_alphanumeric() || c == '_';
+    line.match_indices(word).any(|(k, _)| {
+        let (before, after) = (line[..k].chars().next_back(), line[k + word.len()..].chars().next());
+        let (first, last) = (word.chars().next(), word.chars().next_back());
+        let clear =
+            |edge: Option<char>, beside: Option<char>| !edge.is_some_and(of_name) || !beside.is_some_and(of_name);
+        clear(first, before) && clear(last, after)
+    })
+}
+
+#[test]
+fn files_are_short() {
+    let long = |s: &Source| (s.text.lines().count() > FILE).then(|| format!("{}: {}", s.name, s.text.lines().count()));
+    none(
+        "files of more than 500 lines",
+        sources().iter().filter_map(long).collect(),
+    );
+}
+
+#[test]
+fn functions_are_short() {
+    let (mut found, mut count) = (Vec::new(), 0);
+    for s in sources() {
+        let lines: Vec<&str> = s.text.lines().collect();
+        for (k, line) in lines
+            .iter()
+            .enumerate()
+            .filter(|(_, l)| has_word(l, "fn") && !l.trim().starts_with("//"))
+        {
+            let indent = &line[..line.len() - line.trim_start().len()];
+            let end = lines[k..]
+                .iter()
+                .position(|l| l.strip_prefix(indent).is_some_and(|rest| rest == "}"));
+            let length = end.map_or(0, |e| e + 1);
+            let one_line = line.trim_end().ends_with('}') || line.trim_end().ends_with(';');
+            count += 1;
+            if length > FUNCTION && !one_line {
+                found.push(format!("{}:{}: {length} lines", s.name, k + 1));
+            }
+        }
+    }
+    assert!(count > 300, "only {count} functions found");
+    none("functions of more than 100 lines", found);
+}
+
+/// What the code of a folder may name of the crate.
+const MAY_USE: [(&str, &[&str]); 6] = [
+    ("tolerance", &[]),
+    ("scalar", &["tolerance"]),
+    ("double_double", &["scalar", "tolerance"]),
+    ("pose", &["tolerance"]),
+    ("polyhedron", &["polyhedron", "scalar", "double_double", "tolerance"]),
+    (
+        "closest",
+        &[
+            "closest",
+            "certificate",
+            "polyhedron",
+            "pose",
+            "scalar",
+            "double_double",
+            "tolerance",
+        ],
+    ),
+];
+
+#[test]
+fn data_flows_one_way() {
+    let mut found = Vec::new();
+    for s in sources() {
+        let Some((_, allowed)) = MAY_USE.iter().find(|(folder, _)| s.is_in(folder)) else {
+            continue;
+        };
+        for (k, line) in s.code() {
+            for (at, _) in line.match_indices("crate::") {
+                let rest = &line[at + "crate::".len()..];
+                let module: String = rest.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
+                // Types named at the root are those of bodies and poses; a layer above is never one of them.
+                let root = module.is_empty() || module.starts_with(char::is_uppercase);
+                if root || !allowed.contains(&module.as_str()) {
+                    found.push(format!("{}:{k}: {}", s.name, line.trim()));
+                }
+            }
+        }
+    }
+    none("a layer uses one above it", found);
+}
+
+#[test]
+fn topology_knows_no_place() {
+    let words = ["f64", "f32", "Vector3", "Point3", "nalgebra"];
+    none(
+        "floats in the topology",
+        holding(&words, |s| s.name == "polyhedron/topology.rs"),
+    );
+}
+
+/// The walk and its solvers allocate nothing. Exact integers do; so does the record of a walk, on request only.
+#[test]
+fn queries_allocate_nothing_and_call_no_trait_object() {
+    let outside = |s: &Source| s.is_in("closest") && !s.is_in("closest/exact") && !s.is_in("closest/trace");
+    none(
+        "allocation in the walk",
+        holding(&["dyn", "Vec", "Box", "String", "alloc", "vec!", "format!"], outside),
+    );
+}
+
+#[test]
+fn nothing_keeps_state_behind_the_caller() {
+    let words = [
+        "static mut",
+        "thread_local!",
+        "Cell",
+        "RefCell",
+        "OnceCell",
+        "OnceLock",
+        "Mutex",
+        "RwLock",
+        "LazyLock",
+    ];
+    none("hidden state", holding(&words, |_| true));
+    let atomics = ["AtomicBool", "AtomicUsize", "AtomicU32", "AtomicU64", "static"];
+    none(
+        "hidden state",
+        holding(&atomics, |_| true)
+            .into_iter()
+            .filter(|l| !l.contains("'static"))
+            .collect(),
+    );
+}
+
+#[test]
+fn foreign_mathematics_stays_outside() {
+    let words = ["parry", "parry3d", "parry3d_f64", "rapier", "rapier3d", "glam", "glamx"];
+    none("types of other engines", holding(&words, |s| !s.is_in("interop")));
+}
+
+/// No `1e-9` anywhere but in the file of tolerances: what is small is a formula in machine epsilon.
+#[test]
+fn tolerances_are_in_one_file() {
+    let literal = |line: &str| {
+        let code: String = line.split('"').step_by(2).collect(); // without the texts of messages
+        code.match_indices("e-").any(|(k, _)| {
+            let before = code[..k]
+                .chars()
+                .next_back()
+                .is_some_and(|c| c.is_ascii_digit() || c == '.');
+            before && code[k + 2..].chars().next().is_some_and(|c| c.is_ascii_digit())
+        })
+    };
+    let mut found = Vec::new();
+    for s in sources().iter().filter(|s| s.name != "tolerance.rs") {
+        found.extend(
+            s.code()
+                .filter(|(_, l)| literal(l))
+                .map(|(k, l)| format!("{}:{k}: {}", s.name, l.trim())),
+        );
+    }
+    none("tolerances outside tolerance.rs", found);
+}

@@ -1,0 +1,217 @@
+//! Promise: no absolute tolerance: the answer scales with the scene, whatever its unit, its place and the ratio of its
+//! bodies.
+
+mod world;
+
+use lab::bound;
+use lab::motion::{Frame, random_poses};
+use lab::pose::{add, scale, sub};
+use lab::rng::Rng;
+use lab::shapes::{self, Shape};
+use lin_canny::{Class, Outcome, RelativePose, Tracker};
+use world::{body, relative};
+
+fn pairs(rng: &mut Rng) -> Vec<(Shape, Shape, Vec<Frame>)> {
+    let mut pair = || {
+        let (a, b) = (shapes::small(rng), shapes::small(rng));
+        let radii = (lab::pose::radius(&a.points), lab::pose::radius(&b.points));
+        let frames = random_poses(rng, 8, radii, (0.4, 1.3), 0.0);
+        (a, b, frames)
+    };
+    (0..40).map(|_| pair()).collect()
+}
+
+fn scaled(shape: &Shape, by: f64) -> Shape {
+    shape.clone().stretched([by; 3])
+}
+
+fn scaled_frame(f: &Frame, by: f64) -> Frame {
+    let mut g = *f;
+    (g.a.t, g.b.t) = (scale(g.a.t, by), scale(g.b.t, by));
+    g
+}
+
+/// `x` is `y` times the power of two, bit for bit.
+fn is_scaled(x: &Outcome, y: &Outcome, by: f64) {
+    let at = |o: &Outcome, s: f64| {
+        let points = o
+            .point_on_a
+            .iter()
+            .chain(o.point_on_b.iter())
+            .map(|c| c * s)
+            .collect::<Vec<_>>();
+        (
+            o.class,
+            o.distance * s,
+            o.lower * s,
+            o.upper * s,
+            points,
+            o.normal,
+            o.features,
+            o.layer,
+        )
+    };
+    assert_eq!(at(x, 1.0), at(y, by), "scaled by {by:e}");
+}
+
+#[test]
+fn powers_of_two_change_no_bit() {
+    let mut separated = 0;
+    for (a, b, frames) in pairs(&mut Rng::new(601)) {
+        let plain = (body(&a), body(&b));
+        for e in [-300, -100, -41, -3, 1, 39, 40, 41, 150, 300] {
+            let by = 2f64.powi(e);
+            let large = (body(&scaled(&a, by)), body(&scaled(&b, by)));
+            for f in &frames {
+                let one = Tracker::new().closest(&plain.0, &plain.1, &relative(f));
+                let two = Tracker::new().closest(&large.0, &large.1, &relative(&scaled_frame(f, by)));
+                is_scaled(&two, &one, by);
+                separated += usize::from(one.class == Class::Separated);
+            }
+        }
+    }
+    assert!(separated > 1000, "{separated}");
+}
+
+#[test]
+fn extents_from_1e_minus_100_to_1e100() {
+    let mut separated = 0;
+    for (a, b, frames) in pairs(&mut Rng::new(602)) {
+        // Some sizes are no powers of two, so bodies are rounded: the exact oracle sees the rounded ones.
+        for by in [1e-99, 1e-60, 1e-13, 1e13, 1e60, 1e99] {
+            let (a, b) = (scaled(&a, by), scaled(&b, by));
+            let (body_a, body_b) = (body(&a), body(&b));
+            for f in frames.iter().map(|f| scaled_frame(f, by)) {
+                let mut t = Tracker::new();
+                let o = t.closest(&body_a, &body_b, &relative(&f));
+                assert_eq!(
+                    t.intersects(&body_a, &body_b, &relative(&f)),
+                    o.class != Class::Separated
+                );
+                if o.class == Class::Separated {
+                    proved(&a, &b, &f, &o, by);
+                    separated += 1;
+                }
+            }
+        }
+    }
+    assert!(separated > 800, "{separated}");
+}
+
+/// Lower bound, distance and upper bound in order with the gap the normal proves and the one the witnesses attain.
+fn proved(a: &Shape, b: &Shape, f: &Frame, o: &Outcome, unit: f64) {
+    let normal = f.a.rotate(o.normal.into_inner().into());
+    let gap = bound::support_gap(a.into(), &f.a, b.into(), &f.b, normal);
+    let apart = bound::witness_distance(o.point_on_a.coords.into(), &f.a, o.point_on_b.coords.into(), &f.b);
+    let near = 1e-13 * unit;
+    assert!(
+        apart - gap <= near && (o.distance - gap).abs() <= near,
+        "{gap:e} {apart:e} {o:?} {a:?} {b:?} {f:?}"
+    );
+    assert!(
+        o.lower <= apart + near && gap <= o.upper && o.upper - o.lower <= 4.0 * near,
+        "{gap:e} {apart:e} {o:?}"
+    );
+}
+
+#[test]
+fn a_grain_beside_a_mountain() {
+    let mut rng = Rng::new(603);
+    for ratio in [1e3, 1e6, 1e9, 1e12] {
+        for _ in 0..30 {
+            let (a, b) = (scaled(&shapes::small(&mut rng), ratio), shapes::small(&mut rng));
+            let (body_a, body_b) = (body(&a), body(&b));
+            for mut f in random_poses(&mut rng, 4, (ratio, 1.0), (0.7, 1.1), 0.0) {
+                f.a.t = [0.0; 3];
+                let o = Tracker::new().closest(&body_a, &body_b, &relative(&f));
+                let turned = Tracker::new().closest(&body_b, &body_a, &relative(&f.swapped()));
+                assert_eq!(o.class, turned.class);
+                if o.class == Class::Separated {
+                    // To the rounding of the larger body.
+                    proved(&a, &b, &f, &o, 10.0 * ratio);
+                }
+            }
+        }
+    }
+}
+
+/// Far from the world's origin only the rounding of the poses matters, and exact bounds see the poses as they are.
+#[test]
+fn far_from_the_origin() {
+    let mut rng = Rng::new(604);
+    for (a, b, frames) in pairs(&mut rng) {
+        let (body_a, body_b) = (body(&a), body(&b));
+        for f in frames {
+            let shift = scale(rng.unit(), 1e9);
+            let mut far = f;
+            (far.a.t, far.b.t) = (add(f.a.t, shift), add(f.b.t, shift));
+            let o = Tracker::new().closest(&body_a, &body_b, &relative(&far));
+            if o.class == Class::Separated {
+                proved(&a, &b, &far, &o, 1.0);
+            }
+            // The same relative pose without the offset.
+            let mut near = far;
+            (near.a.t, near.b.t) = ([0.0; 3], sub(far.b.t, far.a.t));
+            let here = Tracker::new().closest(&body_a, &body_b, &relative(&near));
+            assert_eq!(
+                (o.class, o.distance, o.features),
+                (here.class, here.distance, here.features)
+            );
+        }
+    }
+}
+
+/// Bodies whose vertices lie far from their own origin: they turn about it, so poses are chosen to bring them back.
+#[test]
+fn vertices_far_from_their_own_origin() {
+    let mut rng = Rng::new(605);
+    let mut separated = 0;
+    for (a, b, frames) in pairs(&mut rng) {
+        let offset = [1e6, -2e6, 5e5];
+        let mut away = b.clone();
+        away.points.iter_mut().for_each(|p| *p = add(*p, offset));
+        let (Ok(body_a), Ok(body_b)) = (build(&a), build(&away)) else {
+            continue;
+        };
+        for f in frames {
+            let mut g = f;
+            g.b.t = sub(f.b.t, f.b.rotate(offset));
+            let o = Tracker::new().closest(&body_a, &body_b, &relative(&g));
+            if o.class == Class::Separated {
+                // L is measured between the bodies, but the translation itself is rounded at 2e6.
+                proved(&a, &away, &g, &o, 1e7);
+                separated += 1;
+            }
+        }
+    }
+    assert!(separated > 100, "{separated}");
+}
+
+/// A hull that the shift may have made exactly flat.
+fn build(s: &Shape) -> Result<lin_canny::ConvexPolyhedron, lin_canny::BuildError> {
+    let points: Vec<_> = s.points.iter().map(|&p| p.into()).collect();
+    lin_canny::ConvexPolyhedron::from_points(&points)
+}
+
+/// Beyond what squares of lengths can hold.
+#[test]
+fn distances_up_to_the_largest_number() {
+    let cube = body(&shapes::cube());
+    let mut t = Tracker::new();
+    for x in [1e20, 1e100, 1e155, 1e200, 1e300, 1.7e308] {
+        let pose = world::shifted([x, 0.0, 0.0]);
+        let o = t.closest(&cube, &cube, &pose);
+        assert!(
+            o.class == Class::Separated && o.lower <= x && x - 2.0 <= o.upper,
+            "{o:?}"
+        );
+        assert!(
+            (o.distance - x).abs() <= 1e-14 * x && o.upper - o.lower <= 1e-13 * x,
+            "{o:?}"
+        );
+        assert!(!t.intersects(&cube, &cube, &pose) && !t.within(&cube, &cube, &pose, x / 2.0));
+        assert!(t.within(&cube, &cube, &pose, f64::MAX));
+    }
+    let far = |x: f64| lin_canny::nalgebra::Isometry3::translation(x, 0.0, 0.0);
+    assert!(RelativePose::new(&far(-1.7e308), &far(1.7e308)).is_err());
+}

@@ -1,0 +1,112 @@
+//! Promise: every public type of the feature `serde` comes back from a file as it was.
+#![cfg(feature = "serde")]
+
+mod world;
+
+use lin_canny::polyhedron::solids;
+use lin_canny::{Class, ConvexPolyhedron, Distance, Layer, Outcome, Proposal, RelativePose, Tracker};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+fn round_trip<T: Serialize + DeserializeOwned + PartialEq + std::fmt::Debug>(value: &T) -> T {
+    let text = serde_json::to_string(value).expect("serialises");
+    let back: T = serde_json::from_str(&text).expect("deserialises");
+    assert_eq!(&back, value, "{text}");
+    back
+}
+
+fn query() -> (ConvexPolyhedron, ConvexPolyhedron, RelativePose) {
+    let (a, b) = (
+        solids::icosahedron(1.0).expect("a body"),
+        solids::cone(7, 0.3, 1.1).expect("a body"),
+    );
+    let pose = lab::Pose::turn([0.6, 0.0, 0.8], 0.7, [1.9, 0.3, -0.4]);
+    (
+        a,
+        b,
+        RelativePose::from_isometry(&world::isometry(&pose)).expect("a pose"),
+    )
+}
+
+#[test]
+fn answers_come_back() {
+    let (a, b, pose) = query();
+    let mut t = Tracker::new();
+    let outcome: Outcome = t.closest(&a, &b, &pose);
+    let (distance, proposal): (Distance, Proposal) = (t.distance(&a, &b, &pose), t.propose(&a, &b, &pose));
+    assert_eq!(outcome.class, Class::Separated);
+    round_trip(&outcome);
+    round_trip(&outcome.features);
+    round_trip(&outcome.work);
+    round_trip(&distance);
+    round_trip(&proposal);
+    for layer in [
+        Layer::Walk,
+        Layer::Restart,
+        Layer::Fallback,
+        Layer::DoubleDouble,
+        Layer::Exact,
+        Layer::Far,
+    ] {
+        round_trip(&layer);
+    }
+    for class in [Class::Separated, Class::Touching, Class::Overlapping, Class::Undecided] {
+        round_trip(&class);
+    }
+}
+
+#[test]
+fn a_tracker_goes_on_where_it_was() {
+    let (a, b, pose) = query();
+    let mut t = Tracker::new();
+    t.closest(&a, &b, &pose);
+    round_trip(&t.totals());
+    let mut back = round_trip(&t);
+    let (x, y) = (t.closest(&a, &b, &pose), back.closest(&a, &b, &pose));
+    assert_eq!(x, y);
+    assert_eq!(back.totals().warm, 1);
+}
+
+#[test]
+fn bodies_and_poses_come_back() {
+    let (a, b, pose) = query();
+    round_trip(&pose);
+    let (a2, b2) = (round_trip(&a), round_trip(&b));
+    assert_eq!(a2.report(), a.report());
+    assert_eq!(
+        Tracker::new().closest(&a2, &b2, &pose),
+        Tracker::new().closest(&a, &b, &pose)
+    );
+    round_trip(a.report());
+}
+
+/// A file is input like any other: what is no body or pose is refused, and a tracker's features are only a hint.
+#[test]
+fn damaged_files_are_refused() {
+    let (a, b, pose) = query();
+    let damage = |text: String, from: &str, to: &str| {
+        assert!(text.contains(from), "{text}");
+        text.replacen(from, to, 1)
+    };
+    let text = serde_json::to_string(&pose).expect("serialises");
+    assert!(serde_json::from_str::<RelativePose>(&damage(text, "\"t\":[0.0", "\"t\":[1e999")).is_err());
+    let text = serde_json::to_string(&a).expect("serialises");
+    assert!(serde_json::from_str::<ConvexPolyhedron>(&damage(text, "\"source\":[", "\"source\":[0,")).is_err());
+    let mut t = Tracker::new();
+    t.closest(&b, &b, &pose);
+    let totals = serde_json::to_string(&t.totals()).expect("serialises");
+    let wanted = Tracker::new().closest(&a, &b, &pose);
+    for features in [
+        r#"{"a":{"Edge":4000000000},"b":{"Vertex":0}}"#,
+        r#"{"a":{"Vertex":0},"b":{"Face":4294967295}}"#,
+        r#"{"a":{"Edge":0},"b":{"Face":0}}"#,
+        r#"{"a":{"Face":0},"b":{"Face":0}}"#,
+        r#"{"a":{"Edge":59},"b":{"Edge":27}}"#,
+    ] {
+        let text = format!(r#"{{"last":{features},"totals":{totals}}}"#);
+        let mut strange: Tracker = serde_json::from_str(&text).expect("a hint, whatever it says");
+        let o = strange.closest(&a, &b, &pose);
+        assert_eq!((o.class, o.features), (wanted.class, wanted.features), "{features}");
+        assert!(o.lower <= wanted.upper && wanted.lower <= o.upper, "{features}: {o:?}");
+    }
+}
