@@ -2,14 +2,15 @@
 
 use nalgebra::{Isometry3, Matrix3, Quaternion, Vector3};
 
-use crate::tolerance::POSE_UNIT;
+use crate::tolerance::{POSE_UNIT, REACH};
 
 /// Why a pose is no rigid motion.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PoseError {
-    /// A coordinate of the translation is NaN or infinite.
-    #[error("translation of {body} is not finite: coordinate {axis} is {value}")]
+    /// A coordinate of the translation is NaN or infinite, or the bodies are so far apart that their distance may leave
+    /// f64: then the body is B and the value its place seen from A's.
+    #[error("translation of {body} is out of range: coordinate {axis} is {value}")]
     Translation {
         /// Which of the two poses.
         body: Which,
@@ -113,7 +114,7 @@ impl RelativePose {
     /// From the poses of both bodies in one common frame.
     ///
     /// # Errors
-    /// A translation that is not finite, or a rotation whose squared norm is off 1 by more than 1e-12.
+    /// A translation that is not finite or out of range, or a rotation whose squared norm is off 1 by more than 1e-12.
     #[inline]
     pub fn new(pose_a: &Isometry3<f64>, pose_b: &Isometry3<f64>) -> Result<Self, PoseError> {
         let pose = Self {
@@ -122,9 +123,9 @@ impl RelativePose {
         };
         let offset = pose.offset();
         let unit = |p: &Placement| (p.norm_squared - 1.0).abs() <= POSE_UNIT;
-        // Finite numbers times zero are zero, others are NaN, and comparisons with NaN are false.
-        let finite = (offset.x + offset.y + offset.z) * 0.0 == 0.0;
-        if finite && unit(&pose.a) && unit(&pose.b) {
+        // Comparisons with NaN are false.
+        let near = offset.x.abs() + offset.y.abs() + offset.z.abs() < REACH;
+        if near && unit(&pose.a) && unit(&pose.b) {
             Ok(pose)
         } else {
             pose.checked()
@@ -137,8 +138,8 @@ impl RelativePose {
         self.a.check(Which::A)?;
         self.b.check(Which::B)?;
         let offset = self.offset();
-        // Two finite translations can still be further apart than f64 reaches.
-        match (0..3).find(|&k| !offset[k].is_finite()) {
+        // Of three coordinates whose sum is too large one is a third of it.
+        match (0..3).find(|&k| !(offset[k].abs() < REACH / 4.0)) {
             None => Ok(self),
             Some(axis) => Err(PoseError::Translation {
                 body: Which::B,
@@ -175,8 +176,17 @@ impl RelativePose {
     /// Translation of `a_from_b`.
     #[inline]
     pub(crate) fn translation(&self) -> Vector3<f64> {
+        self.turned_to_a(self.offset())
+    }
+
+    /// A sixteenth of the translation, whose computation leaves no range that the translation itself does not.
+    pub(crate) fn sixteenth(&self) -> Vector3<f64> {
+        self.turned_to_a(self.offset() / 16.0)
+    }
+
+    #[inline(always)]
+    fn turned_to_a(&self, offset: Vector3<f64>) -> Vector3<f64> {
         let [x, y, z, w] = self.a.q;
-        let offset = self.offset();
         // R_a^T offset, with the axis reversed.
         let axis = Vector3::new(-x, -y, -z);
         let c = axis.cross(&offset);

@@ -22,7 +22,8 @@ pub(crate) fn fault(
         return Some("the distance or its upper bound is not finite");
     }
     let classed = match o.class {
-        Class::Separated => o.lower > 0.0,
+        // Where f64 ends, exact arithmetic may know more than a bound can say.
+        Class::Separated => o.lower > 0.0 || o.lower == 0.0 && o.layer >= Layer::Exact,
         Class::Overlapping => o.upper <= 0.0,
         Class::Touching => o.lower <= 0.0 && o.upper >= 0.0,
         Class::Undecided => true,

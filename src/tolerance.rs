@@ -17,11 +17,15 @@ pub const EDGE_SIGN: f64 = 8.0 * UNIT;
 /// accumulates over thousands of products. Placement divides by the squared norm, so the value does not limit accuracy.
 pub const POSE_UNIT: f64 = 1e-12;
 
+/// The sum of the coordinates of the relative translation stays below this, so that no distance leaves f64, nor its
+/// upper bound: bodies themselves reach to 1e116 at most.
+pub const REACH: f64 = f64::MAX * (1.0 - 1.0 / (1u64 << 40) as f64);
+
 /// Pairs whose size L (in the stored units of the larger body) is beyond this are answered by their separation alone:
 /// their radii are below the rounding of L, and cubes of lengths (determinants of a simplex) would leave the range.
 pub const FAR: f64 = f64::from_bits((1023 + 300) << 52);
 
-/// The same at the small end; only two points can be so close, as every other body is stored at radius 2^-40 or more.
+/// The same at the small end; only two points can be so close, as every other body is stored at radius 2^-105 or more.
 pub const NEAR: f64 = f64::from_bits((1023 - 300) << 52);
 
 /// Noise of a difference of two placed points, in units of the pair's size L: each coordinate of a placed point carries
@@ -65,26 +69,27 @@ pub const PLATEAU: f64 = 16.0 * UNIT;
 /// Error term of both bounds, in units of UNIT L, derived line by line (u = UNIT, norms are Euclidean, `t` the relative
 /// translation; a cross product errs by `2.5 u |a| |b|`, a product with a rotation matrix by `6 u`):
 ///
-/// 1. The relative quaternion: four products a coordinate, error at most 4 u each, 8 u as a vector; as a rotation
-///    twice that, 16 u.
-/// 2. Its matrix: 8 u relative to the absolute sums of its entries, whose Frobenius norm is below 4, and the last
-///    rounding of each entry: at most 40 u. Together with 1, a vertex of B is turned wrong by at most 56 u rB.
+/// 1. The relative quaternion: four products a coordinate, error at most 4 u each, 8 u as a vector. Across itself such
+///    an error turns by twice as much; along itself it scales what the matrix adds to the identity, a matrix of norm 2,
+///    by twice as much: together at most `8 u sqrt(4 + 16)`, 36 u. The squared norms of both poses err by 4 u each and
+///    scale it too: 16 u.
+/// 2. Its matrix: 5 u relative to the absolute sums of its entries, whose Frobenius norm is below 3.8, and the last
+///    rounding of each entry: 19 u wherever the factor's own roundings, 3 u, are counted in. With 1, a vertex of B is
+///    turned wrong by at most 71 u rB.
 /// 3. The relative translation: the difference of the translations, `u |t|`; the two cross products and their sum, 6.5 u,
 ///    doubled; the factor `2 / |q|^2`, 6 u, doubled; the last sum: together at most 28 u |t|.
-/// 4. The way back, from A to B: the transposed matrix errs by the same 56 u, now for `|t| + rA`, and its product with
-///    the translation by 6 u |t|. So a vertex is misplaced by at most 56 u rB + 28 u |t| in A's frame, and by
-///    56 u rA + 90 u |t| in B's.
-/// 5. Placing a vertex: 6 u of its radius, and a sum: u L.
-/// 6. A direction taken into the other frame: 6 u, which may put another vertex lowest: 12 u of that body's radius.
+/// 4. A vertex of B in A's frame: 71 u rB + 28 u |t|, and 6 u rB for the product. A vertex of A in B's: 71 u and 6 u of
+///    `|t| + rA`, the difference from the translation and its own error, 29 u |t|: 77 u rA + 106 u |t|. Sums: u L.
+/// 5. A direction taken into the other frame: 6 u, which may put another vertex lowest: 12 u of that body's radius.
 ///    Heights along a direction: 3 u of rA, rB and |t|, once more where the highest of several is taken; their sums, 2 u L.
-/// 7. The witnesses, made as `p + s u` with `s` in 0..1, or as a sum of corners whose weights sum to one within 4 u: 8 u
-///    of rA and of rB, in the upper bound instead of 6. The norm: 3 u L.
+/// 6. The witnesses, made as `p + s u` with `s` in 0..1, or as a sum of corners whose weights sum to one within 4 u: 8 u
+///    of rA and of rB, in the upper bound instead of 5. The norm, or that of a normal: 3 u L.
 ///
-/// Sum, with u L counted for every summand: at most 56 + 6 + 12 + 6 + 6 = 86 u for the radius of the body that is placed,
-/// 90 + 3 + 6 = 99 u for |t|, 24 u for the other radius. Second-order terms are below 1 u. In double-double the same holds
-/// with two matrices for one in 2 (80 instead of 40, and 16 for their product) and 2 times 46 for the translation with the
-/// origins of the bodies added to L; its sums and products err by 10 UNIT^2 at most, so all is below 100
-/// [`UNIT_DOUBLE_DOUBLE`]. The largest violation of the bounds without their term that was ever seen is 11 u L.
+/// Sum, with u L counted for every summand: at most 77 + 12 + 6 + 6 = 101 u for the radius of the body that is placed,
+/// 106 + 3 + 6 = 115 u for |t|, 24 u for the other radius. Second-order terms are below 1 u. In double-double the same
+/// holds with two matrices of 40 for one, 16 for their product, and 2 times 46 for the translation with the origins of the
+/// bodies added to L; its sums and products err by 10 UNIT^2 at most, so all is below 100 [`UNIT_DOUBLE_DOUBLE`]. The
+/// largest violation of the bounds without their term that was ever seen is 11 u L.
 pub const CERTIFICATE: f64 = 128.0;
 /// Least extent (longest side of the bounding box) of a body, in the caller's unit: cubes of lengths, as volumes are,
 /// stay above the least f64.
@@ -93,14 +98,18 @@ pub const EXTENT_MIN: f64 = 1e-100;
 /// Largest extent of a body: cubes of lengths stay finite.
 pub const EXTENT_MAX: f64 = 1e100;
 
-/// Bodies are stored with a radius from `2^-40` to `2^40`, scaled by a multiple of `2^80` where they need it: most are as
-/// given, and bodies of like size share a unit.
-pub(crate) const EXPONENT_FREE: i32 = 40;
+/// Largest coordinate of a vertex: no body of an extent up to [`EXTENT_MAX`] has a larger one and a neighbouring double
+/// within its extent; a point is held to the same.
+pub const PLACE_MAX: f64 = 1e116;
 
-/// Stored coordinates below `2^-250` of the radius become zero. Radii are at least `2^-40`, so the last bit of any kept
-/// coordinate is worth `2^(-40 - 250 - 52)` or more and a product of three differences `2^-1026`: above the least
+/// Bodies are stored with a radius from `2^-105` to `2^105`, scaled by a multiple of `2^210` where they need it: most are
+/// as given, and bodies of like size share a unit.
+pub(crate) const EXPONENT_FREE: i32 = 105;
+
+/// Stored coordinates below `2^-200` of the radius become zero. Radii are at least `2^-105`, so the last bit of any kept
+/// coordinate is worth `2^(-105 - 200 - 52)` or more and a product of three differences `2^-1071`: above the least
 /// f64, `2^-1074`, hence the expansions of the orientation predicates are exact.
-pub(crate) const FLUSH_EXPONENT: i32 = 250;
+pub(crate) const FLUSH_EXPONENT: i32 = 200;
 
 /// Error of `n . (p - a)`, `n = (b - a) x (c - a)`, all rounded, relative to the sum over k of
 /// `(|u_i v_j| + |u_j v_i|) |p_k - a_k|`, `u` and `v` the edges: each of the eight roundings a term passes (two

@@ -180,7 +180,8 @@ impl Tracker {
     pub fn closest_exact(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Outcome {
         let before = self.last;
         let mut outcome = self.answer(a, b, a_from_b, Level::Exact);
-        if outcome.layer == Layer::Far {
+        // The second: a distance that only f64 in the caller's own unit can hold.
+        if outcome.layer == Layer::Far || outcome.class == Class::Separated && outcome.lower <= 0.0 {
             outcome = far::exactly(a, b, a_from_b, outcome);
         }
         debug_check(a, b, a_from_b, before, Level::Exact, &outcome);

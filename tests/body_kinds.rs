@@ -454,7 +454,7 @@ fn stored_bodies_come_back_bit_for_bit() {
     let bodies = [
         ConvexPolyhedron::from_faces(&points, &faces).unwrap(),
         ConvexPolyhedron::from_points(&far).unwrap(),
-        solids::random_hull(200, Vector3::new(1.0, 1e-3, 1e60), 1).unwrap(),
+        solids::random_hull(200, Vector3::new(1.0, 1e-3, 1e50), 1).unwrap(),
         ConvexPolyhedron::point(points[3]).unwrap(),
         ConvexPolyhedron::segment(points[7], points[0]).unwrap(),
         ConvexPolyhedron::polygon(&points[..4]).unwrap(),

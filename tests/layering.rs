@@ -20,7 +20,10 @@ struct Source {
 impl Source {
     /// The code without comments, documentation and the tests at the end, with line numbers from 1.
     fn code(&self) -> impl Iterator<Item = (usize, &str)> {
-        let lines = self.text.lines().take_while(|l| l.trim() != "#[cfg(test)]");
+        let lines = self
+            .text
+            .lines()
+            .take_while(|l| !matches!(l.trim(), "#[cfg(test)]" | "#![cfg(test)]"));
         let code = lines
             .enumerate()
             .map(|(k, l)| (k + 1, l.split("//").next().unwrap_or("")));

@@ -3,8 +3,6 @@
 //! The radii are below the rounding of the separation (or zero), so the vertices that face each other are the closest
 //! features within every bound asked for, and lengths are scaled before they are squared.
 
-use nalgebra::{Unit, Vector3};
-
 use super::outcome::{Class, Layer, Outcome, Work};
 use crate::polyhedron::{ConvexPolyhedron, FeaturePair};
 use crate::pose::{RelativePose, Which};
@@ -13,26 +11,23 @@ use crate::tolerance::{CERTIFICATE, UNIT};
 /// The answer in the caller's units.
 #[cold]
 pub(crate) fn answer(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &RelativePose) -> Outcome {
-    let (rotation, translation) = (pose.rotation(), pose.translation());
-    let t = translation + rotation * b.origin - a.origin;
-    let largest = t.amax();
-    let n = if largest > 0.0 {
-        (t / largest).normalize()
-    } else {
-        Vector3::x()
-    };
+    // In sixteenths, so that no intermediate result is infinite.
+    let (rotation, translation) = (pose.rotation(), pose.sixteenth());
+    let t = translation + rotation * b.origin / 16.0 - a.origin / 16.0;
+    let n = super::refine::unit(&t);
     let (va, vb) = (a.climb_cold(&n), b.climb_cold(&-rotation.tr_mul(&n)));
     let (point_on_a, point_on_b) = (a.given(&a.points[va as usize]), b.given(&b.points[vb as usize]));
-    let between = rotation * point_on_b.coords + translation - point_on_a.coords;
+    let between = translation + rotation * point_on_b.coords / 16.0 - point_on_a.coords / 16.0;
     let largest = between.amax();
     let distance = if largest > 0.0 {
-        largest * (between / largest).norm()
+        16.0 * (largest * (between / largest).norm())
     } else {
         0.0
     };
     let radii = a.radius * a.unit() + b.radius * b.unit();
-    let rounded = distance + radii + a.origin.abs().sum() + b.origin.abs().sum();
-    let slack = CERTIFICATE * UNIT * rounded + 2.0 * radii;
+    let offsets = a.origin.abs().sum() + b.origin.abs().sum();
+    // Below the normal numbers rounding is absolute: the last term is 1024 times the least f64.
+    let slack = CERTIFICATE * UNIT * (distance + radii + offsets) + 2.0 * radii + f64::from_bits(1024);
     let lower = (distance - slack).max(0.0);
     let class = if lower > 0.0 { Class::Separated } else { Class::Touching };
     let outcome = Outcome {
@@ -43,7 +38,7 @@ pub(crate) fn answer(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &Relative
         features: FeaturePair::vertices(Which::A, va, vb),
         point_on_a,
         point_on_b,
-        normal: Unit::new_unchecked(n),
+        normal: n,
         layer: Layer::Far,
         work: Work::default(),
     };
@@ -60,14 +55,13 @@ pub(crate) fn answer(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &Relative
 #[cold]
 pub(crate) fn exactly(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &RelativePose, outcome: Outcome) -> Outcome {
     let hint = outcome.features.vertices_of(a, b);
-    let Some(distance) = super::exact::separation(a, b, pose, hint) else {
+    let Some((apart, distance)) = super::exact::separation(a, b, pose, hint) else {
         return outcome;
     };
-    let apart = distance > 0.0;
     Outcome {
         class: if apart { Class::Separated } else { Class::Touching },
         distance,
-        lower: if apart { distance.next_down() } else { 0.0 },
+        lower: if apart { distance.next_down().max(0.0) } else { 0.0 },
         upper: if apart { distance.next_up() } else { 0.0 },
         work: Work {
             exacts: outcome.work.exacts + 1,

@@ -8,7 +8,7 @@ use crate::polyhedron::FeaturePair;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Class {
-    /// Proven apart: the lower bound is positive.
+    /// Proven apart: the lower bound is positive (or zero where exact arithmetic finds a distance too small for f64).
     Separated,
     /// The bounds straddle zero and no finer arithmetic could, or was asked to, part them; or proven to touch.
     Touching,

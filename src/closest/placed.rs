@@ -67,7 +67,7 @@ impl<'a> Placed<'a> {
     }
 
     /// Whether both bodies are stored in the same unit, so that directions and vectors turn alike: what the walk needs.
-    /// Pairs that are not have a body 2^40 units or more, or less than 2^-40, in radius.
+    /// Pairs that are not have a body 2^105 units or more, or less than 2^-105, in radius.
     #[inline(always)]
     pub(crate) fn has_one_unit(&self) -> bool {
         self.unit == 1.0
@@ -249,7 +249,7 @@ impl Frame<f64> {
 impl Frame<DoubleDouble> {
     /// From the poses as given. `None` where the translation is beyond the range of the products that follow.
     pub(crate) fn new(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &RelativePose) -> Option<Self> {
-        // The bodies' own offsets are at most 1e100 and cannot leave the range alone.
+        // The bodies' own offsets are at most 1e116 and cannot leave the range alone.
         if pose.translation().amax() > FAR * power_of_two(a.exponent) {
             return None;
         }

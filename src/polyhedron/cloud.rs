@@ -6,7 +6,7 @@ use nalgebra::{Point3, Vector3};
 use super::error::BuildError;
 use crate::double_double::two_sum;
 use crate::scalar::sqrt;
-use crate::tolerance::{EXPONENT_FREE, EXTENT_MAX, EXTENT_MIN, FLUSH_EXPONENT};
+use crate::tolerance::{EXPONENT_FREE, EXTENT_MAX, EXTENT_MIN, FLUSH_EXPONENT, PLACE_MAX};
 
 /// Most points accepted: a body of n vertices has fewer than 6 n half-edges, each with a 32-bit number.
 const POINTS_MAX: usize = 1 << 29;
@@ -126,6 +126,12 @@ fn placement(given: &[Point3<f64>], indices: &[u32]) -> Result<(Vector3<f64>, i3
     let axis = sides.imax();
     let extent = sides[axis];
     if extent == 0.0 || indices.is_empty() {
+        if let Some(&i) = indices.iter().find(|&&i| given[i as usize].coords.amax() > PLACE_MAX) {
+            return Err(BuildError::OutOfRange {
+                index: i as usize,
+                extent: given[i as usize].coords.amax(),
+            });
+        }
         return Ok((Vector3::zeros(), 0, f64::MIN_POSITIVE));
     }
     if !(EXTENT_MIN..=EXTENT_MAX).contains(&extent) {

@@ -26,7 +26,8 @@ pub enum BuildError {
         /// Points or corners given.
         count: usize,
     },
-    /// The longest side of the bounding box is below 1e-100 or above 1e100.
+    /// The longest side of the bounding box is below 1e-100 or above 1e100, or a coordinate is above 1e116 (and is then
+    /// what is named).
     #[error("the extent {extent:e}, reached at point {index}, lies outside 1e-100..1e100")]
     OutOfRange {
         /// A point at an end of the longest side.

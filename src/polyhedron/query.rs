@@ -22,7 +22,7 @@ impl ConvexPolyhedron {
     }
 
     /// Whether the closed body holds a point: points on the surface belong to it. The answer is exact for the body as
-    /// stored (coordinates of the point below 2^-250 of the body's radius count as zero, as those of the vertices do).
+    /// stored (coordinates of the point below 2^-200 of the body's radius count as zero, as those of the vertices do).
     /// `false` for a point that is not finite.
     pub fn contains(&self, point: &Point3<f64>) -> bool {
         let flush = flush_below(sqrt(((self.high - self.low) * 0.5).norm_squared()));

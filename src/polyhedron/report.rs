@@ -28,7 +28,7 @@ pub struct BuildReport {
     pub unused: Vec<u32>,
     /// Triangles of the hull that were merged away into exactly coplanar faces.
     pub merged_facets: usize,
-    /// Coordinates replaced by zero: below `2^-250` of the extent, where exact arithmetic would run out of range.
+    /// Coordinates replaced by zero: below `2^-200` of the extent, where exact arithmetic would run out of range.
     pub flushed_coordinates: usize,
     /// Thickness over longest box side, at most 1 and 0 for flat bodies: the least width across the box's axes and
     /// across the eight largest faces, an upper estimate of the least width in any direction.

@@ -190,7 +190,8 @@ pub(crate) fn settle(placed: &Placed, outcome: &mut Outcome) {
         outcome.class = Class::Separated;
         outcome.distance = d;
         outcome.normal = normal(&neg(&at.direction));
-        (outcome.lower, outcome.upper) = (d.next_down(), d.next_up());
+        // Zero where f64 ends.
+        (outcome.lower, outcome.upper) = (d.next_down().max(0.0), d.next_up());
         return;
     }
     match pair.locate(&at, hint) {
@@ -212,16 +213,17 @@ fn distance(pair: &Pair, at: &Nearest) -> f64 {
     root(&num.unsigned_abs(), &den.unsigned_abs(), pair.exponent)
 }
 
-/// The distance of two bodies of which it is known that they do not overlap, in the caller's units and correctly
-/// rounded; zero where they touch.
+/// Of two bodies of which it is known that they do not overlap: whether they are apart, and their distance in the
+/// caller's units, correctly rounded (which may be zero).
 pub(crate) fn separation(
     a: &ConvexPolyhedron,
     b: &ConvexPolyhedron,
     pose: &RelativePose,
     hint: (u32, u32),
-) -> Option<f64> {
+) -> Option<(bool, f64)> {
     let pair = Pair::new(a, b, pose);
-    pair.nearest(hint).map(|at| distance(&pair, &at))
+    let at = pair.nearest(hint)?;
+    Some((!is_zero(&at.direction), distance(&pair, &at)))
 }
 
 /// The convex combinations of the corners' vertices in stored coordinates, rounded.
