@@ -1,4 +1,160 @@
-//! lin-canny
+//! Closest features of moving convex polyhedra, tracked from frame to frame, with a proven bound on every answer.
+//!
+#![doc = include_str!("../images/hero.svg")]
+//!
+//! *Left: a tracked pair, the Voronoi region of the closest face, and the features met on the way. Right: what a frame costs
+//! against the motion in it. Pictures of this page: `cargo run --release --example figures`.*
+//!
+//! # Quick start
+//!
+//! ```
+//! use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
+//! use lin_canny::{ConvexPolyhedron, RelativePose, Tracker, polyhedron::solids};
+//!
+//! let part = solids::cuboid(Vector3::new(0.5, 0.5, 0.5))?;
+//! let corners = [[0., 0., 0.], [2., 0., 0.], [0., 2., 0.], [0., 0., 2.]].map(Point3::from);
+//! let wedge = ConvexPolyhedron::from_points(&corners)?; // an error names the point and what is wrong with it
+//!
+//! let mut pair = Tracker::new(); // one for each pair: the features of the last answer
+//! for frame in 0..10 {
+//!     let part_pose = Isometry3::translation(4.0 - 0.1 * f64::from(frame), 0.5, 0.5);
+//!     let wedge_from_part = RelativePose::new(&Isometry3::identity(), &part_pose)?;
+//!     let c = pair.closest(&wedge, &part, &wedge_from_part);
+//!     assert!(c.lower <= c.distance && c.distance <= c.upper);
+//!     println!("{} {:.6} +- {:.0e}", c.features, c.distance, (c.upper - c.lower) / 2.0);
+//! }
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # Which function?
+//!
+//! | question | function | answer |
+//! |---|---|---|
+//! | Do two bodies share a point? | [`Tracker::intersects`] | `bool`, touching counts |
+//! | Are they at most `d` apart? | [`Tracker::within`] | `bool` |
+//! | How far apart? | [`Tracker::distance`] | [`Distance`]: value and bounds |
+//! | Where, and which features? | [`Tracker::closest`] | [`Outcome`]: features, witnesses, normal, bounds |
+//! | The same to the last bit? | `Tracker::closest_exact` (feature `exact`) | [`Outcome`] |
+//! | As the walk says, checked elsewhere? | [`Tracker::propose`] | [`Proposal`]: no bounds |
+//! | Which pairs would the walk look at? | [`Tracker::trace`] | the way, pair by pair |
+//! | How do I report this query? | [`Tracker::replay`] | [`Replay`]: a text that rebuilds it bit for bit |
+//! | Where does B stand? | [`RelativePose::new`] | a checked pose, or a [`PoseError`] |
+//! | A body of points, of faces? | [`ConvexPolyhedron::from_points`], [`from_faces`](ConvexPolyhedron::from_faces) | a body with its [`BuildReport`], or a [`BuildError`] |
+//! | A common solid? | [`polyhedron::solids`] | a body |
+//! | A flat body? | [`polygon`](ConvexPolyhedron::polygon), [`segment`](ConvexPolyhedron::segment), [`point`](ConvexPolyhedron::point) | a body |
+//! | Is a point inside, what is the nearest one? | [`contains`](ConvexPolyhedron::contains), [`closest_point`](ConvexPolyhedron::closest_point) | one body, one point |
+//!
+//! A, the first body, sets the frame: [`RelativePose`] maps B's coordinates into A's (`a_from_b`), `point_on_a` and `normal` are in
+//! A's frame, `point_on_b` is in B's. The normal is a unit vector from A to B. Lengths are in the caller's unit, whatever it is.
+//!
+//! # The idea in five minutes
+//!
+//! A polyhedron is made of **features**: vertices, edges and faces. Two bodies apart are closest at a pair of points, and
+//! each of these lies on one feature of its body: the *closest features*. There are few kinds of pairs, and for each the
+//! closest points are a formula. So the question "how far apart?" becomes "which features?".
+//!
+//! **Voronoi regions.** Cut the space outside a body by the feature that is nearest. The pieces have plane borders: over a
+//! face a prism, at an edge a wedge, at a vertex a cone. Whether a point lies in the region of a feature is decided by a few
+//! signs, one for each neighbour of the feature.
+//!
+#![doc = include_str!("../images/regions.svg")]
+//!
+//! **The criterion** (Lin and Canny 1991). Take a feature of each body and the closest points of these two features. They
+//! are the closest points of the bodies if and only if each lies in the Voronoi region of the other's feature. Two
+//! features are enough to know; the rest of the bodies need not be looked at.
+//!
+//! **The walk.** Where a point lies outside the region, a border was crossed, and behind this border lies a neighbouring
+//! feature that is closer. Step there and look again. The distance falls, features are finite in number, so the walk ends.
+//!
+#![doc = include_str!("../images/walk.svg")]
+//!
+//! *The point has moved from the ring to the dot. The feature remembered (1) is no longer the closest one: three steps
+//! to neighbours lead to the one that is (4).*
+//!
+//! **Coherence.** Between two frames bodies move a little, so the closest features of the last frame are the right ones or a
+//! step away. That is what a [`Tracker`] remembers, and all it remembers: the features of the last answer. The chart on top
+//! counts the pairs looked at: hardly more than one for small motions, whatever the number of vertices.
+//!
+//! **The certificate.** All of this holds for real numbers. With rounding, borders blur: nearly parallel edges have no good
+//! formula, regions of nearly coplanar faces are slivers, and a walk may circle or stop on the wrong pair without a
+//! sign. So the walk only proposes. Two facts that need no history judge it: the distance of any two points of the bodies is an
+//! *upper* bound, and for any direction n the gap between the supporting planes across n, least `n . b` minus greatest
+//! `n . a`, is a *lower* bound. At the closest points, with n along them, the two are equal. The walk delivers both; the
+//! crate compares them, adds the error of its own rounding, and returns what is then proven: [`Outcome::lower`] and
+//! [`Outcome::upper`]. Where they do not meet, other solvers take over: [`Layer`] says which one answered.
+//!
+//! # Accuracy
+//!
+//! With L the sum of both radii and the distance of the bodies:
+//!
+//! | level | what it promises |
+//! |---|---|
+//! | [`Tracker::propose`] | the walk's word: no bounds in its type |
+//! | [`Tracker::closest`], [`Tracker::distance`] | the true distance lies in `lower..=upper`, no wider than `1e-13 L` |
+//! | `Tracker::closest_exact` | the class is exact and the distance within one unit in the last place |
+//! | [`Tracker::intersects`], [`Tracker::within`] | exact with the feature `exact`; without it ties count as within |
+//!
+//! The truth is that of the bits given: a vertex v at the pose (q, t) is at `R(q) v / |q|^2 + t`, over the rationals.
+//! Every constant stands with its derivation in [`tolerance`].
+//!
+//! # Guarantees and limits
+//!
+//! * Bad input is refused where it enters: a body by [`BuildError`], a pose by [`PoseError`], each with index or value. After
+//!   that no query panics, loops without bound or returns NaN. (Debug builds check every answer and panic, with a text that
+//!   replays the query, on a defect of the crate.)
+//! * State changes time, never the answer: classes and predicates are the same warm and cold, A to B and B to A, and
+//!   distances agree within their bounds. Among exact ties features may follow history. A tracker of other bodies is
+//!   allowed.
+//! * There is no absolute tolerance: a scene scaled by a power of two gives the answer scaled bit for bit, but where the
+//!   scale puts the sizes of two bodies on both sides of 2^40, 2^-40 or another border between units of storage: there
+//!   class and bounds agree.
+//! * Bodies are [`Send`] and [`Sync`] and never change; a tracker belongs to one pair at a time and owns no body.
+//! * A body's extent lies between 1e-100 and 1e100; one body may be any number of times larger than the other.
+//! * An overlap is proven and said ([`Class::Overlapping`]); its depth and direction are not computed yet. Nor are contact
+//!   manifolds, times of impact, scenes of many bodies, non-convex or curved bodies.
+//!
+//! # Cargo features
+//!
+//! | feature | default | adds |
+//! |---|---|---|
+//! | `std` | yes | square roots by the machine, `std::error::Error` everywhere; without it the crate is `no_std` with `alloc` |
+//! | `exact` | yes | the rung of exact integers (crate `dashu-int`) behind the filters |
+//! | `serde` | no | bodies, poses, trackers, ids and answers in files |
+//!
+//! # Reading the source
+//!
+//! Data flows one way; each module uses only those before it. Start with `closest/walk.rs`: the loop is on one screen.
+//!
+//! 1. [`tolerance`]: every constant; `scalar`, `double_double`: the arithmetic.
+//! 2. [`polyhedron`]: names of features, half-edges without coordinates, hulls, planes, supports, solids, mass.
+//! 3. `pose`: the one place where a pose is refused.
+//! 4. `closest`: the walk, one file for each pair of feature kinds, starts, the solvers behind it, outcomes.
+//! 5. `certificate`: what any direction proves.
+//! 6. `tracker`: what a caller keeps, and which solver to ask.
+//! 7. `soundness`, `replay`: what debug builds check of every answer, and the text of a query that fails.
+//!
+//! # From the thesis
+//!
+//! M. C. Lin, "Efficient collision detection for animation and robotics", PhD thesis, UC Berkeley, 1993; before it M. C. Lin
+//! and J. F. Canny, "A fast algorithm for incremental distance calculation", ICRA 1991.
+//!
+//! | thesis | here |
+//! |---|---|
+//! | chapter 3, incremental distance computation | `closest`, [`polyhedron`], [`Tracker`] |
+//! | chapter 4, non-convex and curved bodies | not yet |
+//! | chapter 5, many moving bodies | not yet |
+//! | chapter 6, path planning | not yet |
+//!
+//! Departures:
+//!
+//! 1. Four pairs of kinds instead of six: an edge over a face slides to one of its ends or to the rim, two faces meet as a
+//!    vertex and a face or as two edges (Mirtich 1998, V-Clip). The states on which the walk of 1991 circles are gone.
+//! 2. Faces and vertices are not cut to a bounded number of neighbours: the pieces would be coplanar, and walks
+//!    break on coplanar neighbours. Coplanar facets are one face; large fans and rims are searched.
+//! 3. Regions are not flared by small angles. Rounding may end a walk early or wrongly, and the certificate says so.
+//! 4. Every answer carries bounds (the duality gap of Gilbert, Johnson and Keerthi 1988).
+//! 5. Behind the walk stand solvers that do not walk; no answer is lost to a cycle.
+//! 6. Overlapping bodies are an answer with a proof, not a walk that never ends.
 #![no_std]
 extern crate alloc;
 #[cfg(feature = "std")]
@@ -21,3 +177,8 @@ pub use polyhedron::{BuildError, BuildReport, ConvexPolyhedron, EdgeId, FaceId, 
 pub use pose::{PoseError, RelativePose, Which};
 pub use replay::{Replay, ReplayError};
 pub use tracker::{Totals, Tracker};
+
+/// Runs the README as a test.
+#[doc = include_str!("../README.md")]
+#[cfg(doctest)]
+struct ReadmeDoctests;

@@ -4,7 +4,7 @@ use alloc::vec::Vec;
 
 use nalgebra::Unit;
 
-use crate::closest::outcome::{Class, Distance, Layer, Level, Outcome, Proposal};
+use crate::closest::outcome::{Class, Distance, Layer, Level, Outcome, Proposal, Work};
 use crate::closest::placed::Placed;
 use crate::closest::trace::trace;
 use crate::closest::{self, far};
@@ -37,7 +37,47 @@ use crate::replay::Replay;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Tracker {
     last: Option<FeaturePair>,
+    starts: Starts,
     totals: Totals,
+}
+
+/// What the two ways to start have cost lately, in steps of the walk: which of them a query takes.
+///
+/// From the features of the last answer a walk takes `1 + 0.085 sqrt(n)` steps a degree turned; from the support
+/// vertices some five on round bodies, whatever happened in between. Counting what it really took needs neither n nor
+/// the motion.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+struct Starts {
+    /// Running means in sixteenths of a step.
+    warm: u16,
+    cold: u16,
+}
+
+impl Starts {
+    /// Two cube-map look-ups and climbs cost as much as this many steps.
+    const CLIMBS: u32 = 4;
+    /// A coarse solve costs as much as this many.
+    const COARSE: u32 = 24;
+
+    #[inline(always)]
+    fn prefer_warm(self) -> bool {
+        self.warm <= self.cold
+    }
+
+    /// Takes the cost of the way taken into its mean; what is known of the other fades, so that it is tried again.
+    #[inline(always)]
+    fn learn(&mut self, warm: bool, work: &Work) {
+        let steps = work.steps + Self::COARSE * work.coarse;
+        let cost = 16 * (steps + if warm { 0 } else { Self::CLIMBS }).min(1000) as u16;
+        let (taken, other) = if warm {
+            (&mut self.warm, &mut self.cold)
+        } else {
+            (&mut self.cold, &mut self.warm)
+        };
+        *taken = *taken - *taken / 4 + cost / 4;
+        *other -= *other / 128;
+    }
 }
 
 /// What a tracker has done since it was made or reset.
@@ -83,6 +123,7 @@ impl Tracker {
     pub fn starting_from(features: FeaturePair, a: &ConvexPolyhedron, b: &ConvexPolyhedron) -> Self {
         Self {
             last: features.is_of(a, b).then(|| features.to_stand_on(a, b)),
+            starts: Starts::default(),
             totals: Totals::default(),
         }
     }
@@ -222,10 +263,10 @@ impl Tracker {
             // In the units of B, which are the larger.
             self.solve_in_units_of_b(a, b, a_from_b, level, outcome);
         } else if let Ok(placed) = Placed::new(a, b, a_from_b) {
-            let warm = self.start(a, b);
-            outcome.features = warm.unwrap_or_else(|| closest::seed::facing(&placed));
+            let warm = self.start(a, b).filter(|_| self.starts.prefer_warm());
+            outcome.features = warm.unwrap_or_else(|| closest::seed::cold(&placed, &mut outcome.work));
             closest::solve(level, &placed, warm.is_some(), outcome);
-            self.count(outcome);
+            self.count(warm.is_some(), outcome);
             if !(a.as_given && b.as_given) {
                 give_back(a, b, outcome);
             }
@@ -248,13 +289,13 @@ impl Tracker {
             return self.solve_far(a, b, a_from_b, outcome);
         };
         let warm = self.start(a, b).map(FeaturePair::swapped);
-        outcome.features = warm.unwrap_or_else(|| closest::seed::facing(&placed));
+        outcome.features = warm.unwrap_or_else(|| closest::seed::cold(&placed, &mut outcome.work));
         closest::solve(level, &placed, warm.is_some(), outcome);
         outcome.features = outcome.features.swapped();
         core::mem::swap(&mut outcome.point_on_a, &mut outcome.point_on_b);
         let normal = -b_from_a.rotation().tr_mul(&outcome.normal);
         outcome.normal = Unit::new_normalize(normal);
-        self.count(outcome);
+        self.count(warm.is_some(), outcome);
         give_back(a, b, outcome);
     }
 
@@ -267,7 +308,7 @@ impl Tracker {
         outcome: &mut Outcome,
     ) {
         *outcome = far::answer(a, b, a_from_b);
-        self.count(outcome);
+        self.count(false, outcome);
     }
 
     /// The cached state, where it names features of these bodies.
@@ -277,9 +318,10 @@ impl Tracker {
     }
 
     #[inline(always)]
-    fn count(&mut self, outcome: &Outcome) {
+    fn count(&mut self, warm: bool, outcome: &Outcome) {
         self.totals.queries += 1;
-        self.totals.warm += u64::from(self.last.is_some());
+        self.totals.warm += u64::from(warm);
+        self.starts.learn(warm, &outcome.work);
         self.totals.answered[outcome.layer as usize] += 1;
         self.totals.steps += u64::from(outcome.work.steps);
         self.last = Some(outcome.features);
@@ -324,11 +366,11 @@ fn debug_check(
     level: Level,
     outcome: &Outcome,
 ) {
-    if cfg!(debug_assertions) {
-        if let Some(fault) = crate::soundness::fault(a, b, pose, outcome) {
-            let start = before.filter(|pair| pair.is_of(a, b));
-            panic!("{fault}: {outcome:?}\n{}", replay(a, b, pose, start, level));
-        }
+    if cfg!(debug_assertions)
+        && let Some(fault) = crate::soundness::fault(a, b, pose, outcome)
+    {
+        let start = before.filter(|pair| pair.is_of(a, b));
+        panic!("{fault}: {outcome:?}\n{}", replay(a, b, pose, start, level));
     }
 }
 

@@ -13,12 +13,10 @@ use lab::motion::Frame;
 use lab::parry::{Climber, GjkCached};
 use lab::progress::Progress;
 use lab::rng::Rng;
+use lab::workload::{self, SIZES};
 use lab::{Face, Point, Pose};
-use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
+use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, UnitQuaternion};
 use lin_canny::{ConvexPolyhedron, Layer, RelativePose, Totals, Tracker};
-
-const SIZES: [usize; 6] = [8, 32, 128, 512, 2048, 8192];
-const GAP: f64 = 0.02;
 
 struct Options {
     csv: Option<String>,
@@ -70,21 +68,10 @@ impl Engine {
     }
 }
 
-fn plain(i: &Isometry3<f64>) -> Pose {
-    let q = i.rotation.coords;
-    Pose {
-        q: [q.x, q.y, q.z, q.w],
-        t: i.translation.vector.into(),
-    }
-}
-
-/// The points of one shape.
-fn points(shape: &str, n: usize, rng: &mut Rng) -> Vec<Point> {
-    match shape {
-        "sphere" => lab::shapes::sphere(rng, n).points,
-        "flat" => lab::shapes::ellipsoid(rng, n, [1.0, 1.0, 0.1]).points,
-        _ => lab::shapes::cuboid([0.6, 0.5, 0.4]).points,
-    }
+fn isometry(p: &Pose) -> Isometry3<f64> {
+    let [x, y, z, w] = p.q;
+    let q = UnitQuaternion::new_unchecked(Quaternion::new(w, x, y, z));
+    Isometry3::from_parts(p.t.into(), q)
 }
 
 fn body(points: &[Point], with_parry: bool) -> Body {
@@ -107,74 +94,15 @@ fn body(points: &[Point], with_parry: bool) -> Body {
     }
 }
 
-/// Moves B along the normal until the gap is what it should be.
-fn hold(a: &Body, b: &Body, at: (Isometry3<f64>, Isometry3<f64>)) -> (Isometry3<f64>, Isometry3<f64>) {
-    let (pa, mut pb) = at;
-    let mut tracker = Tracker::new();
-    for _ in 0..8 {
-        let relative = RelativePose::new(&pa, &pb).expect("poses of a motion");
-        let o = tracker.closest(&a.ours, &b.ours, &relative);
-        if (o.distance - GAP).abs() < 1e-12 {
-            break;
-        }
-        let away = if o.lower > 0.0 {
-            pa.rotation * o.normal.into_inner()
-        } else {
-            pb.translation.vector - pa.translation.vector
-        };
-        let by = if o.lower > 0.0 { GAP - o.distance } else { 0.1 };
-        pb.translation.vector += away * by;
-    }
-    (pa, pb)
-}
-
-/// B orbits A by `degrees` a frame and spins by as much about a drifting axis; at random poses for `None`.
-fn motion(
-    a: &Body,
-    b: &Body,
-    degrees: Option<f64>,
-    frames: usize,
-    rng: &mut Rng,
-) -> Vec<(Isometry3<f64>, Isometry3<f64>)> {
-    let reach = 2.2;
-    let unit = |rng: &mut Rng| Vector3::from(rng.unit());
-    let quat = |rng: &mut Rng| {
-        let [x, y, z, w] = rng.quat();
-        UnitQuaternion::new_normalize(Quaternion::new(w, x, y, z))
-    };
-    let place = Isometry3::from_parts(unit(rng).into(), quat(rng));
-    let (mut turn, mut out, pole) = (quat(rng), unit(rng), unit(rng));
-    let mut axis = unit(rng);
-    let mut list = Vec::with_capacity(frames);
-    for _ in 0..frames {
-        match degrees {
-            Some(d) => {
-                axis = (axis + unit(rng) * 0.05).normalize();
-                turn = UnitQuaternion::new(axis * d.to_radians()) * turn;
-                turn.renormalize();
-                out = UnitQuaternion::new(pole * d.to_radians()) * out;
-            }
-            None => (turn, out) = (quat(rng), unit(rng)),
-        }
-        let pb = place * Isometry3::from_parts((out * reach).into(), turn);
-        list.push(hold(a, b, (place, pb)));
-    }
-    list
-}
-
 fn pair(shape: &str, n: usize, degrees: Option<f64>, frames: usize, rng: &mut Rng, with_parry: bool) -> Pair {
-    let (a, b) = (
-        body(&points(shape, n, rng), with_parry),
-        body(&points(shape, n, rng), with_parry),
-    );
-    let isometries = motion(&a, &b, degrees, frames, rng);
-    let frames = isometries
-        .iter()
-        .map(|(p, q)| Frame {
-            a: plain(p),
-            b: plain(q),
-        })
-        .collect();
+    let a = body(&workload::points(shape, n, rng), with_parry);
+    let b = body(&workload::points(shape, n, rng), with_parry);
+    let frames = workload::motion(degrees, frames, rng, |f| {
+        let (pa, pb) = (isometry(&f.a), isometry(&f.b));
+        let o = Tracker::new().closest(&a.ours, &b.ours, &RelativePose::new(&pa, &pb).ok()?);
+        (o.lower > 0.0).then(|| ((pa * o.point_on_a).into(), (pb * o.point_on_b).into()))
+    });
+    let isometries = frames.iter().map(|f| (isometry(&f.a), isometry(&f.b))).collect();
     Pair {
         a,
         b,

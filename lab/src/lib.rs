@@ -7,7 +7,7 @@
 //! |---|---|
 //! | [`rng`] | a seeded generator: the same numbers on every machine |
 //! | [`shapes`] | bodies that are hard on purpose |
-//! | [`motion`] | seeded motions of a pair |
+//! | [`motion`], [`workload`] | seeded motions of a pair, and those that engines are timed on |
 //! | [`exact`] | the naive oracle: exact class and distance of two small bodies |
 //! | [`brute_hull`] | exact faces of a few points |
 //! | [`bound`] | exact checks of an answer for bodies of any size |
@@ -34,6 +34,7 @@ pub mod rng;
 pub mod shapes;
 pub mod suite;
 pub mod verdict;
+pub mod workload;
 
 pub use body::Body;
 pub use pose::{Point, Pose};

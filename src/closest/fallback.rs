@@ -21,6 +21,9 @@ use crate::tolerance::{ON_BOUNDARY, PLATEAU, UNIT};
 /// Supports one solve may take. Right answers were seen to take at most 24.
 const SUPPORTS: u32 = 64;
 
+/// Supports a coarse solve may take: the last ones change little of where the walk begins.
+const COARSE_SUPPORTS: u32 = 12;
+
 /// Where a solve ended.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Minimum<T> {
@@ -35,43 +38,50 @@ pub(crate) enum Minimum<T> {
     Inside { simplex: Simplex<T> },
 }
 
-/// Solves from the vertices of a state.
+/// Solves from a vertex of each feature.
 pub(crate) fn solve<T: Scalar>(placed: &Placed, frame: &Frame<T>, from: FeaturePair) -> Minimum<T> {
-    let (a, b) = from.vertices_of(placed.a, placed.b);
-    solve_from(placed, frame, a, b)
+    solve_with(placed, frame, from, SUPPORTS, extreme)
 }
 
-/// Solves from one vertex of each body.
-pub(crate) fn solve_from<T: Scalar>(placed: &Placed, frame: &Frame<T>, a: u32, b: u32) -> Minimum<T> {
+/// The same over the vertices of the cube maps alone: the minimum of two inner hulls, for a start near the true one.
+pub(crate) fn solve_coarsely(placed: &Placed, from: FeaturePair) -> Minimum<f64> {
+    let cell = |body: &ConvexPolyhedron, n: &Vec3<f64>, _| body.lookup.cell(&Vector3::from(*n));
+    solve_with(placed, &Frame::of(placed), from, COARSE_SUPPORTS, cell)
+}
+
+#[inline]
+fn solve_with<T: Scalar>(
+    placed: &Placed,
+    frame: &Frame<T>,
+    from: FeaturePair,
+    supports: u32,
+    support: impl Fn(&ConvexPolyhedron, &Vec3<T>, u32) -> u32,
+) -> Minimum<T> {
+    let (a, b) = from.vertices_of(placed.a, placed.b);
     let size = placed.reach::<T>();
     let mut simplex = Simplex::vertex(corner(placed, frame, a, b));
-    let (mut lower, mut direction) = (T::from(f64::NEG_INFINITY), simplex.direction);
-    for _ in 0..SUPPORTS {
-        let d = simplex.direction;
+    let (mut lower, mut direction) = (T::from(f64::NEG_INFINITY), simplex.direction());
+    for _ in 0..supports {
+        let d = simplex.direction();
         let norm_squared = dot(&d, &d);
         let touches = T::from(ON_BOUNDARY * T::UNIT / UNIT * size);
-        if !(simplex.squared > touches * touches) || !(norm_squared > T::from(0.0)) {
+        if !(simplex.squared() > touches * touches) || !(norm_squared > T::from(0.0)) {
             break;
         }
-        let (hint, toward) = (simplex.corners[simplex.len - 1], neg(&d));
-        let a = extreme(placed.a, &toward, hint.a);
-        let b = extreme(placed.b, &frame.direction(&d), hint.b);
+        let (hint, toward) = (simplex.kept()[simplex.len() - 1], neg(&d));
+        let a = support(placed.a, &toward, hint.a);
+        let b = support(placed.b, &frame.direction(&d), hint.b);
         let c = corner(placed, frame, a, b);
         let reach = dot(&d, &c.w) / root(norm_squared);
         if reach > lower {
             (lower, direction) = (reach, d);
         }
-        if simplex.holds(a, b) {
+        if simplex.holds(a, b) || !simplex.add(c, size) {
             break;
         }
-        let next = simplex.with(c, size);
-        if next.len == 4 {
-            return Minimum::Inside { simplex: next };
+        if simplex.len() == 4 {
+            return Minimum::Inside { simplex };
         }
-        if !(next.squared < simplex.squared) {
-            break;
-        }
-        simplex = next;
     }
     Minimum::Outside {
         simplex,
@@ -93,12 +103,12 @@ fn corner<T: Scalar>(placed: &Placed, frame: &Frame<T>, a: u32, b: u32) -> Corne
 fn extreme<T: Scalar>(body: &ConvexPolyhedron, n: &Vec3<T>, hint: u32) -> u32 {
     let rounded = Vector3::new(n[0].value(), n[1].value(), n[2].value());
     if T::UNIT == UNIT {
-        return body.extreme(&rounded, hint).vertex;
+        return body.extreme(&rounded, body.higher(&rounded, hint)).vertex;
     }
     // In f64 the true extreme vertex is within this of the highest.
     let slack = PLATEAU * rounded.abs().sum() * body.radius;
     let mut best: Option<(T, u32)> = None;
-    body.extremes(&rounded, hint, slack, |v, _| {
+    body.extremes(&rounded, body.higher(&rounded, hint), slack, |v, _| {
         let p = body.points[v as usize];
         let value = n[0] * T::from(p.x) + n[1] * T::from(p.y) + n[2] * T::from(p.z);
         if best.is_none_or(|(top, u)| value > top || (value == top && v < u)) {

@@ -21,6 +21,7 @@ mod mutation;
 pub(crate) mod outcome;
 pub(crate) mod placed;
 mod refine;
+mod rim;
 pub(crate) mod seed;
 pub(crate) mod simplex;
 mod slide;
@@ -66,7 +67,7 @@ fn supports_agree(placed: &Placed, outcome: &mut Outcome) -> bool {
 #[inline(always)]
 fn proves_apart(placed: &Placed, outcome: &mut Outcome) -> bool {
     let term = CERTIFICATE * UNIT * placed.size();
-    outcome.lower = outcome.lower - term;
+    outcome.lower -= term;
     outcome.upper = outcome.distance + term;
     outcome.class = Class::Separated;
     outcome.lower > 0.0

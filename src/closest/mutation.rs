@@ -8,7 +8,7 @@ use std::cell::Cell;
 
 use nalgebra::{Isometry3, Unit, Vector3};
 
-use super::outcome::{Class, Layer, Level, Outcome};
+use super::outcome::{Class, Layer, Level, Outcome, Work};
 use super::placed::Placed;
 use super::{seed, solve};
 use crate::polyhedron::{ConvexPolyhedron, FeaturePair, solids};
@@ -76,7 +76,7 @@ pub(super) fn falsify(placed: &Placed, outcome: &mut Outcome, ended: bool) -> bo
 
 fn ask(placed: &Placed, error: Option<Error>, start: Option<FeaturePair>) -> Outcome {
     ERROR.set(error);
-    let mut outcome = Outcome::open(start.unwrap_or_else(|| seed::facing(placed)));
+    let mut outcome = Outcome::open(start.unwrap_or_else(|| seed::cold(placed, &mut Work::default())));
     solve(Level::Certified, placed, start.is_some(), &mut outcome);
     ERROR.set(None);
     outcome

@@ -61,8 +61,10 @@ pub struct Work {
     pub steps: u32,
     /// Certificates taken.
     pub certificates: u32,
-    /// Walks started from support vertices.
+    /// Walks started afresh from support vertices.
     pub restarts: u32,
+    /// Starts taken from a coarse minimum-norm solve: of flat bodies, and of walks that had grown long.
+    pub coarse: u32,
     /// Minimum-norm solves in f64.
     pub fallbacks: u32,
     /// Minimum-norm solves in double-double.
@@ -76,6 +78,7 @@ impl core::ops::AddAssign for Work {
         self.steps += o.steps;
         self.certificates += o.certificates;
         self.restarts += o.restarts;
+        self.coarse += o.coarse;
         self.fallbacks += o.fallbacks;
         self.double_doubles += o.double_doubles;
         self.exacts += o.exacts;

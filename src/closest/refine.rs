@@ -18,7 +18,7 @@ use crate::tolerance::{AGREE, CERTIFICATE, UNIT};
 pub(crate) fn refine(placed: &Placed, warm: bool, outcome: &mut Outcome) {
     if warm && placed.has_one_unit() {
         outcome.work.restarts += 1;
-        outcome.features = seed::facing(placed);
+        outcome.features = seed::cold(placed, &mut outcome.work);
         outcome.layer = Layer::Restart;
         if certified_walk(placed, outcome) {
             return;
@@ -184,7 +184,7 @@ fn outward<T: Scalar>(x: T, by: f64) -> f64 {
 /// The convex combinations of the corners' vertices, each in its body's stored frame.
 fn witnesses<T: Scalar>(placed: &Placed, simplex: &Simplex<T>) -> (Point3<f64>, Point3<f64>) {
     let (mut on_a, mut on_b) = ([T::from(0.0); 3], [T::from(0.0); 3]);
-    for (c, &w) in simplex.kept().iter().zip(&simplex.weights) {
+    for (c, &w) in simplex.kept().iter().zip(simplex.weights()) {
         let (p, q) = (placed.a.points[c.a as usize], placed.b.points[c.b as usize]);
         for k in 0..3 {
             on_a[k] = on_a[k] + w * T::from(p[k]);
@@ -198,12 +198,12 @@ fn witnesses<T: Scalar>(placed: &Placed, simplex: &Simplex<T>) -> (Point3<f64>, 
 }
 
 /// The smallest features that hold the corners' vertices.
-fn features<T: Scalar>(placed: &Placed, simplex: &Simplex<T>) -> FeaturePair {
+pub(super) fn features<T: Scalar>(placed: &Placed, simplex: &Simplex<T>) -> FeaturePair {
     let (mut a, mut b) = ([0; 4], [0; 4]);
     for (k, c) in simplex.kept().iter().enumerate() {
         (a[k], b[k]) = (c.a, c.b);
     }
-    state_of(placed, &a[..simplex.len], &b[..simplex.len])
+    state_of(placed, &a[..simplex.len()], &b[..simplex.len()])
 }
 
 /// The smallest features that hold one to four vertices of each body.
@@ -230,10 +230,10 @@ impl ConvexPolyhedron {
             return Feature::Vertex(VertexId(v));
         };
         let t = &self.topology;
-        if vertices.iter().all(|&x| x == v || x == w) {
-            if let Some(h) = t.fan(v).find(|&h| t.half_edge(h).to == w) {
-                return Feature::Edge(EdgeId(t.edge(h)));
-            }
+        if vertices.iter().all(|&x| x == v || x == w)
+            && let Some(h) = t.fan(v).find(|&h| t.half_edge(h).to == w)
+        {
+            return Feature::Edge(EdgeId(t.edge(h)));
         }
         let holds = |f: u32| vertices.iter().all(|&x| t.rim(f).any(|h| t.half_edge(h).to == x));
         match t.fan(v).map(|h| t.half_edge(h).face).find(|&f| holds(f)) {

@@ -15,68 +15,76 @@ pub(crate) struct Corner<T> {
     pub(crate) w: Vec3<T>,
 }
 
-/// Up to four corners and the weights of the point of their hull nearest to the origin.
+/// Up to four corners and the point of their hull nearest to the origin.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Simplex<T> {
-    pub(crate) corners: [Corner<T>; 4],
-    /// Positive and summing to one up to rounding, for the corners kept.
-    pub(crate) weights: [T; 4],
-    pub(crate) len: usize,
-    /// From the origin towards the simplex: the nearest point or, better conditioned, a multiple of the normal.
-    pub(crate) direction: Vec3<T>,
-    /// Squared distance from the origin.
-    pub(crate) squared: T,
+    corners: [Corner<T>; 4],
+    nearest: Nearest<T>,
 }
 
-impl<T: Scalar> Simplex<T> {
-    /// One corner.
-    pub(crate) fn vertex(c: Corner<T>) -> Self {
-        let one = T::from(1.0);
+/// The nearest point of a few corners, by their numbers.
+#[derive(Clone, Copy, Debug)]
+struct Nearest<T> {
+    /// The corners whose hull holds it in its relative interior.
+    ids: [u8; 4],
+    len: u8,
+    /// Positive and summing to one up to rounding, for the corners held.
+    weights: [T; 4],
+    /// From the origin towards the simplex: the nearest point or, better conditioned, a multiple of the normal.
+    direction: Vec3<T>,
+    /// Squared distance from the origin.
+    squared: T,
+}
+
+impl<T: Scalar> Nearest<T> {
+    #[inline]
+    fn vertex(c: &[Corner<T>; 4], p: u8) -> Self {
+        let (one, w) = (T::from(1.0), c[p as usize].w);
         Self {
-            corners: [c; 4],
-            weights: [one; 4],
+            ids: [p; 4],
             len: 1,
-            direction: c.w,
-            squared: dot(&c.w, &c.w),
+            weights: [one; 4],
+            direction: w,
+            squared: dot(&w, &w),
         }
     }
 
-    fn edge(p: Corner<T>, q: Corner<T>) -> Self {
-        let d = sub(&q.w, &p.w);
-        let (t, dd) = (-dot(&p.w, &d), dot(&d, &d));
+    fn edge(c: &[Corner<T>; 4], p: u8, q: u8) -> Self {
+        let (pw, qw) = (&c[p as usize].w, &c[q as usize].w);
+        let d = sub(qw, pw);
+        let (t, dd) = (-dot(pw, &d), dot(&d, &d));
         let zero = T::from(0.0);
         // V(p), V(q); a zero edge is a vertex.
         if !(t > zero) {
-            return Self::vertex(p);
+            return Self::vertex(c, p);
         }
         if !(t < dd) {
-            return Self::vertex(q);
+            return Self::vertex(c, q);
         }
         let s = t / dd;
-        let mut v = [0, 1, 2].map(|k| p.w[k] + d[k] * s);
-        let along = dot(&v, &d) / dd;
-        v = sub(&v, &scaled(&d, along));
+        let v = [0, 1, 2].map(|k| pw[k] + d[k] * s);
+        let v = sub(&v, &scaled(&d, dot(&v, &d) / dd));
         let weights = [T::from(1.0) - s, s, zero, zero];
         Self {
-            corners: [p, q, q, q],
-            weights,
+            ids: [p, q, q, q],
             len: 2,
+            weights,
             direction: v,
             squared: dot(&v, &v),
         }
     }
 
-    fn triangle(p: Corner<T>, q: Corner<T>, r: Corner<T>) -> Self {
-        let n = cross(&sub(&q.w, &p.w), &sub(&r.w, &p.w));
+    fn triangle(c: &[Corner<T>; 4], ids: [u8; 3]) -> Self {
+        let [p, q, r] = ids.map(|k| &c[k as usize].w);
+        let n = cross(&sub(q, p), &sub(r, p));
         let zero = T::from(0.0);
         // Weight of the corner opposite to the edge x-y.
-        let weight = |x: &Corner<T>, y: &Corner<T>| -dot(&n, &cross(&sub(&y.w, &x.w), &x.w));
-        let w = [weight(&q, &r), weight(&r, &p), weight(&p, &q)];
-        let edges = [(q, r), (r, p), (p, q)];
+        let weight = |x: &Vec3<T>, y: &Vec3<T>| -dot(&n, &cross(&sub(y, x), x));
+        let w = [weight(q, r), weight(r, p), weight(p, q)];
         let mut best: Option<Self> = None;
         for k in 0..3 {
             if !(w[k] > zero) {
-                let e = Self::edge(edges[k].0, edges[k].1);
+                let e = Self::edge(c, ids[(k + 1) % 3], ids[(k + 2) % 3]);
                 if best.is_none_or(|b| e.squared < b.squared) {
                     best = Some(e);
                 }
@@ -85,14 +93,14 @@ impl<T: Scalar> Simplex<T> {
         if let Some(best) = best {
             return best;
         }
-        let (sum, height) = (w[0] + w[1] + w[2], dot(&n, &p.w));
+        let (sum, height) = (w[0] + w[1] + w[2], dot(&n, p));
         let weights = [w[0] / sum, w[1] / sum, w[2] / sum, zero];
         let direction = if height < zero { neg(&n) } else { n };
         let squared = height * height / dot(&n, &n);
         Self {
-            corners: [p, q, r, r],
-            weights,
+            ids: [ids[0], ids[1], ids[2], ids[2]],
             len: 3,
+            weights,
             direction,
             squared,
         }
@@ -100,7 +108,7 @@ impl<T: Scalar> Simplex<T> {
 
     /// Four corners: the origin inside (`len` 4, proven against rounding for corners no longer than `size`), or the
     /// nearest of the faces it may be beyond.
-    fn tetrahedron(c: [Corner<T>; 4], size: f64) -> Self {
+    fn tetrahedron(c: &[Corner<T>; 4], size: f64) -> Self {
         let det = |i: usize, j: usize, k: usize| dot(&c[i].w, &cross(&c[j].w, &c[k].w));
         let mut volume = [det(1, 2, 3), -det(0, 2, 3), det(0, 1, 3), -det(0, 1, 2)];
         let zero = T::from(0.0);
@@ -113,8 +121,7 @@ impl<T: Scalar> Simplex<T> {
         let mut best: Option<Self> = None;
         for k in 0..4 {
             if !(volume[k] > certain) {
-                let [i, j, l] = faces[k];
-                let t = Self::triangle(c[i], c[j], c[l]);
+                let t = Self::triangle(c, faces[k]);
                 if best.is_none_or(|b| t.squared < b.squared) {
                     best = Some(t);
                 }
@@ -122,24 +129,71 @@ impl<T: Scalar> Simplex<T> {
         }
         best.unwrap_or_else(|| {
             let sum = volume[0] + volume[1] + volume[2] + volume[3];
+            let weights = volume.map(|v| v / sum);
             Self {
-                corners: c,
-                weights: volume.map(|v| v / sum),
+                ids: [0, 1, 2, 3],
                 len: 4,
+                weights,
                 direction: [zero; 3],
                 squared: zero,
             }
         })
     }
+}
 
-    /// The nearest point of the hull of these corners and one more.
-    pub(crate) fn with(&self, c: Corner<T>, size: f64) -> Self {
-        let k = &self.corners;
-        match self.len {
-            1 => Self::edge(k[0], c),
-            2 => Self::triangle(k[0], k[1], c),
-            _ => Self::tetrahedron([k[0], k[1], k[2], c], size),
+impl<T: Scalar> Simplex<T> {
+    /// One corner.
+    pub(crate) fn vertex(c: Corner<T>) -> Self {
+        let corners = [c; 4];
+        Self {
+            corners,
+            nearest: Nearest::vertex(&corners, 0),
         }
+    }
+
+    /// The nearest point of the hull of these corners and one more; whether it is nearer, or the origin is inside. Where
+    /// it is not, nothing is changed.
+    pub(crate) fn add(&mut self, c: Corner<T>, size: f64) -> bool {
+        let mut corners = self.corners;
+        corners[self.len()] = c;
+        let nearest = match self.len() {
+            1 => Nearest::edge(&corners, 0, 1),
+            2 => Nearest::triangle(&corners, [0, 1, 2]),
+            _ => Nearest::tetrahedron(&corners, size),
+        };
+        let better = nearest.squared < self.nearest.squared;
+        if better {
+            self.corners = nearest.ids.map(|k| corners[k as usize]);
+            self.nearest = nearest;
+        }
+        better
+    }
+
+    /// How many corners hold the nearest point; four hold the origin.
+    #[inline]
+    pub(crate) fn len(&self) -> usize {
+        self.nearest.len as usize
+    }
+
+    /// The corners that hold the nearest point.
+    #[inline]
+    pub(crate) fn kept(&self) -> &[Corner<T>] {
+        &self.corners[..self.len()]
+    }
+
+    /// Their weights.
+    pub(crate) fn weights(&self) -> &[T] {
+        &self.nearest.weights[..self.len()]
+    }
+
+    /// From the origin towards the simplex.
+    pub(crate) fn direction(&self) -> Vec3<T> {
+        self.nearest.direction
+    }
+
+    /// Squared distance from the origin.
+    pub(crate) fn squared(&self) -> T {
+        self.nearest.squared
     }
 
     /// The distance of the point that the weights name. The weights are positive and sum to one, so it is a point of the
@@ -147,16 +201,11 @@ impl<T: Scalar> Simplex<T> {
     /// the plane of a needle-shaped triangle may be nearer than the triangle.
     pub(crate) fn reach(&self) -> T {
         let at = |k: usize| {
-            let parts = self.kept().iter().zip(&self.weights);
+            let parts = self.kept().iter().zip(self.weights());
             parts.fold(T::from(0.0), |sum, (c, &weight)| sum + c.w[k] * weight)
         };
         let v = [at(0), at(1), at(2)];
         root(dot(&v, &v))
-    }
-
-    /// The corners kept.
-    pub(crate) fn kept(&self) -> &[Corner<T>] {
-        &self.corners[..self.len]
     }
 
     /// Whether a corner is kept.

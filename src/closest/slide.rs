@@ -4,6 +4,7 @@ use nalgebra::Vector3;
 
 use super::outcome::Outcome;
 use super::placed::Sides;
+use super::rim::Face;
 use super::state::Step;
 use crate::polyhedron::FeaturePair;
 
@@ -23,30 +24,19 @@ pub(crate) struct Slide {
 /// face (the bodies meet).
 pub(crate) fn slide<S: Sides>(sides: &S, s: &Slide, outcome: &mut Outcome) -> Step {
     let (body, other) = (sides.x(), sides.y());
-    let (x, y) = (&body.topology, &other.topology);
+    let x = &body.topology;
     let end = x.half_edge(s.half_edge).to;
     let way = sides.point_in_y(&body.points[end as usize]) - s.start;
     let plane = &other.planes[s.face as usize];
-    let mut first = 1.0;
-    let mut to = FeaturePair::vertex_face(S::OF, end, s.face);
-    for h in y.rim(s.face) {
-        let e = y.half_edge(h);
-        if s.from_rim == Some(h.min(e.twin)) {
-            continue;
-        }
-        let (p, q) = (
-            other.points[y.half_edge(e.twin).to as usize],
-            other.points[e.to as usize],
-        );
-        let inward = plane.normal.cross(&(q - p));
-        let speed = inward.dot(&way);
-        if speed < 0.0 {
-            let when = -inward.dot(&(s.start - p)) / speed;
-            if when < first {
-                (first, to) = (when, FeaturePair::edges(S::OF, x.edge(s.half_edge), h.min(e.twin)));
-            }
-        }
-    }
+    let face = Face {
+        body: other,
+        face: s.face,
+        normal: &plane.normal,
+    };
+    let (first, to) = match face.leave(&s.start, &way, s.from_rim) {
+        Some((when, edge)) => (when, FeaturePair::edges(S::OF, x.edge(s.half_edge), edge)),
+        None => (1.0, FeaturePair::vertex_face(S::OF, end, s.face)),
+    };
     let (height, fall) = (plane.normal.dot(&s.start) - plane.offset, plane.normal.dot(&way));
     if height + first * fall <= 0.0 {
         Step::Lost

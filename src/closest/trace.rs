@@ -2,7 +2,7 @@
 
 use alloc::vec::Vec;
 
-use super::outcome::Outcome;
+use super::outcome::{Outcome, Work};
 use super::placed::Placed;
 use super::seed;
 use super::walk::watched;
@@ -12,7 +12,7 @@ use crate::polyhedron::FeaturePair;
 /// last of them rather than giving up there.
 pub(crate) fn trace(placed: &Placed, start: Option<FeaturePair>) -> (Vec<FeaturePair>, bool) {
     let mut way = Vec::new();
-    let mut outcome = Outcome::open(start.unwrap_or_else(|| seed::facing(placed)));
+    let mut outcome = Outcome::open(start.unwrap_or_else(|| seed::cold(placed, &mut Work::default())));
     let ended = placed.has_one_unit() && watched::<true>(placed, &mut outcome, |pair| way.push(pair));
     (way, ended)
 }

@@ -8,9 +8,12 @@
 //!  nR (right)  nL (left): d = alpha nL + beta nR with alpha = nR . (u x d), beta = -nL . (u x d), both >= 0
 //! ```
 
+use nalgebra::Vector3;
+
 use super::fan::one_norm;
 use super::outcome::Outcome;
 use super::placed::Sides;
+use super::rim::{edge_along, face_along};
 use super::state::Step;
 use crate::polyhedron::FeaturePair;
 use crate::scalar::sqrt;
@@ -31,10 +34,10 @@ pub(crate) fn look<const CERTIFY: bool, S: Sides>(sides: &S, vertex: u32, edge: 
     let slack = noise * one_norm(&u);
     // V(p), V(q)
     if along < -slack {
-        return outcome.go(FeaturePair::vertices(S::OF, vertex, twin.to));
+        return past_end(sides, vertex, edge, twin.to, &x, outcome);
     }
     if along > uu + slack {
-        return outcome.go(FeaturePair::vertices(S::OF, vertex, e.to));
+        return past_end(sides, vertex, edge, e.to, &x, outcome);
     }
     let inverse = 1.0 / uu;
     let s = along * inverse;
@@ -47,7 +50,7 @@ pub(crate) fn look<const CERTIFY: bool, S: Sides>(sides: &S, vertex: u32, edge: 
     let (alpha, beta) = (right.normal.dot(&w), -left.normal.dot(&w));
     if alpha < -slack || beta < -slack {
         let face = if alpha < beta { twin.face } else { e.face };
-        return outcome.go(FeaturePair::vertex_face(S::OF, vertex, face));
+        return onto_face(sides, vertex, face, &x, outcome);
     }
     let n = sides.direction_in_x(&d);
     let fan = body.fan_minimum(vertex, &n);
@@ -56,7 +59,7 @@ pub(crate) fn look<const CERTIFY: bool, S: Sides>(sides: &S, vertex: u32, edge: 
     }
     // The distance is that of points of the bodies: an end where rounding puts the foot beyond it.
     let squared = d.norm_squared();
-    let (foot, distance) = if s >= 0.0 && s <= 1.0 {
+    let (foot, distance) = if (0.0..=1.0).contains(&s) {
         (p + u * s, sqrt(squared))
     } else {
         let end = if s < 0.5 { p } else { q };
@@ -73,4 +76,26 @@ pub(crate) fn look<const CERTIFY: bool, S: Sides>(sides: &S, vertex: u32, edge: 
     };
     let normal = sides.normal(&(d * per_length));
     outcome.end(normal, S::witnesses(on_x, foot), distance, lower)
+}
+
+/// Past an end of the edge: to the end, or along a long rim to where `x` is nearest.
+#[inline(always)]
+fn past_end<S: Sides>(sides: &S, vertex: u32, edge: u32, end: u32, x: &Vector3<f64>, outcome: &mut Outcome) -> Step {
+    if sides.y().topology.has_large_faces() {
+        if let Some(edge) = edge_along(sides.y(), edge, x, sides.size()) {
+            return outcome.go(FeaturePair::vertex_edge(S::OF, vertex, edge));
+        }
+    }
+    outcome.go(FeaturePair::vertices(S::OF, vertex, end))
+}
+
+/// Over a face beside the edge: to it, or across the strips along a long rim to the one `x` is nearest to.
+#[inline(always)]
+fn onto_face<S: Sides>(sides: &S, vertex: u32, face: u32, x: &Vector3<f64>, outcome: &mut Outcome) -> Step {
+    let face = if sides.y().topology.has_large_faces() {
+        face_along(sides.y(), face, x, sides.size()).unwrap_or(face)
+    } else {
+        face
+    };
+    outcome.go(FeaturePair::vertex_face(S::OF, vertex, face))
 }

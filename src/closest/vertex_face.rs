@@ -2,14 +2,14 @@
 
 use nalgebra::Vector3;
 
-use super::fan::one_norm;
 use super::outcome::Outcome;
 use super::placed::Sides;
+use super::rim::{Face, Rim};
 use super::slide::{Slide, slide};
 use super::state::Step;
 use crate::polyhedron::{ConvexPolyhedron, FeaturePair};
 use crate::scalar::sqrt;
-use crate::tolerance::{DIFFERENCE, DIRECTION, FOOT, ON_BOUNDARY};
+use crate::tolerance::{DIRECTION, ON_BOUNDARY};
 
 // Not inlined: the walk's loop would hoist the loads of every kind of pair and spill them.
 #[inline(never)]
@@ -19,7 +19,12 @@ pub(crate) fn look<const CERTIFY: bool, S: Sides>(sides: &S, vertex: u32, face: 
     let x = sides.point_in_y(&on_x);
     let plane = &other.planes[face as usize];
     let size = sides.size();
-    let (rim, corner) = rim_side(other, face, &plane.normal, &x, size);
+    let (rim, corner) = Face {
+        body: other,
+        face,
+        normal: &plane.normal,
+    }
+    .beside(&x, size);
     if let Rim::Outside(edge) = rim {
         return outcome.go(FeaturePair::vertex_edge(S::OF, vertex, edge));
     }
@@ -58,51 +63,6 @@ pub(crate) fn look<const CERTIFY: bool, S: Sides>(sides: &S, vertex: u32, face: 
     };
     let normal = sides.normal(&plane.normal);
     outcome.end(normal, S::witnesses(on_x, foot), height, lower)
-}
-
-/// Where a point is beside the side planes of a face.
-enum Rim {
-    /// Within all of them, beyond rounding.
-    Inside,
-    /// Within rounding of the plane of this edge.
-    Grazes(u32),
-    /// Furthest outside the plane of this edge, beyond rounding.
-    Outside(u32),
-}
-
-/// Looks at the side planes of `face` from `x`, with rounding relative to the pair's `size`. Returns a corner too.
-#[inline]
-fn rim_side(body: &ConvexPolyhedron, face: u32, n: &Vector3<f64>, x: &Vector3<f64>, size: f64) -> (Rim, Vector3<f64>) {
-    let (outside, inside) = (-DIFFERENCE * size, FOOT * size);
-    // No edge is longer than the diameter, and the 1-norm is less than twice the length.
-    let close = 4.0 * inside * body.radius;
-    let start = body.topology.rim_start(face);
-    let mut from = body.points[body.topology.from(start) as usize];
-    let (mut rim, mut furthest) = (Rim::Inside, f64::INFINITY);
-    let mut h = start;
-    loop {
-        let e = body.topology.half_edge(h);
-        let to = body.points[e.to as usize];
-        let u = to - from;
-        let side = n.cross(&u).dot(&(x - to));
-        if side < close {
-            let length = one_norm(&u);
-            let signed = side * side.abs() / u.norm_squared();
-            if side < inside * length && signed < furthest {
-                let edge = h.min(e.twin);
-                furthest = signed;
-                rim = if side < outside * length {
-                    Rim::Outside(edge)
-                } else {
-                    Rim::Grazes(edge)
-                };
-            }
-        }
-        (from, h) = (to, e.next);
-        if h == start {
-            return (rim, from);
-        }
-    }
 }
 
 /// The point of an edge nearest to `x`, and its distance. Where `x` grazes the rim, the foot of the perpendicular may

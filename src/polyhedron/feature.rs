@@ -1,5 +1,6 @@
 //! Names of the features of a body (vertices, edges, faces) and of pairs of them.
 
+use alloc::format;
 use core::fmt;
 
 macro_rules! id {
@@ -19,7 +20,7 @@ macro_rules! id {
 
         impl fmt::Display for $name {
             fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                write!(f, concat!($letter, "{}"), self.0)
+                f.pad(&format!(concat!($letter, "{}"), self.0)) // keeps width and alignment
             }
         }
     };
@@ -95,6 +96,6 @@ impl FeaturePair {
 
 impl fmt::Display for FeaturePair {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}-{}", self.a, self.b)
+        f.pad(&format!("{}-{}", self.a, self.b))
     }
 }

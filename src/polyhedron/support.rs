@@ -17,6 +17,15 @@ use super::ConvexPolyhedron;
 use super::topology::Topology;
 use crate::tolerance::EDGE_SIGN;
 
+/// The cube map takes no body for flatter than this.
+const FLATTEST: f64 = 1.0 / 1024.0;
+
+/// A body is flat if its least extent is below this part of its greatest.
+const ROUND: f64 = 1.0 / 3.0;
+
+/// Vertices from which a flat body is worth a coarse solve.
+const MANY: usize = 48;
+
 /// Vertices a flood may hold before it turns into a scan of the whole body.
 const FLOOD: usize = 48;
 
@@ -68,6 +77,24 @@ impl ConvexPolyhedron {
     #[inline]
     pub(crate) fn climb_cold(&self, n: &Vector3<f64>) -> u32 {
         self.climb(n, self.lookup.cell(n))
+    }
+
+    /// Whether a walk over the body may be long even from the side that faces the other: flat, with many vertices. Along long
+    /// rims the walk has ways of its own.
+    #[inline]
+    pub(crate) fn is_long_way(&self) -> bool {
+        self.topology.vertex_count() > MANY && self.lookup.is_flat() && !self.topology.has_large_faces()
+    }
+
+    /// The higher along `n` of `hint` and the vertex of the cube map: a start for a climb.
+    #[inline]
+    pub(crate) fn higher(&self, n: &Vector3<f64>, hint: u32) -> u32 {
+        let cell = self.lookup.cell(n);
+        if n.dot(&self.points[hint as usize]) >= n.dot(&self.points[cell as usize]) {
+            hint
+        } else {
+            cell
+        }
     }
 
     /// The extreme vertex along `n`, proven: visits every vertex that may tie with the one climbed to.
@@ -124,8 +151,13 @@ impl ConvexPolyhedron {
 }
 
 /// The extreme vertex of a grid of directions on the faces of a cube.
+///
+/// Directions are stretched by the body's extents before they are looked up: the normals of a flat body crowd round its
+/// axis, and so do the cells.
 #[derive(Clone, Debug)]
 pub(crate) struct CubeMap {
+    /// Half extents of the body, none less than a thousandth of the greatest.
+    stretch: Vector3<f64>,
     /// Cells along an edge of the cube.
     side: u32,
     /// Face by face, row by row.
@@ -142,6 +174,7 @@ impl CubeMap {
             129..=1024 => 8,
             _ => 16,
         };
+        let stretch = stretch(points);
         let mut cells = vec![0; (6 * side * side) as usize];
         let mut hint = 0;
         for face in 0..6 {
@@ -154,17 +187,22 @@ impl CubeMap {
                     let axis = face as usize / 2;
                     n[(axis + 1) % 3] = middle(row);
                     n[(axis + 2) % 3] = middle(column);
-                    hint = climb(topology, points, &n, hint);
+                    hint = climb(topology, points, &n.component_div(&stretch), hint);
                     cells[((face * side + row) * side + column) as usize] = hint;
                 }
             }
         }
-        Self { side, cells }
+        Self { stretch, side, cells }
+    }
+
+    fn is_flat(&self) -> bool {
+        self.stretch.min() < ROUND * self.stretch.max()
     }
 
     /// The vertex stored for the cell that holds `n`; any vertex where `n` is zero.
     #[inline]
     pub(crate) fn cell(&self, n: &Vector3<f64>) -> u32 {
+        let n = n.component_mul(&self.stretch);
         let (x, y, z) = (n.x.abs(), n.y.abs(), n.z.abs());
         let axis = if x >= y && x >= z { 0 } else { 1 + usize::from(z > y) };
         let largest = n[axis].abs();
@@ -174,5 +212,20 @@ impl CubeMap {
         let (row, column) = (index(n[(axis + 1) % 3]), index(n[(axis + 2) % 3]));
         let face = 2 * axis as u32 + u32::from(n[axis] < 0.0);
         self.cells[((face * self.side + row) * self.side + column) as usize]
+    }
+}
+
+/// Half extents of the bounding box, kept off zero.
+fn stretch(points: &[Vector3<f64>]) -> Vector3<f64> {
+    let (mut low, mut high) = (points[0], points[0]);
+    for p in points {
+        (low, high) = (low.inf(p), high.sup(p));
+    }
+    let half = (high - low) * 0.5;
+    let least = half.amax() * FLATTEST;
+    if least > 0.0 {
+        half.map(|h| h.max(least))
+    } else {
+        Vector3::repeat(1.0)
     }
 }

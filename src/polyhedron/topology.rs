@@ -41,7 +41,14 @@ pub(crate) struct Topology {
     half_edges: Vec<HalfEdge>,
     /// One half-edge of each face.
     rim: Vec<u32>,
+    /// Where the ring of each large face begins, by face.
+    rings: Vec<(u32, u32)>,
+    /// The half-edges of large faces in order, face after face.
+    ring: Vec<u32>,
 }
+
+/// Rims longer than this are kept as rings too.
+const LARGE: usize = 24;
 
 impl Topology {
     /// From the vertex loops of the faces, counter-clockwise from outside. `None` where the loops are not a closed
@@ -96,7 +103,50 @@ impl Topology {
             let slot = &mut rim[e.face as usize];
             *slot = (*slot).min(h as u32);
         }
-        (!rim.contains(&u32::MAX)).then_some(Self { first, half_edges, rim })
+        if rim.contains(&u32::MAX) {
+            return None;
+        }
+        let mut topology = Self {
+            first,
+            half_edges,
+            rim,
+            rings: Vec::new(),
+            ring: Vec::new(),
+        };
+        topology.keep_rings();
+        Some(topology)
+    }
+
+    fn keep_rings(&mut self) {
+        for f in 0..self.rim.len() as u32 {
+            if self.rim(f).nth(LARGE).is_some() {
+                let ring: Vec<u32> = self.rim(f).collect();
+                self.rings.push((f, self.ring.len() as u32));
+                self.ring.extend(ring);
+            }
+        }
+    }
+
+    /// Whether any face is kept as a ring.
+    #[inline(always)]
+    pub(crate) fn has_large_faces(&self) -> bool {
+        !self.rings.is_empty()
+    }
+
+    /// The half-edges of a large face in order; `None` for the others, whose rims are soon walked round.
+    #[inline(always)]
+    pub(crate) fn ring(&self, f: u32) -> Option<&[u32]> {
+        if self.rings.is_empty() {
+            None
+        } else {
+            self.large_ring(f)
+        }
+    }
+
+    fn large_ring(&self, f: u32) -> Option<&[u32]> {
+        let k = self.rings.binary_search_by_key(&f, |r| r.0).ok()?;
+        let end = self.rings.get(k + 1).map_or(self.ring.len(), |next| next.1 as usize);
+        self.ring.get(self.rings[k].1 as usize..end)
     }
 
     #[inline]

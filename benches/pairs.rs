@@ -1,0 +1,115 @@
+//! Pairs of bodies: tracked and cold queries at every level, and the build of a hull, beside parry.
+//!
+//! `cargo bench --bench pairs`. The race (`cargo run --release --example race -- pairs`) runs the same motions with all
+//! engines interleaved; these benches are for following one of them over time.
+
+use std::hint::black_box;
+
+use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
+use lab::motion::Frame;
+use lab::parry::{Climber, GjkCached};
+use lab::rng::Rng;
+use lab::{Pose, workload};
+use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, UnitQuaternion};
+use lin_canny::{ConvexPolyhedron, RelativePose, Tracker};
+
+const FRAMES: usize = 500;
+
+fn isometry(p: &Pose) -> Isometry3<f64> {
+    let [x, y, z, w] = p.q;
+    Isometry3::from_parts(p.t.into(), UnitQuaternion::new_unchecked(Quaternion::new(w, x, y, z)))
+}
+
+fn relative(f: &Frame) -> RelativePose {
+    RelativePose::new(&isometry(&f.a), &isometry(&f.b)).expect("poses of a motion")
+}
+
+fn hull(points: &[lab::Point]) -> ConvexPolyhedron {
+    let points: Vec<Point3<f64>> = points.iter().map(|&p| p.into()).collect();
+    ConvexPolyhedron::from_points(&points).expect("a solid")
+}
+
+fn climber(body: &ConvexPolyhedron) -> Climber {
+    let points: Vec<lab::Point> = body.vertex_points().map(Into::into).collect();
+    let faces: Vec<lab::Face> = body
+        .faces()
+        .map(|f| body.face_vertices(f).map(|v| v.index() as u32).collect())
+        .collect();
+    Climber::new(&points, &faces)
+}
+
+fn frames(a: &ConvexPolyhedron, b: &ConvexPolyhedron, degrees: Option<f64>, rng: &mut Rng) -> Vec<Frame> {
+    workload::motion(degrees, FRAMES, rng, |f| {
+        let o = Tracker::new().closest(a, b, &relative(f));
+        (o.lower > 0.0).then(|| {
+            (
+                (isometry(&f.a) * o.point_on_a).into(),
+                (isometry(&f.b) * o.point_on_b).into(),
+            )
+        })
+    })
+}
+
+/// One measurement is one query, the frames in turn.
+fn queries(c: &mut Criterion) {
+    for (scene, degrees) in [("coherent-0.5", Some(0.5)), ("coherent-5", Some(5.0)), ("random", None)] {
+        for shape in ["sphere", "flat"] {
+            let mut group = c.benchmark_group(format!("{scene}/{shape}"));
+            for n in [8, 128, 2048] {
+                let mut rng = Rng::new(1000 + n as u64);
+                let (a, b) = (
+                    workload::points(shape, n, &mut rng),
+                    workload::points(shape, n, &mut rng),
+                );
+                let (a, b) = (hull(&a), hull(&b));
+                let frames = frames(&a, &b, degrees, &mut rng);
+                let poses: Vec<_> = frames.iter().map(|f| (isometry(&f.a), isometry(&f.b))).collect();
+                let (mut k, mut tracker) = (0, Tracker::new());
+                let mut next = move || {
+                    k = (k + 1) % FRAMES;
+                    k
+                };
+                group.bench_function(BenchmarkId::new("ours", n), |bench| {
+                    bench.iter(|| {
+                        let (pa, pb) = &poses[next()];
+                        let relative = RelativePose::new(pa, pb).expect("a pose");
+                        let o = tracker.closest(&a, &b, &relative);
+                        black_box((o.distance, pa * o.point_on_a, pb * o.point_on_b))
+                    });
+                });
+                let (ca, cb, mut gjk) = (climber(&a), climber(&b), GjkCached::default());
+                group.bench_function(BenchmarkId::new("gjk-cached", n), |bench| {
+                    bench.iter(|| {
+                        let f = &frames[next()];
+                        black_box(gjk.closest(&ca, &f.a, &cb, &f.b))
+                    });
+                });
+                if scene == "random" {
+                    group.bench_function(BenchmarkId::new("ours-cold", n), |bench| {
+                        bench.iter(|| {
+                            let (pa, pb) = &poses[next()];
+                            let relative = RelativePose::new(pa, pb).expect("a pose");
+                            black_box(Tracker::new().closest(&a, &b, &relative).distance)
+                        });
+                    });
+                }
+            }
+        }
+    }
+}
+
+fn builds(c: &mut Criterion) {
+    let mut group = c.benchmark_group("build/sphere");
+    group.sample_size(10);
+    for n in [32, 512, 8192] {
+        let points = workload::points("sphere", n, &mut Rng::new(n as u64));
+        let ours: Vec<Point3<f64>> = points.iter().map(|&p| p.into()).collect();
+        group.bench_function(BenchmarkId::new("ours", n), |b| {
+            b.iter(|| ConvexPolyhedron::from_points(&ours))
+        });
+        group.bench_function(BenchmarkId::new("parry", n), |b| b.iter(|| lab::parry::hull(&points)));
+    }
+}
+
+criterion_group!(benches, queries, builds);
+criterion_main!(benches);

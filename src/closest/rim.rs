@@ -1,0 +1,329 @@
+//! The rim of a face: where a point is beside its side planes, and where a line leaves it.
+//!
+//! Small rims are walked round; on large ones (see [`Topology::ring`](crate::polyhedron::topology::Topology)) both
+//! questions are answered by bisection, so that a face of 8192 edges costs a few times one of 32.
+
+use nalgebra::Vector3;
+
+use super::fan::one_norm;
+use crate::polyhedron::ConvexPolyhedron;
+use crate::tolerance::{DIFFERENCE, FOOT};
+
+/// Where a point is beside the side planes of a face.
+pub(crate) enum Rim {
+    /// Within all of them, beyond rounding.
+    Inside,
+    /// Within rounding of the plane of this edge.
+    Grazes(u32),
+    /// Outside the plane of this edge, beyond rounding.
+    Outside(u32),
+}
+
+/// A face of a body and its plane's normal.
+pub(crate) struct Face<'a> {
+    pub(crate) body: &'a ConvexPolyhedron,
+    pub(crate) face: u32,
+    pub(crate) normal: &'a Vector3<f64>,
+}
+
+/// One look at one edge of the rim.
+struct Look {
+    /// Signed distance from the side plane, squared with its sign: negative outside.
+    signed: f64,
+    rim: Rim,
+}
+
+impl Face<'_> {
+    /// Where `x` is, with rounding relative to the pair's `size`; and a corner of the rim.
+    #[inline(always)]
+    pub(crate) fn beside(&self, x: &Vector3<f64>, size: f64) -> (Rim, Vector3<f64>) {
+        match self.body.topology.ring(self.face) {
+            None => self.beside_small(x, size),
+            Some(ring) => (self.beside_large(ring, x, size), self.tail(ring[0])),
+        }
+    }
+
+    /// Walks round: the edge furthest outside, or the closest that `x` grazes.
+    #[inline(always)]
+    fn beside_small(&self, x: &Vector3<f64>, size: f64) -> (Rim, Vector3<f64>) {
+        let body = self.body;
+        // No edge is longer than the diameter, and the 1-norm is less than twice the length.
+        let close = 4.0 * FOOT * size * body.radius;
+        let start = body.topology.rim_start(self.face);
+        let mut from = self.tail(start);
+        let (mut rim, mut furthest) = (Rim::Inside, f64::INFINITY);
+        let mut h = start;
+        loop {
+            let e = body.topology.half_edge(h);
+            let to = body.points[e.to as usize];
+            let u = to - from;
+            let side = self.normal.cross(&u).dot(&(x - to));
+            if side < close {
+                let look = judge(h.min(e.twin), side, &u, size);
+                if look.signed < furthest && !matches!(look.rim, Rim::Inside) {
+                    (rim, furthest) = (look.rim, look.signed);
+                }
+            }
+            (from, h) = (to, e.next);
+            if h == start {
+                return (rim, from);
+            }
+        }
+    }
+
+    /// Bisects for the wedge, seen from the first corner, that holds `x`: three corners of the face then prove it
+    /// inside, but for the edges next to them, which are looked at.
+    #[inline(never)]
+    fn beside_large(&self, ring: &[u32], x: &Vector3<f64>, size: f64) -> Rim {
+        let m = ring.len();
+        let root = self.tail(ring[0]);
+        let left_of = |k: usize| self.normal.cross(&(self.tail(ring[k]) - root)).dot(&(x - root)) >= 0.0;
+        // x is left of the ray to corner `low` and right of that to `high`, or beyond one of the two edges at the root.
+        let (mut low, mut high) = (1, m - 1);
+        while high - low > 1 {
+            let middle = (low + high) / 2;
+            if left_of(middle) {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        let near = [0, m - 1, (low + m - 1) % m, low, (low + 1) % m];
+        let (mut rim, mut furthest, mut at) = (Rim::Inside, f64::INFINITY, 0);
+        for k in near {
+            let look = self.look(ring[k], x, size);
+            if look.signed < furthest && !matches!(look.rim, Rim::Inside) {
+                (rim, furthest, at) = (look.rim, look.signed, k);
+            }
+        }
+        if let Rim::Outside(_) = rim {
+            Rim::Outside(self.name(ring[self.nearest(ring, at, x)]))
+        } else {
+            rim
+        }
+    }
+
+    /// From the edge `at`, seen from outside by `x`, gallops along the edges so seen to the one nearest to `x`: the
+    /// distance falls along them until there and rises after.
+    fn nearest(&self, ring: &[u32], at: usize, x: &Vector3<f64>) -> usize {
+        let m = ring.len();
+        let ends = |k: usize| (self.tail(ring[k % m]), self.head(ring[k % m]));
+        let seen = |k: usize| {
+            let (p, q) = ends(k);
+            self.normal.cross(&(q - p)).dot(&(x - p)) < 0.0
+        };
+        let ahead = |k: usize| {
+            let (p, q) = ends(at + k);
+            seen(at + k) && (x - q).dot(&(q - p)) > 0.0
+        };
+        let behind = |k: usize| {
+            let (p, q) = ends(at + m - k);
+            seen(at + m - k) && (x - p).dot(&(q - p)) < 0.0
+        };
+        let forward = gallop(m, ahead);
+        if forward > 0 {
+            (at + forward) % m
+        } else {
+            (at + m - gallop(m, behind)) % m
+        }
+    }
+
+    /// Where a line from `start`, which is over the face, leaves it before `start + way`: the part of the way and the
+    /// edge. `from` is an edge the line comes in over, never one it leaves by.
+    #[inline(always)]
+    pub(crate) fn leave(&self, start: &Vector3<f64>, way: &Vector3<f64>, from: Option<u32>) -> Option<(f64, u32)> {
+        let topology = &self.body.topology;
+        let mut first = None;
+        let mut try_edge = |h: u32| {
+            let name = self.name(h);
+            let (p, q) = (self.tail(h), self.head(h));
+            let inward = self.normal.cross(&(q - p));
+            let speed = inward.dot(way);
+            if speed < 0.0 && from != Some(name) {
+                let when = -inward.dot(&(start - p)) / speed;
+                if when < first.map_or(1.0, |(w, _)| w) {
+                    first = Some((when, name));
+                }
+            }
+        };
+        match topology.ring(self.face) {
+            None => topology.rim(self.face).for_each(&mut try_edge),
+            Some(ring) => {
+                let k = self.exit(ring, start, way);
+                let m = ring.len();
+                [(k + m - 1) % m, k, (k + 1) % m]
+                    .into_iter()
+                    .for_each(|k| try_edge(ring[k]));
+            }
+        }
+        first
+    }
+
+    /// The edge of a large rim by which the line from `start` along `way` leaves it: the one from the corners right of
+    /// the line to those left of it.
+    #[inline(never)]
+    fn exit(&self, ring: &[u32], start: &Vector3<f64>, way: &Vector3<f64>) -> usize {
+        let m = ring.len();
+        let left = self.normal.cross(way);
+        let height = |k: usize| left.dot(&(self.tail(ring[k % m]) - start));
+        // From the rightmost corner, counter-clockwise, to the leftmost: in between, once, the sign changes.
+        let (low, high) = (extreme(m, |k| -height(k)), extreme(m, height));
+        let span = (high + m - low) % m;
+        let (mut right, mut over) = (0, span.max(1));
+        while over - right > 1 {
+            let middle = (right + over) / 2;
+            if height(low + middle) < 0.0 {
+                right = middle;
+            } else {
+                over = middle;
+            }
+        }
+        (low + right) % m
+    }
+
+    fn look(&self, h: u32, x: &Vector3<f64>, size: f64) -> Look {
+        let (p, q) = (self.tail(h), self.head(h));
+        let side = self.normal.cross(&(q - p)).dot(&(x - q));
+        judge(self.name(h), side, &(q - p), size)
+    }
+
+    fn name(&self, h: u32) -> u32 {
+        self.body.topology.edge(h)
+    }
+
+    #[inline(always)]
+    fn tail(&self, h: u32) -> Vector3<f64> {
+        self.body.points[self.body.topology.from(h) as usize]
+    }
+
+    #[inline(always)]
+    fn head(&self, h: u32) -> Vector3<f64> {
+        self.body.points[self.body.topology.half_edge(h).to as usize]
+    }
+}
+
+/// The edge of a large face's rim nearest to `x`, of a face beside `edge`: where a walk past the end of one edge of a long
+/// rim may go at once.
+#[cold]
+pub(crate) fn edge_along(body: &ConvexPolyhedron, edge: u32, x: &Vector3<f64>, size: f64) -> Option<u32> {
+    let e = body.topology.half_edge(edge);
+    let faces = [e.face, body.topology.half_edge(e.twin).face];
+    faces
+        .into_iter()
+        .find_map(|f| nearest_on_large(body, f, x, size))
+        .filter(|&k| k != edge)
+}
+
+/// The face beside the edge nearest to `x` of a large face's rim, of a large face beside `face`: where a walk over the
+/// strips along a long rim (the sides of a prism, the flanks of a cone) may go at once.
+#[cold]
+pub(crate) fn face_along(body: &ConvexPolyhedron, face: u32, x: &Vector3<f64>, size: f64) -> Option<u32> {
+    let t = &body.topology;
+    let across = |h: u32| t.half_edge(t.half_edge(h).twin).face;
+    if t.ring(face).is_some() {
+        return None;
+    }
+    let (large, edge) = t
+        .rim(face)
+        .find_map(|h| Some((across(h), nearest_on_large(body, across(h), x, size)?)))?;
+    let e = t.half_edge(edge);
+    let beside = if e.face == large {
+        t.half_edge(e.twin).face
+    } else {
+        e.face
+    };
+    (beside != face).then_some(beside)
+}
+
+fn nearest_on_large(body: &ConvexPolyhedron, face: u32, x: &Vector3<f64>, size: f64) -> Option<u32> {
+    let ring = body.topology.ring(face)?;
+    let face = Face {
+        body,
+        face,
+        normal: &body.planes[face as usize].normal,
+    };
+    match face.beside_large(ring, x, size) {
+        Rim::Outside(edge) | Rim::Grazes(edge) => Some(edge),
+        Rim::Inside => None,
+    }
+}
+
+/// What the product `side` with the unnormalised inward direction says of an edge `u`.
+#[inline(always)]
+fn judge(edge: u32, side: f64, u: &Vector3<f64>, size: f64) -> Look {
+    let length = one_norm(u);
+    let rim = if side < -DIFFERENCE * size * length {
+        Rim::Outside(edge)
+    } else if side < FOOT * size * length {
+        Rim::Grazes(edge)
+    } else {
+        Rim::Inside
+    };
+    Look {
+        signed: side * side.abs() / u.norm_squared(),
+        rim,
+    }
+}
+
+/// How many steps in a row, from the first, a condition holds that holds for a run of them and then no more.
+fn gallop(most: usize, holds: impl Fn(usize) -> bool) -> usize {
+    let mut reach = 1;
+    while reach < most && holds(reach - 1) {
+        reach *= 2;
+    }
+    // It holds below `low` and not at `high`, or the ring ends there.
+    let (mut low, mut high) = (reach / 2, reach.min(most) - 1);
+    while low < high {
+        let middle = (low + high) / 2;
+        if holds(middle) {
+            low = middle + 1;
+        } else {
+            high = middle;
+        }
+    }
+    low
+}
+
+/// The place of the greatest value on a ring on which values rise to one place and fall from it.
+fn extreme(m: usize, value: impl Fn(usize) -> f64) -> usize {
+    let mut stride = m.div_ceil(4).max(1);
+    let mut best = (0..4)
+        .map(|k| (k * stride) % m)
+        .fold(0, |b, k| if value(k) > value(b) { k } else { b });
+    loop {
+        let (left, right) = ((best + m - stride % m) % m, (best + stride) % m);
+        if value(left) > value(best) {
+            best = left;
+        } else if value(right) > value(best) {
+            best = right;
+        } else if stride == 1 {
+            return best;
+        } else {
+            stride = stride.div_ceil(2);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn gallop_counts_the_run() {
+        for most in 1..40 {
+            for run in 0..most {
+                assert_eq!(gallop(most, |k| k < run), run, "{run} of {most}");
+            }
+        }
+    }
+
+    #[test]
+    fn extreme_finds_the_top_of_a_ring() {
+        for m in 3..200 {
+            for top in 0..m {
+                let height = |k: usize| (core::f64::consts::TAU * (k as f64 - top as f64) / m as f64).cos();
+                assert_eq!(extreme(m, height), top);
+            }
+        }
+    }
+}
