@@ -168,7 +168,7 @@ impl Tracker {
     /// as the exact rung is not needed.
     #[inline]
     pub fn closest(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Outcome {
-        let before = self.last;
+        let before = self.start(a, b);
         let outcome = self.answer(a, b, a_from_b, Level::Certified);
         debug_check(a, b, a_from_b, before, Level::Certified, &outcome);
         outcome
@@ -178,7 +178,7 @@ impl Tracker {
     /// truth. Costs microseconds: every answer is taken again in double-double arithmetic, some in exact integers.
     #[cfg(feature = "exact")]
     pub fn closest_exact(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Outcome {
-        let before = self.last;
+        let before = self.start(a, b);
         let mut outcome = self.answer(a, b, a_from_b, Level::Exact);
         // The second: a distance that only f64 in the caller's own unit can hold.
         if outcome.layer == Layer::Far || outcome.class == Class::Separated && outcome.lower <= 0.0 {
@@ -263,7 +263,7 @@ impl Tracker {
             // In the units of B, which are the larger.
             self.solve_in_units_of_b(a, b, a_from_b, level, outcome);
         } else if let Ok(placed) = Placed::new(a, b, a_from_b) {
-            let warm = self.start(a, b).filter(|_| self.starts.prefer_warm());
+            let warm = self.start(a, b);
             outcome.features = warm.unwrap_or_else(|| closest::seed::cold(&placed, &mut outcome.work));
             closest::solve(level, &placed, warm.is_some(), outcome);
             self.count(warm.is_some(), outcome);
@@ -311,10 +311,11 @@ impl Tracker {
         self.count(false, outcome);
     }
 
-    /// The cached state, where it names features of these bodies.
-    #[inline]
+    /// Where the next query starts: the cached pair, where it names features of these bodies and has been the cheaper
+    /// start of late. The only thing a tracker adds to an answer, and hence what a replay records.
+    #[inline(always)]
     fn start(&self, a: &ConvexPolyhedron, b: &ConvexPolyhedron) -> Option<FeaturePair> {
-        self.last.filter(|state| state.is_of(a, b))
+        self.last.filter(|pair| self.starts.prefer_warm() && pair.is_of(a, b))
     }
 
     #[inline(always)]
