@@ -148,14 +148,14 @@ impl Tracker {
         a_from_b: &RelativePose,
     ) -> (Vec<FeaturePair>, bool) {
         match Placed::new(a, b, a_from_b) {
-            Ok(placed) => trace(&placed, self.preferred_start(a, b)),
+            Ok(placed) => trace(&placed, self.start(a, b)),
             Err(_) => (Vec::new(), false),
         }
     }
 
     /// The query as a text that rebuilds it bit for bit: ask for it before the query, or the start is the answer's.
     pub fn replay(&self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose, level: Level) -> Replay {
-        replay(a, b, a_from_b, self.preferred_start(a, b), level)
+        replay(a, b, a_from_b, self.start(a, b), level)
     }
 
     /// What has been done so far.
@@ -173,7 +173,7 @@ impl Tracker {
     /// as the exact rung is not needed.
     #[inline]
     pub fn closest(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Outcome {
-        let before = self.preferred_start(a, b);
+        let before = self.start(a, b);
         let outcome = self.answer(a, b, a_from_b, Level::Certified);
         debug_check(a, b, a_from_b, before, Level::Certified, &outcome);
         outcome
@@ -183,7 +183,7 @@ impl Tracker {
     /// truth. Costs microseconds: every answer is taken again in double-double arithmetic, some in exact integers.
     #[cfg(feature = "exact")]
     pub fn closest_exact(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Outcome {
-        let before = self.preferred_start(a, b);
+        let before = self.start(a, b);
         let mut outcome = self.answer(a, b, a_from_b, Level::Exact);
         // The second: a distance that only f64 in the caller's own unit can hold.
         if outcome.layer == Layer::Far || outcome.class == Class::Separated && outcome.lower <= 0.0 {
@@ -268,7 +268,7 @@ impl Tracker {
             // In the units of B, which are the larger.
             self.solve_in_units_of_b(a, b, a_from_b, level, outcome);
         } else if let Ok(placed) = Placed::new(a, b, a_from_b) {
-            let warm = self.preferred_start(a, b);
+            let warm = self.start(a, b);
             outcome.features = warm.unwrap_or_else(|| closest::seed::cold(&placed, &mut outcome.work));
             closest::solve(level, &placed, warm.is_some(), outcome);
             self.count(warm.is_some(), outcome);
@@ -316,20 +316,11 @@ impl Tracker {
         self.count(false, outcome);
     }
 
-    /// The cached features where they are the bodies' and were the cheaper start lately.
+    /// Where the next query starts: the cached pair, where it names features of these bodies and has been the cheaper
+    /// start of late. The only thing a tracker adds to an answer, and hence what a replay records.
     #[inline(always)]
-    fn preferred_start(&self, a: &ConvexPolyhedron, b: &ConvexPolyhedron) -> Option<FeaturePair> {
-        if self.starts.prefer_warm() {
-            self.start(a, b)
-        } else {
-            None
-        }
-    }
-
-    /// The cached state, where it names features of these bodies.
-    #[inline]
     fn start(&self, a: &ConvexPolyhedron, b: &ConvexPolyhedron) -> Option<FeaturePair> {
-        self.last.filter(|state| state.is_of(a, b))
+        self.last.filter(|pair| self.starts.prefer_warm() && pair.is_of(a, b))
     }
 
     #[inline(always)]
