@@ -4,6 +4,7 @@ extern crate alloc;
 #[cfg(feature = "std")]
 extern crate std;
 
+pub mod broad;
 mod double_double;
 pub mod polyhedron;
 mod scalar;

@@ -1,1 +1,3 @@
 //! What the tests, benches and examples of `lin-canny` share.
+
+pub mod boxes;
