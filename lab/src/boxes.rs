@@ -242,7 +242,7 @@ impl Scene {
 }
 
 /// Chosen so that a box of the mixed scene has about 0.8 pairs.
-const MIXED_VOLUME: f64 = 60.0;
+const MIXED_VOLUME: f64 = 5500.0;
 
 /// All pairs of indices, `a < b`, whose boxes overlap: the obvious way.
 pub fn brute_force<B>(boxes: &[B], overlap: impl Fn(&B, &B) -> bool) -> Vec<(u32, u32)> {

@@ -156,23 +156,10 @@ impl StoredBox {
 
     /// The stored form of a box without faults.
     pub fn outward(aabb: &Aabb, origin: &Point3<f64>) -> Self {
-        Self::outward_in::<0>(aabb, origin)
-    }
-
-    /// The same with the coordinates in the cyclic order that starts at axis `FIRST`.
-    #[inline(always)]
-    pub(crate) fn outward_in<const FIRST: usize>(aabb: &Aabb, origin: &Point3<f64>) -> Self {
-        let mut down = [0.0; 6];
-        for k in 0..3 {
-            let axis = (FIRST + k) % 3;
-            down[k] = aabb.min[axis] - origin[axis];
-            down[k + 3] = origin[axis] - aabb.max[axis];
-        }
-        let [a, b, c, d, e, f] = down.map(rounded_down);
         // Adding zero turns -0 into +0, so that equal bounds have equal bits and sort keys.
         Self {
-            lo: [a + 0.0, b + 0.0, c + 0.0],
-            hi: [0.0 - d, 0.0 - e, 0.0 - f],
+            lo: core::array::from_fn(|k| rounded_down(aabb.min[k] - origin[k]) + 0.0),
+            hi: core::array::from_fn(|k| 0.0 - rounded_down(origin[k] - aabb.max[k])),
         }
     }
 
@@ -198,28 +185,6 @@ impl StoredBox {
         all
     }
 
-    /// The least box that covers both; the empty box is neutral.
-    #[inline(always)]
-    pub(crate) fn united(&self, other: &Self) -> Self {
-        let mut out = *self;
-        for k in 0..3 {
-            out.lo[k] = min(self.lo[k], other.lo[k]);
-            out.hi[k] = max(self.hi[k], other.hi[k]);
-        }
-        out
-    }
-
-    /// The largest difference of two bounds of the same kind: how far any face moved between the two boxes.
-    #[inline(always)]
-    pub(crate) fn displacement(&self, other: &Self) -> f32 {
-        let mut far = 0.0;
-        for k in 0..3 {
-            far = max(far, (self.lo[k] - other.lo[k]).abs());
-            far = max(far, (self.hi[k] - other.hi[k]).abs());
-        }
-        far
-    }
-
     /// The coordinates in the cyclic order that starts `by` axes later.
     pub(crate) fn rotated(&self, by: usize) -> Self {
         let turn = |v: &[f32; 3]| [v[by % 3], v[(by + 1) % 3], v[(by + 2) % 3]];
@@ -240,20 +205,13 @@ impl StoredBox {
     }
 }
 
-/// Plain comparisons: the core's `f32::min` has NaN rules that cost instructions, and no NaN gets here.
-#[inline(always)]
-pub(crate) fn min(a: f32, b: f32) -> f32 {
-    if a < b { a } else { b }
-}
-
+/// Plain comparison: the core's `f32::max` has NaN rules that cost instructions, and no NaN gets here.
 #[inline(always)]
 pub(crate) fn max(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }
 }
 
-/// The largest `f32` at or below `v`, clamped to `FARTHEST`; exact where `v` is an `f32`. Free of branches, so that
-/// six of them go through vector registers.
-#[inline(always)]
+/// The largest `f32` at or below `v`, clamped to `FARTHEST`; exact where `v` is an `f32`.
 fn rounded_down(v: f64) -> f32 {
     let limit = FARTHEST as f64;
     let v = if v < -limit { -limit } else { v };
@@ -308,6 +266,5 @@ mod tests {
         let all = StoredBox::outward(&Aabb::everything(), &Point3::origin());
         assert!(!all.overlaps(&StoredBox::EMPTY) && !StoredBox::EMPTY.overlaps(&StoredBox::EMPTY));
         assert!(all.overlaps(&all));
-        assert_eq!(all.united(&StoredBox::EMPTY), all);
     }
 }

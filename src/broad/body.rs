@@ -1,12 +1,14 @@
 //! The table of bodies: ids with generations, the stored boxes of this step and the last, and who moved.
 
 use super::aabb::{FARTHEST, StoredBox};
+use super::bounds::{Bounds, any_above};
 use super::error::BroadPhaseError;
 use super::grid::{Grid, Range};
-use super::{Aabb, Body};
+use super::{Aabb, Body, BoxFault};
 use alloc::vec::Vec;
 use core::fmt;
 use nalgebra::Point3;
+use wide::f32x4;
 
 /// Names a body of one broad phase. The index is reused after a removal, the generation then differs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -40,40 +42,113 @@ pub(super) const MIGRATES: u32 = 1 << 4;
 /// This step the body jumps: its old and its new box are listed as two entries.
 pub(super) const JUMPS: u32 = 1 << 5;
 
-/// What a step reads of a body, in one cache line.
+/// What a step reads of a body, in one cache line. Each box takes two vector registers whose spare lanes hold the rest.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 pub(crate) struct Record {
-    /// The box of the step being prepared.
-    pub(crate) new: StoredBox,
-    /// The box of the last step; stale, and equal to `new` by definition, unless `stamp` is the current step.
-    old: StoredBox,
-    /// Columns of `new`.
-    pub(crate) range: Range,
+    /// The box of the step being prepared, and its columns.
+    lo: [f32; 3],
+    least: u32,
+    hi: [f32; 3],
+    most: u32,
+    /// The box of the last step; stale, and equal to the new one by definition, unless `stamp` is the current step.
+    old_lo: [f32; 3],
     /// The step for which the box last changed.
     stamp: u32,
+    old_hi: [f32; 3],
     pub(crate) flags: u32,
 }
 
 impl Record {
-    const ABSENT: Self = Self {
-        new: StoredBox::EMPTY,
-        old: StoredBox::EMPTY,
-        range: Range::NONE,
-        stamp: 0,
-        flags: 0,
-    };
+    fn absent() -> Self {
+        let StoredBox { lo, hi } = StoredBox::EMPTY;
+        let [least, most] = [Range::NONE.least, Range::NONE.most].map(Range::pack);
+        Self {
+            lo,
+            least,
+            hi,
+            most,
+            old_lo: lo,
+            stamp: 0,
+            old_hi: hi,
+            flags: 0,
+        }
+    }
+
+    /// The box of the step being prepared.
+    #[inline(always)]
+    pub(crate) fn new(&self) -> Bounds {
+        Bounds {
+            lo: lanes(self.lo, self.least),
+            hi: lanes(self.hi, self.most),
+        }
+    }
+
+    /// The box of the last step.
+    #[inline(always)]
+    pub(crate) fn old(&self, step: u32) -> Bounds {
+        if self.stamp == step {
+            Bounds {
+                lo: lanes(self.old_lo, self.stamp),
+                hi: lanes(self.old_hi, self.flags),
+            }
+        } else {
+            self.new()
+        }
+    }
 
     #[inline(always)]
     pub(crate) fn moved(&self, step: u32) -> bool {
         self.stamp == step
     }
 
-    /// The box of the last step.
-    #[inline(always)]
-    pub(crate) fn old(&self, step: u32) -> &StoredBox {
-        if self.stamp == step { &self.old } else { &self.new }
+    /// Whether the body is there in the step being prepared, and whether it was in the last.
+    pub(crate) fn present(&self) -> bool {
+        self.lo[0] <= self.hi[0]
     }
+
+    pub(crate) fn was_present(&self, step: u32) -> bool {
+        if self.stamp == step {
+            self.old_lo[0] <= self.old_hi[0]
+        } else {
+            self.present()
+        }
+    }
+
+    /// Columns of the new box.
+    #[inline(always)]
+    pub(crate) fn range(&self) -> Range {
+        Range {
+            least: Range::unpack(self.least),
+            most: Range::unpack(self.most),
+        }
+    }
+
+    /// Columns of the old box.
+    pub(crate) fn old_range(&self, step: u32, grid: &Grid) -> Range {
+        if self.was_present(step) && self.flags & UNBOUNDED == 0 {
+            grid.range(&self.old(step))
+        } else {
+            Range::NONE
+        }
+    }
+
+    #[inline(always)]
+    fn set_range(&mut self, range: Range) {
+        (self.least, self.most) = (Range::pack(range.least), Range::pack(range.most));
+    }
+
+    #[inline(always)]
+    fn set_new(&mut self, bounds: &Bounds) {
+        let stored = bounds.to_box();
+        (self.lo, self.hi) = (stored.lo, stored.hi);
+    }
+}
+
+/// Four consecutive numbers of a record as one vector.
+#[inline(always)]
+fn lanes([a, b, c]: [f32; 3], rest: u32) -> f32x4 {
+    f32x4::from([a, b, c, f32::from_bits(rest)])
 }
 
 /// What only events and refreshed margins read.
@@ -141,7 +216,7 @@ impl Bodies {
             Some(index) => index,
             None if self.records.len() >= MOST_BODIES => return Err(BroadPhaseError::TooManyBodies),
             None => {
-                self.records.push(Record::ABSENT);
+                self.records.push(Record::absent());
                 self.details.push(Detail { body, generation: 0 });
                 self.generations.push(0);
                 (self.records.len() - 1) as u32
@@ -165,18 +240,16 @@ impl Bodies {
             stored
         };
         let unbounded = flags & UNBOUNDED != 0;
-        let range = if unbounded {
-            Range::NONE
-        } else {
-            self.grid.range(&stored)
-        };
+        let bounds = Bounds::from_box(&stored);
         *record = Record {
-            new: stored,
-            old: StoredBox::EMPTY,
-            range,
             stamp: self.step,
             flags: flags | loose | fixed,
+            ..Record::absent()
         };
+        record.set_new(&bounds);
+        if !unbounded {
+            record.set_range(self.grid.range(&bounds));
+        }
         self.marks.moved.push(index);
         if unbounded {
             self.unbounded.push(index);
@@ -195,8 +268,8 @@ impl Bodies {
         let step = self.step;
         let record = &mut self.records[i];
         touch(record, id.index, step, &mut self.marks.moved);
-        record.new = StoredBox::EMPTY;
-        record.range = Range::NONE;
+        record.set_new(&Bounds::from_box(&StoredBox::EMPTY));
+        record.set_range(Range::NONE);
         if record.flags & (NOTED | UNBOUNDED) == 0 {
             record.flags |= NOTED;
             self.marks.noted.push(id.index);
@@ -206,32 +279,21 @@ impl Bodies {
 
     pub(crate) fn set_box(&mut self, id: BodyId, aabb: &Aabb) -> Result<(), BroadPhaseError> {
         let i = self.index_of(id)?;
-        let unbounded = self.records[i].flags & UNBOUNDED != 0;
-        let fault = if unbounded {
-            aabb.fault_unbounded()
-        } else {
-            aabb.fault()
-        };
-        if let Some(fault) = fault {
-            return Err(BroadPhaseError::from_fault(fault, Some(id)));
-        }
-        let stored = self.stored(aabb);
         let context = Context {
             grid: &self.grid,
             details: &self.details,
             step: self.step,
         };
-        context.place(&mut self.records[i], id.index, stored, &mut self.marks);
+        let record = &mut self.records[i];
+        let bounds = checked(aabb, &self.origin, &self.grid, record.flags)
+            .map_err(|fault| BroadPhaseError::from_fault(fault, Some(id)))?;
+        context.place(record, id.index, bounds, &mut self.marks);
         Ok(())
     }
 
     /// A box without faults in stored form.
     pub(crate) fn stored(&self, aabb: &Aabb) -> StoredBox {
-        match self.grid.axis {
-            0 => StoredBox::outward_in::<0>(aabb, &self.origin),
-            1 => StoredBox::outward_in::<1>(aabb, &self.origin),
-            _ => StoredBox::outward_in::<2>(aabb, &self.origin),
-        }
+        StoredBox::outward(aabb, &self.origin).rotated(self.grid.axis)
     }
 
     pub(crate) fn index_of(&self, id: BodyId) -> Result<usize, BroadPhaseError> {
@@ -291,14 +353,17 @@ impl Bodies {
         let turn = (3 + grid.axis - self.grid.axis) % 3;
         self.marks.noted.clear();
         for (i, record) in self.records.iter_mut().enumerate() {
-            if turn != 0 {
-                record.new = record.new.rotated(turn);
-                record.old = record.old.rotated(turn);
+            for bounds in [&mut record.lo, &mut record.hi, &mut record.old_lo, &mut record.old_hi] {
+                bounds.rotate_left(turn);
             }
             if record.flags & UNBOUNDED != 0 {
                 continue;
             }
-            record.range = grid.range_or_none(&record.new);
+            record.set_range(if record.present() {
+                grid.range(&record.new())
+            } else {
+                Range::NONE
+            });
             record.flags &= !NOTED;
             if record.moved(self.step) {
                 record.flags |= NOTED;
@@ -314,10 +379,9 @@ impl Bodies {
         let (step, grid) = (self.step, &self.grid);
         for &index in &self.marks.noted {
             let record = &mut self.records[index as usize];
-            let old = record.old(step);
-            let present = *old != StoredBox::EMPTY && record.new != StoredBox::EMPTY;
-            let jumps = present && old.displacement(&record.new) > leap;
-            let migrates = grid.range_or_none(old) != record.range;
+            let stays = record.present() && record.was_present(step);
+            let jumps = stays && any_above(record.old(step).displacement(&record.new()), leap);
+            let migrates = record.old_range(step, grid) != record.range();
             record.flags &= !(MIGRATES | JUMPS);
             record.flags |= if jumps { JUMPS } else { 0 } | if migrates { MIGRATES } else { 0 };
         }
@@ -335,7 +399,7 @@ impl Bodies {
             self.unbounded.retain(|&i| generations[i as usize] % 2 == 1);
         }
         for index in self.leaving.drain(..) {
-            self.records[index as usize] = Record::ABSENT;
+            self.records[index as usize] = Record::absent();
             // An index whose generations are used up is retired.
             if generations[index as usize] < u32::MAX - 1 {
                 self.free.push(index);
@@ -380,28 +444,27 @@ struct Context<'a> {
 impl Context<'_> {
     /// Takes over a new box and notes what changed. The common case touches nothing but the record.
     #[inline(always)]
-    fn place(&self, record: &mut Record, index: u32, given: StoredBox, marks: &mut Marks) {
-        let loose = record.flags & LOOSE != 0;
-        if loose && record.new.contains(&given) {
-            return;
+    fn place(&self, record: &mut Record, index: u32, given: Bounds, marks: &mut Marks) {
+        let present = record.new();
+        let mut bounds = given;
+        if record.flags & LOOSE != 0 {
+            if present.contains(&given) {
+                return;
+            }
+            bounds = self.loosened(record, index, given);
         }
-        let stored = if loose {
-            self.loosened(record, index, given)
-        } else {
-            given
-        };
-        if record.new == stored {
+        if present.equals(&bounds) {
             return;
         }
         touch(record, index, self.step, &mut marks.moved);
-        record.new = stored;
+        record.set_new(&bounds);
         if record.flags & UNBOUNDED != 0 {
             return;
         }
-        let range = self.grid.range(&stored);
-        let far = record.old.displacement(&stored) > self.grid.width * LEAP;
-        if (range != record.range) | far {
-            record.range = range;
+        let range = self.grid.range(&bounds);
+        let far = any_above(present.displacement(&bounds), self.grid.width * LEAP);
+        if (range != record.range()) | far {
+            record.set_range(range);
             if record.flags & NOTED == 0 {
                 record.flags |= NOTED;
                 marks.noted.push(index);
@@ -410,22 +473,36 @@ impl Context<'_> {
     }
 
     /// The given box with the margins of its body.
-    #[cold]
-    fn loosened(&self, record: &Record, index: u32, given: StoredBox) -> StoredBox {
+    #[inline(never)]
+    fn loosened(&self, record: &Record, index: u32, given: Bounds) -> Bounds {
         let Some(Detail { body, .. }) = self.details.get(index as usize) else {
             return given;
         };
+        let given = given.to_box();
         let mut stored = grown(&given, body.margin as f32);
         let steps = self.step.wrapping_sub(record.stamp).max(1) as f32;
         let ahead = body.lookahead as f32 / steps;
         if ahead > 0.0 {
             for k in 0..3 {
-                let travel = 0.5 * (given.lo[k] - record.new.lo[k] + given.hi[k] - record.new.hi[k]) * ahead;
+                let travel = 0.5 * (given.lo[k] - record.lo[k] + given.hi[k] - record.hi[k]) * ahead;
                 stored.lo[k] = (stored.lo[k] + travel.min(0.0)).max(-FARTHEST);
                 stored.hi[k] = (stored.hi[k] + travel.max(0.0)).min(FARTHEST);
             }
         }
-        stored
+        Bounds::from_box(&stored)
+    }
+}
+
+/// The stored form of a box, or what is wrong with it.
+fn checked(aabb: &Aabb, origin: &Point3<f64>, grid: &Grid, flags: u32) -> Result<Bounds, BoxFault> {
+    let fault = if flags & UNBOUNDED == 0 {
+        aabb.fault()
+    } else {
+        aabb.fault_unbounded()
+    };
+    match fault {
+        Some(fault) => Err(fault),
+        None => Ok(Bounds::from_box(&StoredBox::outward(aabb, origin).rotated(grid.axis))),
     }
 }
 
@@ -434,7 +511,7 @@ impl Context<'_> {
 fn touch(record: &mut Record, index: u32, step: u32, moved: &mut Vec<u32>) {
     if record.stamp != step {
         record.stamp = step;
-        record.old = record.new;
+        (record.old_lo, record.old_hi) = (record.lo, record.hi);
         moved.push(index);
     }
 }

@@ -4,7 +4,7 @@
 //! correctness needs: boxes that overlap share a column, and `cell(max(a, b)) = max(cell(a), cell(b))`. Boxes beyond the
 //! grid are clamped into its border columns, where they are found as well as anywhere, only slower.
 
-use super::aabb::StoredBox;
+use super::bounds::Bounds;
 use wide::f32x4;
 
 /// Most columns along one axis; column coordinates are 16 bits wide.
@@ -18,6 +18,17 @@ pub(crate) struct Range {
 }
 
 impl Range {
+    /// Both coordinates of a corner in one number.
+    #[inline(always)]
+    pub(crate) fn pack(corner: [u16; 2]) -> u32 {
+        u32::from(corner[0]) | u32::from(corner[1]) << 16
+    }
+
+    #[inline(always)]
+    pub(crate) fn unpack(packed: u32) -> [u16; 2] {
+        [packed as u16, (packed >> 16) as u16]
+    }
+
     /// No column at all: bodies that are not there, and unbounded ones, which are kept apart.
     pub(crate) const NONE: Self = Self {
         least: [u16::MAX; 2],
@@ -51,14 +62,14 @@ impl Range {
 pub(crate) struct Grid {
     /// The swept axis: 0, 1, 2 for x, y, z.
     pub(crate) axis: usize,
-    /// Lower corner of column (0, 0).
-    pub(crate) corner: [f32; 2],
+    /// Lower corner of column (0, 0), twice.
+    corners: [f32; 4],
     /// Side of a column.
     pub(crate) width: f32,
     inverse: f32,
     /// Columns along the two axes.
     pub(crate) size: [u16; 2],
-    last: [f32; 2],
+    last: [f32; 4],
 }
 
 impl Grid {
@@ -69,15 +80,21 @@ impl Grid {
 
     /// `width` must be positive and finite and `size` at least 1 by 1.
     pub(crate) fn new(axis: usize, corner: [f32; 2], width: f32, size: [u16; 2]) -> Self {
-        let last = size.map(|n| f32::from(n.max(1) - 1));
+        let [u, v] = corner;
+        let [last_u, last_v] = size.map(|n| f32::from(n.max(1) - 1));
+        let (corners, last) = ([u, v, u, v], [last_u, last_v, last_u, last_v]);
         Self {
             axis,
-            corner,
+            corners,
             width,
             inverse: 1.0 / width,
             size,
             last,
         }
+    }
+
+    pub(crate) fn corner(&self) -> [f32; 2] {
+        [self.corners[0], self.corners[1]]
     }
 
     pub(crate) fn column_count(&self) -> usize {
@@ -96,14 +113,10 @@ impl Grid {
 
     /// The four column coordinates of a box, computed side by side.
     #[inline(always)]
-    pub(crate) fn range(&self, stored: &StoredBox) -> Range {
-        let [u, v] = self.corner;
-        let [last_u, last_v] = self.last;
-        let bounds = f32x4::from([stored.lo[1], stored.lo[2], stored.hi[1], stored.hi[2]]);
-        let cells = (bounds - f32x4::from([u, v, u, v])) * f32x4::splat(self.inverse);
-        let inside = cells
-            .fast_max(f32x4::ZERO)
-            .fast_min(f32x4::from([last_u, last_v, last_u, last_v]));
+    pub(crate) fn range(&self, bounds: &Bounds) -> Range {
+        let ([_, a, b, _], [_, c, d, _]) = (bounds.lo.to_array(), bounds.hi.to_array());
+        let cells = (f32x4::from([a, b, c, d]) - f32x4::from(self.corners)) * f32x4::splat(self.inverse);
+        let inside = cells.fast_max(f32x4::ZERO).fast_min(f32x4::from(self.last));
         let [a, b, c, d] = inside.fast_trunc_int().to_array();
         Range {
             least: [a as u16, b as u16],
@@ -111,18 +124,9 @@ impl Grid {
         }
     }
 
-    /// The range of a box that may be empty.
-    pub(crate) fn range_or_none(&self, stored: &StoredBox) -> Range {
-        if *stored == StoredBox::EMPTY {
-            Range::NONE
-        } else {
-            self.range(stored)
-        }
-    }
-
     /// The one column that owns the pair: the one of the lower corner of the intersection. Both boxes touch it.
     #[inline(always)]
-    pub(crate) fn owner(&self, a: &StoredBox, b: &StoredBox) -> [u16; 2] {
+    pub(crate) fn owner(&self, a: &Bounds, b: &Bounds) -> [u16; 2] {
         let [a, b] = [self.range(a), self.range(b)];
         [a.least[0].max(b.least[0]), a.least[1].max(b.least[1])]
     }
@@ -131,6 +135,7 @@ impl Grid {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::broad::aabb::StoredBox;
 
     #[test]
     fn far_boxes_fall_into_border_columns() {

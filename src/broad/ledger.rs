@@ -1,6 +1,7 @@
 //! What every structure keeps besides its own lists: bodies and pairs.
 
 use super::body::{Bodies, UNBOUNDED};
+use super::bounds::Bounds;
 use super::change::{Changes, pair_key};
 use super::pairs::PairTable;
 use super::{Aabb, Body, BodyId, BroadPhase, BroadPhaseError, Pair, PairId, StoredBox};
@@ -123,12 +124,13 @@ impl Ledger {
     /// All bodies at once; the slow way to ask for those that overlap a box.
     pub(super) fn overlapping_of_all(&self, asked: &StoredBox, found: &mut Vec<BodyId>) {
         let step = self.bodies.step;
+        let asked = Bounds::from_box(asked);
         let hits = self
             .bodies
             .records
             .iter()
             .enumerate()
-            .filter(|(_, r)| r.old(step).overlaps(asked));
+            .filter(|(_, r)| r.old(step).overlaps(&asked));
         found.extend(hits.map(|(i, _)| self.bodies.id(i as u32)));
     }
 }
@@ -156,7 +158,7 @@ pub(super) fn nearest<B: BroadPhase + ?Sized>(
         let grown = aabb.grown(reach);
         broad.overlapping(&grown, &mut found)?;
         let distance = |id: &BodyId| {
-            let stored = bodies.records[id.index as usize].old(bodies.step);
+            let stored = bodies.records[id.index as usize].old(bodies.step).to_box();
             Nearest {
                 body: *id,
                 distance: libm::sqrt(stored.distance_squared(&asked)),

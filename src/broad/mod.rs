@@ -45,6 +45,7 @@
 
 mod aabb;
 mod body;
+mod bounds;
 mod change;
 mod error;
 mod grid;
@@ -299,7 +300,7 @@ pub trait BroadPhase: HasLedger {
     fn stored_box(&self, id: BodyId) -> Option<StoredBox> {
         let bodies = &self.ledger().bodies;
         let record = &bodies.records[bodies.index_of(id).ok()?];
-        Some(record.new.rotated(3 - bodies.grid.axis))
+        Some(record.new().to_box().rotated(3 - bodies.grid.axis))
     }
 
     /// The pairs of the last step, in the order of their slots.

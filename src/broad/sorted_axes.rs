@@ -67,7 +67,7 @@ impl SortedAxes {
         // Every body of the lists was there in the last step; the others that are there now come.
         let listed = self.axes[0].len() / 2;
         let coming: Vec<u32> = (bodies.marks.moved.iter().copied())
-            .filter(|&i| *bodies.records[i as usize].old(bodies.step) == StoredBox::EMPTY)
+            .filter(|&i| !bodies.records[i as usize].was_present(bodies.step))
             .collect();
         for axis in &mut self.axes {
             axis.extend(coming.iter().flat_map(|&i| [u64::from(i), u64::from(i) | UPPER]));
@@ -88,7 +88,7 @@ impl SortedAxes {
         changes.began.dedup();
         changes.ended.dedup();
         if !bodies.leaving.is_empty() {
-            let stays = |end: &End| bodies.records[index_of(*end) as usize].new != StoredBox::EMPTY;
+            let stays = |end: &End| bodies.records[index_of(*end) as usize].present();
             self.axes.iter_mut().for_each(|axis| axis.retain(stays));
         }
     }
@@ -97,7 +97,7 @@ impl SortedAxes {
 /// The same end with the coordinate of this step.
 fn renewed(end: End, records: &[Record], axis: usize) -> End {
     let index = index_of(end);
-    let [lower, upper] = ends(index, &records[index as usize].new, axis);
+    let [lower, upper] = ends(index, &records[index as usize].new().to_box(), axis);
     if end & UPPER == 0 { lower } else { upper }
 }
 
@@ -126,9 +126,9 @@ fn compare(a: u32, b: u32, bodies: &Bodies, changes: &mut Changes) {
 
 /// One sweep along the first axis over boxes that cover old and new place.
 fn sweep_one_axis(bodies: &Bodies, changes: &mut Changes) {
-    let cover = |(i, record): (usize, &Record)| (record.old(bodies.step).united(&record.new), i as u32);
+    let cover = |(i, record): (usize, &Record)| (record.old(bodies.step).united(&record.new()).to_box(), i as u32);
     let mut boxes: Vec<(StoredBox, u32)> = bodies.records.iter().enumerate().map(cover).collect();
-    boxes.retain(|(cover, _)| *cover != StoredBox::EMPTY);
+    boxes.retain(|(cover, _)| cover.lo[0] <= cover.hi[0]);
     boxes.sort_unstable_by_key(|(cover, i)| (order_key(cover.lo[0]), *i));
     for (k, (cover, i)) in boxes.iter().enumerate() {
         for (_, j) in boxes[k + 1..].iter().take_while(|(next, _)| next.lo[0] <= cover.hi[0]) {
@@ -157,12 +157,12 @@ impl BroadPhase for SortedAxes {
     fn step_with(&mut self, filter: &mut dyn FnMut(BodyId, BodyId) -> bool) -> Events<'_> {
         self.find_changes();
         self.ledger.take_over(filter, |bodies, index, found| {
-            let stored = &bodies.records[index as usize].new;
+            let stored = bodies.records[index as usize].new();
             let hits = bodies
                 .records
                 .iter()
                 .enumerate()
-                .filter(|(_, r)| r.new.overlaps(stored));
+                .filter(|(_, r)| r.new().overlaps(&stored));
             found.extend(hits.map(|(i, _)| i as u32));
         });
         self.ledger.pairs.events()

@@ -1,7 +1,7 @@
 //! Many boxes at once.
 
-use super::{Bodies, Context, Marks, Record, UNBOUNDED};
-use crate::broad::aabb::StoredBox;
+use super::{Bodies, Context, Marks, Record, checked};
+use crate::broad::bounds::Bounds;
 use crate::broad::{Aabb, BatchError, BodyId, BroadPhaseError};
 use nalgebra::Point3;
 
@@ -115,18 +115,19 @@ impl Run<'_> {
                 error = BatchError::joined(error, Some(BatchError::one(place, stale)));
                 continue;
             };
-            let fault = if record.flags & UNBOUNDED == 0 {
-                aabb.fault()
-            } else {
-                aabb.fault_unbounded()
+            let bounds = match Bounds::outward::<AXIS>(aabb, origin) {
+                Some(bounds) => bounds,
+                // Faulty, unbounded or far: looked at more closely.
+                None => match checked(aabb, origin, context.grid, record.flags) {
+                    Ok(bounds) => bounds,
+                    Err(fault) => {
+                        let fault = BroadPhaseError::from_fault(fault, Some(*id));
+                        error = BatchError::joined(error, Some(BatchError::one(place, fault)));
+                        continue;
+                    }
+                },
             };
-            if let Some(fault) = fault {
-                let fault = BroadPhaseError::from_fault(fault, Some(*id));
-                error = BatchError::joined(error, Some(BatchError::one(place, fault)));
-                continue;
-            }
-            let stored = StoredBox::outward_in::<AXIS>(aabb, origin);
-            context.place(record, id.index, stored, marks);
+            context.place(record, id.index, bounds, marks);
         }
         error
     }

@@ -35,7 +35,7 @@ impl Part {
             Self::New
         } else if record.flags & (MIGRATES | JUMPS) == 0 {
             Self::Both
-        } else if record.flags & JUMPS != 0 || !record.range.contains(column) {
+        } else if record.flags & JUMPS != 0 || !record.range().contains(column) {
             Self::Old
         } else {
             Self::Both
@@ -80,8 +80,8 @@ impl Column {
             let who = e as u32;
             let record = &records[index_of(e)];
             let lower = match Part::of(who, record, column) {
-                Part::Old => record.old(step).lo[0],
-                _ => record.new.lo[0],
+                Part::Old => record.old(step).to_box().lo[0],
+                _ => record.new().to_box().lo[0],
             };
             entry(lower, who)
         };

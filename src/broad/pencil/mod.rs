@@ -32,7 +32,8 @@ mod repair;
 mod scan;
 mod tune;
 
-use super::body::{Bodies, JUMPS, UNBOUNDED};
+use super::body::{Bodies, JUMPS, Record, UNBOUNDED};
+use super::bounds::Bounds;
 use super::change::note_unbounded;
 use super::grid::Grid;
 use super::ledger::{HasLedger, Ledger};
@@ -103,7 +104,7 @@ impl PencilSweep {
             if record.flags & UNBOUNDED != 0 {
                 continue;
             }
-            let old = bodies.grid.range_or_none(record.old(bodies.step));
+            let old = record.old_range(bodies.step, &bodies.grid);
             for cell in old.columns() {
                 self.columns[bodies.grid.index(cell)].entries.push(i as u64);
             }
@@ -116,9 +117,9 @@ impl PencilSweep {
         let bodies = &self.ledger.bodies;
         for &index in &bodies.marks.noted {
             let record = &bodies.records[index as usize];
-            let old = bodies.grid.range_or_none(record.old(bodies.step));
+            let old = record.old_range(bodies.step, &bodies.grid);
             let jumps = record.flags & JUMPS != 0;
-            for cell in record.range.columns().filter(|cell| jumps || !old.contains(*cell)) {
+            for cell in record.range().columns().filter(|cell| jumps || !old.contains(*cell)) {
                 self.columns[bodies.grid.index(cell)]
                     .entries
                     .push(u64::from(index | ARRIVING));
@@ -135,7 +136,7 @@ impl PencilSweep {
             .marks
             .noted
             .iter()
-            .map(|&i| records[i as usize].range.count())
+            .map(|&i| records[i as usize].range().count())
             .sum();
         self.tuning.entries as usize + coming
     }
@@ -252,10 +253,10 @@ impl BroadPhase for PencilSweep {
                     .records
                     .iter()
                     .enumerate()
-                    .filter(|(_, r)| r.new.overlaps(&record.new));
+                    .filter(|(_, r)| r.new().overlaps(&record.new()));
                 found.extend(hits.map(|(i, _)| i as u32));
             } else {
-                query::overlapping(bodies, columns, &record.new, |r| &r.new, |i| found.push(i));
+                query::overlapping(bodies, columns, &record.new(), Record::new, |i| found.push(i));
             }
         });
         self.ledger.pairs.events()
@@ -266,7 +267,13 @@ impl BroadPhase for PencilSweep {
         let asked = self.ledger.asked(aabb)?;
         let first = found.len();
         let visit = |i: u32| found.push(bodies.id(i));
-        query::overlapping(bodies, &self.columns, &asked, |r| r.old(bodies.step), visit);
+        query::overlapping(
+            bodies,
+            &self.columns,
+            &Bounds::from_box(&asked),
+            |r| r.old(bodies.step),
+            visit,
+        );
         found[first..].sort_unstable();
         Ok(())
     }

@@ -4,26 +4,31 @@ use super::PencilSweep;
 use super::column::{Column, index_of};
 use crate::broad::aabb::{StoredBox, max, order_key};
 use crate::broad::body::{Bodies, Record};
+use crate::broad::bounds::Bounds;
 
 /// Visits every body once whose box overlaps `asked`; `place` picks the box of a record the columns are sorted by.
 pub(super) fn overlapping(
     bodies: &Bodies,
     columns: &[Column],
-    asked: &StoredBox,
-    place: impl Fn(&Record) -> &StoredBox,
+    asked: &Bounds,
+    place: impl Fn(&Record) -> Bounds,
     mut visit: impl FnMut(u32),
 ) {
+    let StoredBox {
+        lo: [start, ..],
+        hi: [end, ..],
+    } = asked.to_box();
     for cell in bodies.grid.range(asked).columns() {
         let Some(column) = columns.get(bodies.grid.index(cell)) else {
             continue;
         };
-        let slack = 8.0 * f32::EPSILON * max(asked.lo[0].abs(), column.longest);
-        let first = order_key(asked.lo[0] - column.longest - slack);
-        let last = order_key(asked.hi[0]);
+        let slack = 8.0 * f32::EPSILON * max(start.abs(), column.longest);
+        let first = order_key(start - column.longest - slack);
+        let last = order_key(end);
         let from = column.entries.partition_point(|e| ((e >> 32) as u32) < first);
         for &e in column.entries[from..].iter().take_while(|e| (*e >> 32) as u32 <= last) {
             let stored = place(&bodies.records[index_of(e)]);
-            if stored.overlaps(asked) && bodies.grid.owner(stored, asked) == cell {
+            if stored.overlaps(asked) && bodies.grid.owner(&stored, asked) == cell {
                 visit(index_of(e) as u32);
             }
         }
@@ -47,7 +52,7 @@ impl PencilSweep {
             .filter(|(_, column)| !column.entries.is_empty());
         held.map(move |(i, column)| {
             let cell = grid.column(i);
-            let lo = core::array::from_fn(|k| grid.corner[k] + f32::from(cell[k]) * grid.width);
+            let lo = core::array::from_fn(|k| grid.corner()[k] + f32::from(cell[k]) * grid.width);
             Pencil {
                 swept_axis: grid.axis,
                 lo,

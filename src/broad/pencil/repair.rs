@@ -2,8 +2,9 @@
 
 use super::column::{ARRIVING, Column, Part, entry, index_of};
 use super::scan::{Worker, decide};
-use crate::broad::aabb::{StoredBox, max, order_key};
-use crate::broad::body::{Bodies, MIGRATES, Record};
+use crate::broad::aabb::{max, order_key};
+use crate::broad::body::{Bodies, JUMPS, MIGRATES, Record};
+use crate::broad::bounds::{Bounds, largest};
 use crate::broad::change::overlap;
 use alloc::vec::Vec;
 
@@ -19,12 +20,11 @@ pub(super) fn list_touched(bodies: &Bodies, touched: &mut Vec<Touch>) {
     for &index in &bodies.marks.moved {
         let record = &bodies.records[index as usize];
         let mut push = |cell: [u16; 2]| touched.push((bodies.grid.index(cell) as u32, index));
-        record.range.columns().for_each(&mut push);
+        let range = record.range();
+        range.columns().for_each(&mut push);
         if record.flags & MIGRATES != 0 {
-            let old = bodies.grid.range_or_none(record.old(bodies.step));
-            old.columns()
-                .filter(|cell| !record.range.contains(*cell))
-                .for_each(push);
+            let old = record.old_range(bodies.step, &bodies.grid);
+            old.columns().filter(|cell| !range.contains(*cell)).for_each(push);
         }
     }
     touched.sort_unstable();
@@ -62,26 +62,26 @@ impl Worker {
         for &(_, who) in touched {
             let record = &bodies.records[who as usize];
             let (stays, comes) = roles(record, cell, bodies);
-            let old = record.old(bodies.step);
+            let (old, new) = (record.old(bodies.step), record.new());
+            let (old_start, new_start) = (old.to_box().lo[0], new.to_box().lo[0]);
             parted |= comes;
             if comes {
-                let item = entry(record.new.lo[0], who | ARRIVING);
+                let item = entry(new_start, who | ARRIVING);
                 let place = column.entries.partition_point(|e| *e < item);
                 column.entries.insert(place, item);
-                column.longest = max(column.longest, record.new.hi[0] - record.new.lo[0]);
+                column.longest = max(column.longest, length(&new));
                 self.active.push(item);
             }
             if !stays {
                 continue;
             }
-            let mut item = entry(old.lo[0], who);
+            let mut item = entry(old_start, who);
             if Part::of(who, record, cell) == Part::Both {
-                let moved = entry(record.new.lo[0], who);
+                let moved = entry(new_start, who);
                 shift(&mut column.entries, item, moved);
                 item = moved;
-                let union = old.united(&record.new);
-                column.longest = max(column.longest, union.hi[0] - union.lo[0]);
-                self.reach = max(self.reach, old.displacement(&record.new));
+                column.longest = max(column.longest, length(&old.united(&new)));
+                self.reach = max(self.reach, largest(old.displacement(&new)));
             } else {
                 parted = true;
             }
@@ -95,7 +95,7 @@ impl Worker {
         let who = active as u32;
         let record = &bodies.records[index_of(active)];
         let step = bodies.step;
-        let union = box_of(who, record, cell, step);
+        let union = box_of(who, record, cell, step).to_box();
         let slack = 8.0 * f32::EPSILON * max(union.lo[0].abs(), union.hi[0].abs());
         let first = order_key(union.lo[0] - column.longest * 1.000_01 - slack);
         let last = order_key(union.hi[0] + self.reach * 1.000_01 + slack);
@@ -118,22 +118,25 @@ impl Worker {
 /// Whether the body has an entry in the column from the last step, and whether it needs a new one.
 fn roles(record: &Record, cell: [u16; 2], bodies: &Bodies) -> (bool, bool) {
     let flags = record.flags;
-    let stays = if flags & MIGRATES == 0 {
-        record.range.contains(cell)
-    } else {
-        bodies.grid.range_or_none(record.old(bodies.step)).contains(cell)
-    };
-    let jumps = flags & crate::broad::body::JUMPS != 0;
-    (stays, record.range.contains(cell) && (jumps || !stays))
+    let in_new = record.range().contains(cell);
+    let in_old = flags & MIGRATES != 0 && record.old_range(bodies.step, &bodies.grid).contains(cell);
+    let stays = if flags & MIGRATES == 0 { in_new } else { in_old };
+    (stays, in_new && (flags & JUMPS != 0 || !stays))
 }
 
 /// What an entry stands for: the cover of old and new box, or one of them.
-fn box_of(who: u32, record: &Record, cell: [u16; 2], step: u32) -> StoredBox {
+fn box_of(who: u32, record: &Record, cell: [u16; 2], step: u32) -> Bounds {
     match Part::of(who, record, cell) {
-        Part::Both => record.old(step).united(&record.new),
-        Part::Old => *record.old(step),
-        Part::New => record.new,
+        Part::Both => record.old(step).united(&record.new()),
+        Part::Old => record.old(step),
+        Part::New => record.new(),
     }
+}
+
+/// Length on the swept axis.
+fn length(bounds: &Bounds) -> f32 {
+    let stored = bounds.to_box();
+    stored.hi[0] - stored.lo[0]
 }
 
 /// Replaces an entry by another and keeps the order.

@@ -10,11 +10,12 @@
 //! So unchanged pairs, the great majority, cost a few lanes of a comparison and no memory.
 
 use super::column::{ARRIVING, Column, Part, index_of};
-use crate::broad::aabb::{max, min};
+use crate::broad::aabb::max;
 use crate::broad::body::{Bodies, JUMPS, MIGRATES};
+use crate::broad::bounds::largest;
 use crate::broad::change::{Changes, overlap};
 use alloc::vec::Vec;
-use wide::f32x8;
+use wide::{f32x4, f32x8};
 
 /// Entries compared at once.
 const LANES: usize = 8;
@@ -115,42 +116,38 @@ impl Worker {
         let (lo_u, lo_v, hi_u, hi_v) = (&mut lo_u[..n], &mut lo_v[..n], &mut hi_u[..n], &mut hi_v[..n]);
         let who = &mut who[..n];
         let step = bodies.step;
-        let mut seen = Gathered {
-            farthest: 0.0,
-            longest: 0.0,
-            moved: false,
-            parted: false,
-        };
+        let (mut moved, mut parted) = (false, false);
+        let (mut farthest, mut longest) = (f32x4::ZERO, f32x4::ZERO);
         for (k, &e) in column.entries.iter().enumerate() {
             let record = &bodies.records[index_of(e)];
-            let (old, new) = (record.old(step), &record.new);
-            let one_box = (record.flags & (MIGRATES | JUMPS) != 0) | (e as u32 & ARRIVING != 0);
-            let part = if one_box {
-                Part::of(e as u32, record, cell)
-            } else {
-                Part::Both
-            };
-            seen.moved |= record.moved(step);
-            let (union, from) = match part {
-                Part::Both => (old.united(new), new.lo[0]),
-                Part::Old => (*old, old.lo[0]),
-                Part::New => (*new, new.lo[0]),
-            };
-            let moved_by = if part == Part::Both { old.displacement(new) } else { 0.0 };
-            seen.parted |= part != Part::Both;
-            seen.farthest = max(seen.farthest, moved_by);
-            seen.longest = max(seen.longest, union.hi[0] - union.lo[0]);
-            start[k] = from;
-            end[k] = union.hi[0];
-            sure_end[k] = if part == Part::Both {
-                min(old.hi[0], new.hi[0])
-            } else {
-                f32::NEG_INFINITY
-            };
-            [lo_u[k], lo_v[k], hi_u[k], hi_v[k]] = [union.lo[1], union.lo[2], union.hi[1], union.hi[2]];
+            let (old, new) = (record.old(step), record.new());
+            moved |= record.moved(step);
+            let mut union = old.united(&new);
+            let mut from = new.lo;
+            let mut least_end = old.hi.fast_min(new.hi).to_array()[0];
+            let mut by = old.displacement(&new);
+            if (record.flags & (MIGRATES | JUMPS) != 0) | (e as u32 & ARRIVING != 0) {
+                let part = Part::of(e as u32, record, cell);
+                if part != Part::Both {
+                    union = if part == Part::Old { old } else { new };
+                    (from, least_end, by) = (union.lo, f32::NEG_INFINITY, f32x4::ZERO);
+                    parted = true;
+                }
+            }
+            farthest = farthest.fast_max(by);
+            longest = longest.fast_max(union.hi - union.lo);
+            let ([_, u0, v0, _], [x1, u1, v1, _]) = (union.lo.to_array(), union.hi.to_array());
+            start[k] = from.to_array()[0];
+            (end[k], sure_end[k]) = (x1, least_end);
+            [lo_u[k], lo_v[k], hi_u[k], hi_v[k]] = [u0, v0, u1, v1];
             who[k] = e as u32;
         }
-        seen
+        Gathered {
+            farthest: largest(farthest),
+            longest: longest.to_array()[0],
+            moved,
+            parted,
+        }
     }
 
     /// Compares every entry with those that start before it ends.
@@ -254,11 +251,11 @@ pub(super) fn decide(a: u32, b: u32, cell: [u16; 2], bodies: &Bodies, changes: &
     let (seen, owner) = if is {
         (
             part_a.has_new() && part_b.has_new(),
-            bodies.grid.owner(&first.new, &second.new),
+            bodies.grid.owner(&first.new(), &second.new()),
         )
     } else {
         let (old_a, old_b) = (first.old(bodies.step), second.old(bodies.step));
-        (part_a.has_old() && part_b.has_old(), bodies.grid.owner(old_a, old_b))
+        (part_a.has_old() && part_b.has_old(), bodies.grid.owner(&old_a, &old_b))
     };
     if seen && owner == cell {
         changes.note(i, j, was, is);

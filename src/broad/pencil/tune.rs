@@ -5,8 +5,8 @@
 //! so the best width is read off a curve; what the curve gets wrong where density varies, the next sweep measures
 //! again. Everything counted is a number of entries, never a time: the same calls give the same columns.
 
-use crate::broad::aabb::StoredBox;
 use crate::broad::body::{Bodies, UNBOUNDED};
+use crate::broad::bounds::Bounds;
 use crate::broad::grid::{Grid, MOST_COLUMNS_OF_AXIS};
 use alloc::vec::Vec;
 
@@ -45,9 +45,9 @@ impl Survey {
         let present = bodies
             .records
             .iter()
-            .filter(|r| r.flags & UNBOUNDED == 0 && r.new != StoredBox::EMPTY);
+            .filter(|r| r.flags & UNBOUNDED == 0 && r.present());
         for (i, record) in present.enumerate() {
-            let stored = &record.new;
+            let stored = record.new().to_box();
             let length: [f64; 3] = core::array::from_fn(|k| f64::from(stored.hi[k]) - f64::from(stored.lo[k]));
             out.count += 1.0;
             for k in 0..3 {
@@ -254,8 +254,14 @@ fn choose(bodies: &Bodies, survey: Survey, width: Option<f64>) -> Grid {
 /// Entries all bodies would take in the grid; counting stops beyond `most`.
 fn entries_of(bodies: &Bodies, grid: &Grid, turn: usize, most: usize) -> usize {
     let mut total = 0;
-    for record in bodies.records.iter().filter(|r| r.flags & UNBOUNDED == 0) {
-        total += grid.range_or_none(&record.new.rotated(turn)).count();
+    for record in bodies
+        .records
+        .iter()
+        .filter(|r| r.flags & UNBOUNDED == 0 && r.present())
+    {
+        total += grid
+            .range(&Bounds::from_box(&record.new().to_box().rotated(turn)))
+            .count();
         if total > most {
             break;
         }
