@@ -43,7 +43,7 @@ use column::{ARRIVING, Column};
 pub use query::Pencil;
 use repair::Touch;
 use scan::Worker;
-use tune::Tuning;
+use tune::{Counts, Tuning};
 
 /// Sweep and prune over pencils; the broad phase to use. See the module page for how it works.
 #[derive(Clone, Debug)]
@@ -53,6 +53,8 @@ pub struct PencilSweep {
     workers: Vec<Worker>,
     touched: Vec<Touch>,
     tuning: Tuning,
+    /// Entries of all columns after the last full sweep.
+    entries: usize,
     parallel_from: usize,
 }
 
@@ -73,6 +75,7 @@ impl PencilSweep {
             workers: Vec::from([Worker::default()]),
             touched: Vec::new(),
             tuning: Tuning::new(),
+            entries: 0,
             parallel_from: settings.parallel_from,
         }
     }
@@ -138,34 +141,38 @@ impl PencilSweep {
             .iter()
             .map(|&i| records[i as usize].range().count())
             .sum();
-        self.tuning.entries as usize + coming
+        self.entries + coming
     }
 
     fn sweep_all(&mut self) {
         let threads = self.threads();
         self.workers
             .resize_with(threads.max(self.workers.len()), Worker::default);
+        let counting = self.tuning.wants_counts();
+        self.workers.iter_mut().for_each(|w| w.counting = counting);
         let bodies = &self.ledger.bodies;
         let total: usize = self.columns.iter().map(|c| c.entries.len()).sum();
+        self.entries = total;
         sweep_columns(&mut self.workers[..threads], &mut self.columns, 0, total, bodies);
-        let (mut entries, mut tests) = (0, 0);
+        let mut counts = Counts::default();
         for worker in &mut self.workers {
-            entries += core::mem::take(&mut worker.swept);
-            tests += core::mem::take(&mut worker.tests);
+            counts.entries += core::mem::take(&mut worker.swept);
+            counts.tests += core::mem::take(&mut worker.tests);
+            counts.sampled += core::mem::take(&mut worker.sampled);
         }
         self.collect();
-        self.tuning.observe(&self.ledger.bodies, entries, tests);
+        self.tuning.observe(&self.ledger.bodies, counts);
     }
 
     fn repair_touched(&mut self) {
         repair::list_touched(&self.ledger.bodies, &mut self.touched);
         let worker = &mut self.workers[0];
+        worker.counting = false;
         for group in self.touched.chunk_by(|a, b| a.0 == b.0) {
             if let Some(column) = self.columns.get_mut(group[0].0 as usize) {
                 worker.repair(column, group, &self.ledger.bodies);
             }
         }
-        (worker.swept, worker.tests) = (0, 0);
         self.collect();
     }
 

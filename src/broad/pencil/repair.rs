@@ -45,7 +45,7 @@ impl Worker {
         }
         let parted = self.move_entries(column, touched, cell, bodies);
         for k in 0..self.active.len() {
-            self.scan_one(column, self.active[k], cell, bodies);
+            self.scan_one(column, self.active[k], cell, bodies, true);
         }
         if parted {
             column.settle(cell, &bodies.records);
@@ -90,8 +90,9 @@ impl Worker {
         parted
     }
 
-    /// Notes the changes of one entry with all entries that may meet it.
-    fn scan_one(&mut self, column: &Column, active: u64, cell: [u16; 2], bodies: &Bodies) {
+    /// Notes the changes of one entry with all entries that may meet it. Two entries looked at in this way meet twice;
+    /// the one with the lower index speaks. `all`: every body that moved is looked at, not only entries of one box.
+    pub(super) fn scan_one(&mut self, column: &Column, active: u64, cell: [u16; 2], bodies: &Bodies, all: bool) {
         let who = active as u32;
         let record = &bodies.records[index_of(active)];
         let step = bodies.step;
@@ -106,9 +107,16 @@ impl Worker {
             }
             let other = &bodies.records[index_of(e)];
             let (was, is) = overlap(record, other, step);
-            // Two moved bodies meet twice here; the one with the lower index speaks.
-            let twice = other.moved(step) && index_of(e) < index_of(active);
-            if was != is && !twice {
+            if was == is {
+                continue;
+            }
+            let looked_at = if all {
+                other.moved(step)
+            } else {
+                Part::of(e as u32, other, cell) != Part::Both
+            };
+            let twice = looked_at && index_of(e) < index_of(active);
+            if !twice {
                 decide(who, e as u32, cell, bodies, &mut self.changes);
             }
         }

@@ -1,60 +1,35 @@
 //! The full sweep of one column: a window slides along the sorted entries, eight at a time.
 //!
-//! What is tested is not overlap but *change* of overlap. With `U` the box that covers a body's old and new box, and
-//! `d` the farthest any face of the column moved:
+//! What is looked for is not overlap but *change* of overlap: old and new boxes stand side by side, and a pair is
+//! touched only if exactly one of the two overlaps. So unchanged pairs, the great majority, cost a few lanes of a
+//! comparison and no memory.
 //!
-//! 1. `U` of two bodies apart: they overlapped neither before nor after. Nothing to report.
-//! 2. `U` of one shrunk by `2 d` still meets `U` of the other: they overlapped before and after. Nothing to report.
-//! 3. Otherwise, which is rare under coherence, old and new boxes decide.
-//!
-//! So unchanged pairs, the great majority, cost a few lanes of a comparison and no memory.
+//! With `d` the farthest any face of the column moved, an old box lies within its new box grown by `d`. So entries are
+//! sorted by the lower bound of the new box alone, and an entry is compared with those that start before the end of its
+//! own two boxes plus `d`. Bodies that come, leave or jump have one box only in the column; these few are left out of
+//! the sweep and looked at one by one, as a repair does.
 
 use super::column::{ARRIVING, Column, Part, index_of};
-use crate::broad::aabb::max;
+use crate::broad::aabb::StoredBox;
 use crate::broad::body::{Bodies, JUMPS, MIGRATES};
-use crate::broad::bounds::largest;
+use crate::broad::bounds::{Bounds, largest};
 use crate::broad::change::{Changes, overlap};
 use alloc::vec::Vec;
 use wide::{f32x4, f32x8};
 
-/// Entries compared at once.
-const LANES: usize = 8;
-
 /// Four units in the last place: more than one rounded sum of two bounds can err.
 const SLACK: f32 = 4.0 * f32::EPSILON;
 
-/// The boxes of one column side by side, one vector for each bound, padded by `LANES` entries beyond every window.
+/// Entries compared at once.
+const LANES: usize = 8;
+
+/// The boxes of one column.
 #[derive(Clone, Debug, Default)]
 struct Lanes {
-    /// The bound the column is sorted by: at most `farthest` above the lower bound of `U`.
+    /// Lower bound of the new box on the swept axis: what the column is sorted by. Padded by entries that meet nothing.
     start: Vec<f32>,
-    /// Upper bound of `U` on the swept axis.
-    end: Vec<f32>,
-    /// The lesser upper bound of old and new box; minus infinity for an entry of one box only.
-    sure_end: Vec<f32>,
-    /// Bounds of `U` on the two other axes.
-    lo: [Vec<f32>; 2],
-    hi: [Vec<f32>; 2],
-    who: Vec<u32>,
-}
-
-impl Lanes {
-    fn resize(&mut self, n: usize) {
-        let Self {
-            start,
-            end,
-            sure_end,
-            lo: [lo_u, lo_v],
-            hi: [hi_u, hi_v],
-            who,
-        } = self;
-        for bounds in [end, sure_end, lo_u, lo_v, hi_u, hi_v] {
-            bounds.resize(n + LANES, 0.0);
-        }
-        who.resize(n + LANES, 0);
-        start.resize(n + LANES, f32::INFINITY);
-        start[n..].fill(f32::INFINITY);
-    }
+    /// The box that covers old and new box: its end on the swept axis, lower and upper bound on the two others.
+    cover: [Vec<f32>; 5],
 }
 
 /// What one thread needs to sweep columns, and what it found.
@@ -62,168 +37,138 @@ impl Lanes {
 pub(super) struct Worker {
     lanes: Lanes,
     pub(super) changes: Changes,
-    /// Entries inside windows, and entries swept: what tuning goes by.
-    pub(super) tests: u64,
-    pub(super) swept: u64,
-    /// Entries to look at in a repair, and how far the start of an entry may lie behind its lower bound.
+    /// Entries to look at one by one, and how far the start of an entry may lie behind its lower bound.
     pub(super) active: Vec<u64>,
     pub(super) reach: f32,
-}
-
-/// What the gathering pass learned of a column.
-struct Gathered {
-    /// The farthest any face of an entry of both boxes moved.
-    farthest: f32,
-    longest: f32,
-    moved: bool,
-    parted: bool,
+    /// What tuning goes by, if `counting`: entries inside the windows of a sample, the sample, and all entries.
+    pub(super) counting: bool,
+    pub(super) tests: u64,
+    pub(super) sampled: u64,
+    pub(super) swept: u64,
 }
 
 impl Worker {
-    /// Bytes reserved.
-    pub(super) fn bytes(&self) -> usize {
-        let lanes = self.lanes.who.capacity() * 8 * 4;
-        lanes + (self.changes.began.capacity() + self.changes.ended.capacity() + self.active.capacity()) * 8
-    }
-
     /// Brings the column up to date and notes the changes it owns.
     pub(super) fn sweep(&mut self, index: usize, column: &mut Column, bodies: &Bodies) {
         let cell = bodies.grid.column(index);
         column.reorder(cell, &bodies.records, bodies.step);
-        let gathered = self.gather(cell, column, bodies);
-        column.longest = gathered.longest;
-        if gathered.moved {
-            self.scan(column.entries.len(), gathered.farthest, cell, bodies);
+        let moved = self.gather(cell, column, bodies);
+        let n = column.entries.len();
+        if moved {
+            self.scan(column, cell, bodies);
+            for k in 0..self.active.len() {
+                self.scan_one(column, self.active[k], cell, bodies, false);
+            }
+            if self.counting {
+                self.count(n);
+            }
         }
-        if gathered.parted {
+        if !self.active.is_empty() {
             column.settle(cell, &bodies.records);
         }
         column.settled = column.entries.len();
     }
 
-    fn gather(&mut self, cell: [u16; 2], column: &Column, bodies: &Bodies) -> Gathered {
-        let n = column.entries.len();
-        self.lanes.resize(n);
+    /// Copies the boxes of the column; lists entries of one box in `active` and leaves their lanes empty. True if
+    /// anything moved.
+    fn gather(&mut self, cell: [u16; 2], column: &mut Column, bodies: &Bodies) -> bool {
+        let (n, step) = (column.entries.len(), bodies.step);
+        self.active.clear();
         let Lanes {
             start,
-            end,
-            sure_end,
-            lo: [lo_u, lo_v],
-            hi: [hi_u, hi_v],
-            who,
+            cover: [end, lo_u, hi_u, lo_v, hi_v],
         } = &mut self.lanes;
-        let (start, end, sure_end) = (&mut start[..n], &mut end[..n], &mut sure_end[..n]);
-        let (lo_u, lo_v, hi_u, hi_v) = (&mut lo_u[..n], &mut lo_v[..n], &mut hi_u[..n], &mut hi_v[..n]);
-        let who = &mut who[..n];
-        let step = bodies.step;
-        let (mut moved, mut parted) = (false, false);
-        let (mut farthest, mut longest) = (f32x4::ZERO, f32x4::ZERO);
+        for bounds in [&mut *end, lo_u, hi_u, lo_v, hi_v] {
+            bounds.resize(n + LANES, 0.0);
+        }
+        start.resize(n + LANES, f32::INFINITY);
+        start[n..].fill(f32::INFINITY);
+        let (start, end) = (&mut start[..n], &mut end[..n]);
+        let (lo_u, hi_u, lo_v, hi_v) = (&mut lo_u[..n], &mut hi_u[..n], &mut lo_v[..n], &mut hi_v[..n]);
+        let absent = Bounds::from_box(&StoredBox::EMPTY);
+        let (mut moved, mut farthest, mut longest) = (false, f32x4::ZERO, f32x4::ZERO);
         for (k, &e) in column.entries.iter().enumerate() {
             let record = &bodies.records[index_of(e)];
-            let (old, new) = (record.old(step), record.new());
             moved |= record.moved(step);
-            let mut union = old.united(&new);
-            let mut from = new.lo;
-            let mut least_end = old.hi.fast_min(new.hi).to_array()[0];
-            let mut by = old.displacement(&new);
+            let (old, new) = (record.old(step), record.new());
+            let (mut cover, mut from, mut by) = (old.united(&new), new.lo, old.displacement(&new));
             if (record.flags & (MIGRATES | JUMPS) != 0) | (e as u32 & ARRIVING != 0) {
                 let part = Part::of(e as u32, record, cell);
                 if part != Part::Both {
-                    union = if part == Part::Old { old } else { new };
-                    (from, least_end, by) = (union.lo, f32::NEG_INFINITY, f32x4::ZERO);
-                    parted = true;
+                    let only = if part == Part::Old { old } else { new };
+                    longest = longest.fast_max(only.hi - only.lo);
+                    (cover, from, by) = (absent, only.lo, f32x4::ZERO);
+                    self.active.push(e);
                 }
             }
             farthest = farthest.fast_max(by);
-            longest = longest.fast_max(union.hi - union.lo);
-            let ([_, u0, v0, _], [x1, u1, v1, _]) = (union.lo.to_array(), union.hi.to_array());
-            start[k] = from.to_array()[0];
-            (end[k], sure_end[k]) = (x1, least_end);
-            [lo_u[k], lo_v[k], hi_u[k], hi_v[k]] = [u0, v0, u1, v1];
-            who[k] = e as u32;
+            longest = longest.fast_max(cover.hi - cover.lo);
+            let ([_, u0, v0, _], [x1, u1, v1, _]) = (cover.lo.to_array(), cover.hi.to_array());
+            (start[k], end[k]) = (from.to_array()[0], x1);
+            (lo_u[k], hi_u[k], lo_v[k], hi_v[k]) = (u0, u1, v0, v1);
         }
-        Gathered {
-            farthest: largest(farthest),
-            longest: longest.to_array()[0],
-            moved,
-            parted,
-        }
+        column.longest = longest.to_array()[0];
+        self.reach = largest(farthest);
+        moved
     }
 
     /// Compares every entry with those that start before it ends.
-    fn scan(&mut self, n: usize, farthest: f32, cell: [u16; 2], bodies: &Bodies) {
+    fn scan(&mut self, column: &Column, cell: [u16; 2], bodies: &Bodies) {
+        let n = column.entries.len();
+        let padded = n + LANES;
+        // Slices of one known length spare bounds checks.
         let Lanes {
             start,
-            end,
-            lo: [lo_u, lo_v],
-            hi: [hi_u, hi_v],
-            ..
+            cover: [end, lo_u, hi_u, lo_v, hi_v],
         } = &self.lanes;
-        let padded = n + LANES;
         let (start, end) = (&start[..padded], &end[..padded]);
-        let (lo_u, lo_v, hi_u, hi_v) = (&lo_u[..padded], &lo_v[..padded], &hi_u[..padded], &hi_v[..padded]);
-        let mut tests = 0;
-        // A little more than `farthest`, so that the rounding of sums and differences errs to the safe side.
-        let d = farthest * 1.000_01;
+        let (lo_u, hi_u, lo_v, hi_v) = (&lo_u[..padded], &hi_u[..padded], &lo_v[..padded], &hi_v[..padded]);
+        // A little more, so that the rounding of the sum errs to the safe side.
+        let d = self.reach * 1.000_01;
         for i in 0..n {
-            let reach = f32x8::splat(end[i] + d + end[i].abs() * SLACK);
-            let [u0, u1, v0, v1] = [lo_u[i], hi_u[i], lo_v[i], hi_v[i]].map(f32x8::splat);
+            let reach = end[i] + (d + end[i].abs() * SLACK);
+            let [near, u0, u1, v0, v1] = [reach, lo_u[i], hi_u[i], lo_v[i], hi_v[i]].map(f32x8::splat);
             let mut j = i + 1;
             while j + LANES <= padded {
-                let near = eight(start, j).simd_le(reach);
-                let overlaps_u = eight(lo_u, j).simd_le(u1) & u0.simd_le(eight(hi_u, j));
-                let overlaps_v = eight(lo_v, j).simd_le(v1) & v0.simd_le(eight(hi_v, j));
-                let hits = (near & overlaps_u & overlaps_v).to_bitmask();
+                let meets_u = eight(lo_u, j).simd_le(u1) & u0.simd_le(eight(hi_u, j));
+                let meets_v = eight(lo_v, j).simd_le(v1) & v0.simd_le(eight(hi_v, j));
+                let hits = eight(start, j).simd_le(near) & meets_u & meets_v;
+                let hits = hits.to_bitmask();
                 if hits != 0 {
-                    let mut open = hits & !self.lanes.surely_same(i, j, d);
+                    let mut open = hits;
                     while open != 0 {
                         let k = j + open.trailing_zeros() as usize;
                         open &= open - 1;
-                        decide(self.lanes.who[i], self.lanes.who[k], cell, bodies, &mut self.changes);
+                        let (first, second) = (column.entries[i], column.entries[k]);
+                        let [a, b] = [first, second].map(|e| &bodies.records[index_of(e)]);
+                        let (was, is) = overlap(a, b, bodies.step);
+                        if was != is {
+                            decide(first as u32, second as u32, cell, bodies, &mut self.changes);
+                        }
                     }
                 }
-                let inside = near.to_bitmask().trailing_ones();
-                tests += u64::from(inside);
-                if inside < LANES as u32 {
+                if start[j + LANES - 1] > reach {
                     break;
                 }
                 j += LANES;
             }
         }
-        self.tests += tests;
+    }
+
+    /// Counts the entries inside the windows of a sample of the column.
+    fn count(&mut self, n: usize) {
+        let (start, end) = (&self.lanes.start[..n], &self.lanes.cover[0][..n]);
+        for i in (0..n).step_by(4) {
+            self.tests += start[i + 1..].partition_point(|s| *s <= end[i]) as u64;
+            self.sampled += 1;
+        }
         self.swept += n as u64;
     }
-}
 
-impl Lanes {
-    /// Which of the eight entries from `j` on overlapped entry `i` before and do so still, for certain.
-    #[inline(always)]
-    fn surely_same(&self, i: usize, j: usize, d: f32) -> u32 {
-        let Self {
-            start,
-            end,
-            sure_end,
-            lo: [lo_u, lo_v],
-            hi: [hi_u, hi_v],
-            ..
-        } = self;
-        let largest = [start[i], end[i], lo_u[i], hi_u[i], lo_v[i], hi_v[i]]
-            .iter()
-            .fold(0.0, |m, v| max(m, v.abs()));
-        let shrink: f32 = 2.0 * d + SLACK * largest;
-        // `sure_end` of entry i tells whether it stands for both boxes; if not, nothing is sure.
-        let from = if sure_end[i] > f32::NEG_INFINITY {
-            start[i] + shrink
-        } else {
-            f32::INFINITY
-        };
-        let sure = f32x8::splat(from).simd_le(eight(sure_end, j))
-            & eight(start, j).simd_le(f32x8::splat(end[i] - shrink))
-            & eight(lo_u, j).simd_le(f32x8::splat(hi_u[i] - shrink))
-            & f32x8::splat(lo_u[i] + shrink).simd_le(eight(hi_u, j))
-            & eight(lo_v, j).simd_le(f32x8::splat(hi_v[i] - shrink))
-            & f32x8::splat(lo_v[i] + shrink).simd_le(eight(hi_v, j));
-        sure.to_bitmask()
+    /// Bytes reserved.
+    pub(super) fn bytes(&self) -> usize {
+        let lanes = self.lanes.start.capacity() * 6 * 4;
+        lanes + (self.changes.began.capacity() + self.changes.ended.capacity() + self.active.capacity()) * 8
     }
 }
 
@@ -235,7 +180,6 @@ fn eight(bounds: &[f32], from: usize) -> f32x8 {
 }
 
 /// Old and new boxes decide, and the column reports what it owns: a beginning by the new boxes, an end by the old.
-#[cold]
 #[inline(never)]
 pub(super) fn decide(a: u32, b: u32, cell: [u16; 2], bodies: &Bodies, changes: &mut Changes) {
     let (i, j) = (a & !ARRIVING, b & !ARRIVING);

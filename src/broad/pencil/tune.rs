@@ -167,6 +167,16 @@ impl Survey {
     }
 }
 
+/// What a full sweep counted.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Counts {
+    /// Entries swept.
+    pub(super) entries: u64,
+    /// Entries inside the windows of a sample of them.
+    pub(super) tests: u64,
+    pub(super) sampled: u64,
+}
+
 /// When to cut new columns.
 #[derive(Clone, Debug)]
 pub(super) struct Tuning {
@@ -175,9 +185,6 @@ pub(super) struct Tuning {
     /// Steps to wait before the width is looked at again, and how many that was the last time: doubled at each cut.
     wait: u32,
     patience: u32,
-    /// Entries and tests of the last full sweep.
-    pub(super) entries: u64,
-    pub(super) tests: u64,
     /// The width that promised to be clearly better, if any.
     wanted: Option<f64>,
 }
@@ -193,22 +200,24 @@ impl Tuning {
             count: 0,
             wait: 0,
             patience: 1,
-            entries: 0,
-            tests: 0,
             wanted: None,
         }
     }
 
-    /// After a full sweep that looked at this many entries and tests.
-    pub(super) fn observe(&mut self, bodies: &Bodies, entries: u64, tests: u64) {
-        (self.entries, self.tests) = (entries, tests);
+    /// Whether the coming sweep is to count.
+    pub(super) fn wants_counts(&self) -> bool {
+        self.wait <= 1
+    }
+
+    /// After a full sweep.
+    pub(super) fn observe(&mut self, bodies: &Bodies, counts: Counts) {
         self.wait = self.wait.saturating_sub(1);
-        if self.wait > 0 || entries == 0 {
+        if self.wait > 0 || counts.entries == 0 || counts.sampled == 0 {
             return;
         }
         let survey = Survey::of(bodies);
         let width = f64::from(bodies.grid.width);
-        let tests = tests as f64 / entries as f64 * survey.entries(width);
+        let tests = counts.tests as f64 / counts.sampled as f64 * survey.entries(width);
         let (better, share) = survey.best_width(width, tests);
         self.patience = (self.patience * 2).min(PATIENCE);
         self.wait = self.patience;
