@@ -244,7 +244,13 @@ fn far_bodies_work() {
         let by = Vector3::repeat(by);
         Aabb::new(aabb.min + by, aabb.max + by)
     };
-    let place = |i: usize| if i % 2 == 0 { 0.0 } else { [1e5, -3e6, 1e12][i % 3] };
+    let place = |i: usize| {
+        if i.is_multiple_of(2) {
+            0.0
+        } else {
+            [1e5, -3e6, 1e12][i % 3]
+        }
+    };
     let boxes: Vec<Aabb> = scene
         .boxes
         .iter()

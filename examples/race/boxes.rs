@@ -307,7 +307,7 @@ const RACED: [Kind; 7] = [
     Kind::Clusters,
 ];
 
-pub fn run(arguments: &[String]) {
+pub(crate) fn run(arguments: &[String]) {
     let option = |name: &str| {
         let at = arguments.iter().position(|a| a == name)?;
         arguments.get(at + 1).cloned()
@@ -356,9 +356,9 @@ pub fn run(arguments: &[String]) {
             }
         }
     }
-    if let Some(file) = option("--csv") {
-        if let Err(error) = std::fs::write(&file, csv) {
-            eprintln!("{file}: {error}");
-        }
+    if let Some(file) = option("--csv")
+        && let Err(error) = std::fs::write(&file, csv)
+    {
+        eprintln!("{file}: {error}");
     }
 }

@@ -77,7 +77,7 @@ impl Record {
 
     /// The box of the step being prepared.
     #[inline(always)]
-    pub(crate) fn new(&self) -> Bounds {
+    pub(crate) fn now(&self) -> Bounds {
         Bounds {
             lo: lanes(self.lo, self.least),
             hi: lanes(self.hi, self.most),
@@ -86,14 +86,14 @@ impl Record {
 
     /// The box of the last step.
     #[inline(always)]
-    pub(crate) fn old(&self, step: u32) -> Bounds {
+    pub(crate) fn before(&self, step: u32) -> Bounds {
         if self.stamp == step {
             Bounds {
                 lo: lanes(self.old_lo, self.stamp),
                 hi: lanes(self.old_hi, self.flags),
             }
         } else {
-            self.new()
+            self.now()
         }
     }
 
@@ -107,7 +107,7 @@ impl Record {
         self.lo[0] <= self.hi[0]
     }
 
-    pub(crate) fn was_present(&self, step: u32) -> bool {
+    pub(crate) fn present_before(&self, step: u32) -> bool {
         if self.stamp == step {
             self.old_lo[0] <= self.old_hi[0]
         } else {
@@ -125,9 +125,9 @@ impl Record {
     }
 
     /// Columns of the old box.
-    pub(crate) fn old_range(&self, step: u32, grid: &Grid) -> Range {
-        if self.was_present(step) && self.flags & UNBOUNDED == 0 {
-            grid.range(&self.old(step))
+    pub(crate) fn range_before(&self, step: u32, grid: &Grid) -> Range {
+        if self.present_before(step) && self.flags & UNBOUNDED == 0 {
+            grid.range(&self.before(step))
         } else {
             Range::NONE
         }
@@ -187,6 +187,10 @@ pub(crate) struct Bodies {
 }
 
 mod batch;
+#[cfg(feature = "serde")]
+mod state;
+#[cfg(feature = "serde")]
+pub(crate) use state::BodiesState;
 
 impl Bodies {
     pub(crate) fn new(origin: Point3<f64>) -> Self {
@@ -360,7 +364,7 @@ impl Bodies {
                 continue;
             }
             record.set_range(if record.present() {
-                grid.range(&record.new())
+                grid.range(&record.now())
             } else {
                 Range::NONE
             });
@@ -379,9 +383,9 @@ impl Bodies {
         let (step, grid) = (self.step, &self.grid);
         for &index in &self.marks.noted {
             let record = &mut self.records[index as usize];
-            let stays = record.present() && record.was_present(step);
-            let jumps = stays && any_above(record.old(step).displacement(&record.new()), leap);
-            let migrates = record.old_range(step, grid) != record.range();
+            let stays = record.present() && record.present_before(step);
+            let jumps = stays && any_above(record.before(step).displacement(&record.now()), leap);
+            let migrates = record.range_before(step, grid) != record.range();
             record.flags &= !(MIGRATES | JUMPS);
             record.flags |= if jumps { JUMPS } else { 0 } | if migrates { MIGRATES } else { 0 };
         }
@@ -445,7 +449,7 @@ impl Context<'_> {
     /// Takes over a new box and notes what changed. The common case touches nothing but the record.
     #[inline(always)]
     fn place(&self, record: &mut Record, index: u32, given: Bounds, marks: &mut Marks) {
-        let present = record.new();
+        let present = record.now();
         let mut bounds = given;
         if record.flags & LOOSE != 0 {
             if present.contains(&given) {

@@ -57,7 +57,7 @@ impl Changes {
 /// Whether the pair overlapped in the last step, and whether it does now.
 #[inline(always)]
 pub(crate) fn overlap(a: &Record, b: &Record, step: u32) -> (bool, bool) {
-    (a.old(step).overlaps(&b.old(step)), a.new().overlaps(&b.new()))
+    (a.before(step).overlaps(&b.before(step)), a.now().overlaps(&b.now()))
 }
 
 /// Compares the unbounded bodies, which are in no column, with all others: those that moved, or everything if the

@@ -76,6 +76,7 @@ impl Ledger {
             }
             found.clear();
             partners(bodies, index, &mut found);
+            found.sort_unstable(); // slots are given out in this order
             for &other in found.iter().filter(|other| **other != index) {
                 let key = pair_key(index, other);
                 let (low, high) = super::change::pair_of(key);
@@ -130,7 +131,7 @@ impl Ledger {
             .records
             .iter()
             .enumerate()
-            .filter(|(_, r)| r.old(step).overlaps(&asked));
+            .filter(|(_, r)| r.before(step).overlaps(&asked));
         found.extend(hits.map(|(i, _)| self.bodies.id(i as u32)));
     }
 }
@@ -158,7 +159,7 @@ pub(super) fn nearest<B: BroadPhase + ?Sized>(
         let grown = aabb.grown(reach);
         broad.overlapping(&grown, &mut found)?;
         let distance = |id: &BodyId| {
-            let stored = bodies.records[id.index as usize].old(bodies.step).to_box();
+            let stored = bodies.records[id.index as usize].before(bodies.step).to_box();
             Nearest {
                 body: *id,
                 distance: libm::sqrt(stored.distance_squared(&asked)),

@@ -52,6 +52,8 @@ mod grid;
 mod ledger;
 mod pairs;
 mod pencil;
+#[cfg(feature = "serde")]
+mod snapshot;
 mod sorted_axes;
 
 use alloc::vec::Vec;
@@ -300,7 +302,7 @@ pub trait BroadPhase: HasLedger {
     fn stored_box(&self, id: BodyId) -> Option<StoredBox> {
         let bodies = &self.ledger().bodies;
         let record = &bodies.records[bodies.index_of(id).ok()?];
-        Some(record.new().to_box().rotated(3 - bodies.grid.axis))
+        Some(record.now().to_box().rotated(3 - bodies.grid.axis))
     }
 
     /// The pairs of the last step, in the order of their slots.

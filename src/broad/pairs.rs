@@ -249,3 +249,56 @@ fn named(bodies: &Bodies, slot: u32, content: Slot) -> Pair {
         b: bodies.id(b),
     }
 }
+
+/// Feature `serde`: the slots as text; the index is made anew.
+#[cfg(feature = "serde")]
+#[derive(serde::Serialize, serde::Deserialize)]
+pub(crate) struct PairsState {
+    slots: Vec<Slot>,
+    free: Vec<u32>,
+    resting: Vec<u32>,
+}
+
+#[cfg(feature = "serde")]
+impl PairTable {
+    pub(crate) fn state(&self) -> PairsState {
+        PairsState {
+            slots: self.slots.clone(),
+            free: self.free.clone(),
+            resting: self.resting.clone(),
+        }
+    }
+}
+
+#[cfg(feature = "serde")]
+impl PairsState {
+    /// The table again, if every slot names bodies below `bodies` and every vacant slot is listed once.
+    pub(crate) fn restored(self, bodies: usize) -> Result<PairTable, alloc::string::String> {
+        let Self { slots, free, resting } = self;
+        let mut vacant: Vec<u32> = free.iter().chain(&resting).copied().collect();
+        vacant.sort_unstable();
+        let empty = slots
+            .iter()
+            .enumerate()
+            .filter(|(_, s)| s.key == VACANT)
+            .map(|(i, _)| i as u32);
+        let mut keys: Vec<PairKey> = slots.iter().map(|s| s.key).filter(|key| *key != VACANT).collect();
+        keys.sort_unstable();
+        let named = |key: &PairKey| {
+            let (a, b) = super::change::pair_of(*key);
+            a < b && (b as usize) < bodies
+        };
+        if !empty.eq(vacant) || !keys.iter().all(named) || !keys.is_sorted_by(|a, b| a < b) {
+            return Err("the pairs of the broad phase contradict each other".into());
+        }
+        let mut table = PairTable {
+            live: keys.len(),
+            slots,
+            free,
+            resting,
+            ..PairTable::default()
+        };
+        table.reindex((table.live * 2).next_power_of_two().max(16));
+        Ok(table)
+    }
+}

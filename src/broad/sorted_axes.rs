@@ -28,7 +28,7 @@ use alloc::vec::Vec;
 /// Sweep and prune on three sorted axes; the reference. See the module page.
 #[derive(Clone, Debug)]
 pub struct SortedAxes {
-    ledger: Ledger,
+    pub(super) ledger: Ledger,
     axes: [Vec<End>; 3],
 }
 
@@ -55,10 +55,24 @@ impl SortedAxes {
 
     /// An empty broad phase with settings of its own.
     pub fn with_settings(settings: Settings) -> Self {
-        Self {
-            ledger: Ledger::new(settings.origin),
-            axes: Default::default(),
+        Self::from_ledger(Ledger::new(settings.origin))
+    }
+
+    /// Bodies and pairs as they are; the lists get every body that was there in the last step.
+    pub(super) fn from_ledger(ledger: Ledger) -> Self {
+        let bodies = &ledger.bodies;
+        let there = bodies
+            .records
+            .iter()
+            .enumerate()
+            .filter(|(_, r)| r.present_before(bodies.step));
+        let mut axes: [Vec<End>; 3] = Default::default();
+        for (i, record) in there {
+            let old = record.before(bodies.step).to_box();
+            (0..3).for_each(|k| axes[k].extend(ends(i as u32, &old, k)));
         }
+        axes.iter_mut().for_each(|axis| axis.sort_unstable());
+        Self { ledger, axes }
     }
 
     fn find_changes(&mut self) {
@@ -67,7 +81,7 @@ impl SortedAxes {
         // Every body of the lists was there in the last step; the others that are there now come.
         let listed = self.axes[0].len() / 2;
         let coming: Vec<u32> = (bodies.marks.moved.iter().copied())
-            .filter(|&i| !bodies.records[i as usize].was_present(bodies.step))
+            .filter(|&i| !bodies.records[i as usize].present_before(bodies.step))
             .collect();
         for axis in &mut self.axes {
             axis.extend(coming.iter().flat_map(|&i| [u64::from(i), u64::from(i) | UPPER]));
@@ -97,7 +111,7 @@ impl SortedAxes {
 /// The same end with the coordinate of this step.
 fn renewed(end: End, records: &[Record], axis: usize) -> End {
     let index = index_of(end);
-    let [lower, upper] = ends(index, &records[index as usize].new().to_box(), axis);
+    let [lower, upper] = ends(index, &records[index as usize].now().to_box(), axis);
     if end & UPPER == 0 { lower } else { upper }
 }
 
@@ -126,7 +140,7 @@ fn compare(a: u32, b: u32, bodies: &Bodies, changes: &mut Changes) {
 
 /// One sweep along the first axis over boxes that cover old and new place.
 fn sweep_one_axis(bodies: &Bodies, changes: &mut Changes) {
-    let cover = |(i, record): (usize, &Record)| (record.old(bodies.step).united(&record.new()).to_box(), i as u32);
+    let cover = |(i, record): (usize, &Record)| (record.before(bodies.step).united(&record.now()).to_box(), i as u32);
     let mut boxes: Vec<(StoredBox, u32)> = bodies.records.iter().enumerate().map(cover).collect();
     boxes.retain(|(cover, _)| cover.lo[0] <= cover.hi[0]);
     boxes.sort_unstable_by_key(|(cover, i)| (order_key(cover.lo[0]), *i));
@@ -157,12 +171,12 @@ impl BroadPhase for SortedAxes {
     fn step_with(&mut self, filter: &mut dyn FnMut(BodyId, BodyId) -> bool) -> Events<'_> {
         self.find_changes();
         self.ledger.take_over(filter, |bodies, index, found| {
-            let stored = bodies.records[index as usize].new();
+            let stored = bodies.records[index as usize].now();
             let hits = bodies
                 .records
                 .iter()
                 .enumerate()
-                .filter(|(_, r)| r.new().overlaps(&stored));
+                .filter(|(_, r)| r.now().overlaps(&stored));
             found.extend(hits.map(|(i, _)| i as u32));
         });
         self.ledger.pairs.events()

@@ -1,7 +1,7 @@
 //! One column: its bodies in the order of their lower bound on the swept axis.
 
-use crate::broad::aabb::order_key;
-use crate::broad::body::{JUMPS, MIGRATES, Record};
+use crate::broad::aabb::{max, order_key};
+use crate::broad::body::{Bodies, JUMPS, MIGRATES, Record, UNBOUNDED};
 use alloc::vec::Vec;
 
 /// Marks an entry that stands for the new box only: the body came into the column this step.
@@ -67,6 +67,20 @@ pub(super) struct Column {
 }
 
 impl Column {
+    /// The only column of a grid that has but one, as the last step left it.
+    pub(super) fn of_all(bodies: &Bodies) -> Self {
+        let listed = |r: &Record| r.flags & UNBOUNDED == 0 && r.present_before(bodies.step);
+        let mut out = Self::default();
+        for (i, record) in bodies.records.iter().enumerate().filter(|(_, r)| listed(r)) {
+            let old = record.before(bodies.step).to_box();
+            out.entries.push(entry(old.lo[0], i as u32));
+            out.longest = max(out.longest, old.hi[0] - old.lo[0]);
+        }
+        out.entries.sort_unstable();
+        out.settled = out.entries.len();
+        out
+    }
+
     pub(super) fn arrive(&mut self, index: u32) {
         self.entries.push(u64::from(index | ARRIVING));
     }
@@ -80,8 +94,8 @@ impl Column {
             let who = e as u32;
             let record = &records[index_of(e)];
             let lower = match Part::of(who, record, column) {
-                Part::Old => record.old(step).to_box().lo[0],
-                _ => record.new().to_box().lo[0],
+                Part::Old => record.before(step).to_box().lo[0],
+                _ => record.now().to_box().lo[0],
             };
             entry(lower, who)
         };

@@ -48,14 +48,14 @@ use tune::{Counts, Tuning};
 /// Sweep and prune over pencils; the broad phase to use. See the module page for how it works.
 #[derive(Clone, Debug)]
 pub struct PencilSweep {
-    ledger: Ledger,
+    pub(super) ledger: Ledger,
     columns: Vec<Column>,
     workers: Vec<Worker>,
     touched: Vec<Touch>,
     tuning: Tuning,
     /// Entries of all columns after the last full sweep.
     entries: usize,
-    parallel_from: usize,
+    pub(super) parallel_from: usize,
 }
 
 /// A full sweep is done when this many times the moved bodies exceed all bodies; measured crossover near 9 %.
@@ -69,23 +69,31 @@ impl PencilSweep {
 
     /// An empty broad phase with settings of its own.
     pub fn with_settings(settings: Settings) -> Self {
+        Self::from_ledger(Ledger::new(settings.origin), settings.parallel_from)
+    }
+
+    /// Bodies and pairs as they are, all in one column until the first step.
+    pub(super) fn from_ledger(ledger: Ledger, parallel_from: usize) -> Self {
+        let first = Column::of_all(&ledger.bodies);
         Self {
-            ledger: Ledger::new(settings.origin),
-            columns: Vec::from([Column::default()]), // the one of the first grid
+            ledger,
+            columns: Vec::from([first]),
             workers: Vec::from([Worker::default()]),
             touched: Vec::new(),
             tuning: Tuning::new(),
             entries: 0,
-            parallel_from: settings.parallel_from,
+            parallel_from,
         }
     }
 
     /// How many threads share the work of a step.
     fn threads(&self) -> usize {
+        let worth_it = self.ledger.bodies.len() >= self.parallel_from;
         #[cfg(feature = "parallel")]
-        if self.ledger.bodies.len() >= self.parallel_from {
+        if worth_it {
             return rayon::current_num_threads().max(1);
         }
+        let _ = worth_it;
         1
     }
 
@@ -107,7 +115,7 @@ impl PencilSweep {
             if record.flags & UNBOUNDED != 0 {
                 continue;
             }
-            let old = record.old_range(bodies.step, &bodies.grid);
+            let old = record.range_before(bodies.step, &bodies.grid);
             for cell in old.columns() {
                 self.columns[bodies.grid.index(cell)].entries.push(i as u64);
             }
@@ -120,7 +128,7 @@ impl PencilSweep {
         let bodies = &self.ledger.bodies;
         for &index in &bodies.marks.noted {
             let record = &bodies.records[index as usize];
-            let old = record.old_range(bodies.step, &bodies.grid);
+            let old = record.range_before(bodies.step, &bodies.grid);
             let jumps = record.flags & JUMPS != 0;
             for cell in record.range().columns().filter(|cell| jumps || !old.contains(*cell)) {
                 self.columns[bodies.grid.index(cell)]
@@ -260,10 +268,10 @@ impl BroadPhase for PencilSweep {
                     .records
                     .iter()
                     .enumerate()
-                    .filter(|(_, r)| r.new().overlaps(&record.new()));
+                    .filter(|(_, r)| r.now().overlaps(&record.now()));
                 found.extend(hits.map(|(i, _)| i as u32));
             } else {
-                query::overlapping(bodies, columns, &record.new(), Record::new, |i| found.push(i));
+                query::overlapping(bodies, columns, &record.now(), Record::now, |i| found.push(i));
             }
         });
         self.ledger.pairs.events()
@@ -278,7 +286,7 @@ impl BroadPhase for PencilSweep {
             bodies,
             &self.columns,
             &Bounds::from_box(&asked),
-            |r| r.old(bodies.step),
+            |r| r.before(bodies.step),
             visit,
         );
         found[first..].sort_unstable();

@@ -23,7 +23,7 @@ pub(super) fn list_touched(bodies: &Bodies, touched: &mut Vec<Touch>) {
         let range = record.range();
         range.columns().for_each(&mut push);
         if record.flags & MIGRATES != 0 {
-            let old = record.old_range(bodies.step, &bodies.grid);
+            let old = record.range_before(bodies.step, &bodies.grid);
             old.columns().filter(|cell| !range.contains(*cell)).for_each(push);
         }
     }
@@ -62,7 +62,7 @@ impl Worker {
         for &(_, who) in touched {
             let record = &bodies.records[who as usize];
             let (stays, comes) = roles(record, cell, bodies);
-            let (old, new) = (record.old(bodies.step), record.new());
+            let (old, new) = (record.before(bodies.step), record.now());
             let (old_start, new_start) = (old.to_box().lo[0], new.to_box().lo[0]);
             parted |= comes;
             if comes {
@@ -127,7 +127,7 @@ impl Worker {
 fn roles(record: &Record, cell: [u16; 2], bodies: &Bodies) -> (bool, bool) {
     let flags = record.flags;
     let in_new = record.range().contains(cell);
-    let in_old = flags & MIGRATES != 0 && record.old_range(bodies.step, &bodies.grid).contains(cell);
+    let in_old = flags & MIGRATES != 0 && record.range_before(bodies.step, &bodies.grid).contains(cell);
     let stays = if flags & MIGRATES == 0 { in_new } else { in_old };
     (stays, in_new && (flags & JUMPS != 0 || !stays))
 }
@@ -135,9 +135,9 @@ fn roles(record: &Record, cell: [u16; 2], bodies: &Bodies) -> (bool, bool) {
 /// What an entry stands for: the cover of old and new box, or one of them.
 fn box_of(who: u32, record: &Record, cell: [u16; 2], step: u32) -> Bounds {
     match Part::of(who, record, cell) {
-        Part::Both => record.old(step).united(&record.new()),
-        Part::Old => record.old(step),
-        Part::New => record.new(),
+        Part::Both => record.before(step).united(&record.now()),
+        Part::Old => record.before(step),
+        Part::New => record.now(),
     }
 }
 

@@ -90,7 +90,7 @@ impl Worker {
         for (k, &e) in column.entries.iter().enumerate() {
             let record = &bodies.records[index_of(e)];
             moved |= record.moved(step);
-            let (old, new) = (record.old(step), record.new());
+            let (old, new) = (record.before(step), record.now());
             let (mut cover, mut from, mut by) = (old.united(&new), new.lo, old.displacement(&new));
             if (record.flags & (MIGRATES | JUMPS) != 0) | (e as u32 & ARRIVING != 0) {
                 let part = Part::of(e as u32, record, cell);
@@ -195,10 +195,10 @@ pub(super) fn decide(a: u32, b: u32, cell: [u16; 2], bodies: &Bodies, changes: &
     let (seen, owner) = if is {
         (
             part_a.has_new() && part_b.has_new(),
-            bodies.grid.owner(&first.new(), &second.new()),
+            bodies.grid.owner(&first.now(), &second.now()),
         )
     } else {
-        let (old_a, old_b) = (first.old(bodies.step), second.old(bodies.step));
+        let (old_a, old_b) = (first.before(bodies.step), second.before(bodies.step));
         (part_a.has_old() && part_b.has_old(), bodies.grid.owner(&old_a, &old_b))
     };
     if seen && owner == cell {

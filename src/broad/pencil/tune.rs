@@ -47,7 +47,7 @@ impl Survey {
             .iter()
             .filter(|r| r.flags & UNBOUNDED == 0 && r.present());
         for (i, record) in present.enumerate() {
-            let stored = record.new().to_box();
+            let stored = record.now().to_box();
             let length: [f64; 3] = core::array::from_fn(|k| f64::from(stored.hi[k]) - f64::from(stored.lo[k]));
             out.count += 1.0;
             for k in 0..3 {
@@ -269,7 +269,7 @@ fn entries_of(bodies: &Bodies, grid: &Grid, turn: usize, most: usize) -> usize {
         .filter(|r| r.flags & UNBOUNDED == 0 && r.present())
     {
         total += grid
-            .range(&Bounds::from_box(&record.new().to_box().rotated(turn)))
+            .range(&Bounds::from_box(&record.now().to_box().rotated(turn)))
             .count();
         if total > most {
             break;
