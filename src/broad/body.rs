@@ -8,7 +8,6 @@ use super::{Aabb, Body, BoxFault};
 use alloc::vec::Vec;
 use core::fmt;
 use nalgebra::Point3;
-use wide::f32x4;
 
 /// Names a body of one broad phase. The index is reused after a removal, the generation then differs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -28,128 +27,6 @@ impl fmt::Display for BodyId {
 
 /// Largest number of bodies: one bit of a 32-bit index serves as a flag inside columns.
 const MOST_BODIES: usize = (1 << 31) - 1;
-
-/// The body does not move by itself: it never pairs with another fixed one.
-pub(super) const FIXED: u32 = 1;
-/// Kept in the list of unbounded bodies, outside all columns.
-pub(super) const UNBOUNDED: u32 = 1 << 1;
-/// The stored box is larger than the given one.
-const LOOSE: u32 = 1 << 2;
-/// Listed among those that may have changed columns.
-const NOTED: u32 = 1 << 3;
-/// This step the body changes columns, so its part in a column depends on the column.
-pub(super) const MIGRATES: u32 = 1 << 4;
-/// This step the body jumps: its old and its new box are listed as two entries.
-pub(super) const JUMPS: u32 = 1 << 5;
-
-/// What a step reads of a body, in one cache line. Each box takes two vector registers whose spare lanes hold the rest.
-#[derive(Clone, Copy, Debug)]
-#[repr(C, align(64))]
-pub(crate) struct Record {
-    /// The box of the step being prepared, and its columns.
-    lo: [f32; 3],
-    least: u32,
-    hi: [f32; 3],
-    most: u32,
-    /// The box of the last step; stale, and equal to the new one by definition, unless `stamp` is the current step.
-    old_lo: [f32; 3],
-    /// The step for which the box last changed.
-    stamp: u32,
-    old_hi: [f32; 3],
-    pub(crate) flags: u32,
-}
-
-impl Record {
-    fn absent() -> Self {
-        let StoredBox { lo, hi } = StoredBox::EMPTY;
-        let [least, most] = [Range::NONE.least, Range::NONE.most].map(Range::pack);
-        Self {
-            lo,
-            least,
-            hi,
-            most,
-            old_lo: lo,
-            stamp: 0,
-            old_hi: hi,
-            flags: 0,
-        }
-    }
-
-    /// The box of the step being prepared.
-    #[inline(always)]
-    pub(crate) fn now(&self) -> Bounds {
-        Bounds {
-            lo: lanes(self.lo, self.least),
-            hi: lanes(self.hi, self.most),
-        }
-    }
-
-    /// The box of the last step.
-    #[inline(always)]
-    pub(crate) fn before(&self, step: u32) -> Bounds {
-        if self.stamp == step {
-            Bounds {
-                lo: lanes(self.old_lo, self.stamp),
-                hi: lanes(self.old_hi, self.flags),
-            }
-        } else {
-            self.now()
-        }
-    }
-
-    #[inline(always)]
-    pub(crate) fn moved(&self, step: u32) -> bool {
-        self.stamp == step
-    }
-
-    /// Whether the body is there in the step being prepared, and whether it was in the last.
-    pub(crate) fn present(&self) -> bool {
-        self.lo[0] <= self.hi[0]
-    }
-
-    pub(crate) fn present_before(&self, step: u32) -> bool {
-        if self.stamp == step {
-            self.old_lo[0] <= self.old_hi[0]
-        } else {
-            self.present()
-        }
-    }
-
-    /// Columns of the new box.
-    #[inline(always)]
-    pub(crate) fn range(&self) -> Range {
-        Range {
-            least: Range::unpack(self.least),
-            most: Range::unpack(self.most),
-        }
-    }
-
-    /// Columns of the old box.
-    pub(crate) fn range_before(&self, step: u32, grid: &Grid) -> Range {
-        if self.present_before(step) && self.flags & UNBOUNDED == 0 {
-            grid.range(&self.before(step))
-        } else {
-            Range::NONE
-        }
-    }
-
-    #[inline(always)]
-    fn set_range(&mut self, range: Range) {
-        (self.least, self.most) = (Range::pack(range.least), Range::pack(range.most));
-    }
-
-    #[inline(always)]
-    fn set_new(&mut self, bounds: &Bounds) {
-        let stored = bounds.to_box();
-        (self.lo, self.hi) = (stored.lo, stored.hi);
-    }
-}
-
-/// Four consecutive numbers of a record as one vector.
-#[inline(always)]
-fn lanes([a, b, c]: [f32; 3], rest: u32) -> f32x4 {
-    f32x4::from([a, b, c, f32::from_bits(rest)])
-}
 
 /// What only events and refreshed margins read.
 #[derive(Clone, Copy, Debug)]
@@ -187,10 +64,14 @@ pub(crate) struct Bodies {
 }
 
 mod batch;
+mod record;
 #[cfg(feature = "serde")]
 mod state;
 #[cfg(feature = "serde")]
 pub(crate) use state::BodiesState;
+
+pub(crate) use record::{FIXED, JUMPS, MIGRATES, Record, UNBOUNDED};
+use record::{LOOSE, NOTED, touch};
 
 impl Bodies {
     pub(crate) fn new(origin: Point3<f64>) -> Self {
@@ -507,16 +388,6 @@ fn checked(aabb: &Aabb, origin: &Point3<f64>, grid: &Grid, flags: u32) -> Result
     match fault {
         Some(fault) => Err(fault),
         None => Ok(Bounds::from_box(&StoredBox::outward(aabb, origin).rotated(grid.axis))),
-    }
-}
-
-/// The first change of a step keeps the box of the last one.
-#[inline(always)]
-fn touch(record: &mut Record, index: u32, step: u32, moved: &mut Vec<u32>) {
-    if record.stamp != step {
-        record.stamp = step;
-        (record.old_lo, record.old_hi) = (record.lo, record.hi);
-        moved.push(index);
     }
 }
 

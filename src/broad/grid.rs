@@ -141,10 +141,8 @@ mod tests {
     fn far_boxes_fall_into_border_columns() {
         let grid = Grid::new(0, [-10.0, 0.0], 2.0, [5, 3]);
         let at = |u: f32, v: f32| {
-            grid.range(&StoredBox {
-                lo: [0.0, u, v],
-                hi: [0.0, u, v],
-            })
+            let point = [0.0, u, v];
+            grid.range(&Bounds::from_box(&StoredBox { lo: point, hi: point }))
         };
         assert_eq!(at(-1e38, -1e38).least, [0, 0]);
         assert_eq!(at(1e38, 1e38).most, [4, 2]);
