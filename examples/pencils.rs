@@ -7,10 +7,10 @@ use lab::boxes::{Kind, Scene};
 use lin_canny::broad::{Body, BodyId, BroadPhase, Pencil, PencilSweep, StoredBox};
 use std::fmt::Write as _;
 
-const SCALE: f32 = 12.0;
+const SCALE: f32 = 9.0;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let mut scene = Scene::new(Kind::Floor, 500);
+    let mut scene = Scene::new(Kind::Floor, 1200);
     let mut broad = PencilSweep::new();
     let ids = scene
         .boxes

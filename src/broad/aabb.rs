@@ -243,7 +243,7 @@ mod tests {
                 .wrapping_mul(6364136223846793005)
                 .wrapping_add(1442695040888963407);
             let v = (state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5;
-            let v = v * libm::exp2(((state >> 5) % 300) as f64 - 150.0);
+            let v = v * libm::exp2(((state >> 5) % 260) as f64 - 140.0);
             let down = rounded_down(v);
             assert!(f64::from(down) <= v && f64::from(down.next_up()) > v, "{v:e} {down:e}");
             let same = v as f32;

@@ -125,6 +125,8 @@ impl Worker {
         let (lo_u, hi_u, lo_v, hi_v) = (&lo_u[..padded], &hi_u[..padded], &lo_v[..padded], &hi_v[..padded]);
         // A little more, so that the rounding of the sum errs to the safe side.
         let d = self.reach * 1.000_01;
+        let mut pending = [(0, 0, 0); PENDING];
+        let mut waiting = 0;
         for i in 0..n {
             let reach = end[i] + (d + end[i].abs() * SLACK);
             let [near, u0, u1, v0, v1] = [reach, lo_u[i], hi_u[i], lo_v[i], hi_v[i]].map(f32x8::splat);
@@ -134,18 +136,12 @@ impl Worker {
                 let meets_v = eight(lo_v, j).simd_le(v1) & v0.simd_le(eight(hi_v, j));
                 let hits = eight(start, j).simd_le(near) & meets_u & meets_v;
                 let hits = hits.to_bitmask();
-                if hits != 0 {
-                    let mut open = hits;
-                    while open != 0 {
-                        let k = j + open.trailing_zeros() as usize;
-                        open &= open - 1;
-                        let (first, second) = (column.entries[i], column.entries[k]);
-                        let [a, b] = [first, second].map(|e| &bodies.records[index_of(e)]);
-                        let (was, is) = overlap(a, b, bodies.step);
-                        if was != is {
-                            decide(first as u32, second as u32, cell, bodies, &mut self.changes);
-                        }
-                    }
+                // Written always, kept if there are any: no branch to mispredict.
+                pending[waiting % PENDING] = (i as u32, j as u32, hits);
+                waiting += usize::from(hits != 0);
+                if waiting == PENDING {
+                    settle(&pending, column, cell, bodies, &mut self.changes);
+                    waiting = 0;
                 }
                 if start[j + LANES - 1] > reach {
                     break;
@@ -153,6 +149,7 @@ impl Worker {
                 j += LANES;
             }
         }
+        settle(&pending[..waiting], column, cell, bodies, &mut self.changes);
     }
 
     /// Counts the entries inside the windows of a sample of the column.
@@ -169,6 +166,30 @@ impl Worker {
     pub(super) fn bytes(&self) -> usize {
         let lanes = self.lanes.start.capacity() * 6 * 4;
         lanes + (self.changes.began.capacity() + self.changes.ended.capacity() + self.active.capacity()) * 8
+    }
+}
+
+/// An entry, the first of eight others, and which of those it hit.
+type Hits = (u32, u32, u32);
+
+/// Hits put off until so many windows had some.
+const PENDING: usize = 32;
+
+/// Finds out which of the hits are changes.
+#[inline(never)]
+fn settle(pending: &[Hits], column: &Column, cell: [u16; 2], bodies: &Bodies, changes: &mut Changes) {
+    for &(i, j, hits) in pending {
+        let first = column.entries[i as usize];
+        let a = &bodies.records[index_of(first)];
+        let mut open = hits;
+        while open != 0 {
+            let second = column.entries[(j + open.trailing_zeros()) as usize];
+            open &= open - 1;
+            let (was, is) = overlap(a, &bodies.records[index_of(second)], bodies.step);
+            if was != is {
+                decide(first as u32, second as u32, cell, bodies, changes);
+            }
+        }
     }
 }
 

@@ -16,6 +16,9 @@ const ENTRY: f64 = 8.0;
 const WINDOW: f64 = 4.0;
 const COLUMN: f64 = 40.0;
 
+/// Bodies looked at to choose columns.
+const SAMPLE: usize = 512;
+
 /// Entries a body may take on average; a grid that needs more is too fine.
 const MOST_ENTRIES: usize = 6;
 
@@ -32,55 +35,38 @@ pub(super) struct Survey {
 }
 
 impl Survey {
+    /// A sample will do: what it gets wrong costs a little time, never a pair.
     pub(super) fn of(bodies: &Bodies) -> Self {
-        let mut out = Self {
-            count: 0.0,
-            mean: [0.0; 3],
-            product: [0.0; 3],
-            lo: [f64::MAX; 3],
-            hi: [f64::MIN; 3],
-        };
         let mut sample: [Vec<f64>; 3] = Default::default();
-        let stride = bodies.len() / 2048 + 1;
-        let present = bodies
-            .records
-            .iter()
-            .filter(|r| r.flags & UNBOUNDED == 0 && r.present());
-        for (i, record) in present.enumerate() {
+        let (mut mean, mut product) = ([0.0; 3], [0.0; 3]);
+        let spread = bodies.records.iter().step_by(bodies.records.len() / SAMPLE + 1);
+        for record in spread.filter(|r| r.flags & UNBOUNDED == 0 && r.present()) {
             let stored = record.now().to_box();
             let length: [f64; 3] = core::array::from_fn(|k| f64::from(stored.hi[k]) - f64::from(stored.lo[k]));
-            out.count += 1.0;
             for k in 0..3 {
-                let center = 0.5 * (f64::from(stored.lo[k]) + f64::from(stored.hi[k]));
-                out.mean[k] += length[k];
-                out.product[k] += length[(k + 1) % 3] * length[(k + 2) % 3];
-                out.lo[k] = out.lo[k].min(center);
-                out.hi[k] = out.hi[k].max(center);
-                if i % stride == 0 {
-                    sample[k].push(center);
-                }
+                sample[k].push(0.5 * (f64::from(stored.lo[k]) + f64::from(stored.hi[k])));
+                mean[k] += length[k];
+                product[k] += length[(k + 1) % 3] * length[(k + 2) % 3];
             }
         }
-        let count = out.count.max(1.0);
-        out.mean = out.mean.map(|v| v / count);
-        out.product = out.product.map(|v| v / count);
+        let taken = sample[0].len().max(1) as f64;
+        let count = (bodies.len().saturating_sub(bodies.unbounded.len())) as f64;
+        let (mean, product) = (mean.map(|v| v / taken), product.map(|v| v / taken));
+        let mut out = Self { count, mean, product, lo: [0.0; 3], hi: [0.0; 3] };
         for k in 0..3 {
-            out.ignore_strays(k, &mut sample[k]);
+            out.find_extent(k, &mut sample[k]);
         }
         out
     }
 
     /// A few far bodies must not make all columns wide: they are clamped into border columns instead.
-    fn ignore_strays(&mut self, k: usize, sample: &mut [f64]) {
-        sample.sort_unstable_by(f64::total_cmp);
-        let (Some(last), few) = (sample.len().checked_sub(1), sample.len() / 50) else {
-            (self.lo[k], self.hi[k]) = (0.0, 0.0);
-            return;
-        };
-        let (low, high) = (sample[few], sample[last - few]);
+    fn find_extent(&mut self, k: usize, centers: &mut [f64]) {
+        centers.sort_unstable_by(f64::total_cmp);
+        let (Some(last), few) = (centers.len().checked_sub(1), centers.len() / 50) else { return };
+        let (low, high) = (centers[few], centers[last - few]);
         let room = 0.25 * (high - low) + self.mean[k];
-        self.lo[k] = self.lo[k].max(low - room);
-        self.hi[k] = self.hi[k].min(high + room);
+        self.lo[k] = centers[0].max(low - room);
+        self.hi[k] = centers[last].min(high + room);
     }
 
     fn extent(&self, k: usize) -> f64 {
