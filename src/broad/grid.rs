@@ -127,8 +127,8 @@ impl Grid {
     /// The one column that owns the pair: the one of the lower corner of the intersection. Both boxes touch it.
     #[inline(always)]
     pub(crate) fn owner(&self, a: &Bounds, b: &Bounds) -> [u16; 2] {
-        let [a, b] = [self.range(a), self.range(b)];
-        [a.least[0].max(b.least[0]), a.least[1].max(b.least[1])]
+        let lower = Bounds { lo: a.lo.fast_max(b.lo), hi: a.hi };
+        self.range(&lower).least
     }
 }
 

@@ -106,6 +106,9 @@ impl Worker {
                 break;
             }
             let other = &bodies.records[index_of(e)];
+            if index_of(e) == index_of(active) {
+                continue; // itself, or the other entry of a body that jumps
+            }
             let (was, is) = overlap(record, other, step);
             if was == is {
                 continue;
@@ -117,7 +120,7 @@ impl Worker {
             };
             let twice = looked_at && index_of(e) < index_of(active);
             if !twice {
-                decide(who, e as u32, cell, bodies, &mut self.changes);
+                decide(who, e as u32, is, cell, bodies, &mut self.changes);
             }
         }
     }

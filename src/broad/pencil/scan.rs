@@ -187,7 +187,7 @@ fn settle(pending: &[Hits], column: &Column, cell: [u16; 2], bodies: &Bodies, ch
             open &= open - 1;
             let (was, is) = overlap(a, &bodies.records[index_of(second)], bodies.step);
             if was != is {
-                decide(first as u32, second as u32, cell, bodies, changes);
+                decide(first as u32, second as u32, is, cell, bodies, changes);
             }
         }
     }
@@ -200,29 +200,18 @@ fn eight(bounds: &[f32], from: usize) -> f32x8 {
     f32x8::from(out)
 }
 
-/// Old and new boxes decide, and the column reports what it owns: a beginning by the new boxes, an end by the old.
-#[inline(never)]
-pub(super) fn decide(a: u32, b: u32, cell: [u16; 2], bodies: &Bodies, changes: &mut Changes) {
+/// Reports a changed pair if the column owns it: a beginning by the new boxes, an end by the old ones.
+pub(super) fn decide(a: u32, b: u32, began: bool, cell: [u16; 2], bodies: &Bodies, changes: &mut Changes) {
     let (i, j) = (a & !ARRIVING, b & !ARRIVING);
-    if i == j {
-        return; // the two entries of a body that jumps
-    }
     let (first, second) = (&bodies.records[i as usize], &bodies.records[j as usize]);
-    let (was, is) = overlap(first, second, bodies.step);
-    if was == is {
-        return;
-    }
     let (part_a, part_b) = (Part::of(a, first, cell), Part::of(b, second, cell));
-    let (seen, owner) = if is {
-        (
-            part_a.has_new() && part_b.has_new(),
-            bodies.grid.owner(&first.now(), &second.now()),
-        )
+    let (seen, owner) = if began {
+        (part_a.has_new() & part_b.has_new(), bodies.grid.owner(&first.now(), &second.now()))
     } else {
         let (old_a, old_b) = (first.before(bodies.step), second.before(bodies.step));
-        (part_a.has_old() && part_b.has_old(), bodies.grid.owner(&old_a, &old_b))
+        (part_a.has_old() & part_b.has_old(), bodies.grid.owner(&old_a, &old_b))
     };
-    if seen && owner == cell {
-        changes.note(i, j, was, is);
+    if seen & (owner == cell) {
+        changes.note(i, j, !began, began);
     }
 }
