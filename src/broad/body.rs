@@ -4,7 +4,7 @@ use super::aabb::{FARTHEST, StoredBox};
 use super::bounds::{Bounds, any_above};
 use super::error::BroadPhaseError;
 use super::grid::{Grid, Range};
-use super::{Aabb, Body, BoxFault};
+use super::{Aabb, Body, BoxFault, Groups};
 use alloc::vec::Vec;
 use core::fmt;
 use nalgebra::Point3;
@@ -31,8 +31,35 @@ const MOST_BODIES: usize = (1 << 31) - 1;
 /// What only events and refreshed margins read.
 #[derive(Clone, Copy, Debug)]
 struct Detail {
-    body: Body,
+    groups: Groups,
+    margin: f32,
+    lookahead: f32,
+    /// The generation under which the body lives or last lived.
     generation: u32,
+    fixed: bool,
+}
+
+impl Detail {
+    fn new(body: Body, generation: u32) -> Self {
+        let (margin, lookahead) = (body.margin as f32, body.lookahead as f32);
+        Self {
+            groups: body.groups,
+            margin,
+            lookahead,
+            generation,
+            fixed: body.fixed,
+        }
+    }
+
+    fn body(&self) -> Body {
+        let (margin, lookahead) = (f64::from(self.margin), f64::from(self.lookahead));
+        Body {
+            groups: self.groups,
+            fixed: self.fixed,
+            margin,
+            lookahead,
+        }
+    }
 }
 
 /// Who changed since the last step.
@@ -101,16 +128,16 @@ impl Bodies {
             Some(index) => index,
             None if self.records.len() >= MOST_BODIES => return Err(BroadPhaseError::TooManyBodies),
             None => {
-                self.records.push(Record::absent());
-                self.details.push(Detail { body, generation: 0 });
-                self.generations.push(0);
+                push(&mut self.records, Record::absent());
+                push(&mut self.details, Detail::new(body, 0));
+                push(&mut self.generations, 0);
                 (self.records.len() - 1) as u32
             }
         };
         let i = index as usize;
         let generation = self.generations[i] + 1;
         self.generations[i] = generation;
-        self.details[i] = Detail { body, generation };
+        self.details[i] = Detail::new(body, generation);
         let loose = if body.margin > 0.0 || body.lookahead > 0.0 {
             LOOSE
         } else {
@@ -204,14 +231,14 @@ impl Bodies {
     }
 
     /// The options of a body.
-    pub(crate) fn body(&self, index: u32) -> &Body {
-        &self.details[index as usize].body
+    pub(crate) fn body(&self, index: u32) -> Body {
+        self.details[index as usize].body()
     }
 
-    pub(crate) fn set_groups(&mut self, id: BodyId, groups: Option<super::Groups>) -> Result<(), BroadPhaseError> {
+    pub(crate) fn set_groups(&mut self, id: BodyId, groups: Option<Groups>) -> Result<(), BroadPhaseError> {
         let i = self.index_of(id)?;
         if let Some(groups) = groups {
-            self.details[i].body.groups = groups;
+            self.details[i].groups = groups;
         }
         self.regrouped.push(id.index);
         Ok(())
@@ -220,7 +247,7 @@ impl Bodies {
     /// Whether options let the two bodies pair.
     #[inline]
     pub(crate) fn may_pair(&self, a: u32, b: u32) -> bool {
-        let [a, b] = [self.body(a), self.body(b)];
+        let [a, b] = [a, b].map(|i| &self.details[i as usize]);
         !(a.fixed && b.fixed) && a.groups.meet(b.groups)
     }
 
@@ -274,6 +301,8 @@ impl Bodies {
 
     /// Ends the step: the new boxes become the old ones, indices of removed bodies become free.
     pub(crate) fn end_step(&mut self) {
+        trim(&mut self.marks.noted);
+        trim(&mut self.marks.moved);
         for index in self.marks.noted.drain(..) {
             self.records[index as usize].flags &= !(NOTED | MIGRATES | JUMPS);
         }
@@ -360,13 +389,13 @@ impl Context<'_> {
     /// The given box with the margins of its body.
     #[inline(never)]
     fn loosened(&self, record: &Record, index: u32, given: Bounds) -> Bounds {
-        let Some(Detail { body, .. }) = self.details.get(index as usize) else {
+        let Some(detail) = self.details.get(index as usize) else {
             return given;
         };
         let given = given.to_box();
-        let mut stored = grown(&given, body.margin as f32);
+        let mut stored = grown(&given, detail.margin);
         let steps = self.step.wrapping_sub(record.stamp).max(1) as f32;
-        let ahead = body.lookahead as f32 / steps;
+        let ahead = detail.lookahead / steps;
         if ahead > 0.0 {
             for k in 0..3 {
                 let travel = 0.5 * (given.lo[k] - record.lo[k] + given.hi[k] - record.hi[k]) * ahead;
@@ -403,4 +432,19 @@ fn grown(stored: &StoredBox, margin: f32) -> StoredBox {
 /// A fixed number in (0, 1] for each index, evenly spread.
 fn fraction(index: u32) -> f32 {
     (index.wrapping_mul(2_654_435_769) >> 8) as f32 / (1 << 24) as f32
+}
+
+/// Appends; grows by an eighth, not by doubling, since tables of bodies are most of the memory.
+fn push<T>(list: &mut Vec<T>, item: T) {
+    if list.len() == list.capacity() {
+        list.reserve_exact(list.len() / 8 + 16);
+    }
+    list.push(item);
+}
+
+/// Gives back memory of a list that once was far longer than it was this step.
+pub(super) fn trim<T>(list: &mut Vec<T>) {
+    if list.capacity() > 8 * list.len() + 1024 {
+        list.shrink_to(2 * list.len());
+    }
 }

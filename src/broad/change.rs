@@ -3,7 +3,7 @@
 //! Nothing is remembered of a pair to find out that it began or ended, and a pair that stays costs no table look-up:
 //! `was` and `is` are the overlaps of the old and of the new boxes, and a pair is reported when they differ.
 
-use super::body::{Bodies, Record};
+use super::body::{Bodies, Record, trim};
 use alloc::vec::Vec;
 
 /// Two body indices in one number, the lower index in the upper half, so that numbers sort like pairs.
@@ -29,8 +29,10 @@ pub(crate) struct Changes {
 
 impl Changes {
     pub(crate) fn clear(&mut self) {
-        self.began.clear();
-        self.ended.clear();
+        for keys in [&mut self.began, &mut self.ended] {
+            trim(keys);
+            keys.clear();
+        }
     }
 
     pub(crate) fn append(&mut self, other: &mut Self) {

@@ -127,7 +127,10 @@ impl Grid {
     /// The one column that owns the pair: the one of the lower corner of the intersection. Both boxes touch it.
     #[inline(always)]
     pub(crate) fn owner(&self, a: &Bounds, b: &Bounds) -> [u16; 2] {
-        let lower = Bounds { lo: a.lo.fast_max(b.lo), hi: a.hi };
+        let lower = Bounds {
+            lo: a.lo.fast_max(b.lo),
+            hi: a.hi,
+        };
         self.range(&lower).least
     }
 }

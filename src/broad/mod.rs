@@ -292,8 +292,8 @@ pub trait BroadPhase: HasLedger {
         self.ledger().bodies.index_of(id).is_ok()
     }
 
-    /// The options of a body.
-    fn body(&self, id: BodyId) -> Option<&Body> {
+    /// The options of a body; margins as they are kept, in `f32`.
+    fn body(&self, id: BodyId) -> Option<Body> {
         let bodies = &self.ledger().bodies;
         bodies.index_of(id).ok().map(|_| bodies.body(id.index))
     }

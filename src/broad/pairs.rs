@@ -1,5 +1,6 @@
 //! The overlapping pairs in slots that stay put from a pair's beginning to its end.
 
+use super::body::trim;
 use super::change::{Changes, PairKey, pair_key};
 use super::{Bodies, BodyId};
 use alloc::vec::Vec;
@@ -98,8 +99,10 @@ impl PairTable {
     /// Takes over the sorted changes of a step, those the options of the bodies allow.
     pub(crate) fn apply(&mut self, changes: &Changes, bodies: &Bodies, allowed: &mut dyn FnMut(u32, u32) -> bool) {
         self.free.append(&mut self.resting);
-        self.ended.clear();
-        self.began.clear();
+        for events in [&mut self.ended, &mut self.began] {
+            trim(events);
+            events.clear();
+        }
         for &key in &changes.ended {
             self.end(key, bodies);
         }

@@ -37,7 +37,7 @@ impl Bodies {
         let row = |(i, record): (usize, &Record)| Row {
             generation: self.generations[i],
             last_generation: self.details[i].generation,
-            body: self.details[i].body,
+            body: self.details[i].body(),
             new: record.now().to_box().rotated(back),
             old: record.before(self.step).to_box().rotated(back),
             stamp: record.stamp,
@@ -101,10 +101,7 @@ impl BodiesState {
             record.set_new(&Bounds::from_box(&row.new));
             (record.old_lo, record.old_hi) = (row.old.lo, row.old.hi);
             bodies.records.push(record);
-            bodies.details.push(Detail {
-                body: row.body,
-                generation: row.last_generation,
-            });
+            bodies.details.push(Detail::new(row.body, row.last_generation));
             bodies.generations.push(row.generation);
         }
         (bodies.free, bodies.leaving, bodies.regrouped) = (self.free, self.leaving, self.regrouped);

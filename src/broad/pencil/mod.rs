@@ -187,6 +187,7 @@ impl PencilSweep {
     fn collect(&mut self) {
         for worker in &mut self.workers {
             self.ledger.changes.append(&mut worker.changes);
+            worker.changes.clear();
         }
     }
 

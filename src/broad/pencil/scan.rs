@@ -206,7 +206,10 @@ pub(super) fn decide(a: u32, b: u32, began: bool, cell: [u16; 2], bodies: &Bodie
     let (first, second) = (&bodies.records[i as usize], &bodies.records[j as usize]);
     let (part_a, part_b) = (Part::of(a, first, cell), Part::of(b, second, cell));
     let (seen, owner) = if began {
-        (part_a.has_new() & part_b.has_new(), bodies.grid.owner(&first.now(), &second.now()))
+        (
+            part_a.has_new() & part_b.has_new(),
+            bodies.grid.owner(&first.now(), &second.now()),
+        )
     } else {
         let (old_a, old_b) = (first.before(bodies.step), second.before(bodies.step));
         (part_a.has_old() & part_b.has_old(), bodies.grid.owner(&old_a, &old_b))

@@ -52,7 +52,13 @@ impl Survey {
         let taken = sample[0].len().max(1) as f64;
         let count = (bodies.len().saturating_sub(bodies.unbounded.len())) as f64;
         let (mean, product) = (mean.map(|v| v / taken), product.map(|v| v / taken));
-        let mut out = Self { count, mean, product, lo: [0.0; 3], hi: [0.0; 3] };
+        let mut out = Self {
+            count,
+            mean,
+            product,
+            lo: [0.0; 3],
+            hi: [0.0; 3],
+        };
         for k in 0..3 {
             out.find_extent(k, &mut sample[k]);
         }
@@ -62,7 +68,9 @@ impl Survey {
     /// A few far bodies must not make all columns wide: they are clamped into border columns instead.
     fn find_extent(&mut self, k: usize, centers: &mut [f64]) {
         centers.sort_unstable_by(f64::total_cmp);
-        let (Some(last), few) = (centers.len().checked_sub(1), centers.len() / 50) else { return };
+        let (Some(last), few) = (centers.len().checked_sub(1), centers.len() / 50) else {
+            return;
+        };
         let (low, high) = (centers[few], centers[last - few]);
         let room = 0.25 * (high - low) + self.mean[k];
         self.lo[k] = centers[0].max(low - room);
