@@ -330,13 +330,13 @@ pub(crate) fn run(arguments: &[String]) {
             let (steps, warm) = match n {
                 1_000 => (1000, 100),
                 10_000 => (200, 60),
-                100_000 => (60, 30),
-                _ => (20, 8),
+                100_000 => (50, 25),
+                _ => (20, 6),
             };
             let mut ours = f64::NAN;
             for name in engines.split(',').filter(|name| !skipped(name, kind, n)) {
                 let mut racer = engine(name, &scene);
-                let limit = Duration::from_secs(if name == "ours" { 30 } else { 6 });
+                let limit = Duration::from_secs(if name == "ours" { 30 } else { 5 });
                 let row = measure(racer.as_mut(), scene.clone(), steps, warm, limit);
                 if name == "ours" {
                     ours = row.mean;

@@ -53,14 +53,13 @@ impl Worker {
         let cell = bodies.grid.column(index);
         column.reorder(cell, &bodies.records, bodies.step);
         let moved = self.gather(cell, column, bodies);
-        let n = column.entries.len();
         if moved {
             self.scan(column, cell, bodies);
             for k in 0..self.active.len() {
                 self.scan_one(column, self.active[k], cell, bodies, false);
             }
             if self.counting {
-                self.count(n);
+                self.count(column, bodies);
             }
         }
         if !self.active.is_empty() {
@@ -153,10 +152,12 @@ impl Worker {
     }
 
     /// Counts the entries inside the windows of a sample of the column.
-    fn count(&mut self, n: usize) {
-        let (start, end) = (&self.lanes.start[..n], &self.lanes.cover[0][..n]);
+    fn count(&mut self, column: &Column, bodies: &Bodies) {
+        let n = column.entries.len();
+        let start = &self.lanes.start[..n];
         for i in (0..n).step_by(4) {
-            self.tests += start[i + 1..].partition_point(|s| *s <= end[i]) as u64;
+            let end = bodies.records[index_of(column.entries[i])].now().to_box().hi[0];
+            self.tests += start[i + 1..].partition_point(|s| *s <= end) as u64;
             self.sampled += 1;
         }
         self.swept += n as u64;
