@@ -10,7 +10,7 @@
 //! the sweep and looked at one by one, as a repair does.
 
 use super::column::{ARRIVING, Column, Part, index_of};
-use crate::broad::aabb::StoredBox;
+use crate::broad::aabb::{StoredBox, max};
 use crate::broad::body::{Bodies, JUMPS, MIGRATES};
 use crate::broad::bounds::{Bounds, largest};
 use crate::broad::change::{Changes, overlap};
@@ -54,7 +54,12 @@ impl Worker {
         column.reorder(cell, &bodies.records, bodies.step);
         let moved = self.gather(cell, column, bodies);
         if moved {
-            self.scan(column, cell, bodies);
+            // Counted anew when tuning counts, in between dense stays dense.
+            if column.dense && !self.counting {
+                self.scan::<true>(column, cell, bodies);
+            } else {
+                column.dense = self.scan::<false>(column, cell, bodies);
+            }
             for k in 0..self.active.len() {
                 self.scan_one(column, self.active[k], cell, bodies, false);
             }
@@ -111,8 +116,11 @@ impl Worker {
         moved
     }
 
-    /// Compares every entry with those that start before it ends.
-    fn scan(&mut self, column: &Column, cell: [u16; 2], bodies: &Bodies) {
+    /// Compares every entry with those that start before it ends. True if that left more hits than entries to look at.
+    ///
+    /// `DENSE` is for columns where most hits are lasting pairs: what surely overlapped before and does so still is
+    /// dropped at once. Elsewhere that costs more than it saves.
+    fn scan<const DENSE: bool>(&mut self, column: &Column, cell: [u16; 2], bodies: &Bodies) -> bool {
         let n = column.entries.len();
         let padded = n + LANES;
         // Slices of one known length spare bounds checks.
@@ -126,6 +134,7 @@ impl Worker {
         let d = self.reach * 1.000_01;
         let mut pending = [(0, 0, 0); PENDING];
         let mut waiting = 0;
+        let mut looked_at = 0;
         for i in 0..n {
             let reach = end[i] + (d + end[i].abs() * SLACK);
             let [near, u0, u1, v0, v1] = [reach, lo_u[i], hi_u[i], lo_v[i], hi_v[i]].map(f32x8::splat);
@@ -134,11 +143,15 @@ impl Worker {
                 let meets_u = eight(lo_u, j).simd_le(u1) & u0.simd_le(eight(hi_u, j));
                 let meets_v = eight(lo_v, j).simd_le(v1) & v0.simd_le(eight(hi_v, j));
                 let hits = eight(start, j).simd_le(near) & meets_u & meets_v;
-                let hits = hits.to_bitmask();
+                let mut hits = hits.to_bitmask();
+                if DENSE {
+                    hits &= !surely_same(&self.lanes, i, j, d);
+                }
                 // Written always, kept if there are any: no branch to mispredict.
                 pending[waiting % PENDING] = (i as u32, j as u32, hits);
                 waiting += usize::from(hits != 0);
                 if waiting == PENDING {
+                    looked_at += count_hits(&pending);
                     settle(&pending, column, cell, bodies, &mut self.changes);
                     waiting = 0;
                 }
@@ -149,6 +162,7 @@ impl Worker {
             }
         }
         settle(&pending[..waiting], column, cell, bodies, &mut self.changes);
+        looked_at + count_hits(&pending[..waiting]) > n
     }
 
     /// Counts the entries inside the windows of a sample of the column.
@@ -175,6 +189,24 @@ type Hits = (u32, u32, u32);
 
 /// Hits put off until so many windows had some.
 const PENDING: usize = 32;
+
+fn count_hits(pending: &[Hits]) -> usize {
+    pending.iter().map(|hits| hits.2.count_ones() as usize).sum()
+}
+
+/// Which of the eight entries from `j` on overlapped entry `i` before and do so still, for certain: those whose covers
+/// would overlap even if both had shrunk by the farthest move.
+#[inline(always)]
+fn surely_same(lanes: &Lanes, i: usize, j: usize, d: f32) -> u32 {
+    let Lanes { start, cover: [end, lo_u, hi_u, lo_v, hi_v] } = lanes;
+    let size = [start[i], end[i], lo_u[i], hi_u[i], lo_v[i], hi_v[i]].iter().fold(0.0, |m, v| max(m, v.abs()));
+    let shrink: f32 = 2.0 * d + SLACK * size;
+    let inside = |lo: &[f32], hi: &[f32]| {
+        let (first, last) = (f32x8::splat(lo[i] + shrink), f32x8::splat(hi[i] - shrink));
+        eight(lo, j).simd_le(last) & first.simd_le(eight(hi, j))
+    };
+    (inside(start, end) & inside(lo_u, hi_u) & inside(lo_v, hi_v)).to_bitmask()
+}
 
 /// Finds out which of the hits are changes.
 #[inline(never)]
