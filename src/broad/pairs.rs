@@ -56,7 +56,7 @@ pub(crate) struct PairTable {
     free: Vec<u32>,
     /// Slots of pairs that ended in the last step; free from the next step on.
     resting: Vec<u32>,
-    /// Slot number plus one; 0 is empty. The length is a power of two, at most 5/8 full.
+    /// Slot number plus one; 0 is empty. The length is a power of two, at most 3/8 full: runs are short, which deletion walks.
     index: Vec<u32>,
     live: usize,
     ended: Vec<Pair>,
@@ -136,7 +136,7 @@ impl PairTable {
 
     /// Begins the pair, unless the table has it.
     pub(crate) fn begin(&mut self, key: PairKey, bodies: &Bodies) {
-        if self.live * 8 >= self.index.len() * 5 {
+        if self.live * 8 >= self.index.len() * 3 {
             self.grow();
         }
         let mut place = self.home(key);
@@ -301,7 +301,7 @@ impl PairsState {
             resting,
             ..PairTable::default()
         };
-        table.reindex((table.live * 2).next_power_of_two().max(16));
+        table.reindex((table.live * 8 / 3 + 1).next_power_of_two().max(16));
         Ok(table)
     }
 }

@@ -198,8 +198,13 @@ fn count_hits(pending: &[Hits]) -> usize {
 /// would overlap even if both had shrunk by the farthest move.
 #[inline(always)]
 fn surely_same(lanes: &Lanes, i: usize, j: usize, d: f32) -> u32 {
-    let Lanes { start, cover: [end, lo_u, hi_u, lo_v, hi_v] } = lanes;
-    let size = [start[i], end[i], lo_u[i], hi_u[i], lo_v[i], hi_v[i]].iter().fold(0.0, |m, v| max(m, v.abs()));
+    let Lanes {
+        start,
+        cover: [end, lo_u, hi_u, lo_v, hi_v],
+    } = lanes;
+    let size = [start[i], end[i], lo_u[i], hi_u[i], lo_v[i], hi_v[i]]
+        .iter()
+        .fold(0.0, |m, v| max(m, v.abs()));
     let shrink: f32 = 2.0 * d + SLACK * size;
     let inside = |lo: &[f32], hi: &[f32]| {
         let (first, last) = (f32x8::splat(lo[i] + shrink), f32x8::splat(hi[i] - shrink));
