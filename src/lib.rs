@@ -160,6 +160,7 @@ extern crate alloc;
 #[cfg(feature = "std")]
 extern crate std;
 
+pub mod broad;
 mod certificate;
 mod closest;
 mod double_double;

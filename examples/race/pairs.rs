@@ -172,16 +172,16 @@ fn ask(engine: Engine, pair: &Pair, frame: usize, state: &mut State) -> Answer {
 /// One pass over all frames of all pairs, pairs in turn: nanoseconds a query, and the answers on request.
 fn pass(engine: Engine, pairs: &[Pair], frames: usize, answers: Option<&mut Vec<Answer>>) -> (f64, Totals) {
     match engine {
-        Engine::Ours => run(pairs, frames, answers, |p, f, s| ask(Engine::Ours, p, f, s)),
-        Engine::Walk => run(pairs, frames, answers, |p, f, s| ask(Engine::Walk, p, f, s)),
-        Engine::Exact => run(pairs, frames, answers, |p, f, s| ask(Engine::Exact, p, f, s)),
-        Engine::GjkCached => run(pairs, frames, answers, |p, f, s| ask(Engine::GjkCached, p, f, s)),
-        Engine::ParryDistance => run(pairs, frames, answers, |p, f, s| ask(Engine::ParryDistance, p, f, s)),
+        Engine::Ours => time(pairs, frames, answers, |p, f, s| ask(Engine::Ours, p, f, s)),
+        Engine::Walk => time(pairs, frames, answers, |p, f, s| ask(Engine::Walk, p, f, s)),
+        Engine::Exact => time(pairs, frames, answers, |p, f, s| ask(Engine::Exact, p, f, s)),
+        Engine::GjkCached => time(pairs, frames, answers, |p, f, s| ask(Engine::GjkCached, p, f, s)),
+        Engine::ParryDistance => time(pairs, frames, answers, |p, f, s| ask(Engine::ParryDistance, p, f, s)),
     }
 }
 
 #[inline(always)]
-fn run(
+fn time(
     pairs: &[Pair],
     frames: usize,
     answers: Option<&mut Vec<Answer>>,
@@ -357,7 +357,7 @@ fn degrees(scene: &str) -> Option<f64> {
     }
 }
 
-pub(crate) fn run_pairs(words: &[String]) {
+pub(crate) fn run(words: &[String]) {
     let Some(o) = options(words) else {
         eprintln!("usage: race pairs [--csv FILE] [--quick] [--only SCENE]");
         std::process::exit(2);
