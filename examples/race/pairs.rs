@@ -396,11 +396,11 @@ pub(crate) fn run(words: &[String]) {
         progress.step();
     }
     progress.done();
-    if let Some(file) = o.csv {
-        if let Err(e) = write_csv(&file, &rows) {
-            eprintln!("{file}: {e}");
-            std::process::exit(1);
-        }
+    if let Some(file) = o.csv
+        && let Err(e) = write_csv(&file, &rows)
+    {
+        eprintln!("{file}: {e}");
+        std::process::exit(1);
     }
 }
 
