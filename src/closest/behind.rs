@@ -20,7 +20,7 @@ pub(crate) fn seen_face(body: &ConvexPolyhedron, x: &Vector3<f64>, least: f64) -
         plane.normal.dot(&way) / (plane.offset - plane.normal.dot(&center)).max(f64::MIN_POSITIVE)
     };
     let near = body.climb_cold(&way);
-    let mut best = t.half_edge(t.fan_edges(near).first()?.twin).face;
+    let mut best = t.half_edge(t.fan(near).next()?).face;
     let mut top = reach(best);
     loop {
         let from = best;
