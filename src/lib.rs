@@ -174,7 +174,9 @@ mod tracker;
 
 pub use closest::outcome::{Class, Distance, Layer, Level, Outcome, Proposal, Work};
 pub use nalgebra;
-pub use polyhedron::{BuildError, BuildReport, ConvexPolyhedron, EdgeId, FaceId, Feature, FeaturePair, VertexId};
+pub use polyhedron::{
+    BoxHint, BuildError, BuildReport, ConvexPolyhedron, EdgeId, FaceId, Feature, FeaturePair, VertexId,
+};
 pub use pose::{PoseError, RelativePose, Which};
 pub use replay::{Replay, ReplayError};
 pub use tracker::{Totals, Tracker};

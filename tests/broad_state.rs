@@ -1,4 +1,5 @@
 //! A broad phase written down in the middle of its life and read again goes on identically, down to slots and order.
+#![cfg(feature = "serde")]
 
 use lab::boxes::{Kind, Random, Scene};
 use lin_canny::broad::*;

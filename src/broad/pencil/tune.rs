@@ -8,6 +8,7 @@
 use crate::broad::body::{Bodies, UNBOUNDED};
 use crate::broad::bounds::Bounds;
 use crate::broad::grid::{Grid, MOST_COLUMNS_OF_AXIS};
+use crate::tolerance::{LEAST_MEAN, LEAST_START, LEAST_WIDTH};
 use alloc::vec::Vec;
 
 /// Cost of an entry, of a window of eight tests and of a column, in nanoseconds of the machine it was measured on; only
@@ -84,7 +85,7 @@ impl Survey {
     /// The axis along which bodies are farthest spread out, in units of their size. The present one (axis 0) stays
     /// unless another is clearly better.
     pub(super) fn best_axis(&self) -> usize {
-        let spread = |k: usize| self.extent(k) / self.mean[k].max(1e-9 * self.extent(k));
+        let spread = |k: usize| self.extent(k) / self.mean[k].max(LEAST_MEAN * self.extent(k));
         let mut best = 0;
         for k in 1..3 {
             if spread(k) > 1.5 * spread(best) {
@@ -145,7 +146,7 @@ impl Survey {
 
     fn grid(&self, axis: usize, width: f64) -> Grid {
         let most = (2.0 * self.count).max(64.0);
-        let mut width = width.max(1e-30);
+        let mut width = width.max(LEAST_WIDTH);
         loop {
             let size = [1, 2].map(|k| (libm::ceil(self.extent(k) / width)).clamp(1.0, 1e9));
             if size[0] * size[1] <= most && size[0].max(size[1]) <= MOST_COLUMNS_OF_AXIS as f64 {
@@ -242,7 +243,7 @@ fn choose(bodies: &Bodies, survey: Survey, width: Option<f64>) -> Grid {
     let survey = survey.rotated(turn);
     let axis = (bodies.grid.axis + turn) % 3;
     let width = width.unwrap_or_else(|| {
-        let start = (0.5 * (survey.mean[1] + survey.mean[2])).max(1e-6 * survey.extent(1).min(survey.extent(2)));
+        let start = (0.5 * (survey.mean[1] + survey.mean[2])).max(LEAST_START * survey.extent(1).min(survey.extent(2)));
         let (better, _) = survey.best_width(start * 4.0, survey.even_tests(start * 4.0));
         better
     });
