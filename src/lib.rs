@@ -163,6 +163,7 @@ extern crate std;
 mod certificate;
 mod closest;
 mod double_double;
+mod penetration;
 pub mod polyhedron;
 mod pose;
 mod replay;

@@ -9,6 +9,7 @@ use crate::closest::placed::Placed;
 use crate::closest::trace::trace;
 use crate::closest::{self, far};
 use crate::polyhedron::{ConvexPolyhedron, FeaturePair, power_of_two};
+use crate::penetration;
 use crate::pose::{RelativePose, Which};
 use crate::replay::Replay;
 
@@ -174,7 +175,7 @@ impl Tracker {
     #[inline]
     pub fn closest(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Outcome {
         let before = self.start(a, b);
-        let outcome = self.answer(a, b, a_from_b, Level::Certified);
+        let outcome = self.answer(a, b, a_from_b, Level::Certified, true);
         debug_check(a, b, a_from_b, before, Level::Certified, &outcome);
         outcome
     }
@@ -184,7 +185,7 @@ impl Tracker {
     #[cfg(feature = "exact")]
     pub fn closest_exact(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Outcome {
         let before = self.start(a, b);
-        let mut outcome = self.answer(a, b, a_from_b, Level::Exact);
+        let mut outcome = self.answer(a, b, a_from_b, Level::Exact, true);
         // The second: a distance that only f64 in the caller's own unit can hold.
         if outcome.layer == Layer::Far || outcome.class == Class::Separated && outcome.lower <= 0.0 {
             outcome = far::exactly(a, b, a_from_b, outcome);
@@ -195,7 +196,7 @@ impl Tracker {
 
     /// The distance and its bounds without the witnesses.
     pub fn distance(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Distance {
-        let o = self.answer(a, b, a_from_b, Level::Certified);
+        let o = self.answer(a, b, a_from_b, Level::Certified, true);
         Distance {
             class: o.class,
             value: o.distance,
@@ -220,7 +221,7 @@ impl Tracker {
         if !(d >= 0.0) || clear_of(a, b, a_from_b, d) {
             return false;
         }
-        let o = self.answer(a, b, a_from_b, Level::Certified);
+        let o = self.answer(a, b, a_from_b, Level::Certified, false);
         if o.class == Class::Overlapping || o.upper <= d {
             return true;
         }
@@ -234,7 +235,7 @@ impl Tracker {
     /// solver in f64 stands in.
     #[inline]
     pub fn propose(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Proposal {
-        let o = self.answer(a, b, a_from_b, Level::Walk);
+        let o = self.answer(a, b, a_from_b, Level::Walk, false);
         Proposal {
             distance: (o.class != Class::Overlapping).then_some(o.distance),
             features: o.features,
@@ -246,12 +247,19 @@ impl Tracker {
         }
     }
 
-    /// Answers at one level. The outcome is written where it is returned: copied whole, it would wait for its parts to
+    /// Answers at one level, an overlap with its depth if `deep`. The outcome is written where it is returned: copied whole, it would wait for its parts to
     /// leave the store queue.
     #[inline(always)]
-    fn answer(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose, level: Level) -> Outcome {
+    fn answer(
+        &mut self,
+        a: &ConvexPolyhedron,
+        b: &ConvexPolyhedron,
+        a_from_b: &RelativePose,
+        level: Level,
+        deep: bool,
+    ) -> Outcome {
         let mut outcome = Outcome::open(FeaturePair::vertices(Which::A, 0, 0));
-        self.solve(a, b, a_from_b, level, &mut outcome);
+        self.solve(a, b, a_from_b, (level, deep), &mut outcome);
         outcome
     }
 
@@ -261,16 +269,17 @@ impl Tracker {
         a: &ConvexPolyhedron,
         b: &ConvexPolyhedron,
         a_from_b: &RelativePose,
-        level: Level,
+        (level, deep): (Level, bool),
         outcome: &mut Outcome,
     ) {
         if b.exponent > a.exponent {
             // In the units of B, which are the larger.
-            self.solve_in_units_of_b(a, b, a_from_b, level, outcome);
+            self.solve_in_units_of_b(a, b, a_from_b, (level, deep), outcome);
         } else if let Ok(placed) = Placed::new(a, b, a_from_b) {
             let warm = self.start(a, b);
             outcome.features = warm.unwrap_or_else(|| closest::seed::cold(&placed, &mut outcome.work));
             closest::solve(level, &placed, warm.is_some(), outcome);
+            deepen(deep, &placed, outcome);
             self.count(warm.is_some(), outcome);
             if !(a.as_given && b.as_given) {
                 give_back(a, b, outcome);
@@ -286,7 +295,7 @@ impl Tracker {
         a: &ConvexPolyhedron,
         b: &ConvexPolyhedron,
         a_from_b: &RelativePose,
-        level: Level,
+        (level, deep): (Level, bool),
         outcome: &mut Outcome,
     ) {
         let b_from_a = a_from_b.swapped();
@@ -296,6 +305,7 @@ impl Tracker {
         let warm = self.start(a, b).map(FeaturePair::swapped);
         outcome.features = warm.unwrap_or_else(|| closest::seed::cold(&placed, &mut outcome.work));
         closest::solve(level, &placed, warm.is_some(), outcome);
+        deepen(deep, &placed, outcome);
         outcome.features = outcome.features.swapped();
         core::mem::swap(&mut outcome.point_on_a, &mut outcome.point_on_b);
         let normal = -b_from_a.rotation().tr_mul(&outcome.normal);
@@ -343,6 +353,14 @@ impl Tracker {
     #[cfg(not(feature = "exact"))]
     fn decide_within(&self, _: &ConvexPolyhedron, _: &ConvexPolyhedron, _: &RelativePose, _: f64) -> bool {
         true
+    }
+}
+
+/// The depth of an overlap, where it is asked for.
+#[inline(always)]
+fn deepen(deep: bool, placed: &Placed, outcome: &mut Outcome) {
+    if deep && outcome.class == Class::Overlapping {
+        penetration::deepen(placed, outcome);
     }
 }
 

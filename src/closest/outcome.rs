@@ -71,6 +71,10 @@ pub struct Work {
     pub double_doubles: u32,
     /// Exact solves.
     pub exacts: u32,
+    /// Overlaps whose depth was searched for.
+    pub depths: u32,
+    /// Points taken into the surfaces of these searches.
+    pub grown: u32,
 }
 
 impl core::ops::AddAssign for Work {
@@ -82,6 +86,8 @@ impl core::ops::AddAssign for Work {
         self.fallbacks += o.fallbacks;
         self.double_doubles += o.double_doubles;
         self.exacts += o.exacts;
+        self.depths += o.depths;
+        self.grown += o.grown;
     }
 }
 
