@@ -20,6 +20,8 @@ pub(super) struct Triangle<T> {
     beside: [u32; 3],
     /// Unit normal of its plane; zero where it has none.
     pub(super) outward: Vec3<T>,
+    /// How high its lowest corner is along that.
+    level: T,
     /// A unit direction along which all three corners are at least `bound` high: the triangle is no nearer.
     pub(super) direction: Vec3<T>,
     pub(super) bound: T,
@@ -159,6 +161,7 @@ impl<T: Scalar> Surface<T> {
             corners,
             beside,
             outward: [T::from(0.0); 3],
+            level: T::from(0.0),
             direction: [T::from(0.0); 3],
             bound: T::from(0.0),
             alive: true,
@@ -177,7 +180,8 @@ impl<T: Scalar> Surface<T> {
     fn measure(&self, t: &mut Triangle<T>) {
         let w = self.places(&t.corners);
         t.outward = normal(&w);
-        (t.direction, t.bound) = (t.outward, least(&t.outward, &w));
+        t.level = least(&t.outward, &w);
+        (t.direction, t.bound) = (t.outward, t.level);
         let nearest = Simplex::triangle(t.corners.map(|c| self.points[c as usize]));
         if nearest.len() < 3 || !(t.bound > T::from(0.0)) {
             let direction = unit(&nearest.direction());
@@ -280,16 +284,16 @@ impl<T: Scalar> Surface<T> {
         seen
     }
 
-    /// Whether `w` is outside the plane of a triangle, and both certainly on one side of the origin.
+    /// Whether `w` is outside the plane of a triangle, and some plane certainly has the origin beneath and both above.
     pub(super) fn sees(&self, triangle: u32, w: &Vec3<T>, filter: &Filter<T>) -> bool {
         let t = &self.triangles[triangle as usize];
         let p = &self.points[t.corners[0] as usize].w;
-        let outside = if t.outward.iter().all(|x| x.value() == 0.0) {
-            dot(&t.direction, w) > t.bound + filter.noise
-        } else {
-            dot(&t.outward, &sub(w, p)) > filter.noise
-        };
-        outside && t.bound > filter.margin && dot(&t.direction, w) > filter.margin
+        let above = t.bound > filter.margin && dot(&t.direction, w) > filter.margin;
+        if t.outward.iter().all(|x| x.value() == 0.0) {
+            return above && dot(&t.direction, w) > t.bound + filter.noise;
+        }
+        // Outside its plane, the point is as high along the normal as the corners.
+        dot(&t.outward, &sub(w, p)) > filter.noise && (above || t.level > filter.margin)
     }
 
     fn rim(&self, triangle: u32) -> Vec<Border> {
