@@ -99,6 +99,8 @@ pub struct Totals {
     pub answered: [u64; 6],
     /// Feature pairs looked at.
     pub steps: u64,
+    /// Overlaps whose depth was searched for.
+    pub depths: u64,
 }
 
 impl Totals {
@@ -113,6 +115,7 @@ impl core::ops::AddAssign for Totals {
         self.queries += o.queries;
         self.warm += o.warm;
         self.steps += o.steps;
+        self.depths += o.depths;
         for (mine, theirs) in self.answered.iter_mut().zip(o.answered) {
             *mine += theirs;
         }
@@ -170,8 +173,9 @@ impl Tracker {
     }
 
     /// The closest features, their witnesses and bounds of the distance, certified: separated bodies get bounds no
-    /// wider than `1e-13 L`, with `L` the sum of both radii and the distance of the bodies. Allocates nothing as long
-    /// as the exact rung is not needed.
+    /// wider than `1e-13 L`, with `L` the sum of both radii and the distance of the bodies. Overlapping bodies get
+    /// their depth as a negative distance, bounded as well. Allocates nothing for bodies apart as long as the exact rung
+    /// is not needed; the search for a depth allocates.
     #[inline]
     pub fn closest(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Outcome {
         let before = self.start(a, b);
@@ -340,6 +344,7 @@ impl Tracker {
         self.starts.learn(warm, &outcome.work);
         self.totals.answered[outcome.layer as usize] += 1;
         self.totals.steps += u64::from(outcome.work.steps);
+        self.totals.depths += u64::from(outcome.work.depths);
         self.last = Some(outcome.features);
     }
 

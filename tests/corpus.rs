@@ -8,7 +8,7 @@ use std::path::Path;
 use lab::rng::Rng;
 use lab::shapes::{self, Shape};
 use lab::{Exact, Pose, bound, exact};
-use lin_canny::{Class, ConvexPolyhedron, FeaturePair, Outcome, Tracker};
+use lin_canny::{ConvexPolyhedron, FeaturePair, Outcome, Tracker};
 use serde_json::Value;
 use support::{body, class, isometry, pairs, relative};
 
