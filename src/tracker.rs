@@ -8,8 +8,8 @@ use crate::closest::outcome::{Class, Distance, Layer, Level, Outcome, Proposal, 
 use crate::closest::placed::Placed;
 use crate::closest::trace::trace;
 use crate::closest::{self, far};
-use crate::polyhedron::{ConvexPolyhedron, FeaturePair, power_of_two};
 use crate::penetration;
+use crate::polyhedron::{ConvexPolyhedron, FeaturePair, power_of_two};
 use crate::pose::{RelativePose, Which};
 use crate::replay::Replay;
 

@@ -15,7 +15,11 @@ use super::surface::unit;
 pub(super) type Normal<T> = (Vec3<T>, FeaturePair);
 
 /// The normals of the facets that hold the corners, out of the difference.
-pub(super) fn normals<T: Scalar>(placed: &Placed, frame: &Frame<T>, corners: &[Corner<T>; 3]) -> [Option<Normal<T>>; 3] {
+pub(super) fn normals<T: Scalar>(
+    placed: &Placed,
+    frame: &Frame<T>,
+    corners: &[Corner<T>; 3],
+) -> [Option<Normal<T>>; 3] {
     let (on_a, on_b) = (corners.map(|c| c.a), corners.map(|c| c.b));
     let (fa, fb) = (placed.a.feature_of(&on_a), placed.b.feature_of(&on_b));
     let of_a = match fa {

@@ -5,7 +5,7 @@ use crate::closest::placed::{Frame, Placed};
 use crate::closest::simplex::{Corner, Simplex};
 use crate::polyhedron::FeaturePair;
 use crate::scalar::{Scalar, Vec3, dot, neg};
-use crate::tolerance::{AGREE_DEPTH, ALMOST_FLAT, ASIDE, CERTIFICATE, PLATEAU};
+use crate::tolerance::{AGREE_DEPTH, ALMOST_FLAT, ASIDE, CERTIFICATE, PLATEAU, UNIT};
 
 use super::facet::normals;
 use super::surface::{Filter, Surface, at, unit};
@@ -74,7 +74,9 @@ pub(super) fn search<T: Scalar>(
             Err(found) => found,
         };
         let (grown, end) = (now.grown + found.as_ref().map_or(0, |f| f.grown), now.end);
-        let better = found.as_ref().is_none_or(|f| now.height - now.radius < f.height - f.radius);
+        let better = found
+            .as_ref()
+            .is_none_or(|f| now.height - now.radius < f.height - f.radius);
         if better {
             found = Some(now);
         }
@@ -99,7 +101,7 @@ fn flat<T: Scalar>(placed: &Placed, frame: &Frame<T>, simplex: &Simplex<T>, towa
     Found {
         end: End::Stuck,
         normal,
-        height: if height > zero { height } else { zero },
+        height,
         radius: zero,
         corners: core::array::from_fn(|k| simplex.kept()[k.min(simplex.len() - 1)]),
         // No point of the border, but one that both bodies nearly share.
@@ -139,7 +141,7 @@ impl<'a, T: Scalar> Search<'a, T> {
             surface,
             filter: Filter {
                 margin: T::from(2.0 * term),
-                noise: T::from(PLATEAU / crate::tolerance::UNIT * T::UNIT * size),
+                noise: T::from(PLATEAU / UNIT * T::UNIT * size),
             },
             best: None,
             size: T::from(size),
@@ -152,7 +154,9 @@ impl<'a, T: Scalar> Search<'a, T> {
     fn run(&mut self, frame: &Frame<T>, shift: f64) -> Found<T> {
         if shift != 0.0 {
             // ASIDE is no longer than one.
-            let reached = self.grow(Some(T::from(shift.abs()) * self.size + self.filter.margin + self.filter.margin));
+            let reached = self.grow(Some(
+                T::from(shift.abs()) * self.size + self.filter.margin + self.filter.margin,
+            ));
             self.frame = *frame;
             let placed = self.placed;
             self.surface.place(|c| corner(placed, frame, c.a, c.b));
@@ -161,7 +165,7 @@ impl<'a, T: Scalar> Search<'a, T> {
                 return self.end(End::Stuck, false);
             }
         }
-        let end = if self.grow(None) {
+        let end = if self.grow(None) || self.is_good() {
             End::Closed
         } else if self.is_full() {
             End::Full
@@ -169,6 +173,12 @@ impl<'a, T: Scalar> Search<'a, T> {
             End::Stuck
         };
         self.end(end, true)
+    }
+
+    /// Whether the bounds agree as well as they have to, though they might do better in a finer arithmetic.
+    fn is_good(&mut self) -> bool {
+        let weakest = self.surface.weakest();
+        weakest.is_some_and(|t| self.agrees(self.surface.triangles[t as usize].bound, UNIT))
     }
 
     fn is_full(&self) -> bool {
@@ -197,7 +207,7 @@ impl<'a, T: Scalar> Search<'a, T> {
             if gain < T::from(ALMOST_FLAT) * self.size && self.probe_facets(t) {
                 continue;
             }
-            if self.agrees(bound) {
+            if self.agrees(bound, T::UNIT) {
                 return goal.is_none();
             }
             let top = self.in_sight(t, top);
@@ -228,10 +238,10 @@ impl<'a, T: Scalar> Search<'a, T> {
         }
     }
 
-    /// Whether the height of the best direction is as low as the bound.
-    fn agrees(&self, bound: T) -> bool {
-        self.best
-            .is_some_and(|b| b.height - bound <= T::from(AGREE_DEPTH) * self.size)
+    /// Whether the height of the best direction is as low as the bound, to the rounding of an arithmetic.
+    fn agrees(&self, bound: T, rounding: f64) -> bool {
+        let open = T::from(AGREE_DEPTH / UNIT * rounding) * self.size;
+        self.best.is_some_and(|b| b.height - bound <= open)
     }
 
     /// Counts points that are there already.
@@ -246,7 +256,8 @@ impl<'a, T: Scalar> Search<'a, T> {
     fn probe(&mut self, t: u32, n: &Vec3<T>, features: Option<FeaturePair>) -> Corner<T> {
         let top = highest(self.placed, &self.frame, n, &self.surface.corners(t)[0]);
         let height = dot(n, &top.w);
-        if self.best.is_none_or(|b| height < b.height) {
+        // No direction has no height; NaN is no better than anything.
+        if dot(n, n).value() > 0.5 && self.best.is_none_or(|b| height < b.height) {
             self.best = Some(Best {
                 normal: *n,
                 height,
@@ -261,11 +272,8 @@ impl<'a, T: Scalar> Search<'a, T> {
         let corners = self.surface.corners(t);
         let mut raised = false;
         for (n, features) in normals(self.placed, &self.frame, &corners).iter().flatten() {
-            // A direction that is no unit vector is none.
-            if dot(n, n).value() > 0.5 {
-                self.probe(t, n, Some(*features));
-                raised |= self.surface.raise(t, n);
-            }
+            self.probe(t, n, Some(*features));
+            raised |= self.surface.raise(t, n);
         }
         raised
     }
