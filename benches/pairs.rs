@@ -1,4 +1,4 @@
-//! Pairs of bodies: tracked and cold queries at every level, and the build of a hull, beside parry.
+//! Pairs of bodies: tracked and cold queries, the build of a hull and its box, beside parry.
 //!
 //! `cargo bench --bench pairs`. The race (`cargo run --release --example race -- pairs`) runs the same motions with all
 //! engines interleaved; these benches are for following one of them over time.
@@ -11,7 +11,7 @@ use lab::parry::{Climber, GjkCached};
 use lab::rng::Rng;
 use lab::{Pose, workload};
 use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, UnitQuaternion};
-use lin_canny::{ConvexPolyhedron, RelativePose, Tracker};
+use lin_canny::{BoxHint, ConvexPolyhedron, RelativePose, Tracker};
 
 const FRAMES: usize = 500;
 
@@ -111,5 +111,41 @@ fn builds(c: &mut Criterion) {
     }
 }
 
-criterion_group!(benches, queries, builds);
+/// Boxes of bodies that turn a little every time, beside parry's in f32.
+fn boxes(c: &mut Criterion) {
+    let mut group = c.benchmark_group("box");
+    for n in [8, 32, 256, 1024] {
+        let points = workload::points("sphere", n, &mut Rng::new(n as u64));
+        let body = hull(&points);
+        let (mut hint, mut turn) = (BoxHint::default(), UnitQuaternion::identity());
+        let step = UnitQuaternion::from_euler_angles(0.02, 0.01, 0.005);
+        group.bench_function(BenchmarkId::new("ours", n), |b| {
+            b.iter(|| {
+                turn *= step;
+                turn.renormalize_fast();
+                body.aabb_at(&Isometry3::from_parts([1.0, 2.0, 3.0].into(), turn), &mut hint)
+            });
+        });
+        let cloud: Vec<_> = points
+            .iter()
+            .map(|p| parry3d::math::Vector::from(p.map(|x| x as f32)))
+            .collect();
+        let Some(other) = parry3d::shape::ConvexPolyhedron::from_convex_hull(&cloud) else {
+            continue;
+        };
+        let mut turn = parry3d::math::Rotation::IDENTITY;
+        let step = parry3d::math::Rotation::from_axis_angle(parry3d::math::Vector::new(0.8, 0.5, 0.33), 0.023);
+        group.bench_function(BenchmarkId::new("parry-f32", n), |b| {
+            b.iter(|| {
+                turn = (turn * step).normalize();
+                other.aabb(&parry3d::math::Pose::from_parts(
+                    parry3d::math::Vector::new(1.0, 2.0, 3.0),
+                    turn,
+                ))
+            });
+        });
+    }
+}
+
+criterion_group!(benches, queries, builds, boxes);
 criterion_main!(benches);

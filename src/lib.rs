@@ -165,6 +165,7 @@ extern crate alloc;
 #[cfg(feature = "std")]
 extern crate std;
 
+pub mod broad;
 mod certificate;
 mod closest;
 mod double_double;
@@ -179,7 +180,9 @@ mod tracker;
 
 pub use closest::outcome::{Class, Distance, Layer, Level, Outcome, Proposal, Work};
 pub use nalgebra;
-pub use polyhedron::{BuildError, BuildReport, ConvexPolyhedron, EdgeId, FaceId, Feature, FeaturePair, VertexId};
+pub use polyhedron::{
+    BoxHint, BuildError, BuildReport, ConvexPolyhedron, EdgeId, FaceId, Feature, FeaturePair, VertexId,
+};
 pub use pose::{PoseError, RelativePose, Which};
 pub use replay::{Replay, ReplayError};
 pub use tracker::{Totals, Tracker};

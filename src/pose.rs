@@ -212,21 +212,19 @@ fn relative_rotation(qa: &[f64; 4], qb: &[f64; 4], s: f64) -> Matrix3<f64> {
     let x = aw * bx - ax * bw - ay * bz + az * by;
     let y = aw * by + ax * bz - ay * bw - az * bx;
     let z = aw * bz - ax * by + ay * bx - az * bw;
+    rotation_matrix(&[x, y, z, w], s)
+}
+
+/// The matrix that turns by `q`, for `s = 2 / |q|^2`.
+#[inline]
+pub(crate) fn rotation_matrix(q: &[f64; 4], s: f64) -> Matrix3<f64> {
+    let [x, y, z, w] = *q;
     let (xs, ys, zs) = (x * s, y * s, z * s);
     let (xx, yy, zz) = (x * xs, y * ys, z * zs);
     let (xy, xz, yz) = (x * ys, x * zs, y * zs);
     let (wx, wy, wz) = (w * xs, w * ys, w * zs);
-    Matrix3::new(
-        1.0 - (yy + zz),
-        xy - wz,
-        xz + wy,
-        xy + wz,
-        1.0 - (xx + zz),
-        yz - wx,
-        xz - wy,
-        yz + wx,
-        1.0 - (xx + yy),
-    )
+    let (xx, yy, zz) = (1.0 - (yy + zz), 1.0 - (xx + zz), 1.0 - (xx + yy));
+    Matrix3::new(xx, xy - wz, xz + wy, xy + wz, yy, yz - wx, xz - wy, yz + wx, zz)
 }
 
 #[cfg(feature = "serde")]

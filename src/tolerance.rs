@@ -172,3 +172,21 @@ pub(crate) const FAR_POINT: f64 = (1u64 << 60) as f64;
 /// roundings a coordinate relative to `alpha + beta` (3.5 UNIT as a vector), `s m` one more, and the weighted sum of the
 /// offsets three, each at most the radius.
 pub const EDGE_BOUND: f64 = 8.0 * UNIT;
+
+/// How far a box is rounded outward when it is climbed to, in units of the radius and of the distance of its middle: the
+/// matrix errs by at most 20 UNIT a row, a product with it by 3 and the sum by one.
+pub const BOX: f64 = 32.0 * UNIT;
+
+/// The same when it is scanned in f32, in units of the radius: one rounding of each coordinate and of the matrix, three
+/// of their products and sums, of numbers whose absolute sum is at most the radius.
+pub const BOX_SCANNED: f64 = 8.0 / 16_777_216.0;
+
+/// Columns of the broad phase: a mean box is taken for no smaller than this part of the world, so that spreads in units
+/// of it stay finite where all boxes are points. Costs time only.
+pub const LEAST_MEAN: f64 = 1e-9;
+
+/// Columns are no narrower than this: the world over it stays finite. Costs time only.
+pub const LEAST_WIDTH: f64 = 1e-30;
+
+/// The search for a width starts at no less than this part of the world, for boxes that are points. Costs time only.
+pub const LEAST_START: f64 = 1e-6;

@@ -134,7 +134,13 @@ const MAY_USE: [(&str, &[&str]); 7] = [
     ("scalar", &["tolerance"]),
     ("double_double", &["scalar", "tolerance"]),
     ("pose", &["tolerance"]),
-    ("polyhedron", &["polyhedron", "scalar", "double_double", "tolerance"]),
+    // The box of a placed body turns by a pose's matrix.
+    (
+        "polyhedron",
+        &["polyhedron", "pose", "scalar", "double_double", "tolerance"],
+    ),
+    // Boxes and ids only.
+    ("broad", &["broad", "tolerance"]),
     (
         "closest",
         &[

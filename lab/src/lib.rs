@@ -1,13 +1,15 @@
 //! What the tests, benches and examples of `lin-canny` share.
 //!
 //! Everything here works on plain data: a point is `[f64; 3]`, a face is a list of point indices counter-clockwise
-//! from outside, a pose is [`Pose`]. So a judge never borrows the code it judges.
+//! from outside, a pose is [`Pose`]. So a judge never borrows the code it judges;
+//! only [`boxes`] speaks the crate's own type.
 //!
 //! | module | what it gives |
 //! |---|---|
 //! | [`rng`] | a seeded generator: the same numbers on every machine |
 //! | [`shapes`] | bodies that are hard on purpose |
 //! | [`motion`], [`workload`] | seeded motions of a pair, and those that engines are timed on |
+//! | [`boxes`] | scenes of moving boxes |
 //! | [`exact`] | the naive oracle: exact class and distance of two small bodies |
 //! | [`brute_hull`] | exact faces of a few points |
 //! | [`bound`] | exact checks of an answer for bodies of any size |
@@ -21,6 +23,7 @@
 
 pub mod body;
 pub mod bound;
+pub mod boxes;
 pub mod brute_hull;
 pub mod exact;
 pub mod meshes;

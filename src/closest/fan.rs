@@ -28,16 +28,12 @@ impl ConvexPolyhedron {
             least: f64::INFINITY,
             half_edge: 0,
         };
-        let start = self.topology.fan(v).start;
-        for (k, e) in self.topology.fan_edges(v).iter().enumerate() {
-            let c = n.dot(&(self.points[e.to as usize] - p));
+        self.topology.each_leaving(v, |half_edge, to| {
+            let c = n.dot(&(self.points[to as usize] - p));
             if c < fan.least {
-                fan = Fan {
-                    least: c,
-                    half_edge: start + k as u32,
-                };
+                fan = Fan { least: c, half_edge };
             }
-        }
+        });
         fan
     }
 

@@ -6,6 +6,7 @@ use super::outcome::Outcome;
 use super::placed::Sides;
 use super::rim::Face;
 use super::state::Step;
+use super::vertex_face::jump;
 use crate::polyhedron::FeaturePair;
 
 /// An edge that falls towards a face.
@@ -38,6 +39,9 @@ pub(crate) fn slide<S: Sides>(sides: &S, s: &Slide, outcome: &mut Outcome) -> St
         None => (1.0, FeaturePair::vertex_face(S::OF, end, s.face)),
     };
     let (height, fall) = (plane.normal.dot(&s.start) - plane.offset, plane.normal.dot(&way));
+    if height <= 0.0 {
+        return jump(sides, end, s.face, &s.start, outcome);
+    }
     if height + first * fall <= 0.0 {
         Step::Lost
     } else {

@@ -81,12 +81,15 @@ pub(crate) fn look<const CERTIFY: bool, S: Sides>(sides: &S, vertex: u32, edge: 
 /// Past an end of the edge: to the end, or along a long rim to where `x` is nearest.
 #[inline(always)]
 fn past_end<S: Sides>(sides: &S, vertex: u32, edge: u32, end: u32, x: &Vector3<f64>, outcome: &mut Outcome) -> Step {
-    if sides.y().topology.has_large_faces() {
-        if let Some(edge) = edge_along(sides.y(), edge, x, sides.size()) {
-            return outcome.go(FeaturePair::vertex_edge(S::OF, vertex, edge));
-        }
-    }
-    outcome.go(FeaturePair::vertices(S::OF, vertex, end))
+    let along = sides
+        .y()
+        .topology
+        .has_large_faces()
+        .then(|| edge_along(sides.y(), edge, x, sides.size()));
+    outcome.go(match along.flatten() {
+        Some(edge) => FeaturePair::vertex_edge(S::OF, vertex, edge),
+        None => FeaturePair::vertices(S::OF, vertex, end),
+    })
 }
 
 /// Over a face beside the edge: to it, or across the strips along a long rim to the one `x` is nearest to.

@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 
+use super::behind::seen_face;
 use super::outcome::Outcome;
 use super::placed::Sides;
 use super::rim::{Face, Rim};
@@ -30,13 +31,7 @@ pub(crate) fn look<const CERTIFY: bool, S: Sides>(sides: &S, vertex: u32, face: 
     }
     let height = plane.normal.dot(&(x - corner));
     if height <= ON_BOUNDARY * size {
-        return match behind(other, face, &x, ON_BOUNDARY * size) {
-            Some(face) => {
-                outcome.features = FeaturePair::vertex_face(S::OF, vertex, face);
-                Step::Jump
-            }
-            None => Step::Lost,
-        };
+        return jump(sides, vertex, face, &x, outcome);
     }
     let n = sides.direction_in_x(&plane.normal);
     let fan = body.fan_minimum(vertex, &n);
@@ -78,23 +73,14 @@ fn onto_edge(body: &ConvexPolyhedron, edge: u32, x: &Vector3<f64>) -> (Vector3<f
     (foot, sqrt((x - foot).norm_squared()))
 }
 
-/// A vertex on the back side: climbs over neighbouring faces to the one it is furthest above.
+/// From behind `face` to the face that `x` sees.
 #[cold]
-fn behind(body: &ConvexPolyhedron, face: u32, x: &Vector3<f64>, least: f64) -> Option<u32> {
-    let height = |f: u32| body.planes[f as usize].normal.dot(x) - body.planes[f as usize].offset;
-    let (mut best, mut top) = (face, height(face));
-    loop {
-        let from = best;
-        for h in body.topology.rim(from) {
-            let f = body.topology.half_edge(body.topology.half_edge(h).twin).face;
-            let up = height(f);
-            if up > top {
-                (best, top) = (f, up);
-            }
+pub(crate) fn jump<S: Sides>(sides: &S, vertex: u32, face: u32, x: &Vector3<f64>, outcome: &mut Outcome) -> Step {
+    match seen_face(sides.y(), x, ON_BOUNDARY * sides.size()) {
+        Some(seen) if seen != face => {
+            outcome.features = FeaturePair::vertex_face(S::OF, vertex, seen);
+            Step::Jump
         }
-        if best == from {
-            break;
-        }
+        _ => Step::Lost,
     }
-    (best != face && top > least).then_some(best)
 }

@@ -23,7 +23,7 @@ const JUMPS: u32 = 3;
 
 /// A walk this long is better off with a new start: some steps of the minimum-norm solver cost less than the way that
 /// is likely left. Flat bodies need it, where the line of centres says little about the closest features.
-const LONG: u32 = 16;
+const LONG: u32 = 48;
 
 /// Steps before the guard looks.
 const FREE: u32 = 8;

@@ -118,6 +118,16 @@ impl ConvexPolyhedron {
         self.source_faces.get(face.index()).map(|&i| i as usize)
     }
 
+    /// Bytes this body takes, its lists included but not its report: up to 10,922 vertices some 155 a vertex, beyond some
+    /// 205 (links of 16 and of 32 bits).
+    pub fn size_in_bytes(&self) -> usize {
+        let lists = size_of_val(&self.points[..])
+            + size_of_val(&self.planes[..])
+            + size_of_val(&self.source[..])
+            + size_of_val(&self.source_faces[..]);
+        size_of::<Self>() + lists + self.topology.heap_bytes() + self.lookup.heap_bytes() + self.scan.heap_bytes()
+    }
+
     /// What building this body kept, merged and dropped.
     pub fn report(&self) -> &BuildReport {
         &self.report

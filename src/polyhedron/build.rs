@@ -3,6 +3,7 @@
 use alloc::vec::Vec;
 use nalgebra::{Point3, Vector3};
 
+use super::bounds::Scan;
 use super::cloud::{Cloud, bounding_box, power_of_two};
 use super::error::BuildError;
 use super::facets::Facets;
@@ -97,6 +98,7 @@ impl ConvexPolyhedron {
         }
         Ok(Self {
             lookup: CubeMap::new(&topology, &points),
+            scan: Scan::new(&points),
             topology,
             source: kept.iter().map(|&i| cloud.source[i as usize]).collect(),
             points,

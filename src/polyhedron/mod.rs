@@ -12,6 +12,7 @@
 //! body's size, never to its place.
 
 mod access;
+mod bounds;
 mod build;
 mod build_faces;
 mod cloud;
@@ -36,6 +37,7 @@ pub(crate) mod topology;
 use alloc::vec::Vec;
 use nalgebra::Vector3;
 
+pub use bounds::BoxHint;
 pub(crate) use cloud::power_of_two;
 pub use error::BuildError;
 pub use feature::{EdgeId, FaceId, Feature, FeaturePair, VertexId};
@@ -65,6 +67,7 @@ pub struct ConvexPolyhedron {
     pub(crate) points: Vec<Vector3<f64>>,
     pub(crate) planes: Vec<Plane>,
     pub(crate) lookup: CubeMap,
+    scan: bounds::Scan,
     /// The caller's index of each vertex.
     pub(crate) source: Vec<u32>,
     /// The caller's face that holds each face; empty for bodies from points.

@@ -24,7 +24,7 @@ const FLATTEST: f64 = 1.0 / 1024.0;
 const ROUND: f64 = 1.0 / 3.0;
 
 /// Vertices from which a flat body is worth a coarse solve.
-const MANY: usize = 48;
+const MANY: usize = 1000;
 
 /// Vertices a flood may hold before it turns into a scan of the whole body.
 const FLOOD: usize = 48;
@@ -44,12 +44,12 @@ pub(crate) fn climb(topology: &Topology, points: &[Vector3<f64>], n: &Vector3<f6
     loop {
         let p = points[v as usize];
         let (mut best, mut rise) = (v, 0.0);
-        for e in topology.fan_edges(v) {
-            let c = n.dot(&(points[e.to as usize] - p));
+        topology.each_leaving(v, |_, to| {
+            let c = n.dot(&(points[to as usize] - p));
             if c > rise {
-                (best, rise) = (e.to, c);
+                (best, rise) = (to, c);
             }
-        }
+        });
         // Only a certain rise is a move: that is what ends the loop among tied vertices.
         if best == v || edge_sign(n, &(points[best as usize] - p)) <= 0 {
             return v;
@@ -127,10 +127,10 @@ impl ConvexPolyhedron {
             let v = seen[done];
             done += 1;
             let p = self.points[v as usize];
-            for e in self.topology.fan_edges(v) {
-                let q = self.points[e.to as usize];
+            for w in self.topology.neighbours(v) {
+                let q = self.points[w as usize];
                 let near = edge_sign(n, &(q - p)) >= 0 || (slack > 0.0 && n.dot(&q) >= floor);
-                if !near || seen[..count].contains(&e.to) {
+                if !near || seen[..count].contains(&w) {
                     continue;
                 }
                 if count == FLOOD {
@@ -140,7 +140,7 @@ impl ConvexPolyhedron {
                     }
                     return;
                 }
-                seen[count] = e.to;
+                seen[count] = w;
                 count += 1;
             }
         }
@@ -193,6 +193,11 @@ impl CubeMap {
             }
         }
         Self { stretch, side, cells }
+    }
+
+    /// Bytes on the heap.
+    pub(crate) fn heap_bytes(&self) -> usize {
+        4 * self.cells.capacity()
     }
 
     fn is_flat(&self) -> bool {

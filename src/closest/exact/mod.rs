@@ -108,8 +108,8 @@ impl<'a> Turned<'a> {
     /// The edges that leave `v`, turned.
     fn edges(&self, v: u32, exponent: i32) -> Vec<Big3> {
         let from = self.point(v, exponent);
-        let fan = self.body.topology.fan_edges(v);
-        fan.iter().map(|e| sub(&self.point(e.to, exponent), &from)).collect()
+        let neighbours = self.body.topology.neighbours(v);
+        neighbours.map(|w| sub(&self.point(w, exponent), &from)).collect()
     }
 }
 

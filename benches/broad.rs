@@ -1,0 +1,73 @@
+//! A step of the broad phase, all scenes: `cargo bench --bench broad`. Against other libraries: `--example race`.
+
+use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use lab::boxes::{Kind, Scene};
+use lin_canny::broad::{Aabb, Body, BodyId, BroadPhase, PencilSweep, SortedAxes};
+
+fn step<B: BroadPhase>(criterion: &mut Criterion, name: &str, new: fn() -> B, sizes: &[usize]) {
+    let mut group = criterion.benchmark_group(name);
+    group.sample_size(20);
+    for kind in Kind::ALL {
+        for &n in sizes {
+            let mut scene = Scene::new(kind, n);
+            let mut broad = new();
+            let ids: Vec<BodyId> = scene
+                .boxes
+                .iter()
+                .filter_map(|b| broad.insert(b, Body::moving()).ok())
+                .collect();
+            assert_eq!(ids.len(), n);
+            broad.step();
+            assert!(broad.pair_count() > n / 20, "the scene hardly has pairs");
+            group.throughput(Throughput::Elements(n as u64));
+            group.bench_function(BenchmarkId::new(kind.name(), n), |bencher| {
+                bencher.iter_batched(
+                    || {
+                        scene.step();
+                        scene
+                            .moved
+                            .iter()
+                            .map(|&i| (ids[i as usize], scene.boxes[i as usize]))
+                            .collect()
+                    },
+                    |batch: Vec<(BodyId, Aabb)>| {
+                        assert!(broad.set_boxes(&batch).is_ok());
+                        let events = broad.step();
+                        (events.began.len(), events.ended.len(), batch)
+                    },
+                    criterion::BatchSize::PerIteration,
+                );
+            });
+        }
+    }
+    group.finish();
+}
+
+/// Insertion of a whole scene and its first step.
+fn build(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("build");
+    group.sample_size(20);
+    for kind in [Kind::Uniform, Kind::Pile] {
+        let scene = Scene::new(kind, 10_000);
+        group.bench_function(kind.name(), |bencher| {
+            bencher.iter(|| {
+                let mut broad = PencilSweep::new();
+                scene
+                    .boxes
+                    .iter()
+                    .for_each(|b| assert!(broad.insert(b, Body::moving()).is_ok()));
+                broad.step().began.len()
+            });
+        });
+    }
+    group.finish();
+}
+
+fn benches(criterion: &mut Criterion) {
+    step(criterion, "pencils", PencilSweep::new, &[1_000, 10_000, 100_000]);
+    step(criterion, "three-axes", SortedAxes::new, &[1_000]);
+    build(criterion);
+}
+
+criterion_group!(broad, benches);
+criterion_main!(broad);

@@ -1,0 +1,270 @@
+//! Axis-aligned boxes: as callers give them (`f64`) and as the broad phase keeps them (`f32`, rounded outward).
+
+use nalgebra::{Point3, Vector3};
+
+/// An axis-aligned box with `f64` corners, as a caller gives it. Closed: its faces belong to it.
+///
+/// The fields are plain numbers, so a box may hold nonsense; [`Aabb::fault`] says which, and every call of a broad
+/// phase refuses such a box by an error that names the body.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Aabb {
+    /// The corner with the least coordinates.
+    pub min: Point3<f64>,
+    /// The corner with the greatest coordinates.
+    pub max: Point3<f64>,
+}
+
+/// What makes a box unusable.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BoxFault {
+    /// A bound on this axis is NaN or infinite.
+    NonFinite {
+        /// 0, 1, 2 for x, y, z.
+        axis: usize,
+    },
+    /// The minimum exceeds the maximum on this axis.
+    Inverted {
+        /// 0, 1, 2 for x, y, z.
+        axis: usize,
+    },
+}
+
+impl Aabb {
+    /// The box between two corners, taken as they are.
+    pub fn new(min: Point3<f64>, max: Point3<f64>) -> Self {
+        Self { min, max }
+    }
+
+    /// The box with this centre that reaches `half` to each side.
+    pub fn from_center(center: Point3<f64>, half: Vector3<f64>) -> Self {
+        Self {
+            min: center - half,
+            max: center + half,
+        }
+    }
+
+    /// The whole of space; for [`insert_unbounded`](super::BroadPhase::insert_unbounded) only.
+    pub fn everything() -> Self {
+        let far = Vector3::repeat(f64::INFINITY);
+        Self {
+            min: Point3::from(-far),
+            max: Point3::from(far),
+        }
+    }
+
+    /// The box grown by `margin` on every side.
+    pub fn grown(&self, margin: f64) -> Self {
+        let by = Vector3::repeat(margin);
+        Self {
+            min: self.min - by,
+            max: self.max + by,
+        }
+    }
+
+    /// The box that covers this one on its whole way along `motion` (a straight line; a turn needs its own bound).
+    #[doc(alias = "sweep")]
+    pub fn swept(&self, motion: &Vector3<f64>) -> Self {
+        let zero = Vector3::zeros();
+        Self {
+            min: self.min + motion.inf(&zero),
+            max: self.max + motion.sup(&zero),
+        }
+    }
+
+    /// The least box that covers both.
+    pub fn united(&self, other: &Self) -> Self {
+        Self {
+            min: self.min.inf(&other.min),
+            max: self.max.sup(&other.max),
+        }
+    }
+
+    /// Whether the closed boxes share a point: touching boxes do.
+    pub fn overlaps(&self, other: &Self) -> bool {
+        (0..3).all(|k| self.min[k] <= other.max[k] && other.min[k] <= self.max[k])
+    }
+
+    /// Whether `other` lies within this box, faces included.
+    pub fn contains(&self, other: &Self) -> bool {
+        (0..3).all(|k| self.min[k] <= other.min[k] && other.max[k] <= self.max[k])
+    }
+
+    /// The first fault of a box meant to be finite.
+    pub fn fault(&self) -> Option<BoxFault> {
+        if self.is_sound() {
+            None
+        } else {
+            (0..3).find_map(|axis| self.fault_of_axis(axis, f64::is_finite))
+        }
+    }
+
+    /// The first fault of a box that may reach to infinity: NaN and inversion stay faults.
+    pub fn fault_unbounded(&self) -> Option<BoxFault> {
+        (0..3).find_map(|axis| self.fault_of_axis(axis, |v| !v.is_nan()))
+    }
+
+    fn fault_of_axis(&self, axis: usize, usable: fn(f64) -> bool) -> Option<BoxFault> {
+        let (min, max) = (self.min[axis], self.max[axis]);
+        if !usable(min) || !usable(max) {
+            Some(BoxFault::NonFinite { axis })
+        } else if min > max {
+            Some(BoxFault::Inverted { axis })
+        } else {
+            None
+        }
+    }
+
+    /// One pass without branches; every comparison is false for NaN, so NaN lands on the slow side.
+    #[inline(always)]
+    fn is_sound(&self) -> bool {
+        let mut sound = true;
+        for k in 0..3 {
+            sound &= self.min[k] <= self.max[k];
+            sound &= self.min[k] > f64::NEG_INFINITY;
+            sound &= self.max[k] < f64::INFINITY;
+        }
+        sound
+    }
+}
+
+/// Coordinates of a [`StoredBox`] are clamped to this. Clamping is monotone, so it may add pairs but loses none; it
+/// leaves room above for the corners of [`StoredBox::EMPTY`].
+pub(crate) const FARTHEST: f32 = 1e38;
+
+/// A box as the broad phase keeps it: `f32`, relative to the structure's origin, every bound rounded outward.
+///
+/// Pairs are decided on these boxes. Rounding is monotone, so boxes that overlap in `f64` overlap here too; boxes nearer
+/// than about one part in 2^23 of their distance from the origin may be a pair without overlapping in `f64`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[repr(C)]
+pub struct StoredBox {
+    /// Lower bounds.
+    pub lo: [f32; 3],
+    /// Upper bounds.
+    pub hi: [f32; 3],
+}
+
+impl StoredBox {
+    /// Overlaps nothing, itself included. A body not yet inserted was empty, a removed one will be. Finite on purpose:
+    /// differences of bounds never become NaN, and every serde format can hold it.
+    pub(crate) const EMPTY: Self = Self {
+        lo: [3e38; 3],
+        hi: [-3e38; 3],
+    };
+
+    /// The stored form of a box without faults.
+    pub fn outward(aabb: &Aabb, origin: &Point3<f64>) -> Self {
+        // Adding zero turns -0 into +0, so that equal bounds have equal bits and sort keys.
+        Self {
+            lo: core::array::from_fn(|k| rounded_down(aabb.min[k] - origin[k]) + 0.0),
+            hi: core::array::from_fn(|k| 0.0 - rounded_down(origin[k] - aabb.max[k])),
+        }
+    }
+
+    /// Whether the closed boxes share a point.
+    #[inline(always)]
+    pub fn overlaps(&self, other: &Self) -> bool {
+        let mut all = true;
+        for k in 0..3 {
+            all &= self.lo[k] <= other.hi[k];
+            all &= other.lo[k] <= self.hi[k];
+        }
+        all
+    }
+
+    /// Whether `other` lies within this box, faces included.
+    #[inline(always)]
+    pub fn contains(&self, other: &Self) -> bool {
+        let mut all = true;
+        for k in 0..3 {
+            all &= self.lo[k] <= other.lo[k];
+            all &= other.hi[k] <= self.hi[k];
+        }
+        all
+    }
+
+    /// The coordinates in the cyclic order that starts `by` axes later.
+    pub(crate) fn rotated(&self, by: usize) -> Self {
+        let turn = |v: &[f32; 3]| [v[by % 3], v[(by + 1) % 3], v[(by + 2) % 3]];
+        Self {
+            lo: turn(&self.lo),
+            hi: turn(&self.hi),
+        }
+    }
+
+    /// Squared distance between the boxes in `f64`, zero when they overlap.
+    pub(crate) fn distance_squared(&self, other: &Self) -> f64 {
+        let gap = |k: usize| {
+            let before = f64::from(other.lo[k]) - f64::from(self.hi[k]);
+            let after = f64::from(self.lo[k]) - f64::from(other.hi[k]);
+            before.max(after).max(0.0)
+        };
+        (0..3).map(|k| gap(k) * gap(k)).sum()
+    }
+}
+
+/// Plain comparison: the core's `f32::max` has NaN rules that cost instructions, and no NaN gets here.
+#[inline(always)]
+pub(crate) fn max(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
+}
+
+/// The largest `f32` at or below `v`, clamped to `FARTHEST`; exact where `v` is an `f32`.
+fn rounded_down(v: f64) -> f32 {
+    let limit = FARTHEST as f64;
+    let v = if v < -limit { -limit } else { v };
+    let v = if v > limit { limit } else { v };
+    let nearest = v as f32;
+    let step = i32::from(f64::from(nearest) > v);
+    // Bit patterns of floats, read as sign and magnitude, count up with the value.
+    let bits = nearest.to_bits() as i32;
+    let rank = (bits ^ (((bits >> 31) as u32) >> 1) as i32) - step;
+    f32::from_bits((rank ^ (((rank >> 31) as u32) >> 1) as i32) as u32)
+}
+
+/// An integer that orders like the float. Equal floats have equal keys (there is no -0 in a stored box).
+#[inline(always)]
+pub(crate) fn order_key(v: f32) -> u32 {
+    let bits = v.to_bits();
+    bits ^ (((bits as i32) >> 31) as u32 | 0x8000_0000)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rounding_is_outward_tight_and_exact_on_f32() {
+        let mut state = 1_u64;
+        for _ in 0..20_000 {
+            state = state
+                .wrapping_mul(6364136223846793005)
+                .wrapping_add(1442695040888963407);
+            let v = (state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5;
+            let v = v * libm::exp2(((state >> 5) % 260) as f64 - 140.0);
+            let down = rounded_down(v);
+            assert!(f64::from(down) <= v && f64::from(down.next_up()) > v, "{v:e} {down:e}");
+            let same = v as f32;
+            assert_eq!(rounded_down(f64::from(same)), same);
+        }
+        assert_eq!(rounded_down(1e300), FARTHEST);
+        assert_eq!(rounded_down(-1e300), -FARTHEST);
+        assert_eq!(rounded_down(-1e-60), -f32::from_bits(1));
+        assert_eq!(rounded_down(1e-60), 0.0);
+    }
+
+    #[test]
+    fn keys_order_like_floats() {
+        let values = [-1e38, -2.0, -1e-45, 0.0, 1e-45, 1.0, 1e38_f32];
+        assert!(values.windows(2).all(|w| order_key(w[0]) < order_key(w[1])));
+    }
+
+    #[test]
+    fn empty_overlaps_nothing() {
+        let all = StoredBox::outward(&Aabb::everything(), &Point3::origin());
+        assert!(!all.overlaps(&StoredBox::EMPTY) && !StoredBox::EMPTY.overlaps(&StoredBox::EMPTY));
+        assert!(all.overlaps(&all));
+    }
+}

@@ -1,0 +1,450 @@
+//! The table of bodies: ids with generations, the stored boxes of this step and the last, and who moved.
+
+use super::aabb::{FARTHEST, StoredBox};
+use super::bounds::{Bounds, any_above};
+use super::error::BroadPhaseError;
+use super::grid::{Grid, Range};
+use super::{Aabb, Body, BoxFault, Groups};
+use alloc::vec::Vec;
+use core::fmt;
+use nalgebra::Point3;
+
+/// Names a body of one broad phase. The index is reused after a removal, the generation then differs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct BodyId {
+    /// Place in tables; less than 2^31.
+    pub index: u32,
+    /// Odd for every body that ever lived.
+    pub generation: u32,
+}
+
+impl fmt::Display for BodyId {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "body {} (generation {})", self.index, self.generation)
+    }
+}
+
+/// Largest number of bodies: one bit of a 32-bit index serves as a flag inside columns.
+const MOST_BODIES: usize = (1 << 31) - 1;
+
+/// What only events and refreshed margins read.
+#[derive(Clone, Copy, Debug)]
+struct Detail {
+    groups: Groups,
+    margin: f32,
+    lookahead: f32,
+    /// The generation under which the body lives or last lived.
+    generation: u32,
+    fixed: bool,
+}
+
+impl Detail {
+    fn new(body: Body, generation: u32) -> Self {
+        let (margin, lookahead) = (body.margin as f32, body.lookahead as f32);
+        Self {
+            groups: body.groups,
+            margin,
+            lookahead,
+            generation,
+            fixed: body.fixed,
+        }
+    }
+
+    fn body(&self) -> Body {
+        let (margin, lookahead) = (f64::from(self.margin), f64::from(self.lookahead));
+        Body {
+            groups: self.groups,
+            fixed: self.fixed,
+            margin,
+            lookahead,
+        }
+    }
+}
+
+/// Who changed since the last step.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Marks {
+    /// Bodies whose stored box differs from the last step's, in the order of the calls.
+    pub(crate) moved: Vec<u32>,
+    /// Those among them that may have changed columns.
+    pub(crate) noted: Vec<u32>,
+}
+
+/// All bodies of one broad phase.
+#[derive(Clone, Debug)]
+pub(crate) struct Bodies {
+    pub(crate) records: Vec<Record>,
+    details: Vec<Detail>,
+    generations: Vec<u32>,
+    free: Vec<u32>,
+    /// Removed bodies whose pairs end with the next step.
+    pub(crate) leaving: Vec<u32>,
+    /// Bodies whose groups changed: their pairs are asked again.
+    pub(crate) regrouped: Vec<u32>,
+    pub(crate) unbounded: Vec<u32>,
+    pub(crate) marks: Marks,
+    /// Number of the step being prepared; never 0.
+    pub(crate) step: u32,
+    pub(crate) origin: Point3<f64>,
+    pub(crate) grid: Grid,
+}
+
+mod batch;
+mod record;
+#[cfg(feature = "serde")]
+mod state;
+#[cfg(feature = "serde")]
+pub(crate) use state::BodiesState;
+
+pub(crate) use record::{FIXED, JUMPS, MIGRATES, Record, UNBOUNDED};
+use record::{LOOSE, NOTED, touch};
+
+impl Bodies {
+    pub(crate) fn new(origin: Point3<f64>) -> Self {
+        Self {
+            records: Vec::new(),
+            details: Vec::new(),
+            generations: Vec::new(),
+            free: Vec::new(),
+            leaving: Vec::new(),
+            regrouped: Vec::new(),
+            unbounded: Vec::new(),
+            marks: Marks::default(),
+            step: 1,
+            origin,
+            grid: Grid::single(0),
+        }
+    }
+
+    /// Living bodies.
+    pub(crate) fn len(&self) -> usize {
+        self.records.len() - self.free.len() - self.leaving.len()
+    }
+
+    pub(crate) fn insert(&mut self, stored: StoredBox, body: Body, flags: u32) -> Result<BodyId, BroadPhaseError> {
+        body.check()?;
+        let index = match self.free.pop() {
+            Some(index) => index,
+            None if self.records.len() >= MOST_BODIES => return Err(BroadPhaseError::TooManyBodies),
+            None => {
+                push(&mut self.records, Record::absent());
+                push(&mut self.details, Detail::new(body, 0));
+                push(&mut self.generations, 0);
+                (self.records.len() - 1) as u32
+            }
+        };
+        let i = index as usize;
+        let generation = self.generations[i] + 1;
+        self.generations[i] = generation;
+        self.details[i] = Detail::new(body, generation);
+        let loose = if body.margin > 0.0 || body.lookahead > 0.0 {
+            LOOSE
+        } else {
+            0
+        };
+        let fixed = if body.fixed { FIXED } else { 0 };
+        let record = &mut self.records[i];
+        // Loose boxes born together would otherwise expire together, in waves.
+        let stored = if loose != 0 {
+            grown(&stored, body.margin as f32 * fraction(index))
+        } else {
+            stored
+        };
+        let unbounded = flags & UNBOUNDED != 0;
+        let bounds = Bounds::from_box(&stored);
+        *record = Record {
+            stamp: self.step,
+            flags: flags | loose | fixed,
+            ..Record::absent()
+        };
+        record.set_new(&bounds);
+        if !unbounded {
+            record.set_range(self.grid.range(&bounds));
+        }
+        self.marks.moved.push(index);
+        if unbounded {
+            self.unbounded.push(index);
+        } else {
+            record.flags |= NOTED;
+            self.marks.noted.push(index);
+        }
+        Ok(BodyId { index, generation })
+    }
+
+    /// From now on the id is stale. The box becomes empty, so that the next step sees every pair of the body end.
+    pub(crate) fn remove(&mut self, id: BodyId) -> Result<(), BroadPhaseError> {
+        let i = self.index_of(id)?;
+        self.generations[i] = id.generation.wrapping_add(1);
+        self.leaving.push(id.index);
+        let step = self.step;
+        let record = &mut self.records[i];
+        touch(record, id.index, step, &mut self.marks.moved);
+        record.set_new(&Bounds::from_box(&StoredBox::EMPTY));
+        record.set_range(Range::NONE);
+        if record.flags & (NOTED | UNBOUNDED) == 0 {
+            record.flags |= NOTED;
+            self.marks.noted.push(id.index);
+        }
+        Ok(())
+    }
+
+    pub(crate) fn set_box(&mut self, id: BodyId, aabb: &Aabb) -> Result<(), BroadPhaseError> {
+        let i = self.index_of(id)?;
+        let context = Context {
+            grid: &self.grid,
+            details: &self.details,
+            step: self.step,
+        };
+        let record = &mut self.records[i];
+        let bounds = checked(aabb, &self.origin, &self.grid, record.flags)
+            .map_err(|fault| BroadPhaseError::from_fault(fault, Some(id)))?;
+        context.place(record, id.index, bounds, &mut self.marks);
+        Ok(())
+    }
+
+    /// A box without faults in stored form.
+    pub(crate) fn stored(&self, aabb: &Aabb) -> StoredBox {
+        StoredBox::outward(aabb, &self.origin).rotated(self.grid.axis)
+    }
+
+    pub(crate) fn index_of(&self, id: BodyId) -> Result<usize, BroadPhaseError> {
+        let i = id.index as usize;
+        let alive = self.generations.get(i) == Some(&id.generation) && id.generation % 2 == 1;
+        if alive {
+            Ok(i)
+        } else {
+            Err(BroadPhaseError::StaleId { body: id })
+        }
+    }
+
+    /// The id under which the body at `index` lives, or last lived until the next step.
+    pub(crate) fn id(&self, index: u32) -> BodyId {
+        BodyId {
+            index,
+            generation: self.details.get(index as usize).map_or(0, |d| d.generation),
+        }
+    }
+
+    pub(crate) fn lives(&self, index: u32) -> bool {
+        self.generations.get(index as usize).is_some_and(|g| g % 2 == 1)
+    }
+
+    /// The options of a body.
+    pub(crate) fn body(&self, index: u32) -> Body {
+        self.details[index as usize].body()
+    }
+
+    pub(crate) fn set_groups(&mut self, id: BodyId, groups: Option<Groups>) -> Result<(), BroadPhaseError> {
+        let i = self.index_of(id)?;
+        if let Some(groups) = groups {
+            self.details[i].groups = groups;
+        }
+        self.regrouped.push(id.index);
+        Ok(())
+    }
+
+    /// Whether options let the two bodies pair.
+    #[inline]
+    pub(crate) fn may_pair(&self, a: u32, b: u32) -> bool {
+        let [a, b] = [a, b].map(|i| &self.details[i as usize]);
+        !(a.fixed && b.fixed) && a.groups.meet(b.groups)
+    }
+
+    /// Ids of all living bodies.
+    pub(crate) fn ids(&self) -> impl Iterator<Item = BodyId> {
+        let living = self.generations.iter().enumerate().filter(|(_, g)| **g % 2 == 1);
+        living.map(|(i, g)| BodyId {
+            index: i as u32,
+            generation: *g,
+        })
+    }
+
+    /// Gives every body its columns of another grid, and finds anew who changes columns.
+    pub(crate) fn set_grid(&mut self, grid: Grid) {
+        let turn = (3 + grid.axis - self.grid.axis) % 3;
+        self.marks.noted.clear();
+        for (i, record) in self.records.iter_mut().enumerate() {
+            for bounds in [&mut record.lo, &mut record.hi, &mut record.old_lo, &mut record.old_hi] {
+                bounds.rotate_left(turn);
+            }
+            if record.flags & UNBOUNDED != 0 {
+                continue;
+            }
+            record.set_range(if record.present() {
+                grid.range(&record.now())
+            } else {
+                Range::NONE
+            });
+            record.flags &= !NOTED;
+            if record.moved(self.step) {
+                record.flags |= NOTED;
+                self.marks.noted.push(i as u32);
+            }
+        }
+        self.grid = grid;
+    }
+
+    /// Decides for every noted body how it takes part in its columns this step.
+    pub(crate) fn classify(&mut self) {
+        let leap = self.grid.width * LEAP;
+        let (step, grid) = (self.step, &self.grid);
+        for &index in &self.marks.noted {
+            let record = &mut self.records[index as usize];
+            let stays = record.present() && record.present_before(step);
+            let jumps = stays && any_above(record.before(step).displacement(&record.now()), leap);
+            let migrates = record.range_before(step, grid) != record.range();
+            record.flags &= !(MIGRATES | JUMPS);
+            record.flags |= if jumps { JUMPS } else { 0 } | if migrates { MIGRATES } else { 0 };
+        }
+    }
+
+    /// Ends the step: the new boxes become the old ones, indices of removed bodies become free.
+    pub(crate) fn end_step(&mut self) {
+        trim(&mut self.marks.noted);
+        trim(&mut self.marks.moved);
+        for index in self.marks.noted.drain(..) {
+            self.records[index as usize].flags &= !(NOTED | MIGRATES | JUMPS);
+        }
+        self.marks.moved.clear();
+        self.regrouped.clear();
+        let generations = &self.generations;
+        if !self.leaving.is_empty() {
+            self.unbounded.retain(|&i| generations[i as usize] % 2 == 1);
+        }
+        for index in self.leaving.drain(..) {
+            self.records[index as usize] = Record::absent();
+            // An index whose generations are used up is retired.
+            if generations[index as usize] < u32::MAX - 1 {
+                self.free.push(index);
+            }
+        }
+        self.step = match self.step.checked_add(1) {
+            Some(next) => next,
+            None => {
+                self.records.iter_mut().for_each(|r| r.stamp = 0);
+                1
+            }
+        };
+    }
+
+    /// Bytes reserved for bodies.
+    pub(crate) fn bytes(&self) -> usize {
+        let lists = [
+            &self.free,
+            &self.leaving,
+            &self.regrouped,
+            &self.unbounded,
+            &self.marks.moved,
+            &self.marks.noted,
+        ];
+        self.records.capacity() * size_of::<Record>()
+            + self.details.capacity() * size_of::<Detail>()
+            + self.generations.capacity() * 4
+            + lists.iter().map(|l| l.capacity() * 4).sum::<usize>()
+    }
+}
+
+/// A move longer than this part of a column's width is a jump.
+const LEAP: f32 = 0.25;
+
+/// What placing a box needs besides the record.
+struct Context<'a> {
+    grid: &'a Grid,
+    details: &'a [Detail],
+    step: u32,
+}
+
+impl Context<'_> {
+    /// Takes over a new box and notes what changed. The common case touches nothing but the record.
+    #[inline(always)]
+    fn place(&self, record: &mut Record, index: u32, given: Bounds, marks: &mut Marks) {
+        let present = record.now();
+        let mut bounds = given;
+        if record.flags & LOOSE != 0 {
+            if present.contains(&given) {
+                return;
+            }
+            bounds = self.loosened(record, index, given);
+        }
+        if present.equals(&bounds) {
+            return;
+        }
+        touch(record, index, self.step, &mut marks.moved);
+        record.set_new(&bounds);
+        if record.flags & UNBOUNDED != 0 {
+            return;
+        }
+        let range = self.grid.range(&bounds);
+        let far = any_above(present.displacement(&bounds), self.grid.width * LEAP);
+        if (range != record.range()) | far {
+            record.set_range(range);
+            if record.flags & NOTED == 0 {
+                record.flags |= NOTED;
+                marks.noted.push(index);
+            }
+        }
+    }
+
+    /// The given box with the margins of its body.
+    #[inline(never)]
+    fn loosened(&self, record: &Record, index: u32, given: Bounds) -> Bounds {
+        let Some(detail) = self.details.get(index as usize) else {
+            return given;
+        };
+        let given = given.to_box();
+        let mut stored = grown(&given, detail.margin);
+        let steps = self.step.wrapping_sub(record.stamp).max(1) as f32;
+        let ahead = detail.lookahead / steps;
+        if ahead > 0.0 {
+            for k in 0..3 {
+                let travel = 0.5 * (given.lo[k] - record.lo[k] + given.hi[k] - record.hi[k]) * ahead;
+                stored.lo[k] = (stored.lo[k] + travel.min(0.0)).max(-FARTHEST);
+                stored.hi[k] = (stored.hi[k] + travel.max(0.0)).min(FARTHEST);
+            }
+        }
+        Bounds::from_box(&stored)
+    }
+}
+
+/// The stored form of a box, or what is wrong with it.
+fn checked(aabb: &Aabb, origin: &Point3<f64>, grid: &Grid, flags: u32) -> Result<Bounds, BoxFault> {
+    let fault = if flags & UNBOUNDED == 0 {
+        aabb.fault()
+    } else {
+        aabb.fault_unbounded()
+    };
+    match fault {
+        Some(fault) => Err(fault),
+        None => Ok(Bounds::from_box(&StoredBox::outward(aabb, origin).rotated(grid.axis))),
+    }
+}
+
+fn grown(stored: &StoredBox, margin: f32) -> StoredBox {
+    let mut out = *stored;
+    for k in 0..3 {
+        out.lo[k] = (stored.lo[k] - margin).max(-FARTHEST);
+        out.hi[k] = (stored.hi[k] + margin).min(FARTHEST);
+    }
+    out
+}
+
+/// A fixed number in (0, 1] for each index, evenly spread.
+fn fraction(index: u32) -> f32 {
+    (index.wrapping_mul(2_654_435_769) >> 8) as f32 / (1 << 24) as f32
+}
+
+/// Appends; grows by an eighth, not by doubling, since tables of bodies are most of the memory.
+fn push<T>(list: &mut Vec<T>, item: T) {
+    if list.len() == list.capacity() {
+        list.reserve_exact(list.len() / 8 + 16);
+    }
+    list.push(item);
+}
+
+/// Gives back memory of a list that once was far longer than it was this step.
+pub(super) fn trim<T>(list: &mut Vec<T>) {
+    if list.capacity() > 8 * list.len() + 1024 {
+        list.shrink_to(2 * list.len());
+    }
+}

@@ -1,0 +1,134 @@
+//! Many boxes at once.
+
+use super::{Bodies, Context, Marks, Record, checked};
+use crate::broad::bounds::Bounds;
+use crate::broad::{Aabb, BatchError, BodyId, BroadPhaseError};
+use nalgebra::Point3;
+
+/// A run of records that starts at index `first`.
+struct Run<'a> {
+    first: u32,
+    records: &'a mut [Record],
+    generations: &'a [u32],
+}
+
+impl Bodies {
+    /// Applies every sound entry; the error tells of the others.
+    pub(crate) fn set_boxes(&mut self, batch: &[(BodyId, Aabb)], threads: usize) -> Result<(), BatchError> {
+        let error = match self.grid.axis {
+            0 => self.set_boxes_in::<0>(batch, threads),
+            1 => self.set_boxes_in::<1>(batch, threads),
+            _ => self.set_boxes_in::<2>(batch, threads),
+        };
+        error.map_or(Ok(()), Err)
+    }
+
+    fn set_boxes_in<const AXIS: usize>(&mut self, batch: &[(BodyId, Aabb)], threads: usize) -> Option<BatchError> {
+        let context = Context {
+            grid: &self.grid,
+            details: &self.details,
+            step: self.step,
+        };
+        let run = Run {
+            first: 0,
+            records: &mut self.records,
+            generations: &self.generations,
+        };
+        // Records can be dealt out to threads only when each part of the batch names a part of the table.
+        if threads > 1 && batch.is_sorted_by(|a, b| a.0.index < b.0.index) {
+            return split::<AXIS>(&context, run, batch, &self.origin, &mut self.marks, threads);
+        }
+        run.apply::<AXIS>(&context, batch, &self.origin, &mut self.marks)
+    }
+}
+
+/// Halves batch and table until every thread has a part; the parts' marks are joined in order, so the result is that
+/// of one thread.
+#[cfg(feature = "parallel")]
+fn split<const AXIS: usize>(
+    context: &Context<'_>,
+    run: Run<'_>,
+    batch: &[(BodyId, Aabb)],
+    origin: &Point3<f64>,
+    marks: &mut Marks,
+    threads: usize,
+) -> Option<BatchError> {
+    let half = batch.len() / 2;
+    if threads <= 1 || half == 0 {
+        return run.apply::<AXIS>(context, batch, origin, marks);
+    }
+    let (low, high) = batch.split_at(half);
+    let border = (high[0].0.index - run.first) as usize;
+    let border = border.min(run.records.len());
+    let (records_low, records_high) = run.records.split_at_mut(border);
+    let (generations_low, generations_high) = run.generations.split_at(border);
+    let run_low = Run {
+        first: run.first,
+        records: records_low,
+        generations: generations_low,
+    };
+    let run_high = Run {
+        first: run.first + border as u32,
+        records: records_high,
+        generations: generations_high,
+    };
+    let mut marks_high = Marks::default();
+    let (error_low, error_high) = rayon::join(
+        || split::<AXIS>(context, run_low, low, origin, marks, threads / 2),
+        || split::<AXIS>(context, run_high, high, origin, &mut marks_high, threads - threads / 2),
+    );
+    marks.moved.append(&mut marks_high.moved);
+    marks.noted.append(&mut marks_high.noted);
+    let error_high = error_high.map(|e| BatchError {
+        index: e.index + half,
+        ..e
+    });
+    BatchError::joined(error_low, error_high)
+}
+
+#[cfg(not(feature = "parallel"))]
+fn split<const AXIS: usize>(
+    context: &Context<'_>,
+    run: Run<'_>,
+    batch: &[(BodyId, Aabb)],
+    origin: &Point3<f64>,
+    marks: &mut Marks,
+    _: usize,
+) -> Option<BatchError> {
+    run.apply::<AXIS>(context, batch, origin, marks)
+}
+
+impl Run<'_> {
+    fn apply<const AXIS: usize>(
+        self,
+        context: &Context<'_>,
+        batch: &[(BodyId, Aabb)],
+        origin: &Point3<f64>,
+        marks: &mut Marks,
+    ) -> Option<BatchError> {
+        let mut error = None;
+        for (place, (id, aabb)) in batch.iter().enumerate() {
+            let i = id.index.wrapping_sub(self.first) as usize;
+            let alive = self.generations.get(i) == Some(&id.generation) && id.generation % 2 == 1;
+            let Some(record) = self.records.get_mut(i).filter(|_| alive) else {
+                let stale = BroadPhaseError::StaleId { body: *id };
+                error = BatchError::joined(error, Some(BatchError::one(place, stale)));
+                continue;
+            };
+            let bounds = match Bounds::outward::<AXIS>(aabb, origin) {
+                Some(bounds) => bounds,
+                // Faulty, unbounded or far: looked at more closely.
+                None => match checked(aabb, origin, context.grid, record.flags) {
+                    Ok(bounds) => bounds,
+                    Err(fault) => {
+                        let fault = BroadPhaseError::from_fault(fault, Some(*id));
+                        error = BatchError::joined(error, Some(BatchError::one(place, fault)));
+                        continue;
+                    }
+                },
+            };
+            context.place(record, id.index, bounds, marks);
+        }
+        error
+    }
+}

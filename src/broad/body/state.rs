@@ -1,0 +1,112 @@
+//! Feature `serde`: the table of bodies as text.
+
+use super::*;
+use alloc::string::String;
+
+/// One index of the table.
+#[derive(serde::Serialize, serde::Deserialize)]
+struct Row {
+    generation: u32,
+    last_generation: u32,
+    body: Body,
+    new: StoredBox,
+    old: StoredBox,
+    stamp: u32,
+    flags: u32,
+}
+
+/// All that [`Bodies`] needs to go on. Boxes are in the order x, y, z.
+#[derive(serde::Serialize, serde::Deserialize)]
+pub(crate) struct BodiesState {
+    origin: Point3<f64>,
+    step: u32,
+    rows: Vec<Row>,
+    free: Vec<u32>,
+    leaving: Vec<u32>,
+    regrouped: Vec<u32>,
+    unbounded: Vec<u32>,
+    moved: Vec<u32>,
+}
+
+/// Flags that outlive a step.
+const LASTING: u32 = FIXED | UNBOUNDED | LOOSE;
+
+impl Bodies {
+    pub(crate) fn state(&self) -> BodiesState {
+        let back = 3 - self.grid.axis;
+        let row = |(i, record): (usize, &Record)| Row {
+            generation: self.generations[i],
+            last_generation: self.details[i].generation,
+            body: self.details[i].body(),
+            new: record.now().to_box().rotated(back),
+            old: record.before(self.step).to_box().rotated(back),
+            stamp: record.stamp,
+            flags: record.flags & LASTING,
+        };
+        BodiesState {
+            origin: self.origin,
+            step: self.step,
+            rows: self.records.iter().enumerate().map(row).collect(),
+            free: self.free.clone(),
+            leaving: self.leaving.clone(),
+            regrouped: self.regrouped.clone(),
+            unbounded: self.unbounded.clone(),
+            moved: self.marks.moved.clone(),
+        }
+    }
+}
+
+impl BodiesState {
+    pub(crate) fn restored(self) -> Result<Bodies, String> {
+        let n = self.rows.len();
+        let lists = [&self.free, &self.leaving, &self.regrouped, &self.unbounded, &self.moved];
+        if n > MOST_BODIES
+            || lists
+                .iter()
+                .any(|list| list.len() > n || list.iter().any(|i| *i as usize >= n))
+        {
+            return Err("a list of the broad phase names a body that is not there".into());
+        }
+        let once = |list: &Vec<u32>| {
+            let mut sorted = list.clone();
+            sorted.sort_unstable();
+            sorted.is_sorted_by(|a, b| a < b)
+        };
+        let removed: Vec<u32> = self.free.iter().chain(&self.leaving).copied().collect();
+        if !once(&removed) || !once(&self.unbounded) || !once(&self.moved) {
+            return Err("a list of the broad phase names a body twice".into());
+        }
+        let dead = |i: &u32| self.rows[*i as usize].generation.is_multiple_of(2);
+        if self.step == 0 || !self.origin.iter().all(|v| v.is_finite()) {
+            return Err("the broad phase has no sound step or origin".into());
+        }
+        if !self.free.iter().chain(&self.leaving).all(dead) {
+            return Err("a living body of the broad phase is listed as removed".into());
+        }
+        let mut bodies = Bodies::new(self.origin);
+        bodies.step = self.step;
+        for row in &self.rows {
+            let sound = |b: &StoredBox| {
+                let ordered = (0..3).all(|k| b.lo[k] <= b.hi[k] && b.lo[k] >= -FARTHEST && b.hi[k] <= FARTHEST);
+                ordered || *b == StoredBox::EMPTY
+            };
+            if !sound(&row.new) || !sound(&row.old) || row.body.check().is_err() {
+                return Err("a body of the broad phase has an unusable box or margin".into());
+            }
+            let mut record = Record {
+                stamp: row.stamp,
+                flags: row.flags & LASTING,
+                ..Record::absent()
+            };
+            record.set_new(&Bounds::from_box(&row.new));
+            (record.old_lo, record.old_hi) = (row.old.lo, row.old.hi);
+            bodies.records.push(record);
+            bodies.details.push(Detail::new(row.body, row.last_generation));
+            bodies.generations.push(row.generation);
+        }
+        (bodies.free, bodies.leaving, bodies.regrouped) = (self.free, self.leaving, self.regrouped);
+        (bodies.unbounded, bodies.marks.moved) = (self.unbounded, self.moved);
+        bodies.set_grid(Grid::single(0));
+        Ok(bodies)
+    }
+}

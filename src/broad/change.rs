@@ -1,0 +1,85 @@
+//! What a step finds: pairs that began and pairs that ended, decided from old and new boxes alone.
+//!
+//! Nothing is remembered of a pair to find out that it began or ended, and a pair that stays costs no table look-up:
+//! `was` and `is` are the overlaps of the old and of the new boxes, and a pair is reported when they differ.
+
+use super::body::{Bodies, Record, trim};
+use alloc::vec::Vec;
+
+/// Two body indices in one number, the lower index in the upper half, so that numbers sort like pairs.
+pub(crate) type PairKey = u64;
+
+#[inline(always)]
+pub(crate) fn pair_key(a: u32, b: u32) -> PairKey {
+    let (low, high) = if a < b { (a, b) } else { (b, a) };
+    u64::from(low) << 32 | u64::from(high)
+}
+
+#[inline(always)]
+pub(crate) fn pair_of(key: PairKey) -> (u32, u32) {
+    ((key >> 32) as u32, key as u32)
+}
+
+/// Pairs whose overlap changed, groups not yet asked.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Changes {
+    pub(crate) began: Vec<PairKey>,
+    pub(crate) ended: Vec<PairKey>,
+}
+
+impl Changes {
+    pub(crate) fn clear(&mut self) {
+        for keys in [&mut self.began, &mut self.ended] {
+            trim(keys);
+            keys.clear();
+        }
+    }
+
+    pub(crate) fn append(&mut self, other: &mut Self) {
+        self.began.append(&mut other.began);
+        self.ended.append(&mut other.ended);
+    }
+
+    /// One order for every structure, mode and thread count: by the two indices.
+    pub(crate) fn sort(&mut self) {
+        self.began.sort_unstable();
+        self.ended.sort_unstable();
+    }
+
+    /// Notes a change of the pair, if it is one.
+    #[inline(always)]
+    pub(crate) fn note(&mut self, a: u32, b: u32, was: bool, is: bool) {
+        if was != is {
+            let list = if is { &mut self.began } else { &mut self.ended };
+            list.push(pair_key(a, b));
+        }
+    }
+}
+
+/// Whether the pair overlapped in the last step, and whether it does now.
+#[inline(always)]
+pub(crate) fn overlap(a: &Record, b: &Record, step: u32) -> (bool, bool) {
+    (a.before(step).overlaps(&b.before(step)), a.now().overlaps(&b.now()))
+}
+
+/// Compares the unbounded bodies, which are in no column, with all others: those that moved, or everything if the
+/// unbounded body itself did. A pair of two moved bodies is noted from the one with the lower index.
+pub(crate) fn note_unbounded(bodies: &Bodies, changes: &mut Changes) {
+    let step = bodies.step;
+    for &w in &bodies.unbounded {
+        let wide = &bodies.records[w as usize];
+        let mut compare = |other: u32| {
+            let record = &bodies.records[other as usize];
+            let twice = record.flags & super::body::UNBOUNDED != 0 && record.moved(step) && other < w;
+            if other != w && !twice {
+                let (was, is) = overlap(wide, record, step);
+                changes.note(w, other, was, is);
+            }
+        };
+        if wide.moved(step) {
+            (0..bodies.records.len() as u32).for_each(compare);
+        } else {
+            bodies.marks.moved.iter().for_each(|&other| compare(other));
+        }
+    }
+}

@@ -1,0 +1,179 @@
+//! What every structure keeps besides its own lists: bodies and pairs.
+
+use super::body::{Bodies, UNBOUNDED};
+use super::bounds::Bounds;
+use super::change::{Changes, pair_key};
+use super::pairs::PairTable;
+use super::{Aabb, Body, BodyId, BroadPhase, BroadPhaseError, Pair, PairId, StoredBox};
+use alloc::vec::Vec;
+use nalgebra::Point3;
+
+/// Bodies, pairs and the changes of the step at hand. Public by name only, so that [`BroadPhase`] cannot be implemented
+/// elsewhere and rely on half of it.
+#[derive(Clone, Debug)]
+#[allow(unreachable_pub)]
+pub struct Ledger {
+    pub(super) bodies: Bodies,
+    pub(super) pairs: PairTable,
+    pub(super) changes: Changes,
+}
+
+/// Seals [`BroadPhase`].
+#[allow(unreachable_pub)]
+pub trait HasLedger {
+    #[doc(hidden)]
+    fn ledger(&self) -> &Ledger;
+    #[doc(hidden)]
+    fn ledger_mut(&mut self) -> &mut Ledger;
+}
+
+/// A body and the distance of its box from the box asked about.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Nearest {
+    /// The body.
+    pub body: BodyId,
+    /// Distance of the boxes, 0 when they overlap.
+    pub distance: f64,
+}
+
+impl Ledger {
+    pub(super) fn new(origin: Point3<f64>) -> Self {
+        Self {
+            bodies: Bodies::new(origin),
+            pairs: PairTable::default(),
+            changes: Changes::default(),
+        }
+    }
+
+    pub(super) fn insert(&mut self, aabb: &Aabb, body: Body, unbounded: bool) -> Result<BodyId, BroadPhaseError> {
+        let fault = if unbounded {
+            aabb.fault_unbounded()
+        } else {
+            aabb.fault()
+        };
+        if let Some(fault) = fault {
+            return Err(BroadPhaseError::from_fault(fault, None));
+        }
+        let stored = self.bodies.stored(aabb);
+        self.bodies.insert(stored, body, if unbounded { UNBOUNDED } else { 0 })
+    }
+
+    /// Takes the changes over into pairs and events, and asks the pairs of regrouped bodies again. `partners` lists
+    /// the bodies whose new boxes overlap that of the body at an index.
+    pub(super) fn take_over(
+        &mut self,
+        filter: &mut dyn FnMut(BodyId, BodyId) -> bool,
+        mut partners: impl FnMut(&Bodies, u32, &mut Vec<u32>),
+    ) {
+        let Self { bodies, pairs, changes } = self;
+        changes.sort();
+        let mut allowed = |a: u32, b: u32| bodies.may_pair(a, b) && filter(bodies.id(a), bodies.id(b));
+        pairs.apply(changes, bodies, &mut allowed);
+        let mut found = Vec::new();
+        for &index in &bodies.regrouped {
+            if !bodies.lives(index) {
+                continue;
+            }
+            found.clear();
+            partners(bodies, index, &mut found);
+            found.sort_unstable(); // slots are given out in this order
+            for &other in found.iter().filter(|other| **other != index) {
+                let key = pair_key(index, other);
+                let (low, high) = super::change::pair_of(key);
+                if allowed(low, high) {
+                    pairs.begin(key, bodies)
+                } else {
+                    pairs.end(key, bodies)
+                }
+            }
+        }
+        if !bodies.regrouped.is_empty() {
+            pairs.sort_events();
+        }
+        bodies.end_step();
+    }
+
+    pub(super) fn pair(&self, a: BodyId, b: BodyId) -> Option<Pair> {
+        let id = self.pairs.get(a.index, b.index)?;
+        self.pair_of(id)
+            .filter(|p| (p.a, p.b) == (a, b) || (p.a, p.b) == (b, a))
+    }
+
+    pub(super) fn pair_of(&self, id: PairId) -> Option<Pair> {
+        let (a, b) = self.pairs.members(id)?;
+        Some(Pair {
+            id,
+            a: self.bodies.id(a),
+            b: self.bodies.id(b),
+        })
+    }
+
+    /// The stored form of a box asked about.
+    pub(super) fn asked(&self, aabb: &Aabb) -> Result<StoredBox, BroadPhaseError> {
+        match aabb.fault_unbounded() {
+            Some(fault) => Err(BroadPhaseError::from_fault(fault, None)),
+            None => Ok(self.bodies.stored(aabb)),
+        }
+    }
+
+    /// Bytes reserved.
+    pub(super) fn bytes(&self) -> usize {
+        let changes = self.changes.began.capacity() + self.changes.ended.capacity();
+        self.bodies.bytes() + self.pairs.bytes() + changes * 8
+    }
+
+    /// All bodies at once; the slow way to ask for those that overlap a box.
+    pub(super) fn overlapping_of_all(&self, asked: &StoredBox, found: &mut Vec<BodyId>) {
+        let step = self.bodies.step;
+        let asked = Bounds::from_box(asked);
+        let hits = self
+            .bodies
+            .records
+            .iter()
+            .enumerate()
+            .filter(|(_, r)| r.before(step).overlaps(&asked));
+        found.extend(hits.map(|(i, _)| self.bodies.id(i as u32)));
+    }
+}
+
+/// Asks for ever larger boxes until enough bodies are found within the reach of the box.
+pub(super) fn nearest<B: BroadPhase + ?Sized>(
+    broad: &B,
+    aabb: &Aabb,
+    count: usize,
+    farthest: f64,
+) -> Result<Vec<Nearest>, BroadPhaseError> {
+    if let Some(fault) = aabb.fault() {
+        return Err(BroadPhaseError::from_fault(fault, None));
+    }
+    let bodies = &broad.ledger().bodies;
+    let asked = bodies.stored(aabb);
+    let mut out: Vec<Nearest> = Vec::new();
+    if count == 0 || farthest.is_nan() || farthest < 0.0 {
+        return Ok(out);
+    }
+    let mut found = Vec::new();
+    let mut reach = f64::from(bodies.grid.width).min(farthest);
+    loop {
+        found.clear();
+        let grown = aabb.grown(reach);
+        broad.overlapping(&grown, &mut found)?;
+        let distance = |id: &BodyId| {
+            let stored = bodies.records[id.index as usize].before(bodies.step).to_box();
+            Nearest {
+                body: *id,
+                distance: libm::sqrt(stored.distance_squared(&asked)),
+            }
+        };
+        out.clear();
+        out.extend(found.iter().map(distance).filter(|n| n.distance <= reach));
+        // Beyond the clamp of stored boxes a larger reach finds nothing new.
+        if out.len() >= count || reach >= farthest || reach > 1e39 {
+            break;
+        }
+        reach = (reach * 2.0).min(farthest);
+    }
+    out.sort_by(|a, b| a.distance.total_cmp(&b.distance).then(a.body.cmp(&b.body)));
+    out.truncate(count);
+    Ok(out)
+}

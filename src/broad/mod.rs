@@ -1,0 +1,349 @@
+//! Which boxes overlap: a broad phase on boxes and ids alone, usable without the rest of the crate.
+//!
+//! ```
+//! use lin_canny::broad::{Aabb, Body, BroadPhase, PencilSweep};
+//! use nalgebra::{Point3, Vector3};
+//!
+//! let cube = |x: f64| Aabb::from_center(Point3::new(x, 0.0, 0.0), Vector3::repeat(0.5));
+//! let mut broad = PencilSweep::new();
+//! let a = broad.insert(&cube(0.0), Body::moving())?;
+//! let b = broad.insert(&cube(3.0), Body::moving())?;
+//! assert!(broad.step().began.is_empty());
+//!
+//! broad.set_box(b, &cube(1.0))?; // touching boxes are a pair
+//! let events = broad.step();
+//! assert_eq!((events.began[0].a, events.began[0].b), (a, b));
+//! # Ok::<(), lin_canny::broad::BroadPhaseError>(())
+//! ```
+//!
+//! Calls between two steps are gathered: [`insert`](BroadPhase::insert), [`remove`](BroadPhase::remove),
+//! [`set_box`](BroadPhase::set_box) (moves and teleports alike). [`step`](BroadPhase::step) takes them over at once and
+//! tells which pairs began and ended. [`pairs`](BroadPhase::pairs) and all queries speak of the last step.
+//!
+//! # Which structure
+//!
+//! | | [`PencilSweep`] | [`SortedAxes`] |
+//! |---|---|---|
+//! | idea | columns along one axis, each swept | Baraff's and Lin's three sorted axes |
+//! | a step, all moving, constant density | about linear in n | grows as n^(5/3) |
+//! | a step, few moving | what moved | all endpoints are looked at |
+//! | use it | always | to read, and to check the other |
+//!
+//! Both give the same pairs, the same events in the same order and the same [`PairId`]s on the same calls.
+//!
+//! # Promises
+//!
+//! - The pairs are exactly those of all pairs of stored boxes ([`BroadPhase::stored_box`]), less what groups, filters
+//!   and fixedness rule out. Boxes are closed: touching is overlapping.
+//! - Stored boxes hold the given ones ([`StoredBox`]; beyond 1e38 they are clamped), so no pair of given boxes is
+//!   missed.
+//! - A refused call changes nothing and names the body. Nothing panics. Far boxes are right, only slower.
+//! - Memory grows with bodies and overlapping pairs.
+//!
+//! Reading order: [`Aabb`] and [`StoredBox`], the table of bodies, `change` (what is looked for), `pairs`,
+//! [`SortedAxes`], then `grid` and [`PencilSweep`].
+
+mod aabb;
+mod body;
+mod bounds;
+mod change;
+mod error;
+mod grid;
+mod ledger;
+mod pairs;
+mod pencil;
+#[cfg(feature = "serde")]
+mod snapshot;
+mod sorted_axes;
+
+use alloc::vec::Vec;
+use nalgebra::Point3;
+
+pub use aabb::{Aabb, BoxFault, StoredBox};
+use body::Bodies;
+pub use body::BodyId;
+pub use error::{BatchError, BroadPhaseError};
+pub use ledger::Nearest;
+use ledger::{HasLedger, Ledger};
+pub use pairs::{Events, Pair, PairId};
+pub use pencil::{Pencil, PencilSweep};
+pub use sorted_axes::SortedAxes;
+
+/// Who pairs with whom: two bodies do if each is a member of a group the other asks for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Groups {
+    /// Groups the body belongs to, one bit each.
+    pub member_of: u32,
+    /// Groups it pairs with.
+    pub pairs_with: u32,
+}
+
+impl Groups {
+    /// Member of every group, pairing with every group.
+    pub const ALL: Self = Self {
+        member_of: u32::MAX,
+        pairs_with: u32::MAX,
+    };
+
+    /// Whether two bodies of these groups may pair.
+    pub fn meet(self, other: Self) -> bool {
+        self.member_of & other.pairs_with != 0 && other.member_of & self.pairs_with != 0
+    }
+}
+
+/// Options of a body.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct Body {
+    /// Groups for pairing.
+    pub groups: Groups,
+    /// Two fixed bodies never pair. A fixed body may be moved; it costs something in the steps it is.
+    pub fixed: bool,
+    /// How far the stored box reaches beyond the given one when it is renewed; it is renewed when the given box leaves
+    /// it. 0 keeps the stored box tight. A margin saves work where few bodies move or all move slowly, and costs pairs.
+    pub margin: f64,
+    /// For how many steps of the body's last motion the renewed box also reaches ahead.
+    pub lookahead: f64,
+}
+
+impl Body {
+    /// A body that moves, with a tight box, pairing with everything.
+    pub fn moving() -> Self {
+        Self {
+            groups: Groups::ALL,
+            fixed: false,
+            margin: 0.0,
+            lookahead: 0.0,
+        }
+    }
+
+    /// A body that rests, pairing with everything that moves.
+    pub fn fixed() -> Self {
+        Self {
+            fixed: true,
+            ..Self::moving()
+        }
+    }
+
+    /// The same body in these groups.
+    pub fn groups(self, groups: Groups) -> Self {
+        Self { groups, ..self }
+    }
+
+    /// The same body with this margin.
+    pub fn margin(self, margin: f64) -> Self {
+        Self { margin, ..self }
+    }
+
+    /// The same body reaching this many steps ahead.
+    pub fn lookahead(self, steps: f64) -> Self {
+        Self {
+            lookahead: steps,
+            ..self
+        }
+    }
+
+    fn check(&self) -> Result<(), BroadPhaseError> {
+        let sound = |v: f64| (0.0..f64::from(f32::MAX)).contains(&v);
+        if sound(self.margin) && sound(self.lookahead) {
+            Ok(())
+        } else {
+            Err(BroadPhaseError::Margin)
+        }
+    }
+}
+
+/// Settings of a structure.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct Settings {
+    /// Stored boxes are relative to this point and finest near it.
+    pub origin: Point3<f64>,
+    /// With feature `parallel`: the number of bodies from which on threads are used. The result is the same.
+    pub parallel_from: usize,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            origin: Point3::origin(),
+            parallel_from: 20_000,
+        }
+    }
+}
+
+impl Settings {
+    /// The same settings about another origin.
+    pub fn origin(self, origin: Point3<f64>) -> Self {
+        Self { origin, ..self }
+    }
+
+    /// The same settings with threads from this number of bodies on.
+    pub fn parallel_from(self, bodies: usize) -> Self {
+        Self {
+            parallel_from: bodies,
+            ..self
+        }
+    }
+}
+
+/// A broad phase. The two implementations differ in cost only.
+#[doc(alias = "sap")]
+#[doc(alias = "bvh")]
+pub trait BroadPhase: HasLedger {
+    /// Takes over all calls since the last step and tells which pairs began and ended. `filter` is asked once for
+    /// each pair whose boxes begin to overlap and whose groups meet; a pair it refuses is asked again only after the
+    /// boxes parted or after [`regroup`](Self::regroup).
+    fn step_with(&mut self, filter: &mut dyn FnMut(BodyId, BodyId) -> bool) -> Events<'_>;
+
+    /// Bodies whose boxes overlapped `aabb` in the last step, appended in ascending order.
+    ///
+    /// # Errors
+    /// When a bound of the box is NaN or the box is inverted. It may be infinite.
+    fn overlapping(&self, aabb: &Aabb, found: &mut Vec<BodyId>) -> Result<(), BroadPhaseError>;
+
+    /// [`step_with`](Self::step_with) a filter that lets every pair pass.
+    fn step(&mut self) -> Events<'_> {
+        self.step_with(&mut |_, _| true)
+    }
+
+    /// Adds a body; its pairs begin with the next step.
+    ///
+    /// # Errors
+    /// When the box or a margin is unusable, or there are too many bodies.
+    fn insert(&mut self, aabb: &Aabb, body: Body) -> Result<BodyId, BroadPhaseError> {
+        self.ledger_mut().insert(aabb, body, false)
+    }
+
+    /// Adds a body whose box may reach to infinity: a half-space, the ground, a world-wide sensor. It is compared with
+    /// every body that moves, so keep these few. Margins do not apply.
+    ///
+    /// # Errors
+    /// When a bound is NaN, the box is inverted, or there are too many bodies.
+    fn insert_unbounded(&mut self, aabb: &Aabb, body: Body) -> Result<BodyId, BroadPhaseError> {
+        self.ledger_mut().insert(
+            aabb,
+            Body {
+                margin: 0.0,
+                lookahead: 0.0,
+                ..body
+            },
+            true,
+        )
+    }
+
+    /// Removes a body: its id is stale at once, its pairs end with the next step.
+    ///
+    /// # Errors
+    /// When the id is stale.
+    fn remove(&mut self, id: BodyId) -> Result<(), BroadPhaseError> {
+        self.ledger_mut().bodies.remove(id)
+    }
+
+    /// Moves a body, however far.
+    ///
+    /// # Errors
+    /// When the id is stale or the box unusable; the body keeps its box and its pairs.
+    #[doc(alias = "teleport")]
+    fn set_box(&mut self, id: BodyId, aabb: &Aabb) -> Result<(), BroadPhaseError> {
+        self.ledger_mut().bodies.set_box(id, aabb)
+    }
+
+    /// Moves many bodies. Every sound entry is applied, whatever becomes of the others. Fastest when the entries are
+    /// in ascending order of their ids.
+    ///
+    /// # Errors
+    /// When any entry was refused: which was the first, why, and how many there were.
+    fn set_boxes(&mut self, batch: &[(BodyId, Aabb)]) -> Result<(), BatchError> {
+        self.ledger_mut().bodies.set_boxes(batch, 1)
+    }
+
+    /// Puts a body into other groups and asks all its pairs again in the next step.
+    ///
+    /// # Errors
+    /// When the id is stale.
+    fn set_groups(&mut self, id: BodyId, groups: Groups) -> Result<(), BroadPhaseError> {
+        self.ledger_mut().bodies.set_groups(id, Some(groups))
+    }
+
+    /// Asks groups and filter again for all pairs of a body in the next step.
+    ///
+    /// # Errors
+    /// When the id is stale.
+    fn regroup(&mut self, id: BodyId) -> Result<(), BroadPhaseError> {
+        self.ledger_mut().bodies.set_groups(id, None)
+    }
+
+    /// Number of bodies.
+    fn body_count(&self) -> usize {
+        self.ledger().bodies.len()
+    }
+
+    /// All bodies in ascending order.
+    fn bodies(&self) -> impl Iterator<Item = BodyId> + '_ {
+        self.ledger().bodies.ids()
+    }
+
+    /// Whether the id names a body.
+    fn contains(&self, id: BodyId) -> bool {
+        self.ledger().bodies.index_of(id).is_ok()
+    }
+
+    /// The options of a body; margins as they are kept, in `f32`.
+    fn body(&self, id: BodyId) -> Option<Body> {
+        let bodies = &self.ledger().bodies;
+        bodies.index_of(id).ok().map(|_| bodies.body(id.index))
+    }
+
+    /// The box of a body as the next step will see it, margins included.
+    fn stored_box(&self, id: BodyId) -> Option<StoredBox> {
+        let bodies = &self.ledger().bodies;
+        let record = &bodies.records[bodies.index_of(id).ok()?];
+        Some(record.now().to_box().rotated(3 - bodies.grid.axis))
+    }
+
+    /// The pairs of the last step, in the order of their slots.
+    fn pairs(&self) -> impl Iterator<Item = Pair> + '_ {
+        let Ledger { bodies, pairs, .. } = self.ledger();
+        pairs.iter(bodies)
+    }
+
+    /// Number of pairs of the last step.
+    fn pair_count(&self) -> usize {
+        self.ledger().pairs.len()
+    }
+
+    /// The pair of two bodies, in either order, if there is one.
+    fn pair(&self, a: BodyId, b: BodyId) -> Option<Pair> {
+        self.ledger().pair(a, b)
+    }
+
+    /// The pair of this name, if it has not ended.
+    fn pair_of(&self, id: PairId) -> Option<Pair> {
+        self.ledger().pair_of(id)
+    }
+
+    /// The pairs of one member of any group of `these` with one member of any group of `those`.
+    fn pairs_between(&self, these: u32, those: u32) -> impl Iterator<Item = Pair> + '_ {
+        let bodies = &self.ledger().bodies;
+        self.pairs().filter(move |pair| {
+            let [a, b] = [pair.a, pair.b].map(|id| bodies.body(id.index).groups.member_of);
+            (a & these != 0 && b & those != 0) || (b & these != 0 && a & those != 0)
+        })
+    }
+
+    /// At most `count` bodies whose boxes are nearest to `aabb` and no farther than `farthest`, nearest first, ties in
+    /// ascending order of ids. Distances are between stored boxes, 0 when they overlap.
+    ///
+    /// # Errors
+    /// When a bound of the box is NaN or infinite, or the box is inverted.
+    fn nearest(&self, aabb: &Aabb, count: usize, farthest: f64) -> Result<Vec<Nearest>, BroadPhaseError> {
+        ledger::nearest(self, aabb, count, farthest)
+    }
+
+    /// Bytes reserved for bodies and pairs, by the structure itself and for scratch.
+    fn bytes(&self) -> usize;
+}

@@ -1,0 +1,198 @@
+//! One column: its bodies in the order of their lower bound on the swept axis.
+
+use crate::broad::aabb::{max, order_key};
+use crate::broad::body::{Bodies, JUMPS, MIGRATES, Record, UNBOUNDED};
+use alloc::vec::Vec;
+
+/// Marks an entry that stands for the new box only: the body came into the column this step.
+pub(super) const ARRIVING: u32 = 1 << 31;
+
+/// Which of its two boxes an entry stands for in its column this step.
+///
+/// A body that stays in a column has one entry for both. One that leaves keeps an entry for its old box until the
+/// column is done, so that the ends of its pairs are seen; one that comes gets an entry for its new box. A body that
+/// jumps has both, as two entries, so that the way between costs nothing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Part {
+    Both,
+    Old,
+    New,
+}
+
+impl Part {
+    pub(super) fn has_old(self) -> bool {
+        self != Self::New
+    }
+
+    pub(super) fn has_new(self) -> bool {
+        self != Self::Old
+    }
+
+    /// The part of the entry `who` (an index, perhaps with `ARRIVING`) in the column.
+    #[inline(always)]
+    pub(super) fn of(who: u32, record: &Record, column: [u16; 2]) -> Self {
+        if who & ARRIVING != 0 {
+            Self::New
+        } else if record.flags & (MIGRATES | JUMPS) == 0 {
+            Self::Both
+        } else if record.flags & JUMPS != 0 || !record.range().contains(column) {
+            Self::Old
+        } else {
+            Self::Both
+        }
+    }
+}
+
+/// An entry: the sort key of the lower bound in the upper half, index and `ARRIVING` in the lower. Ties fall by index.
+pub(super) type Entry = u64;
+
+#[inline(always)]
+pub(super) fn entry(lower: f32, who: u32) -> Entry {
+    u64::from(order_key(lower)) << 32 | u64::from(who)
+}
+
+#[inline(always)]
+pub(super) fn index_of(entry: Entry) -> usize {
+    (entry as u32 & !ARRIVING) as usize
+}
+
+/// Between steps: sorted, one entry a body, no flags, keys of the bodies' last boxes.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Column {
+    pub(super) entries: Vec<Entry>,
+    /// Entries before this place were in order after the last step; those behind it arrived since.
+    pub(super) settled: usize,
+    /// No box of the column is longer on the swept axis.
+    pub(super) longest: f32,
+    /// The last count found more hits than entries.
+    pub(super) dense: bool,
+}
+
+impl Column {
+    /// The only column of a grid that has but one, as the last step left it.
+    pub(super) fn of_all(bodies: &Bodies) -> Self {
+        let listed = |r: &Record| r.flags & UNBOUNDED == 0 && r.present_before(bodies.step);
+        let mut out = Self::default();
+        for (i, record) in bodies.records.iter().enumerate().filter(|(_, r)| listed(r)) {
+            let old = record.before(bodies.step).to_box();
+            out.entries.push(entry(old.lo[0], i as u32));
+            out.longest = max(out.longest, old.hi[0] - old.lo[0]);
+        }
+        out.entries.sort_unstable();
+        out.settled = out.entries.len();
+        out
+    }
+
+    pub(super) fn arrive(&mut self, index: u32) {
+        self.entries.push(u64::from(index | ARRIVING));
+    }
+
+    /// Gives every entry the key of its box of this step and restores the order: insertion sort for those that stayed,
+    /// which are nearly in order, then one merge with those that came.
+    pub(super) fn reorder(&mut self, column: [u16; 2], records: &[Record], step: u32) {
+        let settled = self.settled.min(self.entries.len());
+        let (stayed, came) = self.entries.split_at_mut(settled);
+        let key = |e: Entry| {
+            let who = e as u32;
+            let record = &records[index_of(e)];
+            let lower = match Part::of(who, record, column) {
+                Part::Old => record.before(step).to_box().lo[0],
+                _ => record.now().to_box().lo[0],
+            };
+            entry(lower, who)
+        };
+        insertion_sort(stayed, key);
+        if !came.is_empty() {
+            came.iter_mut().for_each(|e| *e = key(*e));
+            came.sort_unstable();
+            merge_tail(&mut self.entries, settled);
+        }
+    }
+
+    /// After the step: entries of old boxes go, those of new boxes become ordinary.
+    pub(super) fn settle(&mut self, column: [u16; 2], records: &[Record]) {
+        self.entries.retain_mut(|e| {
+            let part = Part::of(*e as u32, &records[index_of(*e)], column);
+            *e &= !u64::from(ARRIVING);
+            part.has_new()
+        });
+        self.settled = self.entries.len();
+    }
+}
+
+/// Insertion sort of `items` by `key(item)`, which also replaces them. Linear when nearly in order; when it turns out
+/// that they are not, the rest is left to the library's sort.
+fn insertion_sort(items: &mut [Entry], key: impl Fn(Entry) -> Entry) {
+    let mut budget = 8 * items.len() + 64;
+    let mut previous = 0;
+    for k in 0..items.len() {
+        let item = key(items[k]);
+        items[k] = item;
+        if item >= previous {
+            previous = item;
+            continue;
+        }
+        let mut place = k;
+        while place > 0 && items[place - 1] > item {
+            items[place] = items[place - 1];
+            place -= 1;
+        }
+        items[place] = item;
+        budget = budget.saturating_sub(k - place);
+        if budget == 0 {
+            items[k + 1..].iter_mut().for_each(|e| *e = key(*e));
+            items.sort_unstable();
+            return;
+        }
+    }
+}
+
+/// Merges two sorted runs, the second starting at `middle`, from the back.
+fn merge_tail(items: &mut [Entry], middle: usize) {
+    let tail: Vec<Entry> = items[middle..].to_vec();
+    let (mut left, mut place) = (middle, items.len());
+    for &item in tail.iter().rev() {
+        while left > 0 && items[left - 1] > item {
+            place -= 1;
+            left -= 1;
+            items[place] = items[left];
+        }
+        place -= 1;
+        items[place] = item;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn noise(n: u64, spread: u64) -> Vec<Entry> {
+        (0..n)
+            .map(|i| i * 10 + (i.wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 40) % spread)
+            .collect()
+    }
+
+    #[test]
+    fn sorts_order_anything() {
+        for spread in [1, 50, 1 << 20] {
+            let mut items = noise(500, spread);
+            let mut sorted = items.clone();
+            sorted.sort_unstable();
+            insertion_sort(&mut items, |e| e);
+            assert_eq!(items, sorted);
+        }
+    }
+
+    #[test]
+    fn merge_is_a_sort_of_two_runs() {
+        for middle in [0, 1, 37, 99, 100] {
+            let mut items = noise(100, 1 << 20);
+            items[..middle].sort_unstable();
+            items[middle..].sort_unstable();
+            let mut sorted = items.clone();
+            sorted.sort_unstable();
+            merge_tail(&mut items, middle);
+            assert_eq!(items, sorted);
+        }
+    }
+}

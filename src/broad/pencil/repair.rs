@@ -1,0 +1,186 @@
+//! Local repair: when few boxes changed, only their entries move and only their windows are looked at.
+
+use super::column::{ARRIVING, Column, Part, entry, index_of};
+use super::scan::{Worker, decide};
+use crate::broad::aabb::{max, order_key};
+use crate::broad::body::{Bodies, JUMPS, MIGRATES, Record};
+use crate::broad::bounds::{Bounds, largest};
+use crate::broad::change::overlap;
+use alloc::vec::Vec;
+
+/// A column is swept whole when this many times its changed entries exceed its entries.
+const SWEEP_SHARE: usize = 6;
+
+/// A column number and the index of a body whose old or new box touches it.
+pub(super) type Touch = (u32, u32);
+
+/// Lists the columns of all bodies that moved, in ascending order.
+pub(super) fn list_touched(bodies: &Bodies, touched: &mut Vec<Touch>) {
+    touched.clear();
+    for &index in &bodies.marks.moved {
+        let record = &bodies.records[index as usize];
+        let mut push = |cell: [u16; 2]| touched.push((bodies.grid.index(cell) as u32, index));
+        let range = record.range();
+        range.columns().for_each(&mut push);
+        if record.flags & MIGRATES != 0 {
+            let old = record.range_before(bodies.step, &bodies.grid);
+            old.columns().filter(|cell| !range.contains(*cell)).for_each(push);
+        }
+    }
+    touched.sort_unstable();
+}
+
+impl Worker {
+    /// Brings one column up to date of which the listed bodies changed.
+    pub(super) fn repair(&mut self, column: &mut Column, touched: &[Touch], bodies: &Bodies) {
+        let Some(&(index, _)) = touched.first() else { return };
+        let cell = bodies.grid.column(index as usize);
+        if touched.len() * SWEEP_SHARE > column.entries.len() {
+            for &(_, who) in touched {
+                if roles(&bodies.records[who as usize], cell, bodies).1 {
+                    column.arrive(who);
+                }
+            }
+            return self.sweep(index as usize, column, bodies);
+        }
+        let parted = self.move_entries(column, touched, cell, bodies);
+        for k in 0..self.active.len() {
+            self.scan_one(column, self.active[k], cell, bodies, true);
+        }
+        if parted {
+            column.settle(cell, &bodies.records);
+        }
+        column.settled = column.entries.len();
+    }
+
+    /// Puts the entries of the touched bodies in their places and lists them in `active`. True if some stand for one
+    /// box only.
+    fn move_entries(&mut self, column: &mut Column, touched: &[Touch], cell: [u16; 2], bodies: &Bodies) -> bool {
+        self.active.clear();
+        self.reach = 0.0;
+        let mut parted = false;
+        for &(_, who) in touched {
+            let record = &bodies.records[who as usize];
+            let (stays, comes) = roles(record, cell, bodies);
+            let (old, new) = (record.before(bodies.step), record.now());
+            let (old_start, new_start) = (old.to_box().lo[0], new.to_box().lo[0]);
+            parted |= comes;
+            if comes {
+                let item = entry(new_start, who | ARRIVING);
+                let place = column.entries.partition_point(|e| *e < item);
+                column.entries.insert(place, item);
+                column.longest = max(column.longest, length(&new));
+                self.active.push(item);
+            }
+            if !stays {
+                continue;
+            }
+            let mut item = entry(old_start, who);
+            if Part::of(who, record, cell) == Part::Both {
+                let moved = entry(new_start, who);
+                shift(&mut column.entries, item, moved);
+                item = moved;
+                column.longest = max(column.longest, length(&old.united(&new)));
+                self.reach = max(self.reach, largest(old.displacement(&new)));
+            } else {
+                parted = true;
+            }
+            self.active.push(item);
+        }
+        parted
+    }
+
+    /// Notes the changes of one entry with all entries that may meet it. Two entries looked at in this way meet twice;
+    /// the one with the lower index speaks. `all`: every body that moved is looked at, not only entries of one box.
+    pub(super) fn scan_one(&mut self, column: &Column, active: u64, cell: [u16; 2], bodies: &Bodies, all: bool) {
+        let who = active as u32;
+        let record = &bodies.records[index_of(active)];
+        let step = bodies.step;
+        let union = box_of(who, record, cell, step).to_box();
+        let slack = 8.0 * f32::EPSILON * max(union.lo[0].abs(), union.hi[0].abs());
+        let first = order_key(union.lo[0] - column.longest * 1.000_01 - slack);
+        let last = order_key(union.hi[0] + self.reach * 1.000_01 + slack);
+        let place = column.entries.partition_point(|e| ((e >> 32) as u32) < first);
+        for &e in &column.entries[place..] {
+            if (e >> 32) as u32 > last {
+                break;
+            }
+            let other = &bodies.records[index_of(e)];
+            if index_of(e) == index_of(active) {
+                continue; // itself, or the other entry of a body that jumps
+            }
+            let (was, is) = overlap(record, other, step);
+            if was == is {
+                continue;
+            }
+            let looked_at = if all {
+                other.moved(step)
+            } else {
+                Part::of(e as u32, other, cell) != Part::Both
+            };
+            let twice = looked_at && index_of(e) < index_of(active);
+            if !twice {
+                decide(who, e as u32, is, cell, bodies, &mut self.changes);
+            }
+        }
+    }
+}
+
+/// Whether the body has an entry in the column from the last step, and whether it needs a new one.
+fn roles(record: &Record, cell: [u16; 2], bodies: &Bodies) -> (bool, bool) {
+    let flags = record.flags;
+    let in_new = record.range().contains(cell);
+    let in_old = flags & MIGRATES != 0 && record.range_before(bodies.step, &bodies.grid).contains(cell);
+    let stays = if flags & MIGRATES == 0 { in_new } else { in_old };
+    (stays, in_new && (flags & JUMPS != 0 || !stays))
+}
+
+/// What an entry stands for: the cover of old and new box, or one of them.
+fn box_of(who: u32, record: &Record, cell: [u16; 2], step: u32) -> Bounds {
+    match Part::of(who, record, cell) {
+        Part::Both => record.before(step).united(&record.now()),
+        Part::Old => record.before(step),
+        Part::New => record.now(),
+    }
+}
+
+/// Length on the swept axis.
+fn length(bounds: &Bounds) -> f32 {
+    let stored = bounds.to_box();
+    stored.hi[0] - stored.lo[0]
+}
+
+/// Replaces an entry by another and keeps the order.
+fn shift(entries: &mut [u64], from: u64, to: u64) {
+    let Ok(place) = entries.binary_search(&from) else {
+        return;
+    };
+    let target = entries.partition_point(|e| *e < to);
+    if target > place {
+        entries[place..target].rotate_left(1);
+        entries[target - 1] = to;
+    } else {
+        entries[target..=place].rotate_right(1);
+        entries[target] = to;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shifting_keeps_the_order() {
+        let sorted: Vec<u64> = (0..40).map(|k| k * 10).collect();
+        for from in 0..40 {
+            for to in 0..41 {
+                let mut entries = sorted.clone();
+                let mut expected = sorted.clone();
+                shift(&mut entries, from * 10, to * 10 + 5);
+                expected[from as usize] = to * 10 + 5;
+                expected.sort_unstable();
+                assert_eq!(entries, expected);
+            }
+        }
+    }
+}

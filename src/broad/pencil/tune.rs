@@ -1,0 +1,274 @@
+//! Which axis to sweep and how wide a column to cut.
+//!
+//! The cost of a sweep is a sum over entries and over tests. Narrow columns list a box often, wide ones compare it with
+//! many. Both are known exactly from the last sweep, and how they change with the width follows from the boxes' sizes,
+//! so the best width is read off a curve; what the curve gets wrong where density varies, the next sweep measures
+//! again. Everything counted is a number of entries, never a time: the same calls give the same columns.
+
+use crate::broad::body::{Bodies, UNBOUNDED};
+use crate::broad::bounds::Bounds;
+use crate::broad::grid::{Grid, MOST_COLUMNS_OF_AXIS};
+use crate::tolerance::{LEAST_MEAN, LEAST_START, LEAST_WIDTH};
+use alloc::vec::Vec;
+
+/// Cost of an entry, of a window of eight tests and of a column, in nanoseconds of the machine it was measured on; only
+/// their ratios matter.
+const ENTRY: f64 = 8.0;
+const WINDOW: f64 = 4.0;
+const COLUMN: f64 = 40.0;
+
+/// Bodies looked at to choose columns.
+const SAMPLE: usize = 512;
+
+/// Entries a body may take on average; a grid that needs more is too fine.
+const MOST_ENTRIES: usize = 6;
+
+/// Sizes and places of all bounded boxes, in the axes of the stored boxes.
+pub(super) struct Survey {
+    count: f64,
+    /// Mean length along each axis.
+    mean: [f64; 3],
+    /// Mean product of the lengths along any two axes, named by the third.
+    product: [f64; 3],
+    /// Where most centres lie.
+    lo: [f64; 3],
+    hi: [f64; 3],
+}
+
+impl Survey {
+    /// A sample will do: what it gets wrong costs a little time, never a pair.
+    pub(super) fn of(bodies: &Bodies) -> Self {
+        let mut sample: [Vec<f64>; 3] = Default::default();
+        let (mut mean, mut product) = ([0.0; 3], [0.0; 3]);
+        let spread = bodies.records.iter().step_by(bodies.records.len() / SAMPLE + 1);
+        for record in spread.filter(|r| r.flags & UNBOUNDED == 0 && r.present()) {
+            let stored = record.now().to_box();
+            let length: [f64; 3] = core::array::from_fn(|k| f64::from(stored.hi[k]) - f64::from(stored.lo[k]));
+            for k in 0..3 {
+                sample[k].push(0.5 * (f64::from(stored.lo[k]) + f64::from(stored.hi[k])));
+                mean[k] += length[k];
+                product[k] += length[(k + 1) % 3] * length[(k + 2) % 3];
+            }
+        }
+        let taken = sample[0].len().max(1) as f64;
+        let count = (bodies.len().saturating_sub(bodies.unbounded.len())) as f64;
+        let (mean, product) = (mean.map(|v| v / taken), product.map(|v| v / taken));
+        let mut out = Self {
+            count,
+            mean,
+            product,
+            lo: [0.0; 3],
+            hi: [0.0; 3],
+        };
+        for k in 0..3 {
+            out.find_extent(k, &mut sample[k]);
+        }
+        out
+    }
+
+    /// A few far bodies must not make all columns wide: they are clamped into border columns instead.
+    fn find_extent(&mut self, k: usize, centers: &mut [f64]) {
+        centers.sort_unstable_by(f64::total_cmp);
+        let (Some(last), few) = (centers.len().checked_sub(1), centers.len() / 50) else {
+            return;
+        };
+        let (low, high) = (centers[few], centers[last - few]);
+        let room = 0.25 * (high - low) + self.mean[k];
+        self.lo[k] = centers[0].max(low - room);
+        self.hi[k] = centers[last].min(high + room);
+    }
+
+    fn extent(&self, k: usize) -> f64 {
+        (self.hi[k] - self.lo[k]).max(self.mean[k]).max(f64::MIN_POSITIVE)
+    }
+
+    /// The axis along which bodies are farthest spread out, in units of their size. The present one (axis 0) stays
+    /// unless another is clearly better.
+    pub(super) fn best_axis(&self) -> usize {
+        let spread = |k: usize| self.extent(k) / self.mean[k].max(LEAST_MEAN * self.extent(k));
+        let mut best = 0;
+        for k in 1..3 {
+            if spread(k) > 1.5 * spread(best) {
+                best = k;
+            }
+        }
+        best
+    }
+
+    fn rotated(mut self, by: usize) -> Self {
+        for field in [&mut self.mean, &mut self.product, &mut self.lo, &mut self.hi] {
+            field.rotate_left(by);
+        }
+        self
+    }
+
+    /// Entries a body takes on average in columns of this width.
+    fn entries(&self, width: f64) -> f64 {
+        1.0 + (self.mean[1] + self.mean[2]) / width + self.product[0] / (width * width)
+    }
+
+    /// How the number of tests grows with the width: two boxes share on average this many columns, summed over all
+    /// offsets of the one to the other.
+    fn overlap_of_columns(&self, width: f64) -> f64 {
+        let shared = |mean: f64| (width + mean) * (width + mean) / width;
+        shared(self.mean[1]) * shared(self.mean[2])
+    }
+
+    /// Tests a body if all were spread evenly over the space they take.
+    fn even_tests(&self, width: f64) -> f64 {
+        let volume = self.extent(0) * self.extent(1) * self.extent(2);
+        self.count / volume * self.mean[0] * self.overlap_of_columns(width)
+    }
+
+    /// Cost of a sweep, a body, if columns of this width give so many tests a body.
+    fn cost(&self, width: f64, tests: f64) -> f64 {
+        let entries = self.entries(width);
+        let window = tests / entries;
+        let columns = (self.extent(1) / width + 1.0) * (self.extent(2) / width + 1.0) / self.count.max(1.0);
+        entries * (ENTRY + WINDOW * (1.0 + window * window / (8.0 * (window + 8.0)))) + COLUMN * columns.min(entries)
+    }
+
+    /// The best width if `tests` a body were counted with columns of width `known`, and the share of the present cost
+    /// it would take.
+    fn best_width(&self, known: f64, tests: f64) -> (f64, f64) {
+        let scale = tests / self.overlap_of_columns(known);
+        let present = self.cost(known, tests);
+        let mut best = (known, 1.0);
+        for k in -16..=16 {
+            let width = known * libm::exp2(f64::from(k) / 4.0);
+            let share = self.cost(width, scale * self.overlap_of_columns(width)) / present;
+            if share < best.1 {
+                best = (width, share);
+            }
+        }
+        best
+    }
+
+    fn grid(&self, axis: usize, width: f64) -> Grid {
+        let most = (2.0 * self.count).max(64.0);
+        let mut width = width.max(LEAST_WIDTH);
+        loop {
+            let size = [1, 2].map(|k| (libm::ceil(self.extent(k) / width)).clamp(1.0, 1e9));
+            if size[0] * size[1] <= most && size[0].max(size[1]) <= MOST_COLUMNS_OF_AXIS as f64 {
+                return Grid::new(
+                    axis,
+                    [self.lo[1] as f32, self.lo[2] as f32],
+                    width as f32,
+                    size.map(|n| n as u16),
+                );
+            }
+            width *= 1.25;
+        }
+    }
+}
+
+/// What a full sweep counted.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Counts {
+    /// Entries swept.
+    pub(super) entries: u64,
+    /// Entries inside the windows of a sample of them.
+    pub(super) tests: u64,
+    pub(super) sampled: u64,
+}
+
+/// When to cut new columns.
+#[derive(Clone, Debug)]
+pub(super) struct Tuning {
+    /// Bodies when the columns were cut.
+    count: usize,
+    /// Steps to wait before the width is looked at again, and how many that was the last time: doubled at each cut.
+    wait: u32,
+    patience: u32,
+    /// The width that promised to be clearly better, if any.
+    wanted: Option<f64>,
+}
+
+/// Longest wait between two looks at the width, in steps.
+const PATIENCE: u32 = 1024;
+/// A new width must promise at most this part of the present cost.
+const GAIN: f64 = 0.85;
+
+impl Tuning {
+    pub(super) fn new() -> Self {
+        Self {
+            count: 0,
+            wait: 0,
+            patience: 1,
+            wanted: None,
+        }
+    }
+
+    /// Whether the coming sweep is to count.
+    pub(super) fn wants_counts(&self) -> bool {
+        self.wait <= 1
+    }
+
+    /// After a full sweep.
+    pub(super) fn observe(&mut self, bodies: &Bodies, counts: Counts) {
+        self.wait = self.wait.saturating_sub(1);
+        if self.wait > 0 || counts.entries == 0 || counts.sampled == 0 {
+            return;
+        }
+        let survey = Survey::of(bodies);
+        let width = f64::from(bodies.grid.width);
+        let tests = counts.tests as f64 / counts.sampled as f64 * survey.entries(width);
+        let (better, share) = survey.best_width(width, tests);
+        self.patience = (self.patience * 2).min(PATIENCE);
+        self.wait = self.patience;
+        self.wanted = (share < GAIN).then_some(better);
+    }
+
+    /// The grid to cut before this step, if a new one is due.
+    pub(super) fn due(&mut self, bodies: &Bodies, entries: usize) -> Option<Grid> {
+        let count = bodies.len();
+        let changed = count > 2 * self.count.max(8) || 4 * count < self.count;
+        let crowded = entries > 2 * MOST_ENTRIES * count + 4096 && bodies.grid.column_count() > 1;
+        if !changed && !crowded && self.wanted.is_none() {
+            return None;
+        }
+        let survey = Survey::of(bodies);
+        if changed || crowded {
+            (self.wait, self.patience) = (0, 1);
+        }
+        self.count = count;
+        let wanted = self.wanted.take().filter(|_| !changed && !crowded);
+        Some(choose(bodies, survey, wanted))
+    }
+}
+
+/// The grid for a known good width, or the best guess for bodies never swept.
+fn choose(bodies: &Bodies, survey: Survey, width: Option<f64>) -> Grid {
+    let turn = if width.is_some() { 0 } else { survey.best_axis() };
+    let survey = survey.rotated(turn);
+    let axis = (bodies.grid.axis + turn) % 3;
+    let width = width.unwrap_or_else(|| {
+        let start = (0.5 * (survey.mean[1] + survey.mean[2])).max(LEAST_START * survey.extent(1).min(survey.extent(2)));
+        let (better, _) = survey.best_width(start * 4.0, survey.even_tests(start * 4.0));
+        better
+    });
+    let mut grid = survey.grid(axis, width);
+    let most = MOST_ENTRIES * bodies.len() + 1024;
+    while grid.column_count() > 1 && entries_of(bodies, &grid, turn, most) > most {
+        grid = survey.grid(axis, f64::from(grid.width) * 1.5);
+    }
+    grid
+}
+
+/// Entries all bodies would take in the grid; counting stops beyond `most`.
+fn entries_of(bodies: &Bodies, grid: &Grid, turn: usize, most: usize) -> usize {
+    let mut total = 0;
+    for record in bodies
+        .records
+        .iter()
+        .filter(|r| r.flags & UNBOUNDED == 0 && r.present())
+    {
+        total += grid
+            .range(&Bounds::from_box(&record.now().to_box().rotated(turn)))
+            .count();
+        if total > most {
+            break;
+        }
+    }
+    total
+}

@@ -1,0 +1,40 @@
+//! A point on the back side of a face: which face does it see?
+//!
+//! With `c` inside the body, `n . (x - c) / (o - n . c)` over the faces is a linear function over the vertices of the
+//! dual polyhedron, so climbing over neighbouring faces ends at the greatest of all, without local maxima: the face by
+//! which the ray from `c` to `x` leaves the body. Where that is below one, `x` is inside. (The height `n . x - o` itself,
+//! which is what a scan of the faces would compare, has local maxima.)
+
+use nalgebra::Vector3;
+
+use crate::polyhedron::ConvexPolyhedron;
+
+/// The face by which the ray from the body's centre to `x` leaves it, if `x` is above it by more than `least`.
+#[cold]
+pub(crate) fn seen_face(body: &ConvexPolyhedron, x: &Vector3<f64>, least: f64) -> Option<u32> {
+    let (t, center) = (&body.topology, body.center());
+    let way = x - center;
+    // The depth of the centre is zero for flat bodies; then the side `x` is on decides.
+    let reach = |f: u32| {
+        let plane = &body.planes[f as usize];
+        plane.normal.dot(&way) / (plane.offset - plane.normal.dot(&center)).max(f64::MIN_POSITIVE)
+    };
+    let near = body.climb_cold(&way);
+    let mut best = t.half_edge(t.fan(near).next()?).face;
+    let mut top = reach(best);
+    loop {
+        let from = best;
+        for h in t.rim(from) {
+            let f = t.half_edge(t.half_edge(h).twin).face;
+            let up = reach(f);
+            if up > top {
+                (best, top) = (f, up);
+            }
+        }
+        if best == from {
+            break;
+        }
+    }
+    let plane = &body.planes[best as usize];
+    (plane.normal.dot(x) - plane.offset > least).then_some(best)
+}

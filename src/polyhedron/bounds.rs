@@ -1,0 +1,137 @@
+//! Boxes of a placed body, for a broad phase.
+//!
+//! Small bodies are scanned, eight vertices at a time in `f32`; of larger ones the six extreme vertices are kept by the
+//! caller and climbed from (Cohen, Lin, Manocha and Ponamgi 1995, section 4.2, the dynamic box). Both are rounded outward
+//! by a bound of all their rounding, so the box holds the body as placed: at most `1e-6 r` too large on a side when
+//! scanned, `1e-14 (r + |t|)` when climbed.
+
+use alloc::vec::Vec;
+
+use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
+use wide::f32x8;
+
+use super::ConvexPolyhedron;
+use crate::pose::rotation_matrix;
+use crate::tolerance::{BOX, BOX_SCANNED};
+
+/// Bodies up to this many vertices are scanned.
+const SCANNED: usize = 64;
+
+/// The extreme vertices of one body at its last pose: what [`ConvexPolyhedron::aabb_at`] starts from.
+///
+/// Of another body, or out of date, it costs time and never a box that is too small.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct BoxHint([u32; 6]);
+
+/// Vertex coordinates in `f32`, axis by axis, eight by eight; the last group repeats a vertex.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Scan(Vec<[f32x8; 3]>);
+
+impl Scan {
+    /// Of a body small enough to be scanned; empty for others.
+    pub(crate) fn new(points: &[Vector3<f64>]) -> Self {
+        if points.len() > SCANNED {
+            return Self::default();
+        }
+        let group = |g: &[Vector3<f64>]| {
+            [0, 1, 2].map(|axis| f32x8::new(core::array::from_fn(|k| g[k.min(g.len() - 1)][axis] as f32)))
+        };
+        Self(points.chunks(8).map(group).collect())
+    }
+
+    /// Bytes on the heap.
+    pub(crate) fn heap_bytes(&self) -> usize {
+        size_of_val(&self.0[..])
+    }
+
+    /// Least and greatest coordinates of the turned vertices, not yet rounded outward.
+    #[inline]
+    fn span(&self, matrix: &Matrix3<f64>) -> (Vector3<f64>, Vector3<f64>) {
+        let rows: [[f32x8; 3]; 3] =
+            core::array::from_fn(|r| core::array::from_fn(|c| f32x8::splat(matrix[(r, c)] as f32)));
+        let mut low = [f32x8::splat(f32::INFINITY); 3];
+        let mut high = [f32x8::splat(f32::NEG_INFINITY); 3];
+        for [x, y, z] in &self.0 {
+            for k in 0..3 {
+                let [a, b, c] = rows[k];
+                let along = *x * a + *y * b + *z * c;
+                low[k] = low[k].fast_min(along);
+                high[k] = high[k].fast_max(along);
+            }
+        }
+        // High ends are the low ends of the opposite; one fold over pairs serves all six.
+        let low = low.map(|v| least(v.to_array()));
+        let high = high.map(|v| -least((-v).to_array()));
+        let (low, high) = (Vector3::from(low), Vector3::from(high));
+        (low.map(f64::from), high.map(f64::from))
+    }
+}
+
+/// The least of eight numbers, in three rounds; without the care for NaN that `f32::min` takes.
+#[inline(always)]
+fn least(v: [f32; 8]) -> f32 {
+    let min = |a: f32, b: f32| if a < b { a } else { b };
+    let four = [min(v[0], v[4]), min(v[1], v[5]), min(v[2], v[6]), min(v[3], v[7])];
+    min(min(four[0], four[2]), min(four[1], four[3]))
+}
+
+impl ConvexPolyhedron {
+    /// The axis-aligned box of the body at a pose, rounded outward: least and greatest corner, in the frame the pose leads
+    /// to. `hint` remembers the extreme vertices from one frame to the next.
+    ///
+    /// A pose that is not finite gives a box that is not, which a broad phase refuses by name.
+    #[doc(alias = "compute_aabb")]
+    pub fn aabb_at(&self, pose: &Isometry3<f64>, hint: &mut BoxHint) -> (Point3<f64>, Point3<f64>) {
+        let matrix = matrix(pose);
+        let unit = self.unit();
+        let center = matrix * self.origin + pose.translation.vector;
+        let far = (matrix.abs() * self.origin.abs() + pose.translation.vector.abs()) * BOX;
+        let (low, high, error) = if self.scan.0.is_empty() {
+            let (low, high) = self.climbed_span(&matrix, hint);
+            (low, high, BOX * self.radius)
+        } else {
+            let (low, high) = self.scan.span(&matrix);
+            (low, high, BOX_SCANNED * self.radius)
+        };
+        let margin = far.add_scalar(error * unit);
+        (
+            Point3::from(center + low * unit - margin),
+            Point3::from(center + high * unit + margin),
+        )
+    }
+
+    /// A cube that holds the body however it is turned, about its own origin or, for a body far from that, about its
+    /// middle: the fixed box of Cohen et al. 1995. Cheaper than [`aabb_at`](Self::aabb_at) and larger, so more pairs have
+    /// to be looked at.
+    pub fn cube_at(&self, pose: &Isometry3<f64>) -> (Point3<f64>, Point3<f64>) {
+        let matrix = matrix(pose);
+        let center = matrix * self.origin + pose.translation.vector;
+        let far = matrix.abs() * self.origin.abs() + pose.translation.vector.abs();
+        let half = (far * BOX).add_scalar(self.radius * self.unit() * (1.0 + BOX));
+        (Point3::from(center - half), Point3::from(center + half))
+    }
+
+    /// Climbs to the least and greatest vertex along each axis.
+    fn climbed_span(&self, matrix: &Matrix3<f64>, hint: &mut BoxHint) -> (Vector3<f64>, Vector3<f64>) {
+        let (mut low, mut high) = (Vector3::zeros(), Vector3::zeros());
+        for k in 0..3 {
+            let up = Vector3::new(matrix[(k, 0)], matrix[(k, 1)], matrix[(k, 2)]);
+            for (slot, n, end) in [(2 * k, -up, &mut low[k]), (2 * k + 1, up, &mut high[k])] {
+                let known = hint.0[slot];
+                let start = if (known as usize) < self.points.len() { known } else { 0 };
+                let top = self.climb(&n, start);
+                hint.0[slot] = top;
+                *end = up.dot(&self.points[top as usize]);
+            }
+        }
+        (low, high)
+    }
+}
+
+/// `R(q) / |q|^2`.
+#[inline]
+fn matrix(pose: &Isometry3<f64>) -> Matrix3<f64> {
+    let q = pose.rotation.coords;
+    rotation_matrix(&[q.x, q.y, q.z, q.w], 2.0 / q.norm_squared())
+}

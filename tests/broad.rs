@@ -1,0 +1,452 @@
+//! The broad phase against brute force, frame by frame, and its two structures against each other.
+
+use lab::boxes::{Kind, Random, Scene, brute_force};
+use lin_canny::broad::*;
+use nalgebra::{Point3, Vector3};
+use std::collections::BTreeSet;
+
+type Keys = BTreeSet<(BodyId, BodyId)>;
+
+/// The pairs there should be: all of all, by the definition.
+fn expected(broad: &impl BroadPhase) -> Keys {
+    let ids: Vec<BodyId> = broad.bodies().collect();
+    let boxes: Vec<StoredBox> = ids.iter().map(|id| broad.stored_box(*id).unwrap()).collect();
+    let may = |a: u32, b: u32| {
+        let [a, b] = [a, b].map(|i| broad.body(ids[i as usize]).unwrap());
+        !(a.fixed && b.fixed) && a.groups.meet(b.groups)
+    };
+    let all = brute_force(&boxes, StoredBox::overlaps);
+    all.into_iter()
+        .filter(|&(a, b)| may(a, b))
+        .map(|(a, b)| (ids[a as usize], ids[b as usize]))
+        .collect()
+}
+
+fn present(broad: &impl BroadPhase) -> Keys {
+    broad.pairs().map(|p| (p.a, p.b)).collect()
+}
+
+/// Replays events; they must be new, in order and sufficient.
+#[derive(Default)]
+struct Replay {
+    pairs: Keys,
+    slots: std::collections::BTreeMap<PairId, (BodyId, BodyId)>,
+}
+
+impl Replay {
+    fn apply(&mut self, events: Events<'_>) {
+        for part in [events.ended, events.began] {
+            assert!(part.is_sorted_by(|a, b| (a.a.index, a.b.index) < (b.a.index, b.b.index)));
+        }
+        for pair in events.ended {
+            assert!(self.pairs.remove(&(pair.a, pair.b)));
+            assert_eq!(self.slots.remove(&pair.id), Some((pair.a, pair.b)));
+        }
+        for pair in events.began {
+            assert!(self.pairs.insert((pair.a, pair.b)));
+            assert_eq!(self.slots.insert(pair.id, (pair.a, pair.b)), None);
+        }
+    }
+}
+
+/// Both structures, fed the same calls.
+struct Both {
+    pencils: PencilSweep,
+    axes: SortedAxes,
+    replay: Replay,
+}
+
+impl Both {
+    fn new() -> Self {
+        Self {
+            pencils: PencilSweep::new(),
+            axes: SortedAxes::new(),
+            replay: Replay::default(),
+        }
+    }
+
+    fn insert(&mut self, aabb: &Aabb, body: Body) -> BodyId {
+        let id = self.pencils.insert(aabb, body).unwrap();
+        assert_eq!(self.axes.insert(aabb, body), Ok(id));
+        id
+    }
+
+    fn insert_unbounded(&mut self, aabb: &Aabb, body: Body) -> BodyId {
+        let id = self.pencils.insert_unbounded(aabb, body).unwrap();
+        assert_eq!(self.axes.insert_unbounded(aabb, body), Ok(id));
+        id
+    }
+
+    fn both<R: PartialEq + core::fmt::Debug>(
+        &mut self,
+        pencils: impl FnOnce(&mut PencilSweep) -> R,
+        axes: impl FnOnce(&mut SortedAxes) -> R,
+    ) -> R {
+        let result = pencils(&mut self.pencils);
+        assert_eq!(axes(&mut self.axes), result);
+        result
+    }
+
+    fn set_box(&mut self, id: BodyId, aabb: &Aabb) -> Result<(), BroadPhaseError> {
+        self.both(|b| b.set_box(id, aabb), |b| b.set_box(id, aabb))
+    }
+
+    fn remove(&mut self, id: BodyId) -> Result<(), BroadPhaseError> {
+        self.both(|b| b.remove(id), |b| b.remove(id))
+    }
+
+    /// A step of both; everything there is to compare is compared.
+    fn step(&mut self) {
+        let events = self.pencils.step();
+        assert_eq!(self.axes.step(), events);
+        self.replay.apply(events);
+        let expected = expected(&self.pencils);
+        assert_eq!(self.replay.pairs, expected);
+        assert_eq!(present(&self.pencils), expected);
+        assert_eq!(self.pencils.pair_count(), expected.len());
+        for (id, (a, b)) in &self.replay.slots {
+            let pair = Pair { id: *id, a: *a, b: *b };
+            assert_eq!(self.pencils.pair_of(*id), Some(pair));
+            assert_eq!(self.pencils.pair(*b, *a), Some(pair));
+        }
+    }
+}
+
+fn run(kind: Kind, n: usize, steps: usize, body: Body) -> usize {
+    let mut scene = Scene::new(kind, n);
+    let mut both = Both::new();
+    let ids: Vec<BodyId> = scene.boxes.iter().map(|b| both.insert(b, body)).collect();
+    both.step();
+    let mut seen = both.replay.pairs.len();
+    for _ in 0..steps {
+        scene.step();
+        let batch: Vec<(BodyId, Aabb)> = scene
+            .moved
+            .iter()
+            .map(|&i| (ids[i as usize], scene.boxes[i as usize]))
+            .collect();
+        both.both(|b| b.set_boxes(&batch), |b| b.set_boxes(&batch)).unwrap();
+        both.step();
+        seen += both.replay.pairs.len();
+    }
+    seen
+}
+
+#[test]
+fn every_scene_equals_brute_force_on_every_frame() {
+    for kind in Kind::ALL {
+        for n in [3, 40, 700] {
+            let seen = run(kind, n, 40, Body::moving());
+            assert!(n < 700 || seen > 500, "{} hardly has pairs: {seen}", kind.name());
+        }
+    }
+}
+
+#[test]
+fn margins_change_boxes_but_not_the_definition() {
+    for kind in [Kind::Uniform, Kind::Pile, Kind::Movers, Kind::Teleport, Kind::Mixed] {
+        run(kind, 400, 60, Body::moving().margin(0.04));
+        run(kind, 400, 60, Body::moving().margin(0.02).lookahead(5.0));
+    }
+}
+
+#[test]
+fn margins_hold_the_given_box() {
+    let mut scene = Scene::new(Kind::UniformSlow, 300);
+    let mut broad = PencilSweep::new();
+    let body = Body::moving().margin(0.03).lookahead(2.0);
+    let ids: Vec<BodyId> = scene.boxes.iter().map(|b| broad.insert(b, body).unwrap()).collect();
+    let mut kept = 0;
+    for _ in 0..30 {
+        scene.step();
+        let before: Vec<_> = ids.iter().map(|id| broad.stored_box(*id)).collect();
+        for (id, aabb) in ids.iter().zip(&scene.boxes) {
+            broad.set_box(*id, aabb).unwrap();
+            let given = StoredBox::outward(aabb, &Point3::origin());
+            assert!(broad.stored_box(*id).unwrap().contains(&given));
+        }
+        kept += ids
+            .iter()
+            .zip(before)
+            .filter(|(id, old)| broad.stored_box(**id) == *old)
+            .count();
+        broad.step();
+    }
+    assert!(kept > 300 * 30 / 2, "margins keep most boxes: {kept}");
+}
+
+#[test]
+fn inserting_and_removing_bodies_equals_brute_force() {
+    let mut random = Random::new(7);
+    let mut both = Both::new();
+    let mut ids: Vec<BodyId> = Vec::new();
+    let anywhere = |random: &mut Random| {
+        let center = Point3::from(Vector3::from_fn(|_, _| random.within(-6.0, 6.0)));
+        Aabb::from_center(center, Vector3::from_fn(|_, _| random.within(0.1, 1.0)))
+    };
+    for step in 0..150 {
+        let (come, go) = if step < 75 { (8, 4) } else { (4, 8) };
+        for _ in 0..come {
+            let aabb = anywhere(&mut random);
+            let body = if random.below(4) == 0 {
+                Body::fixed()
+            } else {
+                Body::moving()
+            };
+            ids.push(both.insert(&aabb, body));
+        }
+        for _ in 0..go.min(ids.len()) {
+            let id = ids.swap_remove(random.below(ids.len()));
+            both.remove(id).unwrap();
+            assert_eq!(both.remove(id), Err(BroadPhaseError::StaleId { body: id }));
+        }
+        for _ in 0..ids.len() / 10 {
+            let id = ids[random.below(ids.len())];
+            both.set_box(id, &anywhere(&mut random)).unwrap();
+        }
+        both.step();
+    }
+}
+
+#[test]
+fn unbounded_bodies_pair_with_what_they_reach() {
+    let mut both = Both::new();
+    let mut scene = Scene::new(Kind::Uniform, 200);
+    let ids: Vec<BodyId> = scene.boxes.iter().map(|b| both.insert(b, Body::moving())).collect();
+    let mut below = Aabb::everything();
+    below.max.z = 0.0;
+    let ground = both.insert_unbounded(&below, Body::fixed());
+    let all = both.insert_unbounded(&Aabb::everything(), Body::moving());
+    let far = Aabb::from_center(Point3::new(1e300, -1e300, 1e200), Vector3::repeat(1.0));
+    both.insert(&far, Body::moving());
+    for step in 0..30 {
+        scene.step();
+        for (id, aabb) in ids.iter().zip(&scene.boxes).filter(|(id, _)| id.index % 3 == step % 3) {
+            both.set_box(*id, aabb).unwrap();
+        }
+        if step == 10 {
+            below.max.z = 3.0;
+            both.set_box(ground, &below).unwrap();
+        }
+        if step == 20 {
+            both.remove(all).unwrap();
+        }
+        both.step();
+    }
+    assert!(both.pencils.pair_count() > 50);
+}
+
+#[test]
+fn far_bodies_work() {
+    let mut both = Both::new();
+    let mut scene = Scene::new(Kind::Pile, 200);
+    let shift = |aabb: &Aabb, by: f64| {
+        let by = Vector3::repeat(by);
+        Aabb::new(aabb.min + by, aabb.max + by)
+    };
+    let place = |i: usize| {
+        if i.is_multiple_of(2) {
+            0.0
+        } else {
+            [1e5, -3e6, 1e12][i % 3]
+        }
+    };
+    let boxes: Vec<Aabb> = scene
+        .boxes
+        .iter()
+        .enumerate()
+        .map(|(i, b)| shift(b, place(i)))
+        .collect();
+    let ids: Vec<BodyId> = boxes.iter().map(|b| both.insert(b, Body::moving())).collect();
+    for step in 0..20 {
+        both.step();
+        scene.step();
+        for (i, aabb) in scene.boxes.iter().enumerate() {
+            let by = if step == 10 { -place(i) } else { place(i) };
+            both.set_box(ids[i], &shift(aabb, by)).unwrap();
+        }
+    }
+}
+
+#[test]
+fn an_origin_keeps_far_scenes_fine() {
+    let origin = Point3::new(1e7, -1e7, 1e7);
+    let mut near = PencilSweep::new();
+    let mut far = PencilSweep::with_settings(Settings::default().origin(origin));
+    let scene = Scene::new(Kind::Pile, 300);
+    for aabb in &scene.boxes {
+        // Quarter units, so that moving them off rounds nothing.
+        let snap = |p: Point3<f64>| p.map(|v| (v * 256.0).round() / 256.0);
+        let aabb = Aabb::new(snap(aabb.min), snap(aabb.max));
+        near.insert(&aabb, Body::moving()).unwrap();
+        far.insert(
+            &Aabb::new(aabb.min + origin.coords, aabb.max + origin.coords),
+            Body::moving(),
+        )
+        .unwrap();
+    }
+    assert_eq!(near.step(), far.step());
+}
+
+#[test]
+fn refused_calls_name_the_body_and_change_nothing() {
+    let mut both = Both::new();
+    let cube = Aabb::from_center(Point3::origin(), Vector3::repeat(0.5));
+    let [a, b] = [0; 2].map(|_| both.insert(&cube, Body::moving()));
+    both.step();
+    for axis in 0..3 {
+        for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            let mut broken = cube;
+            broken.max[axis] = bad;
+            let error = Err(BroadPhaseError::NonFinite { body: Some(b), axis });
+            assert_eq!(both.set_box(b, &broken), error);
+            assert_eq!(
+                both.pencils.insert(&broken, Body::moving()),
+                Err(BroadPhaseError::NonFinite { body: None, axis })
+            );
+        }
+        let mut inverted = cube;
+        inverted.min[axis] = 7.0;
+        assert_eq!(
+            both.set_box(a, &inverted),
+            Err(BroadPhaseError::Inverted { body: Some(a), axis })
+        );
+    }
+    let stale = BodyId {
+        index: 1,
+        generation: 3,
+    };
+    assert_eq!(
+        both.set_box(stale, &cube),
+        Err(BroadPhaseError::StaleId { body: stale })
+    );
+    let unknown = BodyId {
+        index: 77,
+        generation: 1,
+    };
+    assert_eq!(both.remove(unknown), Err(BroadPhaseError::StaleId { body: unknown }));
+    assert_eq!(
+        both.pencils.insert(&cube, Body::moving().margin(-1.0)),
+        Err(BroadPhaseError::Margin)
+    );
+    both.step();
+    assert_eq!(both.pencils.pair_count(), 1);
+
+    let apart = Aabb::from_center(Point3::new(9.0, 0.0, 0.0), Vector3::repeat(0.5));
+    let broken = Aabb::new(Point3::new(f64::NAN, 0.0, 0.0), Point3::origin());
+    let batch = [(a, broken), (b, apart), (stale, cube)];
+    let error = both.both(|b| b.set_boxes(&batch), |b| b.set_boxes(&batch)).unwrap_err();
+    assert_eq!((error.index, error.refused), (0, 2));
+    assert_eq!(error.first, BroadPhaseError::NonFinite { body: Some(a), axis: 0 });
+    assert!(error.to_string().contains("body 0"), "{error}");
+    both.step();
+    assert_eq!(both.pencils.pair_count(), 0);
+}
+
+#[test]
+fn touching_and_flat_boxes_are_pairs() {
+    let mut both = Both::new();
+    let unit = |x: f64, y: f64, z: f64| Aabb::new(Point3::new(x, y, z), Point3::new(x + 1.0, y + 1.0, z + 1.0));
+    both.insert(&unit(0.0, 0.0, 0.0), Body::moving());
+    both.insert(&unit(1.0, 1.0, 1.0), Body::moving());
+    let point = Point3::new(2.0, 2.0, 2.0);
+    both.insert(&Aabb::new(point, point), Body::moving());
+    both.insert(&Aabb::new(point, point), Body::moving());
+    both.insert(&unit(-0.0, -1.0, 0.0), Body::moving());
+    both.step();
+    // The pairs of touching corner, point on corner (twice), point on point, touching face.
+    assert_eq!(both.pencils.pair_count(), 5);
+}
+
+#[test]
+fn groups_filters_and_fixed_bodies() {
+    let cube = Aabb::from_center(Point3::origin(), Vector3::repeat(0.5));
+    let robot = Groups {
+        member_of: 1,
+        pairs_with: 2,
+    };
+    let cell = Groups {
+        member_of: 2,
+        pairs_with: 3,
+    };
+    let mut both = Both::new();
+    let r: Vec<BodyId> = (0..3)
+        .map(|_| both.insert(&cube, Body::moving().groups(robot)))
+        .collect();
+    let c: Vec<BodyId> = (0..3).map(|_| both.insert(&cube, Body::fixed().groups(cell))).collect();
+    both.step();
+    assert_eq!(both.pencils.pair_count(), 9);
+    assert_eq!(both.pencils.pairs_between(2, 1).count(), 9);
+    assert_eq!(both.pencils.pairs_between(1, 1).count(), 0);
+
+    both.both(|b| b.set_groups(r[0], cell), |b| b.set_groups(r[0], cell))
+        .unwrap();
+    both.step();
+    // The changed body now also pairs with the two other robots, and still with the three cells.
+    assert_eq!(both.pencils.pair_count(), 6 + 3 + 2);
+
+    let never = |broad: &mut PencilSweep| {
+        broad.regroup(c[0]).unwrap();
+        let ended = broad.step_with(&mut |a, b| a != c[0] && b != c[0]).ended.len();
+        (ended, broad.pair_count())
+    };
+    assert_eq!(never(&mut both.pencils), (3, 8));
+}
+
+#[test]
+fn ids_and_slots_carry_generations() {
+    let cube = Aabb::from_center(Point3::origin(), Vector3::repeat(0.5));
+    let mut both = Both::new();
+    let a = both.insert(&cube, Body::moving());
+    let b = both.insert(&cube, Body::moving());
+    both.step();
+    let first = both.pencils.pair(a, b).unwrap();
+    both.remove(b).unwrap();
+    let same_step = both.insert(&cube, Body::moving());
+    assert_ne!(same_step.index, b.index, "an index rests until its pairs are reported");
+    both.step();
+    let c = both.insert(&cube, Body::moving());
+    assert_eq!((c.index, c.generation), (b.index, b.generation + 2));
+    both.step();
+    assert!(!both.pencils.contains(b) && both.pencils.pair_of(first.id).is_none());
+    assert_eq!(both.pencils.pair(a, b), None);
+    let slots: BTreeSet<u32> = both.pencils.pairs().map(|p| p.id.slot).collect();
+    assert_eq!(slots, BTreeSet::from([0, 1, 2]), "slots are reused");
+}
+
+#[test]
+fn permuted_ids_change_only_names() {
+    let mut scene = Scene::new(Kind::Pile, 300);
+    let n = scene.boxes.len();
+    let name = |i: usize| (i * 7 + 3) % n;
+    let mut plain = PencilSweep::new();
+    let mut other = PencilSweep::new();
+    let ids: Vec<BodyId> = scene
+        .boxes
+        .iter()
+        .map(|b| plain.insert(b, Body::moving()).unwrap())
+        .collect();
+    let mut inverse = vec![0; n];
+    (0..n).for_each(|i| inverse[name(i)] = i);
+    let others: Vec<BodyId> = (0..n)
+        .map(|k| other.insert(&scene.boxes[inverse[k]], Body::moving()).unwrap())
+        .collect();
+    for _ in 0..30 {
+        let keys = |pairs: &[Pair], of: &dyn Fn(BodyId) -> usize| -> BTreeSet<(usize, usize)> {
+            pairs
+                .iter()
+                .map(|p| (of(p.a).min(of(p.b)), of(p.a).max(of(p.b))))
+                .collect()
+        };
+        let renamed = |id: BodyId| inverse[id.index as usize];
+        let same = |id: BodyId| id.index as usize;
+        let (events, renamed_events) = (plain.step(), other.step());
+        assert_eq!(keys(events.began, &same), keys(renamed_events.began, &renamed));
+        assert_eq!(keys(events.ended, &same), keys(renamed_events.ended, &renamed));
+        scene.step();
+        for (i, aabb) in scene.boxes.iter().enumerate() {
+            plain.set_box(ids[i], aabb).unwrap();
+            other.set_box(others[name(i)], aabb).unwrap();
+        }
+    }
+}

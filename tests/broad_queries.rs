@@ -1,0 +1,138 @@
+//! Questions about boxes equal the obvious answers.
+
+use lab::boxes::{Kind, Random, Scene};
+use lin_canny::broad::*;
+use nalgebra::{Point3, Vector3};
+
+fn ask(kind: Kind) -> usize {
+    let mut scene = Scene::new(kind, 500);
+    let mut broad = PencilSweep::new();
+    let mut axes = SortedAxes::new();
+    let mut ids: Vec<BodyId> = scene
+        .boxes
+        .iter()
+        .map(|b| broad.insert(b, Body::moving()).unwrap())
+        .collect();
+    scene
+        .boxes
+        .iter()
+        .for_each(|b| assert!(axes.insert(b, Body::moving()).is_ok()));
+    let mut ground = Aabb::everything();
+    ground.max.z = -2.0;
+    ids.push(broad.insert_unbounded(&ground, Body::fixed()).unwrap());
+    axes.insert_unbounded(&ground, Body::fixed()).unwrap();
+    let (mut random, mut seen) = (Random::new(3), 0);
+    for _ in 0..8 {
+        broad.step();
+        axes.step();
+        let boxes: Vec<StoredBox> = ids.iter().map(|id| broad.stored_box(*id).unwrap()).collect();
+        scene.step();
+        // Calls not yet taken over by a step do not show.
+        ids.iter()
+            .zip(&scene.boxes)
+            .for_each(|(id, b)| broad.set_box(*id, b).unwrap());
+        ids.iter()
+            .zip(&scene.boxes)
+            .for_each(|(id, b)| axes.set_box(*id, b).unwrap());
+        for _ in 0..40 {
+            let about = scene.boxes[random.below(500)];
+            let half = Vector3::from_fn(|_, _| random.within(0.0, 3.0));
+            let asked = Aabb::from_center(about.min + random.in_ball() * 3.0, half);
+            let stored = StoredBox::outward(&asked, &Point3::origin());
+            let expected: Vec<BodyId> = ids
+                .iter()
+                .zip(&boxes)
+                .filter(|(_, b)| b.overlaps(&stored))
+                .map(|(id, _)| *id)
+                .collect();
+            let (mut found, mut found_too) = (Vec::new(), Vec::new());
+            broad.overlapping(&asked, &mut found).unwrap();
+            axes.overlapping(&asked, &mut found_too).unwrap();
+            assert_eq!(found, expected);
+            assert_eq!(found_too, expected);
+            seen += found.len();
+
+            let gap = |b: &StoredBox| {
+                let axis = |k: usize| (b.lo[k] - stored.hi[k]).max(stored.lo[k] - b.hi[k]).max(0.0) as f64;
+                (0..3).map(|k| axis(k) * axis(k)).sum::<f64>().sqrt()
+            };
+            let mut order: Vec<f64> = boxes.iter().map(gap).collect();
+            order.sort_by(f64::total_cmp);
+            let near = broad.nearest(&asked, 7, f64::INFINITY).unwrap();
+            assert_eq!(near, axes.nearest(&asked, 7, f64::INFINITY).unwrap());
+            assert_eq!(near.len(), 7);
+            for (n, expected) in near.iter().zip(&order) {
+                assert!(
+                    (n.distance - expected).abs() <= 1e-4 * (1.0 + expected),
+                    "{n:?} {expected}"
+                );
+            }
+            let within = broad.nearest(&asked, usize::MAX, 1.5).unwrap();
+            assert!(within.iter().all(|n| n.distance <= 1.5) && within.is_sorted_by(|a, b| a.distance <= b.distance));
+            assert!(within.len().abs_diff(order.iter().filter(|d| **d <= 1.5).count()) <= 1);
+        }
+    }
+    seen
+}
+
+#[test]
+fn overlapping_and_nearest_equal_brute_force() {
+    for kind in [Kind::Uniform, Kind::Pile, Kind::Mixed, Kind::Clusters] {
+        assert!(ask(kind) > 300, "{}", kind.name());
+    }
+}
+
+#[test]
+fn nearest_of_few_ends() {
+    let mut broad = PencilSweep::new();
+    let cube = |x: f64| Aabb::from_center(Point3::new(x, 0.0, 0.0), Vector3::repeat(0.5));
+    assert!(broad.nearest(&cube(0.0), 3, f64::INFINITY).unwrap().is_empty());
+    let id = broad.insert(&cube(1e6), Body::moving()).unwrap();
+    broad.step();
+    let near = broad.nearest(&cube(0.0), 3, f64::INFINITY).unwrap();
+    assert_eq!(near.len(), 1);
+    assert!(near[0].body == id && (near[0].distance - 999_999.0).abs() < 0.2);
+    assert!(broad.nearest(&cube(0.0), 3, f64::NAN).unwrap().is_empty());
+    let error = broad.nearest(&Aabb::everything(), 1, 1.0).unwrap_err();
+    assert_eq!(error, BroadPhaseError::NonFinite { body: None, axis: 0 });
+}
+
+#[test]
+fn same_pairs_as_the_tree_of_parry() {
+    use parry3d::bounding_volume::Aabb as Box32;
+    use parry3d::partitioning::{Bvh, BvhBuildStrategy, BvhWorkspace};
+    for kind in Kind::ALL {
+        let mut scene = Scene::new(kind, 800);
+        let mut broad = PencilSweep::new();
+        let ids: Vec<BodyId> = scene
+            .boxes
+            .iter()
+            .map(|b| broad.insert(b, Body::moving()).unwrap())
+            .collect();
+        for _ in 0..5 {
+            broad.step();
+            let leaves: Vec<Box32> = ids
+                .iter()
+                .map(|id| broad.stored_box(*id).unwrap())
+                .map(|b| {
+                    Box32::new(
+                        parry3d::math::Vector::from_array(b.lo),
+                        parry3d::math::Vector::from_array(b.hi),
+                    )
+                })
+                .collect();
+            let tree = Bvh::from_leaves(BvhBuildStrategy::Binned, &leaves);
+            let mut theirs = Vec::new();
+            let mut workspace = BvhWorkspace::default();
+            tree.traverse_bvtt_single_tree::<false>(&mut workspace, &mut |a, b| theirs.push((a.min(b), a.max(b))));
+            theirs.sort_unstable();
+            let mut ours: Vec<(u32, u32)> = broad.pairs().map(|p| (p.a.index, p.b.index)).collect();
+            ours.sort_unstable();
+            assert_eq!(ours, theirs, "{}", kind.name());
+            scene.step();
+            ids.iter()
+                .zip(&scene.boxes)
+                .for_each(|(id, b)| broad.set_box(*id, b).unwrap());
+        }
+    }
+}

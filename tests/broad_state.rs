@@ -1,0 +1,110 @@
+//! A broad phase written down in the middle of its life and read again goes on identically, down to slots and order.
+#![cfg(feature = "serde")]
+
+use lab::boxes::{Kind, Random, Scene};
+use lin_canny::broad::*;
+use nalgebra::{Point3, Vector3};
+
+fn copy<B: serde::Serialize + serde::de::DeserializeOwned>(broad: &B) -> B {
+    serde_json::from_str(&serde_json::to_string(broad).unwrap()).unwrap()
+}
+
+/// One step's calls, drawn from `random`.
+fn feed(broad: &mut impl BroadPhase, ids: &mut Vec<BodyId>, scene: &Scene, random: &mut Random) {
+    for k in 0..ids.len() {
+        if broad.contains(ids[k]) && random.below(3) > 0 {
+            broad.set_box(ids[k], &scene.boxes[k % scene.boxes.len()]).unwrap();
+        }
+    }
+    if random.below(2) == 0 {
+        let _ = broad.remove(ids[random.below(ids.len())]);
+        let aabb = Aabb::from_center(Point3::from(random.in_ball() * 4.0), Vector3::repeat(0.7));
+        ids.push(broad.insert(&aabb, Body::moving().margin(0.1)).unwrap());
+    }
+}
+
+fn goes_on<B: BroadPhase + serde::Serialize + serde::de::DeserializeOwned>(mut broad: B, n: usize) {
+    let mut scene = Scene::new(Kind::Pile, n);
+    let mut ids: Vec<BodyId> = scene
+        .boxes
+        .iter()
+        .map(|b| broad.insert(b, Body::moving()).unwrap())
+        .collect();
+    ids.push(broad.insert_unbounded(&Aabb::everything(), Body::fixed()).unwrap());
+    let mut random = Random::new(5);
+    for _ in 0..20 {
+        // Written down both between steps and after half of a step's calls.
+        let mut again = copy(&broad);
+        let (mut other_ids, mut other_random) = (ids.clone(), random.clone());
+        scene.step();
+        feed(&mut broad, &mut ids, &scene, &mut random);
+        feed(&mut again, &mut other_ids, &scene, &mut other_random);
+        let mut third = copy(&again);
+        for _ in 0..2 {
+            let events = broad.step();
+            assert_eq!(again.step(), events);
+            assert_eq!(third.step(), events);
+        }
+        assert!(again.pairs().eq(broad.pairs()) && third.pairs().eq(broad.pairs()));
+    }
+}
+
+#[test]
+fn restart_goes_on_identically() {
+    for n in [5, 150] {
+        goes_on(PencilSweep::new(), n);
+        goes_on(SortedAxes::new(), n);
+    }
+}
+
+#[test]
+fn one_structure_takes_over_from_the_other() {
+    let mut broad = PencilSweep::new();
+    let scene = Scene::new(Kind::Mixed, 200);
+    scene
+        .boxes
+        .iter()
+        .for_each(|b| assert!(broad.insert(b, Body::moving()).is_ok()));
+    broad.step();
+    let text = serde_json::to_string(&broad).unwrap();
+    let mut axes: SortedAxes = serde_json::from_str(&text).unwrap();
+    assert!(axes.step().began.is_empty());
+    assert!(axes.pairs().eq(broad.pairs()));
+}
+
+#[test]
+fn damaged_text_is_refused_or_harmless() {
+    let mut broad = PencilSweep::new();
+    let scene = Scene::new(Kind::Pile, 12);
+    let ids: Vec<_> = scene
+        .boxes
+        .iter()
+        .map(|b| broad.insert(b, Body::moving()).unwrap())
+        .collect();
+    broad.step();
+    broad.remove(ids[3]).unwrap();
+    broad.step();
+    let text = serde_json::to_string(&broad).unwrap();
+    let mut random = Random::new(11);
+    let mut accepted = 0;
+    for _ in 0..3000 {
+        let mut bytes = text.clone().into_bytes();
+        for _ in 0..1 + random.below(2) {
+            let at = random.below(bytes.len());
+            if bytes[at].is_ascii_digit() {
+                bytes[at] = b'0' + random.below(10) as u8;
+            }
+        }
+        if let Ok(mut read) = serde_json::from_slice::<PencilSweep>(&bytes) {
+            accepted += 1;
+            read.step();
+            let cube = Aabb::from_center(Point3::origin(), Vector3::repeat(1.0));
+            let id = read.insert(&cube, Body::moving()).unwrap();
+            read.step();
+            let _ = read.set_box(ids[5], &cube);
+            read.remove(id).unwrap();
+            read.step();
+        }
+    }
+    assert!(accepted > 100, "most digits do no harm: {accepted}");
+}

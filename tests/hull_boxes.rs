@@ -1,0 +1,103 @@
+//! Promise: the box of a placed body holds it exactly, and is no larger than its rounding.
+
+use lab::Pose;
+use lab::rng::Rng;
+use lab::shapes::{self, Shape};
+use lin_canny::broad::Aabb;
+use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, UnitQuaternion};
+use lin_canny::{BoxHint, ConvexPolyhedron};
+
+fn isometry(p: &Pose) -> Isometry3<f64> {
+    let [x, y, z, w] = p.q;
+    Isometry3::from_parts(p.t.into(), UnitQuaternion::new_unchecked(Quaternion::new(w, x, y, z)))
+}
+
+/// Whether the exact place of every vertex is between the corners.
+fn holds(body: &ConvexPolyhedron, pose: &Pose, low: Point3<f64>, high: Point3<f64>) -> bool {
+    let points: Vec<_> = body.vertex_points().map(Into::into).collect();
+    let placed = lab::rational::placed(&points, pose);
+    let inside = |x: &_, k: usize| *x >= lab::rational::exact(low[k]) && *x <= lab::rational::exact(high[k]);
+    placed.iter().all(|p| (0..3).all(|k| inside(&p[k], k)))
+}
+
+/// How much larger a side is than the spread of the vertices, at most.
+fn excess(body: &ConvexPolyhedron, pose: &Pose, low: Point3<f64>, high: Point3<f64>) -> f64 {
+    let at: Vec<Point3<f64>> = body.vertex_points().map(|p| isometry(pose) * p).collect();
+    let worst = |k: usize| {
+        let (least, most) = at
+            .iter()
+            .fold((f64::MAX, f64::MIN), |(l, m), p| (l.min(p[k]), m.max(p[k])));
+        (least - low[k]).max(high[k] - most)
+    };
+    worst(0).max(worst(1)).max(worst(2))
+}
+
+fn bodies(rng: &mut Rng) -> Vec<(Shape, ConvexPolyhedron)> {
+    let list = vec![
+        shapes::cube(),
+        shapes::sphere(rng, 31),
+        shapes::sphere(rng, 200),
+        shapes::ellipsoid(rng, 90, [1.0, 1.0, 1e-3]),
+        shapes::needle(rng, 24, 1e-6),
+        shapes::prism(80, 1.0, 0.3),
+        shapes::sphere(rng, 12).moved(&Pose::shift([1e6, -3e5, 2.0])),
+        shapes::sphere(rng, 100).moved(&Pose::shift([1e6, -3e5, 2.0])),
+        shapes::sphere(rng, 12).stretched([1e-60; 3]),
+        shapes::sphere(rng, 100).stretched([1e60; 3]),
+    ];
+    let build = |s: &Shape| {
+        let points: Vec<Point3<f64>> = s.points.iter().map(|&p| p.into()).collect();
+        ConvexPolyhedron::from_points(&points).expect("a solid")
+    };
+    list.into_iter().map(|s| (build(&s), s)).map(|(b, s)| (s, b)).collect()
+}
+
+#[test]
+fn boxes_hold_the_body_and_are_tight() {
+    let mut rng = Rng::new(77);
+    for (shape, body) in bodies(&mut rng) {
+        let radius = body.bounding_ball().1;
+        let mut hint = BoxHint::default();
+        for frame in 0..12 {
+            let pose = Pose {
+                q: rng.quat(),
+                t: rng.unit().map(|c| c * radius * 10f64.powi(frame % 4)),
+            };
+            let (low, high) = body.aabb_at(&isometry(&pose), &mut hint);
+            assert!(holds(&body, &pose, low, high), "{} {pose:?}", shape.name);
+            let reach = radius + lab::pose::norm(pose.t) + body.bounding_ball().0.coords.norm();
+            // A body about its own origin as far off as two radii is measured from there.
+            let most = 3.3e-6 * radius + 3e-14 * reach;
+            let excess = excess(&body, &pose, low, high);
+            assert!(excess <= most, "{}: {excess:e} > {most:e}", shape.name);
+            let (low, high) = body.cube_at(&isometry(&pose));
+            assert!(holds(&body, &pose, low, high), "cube of {} {pose:?}", shape.name);
+        }
+    }
+}
+
+#[test]
+fn a_stale_hint_changes_no_bit() {
+    let mut rng = Rng::new(78);
+    let all = bodies(&mut rng);
+    let mut foreign = BoxHint::default();
+    for k in 0..200 {
+        let (_, body) = &all[k % all.len()];
+        let pose = isometry(&Pose {
+            q: rng.quat(),
+            t: rng.unit(),
+        });
+        assert_eq!(
+            body.aabb_at(&pose, &mut foreign),
+            body.aabb_at(&pose, &mut BoxHint::default())
+        );
+    }
+}
+
+#[test]
+fn a_pose_that_is_no_number_is_a_box_the_broad_phase_refuses() {
+    let body = lin_canny::polyhedron::solids::octahedron(1.0).expect("a solid");
+    let pose = Isometry3::translation(f64::NAN, 0.0, 0.0);
+    let (low, high) = body.aabb_at(&pose, &mut BoxHint::default());
+    assert!(Aabb::new(low, high).fault().is_some());
+}
