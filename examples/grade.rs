@@ -190,7 +190,7 @@ fn run(o: &Options) -> Result<(), Box<dyn std::error::Error>> {
     };
     writeln!(
         part,
-        "# engine lin-canny {level}\n# signed no\n# witness local\n# normal yes\n# distance yes"
+        "# engine lin-canny {level}\n# signed yes\n# witness local\n# normal yes\n# distance yes"
     )?;
     let mut bodies: HashMap<usize, Option<ConvexPolyhedron>> = HashMap::new();
     let (mut tracker, mut sequence, mut layers, mut seen) = (Tracker::new(), None, Layers::default(), 0);

@@ -54,8 +54,13 @@ fn witnesses_agree(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &RelativePo
     if o.class == Class::Undecided {
         return apart.is_finite();
     }
-    apart <= o.upper + slack
-        && (o.class != Class::Separated || apart >= o.lower - slack && o.normal.dot(&between) >= o.lower - slack)
+    let along = o.normal.dot(&between);
+    match o.class {
+        // The witness on B lies behind that on A by the depth.
+        Class::Overlapping => apart <= -o.lower + slack && apart >= -o.upper - slack && -along >= -o.upper - slack,
+        Class::Separated => apart <= o.upper + slack && apart >= o.lower - slack && along >= o.lower - slack,
+        _ => apart <= o.upper + slack,
+    }
 }
 
 /// The length of a vector whose squares may leave the range.

@@ -62,6 +62,32 @@ pub const AGREE: f64 = 32.0 * UNIT;
 /// the [`CERTIFICATE`] error of placement change it by three times that: 398 in all.
 pub const VOLUME: f64 = 512.0;
 
+/// A depth is proven where the height along the best normal and the nearest triangle agree within this times L: the
+/// rounding of both is a few UNIT L each (see [`CERTIFICATE`]), and what is left must stay below `1e-14 L`, 90 UNIT.
+pub const AGREE_DEPTH: f64 = 16.0 * UNIT;
+
+/// A triangle of the Minkowski difference that its support exceeds by less than this times L, `2^-16`, may lie in the border:
+/// the normals of the bodies' features are tried. Not a matter of soundness.
+pub const ALMOST_FLAT: f64 = 1.0 / 65_536.0;
+
+/// Where the origin lies on the border of the tetrahedron that a search for the depth would begin with, it begins about a
+/// point this many L beside it: the search succeeds for depths of more than twice as much, so the shifts shrink to the
+/// rounding of double-double. The least are tried on both sides: where the origin is nearer to the border than that, one of them
+/// lies outside, and the direction to the border from there gives a height below the shift.
+pub const SHIFTS: [f64; 8] = [
+    0.0,
+    1.0 / (1u64 << 10) as f64,
+    1.0 / (1u64 << 24) as f64,
+    1.0 / (1u64 << 40) as f64,
+    1.0 / (1u64 << 58) as f64,
+    -1.0 / (1u64 << 58) as f64,
+    1.0 / (1u128 << 80) as f64,
+    -1.0 / (1u128 << 80) as f64,
+];
+
+/// The direction of the shift: off the planes and axes of lattices, and no longer than one (0.98).
+pub const ASIDE: [f64; 3] = [0.613, -0.365, 0.677];
+
 /// Vertices whose height along `n` is, in f64, within this times `|n|_1 r` of the highest may be the highest: three
 /// roundings of each of two dot products and of the direction itself.
 pub const PLATEAU: f64 = 16.0 * UNIT;

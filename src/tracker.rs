@@ -8,6 +8,7 @@ use crate::closest::outcome::{Class, Distance, Layer, Level, Outcome, Proposal, 
 use crate::closest::placed::Placed;
 use crate::closest::trace::trace;
 use crate::closest::{self, far};
+use crate::penetration;
 use crate::polyhedron::{ConvexPolyhedron, FeaturePair, power_of_two};
 use crate::pose::{RelativePose, Which};
 use crate::replay::Replay;
@@ -98,6 +99,8 @@ pub struct Totals {
     pub answered: [u64; 6],
     /// Feature pairs looked at.
     pub steps: u64,
+    /// Overlaps whose depth was searched for.
+    pub depths: u64,
 }
 
 impl Totals {
@@ -112,6 +115,7 @@ impl core::ops::AddAssign for Totals {
         self.queries += o.queries;
         self.warm += o.warm;
         self.steps += o.steps;
+        self.depths += o.depths;
         for (mine, theirs) in self.answered.iter_mut().zip(o.answered) {
             *mine += theirs;
         }
@@ -169,12 +173,13 @@ impl Tracker {
     }
 
     /// The closest features, their witnesses and bounds of the distance, certified: separated bodies get bounds no
-    /// wider than `1e-13 L`, with `L` the sum of both radii and the distance of the bodies. Allocates nothing as long
-    /// as the exact rung is not needed.
+    /// wider than `1e-13 L`, with `L` the sum of both radii and the distance of the bodies. Overlapping bodies get
+    /// their depth as a negative distance, bounded as well. Allocates nothing for bodies apart as long as the exact rung
+    /// is not needed; the search for a depth allocates.
     #[inline]
     pub fn closest(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Outcome {
         let before = self.start(a, b);
-        let outcome = self.answer(a, b, a_from_b, Level::Certified);
+        let outcome = self.answer(a, b, a_from_b, Level::Certified, true);
         debug_check(a, b, a_from_b, before, Level::Certified, &outcome);
         outcome
     }
@@ -184,7 +189,7 @@ impl Tracker {
     #[cfg(feature = "exact")]
     pub fn closest_exact(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Outcome {
         let before = self.start(a, b);
-        let mut outcome = self.answer(a, b, a_from_b, Level::Exact);
+        let mut outcome = self.answer(a, b, a_from_b, Level::Exact, true);
         // The second: a distance that only f64 in the caller's own unit can hold.
         if outcome.layer == Layer::Far || outcome.class == Class::Separated && outcome.lower <= 0.0 {
             outcome = far::exactly(a, b, a_from_b, outcome);
@@ -195,7 +200,7 @@ impl Tracker {
 
     /// The distance and its bounds without the witnesses.
     pub fn distance(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Distance {
-        let o = self.answer(a, b, a_from_b, Level::Certified);
+        let o = self.answer(a, b, a_from_b, Level::Certified, true);
         Distance {
             class: o.class,
             value: o.distance,
@@ -220,7 +225,7 @@ impl Tracker {
         if !(d >= 0.0) || clear_of(a, b, a_from_b, d) {
             return false;
         }
-        let o = self.answer(a, b, a_from_b, Level::Certified);
+        let o = self.answer(a, b, a_from_b, Level::Certified, false);
         if o.class == Class::Overlapping || o.upper <= d {
             return true;
         }
@@ -234,7 +239,7 @@ impl Tracker {
     /// solver in f64 stands in.
     #[inline]
     pub fn propose(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Proposal {
-        let o = self.answer(a, b, a_from_b, Level::Walk);
+        let o = self.answer(a, b, a_from_b, Level::Walk, false);
         Proposal {
             distance: (o.class != Class::Overlapping).then_some(o.distance),
             features: o.features,
@@ -246,12 +251,19 @@ impl Tracker {
         }
     }
 
-    /// Answers at one level. The outcome is written where it is returned: copied whole, it would wait for its parts to
+    /// Answers at one level, an overlap with its depth if `deep`. The outcome is written where it is returned: copied whole, it would wait for its parts to
     /// leave the store queue.
     #[inline(always)]
-    fn answer(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose, level: Level) -> Outcome {
+    fn answer(
+        &mut self,
+        a: &ConvexPolyhedron,
+        b: &ConvexPolyhedron,
+        a_from_b: &RelativePose,
+        level: Level,
+        deep: bool,
+    ) -> Outcome {
         let mut outcome = Outcome::open(FeaturePair::vertices(Which::A, 0, 0));
-        self.solve(a, b, a_from_b, level, &mut outcome);
+        self.solve(a, b, a_from_b, (level, deep), &mut outcome);
         outcome
     }
 
@@ -261,16 +273,17 @@ impl Tracker {
         a: &ConvexPolyhedron,
         b: &ConvexPolyhedron,
         a_from_b: &RelativePose,
-        level: Level,
+        (level, deep): (Level, bool),
         outcome: &mut Outcome,
     ) {
         if b.exponent > a.exponent {
             // In the units of B, which are the larger.
-            self.solve_in_units_of_b(a, b, a_from_b, level, outcome);
+            self.solve_in_units_of_b(a, b, a_from_b, (level, deep), outcome);
         } else if let Ok(placed) = Placed::new(a, b, a_from_b) {
             let warm = self.start(a, b);
             outcome.features = warm.unwrap_or_else(|| closest::seed::cold(&placed, &mut outcome.work));
             closest::solve(level, &placed, warm.is_some(), outcome);
+            deepen(deep, &placed, outcome);
             self.count(warm.is_some(), outcome);
             if !(a.as_given && b.as_given) {
                 give_back(a, b, outcome);
@@ -286,7 +299,7 @@ impl Tracker {
         a: &ConvexPolyhedron,
         b: &ConvexPolyhedron,
         a_from_b: &RelativePose,
-        level: Level,
+        (level, deep): (Level, bool),
         outcome: &mut Outcome,
     ) {
         let b_from_a = a_from_b.swapped();
@@ -296,6 +309,7 @@ impl Tracker {
         let warm = self.start(a, b).map(FeaturePair::swapped);
         outcome.features = warm.unwrap_or_else(|| closest::seed::cold(&placed, &mut outcome.work));
         closest::solve(level, &placed, warm.is_some(), outcome);
+        deepen(deep, &placed, outcome);
         outcome.features = outcome.features.swapped();
         core::mem::swap(&mut outcome.point_on_a, &mut outcome.point_on_b);
         let normal = -b_from_a.rotation().tr_mul(&outcome.normal);
@@ -330,6 +344,7 @@ impl Tracker {
         self.starts.learn(warm, &outcome.work);
         self.totals.answered[outcome.layer as usize] += 1;
         self.totals.steps += u64::from(outcome.work.steps);
+        self.totals.depths += u64::from(outcome.work.depths);
         self.last = Some(outcome.features);
     }
 
@@ -343,6 +358,14 @@ impl Tracker {
     #[cfg(not(feature = "exact"))]
     fn decide_within(&self, _: &ConvexPolyhedron, _: &ConvexPolyhedron, _: &RelativePose, _: f64) -> bool {
         true
+    }
+}
+
+/// The depth of an overlap, where it is asked for.
+#[inline(always)]
+fn deepen(deep: bool, placed: &Placed, outcome: &mut Outcome) {
+    if deep && outcome.class == Class::Overlapping {
+        penetration::deepen(placed, outcome);
     }
 }
 

@@ -12,7 +12,7 @@ use lab::pose::radius;
 use lab::rng::Rng;
 use lab::shapes::{self, Shape};
 use lab::{Body, Pose};
-use lin_canny::{Class, ConvexPolyhedron, Outcome, Tracker};
+use lin_canny::{ConvexPolyhedron, Outcome, Tracker};
 
 /// Allowed error in units of L.
 const ERROR: f64 = 1e-14;
@@ -62,13 +62,10 @@ impl Pair {
         assert!(outside <= allowed, "witness {outside:e} outside, {}", told());
         let apart = bound::witness_distance(on_a, &frame.a, on_b, &frame.b);
         assert!(
-            (apart - s.max(0.0)).abs() <= allowed,
+            (apart - s.abs()).abs() <= allowed,
             "witnesses {apart:e} apart, {}",
             told()
         );
-        if o.class != Class::Separated {
-            return;
-        }
         assert!(
             (o.distance - s).abs() <= allowed && o.upper - o.lower <= 1e-13 / ERROR * allowed,
             "{}",

@@ -8,7 +8,7 @@ use std::path::Path;
 use lab::rng::Rng;
 use lab::shapes::{self, Shape};
 use lab::{Exact, Pose, bound, exact};
-use lin_canny::{Class, ConvexPolyhedron, FeaturePair, Outcome, Tracker};
+use lin_canny::{ConvexPolyhedron, FeaturePair, Outcome, Tracker};
 use serde_json::Value;
 use support::{body, class, isometry, pairs, relative};
 
@@ -142,6 +142,14 @@ fn judge(c: &Case, o: &Outcome, unit: f64, exactly: bool, what: &str) {
         };
         assert!((o.distance - d).abs() <= slack, "{what} is not {d:e}");
     }
+    if let (lab::Class::Overlapping, Some(d)) = (c.class, c.distance) {
+        let (d, slack) = (d * unit, 1e-14 * size(c) * unit);
+        assert!((o.distance - d).abs() <= slack, "{what} is not {d:e}");
+        assert!(
+            o.lower <= d.next_up() && o.upper >= d.next_down() && o.upper - o.lower <= 10.0 * slack,
+            "{what} misses {d:e}"
+        );
+    }
 }
 
 fn ask(c: &Case, a: &ConvexPolyhedron, b: &ConvexPolyhedron, poses: (&Pose, &Pose), unit: f64, what: &str) {
@@ -228,9 +236,7 @@ fn moved(c: &Case, a: &ConvexPolyhedron, b: &ConvexPolyhedron) {
     };
     if let Some(d) = truth.filter(|d| d.abs() > slack) {
         assert_eq!(o.class, class(c.class), "{} moved: {o:?}", c.name);
-        if o.class == Class::Separated {
-            assert!((o.distance - d).abs() <= slack, "{} moved: {o:?}, not {d:e}", c.name);
-        }
+        assert!((o.distance - d).abs() <= slack, "{} moved: {o:?}, not {d:e}", c.name);
     }
 }
 

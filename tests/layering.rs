@@ -129,7 +129,7 @@ fn functions_are_short() {
 }
 
 /// What the code of a folder may name of the crate.
-const MAY_USE: [(&str, &[&str]); 6] = [
+const MAY_USE: [(&str, &[&str]); 8] = [
     ("tolerance", &[]),
     ("scalar", &["tolerance"]),
     ("double_double", &["scalar", "tolerance"]),
@@ -146,6 +146,19 @@ const MAY_USE: [(&str, &[&str]); 6] = [
         &[
             "closest",
             "certificate",
+            "polyhedron",
+            "pose",
+            "scalar",
+            "double_double",
+            "tolerance",
+        ],
+    ),
+    // The depth begins where the solvers of `closest` end: with their frames, simplices and supports.
+    (
+        "penetration",
+        &[
+            "penetration",
+            "closest",
             "polyhedron",
             "pose",
             "scalar",

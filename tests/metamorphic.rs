@@ -91,7 +91,9 @@ proptest! {
         for (x, y) in x.iter().zip(&y) {
             agree(x, y, size(&frame))?;
         }
-        prop_assert_eq!(x[1].distance.to_bits(), y[1].distance.to_bits(), "correctly rounded either way");
+        if x[1].class == Class::Separated {
+            prop_assert_eq!(x[1].distance.to_bits(), y[1].distance.to_bits(), "correctly rounded either way");
+        }
     }
 
     #[test]

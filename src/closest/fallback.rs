@@ -90,7 +90,7 @@ fn solve_with<T: Scalar>(
     }
 }
 
-fn corner<T: Scalar>(placed: &Placed, frame: &Frame<T>, a: u32, b: u32) -> Corner<T> {
+pub(crate) fn corner<T: Scalar>(placed: &Placed, frame: &Frame<T>, a: u32, b: u32) -> Corner<T> {
     let p = placed.a.points[a as usize];
     let w = sub(
         &[T::from(p.x), T::from(p.y), T::from(p.z)],
@@ -100,7 +100,7 @@ fn corner<T: Scalar>(placed: &Placed, frame: &Frame<T>, a: u32, b: u32) -> Corne
 }
 
 /// The extreme vertex along `n` in the arithmetic of the solver; the lowest number among equals.
-fn extreme<T: Scalar>(body: &ConvexPolyhedron, n: &Vec3<T>, hint: u32) -> u32 {
+pub(crate) fn extreme<T: Scalar>(body: &ConvexPolyhedron, n: &Vec3<T>, hint: u32) -> u32 {
     let rounded = Vector3::new(n[0].value(), n[1].value(), n[2].value());
     if T::UNIT == UNIT {
         return body.extreme(&rounded, body.higher(&rounded, hint)).vertex;

@@ -21,7 +21,7 @@ pub(crate) mod far;
 mod mutation;
 pub(crate) mod outcome;
 pub(crate) mod placed;
-mod refine;
+pub(crate) mod refine;
 mod rim;
 pub(crate) mod seed;
 pub(crate) mod simplex;

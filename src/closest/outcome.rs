@@ -71,6 +71,10 @@ pub struct Work {
     pub double_doubles: u32,
     /// Exact solves.
     pub exacts: u32,
+    /// Overlaps whose depth was searched for.
+    pub depths: u32,
+    /// Points taken into the surfaces of these searches.
+    pub grown: u32,
 }
 
 impl core::ops::AddAssign for Work {
@@ -82,12 +86,15 @@ impl core::ops::AddAssign for Work {
         self.fallbacks += o.fallbacks;
         self.double_doubles += o.double_doubles;
         self.exacts += o.exacts;
+        self.depths += o.depths;
+        self.grown += o.grown;
     }
 }
 
 /// The closest features of two bodies, with proof.
 ///
-/// The signed distance is positive when apart and minus the penetration depth when overlapping. `lower` and `upper`
+/// The signed distance is positive when apart and minus the penetration depth when overlapping: the length of the least
+/// translation that parts the bodies. `lower` and `upper`
 /// bound it for the placement given, rounding included.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -95,20 +102,20 @@ impl core::ops::AddAssign for Work {
 pub struct Outcome {
     /// Which side of contact.
     pub class: Class,
-    /// The best estimate of the signed distance, between the bounds; zero for an overlap, whose depth is not computed.
+    /// The best estimate of the signed distance, between the bounds; for an overlap, minus the depth.
     pub distance: f64,
-    /// No greater than the signed distance; minus infinity where nothing is known (an overlap).
+    /// No greater than the signed distance; minus infinity where nothing is known.
     pub lower: f64,
     /// No less than the signed distance.
     pub upper: f64,
-    /// The closest features. For an overlap, features that meet or the last ones looked at.
+    /// The closest features; for an overlap, those of the deepest facet: a face and a vertex, or two edges.
     pub features: FeaturePair,
-    /// The witness on A, in A's frame. For an overlap, a point inside both bodies.
+    /// The witness on A, in A's frame; for an overlap, its deepest point in B along the normal.
     pub point_on_a: Point3<f64>,
-    /// The witness on B, in B's frame. For an overlap, the same point in B's frame.
+    /// The witness on B, in B's frame; for an overlap, its deepest point in A, the depth behind the witness on A.
     pub point_on_b: Point3<f64>,
-    /// Unit direction from A to B, in A's frame: the direction of the witnesses and of the proof. For an overlap, a
-    /// direction without meaning.
+    /// Unit direction from A to B, in A's frame: the direction of the witnesses and of the proof. An overlap ends
+    /// where B is moved along it by the depth.
     pub normal: Unit<Vector3<f64>>,
     /// Which layer answered.
     pub layer: Layer,
@@ -144,7 +151,7 @@ pub struct Proposal {
 pub struct Distance {
     /// Which side of contact.
     pub class: Class,
-    /// The best estimate of the signed distance; zero for an overlap.
+    /// The best estimate of the signed distance; for an overlap, minus the depth.
     pub value: f64,
     /// No greater than the signed distance.
     pub lower: f64,

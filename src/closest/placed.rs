@@ -279,6 +279,11 @@ impl<T: Scalar> Frame<T> {
         core::array::from_fn(|k| r[k] + self.translation[k])
     }
 
+    /// A vector of B's stored frame in A's.
+    pub(crate) fn vector(&self, v: &[T; 3]) -> [T; 3] {
+        apply(&self.matrix, v)
+    }
+
     /// The direction of B's stored frame along which points rise as they do along `n` in A's.
     #[inline(always)]
     pub(crate) fn direction(&self, n: &[T; 3]) -> [T; 3] {

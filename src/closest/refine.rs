@@ -143,7 +143,8 @@ fn take<T: Scalar>(placed: &Placed, minimum: &Minimum<T>, outcome: &mut Outcome)
     }
 }
 
-/// Depth and normal of an overlap are not known here; the direction has no meaning, but it is a unit vector.
+/// Depth and normal of an overlap are not known here (they are the work of `penetration`); the direction has no meaning
+/// yet, but it is a unit vector.
 pub(super) fn overlapping(outcome: &mut Outcome) {
     outcome.class = Class::Overlapping;
     outcome.distance = 0.0;
@@ -152,7 +153,7 @@ pub(super) fn overlapping(outcome: &mut Outcome) {
 }
 
 /// The unit vector along `v`; some unit vector where `v` has no direction.
-pub(super) fn unit(v: &Vector3<f64>) -> Unit<Vector3<f64>> {
+pub(crate) fn unit(v: &Vector3<f64>) -> Unit<Vector3<f64>> {
     let largest = v.amax();
     if largest > 0.0 && largest < f64::INFINITY {
         let scaled = v / largest;
@@ -176,13 +177,13 @@ pub(super) fn give_up(placed: &Placed, outcome: &mut Outcome) {
 }
 
 /// `x + by`, rounded away from `x` by the last place, in f64.
-fn outward<T: Scalar>(x: T, by: f64) -> f64 {
+pub(crate) fn outward<T: Scalar>(x: T, by: f64) -> f64 {
     let sum = (x + T::from(by)).value();
     if by < 0.0 { sum.next_down() } else { sum.next_up() }
 }
 
 /// The convex combinations of the corners' vertices, each in its body's stored frame.
-fn witnesses<T: Scalar>(placed: &Placed, simplex: &Simplex<T>) -> (Point3<f64>, Point3<f64>) {
+pub(crate) fn witnesses<T: Scalar>(placed: &Placed, simplex: &Simplex<T>) -> (Point3<f64>, Point3<f64>) {
     let (mut on_a, mut on_b) = ([T::from(0.0); 3], [T::from(0.0); 3]);
     for (c, &w) in simplex.kept().iter().zip(simplex.weights()) {
         let (p, q) = (placed.a.points[c.a as usize], placed.b.points[c.b as usize]);
@@ -207,7 +208,7 @@ pub(super) fn features<T: Scalar>(placed: &Placed, simplex: &Simplex<T>) -> Feat
 }
 
 /// The smallest features that hold one to four vertices of each body.
-pub(super) fn state_of(placed: &Placed, a: &[u32], b: &[u32]) -> FeaturePair {
+pub(crate) fn state_of(placed: &Placed, a: &[u32], b: &[u32]) -> FeaturePair {
     let (fa, fb) = (placed.a.feature_of(a), placed.b.feature_of(b));
     let features = FeaturePair { a: fa, b: fb };
     if fa.dimension() + fb.dimension() <= 2 {
@@ -224,7 +225,7 @@ pub(super) fn state_of(placed: &Placed, a: &[u32], b: &[u32]) -> FeaturePair {
 impl ConvexPolyhedron {
     /// The smallest feature that holds the given vertices (one to four, with repeats); the first vertex where no face
     /// holds them all.
-    fn feature_of(&self, vertices: &[u32]) -> Feature {
+    pub(crate) fn feature_of(&self, vertices: &[u32]) -> Feature {
         let v = vertices[0];
         let Some(&w) = vertices.iter().find(|&&w| w != v) else {
             return Feature::Vertex(VertexId(v));

@@ -151,6 +151,16 @@ impl<T: Scalar> Simplex<T> {
         }
     }
 
+    /// A triangle.
+    pub(crate) fn triangle([p, q, r]: [Corner<T>; 3]) -> Self {
+        let corners = [p, q, r, r];
+        let nearest = Nearest::triangle(&corners, [0, 1, 2]);
+        Self {
+            corners: nearest.ids.map(|k| corners[k as usize]),
+            nearest,
+        }
+    }
+
     /// The nearest point of the hull of these corners and one more; whether it is nearer, or the origin is inside. Where
     /// it is not, nothing is changed.
     pub(crate) fn add(&mut self, c: Corner<T>, size: f64) -> bool {

@@ -1,0 +1,76 @@
+//! How deep two bodies overlap: the least translation that parts them, with proof.
+//!
+//! With P = A - B and h(n) the height of P along the unit vector n, the depth is the least h(n) over all n: the radius of
+//! the largest ball about the origin in P. Any n gives an upper bound. A closed surface of triangles on points of P that
+//! winds about the origin ([`surface`]) gives a lower one, the least distance of a triangle. Grown at the nearest triangle
+//! until both agree, it proves the depth globally; what is open goes from f64 to double-double, and what stays open there is
+//! returned as bounds.
+//!
+//! Source: van den Bergen 2001, "Proximity queries and penetration depth computation on 3D game objects", the expanding
+//! polytope algorithm. Departures:
+//! 1. The proof is the winding number, kept by every step, not convexity: a surface that rounding has folded costs time
+//!    and never the answer.
+//! 2. The bound of a triangle is the least of three heights along one unit vector, for which any will do (its normal, the
+//!    direction of its nearest point, the normal of the best facet): slivers weaken a bound and falsify none.
+//! 3. Heights are taken along the normals of the bodies' own features ([`facet`]), not of rounded points.
+//! 4. Where the first tetrahedron has the origin on its border (lattices, concentric and equal bodies), the surface is grown
+//!    about a point beside the origin until the ball about that point holds the origin too.
+
+mod facet;
+mod search;
+mod surface;
+
+use crate::closest::outcome::Outcome;
+use crate::closest::placed::{Frame, Placed};
+use crate::closest::refine::{outward, state_of, unit, witnesses};
+use crate::double_double::DoubleDouble;
+use crate::scalar::Scalar;
+use crate::tolerance::{CERTIFICATE, SHIFTS};
+use nalgebra::Vector3;
+use search::{End, Found, search};
+
+/// How many of the shifts are worth a try in f64: those well above its rounding.
+const SHIFTS_PLAIN: usize = 3;
+
+/// Depth, normal, witnesses and features of bodies of which it is proven that they overlap.
+#[cold]
+pub(crate) fn deepen(placed: &Placed, outcome: &mut Outcome) {
+    outcome.work.depths += 1;
+    outcome.lower = f64::NEG_INFINITY;
+    let plain = search(placed, &Frame::of(placed), outcome.features, &SHIFTS[..SHIFTS_PLAIN]);
+    if let Some(found) = &plain {
+        take(placed, found, outcome);
+        if found.end != End::Stuck {
+            return;
+        }
+    }
+    outcome.work.double_doubles += 1;
+    let Some(frame) = Frame::<DoubleDouble>::new(placed.a, placed.b, placed.pose) else {
+        return;
+    };
+    if let Some(found) = search(placed, &frame, outcome.features, &SHIFTS) {
+        take(placed, &found, outcome);
+    }
+}
+
+/// Takes over what was found, where its bounds are the narrower.
+fn take<T: Scalar>(placed: &Placed, found: &Found<T>, outcome: &mut Outcome) {
+    let term = CERTIFICATE * T::UNIT * placed.reach::<T>();
+    outcome.work.grown += found.grown;
+    let lower = -outward(found.height, term);
+    let upper = (-outward(found.radius, -term)).min(0.0);
+    if outcome.lower.is_finite() && !(upper - lower < outcome.upper - outcome.lower) {
+        return;
+    }
+    (outcome.lower, outcome.upper) = (lower.min(0.0), upper.max(lower.min(0.0)));
+    outcome.distance = (-found.height.value()).clamp(outcome.lower, outcome.upper);
+    let n = &found.normal;
+    outcome.normal = unit(&Vector3::new(n[0].value(), n[1].value(), n[2].value()));
+    if let Some(deepest) = &found.deepest {
+        (outcome.point_on_a, outcome.point_on_b) = witnesses(placed, deepest);
+    }
+    outcome.features = found.features.unwrap_or_else(|| {
+        let (a, b) = (found.corners.map(|c| c.a), found.corners.map(|c| c.b));
+        state_of(placed, &a, &b)
+    });
+}

@@ -1,0 +1,325 @@
+//! The search for the deepest facet: a surface grown at its nearest triangle until that is known to lie on the border.
+
+use crate::closest::fallback::{Minimum, corner, extreme, solve};
+use crate::closest::placed::{Frame, Placed};
+use crate::closest::simplex::{Corner, Simplex};
+use crate::polyhedron::FeaturePair;
+use crate::scalar::{Scalar, Vec3, dot, neg};
+use crate::tolerance::{AGREE_DEPTH, ALMOST_FLAT, ASIDE, CERTIFICATE, PLATEAU, UNIT};
+
+use super::facet::normals;
+use super::surface::{Filter, Surface, at, unit};
+
+/// Points that may come twice before a surface counts as folded.
+const REPEATS: u32 = 16;
+
+/// Why a search ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum End {
+    /// Both bounds agree.
+    Closed,
+    /// Rounding hides what to do next.
+    Stuck,
+    /// The surface has as many triangles as it may.
+    Full,
+}
+
+/// What a search proves and where it ended.
+pub(super) struct Found<T> {
+    pub(super) end: End,
+    /// The best unit direction and the height of the difference along it.
+    pub(super) normal: Vec3<T>,
+    pub(super) height: T,
+    /// No point outside the difference is nearer to the origin; zero where nothing is known.
+    pub(super) radius: T,
+    /// The triangle that holds the deepest point, and that point.
+    pub(super) corners: [Corner<T>; 3],
+    pub(super) deepest: Option<Simplex<T>>,
+    pub(super) features: Option<FeaturePair>,
+    /// Points the surface took in.
+    pub(super) grown: u32,
+}
+
+/// A direction, its height, and the features it comes from.
+#[derive(Clone, Copy)]
+struct Best<T> {
+    normal: Vec3<T>,
+    height: T,
+    features: Option<FeaturePair>,
+}
+
+struct Search<'a, T> {
+    placed: &'a Placed<'a>,
+    frame: Frame<T>,
+    surface: Surface<T>,
+    filter: Filter<T>,
+    best: Option<Best<T>>,
+    size: T,
+    grown: u32,
+    repeats: u32,
+}
+
+/// Searches from the features of an overlap, about the origin or, one after the other, points shifted off it. The best that
+/// was found where none closes.
+pub(super) fn search<T: Scalar>(
+    placed: &Placed,
+    frame: &Frame<T>,
+    from: FeaturePair,
+    shifts: &[f64],
+) -> Option<Found<T>> {
+    let mut found: Option<Found<T>> = None;
+    for &shift in shifts {
+        let now = match Search::about(placed, frame, from, shift) {
+            Ok(mut search) => search.run(frame, shift),
+            Err(found) => found,
+        };
+        let (grown, end) = (now.grown + found.as_ref().map_or(0, |f| f.grown), now.end);
+        let better = found
+            .as_ref()
+            .is_none_or(|f| now.height - now.radius < f.height - f.radius);
+        if better {
+            found = Some(now);
+        }
+        if let Some(f) = &mut found {
+            f.grown = grown;
+        }
+        if end != End::Stuck {
+            break;
+        }
+    }
+    found
+}
+
+/// What a solver knows of an origin that it cannot tell from the border: a direction and its height.
+fn flat<T: Scalar>(placed: &Placed, frame: &Frame<T>, simplex: &Simplex<T>, toward: &Vec3<T>) -> Found<T> {
+    let zero = T::from(0.0);
+    let n = unit(&neg(toward));
+    let is_unit = dot(&n, &n).value() > 0.5;
+    let normal = if is_unit { n } else { [T::from(1.0), zero, zero] };
+    let hint = simplex.kept()[0];
+    let height = dot(&normal, &highest(placed, frame, &normal, &hint).w);
+    Found {
+        end: End::Stuck,
+        normal,
+        height,
+        radius: zero,
+        corners: core::array::from_fn(|k| simplex.kept()[k.min(simplex.len() - 1)]),
+        // No point of the border, but one that both bodies nearly share.
+        deepest: (simplex.reach() <= T::from(AGREE_DEPTH) * T::from(placed.reach::<T>())).then_some(*simplex),
+        features: None,
+        grown: 0,
+    }
+}
+
+/// The highest point of the difference along a direction.
+fn highest<T: Scalar>(placed: &Placed, frame: &Frame<T>, n: &Vec3<T>, hint: &Corner<T>) -> Corner<T> {
+    let a = extreme(placed.a, n, hint.a);
+    let b = extreme(placed.b, &neg(&frame.direction(n)), hint.b);
+    corner(placed, frame, a, b)
+}
+
+impl<'a, T: Scalar> Search<'a, T> {
+    /// From the tetrahedron that proves a point beside the origin inside; without one, what the solver found instead:
+    /// of a point outside, a direction along which the origin is not deeper than the shift.
+    fn about(placed: &'a Placed<'a>, frame: &Frame<T>, from: FeaturePair, shift: f64) -> Result<Self, Found<T>> {
+        let size = placed.reach::<T>();
+        let mut shifted = *frame;
+        for (t, aside) in shifted.translation.iter_mut().zip(ASIDE) {
+            *t = *t + T::from(aside * shift * size);
+        }
+        let simplex = match solve(placed, &shifted, from) {
+            Minimum::Inside { simplex } => simplex,
+            Minimum::Outside { simplex, direction, .. } => return Err(flat(placed, frame, &simplex, &direction)),
+        };
+        let Some(surface) = Surface::tetrahedron(simplex.kept()) else {
+            return Err(flat(placed, frame, &simplex, &simplex.direction()));
+        };
+        let term = CERTIFICATE * T::UNIT * size;
+        Ok(Self {
+            placed,
+            frame: shifted,
+            surface,
+            filter: Filter {
+                margin: T::from(2.0 * term),
+                noise: T::from(PLATEAU / UNIT * T::UNIT * size),
+            },
+            best: None,
+            size: T::from(size),
+            grown: 0,
+            repeats: 0,
+        })
+    }
+
+    /// Grows until the ball about the shifted point holds the origin, then about the origin.
+    fn run(&mut self, frame: &Frame<T>, shift: f64) -> Found<T> {
+        if shift != 0.0 {
+            // ASIDE is no longer than one.
+            let reached = self.grow(Some(
+                T::from(shift.abs()) * self.size + self.filter.margin + self.filter.margin,
+            ));
+            self.frame = *frame;
+            let placed = self.placed;
+            self.surface.place(|c| corner(placed, frame, c.a, c.b));
+            self.best = None;
+            if !reached {
+                return self.end(End::Stuck, false);
+            }
+        }
+        let end = if self.grow(None) || self.is_good() {
+            End::Closed
+        } else if self.is_full() {
+            End::Full
+        } else {
+            End::Stuck
+        };
+        self.end(end, true)
+    }
+
+    /// Whether the bounds agree as well as they have to, though they might do better in a finer arithmetic.
+    fn is_good(&mut self) -> bool {
+        let weakest = self.surface.weakest();
+        weakest.is_some_and(|t| self.agrees(self.surface.triangles[t as usize].bound, UNIT))
+    }
+
+    fn is_full(&self) -> bool {
+        let vertices = self.placed.a.points.len() + self.placed.b.points.len();
+        self.surface.triangles.len() > 64 * vertices + 1024
+    }
+
+    /// Grows the surface: whether every triangle came to be beyond `goal` or, without one, the bounds agree.
+    fn grow(&mut self, goal: Option<T>) -> bool {
+        while !self.is_full() {
+            let Some(t) = self.surface.weakest() else { return false };
+            let bound = self.surface.triangles[t as usize].bound;
+            if goal.is_some_and(|goal| bound > goal) {
+                return true;
+            }
+            if self.best.is_some_and(|b| self.surface.raise(t, &b.normal)) {
+                continue;
+            }
+            // Comparisons are written so that NaN ends the search.
+            if !(bound > self.filter.margin) {
+                return false;
+            }
+            let direction = self.surface.triangles[t as usize].direction;
+            let top = self.probe(t, &direction, None);
+            let gain = dot(&direction, &top.w) - bound;
+            if gain < T::from(ALMOST_FLAT) * self.size && self.probe_facets(t) {
+                continue;
+            }
+            if self.agrees(bound, T::UNIT) {
+                return goal.is_none();
+            }
+            let top = self.in_sight(t, top);
+            if !(gain > T::from(0.0)) || !self.is_worth(&top) {
+                return false;
+            }
+            self.grown += 1;
+            self.surface.insert(t, top, &self.filter);
+        }
+        false
+    }
+
+    /// A point outside the plane of a triangle, so that the surface stays convex: the one found or, where that was along a
+    /// direction from elsewhere and is not, the highest along the normal.
+    fn in_sight(&mut self, t: u32, top: Corner<T>) -> Corner<T> {
+        if self.surface.sees(t, &top.w, &self.filter) {
+            return top;
+        }
+        let outward = self.surface.triangles[t as usize].outward;
+        if !(dot(&outward, &outward).value() > 0.5) {
+            return top;
+        }
+        let other = self.probe(t, &outward, None);
+        if self.surface.sees(t, &other.w, &self.filter) {
+            other
+        } else {
+            top
+        }
+    }
+
+    /// Whether the height of the best direction is as low as the bound, to the rounding of an arithmetic.
+    fn agrees(&self, bound: T, rounding: f64) -> bool {
+        let open = T::from(AGREE_DEPTH / UNIT * rounding) * self.size;
+        self.best.is_some_and(|b| b.height - bound <= open)
+    }
+
+    /// Counts points that are there already.
+    fn is_worth(&mut self, c: &Corner<T>) -> bool {
+        if self.surface.points.iter().any(|p| (p.a, p.b) == (c.a, c.b)) {
+            self.repeats += 1;
+        }
+        self.repeats < REPEATS
+    }
+
+    /// The highest point of the difference along a unit direction; the direction is kept if it is the best.
+    fn probe(&mut self, t: u32, n: &Vec3<T>, features: Option<FeaturePair>) -> Corner<T> {
+        let top = highest(self.placed, &self.frame, n, &self.surface.corners(t)[0]);
+        let height = dot(n, &top.w);
+        // No direction has no height; NaN is no better than anything.
+        if dot(n, n).value() > 0.5 && self.best.is_none_or(|b| height < b.height) {
+            self.best = Some(Best {
+                normal: *n,
+                height,
+                features,
+            });
+        }
+        top
+    }
+
+    /// Tries the normals of the facets that the triangle may lie in; whether one of them raises its bound.
+    fn probe_facets(&mut self, t: u32) -> bool {
+        let corners = self.surface.corners(t);
+        let mut raised = false;
+        for (n, features) in normals(self.placed, &self.frame, &corners).iter().flatten() {
+            self.probe(t, n, Some(*features));
+            raised |= self.surface.raise(t, n);
+        }
+        raised
+    }
+
+    /// What is known; `winds` if the surface is about the origin.
+    fn end(&mut self, end: End, winds: bool) -> Found<T> {
+        let zero = T::from(0.0);
+        let weakest = self.surface.weakest().unwrap_or(0);
+        let bound = self.surface.triangles[weakest as usize].bound;
+        if self.best.is_none() {
+            let direction = self.surface.triangles[weakest as usize].direction;
+            self.probe(weakest, &direction, None);
+        }
+        let best = self.best.unwrap_or(Best {
+            normal: [T::from(1.0), zero, zero],
+            height: T::from(f64::INFINITY),
+            features: None,
+        });
+        let (corners, deepest) = self.deepest(&best, weakest);
+        Found {
+            end,
+            normal: best.normal,
+            height: best.height,
+            radius: if winds && bound > zero { bound } else { zero },
+            corners,
+            deepest: Some(deepest),
+            features: best.features,
+            grown: self.grown,
+        }
+    }
+
+    /// The point of the surface nearest to the foot of the origin on the best plane. The surface meets the ray along
+    /// the normal between both bounds, so where they agree it is there.
+    fn deepest(&self, best: &Best<T>, weakest: u32) -> ([Corner<T>; 3], Simplex<T>) {
+        let target = at(&best.normal, best.height);
+        let close = T::from(AGREE_DEPTH) * self.size;
+        let (mut simplex, mut off) = self.surface.nearest(weakest, &target);
+        let mut corners = self.surface.corners(weakest);
+        if off > close {
+            for t in self.surface.alive() {
+                let (s, o) = self.surface.nearest(t, &target);
+                if o < off {
+                    (simplex, off, corners) = (s, o, self.surface.corners(t));
+                }
+            }
+        }
+        (corners, simplex)
+    }
+}

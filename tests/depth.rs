@@ -1,0 +1,213 @@
+//! Promise: bodies that overlap get the depth, proven: the least translation that parts them, along the normal.
+
+mod world;
+
+use lab::exact;
+use lab::motion::{self, Frame};
+use lab::pose::{norm, radius, scale, sub};
+use lab::rng::Rng;
+use lab::shapes::{self, Shape};
+use lab::{Body, Pose};
+use lin_canny::{Class, ConvexPolyhedron, Outcome, Tracker};
+
+fn both(a: Pose, b: Pose) -> Frame {
+    Frame { a, b }
+}
+
+fn closest(a: &ConvexPolyhedron, b: &ConvexPolyhedron, frame: &Frame) -> Outcome {
+    Tracker::new().closest(a, b, &world::relative(frame))
+}
+
+/// Bounds, normal and witnesses of an overlap, by themselves: pushed along the normal by the greater bound of the depth
+/// the bodies are apart, by a little less than the depth they are not.
+fn judge(a: &ConvexPolyhedron, b: &ConvexPolyhedron, frame: &Frame, what: &str) -> Outcome {
+    let o = closest(a, b, frame);
+    let size = world::size(a, b, frame);
+    let told = format!("{what}: {o:?} {frame:?}");
+    assert_eq!(o.class, Class::Overlapping, "{told}");
+    assert!(
+        o.lower <= o.distance && o.distance <= o.upper && o.upper <= 0.0,
+        "{told}"
+    );
+    assert!(o.upper - o.lower <= 1e-13 * size, "{told}");
+    let n: [f64; 3] = frame.a.rotate(o.normal.into_inner().into());
+    let pushed = |by: f64| {
+        let t = sub(frame.b.t, scale(n, -by));
+        let b_moved = Pose { q: frame.b.q, t };
+        closest(a, b, &both(frame.a, b_moved)).distance
+    };
+    // Below this the rounding of the pushed pose decides.
+    if -o.distance > 1e-10 * size {
+        assert!(pushed(-o.lower * (1.0 + 1e-12)) >= -1e-14 * size, "{told}");
+        assert!(pushed(-0.999 * o.distance) < 0.0, "{told}");
+    }
+    let (p, q) = (o.point_on_a.coords.into(), o.point_on_b.coords.into());
+    let between = sub(frame.b.apply(q), frame.a.apply(p));
+    let along = scale(n, o.distance);
+    assert!(norm(sub(between, along)) <= 1e-12 * size, "{told}");
+    for (body, point) in [(a, o.point_on_a), (b, o.point_on_b)] {
+        let near = body.closest_point(&point).unwrap_or(point);
+        assert!((near - point).norm() <= 1e-12 * size, "{told}");
+    }
+    assert!(world::are_of(o.features, a, b), "{told}");
+    o
+}
+
+/// The same with the letters exchanged, and both depths alike.
+fn judge_both(a: &ConvexPolyhedron, b: &ConvexPolyhedron, frame: &Frame, what: &str) -> f64 {
+    let there = judge(a, b, frame, what);
+    let back = judge(b, a, &frame.swapped(), what);
+    let slack = 1e-14 * world::size(a, b, frame);
+    assert!(
+        (there.distance - back.distance).abs() <= slack,
+        "{what}: {there:?} {back:?}"
+    );
+    there.distance
+}
+
+/// Poses at which ties and zero volumes abound.
+fn hard_poses(rng: &mut Rng, radii: (f64, f64)) -> Vec<Frame> {
+    let turned = Pose {
+        q: rng.quat(),
+        t: scale(rng.unit(), 3.0),
+    };
+    let spun = Pose {
+        q: rng.quat(),
+        t: turned.t,
+    };
+    let near = |by: f64, rng: &mut Rng| Pose {
+        q: turned.q,
+        t: sub(turned.t, scale(rng.unit(), by)),
+    };
+    let shift = [rng.int(-1, 1) as f64 * 0.5, rng.int(-1, 1) as f64 * 0.5, 0.0];
+    vec![
+        both(Pose::IDENTITY, Pose::IDENTITY),
+        both(turned, turned),
+        both(turned, spun),
+        both(turned, near(1e-9, rng)),
+        both(turned, near(0.1 * (radii.0 + radii.1), rng)),
+        both(Pose::IDENTITY, Pose::shift(shift)),
+    ]
+}
+
+#[test]
+fn hard_poses_of_small_bodies_are_exact() {
+    let mut rng = Rng::new(501);
+    let mut judged = 0;
+    while judged < 400 {
+        let a = shapes::small(&mut rng);
+        let b = if rng.chance(0.3) {
+            a.clone()
+        } else if rng.chance(0.3) {
+            a.clone().stretched([0.5; 3])
+        } else {
+            shapes::small(&mut rng)
+        };
+        let (body_a, body_b) = (world::body(&a), world::body(&b));
+        for frame in hard_poses(&mut rng, (radius(&a.points), radius(&b.points))) {
+            let truth = exact::solve(Body::from(&a), &frame.a, Body::from(&b), &frame.b);
+            if truth.class != lab::Class::Overlapping {
+                continue;
+            }
+            let d = judge_both(&body_a, &body_b, &frame, &a.name);
+            let slack = 1e-14 * world::size(&body_a, &body_b, &frame);
+            assert!(
+                (d - truth.distance).abs() <= slack,
+                "{d:e}, not {:e}: {a:?} {b:?} {frame:?}",
+                truth.distance
+            );
+            judged += 1;
+        }
+    }
+}
+
+#[test]
+fn larger_bodies_are_certified() {
+    let mut rng = Rng::new(502);
+    let bodies: Vec<(Shape, ConvexPolyhedron)> = [
+        shapes::icosphere(2),
+        shapes::sphere(&mut rng, 200),
+        shapes::ellipsoid(&mut rng, 120, [1.0, 0.6, 0.1]),
+        shapes::cone(128, 1.0, 0.4),
+        shapes::prism(64, 1.0, 0.3),
+        shapes::grid(4),
+        shapes::chamfered([1.0, 0.7, 0.5], 1e-9),
+        shapes::dome(6, 1e-6),
+        shapes::sliver(&mut rng, 40, 1e-6),
+    ]
+    .into_iter()
+    .map(|s| (s.clone(), world::body(&s)))
+    .collect();
+    let mut judged = 0;
+    for (sa, a) in &bodies {
+        for (sb, b) in &bodies {
+            for frame in hard_poses(&mut rng, (radius(&sa.points), radius(&sb.points))) {
+                if closest(a, b, &frame).class == Class::Overlapping {
+                    judge_both(a, b, &frame, &format!("{} {}", sa.name, sb.name));
+                    judged += 1;
+                }
+            }
+        }
+    }
+    assert!(judged > 200, "{judged}");
+}
+
+/// The signed distance changes no faster than the bodies move, on both sides of contact and across it.
+#[test]
+fn motions_through_contact_are_continuous() {
+    let mut rng = Rng::new(503);
+    let mut classes = [0; 4];
+    for k in 0..60 {
+        let n = 4 + rng.below(60);
+        let (a, b) = match k % 3 {
+            0 => (shapes::cube(), shapes::sphere(&mut rng, n)),
+            1 => (shapes::icosphere(1), shapes::icosphere(1)),
+            _ => (shapes::small(&mut rng), shapes::small(&mut rng)),
+        };
+        let (ra, rb) = (radius(&a.points), radius(&b.points));
+        let (a, b) = (world::body(&a), world::body(&b));
+        let miss = rng.range(0.0, 0.5);
+        let frames = motion::pass_through(&mut rng, 80, (ra, rb), miss);
+        let mut pair = Tracker::new();
+        let mut last: Option<(Frame, Outcome)> = None;
+        for frame in frames {
+            let o = pair.closest(&a, &b, &world::relative(&frame));
+            classes[o.class as usize] += 1;
+            if let Some((before, old)) = last {
+                let moved = |p: &Pose, q: &Pose, r: f64| {
+                    let turn = [0, 1, 2].map(|k| {
+                        let mut e = [0.0; 3];
+                        e[k] = r;
+                        norm(sub(p.rotate(e), q.rotate(e)))
+                    });
+                    norm(sub(p.t, q.t)) + turn.iter().sum::<f64>()
+                };
+                let most = moved(&before.a, &frame.a, ra) + moved(&before.b, &frame.b, rb);
+                let slack = 1e-14 * world::size(&a, &b, &frame);
+                assert!(
+                    (o.distance - old.distance).abs() <= most + slack,
+                    "{old:?}\n{o:?}\n{frame:?} {most:e}"
+                );
+            }
+            last = Some((frame, o));
+        }
+    }
+    assert!(classes[0] > 500 && classes[2] > 500, "{classes:?}");
+}
+
+/// Who asks for less does not pay.
+#[test]
+fn a_depth_is_searched_for_on_request_only() {
+    let cube = world::body(&shapes::cube());
+    let mut pair = Tracker::new();
+    for k in 0..20 {
+        let pose = world::shifted([0.1 * f64::from(k), 0.3, 0.2]);
+        assert!(pair.intersects(&cube, &cube, &pose));
+        assert!(pair.within(&cube, &cube, &pose, 0.1));
+        assert!(pair.propose(&cube, &cube, &pose).work.depths == 0);
+    }
+    assert_eq!(pair.totals().depths, 0);
+    let o = pair.closest(&cube, &cube, &world::shifted([1.5, 0.3, 0.2]));
+    assert_eq!((o.work.depths, pair.totals().depths), (1, 1));
+    assert_eq!((o.distance, o.normal.into_inner().into()), (-0.5, [1.0, 0.0, 0.0]));
+}
