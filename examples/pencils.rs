@@ -1,7 +1,7 @@
 //! Draws the columns, the sweep and the pairs of a small scene: `cargo run --example pencils -- pencils.svg`.
 //!
-//! Left: the columns seen end on, as the sweep sees them, shaded by how many bodies they list. Right: one column from
-//! the side with its boxes in sorted order, each with its window from start to end; pairs are joined by lines.
+//! Above: the columns seen from the side, shaded by how many bodies they list, and the pairs. Below: the busiest column,
+//! its boxes in sorted order, each from start to end; pairs are joined by lines.
 
 use lab::boxes::{Kind, Scene};
 use lin_canny::broad::{Body, BodyId, BroadPhase, Pencil, PencilSweep, StoredBox};

@@ -108,7 +108,7 @@
 //!   distances agree within their bounds. Among exact ties features may follow history. A tracker of other bodies is
 //!   allowed.
 //! * There is no absolute tolerance: a scene scaled by a power of two gives the answer scaled bit for bit, but where the
-//!   scale puts the sizes of two bodies on both sides of 2^40, 2^-40 or another border between units of storage: there
+//!   scale puts the sizes of two bodies on both sides of 2^105, 2^-105 or another border between units of storage: there
 //!   class and bounds agree.
 //! * Bodies are [`Send`] and [`Sync`] and never change; a tracker belongs to one pair at a time and owns no body.
 //! * A body's extent lies between 1e-100 and 1e100; one body may be any number of times larger than the other.
@@ -124,6 +124,7 @@
 //! | `std` | yes | square roots by the machine, `std::error::Error` everywhere; without it the crate is `no_std` with `alloc` |
 //! | `exact` | yes | the rung of exact integers (crate `dashu-int`) behind the filters |
 //! | `serde` | no | bodies, poses, trackers, ids and answers in files |
+//! | `parallel` | no | threads in the broad phase, the same answers bit for bit |
 //!
 //! # Reading the source
 //!
@@ -137,6 +138,7 @@
 //! 6. `penetration`: how deep bodies overlap, by a surface around the origin of their difference.
 //! 7. `tracker`: what a caller keeps, and which solver to ask.
 //! 8. `soundness`, `replay`: what debug builds check of every answer, and the text of a query that fails.
+//! 9. [`broad`]: boxes and ids alone, for many bodies; it knows nothing of the others.
 //!
 //! # From the thesis
 //!
@@ -147,7 +149,7 @@
 //! |---|---|
 //! | chapter 3, incremental distance computation | `closest`, [`polyhedron`], [`Tracker`] |
 //! | chapter 4, non-convex and curved bodies | not yet |
-//! | chapter 5, many moving bodies | not yet |
+//! | chapter 5, many moving bodies | [`broad`]; scheduling not yet |
 //! | chapter 6, path planning | not yet |
 //!
 //! Departures:

@@ -174,7 +174,7 @@ impl RelativePose {
     }
 
     /// Translation of `a_from_b`.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn translation(&self) -> Vector3<f64> {
         self.turned_to_a(self.offset())
     }
@@ -195,7 +195,7 @@ impl RelativePose {
 
     /// Rotation of `a_from_b`: the matrix of `conj(qa) qb`, divided by its squared norm. The norms are within 1e-12 of
     /// one, so `2 - n` is `1 / n` to 1e-24.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn rotation(&self) -> Matrix3<f64> {
         relative_rotation(
             &self.a.q,
@@ -205,7 +205,7 @@ impl RelativePose {
     }
 }
 
-#[inline]
+#[inline(always)]
 fn relative_rotation(qa: &[f64; 4], qb: &[f64; 4], s: f64) -> Matrix3<f64> {
     let ([ax, ay, az, aw], [bx, by, bz, bw]) = (*qa, *qb);
     let w = aw * bw + ax * bx + ay * by + az * bz;
@@ -216,7 +216,7 @@ fn relative_rotation(qa: &[f64; 4], qb: &[f64; 4], s: f64) -> Matrix3<f64> {
 }
 
 /// The matrix that turns by `q`, for `s = 2 / |q|^2`.
-#[inline]
+#[inline(always)]
 pub(crate) fn rotation_matrix(q: &[f64; 4], s: f64) -> Matrix3<f64> {
     let [x, y, z, w] = *q;
     let (xs, ys, zs) = (x * s, y * s, z * s);

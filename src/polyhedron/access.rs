@@ -157,10 +157,12 @@ impl ConvexPolyhedron {
         Point3::from(stored * self.unit() + self.origin)
     }
 
+    #[inline]
     pub(crate) fn has_edge(&self, edge: EdgeId) -> bool {
         edge.index() < self.topology.half_edge_count() && self.topology.edge(edge.0) == edge.0
     }
 
+    #[inline]
     pub(crate) fn has_face(&self, face: FaceId) -> bool {
         face.index() < self.face_count()
     }

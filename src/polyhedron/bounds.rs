@@ -1,6 +1,6 @@
 //! Boxes of a placed body, for a broad phase.
 //!
-//! Small bodies are scanned, eight vertices at a time in `f32`; of larger ones the six extreme vertices are kept by the
+//! Small bodies are scanned, four vertices at a time in `f32`; of larger ones the six extreme vertices are kept by the
 //! caller and climbed from (Cohen, Lin, Manocha and Ponamgi 1995, section 4.2, the dynamic box). Both are rounded outward
 //! by a bound of all their rounding, so the box holds the body as placed: at most `1e-6 r` too large on a side when
 //! scanned, `1e-14 (r + |t|)` when climbed.
@@ -8,7 +8,7 @@
 use alloc::vec::Vec;
 
 use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
-use wide::f32x8;
+use wide::f32x4;
 
 use super::ConvexPolyhedron;
 use crate::pose::rotation_matrix;
@@ -24,9 +24,9 @@ const SCANNED: usize = 64;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct BoxHint([u32; 6]);
 
-/// Vertex coordinates in `f32`, axis by axis, eight by eight; the last group repeats a vertex.
+/// Vertex coordinates in `f32`, axis by axis, four by four; the last group repeats a vertex.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Scan(Vec<[f32x8; 3]>);
+pub(crate) struct Scan(Vec<[f32x4; 3]>);
 
 impl Scan {
     /// Of a body small enough to be scanned; empty for others.
@@ -35,9 +35,9 @@ impl Scan {
             return Self::default();
         }
         let group = |g: &[Vector3<f64>]| {
-            [0, 1, 2].map(|axis| f32x8::new(core::array::from_fn(|k| g[k.min(g.len() - 1)][axis] as f32)))
+            [0, 1, 2].map(|axis| f32x4::new(core::array::from_fn(|k| g[k.min(g.len() - 1)][axis] as f32)))
         };
-        Self(points.chunks(8).map(group).collect())
+        Self(points.chunks(4).map(group).collect())
     }
 
     /// Bytes on the heap.
@@ -48,10 +48,10 @@ impl Scan {
     /// Least and greatest coordinates of the turned vertices, not yet rounded outward.
     #[inline]
     fn span(&self, matrix: &Matrix3<f64>) -> (Vector3<f64>, Vector3<f64>) {
-        let rows: [[f32x8; 3]; 3] =
-            core::array::from_fn(|r| core::array::from_fn(|c| f32x8::splat(matrix[(r, c)] as f32)));
-        let mut low = [f32x8::splat(f32::INFINITY); 3];
-        let mut high = [f32x8::splat(f32::NEG_INFINITY); 3];
+        let rows: [[f32x4; 3]; 3] =
+            core::array::from_fn(|r| core::array::from_fn(|c| f32x4::splat(matrix[(r, c)] as f32)));
+        let mut low = [f32x4::splat(f32::INFINITY); 3];
+        let mut high = [f32x4::splat(f32::NEG_INFINITY); 3];
         for [x, y, z] in &self.0 {
             for k in 0..3 {
                 let [a, b, c] = rows[k];
@@ -68,12 +68,11 @@ impl Scan {
     }
 }
 
-/// The least of eight numbers, in three rounds; without the care for NaN that `f32::min` takes.
+/// The least of four numbers; without the care for NaN that `f32::min` takes.
 #[inline(always)]
-fn least(v: [f32; 8]) -> f32 {
+fn least(v: [f32; 4]) -> f32 {
     let min = |a: f32, b: f32| if a < b { a } else { b };
-    let four = [min(v[0], v[4]), min(v[1], v[5]), min(v[2], v[6]), min(v[3], v[7])];
-    min(min(four[0], four[2]), min(four[1], four[3]))
+    min(min(v[0], v[1]), min(v[2], v[3]))
 }
 
 impl ConvexPolyhedron {
@@ -85,8 +84,15 @@ impl ConvexPolyhedron {
     pub fn aabb_at(&self, pose: &Isometry3<f64>, hint: &mut BoxHint) -> (Point3<f64>, Point3<f64>) {
         let matrix = matrix(pose);
         let unit = self.unit();
-        let center = matrix * self.origin + pose.translation.vector;
-        let far = (matrix.abs() * self.origin.abs() + pose.translation.vector.abs()) * BOX;
+        let t = pose.translation.vector;
+        let (center, far) = if self.as_given {
+            (t, t.abs() * BOX)
+        } else {
+            (
+                matrix * self.origin + t,
+                (matrix.abs() * self.origin.abs() + t.abs()) * BOX,
+            )
+        };
         let (low, high, error) = if self.scan.0.is_empty() {
             let (low, high) = self.climbed_span(&matrix, hint);
             (low, high, BOX * self.radius)
