@@ -178,8 +178,8 @@ impl Tracker {
 
     /// The closest features, their witnesses and bounds of the distance, certified: separated bodies get bounds no
     /// wider than `1e-13 L`, with `L` the sum of both radii and the distance of the bodies. Overlapping bodies get
-    /// their depth as a negative distance, bounded as well. Allocates nothing for bodies apart as long as the exact rung
-    /// is not needed; the search for a depth allocates.
+    /// their depth as a negative distance, bounded as well. Allocates nothing for bodies apart, now and in the query
+    /// before, as long as the exact rung is not needed; the search for a depth allocates.
     #[inline]
     pub fn closest(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Outcome {
         let before = self.before(a, b);

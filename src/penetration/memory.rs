@@ -55,6 +55,7 @@ impl Memory {
         self.points.clear();
         self.triangles.clear();
         self.facet = None;
+        self.built = 0;
     }
 
     /// Whether there is nothing to begin with.
