@@ -148,7 +148,7 @@ fn answer(
 
 /// Which layer answered how many cases of each family: separated and not.
 #[derive(Default)]
-struct Layers(HashMap<String, [[u64; 6]; 2]>);
+struct Layers(HashMap<String, [[u64; 7]; 2]>);
 
 impl Layers {
     fn count(&mut self, family: &str, class: Class, layer: usize) {
@@ -160,11 +160,11 @@ impl Layers {
         let mut families: Vec<_> = self.0.iter().collect();
         families.sort();
         eprintln!(
-            "{:<16} {:>5} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9}",
-            "family", "", "walk", "restart", "fallback", "dd", "exact", "far"
+            "{:<16} {:>5} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9}",
+            "family", "", "walk", "restart", "fallback", "dd", "exact", "far", "surface"
         );
-        let mut sums = [[0; 6]; 2];
-        let line = |name: &str, kind: &str, row: &[u64; 6]| {
+        let mut sums = [[0; 7]; 2];
+        let line = |name: &str, kind: &str, row: &[u64; 7]| {
             let cells: String = row.iter().map(|n| format!(" {n:>9}")).collect();
             eprintln!("{name:<16} {kind:>5}{cells}");
         };

@@ -112,8 +112,8 @@
 //!   class and bounds agree.
 //! * Bodies are [`Send`] and [`Sync`] and never change; a tracker belongs to one pair at a time and owns no body.
 //! * A body's extent lies between 1e-100 and 1e100; one body may be any number of times larger than the other.
-//! * The depth of an overlap is found anew in every query, which takes microseconds, for round bodies of thousands of faces
-//!   about one centre milliseconds. Should its bounds stay open (none has been seen to, but for overlaps below `1e-17 L`, where
+//! * The depth of an overlap is tracked: a microsecond for small motions, more where bodies lie deep or turn far, and milliseconds for
+//!   round bodies of thousands of faces about one centre. Should its bounds stay open (none has been seen to, but for overlaps below `1e-17 L`, where
 //!   the lower one may be all there is), they are returned as they are.
 //! * Contact manifolds, times of impact, scenes of many bodies, non-convex or curved bodies are not there yet.
 //!

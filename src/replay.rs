@@ -12,6 +12,8 @@
 //! pose A 0000000000000000 ... (seven numbers: quaternion x y z w, translation)    # the same in decimal
 //! pose B ...
 //! start v3 e12                              or: start cold
+//! facet v3 f5                               only after an overlap: its deepest facet, and the surface kept: the count it was
+//! surface 2 3-5 0-1 2-2 0 1 2 1 1 1 ...     built with, vertices of A and B, three corners and neighbours a triangle
 //! ```
 //!
 //! Numbers are the bits of an f64 in hexadecimal. What follows `#` and empty lines are passed over.
@@ -23,6 +25,7 @@ use core::str::FromStr;
 use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion};
 
 use crate::closest::outcome::Level;
+use crate::penetration::Memory;
 use crate::polyhedron::{BuildError, ConvexPolyhedron, EdgeId, FaceId, Feature, FeaturePair, VertexId};
 use crate::pose::{PoseError, RelativePose, Which};
 
@@ -55,6 +58,8 @@ pub struct Replay {
     pub pose: RelativePose,
     /// The features the tracker held; `None` for a cold start.
     pub start: Option<FeaturePair>,
+    /// The surface of an overlap that the tracker held.
+    pub(crate) surface: Memory,
     /// The level asked for.
     pub level: Level,
 }
@@ -120,9 +125,18 @@ impl fmt::Display for Replay {
             numbers(f, word, &[x, y, z, w, tx, ty, tz])?;
         }
         match self.start {
-            Some(pair) => writeln!(f, "start {} {}", pair.a, pair.b),
-            None => writeln!(f, "start cold"),
+            Some(pair) => writeln!(f, "start {} {}", pair.a, pair.b)?,
+            None => writeln!(f, "start cold")?,
         }
+        let Some(facet) = self.surface.facet else { return Ok(()) };
+        write!(f, "facet {} {}\nsurface {}", facet.a, facet.b, self.surface.built)?;
+        self.surface
+            .points
+            .iter()
+            .try_for_each(|[a, b]| write!(f, " {a}-{b}"))?;
+        let mut triangles = self.surface.triangles.iter().flatten();
+        triangles.try_for_each(|k| write!(f, " {k}"))?;
+        writeln!(f)
     }
 }
 
@@ -162,6 +176,7 @@ impl FromStr for Replay {
                 Some(pair)
             }
         };
+        let surface = lines.surface()?;
         match lines.take() {
             Some((line, _)) => Err(expected(line, "the end")),
             None => Ok(Self {
@@ -169,6 +184,7 @@ impl FromStr for Replay {
                 b,
                 pose,
                 start,
+                surface,
                 level,
             }),
         }
@@ -227,6 +243,35 @@ impl<'a> Lines<'a> {
             }
         }
         ConvexPolyhedron::rebuilt(&points, &side).map_err(|error| ReplayError::Body { which, error })
+    }
+
+    /// The two lines of an overlap, where they are. Whether they are a surface is seen when it is used.
+    fn surface(&mut self) -> Result<Memory, ReplayError> {
+        if !self.peek().is_some_and(|(_, l)| l.starts_with("facet")) {
+            return Ok(Memory::default());
+        }
+        let (line, text) = self.word("facet", "a facet")?;
+        let facet = Some(features(text).ok_or(expected(line, "two features, as v3 f5"))?);
+        let (line, text) = self.word("surface", "a surface")?;
+        let wrong = || expected(line, "pairs of vertices, and six numbers a triangle");
+        let number = |w: &str| w.parse::<u32>().map_err(|_| wrong());
+        let (mut points, mut rest) = (Vec::new(), Vec::new());
+        for word in text.split_whitespace() {
+            match word.split_once('-') {
+                Some((a, b)) => points.push([number(a)?, number(b)?]),
+                None => rest.push(number(word)?),
+            }
+        }
+        let (built, rest) = rest.split_first().ok_or_else(wrong)?;
+        let (triangles, []) = rest.as_chunks::<6>() else {
+            return Err(wrong());
+        };
+        Ok(Memory {
+            points,
+            triangles: triangles.to_vec(),
+            facet,
+            built: *built,
+        })
     }
 
     fn pose(&mut self, word: &str) -> Result<Isometry3<f64>, ReplayError> {

@@ -66,6 +66,10 @@ pub const VOLUME: f64 = 512.0;
 /// rounding of both is a few UNIT L each (see [`CERTIFICATE`]), and what is left must stay below `1e-14 L`, 90 UNIT.
 pub const AGREE_DEPTH: f64 = 16.0 * UNIT;
 
+/// A triangle `w0 w1 w2` of the Minkowski difference is counter-clockwise from outside, certainly, where every `n . w` exceeds this
+/// times `|e1| |e2| L`, `n = e1 x e2` rounded: the edges err by UNIT, the cross product by 2.5 UNIT more, and the dot by 3.
+pub const ORIENTATION: f64 = 16.0 * UNIT;
+
 /// A triangle of the Minkowski difference that its support exceeds by less than this times L, `2^-16`, may lie in the border:
 /// the normals of the bodies' features are tried. Not a matter of soundness.
 pub const ALMOST_FLAT: f64 = 1.0 / 65_536.0;

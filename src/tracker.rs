@@ -8,7 +8,7 @@ use crate::closest::outcome::{Class, Distance, Layer, Level, Outcome, Proposal, 
 use crate::closest::placed::Placed;
 use crate::closest::trace::trace;
 use crate::closest::{self, far};
-use crate::penetration;
+use crate::penetration::{self, Memory};
 use crate::polyhedron::{ConvexPolyhedron, FeaturePair, power_of_two};
 use crate::pose::{RelativePose, Which};
 use crate::replay::Replay;
@@ -40,6 +40,9 @@ pub struct Tracker {
     last: Option<FeaturePair>,
     starts: Starts,
     totals: Totals,
+    /// The surface of the last answer, where that was an overlap.
+    #[cfg_attr(feature = "serde", serde(default))]
+    memory: Memory,
 }
 
 /// What the two ways to start have cost lately, in steps of the walk: which of them a query takes.
@@ -96,7 +99,7 @@ pub struct Totals {
     /// Of these, how many started from the features of the answer before.
     pub warm: u64,
     /// Queries by the layer that answered, in the order of [`Layer`].
-    pub answered: [u64; 6],
+    pub answered: [u64; 7],
     /// Feature pairs looked at.
     pub steps: u64,
     /// Overlaps whose depth was searched for.
@@ -134,6 +137,7 @@ impl Tracker {
             last: features.is_of(a, b).then(|| features.to_stand_on(a, b)),
             starts: Starts::default(),
             totals: Totals::default(),
+            memory: Memory::default(),
         }
     }
 
@@ -159,7 +163,7 @@ impl Tracker {
 
     /// The query as a text that rebuilds it bit for bit: ask for it before the query, or the start is the answer's.
     pub fn replay(&self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose, level: Level) -> Replay {
-        replay(a, b, a_from_b, self.start(a, b), level)
+        replay(a, b, a_from_b, (self.start(a, b), self.memory.clone()), level)
     }
 
     /// What has been done so far.
@@ -174,13 +178,13 @@ impl Tracker {
 
     /// The closest features, their witnesses and bounds of the distance, certified: separated bodies get bounds no
     /// wider than `1e-13 L`, with `L` the sum of both radii and the distance of the bodies. Overlapping bodies get
-    /// their depth as a negative distance, bounded as well. Allocates nothing for bodies apart as long as the exact rung
-    /// is not needed; the search for a depth allocates.
+    /// their depth as a negative distance, bounded as well. Allocates nothing for bodies apart, now and in the query
+    /// before, as long as the exact rung is not needed; the search for a depth allocates.
     #[inline]
     pub fn closest(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Outcome {
-        let before = self.start(a, b);
+        let before = self.before(a, b);
         let outcome = self.answer(a, b, a_from_b, Level::Certified, true);
-        debug_check(a, b, a_from_b, before, Level::Certified, &outcome);
+        debug_check(a, b, a_from_b, &before, Level::Certified, &outcome);
         outcome
     }
 
@@ -188,13 +192,13 @@ impl Tracker {
     /// truth. Costs microseconds: every answer is taken again in double-double arithmetic, some in exact integers.
     #[cfg(feature = "exact")]
     pub fn closest_exact(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Outcome {
-        let before = self.start(a, b);
+        let before = self.before(a, b);
         let mut outcome = self.answer(a, b, a_from_b, Level::Exact, true);
         // The second: a distance that only f64 in the caller's own unit can hold.
         if outcome.layer == Layer::Far || outcome.class == Class::Separated && outcome.lower <= 0.0 {
             outcome = far::exactly(a, b, a_from_b, outcome);
         }
-        debug_check(a, b, a_from_b, before, Level::Exact, &outcome);
+        debug_check(a, b, a_from_b, &before, Level::Exact, &outcome);
         outcome
     }
 
@@ -280,10 +284,13 @@ impl Tracker {
             // In the units of B, which are the larger.
             self.solve_in_units_of_b(a, b, a_from_b, (level, deep), outcome);
         } else if let Ok(placed) = Placed::new(a, b, a_from_b) {
+            if deep && !self.memory.is_empty() && self.resume(&placed, outcome) {
+                return;
+            }
             let warm = self.start(a, b);
             outcome.features = warm.unwrap_or_else(|| closest::seed::cold(&placed, &mut outcome.work));
             closest::solve(level, &placed, warm.is_some(), outcome);
-            deepen(deep, &placed, outcome);
+            self.deepen(deep, &placed, outcome);
             self.count(warm.is_some(), outcome);
             if !(a.as_given && b.as_given) {
                 give_back(a, b, outcome);
@@ -291,6 +298,34 @@ impl Tracker {
         } else {
             self.solve_far(a, b, a_from_b, outcome);
         }
+    }
+
+    /// The depth of an overlap, where it is asked for.
+    #[inline(always)]
+    fn deepen(&mut self, deep: bool, placed: &Placed, outcome: &mut Outcome) {
+        if deep && outcome.class == Class::Overlapping {
+            penetration::deepen(placed, &mut self.memory, outcome);
+        }
+    }
+
+    /// The answer from the surface of the last one. What is no longer of use is forgotten.
+    #[inline(never)]
+    fn resume(&mut self, placed: &Placed, outcome: &mut Outcome) -> bool {
+        let first = *outcome;
+        if !penetration::resume(placed, &mut self.memory, outcome) {
+            self.memory.clear();
+            *outcome = first;
+            return false;
+        }
+        self.totals.queries += 1;
+        self.totals.warm += 1;
+        self.totals.depths += u64::from(outcome.work.depths);
+        self.totals.answered[outcome.layer as usize] += 1;
+        self.last = Some(outcome.features);
+        if !(placed.a.as_given && placed.b.as_given) {
+            give_back(placed.a, placed.b, outcome);
+        }
+        true
     }
 
     #[cold]
@@ -309,7 +344,9 @@ impl Tracker {
         let warm = self.start(a, b).map(FeaturePair::swapped);
         outcome.features = warm.unwrap_or_else(|| closest::seed::cold(&placed, &mut outcome.work));
         closest::solve(level, &placed, warm.is_some(), outcome);
-        deepen(deep, &placed, outcome);
+        self.deepen(deep, &placed, outcome);
+        // Its names are those of the bodies exchanged.
+        self.memory.clear();
         outcome.features = outcome.features.swapped();
         core::mem::swap(&mut outcome.point_on_a, &mut outcome.point_on_b);
         let normal = -b_from_a.rotation().tr_mul(&outcome.normal);
@@ -337,6 +374,16 @@ impl Tracker {
         self.last.filter(|pair| self.starts.prefer_warm() && pair.is_of(a, b))
     }
 
+    /// What a fault is reported with, in builds that look for one.
+    #[inline(always)]
+    fn before(&self, a: &ConvexPolyhedron, b: &ConvexPolyhedron) -> (Option<FeaturePair>, Memory) {
+        if cfg!(debug_assertions) {
+            (self.start(a, b), self.memory.clone())
+        } else {
+            (None, Memory::default())
+        }
+    }
+
     #[inline(always)]
     fn count(&mut self, warm: bool, outcome: &Outcome) {
         self.totals.queries += 1;
@@ -361,19 +408,11 @@ impl Tracker {
     }
 }
 
-/// The depth of an overlap, where it is asked for.
-#[inline(always)]
-fn deepen(deep: bool, placed: &Placed, outcome: &mut Outcome) {
-    if deep && outcome.class == Class::Overlapping {
-        penetration::deepen(placed, outcome);
-    }
-}
-
 fn replay(
     a: &ConvexPolyhedron,
     b: &ConvexPolyhedron,
     pose: &RelativePose,
-    start: Option<FeaturePair>,
+    (start, surface): (Option<FeaturePair>, Memory),
     level: Level,
 ) -> Replay {
     Replay {
@@ -381,6 +420,7 @@ fn replay(
         b: b.clone(),
         pose: *pose,
         start,
+        surface,
         level,
     }
 }
@@ -391,14 +431,14 @@ fn debug_check(
     a: &ConvexPolyhedron,
     b: &ConvexPolyhedron,
     pose: &RelativePose,
-    before: Option<FeaturePair>,
+    before: &(Option<FeaturePair>, Memory),
     level: Level,
     outcome: &Outcome,
 ) {
     if cfg!(debug_assertions)
         && let Some(fault) = crate::soundness::fault(a, b, pose, outcome)
     {
-        panic!("{fault}: {outcome:?}\n{}", replay(a, b, pose, before, level));
+        panic!("{fault}: {outcome:?}\n{}", replay(a, b, pose, before.clone(), level));
     }
 }
 
@@ -406,7 +446,10 @@ impl Replay {
     /// A tracker that starts where the recorded one did.
     pub fn tracker(&self) -> Tracker {
         let start = self.start.map(|pair| Tracker::starting_from(pair, &self.a, &self.b));
-        start.unwrap_or_default()
+        Tracker {
+            memory: self.surface.clone(),
+            ..start.unwrap_or_default()
+        }
     }
 }
 

@@ -8,16 +8,18 @@
 use nalgebra::Vector3;
 
 use crate::polyhedron::ConvexPolyhedron;
+use crate::tolerance::UNIT;
 
 /// The face by which the ray from the body's centre to `x` leaves it, if `x` is above it by more than `least`.
 #[cold]
 pub(crate) fn seen_face(body: &ConvexPolyhedron, x: &Vector3<f64>, least: f64) -> Option<u32> {
     let (t, center) = (&body.topology, body.center());
     let way = x - center;
-    // The depth of the centre is zero for flat bodies; then the side `x` is on decides.
+    // The depth of the centre is zero for flat bodies; then the side `x` is on decides. What stands for zero scales with the body.
+    let zero = UNIT * UNIT * body.radius;
     let reach = |f: u32| {
         let plane = &body.planes[f as usize];
-        plane.normal.dot(&way) / (plane.offset - plane.normal.dot(&center)).max(f64::MIN_POSITIVE)
+        plane.normal.dot(&way) / (plane.offset - plane.normal.dot(&center)).max(zero)
     };
     let near = body.climb_cold(&way);
     let mut best = t.half_edge(t.fan(near).next()?).face;

@@ -50,6 +50,8 @@ pub enum Layer {
     Exact,
     /// Bodies so far apart that only their separation counts.
     Far,
+    /// The surface around the origin of the bodies' difference, kept from the answer before: overlap and depth at once.
+    Surface,
 }
 
 /// Work done by one query, or summed over many.

@@ -23,28 +23,37 @@ pub(super) fn normals<T: Scalar>(
     let (on_a, on_b) = (corners.map(|c| c.a), corners.map(|c| c.b));
     let (fa, fb) = (placed.a.feature_of(&on_a), placed.b.feature_of(&on_b));
     let of_a = match fa {
-        Feature::Face(f) => Some((
-            unit(&face(placed.a, f.0)),
-            FeaturePair::vertex_face(Which::B, on_b[0], f.0),
-        )),
+        Feature::Face(f) => Some(FeaturePair::vertex_face(Which::B, on_b[0], f.0)),
         _ => None,
     };
     let of_b = match fb {
-        Feature::Face(f) => Some((
-            unit(&neg(&frame.vector(&face(placed.b, f.0)))),
-            FeaturePair::vertex_face(Which::A, on_a[0], f.0),
-        )),
+        Feature::Face(f) => Some(FeaturePair::vertex_face(Which::A, on_a[0], f.0)),
         _ => None,
     };
     let of_edges = match (fa, fb) {
-        (Feature::Edge(e), Feature::Edge(f)) => {
-            let n = unit(&cross(&edge(placed.a, e.0), &unit(&frame.vector(&edge(placed.b, f.0)))));
-            let out = dot(&n, &corners[0].w) > T::from(0.0);
-            Some((if out { n } else { neg(&n) }, FeaturePair::edges(Which::A, e.0, f.0)))
-        }
+        (Feature::Edge(e), Feature::Edge(f)) => Some(FeaturePair::edges(Which::A, e.0, f.0)),
         _ => None,
     };
-    [of_a, of_b, of_edges]
+    [of_a, of_b, of_edges].map(|facet| facet.and_then(|f| Some((normal_of(placed, frame, f, &corners[0])?, f))))
+}
+
+/// The normal of a facet that is known by its features, `on` a point of it.
+pub(super) fn normal_of<T: Scalar>(
+    placed: &Placed,
+    frame: &Frame<T>,
+    facet: FeaturePair,
+    on: &Corner<T>,
+) -> Option<Vec3<T>> {
+    let n = match (facet.a, facet.b) {
+        (Feature::Face(f), _) => unit(&face(placed.a, f.0)),
+        (_, Feature::Face(f)) => unit(&neg(&frame.vector(&face(placed.b, f.0)))),
+        (Feature::Edge(e), Feature::Edge(f)) => {
+            let n = unit(&cross(&edge(placed.a, e.0), &unit(&frame.vector(&edge(placed.b, f.0)))));
+            if dot(&n, &on.w) > T::from(0.0) { n } else { neg(&n) }
+        }
+        _ => return None,
+    };
+    (dot(&n, &n).value() > 0.5).then_some(n)
 }
 
 /// The stored normal of a face.

@@ -13,10 +13,12 @@
 //! 2. The bound of a triangle is the least of three heights along one unit vector, for which any will do (its normal, the
 //!    direction of its nearest point, the normal of the best facet): slivers weaken a bound and falsify none.
 //! 3. Heights are taken along the normals of the bodies' own features ([`facet`]), not of rounded points.
-//! 4. Where the first tetrahedron has the origin on its border (lattices, concentric and equal bodies), the surface is grown
+//! 4. A tracker keeps the surface by its vertex pairs, and the next search begins with it ([`memory`]).
+//! 5. Where the first tetrahedron has the origin on its border (lattices, concentric and equal bodies), the surface is grown
 //!    about a point beside the origin until the ball about that point holds the origin too.
 
 mod facet;
+mod memory;
 mod search;
 mod surface;
 
@@ -29,18 +31,24 @@ use crate::tolerance::{CERTIFICATE, SHIFTS};
 use nalgebra::Vector3;
 use search::{End, Found, search};
 
+pub(crate) use memory::{Memory, resume};
+
 /// How many of the shifts are worth a try in f64: those well above its rounding.
 const SHIFTS_PLAIN: usize = 3;
 
 /// Depth, normal, witnesses and features of bodies of which it is proven that they overlap.
 #[cold]
-pub(crate) fn deepen(placed: &Placed, outcome: &mut Outcome) {
+pub(crate) fn deepen(placed: &Placed, memory: &mut Memory, outcome: &mut Outcome) {
+    memory.clear();
     outcome.work.depths += 1;
     outcome.lower = f64::NEG_INFINITY;
     let plain = search(placed, &Frame::of(placed), outcome.features, &SHIFTS[..SHIFTS_PLAIN]);
-    if let Some(found) = &plain {
+    if let Some((found, surface)) = &plain {
         take(placed, found, outcome);
         if found.end != End::Stuck {
+            if let (End::Closed, Some(surface)) = (found.end, surface) {
+                memory.keep(surface, outcome.features, None);
+            }
             return;
         }
     }
@@ -48,7 +56,7 @@ pub(crate) fn deepen(placed: &Placed, outcome: &mut Outcome) {
     let Some(frame) = Frame::<DoubleDouble>::new(placed.a, placed.b, placed.pose) else {
         return;
     };
-    if let Some(found) = search(placed, &frame, outcome.features, &SHIFTS) {
+    if let Some((found, _)) = search(placed, &frame, outcome.features, &SHIFTS) {
         take(placed, &found, outcome);
     }
 }

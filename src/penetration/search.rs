@@ -42,16 +42,17 @@ pub(super) struct Found<T> {
 
 /// A direction, its height, and the features it comes from.
 #[derive(Clone, Copy)]
-struct Best<T> {
-    normal: Vec3<T>,
-    height: T,
-    features: Option<FeaturePair>,
+pub(super) struct Best<T> {
+    pub(super) normal: Vec3<T>,
+    pub(super) height: T,
+    pub(super) features: Option<FeaturePair>,
 }
 
-struct Search<'a, T> {
+/// A surface on its way to the deepest facet.
+pub(super) struct Search<'a, T> {
     placed: &'a Placed<'a>,
     frame: Frame<T>,
-    surface: Surface<T>,
+    pub(super) surface: Surface<T>,
     filter: Filter<T>,
     best: Option<Best<T>>,
     size: T,
@@ -66,28 +67,24 @@ pub(super) fn search<T: Scalar>(
     frame: &Frame<T>,
     from: FeaturePair,
     shifts: &[f64],
-) -> Option<Found<T>> {
-    let mut found: Option<Found<T>> = None;
+) -> Option<(Found<T>, Option<Surface<T>>)> {
+    let mut found: Option<(Found<T>, Option<Surface<T>>)> = None;
+    let mut grown = 0;
     for &shift in shifts {
         let now = match Search::about(placed, frame, from, shift) {
-            Ok(mut search) => search.run(frame, shift),
-            Err(found) => found,
+            Ok(mut search) => (search.run(frame, shift), Some(search.surface)),
+            Err(found) => (found, None),
         };
-        let (grown, end) = (now.grown + found.as_ref().map_or(0, |f| f.grown), now.end);
-        let better = found
-            .as_ref()
-            .is_none_or(|f| now.height - now.radius < f.height - f.radius);
-        if better {
+        grown += now.0.grown;
+        let (end, open) = (now.0.end, now.0.height - now.0.radius);
+        if found.as_ref().is_none_or(|(f, _)| open < f.height - f.radius) {
             found = Some(now);
-        }
-        if let Some(f) = &mut found {
-            f.grown = grown;
         }
         if end != End::Stuck {
             break;
         }
     }
-    found
+    found.map(|(f, surface)| (Found { grown, ..f }, surface))
 }
 
 /// What a solver knows of an origin that it cannot tell from the border: a direction and its height.
@@ -112,7 +109,7 @@ fn flat<T: Scalar>(placed: &Placed, frame: &Frame<T>, simplex: &Simplex<T>, towa
 }
 
 /// The highest point of the difference along a direction.
-fn highest<T: Scalar>(placed: &Placed, frame: &Frame<T>, n: &Vec3<T>, hint: &Corner<T>) -> Corner<T> {
+pub(super) fn highest<T: Scalar>(placed: &Placed, frame: &Frame<T>, n: &Vec3<T>, hint: &Corner<T>) -> Corner<T> {
     let a = extreme(placed.a, n, hint.a);
     let b = extreme(placed.b, &neg(&frame.direction(n)), hint.b);
     corner(placed, frame, a, b)
@@ -134,24 +131,41 @@ impl<'a, T: Scalar> Search<'a, T> {
         let Some(surface) = Surface::tetrahedron(simplex.kept()) else {
             return Err(flat(placed, frame, &simplex, &simplex.direction()));
         };
-        let term = CERTIFICATE * T::UNIT * size;
-        Ok(Self {
+        Ok(Self::new(placed, &shifted, surface, None))
+    }
+
+    fn new(placed: &'a Placed<'a>, frame: &Frame<T>, surface: Surface<T>, best: Option<Best<T>>) -> Self {
+        let size = placed.reach::<T>();
+        Self {
             placed,
-            frame: shifted,
+            frame: *frame,
             surface,
             filter: Filter {
-                margin: T::from(2.0 * term),
+                margin: T::from(2.0 * CERTIFICATE * T::UNIT * size),
                 noise: T::from(PLATEAU / UNIT * T::UNIT * size),
             },
-            best: None,
+            best,
             size: T::from(size),
             grown: 0,
             repeats: 0,
-        })
+        }
+    }
+
+    /// From a surface that is about the origin, and a direction.
+    pub(super) fn resumed(placed: &'a Placed<'a>, frame: &Frame<T>, surface: Surface<T>, best: Best<T>) -> Self {
+        Self::new(placed, frame, surface, Some(best))
+    }
+
+    /// Of a surface of which every triangle is known to be beyond `radius`, as far as the best direction.
+    pub(super) fn stands(&mut self, radius: T) -> Found<T> {
+        Found {
+            radius,
+            ..self.end(End::Closed, true)
+        }
     }
 
     /// Grows until the ball about the shifted point holds the origin, then about the origin.
-    fn run(&mut self, frame: &Frame<T>, shift: f64) -> Found<T> {
+    pub(super) fn run(&mut self, frame: &Frame<T>, shift: f64) -> Found<T> {
         if shift != 0.0 {
             // ASIDE is no longer than one.
             let reached = self.grow(Some(
@@ -310,16 +324,21 @@ impl<'a, T: Scalar> Search<'a, T> {
     fn deepest(&self, best: &Best<T>, weakest: u32) -> ([Corner<T>; 3], Simplex<T>) {
         let target = at(&best.normal, best.height);
         let close = T::from(AGREE_DEPTH) * self.size;
-        let (mut simplex, mut off) = self.surface.nearest(weakest, &target);
-        let mut corners = self.surface.corners(weakest);
-        if off > close {
-            for t in self.surface.alive() {
-                let (s, o) = self.surface.nearest(t, &target);
-                if o < off {
-                    (simplex, off, corners) = (s, o, self.surface.corners(t));
-                }
+        let plane = best.height - close;
+        let in_plane = |t: &u32| self.surface.height(*t, &best.normal) >= plane;
+        let (mut corners, mut found) = (self.surface.corners(weakest), None);
+        let flat = self.surface.alive().filter(in_plane);
+        for t in flat.chain(self.surface.alive()) {
+            let (simplex, off) = self.surface.nearest(t, &target);
+            if found.as_ref().is_none_or(|(_, least)| off < *least) {
+                corners = self.surface.corners(t);
+                found = Some((simplex, off));
+            }
+            if off <= close {
+                break;
             }
         }
+        let simplex = found.map_or_else(|| self.surface.nearest(weakest, &target).0, |(s, _)| s);
         (corners, simplex)
     }
 }

@@ -30,6 +30,22 @@ pub(super) struct Triangle<T> {
     flood: u32,
 }
 
+impl<T: Scalar> Triangle<T> {
+    /// Not measured yet.
+    fn new(corners: [u32; 3], beside: [u32; 3]) -> Self {
+        Self {
+            corners,
+            beside,
+            outward: [T::from(0.0); 3],
+            level: T::from(0.0),
+            direction: [T::from(0.0); 3],
+            bound: T::from(0.0),
+            alive: true,
+            flood: 0,
+        }
+    }
+}
+
 /// A triangle in the queue; out of date where its bound has changed since.
 struct Entry {
     bound: f64,
@@ -138,6 +154,46 @@ impl<T: Scalar> Surface<T> {
         Some(surface)
     }
 
+    /// A surface that was kept, its points placed again; with `queued`, ready to grow.
+    pub(super) fn named(points: Vec<Corner<T>>, triangles: &[[u32; 6]], queued: bool) -> Self {
+        let mut surface = Self {
+            points,
+            triangles: Vec::with_capacity(triangles.len()),
+            queue: BinaryHeap::new(),
+            floods: 0,
+        };
+        for &[p, q, r, x, y, z] in triangles {
+            if queued {
+                surface.push([p, q, r], [x, y, z]);
+            } else {
+                surface.triangles.push(Triangle::new([p, q, r], [x, y, z]));
+            }
+        }
+        surface
+    }
+
+    /// The names of the points in use, and the triangles that are part of the surface, numbered anew.
+    pub(super) fn names(&self, points: &mut Vec<[u32; 2]>, triangles: &mut Vec<[u32; 6]>) {
+        let mut number = alloc::vec![u32::MAX; self.triangles.len()];
+        for (k, t) in self.alive().enumerate() {
+            number[t as usize] = k as u32;
+        }
+        let mut place = alloc::vec![u32::MAX; self.points.len()];
+        for t in self.alive().map(|t| &self.triangles[t as usize]) {
+            for &c in &t.corners {
+                if place[c as usize] == u32::MAX {
+                    place[c as usize] = points.len() as u32;
+                    points.push([self.points[c as usize].a, self.points[c as usize].b]);
+                }
+            }
+            let ([p, q, r], [x, y, z]) = (
+                t.corners.map(|c| place[c as usize]),
+                t.beside.map(|n| number[n as usize]),
+            );
+            triangles.push([p, q, r, x, y, z]);
+        }
+    }
+
     /// Where the corners of a triangle are.
     fn places(&self, corners: &[u32; 3]) -> [Vec3<T>; 3] {
         corners.map(|c| self.points[c as usize].w)
@@ -157,16 +213,7 @@ impl<T: Scalar> Surface<T> {
     }
 
     fn push(&mut self, corners: [u32; 3], beside: [u32; 3]) {
-        let mut triangle = Triangle {
-            corners,
-            beside,
-            outward: [T::from(0.0); 3],
-            level: T::from(0.0),
-            direction: [T::from(0.0); 3],
-            bound: T::from(0.0),
-            alive: true,
-            flood: 0,
-        };
+        let mut triangle = Triangle::new(corners, beside);
         self.measure(&mut triangle);
         self.queue.push(Entry {
             bound: triangle.bound.value(),
@@ -209,6 +256,11 @@ impl<T: Scalar> Surface<T> {
                 self.triangles[k] = t;
             }
         }
+    }
+
+    /// How high the lowest corner of a triangle is along a direction.
+    pub(super) fn height(&self, triangle: u32, n: &Vec3<T>) -> T {
+        least(n, &self.places(&self.triangles[triangle as usize].corners))
     }
 
     /// The triangle of the least bound.
