@@ -8,7 +8,7 @@ use lab::pose::{norm, radius, scale, sub};
 use lab::rng::Rng;
 use lab::shapes::{self, Shape};
 use lab::{Body, Pose};
-use lin_canny::{Class, ConvexPolyhedron, Outcome, Tracker};
+use lin_canny::{Class, ConvexPolyhedron, Layer, Outcome, Replay, Tracker};
 
 fn both(a: Pose, b: Pose) -> Frame {
     Frame { a, b }
@@ -31,11 +31,7 @@ fn judge(a: &ConvexPolyhedron, b: &ConvexPolyhedron, frame: &Frame, what: &str) 
     );
     assert!(o.upper - o.lower <= 1e-13 * size, "{told}");
     let n: [f64; 3] = frame.a.rotate(o.normal.into_inner().into());
-    let pushed = |by: f64| {
-        let t = sub(frame.b.t, scale(n, -by));
-        let b_moved = Pose { q: frame.b.q, t };
-        closest(a, b, &both(frame.a, b_moved)).distance
-    };
+    let pushed = |by: f64| closest(a, b, &pushed(frame, &o, by)).distance;
     // Below this the rounding of the pushed pose decides.
     if -o.distance > 1e-10 * size {
         assert!(pushed(-o.lower * (1.0 + 1e-12)) >= -1e-14 * size, "{told}");
@@ -210,4 +206,83 @@ fn a_depth_is_searched_for_on_request_only() {
     let o = pair.closest(&cube, &cube, &world::shifted([1.5, 0.3, 0.2]));
     assert_eq!((o.work.depths, pair.totals().depths), (1, 1));
     assert_eq!((o.distance, o.normal.into_inner().into()), (-0.5, [1.0, 0.0, 0.0]));
+}
+
+/// A kept surface changes what an answer costs, not the answer; and its replay is the query bit for bit.
+#[test]
+fn warm_and_cold_agree_and_come_back() {
+    let mut rng = Rng::new(504);
+    let (mut frames, mut kept, mut work) = (0, 0, [0; 2]);
+    for k in 0..40 {
+        let n = 8 + rng.below(60);
+        let (a, b) = match k % 4 {
+            0 => (shapes::cube(), shapes::cube()),
+            1 => (shapes::sphere(&mut rng, n), shapes::sphere(&mut rng, n)),
+            2 => (shapes::prism(24, 1.0, 0.4), shapes::icosphere(2)),
+            _ => (shapes::small(&mut rng), shapes::small(&mut rng)),
+        };
+        let (ra, rb) = (radius(&a.points), radius(&b.points));
+        let (a, b) = (world::body(&a), world::body(&b));
+        let mut pair = Tracker::new();
+        for frame in motion::pass_through(&mut rng, 200, (ra, rb), 0.3) {
+            let pose = world::relative(&frame);
+            let replay = pair.replay(&a, &b, &pose, lin_canny::Level::Certified);
+            let (warm, cold) = (pair.closest(&a, &b, &pose), closest(&a, &b, &frame));
+            assert_eq!(warm.class, cold.class, "{warm:?} {cold:?}");
+            if warm.class != Class::Overlapping {
+                continue;
+            }
+            frames += 1;
+            kept += u32::from(warm.layer == Layer::Surface);
+            work[0] += warm.work.grown;
+            work[1] += cold.work.grown;
+            let size = world::size(&a, &b, &frame);
+            assert!(
+                (warm.distance - cold.distance).abs() <= 1e-14 * size && warm.upper - warm.lower <= 1e-13 * size,
+                "{warm:?} {cold:?}"
+            );
+            assert!(warm.lower <= cold.upper && cold.lower <= warm.upper);
+            let along = |o: &Outcome| closest(&a, &b, &pushed(&frame, o, -o.lower * (1.0 + 1e-12))).distance;
+            assert!(along(&warm) >= -1e-13 * size, "{warm:?}");
+            if frames % 10 == 0 {
+                let again: Replay = replay.to_string().parse().expect("a replay");
+                assert_eq!(again, replay);
+                assert_eq!(again.tracker().closest(&again.a, &again.b, &again.pose), warm);
+            }
+        }
+    }
+    assert!(kept * 4 > frames * 3, "{kept} of {frames} kept");
+    assert!(work[0] * 3 < work[1], "{work:?}");
+}
+
+/// B moved along the normal of an answer.
+fn pushed(frame: &Frame, o: &Outcome, by: f64) -> Frame {
+    let n: [f64; 3] = frame.a.rotate(o.normal.into_inner().into());
+    let t = sub(frame.b.t, scale(n, -by));
+    both(frame.a, Pose { q: frame.b.q, t })
+}
+
+/// The surface of other bodies is of no use and does no harm.
+#[test]
+fn a_foreign_surface_does_no_harm() {
+    let mut rng = Rng::new(505);
+    let shapes = [
+        shapes::cube(),
+        shapes::icosphere(1),
+        shapes::tetrahedron(),
+        shapes::prism(9, 1.0, 0.2),
+    ];
+    let bodies = shapes.map(|s| world::body(&s));
+    let mut pair = Tracker::new();
+    for _ in 0..2000 {
+        let (a, b) = (rng.pick(&bodies), rng.pick(&bodies));
+        let at = Pose {
+            q: rng.quat(),
+            t: scale(rng.unit(), rng.range(0.0, 2.0)),
+        };
+        let frame = both(Pose::IDENTITY, at);
+        let (o, cold) = (pair.closest(a, b, &world::relative(&frame)), closest(a, b, &frame));
+        assert_eq!(o.class, cold.class);
+        assert!((o.distance - cold.distance).abs() <= 1e-14 * world::size(a, b, &frame));
+    }
 }

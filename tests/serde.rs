@@ -111,3 +111,31 @@ fn damaged_files_are_refused() {
         assert!(o.lower <= wanted.upper && wanted.lower <= o.upper, "{features}: {o:?}");
     }
 }
+
+/// The surface of an overlap is input too: one that is none is dropped.
+#[test]
+fn a_damaged_surface_does_no_harm() {
+    let (a, b, _) = query();
+    let pose =
+        RelativePose::from_isometry(&lin_canny::nalgebra::Isometry3::translation(0.01, 0.02, 0.03)).expect("a pose");
+    let mut t = Tracker::new();
+    let wanted = t.closest(&a, &b, &pose);
+    assert_eq!(wanted.class, Class::Overlapping);
+    let known = round_trip(&t);
+    let known = serde_json::to_value(&known).expect("serialises");
+    let triangles = known["memory"]["triangles"].as_array().expect("a list").len();
+    assert!(triangles > 3);
+    for k in 0..triangles {
+        for i in 0..6 {
+            for x in [0u32, 1, 7, 4_000_000_000] {
+                let mut text = known.clone();
+                text["memory"]["triangles"][k][i] = x.into();
+                text["memory"]["points"][k % 4][i % 2] = (x / 2).into();
+                let mut strange: Tracker = serde_json::from_value(text).expect("numbers");
+                let o = strange.closest(&a, &b, &pose);
+                assert_eq!(o.class, wanted.class);
+                assert!(o.lower <= wanted.upper && wanted.lower <= o.upper, "{o:?}");
+            }
+        }
+    }
+}
