@@ -106,7 +106,9 @@ fn answer(
     let (class, distance, on_a, on_b, normal, layer) = match level {
         Level::Walk => {
             let p = tracker.propose(a, b, &relative);
-            let class = if p.distance.is_some() {
+            let class = if p.distance == Some(0.0) {
+                Class::Touching
+            } else if p.distance.is_some() {
                 Class::Separated
             } else {
                 Class::Overlapping
@@ -188,9 +190,11 @@ fn run(o: &Options) -> Result<(), Box<dyn std::error::Error>> {
         Level::Certified => "certified",
         Level::Exact => "exact",
     };
+    // The walk alone computes no depth.
+    let signed = if o.level == Level::Walk { "no" } else { "yes" };
     writeln!(
         part,
-        "# engine lin-canny {level}\n# signed yes\n# witness local\n# normal yes\n# distance yes"
+        "# engine lin-canny {level}\n# signed {signed}\n# witness local\n# normal yes\n# distance yes"
     )?;
     let mut bodies: HashMap<usize, Option<ConvexPolyhedron>> = HashMap::new();
     let (mut tracker, mut sequence, mut layers, mut seen) = (Tracker::new(), None, Layers::default(), 0);
