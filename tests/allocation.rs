@@ -25,7 +25,7 @@ fn allocations(f: impl FnOnce()) -> usize {
 
 // One test only: tests of one file run at the same time and would count each other's allocations.
 #[test]
-fn no_query_allocates_below_the_exact_rung() {
+fn neither_separated_queries_nor_the_class_of_an_overlap_allocate_below_the_exact_rung() {
     assert!(
         allocations(|| drop(std::hint::black_box(vec![1u8]))) > 0,
         "the allocator counts"

@@ -10,12 +10,12 @@ use nalgebra::Vector3;
 use crate::polyhedron::ConvexPolyhedron;
 use crate::tolerance::UNIT;
 
-/// The face by which the ray from the body's centre to `x` leaves it, if `x` is above it by more than `least`.
+/// The face by which the ray from the mean of the body's vertices to `x` leaves it, if `x` is above it by more than `least`.
 #[cold]
 pub(crate) fn seen_face(body: &ConvexPolyhedron, x: &Vector3<f64>, least: f64) -> Option<u32> {
-    let (t, center) = (&body.topology, body.center());
+    let (t, center) = (&body.topology, body.inner);
     let way = x - center;
-    // The depth of the centre is zero for flat bodies; then the side `x` is on decides. What stands for zero scales with the body.
+    // The depth of the mean is zero for flat bodies; then the side `x` is on decides. What stands for zero scales with the body.
     let zero = UNIT * UNIT * body.radius;
     let reach = |f: u32| {
         let plane = &body.planes[f as usize];

@@ -99,6 +99,7 @@ impl ConvexPolyhedron {
         Ok(Self {
             lookup: CubeMap::new(&topology, &points),
             scan: Scan::new(&points),
+            inner: points.iter().sum::<Vector3<f64>>() / points.len() as f64,
             topology,
             source: kept.iter().map(|&i| cloud.source[i as usize]).collect(),
             points,

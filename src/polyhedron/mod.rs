@@ -80,6 +80,8 @@ pub struct ConvexPolyhedron {
     pub(crate) as_given: bool,
     /// Largest distance of a vertex from the stored origin, rounded up, in stored units.
     pub(crate) radius: f64,
+    /// The mean of the vertices, in stored coordinates: inside the body, which the middle of its box need not be.
+    pub(crate) inner: Vector3<f64>,
     /// Corners of the bounding box, in stored coordinates.
     pub(crate) low: Vector3<f64>,
     pub(crate) high: Vector3<f64>,
