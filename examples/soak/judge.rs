@@ -24,6 +24,7 @@ pub(crate) struct Side {
     shape: Shape,
     /// A corner and the unit normal of each face, as f64 has them.
     planes: Vec<(Point, Point)>,
+    /// What the radius is about.
     middle: Point,
     radius: f64,
     /// Greatest distance of a point from the body's own origin.
@@ -47,10 +48,21 @@ impl Side {
             (at(0), unit(fan.fold([0.0; 3], add)))
         };
         let planes = faces.iter().map(plane).collect();
-        let (middle, radius) = body.bounding_ball();
+        // The middle, but zero in every coordinate in which the body lies about its own origin: as the crate keeps it.
+        // A single point stays where it is.
+        let (middle, half) = body.bounding_ball();
+        let far = |x: f64| {
+            if points.len() > 1 && x.abs() > 2.0 * half {
+                x
+            } else {
+                0.0
+            }
+        };
+        let middle = [far(middle.x), far(middle.y), far(middle.z)];
+        let radius = points.iter().map(|&p| norm(sub(p, middle))).fold(0.0, f64::max);
         Self {
             planes,
-            middle: middle.coords.into(),
+            middle,
             radius,
             reach: lab::pose::radius(&points),
             small: oracle_shape(&points),
@@ -186,7 +198,7 @@ impl Judge {
         let width = WIDTH * size + 2.0 * s.slack;
         let (p, q, n) = parts(o);
         let between = sub(f.relative().apply(q), p);
-        let along = norm(sub(between, scale(n, o.distance)));
+        let aside = norm(sub(between, scale(n, dot(n, between))));
         let told = [
             (
                 o.upper >= s.gap - rounding,
@@ -204,8 +216,13 @@ impl Judge {
             ),
             (s.outside <= width, "a witness lies outside its body"),
             (
-                !overlapping || along <= 10.0 * width + self.slack(f),
+                !overlapping || (dot(n, between) - o.distance).abs() <= width + self.slack(f),
                 "the witnesses are not the depth apart along the normal",
+            ),
+            (
+                // Where needles cross, a turn by rounding shifts the place of the crossing by much more.
+                !overlapping || aside <= 1e-10 * size + self.slack(f),
+                "the witnesses are not behind each other along the normal",
             ),
         ];
         // Comparisons with NaN are false.
