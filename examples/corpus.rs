@@ -42,8 +42,15 @@ impl Answer {
     }
 }
 
-/// How an engine is asked about one case in one order: the second body is B for it.
-type Ask = fn(&Pair) -> Answer;
+/// Who is asked.
+struct Engine {
+    name: &'static str,
+    /// Takes bodies with a volume only.
+    solids: bool,
+    /// Promises a depth.
+    depth: bool,
+    ask: fn(&Pair) -> Answer,
+}
 
 struct Pair {
     a: ConvexPolyhedron,
@@ -126,52 +133,58 @@ fn signed(a: Option<parry::Hull>, b: Option<parry::Hull>, poses: &[lab::Pose; 2]
     Answer::Distance(parry::signed_distance(&a, &poses[0], &b, &poses[1]))
 }
 
-const ENGINES: [(&str, bool, Ask); 5] = [
-    ("walk alone", false, walk),
-    ("certified", false, certified),
-    ("exact", false, exact),
-    ("parry, our hull", true, parry_of_our_hull),
-    ("parry, its hull", true, parry_of_points),
+const fn engine(name: &'static str, solids: bool, depth: bool, ask: fn(&Pair) -> Answer) -> Engine {
+    Engine {
+        name,
+        solids,
+        depth,
+        ask,
+    }
+}
+
+const ENGINES: [Engine; 5] = [
+    engine("walk alone", false, false, walk),
+    engine("certified", false, true, certified),
+    engine("exact", false, true, exact),
+    engine("parry, our hull", true, true, parry_of_our_hull),
+    engine("parry, its hull", true, true, parry_of_points),
 ];
 
 /// Ways to fail, the worse ones first.
 const WAYS: [&str; 6] = ["panic", "no answer", "NaN", "side", "distance", "order"];
 
-/// The way an engine fails a case, if it does.
-fn grade(c: &Case, ask: Ask, there: &Pair, back: &Pair) -> Option<usize> {
-    let asked = |p: &Pair| catch_unwind(AssertUnwindSafe(|| ask(p))).ok();
+/// The way an engine fails a case, if it does: of both orders the worse.
+fn grade(c: &Case, engine: &Engine, there: &Pair, back: &Pair) -> Option<usize> {
+    let asked = |p: &Pair| catch_unwind(AssertUnwindSafe(|| (engine.ask)(p))).ok();
     let (Some(x), Some(y)) = (asked(there), asked(back)) else {
         return Some(0);
     };
     if x == Answer::None || y == Answer::None {
         return Some(1);
     }
-    let (size, truth) = (c.size(), c.distance);
-    let slack = f64::max(1e-9 * truth.unwrap_or(0.0).abs(), 1e-13 * size);
     // A touch is the distance zero; where the depth is not in the file it is large.
-    let truth = if c.class == lab::Class::Touching {
-        Some(0.0)
-    } else {
-        truth
+    let truth = match (c.class, engine.depth) {
+        (lab::Class::Touching, _) | (lab::Class::Overlapping, false) => Some(0.0),
+        _ => c.distance,
     };
-    let judge = |answer: Answer| {
-        let told = answer.signed();
-        if told.is_some_and(f64::is_nan) {
-            return Some(2);
-        }
-        let overlaps = told.is_none_or(|d| d < 0.0);
-        let near = truth.is_some_and(|t| t.abs() <= 1e-12 * size);
-        if !near && overlaps != (c.class == lab::Class::Overlapping) {
-            return Some(3);
-        }
-        let off = told.zip(truth).is_some_and(|(d, t)| (d - t).abs() > slack);
-        off.then_some(4)
-    };
+    let slack = f64::max(1e-9 * truth.unwrap_or(0.0).abs(), 1e-13 * c.size());
+    let ways = [x, y].map(|answer| fault(c, answer.signed(), truth, slack));
     let apart = x.signed().zip(y.signed()).is_some_and(|(d, e)| (d - e).abs() > slack);
-    judge(x)
-        .min(judge(y).or(Some(WAYS.len())))
-        .or(judge(y))
-        .or(apart.then_some(5))
+    ways.into_iter().flatten().min().or(apart.then_some(5))
+}
+
+/// What is wrong with one answer; `None` for an overlap of unknown depth.
+fn fault(c: &Case, told: Option<f64>, truth: Option<f64>, slack: f64) -> Option<usize> {
+    if told.is_some_and(f64::is_nan) {
+        return Some(2);
+    }
+    let near = truth.is_some_and(|t| t.abs() <= 1e-12 * c.size());
+    let overlaps = told.is_none_or(|d| d < 0.0);
+    if !near && overlaps != (c.class == lab::Class::Overlapping) {
+        return Some(3);
+    }
+    let off = told.zip(truth).is_some_and(|(d, t)| (d - t).abs() > slack);
+    off.then_some(4)
 }
 
 /// Failures by way, and how many cases were asked.
@@ -205,21 +218,18 @@ fn table(cases: &[Case], list: bool) -> Table {
     for c in cases {
         let (there, back) = (Pair::new(c, false), Pair::new(c, true));
         let row = table.entry(c.family.clone()).or_default();
-        for (score, (name, solids, ask)) in row.iter_mut().zip(ENGINES) {
-            if solids && !there.solid() {
+        for (score, engine) in row.iter_mut().zip(&ENGINES) {
+            if engine.solids && !there.solid() {
                 continue;
             }
             score.asked += 1;
-            if let Some(way) = grade(c, ask, &there, &back) {
+            if let Some(way) = grade(c, engine, &there, &back) {
                 score.ways[way] += 1;
                 if list {
+                    let told = [&there, &back].map(|p| (engine.ask)(p));
                     eprintln!(
-                        "{name}: {} ({}), truth {:?}: {:?} {:?}",
-                        c.name,
-                        WAYS[way],
-                        c.distance,
-                        ask(&there),
-                        ask(&back)
+                        "{}: {} ({}), truth {:?}: {told:?}",
+                        engine.name, c.name, WAYS[way], c.distance
                     );
                 }
             }
@@ -229,7 +239,7 @@ fn table(cases: &[Case], list: bool) -> Table {
 }
 
 fn print(table: &Table) {
-    let heads: Vec<_> = ENGINES.iter().map(|e| e.0).collect();
+    let heads: Vec<_> = ENGINES.iter().map(|e| e.name).collect();
     println!(
         "| family | cases | {} |\n|---|---:|{}",
         heads.join(" | "),
