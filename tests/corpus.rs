@@ -235,7 +235,10 @@ fn the_record_is_of_this_corpus() {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("benches/record/corpus.md");
     let table = std::fs::read_to_string(file).unwrap();
     let all = cases();
-    let mut rows = table.lines().skip(2).map(|l| l.split('|').map(str::trim).collect::<Vec<_>>());
+    let mut rows = table
+        .lines()
+        .skip(2)
+        .map(|l| l.split('|').map(str::trim).collect::<Vec<_>>());
     assert!(rows.all(|row| {
         let n = all.iter().filter(|c| row[1] == "all" || c.family == row[1]).count();
         row[2] == n.to_string() && row[4] == "0" && row[5] == "0"
