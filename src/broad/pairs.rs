@@ -48,6 +48,9 @@ struct Slot {
 
 const VACANT: PairKey = PairKey::MAX;
 
+/// So many changes are read ahead.
+const AHEAD: usize = 32;
+
 /// Slots, and an index from two bodies to their slot: open addressing, linear probing, deletion by backward shift.
 /// Touched by events and look-ups only.
 #[derive(Clone, Debug, Default)]
@@ -103,15 +106,34 @@ impl PairTable {
             trim(events);
             events.clear();
         }
-        for &key in &changes.ended {
-            self.end(key, bodies);
-        }
-        for &key in &changes.began {
-            let (a, b) = super::change::pair_of(key);
-            if allowed(a, b) {
-                self.begin(key, bodies);
+        for keys in changes.ended.chunks(AHEAD) {
+            self.read_ahead(keys);
+            for &key in keys {
+                self.end(key, bodies);
             }
         }
+        for keys in changes.began.chunks(AHEAD) {
+            self.read_ahead(keys);
+            for &key in keys {
+                let (a, b) = super::change::pair_of(key);
+                if allowed(a, b) {
+                    self.begin(key, bodies);
+                }
+            }
+        }
+    }
+
+    /// Reads what the next keys will need. These places are far apart in memory; asked for one after the other and
+    /// without a branch between, they arrive together.
+    fn read_ahead(&self, keys: &[PairKey]) {
+        if self.index.is_empty() || self.slots.is_empty() {
+            return;
+        }
+        let read = |key: &PairKey| {
+            let slot = self.index[self.home(*key)].saturating_sub(1);
+            self.slots[slot as usize].generation
+        };
+        core::hint::black_box(keys.iter().map(read).fold(0, u32::wrapping_add));
     }
 
     /// Restores the order of events after some were added out of order.
