@@ -6,6 +6,7 @@
 //! ```
 
 mod boxes;
+mod hulls;
 mod pairs;
 
 fn main() {
