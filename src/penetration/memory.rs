@@ -16,7 +16,7 @@ use crate::polyhedron::FeaturePair;
 use crate::scalar::{Vec3, sub};
 use crate::tolerance::{AGREE_DEPTH, SHIFTS};
 
-use super::facet::height_of;
+use super::facet::{facets, height_of};
 use super::foot::foot;
 use super::pass::{Pass, pass};
 use super::search::{Best, End, Found, Search, search};
@@ -147,6 +147,26 @@ impl Memory {
         Some((self.facet?, self.built, &self.points, &self.triangles))
     }
 
+    /// Tries the facets that the weak triangles may lie in; whether the difference is lower along one of them.
+    fn lower(&self, placed: &Placed, frame: &Frame<f64>, best: &mut Best<f64>) -> bool {
+        let before = best.height;
+        for &t in &self.weak {
+            let t = self.triangles[t as usize];
+            let corners = [t[0], t[1], t[2]].map(|k| self.points[k as usize]);
+            for facet in facets(placed, &corners.map(|c| c[0]), &corners.map(|c| c[1]))
+                .into_iter()
+                .flatten()
+            {
+                if let Some((normal, height)) = height_of(placed, frame, facet)
+                    && height < best.height
+                {
+                    (best.normal, best.height, best.features) = (normal, height, Some(facet));
+                }
+            }
+        }
+        best.height < before
+    }
+
     /// Makes the surface to work on the one that is remembered, at its places.
     fn recall(&mut self, places: &[Vec3<f64>], enough: f64) {
         self.room.clear(enough);
@@ -216,7 +236,7 @@ fn resume_among<const N: usize>(
     placed: &Placed,
     frame: &Frame<f64>,
     memory: &mut Memory,
-    best: Best<f64>,
+    mut best: Best<f64>,
     outcome: &mut Outcome,
 ) -> bool {
     let mut places = [[0.0; 3]; N];
@@ -226,28 +246,41 @@ fn resume_among<const N: usize>(
         };
         *place = sub(&[p.x, p.y, p.z], &frame.point(q));
     }
-    match pass(&memory.triangles, &places, &best, placed.size(), &mut memory.weak) {
+    let size = placed.size();
+    let mut shows = pass(&memory.triangles, &places, &best, size, &mut memory.weak);
+    // One or two weak triangles are those of a facet next to the last one.
+    if let (Pass::About, 1..=2) = (&shows, memory.weak.len())
+        && memory.lower(placed, frame, &mut best)
+    {
+        shows = pass(&memory.triangles, &places, &best, size, &mut memory.weak);
+    }
+    match shows {
         Pass::Folded => begin_anew(placed, frame, memory, outcome),
         Pass::Stands => {
+            memory.facet = best.features;
             let found = match best.features.and_then(|f| foot(placed, f, &best.rounded())) {
-                Some(witnesses) => proven(&best, witnesses, placed.size()),
+                Some(witnesses) => proven(&best, witnesses, size),
                 None => {
-                    memory.recall(&places, best.height - AGREE_DEPTH * placed.size());
+                    memory.recall(&places, best.height - AGREE_DEPTH * size);
                     let mut search = Search::resumed(placed, frame, &mut memory.room, best);
-                    search.stands(best.height - AGREE_DEPTH * placed.size())
+                    search.stands(best.height - AGREE_DEPTH * size)
                 }
             };
             answer(placed, &found, outcome);
             true
         }
         Pass::About => {
-            memory.recall(&places, best.height - AGREE_DEPTH * placed.size());
+            memory.recall(&places, best.height - AGREE_DEPTH * size);
             let found = Search::resumed(placed, frame, &mut memory.room, best).run(frame, 0.0);
             if found.end != End::Closed {
                 return false;
             }
             answer(placed, &found, outcome);
-            memory.keep(outcome.features, Some(memory.built));
+            if found.grown > 0 {
+                memory.keep(outcome.features, Some(memory.built));
+            } else {
+                memory.facet = Some(outcome.features);
+            }
             true
         }
     }

@@ -246,7 +246,11 @@ impl<T: Scalar> Surface<T> {
         let outward = normal(&w);
         let level = least(&outward, &w);
         // NaN is nothing known.
-        let level = if level > T::from(f64::NEG_INFINITY) { level } else { T::from(0.0) };
+        let level = if level > T::from(f64::NEG_INFINITY) {
+            level
+        } else {
+            T::from(0.0)
+        };
         let t = &mut self.triangles[triangle as usize];
         (t.outward, t.level) = (outward, level);
         (t.direction, t.bound) = (outward, level);
