@@ -382,12 +382,8 @@ impl Tracker {
 
     /// What a fault is reported with, in builds that look for one.
     #[inline(always)]
-    fn before(&self, a: &ConvexPolyhedron, b: &ConvexPolyhedron) -> (Option<FeaturePair>, Memory) {
-        if cfg!(debug_assertions) {
-            (self.start(a, b), self.memory.clone())
-        } else {
-            (None, Memory::default())
-        }
+    fn before(&self, a: &ConvexPolyhedron, b: &ConvexPolyhedron) -> Option<(Option<FeaturePair>, Memory)> {
+        cfg!(debug_assertions).then(|| (self.start(a, b), self.memory.clone()))
     }
 
     #[inline(always)]
@@ -437,11 +433,11 @@ fn debug_check(
     a: &ConvexPolyhedron,
     b: &ConvexPolyhedron,
     pose: &RelativePose,
-    before: &(Option<FeaturePair>, Memory),
+    before: &Option<(Option<FeaturePair>, Memory)>,
     level: Level,
     outcome: &Outcome,
 ) {
-    if cfg!(debug_assertions)
+    if let Some(before) = before
         && let Some(fault) = crate::soundness::fault(a, b, pose, outcome)
     {
         panic!("{fault}: {outcome:?}\n{}", replay(a, b, pose, before.clone(), level));
