@@ -1,7 +1,5 @@
 //! The search for the deepest facet: a surface grown at its nearest triangle until that is known to lie on the border.
 
-use nalgebra::Point3;
-
 use crate::closest::fallback::{Minimum, corner, extreme, solve};
 use crate::closest::placed::{Frame, Placed};
 use crate::closest::refine::witnesses;
@@ -11,7 +9,7 @@ use crate::scalar::{Scalar, Vec3, dot, neg, scaled};
 use crate::tolerance::{AGREE_DEPTH, ALMOST_FLAT, ASIDE, CERTIFICATE, PLATEAU, UNIT};
 
 use super::facet::normals;
-use super::foot::foot;
+use super::foot::{Witnesses, foot};
 use super::surface::{Filter, Surface, unit};
 
 /// Points that may come twice before a surface counts as folded.
@@ -39,7 +37,7 @@ pub(super) struct Found<T> {
     /// The triangle that holds the deepest point, or one of the facet.
     pub(super) corners: [Corner<T>; 3],
     /// The deepest points of A and of B in their stored frames.
-    pub(super) witnesses: Option<(Point3<f64>, Point3<f64>)>,
+    pub(super) witnesses: Option<Witnesses>,
     pub(super) features: Option<FeaturePair>,
     /// Points the surface took in.
     pub(super) grown: u32,
@@ -233,7 +231,8 @@ impl<'a, T: Scalar> Search<'a, T> {
     /// Whether the bounds agree as well as they have to, though they might do better in a finer arithmetic.
     fn is_good(&mut self) -> bool {
         let bound = self.bound();
-        self.best.is_some_and(|b| b.height - bound <= self.open(UNIT))
+        self.best
+            .is_some_and(|b| b.height - bound <= T::from(AGREE_DEPTH * self.placed.size()))
     }
 
     /// What every triangle is beyond.
@@ -361,7 +360,7 @@ impl<'a, T: Scalar> Search<'a, T> {
     /// The deepest points, and three corners of the facet they are on: where the features of the best direction do not hold them,
     /// they are those of the surface's point nearest to the foot of the origin on the best plane. The surface meets the ray
     /// along the normal between both bounds, so where they agree it is there.
-    fn deepest(&self, best: &Best<T>, weakest: u32) -> ([Corner<T>; 3], (Point3<f64>, Point3<f64>)) {
+    fn deepest(&self, best: &Best<T>, weakest: u32) -> ([Corner<T>; 3], Witnesses) {
         let mut corners = self.surface.corners(weakest);
         if let Some(foot) = best.features.and_then(|f| foot(self.placed, f, &best.rounded())) {
             return (corners, foot);
