@@ -179,6 +179,7 @@ mod scalar;
 mod soundness;
 pub mod tolerance;
 mod tracker;
+mod watch;
 
 pub use closest::outcome::{Class, Distance, Layer, Level, Outcome, Proposal, Work};
 pub use nalgebra;
@@ -188,6 +189,7 @@ pub use polyhedron::{
 pub use pose::{PoseError, RelativePose, Which};
 pub use replay::{Replay, ReplayError};
 pub use tracker::{Totals, Tracker};
+pub use watch::Watch;
 
 /// Runs the README as a test.
 #[doc = include_str!("../README.md")]
