@@ -35,6 +35,18 @@ enum Mark {
     Line,
     Dots,
     LineAndDots,
+    Spread,
+}
+
+/// A measured point with its ends, and a word beside it (or none).
+#[derive(Clone, Debug)]
+pub struct Spread {
+    /// Least, middle and greatest x.
+    pub x: [f64; 3],
+    /// Least, middle and greatest y.
+    pub y: [f64; 3],
+    /// The word.
+    pub word: String,
 }
 
 /// One curve.
@@ -42,7 +54,9 @@ enum Mark {
 struct Series {
     name: String,
     mark: Mark,
+    /// For spreads three each: the middle, the least ends, the greatest.
     points: Vec<(f64, f64)>,
+    words: Vec<String>,
 }
 
 /// A chart in the making: `Chart::new("t").axes("n", "ns").log_x().line("a", points).save("a.svg")`.
@@ -117,11 +131,23 @@ impl Chart {
         self.add(name, Mark::LineAndDots, points)
     }
 
+    /// Dots with bars from the least to the greatest of both coordinates, and words beside them.
+    pub fn spreads(mut self, name: impl Into<String>, list: impl IntoIterator<Item = Spread>) -> Self {
+        let list: Vec<Spread> = list.into_iter().collect();
+        let places = |s: &Spread| [1, 0, 2].map(|k| (s.x[k], s.y[k]));
+        self = self.add(name, Mark::Spread, list.iter().flat_map(places));
+        if let Some(last) = self.series.last_mut() {
+            last.words = list.into_iter().map(|s| s.word).collect();
+        }
+        self
+    }
+
     fn add(mut self, name: impl Into<String>, mark: Mark, points: impl IntoIterator<Item = (f64, f64)>) -> Self {
         self.series.push(Series {
             name: name.into(),
             mark,
             points: points.into_iter().collect(),
+            words: vec![],
         });
         self
     }
@@ -222,13 +248,27 @@ impl Chart {
         for (i, s) in self.series.iter().enumerate() {
             let colour = COLOURS[i % COLOURS.len()];
             let mut runs = s.points.split(|&p| !self.shows(p)).filter(|run| !run.is_empty());
-            if s.mark != Mark::Dots {
+            if matches!(s.mark, Mark::Line | Mark::LineAndDots) {
                 for run in runs.by_ref() {
                     chart.draw_series(LineSeries::new(run.iter().copied(), colour.stroke_width(2)))?;
                 }
             }
+            // Of a spread the middle is the dot.
+            let every = if s.mark == Mark::Spread { 3 } else { 1 };
             let dots = if s.mark == Mark::Line { &[][..] } else { &s.points[..] };
-            let shown = dots.iter().copied().filter(|&p| self.shows(p));
+            for (k, bar) in s.points.chunks_exact(3).enumerate().filter(|_| every == 3) {
+                let [(x, y), (x0, y0), (x1, y1)] = [bar[0], bar[1], bar[2]];
+                for line in [[(x0, y), (x1, y)], [(x, y0), (x, y1)]] {
+                    if line.iter().all(|&p| self.shows(p)) {
+                        chart.draw_series(LineSeries::new(line, colour.stroke_width(1)))?;
+                    }
+                }
+                if self.shows((x, y)) && !s.words[k].is_empty() {
+                    let word = Text::new(s.words[k].clone(), (6, -14), ("sans-serif", 12).into_font().color(&INK));
+                    chart.draw_series([EmptyElement::at((x, y)) + word])?;
+                }
+            }
+            let shown = dots.iter().step_by(every).copied().filter(|&p| self.shows(p));
             let key = move |(x, y)| Rectangle::new([(x, y - 2), (x + 18, y + 2)], colour.filled());
             chart
                 .draw_series(shown.map(|p| Circle::new(p, 3, colour.filled())))?

@@ -1,0 +1,299 @@
+//! The pictures of what accuracy costs, from the rows of a record.
+//!
+//! Families name bodies and motion: `sphere 0.5deg`, `sphere random`, `sphere gap 1e-3`, `ball` (a sphere replaced by a
+//! hull), `asking 0.05deg`. Engines and levels are those of the example `accuracy_cost`.
+
+use crate::plot::{Chart, Spread};
+use crate::record::{Row, spread};
+use std::collections::BTreeMap;
+
+/// Errors below this, zero too, are drawn here.
+pub const FLOOR: f64 = 1e-18;
+
+/// Engines in the order of their colours, and what a legend calls them.
+const ENGINES: [(&str, &str); 6] = [
+    ("ours", "ours, tracked"),
+    ("ours-cold", "ours, nothing kept"),
+    ("gjk-cached", "parry's GJK f64, simplex kept"),
+    ("gjk-cold", "parry's GJK f64, nothing kept"),
+    ("parry-f64", "parry f64"),
+    ("parry-f32", "parry f32"),
+];
+
+/// The lines of a picture of times: engine, level, legend.
+const LINES: [(&str, &str, &str); 7] = [
+    ("ours", "certified", "ours, certified"),
+    ("ours", "walk", "ours, the walk alone"),
+    ("ours", "exact", "ours, exact"),
+    ("ours", "1e-2", "ours, error up to 1e-2 L"),
+    ("gjk-cached", "closest", "parry's GJK f64, simplex kept"),
+    ("parry-f64", "distance", "parry f64"),
+    ("parry-f32", "distance", "parry f32"),
+];
+
+/// Time and error of one engine and level on one family.
+#[derive(Clone, Debug)]
+pub struct Cell {
+    /// Least, middle and greatest nanoseconds a query.
+    pub ns: [f64; 3],
+    /// Of the error over the size of the pair.
+    pub err: [f64; 3],
+}
+
+/// The cell of some rows; `None` where there are none.
+pub fn cell(rows: &[Row], engine: &str, level: &str, family: &str, n: usize) -> Option<Cell> {
+    let of = |r: &&Row| r.engine == engine && r.level == level && r.family == family && r.n == n;
+    let mine: Vec<&Row> = rows.iter().filter(of).collect();
+    (!mine.is_empty()).then(|| Cell {
+        ns: spread(mine.iter().map(|r| r.ns)),
+        err: spread(mine.iter().map(|r| r.err)),
+    })
+}
+
+/// Levels of an engine on a family, in the order of the record.
+fn levels(rows: &[Row], engine: &str, family: &str, n: usize) -> Vec<String> {
+    let mut all = Vec::new();
+    for r in rows
+        .iter()
+        .filter(|r| r.engine == engine && r.family == family && r.n == n)
+    {
+        if !all.contains(&r.level) {
+            all.push(r.level.clone());
+        }
+    }
+    all
+}
+
+/// Error against time: one point for each engine and level, with its spread.
+pub fn error_and_time(rows: &[Row], family: &str, n: usize) -> Chart {
+    let mut chart = Chart::new(format!("error and time of a query: {family}, {n} vertices a body"))
+        .axes(
+            "nanoseconds a query",
+            format!("error over the size of the pair ({FLOOR:e}: none seen)"),
+        )
+        .log_x()
+        .log_y();
+    for (engine, name) in ENGINES {
+        let point = |level: String| {
+            let c = cell(rows, engine, &level, family, n)?;
+            let word = if engine.starts_with("ours") {
+                level
+            } else {
+                String::new()
+            };
+            Some(Spread {
+                x: c.ns,
+                y: c.err.map(|e| e.max(FLOOR)),
+                word,
+            })
+        };
+        let points: Vec<Spread> = levels(rows, engine, family, n).into_iter().filter_map(point).collect();
+        if !points.is_empty() {
+            chart = chart.spreads(name, points);
+        }
+    }
+    chart
+}
+
+/// Adds a line for each engine and level over the families that `x` gives a place.
+fn lines(mut chart: Chart, rows: &[Row], x: impl Fn(&Row) -> Option<f64>) -> Chart {
+    for (engine, level, name) in LINES {
+        let mut at: BTreeMap<u64, Vec<f64>> = BTreeMap::new();
+        for r in rows.iter().filter(|r| r.engine == engine && r.level == level) {
+            if let Some(place) = x(r) {
+                at.entry(place.to_bits()).or_default().push(r.ns);
+            }
+        }
+        let points: Vec<(f64, f64)> = at
+            .into_iter()
+            .map(|(x, ns)| (f64::from_bits(x), spread(ns)[1]))
+            .collect();
+        if points.len() > 1 {
+            chart = chart.curve(name, points);
+        }
+    }
+    chart
+}
+
+/// Time against the number of vertices.
+pub fn time_and_size(rows: &[Row], family: &str) -> Chart {
+    let chart = Chart::new(format!("time of a query: {family} a frame"))
+        .axes("vertices a body", "nanoseconds a query")
+        .log_x()
+        .log_y();
+    lines(chart, rows, |r| (r.family == family).then_some(r.n as f64))
+}
+
+/// Time against motion a frame: families `sphere Xdeg` of `n` vertices.
+pub fn time_and_motion(rows: &[Row], n: usize) -> Chart {
+    let chart = Chart::new(format!("time of a query: spheres of {n} vertices"))
+        .axes("degrees that B orbits and turns a frame", "nanoseconds a query")
+        .log_x()
+        .log_y();
+    lines(chart, rows, |r| {
+        let degrees = r.family.strip_prefix("sphere ")?.strip_suffix("deg")?;
+        (r.n == n).then(|| degrees.parse().ok())?
+    })
+}
+
+/// Time against the gap: families `sphere gap X`.
+pub fn time_and_gap(rows: &[Row], n: usize) -> Chart {
+    let chart = Chart::new(format!("time of a query near contact: spheres of {n} vertices"))
+        .axes("gap over the size of the pair", "nanoseconds a query")
+        .log_x()
+        .log_y();
+    lines(chart, rows, |r| {
+        (r.n == n).then(|| r.family.strip_prefix("sphere gap ")?.parse().ok())?
+    })
+}
+
+/// Error against the gap, relative to the gap.
+pub fn error_and_gap(rows: &[Row], n: usize) -> Chart {
+    let mut chart = Chart::new(format!("error near contact: spheres of {n} vertices"))
+        .axes("gap over the size of the pair", "error over the size of the pair")
+        .log_x()
+        .log_y();
+    for (engine, level, name) in LINES {
+        let mut at: BTreeMap<u64, Vec<f64>> = BTreeMap::new();
+        for r in rows
+            .iter()
+            .filter(|r| r.engine == engine && r.level == level && r.n == n)
+        {
+            if let Some(gap) = r.family.strip_prefix("sphere gap ").and_then(|g| g.parse::<f64>().ok()) {
+                at.entry(gap.to_bits()).or_default().push(r.err.max(FLOOR));
+            }
+        }
+        let points: Vec<(f64, f64)> = at.into_iter().map(|(x, e)| (f64::from_bits(x), spread(e)[2])).collect();
+        if points.len() > 1 {
+            chart = chart.curve(name, points);
+        }
+    }
+    chart
+}
+
+/// What geometric accuracy costs: spheres replaced by hulls, time against the error that the hulls make.
+pub fn geometry(rows: &[Row]) -> Chart {
+    let mut chart = Chart::new("a sphere replaced by a hull of 12 to 100,000 vertices")
+        .axes(
+            "error of the distance of two spheres, over the size of the pair",
+            "nanoseconds a query",
+        )
+        .log_x()
+        .log_y();
+    for (engine, level, name) in LINES {
+        let of = |r: &&Row| r.family == "ball" && r.engine == engine && r.level == level;
+        let mut by_n: BTreeMap<usize, (Vec<f64>, Vec<f64>)> = BTreeMap::new();
+        for r in rows.iter().filter(of) {
+            let at = by_n.entry(r.n).or_default();
+            (at.0.push(r.err), at.1.push(r.ns));
+        }
+        let points: Vec<(f64, f64)> = by_n.into_values().map(|(e, t)| (spread(e)[2], spread(t)[1])).collect();
+        if points.len() > 1 {
+            chart = chart.curve(name, points);
+        }
+    }
+    chart
+}
+
+/// Time against what is known: families that begin with `asking`, a series each engine. A yes or no, whose rows have no
+/// error, stands at 1.
+pub fn asking(rows: &[Row], family: &str, n: usize) -> Chart {
+    let mut chart = Chart::new(format!("what asking less saves: {family}, {n} vertices a body"))
+        .axes("nanoseconds a query", "what is left unknown, over the size of the pair")
+        .log_x()
+        .log_y();
+    for (engine, name) in [
+        ("ours", "ours"),
+        ("detail", "ours, on inner hulls"),
+        ("parry-f64", "parry f64"),
+    ] {
+        let point = |level: String| {
+            let c = cell(rows, engine, &level, family, n)?;
+            let y = if c.err[1].is_nan() {
+                [1.0; 3]
+            } else {
+                c.err.map(|e| e.max(FLOOR))
+            };
+            Some(Spread {
+                x: c.ns,
+                y,
+                word: level,
+            })
+        };
+        let points: Vec<Spread> = levels(rows, engine, family, n).into_iter().filter_map(point).collect();
+        if !points.is_empty() {
+            chart = chart.spreads(name, points);
+        }
+    }
+    chart
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn rows() -> Vec<Row> {
+        let row = |engine: &str, level: &str, family: &str, n, ns, err| Row {
+            engine: engine.into(),
+            level: level.into(),
+            family: family.into(),
+            n,
+            ns,
+            err,
+        };
+        let mut all = vec![row("ours", "overlap?", "asking 0.05deg", 8, 30.0, f64::NAN)];
+        for k in 1..4 {
+            let (n, x) = (8 << k, f64::from(k));
+            for (engine, level) in [("ours", "certified"), ("ours", "walk"), ("parry-f64", "distance")] {
+                all.push(row(engine, level, "sphere 0.5deg", n as usize, 80.0 + x, 1e-17 * x));
+                all.push(row(engine, level, &format!("sphere {k}deg"), 8, 90.0 * x, 0.0));
+                all.push(row(engine, level, &format!("sphere gap 1e-{k}"), 8, 90.0 * x, 0.0));
+                all.push(row(engine, level, "ball", n as usize, 80.0, 0.1 / x));
+            }
+        }
+        all
+    }
+
+    #[test]
+    fn every_picture_shows_its_rows() {
+        let rows = rows();
+        let pictures = [
+            (
+                error_and_time(&rows, "sphere 0.5deg", 16),
+                vec!["ours, tracked", "walk", "parry f64"],
+            ),
+            (
+                time_and_size(&rows, "sphere 0.5deg"),
+                vec!["ours, certified", "parry f64"],
+            ),
+            (time_and_motion(&rows, 8), vec!["ours, certified"]),
+            (time_and_gap(&rows, 8), vec!["ours, the walk alone"]),
+            (error_and_gap(&rows, 8), vec!["ours, the walk alone"]),
+            (geometry(&rows), vec!["ours, certified", "parry f64"]),
+            (asking(&rows, "asking 0.05deg", 8), vec!["overlap?"]),
+        ];
+        for (chart, words) in pictures {
+            let svg = chart.svg().unwrap();
+            for word in words {
+                assert!(svg.contains(word), "{word}");
+            }
+            assert!(svg.contains("circle") && !svg.contains("NaN"));
+        }
+    }
+
+    #[test]
+    fn a_cell_is_the_middle_of_its_rows() {
+        let mut rows = rows();
+        rows.push(Row {
+            ns: 1.0,
+            ..rows[1].clone()
+        });
+        rows.push(Row {
+            ns: 1000.0,
+            ..rows[1].clone()
+        });
+        let c = cell(&rows, "ours", "certified", "sphere 0.5deg", 16).unwrap();
+        assert_eq!(c.ns, [1.0, 81.0, 1000.0]);
+        assert!(cell(&rows, "ours", "none", "sphere 0.5deg", 16).is_none());
+    }
+}
