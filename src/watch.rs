@@ -62,6 +62,7 @@ struct Seen {
 /// Where the moving body is, seen from the other.
 #[derive(Clone, Copy, Debug)]
 struct Place {
+    /// From B to A, whichever is seen to move.
     rotation: Matrix3<f64>,
     /// The middle of its ball.
     centre: Vector3<f64>,
@@ -161,18 +162,14 @@ impl<'a> Watch<'a> {
 
     #[inline]
     fn place(&self, a_from_b: &RelativePose) -> Place {
-        let swapped;
-        let pose = match self.moving {
-            Which::B => a_from_b,
-            Which::A => {
-                swapped = a_from_b.swapped();
-                &swapped
-            }
+        let (rotation, translation) = (a_from_b.rotation(), a_from_b.translation());
+        let centre = match self.moving {
+            Which::B => rotation * self.centre + translation,
+            Which::A => rotation.tr_mul(&(self.centre - translation)),
         };
-        let (rotation, translation) = (pose.rotation(), pose.translation());
         Place {
             rotation,
-            centre: rotation * self.centre + translation,
+            centre,
             size: self.radius + self.centre.abs().sum() + translation.abs().sum(),
         }
     }

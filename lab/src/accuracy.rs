@@ -72,7 +72,9 @@ pub fn error_and_time(rows: &[Row], family: &str, n: usize) -> Chart {
             format!("error over the size of the pair ({FLOOR:e}: none seen)"),
         )
         .log_x()
-        .log_y();
+        .log_y()
+        .size(1000, 480)
+        .legend_beside();
     for (engine, name) in ENGINES {
         let point = |level: String| {
             let c = cell(rows, engine, &level, family, n)?;
@@ -120,7 +122,9 @@ pub fn time_and_size(rows: &[Row], family: &str) -> Chart {
     let chart = Chart::new(format!("time of a query: {family} a frame"))
         .axes("vertices a body", "nanoseconds a query")
         .log_x()
-        .log_y();
+        .log_y()
+        .size(1000, 480)
+        .legend_beside();
     lines(chart, rows, |r| (r.family == family).then_some(r.n as f64))
 }
 
@@ -129,37 +133,46 @@ pub fn time_and_motion(rows: &[Row], n: usize) -> Chart {
     let chart = Chart::new(format!("time of a query: spheres of {n} vertices"))
         .axes("degrees that B orbits and turns a frame", "nanoseconds a query")
         .log_x()
-        .log_y();
+        .log_y()
+        .size(1000, 480)
+        .legend_beside();
     lines(chart, rows, |r| {
         let degrees = r.family.strip_prefix("sphere ")?.strip_suffix("deg")?;
         (r.n == n).then(|| degrees.parse().ok())?
     })
 }
 
-/// Time against the gap: families `sphere gap X`.
-pub fn time_and_gap(rows: &[Row], n: usize) -> Chart {
-    let chart = Chart::new(format!("time of a query near contact: spheres of {n} vertices"))
+/// Where a row of `family gap X` has its gap.
+fn gap_of(row: &Row, family: &str) -> Option<f64> {
+    row.family.strip_prefix(family)?.strip_prefix(" gap ")?.parse().ok()
+}
+
+/// Time against the gap: families `family gap X`.
+pub fn time_and_gap(rows: &[Row], family: &str, n: usize) -> Chart {
+    let chart = Chart::new(format!("time of a query near contact: {family}, {n} vertices a body"))
         .axes("gap over the size of the pair", "nanoseconds a query")
         .log_x()
-        .log_y();
-    lines(chart, rows, |r| {
-        (r.n == n).then(|| r.family.strip_prefix("sphere gap ")?.parse().ok())?
-    })
+        .log_y()
+        .size(1000, 480)
+        .legend_beside();
+    lines(chart, rows, |r| gap_of(r, family).filter(|_| r.n == n))
 }
 
 /// Error against the gap, relative to the gap.
-pub fn error_and_gap(rows: &[Row], n: usize) -> Chart {
-    let mut chart = Chart::new(format!("error near contact: spheres of {n} vertices"))
+pub fn error_and_gap(rows: &[Row], family: &str, n: usize) -> Chart {
+    let mut chart = Chart::new(format!("error near contact: {family}, {n} vertices a body"))
         .axes("gap over the size of the pair", "error over the size of the pair")
         .log_x()
-        .log_y();
+        .log_y()
+        .size(1000, 480)
+        .legend_beside();
     for (engine, level, name) in LINES {
         let mut at: BTreeMap<u64, Vec<f64>> = BTreeMap::new();
         for r in rows
             .iter()
             .filter(|r| r.engine == engine && r.level == level && r.n == n)
         {
-            if let Some(gap) = r.family.strip_prefix("sphere gap ").and_then(|g| g.parse::<f64>().ok()) {
+            if let Some(gap) = gap_of(r, family) {
                 at.entry(gap.to_bits()).or_default().push(r.err.max(FLOOR));
             }
         }
@@ -168,7 +181,9 @@ pub fn error_and_gap(rows: &[Row], n: usize) -> Chart {
             chart = chart.curve(name, points);
         }
     }
-    chart
+    let gaps: Vec<f64> = rows.iter().filter_map(|r| gap_of(r, family)).collect();
+    let [least, _, most] = spread(gaps);
+    chart.line("(as large as the gap)", [(least, least), (most, most)])
 }
 
 /// What geometric accuracy costs: spheres replaced by hulls, time against the error that the hulls make.
@@ -179,7 +194,9 @@ pub fn geometry(rows: &[Row]) -> Chart {
             "nanoseconds a query",
         )
         .log_x()
-        .log_y();
+        .log_y()
+        .size(1000, 480)
+        .legend_beside();
     for (engine, level, name) in LINES {
         let of = |r: &&Row| r.family == "ball" && r.engine == engine && r.level == level;
         let mut by_n: BTreeMap<usize, (Vec<f64>, Vec<f64>)> = BTreeMap::new();
@@ -201,7 +218,9 @@ pub fn asking(rows: &[Row], family: &str, n: usize) -> Chart {
     let mut chart = Chart::new(format!("what asking less saves: {family}, {n} vertices a body"))
         .axes("nanoseconds a query", "what is left unknown, over the size of the pair")
         .log_x()
-        .log_y();
+        .log_y()
+        .size(1000, 480)
+        .legend_beside();
     for (engine, name) in [
         ("ours", "ours"),
         ("detail", "ours, on inner hulls"),
@@ -267,8 +286,8 @@ mod tests {
                 vec!["ours, certified", "parry f64"],
             ),
             (time_and_motion(&rows, 8), vec!["ours, certified"]),
-            (time_and_gap(&rows, 8), vec!["ours, the walk alone"]),
-            (error_and_gap(&rows, 8), vec!["ours, the walk alone"]),
+            (time_and_gap(&rows, "sphere", 8), vec!["ours, the walk alone"]),
+            (error_and_gap(&rows, "sphere", 8), vec!["ours, the walk alone"]),
             (geometry(&rows), vec!["ours, certified", "parry f64"]),
             (asking(&rows, "asking 0.05deg", 8), vec!["overlap?"]),
         ];

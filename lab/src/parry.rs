@@ -89,6 +89,13 @@ pub fn distance(a: &ConvexPolyhedron, pose_a: &Pose, b: &ConvexPolyhedron, pose_
         .distance
 }
 
+/// Whether parry finds two of its bodies to share a point.
+pub fn intersect(a: &ConvexPolyhedron, pose_a: &Pose, b: &ConvexPolyhedron, pose_b: &Pose) -> bool {
+    query::intersection_test(&pose(pose_a), a, &pose(pose_b), b)
+        .expect("convex bodies are supported")
+        .intersecting
+}
+
 /// parry's closest points of two bodies (its own or [`Cloud`]s), cold; `None` when overlapping.
 pub fn closest_points<A: SupportMap, B: SupportMap>(a: &A, pose_a: &Pose, b: &B, pose_b: &Pose) -> Option<Witnesses> {
     let (world_a, world_b) = (pose(pose_a), pose(pose_b));

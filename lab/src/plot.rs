@@ -68,8 +68,12 @@ pub struct Chart {
     log: (bool, bool),
     size: (u32, u32),
     from_zero: bool,
+    beside: bool,
     series: Vec<Series>,
 }
+
+/// Width of a legend beside the axes.
+const BESIDE: i32 = 250;
 
 impl Chart {
     /// An empty chart of 860 by 480 pixels with linear axes.
@@ -82,6 +86,7 @@ impl Chart {
             log: (false, false),
             size: (860, 480),
             from_zero: false,
+            beside: false,
             series: vec![],
         }
     }
@@ -107,6 +112,12 @@ impl Chart {
     /// Lets a linear y axis start at zero.
     pub fn from_zero(mut self) -> Self {
         self.from_zero = true;
+        self
+    }
+
+    /// Puts the legend to the right of the axes, where it hides nothing.
+    pub fn legend_beside(mut self) -> Self {
+        self.beside = true;
         self
     }
 
@@ -205,7 +216,8 @@ impl Chart {
     }
 
     fn draw_on<'a>(&self, area: &Area<'a>) -> Result<(), Trouble<'a>> {
-        let x = self.range(|p| p.0, self.log.0, 0.0, None);
+        let with_words = self.series.iter().any(|s| s.mark == Mark::Spread);
+        let x = self.range(|p| p.0, self.log.0, if with_words { 0.04 } else { 0.0 }, None);
         let y = self.range(
             |p| p.1,
             self.log.1,
@@ -231,6 +243,7 @@ impl Chart {
         let mut chart = ChartBuilder::on(area)
             .caption(&self.title, font(20))
             .margin(12)
+            .margin_right(if self.beside { BESIDE } else { 12 })
             .x_label_area_size(48)
             .y_label_area_size(76)
             .build_cartesian_2d(x, y)?;
@@ -256,16 +269,12 @@ impl Chart {
             // Of a spread the middle is the dot.
             let every = if s.mark == Mark::Spread { 3 } else { 1 };
             let dots = if s.mark == Mark::Line { &[][..] } else { &s.points[..] };
-            for (k, bar) in s.points.chunks_exact(3).enumerate().filter(|_| every == 3) {
+            for bar in s.points.chunks_exact(3).filter(|_| every == 3) {
                 let [(x, y), (x0, y0), (x1, y1)] = [bar[0], bar[1], bar[2]];
                 for line in [[(x0, y), (x1, y)], [(x, y0), (x, y1)]] {
                     if line.iter().all(|&p| self.shows(p)) {
                         chart.draw_series(LineSeries::new(line, colour.stroke_width(1)))?;
                     }
-                }
-                if self.shows((x, y)) && !s.words[k].is_empty() {
-                    let word = Text::new(s.words[k].clone(), (6, -14), ("sans-serif", 12).into_font().color(&INK));
-                    chart.draw_series([EmptyElement::at((x, y)) + word])?;
                 }
             }
             let shown = dots.iter().step_by(every).copied().filter(|&p| self.shows(p));
@@ -275,13 +284,62 @@ impl Chart {
                 .label(&s.name)
                 .legend(key);
         }
-        if self.series.len() > 1 {
+        let pixel = |p: &(f64, f64)| chart.backend_coord(p);
+        self.write_words(area, pixel)?;
+        if self.series.len() > 1 && self.beside {
+            self.legend_on(area)?;
+        } else if self.series.len() > 1 {
             let mut legend = chart.configure_series_labels();
             legend.position(SeriesLabelPosition::UpperLeft).label_font(font(14));
             legend
                 .background_style(WHITE.mix(0.85))
                 .border_style(INK.mix(0.3))
                 .draw()?;
+        }
+        Ok(())
+    }
+
+    /// Words beside the points of spreads, each in the first place where it hides no other.
+    fn write_words<'a>(&self, area: &Area<'a>, pixel: impl Fn(&(f64, f64)) -> (i32, i32)) -> Result<(), Trouble<'a>> {
+        let (origin, size) = (area.get_base_pixel(), area.dim_in_pixel());
+        let right = size.0 as i32 - if self.beside { BESIDE } else { 12 };
+        let mut taken: Vec<[i32; 4]> = Vec::new();
+        for s in self.series.iter().filter(|s| s.mark == Mark::Spread) {
+            for (bar, word) in s.points.chunks_exact(3).zip(&s.words) {
+                if word.is_empty() || !self.shows(bar[0]) {
+                    continue;
+                }
+                let (x, y) = pixel(&bar[0]);
+                let (x, y) = (x - origin.0, y - origin.1);
+                let width = 7 * word.chars().count() as i32;
+                let left = if x + 8 + width > right { x - 8 - width } else { x + 8 };
+                let rows = (0..12).flat_map(|k| [y - 16 - 14 * k, y + 4 + 14 * k]);
+                let free = |top: &i32| {
+                    let clear =
+                        |t: &[i32; 4]| left >= t[2] || left + width <= t[0] || *top >= t[3] || *top + 13 <= t[1];
+                    *top > 30 && *top + 62 < size.1 as i32 && taken.iter().all(clear)
+                };
+                let top = rows.clone().find(free).unwrap_or(y - 16);
+                taken.push([left, top, left + width, top + 13]);
+                let style = ("sans-serif", 12).into_font().color(&INK);
+                area.draw(&Text::new(word.clone(), (left, top), style))?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The legend to the right of the axes.
+    fn legend_on<'a>(&self, area: &Area<'a>) -> Result<(), Trouble<'a>> {
+        let left = area.dim_in_pixel().0 as i32 - BESIDE + 14;
+        for (i, s) in self.series.iter().enumerate() {
+            let top = 52 + 22 * i as i32;
+            let colour = COLOURS[i % COLOURS.len()];
+            area.draw(&Rectangle::new(
+                [(left, top + 5), (left + 18, top + 9)],
+                colour.filled(),
+            ))?;
+            let style = ("sans-serif", 14).into_font().color(&INK);
+            area.draw(&Text::new(s.name.clone(), (left + 26, top), style))?;
         }
         Ok(())
     }
