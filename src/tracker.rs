@@ -467,7 +467,7 @@ impl Replay {
 
 /// Whether the bounding balls alone prove the bodies more than `d` apart.
 #[inline]
-fn clear_of(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &RelativePose, d: f64) -> bool {
+pub(crate) fn clear_of(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &RelativePose, d: f64) -> bool {
     if !a.as_given || !b.as_given {
         return false;
     }

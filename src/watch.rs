@@ -18,7 +18,7 @@ use crate::polyhedron::ConvexPolyhedron;
 use crate::pose::{RelativePose, Which};
 use crate::scalar::sqrt;
 use crate::tolerance::{DISPLACEMENT, FAR, NEAR};
-use crate::tracker::Tracker;
+use crate::tracker::{Tracker, clear_of};
 
 /// Two bodies, a tracker, and the last answer with the pose it was for.
 ///
@@ -94,14 +94,13 @@ impl<'a> Watch<'a> {
 
     /// The signed distance, off by at most `error` (a length, in the caller's unit), with bounds.
     ///
-    /// The class is that of [`Tracker::distance`]; value and bounds depend on what was asked before, within `error`. An
-    /// error that the bounds of `Tracker::distance` themselves exceed (some `1e-13 L`), or that is negative or NaN, gives
-    /// the answer of `Tracker::distance`.
+    /// Value and bounds depend on what was asked before, within `error`. The class is that of [`Tracker::distance`], or
+    /// [`Class::Touching`] where bounds this wide leave the sign open. An error that the bounds of `Tracker::distance`
+    /// themselves exceed (some `1e-13 L`), or that is negative or NaN, gives the answer of `Tracker::distance`.
     pub fn distance(&mut self, a_from_b: &RelativePose, error: f64) -> Distance {
         self.asked += 1;
         let place = self.place(a_from_b);
         if let Some(known) = self.known(&place)
-            && known.class != Class::Undecided
             && known.upper - known.value <= error
             && known.value - known.lower <= error
         {
@@ -113,7 +112,7 @@ impl<'a> Watch<'a> {
     /// Whether the closed bodies are at most `d` apart: the answer of [`Tracker::within`], often for less.
     pub fn within(&mut self, a_from_b: &RelativePose, d: f64) -> bool {
         self.asked += 1;
-        if !(d >= 0.0) {
+        if !(d >= 0.0) || clear_of(self.a, self.b, a_from_b, d) {
             return false;
         }
         let decided = |o: &Distance| {
@@ -174,8 +173,8 @@ impl<'a> Watch<'a> {
         }
     }
 
-    /// The last answer as far as it is one here; undecided where its sign may have changed. `None` where nothing was
-    /// asked, or where squares of lengths leave the range.
+    /// The last answer as far as it is one here. `None` where nothing was asked, or where squares of lengths leave the
+    /// range.
     #[inline]
     fn known(&self, place: &Place) -> Option<Distance> {
         let Seen { place: then, answer } = self.seen.as_ref()?;
@@ -193,7 +192,7 @@ impl<'a> Watch<'a> {
         } else if upper < 0.0 {
             Class::Overlapping
         } else {
-            Class::Undecided
+            Class::Touching
         };
         Some(Distance {
             class,

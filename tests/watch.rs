@@ -60,7 +60,10 @@ fn distances_keep_to_the_error_and_bounds_hold() {
             let before = watch.looked();
             let d = watch.distance(&relative(&pa, &pb), error);
             let what = format!("{} {} {error}: {d:?}, truth {}", a.name, b.name, truth.distance);
-            assert_eq!(d.class, class(truth.class), "{what}");
+            if d.class != class(truth.class) {
+                assert!(d.class == Class::Touching && d.lower <= 0.0 && d.upper >= 0.0, "{what}");
+                assert!(watch.looked() == before, "{what}");
+            }
             assert!(
                 d.lower <= truth.distance.next_up() && truth.distance.next_down() <= d.upper,
                 "{what}"
@@ -119,7 +122,11 @@ fn a_watch_does_not_sleep_through_contact() {
         assert_eq!(watch.intersects(&at(x)), touches, "{x}");
     }
     assert!(watch.looked() < watch.asked());
-    assert_eq!(watch.distance(&at(2.0), 0.5).class, Class::Touching);
+    let looked = watch.looked();
+    assert_eq!(watch.distance(&at(1.9), 0.5).class, Class::Touching);
+    assert_eq!(watch.looked(), looked);
+    assert_eq!(watch.distance(&at(1.9), 0.05).class, Class::Overlapping);
+    assert_eq!(watch.distance(&at(2.0), 0.0).class, Class::Touching);
     assert_eq!(watch.distance(&at(2.5), 0.0).value, 0.5);
     assert!(!watch.within(&at(2.5), f64::NAN) && !watch.within(&at(2.5), -1.0));
     assert_eq!(watch.distance(&at(3.0), f64::NAN).value, 1.0);

@@ -20,13 +20,13 @@ use crate::truth::Sampled;
 type Trouble = Box<dyn std::error::Error>;
 
 /// Vertices of the bodies.
-pub(crate) const SIZE: usize = 2048;
+pub(crate) const SIZE: usize = 512;
 
 /// Degrees a frame.
 pub(crate) const DEGREES: [&str; 2] = ["0.05", "1"];
 
 /// Vertices of the inner hulls.
-const INNER: [usize; 2] = [32, 256];
+const INNER: [usize; 2] = [16, 64];
 
 /// The distance that `within` is asked for.
 const NEAR: f64 = 0.1;
@@ -154,11 +154,11 @@ fn questions<'a>(pair: &'a Pair, details: &'a [[Detail; 2]]) -> Vec<(Question, B
             Box::new(|| Ask::Distance(Tracker::new())) as Box<dyn Fn() -> Ask<'a> + 'a>,
         ),
         (
-            ("ours", "witnesses, the walk's word".into()),
+            ("ours", "witnesses (walk)".into()),
             Box::new(|| Ask::Walk(Tracker::new())),
         ),
         (
-            ("ours", "witnesses, certified".into()),
+            ("ours", "witnesses (certified)".into()),
             Box::new(|| Ask::Certified(Tracker::new())),
         ),
         (("ours", "exact".into()), Box::new(|| Ask::Exact(Tracker::new()))),
@@ -188,7 +188,7 @@ pub(crate) fn count(options: &Options) -> u64 {
 }
 
 pub(crate) fn run(options: &Options, rows: &mut Vec<Row>, progress: &Progress) -> Result<usize, Trouble> {
-    println!("\nOne motion, every question: gaps from 0.02 to 0.6 of the radius; `within` asks for {NEAR}");
+    println!("\nOne motion, every question: flat bodies, gaps from 2 to 52 % of the radius; `within` asks for {NEAR}");
     println!(
         "{:<16} {:>6}  {:<10} {:<28} {:>9} {:>17}  {:>9}  proven",
         "family", "n", "engine", "question", "ns", "from .. to", "error"
@@ -197,7 +197,7 @@ pub(crate) fn run(options: &Options, rows: &mut Vec<Row>, progress: &Progress) -
     for degrees in DEGREES {
         let pair = match &options.meshes {
             Some([a, b]) => Pair::new(bodies::mesh(a)?, bodies::mesh(b)?),
-            None => Pair::of("sphere", SIZE)?,
+            None => Pair::of("flat", SIZE)?,
         };
         size = pair.a.points.len();
         let pair = pair.swinging(degrees.parse()?, options.frames());
@@ -233,7 +233,7 @@ fn one(pair: &Pair, details: &[[Detail; 2]], (family, n): (&str, usize), options
         print(family, n, (engine, level), ns, &errors, &proven(&ask, pair));
         rows.extend(ns.iter().zip(&errors).map(|(&ns, &err)| Row {
             engine: (*engine).into(),
-            level: level.replace(',', ":"),
+            level: level.clone(),
             family: family.into(),
             n,
             ns,

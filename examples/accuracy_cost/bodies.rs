@@ -1,6 +1,6 @@
 //! Pairs of bodies in the form of each engine, and their motions. The benches use this file too.
 
-use lab::motion::{Frame, orbit_and_spin};
+use lab::motion::Frame;
 use lab::parry::Climber;
 use lab::rng::Rng;
 use lab::{Face, Point, Pose, shapes, workload};
@@ -115,11 +115,18 @@ impl Pair {
         Ok(a.with(frames))
     }
 
-    /// B orbits A and both spin by `degrees` a frame, coming near and going away.
+    /// B orbits A and spins by `degrees` a frame, coming near and going away.
     pub(crate) fn swinging(self, degrees: f64, frames: usize) -> Self {
-        let gaps = (0.02, 0.6);
-        let frames = orbit_and_spin(&mut Rng::new(19), frames, degrees, (1.0, 1.0), gaps, frames);
-        self.with(frames)
+        let mut pair = self.moving(Some(degrees), frames);
+        let mut tracker = Tracker::new();
+        let mut moved = std::mem::take(&mut pair.frames);
+        for (k, f) in moved.iter_mut().enumerate() {
+            let o = pair.closest(&mut tracker, f);
+            let n = f.a.rotate(o.normal.into_inner().into());
+            let swing = 0.5 - 0.5 * (std::f64::consts::TAU * k as f64 / frames as f64).cos();
+            f.b.t = std::array::from_fn(|i| f.b.t[i] + 0.5 * swing * n[i]);
+        }
+        pair.with(moved)
     }
 
     fn with(mut self, frames: Vec<Frame>) -> Self {

@@ -2,8 +2,9 @@
 //! world where the level has them.
 
 use std::hint::black_box;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
+use cpu_time::ThreadTime;
 use lab::Point;
 use lab::parry::GjkCached;
 use lin_canny::{RelativePose, Totals, Tracker, Watch};
@@ -260,12 +261,12 @@ fn pass(case: Case, pair: &Pair, ask: impl Fn(&Pair, usize, &mut State) -> Answe
     clocked(pair.frames.len(), || State::new(pair, case), |f, s| ask(pair, f, s))
 }
 
-/// Nanoseconds a query: the first passes find the caches and branch tables of another engine, the last is the one that counts.
+/// Nanoseconds of processor time a query: the first passes find the caches and branch tables of another engine, the last is the one that counts.
 #[inline(always)]
 pub(crate) fn clocked<S, A>(frames: usize, fresh: impl Fn() -> S, ask: impl Fn(usize, &mut S) -> A) -> f64 {
     let run = |frames: usize| {
         let mut state = fresh();
-        let began = Instant::now();
+        let began = ThreadTime::now();
         for f in 0..frames {
             black_box(ask(f, &mut state));
         }
@@ -276,7 +277,7 @@ pub(crate) fn clocked<S, A>(frames: usize, fresh: impl Fn() -> S, ask: impl Fn(u
     let frames = (WARM_UP.as_nanos() as usize * 2 / first.max(1))
         .clamp(16, frames.max(16))
         .min(frames);
-    let began = Instant::now();
+    let began = ThreadTime::now();
     while began.elapsed() < WARM_UP {
         run(frames);
     }

@@ -101,25 +101,21 @@ fn run(options: &Options) -> Result<(), Trouble> {
 }
 
 fn pictures_of_levels(options: &Options, rows: &[Row]) -> Vec<(&'static str, Chart)> {
-    if options.meshes.is_some() {
-        let n = rows.first().map_or(0, |r| r.n);
-        return vec![("error-time.svg", accuracy::error_and_time(rows, "mesh 0.5deg", n))];
+    let (shape, n) = match options.meshes {
+        Some(_) => ("mesh", rows.first().map_or(0, |r| r.n)),
+        None => ("sphere", parts::MIDDLE),
+    };
+    let picture = |motion: &str, n| accuracy::error_and_time(rows, &format!("{shape} {motion}"), n);
+    let mut all = vec![
+        ("error-time.svg", picture("0.05deg", n)),
+        ("error-time-quick.svg", picture("0.5deg", n)),
+        ("error-time-random.svg", picture("random", n)),
+    ];
+    if options.meshes.is_none() {
+        all.push(("error-time-small.svg", picture("0.5deg", 8)));
+        all.push(("size.svg", accuracy::time_and_size(rows, "sphere 0.5deg")));
     }
-    vec![
-        (
-            "error-time.svg",
-            accuracy::error_and_time(rows, "sphere 0.5deg", parts::MIDDLE),
-        ),
-        (
-            "error-time-small.svg",
-            accuracy::error_and_time(rows, "sphere 0.5deg", 8),
-        ),
-        (
-            "error-time-random.svg",
-            accuracy::error_and_time(rows, "sphere random", parts::MIDDLE),
-        ),
-        ("size.svg", accuracy::time_and_size(rows, "sphere 0.5deg")),
-    ]
+    all
 }
 
 fn save(charts: &[(&str, Chart)], folder: &Path) -> Result<(), Trouble> {

@@ -43,16 +43,17 @@ const SOME: [Case; 7] = [
     Case::cold(Level::ParryF32),
 ];
 
-/// Families and numbers of vertices of the first part.
-const FAMILIES: [(&str, usize); 8] = [
-    ("box", 8),
-    ("sphere", 8),
-    ("sphere", 32),
-    ("sphere", 128),
-    ("sphere", 512),
-    ("sphere", 2048),
-    ("sphere", 8192),
-    ("flat", 512),
+/// Families, numbers of vertices and degrees a frame of the first part.
+const FAMILIES: [(&str, usize, &str); 9] = [
+    ("box", 8, "0.5"),
+    ("sphere", 8, "0.5"),
+    ("sphere", 32, "0.5"),
+    ("sphere", 128, "0.5"),
+    ("sphere", MIDDLE, "0.5"),
+    ("sphere", 2048, "0.5"),
+    ("sphere", 8192, "0.5"),
+    ("flat", MIDDLE, "0.5"),
+    ("sphere", MIDDLE, "0.05"),
 ];
 
 /// Degrees a frame of the second part.
@@ -80,7 +81,7 @@ fn pair(options: &Options, shape: &str, n: usize) -> Result<(Pair, usize), Troub
 pub(crate) fn count(options: &Options) -> u64 {
     let part = |name: &str, n: usize| if options.does(name) { n as u64 } else { 0 };
     let families = if options.meshes.is_some() {
-        2
+        3
     } else {
         FAMILIES.len() + 2
     };
@@ -89,17 +90,24 @@ pub(crate) fn count(options: &Options) -> u64 {
 
 pub(crate) fn levels(options: &Options, rows: &mut Vec<Row>, progress: &Progress) -> Result<(), Trouble> {
     measure::head(
-        "Every level, 0.5 degrees a frame at a gap of 2 % of the radius; `random` takes a new pose every frame",
+        "Every level: gaps from 2 to 52 % of the radius, so many degrees a frame; `random` takes a new pose every frame",
     );
-    let own = [("mesh", 0)];
-    let families: &[_] = if options.meshes.is_some() { &own } else { &FAMILIES };
-    for &(shape, n) in families {
+    let own = options.meshes.is_some();
+    let mine = [("mesh", 0, "0.5"), ("mesh", 0, "0.05")];
+    for &(shape, n, degrees) in if own { &mine[..] } else { &FAMILIES } {
         let (pair, n) = pair(options, shape, n)?;
-        let pair = pair.moving(Some(0.5), options.frames());
-        measure::family(&pair, (&format!("{shape} 0.5deg"), n), &ALL, options, rows, progress);
+        let pair = pair.swinging(degrees.parse()?, options.frames());
+        measure::family(
+            &pair,
+            (&format!("{shape} {degrees}deg"), n),
+            &ALL,
+            options,
+            rows,
+            progress,
+        );
     }
-    let jumps: &[_] = if options.meshes.is_some() {
-        &own
+    let jumps = if own {
+        &[("mesh", 0)][..]
     } else {
         &[("sphere", MIDDLE), ("flat", MIDDLE)]
     };
@@ -119,7 +127,7 @@ pub(crate) fn motion(options: &Options, rows: &mut Vec<Row>, progress: &Progress
         let pair = pair.moving(Some(degrees.parse()?), options.frames());
         measure::family(
             &pair,
-            (&format!("sphere {degrees}deg"), n),
+            (&format!("motion {degrees}deg"), n),
             &SOME,
             options,
             rows,

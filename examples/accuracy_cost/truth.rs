@@ -5,6 +5,7 @@
 
 use lab::bound;
 use lab::exact::solve;
+use lab::rng::Rng;
 use lin_canny::{RelativePose, Tracker};
 
 use crate::bodies::Pair;
@@ -49,7 +50,7 @@ impl Truth {
     }
 }
 
-/// The truth of every so-manieth frame.
+/// The truth of some frames of a motion.
 pub(crate) struct Sampled {
     pub(crate) frames: Vec<usize>,
     truths: Vec<Truth>,
@@ -58,8 +59,14 @@ pub(crate) struct Sampled {
 
 impl Sampled {
     pub(crate) fn new(pair: &Pair, count: usize) -> Self {
-        let step = (pair.frames.len() / count).max(1);
-        let frames: Vec<usize> = (0..pair.frames.len()).step_by(step).collect();
+        // One frame of each stretch, which one by chance: what comes again every so many frames is met.
+        let (mut rng, total) = (Rng::new(29), pair.frames.len());
+        let stretch = |k: usize| k * total / count..(k + 1) * total / count;
+        let frames: Vec<usize> = (0..count)
+            .map(stretch)
+            .filter(|s| !s.is_empty())
+            .map(|s| s.start + rng.below(s.len()))
+            .collect();
         Self {
             truths: frames.iter().map(|&f| Truth::of(pair, f)).collect(),
             sizes: frames.iter().map(|&f| pair.size(f)).collect(),

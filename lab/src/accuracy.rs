@@ -1,7 +1,7 @@
 //! The pictures of what accuracy costs, from the rows of a record.
 //!
-//! Families name bodies and motion: `sphere 0.5deg`, `sphere random`, `sphere gap 1e-3`, `ball` (a sphere replaced by a
-//! hull), `asking 0.05deg`. Engines and levels are those of the example `accuracy_cost`.
+//! Families name bodies and motion: `sphere 0.5deg`, `sphere random`, `motion 0.1deg` (spheres too), `sphere gap 1e-3`, `ball`
+//! (a sphere replaced by a hull), `asking 0.05deg`. Engines and levels are those of the example `accuracy_cost`.
 
 use crate::plot::{Chart, Spread};
 use crate::record::{Row, spread};
@@ -64,6 +64,21 @@ fn levels(rows: &[Row], engine: &str, family: &str, n: usize) -> Vec<String> {
     all
 }
 
+/// Whether both are errors allowed, `1e-4` say, and lie in one place.
+fn alike(x: &Spread, y: &Spread) -> bool {
+    let near = |x: f64, y: f64, factor: f64| x.max(y) <= factor * x.min(y);
+    let allowed = |s: &Spread| s.word.starts_with("1e-");
+    allowed(x) && allowed(y) && near(x.x[1], y.x[1], 1.2) && near(x.y[1], y.y[1], 10.0)
+}
+
+/// Makes one point of two.
+fn join(x: &mut Spread, y: &Spread) {
+    (x.x[0], x.x[2]) = (x.x[0].min(y.x[0]), x.x[2].max(y.x[2]));
+    (x.y[0], x.y[2]) = (x.y[0].min(y.y[0]), x.y[2].max(y.y[2]));
+    let first = x.word.split(' ').next().unwrap_or_default();
+    x.word = format!("{first} .. {}", y.word);
+}
+
 /// Error against time: one point for each engine and level, with its spread.
 pub fn error_and_time(rows: &[Row], family: &str, n: usize) -> Chart {
     let mut chart = Chart::new(format!("error and time of a query: {family}, {n} vertices a body"))
@@ -76,20 +91,25 @@ pub fn error_and_time(rows: &[Row], family: &str, n: usize) -> Chart {
         .size(1000, 480)
         .legend_beside();
     for (engine, name) in ENGINES {
-        let point = |level: String| {
-            let c = cell(rows, engine, &level, family, n)?;
-            let word = if engine.starts_with("ours") {
-                level
-            } else {
-                String::new()
+        let mut points: Vec<Spread> = Vec::new();
+        for level in levels(rows, engine, family, n) {
+            let Some(c) = cell(rows, engine, &level, family, n) else {
+                continue;
             };
-            Some(Spread {
+            let point = Spread {
                 x: c.ns,
                 y: c.err.map(|e| e.max(FLOOR)),
-                word,
-            })
-        };
-        let points: Vec<Spread> = levels(rows, engine, family, n).into_iter().filter_map(point).collect();
+                word: if engine.starts_with("ours") {
+                    level
+                } else {
+                    String::new()
+                },
+            };
+            match points.last_mut() {
+                Some(last) if alike(last, &point) => join(last, &point),
+                _ => points.push(point),
+            }
+        }
         if !points.is_empty() {
             chart = chart.spreads(name, points);
         }
@@ -128,7 +148,7 @@ pub fn time_and_size(rows: &[Row], family: &str) -> Chart {
     lines(chart, rows, |r| (r.family == family).then_some(r.n as f64))
 }
 
-/// Time against motion a frame: families `sphere Xdeg` of `n` vertices.
+/// Time against motion a frame: families `motion Xdeg` of `n` vertices.
 pub fn time_and_motion(rows: &[Row], n: usize) -> Chart {
     let chart = Chart::new(format!("time of a query: spheres of {n} vertices"))
         .axes("degrees that B orbits and turns a frame", "nanoseconds a query")
@@ -137,7 +157,7 @@ pub fn time_and_motion(rows: &[Row], n: usize) -> Chart {
         .size(1000, 480)
         .legend_beside();
     lines(chart, rows, |r| {
-        let degrees = r.family.strip_prefix("sphere ")?.strip_suffix("deg")?;
+        let degrees = r.family.strip_prefix("motion ")?.strip_suffix("deg")?;
         (r.n == n).then(|| degrees.parse().ok())?
     })
 }
@@ -212,34 +232,42 @@ pub fn geometry(rows: &[Row]) -> Chart {
     chart
 }
 
-/// Time against what is known: families that begin with `asking`, a series each engine. A yes or no, whose rows have no
-/// error, stands at 1.
+/// What each question costs: a line each, with the error of its answers.
 pub fn asking(rows: &[Row], family: &str, n: usize) -> Chart {
-    let mut chart = Chart::new(format!("what asking less saves: {family}, {n} vertices a body"))
-        .axes("nanoseconds a query", "what is left unknown, over the size of the pair")
+    let mut chart = Chart::new(format!("what asking less saves: {family} a frame, {n} vertices a body"))
+        .axes(
+            "nanoseconds a query; beside the question the greatest error seen, over the size of the pair",
+            "",
+        )
         .log_x()
-        .log_y()
+        .rows()
         .size(1000, 480)
         .legend_beside();
-    for (engine, name) in [
+    let engines = [
         ("ours", "ours"),
         ("detail", "ours, on inner hulls"),
         ("parry-f64", "parry f64"),
-    ] {
-        let point = |level: String| {
-            let c = cell(rows, engine, &level, family, n)?;
-            let y = if c.err[1].is_nan() {
-                [1.0; 3]
-            } else {
-                c.err.map(|e| e.max(FLOOR))
+    ];
+    let count: usize = engines.iter().map(|e| levels(rows, e.0, family, n).len()).sum();
+    let mut line = count as f64;
+    for (engine, name) in engines {
+        let mut points = Vec::new();
+        for level in levels(rows, engine, family, n) {
+            let Some(c) = cell(rows, engine, &level, family, n) else {
+                continue;
             };
-            Some(Spread {
+            let error = if c.err[2].is_nan() {
+                String::new()
+            } else {
+                format!(": {:.0e}", c.err[2])
+            };
+            points.push(Spread {
                 x: c.ns,
-                y,
-                word: level,
-            })
-        };
-        let points: Vec<Spread> = levels(rows, engine, family, n).into_iter().filter_map(point).collect();
+                y: [line; 3],
+                word: level + &error,
+            });
+            line -= 1.0;
+        }
         if !points.is_empty() {
             chart = chart.spreads(name, points);
         }
@@ -265,7 +293,7 @@ mod tests {
             let (n, x) = (8 << k, f64::from(k));
             for (engine, level) in [("ours", "certified"), ("ours", "walk"), ("parry-f64", "distance")] {
                 all.push(row(engine, level, "sphere 0.5deg", n as usize, 80.0 + x, 1e-17 * x));
-                all.push(row(engine, level, &format!("sphere {k}deg"), 8, 90.0 * x, 0.0));
+                all.push(row(engine, level, &format!("motion {k}deg"), 8, 90.0 * x, 0.0));
                 all.push(row(engine, level, &format!("sphere gap 1e-{k}"), 8, 90.0 * x, 0.0));
                 all.push(row(engine, level, "ball", n as usize, 80.0, 0.1 / x));
             }

@@ -10,7 +10,7 @@ use plotters::prelude::*;
 use std::path::Path;
 
 /// Colours of the series, in turn.
-const COLOURS: [RGBColor; 7] = [
+const COLOURS: [RGBColor; 8] = [
     RGBColor(0, 90, 160),
     RGBColor(213, 94, 0),
     RGBColor(0, 158, 115),
@@ -18,6 +18,7 @@ const COLOURS: [RGBColor; 7] = [
     RGBColor(86, 180, 233),
     RGBColor(150, 110, 0),
     RGBColor(60, 60, 60),
+    RGBColor(170, 170, 170),
 ];
 
 /// Dark grey of text and axes.
@@ -69,6 +70,7 @@ pub struct Chart {
     size: (u32, u32),
     from_zero: bool,
     beside: bool,
+    rows: bool,
     series: Vec<Series>,
 }
 
@@ -87,6 +89,7 @@ impl Chart {
             size: (860, 480),
             from_zero: false,
             beside: false,
+            rows: false,
             series: vec![],
         }
     }
@@ -118,6 +121,12 @@ impl Chart {
     /// Puts the legend to the right of the axes, where it hides nothing.
     pub fn legend_beside(mut self) -> Self {
         self.beside = true;
+        self
+    }
+
+    /// Lines of words: y counts them, and its axis has no numbers.
+    pub fn rows(mut self) -> Self {
+        self.rows = true;
         self
     }
 
@@ -245,7 +254,7 @@ impl Chart {
             .margin(12)
             .margin_right(if self.beside { BESIDE } else { 12 })
             .x_label_area_size(48)
-            .y_label_area_size(76)
+            .y_label_area_size(if self.rows { 20 } else { 76 })
             .build_cartesian_2d(x, y)?;
         let mut mesh = chart.configure_mesh();
         mesh.x_desc(&self.x_label)
@@ -255,8 +264,12 @@ impl Chart {
         mesh.axis_style(INK)
             .bold_line_style(INK.mix(0.15))
             .light_line_style(INK.mix(0.04));
+        if self.rows {
+            mesh.disable_y_mesh();
+        }
+        let number = |v: &f64| if self.rows { String::new() } else { short(*v) };
         mesh.x_label_formatter(&|v| short(*v))
-            .y_label_formatter(&|v| short(*v))
+            .y_label_formatter(&number)
             .draw()?;
         for (i, s) in self.series.iter().enumerate() {
             let colour = COLOURS[i % COLOURS.len()];
@@ -313,7 +326,10 @@ impl Chart {
                 let (x, y) = (x - origin.0, y - origin.1);
                 let width = 7 * word.chars().count() as i32;
                 let left = if x + 8 + width > right { x - 8 - width } else { x + 8 };
-                let rows = (0..12).flat_map(|k| [y - 16 - 14 * k, y + 4 + 14 * k]);
+                let beside = self.rows.then_some(y - 7);
+                let rows = beside
+                    .into_iter()
+                    .chain((0..12).flat_map(|k| [y - 16 - 14 * k, y + 4 + 14 * k]));
                 let free = |top: &i32| {
                     let clear =
                         |t: &[i32; 4]| left >= t[2] || left + width <= t[0] || *top >= t[3] || *top + 13 <= t[1];
