@@ -64,6 +64,16 @@ fn levels(rows: &[Row], engine: &str, family: &str, n: usize) -> Vec<String> {
     all
 }
 
+/// A family in the words of a title.
+fn told(family: &str) -> String {
+    let (what, motion) = family.split_once(' ').unwrap_or((family, ""));
+    match motion.strip_suffix("deg") {
+        Some(degrees) if what == "asking" => format!("{degrees} degrees a frame"),
+        Some(degrees) => format!("{what}, {degrees} degrees a frame"),
+        None => family.replacen(' ', ", ", 1),
+    }
+}
+
 /// Whether both are errors allowed, `1e-4` say, and lie in one place.
 fn alike(x: &Spread, y: &Spread) -> bool {
     let near = |x: f64, y: f64, factor: f64| x.max(y) <= factor * x.min(y);
@@ -81,15 +91,18 @@ fn join(x: &mut Spread, y: &Spread) {
 
 /// Error against time: one point for each engine and level, with its spread.
 pub fn error_and_time(rows: &[Row], family: &str, n: usize) -> Chart {
-    let mut chart = Chart::new(format!("error and time of a query: {family}, {n} vertices a body"))
-        .axes(
-            "nanoseconds a query",
-            format!("error over the size of the pair ({FLOOR:e}: none seen)"),
-        )
-        .log_x()
-        .log_y()
-        .size(1000, 480)
-        .legend_beside();
+    let mut chart = Chart::new(format!(
+        "error and time of a query: {}, {n} vertices a body",
+        told(family)
+    ))
+    .axes(
+        "nanoseconds a query",
+        format!("error over the size of the pair ({FLOOR:e}: none seen)"),
+    )
+    .log_x()
+    .log_y()
+    .size(1000, 480)
+    .legend_beside();
     for (engine, name) in ENGINES {
         let mut points: Vec<Spread> = Vec::new();
         for level in levels(rows, engine, family, n) {
@@ -139,7 +152,7 @@ fn lines(mut chart: Chart, rows: &[Row], x: impl Fn(&Row) -> Option<f64>) -> Cha
 
 /// Time against the number of vertices.
 pub fn time_and_size(rows: &[Row], family: &str) -> Chart {
-    let chart = Chart::new(format!("time of a query: {family} a frame"))
+    let chart = Chart::new(format!("time of a query: {}", told(family)))
         .axes("vertices a body", "nanoseconds a query")
         .log_x()
         .log_y()
@@ -234,7 +247,7 @@ pub fn geometry(rows: &[Row]) -> Chart {
 
 /// What each question costs: a line each, with the error of its answers.
 pub fn asking(rows: &[Row], family: &str, n: usize) -> Chart {
-    let mut chart = Chart::new(format!("what asking less saves: {family} a frame, {n} vertices a body"))
+    let mut chart = Chart::new(format!("what asking less saves: {}, {n} vertices a body", told(family)))
         .axes(
             "nanoseconds a query; beside the question the greatest error seen, over the size of the pair",
             "",
