@@ -170,6 +170,7 @@ extern crate std;
 pub mod broad;
 mod certificate;
 mod closest;
+pub mod cost;
 mod double_double;
 mod penetration;
 pub mod polyhedron;

@@ -208,7 +208,7 @@ fn gap_of(
     .axes("gap over the size of the pair", "percent of the queries")
     .log_x()
     .from_zero()
-    .size(1000, 400)
+    .size(880, 400)
     .legend_beside();
     for (share, (_, name)) in shares.into_iter().zip(layers) {
         chart = chart.curve(name, share);

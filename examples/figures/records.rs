@@ -20,27 +20,29 @@ fn newest(folder: &Path) -> Result<PathBuf, Trouble> {
     Ok(records.pop().ok_or("no record of accuracy_cost in benches/record")?)
 }
 
-/// A chart as text that can stand in documentation: without blank lines.
+/// A chart as text that can stand in documentation: without blank lines, and no wider than the page.
 fn text(chart: &Chart) -> Result<String, Trouble> {
-    let svg = chart.svg()?;
-    Ok(svg
-        .lines()
-        .filter(|l| !l.trim().is_empty())
-        .flat_map(|l| [l, "\n"])
-        .collect())
+    let svg = chart
+        .svg()?
+        .replacen("<svg ", "<svg style=\"max-width:100%;height:auto\" ", 1);
+    let lines = svg.lines().filter(|l| !l.trim().is_empty());
+    Ok(lines.flat_map(|l| [l, "\n"]).collect())
 }
 
-/// Names and texts of the pictures.
+/// Names and texts of the pictures, and of the table beside them.
 pub(crate) fn pictures(folder: &Path) -> Result<Vec<(&'static str, String)>, Trouble> {
     let file = newest(folder)?;
     let rows = record::read(&file)?;
     println!("from {}", file.display());
     Ok(vec![
         (
+            "cost.md",
+            accuracy::table(&rows, "sphere 0.5deg", &[8, 32, 128, 512, 2048, 8192]),
+        ),
+        (
             "accuracy.svg",
             text(&accuracy::error_and_time(&rows, "sphere 0.05deg", 512))?,
         ),
-        ("size.svg", text(&accuracy::time_and_size(&rows, "sphere 0.5deg"))?),
         ("motion.svg", text(&accuracy::time_and_motion(&rows, 512))?),
         ("contact-error.svg", text(&accuracy::error_and_gap(&rows, "flush", 8))?),
         ("contact-time.svg", text(&accuracy::time_and_gap(&rows, "flush", 8))?),

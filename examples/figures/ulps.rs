@@ -6,7 +6,7 @@ use lin_canny::nalgebra::{Point3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::{ConvexPolyhedron, RelativePose, Tracker};
 
-use crate::svg::{BLUE, Svg};
+use crate::svg::Svg;
 use crate::{Trouble, isometry};
 
 /// Cells along a side of a map.
@@ -92,30 +92,43 @@ impl Stage {
     }
 }
 
-/// Whether an engine that knows no touching is wrong: touching counts as sharing a point.
-fn wrong(says: Class, truth: Class, knows_touching: bool) -> bool {
-    let shares = |c| c != Class::Separated;
-    if knows_touching {
-        says != truth
-    } else {
-        shares(says) != shares(truth)
-    }
-}
-
 pub(crate) fn picture() -> Result<String, Trouble> {
     let maps = Stage::new()?.maps()?;
     let truth = maps[0].classes.clone();
+    assert!(!truth.contains(&Class::Touching), "a map of two colours");
     let side = CELL * SIDE as f64;
     let mut svg = Svg::new(900, 300, "Who answers wrong where rounding decides");
     for (k, map) in maps.iter().enumerate() {
         let left = 16.0 + k as f64 * (side + 22.0);
-        let miss = |cell: usize| wrong(map.classes[cell], truth[cell], k < 2);
-        let misses = (0..truth.len()).filter(|&c| miss(c)).count();
-        let colour = |cell: usize| match (miss(cell), map.classes[cell]) {
+        let misses = map.draw(&mut svg, left, &truth);
+        svg.words([left + side / 2.0, 28.0], 14, "middle", map.title);
+        let told = match k {
+            0 => "the truth".to_owned(),
+            _ => format!("{misses} of {} wrong", truth.len()),
+        };
+        svg.words([left + side / 2.0, 258.0], 13, "middle", &told);
+    }
+    for (x, colour, word) in [
+        (16.0, APART, "apart"),
+        (90.0, OVERLAPPING, "overlapping"),
+        (205.0, WRONG, "wrong: the other of the two"),
+    ] {
+        svg.rect([x, 274.0], [14.0, 14.0], &format!("fill=\"{colour}\""));
+        svg.words([x + 20.0, 286.0], 13, "start", word);
+    }
+    let scale = "a cell is one unit in the last place of the position, 1.1e-16";
+    svg.words([884.0, 286.0], 13, "end", scale);
+    Ok(svg.finish())
+}
+
+impl Map {
+    /// Draws the map from `left` on; how many cells are wrong.
+    fn draw(&self, svg: &mut Svg, left: f64, truth: &[Class]) -> usize {
+        let miss = |cell: usize| self.classes[cell] != truth[cell];
+        let colour = |cell: usize| match (miss(cell), self.classes[cell]) {
             (true, _) => WRONG,
             (_, Class::Separated) => APART,
-            (_, Class::Touching) => BLUE,
-            (_, Class::Overlapping) => OVERLAPPING,
+            _ => OVERLAPPING,
         };
         for row in 0..SIDE {
             // Cells of one colour side by side are one rectangle.
@@ -126,40 +139,11 @@ pub(crate) fn picture() -> Result<String, Trouble> {
                     continue;
                 }
                 let style = format!("fill=\"{}\" shape-rendering=\"crispEdges\"", colour(first + start));
-                svg.rect(
-                    [left + CELL * start as f64, y],
-                    [CELL * (end - start) as f64, CELL],
-                    &style,
-                );
+                let place = [left + CELL * start as f64, y];
+                svg.rect(place, [CELL * (end - start) as f64, CELL], &style);
                 start = end;
             }
         }
-        svg.words([left + side / 2.0, 28.0], 14, "middle", map.title);
-        let told = match k {
-            0 => "the truth".to_owned(),
-            _ => format!("{misses} of {} wrong", truth.len()),
-        };
-        svg.words([left + side / 2.0, 258.0], 13, "middle", &told);
+        (0..truth.len()).filter(|&c| miss(c)).count()
     }
-    let words = [
-        (16.0, APART, "apart"),
-        (90.0, OVERLAPPING, "overlapping"),
-        (205.0, BLUE, "touching"),
-        (300.0, WRONG, "wrong"),
-    ];
-    for (x, colour, word) in words {
-        svg.rect(
-            [x, 274.0],
-            [14.0, 14.0],
-            &format!("fill=\"{colour}\" stroke=\"{ORANGE}\" stroke-width=\"0\""),
-        );
-        svg.words([x + 20.0, 286.0], 13, "start", word);
-    }
-    svg.words(
-        [884.0, 286.0],
-        13,
-        "end",
-        "a cell is one unit in the last place of the position, 1.1e-16",
-    );
-    Ok(svg.finish())
 }

@@ -101,7 +101,7 @@ pub fn error_and_time(rows: &[Row], family: &str, n: usize) -> Chart {
     )
     .log_x()
     .log_y()
-    .size(1000, 480)
+    .size(880, 440)
     .legend_beside();
     for (engine, name) in ENGINES {
         let mut points: Vec<Spread> = Vec::new();
@@ -130,6 +130,41 @@ pub fn error_and_time(rows: &[Row], family: &str, n: usize) -> Chart {
     chart
 }
 
+/// The rows of the table: engine, level, words.
+const TABLE: [(&str, &str, &str); 9] = [
+    ("ours", "walk", "`propose`, tracked"),
+    ("ours", "certified", "`closest`, tracked"),
+    ("ours", "1e-2", "`Watch::distance`, error up to 1e-2 L"),
+    ("ours", "1e-4", "`Watch::distance`, error up to 1e-4 L"),
+    ("ours", "exact", "`closest_exact`, tracked"),
+    ("ours-cold", "certified", "`closest`, a new tracker every time"),
+    ("gjk-cached", "closest", "parry's GJK f64, simplex kept"),
+    ("parry-f64", "distance", "parry f64"),
+    ("parry-f32", "distance", "parry f32"),
+];
+
+/// Nanoseconds a query and the greatest error over the size of the pair, as a table in Markdown.
+pub fn table(rows: &[Row], family: &str, sizes: &[usize]) -> String {
+    let mut out = String::from("| |");
+    sizes.iter().for_each(|n| out += &format!(" n = {n} |"));
+    out += " greatest error over L |\n|---|";
+    sizes.iter().for_each(|_| out += "---:|");
+    out += "---:|\n";
+    for (engine, level, words) in TABLE {
+        let cells: Vec<Option<Cell>> = sizes.iter().map(|&n| cell(rows, engine, level, family, n)).collect();
+        let worst = spread(cells.iter().flatten().map(|c| c.err[2]))[2];
+        let number = |c: &Option<Cell>| c.as_ref().map_or(String::new(), |c| format!(" {:.0} |", c.ns[1]));
+        out += &format!("| {words} |");
+        cells.iter().for_each(|c| out += &number(c));
+        out += &if worst == 0.0 {
+            " none seen |\n".to_owned()
+        } else {
+            format!(" {worst:.0e} |\n")
+        };
+    }
+    out
+}
+
 /// Adds a line for each engine and level over the families that `x` gives a place.
 fn lines(mut chart: Chart, rows: &[Row], x: impl Fn(&Row) -> Option<f64>) -> Chart {
     for (engine, level, name) in LINES {
@@ -156,7 +191,7 @@ pub fn time_and_size(rows: &[Row], family: &str) -> Chart {
         .axes("vertices a body", "nanoseconds a query")
         .log_x()
         .log_y()
-        .size(1000, 480)
+        .size(880, 440)
         .legend_beside();
     lines(chart, rows, |r| (r.family == family).then_some(r.n as f64))
 }
@@ -167,7 +202,7 @@ pub fn time_and_motion(rows: &[Row], n: usize) -> Chart {
         .axes("degrees that B orbits and turns a frame", "nanoseconds a query")
         .log_x()
         .log_y()
-        .size(1000, 480)
+        .size(880, 440)
         .legend_beside();
     lines(chart, rows, |r| {
         let degrees = r.family.strip_prefix("motion ")?.strip_suffix("deg")?;
@@ -186,7 +221,7 @@ pub fn time_and_gap(rows: &[Row], family: &str, n: usize) -> Chart {
         .axes("gap over the size of the pair", "nanoseconds a query")
         .log_x()
         .log_y()
-        .size(1000, 480)
+        .size(880, 440)
         .legend_beside();
     lines(chart, rows, |r| gap_of(r, family).filter(|_| r.n == n))
 }
@@ -197,7 +232,7 @@ pub fn error_and_gap(rows: &[Row], family: &str, n: usize) -> Chart {
         .axes("gap over the size of the pair", "error over the size of the pair")
         .log_x()
         .log_y()
-        .size(1000, 480)
+        .size(880, 440)
         .legend_beside();
     for (engine, level, name) in LINES {
         let mut at: BTreeMap<u64, Vec<f64>> = BTreeMap::new();
@@ -228,7 +263,7 @@ pub fn geometry(rows: &[Row]) -> Chart {
         )
         .log_x()
         .log_y()
-        .size(1000, 480)
+        .size(880, 440)
         .legend_beside();
     for (engine, level, name) in LINES {
         let of = |r: &&Row| r.family == "ball" && r.engine == engine && r.level == level;
@@ -254,7 +289,7 @@ pub fn asking(rows: &[Row], family: &str, n: usize) -> Chart {
         )
         .log_x()
         .rows()
-        .size(1000, 480)
+        .size(880, 440)
         .legend_beside();
     let engines = [
         ("ours", "ours"),
@@ -339,6 +374,13 @@ mod tests {
             }
             assert!(svg.contains("circle") && !svg.contains("NaN"));
         }
+    }
+
+    #[test]
+    fn the_table_has_a_line_for_each_level() {
+        let text = table(&rows(), "sphere 0.5deg", &[16, 32]);
+        assert!(text.starts_with("| | n = 16 | n = 32 | greatest error over L |\n|---|---:|---:|---:|\n"));
+        assert!(text.contains("| `closest`, tracked | 81 | 82 | 2e-17 |\n"), "{text}");
     }
 
     #[test]
