@@ -24,7 +24,7 @@ fn newest(folder: &Path) -> Result<PathBuf, Trouble> {
 fn text(chart: &Chart) -> Result<String, Trouble> {
     let svg = chart
         .svg()?
-        .replacen("<svg ", "<svg style=\"max-width:100%;height:auto\" ", 1);
+        .replacen("<svg ", "<svg style=\"max-width:100%\" ", 1);
     let lines = svg.lines().filter(|l| !l.trim().is_empty());
     Ok(lines.flat_map(|l| [l, "\n"]).collect())
 }
