@@ -74,10 +74,13 @@ fn told(family: &str) -> String {
     }
 }
 
+/// The word beside a level that is an error allowed.
+const ALLOWED: &str = "error to ";
+
 /// Whether both are errors allowed, `1e-4` say, and lie in one place.
 fn alike(x: &Spread, y: &Spread) -> bool {
     let near = |x: f64, y: f64, factor: f64| x.max(y) <= factor * x.min(y);
-    let allowed = |s: &Spread| s.word.starts_with("1e-");
+    let allowed = |s: &Spread| s.word.starts_with(ALLOWED);
     allowed(x) && allowed(y) && near(x.x[1], y.x[1], 1.2) && near(x.y[1], y.y[1], 10.0)
 }
 
@@ -85,8 +88,8 @@ fn alike(x: &Spread, y: &Spread) -> bool {
 fn join(x: &mut Spread, y: &Spread) {
     (x.x[0], x.x[2]) = (x.x[0].min(y.x[0]), x.x[2].max(y.x[2]));
     (x.y[0], x.y[2]) = (x.y[0].min(y.y[0]), x.y[2].max(y.y[2]));
-    let first = x.word.split(' ').next().unwrap_or_default();
-    x.word = format!("{first} .. {}", y.word);
+    let first = x.word.split(" .. ").next().unwrap_or_default();
+    x.word = format!("{first} .. {}", y.word.trim_start_matches(ALLOWED));
 }
 
 /// Error against time: one point for each engine and level, with its spread.
@@ -109,14 +112,15 @@ pub fn error_and_time(rows: &[Row], family: &str, n: usize) -> Chart {
             let Some(c) = cell(rows, engine, &level, family, n) else {
                 continue;
             };
+            let word = match (engine.starts_with("ours"), level.starts_with("1e-")) {
+                (true, true) => format!("{ALLOWED}{level}"),
+                (true, false) => level,
+                _ => String::new(),
+            };
             let point = Spread {
                 x: c.ns,
                 y: c.err.map(|e| e.max(FLOOR)),
-                word: if engine.starts_with("ours") {
-                    level
-                } else {
-                    String::new()
-                },
+                word,
             };
             match points.last_mut() {
                 Some(last) if alike(last, &point) => join(last, &point),
@@ -304,10 +308,10 @@ pub fn asking(rows: &[Row], family: &str, n: usize) -> Chart {
             let Some(c) = cell(rows, engine, &level, family, n) else {
                 continue;
             };
-            let error = if c.err[2].is_nan() {
-                String::new()
-            } else {
-                format!(": {:.0e}", c.err[2])
+            let error = match c.err[2] {
+                e if e.is_nan() => String::new(),
+                0.0 => ": none seen".into(),
+                e => format!(": {e:.0e}"),
             };
             points.push(Spread {
                 x: c.ns,
