@@ -274,7 +274,8 @@ pub fn geometry(rows: &[Row]) -> Chart {
         let mut by_n: BTreeMap<usize, (Vec<f64>, Vec<f64>)> = BTreeMap::new();
         for r in rows.iter().filter(of) {
             let at = by_n.entry(r.n).or_default();
-            (at.0.push(r.err), at.1.push(r.ns));
+            at.0.push(r.err);
+            at.1.push(r.ns);
         }
         let points: Vec<(f64, f64)> = by_n.into_values().map(|(e, t)| (spread(e)[2], spread(t)[1])).collect();
         if points.len() > 1 {

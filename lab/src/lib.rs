@@ -14,6 +14,7 @@
 //! | [`brute_hull`] | exact faces of a few points |
 //! | [`bound`] | exact checks of an answer for bodies of any size |
 //! | [`suite`] | files of cases with or without their truth |
+//! | [`corpus`] | the named hard cases of `tests/corpus/` |
 //! | [`parry`], [`parry_f32`] | the reference engine and the competitors |
 //! | [`meshes`] | OBJ and STL files |
 //! | [`record`], [`accuracy`] | measurements as CSV, and the pictures of what accuracy costs |
@@ -27,6 +28,7 @@ pub mod body;
 pub mod bound;
 pub mod boxes;
 pub mod brute_hull;
+pub mod corpus;
 pub mod exact;
 pub mod meshes;
 pub mod motion;

@@ -11,7 +11,8 @@
 //! difference around the origin. Bounds that straddle zero send the pair to the next finer arithmetic.
 
 mod behind;
-mod edge_edge;
+pub(crate) mod edge_edge;
+mod ellipsoid;
 #[cfg(feature = "exact")]
 pub(crate) mod exact;
 pub(crate) mod fallback;
