@@ -173,6 +173,7 @@ extern crate std;
 pub mod broad;
 mod certificate;
 mod closest;
+pub mod cost;
 mod double_double;
 mod penetration;
 pub mod polyhedron;
@@ -182,6 +183,7 @@ mod scalar;
 mod soundness;
 pub mod tolerance;
 mod tracker;
+mod watch;
 
 pub use closest::outcome::{Class, Distance, Layer, Level, Outcome, Proposal, Work};
 pub use nalgebra;
@@ -191,6 +193,7 @@ pub use polyhedron::{
 pub use pose::{PoseError, RelativePose, Which};
 pub use replay::{Replay, ReplayError};
 pub use tracker::{Totals, Tracker};
+pub use watch::Watch;
 
 /// Runs the README as a test.
 #[doc = include_str!("../README.md")]

@@ -210,7 +210,19 @@ impl Tracker {
 
     /// The distance and its bounds without the witnesses.
     pub fn distance(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Distance {
-        let o = self.answer(a, b, a_from_b, Level::Certified, true);
+        self.bounds(a, b, a_from_b, true)
+    }
+
+    /// The same; of an overlap only that it is one, unless `deep`.
+    #[inline]
+    pub(crate) fn bounds(
+        &mut self,
+        a: &ConvexPolyhedron,
+        b: &ConvexPolyhedron,
+        a_from_b: &RelativePose,
+        deep: bool,
+    ) -> Distance {
+        let o = self.answer(a, b, a_from_b, Level::Certified, deep);
         Distance {
             class: o.class,
             value: o.distance,
@@ -457,7 +469,7 @@ impl Replay {
 
 /// Whether the bounding balls alone prove the bodies more than `d` apart.
 #[inline]
-fn clear_of(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &RelativePose, d: f64) -> bool {
+pub(crate) fn clear_of(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &RelativePose, d: f64) -> bool {
     if !a.as_given || !b.as_given {
         return false;
     }
