@@ -170,6 +170,7 @@ extern crate std;
 pub mod broad;
 mod certificate;
 mod closest;
+mod contact;
 mod double_double;
 mod penetration;
 pub mod polyhedron;
@@ -181,6 +182,7 @@ pub mod tolerance;
 mod tracker;
 
 pub use closest::outcome::{Class, Distance, Layer, Level, Outcome, Proposal, Work};
+pub use contact::{ContactPoint, Gradient, Manifold, ManifoldOptions};
 pub use nalgebra;
 pub use polyhedron::{
     BoxHint, BuildError, BuildReport, ConvexPolyhedron, EdgeId, FaceId, Feature, FeaturePair, VertexId,

@@ -17,7 +17,7 @@ use lab::progress::Progress;
 use lab::rng::Rng;
 use lab::workload::{self, DEPTH, FacePlane, SIZES};
 use lin_canny::nalgebra::{Isometry3, Point3};
-use lin_canny::{ConvexPolyhedron, FaceId, RelativePose, Tracker};
+use lin_canny::{ConvexPolyhedron, FaceId, Manifold, ManifoldOptions, RelativePose, Tracker};
 
 use crate::common::{Options, WARM_UP, isometry, median, plain};
 
@@ -29,16 +29,23 @@ const SCENES: [&str; 4] = ["shallow-0.5", "resting", "sliding", "passing"];
 #[derive(Clone, Copy, PartialEq)]
 enum Engine {
     Ours,
+    Manifold,
     ParryContact,
     ParryManifold,
 }
 
 impl Engine {
-    const ALL: [Engine; 3] = [Engine::Ours, Engine::ParryContact, Engine::ParryManifold];
+    const ALL: [Engine; 4] = [
+        Engine::Ours,
+        Engine::Manifold,
+        Engine::ParryContact,
+        Engine::ParryManifold,
+    ];
 
     fn name(self) -> &'static str {
         match self {
             Engine::Ours => "ours",
+            Engine::Manifold => "ours-manifold",
             Engine::ParryContact => "parry-contact",
             Engine::ParryManifold => "parry-manifold-warm",
         }
@@ -141,6 +148,7 @@ fn build(scene: &str, shape: &str, n: usize, count: usize) -> Option<Scene> {
 #[derive(Default)]
 struct State {
     tracker: Tracker,
+    manifold: Manifold,
     parry: ContactPair,
 }
 
@@ -159,6 +167,18 @@ fn ask(engine: Engine, scene: &Scene, frame: usize, state: &mut State) -> Answer
             let o = state.tracker.closest(&scene.a, &scene.b, &relative);
             black_box((pa * o.point_on_a, pb * o.point_on_b, pa * o.normal.into_inner()));
             (o.distance, 1)
+        }
+        Engine::Manifold => {
+            let (pa, pb) = &scene.poses[frame];
+            let Ok(relative) = RelativePose::new(pa, pb) else {
+                return none;
+            };
+            let (a, b) = (&scene.a, &scene.b);
+            let options = ManifoldOptions::within(PREDICTION);
+            state.tracker.manifold(a, b, &relative, &options, &mut state.manifold);
+            let points = state.manifold.points();
+            let deepest = points.iter().map(|p| p.separation).reduce(f64::min);
+            (deepest.unwrap_or(f64::NAN), points.len())
         }
         Engine::ParryContact => {
             let (pa, pb) = &scene.parry_poses[frame];
@@ -180,6 +200,7 @@ fn ask(engine: Engine, scene: &Scene, frame: usize, state: &mut State) -> Answer
 fn pass(engine: Engine, scene: &Scene, frames: usize) -> f64 {
     match engine {
         Engine::Ours => time(frames, |f, s| ask(Engine::Ours, scene, f, s)),
+        Engine::Manifold => time(frames, |f, s| ask(Engine::Manifold, scene, f, s)),
         Engine::ParryContact => time(frames, |f, s| ask(Engine::ParryContact, scene, f, s)),
         Engine::ParryManifold => time(frames, |f, s| ask(Engine::ParryManifold, scene, f, s)),
     }
@@ -237,6 +258,8 @@ struct Row {
     ns: Vec<f64>,
     /// Median of a frame of ours, and the 99th percentile over it.
     spread: (f64, f64),
+    /// Contacts of a manifold on the mean, ours and parry's.
+    points: [f64; 2],
     note: String,
 }
 
@@ -266,7 +289,7 @@ fn race(scene_name: &'static str, shape: &'static str, n: usize, quick: bool) ->
     let count = if quick { 200 } else { 1000 };
     let scene = build(scene_name, shape, n, count)?;
     let share = |e: Engine| match e {
-        Engine::Ours => count,
+        Engine::Ours | Engine::Manifold => count,
         _ => (40_000 / n).clamp(16, count),
     };
     let reference = answers(Engine::Ours, &scene, count);
@@ -276,10 +299,18 @@ fn race(scene_name: &'static str, shape: &'static str, n: usize, quick: bool) ->
         n,
         ns: vec![],
         spread: spread(frame_times(Engine::Ours, &scene, 3)),
+        points: [0.0; 2],
         note: String::new(),
     };
     for engine in Engine::ALL {
-        row.note += &compare(engine, &answers(engine, &scene, share(engine)), &reference);
+        let answers = answers(engine, &scene, share(engine));
+        row.note += &compare(engine, &answers, &reference);
+        let mean = answers.iter().map(|a| a.1 as f64).sum::<f64>() / answers.len() as f64;
+        match engine {
+            Engine::Manifold => row.points[0] = mean,
+            Engine::ParryManifold => row.points[1] = mean,
+            _ => {}
+        }
     }
     let mut times = vec![vec![]; Engine::ALL.len()];
     for _ in 0..if quick { 3 } else { 9 } {
@@ -294,16 +325,20 @@ fn race(scene_name: &'static str, shape: &'static str, n: usize, quick: bool) ->
 fn print(row: &Row) {
     let at = |e: Engine| row.ns[Engine::ALL.iter().position(|&x| x == e).unwrap_or(0)];
     println!(
-        "{:<12} {:<7} {:>5} {:>9.0} {:>9.0} {:>9.0} {:>7.4} {:>9.0} {:>6.1}{}",
+        "{:<12} {:<7} {:>5} {:>9.0} {:>9.0} {:>9.0} {:>9.0} {:>7.4} {:>7.4} {:>9.0} {:>6.1} {:>4.1} {:>4.1}{}",
         row.scene,
         row.shape,
         row.n,
         at(Engine::Ours),
+        at(Engine::Manifold),
         at(Engine::ParryContact),
         at(Engine::ParryManifold),
         at(Engine::Ours) / at(Engine::ParryContact),
+        at(Engine::Manifold) / at(Engine::ParryManifold),
         row.spread.0,
         row.spread.1,
+        row.points[0],
+        row.points[1],
         row.note
     );
 }
@@ -337,8 +372,8 @@ pub(crate) fn run(words: &[String]) {
         .filter(|p| o.only.as_ref().is_none_or(|s| s == p.0))
         .collect();
     println!(
-        "{:<12} {:<7} {:>5} {:>9} {:>9} {:>9} {:>7} {:>9} {:>6}",
-        "scene", "shape", "n", "ours", "parry", "p-manif", "/parry", "frame", "p99"
+        "{:<12} {:<7} {:>5} {:>9} {:>9} {:>9} {:>9} {:>7} {:>7} {:>9} {:>6} {:>9}",
+        "scene", "shape", "n", "ours", "manifold", "parry", "p-manif", "/parry", "/p-man", "frame", "p99", "points"
     );
     let progress = Progress::new("race contact", plan.len() as u64);
     let mut rows = vec![];

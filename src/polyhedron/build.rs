@@ -111,6 +111,7 @@ impl ConvexPolyhedron {
             radius,
             low,
             high,
+            print: print(cloud, kept, loops),
             report,
         })
     }
@@ -170,6 +171,23 @@ impl ConvexPolyhedron {
     pub(crate) fn unit(&self) -> f64 {
         power_of_two(self.exponent)
     }
+}
+
+/// Vertices, scale and faces mixed into one number (Fowler, Noll and Vo's hash, by words): two bodies with the same one are the
+/// same for all practical purposes.
+fn print(cloud: &Cloud, kept: &[u32], loops: &[Vec<u32>]) -> u64 {
+    let mix = |h: u64, x: u64| {
+        (h.rotate_left(29) ^ x)
+            .wrapping_mul(0x0000_0100_0000_01b3)
+            .wrapping_add(0xcbf2_9ce4_8422_2325)
+    };
+    let coordinates = kept.iter().flat_map(|&i| cloud.points[i as usize].iter().copied());
+    let place = cloud.origin.iter().copied().chain([f64::from(cloud.exponent)]);
+    let corners = loops
+        .iter()
+        .flat_map(|l| core::iter::once(u64::MAX).chain(l.iter().map(|&v| u64::from(v))));
+    let numbers = place.chain(coordinates).map(f64::to_bits);
+    numbers.chain(corners).fold(0, mix)
 }
 
 /// The plane of each face, and twice the area of the widest triangle on it; zeros for the null face of a segment.

@@ -1,0 +1,329 @@
+//! The contacts of a pair over frames.
+
+use nalgebra::{Matrix3, Point3, Unit, Vector3};
+
+use crate::closest::outcome::Outcome;
+use crate::closest::placed::Placed;
+use crate::polyhedron::{ConvexPolyhedron, FeaturePair};
+use crate::pose::{RelativePose, Which};
+use crate::scalar::sqrt;
+use crate::tolerance::{CERTIFICATE, UNIT};
+
+use super::{MOST_POINTS, ManifoldOptions, contacts};
+
+/// A point of each body, across from each other along the normal.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct ContactPoint {
+    /// The point on A, in A's frame.
+    pub point_on_a: Point3<f64>,
+    /// The point on B, in B's frame.
+    pub point_on_b: Point3<f64>,
+    /// From the point on A to that on B along the normal: negative where the bodies overlap.
+    pub separation: f64,
+    /// On what the points lie: a vertex and a face, two edges, or what the closest features are.
+    pub features: FeaturePair,
+    /// The name of the contact as long as it lasts: the features by which it was first seen. No two points of a manifold have the
+    /// same.
+    pub id: FeaturePair,
+}
+
+impl ContactPoint {
+    pub(super) fn witness(outcome: &Outcome) -> Self {
+        Self {
+            point_on_a: outcome.point_on_a,
+            point_on_b: outcome.point_on_b,
+            separation: outcome.distance,
+            features: outcome.features,
+            id: outcome.features,
+        }
+    }
+}
+
+/// The contact points of one pair of bodies: keep one for each pair and pass it to [`Tracker::manifold`] every frame.
+///
+/// Holds at most eight points, and nothing on the heap. A manifold of other bodies, or of other options, is made anew.
+///
+/// [`Tracker::manifold`]: crate::Tracker::manifold
+#[derive(Clone, Debug, PartialEq)]
+pub struct Manifold {
+    points: [ContactPoint; MOST_POINTS],
+    count: usize,
+    normal: Unit<Vector3<f64>>,
+    lower: f64,
+    upper: f64,
+    made: Option<Made>,
+    fresh: bool,
+}
+
+/// How a manifold was made, by which it can tell how far it is from now.
+#[derive(Clone, Debug, PartialEq)]
+struct Made {
+    bodies: [u64; 2],
+    options: ManifoldOptions,
+    rotation: Matrix3<f64>,
+    translation: Vector3<f64>,
+    features: FeaturePair,
+    reference: Which,
+    /// In the frame of the reference.
+    normal: Vector3<f64>,
+    lower: f64,
+    upper: f64,
+    /// How far the bodies may move from there.
+    budget: f64,
+}
+
+impl Default for Manifold {
+    fn default() -> Self {
+        let none = ContactPoint {
+            point_on_a: Point3::origin(),
+            point_on_b: Point3::origin(),
+            separation: 0.0,
+            features: FeaturePair::vertices(Which::A, 0, 0),
+            id: FeaturePair::vertices(Which::A, 0, 0),
+        };
+        Self {
+            points: [none; MOST_POINTS],
+            count: 0,
+            normal: Vector3::x_axis(),
+            lower: f64::NEG_INFINITY,
+            upper: f64::INFINITY,
+            made: None,
+            fresh: false,
+        }
+    }
+}
+
+impl Manifold {
+    /// One without contacts, to begin with.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// The contacts: those that were there before in their old order, then the new ones. Empty where the bodies are further apart
+    /// than the prediction.
+    #[inline]
+    pub fn points(&self) -> &[ContactPoint] {
+        &self.points[..self.count]
+    }
+
+    /// The deepest of them.
+    pub fn deepest(&self) -> Option<&ContactPoint> {
+        let deeper = |x: &&ContactPoint, y: &&ContactPoint| x.separation.total_cmp(&y.separation);
+        self.points().iter().min_by(deeper)
+    }
+
+    /// Unit direction from A to B, in A's frame: that of the answer the manifold was made from, turned with the reference since.
+    pub fn normal(&self) -> Unit<Vector3<f64>> {
+        self.normal
+    }
+
+    /// The features that bear the contact: of each body a face or an edge across the normal, or what is closest.
+    pub fn features(&self) -> Option<FeaturePair> {
+        self.made.as_ref().map(|m| m.features)
+    }
+
+    /// The body whose feature gives the normal: with a face against an edge or a vertex, that of the face. In doubt the one it was
+    /// before, or else A.
+    pub fn reference(&self) -> Which {
+        self.made.as_ref().map_or(Which::A, |m| m.reference)
+    }
+
+    /// No greater than the signed distance.
+    pub fn lower(&self) -> f64 {
+        self.lower
+    }
+
+    /// No less than the signed distance.
+    pub fn upper(&self) -> f64 {
+        self.upper
+    }
+
+    /// Whether the points are those of an answer to this very query; otherwise they are old ones with new separations.
+    pub fn is_fresh(&self) -> bool {
+        self.fresh
+    }
+
+    /// Whether a contact of these features is there.
+    pub(super) fn has(&self, features: FeaturePair) -> bool {
+        self.points().iter().any(|p| p.features == features)
+    }
+
+    /// Measures anew what is there, if the bodies have moved so little since it was made that it will do.
+    #[inline]
+    pub(crate) fn refresh(
+        &mut self,
+        a: &ConvexPolyhedron,
+        b: &ConvexPolyhedron,
+        pose: &RelativePose,
+        options: &ManifoldOptions,
+    ) -> bool {
+        let Some(made) = &self.made else { return false };
+        if made.bodies != [a.print, b.print] || made.options != *options {
+            return false;
+        }
+        let (rotation, translation) = (pose.rotation(), pose.translation());
+        let moved = made.moved(a, b, &rotation, &translation);
+        // Written so that NaN asks anew.
+        if !(moved <= made.budget) {
+            return false;
+        }
+        self.fresh = false;
+        (self.lower, self.upper) = (made.lower - moved, made.upper + moved);
+        let n = match made.reference {
+            Which::A => made.normal,
+            Which::B => rotation * made.normal,
+        };
+        self.normal = Unit::new_unchecked(n);
+        for p in &mut self.points[..self.count] {
+            let between = rotation * p.point_on_b.coords + translation - p.point_on_a.coords;
+            p.separation = n.dot(&between);
+        }
+        true
+    }
+
+    /// The contacts of an answer, with the names of those that were there.
+    pub(crate) fn renew(
+        &mut self,
+        (a, b): (&ConvexPolyhedron, &ConvexPolyhedron),
+        pose: &RelativePose,
+        options: &ManifoldOptions,
+        outcome: &Outcome,
+    ) {
+        let (rotation, translation) = (pose.rotation(), pose.translation());
+        let moved = self
+            .made
+            .as_ref()
+            .map_or(0.0, |m| m.moved(a, b, &rotation, &translation));
+        let least = least_radius(a, b);
+        (self.normal, self.lower, self.upper, self.fresh) = (outcome.normal, outcome.lower, outcome.upper, true);
+        let mut features = outcome.features;
+        let budget = if outcome.lower <= options.prediction {
+            let placed = Placed::new(a, b, pose).ok();
+            let contacts = contacts(placed.as_ref(), outcome, options, self);
+            let merge = options.drift * least;
+            self.adopt(&contacts.points[..contacts.count], moved + merge);
+            features = contacts.features;
+            merge
+        } else {
+            self.count = 0;
+            outcome.lower - options.prediction
+        };
+        let reference = reference(outcome.features).unwrap_or(self.reference());
+        let normal = outcome.normal.into_inner();
+        // Where stored coordinates are not the given ones, places would be rounded more coarsely than before.
+        let budget = if a.as_given && b.as_given { budget } else { f64::NAN };
+        self.made = Some(Made {
+            bodies: [a.print, b.print],
+            options: *options,
+            features,
+            reference,
+            normal: match reference {
+                Which::A => normal,
+                Which::B => rotation.tr_mul(&normal),
+            },
+            rotation,
+            translation,
+            lower: outcome.lower,
+            upper: outcome.upper,
+            budget,
+        });
+    }
+
+    /// Takes new points in the place of the old ones: names and order stay with those of the same features, and of the others
+    /// with those no further than `reach` away on one of the bodies.
+    fn adopt(&mut self, new: &[ContactPoint], reach: f64) {
+        let old = self.points;
+        let old = &old[..self.count];
+        let mut origin = [usize::MAX; MOST_POINTS];
+        let free = |origin: &[usize], k: usize| !origin.contains(&k);
+        for (i, p) in new.iter().enumerate() {
+            if let Some(k) = old.iter().position(|o| o.features == p.features)
+                && free(&origin, k)
+            {
+                origin[i] = k;
+            }
+        }
+        for (i, p) in new.iter().enumerate() {
+            if origin[i] == usize::MAX {
+                let apart = |o: &ContactPoint| {
+                    let on_a = (o.point_on_a - p.point_on_a).norm_squared();
+                    on_a.min((o.point_on_b - p.point_on_b).norm_squared())
+                };
+                let near = (0..old.len()).filter(|&k| free(&origin, k) && apart(&old[k]) <= reach * reach);
+                if let Some(k) = near.min_by(|&x, &y| apart(&old[x]).total_cmp(&apart(&old[y]))) {
+                    origin[i] = k;
+                }
+            }
+        }
+        self.count = 0;
+        for k in 0..old.len() {
+            if let Some(i) = origin[..new.len()].iter().position(|&o| o == k) {
+                self.points[self.count] = ContactPoint {
+                    id: old[k].id,
+                    ..new[i]
+                };
+                self.count += 1;
+            }
+        }
+        for (i, p) in new.iter().enumerate() {
+            if origin[i] == usize::MAX {
+                let id = self.free_name(p.features);
+                self.points[self.count] = ContactPoint { id, ..*p };
+                self.count += 1;
+            }
+        }
+    }
+
+    /// The name by these features; where a contact that is elsewhere now has kept it, the one that that contact would have.
+    fn free_name(&self, features: FeaturePair) -> FeaturePair {
+        let mut name = features;
+        for _ in 0..self.count {
+            match self.points().iter().find(|p| p.id == name) {
+                Some(p) => name = p.features,
+                None => break,
+            }
+        }
+        name
+    }
+}
+
+impl Made {
+    /// No less than any point of one body has moved as seen from the other.
+    #[inline(always)]
+    fn moved(
+        &self,
+        a: &ConvexPolyhedron,
+        b: &ConvexPolyhedron,
+        rotation: &Matrix3<f64>,
+        translation: &Vector3<f64>,
+    ) -> f64 {
+        let turn = rotation - self.rotation;
+        let (ra, rb) = (a.radius * a.unit(), b.radius * b.unit());
+        // A difference of rotations stretches two directions alike and one not at all, so its norm is that of its entries over
+        // the root of two: 181 / 256 is more.
+        let turned = sqrt(turn.norm_squared()) * (181.1 / 256.0) * ra.min(rb);
+        let shift = if rb <= ra {
+            turn * b.origin + (translation - self.translation)
+        } else {
+            let seen = |r: &Matrix3<f64>, t: &Vector3<f64>| r.tr_mul(&(a.origin - t));
+            seen(rotation, translation) - seen(&self.rotation, &self.translation)
+        };
+        let noise = CERTIFICATE * UNIT * (ra + rb + sqrt(translation.norm_squared()));
+        sqrt(shift.norm_squared()) + turned + noise
+    }
+}
+
+fn least_radius(a: &ConvexPolyhedron, b: &ConvexPolyhedron) -> f64 {
+    (a.radius * a.unit()).min(b.radius * b.unit())
+}
+
+/// The body of the larger feature.
+fn reference(features: FeaturePair) -> Option<Which> {
+    match features.a.dimension().cmp(&features.b.dimension()) {
+        core::cmp::Ordering::Greater => Some(Which::A),
+        core::cmp::Ordering::Less => Some(Which::B),
+        core::cmp::Ordering::Equal => None,
+    }
+}
