@@ -8,7 +8,7 @@ use crate::closest::outcome::{Class, Distance, Layer, Level, Outcome, Proposal, 
 use crate::closest::placed::Placed;
 use crate::closest::trace::trace;
 use crate::closest::{self, far};
-use crate::contact::{Manifold, ManifoldOptions};
+use crate::contact::{self, Manifold, ManifoldOptions};
 use crate::penetration::{self, Memory};
 use crate::polyhedron::{ConvexPolyhedron, FeaturePair, power_of_two};
 use crate::pose::{RelativePose, Which};
@@ -236,9 +236,10 @@ impl Tracker {
         options: &ManifoldOptions,
         manifold: &mut Manifold,
     ) {
-        if !manifold.refresh(a, b, a_from_b, options) {
+        let query = contact::Query::new(a, b, a_from_b, options);
+        if let Err(moved) = manifold.refresh(&query) {
             let outcome = self.closest(a, b, a_from_b);
-            manifold.renew((a, b), a_from_b, options, &outcome);
+            manifold.renew(&query, &outcome, moved);
         }
     }
 

@@ -1,197 +1,121 @@
-//! What two features share, seen along the normal: the corners of the polygon, segment or point.
+//! What two features of few corners share, seen along the normal: the corners of a polygon, the ends of a segment, or a point.
 //!
-//! A corner is a corner of one feature inside the other, or a crossing of two edges. Both kinds are found from one table of signs,
-//! in which A and B play the same part; corners on the border within rounding belong to both.
+//! A corner is a corner of one feature inside the other, or a crossing of two edges. Both kinds are found from two tables of
+//! signs, in which A and B play the same part; corners on the border within rounding belong to both.
 
+use wide::f64x4;
+
+use super::corners::{Corners, On};
 use super::shadow::Shadow;
 use crate::polyhedron::topology::LARGE;
 
-/// The most corners there are: of each feature, and crossings, two for each edge of one.
-pub(super) const MOST: usize = 4 * LARGE;
-
-/// Which corners or edges meet, by their numbers in the two shadows.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Meet {
-    /// The witnesses.
-    Witness,
-    /// A corner of A's.
-    CornerOfA(u8),
-    CornerOfB(u8),
-    /// Two edges.
-    Crossing(u8, u8),
-}
-
-/// A pair of points across from each other.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Corner {
-    pub(super) at: [f64; 2],
-    /// Of the points on A and on B.
-    pub(super) heights: [f64; 2],
-    pub(super) meet: Meet,
-}
-
-/// A short list.
-pub(super) struct Corners {
-    list: [Corner; MOST],
-    count: usize,
-}
-
-impl Corners {
-    pub(super) fn new() -> Self {
-        let none = Corner {
-            at: [0.0; 2],
-            heights: [0.0; 2],
-            meet: Meet::Witness,
-        };
-        Self {
-            list: [none; MOST],
-            count: 0,
-        }
-    }
-
-    pub(super) fn push(&mut self, corner: Corner) {
-        if self.count < MOST {
-            self.list[self.count] = corner;
-            self.count += 1;
-        }
-    }
-
-    pub(super) fn all(&self) -> &[Corner] {
-        &self.list[..self.count]
-    }
-
-    pub(super) fn keep(&mut self, wanted: impl Fn(&Corner) -> bool) {
-        let mut kept = 0;
-        for k in 0..self.count {
-            if wanted(&self.list[k]) {
-                self.list[kept] = self.list[k];
-                kept += 1;
-            }
-        }
-        self.count = kept;
-    }
-}
-
-/// For each edge of one shadow, which corners of the other lie outside it: beyond rounding, and by sign.
+/// For each edge of one shadow, which corners of the other lie outside it, a bit each.
 struct Sides {
-    beyond: [u32; LARGE],
     outside: [u32; LARGE],
+    /// Outside any edge beyond rounding.
+    beyond: u32,
 }
 
 impl Sides {
+    #[inline(always)]
     fn new(of: &Shadow, corners: &Shadow, noise: f64) -> Self {
         let mut sides = Self {
-            beyond: [0; LARGE],
             outside: [0; LARGE],
+            beyond: 0,
         };
+        let four = |list: &[f64; LARGE], k: usize| f64x4::new([list[k], list[k + 1], list[k + 2], list[k + 3]]);
         for j in 0..of.count {
-            let (p, q) = (of.corners[j], of.corners[of.next(j)]);
-            let u = [q[0] - p[0], q[1] - p[1]];
-            let margin = -noise * (u[0].abs() + u[1].abs());
-            let (mut beyond, mut outside) = (0, 0);
-            for (i, x) in corners.corners[..corners.count].iter().enumerate() {
-                let side = u[0] * (x[1] - p[1]) - u[1] * (x[0] - p[0]);
-                beyond |= u32::from(side < margin) << i;
-                outside |= u32::from(side < 0.0) << i;
+            let next = of.next(j);
+            let u = [of.x[next] - of.x[j], of.y[next] - of.y[j]];
+            let (ux, uy, px, py) = (
+                f64x4::splat(u[0]),
+                f64x4::splat(u[1]),
+                f64x4::splat(of.x[j]),
+                f64x4::splat(of.y[j]),
+            );
+            let margin = f64x4::splat(-noise * (u[0].abs() + u[1].abs()));
+            for k in (0..corners.count).step_by(4) {
+                let side = ux * (four(&corners.y, k) - py) - uy * (four(&corners.x, k) - px);
+                sides.outside[j] |= side.simd_lt(f64x4::ZERO).to_bitmask() << k;
+                sides.beyond |= side.simd_lt(margin).to_bitmask() << k;
             }
-            (sides.beyond[j], sides.outside[j]) = (beyond, outside);
         }
         sides
     }
 
-    /// The corners inside all edges.
-    fn inside(&self, of: &Shadow, corners: &Shadow) -> u32 {
-        let all = (1u32 << corners.count) - 1;
-        // An edge has no inside; its two sides would be a line.
-        if of.is_edge() {
-            return 0;
-        }
-        all & !self.beyond[..of.count].iter().fold(0, |m, b| m | b)
-    }
-
     /// Whether the ends of edge `k` of the other shadow are on both sides of the line of edge `j`.
+    #[inline(always)]
     fn parts(&self, j: usize, k: usize, next: usize) -> bool {
         (self.outside[j] >> k ^ self.outside[j] >> next) & 1 == 1
     }
 }
 
-/// The corners of what two features share, `noise` the rounding of a place. Two edges share nothing but crossings here.
+/// The corners of what two features share, `noise` the rounding of a place.
+#[inline(always)]
 pub(super) fn clip(a: &Shadow, b: &Shadow, noise: f64, corners: &mut Corners) {
+    let all = |s: &Shadow| (1u32 << s.count) - 1;
     let of_b = Sides::new(b, a, noise);
-    let of_a = Sides::new(a, b, noise);
-    let (inside_b, inside_a) = (of_b.inside(b, a), of_a.inside(a, b));
+    // An edge has no inside; its two sides would be a line.
+    let inside_b = if b.is_edge() { 0 } else { all(a) & !of_b.beyond };
     for i in (0..a.count).filter(|i| inside_b >> i & 1 == 1) {
-        let [x, y, height] = a.corners[i];
-        corners.push(Corner {
-            at: [x, y],
-            heights: [height, b.slope.height([x, y])],
-            meet: Meet::CornerOfA(i as u8),
-        });
+        let at = [a.x[i], a.y[i]];
+        corners.push(at, [a.height[i], b.height_on_face(at)], [On::corner(i), On::WHOLE]);
     }
+    let of_a = Sides::new(a, b, noise);
+    let inside_a = if a.is_edge() { 0 } else { all(b) & !of_a.beyond };
     for j in (0..b.count).filter(|j| inside_a >> j & 1 == 1) {
-        let [x, y, height] = b.corners[j];
-        corners.push(Corner {
-            at: [x, y],
-            heights: [a.slope.height([x, y]), height],
-            meet: Meet::CornerOfB(j as u8),
-        });
+        let at = [b.x[j], b.y[j]];
+        corners.push(at, [a.height_on_face(at), b.height[j]], [On::WHOLE, On::corner(j)]);
     }
-    let all = (1u32 << a.count) - 1;
     let edges = |s: &Shadow| if s.is_edge() { 1 } else { s.count };
     for j in 0..edges(b) {
-        if of_b.outside[j] == 0 || of_b.outside[j] == all {
+        let outside = of_b.outside[j] & all(a);
+        if outside == 0 || outside == all(a) {
             continue;
         }
-        let next = b.next(j);
         for i in 0..edges(a) {
-            if of_b.parts(j, i, a.next(i)) && of_a.parts(i, j, next) {
-                corners.push(crossing(a, b, i, j));
+            if of_b.parts(j, i, a.next(i)) && of_a.parts(i, j, b.next(j)) {
+                crossing(a, b, i, j, corners);
             }
         }
     }
 }
 
-/// Where edge `i` of A's shadow crosses the line of edge `j` of B's, which parts its ends.
-fn crossing(a: &Shadow, b: &Shadow, i: usize, j: usize) -> Corner {
-    let (p, q) = (a.corners[i], a.corners[a.next(i)]);
-    let (r, s) = (b.corners[j], b.corners[b.next(j)]);
+/// Edge `i` of A's shadow and edge `j` of B's, the line of which parts the ends of the other.
+pub(super) fn crossing(a: &Shadow, b: &Shadow, i: usize, j: usize, corners: &mut Corners) {
+    let (p, q) = (a.corner(i), a.corner(a.next(i)));
+    let (r, s) = (b.corner(j), b.corner(b.next(j)));
     let side = |x: &[f64; 3]| (s[0] - r[0]) * (x[1] - r[1]) - (s[1] - r[1]) * (x[0] - r[0]);
     let (from, to) = (side(&p), side(&q));
-    // One of the two is negative and the other is not.
+    // One of the two is negative and the other is not; a place that rounding hides is the middle.
     let t = from / (from - to);
+    let t = if (0.0..=1.0).contains(&t) { t } else { 0.5 };
     let at = [p[0] + t * (q[0] - p[0]), p[1] + t * (q[1] - p[1])];
-    Corner {
-        at,
-        heights: [p[2] + t * (q[2] - p[2]), b.height_on_edge(j, at)],
-        meet: Meet::Crossing(i as u8, j as u8),
-    }
+    let heights = [p[2] + t * (q[2] - p[2]), b.height_on_edge(j, at)];
+    corners.push(at, heights, [On::edge(i), On::edge(j)]);
 }
 
 /// The ends of what two nearly parallel edges share, each end across from its foot on the other edge. Nothing for edges that
 /// are not: then they cross at the witnesses.
 pub(super) fn beside(a: &Shadow, b: &Shadow, sine: f64, corners: &mut Corners) {
-    let direction = |s: &Shadow| [s.corners[1][0] - s.corners[0][0], s.corners[1][1] - s.corners[0][1]];
+    let direction = |s: &Shadow| [s.x[1] - s.x[0], s.y[1] - s.y[0]];
     let (u, v) = (direction(a), direction(b));
     let squared = |d: [f64; 2]| d[0] * d[0] + d[1] * d[1];
     let turn = u[0] * v[1] - u[1] * v[0];
     if turn * turn > sine * sine * squared(u) * squared(v) {
         return;
     }
-    for (of, to, is_a) in [(a, b, true), (b, a, false)] {
-        for k in 0..2 {
-            let [x, y, height] = of.corners[k];
-            let t = to.along(0, [x, y]);
+    for k in 0..2 {
+        for (of, to, is_a) in [(a, b, true), (b, a, false)] {
+            let at = [of.x[k], of.y[k]];
+            let t = to.along(0, at);
             if t > 0.0 && t < 1.0 {
-                let foot = to.height_on_edge(0, [x, y]);
-                corners.push(Corner {
-                    at: [x, y],
-                    heights: if is_a { [height, foot] } else { [foot, height] },
-                    meet: if is_a {
-                        Meet::CornerOfA(k as u8)
-                    } else {
-                        Meet::CornerOfB(k as u8)
-                    },
-                });
+                let foot = to.height_on_edge(0, at);
+                if is_a {
+                    corners.push(at, [of.height[k], foot], [On::corner(k), On::WHOLE]);
+                } else {
+                    corners.push(at, [foot, of.height[k]], [On::WHOLE, On::corner(k)]);
+                }
             }
         }
     }

@@ -3,13 +3,12 @@
 use nalgebra::{Matrix3, Point3, Unit, Vector3};
 
 use crate::closest::outcome::Outcome;
-use crate::closest::placed::Placed;
 use crate::polyhedron::{ConvexPolyhedron, FeaturePair};
 use crate::pose::{RelativePose, Which};
 use crate::scalar::sqrt;
 use crate::tolerance::{CERTIFICATE, UNIT};
 
-use super::{MOST_POINTS, ManifoldOptions, contacts};
+use super::{Answer, MOST_POINTS, ManifoldOptions};
 
 /// A point of each body, across from each other along the normal.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -150,81 +149,69 @@ impl Manifold {
         self.points().iter().any(|p| p.features == features)
     }
 
-    /// Measures anew what is there, if the bodies have moved so little since it was made that it will do.
-    #[inline]
-    pub(crate) fn refresh(
-        &mut self,
-        a: &ConvexPolyhedron,
-        b: &ConvexPolyhedron,
-        pose: &RelativePose,
-        options: &ManifoldOptions,
-    ) -> bool {
-        let Some(made) = &self.made else { return false };
-        if made.bodies != [a.print, b.print] || made.options != *options {
-            return false;
-        }
-        let (rotation, translation) = (pose.rotation(), pose.translation());
-        let moved = made.moved(a, b, &rotation, &translation);
+    /// Measures anew what is there, if the bodies have moved so little since it was made that it will do; otherwise says how far they
+    /// have moved.
+    #[inline(always)]
+    pub(crate) fn refresh(&mut self, query: &Query) -> Result<(), f64> {
+        let Some(made) = &self.made else { return Err(0.0) };
+        let moved = made.moved(query);
+        let known = made.bodies == query.bodies() && made.options == *query.options;
         // Written so that NaN asks anew.
-        if !(moved <= made.budget) {
-            return false;
+        if !(known && moved <= made.budget) {
+            return Err(moved);
         }
         self.fresh = false;
         (self.lower, self.upper) = (made.lower - moved, made.upper + moved);
         let n = match made.reference {
             Which::A => made.normal,
-            Which::B => rotation * made.normal,
+            Which::B => query.rotation * made.normal,
         };
         self.normal = Unit::new_unchecked(n);
         for p in &mut self.points[..self.count] {
-            let between = rotation * p.point_on_b.coords + translation - p.point_on_a.coords;
+            let between = query.rotation * p.point_on_b.coords + query.translation - p.point_on_a.coords;
             p.separation = n.dot(&between);
         }
-        true
+        Ok(())
     }
 
-    /// The contacts of an answer, with the names of those that were there.
-    pub(crate) fn renew(
-        &mut self,
-        (a, b): (&ConvexPolyhedron, &ConvexPolyhedron),
-        pose: &RelativePose,
-        options: &ManifoldOptions,
-        outcome: &Outcome,
-    ) {
-        let (rotation, translation) = (pose.rotation(), pose.translation());
-        let moved = self
-            .made
-            .as_ref()
-            .map_or(0.0, |m| m.moved(a, b, &rotation, &translation));
-        let least = least_radius(a, b);
+    /// The contacts of an answer, with the names of those that were there before the bodies `moved`.
+    pub(crate) fn renew(&mut self, query: &Query, outcome: &Outcome, moved: f64) {
+        let Query { a, b, options, .. } = *query;
         (self.normal, self.lower, self.upper, self.fresh) = (outcome.normal, outcome.lower, outcome.upper, true);
         let mut features = outcome.features;
-        let budget = if outcome.lower <= options.prediction {
-            let placed = Placed::new(a, b, pose).ok();
-            let contacts = contacts(placed.as_ref(), outcome, options, self);
-            let merge = options.drift * least;
-            self.adopt(&contacts.points[..contacts.count], moved + merge);
+        let mut budget = outcome.lower - options.prediction;
+        if outcome.lower <= options.prediction {
+            let answer = Answer {
+                a,
+                b,
+                rotation: &query.rotation,
+                size: query.size(),
+                outcome,
+            };
+            let contacts = answer.contacts(options, self);
             features = contacts.features;
-            merge
+            budget = options.drift * query.least_radius();
+            self.adopt(&contacts.points[..contacts.count], moved + budget);
         } else {
             self.count = 0;
-            outcome.lower - options.prediction
-        };
+        }
+        // Where stored coordinates are not the given ones, old places would be measured more coarsely than new ones.
+        if !(a.as_given && b.as_given) {
+            budget = f64::NAN;
+        }
         let reference = reference(outcome.features).unwrap_or(self.reference());
         let normal = outcome.normal.into_inner();
-        // Where stored coordinates are not the given ones, places would be rounded more coarsely than before.
-        let budget = if a.as_given && b.as_given { budget } else { f64::NAN };
         self.made = Some(Made {
-            bodies: [a.print, b.print],
+            bodies: query.bodies(),
             options: *options,
+            rotation: query.rotation,
+            translation: query.translation,
             features,
             reference,
             normal: match reference {
                 Which::A => normal,
-                Which::B => rotation.tr_mul(&normal),
+                Which::B => query.rotation.tr_mul(&normal),
             },
-            rotation,
-            translation,
             lower: outcome.lower,
             upper: outcome.upper,
             budget,
@@ -292,17 +279,18 @@ impl Manifold {
 impl Made {
     /// No less than any point of one body has moved as seen from the other.
     #[inline(always)]
-    fn moved(
-        &self,
-        a: &ConvexPolyhedron,
-        b: &ConvexPolyhedron,
-        rotation: &Matrix3<f64>,
-        translation: &Vector3<f64>,
-    ) -> f64 {
+    fn moved(&self, query: &Query) -> f64 {
+        let Query {
+            a,
+            b,
+            rotation,
+            translation,
+            ..
+        } = query;
         let turn = rotation - self.rotation;
-        let (ra, rb) = (a.radius * a.unit(), b.radius * b.unit());
+        let (ra, rb) = query.radii();
         // A difference of rotations stretches two directions alike and one not at all, so its norm is that of its entries over
-        // the root of two: 181 / 256 is more.
+        // the root of two, which is less than 181.1 / 256.
         let turned = sqrt(turn.norm_squared()) * (181.1 / 256.0) * ra.min(rb);
         let shift = if rb <= ra {
             turn * b.origin + (translation - self.translation)
@@ -310,13 +298,64 @@ impl Made {
             let seen = |r: &Matrix3<f64>, t: &Vector3<f64>| r.tr_mul(&(a.origin - t));
             seen(rotation, translation) - seen(&self.rotation, &self.translation)
         };
-        let noise = CERTIFICATE * UNIT * (ra + rb + sqrt(translation.norm_squared()));
-        sqrt(shift.norm_squared()) + turned + noise
+        sqrt(shift.norm_squared()) + turned + CERTIFICATE * UNIT * query.size()
     }
 }
 
-fn least_radius(a: &ConvexPolyhedron, b: &ConvexPolyhedron) -> f64 {
-    (a.radius * a.unit()).min(b.radius * b.unit())
+/// Two bodies, where they are, and what is asked of their contacts.
+pub(crate) struct Query<'a> {
+    a: &'a ConvexPolyhedron,
+    b: &'a ConvexPolyhedron,
+    /// Of `a_from_b`.
+    rotation: Matrix3<f64>,
+    translation: Vector3<f64>,
+    options: &'a ManifoldOptions,
+}
+
+impl<'a> Query<'a> {
+    #[inline(always)]
+    pub(crate) fn new(
+        a: &'a ConvexPolyhedron,
+        b: &'a ConvexPolyhedron,
+        pose: &RelativePose,
+        options: &'a ManifoldOptions,
+    ) -> Self {
+        Self {
+            a,
+            b,
+            rotation: pose.rotation(),
+            translation: pose.translation(),
+            options,
+        }
+    }
+
+    fn bodies(&self) -> [u64; 2] {
+        [self.a.print, self.b.print]
+    }
+
+    fn radii(&self) -> (f64, f64) {
+        let of = |body: &ConvexPolyhedron| {
+            if body.as_given {
+                body.radius
+            } else {
+                body.radius * body.unit()
+            }
+        };
+        (of(self.a), of(self.b))
+    }
+
+    fn least_radius(&self) -> f64 {
+        let (a, b) = self.radii();
+        a.min(b)
+    }
+
+    /// The pair's size L.
+    #[inline(always)]
+    fn size(&self) -> f64 {
+        let (a, b) = self.radii();
+        let apart = self.rotation * self.b.origin + self.translation - self.a.origin;
+        a + b + sqrt(apart.norm_squared())
+    }
 }
 
 /// The body of the larger feature.

@@ -17,25 +17,27 @@
 //! 3. What is old is kept by how far the bodies can have moved, not by distances of points.
 
 mod clip;
+mod corners;
 mod gradient;
 mod manifold;
 mod promote;
 mod reduce;
+mod rims;
 mod shadow;
 
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Point3, Vector3};
 
 use crate::closest::outcome::{Layer, Outcome};
-use crate::closest::placed::Placed;
-use crate::polyhedron::{ConvexPolyhedron, EdgeId, Feature, FeaturePair, VertexId};
+use crate::polyhedron::{ConvexPolyhedron, FeaturePair};
 use crate::scalar::sqrt;
 use crate::tolerance::{ACROSS, CERTIFICATE, UNIT};
-use clip::{Corner, Corners, Meet};
+use corners::{Corner, Corners};
 use promote::Promotion;
-use reduce::{Choice, reduce};
+use reduce::reduce;
 use shadow::{Axes, Shadow};
 
 pub use gradient::Gradient;
+pub(crate) use manifold::Query;
 pub use manifold::{ContactPoint, Manifold};
 
 /// The most points a manifold holds.
@@ -91,54 +93,69 @@ struct Contacts {
     features: FeaturePair,
 }
 
-/// The contacts of an answer whose lower bound is within the prediction.
-fn contacts(placed: Option<&Placed>, outcome: &Outcome, options: &ManifoldOptions, before: &Manifold) -> Contacts {
-    let mut contacts = Contacts {
-        points: [ContactPoint::witness(outcome); MOST_POINTS],
-        count: 1,
-        features: outcome.features,
-    };
-    if let Some(placed) = placed
-        && placed.has_one_unit()
-        && outcome.layer != Layer::Far
-    {
-        let seen = Seen::new(placed, outcome, options, before);
-        contacts.features = seen.features;
-        seen.choose(options, before, &mut contacts);
-    }
-    contacts
-}
-
-/// Two features seen along the normal.
-struct Seen<'a> {
-    placed: &'a Placed<'a>,
+/// Two bodies, the rotation of `a_from_b`, and how they lie.
+#[derive(Clone, Copy)]
+struct Answer<'a> {
+    a: &'a ConvexPolyhedron,
+    b: &'a ConvexPolyhedron,
+    rotation: &'a Matrix3<f64>,
+    /// The pair's size L, in the caller's units.
+    size: f64,
     outcome: &'a Outcome,
-    axes: [Axes; 2],
-    features: FeaturePair,
-    shadows: [Option<Shadow>; 2],
-    /// One stored unit in the caller's.
-    unit: f64,
 }
 
-impl<'a> Seen<'a> {
+impl Answer<'_> {
+    /// The contacts of an answer whose lower bound is within the prediction.
+    fn contacts(self, options: &ManifoldOptions, before: &Manifold) -> Contacts {
+        let outcome = self.outcome;
+        let mut contacts = Contacts {
+            points: [ContactPoint::witness(outcome); MOST_POINTS],
+            count: 1,
+            features: outcome.features,
+        };
+        // Of bodies so far apart, or so different in size, the witnesses are all there is to say.
+        if self.a.exponent != self.b.exponent || outcome.layer == Layer::Far {
+            return contacts;
+        }
+        let axes = self.axes();
+        let features = self.promoted(&axes, options, before.features());
+        contacts.features = features;
+        if features.a.dimension() > 0 && features.b.dimension() > 0 {
+            let mut seen = Seen {
+                answer: self,
+                a: Shadow::new(self.a, features.a, &axes[0], false),
+                b: Shadow::new(self.b, features.b, &axes[1], true),
+                unit: self.a.unit(),
+            };
+            seen.a.cast();
+            seen.b.cast();
+            seen.choose(options, before, &mut contacts);
+        }
+        contacts
+    }
+
+    /// The normal and what is across, in each body's stored frame, about its witness.
     #[inline(always)]
-    fn new(placed: &'a Placed<'a>, outcome: &'a Outcome, options: &ManifoldOptions, before: &Manifold) -> Self {
-        let (a, b) = (placed.a, placed.b);
-        let normal = outcome.normal.into_inner();
+    fn axes(&self) -> [Axes; 2] {
+        let normal = self.outcome.normal.into_inner();
         let across = across(&normal);
-        let turned = |v: &Vector3<f64>| placed.vector_in_b(v);
-        let axes = [
+        [
             Axes {
                 across,
                 normal,
-                witness: a.stored(&outcome.point_on_a),
+                witness: self.a.stored(&self.outcome.point_on_a),
             },
             Axes {
-                across: [turned(&across[0]), turned(&across[1])],
-                normal: turned(&normal),
-                witness: b.stored(&outcome.point_on_b),
+                across: across.map(|v| self.rotation.tr_mul(&v)),
+                normal: self.rotation.tr_mul(&normal),
+                witness: self.b.stored(&self.outcome.point_on_b),
             },
-        ];
+        ]
+    }
+
+    /// The features that bear the contact.
+    #[inline(always)]
+    fn promoted(&self, axes: &[Axes; 2], options: &ManifoldOptions, before: Option<FeaturePair>) -> FeaturePair {
         let promote = |body, outward, feature, kept| {
             let promotion = Promotion {
                 body,
@@ -148,117 +165,85 @@ impl<'a> Seen<'a> {
             };
             promotion.of(feature)
         };
-        let kept = before.features();
-        let features = FeaturePair {
-            a: promote(a, normal, outcome.features.a, kept.map(|f| f.a)),
-            b: promote(b, -axes[1].normal, outcome.features.b, kept.map(|f| f.b)),
-        };
-        let shadows = [
-            Shadow::new(a, features.a, &axes[0], true),
-            Shadow::new(b, features.b, &axes[1], false),
-        ];
-        Self {
-            placed,
-            outcome,
-            axes,
-            features,
-            shadows,
-            unit: a.unit(),
+        let closest = self.outcome.features;
+        FeaturePair {
+            a: promote(self.a, axes[0].normal, closest.a, before.map(|f| f.a)),
+            b: promote(self.b, -axes[1].normal, closest.b, before.map(|f| f.b)),
+        }
+    }
+}
+
+/// Two features seen along the normal.
+struct Seen<'a> {
+    answer: Answer<'a>,
+    a: Shadow<'a>,
+    b: Shadow<'a>,
+    /// One stored unit in the caller's.
+    unit: f64,
+}
+
+impl Seen<'_> {
+    /// The corners within the prediction, and the witnesses where no corner is as deep.
+    #[inline(always)]
+    fn corners(&self, options: &ManifoldOptions, noise: f64, corners: &mut Corners) {
+        let (a, b) = (&self.a, &self.b);
+        if a.is_edge() && b.is_edge() {
+            clip::beside(a, b, options.sine, corners);
+        } else if a.is_large() || b.is_large() {
+            rims::clip(a, b, None, corners);
+        } else {
+            clip::clip(a, b, noise, corners);
+        }
+        let deep = (self.answer.outcome.upper + CERTIFICATE * UNIT * self.answer.size) / self.unit;
+        if !corners.all().iter().any(|c| c.separation <= deep) {
+            corners.push([0.0; 2], [0.0; 2], Corner::WITNESS);
         }
     }
 
-    /// The separation at a corner, in stored units.
-    fn separation(&self, corner: &Corner) -> f64 {
-        self.outcome.distance / self.unit + (corner.heights[1] - corner.heights[0])
-    }
-
-    /// The corners within the prediction, the witnesses among them where no corner is as deep.
-    fn corners(&self, options: &ManifoldOptions) -> Corners {
-        let mut corners = Corners::new();
-        let noise = ACROSS * self.placed.size();
-        if let [Some(a), Some(b)] = &self.shadows {
-            if a.is_edge() && b.is_edge() {
-                clip::beside(a, b, options.sine, &mut corners);
-            } else {
-                clip::clip(a, b, noise, &mut corners);
+    #[inline(always)]
+    fn choose(&self, options: &ManifoldOptions, before: &Manifold, contacts: &mut Contacts) {
+        let Answer {
+            a, b, size, outcome, ..
+        } = self.answer;
+        let noise = ACROSS * size / self.unit;
+        let mut corners = Corners::new(outcome.distance / self.unit, options.prediction / self.unit);
+        self.corners(options, noise, &mut corners);
+        // Which of them the manifold before had, where there is a choice.
+        let mut kept = 0u64;
+        if corners.all().len() > options.most() {
+            for (k, c) in corners.all().iter().enumerate() {
+                kept |= u64::from(before.has(self.name(c))) << k;
             }
         }
-        let prediction = options.prediction / self.unit;
-        corners.keep(|c| self.separation(c) <= prediction);
-        let deep = self.outcome.upper / self.unit + CERTIFICATE * UNIT * self.placed.size();
-        if !corners.all().iter().any(|c| self.separation(c) <= deep) {
-            corners.push(Corner {
-                at: [0.0; 2],
-                heights: [0.0; 2],
-                meet: Meet::Witness,
-            });
-        }
-        corners
-    }
-
-    fn choose(&self, options: &ManifoldOptions, before: &Manifold, contacts: &mut Contacts) {
-        let corners = self.corners(options);
-        let corners = corners.all();
-        let (a, b) = (self.placed.a, self.placed.b);
-        let noise = ACROSS * self.placed.size();
         let merge = noise.max(options.drift * a.radius.min(b.radius));
-        let mut choices = [Choice::default(); clip::MOST];
-        for (choice, c) in choices.iter_mut().zip(corners) {
-            *choice = Choice {
-                at: c.at,
-                separation: self.separation(c),
-                kept: corners.len() > options.most() && before.has(self.name(c)),
-            };
-        }
-        let chosen = reduce(&choices[..corners.len()], options.most(), merge, noise);
+        let chosen = reduce(corners.all(), kept, options.most(), merge, noise);
         contacts.count = chosen.all().len();
         for (point, &k) in contacts.points.iter_mut().zip(chosen.all()) {
-            *point = self.contact(&corners[k]);
+            let corner = &corners.all()[k];
+            if corner.on != Corner::WITNESS {
+                *point = self.contact(corner);
+            }
         }
     }
 
     fn name(&self, corner: &Corner) -> FeaturePair {
-        let [Some(a), Some(b)] = &self.shadows else {
-            return self.outcome.features;
-        };
-        let vertex = |s: &Shadow, k: u8| Feature::Vertex(VertexId(s.vertices[usize::from(k)]));
-        let edge = |s: &Shadow, k: u8| Feature::Edge(EdgeId(s.edges[usize::from(k)]));
-        let (a, b) = match corner.meet {
-            Meet::Witness => return self.outcome.features,
-            Meet::CornerOfA(k) => (vertex(a, k), b.feature),
-            Meet::CornerOfB(k) => (a.feature, vertex(b, k)),
-            Meet::Crossing(i, j) => (edge(a, i), edge(b, j)),
-        };
-        FeaturePair { a, b }
+        if corner.on == Corner::WITNESS {
+            return self.answer.outcome.features;
+        }
+        let [a, b] = corner.on;
+        FeaturePair {
+            a: self.a.name(a),
+            b: self.b.name(b),
+        }
     }
 
     fn contact(&self, corner: &Corner) -> ContactPoint {
-        let [Some(a), Some(b)] = &self.shadows else {
-            return ContactPoint::witness(self.outcome);
-        };
-        let (on_a, on_b) = match corner.meet {
-            Meet::Witness => return ContactPoint::witness(self.outcome),
-            Meet::CornerOfA(k) => (Some(k), b.is_edge().then_some(0)),
-            Meet::CornerOfB(k) => (a.is_edge().then_some(0), Some(k)),
-            Meet::Crossing(i, j) => (Some(i), Some(j)),
-        };
         let features = self.name(corner);
-        let place = |which: usize, body: &ConvexPolyhedron, shadow: &Shadow, k: Option<u8>, feature| {
-            let end = |k: usize| body.points[shadow.vertices[k] as usize];
-            let p = match (feature, k.map(usize::from)) {
-                (Feature::Vertex(_), Some(k)) => end(k),
-                (Feature::Edge(_), Some(k)) => {
-                    let t = shadow.along(k, corner.at);
-                    end(k) + (end(shadow.next(k)) - end(k)) * t
-                }
-                _ => self.axes[which].point(corner.at, corner.heights[which]),
-            };
-            body.given(&p)
-        };
+        let [on_a, on_b] = corner.on;
         ContactPoint {
-            point_on_a: place(0, self.placed.a, a, on_a, features.a),
-            point_on_b: place(1, self.placed.b, b, on_b, features.b),
-            separation: self.separation(corner) * self.unit,
+            point_on_a: self.answer.a.given(&self.a.point(on_a, corner.at)),
+            point_on_b: self.answer.b.given(&self.b.point(on_b, corner.at)),
+            separation: corner.separation * self.unit,
             features,
             id: features,
         }
@@ -267,7 +252,7 @@ impl<'a> Seen<'a> {
 
 impl ConvexPolyhedron {
     /// A point in the caller's coordinates, in stored ones.
-    fn stored(&self, given: &nalgebra::Point3<f64>) -> Vector3<f64> {
+    fn stored(&self, given: &Point3<f64>) -> Vector3<f64> {
         if self.as_given {
             given.coords
         } else {

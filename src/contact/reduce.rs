@@ -1,16 +1,8 @@
 //! A few of many points: the deepest, and those that keep the most area.
 
 use super::MOST_POINTS;
+use super::corners::Corner;
 use crate::tolerance::STAY;
-
-/// One of the points to choose from.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Choice {
-    pub(super) at: [f64; 2],
-    pub(super) separation: f64,
-    /// Whether the manifold before had it.
-    pub(super) kept: bool,
-}
 
 /// The chosen ones by number.
 #[derive(Debug, Default)]
@@ -33,10 +25,10 @@ impl Chosen {
 
 /// At most `most` of the points, of which there is at least one: the deepest, the farthest from it, and then, one by one, the
 /// point that adds the largest triangle to the polygon of those chosen. None is within `merge` of another, or of a side. Depths
-/// are equal within `tie`; there and in size, points of the manifold before have the preference.
-pub(super) fn reduce(choices: &[Choice], most: usize, merge: f64, tie: f64) -> Chosen {
+/// are equal within `tie`; there and in size, those with a bit in `kept` have the preference.
+pub(super) fn reduce(choices: &[Corner], kept: u64, most: usize, merge: f64, tie: f64) -> Chosen {
     let mut chosen = Chosen::default();
-    let first = deepest(choices, tie);
+    let first = deepest(choices, kept, tie);
     chosen.insert(0, first);
     if choices.len() <= most {
         for k in 0..choices.len() {
@@ -47,17 +39,17 @@ pub(super) fn reduce(choices: &[Choice], most: usize, merge: f64, tie: f64) -> C
         }
         return chosen;
     }
-    let far = |c: &Choice| {
+    let far = |c: &Corner| {
         let squared = squared(between(&choices[first], c));
         (squared > merge * merge).then_some(squared)
     };
-    if let Some(second) = largest(choices, far)
+    if let Some(second) = largest(choices, kept, far)
         && most > 1
     {
         chosen.insert(1, second);
     }
     while chosen.count > 1 && chosen.count < most {
-        match widest(choices, &chosen, merge) {
+        match widest(choices, kept, &chosen, merge) {
             Some((place, k)) => chosen.insert(place, k),
             None => break,
         }
@@ -65,19 +57,19 @@ pub(super) fn reduce(choices: &[Choice], most: usize, merge: f64, tie: f64) -> C
     chosen
 }
 
-fn deepest(choices: &[Choice], tie: f64) -> usize {
+fn deepest(choices: &[Corner], kept: u64, tie: f64) -> usize {
     let least = choices.iter().fold(f64::INFINITY, |m, c| m.min(c.separation));
-    let deep = |c: &Choice| c.separation <= least + tie;
-    let kept = choices.iter().position(|c| c.kept && deep(c));
-    kept.or_else(|| choices.iter().position(deep)).unwrap_or(0)
+    let deep = |c: &Corner| c.separation <= least + tie;
+    let old = (0..choices.len()).find(|&k| is(kept, k) && deep(&choices[k]));
+    old.or_else(|| choices.iter().position(deep)).unwrap_or(0)
 }
 
 /// The point of the greatest measure.
-fn largest(choices: &[Choice], measure: impl Fn(&Choice) -> Option<f64>) -> Option<usize> {
+fn largest(choices: &[Corner], kept: u64, measure: impl Fn(&Corner) -> Option<f64>) -> Option<usize> {
     let mut best: Option<(f64, usize)> = None;
     for (k, c) in choices.iter().enumerate() {
         if let Some(m) = measure(c) {
-            let m = if c.kept { STAY * m } else { m };
+            let m = if is(kept, k) { STAY * m } else { m };
             if best.is_none_or(|(most, _)| m > most) {
                 best = Some((m, k));
             }
@@ -87,19 +79,19 @@ fn largest(choices: &[Choice], measure: impl Fn(&Choice) -> Option<f64>) -> Opti
 }
 
 /// The point that adds most beyond a side of the counter-clockwise polygon of those chosen, and its place there.
-fn widest(choices: &[Choice], chosen: &Chosen, merge: f64) -> Option<(usize, usize)> {
+fn widest(choices: &[Corner], kept: u64, chosen: &Chosen, merge: f64) -> Option<(usize, usize)> {
     let mut best: Option<(f64, usize, usize)> = None;
     for side in 0..chosen.count {
         let (p, q) = (chosen.list[side], chosen.list[(side + 1) % chosen.count]);
         let u = between(&choices[p], &choices[q]);
         let noise = merge * merge * squared(u);
-        let beyond = |c: &Choice| {
+        let beyond = |c: &Corner| {
             let v = between(&choices[p], c);
             let area = u[1] * v[0] - u[0] * v[1];
             (area > 0.0 && area * area > noise).then_some(area)
         };
-        if let Some(k) = largest(choices, beyond) {
-            let area = beyond(&choices[k]).unwrap_or(0.0) * if choices[k].kept { STAY } else { 1.0 };
+        if let Some(k) = largest(choices, kept, beyond) {
+            let area = beyond(&choices[k]).unwrap_or(0.0) * if is(kept, k) { STAY } else { 1.0 };
             if best.is_none_or(|(most, ..)| area > most) {
                 best = Some((area, side + 1, k));
             }
@@ -108,7 +100,12 @@ fn widest(choices: &[Choice], chosen: &Chosen, merge: f64) -> Option<(usize, usi
     best.map(|(_, place, k)| (place, k))
 }
 
-fn between(p: &Choice, q: &Choice) -> [f64; 2] {
+/// Whether bit `k` is set.
+fn is(bits: u64, k: usize) -> bool {
+    bits >> k & 1 == 1
+}
+
+fn between(p: &Corner, q: &Corner) -> [f64; 2] {
     [q.at[0] - p.at[0], q.at[1] - p.at[1]]
 }
 
@@ -120,15 +117,15 @@ fn squared(v: [f64; 2]) -> f64 {
 mod tests {
     use super::*;
 
-    fn at(x: f64, y: f64, separation: f64) -> Choice {
-        Choice {
+    fn at(x: f64, y: f64, separation: f64) -> Corner {
+        Corner {
             at: [x, y],
             separation,
-            kept: false,
+            on: Corner::WITNESS,
         }
     }
 
-    fn ring(n: usize) -> Vec<Choice> {
+    fn ring(n: usize) -> Vec<Corner> {
         let angle = |k: usize| core::f64::consts::TAU * k as f64 / n as f64;
         (0..n).map(|k| at(angle(k).cos(), angle(k).sin(), k as f64)).collect()
     }
@@ -139,7 +136,7 @@ mod tests {
     #[test]
     fn the_deepest_stays_and_area_is_kept() {
         for n in 5..40 {
-            let chosen = reduce(&ring(n), 4, 1e-9, 1e-12);
+            let chosen = reduce(&ring(n), 0, 4, 1e-9, 1e-12);
             assert_eq!((chosen.all().len(), chosen.all()[0]), (4, 0));
             let corners: Vec<_> = chosen.all().iter().map(|&k| ring(n)[k].at).collect();
             let area: f64 = (0..4)
@@ -154,22 +151,19 @@ mod tests {
         let mut points = ring(4);
         points.push(at(1.0, 1e-12, 0.0));
         points.push(at(0.5, 0.5, 0.0));
-        assert_eq!(reduce(&points, 5, 1e-9, 1e-12).all().len(), 4);
+        assert_eq!(reduce(&points, 0, 5, 1e-9, 1e-12).all().len(), 4);
         let points = [at(0.0, 0.0, 0.0), at(1e-12, 0.0, 0.0), at(1.0, 0.0, -1.0)];
-        assert_eq!(reduce(&points, 8, 1e-9, 1e-12).all(), [2, 0]);
-        assert_eq!(reduce(&points, 1, 1e-9, 1e-12).all(), [2]);
+        assert_eq!(reduce(&points, 0, 8, 1e-9, 1e-12).all(), [2, 0]);
+        assert_eq!(reduce(&points, 0, 1, 1e-9, 1e-12).all(), [2]);
         let line: Vec<_> = (0..9).map(|k| at(f64::from(k), 0.0, 0.0)).collect();
-        assert_eq!(reduce(&line, 4, 1e-9, 1e-12).all(), [0, 8]);
+        assert_eq!(reduce(&line, 0, 4, 1e-9, 1e-12).all(), [0, 8]);
     }
 
     #[test]
     fn among_equals_the_kept_stay() {
         let mut points = ring(8);
         points.iter_mut().for_each(|p| p.separation = 0.0);
-        for k in [1, 3, 5, 7] {
-            points[k].kept = true;
-        }
-        let mut chosen: Vec<_> = reduce(&points, 4, 1e-9, 1e-12).all().to_vec();
+        let mut chosen: Vec<_> = reduce(&points, 0b1010_1010, 4, 1e-9, 1e-12).all().to_vec();
         chosen.sort_unstable();
         assert_eq!(chosen, [1, 3, 5, 7]);
     }

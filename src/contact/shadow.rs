@@ -2,8 +2,9 @@
 
 use nalgebra::Vector3;
 
+use super::corners::On;
 use crate::polyhedron::topology::LARGE;
-use crate::polyhedron::{ConvexPolyhedron, Feature};
+use crate::polyhedron::{ConvexPolyhedron, EdgeId, Feature, VertexId};
 
 /// Two directions across the normal and the normal, in one body's stored frame, about that body's witness.
 pub(super) struct Axes {
@@ -15,119 +16,126 @@ pub(super) struct Axes {
 impl Axes {
     /// Place and height of a stored point.
     #[inline(always)]
-    pub(super) fn see(&self, p: &Vector3<f64>) -> [f64; 3] {
+    fn see(&self, p: &Vector3<f64>) -> [f64; 3] {
         let d = p - self.witness;
         [self.across[0].dot(&d), self.across[1].dot(&d), self.normal.dot(&d)]
     }
-
-    /// The stored point at a place and height.
-    #[inline(always)]
-    pub(super) fn point(&self, [x, y]: [f64; 2], height: f64) -> Vector3<f64> {
-        self.witness + self.across[0] * x + self.across[1] * y + self.normal * height
-    }
 }
 
-/// The plane of a face: heights over places.
-#[derive(Clone, Copy, Default)]
-pub(super) struct Slope {
-    level: f64,
-    rise: [f64; 2],
-}
-
-impl Slope {
-    /// Of the face `f`, which is not upright.
-    #[inline(always)]
-    pub(super) fn new(body: &ConvexPolyhedron, f: u32, axes: &Axes) -> Self {
-        let m = &body.planes[f as usize].normal;
-        let corner = body.points[body.topology.half_edge(body.topology.rim_start(f)).to as usize];
-        let up = 1.0 / m.dot(&axes.normal);
-        Self {
-            level: m.dot(&(corner - axes.witness)) * up,
-            rise: [m.dot(&axes.across[0]) * up, m.dot(&axes.across[1]) * up],
-        }
-    }
-
-    #[inline(always)]
-    pub(super) fn height(&self, [x, y]: [f64; 2]) -> f64 {
-        self.level - self.rise[0] * x - self.rise[1] * y
-    }
-}
-
-/// The corners of a face with at most [`LARGE`] of them, or the ends of an edge; counter-clockwise about the normal.
-pub(super) struct Shadow {
+/// The corners of a face, or the ends of an edge, counter-clockwise about the normal.
+///
+/// Up to [`LARGE`] corners are seen at once; of larger faces each is looked at when it is needed.
+pub(super) struct Shadow<'a> {
+    body: &'a ConvexPolyhedron,
+    axes: &'a Axes,
     pub(super) feature: Feature,
     pub(super) count: usize,
-    /// Place and height.
-    pub(super) corners: [[f64; 3]; LARGE],
-    pub(super) vertices: [u32; LARGE],
+    pub(super) x: [f64; LARGE],
+    pub(super) y: [f64; LARGE],
+    pub(super) height: [f64; LARGE],
+    vertices: [u32; LARGE],
     /// The edge from each corner to the next.
-    pub(super) edges: [u32; LARGE],
-    pub(super) slope: Slope,
+    edges: [u32; LARGE],
+    /// The half-edges of a large face, and whether they go round the other way.
+    ring: Option<&'a [u32]>,
+    backward: bool,
+    /// Heights on a face: at the witness, and how they fall across.
+    level: f64,
+    fall: [f64; 2],
 }
 
-impl Shadow {
-    /// Of an edge or a small face; a vertex has none. `below`: the body lies before the other along the normal, so that its
-    /// face is seen from outside.
-    pub(super) fn new(body: &ConvexPolyhedron, feature: Feature, axes: &Axes, below: bool) -> Option<Self> {
-        let t = &body.topology;
-        let mut shadow = Self {
+impl<'a> Shadow<'a> {
+    /// `backward`: the body lies behind the other along the normal, so that its face is seen from within.
+    #[inline(always)]
+    pub(super) fn new(body: &'a ConvexPolyhedron, feature: Feature, axes: &'a Axes, backward: bool) -> Self {
+        Self {
+            body,
+            axes,
             feature,
             count: 0,
-            corners: [[0.0; 3]; LARGE],
+            x: [0.0; LARGE],
+            y: [0.0; LARGE],
+            height: [0.0; LARGE],
             vertices: [0; LARGE],
             edges: [0; LARGE],
-            slope: Slope::default(),
-        };
-        match feature {
-            Feature::Vertex(_) => return None,
+            ring: None,
+            backward,
+            level: 0.0,
+            fall: [0.0; 2],
+        }
+    }
+
+    /// Takes in the feature; a vertex has no shadow.
+    #[inline(always)]
+    pub(super) fn cast(&mut self) {
+        let t = &self.body.topology;
+        match self.feature {
+            Feature::Vertex(_) => {}
             Feature::Edge(e) => {
-                for (k, v) in [t.from(e.0), t.half_edge(e.0).to].into_iter().enumerate() {
-                    shadow.corners[k] = axes.see(&body.points[v as usize]);
-                    shadow.vertices[k] = v;
-                    shadow.edges[k] = e.0;
-                }
-                shadow.count = 2;
+                self.add(t.from(e.0), e.0);
+                self.add(t.half_edge(e.0).to, e.0);
             }
             Feature::Face(f) => {
-                shadow.slope = Slope::new(body, f.0, axes);
-                shadow.fill(body, f.0, axes);
-                if !below {
-                    shadow.turn_round();
+                self.lean(f.0);
+                self.ring = t.ring(f.0);
+                match self.ring {
+                    Some(ring) => self.count = ring.len(),
+                    None => self.go_round(f.0),
                 }
             }
         }
-        Some(shadow)
     }
 
-    fn fill(&mut self, body: &ConvexPolyhedron, f: u32, axes: &Axes) {
-        let t = &body.topology;
+    /// The heights of a face, which is not upright.
+    #[inline(always)]
+    fn lean(&mut self, f: u32) {
+        let t = &self.body.topology;
+        let m = &self.body.planes[f as usize].normal;
+        let corner = self.body.points[t.half_edge(t.rim_start(f)).to as usize];
+        let up = 1.0 / m.dot(&self.axes.normal);
+        self.level = m.dot(&(corner - self.axes.witness)) * up;
+        self.fall = self.axes.across.map(|e| m.dot(&e) * up);
+    }
+
+    #[inline(always)]
+    fn go_round(&mut self, f: u32) {
+        let t = &self.body.topology;
         let start = t.rim_start(f);
-        let mut h = start;
-        let mut v = t.from(start);
-        for k in 0..LARGE {
+        let (mut h, mut v) = (start, t.from(start));
+        loop {
             let e = t.half_edge(h);
-            self.corners[k] = axes.see(&body.points[v as usize]);
-            self.vertices[k] = v;
-            self.edges[k] = h.min(e.twin);
-            self.count = k + 1;
+            self.add(v, h.min(e.twin));
             (v, h) = (e.to, e.next);
-            if h == start {
+            if h == start || self.count == LARGE {
                 break;
             }
         }
+        if self.backward {
+            let n = self.count;
+            self.x[..n].reverse();
+            self.y[..n].reverse();
+            self.height[..n].reverse();
+            self.vertices[..n].reverse();
+            // The edge from a corner is now the one that led to it.
+            self.edges[..n - 1].reverse();
+        }
     }
 
-    /// Corners in reverse; the edges between them then begin one place earlier.
-    fn turn_round(&mut self) {
-        let n = self.count;
-        self.corners[..n].reverse();
-        self.vertices[..n].reverse();
-        self.edges[..n].reverse();
-        self.edges[..n].rotate_left(1);
+    #[inline(always)]
+    fn add(&mut self, vertex: u32, edge: u32) {
+        let k = self.count;
+        [self.x[k], self.y[k], self.height[k]] = self.axes.see(&self.body.points[vertex as usize]);
+        self.vertices[k] = vertex;
+        self.edges[k] = edge;
+        self.count += 1;
     }
 
     pub(super) fn is_edge(&self) -> bool {
         self.count == 2
+    }
+
+    pub(super) fn is_large(&self) -> bool {
+        self.ring.is_some()
     }
 
     #[inline(always)]
@@ -135,10 +143,62 @@ impl Shadow {
         if k + 1 == self.count { 0 } else { k + 1 }
     }
 
+    /// The number of a corner's vertex.
+    #[inline(always)]
+    fn number(&self, k: usize) -> u32 {
+        let Some(ring) = self.ring else {
+            return self.vertices[k];
+        };
+        // The head of the half-edge before; going backward, that of the edge from here.
+        let h = match (self.backward, k) {
+            (true, _) => ring[self.count - 1 - k],
+            (false, 0) => ring[self.count - 1],
+            (false, _) => ring[k - 1],
+        };
+        self.body.topology.half_edge(h).to
+    }
+
+    /// The name of what a point lies on.
+    pub(super) fn name(&self, on: On) -> Feature {
+        match (on.as_corner(), on.as_edge()) {
+            (Some(k), _) => Feature::Vertex(VertexId(self.number(k))),
+            (_, Some(k)) => self.edge(k),
+            _ => self.feature,
+        }
+    }
+
+    /// The edge from a corner to the next.
+    fn edge(&self, k: usize) -> Feature {
+        let edge = match self.ring {
+            None => self.edges[k],
+            Some(ring) => {
+                let h = ring[if self.backward { self.count - 1 - k } else { k }];
+                self.body.topology.edge(h)
+            }
+        };
+        Feature::Edge(EdgeId(edge))
+    }
+
+    /// Place and height of a corner.
+    #[inline(always)]
+    pub(super) fn corner(&self, k: usize) -> [f64; 3] {
+        if self.ring.is_none() {
+            [self.x[k], self.y[k], self.height[k]]
+        } else {
+            self.axes.see(&self.body.points[self.number(k) as usize])
+        }
+    }
+
+    /// The height of the face over a place.
+    #[inline(always)]
+    pub(super) fn height_on_face(&self, [x, y]: [f64; 2]) -> f64 {
+        self.level - self.fall[0] * x - self.fall[1] * y
+    }
+
     /// The part of the way along edge `k` at which a place lies.
     #[inline(always)]
     pub(super) fn along(&self, k: usize, [x, y]: [f64; 2]) -> f64 {
-        let (p, q) = (self.corners[k], self.corners[self.next(k)]);
+        let (p, q) = (self.corner(k), self.corner(self.next(k)));
         let u = [q[0] - p[0], q[1] - p[1]];
         let squared = u[0] * u[0] + u[1] * u[1];
         let t = ((x - p[0]) * u[0] + (y - p[1]) * u[1]) / squared;
@@ -146,10 +206,32 @@ impl Shadow {
         if t > 0.0 { t.min(1.0) } else { 0.0 }
     }
 
-    /// The height over a place beside edge `k`, or on the face.
+    /// The height over a place beside edge `k`.
     #[inline(always)]
     pub(super) fn height_on_edge(&self, k: usize, at: [f64; 2]) -> f64 {
-        let (p, q) = (self.corners[k], self.corners[self.next(k)]);
+        let (p, q) = (self.corner(k), self.corner(self.next(k)));
         p[2] + self.along(k, at) * (q[2] - p[2])
+    }
+
+    /// The stored point at a place, on what it lies on.
+    pub(super) fn point(&self, on: On, at: [f64; 2]) -> Vector3<f64> {
+        let corner = |k: usize| self.body.points[self.number(k) as usize];
+        let on_edge = |k: usize| {
+            let (p, q) = (corner(k), corner(self.next(k)));
+            p + (q - p) * self.along(k, at)
+        };
+        match (on.as_corner(), on.as_edge()) {
+            (Some(k), _) => corner(k),
+            (_, Some(k)) => on_edge(k),
+            _ if self.is_edge() => on_edge(0),
+            _ => {
+                let Axes {
+                    across,
+                    normal,
+                    witness,
+                } = self.axes;
+                witness + across[0] * at[0] + across[1] * at[1] + normal * self.height_on_face(at)
+            }
+        }
     }
 }
