@@ -3,10 +3,6 @@
 use std::io::Write;
 use std::time::Duration;
 
-use lab::{Face, Point, Pose};
-use lin_canny::ConvexPolyhedron;
-use lin_canny::nalgebra::{Isometry3, Quaternion, UnitQuaternion};
-
 /// How long an engine runs before a pass of it counts.
 pub(crate) const WARM_UP: Duration = Duration::from_millis(3);
 
@@ -51,19 +47,6 @@ impl Options {
             std::process::exit(1);
         }
     }
-}
-
-pub(crate) fn isometry(p: &Pose) -> Isometry3<f64> {
-    let [x, y, z, w] = p.q;
-    let q = UnitQuaternion::new_unchecked(Quaternion::new(w, x, y, z));
-    Isometry3::from_parts(p.t.into(), q)
-}
-
-/// Points and faces of a body.
-pub(crate) fn plain(body: &ConvexPolyhedron) -> (Vec<Point>, Vec<Face>) {
-    let at = body.vertex_points().map(Into::into).collect();
-    let rim = |f| body.face_vertices(f).map(|v| v.index() as u32).collect();
-    (at, body.faces().map(rim).collect())
 }
 
 pub(crate) fn median(list: &mut [f64]) -> f64 {

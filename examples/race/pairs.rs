@@ -9,6 +9,7 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use lab::Point;
+use lab::contacts::{isometry, plain};
 use lab::motion::Frame;
 use lab::parry::{Climber, GjkCached};
 use lab::progress::Progress;
@@ -17,7 +18,7 @@ use lab::workload::{self, SIZES};
 use lin_canny::nalgebra::{Isometry3, Point3};
 use lin_canny::{ConvexPolyhedron, Layer, RelativePose, Totals, Tracker};
 
-use crate::common::{Options, WARM_UP, isometry, median, plain};
+use crate::common::{Options, WARM_UP, median};
 
 /// One body in the form of each engine.
 struct Body {

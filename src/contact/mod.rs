@@ -190,7 +190,7 @@ impl Seen<'_> {
         if a.is_edge() && b.is_edge() {
             clip::beside(a, b, options.sine, corners);
         } else if a.is_large() || b.is_large() {
-            rims::clip(a, b, None, corners);
+            rims::clip(a, b, None, options.most(), corners);
         } else {
             clip::clip(a, b, noise, corners);
         }

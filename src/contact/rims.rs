@@ -1,19 +1,15 @@
 //! What two faces share where one has many corners: found by rays from a point inside, without a look at most of the corners.
 //!
 //! A ray leaves each face by an edge found by bisection; the nearer of the two is a border of what they share, and the end
-//! of that edge, or where it crosses the other rim, is a corner. Four rays are shot crosswise, and then one out of the longest
-//! side of what is known, as long as it gains much. So of two discs of `m` corners `log m` are looked at for each ray, and
-//! not all corners of what they share are found: the area is within a small part of that of the best few points.
+//! of that edge, or where it crosses the other rim, is a corner. Four rays are shot crosswise, some between them, and then some out of
+//! the longest sides of what is known. So of two discs of `m` corners `log m` are looked at for each
+//! ray, and not all corners of what they share are found: more than are wanted, spread over it.
 
+use super::MOST_POINTS;
 use super::clip::crossing;
 use super::corners::{Corners, On};
 use super::shadow::Shadow;
-
-/// Rays after the first four.
-const MORE: usize = 6;
-
-/// A ray that adds less than this part of the area is the last.
-const GAIN: f64 = 0.2;
+use crate::scalar::sqrt;
 
 type Place = [f64; 2];
 
@@ -76,22 +72,25 @@ impl Shadow<'_> {
     }
 }
 
-/// A point well inside both faces: the hint, or one from the witnesses, which are at zero, towards the middles.
+/// A point well inside both faces: the hint, or one from the witnesses, which are at zero: towards the middle of a face, or away
+/// from both borders.
 fn inside(a: &Shadow, b: &Shadow, hint: Option<Place>) -> Option<Place> {
     let (of_a, of_b) = (a.middle(), b.middle());
     let both = |p: &Place| a.holds(of_a, *p) && b.holds(of_b, *p);
     if let Some(hint) = hint.filter(both) {
         return Some(hint);
     }
-    let long = |u: Place| dot(u, u);
-    let between = {
-        let (la, lb) = (crate::scalar::sqrt(long(of_a)), crate::scalar::sqrt(long(of_b)));
-        let least = la.min(lb);
-        // Both directions with the same weight.
-        [0, 1].map(|k| (of_a[k] / la + of_b[k] / lb) * 0.5 * least)
+    let inward = |s: &Shadow, middle: Place| {
+        let (_, k) = s.exit(middle, [-middle[0], -middle[1]]);
+        let u = minus(place(s.corner(s.next(k))), place(s.corner(k)));
+        let length = sqrt(dot(u, u));
+        [-u[1] / length, u[0] / length]
     };
+    let (m, n) = (inward(a, of_a), inward(b, of_b));
+    let reach = sqrt(dot(of_a, of_a).min(dot(of_b, of_b)));
+    let between = [(m[0] + n[0]) * reach, (m[1] + n[1]) * reach];
     let mut part = 1.0;
-    for _ in 0..8 {
+    for _ in 0..12 {
         let ways = [of_a, of_b, between].map(|w| [w[0] * part, w[1] * part]);
         if let Some(p) = ways.into_iter().find(both) {
             return Some(p);
@@ -101,28 +100,42 @@ fn inside(a: &Shadow, b: &Shadow, hint: Option<Place>) -> Option<Place> {
     None
 }
 
-/// Corners of what two faces share.
-pub(super) fn clip(a: &Shadow, b: &Shadow, hint: Option<Place>, corners: &mut Corners) {
-    let Some(centre) = inside(a, b, hint) else { return };
+/// Corners of what two faces share, enough to choose `most` from.
+pub(super) fn clip(a: &Shadow, b: &Shadow, hint: Option<Place>, most: usize, corners: &mut Corners) {
+    let Some(mut centre) = inside(a, b, hint) else { return };
     let first = corners.all().len();
-    for way in [[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]] {
-        shoot(a, b, centre, way, corners);
+    let mut half = [0.0; 2];
+    for k in 0..2 {
+        let mut ray = |way: f64| {
+            let mut axis = [0.0; 2];
+            axis[k] = way;
+            shoot(a, b, centre, axis, corners)
+        };
+        let (ahead, back) = (ray(1.0), ray(-1.0));
+        half[k] = (ahead + back) * 0.5;
+        centre[k] += (ahead - back) * 0.5;
     }
-    for _ in 0..MORE {
-        if corners.all().len() < first + 3 || !widen(a, b, first, corners) {
+    // Between the axes a round or square outline is met before the sum of both; a long one beyond it, and then on both ends.
+    for [x, y] in [half, [-half[0], half[1]]] {
+        if shoot(a, b, centre, [x, y], corners) > 1.0 {
+            shoot(a, b, centre, [-x, -y], corners);
+        }
+    }
+    let mut tried = [[f64::NAN; 2]; MOST_POINTS];
+    for k in 0..most.min(MOST_POINTS) {
+        if corners.all().len() < first + 3 {
             return;
         }
+        tried[k] = widen(a, b, first, &tried[..k], corners);
     }
 }
 
-/// One ray more, out of the middle of the longest side of the corners found; whether it gained much.
-fn widen(a: &Shadow, b: &Shadow, first: usize, corners: &mut Corners) -> bool {
+/// One ray more, out of the middle of the longest side of the corners found that was not `tried` yet; which is told.
+fn widen(a: &Shadow, b: &Shadow, first: usize, tried: &[Place], corners: &mut Corners) -> Place {
     let found = &mut corners.all_mut()[first..];
     let count = found.len();
-    let middle = {
-        let sum = found.iter().fold([0.0; 2], |s, c| [s[0] + c.at[0], s[1] + c.at[1]]);
-        [sum[0] / count as f64, sum[1] / count as f64]
-    };
+    let sum = found.iter().fold([0.0; 2], |s, c| [s[0] + c.at[0], s[1] + c.at[1]]);
+    let middle = [sum[0] / count as f64, sum[1] / count as f64];
     // Counter-clockwise from the first.
     let start = minus(found[0].at, middle);
     let half = |p: Place| turn(start, p) < 0.0 || turn(start, p) == 0.0 && dot(start, p) < 0.0;
@@ -130,73 +143,92 @@ fn widen(a: &Shadow, b: &Shadow, first: usize, corners: &mut Corners) -> bool {
         let (u, v) = (minus(c.at, middle), minus(d.at, middle));
         half(u).cmp(&half(v)).then(turn(v, u).total_cmp(&turn(u, v)))
     });
-    let side = |k: usize| (found[k].at, found[(k + 1) % count].at);
-    let long = |k: usize| {
-        let (p, q) = side(k);
-        dot(minus(q, p), minus(q, p))
-    };
-    let area: f64 = (0..count)
-        .map(|k| turn(minus(side(k).0, middle), minus(side(k).1, middle)))
-        .sum();
-    let longest = (1..count).fold(0, |best, k| if long(k) > long(best) { k } else { best });
-    let (p, q) = side(longest);
-    let u = minus(q, p);
-    let from = [(p[0] + q[0]) * 0.5, (p[1] + q[1]) * 0.5];
-    shoot(a, b, from, [u[1], -u[0]], corners);
-    let Some(new) = corners.all()[first..].get(count) else {
-        return false;
-    };
-    turn(u, minus(new.at, p)) < -GAIN * area
-}
-
-/// The corner at the left end of the border that a ray from inside hits.
-fn shoot(a: &Shadow, b: &Shadow, from: Place, way: Place, corners: &mut Corners) {
-    let ((far_a, i), (far_b, j)) = (a.exit(from, way), b.exit(from, way));
-    if far_a <= far_b {
-        let end = a.next(i);
-        let at = place(a.corner(end));
-        match crossed(a, i, b, j, from, at) {
-            None => corners.push(
-                at,
-                [a.corner(end)[2], b.height_on_face(at)],
-                [On::corner(end), On::WHOLE],
-            ),
-            Some(j) => crossing(a, b, i, j, corners),
-        }
-    } else {
-        let end = b.next(j);
-        let at = place(b.corner(end));
-        match crossed(b, j, a, i, from, at) {
-            None => corners.push(
-                at,
-                [a.height_on_face(at), b.corner(end)[2]],
-                [On::WHOLE, On::corner(end)],
-            ),
-            Some(i) => crossing(a, b, i, j, corners),
+    let mut longest = (0.0, [f64::NAN; 2], [0.0; 2]);
+    for k in 0..count {
+        let (p, q) = (found[k].at, found[(k + 1) % count].at);
+        let u = minus(q, p);
+        let from = [(p[0] + q[0]) * 0.5, (p[1] + q[1]) * 0.5];
+        if dot(u, u) > longest.0 && !tried.contains(&from) {
+            longest = (dot(u, u), from, [u[1], -u[0]]);
         }
     }
+    let (length, from, way) = longest;
+    if length > 0.0 {
+        shoot(a, b, from, way, corners);
+    }
+    from
 }
 
-/// The edge of the outer face's rim that crosses edge `k` of the inner one between the ray, which leaves the outer face by
-/// `start`, and the end of the edge; `None` where that end is in the outer face.
-fn crossed(inner: &Shadow, k: usize, outer: &Shadow, start: usize, from: Place, end: Place) -> Option<usize> {
-    let (far, last) = outer.exit(from, minus(end, from));
+/// The corner at the left end of the border that a ray from inside hits, and that at its right end where the border is one of a
+/// few; after how many times `way` the ray hits it is told.
+fn shoot(a: &Shadow, b: &Shadow, from: Place, way: Place, corners: &mut Corners) -> f64 {
+    let ((far_a, i), (far_b, j)) = (a.exit(from, way), b.exit(from, way));
+    if far_a <= far_b {
+        for end in ends(a, i) {
+            let at = place(a.corner(end));
+            match crossed((a, i, end), (b, j), from) {
+                None => corners.push(
+                    at,
+                    [a.corner(end)[2], b.height_on_face(at)],
+                    [On::corner(end), On::WHOLE],
+                ),
+                Some(j) => crossing(a, b, i, j, corners),
+            }
+        }
+    } else {
+        for end in ends(b, j) {
+            let at = place(b.corner(end));
+            match crossed((b, j, end), (a, i), from) {
+                None => corners.push(
+                    at,
+                    [a.height_on_face(at), b.corner(end)[2]],
+                    [On::WHOLE, On::corner(end)],
+                ),
+                Some(i) => crossing(a, b, i, j, corners),
+            }
+        }
+    }
+    far_a.min(far_b)
+}
+
+/// The ends of edge `k` that are worth a look.
+fn ends(of: &Shadow, k: usize) -> impl Iterator<Item = usize> {
+    let right = (!of.is_large()).then_some(k);
+    core::iter::once(of.next(k)).chain(right)
+}
+
+/// The edge of the outer face's rim that crosses edge `k` of the inner one between the ray, which leaves the outer face by `start`,
+/// and one end of the edge; `None` where that end is in the outer face.
+fn crossed((inner, k, end): (&Shadow, usize, usize), (outer, start): (&Shadow, usize), from: Place) -> Option<usize> {
+    let (far, last) = outer.exit(from, minus(place(inner.corner(end)), from));
     if !(far < 1.0) {
         return None;
     }
     let p = place(inner.corner(k));
-    let u = minus(end, p);
+    let u = minus(place(inner.corner(inner.next(k))), p);
     let m = outer.count;
-    // Corners of the outer rim from the ray on are outside the edge, then inside.
-    let crossed = |k: usize| turn(u, minus(place(outer.corner((start + k) % m)), p)) >= 0.0;
-    let (mut low, mut high) = (0, (last + m - start) % m + 1);
-    while high - low > 1 {
+    // Edge 0 leaves by the ray, the last one by the end; their corners are outside the inner edge, then inside.
+    let left = end != k;
+    let edge = |n: usize| if left { (start + n) % m } else { (start + m - n) % m };
+    let inside = |n: usize| {
+        let corner = if left { outer.next(edge(n)) } else { edge(n) };
+        turn(u, minus(place(outer.corner(corner)), p)) >= 0.0
+    };
+    let (mut low, mut high) = (
+        0,
+        if left {
+            (last + m - start) % m
+        } else {
+            (start + m - last) % m
+        },
+    );
+    while low < high {
         let middle = (low + high) / 2;
-        if crossed(middle) {
+        if inside(middle) {
             high = middle;
         } else {
-            low = middle;
+            low = middle + 1;
         }
     }
-    Some((start + low) % m)
+    Some(edge(low))
 }
