@@ -191,7 +191,7 @@ impl Manifold {
             let contacts = answer.contacts(options, self);
             features = contacts.features;
             budget = options.drift * query.least_radius();
-            self.adopt(&contacts.points[..contacts.count], moved + budget);
+            self.adopt(&contacts.points[..contacts.count], 2.0 * moved + budget);
         } else {
             self.count = 0;
         }

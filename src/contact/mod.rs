@@ -217,11 +217,21 @@ impl Seen<'_> {
         }
         let merge = noise.max(options.drift * a.radius.min(b.radius));
         let chosen = reduce(corners.all(), kept, options.most(), merge, noise);
-        contacts.count = chosen.all().len();
-        for (point, &k) in contacts.points.iter_mut().zip(chosen.all()) {
+        contacts.count = 0;
+        for &k in chosen.all() {
             let corner = &corners.all()[k];
-            if corner.on != Corner::WITNESS {
-                *point = self.contact(corner);
+            let point = if corner.on == Corner::WITNESS {
+                ContactPoint::witness(outcome)
+            } else {
+                self.contact(corner)
+            };
+            // Where rounding has split a feature, the answer may name the witnesses like a corner beside them.
+            if contacts.points[..contacts.count]
+                .iter()
+                .all(|p| p.features != point.features)
+            {
+                contacts.points[contacts.count] = point;
+                contacts.count += 1;
             }
         }
     }

@@ -5,6 +5,7 @@ use nalgebra::Vector3;
 use super::corners::On;
 use crate::polyhedron::topology::LARGE;
 use crate::polyhedron::{ConvexPolyhedron, EdgeId, Feature, VertexId};
+use crate::tolerance::COPLANAR;
 
 /// Two directions across the normal and the normal, in one body's stored frame, about that body's witness.
 pub(super) struct Axes {
@@ -97,18 +98,14 @@ impl<'a> Shadow<'a> {
         self.fall = self.axes.across.map(|e| m.dot(&e) * up);
     }
 
+    /// The corners of a face, and of the faces beside it that lie in its plane but for rounding: together they are the face that
+    /// was meant.
     #[inline(always)]
     fn go_round(&mut self, f: u32) {
         let t = &self.body.topology;
         let start = t.rim_start(f);
-        let (mut h, mut v) = (start, t.from(start));
-        loop {
-            let e = t.half_edge(h);
-            self.add(v, h.min(e.twin));
-            (v, h) = (e.to, e.next);
-            if h == start || self.count == LARGE {
-                break;
-            }
+        if !(self.body.is_creased && self.go_round_all(f)) {
+            self.walk(start, |_| false);
         }
         if self.backward {
             let n = self.count;
@@ -119,6 +116,48 @@ impl<'a> Shadow<'a> {
             // The edge from a corner is now the one that led to it.
             self.edges[..n - 1].reverse();
         }
+    }
+
+    /// Whether an outline about several faces was found, of no more corners than there is room for.
+    #[cold]
+    fn go_round_all(&mut self, f: u32) -> bool {
+        let (t, planes) = (&self.body.topology, &self.body.planes);
+        let n = planes[f as usize].normal;
+        let within = |h: u32| {
+            let m = &planes[t.half_edge(t.half_edge(h).twin).face as usize].normal;
+            m.dot(&n) > 0.0 && m.cross(&n).norm_squared() <= COPLANAR * COPLANAR
+        };
+        // Turns about the first corner, out of the faces that belong together.
+        let mut start = t.rim_start(f);
+        for _ in 0..t.fan(t.from(start)).len() {
+            if !within(start) {
+                return self.walk(start, within) && self.count > 2;
+            }
+            start = t.half_edge(t.half_edge(start).twin).next;
+        }
+        false
+    }
+
+    /// The corners along a rim from a half-edge on, past the edges within it; whether it closed in the room there is.
+    #[inline(always)]
+    fn walk(&mut self, start: u32, within: impl Fn(u32) -> bool) -> bool {
+        let t = &self.body.topology;
+        self.count = 0;
+        let (mut h, mut v) = (start, t.from(start));
+        while self.count < LARGE {
+            let e = t.half_edge(h);
+            self.add(v, h.min(e.twin));
+            (v, h) = (e.to, e.next);
+            let mut turns = 0;
+            while within(h) && turns < LARGE {
+                h = t.half_edge(t.half_edge(h).twin).next;
+                turns += 1;
+            }
+            if h == start {
+                return true;
+            }
+        }
+        false
     }
 
     #[inline(always)]

@@ -15,7 +15,7 @@ use super::support::CubeMap;
 use super::topology::Topology;
 use super::{ConvexPolyhedron, Plane};
 use crate::scalar::sqrt;
-use crate::tolerance::{NEAR_PLANE, UNIT};
+use crate::tolerance::{COPLANAR, NEAR_PLANE, UNIT};
 
 /// How many of the largest faces the flatness of the report looks across.
 const WIDTHS: usize = 8;
@@ -96,6 +96,11 @@ impl ConvexPolyhedron {
         if loops.len() > 1 && report.euler_characteristic != 2 {
             return Err(BuildError::Inconsistent);
         }
+        let is_creased = (0..topology.half_edge_count() as u32).any(|h| {
+            let e = topology.half_edge(h);
+            let [m, n] = [e.face, topology.half_edge(e.twin).face].map(|f| planes[f as usize].normal);
+            m.dot(&n) > 0.0 && m.cross(&n).norm_squared() <= COPLANAR * COPLANAR
+        });
         Ok(Self {
             lookup: CubeMap::new(&topology, &points),
             scan: Scan::new(&points),
@@ -111,6 +116,7 @@ impl ConvexPolyhedron {
             radius,
             low,
             high,
+            is_creased,
             print: print(cloud, kept, loops),
             report,
         })
