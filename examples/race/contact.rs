@@ -58,8 +58,8 @@ impl Race {
         };
         let parry_poses = scene.frames.iter().map(|f| (parry::pose(&f.a), parry::pose(&f.b)));
         Some(Self {
-            hulls: (hull(&race.scene.a)?, hull(&race.scene.b)?),
-            poses: race.poses(),
+            hulls: (hull(&scene.a)?, hull(&scene.b)?),
+            poses: scene.poses(),
             parry_poses: parry_poses.collect(),
             scene,
         })
