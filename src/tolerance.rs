@@ -85,10 +85,10 @@ pub const ALMOST_FLAT: f64 = 1.0 / 65_536.0;
 /// closed: corners this far outside belong to it. Not a matter of soundness.
 pub const ACROSS: f64 = 64.0 * UNIT;
 
-/// Faces whose normals differ by less than this, `2^-40`, bear a contact as one: a flat face whose corners were rounded
+/// Faces whose normals differ by less than this, `2^-46`, bear a contact as one: a flat face whose corners were rounded
 /// comes as several, with normals a few UNIT times its size over their width apart. A point taken for one of the other is off by no
 /// more than this times L.
-pub const COPLANAR: f64 = 1.0 / (1u64 << 40) as f64;
+pub const COPLANAR: f64 = 1.0 / (1u64 << 46) as f64;
 
 /// What a manifold holds already stays while it is no worse than this times what would come in its place. Not a matter of
 /// soundness.

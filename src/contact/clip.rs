@@ -23,75 +23,96 @@ impl Sides {
             outside: [0; LARGE],
             beyond: 0,
         };
-        let four = |list: &[f64; LARGE], k: usize| f64x4::new([list[k], list[k + 1], list[k + 2], list[k + 3]]);
+        let fours = corners.count.div_ceil(4);
+        let xs = || corners.x.as_chunks::<4>().0[..fours].iter();
+        let ys = || corners.y.as_chunks::<4>().0[..fours].iter();
         for j in 0..of.count {
             let next = of.next(j);
             let u = [of.x[next] - of.x[j], of.y[next] - of.y[j]];
-            let (ux, uy, px, py) = (
-                f64x4::splat(u[0]),
-                f64x4::splat(u[1]),
-                f64x4::splat(of.x[j]),
-                f64x4::splat(of.y[j]),
-            );
+            let (ux, uy) = (f64x4::splat(u[0]), f64x4::splat(u[1]));
+            let (px, py) = (f64x4::splat(of.x[j]), f64x4::splat(of.y[j]));
             let margin = f64x4::splat(-noise * (u[0].abs() + u[1].abs()));
-            for k in (0..corners.count).step_by(4) {
-                let side = ux * (four(&corners.y, k) - py) - uy * (four(&corners.x, k) - px);
-                sides.outside[j] |= side.simd_lt(f64x4::ZERO).to_bitmask() << k;
-                sides.beyond |= side.simd_lt(margin).to_bitmask() << k;
+            let (mut outside, mut beyond) = (0, 0);
+            for (k, (x, y)) in xs().zip(ys()).enumerate() {
+                let side = ux * (f64x4::new(*y) - py) - uy * (f64x4::new(*x) - px);
+                outside |= side.simd_lt(f64x4::ZERO).to_bitmask() << (4 * k);
+                beyond |= side.simd_lt(margin).to_bitmask() << (4 * k);
             }
+            sides.outside[j] = outside;
+            sides.beyond |= beyond;
         }
         sides
     }
 
-    /// Whether the ends of edge `k` of the other shadow are on both sides of the line of edge `j`.
+    /// The edges of the other shadow whose ends are on both sides of the line of edge `j`, a bit each.
     #[inline(always)]
-    fn parts(&self, j: usize, k: usize, next: usize) -> bool {
-        (self.outside[j] >> k ^ self.outside[j] >> next) & 1 == 1
+    fn parted(&self, j: usize, other: &Shadow) -> u32 {
+        let here = self.outside[j] & all(other);
+        // An edge has two corners and is one edge.
+        if other.is_edge() {
+            return (here ^ here >> 1) & 1;
+        }
+        let next = here >> 1 | (here & 1) << (other.count - 1);
+        here ^ next
+    }
+}
+
+/// A bit for each corner.
+#[inline(always)]
+fn all(s: &Shadow) -> u32 {
+    (1 << s.count) - 1
+}
+
+/// The numbers of the bits set.
+#[inline(always)]
+fn each(mut bits: u32, mut f: impl FnMut(usize)) {
+    while bits != 0 {
+        f(bits.trailing_zeros() as usize);
+        bits &= bits - 1;
     }
 }
 
 /// The corners of what two features share, `noise` the rounding of a place.
 #[inline(always)]
 pub(super) fn clip(a: &Shadow, b: &Shadow, noise: f64, corners: &mut Corners) {
-    let all = |s: &Shadow| (1u32 << s.count) - 1;
     let of_b = Sides::new(b, a, noise);
     // An edge has no inside; its two sides would be a line.
     let inside_b = if b.is_edge() { 0 } else { all(a) & !of_b.beyond };
-    for i in (0..a.count).filter(|i| inside_b >> i & 1 == 1) {
+    each(inside_b, |i| {
         let at = [a.x[i], a.y[i]];
         corners.push(at, [a.height[i], b.height_on_face(at)], [On::corner(i), On::WHOLE]);
-    }
+    });
     let of_a = Sides::new(a, b, noise);
     let inside_a = if a.is_edge() { 0 } else { all(b) & !of_a.beyond };
-    for j in (0..b.count).filter(|j| inside_a >> j & 1 == 1) {
+    each(inside_a, |j| {
         let at = [b.x[j], b.y[j]];
         corners.push(at, [a.height_on_face(at), b.height[j]], [On::WHOLE, On::corner(j)]);
-    }
-    let edges = |s: &Shadow| if s.is_edge() { 1 } else { s.count };
-    for j in 0..edges(b) {
-        let outside = of_b.outside[j] & all(a);
-        if outside == 0 || outside == all(a) {
-            continue;
-        }
-        for i in 0..edges(a) {
-            if of_b.parts(j, i, a.next(i)) && of_a.parts(i, j, b.next(j)) {
+    });
+    let edges = if b.is_edge() { 1 } else { b.count };
+    for j in 0..edges {
+        each(of_b.parted(j, a), |i| {
+            if of_a.parted(i, b) >> j & 1 == 1 {
                 crossing(a, b, i, j, corners);
             }
-        }
+        });
     }
 }
 
 /// Edge `i` of A's shadow and edge `j` of B's, the line of which parts the ends of the other.
+#[inline(always)]
 pub(super) fn crossing(a: &Shadow, b: &Shadow, i: usize, j: usize, corners: &mut Corners) {
     let (p, q) = (a.corner(i), a.corner(a.next(i)));
     let (r, s) = (b.corner(j), b.corner(b.next(j)));
-    let side = |x: &[f64; 3]| (s[0] - r[0]) * (x[1] - r[1]) - (s[1] - r[1]) * (x[0] - r[0]);
+    let (u, v) = ([q[0] - p[0], q[1] - p[1]], [s[0] - r[0], s[1] - r[1]]);
+    let side = |x: &[f64; 3]| v[0] * (x[1] - r[1]) - v[1] * (x[0] - r[0]);
     let (from, to) = (side(&p), side(&q));
     // One of the two is negative and the other is not; a place that rounding hides is the middle.
     let t = from / (from - to);
     let t = if (0.0..=1.0).contains(&t) { t } else { 0.5 };
-    let at = [p[0] + t * (q[0] - p[0]), p[1] + t * (q[1] - p[1])];
-    let heights = [p[2] + t * (q[2] - p[2]), b.height_on_edge(j, at)];
+    let at = [p[0] + t * u[0], p[1] + t * u[1]];
+    let along = ((at[0] - r[0]) * v[0] + (at[1] - r[1]) * v[1]) / (v[0] * v[0] + v[1] * v[1]);
+    let along = if along > 0.0 { along.min(1.0) } else { 0.0 };
+    let heights = [p[2] + t * (q[2] - p[2]), r[2] + along * (s[2] - r[2])];
     corners.push(at, heights, [On::edge(i), On::edge(j)]);
 }
 

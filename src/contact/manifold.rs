@@ -144,9 +144,11 @@ impl Manifold {
         self.fresh
     }
 
-    /// Whether a contact of these features is there.
-    pub(super) fn has(&self, features: FeaturePair) -> bool {
-        self.points().iter().any(|p| p.features == features)
+    /// The middle of the points on A.
+    pub(super) fn middle(&self) -> Option<Point3<f64>> {
+        let points = self.points();
+        let sum = points.iter().fold(Vector3::zeros(), |s, p| s + p.point_on_a.coords);
+        (!points.is_empty()).then(|| Point3::from(sum / points.len() as f64))
     }
 
     /// Measures anew what is there, if the bodies have moved so little since it was made that it will do; otherwise says how far they
@@ -221,36 +223,37 @@ impl Manifold {
     /// Takes new points in the place of the old ones: names and order stay with those of the same features, and of the others
     /// with those no further than `reach` away on one of the bodies.
     fn adopt(&mut self, new: &[ContactPoint], reach: f64) {
-        let old = self.points;
-        let old = &old[..self.count];
+        let old = &self.points[..self.count];
         let mut origin = [usize::MAX; MOST_POINTS];
-        let free = |origin: &[usize], k: usize| !origin.contains(&k);
         for (i, p) in new.iter().enumerate() {
-            if let Some(k) = old.iter().position(|o| o.features == p.features)
-                && free(&origin, k)
-            {
+            let alike = old.iter().position(|o| o.features == p.features);
+            if let Some(k) = alike.filter(|k| !origin.contains(k)) {
                 origin[i] = k;
             }
         }
+        let apart = |o: &ContactPoint, p: &ContactPoint| {
+            let on_a = (o.point_on_a - p.point_on_a).norm_squared();
+            on_a.min((o.point_on_b - p.point_on_b).norm_squared())
+        };
         for (i, p) in new.iter().enumerate() {
             if origin[i] == usize::MAX {
-                let apart = |o: &ContactPoint| {
-                    let on_a = (o.point_on_a - p.point_on_a).norm_squared();
-                    on_a.min((o.point_on_b - p.point_on_b).norm_squared())
-                };
-                let near = (0..old.len()).filter(|&k| free(&origin, k) && apart(&old[k]) <= reach * reach);
-                if let Some(k) = near.min_by(|&x, &y| apart(&old[x]).total_cmp(&apart(&old[y]))) {
-                    origin[i] = k;
-                }
+                let near = (0..old.len()).filter(|k| !origin.contains(k) && apart(&old[*k], p) <= reach * reach);
+                let nearest = near.min_by(|&x, &y| apart(&old[x], p).total_cmp(&apart(&old[y], p)));
+                origin[i] = nearest.unwrap_or(usize::MAX);
             }
         }
+        self.reorder(new, &origin);
+    }
+
+    /// `origin`: the numbers of the old points whose names and order the new ones take, beyond them all for those that are new.
+    fn reorder(&mut self, new: &[ContactPoint], origin: &[usize; MOST_POINTS]) {
+        let old = self.count;
+        // Names first: the old points are overwritten in their order.
+        let names = origin.map(|k| self.points[k.min(MOST_POINTS - 1)].id);
         self.count = 0;
-        for k in 0..old.len() {
+        for k in 0..old {
             if let Some(i) = origin[..new.len()].iter().position(|&o| o == k) {
-                self.points[self.count] = ContactPoint {
-                    id: old[k].id,
-                    ..new[i]
-                };
+                self.points[self.count] = ContactPoint { id: names[i], ..new[i] };
                 self.count += 1;
             }
         }

@@ -30,7 +30,7 @@ use nalgebra::{Matrix3, Point3, Vector3};
 use crate::closest::outcome::{Layer, Outcome};
 use crate::polyhedron::{ConvexPolyhedron, FeaturePair};
 use crate::scalar::sqrt;
-use crate::tolerance::{ACROSS, CERTIFICATE, UNIT};
+use crate::tolerance::{ACROSS, AGREE};
 use corners::{Corner, Corners};
 use promote::Promotion;
 use reduce::reduce;
@@ -185,16 +185,18 @@ struct Seen<'a> {
 impl Seen<'_> {
     /// The corners within the prediction, and the witnesses where no corner is as deep.
     #[inline(always)]
-    fn corners(&self, options: &ManifoldOptions, noise: f64, corners: &mut Corners) {
+    fn corners(&self, options: &ManifoldOptions, noise: f64, before: &Manifold, corners: &mut Corners) {
         let (a, b) = (&self.a, &self.b);
         if a.is_edge() && b.is_edge() {
             clip::beside(a, b, options.sine, corners);
         } else if a.is_large() || b.is_large() {
-            rims::clip(a, b, None, options.most(), corners);
+            let middle = |p: &Point3<f64>| a.place_of(&self.answer.a.stored(p));
+            let hint = before.middle().as_ref().map(middle);
+            rims::clip(a, b, hint, options.most(), corners);
         } else {
             clip::clip(a, b, noise, corners);
         }
-        let deep = (self.answer.outcome.upper + CERTIFICATE * UNIT * self.answer.size) / self.unit;
+        let deep = (self.answer.outcome.upper + AGREE * self.answer.size) / self.unit;
         if !corners.all().iter().any(|c| c.separation <= deep) {
             corners.push([0.0; 2], [0.0; 2], Corner::WITNESS);
         }
@@ -207,12 +209,15 @@ impl Seen<'_> {
         } = self.answer;
         let noise = ACROSS * size / self.unit;
         let mut corners = Corners::new(outcome.distance / self.unit, options.prediction / self.unit);
-        self.corners(options, noise, &mut corners);
+        self.corners(options, noise, before, &mut corners);
         // Which of them the manifold before had, where there is a choice.
         let mut kept = 0u64;
         if corners.all().len() > options.most() {
-            for (k, c) in corners.all().iter().enumerate() {
-                kept |= u64::from(before.has(self.name(c))) << k;
+            for point in before.points() {
+                if let (Some(a), Some(b)) = (self.a.find(point.features.a), self.b.find(point.features.b)) {
+                    let position = corners.all().iter().position(|c| c.on == [a, b]);
+                    kept |= position.map_or(0, |k| 1 << k);
+                }
             }
         }
         let merge = noise.max(options.drift * a.radius.min(b.radius));

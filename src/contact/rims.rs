@@ -11,6 +11,9 @@ use super::corners::{Corners, On};
 use super::shadow::Shadow;
 use crate::scalar::sqrt;
 
+/// So many corners beside a hint are looked at before all are.
+const NEAR: usize = 3;
+
 type Place = [f64; 2];
 
 fn minus(p: Place, q: Place) -> Place {
@@ -25,20 +28,58 @@ fn dot(u: Place, v: Place) -> f64 {
     u[0] * v[0] + u[1] * v[1]
 }
 
-fn place(corner: [f64; 3]) -> Place {
-    [corner[0], corner[1]]
-}
-
 impl Shadow<'_> {
     /// A point inside the face.
     fn middle(&self) -> Place {
-        let [p, q, r] = [0, self.count / 3, 2 * self.count / 3].map(|k| self.corner(k));
+        let [p, q, r] = [0, self.count / 3, 2 * self.count / 3].map(|k| self.place(k));
         [0, 1].map(|k| (p[k] + q[k] + r[k]) / 3.0)
     }
 
-    /// Where the ray from `from`, inside the face, leaves it: by which edge, and after how many times `way`.
-    fn exit(&self, from: Place, way: Place) -> (f64, usize) {
-        let seen = |k: usize| minus(place(self.corner(k)), from);
+    /// Where the ray from `from`, inside the face, leaves it: by which edge, and after how many times `way`. A ray that leaves by
+    /// the edge `hint` or one beside it is soon told.
+    fn exit(&self, from: Place, way: Place, hint: usize) -> (f64, usize) {
+        let seen = |k: usize| minus(self.place(k), from);
+        let leave = |k: usize, p: Place, q: Place| {
+            let (right, left) = (turn(way, p), turn(way, q));
+            let s = if left > right {
+                (-right / (left - right)).clamp(0.0, 1.0)
+            } else {
+                0.5
+            };
+            let x = [p[0] + s * (q[0] - p[0]), p[1] + s * (q[1] - p[1])];
+            (dot(x, way) / dot(way, way), k)
+        };
+        // Right of the ray at one end, left of it at the other, and seen from inside.
+        let hit = |p: Place, q: Place| {
+            turn(way, p) <= 0.0 && turn(way, q) >= 0.0 && turn(p, q) > 0.0 && dot(way, q) + dot(way, p) > 0.0
+        };
+        let hint = if hint < self.count { hint } else { 0 };
+        let (mut k, mut p) = (hint, seen(hint));
+        let forward = turn(way, p) <= 0.0;
+        for _ in 0..NEAR {
+            let beside = if forward {
+                self.next(k)
+            } else if k == 0 {
+                self.count - 1
+            } else {
+                k - 1
+            };
+            let q = seen(beside);
+            if forward && hit(p, q) {
+                return leave(k, p, q);
+            }
+            if !forward && hit(q, p) {
+                return leave(beside, q, p);
+            }
+            (k, p) = (beside, q);
+        }
+        let k = self.bisect(from, way);
+        leave(k, seen(k), seen(self.next(k)))
+    }
+
+    /// The edge by which a ray leaves.
+    fn bisect(&self, from: Place, way: Place) -> usize {
+        let seen = |k: usize| minus(self.place(k), from);
         let first = seen(0);
         let ahead = turn(first, way) >= 0.0;
         // Whether, counter-clockwise from the first corner, another comes before the ray.
@@ -55,20 +96,12 @@ impl Shadow<'_> {
                 high = middle;
             }
         }
-        let (p, q) = (seen(low), seen(self.next(low)));
-        let (right, left) = (turn(way, p), turn(way, q));
-        let s = if left > right {
-            (-right / (left - right)).clamp(0.0, 1.0)
-        } else {
-            0.5
-        };
-        let x = [p[0] + s * (q[0] - p[0]), p[1] + s * (q[1] - p[1])];
-        (dot(x, way) / dot(way, way), low)
+        low
     }
 
     /// Whether a place is in the face, seen from one that is; NaN is in.
     fn holds(&self, middle: Place, at: Place) -> bool {
-        !(self.exit(middle, minus(at, middle)).0 < 1.0)
+        !(self.exit(middle, minus(at, middle), 0).0 < 1.0)
     }
 }
 
@@ -80,9 +113,12 @@ fn inside(a: &Shadow, b: &Shadow, hint: Option<Place>) -> Option<Place> {
     if let Some(hint) = hint.filter(both) {
         return Some(hint);
     }
+    if let Some(p) = [of_a, of_b].map(|w| [w[0] * 0.5, w[1] * 0.5]).into_iter().find(both) {
+        return Some(p);
+    }
     let inward = |s: &Shadow, middle: Place| {
-        let (_, k) = s.exit(middle, [-middle[0], -middle[1]]);
-        let u = minus(place(s.corner(s.next(k))), place(s.corner(k)));
+        let (_, k) = s.exit(middle, [-middle[0], -middle[1]], 0);
+        let u = minus(s.place(s.next(k)), s.place(k));
         let length = sqrt(dot(u, u));
         [-u[1] / length, u[0] / length]
     };
@@ -91,7 +127,7 @@ fn inside(a: &Shadow, b: &Shadow, hint: Option<Place>) -> Option<Place> {
     let between = [(m[0] + n[0]) * reach, (m[1] + n[1]) * reach];
     let mut part = 1.0;
     for _ in 0..12 {
-        let ways = [of_a, of_b, between].map(|w| [w[0] * part, w[1] * part]);
+        let ways = [between, of_a, of_b].map(|w| [w[0] * part, w[1] * part]);
         if let Some(p) = ways.into_iter().find(both) {
             return Some(p);
         }
@@ -121,8 +157,8 @@ pub(super) fn clip(a: &Shadow, b: &Shadow, hint: Option<Place>, most: usize, cor
             shoot(a, b, centre, [-x, -y], corners);
         }
     }
-    let mut tried = [[f64::NAN; 2]; MOST_POINTS];
-    for k in 0..most.min(MOST_POINTS) {
+    let mut tried = [[f64::NAN; 2]; MOST_POINTS / 2];
+    for k in 0..most / 2 {
         if corners.all().len() < first + 3 {
             return;
         }
@@ -162,10 +198,10 @@ fn widen(a: &Shadow, b: &Shadow, first: usize, tried: &[Place], corners: &mut Co
 /// The corner at the left end of the border that a ray from inside hits, and that at its right end where the border is one of a
 /// few; after how many times `way` the ray hits it is told.
 fn shoot(a: &Shadow, b: &Shadow, from: Place, way: Place, corners: &mut Corners) -> f64 {
-    let ((far_a, i), (far_b, j)) = (a.exit(from, way), b.exit(from, way));
+    let ((far_a, i), (far_b, j)) = (a.exit(from, way, 0), b.exit(from, way, 0));
     if far_a <= far_b {
         for end in ends(a, i) {
-            let at = place(a.corner(end));
+            let at = a.place(end);
             match crossed((a, i, end), (b, j), from) {
                 None => corners.push(
                     at,
@@ -177,7 +213,7 @@ fn shoot(a: &Shadow, b: &Shadow, from: Place, way: Place, corners: &mut Corners)
         }
     } else {
         for end in ends(b, j) {
-            let at = place(b.corner(end));
+            let at = b.place(end);
             match crossed((b, j, end), (a, i), from) {
                 None => corners.push(
                     at,
@@ -200,19 +236,19 @@ fn ends(of: &Shadow, k: usize) -> impl Iterator<Item = usize> {
 /// The edge of the outer face's rim that crosses edge `k` of the inner one between the ray, which leaves the outer face by `start`,
 /// and one end of the edge; `None` where that end is in the outer face.
 fn crossed((inner, k, end): (&Shadow, usize, usize), (outer, start): (&Shadow, usize), from: Place) -> Option<usize> {
-    let (far, last) = outer.exit(from, minus(place(inner.corner(end)), from));
+    let (far, last) = outer.exit(from, minus(inner.place(end), from), start);
     if !(far < 1.0) {
         return None;
     }
-    let p = place(inner.corner(k));
-    let u = minus(place(inner.corner(inner.next(k))), p);
+    let p = inner.place(k);
+    let u = minus(inner.place(inner.next(k)), p);
     let m = outer.count;
     // Edge 0 leaves by the ray, the last one by the end; their corners are outside the inner edge, then inside.
     let left = end != k;
     let edge = |n: usize| if left { (start + n) % m } else { (start + m - n) % m };
     let inside = |n: usize| {
         let corner = if left { outer.next(edge(n)) } else { edge(n) };
-        turn(u, minus(place(outer.corner(corner)), p)) >= 0.0
+        turn(u, minus(outer.place(corner), p)) >= 0.0
     };
     let (mut low, mut high) = (
         0,

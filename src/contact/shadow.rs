@@ -228,6 +228,34 @@ impl<'a> Shadow<'a> {
         }
     }
 
+    /// The same without the height.
+    #[inline(always)]
+    pub(super) fn place(&self, k: usize) -> [f64; 2] {
+        if self.ring.is_none() {
+            return [self.x[k], self.y[k]];
+        }
+        let d = self.body.points[self.number(k) as usize] - self.axes.witness;
+        self.axes.across.map(|e| e.dot(&d))
+    }
+
+    /// The place of a stored point.
+    pub(super) fn place_of(&self, p: &Vector3<f64>) -> [f64; 2] {
+        let d = p - self.axes.witness;
+        self.axes.across.map(|e| e.dot(&d))
+    }
+
+    /// On what a feature is; `None` where it is none of the shadow's, and of large faces.
+    pub(super) fn find(&self, feature: Feature) -> Option<On> {
+        let position = |list: &[u32; LARGE], id: u32| list[..self.count].iter().position(|&x| x == id);
+        match feature {
+            _ if feature == self.feature => Some(On::WHOLE),
+            _ if self.is_large() => None,
+            Feature::Vertex(v) => position(&self.vertices, v.0).map(On::corner),
+            Feature::Edge(e) => position(&self.edges, e.0).map(On::edge),
+            Feature::Face(_) => None,
+        }
+    }
+
     /// The height of the face over a place.
     #[inline(always)]
     pub(super) fn height_on_face(&self, [x, y]: [f64; 2]) -> f64 {
@@ -237,7 +265,7 @@ impl<'a> Shadow<'a> {
     /// The part of the way along edge `k` at which a place lies.
     #[inline(always)]
     pub(super) fn along(&self, k: usize, [x, y]: [f64; 2]) -> f64 {
-        let (p, q) = (self.corner(k), self.corner(self.next(k)));
+        let (p, q) = (self.place(k), self.place(self.next(k)));
         let u = [q[0] - p[0], q[1] - p[1]];
         let squared = u[0] * u[0] + u[1] * u[1];
         let t = ((x - p[0]) * u[0] + (y - p[1]) * u[1]) / squared;
