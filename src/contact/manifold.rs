@@ -8,7 +8,8 @@ use crate::pose::{RelativePose, Which};
 use crate::scalar::sqrt;
 use crate::tolerance::{CERTIFICATE, UNIT};
 
-use super::{Answer, MOST_POINTS, ManifoldOptions};
+use super::rims::{NO_RAYS, Rays};
+use super::{Answer, Choice, MOST_POINTS, ManifoldOptions};
 
 /// A point of each body, across from each other along the normal.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -54,6 +55,9 @@ pub struct Manifold {
     upper: f64,
     made: Option<Made>,
     fresh: bool,
+    /// How the points were chosen, where there were more.
+    pub(super) choice: Option<Choice>,
+    pub(super) rays: Rays,
 }
 
 /// How a manifold was made, by which it can tell how far it is from now.
@@ -90,6 +94,8 @@ impl Default for Manifold {
             upper: f64::INFINITY,
             made: None,
             fresh: false,
+            choice: None,
+            rays: NO_RAYS,
         }
     }
 }
@@ -192,6 +198,7 @@ impl Manifold {
             };
             let contacts = answer.contacts(options, self);
             features = contacts.features;
+            (self.choice, self.rays) = (Some(contacts.choice), contacts.rays);
             budget = options.drift * query.least_radius();
             self.adopt(&contacts.points[..contacts.count], 2.0 * moved + budget);
         } else {

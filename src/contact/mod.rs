@@ -33,7 +33,8 @@ use crate::scalar::sqrt;
 use crate::tolerance::{ACROSS, AGREE};
 use corners::{Corner, Corners};
 use promote::Promotion;
-use reduce::reduce;
+use reduce::{Chosen, reduce};
+use rims::Rays;
 use shadow::{Axes, Shadow};
 
 pub use gradient::Gradient;
@@ -91,6 +92,16 @@ struct Contacts {
     count: usize,
     /// What bears them.
     features: FeaturePair,
+    /// How many corners they were chosen from, and how wide they are of all of these.
+    choice: Choice,
+    rays: Rays,
+}
+
+/// How contacts were chosen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Choice {
+    corners: usize,
+    width: f64,
 }
 
 /// Two bodies, the rotation of `a_from_b`, and how they lie.
@@ -112,6 +123,8 @@ impl Answer<'_> {
             points: [ContactPoint::witness(outcome); MOST_POINTS],
             count: 1,
             features: outcome.features,
+            choice: Choice { corners: 0, width: 0.0 },
+            rays: before.rays,
         };
         // Of bodies so far apart, or so different in size, the witnesses are all there is to say.
         if self.a.exponent != self.b.exponent || outcome.layer == Layer::Far {
@@ -185,14 +198,21 @@ struct Seen<'a> {
 impl Seen<'_> {
     /// The corners within the prediction, and the witnesses where no corner is as deep.
     #[inline(always)]
-    fn corners(&self, options: &ManifoldOptions, noise: f64, before: &Manifold, corners: &mut Corners) {
+    fn corners(
+        &self,
+        options: &ManifoldOptions,
+        noise: f64,
+        before: &Manifold,
+        rays: &mut Rays,
+        corners: &mut Corners,
+    ) {
         let (a, b) = (&self.a, &self.b);
         if a.is_edge() && b.is_edge() {
             clip::beside(a, b, options.sine, corners);
         } else if a.is_large() || b.is_large() {
             let middle = |p: &Point3<f64>| a.place_of(&self.answer.a.stored(p));
             let hint = before.middle().as_ref().map(middle);
-            rims::clip(a, b, hint, options.most(), corners);
+            rims::clip(a, b, hint, options.most(), rays, corners);
         } else {
             clip::clip(a, b, noise, corners);
         }
@@ -209,19 +229,27 @@ impl Seen<'_> {
         } = self.answer;
         let noise = ACROSS * size / self.unit;
         let mut corners = Corners::new(outcome.distance / self.unit, options.prediction / self.unit);
-        self.corners(options, noise, before, &mut corners);
-        // Which of them the manifold before had, where there is a choice.
-        let mut kept = 0u64;
-        if corners.all().len() > options.most() {
-            for point in before.points() {
-                if let (Some(a), Some(b)) = (self.a.find(point.features.a), self.b.find(point.features.b)) {
-                    let position = corners.all().iter().position(|c| c.on == [a, b]);
-                    kept |= position.map_or(0, |k| 1 << k);
-                }
-            }
-        }
+        self.corners(options, noise, before, &mut contacts.rays, &mut corners);
         let merge = noise.max(options.drift * a.radius.min(b.radius));
-        let chosen = reduce(corners.all(), kept, options.most(), merge, noise);
+        let old = self.old(corners.all(), options, before);
+        let last = before
+            .choice
+            .filter(|c| old.count() == options.most() && c.corners == corners.all().len());
+        let chosen = match last {
+            // What was chosen is there, is as deep, and spans what it did.
+            Some(last) if old.is_as_good(corners.all(), last.width, noise) => {
+                contacts.choice = last;
+                old
+            }
+            _ => {
+                let chosen = reduce(corners.all(), old.bits(), options.most(), merge, noise);
+                contacts.choice = Choice {
+                    corners: corners.all().len(),
+                    width: chosen.width(corners.all()),
+                };
+                chosen
+            }
+        };
         contacts.count = 0;
         for &k in chosen.all() {
             let corner = &corners.all()[k];
@@ -239,6 +267,21 @@ impl Seen<'_> {
                 contacts.count += 1;
             }
         }
+    }
+
+    /// The corners that the manifold before had, where there is a choice.
+    fn old(&self, corners: &[Corner], options: &ManifoldOptions, before: &Manifold) -> Chosen {
+        let mut old = Chosen::default();
+        if corners.len() > options.most() {
+            for point in before.points() {
+                if let (Some(a), Some(b)) = (self.a.find(point.features.a), self.b.find(point.features.b))
+                    && let Some(k) = corners.iter().position(|c| c.on == [a, b])
+                {
+                    old.push(k);
+                }
+            }
+        }
+        old
     }
 
     fn name(&self, corner: &Corner) -> FeaturePair {

@@ -12,7 +12,13 @@ use super::shadow::Shadow;
 use crate::scalar::sqrt;
 
 /// So many corners beside a hint are looked at before all are.
-const NEAR: usize = 3;
+const NEAR: usize = 4;
+
+/// Where the rays of the last frame left the faces of A and of B: the next ones leave nearby.
+pub(super) type Rays = [[u32; 2]; 12];
+
+/// A ray that has none before it.
+pub(super) const NO_RAYS: Rays = [[u32::MAX; 2]; 12];
 
 type Place = [f64; 2];
 
@@ -53,10 +59,11 @@ impl Shadow<'_> {
         let hit = |p: Place, q: Place| {
             turn(way, p) <= 0.0 && turn(way, q) >= 0.0 && turn(p, q) > 0.0 && dot(way, q) + dot(way, p) > 0.0
         };
-        let hint = if hint < self.count { hint } else { 0 };
-        let (mut k, mut p) = (hint, seen(hint));
+        let near = if hint < self.count { NEAR } else { 0 };
+        let mut k = hint.min(self.count - 1);
+        let mut p = seen(k);
         let forward = turn(way, p) <= 0.0;
-        for _ in 0..NEAR {
+        for _ in 0..near {
             let beside = if forward {
                 self.next(k)
             } else if k == 0 {
@@ -101,7 +108,7 @@ impl Shadow<'_> {
 
     /// Whether a place is in the face, seen from one that is; NaN is in.
     fn holds(&self, middle: Place, at: Place) -> bool {
-        !(self.exit(middle, minus(at, middle), 0).0 < 1.0)
+        !(self.exit(middle, minus(at, middle), usize::MAX).0 < 1.0)
     }
 }
 
@@ -117,7 +124,7 @@ fn inside(a: &Shadow, b: &Shadow, hint: Option<Place>) -> Option<Place> {
         return Some(p);
     }
     let inward = |s: &Shadow, middle: Place| {
-        let (_, k) = s.exit(middle, [-middle[0], -middle[1]], 0);
+        let (_, k) = s.exit(middle, [-middle[0], -middle[1]], usize::MAX);
         let u = minus(s.place(s.next(k)), s.place(k));
         let length = sqrt(dot(u, u));
         [-u[1] / length, u[0] / length]
@@ -136,16 +143,25 @@ fn inside(a: &Shadow, b: &Shadow, hint: Option<Place>) -> Option<Place> {
     None
 }
 
-/// Corners of what two faces share, enough to choose `most` from.
-pub(super) fn clip(a: &Shadow, b: &Shadow, hint: Option<Place>, most: usize, corners: &mut Corners) {
+/// Two faces, and how many rays were shot at them.
+pub(super) struct Rims<'a> {
+    a: &'a Shadow<'a>,
+    b: &'a Shadow<'a>,
+    rays: &'a mut Rays,
+    count: usize,
+}
+
+/// Corners of what two faces share, enough to choose `most` from. `hint`: a place that may be in the middle of it.
+pub(super) fn clip(a: &Shadow, b: &Shadow, hint: Option<Place>, most: usize, rays: &mut Rays, corners: &mut Corners) {
     let Some(mut centre) = inside(a, b, hint) else { return };
+    let mut rims = Rims { a, b, rays, count: 0 };
     let first = corners.all().len();
     let mut half = [0.0; 2];
     for k in 0..2 {
         let mut ray = |way: f64| {
             let mut axis = [0.0; 2];
             axis[k] = way;
-            shoot(a, b, centre, axis, corners)
+            rims.shoot(centre, axis, corners)
         };
         let (ahead, back) = (ray(1.0), ray(-1.0));
         half[k] = (ahead + back) * 0.5;
@@ -153,8 +169,8 @@ pub(super) fn clip(a: &Shadow, b: &Shadow, hint: Option<Place>, most: usize, cor
     }
     // Between the axes a round or square outline is met before the sum of both; a long one beyond it, and then on both ends.
     for [x, y] in [half, [-half[0], half[1]]] {
-        if shoot(a, b, centre, [x, y], corners) > 1.0 {
-            shoot(a, b, centre, [-x, -y], corners);
+        if rims.shoot(centre, [x, y], corners) > 1.0 {
+            rims.shoot(centre, [-x, -y], corners);
         }
     }
     let mut tried = [[f64::NAN; 2]; MOST_POINTS / 2];
@@ -162,69 +178,80 @@ pub(super) fn clip(a: &Shadow, b: &Shadow, hint: Option<Place>, most: usize, cor
         if corners.all().len() < first + 3 {
             return;
         }
-        tried[k] = widen(a, b, first, &tried[..k], corners);
+        tried[k] = rims.widen(first, &tried[..k], corners);
     }
 }
 
-/// One ray more, out of the middle of the longest side of the corners found that was not `tried` yet; which is told.
-fn widen(a: &Shadow, b: &Shadow, first: usize, tried: &[Place], corners: &mut Corners) -> Place {
-    let found = &mut corners.all_mut()[first..];
-    let count = found.len();
-    let sum = found.iter().fold([0.0; 2], |s, c| [s[0] + c.at[0], s[1] + c.at[1]]);
-    let middle = [sum[0] / count as f64, sum[1] / count as f64];
-    // Counter-clockwise from the first.
-    let start = minus(found[0].at, middle);
-    let half = |p: Place| turn(start, p) < 0.0 || turn(start, p) == 0.0 && dot(start, p) < 0.0;
-    found[1..].sort_unstable_by(|c, d| {
-        let (u, v) = (minus(c.at, middle), minus(d.at, middle));
-        half(u).cmp(&half(v)).then(turn(v, u).total_cmp(&turn(u, v)))
-    });
-    let mut longest = (0.0, [f64::NAN; 2], [0.0; 2]);
-    for k in 0..count {
-        let (p, q) = (found[k].at, found[(k + 1) % count].at);
-        let u = minus(q, p);
-        let from = [(p[0] + q[0]) * 0.5, (p[1] + q[1]) * 0.5];
-        if dot(u, u) > longest.0 && !tried.contains(&from) {
-            longest = (dot(u, u), from, [u[1], -u[0]]);
+impl Rims<'_> {
+    /// One ray more, out of the middle of the longest side of the corners found that was not `tried` yet; which is told.
+    fn widen(&mut self, first: usize, tried: &[Place], corners: &mut Corners) -> Place {
+        let found = &mut corners.all_mut()[first..];
+        let count = found.len();
+        let sum = found.iter().fold([0.0; 2], |s, c| [s[0] + c.at[0], s[1] + c.at[1]]);
+        let middle = [sum[0] / count as f64, sum[1] / count as f64];
+        // Counter-clockwise from the first.
+        let start = minus(found[0].at, middle);
+        let half = |p: Place| turn(start, p) < 0.0 || turn(start, p) == 0.0 && dot(start, p) < 0.0;
+        found[1..].sort_unstable_by(|c, d| {
+            let (u, v) = (minus(c.at, middle), minus(d.at, middle));
+            half(u).cmp(&half(v)).then(turn(v, u).total_cmp(&turn(u, v)))
+        });
+        let mut longest = (0.0, [f64::NAN; 2], [0.0; 2]);
+        for k in 0..count {
+            let (p, q) = (found[k].at, found[(k + 1) % count].at);
+            let u = minus(q, p);
+            let from = [(p[0] + q[0]) * 0.5, (p[1] + q[1]) * 0.5];
+            if dot(u, u) > longest.0 && !tried.contains(&from) {
+                longest = (dot(u, u), from, [u[1], -u[0]]);
+            }
         }
+        let (length, from, way) = longest;
+        if length > 0.0 {
+            self.shoot(from, way, corners);
+        }
+        from
     }
-    let (length, from, way) = longest;
-    if length > 0.0 {
-        shoot(a, b, from, way, corners);
-    }
-    from
-}
 
-/// The corner at the left end of the border that a ray from inside hits, and that at its right end where the border is one of a
-/// few; after how many times `way` the ray hits it is told.
-fn shoot(a: &Shadow, b: &Shadow, from: Place, way: Place, corners: &mut Corners) -> f64 {
-    let ((far_a, i), (far_b, j)) = (a.exit(from, way, 0), b.exit(from, way, 0));
-    if far_a <= far_b {
-        for end in ends(a, i) {
-            let at = a.place(end);
-            match crossed((a, i, end), (b, j), from) {
-                None => corners.push(
-                    at,
-                    [a.corner(end)[2], b.height_on_face(at)],
-                    [On::corner(end), On::WHOLE],
-                ),
-                Some(j) => crossing(a, b, i, j, corners),
+    /// The corner at the left end of the border that a ray from inside hits, and that at its right end where the border is one of a
+    /// few; after how many times `way` the ray hits it is told.
+    fn shoot(&mut self, from: Place, way: Place, corners: &mut Corners) -> f64 {
+        let (a, b) = (self.a, self.b);
+        let before = self.rays.get(self.count).copied().unwrap_or([u32::MAX; 2]);
+        let ((far_a, i), (far_b, j)) = (
+            a.exit(from, way, before[0] as usize),
+            b.exit(from, way, before[1] as usize),
+        );
+        if let Some(ray) = self.rays.get_mut(self.count) {
+            *ray = [i as u32, j as u32];
+        }
+        self.count += 1;
+        if far_a <= far_b {
+            for end in ends(a, i) {
+                let at = a.place(end);
+                match crossed((a, i, end), (b, j), from) {
+                    None => corners.push(
+                        at,
+                        [a.corner(end)[2], b.height_on_face(at)],
+                        [On::corner(end), On::WHOLE],
+                    ),
+                    Some(j) => crossing(a, b, i, j, corners),
+                }
+            }
+        } else {
+            for end in ends(b, j) {
+                let at = b.place(end);
+                match crossed((b, j, end), (a, i), from) {
+                    None => corners.push(
+                        at,
+                        [a.height_on_face(at), b.corner(end)[2]],
+                        [On::WHOLE, On::corner(end)],
+                    ),
+                    Some(i) => crossing(a, b, i, j, corners),
+                }
             }
         }
-    } else {
-        for end in ends(b, j) {
-            let at = b.place(end);
-            match crossed((b, j, end), (a, i), from) {
-                None => corners.push(
-                    at,
-                    [a.height_on_face(at), b.corner(end)[2]],
-                    [On::WHOLE, On::corner(end)],
-                ),
-                Some(i) => crossing(a, b, i, j, corners),
-            }
-        }
+        far_a.min(far_b)
     }
-    far_a.min(far_b)
 }
 
 /// The ends of edge `k` that are worth a look.
