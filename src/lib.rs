@@ -173,6 +173,7 @@ extern crate std;
 pub mod broad;
 mod certificate;
 mod closest;
+mod contact;
 pub mod cost;
 mod double_double;
 mod penetration;
@@ -186,6 +187,7 @@ mod tracker;
 mod watch;
 
 pub use closest::outcome::{Class, Distance, Layer, Level, Outcome, Proposal, Work};
+pub use contact::{ContactPoint, Gradient, Manifold, ManifoldOptions};
 pub use nalgebra;
 pub use polyhedron::{
     BoxHint, BuildError, BuildReport, ConvexPolyhedron, EdgeId, FaceId, Feature, FeaturePair, VertexId,

@@ -83,6 +83,20 @@ pub(crate) const SQUARE_MIN: f64 = 1e-200;
 /// the normals of the bodies' features are tried. Not a matter of soundness.
 pub const ALMOST_FLAT: f64 = 1.0 / 65_536.0;
 
+/// Noise of a place across the normal of a contact, times L: a vertex in its frame less the witness, 2 UNIT of each coordinate, two
+/// products with axes that are right within [`DIRECTION`], and the witness itself within as much. What two faces share is
+/// closed: corners this far outside belong to it. Not a matter of soundness.
+pub const ACROSS: f64 = 64.0 * UNIT;
+
+/// Faces whose normals differ by less than this, `2^-46`, bear a contact as one: a flat face whose corners were rounded
+/// comes as several, with normals a few UNIT times its size over their width apart. A point taken for one of the other is off by no
+/// more than this times L.
+pub const COPLANAR: f64 = 1.0 / (1u64 << 46) as f64;
+
+/// What a manifold holds already stays while it is no worse than this times what would come in its place. Not a matter of
+/// soundness.
+pub const STAY: f64 = 1.25;
+
 /// Where the origin lies on the border of the tetrahedron that a search for the depth would begin with, it begins about a
 /// point this many L beside it: the search succeeds for depths of more than twice as much, so the shifts shrink to the
 /// rounding of double-double. The least are tried on both sides: where the origin is nearer to the border than that, one of them

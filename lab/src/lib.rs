@@ -2,7 +2,7 @@
 //!
 //! Everything here works on plain data: a point is `[f64; 3]`, a face is a list of point indices counter-clockwise
 //! from outside, a pose is [`Pose`]. So a judge never borrows the code it judges;
-//! only [`boxes`] speaks the crate's own type.
+//! only [`boxes`] and [`contacts`] speak the crate's own types.
 //!
 //! | module | what it gives |
 //! |---|---|
@@ -10,6 +10,7 @@
 //! | [`shapes`] | bodies that are hard on purpose |
 //! | [`motion`], [`workload`] | seeded motions of a pair, and those that engines are timed on |
 //! | [`boxes`] | scenes of moving boxes |
+//! | [`contacts`] | scenes of two bodies in contact |
 //! | [`exact`] | the naive oracle: exact class and distance of two small bodies |
 //! | [`brute_hull`] | exact faces of a few points |
 //! | [`bound`] | exact checks of an answer for bodies of any size |
@@ -28,6 +29,7 @@ pub mod body;
 pub mod bound;
 pub mod boxes;
 pub mod brute_hull;
+pub mod contacts;
 pub mod corpus;
 pub mod exact;
 pub mod meshes;
