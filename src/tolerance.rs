@@ -70,6 +70,10 @@ pub const VOLUME: f64 = 512.0;
 /// half of it above the edge, and what is left must stay below `1e-14 L`, 90 UNIT.
 pub const AGREE_DEPTH: f64 = 32.0 * UNIT;
 
+/// Deepest points that are off the place they should be by more than this times L are looked for again in double-double: well below the
+/// `1e-13 L` to which an answer is bounded.
+pub const AGREE_WITNESS: f64 = 512.0 * UNIT;
+
 /// A triangle `w0 w1 w2` of the Minkowski difference is counter-clockwise from outside, certainly, where every `n . w` exceeds this
 /// times `|e1| |e2| L`, `n = e1 x e2` rounded: the edges err by UNIT, the cross product by 2.5 UNIT more, and the dot by 3. Taken off
 /// one `n . w`, with `|e1|^2 + |e2|^2` for the product, it leaves less than any corner has, and room for the rounding of `|n|`.
