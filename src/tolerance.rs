@@ -59,13 +59,20 @@ pub const AGREE: f64 = 32.0 * UNIT;
 
 /// Four signed volumes of corners up to L prove the origin inside when each exceeds this times UNIT L^3 (UNIT of the
 /// arithmetic): a determinant of three vectors up to L has an error of at most 14 UNIT L^3, and corners displaced by
-/// the [`CERTIFICATE`] error of placement change it by three times that: 398 in all.
+/// the [`CERTIFICATE`] error of placement change it by three times that: 398 in all. Of corners of very different lengths less is
+/// enough. Displaced by D, the determinant changes by D times the sum of the three products of two lengths, three
+/// times D^2 L, and D^3; its rounding is below 14 UNIT L times any of the products. With D = 128 UNIT L all this is below the sum of
+/// the products times 512 UNIT L and L (512 UNIT L)^2.
 pub const VOLUME: f64 = 512.0;
 
 /// A depth is proven where the height along the best normal and the nearest triangle agree within this times L: the
 /// rounding of both is a few UNIT L each (see [`CERTIFICATE`]), what the planes of two faces prove of the height of an edge may be
 /// half of it above the edge, and what is left must stay below `1e-14 L`, 90 UNIT.
 pub const AGREE_DEPTH: f64 = 32.0 * UNIT;
+
+/// Deepest points that are off the place they should be by more than this times L are looked for again in double-double: well below the
+/// `1e-13 L` to which an answer is bounded.
+pub const AGREE_WITNESS: f64 = 512.0 * UNIT;
 
 /// A triangle `w0 w1 w2` of the Minkowski difference is counter-clockwise from outside, certainly, where every `n . w` exceeds this
 /// times `|e1| |e2| L`, `n = e1 x e2` rounded: the edges err by UNIT, the cross product by 2.5 UNIT more, and the dot by 3. Taken off
@@ -79,6 +86,20 @@ pub(crate) const SQUARE_MIN: f64 = 1e-200;
 /// A triangle of the Minkowski difference that its support exceeds by less than this times L, `2^-16`, may lie in the border:
 /// the normals of the bodies' features are tried. Not a matter of soundness.
 pub const ALMOST_FLAT: f64 = 1.0 / 65_536.0;
+
+/// Noise of a place across the normal of a contact, times L: a vertex in its frame less the witness, 2 UNIT of each coordinate, two
+/// products with axes that are right within [`DIRECTION`], and the witness itself within as much. What two faces share is
+/// closed: corners this far outside belong to it. Not a matter of soundness.
+pub const ACROSS: f64 = 64.0 * UNIT;
+
+/// Faces whose normals differ by less than this, `2^-46`, bear a contact as one: a flat face whose corners were rounded
+/// comes as several, with normals a few UNIT times its size over their width apart. A point taken for one of the other is off by no
+/// more than this times L.
+pub const COPLANAR: f64 = 1.0 / (1u64 << 46) as f64;
+
+/// What a manifold holds already stays while it is no worse than this times what would come in its place. Not a matter of
+/// soundness.
+pub const STAY: f64 = 1.25;
 
 /// Where the origin lies on the border of the tetrahedron that a search for the depth would begin with, it begins about a
 /// point this many L beside it: the search succeeds for depths of more than twice as much, so the shifts shrink to the
@@ -127,6 +148,13 @@ pub const PLATEAU: f64 = 16.0 * UNIT;
 /// bodies added to L; its sums and products err by 10 UNIT^2 at most, so all is below 100 [`UNIT_DOUBLE_DOUBLE`]. The
 /// largest violation of the bounds without their term that was ever seen is 11 u L.
 pub const CERTIFICATE: f64 = 128.0;
+/// Error of the displacement of a body between two poses, in units of its radius `r`, of the distance `|c|` of its ball's
+/// middle from its own origin, and of that of the origins `|t|` at either pose (u = UNIT, errors as in [`CERTIFICATE`]): a
+/// rotation errs by `71 u` in norm, so the Frobenius norm of the difference of two by `2 sqrt(3) 71 u`, over the root of 2
+/// `174 u r`; the placed middle at each pose by `77 u |c| + 106 u |t|` at most; the norms and their sum by 4 u of what they
+/// come to, at most `2 (r + |c|)` and both `|t|`. Together at most `182 u r + 162 u |c| + 110 u |t|`.
+pub const DISPLACEMENT: f64 = 256.0 * UNIT;
+
 /// Least extent (longest side of the bounding box) of a body, in the caller's unit: cubes of lengths, as volumes are,
 /// stay above the least f64.
 pub const EXTENT_MIN: f64 = 1e-100;

@@ -8,6 +8,7 @@ use crate::closest::outcome::{Class, Distance, Layer, Level, Outcome, Proposal, 
 use crate::closest::placed::Placed;
 use crate::closest::trace::trace;
 use crate::closest::{self, far};
+use crate::contact::{self, Manifold, ManifoldOptions};
 use crate::penetration::{self, Memory};
 use crate::polyhedron::{ConvexPolyhedron, FeaturePair, power_of_two};
 use crate::pose::{RelativePose, Which};
@@ -61,8 +62,8 @@ struct Starts {
 impl Starts {
     /// Two cube-map look-ups and climbs cost as much as this many steps.
     const CLIMBS: u32 = 4;
-    /// A coarse solve costs as much as this many.
-    const COARSE: u32 = 24;
+    /// The direction of two ellipsoids costs as much as this many.
+    const ELLIPSOIDS: u32 = 2;
 
     #[inline(always)]
     fn prefer_warm(self) -> bool {
@@ -72,7 +73,7 @@ impl Starts {
     /// Takes the cost of the way taken into its mean; what is known of the other fades, so that it is tried again.
     #[inline(always)]
     fn learn(&mut self, warm: bool, work: &Work) {
-        let steps = work.steps + Self::COARSE * work.coarse;
+        let steps = work.steps + Self::ELLIPSOIDS * work.ellipsoids;
         let cost = 16 * (steps + if warm { 0 } else { Self::CLIMBS }).min(1000) as u16;
         let (taken, other) = if warm {
             (&mut self.warm, &mut self.cold)
@@ -141,6 +142,12 @@ impl Tracker {
         }
     }
 
+    /// Takes all the memory now that overlaps may need later (some 60 kB): no query for which the walk or its solvers in f64 suffice
+    /// allocates then, as long as surfaces have no more than 256 triangles. Only round bodies deep in each other need more.
+    pub fn reserve(&mut self) {
+        self.memory.reserve();
+    }
+
     /// The features of the last answer.
     pub fn features(&self) -> Option<FeaturePair> {
         self.last
@@ -178,8 +185,8 @@ impl Tracker {
 
     /// The closest features, their witnesses and bounds of the distance, certified: separated bodies get bounds no
     /// wider than `1e-13 L`, with `L` the sum of both radii and the distance of the bodies. Overlapping bodies get
-    /// their depth as a negative distance, bounded as well. Allocates nothing for bodies apart, now and in the query
-    /// before, as long as the exact rung is not needed; the search for a depth allocates.
+    /// their depth as a negative distance, bounded as well. Bodies apart allocate nothing, as long as the exact rung is not needed;
+    /// the depth of an overlap takes memory that the tracker keeps, or has taken before ([`reserve`](Self::reserve)).
     #[inline]
     pub fn closest(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Outcome {
         let before = self.before(a, b);
@@ -202,9 +209,61 @@ impl Tracker {
         outcome
     }
 
+    /// The contact points of two bodies within `options.prediction`, in `manifold`, which keeps names and order of those that were
+    /// there in the query before: one manifold for each pair, passed in every frame.
+    ///
+    /// Where the bodies have moved no more than `options.drift` since it was made, its points stay where they are on the bodies and only
+    /// their separations, the normal and the bounds are measured anew; otherwise it is made from [`closest`](Self::closest), and its
+    /// deepest contact is the answer's.
+    ///
+    /// ```
+    /// use lin_canny::nalgebra::{Isometry3, Vector3};
+    /// use lin_canny::{Manifold, ManifoldOptions, RelativePose, Tracker, polyhedron::solids};
+    ///
+    /// let (floor, part) = (solids::cuboid(Vector3::new(5.0, 5.0, 1.0))?, solids::cuboid(Vector3::new(0.5, 0.5, 0.5))?);
+    /// let (mut pair, mut manifold) = (Tracker::new(), Manifold::new());
+    /// let options = ManifoldOptions::within(0.02);
+    /// for k in 0..10 {
+    ///     let a_from_b = RelativePose::from_isometry(&Isometry3::translation(0.1 * k as f64, 0.0, 1.49))?;
+    ///     pair.manifold(&floor, &part, &a_from_b, &options, &mut manifold);
+    ///     assert_eq!(manifold.points().len(), 4);
+    ///     for contact in manifold.points() {
+    ///         println!("{}: {:.3} at {}", contact.id, contact.separation, contact.point_on_a);
+    ///     }
+    /// }
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[inline]
+    pub fn manifold(
+        &mut self,
+        a: &ConvexPolyhedron,
+        b: &ConvexPolyhedron,
+        a_from_b: &RelativePose,
+        options: &ManifoldOptions,
+        manifold: &mut Manifold,
+    ) {
+        let query = contact::Query::new(a, b, a_from_b, options);
+        if let Err(moved) = manifold.refresh(&query) {
+            let outcome = self.closest(a, b, a_from_b);
+            manifold.renew(&query, &outcome, moved);
+        }
+    }
+
     /// The distance and its bounds without the witnesses.
     pub fn distance(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Distance {
-        let o = self.answer(a, b, a_from_b, Level::Certified, true);
+        self.bounds(a, b, a_from_b, true)
+    }
+
+    /// The same; of an overlap only that it is one, unless `deep`.
+    #[inline]
+    pub(crate) fn bounds(
+        &mut self,
+        a: &ConvexPolyhedron,
+        b: &ConvexPolyhedron,
+        a_from_b: &RelativePose,
+        deep: bool,
+    ) -> Distance {
+        let o = self.answer(a, b, a_from_b, Level::Certified, deep);
         Distance {
             class: o.class,
             value: o.distance,
@@ -376,12 +435,8 @@ impl Tracker {
 
     /// What a fault is reported with, in builds that look for one.
     #[inline(always)]
-    fn before(&self, a: &ConvexPolyhedron, b: &ConvexPolyhedron) -> (Option<FeaturePair>, Memory) {
-        if cfg!(debug_assertions) {
-            (self.start(a, b), self.memory.clone())
-        } else {
-            (None, Memory::default())
-        }
+    fn before(&self, a: &ConvexPolyhedron, b: &ConvexPolyhedron) -> Option<(Option<FeaturePair>, Memory)> {
+        cfg!(debug_assertions).then(|| (self.start(a, b), self.memory.clone()))
     }
 
     #[inline(always)]
@@ -431,11 +486,11 @@ fn debug_check(
     a: &ConvexPolyhedron,
     b: &ConvexPolyhedron,
     pose: &RelativePose,
-    before: &(Option<FeaturePair>, Memory),
+    before: &Option<(Option<FeaturePair>, Memory)>,
     level: Level,
     outcome: &Outcome,
 ) {
-    if cfg!(debug_assertions)
+    if let Some(before) = before
         && let Some(fault) = crate::soundness::fault(a, b, pose, outcome)
     {
         panic!("{fault}: {outcome:?}\n{}", replay(a, b, pose, before.clone(), level));
@@ -455,7 +510,7 @@ impl Replay {
 
 /// Whether the bounding balls alone prove the bodies more than `d` apart.
 #[inline]
-fn clear_of(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &RelativePose, d: f64) -> bool {
+pub(crate) fn clear_of(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &RelativePose, d: f64) -> bool {
     if !a.as_given || !b.as_given {
         return false;
     }

@@ -1,17 +1,16 @@
 //! The search for the deepest facet: a surface grown at its nearest triangle until that is known to lie on the border.
 
-use nalgebra::Point3;
-
 use crate::closest::fallback::{Minimum, corner, extreme, solve};
 use crate::closest::placed::{Frame, Placed};
 use crate::closest::refine::witnesses;
 use crate::closest::simplex::{Corner, Simplex};
+use crate::double_double::DoubleDouble;
 use crate::polyhedron::FeaturePair;
-use crate::scalar::{Scalar, Vec3, dot, neg, scaled};
-use crate::tolerance::{AGREE_DEPTH, ALMOST_FLAT, ASIDE, CERTIFICATE, PLATEAU, UNIT};
+use crate::scalar::{Scalar, Vec3, dot, neg, scaled, sub};
+use crate::tolerance::{AGREE_DEPTH, AGREE_WITNESS, ALMOST_FLAT, ASIDE, CERTIFICATE, PLATEAU, UNIT};
 
-use super::facet::normals;
-use super::foot::foot;
+use super::facet::{facets, height_of, normal_of};
+use super::foot::{Witnesses, foot};
 use super::surface::{Filter, Surface, unit};
 
 /// Points that may come twice before a surface counts as folded.
@@ -39,7 +38,7 @@ pub(super) struct Found<T> {
     /// The triangle that holds the deepest point, or one of the facet.
     pub(super) corners: [Corner<T>; 3],
     /// The deepest points of A and of B in their stored frames.
-    pub(super) witnesses: Option<(Point3<f64>, Point3<f64>)>,
+    pub(super) witnesses: Option<Witnesses>,
     pub(super) features: Option<FeaturePair>,
     /// Points the surface took in.
     pub(super) grown: u32,
@@ -64,6 +63,8 @@ impl<T: Scalar> Best<T> {
 pub(super) struct Search<'a, T: Scalar> {
     placed: &'a Placed<'a>,
     frame: Frame<T>,
+    /// Whether B is shifted off its place.
+    is_shifted: bool,
     surface: &'a mut Surface<T>,
     filter: Filter<T>,
     best: Option<Best<T>>,
@@ -151,7 +152,9 @@ impl<'a, T: Scalar> Search<'a, T> {
         if !surface.start(simplex.kept()) {
             return Err(flat(placed, frame, &simplex, &simplex.direction()));
         }
-        Ok(Self::new(placed, &shifted, surface))
+        let mut search = Self::new(placed, &shifted, surface);
+        search.is_shifted = shift != 0.0;
+        Ok(search)
     }
 
     fn new(placed: &'a Placed<'a>, frame: &Frame<T>, surface: &'a mut Surface<T>) -> Self {
@@ -159,6 +162,7 @@ impl<'a, T: Scalar> Search<'a, T> {
         Self {
             placed,
             frame: *frame,
+            is_shifted: false,
             surface,
             filter: Filter {
                 margin: T::from(2.0 * CERTIFICATE * T::UNIT * size),
@@ -212,7 +216,7 @@ impl<'a, T: Scalar> Search<'a, T> {
             let reached = self.grow(Some(
                 T::from(shift.abs()) * self.size + self.filter.margin + self.filter.margin,
             ));
-            self.frame = *frame;
+            (self.frame, self.is_shifted) = (*frame, false);
             let placed = self.placed;
             self.surface.place(|c| corner(placed, frame, c.a, c.b));
             self.best = None;
@@ -233,7 +237,8 @@ impl<'a, T: Scalar> Search<'a, T> {
     /// Whether the bounds agree as well as they have to, though they might do better in a finer arithmetic.
     fn is_good(&mut self) -> bool {
         let bound = self.bound();
-        self.best.is_some_and(|b| b.height - bound <= self.open(UNIT))
+        self.best
+            .is_some_and(|b| b.height - bound <= T::from(AGREE_DEPTH * self.placed.size()))
     }
 
     /// What every triangle is beyond.
@@ -267,7 +272,7 @@ impl<'a, T: Scalar> Search<'a, T> {
                 return false;
             }
             let direction = self.surface.triangles[t as usize].direction;
-            let top = self.probe(t, &direction, None);
+            let top = self.probe(t, &direction);
             let gain = dot(&direction, &top.w) - bound;
             if gain < T::from(ALMOST_FLAT) * self.size && self.probe_facets(t) || bound >= self.surface.enough() {
                 continue;
@@ -292,7 +297,7 @@ impl<'a, T: Scalar> Search<'a, T> {
         if !(dot(&outward, &outward).value() > 0.5) {
             return top;
         }
-        let other = self.probe(t, &outward, None);
+        let other = self.probe(t, &outward);
         if self.surface.sees(t, &other.w, &self.filter) {
             other
         } else {
@@ -309,25 +314,43 @@ impl<'a, T: Scalar> Search<'a, T> {
     }
 
     /// The highest point of the difference along a unit direction; the direction is kept if it is the best.
-    fn probe(&mut self, t: u32, n: &Vec3<T>, features: Option<FeaturePair>) -> Corner<T> {
+    fn probe(&mut self, t: u32, n: &Vec3<T>) -> Corner<T> {
         let top = highest(self.placed, &self.frame, n, &self.surface.corners(t)[0]);
         self.improve(Best {
             normal: *n,
             height: dot(n, &top.w),
-            features,
+            features: None,
         });
         top
     }
 
-    /// Tries the normals of the facets that the triangle may lie in; whether one of them raises its bound.
+    /// Tries the facets that the triangle may lie in; whether the normal of one of them raises its bound.
     fn probe_facets(&mut self, t: u32) -> bool {
         let corners = self.surface.corners(t);
         let mut raised = false;
-        for (n, features) in normals(self.placed, &self.frame, &corners).iter().flatten() {
-            self.probe(t, n, Some(*features));
-            raised |= self.surface.raise(t, n);
+        let facets = facets(self.placed, &corners.map(|c| c.a), &corners.map(|c| c.b));
+        for facet in facets.into_iter().flatten() {
+            let Some((normal, height)) = self.height_of(facet, &corners[0]) else {
+                continue;
+            };
+            self.improve(Best {
+                normal,
+                height,
+                features: Some(facet),
+            });
+            raised |= self.surface.raise(t, &normal);
         }
         raised
+    }
+
+    /// The normal of a facet that holds `on`, and the height along it: by the planes of the bodies where those are where they belong.
+    fn height_of(&self, facet: FeaturePair, on: &Corner<T>) -> Option<(Vec3<T>, T)> {
+        if T::UNIT == UNIT && !self.is_shifted {
+            let (n, height) = height_of(self.placed, &Frame::of(self.placed), facet)?;
+            return Some((n.map(T::from), T::from(height)));
+        }
+        let n = normal_of(self.placed, &self.frame, facet, on)?;
+        Some((n, dot(&n, &highest(self.placed, &self.frame, &n, on).w)))
     }
 
     /// What is known; `winds` if the surface is about the origin.
@@ -337,7 +360,7 @@ impl<'a, T: Scalar> Search<'a, T> {
         if self.best.is_none() {
             let t = weakest.unwrap_or(0);
             let direction = self.surface.triangles[t as usize].direction;
-            self.probe(t, &direction, None);
+            self.probe(t, &direction);
         }
         let bound = self.bound();
         let best = self.best.unwrap_or(Best {
@@ -361,27 +384,61 @@ impl<'a, T: Scalar> Search<'a, T> {
     /// The deepest points, and three corners of the facet they are on: where the features of the best direction do not hold them,
     /// they are those of the surface's point nearest to the foot of the origin on the best plane. The surface meets the ray
     /// along the normal between both bounds, so where they agree it is there.
-    fn deepest(&self, best: &Best<T>, weakest: u32) -> ([Corner<T>; 3], (Point3<f64>, Point3<f64>)) {
-        let mut corners = self.surface.corners(weakest);
+    fn deepest(&self, best: &Best<T>, weakest: u32) -> ([Corner<T>; 3], Witnesses) {
         if let Some(foot) = best.features.and_then(|f| foot(self.placed, f, &best.rounded())) {
-            return (corners, foot);
+            return (self.surface.corners(weakest), foot);
         }
-        let target = scaled(&best.normal, best.height);
         let close = T::from(AGREE_DEPTH) * self.size;
         let plane = best.height - close;
         let all = 0..self.surface.triangles.len() as u32;
         let flat = all.clone().filter(|t| self.surface.height(*t, &best.normal) >= plane);
-        let (mut nearest, mut least) = self.surface.nearest(weakest, &target);
-        for t in flat.chain(all) {
-            if least <= close {
+        let order = || core::iter::once(weakest).chain(flat.clone()).chain(all.clone());
+        let found = self.nearest::<T>(order(), best, close);
+        if T::UNIT < UNIT || found.1 <= AGREE_WITNESS * self.placed.size() {
+            return (self.surface.corners(found.0), found.2);
+        }
+        // The weights of needles are wrong in f64.
+        let found = self.nearest::<DoubleDouble>(flat.chain(core::iter::once(found.0)), best, close);
+        (self.surface.corners(found.0), found.2)
+    }
+
+    /// The first triangle that comes close enough to the foot of the origin on the best plane, or else the nearest; how near, and
+    /// the witnesses there.
+    fn nearest<S: Scalar>(
+        &self,
+        triangles: impl Iterator<Item = u32>,
+        best: &Best<T>,
+        close: T,
+    ) -> (u32, f64, Witnesses) {
+        // Both parts of a double-double.
+        let as_s = |x: T| S::from(x.value()) + S::from((x - T::from(x.value())).value());
+        let fine = |v: &Vec3<T>| v.map(as_s);
+        let target = scaled(&fine(&best.normal), as_s(best.height));
+        let mut found: Option<(u32, f64, Simplex<S>)> = None;
+        for t in triangles {
+            let shifted = self.surface.corners(t).map(|c| Corner {
+                a: c.a,
+                b: c.b,
+                w: sub(&fine(&c.w), &target),
+            });
+            let simplex = Simplex::triangle(shifted);
+            let off = simplex.reach().value();
+            if found.as_ref().is_none_or(|f| off < f.1) {
+                found = Some((t, off, simplex));
+            }
+            if off <= close.value() {
                 break;
             }
-            let (simplex, off) = self.surface.nearest(t, &target);
-            if off < least {
-                corners = self.surface.corners(t);
-                (nearest, least) = (simplex, off);
-            }
         }
-        (corners, witnesses(self.placed, &nearest))
+        let (t, off, simplex) = found.unwrap_or_else(|| {
+            let c = self.surface.corners(0)[0];
+            let at = Corner {
+                a: c.a,
+                b: c.b,
+                w: fine(&c.w),
+            };
+            (0, f64::INFINITY, Simplex::vertex(at))
+        });
+        (t, off, witnesses(self.placed, &simplex))
     }
 }

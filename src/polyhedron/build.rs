@@ -1,7 +1,7 @@
 //! From points to a body: cloud, hull, faces, planes, report.
 
 use alloc::vec::Vec;
-use nalgebra::{Point3, Vector3};
+use nalgebra::{Matrix3, Point3, Vector3};
 
 use super::bounds::Scan;
 use super::cloud::{Cloud, bounding_box, power_of_two};
@@ -15,7 +15,7 @@ use super::support::CubeMap;
 use super::topology::Topology;
 use super::{ConvexPolyhedron, Plane};
 use crate::scalar::sqrt;
-use crate::tolerance::{NEAR_PLANE, UNIT};
+use crate::tolerance::{COPLANAR, NEAR_PLANE, UNIT};
 
 /// How many of the largest faces the flatness of the report looks across.
 const WIDTHS: usize = 8;
@@ -96,10 +96,21 @@ impl ConvexPolyhedron {
         if loops.len() > 1 && report.euler_characteristic != 2 {
             return Err(BuildError::Inconsistent);
         }
+        let inner = points.iter().sum::<Vector3<f64>>() / points.len() as f64;
+        let squares = points.iter().map(|p| (p - inner) * (p - inner).transpose());
+        let spread = squares.sum::<Matrix3<f64>>() * (3.0 / points.len() as f64);
+        let mean = spread.trace() / 3.0;
+        let is_creased = (0..topology.half_edge_count() as u32).any(|h| {
+            let e = topology.half_edge(h);
+            let [m, n] = [e.face, topology.half_edge(e.twin).face].map(|f| planes[f as usize].normal);
+            m.dot(&n) > 0.0 && m.cross(&n).norm_squared() <= COPLANAR * COPLANAR
+        });
         Ok(Self {
             lookup: CubeMap::new(&topology, &points),
             scan: Scan::new(&points),
-            inner: points.iter().sum::<Vector3<f64>>() / points.len() as f64,
+            inner,
+            spread,
+            is_flat: points.len() > FEW && spread.determinant() < FLAT * mean * mean * mean,
             topology,
             source: kept.iter().map(|&i| cloud.source[i as usize]).collect(),
             points,
@@ -111,6 +122,8 @@ impl ConvexPolyhedron {
             radius,
             low,
             high,
+            is_creased,
+            print: print(cloud, kept, loops),
             report,
         })
     }
@@ -172,6 +185,23 @@ impl ConvexPolyhedron {
     }
 }
 
+/// Vertices, scale and faces mixed into one number (Fowler, Noll and Vo's hash, by words): two bodies with the same one are the
+/// same for all practical purposes.
+fn print(cloud: &Cloud, kept: &[u32], loops: &[Vec<u32>]) -> u64 {
+    let mix = |h: u64, x: u64| {
+        (h.rotate_left(29) ^ x)
+            .wrapping_mul(0x0000_0100_0000_01b3)
+            .wrapping_add(0xcbf2_9ce4_8422_2325)
+    };
+    let coordinates = kept.iter().flat_map(|&i| cloud.points[i as usize].iter().copied());
+    let place = cloud.origin.iter().copied().chain([f64::from(cloud.exponent)]);
+    let corners = loops
+        .iter()
+        .flat_map(|l| core::iter::once(u64::MAX).chain(l.iter().map(|&v| u64::from(v))));
+    let numbers = place.chain(coordinates).map(f64::to_bits);
+    numbers.chain(corners).fold(0, mix)
+}
+
 /// The plane of each face, and twice the area of the widest triangle on it; zeros for the null face of a segment.
 fn planes_of(points: &[Vector3<f64>], loops: &[Vec<u32>], radius: f64) -> (Vec<Plane>, Vec<f64>) {
     let null = Plane {
@@ -187,6 +217,13 @@ fn planes_of(points: &[Vector3<f64>], loops: &[Vec<u32>], radius: f64) -> (Vec<P
     };
     loops.iter().map(of_face).unzip()
 }
+
+/// A body is flat or long if the product of the squares of its half axes is below this part of that of a ball with the same sum: as
+/// it is for 3:3:1.
+const FLAT: f64 = 0.32;
+
+/// On bodies of so many vertices every way is short.
+const FEW: usize = 12;
 
 /// The error for a flat cloud.
 pub(crate) fn flat(cloud: &Cloud, span: &Span) -> BuildError {
