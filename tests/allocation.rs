@@ -87,7 +87,7 @@ fn queries_below_the_exact_rung_allocate_nothing() {
         }
     }
     assert!(
-        separated > 500 && overlapping > 500 && tracked > 300 && fallbacks > 100,
+        separated > 500 && overlapping > 500 && tracked > 300 && fallbacks > 50,
         "{separated} {overlapping} {tracked} {fallbacks}"
     );
 }
