@@ -4,8 +4,9 @@ use crate::closest::fallback::{Minimum, corner, extreme, solve};
 use crate::closest::placed::{Frame, Placed};
 use crate::closest::refine::witnesses;
 use crate::closest::simplex::{Corner, Simplex};
+use crate::double_double::DoubleDouble;
 use crate::polyhedron::FeaturePair;
-use crate::scalar::{Scalar, Vec3, dot, neg, scaled};
+use crate::scalar::{Scalar, Vec3, dot, neg, scaled, sub};
 use crate::tolerance::{AGREE_DEPTH, ALMOST_FLAT, ASIDE, CERTIFICATE, PLATEAU, UNIT};
 
 use super::facet::normals;
@@ -361,26 +362,60 @@ impl<'a, T: Scalar> Search<'a, T> {
     /// they are those of the surface's point nearest to the foot of the origin on the best plane. The surface meets the ray
     /// along the normal between both bounds, so where they agree it is there.
     fn deepest(&self, best: &Best<T>, weakest: u32) -> ([Corner<T>; 3], Witnesses) {
-        let mut corners = self.surface.corners(weakest);
         if let Some(foot) = best.features.and_then(|f| foot(self.placed, f, &best.rounded())) {
-            return (corners, foot);
+            return (self.surface.corners(weakest), foot);
         }
-        let target = scaled(&best.normal, best.height);
         let close = T::from(AGREE_DEPTH) * self.size;
         let plane = best.height - close;
         let all = 0..self.surface.triangles.len() as u32;
         let flat = all.clone().filter(|t| self.surface.height(*t, &best.normal) >= plane);
-        let (mut nearest, mut least) = self.surface.nearest(weakest, &target);
-        for t in flat.chain(all) {
-            if least <= close {
+        let order = || core::iter::once(weakest).chain(flat.clone()).chain(all.clone());
+        let found = self.nearest::<T>(order(), best, close);
+        if T::UNIT < UNIT || found.1 <= close.value() {
+            return (self.surface.corners(found.0), found.2);
+        }
+        // The weights of needles are wrong in f64.
+        let found = self.nearest::<DoubleDouble>(order(), best, close);
+        (self.surface.corners(found.0), found.2)
+    }
+
+    /// The first triangle that comes close enough to the foot of the origin on the best plane, or else the nearest; how near, and
+    /// the witnesses there.
+    fn nearest<S: Scalar>(
+        &self,
+        triangles: impl Iterator<Item = u32>,
+        best: &Best<T>,
+        close: T,
+    ) -> (u32, f64, Witnesses) {
+        // Both parts of a double-double.
+        let as_s = |x: T| S::from(x.value()) + S::from((x - T::from(x.value())).value());
+        let fine = |v: &Vec3<T>| v.map(as_s);
+        let target = scaled(&fine(&best.normal), as_s(best.height));
+        let mut found: Option<(u32, f64, Simplex<S>)> = None;
+        for t in triangles {
+            let shifted = self.surface.corners(t).map(|c| Corner {
+                a: c.a,
+                b: c.b,
+                w: sub(&fine(&c.w), &target),
+            });
+            let simplex = Simplex::triangle(shifted);
+            let off = simplex.reach().value();
+            if found.as_ref().is_none_or(|f| off < f.1) {
+                found = Some((t, off, simplex));
+            }
+            if off <= close.value() {
                 break;
             }
-            let (simplex, off) = self.surface.nearest(t, &target);
-            if off < least {
-                corners = self.surface.corners(t);
-                (nearest, least) = (simplex, off);
-            }
         }
-        (corners, witnesses(self.placed, &nearest))
+        let (t, off, simplex) = found.unwrap_or_else(|| {
+            let c = self.surface.corners(0)[0];
+            let at = Corner {
+                a: c.a,
+                b: c.b,
+                w: fine(&c.w),
+            };
+            (0, f64::INFINITY, Simplex::vertex(at))
+        });
+        (t, off, witnesses(self.placed, &simplex))
     }
 }
