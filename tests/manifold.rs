@@ -16,7 +16,7 @@ use lin_canny::{
 
 fn exact(prediction: f64, max_points: usize) -> ManifoldOptions {
     let mut o = ManifoldOptions::within(prediction);
-    (o.drift, o.max_points) = (0.0, max_points);
+    (o.drift, o.choice, o.max_points) = (0.0, 0.0, max_points);
     o
 }
 
