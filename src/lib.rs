@@ -96,6 +96,9 @@
 //! | `Tracker::closest_exact` | the class is exact and the distance within one unit in the last place |
 //! | [`Tracker::intersects`], [`Tracker::within`] | exact with the feature `exact`; without it ties count as within |
 //!
+//! To the L of bodies that lie far from their own origin 2^-49 of that distance is added: it matters where they are of the size of
+//! the rounding of their coordinates.
+//!
 //! The truth is that of the bits given: a vertex v at the pose (q, t) is at `R(q) v / |q|^2 + t`, over the rationals.
 //! Every constant stands with its derivation in [`tolerance`].
 //!
@@ -171,6 +174,7 @@ pub mod broad;
 mod certificate;
 mod closest;
 mod contact;
+pub mod cost;
 mod double_double;
 mod penetration;
 pub mod polyhedron;
@@ -180,6 +184,7 @@ mod scalar;
 mod soundness;
 pub mod tolerance;
 mod tracker;
+mod watch;
 
 pub use closest::outcome::{Class, Distance, Layer, Level, Outcome, Proposal, Work};
 pub use contact::{ContactPoint, Gradient, Manifold, ManifoldOptions};
@@ -190,6 +195,7 @@ pub use polyhedron::{
 pub use pose::{PoseError, RelativePose, Which};
 pub use replay::{Replay, ReplayError};
 pub use tracker::{Totals, Tracker};
+pub use watch::Watch;
 
 /// Runs the README as a test.
 #[doc = include_str!("../README.md")]

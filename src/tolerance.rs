@@ -59,7 +59,10 @@ pub const AGREE: f64 = 32.0 * UNIT;
 
 /// Four signed volumes of corners up to L prove the origin inside when each exceeds this times UNIT L^3 (UNIT of the
 /// arithmetic): a determinant of three vectors up to L has an error of at most 14 UNIT L^3, and corners displaced by
-/// the [`CERTIFICATE`] error of placement change it by three times that: 398 in all.
+/// the [`CERTIFICATE`] error of placement change it by three times that: 398 in all. Of corners of very different lengths less is
+/// enough. Displaced by D, the determinant changes by D times the sum of the three products of two lengths, three
+/// times D^2 L, and D^3; its rounding is below 14 UNIT L times any of the products. With D = 128 UNIT L all this is below the sum of
+/// the products times 512 UNIT L and L (512 UNIT L)^2.
 pub const VOLUME: f64 = 512.0;
 
 /// A depth is proven where the height along the best normal and the nearest triangle agree within this times L: the
@@ -141,6 +144,13 @@ pub const PLATEAU: f64 = 16.0 * UNIT;
 /// bodies added to L; its sums and products err by 10 UNIT^2 at most, so all is below 100 [`UNIT_DOUBLE_DOUBLE`]. The
 /// largest violation of the bounds without their term that was ever seen is 11 u L.
 pub const CERTIFICATE: f64 = 128.0;
+/// Error of the displacement of a body between two poses, in units of its radius `r`, of the distance `|c|` of its ball's
+/// middle from its own origin, and of that of the origins `|t|` at either pose (u = UNIT, errors as in [`CERTIFICATE`]): a
+/// rotation errs by `71 u` in norm, so the Frobenius norm of the difference of two by `2 sqrt(3) 71 u`, over the root of 2
+/// `174 u r`; the placed middle at each pose by `77 u |c| + 106 u |t|` at most; the norms and their sum by 4 u of what they
+/// come to, at most `2 (r + |c|)` and both `|t|`. Together at most `182 u r + 162 u |c| + 110 u |t|`.
+pub const DISPLACEMENT: f64 = 256.0 * UNIT;
+
 /// Least extent (longest side of the bounding box) of a body, in the caller's unit: cubes of lengths, as volumes are,
 /// stay above the least f64.
 pub const EXTENT_MIN: f64 = 1e-100;

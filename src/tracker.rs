@@ -62,8 +62,8 @@ struct Starts {
 impl Starts {
     /// Two cube-map look-ups and climbs cost as much as this many steps.
     const CLIMBS: u32 = 4;
-    /// A coarse solve costs as much as this many.
-    const COARSE: u32 = 24;
+    /// The direction of two ellipsoids costs as much as this many.
+    const ELLIPSOIDS: u32 = 2;
 
     #[inline(always)]
     fn prefer_warm(self) -> bool {
@@ -73,7 +73,7 @@ impl Starts {
     /// Takes the cost of the way taken into its mean; what is known of the other fades, so that it is tried again.
     #[inline(always)]
     fn learn(&mut self, warm: bool, work: &Work) {
-        let steps = work.steps + Self::COARSE * work.coarse;
+        let steps = work.steps + Self::ELLIPSOIDS * work.ellipsoids;
         let cost = 16 * (steps + if warm { 0 } else { Self::CLIMBS }).min(1000) as u16;
         let (taken, other) = if warm {
             (&mut self.warm, &mut self.cold)
@@ -251,7 +251,19 @@ impl Tracker {
 
     /// The distance and its bounds without the witnesses.
     pub fn distance(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Distance {
-        let o = self.answer(a, b, a_from_b, Level::Certified, true);
+        self.bounds(a, b, a_from_b, true)
+    }
+
+    /// The same; of an overlap only that it is one, unless `deep`.
+    #[inline]
+    pub(crate) fn bounds(
+        &mut self,
+        a: &ConvexPolyhedron,
+        b: &ConvexPolyhedron,
+        a_from_b: &RelativePose,
+        deep: bool,
+    ) -> Distance {
+        let o = self.answer(a, b, a_from_b, Level::Certified, deep);
         Distance {
             class: o.class,
             value: o.distance,
@@ -498,7 +510,7 @@ impl Replay {
 
 /// Whether the bounding balls alone prove the bodies more than `d` apart.
 #[inline]
-fn clear_of(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &RelativePose, d: f64) -> bool {
+pub(crate) fn clear_of(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &RelativePose, d: f64) -> bool {
     if !a.as_given || !b.as_given {
         return false;
     }

@@ -129,7 +129,7 @@ fn functions_are_short() {
 }
 
 /// What the code of a folder may name of the crate.
-const MAY_USE: [(&str, &[&str]); 8] = [
+const MAY_USE: [(&str, &[&str]); 9] = [
     ("tolerance", &[]),
     ("scalar", &["tolerance"]),
     ("double_double", &["scalar", "tolerance"]),
@@ -165,6 +165,11 @@ const MAY_USE: [(&str, &[&str]); 8] = [
             "double_double",
             "tolerance",
         ],
+    ),
+    // One tracker, and how far its bodies have moved.
+    (
+        "watch",
+        &["tracker", "closest", "polyhedron", "pose", "scalar", "tolerance"],
     ),
 ];
 

@@ -16,13 +16,15 @@
 //! | [`bound`] | exact checks of an answer for bodies of any size |
 //! | [`suite`] | files of cases with or without their truth |
 //! | [`corpus`] | the named hard cases of `tests/corpus/` |
-//! | [`parry`] | the reference engine and the competitor |
+//! | [`parry`], [`parry_f32`] | the reference engine and the competitors |
 //! | [`meshes`] | OBJ and STL files |
+//! | [`record`], [`accuracy`] | measurements as CSV, and the pictures of what accuracy costs |
 //! | [`plot`], [`progress`] | charts as SVG, progress bars |
 //!
 //! Below `exact` and `bound` lie [`body`] (placed bodies), [`rational`] (exact arithmetic) and [`verdict`] (the oracle's
 //! answer); [`pose`] holds the pose and a few vector helpers.
 
+pub mod accuracy;
 pub mod body;
 pub mod bound;
 pub mod boxes;
@@ -33,10 +35,12 @@ pub mod exact;
 pub mod meshes;
 pub mod motion;
 pub mod parry;
+pub mod parry_f32;
 pub mod plot;
 pub mod pose;
 pub mod progress;
 pub mod rational;
+pub mod record;
 pub mod rng;
 pub mod shapes;
 pub mod suite;

@@ -92,6 +92,13 @@ pub fn distance(a: &ConvexPolyhedron, pose_a: &Pose, b: &ConvexPolyhedron, pose_
         .distance
 }
 
+/// Whether parry finds two of its bodies to share a point.
+pub fn intersect(a: &ConvexPolyhedron, pose_a: &Pose, b: &ConvexPolyhedron, pose_b: &Pose) -> bool {
+    query::intersection_test(&pose(pose_a), a, &pose(pose_b), b)
+        .expect("convex bodies are supported")
+        .intersecting
+}
+
 /// What a user of parry gets for a signed distance of two of its bodies, cold: its distance, and where that is zero, its
 /// contact. A touch and an overlap that it finds no contact of are both 0.
 pub fn signed_distance(a: &ConvexPolyhedron, pose_a: &Pose, b: &ConvexPolyhedron, pose_b: &Pose) -> f64 {
