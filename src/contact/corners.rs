@@ -4,7 +4,7 @@
 const MOST: usize = 64;
 
 /// On what of a shadow a point lies.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct On(u32);
 
 impl On {

@@ -44,20 +44,25 @@ impl ContactPoint {
 
 /// The contact points of one pair of bodies: keep one for each pair and pass it to [`Tracker::manifold`] every frame.
 ///
-/// Holds at most eight points, and nothing on the heap. A manifold of other bodies, or of other options, is made anew.
+/// Holds at most eight points, and nothing on the heap. A manifold of other bodies, or of other options, is made anew; so is one that
+/// comes from a file, which brings points and names.
 ///
 /// [`Tracker::manifold`]: crate::Tracker::manifold
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Manifold {
     points: [ContactPoint; MOST_POINTS],
     count: usize,
     normal: Unit<Vector3<f64>>,
     lower: f64,
     upper: f64,
+    #[cfg_attr(feature = "serde", serde(skip))]
     made: Option<Made>,
     fresh: bool,
     /// On what of the features the points are.
+    #[cfg_attr(feature = "serde", serde(skip))]
     on: [[On; 2]; MOST_POINTS],
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub(super) rays: Rays,
 }
 
@@ -113,7 +118,8 @@ impl Manifold {
     /// than the prediction.
     #[inline]
     pub fn points(&self) -> &[ContactPoint] {
-        &self.points[..self.count]
+        // What comes from a file may say more.
+        &self.points[..self.count.min(MOST_POINTS)]
     }
 
     /// The deepest of them.
@@ -248,7 +254,7 @@ impl Manifold {
     /// with those no further than `reach` away on one of the bodies.
     fn adopt(&mut self, contacts: &Contacts, reach: f64) {
         let new = &contacts.points[..contacts.count];
-        let old = &self.points[..self.count];
+        let old = self.points();
         let mut origin = [usize::MAX; MOST_POINTS];
         for (i, p) in new.iter().enumerate() {
             let alike = old.iter().position(|o| o.features == p.features);
@@ -273,7 +279,7 @@ impl Manifold {
     /// `origin`: the numbers of the old points whose names and order the new ones take, beyond them all for those that are new.
     fn reorder(&mut self, contacts: &Contacts, origin: &[usize; MOST_POINTS]) {
         let new = &contacts.points[..contacts.count];
-        let old = self.count;
+        let old = self.points().len();
         // Names first: the old points are overwritten in their order.
         let names = origin.map(|k| self.points[k.min(MOST_POINTS - 1)].id);
         self.count = 0;
