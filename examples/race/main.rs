@@ -9,6 +9,7 @@
 mod boxes;
 mod common;
 mod contact;
+mod hulls;
 mod pairs;
 
 fn main() {
