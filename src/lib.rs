@@ -171,16 +171,19 @@ pub mod broad;
 mod certificate;
 mod closest;
 mod double_double;
+mod motion;
 mod penetration;
 pub mod polyhedron;
 mod pose;
 mod replay;
 mod scalar;
+pub mod scene;
 mod soundness;
 pub mod tolerance;
 mod tracker;
 
 pub use closest::outcome::{Class, Distance, Layer, Level, Outcome, Proposal, Work};
+pub use motion::Velocity;
 pub use nalgebra;
 pub use polyhedron::{
     BoxHint, BuildError, BuildReport, ConvexPolyhedron, EdgeId, FaceId, Feature, FeaturePair, VertexId,

@@ -204,13 +204,7 @@ impl Tracker {
 
     /// The distance and its bounds without the witnesses.
     pub fn distance(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Distance {
-        let o = self.answer(a, b, a_from_b, Level::Certified, true);
-        Distance {
-            class: o.class,
-            value: o.distance,
-            lower: o.lower,
-            upper: o.upper,
-        }
+        Distance::from(&self.answer(a, b, a_from_b, Level::Certified, true))
     }
 
     /// Whether the closed bodies share a point: touching is intersecting.
@@ -229,14 +223,54 @@ impl Tracker {
         if !(d >= 0.0) || clear_of(a, b, a_from_b, d) {
             return false;
         }
-        let o = self.answer(a, b, a_from_b, Level::Certified, false);
-        if o.class == Class::Overlapping || o.upper <= d {
-            return true;
+        let outcome = self.look(a, b, a_from_b, false);
+        self.decides_within(a, b, a_from_b, &outcome, d)
+    }
+
+    /// As [`closest`](Self::closest), but an overlap gets its depth only if `deep`: else it is known as such and no more.
+    #[inline]
+    pub(crate) fn look(
+        &mut self,
+        a: &ConvexPolyhedron,
+        b: &ConvexPolyhedron,
+        a_from_b: &RelativePose,
+        deep: bool,
+    ) -> Outcome {
+        self.answer(a, b, a_from_b, Level::Certified, deep)
+    }
+
+    /// What [`within`](Self::within) answers for a `d` that is not negative, from the outcome of the last query.
+    #[inline]
+    pub(crate) fn decides_within(
+        &self,
+        a: &ConvexPolyhedron,
+        b: &ConvexPolyhedron,
+        a_from_b: &RelativePose,
+        outcome: &Outcome,
+        d: f64,
+    ) -> bool {
+        if outcome.class == Class::Overlapping || outcome.upper <= d {
+            true
+        } else if outcome.lower > d {
+            false
+        } else {
+            self.decide_within(a, b, a_from_b, d)
         }
-        if o.lower > d {
-            return false;
-        }
-        self.decide_within(a, b, a_from_b, d)
+    }
+
+    /// Triangles of the surface kept of an overlap.
+    pub(crate) fn facets(&self) -> usize {
+        self.memory.triangles.len()
+    }
+
+    /// Gives up the surface kept of an overlap, and its room.
+    pub(crate) fn shed(&mut self) {
+        self.memory = Memory::default();
+    }
+
+    /// Bytes beside the tracker's own.
+    pub(crate) fn heap_bytes(&self) -> usize {
+        self.memory.points.capacity() * size_of::<[u32; 2]>() + self.memory.triangles.capacity() * size_of::<[u32; 6]>()
     }
 
     /// The closest features as the walk proposes them, without bounds. Where the walk does not end, the minimum-norm

@@ -9,7 +9,7 @@
 //! | [`rng`] | a seeded generator: the same numbers on every machine |
 //! | [`shapes`] | bodies that are hard on purpose |
 //! | [`motion`], [`workload`] | seeded motions of a pair, and those that engines are timed on |
-//! | [`boxes`] | scenes of moving boxes |
+//! | [`boxes`], [`crowd`] | scenes of moving boxes, and of moving hulls |
 //! | [`exact`] | the naive oracle: exact class and distance of two small bodies |
 //! | [`brute_hull`] | exact faces of a few points |
 //! | [`bound`] | exact checks of an answer for bodies of any size |
@@ -25,6 +25,7 @@ pub mod body;
 pub mod bound;
 pub mod boxes;
 pub mod brute_hull;
+pub mod crowd;
 pub mod exact;
 pub mod meshes;
 pub mod motion;
