@@ -25,7 +25,7 @@ use core::str::FromStr;
 use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion};
 
 use crate::closest::outcome::Level;
-use crate::penetration::Memory;
+use crate::penetration::{Memory, Raw};
 use crate::polyhedron::{BuildError, ConvexPolyhedron, EdgeId, FaceId, Feature, FeaturePair, VertexId};
 use crate::pose::{PoseError, RelativePose, Which};
 
@@ -128,13 +128,12 @@ impl fmt::Display for Replay {
             Some(pair) => writeln!(f, "start {} {}", pair.a, pair.b)?,
             None => writeln!(f, "start cold")?,
         }
-        let Some(facet) = self.surface.facet else { return Ok(()) };
-        write!(f, "facet {} {}\nsurface {}", facet.a, facet.b, self.surface.built)?;
-        self.surface
-            .points
-            .iter()
-            .try_for_each(|[a, b]| write!(f, " {a}-{b}"))?;
-        let mut triangles = self.surface.triangles.iter().flatten();
+        let Some((facet, built, points, triangles)) = self.surface.parts() else {
+            return Ok(());
+        };
+        write!(f, "facet {} {}\nsurface {built}", facet.a, facet.b)?;
+        points.iter().try_for_each(|[a, b]| write!(f, " {a}-{b}"))?;
+        let mut triangles = triangles.iter().flatten();
         triangles.try_for_each(|k| write!(f, " {k}"))?;
         writeln!(f)
     }
@@ -245,7 +244,7 @@ impl<'a> Lines<'a> {
         ConvexPolyhedron::rebuilt(&points, &side).map_err(|error| ReplayError::Body { which, error })
     }
 
-    /// The two lines of an overlap, where they are. Whether they are a surface is seen when it is used.
+    /// The two lines of an overlap, where they are; nothing where they are no surface.
     fn surface(&mut self) -> Result<Memory, ReplayError> {
         if !self.peek().is_some_and(|(_, l)| l.starts_with("facet")) {
             return Ok(Memory::default());
@@ -266,12 +265,12 @@ impl<'a> Lines<'a> {
         let (triangles, []) = rest.as_chunks::<6>() else {
             return Err(wrong());
         };
-        Ok(Memory {
+        Ok(Memory::from(Raw {
             points,
             triangles: triangles.to_vec(),
             facet,
             built: *built,
-        })
+        }))
     }
 
     fn pose(&mut self, word: &str) -> Result<Isometry3<f64>, ReplayError> {

@@ -12,6 +12,7 @@ pub(crate) fn sqrt(x: f64) -> f64 {
 /// What the fallback needs of a number: the same code runs in f64 and in double-double.
 pub(crate) trait Scalar:
     Copy
+    + Default
     + PartialOrd
     + core::ops::Add<Output = Self>
     + core::ops::Sub<Output = Self>
@@ -41,6 +42,9 @@ pub(crate) fn root<T: Scalar>(x: T) -> T {
         return T::from(0.0);
     }
     let r = T::from(r);
+    if T::UNIT == crate::tolerance::UNIT {
+        return r;
+    }
     (r + x / r) * T::from(0.5)
 }
 

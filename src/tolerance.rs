@@ -63,12 +63,18 @@ pub const AGREE: f64 = 32.0 * UNIT;
 pub const VOLUME: f64 = 512.0;
 
 /// A depth is proven where the height along the best normal and the nearest triangle agree within this times L: the
-/// rounding of both is a few UNIT L each (see [`CERTIFICATE`]), and what is left must stay below `1e-14 L`, 90 UNIT.
-pub const AGREE_DEPTH: f64 = 16.0 * UNIT;
+/// rounding of both is a few UNIT L each (see [`CERTIFICATE`]), what the planes of two faces prove of the height of an edge may be
+/// half of it above the edge, and what is left must stay below `1e-14 L`, 90 UNIT.
+pub const AGREE_DEPTH: f64 = 32.0 * UNIT;
 
 /// A triangle `w0 w1 w2` of the Minkowski difference is counter-clockwise from outside, certainly, where every `n . w` exceeds this
-/// times `|e1| |e2| L`, `n = e1 x e2` rounded: the edges err by UNIT, the cross product by 2.5 UNIT more, and the dot by 3.
+/// times `|e1| |e2| L`, `n = e1 x e2` rounded: the edges err by UNIT, the cross product by 2.5 UNIT more, and the dot by 3. Taken off
+/// one `n . w`, with `|e1|^2 + |e2|^2` for the product, it leaves less than any corner has, and room for the rounding of `|n|`.
 pub const ORIENTATION: f64 = 16.0 * UNIT;
+
+/// Squared lengths from this to its inverse are normalised as they are; a product of two of them, and each coordinate's square
+/// that counts beside the others, is far inside the range of f64.
+pub(crate) const SQUARE_MIN: f64 = 1e-200;
 
 /// A triangle of the Minkowski difference that its support exceeds by less than this times L, `2^-16`, may lie in the border:
 /// the normals of the bodies' features are tried. Not a matter of soundness.

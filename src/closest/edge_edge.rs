@@ -20,18 +20,18 @@ use crate::tolerance::{DIFFERENCE, DIRECTION, NEARLY_PARALLEL, ON_BOUNDARY, PARA
 
 /// The ends of an edge and the planes of its faces.
 #[derive(Clone, Copy)]
-struct Edge<'a> {
+pub(crate) struct Edge<'a> {
     tail: u32,
     head: u32,
-    p: Vector3<f64>,
-    q: Vector3<f64>,
-    left: &'a Plane,
-    right: &'a Plane,
+    pub(crate) p: Vector3<f64>,
+    pub(crate) q: Vector3<f64>,
+    pub(crate) left: &'a Plane,
+    pub(crate) right: &'a Plane,
 }
 
 impl<'a> Edge<'a> {
     #[inline(always)]
-    fn new(body: &'a ConvexPolyhedron, edge: u32) -> Self {
+    pub(crate) fn new(body: &'a ConvexPolyhedron, edge: u32) -> Self {
         let e = body.topology.half_edge(edge);
         let twin = body.topology.half_edge(e.twin);
         Self {
@@ -47,7 +47,7 @@ impl<'a> Edge<'a> {
     /// How far `t` leaves the faces on the right and on the left behind, for a normal turned by `sign`: the weights of
     /// the normal over the planes of the left and the right one, not negative inside.
     #[inline(always)]
-    fn weights(&self, t: &Vector3<f64>, sign: f64) -> (f64, f64) {
+    pub(crate) fn weights(&self, t: &Vector3<f64>, sign: f64) -> (f64, f64) {
         (-sign * t.dot(&self.right.normal), sign * t.dot(&self.left.normal))
     }
 }

@@ -24,6 +24,9 @@ const SUPPORTS: u32 = 64;
 /// Supports a coarse solve may take: the last ones change little of where the walk begins.
 const COARSE_SUPPORTS: u32 = 12;
 
+/// Bodies of so many vertices are climbed from any of them.
+const SMALL: usize = 64;
+
 /// Where a solve ended.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Minimum<T> {
@@ -103,7 +106,12 @@ pub(crate) fn corner<T: Scalar>(placed: &Placed, frame: &Frame<T>, a: u32, b: u3
 pub(crate) fn extreme<T: Scalar>(body: &ConvexPolyhedron, n: &Vec3<T>, hint: u32) -> u32 {
     let rounded = Vector3::new(n[0].value(), n[1].value(), n[2].value());
     if T::UNIT == UNIT {
-        return body.extreme(&rounded, body.higher(&rounded, hint)).vertex;
+        let start = if body.points.len() > SMALL {
+            body.higher(&rounded, hint)
+        } else {
+            hint
+        };
+        return body.extreme(&rounded, start).vertex;
     }
     // In f64 the true extreme vertex is within this of the highest.
     let slack = PLATEAU * rounded.abs().sum() * body.radius;

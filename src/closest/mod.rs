@@ -11,7 +11,7 @@
 //! difference around the origin. Bounds that straddle zero send the pair to the next finer arithmetic.
 
 mod behind;
-mod edge_edge;
+pub(crate) mod edge_edge;
 #[cfg(feature = "exact")]
 pub(crate) mod exact;
 pub(crate) mod fallback;

@@ -7,7 +7,7 @@ use crate::scalar::{Scalar, Vec3, cross, dot, neg, root, scaled, sub};
 use crate::tolerance::VOLUME;
 
 /// A point of the Minkowski difference A - B: a vertex of each body.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Corner<T> {
     pub(crate) a: u32,
     pub(crate) b: u32,

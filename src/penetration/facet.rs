@@ -3,12 +3,18 @@
 //! A facet of A - B is a face of A beside a vertex of B, a vertex of A beside a face of B, or two edges. A triangle on it
 //! names the vertices; the face or the edges know its normal far better than three rounded points do.
 
+use nalgebra::Vector3;
+
+use crate::closest::edge_edge::Edge;
+use crate::closest::fallback::corner;
 use crate::closest::placed::{Frame, Placed};
 use crate::closest::simplex::Corner;
 use crate::polyhedron::{ConvexPolyhedron, Feature, FeaturePair};
 use crate::pose::Which;
-use crate::scalar::{Scalar, Vec3, cross, dot, neg};
+use crate::scalar::{Scalar, Vec3, cross, dot, neg, sqrt};
+use crate::tolerance::{AGREE_DEPTH, NEARLY_PARALLEL};
 
+use super::search::highest;
 use super::surface::unit;
 
 /// A unit normal and the features it comes from.
@@ -35,6 +41,62 @@ pub(super) fn normals<T: Scalar>(
         _ => None,
     };
     [of_a, of_b, of_edges].map(|facet| facet.and_then(|f| Some((normal_of(placed, frame, f, &corners[0])?, f))))
+}
+
+/// The normal of the facet of a pair of features, and how high the difference is along it.
+pub(super) fn height_of(placed: &Placed, frame: &Frame<f64>, facet: FeaturePair) -> Option<(Vec3<f64>, f64)> {
+    // No vertex is beyond the plane of a face: the offset is rounded up.
+    let (n, height) = match (facet.a, facet.b) {
+        (Feature::Face(f), Feature::Vertex(v)) => {
+            let plane = &placed.a.planes[f.index()];
+            let b = placed.b.extreme(&-placed.direction_in_b(&plane.normal), v.0).vertex;
+            let at = placed.point_in_a(&placed.b.points[b as usize]);
+            (plane.normal, plane.offset - plane.normal.dot(&at))
+        }
+        (Feature::Vertex(v), Feature::Face(f)) if placed.has_one_unit() => {
+            let plane = &placed.b.planes[f.index()];
+            let n = -placed.vector_in_a(&plane.normal);
+            let a = placed.a.extreme(&n, v.0);
+            (n, a.value + (plane.offset - placed.lift(&n)))
+        }
+        _ => {
+            if let Some((n, height)) = height_of_edges(placed, facet) {
+                return Some((n.into(), height));
+            }
+            let (a, b) = facet.vertices_of(placed.a, placed.b);
+            let on = corner(placed, frame, a, b);
+            let n = normal_of(placed, frame, facet, &on)?;
+            return Some((n, dot(&n, &highest(placed, frame, &n, &on).w)));
+        }
+    };
+    let n: Vec3<f64> = n.into();
+    // A null face has no normal.
+    (dot(&n, &n) > 0.5).then_some((n, height))
+}
+
+/// The same of two edges, where the planes of their faces prove it: as in the walk, but for the edge of A lying ahead.
+fn height_of_edges(placed: &Placed, facet: FeaturePair) -> Option<(Vector3<f64>, f64)> {
+    let (Feature::Edge(e), Feature::Edge(g), true) = (facet.a, facet.b, placed.has_one_unit()) else {
+        return None;
+    };
+    let (a, b) = (Edge::new(placed.a, e.0), Edge::new(placed.b, g.0));
+    let u = a.q - a.p;
+    let (v, at_b) = (placed.vector_in_a(&(b.q - b.p)), placed.point_in_a(&b.p));
+    let n = u.cross(&v);
+    let (squared, ahead) = (n.norm_squared(), a.p - at_b);
+    let sign = if n.dot(&ahead) < 0.0 { -1.0 } else { 1.0 };
+    let (on_a, on_b) = (a.weights(&v, sign), b.weights(&placed.vector_in_b(&u), sign));
+    // Written so that NaN proves nothing.
+    let is_between = on_a.0.min(on_a.1).min(on_b.0).min(on_b.1) >= 0.0;
+    if !(is_between && squared > NEARLY_PARALLEL * u.norm_squared() * v.norm_squared()) {
+        return None;
+    }
+    let n = n * (sign / sqrt(squared));
+    let high_a = placed.a.edge_bound(&n, a.left, a.right, on_a, 1.0);
+    let high_b = placed.b.edge_bound(&-placed.direction_in_b(&n), b.left, b.right, on_b, 1.0);
+    let height = high_a + high_b - placed.lift(&n);
+    // What the planes of thin bodies prove may be far above the edges.
+    (height - n.dot(&ahead) <= AGREE_DEPTH * 0.5 * placed.size()).then_some((n, height))
 }
 
 /// The normal of a facet that is known by its features, `on` a point of it.

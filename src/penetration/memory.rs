@@ -7,49 +7,127 @@
 
 use alloc::vec::Vec;
 
-use crate::closest::fallback::corner;
+use nalgebra::Point3;
+
 use crate::closest::outcome::{Class, Layer, Outcome};
 use crate::closest::placed::{Frame, Placed};
 use crate::closest::simplex::Corner;
-use crate::polyhedron::{ConvexPolyhedron, FeaturePair};
-use crate::scalar::{Vec3, cross, dot, sub};
-use crate::tolerance::{AGREE_DEPTH, CERTIFICATE, ORIENTATION, UNIT};
+use crate::polyhedron::FeaturePair;
+use crate::scalar::{Vec3, sub};
+use crate::tolerance::{AGREE_DEPTH, SHIFTS};
 
-use super::facet::normal_of;
-use super::search::{Best, End, Search, highest};
+use super::facet::height_of;
+use super::foot::foot;
+use super::pass::{Pass, pass};
+use super::search::{Best, End, Found, Search, search};
 use super::surface::Surface;
 use super::take;
 
-/// Triangles that are worth their memory.
+/// Triangles that are worth their memory: their numbers fit a byte.
 const MOST: usize = 256;
+
+/// Points of so many triangles.
+const MOST_POINTS: usize = MOST / 2 + 2;
+
+/// Points for which a small list is enough.
+const FEW_POINTS: usize = 34;
 
 /// Triangles a surface may gain before it is built afresh, beside those it was built with.
 const GAIN: usize = 24;
 
-/// A closed surface without places.
-#[derive(Clone, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+/// A closed surface without places: each edge of a triangle is the reverse of one of its neighbour.
+#[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(from = "Raw"))]
 pub(crate) struct Memory {
     /// A vertex of each body.
-    pub(crate) points: Vec<[u32; 2]>,
+    points: Vec<[u32; 2]>,
     /// Three corners, and the triangle across the edge from corner k to corner k + 1.
-    pub(crate) triangles: Vec<[u32; 6]>,
+    triangles: Vec<[u8; 6]>,
     /// The features of the deepest facet.
-    pub(crate) facet: Option<FeaturePair>,
+    facet: Option<FeaturePair>,
     /// With how many triangles it was built.
+    built: u32,
+    /// Where surfaces grow, and the triangles where they must: no part of what is remembered.
+    #[cfg_attr(feature = "serde", serde(skip))]
+    pub(super) room: Surface<f64>,
+    #[cfg_attr(feature = "serde", serde(skip))]
+    weak: Vec<u32>,
+}
+
+impl Default for Memory {
+    fn default() -> Self {
+        Self {
+            points: Vec::new(),
+            triangles: Vec::new(),
+            facet: None,
+            built: 0,
+            room: Surface::new(),
+            weak: Vec::new(),
+        }
+    }
+}
+
+impl PartialEq for Memory {
+    fn eq(&self, o: &Self) -> bool {
+        self.parts() == o.parts()
+    }
+}
+
+/// The same as it comes from a file: it need not be closed.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Deserialize))]
+pub(crate) struct Raw {
+    pub(crate) points: Vec<[u32; 2]>,
+    pub(crate) triangles: Vec<[u32; 6]>,
+    pub(crate) facet: Option<FeaturePair>,
     pub(crate) built: u32,
 }
 
-/// What one pass over the surface shows.
-enum Pass {
-    /// About the origin, and every triangle beyond the facet: the depth is proven.
-    Stands,
-    /// About the origin.
-    About,
-    Folded,
+impl From<Raw> for Memory {
+    /// Nothing, where it is no surface.
+    fn from(raw: Raw) -> Self {
+        if !raw.is_closed() {
+            return Self::default();
+        }
+        let bytes = |t: &[u32; 6]| t.map(|k| k as u8);
+        Self {
+            triangles: raw.triangles.iter().map(bytes).collect(),
+            points: raw.points,
+            facet: raw.facet,
+            built: raw.built,
+            room: Surface::new(),
+            weak: Vec::new(),
+        }
+    }
+}
+
+impl Raw {
+    fn is_closed(&self) -> bool {
+        let closed = |(k, t): (usize, &[u32; 6])| {
+            (0..3).all(|i| {
+                let (from, to) = (t[i], t[(i + 1) % 3]);
+                (from as usize) < self.points.len()
+                    && self
+                        .triangles
+                        .get(t[3 + i] as usize)
+                        .is_some_and(|o| (0..3).any(|j| (o[j], o[(j + 1) % 3], o[3 + j]) == (to, from, k as u32)))
+            })
+        };
+        self.points.len() <= MOST_POINTS
+            && self.triangles.len() <= MOST
+            && self.triangles.iter().enumerate().all(closed)
+    }
 }
 
 impl Memory {
+    /// Takes room for the largest surface that is kept.
+    pub(crate) fn reserve(&mut self) {
+        self.points.reserve(MOST_POINTS);
+        self.triangles.reserve(MOST);
+        self.room.reserve(MOST);
+        self.weak.reserve(MOST);
+    }
+
     /// Forgets the surface, not its room.
     pub(crate) fn clear(&mut self) {
         self.points.clear();
@@ -64,32 +142,50 @@ impl Memory {
         self.triangles.is_empty()
     }
 
-    /// Whether it names vertices of these bodies and is closed: each edge of a triangle is the reverse of one of its
-    /// neighbour. What comes from a file need not be.
-    fn fits(&self, a: &ConvexPolyhedron, b: &ConvexPolyhedron) -> bool {
-        let known = |[x, y]: &[u32; 2]| (*x as usize) < a.points.len() && (*y as usize) < b.points.len();
-        let closed = |(k, t): (usize, &[u32; 6])| {
-            (0..3).all(|i| {
-                let (from, to) = (t[i], t[(i + 1) % 3]);
-                (from as usize) < self.points.len()
-                    && self
-                        .triangles
-                        .get(t[3 + i] as usize)
-                        .is_some_and(|o| (0..3).any(|j| (o[j], o[(j + 1) % 3], o[3 + j]) == (to, from, k as u32)))
-            })
-        };
-        self.points.iter().all(known) && self.triangles.iter().enumerate().all(closed)
+    /// The features of the deepest facet, with how many triangles it was built, its points, and its triangles.
+    pub(crate) fn parts(&self) -> Option<(FeaturePair, u32, &[[u32; 2]], &[[u8; 6]])> {
+        Some((self.facet?, self.built, &self.points, &self.triangles))
     }
 
-    /// Keeps a surface if it is small, and has not outgrown the one it came from.
-    pub(super) fn keep(&mut self, surface: &Surface<f64>, facet: FeaturePair, built: Option<u32>) {
+    /// Makes the surface to work on the one that is remembered, at its places.
+    fn recall(&mut self, places: &[Vec3<f64>], enough: f64) {
+        self.room.clear(enough);
+        let points = self.points.iter().zip(places);
+        self.room.points.extend(points.map(|(&[a, b], &w)| Corner { a, b, w }));
+        for &[p, q, r, x, y, z] in &self.triangles {
+            self.room.push([p, q, r].map(u32::from), [x, y, z].map(u32::from));
+        }
+        for &t in &self.weak {
+            self.room.weigh(t);
+        }
+    }
+
+    /// Keeps the surface worked on if it is small, and has not outgrown the one it came from.
+    pub(super) fn keep(&mut self, facet: FeaturePair, built: Option<u32>) {
         self.clear();
-        let count = surface.alive().count();
+        let surface = &self.room;
+        let count = surface.triangles.len();
         let built = built.unwrap_or(count as u32);
         if count > MOST || count > 2 * built as usize + GAIN {
             return;
         }
-        surface.names(&mut self.points, &mut self.triangles);
+        // Points that no triangle uses any more are left behind.
+        let mut place = [u8::MAX; MOST];
+        if surface.points.len() > MOST {
+            return;
+        }
+        for (corners, beside) in surface.names() {
+            let mut t = [0; 6];
+            for k in 0..3 {
+                let c = corners[k] as usize;
+                if place[c] == u8::MAX {
+                    place[c] = self.points.len() as u8;
+                    self.points.push([surface.points[c].a, surface.points[c].b]);
+                }
+                (t[k], t[3 + k]) = (place[c], beside[k] as u8);
+            }
+            self.triangles.push(t);
+        }
         (self.facet, self.built) = (Some(facet), built);
     }
 }
@@ -99,73 +195,95 @@ pub(crate) fn resume(placed: &Placed, memory: &mut Memory, outcome: &mut Outcome
     let Some(facet) = memory.facet.filter(|f| f.is_of(placed.a, placed.b)) else {
         return false;
     };
-    if !memory.fits(placed.a, placed.b) {
-        return false;
-    }
     let frame = Frame::of(placed);
-    let (a, b) = facet.vertices_of(placed.a, placed.b);
-    let hint = corner(placed, &frame, a, b);
-    let Some(normal) = normal_of(placed, &frame, facet, &hint) else {
+    let Some((normal, height)) = height_of(placed, &frame, facet) else {
         return false;
     };
-    let height = dot(&normal, &highest(placed, &frame, &normal, &hint).w);
     let best = Best {
         normal,
         height,
         features: Some(facet),
     };
-    let points: Vec<_> = memory
-        .points
-        .iter()
-        .map(|p| corner(placed, &frame, p[0], p[1]))
-        .collect();
-    let pass = pass(&memory.triangles, &points, &best, placed.size());
-    if let Pass::Folded = pass {
-        return false;
+    if memory.points.len() <= FEW_POINTS {
+        resume_among::<FEW_POINTS>(placed, &frame, memory, best, outcome)
+    } else {
+        resume_among::<MOST_POINTS>(placed, &frame, memory, best, outcome)
     }
-    let surface = Surface::named(points, &memory.triangles, matches!(pass, Pass::About));
-    let mut search = Search::resumed(placed, &frame, surface, best);
-    let found = match pass {
-        Pass::Stands => search.stands(height - AGREE_DEPTH * placed.size()),
-        _ => search.run(&frame, 0.0),
-    };
-    if found.end != End::Closed {
-        return false;
+}
+
+/// The same, of a surface of up to `N` points.
+fn resume_among<const N: usize>(
+    placed: &Placed,
+    frame: &Frame<f64>,
+    memory: &mut Memory,
+    best: Best<f64>,
+    outcome: &mut Outcome,
+) -> bool {
+    let mut places = [[0.0; 3]; N];
+    for (place, &[a, b]) in places.iter_mut().zip(&memory.points) {
+        let (Some(p), Some(q)) = (placed.a.points.get(a as usize), placed.b.points.get(b as usize)) else {
+            return false;
+        };
+        *place = sub(&[p.x, p.y, p.z], &frame.point(q));
     }
+    match pass(&memory.triangles, &places, &best, placed.size(), &mut memory.weak) {
+        Pass::Folded => begin_anew(placed, frame, memory, outcome),
+        Pass::Stands => {
+            let found = match best.features.and_then(|f| foot(placed, f, &best.rounded())) {
+                Some(witnesses) => proven(&best, witnesses, placed.size()),
+                None => {
+                    memory.recall(&places, best.height - AGREE_DEPTH * placed.size());
+                    let mut search = Search::resumed(placed, frame, &mut memory.room, best);
+                    search.stands(best.height - AGREE_DEPTH * placed.size())
+                }
+            };
+            answer(placed, &found, outcome);
+            true
+        }
+        Pass::About => {
+            memory.recall(&places, best.height - AGREE_DEPTH * placed.size());
+            let found = Search::resumed(placed, frame, &mut memory.room, best).run(frame, 0.0);
+            if found.end != End::Closed {
+                return false;
+            }
+            answer(placed, &found, outcome);
+            memory.keep(outcome.features, Some(memory.built));
+            true
+        }
+    }
+}
+
+/// From the features of the facet instead of a surface that has folded.
+fn begin_anew(placed: &Placed, frame: &Frame<f64>, memory: &mut Memory, outcome: &mut Outcome) -> bool {
+    let Some(facet) = memory.facet else { return false };
+    match search(placed, frame, facet, &SHIFTS[..1], &mut memory.room) {
+        Some(found) if found.end == End::Closed => {
+            answer(placed, &found, outcome);
+            memory.keep(outcome.features, None);
+            true
+        }
+        _ => false,
+    }
+}
+
+/// What is found where every triangle is beyond the facet and the facet holds the deepest points.
+fn proven(best: &Best<f64>, witnesses: (Point3<f64>, Point3<f64>), size: f64) -> Found<f64> {
+    Found {
+        end: End::Closed,
+        normal: best.normal,
+        height: best.height,
+        radius: best.height - AGREE_DEPTH * size,
+        corners: [Corner::default(); 3],
+        witnesses: Some(witnesses),
+        features: best.features,
+        grown: 0,
+    }
+}
+
+fn answer(placed: &Placed, found: &Found<f64>, outcome: &mut Outcome) {
     outcome.class = Class::Overlapping;
     outcome.layer = Layer::Surface;
     outcome.lower = f64::NEG_INFINITY;
     outcome.work.depths += 1;
-    take(placed, &found, outcome);
-    if let Pass::About = pass {
-        let built = memory.built;
-        memory.keep(&search.surface, outcome.features, Some(built));
-    }
-    true
-}
-
-/// Looks at every triangle once, without roots or divisions.
-fn pass(triangles: &[[u32; 6]], points: &[Corner<f64>], best: &Best<f64>, size: f64) -> Pass {
-    let margin = 2.0 * CERTIFICATE * UNIT * size;
-    let goal = best.height - AGREE_DEPTH * size;
-    let mut stands = goal > margin;
-    for t in triangles {
-        let w = [0, 1, 2].map(|k| points[t[k] as usize].w);
-        let (u, v) = (sub(&w[1], &w[0]), sub(&w[2], &w[0]));
-        let n = cross(&u, &v);
-        let low = least(&n, &w);
-        let (squared, noise) = (dot(&n, &n), ORIENTATION * size);
-        // Seen from behind, certainly, and clear of the origin. Comparisons are written so that NaN is a fold.
-        let certain =
-            low > 0.0 && low * low > noise * noise * dot(&u, &u) * dot(&v, &v) && low * low > margin * margin * squared;
-        if !certain {
-            return Pass::Folded;
-        }
-        stands = stands && (low * low >= goal * goal * squared || least(&best.normal, &w) >= goal);
-    }
-    if stands { Pass::Stands } else { Pass::About }
-}
-
-fn least(n: &Vec3<f64>, w: &[Vec3<f64>; 3]) -> f64 {
-    dot(n, &w[0]).min(dot(n, &w[1])).min(dot(n, &w[2]))
+    take(placed, found, outcome);
 }

@@ -18,20 +18,24 @@
 //!    about a point beside the origin until the ball about that point holds the origin too.
 
 mod facet;
+mod foot;
 mod memory;
+mod pass;
+mod queue;
 mod search;
 mod surface;
 
 use crate::closest::outcome::Outcome;
 use crate::closest::placed::{Frame, Placed};
-use crate::closest::refine::{outward, state_of, unit, witnesses};
+use crate::closest::refine::{outward, state_of, unit};
 use crate::double_double::DoubleDouble;
 use crate::scalar::Scalar;
 use crate::tolerance::{CERTIFICATE, SHIFTS};
 use nalgebra::Vector3;
 use search::{End, Found, search};
+use surface::Surface;
 
-pub(crate) use memory::{Memory, resume};
+pub(crate) use memory::{Memory, Raw, resume};
 
 /// How many of the shifts are worth a try in f64: those well above its rounding.
 const SHIFTS_PLAIN: usize = 3;
@@ -42,21 +46,28 @@ pub(crate) fn deepen(placed: &Placed, memory: &mut Memory, outcome: &mut Outcome
     memory.clear();
     outcome.work.depths += 1;
     outcome.lower = f64::NEG_INFINITY;
-    let plain = search(placed, &Frame::of(placed), outcome.features, &SHIFTS[..SHIFTS_PLAIN]);
-    if let Some((found, surface)) = &plain {
-        take(placed, found, outcome);
+    let shifts = &SHIFTS[..SHIFTS_PLAIN];
+    if let Some(found) = search(placed, &Frame::of(placed), outcome.features, shifts, &mut memory.room) {
+        take(placed, &found, outcome);
+        if found.end == End::Closed {
+            memory.keep(outcome.features, None);
+        }
         if found.end != End::Stuck {
-            if let (End::Closed, Some(surface)) = (found.end, surface) {
-                memory.keep(surface, outcome.features, None);
-            }
             return;
         }
     }
+    deepen_finely(placed, outcome);
+}
+
+/// The same in double-double.
+#[cold]
+#[inline(never)]
+fn deepen_finely(placed: &Placed, outcome: &mut Outcome) {
     outcome.work.double_doubles += 1;
     let Some(frame) = Frame::<DoubleDouble>::new(placed.a, placed.b, placed.pose) else {
         return;
     };
-    if let Some((found, _)) = search(placed, &frame, outcome.features, &SHIFTS) {
+    if let Some(found) = search(placed, &frame, outcome.features, &SHIFTS, &mut Surface::new()) {
         take(placed, &found, outcome);
     }
 }
@@ -74,8 +85,8 @@ fn take<T: Scalar>(placed: &Placed, found: &Found<T>, outcome: &mut Outcome) {
     outcome.distance = (-found.height.value()).clamp(outcome.lower, outcome.upper);
     let n = &found.normal;
     outcome.normal = unit(&Vector3::new(n[0].value(), n[1].value(), n[2].value()));
-    if let Some(deepest) = &found.deepest {
-        (outcome.point_on_a, outcome.point_on_b) = witnesses(placed, deepest);
+    if let Some(witnesses) = found.witnesses {
+        (outcome.point_on_a, outcome.point_on_b) = witnesses;
     }
     outcome.features = found.features.unwrap_or_else(|| {
         let (a, b) = (found.corners.map(|c| c.a), found.corners.map(|c| c.b));

@@ -1,14 +1,18 @@
 //! The search for the deepest facet: a surface grown at its nearest triangle until that is known to lie on the border.
 
+use nalgebra::Point3;
+
 use crate::closest::fallback::{Minimum, corner, extreme, solve};
 use crate::closest::placed::{Frame, Placed};
 use crate::closest::simplex::{Corner, Simplex};
+use crate::closest::refine::witnesses;
 use crate::polyhedron::FeaturePair;
-use crate::scalar::{Scalar, Vec3, dot, neg};
+use crate::scalar::{Scalar, Vec3, dot, neg, scaled};
 use crate::tolerance::{AGREE_DEPTH, ALMOST_FLAT, ASIDE, CERTIFICATE, PLATEAU, UNIT};
 
 use super::facet::normals;
-use super::surface::{Filter, Surface, at, unit};
+use super::foot::foot;
+use super::surface::{Filter, Surface, unit};
 
 /// Points that may come twice before a surface counts as folded.
 const REPEATS: u32 = 16;
@@ -32,9 +36,10 @@ pub(super) struct Found<T> {
     pub(super) height: T,
     /// No point outside the difference is nearer to the origin; zero where nothing is known.
     pub(super) radius: T,
-    /// The triangle that holds the deepest point, and that point.
+    /// The triangle that holds the deepest point, or one of the facet.
     pub(super) corners: [Corner<T>; 3],
-    pub(super) deepest: Option<Simplex<T>>,
+    /// The deepest points of A and of B in their stored frames.
+    pub(super) witnesses: Option<(Point3<f64>, Point3<f64>)>,
     pub(super) features: Option<FeaturePair>,
     /// Points the surface took in.
     pub(super) grown: u32,
@@ -48,11 +53,18 @@ pub(super) struct Best<T> {
     pub(super) features: Option<FeaturePair>,
 }
 
+impl<T: Scalar> Best<T> {
+    /// Normal and height in f64.
+    pub(super) fn rounded(&self) -> (Vec3<f64>, f64) {
+        (self.normal.map(Scalar::value), self.height.value())
+    }
+}
+
 /// A surface on its way to the deepest facet.
-pub(super) struct Search<'a, T> {
+pub(super) struct Search<'a, T: Scalar> {
     placed: &'a Placed<'a>,
     frame: Frame<T>,
-    pub(super) surface: Surface<T>,
+    surface: &'a mut Surface<T>,
     filter: Filter<T>,
     best: Option<Best<T>>,
     size: T,
@@ -61,30 +73,31 @@ pub(super) struct Search<'a, T> {
 }
 
 /// Searches from the features of an overlap, about the origin or, one after the other, points shifted off it. The best that
-/// was found where none closes.
+/// was found where none closes; where one does, `surface` is its.
 pub(super) fn search<T: Scalar>(
     placed: &Placed,
     frame: &Frame<T>,
     from: FeaturePair,
     shifts: &[f64],
-) -> Option<(Found<T>, Option<Surface<T>>)> {
-    let mut found: Option<(Found<T>, Option<Surface<T>>)> = None;
+    surface: &mut Surface<T>,
+) -> Option<Found<T>> {
+    let mut found: Option<Found<T>> = None;
     let mut grown = 0;
     for &shift in shifts {
-        let now = match Search::about(placed, frame, from, shift) {
-            Ok(mut search) => (search.run(frame, shift), Some(search.surface)),
-            Err(found) => (found, None),
+        let now = match Search::about(placed, frame, from, shift, surface) {
+            Ok(mut search) => search.run(frame, shift),
+            Err(found) => found,
         };
-        grown += now.0.grown;
-        let (end, open) = (now.0.end, now.0.height - now.0.radius);
-        if found.as_ref().is_none_or(|(f, _)| open < f.height - f.radius) {
+        grown += now.grown;
+        let (end, open) = (now.end, now.height - now.radius);
+        if found.as_ref().is_none_or(|f| open < f.height - f.radius) {
             found = Some(now);
         }
         if end != End::Stuck {
             break;
         }
     }
-    found.map(|(f, surface)| (Found { grown, ..f }, surface))
+    found.map(|f| Found { grown, ..f })
 }
 
 /// What a solver knows of an origin that it cannot tell from the border: a direction and its height.
@@ -101,8 +114,9 @@ fn flat<T: Scalar>(placed: &Placed, frame: &Frame<T>, simplex: &Simplex<T>, towa
         height,
         radius: zero,
         corners: core::array::from_fn(|k| simplex.kept()[k.min(simplex.len() - 1)]),
-        // No point of the border, but one that both bodies nearly share.
-        deepest: (simplex.reach() <= T::from(AGREE_DEPTH) * T::from(placed.reach::<T>())).then_some(*simplex),
+        // No points of the border, but ones that nearly coincide.
+        witnesses: (simplex.reach() <= T::from(AGREE_DEPTH) * T::from(placed.reach::<T>()))
+            .then(|| witnesses(placed, simplex)),
         features: None,
         grown: 0,
     }
@@ -118,7 +132,13 @@ pub(super) fn highest<T: Scalar>(placed: &Placed, frame: &Frame<T>, n: &Vec3<T>,
 impl<'a, T: Scalar> Search<'a, T> {
     /// From the tetrahedron that proves a point beside the origin inside; without one, what the solver found instead:
     /// of a point outside, a direction along which the origin is not deeper than the shift.
-    fn about(placed: &'a Placed<'a>, frame: &Frame<T>, from: FeaturePair, shift: f64) -> Result<Self, Found<T>> {
+    fn about(
+        placed: &'a Placed<'a>,
+        frame: &Frame<T>,
+        from: FeaturePair,
+        shift: f64,
+        surface: &'a mut Surface<T>,
+    ) -> Result<Self, Found<T>> {
         let size = placed.reach::<T>();
         let mut shifted = *frame;
         for (t, aside) in shifted.translation.iter_mut().zip(ASIDE) {
@@ -128,13 +148,13 @@ impl<'a, T: Scalar> Search<'a, T> {
             Minimum::Inside { simplex } => simplex,
             Minimum::Outside { simplex, direction, .. } => return Err(flat(placed, frame, &simplex, &direction)),
         };
-        let Some(surface) = Surface::tetrahedron(simplex.kept()) else {
+        if !surface.start(simplex.kept()) {
             return Err(flat(placed, frame, &simplex, &simplex.direction()));
-        };
-        Ok(Self::new(placed, &shifted, surface, None))
+        }
+        Ok(Self::new(placed, &shifted, surface))
     }
 
-    fn new(placed: &'a Placed<'a>, frame: &Frame<T>, surface: Surface<T>, best: Option<Best<T>>) -> Self {
+    fn new(placed: &'a Placed<'a>, frame: &Frame<T>, surface: &'a mut Surface<T>) -> Self {
         let size = placed.reach::<T>();
         Self {
             placed,
@@ -144,7 +164,7 @@ impl<'a, T: Scalar> Search<'a, T> {
                 margin: T::from(2.0 * CERTIFICATE * T::UNIT * size),
                 noise: T::from(PLATEAU / UNIT * T::UNIT * size),
             },
-            best,
+            best: None,
             size: T::from(size),
             grown: 0,
             repeats: 0,
@@ -152,8 +172,15 @@ impl<'a, T: Scalar> Search<'a, T> {
     }
 
     /// From a surface that is about the origin, and a direction.
-    pub(super) fn resumed(placed: &'a Placed<'a>, frame: &Frame<T>, surface: Surface<T>, best: Best<T>) -> Self {
-        Self::new(placed, frame, surface, Some(best))
+    pub(super) fn resumed(
+        placed: &'a Placed<'a>,
+        frame: &Frame<T>,
+        surface: &'a mut Surface<T>,
+        best: Best<T>,
+    ) -> Self {
+        let mut search = Self::new(placed, frame, surface);
+        search.improve(best);
+        search
     }
 
     /// Of a surface of which every triangle is known to be beyond `radius`, as far as the best direction.
@@ -162,6 +189,20 @@ impl<'a, T: Scalar> Search<'a, T> {
             radius,
             ..self.end(End::Closed, true)
         }
+    }
+
+    /// Takes the direction if it is the best: triangles as far as it is high are then beyond doubt.
+    fn improve(&mut self, b: Best<T>) {
+        // No direction has no height; NaN is no better than anything.
+        if dot(&b.normal, &b.normal).value() > 0.5 && self.best.is_none_or(|best| b.height < best.height) {
+            self.surface.expect(b.height - self.open(T::UNIT));
+            self.best = Some(b);
+        }
+    }
+
+    /// How far height and bound may be apart, for the rounding of an arithmetic.
+    fn open(&self, rounding: f64) -> T {
+        T::from(AGREE_DEPTH / UNIT * rounding) * self.size
     }
 
     /// Grows until the ball about the shifted point holds the origin, then about the origin.
@@ -191,8 +232,16 @@ impl<'a, T: Scalar> Search<'a, T> {
 
     /// Whether the bounds agree as well as they have to, though they might do better in a finer arithmetic.
     fn is_good(&mut self) -> bool {
-        let weakest = self.surface.weakest();
-        weakest.is_some_and(|t| self.agrees(self.surface.triangles[t as usize].bound, UNIT))
+        let bound = self.bound();
+        self.best.is_some_and(|b| b.height - bound <= self.open(UNIT))
+    }
+
+    /// What every triangle is beyond.
+    fn bound(&mut self) -> T {
+        match self.surface.weakest() {
+            Some(t) => self.surface.triangles[t as usize].bound,
+            None => self.surface.enough(),
+        }
     }
 
     fn is_full(&self) -> bool {
@@ -203,7 +252,9 @@ impl<'a, T: Scalar> Search<'a, T> {
     /// Grows the surface: whether every triangle came to be beyond `goal` or, without one, the bounds agree.
     fn grow(&mut self, goal: Option<T>) -> bool {
         while !self.is_full() {
-            let Some(t) = self.surface.weakest() else { return false };
+            let Some(t) = self.surface.weakest() else {
+                return goal.is_none_or(|goal| self.surface.enough() > goal);
+            };
             let bound = self.surface.triangles[t as usize].bound;
             if goal.is_some_and(|goal| bound > goal) {
                 return true;
@@ -218,11 +269,8 @@ impl<'a, T: Scalar> Search<'a, T> {
             let direction = self.surface.triangles[t as usize].direction;
             let top = self.probe(t, &direction, None);
             let gain = dot(&direction, &top.w) - bound;
-            if gain < T::from(ALMOST_FLAT) * self.size && self.probe_facets(t) {
+            if gain < T::from(ALMOST_FLAT) * self.size && self.probe_facets(t) || bound >= self.surface.enough() {
                 continue;
-            }
-            if self.agrees(bound, T::UNIT) {
-                return goal.is_none();
             }
             let top = self.in_sight(t, top);
             if !(gain > T::from(0.0)) || !self.is_worth(&top) {
@@ -252,12 +300,6 @@ impl<'a, T: Scalar> Search<'a, T> {
         }
     }
 
-    /// Whether the height of the best direction is as low as the bound, to the rounding of an arithmetic.
-    fn agrees(&self, bound: T, rounding: f64) -> bool {
-        let open = T::from(AGREE_DEPTH / UNIT * rounding) * self.size;
-        self.best.is_some_and(|b| b.height - bound <= open)
-    }
-
     /// Counts points that are there already.
     fn is_worth(&mut self, c: &Corner<T>) -> bool {
         if self.surface.points.iter().any(|p| (p.a, p.b) == (c.a, c.b)) {
@@ -269,15 +311,11 @@ impl<'a, T: Scalar> Search<'a, T> {
     /// The highest point of the difference along a unit direction; the direction is kept if it is the best.
     fn probe(&mut self, t: u32, n: &Vec3<T>, features: Option<FeaturePair>) -> Corner<T> {
         let top = highest(self.placed, &self.frame, n, &self.surface.corners(t)[0]);
-        let height = dot(n, &top.w);
-        // No direction has no height; NaN is no better than anything.
-        if dot(n, n).value() > 0.5 && self.best.is_none_or(|b| height < b.height) {
-            self.best = Some(Best {
-                normal: *n,
-                height,
-                features,
-            });
-        }
+        self.improve(Best {
+            normal: *n,
+            height: dot(n, &top.w),
+            features,
+        });
         top
     }
 
@@ -295,50 +333,55 @@ impl<'a, T: Scalar> Search<'a, T> {
     /// What is known; `winds` if the surface is about the origin.
     fn end(&mut self, end: End, winds: bool) -> Found<T> {
         let zero = T::from(0.0);
-        let weakest = self.surface.weakest().unwrap_or(0);
-        let bound = self.surface.triangles[weakest as usize].bound;
+        let weakest = self.surface.weakest();
         if self.best.is_none() {
-            let direction = self.surface.triangles[weakest as usize].direction;
-            self.probe(weakest, &direction, None);
+            let t = weakest.unwrap_or(0);
+            let direction = self.surface.triangles[t as usize].direction;
+            self.probe(t, &direction, None);
         }
+        let bound = self.bound();
         let best = self.best.unwrap_or(Best {
             normal: [T::from(1.0), zero, zero],
             height: T::from(f64::INFINITY),
             features: None,
         });
-        let (corners, deepest) = self.deepest(&best, weakest);
+        let (corners, witnesses) = self.deepest(&best, weakest.unwrap_or(0));
         Found {
             end,
             normal: best.normal,
             height: best.height,
             radius: if winds && bound > zero { bound } else { zero },
             corners,
-            deepest: Some(deepest),
+            witnesses: Some(witnesses),
             features: best.features,
             grown: self.grown,
         }
     }
 
-    /// The point of the surface nearest to the foot of the origin on the best plane. The surface meets the ray along
-    /// the normal between both bounds, so where they agree it is there.
-    fn deepest(&self, best: &Best<T>, weakest: u32) -> ([Corner<T>; 3], Simplex<T>) {
-        let target = at(&best.normal, best.height);
+    /// The deepest points, and three corners of the facet they are on: where the features of the best direction do not hold them,
+    /// they are those of the surface's point nearest to the foot of the origin on the best plane. The surface meets the ray
+    /// along the normal between both bounds, so where they agree it is there.
+    fn deepest(&self, best: &Best<T>, weakest: u32) -> ([Corner<T>; 3], (Point3<f64>, Point3<f64>)) {
+        let mut corners = self.surface.corners(weakest);
+        if let Some(foot) = best.features.and_then(|f| foot(self.placed, f, &best.rounded())) {
+            return (corners, foot);
+        }
+        let target = scaled(&best.normal, best.height);
         let close = T::from(AGREE_DEPTH) * self.size;
         let plane = best.height - close;
-        let in_plane = |t: &u32| self.surface.height(*t, &best.normal) >= plane;
-        let (mut corners, mut found) = (self.surface.corners(weakest), None);
-        let flat = self.surface.alive().filter(in_plane);
-        for t in flat.chain(self.surface.alive()) {
-            let (simplex, off) = self.surface.nearest(t, &target);
-            if found.as_ref().is_none_or(|(_, least)| off < *least) {
-                corners = self.surface.corners(t);
-                found = Some((simplex, off));
-            }
-            if off <= close {
+        let all = 0..self.surface.triangles.len() as u32;
+        let flat = all.clone().filter(|t| self.surface.height(*t, &best.normal) >= plane);
+        let (mut nearest, mut least) = self.surface.nearest(weakest, &target);
+        for t in flat.chain(all) {
+            if least <= close {
                 break;
             }
+            let (simplex, off) = self.surface.nearest(t, &target);
+            if off < least {
+                corners = self.surface.corners(t);
+                (nearest, least) = (simplex, off);
+            }
         }
-        let simplex = found.map_or_else(|| self.surface.nearest(weakest, &target).0, |(s, _)| s);
-        (corners, simplex)
+        (corners, witnesses(self.placed, &nearest))
     }
 }

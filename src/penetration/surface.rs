@@ -5,15 +5,15 @@
 //! side of a plane that the origin is certainly beneath. So the hull of the points holds the ball about the origin that no
 //! triangle reaches into, however the surface is folded.
 
-use alloc::collections::BinaryHeap;
 use alloc::vec::Vec;
-use core::cmp::Ordering;
 
+use super::queue::{Entry, Queue};
 use crate::closest::simplex::{Corner, Simplex};
-use crate::scalar::{Scalar, Vec3, cross, dot, root, scaled, sub};
+use crate::scalar::{Scalar, Vec3, cross, dot, root, sub};
+use crate::tolerance::SQUARE_MIN;
 
 /// One triangle, its corners counter-clockwise seen from outside.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Triangle<T> {
     pub(super) corners: [u32; 3],
     /// The triangle across the edge from corner k to corner k + 1.
@@ -25,60 +25,39 @@ pub(super) struct Triangle<T> {
     /// A unit direction along which all three corners are at least `bound` high: the triangle is no nearer.
     pub(super) direction: Vec3<T>,
     pub(super) bound: T,
-    alive: bool,
+    state: Measured,
     /// The last flood that looked at it.
     flood: u32,
 }
 
-impl<T: Scalar> Triangle<T> {
-    /// Not measured yet.
-    fn new(corners: [u32; 3], beside: [u32; 3]) -> Self {
-        Self {
-            corners,
-            beside,
-            outward: [T::from(0.0); 3],
-            level: T::from(0.0),
-            direction: [T::from(0.0); 3],
-            bound: T::from(0.0),
-            alive: true,
-            flood: 0,
-        }
-    }
+/// What is known of a triangle.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+enum Measured {
+    /// That it is beyond what is of interest, and nothing else.
+    #[default]
+    Not,
+    /// Its normal, and the bound from that.
+    Plane,
+    /// The best bound: that of the direction of its nearest point, where rounding or the triangle's place spoils the normal's.
+    Whole,
 }
-
-/// A triangle in the queue; out of date where its bound has changed since.
-struct Entry {
-    bound: f64,
-    triangle: u32,
-}
-
-impl Ord for Entry {
-    /// The least bound is the greatest entry; among equals the lower number.
-    fn cmp(&self, o: &Self) -> Ordering {
-        o.bound.total_cmp(&self.bound).then(o.triangle.cmp(&self.triangle))
-    }
-}
-
-impl PartialOrd for Entry {
-    fn partial_cmp(&self, o: &Self) -> Option<Ordering> {
-        Some(self.cmp(o))
-    }
-}
-
-impl PartialEq for Entry {
-    fn eq(&self, o: &Self) -> bool {
-        self.cmp(o) == Ordering::Equal
-    }
-}
-
-impl Eq for Entry {}
 
 /// An edge of the border between what is replaced and what stays.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 struct Border {
     from: u32,
     to: u32,
     outer: u32,
+}
+
+impl<T> Triangle<T> {
+    fn rim(&self) -> [Border; 3] {
+        core::array::from_fn(|k| Border {
+            from: self.corners[k],
+            to: self.corners[(k + 1) % 3],
+            outer: self.beside[k],
+        })
+    }
 }
 
 /// What rounding asks of a flood.
@@ -89,16 +68,31 @@ pub(super) struct Filter<T> {
     pub(super) noise: T,
 }
 
-/// The surface.
+/// The surface, and room to work in.
+#[derive(Clone, Debug)]
 pub(super) struct Surface<T> {
     pub(super) points: Vec<Corner<T>>,
     pub(super) triangles: Vec<Triangle<T>>,
-    queue: BinaryHeap<Entry>,
+    /// Those that are not known to be beyond `enough`.
+    queue: Queue,
+    /// Triangles beyond this are of no interest.
+    enough: T,
     floods: u32,
+    /// Triangles that see the new point, and the border round them.
+    visible: Vec<u32>,
+    border: Vec<Border>,
+    /// Where the edges of the border begin, in order.
+    starts: Vec<u32>,
 }
 
 /// The unit vector along `v`; zero where there is none.
+#[inline]
 pub(super) fn unit<T: Scalar>(v: &Vec3<T>) -> Vec3<T> {
+    let squared = dot(v, v);
+    if squared.value() > SQUARE_MIN && squared.value() < 1.0 / SQUARE_MIN {
+        let by = T::from(1.0) / root(squared);
+        return v.map(|x| x * by);
+    }
     let largest = v.iter().fold(0.0f64, |m, x| m.max(x.value().abs()));
     if !(largest > 0.0 && largest < f64::INFINITY) {
         return [T::from(0.0); 3];
@@ -109,18 +103,30 @@ pub(super) fn unit<T: Scalar>(v: &Vec3<T>) -> Vec3<T> {
 }
 
 /// The least height of three points along a direction.
-fn least<T: Scalar>(n: &Vec3<T>, w: &[Vec3<T>; 3]) -> T {
+#[inline]
+pub(super) fn least<T: Scalar>(n: &Vec3<T>, w: &[Vec3<T>; 3]) -> T {
     let h = w.map(|w| dot(n, &w));
     let low = if h[1] < h[0] { h[1] } else { h[0] };
     if h[2] < low { h[2] } else { low }
 }
 
 /// The unit normal of a triangle, from its two shorter edges.
+#[inline]
 fn normal<T: Scalar>(w: &[Vec3<T>; 3]) -> Vec3<T> {
     let edges = [sub(&w[1], &w[0]), sub(&w[2], &w[1]), sub(&w[0], &w[2])];
     let length = edges.map(|e| dot(&e, &e).value());
-    let longest = (1..3).fold(0, |k, i| if length[i] > length[k] { i } else { k });
-    let (u, v) = (&edges[(longest + 1) % 3], &edges[(longest + 2) % 3]);
+    let (u, v) = if length[0] >= length[1] && length[0] >= length[2] {
+        (&edges[1], &edges[2])
+    } else if length[1] >= length[2] {
+        (&edges[2], &edges[0])
+    } else {
+        (&edges[0], &edges[1])
+    };
+    let n = cross(u, v);
+    // Of the shortest edges the product may be below what f64 holds.
+    if dot(&n, &n).value() > SQUARE_MIN {
+        return unit(&n);
+    }
     let by_size = |e: &Vec3<T>| {
         let m = e.iter().fold(0.0f64, |m, x| m.max(x.value().abs()));
         if m > 0.0 { e.map(|x| x / T::from(m)) } else { *e }
@@ -129,18 +135,49 @@ fn normal<T: Scalar>(w: &[Vec3<T>; 3]) -> Vec3<T> {
 }
 
 impl<T: Scalar> Surface<T> {
-    /// The tetrahedron of four corners.
-    pub(super) fn tetrahedron(corners: &[Corner<T>]) -> Option<Self> {
-        let [p, q, r, s] = *<&[Corner<T>; 4]>::try_from(corners).ok()?;
+    /// One without triangles.
+    pub(super) fn new() -> Self {
+        Self {
+            points: Vec::new(),
+            triangles: Vec::new(),
+            queue: Queue::default(),
+            enough: T::from(f64::INFINITY),
+            floods: 0,
+            visible: Vec::new(),
+            border: Vec::new(),
+            starts: Vec::new(),
+        }
+    }
+
+    /// Takes room for so many triangles.
+    pub(super) fn reserve(&mut self, triangles: usize) {
+        self.points.reserve(triangles);
+        self.triangles.reserve(triangles);
+        self.queue.reserve(2 * triangles);
+        self.visible.reserve(triangles);
+        self.border.reserve(triangles);
+        self.starts.reserve(triangles);
+    }
+
+    /// Without points and triangles, and interested in what is not beyond `enough`.
+    pub(super) fn clear(&mut self, enough: T) {
+        self.points.clear();
+        self.triangles.clear();
+        self.queue.clear();
+        self.enough = enough;
+        self.floods = 0;
+    }
+
+    /// Makes it the tetrahedron of four corners; whether there are four.
+    pub(super) fn start(&mut self, corners: &[Corner<T>]) -> bool {
+        let Ok([p, q, r, s]) = <&[Corner<T>; 4]>::try_from(corners) else {
+            return false;
+        };
         let (u, v, x) = (sub(&q.w, &p.w), sub(&r.w, &p.w), sub(&s.w, &p.w));
         let right = dot(&u, &cross(&v, &x)) > T::from(0.0);
-        let points = if right { [p, q, r, s] } else { [q, p, r, s] };
-        let mut surface = Self {
-            points: points.to_vec(),
-            triangles: Vec::new(),
-            queue: BinaryHeap::new(),
-            floods: 0,
-        };
+        self.clear(T::from(f64::INFINITY));
+        self.points
+            .extend_from_slice(&if right { [*p, *q, *r, *s] } else { [*q, *p, *r, *s] });
         // Across its edges, by the numbers of the faces in this list.
         let faces = [
             ([0, 2, 1], [2, 3, 1]),
@@ -148,53 +185,25 @@ impl<T: Scalar> Surface<T> {
             ([0, 3, 2], [1, 3, 0]),
             ([1, 2, 3], [0, 2, 1]),
         ];
-        for (corners, beside) in faces {
-            surface.push(corners, beside);
+        for (k, (corners, beside)) in (0..4).zip(faces) {
+            self.push(corners, beside);
+            self.weigh(k);
         }
-        Some(surface)
+        true
     }
 
-    /// A surface that was kept, its points placed again; with `queued`, ready to grow.
-    pub(super) fn named(points: Vec<Corner<T>>, triangles: &[[u32; 6]], queued: bool) -> Self {
-        let mut surface = Self {
-            points,
-            triangles: Vec::with_capacity(triangles.len()),
-            queue: BinaryHeap::new(),
-            floods: 0,
-        };
-        for &[p, q, r, x, y, z] in triangles {
-            if queued {
-                surface.push([p, q, r], [x, y, z]);
-            } else {
-                surface.triangles.push(Triangle::new([p, q, r], [x, y, z]));
-            }
-        }
-        surface
+    /// From now on, triangles beyond `enough` are of no interest; never more than before.
+    pub(super) fn expect(&mut self, enough: T) {
+        self.enough = enough;
     }
 
-    /// The names of the points in use, and the triangles that are part of the surface, numbered anew.
-    pub(super) fn names(&self, points: &mut Vec<[u32; 2]>, triangles: &mut Vec<[u32; 6]>) {
-        let mut number = alloc::vec![u32::MAX; self.triangles.len()];
-        for (k, t) in self.alive().enumerate() {
-            number[t as usize] = k as u32;
-        }
-        let mut place = alloc::vec![u32::MAX; self.points.len()];
-        for t in self.alive().map(|t| &self.triangles[t as usize]) {
-            for &c in &t.corners {
-                if place[c as usize] == u32::MAX {
-                    place[c as usize] = points.len() as u32;
-                    points.push([self.points[c as usize].a, self.points[c as usize].b]);
-                }
-            }
-            let ([p, q, r], [x, y, z]) = (
-                t.corners.map(|c| place[c as usize]),
-                t.beside.map(|n| number[n as usize]),
-            );
-            triangles.push([p, q, r, x, y, z]);
-        }
+    /// What every triangle that is not returned by [`weakest`](Self::weakest) is beyond.
+    pub(super) fn enough(&self) -> T {
+        self.enough
     }
 
     /// Where the corners of a triangle are.
+    #[inline]
     fn places(&self, corners: &[u32; 3]) -> [Vec3<T>; 3] {
         corners.map(|c| self.points[c as usize].w)
     }
@@ -206,37 +215,71 @@ impl<T: Scalar> Surface<T> {
             .map(|c| self.points[c as usize])
     }
 
-    /// The triangles that are part of the surface.
-    pub(super) fn alive(&self) -> impl Iterator<Item = u32> + '_ {
-        let all = self.triangles.iter().enumerate();
-        all.filter(|(_, t)| t.alive).map(|(k, _)| k as u32)
+    /// Corners and neighbours of every triangle.
+    pub(super) fn names(&self) -> impl ExactSizeIterator<Item = ([u32; 3], [u32; 3])> + '_ {
+        self.triangles.iter().map(|t| (t.corners, t.beside))
     }
 
-    fn push(&mut self, corners: [u32; 3], beside: [u32; 3]) {
-        let mut triangle = Triangle::new(corners, beside);
-        self.measure(&mut triangle);
-        self.queue.push(Entry {
-            bound: triangle.bound.value(),
-            triangle: self.triangles.len() as u32,
+    /// Adds a triangle that is known to be beyond what is of interest.
+    pub(super) fn push(&mut self, corners: [u32; 3], beside: [u32; 3]) {
+        self.triangles.push(Triangle {
+            corners,
+            beside,
+            ..Triangle::default()
         });
-        self.triangles.push(triangle);
     }
 
-    /// Normal and bound. The best bound there is comes from the direction of the nearest point; where rounding spoils
-    /// it, the normal may do better.
-    fn measure(&self, t: &mut Triangle<T>) {
-        let w = self.places(&t.corners);
-        t.outward = normal(&w);
-        t.level = least(&t.outward, &w);
-        (t.direction, t.bound) = (t.outward, t.level);
-        let nearest = Simplex::triangle(t.corners.map(|c| self.points[c as usize]));
-        if nearest.len() < 3 || !(t.bound > T::from(0.0)) {
-            let direction = unit(&nearest.direction());
-            let bound = least(&direction, &w);
-            if bound > t.bound {
-                (t.direction, t.bound) = (direction, bound);
-            }
+    /// Measures a triangle and queues it if it is of interest.
+    pub(super) fn weigh(&mut self, triangle: u32) {
+        self.triangles[triangle as usize].state = Measured::Not;
+        self.measure(triangle);
+        self.enqueue(triangle);
+    }
+
+    /// Takes the normal of a triangle and the bound from that.
+    fn measure(&mut self, triangle: u32) {
+        let t = &self.triangles[triangle as usize];
+        if t.state != Measured::Not {
+            return;
         }
+        let w = self.places(&t.corners);
+        let outward = normal(&w);
+        let level = least(&outward, &w);
+        // NaN is nothing known.
+        let level = if level > T::from(f64::NEG_INFINITY) { level } else { T::from(0.0) };
+        let t = &mut self.triangles[triangle as usize];
+        (t.outward, t.level) = (outward, level);
+        (t.direction, t.bound) = (outward, level);
+        t.state = Measured::Plane;
+    }
+
+    fn enqueue(&mut self, triangle: u32) {
+        let bound = self.triangles[triangle as usize].bound;
+        // Written so that NaN is of interest.
+        if !(bound >= self.enough) {
+            let bound = bound.value();
+            self.queue.push(Entry { bound, triangle });
+        }
+    }
+
+    /// Takes the direction of the nearest point where that gives a better bound than the normal; whether it does.
+    fn refine(&mut self, triangle: u32) -> bool {
+        let t = &mut self.triangles[triangle as usize];
+        if t.state == Measured::Whole {
+            return false;
+        }
+        t.state = Measured::Whole;
+        let nearest = Simplex::triangle(t.corners.map(|c| self.points[c as usize]));
+        if nearest.len() == 3 && t.bound > T::from(0.0) {
+            return false;
+        }
+        let direction = unit(&nearest.direction());
+        let bound = least(&direction, &t.corners.map(|c| self.points[c as usize].w));
+        let better = bound > t.bound;
+        if better {
+            (t.direction, t.bound) = (direction, bound);
+        }
+        better
     }
 
     /// Takes every point and triangle anew, the points placed by `place`.
@@ -245,16 +288,9 @@ impl<T: Scalar> Surface<T> {
             *p = place(p);
         }
         self.queue.clear();
-        for k in 0..self.triangles.len() {
-            if self.triangles[k].alive {
-                let mut t = self.triangles[k].clone();
-                self.measure(&mut t);
-                self.queue.push(Entry {
-                    bound: t.bound.value(),
-                    triangle: k as u32,
-                });
-                self.triangles[k] = t;
-            }
+        self.enough = T::from(f64::INFINITY);
+        for k in 0..self.triangles.len() as u32 {
+            self.weigh(k);
         }
     }
 
@@ -263,118 +299,166 @@ impl<T: Scalar> Surface<T> {
         least(n, &self.places(&self.triangles[triangle as usize].corners))
     }
 
-    /// The triangle of the least bound.
+    /// The triangle of the least bound; none where all are beyond `enough`.
     pub(super) fn weakest(&mut self) -> Option<u32> {
         loop {
-            let top = self.queue.peek()?;
-            let t = &self.triangles[top.triangle as usize];
-            if t.alive && t.bound.value() == top.bound {
-                return Some(top.triangle);
+            let Entry { bound, triangle } = self.queue.first()?;
+            let is_current = self
+                .triangles
+                .get(triangle as usize)
+                .is_some_and(|t| t.bound.value() == bound && !(t.bound >= self.enough));
+            if !is_current {
+                self.queue.pop();
+            } else if self.refine(triangle) {
+                self.queue.pop();
+                self.enqueue(triangle);
+            } else {
+                return Some(triangle);
             }
-            self.queue.pop();
         }
     }
 
     /// Tries another direction for the bound of a triangle; whether it is better.
     pub(super) fn raise(&mut self, triangle: u32, direction: &Vec3<T>) -> bool {
-        let t = &self.triangles[triangle as usize];
-        let bound = least(direction, &self.places(&t.corners));
+        let bound = self.height(triangle, direction);
+        let t = &mut self.triangles[triangle as usize];
         let better = bound > t.bound;
         if better {
-            let t = &mut self.triangles[triangle as usize];
             (t.direction, t.bound) = (*direction, bound);
-            self.queue.push(Entry {
-                bound: bound.value(),
-                triangle,
-            });
+            self.enqueue(triangle);
         }
         better
     }
 
     /// Takes in a point that lies higher than `triangle` along its direction, and replaces the triangles that see it.
     pub(super) fn insert(&mut self, triangle: u32, c: Corner<T>, filter: &Filter<T>) {
-        let visible = self.flood(triangle, &c.w, filter);
-        let (visible, border) = match self.border(&visible) {
-            Some(border) => (visible, border),
+        self.flood(triangle, &c.w, filter);
+        if !self.surround() {
             // Three edges are a loop whatever is around them.
-            None => (alloc::vec![triangle], self.rim(triangle)),
-        };
-        for &t in &visible {
-            self.triangles[t as usize].alive = false;
+            self.visible.clear();
+            self.visible.push(triangle);
+            self.border.clear();
+            self.border.extend(self.triangles[triangle as usize].rim());
         }
         let apex = self.points.len() as u32;
         self.points.push(c);
-        let (first, count) = (self.triangles.len() as u32, border.len() as u32);
-        for (k, edge) in (0..count).zip(&border) {
-            let beside = [edge.outer, first + (k + 1) % count, first + (k + count - 1) % count];
-            self.push([edge.from, edge.to, apex], beside);
-            let outer = &mut self.triangles[edge.outer as usize];
-            for i in 0..3 {
-                if (outer.corners[i], outer.corners[(i + 1) % 3]) == (edge.to, edge.from) {
-                    outer.beside[i] = first + k;
-                }
+        let (kept, count) = (self.visible.len(), self.border.len());
+        // New triangles take the places of the old; the rest are added.
+        let added = self.triangles.len();
+        for k in kept..count {
+            self.triangles.push(Triangle::default());
+            self.visible.push((added + k - kept) as u32);
+        }
+        for k in 0..count {
+            let Border { from, to, outer } = self.border[k];
+            let (at, after, before) = (
+                self.visible[k],
+                self.visible[(k + 1) % count],
+                self.visible[(k + count - 1) % count],
+            );
+            self.triangles[at as usize] = Triangle {
+                corners: [from, to, apex],
+                beside: [outer, after, before],
+                ..Triangle::default()
+            };
+            self.weigh(at);
+            self.join(outer, [to, from], at);
+        }
+        // The last of those left over first, so that none of them moves.
+        while self.visible.len() > count {
+            let left = &self.visible[count..];
+            let last = left.iter().enumerate().max_by_key(|(_, t)| **t).map_or(0, |(k, _)| k);
+            let hole = self.visible.swap_remove(count + last);
+            self.remove(hole);
+        }
+    }
+
+    /// Makes `other` the neighbour of a triangle across an edge.
+    fn join(&mut self, triangle: u32, edge: [u32; 2], other: u32) {
+        let t = &mut self.triangles[triangle as usize];
+        for i in 0..3 {
+            if [t.corners[i], t.corners[(i + 1) % 3]] == edge {
+                t.beside[i] = other;
             }
         }
     }
 
-    /// The triangles around `from` that see `w` and may be replaced.
-    fn flood(&mut self, from: u32, w: &Vec3<T>, filter: &Filter<T>) -> Vec<u32> {
+    /// Removes a triangle that none is joined to; the last one takes its number.
+    fn remove(&mut self, hole: u32) {
+        let last = self.triangles.len() as u32 - 1;
+        self.triangles.swap_remove(hole as usize);
+        if hole == last {
+            return;
+        }
+        let Triangle { corners, beside, .. } = self.triangles[hole as usize];
+        for i in 0..3 {
+            self.join(beside[i], [corners[(i + 1) % 3], corners[i]], hole);
+        }
+        if self.triangles[hole as usize].state != Measured::Not {
+            self.enqueue(hole);
+        }
+    }
+
+    /// Lists the triangles around `from` that see `w` and may be replaced.
+    fn flood(&mut self, from: u32, w: &Vec3<T>, filter: &Filter<T>) {
         self.floods += 1;
-        let mut seen = alloc::vec![from];
+        self.visible.clear();
+        self.visible.push(from);
         self.triangles[from as usize].flood = self.floods;
         let mut done = 0;
-        while done < seen.len() {
-            for k in self.triangles[seen[done] as usize].beside {
+        while done < self.visible.len() {
+            for k in self.triangles[self.visible[done] as usize].beside {
                 if self.triangles[k as usize].flood == self.floods || !self.sees(k, w, filter) {
                     continue;
                 }
                 self.triangles[k as usize].flood = self.floods;
-                seen.push(k);
+                self.visible.push(k);
             }
             done += 1;
         }
-        seen
     }
 
     /// Whether `w` is outside the plane of a triangle, and some plane certainly has the origin beneath and both above.
-    pub(super) fn sees(&self, triangle: u32, w: &Vec3<T>, filter: &Filter<T>) -> bool {
+    pub(super) fn sees(&mut self, triangle: u32, w: &Vec3<T>, filter: &Filter<T>) -> bool {
+        self.measure(triangle);
         let t = &self.triangles[triangle as usize];
         let p = &self.points[t.corners[0] as usize].w;
-        let above = t.bound > filter.margin && dot(&t.direction, w) > filter.margin;
-        if t.outward.iter().all(|x| x.value() == 0.0) {
-            return above && dot(&t.direction, w) > t.bound + filter.noise;
-        }
+        let is_flat = t.outward.iter().all(|x| x.value() == 0.0);
         // Outside its plane, the point is as high along the normal as the corners.
-        dot(&t.outward, &sub(w, p)) > filter.noise && (above || t.level > filter.margin)
-    }
-
-    fn rim(&self, triangle: u32) -> Vec<Border> {
+        if !is_flat && !(dot(&t.outward, &sub(w, p)) > filter.noise) {
+            return false;
+        }
+        if !is_flat && t.level > filter.margin {
+            return true;
+        }
+        if self.refine(triangle) {
+            self.enqueue(triangle);
+        }
         let t = &self.triangles[triangle as usize];
-        let edge = |k: usize| Border {
-            from: t.corners[k],
-            to: t.corners[(k + 1) % 3],
-            outer: t.beside[k],
-        };
-        (0..3).map(edge).collect()
+        let height = dot(&t.direction, w);
+        let above = t.bound > filter.margin && height > filter.margin;
+        above && (!is_flat || height > t.bound + filter.noise)
     }
 
-    /// The border of some triangles, if it is one loop without a corner twice.
-    fn border(&self, visible: &[u32]) -> Option<Vec<Border>> {
-        let flood = self.floods;
-        let mut edges: Vec<Border> = visible
-            .iter()
-            .flat_map(|&t| self.rim(t))
-            .filter(|e| self.triangles[e.outer as usize].flood != flood)
-            .collect();
+    /// Puts the edges round the visible triangles in order; whether they are one loop without a corner twice.
+    fn surround(&mut self) -> bool {
+        let (flood, all) = (self.floods, &self.triangles);
+        let edges = &mut self.border;
+        edges.clear();
+        let rims = self.visible.iter().flat_map(|&t| all[t as usize].rim());
+        edges.extend(rims.filter(|e| all[e.outer as usize].flood != flood));
         for k in 1..edges.len() {
-            let next = (k..edges.len()).find(|&i| edges[i].from == edges[k - 1].to)?;
+            let Some(next) = (k..edges.len()).find(|&i| edges[i].from == edges[k - 1].to) else {
+                return false;
+            };
             edges.swap(k, next);
         }
-        let mut starts: Vec<u32> = edges.iter().map(|e| e.from).collect();
-        starts.sort_unstable();
-        let simple = starts.windows(2).all(|s| s[0] != s[1]);
+        self.starts.clear();
+        self.starts.extend(edges.iter().map(|e| e.from));
+        self.starts.sort_unstable();
+        let simple = self.starts.windows(2).all(|s| s[0] != s[1]);
         let closed = edges.last().is_some_and(|e| e.to == edges[0].from);
-        (simple && closed && edges.len() > 2).then_some(edges)
+        simple && closed && edges.len() > 2
     }
 
     /// The point of a triangle nearest to `target`, and how near it is.
@@ -387,9 +471,4 @@ impl<T: Scalar> Surface<T> {
         let off = simplex.reach();
         (simplex, off)
     }
-}
-
-/// `n h`.
-pub(super) fn at<T: Scalar>(n: &Vec3<T>, h: T) -> Vec3<T> {
-    scaled(n, h)
 }

@@ -66,6 +66,16 @@ pub(crate) struct Extreme {
     pub(crate) value: f64,
 }
 
+/// What is seen from a vertex along a direction.
+struct Ring {
+    vertex: u32,
+    /// The highest neighbour, if it is certainly higher.
+    higher: Option<u32>,
+    /// Neighbours that are not certainly lower, and the last of them.
+    ties: u32,
+    tie: u32,
+}
+
 impl ConvexPolyhedron {
     /// The highest vertex along `n` (stored frame), starting from `hint`.
     #[inline]
@@ -97,18 +107,74 @@ impl ConvexPolyhedron {
         }
     }
 
-    /// The extreme vertex along `n`, proven: visits every vertex that may tie with the one climbed to.
+    /// The extreme vertex along `n`, proven: every vertex that may tie with the one climbed to is looked at.
     pub(crate) fn extreme(&self, n: &Vector3<f64>, hint: u32) -> Extreme {
+        let summit = self.summit(n, hint);
+        let (v, w) = (summit.vertex, summit.tie);
+        let (at_v, at_w) = (n.dot(&self.points[v as usize]), n.dot(&self.points[w as usize]));
+        // All around one or two vertices are certainly lower: no other is in reach of a path that does not fall.
+        match summit.ties {
+            0 => Extreme { vertex: v, value: at_v },
+            1 if self.ring(n, w, v).ties == 0 => {
+                let first = at_v > at_w || (at_v == at_w && v < w);
+                let (vertex, value) = if first { (v, at_v) } else { (w, at_w) };
+                Extreme { vertex, value }
+            }
+            _ => self.extreme_of_many(n, v),
+        }
+    }
+
+    #[inline(never)]
+    fn extreme_of_many(&self, n: &Vector3<f64>, top: u32) -> Extreme {
         let mut best = Extreme {
             vertex: 0,
             value: f64::NEG_INFINITY,
         };
-        self.extremes(n, hint, 0.0, |v, value| {
+        self.extremes(n, top, 0.0, |v, value| {
             if value > best.value || (value == best.value && v < best.vertex) {
                 best = Extreme { vertex: v, value };
             }
         });
         best
+    }
+
+    /// Climbs along `n` as [`climb`] does, looking out for ties on the way.
+    #[inline]
+    fn summit(&self, n: &Vector3<f64>, start: u32) -> Ring {
+        let mut v = start;
+        loop {
+            let ring = self.ring(n, v, v);
+            match ring.higher {
+                Some(w) => v = w,
+                None => return ring,
+            }
+        }
+    }
+
+    /// Looks round at the neighbours of `v`, `except` one.
+    #[inline]
+    fn ring(&self, n: &Vector3<f64>, v: u32, except: u32) -> Ring {
+        let p = self.points[v as usize];
+        let mut ring = Ring {
+            vertex: v,
+            higher: None,
+            ties: 0,
+            tie: v,
+        };
+        let mut rise = 0.0;
+        self.topology.each_leaving(v, |_, w| {
+            let e = self.points[w as usize] - p;
+            let (x, y, z) = (n.x * e.x, n.y * e.y, n.z * e.z);
+            let (value, bound) = (x + y + z, EDGE_SIGN * (x.abs() + y.abs() + z.abs()));
+            if value >= -bound && w != except {
+                (ring.ties, ring.tie) = (ring.ties + 1, w);
+                if value > rise {
+                    rise = value;
+                    ring.higher = (value > bound).then_some(w);
+                }
+            }
+        });
+        ring
     }
 
     /// Calls `visit(vertex, n . vertex)` for a set of vertices that holds every one whose true height along `n` is
