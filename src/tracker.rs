@@ -4,6 +4,7 @@ use alloc::vec::Vec;
 
 use nalgebra::Unit;
 
+use crate::closest::hold::{self, Hold};
 use crate::closest::outcome::{Class, Distance, Layer, Level, Outcome, Proposal, Work};
 use crate::closest::placed::Placed;
 use crate::closest::trace::trace;
@@ -43,6 +44,9 @@ pub struct Tracker {
     /// The surface of the last answer, where that was an overlap.
     #[cfg_attr(feature = "serde", serde(default))]
     memory: Memory,
+    /// The proof of the last answer, where that was an overlap without its depth.
+    #[cfg_attr(feature = "serde", serde(default))]
+    hold: Option<Hold>,
 }
 
 /// What the two ways to start have cost lately, in steps of the walk: which of them a query takes.
@@ -138,6 +142,7 @@ impl Tracker {
             starts: Starts::default(),
             totals: Totals::default(),
             memory: Memory::default(),
+            hold: None,
         }
     }
 
@@ -258,9 +263,13 @@ impl Tracker {
         }
     }
 
-    /// Triangles of the surface kept of an overlap.
+    /// Triangles of what is kept of an overlap.
     pub(crate) fn facets(&self) -> usize {
-        self.memory.triangles.len()
+        if self.hold.is_some() {
+            4
+        } else {
+            self.memory.facets()
+        }
     }
 
     /// Gives up the surface kept of an overlap, and its room.
@@ -270,7 +279,7 @@ impl Tracker {
 
     /// Bytes beside the tracker's own.
     pub(crate) fn heap_bytes(&self) -> usize {
-        self.memory.points.capacity() * size_of::<[u32; 2]>() + self.memory.triangles.capacity() * size_of::<[u32; 6]>()
+        self.memory.heap_bytes()
     }
 
     /// The closest features as the walk proposes them, without bounds. Where the walk does not end, the minimum-norm
@@ -321,6 +330,9 @@ impl Tracker {
             if deep && !self.memory.is_empty() && self.resume(&placed, outcome) {
                 return;
             }
+            if !deep && level == Level::Certified && self.hold.is_some() && self.still_overlaps(&placed, outcome) {
+                return;
+            }
             let warm = self.start(a, b);
             outcome.features = warm.unwrap_or_else(|| closest::seed::cold(&placed, &mut outcome.work));
             closest::solve(level, &placed, warm.is_some(), outcome);
@@ -334,12 +346,40 @@ impl Tracker {
         }
     }
 
-    /// The depth of an overlap, where it is asked for.
+    /// The depth of an overlap, where it is asked for; where not, the next query begins with the expectation of another.
     #[inline(always)]
     fn deepen(&mut self, deep: bool, placed: &Placed, outcome: &mut Outcome) {
-        if deep && outcome.class == Class::Overlapping {
-            penetration::deepen(placed, &mut self.memory, outcome);
+        if outcome.class == Class::Overlapping {
+            self.hold = (!deep).then(Hold::default);
+            if deep {
+                penetration::deepen(placed, &mut self.memory, outcome);
+            }
         }
+    }
+
+    /// The class alone from the proof of the last answer, or from the solver that found it.
+    #[inline(never)]
+    fn still_overlaps(&mut self, placed: &Placed, outcome: &mut Outcome) -> bool {
+        let first = *outcome;
+        let Some((hold, features)) = self.hold.zip(self.last.filter(|f| f.is_of(placed.a, placed.b))) else {
+            return false;
+        };
+        outcome.features = features;
+        if !hold.proves(placed, outcome) {
+            self.hold = hold::regain(placed, features, outcome);
+            if self.hold.is_none() {
+                let work = outcome.work;
+                *outcome = Outcome { work, ..first };
+                return false;
+            }
+        }
+        self.totals.queries += 1;
+        self.totals.warm += 1;
+        self.totals.answered[outcome.layer as usize] += 1;
+        if !(placed.a.as_given && placed.b.as_given) {
+            give_back(placed.a, placed.b, outcome);
+        }
+        true
     }
 
     /// The answer from the surface of the last one. What is no longer of use is forgotten.
@@ -379,8 +419,9 @@ impl Tracker {
         outcome.features = warm.unwrap_or_else(|| closest::seed::cold(&placed, &mut outcome.work));
         closest::solve(level, &placed, warm.is_some(), outcome);
         self.deepen(deep, &placed, outcome);
-        // Its names are those of the bodies exchanged.
+        // Their names are those of the bodies exchanged.
         self.memory.clear();
+        self.hold = None;
         outcome.features = outcome.features.swapped();
         core::mem::swap(&mut outcome.point_on_a, &mut outcome.point_on_b);
         let normal = -b_from_a.rotation().tr_mul(&outcome.normal);

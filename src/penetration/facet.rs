@@ -93,7 +93,9 @@ fn height_of_edges(placed: &Placed, facet: FeaturePair) -> Option<(Vector3<f64>,
     }
     let n = n * (sign / sqrt(squared));
     let high_a = placed.a.edge_bound(&n, a.left, a.right, on_a, 1.0);
-    let high_b = placed.b.edge_bound(&-placed.direction_in_b(&n), b.left, b.right, on_b, 1.0);
+    let high_b = placed
+        .b
+        .edge_bound(&-placed.direction_in_b(&n), b.left, b.right, on_b, 1.0);
     let height = high_a + high_b - placed.lift(&n);
     // What the planes of thin bodies prove may be far above the edges.
     (height - n.dot(&ahead) <= AGREE_DEPTH * 0.5 * placed.size()).then_some((n, height))

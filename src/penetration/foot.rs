@@ -48,13 +48,7 @@ fn is_on(body: &ConvexPolyhedron, f: u32, x: &Vector3<f64>, close: f64) -> bool 
 }
 
 /// The points of two edges that differ by `ahead`.
-fn crossing(
-    placed: &Placed,
-    e: u32,
-    g: u32,
-    ahead: &Vector3<f64>,
-    close: f64,
-) -> Option<(Vector3<f64>, Vector3<f64>)> {
+fn crossing(placed: &Placed, e: u32, g: u32, ahead: &Vector3<f64>, close: f64) -> Option<(Vector3<f64>, Vector3<f64>)> {
     let ends = |body: &ConvexPolyhedron, h: u32| {
         let t = &body.topology;
         (body.points[t.from(h) as usize], body.points[t.half_edge(h).to as usize])

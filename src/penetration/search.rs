@@ -4,8 +4,8 @@ use nalgebra::Point3;
 
 use crate::closest::fallback::{Minimum, corner, extreme, solve};
 use crate::closest::placed::{Frame, Placed};
-use crate::closest::simplex::{Corner, Simplex};
 use crate::closest::refine::witnesses;
+use crate::closest::simplex::{Corner, Simplex};
 use crate::polyhedron::FeaturePair;
 use crate::scalar::{Scalar, Vec3, dot, neg, scaled};
 use crate::tolerance::{AGREE_DEPTH, ALMOST_FLAT, ASIDE, CERTIFICATE, PLATEAU, UNIT};
