@@ -146,6 +146,12 @@ impl Tracker {
         }
     }
 
+    /// Takes all the memory now that overlaps may need later (some 60 kB): no query for which the walk or its solvers in f64 suffice
+    /// allocates then, as long as surfaces have no more than 256 triangles. Only round bodies deep in each other need more.
+    pub fn reserve(&mut self) {
+        self.memory.reserve();
+    }
+
     /// The features of the last answer.
     pub fn features(&self) -> Option<FeaturePair> {
         self.last
@@ -183,8 +189,8 @@ impl Tracker {
 
     /// The closest features, their witnesses and bounds of the distance, certified: separated bodies get bounds no
     /// wider than `1e-13 L`, with `L` the sum of both radii and the distance of the bodies. Overlapping bodies get
-    /// their depth as a negative distance, bounded as well. Allocates nothing for bodies apart, now and in the query
-    /// before, as long as the exact rung is not needed; the search for a depth allocates.
+    /// their depth as a negative distance, bounded as well. Bodies apart allocate nothing, as long as the exact rung is not needed;
+    /// the depth of an overlap takes memory that the tracker keeps, or has taken before ([`reserve`](Self::reserve)).
     #[inline]
     pub fn closest(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Outcome {
         let before = self.before(a, b);
@@ -265,11 +271,7 @@ impl Tracker {
 
     /// Triangles of what is kept of an overlap.
     pub(crate) fn facets(&self) -> usize {
-        if self.hold.is_some() {
-            4
-        } else {
-            self.memory.facets()
-        }
+        if self.hold.is_some() { 4 } else { self.memory.facets() }
     }
 
     /// Gives up the surface kept of an overlap, and its room.
@@ -451,12 +453,8 @@ impl Tracker {
 
     /// What a fault is reported with, in builds that look for one.
     #[inline(always)]
-    fn before(&self, a: &ConvexPolyhedron, b: &ConvexPolyhedron) -> (Option<FeaturePair>, Memory) {
-        if cfg!(debug_assertions) {
-            (self.start(a, b), self.memory.clone())
-        } else {
-            (None, Memory::default())
-        }
+    fn before(&self, a: &ConvexPolyhedron, b: &ConvexPolyhedron) -> Option<(Option<FeaturePair>, Memory)> {
+        cfg!(debug_assertions).then(|| (self.start(a, b), self.memory.clone()))
     }
 
     #[inline(always)]
@@ -506,11 +504,11 @@ fn debug_check(
     a: &ConvexPolyhedron,
     b: &ConvexPolyhedron,
     pose: &RelativePose,
-    before: &(Option<FeaturePair>, Memory),
+    before: &Option<(Option<FeaturePair>, Memory)>,
     level: Level,
     outcome: &Outcome,
 ) {
-    if cfg!(debug_assertions)
+    if let Some(before) = before
         && let Some(fault) = crate::soundness::fault(a, b, pose, outcome)
     {
         panic!("{fault}: {outcome:?}\n{}", replay(a, b, pose, before.clone(), level));

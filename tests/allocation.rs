@@ -1,5 +1,5 @@
-//! Queries allocate nothing, whatever layer below the exact rung answers, but where a depth is searched for: counted by an
-//! allocator that counts.
+//! Queries allocate nothing, whatever layer below the exact rung answers, overlaps in a tracker that has taken its memory
+//! before: counted by an allocator that counts.
 
 mod support;
 
@@ -25,7 +25,7 @@ fn allocations(f: impl FnOnce()) -> usize {
 
 // One test only: tests of one file run at the same time and would count each other's allocations.
 #[test]
-fn neither_separated_queries_nor_the_class_of_an_overlap_allocate_below_the_exact_rung() {
+fn queries_below_the_exact_rung_allocate_nothing() {
     assert!(
         allocations(|| drop(std::hint::black_box(vec![1u8]))) > 0,
         "the allocator counts"
@@ -41,7 +41,7 @@ fn neither_separated_queries_nor_the_class_of_an_overlap_allocate_below_the_exac
     shapes.extend([1e-6].map(|z| shapes::needle(&mut rng, 24, z)));
     shapes.push(shapes::sphere(&mut rng, 300));
     let bodies: Vec<_> = shapes.iter().map(body).collect();
-    let (mut separated, mut overlapping, mut fallbacks) = (0, 0, 0);
+    let (mut separated, mut overlapping, mut fallbacks, mut tracked) = (0, 0, 0, 0);
     // Two cubes a rounding apart are work for double-double.
     let near = RelativePose::from_isometry(&Isometry3::translation(2.0 + 2e-14, 0.3, 0.2)).unwrap();
     let mut answer = None;
@@ -49,6 +49,7 @@ fn neither_separated_queries_nor_the_class_of_an_overlap_allocate_below_the_exac
     assert_eq!((count, answer.map(|o| o.layer)), (0, Some(Layer::DoubleDouble)));
     for (a, b) in bodies.iter().flat_map(|a| bodies.iter().map(move |b| (a, b))) {
         let mut pair = Tracker::new();
+        pair.reserve();
         let n = Vector3::from(rng.unit());
         let axis = Vector3::from(rng.unit());
         for k in 0..60 {
@@ -56,39 +57,37 @@ fn neither_separated_queries_nor_the_class_of_an_overlap_allocate_below_the_exac
             let reach = 2.5 - 0.08 * f64::from(k);
             let pose = Isometry3::new(n * reach, axis * (0.02 * f64::from(k)));
             let pose = RelativePose::from_isometry(&pose).unwrap();
-            let (mut answer, mut proposal, mut intersects) = (None, None, false);
-            // Without the surface of an overlap, which a query after one tries.
-            let fresh = || {
-                pair.features()
-                    .map_or_else(Tracker::new, |f| Tracker::starting_from(f, a, b))
-            };
-            let o = fresh().closest(a, b, &pose);
-            intersects |= o.class == Class::Overlapping;
+            let mut fresh: Vec<Tracker> = (0..3).map(|_| pair.clone()).collect();
+            fresh.iter_mut().for_each(Tracker::reserve);
+            // Builds that check every answer copy the tracker for their report; `distance` is `closest` without that.
+            let o = pair.clone().closest(a, b, &pose);
             // The harness has threads of its own that may allocate meanwhile: the least of three counts is ours.
-            let count = (0..3).map(|_| {
+            let count = fresh.iter_mut().map(|t| {
                 allocations(|| {
-                    proposal = Some(fresh().propose(a, b, &pose));
-                    if intersects {
-                        // The class of an overlap without its depth.
-                        intersects = fresh().intersects(a, b, &pose);
-                    } else {
-                        answer = Some(fresh().closest(a, b, &pose));
-                    }
+                    std::hint::black_box(t.distance(a, b, &pose));
                 })
             });
             let count = count.min().unwrap();
+            let lean = fresh.iter_mut().map(|t| {
+                allocations(|| {
+                    std::hint::black_box((t.propose(a, b, &pose), t.intersects(a, b, &pose)));
+                })
+            });
+            let lean = lean.min().unwrap();
             pair.closest(a, b, &pose);
-            assert!(proposal.is_some() && (answer.is_some() || intersects));
-            if o.work.exacts == 0 {
-                assert_eq!(count, 0, "{o:?}");
+            // The first surface has four triangles, each point adds two.
+            let is_plain = o.work.exacts == 0 && (o.class != Class::Overlapping || o.work.double_doubles == 0);
+            if is_plain && o.work.grown <= (256 - 4) / 2 {
+                assert_eq!((count, lean), (0, 0), "{o:?}");
                 separated += u32::from(o.class == Class::Separated);
                 overlapping += u32::from(o.class == Class::Overlapping);
+                tracked += u32::from(o.layer == Layer::Surface);
                 fallbacks += o.work.fallbacks;
             }
         }
     }
     assert!(
-        separated > 500 && overlapping > 500 && fallbacks > 500,
-        "{separated} {overlapping} {fallbacks}"
+        separated > 500 && overlapping > 500 && tracked > 300 && fallbacks > 100,
+        "{separated} {overlapping} {tracked} {fallbacks}"
     );
 }

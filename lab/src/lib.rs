@@ -14,6 +14,7 @@
 //! | [`brute_hull`] | exact faces of a few points |
 //! | [`bound`] | exact checks of an answer for bodies of any size |
 //! | [`suite`] | files of cases with or without their truth |
+//! | [`corpus`] | the named hard cases of `tests/corpus/` |
 //! | [`parry`] | the reference engine and the competitor |
 //! | [`meshes`] | OBJ and STL files |
 //! | [`plot`], [`progress`] | charts as SVG, progress bars |
@@ -25,6 +26,7 @@ pub mod body;
 pub mod bound;
 pub mod boxes;
 pub mod brute_hull;
+pub mod corpus;
 pub mod crowd;
 pub mod exact;
 pub mod meshes;

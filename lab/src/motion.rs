@@ -144,6 +144,51 @@ pub fn approach(rng: &mut Rng, axis: Point, far: f64, near: f64, ratio: f64, fra
     (0..frames).map(frame).collect()
 }
 
+/// `start` shaken: each frame B is shifted by at most `shift` along each axis and turned by at most `angle` radians, from
+/// `start` and not from the frame before: a body that rests and trembles.
+pub fn jitter(rng: &mut Rng, start: Frame, shift: f64, angle: f64, frames: usize) -> Vec<Frame> {
+    let mut shaken = || {
+        let by: Point = std::array::from_fn(|_| shift * rng.range(-1.0, 1.0));
+        Pose {
+            q: spun(start.b.q, rng.unit(), angle * rng.range(-1.0, 1.0)),
+            t: add(start.b.t, by),
+        }
+    };
+    (0..frames).map(|_| Frame { b: shaken(), ..start }).collect()
+}
+
+/// B turns about `axis` through its own origin, `degrees` a frame, where `start` has it.
+pub fn spin(start: Frame, axis: Point, degrees: f64, frames: usize) -> Vec<Frame> {
+    let at = |i: usize| Pose {
+        q: spun(start.b.q, axis, (degrees * i as f64).to_radians()),
+        ..start.b
+    };
+    (0..frames).map(|i| Frame { b: at(i), ..start }).collect()
+}
+
+/// B, the hull of `points`, rolls along x on the plane `z = top` that A reaches up to, A at rest at the origin: `degrees` a
+/// frame, its lowest point kept at `top` up to rounding.
+pub fn roll(points: &[Point], top: f64, degrees: f64, frames: usize) -> Vec<Frame> {
+    let radius = crate::pose::radius(points);
+    let frame = |i: usize| {
+        let turn = (degrees * (i as f64 - 0.5 * frames as f64)).to_radians();
+        let q = quat([0.0, 1.0, 0.0], turn);
+        let turned = Pose { q, t: [0.0; 3] };
+        let lowest = points
+            .iter()
+            .map(|&p| turned.rotate(p)[2])
+            .fold(f64::INFINITY, f64::min);
+        Frame {
+            a: Pose::IDENTITY,
+            b: Pose {
+                q,
+                t: [radius * turn, 0.0, top - lowest],
+            },
+        }
+    };
+    (0..frames).map(frame).collect()
+}
+
 /// Frames that have nothing to do with each other: random turns, centres `lo..hi` times `ra + rb` apart, the whole pair
 /// within `spread` of the origin.
 pub fn random_poses(rng: &mut Rng, frames: usize, radii: (f64, f64), apart: (f64, f64), spread: f64) -> Vec<Frame> {
@@ -235,6 +280,33 @@ mod tests {
         assert_eq!(frames[0], start);
         assert!(frames.iter().all(|f| f.a == start.a && f.b.q == start.b.q));
         assert_eq!(frames[4].b.t[0], start.b.t[0] + 1.0);
+    }
+
+    #[test]
+    fn rolling_bodies_touch_the_plane() {
+        let cube = crate::shapes::cube();
+        let frames = roll(&cube.points, 0.5, 2.0, 90);
+        let lowest = |f: &Frame| {
+            let z = cube.points.iter().map(|&p| f.b.apply(p)[2]);
+            z.fold(f64::INFINITY, f64::min)
+        };
+        assert!(frames.iter().all(|f| (lowest(f) - 0.5).abs() < 1e-15));
+        assert!(frames[0].b.t[0] < -2.0 && frames[89].b.t[0] > 2.0);
+        assert!((turned(&frames[0].b, &frames[1].b) - 2.0).abs() < 1e-5);
+    }
+
+    #[test]
+    fn shaken_bodies_stay_and_spun_ones_turn() {
+        let start = Frame {
+            a: Pose::IDENTITY,
+            b: Pose::shift([0.0, 0.0, 2.0]),
+        };
+        let shaken = jitter(&mut Rng::new(7), start, 1e-6, 1e-6, 50);
+        assert!(shaken.iter().all(|f| (centres(f) - 2.0).abs() < 1e-5));
+        assert!(shaken.iter().all(|f| turned(&f.b, &start.b) < 1e-3 && f.b != start.b));
+        let spun = spin(start, [0.0, 0.0, 1.0], 3.0, 10);
+        assert_eq!(spun[0], start);
+        assert!((turned(&spun[0].b, &spun[9].b) - 27.0).abs() < 1e-6 && spun[9].b.t == start.b.t);
     }
 
     #[test]

@@ -89,6 +89,17 @@ pub fn distance(a: &ConvexPolyhedron, pose_a: &Pose, b: &ConvexPolyhedron, pose_
         .distance
 }
 
+/// What a user of parry gets for a signed distance of two of its bodies, cold: its distance, and where that is zero, its
+/// contact. A touch and an overlap that it finds no contact of are both 0.
+pub fn signed_distance(a: &ConvexPolyhedron, pose_a: &Pose, b: &ConvexPolyhedron, pose_b: &Pose) -> f64 {
+    let apart = distance(a, pose_a, b, pose_b);
+    if apart != 0.0 {
+        return apart;
+    }
+    let found = query::contact(&pose(pose_a), a, &pose(pose_b), b, 0.0).expect("convex bodies are supported");
+    found.map_or(0.0, |c| c.dist)
+}
+
 /// parry's closest points of two bodies (its own or [`Cloud`]s), cold; `None` when overlapping.
 pub fn closest_points<A: SupportMap, B: SupportMap>(a: &A, pose_a: &Pose, b: &B, pose_b: &Pose) -> Option<Witnesses> {
     let (world_a, world_b) = (pose(pose_a), pose(pose_b));

@@ -20,14 +20,9 @@ use super::surface::unit;
 /// A unit normal and the features it comes from.
 pub(super) type Normal<T> = (Vec3<T>, FeaturePair);
 
-/// The normals of the facets that hold the corners, out of the difference.
-pub(super) fn normals<T: Scalar>(
-    placed: &Placed,
-    frame: &Frame<T>,
-    corners: &[Corner<T>; 3],
-) -> [Option<Normal<T>>; 3] {
-    let (on_a, on_b) = (corners.map(|c| c.a), corners.map(|c| c.b));
-    let (fa, fb) = (placed.a.feature_of(&on_a), placed.b.feature_of(&on_b));
+/// The facets that may hold three points, by the vertices of A and of B they are made of.
+pub(super) fn facets(placed: &Placed, on_a: &[u32; 3], on_b: &[u32; 3]) -> [Option<FeaturePair>; 3] {
+    let (fa, fb) = (placed.a.feature_of(on_a), placed.b.feature_of(on_b));
     let of_a = match fa {
         Feature::Face(f) => Some(FeaturePair::vertex_face(Which::B, on_b[0], f.0)),
         _ => None,
@@ -40,7 +35,17 @@ pub(super) fn normals<T: Scalar>(
         (Feature::Edge(e), Feature::Edge(f)) => Some(FeaturePair::edges(Which::A, e.0, f.0)),
         _ => None,
     };
-    [of_a, of_b, of_edges].map(|facet| facet.and_then(|f| Some((normal_of(placed, frame, f, &corners[0])?, f))))
+    [of_a, of_b, of_edges]
+}
+
+/// The normals of the facets that may hold the corners, out of the difference.
+pub(super) fn normals<T: Scalar>(
+    placed: &Placed,
+    frame: &Frame<T>,
+    corners: &[Corner<T>; 3],
+) -> [Option<Normal<T>>; 3] {
+    facets(placed, &corners.map(|c| c.a), &corners.map(|c| c.b))
+        .map(|facet| facet.and_then(|f| Some((normal_of(placed, frame, f, &corners[0])?, f))))
 }
 
 /// The normal of the facet of a pair of features, and how high the difference is along it.

@@ -5,6 +5,7 @@
 //! from behind (each ray then meets only triangles that count one way). Where all of them are beyond the facet, the depth is proven
 //! in one pass; else it grows; a surface that has folded is dropped.
 
+use alloc::boxed::Box;
 use alloc::vec::Vec;
 
 use nalgebra::Point3;
@@ -16,7 +17,7 @@ use crate::polyhedron::FeaturePair;
 use crate::scalar::{Vec3, sub};
 use crate::tolerance::{AGREE_DEPTH, SHIFTS};
 
-use super::facet::height_of;
+use super::facet::{facets, height_of};
 use super::foot::foot;
 use super::pass::{Pass, pass};
 use super::search::{Best, End, Found, Search, search};
@@ -36,7 +37,7 @@ const FEW_POINTS: usize = 34;
 const GAIN: usize = 24;
 
 /// A closed surface without places: each edge of a triangle is the reverse of one of its neighbour.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(from = "Raw"))]
 pub(crate) struct Memory {
     /// A vertex of each body.
@@ -47,24 +48,17 @@ pub(crate) struct Memory {
     facet: Option<FeaturePair>,
     /// With how many triangles it was built.
     built: u32,
-    /// Where surfaces grow, and the triangles where they must: no part of what is remembered.
+    /// Where surfaces grow, from the first overlap on: no part of what is remembered.
     #[cfg_attr(feature = "serde", serde(skip))]
-    pub(super) room: Surface<f64>,
-    #[cfg_attr(feature = "serde", serde(skip))]
-    weak: Vec<u32>,
+    room: Option<Box<Room>>,
 }
 
-impl Default for Memory {
-    fn default() -> Self {
-        Self {
-            points: Vec::new(),
-            triangles: Vec::new(),
-            facet: None,
-            built: 0,
-            room: Surface::new(),
-            weak: Vec::new(),
-        }
-    }
+/// Lists that keep what they have taken.
+#[derive(Clone, Debug)]
+pub(super) struct Room {
+    pub(super) surface: Surface<f64>,
+    /// Triangles where it must grow.
+    weak: Vec<u32>,
 }
 
 impl PartialEq for Memory {
@@ -95,8 +89,7 @@ impl From<Raw> for Memory {
             points: raw.points,
             facet: raw.facet,
             built: raw.built,
-            room: Surface::new(),
-            weak: Vec::new(),
+            room: None,
         }
     }
 }
@@ -124,8 +117,23 @@ impl Memory {
     pub(crate) fn reserve(&mut self) {
         self.points.reserve(MOST_POINTS);
         self.triangles.reserve(MOST);
-        self.room.reserve(MOST);
-        self.weak.reserve(MOST);
+        self.within(|_, room| {
+            room.surface.reserve(MOST);
+            room.weak.reserve(MOST);
+        });
+    }
+
+    /// Does what needs room.
+    pub(super) fn within<R>(&mut self, work: impl FnOnce(&mut Self, &mut Room) -> R) -> R {
+        let mut room = self.room.take().unwrap_or_else(|| {
+            Box::new(Room {
+                surface: Surface::new(),
+                weak: Vec::new(),
+            })
+        });
+        let result = work(self, &mut room);
+        self.room = Some(room);
+        result
     }
 
     /// Forgets the surface, not its room.
@@ -145,8 +153,9 @@ impl Memory {
     pub(crate) fn heap_bytes(&self) -> usize {
         self.points.capacity() * size_of::<[u32; 2]>()
             + self.triangles.capacity() * size_of::<[u8; 6]>()
-            + self.weak.capacity() * size_of::<u32>()
-            + self.room.heap_bytes()
+            + self.room.as_ref().map_or(0, |r| {
+                size_of::<Room>() + r.weak.capacity() * size_of::<u32>() + r.surface.heap_bytes()
+            })
     }
 
     /// Whether there is nothing to begin with.
@@ -160,23 +169,43 @@ impl Memory {
         Some((self.facet?, self.built, &self.points, &self.triangles))
     }
 
-    /// Makes the surface to work on the one that is remembered, at its places.
-    fn recall(&mut self, places: &[Vec3<f64>], enough: f64) {
-        self.room.clear(enough);
-        let points = self.points.iter().zip(places);
-        self.room.points.extend(points.map(|(&[a, b], &w)| Corner { a, b, w }));
-        for &[p, q, r, x, y, z] in &self.triangles {
-            self.room.push([p, q, r].map(u32::from), [x, y, z].map(u32::from));
+    /// Tries the facets that the weak triangles may lie in; whether the difference is lower along one of them.
+    fn lower(&self, placed: &Placed, frame: &Frame<f64>, weak: &[u32], best: &mut Best<f64>) -> bool {
+        let before = best.height;
+        for &t in weak {
+            let t = self.triangles[t as usize];
+            let corners = [t[0], t[1], t[2]].map(|k| self.points[k as usize]);
+            for facet in facets(placed, &corners.map(|c| c[0]), &corners.map(|c| c[1]))
+                .into_iter()
+                .flatten()
+            {
+                if let Some((normal, height)) = height_of(placed, frame, facet)
+                    && height < best.height
+                {
+                    (best.normal, best.height, best.features) = (normal, height, Some(facet));
+                }
+            }
         }
-        for &t in &self.weak {
-            self.room.weigh(t);
+        best.height < before
+    }
+
+    /// Makes the surface to work on the one that is remembered, at its places.
+    fn recall(&self, room: &mut Room, places: &[Vec3<f64>], enough: f64) {
+        let surface = &mut room.surface;
+        surface.clear(enough);
+        let points = self.points.iter().zip(places);
+        surface.points.extend(points.map(|(&[a, b], &w)| Corner { a, b, w }));
+        for &[p, q, r, x, y, z] in &self.triangles {
+            surface.push([p, q, r].map(u32::from), [x, y, z].map(u32::from));
+        }
+        for &t in &room.weak {
+            surface.weigh(t);
         }
     }
 
     /// Keeps the surface worked on if it is small, and has not outgrown the one it came from.
-    pub(super) fn keep(&mut self, facet: FeaturePair, built: Option<u32>) {
+    pub(super) fn keep(&mut self, surface: &Surface<f64>, facet: FeaturePair, built: Option<u32>) {
         self.clear();
-        let surface = &self.room;
         let count = surface.triangles.len();
         let built = built.unwrap_or(count as u32);
         if count > MOST || count > 2 * built as usize + GAIN {
@@ -217,19 +246,21 @@ pub(crate) fn resume(placed: &Placed, memory: &mut Memory, outcome: &mut Outcome
         height,
         features: Some(facet),
     };
-    if memory.points.len() <= FEW_POINTS {
-        resume_among::<FEW_POINTS>(placed, &frame, memory, best, outcome)
-    } else {
-        resume_among::<MOST_POINTS>(placed, &frame, memory, best, outcome)
-    }
+    memory.within(|memory, room| {
+        if memory.points.len() <= FEW_POINTS {
+            resume_among::<FEW_POINTS>(placed, &frame, (memory, room), best, outcome)
+        } else {
+            resume_among::<MOST_POINTS>(placed, &frame, (memory, room), best, outcome)
+        }
+    })
 }
 
 /// The same, of a surface of up to `N` points.
 fn resume_among<const N: usize>(
     placed: &Placed,
     frame: &Frame<f64>,
-    memory: &mut Memory,
-    best: Best<f64>,
+    (memory, room): (&mut Memory, &mut Room),
+    mut best: Best<f64>,
     outcome: &mut Outcome,
 ) -> bool {
     let mut places = [[0.0; 3]; N];
@@ -239,40 +270,59 @@ fn resume_among<const N: usize>(
         };
         *place = sub(&[p.x, p.y, p.z], &frame.point(q));
     }
-    match pass(&memory.triangles, &places, &best, placed.size(), &mut memory.weak) {
-        Pass::Folded => begin_anew(placed, frame, memory, outcome),
+    let size = placed.size();
+    let mut shows = pass(&memory.triangles, &places, &best, size, &mut room.weak);
+    // One or two weak triangles are those of a facet next to the last one.
+    if let (Pass::About, 1..=2) = (&shows, room.weak.len())
+        && memory.lower(placed, frame, &room.weak, &mut best)
+    {
+        shows = pass(&memory.triangles, &places, &best, size, &mut room.weak);
+    }
+    match shows {
+        Pass::Folded => begin_anew(placed, frame, memory, room, outcome),
         Pass::Stands => {
+            memory.facet = best.features;
             let found = match best.features.and_then(|f| foot(placed, f, &best.rounded())) {
-                Some(witnesses) => proven(&best, witnesses, placed.size()),
+                Some(witnesses) => proven(&best, witnesses, size),
                 None => {
-                    memory.recall(&places, best.height - AGREE_DEPTH * placed.size());
-                    let mut search = Search::resumed(placed, frame, &mut memory.room, best);
-                    search.stands(best.height - AGREE_DEPTH * placed.size())
+                    memory.recall(room, &places, best.height - AGREE_DEPTH * size);
+                    let mut search = Search::resumed(placed, frame, &mut room.surface, best);
+                    search.stands(best.height - AGREE_DEPTH * size)
                 }
             };
             answer(placed, &found, outcome);
             true
         }
         Pass::About => {
-            memory.recall(&places, best.height - AGREE_DEPTH * placed.size());
-            let found = Search::resumed(placed, frame, &mut memory.room, best).run(frame, 0.0);
+            memory.recall(room, &places, best.height - AGREE_DEPTH * size);
+            let found = Search::resumed(placed, frame, &mut room.surface, best).run(frame, 0.0);
             if found.end != End::Closed {
                 return false;
             }
             answer(placed, &found, outcome);
-            memory.keep(outcome.features, Some(memory.built));
+            if found.grown > 0 {
+                memory.keep(&room.surface, outcome.features, Some(memory.built));
+            } else {
+                memory.facet = Some(outcome.features);
+            }
             true
         }
     }
 }
 
 /// From the features of the facet instead of a surface that has folded.
-fn begin_anew(placed: &Placed, frame: &Frame<f64>, memory: &mut Memory, outcome: &mut Outcome) -> bool {
+fn begin_anew(
+    placed: &Placed,
+    frame: &Frame<f64>,
+    memory: &mut Memory,
+    room: &mut Room,
+    outcome: &mut Outcome,
+) -> bool {
     let Some(facet) = memory.facet else { return false };
-    match search(placed, frame, facet, &SHIFTS[..1], &mut memory.room) {
+    match search(placed, frame, facet, &SHIFTS[..1], &mut room.surface) {
         Some(found) if found.end == End::Closed => {
             answer(placed, &found, outcome);
-            memory.keep(outcome.features, None);
+            memory.keep(&room.surface, outcome.features, None);
             true
         }
         _ => false,

@@ -47,16 +47,20 @@ pub(crate) fn deepen(placed: &Placed, memory: &mut Memory, outcome: &mut Outcome
     outcome.work.depths += 1;
     outcome.lower = f64::NEG_INFINITY;
     let shifts = &SHIFTS[..SHIFTS_PLAIN];
-    if let Some(found) = search(placed, &Frame::of(placed), outcome.features, shifts, &mut memory.room) {
+    let is_done = memory.within(|memory, room| {
+        let surface = &mut room.surface;
+        let Some(found) = search(placed, &Frame::of(placed), outcome.features, shifts, surface) else {
+            return false;
+        };
         take(placed, &found, outcome);
         if found.end == End::Closed {
-            memory.keep(outcome.features, None);
+            memory.keep(surface, outcome.features, None);
         }
-        if found.end != End::Stuck {
-            return;
-        }
+        found.end != End::Stuck
+    });
+    if !is_done {
+        deepen_finely(placed, outcome);
     }
-    deepen_finely(placed, outcome);
 }
 
 /// The same in double-double.

@@ -64,8 +64,6 @@ pub(super) struct Column {
     pub(super) settled: usize,
     /// No box of the column is longer on the swept axis.
     pub(super) longest: f32,
-    /// The last count found more hits than entries.
-    pub(super) dense: bool,
 }
 
 impl Column {

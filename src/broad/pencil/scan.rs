@@ -1,12 +1,13 @@
 //! The full sweep of one column: a window slides along the sorted entries, eight at a time.
 //!
-//! What is looked for is not overlap but *change* of overlap: old and new boxes stand side by side, and a pair is
-//! touched only if exactly one of the two overlaps. So unchanged pairs, the great majority, cost a few lanes of a
-//! comparison and no memory.
+//! What is looked for is not overlap but *change* of overlap, and that is seen from the new boxes alone. Let the separation
+//! of two boxes be the largest, over both sides of all axes, of one's lower bound less the other's upper: not positive
+//! exactly where they overlap. Where no face of box i moved farther than `d_i`, the separation changed by no more than
+//! `d_i + d_j`, so only pairs whose separation is as near to zero as that may have changed: few, however many overlap.
+//! Unchanged pairs cost a few lanes of arithmetic and no memory.
 //!
-//! With `d` the farthest any face of the column moved, an old box lies within its new box grown by `d`. So entries are
-//! sorted by the lower bound of the new box alone, and an entry is compared with those that start before the end of its
-//! own two boxes plus `d`. Bodies that come, leave or jump have one box only in the column; these few are left out of
+//! Entries are sorted by the lower bound of the new box, and an entry is compared with those that start before its own end
+//! and the farthest move. Bodies that come, leave or jump have one box only in the column; these few are left out of
 //! the sweep and looked at one by one, as a repair does.
 
 use super::column::{ARRIVING, Column, Part, index_of};
@@ -20,16 +21,47 @@ use wide::{f32x4, f32x8};
 /// Four units in the last place: more than one rounded sum of two bounds can err.
 const SLACK: f32 = 4.0 * f32::EPSILON;
 
+/// Above the rounding of a difference of bounds, of a sum of two moves and of this product itself.
+const ROUNDED_UP: f32 = 1.0 + 8.0 * f32::EPSILON;
+
 /// Entries compared at once.
 const LANES: usize = 8;
 
-/// The boxes of one column.
+/// No face that stays in its column moves as far: beyond a quarter of a column's width a move is a jump.
+const FARTHEST_MOVE: f32 = 1.6e38;
+
+/// The new boxes of one column, by axis, and moves. Padded by entries that are apart from all others.
 #[derive(Clone, Debug, Default)]
 struct Lanes {
-    /// Lower bound of the new box on the swept axis: what the column is sorted by. Padded by entries that meet nothing.
+    /// Lower bounds on the swept axis: what the column is sorted by.
     start: Vec<f32>,
-    /// The box that covers old and new box: its end on the swept axis, lower and upper bound on the two others.
-    cover: [Vec<f32>; 5],
+    end: Vec<f32>,
+    lo_u: Vec<f32>,
+    hi_u: Vec<f32>,
+    lo_v: Vec<f32>,
+    hi_v: Vec<f32>,
+    /// The farthest that any face of the box moved in this step, rounded up.
+    moved: Vec<f32>,
+}
+
+impl Lanes {
+    /// Room for `n` entries and the padding; what it holds is to be overwritten.
+    fn resize(&mut self, n: usize) {
+        let Self {
+            start,
+            end,
+            lo_u,
+            hi_u,
+            lo_v,
+            hi_v,
+            moved,
+        } = self;
+        for bounds in [&mut *start, end, lo_u, hi_u, lo_v, hi_v, moved] {
+            bounds.resize(n + LANES, 0.0);
+        }
+        start[n..].fill(f32::INFINITY);
+        moved[n..].fill(0.0);
+    }
 }
 
 /// What one thread needs to sweep columns, and what it found.
@@ -56,12 +88,7 @@ impl Worker {
         self.swaps += column.reorder(cell, &bodies.records, bodies.step);
         let moved = self.gather(cell, column, bodies);
         if moved {
-            // Counted anew when tuning counts, in between dense stays dense.
-            if column.dense && !self.counting {
-                self.scan::<true>(column, cell, bodies);
-            } else {
-                column.dense = self.scan::<false>(column, cell, bodies);
-            }
+            self.scan(column, cell, bodies);
             for k in 0..self.active.len() {
                 self.scan_one(column, self.active[k], cell, bodies, false);
             }
@@ -80,80 +107,83 @@ impl Worker {
     fn gather(&mut self, cell: [u16; 2], column: &mut Column, bodies: &Bodies) -> bool {
         let (n, step) = (column.entries.len(), bodies.step);
         self.active.clear();
+        self.lanes.resize(n);
         let Lanes {
             start,
-            cover: [end, lo_u, hi_u, lo_v, hi_v],
+            end,
+            lo_u,
+            hi_u,
+            lo_v,
+            hi_v,
+            moved,
         } = &mut self.lanes;
-        for bounds in [&mut *end, lo_u, hi_u, lo_v, hi_v] {
-            bounds.resize(n + LANES, 0.0);
-        }
-        start.resize(n + LANES, f32::INFINITY);
-        start[n..].fill(f32::INFINITY);
-        let (start, end) = (&mut start[..n], &mut end[..n]);
+        let (start, end, moved) = (&mut start[..n], &mut end[..n], &mut moved[..n]);
         let (lo_u, hi_u, lo_v, hi_v) = (&mut lo_u[..n], &mut hi_u[..n], &mut lo_v[..n], &mut hi_v[..n]);
         let absent = Bounds::from_box(&StoredBox::EMPTY);
-        let (mut moved, mut farthest, mut longest) = (false, f32x4::ZERO, f32x4::ZERO);
+        let (mut any, mut farthest, mut longest) = (false, 0.0, f32x4::ZERO);
         for (k, &e) in column.entries.iter().enumerate() {
             let record = &bodies.records[index_of(e)];
-            moved |= record.moved(step);
+            any |= record.moved(step);
             let (old, new) = (record.before(step), record.now());
-            let (mut cover, mut from, mut by) = (old.united(&new), new.lo, old.displacement(&new));
+            let (mut lanes, mut from, mut by) = (new, new.lo, old.displacement(&new));
             if (record.flags & (MIGRATES | JUMPS) != 0) | (e as u32 & ARRIVING != 0) {
                 let part = Part::of(e as u32, record, cell);
                 if part != Part::Both {
                     let only = if part == Part::Old { old } else { new };
                     longest = longest.fast_max(only.hi - only.lo);
-                    (cover, from, by) = (absent, only.lo, f32x4::ZERO);
+                    (lanes, from, by) = (absent, only.lo, f32x4::ZERO);
                     self.active.push(e);
                 }
             }
-            farthest = farthest.fast_max(by);
-            longest = longest.fast_max(cover.hi - cover.lo);
-            let ([_, u0, v0, _], [x1, u1, v1, _]) = (cover.lo.to_array(), cover.hi.to_array());
-            (start[k], end[k]) = (from.to_array()[0], x1);
+            // No cover of old and new box is longer.
+            longest = longest.fast_max(lanes.hi - lanes.lo + by + by);
+            let by = (largest(by) * ROUNDED_UP).min(FARTHEST_MOVE);
+            farthest = max(farthest, by);
+            let ([_, u0, v0, _], [x1, u1, v1, _]) = (lanes.lo.to_array(), lanes.hi.to_array());
+            (start[k], end[k], moved[k]) = (from.to_array()[0], x1, by);
             (lo_u[k], hi_u[k], lo_v[k], hi_v[k]) = (u0, u1, v0, v1);
         }
         column.longest = longest.to_array()[0];
-        self.reach = largest(farthest);
-        moved
+        self.reach = farthest;
+        any
     }
 
-    /// Compares every entry with those that start before it ends. True if that left more hits than entries to look at.
-    ///
-    /// `DENSE` is for columns where most hits are lasting pairs: what surely overlapped before and does so still is
-    /// dropped at once. Elsewhere that costs more than it saves.
-    fn scan<const DENSE: bool>(&mut self, column: &Column, cell: [u16; 2], bodies: &Bodies) -> bool {
+    /// Compares every entry with those that start before it ends.
+    fn scan(&mut self, column: &Column, cell: [u16; 2], bodies: &Bodies) {
         let n = column.entries.len();
         let padded = n + LANES;
         // Slices of one known length spare bounds checks.
         let Lanes {
             start,
-            cover: [end, lo_u, hi_u, lo_v, hi_v],
+            end,
+            lo_u,
+            hi_u,
+            lo_v,
+            hi_v,
+            moved,
         } = &self.lanes;
-        let (start, end) = (&start[..padded], &end[..padded]);
+        let (start, end, moved) = (&start[..padded], &end[..padded], &moved[..padded]);
         let (lo_u, hi_u, lo_v, hi_v) = (&lo_u[..padded], &hi_u[..padded], &lo_v[..padded], &hi_v[..padded]);
-        // A little more, so that the rounding of the sum errs to the safe side.
-        let d = self.reach * 1.000_01;
         let mut pending = [(0, 0, 0); PENDING];
         let mut waiting = 0;
-        let mut looked_at = 0;
         for i in 0..n {
-            let reach = end[i] + (d + end[i].abs() * SLACK);
-            let [near, u0, u1, v0, v1] = [reach, lo_u[i], hi_u[i], lo_v[i], hi_v[i]].map(f32x8::splat);
+            // A little more, so that the rounding of the sum errs to the safe side.
+            let reach = end[i] + (moved[i] + self.reach + end[i].abs() * SLACK);
+            let (x0, x1) = (f32x8::splat(start[i]), f32x8::splat(end[i]));
+            let (u0, u1) = (f32x8::splat(lo_u[i]), f32x8::splat(hi_u[i]));
+            let (v0, v1) = (f32x8::splat(lo_v[i]), f32x8::splat(hi_v[i]));
+            let by = f32x8::splat(moved[i]);
             let mut j = i + 1;
             while j + LANES <= padded {
-                let meets_u = eight(lo_u, j).simd_le(u1) & u0.simd_le(eight(hi_u, j));
-                let meets_v = eight(lo_v, j).simd_le(v1) & v0.simd_le(eight(hi_v, j));
-                let hits = eight(start, j).simd_le(near) & meets_u & meets_v;
-                let mut hits = hits.to_bitmask();
-                if DENSE {
-                    hits &= !surely_same(&self.lanes, i, j, d);
-                }
+                let apart_x = (eight(start, j) - x1).fast_max(x0 - eight(end, j));
+                let apart_u = (eight(lo_u, j) - u1).fast_max(u0 - eight(hi_u, j));
+                let apart_v = (eight(lo_v, j) - v1).fast_max(v0 - eight(hi_v, j));
+                let apart = apart_x.fast_max(apart_u).fast_max(apart_v);
+                let hits = apart.abs().simd_le(by + eight(moved, j)).to_bitmask();
                 // Written always, kept if there are any: no branch to mispredict.
                 pending[waiting % PENDING] = (i as u32, j as u32, hits);
                 waiting += usize::from(hits != 0);
                 if waiting == PENDING {
-                    looked_at += count_hits(&pending);
                     settle(&pending, column, cell, bodies, &mut self.changes);
                     waiting = 0;
                 }
@@ -164,7 +194,6 @@ impl Worker {
             }
         }
         settle(&pending[..waiting], column, cell, bodies, &mut self.changes);
-        looked_at + count_hits(&pending[..waiting]) > n
     }
 
     /// Counts the entries inside the windows of a sample of the column.
@@ -181,7 +210,7 @@ impl Worker {
 
     /// Bytes reserved.
     pub(super) fn bytes(&self) -> usize {
-        let lanes = self.lanes.start.capacity() * 6 * 4;
+        let lanes = self.lanes.start.capacity() * 7 * 4;
         lanes + (self.changes.began.capacity() + self.changes.ended.capacity() + self.active.capacity()) * 8
     }
 }
@@ -191,29 +220,6 @@ type Hits = (u32, u32, u32);
 
 /// Hits put off until so many windows had some.
 const PENDING: usize = 32;
-
-fn count_hits(pending: &[Hits]) -> usize {
-    pending.iter().map(|hits| hits.2.count_ones() as usize).sum()
-}
-
-/// Which of the eight entries from `j` on overlapped entry `i` before and do so still, for certain: those whose covers
-/// would overlap even if both had shrunk by the farthest move.
-#[inline(always)]
-fn surely_same(lanes: &Lanes, i: usize, j: usize, d: f32) -> u32 {
-    let Lanes {
-        start,
-        cover: [end, lo_u, hi_u, lo_v, hi_v],
-    } = lanes;
-    let size = [start[i], end[i], lo_u[i], hi_u[i], lo_v[i], hi_v[i]]
-        .iter()
-        .fold(0.0, |m, v| max(m, v.abs()));
-    let shrink: f32 = 2.0 * d + SLACK * size;
-    let inside = |lo: &[f32], hi: &[f32]| {
-        let (first, last) = (f32x8::splat(lo[i] + shrink), f32x8::splat(hi[i] - shrink));
-        eight(lo, j).simd_le(last) & first.simd_le(eight(hi, j))
-    };
-    (inside(start, end) & inside(lo_u, hi_u) & inside(lo_v, hi_v)).to_bitmask()
-}
 
 /// Finds out which of the hits are changes.
 #[inline(never)]

@@ -1,0 +1,241 @@
+//! A long run against an independent judge: random bodies of every hard family, moved at random, one tracker along each
+//! motion, every frame judged.
+//!
+//! ```text
+//! cargo run --release --example soak -- --minutes 60 [--seed S] [--threads N] [--out DIR] [--trial K]
+//! ```
+//!
+//! What fails is written to DIR (`soak-failures`) as a text that `cargo run --example replay` answers; the run goes on and
+//! ends with exit code 1. A trial is named by seed and number: `--trial K` runs that one alone.
+
+mod draw;
+mod judge;
+#[path = "../../tests/support/mod.rs"]
+mod support;
+mod tally;
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::{Duration, Instant};
+
+use draw::Trial;
+use judge::Judge;
+use lab::motion::Frame;
+use lab::progress::Progress;
+use lab::rng::Rng;
+use lin_canny::{Class, Level, Outcome, RelativePose, Tracker};
+use tally::Tally;
+
+struct Options {
+    minutes: f64,
+    seed: u64,
+    threads: usize,
+    out: PathBuf,
+    trial: Option<u64>,
+}
+
+const USAGE: &str = "usage: soak [--minutes M] [--seed S] [--threads N] [--out DIR] [--trial K]";
+
+fn options() -> Option<Options> {
+    let mut o = Options {
+        minutes: 1.0,
+        seed: 1,
+        threads: 1,
+        out: "soak-failures".into(),
+        trial: None,
+    };
+    let mut words = std::env::args().skip(1);
+    while let Some(word) = words.next() {
+        let value = words.next()?;
+        match word.as_str() {
+            "--minutes" => o.minutes = value.parse().ok()?,
+            "--seed" => o.seed = value.parse().ok()?,
+            "--threads" => o.threads = value.parse().ok()?,
+            "--out" => o.out = value.into(),
+            "--trial" => o.trial = Some(value.parse().ok()?),
+            _ => return None,
+        }
+    }
+    Some(o)
+}
+
+/// One motion with all that is kept along it.
+struct Run<'a> {
+    options: &'a Options,
+    number: u64,
+    trial: &'a Trial,
+    judge: Judge,
+    pair: Tracker,
+    /// Along the same motion, letters exchanged.
+    back: Tracker,
+    rng: Rng,
+    tally: Tally,
+}
+
+impl Run<'_> {
+    fn fail(&mut self, frame: usize, before: &Tracker, pose: &RelativePose, what: &str) {
+        self.tally.failures += 1;
+        let (a, b) = (&self.trial.a, &self.trial.b);
+        let head = format!(
+            "seed {} trial {} frame {frame}: {} ({}) and {} ({}), {}\n{what}",
+            self.options.seed, self.number, a.family, a.shape.name, b.family, b.shape.name, self.trial.motion
+        );
+        eprintln!("{head}\n");
+        let replay = before.replay(&a.body, &b.body, pose, Level::Certified);
+        let text: String = head.lines().map(|l| format!("# {l}\n")).collect();
+        let name = format!("{}-{}-{frame}.txt", self.options.seed, self.number);
+        let file = self.options.out.join(name);
+        let written =
+            std::fs::create_dir_all(&self.options.out).and_then(|()| std::fs::write(&file, text + &replay.to_string()));
+        if let Err(e) = written {
+            eprintln!("{}: {e}", file.display());
+        }
+    }
+
+    fn frames(&mut self) {
+        let truths: [usize; 3] = std::array::from_fn(|_| self.rng.below(self.trial.frames.len()));
+        let mut last: Option<(Frame, f64)> = None;
+        for (k, frame) in self.trial.frames.iter().enumerate() {
+            let pose = support::relative(&frame.a, &frame.b);
+            let before = self.pair.clone();
+            let began = Instant::now();
+            let asked = catch_unwind(AssertUnwindSafe(|| {
+                self.pair.closest(&self.trial.a.body, &self.trial.b.body, &pose)
+            }));
+            self.tally.slowest = self.tally.slowest.max((began.elapsed().as_nanos(), self.number));
+            self.tally.queries += 1;
+            let Ok(o) = asked else {
+                self.fail(k, &before, &pose, "a panic");
+                self.pair.reset();
+                last = None;
+                continue;
+            };
+            self.tally.frame(self.trial.motion, &o);
+            let (mut fault, exactly) = self.judge.fault(frame, &o, k % 64 == 0);
+            self.tally.exactly += u64::from(exactly);
+            if let Some((old, s)) = last
+                && fault.is_none()
+                && (o.distance - s).abs() > self.judge.most_change(&old, frame)
+            {
+                fault = Some(format!("the distance jumped from {s:e}"));
+            }
+            last = Some((*frame, o.distance));
+            if fault.is_none() && self.rng.chance(0.125) {
+                fault = self.more(frame, &pose, &o);
+            }
+            if fault.is_none() && truths.contains(&k) {
+                fault = self.against_truth(frame, &pose, &o);
+            }
+            if let Some(what) = fault {
+                self.fail(k, &before, &pose, &format!("{what}\n{o:?}"));
+            }
+        }
+    }
+
+    /// Other ways to the same answer, and directions that might refute it.
+    fn more(&mut self, frame: &Frame, pose: &RelativePose, o: &Outcome) -> Option<String> {
+        let (a, b) = (&self.trial.a.body, &self.trial.b.body);
+        let cold = Tracker::new().closest(a, b, pose);
+        let swapped = self.back.closest(b, a, &pose.swapped());
+        let exact = Tracker::new().closest_exact(a, b, pose);
+        let intersects = self.pair.intersects(a, b, pose);
+        let within = self.pair.within(a, b, pose, o.upper.max(0.0));
+        let beyond = o.lower > 0.0 && self.pair.within(a, b, pose, o.lower.next_down());
+        self.tally.queries += 6;
+        let wrong = |holds: bool, what: &str| (!holds).then(|| what.to_owned());
+        judge::differ(o, &cold)
+            .or_else(|| judge::differ(o, &swapped))
+            .or_else(|| judge::differ(o, &exact))
+            .or_else(|| {
+                wrong(
+                    intersects == (o.class != Class::Separated),
+                    "intersects contradicts the class",
+                )
+            })
+            .or_else(|| wrong(within, "not within the upper bound"))
+            .or_else(|| wrong(!beyond, "within less than the lower bound"))
+            .or_else(|| self.judge.refuted(frame, o, &mut self.rng))
+    }
+
+    fn against_truth(&mut self, frame: &Frame, pose: &RelativePose, o: &Outcome) -> Option<String> {
+        let truth = self.judge.truth(frame)?;
+        let exact = Tracker::new().closest_exact(&self.trial.a.body, &self.trial.b.body, pose);
+        self.tally.truths += 1;
+        self.tally.queries += 1;
+        let ulp = truth.distance.next_up() - truth.distance;
+        let last_bit = truth.class != lab::Class::Separated || (exact.distance - truth.distance).abs() <= ulp;
+        judge::against(&truth, o)
+            .or_else(|| judge::against(&truth, &exact).map(|what| format!("{what}, and exactly {exact:?}")))
+            .or_else(|| (!last_bit).then(|| format!("the truth is {:e}, not exactly {exact:?}", truth.distance)))
+    }
+}
+
+/// One trial, all of it; a panic outside of a query is one too.
+fn run(options: &Options, number: u64) -> Tally {
+    let trial = draw::trial(options.seed, number);
+    let mut run = Run {
+        options,
+        number,
+        judge: Judge::new(&trial),
+        trial: &trial,
+        pair: Tracker::new(),
+        back: Tracker::new(),
+        rng: Rng::of_case(options.seed ^ 0x50a4, number),
+        tally: Tally::default(),
+    };
+    run.tally.trials = 1;
+    if catch_unwind(AssertUnwindSafe(|| run.frames())).is_err() {
+        run.tally.failures += 1;
+        eprintln!(
+            "seed {} trial {number}: a panic beside the first query of a frame",
+            options.seed
+        );
+    }
+    let frames = run.tally.frames;
+    run.tally.body(trial.a.family, frames);
+    run.tally.body(trial.b.family, frames);
+    run.tally
+}
+
+/// Trials until the time is over.
+fn soak(options: &Options) -> (Tally, f64) {
+    let limit = Duration::from_secs_f64(60.0 * options.minutes);
+    let (began, next) = (Instant::now(), AtomicU64::new(0));
+    let bar = Progress::new("soak", limit.as_secs());
+    let sum = Mutex::new(Tally::default());
+    let work = || {
+        while began.elapsed() < limit {
+            let tally = run(options, next.fetch_add(1, Ordering::Relaxed));
+            let mut sum = sum.lock().expect("no thread panics with the sum");
+            sum.add(tally);
+            bar.steps(began.elapsed().as_secs().saturating_sub(bar.done()));
+            bar.say(&format!("{} queries, {} failures", sum.queries, sum.failures));
+        }
+    };
+    std::thread::scope(|s| {
+        (0..options.threads.max(1)).for_each(|_| drop(s.spawn(work)));
+    });
+    drop(bar);
+    (
+        sum.into_inner().expect("no thread panics with the sum"),
+        began.elapsed().as_secs_f64(),
+    )
+}
+
+fn main() -> ExitCode {
+    let Some(options) = options() else {
+        eprintln!("{USAGE}");
+        return ExitCode::from(2);
+    };
+    let began = Instant::now();
+    let (tally, seconds) = match options.trial {
+        Some(number) => (run(&options, number), began.elapsed().as_secs_f64()),
+        None => soak(&options),
+    };
+    println!("seed {}, {} threads", options.seed, options.threads);
+    tally.print(seconds);
+    ExitCode::from(u8::from(tally.failures > 0))
+}

@@ -1,0 +1,104 @@
+//! Counts of a run.
+
+use std::collections::BTreeMap;
+
+use lin_canny::Outcome;
+
+const CLASSES: [&str; 4] = ["separated", "touching", "overlapping", "undecided"];
+const LAYERS: [&str; 7] = [
+    "walk",
+    "restart",
+    "fallback",
+    "double-double",
+    "exact",
+    "far",
+    "surface",
+];
+
+#[derive(Default)]
+pub(crate) struct Tally {
+    pub(crate) trials: u64,
+    /// Frames of motions, each judged.
+    pub(crate) frames: u64,
+    /// Calls of the crate, those included that are compared with a frame's answer.
+    pub(crate) queries: u64,
+    /// Frames judged by exact arithmetic.
+    pub(crate) exactly: u64,
+    /// Frames whose truth the oracle told.
+    pub(crate) truths: u64,
+    pub(crate) failures: u64,
+    /// Nanoseconds of the slowest query, and its trial.
+    pub(crate) slowest: (u128, u64),
+    classes: [u64; 4],
+    layers: [u64; 7],
+    bodies: BTreeMap<&'static str, u64>,
+    motions: BTreeMap<&'static str, [u64; 4]>,
+}
+
+impl Tally {
+    /// One frame of a trial.
+    pub(crate) fn frame(&mut self, motion: &'static str, o: &Outcome) {
+        self.frames += 1;
+        self.classes[o.class as usize] += 1;
+        self.layers[o.layer as usize] += 1;
+        self.motions.entry(motion).or_default()[o.class as usize] += 1;
+    }
+
+    pub(crate) fn body(&mut self, family: &'static str, frames: u64) {
+        *self.bodies.entry(family).or_default() += frames;
+    }
+
+    pub(crate) fn add(&mut self, o: Self) {
+        self.trials += o.trials;
+        self.frames += o.frames;
+        self.queries += o.queries;
+        self.exactly += o.exactly;
+        self.truths += o.truths;
+        self.failures += o.failures;
+        self.slowest = self.slowest.max(o.slowest);
+        self.classes.iter_mut().zip(o.classes).for_each(|(s, n)| *s += n);
+        self.layers.iter_mut().zip(o.layers).for_each(|(s, n)| *s += n);
+        o.bodies.into_iter().for_each(|(name, n)| self.body(name, n));
+        for (name, row) in o.motions {
+            let sum = self.motions.entry(name).or_default();
+            sum.iter_mut().zip(row).for_each(|(s, n)| *s += n);
+        }
+    }
+
+    /// The whole of it; `seconds` of wall time.
+    pub(crate) fn print(&self, seconds: f64) {
+        let list = |names: &[&str], counts: &[u64]| {
+            let words = names.iter().zip(counts).filter(|(_, n)| **n > 0);
+            words.map(|(w, n)| format!("{w} {n}")).collect::<Vec<_>>().join(", ")
+        };
+        println!(
+            "{} queries in {:.0} s, {:.0} a second with their judgement",
+            self.queries,
+            seconds,
+            self.queries as f64 / seconds
+        );
+        println!(
+            "{} frames of {} motions: {}",
+            self.frames,
+            self.trials,
+            list(&CLASSES, &self.classes)
+        );
+        println!("answered by: {}", list(&LAYERS, &self.layers));
+        println!(
+            "judged: all in f64, {} by exact bounds, {} by the exact oracle; slowest query {:.1} ms (trial {})",
+            self.exactly,
+            self.truths,
+            self.slowest.0 as f64 / 1e6,
+            self.slowest.1
+        );
+        println!("\nframes by motion: separated, touching, overlapping");
+        for (name, [apart, touch, over, _]) in &self.motions {
+            println!("  {name:<16} {apart:>11} {touch:>11} {over:>11}");
+        }
+        println!("frames by body");
+        for (name, n) in &self.bodies {
+            println!("  {name:<16} {n:>11}");
+        }
+        println!("\n{} failures", self.failures);
+    }
+}
