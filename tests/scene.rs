@@ -3,9 +3,8 @@
 mod world;
 
 use lab::crowd::{Crowd, Kind};
-use lin_canny::nalgebra::{Isometry3, Vector3};
-use lin_canny::scene::{Body, BodyId, Change, Effects, Event, Group, Scene, SceneError};
-use lin_canny::{Class, ConvexPolyhedron, RelativePose, Tracker, Velocity};
+use lin_canny::scene::{Body, BodyId, Change, Effects, Event, Group, Scene};
+use lin_canny::{Class, ConvexPolyhedron, RelativePose, Tracker};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 use world::{body, isometry};
@@ -18,7 +17,6 @@ const DEFAULT: Group = Group::new(0).unwrap();
 /// A crowd in a scene.
 struct Play {
     crowd: Crowd,
-    shapes: Vec<Arc<ConvexPolyhedron>>,
     scene: Scene,
     ids: Vec<BodyId>,
 }
@@ -53,7 +51,6 @@ impl Play {
             .collect();
         Self {
             crowd,
-            shapes,
             scene,
             ids,
         }
@@ -349,5 +346,53 @@ fn dropping_an_effect_never_raises_a_work_counter() {
                 assert!(x <= y, "{kind:?}: {less} {:?} above {more} {:?}", work(l), work(m));
             }
         }
+    }
+}
+
+#[test]
+fn a_scene_at_rest_does_nothing() {
+    let mut play = Play::new(Kind::Pile, 100, LADDER[7]);
+    play.step();
+    let pairs = play.scene.pair_count();
+    for _ in 0..3 {
+        let report = *play.scene.step();
+        assert!(play.scene.events().is_empty() && play.scene.pair_count() == pairs && pairs > 20);
+        let c = report.counts;
+        assert_eq!((c.boxes, c.called, c.queries, c.pairs), (0, 0, 0, pairs as u64));
+        assert_eq!(report.times.total(), std::time::Duration::ZERO);
+    }
+    // One body moves: only its pairs are asked.
+    let id = play.ids[7];
+    let of = play.scene.pairs_of(id).unwrap().len();
+    let mut pose = *play.scene.pose(id).unwrap();
+    pose.translation.x += 1e-9;
+    play.scene.set_pose(id, pose).unwrap();
+    let c = play.scene.step().counts;
+    assert_eq!((c.boxes, c.resting), (1, (pairs - of) as u64));
+    assert!(c.queries + c.balls + c.skipped == of as u64 && of > 0);
+}
+
+/// The saving that the budget is there for: 2 % fill, 60 Hz.
+#[test]
+fn most_separated_pairs_are_answered_by_the_budget() {
+    let kind = Kind::Gas { fill: 0.02, rate: 60.0 };
+    for effects in [LADDER[2], LADDER[3]] {
+        let mut play = Play::new(kind, 400, effects);
+        let (mut skipped, mut asked) = (0, 0);
+        for step in 0..400 {
+            play.step();
+            let c = play.scene.report().counts;
+            if step >= 60 {
+                // What is told of overlaps costs a query in every step.
+                skipped += c.skipped;
+                asked += c.separated + c.balls;
+            }
+        }
+        let share = skipped as f64 / (skipped + asked) as f64;
+        println!(
+            "{effects:?}: {skipped} of {} separated pairs, {share:.3}",
+            skipped + asked
+        );
+        assert!(share > 0.6, "{share}");
     }
 }

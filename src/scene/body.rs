@@ -235,6 +235,30 @@ impl Bodies {
         self.id(index)
     }
 
+    /// Appends an index as it was written.
+    #[cfg(feature = "serde")]
+    pub(super) fn restore(
+        &mut self,
+        generation: u32,
+        solid: Option<Solid>,
+        pose: Isometry3<f64>,
+        travel: Travel,
+        hint: BoxHint,
+        housed: broad::BodyId,
+    ) {
+        let nothing = Ball {
+            centre: Vector3::zeros(),
+            radius: 0.0,
+        };
+        self.generations.push(generation);
+        self.balls.push(solid.as_ref().map_or(nothing, |s| s.ball.at(&pose)));
+        self.solids.push(solid);
+        self.poses.push(pose);
+        self.travels.push(travel);
+        self.hints.push(hint);
+        self.housed.push(housed);
+    }
+
     /// Notes under which name the broad phase knows a body.
     pub(super) fn house(&mut self, index: u32, housed: broad::BodyId) {
         let place = housed.index as usize;

@@ -1,6 +1,6 @@
 //! What a scene refuses, and how it says so.
 
-use super::BodyId;
+use super::{BodyId, Group};
 use crate::broad::BroadPhaseError;
 use crate::pose::PoseError;
 
@@ -56,6 +56,14 @@ pub enum SceneError {
     /// The question is about the poses of the last step, and bodies were set, inserted or removed since.
     #[error("bodies or effects changed since the last step: step first")]
     StepDue,
+    /// The question is about two groups between which nothing is called for, so their boxes are not kept.
+    #[error("nothing is called for between groups {} and {}", .these.number(), .those.number())]
+    NotCalledFor {
+        /// One group.
+        these: Group,
+        /// The other.
+        those: Group,
+    },
     /// No more indices: a scene holds at most 2^31 - 1 bodies.
     #[error("a scene holds at most 2147483647 bodies")]
     TooManyBodies,

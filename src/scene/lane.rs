@@ -77,7 +77,11 @@ impl Answer for Distance {
 
 impl Answer for Outcome {
     fn blank() -> Self {
-        Self::open(FeaturePair::vertices(Which::A, 0, 0))
+        Self {
+            // Finite, since not every format of files can hold what is not.
+            upper: f64::MAX,
+            ..Self::open(FeaturePair::vertices(Which::A, 0, 0))
+        }
     }
     #[inline]
     fn take(&mut self, outcome: &Outcome) {
@@ -274,6 +278,54 @@ impl Lanes {
             2 => seen(&self.features, place.seat()),
             _ => None,
         }
+    }
+
+    /// Slots whose boxes were told of.
+    #[cfg(feature = "serde")]
+    pub(super) fn told(&self) -> impl Iterator<Item = u32> + '_ {
+        let seats = self.seats.iter().zip(0u32..);
+        seats.filter(|(seat, _)| seat.is_told()).map(|(_, slot)| slot)
+    }
+
+    /// The pairs of all lanes.
+    #[cfg(feature = "serde")]
+    pub(super) fn heads(&self) -> impl Iterator<Item = &Head> {
+        let lanes = [&self.predicates.heads, &self.distances.heads, &self.features.heads];
+        lanes.into_iter().flatten()
+    }
+
+    /// Lanes with their seats found anew; `None` where two pairs have one slot. Slots are those of a broad phase.
+    #[cfg(feature = "serde")]
+    pub(super) fn restored(
+        predicates: Lane<()>,
+        distances: Lane<Distance>,
+        features: Lane<Outcome>,
+        told: &[u32],
+        slots: usize,
+    ) -> Option<Self> {
+        let mut seats = alloc::vec![Seat::NONE; slots];
+        for (lane, heads) in [&predicates.heads, &distances.heads, &features.heads]
+            .into_iter()
+            .enumerate()
+        {
+            for (head, seat) in heads.iter().zip(0..TOLD) {
+                let place = seats.get_mut(head.pair.slot as usize)?;
+                if *place != Seat::NONE {
+                    return None;
+                }
+                *place = Seat::of(lane as u32, seat);
+            }
+        }
+        for slot in told {
+            let place = seats.get_mut(*slot as usize)?;
+            *place = Seat(place.0 | TOLD);
+        }
+        Some(Self {
+            predicates,
+            distances,
+            features,
+            seats,
+        })
     }
 
     pub(super) fn trim(&mut self) {

@@ -80,6 +80,8 @@ mod look;
 mod parallel;
 mod report;
 mod search;
+#[cfg(feature = "serde")]
+mod snapshot;
 mod step;
 
 use alloc::vec::Vec;
@@ -100,6 +102,7 @@ pub use error::SceneError;
 pub use events::{Change, Event};
 use lane::Lanes;
 pub use report::{Counts, Report, Times};
+pub use search::Near;
 
 /// Bodies, the effects called for, and what the last step found. See the [module page](self).
 #[derive(Clone, Debug)]
