@@ -1,6 +1,7 @@
 //! Crowds of moving hulls: the scenes of the scene's tests, examples and benchmarks. Fixed seeds, no outside randomness.
 //!
-//! Hulls are random points on an ellipsoid of half axes 0.4 to 0.6 in every direction, so a body is about one unit across.
+//! Hulls are random points on an ellipsoid of half axes 0.4 to 0.6 in every direction, 0.5 to 0.6 in a pile: a body is about one
+//! unit across.
 
 use crate::pose::{add, quat, quat_mul, scale, unit_quat};
 use crate::rng::Rng;
@@ -54,7 +55,8 @@ impl Crowd {
     /// `n` bodies of hulls with `vertices` points, always the same.
     pub fn new(kind: Kind, n: usize, vertices: usize) -> Self {
         let mut rng = Rng::new(0x5EED + n as u64 + 7 * vertices as u64);
-        let axes = |rng: &mut Rng| [0; 3].map(|_| rng.range(0.4, 0.6));
+        let least = if kind == Kind::Pile { 0.5 } else { 0.4 };
+        let axes = |rng: &mut Rng| [0; 3].map(|_| rng.range(least, 0.6));
         let shapes = (0..SHAPES).map(|_| {
             let axes = axes(&mut rng);
             ellipsoid(&mut rng, vertices, axes)

@@ -4,7 +4,7 @@ use alloc::vec::Vec;
 
 use super::body::{Ball, Bodies};
 use super::budget::{slack, wake};
-use super::effects::{NEVER, Plan, Table};
+use super::effects::{NEVER, Plan, Rung, Table};
 use super::events::{Change, Happened};
 use super::lane::{Answer, Head, Lane, State};
 use super::report::Counts;
@@ -109,7 +109,11 @@ impl Context<'_> {
             within: within(plan.within),
             measured: within(plan.range),
         };
+        counts.overlaps += u64::from(plan.overlap);
+        counts.withins += u64::from(plan.within != NEVER);
         if head.state.measured {
+            counts.distances += 1;
+            counts.features += u64::from(plan.rung == Rung::Features);
             answer.take(&outcome);
             head.wake = 0.0;
             // The rung above: a manifold of the features of `outcome`, kept in a lane of its own.

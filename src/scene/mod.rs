@@ -117,8 +117,9 @@ pub struct Scene {
     replanned: u32,
     /// Whether bodies were inserted, removed or moved to another group since the last step.
     changed: bool,
-    /// What each group's boxes are grown by, and which groups it pairs with, as of the last step.
+    /// What each group's boxes are grown by, and which groups it pairs with, as of the last step that took effects over.
     growths: [f64; GROUPS],
+    partners: [u32; GROUPS],
     budget: bool,
     settings: Settings,
     /// Kept for its room.
@@ -153,6 +154,7 @@ impl Scene {
             replanned: 0,
             changed: false,
             growths: [0.0; GROUPS],
+            partners: [0; GROUPS],
             budget: true,
             settings,
             batch: Vec::new(),

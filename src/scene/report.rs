@@ -44,6 +44,14 @@ pub struct Counts {
     pub certificates: u64,
     /// Overlaps whose depth was searched for.
     pub depths: u64,
+    /// Asked pairs for which `overlap` was decided.
+    pub overlaps: u64,
+    /// Asked pairs for which `within` was decided.
+    pub withins: u64,
+    /// Distances taken over.
+    pub distances: u64,
+    /// Of these, with features and witnesses.
+    pub features: u64,
     /// Events told.
     pub events: u64,
 }
@@ -85,6 +93,10 @@ impl AddAssign for Counts {
         self.walked += o.walked;
         self.certificates += o.certificates;
         self.depths += o.depths;
+        self.overlaps += o.overlaps;
+        self.withins += o.withins;
+        self.distances += o.distances;
+        self.features += o.features;
         self.events += o.events;
         for (mine, theirs) in self.answered.iter_mut().zip(o.answered) {
             *mine += theirs;
@@ -167,10 +179,14 @@ impl fmt::Display for Report {
         )?;
         writeln!(
             f,
-            "                      {} steps, {} certificates, {} depths; answered by walk {}, restart {}, fallback {}, double-double {}, exact {}, far {}, surface {}",
+            "                      {} overlaps, {} withins, {} distances, {} features, {} depths; {} steps, {} certificates; answered by walk {}, restart {}, fallback {}, double-double {}, exact {}, far {}, surface {}",
+            c.overlaps,
+            c.withins,
+            c.distances,
+            c.features,
+            c.depths,
             c.walked,
             c.certificates,
-            c.depths,
             c.answered[0],
             c.answered[1],
             c.answered[2],

@@ -11,7 +11,7 @@ use super::look::least_distance;
 use super::{BodyId, Scene, SceneError};
 use crate::broad::{Aabb, BroadPhase};
 use crate::closest::outcome::Outcome;
-use crate::polyhedron::BoxHint;
+use crate::polyhedron::{BoxHint, ConvexPolyhedron};
 use crate::pose::RelativePose;
 use crate::tolerance::{SCENE_REACH, UNIT};
 use crate::tracker::Tracker;
@@ -179,7 +179,7 @@ impl Scene {
         &self,
         a: u32,
         b: u32,
-        ask: impl FnOnce(&mut Tracker, &crate::ConvexPolyhedron, &crate::ConvexPolyhedron, &RelativePose) -> R,
+        ask: impl FnOnce(&mut Tracker, &ConvexPolyhedron, &ConvexPolyhedron, &RelativePose) -> R,
     ) -> Option<R> {
         let [i, j] = [a as usize, b as usize];
         let (x, y) = (

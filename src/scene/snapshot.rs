@@ -61,6 +61,7 @@ struct Snapshot {
     effects: Vec<(Group, Group, Effects)>,
     /// Infinity as the largest number.
     growths: Vec<f64>,
+    partners: [u32; GROUPS],
     broad: PencilSweep,
     predicates: Seats<()>,
     distances: Seats<Distance>,
@@ -163,6 +164,7 @@ impl Snapshot {
             step: bodies.step,
             effects: scene.table.entries().collect(),
             growths: scene.growths.iter().map(|g| g.min(f64::MAX)).collect(),
+            partners: scene.partners,
             broad: scene.broad.clone(),
             predicates: seats(&scene.lanes.predicates),
             distances: seats(&scene.lanes.distances),
@@ -233,6 +235,7 @@ impl Snapshot {
             replanned: self.replanned,
             changed: self.changed,
             growths,
+            partners: self.partners,
             budget: self.budget,
             settings: self.settings,
             batch: Vec::new(),

@@ -48,6 +48,7 @@ impl Scene {
             return false;
         }
         self.growths = core::array::from_fn(|g| self.table.growth(group(g)));
+        self.partners = core::array::from_fn(|g| self.table.partners(group(g)));
         let mut rehoused = false;
         for i in 0..self.bodies.solids.len() {
             let Some(solid) = self.bodies.solids[i].as_ref().filter(|_| self.bodies.lives(i)) else {
@@ -90,11 +91,10 @@ impl Scene {
         if !bodies.due.is_sorted() {
             bodies.due.sort_unstable();
         }
-        let partners = core::array::from_fn(|g| self.table.partners(group(g)));
         let mut hints = core::mem::take(&mut bodies.hints);
         let boxes = Boxes {
             bodies,
-            partners: &partners,
+            partners: &self.partners,
             growths: &self.growths,
         };
         #[cfg(feature = "parallel")]
