@@ -96,6 +96,9 @@
 //! | `Tracker::closest_exact` | the class is exact and the distance within one unit in the last place |
 //! | [`Tracker::intersects`], [`Tracker::within`] | exact with the feature `exact`; without it ties count as within |
 //!
+//! To the L of bodies that lie far from their own origin 2^-49 of that distance is added: it matters where they are of the size of
+//! the rounding of their coordinates.
+//!
 //! The truth is that of the bits given: a vertex v at the pose (q, t) is at `R(q) v / |q|^2 + t`, over the rationals.
 //! Every constant stands with its derivation in [`tolerance`].
 //!

@@ -59,7 +59,10 @@ pub const AGREE: f64 = 32.0 * UNIT;
 
 /// Four signed volumes of corners up to L prove the origin inside when each exceeds this times UNIT L^3 (UNIT of the
 /// arithmetic): a determinant of three vectors up to L has an error of at most 14 UNIT L^3, and corners displaced by
-/// the [`CERTIFICATE`] error of placement change it by three times that: 398 in all.
+/// the [`CERTIFICATE`] error of placement change it by three times that: 398 in all. Of corners of very different lengths less is
+/// enough. Displaced by D, the determinant changes by D times the sum of the three products of two lengths, three
+/// times D^2 L, and D^3; its rounding is below 14 UNIT L times any of the products. With D = 128 UNIT L all this is below the sum of
+/// the products times 512 UNIT L and L (512 UNIT L)^2.
 pub const VOLUME: f64 = 512.0;
 
 /// A depth is proven where the height along the best normal and the nearest triangle agree within this times L: the

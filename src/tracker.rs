@@ -67,8 +67,8 @@ struct Starts {
 impl Starts {
     /// Two cube-map look-ups and climbs cost as much as this many steps.
     const CLIMBS: u32 = 4;
-    /// A coarse solve costs as much as this many.
-    const COARSE: u32 = 24;
+    /// The direction of two ellipsoids costs as much as this many.
+    const ELLIPSOIDS: u32 = 2;
 
     #[inline(always)]
     fn prefer_warm(self) -> bool {
@@ -78,7 +78,7 @@ impl Starts {
     /// Takes the cost of the way taken into its mean; what is known of the other fades, so that it is tried again.
     #[inline(always)]
     fn learn(&mut self, warm: bool, work: &Work) {
-        let steps = work.steps + Self::COARSE * work.coarse;
+        let steps = work.steps + Self::ELLIPSOIDS * work.ellipsoids;
         let cost = 16 * (steps + if warm { 0 } else { Self::CLIMBS }).min(1000) as u16;
         let (taken, other) = if warm {
             (&mut self.warm, &mut self.cold)

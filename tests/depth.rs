@@ -8,6 +8,8 @@ use lab::pose::{norm, radius, scale, sub};
 use lab::rng::Rng;
 use lab::shapes::{self, Shape};
 use lab::{Body, Pose};
+use lin_canny::nalgebra::Vector3;
+use lin_canny::polyhedron::solids;
 use lin_canny::{Class, ConvexPolyhedron, Layer, Outcome, Replay, Tracker};
 
 fn both(a: Pose, b: Pose) -> Frame {
@@ -284,5 +286,26 @@ fn a_foreign_surface_does_no_harm() {
         let (o, cold) = (pair.closest(a, b, &world::relative(&frame)), closest(a, b, &frame));
         assert_eq!(o.class, cold.class);
         assert!((o.distance - cold.distance).abs() <= 1e-14 * world::size(a, b, &frame));
+    }
+}
+
+/// A plate, and at a corner of it a speck a billionth as large and a million times thinner still: the volumes that prove the
+/// overlap are far below rounding of the plate's.
+#[test]
+fn a_speck_on_the_corner_of_a_plate() {
+    let corners = [[-1.0, -1.0, 0.0], [-1.0, -0.5, 0.0], [0.5, -1.0, 0.0], [0.0; 3]].map(|p| p.into());
+    let plate = ConvexPolyhedron::polygon(&corners).expect("a polygon");
+    let speck = solids::cuboid(Vector3::new(3.5e-9, 2.2e-9, 1.4e-12)).expect("a box");
+    let mut rng = Rng::new(17);
+    for _ in 0..200 {
+        let frame = both(
+            Pose::IDENTITY,
+            Pose {
+                q: rng.quat(),
+                t: [0.0; 3],
+            },
+        );
+        judge(&plate, &speck, &frame, "speck");
+        judge(&speck, &plate, &frame.swapped(), "speck");
     }
 }

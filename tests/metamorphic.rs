@@ -163,7 +163,9 @@ proptest! {
         for (x, y) in warm.iter().zip(&cold) {
             agree(x, y, size(&frame))?;
         }
-        prop_assert_eq!(warm[1].distance.to_bits(), cold[1].distance.to_bits());
+        if cold[1].class == Class::Separated {
+            prop_assert_eq!(warm[1].distance.to_bits(), cold[1].distance.to_bits());
+        }
         for d in [0.0, warm[0].lower, warm[0].distance, warm[0].upper, 1.0] {
             let (mut x, mut y) = (pair.clone(), Tracker::new());
             prop_assert_eq!(x.within(&p, &q, &of(&frame), d), y.within(&p, &q, &of(&frame), d));

@@ -16,6 +16,9 @@ use crate::support;
 /// Half a unit in the last place of 1.
 const UNIT: f64 = f64::EPSILON / 2.0;
 
+/// Coordinates that are more than 2^49 times as large as the pair count for its size by this part of them.
+const FAR: f64 = 1.0 / (1u64 << 48) as f64;
+
 /// Width of bounds that is promised, in units of the pair's size.
 const WIDTH: f64 = 1e-13;
 
@@ -208,7 +211,10 @@ impl Judge {
                 overlapping || o.lower <= s.apart + 2.0 * s.outside + s.slack,
                 "the lower bound is above the distance of the witnesses",
             ),
-            (o.upper - o.lower <= WIDTH * size, "the bounds are wide"),
+            (
+                o.upper - o.lower <= WIDTH * (size + FAR * (self.a.reach + self.b.reach)),
+                "the bounds are wide",
+            ),
             (s.gap >= o.lower - width, "the normal does not prove the lower bound"),
             (
                 overlapping || s.apart <= o.upper + width,

@@ -21,9 +21,6 @@ use crate::tolerance::{ON_BOUNDARY, PLATEAU, UNIT};
 /// Supports one solve may take. Right answers were seen to take at most 24.
 const SUPPORTS: u32 = 64;
 
-/// Supports a coarse solve may take: the last ones change little of where the walk begins.
-const COARSE_SUPPORTS: u32 = 12;
-
 /// Bodies of so many vertices are climbed from any of them.
 const SMALL: usize = 64;
 
@@ -43,28 +40,11 @@ pub(crate) enum Minimum<T> {
 
 /// Solves from a vertex of each feature.
 pub(crate) fn solve<T: Scalar>(placed: &Placed, frame: &Frame<T>, from: FeaturePair) -> Minimum<T> {
-    solve_with(placed, frame, from, SUPPORTS, extreme)
-}
-
-/// The same over the vertices of the cube maps alone: the minimum of two inner hulls, for a start near the true one.
-pub(crate) fn solve_coarsely(placed: &Placed, from: FeaturePair) -> Minimum<f64> {
-    let cell = |body: &ConvexPolyhedron, n: &Vec3<f64>, _| body.lookup.cell(&Vector3::from(*n));
-    solve_with(placed, &Frame::of(placed), from, COARSE_SUPPORTS, cell)
-}
-
-#[inline]
-fn solve_with<T: Scalar>(
-    placed: &Placed,
-    frame: &Frame<T>,
-    from: FeaturePair,
-    supports: u32,
-    support: impl Fn(&ConvexPolyhedron, &Vec3<T>, u32) -> u32,
-) -> Minimum<T> {
     let (a, b) = from.vertices_of(placed.a, placed.b);
     let size = placed.reach::<T>();
     let mut simplex = Simplex::vertex(corner(placed, frame, a, b));
     let (mut lower, mut direction) = (T::from(f64::NEG_INFINITY), simplex.direction());
-    for _ in 0..supports {
+    for _ in 0..SUPPORTS {
         let d = simplex.direction();
         let norm_squared = dot(&d, &d);
         let touches = T::from(ON_BOUNDARY * T::UNIT / UNIT * size);
@@ -72,8 +52,8 @@ fn solve_with<T: Scalar>(
             break;
         }
         let (hint, toward) = (simplex.kept()[simplex.len() - 1], neg(&d));
-        let a = support(placed.a, &toward, hint.a);
-        let b = support(placed.b, &frame.direction(&d), hint.b);
+        let a = extreme(placed.a, &toward, hint.a);
+        let b = extreme(placed.b, &frame.direction(&d), hint.b);
         let c = corner(placed, frame, a, b);
         let reach = dot(&d, &c.w) / root(norm_squared);
         if reach > lower {

@@ -12,6 +12,7 @@
 
 mod behind;
 pub(crate) mod edge_edge;
+mod ellipsoid;
 #[cfg(feature = "exact")]
 pub(crate) mod exact;
 pub(crate) mod fallback;

@@ -65,8 +65,8 @@ pub struct Work {
     pub certificates: u32,
     /// Walks started afresh from support vertices.
     pub restarts: u32,
-    /// Starts taken from a coarse minimum-norm solve: of flat bodies, and of walks that had grown long.
-    pub coarse: u32,
+    /// Starts taken where the ellipsoids of flat bodies face each other, instead of along the line of centres.
+    pub ellipsoids: u32,
     /// Minimum-norm solves in f64.
     pub fallbacks: u32,
     /// Minimum-norm solves in double-double.
@@ -84,7 +84,7 @@ impl core::ops::AddAssign for Work {
         self.steps += o.steps;
         self.certificates += o.certificates;
         self.restarts += o.restarts;
-        self.coarse += o.coarse;
+        self.ellipsoids += o.ellipsoids;
         self.fallbacks += o.fallbacks;
         self.double_doubles += o.double_doubles;
         self.exacts += o.exacts;

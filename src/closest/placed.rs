@@ -113,6 +113,11 @@ impl<'a> Placed<'a> {
         self.matrix.tr_mul(n)
     }
 
+    /// The matrix of B's ellipsoid in A's frame.
+    pub(crate) fn spread_of_b(&self) -> Matrix3<f64> {
+        self.matrix * self.b.spread * self.matrix.transpose()
+    }
+
     /// How high B's stored origin is along `n` of A's frame.
     #[inline(always)]
     pub(crate) fn lift(&self, n: &Vector3<f64>) -> f64 {

@@ -117,10 +117,11 @@ impl<T: Scalar> Nearest<T> {
             volume = volume.map(|v| -v);
         }
         let certain = T::from(VOLUME * T::UNIT * size * size * size);
+        let is_certain = |v: T, face: &[u8; 3]| v > certain || (v > zero && v.value() > rounding::<T>(c, face, size));
         let faces = [[1, 2, 3], [0, 2, 3], [0, 1, 3], [0, 1, 2]];
         let mut best: Option<Self> = None;
         for k in 0..4 {
-            if !(volume[k] > certain) {
+            if !is_certain(volume[k], &faces[k]) {
                 let t = Self::triangle(c, faces[k]);
                 if best.is_none_or(|b| t.squared < b.squared) {
                     best = Some(t);
@@ -139,6 +140,14 @@ impl<T: Scalar> Nearest<T> {
             }
         })
     }
+}
+
+/// What rounding may make of the volume of three corners, see [`VOLUME`].
+#[cold]
+fn rounding<T: Scalar>(c: &[Corner<T>; 4], face: &[u8; 3], size: f64) -> f64 {
+    let [p, q, r] = face.map(|k| c[k as usize].w.iter().fold(0.0, |sum, x| sum + x.value().abs()));
+    let off = VOLUME * T::UNIT * size;
+    off * (p * q + q * r + r * p) + off * off * size
 }
 
 impl<T: Scalar> Simplex<T> {

@@ -14,16 +14,12 @@
 use super::outcome::Outcome;
 use super::placed::{OfA, OfB, Placed};
 use super::state::Step;
-use super::{edge_edge, seed, vertex_edge, vertex_face, vertex_vertex};
+use super::{edge_edge, vertex_edge, vertex_face, vertex_vertex};
 use crate::polyhedron::{Feature, FeaturePair};
 use crate::scalar::sqrt;
 
 /// Jumps to a far face (vertex-face from behind) a walk may take: they are not monotone.
 const JUMPS: u32 = 3;
-
-/// A walk this long is better off with a new start: some steps of the minimum-norm solver cost less than the way that
-/// is likely left. Flat bodies need it, where the line of centres says little about the closest features.
-const LONG: u32 = 48;
 
 /// Steps before the guard looks.
 const FREE: u32 = 8;
@@ -75,10 +71,6 @@ pub(crate) fn watched<const CERTIFY: bool>(
             Step::Lost => return false,
         }
         guard.steps += 1;
-        if guard.steps == LONG && !placed.a.topology.has_large_faces() && !placed.b.topology.has_large_faces() {
-            outcome.work.coarse += 1;
-            outcome.features = seed::nearer(placed, outcome.features);
-        }
         if guard.steps >= FREE && guard.stops(placed, outcome.features) || guard.jumps > JUMPS {
             return false;
         }

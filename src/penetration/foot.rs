@@ -10,13 +10,12 @@ use crate::tolerance::AGREE_DEPTH;
 /// Rims longer than this are left to the surface.
 const LARGE: usize = 24;
 
-/// The points of A and of B, in their stored frames, that are `height` apart along the unit `normal`, A's ahead: where the
+/// A point of A and one of B, in their stored frames.
+pub(super) type Witnesses = (Point3<f64>, Point3<f64>);
+
+/// The points that are `height` apart along the unit `normal`, A's ahead: where the
 /// features of a facet at that height hold such points.
-pub(super) fn foot(
-    placed: &Placed,
-    facet: FeaturePair,
-    (normal, height): &(Vec3<f64>, f64),
-) -> Option<(Point3<f64>, Point3<f64>)> {
+pub(super) fn foot(placed: &Placed, facet: FeaturePair, (normal, height): &(Vec3<f64>, f64)) -> Option<Witnesses> {
     let (ahead, close) = (Vector3::from(*normal) * *height, AGREE_DEPTH * placed.size());
     let (p, q) = match (facet.a, facet.b) {
         (Feature::Face(f), Feature::Vertex(v)) => {

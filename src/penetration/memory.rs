@@ -8,8 +8,6 @@
 use alloc::boxed::Box;
 use alloc::vec::Vec;
 
-use nalgebra::Point3;
-
 use crate::closest::outcome::{Class, Layer, Outcome};
 use crate::closest::placed::{Frame, Placed};
 use crate::closest::simplex::Corner;
@@ -18,7 +16,7 @@ use crate::scalar::{Vec3, sub};
 use crate::tolerance::{AGREE_DEPTH, SHIFTS};
 
 use super::facet::{facets, height_of};
-use super::foot::foot;
+use super::foot::{Witnesses, foot};
 use super::pass::{Pass, pass};
 use super::search::{Best, End, Found, Search, search};
 use super::surface::Surface;
@@ -52,6 +50,9 @@ pub(crate) struct Memory {
     #[cfg_attr(feature = "serde", serde(skip))]
     room: Option<Box<Room>>,
 }
+
+/// The features of the deepest facet, with how many triangles it was built, its points, and its triangles.
+type Parts<'a> = (FeaturePair, u32, &'a [[u32; 2]], &'a [[u8; 6]]);
 
 /// Lists that keep what they have taken.
 #[derive(Clone, Debug)]
@@ -164,8 +165,8 @@ impl Memory {
         self.triangles.is_empty()
     }
 
-    /// The features of the deepest facet, with how many triangles it was built, its points, and its triangles.
-    pub(crate) fn parts(&self) -> Option<(FeaturePair, u32, &[[u32; 2]], &[[u8; 6]])> {
+    /// What is remembered, if anything.
+    pub(crate) fn parts(&self) -> Option<Parts<'_>> {
         Some((self.facet?, self.built, &self.points, &self.triangles))
     }
 
@@ -330,7 +331,7 @@ fn begin_anew(
 }
 
 /// What is found where every triangle is beyond the facet and the facet holds the deepest points.
-fn proven(best: &Best<f64>, witnesses: (Point3<f64>, Point3<f64>), size: f64) -> Found<f64> {
+fn proven(best: &Best<f64>, witnesses: Witnesses, size: f64) -> Found<f64> {
     Found {
         end: End::Closed,
         normal: best.normal,

@@ -1,17 +1,16 @@
 //! The search for the deepest facet: a surface grown at its nearest triangle until that is known to lie on the border.
 
-use nalgebra::Point3;
-
 use crate::closest::fallback::{Minimum, corner, extreme, solve};
 use crate::closest::placed::{Frame, Placed};
 use crate::closest::refine::witnesses;
 use crate::closest::simplex::{Corner, Simplex};
+use crate::double_double::DoubleDouble;
 use crate::polyhedron::FeaturePair;
-use crate::scalar::{Scalar, Vec3, dot, neg, scaled};
+use crate::scalar::{Scalar, Vec3, dot, neg, scaled, sub};
 use crate::tolerance::{AGREE_DEPTH, ALMOST_FLAT, ASIDE, CERTIFICATE, PLATEAU, UNIT};
 
 use super::facet::normals;
-use super::foot::foot;
+use super::foot::{Witnesses, foot};
 use super::surface::{Filter, Surface, unit};
 
 /// Points that may come twice before a surface counts as folded.
@@ -39,7 +38,7 @@ pub(super) struct Found<T> {
     /// The triangle that holds the deepest point, or one of the facet.
     pub(super) corners: [Corner<T>; 3],
     /// The deepest points of A and of B in their stored frames.
-    pub(super) witnesses: Option<(Point3<f64>, Point3<f64>)>,
+    pub(super) witnesses: Option<Witnesses>,
     pub(super) features: Option<FeaturePair>,
     /// Points the surface took in.
     pub(super) grown: u32,
@@ -233,7 +232,8 @@ impl<'a, T: Scalar> Search<'a, T> {
     /// Whether the bounds agree as well as they have to, though they might do better in a finer arithmetic.
     fn is_good(&mut self) -> bool {
         let bound = self.bound();
-        self.best.is_some_and(|b| b.height - bound <= self.open(UNIT))
+        self.best
+            .is_some_and(|b| b.height - bound <= T::from(AGREE_DEPTH * self.placed.size()))
     }
 
     /// What every triangle is beyond.
@@ -361,27 +361,61 @@ impl<'a, T: Scalar> Search<'a, T> {
     /// The deepest points, and three corners of the facet they are on: where the features of the best direction do not hold them,
     /// they are those of the surface's point nearest to the foot of the origin on the best plane. The surface meets the ray
     /// along the normal between both bounds, so where they agree it is there.
-    fn deepest(&self, best: &Best<T>, weakest: u32) -> ([Corner<T>; 3], (Point3<f64>, Point3<f64>)) {
-        let mut corners = self.surface.corners(weakest);
+    fn deepest(&self, best: &Best<T>, weakest: u32) -> ([Corner<T>; 3], Witnesses) {
         if let Some(foot) = best.features.and_then(|f| foot(self.placed, f, &best.rounded())) {
-            return (corners, foot);
+            return (self.surface.corners(weakest), foot);
         }
-        let target = scaled(&best.normal, best.height);
         let close = T::from(AGREE_DEPTH) * self.size;
         let plane = best.height - close;
         let all = 0..self.surface.triangles.len() as u32;
         let flat = all.clone().filter(|t| self.surface.height(*t, &best.normal) >= plane);
-        let (mut nearest, mut least) = self.surface.nearest(weakest, &target);
-        for t in flat.chain(all) {
-            if least <= close {
+        let order = || core::iter::once(weakest).chain(flat.clone()).chain(all.clone());
+        let found = self.nearest::<T>(order(), best, close);
+        if T::UNIT < UNIT || found.1 <= close.value() {
+            return (self.surface.corners(found.0), found.2);
+        }
+        // The weights of needles are wrong in f64.
+        let found = self.nearest::<DoubleDouble>(order(), best, close);
+        (self.surface.corners(found.0), found.2)
+    }
+
+    /// The first triangle that comes close enough to the foot of the origin on the best plane, or else the nearest; how near, and
+    /// the witnesses there.
+    fn nearest<S: Scalar>(
+        &self,
+        triangles: impl Iterator<Item = u32>,
+        best: &Best<T>,
+        close: T,
+    ) -> (u32, f64, Witnesses) {
+        // Both parts of a double-double.
+        let as_s = |x: T| S::from(x.value()) + S::from((x - T::from(x.value())).value());
+        let fine = |v: &Vec3<T>| v.map(as_s);
+        let target = scaled(&fine(&best.normal), as_s(best.height));
+        let mut found: Option<(u32, f64, Simplex<S>)> = None;
+        for t in triangles {
+            let shifted = self.surface.corners(t).map(|c| Corner {
+                a: c.a,
+                b: c.b,
+                w: sub(&fine(&c.w), &target),
+            });
+            let simplex = Simplex::triangle(shifted);
+            let off = simplex.reach().value();
+            if found.as_ref().is_none_or(|f| off < f.1) {
+                found = Some((t, off, simplex));
+            }
+            if off <= close.value() {
                 break;
             }
-            let (simplex, off) = self.surface.nearest(t, &target);
-            if off < least {
-                corners = self.surface.corners(t);
-                (nearest, least) = (simplex, off);
-            }
         }
-        (corners, witnesses(self.placed, &nearest))
+        let (t, off, simplex) = found.unwrap_or_else(|| {
+            let c = self.surface.corners(0)[0];
+            let at = Corner {
+                a: c.a,
+                b: c.b,
+                w: fine(&c.w),
+            };
+            (0, f64::INFINITY, Simplex::vertex(at))
+        });
+        (t, off, witnesses(self.placed, &simplex))
     }
 }

@@ -475,15 +475,4 @@ impl<T: Scalar> Surface<T> {
         let closed = edges.last().is_some_and(|e| e.to == edges[0].from);
         simple && closed && edges.len() > 2
     }
-
-    /// The point of a triangle nearest to `target`, and how near it is.
-    pub(super) fn nearest(&self, triangle: u32, target: &Vec3<T>) -> (Simplex<T>, T) {
-        let shifted = self.corners(triangle).map(|c| Corner {
-            w: sub(&c.w, target),
-            ..c
-        });
-        let simplex = Simplex::triangle(shifted);
-        let off = simplex.reach();
-        (simplex, off)
-    }
 }

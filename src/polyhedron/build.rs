@@ -1,7 +1,7 @@
 //! From points to a body: cloud, hull, faces, planes, report.
 
 use alloc::vec::Vec;
-use nalgebra::{Point3, Vector3};
+use nalgebra::{Matrix3, Point3, Vector3};
 
 use super::bounds::Scan;
 use super::cloud::{Cloud, bounding_box, power_of_two};
@@ -96,10 +96,16 @@ impl ConvexPolyhedron {
         if loops.len() > 1 && report.euler_characteristic != 2 {
             return Err(BuildError::Inconsistent);
         }
+        let inner = points.iter().sum::<Vector3<f64>>() / points.len() as f64;
+        let squares = points.iter().map(|p| (p - inner) * (p - inner).transpose());
+        let spread = squares.sum::<Matrix3<f64>>() * (3.0 / points.len() as f64);
+        let mean = spread.trace() / 3.0;
         Ok(Self {
             lookup: CubeMap::new(&topology, &points),
             scan: Scan::new(&points),
-            inner: points.iter().sum::<Vector3<f64>>() / points.len() as f64,
+            inner,
+            spread,
+            is_flat: points.len() > FEW && spread.determinant() < FLAT * mean * mean * mean,
             topology,
             source: kept.iter().map(|&i| cloud.source[i as usize]).collect(),
             points,
@@ -187,6 +193,13 @@ fn planes_of(points: &[Vector3<f64>], loops: &[Vec<u32>], radius: f64) -> (Vec<P
     };
     loops.iter().map(of_face).unzip()
 }
+
+/// A body is flat or long if the product of the squares of its half axes is below this part of that of a ball with the same sum: as
+/// it is for 3:3:1.
+const FLAT: f64 = 0.32;
+
+/// On bodies of so many vertices every way is short.
+const FEW: usize = 12;
 
 /// The error for a flat cloud.
 pub(crate) fn flat(cloud: &Cloud, span: &Span) -> BuildError {

@@ -35,7 +35,7 @@ pub(crate) mod support;
 pub(crate) mod topology;
 
 use alloc::vec::Vec;
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 
 pub use bounds::BoxHint;
 pub(crate) use cloud::power_of_two;
@@ -82,6 +82,10 @@ pub struct ConvexPolyhedron {
     pub(crate) radius: f64,
     /// The mean of the vertices, in stored coordinates: inside the body, which the middle of its box need not be.
     pub(crate) inner: Vector3<f64>,
+    /// Three times the covariance of the vertices: the matrix of the ellipsoid through points that lie on one.
+    pub(crate) spread: Matrix3<f64>,
+    /// Whether that is far from a ball.
+    pub(crate) is_flat: bool,
     /// Corners of the bounding box, in stored coordinates.
     pub(crate) low: Vector3<f64>,
     pub(crate) high: Vector3<f64>,

@@ -20,12 +20,6 @@ use crate::tolerance::EDGE_SIGN;
 /// The cube map takes no body for flatter than this.
 const FLATTEST: f64 = 1.0 / 1024.0;
 
-/// A body is flat if its least extent is below this part of its greatest.
-const ROUND: f64 = 1.0 / 3.0;
-
-/// Vertices from which a flat body is worth a coarse solve.
-const MANY: usize = 1000;
-
 /// Vertices a flood may hold before it turns into a scan of the whole body.
 const FLOOD: usize = 48;
 
@@ -87,13 +81,6 @@ impl ConvexPolyhedron {
     #[inline]
     pub(crate) fn climb_cold(&self, n: &Vector3<f64>) -> u32 {
         self.climb(n, self.lookup.cell(n))
-    }
-
-    /// Whether a walk over the body may be long even from the side that faces the other: flat, with many vertices. Along long
-    /// rims the walk has ways of its own.
-    #[inline]
-    pub(crate) fn is_long_way(&self) -> bool {
-        self.topology.vertex_count() > MANY && self.lookup.is_flat() && !self.topology.has_large_faces()
     }
 
     /// The higher along `n` of `hint` and the vertex of the cube map: a start for a climb.
@@ -264,10 +251,6 @@ impl CubeMap {
     /// Bytes on the heap.
     pub(crate) fn heap_bytes(&self) -> usize {
         4 * self.cells.capacity()
-    }
-
-    fn is_flat(&self) -> bool {
-        self.stretch.min() < ROUND * self.stretch.max()
     }
 
     /// The vertex stored for the cell that holds `n`; any vertex where `n` is zero.
