@@ -201,7 +201,7 @@ fn show(bodies: usize, runs: &[Vec<Step>]) {
         "effects", "us", "pairs", "asked", "budget", "steps", "certific.", "distances", "features", "depths"
     );
     for ((name, _), reports) in SETS.iter().zip(runs) {
-        let Step { report, met } = total(reports);
+        let Step { report, .. } = total(reports);
         let (c, t) = (report.counts, report.times);
         let mean = |v: u64| v as f64 / STEPS as f64;
         println!(

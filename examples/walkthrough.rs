@@ -92,8 +92,13 @@ fn main() -> Result<(), Trouble> {
                 within.remove(&other);
             }
         }
-        let at = pose.translation;
-        if within.is_empty() { &mut way } else { &mut close }.push((at.x, at.y));
+        if frame % EVERY == 0 {
+            let at = (pose.translation.x, pose.translation.y);
+            // A line breaks where it is no number.
+            way.push(if within.is_empty() { at } else { (f64::NAN, f64::NAN) });
+            close.extend((!within.is_empty()).then_some(at));
+        }
+        too_close += usize::from(!within.is_empty());
         progress.step();
     }
     drop(progress);

@@ -386,7 +386,7 @@ fn questions_on_top_equal_brute_force() {
     }
     scene.step();
     let ids: Vec<BodyId> = scene.bodies().collect();
-    let fixed = |id: BodyId| id.index % 3 == 0;
+    let fixed = |id: BodyId| id.index.is_multiple_of(3);
     let measure = |a: BodyId, b: BodyId| {
         let pose = RelativePose::new(scene.pose(a).unwrap(), scene.pose(b).unwrap()).unwrap();
         Tracker::new().closest(scene.shape(a).unwrap(), scene.shape(b).unwrap(), &pose)
