@@ -477,3 +477,46 @@ fn odd_scales_and_places_lose_nothing() {
         assert!(events.len() >= 4, "{events:?}");
     }
 }
+
+/// Turning alone: the closest points of a rod beside a wall stand still while its ends sweep in.
+#[test]
+fn spinning_bodies_are_looked_at_in_time() {
+    let g = Group::default();
+    let wall = Arc::new(solids::cuboid(Vector3::new(5.0, 0.5, 5.0)).unwrap());
+    let rod = Arc::new(solids::cuboid(Vector3::new(1.0, 0.01, 0.01)).unwrap());
+    let axes = [
+        Vector3::z(),
+        Vector3::new(0.6, 0.0, 0.8),
+        Vector3::new(0.36, 0.48, -0.8),
+    ];
+    let (mut events, mut skipped) = (0, 0);
+    for (k, axis) in axes.iter().enumerate() {
+        for gap in [0.001, 0.01, 0.1, 0.5] {
+            for rate in [1e-4, 0.003, 0.05, 0.7] {
+                let mut scene = Scene::new();
+                let effects = Effects {
+                    overlap: k != 1,
+                    within: Some(0.02),
+                    ..NONE
+                };
+                scene.call_for(g, g, effects).unwrap();
+                scene.insert(Body::fixed(wall.clone()), Isometry3::identity()).unwrap();
+                let at = Isometry3::translation(0.0, 0.51 + gap, 0.0);
+                let id = scene.insert(Body::moving(rod.clone()), at).unwrap();
+                scene.set_velocity(id, Velocity::new(Vector3::zeros(), *axis)).unwrap();
+                let mut within = false;
+                for _ in 0..1000 {
+                    scene.advance(rate).unwrap();
+                    skipped += scene.step().counts.skipped;
+                    for e in scene.events() {
+                        within ^= matches!(e.change, Change::CameWithin | Change::LeftWithin);
+                        events += 1;
+                    }
+                    let pose = RelativePose::new(&Isometry3::identity(), scene.pose(id).unwrap()).unwrap();
+                    assert_eq!(within, Tracker::new().within(&wall, &rod, &pose, 0.02), "{gap} {rate}");
+                }
+            }
+        }
+    }
+    assert!(events > 1000 && skipped > 10_000, "{events} {skipped}");
+}

@@ -211,6 +211,7 @@ impl Bodies {
         let index = self.free.pop().unwrap_or(self.generations.len() as u32);
         let i = index as usize;
         if i == self.generations.len() {
+            self.make_room();
             self.generations.push(0);
             self.solids.push(None);
             self.poses.push(pose);
@@ -257,6 +258,20 @@ impl Bodies {
         self.travels.push(travel);
         self.hints.push(hint);
         self.housed.push(housed);
+    }
+
+    /// Lists grow by an eighth, not by doubling: they are most of the memory of a scene.
+    fn make_room(&mut self) {
+        let more = self.generations.len() / 8 + 16;
+        if self.generations.len() == self.generations.capacity() {
+            self.generations.reserve_exact(more);
+            self.solids.reserve_exact(more);
+            self.poses.reserve_exact(more);
+            self.balls.reserve_exact(more);
+            self.travels.reserve_exact(more);
+            self.hints.reserve_exact(more);
+            self.housed.reserve_exact(more);
+        }
     }
 
     /// Notes under which name the broad phase knows a body.

@@ -1,7 +1,7 @@
 //! The displacement budget: a pair is looked at again only when its bodies may have used up its distance.
 //!
 //! Every body has an odometer: at each change of its pose it grows by a bound of how far any point of the body went,
-//! `|shift of its centre| + radius * turn` (`motion::displacement`). A pair that was looked at when its odometers
+//! `|shift of its centre| + 2 radius sin(turn / 2)`, rounded up. A pair that was looked at when its odometers
 //! stood at a and b, and whose answer holds as long as its distance changes by less than s, sleeps until the sum of its odometers
 //! reaches a + b + s. Velocities need not be known, and jumps are no exception.
 //!

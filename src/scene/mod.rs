@@ -46,7 +46,7 @@
 //! # What it costs
 //!
 //! [`Effects`] is the price list. A pair that only events of overlaps or of `within` are called for is looked at when its bodies may
-//! have used up their distance, and not before: see `budget` for the rule and its proof. A distance called for is taken
+//! have used up their distance, and not before: see [`budget`] for the rule and its proof. A distance called for is taken
 //! whenever a body of the pair has moved. A step in which nothing was set does nothing.
 //!
 //! # Promises
@@ -70,7 +70,7 @@
 
 mod answer;
 mod body;
-mod budget;
+pub mod budget;
 mod effects;
 mod error;
 mod events;
