@@ -13,7 +13,7 @@
 //! let block = Arc::new(solids::cuboid(Vector3::new(0.5, 0.5, 0.5))?); // shared by all bodies of that shape
 //! let mut scene = Scene::new();
 //! scene.call_for(ROBOT, CELL, Effects { within: Some(0.05), ..Effects::none() })?;
-//! scene.insert(Body::fixed(block.clone()).group(CELL), Isometry3::translation(3.0, 0.0, 0.0))?;
+//! scene.insert(Body::fixed(block.clone()).group(CELL), Isometry3::translation(3.005, 0.0, 0.0))?;
 //! let arm = scene.insert(Body::moving(block).group(ROBOT), Isometry3::identity())?;
 //!
 //! let mut came = None;
@@ -24,7 +24,7 @@
 //!         came = came.or(Some(frame));
 //!     }
 //! }
-//! assert_eq!(came, Some(195)); // 3 - 0.5 - 0.5 - 1.95 = 0.05
+//! assert_eq!(came, Some(196)); // 3.005 - 0.5 - 0.5 - 1.96 = 0.045
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
