@@ -4,6 +4,7 @@ use alloc::vec::Vec;
 
 use nalgebra::Unit;
 
+use crate::closest::hold::Hold;
 use crate::closest::outcome::{Class, Distance, Layer, Level, Outcome, Proposal, Work};
 use crate::closest::placed::Placed;
 use crate::closest::trace::trace;
@@ -13,6 +14,8 @@ use crate::penetration::{self, Memory};
 use crate::polyhedron::{ConvexPolyhedron, FeaturePair, power_of_two};
 use crate::pose::{RelativePose, Which};
 use crate::replay::Replay;
+
+mod look;
 
 /// The features of the last answer of one pair, from which the next walk starts, and counters.
 ///
@@ -44,6 +47,9 @@ pub struct Tracker {
     /// The surface of the last answer, where that was an overlap.
     #[cfg_attr(feature = "serde", serde(default))]
     memory: Memory,
+    /// The proof of the last answer, where that was an overlap without its depth.
+    #[cfg_attr(feature = "serde", serde(default))]
+    hold: Option<Hold>,
 }
 
 /// What the two ways to start have cost lately, in steps of the walk: which of them a query takes.
@@ -139,6 +145,7 @@ impl Tracker {
             starts: Starts::default(),
             totals: Totals::default(),
             memory: Memory::default(),
+            hold: None,
         }
     }
 
@@ -263,13 +270,7 @@ impl Tracker {
         a_from_b: &RelativePose,
         deep: bool,
     ) -> Distance {
-        let o = self.answer(a, b, a_from_b, Level::Certified, deep);
-        Distance {
-            class: o.class,
-            value: o.distance,
-            lower: o.lower,
-            upper: o.upper,
-        }
+        Distance::from(&self.answer(a, b, a_from_b, Level::Certified, deep))
     }
 
     /// Whether the closed bodies share a point: touching is intersecting.
@@ -288,14 +289,8 @@ impl Tracker {
         if !(d >= 0.0) || clear_of(a, b, a_from_b, d) {
             return false;
         }
-        let o = self.answer(a, b, a_from_b, Level::Certified, false);
-        if o.class == Class::Overlapping || o.upper <= d {
-            return true;
-        }
-        if o.lower > d {
-            return false;
-        }
-        self.decide_within(a, b, a_from_b, d)
+        let outcome = self.look(a, b, a_from_b, false);
+        self.decides_within(a, b, a_from_b, &outcome, d)
     }
 
     /// The closest features as the walk proposes them, without bounds. Where the walk does not end, the minimum-norm
@@ -346,6 +341,9 @@ impl Tracker {
             if deep && !self.memory.is_empty() && self.resume(&placed, outcome) {
                 return;
             }
+            if !deep && level == Level::Certified && self.hold.is_some() && self.still_overlaps(&placed, outcome) {
+                return;
+            }
             let warm = self.start(a, b);
             outcome.features = warm.unwrap_or_else(|| closest::seed::cold(&placed, &mut outcome.work));
             closest::solve(level, &placed, warm.is_some(), outcome);
@@ -359,11 +357,14 @@ impl Tracker {
         }
     }
 
-    /// The depth of an overlap, where it is asked for.
+    /// The depth of an overlap, where it is asked for; where not, the next query begins with the expectation of another.
     #[inline(always)]
     fn deepen(&mut self, deep: bool, placed: &Placed, outcome: &mut Outcome) {
-        if deep && outcome.class == Class::Overlapping {
-            penetration::deepen(placed, &mut self.memory, outcome);
+        if outcome.class == Class::Overlapping {
+            self.hold = (!deep).then(Hold::default);
+            if deep {
+                penetration::deepen(placed, &mut self.memory, outcome);
+            }
         }
     }
 
@@ -404,8 +405,9 @@ impl Tracker {
         outcome.features = warm.unwrap_or_else(|| closest::seed::cold(&placed, &mut outcome.work));
         closest::solve(level, &placed, warm.is_some(), outcome);
         self.deepen(deep, &placed, outcome);
-        // Its names are those of the bodies exchanged.
+        // Their names are those of the bodies exchanged.
         self.memory.clear();
+        self.hold = None;
         outcome.features = outcome.features.swapped();
         core::mem::swap(&mut outcome.point_on_a, &mut outcome.point_on_b);
         let normal = -b_from_a.rotation().tr_mul(&outcome.normal);
