@@ -143,6 +143,13 @@ fn take<T: Scalar>(placed: &Placed, minimum: &Minimum<T>, outcome: &mut Outcome)
     }
 }
 
+/// The witnesses of a tetrahedron around the origin; features stay those of the answer before. Whether that settles the overlap.
+pub(super) fn take_overlap(placed: &Placed, simplex: &Simplex<f64>, outcome: &mut Outcome) -> bool {
+    (outcome.point_on_a, outcome.point_on_b) = witnesses(placed, simplex);
+    overlapping(outcome);
+    is_proven(placed, outcome)
+}
+
 /// Depth and normal of an overlap are not known here (they are the work of `penetration`); the direction has no meaning
 /// yet, but it is a unit vector.
 pub(super) fn overlapping(outcome: &mut Outcome) {

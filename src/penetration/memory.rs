@@ -145,6 +145,20 @@ impl Memory {
         self.built = 0;
     }
 
+    /// Triangles kept.
+    pub(crate) fn facets(&self) -> usize {
+        self.triangles.len()
+    }
+
+    /// Bytes on the heap.
+    pub(crate) fn heap_bytes(&self) -> usize {
+        self.points.capacity() * size_of::<[u32; 2]>()
+            + self.triangles.capacity() * size_of::<[u8; 6]>()
+            + self.room.as_ref().map_or(0, |r| {
+                size_of::<Room>() + r.weak.capacity() * size_of::<u32>() + r.surface.heap_bytes()
+            })
+    }
+
     /// Whether there is nothing to begin with.
     #[inline(always)]
     pub(crate) fn is_empty(&self) -> bool {
