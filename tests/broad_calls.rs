@@ -17,6 +17,20 @@ proptest! {
     }
 }
 
+/// What the fuzz target found, made small: a body thrown from one end of the range to the other within one column.
+const FOUND: [&[u8]; 1] = [&[
+    1, 1, 38, 251, 48, 1, 6, 0, 128, 128, 128, 128, 1, 0, 11, 0, 32, 0, 0, 128, 128, 128, 128, 128, 251, 254, 255, 255,
+    250, 38, 251, 38, 251, 38, 251, 255, 48, 29, 255, 255, 48, 251, 38, 251, 251, 38, 59, 59, 219, 38, 251, 48, 1, 0,
+    38, 0, 0, 0, 16, 38, 219, 38, 251, 59, 48, 255, 255,
+]];
+
+#[test]
+fn what_was_found_stays_mended() {
+    for bytes in FOUND {
+        assert!(drive(bytes).steps > 1);
+    }
+}
+
 /// The bytes of a generator lead everywhere: calls are accepted and refused, pairs come and go.
 #[test]
 fn the_mix_of_calls() {

@@ -27,9 +27,6 @@ const ROUNDED_UP: f32 = 1.0 + 8.0 * f32::EPSILON;
 /// Entries compared at once.
 const LANES: usize = 8;
 
-/// No face that stays in its column moves as far: beyond a quarter of a column's width a move is a jump.
-const FARTHEST_MOVE: f32 = 1.6e38;
-
 /// The new boxes of one column, by axis, and moves. Padded by entries that are apart from all others.
 #[derive(Clone, Debug, Default)]
 struct Lanes {
@@ -40,7 +37,8 @@ struct Lanes {
     hi_u: Vec<f32>,
     lo_v: Vec<f32>,
     hi_v: Vec<f32>,
-    /// The farthest that any face of the box moved in this step, rounded up.
+    /// The farthest that any face of the box moved in this step, rounded up; NaN, to which nothing compares, where there is
+    /// nothing to compare: in the padding and in entries looked at one by one.
     moved: Vec<f32>,
 }
 
@@ -60,7 +58,7 @@ impl Lanes {
             bounds.resize(n + LANES, 0.0);
         }
         start[n..].fill(f32::INFINITY);
-        moved[n..].fill(0.0);
+        moved[n..].fill(f32::NAN);
     }
 }
 
@@ -126,21 +124,21 @@ impl Worker {
             any |= record.moved(step);
             let (old, new) = (record.before(step), record.now());
             let (mut lanes, mut from, mut by) = (new, new.lo, old.displacement(&new));
+            let mut farthest_face = largest(by) * ROUNDED_UP;
             if (record.flags & (MIGRATES | JUMPS) != 0) | (e as u32 & ARRIVING != 0) {
                 let part = Part::of(e as u32, record, cell);
                 if part != Part::Both {
                     let only = if part == Part::Old { old } else { new };
                     longest = longest.fast_max(only.hi - only.lo);
-                    (lanes, from, by) = (absent, only.lo, f32x4::ZERO);
+                    (lanes, from, by, farthest_face) = (absent, only.lo, f32x4::ZERO, f32::NAN);
                     self.active.push(e);
                 }
             }
+            farthest = max(farthest_face, farthest); // not of NaN
             // No cover of old and new box is longer.
             longest = longest.fast_max(lanes.hi - lanes.lo + by + by);
-            let by = (largest(by) * ROUNDED_UP).min(FARTHEST_MOVE);
-            farthest = max(farthest, by);
             let ([_, u0, v0, _], [x1, u1, v1, _]) = (lanes.lo.to_array(), lanes.hi.to_array());
-            (start[k], end[k], moved[k]) = (from.to_array()[0], x1, by);
+            (start[k], end[k], moved[k]) = (from.to_array()[0], x1, farthest_face);
             (lo_u[k], hi_u[k], lo_v[k], hi_v[k]) = (u0, u1, v0, v1);
         }
         column.longest = longest.to_array()[0];
@@ -168,7 +166,7 @@ impl Worker {
         let mut waiting = 0;
         for i in 0..n {
             // A little more, so that the rounding of the sum errs to the safe side.
-            let reach = end[i] + (moved[i] + self.reach + end[i].abs() * SLACK);
+            let reach = end[i] + (2.0 * self.reach + end[i].abs() * SLACK);
             let (x0, x1) = (f32x8::splat(start[i]), f32x8::splat(end[i]));
             let (u0, u1) = (f32x8::splat(lo_u[i]), f32x8::splat(hi_u[i]));
             let (v0, v1) = (f32x8::splat(lo_v[i]), f32x8::splat(hi_v[i]));
