@@ -179,11 +179,13 @@ mod closest;
 mod contact;
 pub mod cost;
 mod double_double;
+mod motion;
 mod penetration;
 pub mod polyhedron;
 mod pose;
 mod replay;
 mod scalar;
+pub mod scene;
 mod soundness;
 pub mod tolerance;
 mod tracker;
@@ -191,6 +193,7 @@ mod watch;
 
 pub use closest::outcome::{Class, Distance, Layer, Level, Outcome, Proposal, Work};
 pub use contact::{ContactPoint, Gradient, Manifold, ManifoldOptions};
+pub use motion::Velocity;
 pub use nalgebra;
 pub use polyhedron::{
     BoxHint, BuildError, BuildReport, ConvexPolyhedron, EdgeId, FaceId, Feature, FeaturePair, VertexId,

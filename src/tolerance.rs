@@ -70,6 +70,10 @@ pub const VOLUME: f64 = 512.0;
 /// half of it above the edge, and what is left must stay below `1e-14 L`, 90 UNIT.
 pub const AGREE_DEPTH: f64 = 32.0 * UNIT;
 
+/// Deepest points that are off the place they should be by more than this times L are looked for again in double-double: well below the
+/// `1e-13 L` to which an answer is bounded.
+pub const AGREE_WITNESS: f64 = 512.0 * UNIT;
+
 /// A triangle `w0 w1 w2` of the Minkowski difference is counter-clockwise from outside, certainly, where every `n . w` exceeds this
 /// times `|e1| |e2| L`, `n = e1 x e2` rounded: the edges err by UNIT, the cross product by 2.5 UNIT more, and the dot by 3. Taken off
 /// one `n . w`, with `|e1|^2 + |e2|^2` for the product, it leaves less than any corner has, and room for the rounding of `|n|`.
@@ -224,3 +228,24 @@ pub const LEAST_WIDTH: f64 = 1e-30;
 
 /// The search for a width starts at no less than this part of the world, for boxes that are points. Costs time only.
 pub const LEAST_START: f64 = 1e-6;
+
+/// A step of an odometer is taken this much too large, relatively. Poses may be off unit norm by [`POSE_UNIT`] in the square, so
+/// rotations are farther apart than their quaternions by half as much, to first order; the difference of two quaternions and the
+/// sums and roots on it err by some 8 UNIT, far less.
+pub const ODOMETER_STEP: f64 = 2.0 * POSE_UNIT;
+
+/// Added to squares of displacements before the root, so that none vanishes: a part of a square below the least f64 is lost.
+pub const LEAST_SQUARE: f64 = f64::MIN_POSITIVE * (1u64 << 32) as f64;
+
+/// The placed centre of a body's ball, `R c + t`, errs by less than this times `|c|_1 + |t|_1`: the matrix by 20 UNIT an entry (see
+/// [`BOX`]), the product and the sum by 4 more. Nothing where c is zero.
+pub const CENTRE: f64 = 32.0 * UNIT;
+
+/// A sum of odometers, or the sum at which a pair wakes, is off by less than this times itself: one rounding for the sum of two,
+/// one for a budget added, one for each later sum, and each odometer is rounded up at every step ([`DISPLACEMENT`] covers the
+/// step, 4 UNIT the sum). Eight cover them.
+pub const ODOMETER: f64 = 8.0 * UNIT;
+
+/// Coordinates, radii and ranges of a scene stay below this, so that boxes grown by a range stay below 1e38, where `f32` boxes
+/// are clamped, and no distance or odometer leaves f64.
+pub const SCENE_REACH: f64 = 1e37;

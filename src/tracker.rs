@@ -6,7 +6,8 @@ use alloc::vec::Vec;
 
 use nalgebra::Unit;
 
-use crate::closest::outcome::{Class, Distance, Layer, Level, Outcome, Proposal, Work};
+use crate::closest::hold::Hold;
+use crate::closest::outcome::{Class, Distance, Layer, Level, Outcome, Proposal};
 use crate::closest::placed::Placed;
 use crate::closest::trace::trace;
 use crate::closest::{self, far};
@@ -14,6 +15,12 @@ use crate::penetration::{self, Memory};
 use crate::polyhedron::{ConvexPolyhedron, FeaturePair, power_of_two};
 use crate::pose::{RelativePose, Which};
 use crate::replay::Replay;
+
+mod counts;
+mod look;
+
+use counts::Starts;
+pub use counts::Totals;
 
 /// The features of the last answer of one pair, from which the next walk starts, and counters.
 ///
@@ -45,86 +52,9 @@ pub struct Tracker {
     /// The surface of the last answer, where that was an overlap.
     #[cfg_attr(feature = "serde", serde(default))]
     memory: Memory,
-}
-
-/// What the two ways to start have cost lately, in steps of the walk: which of them a query takes.
-///
-/// From the features of the last answer a walk takes `1 + 0.085 sqrt(n)` steps a degree turned; from the support
-/// vertices some five on round bodies, whatever happened in between. Counting what it really took needs neither n nor
-/// the motion.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-struct Starts {
-    /// Running means in sixteenths of a step.
-    warm: u16,
-    cold: u16,
-}
-
-impl Starts {
-    /// Two cube-map look-ups and climbs cost as much as this many steps.
-    const CLIMBS: u32 = 4;
-    /// The direction of two ellipsoids costs as much as this many.
-    const ELLIPSOIDS: u32 = 2;
-
-    #[inline(always)]
-    fn prefer_warm(self) -> bool {
-        self.warm <= self.cold
-    }
-
-    /// Takes the cost of the way taken into its mean; what is known of the other fades, so that it is tried again.
-    #[inline(always)]
-    fn learn(&mut self, warm: bool, work: &Work) {
-        let steps = work.steps + Self::ELLIPSOIDS * work.ellipsoids;
-        let cost = 16 * (steps + if warm { 0 } else { Self::CLIMBS }).min(1000) as u16;
-        let (taken, other) = if warm {
-            (&mut self.warm, &mut self.cold)
-        } else {
-            (&mut self.cold, &mut self.warm)
-        };
-        // The first cost is the mean; later ones weigh a quarter.
-        *taken = if *taken == 0 {
-            cost
-        } else {
-            *taken - *taken / 4 + cost / 4
-        };
-        *other -= *other / 128;
-    }
-}
-
-/// What a tracker has done since it was made or reset.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[non_exhaustive]
-pub struct Totals {
-    /// Queries that came as far as a walk.
-    pub queries: u64,
-    /// Of these, how many started from the features of the answer before.
-    pub warm: u64,
-    /// Queries by the layer that answered, in the order of [`Layer`].
-    pub answered: [u64; 7],
-    /// Feature pairs looked at.
-    pub steps: u64,
-    /// Overlaps whose depth was searched for.
-    pub depths: u64,
-}
-
-impl Totals {
-    /// How many queries `layer` answered.
-    pub fn answered_by(&self, layer: Layer) -> u64 {
-        self.answered[layer as usize]
-    }
-}
-
-impl core::ops::AddAssign for Totals {
-    fn add_assign(&mut self, o: Self) {
-        self.queries += o.queries;
-        self.warm += o.warm;
-        self.steps += o.steps;
-        self.depths += o.depths;
-        for (mine, theirs) in self.answered.iter_mut().zip(o.answered) {
-            *mine += theirs;
-        }
-    }
+    /// The proof of the last answer, where that was an overlap without its depth.
+    #[cfg_attr(feature = "serde", serde(default))]
+    hold: Option<Hold>,
 }
 
 impl Tracker {
@@ -140,6 +70,7 @@ impl Tracker {
             starts: Starts::default(),
             totals: Totals::default(),
             memory: Memory::default(),
+            hold: None,
         }
     }
 
@@ -224,13 +155,7 @@ impl Tracker {
         a_from_b: &RelativePose,
         deep: bool,
     ) -> Distance {
-        let o = self.answer(a, b, a_from_b, Level::Certified, deep);
-        Distance {
-            class: o.class,
-            value: o.distance,
-            lower: o.lower,
-            upper: o.upper,
-        }
+        Distance::from(&self.answer(a, b, a_from_b, Level::Certified, deep))
     }
 
     /// Whether the closed bodies share a point: touching is intersecting.
@@ -249,14 +174,8 @@ impl Tracker {
         if !(d >= 0.0) || clear_of(a, b, a_from_b, d) {
             return false;
         }
-        let o = self.answer(a, b, a_from_b, Level::Certified, false);
-        if o.class == Class::Overlapping || o.upper <= d {
-            return true;
-        }
-        if o.lower > d {
-            return false;
-        }
-        self.decide_within(a, b, a_from_b, d)
+        let outcome = self.look(a, b, a_from_b, false);
+        self.decides_within(a, b, a_from_b, &outcome, d)
     }
 
     /// The closest features as the walk proposes them, without bounds. Where the walk does not end, the minimum-norm
@@ -307,6 +226,9 @@ impl Tracker {
             if deep && !self.memory.is_empty() && self.resume(&placed, outcome) {
                 return;
             }
+            if !deep && level == Level::Certified && self.hold.is_some() && self.still_overlaps(&placed, outcome) {
+                return;
+            }
             let warm = self.start(a, b);
             outcome.features = warm.unwrap_or_else(|| closest::seed::cold(&placed, &mut outcome.work));
             closest::solve(level, &placed, warm.is_some(), outcome);
@@ -320,11 +242,14 @@ impl Tracker {
         }
     }
 
-    /// The depth of an overlap, where it is asked for.
+    /// The depth of an overlap, where it is asked for; where not, the next query begins with the expectation of another.
     #[inline(always)]
     fn deepen(&mut self, deep: bool, placed: &Placed, outcome: &mut Outcome) {
-        if deep && outcome.class == Class::Overlapping {
-            penetration::deepen(placed, &mut self.memory, outcome);
+        if outcome.class == Class::Overlapping {
+            self.hold = (!deep).then(Hold::default);
+            if deep {
+                penetration::deepen(placed, &mut self.memory, outcome);
+            }
         }
     }
 
@@ -365,8 +290,9 @@ impl Tracker {
         outcome.features = warm.unwrap_or_else(|| closest::seed::cold(&placed, &mut outcome.work));
         closest::solve(level, &placed, warm.is_some(), outcome);
         self.deepen(deep, &placed, outcome);
-        // Its names are those of the bodies exchanged.
+        // Their names are those of the bodies exchanged.
         self.memory.clear();
+        self.hold = None;
         outcome.features = outcome.features.swapped();
         core::mem::swap(&mut outcome.point_on_a, &mut outcome.point_on_b);
         let normal = -b_from_a.rotation().tr_mul(&outcome.normal);

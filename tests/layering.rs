@@ -129,7 +129,7 @@ fn functions_are_short() {
 }
 
 /// What the code of a folder may name of the crate.
-const MAY_USE: [(&str, &[&str]); 9] = [
+const MAY_USE: [(&str, &[&str]); 11] = [
     ("tolerance", &[]),
     ("scalar", &["tolerance"]),
     ("double_double", &["scalar", "tolerance"]),
@@ -139,6 +139,8 @@ const MAY_USE: [(&str, &[&str]); 9] = [
         "polyhedron",
         &["polyhedron", "pose", "scalar", "double_double", "tolerance"],
     ),
+    // Poses, velocities and displacements: no body.
+    ("motion", &["scalar", "tolerance"]),
     // Boxes and ids only.
     ("broad", &["broad", "tolerance"]),
     (
@@ -170,6 +172,21 @@ const MAY_USE: [(&str, &[&str]); 9] = [
     (
         "watch",
         &["tracker", "closest", "polyhedron", "pose", "scalar", "tolerance"],
+    ),
+    // Where all meets.
+    (
+        "scene",
+        &[
+            "scene",
+            "tracker",
+            "broad",
+            "closest",
+            "motion",
+            "polyhedron",
+            "pose",
+            "scalar",
+            "tolerance",
+        ],
     ),
 ];
 

@@ -9,7 +9,7 @@
 //! | [`rng`] | a seeded generator: the same numbers on every machine |
 //! | [`shapes`] | bodies that are hard on purpose |
 //! | [`motion`], [`workload`] | seeded motions of a pair, and those that engines are timed on |
-//! | [`boxes`] | scenes of moving boxes |
+//! | [`boxes`], [`crowd`] | scenes of moving boxes, and of moving hulls |
 //! | [`contacts`] | scenes of two bodies in contact |
 //! | [`exact`] | the naive oracle: exact class and distance of two small bodies |
 //! | [`brute_hull`] | exact faces of a few points |
@@ -31,6 +31,7 @@ pub mod boxes;
 pub mod brute_hull;
 pub mod contacts;
 pub mod corpus;
+pub mod crowd;
 pub mod exact;
 pub mod meshes;
 pub mod motion;

@@ -18,6 +18,7 @@ pub(crate) mod exact;
 pub(crate) mod fallback;
 mod fan;
 pub(crate) mod far;
+pub(crate) mod hold;
 #[cfg(test)]
 mod mutation;
 pub(crate) mod outcome;

@@ -160,3 +160,14 @@ pub struct Distance {
     /// No less than the signed distance.
     pub upper: f64,
 }
+
+impl From<&Outcome> for Distance {
+    fn from(outcome: &Outcome) -> Self {
+        Self {
+            class: outcome.class,
+            value: outcome.distance,
+            lower: outcome.lower,
+            upper: outcome.upper,
+        }
+    }
+}

@@ -143,6 +143,13 @@ fn take<T: Scalar>(placed: &Placed, minimum: &Minimum<T>, outcome: &mut Outcome)
     }
 }
 
+/// The witnesses of a tetrahedron around the origin; features stay those of the answer before. Whether that settles the overlap.
+pub(super) fn take_overlap(placed: &Placed, simplex: &Simplex<f64>, outcome: &mut Outcome) -> bool {
+    (outcome.point_on_a, outcome.point_on_b) = witnesses(placed, simplex);
+    overlapping(outcome);
+    is_proven(placed, outcome)
+}
+
 /// Depth and normal of an overlap are not known here (they are the work of `penetration`); the direction has no meaning
 /// yet, but it is a unit vector.
 pub(super) fn overlapping(outcome: &mut Outcome) {
@@ -236,7 +243,7 @@ impl ConvexPolyhedron {
         {
             return Feature::Edge(EdgeId(t.edge(h)));
         }
-        let holds = |f: u32| vertices.iter().all(|&x| t.rim(f).any(|h| t.half_edge(h).to == x));
+        let holds = |f: u32| vertices.iter().all(|&x| t.fan(x).any(|h| t.half_edge(h).face == f));
         match t.fan(v).map(|h| t.half_edge(h).face).find(|&f| holds(f)) {
             Some(f) => Feature::Face(FaceId(f)),
             None => Feature::Vertex(VertexId(v)),

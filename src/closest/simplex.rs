@@ -170,6 +170,12 @@ impl<T: Scalar> Simplex<T> {
         }
     }
 
+    /// A tetrahedron that holds the origin, proven for corners no longer than `size`.
+    pub(crate) fn around_origin(corners: [Corner<T>; 4], size: f64) -> Option<Self> {
+        let nearest = Nearest::tetrahedron(&corners, size);
+        (nearest.len == 4).then_some(Self { corners, nearest })
+    }
+
     /// The nearest point of the hull of these corners and one more; whether it is nearer, or the origin is inside. Where
     /// it is not, nothing is changed.
     pub(crate) fn add(&mut self, c: Corner<T>, size: f64) -> bool {

@@ -27,6 +27,11 @@ impl Queue {
         self.entries.reserve(entries);
     }
 
+    /// Bytes on the heap.
+    pub(super) fn heap_bytes(&self) -> usize {
+        self.entries.capacity() * size_of::<Entry>()
+    }
+
     pub(super) fn clear(&mut self) {
         self.entries.clear();
     }

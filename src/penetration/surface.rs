@@ -134,6 +134,17 @@ fn normal<T: Scalar>(w: &[Vec3<T>; 3]) -> Vec3<T> {
     unit(&cross(&by_size(u), &by_size(v)))
 }
 
+impl<T> Surface<T> {
+    /// Bytes on the heap.
+    pub(super) fn heap_bytes(&self) -> usize {
+        self.points.capacity() * size_of::<Corner<T>>()
+            + self.triangles.capacity() * size_of::<Triangle<T>>()
+            + self.queue.heap_bytes()
+            + (self.visible.capacity() + self.starts.capacity()) * size_of::<u32>()
+            + self.border.capacity() * size_of::<Border>()
+    }
+}
+
 impl<T: Scalar> Surface<T> {
     /// One without triangles.
     pub(super) fn new() -> Self {

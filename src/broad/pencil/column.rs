@@ -86,8 +86,8 @@ impl Column {
     }
 
     /// Gives every entry the key of its box of this step and restores the order: insertion sort for those that stayed,
-    /// which are nearly in order, then one merge with those that came.
-    pub(super) fn reorder(&mut self, column: [u16; 2], records: &[Record], step: u32) {
+    /// which are nearly in order, then one merge with those that came. Returns how many places entries moved by.
+    pub(super) fn reorder(&mut self, column: [u16; 2], records: &[Record], step: u32) -> u64 {
         let settled = self.settled.min(self.entries.len());
         let (stayed, came) = self.entries.split_at_mut(settled);
         let key = |e: Entry| {
@@ -99,12 +99,13 @@ impl Column {
             };
             entry(lower, who)
         };
-        insertion_sort(stayed, key);
+        let swaps = insertion_sort(stayed, key);
         if !came.is_empty() {
             came.iter_mut().for_each(|e| *e = key(*e));
             came.sort_unstable();
             merge_tail(&mut self.entries, settled);
         }
+        swaps
     }
 
     /// After the step: entries of old boxes go, those of new boxes become ordinary.
@@ -119,9 +120,10 @@ impl Column {
 }
 
 /// Insertion sort of `items` by `key(item)`, which also replaces them. Linear when nearly in order; when it turns out
-/// that they are not, the rest is left to the library's sort.
-fn insertion_sort(items: &mut [Entry], key: impl Fn(Entry) -> Entry) {
-    let mut budget = 8 * items.len() + 64;
+/// that they are not, the rest is left to the library's sort. Returns how many places items moved by before that.
+fn insertion_sort(items: &mut [Entry], key: impl Fn(Entry) -> Entry) -> u64 {
+    let most = 8 * items.len() + 64;
+    let mut budget = most;
     let mut previous = 0;
     for k in 0..items.len() {
         let item = key(items[k]);
@@ -140,9 +142,10 @@ fn insertion_sort(items: &mut [Entry], key: impl Fn(Entry) -> Entry) {
         if budget == 0 {
             items[k + 1..].iter_mut().for_each(|e| *e = key(*e));
             items.sort_unstable();
-            return;
+            break;
         }
     }
+    (most - budget) as u64
 }
 
 /// Merges two sorted runs, the second starting at `middle`, from the back.

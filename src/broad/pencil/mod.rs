@@ -55,6 +55,8 @@ pub struct PencilSweep {
     tuning: Tuning,
     /// Entries of all columns after the last full sweep.
     entries: usize,
+    /// Places that entries moved by in the last step.
+    swaps: u64,
     pub(super) parallel_from: usize,
 }
 
@@ -82,8 +84,14 @@ impl PencilSweep {
             touched: Vec::new(),
             tuning: Tuning::new(),
             entries: 0,
+            swaps: 0,
             parallel_from,
         }
+    }
+
+    /// How many places entries of the sorted lists moved by in the last step: the exchanges of the insertion sort.
+    pub fn swaps(&self) -> u64 {
+        self.swaps
     }
 
     /// How many threads share the work of a step.
@@ -188,10 +196,12 @@ impl PencilSweep {
         for worker in &mut self.workers {
             self.ledger.changes.append(&mut worker.changes);
             worker.changes.clear();
+            self.swaps += core::mem::take(&mut worker.swaps);
         }
     }
 
     fn find_changes(&mut self) {
+        self.swaps = 0;
         self.ledger.changes.clear();
         self.ledger.bodies.classify();
         let entries = self.entries_to_be();
@@ -275,7 +285,7 @@ impl BroadPhase for PencilSweep {
                 query::overlapping(bodies, columns, &record.now(), Record::now, |i| found.push(i));
             }
         });
-        self.ledger.pairs.events()
+        self.ledger.pairs.events(&self.ledger.bodies)
     }
 
     fn overlapping(&self, aabb: &Aabb, found: &mut Vec<BodyId>) -> Result<(), BroadPhaseError> {

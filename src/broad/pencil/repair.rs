@@ -78,7 +78,7 @@ impl Worker {
             let mut item = entry(old_start, who);
             if Part::of(who, record, cell) == Part::Both {
                 let moved = entry(new_start, who);
-                shift(&mut column.entries, item, moved);
+                self.swaps += shift(&mut column.entries, item, moved);
                 item = moved;
                 column.longest = max(column.longest, length(&old.united(&new)));
                 self.reach = max(self.reach, largest(old.displacement(&new)));
@@ -150,18 +150,20 @@ fn length(bounds: &Bounds) -> f32 {
     stored.hi[0] - stored.lo[0]
 }
 
-/// Replaces an entry by another and keeps the order.
-fn shift(entries: &mut [u64], from: u64, to: u64) {
+/// Replaces an entry by another and keeps the order. Returns how many places it moved by.
+fn shift(entries: &mut [u64], from: u64, to: u64) -> u64 {
     let Ok(place) = entries.binary_search(&from) else {
-        return;
+        return 0;
     };
     let target = entries.partition_point(|e| *e < to);
     if target > place {
         entries[place..target].rotate_left(1);
         entries[target - 1] = to;
+        (target - 1 - place) as u64
     } else {
         entries[target..=place].rotate_right(1);
         entries[target] = to;
+        (place - target) as u64
     }
 }
 

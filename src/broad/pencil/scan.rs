@@ -77,13 +77,15 @@ pub(super) struct Worker {
     pub(super) tests: u64,
     pub(super) sampled: u64,
     pub(super) swept: u64,
+    /// Places that entries moved by to stay sorted.
+    pub(super) swaps: u64,
 }
 
 impl Worker {
     /// Brings the column up to date and notes the changes it owns.
     pub(super) fn sweep(&mut self, index: usize, column: &mut Column, bodies: &Bodies) {
         let cell = bodies.grid.column(index);
-        column.reorder(cell, &bodies.records, bodies.step);
+        self.swaps += column.reorder(cell, &bodies.records, bodies.step);
         let moved = self.gather(cell, column, bodies);
         if moved {
             self.scan(column, cell, bodies);

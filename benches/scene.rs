@@ -1,0 +1,125 @@
+//! A step of a scene, by what is called for: `cargo bench --bench scene`. Against other libraries: `--example race -- scene`.
+
+use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use lab::crowd::{Crowd, Kind};
+use lin_canny::ConvexPolyhedron;
+use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion};
+use lin_canny::scene::{Body, BodyId, Effects, Group, Scene};
+use std::sync::Arc;
+
+const NONE: Effects = Effects::none();
+
+/// One trajectory, growing sets of effects.
+const SETS: [(&str, Effects); 6] = [
+    ("boxes", Effects { boxes: true, ..NONE }),
+    ("overlap", Effects { overlap: true, ..NONE }),
+    (
+        "within",
+        Effects {
+            within: Some(0.05),
+            ..NONE
+        },
+    ),
+    (
+        "distance",
+        Effects {
+            distance: Some(0.02),
+            ..NONE
+        },
+    ),
+    (
+        "features",
+        Effects {
+            distance: Some(0.02),
+            features: true,
+            ..NONE
+        },
+    ),
+    (
+        "depth",
+        Effects {
+            distance: Some(0.02),
+            features: true,
+            depth: true,
+            ..NONE
+        },
+    ),
+];
+
+fn isometry(pose: &lab::Pose) -> Isometry3<f64> {
+    let [x, y, z, w] = pose.q;
+    let turn = UnitQuaternion::new_unchecked(Quaternion::new(w, x, y, z));
+    Isometry3::from_parts(Translation3::from(pose.t), turn)
+}
+
+/// A crowd in a scene, some steps after its beginning.
+fn scene(crowd: &mut Crowd, effects: Effects) -> (Scene, Vec<BodyId>) {
+    let hull = |points: &[[f64; 3]]| {
+        let points: Vec<_> = points.iter().copied().map(Point3::from).collect();
+        Arc::new(ConvexPolyhedron::from_points(&points).expect("points of a crowd are a body"))
+    };
+    let shapes: Vec<_> = crowd.shapes.iter().map(|s| hull(&s.points)).collect();
+    let mut scene = Scene::new();
+    let all = Group::default();
+    scene.call_for(all, all, effects).expect("a range");
+    let bodies = crowd.shape_of.iter().zip(&crowd.poses);
+    let ids = bodies.map(|(shape, pose)| {
+        scene
+            .insert(Body::moving(shapes[*shape].clone()), isometry(pose))
+            .expect("a pose")
+    });
+    let ids: Vec<_> = ids.collect();
+    for _ in 0..20 {
+        advance(&mut scene, &ids, crowd);
+    }
+    (scene, ids)
+}
+
+fn advance(scene: &mut Scene, ids: &[BodyId], crowd: &mut Crowd) {
+    crowd.step();
+    for (id, pose) in ids.iter().zip(&crowd.poses) {
+        scene.set_pose(*id, isometry(pose)).expect("a pose");
+    }
+    scene.step();
+}
+
+/// The poses of the next step are made inside the measurement: a few nanoseconds a body.
+fn moving(criterion: &mut Criterion) {
+    for (kind, name) in [(Kind::Sparse, "sparse"), (Kind::Pile, "pile")] {
+        for vertices in [32, 256] {
+            let mut group = criterion.benchmark_group(format!("scene/{name}-{vertices}"));
+            for n in [1_000, 10_000] {
+                group.throughput(Throughput::Elements(n as u64)).sample_size(10);
+                for (effects, set) in SETS {
+                    let mut crowd = Crowd::new(kind, n, vertices);
+                    let (mut scene, ids) = scene(&mut crowd, set);
+                    group.bench_function(BenchmarkId::new(effects, n), |b| {
+                        b.iter(|| advance(&mut scene, &ids, &mut crowd));
+                    });
+                }
+            }
+            group.finish();
+        }
+    }
+}
+
+/// A step in which nothing was set, beside one in which a body in a hundred was.
+fn resting(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("scene/rest");
+    let mut crowd = Crowd::new(Kind::Pile, 10_000, 32);
+    let (mut scene, ids) = scene(&mut crowd, SETS[4].1);
+    group.bench_function("nothing", |b| b.iter(|| scene.step().counts.queries));
+    group.bench_function("one in a hundred", |b| {
+        b.iter(|| {
+            crowd.step();
+            for k in (0..ids.len()).step_by(100) {
+                scene.set_pose(ids[k], isometry(&crowd.poses[k])).expect("a pose");
+            }
+            scene.step().counts.queries
+        });
+    });
+    group.finish();
+}
+
+criterion_group!(benches, moving, resting);
+criterion_main!(benches);

@@ -1,0 +1,282 @@
+//! What effects cost: a thousand hulls fall into a pile, the same motion for growing sets of effects, and for the full set with one
+//! effect removed.
+//!
+//! `cargo run --release --example falling_pile -- [--csv FILE] [--out FILE.svg] [--bodies N] [--quick]`
+//!
+//! The motion is scripted, so every set sees the same poses. Printed is the report of a step in the middle of the pile; the file
+//! has a line for each set with its counts and times, and the picture the time of a step over the fall.
+
+use lab::crowd::{Crowd, Kind};
+use lab::plot::{Chart, save_stack};
+use lab::progress::Progress;
+use lin_canny::ConvexPolyhedron;
+use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion};
+use lin_canny::scene::{Body, Change, Effects, Event, Group, Report, Scene};
+use std::fmt::Write as _;
+use std::sync::Arc;
+
+type Trouble = Box<dyn std::error::Error>;
+
+/// Steps of a run, a sixtieth of a second each; the last body lies still long before the end.
+const STEPS: usize = 240;
+
+/// Steps averaged into one point of the picture.
+const SMOOTH: usize = 8;
+
+const NONE: Effects = Effects::none();
+
+const FULL: Effects = Effects {
+    boxes: true,
+    overlap: true,
+    within: Some(0.05),
+    distance: Some(0.1),
+    features: true,
+    depth: true,
+};
+
+/// Growing sets, then the full one less one effect each.
+const SETS: [(&str, Effects); 13] = [
+    ("none", NONE),
+    ("boxes", Effects { boxes: true, ..NONE }),
+    (
+        "+overlap",
+        Effects {
+            boxes: true,
+            overlap: true,
+            ..NONE
+        },
+    ),
+    (
+        "+within",
+        Effects {
+            distance: None,
+            features: false,
+            depth: false,
+            ..FULL
+        },
+    ),
+    (
+        "+distance",
+        Effects {
+            features: false,
+            depth: false,
+            ..FULL
+        },
+    ),
+    ("+features", Effects { depth: false, ..FULL }),
+    ("full", FULL),
+    ("full-boxes", Effects { boxes: false, ..FULL }),
+    ("full-overlap", Effects { overlap: false, ..FULL }),
+    ("full-within", Effects { within: None, ..FULL }),
+    ("full-distance", Effects { distance: None, ..FULL }),
+    (
+        "full-features",
+        Effects {
+            features: false,
+            ..FULL
+        },
+    ),
+    ("full-depth", Effects { depth: false, ..FULL }),
+];
+
+/// How many of the sets are drawn: the growing ones.
+const DRAWN: usize = 7;
+
+/// The poses of every step.
+fn motion(crowd: &mut Crowd) -> Vec<Vec<Isometry3<f64>>> {
+    let frame = |step: usize| {
+        crowd.step();
+        let time = step as f64 / 60.0;
+        let fallen = 4.905 * time * time;
+        let bodies = crowd.poses.iter().enumerate().map(|(k, pose)| {
+            // The lower layers start lower: at rest a body jostles in its place in the pile.
+            let start = 3.0 + 3.0 * pose.t[2] + (k % 17) as f64 * 0.2;
+            let [x, y, z] = pose.t;
+            let [i, j, k, w] = pose.q;
+            let turn = UnitQuaternion::new_unchecked(Quaternion::new(w, i, j, k));
+            Isometry3::from_parts(Translation3::new(x, y, z + (start - fallen).max(0.0)), turn)
+        });
+        bodies.collect()
+    };
+    (0..STEPS).map(frame).collect()
+}
+
+/// A step: its report, and how many events were about boxes.
+#[derive(Clone, Copy, Default)]
+struct Step {
+    report: Report,
+    met: u64,
+}
+
+/// What a run gave, step by step.
+fn run(
+    shapes: &[Arc<ConvexPolyhedron>],
+    crowd: &Crowd,
+    motion: &[Vec<Isometry3<f64>>],
+    effects: Effects,
+    progress: &Progress,
+) -> Result<Vec<Step>, Trouble> {
+    let mut scene = Scene::new();
+    scene.call_for(Group::default(), Group::default(), effects)?;
+    let mut ids = Vec::new();
+    for (shape, pose) in crowd.shape_of.iter().zip(&motion[0]) {
+        ids.push(scene.insert(Body::moving(shapes[*shape].clone()), *pose)?);
+    }
+    let mut reports = Vec::new();
+    for poses in motion {
+        for (id, pose) in ids.iter().zip(poses) {
+            scene.set_pose(*id, *pose)?;
+        }
+        let report = *scene.step();
+        let about_boxes = |e: &&Event| matches!(e.change, Change::BoxesMet | Change::BoxesParted);
+        let met = scene.events().iter().filter(about_boxes).count() as u64;
+        reports.push(Step { report, met });
+        progress.step();
+    }
+    Ok(reports)
+}
+
+fn main() -> Result<(), Trouble> {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let option = |name: &str| {
+        let at = arguments.iter().position(|a| a == name)?;
+        arguments.get(at + 1).cloned()
+    };
+    let bodies: usize = option("--bodies").map_or(Ok(1000), |n| n.parse())?;
+    let repeats = if arguments.iter().any(|a| a == "--quick") { 1 } else { 5 };
+    let mut crowd = Crowd::new(Kind::Pile, bodies, 32);
+    let hull = |points: &[[f64; 3]]| {
+        let points: Vec<_> = points.iter().copied().map(Point3::from).collect();
+        ConvexPolyhedron::from_points(&points).map(Arc::new)
+    };
+    let shapes = crowd
+        .shapes
+        .iter()
+        .map(|s| hull(&s.points))
+        .collect::<Result<Vec<_>, _>>()?;
+    let motion = motion(&mut crowd);
+
+    let progress = Progress::new("steps", (SETS.len() * repeats * STEPS) as u64);
+    let mut best: Vec<Option<Vec<Step>>> = vec![None; SETS.len()];
+    // Sets in turn, so that a busy machine spoils no single one; of each step the fastest is kept.
+    for _ in 0..repeats {
+        for ((name, effects), best) in SETS.iter().zip(&mut best) {
+            progress.say(name);
+            let reports = run(&shapes, &crowd, &motion, *effects, &progress)?;
+            match best {
+                None => *best = Some(reports),
+                Some(best) => best.iter_mut().zip(reports).for_each(|(old, new)| {
+                    if new.report.times.total() < old.report.times.total() {
+                        *old = new;
+                    }
+                }),
+            }
+        }
+    }
+    drop(progress);
+    let runs: Vec<Vec<Step>> = best.into_iter().flatten().collect();
+    show(bodies, &runs);
+    if let Some(file) = option("--csv") {
+        std::fs::write(&file, table(&runs))?;
+        println!("written: {file}");
+    }
+    let out = option("--out").unwrap_or("falling_pile.svg".into());
+    draw(&runs, bodies, &out)?;
+    println!("drawn: {out}");
+    Ok(())
+}
+
+fn total(steps: &[Step]) -> Step {
+    steps.iter().fold(Step::default(), |mut sum, s| {
+        sum.report += s.report;
+        sum.met += s.met;
+        sum
+    })
+}
+
+fn show(bodies: usize, runs: &[Vec<Step>]) {
+    println!("{bodies} hulls of 32 vertices, {STEPS} steps; a mean step:\n");
+    println!(
+        "{:<14}{:>9}{:>9}{:>9}{:>10}{:>9}{:>10}{:>9}{:>9}{:>8}",
+        "effects", "us", "pairs", "asked", "budget", "steps", "certific.", "distances", "features", "depths"
+    );
+    for ((name, _), reports) in SETS.iter().zip(runs) {
+        let Step { report, .. } = total(reports);
+        let (c, t) = (report.counts, report.times);
+        let mean = |v: u64| v as f64 / STEPS as f64;
+        println!(
+            "{name:<14}{:>9.1}{:>9.0}{:>9.1}{:>10.1}{:>9.1}{:>10.1}{:>9.1}{:>9.1}{:>8.1}",
+            t.total().as_secs_f64() * 1e6 / STEPS as f64,
+            mean(c.pairs),
+            mean(c.queries),
+            mean(c.skipped),
+            mean(c.walked),
+            mean(c.certificates),
+            mean(c.distances),
+            mean(c.features),
+            mean(c.depths)
+        );
+    }
+    println!(
+        "\nthe full set, a step in the pile:\n{}",
+        runs[DRAWN - 1][STEPS / 2].report
+    );
+}
+
+fn table(runs: &[Vec<Step>]) -> String {
+    let mut csv = String::from(
+        "effects,steps,boxes,pairs,events,box_events,asked,budget,balls,walked,certificates,overlaps,withins,distances,features,depths,ns_boxes,ns_pairs,ns_look,ns_events,ns\n",
+    );
+    for ((name, _), reports) in SETS.iter().zip(runs) {
+        let Step { report, met } = total(reports);
+        let (c, t) = (report.counts, report.times);
+        let counts = [
+            c.steps,
+            c.boxes,
+            c.pairs,
+            c.events,
+            met,
+            c.queries,
+            c.skipped,
+            c.balls,
+            c.walked,
+            c.certificates,
+            c.overlaps,
+            c.withins,
+            c.distances,
+            c.features,
+            c.depths,
+        ];
+        let times = [t.boxes, t.pairs, t.look, t.events, t.total()].map(|d| d.as_nanos());
+        let cells = counts
+            .iter()
+            .map(u64::to_string)
+            .chain(times.iter().map(u128::to_string));
+        let _ = writeln!(csv, "{name},{}", cells.collect::<Vec<_>>().join(","));
+    }
+    csv
+}
+
+fn draw(runs: &[Vec<Step>], bodies: usize, out: &str) -> Result<(), Trouble> {
+    let curve = |steps: &[Step], value: &dyn Fn(&Report) -> f64| {
+        let mean = |(k, part): (usize, &[Step])| {
+            let sum: f64 = part.iter().map(|s| value(&s.report)).sum();
+            ((k * SMOOTH + SMOOTH / 2) as f64, sum / part.len() as f64)
+        };
+        steps.chunks(SMOOTH).enumerate().map(mean).collect::<Vec<_>>()
+    };
+    let mut time = Chart::new(format!("{bodies} hulls fall into a pile: what a step costs"))
+        .axes("step", "us")
+        .from_zero();
+    let mut work = Chart::new("pairs whose trackers are asked")
+        .axes("step", "pairs")
+        .from_zero()
+        .size(860, 320);
+    for ((name, _), reports) in SETS.iter().zip(runs).take(DRAWN) {
+        time = time.line(*name, curve(reports, &|r| r.times.total().as_secs_f64() * 1e6));
+        work = work.line(*name, curve(reports, &|r| r.counts.queries as f64));
+    }
+    let boxes = curve(&runs[DRAWN - 1], &|r| r.counts.pairs as f64);
+    work = work.line("pairs of boxes", boxes);
+    Ok(save_stack(&[&time, &work], out)?)
+}

@@ -1,0 +1,136 @@
+//! Rigid motion: velocities, and how far a motion can have carried any point of a body.
+
+use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
+
+use crate::scalar::sqrt;
+use crate::tolerance::{LEAST_SQUARE, ODOMETER_STEP};
+
+/// The velocity of a rigid body in the world's frame: of its own origin, and about it in radians.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Velocity {
+    /// Length a unit of time, of the body's own origin.
+    pub linear: Vector3<f64>,
+    /// Axis of rotation, through the body's own origin, times radians a unit of time.
+    pub angular: Vector3<f64>,
+}
+
+impl Default for Velocity {
+    fn default() -> Self {
+        Self::new(Vector3::zeros(), Vector3::zeros())
+    }
+}
+
+impl Velocity {
+    /// From its two parts.
+    pub const fn new(linear: Vector3<f64>, angular: Vector3<f64>) -> Self {
+        Self { linear, angular }
+    }
+
+    /// Where a body at `pose` is after `time` at this velocity: it turns by exactly `angular * time`, up to rounding.
+    ///
+    /// ```
+    /// use lin_canny::Velocity;
+    /// use lin_canny::nalgebra::{Isometry3, Vector3};
+    ///
+    /// let spin = Velocity::new(Vector3::x(), Vector3::z() * std::f64::consts::PI);
+    /// let pose = spin.applied(&Isometry3::identity(), 0.5);
+    /// assert!((pose * Vector3::x() - Vector3::y()).norm() < 1e-15);
+    /// assert_eq!(pose.translation.vector, Vector3::x() * 0.5);
+    /// ```
+    pub fn applied(&self, pose: &Isometry3<f64>, time: f64) -> Isometry3<f64> {
+        let at = pose.translation.vector + self.linear * time;
+        let turned = rotation(&(self.angular * time)) * pose.rotation.into_inner();
+        let rotation = turned / sqrt(turned.norm_squared());
+        Isometry3::from_parts(Translation3::from(at), UnitQuaternion::new_unchecked(rotation))
+    }
+}
+
+/// Angles are halved until the half angle squared is below this; then this many terms of the series of sine and cosine leave
+/// an error below `16^-7 / 14!`, less than UNIT.
+const SMALL: f64 = 1.0 / 16.0;
+const TERMS: u32 = 7;
+
+/// The quaternion of a rotation vector: series about zero and squaring, so that its bits agree on every target.
+fn rotation(vector: &Vector3<f64>) -> Quaternion<f64> {
+    let (mut half, mut squarings) = (vector * 0.5, 0);
+    while half.norm_squared() > SMALL && half.norm_squared() < f64::INFINITY {
+        half *= 0.5;
+        squarings += 1;
+    }
+    let x = half.norm_squared();
+    let (mut sine, mut cosine) = (1.0, 1.0);
+    // Horner's scheme of sin(h) / h and cos(h) in h^2.
+    for k in (1..=TERMS).rev().map(f64::from) {
+        sine = 1.0 - x / (2.0 * k * (2.0 * k + 1.0)) * sine;
+        cosine = 1.0 - x / (2.0 * k * (2.0 * k - 1.0)) * cosine;
+    }
+    let mut q = Quaternion::from_parts(cosine, half * sine);
+    for _ in 0..squarings {
+        q *= q;
+        q /= sqrt(q.norm_squared());
+    }
+    q
+}
+
+/// No point within `radius` of a centre goes farther while the centre goes by `shift` and the body turns from one rotation to
+/// another, by whatever way they are between: `|shift| + 2 radius sin(angle / 2)`, rounded up.
+///
+/// A point x about the centre goes by `shift + (R1 - R0) x`, and `R1 - R0` stretches by at most `2 sin(angle / 2)`. Of two unit
+/// quaternions, of which opposite ones are one rotation, the nearer ones are `c = 2 sin(angle / 4)` apart, and
+/// `2 sin(angle / 2) <= 2 c`.
+pub(crate) fn displacement(
+    shift: &Vector3<f64>,
+    radius: f64,
+    from: &UnitQuaternion<f64>,
+    to: &UnitQuaternion<f64>,
+) -> f64 {
+    let (less, more) = (to.coords - from.coords, to.coords + from.coords);
+    let chord = less.norm_squared().min(more.norm_squared());
+    let gone = sqrt(shift.norm_squared() + LEAST_SQUARE) + 2.0 * radius * sqrt(chord + LEAST_SQUARE);
+    gone * (1.0 + ODOMETER_STEP)
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+
+    #[test]
+    fn rotations_are_those_of_sine_and_cosine() {
+        for k in 0..400 {
+            let angle = 1e-9 * 1.07f64.powi(k);
+            let axis = Vector3::new(0.6, -0.64, 0.48);
+            let expected = UnitQuaternion::from_scaled_axis(axis * angle).into_inner();
+            let error = (rotation(&(axis * angle)) - expected).norm();
+            assert!(error < 1e-15 * angle.max(1.0) * 4.0, "{angle}: {error:e}");
+        }
+        assert_eq!(rotation(&Vector3::zeros()), Quaternion::identity());
+    }
+
+    #[test]
+    fn no_point_goes_farther_than_its_bound() {
+        let mut tight = 0;
+        for k in 0..2000 {
+            let f = f64::from(k);
+            let axis = |s: f64| {
+                Vector3::new((f * s).sin(), (f * 1.7 * s).cos(), (f * 0.3 * s).sin()) * (4.0 * (f * 0.01).sin())
+            };
+            let (from, to) = (
+                UnitQuaternion::new(axis(1.0)),
+                UnitQuaternion::new(axis(1.0 + 1e-4 * f)),
+            );
+            let shift = axis(3.0) * 1e-3 * f;
+            let bound = displacement(&shift, 2.0, &from, &to);
+            let mut most: f64 = 0.0;
+            for i in 0..50 {
+                let x =
+                    Vector3::new(f64::from(i).sin(), f64::from(i * i).cos(), f64::from(3 * i).sin()).normalize() * 2.0;
+                most = most.max((shift + to * x - from * x).norm());
+            }
+            assert!(most <= bound);
+            tight += u32::from(most > 0.5 * bound);
+        }
+        assert!(tight > 1000, "{tight}");
+    }
+}

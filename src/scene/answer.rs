@@ -1,0 +1,89 @@
+//! What the last step found, by pair and by body.
+
+use alloc::vec::Vec;
+
+use super::effects::NEVER;
+use super::step::owners;
+use super::{BodyId, PairId, Scene, SceneError};
+use crate::broad::{self, Aabb, BroadPhase};
+use crate::closest::outcome::{Distance, Outcome};
+
+/// What was found of one pair: of each effect that is called for its answer, and `None` for the others.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct PairAnswer<'a> {
+    /// The body with the lower index: A of all that is said here.
+    pub a: BodyId,
+    /// The body with the higher index.
+    pub b: BodyId,
+    /// The pair's name from the meeting of the boxes to their parting.
+    pub pair: PairId,
+    /// Whether the bodies share a point.
+    pub overlaps: Option<bool>,
+    /// Whether they are within the distance called for.
+    pub within: Option<bool>,
+    /// Their signed distance; `None` also for bodies farther apart than it is called for.
+    pub distance: Option<Distance>,
+    /// Features, witnesses and normal; `None` also for bodies farther apart than they are called for.
+    pub outcome: Option<&'a Outcome>,
+}
+
+impl Scene {
+    /// All pairs whose boxes overlap, in the order of their slots, with what was found of them.
+    pub fn pairs(&self) -> impl Iterator<Item = PairAnswer<'_>> + '_ {
+        self.broad.pairs().map(|pair| self.answer(&pair))
+    }
+
+    /// The pair of two bodies, in either order: `None` where their boxes, grown by the distances called for, do not overlap.
+    pub fn pair(&self, a: BodyId, b: BodyId) -> Option<PairAnswer<'_>> {
+        let housed = |id| Some(self.bodies.housed[self.bodies.index_of(id).ok()?]);
+        Some(self.answer(&self.broad.pair(housed(a)?, housed(b)?)?))
+    }
+
+    /// The pairs of one body, in ascending order of the others.
+    ///
+    /// # Errors
+    /// When the id is stale.
+    pub fn pairs_of(&self, id: BodyId) -> Result<Vec<PairAnswer<'_>>, SceneError> {
+        let i = self.bodies.index_of(id)?;
+        let housed = self.bodies.housed[i];
+        let mut near = Vec::new();
+        // The stored box, from f32 to f64 about the origin, holds itself.
+        if let Some(stored) = self.broad.stored_box(housed) {
+            let corner = |v: [f32; 3]| self.settings.origin + nalgebra::Vector3::from(v.map(f64::from));
+            let around = Aabb::new(corner(stored.lo), corner(stored.hi));
+            let _ = self.broad.overlapping(&around, &mut near);
+        }
+        let mut found: Vec<_> = near
+            .into_iter()
+            .filter_map(|other| Some(self.answer(&self.broad.pair(housed, other)?)))
+            .collect();
+        found.sort_unstable_by_key(|p| (p.a, p.b));
+        Ok(found)
+    }
+
+    /// Number of pairs whose boxes overlap.
+    pub fn pair_count(&self) -> usize {
+        self.broad.pair_count()
+    }
+
+    fn answer(&self, pair: &broad::Pair) -> PairAnswer<'_> {
+        let (a, b) = owners(&self.bodies, pair);
+        let mut answer = PairAnswer {
+            a: self.bodies.id(a),
+            b: self.bodies.id(b),
+            pair: pair.id,
+            overlaps: None,
+            within: None,
+            distance: None,
+            outcome: None,
+        };
+        if let Some(seen) = self.lanes.get(pair.id.slot) {
+            let plan = self.table.plan(seen.head.class);
+            answer.overlaps = (plan.overlap && seen.head.state.known).then_some(seen.head.state.overlaps);
+            answer.within = (plan.within != NEVER && seen.head.state.known).then_some(seen.head.state.within);
+            (answer.distance, answer.outcome) = (seen.distance, seen.outcome);
+        }
+        answer
+    }
+}

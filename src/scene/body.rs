@@ -1,0 +1,390 @@
+//! The bodies of a scene: shapes, poses, groups, and what of them the stages of a step read, table by table.
+
+use alloc::sync::Arc;
+use alloc::vec::Vec;
+
+use nalgebra::{Isometry3, Point3, Vector3};
+
+use super::budget::Travel;
+use super::effects::Group;
+use super::{BodyId, SceneError};
+use crate::broad::{self, Aabb};
+use crate::motion::{Velocity, displacement};
+use crate::polyhedron::{BoxHint, ConvexPolyhedron};
+use crate::pose::{PoseError, RelativePose};
+use crate::scalar::sqrt;
+use crate::tolerance::{CENTRE, SCENE_REACH, UNIT};
+
+/// A body to insert: a shape, which may be shared by many, and how it takes part.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct Body {
+    /// The shape, in the body's own frame.
+    pub shape: Arc<ConvexPolyhedron>,
+    /// Its group; group 0 unless said otherwise.
+    pub group: Group,
+    /// Two fixed bodies are never paired. A fixed body may be set anew but has no velocity.
+    pub fixed: bool,
+}
+
+impl Body {
+    /// A body that moves.
+    pub fn moving(shape: impl Into<Arc<ConvexPolyhedron>>) -> Self {
+        Self {
+            shape: shape.into(),
+            group: Group::default(),
+            fixed: false,
+        }
+    }
+
+    /// A body that rests; two of them are never paired.
+    pub fn fixed(shape: impl Into<Arc<ConvexPolyhedron>>) -> Self {
+        Self {
+            fixed: true,
+            ..Self::moving(shape)
+        }
+    }
+
+    /// The same body in this group.
+    pub fn group(self, group: Group) -> Self {
+        Self { group, ..self }
+    }
+}
+
+/// A ball about a body, in one frame: centre and radius.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Ball {
+    pub(super) centre: Vector3<f64>,
+    pub(super) radius: f64,
+}
+
+impl Ball {
+    /// A ball about a shape, in its own frame: about its own origin, where that is nearly as good as about the middle of its box.
+    fn about(shape: &ConvexPolyhedron) -> Self {
+        let (centre, radius) = shape.bounding_ball();
+        // Scaled, so that squares stay in range.
+        let size = shape.vertex_points().fold(0.0, |m: f64, p| m.max(p.coords.amax()));
+        let square = |p: Point3<f64>| (p.coords / size).norm_squared();
+        let own = size * sqrt(shape.vertex_points().map(square).fold(0.0, f64::max)) * (1.0 + 8.0 * UNIT);
+        if own <= 1.25 * radius || size == 0.0 {
+            return Self {
+                centre: Vector3::zeros(),
+                radius: if size == 0.0 { 0.0 } else { own },
+            };
+        }
+        Self {
+            centre: centre.coords,
+            radius,
+        }
+    }
+
+    /// The ball of the placed body.
+    #[inline]
+    fn at(&self, pose: &Isometry3<f64>) -> Self {
+        let t = pose.translation.vector;
+        if self.centre == Vector3::zeros() {
+            return Self { centre: t, ..*self };
+        }
+        // By the norm of the quaternion off one the centre is off by less than by CENTRE times the displacement.
+        let centre = pose.rotation.coords.normalize();
+        let turned = nalgebra::UnitQuaternion::new_unchecked(centre.into()) * self.centre;
+        Self {
+            centre: turned + t,
+            radius: self.radius + self.error(&t),
+        }
+    }
+
+    /// How far the placed centre may be off.
+    fn error(&self, t: &Vector3<f64>) -> f64 {
+        let sum = |v: &Vector3<f64>| v.x.abs() + v.y.abs() + v.z.abs();
+        if self.centre == Vector3::zeros() {
+            0.0
+        } else {
+            CENTRE * (sum(&self.centre) + sum(t))
+        }
+    }
+}
+
+/// What is kept of a shape with each body of it.
+#[derive(Clone, Debug)]
+pub(super) struct Solid {
+    pub(super) shape: Arc<ConvexPolyhedron>,
+    ball: Ball,
+    pub(super) group: Group,
+    pub(super) fixed: bool,
+    /// Whether the broad phase has a box of it: it has none of a body whose range is infinite.
+    pub(super) boxed: bool,
+}
+
+impl Solid {
+    /// Refuses shapes that no pose puts within a scene.
+    pub(super) fn new(body: Body) -> Result<Self, SceneError> {
+        let reach = body.shape.vertex_points().fold(0.0, |m: f64, p| m.max(p.coords.amax()));
+        if !(reach <= SCENE_REACH) {
+            return Err(SceneError::TooLarge { reach });
+        }
+        Ok(Self {
+            ball: Ball::about(&body.shape),
+            shape: body.shape,
+            group: body.group,
+            fixed: body.fixed,
+            boxed: true,
+        })
+    }
+}
+
+/// All bodies of one scene. Tables are indexed by `BodyId::index`; an index is used again no earlier than the step after its
+/// body was removed.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Bodies {
+    pub(super) generations: Vec<u32>,
+    pub(super) free: Vec<u32>,
+    /// Removed since the last step.
+    pub(super) leaving: Vec<u32>,
+    pub(super) solids: Vec<Option<Solid>>,
+    pub(super) poses: Vec<Isometry3<f64>>,
+    /// Of the placed bodies.
+    pub(super) balls: Vec<Ball>,
+    pub(super) travels: Vec<Travel>,
+    pub(super) hints: Vec<BoxHint>,
+    /// The body's name in the broad phase, and the other way round by its index there.
+    pub(super) housed: Vec<broad::BodyId>,
+    pub(super) owners: Vec<u32>,
+    /// Empty until a first velocity is set.
+    pub(super) velocities: Vec<Velocity>,
+    /// Bodies whose boxes are to be renewed, each once.
+    pub(super) due: Vec<u32>,
+    /// Number of the step being prepared.
+    pub(super) step: u32,
+}
+
+impl Bodies {
+    pub(super) fn len(&self) -> usize {
+        self.generations.len() - self.free.len() - self.leaving.len()
+    }
+
+    pub(super) fn index_of(&self, id: BodyId) -> Result<usize, SceneError> {
+        let i = id.index as usize;
+        if id.generation % 2 == 1 && self.generations.get(i) == Some(&id.generation) {
+            Ok(i)
+        } else {
+            Err(SceneError::StaleBody { body: id })
+        }
+    }
+
+    #[inline]
+    pub(super) fn lives(&self, i: usize) -> bool {
+        self.generations[i] % 2 == 1
+    }
+
+    /// The group of the body at an index, or of the last one there until the next step.
+    pub(super) fn group(&self, index: u32) -> Option<Group> {
+        self.solids[index as usize].as_ref().map(|s| s.group)
+    }
+
+    /// The id under which the body at an index lives, or last lived until the next step.
+    #[inline]
+    pub(super) fn id(&self, index: u32) -> BodyId {
+        let generation = self.generations[index as usize];
+        BodyId {
+            index,
+            generation: generation - u32::from(generation.is_multiple_of(2)),
+        }
+    }
+
+    pub(super) fn ids(&self) -> impl Iterator<Item = BodyId> + '_ {
+        let living = self.generations.iter().enumerate().filter(|(_, g)| **g % 2 == 1);
+        living.map(|(i, g)| BodyId {
+            index: i as u32,
+            generation: *g,
+        })
+    }
+
+    /// Appends a body that the broad phase has taken.
+    pub(super) fn insert(
+        &mut self,
+        solid: Solid,
+        pose: Isometry3<f64>,
+        housed: broad::BodyId,
+        hint: BoxHint,
+    ) -> BodyId {
+        let index = self.free.pop().unwrap_or(self.generations.len() as u32);
+        let i = index as usize;
+        if i == self.generations.len() {
+            self.make_room();
+            self.generations.push(0);
+            self.solids.push(None);
+            self.poses.push(pose);
+            self.balls.push(solid.ball);
+            self.travels.push(Travel::default());
+            self.hints.push(hint);
+            self.housed.push(housed);
+            if !self.velocities.is_empty() {
+                self.velocities.push(Velocity::default());
+            }
+        }
+        self.generations[i] += 1;
+        self.poses[i] = pose;
+        self.balls[i] = solid.ball.at(&pose);
+        self.travels[i] = Travel::moved_in(self.step);
+        self.hints[i] = hint;
+        if let Some(velocity) = self.velocities.get_mut(i) {
+            *velocity = Velocity::default();
+        }
+        self.solids[i] = Some(solid);
+        self.house(index, housed);
+        self.id(index)
+    }
+
+    /// Appends an index as it was written.
+    #[cfg(feature = "serde")]
+    pub(super) fn restore(
+        &mut self,
+        generation: u32,
+        solid: Option<Solid>,
+        pose: Isometry3<f64>,
+        travel: Travel,
+        hint: BoxHint,
+        housed: broad::BodyId,
+    ) {
+        let nothing = Ball {
+            centre: Vector3::zeros(),
+            radius: 0.0,
+        };
+        self.generations.push(generation);
+        self.balls.push(solid.as_ref().map_or(nothing, |s| s.ball.at(&pose)));
+        self.solids.push(solid);
+        self.poses.push(pose);
+        self.travels.push(travel);
+        self.hints.push(hint);
+        self.housed.push(housed);
+    }
+
+    /// Lists grow by an eighth, not by doubling: they are most of the memory of a scene.
+    fn make_room(&mut self) {
+        let more = self.generations.len() / 8 + 16;
+        if self.generations.len() == self.generations.capacity() {
+            self.generations.reserve_exact(more);
+            self.solids.reserve_exact(more);
+            self.poses.reserve_exact(more);
+            self.balls.reserve_exact(more);
+            self.travels.reserve_exact(more);
+            self.hints.reserve_exact(more);
+            self.housed.reserve_exact(more);
+        }
+    }
+
+    /// Notes under which name the broad phase knows a body.
+    pub(super) fn house(&mut self, index: u32, housed: broad::BodyId) {
+        let place = housed.index as usize;
+        if place >= self.owners.len() {
+            self.owners.resize(place + 1, u32::MAX);
+        }
+        self.owners[place] = index;
+        self.housed[index as usize] = housed;
+    }
+
+    /// From now on the id is stale; the index is kept until the step is over.
+    pub(super) fn remove(&mut self, index: usize) {
+        self.generations[index] += 1;
+        self.leaving.push(index as u32);
+        if let Some(velocity) = self.velocities.get_mut(index) {
+            *velocity = Velocity::default();
+        }
+    }
+
+    /// Moves a body; its way is added to its odometer, and its box becomes due.
+    #[inline]
+    pub(super) fn place(&mut self, i: usize, pose: &Isometry3<f64>) {
+        let Some(solid) = &self.solids[i] else { return };
+        if self.poses[i] == *pose {
+            return;
+        }
+        let (from, to) = (self.balls[i], solid.ball.at(pose));
+        let shift = to.centre - from.centre;
+        let (old, new) = (&self.poses[i], pose);
+        let own = solid.ball.radius;
+        let way = displacement(&shift, own, &old.rotation, &new.rotation)
+            + solid.ball.error(&old.translation.vector)
+            + solid.ball.error(&new.translation.vector);
+        self.travels[i].go(way, self.step);
+        self.balls[i] = to;
+        self.poses[i] = *pose;
+        self.call(i);
+    }
+
+    /// Has the box of a body renewed in the next step.
+    #[inline]
+    pub(super) fn call(&mut self, i: usize) {
+        if self.travels[i].called(self.step) {
+            self.due.push(i as u32);
+        }
+    }
+
+    /// Ends the step: indices of removed bodies become free.
+    pub(super) fn end_step(&mut self) {
+        for index in self.leaving.drain(..) {
+            self.solids[index as usize] = None;
+            // An index whose generations are used up is retired.
+            if self.generations[index as usize] < u32::MAX - 1 {
+                self.free.push(index);
+            }
+        }
+        self.due.clear();
+        self.step = self.step.wrapping_add(1);
+    }
+
+    /// Bytes reserved, shapes not counted: they belong to whoever shares them.
+    pub(super) fn bytes(&self) -> usize {
+        let words = [&self.generations, &self.free, &self.leaving, &self.owners, &self.due];
+        words.iter().map(|list| list.capacity() * 4).sum::<usize>()
+            + self.solids.capacity() * size_of::<Option<Solid>>()
+            + self.poses.capacity() * size_of::<Isometry3<f64>>()
+            + self.balls.capacity() * size_of::<Ball>()
+            + self.travels.capacity() * size_of::<Travel>()
+            + self.hints.capacity() * size_of::<BoxHint>()
+            + self.housed.capacity() * size_of::<broad::BodyId>()
+            + self.velocities.capacity() * size_of::<Velocity>()
+    }
+}
+
+/// Refuses what is no rigid motion, or puts a body outside a scene.
+pub(super) fn checked(pose: &Isometry3<f64>, body: Option<BodyId>) -> Result<(), SceneError> {
+    RelativePose::from_isometry(pose).map_err(|error| SceneError::Pose {
+        body,
+        error: as_only(error),
+    })?;
+    let t = &pose.translation.vector;
+    match (0..3).find(|&k| t[k].abs() > SCENE_REACH) {
+        None => Ok(()),
+        Some(axis) => Err(SceneError::TooFar {
+            body,
+            axis,
+            value: t[axis],
+        }),
+    }
+}
+
+/// A pose stood as B's beside the identity; of one body it is A's.
+fn as_only(error: PoseError) -> PoseError {
+    use crate::pose::Which;
+    match error {
+        PoseError::Translation { axis, value, .. } => PoseError::Translation {
+            body: Which::A,
+            axis,
+            value,
+        },
+        PoseError::Rotation { norm_squared, .. } => PoseError::Rotation {
+            body: Which::A,
+            norm_squared,
+        },
+    }
+}
+
+/// The box of a placed body, grown on every side.
+#[inline]
+pub(super) fn box_of(shape: &ConvexPolyhedron, pose: &Isometry3<f64>, growth: f64, hint: &mut BoxHint) -> Aabb {
+    let (min, max) = shape.aabb_at(pose, hint);
+    // Rounded up, so that the halves of a pair reach together at least as far as they should.
+    Aabb::new(min, max).grown(growth * (1.0 + 4.0 * UNIT))
+}

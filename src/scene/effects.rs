@@ -1,0 +1,254 @@
+//! What a scene pays for: effects per pair of groups, resolved to the lowest rung that answers.
+//!
+//! | rung | called for by | what a step does for a pair | what it keeps of it |
+//! |---|---|---|---|
+//! | nothing | [`Effects::none`] | the bodies are never paired | nothing |
+//! | boxes | `boxes` | boxes begin and cease to overlap | a slot |
+//! | predicates | `overlap`, `within` | one exact yes or no each, while the budget is not answer enough | a tracker |
+//! | distance | `distance`, `depth` | the signed distance and its bounds | and these |
+//! | features | `features` | features, witnesses and normal as well | and these |
+//!
+//! A rung includes those above it in the table as far as they are called for: events of overlaps come at no further query where a
+//! distance is taken anyway. `depth` is a property of the two last rungs: without it an overlap is known as such and no more.
+
+use alloc::boxed::Box;
+
+use super::SceneError;
+use crate::tolerance::SCENE_REACH;
+
+/// One of 32 groups. Every body is in one; what is done for a pair is called for by the groups of its bodies.
+///
+/// ```
+/// use lin_canny::scene::Group;
+///
+/// const ROBOT: Group = Group::new(1).unwrap();
+/// assert_eq!(Group::new(32), None);
+/// ```
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(try_from = "u8", into = "u8"))]
+pub struct Group(u8);
+
+/// How many groups there are.
+pub(super) const GROUPS: usize = 32;
+
+impl Group {
+    /// Group `number` of 0 to 31.
+    pub const fn new(number: u8) -> Option<Self> {
+        if (number as usize) < GROUPS {
+            Some(Self(number))
+        } else {
+            None
+        }
+    }
+
+    /// Its number.
+    pub const fn number(self) -> u8 {
+        self.0
+    }
+
+    pub(super) fn index(self) -> usize {
+        usize::from(self.0)
+    }
+}
+
+impl TryFrom<u8> for Group {
+    type Error = &'static str;
+
+    fn try_from(number: u8) -> Result<Self, Self::Error> {
+        Self::new(number).ok_or("groups are numbered 0 to 31")
+    }
+}
+
+impl From<Group> for u8 {
+    fn from(group: Group) -> Self {
+        group.0
+    }
+}
+
+/// What is called for, for the pairs of two groups. Everything left out is neither computed nor stored.
+///
+/// ```
+/// use lin_canny::scene::Effects;
+///
+/// let near = Effects { within: Some(0.05), ..Effects::none() };
+/// let full = Effects { distance: Some(f64::INFINITY), features: true, depth: true, ..near };
+/// ```
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Effects {
+    /// Events where the boxes of two bodies begin and cease to overlap. The boxes are grown for the distances called for below.
+    pub boxes: bool,
+    /// Whether two bodies share a point, exactly; events where they begin and cease to. Touching is sharing.
+    pub overlap: bool,
+    /// Whether two bodies are at most this far apart, exactly; events where they come within it and leave it. Boxes grow by it.
+    pub within: Option<f64>,
+    /// The signed distance, with bounds, of bodies no farther apart than this. Boxes grow by it; infinity means all pairs of
+    /// the two groups, whose number is the product of theirs.
+    #[cfg_attr(feature = "serde", serde(with = "range"))]
+    pub distance: Option<f64>,
+    /// Features, witness points and normal of the pairs whose distance is taken. Without `distance` that is done up to
+    /// `within`, or, failing that, for bodies that share a point.
+    pub features: bool,
+    /// The depth of an overlap: without it an overlap has the distance 0 and no lower bound. Without `distance` or `features` it
+    /// is taken of overlaps alone.
+    pub depth: bool,
+}
+
+impl Effects {
+    /// Nothing: the bodies of the two groups are not even paired.
+    pub const fn none() -> Self {
+        Self {
+            boxes: false,
+            overlap: false,
+            within: None,
+            distance: None,
+            features: false,
+            depth: false,
+        }
+    }
+
+    /// Refuses distances that are none.
+    fn check(&self) -> Result<(), SceneError> {
+        let finite = |d: f64| (0.0..=SCENE_REACH).contains(&d);
+        let refused = |value: f64| Err(SceneError::Range { value });
+        match (self.within, self.distance) {
+            (Some(d), _) if !finite(d) => refused(d),
+            (_, Some(d)) if !(finite(d) || d == f64::INFINITY) => refused(d),
+            _ => Ok(()),
+        }
+    }
+
+    fn resolved(&self) -> Plan {
+        let measured = self.distance.is_some() || self.features || self.depth;
+        let range = self.distance.or_else(|| measured.then(|| self.within.unwrap_or(0.0)));
+        let within = self.within.unwrap_or(NEVER);
+        let predicates = self.overlap || self.within.is_some();
+        let least = if self.overlap { 0.0 } else { NEVER };
+        let rung = match (self.features, measured, predicates, self.boxes) {
+            (true, ..) => Rung::Features,
+            (_, true, ..) => Rung::Distance,
+            (_, _, true, _) => Rung::Predicates,
+            (.., true) => Rung::Boxes,
+            _ => Rung::Nothing,
+        };
+        let range = range.unwrap_or(NEVER);
+        Plan {
+            rung,
+            boxes: self.boxes,
+            overlap: self.overlap,
+            within,
+            range,
+            deep: self.depth,
+            reach: least.max(within).max(range),
+        }
+    }
+}
+
+/// A threshold that no distance falls below.
+pub(super) const NEVER: f64 = f64::NEG_INFINITY;
+
+/// The lowest stage of the pipeline that answers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Rung {
+    Nothing,
+    Boxes,
+    Predicates,
+    Distance,
+    Features,
+}
+
+/// Effects as a step reads them.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Plan {
+    pub(super) rung: Rung,
+    pub(super) boxes: bool,
+    pub(super) overlap: bool,
+    /// The distance of `within`, or [`NEVER`].
+    pub(super) within: f64,
+    /// How far distances are taken, or [`NEVER`].
+    pub(super) range: f64,
+    /// Whether overlaps get their depth.
+    pub(super) deep: bool,
+    /// Beyond this there is nothing to say: the largest of the thresholds.
+    pub(super) reach: f64,
+}
+
+/// Names the unordered pair of two groups.
+pub(super) type Class = u16;
+
+/// The class of two groups.
+pub(super) fn class_of(g: Group, h: Group) -> Class {
+    u16::from(g.0.min(h.0)) * GROUPS as u16 + u16::from(g.0.max(h.0))
+}
+
+/// The effects of all pairs of groups.
+#[derive(Clone, Debug)]
+pub(super) struct Table {
+    effects: Box<[Effects]>,
+    plans: Box<[Plan]>,
+}
+
+impl Default for Table {
+    fn default() -> Self {
+        let nothing = Effects::none();
+        Self {
+            effects: alloc::vec![nothing; GROUPS * GROUPS].into(),
+            plans: alloc::vec![nothing.resolved(); GROUPS * GROUPS].into(),
+        }
+    }
+}
+
+impl Table {
+    pub(super) fn call_for(&mut self, g: Group, h: Group, effects: Effects) -> Result<(), SceneError> {
+        effects.check()?;
+        let class = usize::from(class_of(g, h));
+        self.effects[class] = effects;
+        self.plans[class] = effects.resolved();
+        Ok(())
+    }
+
+    pub(super) fn effects(&self, g: Group, h: Group) -> Effects {
+        self.effects[usize::from(class_of(g, h))]
+    }
+
+    #[inline]
+    pub(super) fn plan(&self, class: Class) -> &Plan {
+        &self.plans[usize::from(class)]
+    }
+
+    /// The groups with which something is called for, as bits.
+    pub(super) fn partners(&self, g: Group) -> u32 {
+        let pairs = |h: &u8| self.plan(class_of(g, Group(*h))).rung > Rung::Nothing;
+        (0..GROUPS as u8).filter(pairs).fold(0, |mask, h| mask | 1 << h)
+    }
+
+    /// How far boxes of a group are grown: half the largest reach, the partner grows by the other half.
+    pub(super) fn growth(&self, g: Group) -> f64 {
+        let reach = |h: u8| self.plan(class_of(g, Group(h))).reach;
+        0.5 * (0..GROUPS as u8).map(reach).fold(0.0, f64::max)
+    }
+
+    /// Groups with all effects called for, each pair once.
+    #[cfg(feature = "serde")]
+    pub(super) fn entries(&self) -> impl Iterator<Item = (Group, Group, Effects)> + '_ {
+        let all = (0..GROUPS as u8).flat_map(|g| (g..GROUPS as u8).map(move |h| (Group(g), Group(h))));
+        all.map(|(g, h)| (g, h, self.effects(g, h)))
+            .filter(|(.., effects)| *effects != Effects::none())
+    }
+}
+
+/// A range in files: infinity, which not every format can hold, as the largest number.
+#[cfg(feature = "serde")]
+mod range {
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    pub(super) fn serialize<S: Serializer>(range: &Option<f64>, serializer: S) -> Result<S::Ok, S::Error> {
+        range.map(|d| d.min(f64::MAX)).serialize(serializer)
+    }
+
+    pub(super) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<f64>, D::Error> {
+        let range = Option::<f64>::deserialize(deserializer)?;
+        Ok(range.map(|d| if d == f64::MAX { f64::INFINITY } else { d }))
+    }
+}

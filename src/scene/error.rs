@@ -1,0 +1,88 @@
+//! What a scene refuses, and how it says so.
+
+use super::{BodyId, Group};
+use crate::broad::BroadPhaseError;
+use crate::pose::PoseError;
+
+/// A refused call. It names what was wrong, and the scene is as it was.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SceneError {
+    /// The id was never given out by this scene, or its body was removed.
+    #[error("{body} is not, or no longer, in this scene")]
+    StaleBody {
+        /// The id as it was given.
+        body: BodyId,
+    },
+    /// The pose is no rigid motion. Poses of one body are reported as those of A.
+    #[error("the pose of {} is refused: {error}", Name(*.body))]
+    Pose {
+        /// The body; `None` for one that was to be inserted.
+        body: Option<BodyId>,
+        /// What is wrong with it.
+        error: PoseError,
+    },
+    /// The pose would put the body farther from the world's origin than 1e37 on some axis.
+    #[error("the pose of {} puts it beyond 1e37: coordinate {axis} is {value:e}", Name(*.body))]
+    TooFar {
+        /// The body; `None` for one that was to be inserted.
+        body: Option<BodyId>,
+        /// 0, 1, 2 for x, y, z.
+        axis: usize,
+        /// The coordinate.
+        value: f64,
+    },
+    /// A vertex of the shape is farther than 1e37 from the shape's own origin.
+    #[error("the shape reaches {reach:e} from its origin, beyond 1e37")]
+    TooLarge {
+        /// The distance of its farthest vertex.
+        reach: f64,
+    },
+    /// A distance called for is NaN or negative, or beyond 1e37 and not infinite; or `within` is infinite.
+    #[error("a distance called for is {value}: neither from 0 to 1e37 nor an infinite range")]
+    Range {
+        /// The distance.
+        value: f64,
+    },
+    /// A velocity or a time is NaN or infinite.
+    #[error("a velocity or a time is not finite")]
+    Velocity,
+    /// A fixed body has no velocity.
+    #[error("{body} is fixed and takes no velocity")]
+    Fixed {
+        /// The body.
+        body: BodyId,
+    },
+    /// The question is about the poses of the last step, and bodies were set, inserted or removed since.
+    #[error("bodies or effects changed since the last step: step first")]
+    StepDue,
+    /// The question is about two groups between which nothing is called for, so their boxes are not kept.
+    #[error("nothing is called for between groups {} and {}", .these.number(), .those.number())]
+    NotCalledFor {
+        /// One group.
+        these: Group,
+        /// The other.
+        those: Group,
+    },
+    /// No more indices: a scene holds at most 2^31 - 1 bodies.
+    #[error("a scene holds at most 2147483647 bodies")]
+    TooManyBodies,
+}
+
+impl From<BroadPhaseError> for SceneError {
+    /// Boxes come from checked shapes at checked poses, so the number of bodies is all a broad phase can refuse.
+    fn from(_: BroadPhaseError) -> Self {
+        Self::TooManyBodies
+    }
+}
+
+struct Name(Option<BodyId>);
+
+impl core::fmt::Display for Name {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self.0 {
+            Some(id) => id.fmt(f),
+            None => f.write_str("the body to insert"),
+        }
+    }
+}

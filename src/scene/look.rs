@@ -1,0 +1,166 @@
+//! One pair in a step: what already answers, from the cheapest on, and the tracker where nothing does.
+
+use alloc::vec::Vec;
+
+use super::body::{Ball, Bodies};
+use super::budget::{slack, wake};
+use super::effects::{NEVER, Plan, Rung, Table};
+use super::events::{Change, Happened};
+use super::lane::{Answer, Head, Lane, State};
+use super::report::Counts;
+use crate::closest::outcome::{Class, Outcome};
+use crate::pose::RelativePose;
+use crate::scalar::sqrt;
+use crate::tolerance::UNIT;
+use crate::tracker::Tracker;
+
+/// What looking at a pair reads of its scene.
+pub(super) struct Context<'a> {
+    pub(super) bodies: &'a Bodies,
+    pub(super) table: &'a Table,
+    pub(super) budget: bool,
+}
+
+/// What looking at pairs gives besides their answers.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Tally {
+    pub(super) counts: Counts,
+    pub(super) happened: Vec<Happened>,
+}
+
+/// Looks at all pairs of a lane.
+pub(super) fn look_at_lane<A: Answer>(lane: &mut Lane<A>, context: &Context<'_>, tally: &mut Tally) {
+    look_at_run(&mut lane.heads, &mut lane.trackers, &mut lane.answers, context, tally);
+}
+
+/// Looks at the pairs of one run of seats.
+pub(super) fn look_at_run<A: Answer>(
+    heads: &mut [Head],
+    trackers: &mut [Tracker],
+    answers: &mut [A],
+    context: &Context<'_>,
+    tally: &mut Tally,
+) {
+    tally.counts.called += heads.len() as u64;
+    for ((head, tracker), answer) in heads.iter_mut().zip(trackers).zip(answers) {
+        if context.is_answered(head, &mut tally.counts) {
+            continue;
+        }
+        let before = head.state;
+        context.look(head, tracker, answer, &mut tally.counts);
+        tell(before, head, &mut tally.happened);
+    }
+}
+
+impl Context<'_> {
+    fn sum(&self, head: &Head) -> f64 {
+        let travels = &self.bodies.travels;
+        travels[head.a as usize].odometer + travels[head.b as usize].odometer
+    }
+
+    /// Whether the answer of the last look stands: neither body moved, or the budget is not used up.
+    #[inline]
+    fn is_answered(&self, head: &Head, counts: &mut Counts) -> bool {
+        let [a, b] = [head.a, head.b].map(|i| &self.bodies.travels[i as usize]);
+        let step = self.bodies.step;
+        if !head.state.known {
+            return false;
+        }
+        if a.moved != step && b.moved != step {
+            counts.resting += 1;
+            return true;
+        }
+        // NaN looks.
+        if self.budget && a.odometer + b.odometer < head.wake {
+            counts.skipped += 1;
+            return true;
+        }
+        false
+    }
+
+    #[inline]
+    fn look<A: Answer>(&self, head: &mut Head, tracker: &mut Tracker, answer: &mut A, counts: &mut Counts) {
+        let plan = self.table.plan(head.class);
+        let (a, b) = (head.a as usize, head.b as usize);
+        let apart = least_distance(&self.bodies.balls[a], &self.bodies.balls[b]);
+        if apart > plan.reach {
+            counts.balls += 1;
+            head.state = State {
+                known: true,
+                ..State::default()
+            };
+            head.wake = wake(self.sum(head), apart - plan.reach);
+            return;
+        }
+        let (Some(solid_a), Some(solid_b)) = (&self.bodies.solids[a], &self.bodies.solids[b]) else {
+            return;
+        };
+        // Poses within a scene's reach have a relative pose.
+        let Ok(pose) = RelativePose::new(&self.bodies.poses[a], &self.bodies.poses[b]) else {
+            return;
+        };
+        let (shape_a, shape_b) = (&*solid_a.shape, &*solid_b.shape);
+        let outcome = tracker.look(shape_a, shape_b, &pose, plan.deep);
+        counts.note(&outcome, tracker.facets());
+        let within = |t: f64| t != NEVER && tracker.decides_within(shape_a, shape_b, &pose, &outcome, t);
+        head.state = State {
+            known: true,
+            overlaps: plan.overlap && within(0.0),
+            within: within(plan.within),
+            measured: within(plan.range),
+        };
+        counts.overlaps += u64::from(plan.overlap);
+        counts.withins += u64::from(plan.within != NEVER);
+        if head.state.measured {
+            counts.distances += 1;
+            counts.features += u64::from(plan.rung == Rung::Features);
+            answer.take(&outcome);
+            head.wake = 0.0;
+            // The rung above: a manifold of the features of `outcome`, kept in a lane of its own.
+        } else {
+            head.wake = wake(self.sum(head), slack_of(plan, &outcome));
+        }
+    }
+}
+
+/// How much the distance of a pair without a measured one may change before an answer does.
+fn slack_of(plan: &Plan, outcome: &Outcome) -> f64 {
+    // An overlap without its depth is at most 0.
+    let upper = if outcome.class == Class::Overlapping {
+        0.0
+    } else {
+        outcome.upper
+    };
+    let contact = if plan.overlap { 0.0 } else { NEVER };
+    let thresholds = [contact, plan.within, plan.range];
+    let called = thresholds.iter().filter(|t| **t != NEVER);
+    called.fold(f64::INFINITY, |s, t| s.min(slack(*t, outcome.lower, upper)))
+}
+
+/// A lower bound of the distance of what two balls hold; may be negative.
+#[inline]
+pub(super) fn least_distance(a: &Ball, b: &Ball) -> f64 {
+    let between = b.centre - a.centre;
+    // The difference, its square and the root err by less than 4 UNIT; the sum of the radii by one.
+    sqrt(between.norm_squared()) * (1.0 - 4.0 * UNIT) - (a.radius + b.radius) * (1.0 + 4.0 * UNIT)
+}
+
+fn tell(before: State, head: &Head, happened: &mut Vec<Happened>) {
+    let now = head.state;
+    let mut note = |was: bool, is: bool, began: Change, ended: Change| {
+        if was != is {
+            happened.push(Happened {
+                id: head.pair,
+                pair: (head.a, head.b),
+                change: if is { began } else { ended },
+            });
+        }
+    };
+    note(
+        before.overlaps,
+        now.overlaps,
+        Change::OverlapBegan,
+        Change::OverlapEnded,
+    );
+    note(before.within, now.within, Change::CameWithin, Change::LeftWithin);
+}

@@ -1,0 +1,390 @@
+//! Many bodies that move: the broad phase finds whose boxes overlap, one tracker follows each such pair, and a step computes what is
+//! called for and nothing else.
+//!
+//! ```
+//! use std::sync::Arc;
+//! use lin_canny::nalgebra::{Isometry3, Vector3};
+//! use lin_canny::polyhedron::solids;
+//! use lin_canny::scene::{Body, Change, Effects, Group, Scene};
+//!
+//! const CELL: Group = Group::new(1).unwrap();
+//! const ROBOT: Group = Group::new(2).unwrap();
+//!
+//! let block = Arc::new(solids::cuboid(Vector3::new(0.5, 0.5, 0.5))?); // shared by all bodies of that shape
+//! let mut scene = Scene::new();
+//! scene.call_for(ROBOT, CELL, Effects { within: Some(0.05), ..Effects::none() })?;
+//! scene.insert(Body::fixed(block.clone()).group(CELL), Isometry3::translation(3.005, 0.0, 0.0))?;
+//! let arm = scene.insert(Body::moving(block).group(ROBOT), Isometry3::identity())?;
+//!
+//! let mut came = None;
+//! for frame in 0..200 {
+//!     scene.set_pose(arm, Isometry3::translation(0.01 * f64::from(frame), 0.2, 0.0))?;
+//!     scene.step();
+//!     if scene.events().iter().any(|e| e.change == Change::CameWithin) {
+//!         came = came.or(Some(frame));
+//!     }
+//! }
+//! assert_eq!(came, Some(196)); // 3.005 - 0.5 - 0.5 - 1.96 = 0.045
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # A step
+//!
+//! [`insert`](Scene::insert), [`remove`](Scene::remove), [`set_pose`](Scene::set_pose) and [`call_for`](Scene::call_for) gather;
+//! [`step`](Scene::step) takes them over:
+//!
+//! 1. **boxes** of the bodies that moved, grown by half of the distances called for;
+//! 2. **pairs** of boxes: what began gets a tracker if more than boxes is called for, what ended gives it back;
+//! 3. **look** at each such pair, as far as nothing cheaper answers: bodies at rest, the displacement budget, two balls; then the
+//!    tracker, with the depth of an overlap only where it is called for;
+//! 4. **events** in one order.
+//!
+//! What was found stands in [`pairs`](Scene::pairs), [`pairs_of`](Scene::pairs_of) a body and [`events`](Scene::events); what it took in
+//! [`report`](Scene::report). On top there are questions a step does not answer: [`pairs_within`](Scene::pairs_within),
+//! [`nearest`](Scene::nearest), [`first_contact`](Scene::first_contact).
+//!
+//! # What it costs
+//!
+//! [`Effects`] is the price list. A pair that only events of overlaps or of `within` are called for is looked at when its bodies may
+//! have used up their distance, and not before: see [`budget`] for the rule and its proof. A distance called for is taken
+//! whenever a body of the pair has moved. A step in which nothing was set does nothing.
+//!
+//! # Promises
+//!
+//! * Events and predicates are exact (feature `exact`) for the poses given: those of brute force over all pairs on every frame, with
+//!   the budget or without. Distances have the bounds of [`Tracker::closest`](crate::Tracker::closest).
+//! * Dropping an effect never raises a counter of the narrow phase on the scenes tested; what is not called for is counted as
+//!   exactly zero, and takes no memory.
+//! * The same calls give the same answers, events and counts bit for bit, with any number of threads (feature `parallel`), and after
+//!   a scene was written and read back (feature `serde`).
+//! * A refused call names what was wrong and changes nothing ([`SceneError`]).
+//!
+//! # Limits
+//!
+//! Coordinates, radii and ranges are at most 1e37. Pairs are found by boxes in `f32` about the origin of
+//! [`Settings`]: scenes far from it pair more bodies than they need. Groups are 32. Bodies are convex.
+//!
+//! Source: Cohen, Lin, Manocha and Ponamgi 1995 (I-COLLIDE) join sweep and prune with one tracker a pair; Lin 1993 (section 5.4) asks
+//! that a simulation pay only for the effects it calls for. Departures: pairs are kept in lanes by what is called for; the wake-up is
+//! bounded by displacement instead of by time.
+
+mod answer;
+mod body;
+pub mod budget;
+mod effects;
+mod error;
+mod events;
+mod lane;
+mod look;
+#[cfg(feature = "parallel")]
+mod parallel;
+mod report;
+mod search;
+#[cfg(feature = "serde")]
+mod snapshot;
+mod step;
+
+use alloc::vec::Vec;
+
+use nalgebra::Isometry3;
+
+use crate::broad::{self, BroadPhase, Groups, PencilSweep};
+use crate::motion::Velocity;
+use crate::polyhedron::{BoxHint, ConvexPolyhedron};
+
+pub use crate::broad::{BodyId, PairId, Settings};
+pub use answer::PairAnswer;
+pub use body::Body;
+use body::{Bodies, Solid, box_of, checked};
+pub use effects::{Effects, Group};
+use effects::{GROUPS, Table};
+pub use error::SceneError;
+pub use events::{Change, Event};
+use lane::Lanes;
+pub use report::{Counts, Report, Times};
+pub use search::Near;
+
+/// Bodies, the effects called for, and what the last step found. See the [module page](self).
+#[derive(Clone, Debug)]
+pub struct Scene {
+    bodies: Bodies,
+    table: Table,
+    broad: PencilSweep,
+    lanes: Lanes,
+    events: Vec<Event>,
+    report: Report,
+    /// Groups whose effects changed since the last step, as bits.
+    replanned: u32,
+    /// Whether bodies were inserted, removed or moved to another group since the last step.
+    changed: bool,
+    /// What each group's boxes are grown by, and which groups it pairs with, as of the last step that took effects over.
+    growths: [f64; GROUPS],
+    partners: [u32; GROUPS],
+    budget: bool,
+    settings: Settings,
+    /// Kept for its room.
+    batch: Vec<(broad::BodyId, broad::Aabb)>,
+}
+
+impl Default for Scene {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Scene {
+    /// An empty scene about the origin, in which nothing is called for.
+    pub fn new() -> Self {
+        Self::with_settings(Settings::default())
+    }
+
+    /// An empty scene with settings of its own: where boxes are finest, and from how many bodies on threads are used.
+    pub fn with_settings(settings: Settings) -> Self {
+        let bodies = Bodies {
+            step: 1,
+            ..Bodies::default()
+        };
+        Self {
+            bodies,
+            table: Table::default(),
+            broad: PencilSweep::with_settings(settings),
+            lanes: Lanes::default(),
+            events: Vec::new(),
+            report: Report::default(),
+            replanned: 0,
+            changed: false,
+            growths: [0.0; GROUPS],
+            partners: [0; GROUPS],
+            budget: true,
+            settings,
+            batch: Vec::new(),
+        }
+    }
+
+    /// Calls for effects for the pairs of two groups (or of one group with itself), in place of what was called for before. Takes
+    /// effect with the next step, for pairs that are there as for those to come: what is new is looked at, what was dropped is
+    /// forgotten without an event, unless nothing at all is left.
+    ///
+    /// # Errors
+    /// When a distance is NaN, negative or beyond 1e37; only `distance` may be infinite.
+    pub fn call_for(&mut self, these: Group, those: Group, effects: Effects) -> Result<(), SceneError> {
+        if self.table.effects(these, those) == effects {
+            return Ok(());
+        }
+        self.table.call_for(these, those, effects)?;
+        self.replanned |= 1 << these.number() | 1 << those.number();
+        Ok(())
+    }
+
+    /// What is called for.
+    pub fn effects(&self, these: Group, those: Group) -> Effects {
+        self.table.effects(these, those)
+    }
+
+    /// Whether pairs sleep while the displacement budget answers for them; on unless switched off. The answers are the same.
+    pub fn set_budget(&mut self, on: bool) {
+        self.budget = on;
+    }
+
+    /// Puts a body into the scene.
+    ///
+    /// # Errors
+    /// When the pose is no rigid motion or too far out, the shape too large, or there are too many bodies.
+    pub fn insert(&mut self, body: Body, pose: Isometry3<f64>) -> Result<BodyId, SceneError> {
+        checked(&pose, None)?;
+        let mut solid = Solid::new(body)?;
+        let mut hint = BoxHint::default();
+        let housed = self.house(&mut solid, &pose, &mut hint)?;
+        self.changed = true;
+        Ok(self.bodies.insert(solid, pose, housed, hint))
+    }
+
+    /// Gives a body its box in the broad phase.
+    fn house(
+        &mut self,
+        solid: &mut Solid,
+        pose: &Isometry3<f64>,
+        hint: &mut BoxHint,
+    ) -> Result<broad::BodyId, SceneError> {
+        let groups = self.groups_of(solid.group);
+        let growth = self.growths[solid.group.index()];
+        let kind = if solid.fixed {
+            broad::Body::fixed()
+        } else {
+            broad::Body::moving()
+        };
+        let kind = kind.groups(groups);
+        solid.boxed = growth < f64::INFINITY;
+        Ok(if solid.boxed {
+            self.broad.insert(&box_of(&solid.shape, pose, growth, hint), kind)?
+        } else {
+            self.broad.insert_unbounded(&broad::Aabb::everything(), kind)?
+        })
+    }
+
+    fn groups_of(&self, group: Group) -> Groups {
+        Groups {
+            member_of: 1 << group.number(),
+            pairs_with: self.table.partners(group),
+        }
+    }
+
+    /// Takes a body out: its id is stale at once, its pairs end with the next step.
+    ///
+    /// # Errors
+    /// When the id is stale.
+    pub fn remove(&mut self, id: BodyId) -> Result<(), SceneError> {
+        let i = self.bodies.index_of(id)?;
+        self.broad.remove(self.bodies.housed[i])?;
+        self.bodies.remove(i);
+        self.changed = true;
+        Ok(())
+    }
+
+    /// Moves a body, however far. What was found of it stays that of the last step until the next.
+    ///
+    /// # Errors
+    /// When the id is stale or the pose refused; the body keeps its pose.
+    pub fn set_pose(&mut self, id: BodyId, pose: Isometry3<f64>) -> Result<(), SceneError> {
+        let i = self.bodies.index_of(id)?;
+        checked(&pose, Some(id))?;
+        self.bodies.place(i, &pose);
+        Ok(())
+    }
+
+    /// Gives a moving body a velocity, which [`advance`](Self::advance) moves it by.
+    ///
+    /// # Errors
+    /// When the id is stale, the body fixed, or the velocity not finite.
+    pub fn set_velocity(&mut self, id: BodyId, velocity: Velocity) -> Result<(), SceneError> {
+        let i = self.bodies.index_of(id)?;
+        if self.bodies.solids[i].as_ref().is_some_and(|s| s.fixed) {
+            return Err(SceneError::Fixed { body: id });
+        }
+        let finite = velocity
+            .linear
+            .iter()
+            .chain(velocity.angular.iter())
+            .all(|v| v.is_finite());
+        if !finite {
+            return Err(SceneError::Velocity);
+        }
+        self.bodies
+            .velocities
+            .resize(self.bodies.generations.len(), Velocity::default());
+        self.bodies.velocities[i] = velocity;
+        Ok(())
+    }
+
+    /// The velocity of a body: zero unless set.
+    pub fn velocity(&self, id: BodyId) -> Option<Velocity> {
+        let i = self.bodies.index_of(id).ok()?;
+        Some(self.bodies.velocities.get(i).copied().unwrap_or_default())
+    }
+
+    /// Moves every body by its velocity for a time, straight and evenly turning. A time below zero goes back.
+    ///
+    /// # Errors
+    /// When the time is not finite or a body would leave the scene's reach; then no body has moved.
+    pub fn advance(&mut self, time: f64) -> Result<(), SceneError> {
+        if !time.is_finite() {
+            return Err(SceneError::Velocity);
+        }
+        let rest = Velocity::default();
+        let moving = |(i, v): (usize, &Velocity)| (*v != rest).then_some(i);
+        let moving: Vec<usize> = self.bodies.velocities.iter().enumerate().filter_map(moving).collect();
+        let mut poses = Vec::with_capacity(moving.len());
+        for &i in &moving {
+            let pose = self.bodies.velocities[i].applied(&self.bodies.poses[i], time);
+            checked(&pose, Some(self.bodies.id(i as u32)))?;
+            poses.push(pose);
+        }
+        for (&i, pose) in moving.iter().zip(&poses) {
+            self.bodies.place(i, pose);
+        }
+        Ok(())
+    }
+
+    /// Puts a body into another group; its pairs are asked again in the next step.
+    ///
+    /// # Errors
+    /// When the id is stale.
+    pub fn set_group(&mut self, id: BodyId, group: Group) -> Result<(), SceneError> {
+        let i = self.bodies.index_of(id)?;
+        let Some(solid) = &mut self.bodies.solids[i] else {
+            return Err(SceneError::StaleBody { body: id });
+        };
+        let old = core::mem::replace(&mut solid.group, group);
+        // Taken up with the effects of both groups.
+        self.replanned |= 1 << old.number() | 1 << group.number();
+        Ok(())
+    }
+
+    /// The pose last set.
+    pub fn pose(&self, id: BodyId) -> Option<&Isometry3<f64>> {
+        Some(&self.bodies.poses[self.bodies.index_of(id).ok()?])
+    }
+
+    /// The shape of a body.
+    pub fn shape(&self, id: BodyId) -> Option<&ConvexPolyhedron> {
+        let solid = self.bodies.solids[self.bodies.index_of(id).ok()?].as_ref()?;
+        Some(&solid.shape)
+    }
+
+    /// The group of a body.
+    pub fn group(&self, id: BodyId) -> Option<Group> {
+        Some(self.bodies.solids[self.bodies.index_of(id).ok()?].as_ref()?.group)
+    }
+
+    /// Number of bodies.
+    pub fn body_count(&self) -> usize {
+        self.bodies.len()
+    }
+
+    /// All bodies in ascending order.
+    pub fn bodies(&self) -> impl Iterator<Item = BodyId> + '_ {
+        self.bodies.ids()
+    }
+
+    /// What the last step changed, in ascending order of the two bodies; of one pair in the order of [`Change`].
+    pub fn events(&self) -> &[Event] {
+        &self.events
+    }
+
+    /// What the last step did and how long it took.
+    pub fn report(&self) -> &Report {
+        &self.report
+    }
+
+    /// Bytes reserved, shapes not counted: they belong to whoever shares them.
+    pub fn bytes(&self) -> Bytes {
+        Bytes {
+            bodies: self.bodies.bytes(),
+            broad: self.broad.bytes(),
+            pairs: self.lanes.bytes(),
+            scratch: self.batch.capacity() * size_of::<(broad::BodyId, broad::Aabb)>()
+                + self.events.capacity() * size_of::<Event>(),
+        }
+    }
+}
+
+/// Bytes of a scene by what they are for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct Bytes {
+    /// Tables of bodies.
+    pub bodies: usize,
+    /// The broad phase, its slots of pairs included.
+    pub broad: usize,
+    /// Trackers and answers of pairs.
+    pub pairs: usize,
+    /// Lists kept for their room.
+    pub scratch: usize,
+}
+
+impl Bytes {
+    /// All of them.
+    pub fn total(&self) -> usize {
+        self.bodies + self.broad + self.pairs + self.scratch
+    }
+}

@@ -1,0 +1,226 @@
+//! What a step did, and what it took: as data, and as text.
+
+use core::fmt;
+use core::ops::AddAssign;
+use core::time::Duration;
+
+use crate::closest::outcome::{Layer, Outcome};
+
+/// Work done by a step, or summed over many, stage by stage. The same calls give the same counts on every machine, with any
+/// number of threads.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct Counts {
+    /// Steps.
+    pub steps: u64,
+    /// Boxes made anew: of bodies that moved, or whose effects changed.
+    pub boxes: u64,
+    /// Places that entries of the broad phase moved by to stay sorted.
+    pub swaps: u64,
+    /// Pairs of boxes that began to overlap.
+    pub began: u64,
+    /// Pairs of boxes that ceased to.
+    pub ended: u64,
+    /// Pairs of boxes after the step.
+    pub pairs: u64,
+    /// Of these, pairs for which more than boxes is called for.
+    pub called: u64,
+    /// Called pairs whose bodies had not moved: the answer stands.
+    pub resting: u64,
+    /// Called pairs answered by the displacement budget.
+    pub skipped: u64,
+    /// Called pairs answered by two balls.
+    pub balls: u64,
+    /// Called pairs whose tracker was asked: calls of the narrow phase.
+    pub queries: u64,
+    /// Queries by the layer that answered, in the order of [`Layer`].
+    pub answered: [u64; 7],
+    /// Queries that found the bodies apart.
+    pub separated: u64,
+    /// Feature pairs looked at by walks, and facets of the surfaces that answered without one.
+    pub walked: u64,
+    /// Certificates taken; a surface that answers is one.
+    pub certificates: u64,
+    /// Overlaps whose depth was searched for.
+    pub depths: u64,
+    /// Asked pairs for which `overlap` was decided.
+    pub overlaps: u64,
+    /// Asked pairs for which `within` was decided.
+    pub withins: u64,
+    /// Distances taken over.
+    pub distances: u64,
+    /// Of these, with features and witnesses.
+    pub features: u64,
+    /// Events told.
+    pub events: u64,
+}
+
+impl Counts {
+    /// How many queries `layer` answered.
+    pub fn answered_by(&self, layer: Layer) -> u64 {
+        self.answered[layer as usize]
+    }
+
+    /// One query more.
+    #[inline]
+    pub(super) fn note(&mut self, outcome: &Outcome, facets: usize) {
+        let surface = outcome.layer == Layer::Surface;
+        self.queries += 1;
+        self.answered[outcome.layer as usize] += 1;
+        self.separated += u64::from(outcome.lower > 0.0);
+        self.walked += u64::from(outcome.work.steps) + if surface { facets as u64 } else { 0 };
+        self.certificates += u64::from(outcome.work.certificates) + u64::from(surface);
+        self.depths += u64::from(outcome.work.depths);
+    }
+}
+
+impl AddAssign for Counts {
+    /// Sums; of `pairs` and `called` too, so that a sum over steps divided by `steps` is their mean.
+    fn add_assign(&mut self, o: Self) {
+        self.steps += o.steps;
+        self.boxes += o.boxes;
+        self.swaps += o.swaps;
+        self.began += o.began;
+        self.ended += o.ended;
+        self.pairs += o.pairs;
+        self.called += o.called;
+        self.resting += o.resting;
+        self.skipped += o.skipped;
+        self.balls += o.balls;
+        self.queries += o.queries;
+        self.separated += o.separated;
+        self.walked += o.walked;
+        self.certificates += o.certificates;
+        self.depths += o.depths;
+        self.overlaps += o.overlaps;
+        self.withins += o.withins;
+        self.distances += o.distances;
+        self.features += o.features;
+        self.events += o.events;
+        for (mine, theirs) in self.answered.iter_mut().zip(o.answered) {
+            *mine += theirs;
+        }
+    }
+}
+
+/// Wall time of a step by stage, or summed over many. Zero without the feature `std`, and where the target has no clock.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct Times {
+    /// Boxes of moved bodies, and the broad phase taking them over.
+    pub boxes: Duration,
+    /// The broad phase finding what began and ended, and pairs taking and leaving seats.
+    pub pairs: Duration,
+    /// Called pairs, from the budget to the tracker.
+    pub look: Duration,
+    /// Events put in order.
+    pub events: Duration,
+}
+
+impl Times {
+    /// All stages.
+    pub fn total(&self) -> Duration {
+        self.boxes + self.pairs + self.look + self.events
+    }
+}
+
+impl AddAssign for Times {
+    fn add_assign(&mut self, o: Self) {
+        self.boxes += o.boxes;
+        self.pairs += o.pairs;
+        self.look += o.look;
+        self.events += o.events;
+    }
+}
+
+/// What a step did and how long its stages took; printed as a table.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct Report {
+    /// The work.
+    pub counts: Counts,
+    /// The times.
+    pub times: Times,
+}
+
+impl AddAssign for Report {
+    fn add_assign(&mut self, o: Self) {
+        self.counts += o.counts;
+        self.times += o.times;
+    }
+}
+
+impl fmt::Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (c, t) = (&self.counts, &self.times);
+        let us = |d: Duration| d.as_secs_f64() * 1e6;
+        writeln!(f, "boxes   {:>9.1} us  {} made", us(t.boxes), c.boxes)?;
+        writeln!(
+            f,
+            "pairs   {:>9.1} us  {} ({} began, {} ended), {} swaps",
+            us(t.pairs),
+            c.pairs,
+            c.began,
+            c.ended,
+            c.swaps
+        )?;
+        writeln!(
+            f,
+            "look    {:>9.1} us  {} called: {} resting, {} skipped by budget, {} apart by balls, {} asked",
+            us(t.look),
+            c.called,
+            c.resting,
+            c.skipped,
+            c.balls,
+            c.queries
+        )?;
+        writeln!(
+            f,
+            "                      {} overlaps, {} withins, {} distances, {} features, {} depths; {} steps, {} certificates; answered by walk {}, restart {}, fallback {}, double-double {}, exact {}, far {}, surface {}",
+            c.overlaps,
+            c.withins,
+            c.distances,
+            c.features,
+            c.depths,
+            c.walked,
+            c.certificates,
+            c.answered[0],
+            c.answered[1],
+            c.answered[2],
+            c.answered[3],
+            c.answered[4],
+            c.answered[5],
+            c.answered[6]
+        )?;
+        write!(f, "events  {:>9.1} us  {}", us(t.events), c.events)
+    }
+}
+
+/// Reads the wall clock between stages, where there is one.
+pub(super) struct Clock {
+    #[cfg(feature = "std")]
+    last: Option<std::time::Instant>,
+}
+
+impl Clock {
+    pub(super) fn start() -> Self {
+        Self {
+            // Where a target has no clock, reading it panics.
+            #[cfg(feature = "std")]
+            last: (!cfg!(all(target_family = "wasm", target_os = "unknown"))).then(std::time::Instant::now),
+        }
+    }
+
+    /// Time since the start or the last lap.
+    pub(super) fn lap(&mut self) -> Duration {
+        #[cfg(feature = "std")]
+        if let Some(last) = &mut self.last {
+            let now = std::time::Instant::now();
+            return now.duration_since(core::mem::replace(last, now));
+        }
+        Duration::ZERO
+    }
+}

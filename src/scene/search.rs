@@ -1,0 +1,198 @@
+//! Questions on top of a step, about the poses of the last one: all pairs within a distance, the nearest bodies, the first contact.
+//!
+//! They use the boxes of the step and are asked of groups that something is called for, be it `boxes` alone. Nothing of them is
+//! kept; where a step follows a pair, its features are the start.
+
+use alloc::vec::Vec;
+
+use super::body::box_of;
+use super::effects::{Group, Rung, class_of};
+use super::look::least_distance;
+use super::{BodyId, Scene, SceneError};
+use crate::broad::{Aabb, BroadPhase};
+use crate::closest::outcome::Outcome;
+use crate::polyhedron::{BoxHint, ConvexPolyhedron};
+use crate::pose::RelativePose;
+use crate::tolerance::{SCENE_REACH, UNIT};
+use crate::tracker::Tracker;
+
+/// A pair and its closest features.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct Near {
+    /// The body asked about, or of the first group: A of the outcome.
+    pub a: BodyId,
+    /// The other.
+    pub b: BodyId,
+    /// Their distance with bounds, features, witnesses and normal.
+    pub outcome: Outcome,
+}
+
+impl Scene {
+    /// All pairs of a body of one group and a body of the other that are at most `d` apart, exactly; in ascending order of the bodies.
+    /// Two fixed bodies are no pair. Overlaps have the distance 0; their depth is not taken.
+    ///
+    /// # Errors
+    /// When nothing is called for between the groups, a step is due, or `d` is NaN, negative or beyond 1e37.
+    pub fn pairs_within(&self, these: Group, those: Group, d: f64) -> Result<Vec<Near>, SceneError> {
+        if !(0.0..=SCENE_REACH).contains(&d) {
+            return Err(SceneError::Range { value: d });
+        }
+        let mut found = Vec::new();
+        self.visit_pairs(these, those, d, |a, b| {
+            found.extend(self.near_within(a, b, d));
+            true
+        })?;
+        Ok(found)
+    }
+
+    /// The first pair of a body of one group and a body of the other, in ascending order, that shares a point; with its depth. The
+    /// search ends there.
+    ///
+    /// # Errors
+    /// When nothing is called for between the groups, or a step is due.
+    #[doc(alias = "early exit")]
+    pub fn first_contact(&self, these: Group, those: Group) -> Result<Option<Near>, SceneError> {
+        let mut found = None;
+        self.visit_pairs(these, those, 0.0, |a, b| {
+            found = self.near_within(a, b, 0.0);
+            found.is_none()
+        })?;
+        Ok(found.map(|near| {
+            let outcome = self.tracked(near.a.index, near.b.index, |tracker, a, b, pose| {
+                tracker.closest(a, b, pose)
+            });
+            Near {
+                outcome: outcome.unwrap_or(near.outcome),
+                ..near
+            }
+        }))
+    }
+
+    /// The `count` bodies nearest to a body and no farther from it than `farthest`, nearest first, ties in ascending order: of the groups
+    /// that something is called for with its own.
+    ///
+    /// # Errors
+    /// When the id is stale, a step is due, or `farthest` is NaN or negative.
+    #[doc(alias = "k-nearest")]
+    pub fn nearest(&self, id: BodyId, count: usize, farthest: f64) -> Result<Vec<Near>, SceneError> {
+        let i = self.bodies.index_of(id)?;
+        if self.is_due() {
+            return Err(SceneError::StepDue);
+        }
+        if !(farthest >= 0.0) {
+            return Err(SceneError::Range { value: farthest });
+        }
+        let around = self.box_around(i, 0.0);
+        let mut asked = count.saturating_add(1);
+        loop {
+            asked = asked.saturating_mul(2);
+            let boxes = self.broad.nearest(&around, asked, farthest)?;
+            let others = boxes.iter().map(|n| self.bodies.owners[n.body.index as usize]);
+            let mut found: Vec<Near> = others
+                .filter(|&other| self.may_pair(id.index, other))
+                .filter_map(|other| self.near_within(id.index, other, farthest))
+                .collect();
+            found.sort_by(|x, y| x.outcome.distance.total_cmp(&y.outcome.distance).then(x.b.cmp(&y.b)));
+            found.truncate(count);
+            // Boxes that were not listed are no nearer than the last; bodies are no nearer than their boxes.
+            let covered = boxes.last().map_or(0.0, |n| n.distance * (1.0 - 8.0 * UNIT));
+            let settled = found.len() == count && found.last().is_none_or(|n| n.outcome.upper <= covered);
+            if settled || boxes.len() < asked {
+                return Ok(found);
+            }
+        }
+    }
+
+    /// Visits pairs whose boxes are at most `d` apart, in ascending order, until `visit` says no.
+    fn visit_pairs(
+        &self,
+        these: Group,
+        those: Group,
+        d: f64,
+        mut visit: impl FnMut(u32, u32) -> bool,
+    ) -> Result<(), SceneError> {
+        if self.is_due() {
+            return Err(SceneError::StepDue);
+        }
+        if self.table.plan(class_of(these, those)).rung == Rung::Nothing {
+            return Err(SceneError::NotCalledFor { these, those });
+        }
+        let mut near = Vec::new();
+        let mut others: Vec<u32> = Vec::new();
+        for id in self
+            .bodies
+            .ids()
+            .filter(|id| self.bodies.group(id.index) == Some(these))
+        {
+            near.clear();
+            self.broad
+                .overlapping(&self.box_around(id.index as usize, d), &mut near)?;
+            others.clear();
+            others.extend(near.iter().map(|other| self.bodies.owners[other.index as usize]));
+            others.sort_unstable();
+            for &other in &others {
+                let twice = these == those && other < id.index;
+                let asked = self.bodies.group(other) == Some(those) && self.may_pair(id.index, other);
+                if asked && !twice && !visit(id.index, other) {
+                    return Ok(());
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn box_around(&self, i: usize, d: f64) -> Aabb {
+        let pose = &self.bodies.poses[i];
+        match &self.bodies.solids[i] {
+            Some(solid) => box_of(&solid.shape, pose, d, &mut BoxHint::default()),
+            None => Aabb::from_center(pose.translation.vector.into(), nalgebra::Vector3::zeros()),
+        }
+    }
+
+    fn may_pair(&self, a: u32, b: u32) -> bool {
+        let [x, y] = [a, b].map(|i| self.bodies.solids[i as usize].as_ref());
+        let (Some(x), Some(y)) = (x, y) else { return false };
+        a != b && !(x.fixed && y.fixed) && self.table.plan(class_of(x.group, y.group)).rung > Rung::Nothing
+    }
+
+    /// The pair, if it is at most `d` apart.
+    fn near_within(&self, a: u32, b: u32, d: f64) -> Option<Near> {
+        let [x, y] = [a, b].map(|i| &self.bodies.balls[i as usize]);
+        if least_distance(x, y) > d {
+            return None;
+        }
+        let outcome = self.tracked(a, b, |tracker, x, y, pose| {
+            let outcome = tracker.look(x, y, pose, false);
+            tracker.decides_within(x, y, pose, &outcome, d).then_some(outcome)
+        });
+        outcome.flatten().map(|outcome| Near {
+            a: self.bodies.id(a),
+            b: self.bodies.id(b),
+            outcome,
+        })
+    }
+
+    /// Asks a tracker that starts where the step's own stands.
+    fn tracked<R>(
+        &self,
+        a: u32,
+        b: u32,
+        ask: impl FnOnce(&mut Tracker, &ConvexPolyhedron, &ConvexPolyhedron, &RelativePose) -> R,
+    ) -> Option<R> {
+        let [i, j] = [a as usize, b as usize];
+        let (x, y) = (
+            &*self.bodies.solids[i].as_ref()?.shape,
+            &*self.bodies.solids[j].as_ref()?.shape,
+        );
+        let pose = RelativePose::new(&self.bodies.poses[i], &self.bodies.poses[j]).ok()?;
+        let pair = self.broad.pair(self.bodies.housed[i], self.bodies.housed[j]);
+        let known = pair
+            .and_then(|pair| self.lanes.get(pair.id.slot))
+            .and_then(|seen| seen.tracker.features())
+            .map(|features| if a < b { features } else { features.swapped() });
+        let mut tracker = known.map_or_else(Tracker::new, |features| Tracker::starting_from(features, x, y));
+        Some(ask(&mut tracker, x, y, &pose))
+    }
+}

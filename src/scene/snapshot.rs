@@ -1,0 +1,314 @@
+//! Feature `serde`: what of a scene has to be kept so that it goes on as if nothing had happened. What is read is checked, so that
+//! no text makes a scene that could panic; an answer that a text falsifies stays false until its pair is looked at again.
+
+use alloc::collections::BTreeMap;
+use alloc::string::String;
+use alloc::sync::Arc;
+use alloc::vec::Vec;
+
+use nalgebra::Isometry3;
+use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
+
+use super::body::{Bodies, Body, Solid, checked};
+use super::budget::Travel;
+use super::effects::{Effects, GROUPS, Group, Table};
+use super::lane::{Answer, Head, Lane, Lanes};
+use super::report::Report;
+use super::step::owners;
+use super::{Event, Scene, Settings};
+use crate::broad::{self, BroadPhase, PencilSweep};
+use crate::closest::outcome::{Distance, Outcome};
+use crate::motion::Velocity;
+use crate::polyhedron::{BoxHint, ConvexPolyhedron};
+use crate::tracker::Tracker;
+
+/// One index of the tables of bodies.
+#[derive(Serialize, Deserialize)]
+struct Row {
+    generation: u32,
+    /// `None` where no body is, nor leaves.
+    solid: Option<SolidRow>,
+    pose: Isometry3<f64>,
+    travel: Travel,
+    hint: BoxHint,
+    housed: broad::BodyId,
+}
+
+#[derive(Serialize, Deserialize)]
+struct SolidRow {
+    shape: usize,
+    group: Group,
+    fixed: bool,
+    boxed: bool,
+}
+
+/// Pairs of a lane, one after the other.
+type Seats<A> = Vec<(Head, Tracker, A)>;
+
+/// The serialized form.
+#[derive(Serialize, Deserialize)]
+struct Snapshot {
+    settings: Settings,
+    /// Distinct shapes, in the order of the bodies.
+    shapes: Vec<ConvexPolyhedron>,
+    rows: Vec<Row>,
+    free: Vec<u32>,
+    leaving: Vec<u32>,
+    owners: Vec<u32>,
+    velocities: Vec<Velocity>,
+    due: Vec<u32>,
+    step: u32,
+    effects: Vec<(Group, Group, Effects)>,
+    /// Infinity as the largest number.
+    growths: Vec<f64>,
+    partners: [u32; GROUPS],
+    broad: PencilSweep,
+    predicates: Seats<()>,
+    distances: Seats<Distance>,
+    features: Seats<Outcome>,
+    /// Slots whose boxes were told of.
+    told: Vec<u32>,
+    events: Vec<Event>,
+    report: Report,
+    replanned: u32,
+    changed: bool,
+    budget: bool,
+}
+
+/// A lower bound in files: minus infinity, which not every format can hold, as the least number.
+trait Bounded {
+    fn lower(&mut self) -> Option<&mut f64>;
+}
+
+impl Bounded for () {
+    fn lower(&mut self) -> Option<&mut f64> {
+        None
+    }
+}
+
+impl Bounded for Distance {
+    fn lower(&mut self) -> Option<&mut f64> {
+        Some(&mut self.lower)
+    }
+}
+
+impl Bounded for Outcome {
+    fn lower(&mut self) -> Option<&mut f64> {
+        Some(&mut self.lower)
+    }
+}
+
+fn seats<A: Answer + Bounded>(lane: &Lane<A>) -> Seats<A> {
+    let pairs = lane.heads.iter().zip(&lane.trackers).zip(&lane.answers);
+    let seat = |((head, tracker), answer): ((&Head, &Tracker), &A)| {
+        let mut answer = if head.state.measured {
+            answer.clone()
+        } else {
+            A::blank()
+        };
+        if let Some(lower) = answer.lower() {
+            *lower = lower.max(f64::MIN);
+        }
+        (*head, tracker.clone(), answer)
+    };
+    pairs.map(seat).collect()
+}
+
+fn lane<A: Bounded>(seats: Seats<A>) -> Lane<A> {
+    let mut lane = Lane::default();
+    for (head, tracker, mut answer) in seats {
+        if let Some(lower) = answer.lower().filter(|lower| **lower == f64::MIN) {
+            *lower = f64::NEG_INFINITY;
+        }
+        lane.heads.push(head);
+        lane.trackers.push(tracker);
+        lane.answers.push(answer);
+    }
+    lane
+}
+
+impl Snapshot {
+    fn of(scene: &Scene) -> Self {
+        let bodies = &scene.bodies;
+        let mut shapes = Vec::new();
+        let mut known = BTreeMap::new();
+        let mut number = |shape: &Arc<ConvexPolyhedron>| {
+            *known.entry(Arc::as_ptr(shape) as usize).or_insert_with(|| {
+                shapes.push((**shape).clone());
+                shapes.len() - 1
+            })
+        };
+        let mut row = |i: usize| Row {
+            generation: bodies.generations[i],
+            solid: bodies.solids[i].as_ref().map(|s| SolidRow {
+                shape: number(&s.shape),
+                group: s.group,
+                fixed: s.fixed,
+                boxed: s.boxed,
+            }),
+            pose: bodies.poses[i],
+            travel: bodies.travels[i],
+            hint: bodies.hints[i],
+            housed: bodies.housed[i],
+        };
+        let rows = (0..bodies.generations.len()).map(&mut row).collect();
+        Self {
+            settings: scene.settings,
+            shapes,
+            rows,
+            free: bodies.free.clone(),
+            leaving: bodies.leaving.clone(),
+            owners: bodies.owners.clone(),
+            velocities: bodies.velocities.clone(),
+            due: bodies.due.clone(),
+            step: bodies.step,
+            effects: scene.table.entries().collect(),
+            growths: scene.growths.iter().map(|g| g.min(f64::MAX)).collect(),
+            partners: scene.partners,
+            broad: scene.broad.clone(),
+            predicates: seats(&scene.lanes.predicates),
+            distances: seats(&scene.lanes.distances),
+            features: seats(&scene.lanes.features),
+            told: scene.lanes.told().collect(),
+            events: scene.events.clone(),
+            report: scene.report,
+            replanned: scene.replanned,
+            changed: scene.changed,
+            budget: scene.budget,
+        }
+    }
+
+    fn restored(self) -> Result<Scene, String> {
+        let mut table = Table::default();
+        for (g, h, effects) in &self.effects {
+            table.call_for(*g, *h, *effects).map_err(|e| alloc::format!("{e}"))?;
+        }
+        let growth = |g: f64| if g == f64::MAX { f64::INFINITY } else { g };
+        let growths: Vec<f64> = self.growths.into_iter().map(growth).collect();
+        let growths: [f64; GROUPS] = growths.try_into().map_err(|_| "a scene has 32 groups")?;
+        if !growths.iter().all(|g| *g >= 0.0) {
+            return Err("a box of the scene grows by less than nothing".into());
+        }
+        let shapes: Vec<_> = self.shapes.into_iter().map(Arc::new).collect();
+        let lists = [self.free, self.leaving, self.owners, self.due];
+        let bodies = restored_bodies(self.rows, &shapes, lists, self.velocities, self.step)?;
+        let housed = |i: usize| self.broad.contains(bodies.housed[i]);
+        let owned = |i: usize| bodies.owners.get(bodies.housed[i].index as usize) == Some(&(i as u32));
+        if !(0..bodies.generations.len()).all(|i| !bodies.lives(i) || housed(i) && owned(i)) {
+            return Err("a body of the scene has no place in its broad phase".into());
+        }
+        let there = |i: usize| {
+            bodies
+                .owners
+                .get(i)
+                .is_some_and(|o| (*o as usize) < bodies.generations.len())
+        };
+        if !self.broad.bodies().all(|id| there(id.index as usize)) {
+            return Err("a box of the scene belongs to no body".into());
+        }
+        if !self
+            .broad
+            .pairs()
+            .all(|p| [p.a, p.b].iter().all(|id| there(id.index as usize)))
+        {
+            return Err("a pair of the scene has no bodies".into());
+        }
+        let slots = self.broad.pairs().map(|p| p.id.slot as usize + 1).max().unwrap_or(0);
+        let (predicates, distances, features) = (lane(self.predicates), lane(self.distances), lane(self.features));
+        let lanes = Lanes::restored(predicates, distances, features, &self.told, slots);
+        let lanes = lanes.ok_or("two pairs of the scene sit in one seat")?;
+        let sound = |head: &Head| {
+            let pair = self.broad.pair_of(head.pair).map(|pair| owners(&bodies, &pair));
+            let class = usize::from(head.class) < GROUPS * GROUPS;
+            class && head.a != head.b && pair == Some((head.a, head.b))
+        };
+        if !lanes.heads().all(sound) {
+            return Err("a seat of the scene is taken by no pair".into());
+        }
+        Ok(Scene {
+            bodies,
+            table,
+            broad: self.broad,
+            lanes,
+            events: self.events,
+            report: self.report,
+            replanned: self.replanned,
+            changed: self.changed,
+            growths,
+            partners: self.partners,
+            budget: self.budget,
+            settings: self.settings,
+            batch: Vec::new(),
+        })
+    }
+}
+
+/// The tables of bodies, if every list names what is there.
+fn restored_bodies(
+    rows: Vec<Row>,
+    shapes: &[Arc<ConvexPolyhedron>],
+    [free, leaving, owners, due]: [Vec<u32>; 4],
+    velocities: Vec<Velocity>,
+    step: u32,
+) -> Result<Bodies, String> {
+    let n = rows.len();
+    let living = rows.iter().filter(|r| r.generation % 2 == 1).count();
+    let mut gone: Vec<u32> = free.iter().chain(&leaving).copied().collect();
+    gone.sort_unstable();
+    let dead = |i: &u32| rows.get(*i as usize).is_some_and(|r| r.generation % 2 == 0);
+    let known = |i: &u32| *i == u32::MAX || (*i as usize) < n;
+    let here = |i: &u32| (*i as usize) < n;
+    if !gone.is_sorted_by(|a, b| a < b) || !gone.iter().all(dead) || gone.len() + living > n {
+        return Err("a list of removed bodies contradicts the scene".into());
+    }
+    if !owners.iter().all(known) || !due.iter().all(here) || !(velocities.is_empty() || velocities.len() == n) {
+        return Err("a list of the scene names a body that is not there".into());
+    }
+    let finite = |v: &Velocity| v.linear.iter().chain(v.angular.iter()).all(|x| x.is_finite());
+    if !velocities.iter().all(finite) {
+        return Err("a velocity of the scene is not finite".into());
+    }
+    let mut bodies = Bodies {
+        free,
+        leaving,
+        owners,
+        velocities,
+        due,
+        step,
+        ..Bodies::default()
+    };
+    for row in rows {
+        let solid = match &row.solid {
+            Some(s) => {
+                let shape = shapes.get(s.shape).ok_or("a body of the scene has no shape")?;
+                let mut body = Body::moving(shape.clone()).group(s.group);
+                body.fixed = s.fixed;
+                let mut solid = Solid::new(body).map_err(|e| alloc::format!("{e}"))?;
+                solid.boxed = s.boxed;
+                Some(solid)
+            }
+            None if row.generation % 2 == 1 => return Err("a body of the scene has no shape".into()),
+            None => None,
+        };
+        checked(&row.pose, None).map_err(|e| alloc::format!("{e}"))?;
+        if !(row.travel.odometer >= 0.0) {
+            return Err("an odometer of the scene is no number".into());
+        }
+        bodies.restore(row.generation, solid, row.pose, row.travel, row.hint, row.housed);
+    }
+    Ok(bodies)
+}
+
+impl Serialize for Scene {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        Snapshot::of(self).serialize(serializer)
+    }
+}
+
+impl<'de> Deserialize<'de> for Scene {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        Snapshot::deserialize(deserializer)?
+            .restored()
+            .map_err(D::Error::custom)
+    }
+}

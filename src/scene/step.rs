@@ -1,0 +1,284 @@
+//! A step: the stages of the pipeline, in order.
+
+use alloc::vec::Vec;
+
+use super::Scene;
+use super::body::{Bodies, box_of};
+use super::effects::{GROUPS, Group, Table, class_of};
+use super::events::{Change, Event, Happened};
+use super::lane::{Head, Lanes, Luggage, State};
+use super::look::{Context, Tally, look_at_lane};
+use super::report::{Clock, Report};
+use crate::broad::{self, Aabb, BroadPhase, PairId};
+use crate::polyhedron::BoxHint;
+
+impl Scene {
+    /// Takes over all calls since the last step and computes what is called for. Nothing is done if there were none.
+    pub fn step(&mut self) -> &Report {
+        self.report = Report::default();
+        self.report.counts.steps = 1;
+        self.events.clear();
+        if self.is_due() {
+            let mut clock = Clock::start();
+            let rehoused = self.replan();
+            self.make_boxes();
+            self.report.times.boxes = clock.lap();
+            let mut happened = self.find_pairs(rehoused);
+            self.report.times.pairs = clock.lap();
+            self.look_at_pairs(&mut happened);
+            self.report.times.look = clock.lap();
+            self.tell_events(&mut happened);
+            self.report.times.events = clock.lap();
+            self.bodies.end_step();
+            (self.changed, self.replanned) = (false, 0);
+        }
+        self.report.counts.pairs = self.broad.pair_count() as u64;
+        &self.report
+    }
+
+    /// Whether anything was called since the last step.
+    pub(super) fn is_due(&self) -> bool {
+        self.changed || self.replanned != 0 || !self.bodies.due.is_empty()
+    }
+
+    /// Brings the bodies of groups whose effects changed in line: whom they pair with, and how far their boxes grow. True if some
+    /// had to leave the broad phase and come back.
+    fn replan(&mut self) -> bool {
+        if self.replanned == 0 {
+            return false;
+        }
+        self.growths = core::array::from_fn(|g| self.table.growth(group(g)));
+        self.partners = core::array::from_fn(|g| self.table.partners(group(g)));
+        let mut rehoused = false;
+        for i in 0..self.bodies.solids.len() {
+            let Some(solid) = self.bodies.solids[i].as_ref().filter(|_| self.bodies.lives(i)) else {
+                continue;
+            };
+            if self.replanned & 1 << solid.group.number() == 0 {
+                continue;
+            }
+            if solid.boxed == (self.growths[solid.group.index()] < f64::INFINITY) {
+                let groups = self.groups_of(solid.group);
+                // The id of a living body is not stale.
+                let _ = self.broad.set_groups(self.bodies.housed[i], groups);
+                self.bodies.call(i);
+            } else {
+                rehoused |= self.rehouse(i);
+            }
+        }
+        rehoused
+    }
+
+    /// Takes a body out of the broad phase and puts it in again, with a box or without.
+    fn rehouse(&mut self, i: usize) -> bool {
+        let Some(mut solid) = self.bodies.solids[i].take() else {
+            return false;
+        };
+        // A broad phase has room for one body more than a scene.
+        let housed = self.house(&mut solid, &self.bodies.poses[i].clone(), &mut BoxHint::default());
+        if let Ok(housed) = housed {
+            let _ = self.broad.remove(self.bodies.housed[i]);
+            self.bodies.house(i as u32, housed);
+        }
+        self.bodies.solids[i] = Some(solid);
+        true
+    }
+
+    /// Makes the boxes that are due and hands them over. Bodies that nothing is called for have none to keep.
+    fn make_boxes(&mut self) {
+        let Self { bodies, batch, .. } = self;
+        batch.clear();
+        if !bodies.due.is_sorted() {
+            bodies.due.sort_unstable();
+        }
+        let mut hints = core::mem::take(&mut bodies.hints);
+        let boxes = Boxes {
+            bodies,
+            partners: &self.partners,
+            growths: &self.growths,
+        };
+        #[cfg(feature = "parallel")]
+        if bodies.due.len() >= self.settings.parallel_from.max(1) {
+            super::parallel::make_boxes(&boxes, &mut hints, &bodies.due, batch);
+        } else {
+            boxes.make(0, &mut hints, &bodies.due, batch);
+        }
+        #[cfg(not(feature = "parallel"))]
+        boxes.make(0, &mut hints, &bodies.due, batch);
+        bodies.hints = hints;
+        self.report.counts.boxes = batch.len() as u64;
+        // Boxes of checked shapes at checked poses are sound, and the ids are of living bodies.
+        let taken = self.broad.set_boxes(batch);
+        debug_assert_eq!(taken, Ok(()));
+    }
+
+    /// Lets the broad phase find what began and ended; pairs take seats and leave them. A pair of a body that came back to the broad
+    /// phase ends and begins in one step: it takes along what is known of it.
+    fn find_pairs(&mut self, rehoused: bool) -> Vec<Happened> {
+        let events = self.broad.step();
+        let (bodies, lanes) = (&self.bodies, &mut self.lanes);
+        let mut happened = Vec::new();
+        let mut leavers = Vec::new();
+        for pair in events.ended {
+            let members = owners(bodies, pair);
+            let luggage = lanes.leave(pair.id.slot);
+            if rehoused {
+                leavers.push((members, pair.id, luggage));
+            } else {
+                end(&luggage, members, pair.id, &mut happened);
+            }
+        }
+        leavers.sort_unstable_by_key(|(members, ..)| *members);
+        for pair in events.began {
+            let members = owners(bodies, pair);
+            let found = leavers.binary_search_by_key(&members, |(members, ..)| *members);
+            let luggage = found.map_or_else(|_| Luggage::default(), |k| core::mem::take(&mut leavers[k].2));
+            begin(lanes, &self.table, bodies, (members, pair.id), luggage, &mut happened);
+        }
+        for (members, id, luggage) in leavers {
+            end(&luggage, members, id, &mut happened);
+        }
+        let counts = &mut self.report.counts;
+        (counts.began, counts.ended) = (events.began.len() as u64, events.ended.len() as u64);
+        counts.swaps = self.broad.swaps();
+        if self.replanned != 0 {
+            self.reseat(&mut happened);
+        }
+        self.lanes.trim();
+        happened
+    }
+
+    /// Pairs whose effects changed move to the lane that is theirs now.
+    fn reseat(&mut self, happened: &mut Vec<Happened>) {
+        let (bodies, lanes) = (&self.bodies, &mut self.lanes);
+        let replanned = |i: u32| bodies.group(i).is_some_and(|g| self.replanned & 1 << g.number() != 0);
+        for pair in self.broad.pairs() {
+            let members = owners(bodies, &pair);
+            if replanned(members.0) || replanned(members.1) {
+                let luggage = lanes.leave(pair.id.slot);
+                begin(lanes, &self.table, bodies, (members, pair.id), luggage, happened);
+            }
+        }
+    }
+
+    /// The narrow phase: budget, balls, tracker.
+    fn look_at_pairs(&mut self, happened: &mut Vec<Happened>) {
+        let context = Context {
+            bodies: &self.bodies,
+            table: &self.table,
+            budget: self.budget,
+        };
+        let mut tally = Tally {
+            counts: self.report.counts,
+            happened: core::mem::take(happened),
+        };
+        let lanes = &mut self.lanes;
+        #[cfg(feature = "parallel")]
+        if self.bodies.len() >= self.settings.parallel_from {
+            super::parallel::look_at_lane(&mut lanes.predicates, &context, &mut tally);
+            super::parallel::look_at_lane(&mut lanes.distances, &context, &mut tally);
+            super::parallel::look_at_lane(&mut lanes.features, &context, &mut tally);
+            (self.report.counts, *happened) = (tally.counts, tally.happened);
+            return;
+        }
+        look_at_lane(&mut lanes.predicates, &context, &mut tally);
+        look_at_lane(&mut lanes.distances, &context, &mut tally);
+        look_at_lane(&mut lanes.features, &context, &mut tally);
+        (self.report.counts, *happened) = (tally.counts, tally.happened);
+    }
+
+    /// Puts events in order and gives them their names.
+    fn tell_events(&mut self, happened: &mut [Happened]) {
+        happened.sort_unstable_by_key(|h| (h.pair, h.change));
+        let bodies = &self.bodies;
+        self.events.extend(happened.iter().map(|h| Event {
+            a: bodies.id(h.pair.0),
+            b: bodies.id(h.pair.1),
+            pair: h.id,
+            change: h.change,
+        }));
+        self.report.counts.events = self.events.len() as u64;
+    }
+}
+
+fn group(number: usize) -> Group {
+    Group::new(number as u8).unwrap_or_default()
+}
+
+/// The bodies of a pair, the lower index first.
+pub(super) fn owners(bodies: &Bodies, pair: &broad::Pair) -> (u32, u32) {
+    let [a, b] = [pair.a, pair.b].map(|id| bodies.owners[id.index as usize]);
+    (a.min(b), a.max(b))
+}
+
+/// A pair ends, and with it what was told of it.
+fn end(luggage: &Luggage, pair: (u32, u32), id: PairId, happened: &mut Vec<Happened>) {
+    let ends = [
+        (luggage.state.within, Change::LeftWithin),
+        (luggage.state.overlaps, Change::OverlapEnded),
+        (luggage.told, Change::BoxesParted),
+    ];
+    let told = ends.into_iter().filter(|(was, _)| *was);
+    happened.extend(told.map(|(_, change)| Happened { id, pair, change }));
+}
+
+/// A pair begins, or changes its lane.
+fn begin(
+    lanes: &mut Lanes,
+    table: &Table,
+    bodies: &Bodies,
+    ((a, b), id): ((u32, u32), PairId),
+    luggage: Luggage,
+    happened: &mut Vec<Happened>,
+) {
+    let (Some(g), Some(h)) = (bodies.group(a), bodies.group(b)) else {
+        return;
+    };
+    let class = class_of(g, h);
+    let plan = table.plan(class);
+    if plan.boxes && !luggage.told {
+        happened.push(Happened {
+            id,
+            pair: (a, b),
+            change: Change::BoxesMet,
+        });
+    }
+    let head = Head {
+        a,
+        b,
+        pair: id,
+        class,
+        state: State::default(),
+        wake: 0.0,
+    };
+    lanes.seat(plan, head, luggage);
+}
+
+/// What making boxes reads.
+pub(super) struct Boxes<'a> {
+    bodies: &'a Bodies,
+    /// By group: whom it pairs with, and what its boxes grow by.
+    partners: &'a [u32; GROUPS],
+    growths: &'a [f64; GROUPS],
+}
+
+impl Boxes<'_> {
+    /// Makes the boxes of `due` bodies, whose hints are those of a run of bodies from `first` on.
+    pub(super) fn make(&self, first: u32, hints: &mut [BoxHint], due: &[u32], batch: &mut Vec<(broad::BodyId, Aabb)>) {
+        for &index in due {
+            let i = index as usize;
+            let Some(solid) = self.bodies.solids[i]
+                .as_ref()
+                .filter(|s| s.boxed && self.bodies.lives(i))
+            else {
+                continue;
+            };
+            let group = solid.group.index();
+            if self.partners[group] != 0 {
+                let hint = &mut hints[(index - first) as usize];
+                let aabb = box_of(&solid.shape, &self.bodies.poses[i], self.growths[group], hint);
+                batch.push((self.bodies.housed[i], aabb));
+            }
+        }
+    }
+}
