@@ -60,8 +60,12 @@ pub(crate) fn run(csv: &mut String) {
         };
         let theirs: Vec<_> = poses.iter().map(parry).collect();
         let mut hint = BoxHint::default();
-        let ours = time(&wide, |p| drop(black_box(body.aabb_at(black_box(p), &mut hint))));
-        let theirs = time(&theirs, |p| drop(black_box(hull.compute_aabb(black_box(p)))));
+        let ours = time(&wide, |p| {
+            black_box(body.aabb_at(black_box(p), &mut hint));
+        });
+        let theirs = time(&theirs, |p| {
+            black_box(hull.compute_aabb(black_box(p)));
+        });
         println!("{n:>8}{ours:>9.1}{theirs:>9.1}{:>8.1}", theirs / ours);
         for (engine, ns) in [("ours", ours), ("parry", theirs)] {
             let _ = writeln!(csv, "hull-box,sphere,{n},{engine},{ns:.3}");
