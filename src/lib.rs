@@ -173,6 +173,8 @@ extern crate std;
 pub mod broad;
 mod certificate;
 mod closest;
+mod contact;
+pub mod cost;
 mod double_double;
 mod motion;
 mod penetration;
@@ -184,8 +186,10 @@ pub mod scene;
 mod soundness;
 pub mod tolerance;
 mod tracker;
+mod watch;
 
 pub use closest::outcome::{Class, Distance, Layer, Level, Outcome, Proposal, Work};
+pub use contact::{ContactPoint, Gradient, Manifold, ManifoldOptions};
 pub use motion::Velocity;
 pub use nalgebra;
 pub use polyhedron::{
@@ -194,6 +198,7 @@ pub use polyhedron::{
 pub use pose::{PoseError, RelativePose, Which};
 pub use replay::{Replay, ReplayError};
 pub use tracker::{Totals, Tracker};
+pub use watch::Watch;
 
 /// Runs the README as a test.
 #[doc = include_str!("../README.md")]

@@ -70,6 +70,10 @@ pub const VOLUME: f64 = 512.0;
 /// half of it above the edge, and what is left must stay below `1e-14 L`, 90 UNIT.
 pub const AGREE_DEPTH: f64 = 32.0 * UNIT;
 
+/// Deepest points that are off the place they should be by more than this times L are looked for again in double-double: well below the
+/// `1e-13 L` to which an answer is bounded.
+pub const AGREE_WITNESS: f64 = 512.0 * UNIT;
+
 /// A triangle `w0 w1 w2` of the Minkowski difference is counter-clockwise from outside, certainly, where every `n . w` exceeds this
 /// times `|e1| |e2| L`, `n = e1 x e2` rounded: the edges err by UNIT, the cross product by 2.5 UNIT more, and the dot by 3. Taken off
 /// one `n . w`, with `|e1|^2 + |e2|^2` for the product, it leaves less than any corner has, and room for the rounding of `|n|`.
@@ -82,6 +86,20 @@ pub(crate) const SQUARE_MIN: f64 = 1e-200;
 /// A triangle of the Minkowski difference that its support exceeds by less than this times L, `2^-16`, may lie in the border:
 /// the normals of the bodies' features are tried. Not a matter of soundness.
 pub const ALMOST_FLAT: f64 = 1.0 / 65_536.0;
+
+/// Noise of a place across the normal of a contact, times L: a vertex in its frame less the witness, 2 UNIT of each coordinate, two
+/// products with axes that are right within [`DIRECTION`], and the witness itself within as much. What two faces share is
+/// closed: corners this far outside belong to it. Not a matter of soundness.
+pub const ACROSS: f64 = 64.0 * UNIT;
+
+/// Faces whose normals differ by less than this, `2^-46`, bear a contact as one: a flat face whose corners were rounded
+/// comes as several, with normals a few UNIT times its size over their width apart. A point taken for one of the other is off by no
+/// more than this times L.
+pub const COPLANAR: f64 = 1.0 / (1u64 << 46) as f64;
+
+/// What a manifold holds already stays while it is no worse than this times what would come in its place. Not a matter of
+/// soundness.
+pub const STAY: f64 = 1.25;
 
 /// Where the origin lies on the border of the tetrahedron that a search for the depth would begin with, it begins about a
 /// point this many L beside it: the search succeeds for depths of more than twice as much, so the shifts shrink to the
@@ -130,6 +148,13 @@ pub const PLATEAU: f64 = 16.0 * UNIT;
 /// bodies added to L; its sums and products err by 10 UNIT^2 at most, so all is below 100 [`UNIT_DOUBLE_DOUBLE`]. The
 /// largest violation of the bounds without their term that was ever seen is 11 u L.
 pub const CERTIFICATE: f64 = 128.0;
+/// Error of the displacement of a body between two poses, in units of its radius `r`, of the distance `|c|` of its ball's
+/// middle from its own origin, and of that of the origins `|t|` at either pose (u = UNIT, errors as in [`CERTIFICATE`]): a
+/// rotation errs by `71 u` in norm, so the Frobenius norm of the difference of two by `2 sqrt(3) 71 u`, over the root of 2
+/// `174 u r`; the placed middle at each pose by `77 u |c| + 106 u |t|` at most; the norms and their sum by 4 u of what they
+/// come to, at most `2 (r + |c|)` and both `|t|`. Together at most `182 u r + 162 u |c| + 110 u |t|`.
+pub const DISPLACEMENT: f64 = 256.0 * UNIT;
+
 /// Least extent (longest side of the bounding box) of a body, in the caller's unit: cubes of lengths, as volumes are,
 /// stay above the least f64.
 pub const EXTENT_MIN: f64 = 1e-100;
@@ -207,7 +232,7 @@ pub const LEAST_START: f64 = 1e-6;
 /// A step of an odometer is taken this much too large, relatively. Poses may be off unit norm by [`POSE_UNIT`] in the square, so
 /// rotations are farther apart than their quaternions by half as much, to first order; the difference of two quaternions and the
 /// sums and roots on it err by some 8 UNIT, far less.
-pub const DISPLACEMENT: f64 = 2.0 * POSE_UNIT;
+pub const WAY: f64 = 2.0 * POSE_UNIT;
 
 /// Added to squares of displacements before the root, so that none vanishes: a part of a square below the least f64 is lost.
 pub const LEAST_SQUARE: f64 = f64::MIN_POSITIVE * (1u64 << 32) as f64;
@@ -217,7 +242,7 @@ pub const LEAST_SQUARE: f64 = f64::MIN_POSITIVE * (1u64 << 32) as f64;
 pub const CENTRE: f64 = 32.0 * UNIT;
 
 /// A sum of odometers, or the sum at which a pair wakes, is off by less than this times itself: one rounding for the sum of two,
-/// one for a budget added, one for each later sum, and each odometer is rounded up at every step ([`DISPLACEMENT`] covers the
+/// one for a budget added, one for each later sum, and each odometer is rounded up at every step ([`WAY`] covers the
 /// step, 4 UNIT the sum). Eight cover them.
 pub const ODOMETER: f64 = 8.0 * UNIT;
 

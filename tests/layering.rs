@@ -129,7 +129,7 @@ fn functions_are_short() {
 }
 
 /// What the code of a folder may name of the crate.
-const MAY_USE: [(&str, &[&str]); 10] = [
+const MAY_USE: [(&str, &[&str]); 11] = [
     ("tolerance", &[]),
     ("scalar", &["tolerance"]),
     ("double_double", &["scalar", "tolerance"]),
@@ -167,6 +167,11 @@ const MAY_USE: [(&str, &[&str]); 10] = [
             "double_double",
             "tolerance",
         ],
+    ),
+    // One tracker, and how far its bodies have moved.
+    (
+        "watch",
+        &["tracker", "closest", "polyhedron", "pose", "scalar", "tolerance"],
     ),
     // Where all meets.
     (

@@ -1,8 +1,11 @@
-//! Draws every picture of the README and the documentation from runs of the crate: `cargo run --release --example figures`.
+//! Draws every picture of the README and the documentation, from runs of the crate and from the records of its measurements:
+//! `cargo run --release --example figures`.
 
 mod hero;
 mod plane;
+mod records;
 mod svg;
+mod ulps;
 
 use lin_canny::nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
 
@@ -15,13 +18,16 @@ fn isometry(pose: &lab::Pose) -> Isometry3<f64> {
 }
 
 fn main() -> Result<(), Trouble> {
-    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("images");
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
+    let folder = root.join("images");
     std::fs::create_dir_all(&folder)?;
-    let pictures = [
+    let mut pictures = vec![
         ("hero.svg", hero::picture()?),
         ("regions.svg", plane::regions()?),
         ("walk.svg", plane::walk()?),
+        ("ulps.svg", ulps::picture()?),
     ];
+    pictures.extend(records::pictures(&root.join("benches/record"))?);
     for (name, text) in pictures {
         std::fs::write(folder.join(name), &text)?;
         println!("images/{name}: {} bytes", text.len());

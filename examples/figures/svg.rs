@@ -22,7 +22,7 @@ impl Svg {
     pub(crate) fn new(width: u32, height: u32, title: &str) -> Self {
         let mut text = format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" width=\"{width}\" \
-             height=\"{height}\" font-family=\"sans-serif\" role=\"img\">\n"
+             height=\"{height}\" style=\"max-width:100%\" font-family=\"sans-serif\" role=\"img\">\n"
         );
         let _ = writeln!(text, "<title>{title}</title>");
         let _ = writeln!(

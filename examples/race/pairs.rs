@@ -6,26 +6,19 @@
 
 use std::collections::BTreeMap;
 use std::hint::black_box;
-use std::io::Write;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
+use lab::Point;
+use lab::contacts::{isometry, plain};
 use lab::motion::Frame;
 use lab::parry::{Climber, GjkCached};
 use lab::progress::Progress;
 use lab::rng::Rng;
 use lab::workload::{self, SIZES};
-use lab::{Face, Point, Pose};
-use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, UnitQuaternion};
+use lin_canny::nalgebra::{Isometry3, Point3};
 use lin_canny::{ConvexPolyhedron, Layer, RelativePose, Totals, Tracker};
 
-/// How long an engine runs before a pass of it counts.
-const WARM_UP: Duration = Duration::from_millis(3);
-
-struct Options {
-    csv: Option<String>,
-    quick: bool,
-    only: Option<String>,
-}
+use crate::common::{Options, WARM_UP, median};
 
 /// One body in the form of each engine.
 struct Body {
@@ -71,20 +64,10 @@ impl Engine {
     }
 }
 
-fn isometry(p: &Pose) -> Isometry3<f64> {
-    let [x, y, z, w] = p.q;
-    let q = UnitQuaternion::new_unchecked(Quaternion::new(w, x, y, z));
-    Isometry3::from_parts(p.t.into(), q)
-}
-
 fn body(points: &[Point], with_parry: bool) -> Body {
     let cloud: Vec<Point3<f64>> = points.iter().map(|&p| p.into()).collect();
     let ours = ConvexPolyhedron::from_points(&cloud).expect("the points of a solid");
-    let at: Vec<Point> = ours.vertex_points().map(Into::into).collect();
-    let faces: Vec<Face> = ours
-        .faces()
-        .map(|f| ours.face_vertices(f).map(|v| v.index() as u32).collect())
-        .collect();
+    let (at, faces) = plain(&ours);
     let parry = if with_parry {
         lab::parry::mesh(&at, &faces)
     } else {
@@ -232,11 +215,6 @@ fn disagreement(answers: &[Answer], reference: &[Answer]) -> (f64, usize) {
     (worst, missing)
 }
 
-fn median(list: &mut [f64]) -> f64 {
-    list.sort_by(f64::total_cmp);
-    list[list.len() / 2]
-}
-
 struct Row {
     scene: &'static str,
     shape: &'static str,
@@ -317,24 +295,6 @@ fn print(row: &Row) {
     );
 }
 
-fn options(words: &[String]) -> Option<Options> {
-    let mut o = Options {
-        csv: None,
-        quick: false,
-        only: None,
-    };
-    let mut words = words.iter();
-    while let Some(word) = words.next() {
-        match word.as_str() {
-            "--csv" => o.csv = Some(words.next()?.clone()),
-            "--quick" => o.quick = true,
-            "--only" => o.only = Some(words.next()?.clone()),
-            _ => return None,
-        }
-    }
-    Some(o)
-}
-
 /// Scenes, shapes and sizes in the order they run.
 fn plan() -> Vec<(&'static str, &'static str, usize)> {
     let scenes = [
@@ -371,7 +331,7 @@ fn degrees(scene: &str) -> Option<f64> {
 }
 
 pub(crate) fn run(words: &[String]) {
-    let Some(o) = options(words) else {
+    let Some(o) = Options::of(words) else {
         eprintln!("usage: race pairs [--csv FILE] [--quick] [--only SCENE]");
         std::process::exit(2);
     };
@@ -409,28 +369,9 @@ pub(crate) fn run(words: &[String]) {
         progress.step();
     }
     progress.done();
-    if let Some(file) = o.csv
-        && let Err(e) = write_csv(&file, &rows)
-    {
-        eprintln!("{file}: {e}");
-        std::process::exit(1);
-    }
-}
-
-fn write_csv(file: &str, rows: &[Row]) -> std::io::Result<()> {
-    let mut out = std::fs::File::create(file)?;
-    writeln!(out, "scene,shape,n,engine,ns")?;
-    for row in rows {
-        for (&k, ns) in &row.ns {
-            writeln!(
-                out,
-                "{},{},{},{},{ns:.1}",
-                row.scene,
-                row.shape,
-                row.n,
-                Engine::ALL[k].name()
-            )?;
-        }
-    }
-    Ok(())
+    let lines = rows.iter().flat_map(|row| {
+        let engine = |(&k, &ns): (&usize, &f64)| (row.scene, row.shape, row.n, Engine::ALL[k].name(), ns);
+        row.ns.iter().map(engine)
+    });
+    o.write(lines);
 }

@@ -2,7 +2,7 @@
 //!
 //! Everything here works on plain data: a point is `[f64; 3]`, a face is a list of point indices counter-clockwise
 //! from outside, a pose is [`Pose`]. So a judge never borrows the code it judges;
-//! only [`boxes`] speaks the crate's own type.
+//! only [`boxes`] and [`contacts`] speak the crate's own types.
 //!
 //! | module | what it gives |
 //! |---|---|
@@ -10,32 +10,38 @@
 //! | [`shapes`] | bodies that are hard on purpose |
 //! | [`motion`], [`workload`] | seeded motions of a pair, and those that engines are timed on |
 //! | [`boxes`], [`crowd`] | scenes of moving boxes, and of moving hulls |
+//! | [`contacts`] | scenes of two bodies in contact |
 //! | [`exact`] | the naive oracle: exact class and distance of two small bodies |
 //! | [`brute_hull`] | exact faces of a few points |
 //! | [`bound`] | exact checks of an answer for bodies of any size |
 //! | [`suite`] | files of cases with or without their truth |
 //! | [`corpus`] | the named hard cases of `tests/corpus/` |
-//! | [`parry`] | the reference engine and the competitor |
+//! | [`parry`], [`parry_f32`] | the reference engine and the competitors |
 //! | [`meshes`] | OBJ and STL files |
+//! | [`record`], [`accuracy`] | measurements as CSV, and the pictures of what accuracy costs |
 //! | [`plot`], [`progress`] | charts as SVG, progress bars |
 //!
 //! Below `exact` and `bound` lie [`body`] (placed bodies), [`rational`] (exact arithmetic) and [`verdict`] (the oracle's
 //! answer); [`pose`] holds the pose and a few vector helpers.
 
+pub mod accuracy;
 pub mod body;
 pub mod bound;
 pub mod boxes;
 pub mod brute_hull;
+pub mod contacts;
 pub mod corpus;
 pub mod crowd;
 pub mod exact;
 pub mod meshes;
 pub mod motion;
 pub mod parry;
+pub mod parry_f32;
 pub mod plot;
 pub mod pose;
 pub mod progress;
 pub mod rational;
+pub mod record;
 pub mod rng;
 pub mod shapes;
 pub mod suite;

@@ -233,6 +233,21 @@ pub fn hold_gap(frame: Frame, gap: f64, mut query: impl FnMut(&Frame) -> Option<
     f
 }
 
+/// Shifts B along the normal until the signed distance is `goal`, to `1e-6` of it or as near as 60 rounds bring it: out of
+/// an overlap in one round, inward and across in a few. `query` returns the signed distance and the unit normal from A to B in
+/// the world.
+pub fn hold_distance(frame: Frame, goal: f64, mut query: impl FnMut(&Frame) -> (f64, Point)) -> Frame {
+    let mut f = frame;
+    for _ in 0..60 {
+        let (distance, normal) = query(&f);
+        if (distance - goal).abs() <= 1e-6 * goal.abs() {
+            break;
+        }
+        f.b.t = add(f.b.t, scale(normal, goal - distance));
+    }
+    f
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -336,6 +351,20 @@ mod tests {
         for start in random_poses(&mut Rng::new(6), 20, (1.0, 1.0), (0.2, 3.0), 5.0) {
             let f = hold_gap(start, 0.02, balls);
             assert!((centres(&f) - 2.02).abs() < 1e-7);
+        }
+    }
+
+    #[test]
+    fn a_depth_of_balls_is_held() {
+        let balls = |f: &Frame| {
+            let d = sub(f.b.t, f.a.t);
+            (norm(d) - 2.0, unit(d))
+        };
+        for start in random_poses(&mut Rng::new(7), 20, (1.0, 1.0), (0.2, 3.0), 5.0) {
+            for goal in [-0.02, 0.5] {
+                let f = hold_distance(start, goal, balls);
+                assert!((centres(&f) - 2.0 - goal).abs() < 1e-6);
+            }
         }
     }
 }

@@ -11,10 +11,10 @@
 use crate::body::edge_ids;
 use crate::shapes::triangles;
 use crate::{Face, Point, Pose};
-use parry3d_f64::math::{Pose as ParryPose, Rotation, Vector};
-use parry3d_f64::query::details::closest_points_support_map_support_map;
+use parry3d_f64::math::{Rotation, Vector};
+use parry3d_f64::query::details::{closest_points_support_map_support_map, contact_manifold_pfm_pfm_shapes};
 use parry3d_f64::query::gjk::{self, CsoPoint, GJKResult, VoronoiSimplex};
-use parry3d_f64::query::{self, ClosestPoints};
+use parry3d_f64::query::{self, ClosestPoints, Contact, ContactManifold, TrackedContact};
 use parry3d_f64::shape::{ConvexPolyhedron, SupportMap};
 use std::cell::Cell;
 
@@ -41,6 +41,9 @@ fn vector(p: Point) -> Vector {
 fn vectors(points: &[Point]) -> Vec<Vector> {
     points.iter().map(|&p| vector(p)).collect()
 }
+
+/// A pose of parry's own.
+pub use parry3d_f64::math::Pose as ParryPose;
 
 /// The pose in parry's types.
 pub fn pose(p: &Pose) -> ParryPose {
@@ -89,6 +92,13 @@ pub fn distance(a: &ConvexPolyhedron, pose_a: &Pose, b: &ConvexPolyhedron, pose_
         .distance
 }
 
+/// Whether parry finds two of its bodies to share a point.
+pub fn intersect(a: &ConvexPolyhedron, pose_a: &Pose, b: &ConvexPolyhedron, pose_b: &Pose) -> bool {
+    query::intersection_test(&pose(pose_a), a, &pose(pose_b), b)
+        .expect("convex bodies are supported")
+        .intersecting
+}
+
 /// What a user of parry gets for a signed distance of two of its bodies, cold: its distance, and where that is zero, its
 /// contact. A touch and an overlap that it finds no contact of are both 0.
 pub fn signed_distance(a: &ConvexPolyhedron, pose_a: &Pose, b: &ConvexPolyhedron, pose_b: &Pose) -> f64 {
@@ -114,6 +124,48 @@ pub fn closest_points<A: SupportMap, B: SupportMap>(a: &A, pose_a: &Pose, b: &B,
             })
         }
         _ => None,
+    }
+}
+
+/// parry's contact of two of its bodies, cold, points and normals in the world; `None` where they are more than `prediction`
+/// apart, or where it fails.
+pub fn contact(
+    a: &ConvexPolyhedron,
+    pose_a: &ParryPose,
+    b: &ConvexPolyhedron,
+    pose_b: &ParryPose,
+    prediction: f64,
+) -> Option<Contact> {
+    query::contact(pose_a, a, pose_b, b, prediction).expect("convex bodies are supported")
+}
+
+/// parry's manifold of a pair, kept from frame to frame as rapier keeps it.
+#[derive(Clone, Default)]
+pub struct ContactPair {
+    manifold: ContactManifold<(), ()>,
+}
+
+impl ContactPair {
+    /// The contacts of this frame, in the bodies' frames: the last ones with new distances where the motion since is small,
+    /// else made anew.
+    pub fn manifold(
+        &mut self,
+        a: &ConvexPolyhedron,
+        pose_a: &ParryPose,
+        b: &ConvexPolyhedron,
+        pose_b: &ParryPose,
+        prediction: f64,
+    ) -> &[TrackedContact<()>] {
+        contact_manifold_pfm_pfm_shapes(
+            &pose_a.inv_mul(pose_b),
+            a,
+            b,
+            None,
+            None,
+            prediction,
+            &mut self.manifold,
+        );
+        self.manifold.contacts()
     }
 }
 

@@ -10,7 +10,7 @@ use plotters::prelude::*;
 use std::path::Path;
 
 /// Colours of the series, in turn.
-const COLOURS: [RGBColor; 7] = [
+const COLOURS: [RGBColor; 8] = [
     RGBColor(0, 90, 160),
     RGBColor(213, 94, 0),
     RGBColor(0, 158, 115),
@@ -18,6 +18,7 @@ const COLOURS: [RGBColor; 7] = [
     RGBColor(86, 180, 233),
     RGBColor(150, 110, 0),
     RGBColor(60, 60, 60),
+    RGBColor(170, 170, 170),
 ];
 
 /// Dark grey of text and axes.
@@ -35,6 +36,18 @@ enum Mark {
     Line,
     Dots,
     LineAndDots,
+    Spread,
+}
+
+/// A measured point with its ends, and a word beside it (or none).
+#[derive(Clone, Debug)]
+pub struct Spread {
+    /// Least, middle and greatest x.
+    pub x: [f64; 3],
+    /// Least, middle and greatest y.
+    pub y: [f64; 3],
+    /// The word.
+    pub word: String,
 }
 
 /// One curve.
@@ -42,7 +55,9 @@ enum Mark {
 struct Series {
     name: String,
     mark: Mark,
+    /// For spreads three each: the middle, the least ends, the greatest.
     points: Vec<(f64, f64)>,
+    words: Vec<String>,
 }
 
 /// A chart in the making: `Chart::new("t").axes("n", "ns").log_x().line("a", points).save("a.svg")`.
@@ -54,8 +69,13 @@ pub struct Chart {
     log: (bool, bool),
     size: (u32, u32),
     from_zero: bool,
+    beside: bool,
+    rows: bool,
     series: Vec<Series>,
 }
+
+/// Width of a legend beside the axes.
+const BESIDE: i32 = 250;
 
 impl Chart {
     /// An empty chart of 860 by 480 pixels with linear axes.
@@ -68,6 +88,8 @@ impl Chart {
             log: (false, false),
             size: (860, 480),
             from_zero: false,
+            beside: false,
+            rows: false,
             series: vec![],
         }
     }
@@ -96,6 +118,18 @@ impl Chart {
         self
     }
 
+    /// Puts the legend to the right of the axes, where it hides nothing.
+    pub fn legend_beside(mut self) -> Self {
+        self.beside = true;
+        self
+    }
+
+    /// Lines of words: y counts them, and its axis has no numbers.
+    pub fn rows(mut self) -> Self {
+        self.rows = true;
+        self
+    }
+
     /// Width and height in pixels.
     pub fn size(mut self, width: u32, height: u32) -> Self {
         self.size = (width, height);
@@ -117,11 +151,23 @@ impl Chart {
         self.add(name, Mark::LineAndDots, points)
     }
 
+    /// Dots with bars from the least to the greatest of both coordinates, and words beside them.
+    pub fn spreads(mut self, name: impl Into<String>, list: impl IntoIterator<Item = Spread>) -> Self {
+        let list: Vec<Spread> = list.into_iter().collect();
+        let places = |s: &Spread| [1, 0, 2].map(|k| (s.x[k], s.y[k]));
+        self = self.add(name, Mark::Spread, list.iter().flat_map(places));
+        if let Some(last) = self.series.last_mut() {
+            last.words = list.into_iter().map(|s| s.word).collect();
+        }
+        self
+    }
+
     fn add(mut self, name: impl Into<String>, mark: Mark, points: impl IntoIterator<Item = (f64, f64)>) -> Self {
         self.series.push(Series {
             name: name.into(),
             mark,
             points: points.into_iter().collect(),
+            words: vec![],
         });
         self
     }
@@ -179,7 +225,8 @@ impl Chart {
     }
 
     fn draw_on<'a>(&self, area: &Area<'a>) -> Result<(), Trouble<'a>> {
-        let x = self.range(|p| p.0, self.log.0, 0.0, None);
+        let with_words = self.series.iter().any(|s| s.mark == Mark::Spread);
+        let x = self.range(|p| p.0, self.log.0, if with_words { 0.04 } else { 0.0 }, None);
         let y = self.range(
             |p| p.1,
             self.log.1,
@@ -205,8 +252,9 @@ impl Chart {
         let mut chart = ChartBuilder::on(area)
             .caption(&self.title, font(20))
             .margin(12)
+            .margin_right(if self.beside { BESIDE } else { 12 })
             .x_label_area_size(48)
-            .y_label_area_size(76)
+            .y_label_area_size(if self.rows { 20 } else { 76 })
             .build_cartesian_2d(x, y)?;
         let mut mesh = chart.configure_mesh();
         mesh.x_desc(&self.x_label)
@@ -216,32 +264,98 @@ impl Chart {
         mesh.axis_style(INK)
             .bold_line_style(INK.mix(0.15))
             .light_line_style(INK.mix(0.04));
+        if self.rows {
+            mesh.disable_y_mesh();
+        }
+        let number = |v: &f64| if self.rows { String::new() } else { short(*v) };
         mesh.x_label_formatter(&|v| short(*v))
-            .y_label_formatter(&|v| short(*v))
+            .y_label_formatter(&number)
             .draw()?;
         for (i, s) in self.series.iter().enumerate() {
             let colour = COLOURS[i % COLOURS.len()];
             let mut runs = s.points.split(|&p| !self.shows(p)).filter(|run| !run.is_empty());
-            if s.mark != Mark::Dots {
+            if matches!(s.mark, Mark::Line | Mark::LineAndDots) {
                 for run in runs.by_ref() {
                     chart.draw_series(LineSeries::new(run.iter().copied(), colour.stroke_width(2)))?;
                 }
             }
+            // Of a spread the middle is the dot.
+            let every = if s.mark == Mark::Spread { 3 } else { 1 };
             let dots = if s.mark == Mark::Line { &[][..] } else { &s.points[..] };
-            let shown = dots.iter().copied().filter(|&p| self.shows(p));
+            for bar in s.points.chunks_exact(3).filter(|_| every == 3) {
+                let [(x, y), (x0, y0), (x1, y1)] = [bar[0], bar[1], bar[2]];
+                for line in [[(x0, y), (x1, y)], [(x, y0), (x, y1)]] {
+                    if line.iter().all(|&p| self.shows(p)) {
+                        chart.draw_series(LineSeries::new(line, colour.stroke_width(1)))?;
+                    }
+                }
+            }
+            let shown = dots.iter().step_by(every).copied().filter(|&p| self.shows(p));
             let key = move |(x, y)| Rectangle::new([(x, y - 2), (x + 18, y + 2)], colour.filled());
             chart
                 .draw_series(shown.map(|p| Circle::new(p, 3, colour.filled())))?
                 .label(&s.name)
                 .legend(key);
         }
-        if self.series.len() > 1 {
+        let pixel = |p: &(f64, f64)| chart.backend_coord(p);
+        self.write_words(area, pixel)?;
+        if self.series.len() > 1 && self.beside {
+            self.legend_on(area)?;
+        } else if self.series.len() > 1 {
             let mut legend = chart.configure_series_labels();
             legend.position(SeriesLabelPosition::UpperLeft).label_font(font(14));
             legend
                 .background_style(WHITE.mix(0.85))
                 .border_style(INK.mix(0.3))
                 .draw()?;
+        }
+        Ok(())
+    }
+
+    /// Words beside the points of spreads, each in the first place where it hides no other.
+    fn write_words<'a>(&self, area: &Area<'a>, pixel: impl Fn(&(f64, f64)) -> (i32, i32)) -> Result<(), Trouble<'a>> {
+        let (origin, size) = (area.get_base_pixel(), area.dim_in_pixel());
+        let right = size.0 as i32 - if self.beside { BESIDE } else { 12 };
+        let mut taken: Vec<[i32; 4]> = Vec::new();
+        for s in self.series.iter().filter(|s| s.mark == Mark::Spread) {
+            for (bar, word) in s.points.chunks_exact(3).zip(&s.words) {
+                if word.is_empty() || !self.shows(bar[0]) {
+                    continue;
+                }
+                let (x, y) = pixel(&bar[0]);
+                let (x, y) = (x - origin.0, y - origin.1);
+                let width = 7 * word.chars().count() as i32;
+                let left = if x + 8 + width > right { x - 8 - width } else { x + 8 };
+                let beside = self.rows.then_some(y - 7);
+                let rows = beside
+                    .into_iter()
+                    .chain((0..12).flat_map(|k| [y - 16 - 14 * k, y + 4 + 14 * k]));
+                let free = |top: &i32| {
+                    let clear =
+                        |t: &[i32; 4]| left >= t[2] || left + width <= t[0] || *top >= t[3] || *top + 13 <= t[1];
+                    *top > 30 && *top + 62 < size.1 as i32 && taken.iter().all(clear)
+                };
+                let top = rows.clone().find(free).unwrap_or(y - 16);
+                taken.push([left, top, left + width, top + 13]);
+                let style = ("sans-serif", 12).into_font().color(&INK);
+                area.draw(&Text::new(word.clone(), (left, top), style))?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The legend to the right of the axes.
+    fn legend_on<'a>(&self, area: &Area<'a>) -> Result<(), Trouble<'a>> {
+        let left = area.dim_in_pixel().0 as i32 - BESIDE + 14;
+        for (i, s) in self.series.iter().enumerate() {
+            let top = 52 + 22 * i as i32;
+            let colour = COLOURS[i % COLOURS.len()];
+            area.draw(&Rectangle::new(
+                [(left, top + 5), (left + 18, top + 9)],
+                colour.filled(),
+            ))?;
+            let style = ("sans-serif", 14).into_font().color(&INK);
+            area.draw(&Text::new(s.name.clone(), (left + 26, top), style))?;
         }
         Ok(())
     }

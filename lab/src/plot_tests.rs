@@ -72,3 +72,35 @@ fn numbers_are_short() {
 fn a_file_that_cannot_be_written_is_named() {
     assert!(chart().save("/no/such/place/a.svg").unwrap_err().contains("a.svg"));
 }
+
+#[test]
+fn words_stand_beside_their_points_and_legends_beside_the_axes() {
+    let at = |x: f64, word: &str| Spread {
+        x: [x, 1.1 * x, 1.2 * x],
+        y: [1.0, 2.0, 3.0],
+        word: word.into(),
+    };
+    let close = [at(1.0, "one"), at(1.01, "two"), at(1.02, ""), at(100.0, "at the end")];
+    let svg = Chart::new("words")
+        .log_x()
+        .log_y()
+        .spreads("first", close)
+        .spreads("second", [at(f64::NAN, "nowhere")])
+        .legend_beside()
+        .svg()
+        .unwrap();
+    for word in ["one", "two", "at the end", "first", "second"] {
+        assert!(svg.contains(word), "{word}");
+    }
+    assert!(!svg.contains("nowhere") && !svg.contains("NaN"));
+    let place = |word: &str| {
+        let line = svg
+            .lines()
+            .rev()
+            .skip_while(|l| !l.contains(word))
+            .find(|l| l.contains("<text"));
+        line.and_then(|l| l.split("y=\"").nth(1)?.split('"').next()?.parse::<f64>().ok())
+            .unwrap()
+    };
+    assert!((place("one") - place("two")).abs() >= 13.0, "words hide each other");
+}

@@ -1,9 +1,9 @@
-//! The motions that engines are timed on: pairs of random hulls held at a gap of 2 % of their radius.
+//! The motions that engines are timed on: pairs held at a gap, in contact, at rest, or passing through contact.
 
-use crate::motion::{Frame, hold_gap};
-use crate::pose::{add, quat, quat_mul, scale, unit, unit_quat};
+use crate::motion::{Frame, hold_distance, hold_gap};
+use crate::pose::{add, cross, dot, quat, quat_mul, scale, sub, unit, unit_quat};
 use crate::rng::Rng;
-use crate::shapes::{cuboid, ellipsoid, sphere};
+use crate::shapes::{cuboid, ellipsoid, prism, sphere};
 use crate::{Point, Pose};
 
 /// Vertices of the random hulls.
@@ -12,12 +12,16 @@ pub const SIZES: [usize; 6] = [8, 32, 128, 512, 2048, 8192];
 /// The gap at every frame: bodies have radius 1.
 pub const GAP: f64 = 0.02;
 
-/// The points of a body: `n` random ones on the unit sphere (`sphere`) or on an ellipsoid 1:1:0.1 (`flat`), or the
-/// corners of a `box`.
+/// The depth at every frame of a shallow contact: 1 % of the diameter.
+pub const DEPTH: f64 = 0.02;
+
+/// The points of a body: `n` random ones on the unit sphere (`sphere`) or on an ellipsoid 1:1:0.1 (`flat`), a regular `prism`
+/// of `n` corners, or the corners of a `box`.
 pub fn points(shape: &str, n: usize, rng: &mut Rng) -> Vec<Point> {
     match shape {
         "sphere" => sphere(rng, n).points,
         "flat" => ellipsoid(rng, n, [1.0, 1.0, 0.1]).points,
+        "prism" => prism(n / 2, 1.0, 0.3).points,
         _ => cuboid([0.6, 0.5, 0.4]).points,
     }
 }
@@ -30,6 +34,32 @@ pub fn motion(
     rng: &mut Rng,
     mut query: impl FnMut(&Frame) -> Option<(Point, Point)>,
 ) -> Vec<Frame> {
+    orbit(degrees.map(|d| (d, d)), frames, rng, |_, f| {
+        hold_gap(f, GAP, &mut query)
+    })
+}
+
+/// As [`motion`], at a signed distance of `goal(frame)`: B spins and orbits by these many degrees a frame. `query` tells the
+/// signed distance and the normal from A to B in the world.
+pub fn contact(
+    (spin, round): (f64, f64),
+    frames: usize,
+    rng: &mut Rng,
+    goal: impl Fn(usize) -> f64,
+    mut query: impl FnMut(&Frame) -> (f64, Point),
+) -> Vec<Frame> {
+    orbit(Some((spin, round)), frames, rng, |k, f| {
+        hold_distance(f, goal(k), &mut query)
+    })
+}
+
+/// B spins and orbits A by the degrees given; each frame is then shifted by `hold`.
+fn orbit(
+    degrees: Option<(f64, f64)>,
+    frames: usize,
+    rng: &mut Rng,
+    mut hold: impl FnMut(usize, Frame) -> Frame,
+) -> Vec<Frame> {
     // Further apart than two bodies of radius 1 reach.
     let apart = 2.2;
     let a = Pose {
@@ -37,13 +67,13 @@ pub fn motion(
         t: rng.unit(),
     };
     let (mut turn, mut out, pole, mut axis) = (rng.quat(), rng.unit(), rng.unit(), rng.unit());
-    let step = |_| {
+    let step = |k| {
         match degrees {
-            Some(d) => {
+            Some((spin, round)) => {
                 axis = unit(add(axis, scale(rng.unit(), 0.05)));
-                turn = unit_quat(quat_mul(quat(axis, d.to_radians()), turn));
+                turn = unit_quat(quat_mul(quat(axis, spin.to_radians()), turn));
                 out = Pose {
-                    q: quat(pole, d.to_radians()),
+                    q: quat(pole, round.to_radians()),
                     t: [0.0; 3],
                 }
                 .rotate(out);
@@ -54,7 +84,8 @@ pub fn motion(
             q: turn,
             t: scale(out, apart),
         });
-        hold_gap(
+        hold(
+            k,
             Frame {
                 a,
                 b: Pose {
@@ -62,11 +93,85 @@ pub fn motion(
                     t: b.t,
                 },
             },
-            GAP,
-            &mut query,
         )
     };
     (0..frames).map(step).collect()
+}
+
+/// A face of a body: a point of it, and the outward unit normal.
+pub type FacePlane = (Point, Point);
+
+/// B's face laid flat on A's, the points of both one above the other, B turned by `spin` radians about the normal; the
+/// faces are a signed `distance` apart.
+pub fn stacked(a: FacePlane, b: FacePlane, spin: f64, distance: f64) -> Frame {
+    let ((at, up), (on, down)) = (a, b);
+    let q = quat_mul(quat(up, spin), between(down, scale(up, -1.0)));
+    let turned = Pose {
+        q: unit_quat(q),
+        t: [0.0; 3],
+    };
+    let t = sub(add(at, scale(up, distance)), turned.rotate(on));
+    Frame {
+        a: Pose::IDENTITY,
+        b: Pose { t, ..turned },
+    }
+}
+
+/// A rotation that takes one unit direction to another.
+fn between(from: Point, to: Point) -> [f64; 4] {
+    let c = 1.0 + dot(from, to);
+    if c > 1e-9 {
+        let [x, y, z] = cross(from, to);
+        return unit_quat([x, y, z, c]);
+    }
+    // Half a turn about any axis across.
+    let other = if from[0].abs() < 0.6 {
+        [1.0, 0.0, 0.0]
+    } else {
+        [0.0, 1.0, 0.0]
+    };
+    let [x, y, z] = unit(cross(from, other));
+    [x, y, z, 0.0]
+}
+
+/// `start` at rest, but for a noise of `size` in place (and as many radians over `reach` in turn) a frame, which does not add up;
+/// A lies anywhere in the world.
+pub fn at_rest(start: Frame, size: f64, reach: f64, frames: usize, rng: &mut Rng) -> Vec<Frame> {
+    let world = Pose {
+        q: rng.quat(),
+        t: rng.unit(),
+    };
+    let mut frame = |_| {
+        let shake = Pose {
+            q: quat(rng.unit(), rng.range(-1.0, 1.0) * size / reach),
+            t: scale(rng.unit(), size),
+        };
+        let b = Pose {
+            q: unit_quat(quat_mul(shake.q, start.b.q)),
+            t: add(start.b.t, shake.t),
+        };
+        Frame { a: start.a, b }.moved(&world)
+    };
+    (0..frames).map(&mut frame).collect()
+}
+
+/// `start` with B going to and fro along `way`, a full turn in `period` frames.
+pub fn to_and_fro(start: Frame, way: Point, period: usize, frames: usize, rng: &mut Rng) -> Vec<Frame> {
+    let world = Pose {
+        q: rng.quat(),
+        t: rng.unit(),
+    };
+    let frame = |k: usize| {
+        let phase = (k % period) as f64 / period as f64;
+        let along = 1.0 - 4.0 * (phase - 0.5).abs();
+        let t = add(start.b.t, scale(way, along));
+        Frame {
+            b: Pose { t, ..start.b },
+            ..start
+        }
+        .moved(&world)
+    };
+    (0..frames).map(frame).collect()
 }
 
 #[cfg(test)]
@@ -87,6 +192,21 @@ mod tests {
                 let w = closest_points(&body, &f.a, &body, &f.b).expect("apart");
                 assert!((w.distance - GAP).abs() < 1e-4 * GAP, "{}", w.distance);
             }
+        }
+    }
+
+    #[test]
+    fn stacked_faces_meet() {
+        let mut rng = Rng::new(4);
+        for k in 0..100 {
+            let up = if k % 4 == 0 { [0.0, 0.0, 1.0] } else { rng.unit() };
+            let down = [[0.0, 0.0, 1.0], [0.0, 0.0, -1.0], rng.unit()][k % 3];
+            let (at, on) = (rng.unit(), rng.unit());
+            let f = stacked((at, up), (on, down), rng.range(0.0, 6.0), 0.25);
+            let n = f.b.rotate(down);
+            assert!((dot(n, up) + 1.0).abs() < 1e-12);
+            let lifted = sub(f.b.apply(on), add(at, scale(up, 0.25)));
+            assert!(dot(lifted, lifted) < 1e-24);
         }
     }
 }

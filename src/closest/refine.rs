@@ -243,7 +243,7 @@ impl ConvexPolyhedron {
         {
             return Feature::Edge(EdgeId(t.edge(h)));
         }
-        let holds = |f: u32| vertices.iter().all(|&x| t.rim(f).any(|h| t.half_edge(h).to == x));
+        let holds = |f: u32| vertices.iter().all(|&x| t.fan(x).any(|h| t.half_edge(h).face == f));
         match t.fan(v).map(|h| t.half_edge(h).face).find(|&f| holds(f)) {
             Some(f) => Feature::Face(FaceId(f)),
             None => Feature::Vertex(VertexId(v)),

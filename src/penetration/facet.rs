@@ -17,9 +17,6 @@ use crate::tolerance::{AGREE_DEPTH, NEARLY_PARALLEL};
 use super::search::highest;
 use super::surface::unit;
 
-/// A unit normal and the features it comes from.
-pub(super) type Normal<T> = (Vec3<T>, FeaturePair);
-
 /// The facets that may hold three points, by the vertices of A and of B they are made of.
 pub(super) fn facets(placed: &Placed, on_a: &[u32; 3], on_b: &[u32; 3]) -> [Option<FeaturePair>; 3] {
     let (fa, fb) = (placed.a.feature_of(on_a), placed.b.feature_of(on_b));
@@ -36,16 +33,6 @@ pub(super) fn facets(placed: &Placed, on_a: &[u32; 3], on_b: &[u32; 3]) -> [Opti
         _ => None,
     };
     [of_a, of_b, of_edges]
-}
-
-/// The normals of the facets that may hold the corners, out of the difference.
-pub(super) fn normals<T: Scalar>(
-    placed: &Placed,
-    frame: &Frame<T>,
-    corners: &[Corner<T>; 3],
-) -> [Option<Normal<T>>; 3] {
-    facets(placed, &corners.map(|c| c.a), &corners.map(|c| c.b))
-        .map(|facet| facet.and_then(|f| Some((normal_of(placed, frame, f, &corners[0])?, f))))
 }
 
 /// The normal of the facet of a pair of features, and how high the difference is along it.

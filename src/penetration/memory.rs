@@ -162,7 +162,7 @@ impl Memory {
     /// Whether there is nothing to begin with.
     #[inline(always)]
     pub(crate) fn is_empty(&self) -> bool {
-        self.triangles.is_empty()
+        self.facet.is_none()
     }
 
     /// What is remembered, if anything.
@@ -204,19 +204,17 @@ impl Memory {
         }
     }
 
-    /// Keeps the surface worked on if it is small, and has not outgrown the one it came from.
+    /// Keeps the facet and, if it is small and has not outgrown the one it came from, the surface worked on.
     pub(super) fn keep(&mut self, surface: &Surface<f64>, facet: FeaturePair, built: Option<u32>) {
         self.clear();
+        self.facet = Some(facet);
         let count = surface.triangles.len();
         let built = built.unwrap_or(count as u32);
-        if count > MOST || count > 2 * built as usize + GAIN {
+        if count > MOST || surface.points.len() > MOST || count > 2 * built as usize + GAIN {
             return;
         }
         // Points that no triangle uses any more are left behind.
         let mut place = [u8::MAX; MOST];
-        if surface.points.len() > MOST {
-            return;
-        }
         for (corners, beside) in surface.names() {
             let mut t = [0; 6];
             for k in 0..3 {
@@ -229,7 +227,7 @@ impl Memory {
             }
             self.triangles.push(t);
         }
-        (self.facet, self.built) = (Some(facet), built);
+        self.built = built;
     }
 }
 
@@ -248,7 +246,9 @@ pub(crate) fn resume(placed: &Placed, memory: &mut Memory, outcome: &mut Outcome
         features: Some(facet),
     };
     memory.within(|memory, room| {
-        if memory.points.len() <= FEW_POINTS {
+        if memory.triangles.is_empty() {
+            begin_anew(placed, &frame, memory, room, outcome)
+        } else if memory.points.len() <= FEW_POINTS {
             resume_among::<FEW_POINTS>(placed, &frame, (memory, room), best, outcome)
         } else {
             resume_among::<MOST_POINTS>(placed, &frame, (memory, room), best, outcome)

@@ -7,9 +7,9 @@ use crate::closest::simplex::{Corner, Simplex};
 use crate::double_double::DoubleDouble;
 use crate::polyhedron::FeaturePair;
 use crate::scalar::{Scalar, Vec3, dot, neg, scaled, sub};
-use crate::tolerance::{AGREE_DEPTH, ALMOST_FLAT, ASIDE, CERTIFICATE, PLATEAU, UNIT};
+use crate::tolerance::{AGREE_DEPTH, AGREE_WITNESS, ALMOST_FLAT, ASIDE, CERTIFICATE, PLATEAU, UNIT};
 
-use super::facet::normals;
+use super::facet::{facets, height_of, normal_of};
 use super::foot::{Witnesses, foot};
 use super::surface::{Filter, Surface, unit};
 
@@ -63,6 +63,8 @@ impl<T: Scalar> Best<T> {
 pub(super) struct Search<'a, T: Scalar> {
     placed: &'a Placed<'a>,
     frame: Frame<T>,
+    /// Whether B is shifted off its place.
+    is_shifted: bool,
     surface: &'a mut Surface<T>,
     filter: Filter<T>,
     best: Option<Best<T>>,
@@ -150,7 +152,9 @@ impl<'a, T: Scalar> Search<'a, T> {
         if !surface.start(simplex.kept()) {
             return Err(flat(placed, frame, &simplex, &simplex.direction()));
         }
-        Ok(Self::new(placed, &shifted, surface))
+        let mut search = Self::new(placed, &shifted, surface);
+        search.is_shifted = shift != 0.0;
+        Ok(search)
     }
 
     fn new(placed: &'a Placed<'a>, frame: &Frame<T>, surface: &'a mut Surface<T>) -> Self {
@@ -158,6 +162,7 @@ impl<'a, T: Scalar> Search<'a, T> {
         Self {
             placed,
             frame: *frame,
+            is_shifted: false,
             surface,
             filter: Filter {
                 margin: T::from(2.0 * CERTIFICATE * T::UNIT * size),
@@ -211,7 +216,7 @@ impl<'a, T: Scalar> Search<'a, T> {
             let reached = self.grow(Some(
                 T::from(shift.abs()) * self.size + self.filter.margin + self.filter.margin,
             ));
-            self.frame = *frame;
+            (self.frame, self.is_shifted) = (*frame, false);
             let placed = self.placed;
             self.surface.place(|c| corner(placed, frame, c.a, c.b));
             self.best = None;
@@ -267,7 +272,7 @@ impl<'a, T: Scalar> Search<'a, T> {
                 return false;
             }
             let direction = self.surface.triangles[t as usize].direction;
-            let top = self.probe(t, &direction, None);
+            let top = self.probe(t, &direction);
             let gain = dot(&direction, &top.w) - bound;
             if gain < T::from(ALMOST_FLAT) * self.size && self.probe_facets(t) || bound >= self.surface.enough() {
                 continue;
@@ -292,7 +297,7 @@ impl<'a, T: Scalar> Search<'a, T> {
         if !(dot(&outward, &outward).value() > 0.5) {
             return top;
         }
-        let other = self.probe(t, &outward, None);
+        let other = self.probe(t, &outward);
         if self.surface.sees(t, &other.w, &self.filter) {
             other
         } else {
@@ -309,25 +314,43 @@ impl<'a, T: Scalar> Search<'a, T> {
     }
 
     /// The highest point of the difference along a unit direction; the direction is kept if it is the best.
-    fn probe(&mut self, t: u32, n: &Vec3<T>, features: Option<FeaturePair>) -> Corner<T> {
+    fn probe(&mut self, t: u32, n: &Vec3<T>) -> Corner<T> {
         let top = highest(self.placed, &self.frame, n, &self.surface.corners(t)[0]);
         self.improve(Best {
             normal: *n,
             height: dot(n, &top.w),
-            features,
+            features: None,
         });
         top
     }
 
-    /// Tries the normals of the facets that the triangle may lie in; whether one of them raises its bound.
+    /// Tries the facets that the triangle may lie in; whether the normal of one of them raises its bound.
     fn probe_facets(&mut self, t: u32) -> bool {
         let corners = self.surface.corners(t);
         let mut raised = false;
-        for (n, features) in normals(self.placed, &self.frame, &corners).iter().flatten() {
-            self.probe(t, n, Some(*features));
-            raised |= self.surface.raise(t, n);
+        let facets = facets(self.placed, &corners.map(|c| c.a), &corners.map(|c| c.b));
+        for facet in facets.into_iter().flatten() {
+            let Some((normal, height)) = self.height_of(facet, &corners[0]) else {
+                continue;
+            };
+            self.improve(Best {
+                normal,
+                height,
+                features: Some(facet),
+            });
+            raised |= self.surface.raise(t, &normal);
         }
         raised
+    }
+
+    /// The normal of a facet that holds `on`, and the height along it: by the planes of the bodies where those are where they belong.
+    fn height_of(&self, facet: FeaturePair, on: &Corner<T>) -> Option<(Vec3<T>, T)> {
+        if T::UNIT == UNIT && !self.is_shifted {
+            let (n, height) = height_of(self.placed, &Frame::of(self.placed), facet)?;
+            return Some((n.map(T::from), T::from(height)));
+        }
+        let n = normal_of(self.placed, &self.frame, facet, on)?;
+        Some((n, dot(&n, &highest(self.placed, &self.frame, &n, on).w)))
     }
 
     /// What is known; `winds` if the surface is about the origin.
@@ -337,7 +360,7 @@ impl<'a, T: Scalar> Search<'a, T> {
         if self.best.is_none() {
             let t = weakest.unwrap_or(0);
             let direction = self.surface.triangles[t as usize].direction;
-            self.probe(t, &direction, None);
+            self.probe(t, &direction);
         }
         let bound = self.bound();
         let best = self.best.unwrap_or(Best {
@@ -371,11 +394,11 @@ impl<'a, T: Scalar> Search<'a, T> {
         let flat = all.clone().filter(|t| self.surface.height(*t, &best.normal) >= plane);
         let order = || core::iter::once(weakest).chain(flat.clone()).chain(all.clone());
         let found = self.nearest::<T>(order(), best, close);
-        if T::UNIT < UNIT || found.1 <= close.value() {
+        if T::UNIT < UNIT || found.1 <= AGREE_WITNESS * self.placed.size() {
             return (self.surface.corners(found.0), found.2);
         }
         // The weights of needles are wrong in f64.
-        let found = self.nearest::<DoubleDouble>(order(), best, close);
+        let found = self.nearest::<DoubleDouble>(flat.chain(core::iter::once(found.0)), best, close);
         (self.surface.corners(found.0), found.2)
     }
 

@@ -15,7 +15,7 @@ use super::support::CubeMap;
 use super::topology::Topology;
 use super::{ConvexPolyhedron, Plane};
 use crate::scalar::sqrt;
-use crate::tolerance::{NEAR_PLANE, UNIT};
+use crate::tolerance::{COPLANAR, NEAR_PLANE, UNIT};
 
 /// How many of the largest faces the flatness of the report looks across.
 const WIDTHS: usize = 8;
@@ -100,6 +100,11 @@ impl ConvexPolyhedron {
         let squares = points.iter().map(|p| (p - inner) * (p - inner).transpose());
         let spread = squares.sum::<Matrix3<f64>>() * (3.0 / points.len() as f64);
         let mean = spread.trace() / 3.0;
+        let is_creased = (0..topology.half_edge_count() as u32).any(|h| {
+            let e = topology.half_edge(h);
+            let [m, n] = [e.face, topology.half_edge(e.twin).face].map(|f| planes[f as usize].normal);
+            m.dot(&n) > 0.0 && m.cross(&n).norm_squared() <= COPLANAR * COPLANAR
+        });
         Ok(Self {
             lookup: CubeMap::new(&topology, &points),
             scan: Scan::new(&points),
@@ -117,6 +122,8 @@ impl ConvexPolyhedron {
             radius,
             low,
             high,
+            is_creased,
+            print: print(cloud, kept, loops),
             report,
         })
     }
@@ -176,6 +183,23 @@ impl ConvexPolyhedron {
     pub(crate) fn unit(&self) -> f64 {
         power_of_two(self.exponent)
     }
+}
+
+/// Vertices, scale and faces mixed into one number (Fowler, Noll and Vo's hash, by words): two bodies with the same one are the
+/// same for all practical purposes.
+fn print(cloud: &Cloud, kept: &[u32], loops: &[Vec<u32>]) -> u64 {
+    let mix = |h: u64, x: u64| {
+        (h.rotate_left(29) ^ x)
+            .wrapping_mul(0x0000_0100_0000_01b3)
+            .wrapping_add(0xcbf2_9ce4_8422_2325)
+    };
+    let coordinates = kept.iter().flat_map(|&i| cloud.points[i as usize].iter().copied());
+    let place = cloud.origin.iter().copied().chain([f64::from(cloud.exponent)]);
+    let corners = loops
+        .iter()
+        .flat_map(|l| core::iter::once(u64::MAX).chain(l.iter().map(|&v| u64::from(v))));
+    let numbers = place.chain(coordinates).map(f64::to_bits);
+    numbers.chain(corners).fold(0, mix)
 }
 
 /// The plane of each face, and twice the area of the widest triangle on it; zeros for the null face of a segment.

@@ -89,5 +89,9 @@ pub struct ConvexPolyhedron {
     /// Corners of the bounding box, in stored coordinates.
     pub(crate) low: Vector3<f64>,
     pub(crate) high: Vector3<f64>,
+    /// Whether two faces with a common edge lie in one plane but for rounding.
+    pub(crate) is_creased: bool,
+    /// A number made of vertices and faces, by which what is kept of a body knows it again.
+    pub(crate) print: u64,
     pub(crate) report: BuildReport,
 }

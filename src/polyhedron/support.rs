@@ -23,6 +23,9 @@ const FLATTEST: f64 = 1.0 / 1024.0;
 /// Vertices a flood may hold before it turns into a scan of the whole body.
 const FLOOD: usize = 48;
 
+/// Steps of a climb between two looks for a large face to leap over.
+const LEAP: u32 = 4;
+
 /// The sign of `n . e` where rounding leaves no doubt, else 0. `e` is a rounded difference of two stored points.
 #[inline]
 pub(crate) fn edge_sign(n: &Vector3<f64>, e: &Vector3<f64>) -> i32 {
@@ -35,6 +38,7 @@ pub(crate) fn edge_sign(n: &Vector3<f64>, e: &Vector3<f64>) -> i32 {
 #[inline]
 pub(crate) fn climb(topology: &Topology, points: &[Vector3<f64>], n: &Vector3<f64>, start: u32) -> u32 {
     let mut v = start;
+    let mut steps = 0;
     loop {
         let p = points[v as usize];
         let (mut best, mut rise) = (v, 0.0);
@@ -48,8 +52,53 @@ pub(crate) fn climb(topology: &Topology, points: &[Vector3<f64>], n: &Vector3<f6
         if best == v || edge_sign(n, &(points[best as usize] - p)) <= 0 {
             return v;
         }
-        v = best;
+        steps += 1;
+        v = if steps % LEAP == 0 {
+            leap(topology, points, n, best)
+        } else {
+            best
+        };
     }
+}
+
+/// From a vertex of a large face to the highest one of that face; the vertex itself where none is certainly higher.
+fn leap(topology: &Topology, points: &[Vector3<f64>], n: &Vector3<f64>, v: u32) -> u32 {
+    if !topology.has_large_faces() {
+        return v;
+    }
+    let mut best = v;
+    for h in topology.fan(v) {
+        if let Some(ring) = topology.ring(topology.half_edge(h).face) {
+            let w = highest_of(topology, points, n, ring);
+            if edge_sign(n, &(points[w as usize] - points[best as usize])) > 0 {
+                best = w;
+            }
+        }
+    }
+    best
+}
+
+/// The highest vertex of a convex rim, by bisection: heights round it rise once and fall once. Where rounding hides the order, another one
+/// may come out.
+fn highest_of(topology: &Topology, points: &[Vector3<f64>], n: &Vector3<f64>, ring: &[u32]) -> u32 {
+    let vertex = |k: usize| topology.from(ring[k % ring.len()]);
+    let height = |k: usize| n.dot(&points[vertex(k) as usize]);
+    let rises = |k: usize| n.dot(&(points[vertex(k + 1) as usize] - points[vertex(k) as usize])) > 0.0;
+    let (mut low, mut high) = (0, ring.len());
+    while high - low > 1 {
+        let middle = (low + high) / 2;
+        let is_before = if rises(low) {
+            !rises(middle) || height(middle) < height(low)
+        } else {
+            !rises(middle) && height(middle) > height(low)
+        };
+        if is_before {
+            high = middle;
+        } else {
+            low = middle;
+        }
+    }
+    vertex(if height(high) > height(low) { high } else { low })
 }
 
 /// The extreme vertex along a direction, with proof.
@@ -129,12 +178,16 @@ impl ConvexPolyhedron {
     #[inline]
     fn summit(&self, n: &Vector3<f64>, start: u32) -> Ring {
         let mut v = start;
+        let mut steps = 0;
         loop {
             let ring = self.ring(n, v, v);
-            match ring.higher {
-                Some(w) => v = w,
-                None => return ring,
-            }
+            let Some(w) = ring.higher else { return ring };
+            steps += 1;
+            v = if steps % LEAP == 0 {
+                leap(&self.topology, &self.points, n, w)
+            } else {
+                w
+            };
         }
     }
 

@@ -85,7 +85,7 @@ pub(crate) struct Topology {
 }
 
 /// Rims longer than this are kept as rings too.
-const LARGE: usize = 24;
+pub(crate) const LARGE: usize = 24;
 
 impl Topology {
     /// From the vertex loops of the faces, counter-clockwise from outside. `None` where the loops are not a closed

@@ -84,7 +84,11 @@ impl Bytes<'_> {
 
     fn body(&mut self) -> Body {
         let kind = self.byte();
-        let body = if kind % 2 == 0 { Body::moving() } else { Body::fixed() };
+        let body = if kind.is_multiple_of(2) {
+            Body::moving()
+        } else {
+            Body::fixed()
+        };
         match kind / 2 % 3 {
             0 => body.groups(self.groups()),
             1 if kind > 250 => body.margin(f64::NAN),

@@ -1,0 +1,186 @@
+//! Pairs of bodies in the form of each engine, and their motions. The benches use this file too.
+
+use lab::motion::Frame;
+use lab::parry::Climber;
+use lab::rng::Rng;
+use lab::{Face, Point, Pose, shapes, workload};
+use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, UnitQuaternion};
+use lin_canny::{Class, ConvexPolyhedron, Outcome, RelativePose, Tracker};
+
+/// One body in the form of each engine. Engines get the vertices and faces of our hull, so all see the same body.
+pub(crate) struct Body {
+    pub(crate) ours: ConvexPolyhedron,
+    pub(crate) points: Vec<Point>,
+    pub(crate) faces: Vec<Face>,
+    pub(crate) climber: Climber,
+    pub(crate) parry: Option<lab::parry::Hull>,
+    pub(crate) parry_f32: Option<lab::parry_f32::Hull>,
+}
+
+impl Body {
+    pub(crate) fn new(points: &[Point]) -> Result<Self, String> {
+        let cloud: Vec<Point3<f64>> = points.iter().map(|&p| p.into()).collect();
+        let ours = ConvexPolyhedron::from_points(&cloud).map_err(|e| e.to_string())?;
+        let points: Vec<Point> = ours.vertex_points().map(Into::into).collect();
+        let faces: Vec<Face> = ours
+            .faces()
+            .map(|f| ours.face_vertices(f).map(|v| v.index() as u32).collect())
+            .collect();
+        Ok(Self {
+            climber: Climber::new(&points, &faces),
+            parry: lab::parry::mesh(&points, &faces),
+            parry_f32: lab::parry_f32::mesh(&points, &faces),
+            points,
+            faces,
+            ours,
+        })
+    }
+
+    /// The body as the exact arithmetic of the laboratory takes it.
+    pub(crate) fn plain(&self) -> lab::Body<'_> {
+        lab::Body {
+            points: &self.points,
+            faces: &self.faces,
+        }
+    }
+}
+
+/// A pair of bodies and its motion.
+pub(crate) struct Pair {
+    pub(crate) a: Body,
+    pub(crate) b: Body,
+    pub(crate) frames: Vec<Frame>,
+    pub(crate) isometries: Vec<(Isometry3<f64>, Isometry3<f64>)>,
+}
+
+impl Pair {
+    pub(crate) fn new(a: Body, b: Body) -> Self {
+        Self {
+            a,
+            b,
+            frames: Vec::new(),
+            isometries: Vec::new(),
+        }
+    }
+
+    /// Two bodies of a family: `sphere`, `flat` or `box`.
+    pub(crate) fn of(shape: &str, n: usize) -> Result<Self, String> {
+        let mut rng = Rng::new(1000 + n as u64);
+        let mut body = || Body::new(&workload::points(shape, n, &mut rng));
+        Ok(Self::new(body()?, body()?))
+    }
+
+    /// B orbits A and spins by `degrees` a frame, or takes a new pose every frame, at a gap of 2 % of the radius.
+    pub(crate) fn moving(self, degrees: Option<f64>, frames: usize) -> Self {
+        let mut tracker = Tracker::new();
+        let frames = workload::motion(degrees, frames, &mut Rng::new(17), |f| {
+            let o = self.closest(&mut tracker, f);
+            (o.class == Class::Separated).then(|| witnesses(f, &o))
+        });
+        self.with(frames)
+    }
+
+    /// The same motion at a gap of `gap`, as near as poses in f64 can have it; frames that overlap are left out.
+    pub(crate) fn at_gap(self, gap: f64, frames: usize) -> Self {
+        let mut pair = self.moving(Some(0.5), frames);
+        let mut tracker = Tracker::new();
+        let mut frames = std::mem::take(&mut pair.frames);
+        for f in &mut frames {
+            for _ in 0..2 {
+                let o = pair.closest(&mut tracker, f);
+                let n = f.a.rotate(o.normal.into_inner().into());
+                f.b.t = std::array::from_fn(|k| f.b.t[k] + n[k] * (gap - o.distance));
+            }
+        }
+        frames.retain(|f| pair.closest(&mut tracker, f).class == Class::Separated);
+        pair.with(frames)
+    }
+
+    /// Two boxes face on face, `gap` between them, B turning and sliding over A; all of it turned, so that the faces are parallel
+    /// up to rounding and no better. Frames that overlap are left out.
+    pub(crate) fn flush(gap: f64, frames: usize) -> Result<Self, String> {
+        let mut rng = Rng::new(23);
+        let (a, b) = (Self::of("box", 8)?, rng.quat());
+        let common = Pose { q: b, t: rng.unit() };
+        let thick = 2.0 * a.a.points.iter().fold(0.0f64, |h, p| h.max(p[2]));
+        let at = |k: usize| {
+            let slide = 0.4 * (0.01 * k as f64).sin();
+            let turn = (0.5 * k as f64).to_radians();
+            let b = Pose::turn([0.0, 0.0, 1.0], turn, [slide, -0.5 * slide, thick + gap]);
+            Frame { a: Pose::IDENTITY, b }.moved(&common)
+        };
+        let mut tracker = Tracker::new();
+        let mut frames: Vec<Frame> = (0..frames).map(at).collect();
+        frames.retain(|f| a.closest(&mut tracker, f).class == Class::Separated);
+        Ok(a.with(frames))
+    }
+
+    /// B orbits A and spins by `degrees` a frame, coming near and going away.
+    pub(crate) fn swinging(self, degrees: f64, frames: usize) -> Self {
+        let mut pair = self.moving(Some(degrees), frames);
+        let mut tracker = Tracker::new();
+        let mut moved = std::mem::take(&mut pair.frames);
+        for (k, f) in moved.iter_mut().enumerate() {
+            let o = pair.closest(&mut tracker, f);
+            let n = f.a.rotate(o.normal.into_inner().into());
+            let swing = 0.5 - 0.5 * (std::f64::consts::TAU * k as f64 / frames as f64).cos();
+            f.b.t = std::array::from_fn(|i| f.b.t[i] + 0.5 * swing * n[i]);
+        }
+        pair.with(moved)
+    }
+
+    fn with(mut self, frames: Vec<Frame>) -> Self {
+        self.isometries = frames.iter().map(|f| (isometry(&f.a), isometry(&f.b))).collect();
+        self.frames = frames;
+        self
+    }
+
+    fn closest(&self, tracker: &mut Tracker, f: &Frame) -> Outcome {
+        let pose = RelativePose::new(&isometry(&f.a), &isometry(&f.b)).expect("poses of a motion");
+        tracker.closest(&self.a.ours, &self.b.ours, &pose)
+    }
+
+    /// The size L of the pair in a frame: both radii and the distance of the origins.
+    pub(crate) fn size(&self, frame: usize) -> f64 {
+        let f = &self.frames[frame];
+        let radius = |b: &Body| lab::pose::radius(&b.points);
+        radius(&self.a) + radius(&self.b) + lab::pose::norm(lab::pose::sub(f.b.t, f.a.t))
+    }
+}
+
+/// Both witnesses in the world.
+fn witnesses(f: &Frame, o: &Outcome) -> (Point, Point) {
+    (f.a.apply(o.point_on_a.into()), f.b.apply(o.point_on_b.into()))
+}
+
+pub(crate) fn isometry(p: &Pose) -> Isometry3<f64> {
+    let [x, y, z, w] = p.q;
+    Isometry3::from_parts(p.t.into(), UnitQuaternion::new_unchecked(Quaternion::new(w, x, y, z)))
+}
+
+/// `n` points spread evenly over the unit sphere, on a spiral.
+pub(crate) fn ball(n: usize) -> Vec<Point> {
+    let turn = std::f64::consts::PI * (3.0 - 5f64.sqrt());
+    let at = |k: usize| {
+        let z = 1.0 - (2 * k + 1) as f64 / n as f64;
+        let (r, angle) = ((1.0 - z * z).sqrt(), turn * k as f64);
+        [r * angle.cos(), r * angle.sin(), z]
+    };
+    match n {
+        12 => shapes::icosphere(0).points,
+        _ => (0..n).map(at).collect(),
+    }
+}
+
+/// A mesh from a file, as a hull of radius 1 about the middle of its box.
+pub(crate) fn mesh(path: &str) -> Result<Body, String> {
+    let mesh = lab::meshes::load(path).map_err(|e| e.to_string())?;
+    let body = Body::new(&mesh.points).map_err(|e| format!("{path}: {e}"))?;
+    let (centre, radius) = body.ours.bounding_ball();
+    let points: Vec<Point> = body
+        .points
+        .iter()
+        .map(|p| std::array::from_fn(|k| (p[k] - centre[k]) / radius))
+        .collect();
+    Body::new(&points)
+}

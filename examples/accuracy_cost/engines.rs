@@ -1,0 +1,285 @@
+//! The engines and their levels, each asked the same way: two world poses in, the distance out, and both witness points in the
+//! world where the level has them.
+
+use std::hint::black_box;
+use std::time::Duration;
+
+use cpu_time::ThreadTime;
+use lab::Point;
+use lab::parry::GjkCached;
+use lin_canny::{RelativePose, Totals, Tracker, Watch};
+
+use crate::bodies::{Body, Pair};
+
+/// How long a case runs before a pass of it counts.
+const WARM_UP: Duration = Duration::from_millis(2);
+
+/// What is asked of whom.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub(crate) enum Level {
+    /// `Tracker::propose`.
+    Walk,
+    /// `Tracker::closest`.
+    Certified,
+    /// `Tracker::closest_exact`.
+    Exact,
+    /// `Watch::distance` to within `10^-k L`.
+    Within(i32),
+    /// parry's GJK over a support map that climbs, the simplex kept.
+    Gjk,
+    /// parry's closest points, in f64 and in f32.
+    Parry,
+    ParryF32,
+}
+
+/// A level, from the features of the frame before or from nothing.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub(crate) struct Case {
+    pub(crate) level: Level,
+    pub(crate) cold: bool,
+}
+
+impl Case {
+    pub(crate) const fn warm(level: Level) -> Self {
+        Self { level, cold: false }
+    }
+
+    pub(crate) const fn cold(level: Level) -> Self {
+        Self { level, cold: true }
+    }
+
+    pub(crate) fn engine(self) -> &'static str {
+        match (self.level, self.cold) {
+            (Level::Gjk, false) => "gjk-cached",
+            (Level::Gjk, true) => "gjk-cold",
+            (Level::Parry, _) => "parry-f64",
+            (Level::ParryF32, _) => "parry-f32",
+            (_, false) => "ours",
+            (_, true) => "ours-cold",
+        }
+    }
+
+    pub(crate) fn name(self) -> String {
+        match self.level {
+            Level::Walk => "walk".into(),
+            Level::Certified => "certified".into(),
+            Level::Exact => "exact".into(),
+            Level::Within(k) => format!("1e-{k}"),
+            Level::Gjk => "closest".into(),
+            Level::Parry | Level::ParryF32 => "distance".into(),
+        }
+    }
+
+    /// Whether the engine could make the bodies.
+    pub(crate) fn takes(self, pair: &Pair) -> bool {
+        let has = |b: &Body| match self.level {
+            Level::Parry => b.parry.is_some(),
+            Level::ParryF32 => b.parry_f32.is_some(),
+            _ => true,
+        };
+        has(&pair.a) && has(&pair.b)
+    }
+}
+
+/// Distance and witnesses in the world; NaN where an engine has no answer.
+pub(crate) type Answer = (f64, Point, Point);
+
+const NONE: Answer = (f64::NAN, [0.0; 3], [0.0; 3]);
+
+/// What a case keeps for its pair.
+pub(crate) struct State<'a> {
+    tracker: Tracker,
+    watch: Watch<'a>,
+    gjk: GjkCached,
+    error: f64,
+}
+
+impl<'a> State<'a> {
+    pub(crate) fn new(pair: &'a Pair, case: Case) -> Self {
+        let error = match case.level {
+            Level::Within(k) => 10f64.powi(-k) * pair.size(0),
+            _ => 0.0,
+        };
+        Self {
+            tracker: Tracker::new(),
+            watch: Watch::new(&pair.a.ours, &pair.b.ours),
+            gjk: GjkCached::default(),
+            error,
+        }
+    }
+
+    pub(crate) fn tracker(&self, case: Case) -> &Tracker {
+        match case.level {
+            Level::Within(_) => self.watch.tracker(),
+            _ => &self.tracker,
+        }
+    }
+
+    /// Queries, and of these those that looked at a vertex.
+    pub(crate) fn looked(&self, case: Case) -> (u64, u64) {
+        match case.level {
+            Level::Within(_) => (self.watch.asked(), self.watch.looked()),
+            _ => (self.tracker.totals().queries, self.tracker.totals().queries),
+        }
+    }
+}
+
+/// One query of one case.
+#[inline(always)]
+pub(crate) fn ask(case: Case, pair: &Pair, frame: usize, state: &mut State) -> Answer {
+    if case.cold {
+        state.tracker = Tracker::new();
+        state.gjk = GjkCached::default();
+    }
+    let (a, b) = (&pair.a.ours, &pair.b.ours);
+    let (pa, pb) = &pair.isometries[frame];
+    let f = &pair.frames[frame];
+    let witnesses =
+        |w: Option<lab::parry::Witnesses>| w.map_or((0.0, [0.0; 3], [0.0; 3]), |w| (w.distance, w.on_a, w.on_b));
+    match case.level {
+        Level::Gjk => witnesses(state.gjk.closest(&pair.a.climber, &f.a, &pair.b.climber, &f.b)),
+        Level::Parry => match (&pair.a.parry, &pair.b.parry) {
+            (Some(a), Some(b)) => witnesses(lab::parry::closest_points(a, &f.a, b, &f.b)),
+            _ => NONE,
+        },
+        Level::ParryF32 => match (&pair.a.parry_f32, &pair.b.parry_f32) {
+            (Some(a), Some(b)) => witnesses(lab::parry_f32::closest_points(a, &f.a, b, &f.b)),
+            _ => NONE,
+        },
+        ours => {
+            let Ok(relative) = RelativePose::new(pa, pb) else {
+                return NONE;
+            };
+            let o = match ours {
+                Level::Within(_) => return (state.watch.distance(&relative, state.error).value, [0.0; 3], [0.0; 3]),
+                Level::Walk => {
+                    let p = state.tracker.propose(a, b, &relative);
+                    let d = p.distance.unwrap_or(0.0);
+                    return (d, (pa * p.point_on_a).into(), (pb * p.point_on_b).into());
+                }
+                Level::Exact => state.tracker.closest_exact(a, b, &relative),
+                _ => state.tracker.closest(a, b, &relative),
+            };
+            (o.distance, (pa * o.point_on_a).into(), (pb * o.point_on_b).into())
+        }
+    }
+}
+
+/// The answers of a whole motion, and what the trackers counted.
+pub(crate) fn answers(case: Case, pair: &Pair) -> (Vec<Answer>, Totals, (u64, u64)) {
+    let mut state = State::new(pair, case);
+    let list = (0..pair.frames.len()).map(|f| ask(case, pair, f, &mut state)).collect();
+    (list, state.tracker(case).totals(), state.looked(case))
+}
+
+/// Nanoseconds a query over the first frames of a motion, as many as fit into some milliseconds.
+pub(crate) fn time(case: Case, pair: &Pair) -> f64 {
+    // Each level a loop of its own.
+    match case.level {
+        Level::Walk => pass(case, pair, |p, f, s| {
+            ask(
+                Case {
+                    level: Level::Walk,
+                    ..case
+                },
+                p,
+                f,
+                s,
+            )
+        }),
+        Level::Certified => pass(case, pair, |p, f, s| {
+            ask(
+                Case {
+                    level: Level::Certified,
+                    ..case
+                },
+                p,
+                f,
+                s,
+            )
+        }),
+        Level::Exact => pass(case, pair, |p, f, s| {
+            ask(
+                Case {
+                    level: Level::Exact,
+                    ..case
+                },
+                p,
+                f,
+                s,
+            )
+        }),
+        Level::Within(_) => pass(case, pair, |p, f, s| {
+            ask(
+                Case {
+                    level: Level::Within(0),
+                    ..case
+                },
+                p,
+                f,
+                s,
+            )
+        }),
+        Level::Gjk => pass(case, pair, |p, f, s| {
+            ask(
+                Case {
+                    level: Level::Gjk,
+                    ..case
+                },
+                p,
+                f,
+                s,
+            )
+        }),
+        Level::Parry => pass(case, pair, |p, f, s| {
+            ask(
+                Case {
+                    level: Level::Parry,
+                    ..case
+                },
+                p,
+                f,
+                s,
+            )
+        }),
+        Level::ParryF32 => pass(case, pair, |p, f, s| {
+            ask(
+                Case {
+                    level: Level::ParryF32,
+                    ..case
+                },
+                p,
+                f,
+                s,
+            )
+        }),
+    }
+}
+
+#[inline(always)]
+fn pass(case: Case, pair: &Pair, ask: impl Fn(&Pair, usize, &mut State) -> Answer) -> f64 {
+    clocked(pair.frames.len(), || State::new(pair, case), |f, s| ask(pair, f, s))
+}
+
+/// Nanoseconds of processor time a query: the first passes find the caches and branch tables of another engine, the last is the one that counts.
+#[inline(always)]
+pub(crate) fn clocked<S, A>(frames: usize, fresh: impl Fn() -> S, ask: impl Fn(usize, &mut S) -> A) -> f64 {
+    let run = |frames: usize| {
+        let mut state = fresh();
+        let began = ThreadTime::now();
+        for f in 0..frames {
+            black_box(ask(f, &mut state));
+        }
+        began.elapsed()
+    };
+    // A slow engine gets fewer frames.
+    let first = run(frames.min(16)).as_nanos().max(1) as usize / 16;
+    let frames = (WARM_UP.as_nanos() as usize * 2 / first.max(1))
+        .clamp(16, frames.max(16))
+        .min(frames);
+    let began = ThreadTime::now();
+    while began.elapsed() < WARM_UP {
+        run(frames);
+    }
+    run(frames).as_nanos() as f64 / frames as f64
+}

@@ -1,0 +1,50 @@
+//! Pictures of measurements, from the newest record of the example `accuracy_cost`.
+
+use std::path::{Path, PathBuf};
+
+use lab::accuracy;
+use lab::plot::Chart;
+use lab::record;
+
+use crate::Trouble;
+
+/// The newest `*-accuracy.csv`; dates sort as their names do.
+fn newest(folder: &Path) -> Result<PathBuf, Trouble> {
+    let files = std::fs::read_dir(folder).map_err(|e| format!("{}: {e}", folder.display()))?;
+    let name = |p: &PathBuf| {
+        p.file_name()
+            .is_some_and(|n| n.to_string_lossy().ends_with("-accuracy.csv"))
+    };
+    let mut records: Vec<PathBuf> = files.filter_map(|f| Some(f.ok()?.path())).filter(name).collect();
+    records.sort();
+    Ok(records.pop().ok_or("no record of accuracy_cost in benches/record")?)
+}
+
+/// A chart as text that can stand in documentation: without blank lines, and no wider than the page.
+fn text(chart: &Chart) -> Result<String, Trouble> {
+    let svg = chart.svg()?.replacen("<svg ", "<svg style=\"max-width:100%\" ", 1);
+    let lines = svg.lines().filter(|l| !l.trim().is_empty());
+    Ok(lines.flat_map(|l| [l, "\n"]).collect())
+}
+
+/// Names and texts of the pictures, and of the table beside them.
+pub(crate) fn pictures(folder: &Path) -> Result<Vec<(&'static str, String)>, Trouble> {
+    let file = newest(folder)?;
+    let rows = record::read(&file)?;
+    println!("from {}", file.display());
+    Ok(vec![
+        (
+            "cost.md",
+            accuracy::table(&rows, "sphere 0.5deg", &[8, 32, 128, 512, 2048, 8192]),
+        ),
+        (
+            "accuracy.svg",
+            text(&accuracy::error_and_time(&rows, "sphere 0.05deg", 512))?,
+        ),
+        ("motion.svg", text(&accuracy::time_and_motion(&rows, 512))?),
+        ("contact-error.svg", text(&accuracy::error_and_gap(&rows, "flush", 8))?),
+        ("contact-time.svg", text(&accuracy::time_and_gap(&rows, "flush", 8))?),
+        ("geometry.svg", text(&accuracy::geometry(&rows))?),
+        ("asking.svg", text(&accuracy::asking(&rows, "asking 0.05deg", 512))?),
+    ])
+}

@@ -1,0 +1,378 @@
+//! The contacts of a pair over frames.
+
+use nalgebra::{Matrix3, Point3, Unit, Vector3};
+
+use crate::closest::outcome::Outcome;
+use crate::polyhedron::{ConvexPolyhedron, FeaturePair};
+use crate::pose::{RelativePose, Which};
+use crate::scalar::sqrt;
+use crate::tolerance::{CERTIFICATE, UNIT};
+
+use super::rims::{NO_RAYS, Rays};
+use super::{Answer, Choice, MOST_POINTS, ManifoldOptions};
+
+/// A point of each body, across from each other along the normal.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct ContactPoint {
+    /// The point on A, in A's frame.
+    pub point_on_a: Point3<f64>,
+    /// The point on B, in B's frame.
+    pub point_on_b: Point3<f64>,
+    /// From the point on A to that on B along the normal: negative where the bodies overlap.
+    pub separation: f64,
+    /// On what the points lie: a vertex and a face, two edges, or what the closest features are.
+    pub features: FeaturePair,
+    /// The name of the contact as long as it lasts: the features by which it was first seen. No two points of a manifold have the
+    /// same.
+    pub id: FeaturePair,
+}
+
+impl ContactPoint {
+    pub(super) fn witness(outcome: &Outcome) -> Self {
+        Self {
+            point_on_a: outcome.point_on_a,
+            point_on_b: outcome.point_on_b,
+            separation: outcome.distance,
+            features: outcome.features,
+            id: outcome.features,
+        }
+    }
+}
+
+/// The contact points of one pair of bodies: keep one for each pair and pass it to [`Tracker::manifold`] every frame.
+///
+/// Holds at most eight points, and nothing on the heap. A manifold of other bodies, or of other options, is made anew.
+///
+/// [`Tracker::manifold`]: crate::Tracker::manifold
+#[derive(Clone, Debug, PartialEq)]
+pub struct Manifold {
+    points: [ContactPoint; MOST_POINTS],
+    count: usize,
+    normal: Unit<Vector3<f64>>,
+    lower: f64,
+    upper: f64,
+    made: Option<Made>,
+    fresh: bool,
+    /// How the points were chosen, where there were more.
+    pub(super) choice: Option<Choice>,
+    pub(super) rays: Rays,
+}
+
+/// How a manifold was made, by which it can tell how far it is from now.
+#[derive(Clone, Debug, PartialEq)]
+struct Made {
+    bodies: [u64; 2],
+    options: ManifoldOptions,
+    rotation: Matrix3<f64>,
+    translation: Vector3<f64>,
+    features: FeaturePair,
+    reference: Which,
+    /// In the frame of the reference.
+    normal: Vector3<f64>,
+    lower: f64,
+    upper: f64,
+    /// How far the bodies may move from there.
+    budget: f64,
+}
+
+impl Default for Manifold {
+    fn default() -> Self {
+        let none = ContactPoint {
+            point_on_a: Point3::origin(),
+            point_on_b: Point3::origin(),
+            separation: 0.0,
+            features: FeaturePair::vertices(Which::A, 0, 0),
+            id: FeaturePair::vertices(Which::A, 0, 0),
+        };
+        Self {
+            points: [none; MOST_POINTS],
+            count: 0,
+            normal: Vector3::x_axis(),
+            lower: f64::NEG_INFINITY,
+            upper: f64::INFINITY,
+            made: None,
+            fresh: false,
+            choice: None,
+            rays: NO_RAYS,
+        }
+    }
+}
+
+impl Manifold {
+    /// One without contacts, to begin with.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// The contacts: those that were there before in their old order, then the new ones. Empty where the bodies are further apart
+    /// than the prediction.
+    #[inline]
+    pub fn points(&self) -> &[ContactPoint] {
+        &self.points[..self.count]
+    }
+
+    /// The deepest of them.
+    pub fn deepest(&self) -> Option<&ContactPoint> {
+        let deeper = |x: &&ContactPoint, y: &&ContactPoint| x.separation.total_cmp(&y.separation);
+        self.points().iter().min_by(deeper)
+    }
+
+    /// Unit direction from A to B, in A's frame: that of the answer the manifold was made from, turned with the reference since.
+    pub fn normal(&self) -> Unit<Vector3<f64>> {
+        self.normal
+    }
+
+    /// The features that bear the contact: of each body a face or an edge across the normal, or what is closest.
+    pub fn features(&self) -> Option<FeaturePair> {
+        self.made.as_ref().map(|m| m.features)
+    }
+
+    /// The body whose feature gives the normal: with a face against an edge or a vertex, that of the face. In doubt the one it was
+    /// before, or else A.
+    pub fn reference(&self) -> Which {
+        self.made.as_ref().map_or(Which::A, |m| m.reference)
+    }
+
+    /// No greater than the signed distance.
+    pub fn lower(&self) -> f64 {
+        self.lower
+    }
+
+    /// No less than the signed distance.
+    pub fn upper(&self) -> f64 {
+        self.upper
+    }
+
+    /// Whether the points are those of an answer to this very query; otherwise they are old ones with new separations.
+    pub fn is_fresh(&self) -> bool {
+        self.fresh
+    }
+
+    /// The middle of the points on A.
+    pub(super) fn middle(&self) -> Option<Point3<f64>> {
+        let points = self.points();
+        let sum = points.iter().fold(Vector3::zeros(), |s, p| s + p.point_on_a.coords);
+        (!points.is_empty()).then(|| Point3::from(sum / points.len() as f64))
+    }
+
+    /// Measures anew what is there, if the bodies have moved so little since it was made that it will do; otherwise says how far they
+    /// have moved.
+    #[inline(always)]
+    pub(crate) fn refresh(&mut self, query: &Query) -> Result<(), f64> {
+        let Some(made) = &self.made else { return Err(0.0) };
+        let moved = made.moved(query);
+        let known = made.bodies == query.bodies() && made.options == *query.options;
+        // Written so that NaN asks anew.
+        if !(known && moved <= made.budget) {
+            return Err(moved);
+        }
+        self.fresh = false;
+        (self.lower, self.upper) = (made.lower - moved, made.upper + moved);
+        let n = match made.reference {
+            Which::A => made.normal,
+            Which::B => query.rotation * made.normal,
+        };
+        self.normal = Unit::new_unchecked(n);
+        for p in &mut self.points[..self.count] {
+            let between = query.rotation * p.point_on_b.coords + query.translation - p.point_on_a.coords;
+            p.separation = n.dot(&between);
+        }
+        Ok(())
+    }
+
+    /// The contacts of an answer, with the names of those that were there before the bodies `moved`.
+    pub(crate) fn renew(&mut self, query: &Query, outcome: &Outcome, moved: f64) {
+        let Query { a, b, options, .. } = *query;
+        (self.normal, self.lower, self.upper, self.fresh) = (outcome.normal, outcome.lower, outcome.upper, true);
+        let mut features = outcome.features;
+        let mut budget = outcome.lower - options.prediction;
+        if outcome.lower <= options.prediction {
+            let answer = Answer {
+                a,
+                b,
+                rotation: &query.rotation,
+                size: query.size(),
+                outcome,
+            };
+            let contacts = answer.contacts(options, self);
+            features = contacts.features;
+            (self.choice, self.rays) = (Some(contacts.choice), contacts.rays);
+            budget = options.drift * query.least_radius();
+            self.adopt(&contacts.points[..contacts.count], 2.0 * moved + budget);
+        } else {
+            self.count = 0;
+        }
+        // Where stored coordinates are not the given ones, old places would be measured more coarsely than new ones.
+        if !(a.as_given && b.as_given) {
+            budget = f64::NAN;
+        }
+        let reference = reference(outcome.features).unwrap_or(self.reference());
+        let normal = outcome.normal.into_inner();
+        self.made = Some(Made {
+            bodies: query.bodies(),
+            options: *options,
+            rotation: query.rotation,
+            translation: query.translation,
+            features,
+            reference,
+            normal: match reference {
+                Which::A => normal,
+                Which::B => query.rotation.tr_mul(&normal),
+            },
+            lower: outcome.lower,
+            upper: outcome.upper,
+            budget,
+        });
+    }
+
+    /// Takes new points in the place of the old ones: names and order stay with those of the same features, and of the others
+    /// with those no further than `reach` away on one of the bodies.
+    fn adopt(&mut self, new: &[ContactPoint], reach: f64) {
+        let old = &self.points[..self.count];
+        let mut origin = [usize::MAX; MOST_POINTS];
+        for (i, p) in new.iter().enumerate() {
+            let alike = old.iter().position(|o| o.features == p.features);
+            if let Some(k) = alike.filter(|k| !origin.contains(k)) {
+                origin[i] = k;
+            }
+        }
+        let apart = |o: &ContactPoint, p: &ContactPoint| {
+            let on_a = (o.point_on_a - p.point_on_a).norm_squared();
+            on_a.min((o.point_on_b - p.point_on_b).norm_squared())
+        };
+        for (i, p) in new.iter().enumerate() {
+            if origin[i] == usize::MAX {
+                let near = (0..old.len()).filter(|k| !origin.contains(k) && apart(&old[*k], p) <= reach * reach);
+                let nearest = near.min_by(|&x, &y| apart(&old[x], p).total_cmp(&apart(&old[y], p)));
+                origin[i] = nearest.unwrap_or(usize::MAX);
+            }
+        }
+        self.reorder(new, &origin);
+    }
+
+    /// `origin`: the numbers of the old points whose names and order the new ones take, beyond them all for those that are new.
+    fn reorder(&mut self, new: &[ContactPoint], origin: &[usize; MOST_POINTS]) {
+        let old = self.count;
+        // Names first: the old points are overwritten in their order.
+        let names = origin.map(|k| self.points[k.min(MOST_POINTS - 1)].id);
+        self.count = 0;
+        for k in 0..old {
+            if let Some(i) = origin[..new.len()].iter().position(|&o| o == k) {
+                self.points[self.count] = ContactPoint { id: names[i], ..new[i] };
+                self.count += 1;
+            }
+        }
+        for (i, p) in new.iter().enumerate() {
+            if origin[i] == usize::MAX {
+                let id = self.free_name(p.features);
+                self.points[self.count] = ContactPoint { id, ..*p };
+                self.count += 1;
+            }
+        }
+    }
+
+    /// The name by these features; where a contact that is elsewhere now has kept it, the one that that contact would have.
+    fn free_name(&self, features: FeaturePair) -> FeaturePair {
+        let mut name = features;
+        for _ in 0..self.count {
+            match self.points().iter().find(|p| p.id == name) {
+                Some(p) => name = p.features,
+                None => break,
+            }
+        }
+        name
+    }
+}
+
+impl Made {
+    /// No less than any point of one body has moved as seen from the other.
+    #[inline(always)]
+    fn moved(&self, query: &Query) -> f64 {
+        let Query {
+            a,
+            b,
+            rotation,
+            translation,
+            ..
+        } = query;
+        let turn = rotation - self.rotation;
+        let (ra, rb) = query.radii();
+        // A difference of rotations stretches two directions alike and one not at all, so its norm is that of its entries over
+        // the root of two, which is less than 181.1 / 256.
+        let turned = sqrt(turn.norm_squared()) * (181.1 / 256.0) * ra.min(rb);
+        let shift = if rb <= ra {
+            turn * b.origin + (translation - self.translation)
+        } else {
+            let seen = |r: &Matrix3<f64>, t: &Vector3<f64>| r.tr_mul(&(a.origin - t));
+            seen(rotation, translation) - seen(&self.rotation, &self.translation)
+        };
+        sqrt(shift.norm_squared()) + turned + CERTIFICATE * UNIT * query.size()
+    }
+}
+
+/// Two bodies, where they are, and what is asked of their contacts.
+pub(crate) struct Query<'a> {
+    a: &'a ConvexPolyhedron,
+    b: &'a ConvexPolyhedron,
+    /// Of `a_from_b`.
+    rotation: Matrix3<f64>,
+    translation: Vector3<f64>,
+    options: &'a ManifoldOptions,
+}
+
+impl<'a> Query<'a> {
+    #[inline(always)]
+    pub(crate) fn new(
+        a: &'a ConvexPolyhedron,
+        b: &'a ConvexPolyhedron,
+        pose: &RelativePose,
+        options: &'a ManifoldOptions,
+    ) -> Self {
+        Self {
+            a,
+            b,
+            rotation: pose.rotation(),
+            translation: pose.translation(),
+            options,
+        }
+    }
+
+    fn bodies(&self) -> [u64; 2] {
+        [self.a.print, self.b.print]
+    }
+
+    fn radii(&self) -> (f64, f64) {
+        let of = |body: &ConvexPolyhedron| {
+            if body.as_given {
+                body.radius
+            } else {
+                body.radius * body.unit()
+            }
+        };
+        (of(self.a), of(self.b))
+    }
+
+    fn least_radius(&self) -> f64 {
+        let (a, b) = self.radii();
+        a.min(b)
+    }
+
+    /// The pair's size L.
+    #[inline(always)]
+    fn size(&self) -> f64 {
+        let (a, b) = self.radii();
+        let apart = self.rotation * self.b.origin + self.translation - self.a.origin;
+        a + b + sqrt(apart.norm_squared())
+    }
+}
+
+/// The body of the larger feature.
+fn reference(features: FeaturePair) -> Option<Which> {
+    match features.a.dimension().cmp(&features.b.dimension()) {
+        core::cmp::Ordering::Greater => Some(Which::A),
+        core::cmp::Ordering::Less => Some(Which::B),
+        core::cmp::Ordering::Equal => None,
+    }
+}

@@ -1,0 +1,331 @@
+//! Contact manifolds: the few points by which two bodies hold each other apart, kept from frame to frame; and what a motion does to
+//! the signed distance.
+//!
+//! A manifold begins with a certified answer: its normal, its features, its witnesses. The features are promoted to the faces (or
+//! edges) within a small angle of the normal ([`promote`]), both are seen along it ([`shadow`]), and the corners of what they
+//! share ([`clip`], and [`rims`] for faces of many corners) are the contacts. A few of them are kept ([`reduce`]): the
+//! deepest, and those that span the most area. [`manifold`] keeps them over frames.
+//!
+//! Every pair of points (a of A, b of B) fulfils `n . b - n . a >= lower`, the bound of the answer, so the deepest contact is the
+//! answer's own; no other can be deeper.
+//!
+//! Source: the clipping of a reference and an incident face (Gregorius 2013, "The separating axis test between convex
+//! polyhedra", GDC). Departures:
+//! 1. Both faces are seen along the certified normal, and play the same part: points on A and on B are across from each other along the
+//!    normal, whichever body is named first.
+//! 2. The reference says with which body the normal turns between two answers, no more.
+//! 3. What is old is kept by how far the bodies can have moved, not by distances of points.
+
+mod clip;
+mod corners;
+mod gradient;
+mod manifold;
+mod promote;
+mod reduce;
+mod rims;
+mod shadow;
+
+use nalgebra::{Matrix3, Point3, Vector3};
+
+use crate::closest::outcome::{Layer, Outcome};
+use crate::polyhedron::{ConvexPolyhedron, FeaturePair};
+use crate::scalar::sqrt;
+use crate::tolerance::{ACROSS, AGREE};
+use corners::{Corner, Corners};
+use promote::Promotion;
+use reduce::{Chosen, reduce};
+use rims::Rays;
+use shadow::{Axes, Shadow};
+
+pub use gradient::Gradient;
+pub(crate) use manifold::Query;
+pub use manifold::{ContactPoint, Manifold};
+
+/// The most points a manifold holds.
+pub(crate) const MOST_POINTS: usize = 8;
+
+/// What is asked of a manifold. Numbers that are none (NaN) ask for nothing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct ManifoldOptions {
+    /// Contacts up to this separation are wanted, in the caller's unit. Zero: those that touch or overlap.
+    pub prediction: f64,
+    /// How many points at most, 1 to 8.
+    pub max_points: usize,
+    /// The sine of the largest angle between the normal and a face that bears the contact. Default 1/64, a little less than one degree.
+    pub sine: f64,
+    /// How far the bodies may move before a manifold is made anew, in radii of the smaller one; till then its points stay
+    /// where they are on the bodies, with new separations. Contacts nearer to each other than this are one. Default 1/1024; zero: every
+    /// motion asks anew.
+    pub drift: f64,
+}
+
+impl Default for ManifoldOptions {
+    fn default() -> Self {
+        Self {
+            prediction: 0.0,
+            max_points: 4,
+            sine: 1.0 / 64.0,
+            drift: 1.0 / 1024.0,
+        }
+    }
+}
+
+impl ManifoldOptions {
+    /// The default with a prediction distance.
+    pub fn within(prediction: f64) -> Self {
+        Self {
+            prediction,
+            ..Self::default()
+        }
+    }
+
+    fn most(&self) -> usize {
+        self.max_points.clamp(1, MOST_POINTS)
+    }
+}
+
+/// The contacts of one answer.
+struct Contacts {
+    points: [ContactPoint; MOST_POINTS],
+    count: usize,
+    /// What bears them.
+    features: FeaturePair,
+    /// How many corners they were chosen from, and how wide they are of all of these.
+    choice: Choice,
+    rays: Rays,
+}
+
+/// How contacts were chosen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Choice {
+    corners: usize,
+    width: f64,
+}
+
+/// Two bodies, the rotation of `a_from_b`, and how they lie.
+#[derive(Clone, Copy)]
+struct Answer<'a> {
+    a: &'a ConvexPolyhedron,
+    b: &'a ConvexPolyhedron,
+    rotation: &'a Matrix3<f64>,
+    /// The pair's size L, in the caller's units.
+    size: f64,
+    outcome: &'a Outcome,
+}
+
+impl Answer<'_> {
+    /// The contacts of an answer whose lower bound is within the prediction.
+    fn contacts(self, options: &ManifoldOptions, before: &Manifold) -> Contacts {
+        let outcome = self.outcome;
+        let mut contacts = Contacts {
+            points: [ContactPoint::witness(outcome); MOST_POINTS],
+            count: 1,
+            features: outcome.features,
+            choice: Choice { corners: 0, width: 0.0 },
+            rays: before.rays,
+        };
+        // Of bodies so far apart, or so different in size, the witnesses are all there is to say.
+        if self.a.exponent != self.b.exponent || outcome.layer == Layer::Far {
+            return contacts;
+        }
+        let axes = self.axes();
+        let features = self.promoted(&axes, options, before.features());
+        contacts.features = features;
+        if features.a.dimension() > 0 && features.b.dimension() > 0 {
+            let mut seen = Seen {
+                answer: self,
+                a: Shadow::new(self.a, features.a, &axes[0], false),
+                b: Shadow::new(self.b, features.b, &axes[1], true),
+                unit: self.a.unit(),
+            };
+            seen.a.cast();
+            seen.b.cast();
+            seen.choose(options, before, &mut contacts);
+        }
+        contacts
+    }
+
+    /// The normal and what is across, in each body's stored frame, about its witness.
+    #[inline(always)]
+    fn axes(&self) -> [Axes; 2] {
+        let normal = self.outcome.normal.into_inner();
+        let across = across(&normal);
+        [
+            Axes {
+                across,
+                normal,
+                witness: self.a.stored(&self.outcome.point_on_a),
+            },
+            Axes {
+                across: across.map(|v| self.rotation.tr_mul(&v)),
+                normal: self.rotation.tr_mul(&normal),
+                witness: self.b.stored(&self.outcome.point_on_b),
+            },
+        ]
+    }
+
+    /// The features that bear the contact.
+    #[inline(always)]
+    fn promoted(&self, axes: &[Axes; 2], options: &ManifoldOptions, before: Option<FeaturePair>) -> FeaturePair {
+        let promote = |body, outward, feature, kept| {
+            let promotion = Promotion {
+                body,
+                outward,
+                sine: options.sine,
+                kept,
+            };
+            promotion.of(feature)
+        };
+        let closest = self.outcome.features;
+        FeaturePair {
+            a: promote(self.a, axes[0].normal, closest.a, before.map(|f| f.a)),
+            b: promote(self.b, -axes[1].normal, closest.b, before.map(|f| f.b)),
+        }
+    }
+}
+
+/// Two features seen along the normal.
+struct Seen<'a> {
+    answer: Answer<'a>,
+    a: Shadow<'a>,
+    b: Shadow<'a>,
+    /// One stored unit in the caller's.
+    unit: f64,
+}
+
+impl Seen<'_> {
+    /// The corners within the prediction, and the witnesses where no corner is as deep.
+    #[inline(always)]
+    fn corners(
+        &self,
+        options: &ManifoldOptions,
+        noise: f64,
+        before: &Manifold,
+        rays: &mut Rays,
+        corners: &mut Corners,
+    ) {
+        let (a, b) = (&self.a, &self.b);
+        if a.is_edge() && b.is_edge() {
+            clip::beside(a, b, options.sine, corners);
+        } else if a.is_large() || b.is_large() {
+            let middle = |p: &Point3<f64>| a.place_of(&self.answer.a.stored(p));
+            let hint = before.middle().as_ref().map(middle);
+            rims::clip(a, b, hint, options.most(), rays, corners);
+        } else {
+            clip::clip(a, b, noise, corners);
+        }
+        let deep = (self.answer.outcome.upper + AGREE * self.answer.size) / self.unit;
+        if !corners.all().iter().any(|c| c.separation <= deep) {
+            corners.push([0.0; 2], [0.0; 2], Corner::WITNESS);
+        }
+    }
+
+    #[inline(always)]
+    fn choose(&self, options: &ManifoldOptions, before: &Manifold, contacts: &mut Contacts) {
+        let Answer {
+            a, b, size, outcome, ..
+        } = self.answer;
+        let noise = ACROSS * size / self.unit;
+        let mut corners = Corners::new(outcome.distance / self.unit, options.prediction / self.unit);
+        self.corners(options, noise, before, &mut contacts.rays, &mut corners);
+        let merge = noise.max(options.drift * a.radius.min(b.radius));
+        let old = self.old(corners.all(), options, before);
+        let last = before
+            .choice
+            .filter(|c| old.count() == options.most() && c.corners == corners.all().len());
+        let chosen = match last {
+            // What was chosen is there, is as deep, and spans what it did.
+            Some(last) if old.is_as_good(corners.all(), last.width, noise) => {
+                contacts.choice = last;
+                old
+            }
+            _ => {
+                let chosen = reduce(corners.all(), old.bits(), options.most(), merge, noise);
+                contacts.choice = Choice {
+                    corners: corners.all().len(),
+                    width: chosen.width(corners.all()),
+                };
+                chosen
+            }
+        };
+        contacts.count = 0;
+        for &k in chosen.all() {
+            let corner = &corners.all()[k];
+            let point = if corner.on == Corner::WITNESS {
+                ContactPoint::witness(outcome)
+            } else {
+                self.contact(corner)
+            };
+            // Where rounding has split a feature, the answer may name the witnesses like a corner beside them.
+            if contacts.points[..contacts.count]
+                .iter()
+                .all(|p| p.features != point.features)
+            {
+                contacts.points[contacts.count] = point;
+                contacts.count += 1;
+            }
+        }
+    }
+
+    /// The corners that the manifold before had, where there is a choice.
+    fn old(&self, corners: &[Corner], options: &ManifoldOptions, before: &Manifold) -> Chosen {
+        let mut old = Chosen::default();
+        if corners.len() > options.most() {
+            for point in before.points() {
+                if let (Some(a), Some(b)) = (self.a.find(point.features.a), self.b.find(point.features.b))
+                    && let Some(k) = corners.iter().position(|c| c.on == [a, b])
+                {
+                    old.push(k);
+                }
+            }
+        }
+        old
+    }
+
+    fn name(&self, corner: &Corner) -> FeaturePair {
+        if corner.on == Corner::WITNESS {
+            return self.answer.outcome.features;
+        }
+        let [a, b] = corner.on;
+        FeaturePair {
+            a: self.a.name(a),
+            b: self.b.name(b),
+        }
+    }
+
+    fn contact(&self, corner: &Corner) -> ContactPoint {
+        let features = self.name(corner);
+        let [on_a, on_b] = corner.on;
+        ContactPoint {
+            point_on_a: self.answer.a.given(&self.a.point(on_a, corner.at)),
+            point_on_b: self.answer.b.given(&self.b.point(on_b, corner.at)),
+            separation: corner.separation * self.unit,
+            features,
+            id: features,
+        }
+    }
+}
+
+impl ConvexPolyhedron {
+    /// A point in the caller's coordinates, in stored ones.
+    fn stored(&self, given: &Point3<f64>) -> Vector3<f64> {
+        if self.as_given {
+            given.coords
+        } else {
+            (given.coords - self.origin) / self.unit()
+        }
+    }
+}
+
+/// Two unit directions at right angles to a unit direction and to each other, right-handed with it.
+fn across(n: &Vector3<f64>) -> [Vector3<f64>; 2] {
+    let other = if n.x.abs() < 0.6 {
+        Vector3::new(0.0, -n.z, n.y)
+    } else {
+        Vector3::new(n.z, 0.0, -n.x)
+    };
+    let first = other / sqrt(other.norm_squared());
+    [first, n.cross(&first)]
+}

@@ -1,0 +1,213 @@
+//! A few of many points: the deepest, and those that keep the most area.
+
+use super::MOST_POINTS;
+use super::corners::Corner;
+use crate::tolerance::STAY;
+
+/// The chosen ones by number.
+#[derive(Debug, Default)]
+pub(super) struct Chosen {
+    list: [usize; MOST_POINTS],
+    count: usize,
+}
+
+impl Chosen {
+    pub(super) fn all(&self) -> &[usize] {
+        &self.list[..self.count]
+    }
+
+    pub(super) fn count(&self) -> usize {
+        self.count
+    }
+
+    /// One more, at the end; of no more than there is room for.
+    pub(super) fn push(&mut self, choice: usize) {
+        if self.count < MOST_POINTS {
+            self.insert(self.count, choice);
+        }
+    }
+
+    /// A bit for each.
+    pub(super) fn bits(&self) -> u64 {
+        self.all().iter().fold(0, |bits, &k| bits | 1 << k)
+    }
+
+    /// How wide the chosen ones are, in four directions together, as a part of all.
+    pub(super) fn width(&self, choices: &[Corner]) -> f64 {
+        let all = extent(choices.iter());
+        let part = extent(self.all().iter().map(|&k| &choices[k]));
+        if all > 0.0 { part / all } else { 1.0 }
+    }
+
+    /// Whether none is deeper than the deepest of these, and they are still nearly as wide as `width`.
+    pub(super) fn is_as_good(&self, choices: &[Corner], width: f64, tie: f64) -> bool {
+        let depth = |m: f64, c: &Corner| m.min(c.separation);
+        let deepest = self.all().iter().map(|&k| &choices[k]).fold(f64::INFINITY, depth);
+        deepest <= choices.iter().fold(f64::INFINITY, depth) + tie && self.width(choices) * STAY >= width
+    }
+
+    fn insert(&mut self, place: usize, choice: usize) {
+        self.list[place..=self.count].rotate_right(1);
+        self.list[place] = choice;
+        self.count += 1;
+    }
+}
+
+/// At most `most` of the points, of which there is at least one: the deepest, the farthest from it, and then, one by one, the
+/// point that adds the largest triangle to the polygon of those chosen. None is within `merge` of another, or of a side. Depths
+/// are equal within `tie`; there and in size, those with a bit in `kept` have the preference.
+pub(super) fn reduce(choices: &[Corner], kept: u64, most: usize, merge: f64, tie: f64) -> Chosen {
+    let mut chosen = Chosen::default();
+    let first = deepest(choices, kept, tie);
+    chosen.insert(0, first);
+    if choices.len() <= most {
+        for k in 0..choices.len() {
+            let apart = |&i: &usize| squared(between(&choices[i], &choices[k])) > merge * merge;
+            if k != first && chosen.all().iter().all(apart) {
+                chosen.insert(chosen.count, k);
+            }
+        }
+        return chosen;
+    }
+    let far = |c: &Corner| {
+        let squared = squared(between(&choices[first], c));
+        (squared > merge * merge).then_some(squared)
+    };
+    if let Some(second) = largest(choices, kept, far)
+        && most > 1
+    {
+        chosen.insert(1, second);
+    }
+    while chosen.count > 1 && chosen.count < most {
+        match widest(choices, kept, &chosen, merge) {
+            Some((place, k)) => chosen.insert(place, k),
+            None => break,
+        }
+    }
+    chosen
+}
+
+fn deepest(choices: &[Corner], kept: u64, tie: f64) -> usize {
+    let least = choices.iter().fold(f64::INFINITY, |m, c| m.min(c.separation));
+    let deep = |c: &Corner| c.separation <= least + tie;
+    let old = (0..choices.len()).find(|&k| is(kept, k) && deep(&choices[k]));
+    old.or_else(|| choices.iter().position(deep)).unwrap_or(0)
+}
+
+/// The point of the greatest measure.
+fn largest(choices: &[Corner], kept: u64, measure: impl Fn(&Corner) -> Option<f64>) -> Option<usize> {
+    let mut best: Option<(f64, usize)> = None;
+    for (k, c) in choices.iter().enumerate() {
+        if let Some(m) = measure(c) {
+            let m = if is(kept, k) { STAY * m } else { m };
+            if best.is_none_or(|(most, _)| m > most) {
+                best = Some((m, k));
+            }
+        }
+    }
+    best.map(|(_, k)| k)
+}
+
+/// The point that adds most beyond a side of the counter-clockwise polygon of those chosen, and its place there.
+fn widest(choices: &[Corner], kept: u64, chosen: &Chosen, merge: f64) -> Option<(usize, usize)> {
+    let mut best: Option<(f64, usize, usize)> = None;
+    for side in 0..chosen.count {
+        let (p, q) = (chosen.list[side], chosen.list[(side + 1) % chosen.count]);
+        let u = between(&choices[p], &choices[q]);
+        let noise = merge * merge * squared(u);
+        let beyond = |c: &Corner| {
+            let v = between(&choices[p], c);
+            let area = u[1] * v[0] - u[0] * v[1];
+            (area > 0.0 && area * area > noise).then_some(area)
+        };
+        if let Some(k) = largest(choices, kept, beyond) {
+            let area = beyond(&choices[k]).unwrap_or(0.0) * if is(kept, k) { STAY } else { 1.0 };
+            if best.is_none_or(|(most, ..)| area > most) {
+                best = Some((area, side + 1, k));
+            }
+        }
+    }
+    best.map(|(_, place, k)| (place, k))
+}
+
+/// The sum of the widths along and between the axes.
+fn extent<'a>(choices: impl Iterator<Item = &'a Corner>) -> f64 {
+    let (mut low, mut high) = ([f64::INFINITY; 4], [f64::NEG_INFINITY; 4]);
+    for c in choices {
+        let [x, y] = c.at;
+        for (k, along) in [x, y, x + y, x - y].into_iter().enumerate() {
+            low[k] = low[k].min(along);
+            high[k] = high[k].max(along);
+        }
+    }
+    (0..4).map(|k| high[k] - low[k]).sum()
+}
+
+/// Whether bit `k` is set.
+fn is(bits: u64, k: usize) -> bool {
+    bits >> k & 1 == 1
+}
+
+fn between(p: &Corner, q: &Corner) -> [f64; 2] {
+    [q.at[0] - p.at[0], q.at[1] - p.at[1]]
+}
+
+fn squared(v: [f64; 2]) -> f64 {
+    v[0] * v[0] + v[1] * v[1]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(x: f64, y: f64, separation: f64) -> Corner {
+        Corner {
+            at: [x, y],
+            separation,
+            on: Corner::WITNESS,
+        }
+    }
+
+    fn ring(n: usize) -> Vec<Corner> {
+        let angle = |k: usize| core::f64::consts::TAU * k as f64 / n as f64;
+        (0..n).map(|k| at(angle(k).cos(), angle(k).sin(), k as f64)).collect()
+    }
+
+    extern crate std;
+    use std::vec::Vec;
+
+    #[test]
+    fn the_deepest_stays_and_area_is_kept() {
+        for n in 5..40 {
+            let chosen = reduce(&ring(n), 0, 4, 1e-9, 1e-12);
+            assert_eq!((chosen.all().len(), chosen.all()[0]), (4, 0));
+            let corners: Vec<_> = chosen.all().iter().map(|&k| ring(n)[k].at).collect();
+            let area: f64 = (0..4)
+                .map(|k| corners[k][0] * corners[(k + 1) % 4][1] - corners[k][1] * corners[(k + 1) % 4][0])
+                .sum::<f64>();
+            assert!(area / 2.0 > 1.4, "{n}: {}", area / 2.0);
+        }
+    }
+
+    #[test]
+    fn equal_points_and_points_in_line_are_dropped() {
+        let mut points = ring(4);
+        points.push(at(1.0, 1e-12, 0.0));
+        points.push(at(0.5, 0.5, 0.0));
+        assert_eq!(reduce(&points, 0, 5, 1e-9, 1e-12).all().len(), 4);
+        let points = [at(0.0, 0.0, 0.0), at(1e-12, 0.0, 0.0), at(1.0, 0.0, -1.0)];
+        assert_eq!(reduce(&points, 0, 8, 1e-9, 1e-12).all(), [2, 0]);
+        assert_eq!(reduce(&points, 0, 1, 1e-9, 1e-12).all(), [2]);
+        let line: Vec<_> = (0..9).map(|k| at(f64::from(k), 0.0, 0.0)).collect();
+        assert_eq!(reduce(&line, 0, 4, 1e-9, 1e-12).all(), [0, 8]);
+    }
+
+    #[test]
+    fn among_equals_the_kept_stay() {
+        let mut points = ring(8);
+        points.iter_mut().for_each(|p| p.separation = 0.0);
+        let mut chosen: Vec<_> = reduce(&points, 0b1010_1010, 4, 1e-9, 1e-12).all().to_vec();
+        chosen.sort_unstable();
+        assert_eq!(chosen, [1, 3, 5, 7]);
+    }
+}

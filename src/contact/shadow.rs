@@ -1,0 +1,304 @@
+//! A feature seen along the normal: its corners in the plane across, and their heights.
+
+use nalgebra::Vector3;
+
+use super::corners::On;
+use crate::polyhedron::topology::LARGE;
+use crate::polyhedron::{ConvexPolyhedron, EdgeId, Feature, VertexId};
+use crate::tolerance::COPLANAR;
+
+/// Two directions across the normal and the normal, in one body's stored frame, about that body's witness.
+pub(super) struct Axes {
+    pub(super) across: [Vector3<f64>; 2],
+    pub(super) normal: Vector3<f64>,
+    pub(super) witness: Vector3<f64>,
+}
+
+impl Axes {
+    /// Place and height of a stored point.
+    #[inline(always)]
+    fn see(&self, p: &Vector3<f64>) -> [f64; 3] {
+        let d = p - self.witness;
+        [self.across[0].dot(&d), self.across[1].dot(&d), self.normal.dot(&d)]
+    }
+}
+
+/// The corners of a face, or the ends of an edge, counter-clockwise about the normal.
+///
+/// Up to [`LARGE`] corners are seen at once; of larger faces each is looked at when it is needed.
+pub(super) struct Shadow<'a> {
+    body: &'a ConvexPolyhedron,
+    axes: &'a Axes,
+    pub(super) feature: Feature,
+    pub(super) count: usize,
+    pub(super) x: [f64; LARGE],
+    pub(super) y: [f64; LARGE],
+    pub(super) height: [f64; LARGE],
+    vertices: [u32; LARGE],
+    /// The edge from each corner to the next.
+    edges: [u32; LARGE],
+    /// The half-edges of a large face, and whether they go round the other way.
+    ring: Option<&'a [u32]>,
+    backward: bool,
+    /// Heights on a face: at the witness, and how they fall across.
+    level: f64,
+    fall: [f64; 2],
+}
+
+impl<'a> Shadow<'a> {
+    /// `backward`: the body lies behind the other along the normal, so that its face is seen from within.
+    #[inline(always)]
+    pub(super) fn new(body: &'a ConvexPolyhedron, feature: Feature, axes: &'a Axes, backward: bool) -> Self {
+        Self {
+            body,
+            axes,
+            feature,
+            count: 0,
+            x: [0.0; LARGE],
+            y: [0.0; LARGE],
+            height: [0.0; LARGE],
+            vertices: [0; LARGE],
+            edges: [0; LARGE],
+            ring: None,
+            backward,
+            level: 0.0,
+            fall: [0.0; 2],
+        }
+    }
+
+    /// Takes in the feature; a vertex has no shadow.
+    #[inline(always)]
+    pub(super) fn cast(&mut self) {
+        let t = &self.body.topology;
+        match self.feature {
+            Feature::Vertex(_) => {}
+            Feature::Edge(e) => {
+                self.add(t.from(e.0), e.0);
+                self.add(t.half_edge(e.0).to, e.0);
+            }
+            Feature::Face(f) => {
+                self.lean(f.0);
+                self.ring = t.ring(f.0);
+                match self.ring {
+                    Some(ring) => self.count = ring.len(),
+                    None => self.go_round(f.0),
+                }
+            }
+        }
+    }
+
+    /// The heights of a face, which is not upright.
+    #[inline(always)]
+    fn lean(&mut self, f: u32) {
+        let t = &self.body.topology;
+        let m = &self.body.planes[f as usize].normal;
+        let corner = self.body.points[t.half_edge(t.rim_start(f)).to as usize];
+        let up = 1.0 / m.dot(&self.axes.normal);
+        self.level = m.dot(&(corner - self.axes.witness)) * up;
+        self.fall = self.axes.across.map(|e| m.dot(&e) * up);
+    }
+
+    /// The corners of a face, and of the faces beside it that lie in its plane but for rounding: together they are the face that
+    /// was meant.
+    #[inline(always)]
+    fn go_round(&mut self, f: u32) {
+        let t = &self.body.topology;
+        let start = t.rim_start(f);
+        if !(self.body.is_creased && self.go_round_all(f)) {
+            self.walk(start, |_| false);
+        }
+        if self.backward {
+            let n = self.count;
+            self.x[..n].reverse();
+            self.y[..n].reverse();
+            self.height[..n].reverse();
+            self.vertices[..n].reverse();
+            // The edge from a corner is now the one that led to it.
+            self.edges[..n - 1].reverse();
+        }
+    }
+
+    /// Whether an outline about several faces was found, of no more corners than there is room for.
+    #[cold]
+    fn go_round_all(&mut self, f: u32) -> bool {
+        let (t, planes) = (&self.body.topology, &self.body.planes);
+        let n = planes[f as usize].normal;
+        let within = |h: u32| {
+            let m = &planes[t.half_edge(t.half_edge(h).twin).face as usize].normal;
+            m.dot(&n) > 0.0 && m.cross(&n).norm_squared() <= COPLANAR * COPLANAR
+        };
+        // Turns about the first corner, out of the faces that belong together.
+        let mut start = t.rim_start(f);
+        for _ in 0..t.fan(t.from(start)).len() {
+            if !within(start) {
+                return self.walk(start, within) && self.count > 2;
+            }
+            start = t.half_edge(t.half_edge(start).twin).next;
+        }
+        false
+    }
+
+    /// The corners along a rim from a half-edge on, past the edges within it; whether it closed in the room there is.
+    #[inline(always)]
+    fn walk(&mut self, start: u32, within: impl Fn(u32) -> bool) -> bool {
+        let t = &self.body.topology;
+        self.count = 0;
+        let (mut h, mut v) = (start, t.from(start));
+        while self.count < LARGE {
+            let e = t.half_edge(h);
+            self.add(v, h.min(e.twin));
+            (v, h) = (e.to, e.next);
+            let mut turns = 0;
+            while within(h) && turns < LARGE {
+                h = t.half_edge(t.half_edge(h).twin).next;
+                turns += 1;
+            }
+            if h == start {
+                return true;
+            }
+        }
+        false
+    }
+
+    #[inline(always)]
+    fn add(&mut self, vertex: u32, edge: u32) {
+        let k = self.count;
+        [self.x[k], self.y[k], self.height[k]] = self.axes.see(&self.body.points[vertex as usize]);
+        self.vertices[k] = vertex;
+        self.edges[k] = edge;
+        self.count += 1;
+    }
+
+    pub(super) fn is_edge(&self) -> bool {
+        self.count == 2
+    }
+
+    pub(super) fn is_large(&self) -> bool {
+        self.ring.is_some()
+    }
+
+    #[inline(always)]
+    pub(super) fn next(&self, k: usize) -> usize {
+        if k + 1 == self.count { 0 } else { k + 1 }
+    }
+
+    /// The number of a corner's vertex.
+    #[inline(always)]
+    fn number(&self, k: usize) -> u32 {
+        let Some(ring) = self.ring else {
+            return self.vertices[k];
+        };
+        // The head of the half-edge before; going backward, that of the edge from here.
+        let h = match (self.backward, k) {
+            (true, _) => ring[self.count - 1 - k],
+            (false, 0) => ring[self.count - 1],
+            (false, _) => ring[k - 1],
+        };
+        self.body.topology.half_edge(h).to
+    }
+
+    /// The name of what a point lies on.
+    pub(super) fn name(&self, on: On) -> Feature {
+        match (on.as_corner(), on.as_edge()) {
+            (Some(k), _) => Feature::Vertex(VertexId(self.number(k))),
+            (_, Some(k)) => self.edge(k),
+            _ => self.feature,
+        }
+    }
+
+    /// The edge from a corner to the next.
+    fn edge(&self, k: usize) -> Feature {
+        let edge = match self.ring {
+            None => self.edges[k],
+            Some(ring) => {
+                let h = ring[if self.backward { self.count - 1 - k } else { k }];
+                self.body.topology.edge(h)
+            }
+        };
+        Feature::Edge(EdgeId(edge))
+    }
+
+    /// Place and height of a corner.
+    #[inline(always)]
+    pub(super) fn corner(&self, k: usize) -> [f64; 3] {
+        if self.ring.is_none() {
+            [self.x[k], self.y[k], self.height[k]]
+        } else {
+            self.axes.see(&self.body.points[self.number(k) as usize])
+        }
+    }
+
+    /// The same without the height.
+    #[inline(always)]
+    pub(super) fn place(&self, k: usize) -> [f64; 2] {
+        if self.ring.is_none() {
+            return [self.x[k], self.y[k]];
+        }
+        let d = self.body.points[self.number(k) as usize] - self.axes.witness;
+        self.axes.across.map(|e| e.dot(&d))
+    }
+
+    /// The place of a stored point.
+    pub(super) fn place_of(&self, p: &Vector3<f64>) -> [f64; 2] {
+        let d = p - self.axes.witness;
+        self.axes.across.map(|e| e.dot(&d))
+    }
+
+    /// On what a feature is; `None` where it is none of the shadow's, and of large faces.
+    pub(super) fn find(&self, feature: Feature) -> Option<On> {
+        let position = |list: &[u32; LARGE], id: u32| list[..self.count].iter().position(|&x| x == id);
+        match feature {
+            _ if feature == self.feature => Some(On::WHOLE),
+            _ if self.is_large() => None,
+            Feature::Vertex(v) => position(&self.vertices, v.0).map(On::corner),
+            Feature::Edge(e) => position(&self.edges, e.0).map(On::edge),
+            Feature::Face(_) => None,
+        }
+    }
+
+    /// The height of the face over a place.
+    #[inline(always)]
+    pub(super) fn height_on_face(&self, [x, y]: [f64; 2]) -> f64 {
+        self.level - self.fall[0] * x - self.fall[1] * y
+    }
+
+    /// The part of the way along edge `k` at which a place lies.
+    #[inline(always)]
+    pub(super) fn along(&self, k: usize, [x, y]: [f64; 2]) -> f64 {
+        let (p, q) = (self.place(k), self.place(self.next(k)));
+        let u = [q[0] - p[0], q[1] - p[1]];
+        let squared = u[0] * u[0] + u[1] * u[1];
+        let t = ((x - p[0]) * u[0] + (y - p[1]) * u[1]) / squared;
+        // Written so that the end of an edge of no length is its beginning.
+        if t > 0.0 { t.min(1.0) } else { 0.0 }
+    }
+
+    /// The height over a place beside edge `k`.
+    #[inline(always)]
+    pub(super) fn height_on_edge(&self, k: usize, at: [f64; 2]) -> f64 {
+        let (p, q) = (self.corner(k), self.corner(self.next(k)));
+        p[2] + self.along(k, at) * (q[2] - p[2])
+    }
+
+    /// The stored point at a place, on what it lies on.
+    pub(super) fn point(&self, on: On, at: [f64; 2]) -> Vector3<f64> {
+        let corner = |k: usize| self.body.points[self.number(k) as usize];
+        let on_edge = |k: usize| {
+            let (p, q) = (corner(k), corner(self.next(k)));
+            p + (q - p) * self.along(k, at)
+        };
+        match (on.as_corner(), on.as_edge()) {
+            (Some(k), _) => corner(k),
+            (_, Some(k)) => on_edge(k),
+            _ if self.is_edge() => on_edge(0),
+            _ => {
+                let Axes {
+                    across,
+                    normal,
+                    witness,
+                } = self.axes;
+                witness + across[0] * at[0] + across[1] * at[1] + normal * self.height_on_face(at)
+            }
+        }
+    }
+}
