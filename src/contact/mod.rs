@@ -63,21 +63,18 @@ pub struct ManifoldOptions {
 
 impl Default for ManifoldOptions {
     fn default() -> Self {
-        Self {
-            prediction: 0.0,
-            max_points: 4,
-            sine: 1.0 / 64.0,
-            drift: 1.0 / 1024.0,
-        }
+        Self::within(0.0)
     }
 }
 
 impl ManifoldOptions {
     /// The default with a prediction distance.
-    pub fn within(prediction: f64) -> Self {
+    pub const fn within(prediction: f64) -> Self {
         Self {
             prediction,
-            ..Self::default()
+            max_points: 4,
+            sine: 1.0 / 64.0,
+            drift: 1.0 / 1024.0,
         }
     }
 
@@ -99,6 +96,7 @@ struct Contacts {
 
 /// How contacts were chosen.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Choice {
     corners: usize,
     width: f64,
