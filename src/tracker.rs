@@ -146,38 +146,6 @@ impl Tracker {
         self.bounds(a, b, a_from_b, true)
     }
 
-    /// The same; of an overlap only that it is one, unless `deep`.
-    #[inline]
-    pub(crate) fn bounds(
-        &mut self,
-        a: &ConvexPolyhedron,
-        b: &ConvexPolyhedron,
-        a_from_b: &RelativePose,
-        deep: bool,
-    ) -> Distance {
-        Distance::from(&self.answer(a, b, a_from_b, Level::Certified, deep))
-    }
-
-    /// Whether the closed bodies share a point: touching is intersecting.
-    ///
-    /// With the feature `exact` the answer is that of exact arithmetic on the poses given. Without it, bodies within
-    /// `1e-27 L` of touching count as intersecting.
-    pub fn intersects(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> bool {
-        self.within(a, b, a_from_b, 0.0)
-    }
-
-    /// Whether the closed bodies are at most `d` apart, `d` in the caller's units. Never so for a negative or NaN `d`.
-    ///
-    /// With the feature `exact` the answer is that of exact arithmetic on the poses and the `d` given. Without it, a
-    /// distance that the bounds cannot tell from `d` counts as within.
-    pub fn within(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose, d: f64) -> bool {
-        if !(d >= 0.0) || clear_of(a, b, a_from_b, d) {
-            return false;
-        }
-        let outcome = self.look(a, b, a_from_b, false);
-        self.decides_within(a, b, a_from_b, &outcome, d)
-    }
-
     /// The closest features as the walk proposes them, without bounds. Where the walk does not end, the minimum-norm
     /// solver in f64 stands in.
     #[inline]
@@ -335,18 +303,6 @@ impl Tracker {
         self.totals.steps += u64::from(outcome.work.steps);
         self.totals.depths += u64::from(outcome.work.depths);
         self.last = Some(outcome.features);
-    }
-
-    #[cfg(feature = "exact")]
-    #[cold]
-    fn decide_within(&self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose, d: f64) -> bool {
-        let hint = self.last.map_or((0, 0), |s| s.vertices_of(a, b));
-        crate::closest::exact::within(a, b, a_from_b, hint, d)
-    }
-
-    #[cfg(not(feature = "exact"))]
-    fn decide_within(&self, _: &ConvexPolyhedron, _: &ConvexPolyhedron, _: &RelativePose, _: f64) -> bool {
-        true
     }
 }
 
