@@ -62,12 +62,11 @@ impl Play {
     }
 }
 
+/// Bounds of the distance of each pair.
+type Intervals = BTreeMap<(BodyId, BodyId), (f64, f64)>;
+
 /// What is true of all living pairs: those sharing a point, those within `d`, and the distances.
-fn truth(
-    scene: &Scene,
-    d: f64,
-    trackers: &mut BTreeMap<(BodyId, BodyId), Tracker>,
-) -> (Keys, Keys, BTreeMap<(BodyId, BodyId), (f64, f64)>) {
+fn truth(scene: &Scene, d: f64, trackers: &mut BTreeMap<(BodyId, BodyId), Tracker>) -> (Keys, Keys, Intervals) {
     let ids: Vec<BodyId> = scene.bodies().collect();
     let (mut overlapping, mut within, mut distances) = (Keys::new(), Keys::new(), BTreeMap::new());
     for (k, &a) in ids.iter().enumerate() {
