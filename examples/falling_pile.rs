@@ -9,9 +9,9 @@
 use lab::crowd::{Crowd, Kind};
 use lab::plot::{Chart, save_stack};
 use lab::progress::Progress;
-use lin_canny::ConvexPolyhedron;
 use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion};
 use lin_canny::scene::{Body, Change, Effects, Event, Group, Report, Scene};
+use lin_canny::{ConvexPolyhedron, ManifoldOptions};
 use std::fmt::Write as _;
 use std::sync::Arc;
 
@@ -32,10 +32,11 @@ const FULL: Effects = Effects {
     distance: Some(0.1),
     features: true,
     depth: true,
+    manifold: Some(ManifoldOptions::within(0.02)),
 };
 
 /// Growing sets, then the full one less one effect each.
-const SETS: [(&str, Effects); 13] = [
+const SETS: [(&str, Effects); 15] = [
     ("none", NONE),
     ("boxes", Effects { boxes: true, ..NONE }),
     (
@@ -52,6 +53,7 @@ const SETS: [(&str, Effects); 13] = [
             distance: None,
             features: false,
             depth: false,
+            manifold: None,
             ..FULL
         },
     ),
@@ -60,10 +62,19 @@ const SETS: [(&str, Effects); 13] = [
         Effects {
             features: false,
             depth: false,
+            manifold: None,
             ..FULL
         },
     ),
-    ("+features", Effects { depth: false, ..FULL }),
+    (
+        "+features",
+        Effects {
+            depth: false,
+            manifold: None,
+            ..FULL
+        },
+    ),
+    ("+depth", Effects { manifold: None, ..FULL }),
     ("full", FULL),
     ("full-boxes", Effects { boxes: false, ..FULL }),
     ("full-overlap", Effects { overlap: false, ..FULL }),
@@ -77,10 +88,11 @@ const SETS: [(&str, Effects); 13] = [
         },
     ),
     ("full-depth", Effects { depth: false, ..FULL }),
+    ("full-manifold", Effects { manifold: None, ..FULL }),
 ];
 
 /// How many of the sets are drawn: the growing ones.
-const DRAWN: usize = 7;
+const DRAWN: usize = 8;
 
 /// The poses of every step.
 fn motion(crowd: &mut Crowd) -> Vec<Vec<Isometry3<f64>>> {
@@ -197,15 +209,25 @@ fn total(steps: &[Step]) -> Step {
 fn show(bodies: usize, runs: &[Vec<Step>]) {
     println!("{bodies} hulls of 32 vertices, {STEPS} steps; a mean step:\n");
     println!(
-        "{:<14}{:>9}{:>9}{:>9}{:>10}{:>9}{:>10}{:>9}{:>9}{:>8}",
-        "effects", "us", "pairs", "asked", "budget", "steps", "certific.", "distances", "features", "depths"
+        "{:<14}{:>9}{:>9}{:>9}{:>10}{:>9}{:>10}{:>9}{:>9}{:>8}{:>10}",
+        "effects",
+        "us",
+        "pairs",
+        "asked",
+        "budget",
+        "steps",
+        "certific.",
+        "distances",
+        "features",
+        "depths",
+        "manifolds"
     );
     for ((name, _), reports) in SETS.iter().zip(runs) {
         let Step { report, .. } = total(reports);
         let (c, t) = (report.counts, report.times);
         let mean = |v: u64| v as f64 / STEPS as f64;
         println!(
-            "{name:<14}{:>9.1}{:>9.0}{:>9.1}{:>10.1}{:>9.1}{:>10.1}{:>9.1}{:>9.1}{:>8.1}",
+            "{name:<14}{:>9.1}{:>9.0}{:>9.1}{:>10.1}{:>9.1}{:>10.1}{:>9.1}{:>9.1}{:>8.1}{:>10.1}",
             t.total().as_secs_f64() * 1e6 / STEPS as f64,
             mean(c.pairs),
             mean(c.queries),
@@ -214,7 +236,8 @@ fn show(bodies: usize, runs: &[Vec<Step>]) {
             mean(c.certificates),
             mean(c.distances),
             mean(c.features),
-            mean(c.depths)
+            mean(c.depths),
+            mean(c.manifolds)
         );
     }
     println!(
@@ -225,7 +248,7 @@ fn show(bodies: usize, runs: &[Vec<Step>]) {
 
 fn table(runs: &[Vec<Step>]) -> String {
     let mut csv = String::from(
-        "effects,steps,boxes,pairs,events,box_events,asked,budget,balls,walked,certificates,overlaps,withins,distances,features,depths,ns_boxes,ns_pairs,ns_look,ns_events,ns\n",
+        "effects,steps,boxes,pairs,events,box_events,asked,budget,balls,walked,certificates,overlaps,withins,distances,features,depths,manifolds,ns_boxes,ns_pairs,ns_look,ns_events,ns\n",
     );
     for ((name, _), reports) in SETS.iter().zip(runs) {
         let Step { report, met } = total(reports);
@@ -246,6 +269,7 @@ fn table(runs: &[Vec<Step>]) -> String {
             c.distances,
             c.features,
             c.depths,
+            c.manifolds,
         ];
         let times = [t.boxes, t.pairs, t.look, t.events, t.total()].map(|d| d.as_nanos());
         let cells = counts

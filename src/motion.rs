@@ -3,7 +3,7 @@
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
 
 use crate::scalar::sqrt;
-use crate::tolerance::{LEAST_SQUARE, ODOMETER_STEP};
+use crate::tolerance::{LEAST_SQUARE, WAY};
 
 /// The velocity of a rigid body in the world's frame: of its own origin, and about it in radians.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -88,7 +88,7 @@ pub(crate) fn displacement(
     let (less, more) = (to.coords - from.coords, to.coords + from.coords);
     let chord = less.norm_squared().min(more.norm_squared());
     let gone = sqrt(shift.norm_squared() + LEAST_SQUARE) + 2.0 * radius * sqrt(chord + LEAST_SQUARE);
-    gone * (1.0 + ODOMETER_STEP)
+    gone * (1.0 + WAY)
 }
 
 #[cfg(test)]

@@ -232,7 +232,7 @@ pub const LEAST_START: f64 = 1e-6;
 /// A step of an odometer is taken this much too large, relatively. Poses may be off unit norm by [`POSE_UNIT`] in the square, so
 /// rotations are farther apart than their quaternions by half as much, to first order; the difference of two quaternions and the
 /// sums and roots on it err by some 8 UNIT, far less.
-pub const ODOMETER_STEP: f64 = 2.0 * POSE_UNIT;
+pub const WAY: f64 = 2.0 * POSE_UNIT;
 
 /// Added to squares of displacements before the root, so that none vanishes: a part of a square below the least f64 is lost.
 pub const LEAST_SQUARE: f64 = f64::MIN_POSITIVE * (1u64 << 32) as f64;
@@ -242,7 +242,7 @@ pub const LEAST_SQUARE: f64 = f64::MIN_POSITIVE * (1u64 << 32) as f64;
 pub const CENTRE: f64 = 32.0 * UNIT;
 
 /// A sum of odometers, or the sum at which a pair wakes, is off by less than this times itself: one rounding for the sum of two,
-/// one for a budget added, one for each later sum, and each odometer is rounded up at every step ([`DISPLACEMENT`] covers the
+/// one for a budget added, one for each later sum, and each odometer is rounded up at every step ([`WAY`] covers the
 /// step, 4 UNIT the sum). Eight cover them.
 pub const ODOMETER: f64 = 8.0 * UNIT;
 

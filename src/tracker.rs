@@ -1,5 +1,7 @@
 //! The state a user keeps per pair: where the last answer was found.
 
+mod contacts;
+
 use alloc::vec::Vec;
 
 use nalgebra::Unit;
@@ -9,7 +11,6 @@ use crate::closest::outcome::{Class, Distance, Layer, Level, Outcome, Proposal};
 use crate::closest::placed::Placed;
 use crate::closest::trace::trace;
 use crate::closest::{self, far};
-use crate::contact::{self, Manifold, ManifoldOptions};
 use crate::penetration::{self, Memory};
 use crate::polyhedron::{ConvexPolyhedron, FeaturePair, power_of_two};
 use crate::pose::{RelativePose, Which};
@@ -140,81 +141,9 @@ impl Tracker {
         outcome
     }
 
-    /// The contact points of two bodies within `options.prediction`, in `manifold`, which keeps names and order of those that were
-    /// there in the query before: one manifold for each pair, passed in every frame.
-    ///
-    /// Where the bodies have moved no more than `options.drift` since it was made, its points stay where they are on the bodies and only
-    /// their separations, the normal and the bounds are measured anew; otherwise it is made from [`closest`](Self::closest), and its
-    /// deepest contact is the answer's.
-    ///
-    /// ```
-    /// use lin_canny::nalgebra::{Isometry3, Vector3};
-    /// use lin_canny::{Manifold, ManifoldOptions, RelativePose, Tracker, polyhedron::solids};
-    ///
-    /// let (floor, part) = (solids::cuboid(Vector3::new(5.0, 5.0, 1.0))?, solids::cuboid(Vector3::new(0.5, 0.5, 0.5))?);
-    /// let (mut pair, mut manifold) = (Tracker::new(), Manifold::new());
-    /// let options = ManifoldOptions::within(0.02);
-    /// for k in 0..10 {
-    ///     let a_from_b = RelativePose::from_isometry(&Isometry3::translation(0.1 * k as f64, 0.0, 1.49))?;
-    ///     pair.manifold(&floor, &part, &a_from_b, &options, &mut manifold);
-    ///     assert_eq!(manifold.points().len(), 4);
-    ///     for contact in manifold.points() {
-    ///         println!("{}: {:.3} at {}", contact.id, contact.separation, contact.point_on_a);
-    ///     }
-    /// }
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    #[inline]
-    pub fn manifold(
-        &mut self,
-        a: &ConvexPolyhedron,
-        b: &ConvexPolyhedron,
-        a_from_b: &RelativePose,
-        options: &ManifoldOptions,
-        manifold: &mut Manifold,
-    ) {
-        let query = contact::Query::new(a, b, a_from_b, options);
-        if let Err(moved) = manifold.refresh(&query) {
-            let outcome = self.closest(a, b, a_from_b);
-            manifold.renew(&query, &outcome, moved);
-        }
-    }
-
     /// The distance and its bounds without the witnesses.
     pub fn distance(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Distance {
         self.bounds(a, b, a_from_b, true)
-    }
-
-    /// The same; of an overlap only that it is one, unless `deep`.
-    #[inline]
-    pub(crate) fn bounds(
-        &mut self,
-        a: &ConvexPolyhedron,
-        b: &ConvexPolyhedron,
-        a_from_b: &RelativePose,
-        deep: bool,
-    ) -> Distance {
-        Distance::from(&self.answer(a, b, a_from_b, Level::Certified, deep))
-    }
-
-    /// Whether the closed bodies share a point: touching is intersecting.
-    ///
-    /// With the feature `exact` the answer is that of exact arithmetic on the poses given. Without it, bodies within
-    /// `1e-27 L` of touching count as intersecting.
-    pub fn intersects(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> bool {
-        self.within(a, b, a_from_b, 0.0)
-    }
-
-    /// Whether the closed bodies are at most `d` apart, `d` in the caller's units. Never so for a negative or NaN `d`.
-    ///
-    /// With the feature `exact` the answer is that of exact arithmetic on the poses and the `d` given. Without it, a
-    /// distance that the bounds cannot tell from `d` counts as within.
-    pub fn within(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose, d: f64) -> bool {
-        if !(d >= 0.0) || clear_of(a, b, a_from_b, d) {
-            return false;
-        }
-        let outcome = self.look(a, b, a_from_b, false);
-        self.decides_within(a, b, a_from_b, &outcome, d)
     }
 
     /// The closest features as the walk proposes them, without bounds. Where the walk does not end, the minimum-norm
@@ -374,18 +303,6 @@ impl Tracker {
         self.totals.steps += u64::from(outcome.work.steps);
         self.totals.depths += u64::from(outcome.work.depths);
         self.last = Some(outcome.features);
-    }
-
-    #[cfg(feature = "exact")]
-    #[cold]
-    fn decide_within(&self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose, d: f64) -> bool {
-        let hint = self.last.map_or((0, 0), |s| s.vertices_of(a, b));
-        crate::closest::exact::within(a, b, a_from_b, hint, d)
-    }
-
-    #[cfg(not(feature = "exact"))]
-    fn decide_within(&self, _: &ConvexPolyhedron, _: &ConvexPolyhedron, _: &RelativePose, _: f64) -> bool {
-        true
     }
 }
 

@@ -181,6 +181,7 @@ const MAY_USE: [(&str, &[&str]); 11] = [
             "tracker",
             "broad",
             "closest",
+            "contact",
             "motion",
             "polyhedron",
             "pose",

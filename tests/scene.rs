@@ -4,7 +4,7 @@ mod world;
 
 use lab::crowd::{Crowd, Kind};
 use lin_canny::scene::{Body, BodyId, Change, Effects, Event, Group, Scene};
-use lin_canny::{Class, ConvexPolyhedron, RelativePose, Tracker};
+use lin_canny::{Class, ConvexPolyhedron, ManifoldOptions, RelativePose, Tracker};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 use world::{body, isometry};
@@ -62,12 +62,11 @@ impl Play {
     }
 }
 
+/// Bounds of the distance of each pair.
+type Intervals = BTreeMap<(BodyId, BodyId), (f64, f64)>;
+
 /// What is true of all living pairs: those sharing a point, those within `d`, and the distances.
-fn truth(
-    scene: &Scene,
-    d: f64,
-    trackers: &mut BTreeMap<(BodyId, BodyId), Tracker>,
-) -> (Keys, Keys, BTreeMap<(BodyId, BodyId), (f64, f64)>) {
+fn truth(scene: &Scene, d: f64, trackers: &mut BTreeMap<(BodyId, BodyId), Tracker>) -> (Keys, Keys, Intervals) {
     let ids: Vec<BodyId> = scene.bodies().collect();
     let (mut overlapping, mut within, mut distances) = (Keys::new(), Keys::new(), BTreeMap::new());
     for (k, &a) in ids.iter().enumerate() {
@@ -117,42 +116,55 @@ impl Replay {
 
 const D: f64 = 0.15;
 
-const LADDER: [Effects; 8] = [
-    NONE,
-    Effects { boxes: true, ..NONE },
-    Effects { overlap: true, ..NONE },
-    Effects {
-        within: Some(D),
-        ..NONE
-    },
-    Effects {
-        overlap: true,
-        within: Some(D),
-        boxes: true,
-        ..NONE
-    },
-    Effects {
-        overlap: true,
-        within: Some(D),
-        distance: Some(0.3),
-        ..NONE
-    },
-    Effects {
-        overlap: true,
-        within: Some(D),
-        distance: Some(0.3),
-        features: true,
-        ..NONE
-    },
-    Effects {
-        overlap: true,
-        within: Some(D),
-        distance: Some(0.3),
-        features: true,
-        depth: true,
-        boxes: true,
-    },
-];
+/// Growing sets, but for the third and fourth, which are both part of the fifth.
+fn ladder() -> [Effects; 9] {
+    [
+        NONE,
+        Effects { boxes: true, ..NONE },
+        Effects { overlap: true, ..NONE },
+        Effects {
+            within: Some(D),
+            ..NONE
+        },
+        Effects {
+            overlap: true,
+            within: Some(D),
+            boxes: true,
+            ..NONE
+        },
+        Effects {
+            overlap: true,
+            within: Some(D),
+            distance: Some(0.3),
+            ..NONE
+        },
+        Effects {
+            overlap: true,
+            within: Some(D),
+            distance: Some(0.3),
+            features: true,
+            ..NONE
+        },
+        Effects {
+            overlap: true,
+            within: Some(D),
+            distance: Some(0.3),
+            features: true,
+            depth: true,
+            boxes: true,
+            ..NONE
+        },
+        Effects {
+            overlap: true,
+            within: Some(D),
+            distance: Some(0.3),
+            features: true,
+            depth: true,
+            boxes: true,
+            manifold: Some(ManifoldOptions::within(D)),
+        },
+    ]
+}
 
 const KINDS: [Kind; 3] = [Kind::Sparse, Kind::Pile, Kind::Gas { fill: 0.05, rate: 10.0 }];
 
@@ -160,15 +172,15 @@ const KINDS: [Kind; 3] = [Kind::Sparse, Kind::Pile, Kind::Gas { fill: 0.05, rate
 fn every_rung_equals_brute_force_on_every_frame() {
     let mut seen = [0usize; 3];
     for kind in KINDS {
-        let mut plays: Vec<Play> = LADDER.iter().map(|e| Play::new(kind, 40, *e)).collect();
-        let mut replays: Vec<Replay> = LADDER.iter().map(|_| Replay::default()).collect();
+        let mut plays: Vec<Play> = ladder().iter().map(|e| Play::new(kind, 40, *e)).collect();
+        let mut replays: Vec<Replay> = ladder().iter().map(|_| Replay::default()).collect();
         let mut trackers = BTreeMap::new();
         for _ in 0..60 {
             plays.iter_mut().for_each(Play::step);
             let (overlapping, within, distances) = truth(&plays[0].scene, D, &mut trackers);
             seen[0] += overlapping.len();
             seen[1] += within.len();
-            for ((play, replay), effects) in plays.iter().zip(&mut replays).zip(&LADDER) {
+            for ((play, replay), effects) in plays.iter().zip(&mut replays).zip(&ladder()) {
                 replay.apply(play.scene.events());
                 let called = |keys: &Keys, on: bool| if on { keys.clone() } else { Keys::new() };
                 assert_eq!(replay.overlapping, called(&overlapping, effects.overlap), "{effects:?}");
@@ -195,6 +207,12 @@ fn check_answers(
         assert_eq!(p.within, effects.within.map(|_| within.contains(&key)));
         assert_eq!(p.outcome.is_some(), effects.features && p.distance.is_some());
         assert_eq!(scene.pair(p.b, p.a).map(|q| q.pair), Some(p.pair));
+        let touches = |(lower, _): &(f64, f64)| effects.manifold.is_some() && *lower <= D;
+        assert_eq!(p.manifold.is_some(), touches(&distances[&key]));
+        if let Some((manifold, outcome)) = p.manifold.zip(p.outcome) {
+            let deepest = manifold.deepest().expect("within the prediction");
+            assert!(!manifold.is_fresh() || (deepest.separation - outcome.distance).abs() < 1e-9);
+        }
         if let Some(d) = p.distance {
             measured.insert(key);
             let (lower, upper) = distances[&key];
@@ -280,7 +298,7 @@ fn an_infinite_range_means_all_pairs_of_two_groups() {
 #[test]
 fn budget_on_and_off_give_the_same_events_and_answers() {
     for kind in KINDS {
-        for effects in LADDER {
+        for effects in ladder() {
             let (mut on, mut off) = (Play::new(kind, 120, effects), Play::new(kind, 120, effects));
             off.scene.set_budget(false);
             let (mut saved, mut events) = (0, 0);
@@ -311,7 +329,7 @@ fn budget_on_and_off_give_the_same_events_and_answers() {
 #[test]
 fn dropping_an_effect_never_raises_a_work_counter() {
     for kind in KINDS {
-        let totals = LADDER.map(|effects| {
+        let totals = ladder().map(|effects| {
             let mut play = Play::new(kind, 300, effects);
             let mut total = lin_canny::scene::Counts::default();
             for _ in 0..60 {
@@ -320,7 +338,7 @@ fn dropping_an_effect_never_raises_a_work_counter() {
             }
             total
         });
-        for (effects, t) in LADDER.iter().zip(&totals) {
+        for (effects, t) in ladder().iter().zip(&totals) {
             println!("{kind:?} {effects:?}: {t:?}");
         }
         // What is not called for is exactly zero.
@@ -332,17 +350,20 @@ fn dropping_an_effect_never_raises_a_work_counter() {
         }
         assert_eq!(totals[0].boxes + totals[0].pairs, 0);
         assert!(totals[1].pairs > 0);
-        for (effects, t) in LADDER.iter().zip(&totals) {
+        for (effects, t) in ladder().iter().zip(&totals) {
             assert_eq!(t.overlaps > 0, effects.overlap);
             assert_eq!(t.withins > 0, effects.within.is_some());
             assert_eq!(t.distances > 0, effects.distance.is_some());
             assert_eq!(t.features > 0, effects.features);
             assert_eq!(t.depths > 0, effects.depth);
+            assert_eq!(t.manifolds > 0, effects.manifold.is_some());
+            assert_eq!(t.renewed > 0, effects.manifold.is_some());
         }
         // Each is a part of a later one: see the ladder.
-        for (less, more) in [(0, 1), (1, 4), (2, 4), (3, 4), (4, 5), (5, 6), (6, 7)] {
+        for (less, more) in [(0, 1), (1, 4), (2, 4), (3, 4), (4, 5), (5, 6), (6, 7), (7, 8)] {
             let (l, m) = (&totals[less], &totals[more]);
-            let work = |t: &lin_canny::scene::Counts| [t.boxes, t.queries, t.walked, t.certificates, t.depths];
+            let work =
+                |t: &lin_canny::scene::Counts| [t.boxes, t.queries, t.walked, t.certificates, t.depths, t.manifolds];
             for (x, y) in work(l).into_iter().zip(work(m)) {
                 assert!(x <= y, "{kind:?}: {less} {:?} above {more} {:?}", work(l), work(m));
             }
@@ -352,7 +373,7 @@ fn dropping_an_effect_never_raises_a_work_counter() {
 
 #[test]
 fn a_scene_at_rest_does_nothing() {
-    let mut play = Play::new(Kind::Pile, 100, LADDER[7]);
+    let mut play = Play::new(Kind::Pile, 100, ladder()[7]);
     play.step();
     let pairs = play.scene.pair_count();
     for _ in 0..3 {
@@ -377,7 +398,7 @@ fn a_scene_at_rest_does_nothing() {
 #[test]
 fn most_separated_pairs_are_answered_by_the_budget() {
     let kind = Kind::Gas { fill: 0.02, rate: 60.0 };
-    for effects in [LADDER[2], LADDER[3]] {
+    for effects in [ladder()[2], ladder()[3]] {
         let mut play = Play::new(kind, 400, effects);
         let (mut skipped, mut asked) = (0, 0);
         for step in 0..400 {

@@ -7,7 +7,7 @@ use lab::shapes;
 use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::scene::{Body, BodyId, Change, Effects, Event, Group, Scene, SceneError};
-use lin_canny::{Class, ConvexPolyhedron, PoseError, RelativePose, Tracker, Velocity};
+use lin_canny::{Class, ConvexPolyhedron, ManifoldOptions, PoseError, RelativePose, Tracker, Velocity};
 use std::collections::BTreeSet;
 use std::sync::Arc;
 use world::body;
@@ -84,6 +84,10 @@ impl Play {
             }),
             features: self.rng.chance(0.2),
             depth: self.rng.chance(0.2),
+            manifold: self
+                .rng
+                .chance(0.2)
+                .then(|| ManifoldOptions::within(distance(&mut self.rng))),
         }
     }
 
@@ -169,14 +173,22 @@ impl Play {
                     within.insert((a, b));
                 }
                 let measured = effects.distance.is_some() || effects.depth || effects.features;
+                let prediction = effects.manifold.map_or(f64::NEG_INFINITY, |m| m.prediction);
                 let range = effects.distance.unwrap_or(effects.within.unwrap_or(0.0));
+                let range = if measured { range } else { f64::NEG_INFINITY }.max(prediction);
+                let measured = measured || effects.manifold.is_some();
                 let measured = measured && (range == f64::INFINITY || at_most(range));
                 let found = self.scene.pair(a, b);
                 let distance = found.and_then(|p| p.distance);
                 assert_eq!(distance.is_some(), measured, "{effects:?} {truth:?}");
-                assert_eq!(found.is_some_and(|p| p.outcome.is_some()), measured && effects.features);
+                assert_eq!(
+                    found.is_some_and(|p| p.outcome.is_some()),
+                    measured && (effects.features || effects.manifold.is_some())
+                );
+                let manifold = found.and_then(|p| p.manifold);
+                assert_eq!(manifold.is_some(), effects.manifold.is_some() && at_most(prediction));
                 if let Some(d) = distance {
-                    let known = d.class != Class::Overlapping || effects.depth;
+                    let known = d.class != Class::Overlapping || effects.depth || effects.manifold.is_some();
                     assert!(
                         !known || d.lower <= truth.upper && truth.lower <= d.upper,
                         "{d:?} {truth:?}"
@@ -327,6 +339,11 @@ fn refused_calls_name_what_is_wrong_and_change_nothing() {
             };
             assert!(matches!(scene.call_for(g, g, distance), Err(SceneError::Range { .. })));
         }
+        let manifold = Effects {
+            manifold: Some(ManifoldOptions::within(d)),
+            ..NONE
+        };
+        assert!(matches!(scene.call_for(g, g, manifold), Err(SceneError::Range { .. })));
         assert!(d == f64::INFINITY || scene.pairs_within(g, g, d).is_err());
     }
     assert_eq!(

@@ -4,13 +4,13 @@ mod world;
 
 use lab::crowd::{Crowd, Kind};
 use lin_canny::scene::{Body, BodyId, Effects, Event, Group, Scene, Settings};
-use lin_canny::{Distance, Outcome};
+use lin_canny::{Distance, Manifold, ManifoldOptions, Outcome};
 use std::sync::Arc;
 use world::{body, isometry};
 
 const KINDS: [Kind; 2] = [Kind::Sparse, Kind::Pile];
 
-fn sets() -> [Effects; 4] {
+fn sets() -> [Effects; 5] {
     let none = Effects::none();
     [
         Effects {
@@ -32,6 +32,10 @@ fn sets() -> [Effects; 4] {
             features: true,
             depth: true,
             overlap: true,
+            ..none
+        },
+        Effects {
+            manifold: Some(ManifoldOptions::within(0.05)),
             ..none
         },
     ]
@@ -66,14 +70,28 @@ fn scene(crowd: &Crowd, settings: Settings) -> (Scene, Vec<BodyId>) {
 
 type Seen = (
     Vec<Event>,
-    Vec<(u32, Option<bool>, Option<bool>, Option<Distance>, Option<Outcome>)>,
+    Vec<(
+        u32,
+        Option<bool>,
+        Option<bool>,
+        Option<Distance>,
+        Option<Outcome>,
+        Option<Manifold>,
+    )>,
     lin_canny::scene::Counts,
 );
 
 fn seen(scene: &Scene) -> Seen {
-    let pairs = scene
-        .pairs()
-        .map(|p| (p.pair.slot, p.overlaps, p.within, p.distance, p.outcome.copied()));
+    let pairs = scene.pairs().map(|p| {
+        (
+            p.pair.slot,
+            p.overlaps,
+            p.within,
+            p.distance,
+            p.outcome.copied(),
+            p.manifold.cloned(),
+        )
+    });
     let mut counts = scene.report().counts;
     // Of the columns of the broad phase, which are made anew when a scene is read.
     counts.swaps = 0;
@@ -141,7 +159,7 @@ fn a_scene_goes_on_from_a_file_bit_for_bit() {
                 2 => {
                     let all = Effects {
                         distance: Some(f64::INFINITY),
-                        ..sets()[k / 5 % 4]
+                        ..sets()[k / 5 % 5]
                     };
                     one.call_for(Group::default(), Group::default(), all).unwrap();
                     one.report()

@@ -6,12 +6,12 @@ use lin_canny::{ConvexPolyhedron, Feature, Manifold, ManifoldOptions, RelativePo
 use crate::Trouble;
 use crate::svg::{BLUE, GREEN, GREY, INK, ORANGE, Place, SKY, Svg};
 
-const SCALE: f64 = 105.0;
-const PANEL: f64 = 250.0;
+const SCALE: f64 = 100.0;
+const PANEL: f64 = 270.0;
 
 /// Seen along the normal, in one panel.
 fn see(panel: usize, p: &Point3<f64>) -> Place {
-    [PANEL * panel as f64 + 25.0 + SCALE * (p.x + 0.25), 158.0 - SCALE * p.y]
+    [PANEL * panel as f64 + 15.0 + SCALE * (p.x + 1.0), 150.0 - SCALE * p.y]
 }
 
 fn face(body: &ConvexPolyhedron, feature: Feature, pose: &Isometry3<f64>, panel: usize) -> Vec<Place> {

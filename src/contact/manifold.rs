@@ -52,6 +52,7 @@ impl ContactPoint {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Manifold {
     points: [ContactPoint; MOST_POINTS],
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "at_most_all"))]
     count: usize,
     normal: Unit<Vector3<f64>>,
     lower: f64,
@@ -68,6 +69,7 @@ pub struct Manifold {
 
 /// How a manifold was made, by which it can tell how far it is from now.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Made {
     bodies: [u64; 2],
     options: ManifoldOptions,
@@ -83,6 +85,17 @@ struct Made {
     budget: f64,
     /// How far they had moved since the points were chosen.
     since: f64,
+}
+
+/// A number of points, from a file: there is room for no more than so many.
+#[cfg(feature = "serde")]
+fn at_most_all<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<usize, D::Error> {
+    let count: usize = serde::Deserialize::deserialize(deserializer)?;
+    if count <= MOST_POINTS {
+        Ok(count)
+    } else {
+        Err(serde::de::Error::custom("a manifold holds at most 8 points"))
+    }
 }
 
 impl Default for Manifold {
@@ -228,7 +241,7 @@ impl Manifold {
         }
         // Where stored coordinates are not the given ones, old places would be measured more coarsely than new ones.
         if !(a.as_given && b.as_given) {
-            budget = f64::NAN;
+            budget = -1.0;
         }
         let reference = reference(outcome.features).unwrap_or(self.reference());
         let normal = outcome.normal.into_inner();

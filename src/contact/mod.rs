@@ -66,22 +66,19 @@ pub struct ManifoldOptions {
 
 impl Default for ManifoldOptions {
     fn default() -> Self {
-        Self {
-            prediction: 0.0,
-            max_points: 4,
-            sine: 1.0 / 64.0,
-            drift: 1.0 / 1024.0,
-            choice: 1.0 / 16.0,
-        }
+        Self::within(0.0)
     }
 }
 
 impl ManifoldOptions {
     /// The default with a prediction distance.
-    pub fn within(prediction: f64) -> Self {
+    pub const fn within(prediction: f64) -> Self {
         Self {
             prediction,
-            ..Self::default()
+            max_points: 4,
+            sine: 1.0 / 64.0,
+            drift: 1.0 / 1024.0,
+            choice: 1.0 / 16.0,
         }
     }
 

@@ -7,6 +7,7 @@ use super::step::owners;
 use super::{BodyId, PairId, Scene, SceneError};
 use crate::broad::{self, Aabb, BroadPhase};
 use crate::closest::outcome::{Distance, Outcome};
+use crate::contact::Manifold;
 
 /// What was found of one pair: of each effect that is called for its answer, and `None` for the others.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,6 +27,8 @@ pub struct PairAnswer<'a> {
     pub distance: Option<Distance>,
     /// Features, witnesses and normal; `None` also for bodies farther apart than they are called for.
     pub outcome: Option<&'a Outcome>,
+    /// Contact points; `None` also for bodies farther apart than their prediction.
+    pub manifold: Option<&'a Manifold>,
 }
 
 impl Scene {
@@ -77,12 +80,13 @@ impl Scene {
             within: None,
             distance: None,
             outcome: None,
+            manifold: None,
         };
         if let Some(seen) = self.lanes.get(pair.id.slot) {
             let plan = self.table.plan(seen.head.class);
             answer.overlaps = (plan.overlap && seen.head.state.known).then_some(seen.head.state.overlaps);
             answer.within = (plan.within != NEVER && seen.head.state.known).then_some(seen.head.state.within);
-            (answer.distance, answer.outcome) = (seen.distance, seen.outcome);
+            (answer.distance, answer.outcome, answer.manifold) = (seen.distance, seen.outcome, seen.manifold);
         }
         answer
     }

@@ -7,6 +7,7 @@
 //! | predicates | `overlap`, `within` | one exact yes or no each, while the budget is not answer enough | a tracker |
 //! | distance | `distance`, `depth` | the signed distance and its bounds | and these |
 //! | features | `features` | features, witnesses and normal as well | and these |
+//! | manifold | `manifold` | contact points as well | and, while the bodies are within its prediction, a manifold |
 //!
 //! A rung includes those above it in the table as far as they are called for: events of overlaps come at no further query where a
 //! distance is taken anyway. `depth` is a property of the two last rungs: without it an overlap is known as such and no more.
@@ -14,6 +15,7 @@
 use alloc::boxed::Box;
 
 use super::SceneError;
+use crate::contact::ManifoldOptions;
 use crate::tolerance::SCENE_REACH;
 
 /// One of 32 groups. Every body is in one; what is done for a pair is called for by the groups of its bodies.
@@ -93,6 +95,9 @@ pub struct Effects {
     /// The depth of an overlap: without it an overlap has the distance 0 and no lower bound. Without `distance` or `features` it
     /// is taken of overlaps alone.
     pub depth: bool,
+    /// The contact points of bodies within the prediction of these options, and with them what `features` and `depth` give. Boxes grow
+    /// by the prediction.
+    pub manifold: Option<ManifoldOptions>,
 }
 
 impl Effects {
@@ -105,6 +110,7 @@ impl Effects {
             distance: None,
             features: false,
             depth: false,
+            manifold: None,
         }
     }
 
@@ -112,6 +118,9 @@ impl Effects {
     fn check(&self) -> Result<(), SceneError> {
         let finite = |d: f64| (0.0..=SCENE_REACH).contains(&d);
         let refused = |value: f64| Err(SceneError::Range { value });
+        if let Some(options) = self.manifold.filter(|m| !finite(m.prediction)) {
+            return refused(options.prediction);
+        }
         match (self.within, self.distance) {
             (Some(d), _) if !finite(d) => refused(d),
             (_, Some(d)) if !(finite(d) || d == f64::INFINITY) => refused(d),
@@ -126,20 +135,23 @@ impl Effects {
         let predicates = self.overlap || self.within.is_some();
         let least = if self.overlap { 0.0 } else { NEVER };
         let rung = match (self.features, measured, predicates, self.boxes) {
+            _ if self.manifold.is_some() => Rung::Manifold,
             (true, ..) => Rung::Features,
             (_, true, ..) => Rung::Distance,
             (_, _, true, _) => Rung::Predicates,
             (.., true) => Rung::Boxes,
             _ => Rung::Nothing,
         };
-        let range = range.unwrap_or(NEVER);
+        let prediction = self.manifold.map_or(NEVER, |m| m.prediction);
+        let range = range.unwrap_or(NEVER).max(prediction);
         Plan {
             rung,
             boxes: self.boxes,
             overlap: self.overlap,
             within,
             range,
-            deep: self.depth,
+            deep: self.depth || self.manifold.is_some(),
+            manifold: self.manifold,
             reach: least.max(within).max(range),
         }
     }
@@ -156,6 +168,7 @@ pub(super) enum Rung {
     Predicates,
     Distance,
     Features,
+    Manifold,
 }
 
 /// Effects as a step reads them.
@@ -170,6 +183,8 @@ pub(super) struct Plan {
     pub(super) range: f64,
     /// Whether overlaps get their depth.
     pub(super) deep: bool,
+    /// The contact points that are called for.
+    pub(super) manifold: Option<ManifoldOptions>,
     /// Beyond this there is nothing to say: the largest of the thresholds.
     pub(super) reach: f64,
 }

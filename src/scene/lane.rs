@@ -2,11 +2,13 @@
 //!
 //! A lane is three lists side by side; a pair has the same seat in all. Lists have no gaps: who leaves gives the seat to the last.
 
+use alloc::boxed::Box;
 use alloc::vec::Vec;
 
 use super::effects::{Class, NEVER, Plan, Rung};
 use crate::broad::PairId;
 use crate::closest::outcome::{Distance, Outcome};
+use crate::contact::Manifold;
 use crate::polyhedron::FeaturePair;
 use crate::pose::Which;
 use crate::tracker::Tracker;
@@ -46,6 +48,13 @@ pub(super) trait Answer: Clone + Send + Sync {
     fn take(&mut self, outcome: &Outcome);
     fn distance(&self) -> Option<Distance>;
     fn outcome(&self) -> Option<&Outcome>;
+    /// Where contact points are kept, in the lane that has them.
+    fn manifold(&mut self) -> Option<&mut Option<Box<Manifold>>> {
+        None
+    }
+    fn contacts(&self) -> Option<&Manifold> {
+        None
+    }
 }
 
 impl Answer for () {
@@ -95,6 +104,40 @@ impl Answer for Outcome {
     }
 }
 
+/// An outcome, and the contact points while the bodies are near enough for them.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct Contact {
+    pub(super) outcome: Outcome,
+    pub(super) manifold: Option<Box<Manifold>>,
+}
+
+impl Answer for Contact {
+    fn blank() -> Self {
+        Self {
+            outcome: <Outcome as Answer>::blank(),
+            manifold: None,
+        }
+    }
+    #[inline]
+    fn take(&mut self, outcome: &Outcome) {
+        self.outcome = *outcome;
+    }
+    fn distance(&self) -> Option<Distance> {
+        self.outcome.distance()
+    }
+    fn outcome(&self) -> Option<&Outcome> {
+        Some(&self.outcome)
+    }
+    #[inline]
+    fn manifold(&mut self) -> Option<&mut Option<Box<Manifold>>> {
+        Some(&mut self.manifold)
+    }
+    fn contacts(&self) -> Option<&Manifold> {
+        self.manifold.as_deref()
+    }
+}
+
 /// Pairs that keep the same kind of answer.
 #[derive(Clone, Debug)]
 pub(super) struct Lane<A> {
@@ -132,7 +175,9 @@ impl<A: Answer> Lane<A> {
 
     fn bytes(&self) -> usize {
         let surfaces: usize = self.trackers.iter().map(Tracker::heap_bytes).sum();
+        let manifolds = self.answers.iter().filter(|a| a.contacts().is_some()).count();
         self.heads.capacity() * size_of::<Head>()
+            + manifolds * size_of::<Manifold>()
             + self.trackers.capacity() * size_of::<Tracker>()
             + self.answers.capacity() * size_of::<A>()
             + surfaces
@@ -148,16 +193,16 @@ impl<A: Answer> Lane<A> {
     }
 }
 
-/// Where the pair of a slot sits: the lane in the two upper bits, below them whether its boxes were told of, and the seat.
+/// Where the pair of a slot sits: the lane in the three upper bits, below them whether its boxes were told of, and the seat.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Seat(u32);
 
-const LANE: u32 = 30;
-const TOLD: u32 = 1 << 29;
+const LANE: u32 = 29;
+const TOLD: u32 = 1 << 28;
 
 impl Seat {
     /// Of a pair of boxes alone, and of a slot without a pair.
-    const NONE: Self = Self(3 << LANE);
+    const NONE: Self = Self(7 << LANE);
 
     fn of(lane: u32, seat: u32) -> Self {
         Self(lane << LANE | seat)
@@ -191,6 +236,7 @@ pub(super) struct Seen<'a> {
     pub(super) tracker: &'a Tracker,
     pub(super) distance: Option<Distance>,
     pub(super) outcome: Option<&'a Outcome>,
+    pub(super) manifold: Option<&'a Manifold>,
 }
 
 /// All lanes, and the seats by slot.
@@ -199,6 +245,7 @@ pub(super) struct Lanes {
     pub(super) predicates: Lane<()>,
     pub(super) distances: Lane<Distance>,
     pub(super) features: Lane<Outcome>,
+    pub(super) contacts: Lane<Contact>,
     seats: Vec<Seat>,
 }
 
@@ -222,6 +269,7 @@ impl Lanes {
             Rung::Predicates => Seat::of(0, self.predicates.push(head, tracker)),
             Rung::Distance => Seat::of(1, self.distances.push(head, tracker)),
             Rung::Features => Seat::of(2, self.features.push(head, tracker)),
+            Rung::Manifold => Seat::of(3, self.contacts.push(head, tracker)),
         };
         if slot >= self.seats.len() {
             self.seats.resize(slot + 1, Seat::NONE);
@@ -239,6 +287,7 @@ impl Lanes {
             0 => Some(self.predicates.leave(left.seat())),
             1 => Some(self.distances.leave(left.seat())),
             2 => Some(self.features.leave(left.seat())),
+            3 => Some(self.contacts.leave(left.seat())),
             _ => None,
         };
         let told = left.is_told();
@@ -269,6 +318,7 @@ impl Lanes {
                 tracker: &lane.trackers[seat as usize],
                 distance: answer.distance().filter(|_| head.state.measured),
                 outcome: answer.outcome().filter(|_| head.state.measured),
+                manifold: answer.contacts().filter(|_| head.state.measured),
             })
         }
         let place = self.seats.get(slot as usize)?;
@@ -276,6 +326,7 @@ impl Lanes {
             0 => seen(&self.predicates, place.seat()),
             1 => seen(&self.distances, place.seat()),
             2 => seen(&self.features, place.seat()),
+            3 => seen(&self.contacts, place.seat()),
             _ => None,
         }
     }
@@ -290,7 +341,12 @@ impl Lanes {
     /// The pairs of all lanes.
     #[cfg(feature = "serde")]
     pub(super) fn heads(&self) -> impl Iterator<Item = &Head> {
-        let lanes = [&self.predicates.heads, &self.distances.heads, &self.features.heads];
+        let lanes = [
+            &self.predicates.heads,
+            &self.distances.heads,
+            &self.features.heads,
+            &self.contacts.heads,
+        ];
         lanes.into_iter().flatten()
     }
 
@@ -300,11 +356,12 @@ impl Lanes {
         predicates: Lane<()>,
         distances: Lane<Distance>,
         features: Lane<Outcome>,
+        contacts: Lane<Contact>,
         told: &[u32],
         slots: usize,
     ) -> Option<Self> {
         let mut seats = alloc::vec![Seat::NONE; slots];
-        for (lane, heads) in [&predicates.heads, &distances.heads, &features.heads]
+        for (lane, heads) in [&predicates.heads, &distances.heads, &features.heads, &contacts.heads]
             .into_iter()
             .enumerate()
         {
@@ -324,6 +381,7 @@ impl Lanes {
             predicates,
             distances,
             features,
+            contacts,
             seats,
         })
     }
@@ -332,9 +390,14 @@ impl Lanes {
         self.predicates.trim();
         self.distances.trim();
         self.features.trim();
+        self.contacts.trim();
     }
 
     pub(super) fn bytes(&self) -> usize {
-        self.predicates.bytes() + self.distances.bytes() + self.features.bytes() + self.seats.capacity() * 4
+        self.predicates.bytes()
+            + self.distances.bytes()
+            + self.features.bytes()
+            + self.contacts.bytes()
+            + self.seats.capacity() * 4
     }
 }

@@ -1,5 +1,6 @@
 //! One pair in a step: what already answers, from the cheapest on, and the tracker where nothing does.
 
+use alloc::boxed::Box;
 use alloc::vec::Vec;
 
 use super::body::{Ball, Bodies};
@@ -9,6 +10,7 @@ use super::events::{Change, Happened};
 use super::lane::{Answer, Head, Lane, State};
 use super::report::Counts;
 use crate::closest::outcome::{Class, Outcome};
+use crate::contact::{Manifold, Query};
 use crate::pose::RelativePose;
 use crate::scalar::sqrt;
 use crate::tolerance::UNIT;
@@ -90,6 +92,9 @@ impl Context<'_> {
                 ..State::default()
             };
             head.wake = wake(self.sum(head), apart - plan.reach);
+            if let Some(kept) = answer.manifold() {
+                *kept = None;
+            }
             return;
         }
         let (Some(solid_a), Some(solid_b)) = (&self.bodies.solids[a], &self.bodies.solids[b]) else {
@@ -113,13 +118,30 @@ impl Context<'_> {
         counts.withins += u64::from(plan.within != NEVER);
         if head.state.measured {
             counts.distances += 1;
-            counts.features += u64::from(plan.rung == Rung::Features);
+            counts.features += u64::from(plan.rung >= Rung::Features);
             answer.take(&outcome);
             head.wake = 0.0;
-            // The rung above: a manifold of the features of `outcome`, kept in a lane of its own.
         } else {
             head.wake = wake(self.sum(head), slack_of(plan, &outcome));
         }
+        if let (Some(kept), Some(options)) = (answer.manifold(), &plan.manifold) {
+            if within(options.prediction) {
+                hold(kept, &Query::new(shape_a, shape_b, &pose, options), &outcome, counts);
+            } else {
+                *kept = None;
+            }
+        }
+    }
+}
+
+/// Keeps the contact points up: where the bodies have hardly moved since they were made, they are measured anew, else they are
+/// made of the outcome.
+fn hold(kept: &mut Option<Box<Manifold>>, query: &Query<'_>, outcome: &Outcome, counts: &mut Counts) {
+    let manifold = kept.get_or_insert_default();
+    counts.manifolds += 1;
+    if let Err(moved) = manifold.refresh(query) {
+        manifold.renew(query, outcome, moved);
+        counts.renewed += 1;
     }
 }
 

@@ -36,7 +36,7 @@
 //! 1. **boxes** of the bodies that moved, grown by half of the distances called for;
 //! 2. **pairs** of boxes: what began gets a tracker if more than boxes is called for, what ended gives it back;
 //! 3. **look** at each such pair, as far as nothing cheaper answers: bodies at rest, the displacement budget, two balls; then the
-//!    tracker, with the depth of an overlap only where it is called for;
+//!    tracker, with the depth of an overlap only where it is called for, and contact points where those are;
 //! 4. **events** in one order.
 //!
 //! What was found stands in [`pairs`](Scene::pairs), [`pairs_of`](Scene::pairs_of) a body and [`events`](Scene::events); what it took in

@@ -52,6 +52,10 @@ pub struct Counts {
     pub distances: u64,
     /// Of these, with features and witnesses.
     pub features: u64,
+    /// Manifolds kept up.
+    pub manifolds: u64,
+    /// Of these, made anew: the others were measured where they are.
+    pub renewed: u64,
     /// Events told.
     pub events: u64,
 }
@@ -97,6 +101,8 @@ impl AddAssign for Counts {
         self.withins += o.withins;
         self.distances += o.distances;
         self.features += o.features;
+        self.manifolds += o.manifolds;
+        self.renewed += o.renewed;
         self.events += o.events;
         for (mine, theirs) in self.answered.iter_mut().zip(o.answered) {
             *mine += theirs;
@@ -179,12 +185,13 @@ impl fmt::Display for Report {
         )?;
         writeln!(
             f,
-            "                      {} overlaps, {} withins, {} distances, {} features, {} depths; {} steps, {} certificates; answered by walk {}, restart {}, fallback {}, double-double {}, exact {}, far {}, surface {}",
+            "                      {} overlaps, {} withins, {} distances, {} features, {} depths, {} manifolds; {} steps, {} certificates; answered by walk {}, restart {}, fallback {}, double-double {}, exact {}, far {}, surface {}",
             c.overlaps,
             c.withins,
             c.distances,
             c.features,
             c.depths,
+            c.manifolds,
             c.walked,
             c.certificates,
             c.answered[0],

@@ -12,7 +12,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
 use super::body::{Bodies, Body, Solid, checked};
 use super::budget::Travel;
 use super::effects::{Effects, GROUPS, Group, Table};
-use super::lane::{Answer, Head, Lane, Lanes};
+use super::lane::{Answer, Contact, Head, Lane, Lanes};
 use super::report::Report;
 use super::step::owners;
 use super::{Event, Scene, Settings};
@@ -66,6 +66,7 @@ struct Snapshot {
     predicates: Seats<()>,
     distances: Seats<Distance>,
     features: Seats<Outcome>,
+    contacts: Seats<Contact>,
     /// Slots whose boxes were told of.
     told: Vec<u32>,
     events: Vec<Event>,
@@ -95,6 +96,14 @@ impl Bounded for Distance {
 impl Bounded for Outcome {
     fn lower(&mut self) -> Option<&mut f64> {
         Some(&mut self.lower)
+    }
+}
+
+impl Bounded for Contact {
+    fn lower(&mut self) -> Option<&mut f64> {
+        // A manifold without a lower bound, which is rare, is made anew.
+        self.manifold.take_if(|m| !m.lower().is_finite());
+        Some(&mut self.outcome.lower)
     }
 }
 
@@ -169,6 +178,7 @@ impl Snapshot {
             predicates: seats(&scene.lanes.predicates),
             distances: seats(&scene.lanes.distances),
             features: seats(&scene.lanes.features),
+            contacts: seats(&scene.lanes.contacts),
             told: scene.lanes.told().collect(),
             events: scene.events.clone(),
             report: scene.report,
@@ -215,7 +225,8 @@ impl Snapshot {
         }
         let slots = self.broad.pairs().map(|p| p.id.slot as usize + 1).max().unwrap_or(0);
         let (predicates, distances, features) = (lane(self.predicates), lane(self.distances), lane(self.features));
-        let lanes = Lanes::restored(predicates, distances, features, &self.told, slots);
+        let contacts = lane(self.contacts);
+        let lanes = Lanes::restored(predicates, distances, features, contacts, &self.told, slots);
         let lanes = lanes.ok_or("two pairs of the scene sit in one seat")?;
         let sound = |head: &Head| {
             let pair = self.broad.pair_of(head.pair).map(|pair| owners(&bodies, &pair));
@@ -258,7 +269,7 @@ fn restored_bodies(
     let dead = |i: &u32| rows.get(*i as usize).is_some_and(|r| r.generation % 2 == 0);
     let known = |i: &u32| *i == u32::MAX || (*i as usize) < n;
     let here = |i: &u32| (*i as usize) < n;
-    if !gone.is_sorted_by(|a, b| a < b) || !gone.iter().all(dead) || gone.len() + living > n {
+    if !gone.is_sorted_by(|a, b| a < b) || !gone.iter().all(dead) || gone.len() + living != n {
         return Err("a list of removed bodies contradicts the scene".into());
     }
     if !owners.iter().all(known) || !due.iter().all(here) || !(velocities.is_empty() || velocities.len() == n) {

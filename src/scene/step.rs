@@ -178,12 +178,14 @@ impl Scene {
             super::parallel::look_at_lane(&mut lanes.predicates, &context, &mut tally);
             super::parallel::look_at_lane(&mut lanes.distances, &context, &mut tally);
             super::parallel::look_at_lane(&mut lanes.features, &context, &mut tally);
+            super::parallel::look_at_lane(&mut lanes.contacts, &context, &mut tally);
             (self.report.counts, *happened) = (tally.counts, tally.happened);
             return;
         }
         look_at_lane(&mut lanes.predicates, &context, &mut tally);
         look_at_lane(&mut lanes.distances, &context, &mut tally);
         look_at_lane(&mut lanes.features, &context, &mut tally);
+        look_at_lane(&mut lanes.contacts, &context, &mut tally);
         (self.report.counts, *happened) = (tally.counts, tally.happened);
     }
 
