@@ -2,15 +2,15 @@
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use lab::crowd::{Crowd, Kind};
-use lin_canny::ConvexPolyhedron;
 use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion};
 use lin_canny::scene::{Body, BodyId, Effects, Group, Scene};
+use lin_canny::{ConvexPolyhedron, ManifoldOptions};
 use std::sync::Arc;
 
 const NONE: Effects = Effects::none();
 
 /// One trajectory, growing sets of effects.
-const SETS: [(&str, Effects); 6] = [
+const SETS: [(&str, Effects); 7] = [
     ("boxes", Effects { boxes: true, ..NONE }),
     ("overlap", Effects { overlap: true, ..NONE }),
     (
@@ -41,6 +41,13 @@ const SETS: [(&str, Effects); 6] = [
             distance: Some(0.02),
             features: true,
             depth: true,
+            ..NONE
+        },
+    ),
+    (
+        "manifold",
+        Effects {
+            manifold: Some(ManifoldOptions::within(0.02)),
             ..NONE
         },
     ),

@@ -5,6 +5,7 @@
 //!
 //! - `ours`: overlap events; certified closest features, witnesses and bounds of every pair within 0.02, overlaps by class.
 //! - `ours-depth`: the same with the proven depth of every overlap.
+//! - `ours-manifold`: the same, and contact manifolds within 0.02: all that rapier does, and more.
 //! - `parry-parts`: what one builds from parry's public parts: its box of each hull, its tree, and its `distance` for each pair of
 //!   boxes, cold; no events, no features, overlaps by class.
 //! - `rapier-collision`: rapier's `CollisionPipeline`: events, contact manifolds within 0.02, approximate depth.
@@ -15,9 +16,9 @@ use cpu_time::ThreadTime;
 use lab::Pose;
 use lab::crowd::{Crowd, Kind};
 use lab::progress::Progress;
-use lin_canny::ConvexPolyhedron;
 use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion};
 use lin_canny::scene::{Body, BodyId, Effects, Group, Report, Scene};
+use lin_canny::{ConvexPolyhedron, ManifoldOptions};
 use parry3d::bounding_volume::Aabb;
 use parry3d::partitioning::{Bvh, BvhBuildStrategy, BvhWorkspace};
 use parry3d::query;
@@ -61,7 +62,7 @@ fn isometry(pose: &Pose) -> Isometry3<f64> {
 }
 
 impl Ours {
-    fn new(name: &'static str, crowd: &Crowd, depth: bool) -> Self {
+    fn new(name: &'static str, crowd: &Crowd) -> Self {
         let hull = |points: &[[f64; 3]]| {
             let points: Vec<Point3<f64>> = points.iter().copied().map(Point3::from).collect();
             Arc::new(ConvexPolyhedron::from_points(&points).expect("points of a crowd are a body"))
@@ -72,7 +73,8 @@ impl Ours {
             overlap: true,
             distance: Some(RANGE),
             features: true,
-            depth,
+            depth: name != "ours",
+            manifold: (name == "ours-manifold").then_some(ManifoldOptions::within(RANGE)),
             ..Effects::none()
         };
         let all = Group::default();
@@ -331,12 +333,13 @@ const SCENES: [(&str, Kind, usize); 4] = [
     ("pile-256", Kind::Pile, 256),
 ];
 
-const ENGINES: [&str; 4] = ["ours", "ours-depth", "parry-parts", "rapier-collision"];
+const ENGINES: [&str; 5] = ["ours", "ours-depth", "ours-manifold", "parry-parts", "rapier-collision"];
 
 fn engine(name: &str, crowd: &Crowd) -> Box<dyn Engine> {
     match name {
-        "ours" => Box::new(Ours::new("ours", crowd, false)),
-        "ours-depth" => Box::new(Ours::new("ours-depth", crowd, true)),
+        "ours" => Box::new(Ours::new("ours", crowd)),
+        "ours-depth" => Box::new(Ours::new("ours-depth", crowd)),
+        "ours-manifold" => Box::new(Ours::new("ours-manifold", crowd)),
         "parry-parts" => Box::new(Parry::new(crowd)),
         _ => Box::new(Rapier::new(crowd)),
     }

@@ -18,7 +18,7 @@
 //!
 //! At contact the budget of an overlap event is zero, so the pair is looked at in every step in which one of its bodies moves.
 //! Sums are rounded towards waking: an odometer is rounded up at each step, and a sleep ends early by
-//! [`ODOMETER`](crate::tolerance::ODOMETER) times the odometers. That is what long ways cost, and never an event.
+//! [`ODOMETER`] times the odometers. That is what long ways cost, and never an event.
 //!
 //! The threshold of a pair that is not called for is none, so the fewer effects, the longer the sleep.
 //!
