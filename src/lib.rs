@@ -32,6 +32,8 @@
 //! |---|---|---|
 //! | Do two bodies share a point? | [`Tracker::intersects`] | `bool`, touching counts |
 //! | Are they at most `d` apart? | [`Tracker::within`] | `bool` |
+//! | Which points hold them apart? | [`Tracker::manifold`] | [`Manifold`]: contact points, with names that last |
+//! | What does a motion do to it? | [`Outcome::gradient_a`], [`gradient_b`](Outcome::gradient_b) | [`Gradient`] of the signed distance |
 //! | How far apart, how deep? | [`Tracker::distance`] | [`Distance`]: signed value and bounds |
 //! | Where, and which features? | [`Tracker::closest`] | [`Outcome`]: features, witnesses, normal, bounds |
 //! | The same to the last bit? | `Tracker::closest_exact` (feature `exact`) | [`Outcome`] |
@@ -118,7 +120,7 @@
 //! * The depth of an overlap is tracked: a microsecond for small motions, more where bodies lie deep or turn far, and milliseconds for
 //!   round bodies of thousands of faces about one centre. Should its bounds stay open (none has been seen to, but for overlaps below `1e-17 L`, where
 //!   the lower one may be all there is), they are returned as they are.
-//! * Contact manifolds, times of impact, scenes of many bodies, non-convex or curved bodies are not there yet.
+//! * Times of impact, scenes of many bodies, non-convex or curved bodies are not there yet.
 //!
 //! # Cargo features
 //!
@@ -139,9 +141,10 @@
 //! 4. `closest`: the walk, one file for each pair of feature kinds, starts, the solvers behind it, outcomes.
 //! 5. `certificate`: what any direction proves.
 //! 6. `penetration`: how deep bodies overlap, by a surface around the origin of their difference.
-//! 7. `tracker`: what a caller keeps, and which solver to ask.
-//! 8. `soundness`, `replay`: what debug builds check of every answer, and the text of a query that fails.
-//! 9. [`broad`]: boxes and ids alone, for many bodies; it knows nothing of the others.
+//! 7. `contact`: the points by which bodies hold each other apart, over frames; gradients of the signed distance.
+//! 8. `tracker`: what a caller keeps, and which solver to ask.
+//! 9. `soundness`, `replay`: what debug builds check of every answer, and the text of a query that fails.
+//! 10. [`broad`]: boxes and ids alone, for many bodies; it knows nothing of the others.
 //!
 //! # From the thesis
 //!

@@ -1,21 +1,26 @@
 //! The state a user keeps per pair: where the last answer was found.
 
+mod contacts;
+
 use alloc::vec::Vec;
 
 use nalgebra::Unit;
 
 use crate::closest::hold::Hold;
-use crate::closest::outcome::{Class, Distance, Layer, Level, Outcome, Proposal, Work};
+use crate::closest::outcome::{Class, Distance, Layer, Level, Outcome, Proposal};
 use crate::closest::placed::Placed;
 use crate::closest::trace::trace;
 use crate::closest::{self, far};
-use crate::contact::{self, Manifold, ManifoldOptions};
 use crate::penetration::{self, Memory};
 use crate::polyhedron::{ConvexPolyhedron, FeaturePair, power_of_two};
 use crate::pose::{RelativePose, Which};
 use crate::replay::Replay;
 
+mod counts;
 mod look;
+
+use counts::Starts;
+pub use counts::Totals;
 
 /// The features of the last answer of one pair, from which the next walk starts, and counters.
 ///
@@ -50,86 +55,6 @@ pub struct Tracker {
     /// The proof of the last answer, where that was an overlap without its depth.
     #[cfg_attr(feature = "serde", serde(default))]
     hold: Option<Hold>,
-}
-
-/// What the two ways to start have cost lately, in steps of the walk: which of them a query takes.
-///
-/// From the features of the last answer a walk takes `1 + 0.085 sqrt(n)` steps a degree turned; from the support
-/// vertices some five on round bodies, whatever happened in between. Counting what it really took needs neither n nor
-/// the motion.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-struct Starts {
-    /// Running means in sixteenths of a step.
-    warm: u16,
-    cold: u16,
-}
-
-impl Starts {
-    /// Two cube-map look-ups and climbs cost as much as this many steps.
-    const CLIMBS: u32 = 4;
-    /// The direction of two ellipsoids costs as much as this many.
-    const ELLIPSOIDS: u32 = 2;
-
-    #[inline(always)]
-    fn prefer_warm(self) -> bool {
-        self.warm <= self.cold
-    }
-
-    /// Takes the cost of the way taken into its mean; what is known of the other fades, so that it is tried again.
-    #[inline(always)]
-    fn learn(&mut self, warm: bool, work: &Work) {
-        let steps = work.steps + Self::ELLIPSOIDS * work.ellipsoids;
-        let cost = 16 * (steps + if warm { 0 } else { Self::CLIMBS }).min(1000) as u16;
-        let (taken, other) = if warm {
-            (&mut self.warm, &mut self.cold)
-        } else {
-            (&mut self.cold, &mut self.warm)
-        };
-        // The first cost is the mean; later ones weigh a quarter.
-        *taken = if *taken == 0 {
-            cost
-        } else {
-            *taken - *taken / 4 + cost / 4
-        };
-        *other -= *other / 128;
-    }
-}
-
-/// What a tracker has done since it was made or reset.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[non_exhaustive]
-pub struct Totals {
-    /// Queries that came as far as a walk.
-    pub queries: u64,
-    /// Of these, how many started from the features of the answer before.
-    pub warm: u64,
-    /// Queries by the layer that answered, in the order of [`Layer`].
-    pub answered: [u64; 7],
-    /// Feature pairs looked at.
-    pub steps: u64,
-    /// Overlaps whose depth was searched for.
-    pub depths: u64,
-}
-
-impl Totals {
-    /// How many queries `layer` answered.
-    pub fn answered_by(&self, layer: Layer) -> u64 {
-        self.answered[layer as usize]
-    }
-}
-
-impl core::ops::AddAssign for Totals {
-    fn add_assign(&mut self, o: Self) {
-        self.queries += o.queries;
-        self.warm += o.warm;
-        self.steps += o.steps;
-        self.depths += o.depths;
-        for (mine, theirs) in self.answered.iter_mut().zip(o.answered) {
-            *mine += theirs;
-        }
-    }
 }
 
 impl Tracker {
@@ -214,46 +139,6 @@ impl Tracker {
         }
         debug_check(a, b, a_from_b, &before, Level::Exact, &outcome);
         outcome
-    }
-
-    /// The contact points of two bodies within `options.prediction`, in `manifold`, which keeps names and order of those that were
-    /// there in the query before: one manifold for each pair, passed in every frame.
-    ///
-    /// Where the bodies have moved no more than `options.drift` since it was made, its points stay where they are on the bodies and only
-    /// their separations, the normal and the bounds are measured anew; otherwise it is made from [`closest`](Self::closest), and its
-    /// deepest contact is the answer's.
-    ///
-    /// ```
-    /// use lin_canny::nalgebra::{Isometry3, Vector3};
-    /// use lin_canny::{Manifold, ManifoldOptions, RelativePose, Tracker, polyhedron::solids};
-    ///
-    /// let (floor, part) = (solids::cuboid(Vector3::new(5.0, 5.0, 1.0))?, solids::cuboid(Vector3::new(0.5, 0.5, 0.5))?);
-    /// let (mut pair, mut manifold) = (Tracker::new(), Manifold::new());
-    /// let options = ManifoldOptions::within(0.02);
-    /// for k in 0..10 {
-    ///     let a_from_b = RelativePose::from_isometry(&Isometry3::translation(0.1 * k as f64, 0.0, 1.49))?;
-    ///     pair.manifold(&floor, &part, &a_from_b, &options, &mut manifold);
-    ///     assert_eq!(manifold.points().len(), 4);
-    ///     for contact in manifold.points() {
-    ///         println!("{}: {:.3} at {}", contact.id, contact.separation, contact.point_on_a);
-    ///     }
-    /// }
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    #[inline]
-    pub fn manifold(
-        &mut self,
-        a: &ConvexPolyhedron,
-        b: &ConvexPolyhedron,
-        a_from_b: &RelativePose,
-        options: &ManifoldOptions,
-        manifold: &mut Manifold,
-    ) {
-        let query = contact::Query::new(a, b, a_from_b, options);
-        if let Err(moved) = manifold.refresh(&query) {
-            let outcome = self.closest(a, b, a_from_b);
-            manifold.renew(&query, &outcome, moved);
-        }
     }
 
     /// The distance and its bounds without the witnesses.

@@ -1,6 +1,7 @@
 //! The broad phase against brute force, frame by frame, and its two structures against each other.
 
-use lab::boxes::{Kind, Random, Scene, brute_force};
+use lab::boxes::{Kind, Scene, brute_force};
+use lab::rng::Rng;
 use lin_canny::broad::*;
 use nalgebra::{Point3, Vector3};
 use std::collections::BTreeSet;
@@ -177,12 +178,12 @@ fn margins_hold_the_given_box() {
 
 #[test]
 fn inserting_and_removing_bodies_equals_brute_force() {
-    let mut random = Random::new(7);
+    let mut random = Rng::new(7);
     let mut both = Both::new();
     let mut ids: Vec<BodyId> = Vec::new();
-    let anywhere = |random: &mut Random| {
-        let center = Point3::from(Vector3::from_fn(|_, _| random.within(-6.0, 6.0)));
-        Aabb::from_center(center, Vector3::from_fn(|_, _| random.within(0.1, 1.0)))
+    let anywhere = |random: &mut Rng| {
+        let center = Point3::from(Vector3::from_fn(|_, _| random.range(-6.0, 6.0)));
+        Aabb::from_center(center, Vector3::from_fn(|_, _| random.range(0.1, 1.0)))
     };
     for step in 0..150 {
         let (come, go) = if step < 75 { (8, 4) } else { (4, 8) };

@@ -1,6 +1,7 @@
 //! Questions about boxes equal the obvious answers.
 
-use lab::boxes::{Kind, Random, Scene};
+use lab::boxes::{Kind, Scene};
+use lab::rng::Rng;
 use lin_canny::broad::*;
 use nalgebra::{Point3, Vector3};
 
@@ -21,7 +22,7 @@ fn ask(kind: Kind) -> usize {
     ground.max.z = -2.0;
     ids.push(broad.insert_unbounded(&ground, Body::fixed()).unwrap());
     axes.insert_unbounded(&ground, Body::fixed()).unwrap();
-    let (mut random, mut seen) = (Random::new(3), 0);
+    let (mut random, mut seen) = (Rng::new(3), 0);
     for _ in 0..8 {
         broad.step();
         axes.step();
@@ -36,8 +37,8 @@ fn ask(kind: Kind) -> usize {
             .for_each(|(id, b)| axes.set_box(*id, b).unwrap());
         for _ in 0..40 {
             let about = scene.boxes[random.below(500)];
-            let half = Vector3::from_fn(|_, _| random.within(0.0, 3.0));
-            let asked = Aabb::from_center(about.min + random.in_ball() * 3.0, half);
+            let half = Vector3::from_fn(|_, _| random.range(0.0, 3.0));
+            let asked = Aabb::from_center(about.min + Vector3::from(random.in_ball()) * 3.0, half);
             let stored = StoredBox::outward(&asked, &Point3::origin());
             let expected: Vec<BodyId> = ids
                 .iter()

@@ -1,7 +1,8 @@
 //! A broad phase written down in the middle of its life and read again goes on identically, down to slots and order.
 #![cfg(feature = "serde")]
 
-use lab::boxes::{Kind, Random, Scene};
+use lab::boxes::{Kind, Scene};
+use lab::rng::Rng;
 use lin_canny::broad::*;
 use nalgebra::{Point3, Vector3};
 
@@ -10,7 +11,7 @@ fn copy<B: serde::Serialize + serde::de::DeserializeOwned>(broad: &B) -> B {
 }
 
 /// One step's calls, drawn from `random`.
-fn feed(broad: &mut impl BroadPhase, ids: &mut Vec<BodyId>, scene: &Scene, random: &mut Random) {
+fn feed(broad: &mut impl BroadPhase, ids: &mut Vec<BodyId>, scene: &Scene, random: &mut Rng) {
     for k in 0..ids.len() {
         if broad.contains(ids[k]) && random.below(3) > 0 {
             broad.set_box(ids[k], &scene.boxes[k % scene.boxes.len()]).unwrap();
@@ -18,7 +19,10 @@ fn feed(broad: &mut impl BroadPhase, ids: &mut Vec<BodyId>, scene: &Scene, rando
     }
     if random.below(2) == 0 {
         let _ = broad.remove(ids[random.below(ids.len())]);
-        let aabb = Aabb::from_center(Point3::from(random.in_ball() * 4.0), Vector3::repeat(0.7));
+        let aabb = Aabb::from_center(
+            Point3::from(Vector3::from(random.in_ball()) * 4.0),
+            Vector3::repeat(0.7),
+        );
         ids.push(broad.insert(&aabb, Body::moving().margin(0.1)).unwrap());
     }
 }
@@ -31,7 +35,7 @@ fn goes_on<B: BroadPhase + serde::Serialize + serde::de::DeserializeOwned>(mut b
         .map(|b| broad.insert(b, Body::moving()).unwrap())
         .collect();
     ids.push(broad.insert_unbounded(&Aabb::everything(), Body::fixed()).unwrap());
-    let mut random = Random::new(5);
+    let mut random = Rng::new(5);
     for _ in 0..20 {
         // Written down both between steps and after half of a step's calls.
         let mut again = copy(&broad);
@@ -85,7 +89,7 @@ fn damaged_text_is_refused_or_harmless() {
     broad.remove(ids[3]).unwrap();
     broad.step();
     let text = serde_json::to_string(&broad).unwrap();
-    let mut random = Random::new(11);
+    let mut random = Rng::new(11);
     let mut accepted = 0;
     for _ in 0..3000 {
         let mut bytes = text.clone().into_bytes();

@@ -16,7 +16,7 @@ use lin_canny::{
 
 fn exact(prediction: f64, max_points: usize) -> ManifoldOptions {
     let mut o = ManifoldOptions::within(prediction);
-    (o.drift, o.max_points) = (0.0, max_points);
+    (o.drift, o.choice, o.max_points) = (0.0, 0.0, max_points);
     o
 }
 
@@ -579,4 +579,48 @@ fn edges_and_corners_make_contacts() {
     let m = manifold(&cube, &cube, &corner, &options);
     let o = judge(&cube, &cube, &corner, &m, &options, "corner on face");
     assert_eq!((m.points().len(), o.class), (1, Class::Overlapping));
+}
+
+/// Corners once chosen are kept while they are corners: every frame of a slide is as sound as if it were the first.
+#[test]
+fn kept_choices_are_sound() {
+    let mut rng = Rng::new(606);
+    let shapes = [
+        shapes::cube(),
+        shapes::cuboid([0.7, 0.4, 0.2]),
+        shapes::prism(7, 1.0, 0.3),
+        shapes::prism(24, 1.0, 0.3),
+        shapes::prism(100, 1.0, 0.3),
+    ];
+    let bodies: Vec<_> = shapes.iter().map(world::body).collect();
+    let (mut frames, mut same, mut least) = (0, 0, f64::INFINITY);
+    for a in &bodies {
+        for b in &bodies {
+            let ((face_a, ra), (face_b, rb)) = (widest_face(a), widest_face(b));
+            let reach = ra.min(rb);
+            let start = workload::stacked(face_a, face_b, rng.range(0.0, 6.3), -1e-3 * reach);
+            let way = scale(unit(cross(face_a.1, rng.unit())), 0.9 * reach);
+            let (mut pair, mut m) = (Tracker::new(), Manifold::new());
+            let mut options = ManifoldOptions::within(0.02);
+            options.drift = 0.0;
+            let mut before = vec![];
+            for frame in workload::to_and_fro(start, way, 240, 240, &mut rng) {
+                pair.manifold(a, b, &world::relative(&frame), &options, &mut m);
+                judge(a, b, &frame, &m, &options, "sliding");
+                let names: Vec<_> = m.points().iter().map(|p| p.features).collect();
+                same += usize::from(names == before);
+                before = names;
+                frames += 1;
+                if let Some((points, shared, _)) = spanned(a, b, &frame, &m)
+                    && shared > 1e-2
+                {
+                    least = least.min(points / shared);
+                }
+            }
+        }
+    }
+    assert!(
+        frames == 6000 && same > 4500 && least > 0.4,
+        "{same} of {frames}, {least}"
+    );
 }

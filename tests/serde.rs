@@ -4,7 +4,9 @@
 mod world;
 
 use lin_canny::polyhedron::solids;
-use lin_canny::{Class, ConvexPolyhedron, Distance, Layer, Outcome, Proposal, RelativePose, Tracker};
+use lin_canny::{
+    Class, ConvexPolyhedron, Distance, Layer, Manifold, ManifoldOptions, Outcome, Proposal, RelativePose, Tracker,
+};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
@@ -53,6 +55,31 @@ fn answers_come_back() {
     for class in [Class::Separated, Class::Touching, Class::Overlapping, Class::Undecided] {
         round_trip(&class);
     }
+}
+
+/// Points and names come back; the next query makes the manifold anew, with the names it had.
+#[test]
+fn a_manifold_keeps_its_names() {
+    let cube = solids::cuboid(lin_canny::nalgebra::Vector3::new(0.5, 0.5, 0.5)).expect("a body");
+    let pose = world::shifted([0.3, 0.2, 0.99]);
+    let options = round_trip(&ManifoldOptions::within(0.1));
+    let (mut t, mut m) = (Tracker::new(), Manifold::new());
+    t.manifold(&cube, &cube, &pose, &options, &mut m);
+    assert_eq!(m.points().len(), 4);
+    m.points().iter().for_each(|p| assert_eq!(round_trip(p), *p));
+    let text = serde_json::to_string(&m).expect("serialises");
+    let mut back: Manifold = serde_json::from_str(&text).expect("deserialises");
+    assert_eq!(back.points(), m.points());
+    t.manifold(&cube, &cube, &pose, &options, &mut back);
+    assert!(back.is_fresh());
+    assert_eq!(back.points(), m.points());
+    let damaged = text.replace("\"count\":4", "\"count\":400");
+    assert_ne!(damaged, text);
+    let mut back: Manifold = serde_json::from_str(&damaged).expect("deserialises");
+    t.manifold(&cube, &cube, &pose, &options, &mut back);
+    assert_eq!(back.points().len(), 4);
+    let outcome = t.closest(&cube, &cube, &pose);
+    round_trip(&outcome.gradient_a());
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! Draws every picture of the README and the documentation, from runs of the crate and from the records of its measurements:
 //! `cargo run --release --example figures`.
 
+mod contact;
 mod hero;
 mod plane;
 mod records;
@@ -23,6 +24,7 @@ fn main() -> Result<(), Trouble> {
     std::fs::create_dir_all(&folder)?;
     let mut pictures = vec![
         ("hero.svg", hero::picture()?),
+        ("manifold.svg", contact::picture()?),
         ("regions.svg", plane::regions()?),
         ("walk.svg", plane::walk()?),
         ("ulps.svg", ulps::picture()?),

@@ -4,6 +4,7 @@
 //! what began and ended; `parry-bvh` lists all pairs and remembers nothing, which is less. Boxes are tight, but for the
 //! scenes where most boxes rest or crawl, where `ours` takes the margin rapier always has (0.04).
 
+use crate::hulls;
 use cpu_time::ThreadTime;
 use lab::boxes::{Kind, Scene};
 use lin_canny::broad::{Aabb, Body, BodyId, BroadPhase, PencilSweep, SortedAxes};
@@ -19,10 +20,10 @@ trait Engine {
     fn prepare(&mut self, scene: &Scene);
     /// The timed part.
     fn step(&mut self);
-    fn pairs(&self) -> usize;
-    fn bytes(&self) -> usize {
-        0
-    }
+    /// Pairs present, where the engine counts them.
+    fn pairs(&self) -> Option<usize>;
+    /// Bytes of the whole structure, where the engine tells.
+    fn bytes(&self) -> Option<usize>;
 }
 
 struct Ours<B> {
@@ -70,12 +71,12 @@ impl<B: BroadPhase> Engine for Ours<B> {
         std::hint::black_box(self.broad.step());
     }
 
-    fn pairs(&self) -> usize {
-        self.broad.pair_count()
+    fn pairs(&self) -> Option<usize> {
+        Some(self.broad.pair_count())
     }
 
-    fn bytes(&self) -> usize {
-        self.broad.bytes()
+    fn bytes(&self) -> Option<usize> {
+        Some(self.broad.bytes())
     }
 }
 
@@ -128,12 +129,12 @@ impl Engine for Parry {
             .traverse_bvtt_single_tree::<false>(&mut self.workspace, &mut |a, b| pairs.push((a, b)));
     }
 
-    fn pairs(&self) -> usize {
-        self.pairs.len()
+    fn pairs(&self) -> Option<usize> {
+        Some(self.pairs.len())
     }
 
-    fn bytes(&self) -> usize {
-        self.tree.total_memory_size()
+    fn bytes(&self) -> Option<usize> {
+        Some(self.tree.total_memory_size() + self.pairs.capacity() * size_of::<(u32, u32)>())
     }
 }
 
@@ -146,7 +147,6 @@ struct Rapier {
     handles: Vec<rapier::ColliderHandle>,
     modified: Vec<rapier::ColliderHandle>,
     events: Vec<rapier::BroadPhasePairEvent>,
-    pairs: std::collections::HashSet<(u32, u32)>,
 }
 
 impl Rapier {
@@ -180,7 +180,7 @@ impl Rapier {
             normalized_prediction_distance: 0.0,
             ..Default::default()
         };
-        let (modified, events, pairs) = Default::default();
+        let (modified, events) = Default::default();
         Self {
             broad,
             parameters,
@@ -189,7 +189,6 @@ impl Rapier {
             handles,
             modified,
             events,
-            pairs,
         }
     }
 }
@@ -226,8 +225,12 @@ impl Engine for Rapier {
         broad.update(parameters, colliders, bodies, modified, &[], events);
     }
 
-    fn pairs(&self) -> usize {
-        self.pairs.len()
+    fn pairs(&self) -> Option<usize> {
+        None
+    }
+
+    fn bytes(&self) -> Option<usize> {
+        None
     }
 }
 
@@ -237,8 +240,8 @@ struct Row {
     median: f64,
     /// 99th percentile.
     high: f64,
-    pairs: usize,
-    bytes: f64,
+    pairs: Option<usize>,
+    bytes: Option<usize>,
 }
 
 /// Thread CPU time of reading the clock, to be taken off.
@@ -278,7 +281,7 @@ fn measure(engine: &mut dyn Engine, mut scene: Scene, steps: usize, warm: usize,
         median: at(0.5),
         high: at(0.99),
         pairs: engine.pairs(),
-        bytes: engine.bytes() as f64 / n,
+        bytes: engine.bytes(),
     }
 }
 
@@ -307,6 +310,89 @@ const RACED: [Kind; 7] = [
     Kind::Clusters,
 ];
 
+/// Steps timed and steps before them, by the number of bodies.
+fn steps(n: usize) -> (usize, usize) {
+    match n {
+        1_000 => (1000, 100),
+        10_000 => (200, 60),
+        100_000 => (50, 25),
+        _ => (20, 6),
+    }
+}
+
+/// A number in a table, or a dash where the engine does not tell.
+fn cell(value: Option<f64>, digits: usize) -> String {
+    value.map_or("-".into(), |v| format!("{v:.digits$}"))
+}
+
+const HEAD: &str = "scene               n engine          mean   median      p99   /ours  B/body  B/pair  pairs/n";
+
+fn print_row(scene: &str, n: usize, engine: &str, row: &Row, ours: f64) {
+    let (bodies, bytes) = (n as f64, row.bytes.map(|b| b as f64));
+    let pairs = row.pairs.map(|p| p as f64);
+    println!(
+        "{scene:<13}{n:>8} {engine:<11}{:>9.2}{:>9.2}{:>9.2}{:>8.2}{:>8}{:>8}{:>9}",
+        row.mean,
+        row.median,
+        row.high,
+        row.mean / ours,
+        cell(bytes.map(|b| b / bodies), 0),
+        cell(bytes.zip(pairs.filter(|p| *p > 0.0)).map(|(b, p)| b / p), 0),
+        cell(pairs.map(|p| p / bodies), 2)
+    );
+}
+
+/// All engines on one scene; means by engine.
+fn race(kind: Kind, n: usize, engines: &str, csv: &mut String) -> Vec<(String, f64)> {
+    let scene = Scene::new(kind, n);
+    let (steps, warm) = steps(n);
+    let (mut ours, mut means) = (f64::NAN, Vec::new());
+    for name in engines.split(',').filter(|name| !skipped(name, kind, n)) {
+        let mut racer = engine(name, &scene);
+        let limit = Duration::from_secs(if name == "ours" { 30 } else { 5 });
+        let row = measure(racer.as_mut(), scene.clone(), steps, warm, limit);
+        if name == "ours" {
+            ours = row.mean;
+        }
+        print_row(kind.name(), n, racer.name(), &row, ours);
+        let _ = writeln!(csv, "{},box,{n},{},{:.3}", kind.name(), racer.name(), row.mean);
+        means.push((racer.name().to_owned(), row.mean));
+    }
+    means
+}
+
+/// How the cost of a step grows from `low` to `high` bodies: the exponent of n, by engine.
+fn print_growth(kind: Kind, (low, at_low): (usize, &[(String, f64)]), (high, at_high): (usize, &[(String, f64)])) {
+    let decades = (high as f64 / low as f64).log10();
+    let exponent = |(name, mean): &(String, f64)| {
+        let (_, before) = at_low.iter().find(|(other, _)| other == name)?;
+        Some(format!("{name} n^{:.2}", 1.0 + (mean / before).log10() / decades))
+    };
+    let list: Vec<String> = at_high.iter().filter_map(exponent).collect();
+    println!(
+        "{}: cost of a step grows from {low} to {high} bodies as {}",
+        kind.name(),
+        list.join(", ")
+    );
+}
+
+/// What overlaps cost: the uniform scene with larger boxes.
+fn race_overlaps() {
+    let n = 10_000;
+    println!("\nuniform with larger boxes, ours: what overlaps cost\n{HEAD}");
+    let mut points = Vec::new();
+    for factor in [1.0, 1.5, 2.0, 3.0] {
+        let scene = Scene::new(Kind::Uniform, n).grown(factor);
+        let mut racer = engine("ours", &scene);
+        let row = measure(racer.as_mut(), scene, 60, 30, Duration::from_secs(10));
+        print_row(&format!("boxes x {factor}"), n, racer.name(), &row, row.mean);
+        points.push((row.pairs.unwrap_or(0) as f64 / n as f64, row.mean));
+    }
+    let (first, last) = (points[0], points[points.len() - 1]);
+    let each = (last.1 - first.1) / (last.0 - first.0);
+    println!("a pair more costs {each:.1} ns a step");
+}
+
 pub(crate) fn run(arguments: &[String]) {
     let option = |name: &str| {
         let at = arguments.iter().position(|a| a == name)?;
@@ -316,45 +402,21 @@ pub(crate) fn run(arguments: &[String]) {
     let upto: usize = option("--upto").and_then(|n| n.parse().ok()).unwrap_or(1_000_000);
     let engines = option("--engines").unwrap_or("ours,parry-bvh,rapier,three-axes".into());
     let mut csv = String::from("scene,shape,n,engine,ns\n");
-    println!("ns a body and step, thread CPU time; p99 and median over the steps; bytes a body\n");
-    println!(
-        "{:<13}{:>8} {:<11}{:>9}{:>9}{:>9}{:>8}{:>8}{:>9}",
-        "scene", "n", "engine", "mean", "median", "p99", "/ours", "bytes", "pairs/n"
-    );
-    for kind in RACED
-        .into_iter()
-        .filter(|k| only.as_ref().is_none_or(|name| name == k.name()))
-    {
-        for n in [1_000, 10_000, 100_000, 1_000_000].into_iter().filter(|n| *n <= upto) {
-            let scene = Scene::new(kind, n);
-            let (steps, warm) = match n {
-                1_000 => (1000, 100),
-                10_000 => (200, 60),
-                100_000 => (50, 25),
-                _ => (20, 6),
-            };
-            let mut ours = f64::NAN;
-            for name in engines.split(',').filter(|name| !skipped(name, kind, n)) {
-                let mut racer = engine(name, &scene);
-                let limit = Duration::from_secs(if name == "ours" { 30 } else { 5 });
-                let row = measure(racer.as_mut(), scene.clone(), steps, warm, limit);
-                if name == "ours" {
-                    ours = row.mean;
-                }
-                println!(
-                    "{:<13}{n:>8} {:<11}{:>9.2}{:>9.2}{:>9.2}{:>8.2}{:>8.0}{:>9.2}",
-                    kind.name(),
-                    racer.name(),
-                    row.mean,
-                    row.median,
-                    row.high,
-                    row.mean / ours,
-                    row.bytes,
-                    row.pairs as f64 / n as f64
-                );
-                let _ = writeln!(csv, "{},box,{n},{},{:.3}", kind.name(), racer.name(), row.mean);
-            }
+    println!("ns a body and step, thread CPU time; p99 and median over the steps; bytes a body and a pair\n\n{HEAD}");
+    for kind in RACED {
+        if only.as_ref().is_some_and(|name| name != kind.name()) {
+            continue;
         }
+        let sizes = [1_000, 10_000, 100_000, 1_000_000].into_iter().filter(|n| *n <= upto);
+        let raced: Vec<_> = sizes.map(|n| (n, race(kind, n, &engines, &mut csv))).collect();
+        let at = |n: usize| raced.iter().find(|r| r.0 == n).map(|(n, means)| (*n, &means[..]));
+        if let (Some(low), Some(high)) = (at(1_000), at(100_000)) {
+            print_growth(kind, low, high);
+        }
+    }
+    if only.is_none() {
+        race_overlaps();
+        hulls::run(&mut csv);
     }
     if let Some(file) = option("--csv")
         && let Err(error) = std::fs::write(&file, csv)

@@ -10,6 +10,7 @@
 mod boxes;
 mod common;
 mod contact;
+mod hulls;
 mod pairs;
 mod scene;
 

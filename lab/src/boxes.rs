@@ -1,61 +1,8 @@
 //! Moving boxes: the scenes of the broad phase's tests and benchmarks. Fixed seeds, no outside randomness.
 
+use crate::rng::Rng;
 use lin_canny::broad::Aabb;
 use nalgebra::{Point3, Vector3};
-
-/// A small generator of random numbers (splitmix64).
-#[derive(Clone, Debug)]
-pub struct Random(u64);
-
-impl Random {
-    /// Equal seeds give equal numbers.
-    pub fn new(seed: u64) -> Self {
-        Self(seed)
-    }
-
-    /// The next 64 bits.
-    pub fn bits(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        z ^ (z >> 31)
-    }
-
-    /// In [0, 1).
-    pub fn unit(&mut self) -> f64 {
-        (self.bits() >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    /// Uniform between two numbers.
-    pub fn within(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.unit()
-    }
-
-    /// Uniform below `n`.
-    pub fn below(&mut self, n: usize) -> usize {
-        (self.bits() % n.max(1) as u64) as usize
-    }
-
-    /// In the ball of radius 1.
-    pub fn in_ball(&mut self) -> Vector3<f64> {
-        loop {
-            let v = Vector3::from_fn(|_, _| self.within(-1.0, 1.0));
-            if v.norm_squared() <= 1.0 {
-                return v;
-            }
-        }
-    }
-
-    /// A unit vector.
-    pub fn direction(&mut self) -> Vector3<f64> {
-        loop {
-            let v = self.in_ball();
-            if v.norm() > 1e-3 {
-                return v.normalize();
-            }
-        }
-    }
-}
 
 /// The scenes, by the names the benchmarks print.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -120,7 +67,7 @@ pub struct Scene {
     velocity: Vec<Vector3<f64>>,
     /// Centre and half side of the room of each box.
     room: Vec<(Point3<f64>, Vector3<f64>)>,
-    random: Random,
+    random: Rng,
     world: f64,
 }
 
@@ -141,7 +88,7 @@ impl Scene {
             half: Vec::new(),
             velocity: Vec::new(),
             room: Vec::new(),
-            random: Random::new(0x5EED + n as u64),
+            random: Rng::new(0x5EED + n as u64),
             world,
         };
         match kind {
@@ -155,8 +102,15 @@ impl Scene {
         scene
     }
 
+    /// The same scene with boxes `factor` times as large, so that more of them overlap.
+    pub fn grown(mut self, factor: f64) -> Self {
+        self.half.iter_mut().for_each(|h| *h *= factor);
+        (0..self.boxes.len()).for_each(|i| self.place(i));
+        self
+    }
+
     fn add(&mut self, center: Point3<f64>, half: Vector3<f64>, speed: f64, room: (Point3<f64>, Vector3<f64>)) {
-        let mut velocity = self.random.direction() * speed;
+        let mut velocity = Vector3::from(self.random.unit()) * speed;
         if self.kind == Kind::Floor {
             velocity.z = 0.0;
         }
@@ -172,13 +126,13 @@ impl Scene {
         let half_world = 0.5 * self.world;
         let (side, speed) = match self.kind {
             Kind::Mixed => {
-                let side = 0.1 * 1000_f64.powf(self.random.unit().powi(12));
+                let side = 0.1 * 1000_f64.powf(self.random.uniform().powi(12));
                 (Vector3::repeat(side), 0.01 * side)
             }
-            Kind::UniformSlow => (Vector3::from_fn(|_, _| self.random.within(0.8, 1.2)), 0.002),
-            _ => (Vector3::from_fn(|_, _| self.random.within(0.8, 1.2)), 0.01),
+            Kind::UniformSlow => (Vector3::from_fn(|_, _| self.random.range(0.8, 1.2)), 0.002),
+            _ => (Vector3::from_fn(|_, _| self.random.range(0.8, 1.2)), 0.01),
         };
-        let mut center = Point3::from(Vector3::from_fn(|_, _| self.random.within(-half_world, half_world)));
+        let mut center = Point3::from(Vector3::from_fn(|_, _| self.random.range(-half_world, half_world)));
         let mut room = Vector3::repeat(half_world);
         if self.kind == Kind::Floor {
             center.z = 0.5 * side.z;
@@ -191,13 +145,11 @@ impl Scene {
         let side = ((n as f64 / 4.0).sqrt().ceil() as usize).max(1);
         let mut cells: Vec<usize> = (0..side * side * 4).collect();
         // Neighbours in space are strangers in memory: the worst case.
-        for i in (1..cells.len()).rev() {
-            cells.swap(i, self.random.below(i + 1));
-        }
+        self.random.shuffle(&mut cells);
         for cell in cells.into_iter().take(n) {
             let at = [cell / 4 % side, cell / 4 / side, cell % 4].map(|v| v as f64);
             let home = Point3::new(at[0], at[1], at[2]);
-            let jitter = Vector3::from_fn(|_, _| self.random.within(-0.1, 0.1));
+            let jitter = Vector3::from_fn(|_, _| self.random.range(-0.1, 0.1));
             self.add(home + jitter, Vector3::repeat(0.5), 0.01, (home, Vector3::repeat(0.1)));
         }
     }
@@ -207,12 +159,12 @@ impl Scene {
         let radius = (3.0 * n as f64 / (4.0 * std::f64::consts::PI)).cbrt();
         let half_world = 0.5 * self.world - radius;
         let centers: Vec<Point3<f64>> = (0..16)
-            .map(|_| Point3::from(Vector3::from_fn(|_, _| self.random.within(-half_world, half_world))))
+            .map(|_| Point3::from(Vector3::from_fn(|_, _| self.random.range(-half_world, half_world))))
             .collect();
         for i in 0..n {
             let home = centers[i % 16];
-            let at = home + self.random.in_ball() * radius;
-            let half = 0.5 * Vector3::from_fn(|_, _| self.random.within(0.8, 1.2));
+            let at = home + Vector3::from(self.random.in_ball()) * radius;
+            let half = 0.5 * Vector3::from_fn(|_, _| self.random.range(0.8, 1.2));
             self.add(at, half, 0.01, (home, Vector3::repeat(radius)));
         }
     }
@@ -242,7 +194,7 @@ impl Scene {
         for i in (0..n).step_by(stride) {
             if self.kind == Kind::Teleport && self.random.below(20) == 0 {
                 let half_world = 0.5 * self.world;
-                let anywhere = Vector3::from_fn(|_, _| self.random.within(-half_world, half_world));
+                let anywhere = Vector3::from_fn(|_, _| self.random.range(-half_world, half_world));
                 self.center[i] = Point3::from(anywhere);
             }
             self.advance(i);

@@ -97,6 +97,12 @@ impl Rng {
         }
     }
 
+    /// Uniform in the unit ball.
+    pub fn in_ball(&mut self) -> Point {
+        let r = self.uniform().cbrt();
+        self.unit().map(|x| x * r)
+    }
+
     /// A uniform rotation as a quaternion `x, y, z, w`, unit up to rounding.
     pub fn quat(&mut self) -> [f64; 4] {
         loop {
@@ -163,6 +169,13 @@ mod tests {
             assert!((r.quat().iter().map(|x| x * x).sum::<f64>() - 1.0).abs() < 1e-15);
             sum = std::array::from_fn(|i| sum[i] + u[i]);
         }
+        let inner = (0..10_000)
+            .filter(|_| r.in_ball().iter().map(|x| x * x).sum::<f64>() < 0.25)
+            .count();
+        assert!(
+            (1100..1400).contains(&inner),
+            "an eighth lies in the inner half: {inner}"
+        );
         assert!(sum.iter().all(|s| s.abs() < 300.0));
     }
 

@@ -88,6 +88,8 @@ pub(crate) struct Bodies {
     pub(crate) step: u32,
     pub(crate) origin: Point3<f64>,
     pub(crate) grid: Grid,
+    /// Most bodies; less in tests.
+    pub(super) most: usize,
 }
 
 mod batch;
@@ -114,6 +116,7 @@ impl Bodies {
             step: 1,
             origin,
             grid: Grid::single(0),
+            most: MOST_BODIES,
         }
     }
 
@@ -126,7 +129,7 @@ impl Bodies {
         body.check()?;
         let index = match self.free.pop() {
             Some(index) => index,
-            None if self.records.len() >= MOST_BODIES => return Err(BroadPhaseError::TooManyBodies),
+            None if self.records.len() >= self.most => return Err(BroadPhaseError::TooManyBodies),
             None => {
                 push(&mut self.records, Record::absent());
                 push(&mut self.details, Detail::new(body, 0));

@@ -35,6 +35,17 @@ pub enum BroadPhaseError {
     /// No more indices: a structure holds at most 2^31 - 1 bodies.
     #[error("a broad phase holds at most 2147483647 bodies")]
     TooManyBodies,
+    /// No more slots: a structure names at most 2^32 - 1 pairs at once. Told by a step, see
+    /// [`Events::refused`](super::Events::refused).
+    #[error("the pair of {a} and {b} and {} more found no place: a broad phase names at most 4294967295 pairs", .refused - 1)]
+    TooManyPairs {
+        /// A member of the first pair that found no place.
+        a: BodyId,
+        /// The other.
+        b: BodyId,
+        /// How many pairs found none.
+        refused: usize,
+    },
 }
 
 impl BroadPhaseError {

@@ -37,7 +37,8 @@
 //!   and fixedness rule out. Boxes are closed: touching is overlapping.
 //! - Stored boxes hold the given ones ([`StoredBox`]; beyond 1e38 they are clamped), so no pair of given boxes is
 //!   missed.
-//! - A refused call changes nothing and names the body. Nothing panics. Far boxes are right, only slower.
+//! - A refused call changes nothing and names the body. Nothing panics. Far boxes are right, only slower. What finds no
+//!   place, beyond 2^31 - 1 bodies or 2^32 - 1 pairs, is refused as well ([`BroadPhaseError`]).
 //! - Memory grows with bodies and overlapping pairs.
 //!
 //! Reading order: [`Aabb`] and [`StoredBox`], the table of bodies, `change` (what is looked for), `pairs`,
@@ -50,6 +51,8 @@ mod change;
 mod error;
 mod grid;
 mod ledger;
+#[cfg(test)]
+mod limits;
 mod pairs;
 mod pencil;
 #[cfg(feature = "serde")]

@@ -2,7 +2,7 @@
 
 use super::body::trim;
 use super::change::{Changes, PairKey, pair_key};
-use super::{Bodies, BodyId};
+use super::{Bodies, BodyId, BroadPhaseError};
 use alloc::vec::Vec;
 
 /// Names a pair from its beginning to its end. `slot` is small and dense: a caller can keep its own state of a pair,
@@ -31,11 +31,16 @@ pub struct Pair {
 /// What the last step changed, each part in ascending order of the two body indices. The order depends on boxes and
 /// ids alone: not on the structure, its tuning, its history or the number of threads.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Events<'a> {
     /// Pairs that ended: boxes parted, a body was removed, or groups no longer let them pair.
     pub ended: &'a [Pair],
     /// Pairs that began.
     pub began: &'a [Pair],
+    /// [`BroadPhaseError::TooManyPairs`] where pairs found no place. They did not begin, and all others are as they would be
+    /// without them; each is asked again when its boxes have parted and meet anew, or by
+    /// [`regroup`](super::BroadPhase::regroup).
+    pub refused: Option<BroadPhaseError>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,6 +52,22 @@ struct Slot {
 }
 
 const VACANT: PairKey = PairKey::MAX;
+
+/// Most pairs at once: slot numbers have 32 bits, and one more than a slot's number is kept.
+const MOST_PAIRS: usize = u32::MAX as usize;
+
+/// How many slots a table may have; less in tests.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Most(pub(super) usize);
+
+impl Default for Most {
+    fn default() -> Self {
+        Self(MOST_PAIRS)
+    }
+}
+
+/// So many changes are read ahead.
+const AHEAD: usize = 32;
 
 /// Slots, and an index from two bodies to their slot: open addressing, linear probing, deletion by backward shift.
 /// Touched by events and look-ups only.
@@ -61,6 +82,9 @@ pub(crate) struct PairTable {
     live: usize,
     ended: Vec<Pair>,
     began: Vec<Pair>,
+    /// The first pair of the step that found no place, and how many did not.
+    refused: Option<(PairKey, usize)>,
+    pub(super) most: Most,
 }
 
 impl PairTable {
@@ -68,10 +92,16 @@ impl PairTable {
         self.live
     }
 
-    pub(crate) fn events(&self) -> Events<'_> {
+    pub(crate) fn events(&self, bodies: &Bodies) -> Events<'_> {
+        let refused = self.refused.map(|(key, refused)| {
+            let (a, b) = super::change::pair_of(key);
+            let [a, b] = [a, b].map(|i| bodies.id(i));
+            BroadPhaseError::TooManyPairs { a, b, refused }
+        });
         Events {
             ended: &self.ended,
             began: &self.began,
+            refused,
         }
     }
 
@@ -99,19 +129,39 @@ impl PairTable {
     /// Takes over the sorted changes of a step, those the options of the bodies allow.
     pub(crate) fn apply(&mut self, changes: &Changes, bodies: &Bodies, allowed: &mut dyn FnMut(u32, u32) -> bool) {
         self.free.append(&mut self.resting);
+        self.refused = None;
         for events in [&mut self.ended, &mut self.began] {
             trim(events);
             events.clear();
         }
-        for &key in &changes.ended {
-            self.end(key, bodies);
-        }
-        for &key in &changes.began {
-            let (a, b) = super::change::pair_of(key);
-            if allowed(a, b) {
-                self.begin(key, bodies);
+        for keys in changes.ended.chunks(AHEAD) {
+            self.read_ahead(keys);
+            for &key in keys {
+                self.end(key, bodies);
             }
         }
+        for keys in changes.began.chunks(AHEAD) {
+            self.read_ahead(keys);
+            for &key in keys {
+                let (a, b) = super::change::pair_of(key);
+                if allowed(a, b) {
+                    self.begin(key, bodies);
+                }
+            }
+        }
+    }
+
+    /// Reads what the next keys will need. These places are far apart in memory; asked for one after the other and
+    /// without a branch between, they arrive together.
+    fn read_ahead(&self, keys: &[PairKey]) {
+        if self.index.is_empty() || self.slots.is_empty() {
+            return;
+        }
+        let read = |key: &PairKey| {
+            let slot = self.index[self.home(*key)].saturating_sub(1);
+            self.slots[slot as usize].generation
+        };
+        core::hint::black_box(keys.iter().map(read).fold(0, u32::wrapping_add));
     }
 
     /// Restores the order of events after some were added out of order.
@@ -134,7 +184,7 @@ impl PairTable {
         self.live -= 1;
     }
 
-    /// Begins the pair, unless the table has it.
+    /// Begins the pair, unless the table has it or is full.
     pub(crate) fn begin(&mut self, key: PairKey, bodies: &Bodies) {
         if self.live * 8 >= self.index.len() * 3 {
             self.grow();
@@ -148,6 +198,11 @@ impl PairTable {
         }
         let slot = match self.free.pop() {
             Some(slot) => slot,
+            None if self.slots.len() >= self.most.0 => {
+                let (_, count) = self.refused.get_or_insert((key, 0));
+                *count += 1;
+                return;
+            }
             None => {
                 self.slots.push(Slot {
                     key: VACANT,
@@ -291,7 +346,8 @@ impl PairsState {
             let (a, b) = super::change::pair_of(*key);
             a < b && (b as usize) < bodies
         };
-        if !empty.eq(vacant) || !keys.iter().all(named) || !keys.is_sorted_by(|a, b| a < b) {
+        if slots.len() > MOST_PAIRS || !empty.eq(vacant) || !keys.iter().all(named) || !keys.is_sorted_by(|a, b| a < b)
+        {
             return Err("the pairs of the broad phase contradict each other".into());
         }
         let mut table = PairTable {

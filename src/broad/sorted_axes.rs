@@ -179,7 +179,7 @@ impl BroadPhase for SortedAxes {
                 .filter(|(_, r)| r.now().overlaps(&stored));
             found.extend(hits.map(|(i, _)| i as u32));
         });
-        self.ledger.pairs.events()
+        self.ledger.pairs.events(&self.ledger.bodies)
     }
 
     fn overlapping(&self, aabb: &Aabb, found: &mut Vec<BodyId>) -> Result<(), BroadPhaseError> {

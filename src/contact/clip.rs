@@ -30,12 +30,12 @@ impl Sides {
             let next = of.next(j);
             let u = [of.x[next] - of.x[j], of.y[next] - of.y[j]];
             let (ux, uy) = (f64x4::splat(u[0]), f64x4::splat(u[1]));
-            let (px, py) = (f64x4::splat(of.x[j]), f64x4::splat(of.y[j]));
-            let margin = f64x4::splat(-noise * (u[0].abs() + u[1].abs()));
+            let line = f64x4::splat(u[0] * of.y[j] - u[1] * of.x[j]);
+            let margin = line - f64x4::splat(noise * (u[0].abs() + u[1].abs()));
             let (mut outside, mut beyond) = (0, 0);
             for (k, (x, y)) in xs().zip(ys()).enumerate() {
-                let side = ux * (f64x4::new(*y) - py) - uy * (f64x4::new(*x) - px);
-                outside |= side.simd_lt(f64x4::ZERO).to_bitmask() << (4 * k);
+                let side = ux * f64x4::new(*y) - uy * f64x4::new(*x);
+                outside |= side.simd_lt(line).to_bitmask() << (4 * k);
                 beyond |= side.simd_lt(margin).to_bitmask() << (4 * k);
             }
             sides.outside[j] = outside;
@@ -100,7 +100,7 @@ pub(super) fn clip(a: &Shadow, b: &Shadow, noise: f64, corners: &mut Corners) {
 
 /// Edge `i` of A's shadow and edge `j` of B's, the line of which parts the ends of the other.
 #[inline(always)]
-pub(super) fn crossing(a: &Shadow, b: &Shadow, i: usize, j: usize, corners: &mut Corners) {
+pub(super) fn crossing(a: &Shadow, b: &Shadow, i: usize, j: usize, corners: &mut Corners) -> bool {
     let (p, q) = (a.corner(i), a.corner(a.next(i)));
     let (r, s) = (b.corner(j), b.corner(b.next(j)));
     let (u, v) = ([q[0] - p[0], q[1] - p[1]], [s[0] - r[0], s[1] - r[1]]);
@@ -113,7 +113,15 @@ pub(super) fn crossing(a: &Shadow, b: &Shadow, i: usize, j: usize, corners: &mut
     let along = ((at[0] - r[0]) * v[0] + (at[1] - r[1]) * v[1]) / (v[0] * v[0] + v[1] * v[1]);
     let along = if along > 0.0 { along.min(1.0) } else { 0.0 };
     let heights = [p[2] + t * (q[2] - p[2]), r[2] + along * (s[2] - r[2])];
-    corners.push(at, heights, [On::edge(i), On::edge(j)]);
+    corners.push(at, heights, [On::edge(i), On::edge(j)])
+}
+
+/// Whether two edges cross: each parts the ends of the other.
+pub(super) fn crosses(a: &Shadow, b: &Shadow, i: usize, j: usize) -> bool {
+    let (p, q) = (a.place(i), a.place(a.next(i)));
+    let (r, s) = (b.place(j), b.place(b.next(j)));
+    let left = |p: [f64; 2], q: [f64; 2], x: [f64; 2]| (q[0] - p[0]) * (x[1] - p[1]) >= (q[1] - p[1]) * (x[0] - p[0]);
+    left(r, s, p) != left(r, s, q) && left(p, q, r) != left(p, q, s)
 }
 
 /// The ends of what two nearly parallel edges share, each end across from its foot on the other edge. Nothing for edges that

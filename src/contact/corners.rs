@@ -4,7 +4,7 @@
 const MOST: usize = 64;
 
 /// On what of a shadow a point lies.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct On(u32);
 
 impl On {
@@ -75,14 +75,17 @@ impl Corners {
         }
     }
 
-    /// A corner whose points are at these heights over the witnesses, if it is near enough. The witnesses are in any case.
+    /// A corner whose points are at these heights over the witnesses, if it is near enough, which is told. The witnesses are in any
+    /// case.
     #[inline(always)]
-    pub(super) fn push(&mut self, at: [f64; 2], [on_a, on_b]: [f64; 2], on: [On; 2]) {
+    pub(super) fn push(&mut self, at: [f64; 2], [on_a, on_b]: [f64; 2], on: [On; 2]) -> bool {
         let separation = self.distance + (on_b - on_a);
-        if (separation <= self.prediction || on == Corner::WITNESS) && self.count < MOST {
+        let wanted = (separation <= self.prediction || on == Corner::WITNESS) && self.count < MOST;
+        if wanted {
             self.list[self.count] = Corner { at, separation, on };
             self.count += 1;
         }
+        wanted
     }
 
     #[inline(always)]

@@ -8,8 +8,9 @@ use crate::pose::{RelativePose, Which};
 use crate::scalar::sqrt;
 use crate::tolerance::{CERTIFICATE, UNIT};
 
+use super::corners::{Corner, On};
 use super::rims::{NO_RAYS, Rays};
-use super::{Answer, Choice, MOST_POINTS, ManifoldOptions};
+use super::{Answer, Contacts, MOST_POINTS, ManifoldOptions};
 
 /// A point of each body, across from each other along the normal.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,7 +44,8 @@ impl ContactPoint {
 
 /// The contact points of one pair of bodies: keep one for each pair and pass it to [`Tracker::manifold`] every frame.
 ///
-/// Holds at most eight points, and nothing on the heap. A manifold of other bodies, or of other options, is made anew.
+/// Holds at most eight points, and nothing on the heap. A manifold of other bodies, or of other options, is made anew; so is one that
+/// comes from a file, which brings points and names.
 ///
 /// [`Tracker::manifold`]: crate::Tracker::manifold
 #[derive(Clone, Debug, PartialEq)]
@@ -55,10 +57,13 @@ pub struct Manifold {
     normal: Unit<Vector3<f64>>,
     lower: f64,
     upper: f64,
+    #[cfg_attr(feature = "serde", serde(skip))]
     made: Option<Made>,
     fresh: bool,
-    /// How the points were chosen, where there were more.
-    pub(super) choice: Option<Choice>,
+    /// On what of the features the points are.
+    #[cfg_attr(feature = "serde", serde(skip))]
+    on: [[On; 2]; MOST_POINTS],
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub(super) rays: Rays,
 }
 
@@ -78,6 +83,8 @@ struct Made {
     upper: f64,
     /// How far the bodies may move from there.
     budget: f64,
+    /// How far they had moved since the points were chosen.
+    since: f64,
 }
 
 /// A number of points, from a file: there is room for no more than so many.
@@ -108,7 +115,7 @@ impl Default for Manifold {
             upper: f64::INFINITY,
             made: None,
             fresh: false,
-            choice: None,
+            on: [Corner::WITNESS; MOST_POINTS],
             rays: NO_RAYS,
         }
     }
@@ -124,7 +131,8 @@ impl Manifold {
     /// than the prediction.
     #[inline]
     pub fn points(&self) -> &[ContactPoint] {
-        &self.points[..self.count]
+        // What comes from a file may say more.
+        &self.points[..self.count.min(MOST_POINTS)]
     }
 
     /// The deepest of them.
@@ -164,6 +172,10 @@ impl Manifold {
         self.fresh
     }
 
+    pub(super) fn on(&self) -> &[[On; 2]] {
+        &self.on[..self.count]
+    }
+
     /// The middle of the points on A.
     pub(super) fn middle(&self) -> Option<Point3<f64>> {
         let points = self.points();
@@ -177,9 +189,8 @@ impl Manifold {
     pub(crate) fn refresh(&mut self, query: &Query) -> Result<(), f64> {
         let Some(made) = &self.made else { return Err(0.0) };
         let moved = made.moved(query);
-        let known = made.bodies == query.bodies() && made.options == *query.options;
         // Written so that NaN asks anew.
-        if !(known && moved <= made.budget) {
+        if !(made.is_of(query) && moved <= made.budget) {
             return Err(moved);
         }
         self.fresh = false;
@@ -200,7 +211,7 @@ impl Manifold {
     pub(crate) fn renew(&mut self, query: &Query, outcome: &Outcome, moved: f64) {
         let Query { a, b, options, .. } = *query;
         (self.normal, self.lower, self.upper, self.fresh) = (outcome.normal, outcome.lower, outcome.upper, true);
-        let mut features = outcome.features;
+        let (mut features, mut since) = (outcome.features, 0.0);
         let mut budget = outcome.lower - options.prediction;
         if outcome.lower <= options.prediction {
             let answer = Answer {
@@ -210,11 +221,21 @@ impl Manifold {
                 size: query.size(),
                 outcome,
             };
-            let contacts = answer.contacts(options, self);
+            let least = query.least_radius();
+            let travelled = self.made.as_ref().filter(|m| m.is_of(query)).map(|m| m.since + moved);
+            let lasts = travelled.filter(|&t| t <= options.choice * least);
+            let contacts = answer.contacts(options, self, lasts.is_some());
             features = contacts.features;
-            (self.choice, self.rays) = (Some(contacts.choice), contacts.rays);
-            budget = options.drift * query.least_radius();
-            self.adopt(&contacts.points[..contacts.count], 2.0 * moved + budget);
+            self.rays = contacts.rays;
+            budget = options.drift * least;
+            if contacts.same {
+                since = lasts.unwrap_or(0.0);
+                for (old, new) in self.points.iter_mut().zip(&contacts.points[..contacts.count]) {
+                    *old = ContactPoint { id: old.id, ..*new };
+                }
+            } else {
+                self.adopt(&contacts, 2.0 * moved + budget);
+            }
         } else {
             self.count = 0;
         }
@@ -238,13 +259,15 @@ impl Manifold {
             lower: outcome.lower,
             upper: outcome.upper,
             budget,
+            since,
         });
     }
 
     /// Takes new points in the place of the old ones: names and order stay with those of the same features, and of the others
     /// with those no further than `reach` away on one of the bodies.
-    fn adopt(&mut self, new: &[ContactPoint], reach: f64) {
-        let old = &self.points[..self.count];
+    fn adopt(&mut self, contacts: &Contacts, reach: f64) {
+        let new = &contacts.points[..contacts.count];
+        let old = self.points();
         let mut origin = [usize::MAX; MOST_POINTS];
         for (i, p) in new.iter().enumerate() {
             let alike = old.iter().position(|o| o.features == p.features);
@@ -263,18 +286,20 @@ impl Manifold {
                 origin[i] = nearest.unwrap_or(usize::MAX);
             }
         }
-        self.reorder(new, &origin);
+        self.reorder(contacts, &origin);
     }
 
     /// `origin`: the numbers of the old points whose names and order the new ones take, beyond them all for those that are new.
-    fn reorder(&mut self, new: &[ContactPoint], origin: &[usize; MOST_POINTS]) {
-        let old = self.count;
+    fn reorder(&mut self, contacts: &Contacts, origin: &[usize; MOST_POINTS]) {
+        let new = &contacts.points[..contacts.count];
+        let old = self.points().len();
         // Names first: the old points are overwritten in their order.
         let names = origin.map(|k| self.points[k.min(MOST_POINTS - 1)].id);
         self.count = 0;
         for k in 0..old {
             if let Some(i) = origin[..new.len()].iter().position(|&o| o == k) {
                 self.points[self.count] = ContactPoint { id: names[i], ..new[i] };
+                self.on[self.count] = contacts.on[i];
                 self.count += 1;
             }
         }
@@ -282,6 +307,7 @@ impl Manifold {
             if origin[i] == usize::MAX {
                 let id = self.free_name(p.features);
                 self.points[self.count] = ContactPoint { id, ..*p };
+                self.on[self.count] = contacts.on[i];
                 self.count += 1;
             }
         }
@@ -301,6 +327,12 @@ impl Manifold {
 }
 
 impl Made {
+    /// Whether bodies and options are the same.
+    #[inline(always)]
+    fn is_of(&self, query: &Query) -> bool {
+        self.bodies == query.bodies() && self.options == *query.options
+    }
+
     /// No less than any point of one body has moved as seen from the other.
     #[inline(always)]
     fn moved(&self, query: &Query) -> f64 {

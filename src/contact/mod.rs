@@ -31,9 +31,9 @@ use crate::closest::outcome::{Layer, Outcome};
 use crate::polyhedron::{ConvexPolyhedron, FeaturePair};
 use crate::scalar::sqrt;
 use crate::tolerance::{ACROSS, AGREE};
-use corners::{Corner, Corners};
+use corners::{Corner, Corners, On};
 use promote::Promotion;
-use reduce::{Chosen, reduce};
+use reduce::reduce;
 use rims::Rays;
 use shadow::{Axes, Shadow};
 
@@ -59,6 +59,9 @@ pub struct ManifoldOptions {
     /// where they are on the bodies, with new separations. Contacts nearer to each other than this are one. Default 1/1024; zero: every
     /// motion asks anew.
     pub drift: f64,
+    /// How far the bodies may move, in radii of the smaller one, before the choice among the corners of what two faces share is made
+    /// anew; till then the same corners are kept, as long as they are corners and the deepest is among them. Default 1/16.
+    pub choice: f64,
 }
 
 impl Default for ManifoldOptions {
@@ -75,6 +78,7 @@ impl ManifoldOptions {
             max_points: 4,
             sine: 1.0 / 64.0,
             drift: 1.0 / 1024.0,
+            choice: 1.0 / 16.0,
         }
     }
 
@@ -89,17 +93,11 @@ struct Contacts {
     count: usize,
     /// What bears them.
     features: FeaturePair,
-    /// How many corners they were chosen from, and how wide they are of all of these.
-    choice: Choice,
+    /// On what of the features they are.
+    on: [[On; 2]; MOST_POINTS],
+    /// Whether they are the corners that the manifold before had, in its order.
+    same: bool,
     rays: Rays,
-}
-
-/// How contacts were chosen.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-struct Choice {
-    corners: usize,
-    width: f64,
 }
 
 /// Two bodies, the rotation of `a_from_b`, and how they lie.
@@ -114,14 +112,16 @@ struct Answer<'a> {
 }
 
 impl Answer<'_> {
-    /// The contacts of an answer whose lower bound is within the prediction.
-    fn contacts(self, options: &ManifoldOptions, before: &Manifold) -> Contacts {
+    /// The contacts of an answer whose lower bound is within the prediction. `lasts`: the choice of corners of the manifold before may
+    /// stay.
+    fn contacts(self, options: &ManifoldOptions, before: &Manifold, lasts: bool) -> Contacts {
         let outcome = self.outcome;
         let mut contacts = Contacts {
             points: [ContactPoint::witness(outcome); MOST_POINTS],
             count: 1,
             features: outcome.features,
-            choice: Choice { corners: 0, width: 0.0 },
+            on: [Corner::WITNESS; MOST_POINTS],
+            same: false,
             rays: before.rays,
         };
         // Of bodies so far apart, or so different in size, the witnesses are all there is to say.
@@ -140,7 +140,10 @@ impl Answer<'_> {
             };
             seen.a.cast();
             seen.b.cast();
-            seen.choose(options, before, &mut contacts);
+            let lasts = lasts && before.features() == Some(features);
+            if !(lasts && seen.choose_again(options, before, &mut contacts)) {
+                seen.choose(options, before, &mut contacts);
+            }
         }
         contacts
     }
@@ -214,72 +217,105 @@ impl Seen<'_> {
         } else {
             clip::clip(a, b, noise, corners);
         }
-        let deep = (self.answer.outcome.upper + AGREE * self.answer.size) / self.unit;
-        if !corners.all().iter().any(|c| c.separation <= deep) {
+        if !self.has_deepest(corners) {
             corners.push([0.0; 2], [0.0; 2], Corner::WITNESS);
         }
     }
 
+    /// Whether a corner is as deep as the answer says.
+    #[inline(always)]
+    fn has_deepest(&self, corners: &Corners) -> bool {
+        let deep = (self.answer.outcome.upper + AGREE * self.answer.size) / self.unit;
+        corners.all().iter().any(|c| c.separation <= deep)
+    }
+
+    #[inline(always)]
+    fn none(&self, options: &ManifoldOptions) -> Corners {
+        Corners::new(self.answer.outcome.distance / self.unit, options.prediction / self.unit)
+    }
+
+    /// The rounding of a place, in stored units.
+    fn noise(&self) -> f64 {
+        ACROSS * self.answer.size / self.unit
+    }
+
+    /// The corners the manifold before had, where all of them are corners still and the deepest is among them.
+    #[inline(always)]
+    fn choose_again(&self, options: &ManifoldOptions, before: &Manifold, contacts: &mut Contacts) -> bool {
+        let (a, b) = (&self.a, &self.b);
+        let old = before.on();
+        if a.is_edge() || b.is_edge() || old.is_empty() {
+            return false;
+        }
+        let (mut corners, noise) = (self.none(options), self.noise());
+        let all = old.iter().all(|&on| match on.map(|o| (o.as_corner(), o.as_edge())) {
+            [(Some(i), _), _] => {
+                b.is_over(a.place(i), noise) && {
+                    let at = a.place(i);
+                    corners.push(at, [a.corner(i)[2], b.height_on_face(at)], on)
+                }
+            }
+            [_, (Some(j), _)] => {
+                a.is_over(b.place(j), noise) && {
+                    let at = b.place(j);
+                    corners.push(at, [a.height_on_face(at), b.corner(j)[2]], on)
+                }
+            }
+            [(_, Some(i)), (_, Some(j))] => clip::crosses(a, b, i, j) && clip::crossing(a, b, i, j, &mut corners),
+            _ => false,
+        });
+        if !(all && self.has_deepest(&corners)) {
+            return false;
+        }
+        contacts.count = old.len();
+        for (k, corner) in corners.all().iter().enumerate() {
+            contacts.points[k] = self.contact(corner, before.points()[k].features);
+            contacts.on[k] = corner.on;
+        }
+        contacts.same = true;
+        true
+    }
+
     #[inline(always)]
     fn choose(&self, options: &ManifoldOptions, before: &Manifold, contacts: &mut Contacts) {
-        let Answer {
-            a, b, size, outcome, ..
-        } = self.answer;
-        let noise = ACROSS * size / self.unit;
-        let mut corners = Corners::new(outcome.distance / self.unit, options.prediction / self.unit);
+        let Answer { a, b, outcome, .. } = self.answer;
+        let (mut corners, noise) = (self.none(options), self.noise());
         self.corners(options, noise, before, &mut contacts.rays, &mut corners);
         let merge = noise.max(options.drift * a.radius.min(b.radius));
-        let old = self.old(corners.all(), options, before);
-        let last = before
-            .choice
-            .filter(|c| old.count() == options.most() && c.corners == corners.all().len());
-        let chosen = match last {
-            // What was chosen is there, is as deep, and spans what it did.
-            Some(last) if old.is_as_good(corners.all(), last.width, noise) => {
-                contacts.choice = last;
-                old
-            }
-            _ => {
-                let chosen = reduce(corners.all(), old.bits(), options.most(), merge, noise);
-                contacts.choice = Choice {
-                    corners: corners.all().len(),
-                    width: chosen.width(corners.all()),
-                };
-                chosen
-            }
-        };
+        let kept = self.kept(corners.all(), options, before);
+        let chosen = reduce(corners.all(), kept, options.most(), merge, noise);
         contacts.count = 0;
         for &k in chosen.all() {
             let corner = &corners.all()[k];
             let point = if corner.on == Corner::WITNESS {
                 ContactPoint::witness(outcome)
             } else {
-                self.contact(corner)
+                self.contact(corner, self.name(corner))
             };
             // Where rounding has split a feature, the answer may name the witnesses like a corner beside them.
-            if contacts.points[..contacts.count]
-                .iter()
-                .all(|p| p.features != point.features)
-            {
+            let before = &contacts.points[..contacts.count];
+            if before.iter().all(|p| p.features != point.features) {
                 contacts.points[contacts.count] = point;
+                contacts.on[contacts.count] = corner.on;
                 contacts.count += 1;
             }
         }
     }
 
-    /// The corners that the manifold before had, where there is a choice.
-    fn old(&self, corners: &[Corner], options: &ManifoldOptions, before: &Manifold) -> Chosen {
-        let mut old = Chosen::default();
-        if corners.len() > options.most() {
-            for point in before.points() {
-                if let (Some(a), Some(b)) = (self.a.find(point.features.a), self.b.find(point.features.b))
-                    && let Some(k) = corners.iter().position(|c| c.on == [a, b])
-                {
-                    old.push(k);
-                }
-            }
+    /// A bit for each corner that the manifold before had, where there is a choice.
+    fn kept(&self, corners: &[Corner], options: &ManifoldOptions, before: &Manifold) -> u64 {
+        if corners.len() <= options.most() || before.features() != Some(self.features()) {
+            return 0;
         }
-        old
+        let bit = |(k, c): (usize, &Corner)| u64::from(before.on().contains(&c.on)) << k;
+        corners.iter().enumerate().map(bit).fold(0, |bits, bit| bits | bit)
+    }
+
+    fn features(&self) -> FeaturePair {
+        FeaturePair {
+            a: self.a.feature,
+            b: self.b.feature,
+        }
     }
 
     fn name(&self, corner: &Corner) -> FeaturePair {
@@ -293,8 +329,7 @@ impl Seen<'_> {
         }
     }
 
-    fn contact(&self, corner: &Corner) -> ContactPoint {
-        let features = self.name(corner);
+    fn contact(&self, corner: &Corner, features: FeaturePair) -> ContactPoint {
         let [on_a, on_b] = corner.on;
         ContactPoint {
             point_on_a: self.answer.a.given(&self.a.point(on_a, corner.at)),

@@ -16,36 +16,6 @@ impl Chosen {
         &self.list[..self.count]
     }
 
-    pub(super) fn count(&self) -> usize {
-        self.count
-    }
-
-    /// One more, at the end; of no more than there is room for.
-    pub(super) fn push(&mut self, choice: usize) {
-        if self.count < MOST_POINTS {
-            self.insert(self.count, choice);
-        }
-    }
-
-    /// A bit for each.
-    pub(super) fn bits(&self) -> u64 {
-        self.all().iter().fold(0, |bits, &k| bits | 1 << k)
-    }
-
-    /// How wide the chosen ones are, in four directions together, as a part of all.
-    pub(super) fn width(&self, choices: &[Corner]) -> f64 {
-        let all = extent(choices.iter());
-        let part = extent(self.all().iter().map(|&k| &choices[k]));
-        if all > 0.0 { part / all } else { 1.0 }
-    }
-
-    /// Whether none is deeper than the deepest of these, and they are still nearly as wide as `width`.
-    pub(super) fn is_as_good(&self, choices: &[Corner], width: f64, tie: f64) -> bool {
-        let depth = |m: f64, c: &Corner| m.min(c.separation);
-        let deepest = self.all().iter().map(|&k| &choices[k]).fold(f64::INFINITY, depth);
-        deepest <= choices.iter().fold(f64::INFINITY, depth) + tie && self.width(choices) * STAY >= width
-    }
-
     fn insert(&mut self, place: usize, choice: usize) {
         self.list[place..=self.count].rotate_right(1);
         self.list[place] = choice;
@@ -128,19 +98,6 @@ fn widest(choices: &[Corner], kept: u64, chosen: &Chosen, merge: f64) -> Option<
         }
     }
     best.map(|(_, place, k)| (place, k))
-}
-
-/// The sum of the widths along and between the axes.
-fn extent<'a>(choices: impl Iterator<Item = &'a Corner>) -> f64 {
-    let (mut low, mut high) = ([f64::INFINITY; 4], [f64::NEG_INFINITY; 4]);
-    for c in choices {
-        let [x, y] = c.at;
-        for (k, along) in [x, y, x + y, x - y].into_iter().enumerate() {
-            low[k] = low[k].min(along);
-            high[k] = high[k].max(along);
-        }
-    }
-    (0..4).map(|k| high[k] - low[k]).sum()
 }
 
 /// Whether bit `k` is set.

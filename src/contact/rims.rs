@@ -36,7 +36,7 @@ fn dot(u: Place, v: Place) -> f64 {
 
 impl Shadow<'_> {
     /// A point inside the face.
-    fn middle(&self) -> Place {
+    pub(super) fn middle(&self) -> Place {
         let [p, q, r] = [0, self.count / 3, 2 * self.count / 3].map(|k| self.place(k));
         [0, 1].map(|k| (p[k] + q[k] + r[k]) / 3.0)
     }
@@ -107,7 +107,7 @@ impl Shadow<'_> {
     }
 
     /// Whether a place is in the face, seen from one that is; NaN is in.
-    fn holds(&self, middle: Place, at: Place) -> bool {
+    pub(super) fn holds(&self, middle: Place, at: Place) -> bool {
         !(self.exit(middle, minus(at, middle), usize::MAX).0 < 1.0)
     }
 }
@@ -235,7 +235,7 @@ impl Rims<'_> {
                         [On::corner(end), On::WHOLE],
                     ),
                     Some(j) => crossing(a, b, i, j, corners),
-                }
+                };
             }
         } else {
             for end in ends(b, j) {
@@ -247,7 +247,7 @@ impl Rims<'_> {
                         [On::WHOLE, On::corner(end)],
                     ),
                     Some(i) => crossing(a, b, i, j, corners),
-                }
+                };
             }
         }
         far_a.min(far_b)

@@ -244,16 +244,18 @@ impl<'a> Shadow<'a> {
         self.axes.across.map(|e| e.dot(&d))
     }
 
-    /// On what a feature is; `None` where it is none of the shadow's, and of large faces.
-    pub(super) fn find(&self, feature: Feature) -> Option<On> {
-        let position = |list: &[u32; LARGE], id: u32| list[..self.count].iter().position(|&x| x == id);
-        match feature {
-            _ if feature == self.feature => Some(On::WHOLE),
-            _ if self.is_large() => None,
-            Feature::Vertex(v) => position(&self.vertices, v.0).map(On::corner),
-            Feature::Edge(e) => position(&self.edges, e.0).map(On::edge),
-            Feature::Face(_) => None,
+    /// Whether a place is on the face, or beside it within rounding where the face is a small one.
+    #[inline(always)]
+    pub(super) fn is_over(&self, at: [f64; 2], noise: f64) -> bool {
+        if self.is_large() {
+            return self.holds(self.middle(), at);
         }
+        (0..self.count).all(|k| {
+            let next = self.next(k);
+            let (ux, uy) = (self.x[next] - self.x[k], self.y[next] - self.y[k]);
+            let side = ux * (at[1] - self.y[k]) - uy * (at[0] - self.x[k]);
+            side >= -noise * (ux.abs() + uy.abs())
+        })
     }
 
     /// The height of the face over a place.

@@ -12,7 +12,7 @@ use wide::f32x4;
 
 use super::ConvexPolyhedron;
 use crate::pose::rotation_matrix;
-use crate::tolerance::{BOX, BOX_SCANNED};
+use crate::tolerance::{BOX, BOX_SCANNED, POSE_UNIT};
 
 /// Bodies up to this many vertices are scanned.
 const SCANNED: usize = 64;
@@ -60,19 +60,18 @@ impl Scan {
                 high[k] = high[k].fast_max(along);
             }
         }
-        // High ends are the low ends of the opposite; one fold over pairs serves all six.
-        let low = low.map(|v| least(v.to_array()));
-        let high = high.map(|v| -least((-v).to_array()));
-        let (low, high) = (Vector3::from(low), Vector3::from(high));
-        (low.map(f64::from), high.map(f64::from))
+        let low = across(low, f32x4::fast_min);
+        let high = across(high, f32x4::fast_max);
+        (low, high)
     }
 }
 
-/// The least of four numbers; without the care for NaN that `f32::min` takes.
+/// One number for each of three vectors: the fold of its four lanes, all three side by side.
 #[inline(always)]
-fn least(v: [f32; 4]) -> f32 {
-    let min = |a: f32, b: f32| if a < b { a } else { b };
-    min(min(v[0], v[1]), min(v[2], v[3]))
+fn across([x, y, z]: [f32x4; 3], fold: impl Fn(f32x4, f32x4) -> f32x4) -> Vector3<f64> {
+    let [a, b, c, d] = f32x4::transpose([x, y, z, z]);
+    let [x, y, z, _] = fold(fold(a, b), fold(c, d)).to_array();
+    Vector3::new(x, y, z).map(f64::from)
 }
 
 impl ConvexPolyhedron {
@@ -83,16 +82,6 @@ impl ConvexPolyhedron {
     #[doc(alias = "compute_aabb")]
     pub fn aabb_at(&self, pose: &Isometry3<f64>, hint: &mut BoxHint) -> (Point3<f64>, Point3<f64>) {
         let matrix = matrix(pose);
-        let unit = self.unit();
-        let t = pose.translation.vector;
-        let (center, far) = if self.as_given {
-            (t, t.abs() * BOX)
-        } else {
-            (
-                matrix * self.origin + t,
-                (matrix.abs() * self.origin.abs() + t.abs()) * BOX,
-            )
-        };
         let (low, high, error) = if self.scan.0.is_empty() {
             let (low, high) = self.climbed_span(&matrix, hint);
             (low, high, BOX * self.radius)
@@ -100,11 +89,19 @@ impl ConvexPolyhedron {
             let (low, high) = self.scan.span(&matrix);
             (low, high, BOX_SCANNED * self.radius)
         };
-        let margin = far.add_scalar(error * unit);
-        (
-            Point3::from(center + low * unit - margin),
-            Point3::from(center + high * unit + margin),
-        )
+        let t = pose.translation.vector;
+        let around = |center: Vector3<f64>, low, high, margin| {
+            (
+                Point3::from(center + low - margin),
+                Point3::from(center + high + margin),
+            )
+        };
+        if self.as_given {
+            return around(t, low, high, (t.abs() * BOX).add_scalar(error));
+        }
+        let (center, far) = self.origin_at(&matrix, &t);
+        let unit = self.unit();
+        around(center, low * unit, high * unit, far.add_scalar(error * unit))
     }
 
     /// A cube that holds the body however it is turned, about its own origin or, for a body far from that, about its
@@ -118,7 +115,15 @@ impl ConvexPolyhedron {
         (Point3::from(center - half), Point3::from(center + half))
     }
 
-    /// Climbs to the least and greatest vertex along each axis.
+    /// Where the stored origin is, and how far off that may be.
+    #[cold]
+    fn origin_at(&self, matrix: &Matrix3<f64>, t: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
+        let far = (matrix.abs() * self.origin.abs() + t.abs()) * BOX;
+        (matrix * self.origin + t, far)
+    }
+
+    /// Climbs to the least and greatest vertex along each axis. Apart from the scan, which needs fewer registers saved.
+    #[inline(never)]
     fn climbed_span(&self, matrix: &Matrix3<f64>, hint: &mut BoxHint) -> (Vector3<f64>, Vector3<f64>) {
         let (mut low, mut high) = (Vector3::zeros(), Vector3::zeros());
         for k in 0..3 {
@@ -139,5 +144,8 @@ impl ConvexPolyhedron {
 #[inline]
 fn matrix(pose: &Isometry3<f64>) -> Matrix3<f64> {
     let q = pose.rotation.coords;
-    rotation_matrix(&[q.x, q.y, q.z, q.w], 2.0 / q.norm_squared())
+    let n = q.norm_squared();
+    // Of a unit quaternion `2 - n` is `1 / n` to 1e-24, and nobody waits for a division.
+    let inverse = if (n - 1.0).abs() <= POSE_UNIT { 2.0 - n } else { 1.0 / n };
+    rotation_matrix(&[q.x, q.y, q.z, q.w], 2.0 * inverse)
 }

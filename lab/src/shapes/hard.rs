@@ -22,11 +22,7 @@ pub fn ellipsoid(rng: &mut Rng, n: usize, axes: Point) -> Shape {
 
 /// `n` random points in the unit ball: most of a large cloud is inside.
 pub fn ball(rng: &mut Rng, n: usize) -> Shape {
-    let mut point = || {
-        let s = rng.uniform().cbrt();
-        scale(rng.unit(), s)
-    };
-    Shape::hull(format!("ball {n}"), (0..n).map(|_| point()).collect())
+    Shape::hull(format!("ball {n}"), (0..n).map(|_| rng.in_ball()).collect())
 }
 
 /// A flat body: `n` random points squeezed to `thickness` and turned at random.

@@ -285,7 +285,7 @@ impl BroadPhase for PencilSweep {
                 query::overlapping(bodies, columns, &record.now(), Record::now, |i| found.push(i));
             }
         });
-        self.ledger.pairs.events()
+        self.ledger.pairs.events(&self.ledger.bodies)
     }
 
     fn overlapping(&self, aabb: &Aabb, found: &mut Vec<BodyId>) -> Result<(), BroadPhaseError> {

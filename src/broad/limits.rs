@@ -1,0 +1,77 @@
+//! What happens when indices run out, with few of them.
+
+use super::pairs::Most;
+use super::{Aabb, Body, BodyId, BroadPhase, BroadPhaseError, PencilSweep, SortedAxes};
+use nalgebra::{Point3, Vector3};
+
+fn cube(x: f64) -> Aabb {
+    Aabb::from_center(Point3::new(x, 0.0, 0.0), Vector3::repeat(0.5))
+}
+
+fn body_without_index(mut broad: impl BroadPhase) {
+    broad.ledger_mut().bodies.most = 2;
+    let [a, b] = [0.0, 0.5].map(|x| broad.insert(&cube(x), Body::moving()).expect("there is room for two"));
+    for _ in 0..2 {
+        assert_eq!(
+            broad.insert(&cube(0.2), Body::moving()),
+            Err(BroadPhaseError::TooManyBodies)
+        );
+        assert_eq!(
+            broad.insert_unbounded(&Aabb::everything(), Body::fixed()),
+            Err(BroadPhaseError::TooManyBodies)
+        );
+        broad.step();
+        assert!(broad.bodies().eq([a, b]) && broad.pair_count() == 1, "nothing changed");
+    }
+    broad.remove(b).expect("it is there");
+    // The index is free once the step has told that the pairs of its body ended.
+    assert_eq!(
+        broad.insert(&cube(0.2), Body::moving()),
+        Err(BroadPhaseError::TooManyBodies)
+    );
+    assert_eq!(broad.step().ended.len(), 1);
+    let again = broad.insert(&cube(0.2), Body::moving()).expect("there is room again");
+    assert!(again.index == b.index && again != b);
+}
+
+#[test]
+fn a_body_without_an_index_is_refused_and_changes_nothing() {
+    body_without_index(PencilSweep::new());
+    body_without_index(SortedAxes::new());
+}
+
+fn pairs_without_slot(mut broad: impl BroadPhase) {
+    broad.ledger_mut().pairs.most = Most(2);
+    let ids: [BodyId; 4] = [0.0, 0.1, 0.2, 9.0].map(|x| broad.insert(&cube(x), Body::moving()).expect("a sound box"));
+    let [a, b, c, d] = ids;
+    let told = broad.step();
+    let named = |pairs: &[super::Pair]| pairs.iter().map(|p| (p.a, p.b)).collect::<alloc::vec::Vec<_>>();
+    assert_eq!(named(told.began), [(a, b), (a, c)]);
+    let error = BroadPhaseError::TooManyPairs { a: b, b: c, refused: 1 };
+    assert_eq!(told.refused, Some(error));
+    assert_eq!(broad.pair_count(), 2);
+    assert!(broad.pair(b, c).is_none());
+    // Not refused twice; what ends makes room, and a pair that has to wait is met when it begins anew.
+    assert_eq!(broad.step().refused, None);
+    broad.set_box(a, &cube(-9.0)).expect("a sound box");
+    let told = broad.step();
+    assert_eq!((told.ended.len(), told.began.len(), told.refused), (2, 0, None));
+    broad.regroup(c).expect("it is there");
+    assert_eq!(named(broad.step().began), [(b, c)]);
+    // The refused pair ends without a word.
+    broad.set_box(d, &cube(0.0)).expect("a sound box");
+    let told = broad.step();
+    assert_eq!(
+        (told.began.len(), told.refused),
+        (1, Some(BroadPhaseError::TooManyPairs { a: c, b: d, refused: 1 }))
+    );
+    broad.set_box(d, &cube(9.0)).expect("a sound box");
+    assert_eq!(named(broad.step().ended), [(b, d)]);
+    assert_eq!(broad.pair_count(), 1);
+}
+
+#[test]
+fn pairs_without_a_slot_are_told_and_change_nothing() {
+    pairs_without_slot(PencilSweep::new());
+    pairs_without_slot(SortedAxes::new());
+}
