@@ -84,10 +84,18 @@ const SETS: [(&str, Effects); 15] = [
         "full-features",
         Effects {
             features: false,
+            manifold: None,
             ..FULL
         },
     ),
-    ("full-depth", Effects { depth: false, ..FULL }),
+    (
+        "full-depth",
+        Effects {
+            depth: false,
+            manifold: None,
+            ..FULL
+        },
+    ),
     ("full-manifold", Effects { manifold: None, ..FULL }),
 ];
 
