@@ -35,7 +35,7 @@ const FULL: Effects = Effects {
     manifold: Some(ManifoldOptions::within(0.02)),
 };
 
-/// Growing sets, then the full one less one effect each.
+/// Growing sets, then the full one less one effect each. A manifold has features and depth, so it goes with either.
 const SETS: [(&str, Effects); 15] = [
     ("none", NONE),
     ("boxes", Effects { boxes: true, ..NONE }),
@@ -84,10 +84,18 @@ const SETS: [(&str, Effects); 15] = [
         "full-features",
         Effects {
             features: false,
+            manifold: None,
             ..FULL
         },
     ),
-    ("full-depth", Effects { depth: false, ..FULL }),
+    (
+        "full-depth",
+        Effects {
+            depth: false,
+            manifold: None,
+            ..FULL
+        },
+    ),
     ("full-manifold", Effects { manifold: None, ..FULL }),
 ];
 

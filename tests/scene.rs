@@ -11,9 +11,6 @@ use world::{body, isometry};
 
 type Keys = BTreeSet<(BodyId, BodyId)>;
 
-/// Lower and upper bounds of distances.
-type Bounds = BTreeMap<(BodyId, BodyId), (f64, f64)>;
-
 const NONE: Effects = Effects::none();
 const DEFAULT: Group = Group::new(0).unwrap();
 
@@ -65,8 +62,11 @@ impl Play {
     }
 }
 
+/// Bounds of the distance of each pair.
+type Intervals = BTreeMap<(BodyId, BodyId), (f64, f64)>;
+
 /// What is true of all living pairs: those sharing a point, those within `d`, and the distances.
-fn truth(scene: &Scene, d: f64, trackers: &mut BTreeMap<(BodyId, BodyId), Tracker>) -> (Keys, Keys, Bounds) {
+fn truth(scene: &Scene, d: f64, trackers: &mut BTreeMap<(BodyId, BodyId), Tracker>) -> (Keys, Keys, Intervals) {
     let ids: Vec<BodyId> = scene.bodies().collect();
     let (mut overlapping, mut within, mut distances) = (Keys::new(), Keys::new(), BTreeMap::new());
     for (k, &a) in ids.iter().enumerate() {
@@ -193,7 +193,13 @@ fn every_rung_equals_brute_force_on_every_frame() {
 }
 
 /// The answers by pair and by body; returns how many distances were looked at.
-fn check_answers(scene: &Scene, effects: &Effects, distances: &Bounds, overlapping: &Keys, within: &Keys) -> usize {
+fn check_answers(
+    scene: &Scene,
+    effects: &Effects,
+    distances: &BTreeMap<(BodyId, BodyId), (f64, f64)>,
+    overlapping: &Keys,
+    within: &Keys,
+) -> usize {
     let mut measured = Keys::new();
     for p in scene.pairs() {
         let key = (p.a, p.b);
