@@ -1,7 +1,7 @@
 //! The Lin-Canny core: from a pair of features to the closest pair, with proof.
 //!
 //! 1. **Walk** ([`walk`]): from the cached pair, or from the support vertices along the line of centres ([`seed`]).
-//! 2. **Certify**: witnesses against supporting planes. Agreement within `32 UNIT L` is an answer; its bounds are
+//! 2. **Certify**: witnesses against supporting planes. Agreement within `64 UNIT L` is an answer; its bounds are
 //!    widened by the error term and reported.
 //! 3. Where they do not agree: both supports along the same direction are proven afresh; a walk from a cached pair is
 //!    started again from the support vertices; then comes the minimum-norm solver in f64, the same in double-double,
