@@ -186,6 +186,7 @@ fn main() -> Result<(), Trouble> {
     );
     let mut chart = Chart::new("clearance of the arm, by the nearest pair; below zero it is in the way")
         .axes("frame", "least distance")
+        .legend_beside()
         .line(
             "all pairs",
             nearest.iter().enumerate().map(|(k, (d, _))| (k as f64, *d)),

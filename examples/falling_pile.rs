@@ -299,14 +299,19 @@ fn draw(runs: &[Vec<Step>], bodies: usize, out: &str) -> Result<(), Trouble> {
     };
     let mut time = Chart::new(format!("{bodies} hulls fall into a pile: what a step costs"))
         .axes("step", "us")
+        .legend_beside()
         .from_zero();
     let mut work = Chart::new("pairs whose trackers are asked")
         .axes("step", "pairs")
+        .legend_beside()
         .from_zero()
         .size(860, 320);
     for ((name, _), reports) in SETS.iter().zip(runs).take(DRAWN) {
         time = time.line(*name, curve(reports, &|r| r.times.total().as_secs_f64() * 1e6));
-        work = work.line(*name, curve(reports, &|r| r.counts.queries as f64));
+        // Nothing is asked where nothing is called for.
+        if *name != "none" {
+            work = work.line(*name, curve(reports, &|r| r.counts.queries as f64));
+        }
     }
     let boxes = curve(&runs[DRAWN - 1], &|r| r.counts.pairs as f64);
     work = work.line("pairs of boxes", boxes);

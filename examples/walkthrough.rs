@@ -134,6 +134,7 @@ fn main() -> Result<(), Trouble> {
         "the way of the probe, and the bodies within one unit of its height ({bodies} in all)"
     ))
     .axes("x", "y")
+    .legend_beside()
     .size(860, 620)
     .line("free", way.iter().copied())
     .dots("too close", close.iter().copied())
@@ -151,6 +152,7 @@ fn main() -> Result<(), Trouble> {
     };
     let work = Chart::new("a frame")
         .axes("frame", "pairs")
+        .legend_beside()
         .from_zero()
         .size(860, 300)
         .line("pairs of boxes", smooth(&|r| r.counts.pairs as f64))

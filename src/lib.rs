@@ -34,6 +34,8 @@
 //! | Are they at most `d` apart? | [`Tracker::within`] | `bool` |
 //! | Which points hold them apart? | [`Tracker::manifold`] | [`Manifold`]: contact points, with names that last |
 //! | What does a motion do to it? | [`Outcome::gradient_a`], [`gradient_b`](Outcome::gradient_b) | [`Gradient`] of the signed distance |
+//! | Give or take an error? The same in many small steps? | [`Watch`] | distance or `bool`, looked for only where the motion leaves it open |
+//! | Many moving bodies? | [`scene::Scene`] | events and answers for the effects called for |
 //! | How far apart, how deep? | [`Tracker::distance`] | [`Distance`]: signed value and bounds |
 //! | Where, and which features? | [`Tracker::closest`] | [`Outcome`]: features, witnesses, normal, bounds |
 //! | The same to the last bit? | `Tracker::closest_exact` (feature `exact`) | [`Outcome`] |
@@ -94,9 +96,12 @@
 //! | level | what it promises |
 //! |---|---|
 //! | [`Tracker::propose`] | the walk's word: no bounds in its type |
+//! | [`Watch::distance`] | the true signed distance lies in `lower..=upper`, off by at most the error allowed |
 //! | [`Tracker::closest`], [`Tracker::distance`] | the true signed distance lies in `lower..=upper`, no wider than `1e-13 L` |
 //! | `Tracker::closest_exact` | the class is exact and the distance within one unit in the last place |
 //! | [`Tracker::intersects`], [`Tracker::within`] | exact with the feature `exact`; without it ties count as within |
+//!
+//! What each of these costs, and where the crate loses: [`cost`].
 //!
 //! To the L of bodies that lie far from their own origin 2^-49 of that distance is added: it matters where they are of the size of
 //! the rounding of their coordinates.
@@ -120,7 +125,7 @@
 //! * The depth of an overlap is tracked: a microsecond for small motions, more where bodies lie deep or turn far, and milliseconds for
 //!   round bodies of thousands of faces about one centre. Should its bounds stay open (none has been seen to, but for overlaps below `1e-17 L`, where
 //!   the lower one may be all there is), they are returned as they are.
-//! * Times of impact, scenes of many bodies, non-convex or curved bodies are not there yet.
+//! * Times of impact, dynamics, non-convex or curved bodies are not there yet.
 //!
 //! # Cargo features
 //!
@@ -144,7 +149,10 @@
 //! 7. `contact`: the points by which bodies hold each other apart, over frames; gradients of the signed distance.
 //! 8. `tracker`: what a caller keeps, and which solver to ask.
 //! 9. `soundness`, `replay`: what debug builds check of every answer, and the text of a query that fails.
-//! 10. [`broad`]: boxes and ids alone, for many bodies; it knows nothing of the others.
+//! 10. `watch`: one tracker, and how far its bodies have moved.
+//! 11. [`broad`]: boxes and ids alone, for many bodies; it knows nothing of the others.
+//! 12. `motion`: velocities, and how far a motion carries a point.
+//! 13. [`scene`]: where all meets; start with `scene/step.rs`.
 //!
 //! # From the thesis
 //!
@@ -155,7 +163,7 @@
 //! |---|---|
 //! | chapter 3, incremental distance computation | `closest`, [`polyhedron`], [`Tracker`] |
 //! | chapter 4, non-convex and curved bodies | not yet |
-//! | chapter 5, many moving bodies | [`broad`]; scheduling not yet |
+//! | chapter 5, many moving bodies | [`broad`], [`scene`]; scheduling by time not yet |
 //! | chapter 6, path planning | not yet |
 //!
 //! Departures:

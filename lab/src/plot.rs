@@ -267,8 +267,24 @@ impl Chart {
         if self.rows {
             mesh.disable_y_mesh();
         }
-        let number = |v: &f64| if self.rows { String::new() } else { short(*v) };
-        mesh.x_label_formatter(&|v| short(*v))
+        // Stepping along an axis misses zero by rounding; a logarithmic one has no zero.
+        let largest = |at: fn(&(f64, f64)) -> f64| {
+            let all = self.series.iter().flat_map(|s| &s.points);
+            all.fold(0.0f64, |m, p| m.max(at(p).abs()))
+        };
+        let tick = |v: f64, log: bool, largest: f64| {
+            let is_zero = !log && v.abs() < 1e-9 * largest;
+            short(if is_zero { 0.0 } else { v })
+        };
+        let (wide, high) = (largest(|p| p.0), largest(|p| p.1));
+        let number = |v: &f64| {
+            if self.rows {
+                String::new()
+            } else {
+                tick(*v, self.log.1, high)
+            }
+        };
+        mesh.x_label_formatter(&|v| tick(*v, self.log.0, wide))
             .y_label_formatter(&number)
             .draw()?;
         for (i, s) in self.series.iter().enumerate() {
