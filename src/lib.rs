@@ -91,7 +91,9 @@
 //!
 //! # Accuracy
 //!
-//! With L the sum of both radii and the distance of the bodies:
+//! With L the sum of both radii and the distance between the points these are about: the bodies' own origins or, in each coordinate in
+//! which the middle of a body is more than two radii from its origin, that middle. (About the middles L would be smaller, by a factor
+//! of eight at the most.)
 //!
 //! | level | what it promises |
 //! |---|---|
@@ -123,8 +125,8 @@
 //! * Bodies are [`Send`] and [`Sync`] and never change; a tracker belongs to one pair at a time and owns no body.
 //! * A body's extent lies between 1e-100 and 1e100; one body may be any number of times larger than the other.
 //! * The depth of an overlap is tracked: a microsecond for small motions, more where bodies lie deep or turn far, and milliseconds for
-//!   round bodies of thousands of faces about one centre. Should its bounds stay open (none has been seen to, but for overlaps below `1e-17 L`, where
-//!   the lower one may be all there is), they are returned as they are.
+//!   round bodies of thousands of faces about one centre. Should its bounds stay open, they are returned as they are: seen for overlaps below
+//!   `1e-17 L`, where the lower one may be all there is, and for a needle a billionth as thick as long laid into its like.
 //! * Times of impact, dynamics, non-convex or curved bodies are not there yet.
 //!
 //! # Cargo features

@@ -19,6 +19,9 @@ const UNIT: f64 = f64::EPSILON / 2.0;
 /// Coordinates that are more than 2^49 times as large as the pair count for its size by this part of them.
 const FAR: f64 = 1.0 / (1u64 << 48) as f64;
 
+/// Radii about the origins the crate stores bodies by, and the distance of these, are up to so many times those about the middles.
+const ABOUT: f64 = 8.0;
+
 /// Width of bounds that is promised, in units of the pair's size.
 const WIDTH: f64 = 1e-13;
 
@@ -212,7 +215,7 @@ impl Judge {
                 "the lower bound is above the distance of the witnesses",
             ),
             (
-                o.upper - o.lower <= WIDTH * (size + FAR * (self.a.reach + self.b.reach)),
+                o.upper - o.lower <= WIDTH * (ABOUT * size + FAR * (self.a.reach + self.b.reach)),
                 "the bounds are wide",
             ),
             (s.gap >= o.lower - width, "the normal does not prove the lower bound"),
