@@ -10,7 +10,7 @@ use lab::pose::{norm, sub};
 use lab::progress::Progress;
 use lab::record::{Row, spread};
 use lin_canny::nalgebra::{Isometry3, Point3};
-use lin_canny::{ConvexPolyhedron, RelativePose, Tracker, Watch};
+use lin_canny::{ConvexPolyhedron, Manifold, ManifoldOptions, RelativePose, Tracker, Watch};
 
 use crate::bodies::{self, Body, Pair};
 use crate::engines::clocked;
@@ -74,6 +74,7 @@ enum Ask<'a> {
     Walk(Tracker),
     Certified(Tracker),
     Exact(Tracker),
+    Manifold(Tracker, Box<Manifold>),
     Inner(&'a [Detail; 2], Tracker),
     ParryOverlap,
     ParryDistance,
@@ -112,6 +113,10 @@ impl Ask<'_> {
             Ask::Walk(t) => t.propose(a, b, &relative()).distance.unwrap_or(0.0),
             Ask::Certified(t) => t.closest(a, b, &relative()).distance,
             Ask::Exact(t) => t.closest_exact(a, b, &relative()).distance,
+            Ask::Manifold(t, m) => {
+                t.manifold(a, b, &relative(), &ManifoldOptions::within(f64::MAX), m);
+                m.points().iter().fold(f64::INFINITY, |d, p| d.min(p.separation))
+            }
             Ask::Inner([a, b], t) => t.distance(&a.inner, &b.inner, &relative()).value - 0.5 * (a.bound + b.bound),
             Ask::ParryOverlap => match (&pair.a.parry, &pair.b.parry) {
                 (Some(a), Some(b)) => yes_no(lab::parry::intersect(a, &f.a, b, &f.b)),
@@ -162,6 +167,10 @@ fn questions<'a>(pair: &'a Pair, details: &'a [[Detail; 2]]) -> Vec<(Question, B
             Box::new(|| Ask::Certified(Tracker::new())),
         ),
         (("ours", "exact".into()), Box::new(|| Ask::Exact(Tracker::new()))),
+        (
+            ("ours", "manifold".into()),
+            Box::new(|| Ask::Manifold(Tracker::new(), Box::default())),
+        ),
     ]);
     for (list, m) in details.iter().zip(INNER) {
         all.push((
@@ -249,7 +258,7 @@ fn proven(ask: &Ask, pair: &Pair) -> String {
         Ask::Walk(_) | Ask::ParryDistance | Ask::ParryOverlap => "nothing".into(),
         Ask::Roughly(_, error) => format!("{:.0e}", error / size),
         Ask::Inner([a, b], _) => format!("{:.1e}", 0.5 * (a.bound + b.bound) / size),
-        Ask::Distance(_) | Ask::Certified(_) => "1e-13".into(),
+        Ask::Distance(_) | Ask::Certified(_) | Ask::Manifold(..) => "1e-13".into(),
         Ask::Exact(_) => "one unit in the last place".into(),
         _ => "exact".into(),
     }
