@@ -126,7 +126,8 @@
 //! * A body's extent lies between 1e-100 and 1e100; one body may be any number of times larger than the other.
 //! * The depth of an overlap is tracked: a microsecond for small motions, more where bodies lie deep or turn far, and milliseconds for
 //!   round bodies of thousands of faces about one centre. Should its bounds stay open, they are returned as they are: seen for overlaps below
-//!   `1e-17 L`, where the lower one may be all there is, and for a needle a billionth as thick as long laid into its like.
+//!   `1e-17 L`, where the lower one may be all there is, for a needle a billionth as thick as long laid into its like, and for a speck a
+//!   trillionth as large as the body on whose edge it sits, that being far from its own origin.
 //! * Times of impact, dynamics, non-convex or curved bodies are not there yet.
 //!
 //! # Cargo features
