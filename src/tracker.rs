@@ -7,7 +7,7 @@ use alloc::vec::Vec;
 use nalgebra::Unit;
 
 use crate::closest::hold::Hold;
-use crate::closest::outcome::{Class, Distance, Layer, Level, Outcome, Proposal};
+use crate::closest::outcome::{Class, Distance, Level, Outcome, Proposal};
 use crate::closest::placed::Placed;
 use crate::closest::trace::trace;
 use crate::closest::{self, far};
@@ -134,7 +134,9 @@ impl Tracker {
         let before = self.before(a, b);
         let mut outcome = self.answer(a, b, a_from_b, Level::Exact, true);
         // The second: a distance that only f64 in the caller's own unit can hold.
-        if outcome.layer == Layer::Far || outcome.class == Class::Separated && outcome.lower <= 0.0 {
+        if outcome.layer == crate::closest::outcome::Layer::Far
+            || outcome.class == Class::Separated && outcome.lower <= 0.0
+        {
             outcome = far::exactly(a, b, a_from_b, outcome);
         }
         debug_check(a, b, a_from_b, &before, Level::Exact, &outcome);

@@ -1,4 +1,5 @@
 //! Features `parallel` and `serde`: any number of threads gives the same bits, and so does a scene that was written and read back.
+#![cfg(all(feature = "parallel", feature = "serde"))]
 
 mod world;
 

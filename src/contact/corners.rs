@@ -5,6 +5,7 @@ const MOST: usize = 64;
 
 /// On what of a shadow a point lies.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct On(u32);
 
 impl On {
@@ -21,6 +22,12 @@ impl On {
     #[inline(always)]
     pub(super) fn edge(k: usize) -> Self {
         On(Self::EDGE | k as u32)
+    }
+
+    /// Whether it is of a shadow of so many corners: what comes from a file need not be.
+    #[inline(always)]
+    pub(super) fn is_of(self, corners: usize) -> bool {
+        self.as_corner().or(self.as_edge()).is_none_or(|k| k < corners)
     }
 
     /// The number of the corner.

@@ -44,8 +44,8 @@ impl ContactPoint {
 
 /// The contact points of one pair of bodies: keep one for each pair and pass it to [`Tracker::manifold`] every frame.
 ///
-/// Holds at most eight points, and nothing on the heap. A manifold of other bodies, or of other options, is made anew; so is one that
-/// comes from a file, which brings points and names.
+/// Holds at most eight points, and nothing on the heap. A manifold of other bodies, or of other options, is made anew. One that
+/// comes from a file (feature `serde`) goes on where it was, and its points are taken at the file's word until the bodies have moved.
 ///
 /// [`Tracker::manifold`]: crate::Tracker::manifold
 #[derive(Clone, Debug, PartialEq)]
@@ -57,13 +57,10 @@ pub struct Manifold {
     normal: Unit<Vector3<f64>>,
     lower: f64,
     upper: f64,
-    #[cfg_attr(feature = "serde", serde(skip))]
     made: Option<Made>,
     fresh: bool,
     /// On what of the features the points are.
-    #[cfg_attr(feature = "serde", serde(skip))]
     on: [[On; 2]; MOST_POINTS],
-    #[cfg_attr(feature = "serde", serde(skip))]
     pub(super) rays: Rays,
 }
 

@@ -244,7 +244,8 @@ impl Seen<'_> {
     fn choose_again(&self, options: &ManifoldOptions, before: &Manifold, contacts: &mut Contacts) -> bool {
         let (a, b) = (&self.a, &self.b);
         let old = before.on();
-        if a.is_edge() || b.is_edge() || old.is_empty() {
+        let is_of_these = |on: &[On; 2]| on[0].is_of(a.count) && on[1].is_of(b.count);
+        if a.is_edge() || b.is_edge() || old.is_empty() || !old.iter().all(is_of_these) {
             return false;
         }
         let (mut corners, noise) = (self.none(options), self.noise());
