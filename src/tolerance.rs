@@ -149,6 +149,7 @@ pub const PLATEAU: f64 = 16.0 * UNIT;
 /// bodies added to L; its sums and products err by 10 UNIT^2 at most, so all is below 100 [`UNIT_DOUBLE_DOUBLE`]. The
 /// largest violation of the bounds without their term that was ever seen is 11 u L.
 pub const CERTIFICATE: f64 = 128.0;
+
 /// Error of the displacement of a body between two poses, in units of its radius `r`, of the distance `|c|` of its ball's
 /// middle from its own origin, and of that of the origins `|t|` at either pose (u = UNIT, errors as in [`CERTIFICATE`]): a
 /// rotation errs by `71 u` in norm, so the Frobenius norm of the difference of two by `2 sqrt(3) 71 u`, over the root of 2
@@ -203,6 +204,7 @@ pub(crate) const NEAR_PLANE: f64 = 16.0 * UNIT;
 /// The filter of the exact rung: vertices within this times `|n|_1 r` of the highest in f64 are placed exactly. The
 /// direction is turned by a matrix of error 40 UNIT (see [`CERTIFICATE`]) and rounded twice; heights add 3 UNIT each.
 pub const EXACT_FILTER: f64 = 128.0 * UNIT;
+
 /// From beyond `2^60` radii a body's closest point depends on the direction only, to `2^-60` of its size: below
 /// rounding.
 pub(crate) const FAR_POINT: f64 = (1u64 << 60) as f64;

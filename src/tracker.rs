@@ -74,7 +74,7 @@ impl Tracker {
         }
     }
 
-    /// Takes all the memory now that overlaps may need later (some 60 kB): no query for which the walk or its solvers in f64 suffice
+    /// Takes all the memory now that overlaps may need later (some 50 kB): no query for which the walk or its solvers in f64 suffice
     /// allocates then, as long as surfaces have no more than 256 triangles. Only round bodies deep in each other need more.
     pub fn reserve(&mut self) {
         self.memory.reserve();

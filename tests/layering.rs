@@ -129,7 +129,7 @@ fn functions_are_short() {
 }
 
 /// What the code of a folder may name of the crate.
-const MAY_USE: [(&str, &[&str]); 11] = [
+const MAY_USE: [(&str, &[&str]); 13] = [
     ("tolerance", &[]),
     ("scalar", &["tolerance"]),
     ("double_double", &["scalar", "tolerance"]),
@@ -165,6 +165,23 @@ const MAY_USE: [(&str, &[&str]); 11] = [
             "pose",
             "scalar",
             "double_double",
+            "tolerance",
+        ],
+    ),
+    // Contacts begin with an answer, however it was found.
+    ("contact", &["closest", "polyhedron", "pose", "scalar", "tolerance"]),
+    // What a caller keeps of a pair; the report of a fault is below it.
+    (
+        "tracker",
+        &[
+            "closest",
+            "penetration",
+            "contact",
+            "polyhedron",
+            "pose",
+            "scalar",
+            "soundness",
+            "replay",
             "tolerance",
         ],
     ),

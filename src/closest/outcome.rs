@@ -50,7 +50,8 @@ pub enum Layer {
     Exact,
     /// Bodies so far apart that only their separation counts.
     Far,
-    /// The surface around the origin of the bodies' difference, kept from the answer before: overlap and depth at once.
+    /// A surface around the origin of the bodies' difference: kept from the answer before or begun at its deepest facet, overlap and depth at
+    /// once; where no depth is asked for, four points kept from the answer before.
     Surface,
 }
 

@@ -351,3 +351,17 @@ fn answer(placed: &Placed, found: &Found<f64>, outcome: &mut Outcome) {
     outcome.work.depths += 1;
     take(placed, found, outcome);
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_room_for_later_overlaps_is_what_the_documentation_says() {
+        let mut memory = Memory::default();
+        assert_eq!(memory.heap_bytes(), 0);
+        memory.reserve();
+        let bytes = memory.heap_bytes();
+        assert!((45_000..55_000).contains(&bytes), "{bytes}");
+    }
+}
