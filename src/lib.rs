@@ -92,8 +92,7 @@
 //! # Accuracy
 //!
 //! With L the sum of both radii and the distance between the points these are about: the bodies' own origins or, in each coordinate in
-//! which the middle of a body is more than two radii from its origin, that middle. (About the middles L would be smaller, by a factor
-//! of eight at the most.)
+//! which the middle of a body's box is more than two half diagonals of it from its origin, that middle.
 //!
 //! | level | what it promises |
 //! |---|---|

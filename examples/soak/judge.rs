@@ -19,9 +19,6 @@ const UNIT: f64 = f64::EPSILON / 2.0;
 /// Coordinates that are more than 2^49 times as large as the pair count for its size by this part of them.
 const FAR: f64 = 1.0 / (1u64 << 48) as f64;
 
-/// Radii about the origins the crate stores bodies by, and the distance of these, are up to so many times those about the middles.
-const ABOUT: f64 = 8.0;
-
 /// Width of bounds that is promised, in units of the pair's size.
 const WIDTH: f64 = 1e-13;
 
@@ -54,9 +51,14 @@ impl Side {
             (at(0), unit(fan.fold([0.0; 3], add)))
         };
         let planes = faces.iter().map(plane).collect();
-        // The middle, but zero in every coordinate in which the body lies about its own origin: as the crate keeps it.
-        // A single point stays where it is.
-        let (middle, half) = body.bounding_ball();
+        // The middle of the box, but zero in every coordinate in which that is no more than two half diagonals from the body's own
+        // origin: what L is about. A single point stays where it is.
+        let bound = |worse: fn(f64, f64) -> f64| {
+            let corner = |p: Point, q: &Point| std::array::from_fn(|k| worse(p[k], q[k]));
+            points.iter().fold(points[0], corner)
+        };
+        let (low, high): (Point, Point) = (bound(f64::min), bound(f64::max));
+        let half = 0.5 * norm(sub(high, low));
         let far = |x: f64| {
             if points.len() > 1 && x.abs() > 2.0 * half {
                 x
@@ -64,7 +66,7 @@ impl Side {
                 0.0
             }
         };
-        let middle = [far(middle.x), far(middle.y), far(middle.z)];
+        let middle: Point = std::array::from_fn(|k| far(0.5 * low[k] + 0.5 * high[k]));
         let radius = points.iter().map(|&p| norm(sub(p, middle))).fold(0.0, f64::max);
         Self {
             planes,
@@ -215,7 +217,7 @@ impl Judge {
                 "the lower bound is above the distance of the witnesses",
             ),
             (
-                o.upper - o.lower <= WIDTH * (ABOUT * size + FAR * (self.a.reach + self.b.reach)),
+                o.upper - o.lower <= WIDTH * (size + FAR * (self.a.reach + self.b.reach)),
                 "the bounds are wide",
             ),
             (s.gap >= o.lower - width, "the normal does not prove the lower bound"),
