@@ -214,6 +214,11 @@ pub(crate) const FAR_POINT: f64 = (1u64 << 60) as f64;
 /// offsets three, each at most the radius.
 pub const EDGE_BOUND: f64 = 8.0 * UNIT;
 
+/// A height proven by the planes of up to three faces that meet at a vertex stands where it exceeds the vertex by no more than this
+/// times the radius: offsets are rounded up by 5 UNIT each, weights sum to little more than one but on needles. Above it every
+/// vertex is looked at. Not a matter of soundness.
+pub const PLANE_BOUND: f64 = 24.0 * UNIT;
+
 /// How far a box is rounded outward when it is climbed to, in units of the radius and of the distance of its middle: the
 /// matrix errs by at most 20 UNIT a row, a product with it by 3 and the sum by one.
 pub const BOX: f64 = 32.0 * UNIT;

@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 
+use crate::polyhedron::fans::steepest;
 use crate::polyhedron::{ConvexPolyhedron, Plane};
 use crate::tolerance::{EDGE_BOUND, EDGE_SIGN};
 
@@ -23,6 +24,9 @@ impl ConvexPolyhedron {
     /// Scans the fan of `v` for the edge that falls most along `n`.
     #[inline(always)]
     pub(crate) fn fan_minimum(&self, v: u32, n: &Vector3<f64>) -> Fan {
+        if let Some(m) = self.fans.axis(&self.topology, v) {
+            return self.large_fan_minimum(v, m, n);
+        }
         let p = self.points[v as usize];
         let mut fan = Fan {
             least: f64::INFINITY,
@@ -35,6 +39,19 @@ impl ConvexPolyhedron {
             }
         });
         fan
+    }
+
+    /// Searches a large fan for the edge that falls most for its rise along `m`. The search proves nothing, so the least is at most zero.
+    #[cold]
+    #[inline(never)]
+    fn large_fan_minimum(&self, v: u32, m: &Vector3<f64>, n: &Vector3<f64>) -> Fan {
+        let half_edge = steepest(&self.topology, &self.points, v, m, &-n);
+        let to = self.topology.half_edge(half_edge).to;
+        let least = n.dot(&(self.points[to as usize] - self.points[v as usize]));
+        Fan {
+            least: least.min(0.0),
+            half_edge,
+        }
     }
 
     /// Whether a fan minimum proves its vertex the lowest of the body along `n`: every edge certainly rises.

@@ -8,6 +8,7 @@ use super::placed::{Frame, Placed};
 use super::simplex::Simplex;
 use super::{certified_walk, seed};
 use crate::double_double::DoubleDouble;
+use crate::polyhedron::topology::LARGE;
 use crate::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, Feature, FeaturePair, VertexId};
 use crate::pose::Which;
 use crate::scalar::Scalar;
@@ -238,13 +239,23 @@ impl ConvexPolyhedron {
             return Feature::Vertex(VertexId(v));
         };
         let t = &self.topology;
+        // From the vertices of few edges, as fans and rims may have thousands.
+        let (few, other) = if t.fan(w).len() < t.fan(v).len() { (w, v) } else { (v, w) };
         if vertices.iter().all(|&x| x == v || x == w)
-            && let Some(h) = t.fan(v).find(|&h| t.half_edge(h).to == w)
+            && let Some(h) = t.fan(few).find(|&h| t.half_edge(h).to == other)
         {
             return Feature::Edge(EdgeId(t.edge(h)));
         }
-        let holds = |f: u32| vertices.iter().all(|&x| t.fan(x).any(|h| t.half_edge(h).face == f));
-        match t.fan(v).map(|h| t.half_edge(h).face).find(|&f| holds(f)) {
+        let meets = |f: u32, x: u32| {
+            if t.fan(x).len() > LARGE && t.ring(f).is_none() {
+                t.rim(f).any(|h| t.half_edge(h).to == x)
+            } else {
+                t.fan(x).any(|h| t.half_edge(h).face == f)
+            }
+        };
+        let holds = |f: u32| vertices.iter().all(|&x| meets(f, x));
+        let least = vertices.iter().copied().min_by_key(|&x| t.fan(x).len()).unwrap_or(v);
+        match t.fan(least).map(|h| t.half_edge(h).face).find(|&f| holds(f)) {
             Some(f) => Feature::Face(FaceId(f)),
             None => Feature::Vertex(VertexId(v)),
         }

@@ -7,6 +7,7 @@ use nalgebra::Vector3;
 
 use super::fan::one_norm;
 use crate::polyhedron::ConvexPolyhedron;
+use crate::polyhedron::fans::top_of_ring;
 use crate::tolerance::{DIFFERENCE, FOOT};
 
 /// Where a point is beside the side planes of a face.
@@ -167,7 +168,7 @@ impl Face<'_> {
         let left = self.normal.cross(way);
         let height = |k: usize| left.dot(&(self.tail(ring[k % m]) - start));
         // From the rightmost corner, counter-clockwise, to the leftmost: in between, once, the sign changes.
-        let (low, high) = (extreme(m, |k| -height(k)), extreme(m, height));
+        let (low, high) = (top_of_ring(m, |k| -height(k)), top_of_ring(m, height));
         let span = (high + m - low) % m;
         let (mut right, mut over) = (0, span.max(1));
         while over - right > 1 {
@@ -284,26 +285,6 @@ fn gallop(most: usize, holds: impl Fn(usize) -> bool) -> usize {
     low
 }
 
-/// The place of the greatest value on a ring on which values rise to one place and fall from it.
-fn extreme(m: usize, value: impl Fn(usize) -> f64) -> usize {
-    let mut stride = m.div_ceil(4).max(1);
-    let mut best = (0..4)
-        .map(|k| (k * stride) % m)
-        .fold(0, |b, k| if value(k) > value(b) { k } else { b });
-    loop {
-        let (left, right) = ((best + m - stride % m) % m, (best + stride) % m);
-        if value(left) > value(best) {
-            best = left;
-        } else if value(right) > value(best) {
-            best = right;
-        } else if stride == 1 {
-            return best;
-        } else {
-            stride = stride.div_ceil(2);
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -313,16 +294,6 @@ mod tests {
         for most in 1..40 {
             for run in 0..most {
                 assert_eq!(gallop(most, |k| k < run), run, "{run} of {most}");
-            }
-        }
-    }
-
-    #[test]
-    fn extreme_finds_the_top_of_a_ring() {
-        for m in 3..200 {
-            for top in 0..m {
-                let height = |k: usize| (core::f64::consts::TAU * (k as f64 - top as f64) / m as f64).cos();
-                assert_eq!(extreme(m, height), top);
             }
         }
     }

@@ -2,7 +2,7 @@
 //!
 //! Reading order: [`feature`] (names), `topology` (who is beside whom, without coordinates), `cloud`, `hull`, `facets`,
 //! `plane` and `build` (points to a body), `build_faces` and `source_faces` (the caller's faces), `flat` (polygon, segment, point),
-//! `support` (extreme vertices), `access`, `query`, `mass`, `rebuild`, `persist`, [`solids`].
+//! `fans` (vertices of many edges), `support` (extreme vertices), `access`, `query`, `mass`, `rebuild`, `persist`, [`solids`].
 //!
 //! # Stored coordinates
 //!
@@ -18,6 +18,7 @@ mod build_faces;
 mod cloud;
 mod error;
 mod facets;
+pub(crate) mod fans;
 pub mod feature;
 mod flat;
 mod hull;
@@ -42,6 +43,7 @@ pub(crate) use cloud::power_of_two;
 pub use error::BuildError;
 pub use feature::{EdgeId, FaceId, Feature, FeaturePair, VertexId};
 pub use report::BuildReport;
+use fans::Fans;
 use support::CubeMap;
 use topology::Topology;
 
@@ -66,6 +68,7 @@ pub struct ConvexPolyhedron {
     /// Stored coordinates, see the module page.
     pub(crate) points: Vec<Vector3<f64>>,
     pub(crate) planes: Vec<Plane>,
+    pub(crate) fans: Fans,
     pub(crate) lookup: CubeMap,
     scan: bounds::Scan,
     /// The caller's index of each vertex.

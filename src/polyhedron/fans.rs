@@ -1,0 +1,209 @@
+//! Vertices of many edges: which edge rises most, and how high the body reaches there, without a look at every edge.
+//!
+//! With a direction `m` along which every edge `e` of a fan rises, the points `e / (m . e)` are the corners of a convex
+//! polygon in the plane `m . x = 1`. A direction `n` on them, `n . e / (m . e)`, rises to one corner and falls from it,
+//! and is positive where `n . e` is. So a search round the ring finds an edge that rises, if one does.
+//!
+//! That none does is a matter of proof, and the search has none: among ten thousand nearly parallel edges rounding hides
+//! the order. The faces prove it. Where `n` is a sum of normals of three of them with weights that are not negative,
+//! their planes bound the body along `n` ([`ConvexPolyhedron::height_by_planes`]), whatever the search did.
+
+use alloc::vec::Vec;
+use nalgebra::Vector3;
+
+use super::topology::{LARGE, Topology};
+use super::{ConvexPolyhedron, Plane};
+use crate::double_double::DoubleDouble;
+use crate::scalar::Scalar;
+use crate::tolerance::{EDGE_SIGN, PLANE_BOUND};
+
+/// The large fans of a body: their vertices in rising order, each with its direction `m`.
+#[derive(Clone, Debug)]
+pub(crate) struct Fans(Vec<(u32, Vector3<f64>)>);
+
+impl Fans {
+    /// For fans of more than [`LARGE`] edges, minus the sum of the normals of their faces; left out where rounding makes
+    /// an edge not rise along that.
+    pub(crate) fn new(topology: &Topology, points: &[Vector3<f64>], planes: &[Plane]) -> Self {
+        let axis = |v: u32| {
+            let normals = topology.fan(v).map(|h| planes[topology.half_edge(h).face as usize].normal);
+            let m = -normals.sum::<Vector3<f64>>() / topology.fan(v).len() as f64;
+            let rises = |w: u32| {
+                let e = points[w as usize] - points[v as usize];
+                m.dot(&e) > EDGE_SIGN * m.abs().dot(&e.abs())
+            };
+            topology.neighbours(v).all(rises).then_some((v, m))
+        };
+        let large = (0..topology.vertex_count() as u32).filter(|&v| topology.fan(v).len() > LARGE);
+        Self(large.filter_map(axis).collect())
+    }
+
+    /// Whether there are none.
+    #[inline(always)]
+    pub(crate) fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// Bytes on the heap.
+    pub(crate) fn heap_bytes(&self) -> usize {
+        self.0.capacity() * size_of::<(u32, Vector3<f64>)>()
+    }
+
+    /// Along which all edges of `v` rise; `None` for small fans, which are soon looked round.
+    #[inline(always)]
+    pub(crate) fn axis(&self, topology: &Topology, v: u32) -> Option<&Vector3<f64>> {
+        if topology.fan(v).len() <= LARGE { None } else { self.find(v) }
+    }
+
+    #[cold]
+    fn find(&self, v: u32) -> Option<&Vector3<f64>> {
+        let k = self.0.binary_search_by_key(&v, |f| f.0).ok()?;
+        Some(&self.0[k].1)
+    }
+}
+
+/// The half-edge of the large fan of `v` for which `n . e / (m . e)` is greatest.
+#[inline(never)]
+pub(crate) fn steepest(t: &Topology, points: &[Vector3<f64>], v: u32, m: &Vector3<f64>, n: &Vector3<f64>) -> u32 {
+    let (fan, p) = (t.fan(v), points[v as usize]);
+    let slope = |k: usize| {
+        let e = points[t.half_edge(fan.start + k as u32).to as usize] - p;
+        n.dot(&e) / m.dot(&e)
+    };
+    fan.start + top_of_ring(fan.len(), slope) as u32
+}
+
+/// The highest neighbour of `v`, where heights round its large fan rise once and fall once, as they do where the neighbours
+/// lie in one plane; some neighbour elsewhere.
+pub(crate) fn highest_neighbour(t: &Topology, points: &[Vector3<f64>], v: u32, n: &Vector3<f64>) -> u32 {
+    let fan = t.fan(v);
+    let to = |k: usize| t.half_edge(fan.start + k as u32).to;
+    to(top_of_ring(fan.len(), |k| n.dot(&points[to(k) as usize])))
+}
+
+/// The place of the greatest value on a ring on which values rise to one place and fall from it.
+pub(crate) fn top_of_ring(m: usize, value: impl Fn(usize) -> f64) -> usize {
+    let mut stride = m.div_ceil(4).max(1);
+    let (mut best, mut top) = (0, value(0));
+    for k in 1..4 {
+        let (k, v) = ((k * stride) % m, value((k * stride) % m));
+        if v > top {
+            (best, top) = (k, v);
+        }
+    }
+    loop {
+        let (left, right) = ((best + m - stride % m) % m, (best + stride) % m);
+        let (at_left, at_right) = (value(left), value(right));
+        if at_left > top {
+            (best, top) = (left, at_left);
+        } else if at_right > top {
+            (best, top) = (right, at_right);
+        } else if stride == 1 {
+            return best;
+        } else {
+            stride = stride.div_ceil(2);
+        }
+    }
+}
+
+impl ConvexPolyhedron {
+    /// A bound of the largest `n . x` over the body, near `n . v`, for a vertex `v` of a large fan or a large face. `None` where the
+    /// planes that meet at `v` do not prove one.
+    #[inline(never)]
+    pub(crate) fn height_by_planes(&self, n: &Vector3<f64>, v: u32) -> Option<f64> {
+        let near = |bound: f64| {
+            let above = bound - n.dot(&self.points[v as usize]);
+            (above <= PLANE_BOUND * self.radius * n.abs().sum()).then_some(bound)
+        };
+        if self.fans.axis(&self.topology, v).is_some() {
+            let faces = self.faces_around(n, v);
+            return near(self.bound_by(n, faces, self.weights(n, faces)?));
+        }
+        if self.topology.fan(v).len() > LARGE {
+            return None;
+        }
+        let large = |f: u32| self.topology.ring(f).is_some();
+        let faces = self.topology.fan(v).map(|h| self.topology.half_edge(h).face);
+        faces.filter(|&f| large(f)).find_map(|f| {
+            let normal = &self.planes[f as usize].normal;
+            near(self.bound_by(n, [f; 3], [n.dot(normal) / normal.norm_squared(), 0.0, 0.0]))
+        })
+    }
+
+    /// Three faces of the large fan of `v` between whose normals `n` lies, if it does between those of all: the normals
+    /// are a convex ring, cut into wedges from the first.
+    fn faces_around(&self, n: &Vector3<f64>, v: u32) -> [u32; 3] {
+        let fan = self.topology.fan(v);
+        let face = |k: usize| self.topology.half_edge(fan.start + k as u32).face;
+        let normal = |k: usize| &self.planes[face(k) as usize].normal;
+        let across = n.cross(normal(0));
+        // n . (N0 x Nk)
+        let left_of = |k: usize| across.dot(normal(k)) >= 0.0;
+        let (mut low, mut high) = (1, fan.len() - 1);
+        while high - low > 1 {
+            let middle = (low + high) / 2;
+            if left_of(middle) {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        [face(0), face(low), face(low + 1)]
+    }
+
+    /// The weights of three normals that sum to `n`, none negative: solved twice, as thin wedges cancel.
+    fn weights(&self, n: &Vector3<f64>, faces: [u32; 3]) -> Option<[f64; 3]> {
+        let [a, b, c] = faces.map(|f| self.planes[f as usize].normal);
+        let (bc, ca, ab) = (b.cross(&c), c.cross(&a), a.cross(&b));
+        let volume = a.dot(&bc);
+        if !(volume > 0.0) {
+            return None;
+        }
+        let solve = |n: &Vector3<f64>| [bc, ca, ab].map(|x| n.dot(&x) / volume);
+        let mut weights = solve(n);
+        let more = solve(&self.rest(n, faces, weights).0);
+        for (w, m) in weights.iter_mut().zip(more) {
+            *w = (*w + m).max(0.0);
+        }
+        Some(weights)
+    }
+
+    /// What the weighted normals leave of `n`, and their offsets summed, in double-double: no rounding to count.
+    fn rest(&self, n: &Vector3<f64>, faces: [u32; 3], weights: [f64; 3]) -> (Vector3<f64>, f64) {
+        let sum = |start: f64, of: &dyn Fn(&Plane) -> f64| {
+            let parts = faces.iter().zip(weights);
+            let add = |s, (&f, w)| s + DoubleDouble::from(w) * DoubleDouble::from(of(&self.planes[f as usize]));
+            parts.fold(DoubleDouble::from(start), add).value()
+        };
+        (
+            Vector3::from_fn(|k, _| sum(n[k], &|p: &Plane| -p.normal[k])),
+            sum(0.0, &|p: &Plane| p.offset),
+        )
+    }
+
+    /// Linear programming duality: `n . x = sum of w (N . x) + rest . x`, at most the weighted offsets and the rest times the
+    /// radius, for any weights that are not negative.
+    fn bound_by(&self, n: &Vector3<f64>, faces: [u32; 3], weights: [f64; 3]) -> f64 {
+        let (rest, offsets) = self.rest(n, faces, weights);
+        if weights.iter().all(|&w| w >= 0.0) {
+            offsets + rest.abs().sum() * self.radius
+        } else {
+            f64::INFINITY
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_search_finds_the_top_of_a_ring() {
+        for m in 3..200 {
+            for top in 0..m {
+                let height = |k: usize| (core::f64::consts::TAU * (k as f64 - top as f64) / m as f64).cos();
+                assert_eq!(top_of_ring(m, height), top);
+            }
+        }
+    }
+}
