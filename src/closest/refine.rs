@@ -8,7 +8,7 @@ use super::placed::{Frame, Placed};
 use super::simplex::Simplex;
 use super::{certified_walk, seed};
 use crate::double_double::DoubleDouble;
-use crate::polyhedron::topology::LARGE;
+use crate::polyhedron::topology::MANY;
 use crate::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, Feature, FeaturePair, VertexId};
 use crate::pose::Which;
 use crate::scalar::Scalar;
@@ -247,7 +247,7 @@ impl ConvexPolyhedron {
             return Feature::Edge(EdgeId(t.edge(h)));
         }
         let meets = |f: u32, x: u32| {
-            if t.fan(x).len() > LARGE && t.ring(f).is_none() {
+            if t.fan(x).len() > MANY && t.ring(f).is_none() {
                 t.rim(f).any(|h| t.half_edge(h).to == x)
             } else {
                 t.fan(x).any(|h| t.half_edge(h).face == f)

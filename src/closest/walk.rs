@@ -11,6 +11,7 @@
 //! 2. No flare angles, no stickiness: rounding may end the walk early, and the certificate says so.
 //! 3. A repeated pair (Brent's mark) or too many steps end it. What stands in then is no worse (`fallback`).
 
+use super::leap::leap;
 use super::outcome::Outcome;
 use super::placed::{OfA, OfB, Placed};
 use super::state::Step;
@@ -23,6 +24,9 @@ const JUMPS: u32 = 3;
 
 /// Steps before the guard looks.
 const FREE: u32 = 8;
+
+/// Steps before a walk leaps along a long rim or round a large fan.
+const FIRST_LEAP: u32 = 2;
 
 /// Looks at one state.
 #[inline(always)]
@@ -54,7 +58,10 @@ pub(crate) fn watched<const CERTIFY: bool>(
     outcome: &mut Outcome,
     mut seen: impl FnMut(FeaturePair),
 ) -> bool {
+    let has_bands = placed.a.has_bands() || placed.b.has_bands();
     let mut guard = Guard {
+        free: if has_bands { FIRST_LEAP } else { FREE },
+        next_leap: if has_bands { FIRST_LEAP } else { u32::MAX },
         steps: 0,
         jumps: 0,
         mark: outcome.features,
@@ -71,7 +78,7 @@ pub(crate) fn watched<const CERTIFY: bool>(
             Step::Lost => return false,
         }
         guard.steps += 1;
-        if guard.steps >= FREE && guard.stops(placed, outcome.features) || guard.jumps > JUMPS {
+        if guard.steps >= guard.free && guard.stops(placed, outcome) || guard.jumps > JUMPS {
             return false;
         }
     }
@@ -80,6 +87,10 @@ pub(crate) fn watched<const CERTIFY: bool>(
 /// Ends walks that go in a circle or too far.
 struct Guard {
     steps: u32,
+    /// Steps before it looks.
+    free: u32,
+    /// When to try a leap along a long rim, or round a large fan.
+    next_leap: u32,
     jumps: u32,
     /// The pair remembered at step 8, 16, 32 and so on (Brent): to meet it again is a circle.
     mark: FeaturePair,
@@ -89,7 +100,16 @@ struct Guard {
 
 impl Guard {
     #[cold]
-    fn stops(&mut self, placed: &Placed, next: FeaturePair) -> bool {
+    fn stops(&mut self, placed: &Placed, outcome: &mut Outcome) -> bool {
+        if self.steps == self.next_leap {
+            // One that did not help is tried later again, and so is one that did: leaps are few, so the walk still ends.
+            let later = if leap(placed, outcome) { 3 } else { self.steps.max(4) };
+            self.next_leap += later;
+        }
+        let next = outcome.features;
+        if self.steps < FREE {
+            return false;
+        }
         if self.steps == FREE {
             self.limit = step_limit(placed);
         } else if next == self.mark || self.steps >= self.limit {

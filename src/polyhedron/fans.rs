@@ -11,7 +11,7 @@
 use alloc::vec::Vec;
 use nalgebra::Vector3;
 
-use super::topology::{LARGE, Topology};
+use super::topology::{MANY, Topology};
 use super::{ConvexPolyhedron, Plane};
 use crate::double_double::DoubleDouble;
 use crate::scalar::Scalar;
@@ -22,7 +22,7 @@ use crate::tolerance::{EDGE_SIGN, PLANE_BOUND};
 pub(crate) struct Fans(Vec<(u32, Vector3<f64>)>);
 
 impl Fans {
-    /// For fans of more than [`LARGE`] edges, minus the sum of the normals of their faces; left out where rounding makes
+    /// For fans of more than [`MANY`] edges, minus the sum of the normals of their faces; left out where rounding makes
     /// an edge not rise along that.
     pub(crate) fn new(topology: &Topology, points: &[Vector3<f64>], planes: &[Plane]) -> Self {
         let axis = |v: u32| {
@@ -34,7 +34,7 @@ impl Fans {
             };
             topology.neighbours(v).all(rises).then_some((v, m))
         };
-        let large = (0..topology.vertex_count() as u32).filter(|&v| topology.fan(v).len() > LARGE);
+        let large = (0..topology.vertex_count() as u32).filter(|&v| topology.fan(v).len() > MANY);
         Self(large.filter_map(axis).collect())
     }
 
@@ -52,7 +52,7 @@ impl Fans {
     /// Along which all edges of `v` rise; `None` for small fans, which are soon looked round.
     #[inline(always)]
     pub(crate) fn axis(&self, topology: &Topology, v: u32) -> Option<&Vector3<f64>> {
-        if topology.fan(v).len() <= LARGE { None } else { self.find(v) }
+        if topology.fan(v).len() <= MANY { None } else { self.find(v) }
     }
 
     #[cold]
@@ -119,7 +119,7 @@ impl ConvexPolyhedron {
             let faces = self.faces_around(n, v);
             return near(self.bound_by(n, faces, self.weights(n, faces)?));
         }
-        if self.topology.fan(v).len() > LARGE {
+        if self.topology.fan(v).len() > MANY {
             return None;
         }
         let large = |f: u32| self.topology.ring(f).is_some();

@@ -15,7 +15,7 @@ use nalgebra::Vector3;
 
 use super::ConvexPolyhedron;
 use super::fans::{Fans, highest_neighbour, steepest};
-use super::topology::{LARGE, Topology};
+use super::topology::{MANY, Topology};
 use crate::tolerance::EDGE_SIGN;
 
 /// The cube map takes no body for flatter than this.
@@ -69,7 +69,7 @@ pub(crate) fn climb(topology: &Topology, points: &[Vector3<f64>], fans: &Fans, n
 /// From a vertex of a large face, or beside one of a large fan, to the highest one of that face or beside that one; the vertex
 /// itself where none is certainly higher.
 fn leap(topology: &Topology, points: &[Vector3<f64>], fans: &Fans, n: &Vector3<f64>, v: u32) -> u32 {
-    if !topology.has_large_faces() && fans.is_empty() || topology.fan(v).len() > LARGE {
+    if !topology.has_large_faces() && fans.is_empty() || topology.fan(v).len() > MANY {
         return v;
     }
     let mut best = v;

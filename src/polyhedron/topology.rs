@@ -82,10 +82,16 @@ pub(crate) struct Topology {
     rings: Vec<(u32, u32)>,
     /// The half-edges of large faces in order, face after face.
     ring: Vec<u32>,
+    /// The half-edges of rings of more than [`MANY`] by number, each with its place in its ring.
+    places: Vec<(u32, u32)>,
 }
 
 /// Rims longer than this are kept as rings too.
 pub(crate) const LARGE: usize = 24;
+
+/// Fans of more edges than this are searched, and walks leap along rims and round fans of more; up to here a look at each is as
+/// cheap.
+pub(crate) const MANY: usize = 128;
 
 impl Topology {
     /// From the vertex loops of the faces, counter-clockwise from outside. `None` where the loops are not a closed
@@ -149,6 +155,7 @@ impl Topology {
             rim,
             rings: Vec::new(),
             ring: Vec::new(),
+            places: Vec::new(),
         };
         topology.keep_rings();
         Some(topology)
@@ -158,10 +165,28 @@ impl Topology {
         for f in 0..self.rim.len() as u32 {
             if self.rim(f).nth(LARGE).is_some() {
                 let ring: Vec<u32> = self.rim(f).collect();
+                if ring.len() > MANY {
+                    self.places.extend(ring.iter().copied().zip(0u32..));
+                }
                 self.rings.push((f, self.ring.len() as u32));
                 self.ring.extend(ring);
             }
         }
+        self.places.sort_unstable();
+        self.places.shrink_to_fit();
+    }
+
+    /// Whether any rim has more than [`MANY`] edges.
+    #[inline(always)]
+    pub(crate) fn has_long_rims(&self) -> bool {
+        !self.places.is_empty()
+    }
+
+    /// The rim of the face on the left of `h` as a ring, where it has more than [`MANY`] edges, and the place of `h` in it.
+    pub(crate) fn long_rim(&self, h: u32) -> Option<(&[u32], usize)> {
+        let ring = self.large_ring(self.half_edge(h).face).filter(|r| r.len() > MANY)?;
+        let k = self.places.binary_search_by_key(&h, |p| p.0).ok()?;
+        Some((ring, self.places[k].1 as usize))
     }
 
     /// Whether any face is kept as a ring.
@@ -242,7 +267,7 @@ impl Topology {
             Links::Short(l) => l.capacity() * 8,
             Links::Long(l) => l.capacity() * 16,
         };
-        links + 4 * (self.first.capacity() + self.rim.capacity() + self.ring.capacity()) + 8 * self.rings.capacity()
+        links + 4 * (self.first.capacity() + self.rim.capacity() + self.ring.capacity()) + 8 * (self.rings.capacity() + self.places.capacity())
     }
 
     /// The vertex `h` leaves.
