@@ -135,8 +135,19 @@ impl<'a> Band<'a> {
         }
     }
 
-    fn point(&self, k: usize) -> Vector3<f64> {
+    fn at(&self, k: usize) -> Vector3<f64> {
         self.body.points[self.corner(k) as usize]
+    }
+
+    /// The point between the corner at place `k` and the next.
+    pub(super) fn point(&self, k: usize, part: f64) -> Vector3<f64> {
+        self.at(k) * (1.0 - part) + self.at((k + 1) % self.len()) * part
+    }
+
+    /// How many places there are between two, the short way.
+    pub(super) fn between(&self, k: usize, j: usize) -> usize {
+        let d = k.abs_diff(j);
+        d.min(self.len() - d)
     }
 
     /// The parabola about the corner at place `k`. With ribs, their lines too; `None` where there are none, or the three corners
@@ -146,7 +157,7 @@ impl<'a> Band<'a> {
         // An arc of about three degrees: smooth over small edges, and short.
         let w = m.div_ceil(SPAN);
         let places = [(k + m - w) % m, k, (k + w) % m];
-        let [before, p, after] = places.map(|k| self.point(k));
+        let [before, p, after] = places.map(|k| self.at(k));
         let way = after - before;
         let scale = way / way.norm_squared();
         let (x0, x1) = (scale.dot(&(before - p)), scale.dot(&(after - p)));
@@ -172,17 +183,19 @@ impl<'a> Band<'a> {
         })
     }
 
-    /// The place whose corner is the last before `x` of a fit about place `k`.
-    pub(super) fn place_at(&self, fit: &Fit, k: usize, x: f64) -> usize {
+    /// The place whose corner is the last before `x` of a fit about place `k`, and which part of the way to the next `x` is.
+    pub(super) fn place_at(&self, fit: &Fit, k: usize, x: f64) -> (usize, f64) {
         let m = self.len();
-        let at = |j: usize| fit.scale.dot(&self.point(j)) - fit.origin;
+        let at = |j: usize| fit.scale.dot(&self.at(j % m)) - fit.origin;
         // Corners follow each other along the curve for less than a quarter of it.
         let most = m / 4;
-        if x >= 0.0 {
-            (k + last(most, |d| at((k + d) % m) <= x)) % m
+        let j = if x >= 0.0 {
+            k + last(most, |d| at(k + d) <= x)
         } else {
-            (k + m - 1 - last(most, |d| at((k + m - d) % m) > x)) % m
-        }
+            k + m - 1 - last(most, |d| at(k + m - d) > x)
+        };
+        let (before, after) = (at(j), at(j + 1));
+        (j % m, ((x - before) / (after - before)).clamp(0.0, 1.0))
     }
 }
 

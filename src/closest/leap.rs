@@ -13,7 +13,7 @@ use nalgebra::Vector3;
 use super::band::{Band, Fit, Near};
 use super::outcome::Outcome;
 use super::placed::Placed;
-use crate::scalar::sqrt;
+use super::rim::{Face, Rim};
 use crate::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, Feature, FeaturePair, VertexId};
 
 /// Newton steps of one leap.
@@ -24,39 +24,16 @@ const REACH: f64 = 12.0;
 
 /// One body's side of a pair.
 enum Side<'a> {
-    /// A vertex, edge or face beside no curve: a point of it and what of `r` counts.
-    Fixed(Feature, Vector3<f64>, Counts),
+    /// A vertex beside no curve.
+    Vertex(u32, Vector3<f64>),
+    /// An edge of none: its tail and what leads to its head.
+    Edge(u32, [Vector3<f64>; 2]),
+    /// A face beside none: a point of its plane, its unit normal.
+    Face(u32, [Vector3<f64>; 2]),
     /// On a curve: the place a fit is made about.
     Curve(Band<'a>, usize, Fit),
     /// On the ribs beside one.
     Ribs(Band<'a>, usize, Fit),
-}
-
-/// What of a difference counts beside a fixed feature.
-enum Counts {
-    All,
-    /// What is across this unit vector.
-    Across(Vector3<f64>),
-    /// What is along this unit vector.
-    Along(Vector3<f64>),
-}
-
-impl Counts {
-    fn of(&self, r: &Vector3<f64>) -> Vector3<f64> {
-        match self {
-            Counts::All => *r,
-            Counts::Across(u) => r - u * r.dot(u),
-            Counts::Along(n) => n * r.dot(n),
-        }
-    }
-
-    fn turned(self, turn: impl Fn(&Vector3<f64>) -> Vector3<f64>) -> Self {
-        match self {
-            Counts::All => Counts::All,
-            Counts::Across(u) => Counts::Across(turn(&u)),
-            Counts::Along(n) => Counts::Along(turn(&n)),
-        }
-    }
 }
 
 /// Value and derivatives of a side's point in its two variables, `x` along the curve and `y` along the rib.
@@ -83,38 +60,41 @@ impl<'a> Side<'a> {
         Some(match (near, feature) {
             (Some(Near::Curve(band, k)), _) => Side::Curve(band, k, band.fit(k, false)?),
             (Some(Near::Rib(band, k)), _) => Side::Ribs(band, k, band.fit(k, true)?),
-            (None, Feature::Vertex(v)) => Side::Fixed(feature, at(v.0), Counts::All),
+            (None, Feature::Vertex(v)) => Side::Vertex(v.0, at(v.0)),
             (None, Feature::Edge(e)) => {
                 let (p, q) = (at(t.from(e.0)), at(t.half_edge(e.0).to));
-                Side::Fixed(feature, p, Counts::Across((q - p) / sqrt((q - p).norm_squared())))
+                Side::Edge(e.0, [p, q - p])
             }
             (None, Feature::Face(f)) => {
                 let p = at(t.half_edge(t.rim_start(f.0)).to);
-                Side::Fixed(feature, p, Counts::Along(body.planes[f.index()].normal))
+                Side::Face(f.0, [p, body.planes[f.index()].normal])
             }
         })
     }
 
-    fn is_fixed(&self) -> bool {
-        matches!(self, Side::Fixed(..))
+    fn is_curved(&self) -> bool {
+        matches!(self, Side::Curve(..) | Side::Ribs(..))
     }
 
-    fn has_ribs(&self) -> bool {
-        matches!(self, Side::Ribs(..))
+    /// Whether it is followed in the variable `y` too.
+    fn has_lines(&self) -> bool {
+        matches!(self, Side::Edge(..) | Side::Ribs(..))
     }
 
     /// From B's frame to A's.
     fn placed(self, placed: &Placed) -> Self {
         let (point, vector) = (|p: &Vector3<f64>| placed.point_in_a(p), |v: &Vector3<f64>| placed.vector_in_a(v));
-        let placed = |[p, d, c]: [Vector3<f64>; 3]| [point(&p), vector(&d), vector(&c)];
+        let jet = |[p, d, c]: [Vector3<f64>; 3]| [point(&p), vector(&d), vector(&c)];
         match self {
-            Side::Fixed(feature, p, counts) => Side::Fixed(feature, point(&p), counts.turned(vector)),
+            Side::Vertex(v, p) => Side::Vertex(v, point(&p)),
+            Side::Edge(e, [p, u]) => Side::Edge(e, [point(&p), vector(&u)]),
+            Side::Face(f, [p, n]) => Side::Face(f, [point(&p), vector(&n)]),
             Side::Curve(band, k, mut fit) => {
-                fit.near = placed(fit.near);
+                fit.near = jet(fit.near);
                 Side::Curve(band, k, fit)
             }
             Side::Ribs(band, k, mut fit) => {
-                (fit.near, fit.far) = (placed(fit.near), placed(fit.far));
+                (fit.near, fit.far) = (jet(fit.near), jet(fit.far));
                 Side::Ribs(band, k, fit)
             }
         }
@@ -122,23 +102,23 @@ impl<'a> Side<'a> {
 
     fn jet(&self, x: f64, y: f64) -> Jet {
         let zero = Vector3::zeros();
+        let still = |at: Vector3<f64>, y: Vector3<f64>| Jet {
+            at,
+            x: zero,
+            y,
+            xx: zero,
+            xy: zero,
+        };
         let follow = |[p, d, c]: &[Vector3<f64>; 3]| (p + (d + c * (0.5 * x)) * x, d + c * x, *c);
         match self {
-            Side::Fixed(_, p, _) => Jet {
-                at: *p,
-                x: zero,
-                y: zero,
-                xx: zero,
-                xy: zero,
-            },
+            Side::Vertex(_, p) | Side::Face(_, [p, _]) => still(*p, zero),
+            Side::Edge(_, [p, u]) => still(p + u * y, *u),
             Side::Curve(_, _, fit) => {
                 let (at, x, xx) = follow(&fit.near);
                 Jet {
-                    at,
                     x,
-                    y: zero,
                     xx,
-                    xy: zero,
+                    ..still(at, zero)
                 }
             }
             Side::Ribs(_, _, fit) => {
@@ -155,41 +135,63 @@ impl<'a> Side<'a> {
         }
     }
 
-    /// The feature at `x`, `y`, beside one of the given dimension on the other side; and how many places it is from where it was.
-    fn feature(&self, x: f64, y: f64, other: u8) -> (Feature, usize) {
-        let vertex = |v: u32| Feature::Vertex(VertexId(v));
-        let curve = |band: &Band, j: usize| {
-            if other == 2 {
-                vertex(band.corner(j))
-            } else {
-                Feature::Edge(EdgeId(band.edge(j)))
-            }
-        };
+    /// The place of the corner before `x`, how far from there to the next, and how many places that is from the start.
+    fn place(&self, x: f64) -> (usize, f64, usize) {
         match self {
-            Side::Fixed(feature, ..) => (*feature, 0),
-            Side::Curve(band, k, fit) => {
-                let j = band.place_at(fit, *k, x);
-                (curve(band, j), j.abs_diff(*k))
+            Side::Curve(band, k, fit) | Side::Ribs(band, k, fit) => {
+                let (j, part) = band.place_at(fit, *k, x);
+                (j, part, band.between(*k, j))
             }
-            Side::Ribs(band, k, fit) => {
-                let j = band.place_at(fit, *k, x);
-                let feature = match (band.rib(j), band.far(j)) {
-                    _ if y <= 0.0 => curve(band, j),
-                    (_, Some(far)) if y >= 1.0 => vertex(far),
-                    _ if other == 0 => Feature::Face(FaceId(band.strip(j))),
-                    (Some(rib), _) if other == 1 => Feature::Edge(EdgeId(rib)),
-                    _ => vertex(band.corner(j)),
-                };
-                (feature, j.abs_diff(*k))
-            }
+            _ => (0, 0.0, 0),
         }
     }
 
-    /// The dimension of what it will name.
-    fn dimension(&self) -> u8 {
+    /// The point of the body itself, in its frame, at a place.
+    fn point(&self, body: &ConvexPolyhedron, (j, part): (usize, f64), y: f64) -> Option<Vector3<f64>> {
+        let at = |v: u32| body.points[v as usize];
+        Some(match self {
+            Side::Vertex(v, _) => at(*v),
+            Side::Edge(e, _) => {
+                let t = &body.topology;
+                at(t.from(*e)) * (1.0 - y) + at(t.half_edge(*e).to) * y
+            }
+            Side::Face(..) => return None,
+            Side::Curve(band, ..) => band.point(j, part),
+            Side::Ribs(band, ..) => band.point(j, part) * (1.0 - y) + at(band.far(j)?) * y,
+        })
+    }
+
+    /// The feature at a place beside one of dimension `other`.
+    fn feature(&self, body: &ConvexPolyhedron, j: usize, y: f64, other: usize) -> Feature {
+        let vertex = |v: u32| Feature::Vertex(VertexId(v));
+        let edge = |e: u32| Feature::Edge(EdgeId(e));
+        let t = &body.topology;
+        let curve = |band: &Band| if other == 2 { vertex(band.corner(j)) } else { edge(band.edge(j)) };
         match self {
-            Side::Fixed(feature, ..) => feature.dimension() as u8,
+            Side::Vertex(v, _) => vertex(*v),
+            Side::Face(f, _) => Feature::Face(FaceId(*f)),
+            Side::Edge(e, _) if y <= 0.0 => vertex(t.from(*e)),
+            Side::Edge(e, _) if y >= 1.0 => vertex(t.half_edge(*e).to),
+            Side::Edge(e, _) => edge(*e),
+            Side::Curve(band, ..) => curve(band),
+            Side::Ribs(band, ..) => match (band.rib(j), band.far(j)) {
+                _ if y <= 0.0 => curve(band),
+                (_, Some(far)) if y >= 1.0 => vertex(far),
+                _ if other == 0 => Feature::Face(FaceId(band.strip(j))),
+                (Some(rib), _) if other == 1 => edge(rib),
+                _ => vertex(band.corner(j)),
+            },
+        }
+    }
+
+    /// The dimension of what it will name at `y`.
+    fn dimension(&self, y: f64) -> usize {
+        match self {
+            Side::Vertex(..) => 0,
+            Side::Edge(..) => usize::from(y > 0.0 && y < 1.0),
+            Side::Ribs(..) if y >= 1.0 => 0,
             Side::Curve(..) | Side::Ribs(..) => 1,
+            Side::Face(..) => 2,
         }
     }
 }
@@ -202,29 +204,66 @@ pub(super) fn leap(placed: &Placed, outcome: &mut Outcome) -> bool {
     let (Some(a), Some(b)) = (Side::of(placed.a, pair.a), Side::of(placed.b, pair.b)) else {
         return false;
     };
-    if a.is_fixed() && b.is_fixed() {
+    if !a.is_curved() && !b.is_curved() {
         return false;
     }
     let b = b.placed(placed);
     let Some(at) = closest(&a, &b) else {
         return false;
     };
-    let (fa, by_a) = a.feature(at[0], at[1], b.dimension());
-    let (fb, by_b) = b.feature(at[2], at[3], a.dimension());
+    let ((ja, pa, by_a), (jb, pb, by_b)) = (a.place(at[0]), b.place(at[2]));
     if by_a.max(by_b) <= 1 {
         return false;
     }
-    outcome.features = FeaturePair { a: fa, b: fb }.to_stand_on(placed.a, placed.b);
+    let points = (a.point(placed.a, (ja, pa), at[1]), b.point(placed.b, (jb, pb), at[3]));
+    let edge = |e: u32| Feature::Edge(EdgeId(e));
+    outcome.features = match (points, &a, &b) {
+        ((Some(p), Some(q)), ..) => {
+            let start = [0.0, at[1], 0.0, at[3]];
+            let now = (p - placed.point_in_a(&q)).norm_squared();
+            if now >= difference(&a, &b, &start).0.norm_squared() {
+                return false;
+            }
+            FeaturePair {
+                a: a.feature(placed.a, ja, at[1], b.dimension(at[3])),
+                b: b.feature(placed.b, jb, at[3], a.dimension(at[1])),
+            }
+        }
+        // Over a face, or past an edge of its rim.
+        ((None, Some(q)), Side::Face(f, _), _) => match placed.a.beside(*f, &placed.point_in_a(&q), placed.size()) {
+            Rim::Outside(e) => FeaturePair { a: edge(e), b: b.feature(placed.b, jb, at[3], 1) },
+            _ => FeaturePair { a: pair.a, b: b.feature(placed.b, jb, at[3], 2) },
+        },
+        ((Some(p), None), _, Side::Face(f, _)) => match placed.b.beside(*f, &placed.point_in_b(&p), placed.size()) {
+            Rim::Outside(e) => FeaturePair { a: a.feature(placed.a, ja, at[1], 1), b: edge(e) },
+            _ => FeaturePair { a: a.feature(placed.a, ja, at[1], 2), b: pair.b },
+        },
+        _ => return false,
+    }
+    .to_stand_on(placed.a, placed.b);
     true
 }
 
-/// Newton's method: first along the ribs alone, then in all variables. `None` where that does not lead closer.
+impl ConvexPolyhedron {
+    /// Where a point is beside the side planes of a face.
+    fn beside(&self, face: u32, x: &Vector3<f64>, size: f64) -> Rim {
+        let normal = &self.planes[face as usize].normal;
+        let face = Face {
+            body: self,
+            face,
+            normal,
+        };
+        face.beside(x, size).0
+    }
+}
+
+/// Newton's method: first along the lines alone, then in all variables. `None` where that does not lead closer.
 fn closest(a: &Side, b: &Side) -> Option<Four> {
     let mut at = [0.0, 0.5, 0.0, 0.5];
-    let ribs = [false, a.has_ribs(), false, b.has_ribs()];
-    let all = [!a.is_fixed(), a.has_ribs(), !b.is_fixed(), b.has_ribs()];
-    if a.has_ribs() || b.has_ribs() {
-        step(a, b, &mut at, ribs)?;
+    let lines = [false, a.has_lines(), false, b.has_lines()];
+    let all = [a.is_curved(), lines[1], b.is_curved(), lines[3]];
+    if lines[1] || lines[3] {
+        step(a, b, &mut at, lines)?;
     }
     let before = step(a, b, &mut at, all)?;
     for _ in 1..STEPS {
@@ -239,26 +278,29 @@ fn difference(a: &Side, b: &Side, at: &Four) -> (Vector3<f64>, Jet, Jet) {
     (counting(a, b, &(ja.at - jb.at)), ja, jb)
 }
 
+/// Over a face, only what is across it.
 fn counting(a: &Side, b: &Side, r: &Vector3<f64>) -> Vector3<f64> {
     match (a, b) {
-        (Side::Fixed(_, _, counts), _) | (_, Side::Fixed(_, _, counts)) => counts.of(r),
+        (Side::Face(_, [_, n]), _) | (_, Side::Face(_, [_, n])) => n * r.dot(n),
         _ => *r,
     }
 }
 
 /// One Newton step in the variables that are `free`; the squared length before it.
-fn step(a: &Side, b: &Side, at: &mut Four, free: [bool; 4]) -> Option<f64> {
+fn step(a: &Side, b: &Side, at: &mut Four, mut free: [bool; 4]) -> Option<f64> {
     let (r, ja, jb) = difference(a, b, at);
-    // What counts is a projection: it need not be applied to both factors.
     let first = [ja.x, ja.y, -jb.x, -jb.y].map(|d| counting(a, b, &d));
+    let mut g = first.map(|d| -d.dot(&r));
+    for k in [1, 3] {
+        // At an end of the line and on beyond it.
+        free[k] &= !(at[k] <= 0.0 && g[k] < 0.0 || at[k] >= 1.0 && g[k] > 0.0);
+    }
     let mut h = [[0.0; 4]; 4];
-    let mut g = [0.0; 4];
     for i in 0..4 {
         if !free[i] {
-            h[i][i] = 1.0;
+            (h[i][i], g[i]) = (1.0, 0.0);
             continue;
         }
-        g[i] = -first[i].dot(&r);
         for j in 0..=i {
             if free[j] {
                 h[i][j] = first[i].dot(&first[j]);

@@ -25,6 +25,9 @@ const JUMPS: u32 = 3;
 /// Steps before the guard looks.
 const FREE: u32 = 8;
 
+/// Leaps a walk may try.
+const LEAPS: u32 = 8;
+
 /// Steps before a walk leaps along a long rim or round a large fan.
 const FIRST_LEAP: u32 = 2;
 
@@ -62,6 +65,7 @@ pub(crate) fn watched<const CERTIFY: bool>(
     let mut guard = Guard {
         free: if has_bands { FIRST_LEAP } else { FREE },
         next_leap: if has_bands { FIRST_LEAP } else { u32::MAX },
+        leaps: 0,
         steps: 0,
         jumps: 0,
         mark: outcome.features,
@@ -89,6 +93,7 @@ struct Guard {
     steps: u32,
     /// Steps before it looks.
     free: u32,
+    leaps: u32,
     /// When to try a leap along a long rim, or round a large fan.
     next_leap: u32,
     jumps: u32,
@@ -104,7 +109,8 @@ impl Guard {
         if self.steps == self.next_leap {
             // One that did not help is tried later again, and so is one that did: leaps are few, so the walk still ends.
             let later = if leap(placed, outcome) { 3 } else { self.steps.max(4) };
-            self.next_leap += later;
+            self.leaps += 1;
+            self.next_leap = if self.leaps < LEAPS { self.steps + later } else { u32::MAX };
         }
         let next = outcome.features;
         if self.steps < FREE {
