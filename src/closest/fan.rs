@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use crate::polyhedron::fans::steepest;
+use crate::polyhedron::fans::{fall_line, steepest};
 use crate::polyhedron::{ConvexPolyhedron, Plane};
 use crate::tolerance::{EDGE_BOUND, EDGE_SIGN};
 
@@ -45,11 +45,15 @@ impl ConvexPolyhedron {
     #[cold]
     #[inline(never)]
     fn large_fan_minimum(&self, v: u32, m: &Vector3<f64>, n: &Vector3<f64>) -> Fan {
-        let half_edge = steepest(&self.topology, &self.points, v, m, &-n);
-        let to = self.topology.half_edge(half_edge).to;
-        let least = n.dot(&(self.points[to as usize] - self.points[v as usize]));
+        let (t, points) = (&self.topology, &self.points);
+        let along = |h: u32| n.dot(&(points[t.half_edge(h).to as usize] - points[v as usize]));
+        let half_edge = steepest(t, points, v, m, &-n);
+        if along(half_edge) >= 0.0 {
+            return Fan { least: 0.0, half_edge };
+        }
+        let half_edge = fall_line(t, points, v, n, half_edge);
         Fan {
-            least: least.min(0.0),
+            least: along(half_edge).min(0.0),
             half_edge,
         }
     }

@@ -19,6 +19,15 @@ use crate::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, Feature, FeaturePair, 
 /// Newton steps of one leap.
 const STEPS: usize = 3;
 
+/// What makes second derivatives positive where they are not, relatively.
+const DAMPING: f64 = 1.0 / 1024.0;
+
+/// How often a leap that leads no closer is cut to a quarter.
+const TRIES: u32 = 3;
+
+/// Bisections for where a curve leaves a face.
+const BISECTIONS: u32 = 8;
+
 /// How far a parabola is followed, in the length it is fitted over.
 const REACH: f64 = 12.0;
 
@@ -146,9 +155,10 @@ impl<'a> Side<'a> {
         }
     }
 
-    /// The point of the body itself, in its frame, at a place.
-    fn point(&self, body: &ConvexPolyhedron, (j, part): (usize, f64), y: f64) -> Option<Vector3<f64>> {
+    /// The point of the body itself, in its frame; none for a face.
+    fn point(&self, body: &ConvexPolyhedron, x: f64, y: f64) -> Option<Vector3<f64>> {
         let at = |v: u32| body.points[v as usize];
+        let (j, part, _) = self.place(x);
         Some(match self {
             Side::Vertex(v, _) => at(*v),
             Side::Edge(e, _) => {
@@ -207,69 +217,136 @@ pub(super) fn leap(placed: &Placed, outcome: &mut Outcome) -> bool {
     if !a.is_curved() && !b.is_curved() {
         return false;
     }
-    let b = b.placed(placed);
-    let Some(at) = closest(&a, &b) else {
-        return false;
+    let leap = Leap {
+        placed,
+        a,
+        b: b.placed(placed),
     };
-    let ((ja, pa, by_a), (jb, pb, by_b)) = (a.place(at[0]), b.place(at[2]));
-    if by_a.max(by_b) <= 1 {
-        return false;
+    match leap.pair() {
+        Some(to) => {
+            outcome.features = to.to_stand_on(placed.a, placed.b);
+            true
+        }
+        None => false,
     }
-    let points = (a.point(placed.a, (ja, pa), at[1]), b.point(placed.b, (jb, pb), at[3]));
-    let edge = |e: u32| Feature::Edge(EdgeId(e));
-    outcome.features = match (points, &a, &b) {
-        ((Some(p), Some(q)), ..) => {
-            let start = [0.0, at[1], 0.0, at[3]];
-            let now = (p - placed.point_in_a(&q)).norm_squared();
-            if now >= difference(&a, &b, &start).0.norm_squared() {
-                return false;
+}
+
+/// Both sides, in A's frame.
+struct Leap<'a, 'b> {
+    placed: &'a Placed<'b>,
+    a: Side<'a>,
+    b: Side<'a>,
+}
+
+/// Where a leap lands.
+enum Landing {
+    /// As far apart as the root of this.
+    At(f64),
+    /// Over no face: beyond this edge.
+    Beyond(u32),
+}
+
+impl Leap<'_, '_> {
+    /// The pair to go on from: where Newton's method leads, or a part of the way there.
+    fn pair(&self) -> Option<FeaturePair> {
+        let (start, mut at) = closest(&self.a, &self.b)?;
+        let before = match self.landing(&start) {
+            Landing::At(squared) => squared,
+            Landing::Beyond(_) => f64::INFINITY,
+        };
+        for _ in 0..TRIES {
+            if self.places(&at) <= 1 {
+                return None;
             }
-            FeaturePair {
-                a: a.feature(placed.a, ja, at[1], b.dimension(at[3])),
-                b: b.feature(placed.b, jb, at[3], a.dimension(at[1])),
+            match self.landing(&at) {
+                Landing::Beyond(_) => return Some(self.beyond(&start, &at)),
+                Landing::At(squared) if squared < before => return Some(self.features(&at, None)),
+                Landing::At(_) => at = between(&start, &at, 0.25),
             }
         }
-        // Over a face, or past an edge of its rim.
-        ((None, Some(q)), Side::Face(f, _), _) => match placed.a.beside(*f, &placed.point_in_a(&q), placed.size()) {
-            Rim::Outside(e) => FeaturePair { a: edge(e), b: b.feature(placed.b, jb, at[3], 1) },
-            _ => FeaturePair { a: pair.a, b: b.feature(placed.b, jb, at[3], 2) },
-        },
-        ((Some(p), None), _, Side::Face(f, _)) => match placed.b.beside(*f, &placed.point_in_b(&p), placed.size()) {
-            Rim::Outside(e) => FeaturePair { a: a.feature(placed.a, ja, at[1], 1), b: edge(e) },
-            _ => FeaturePair { a: a.feature(placed.a, ja, at[1], 2), b: pair.b },
-        },
-        _ => return false,
+        None
     }
-    .to_stand_on(placed.a, placed.b);
-    true
-}
 
-impl ConvexPolyhedron {
-    /// Where a point is beside the side planes of a face.
-    fn beside(&self, face: u32, x: &Vector3<f64>, size: f64) -> Rim {
-        let normal = &self.planes[face as usize].normal;
-        let face = Face {
-            body: self,
-            face,
-            normal,
+    /// How many corners away the leap goes.
+    fn places(&self, at: &Four) -> usize {
+        self.a.place(at[0]).2.max(self.b.place(at[2]).2)
+    }
+
+    /// How far apart the bodies' own points are there.
+    fn landing(&self, at: &Four) -> Landing {
+        let placed = self.placed;
+        let (on_a, on_b) = (self.a.point(placed.a, at[0], at[1]), self.b.point(placed.b, at[2], at[3]));
+        match (on_a, on_b, &self.a, &self.b) {
+            (Some(p), Some(q), ..) => Landing::At((p - placed.point_in_a(&q)).norm_squared()),
+            (_, Some(q), Side::Face(f, _), _) => over(placed.a, *f, &placed.point_in_a(&q), placed.size()),
+            (Some(p), _, _, Side::Face(f, _)) => over(placed.b, *f, &placed.point_in_b(&p), placed.size()),
+            _ => Landing::At(f64::INFINITY),
+        }
+    }
+
+    /// From over a face to beyond its rim: the edge of it that is passed, and that of the curve which passes.
+    fn beyond(&self, start: &Four, at: &Four) -> FeaturePair {
+        let (mut over, mut out) = (0.0, 1.0);
+        let mut edge = None;
+        for _ in 0..BISECTIONS {
+            let middle = if edge.is_none() { out } else { 0.5 * (over + out) };
+            match self.landing(&between(start, at, middle)) {
+                Landing::Beyond(e) => (out, edge) = (middle, Some(e)),
+                Landing::At(_) => over = middle,
+            }
+        }
+        self.features(&between(start, at, out), edge)
+    }
+
+    /// The features there; `edge` for a face, where it is one of its rim.
+    fn features(&self, at: &Four, edge: Option<u32>) -> FeaturePair {
+        let dimension = |side: &Side, y: f64| if edge.is_some() { 1 } else { side.dimension(y) };
+        let name = |side: &Side, body: &ConvexPolyhedron, x: f64, y: f64, other: usize| match (side, edge) {
+            (Side::Face(..), Some(e)) => Feature::Edge(EdgeId(e)),
+            _ => side.feature(body, side.place(x).0, y, other),
         };
-        face.beside(x, size).0
+        FeaturePair {
+            a: name(&self.a, self.placed.a, at[0], at[1], dimension(&self.b, at[3])),
+            b: name(&self.b, self.placed.b, at[2], at[3], dimension(&self.a, at[1])),
+        }
     }
 }
 
-/// Newton's method: first along the lines alone, then in all variables. `None` where that does not lead closer.
-fn closest(a: &Side, b: &Side) -> Option<Four> {
+/// A part of the way from one to the other.
+fn between(from: &Four, to: &Four, part: f64) -> Four {
+    core::array::from_fn(|k| from[k] + (to[k] - from[k]) * part)
+}
+
+/// Where a point is over a face.
+fn over(body: &ConvexPolyhedron, face: u32, x: &Vector3<f64>, size: f64) -> Landing {
+    let plane = &body.planes[face as usize];
+    let face = Face {
+        body,
+        face,
+        normal: &plane.normal,
+    };
+    let (rim, corner) = face.beside(x, size);
+    match rim {
+        Rim::Outside(edge) => Landing::Beyond(edge),
+        _ => {
+            let height = plane.normal.dot(&(x - corner));
+            Landing::At(height * height)
+        }
+    }
+}
+
+/// Newton's method: first along the lines alone, then in all variables. From where, and to where that leads.
+fn closest(a: &Side, b: &Side) -> Option<(Four, Four)> {
     let mut at = [0.0, 0.5, 0.0, 0.5];
     let lines = [false, a.has_lines(), false, b.has_lines()];
-    let all = [a.is_curved(), lines[1], b.is_curved(), lines[3]];
     if lines[1] || lines[3] {
         step(a, b, &mut at, lines)?;
     }
-    let before = step(a, b, &mut at, all)?;
-    for _ in 1..STEPS {
-        step(a, b, &mut at, all)?;
+    let start = at;
+    for _ in 0..STEPS {
+        step(a, b, &mut at, [a.is_curved(), lines[1], b.is_curved(), lines[3]])?;
     }
-    (difference(a, b, &at).0.norm_squared() < before).then_some(at)
+    Some((start, at))
 }
 
 /// What counts of the difference, and the jets.
@@ -286,8 +363,8 @@ fn counting(a: &Side, b: &Side, r: &Vector3<f64>) -> Vector3<f64> {
     }
 }
 
-/// One Newton step in the variables that are `free`; the squared length before it.
-fn step(a: &Side, b: &Side, at: &mut Four, mut free: [bool; 4]) -> Option<f64> {
+/// One Newton step in the variables that are `free`.
+fn step(a: &Side, b: &Side, at: &mut Four, mut free: [bool; 4]) -> Option<()> {
     let (r, ja, jb) = difference(a, b, at);
     let first = [ja.x, ja.y, -jb.x, -jb.y].map(|d| counting(a, b, &d));
     let mut g = first.map(|d| -d.dot(&r));
@@ -307,18 +384,26 @@ fn step(a: &Side, b: &Side, at: &mut Four, mut free: [bool; 4]) -> Option<f64> {
             }
         }
     }
+    let (mut newton, mut safe) = (h, h);
     let curved = [(0, 0, ja.xx), (1, 0, ja.xy), (2, 2, -jb.xx), (3, 2, -jb.xy)];
     for (i, j, d) in curved {
         if free[i] && free[j] {
-            h[i][j] += r.dot(&d);
+            newton[i][j] += r.dot(&d);
+            if i == j {
+                safe[i][j] += r.dot(&d).abs();
+            }
         }
     }
-    let by = solve(h, g)?;
+    for i in 0..4 {
+        safe[i][i] *= 1.0 + DAMPING;
+    }
+    // Far from the least distance the second derivatives may not be positive; these always are.
+    let by = solve(newton, g).or_else(|| solve(safe, g))?;
     for (k, (x, d)) in at.iter_mut().zip(by).enumerate() {
         let (low, high) = if k % 2 == 0 { (-REACH, REACH) } else { (0.0, 1.0) };
         *x = (*x + d).clamp(low, high);
     }
-    Some(r.norm_squared())
+    Some(())
 }
 
 /// Solves `h x = g` for the lower half of a symmetric matrix by Cholesky's method; `None` where it is not positive.

@@ -66,6 +66,7 @@ pub(crate) fn watched<const CERTIFY: bool>(
         free: if has_bands { FIRST_LEAP } else { FREE },
         next_leap: if has_bands { FIRST_LEAP } else { u32::MAX },
         leaps: 0,
+        leapt: outcome.features,
         steps: 0,
         jumps: 0,
         mark: outcome.features,
@@ -94,6 +95,8 @@ struct Guard {
     /// Steps before it looks.
     free: u32,
     leaps: u32,
+    /// Where the last one went.
+    leapt: FeaturePair,
     /// When to try a leap along a long rim, or round a large fan.
     next_leap: u32,
     jumps: u32,
@@ -110,7 +113,10 @@ impl Guard {
             // One that did not help is tried later again, and so is one that did: leaps are few, so the walk still ends.
             let later = if leap(placed, outcome) { 3 } else { self.steps.max(4) };
             self.leaps += 1;
-            self.next_leap = if self.leaps < LEAPS { self.steps + later } else { u32::MAX };
+            // A leap to where the last one went has nothing to add to the steps in between.
+            let ends = self.leaps == LEAPS || (later == 3 && outcome.features == self.leapt);
+            self.next_leap = if ends { u32::MAX } else { self.steps + later };
+            self.leapt = outcome.features;
         }
         let next = outcome.features;
         if self.steps < FREE {

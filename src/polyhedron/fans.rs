@@ -73,6 +73,19 @@ pub(crate) fn steepest(t: &Topology, points: &[Vector3<f64>], v: u32, m: &Vector
     fan.start + top_of_ring(fan.len(), slope) as u32
 }
 
+/// From a half-edge of a large fan that falls along `n`, the one for which the fall over its length is greatest: the rib nearest
+/// to a point that `n` leads away from.
+pub(crate) fn fall_line(t: &Topology, points: &[Vector3<f64>], v: u32, n: &Vector3<f64>, from: u32) -> u32 {
+    let (fan, p) = (t.fan(v), points[v as usize]);
+    let fall = |k: usize| {
+        let e = points[t.half_edge(fan.start + k as u32).to as usize] - p;
+        let c = -n.dot(&e);
+        c * c.abs() / e.norm_squared()
+    };
+    let m = fan.len();
+    fan.start + top_from(m, (from - fan.start) as usize, m.div_ceil(8), fall) as u32
+}
+
 /// The highest neighbour of `v`, where heights round its large fan rise once and fall once, as they do where the neighbours
 /// lie in one plane; some neighbour elsewhere.
 pub(crate) fn highest_neighbour(t: &Topology, points: &[Vector3<f64>], v: u32, n: &Vector3<f64>) -> u32 {
@@ -83,7 +96,7 @@ pub(crate) fn highest_neighbour(t: &Topology, points: &[Vector3<f64>], v: u32, n
 
 /// The place of the greatest value on a ring on which values rise to one place and fall from it.
 pub(crate) fn top_of_ring(m: usize, value: impl Fn(usize) -> f64) -> usize {
-    let mut stride = m.div_ceil(4).max(1);
+    let stride = m.div_ceil(4).max(1);
     let (mut best, mut top) = (0, value(0));
     for k in 1..4 {
         let (k, v) = ((k * stride) % m, value((k * stride) % m));
@@ -91,6 +104,12 @@ pub(crate) fn top_of_ring(m: usize, value: impl Fn(usize) -> f64) -> usize {
             (best, top) = (k, v);
         }
     }
+    top_from(m, best, stride, value)
+}
+
+/// The same from a place, by strides from the given one down to one.
+fn top_from(m: usize, mut best: usize, mut stride: usize, value: impl Fn(usize) -> f64) -> usize {
+    let mut top = value(best);
     loop {
         let (left, right) = ((best + m - stride % m) % m, (best + stride) % m);
         let (at_left, at_right) = (value(left), value(right));
