@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use crate::polyhedron::fans::{fall_line, steepest};
+use crate::polyhedron::fans::steepest;
 use crate::polyhedron::{ConvexPolyhedron, Plane};
 use crate::tolerance::{EDGE_BOUND, EDGE_SIGN};
 
@@ -51,7 +51,7 @@ impl ConvexPolyhedron {
         if along(half_edge) >= 0.0 {
             return Fan { least: 0.0, half_edge };
         }
-        let half_edge = fall_line(t, points, v, n, half_edge);
+        let half_edge = self.nearest_rib(v, &-n);
         Fan {
             least: along(half_edge).min(0.0),
             half_edge,

@@ -22,6 +22,9 @@ const STEPS: usize = 3;
 /// What makes second derivatives positive where they are not, relatively.
 const DAMPING: f64 = 1.0 / 1024.0;
 
+/// A step as short as this is the last.
+const CLOSE: f64 = 1.0 / 64.0;
+
 /// How often a leap that leads no closer is cut to a quarter.
 const TRIES: u32 = 3;
 
@@ -53,6 +56,15 @@ struct Jet {
     y: Vector3<f64>,
     xx: Vector3<f64>,
     xy: Vector3<f64>,
+}
+
+/// A place on a side: between the corner of this number and the next, and on the line there.
+struct Spot {
+    place: usize,
+    part: f64,
+    y: f64,
+    /// How many corners that is from the start.
+    moved: usize,
 }
 
 /// The variables of both sides: `x`, `y` of A, then of B.
@@ -144,21 +156,31 @@ impl<'a> Side<'a> {
         }
     }
 
-    /// The place of the corner before `x`, how far from there to the next, and how many places that is from the start.
-    fn place(&self, x: f64) -> (usize, f64, usize) {
+    /// The place at `x`, `y`.
+    fn spot(&self, x: f64, y: f64) -> Spot {
         match self {
             Side::Curve(band, k, fit) | Side::Ribs(band, k, fit) => {
-                let (j, part) = band.place_at(fit, *k, x);
-                (j, part, band.between(*k, j))
+                let (place, part) = band.place_at(fit, *k, x);
+                Spot {
+                    place,
+                    part,
+                    y,
+                    moved: band.between(*k, place),
+                }
             }
-            _ => (0, 0.0, 0),
+            _ => Spot {
+                place: 0,
+                part: 0.0,
+                y,
+                moved: 0,
+            },
         }
     }
 
     /// The point of the body itself, in its frame; none for a face.
-    fn point(&self, body: &ConvexPolyhedron, x: f64, y: f64) -> Option<Vector3<f64>> {
+    fn point(&self, body: &ConvexPolyhedron, spot: &Spot) -> Option<Vector3<f64>> {
         let at = |v: u32| body.points[v as usize];
-        let (j, part, _) = self.place(x);
+        let &Spot { place: j, part, y, .. } = spot;
         Some(match self {
             Side::Vertex(v, _) => at(*v),
             Side::Edge(e, _) => {
@@ -171,8 +193,9 @@ impl<'a> Side<'a> {
         })
     }
 
-    /// The feature at a place beside one of dimension `other`.
-    fn feature(&self, body: &ConvexPolyhedron, j: usize, y: f64, other: usize) -> Feature {
+    /// The feature there, beside one of dimension `other`.
+    fn feature(&self, body: &ConvexPolyhedron, spot: &Spot, other: usize) -> Feature {
+        let &Spot { place: j, y, .. } = spot;
         let vertex = |v: u32| Feature::Vertex(VertexId(v));
         let edge = |e: u32| Feature::Edge(EdgeId(e));
         let t = &body.topology;
@@ -250,32 +273,32 @@ impl Leap<'_, '_> {
     /// The pair to go on from: where Newton's method leads, or a part of the way there.
     fn pair(&self) -> Option<FeaturePair> {
         let (start, mut at) = closest(&self.a, &self.b)?;
-        let before = match self.landing(&start) {
+        let before = match self.landing(&self.spots(&start)) {
             Landing::At(squared) => squared,
             Landing::Beyond(_) => f64::INFINITY,
         };
         for _ in 0..TRIES {
-            if self.places(&at) <= 1 {
+            let spots = self.spots(&at);
+            if spots.0.moved.max(spots.1.moved) <= 1 {
                 return None;
             }
-            match self.landing(&at) {
-                Landing::Beyond(_) => return Some(self.beyond(&start, &at)),
-                Landing::At(squared) if squared < before => return Some(self.features(&at, None)),
+            match self.landing(&spots) {
+                Landing::Beyond(edge) => return Some(self.beyond(&start, &at, edge)),
+                Landing::At(squared) if squared < before => return Some(self.features(&spots, None)),
                 Landing::At(_) => at = between(&start, &at, 0.25),
             }
         }
         None
     }
 
-    /// How many corners away the leap goes.
-    fn places(&self, at: &Four) -> usize {
-        self.a.place(at[0]).2.max(self.b.place(at[2]).2)
+    fn spots(&self, at: &Four) -> (Spot, Spot) {
+        (self.a.spot(at[0], at[1]), self.b.spot(at[2], at[3]))
     }
 
     /// How far apart the bodies' own points are there.
-    fn landing(&self, at: &Four) -> Landing {
+    fn landing(&self, spots: &(Spot, Spot)) -> Landing {
         let placed = self.placed;
-        let (on_a, on_b) = (self.a.point(placed.a, at[0], at[1]), self.b.point(placed.b, at[2], at[3]));
+        let (on_a, on_b) = (self.a.point(placed.a, &spots.0), self.b.point(placed.b, &spots.1));
         match (on_a, on_b, &self.a, &self.b) {
             (Some(p), Some(q), ..) => Landing::At((p - placed.point_in_a(&q)).norm_squared()),
             (_, Some(q), Side::Face(f, _), _) => over(placed.a, *f, &placed.point_in_a(&q), placed.size()),
@@ -284,30 +307,30 @@ impl Leap<'_, '_> {
         }
     }
 
-    /// From over a face to beyond its rim: the edge of it that is passed, and that of the curve which passes.
-    fn beyond(&self, start: &Four, at: &Four) -> FeaturePair {
-        let (mut over, mut out) = (0.0, 1.0);
-        let mut edge = None;
+    /// From over a face to beyond `edge` of its rim: the edge that is passed first, and that of the curve which passes.
+    fn beyond(&self, start: &Four, at: &Four, mut edge: u32) -> FeaturePair {
+        let (mut over, mut out, mut spots) = (0.0, 1.0, self.spots(at));
         for _ in 0..BISECTIONS {
-            let middle = if edge.is_none() { out } else { 0.5 * (over + out) };
-            match self.landing(&between(start, at, middle)) {
-                Landing::Beyond(e) => (out, edge) = (middle, Some(e)),
+            let middle = 0.5 * (over + out);
+            let there = self.spots(&between(start, at, middle));
+            match self.landing(&there) {
+                Landing::Beyond(e) => (out, edge, spots) = (middle, e, there),
                 Landing::At(_) => over = middle,
             }
         }
-        self.features(&between(start, at, out), edge)
+        self.features(&spots, Some(edge))
     }
 
     /// The features there; `edge` for a face, where it is one of its rim.
-    fn features(&self, at: &Four, edge: Option<u32>) -> FeaturePair {
-        let dimension = |side: &Side, y: f64| if edge.is_some() { 1 } else { side.dimension(y) };
-        let name = |side: &Side, body: &ConvexPolyhedron, x: f64, y: f64, other: usize| match (side, edge) {
+    fn features(&self, spots: &(Spot, Spot), edge: Option<u32>) -> FeaturePair {
+        let dimension = |side: &Side, spot: &Spot| if edge.is_some() { 1 } else { side.dimension(spot.y) };
+        let name = |side: &Side, body: &ConvexPolyhedron, spot: &Spot, other: usize| match (side, edge) {
             (Side::Face(..), Some(e)) => Feature::Edge(EdgeId(e)),
-            _ => side.feature(body, side.place(x).0, y, other),
+            _ => side.feature(body, spot, other),
         };
         FeaturePair {
-            a: name(&self.a, self.placed.a, at[0], at[1], dimension(&self.b, at[3])),
-            b: name(&self.b, self.placed.b, at[2], at[3], dimension(&self.a, at[1])),
+            a: name(&self.a, self.placed.a, &spots.0, dimension(&self.b, &spots.1)),
+            b: name(&self.b, self.placed.b, &spots.1, dimension(&self.a, &spots.0)),
         }
     }
 }
@@ -344,7 +367,10 @@ fn closest(a: &Side, b: &Side) -> Option<(Four, Four)> {
     }
     let start = at;
     for _ in 0..STEPS {
-        step(a, b, &mut at, [a.is_curved(), lines[1], b.is_curved(), lines[3]])?;
+        // The next would move by the square of it.
+        if step(a, b, &mut at, [a.is_curved(), lines[1], b.is_curved(), lines[3]])? < CLOSE {
+            break;
+        }
     }
     Some((start, at))
 }
@@ -363,73 +389,98 @@ fn counting(a: &Side, b: &Side, r: &Vector3<f64>) -> Vector3<f64> {
     }
 }
 
-/// One Newton step in the variables that are `free`.
-fn step(a: &Side, b: &Side, at: &mut Four, mut free: [bool; 4]) -> Option<()> {
+/// One Newton step in the variables that are `free`; how far it goes in `x`.
+fn step(a: &Side, b: &Side, at: &mut Four, mut free: [bool; 4]) -> Option<f64> {
     let (r, ja, jb) = difference(a, b, at);
     let first = [ja.x, ja.y, -jb.x, -jb.y].map(|d| counting(a, b, &d));
-    let mut g = first.map(|d| -d.dot(&r));
+    let downhill = first.map(|d| -d.dot(&r));
     for k in [1, 3] {
         // At an end of the line and on beyond it.
-        free[k] &= !(at[k] <= 0.0 && g[k] < 0.0 || at[k] >= 1.0 && g[k] > 0.0);
+        free[k] &= !(at[k] <= 0.0 && downhill[k] < 0.0 || at[k] >= 1.0 && downhill[k] > 0.0);
     }
-    let mut h = [[0.0; 4]; 4];
+    // The second derivatives of r: of variables k and k, and of 1 and 0, 3 and 2.
+    let second = [r.dot(&ja.xx), r.dot(&ja.xy), -r.dot(&jb.xx), -r.dot(&jb.xy)];
+    let (mut newton, mut safe) = (Normal::default(), Normal::default());
     for i in 0..4 {
-        if !free[i] {
-            (h[i][i], g[i]) = (1.0, 0.0);
+        // Nothing moves round an apex.
+        if !free[i] || first[i] == Vector3::zeros() {
             continue;
         }
-        for j in 0..=i {
-            if free[j] {
-                h[i][j] = first[i].dot(&first[j]);
-            }
-        }
-    }
-    let (mut newton, mut safe) = (h, h);
-    let curved = [(0, 0, ja.xx), (1, 0, ja.xy), (2, 2, -jb.xx), (3, 2, -jb.xy)];
-    for (i, j, d) in curved {
-        if free[i] && free[j] {
-            newton[i][j] += r.dot(&d);
-            if i == j {
-                safe[i][j] += r.dot(&d).abs();
-            }
-        }
-    }
-    for i in 0..4 {
-        safe[i][i] *= 1.0 + DAMPING;
+        let row = |of: &Normal, curved: bool| {
+            let entry = |&j: &usize| {
+                let bend = if i == j && i % 2 == 0 { second[i] } else { 0.0 };
+                let twist = if i % 2 == 1 && j + 1 == i { second[i] } else { 0.0 };
+                let own = first[i].dot(&first[j]);
+                match (curved, i == j) {
+                    (true, _) => own + bend + twist,
+                    (false, true) => (own + bend.abs()) * (1.0 + DAMPING),
+                    (false, false) => own,
+                }
+            };
+            let mut row = [0.0; 4];
+            of.of.iter().take(of.len).chain([&i]).zip(&mut row).for_each(|(j, x)| *x = entry(j));
+            row
+        };
+        newton.push(i, row(&newton, true), downhill[i]);
+        safe.push(i, row(&safe, false), downhill[i]);
     }
     // Far from the least distance the second derivatives may not be positive; these always are.
-    let by = solve(newton, g).or_else(|| solve(safe, g))?;
+    let by = newton.solve().or_else(|| safe.solve())?;
+    let mut moved = 0.0f64;
     for (k, (x, d)) in at.iter_mut().zip(by).enumerate() {
         let (low, high) = if k % 2 == 0 { (-REACH, REACH) } else { (0.0, 1.0) };
         *x = (*x + d).clamp(low, high);
+        if k % 2 == 0 {
+            moved = moved.max(d.abs());
+        }
     }
-    Some(())
+    Some(moved)
 }
 
-/// Solves `h x = g` for the lower half of a symmetric matrix by Cholesky's method; `None` where it is not positive.
-fn solve(mut h: [[f64; 4]; 4], mut g: Four) -> Option<Four> {
-    for i in 0..4 {
-        let whole = h[i][i];
-        for j in 0..i {
-            // h[i][j] is the entry times the pivot of j until here.
-            let factor = h[i][j] / h[j][j];
-            for k in j + 1..i {
-                h[i][k] -= factor * h[k][j];
+/// A symmetric system in some of four variables: the lower half of the matrix, and the right side.
+#[derive(Clone, Copy, Default)]
+struct Normal {
+    of: [usize; 4],
+    len: usize,
+    rows: [[f64; 4]; 4],
+    right: Four,
+}
+
+impl Normal {
+    fn push(&mut self, variable: usize, row: [f64; 4], right: f64) {
+        let n = self.len;
+        (self.of[n], self.rows[n], self.right[n]) = (variable, row, right);
+        self.len += 1;
+    }
+
+    /// By Cholesky's method, zero for the other variables; `None` where the matrix is not positive.
+    fn solve(mut self) -> Option<Four> {
+        let (n, h, g) = (self.len, &mut self.rows, &mut self.right);
+        for i in 0..n {
+            let whole = h[i][i];
+            for j in 0..i {
+                // h[i][j] is the entry times the pivot of j until here.
+                let factor = h[i][j] / h[j][j];
+                for k in j + 1..i {
+                    h[i][k] -= factor * h[k][j];
+                }
+                h[i][i] -= factor * h[i][j];
+                g[i] -= factor * g[j];
             }
-            h[i][i] -= factor * h[i][j];
-            g[i] -= factor * g[j];
+            if !(h[i][i] > 1e-12 * whole) {
+                return None;
+            }
         }
-        if !(h[i][i] > 1e-12 * whole) {
-            return None;
+        let mut x = [0.0; 4];
+        for i in (0..n).rev() {
+            for k in i + 1..n {
+                g[i] -= h[k][i] * g[k];
+            }
+            g[i] /= h[i][i];
+            x[self.of[i]] = g[i];
         }
+        Some(x)
     }
-    for i in (0..4).rev() {
-        for k in i + 1..4 {
-            g[i] -= h[k][i] * g[k];
-        }
-        g[i] /= h[i][i];
-    }
-    Some(g)
 }
 
 #[cfg(test)]
@@ -445,14 +496,21 @@ mod tests {
             [-1.0, 0.5, 0.125, 5.0],
         ];
         let x: Four = [1.0, -2.0, 3.0, 0.5];
-        let g: Four = core::array::from_fn(|i| (0..4).map(|j| full[i][j] * x[j]).sum());
-        let mut lower = full;
-        (0..4).for_each(|i| (i + 1..4).for_each(|j| lower[i][j] = 0.0));
-        let solved = solve(lower, g).expect("positive");
-        for (a, b) in solved.iter().zip(x) {
-            assert!((a - b).abs() < 1e-14, "{solved:?}");
+        for variables in [&[0, 1, 2, 3][..], &[0, 2], &[1, 2, 3], &[3], &[]] {
+            let mut system = Normal::default();
+            for &i in variables {
+                let mut row = [0.0; 4];
+                variables.iter().zip(&mut row).filter(|(j, _)| **j <= i).for_each(|(&j, r)| *r = full[i][j]);
+                system.push(i, row, variables.iter().map(|&j| full[i][j] * x[j]).sum());
+            }
+            let solved = system.solve().expect("positive");
+            for k in 0..4 {
+                let truth = if variables.contains(&k) { x[k] } else { 0.0 };
+                assert!((solved[k] - truth).abs() < 1e-14, "{solved:?}");
+            }
         }
-        lower[2][2] = -1.0;
-        assert_eq!(solve(lower, g), None);
+        let mut bad = Normal::default();
+        bad.push(2, [-1.0, 0.0, 0.0, 0.0], 1.0);
+        assert_eq!(bad.solve(), None);
     }
 }

@@ -85,7 +85,9 @@ fn past_end<S: Sides>(sides: &S, vertex: u32, edge: u32, end: u32, x: &Vector3<f
         .y()
         .topology
         .has_large_faces()
-        .then(|| edge_along(sides.y(), edge, x, sides.size()));
+        .then_some(())
+        .filter(|()| !sides.y().has_bands())
+        .map(|()| edge_along(sides.y(), edge, x, sides.size()));
     outcome.go(match along.flatten() {
         Some(edge) => FeaturePair::vertex_edge(S::OF, vertex, edge),
         None => FeaturePair::vertices(S::OF, vertex, end),
@@ -95,7 +97,7 @@ fn past_end<S: Sides>(sides: &S, vertex: u32, edge: u32, end: u32, x: &Vector3<f
 /// Over a face beside the edge: to it, or across the strips along a long rim to the one `x` is nearest to.
 #[inline(always)]
 fn onto_face<S: Sides>(sides: &S, vertex: u32, face: u32, x: &Vector3<f64>, outcome: &mut Outcome) -> Step {
-    let face = if sides.y().topology.has_large_faces() {
+    let face = if sides.y().topology.has_large_faces() && !sides.y().has_bands() {
         face_along(sides.y(), face, x, sides.size()).unwrap_or(face)
     } else {
         face

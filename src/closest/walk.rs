@@ -26,10 +26,10 @@ const JUMPS: u32 = 3;
 const FREE: u32 = 8;
 
 /// Leaps a walk may try.
-const LEAPS: u32 = 8;
+const LEAPS: u32 = 12;
 
 /// Steps before a walk leaps along a long rim or round a large fan.
-const FIRST_LEAP: u32 = 2;
+const FIRST_LEAP: u32 = 1;
 
 /// Looks at one state.
 #[inline(always)]

@@ -73,19 +73,6 @@ pub(crate) fn steepest(t: &Topology, points: &[Vector3<f64>], v: u32, m: &Vector
     fan.start + top_of_ring(fan.len(), slope) as u32
 }
 
-/// From a half-edge of a large fan that falls along `n`, the one for which the fall over its length is greatest: the rib nearest
-/// to a point that `n` leads away from.
-pub(crate) fn fall_line(t: &Topology, points: &[Vector3<f64>], v: u32, n: &Vector3<f64>, from: u32) -> u32 {
-    let (fan, p) = (t.fan(v), points[v as usize]);
-    let fall = |k: usize| {
-        let e = points[t.half_edge(fan.start + k as u32).to as usize] - p;
-        let c = -n.dot(&e);
-        c * c.abs() / e.norm_squared()
-    };
-    let m = fan.len();
-    fan.start + top_from(m, (from - fan.start) as usize, m.div_ceil(8), fall) as u32
-}
-
 /// The highest neighbour of `v`, where heights round its large fan rise once and fall once, as they do where the neighbours
 /// lie in one plane; some neighbour elsewhere.
 pub(crate) fn highest_neighbour(t: &Topology, points: &[Vector3<f64>], v: u32, n: &Vector3<f64>) -> u32 {
@@ -126,6 +113,28 @@ fn top_from(m: usize, mut best: usize, mut stride: usize, value: impl Fn(usize) 
 }
 
 impl ConvexPolyhedron {
+    /// The half-edge of the large fan of `v` that makes the least angle with `d`, which leads out of the body: the rib nearest to a point
+    /// there. Of the faces seen from there, one is found as in `closest::behind`; along those seen the angle falls to one
+    /// rib and rises from it.
+    #[inline(never)]
+    pub(crate) fn nearest_rib(&self, v: u32, d: &Vector3<f64>) -> u32 {
+        let (t, fan, p) = (&self.topology, self.topology.fan(v), self.points[v as usize]);
+        let m = fan.len();
+        let inward = self.inner - p;
+        let normal = |k: usize| &self.planes[t.half_edge(fan.start + (k % m) as u32).face as usize].normal;
+        let seen = top_of_ring(m, |k| -normal(k).dot(d) / normal(k).dot(&inward));
+        let fall = |k: usize| {
+            let e = self.points[t.half_edge(fan.start + k as u32).to as usize] - p;
+            let c = d.dot(&e);
+            if normal(k).dot(d) > 0.0 || normal(k + m - 1).dot(d) > 0.0 {
+                c * c.abs() / e.norm_squared()
+            } else {
+                f64::NEG_INFINITY
+            }
+        };
+        fan.start + top_from(m, seen, m.div_ceil(8), fall) as u32
+    }
+
     /// A bound of the largest `n . x` over the body, near `n . v`, for a vertex `v` of a large fan or a large face. `None` where the
     /// planes that meet at `v` do not prove one.
     #[inline(never)]
