@@ -185,14 +185,20 @@ impl<'a> Band<'a> {
 
     /// The place whose corner is the last before `x` of a fit about place `k`, and which part of the way to the next `x` is.
     pub(super) fn place_at(&self, fit: &Fit, k: usize, x: f64) -> (usize, f64) {
+        if x == 0.0 {
+            return (k, 0.0);
+        }
         let m = self.len();
         let at = |j: usize| fit.scale.dot(&self.at(j % m)) - fit.origin;
         // Corners follow each other along the curve for less than a quarter of it.
         let most = m / 4;
-        let j = if x >= 0.0 {
-            k + last(most, |d| at(k + d) <= x)
+        // Where it is if corners are evenly spaced.
+        let guess = x * (2 * m.div_ceil(SPAN)) as f64;
+        let from = (k + m).wrapping_add_signed(guess.clamp(-(most as f64), most as f64) as isize) % m;
+        let j = if at(from) <= x {
+            from + last(most, |d| at(from + d) <= x)
         } else {
-            k + m - 1 - last(most, |d| at(k + m - d) > x)
+            from + m - 1 - last(most, |d| at(from + m - d) > x)
         };
         let (before, after) = (at(j), at(j + 1));
         (j % m, ((x - before) / (after - before)).clamp(0.0, 1.0))

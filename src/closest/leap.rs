@@ -23,7 +23,7 @@ const STEPS: usize = 3;
 const DAMPING: f64 = 1.0 / 1024.0;
 
 /// A step as short as this is the last.
-const CLOSE: f64 = 1.0 / 64.0;
+const CLOSE: f64 = 1.0 / 8.0;
 
 /// How often a leap that leads no closer is cut to a quarter.
 const TRIES: u32 = 3;
@@ -103,20 +103,24 @@ impl<'a> Side<'a> {
     }
 
     /// From B's frame to A's.
-    fn placed(self, placed: &Placed) -> Self {
-        let (point, vector) = (|p: &Vector3<f64>| placed.point_in_a(p), |v: &Vector3<f64>| placed.vector_in_a(v));
-        let jet = |[p, d, c]: [Vector3<f64>; 3]| [point(&p), vector(&d), vector(&c)];
+    fn place(&mut self, placed: &Placed) {
+        let point = |p: &mut Vector3<f64>| *p = placed.point_in_a(p);
+        let vector = |v: &mut Vector3<f64>| *v = placed.vector_in_a(v);
+        let jet = |[p, d, c]: &mut [Vector3<f64>; 3]| {
+            point(p);
+            vector(d);
+            vector(c);
+        };
         match self {
-            Side::Vertex(v, p) => Side::Vertex(v, point(&p)),
-            Side::Edge(e, [p, u]) => Side::Edge(e, [point(&p), vector(&u)]),
-            Side::Face(f, [p, n]) => Side::Face(f, [point(&p), vector(&n)]),
-            Side::Curve(band, k, mut fit) => {
-                fit.near = jet(fit.near);
-                Side::Curve(band, k, fit)
+            Side::Vertex(_, p) => point(p),
+            Side::Edge(_, [p, u]) | Side::Face(_, [p, u]) => {
+                point(p);
+                vector(u);
             }
-            Side::Ribs(band, k, mut fit) => {
-                (fit.near, fit.far) = (jet(fit.near), jet(fit.far));
-                Side::Ribs(band, k, fit)
+            Side::Curve(_, _, fit) => jet(&mut fit.near),
+            Side::Ribs(_, _, fit) => {
+                jet(&mut fit.near);
+                jet(&mut fit.far);
             }
         }
     }
@@ -234,17 +238,14 @@ impl<'a> Side<'a> {
 #[inline(never)]
 pub(super) fn leap(placed: &Placed, outcome: &mut Outcome) -> bool {
     let pair = outcome.features;
-    let (Some(a), Some(b)) = (Side::of(placed.a, pair.a), Side::of(placed.b, pair.b)) else {
+    let (Some(a), Some(mut b)) = (Side::of(placed.a, pair.a), Side::of(placed.b, pair.b)) else {
         return false;
     };
     if !a.is_curved() && !b.is_curved() {
         return false;
     }
-    let leap = Leap {
-        placed,
-        a,
-        b: b.placed(placed),
-    };
+    b.place(placed);
+    let leap = Leap { placed, a: &a, b: &b };
     match leap.pair() {
         Some(to) => {
             outcome.features = to.to_stand_on(placed.a, placed.b);
@@ -257,8 +258,8 @@ pub(super) fn leap(placed: &Placed, outcome: &mut Outcome) -> bool {
 /// Both sides, in A's frame.
 struct Leap<'a, 'b> {
     placed: &'a Placed<'b>,
-    a: Side<'a>,
-    b: Side<'a>,
+    a: &'a Side<'a>,
+    b: &'a Side<'a>,
 }
 
 /// Where a leap lands.
@@ -272,7 +273,7 @@ enum Landing {
 impl Leap<'_, '_> {
     /// The pair to go on from: where Newton's method leads, or a part of the way there.
     fn pair(&self) -> Option<FeaturePair> {
-        let (start, mut at) = closest(&self.a, &self.b)?;
+        let (start, mut at) = closest(self.a, self.b)?;
         let before = match self.landing(&self.spots(&start)) {
             Landing::At(squared) => squared,
             Landing::Beyond(_) => f64::INFINITY,
@@ -299,7 +300,7 @@ impl Leap<'_, '_> {
     fn landing(&self, spots: &(Spot, Spot)) -> Landing {
         let placed = self.placed;
         let (on_a, on_b) = (self.a.point(placed.a, &spots.0), self.b.point(placed.b, &spots.1));
-        match (on_a, on_b, &self.a, &self.b) {
+        match (on_a, on_b, self.a, self.b) {
             (Some(p), Some(q), ..) => Landing::At((p - placed.point_in_a(&q)).norm_squared()),
             (_, Some(q), Side::Face(f, _), _) => over(placed.a, *f, &placed.point_in_a(&q), placed.size()),
             (Some(p), _, _, Side::Face(f, _)) => over(placed.b, *f, &placed.point_in_b(&p), placed.size()),
@@ -329,8 +330,8 @@ impl Leap<'_, '_> {
             _ => side.feature(body, spot, other),
         };
         FeaturePair {
-            a: name(&self.a, self.placed.a, &spots.0, dimension(&self.b, &spots.1)),
-            b: name(&self.b, self.placed.b, &spots.1, dimension(&self.a, &spots.0)),
+            a: name(self.a, self.placed.a, &spots.0, dimension(self.b, &spots.1)),
+            b: name(self.b, self.placed.b, &spots.1, dimension(self.a, &spots.0)),
         }
     }
 }
@@ -390,51 +391,39 @@ fn counting(a: &Side, b: &Side, r: &Vector3<f64>) -> Vector3<f64> {
 }
 
 /// One Newton step in the variables that are `free`; how far it goes in `x`.
-fn step(a: &Side, b: &Side, at: &mut Four, mut free: [bool; 4]) -> Option<f64> {
+fn step(a: &Side, b: &Side, at: &mut Four, free: [bool; 4]) -> Option<f64> {
     let (r, ja, jb) = difference(a, b, at);
-    let first = [ja.x, ja.y, -jb.x, -jb.y].map(|d| counting(a, b, &d));
-    let downhill = first.map(|d| -d.dot(&r));
-    for k in [1, 3] {
-        // At an end of the line and on beyond it.
-        free[k] &= !(at[k] <= 0.0 && downhill[k] < 0.0 || at[k] >= 1.0 && downhill[k] > 0.0);
-    }
-    // The second derivatives of r: of variables k and k, and of 1 and 0, 3 and 2.
-    let second = [r.dot(&ja.xx), r.dot(&ja.xy), -r.dot(&jb.xx), -r.dot(&jb.xy)];
     let (mut newton, mut safe) = (Normal::default(), Normal::default());
-    for i in 0..4 {
-        // Nothing moves round an apex.
-        if !free[i] || first[i] == Vector3::zeros() {
+    let mut first = [Vector3::zeros(); 4];
+    for i in (0..4).filter(|&i| free[i]) {
+        let jet = if i < 2 { &ja } else { &jb };
+        let sign = if i < 2 { 1.0 } else { -1.0 };
+        let d = counting(a, b, &(if i % 2 == 0 { jet.x } else { jet.y } * sign));
+        let downhill = -d.dot(&r);
+        // At an end of the line and on beyond it; and nothing moves round an apex.
+        let ends = i % 2 == 1 && (at[i] <= 0.0 && downhill < 0.0 || at[i] >= 1.0 && downhill > 0.0);
+        if ends || d == Vector3::zeros() {
             continue;
         }
-        let row = |of: &Normal, curved: bool| {
-            let entry = |&j: &usize| {
-                let bend = if i == j && i % 2 == 0 { second[i] } else { 0.0 };
-                let twist = if i % 2 == 1 && j + 1 == i { second[i] } else { 0.0 };
-                let own = first[i].dot(&first[j]);
-                match (curved, i == j) {
-                    (true, _) => own + bend + twist,
-                    (false, true) => (own + bend.abs()) * (1.0 + DAMPING),
-                    (false, false) => own,
-                }
-            };
-            let mut row = [0.0; 4];
-            of.of.iter().take(of.len).chain([&i]).zip(&mut row).for_each(|(j, x)| *x = entry(j));
-            row
-        };
-        newton.push(i, row(&newton, true), downhill[i]);
-        safe.push(i, row(&safe, false), downhill[i]);
+        let n = newton.len;
+        let mut row: Four = core::array::from_fn(|k| if k < n { d.dot(&first[k]) } else { 0.0 });
+        let (own, bend) = (d.norm_squared(), sign * r.dot(&jet.xx));
+        row[n] = if i % 2 == 0 { (own + bend.abs()) * (1.0 + DAMPING) } else { own * (1.0 + DAMPING) };
+        safe.push(i, row, downhill);
+        row[n] = if i % 2 == 0 { own + bend } else { own };
+        if i % 2 == 1 && n > 0 && newton.of[n - 1] == i - 1 {
+            row[n - 1] += sign * r.dot(&jet.xy);
+        }
+        newton.push(i, row, downhill);
+        first[n] = d;
     }
     // Far from the least distance the second derivatives may not be positive; these always are.
     let by = newton.solve().or_else(|| safe.solve())?;
-    let mut moved = 0.0f64;
-    for (k, (x, d)) in at.iter_mut().zip(by).enumerate() {
+    for k in 0..4 {
         let (low, high) = if k % 2 == 0 { (-REACH, REACH) } else { (0.0, 1.0) };
-        *x = (*x + d).clamp(low, high);
-        if k % 2 == 0 {
-            moved = moved.max(d.abs());
-        }
+        at[k] = (at[k] + by[k]).clamp(low, high);
     }
-    Some(moved)
+    Some(by[0].abs().max(by[2].abs()))
 }
 
 /// A symmetric system in some of four variables: the lower half of the matrix, and the right side.

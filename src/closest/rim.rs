@@ -149,6 +149,8 @@ impl Face<'_> {
         };
         match topology.ring(self.face) {
             None => topology.rim(self.face).for_each(&mut try_edge),
+            // Most edges are short beside a large face.
+            Some(ring) if matches!(self.beside_large(ring, &(start + way), 0.0), Rim::Inside) => {}
             Some(ring) => {
                 let k = self.exit(ring, start, way);
                 let m = ring.len();

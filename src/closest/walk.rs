@@ -28,8 +28,9 @@ const FREE: u32 = 8;
 /// Leaps a walk may try.
 const LEAPS: u32 = 12;
 
-/// Steps before a walk leaps along a long rim or round a large fan.
-const FIRST_LEAP: u32 = 1;
+/// A walk leaps along a long rim or round a large fan at once on bodies of more vertices than this, and after a few steps on others:
+/// there most walks have ended by then.
+const FINE: usize = 4096;
 
 /// Looks at one state.
 #[inline(always)]
@@ -61,10 +62,14 @@ pub(crate) fn watched<const CERTIFY: bool>(
     outcome: &mut Outcome,
     mut seen: impl FnMut(FeaturePair),
 ) -> bool {
-    let has_bands = placed.a.has_bands() || placed.b.has_bands();
+    let first_leap = if placed.a.has_bands() || placed.b.has_bands() {
+        first_leap(placed)
+    } else {
+        u32::MAX
+    };
     let mut guard = Guard {
-        free: if has_bands { FIRST_LEAP } else { FREE },
-        next_leap: if has_bands { FIRST_LEAP } else { u32::MAX },
+        free: first_leap.min(FREE),
+        next_leap: first_leap,
         leaps: 0,
         leapt: outcome.features,
         steps: 0,
@@ -87,6 +92,12 @@ pub(crate) fn watched<const CERTIFY: bool>(
             return false;
         }
     }
+}
+
+#[cold]
+fn first_leap(placed: &Placed) -> u32 {
+    let finest = placed.a.points.len().max(placed.b.points.len());
+    if finest > FINE { 1 } else { 4 }
 }
 
 /// Ends walks that go in a circle or too far.
