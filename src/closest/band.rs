@@ -61,7 +61,7 @@ impl<'a> Band<'a> {
     /// triangle on its left.
     fn along(body: &'a ConvexPolyhedron, h: u32) -> Option<(Self, usize)> {
         let t = &body.topology;
-        if let Some((ring, k)) = t.long_rim(h) {
+        if let Some((ring, k)) = t.long_rim(t.from(h)).filter(|(ring, k)| ring[*k] == h) {
             let ring = Ring::Rim(ring);
             return Some((Band { body, ring }, k));
         }
@@ -240,11 +240,11 @@ impl ConvexPolyhedron {
         if t.fan(v).len() > MANY {
             return None;
         }
+        if let Some((ring, k)) = t.long_rim(v) {
+            let ring = Ring::Rim(ring);
+            return Some(Near::Curve(Band { body: self, ring }, k));
+        }
         t.fan(v).find_map(|h| {
-            if let Some((ring, k)) = t.long_rim(h) {
-                let ring = Ring::Rim(ring);
-                return Some(Near::Curve(Band { body: self, ring }, k));
-            }
             let e = t.half_edge(h);
             let band = Band::link(self, e.to)?;
             Some(Near::Curve(band, band.place_of(e.twin)))
@@ -284,7 +284,7 @@ impl ConvexPolyhedron {
                 // The half-edge from the apex with this face on its left.
                 return Some(Near::Rib(band, band.place_of(e.next)));
             }
-            let (ring, k) = t.long_rim(e.twin)?;
+            let (ring, k) = t.long_rim(e.to).filter(|(ring, k)| ring[*k] == e.twin)?;
             let ring = Ring::Rim(ring);
             Some(Near::Rib(Band { body: self, ring }, k))
         })

@@ -273,11 +273,7 @@ enum Landing {
 impl Leap<'_, '_> {
     /// The pair to go on from: where Newton's method leads, or a part of the way there.
     fn pair(&self) -> Option<FeaturePair> {
-        let (start, mut at) = closest(self.a, self.b)?;
-        let before = match self.landing(&self.spots(&start)) {
-            Landing::At(squared) => squared,
-            Landing::Beyond(_) => f64::INFINITY,
-        };
+        let (start, before, mut at) = closest(self.a, self.b)?;
         for _ in 0..TRIES {
             let spots = self.spots(&at);
             if spots.0.moved.max(spots.1.moved) <= 1 {
@@ -359,25 +355,29 @@ fn over(body: &ConvexPolyhedron, face: u32, x: &Vector3<f64>, size: f64) -> Land
     }
 }
 
-/// Newton's method: first along the lines alone, then in all variables. From where, and to where that leads.
-fn closest(a: &Side, b: &Side) -> Option<(Four, Four)> {
+/// Newton's method: first along the lines alone, then in all variables. From where, how far apart that is, squared, and where it leads.
+fn closest(a: &Side, b: &Side) -> Option<(Four, f64, Four)> {
     let mut at = [0.0, 0.5, 0.0, 0.5];
     let lines = [false, a.has_lines(), false, b.has_lines()];
+    let all = [a.is_curved(), lines[1], b.is_curved(), lines[3]];
     if lines[1] || lines[3] {
         step(a, b, &mut at, lines)?;
     }
     let start = at;
-    for _ in 0..STEPS {
+    let (before, mut by) = step(a, b, &mut at, all)?;
+    for _ in 1..STEPS {
         // The next would move by the square of it.
-        if step(a, b, &mut at, [a.is_curved(), lines[1], b.is_curved(), lines[3]])? < CLOSE {
-            break;
+        if by >= CLOSE {
+            by = step(a, b, &mut at, all)?.1;
         }
     }
-    Some((start, at))
+    Some((start, before, at))
 }
 
 /// What counts of the difference, and the jets.
-fn difference(a: &Side, b: &Side, at: &Four) -> (Vector3<f64>, Jet, Jet) {
+type Difference = (Vector3<f64>, Jet, Jet);
+
+fn difference(a: &Side, b: &Side, at: &Four) -> Difference {
     let (ja, jb) = (a.jet(at[0], at[1]), b.jet(at[2], at[3]));
     (counting(a, b, &(ja.at - jb.at)), ja, jb)
 }
@@ -390,40 +390,55 @@ fn counting(a: &Side, b: &Side, r: &Vector3<f64>) -> Vector3<f64> {
     }
 }
 
-/// One Newton step in the variables that are `free`; how far it goes in `x`.
-fn step(a: &Side, b: &Side, at: &mut Four, free: [bool; 4]) -> Option<f64> {
-    let (r, ja, jb) = difference(a, b, at);
-    let (mut newton, mut safe) = (Normal::default(), Normal::default());
-    let mut first = [Vector3::zeros(); 4];
-    for i in (0..4).filter(|&i| free[i]) {
-        let jet = if i < 2 { &ja } else { &jb };
-        let sign = if i < 2 { 1.0 } else { -1.0 };
-        let d = counting(a, b, &(if i % 2 == 0 { jet.x } else { jet.y } * sign));
-        let downhill = -d.dot(&r);
-        // At an end of the line and on beyond it; and nothing moves round an apex.
-        let ends = i % 2 == 1 && (at[i] <= 0.0 && downhill < 0.0 || at[i] >= 1.0 && downhill > 0.0);
-        if ends || d == Vector3::zeros() {
-            continue;
-        }
-        let n = newton.len;
-        let mut row: Four = core::array::from_fn(|k| if k < n { d.dot(&first[k]) } else { 0.0 });
-        let (own, bend) = (d.norm_squared(), sign * r.dot(&jet.xx));
-        row[n] = if i % 2 == 0 { (own + bend.abs()) * (1.0 + DAMPING) } else { own * (1.0 + DAMPING) };
-        safe.push(i, row, downhill);
-        row[n] = if i % 2 == 0 { own + bend } else { own };
-        if i % 2 == 1 && n > 0 && newton.of[n - 1] == i - 1 {
-            row[n - 1] += sign * r.dot(&jet.xy);
-        }
-        newton.push(i, row, downhill);
-        first[n] = d;
-    }
-    // Far from the least distance the second derivatives may not be positive; these always are.
-    let by = newton.solve().or_else(|| safe.solve())?;
+/// One Newton step in the variables that are `free`: the squared length before it, and how far it goes in `x`.
+fn step(a: &Side, b: &Side, at: &mut Four, free: [bool; 4]) -> Option<(f64, f64)> {
+    let difference = difference(a, b, at);
+    // Far from the least distance the second derivatives may not be positive; the other ones always are.
+    let solved = normal(a, b, at, &difference, free, true).solve();
+    let by = solved.or_else(|| normal(a, b, at, &difference, free, false).solve())?;
     for k in 0..4 {
         let (low, high) = if k % 2 == 0 { (-REACH, REACH) } else { (0.0, 1.0) };
         at[k] = (at[k] + by[k]).clamp(low, high);
     }
-    Some(by[0].abs().max(by[2].abs()))
+    Some((difference.0.norm_squared(), by[0].abs().max(by[2].abs())))
+}
+
+/// The system of a step; of Newton's method if `curved`, else damped and certainly positive.
+#[inline(always)]
+fn normal(a: &Side, b: &Side, at: &Four, (r, ja, jb): &Difference, free: [bool; 4], curved: bool) -> Normal {
+    let mut system = Normal::default();
+    let mut first = [Vector3::zeros(); 4];
+    for i in 0..4 {
+        if !free[i] {
+            continue;
+        }
+        let (jet, sign) = if i < 2 { (ja, 1.0) } else { (jb, -1.0) };
+        let is_line = i % 2 == 1;
+        let d = counting(a, b, &(if is_line { jet.y } else { jet.x } * sign));
+        let downhill = -d.dot(r);
+        // At an end of the line and on beyond it; and nothing moves round an apex.
+        let ends = is_line && (at[i] <= 0.0 && downhill < 0.0 || at[i] >= 1.0 && downhill > 0.0);
+        if ends || d == Vector3::zeros() {
+            continue;
+        }
+        let n = system.len;
+        let mut row = [0.0; 4];
+        for k in 0..n {
+            row[k] = d.dot(&first[k]);
+        }
+        let bend = if is_line { 0.0 } else { sign * r.dot(&jet.xx) };
+        row[n] = if curved {
+            d.norm_squared() + bend
+        } else {
+            (d.norm_squared() + bend.abs()) * (1.0 + DAMPING)
+        };
+        if curved && is_line && n > 0 && system.of[n - 1] == i - 1 {
+            row[n - 1] += sign * r.dot(&jet.xy);
+        }
+        system.push(i, row, downhill);
+        first[n] = d;
+    }
+    system
 }
 
 /// A symmetric system in some of four variables: the lower half of the matrix, and the right side.

@@ -82,8 +82,8 @@ pub(crate) struct Topology {
     rings: Vec<(u32, u32)>,
     /// The half-edges of large faces in order, face after face.
     ring: Vec<u32>,
-    /// The half-edges of rings of more than [`MANY`] by number, each with its place in its ring.
-    places: Vec<(u32, u32)>,
+    /// Where rims have more than [`MANY`] edges: by vertex, the place in `ring` of a half-edge of one of them that leaves it.
+    places: Vec<u32>,
 }
 
 /// Rims longer than this are kept as rings too.
@@ -165,15 +165,18 @@ impl Topology {
         for f in 0..self.rim.len() as u32 {
             if self.rim(f).nth(LARGE).is_some() {
                 let ring: Vec<u32> = self.rim(f).collect();
+                let start = self.ring.len() as u32;
                 if ring.len() > MANY {
-                    self.places.extend(ring.iter().copied().zip(0u32..));
+                    self.places.resize(self.vertex_count(), u32::MAX);
+                    for (&h, place) in ring.iter().zip(start..) {
+                        let v = self.from(h) as usize;
+                        self.places[v] = place;
+                    }
                 }
-                self.rings.push((f, self.ring.len() as u32));
+                self.rings.push((f, start));
                 self.ring.extend(ring);
             }
         }
-        self.places.sort_unstable();
-        self.places.shrink_to_fit();
     }
 
     /// Whether any rim has more than [`MANY`] edges.
@@ -182,11 +185,15 @@ impl Topology {
         !self.places.is_empty()
     }
 
-    /// The rim of the face on the left of `h` as a ring, where it has more than [`MANY`] edges, and the place of `h` in it.
-    pub(crate) fn long_rim(&self, h: u32) -> Option<(&[u32], usize)> {
-        let ring = self.large_ring(self.half_edge(h).face).filter(|r| r.len() > MANY)?;
-        let k = self.places.binary_search_by_key(&h, |p| p.0).ok()?;
-        Some((ring, self.places[k].1 as usize))
+    /// A rim of more than [`MANY`] edges that a vertex is on, as a ring, and the place of the half-edge that leaves it.
+    pub(crate) fn long_rim(&self, v: u32) -> Option<(&[u32], usize)> {
+        let place = *self.places.get(v as usize)?;
+        let next = self.rings.partition_point(|r| r.1 <= place);
+        let start = self.rings.get(next.checked_sub(1)?)?.1;
+        let end = self.rings.get(next).map_or(self.ring.len(), |r| r.1 as usize);
+        // The place of a vertex on none is beyond all.
+        let ring = self.ring.get(start as usize..end)?;
+        (place < end as u32).then_some((ring, (place - start) as usize))
     }
 
     /// Whether any face is kept as a ring.
@@ -267,7 +274,7 @@ impl Topology {
             Links::Short(l) => l.capacity() * 8,
             Links::Long(l) => l.capacity() * 16,
         };
-        links + 4 * (self.first.capacity() + self.rim.capacity() + self.ring.capacity()) + 8 * (self.rings.capacity() + self.places.capacity())
+        links + 4 * (self.first.capacity() + self.rim.capacity() + self.ring.capacity()) + 4 * self.places.capacity() + 8 * self.rings.capacity()
     }
 
     /// The vertex `h` leaves.
