@@ -156,7 +156,7 @@ impl<'a> Band<'a> {
         let m = self.len();
         // An arc of about three degrees: smooth over small edges, and short.
         let w = m.div_ceil(SPAN);
-        let places = [(k + m - w) % m, k, (k + w) % m];
+        let places = [if k >= w { k - w } else { k + m - w }, k, if k + w >= m { k + w - m } else { k + w }];
         let [before, p, after] = places.map(|k| self.at(k));
         let way = after - before;
         let scale = way / way.norm_squared();
@@ -189,19 +189,20 @@ impl<'a> Band<'a> {
             return (k, 0.0);
         }
         let m = self.len();
-        let at = |j: usize| fit.scale.dot(&self.at(j % m)) - fit.origin;
+        let wrapped = |j: usize| if j >= m { j - m } else { j };
+        let at = |j: usize| fit.scale.dot(&self.at(wrapped(j))) - fit.origin;
         // Corners follow each other along the curve for less than a quarter of it.
         let most = m / 4;
         // Where it is if corners are evenly spaced.
         let guess = x * (2 * m.div_ceil(SPAN)) as f64;
-        let from = (k + m).wrapping_add_signed(guess.clamp(-(most as f64), most as f64) as isize) % m;
+        let from = wrapped(wrapped((k + m).wrapping_add_signed(guess.clamp(-(most as f64), most as f64) as isize)));
         let j = if at(from) <= x {
-            from + last(most, |d| at(from + d) <= x)
+            wrapped(from + last(most, |d| at(from + d) <= x))
         } else {
-            from + m - 1 - last(most, |d| at(from + m - d) > x)
+            wrapped(from + m - 1 - last(most, |d| at(from + m - d) > x))
         };
         let (before, after) = (at(j), at(j + 1));
-        (j % m, ((x - before) / (after - before)).clamp(0.0, 1.0))
+        (j, ((x - before) / (after - before)).clamp(0.0, 1.0))
     }
 }
 

@@ -72,8 +72,9 @@ impl Face<'_> {
         }
     }
 
-    /// Bisects for the wedge, seen from the first corner, that holds `x`: three corners of the face then prove it
-    /// inside, but for the edges next to them, which are looked at.
+    /// Bisects for the wedge, seen from the first corner, that holds `x`, until it does so on the near side of the chord between
+    /// the wedge's other two corners: the three corners of the face then prove it inside, but for the edges next to them, which
+    /// are looked at.
     #[inline(never)]
     fn beside_large(&self, ring: &[u32], x: &Vector3<f64>, size: f64) -> Rim {
         let m = ring.len();
@@ -88,8 +89,12 @@ impl Face<'_> {
             } else {
                 high = middle;
             }
+            let (p, q) = (self.tail(ring[low]), self.tail(ring[high]));
+            if high - low < m / 2 && self.normal.cross(&(q - p)).dot(&(x - p)) > 0.0 {
+                break;
+            }
         }
-        let near = [0, m - 1, (low + m - 1) % m, low, (low + 1) % m];
+        let near = [0, m - 1, low - 1, low, high - 1, high];
         let (mut rim, mut furthest, mut at) = (Rim::Inside, f64::INFINITY, 0);
         for k in near {
             let look = self.look(ring[k], x, size);
