@@ -94,6 +94,11 @@ impl<'a> Band<'a> {
         }
     }
 
+    /// The corner nearest to a part of the way from that at place `k` to the next.
+    pub(super) fn corner_near(&self, k: usize, part: f64) -> u32 {
+        self.corner(if part < 0.5 { k } else { (k + 1) % self.len() })
+    }
+
     /// The edge from the corner at place `k` to the next.
     pub(super) fn edge(&self, k: usize) -> u32 {
         let t = &self.body.topology;

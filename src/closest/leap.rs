@@ -23,7 +23,7 @@ const STEPS: usize = 3;
 const DAMPING: f64 = 1.0 / 1024.0;
 
 /// A step as short as this is the last.
-const CLOSE: f64 = 1.0 / 8.0;
+const CLOSE: f64 = 1.0 / 4.0;
 
 /// How often a leap that leads no closer is cut to a quarter.
 const TRIES: u32 = 3;
@@ -199,11 +199,11 @@ impl<'a> Side<'a> {
 
     /// The feature there, beside one of dimension `other`.
     fn feature(&self, body: &ConvexPolyhedron, spot: &Spot, other: usize) -> Feature {
-        let &Spot { place: j, y, .. } = spot;
+        let &Spot { place: j, y, part, .. } = spot;
         let vertex = |v: u32| Feature::Vertex(VertexId(v));
         let edge = |e: u32| Feature::Edge(EdgeId(e));
         let t = &body.topology;
-        let curve = |band: &Band| if other == 2 { vertex(band.corner(j)) } else { edge(band.edge(j)) };
+        let curve = |band: &Band| if other == 2 { vertex(band.corner_near(j, part)) } else { edge(band.edge(j)) };
         match self {
             Side::Vertex(v, _) => vertex(*v),
             Side::Face(f, _) => Feature::Face(FaceId(*f)),
@@ -216,7 +216,7 @@ impl<'a> Side<'a> {
                 (_, Some(far)) if y >= 1.0 => vertex(far),
                 _ if other == 0 => Feature::Face(FaceId(band.strip(j))),
                 (Some(rib), _) if other == 1 => edge(rib),
-                _ => vertex(band.corner(j)),
+                _ => vertex(band.corner_near(j, part)),
             },
         }
     }

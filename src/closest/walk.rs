@@ -122,10 +122,11 @@ impl Guard {
     fn stops(&mut self, placed: &Placed, outcome: &mut Outcome) -> bool {
         if self.steps == self.next_leap {
             // One that did not help is tried later again, and so is one that did: leaps are few, so the walk still ends.
-            let later = if leap(placed, outcome) { 3 } else { self.steps.max(4) };
+            let leapt = leap(placed, outcome);
+            let later = if leapt { 6 } else { self.steps.max(4) };
             self.leaps += 1;
             // A leap to where the last one went has nothing to add to the steps in between.
-            let ends = self.leaps == LEAPS || (later == 3 && outcome.features == self.leapt);
+            let ends = self.leaps == LEAPS || (leapt && outcome.features == self.leapt);
             self.next_leap = if ends { u32::MAX } else { self.steps + later };
             self.leapt = outcome.features;
         }
