@@ -139,12 +139,13 @@ pub const PLATEAU: f64 = 16.0 * UNIT;
 /// 4. A vertex of B in A's frame: 71 u rB + 28 u |t|, and 6 u rB for the product. A vertex of A in B's: 71 u and 6 u of
 ///    `|t| + rA`, the difference from the translation and its own error, 29 u |t|: 77 u rA + 106 u |t|. Sums: u L.
 /// 5. A direction taken into the other frame: 6 u, which may put another vertex lowest: 12 u of that body's radius.
-///    Heights along a direction: 3 u of rA, rB and |t|, once more where the highest of several is taken; their sums, 2 u L.
+///    Heights along a direction: 3 u of rA, rB and |t|, once more where the highest of several is taken; their sums, 2 u L. At large
+///    faces and fans a vertex may stand for one 16 u of its body's radius higher ([`PLANE_BOUND`]).
 /// 6. The witnesses, made as `p + s u` with `s` in 0..1, or as a sum of corners whose weights sum to one within 4 u: 8 u
 ///    of rA and of rB, in the upper bound instead of 5. The norm, or that of a normal: 3 u L.
 ///
-/// Sum, with u L counted for every summand: at most 77 + 12 + 6 + 6 = 101 u for the radius of the body that is placed,
-/// 106 + 3 + 6 = 115 u for |t|, 24 u for the other radius. Second-order terms are below 1 u. In double-double the same
+/// Sum, with u L counted for every summand: at most 77 + 12 + 6 + 6 + 16 = 117 u for the radius of the body that is placed,
+/// 106 + 3 + 6 = 115 u for |t|, 40 u for the other radius. Second-order terms are below 1 u. In double-double the same
 /// holds with two matrices of 40 for one, 16 for their product, and 2 times 46 for the translation with the origins of the
 /// bodies added to L; its sums and products err by 10 UNIT^2 at most, so all is below 100 [`UNIT_DOUBLE_DOUBLE`]. The
 /// largest violation of the bounds without their term that was ever seen is 11 u L.
@@ -214,10 +215,9 @@ pub(crate) const FAR_POINT: f64 = (1u64 << 60) as f64;
 /// offsets three, each at most the radius.
 pub const EDGE_BOUND: f64 = 8.0 * UNIT;
 
-/// A height proven by the planes of up to three faces that meet at a vertex stands where it exceeds the vertex by no more than this
-/// times the radius: offsets are rounded up by 5 UNIT each, weights sum to little more than one but on needles. Above it every
-/// vertex is looked at. Not a matter of soundness.
-pub const PLANE_BOUND: f64 = 24.0 * UNIT;
+/// Three faces that meet at a vertex prove it the highest along a direction where what they leave of the direction could lift no
+/// vertex above it by more than this times the radius. Else every vertex is looked at. Part of the sum in [`CERTIFICATE`].
+pub const PLANE_BOUND: f64 = 16.0 * UNIT;
 
 /// How far a box is rounded outward when it is climbed to, in units of the radius and of the distance of its middle: the
 /// matrix errs by at most 20 UNIT a row, a product with it by 3 and the sum by one.

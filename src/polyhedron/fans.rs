@@ -5,16 +5,17 @@
 //! and is positive where `n . e` is. So a search round the ring finds an edge that rises, if one does.
 //!
 //! That none does is a matter of proof, and the search has none: among ten thousand nearly parallel edges rounding hides
-//! the order. The faces prove it. Where `n` is a sum of normals of three of them with weights that are not negative,
-//! their planes bound the body along `n` ([`ConvexPolyhedron::height_by_planes`]), whatever the search did.
+//! the order. The faces prove it. Where `n` is a sum of normals of three of them with weights that are not negative, the vertex is
+//! the highest along `n` ([`ConvexPolyhedron::extreme_by_faces`]), whatever the search did.
 
 use alloc::vec::Vec;
 use nalgebra::Vector3;
 
+use super::support::{Extreme, highest_of};
 use super::topology::{MANY, Topology};
 use super::{ConvexPolyhedron, Plane};
 use crate::double_double::DoubleDouble;
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, cross, dot, scaled, sqrt};
 use crate::tolerance::{EDGE_SIGN, PLANE_BOUND};
 
 /// The large fans of a body: their vertices in rising order, each with its direction `m`.
@@ -135,89 +136,96 @@ impl ConvexPolyhedron {
         fan.start + top_from(m, seen, m.div_ceil(8), fall) as u32
     }
 
-    /// A bound of the largest `n . x` over the body, near `n . v`, for a vertex `v` of a large fan or a large face. `None` where the
-    /// planes that meet at `v` do not prove one.
+    /// A vertex at or beside `v`, of a large fan or face, that is highest along `n` but for rounding, and a bound of `n . x` over the
+    /// body. `None` where no three faces prove one.
     #[inline(never)]
-    pub(crate) fn height_by_planes(&self, n: &Vector3<f64>, v: u32) -> Option<f64> {
-        let near = |bound: f64| {
-            let above = bound - n.dot(&self.points[v as usize]);
-            (above <= PLANE_BOUND * self.radius * n.abs().sum()).then_some(bound)
+    pub(crate) fn extreme_by_faces(&self, n: &Vector3<f64>, v: u32) -> Option<Extreme> {
+        let (t, near) = (&self.topology, PLANE_BOUND * self.radius * sqrt(n.norm_squared()));
+        let proven = |v: u32, corners: [u32; 3]| {
+            let above = 2.0 * self.radius * self.rest(n, v, corners)?.abs().sum();
+            let value = n.dot(&self.points[v as usize]) + above;
+            (above <= near).then_some(Extreme { vertex: v, value })
         };
-        if self.fans.axis(&self.topology, v).is_some() {
-            let faces = self.faces_around(n, v);
-            return near(self.bound_by(n, faces, self.weights(n, faces)?));
+        // Where an edge of a vertex of few lies between two of its faces, with each of the others.
+        let beside = |h: u32| {
+            let fan = t.fan(t.from(h));
+            let before = if h == fan.start { fan.end - 1 } else { h - 1 };
+            fan.clone().find_map(|third| proven(t.from(h), [before, h, third]))
+        };
+        if let Some(m) = self.fans.axis(t, v) {
+            return proven(v, self.faces_around(n, v)).or_else(|| {
+                // On a rib: its other end.
+                let rib = t.half_edge(steepest(t, &self.points, v, m, n));
+                (t.fan(rib.to).len() <= MANY).then(|| beside(rib.twin)).flatten()
+            });
         }
-        if self.topology.fan(v).len() > MANY {
+        if t.fan(v).len() > MANY {
             return None;
         }
-        let large = |f: u32| self.topology.ring(f).is_some();
-        let faces = self.topology.fan(v).map(|h| self.topology.half_edge(h).face);
-        faces.filter(|&f| large(f)).find_map(|f| {
-            let normal = &self.planes[f as usize].normal;
-            near(self.bound_by(n, [f; 3], [n.dot(normal) / normal.norm_squared(), 0.0, 0.0]))
+        let large = t.fan(v).filter_map(|h| t.ring(t.half_edge(h).face));
+        large.map(|ring| highest_of(t, &self.points, n, ring)).find_map(|top| {
+            let few = t.fan(top).len() <= MANY;
+            few.then(|| t.fan(top).find_map(beside)).flatten()
         })
     }
 
-    /// Three faces of the large fan of `v` between whose normals `n` lies, if it does between those of all: the normals
-    /// are a convex ring, cut into wedges from the first.
+    /// Three faces of the large fan of `v`, by the half-edges on their right, between whose normals `n` lies, if it does between those
+    /// of all: the normals are a convex ring, cut into wedges from the first.
     fn faces_around(&self, n: &Vector3<f64>, v: u32) -> [u32; 3] {
         let fan = self.topology.fan(v);
-        let face = |k: usize| self.topology.half_edge(fan.start + k as u32).face;
-        let normal = |k: usize| &self.planes[face(k) as usize].normal;
-        let across = n.cross(normal(0));
-        // n . (N0 x Nk)
-        let left_of = |k: usize| across.dot(normal(k)) >= 0.0;
-        let (mut low, mut high) = (1, fan.len() - 1);
+        let normal = |h: u32| &self.planes[self.topology.half_edge(h).face as usize].normal;
+        let across = n.cross(normal(fan.start));
+        let (mut low, mut high) = (fan.start + 1, fan.end - 1);
         while high - low > 1 {
-            let middle = (low + high) / 2;
-            if left_of(middle) {
+            let middle = low + (high - low) / 2;
+            // n . (N0 x Nk)
+            if across.dot(normal(middle)) >= 0.0 {
                 low = middle;
             } else {
                 high = middle;
             }
         }
-        [face(0), face(low), face(low + 1)]
+        [fan.start, low, high]
     }
 
-    /// The weights of three normals that sum to `n`, none negative: solved twice, as thin wedges cancel.
-    fn weights(&self, n: &Vector3<f64>, faces: [u32; 3]) -> Option<[f64; 3]> {
-        let [a, b, c] = faces.map(|f| self.planes[f as usize].normal);
+    /// What is left of `n` by a sum of the outward normals of three faces at `v`, with weights that are not negative: for every point
+    /// `x` of the body `n . (x - v) <= rest . (x - v)`. The normals are cross products of edges in double-double, so that the rest
+    /// has no rounding to count. `None` where the normals lie in a plane.
+    fn rest(&self, n: &Vector3<f64>, v: u32, faces: [u32; 3]) -> Option<Vector3<f64>> {
+        let fan = self.topology.fan(v);
+        let p = &self.points[v as usize];
+        let edge = |h: u32| -> [DoubleDouble; 3] {
+            let q = &self.points[self.topology.half_edge(h).to as usize];
+            core::array::from_fn(|k| DoubleDouble::sum(q[k], -p[k]))
+        };
+        let normals = faces.map(|h| cross(&edge(h), &edge(if h + 1 == fan.end { fan.start } else { h + 1 })));
+        // Unit length, so that weights are no larger than need be; the factor is exact enough.
+        let normals = normals.map(|f| {
+            let length = sqrt(dot(&f, &f).value());
+            scaled(&f, DoubleDouble::from(1.0 / length))
+        });
+        let [a, b, c] = normals.map(|f| Vector3::from(f.map(Scalar::value)));
         let (bc, ca, ab) = (b.cross(&c), c.cross(&a), a.cross(&b));
         let volume = a.dot(&bc);
         if !(volume > 0.0) {
             return None;
         }
-        let solve = |n: &Vector3<f64>| [bc, ca, ab].map(|x| n.dot(&x) / volume);
-        let mut weights = solve(n);
-        let more = solve(&self.rest(n, faces, weights).0);
-        for (w, m) in weights.iter_mut().zip(more) {
-            *w = (*w + m).max(0.0);
+        let zero = DoubleDouble::from(0.0);
+        let mut weights = [zero; 3];
+        let mut rest = *n;
+        // Thin wedges cancel: twice.
+        for _ in 0..2 {
+            for (w, side) in weights.iter_mut().zip([bc, ca, ab]) {
+                let sum = *w + DoubleDouble::from(rest.dot(&side) / volume);
+                *w = if sum > zero { sum } else { zero };
+            }
+            let left = |k: usize| {
+                let parts = weights.iter().zip(&normals);
+                parts.fold(DoubleDouble::from(n[k]), |s, (&w, f)| s - w * f[k]).value()
+            };
+            rest = Vector3::new(left(0), left(1), left(2));
         }
-        Some(weights)
-    }
-
-    /// What the weighted normals leave of `n`, and their offsets summed, in double-double: no rounding to count.
-    fn rest(&self, n: &Vector3<f64>, faces: [u32; 3], weights: [f64; 3]) -> (Vector3<f64>, f64) {
-        let sum = |start: f64, of: &dyn Fn(&Plane) -> f64| {
-            let parts = faces.iter().zip(weights);
-            let add = |s, (&f, w)| s + DoubleDouble::from(w) * DoubleDouble::from(of(&self.planes[f as usize]));
-            parts.fold(DoubleDouble::from(start), add).value()
-        };
-        (
-            Vector3::from_fn(|k, _| sum(n[k], &|p: &Plane| -p.normal[k])),
-            sum(0.0, &|p: &Plane| p.offset),
-        )
-    }
-
-    /// Linear programming duality: `n . x = sum of w (N . x) + rest . x`, at most the weighted offsets and the rest times the
-    /// radius, for any weights that are not negative.
-    fn bound_by(&self, n: &Vector3<f64>, faces: [u32; 3], weights: [f64; 3]) -> f64 {
-        let (rest, offsets) = self.rest(n, faces, weights);
-        if weights.iter().all(|&w| w >= 0.0) {
-            offsets + rest.abs().sum() * self.radius
-        } else {
-            f64::INFINITY
-        }
+        Some(rest)
     }
 }
 

@@ -92,7 +92,7 @@ fn leap(topology: &Topology, points: &[Vector3<f64>], fans: &Fans, n: &Vector3<f
 
 /// The highest vertex of a convex rim, by bisection: heights round it rise once and fall once. Where rounding hides the order, another one
 /// may come out.
-fn highest_of(topology: &Topology, points: &[Vector3<f64>], n: &Vector3<f64>, ring: &[u32]) -> u32 {
+pub(super) fn highest_of(topology: &Topology, points: &[Vector3<f64>], n: &Vector3<f64>, ring: &[u32]) -> u32 {
     let vertex = |k: usize| topology.from(ring[k % ring.len()]);
     let height = |k: usize| n.dot(&points[vertex(k) as usize]);
     let rises = |k: usize| n.dot(&(points[vertex(k + 1) as usize] - points[vertex(k) as usize])) > 0.0;
@@ -118,7 +118,7 @@ pub(crate) struct Extreme {
     /// A vertex no other vertex exceeds by more than rounding.
     pub(crate) vertex: u32,
     /// The largest rounded `n . x` over a set of vertices that is proven to hold the extreme one; or, at a large face or fan, what
-    /// their planes prove of all.
+    /// three faces prove of all.
     pub(crate) value: f64,
 }
 
@@ -176,9 +176,9 @@ impl ConvexPolyhedron {
     #[inline(never)]
     fn extreme_of_many(&self, n: &Vector3<f64>, top: u32, tie: u32) -> Extreme {
         if self.topology.has_large_faces() || !self.fans.is_empty() {
-            let proven = [top, tie].into_iter().find_map(|v| Some((v, self.height_by_planes(n, v)?)));
-            if let Some((vertex, value)) = proven {
-                return Extreme { vertex, value };
+            let proven = [top, tie].into_iter().find_map(|v| self.extreme_by_faces(n, v));
+            if let Some(proven) = proven {
+                return proven;
             }
         }
         let mut best = Extreme {
