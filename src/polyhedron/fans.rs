@@ -212,20 +212,26 @@ impl ConvexPolyhedron {
         }
         let zero = DoubleDouble::from(0.0);
         let mut weights = [zero; 3];
-        let mut rest = *n;
+        let left = |weights: &[DoubleDouble; 3]| {
+            let parts = |k: usize| weights.iter().zip(&normals).map(move |(&w, f)| w * f[k]);
+            Vector3::from_fn(|k, _| parts(k).fold(DoubleDouble::from(n[k]), |s, x| s - x).value())
+        };
         // Thin wedges cancel: twice.
         for _ in 0..2 {
+            let rest = left(&weights);
             for (w, side) in weights.iter_mut().zip([bc, ca, ab]) {
-                let sum = *w + DoubleDouble::from(rest.dot(&side) / volume);
-                *w = if sum > zero { sum } else { zero };
+                *w = *w + DoubleDouble::from(rest.dot(&side) / volume);
             }
-            let left = |k: usize| {
-                let parts = weights.iter().zip(&normals);
-                parts.fold(DoubleDouble::from(n[k]), |s, (&w, f)| s - w * f[k]).value()
-            };
-            rest = Vector3::new(left(0), left(1), left(2));
         }
-        Some(rest)
+        if weights.iter().any(|w| *w < zero) {
+            // Beyond a side by rounding: what is dropped there the others take over.
+            let positive = |w: DoubleDouble| if w > zero { w } else { zero };
+            weights = weights.map(positive);
+            for k in [0, 1, 2, 0, 1, 2] {
+                weights[k] = positive(weights[k] + DoubleDouble::from(left(&weights).dot(&[a, b, c][k])));
+            }
+        }
+        Some(left(&weights))
     }
 }
 
