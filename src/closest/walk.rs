@@ -28,6 +28,9 @@ const FREE: u32 = 8;
 /// Leaps a walk may try.
 const LEAPS: u32 = 12;
 
+/// Steps a walk may take on bodies it leaps on.
+const LONGEST: u32 = 256;
+
 /// A walk leaps along a long rim or round a large fan at once on bodies of more vertices than this, and after a few steps on others:
 /// there most walks have ended by then.
 const FINE: usize = 4096;
@@ -49,7 +52,7 @@ fn look<const CERTIFY: bool>(placed: &Placed, outcome: &mut Outcome) -> Step {
 }
 
 /// Walks from the features of `outcome` until the Voronoi tests accept one; whether they do. At most
-/// `4 sqrt(nA + nB) + 16` steps.
+/// `4 sqrt(nA + nB) + 16` steps, and 256 on bodies with long rims or large fans.
 #[inline(always)]
 pub(crate) fn walk<const CERTIFY: bool>(placed: &Placed, outcome: &mut Outcome) -> bool {
     watched::<CERTIFY>(placed, outcome, |_| {})
@@ -150,5 +153,11 @@ impl Guard {
 #[cold]
 fn step_limit(placed: &Placed) -> u32 {
     let n = placed.a.topology.vertex_count() + placed.b.topology.vertex_count();
-    (4.0 * sqrt(n as f64)) as u32 + 16
+    let round = (4.0 * sqrt(n as f64)) as u32 + 16;
+    // Leaps take a walk along long rims and round large fans.
+    if placed.a.has_bands() || placed.b.has_bands() {
+        round.min(LONGEST)
+    } else {
+        round
+    }
 }

@@ -158,6 +158,11 @@ impl ConvexPolyhedron {
 
     /// The extreme vertex along `n`, proven: every vertex that may tie with the one climbed to is looked at.
     pub(crate) fn extreme(&self, n: &Vector3<f64>, hint: u32) -> Extreme {
+        if self.fans.axis(&self.topology, hint).is_some()
+            && let Some(proven) = self.extreme_by_faces(n, hint)
+        {
+            return proven;
+        }
         let summit = self.summit(n, hint);
         let (v, w) = (summit.vertex, summit.tie);
         let (at_v, at_w) = (n.dot(&self.points[v as usize]), n.dot(&self.points[w as usize]));
