@@ -7,7 +7,7 @@
 use nalgebra::Vector3;
 
 use crate::polyhedron::ConvexPolyhedron;
-use crate::polyhedron::topology::MANY;
+use crate::polyhedron::topology::LARGE;
 
 /// One curve of a body.
 #[derive(Clone, Copy)]
@@ -47,7 +47,7 @@ pub(super) struct Fit {
 impl<'a> Band<'a> {
     fn link(body: &'a ConvexPolyhedron, apex: u32) -> Option<Self> {
         let fan = body.topology.fan(apex);
-        (fan.len() > MANY).then(|| Band {
+        (fan.len() > LARGE).then(|| Band {
             body,
             ring: Ring::Link {
                 apex,
@@ -237,13 +237,13 @@ impl ConvexPolyhedron {
     /// Whether it has rims or fans so long that walks leap along them.
     #[inline(always)]
     pub(super) fn has_bands(&self) -> bool {
-        self.topology.has_long_rims() || !self.fans.is_empty()
+        self.topology.has_large_faces() || !self.fans.is_empty()
     }
 
     /// The curve a vertex is a corner of.
     pub(super) fn near_vertex(&self, v: u32) -> Option<Near<'_>> {
         let t = &self.topology;
-        if t.fan(v).len() > MANY {
+        if t.fan(v).len() > LARGE {
             return None;
         }
         if let Some((ring, k)) = t.long_rim(v) {

@@ -210,52 +210,6 @@ impl Face<'_> {
     }
 }
 
-/// The edge of a large face's rim nearest to `x`, of a face beside `edge`: where a walk past the end of one edge of a long
-/// rim may go at once.
-#[cold]
-pub(crate) fn edge_along(body: &ConvexPolyhedron, edge: u32, x: &Vector3<f64>, size: f64) -> Option<u32> {
-    let e = body.topology.half_edge(edge);
-    let faces = [e.face, body.topology.half_edge(e.twin).face];
-    faces
-        .into_iter()
-        .find_map(|f| nearest_on_large(body, f, x, size))
-        .filter(|&k| k != edge)
-}
-
-/// The face beside the edge nearest to `x` of a large face's rim, of a large face beside `face`: where a walk over the
-/// strips along a long rim (the sides of a prism, the flanks of a cone) may go at once.
-#[cold]
-pub(crate) fn face_along(body: &ConvexPolyhedron, face: u32, x: &Vector3<f64>, size: f64) -> Option<u32> {
-    let t = &body.topology;
-    let across = |h: u32| t.half_edge(t.half_edge(h).twin).face;
-    if t.ring(face).is_some() {
-        return None;
-    }
-    let (large, edge) = t
-        .rim(face)
-        .find_map(|h| Some((across(h), nearest_on_large(body, across(h), x, size)?)))?;
-    let e = t.half_edge(edge);
-    let beside = if e.face == large {
-        t.half_edge(e.twin).face
-    } else {
-        e.face
-    };
-    (beside != face).then_some(beside)
-}
-
-fn nearest_on_large(body: &ConvexPolyhedron, face: u32, x: &Vector3<f64>, size: f64) -> Option<u32> {
-    let ring = body.topology.ring(face)?;
-    let face = Face {
-        body,
-        face,
-        normal: &body.planes[face as usize].normal,
-    };
-    match face.beside_large(ring, x, size) {
-        Rim::Outside(edge) | Rim::Grazes(edge) => Some(edge),
-        Rim::Inside => None,
-    }
-}
-
 /// What the product `side` with the unnormalised inward direction says of an edge `u`.
 #[inline(always)]
 fn judge(edge: u32, side: f64, u: &Vector3<f64>, size: f64) -> Look {

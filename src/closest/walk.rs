@@ -29,7 +29,7 @@ const FREE: u32 = 8;
 const LEAPS: u32 = 12;
 
 /// Steps a walk may take on bodies it leaps on.
-const LONGEST: u32 = 256;
+const LONGEST: u32 = 128;
 
 /// A walk leaps along a long rim or round a large fan at once on bodies of more vertices than this, and after a few steps on others:
 /// there most walks have ended by then.
@@ -52,7 +52,7 @@ fn look<const CERTIFY: bool>(placed: &Placed, outcome: &mut Outcome) -> Step {
 }
 
 /// Walks from the features of `outcome` until the Voronoi tests accept one; whether they do. At most
-/// `4 sqrt(nA + nB) + 16` steps, and 256 on bodies with long rims or large fans.
+/// `4 sqrt(nA + nB) + 16` steps, and 128 on bodies with long rims or large fans.
 #[inline(always)]
 pub(crate) fn walk<const CERTIFY: bool>(placed: &Placed, outcome: &mut Outcome) -> bool {
     watched::<CERTIFY>(placed, outcome, |_| {})

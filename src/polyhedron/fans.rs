@@ -12,7 +12,7 @@ use alloc::vec::Vec;
 use nalgebra::Vector3;
 
 use super::support::{Extreme, highest_of};
-use super::topology::{MANY, Topology};
+use super::topology::{LARGE, MANY, Topology};
 use super::{ConvexPolyhedron, Plane};
 use crate::double_double::DoubleDouble;
 use crate::scalar::{Scalar, cross, dot, scaled, sqrt};
@@ -23,7 +23,7 @@ use crate::tolerance::{EDGE_SIGN, PLANE_BOUND};
 pub(crate) struct Fans(Vec<(u32, Vector3<f64>)>);
 
 impl Fans {
-    /// For fans of more than [`MANY`] edges, minus the sum of the normals of their faces; left out where rounding makes
+    /// For fans of more than [`LARGE`] edges, minus the sum of the normals of their faces; left out where rounding makes
     /// an edge not rise along that.
     pub(crate) fn new(topology: &Topology, points: &[Vector3<f64>], planes: &[Plane]) -> Self {
         let axis = |v: u32| {
@@ -35,7 +35,7 @@ impl Fans {
             };
             topology.neighbours(v).all(rises).then_some((v, m))
         };
-        let large = (0..topology.vertex_count() as u32).filter(|&v| topology.fan(v).len() > MANY);
+        let large = (0..topology.vertex_count() as u32).filter(|&v| topology.fan(v).len() > LARGE);
         Self(large.filter_map(axis).collect())
     }
 
@@ -50,7 +50,7 @@ impl Fans {
         self.0.capacity() * size_of::<(u32, Vector3<f64>)>()
     }
 
-    /// Along which all edges of `v` rise; `None` for small fans, which are soon looked round.
+    /// Along which all edges of `v` rise; `None` for fans of up to [`MANY`] edges, which are soon looked round.
     #[inline(always)]
     pub(crate) fn axis(&self, topology: &Topology, v: u32) -> Option<&Vector3<f64>> {
         if topology.fan(v).len() <= MANY { None } else { self.find(v) }

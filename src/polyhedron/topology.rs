@@ -82,15 +82,14 @@ pub(crate) struct Topology {
     rings: Vec<(u32, u32)>,
     /// The half-edges of large faces in order, face after face.
     ring: Vec<u32>,
-    /// Where rims have more than [`MANY`] edges: by vertex, the place in `ring` of a half-edge of one of them that leaves it.
+    /// Where there are large faces: by vertex, the place in `ring` of a half-edge of one of them that leaves it.
     places: Vec<u32>,
 }
 
 /// Rims longer than this are kept as rings too.
 pub(crate) const LARGE: usize = 24;
 
-/// Fans of more edges than this are searched, and walks leap along rims and round fans of more; up to here a look at each is as
-/// cheap.
+/// Fans of more edges than this are searched; up to here a look at each is as cheap.
 pub(crate) const MANY: usize = 128;
 
 impl Topology {
@@ -166,12 +165,10 @@ impl Topology {
             if self.rim(f).nth(LARGE).is_some() {
                 let ring: Vec<u32> = self.rim(f).collect();
                 let start = self.ring.len() as u32;
-                if ring.len() > MANY {
-                    self.places.resize(self.vertex_count(), u32::MAX);
-                    for (&h, place) in ring.iter().zip(start..) {
-                        let v = self.from(h) as usize;
-                        self.places[v] = place;
-                    }
+                self.places.resize(self.vertex_count(), u32::MAX);
+                for (&h, place) in ring.iter().zip(start..) {
+                    let v = self.from(h) as usize;
+                    self.places[v] = place;
                 }
                 self.rings.push((f, start));
                 self.ring.extend(ring);
@@ -179,13 +176,7 @@ impl Topology {
         }
     }
 
-    /// Whether any rim has more than [`MANY`] edges.
-    #[inline(always)]
-    pub(crate) fn has_long_rims(&self) -> bool {
-        !self.places.is_empty()
-    }
-
-    /// A rim of more than [`MANY`] edges that a vertex is on, as a ring, and the place of the half-edge that leaves it.
+    /// The rim of a large face that a vertex is on, as a ring, and the place of the half-edge that leaves it.
     pub(crate) fn long_rim(&self, v: u32) -> Option<(&[u32], usize)> {
         let place = *self.places.get(v as usize)?;
         let next = self.rings.partition_point(|r| r.1 <= place);
