@@ -164,14 +164,15 @@ impl<'a> Band<'a> {
         let places = [if k >= w { k - w } else { k + m - w }, k, if k + w >= m { k + w - m } else { k + w }];
         let [before, p, after] = places.map(|k| self.at(k));
         let way = after - before;
-        let scale = way / way.norm_squared();
+        let scale = way * (1.0 / way.norm_squared());
         let (x0, x1) = (scale.dot(&(before - p)), scale.dot(&(after - p)));
         if !(x0 < 0.0 && x1 > 0.0) {
             return None;
         }
+        let (per_left, per_right) = (1.0 / x0, 1.0 / x1);
         // x1 - x0 is one.
         let parabola = |a: Vector3<f64>, p: Vector3<f64>, b: Vector3<f64>| {
-            let (left, right) = ((a - p) / x0, (b - p) / x1);
+            let (left, right) = ((a - p) * per_left, (b - p) * per_right);
             [p, left * x1 - right * x0, (right - left) * 2.0]
         };
         let far = if ribs {

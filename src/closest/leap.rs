@@ -23,7 +23,7 @@ const STEPS: usize = 3;
 const DAMPING: f64 = 1.0 / 1024.0;
 
 /// A step as short as this is the last.
-const CLOSE: f64 = 1.0 / 4.0;
+const CLOSE: f64 = 1.0 / 8.0;
 
 /// How often a leap that leads no closer is cut to a quarter.
 const TRIES: u32 = 3;

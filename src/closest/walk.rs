@@ -126,7 +126,7 @@ impl Guard {
         if self.steps == self.next_leap {
             // One that did not help is tried later again, and so is one that did: leaps are few, so the walk still ends.
             let leapt = leap(placed, outcome);
-            let later = if leapt { 6 } else { self.steps.max(4) };
+            let later = if leapt { 4 } else { self.steps.max(4) };
             self.leaps += 1;
             // A leap to where the last one went has nothing to add to the steps in between.
             let ends = self.leaps == LEAPS || (leapt && outcome.features == self.leapt);
