@@ -235,12 +235,6 @@ fn last(most: usize, holds: impl Fn(usize) -> bool) -> usize {
 const SPAN: usize = 256;
 
 impl ConvexPolyhedron {
-    /// Whether it has rims or fans so long that walks leap along them.
-    #[inline(always)]
-    pub(super) fn has_bands(&self) -> bool {
-        self.topology.has_large_faces() || !self.fans.is_empty()
-    }
-
     /// The curve a vertex is a corner of.
     pub(super) fn near_vertex(&self, v: u32) -> Option<Near<'_>> {
         let t = &self.topology;

@@ -65,7 +65,7 @@ pub(crate) fn watched<const CERTIFY: bool>(
     outcome: &mut Outcome,
     mut seen: impl FnMut(FeaturePair),
 ) -> bool {
-    let first_leap = if placed.a.has_bands() || placed.b.has_bands() {
+    let first_leap = if placed.a.has_bands | placed.b.has_bands {
         first_leap(placed)
     } else {
         u32::MAX
@@ -155,7 +155,7 @@ fn step_limit(placed: &Placed) -> u32 {
     let n = placed.a.topology.vertex_count() + placed.b.topology.vertex_count();
     let round = (4.0 * sqrt(n as f64)) as u32 + 16;
     // Leaps take a walk along long rims and round large fans.
-    if placed.a.has_bands() || placed.b.has_bands() {
+    if placed.a.has_bands | placed.b.has_bands {
         round.min(LONGEST)
     } else {
         round

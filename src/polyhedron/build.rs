@@ -109,6 +109,7 @@ impl ConvexPolyhedron {
         let fans = Fans::new(&topology, &points, &planes);
         Ok(Self {
             lookup: CubeMap::new(&topology, &points, &fans),
+            has_bands: topology.has_large_faces() || !fans.is_empty(),
             fans,
             scan: Scan::new(&points),
             inner,

@@ -89,6 +89,8 @@ pub struct ConvexPolyhedron {
     pub(crate) spread: Matrix3<f64>,
     /// Whether that is far from a ball.
     pub(crate) is_flat: bool,
+    /// Whether it has rims or fans so long that walks leap along them.
+    pub(crate) has_bands: bool,
     /// Corners of the bounding box, in stored coordinates.
     pub(crate) low: Vector3<f64>,
     pub(crate) high: Vector3<f64>,
