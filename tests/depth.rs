@@ -309,3 +309,29 @@ fn a_speck_on_the_corner_of_a_plate() {
         judge(&speck, &plate, &frame.swapped(), "speck");
     }
 }
+
+/// All sides of a cone are equally near to the middle of its base: each is taken in before the depth is known, and each is
+/// named by the apex, which has as many edges.
+#[test]
+fn thousands_of_equal_depths_about_an_apex() {
+    let corner = |p: [f64; 3]| lin_canny::nalgebra::Point3::from(p);
+    let wedge = [[0.0; 3], [0.3, 0.0, 1.0], [0.0, 0.3, 1.0], [-0.2, -0.3, 1.0]].map(corner);
+    let wedge = ConvexPolyhedron::from_points(&wedge).unwrap();
+    let needle = ConvexPolyhedron::segment(corner([0.0; 3]), corner([0.5, 0.25, 1.0])).unwrap();
+    let here = both(Pose::IDENTITY, Pose::IDENTITY);
+    for (n, limit) in [(40, 2.0), (300, 2.0), (6000, 4.0)] {
+        let cone = solids::cone(n, 1.0, 1.0).unwrap();
+        for body in [&wedge, &needle] {
+            let began = std::time::Instant::now();
+            let o = judge(&cone, body, &here, &format!("cone {n}"));
+            let seconds = began.elapsed().as_secs_f64();
+            assert!(seconds < limit, "cone {n}: {seconds} s");
+            // The height of the origin below a side.
+            let side = 1.0 / (1.0 + (std::f64::consts::PI / n as f64).cos().powi(-2)).sqrt();
+            assert!(
+                o.lower <= -side + 1e-13 && -side - 1e-13 <= o.upper,
+                "cone {n}: {o:?}, {side}"
+            );
+        }
+    }
+}
