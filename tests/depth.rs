@@ -335,3 +335,33 @@ fn thousands_of_equal_depths_about_an_apex() {
         }
     }
 }
+
+/// Bodies thinner than the rounding of their length, laid into each other: no surface of triangles closes in any floating-point
+/// arithmetic, and every facet is looked at.
+#[test]
+fn bodies_thinner_than_rounding_have_a_depth() {
+    let mut rng = Rng::new(29);
+    let needle = |rng: &mut Rng| {
+        let thin: [f64; 2] = [rng.log_range(1e-14, 1e-8), rng.log_range(1e-14, 1e-8)];
+        if rng.chance(0.5) {
+            return solids::cuboid(Vector3::new(1.0, thin[0], thin[1])).expect("a box");
+        }
+        let tips = [[1.0, 0.0, 0.0], [0.0, thin[0], 0.0], [0.0, 0.0, thin[1]]];
+        let all: Vec<_> = tips.iter().flat_map(|&p| [p.into(), scale(p, -1.0).into()]).collect();
+        ConvexPolyhedron::from_points(&all).expect("an octahedron")
+    };
+    let mut exact = 0;
+    for _ in 0..3000 {
+        let a = needle(&mut rng);
+        let b = if rng.chance(0.7) { a.clone() } else { needle(&mut rng) };
+        let q = rng.quat();
+        let t = Pose { q, t: [0.0; 3] }.rotate([rng.range(-0.9, 0.9), 0.0, 0.0]);
+        let frame = both(Pose { q, t: [0.0; 3] }, Pose { q, t });
+        let o = closest(&a, &b, &frame);
+        if o.class == Class::Overlapping {
+            judge_both(&a, &b, &frame, "needles");
+            exact += usize::from(o.layer == Layer::Exact);
+        }
+    }
+    assert!(exact > 50, "{exact}");
+}

@@ -84,7 +84,7 @@ pub(crate) fn sharpen(placed: &Placed, outcome: &mut Outcome) {
         if let Minimum::Outside { simplex, lower, .. } = &minimum {
             let distance = simplex.reach();
             let gap = (distance - *lower).value().abs()
-                + 2.0 * CERTIFICATE * DoubleDouble::UNIT * placed.reach::<DoubleDouble>();
+                + 2.0 * CERTIFICATE * DoubleDouble::UNIT * placed.reach::<DoubleDouble>().whole();
             let d = distance.value();
             // Rounding takes half a unit; what is left open must not take the other half.
             if gap <= 0.25 * (d - d.next_down()) {
@@ -118,7 +118,7 @@ fn is_narrow(placed: &Placed, outcome: &Outcome) -> bool {
 
 /// Takes over what a solve proves, and its witnesses.
 fn take<T: Scalar>(placed: &Placed, minimum: &Minimum<T>, outcome: &mut Outcome) {
-    let term = CERTIFICATE * T::UNIT * placed.reach::<T>();
+    let term = CERTIFICATE * T::UNIT * placed.reach::<T>().whole();
     let (Minimum::Inside { simplex } | Minimum::Outside { simplex, .. }) = minimum;
     outcome.features = features(placed, simplex);
     (outcome.point_on_a, outcome.point_on_b) = witnesses(placed, simplex);
