@@ -365,3 +365,28 @@ fn bodies_thinner_than_rounding_have_a_depth() {
     }
     assert!(exact > 50, "{exact}");
 }
+
+/// The depth is below the least number: the bounds are about zero, and on the side of an overlap.
+#[test]
+fn an_overlap_below_the_least_number() {
+    let root = 1.414_213_562_373_095_4;
+    let (start, end) = ([-0.8; 3].into(), [0.0, 0.0, -root].into());
+    let segment = ConvexPolyhedron::segment(start, end).unwrap();
+    let side = [
+        0.803_804_099_559_783_9,
+        -0.317_358_702_421_188_35,
+        0.000_914_436_706_807_464_4,
+    ];
+    let triangle = ConvexPolyhedron::polygon(&[[0.0; 3], side, [0.0, 1.0, 0.0]].map(|p| p.into())).unwrap();
+    let frame = both(Pose::IDENTITY, Pose::shift([-1e-323, 0.0, -root]));
+    for o in [
+        closest(&segment, &triangle, &frame),
+        closest(&triangle, &segment, &frame.swapped()),
+    ] {
+        assert_eq!(o.class, Class::Overlapping, "{o:?}");
+        assert!(
+            o.lower < 0.0 && o.lower <= o.distance && o.distance <= o.upper && o.upper <= 0.0,
+            "{o:?}"
+        );
+    }
+}
