@@ -244,18 +244,35 @@ impl<'a> Shadow<'a> {
         self.axes.across.map(|e| e.dot(&d))
     }
 
+    /// Least and greatest coordinates of the corners of a small face. Beyond the tip of a sliver a place may be inside of every side
+    /// but for rounding, and far off: this is what ends the face there.
+    #[inline(always)]
+    pub(super) fn span(&self) -> [[f64; 2]; 2] {
+        let of = |c: &[f64; LARGE]| {
+            let corners = c[..self.count].iter();
+            corners.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], &x| {
+                [if x < low { x } else { low }, if x > high { x } else { high }]
+            })
+        };
+        [of(&self.x), of(&self.y)]
+    }
+
     /// Whether a place is on the face, or beside it within rounding where the face is a small one.
     #[inline(always)]
     pub(super) fn is_over(&self, at: [f64; 2], noise: f64) -> bool {
         if self.is_large() {
             return self.holds(self.middle(), at);
         }
-        (0..self.count).all(|k| {
-            let next = self.next(k);
-            let (ux, uy) = (self.x[next] - self.x[k], self.y[next] - self.y[k]);
-            let side = ux * (at[1] - self.y[k]) - uy * (at[0] - self.x[k]);
-            side >= -noise * (ux.abs() + uy.abs())
-        })
+        let [x, y] = self.span();
+        let is_near = |[low, high]: [f64; 2], at: f64| low - noise <= at && at <= high + noise;
+        is_near(x, at[0])
+            && is_near(y, at[1])
+            && (0..self.count).all(|k| {
+                let next = self.next(k);
+                let (ux, uy) = (self.x[next] - self.x[k], self.y[next] - self.y[k]);
+                let side = ux * (at[1] - self.y[k]) - uy * (at[0] - self.x[k]);
+                side >= -noise * (ux.abs() + uy.abs())
+            })
     }
 
     /// The height of the face over a place.
