@@ -43,11 +43,7 @@ pub(super) fn foot(placed: &Placed, facet: FeaturePair, (normal, height): &(Vec3
 /// The same of faces flush on each other, one of which the facet names: by a corner of one over the other or, of small faces, by two
 /// rims that cross; and the features that hold them.
 #[cold]
-pub(super) fn flush(
-    placed: &Placed,
-    facet: FeaturePair,
-    best: &(Vec3<f64>, f64),
-) -> Option<(FeaturePair, Witnesses)> {
+pub(super) fn flush(placed: &Placed, facet: FeaturePair, best: &(Vec3<f64>, f64)) -> Option<(FeaturePair, Witnesses)> {
     let n = Vector3::from(best.0);
     let (f, g) = match (facet.a, facet.b) {
         (Feature::Face(f), Feature::Vertex(v)) => (f.0, facing(placed.b, v.0, &-placed.direction_in_b(&n))),
@@ -88,7 +84,9 @@ fn facing(body: &ConvexPolyhedron, v: u32, outward: &Vector3<f64>) -> u32 {
 fn some_of(body: &ConvexPolyhedron, f: u32) -> impl Iterator<Item = u32> + '_ {
     let t = &body.topology;
     let ring = t.ring(f);
-    let spread = ring.into_iter().flat_map(|r| r.iter().copied().step_by(r.len().div_ceil(LARGE)));
+    let spread = ring
+        .into_iter()
+        .flat_map(|r| r.iter().copied().step_by(r.len().div_ceil(LARGE)));
     let whole = if ring.is_none() { LARGE } else { 0 };
     t.rim(f).take(whole).chain(spread)
 }

@@ -202,7 +202,10 @@ impl Memory {
         let old = self.stand.filter(|f| f.is_of(placed.a, placed.b));
         (self.facet, self.stand) = (Some(facet), None);
         let held = |f: FeaturePair| Some((f, foot(placed, f, &at)?));
-        let found = old.and_then(held).or_else(|| held(facet)).or_else(|| flush(placed, facet, &at));
+        let found = old
+            .and_then(held)
+            .or_else(|| held(facet))
+            .or_else(|| flush(placed, facet, &at));
         if let Some((features, _)) = found {
             let of_face = |f: &FeaturePair| [f.a, f.b].into_iter().find(|x| x.dimension() == 2);
             // Another vertex on the same face names the same facet.
