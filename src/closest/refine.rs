@@ -232,21 +232,27 @@ pub(crate) fn state_of(placed: &Placed, a: &[u32], b: &[u32]) -> FeaturePair {
 impl ConvexPolyhedron {
     /// The smallest feature that holds the given vertices (one to four, with repeats); the first vertex where no face
     /// holds them all.
+    ///
+    /// The candidates are those about the vertex of fewest edges: about an apex of thousands each would be looked for among thousands.
     pub(crate) fn feature_of(&self, vertices: &[u32]) -> Feature {
-        let v = vertices[0];
+        let t = &self.topology;
+        let first = vertices[0];
+        let v = vertices
+            .iter()
+            .fold(first, |v, &x| if t.fan(x).len() < t.fan(v).len() { x } else { v });
         let Some(&w) = vertices.iter().find(|&&w| w != v) else {
             return Feature::Vertex(VertexId(v));
         };
-        let t = &self.topology;
         if vertices.iter().all(|&x| x == v || x == w)
             && let Some(h) = t.fan(v).find(|&h| t.half_edge(h).to == w)
         {
             return Feature::Edge(EdgeId(t.edge(h)));
         }
-        let holds = |f: u32| vertices.iter().all(|&x| t.fan(x).any(|h| t.half_edge(h).face == f));
+        let is_at = |x: u32, f: u32| t.fan(x).any(|h| t.half_edge(h).face == f);
+        let holds = |f: u32| vertices.iter().all(|&x| x == v || is_at(x, f));
         match t.fan(v).map(|h| t.half_edge(h).face).find(|&f| holds(f)) {
             Some(f) => Feature::Face(FaceId(f)),
-            None => Feature::Vertex(VertexId(v)),
+            None => Feature::Vertex(VertexId(first)),
         }
     }
 }

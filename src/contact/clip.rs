@@ -12,7 +12,7 @@ use crate::polyhedron::topology::LARGE;
 /// For each edge of one shadow, which corners of the other lie outside it, a bit each.
 struct Sides {
     outside: [u32; LARGE],
-    /// Outside any edge beyond rounding.
+    /// Outside any edge, or past the last corner, beyond rounding.
     beyond: u32,
 }
 
@@ -40,6 +40,14 @@ impl Sides {
             }
             sides.outside[j] = outside;
             sides.beyond |= beyond;
+        }
+        let [[left, right], [low, high]] = of.span();
+        let (left, right) = (f64x4::splat(left - noise), f64x4::splat(right + noise));
+        let (low, high) = (f64x4::splat(low - noise), f64x4::splat(high + noise));
+        for (k, (x, y)) in xs().zip(ys()).enumerate() {
+            let (x, y) = (f64x4::new(*x), f64x4::new(*y));
+            let past = x.simd_lt(left) | x.simd_gt(right) | y.simd_lt(low) | y.simd_gt(high);
+            sides.beyond |= past.to_bitmask() << (4 * k);
         }
         sides
     }

@@ -296,6 +296,19 @@ impl<'a> Shadow<'a> {
         self.axes.across.map(|e| e.dot(&d))
     }
 
+    /// Least and greatest coordinates of the corners of a small face. Beyond the tip of a sliver a place may be inside of every side
+    /// but for rounding, and far off: this is what ends the face there.
+    #[inline(always)]
+    pub(super) fn span(&self) -> [[f64; 2]; 2] {
+        let of = |c: &[f64]| {
+            let corners = c[..self.count].iter();
+            corners.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], &x| {
+                [if x < low { x } else { low }, if x > high { x } else { high }]
+            })
+        };
+        [of(&self.x), of(&self.y)]
+    }
+
     /// How far a place is inside the face, at least; of large faces no more is known than whether it is.
     #[inline(always)]
     pub(super) fn inside_by(&self, at: [f64; 2]) -> f64 {
@@ -306,9 +319,11 @@ impl<'a> Shadow<'a> {
                 f64::NEG_INFINITY
             };
         }
+        let span = self.span();
+        let past = |k: usize| (at[k] - span[k][0]).min(span[k][1] - at[k]);
         let (x, y) = (f64x4::splat(at[0]), f64x4::splat(at[1]));
         let four = |list: &[f64; ROOM], k: usize| list[k..].first_chunk().map_or(f64x4::ZERO, |four| f64x4::new(*four));
-        let mut least = f64::INFINITY;
+        let mut least = past(0).min(past(1));
         for k in (0..self.count).step_by(4) {
             let (px, py) = (four(&self.x, k), four(&self.y, k));
             let (ux, uy) = (four(&self.x, k + 1) - px, four(&self.y, k + 1) - py);

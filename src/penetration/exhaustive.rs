@@ -16,7 +16,7 @@ use crate::closest::placed::{Frame, Placed};
 use crate::double_double::DoubleDouble;
 use crate::polyhedron::{ConvexPolyhedron, FeaturePair};
 use crate::pose::Which;
-use crate::scalar::{Scalar, cross, dot, root};
+use crate::scalar::{Scalar, cross, dot, neg, root};
 use crate::tolerance::{CERTIFICATE, EXACT_FILTER, NORMAL_ERROR};
 
 use super::facet::{edge, normal_of};
@@ -100,8 +100,14 @@ fn measure(placed: &Placed, frame: &Frame<DoubleDouble>, pair: FeaturePair) -> (
         _ => 2.0 * NORMAL_ERROR,
     };
     let reach = placed.reach::<DoubleDouble>().whole();
-    let height = dot(&n, &highest(placed, frame, &n, &on).w).value();
-    (height, rounding * reach + off * placed.size() + f64::EPSILON * height)
+    let error = rounding * reach + off * placed.size();
+    let along = |n| dot(&n, &highest(placed, frame, &n, &on).w).value();
+    let mut height = along(n);
+    // Of two edges this near to the origin it is not known which way the facet looks.
+    if dot(&n, &on.w).value().abs() <= error {
+        height = height.min(along(neg(&n)));
+    }
+    (height, error + f64::EPSILON * height)
 }
 
 #[cfg(test)]

@@ -116,6 +116,7 @@ fn take(placed: &Placed, pair: &Pair, facet: &Facet, outcome: &mut Outcome) -> b
     (outcome.point_on_a, outcome.point_on_b) = witnesses(pair, &at);
     outcome.normal = unit(&pair.a.rounded.tr_mul(&direction(normal)));
     outcome.distance = -depth;
-    (outcome.lower, outcome.upper) = (-depth.next_up(), -depth.next_down());
+    // A depth below the least number is no distance.
+    (outcome.lower, outcome.upper) = (-depth.next_up(), (-depth.next_down()).min(0.0));
     true
 }
