@@ -63,7 +63,9 @@ pub const AGREE: f64 = 64.0 * UNIT;
 /// the [`CERTIFICATE`] error of placement change it by three times that: 398 in all. Of corners of very different lengths less is
 /// enough. Displaced by D, the determinant changes by D times the sum of the three products of two lengths, three
 /// times D^2 L, and D^3; its rounding is below 14 UNIT L times any of the products. With D = 128 UNIT L all this is below the sum of
-/// the products times 512 UNIT L and L (512 UNIT L)^2.
+/// the products times 512 UNIT L and L (512 UNIT L)^2. A displacement that all three share, as the origins of the bodies
+/// add one in double-double (128 UNIT times those), changes it by no more than its product with the triangle's normal
+/// `u x v`, whose own displacement is below twice D times the edges and D.
 pub const VOLUME: f64 = 512.0;
 
 /// A depth is proven where the height along the best normal and the nearest triangle agree within this times L: the

@@ -13,7 +13,13 @@ use support::isometry;
 
 /// Corners of a polygon on an ellipse: evenly spaced ones on a circle, or random ones.
 fn polygon(n: usize, rng: &mut Rng, even: bool) -> Vec<[f64; 2]> {
-    let angle = |k| if even { TAU * k as f64 / n as f64 } else { rng.range(0.0, TAU) };
+    let angle = |k| {
+        if even {
+            TAU * k as f64 / n as f64
+        } else {
+            rng.range(0.0, TAU)
+        }
+    };
     let width = if even { 1.0 } else { 0.6 };
     (0..n).map(angle).map(|t| [t.cos(), width * t.sin()]).collect()
 }
@@ -77,14 +83,20 @@ fn no_query_takes_steps_in_proportion_to_the_corners() {
                 let (a, b) = (body(x, n, &mut rng), body(y, n, &mut rng));
                 let list = frames(&a, &b, degrees, 150, &mut rng);
                 let mut pair = Tracker::new();
-                let steps: Vec<u32> = list.iter().map(|f| pair.closest(&a, &b, &relative(f)).work.steps).collect();
+                let steps: Vec<u32> = list
+                    .iter()
+                    .map(|f| pair.closest(&a, &b, &relative(f)).work.steps)
+                    .collect();
                 let fallbacks = pair.totals().answered_by(Layer::Fallback);
                 assert!(fallbacks <= 6, "{x} and {y}, {n}: {fallbacks} fallbacks");
                 steps.iter().sum::<u32>() as f64 / steps.len() as f64
             };
             let (few, many) = (mean(512), mean(8192));
             let most = if degrees.is_some() { 8.0 } else { 32.0 };
-            assert!(many <= most && many <= 3.0 * few + 2.0, "{x} and {y}, {degrees:?}: {few} and {many}");
+            assert!(
+                many <= most && many <= 3.0 * few + 2.0,
+                "{x} and {y}, {degrees:?}: {few} and {many}"
+            );
         }
     }
 }
@@ -96,12 +108,22 @@ fn assert_proven(a: &ConvexPolyhedron, b: &ConvexPolyhedron, f: &Frame, o: &Outc
     let (ra, rb) = (isometry(&f.a), isometry(&f.b));
     let size = 4.0 + (rb.translation.vector - ra.translation.vector).norm();
     let n = ra.rotation * o.normal.into_inner();
-    let top = a.vertex_points().map(|p| n.dot(&(ra * p).coords)).fold(f64::NEG_INFINITY, f64::max);
-    let low = b.vertex_points().map(|p| n.dot(&(rb * p).coords)).fold(f64::INFINITY, f64::min);
+    let top = a
+        .vertex_points()
+        .map(|p| n.dot(&(ra * p).coords))
+        .fold(f64::NEG_INFINITY, f64::max);
+    let low = b
+        .vertex_points()
+        .map(|p| n.dot(&(rb * p).coords))
+        .fold(f64::INFINITY, f64::min);
     let between = (rb * o.point_on_b - ra * o.point_on_a).norm();
     let noise = 64.0 * f64::EPSILON * size;
     assert!(o.lower <= low - top + noise, "{o:?}: {} proven", low - top);
-    assert!((between - (low - top)).abs() <= noise, "{o:?}: {between} and {}", low - top);
+    assert!(
+        (between - (low - top)).abs() <= noise,
+        "{o:?}: {between} and {}",
+        low - top
+    );
     assert!((between - o.distance).abs() <= noise, "{o:?}: {between}");
     assert!(o.upper - o.lower <= 1e-13 * size, "{o:?}");
     assert_eq!(Tracker::new().closest(a, b, &pose).class, o.class);
@@ -151,8 +173,14 @@ fn answers_on_large_features_agree_with_exact_ones() {
                     Tracker::new().closest_exact(&a, &b, &relative(&f)),
                 );
                 assert_eq!(o.class, truth.class, "{x} and {y} at {gap}");
-                assert!((o.distance - truth.distance).abs() <= 5e-14, "{x} and {y}: {o:?} {truth:?}");
-                assert!(o.lower <= truth.upper && truth.lower <= o.upper, "{x} and {y}: {o:?} {truth:?}");
+                assert!(
+                    (o.distance - truth.distance).abs() <= 5e-14,
+                    "{x} and {y}: {o:?} {truth:?}"
+                );
+                assert!(
+                    o.lower <= truth.upper && truth.lower <= o.upper,
+                    "{x} and {y}: {o:?} {truth:?}"
+                );
             }
         }
     }
@@ -161,7 +189,15 @@ fn answers_on_large_features_agree_with_exact_ones() {
 /// The extreme vertex of bodies with large features is the highest, also along normals, edges and what is next to them.
 #[test]
 fn extreme_vertices_of_large_features_are_the_highest() {
-    for shape in ["prism", "odd prism", "cone", "flat cone", "odd cone", "odd bipyramid", "needle"] {
+    for shape in [
+        "prism",
+        "odd prism",
+        "cone",
+        "flat cone",
+        "odd cone",
+        "odd bipyramid",
+        "needle",
+    ] {
         for n in [30, 300, 3000] {
             let mut rng = Rng::new(n as u64);
             let a = body(shape, n, &mut rng);

@@ -161,7 +161,11 @@ impl<'a> Band<'a> {
         let m = self.len();
         // An arc of about three degrees: smooth over small edges, and short.
         let w = m.div_ceil(SPAN);
-        let places = [if k >= w { k - w } else { k + m - w }, k, if k + w >= m { k + w - m } else { k + w }];
+        let places = [
+            if k >= w { k - w } else { k + m - w },
+            k,
+            if k + w >= m { k + w - m } else { k + w },
+        ];
         let [before, p, after] = places.map(|k| self.at(k));
         let way = after - before;
         let scale = way * (1.0 / way.norm_squared());
@@ -201,7 +205,9 @@ impl<'a> Band<'a> {
         let most = m / 4;
         // Where it is if corners are evenly spaced.
         let guess = x * (2 * m.div_ceil(SPAN)) as f64;
-        let from = wrapped(wrapped((k + m).wrapping_add_signed(guess.clamp(-(most as f64), most as f64) as isize)));
+        let from = wrapped(wrapped(
+            (k + m).wrapping_add_signed(guess.clamp(-(most as f64), most as f64) as isize),
+        ));
         let j = if at(from) <= x {
             wrapped(from + last(most, |d| at(from + d) <= x))
         } else {

@@ -203,7 +203,13 @@ impl<'a> Side<'a> {
         let vertex = |v: u32| Feature::Vertex(VertexId(v));
         let edge = |e: u32| Feature::Edge(EdgeId(e));
         let t = &body.topology;
-        let curve = |band: &Band| if other == 2 { vertex(band.corner_near(j, part)) } else { edge(band.edge(j)) };
+        let curve = |band: &Band| {
+            if other == 2 {
+                vertex(band.corner_near(j, part))
+            } else {
+                edge(band.edge(j))
+            }
+        };
         match self {
             Side::Vertex(v, _) => vertex(*v),
             Side::Face(f, _) => Feature::Face(FaceId(*f)),
@@ -504,7 +510,11 @@ mod tests {
             let mut system = Normal::default();
             for &i in variables {
                 let mut row = [0.0; 4];
-                variables.iter().zip(&mut row).filter(|(j, _)| **j <= i).for_each(|(&j, r)| *r = full[i][j]);
+                variables
+                    .iter()
+                    .zip(&mut row)
+                    .filter(|(j, _)| **j <= i)
+                    .for_each(|(&j, r)| *r = full[i][j]);
                 system.push(i, row, variables.iter().map(|&j| full[i][j] * x[j]).sum());
             }
             let solved = system.solve().expect("positive");

@@ -26,7 +26,7 @@ mod mutation;
 pub(crate) mod outcome;
 pub(crate) mod placed;
 pub(crate) mod refine;
-mod rim;
+pub(crate) mod rim;
 pub(crate) mod seed;
 pub(crate) mod simplex;
 mod slide;

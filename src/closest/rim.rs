@@ -76,7 +76,7 @@ impl Face<'_> {
     /// the wedge's other two corners: the three corners of the face then prove it inside, but for the edges next to them, which
     /// are looked at.
     #[inline(never)]
-    fn beside_large(&self, ring: &[u32], x: &Vector3<f64>, size: f64) -> Rim {
+    pub(crate) fn beside_large(&self, ring: &[u32], x: &Vector3<f64>, size: f64) -> Rim {
         let m = ring.len();
         let root = self.tail(ring[0]);
         let left_of = |k: usize| self.normal.cross(&(self.tail(ring[k]) - root)).dot(&(x - root)) >= 0.0;

@@ -8,7 +8,6 @@
 //!  nR (right)  nL (left): d = alpha nL + beta nR with alpha = nR . (u x d), beta = -nL . (u x d), both >= 0
 //! ```
 
-
 use super::fan::one_norm;
 use super::outcome::Outcome;
 use super::placed::Sides;

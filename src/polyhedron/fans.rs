@@ -27,7 +27,9 @@ impl Fans {
     /// an edge not rise along that.
     pub(crate) fn new(topology: &Topology, points: &[Vector3<f64>], planes: &[Plane]) -> Self {
         let axis = |v: u32| {
-            let normals = topology.fan(v).map(|h| planes[topology.half_edge(h).face as usize].normal);
+            let normals = topology
+                .fan(v)
+                .map(|h| planes[topology.half_edge(h).face as usize].normal);
             let m = -normals.sum::<Vector3<f64>>() / topology.fan(v).len() as f64;
             let rises = |w: u32| {
                 let e = points[w as usize] - points[v as usize];
@@ -53,7 +55,11 @@ impl Fans {
     /// Along which all edges of `v` rise; `None` for fans of up to [`MANY`] edges, which are soon looked round.
     #[inline(always)]
     pub(crate) fn axis(&self, topology: &Topology, v: u32) -> Option<&Vector3<f64>> {
-        if topology.fan(v).len() <= MANY { None } else { self.find(v) }
+        if topology.fan(v).len() <= MANY {
+            None
+        } else {
+            self.find(v)
+        }
     }
 
     #[cold]

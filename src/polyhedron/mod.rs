@@ -41,9 +41,9 @@ use nalgebra::{Matrix3, Vector3};
 pub use bounds::BoxHint;
 pub(crate) use cloud::power_of_two;
 pub use error::BuildError;
+use fans::Fans;
 pub use feature::{EdgeId, FaceId, Feature, FeaturePair, VertexId};
 pub use report::BuildReport;
-use fans::Fans;
 use support::CubeMap;
 use topology::Topology;
 

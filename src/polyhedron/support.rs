@@ -227,10 +227,17 @@ impl ConvexPolyhedron {
         };
         let mut rise = 0.0;
         if let Some(m) = self.fans.axis(&self.topology, v) {
-            let w = self.topology.half_edge(steepest(&self.topology, &self.points, v, m, n)).to;
+            let w = self
+                .topology
+                .half_edge(steepest(&self.topology, &self.points, v, m, n))
+                .to;
             let rises = edge_sign(n, &(self.points[w as usize] - p)) > 0;
             // Ties of a large fan are not counted: two stand for any number.
-            return Ring { higher: rises.then_some(w), ties: 2, ..ring };
+            return Ring {
+                higher: rises.then_some(w),
+                ties: 2,
+                ..ring
+            };
         }
         self.topology.each_leaving(v, |_, w| {
             let e = self.points[w as usize] - p;

@@ -265,7 +265,10 @@ impl Topology {
             Links::Short(l) => l.capacity() * 8,
             Links::Long(l) => l.capacity() * 16,
         };
-        links + 4 * (self.first.capacity() + self.rim.capacity() + self.ring.capacity()) + 4 * self.places.capacity() + 8 * self.rings.capacity()
+        links
+            + 4 * (self.first.capacity() + self.rim.capacity() + self.ring.capacity())
+            + 4 * self.places.capacity()
+            + 8 * self.rings.capacity()
     }
 
     /// The vertex `h` leaves.
