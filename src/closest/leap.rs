@@ -14,6 +14,7 @@ use super::band::{Band, Fit, Near};
 use super::outcome::Outcome;
 use super::placed::Placed;
 use super::rim::{Face, Rim};
+use super::system::{Four, System};
 use crate::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, Feature, FeaturePair, VertexId};
 
 /// Newton steps of one leap.
@@ -66,9 +67,6 @@ struct Spot {
     /// How many corners that is from the start.
     moved: usize,
 }
-
-/// The variables of both sides: `x`, `y` of A, then of B.
-type Four = [f64; 4];
 
 impl<'a> Side<'a> {
     fn of(body: &'a ConvexPolyhedron, feature: Feature) -> Option<Self> {
@@ -400,8 +398,8 @@ fn counting(a: &Side, b: &Side, r: &Vector3<f64>) -> Vector3<f64> {
 fn step(a: &Side, b: &Side, at: &mut Four, free: [bool; 4]) -> Option<(f64, f64)> {
     let difference = difference(a, b, at);
     // Far from the least distance the second derivatives may not be positive; the other ones always are.
-    let solved = normal(a, b, at, &difference, free, true).solve();
-    let by = solved.or_else(|| normal(a, b, at, &difference, free, false).solve())?;
+    let solved = system(a, b, at, &difference, free, true).solve();
+    let by = solved.or_else(|| system(a, b, at, &difference, free, false).solve())?;
     for k in 0..4 {
         let (low, high) = if k % 2 == 0 { (-REACH, REACH) } else { (0.0, 1.0) };
         at[k] = (at[k] + by[k]).clamp(low, high);
@@ -411,8 +409,8 @@ fn step(a: &Side, b: &Side, at: &mut Four, free: [bool; 4]) -> Option<(f64, f64)
 
 /// The system of a step; of Newton's method if `curved`, else damped and certainly positive.
 #[inline(always)]
-fn normal(a: &Side, b: &Side, at: &Four, (r, ja, jb): &Difference, free: [bool; 4], curved: bool) -> Normal {
-    let mut system = Normal::default();
+fn system(a: &Side, b: &Side, at: &Four, (r, ja, jb): &Difference, free: [bool; 4], curved: bool) -> System {
+    let mut of = System::default();
     let mut first = [Vector3::zeros(); 4];
     for i in 0..4 {
         if !free[i] {
@@ -427,7 +425,7 @@ fn normal(a: &Side, b: &Side, at: &Four, (r, ja, jb): &Difference, free: [bool; 
         if ends || d == Vector3::zeros() {
             continue;
         }
-        let n = system.len;
+        let n = of.len;
         let mut row = [0.0; 4];
         for k in 0..n {
             row[k] = d.dot(&first[k]);
@@ -438,93 +436,11 @@ fn normal(a: &Side, b: &Side, at: &Four, (r, ja, jb): &Difference, free: [bool; 
         } else {
             (d.norm_squared() + bend.abs()) * (1.0 + DAMPING)
         };
-        if curved && is_line && n > 0 && system.of[n - 1] == i - 1 {
+        if curved && is_line && n > 0 && of.of[n - 1] == i - 1 {
             row[n - 1] += sign * r.dot(&jet.xy);
         }
-        system.push(i, row, downhill);
+        of.push(i, row, downhill);
         first[n] = d;
     }
-    system
-}
-
-/// A symmetric system in some of four variables: the lower half of the matrix, and the right side.
-#[derive(Clone, Copy, Default)]
-struct Normal {
-    of: [usize; 4],
-    len: usize,
-    rows: [[f64; 4]; 4],
-    right: Four,
-}
-
-impl Normal {
-    fn push(&mut self, variable: usize, row: [f64; 4], right: f64) {
-        let n = self.len;
-        (self.of[n], self.rows[n], self.right[n]) = (variable, row, right);
-        self.len += 1;
-    }
-
-    /// By Cholesky's method, zero for the other variables; `None` where the matrix is not positive.
-    fn solve(mut self) -> Option<Four> {
-        let (n, h, g) = (self.len, &mut self.rows, &mut self.right);
-        for i in 0..n {
-            let whole = h[i][i];
-            for j in 0..i {
-                // h[i][j] is the entry times the pivot of j until here.
-                let factor = h[i][j] / h[j][j];
-                for k in j + 1..i {
-                    h[i][k] -= factor * h[k][j];
-                }
-                h[i][i] -= factor * h[i][j];
-                g[i] -= factor * g[j];
-            }
-            if !(h[i][i] > 1e-12 * whole) {
-                return None;
-            }
-        }
-        let mut x = [0.0; 4];
-        for i in (0..n).rev() {
-            for k in i + 1..n {
-                g[i] -= h[k][i] * g[k];
-            }
-            g[i] /= h[i][i];
-            x[self.of[i]] = g[i];
-        }
-        Some(x)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_solver_solves() {
-        let full = [
-            [4.0, 1.0, 0.5, -1.0],
-            [1.0, 3.0, 0.25, 0.5],
-            [0.5, 0.25, 2.0, 0.125],
-            [-1.0, 0.5, 0.125, 5.0],
-        ];
-        let x: Four = [1.0, -2.0, 3.0, 0.5];
-        for variables in [&[0, 1, 2, 3][..], &[0, 2], &[1, 2, 3], &[3], &[]] {
-            let mut system = Normal::default();
-            for &i in variables {
-                let mut row = [0.0; 4];
-                variables
-                    .iter()
-                    .zip(&mut row)
-                    .filter(|(j, _)| **j <= i)
-                    .for_each(|(&j, r)| *r = full[i][j]);
-                system.push(i, row, variables.iter().map(|&j| full[i][j] * x[j]).sum());
-            }
-            let solved = system.solve().expect("positive");
-            for k in 0..4 {
-                let truth = if variables.contains(&k) { x[k] } else { 0.0 };
-                assert!((solved[k] - truth).abs() < 1e-14, "{solved:?}");
-            }
-        }
-        let mut bad = Normal::default();
-        bad.push(2, [-1.0, 0.0, 0.0, 0.0], 1.0);
-        assert_eq!(bad.solve(), None);
-    }
+    of
 }

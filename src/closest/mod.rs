@@ -31,6 +31,7 @@ pub(crate) mod seed;
 pub(crate) mod simplex;
 mod slide;
 pub(crate) mod state;
+mod system;
 pub(crate) mod trace;
 mod vertex_edge;
 mod vertex_face;
