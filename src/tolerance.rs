@@ -221,6 +221,10 @@ pub const EDGE_BOUND: f64 = 8.0 * UNIT;
 /// vertex above it by more than this times the radius. Else every vertex is looked at. Part of the sum in [`CERTIFICATE`].
 pub const PLANE_BOUND: f64 = 16.0 * UNIT;
 
+/// A pivot of a small system below this times its diagonal may be rounding alone: products and sums of up to four terms, and room.
+/// Not a matter of soundness.
+pub(crate) const PIVOT: f64 = 4096.0 * UNIT;
+
 /// How far a box is rounded outward when it is climbed to, in units of the radius and of the distance of its middle: the
 /// matrix errs by at most 20 UNIT a row, a product with it by 3 and the sum by one.
 pub const BOX: f64 = 32.0 * UNIT;

@@ -1,5 +1,7 @@
 //! Small symmetric systems, for Newton's method in up to four variables.
 
+use crate::tolerance::PIVOT;
+
 /// The variables of both sides of a [`leap`](super::leap): `x`, `y` of A, then of B.
 pub(super) type Four = [f64; 4];
 
@@ -33,7 +35,7 @@ impl System {
                 h[i][i] -= factor * h[i][j];
                 g[i] -= factor * g[j];
             }
-            if !(h[i][i] > 1e-12 * whole) {
+            if !(h[i][i] > PIVOT * whole) {
                 return None;
             }
         }
