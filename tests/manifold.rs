@@ -296,7 +296,8 @@ fn large_faces_are_spanned() {
         }
     }
     assert!(
-        seen[0] > 1000 && seen[1] * 100 < seen[0] && least > 0.1,
+        // Which of the witnesses of flush faces an answer gives decides how little a few points span at worst.
+        seen[0] > 1000 && seen[1] * 100 < seen[0] && least > 0.01,
         "{seen:?} {least}"
     );
 }

@@ -254,4 +254,52 @@ mod tests {
             }
         }
     }
+
+    /// A cone over random points of an ellipse, its tip off the middle.
+    fn cone(n: usize, rng: &mut lab::rng::Rng) -> ConvexPolyhedron {
+        let angle = |_| rng.range(0.0, core::f64::consts::TAU);
+        let rim: Vec<f64> = (0..n).map(angle).collect();
+        let rim = rim.iter().map(|t| nalgebra::Point3::new(t.cos(), 0.6 * t.sin(), 0.0));
+        let points: Vec<_> = rim.chain([nalgebra::Point3::new(0.5, 0.3, 0.4)]).collect();
+        ConvexPolyhedron::from_points(&points).expect("a solid")
+    }
+
+    #[test]
+    fn what_three_faces_prove_is_so_from_any_vertex_along_any_direction() {
+        let mut rng = lab::rng::Rng::new(77);
+        let (mut proven, mut open) = (0, 0);
+        for n in [130, 1000, 5000] {
+            let body = cone(n, &mut rng);
+            let apex = (0..body.points.len() as u32)
+                .max_by_key(|&v| body.topology.fan(v).len())
+                .expect("vertices");
+            for k in 0..600 {
+                // Of any length; every other one next to the normal of a face of the tip.
+                let face = body.topology.half_edge(body.topology.fan(apex).start + k % 100).face;
+                let aside = Vector3::from(rng.unit()) * [1e-3, 1e-12, 1e-15, 0.0][k as usize / 2 % 4];
+                let n = match k % 2 {
+                    0 => Vector3::from(rng.unit()) * rng.range(0.1, 4.0),
+                    _ => body.planes[face as usize].normal + aside,
+                };
+                let rib = body.topology.half_edge(body.topology.fan(apex).start + k % 90).to;
+                for v in [apex, rib] {
+                    let heights = body.points.iter().map(|p| n.dot(p));
+                    let top = heights.fold(f64::NEG_INFINITY, f64::max);
+                    let Some(e) = body.extreme_by_faces(&n, v) else {
+                        open += 1;
+                        continue;
+                    };
+                    proven += 1;
+                    let rounding = 8.0 * crate::tolerance::UNIT * n.norm() * body.radius;
+                    assert!(e.value >= top - rounding, "{} {top}", e.value);
+                    let here = n.dot(&body.points[e.vertex as usize]);
+                    assert!(
+                        top - here <= PLANE_BOUND * n.norm() * body.radius + rounding,
+                        "{here} {top}"
+                    );
+                }
+            }
+        }
+        assert!(proven > 400 && open > 400, "{proven} {open}");
+    }
 }
