@@ -14,9 +14,10 @@ use crate::closest::fallback::corner;
 use crate::closest::outcome::Outcome;
 use crate::closest::placed::{Frame, Placed};
 use crate::double_double::DoubleDouble;
-use crate::polyhedron::{ConvexPolyhedron, FeaturePair};
+use crate::polyhedron::sign::side;
+use crate::polyhedron::{ConvexPolyhedron, Feature, FeaturePair};
 use crate::pose::Which;
-use crate::scalar::{Scalar, cross, dot, neg, root};
+use crate::scalar::{Scalar, Vec3, cross, dot, neg, root};
 use crate::tolerance::{CERTIFICATE, EXACT_FILTER, NORMAL_ERROR};
 
 use super::facet::{edge, normal_of};
@@ -26,50 +27,100 @@ use super::search::highest;
 const PAIRS: usize = 1 << 22;
 
 /// Pairs that are measured.
-const MEASURED: usize = 1 << 14;
+const MEASURED: usize = 1 << 16;
+
+/// Looks at a vertex in double-double: some hundred milliseconds.
+const LOOKS: usize = 1 << 22;
 
 /// Settles the depth of bodies whose interiors meet; whether it could.
 pub(super) fn settle(placed: &Placed, frame: &Frame<DoubleDouble>, outcome: &mut Outcome) -> bool {
-    let Some(pairs) = facets(placed) else { return false };
-    let mut measured = Vec::new();
-    let mut least = f64::INFINITY;
-    for pair in pairs {
-        let (height, error) = measure(placed, frame, pair);
-        least = least.min((height + error).next_up());
-        measured.push(((height - error).next_down(), pair));
+    let Some(mut pairs) = facets(placed, frame) else {
+        return false;
+    };
+    thin_out(placed, &Frame::<f64>::of(placed), &mut pairs);
+    if pairs.len() * (placed.a.points.len() + placed.b.points.len()) > LOOKS {
+        return false;
     }
-    // Written so that NaN stays.
-    measured.retain(|(height, _)| !(*height > least));
-    let deepest: Vec<FeaturePair> = measured.into_iter().map(|(_, pair)| pair).collect();
+    thin_out(placed, frame, &mut pairs);
     outcome.work.exacts += 1;
-    exact::deepest(placed, &deepest, outcome)
+    exact::deepest(placed, &pairs, outcome)
 }
 
-/// All pairs of features that may span a facet; none where they are too many.
-fn facets(placed: &Placed) -> Option<Vec<FeaturePair>> {
-    let faces = |body: &ConvexPolyhedron| body.faces();
-    let of_a = faces(placed.a).map(|f| FeaturePair::vertex_face(Which::B, 0, f.0));
-    let of_b = faces(placed.b).map(|f| FeaturePair::vertex_face(Which::A, 0, f.0));
+/// Leaves those that may be the lowest as far as an arithmetic can tell.
+fn thin_out<T: Scalar>(placed: &Placed, frame: &Frame<T>, pairs: &mut Vec<FeaturePair>) {
+    let measured: Vec<(f64, f64)> = pairs.iter().map(|&pair| measure(placed, frame, pair)).collect();
+    let least = measured.iter().fold(f64::INFINITY, |least, (_, most)| least.min(*most));
+    let mut lowest = measured.iter().map(|(lower, _)| lower);
+    // Written so that NaN stays.
+    pairs.retain(|_| !lowest.next().is_some_and(|lower| *lower > least));
+}
+
+/// All pairs of features that may span a facet; none where they are too many, or where a face stands for several that are not listed.
+fn facets(placed: &Placed, frame: &Frame<DoubleDouble>) -> Option<Vec<FeaturePair>> {
+    let (a, b) = (placed.a, placed.b);
+    let of_a = a.faces().map(|f| FeaturePair::vertex_face(Which::B, 0, f.0));
+    let of_b = b.faces().map(|f| FeaturePair::vertex_face(Which::A, 0, f.0));
     let mut pairs: Vec<FeaturePair> = of_a.chain(of_b).collect();
-    let on_b: Vec<Edge> = placed.b.edges().map(|g| Edge::new(placed.b, g.0)).collect();
-    if pairs.len() > MEASURED || placed.a.edges().count() * on_b.len() > PAIRS {
+    let on_b: Vec<_> = b.edges().map(|g| (g, Edge::new(b, g.0))).collect();
+    let too_many = pairs.len() > MEASURED || a.edges().count() * on_b.len() > PAIRS;
+    if too_many || ![a, b].into_iter().all(has_flat_faces) {
         return None;
     }
-    for e in placed.a.edges() {
-        let a = Edge::new(placed.a, e.0);
-        let along_a = placed.vector_in_b(&(a.q - a.p));
-        for (g, b) in placed.b.edges().zip(&on_b) {
-            let along_b = placed.vector_in_a(&(b.q - b.p));
-            let share = a.may_leave(&along_b) && b.may_leave(&along_a);
-            if share {
+    let mut doubtful = 0;
+    for e in a.edges() {
+        let on_a = Edge::new(a, e.0);
+        let along_a = placed.vector_in_b(&(on_a.q - on_a.p));
+        for (g, on_b) in &on_b {
+            let along_b = placed.vector_in_a(&(on_b.q - on_b.p));
+            if !(on_a.may_leave(&along_b) && on_b.may_leave(&along_a)) {
+                continue;
+            }
+            doubtful += 1;
+            if doubtful > MEASURED {
+                return None;
+            }
+            if may_share(placed, frame, e.0, g.0) {
                 pairs.push(FeaturePair::edges(Which::A, e.0, g.0));
             }
         }
-        if pairs.len() > MEASURED {
-            return None;
-        }
     }
     Some(pairs)
+}
+
+/// Whether the corners of each face are in one plane, exactly.
+fn has_flat_faces(body: &ConvexPolyhedron) -> bool {
+    body.faces().all(|f| {
+        let corner = |h: u32| body.points[body.topology.from(h) as usize];
+        let start = body.topology.rim_start(f.0);
+        let next = |h: u32| body.topology.half_edge(h).next;
+        let [p, q] = [start, next(start)].map(corner);
+        // Three corners in line say nothing of the others.
+        body.topology
+            .rim(f.0)
+            .all(|h| side(&p, &q, &corner(h), &corner(next(h))) == 0.0)
+    })
+}
+
+/// Whether two edges may share a normal, in double-double: across both, the faces beside each must fall off.
+fn may_share(placed: &Placed, frame: &Frame<DoubleDouble>, e: u32, g: u32) -> bool {
+    let n = cross(&edge(placed.a, e), &frame.vector(&edge(placed.b, g)));
+    let noise = 2.0 * CERTIFICATE * DoubleDouble::UNIT;
+    // Whether a face beside an edge certainly falls off along `n`, and whether one rises: by its corner after the edge.
+    let slopes = |body: &ConvexPolyhedron, h: u32, n: &Vec3<DoubleDouble>| {
+        let t = &body.topology;
+        let from = body.points[t.from(h) as usize];
+        let beside = [h, t.half_edge(h).twin].map(|h| {
+            let corner = body.points[t.half_edge(t.half_edge(h).next).to as usize];
+            let u = [0, 1, 2].map(|k| DoubleDouble::sum(corner[k], -from[k]));
+            (dot(n, &u).value(), noise * (corner - from).abs().sum())
+        });
+        let falls = beside.iter().any(|(x, noise)| *x < -noise);
+        (falls, beside.iter().any(|(x, noise)| x > noise))
+    };
+    let (falls_a, rises_a) = slopes(placed.a, e, &n);
+    let (falls_b, rises_b) = slopes(placed.b, g, &frame.direction(&n));
+    // Along n, A falls off and B, which is taken off, rises; or the other way round.
+    !(rises_a || falls_b) || !(falls_a || rises_b)
 }
 
 impl Edge<'_> {
@@ -83,31 +134,31 @@ impl Edge<'_> {
     }
 }
 
-/// The height of the difference along the normal of a facet, and its error: that of the height itself, and L times the angle
-/// by which the normal may be off.
-fn measure(placed: &Placed, frame: &Frame<DoubleDouble>, pair: FeaturePair) -> (f64, f64) {
+/// Between what the height of the difference along the normal of a facet is: it errs by its own rounding, and by L times the angle
+/// that the normal may be off.
+fn measure<T: Scalar>(placed: &Placed, frame: &Frame<T>, pair: FeaturePair) -> (f64, f64) {
     let (a, b) = pair.vertices_of(placed.a, placed.b);
     let on = corner(placed, frame, a, b);
     let Some(n) = normal_of(placed, frame, pair, &on) else {
-        return (0.0, f64::INFINITY);
+        return (f64::NEG_INFINITY, f64::INFINITY);
     };
-    let rounding = 2.0 * CERTIFICATE * DoubleDouble::UNIT;
+    let rounding = 2.0 * CERTIFICATE * T::UNIT;
     let off = match (pair.a, pair.b) {
-        (crate::polyhedron::Feature::Edge(e), crate::polyhedron::Feature::Edge(g)) => {
+        (Feature::Edge(e), Feature::Edge(g)) => {
             let across = cross(&edge(placed.a, e.0), &frame.vector(&edge(placed.b, g.0)));
             rounding / root(dot(&across, &across)).value()
         }
         _ => 2.0 * NORMAL_ERROR,
     };
-    let reach = placed.reach::<DoubleDouble>().whole();
-    let error = rounding * reach + off * placed.size();
+    let error = rounding * placed.reach::<T>().whole() + off * placed.size();
     let along = |n| dot(&n, &highest(placed, frame, &n, &on).w).value();
     let mut height = along(n);
     // Of two edges this near to the origin it is not known which way the facet looks.
     if dot(&n, &on.w).value().abs() <= error {
         height = height.min(along(neg(&n)));
     }
-    (height, error + f64::EPSILON * height)
+    let error = error + f64::EPSILON * height.abs();
+    ((height - error).next_down(), (height + error).next_up())
 }
 
 #[cfg(test)]
@@ -179,6 +230,7 @@ mod tests {
         let Ok(placed) = Placed::new(&sphere, &sphere, &pose) else {
             panic!("in range")
         };
-        assert!(facets(&placed).is_none());
+        let frame = Frame::<DoubleDouble>::new(&sphere, &sphere, &pose).expect("in range");
+        assert!(facets(&placed, &frame).is_none());
     }
 }

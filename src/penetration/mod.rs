@@ -32,6 +32,8 @@ use crate::closest::placed::{Frame, Placed};
 use crate::closest::refine::{outward, state_of, unit};
 use crate::double_double::DoubleDouble;
 use crate::scalar::Scalar;
+#[cfg(feature = "exact")]
+use crate::tolerance::AGREE_DEPTH;
 use crate::tolerance::{CERTIFICATE, SHIFTS};
 use nalgebra::Vector3;
 use search::{End, Found, search};
@@ -73,14 +75,19 @@ fn deepen_finely(placed: &Placed, outcome: &mut Outcome) {
     let Some(frame) = Frame::<DoubleDouble>::new(placed.a, placed.b, placed.pose) else {
         return;
     };
-    let found = search(placed, &frame, outcome.features, &SHIFTS, &mut Surface::new());
-    if let Some(found) = &found {
-        take(placed, found, outcome);
+    if let Some(found) = search(placed, &frame, outcome.features, &SHIFTS, &mut Surface::new()) {
+        take(placed, &found, outcome);
     }
     #[cfg(feature = "exact")]
-    if found.is_none_or(|f| f.end != End::Closed) {
+    if !is_narrow(placed, outcome) {
         exhaustive::settle(placed, &frame, outcome);
     }
+}
+
+/// Whether the bounds agree as well as a proven depth's must; NaN does not.
+#[cfg(feature = "exact")]
+fn is_narrow(placed: &Placed, outcome: &Outcome) -> bool {
+    outcome.upper - outcome.lower <= AGREE_DEPTH * placed.size()
 }
 
 /// Takes over what was found, where its bounds are the narrower.

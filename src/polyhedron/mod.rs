@@ -29,7 +29,7 @@ mod plane;
 mod query;
 mod rebuild;
 mod report;
-mod sign;
+pub(crate) mod sign;
 pub mod solids;
 mod source_faces;
 pub(crate) mod support;

@@ -51,8 +51,8 @@ impl Turned<'_> {
 }
 
 impl Pair<'_> {
-    /// The facet of a pair of features: `Ok(None)` where there is none, `Err` where it is not known which there are.
-    fn facet(&self, placed: &Placed, features: FeaturePair) -> Result<Option<Facet>, NotFlat> {
+    /// The facet of a pair of features: `Ok(None)` where there is none lower than the best, `Err` where it is not known which there are.
+    fn facet(&self, placed: &Placed, features: FeaturePair, best: Option<&Facet>) -> Result<Option<Facet>, NotFlat> {
         let hint = features.vertices_of(placed.a, placed.b);
         let normal = match (features.a, features.b) {
             (Feature::Face(f), _) => self.a.normal(f.0, self.exponent).ok_or(NotFlat)?,
@@ -60,12 +60,18 @@ impl Pair<'_> {
             (Feature::Edge(e), Feature::Edge(f)) => {
                 let n = cross(&self.a.edge(e.0, self.exponent), &self.b.edge(f.0, self.exponent));
                 // The origin is inside: the facet is ahead of it.
-                let ahead = sign(&dot(&n, &self.corner(hint.0, hint.1).w));
-                match ahead {
+                let ahead = dot(&n, &self.corner(hint.0, hint.1).w);
+                let (normal, height) = match sign(&ahead) {
                     0 => return Ok(None),
-                    1 => n,
-                    _ => neg(&n),
+                    1 => (n, ahead),
+                    _ => (neg(&n), -ahead),
+                };
+                // If it is a facet, this is its height.
+                let facet = Facet { normal, height, hint };
+                if best.is_some_and(|best| !facet.is_lower(best)) {
+                    return Ok(None);
                 }
+                facet.normal
             }
             _ => return Ok(None),
         };
@@ -83,7 +89,7 @@ pub(crate) fn deepest(placed: &Placed, facets: &[FeaturePair], outcome: &mut Out
     let pair = Pair::new(placed.a, placed.b, placed.pose);
     let mut best: Option<Facet> = None;
     for &features in facets {
-        match pair.facet(placed, features) {
+        match pair.facet(placed, features, best.as_ref()) {
             Err(NotFlat) => return false,
             Ok(Some(facet)) if best.as_ref().is_none_or(|b| facet.is_lower(b)) => best = Some(facet),
             Ok(_) => {}
