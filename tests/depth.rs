@@ -390,3 +390,47 @@ fn an_overlap_below_the_least_number() {
         );
     }
 }
+
+/// A point or a segment in a body moves from over one face to over another: no face of its own lies flush on any.
+#[test]
+fn bodies_without_faces_keep_their_depth_over_frames() {
+    let point = ConvexPolyhedron::point([0.0; 3].into()).expect("a point");
+    let segment = ConvexPolyhedron::segment([-0.1, 0.0, 0.0].into(), [0.1, 0.02, 0.0].into()).expect("a segment");
+    let plate = solids::cuboid(Vector3::new(1.0, 0.6, 0.05)).expect("a box");
+    let hull = solids::random_hull(40, Vector3::new(1.0, 0.7, 0.5), 3).expect("a hull");
+    let mut rng = Rng::new(31);
+    let mut surface = 0;
+    let lid = world::body(&shapes::pyramid_lid(5e-12));
+    for body in [&plate, &hull, &lid] {
+        for small in [&point, &segment] {
+            for _ in 0..20 {
+                let (mut pair, mut back) = (Tracker::new(), Tracker::new());
+                let (from, to) = (scale(rng.unit(), 0.6), scale(rng.unit(), 0.6));
+                for k in 0..60 {
+                    let t = f64::from(k) / 60.0;
+                    let at = [0, 1, 2].map(|k| from[k] * (1.0 - t) + to[k] * t);
+                    // Along beneath the lid, whose faces are one but for rounding.
+                    let at = if std::ptr::eq(body, &lid) {
+                        [at[0], at[1], 0.45]
+                    } else {
+                        at
+                    };
+                    let frame = both(
+                        Pose::IDENTITY,
+                        Pose {
+                            t: at,
+                            ..Pose::IDENTITY
+                        },
+                    );
+                    let o = pair.closest(body, small, &world::relative(&frame));
+                    let p = back.closest(small, body, &world::relative(&frame.swapped()));
+                    let cold = closest(body, small, &frame);
+                    assert!((o.distance - cold.distance).abs() <= 1e-14, "{o:?} {cold:?}");
+                    assert!((p.distance - cold.distance).abs() <= 1e-14, "{p:?} {cold:?}");
+                    surface += usize::from(o.layer == Layer::Surface);
+                }
+            }
+        }
+    }
+    assert!(surface > 500, "{surface}");
+}

@@ -46,8 +46,8 @@ pub(super) fn foot(placed: &Placed, facet: FeaturePair, (normal, height): &(Vec3
 pub(super) fn flush(placed: &Placed, facet: FeaturePair, best: &(Vec3<f64>, f64)) -> Option<(FeaturePair, Witnesses)> {
     let n = Vector3::from(best.0);
     let (f, g) = match (facet.a, facet.b) {
-        (Feature::Face(f), Feature::Vertex(v)) => (f.0, facing(placed.b, v.0, &-placed.direction_in_b(&n))),
-        (Feature::Vertex(v), Feature::Face(g)) => (facing(placed.a, v.0, &n), g.0),
+        (Feature::Face(f), Feature::Vertex(v)) => (f.0, facing(placed.b, v.0, &-placed.direction_in_b(&n))?),
+        (Feature::Vertex(v), Feature::Face(g)) => (facing(placed.a, v.0, &n)?, g.0),
         _ => return None,
     };
     let stand = |pair: FeaturePair| Some((pair, foot(placed, pair, best)?));
@@ -66,15 +66,15 @@ pub(super) fn flush(placed: &Placed, facet: FeaturePair, best: &(Vec3<f64>, f64)
     pairs.map(edges).find_map(stand)
 }
 
-/// The face at a vertex that is most across a direction.
-fn facing(body: &ConvexPolyhedron, v: u32, outward: &Vector3<f64>) -> u32 {
+/// The face at a vertex that is most across a direction; none of a body without faces.
+fn facing(body: &ConvexPolyhedron, v: u32, outward: &Vector3<f64>) -> Option<u32> {
     let t = &body.topology;
-    let mut best = (f64::NEG_INFINITY, 0);
+    let mut best = (0.0, None);
     for h in t.fan(v).take(LARGE) {
         let f = t.half_edge(h).face;
         let along = body.planes[f as usize].normal.dot(outward);
         if along > best.0 {
-            best = (along, f);
+            best = (along, Some(f));
         }
     }
     best.1
