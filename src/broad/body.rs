@@ -34,19 +34,16 @@ struct Detail {
     groups: Groups,
     margin: f32,
     lookahead: f32,
-    /// The generation under which the body lives or last lived.
-    generation: u32,
     fixed: bool,
 }
 
 impl Detail {
-    fn new(body: Body, generation: u32) -> Self {
+    fn new(body: Body) -> Self {
         let (margin, lookahead) = (body.margin as f32, body.lookahead as f32);
         Self {
             groups: body.groups,
             margin,
             lookahead,
-            generation,
             fixed: body.fixed,
         }
     }
@@ -76,6 +73,7 @@ pub(crate) struct Marks {
 pub(crate) struct Bodies {
     pub(crate) records: Vec<Record>,
     details: Vec<Detail>,
+    /// Odd while the body lives, one more after.
     generations: Vec<u32>,
     free: Vec<u32>,
     /// Removed bodies whose pairs end with the next step.
@@ -132,7 +130,7 @@ impl Bodies {
             None if self.records.len() >= self.most => return Err(BroadPhaseError::TooManyBodies),
             None => {
                 push(&mut self.records, Record::absent());
-                push(&mut self.details, Detail::new(body, 0));
+                push(&mut self.details, Detail::new(body));
                 push(&mut self.generations, 0);
                 (self.records.len() - 1) as u32
             }
@@ -140,7 +138,7 @@ impl Bodies {
         let i = index as usize;
         let generation = self.generations[i] + 1;
         self.generations[i] = generation;
-        self.details[i] = Detail::new(body, generation);
+        self.details[i] = Detail::new(body);
         let loose = if body.margin > 0.0 || body.lookahead > 0.0 {
             LOOSE
         } else {
@@ -223,10 +221,8 @@ impl Bodies {
 
     /// The id under which the body at `index` lives, or last lived until the next step.
     pub(crate) fn id(&self, index: u32) -> BodyId {
-        BodyId {
-            index,
-            generation: self.details.get(index as usize).map_or(0, |d| d.generation),
-        }
+        let generation = self.generations.get(index as usize).map_or(0, |g| g.wrapping_sub(1) | 1);
+        BodyId { index, generation }
     }
 
     pub(crate) fn lives(&self, index: u32) -> bool {

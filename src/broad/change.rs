@@ -4,6 +4,7 @@
 //! `was` and `is` are the overlaps of the old and of the new boxes, and a pair is reported when they differ.
 
 use super::body::{Bodies, Record, trim};
+use super::parallel::sort;
 use alloc::vec::Vec;
 
 /// Two body indices in one number, the lower index in the upper half, so that numbers sort like pairs.
@@ -41,9 +42,9 @@ impl Changes {
     }
 
     /// One order for every structure, mode and thread count: by the two indices.
-    pub(crate) fn sort(&mut self) {
-        self.began.sort_unstable();
-        self.ended.sort_unstable();
+    pub(crate) fn sort(&mut self, threads: usize) {
+        sort(&mut self.began, threads);
+        sort(&mut self.ended, threads);
     }
 
     /// Notes a change of the pair, if it is one.

@@ -54,6 +54,7 @@ mod ledger;
 #[cfg(test)]
 mod limits;
 mod pairs;
+mod parallel;
 mod pencil;
 #[cfg(feature = "serde")]
 mod snapshot;
