@@ -36,9 +36,16 @@ impl Changes {
         }
     }
 
+    /// Takes over all of `other`, which keeps memory for as many.
     pub(crate) fn append(&mut self, other: &mut Self) {
-        self.began.append(&mut other.began);
-        self.ended.append(&mut other.ended);
+        for (all, part) in [(&mut self.began, &mut other.began), (&mut self.ended, &mut other.ended)] {
+            trim(part);
+            if all.is_empty() {
+                core::mem::swap(all, part);
+            } else {
+                all.append(part);
+            }
+        }
     }
 
     /// One order for every structure, mode and thread count: by the two indices.

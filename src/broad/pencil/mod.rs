@@ -194,7 +194,6 @@ impl PencilSweep {
     fn collect(&mut self) {
         for worker in &mut self.workers {
             self.ledger.changes.append(&mut worker.changes);
-            worker.changes.clear();
             self.swaps += core::mem::take(&mut worker.swaps);
         }
     }
