@@ -1,6 +1,7 @@
 //! The table of bodies: ids with generations, the stored boxes of this step and the last, and who moved.
 
 use super::aabb::{FARTHEST, StoredBox};
+use super::ahead::read_ahead;
 use super::bounds::{Bounds, any_above};
 use super::error::BroadPhaseError;
 use super::grid::{Grid, Range};
@@ -248,6 +249,11 @@ impl Bodies {
     pub(crate) fn may_pair(&self, a: u32, b: u32) -> bool {
         let [a, b] = [a, b].map(|i| &self.details[i as usize]);
         !(a.fixed && b.fixed) && a.groups.meet(b.groups)
+    }
+
+    /// Reads what [`may_pair`](Self::may_pair) and [`id`](Self::id) will want of these bodies.
+    pub(crate) fn read_ahead(&self, indices: impl Iterator<Item = u32>) {
+        read_ahead(indices.map(|i| self.details[i as usize].groups.member_of ^ self.generations[i as usize]));
     }
 
     /// Ids of all living bodies.

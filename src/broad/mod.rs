@@ -45,6 +45,7 @@
 //! [`SortedAxes`], then `grid` and [`PencilSweep`].
 
 mod aabb;
+mod ahead;
 mod body;
 mod bounds;
 mod change;

@@ -4,6 +4,7 @@
 //! A block is brought up to date by moving what lies between its changes, so it costs as much as it is long, and a body
 //! with very many pairs, all as the lower of the two, makes its block long.
 
+use crate::broad::ahead::read_ahead;
 use crate::broad::body::Bodies;
 use crate::broad::change::{PairKey, pair_key};
 use crate::broad::pairs::{NOWHERE, Pair, named};
@@ -142,7 +143,8 @@ impl<'a> Part<'a> {
             let (gone_here, gone_later) = gone.split_at_mut(ended_here.len());
             match blocks.get_mut(number - first) {
                 Some(block) => {
-                    block.read_ahead();
+                    let lines = block.0.iter().step_by(64 / size_of::<Link>());
+                    read_ahead(lines.map(|link| link.slot));
                     block.end(ended_here, gone_here, bodies);
                     block.begin(began_here);
                 }
@@ -192,13 +194,6 @@ fn cut<T>(items: &[T], fits: impl Fn(&T) -> bool) -> (&[T], &[T]) {
 }
 
 impl Block {
-    /// Reads one link of every cache line. Searching, they would be waited for one after the other; asked for without a
-    /// branch between, they arrive together.
-    fn read_ahead(&self) {
-        let lines = self.0.iter().step_by(64 / size_of::<Link>());
-        core::hint::black_box(lines.map(|link| link.slot).fold(0, u32::wrapping_add));
-    }
-
     /// Unlinks pairs and names them. Everything between two of them moves once.
     fn end(&mut self, ended: &[PairKey], gone: &mut [Pair], bodies: &Bodies) {
         let links = &mut self.0;

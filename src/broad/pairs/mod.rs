@@ -2,6 +2,7 @@
 
 mod links;
 
+use super::ahead::{AHEAD, read_ahead};
 use super::body::trim;
 use super::change::{Changes, PairKey, pair_key, pair_of};
 use super::parallel::join;
@@ -151,7 +152,14 @@ impl PairTable {
     /// Gives slots to the proposed pairs that the filter lets pass; the others go.
     fn admit(&mut self, filter: &mut dyn FnMut(BodyId, BodyId) -> bool) {
         let mut began = core::mem::take(&mut self.began);
+        let mut read = 0;
         began.retain_mut(|pair| {
+            if read == 0 {
+                let next = self.free.iter().rev().take(AHEAD);
+                read_ahead(next.map(|slot| self.slots[*slot as usize].generation));
+                read = AHEAD;
+            }
+            read -= 1;
             if *pair == NOWHERE || !filter(pair.a, pair.b) {
                 return false;
             }
@@ -191,13 +199,13 @@ impl PairTable {
     /// Empties the slots of the pairs that ended and completes their names; pairs that never began go.
     fn vacate(&mut self) {
         let mut ended = core::mem::take(&mut self.ended);
-        ended.retain_mut(|pair| {
-            let linked = pair.id.slot != NOWHERE.id.slot;
-            if linked {
+        ended.retain(|pair| pair.id.slot != NOWHERE.id.slot);
+        for pairs in ended.chunks_mut(AHEAD) {
+            read_ahead(pairs.iter().map(|pair| self.slots[pair.id.slot as usize].generation));
+            for pair in pairs {
                 pair.id.generation = self.release(pair.id.slot);
             }
-            linked
-        });
+        }
         self.ended = ended;
     }
 
@@ -283,10 +291,13 @@ fn propose(keys: &[PairKey], out: &mut [Pair], bodies: &Bodies, threads: usize) 
         );
         return;
     }
-    for (key, pair) in keys.iter().zip(out) {
-        let (a, b) = pair_of(*key);
-        if bodies.may_pair(a, b) {
-            *pair = named(bodies, *key, NOWHERE.id.slot, 0);
+    for (keys, pairs) in keys.chunks(AHEAD).zip(out.chunks_mut(AHEAD)) {
+        bodies.read_ahead(keys.iter().map(|key| pair_of(*key).1));
+        for (key, pair) in keys.iter().zip(pairs) {
+            let (a, b) = pair_of(*key);
+            if bodies.may_pair(a, b) {
+                *pair = named(bodies, *key, NOWHERE.id.slot, 0);
+            }
         }
     }
 }
