@@ -1,28 +1,44 @@
-//! From two bodies to the slot of their pair: links in ascending order, cut into blocks by the lower body.
+//! From two bodies to the slot of their pair: small hash tables, each of some consecutive lower bodies.
 //!
-//! Changes come in the same order, so a step walks the blocks once and in order, and blocks can be dealt out to threads.
-//! A block is brought up to date by moving what lies between its changes, so it costs as much as it is long, and a body
-//! with very many pairs, all as the lower of the two, makes its block long.
+//! Changes come in ascending order, so a step walks the tables in order, stays in the nearest caches, and can be dealt out
+//! to threads. Within a table: open addressing, linear probing, deletion by backward shift (Knuth, section 6.4).
 
-use crate::broad::ahead::read_ahead;
+use crate::broad::ahead::{AHEAD, read_ahead};
 use crate::broad::body::Bodies;
-use crate::broad::change::{PairKey, pair_key};
+use crate::broad::change::{PairKey, pair_key, pair_of};
 use crate::broad::pairs::{NOWHERE, Pair, named};
 use crate::broad::parallel::join;
 use alloc::vec::Vec;
 
-/// Two bodies, the lower index first, and the slot of their pair.
-#[derive(Clone, Copy, Debug, Default)]
+/// Two bodies, the lower index first, and the slot of their pair; in twelve bytes.
+#[derive(Clone, Copy, Debug)]
 struct Link {
     low: u32,
     high: u32,
     slot: u32,
 }
 
+/// A vacant place; no pair has such a slot.
+const VACANT: Link = Link {
+    low: u32::MAX,
+    high: u32::MAX,
+    slot: u32::MAX,
+};
+
 impl Link {
+    fn new(key: PairKey, slot: u32) -> Self {
+        let (low, high) = pair_of(key);
+        Self { low, high, slot }
+    }
+
     #[inline(always)]
     fn key(&self) -> PairKey {
         u64::from(self.low) << 32 | u64::from(self.high)
+    }
+
+    #[inline(always)]
+    fn is_vacant(&self) -> bool {
+        self.slot == VACANT.slot
     }
 }
 
@@ -37,9 +53,13 @@ fn key_of(pair: &Pair) -> PairKey {
     pair_key(pair.a.index, pair.b.index)
 }
 
-/// The links of some consecutive lower bodies, ascending.
+/// The links of some consecutive lower bodies.
 #[derive(Clone, Debug, Default)]
-struct Block(Vec<Link>);
+struct Block {
+    /// At most 3/4 taken.
+    places: Vec<Link>,
+    live: usize,
+}
 
 /// All links. Blocks behind the last pair's may be missing.
 #[derive(Clone, Debug, Default)]
@@ -48,21 +68,22 @@ pub(super) struct Links {
 }
 
 impl Links {
-    /// Links of pairs that are told in ascending order.
-    pub(super) fn of(pairs: &[(PairKey, u32)]) -> Self {
-        let mut out = Self::default();
-        for &(key, slot) in pairs {
-            out.reach(key);
-            out.blocks[block_of(key)].0.push(link(key, slot));
-        }
-        out
-    }
-
     /// The slot of a pair.
     pub(super) fn find(&self, key: PairKey) -> Option<u32> {
-        let Block(links) = self.blocks.get(block_of(key))?;
-        let at = links.binary_search_by_key(&key, Link::key).ok()?;
-        Some(links[at].slot)
+        let block = self.blocks.get(block_of(key))?;
+        let place = block.find(key)?;
+        Some(block.places[place].slot)
+    }
+
+    /// Links a pair that is not linked.
+    pub(super) fn insert(&mut self, key: PairKey, slot: u32) {
+        self.reach(key);
+        self.blocks[block_of(key)].insert(Link::new(key, slot));
+    }
+
+    /// Unlinks a pair, if it is linked, and tells its slot.
+    pub(super) fn remove(&mut self, key: PairKey) -> Option<u32> {
+        self.blocks.get_mut(block_of(key))?.remove(key)
     }
 
     /// Takes over a step's changes, both in ascending order; no pair that begins may be linked. Names in `gone` the pairs
@@ -96,14 +117,9 @@ impl Links {
 
     /// Bytes reserved.
     pub(super) fn bytes(&self) -> usize {
-        let links: usize = self.blocks.iter().map(|block| block.0.capacity()).sum();
+        let links: usize = self.blocks.iter().map(|block| block.places.capacity()).sum();
         links * size_of::<Link>() + self.blocks.capacity() * size_of::<Block>()
     }
-}
-
-fn link(key: PairKey, slot: u32) -> Link {
-    let (low, high) = crate::broad::change::pair_of(key);
-    Link { low, high, slot }
 }
 
 /// Consecutive blocks and the changes that concern them.
@@ -125,33 +141,22 @@ impl<'a> Part<'a> {
             join(|| low.update(bodies, fewer), || high.update(bodies, threads - fewer));
             return;
         }
-        let Self {
-            blocks,
-            first,
-            mut ended,
-            mut gone,
-            mut began,
-        } = self;
-        loop {
-            let next = [ended.first().copied(), began.first().map(key_of)];
-            let Some(next) = next.into_iter().flatten().min() else {
-                return;
-            };
-            let number = block_of(next);
-            let (ended_here, ended_later) = cut(ended, |key| block_of(*key) == number);
-            let (began_here, began_later) = cut(began, |pair| block_of(key_of(pair)) == number);
-            let (gone_here, gone_later) = gone.split_at_mut(ended_here.len());
-            match blocks.get_mut(number - first) {
-                Some(block) => {
-                    let lines = block.0.iter().step_by(64 / size_of::<Link>());
-                    read_ahead(lines.map(|link| link.slot));
-                    block.end(ended_here, gone_here, bodies);
-                    block.begin(began_here);
-                }
-                None => gone_here.fill(NOWHERE),
+        let Self { blocks, first, .. } = self;
+        let mut began = self.began;
+        for (keys, pairs) in self.ended.chunks(AHEAD).zip(self.gone.chunks_mut(AHEAD)) {
+            let homes = keys.iter().filter_map(|key| blocks.get(block_of(*key) - first)?.at_home(*key));
+            read_ahead(homes);
+            for (key, pair) in keys.iter().zip(pairs) {
+                let slot = blocks.get_mut(block_of(*key) - first).and_then(|block| block.remove(*key));
+                *pair = slot.map_or(NOWHERE, |slot| named(bodies, *key, slot, 0));
             }
-            (ended, began, gone) = (ended_later, began_later, gone_later);
+            // What begins follows close behind, while the tables are at hand.
+            let reached = keys.last().copied().unwrap_or(0);
+            let count = began.iter().take_while(|pair| key_of(pair) < reached).count();
+            insert_all(blocks, first, &began[..count]);
+            began = &began[count..];
         }
+        insert_all(blocks, first, began);
     }
 
     /// Two parts of about equally many changes.
@@ -187,52 +192,95 @@ impl<'a> Part<'a> {
     }
 }
 
-/// Splits behind the leading items that fit.
-fn cut<T>(items: &[T], fits: impl Fn(&T) -> bool) -> (&[T], &[T]) {
-    let count = items.iter().take_while(|item| fits(item)).count();
-    items.split_at(count)
+/// Links new pairs.
+fn insert_all(blocks: &mut [Block], first: usize, began: &[Pair]) {
+    let block_of = |pair: &Pair| block_of(key_of(pair)) - first;
+    for pairs in began.chunks(AHEAD) {
+        read_ahead(pairs.iter().filter_map(|pair| blocks[block_of(pair)].at_home(key_of(pair))));
+        for pair in pairs {
+            blocks[block_of(pair)].insert(Link::new(key_of(pair), pair.id.slot));
+        }
+    }
 }
 
 impl Block {
-    /// Unlinks pairs and names them. Everything between two of them moves once.
-    fn end(&mut self, ended: &[PairKey], gone: &mut [Pair], bodies: &Bodies) {
-        let links = &mut self.0;
-        let (mut read, mut write) = (0, 0);
-        for (key, pair) in ended.iter().zip(gone) {
-            let at = read + links[read..].partition_point(|link| link.key() < *key);
-            let Some(link) = links.get(at).filter(|link| link.key() == *key) else {
-                *pair = NOWHERE;
-                continue;
-            };
-            *pair = named(bodies, *key, link.slot, 0);
-            links.copy_within(read..at, write);
-            write += at - read;
-            read = at + 1;
-        }
-        links.copy_within(read.., write);
-        links.truncate(links.len() - (read - write));
-        if links.capacity() > 4 * links.len() + 64 {
-            links.shrink_to(2 * links.len());
+    /// Where a key belongs: the high bits of a product with 2^64 over the golden ratio (Knuth, section 6.4), scaled.
+    #[inline(always)]
+    fn home(&self, key: PairKey) -> usize {
+        let mixed = key.wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 32;
+        (mixed * self.places.len() as u64 >> 32) as usize
+    }
+
+    #[inline(always)]
+    fn next(&self, place: usize) -> usize {
+        if place + 1 < self.places.len() { place + 1 } else { 0 }
+    }
+
+    /// What is there, for reading ahead.
+    #[inline(always)]
+    fn at_home(&self, key: PairKey) -> Option<u32> {
+        self.places.get(self.home(key)).map(|link| link.slot)
+    }
+
+    fn find(&self, key: PairKey) -> Option<usize> {
+        let mut place = self.home(key);
+        loop {
+            let link = self.places.get(place)?;
+            if link.key() == key {
+                return Some(place);
+            }
+            if link.is_vacant() {
+                return None;
+            }
+            place = self.next(place);
         }
     }
 
-    /// Links pairs, from the back, so that everything between two of them moves once.
-    fn begin(&mut self, began: &[Pair]) {
-        let links = &mut self.0;
-        let mut read = links.len();
-        let mut write = read + began.len();
-        if write > links.capacity() {
-            links.reserve_exact(began.len() + read / 8 + 4);
+    /// The key is not in the table.
+    fn insert(&mut self, link: Link) {
+        if (self.live + 1) * 4 > self.places.len() * 3 {
+            self.resize(2 * self.live + 4);
         }
-        links.resize(write, Link::default());
-        for pair in began.iter().rev() {
-            let key = key_of(pair);
-            let at = links[..read].partition_point(|link| link.key() < key);
-            write -= read - at;
-            links.copy_within(at..read, write);
-            write -= 1;
-            links[write] = link(key, pair.id.slot);
-            read = at;
+        let mut place = self.home(link.key());
+        while !self.places[place].is_vacant() {
+            place = self.next(place);
         }
+        self.places[place] = link;
+        self.live += 1;
+    }
+
+    fn remove(&mut self, key: PairKey) -> Option<u32> {
+        let mut hole = self.find(key)?;
+        let slot = self.places[hole].slot;
+        let mut place = self.next(hole);
+        while !self.places[place].is_vacant() {
+            let home = self.home(self.places[place].key());
+            // The entry may fill the hole if the hole is not before its home in probing order.
+            if self.steps(home, place) >= self.steps(hole, place) {
+                self.places[hole] = self.places[place];
+                hole = place;
+            }
+            place = self.next(place);
+        }
+        self.places[hole] = VACANT;
+        self.live -= 1;
+        if self.live * 8 + 16 < self.places.len() {
+            self.resize(2 * self.live);
+        }
+        Some(slot)
+    }
+
+    /// Steps of probing from one place to another.
+    #[inline(always)]
+    fn steps(&self, from: usize, to: usize) -> usize {
+        if from <= to { to - from } else { to + self.places.len() - from }
+    }
+
+    /// The same links in so many places.
+    #[cold]
+    fn resize(&mut self, count: usize) {
+        let old = core::mem::replace(&mut self.places, alloc::vec![VACANT; count]);
+        self.live = 0;
+        old.into_iter().filter(|link| !link.is_vacant()).for_each(|link| self.insert(link));
     }
 }

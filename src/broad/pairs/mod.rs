@@ -229,8 +229,7 @@ impl PairTable {
 
     /// Ends the pair, if the table has it.
     pub(crate) fn end(&mut self, key: PairKey, bodies: &Bodies) {
-        if let Some(slot) = self.links.find(key) {
-            self.links.update(&[key], &mut [NOWHERE], &[], bodies, 1);
+        if let Some(slot) = self.links.remove(key) {
             let generation = self.release(slot);
             self.ended.push(named(bodies, key, slot, generation));
         }
@@ -242,9 +241,8 @@ impl PairTable {
             return;
         }
         if let Some(id) = self.occupy(key) {
-            let pair = named(bodies, key, id.slot, id.generation);
-            self.links.update(&[], &mut [], &[pair], bodies, 1);
-            self.began.push(pair);
+            self.links.insert(key, id.slot);
+            self.began.push(named(bodies, key, id.slot, id.generation));
         }
     }
 
@@ -345,9 +343,11 @@ impl PairsState {
         if slots.len() > MOST_PAIRS || !empty.eq(vacant) || !sound {
             return Err("the pairs of the broad phase contradict each other".into());
         }
+        let mut links = Links::default();
+        pairs.iter().for_each(|(key, slot)| links.insert(*key, *slot));
         Ok(PairTable {
             live: pairs.len(),
-            links: Links::of(&pairs),
+            links,
             slots,
             free,
             resting,
