@@ -5,41 +5,41 @@
 
 use crate::broad::ahead::{AHEAD, read_ahead};
 use crate::broad::body::Bodies;
-use crate::broad::change::{PairKey, pair_key, pair_of};
-use crate::broad::pairs::{NOWHERE, Pair, named};
+use crate::broad::change::{PairKey, pair_key};
+use crate::broad::pairs::{NOWHERE, Pair, Slot, named};
 use crate::broad::parallel::join;
 use alloc::vec::Vec;
 
-/// Two bodies, the lower index first, and the slot of their pair; in twelve bytes.
+/// A hash of the two bodies, and the slot of their pair, which tells whether it is theirs.
 #[derive(Clone, Copy, Debug)]
 struct Link {
-    low: u32,
-    high: u32,
+    hash: u32,
     slot: u32,
 }
 
 /// A vacant place; no pair has such a slot.
 const VACANT: Link = Link {
-    low: u32::MAX,
-    high: u32::MAX,
-    slot: u32::MAX,
+    hash: 0,
+    slot: NOWHERE.id.slot,
 };
 
 impl Link {
-    fn new(key: PairKey, slot: u32) -> Self {
-        let (low, high) = pair_of(key);
-        Self { low, high, slot }
-    }
-
     #[inline(always)]
-    fn key(&self) -> PairKey {
-        u64::from(self.low) << 32 | u64::from(self.high)
+    fn new(key: PairKey, slot: u32) -> Self {
+        let hash = hash(key);
+        Self { hash, slot }
     }
 
     #[inline(always)]
     fn is_vacant(&self) -> bool {
         self.slot == VACANT.slot
     }
+}
+
+/// The high half of a product with 2^64 over the golden ratio (Knuth, section 6.4).
+#[inline(always)]
+fn hash(key: PairKey) -> u32 {
+    (key.wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 32) as u32
 }
 
 /// So many consecutive indices share a block, as a power of two: few enough that a block lies in the nearest cache.
@@ -56,7 +56,7 @@ fn key_of(pair: &Pair) -> PairKey {
 /// The links of some consecutive lower bodies.
 #[derive(Clone, Debug, Default)]
 struct Block {
-    /// At most 3/4 taken.
+    /// At most half of them taken, so that runs are short.
     places: Vec<Link>,
     live: usize,
 }
@@ -69,9 +69,9 @@ pub(super) struct Links {
 
 impl Links {
     /// The slot of a pair.
-    pub(super) fn find(&self, key: PairKey) -> Option<u32> {
+    pub(super) fn find(&self, key: PairKey, slots: &[Slot]) -> Option<u32> {
         let block = self.blocks.get(block_of(key))?;
-        let place = block.find(key)?;
+        let place = block.find(key, slots)?;
         Some(block.places[place].slot)
     }
 
@@ -82,8 +82,8 @@ impl Links {
     }
 
     /// Unlinks a pair, if it is linked, and tells its slot.
-    pub(super) fn remove(&mut self, key: PairKey) -> Option<u32> {
-        self.blocks.get_mut(block_of(key))?.remove(key)
+    pub(super) fn remove(&mut self, key: PairKey, slots: &[Slot]) -> Option<u32> {
+        self.blocks.get_mut(block_of(key))?.remove(key, slots)
     }
 
     /// Takes over a step's changes, both in ascending order; no pair that begins may be linked. Names in `gone` the pairs
@@ -93,6 +93,7 @@ impl Links {
         ended: &[PairKey],
         gone: &mut [Pair],
         began: &[Pair],
+        slots: &[Slot],
         bodies: &Bodies,
         threads: usize,
     ) {
@@ -106,7 +107,7 @@ impl Links {
             gone,
             began,
         };
-        part.update(bodies, threads);
+        part.update(slots, bodies, threads);
     }
 
     fn reach(&mut self, key: PairKey) {
@@ -134,11 +135,11 @@ struct Part<'a> {
 }
 
 impl<'a> Part<'a> {
-    fn update(self, bodies: &Bodies, threads: usize) {
+    fn update(self, slots: &[Slot], bodies: &Bodies, threads: usize) {
         if threads > 1 && self.blocks.len() > 1 {
             let (low, high) = self.split();
             let fewer = threads / 2;
-            join(|| low.update(bodies, fewer), || high.update(bodies, threads - fewer));
+            join(|| low.update(slots, bodies, fewer), || high.update(slots, bodies, threads - fewer));
             return;
         }
         let Self { blocks, first, .. } = self;
@@ -147,7 +148,7 @@ impl<'a> Part<'a> {
             let homes = keys.iter().filter_map(|key| blocks.get(block_of(*key) - first)?.at_home(*key));
             read_ahead(homes);
             for (key, pair) in keys.iter().zip(pairs) {
-                let slot = blocks.get_mut(block_of(*key) - first).and_then(|block| block.remove(*key));
+                let slot = blocks.get_mut(block_of(*key) - first).and_then(|block| block.remove(*key, slots));
                 *pair = slot.map_or(NOWHERE, |slot| named(bodies, *key, slot, 0));
             }
             // What begins follows close behind, while the tables are at hand.
@@ -204,11 +205,10 @@ fn insert_all(blocks: &mut [Block], first: usize, began: &[Pair]) {
 }
 
 impl Block {
-    /// Where a key belongs: the high bits of a product with 2^64 over the golden ratio (Knuth, section 6.4), scaled.
+    /// Where a hash belongs.
     #[inline(always)]
-    fn home(&self, key: PairKey) -> usize {
-        let mixed = key.wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 32;
-        (mixed * self.places.len() as u64 >> 32) as usize
+    fn home(&self, hash: u32) -> usize {
+        (u64::from(hash) * self.places.len() as u64 >> 32) as usize
     }
 
     #[inline(always)]
@@ -219,29 +219,30 @@ impl Block {
     /// What is there, for reading ahead.
     #[inline(always)]
     fn at_home(&self, key: PairKey) -> Option<u32> {
-        self.places.get(self.home(key)).map(|link| link.slot)
+        self.places.get(self.home(hash(key))).map(|link| link.slot)
     }
 
-    fn find(&self, key: PairKey) -> Option<usize> {
-        let mut place = self.home(key);
+    fn find(&self, key: PairKey, slots: &[Slot]) -> Option<usize> {
+        let hash = hash(key);
+        let mut place = self.home(hash);
         loop {
             let link = self.places.get(place)?;
-            if link.key() == key {
-                return Some(place);
-            }
             if link.is_vacant() {
                 return None;
+            }
+            if link.hash == hash && slots[link.slot as usize].key() == key {
+                return Some(place);
             }
             place = self.next(place);
         }
     }
 
-    /// The key is not in the table.
+    /// The pair is not in the table.
     fn insert(&mut self, link: Link) {
-        if (self.live + 1) * 4 > self.places.len() * 3 {
-            self.resize(2 * self.live + 4);
+        if (self.live + 1) * 2 > self.places.len() {
+            self.resize(5 * self.live / 2 + 4);
         }
-        let mut place = self.home(link.key());
+        let mut place = self.home(link.hash);
         while !self.places[place].is_vacant() {
             place = self.next(place);
         }
@@ -249,12 +250,12 @@ impl Block {
         self.live += 1;
     }
 
-    fn remove(&mut self, key: PairKey) -> Option<u32> {
-        let mut hole = self.find(key)?;
+    fn remove(&mut self, key: PairKey, slots: &[Slot]) -> Option<u32> {
+        let mut hole = self.find(key, slots)?;
         let slot = self.places[hole].slot;
         let mut place = self.next(hole);
         while !self.places[place].is_vacant() {
-            let home = self.home(self.places[place].key());
+            let home = self.home(self.places[place].hash);
             // The entry may fill the hole if the hole is not before its home in probing order.
             if self.steps(home, place) >= self.steps(hole, place) {
                 self.places[hole] = self.places[place];
@@ -264,8 +265,8 @@ impl Block {
         }
         self.places[hole] = VACANT;
         self.live -= 1;
-        if self.live * 8 + 16 < self.places.len() {
-            self.resize(2 * self.live);
+        if self.live * 10 + 16 < self.places.len() {
+            self.resize(3 * self.live);
         }
         Some(slot)
     }

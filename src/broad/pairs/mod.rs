@@ -51,12 +51,20 @@ pub struct Events<'a> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Slot {
-    /// `VACANT` in both halves when no pair lives here.
-    key: PairKey,
+    /// The two body indices, the lower first; `VACANT` when no pair lives here.
+    bodies: [u32; 2],
     generation: u32,
 }
 
-const VACANT: PairKey = PairKey::MAX;
+const VACANT: [u32; 2] = [u32::MAX; 2];
+
+impl Slot {
+    #[inline(always)]
+    fn key(&self) -> PairKey {
+        let [low, high] = self.bodies;
+        u64::from(low) << 32 | u64::from(high)
+    }
+}
 
 /// Most pairs at once: slot numbers have 32 bits, and one more than a slot's number is kept.
 const MOST_PAIRS: usize = u32::MAX as usize;
@@ -107,12 +115,12 @@ impl PairTable {
 
     /// Pairs in the order of their slots.
     pub(crate) fn iter<'a>(&'a self, bodies: &'a Bodies) -> impl Iterator<Item = Pair> + 'a {
-        let occupied = self.slots.iter().enumerate().filter(|(_, slot)| slot.key != VACANT);
-        occupied.map(|(i, slot)| named(bodies, slot.key, i as u32, slot.generation))
+        let occupied = self.slots.iter().enumerate().filter(|(_, slot)| slot.bodies != VACANT);
+        occupied.map(|(i, slot)| named(bodies, slot.key(), i as u32, slot.generation))
     }
 
     pub(crate) fn get(&self, a: u32, b: u32) -> Option<PairId> {
-        let slot = self.links.find(pair_key(a, b))?;
+        let slot = self.links.find(pair_key(a, b), &self.slots)?;
         Some(PairId {
             slot,
             generation: self.slots[slot as usize].generation,
@@ -122,8 +130,8 @@ impl PairTable {
     /// The two body indices of a pair that has not ended.
     pub(crate) fn members(&self, id: PairId) -> Option<(u32, u32)> {
         let slot = self.slots.get(id.slot as usize)?;
-        let same = slot.generation == id.generation && slot.key != VACANT;
-        same.then(|| pair_of(slot.key))
+        let same = slot.generation == id.generation && slot.bodies != VACANT;
+        same.then(|| pair_of(slot.key()))
     }
 
     /// Takes over the sorted changes of a step, those that options and filter allow. Slots and filter are for one thread
@@ -145,7 +153,7 @@ impl PairTable {
         propose(&changes.began, &mut self.began, bodies, threads);
         self.admit(filter);
         self.links
-            .update(&changes.ended, &mut self.ended, &self.began, bodies, threads);
+            .update(&changes.ended, &mut self.ended, &self.began, &self.slots, bodies, threads);
         self.vacate();
     }
 
@@ -181,14 +189,14 @@ impl PairTable {
             }
             None => {
                 self.slots.push(Slot {
-                    key: VACANT,
+                    bodies: VACANT,
                     generation: 0,
                 });
                 (self.slots.len() - 1) as u32
             }
         };
         let occupied = &mut self.slots[slot as usize];
-        occupied.key = key;
+        occupied.bodies = pair_of(key).into();
         self.live += 1;
         Some(PairId {
             slot,
@@ -213,7 +221,7 @@ impl PairTable {
     fn release(&mut self, slot: u32) -> u32 {
         let vacated = &mut self.slots[slot as usize];
         let generation = vacated.generation;
-        vacated.key = VACANT;
+        vacated.bodies = VACANT;
         vacated.generation = generation.wrapping_add(1);
         self.resting.push(slot);
         self.live -= 1;
@@ -229,7 +237,7 @@ impl PairTable {
 
     /// Ends the pair, if the table has it.
     pub(crate) fn end(&mut self, key: PairKey, bodies: &Bodies) {
-        if let Some(slot) = self.links.remove(key) {
+        if let Some(slot) = self.links.remove(key, &self.slots) {
             let generation = self.release(slot);
             self.ended.push(named(bodies, key, slot, generation));
         }
@@ -237,7 +245,7 @@ impl PairTable {
 
     /// Begins the pair, unless the table has it or is full.
     pub(crate) fn begin(&mut self, key: PairKey, bodies: &Bodies) {
-        if self.links.find(key).is_some() {
+        if self.links.find(key, &self.slots).is_some() {
             return;
         }
         if let Some(id) = self.occupy(key) {
@@ -330,14 +338,14 @@ impl PairsState {
         let empty = slots
             .iter()
             .enumerate()
-            .filter(|(_, s)| s.key == VACANT)
+            .filter(|(_, s)| s.bodies == VACANT)
             .map(|(i, _)| i as u32);
         let named = |key: &PairKey| {
             let (a, b) = pair_of(*key);
             a < b && (b as usize) < bodies
         };
-        let occupied = slots.iter().enumerate().filter(|(_, s)| s.key != VACANT);
-        let mut pairs: Vec<(PairKey, u32)> = occupied.map(|(i, s)| (s.key, i as u32)).collect();
+        let occupied = slots.iter().enumerate().filter(|(_, s)| s.bodies != VACANT);
+        let mut pairs: Vec<(PairKey, u32)> = occupied.map(|(i, s)| (s.key(), i as u32)).collect();
         pairs.sort_unstable();
         let sound = pairs.iter().all(|(key, _)| named(key)) && pairs.is_sorted_by(|a, b| a.0 < b.0);
         if slots.len() > MOST_PAIRS || !empty.eq(vacant) || !sound {
