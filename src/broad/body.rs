@@ -253,7 +253,7 @@ impl Bodies {
 
     /// Reads what [`may_pair`](Self::may_pair) and [`id`](Self::id) will want of these bodies.
     pub(crate) fn read_ahead(&self, indices: impl Iterator<Item = u32>) {
-        read_ahead(indices.map(|i| self.details[i as usize].groups.member_of ^ self.generations[i as usize]));
+        read_ahead(self.details.len(), indices.map(|i| self.details[i as usize].groups.member_of ^ self.generations[i as usize]));
     }
 
     /// Ids of all living bodies.

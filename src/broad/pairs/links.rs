@@ -146,7 +146,7 @@ impl<'a> Part<'a> {
         let mut began = self.began;
         for (keys, pairs) in self.ended.chunks(AHEAD).zip(self.gone.chunks_mut(AHEAD)) {
             let homes = keys.iter().filter_map(|key| blocks.get(block_of(*key) - first)?.at_home(*key));
-            read_ahead(homes);
+            read_ahead(slots.len(), homes);
             for (key, pair) in keys.iter().zip(pairs) {
                 let slot = blocks.get_mut(block_of(*key) - first).and_then(|block| block.remove(*key, slots));
                 *pair = slot.map_or(NOWHERE, |slot| named(bodies, *key, slot, 0));
@@ -154,10 +154,10 @@ impl<'a> Part<'a> {
             // What begins follows close behind, while the tables are at hand.
             let reached = keys.last().copied().unwrap_or(0);
             let count = began.iter().take_while(|pair| key_of(pair) < reached).count();
-            insert_all(blocks, first, &began[..count]);
+            insert_all(blocks, first, &began[..count], slots.len());
             began = &began[count..];
         }
-        insert_all(blocks, first, began);
+        insert_all(blocks, first, began, slots.len());
     }
 
     /// Two parts of about equally many changes.
@@ -193,11 +193,11 @@ impl<'a> Part<'a> {
     }
 }
 
-/// Links new pairs.
-fn insert_all(blocks: &mut [Block], first: usize, began: &[Pair]) {
+/// Links new pairs of a table of `count`.
+fn insert_all(blocks: &mut [Block], first: usize, began: &[Pair], count: usize) {
     let block_of = |pair: &Pair| block_of(key_of(pair)) - first;
     for pairs in began.chunks(AHEAD) {
-        read_ahead(pairs.iter().filter_map(|pair| blocks[block_of(pair)].at_home(key_of(pair))));
+        read_ahead(count, pairs.iter().filter_map(|pair| blocks[block_of(pair)].at_home(key_of(pair))));
         for pair in pairs {
             blocks[block_of(pair)].insert(Link::new(key_of(pair), pair.id.slot));
         }

@@ -164,7 +164,7 @@ impl PairTable {
         began.retain_mut(|pair| {
             if read == 0 {
                 let next = self.free.iter().rev().take(AHEAD);
-                read_ahead(next.map(|slot| self.slots[*slot as usize].generation));
+                read_ahead(self.slots.len(), next.map(|slot| self.slots[*slot as usize].generation));
                 read = AHEAD;
             }
             read -= 1;
@@ -209,7 +209,7 @@ impl PairTable {
         let mut ended = core::mem::take(&mut self.ended);
         ended.retain(|pair| pair.id.slot != NOWHERE.id.slot);
         for pairs in ended.chunks_mut(AHEAD) {
-            read_ahead(pairs.iter().map(|pair| self.slots[pair.id.slot as usize].generation));
+            read_ahead(self.slots.len(), pairs.iter().map(|pair| self.slots[pair.id.slot as usize].generation));
             for pair in pairs {
                 pair.id.generation = self.release(pair.id.slot);
             }

@@ -57,9 +57,6 @@ pub(super) fn index_of(entry: Entry) -> usize {
     (entry as u32 & !ARRIVING) as usize
 }
 
-/// So many records stay in near caches from step to step, and need not be read ahead.
-const NEAR: usize = 1 << 14;
-
 /// Between steps: sorted, one entry a body, no flags, keys of the bodies' last boxes.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Column {
@@ -92,9 +89,7 @@ impl Column {
     /// Gives every entry the key of its box of this step and restores the order: insertion sort for those that stayed,
     /// which are nearly in order, then one merge with those that came. Returns how many places entries moved by.
     pub(super) fn reorder(&mut self, column: [u16; 2], records: &[Record], step: u32) -> u64 {
-        if records.len() > NEAR {
-            read_ahead(self.entries.iter().map(|e| records[index_of(*e)].flags));
-        }
+        read_ahead(records.len(), self.entries.iter().map(|e| records[index_of(*e)].flags));
         let settled = self.settled.min(self.entries.len());
         let (stayed, came) = self.entries.split_at_mut(settled);
         let key = |e: Entry| {
