@@ -48,10 +48,12 @@ impl Changes {
         }
     }
 
-    /// One order for every structure, mode and thread count: by the two indices.
+    /// One order for every structure, mode and thread count, by the two indices; each pair once.
     pub(crate) fn sort(&mut self, threads: usize) {
-        sort(&mut self.began, threads);
-        sort(&mut self.ended, threads);
+        for keys in [&mut self.began, &mut self.ended] {
+            sort(keys, threads);
+            keys.dedup();
+        }
     }
 
     /// Notes a change of the pair, if it is one.
