@@ -4,7 +4,6 @@
 //! `was` and `is` are the overlaps of the old and of the new boxes, and a pair is reported when they differ.
 
 use super::body::{Bodies, Record, trim};
-use super::parallel::sort;
 use alloc::vec::Vec;
 
 /// Two body indices in one number, the lower index in the upper half, so that numbers sort like pairs.
@@ -48,10 +47,17 @@ impl Changes {
         }
     }
 
-    /// One order for every structure, mode and thread count, by the two indices; each pair once.
-    pub(crate) fn sort(&mut self, threads: usize) {
+    /// The changes one thread found, in order, so that [`settle`](Self::settle) has but to merge.
+    pub(crate) fn sort(&mut self) {
+        self.began.sort_unstable();
+        self.ended.sort_unstable();
+    }
+
+    /// One order for every structure, mode and thread count, by the two indices; each pair once. The library's stable sort
+    /// takes sorted runs as they are.
+    pub(crate) fn settle(&mut self) {
         for keys in [&mut self.began, &mut self.ended] {
-            sort(keys, threads);
+            keys.sort();
             keys.dedup();
         }
     }

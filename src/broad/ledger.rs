@@ -67,7 +67,7 @@ impl Ledger {
         threads: usize,
     ) {
         let Self { bodies, pairs, changes } = self;
-        changes.sort(threads);
+        changes.settle();
         pairs.apply(changes, bodies, filter, threads);
         let mut allowed = |a: u32, b: u32| bodies.may_pair(a, b) && filter(bodies.id(a), bodies.id(b));
         let mut found = Vec::new();

@@ -16,16 +16,6 @@ pub(super) fn join<A: Send, B: Send>(a: impl FnOnce() -> A + Send, b: impl FnOnc
     (a(), b())
 }
 
-/// Sorts; equal keys cannot be told apart, so the result is one.
-pub(super) fn sort(keys: &mut [u64], threads: usize) {
-    #[cfg(feature = "parallel")]
-    if threads > 1 {
-        return rayon::slice::ParallelSliceMut::par_sort_unstable(keys);
-    }
-    let _ = threads;
-    keys.sort_unstable();
-}
-
 /// Whether `items` ascend by `key`, no two equal.
 pub(super) fn ascends<T: Sync>(items: &[T], key: impl Fn(&T) -> u32 + Sync + Copy, threads: usize) -> bool {
     if threads > 1 && items.len() > 2 {

@@ -98,9 +98,7 @@ impl SortedAxes {
         if anew {
             sweep_one_axis(bodies, changes);
         }
-        changes.sort(1);
-        changes.began.dedup();
-        changes.ended.dedup();
+        changes.settle();
         if !bodies.leaving.is_empty() {
             let stays = |end: &End| bodies.records[index_of(*end) as usize].present();
             self.axes.iter_mut().for_each(|axis| axis.retain(stays));

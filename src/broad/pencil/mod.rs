@@ -241,6 +241,7 @@ fn sweep_columns(workers: &mut [Worker], columns: &mut [Column], first: usize, t
             worker.sweep(first + k, column, bodies);
         }
     }
+    worker.changes.sort();
 }
 
 impl Default for PencilSweep {
