@@ -222,7 +222,10 @@ impl Bodies {
 
     /// The id under which the body at `index` lives, or last lived until the next step.
     pub(crate) fn id(&self, index: u32) -> BodyId {
-        let generation = self.generations.get(index as usize).map_or(0, |g| g.wrapping_sub(1) | 1);
+        let generation = self
+            .generations
+            .get(index as usize)
+            .map_or(0, |g| g.wrapping_sub(1) | 1);
         BodyId { index, generation }
     }
 
@@ -253,7 +256,10 @@ impl Bodies {
 
     /// Reads what [`may_pair`](Self::may_pair) and [`id`](Self::id) will want of these bodies.
     pub(crate) fn read_ahead(&self, indices: impl Iterator<Item = u32>) {
-        read_ahead(self.details.len(), indices.map(|i| self.details[i as usize].groups.member_of ^ self.generations[i as usize]));
+        read_ahead(
+            self.details.len(),
+            indices.map(|i| self.details[i as usize].groups.member_of ^ self.generations[i as usize]),
+        );
     }
 
     /// Ids of all living bodies.

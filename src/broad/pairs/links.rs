@@ -139,16 +139,23 @@ impl<'a> Part<'a> {
         if threads > 1 && self.blocks.len() > 1 {
             let (low, high) = self.split();
             let fewer = threads / 2;
-            join(|| low.update(slots, bodies, fewer), || high.update(slots, bodies, threads - fewer));
+            join(
+                || low.update(slots, bodies, fewer),
+                || high.update(slots, bodies, threads - fewer),
+            );
             return;
         }
         let Self { blocks, first, .. } = self;
         let mut began = self.began;
         for (keys, pairs) in self.ended.chunks(AHEAD).zip(self.gone.chunks_mut(AHEAD)) {
-            let homes = keys.iter().filter_map(|key| blocks.get(block_of(*key) - first)?.at_home(*key));
+            let homes = keys
+                .iter()
+                .filter_map(|key| blocks.get(block_of(*key) - first)?.at_home(*key));
             read_ahead(slots.len(), homes);
             for (key, pair) in keys.iter().zip(pairs) {
-                let slot = blocks.get_mut(block_of(*key) - first).and_then(|block| block.remove(*key, slots));
+                let slot = blocks
+                    .get_mut(block_of(*key) - first)
+                    .and_then(|block| block.remove(*key, slots));
                 *pair = slot.map_or(NOWHERE, |slot| named(bodies, *key, slot, 0));
             }
             // What begins follows close behind, while the tables are at hand.
@@ -167,7 +174,9 @@ impl<'a> Part<'a> {
         } else {
             self.began.get(self.began.len() / 2).map_or(0, key_of)
         };
-        let border = block_of(middle).saturating_sub(self.first).clamp(1, self.blocks.len() - 1);
+        let border = block_of(middle)
+            .saturating_sub(self.first)
+            .clamp(1, self.blocks.len() - 1);
         let second = self.first + border;
         let (blocks, blocks_high) = self.blocks.split_at_mut(border);
         let at = self.ended.partition_point(|key| block_of(*key) < second);
@@ -197,7 +206,12 @@ impl<'a> Part<'a> {
 fn insert_all(blocks: &mut [Block], first: usize, began: &[Pair], count: usize) {
     let block_of = |pair: &Pair| block_of(key_of(pair)) - first;
     for pairs in began.chunks(AHEAD) {
-        read_ahead(count, pairs.iter().filter_map(|pair| blocks[block_of(pair)].at_home(key_of(pair))));
+        read_ahead(
+            count,
+            pairs
+                .iter()
+                .filter_map(|pair| blocks[block_of(pair)].at_home(key_of(pair))),
+        );
         for pair in pairs {
             blocks[block_of(pair)].insert(Link::new(key_of(pair), pair.id.slot));
         }
@@ -274,7 +288,11 @@ impl Block {
     /// Steps of probing from one place to another.
     #[inline(always)]
     fn steps(&self, from: usize, to: usize) -> usize {
-        if from <= to { to - from } else { to + self.places.len() - from }
+        if from <= to {
+            to - from
+        } else {
+            to + self.places.len() - from
+        }
     }
 
     /// The same links in so many places.
@@ -282,6 +300,85 @@ impl Block {
     fn resize(&mut self, count: usize) {
         let old = core::mem::replace(&mut self.places, alloc::vec![VACANT; count]);
         self.live = 0;
-        old.into_iter().filter(|link| !link.is_vacant()).for_each(|link| self.insert(link));
+        old.into_iter()
+            .filter(|link| !link.is_vacant())
+            .for_each(|link| self.insert(link));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use alloc::collections::BTreeMap;
+    use nalgebra::Point3;
+
+    /// A number below `n`, evenly spread over the calls.
+    fn draw(state: &mut u64, n: u64) -> u64 {
+        *state = state
+            .wrapping_mul(6364136223846793005)
+            .wrapping_add(1442695040888963407);
+        (*state >> 33) % n
+    }
+
+    /// Pairs of few bodies, so that blocks are crowded and many that are to end are not there.
+    fn steps_equal_a_map(lows: u64, threads: usize) {
+        let bodies = Bodies::new(Point3::origin());
+        let (mut links, mut slots, mut map) = (Links::default(), Vec::<Slot>::new(), BTreeMap::new());
+        let (mut state, mut found, mut absent) = (lows, 0, 0);
+        for step in 0..60 {
+            let keys = |state: &mut u64| {
+                let count = draw(state, 300);
+                let mut keys: Vec<PairKey> = (0..count)
+                    .map(|_| draw(state, lows) << 32 | (1000 + draw(state, 40)))
+                    .collect();
+                keys.sort_unstable();
+                keys.dedup();
+                keys
+            };
+            let ended = keys(&mut state);
+            let mut began = keys(&mut state);
+            began.retain(|key| !map.contains_key(key) && ended.binary_search(key).is_err());
+            let pairs: Vec<Pair> = (slots.len() as u32..)
+                .zip(&began)
+                .map(|(slot, key)| named(&bodies, *key, slot, 0))
+                .collect();
+            slots.extend(began.iter().map(|key| Slot {
+                bodies: crate::broad::change::pair_of(*key).into(),
+                generation: 0,
+            }));
+            let mut gone = alloc::vec![NOWHERE; ended.len()];
+            links.update(&ended, &mut gone, &pairs, &slots, &bodies, threads);
+            for (key, pair) in ended.iter().zip(&gone) {
+                let slot = map.remove(key).unwrap_or(NOWHERE.id.slot);
+                assert_eq!(pair.id.slot, slot, "step {step}, {key:x}");
+                *(if slot == NOWHERE.id.slot {
+                    &mut absent
+                } else {
+                    &mut found
+                }) += 1;
+            }
+            map.extend(pairs.iter().map(|pair| (key_of(pair), pair.id.slot)));
+            assert!(map.iter().all(|(key, slot)| links.find(*key, &slots) == Some(*slot)));
+            assert!(ended.iter().all(|key| links.find(*key, &slots).is_none()));
+        }
+        assert!(found > 200 && absent > 200, "{found} {absent}");
+        for (key, slot) in map {
+            assert_eq!(links.remove(key, &slots), Some(slot));
+        }
+        assert!(
+            links
+                .blocks
+                .iter()
+                .all(|block| block.live == 0 && block.places.len() < 20)
+        );
+    }
+
+    #[test]
+    fn links_are_a_map_however_many_threads() {
+        for lows in [1, 70, 900] {
+            for threads in [1, 2, 3, 8] {
+                steps_equal_a_map(lows, threads);
+            }
+        }
     }
 }

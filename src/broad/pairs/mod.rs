@@ -152,8 +152,14 @@ impl PairTable {
         }
         propose(&changes.began, &mut self.began, bodies, threads);
         self.admit(filter);
-        self.links
-            .update(&changes.ended, &mut self.ended, &self.began, &self.slots, bodies, threads);
+        self.links.update(
+            &changes.ended,
+            &mut self.ended,
+            &self.began,
+            &self.slots,
+            bodies,
+            threads,
+        );
         self.vacate();
     }
 
@@ -209,7 +215,10 @@ impl PairTable {
         let mut ended = core::mem::take(&mut self.ended);
         ended.retain(|pair| pair.id.slot != NOWHERE.id.slot);
         for pairs in ended.chunks_mut(AHEAD) {
-            read_ahead(self.slots.len(), pairs.iter().map(|pair| self.slots[pair.id.slot as usize].generation));
+            read_ahead(
+                self.slots.len(),
+                pairs.iter().map(|pair| self.slots[pair.id.slot as usize].generation),
+            );
             for pair in pairs {
                 pair.id.generation = self.release(pair.id.slot);
             }
