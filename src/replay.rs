@@ -12,7 +12,8 @@
 //! pose A 0000000000000000 ... (seven numbers: quaternion x y z w, translation)    # the same in decimal
 //! pose B ...
 //! start v3 e12                              or: start cold
-//! facet v3 f5                               only after an overlap: its deepest facet, and the surface kept: the count it was
+//! facet v3 f5                               only after an overlap: its deepest facet, what held the witnesses where that
+//! stand e1 e7                               did not, and the surface kept: the count it was
 //! surface 2 3-5 0-1 2-2 0 1 2 1 1 1 ...     built with, vertices of A and B, three corners and neighbours a triangle
 //! ```
 //!
@@ -128,10 +129,14 @@ impl fmt::Display for Replay {
             Some(pair) => writeln!(f, "start {} {}", pair.a, pair.b)?,
             None => writeln!(f, "start cold")?,
         }
-        let Some((facet, built, points, triangles)) = self.surface.parts() else {
+        let Some((facet, stand, built, points, triangles)) = self.surface.parts() else {
             return Ok(());
         };
-        write!(f, "facet {} {}\nsurface {built}", facet.a, facet.b)?;
+        writeln!(f, "facet {} {}", facet.a, facet.b)?;
+        if let Some(stand) = stand {
+            writeln!(f, "stand {} {}", stand.a, stand.b)?;
+        }
+        write!(f, "surface {built}")?;
         points.iter().try_for_each(|[a, b]| write!(f, " {a}-{b}"))?;
         let mut triangles = triangles.iter().flatten();
         triangles.try_for_each(|k| write!(f, " {k}"))?;
@@ -244,13 +249,18 @@ impl<'a> Lines<'a> {
         ConvexPolyhedron::rebuilt(&points, &side).map_err(|error| ReplayError::Body { which, error })
     }
 
-    /// The two lines of an overlap, where they are; nothing where they are no surface.
+    /// The lines of an overlap, where they are; nothing where they are no surface.
     fn surface(&mut self) -> Result<Memory, ReplayError> {
         if !self.peek().is_some_and(|(_, l)| l.starts_with("facet")) {
             return Ok(Memory::default());
         }
         let (line, text) = self.word("facet", "a facet")?;
         let facet = Some(features(text).ok_or(expected(line, "two features, as v3 f5"))?);
+        let mut stand = None;
+        if self.peek().is_some_and(|(_, l)| l.starts_with("stand")) {
+            let (line, text) = self.word("stand", "two features")?;
+            stand = Some(features(text).ok_or(expected(line, "two features, as v3 f5"))?);
+        }
         let (line, text) = self.word("surface", "a surface")?;
         let wrong = || expected(line, "pairs of vertices, and six numbers a triangle");
         let number = |w: &str| w.parse::<u32>().map_err(|_| wrong());
@@ -269,6 +279,7 @@ impl<'a> Lines<'a> {
             points,
             triangles: triangles.to_vec(),
             facet,
+            stand,
             built: *built,
         }))
     }

@@ -63,7 +63,9 @@ pub const AGREE: f64 = 64.0 * UNIT;
 /// the [`CERTIFICATE`] error of placement change it by three times that: 398 in all. Of corners of very different lengths less is
 /// enough. Displaced by D, the determinant changes by D times the sum of the three products of two lengths, three
 /// times D^2 L, and D^3; its rounding is below 14 UNIT L times any of the products. With D = 128 UNIT L all this is below the sum of
-/// the products times 512 UNIT L and L (512 UNIT L)^2.
+/// the products times 512 UNIT L and L (512 UNIT L)^2. A displacement that all three share, as the origins of the bodies
+/// add one in double-double (128 UNIT times those), changes it by no more than its product with the triangle's normal
+/// `u x v`, whose own displacement is below twice D times the edges and D.
 pub const VOLUME: f64 = 512.0;
 
 /// A depth is proven where the height along the best normal and the nearest triangle agree within this times L: the
@@ -139,12 +141,13 @@ pub const PLATEAU: f64 = 16.0 * UNIT;
 /// 4. A vertex of B in A's frame: 71 u rB + 28 u |t|, and 6 u rB for the product. A vertex of A in B's: 71 u and 6 u of
 ///    `|t| + rA`, the difference from the translation and its own error, 29 u |t|: 77 u rA + 106 u |t|. Sums: u L.
 /// 5. A direction taken into the other frame: 6 u, which may put another vertex lowest: 12 u of that body's radius.
-///    Heights along a direction: 3 u of rA, rB and |t|, once more where the highest of several is taken; their sums, 2 u L.
+///    Heights along a direction: 3 u of rA, rB and |t|, once more where the highest of several is taken; their sums, 2 u L. At large
+///    faces and fans a vertex may stand for one 16 u of its body's radius higher ([`PLANE_BOUND`]).
 /// 6. The witnesses, made as `p + s u` with `s` in 0..1, or as a sum of corners whose weights sum to one within 4 u: 8 u
 ///    of rA and of rB, in the upper bound instead of 5. The norm, or that of a normal: 3 u L.
 ///
-/// Sum, with u L counted for every summand: at most 77 + 12 + 6 + 6 = 101 u for the radius of the body that is placed,
-/// 106 + 3 + 6 = 115 u for |t|, 24 u for the other radius. Second-order terms are below 1 u. In double-double the same
+/// Sum, with u L counted for every summand: at most 77 + 12 + 6 + 6 + 16 = 117 u for the radius of the body that is placed,
+/// 106 + 3 + 6 = 115 u for |t|, 40 u for the other radius. Second-order terms are below 1 u. In double-double the same
 /// holds with two matrices of 40 for one, 16 for their product, and 2 times 46 for the translation with the origins of the
 /// bodies added to L; its sums and products err by 10 UNIT^2 at most, so all is below 100 [`UNIT_DOUBLE_DOUBLE`]. The
 /// largest violation of the bounds without their term that was ever seen is 11 u L.
@@ -213,6 +216,14 @@ pub(crate) const FAR_POINT: f64 = (1u64 << 60) as f64;
 /// roundings a coordinate relative to `alpha + beta` (3.5 UNIT as a vector), `s m` one more, and the weighted sum of the
 /// offsets three, each at most the radius.
 pub const EDGE_BOUND: f64 = 8.0 * UNIT;
+
+/// Three faces that meet at a vertex prove it the highest along a direction where what they leave of the direction could lift no
+/// vertex above it by more than this times the radius. Else every vertex is looked at. Part of the sum in [`CERTIFICATE`].
+pub const PLANE_BOUND: f64 = 16.0 * UNIT;
+
+/// A pivot of a small system below this times its diagonal may be rounding alone: products and sums of up to four terms, and room.
+/// Not a matter of soundness.
+pub(crate) const PIVOT: f64 = 4096.0 * UNIT;
 
 /// How far a box is rounded outward when it is climbed to, in units of the radius and of the distance of its middle: the
 /// matrix errs by at most 20 UNIT a row, a product with it by 3 and the sum by one.

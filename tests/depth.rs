@@ -309,3 +309,84 @@ fn a_speck_on_the_corner_of_a_plate() {
         judge(&speck, &plate, &frame.swapped(), "speck");
     }
 }
+
+/// All sides of a cone are equally near to the middle of its base: each is taken in before the depth is known, and each is
+/// named by the apex, which has as many edges.
+#[test]
+fn thousands_of_equal_depths_about_an_apex() {
+    let corner = |p: [f64; 3]| lin_canny::nalgebra::Point3::from(p);
+    let wedge = [[0.0; 3], [0.3, 0.0, 1.0], [0.0, 0.3, 1.0], [-0.2, -0.3, 1.0]].map(corner);
+    let wedge = ConvexPolyhedron::from_points(&wedge).unwrap();
+    let needle = ConvexPolyhedron::segment(corner([0.0; 3]), corner([0.5, 0.25, 1.0])).unwrap();
+    let here = both(Pose::IDENTITY, Pose::IDENTITY);
+    for (n, limit) in [(40, 2.0), (300, 2.0), (6000, 4.0)] {
+        let cone = solids::cone(n, 1.0, 1.0).unwrap();
+        for body in [&wedge, &needle] {
+            let began = std::time::Instant::now();
+            let o = judge(&cone, body, &here, &format!("cone {n}"));
+            let seconds = began.elapsed().as_secs_f64();
+            assert!(seconds < limit, "cone {n}: {seconds} s");
+            // The height of the origin below a side.
+            let side = 1.0 / (1.0 + (std::f64::consts::PI / n as f64).cos().powi(-2)).sqrt();
+            assert!(
+                o.lower <= -side + 1e-13 && -side - 1e-13 <= o.upper,
+                "cone {n}: {o:?}, {side}"
+            );
+        }
+    }
+}
+
+/// Bodies thinner than the rounding of their length, laid into each other: no surface of triangles closes in any floating-point
+/// arithmetic, and every facet is looked at.
+#[test]
+fn bodies_thinner_than_rounding_have_a_depth() {
+    let mut rng = Rng::new(29);
+    let needle = |rng: &mut Rng| {
+        let thin: [f64; 2] = [rng.log_range(1e-14, 1e-8), rng.log_range(1e-14, 1e-8)];
+        if rng.chance(0.5) {
+            return solids::cuboid(Vector3::new(1.0, thin[0], thin[1])).expect("a box");
+        }
+        let tips = [[1.0, 0.0, 0.0], [0.0, thin[0], 0.0], [0.0, 0.0, thin[1]]];
+        let all: Vec<_> = tips.iter().flat_map(|&p| [p.into(), scale(p, -1.0).into()]).collect();
+        ConvexPolyhedron::from_points(&all).expect("an octahedron")
+    };
+    let mut exact = 0;
+    for _ in 0..3000 {
+        let a = needle(&mut rng);
+        let b = if rng.chance(0.7) { a.clone() } else { needle(&mut rng) };
+        let q = rng.quat();
+        let t = Pose { q, t: [0.0; 3] }.rotate([rng.range(-0.9, 0.9), 0.0, 0.0]);
+        let frame = both(Pose { q, t: [0.0; 3] }, Pose { q, t });
+        let o = closest(&a, &b, &frame);
+        if o.class == Class::Overlapping {
+            judge_both(&a, &b, &frame, "needles");
+            exact += usize::from(o.layer == Layer::Exact);
+        }
+    }
+    assert!(exact > 50, "{exact}");
+}
+
+/// The depth is below the least number: the bounds are about zero, and on the side of an overlap.
+#[test]
+fn an_overlap_below_the_least_number() {
+    let root = 1.414_213_562_373_095_4;
+    let (start, end) = ([-0.8; 3].into(), [0.0, 0.0, -root].into());
+    let segment = ConvexPolyhedron::segment(start, end).unwrap();
+    let side = [
+        0.803_804_099_559_783_9,
+        -0.317_358_702_421_188_35,
+        0.000_914_436_706_807_464_4,
+    ];
+    let triangle = ConvexPolyhedron::polygon(&[[0.0; 3], side, [0.0, 1.0, 0.0]].map(|p| p.into())).unwrap();
+    let frame = both(Pose::IDENTITY, Pose::shift([-1e-323, 0.0, -root]));
+    for o in [
+        closest(&segment, &triangle, &frame),
+        closest(&triangle, &segment, &frame.swapped()),
+    ] {
+        assert_eq!(o.class, Class::Overlapping, "{o:?}");
+        assert!(
+            o.lower < 0.0 && o.lower <= o.distance && o.distance <= o.upper && o.upper <= 0.0,
+            "{o:?}"
+        );
+    }
+}

@@ -296,7 +296,8 @@ fn large_faces_are_spanned() {
         }
     }
     assert!(
-        seen[0] > 1000 && seen[1] * 100 < seen[0] && least > 0.1,
+        // Which of the witnesses of flush faces an answer gives decides how little a few points span at worst.
+        seen[0] > 1000 && seen[1] * 100 < seen[0] && least > 0.01,
         "{seen:?} {least}"
     );
 }
@@ -623,4 +624,38 @@ fn kept_choices_are_sound() {
         frames == 6000 && same > 4500 && least > 0.4,
         "{same} of {frames}, {least}"
     );
+}
+
+/// A face that is narrower than rounding, in line with the side of another: what is past its tip is inside of every side of it but for
+/// rounding, and not on it.
+#[test]
+fn nothing_is_shared_past_the_tip_of_a_sliver() {
+    let table = lin_canny::polyhedron::solids::cuboid([2.0, 1.0, 1.0].into()).unwrap();
+    let mut points = 0;
+    for thin in [1e-17, 1e-16, 1e-12, 1e-8, 1e-4] {
+        for turn in [0.0, 0.3, 1.0, std::f64::consts::FRAC_PI_4] {
+            let rim = [[0.0, 0.0], [1.0, 0.0], [0.5, thin]];
+            let corners = [0.0, 1.0].map(|z| rim.map(|[x, y]| [x, y, z].into()));
+            let sliver = ConvexPolyhedron::from_points(corners.as_flattened()).unwrap();
+            // On the table's upper face, along its side.
+            let q = Pose::turn([0.0, 0.0, 1.0], turn, [0.0; 3]);
+            let place = |t| Pose { q: q.q, t: q.rotate(t) };
+            let frame = Frame {
+                a: place([0.0; 3]),
+                b: place([-0.3, -1.0, 1.0]),
+            };
+            for at_most in [4, 8] {
+                let m = manifold(&table, &sliver, &frame, &exact(1e-9, at_most));
+                assert!(!m.points().is_empty());
+                for c in m.points() {
+                    for (body, p) in [(&table, c.point_on_a), (&sliver, c.point_on_b)] {
+                        let off = (body.closest_point(&p).unwrap() - p).norm();
+                        assert!(off < 1e-13, "{thin:e} {turn}: {off:e} {c:?}");
+                    }
+                    points += 1;
+                }
+            }
+        }
+    }
+    assert!(points > 60, "{points}");
 }

@@ -379,6 +379,30 @@ fn refused_calls_name_what_is_wrong_and_change_nothing() {
 }
 
 #[test]
+fn an_origin_that_is_none_is_refused_with_the_first_body() {
+    use lin_canny::broad::{Aabb, BroadPhase, BroadPhaseError, PencilSweep, Settings, SortedAxes};
+    for (axis, x) in [(0, f64::NAN), (1, f64::INFINITY), (2, f64::NEG_INFINITY)] {
+        let mut origin = Point3::origin();
+        origin[axis] = x;
+        let settings = Settings::default().origin(origin);
+        let mut scene = Scene::with_settings(settings);
+        let refused = scene.insert(Body::moving(cube()), Isometry3::identity());
+        assert_eq!(refused, Err(SceneError::Origin { axis }));
+        assert_eq!((scene.body_count(), scene.step().counts.pairs), (0, 0));
+        let (aabb, body) = (
+            Aabb::from_center(Point3::origin(), Vector3::repeat(1.0)),
+            lin_canny::broad::Body::moving(),
+        );
+        let error = Err(BroadPhaseError::Origin { axis });
+        assert_eq!(PencilSweep::with_settings(settings).insert(&aabb, body), error);
+        assert_eq!(
+            SortedAxes::with_settings(settings).insert_unbounded(&Aabb::everything(), body),
+            error
+        );
+    }
+}
+
+#[test]
 fn questions_on_top_equal_brute_force() {
     let mut rng = Rng::new(5);
     let (g, h) = (group(0), group(1));

@@ -36,24 +36,8 @@ use options::Options;
 type Trouble = Box<dyn std::error::Error>;
 
 fn main() -> ExitCode {
-    let options = match options::parse(std::env::args().skip(1)) {
-        Ok(Some(options)) => options,
-        Ok(None) => {
-            println!("{}", options::USAGE);
-            return ExitCode::SUCCESS;
-        }
-        Err(why) => {
-            eprintln!("accuracy_cost: {why}\n\n{}", options::USAGE);
-            return ExitCode::from(2);
-        }
-    };
-    match run(&options) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(why) => {
-            eprintln!("accuracy_cost: {why}");
-            ExitCode::FAILURE
-        }
-    }
+    let parsed = options::parse(std::env::args().skip(1));
+    lab::command::main("accuracy_cost", options::USAGE, parsed, run)
 }
 
 fn run(options: &Options) -> Result<(), Trouble> {

@@ -40,24 +40,8 @@ struct Run {
 }
 
 fn main() -> ExitCode {
-    let options = match options::parse(std::env::args().skip(1)) {
-        Ok(Some(options)) => options,
-        Ok(None) => {
-            println!("{}", options::USAGE);
-            return ExitCode::SUCCESS;
-        }
-        Err(why) => {
-            eprintln!("track: {why}\n\n{}", options::USAGE);
-            return ExitCode::from(2);
-        }
-    };
-    match track(&options) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(why) => {
-            eprintln!("track: {why}");
-            ExitCode::FAILURE
-        }
-    }
+    let parsed = options::parse(std::env::args().skip(1));
+    lab::command::main("track", options::USAGE, parsed, track)
 }
 
 fn track(options: &Options) -> Result<(), Trouble> {

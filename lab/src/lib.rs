@@ -19,7 +19,7 @@
 //! | [`parry`], [`parry_f32`] | the reference engine and the competitors |
 //! | [`meshes`] | OBJ and STL files |
 //! | [`record`], [`accuracy`] | measurements as CSV, and the pictures of what accuracy costs |
-//! | [`plot`], [`progress`] | charts as SVG, progress bars |
+//! | [`plot`], [`progress`], [`command`] | charts as SVG, progress bars, the frame of an example with options |
 //!
 //! Below `exact` and `bound` lie [`body`] (placed bodies), [`rational`] (exact arithmetic) and [`verdict`] (the oracle's
 //! answer); [`pose`] holds the pose and a few vector helpers.
@@ -29,6 +29,7 @@ pub mod body;
 pub mod bound;
 pub mod boxes;
 pub mod brute_hull;
+pub mod command;
 pub mod contacts;
 pub mod corpus;
 pub mod crowd;

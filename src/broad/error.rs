@@ -23,6 +23,12 @@ pub enum BroadPhaseError {
         /// 0, 1, 2 for x, y, z.
         axis: usize,
     },
+    /// The origin of the structure's [`Settings`](super::Settings) is NaN or infinite: it can hold no box.
+    #[error("the origin of the broad phase is not finite on axis {axis}")]
+    Origin {
+        /// 0, 1, 2 for x, y, z.
+        axis: usize,
+    },
     /// A margin is NaN, infinite or negative.
     #[error("the margin of a body must be finite and not negative")]
     Margin,

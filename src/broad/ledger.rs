@@ -46,6 +46,9 @@ impl Ledger {
     }
 
     pub(super) fn insert(&mut self, aabb: &Aabb, body: Body, unbounded: bool) -> Result<BodyId, BroadPhaseError> {
+        if let Some(axis) = self.bodies.origin.iter().position(|x| !x.is_finite()) {
+            return Err(BroadPhaseError::Origin { axis });
+        }
         let fault = if unbounded {
             aabb.fault_unbounded()
         } else {

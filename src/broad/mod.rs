@@ -165,7 +165,7 @@ impl Body {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Settings {
-    /// Stored boxes are relative to this point and finest near it.
+    /// Stored boxes are relative to this point and finest near it. One that is not finite is refused with the first body.
     pub origin: Point3<f64>,
     /// With feature `parallel`: the number of bodies from which on threads are used. The result is the same.
     pub parallel_from: usize,
@@ -218,7 +218,7 @@ pub trait BroadPhase: HasLedger {
     /// Adds a body; its pairs begin with the next step.
     ///
     /// # Errors
-    /// When the box or a margin is unusable, or there are too many bodies.
+    /// When the box, a margin or the origin of the structure is unusable, or there are too many bodies.
     fn insert(&mut self, aabb: &Aabb, body: Body) -> Result<BodyId, BroadPhaseError> {
         self.ledger_mut().insert(aabb, body, false)
     }
@@ -227,7 +227,7 @@ pub trait BroadPhase: HasLedger {
     /// every body that moves, so keep these few. Margins do not apply.
     ///
     /// # Errors
-    /// When a bound is NaN, the box is inverted, or there are too many bodies.
+    /// When a bound is NaN, the box is inverted, the origin of the structure is unusable, or there are too many bodies.
     fn insert_unbounded(&mut self, aabb: &Aabb, body: Body) -> Result<BodyId, BroadPhaseError> {
         self.ledger_mut().insert(
             aabb,

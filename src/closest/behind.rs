@@ -8,6 +8,8 @@
 use nalgebra::Vector3;
 
 use crate::polyhedron::ConvexPolyhedron;
+use crate::polyhedron::fans::top_of_ring;
+use crate::polyhedron::topology::LARGE;
 use crate::tolerance::UNIT;
 
 /// The face by which the ray from the mean of the body's vertices to `x` leaves it, if `x` is above it by more than `least`.
@@ -24,13 +26,32 @@ pub(crate) fn seen_face(body: &ConvexPolyhedron, x: &Vector3<f64>, least: f64) -
     let near = body.climb_cold(&way);
     let mut best = t.half_edge(t.fan(near).next()?).face;
     let mut top = reach(best);
+    let across = |h: u32| t.half_edge(t.half_edge(h).twin).face;
+    // Round a rim or a fan it rises once and falls once, or nearly so: the best of thousands of faces by bisection.
+    let beyond = |ring: &[u32]| across(ring[top_of_ring(ring.len(), |k| reach(across(ring[k])))]);
+    let around = |v: u32| {
+        let face = |k: usize| t.half_edge(t.fan(v).start + k as u32).face;
+        face(top_of_ring(t.fan(v).len(), |k| reach(face(k))))
+    };
     loop {
         let from = best;
-        for h in t.rim(from) {
-            let f = t.half_edge(t.half_edge(h).twin).face;
+        let mut take = |f: u32| {
             let up = reach(f);
             if up > top {
                 (best, top) = (f, up);
+            }
+        };
+        if let Some(ring) = t.ring(from) {
+            take(beyond(ring));
+        } else {
+            for h in t.rim(from) {
+                take(across(h));
+                if let Some(ring) = t.ring(across(h)) {
+                    take(beyond(ring));
+                }
+                if t.fan(t.from(h)).len() > LARGE {
+                    take(around(t.from(h)));
+                }
             }
         }
         if best == from {

@@ -41,13 +41,13 @@ pub(crate) enum Minimum<T> {
 /// Solves from a vertex of each feature.
 pub(crate) fn solve<T: Scalar>(placed: &Placed, frame: &Frame<T>, from: FeaturePair) -> Minimum<T> {
     let (a, b) = from.vertices_of(placed.a, placed.b);
-    let size = placed.reach::<T>();
+    let reach = placed.reach::<T>();
+    let touches = T::from(ON_BOUNDARY * T::UNIT / UNIT * reach.whole());
     let mut simplex = Simplex::vertex(corner(placed, frame, a, b));
     let (mut lower, mut direction) = (T::from(f64::NEG_INFINITY), simplex.direction());
     for _ in 0..SUPPORTS {
         let d = simplex.direction();
         let norm_squared = dot(&d, &d);
-        let touches = T::from(ON_BOUNDARY * T::UNIT / UNIT * size);
         if !(simplex.squared() > touches * touches) || !(norm_squared > T::from(0.0)) {
             break;
         }
@@ -55,11 +55,11 @@ pub(crate) fn solve<T: Scalar>(placed: &Placed, frame: &Frame<T>, from: FeatureP
         let a = extreme(placed.a, &toward, hint.a);
         let b = extreme(placed.b, &frame.direction(&d), hint.b);
         let c = corner(placed, frame, a, b);
-        let reach = dot(&d, &c.w) / root(norm_squared);
-        if reach > lower {
-            (lower, direction) = (reach, d);
+        let height = dot(&d, &c.w) / root(norm_squared);
+        if height > lower {
+            (lower, direction) = (height, d);
         }
-        if simplex.holds(a, b) || !simplex.add(c, size) {
+        if simplex.holds(a, b) || !simplex.add(c, reach) {
             break;
         }
         if simplex.len() == 4 {

@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 
+use crate::polyhedron::fans::steepest;
 use crate::polyhedron::{ConvexPolyhedron, Plane};
 use crate::tolerance::{EDGE_BOUND, EDGE_SIGN};
 
@@ -23,6 +24,9 @@ impl ConvexPolyhedron {
     /// Scans the fan of `v` for the edge that falls most along `n`.
     #[inline(always)]
     pub(crate) fn fan_minimum(&self, v: u32, n: &Vector3<f64>) -> Fan {
+        if let Some(m) = self.fans.axis(&self.topology, v) {
+            return self.large_fan_minimum(v, m, n);
+        }
         let p = self.points[v as usize];
         let mut fan = Fan {
             least: f64::INFINITY,
@@ -35,6 +39,23 @@ impl ConvexPolyhedron {
             }
         });
         fan
+    }
+
+    /// Searches a large fan for the edge that falls most for its rise along `m`. The search proves nothing, so the least is at most zero.
+    #[cold]
+    #[inline(never)]
+    fn large_fan_minimum(&self, v: u32, m: &Vector3<f64>, n: &Vector3<f64>) -> Fan {
+        let (t, points) = (&self.topology, &self.points);
+        let along = |h: u32| n.dot(&(points[t.half_edge(h).to as usize] - points[v as usize]));
+        let half_edge = steepest(t, points, v, m, &-n);
+        if along(half_edge) >= 0.0 {
+            return Fan { least: 0.0, half_edge };
+        }
+        let half_edge = self.nearest_rib(v, &-n);
+        Fan {
+            least: along(half_edge).min(0.0),
+            half_edge,
+        }
     }
 
     /// Whether a fan minimum proves its vertex the lowest of the body along `n`: every edge certainly rises.

@@ -32,7 +32,7 @@ impl Hold {
         }
         let frame = Frame::of(placed);
         let corners = self.0.map(|[x, y]| corner(placed, &frame, x, y));
-        let Some(simplex) = Simplex::around_origin(corners, placed.size()) else {
+        let Some(simplex) = Simplex::around_origin(corners, placed.reach::<f64>()) else {
             return false;
         };
         outcome.layer = Layer::Surface;

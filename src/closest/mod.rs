@@ -10,6 +10,7 @@
 //! The class is never guessed: separated needs a positive lower bound, overlapping a tetrahedron of the Minkowski
 //! difference around the origin. Bounds that straddle zero send the pair to the next finer arithmetic.
 
+mod band;
 mod behind;
 pub(crate) mod edge_edge;
 mod ellipsoid;
@@ -19,16 +20,18 @@ pub(crate) mod fallback;
 mod fan;
 pub(crate) mod far;
 pub(crate) mod hold;
+mod leap;
 #[cfg(test)]
 mod mutation;
 pub(crate) mod outcome;
 pub(crate) mod placed;
 pub(crate) mod refine;
-mod rim;
+pub(crate) mod rim;
 pub(crate) mod seed;
 pub(crate) mod simplex;
 mod slide;
 pub(crate) mod state;
+mod system;
 pub(crate) mod trace;
 mod vertex_edge;
 mod vertex_face;

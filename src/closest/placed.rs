@@ -2,6 +2,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use super::simplex::Reach;
 use crate::double_double::DoubleDouble;
 use crate::polyhedron::{ConvexPolyhedron, power_of_two};
 use crate::pose::{RelativePose, Which};
@@ -75,11 +76,10 @@ impl<'a> Placed<'a> {
 
     /// What the rounding of a solver is relative to: L, and the origins of the bodies in full where the placement rounds
     /// as coarsely as the solver (in double-double; for f64 they are a part of L).
-    pub(crate) fn reach<T: Scalar>(&self) -> f64 {
-        if T::UNIT == UNIT {
-            self.size
-        } else {
-            self.size + self.offsets
+    pub(crate) fn reach<T: Scalar>(&self) -> Reach {
+        Reach {
+            size: self.size,
+            shared: if T::UNIT == UNIT { 0.0 } else { self.offsets },
         }
     }
 

@@ -8,6 +8,7 @@ use super::placed::{Frame, Placed};
 use super::simplex::Simplex;
 use super::{certified_walk, seed};
 use crate::double_double::DoubleDouble;
+use crate::polyhedron::topology::MANY;
 use crate::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, Feature, FeaturePair, VertexId};
 use crate::pose::Which;
 use crate::scalar::Scalar;
@@ -84,7 +85,7 @@ pub(crate) fn sharpen(placed: &Placed, outcome: &mut Outcome) {
         if let Minimum::Outside { simplex, lower, .. } = &minimum {
             let distance = simplex.reach();
             let gap = (distance - *lower).value().abs()
-                + 2.0 * CERTIFICATE * DoubleDouble::UNIT * placed.reach::<DoubleDouble>();
+                + 2.0 * CERTIFICATE * DoubleDouble::UNIT * placed.reach::<DoubleDouble>().whole();
             let d = distance.value();
             // Rounding takes half a unit; what is left open must not take the other half.
             if gap <= 0.25 * (d - d.next_down()) {
@@ -118,7 +119,7 @@ fn is_narrow(placed: &Placed, outcome: &Outcome) -> bool {
 
 /// Takes over what a solve proves, and its witnesses.
 fn take<T: Scalar>(placed: &Placed, minimum: &Minimum<T>, outcome: &mut Outcome) {
-    let term = CERTIFICATE * T::UNIT * placed.reach::<T>();
+    let term = CERTIFICATE * T::UNIT * placed.reach::<T>().whole();
     let (Minimum::Inside { simplex } | Minimum::Outside { simplex, .. }) = minimum;
     outcome.features = features(placed, simplex);
     (outcome.point_on_a, outcome.point_on_b) = witnesses(placed, simplex);
@@ -232,21 +233,34 @@ pub(crate) fn state_of(placed: &Placed, a: &[u32], b: &[u32]) -> FeaturePair {
 impl ConvexPolyhedron {
     /// The smallest feature that holds the given vertices (one to four, with repeats); the first vertex where no face
     /// holds them all.
+    ///
+    /// The candidates are those about the vertex of fewest edges: about an apex of thousands each would be looked for among thousands.
     pub(crate) fn feature_of(&self, vertices: &[u32]) -> Feature {
-        let v = vertices[0];
+        let t = &self.topology;
+        let first = vertices[0];
+        let v = vertices
+            .iter()
+            .fold(first, |v, &x| if t.fan(x).len() < t.fan(v).len() { x } else { v });
         let Some(&w) = vertices.iter().find(|&&w| w != v) else {
             return Feature::Vertex(VertexId(v));
         };
-        let t = &self.topology;
         if vertices.iter().all(|&x| x == v || x == w)
             && let Some(h) = t.fan(v).find(|&h| t.half_edge(h).to == w)
         {
             return Feature::Edge(EdgeId(t.edge(h)));
         }
-        let holds = |f: u32| vertices.iter().all(|&x| t.fan(x).any(|h| t.half_edge(h).face == f));
+        // Round the rim of the face where the vertex has more edges than that can have.
+        let is_at = |x: u32, f: u32| {
+            if t.fan(x).len() > MANY && t.ring(f).is_none() {
+                t.rim(f).any(|h| t.half_edge(h).to == x)
+            } else {
+                t.fan(x).any(|h| t.half_edge(h).face == f)
+            }
+        };
+        let holds = |f: u32| vertices.iter().all(|&x| x == v || is_at(x, f));
         match t.fan(v).map(|h| t.half_edge(h).face).find(|&f| holds(f)) {
             Some(f) => Feature::Face(FaceId(f)),
-            None => Feature::Vertex(VertexId(v)),
+            None => Feature::Vertex(VertexId(first)),
         }
     }
 }

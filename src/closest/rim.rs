@@ -7,6 +7,7 @@ use nalgebra::Vector3;
 
 use super::fan::one_norm;
 use crate::polyhedron::ConvexPolyhedron;
+use crate::polyhedron::fans::top_of_ring;
 use crate::tolerance::{DIFFERENCE, FOOT};
 
 /// Where a point is beside the side planes of a face.
@@ -71,10 +72,11 @@ impl Face<'_> {
         }
     }
 
-    /// Bisects for the wedge, seen from the first corner, that holds `x`: three corners of the face then prove it
-    /// inside, but for the edges next to them, which are looked at.
+    /// Bisects for the wedge, seen from the first corner, that holds `x`, until it does so on the near side of the chord between
+    /// the wedge's other two corners: the three corners of the face then prove it inside, but for the edges next to them, which
+    /// are looked at.
     #[inline(never)]
-    fn beside_large(&self, ring: &[u32], x: &Vector3<f64>, size: f64) -> Rim {
+    pub(crate) fn beside_large(&self, ring: &[u32], x: &Vector3<f64>, size: f64) -> Rim {
         let m = ring.len();
         let root = self.tail(ring[0]);
         let left_of = |k: usize| self.normal.cross(&(self.tail(ring[k]) - root)).dot(&(x - root)) >= 0.0;
@@ -87,8 +89,12 @@ impl Face<'_> {
             } else {
                 high = middle;
             }
+            let (p, q) = (self.tail(ring[low]), self.tail(ring[high]));
+            if high - low < m / 2 && self.normal.cross(&(q - p)).dot(&(x - p)) > 0.0 {
+                break;
+            }
         }
-        let near = [0, m - 1, (low + m - 1) % m, low, (low + 1) % m];
+        let near = [0, m - 1, low - 1, low, high - 1, high];
         let (mut rim, mut furthest, mut at) = (Rim::Inside, f64::INFINITY, 0);
         for k in near {
             let look = self.look(ring[k], x, size);
@@ -148,6 +154,8 @@ impl Face<'_> {
         };
         match topology.ring(self.face) {
             None => topology.rim(self.face).for_each(&mut try_edge),
+            // Most edges are short beside a large face.
+            Some(ring) if matches!(self.beside_large(ring, &(start + way), 0.0), Rim::Inside) => {}
             Some(ring) => {
                 let k = self.exit(ring, start, way);
                 let m = ring.len();
@@ -167,7 +175,7 @@ impl Face<'_> {
         let left = self.normal.cross(way);
         let height = |k: usize| left.dot(&(self.tail(ring[k % m]) - start));
         // From the rightmost corner, counter-clockwise, to the leftmost: in between, once, the sign changes.
-        let (low, high) = (extreme(m, |k| -height(k)), extreme(m, height));
+        let (low, high) = (top_of_ring(m, |k| -height(k)), top_of_ring(m, height));
         let span = (high + m - low) % m;
         let (mut right, mut over) = (0, span.max(1));
         while over - right > 1 {
@@ -199,52 +207,6 @@ impl Face<'_> {
     #[inline(always)]
     fn head(&self, h: u32) -> Vector3<f64> {
         self.body.points[self.body.topology.half_edge(h).to as usize]
-    }
-}
-
-/// The edge of a large face's rim nearest to `x`, of a face beside `edge`: where a walk past the end of one edge of a long
-/// rim may go at once.
-#[cold]
-pub(crate) fn edge_along(body: &ConvexPolyhedron, edge: u32, x: &Vector3<f64>, size: f64) -> Option<u32> {
-    let e = body.topology.half_edge(edge);
-    let faces = [e.face, body.topology.half_edge(e.twin).face];
-    faces
-        .into_iter()
-        .find_map(|f| nearest_on_large(body, f, x, size))
-        .filter(|&k| k != edge)
-}
-
-/// The face beside the edge nearest to `x` of a large face's rim, of a large face beside `face`: where a walk over the
-/// strips along a long rim (the sides of a prism, the flanks of a cone) may go at once.
-#[cold]
-pub(crate) fn face_along(body: &ConvexPolyhedron, face: u32, x: &Vector3<f64>, size: f64) -> Option<u32> {
-    let t = &body.topology;
-    let across = |h: u32| t.half_edge(t.half_edge(h).twin).face;
-    if t.ring(face).is_some() {
-        return None;
-    }
-    let (large, edge) = t
-        .rim(face)
-        .find_map(|h| Some((across(h), nearest_on_large(body, across(h), x, size)?)))?;
-    let e = t.half_edge(edge);
-    let beside = if e.face == large {
-        t.half_edge(e.twin).face
-    } else {
-        e.face
-    };
-    (beside != face).then_some(beside)
-}
-
-fn nearest_on_large(body: &ConvexPolyhedron, face: u32, x: &Vector3<f64>, size: f64) -> Option<u32> {
-    let ring = body.topology.ring(face)?;
-    let face = Face {
-        body,
-        face,
-        normal: &body.planes[face as usize].normal,
-    };
-    match face.beside_large(ring, x, size) {
-        Rim::Outside(edge) | Rim::Grazes(edge) => Some(edge),
-        Rim::Inside => None,
     }
 }
 
@@ -284,26 +246,6 @@ fn gallop(most: usize, holds: impl Fn(usize) -> bool) -> usize {
     low
 }
 
-/// The place of the greatest value on a ring on which values rise to one place and fall from it.
-fn extreme(m: usize, value: impl Fn(usize) -> f64) -> usize {
-    let mut stride = m.div_ceil(4).max(1);
-    let mut best = (0..4)
-        .map(|k| (k * stride) % m)
-        .fold(0, |b, k| if value(k) > value(b) { k } else { b });
-    loop {
-        let (left, right) = ((best + m - stride % m) % m, (best + stride) % m);
-        if value(left) > value(best) {
-            best = left;
-        } else if value(right) > value(best) {
-            best = right;
-        } else if stride == 1 {
-            return best;
-        } else {
-            stride = stride.div_ceil(2);
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -313,16 +255,6 @@ mod tests {
         for most in 1..40 {
             for run in 0..most {
                 assert_eq!(gallop(most, |k| k < run), run, "{run} of {most}");
-            }
-        }
-    }
-
-    #[test]
-    fn extreme_finds_the_top_of_a_ring() {
-        for m in 3..200 {
-            for top in 0..m {
-                let height = |k: usize| (core::f64::consts::TAU * (k as f64 - top as f64) / m as f64).cos();
-                assert_eq!(extreme(m, height), top);
             }
         }
     }

@@ -15,6 +15,22 @@ pub(crate) struct Corner<T> {
     pub(crate) w: Vec3<T>,
 }
 
+/// What the errors of corners are relative to.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Reach {
+    /// The length of corners, and what each one's own error is relative to.
+    pub(crate) size: f64,
+    /// Beside that, what an error is relative to that all corners share: one of the translation between the bodies.
+    pub(crate) shared: f64,
+}
+
+impl Reach {
+    /// What an error of a place is relative to.
+    pub(crate) fn whole(self) -> f64 {
+        self.size + self.shared
+    }
+}
+
 /// Up to four corners and the point of their hull nearest to the origin.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Simplex<T> {
@@ -106,9 +122,8 @@ impl<T: Scalar> Nearest<T> {
         }
     }
 
-    /// Four corners: the origin inside (`len` 4, proven against rounding for corners no longer than `size`), or the
-    /// nearest of the faces it may be beyond.
-    fn tetrahedron(c: &[Corner<T>; 4], size: f64) -> Self {
+    /// Four corners: the origin inside (`len` 4, proven against rounding), or the nearest of the faces it may be beyond.
+    fn tetrahedron(c: &[Corner<T>; 4], reach: Reach) -> Self {
         let det = |i: usize, j: usize, k: usize| dot(&c[i].w, &cross(&c[j].w, &c[k].w));
         let mut volume = [det(1, 2, 3), -det(0, 2, 3), det(0, 1, 3), -det(0, 1, 2)];
         let zero = T::from(0.0);
@@ -116,8 +131,9 @@ impl<T: Scalar> Nearest<T> {
         if sum < zero {
             volume = volume.map(|v| -v);
         }
-        let certain = T::from(VOLUME * T::UNIT * size * size * size);
-        let is_certain = |v: T, face: &[u8; 3]| v > certain || (v > zero && v.value() > rounding::<T>(c, face, size));
+        let all = reach.whole();
+        let certain = T::from(VOLUME * T::UNIT * all * all * all);
+        let is_certain = |v: T, face: &[u8; 3]| v > certain || (v > zero && v.value() > rounding::<T>(c, face, reach));
         let faces = [[1, 2, 3], [0, 2, 3], [0, 1, 3], [0, 1, 2]];
         let mut best: Option<Self> = None;
         for k in 0..4 {
@@ -144,10 +160,14 @@ impl<T: Scalar> Nearest<T> {
 
 /// What rounding may make of the volume of three corners, see [`VOLUME`].
 #[cold]
-fn rounding<T: Scalar>(c: &[Corner<T>; 4], face: &[u8; 3], size: f64) -> f64 {
-    let [p, q, r] = face.map(|k| c[k as usize].w.iter().fold(0.0, |sum, x| sum + x.value().abs()));
-    let off = VOLUME * T::UNIT * size;
-    off * (p * q + q * r + r * p) + off * off * size
+fn rounding<T: Scalar>(c: &[Corner<T>; 4], face: &[u8; 3], reach: Reach) -> f64 {
+    let sum = |v: Vec3<T>| v.iter().fold(0.0, |sum, x| sum + x.value().abs());
+    let [p, q, r] = face.map(|k| c[k as usize].w);
+    let (u, v) = (sub(&q, &p), sub(&r, &p));
+    let [p, q, r] = [p, q, r].map(sum);
+    let off = VOLUME * T::UNIT * reach.size;
+    let own = off * (p * q + q * r + r * p) + off * off * reach.size;
+    own + VOLUME * T::UNIT * reach.shared * (sum(cross(&u, &v)) + off * (sum(u) + sum(v) + off))
 }
 
 impl<T: Scalar> Simplex<T> {
@@ -170,21 +190,21 @@ impl<T: Scalar> Simplex<T> {
         }
     }
 
-    /// A tetrahedron that holds the origin, proven for corners no longer than `size`.
-    pub(crate) fn around_origin(corners: [Corner<T>; 4], size: f64) -> Option<Self> {
-        let nearest = Nearest::tetrahedron(&corners, size);
+    /// A tetrahedron that holds the origin, proven against rounding.
+    pub(crate) fn around_origin(corners: [Corner<T>; 4], reach: Reach) -> Option<Self> {
+        let nearest = Nearest::tetrahedron(&corners, reach);
         (nearest.len == 4).then_some(Self { corners, nearest })
     }
 
     /// The nearest point of the hull of these corners and one more; whether it is nearer, or the origin is inside. Where
     /// it is not, nothing is changed.
-    pub(crate) fn add(&mut self, c: Corner<T>, size: f64) -> bool {
+    pub(crate) fn add(&mut self, c: Corner<T>, reach: Reach) -> bool {
         let mut corners = self.corners;
         corners[self.len()] = c;
         let nearest = match self.len() {
             1 => Nearest::edge(&corners, 0, 1),
             2 => Nearest::triangle(&corners, [0, 1, 2]),
-            _ => Nearest::tetrahedron(&corners, size),
+            _ => Nearest::tetrahedron(&corners, reach),
         };
         let better = nearest.squared < self.nearest.squared;
         if better {

@@ -8,12 +8,9 @@
 //!  nR (right)  nL (left): d = alpha nL + beta nR with alpha = nR . (u x d), beta = -nL . (u x d), both >= 0
 //! ```
 
-use nalgebra::Vector3;
-
 use super::fan::one_norm;
 use super::outcome::Outcome;
 use super::placed::Sides;
-use super::rim::{edge_along, face_along};
 use super::state::Step;
 use crate::polyhedron::FeaturePair;
 use crate::scalar::sqrt;
@@ -34,10 +31,10 @@ pub(crate) fn look<const CERTIFY: bool, S: Sides>(sides: &S, vertex: u32, edge: 
     let slack = noise * one_norm(&u);
     // V(p), V(q)
     if along < -slack {
-        return past_end(sides, vertex, edge, twin.to, &x, outcome);
+        return outcome.go(FeaturePair::vertices(S::OF, vertex, twin.to));
     }
     if along > uu + slack {
-        return past_end(sides, vertex, edge, e.to, &x, outcome);
+        return outcome.go(FeaturePair::vertices(S::OF, vertex, e.to));
     }
     let inverse = 1.0 / uu;
     let s = along * inverse;
@@ -50,7 +47,7 @@ pub(crate) fn look<const CERTIFY: bool, S: Sides>(sides: &S, vertex: u32, edge: 
     let (alpha, beta) = (right.normal.dot(&w), -left.normal.dot(&w));
     if alpha < -slack || beta < -slack {
         let face = if alpha < beta { twin.face } else { e.face };
-        return onto_face(sides, vertex, face, &x, outcome);
+        return outcome.go(FeaturePair::vertex_face(S::OF, vertex, face));
     }
     let n = sides.direction_in_x(&d);
     let fan = body.fan_minimum(vertex, &n);
@@ -76,29 +73,4 @@ pub(crate) fn look<const CERTIFY: bool, S: Sides>(sides: &S, vertex: u32, edge: 
     };
     let normal = sides.normal(&(d * per_length));
     outcome.end(normal, S::witnesses(on_x, foot), distance, lower)
-}
-
-/// Past an end of the edge: to the end, or along a long rim to where `x` is nearest.
-#[inline(always)]
-fn past_end<S: Sides>(sides: &S, vertex: u32, edge: u32, end: u32, x: &Vector3<f64>, outcome: &mut Outcome) -> Step {
-    let along = sides
-        .y()
-        .topology
-        .has_large_faces()
-        .then(|| edge_along(sides.y(), edge, x, sides.size()));
-    outcome.go(match along.flatten() {
-        Some(edge) => FeaturePair::vertex_edge(S::OF, vertex, edge),
-        None => FeaturePair::vertices(S::OF, vertex, end),
-    })
-}
-
-/// Over a face beside the edge: to it, or across the strips along a long rim to the one `x` is nearest to.
-#[inline(always)]
-fn onto_face<S: Sides>(sides: &S, vertex: u32, face: u32, x: &Vector3<f64>, outcome: &mut Outcome) -> Step {
-    let face = if sides.y().topology.has_large_faces() {
-        face_along(sides.y(), face, x, sides.size()).unwrap_or(face)
-    } else {
-        face
-    };
-    outcome.go(FeaturePair::vertex_face(S::OF, vertex, face))
 }

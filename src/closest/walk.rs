@@ -11,6 +11,7 @@
 //! 2. No flare angles, no stickiness: rounding may end the walk early, and the certificate says so.
 //! 3. A repeated pair (Brent's mark) or too many steps end it. What stands in then is no worse (`fallback`).
 
+use super::leap::leap;
 use super::outcome::Outcome;
 use super::placed::{OfA, OfB, Placed};
 use super::state::Step;
@@ -23,6 +24,16 @@ const JUMPS: u32 = 3;
 
 /// Steps before the guard looks.
 const FREE: u32 = 8;
+
+/// Leaps a walk may try.
+const LEAPS: u32 = 12;
+
+/// Steps a walk may take on bodies it leaps on.
+const LONGEST: u32 = 128;
+
+/// A walk leaps along a long rim or round a large fan at once on bodies of more vertices than this, and after a few steps on others:
+/// there most walks have ended by then.
+const FINE: usize = 4096;
 
 /// Looks at one state.
 #[inline(always)]
@@ -41,7 +52,7 @@ fn look<const CERTIFY: bool>(placed: &Placed, outcome: &mut Outcome) -> Step {
 }
 
 /// Walks from the features of `outcome` until the Voronoi tests accept one; whether they do. At most
-/// `4 sqrt(nA + nB) + 16` steps.
+/// `4 sqrt(nA + nB) + 16` steps, and 128 on bodies with long rims or large fans.
 #[inline(always)]
 pub(crate) fn walk<const CERTIFY: bool>(placed: &Placed, outcome: &mut Outcome) -> bool {
     watched::<CERTIFY>(placed, outcome, |_| {})
@@ -54,7 +65,16 @@ pub(crate) fn watched<const CERTIFY: bool>(
     outcome: &mut Outcome,
     mut seen: impl FnMut(FeaturePair),
 ) -> bool {
+    let first_leap = if placed.a.has_bands | placed.b.has_bands {
+        first_leap(placed)
+    } else {
+        u32::MAX
+    };
     let mut guard = Guard {
+        free: first_leap.min(FREE),
+        next_leap: first_leap,
+        leaps: 0,
+        leapt: outcome.features,
         steps: 0,
         jumps: 0,
         mark: outcome.features,
@@ -71,15 +91,28 @@ pub(crate) fn watched<const CERTIFY: bool>(
             Step::Lost => return false,
         }
         guard.steps += 1;
-        if guard.steps >= FREE && guard.stops(placed, outcome.features) || guard.jumps > JUMPS {
+        if guard.steps >= guard.free && guard.stops(placed, outcome) || guard.jumps > JUMPS {
             return false;
         }
     }
 }
 
+#[cold]
+fn first_leap(placed: &Placed) -> u32 {
+    let finest = placed.a.points.len().max(placed.b.points.len());
+    if finest > FINE { 1 } else { 4 }
+}
+
 /// Ends walks that go in a circle or too far.
 struct Guard {
     steps: u32,
+    /// Steps before it looks.
+    free: u32,
+    leaps: u32,
+    /// Where the last one went.
+    leapt: FeaturePair,
+    /// When to try a leap along a long rim, or round a large fan.
+    next_leap: u32,
     jumps: u32,
     /// The pair remembered at step 8, 16, 32 and so on (Brent): to meet it again is a circle.
     mark: FeaturePair,
@@ -89,7 +122,21 @@ struct Guard {
 
 impl Guard {
     #[cold]
-    fn stops(&mut self, placed: &Placed, next: FeaturePair) -> bool {
+    fn stops(&mut self, placed: &Placed, outcome: &mut Outcome) -> bool {
+        if self.steps == self.next_leap {
+            // One that did not help is tried later again, and so is one that did: leaps are few, so the walk still ends.
+            let leapt = leap(placed, outcome);
+            let later = if leapt { 4 } else { self.steps.max(4) };
+            self.leaps += 1;
+            // A leap to where the last one went has nothing to add to the steps in between.
+            let ends = self.leaps == LEAPS || (leapt && outcome.features == self.leapt);
+            self.next_leap = if ends { u32::MAX } else { self.steps + later };
+            self.leapt = outcome.features;
+        }
+        let next = outcome.features;
+        if self.steps < FREE {
+            return false;
+        }
         if self.steps == FREE {
             self.limit = step_limit(placed);
         } else if next == self.mark || self.steps >= self.limit {
@@ -106,5 +153,11 @@ impl Guard {
 #[cold]
 fn step_limit(placed: &Placed) -> u32 {
     let n = placed.a.topology.vertex_count() + placed.b.topology.vertex_count();
-    (4.0 * sqrt(n as f64)) as u32 + 16
+    let round = (4.0 * sqrt(n as f64)) as u32 + 16;
+    // Leaps take a walk along long rims and round large fans.
+    if placed.a.has_bands | placed.b.has_bands {
+        round.min(LONGEST)
+    } else {
+        round
+    }
 }

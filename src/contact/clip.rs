@@ -12,7 +12,7 @@ use crate::polyhedron::topology::LARGE;
 /// For each edge of one shadow, which corners of the other lie outside it, a bit each.
 struct Sides {
     outside: [u32; LARGE],
-    /// Outside any edge beyond rounding.
+    /// Outside any edge, or past the last corner, beyond rounding.
     beyond: u32,
 }
 
@@ -40,6 +40,14 @@ impl Sides {
             }
             sides.outside[j] = outside;
             sides.beyond |= beyond;
+        }
+        let [[left, right], [low, high]] = of.span();
+        let (left, right) = (f64x4::splat(left - noise), f64x4::splat(right + noise));
+        let (low, high) = (f64x4::splat(low - noise), f64x4::splat(high + noise));
+        for (k, (x, y)) in xs().zip(ys()).enumerate() {
+            let (x, y) = (f64x4::new(*x), f64x4::new(*y));
+            let past = x.simd_lt(left) | x.simd_gt(right) | y.simd_lt(low) | y.simd_gt(high);
+            sides.beyond |= past.to_bitmask() << (4 * k);
         }
         sides
     }
@@ -80,13 +88,13 @@ pub(super) fn clip(a: &Shadow, b: &Shadow, noise: f64, corners: &mut Corners) {
     let inside_b = if b.is_edge() { 0 } else { all(a) & !of_b.beyond };
     each(inside_b, |i| {
         let at = [a.x[i], a.y[i]];
-        corners.push(at, [a.height[i], b.height_on_face(at)], [On::corner(i), On::WHOLE]);
+        corners.push(at, [a.corner(i)[2], b.height_on_face(at)], [On::corner(i), On::WHOLE]);
     });
     let of_a = Sides::new(a, b, noise);
     let inside_a = if a.is_edge() { 0 } else { all(b) & !of_a.beyond };
     each(inside_a, |j| {
         let at = [b.x[j], b.y[j]];
-        corners.push(at, [a.height_on_face(at), b.height[j]], [On::WHOLE, On::corner(j)]);
+        corners.push(at, [a.height_on_face(at), b.corner(j)[2]], [On::WHOLE, On::corner(j)]);
     });
     let edges = if b.is_edge() { 1 } else { b.count };
     for j in 0..edges {
@@ -98,30 +106,47 @@ pub(super) fn clip(a: &Shadow, b: &Shadow, noise: f64, corners: &mut Corners) {
     }
 }
 
-/// Edge `i` of A's shadow and edge `j` of B's, the line of which parts the ends of the other.
+/// Place and height of the end of an edge.
+pub(super) type End = [f64; 3];
+
+/// Where two edges cross: the place, how far along each it is, and the heights there.
+pub(super) struct Crossing {
+    pub(super) at: [f64; 2],
+    pub(super) along: [f64; 2],
+    pub(super) heights: [f64; 2],
+}
+
+/// Where an edge of A meets an edge of B, the line of which parts its ends.
 #[inline(always)]
-pub(super) fn crossing(a: &Shadow, b: &Shadow, i: usize, j: usize, corners: &mut Corners) -> bool {
-    let (p, q) = (a.corner(i), a.corner(a.next(i)));
-    let (r, s) = (b.corner(j), b.corner(b.next(j)));
+pub(super) fn meet([p, q]: &[End; 2], [r, s]: &[End; 2]) -> Crossing {
     let (u, v) = ([q[0] - p[0], q[1] - p[1]], [s[0] - r[0], s[1] - r[1]]);
-    let side = |x: &[f64; 3]| v[0] * (x[1] - r[1]) - v[1] * (x[0] - r[0]);
-    let (from, to) = (side(&p), side(&q));
+    let side = |x: &End| v[0] * (x[1] - r[1]) - v[1] * (x[0] - r[0]);
+    let (from, to) = (side(p), side(q));
     // One of the two is negative and the other is not; a place that rounding hides is the middle.
     let t = from / (from - to);
     let t = if (0.0..=1.0).contains(&t) { t } else { 0.5 };
     let at = [p[0] + t * u[0], p[1] + t * u[1]];
     let along = ((at[0] - r[0]) * v[0] + (at[1] - r[1]) * v[1]) / (v[0] * v[0] + v[1] * v[1]);
     let along = if along > 0.0 { along.min(1.0) } else { 0.0 };
-    let heights = [p[2] + t * (q[2] - p[2]), r[2] + along * (s[2] - r[2])];
-    corners.push(at, heights, [On::edge(i), On::edge(j)])
+    Crossing {
+        at,
+        along: [t, along],
+        heights: [p[2] + t * (q[2] - p[2]), r[2] + along * (s[2] - r[2])],
+    }
 }
 
 /// Whether two edges cross: each parts the ends of the other.
-pub(super) fn crosses(a: &Shadow, b: &Shadow, i: usize, j: usize) -> bool {
-    let (p, q) = (a.place(i), a.place(a.next(i)));
-    let (r, s) = (b.place(j), b.place(b.next(j)));
-    let left = |p: [f64; 2], q: [f64; 2], x: [f64; 2]| (q[0] - p[0]) * (x[1] - p[1]) >= (q[1] - p[1]) * (x[0] - p[0]);
+#[inline(always)]
+pub(super) fn cross([p, q]: &[End; 2], [r, s]: &[End; 2]) -> bool {
+    let left = |p: &End, q: &End, x: &End| (q[0] - p[0]) * (x[1] - p[1]) >= (q[1] - p[1]) * (x[0] - p[0]);
     left(r, s, p) != left(r, s, q) && left(p, q, r) != left(p, q, s)
+}
+
+/// Edge `i` of A's shadow and edge `j` of B's, the line of which parts the ends of the other.
+#[inline(always)]
+pub(super) fn crossing(a: &Shadow, b: &Shadow, i: usize, j: usize, corners: &mut Corners) -> bool {
+    let Crossing { at, heights, .. } = meet(&a.ends(i), &b.ends(j));
+    corners.push(at, heights, [On::edge(i), On::edge(j)])
 }
 
 /// The ends of what two nearly parallel edges share, each end across from its foot on the other edge. Nothing for edges that
@@ -141,9 +166,9 @@ pub(super) fn beside(a: &Shadow, b: &Shadow, sine: f64, corners: &mut Corners) {
             if t > 0.0 && t < 1.0 {
                 let foot = to.height_on_edge(0, at);
                 if is_a {
-                    corners.push(at, [of.height[k], foot], [On::corner(k), On::WHOLE]);
+                    corners.push(at, [of.corner(k)[2], foot], [On::corner(k), On::WHOLE]);
                 } else {
-                    corners.push(at, [foot, of.height[k]], [On::WHOLE, On::corner(k)]);
+                    corners.push(at, [foot, of.corner(k)[2]], [On::WHOLE, On::corner(k)]);
                 }
             }
         }

@@ -24,12 +24,6 @@ impl On {
         On(Self::EDGE | k as u32)
     }
 
-    /// Whether it is of a shadow of so many corners: what comes from a file need not be.
-    #[inline(always)]
-    pub(super) fn is_of(self, corners: usize) -> bool {
-        self.as_corner().or(self.as_edge()).is_none_or(|k| k < corners)
-    }
-
     /// The number of the corner.
     pub(super) fn as_corner(self) -> Option<usize> {
         (self.0 & Self::CORNER != 0).then_some((self.0 & !Self::CORNER) as usize)

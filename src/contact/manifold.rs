@@ -45,7 +45,8 @@ impl ContactPoint {
 /// The contact points of one pair of bodies: keep one for each pair and pass it to [`Tracker::manifold`] every frame.
 ///
 /// Holds at most eight points, and nothing on the heap. A manifold of other bodies, or of other options, is made anew. One that
-/// comes from a file (feature `serde`) goes on where it was, and its points are taken at the file's word until the bodies have moved.
+/// comes from a file (feature `serde`) goes on where it was, and its points are taken at the file's word until they are chosen
+/// anew.
 ///
 /// [`Tracker::manifold`]: crate::Tracker::manifold
 #[derive(Clone, Debug, PartialEq)]
@@ -61,6 +62,8 @@ pub struct Manifold {
     fresh: bool,
     /// On what of the features the points are.
     on: [[On; 2]; MOST_POINTS],
+    /// How far corners were inside the other face when they were chosen, in the caller's unit.
+    margins: [f64; MOST_POINTS],
     pub(super) rays: Rays,
 }
 
@@ -113,6 +116,7 @@ impl Default for Manifold {
             made: None,
             fresh: false,
             on: [Corner::WITNESS; MOST_POINTS],
+            margins: [0.0; MOST_POINTS],
             rays: NO_RAYS,
         }
     }
@@ -173,6 +177,10 @@ impl Manifold {
         &self.on[..self.count]
     }
 
+    pub(super) fn margins(&self) -> &[f64] {
+        &self.margins[..self.count]
+    }
+
     /// The middle of the points on A.
     pub(super) fn middle(&self) -> Option<Point3<f64>> {
         let points = self.points();
@@ -221,7 +229,7 @@ impl Manifold {
             let least = query.least_radius();
             let travelled = self.made.as_ref().filter(|m| m.is_of(query)).map(|m| m.since + moved);
             let lasts = travelled.filter(|&t| t <= options.choice * least);
-            let contacts = answer.contacts(options, self, lasts.is_some());
+            let contacts = answer.contacts(options, self, lasts);
             features = contacts.features;
             self.rays = contacts.rays;
             budget = options.drift * least;
@@ -296,7 +304,7 @@ impl Manifold {
         for k in 0..old {
             if let Some(i) = origin[..new.len()].iter().position(|&o| o == k) {
                 self.points[self.count] = ContactPoint { id: names[i], ..new[i] };
-                self.on[self.count] = contacts.on[i];
+                (self.on[self.count], self.margins[self.count]) = (contacts.on[i], contacts.margins[i]);
                 self.count += 1;
             }
         }
@@ -304,7 +312,7 @@ impl Manifold {
             if origin[i] == usize::MAX {
                 let id = self.free_name(p.features);
                 self.points[self.count] = ContactPoint { id, ..*p };
-                self.on[self.count] = contacts.on[i];
+                (self.on[self.count], self.margins[self.count]) = (contacts.on[i], contacts.margins[i]);
                 self.count += 1;
             }
         }

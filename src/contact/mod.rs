@@ -19,6 +19,7 @@
 mod clip;
 mod corners;
 mod gradient;
+mod keep;
 mod manifold;
 mod promote;
 mod reduce;
@@ -32,10 +33,11 @@ use crate::polyhedron::{ConvexPolyhedron, FeaturePair};
 use crate::scalar::sqrt;
 use crate::tolerance::{ACROSS, AGREE};
 use corners::{Corner, Corners, On};
+use keep::Shadows;
 use promote::Promotion;
 use reduce::reduce;
 use rims::Rays;
-use shadow::{Axes, Shadow};
+use shadow::{Axes, Lazy, Shadow};
 
 pub use gradient::Gradient;
 pub(crate) use manifold::Query;
@@ -95,6 +97,8 @@ struct Contacts {
     features: FeaturePair,
     /// On what of the features they are.
     on: [[On; 2]; MOST_POINTS],
+    /// How far corners are inside the other face.
+    margins: [f64; MOST_POINTS],
     /// Whether they are the corners that the manifold before had, in its order.
     same: bool,
     rays: Rays,
@@ -112,15 +116,16 @@ struct Answer<'a> {
 }
 
 impl Answer<'_> {
-    /// The contacts of an answer whose lower bound is within the prediction. `lasts`: the choice of corners of the manifold before may
-    /// stay.
-    fn contacts(self, options: &ManifoldOptions, before: &Manifold, lasts: bool) -> Contacts {
+    /// The contacts of an answer whose lower bound is within the prediction. `lasts`: how far the bodies have moved since corners were chosen,
+    /// where that choice may stay.
+    fn contacts(self, options: &ManifoldOptions, before: &Manifold, lasts: Option<f64>) -> Contacts {
         let outcome = self.outcome;
         let mut contacts = Contacts {
             points: [ContactPoint::witness(outcome); MOST_POINTS],
             count: 1,
             features: outcome.features,
             on: [Corner::WITNESS; MOST_POINTS],
+            margins: [0.0; MOST_POINTS],
             same: false,
             rays: before.rays,
         };
@@ -131,19 +136,22 @@ impl Answer<'_> {
         let axes = self.axes();
         let features = self.promoted(&axes, options, before.features());
         contacts.features = features;
+        let mut shadows = Shadows {
+            a: Lazy::new(self.a, features.a, &axes[0], false),
+            b: Lazy::new(self.b, features.b, &axes[1], true),
+        };
+        let lasts = lasts.filter(|_| before.features() == Some(features));
+        if lasts.is_some_and(|moved| shadows.keep(&self, options, before, moved, &mut contacts)) {
+            return contacts;
+        }
         if features.a.dimension() > 0 && features.b.dimension() > 0 {
-            let mut seen = Seen {
+            let seen = Seen {
                 answer: self,
-                a: Shadow::new(self.a, features.a, &axes[0], false),
-                b: Shadow::new(self.b, features.b, &axes[1], true),
+                a: shadows.a.seen(),
+                b: shadows.b.seen(),
                 unit: self.a.unit(),
             };
-            seen.a.cast();
-            seen.b.cast();
-            let lasts = lasts && before.features() == Some(features);
-            if !(lasts && seen.choose_again(options, before, &mut contacts)) {
-                seen.choose(options, before, &mut contacts);
-            }
+            seen.choose(options, before, &mut contacts);
         }
         contacts
     }
@@ -165,6 +173,11 @@ impl Answer<'_> {
                 witness: self.b.stored(&self.outcome.point_on_b),
             },
         ]
+    }
+
+    /// The rounding of a place, in stored units.
+    fn noise(&self) -> f64 {
+        ACROSS * self.size / self.a.unit()
     }
 
     /// The features that bear the contact.
@@ -190,8 +203,8 @@ impl Answer<'_> {
 /// Two features seen along the normal.
 struct Seen<'a> {
     answer: Answer<'a>,
-    a: Shadow<'a>,
-    b: Shadow<'a>,
+    a: &'a Shadow<'a>,
+    b: &'a Shadow<'a>,
     /// One stored unit in the caller's.
     unit: f64,
 }
@@ -207,7 +220,7 @@ impl Seen<'_> {
         rays: &mut Rays,
         corners: &mut Corners,
     ) {
-        let (a, b) = (&self.a, &self.b);
+        let (a, b) = (self.a, self.b);
         if a.is_edge() && b.is_edge() {
             clip::beside(a, b, options.sine, corners);
         } else if a.is_large() || b.is_large() {
@@ -234,53 +247,10 @@ impl Seen<'_> {
         Corners::new(self.answer.outcome.distance / self.unit, options.prediction / self.unit)
     }
 
-    /// The rounding of a place, in stored units.
-    fn noise(&self) -> f64 {
-        ACROSS * self.answer.size / self.unit
-    }
-
-    /// The corners the manifold before had, where all of them are corners still and the deepest is among them.
-    #[inline(always)]
-    fn choose_again(&self, options: &ManifoldOptions, before: &Manifold, contacts: &mut Contacts) -> bool {
-        let (a, b) = (&self.a, &self.b);
-        let old = before.on();
-        let is_of_these = |on: &[On; 2]| on[0].is_of(a.count) && on[1].is_of(b.count);
-        if a.is_edge() || b.is_edge() || old.is_empty() || !old.iter().all(is_of_these) {
-            return false;
-        }
-        let (mut corners, noise) = (self.none(options), self.noise());
-        let all = old.iter().all(|&on| match on.map(|o| (o.as_corner(), o.as_edge())) {
-            [(Some(i), _), _] => {
-                b.is_over(a.place(i), noise) && {
-                    let at = a.place(i);
-                    corners.push(at, [a.corner(i)[2], b.height_on_face(at)], on)
-                }
-            }
-            [_, (Some(j), _)] => {
-                a.is_over(b.place(j), noise) && {
-                    let at = b.place(j);
-                    corners.push(at, [a.height_on_face(at), b.corner(j)[2]], on)
-                }
-            }
-            [(_, Some(i)), (_, Some(j))] => clip::crosses(a, b, i, j) && clip::crossing(a, b, i, j, &mut corners),
-            _ => false,
-        });
-        if !(all && self.has_deepest(&corners)) {
-            return false;
-        }
-        contacts.count = old.len();
-        for (k, corner) in corners.all().iter().enumerate() {
-            contacts.points[k] = self.contact(corner, before.points()[k].features);
-            contacts.on[k] = corner.on;
-        }
-        contacts.same = true;
-        true
-    }
-
     #[inline(always)]
     fn choose(&self, options: &ManifoldOptions, before: &Manifold, contacts: &mut Contacts) {
         let Answer { a, b, outcome, .. } = self.answer;
-        let (mut corners, noise) = (self.none(options), self.noise());
+        let (mut corners, noise) = (self.none(options), self.answer.noise());
         self.corners(options, noise, before, &mut contacts.rays, &mut corners);
         let merge = noise.max(options.drift * a.radius.min(b.radius));
         let kept = self.kept(corners.all(), options, before);
@@ -298,9 +268,20 @@ impl Seen<'_> {
             if before.iter().all(|p| p.features != point.features) {
                 contacts.points[contacts.count] = point;
                 contacts.on[contacts.count] = corner.on;
+                contacts.margins[contacts.count] = self.margin(corner, options);
                 contacts.count += 1;
             }
         }
+    }
+
+    /// How far a corner of one face is inside the other.
+    fn margin(&self, corner: &Corner, options: &ManifoldOptions) -> f64 {
+        let inside = match corner.on.map(On::as_corner) {
+            [Some(_), _] => self.b.inside_by(corner.at),
+            [_, Some(_)] => self.a.inside_by(corner.at),
+            _ => 0.0,
+        };
+        keep::margin(inside * self.unit, corner.separation * self.unit, options)
     }
 
     /// A bit for each corner that the manifold before had, where there is a choice.

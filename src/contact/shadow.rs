@@ -1,11 +1,15 @@
 //! A feature seen along the normal: its corners in the plane across, and their heights.
 
 use nalgebra::Vector3;
+use wide::f64x4;
 
 use super::corners::On;
 use crate::polyhedron::topology::LARGE;
 use crate::polyhedron::{ConvexPolyhedron, EdgeId, Feature, VertexId};
 use crate::tolerance::COPLANAR;
+
+/// Corners of a small face, the first of them twice, in fours.
+pub(super) const ROOM: usize = LARGE + 4;
 
 /// Two directions across the normal and the normal, in one body's stored frame, about that body's witness.
 pub(super) struct Axes {
@@ -17,9 +21,74 @@ pub(super) struct Axes {
 impl Axes {
     /// Place and height of a stored point.
     #[inline(always)]
-    fn see(&self, p: &Vector3<f64>) -> [f64; 3] {
+    pub(super) fn see(&self, p: &Vector3<f64>) -> [f64; 3] {
         let d = p - self.witness;
         [self.across[0].dot(&d), self.across[1].dot(&d), self.normal.dot(&d)]
+    }
+
+    /// The stored point at a place and a height.
+    #[inline(always)]
+    pub(super) fn point(&self, [x, y]: [f64; 2], height: f64) -> Vector3<f64> {
+        self.witness + self.across[0] * x + self.across[1] * y + self.normal * height
+    }
+}
+
+/// Heights on a face: at the witness, and how they fall across.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Lean {
+    level: f64,
+    fall: [f64; 2],
+}
+
+impl Lean {
+    /// Those of a face, which is not upright.
+    #[inline(always)]
+    pub(super) fn new(body: &ConvexPolyhedron, f: u32, axes: &Axes) -> Self {
+        let t = &body.topology;
+        let m = &body.planes[f as usize].normal;
+        let corner = body.points[t.half_edge(t.rim_start(f)).to as usize];
+        let up = 1.0 / m.dot(&axes.normal);
+        Self {
+            level: m.dot(&(corner - axes.witness)) * up,
+            fall: axes.across.map(|e| m.dot(&e) * up),
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn height(&self, [x, y]: [f64; 2]) -> f64 {
+        self.level - self.fall[0] * x - self.fall[1] * y
+    }
+}
+
+/// A feature, and its shadow from when it is first looked at.
+pub(super) struct Lazy<'a> {
+    pub(super) body: &'a ConvexPolyhedron,
+    pub(super) feature: Feature,
+    pub(super) axes: &'a Axes,
+    backward: bool,
+    shadow: Option<Shadow<'a>>,
+}
+
+impl<'a> Lazy<'a> {
+    /// `backward`: the body lies behind the other along the normal, so that its face is seen from within.
+    #[inline(always)]
+    pub(super) fn new(body: &'a ConvexPolyhedron, feature: Feature, axes: &'a Axes, backward: bool) -> Self {
+        Self {
+            body,
+            feature,
+            axes,
+            backward,
+            shadow: None,
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn seen(&mut self) -> &Shadow<'a> {
+        self.shadow.get_or_insert_with(|| {
+            let mut shadow = Shadow::new(self.body, self.feature, self.axes, self.backward);
+            shadow.cast();
+            shadow
+        })
     }
 }
 
@@ -31,53 +100,51 @@ pub(super) struct Shadow<'a> {
     axes: &'a Axes,
     pub(super) feature: Feature,
     pub(super) count: usize,
-    pub(super) x: [f64; LARGE],
-    pub(super) y: [f64; LARGE],
-    pub(super) height: [f64; LARGE],
+    /// Behind the last corner of a small face comes the first once more.
+    pub(super) x: [f64; ROOM],
+    pub(super) y: [f64; ROOM],
     vertices: [u32; LARGE],
     /// The edge from each corner to the next.
     edges: [u32; LARGE],
     /// The half-edges of a large face, and whether they go round the other way.
     ring: Option<&'a [u32]>,
     backward: bool,
-    /// Heights on a face: at the witness, and how they fall across.
-    level: f64,
-    fall: [f64; 2],
+    lean: Lean,
 }
 
 impl<'a> Shadow<'a> {
-    /// `backward`: the body lies behind the other along the normal, so that its face is seen from within.
     #[inline(always)]
-    pub(super) fn new(body: &'a ConvexPolyhedron, feature: Feature, axes: &'a Axes, backward: bool) -> Self {
+    fn new(body: &'a ConvexPolyhedron, feature: Feature, axes: &'a Axes, backward: bool) -> Self {
         Self {
             body,
             axes,
             feature,
             count: 0,
-            x: [0.0; LARGE],
-            y: [0.0; LARGE],
-            height: [0.0; LARGE],
+            x: [0.0; ROOM],
+            y: [0.0; ROOM],
             vertices: [0; LARGE],
             edges: [0; LARGE],
             ring: None,
             backward,
-            level: 0.0,
-            fall: [0.0; 2],
+            lean: Lean::default(),
         }
     }
 
     /// Takes in the feature; a vertex has no shadow.
     #[inline(always)]
-    pub(super) fn cast(&mut self) {
+    fn cast(&mut self) {
         let t = &self.body.topology;
         match self.feature {
             Feature::Vertex(_) => {}
             Feature::Edge(e) => {
-                self.add(t.from(e.0), e.0);
-                self.add(t.half_edge(e.0).to, e.0);
+                for (k, v) in [t.from(e.0), t.half_edge(e.0).to].into_iter().enumerate() {
+                    [self.x[k], self.y[k]] = self.place_of(&self.body.points[v as usize]);
+                    (self.vertices[k], self.edges[k]) = (v, e.0);
+                }
+                self.count = 2;
             }
             Feature::Face(f) => {
-                self.lean(f.0);
+                self.lean = Lean::new(self.body, f.0, self.axes);
                 self.ring = t.ring(f.0);
                 match self.ring {
                     Some(ring) => self.count = ring.len(),
@@ -85,17 +152,6 @@ impl<'a> Shadow<'a> {
                 }
             }
         }
-    }
-
-    /// The heights of a face, which is not upright.
-    #[inline(always)]
-    fn lean(&mut self, f: u32) {
-        let t = &self.body.topology;
-        let m = &self.body.planes[f as usize].normal;
-        let corner = self.body.points[t.half_edge(t.rim_start(f)).to as usize];
-        let up = 1.0 / m.dot(&self.axes.normal);
-        self.level = m.dot(&(corner - self.axes.witness)) * up;
-        self.fall = self.axes.across.map(|e| m.dot(&e) * up);
     }
 
     /// The corners of a face, and of the faces beside it that lie in its plane but for rounding: together they are the face that
@@ -107,15 +163,17 @@ impl<'a> Shadow<'a> {
         if !(self.body.is_creased && self.go_round_all(f)) {
             self.walk(start, |_| false);
         }
+        let n = self.count;
         if self.backward {
-            let n = self.count;
-            self.x[..n].reverse();
-            self.y[..n].reverse();
-            self.height[..n].reverse();
             self.vertices[..n].reverse();
             // The edge from a corner is now the one that led to it.
             self.edges[..n - 1].reverse();
         }
+        for k in 0..n {
+            let p = &self.body.points[self.vertices[k] as usize];
+            [self.x[k], self.y[k]] = self.place_of(p);
+        }
+        (self.x[n], self.y[n]) = (self.x[0], self.y[0]);
     }
 
     /// Whether an outline about several faces was found, of no more corners than there is room for.
@@ -146,7 +204,8 @@ impl<'a> Shadow<'a> {
         let (mut h, mut v) = (start, t.from(start));
         while self.count < LARGE {
             let e = t.half_edge(h);
-            self.add(v, h.min(e.twin));
+            (self.vertices[self.count], self.edges[self.count]) = (v, h.min(e.twin));
+            self.count += 1;
             (v, h) = (e.to, e.next);
             let mut turns = 0;
             while within(h) && turns < LARGE {
@@ -158,15 +217,6 @@ impl<'a> Shadow<'a> {
             }
         }
         false
-    }
-
-    #[inline(always)]
-    fn add(&mut self, vertex: u32, edge: u32) {
-        let k = self.count;
-        [self.x[k], self.y[k], self.height[k]] = self.axes.see(&self.body.points[vertex as usize]);
-        self.vertices[k] = vertex;
-        self.edges[k] = edge;
-        self.count += 1;
     }
 
     pub(super) fn is_edge(&self) -> bool {
@@ -221,11 +271,13 @@ impl<'a> Shadow<'a> {
     /// Place and height of a corner.
     #[inline(always)]
     pub(super) fn corner(&self, k: usize) -> [f64; 3] {
-        if self.ring.is_none() {
-            [self.x[k], self.y[k], self.height[k]]
-        } else {
-            self.axes.see(&self.body.points[self.number(k) as usize])
-        }
+        self.axes.see(&self.body.points[self.number(k) as usize])
+    }
+
+    /// Those of the ends of an edge.
+    #[inline(always)]
+    pub(super) fn ends(&self, k: usize) -> [[f64; 3]; 2] {
+        [self.corner(k), self.corner(self.next(k))]
     }
 
     /// The same without the height.
@@ -234,34 +286,61 @@ impl<'a> Shadow<'a> {
         if self.ring.is_none() {
             return [self.x[k], self.y[k]];
         }
-        let d = self.body.points[self.number(k) as usize] - self.axes.witness;
-        self.axes.across.map(|e| e.dot(&d))
+        self.place_of(&self.body.points[self.number(k) as usize])
     }
 
     /// The place of a stored point.
+    #[inline(always)]
     pub(super) fn place_of(&self, p: &Vector3<f64>) -> [f64; 2] {
         let d = p - self.axes.witness;
         self.axes.across.map(|e| e.dot(&d))
     }
 
-    /// Whether a place is on the face, or beside it within rounding where the face is a small one.
+    /// Least and greatest coordinates of the corners of a small face. Beyond the tip of a sliver a place may be inside of every side
+    /// but for rounding, and far off: this is what ends the face there.
     #[inline(always)]
-    pub(super) fn is_over(&self, at: [f64; 2], noise: f64) -> bool {
+    pub(super) fn span(&self) -> [[f64; 2]; 2] {
+        let of = |c: &[f64]| {
+            let corners = c[..self.count].iter();
+            corners.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], &x| {
+                [if x < low { x } else { low }, if x > high { x } else { high }]
+            })
+        };
+        [of(&self.x), of(&self.y)]
+    }
+
+    /// How far a place is inside the face, at least; of large faces no more is known than whether it is.
+    #[inline(always)]
+    pub(super) fn inside_by(&self, at: [f64; 2]) -> f64 {
         if self.is_large() {
-            return self.holds(self.middle(), at);
+            return if self.holds(self.middle(), at) {
+                0.0
+            } else {
+                f64::NEG_INFINITY
+            };
         }
-        (0..self.count).all(|k| {
-            let next = self.next(k);
-            let (ux, uy) = (self.x[next] - self.x[k], self.y[next] - self.y[k]);
-            let side = ux * (at[1] - self.y[k]) - uy * (at[0] - self.x[k]);
-            side >= -noise * (ux.abs() + uy.abs())
-        })
+        let span = self.span();
+        let past = |k: usize| (at[k] - span[k][0]).min(span[k][1] - at[k]);
+        let (x, y) = (f64x4::splat(at[0]), f64x4::splat(at[1]));
+        let four = |list: &[f64; ROOM], k: usize| list[k..].first_chunk().map_or(f64x4::ZERO, |four| f64x4::new(*four));
+        let mut least = past(0).min(past(1));
+        for k in (0..self.count).step_by(4) {
+            let (px, py) = (four(&self.x, k), four(&self.y, k));
+            let (ux, uy) = (four(&self.x, k + 1) - px, four(&self.y, k + 1) - py);
+            // The sum of two coordinates is at least the length.
+            let inside = (ux * (y - py) - uy * (x - px)) / (ux.abs() + uy.abs());
+            for inside in &inside.to_array()[..(self.count - k).min(4)] {
+                // Written so that NaN is outside.
+                least = if *inside >= least { least } else { *inside };
+            }
+        }
+        least
     }
 
     /// The height of the face over a place.
     #[inline(always)]
-    pub(super) fn height_on_face(&self, [x, y]: [f64; 2]) -> f64 {
-        self.level - self.fall[0] * x - self.fall[1] * y
+    pub(super) fn height_on_face(&self, at: [f64; 2]) -> f64 {
+        self.lean.height(at)
     }
 
     /// The part of the way along edge `k` at which a place lies.
@@ -293,14 +372,7 @@ impl<'a> Shadow<'a> {
             (Some(k), _) => corner(k),
             (_, Some(k)) => on_edge(k),
             _ if self.is_edge() => on_edge(0),
-            _ => {
-                let Axes {
-                    across,
-                    normal,
-                    witness,
-                } = self.axes;
-                witness + across[0] * at[0] + across[1] * at[1] + normal * self.height_on_face(at)
-            }
+            _ => self.axes.point(at, self.height_on_face(at)),
         }
     }
 }

@@ -119,7 +119,7 @@ fn face<T: Scalar>(body: &ConvexPolyhedron, f: u32) -> Vec3<T> {
 }
 
 /// The unit direction of an edge.
-fn edge<T: Scalar>(body: &ConvexPolyhedron, h: u32) -> Vec3<T> {
+pub(super) fn edge<T: Scalar>(body: &ConvexPolyhedron, h: u32) -> Vec3<T> {
     let t = &body.topology;
     let (from, to) = (body.points[t.from(h) as usize], body.points[t.half_edge(h).to as usize]);
     unit(&[0, 1, 2].map(|k| T::from(to[k]) - T::from(from[k])))

@@ -16,7 +16,7 @@ use crate::scalar::{Vec3, sub};
 use crate::tolerance::{AGREE_DEPTH, SHIFTS};
 
 use super::facet::{facets, height_of};
-use super::foot::{Witnesses, foot};
+use super::foot::{Witnesses, flush, foot};
 use super::pass::{Pass, pass};
 use super::search::{Best, End, Found, Search, search};
 use super::surface::Surface;
@@ -44,6 +44,8 @@ pub(crate) struct Memory {
     triangles: Vec<[u8; 6]>,
     /// The features of the deepest facet.
     facet: Option<FeaturePair>,
+    /// The features that held the witnesses last, where they are not those.
+    stand: Option<FeaturePair>,
     /// With how many triangles it was built.
     built: u32,
     /// Where surfaces grow, from the first overlap on: no part of what is remembered.
@@ -51,8 +53,8 @@ pub(crate) struct Memory {
     room: Option<Box<Room>>,
 }
 
-/// The features of the deepest facet, with how many triangles it was built, its points, and its triangles.
-type Parts<'a> = (FeaturePair, u32, &'a [[u32; 2]], &'a [[u8; 6]]);
+/// The features of the deepest facet, those that held the witnesses, with how many triangles it was built, its points, and its triangles.
+type Parts<'a> = (FeaturePair, Option<FeaturePair>, u32, &'a [[u32; 2]], &'a [[u8; 6]]);
 
 /// Lists that keep what they have taken.
 #[derive(Clone, Debug)]
@@ -75,6 +77,8 @@ pub(crate) struct Raw {
     pub(crate) points: Vec<[u32; 2]>,
     pub(crate) triangles: Vec<[u32; 6]>,
     pub(crate) facet: Option<FeaturePair>,
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub(crate) stand: Option<FeaturePair>,
     pub(crate) built: u32,
 }
 
@@ -89,6 +93,7 @@ impl From<Raw> for Memory {
             triangles: raw.triangles.iter().map(bytes).collect(),
             points: raw.points,
             facet: raw.facet,
+            stand: raw.stand,
             built: raw.built,
             room: None,
         }
@@ -141,7 +146,7 @@ impl Memory {
     pub(crate) fn clear(&mut self) {
         self.points.clear();
         self.triangles.clear();
-        self.facet = None;
+        (self.facet, self.stand) = (None, None);
         self.built = 0;
     }
 
@@ -167,7 +172,7 @@ impl Memory {
 
     /// What is remembered, if anything.
     pub(crate) fn parts(&self) -> Option<Parts<'_>> {
-        Some((self.facet?, self.built, &self.points, &self.triangles))
+        Some((self.facet?, self.stand, self.built, &self.points, &self.triangles))
     }
 
     /// Tries the facets that the weak triangles may lie in; whether the difference is lower along one of them.
@@ -188,6 +193,29 @@ impl Memory {
             }
         }
         best.height < before
+    }
+
+    /// Takes over the deepest facet, and finds features that hold the witnesses: those of the last answer, the facet's own, or of
+    /// faces flush on each other others.
+    fn stand(&mut self, placed: &Placed, best: &Best<f64>) -> Option<(FeaturePair, Witnesses)> {
+        let (facet, at) = (best.features?, best.rounded());
+        let old = self.stand.filter(|f| f.is_of(placed.a, placed.b));
+        (self.facet, self.stand) = (Some(facet), None);
+        let held = |f: FeaturePair| Some((f, foot(placed, f, &at)?));
+        let found = old
+            .and_then(held)
+            .or_else(|| held(facet))
+            .or_else(|| flush(placed, facet, &at));
+        if let Some((features, _)) = found {
+            let of_face = |f: &FeaturePair| [f.a, f.b].into_iter().find(|x| x.dimension() == 2);
+            // Another vertex on the same face names the same facet.
+            if of_face(&features).is_some_and(|f| of_face(&facet) == Some(f) && (features.a == f) == (facet.a == f)) {
+                self.facet = Some(features);
+            } else {
+                self.stand = Some(features);
+            }
+        }
+        found
     }
 
     /// Makes the surface to work on the one that is remembered, at its places.
@@ -282,9 +310,11 @@ fn resume_among<const N: usize>(
     match shows {
         Pass::Folded => begin_anew(placed, frame, memory, room, outcome),
         Pass::Stands => {
-            memory.facet = best.features;
-            let found = match best.features.and_then(|f| foot(placed, f, &best.rounded())) {
-                Some(witnesses) => proven(&best, witnesses, size),
+            let found = match memory.stand(placed, &best) {
+                Some((features, witnesses)) => Found {
+                    features: Some(features),
+                    ..proven(&best, witnesses, size)
+                },
                 None => {
                     memory.recall(room, &places, best.height - AGREE_DEPTH * size);
                     let mut search = Search::resumed(placed, frame, &mut room.surface, best);

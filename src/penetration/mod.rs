@@ -3,8 +3,8 @@
 //! With P = A - B and h(n) the height of P along the unit vector n, the depth is the least h(n) over all n: the radius of
 //! the largest ball about the origin in P. Any n gives an upper bound. A closed surface of triangles on points of P that
 //! winds about the origin ([`surface`]) gives a lower one, the least distance of a triangle. Grown at the nearest triangle
-//! until both agree, it proves the depth globally; what is open goes from f64 to double-double, and what stays open there is
-//! returned as bounds.
+//! until both agree, it proves the depth globally; what is open goes from f64 to double-double, and what stays open there to
+//! exact arithmetic, facet by facet ([`exhaustive`]).
 //!
 //! Source: van den Bergen 2001, "Proximity queries and penetration depth computation on 3D game objects", the expanding
 //! polytope algorithm. Departures:
@@ -17,6 +17,8 @@
 //! 5. Where the first tetrahedron has the origin on its border (lattices, concentric and equal bodies), the surface is grown
 //!    about a point beside the origin until the ball about that point holds the origin too.
 
+#[cfg(feature = "exact")]
+mod exhaustive;
 mod facet;
 mod foot;
 mod memory;
@@ -30,6 +32,8 @@ use crate::closest::placed::{Frame, Placed};
 use crate::closest::refine::{outward, state_of, unit};
 use crate::double_double::DoubleDouble;
 use crate::scalar::Scalar;
+#[cfg(feature = "exact")]
+use crate::tolerance::AGREE_DEPTH;
 use crate::tolerance::{CERTIFICATE, SHIFTS};
 use nalgebra::Vector3;
 use search::{End, Found, search};
@@ -74,11 +78,21 @@ fn deepen_finely(placed: &Placed, outcome: &mut Outcome) {
     if let Some(found) = search(placed, &frame, outcome.features, &SHIFTS, &mut Surface::new()) {
         take(placed, &found, outcome);
     }
+    #[cfg(feature = "exact")]
+    if !is_narrow(placed, outcome) {
+        exhaustive::settle(placed, &frame, outcome);
+    }
+}
+
+/// Whether the bounds agree as well as a proven depth's must; NaN does not.
+#[cfg(feature = "exact")]
+fn is_narrow(placed: &Placed, outcome: &Outcome) -> bool {
+    outcome.upper - outcome.lower <= AGREE_DEPTH * placed.size()
 }
 
 /// Takes over what was found, where its bounds are the narrower.
 fn take<T: Scalar>(placed: &Placed, found: &Found<T>, outcome: &mut Outcome) {
-    let term = CERTIFICATE * T::UNIT * placed.reach::<T>();
+    let term = CERTIFICATE * T::UNIT * placed.reach::<T>().whole();
     outcome.work.grown += found.grown;
     let lower = -outward(found.height, term);
     let upper = (-outward(found.radius, -term)).min(0.0);

@@ -6,6 +6,7 @@ use wide::f64x2;
 
 use super::search::Best;
 use super::surface::least;
+use crate::closest::simplex::{Corner, Simplex};
 use crate::scalar::{Vec3, cross, dot, sub};
 use crate::tolerance::{AGREE_DEPTH, CERTIFICATE, ORIENTATION, UNIT};
 
@@ -89,6 +90,13 @@ fn inner(u: &Vec3<f64x2>, v: &Vec3<f64x2>) -> f64x2 {
 }
 
 impl Goal<'_> {
+    /// Whether a triangle is beyond the facet though its plane is not: all of it lies beyond its nearest point.
+    fn is_far(&self, w: &[Vec3<f64>; 3]) -> bool {
+        let nearest = Simplex::triangle(w.map(|w| Corner { a: 0, b: 0, w })).direction();
+        let low = least(&nearest, w);
+        low > 0.0 && low * low >= self.height * self.height * dot(&nearest, &nearest)
+    }
+
     /// Whether a triangle is beyond the facet; `None` where it is not certainly seen from behind and clear of the origin.
     fn judge(&self, w: &[Vec3<f64>; 3]) -> Option<bool> {
         let (u, v) = (sub(&w[1], &w[0]), sub(&w[2], &w[0]));
@@ -99,7 +107,9 @@ impl Goal<'_> {
         if !(low > 0.0 && low * low > rounding && low * low > self.margin * self.margin * squared) {
             return None;
         }
-        let is_beyond = low * low >= self.height * self.height * squared || least(&self.best.normal, w) >= self.height;
+        let is_beyond = low * low >= self.height * self.height * squared
+            || least(&self.best.normal, w) >= self.height
+            || self.is_far(w);
         Some(self.height > self.margin && is_beyond)
     }
 }

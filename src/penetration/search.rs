@@ -116,7 +116,7 @@ fn flat<T: Scalar>(placed: &Placed, frame: &Frame<T>, simplex: &Simplex<T>, towa
         radius: zero,
         corners: core::array::from_fn(|k| simplex.kept()[k.min(simplex.len() - 1)]),
         // No points of the border, but ones that nearly coincide.
-        witnesses: (simplex.reach() <= T::from(AGREE_DEPTH) * T::from(placed.reach::<T>()))
+        witnesses: (simplex.reach() <= T::from(AGREE_DEPTH) * T::from(placed.reach::<T>().whole()))
             .then(|| witnesses(placed, simplex)),
         features: None,
         grown: 0,
@@ -140,7 +140,7 @@ impl<'a, T: Scalar> Search<'a, T> {
         shift: f64,
         surface: &'a mut Surface<T>,
     ) -> Result<Self, Found<T>> {
-        let size = placed.reach::<T>();
+        let size = placed.reach::<T>().whole();
         let mut shifted = *frame;
         for (t, aside) in shifted.translation.iter_mut().zip(ASIDE) {
             *t = *t + T::from(aside * shift * size);
@@ -158,7 +158,7 @@ impl<'a, T: Scalar> Search<'a, T> {
     }
 
     fn new(placed: &'a Placed<'a>, frame: &Frame<T>, surface: &'a mut Surface<T>) -> Self {
-        let size = placed.reach::<T>();
+        let size = placed.reach::<T>().whole();
         Self {
             placed,
             frame: *frame,

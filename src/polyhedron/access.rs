@@ -125,7 +125,12 @@ impl ConvexPolyhedron {
             + size_of_val(&self.planes[..])
             + size_of_val(&self.source[..])
             + size_of_val(&self.source_faces[..]);
-        size_of::<Self>() + lists + self.topology.heap_bytes() + self.lookup.heap_bytes() + self.scan.heap_bytes()
+        size_of::<Self>()
+            + lists
+            + self.topology.heap_bytes()
+            + self.fans.heap_bytes()
+            + self.lookup.heap_bytes()
+            + self.scan.heap_bytes()
     }
 
     /// What building this body kept, merged and dropped.

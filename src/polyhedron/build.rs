@@ -7,6 +7,7 @@ use super::bounds::Scan;
 use super::cloud::{Cloud, bounding_box, power_of_two};
 use super::error::BuildError;
 use super::facets::Facets;
+use super::fans::Fans;
 use super::hull::{Span, Surface, hull};
 use super::plane::{plane, widest_corners};
 use super::report::BuildReport;
@@ -105,8 +106,11 @@ impl ConvexPolyhedron {
             let [m, n] = [e.face, topology.half_edge(e.twin).face].map(|f| planes[f as usize].normal);
             m.dot(&n) > 0.0 && m.cross(&n).norm_squared() <= COPLANAR * COPLANAR
         });
+        let fans = Fans::new(&topology, &points, &planes);
         Ok(Self {
-            lookup: CubeMap::new(&topology, &points),
+            lookup: CubeMap::new(&topology, &points, &fans),
+            has_bands: topology.has_large_faces() || !fans.is_empty(),
+            fans,
             scan: Scan::new(&points),
             inner,
             spread,

@@ -2,7 +2,7 @@
 //!
 //! Reading order: [`feature`] (names), `topology` (who is beside whom, without coordinates), `cloud`, `hull`, `facets`,
 //! `plane` and `build` (points to a body), `build_faces` and `source_faces` (the caller's faces), `flat` (polygon, segment, point),
-//! `support` (extreme vertices), `access`, `query`, `mass`, `rebuild`, `persist`, [`solids`].
+//! `fans` (vertices of many edges), `support` (extreme vertices), `access`, `query`, `mass`, `rebuild`, `persist`, [`solids`].
 //!
 //! # Stored coordinates
 //!
@@ -18,6 +18,7 @@ mod build_faces;
 mod cloud;
 mod error;
 mod facets;
+pub(crate) mod fans;
 pub mod feature;
 mod flat;
 mod hull;
@@ -28,7 +29,7 @@ mod plane;
 mod query;
 mod rebuild;
 mod report;
-mod sign;
+pub(crate) mod sign;
 pub mod solids;
 mod source_faces;
 pub(crate) mod support;
@@ -40,6 +41,7 @@ use nalgebra::{Matrix3, Vector3};
 pub use bounds::BoxHint;
 pub(crate) use cloud::power_of_two;
 pub use error::BuildError;
+use fans::Fans;
 pub use feature::{EdgeId, FaceId, Feature, FeaturePair, VertexId};
 pub use report::BuildReport;
 use support::CubeMap;
@@ -66,6 +68,7 @@ pub struct ConvexPolyhedron {
     /// Stored coordinates, see the module page.
     pub(crate) points: Vec<Vector3<f64>>,
     pub(crate) planes: Vec<Plane>,
+    pub(crate) fans: Fans,
     pub(crate) lookup: CubeMap,
     scan: bounds::Scan,
     /// The caller's index of each vertex.
@@ -86,6 +89,8 @@ pub struct ConvexPolyhedron {
     pub(crate) spread: Matrix3<f64>,
     /// Whether that is far from a ball.
     pub(crate) is_flat: bool,
+    /// Whether it has rims or fans so long that walks leap along them.
+    pub(crate) has_bands: bool,
     /// Corners of the bounding box, in stored coordinates.
     pub(crate) low: Vector3<f64>,
     pub(crate) high: Vector3<f64>,

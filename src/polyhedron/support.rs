@@ -14,7 +14,8 @@ use alloc::vec::Vec;
 use nalgebra::Vector3;
 
 use super::ConvexPolyhedron;
-use super::topology::Topology;
+use super::fans::{Fans, highest_neighbour, steepest};
+use super::topology::{MANY, Topology};
 use crate::tolerance::EDGE_SIGN;
 
 /// The cube map takes no body for flatter than this.
@@ -36,43 +37,54 @@ pub(crate) fn edge_sign(n: &Vector3<f64>, e: &Vector3<f64>) -> i32 {
 
 /// Climbs from `start` to a vertex with no neighbour certainly higher along `n`.
 #[inline]
-pub(crate) fn climb(topology: &Topology, points: &[Vector3<f64>], n: &Vector3<f64>, start: u32) -> u32 {
+pub(crate) fn climb(topology: &Topology, points: &[Vector3<f64>], fans: &Fans, n: &Vector3<f64>, start: u32) -> u32 {
     let mut v = start;
     let mut steps = 0;
     loop {
         let p = points[v as usize];
         let (mut best, mut rise) = (v, 0.0);
-        topology.each_leaving(v, |_, to| {
-            let c = n.dot(&(points[to as usize] - p));
-            if c > rise {
-                (best, rise) = (to, c);
-            }
-        });
+        if let Some(m) = fans.axis(topology, v) {
+            best = topology.half_edge(steepest(topology, points, v, m, n)).to;
+        } else {
+            topology.each_leaving(v, |_, to| {
+                let c = n.dot(&(points[to as usize] - p));
+                if c > rise {
+                    (best, rise) = (to, c);
+                }
+            });
+        }
         // Only a certain rise is a move: that is what ends the loop among tied vertices.
         if best == v || edge_sign(n, &(points[best as usize] - p)) <= 0 {
             return v;
         }
         steps += 1;
         v = if steps % LEAP == 0 {
-            leap(topology, points, n, best)
+            leap(topology, points, fans, n, best)
         } else {
             best
         };
     }
 }
 
-/// From a vertex of a large face to the highest one of that face; the vertex itself where none is certainly higher.
-fn leap(topology: &Topology, points: &[Vector3<f64>], n: &Vector3<f64>, v: u32) -> u32 {
-    if !topology.has_large_faces() {
+/// From a vertex of a large face, or beside one of a large fan, to the highest one of that face or beside that one; the vertex
+/// itself where none is certainly higher.
+fn leap(topology: &Topology, points: &[Vector3<f64>], fans: &Fans, n: &Vector3<f64>, v: u32) -> u32 {
+    if !topology.has_large_faces() && fans.is_empty() || topology.fan(v).len() > MANY {
         return v;
     }
     let mut best = v;
+    let mut take = |w: u32| {
+        if edge_sign(n, &(points[w as usize] - points[best as usize])) > 0 {
+            best = w;
+        }
+    };
     for h in topology.fan(v) {
-        if let Some(ring) = topology.ring(topology.half_edge(h).face) {
-            let w = highest_of(topology, points, n, ring);
-            if edge_sign(n, &(points[w as usize] - points[best as usize])) > 0 {
-                best = w;
-            }
+        let e = topology.half_edge(h);
+        if let Some(ring) = topology.ring(e.face) {
+            take(highest_of(topology, points, n, ring));
+        }
+        if fans.axis(topology, e.to).is_some() {
+            take(highest_neighbour(topology, points, e.to, n));
         }
     }
     best
@@ -80,7 +92,7 @@ fn leap(topology: &Topology, points: &[Vector3<f64>], n: &Vector3<f64>, v: u32) 
 
 /// The highest vertex of a convex rim, by bisection: heights round it rise once and fall once. Where rounding hides the order, another one
 /// may come out.
-fn highest_of(topology: &Topology, points: &[Vector3<f64>], n: &Vector3<f64>, ring: &[u32]) -> u32 {
+pub(super) fn highest_of(topology: &Topology, points: &[Vector3<f64>], n: &Vector3<f64>, ring: &[u32]) -> u32 {
     let vertex = |k: usize| topology.from(ring[k % ring.len()]);
     let height = |k: usize| n.dot(&points[vertex(k) as usize]);
     let rises = |k: usize| n.dot(&(points[vertex(k + 1) as usize] - points[vertex(k) as usize])) > 0.0;
@@ -105,7 +117,8 @@ fn highest_of(topology: &Topology, points: &[Vector3<f64>], n: &Vector3<f64>, ri
 pub(crate) struct Extreme {
     /// A vertex no other vertex exceeds by more than rounding.
     pub(crate) vertex: u32,
-    /// The largest rounded `n . x` over a set of vertices that is proven to hold the extreme one.
+    /// The largest rounded `n . x` over a set of vertices that is proven to hold the extreme one; or, at a large face or fan, what
+    /// three faces prove of all.
     pub(crate) value: f64,
 }
 
@@ -123,7 +136,7 @@ impl ConvexPolyhedron {
     /// The highest vertex along `n` (stored frame), starting from `hint`.
     #[inline]
     pub(crate) fn climb(&self, n: &Vector3<f64>, hint: u32) -> u32 {
-        climb(&self.topology, &self.points, n, hint)
+        climb(&self.topology, &self.points, &self.fans, n, hint)
     }
 
     /// The highest vertex along `n` without a hint.
@@ -145,6 +158,11 @@ impl ConvexPolyhedron {
 
     /// The extreme vertex along `n`, proven: every vertex that may tie with the one climbed to is looked at.
     pub(crate) fn extreme(&self, n: &Vector3<f64>, hint: u32) -> Extreme {
+        if self.fans.axis(&self.topology, hint).is_some()
+            && let Some(proven) = self.extreme_by_faces(n, hint)
+        {
+            return proven;
+        }
         let summit = self.summit(n, hint);
         let (v, w) = (summit.vertex, summit.tie);
         let (at_v, at_w) = (n.dot(&self.points[v as usize]), n.dot(&self.points[w as usize]));
@@ -156,12 +174,18 @@ impl ConvexPolyhedron {
                 let (vertex, value) = if first { (v, at_v) } else { (w, at_w) };
                 Extreme { vertex, value }
             }
-            _ => self.extreme_of_many(n, v),
+            _ => self.extreme_of_many(n, v, w),
         }
     }
 
     #[inline(never)]
-    fn extreme_of_many(&self, n: &Vector3<f64>, top: u32) -> Extreme {
+    fn extreme_of_many(&self, n: &Vector3<f64>, top: u32, tie: u32) -> Extreme {
+        if self.topology.has_large_faces() || !self.fans.is_empty() {
+            let proven = [top, tie].into_iter().find_map(|v| self.extreme_by_faces(n, v));
+            if let Some(proven) = proven {
+                return proven;
+            }
+        }
         let mut best = Extreme {
             vertex: 0,
             value: f64::NEG_INFINITY,
@@ -184,7 +208,7 @@ impl ConvexPolyhedron {
             let Some(w) = ring.higher else { return ring };
             steps += 1;
             v = if steps % LEAP == 0 {
-                leap(&self.topology, &self.points, n, w)
+                leap(&self.topology, &self.points, &self.fans, n, w)
             } else {
                 w
             };
@@ -202,6 +226,19 @@ impl ConvexPolyhedron {
             tie: v,
         };
         let mut rise = 0.0;
+        if let Some(m) = self.fans.axis(&self.topology, v) {
+            let w = self
+                .topology
+                .half_edge(steepest(&self.topology, &self.points, v, m, n))
+                .to;
+            let rises = edge_sign(n, &(self.points[w as usize] - p)) > 0;
+            // Ties of a large fan are not counted: two stand for any number.
+            return Ring {
+                higher: rises.then_some(w),
+                ties: 2,
+                ..ring
+            };
+        }
         self.topology.each_leaving(v, |_, w| {
             let e = self.points[w as usize] - p;
             let (x, y, z) = (n.x * e.x, n.y * e.y, n.z * e.z);
@@ -272,7 +309,7 @@ pub(crate) struct CubeMap {
 
 impl CubeMap {
     /// Looks up the middle of every cell, climbing from the vertex of the cell before.
-    pub(crate) fn new(topology: &Topology, points: &[Vector3<f64>]) -> Self {
+    pub(crate) fn new(topology: &Topology, points: &[Vector3<f64>], fans: &Fans) -> Self {
         // Measured: with 4, 8 and 16 cells a climb visits 2-6 vertices up to 128, 1024 and 8192 vertices.
         let side: u32 = match points.len() {
             0..=12 => 2,
@@ -293,7 +330,7 @@ impl CubeMap {
                     let axis = face as usize / 2;
                     n[(axis + 1) % 3] = middle(row);
                     n[(axis + 2) % 3] = middle(column);
-                    hint = climb(topology, points, &n.component_div(&stretch), hint);
+                    hint = climb(topology, points, fans, &n.component_div(&stretch), hint);
                     cells[((face * side + row) * side + column) as usize] = hint;
                 }
             }

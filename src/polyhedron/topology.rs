@@ -82,10 +82,15 @@ pub(crate) struct Topology {
     rings: Vec<(u32, u32)>,
     /// The half-edges of large faces in order, face after face.
     ring: Vec<u32>,
+    /// Where there are large faces: by vertex, the place in `ring` of a half-edge of one of them that leaves it.
+    places: Vec<u32>,
 }
 
 /// Rims longer than this are kept as rings too.
 pub(crate) const LARGE: usize = 24;
+
+/// Fans of more edges than this are searched; up to here a look at each is as cheap.
+pub(crate) const MANY: usize = 128;
 
 impl Topology {
     /// From the vertex loops of the faces, counter-clockwise from outside. `None` where the loops are not a closed
@@ -149,6 +154,7 @@ impl Topology {
             rim,
             rings: Vec::new(),
             ring: Vec::new(),
+            places: Vec::new(),
         };
         topology.keep_rings();
         Some(topology)
@@ -158,10 +164,27 @@ impl Topology {
         for f in 0..self.rim.len() as u32 {
             if self.rim(f).nth(LARGE).is_some() {
                 let ring: Vec<u32> = self.rim(f).collect();
-                self.rings.push((f, self.ring.len() as u32));
+                let start = self.ring.len() as u32;
+                self.places.resize(self.vertex_count(), u32::MAX);
+                for (&h, place) in ring.iter().zip(start..) {
+                    let v = self.from(h) as usize;
+                    self.places[v] = place;
+                }
+                self.rings.push((f, start));
                 self.ring.extend(ring);
             }
         }
+    }
+
+    /// The rim of a large face that a vertex is on, as a ring, and the place of the half-edge that leaves it.
+    pub(crate) fn long_rim(&self, v: u32) -> Option<(&[u32], usize)> {
+        let place = *self.places.get(v as usize)?;
+        let next = self.rings.partition_point(|r| r.1 <= place);
+        let start = self.rings.get(next.checked_sub(1)?)?.1;
+        let end = self.rings.get(next).map_or(self.ring.len(), |r| r.1 as usize);
+        // The place of a vertex on none is beyond all.
+        let ring = self.ring.get(start as usize..end)?;
+        (place < end as u32).then_some((ring, (place - start) as usize))
     }
 
     /// Whether any face is kept as a ring.
@@ -242,7 +265,10 @@ impl Topology {
             Links::Short(l) => l.capacity() * 8,
             Links::Long(l) => l.capacity() * 16,
         };
-        links + 4 * (self.first.capacity() + self.rim.capacity() + self.ring.capacity()) + 8 * self.rings.capacity()
+        links
+            + 4 * (self.first.capacity() + self.rim.capacity() + self.ring.capacity())
+            + 4 * self.places.capacity()
+            + 8 * self.rings.capacity()
     }
 
     /// The vertex `h` leaves.

@@ -64,15 +64,24 @@ pub enum SceneError {
         /// The other.
         those: Group,
     },
+    /// The origin of the scene's [`Settings`](crate::broad::Settings) is NaN or infinite: it can hold no body.
+    #[error("the origin of the scene is not finite on axis {axis}")]
+    Origin {
+        /// 0, 1, 2 for x, y, z.
+        axis: usize,
+    },
     /// No more indices: a scene holds at most 2^31 - 1 bodies.
     #[error("a scene holds at most 2147483647 bodies")]
     TooManyBodies,
 }
 
 impl From<BroadPhaseError> for SceneError {
-    /// Boxes come from checked shapes at checked poses, so the number of bodies is all a broad phase can refuse.
-    fn from(_: BroadPhaseError) -> Self {
-        Self::TooManyBodies
+    /// Boxes come from checked shapes at checked poses, so the origin and the number of bodies are all a broad phase can refuse.
+    fn from(error: BroadPhaseError) -> Self {
+        match error {
+            BroadPhaseError::Origin { axis } => Self::Origin { axis },
+            _ => Self::TooManyBodies,
+        }
     }
 }
 

@@ -189,7 +189,8 @@ impl Scene {
     /// Puts a body into the scene.
     ///
     /// # Errors
-    /// When the pose is no rigid motion or too far out, the shape too large, or there are too many bodies.
+    /// When the pose is no rigid motion or too far out, the shape too large, the origin of the scene's settings not finite, or there are
+    /// too many bodies.
     pub fn insert(&mut self, body: Body, pose: Isometry3<f64>) -> Result<BodyId, SceneError> {
         checked(&pose, None)?;
         let mut solid = Solid::new(body)?;

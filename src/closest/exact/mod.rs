@@ -5,6 +5,7 @@
 //! exact signs, from the features that floating point ended on, so it takes a step or two. Supports are filtered: only
 //! vertices within the rounding of the highest are placed exactly.
 
+mod depth;
 mod integer;
 mod origin;
 mod simplex;
@@ -22,6 +23,7 @@ use super::refine;
 use crate::polyhedron::ConvexPolyhedron;
 use crate::pose::RelativePose;
 use crate::tolerance::EXACT_FILTER;
+pub(crate) use depth::deepest;
 use integer::{Big3, direction, dot, fraction, integer, is_zero, lowest_bit, neg, root, sub};
 use origin::{Origin, Set, locate};
 use simplex::{Corner, Nearest, minimize};
