@@ -35,7 +35,7 @@ fn run(kind: Kind, threads: usize) -> Vec<Told> {
         let mut batch: Vec<(BodyId, Aabb)> = ids.iter().copied().zip(scene.boxes.iter().copied()).collect();
         batch[700].1.min.x = f64::NAN;
         batch[70].0.generation += 2;
-        if step % 3 == 0 {
+        if step.is_multiple_of(3) {
             batch.reverse();
         }
         let error = broad.set_boxes(&batch).unwrap_err();

@@ -222,7 +222,7 @@ impl Block {
     /// Where a hash belongs.
     #[inline(always)]
     fn home(&self, hash: u32) -> usize {
-        (u64::from(hash) * self.places.len() as u64 >> 32) as usize
+        ((u64::from(hash) * self.places.len() as u64) >> 32) as usize
     }
 
     #[inline(always)]
