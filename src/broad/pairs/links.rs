@@ -56,7 +56,7 @@ fn key_of(pair: &Pair) -> PairKey {
 /// The links of some consecutive lower bodies.
 #[derive(Clone, Debug, Default)]
 struct Block {
-    /// At most half of them taken, so that runs are short.
+    /// At most 3/8 of them taken: runs are short, which deletion walks.
     places: Vec<Link>,
     live: usize,
 }
@@ -253,8 +253,8 @@ impl Block {
 
     /// The pair is not in the table.
     fn insert(&mut self, link: Link) {
-        if (self.live + 1) * 2 > self.places.len() {
-            self.resize(5 * self.live / 2 + 4);
+        if (self.live + 1) * 8 > self.places.len() * 3 {
+            self.resize(7 * self.live / 2 + 4);
         }
         let mut place = self.home(link.hash);
         while !self.places[place].is_vacant() {
@@ -271,10 +271,10 @@ impl Block {
         while !self.places[place].is_vacant() {
             let home = self.home(self.places[place].hash);
             // The entry may fill the hole if the hole is not before its home in probing order.
-            if self.steps(home, place) >= self.steps(hole, place) {
-                self.places[hole] = self.places[place];
-                hole = place;
-            }
+            let fills = self.steps(home, place) >= self.steps(hole, place);
+            let (here, there) = (self.places[hole], self.places[place]);
+            self.places[hole] = if fills { there } else { here };
+            hole = if fills { place } else { hole };
             place = self.next(place);
         }
         self.places[hole] = VACANT;
