@@ -280,7 +280,7 @@ fn large_faces_are_spanned() {
     bodies.extend([25, 64, 300].map(|n| shapes::prism(n, 1.0, 0.3)));
     bodies.push(shapes::prism(200, 1.0, 0.3).stretched([1.0, 1.0 / 64.0, 0.5]));
     let bodies: Vec<_> = bodies.iter().map(world::body).collect();
-    let (mut seen, mut least) = ([0; 2], f64::INFINITY);
+    let (mut seen, mut few) = ([0; 2], 0);
     for k in 0..1500 {
         let (a, b) = (rng.pick(&bodies), &bodies[2 + k % 4]);
         let frame = laid(a, b, [-1e-3, 1e-3][k % 2], 0.0, &mut rng);
@@ -291,15 +291,13 @@ fn large_faces_are_spanned() {
             continue;
         };
         if shared > 1e-6 {
-            least = least.min(points / shared);
             seen[usize::from(points < 0.6 * shared)] += 1;
+            few += usize::from(points < 0.1 * shared);
         }
     }
-    assert!(
-        // Which of the witnesses of flush faces an answer gives decides how little a few points span at worst.
-        seen[0] > 1000 && seen[1] * 100 < seen[0] && least > 0.01,
-        "{seen:?} {least}"
-    );
+    // Rays out of the tip of a long and narrow shape find its sides, not its other end: which witness of many an answer gives
+    // decides whether they begin there.
+    assert!(seen[0] > 1000 && seen[1] * 100 < seen[0] && few <= 2, "{seen:?} {few}");
 }
 
 /// Frames of all kinds, most of them near contact.

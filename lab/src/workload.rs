@@ -3,7 +3,7 @@
 use crate::motion::{Frame, hold_distance, hold_gap};
 use crate::pose::{add, cross, dot, quat, quat_mul, scale, sub, unit, unit_quat};
 use crate::rng::Rng;
-use crate::shapes::{cuboid, ellipsoid, prism, sphere};
+use crate::shapes::{cone, cuboid, ellipsoid, prism, sphere};
 use crate::{Point, Pose};
 
 /// Vertices of the random hulls.
@@ -16,12 +16,13 @@ pub const GAP: f64 = 0.02;
 pub const DEPTH: f64 = 0.02;
 
 /// The points of a body: `n` random ones on the unit sphere (`sphere`) or on an ellipsoid 1:1:0.1 (`flat`), a regular `prism`
-/// of `n` corners, or the corners of a `box`.
+/// or `cone` of `n` corners, or the corners of a `box`.
 pub fn points(shape: &str, n: usize, rng: &mut Rng) -> Vec<Point> {
     match shape {
         "sphere" => sphere(rng, n).points,
         "flat" => ellipsoid(rng, n, [1.0, 1.0, 0.1]).points,
         "prism" => prism(n / 2, 1.0, 0.3).points,
+        "cone" => cone(n - 1, 1.0, 0.8).points,
         _ => cuboid([0.6, 0.5, 0.4]).points,
     }
 }

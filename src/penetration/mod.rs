@@ -79,7 +79,7 @@ fn deepen_finely(placed: &Placed, outcome: &mut Outcome) {
         take(placed, &found, outcome);
     }
     #[cfg(feature = "exact")]
-    if !is_narrow(placed, outcome) {
+    if !is_narrow(placed, outcome) || outcome.distance == 0.0 {
         exhaustive::settle(placed, &frame, outcome);
     }
 }
