@@ -1,4 +1,4 @@
-//! Feature `parallel`: any number of threads gives the same events, slots and errors.
+//! Feature `parallel`: any number of threads gives the same events, slots, errors and questions to the filter.
 #![cfg(feature = "parallel")]
 
 use lab::boxes::{Kind, Scene};
@@ -12,39 +12,66 @@ fn with_threads<R: Send>(threads: usize, work: impl FnOnce() -> R + Send) -> R {
         .install(work)
 }
 
+/// What a step told, in the order it was told.
+#[derive(Debug, PartialEq)]
+struct Told {
+    error: BatchError,
+    asked: Vec<(BodyId, BodyId)>,
+    began: Vec<Pair>,
+    ended: Vec<Pair>,
+    pairs: Vec<Pair>,
+}
+
+/// Twenty steps of a scene with two bad boxes each, one body replaced and one asked again, and a filter that refuses
+/// some pairs.
+fn run(kind: Kind, threads: usize) -> Vec<Told> {
+    let mut scene = Scene::new(kind, 1500);
+    let from = if threads == 1 { usize::MAX } else { 0 };
+    let mut broad = PencilSweep::with_settings(Settings::default().parallel_from(from));
+    let insert = |broad: &mut PencilSweep, aabb: &Aabb| broad.insert(aabb, Body::moving()).unwrap();
+    let mut ids: Vec<BodyId> = scene.boxes.iter().map(|b| insert(&mut broad, b)).collect();
+    let step = |step: usize| {
+        scene.step();
+        let mut batch: Vec<(BodyId, Aabb)> = ids.iter().copied().zip(scene.boxes.iter().copied()).collect();
+        batch[700].1.min.x = f64::NAN;
+        batch[70].0.generation += 2;
+        if step.is_multiple_of(3) {
+            batch.reverse();
+        }
+        let error = broad.set_boxes(&batch).unwrap_err();
+        let replaced = (step * 71 + 3) % 1500;
+        broad.remove(ids[replaced]).unwrap();
+        ids[replaced] = insert(&mut broad, &scene.boxes[replaced]);
+        broad.regroup(ids[step * 37]).unwrap();
+        let mut asked = Vec::new();
+        let events = broad.step_with(&mut |a, b| {
+            asked.push((a, b));
+            (a.index ^ b.index) % 5 > 0
+        });
+        let (began, ended) = (events.began.to_vec(), events.ended.to_vec());
+        let pairs = broad.pairs().collect();
+        Told {
+            error,
+            asked,
+            began,
+            ended,
+            pairs,
+        }
+    };
+    (0..20).map(step).collect()
+}
+
 #[test]
 fn threads_change_nothing() {
     for kind in [Kind::Uniform, Kind::Pile, Kind::Teleport, Kind::Mixed, Kind::Clusters] {
-        let run = |threads: usize| {
-            with_threads(threads, || {
-                let mut scene = Scene::new(kind, 1500);
-                let from = if threads == 1 { usize::MAX } else { 0 };
-                let mut broad = PencilSweep::with_settings(Settings::default().parallel_from(from));
-                let ids: Vec<BodyId> = scene
-                    .boxes
-                    .iter()
-                    .map(|b| broad.insert(b, Body::moving()).unwrap())
-                    .collect();
-                let mut log = Vec::new();
-                for step in 0..20 {
-                    scene.step();
-                    let mut batch: Vec<(BodyId, Aabb)> = ids.iter().copied().zip(scene.boxes.iter().copied()).collect();
-                    batch[700].1.min.x = f64::NAN;
-                    batch[70].0.generation += 2;
-                    if step % 3 == 0 {
-                        batch.reverse();
-                    }
-                    let error = broad.set_boxes(&batch).unwrap_err();
-                    let events = broad.step();
-                    log.push((error, events.began.to_vec(), events.ended.to_vec()));
-                }
-                log
-            })
-        };
-        let one = run(1);
-        assert!(one[0].0.refused == 2);
+        let one = with_threads(1, || run(kind, 1));
+        assert!(one.iter().all(|told| told.error.refused == 2));
+        let ended: usize = one.iter().map(|told| told.ended.len()).sum();
+        let refused: usize = one.iter().map(|told| told.asked.len() - told.began.len()).sum();
+        assert!(ended > 40 && refused > 50, "{} {ended} {refused}", kind.name());
         for threads in [2, 3, 8] {
-            assert_eq!(run(threads), one, "{} {threads}", kind.name());
+            let many = with_threads(threads, || run(kind, threads));
+            assert!(many == one, "{} {threads}", kind.name());
         }
     }
 }

@@ -1,6 +1,7 @@
 //! The table of bodies: ids with generations, the stored boxes of this step and the last, and who moved.
 
 use super::aabb::{FARTHEST, StoredBox};
+use super::ahead::read_ahead;
 use super::bounds::{Bounds, any_above};
 use super::error::BroadPhaseError;
 use super::grid::{Grid, Range};
@@ -34,19 +35,16 @@ struct Detail {
     groups: Groups,
     margin: f32,
     lookahead: f32,
-    /// The generation under which the body lives or last lived.
-    generation: u32,
     fixed: bool,
 }
 
 impl Detail {
-    fn new(body: Body, generation: u32) -> Self {
+    fn new(body: Body) -> Self {
         let (margin, lookahead) = (body.margin as f32, body.lookahead as f32);
         Self {
             groups: body.groups,
             margin,
             lookahead,
-            generation,
             fixed: body.fixed,
         }
     }
@@ -76,6 +74,7 @@ pub(crate) struct Marks {
 pub(crate) struct Bodies {
     pub(crate) records: Vec<Record>,
     details: Vec<Detail>,
+    /// Odd while the body lives, one more after.
     generations: Vec<u32>,
     free: Vec<u32>,
     /// Removed bodies whose pairs end with the next step.
@@ -132,7 +131,7 @@ impl Bodies {
             None if self.records.len() >= self.most => return Err(BroadPhaseError::TooManyBodies),
             None => {
                 push(&mut self.records, Record::absent());
-                push(&mut self.details, Detail::new(body, 0));
+                push(&mut self.details, Detail::new(body));
                 push(&mut self.generations, 0);
                 (self.records.len() - 1) as u32
             }
@@ -140,7 +139,7 @@ impl Bodies {
         let i = index as usize;
         let generation = self.generations[i] + 1;
         self.generations[i] = generation;
-        self.details[i] = Detail::new(body, generation);
+        self.details[i] = Detail::new(body);
         let loose = if body.margin > 0.0 || body.lookahead > 0.0 {
             LOOSE
         } else {
@@ -223,10 +222,11 @@ impl Bodies {
 
     /// The id under which the body at `index` lives, or last lived until the next step.
     pub(crate) fn id(&self, index: u32) -> BodyId {
-        BodyId {
-            index,
-            generation: self.details.get(index as usize).map_or(0, |d| d.generation),
-        }
+        let generation = self
+            .generations
+            .get(index as usize)
+            .map_or(0, |g| g.wrapping_sub(1) | 1);
+        BodyId { index, generation }
     }
 
     pub(crate) fn lives(&self, index: u32) -> bool {
@@ -252,6 +252,14 @@ impl Bodies {
     pub(crate) fn may_pair(&self, a: u32, b: u32) -> bool {
         let [a, b] = [a, b].map(|i| &self.details[i as usize]);
         !(a.fixed && b.fixed) && a.groups.meet(b.groups)
+    }
+
+    /// Reads what [`may_pair`](Self::may_pair) and [`id`](Self::id) will want of these bodies.
+    pub(crate) fn read_ahead(&self, indices: impl Iterator<Item = u32>) {
+        read_ahead(
+            self.details.len(),
+            indices.map(|i| self.details[i as usize].groups.member_of ^ self.generations[i as usize]),
+        );
     }
 
     /// Ids of all living bodies.

@@ -35,15 +35,31 @@ impl Changes {
         }
     }
 
+    /// Takes over all of `other`, which keeps memory for as many.
     pub(crate) fn append(&mut self, other: &mut Self) {
-        self.began.append(&mut other.began);
-        self.ended.append(&mut other.ended);
+        for (all, part) in [(&mut self.began, &mut other.began), (&mut self.ended, &mut other.ended)] {
+            trim(part);
+            if all.is_empty() {
+                core::mem::swap(all, part);
+            } else {
+                all.append(part);
+            }
+        }
     }
 
-    /// One order for every structure, mode and thread count: by the two indices.
+    /// The changes one thread found, in order, so that [`settle`](Self::settle) has but to merge.
     pub(crate) fn sort(&mut self) {
         self.began.sort_unstable();
         self.ended.sort_unstable();
+    }
+
+    /// One order for every structure, mode and thread count, by the two indices; each pair once. The library's stable sort
+    /// takes sorted runs as they are.
+    pub(crate) fn settle(&mut self) {
+        for keys in [&mut self.began, &mut self.ended] {
+            keys.sort();
+            keys.dedup();
+        }
     }
 
     /// Notes a change of the pair, if it is one.

@@ -62,16 +62,17 @@ impl Ledger {
     }
 
     /// Takes the changes over into pairs and events, and asks the pairs of regrouped bodies again. `partners` lists
-    /// the bodies whose new boxes overlap that of the body at an index.
+    /// the bodies whose new boxes overlap that of the body at an index. The result is the same for any number of threads.
     pub(super) fn take_over(
         &mut self,
         filter: &mut dyn FnMut(BodyId, BodyId) -> bool,
         mut partners: impl FnMut(&Bodies, u32, &mut Vec<u32>),
+        threads: usize,
     ) {
         let Self { bodies, pairs, changes } = self;
-        changes.sort();
+        changes.settle();
+        pairs.apply(changes, bodies, filter, threads);
         let mut allowed = |a: u32, b: u32| bodies.may_pair(a, b) && filter(bodies.id(a), bodies.id(b));
-        pairs.apply(changes, bodies, &mut allowed);
         let mut found = Vec::new();
         for &index in &bodies.regrouped {
             if !bodies.lives(index) {

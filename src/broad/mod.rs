@@ -45,6 +45,7 @@
 //! [`SortedAxes`], then `grid` and [`PencilSweep`].
 
 mod aabb;
+mod ahead;
 mod body;
 mod bounds;
 mod change;
@@ -54,6 +55,7 @@ mod ledger;
 #[cfg(test)]
 mod limits;
 mod pairs;
+mod parallel;
 mod pencil;
 #[cfg(feature = "serde")]
 mod snapshot;

@@ -98,9 +98,7 @@ impl SortedAxes {
         if anew {
             sweep_one_axis(bodies, changes);
         }
-        changes.sort();
-        changes.began.dedup();
-        changes.ended.dedup();
+        changes.settle();
         if !bodies.leaving.is_empty() {
             let stays = |end: &End| bodies.records[index_of(*end) as usize].present();
             self.axes.iter_mut().for_each(|axis| axis.retain(stays));
@@ -170,7 +168,7 @@ impl HasLedger for SortedAxes {
 impl BroadPhase for SortedAxes {
     fn step_with(&mut self, filter: &mut dyn FnMut(BodyId, BodyId) -> bool) -> Events<'_> {
         self.find_changes();
-        self.ledger.take_over(filter, |bodies, index, found| {
+        let partners = |bodies: &Bodies, index: u32, found: &mut Vec<u32>| {
             let stored = bodies.records[index as usize].now();
             let hits = bodies
                 .records
@@ -178,7 +176,8 @@ impl BroadPhase for SortedAxes {
                 .enumerate()
                 .filter(|(_, r)| r.now().overlaps(&stored));
             found.extend(hits.map(|(i, _)| i as u32));
-        });
+        };
+        self.ledger.take_over(filter, partners, 1);
         self.ledger.pairs.events(&self.ledger.bodies)
     }
 

@@ -2,6 +2,7 @@
 
 use super::{Bodies, Context, Marks, Record, checked};
 use crate::broad::bounds::Bounds;
+use crate::broad::parallel::{ascends, join};
 use crate::broad::{Aabb, BatchError, BodyId, BroadPhaseError};
 use nalgebra::Point3;
 
@@ -35,7 +36,7 @@ impl Bodies {
             generations: &self.generations,
         };
         // Records can be dealt out to threads only when each part of the batch names a part of the table.
-        if threads > 1 && batch.is_sorted_by(|a, b| a.0.index < b.0.index) {
+        if threads > 1 && ascends(batch, |entry| entry.0.index, threads) {
             return split::<AXIS>(&context, run, batch, &self.origin, &mut self.marks, threads);
         }
         run.apply::<AXIS>(&context, batch, &self.origin, &mut self.marks)
@@ -44,7 +45,6 @@ impl Bodies {
 
 /// Halves batch and table until every thread has a part; the parts' marks are joined in order, so the result is that
 /// of one thread.
-#[cfg(feature = "parallel")]
 fn split<const AXIS: usize>(
     context: &Context<'_>,
     run: Run<'_>,
@@ -73,7 +73,7 @@ fn split<const AXIS: usize>(
         generations: generations_high,
     };
     let mut marks_high = Marks::default();
-    let (error_low, error_high) = rayon::join(
+    let (error_low, error_high) = join(
         || split::<AXIS>(context, run_low, low, origin, marks, threads / 2),
         || split::<AXIS>(context, run_high, high, origin, &mut marks_high, threads - threads / 2),
     );
@@ -84,18 +84,6 @@ fn split<const AXIS: usize>(
         ..e
     });
     BatchError::joined(error_low, error_high)
-}
-
-#[cfg(not(feature = "parallel"))]
-fn split<const AXIS: usize>(
-    context: &Context<'_>,
-    run: Run<'_>,
-    batch: &[(BodyId, Aabb)],
-    origin: &Point3<f64>,
-    marks: &mut Marks,
-    _: usize,
-) -> Option<BatchError> {
-    run.apply::<AXIS>(context, batch, origin, marks)
 }
 
 impl Run<'_> {

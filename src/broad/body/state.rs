@@ -7,7 +7,6 @@ use alloc::string::String;
 #[derive(serde::Serialize, serde::Deserialize)]
 struct Row {
     generation: u32,
-    last_generation: u32,
     body: Body,
     new: StoredBox,
     old: StoredBox,
@@ -36,7 +35,6 @@ impl Bodies {
         let back = 3 - self.grid.axis;
         let row = |(i, record): (usize, &Record)| Row {
             generation: self.generations[i],
-            last_generation: self.details[i].generation,
             body: self.details[i].body(),
             new: record.now().to_box().rotated(back),
             old: record.before(self.step).to_box().rotated(back),
@@ -101,7 +99,7 @@ impl BodiesState {
             record.set_new(&Bounds::from_box(&row.new));
             (record.old_lo, record.old_hi) = (row.old.lo, row.old.hi);
             bodies.records.push(record);
-            bodies.details.push(Detail::new(row.body, row.last_generation));
+            bodies.details.push(Detail::new(row.body));
             bodies.generations.push(row.generation);
         }
         (bodies.free, bodies.leaving, bodies.regrouped) = (self.free, self.leaving, self.regrouped);

@@ -1,6 +1,7 @@
 //! One column: its bodies in the order of their lower bound on the swept axis.
 
 use crate::broad::aabb::{max, order_key};
+use crate::broad::ahead::read_ahead;
 use crate::broad::body::{Bodies, JUMPS, MIGRATES, Record, UNBOUNDED};
 use alloc::vec::Vec;
 
@@ -88,6 +89,7 @@ impl Column {
     /// Gives every entry the key of its box of this step and restores the order: insertion sort for those that stayed,
     /// which are nearly in order, then one merge with those that came. Returns how many places entries moved by.
     pub(super) fn reorder(&mut self, column: [u16; 2], records: &[Record], step: u32) -> u64 {
+        read_ahead(records.len(), self.entries.iter().map(|e| records[index_of(*e)].flags));
         let settled = self.settled.min(self.entries.len());
         let (stayed, came) = self.entries.split_at_mut(settled);
         let key = |e: Entry| {

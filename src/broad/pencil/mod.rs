@@ -37,6 +37,7 @@ use super::bounds::Bounds;
 use super::change::note_unbounded;
 use super::grid::Grid;
 use super::ledger::{HasLedger, Ledger};
+use super::parallel::{self, join};
 use super::{Aabb, BatchError, BodyId, BroadPhase, BroadPhaseError, Events, Settings};
 use alloc::vec::Vec;
 use column::{ARRIVING, Column};
@@ -96,13 +97,11 @@ impl PencilSweep {
 
     /// How many threads share the work of a step.
     fn threads(&self) -> usize {
-        let worth_it = self.ledger.bodies.len() >= self.parallel_from;
-        #[cfg(feature = "parallel")]
-        if worth_it {
-            return rayon::current_num_threads().max(1);
+        if self.ledger.bodies.len() >= self.parallel_from {
+            parallel::threads()
+        } else {
+            1
         }
-        let _ = worth_it;
-        1
     }
 
     /// Cuts new columns and lists every body in them as this step needs it.
@@ -195,7 +194,6 @@ impl PencilSweep {
     fn collect(&mut self) {
         for worker in &mut self.workers {
             self.ledger.changes.append(&mut worker.changes);
-            worker.changes.clear();
             self.swaps += core::mem::take(&mut worker.swaps);
         }
     }
@@ -221,7 +219,6 @@ impl PencilSweep {
 /// Sweeps columns with as many threads as there are workers. Each worker takes a run of columns of about equal work;
 /// the changes are sorted afterwards, so who did what leaves no trace.
 fn sweep_columns(workers: &mut [Worker], columns: &mut [Column], first: usize, total: usize, bodies: &Bodies) {
-    #[cfg(feature = "parallel")]
     if workers.len() > 1 && columns.len() > 1 {
         let (low, high) = workers.split_at_mut(workers.len() / 2);
         let share = total * low.len() / (low.len() + high.len());
@@ -232,19 +229,19 @@ fn sweep_columns(workers: &mut [Worker], columns: &mut [Column], first: usize, t
             border += 1;
         }
         let (left, right) = columns.split_at_mut(border);
-        rayon::join(
+        join(
             || sweep_columns(low, left, first, below, bodies),
             || sweep_columns(high, right, first + border, total - below, bodies),
         );
         return;
     }
-    let _ = total;
     let Some(worker) = workers.first_mut() else { return };
     for (k, column) in columns.iter_mut().enumerate() {
         if !column.entries.is_empty() {
             worker.sweep(first + k, column, bodies);
         }
     }
+    worker.changes.sort();
 }
 
 impl Default for PencilSweep {
@@ -271,8 +268,9 @@ impl BroadPhase for PencilSweep {
 
     fn step_with(&mut self, filter: &mut dyn FnMut(BodyId, BodyId) -> bool) -> Events<'_> {
         self.find_changes();
+        let threads = self.threads();
         let columns = &self.columns;
-        self.ledger.take_over(filter, |bodies, index, found| {
+        let partners = |bodies: &Bodies, index: u32, found: &mut Vec<u32>| {
             let record = &bodies.records[index as usize];
             if record.flags & UNBOUNDED != 0 {
                 let hits = bodies
@@ -284,7 +282,8 @@ impl BroadPhase for PencilSweep {
             } else {
                 query::overlapping(bodies, columns, &record.now(), Record::now, |i| found.push(i));
             }
-        });
+        };
+        self.ledger.take_over(filter, partners, threads);
         self.ledger.pairs.events(&self.ledger.bodies)
     }
 

@@ -1,0 +1,374 @@
+//! The overlapping pairs in slots that stay put from a pair's beginning to its end.
+
+mod links;
+
+use super::ahead::{AHEAD, read_ahead};
+use super::body::trim;
+use super::change::{Changes, PairKey, pair_key, pair_of};
+use super::parallel::join;
+use super::{Bodies, BodyId, BroadPhaseError};
+use alloc::vec::Vec;
+use links::Links;
+
+/// Names a pair from its beginning to its end. `slot` is small and dense: a caller can keep its own state of a pair,
+/// say a tracker, in a vector at that place.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct PairId {
+    /// Place in tables; reused no earlier than the step after the pair's end was reported.
+    pub slot: u32,
+    /// Tells apart the pairs that used the slot one after the other.
+    pub generation: u32,
+}
+
+/// Two bodies whose boxes overlap, `a.index < b.index`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Pair {
+    /// The pair's own name.
+    pub id: PairId,
+    /// The body with the lower index.
+    pub a: BodyId,
+    /// The body with the higher index.
+    pub b: BodyId,
+}
+
+/// What the last step changed, each part in ascending order of the two body indices. The order depends on boxes and
+/// ids alone: not on the structure, its tuning, its history or the number of threads.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Events<'a> {
+    /// Pairs that ended: boxes parted, a body was removed, or groups no longer let them pair.
+    pub ended: &'a [Pair],
+    /// Pairs that began.
+    pub began: &'a [Pair],
+    /// [`BroadPhaseError::TooManyPairs`] where pairs found no place. They did not begin, and all others are as they would be
+    /// without them; each is asked again when its boxes have parted and meet anew, or by
+    /// [`regroup`](super::BroadPhase::regroup).
+    pub refused: Option<BroadPhaseError>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+struct Slot {
+    /// The two body indices, the lower first; `VACANT` when no pair lives here.
+    bodies: [u32; 2],
+    generation: u32,
+}
+
+const VACANT: [u32; 2] = [u32::MAX; 2];
+
+impl Slot {
+    #[inline(always)]
+    fn key(&self) -> PairKey {
+        let [low, high] = self.bodies;
+        u64::from(low) << 32 | u64::from(high)
+    }
+}
+
+/// Most pairs at once: slot numbers have 32 bits, and one more than a slot's number is kept.
+const MOST_PAIRS: usize = u32::MAX as usize;
+
+/// How many slots a table may have; less in tests.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Most(pub(super) usize);
+
+impl Default for Most {
+    fn default() -> Self {
+        Self(MOST_PAIRS)
+    }
+}
+
+/// Slots, and links from two bodies to their slot. Touched by events and look-ups only.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct PairTable {
+    slots: Vec<Slot>,
+    free: Vec<u32>,
+    /// Slots of pairs that ended in the last step; free from the next step on.
+    resting: Vec<u32>,
+    links: Links,
+    live: usize,
+    ended: Vec<Pair>,
+    began: Vec<Pair>,
+    /// The first pair of the step that found no place, and how many did not.
+    refused: Option<(PairKey, usize)>,
+    pub(super) most: Most,
+}
+
+impl PairTable {
+    pub(crate) fn len(&self) -> usize {
+        self.live
+    }
+
+    pub(crate) fn events(&self, bodies: &Bodies) -> Events<'_> {
+        let refused = self.refused.map(|(key, refused)| {
+            let (a, b) = pair_of(key);
+            let [a, b] = [a, b].map(|i| bodies.id(i));
+            BroadPhaseError::TooManyPairs { a, b, refused }
+        });
+        Events {
+            ended: &self.ended,
+            began: &self.began,
+            refused,
+        }
+    }
+
+    /// Pairs in the order of their slots.
+    pub(crate) fn iter<'a>(&'a self, bodies: &'a Bodies) -> impl Iterator<Item = Pair> + 'a {
+        let occupied = self.slots.iter().enumerate().filter(|(_, slot)| slot.bodies != VACANT);
+        occupied.map(|(i, slot)| named(bodies, slot.key(), i as u32, slot.generation))
+    }
+
+    pub(crate) fn get(&self, a: u32, b: u32) -> Option<PairId> {
+        let slot = self.links.find(pair_key(a, b), &self.slots)?;
+        Some(PairId {
+            slot,
+            generation: self.slots[slot as usize].generation,
+        })
+    }
+
+    /// The two body indices of a pair that has not ended.
+    pub(crate) fn members(&self, id: PairId) -> Option<(u32, u32)> {
+        let slot = self.slots.get(id.slot as usize)?;
+        let same = slot.generation == id.generation && slot.bodies != VACANT;
+        same.then(|| pair_of(slot.key()))
+    }
+
+    /// Takes over the sorted changes of a step, those that options and filter allow. Slots and filter are for one thread
+    /// after the other; they touch little. What has to be looked up or moved is dealt out to threads.
+    pub(crate) fn apply(
+        &mut self,
+        changes: &Changes,
+        bodies: &Bodies,
+        filter: &mut dyn FnMut(BodyId, BodyId) -> bool,
+        threads: usize,
+    ) {
+        self.free.append(&mut self.resting);
+        self.refused = None;
+        for (events, keys) in [(&mut self.began, &changes.began), (&mut self.ended, &changes.ended)] {
+            trim(events);
+            events.clear();
+            events.resize(keys.len(), NOWHERE);
+        }
+        propose(&changes.began, &mut self.began, bodies, threads);
+        self.admit(filter);
+        self.links.update(
+            &changes.ended,
+            &mut self.ended,
+            &self.began,
+            &self.slots,
+            bodies,
+            threads,
+        );
+        self.vacate();
+    }
+
+    /// Gives slots to the proposed pairs that the filter lets pass; the others go.
+    fn admit(&mut self, filter: &mut dyn FnMut(BodyId, BodyId) -> bool) {
+        let mut began = core::mem::take(&mut self.began);
+        let mut read = 0;
+        began.retain_mut(|pair| {
+            if read == 0 {
+                let next = self.free.iter().rev().take(AHEAD);
+                read_ahead(self.slots.len(), next.map(|slot| self.slots[*slot as usize].generation));
+                read = AHEAD;
+            }
+            read -= 1;
+            if *pair == NOWHERE || !filter(pair.a, pair.b) {
+                return false;
+            }
+            let id = self.occupy(pair_key(pair.a.index, pair.b.index));
+            pair.id = id.unwrap_or(pair.id);
+            id.is_some()
+        });
+        self.began = began;
+    }
+
+    /// A slot for a pair that has none, if there is room.
+    fn occupy(&mut self, key: PairKey) -> Option<PairId> {
+        let slot = match self.free.pop() {
+            Some(slot) => slot,
+            None if self.slots.len() >= self.most.0 => {
+                let (_, count) = self.refused.get_or_insert((key, 0));
+                *count += 1;
+                return None;
+            }
+            None => {
+                self.slots.push(Slot {
+                    bodies: VACANT,
+                    generation: 0,
+                });
+                (self.slots.len() - 1) as u32
+            }
+        };
+        let occupied = &mut self.slots[slot as usize];
+        occupied.bodies = pair_of(key).into();
+        self.live += 1;
+        Some(PairId {
+            slot,
+            generation: occupied.generation,
+        })
+    }
+
+    /// Empties the slots of the pairs that ended and completes their names; pairs that never began go.
+    fn vacate(&mut self) {
+        let mut ended = core::mem::take(&mut self.ended);
+        ended.retain(|pair| pair.id.slot != NOWHERE.id.slot);
+        for pairs in ended.chunks_mut(AHEAD) {
+            read_ahead(
+                self.slots.len(),
+                pairs.iter().map(|pair| self.slots[pair.id.slot as usize].generation),
+            );
+            for pair in pairs {
+                pair.id.generation = self.release(pair.id.slot);
+            }
+        }
+        self.ended = ended;
+    }
+
+    /// Empties a slot; the generation of the pair that lived there.
+    fn release(&mut self, slot: u32) -> u32 {
+        let vacated = &mut self.slots[slot as usize];
+        let generation = vacated.generation;
+        vacated.bodies = VACANT;
+        vacated.generation = generation.wrapping_add(1);
+        self.resting.push(slot);
+        self.live -= 1;
+        generation
+    }
+
+    /// Restores the order of events after some were added out of order.
+    pub(crate) fn sort_events(&mut self) {
+        let order = |p: &Pair| (p.a.index, p.b.index);
+        self.ended.sort_unstable_by_key(order);
+        self.began.sort_unstable_by_key(order);
+    }
+
+    /// Ends the pair, if the table has it.
+    pub(crate) fn end(&mut self, key: PairKey, bodies: &Bodies) {
+        if let Some(slot) = self.links.remove(key, &self.slots) {
+            let generation = self.release(slot);
+            self.ended.push(named(bodies, key, slot, generation));
+        }
+    }
+
+    /// Begins the pair, unless the table has it or is full.
+    pub(crate) fn begin(&mut self, key: PairKey, bodies: &Bodies) {
+        if self.links.find(key, &self.slots).is_some() {
+            return;
+        }
+        if let Some(id) = self.occupy(key) {
+            self.links.insert(key, id.slot);
+            self.began.push(named(bodies, key, id.slot, id.generation));
+        }
+    }
+
+    /// Bytes reserved for pairs and events.
+    pub(crate) fn bytes(&self) -> usize {
+        self.slots.capacity() * size_of::<Slot>()
+            + (self.free.capacity() + self.resting.capacity()) * 4
+            + self.links.bytes()
+            + (self.ended.capacity() + self.began.capacity()) * size_of::<Pair>()
+    }
+}
+
+/// No pair; its slot is none's.
+const NOWHERE: Pair = {
+    let none = BodyId {
+        index: u32::MAX,
+        generation: 0,
+    };
+    let id = PairId {
+        slot: u32::MAX,
+        generation: 0,
+    };
+    Pair { id, a: none, b: none }
+};
+
+fn named(bodies: &Bodies, key: PairKey, slot: u32, generation: u32) -> Pair {
+    let (a, b) = pair_of(key);
+    Pair {
+        id: PairId { slot, generation },
+        a: bodies.id(a),
+        b: bodies.id(b),
+    }
+}
+
+/// Names the bodies of the pairs that options let begin; `out` holds `NOWHERE` before.
+fn propose(keys: &[PairKey], out: &mut [Pair], bodies: &Bodies, threads: usize) {
+    if threads > 1 {
+        let half = keys.len() / 2;
+        let ((low, high), (out_low, out_high)) = (keys.split_at(half), out.split_at_mut(half));
+        let fewer = threads / 2;
+        join(
+            || propose(low, out_low, bodies, fewer),
+            || propose(high, out_high, bodies, threads - fewer),
+        );
+        return;
+    }
+    for (keys, pairs) in keys.chunks(AHEAD).zip(out.chunks_mut(AHEAD)) {
+        bodies.read_ahead(keys.iter().map(|key| pair_of(*key).1));
+        for (key, pair) in keys.iter().zip(pairs) {
+            let (a, b) = pair_of(*key);
+            if bodies.may_pair(a, b) {
+                *pair = named(bodies, *key, NOWHERE.id.slot, 0);
+            }
+        }
+    }
+}
+
+/// Feature `serde`: the slots as text; the index is made anew.
+#[cfg(feature = "serde")]
+#[derive(serde::Serialize, serde::Deserialize)]
+pub(crate) struct PairsState {
+    slots: Vec<Slot>,
+    free: Vec<u32>,
+    resting: Vec<u32>,
+}
+
+#[cfg(feature = "serde")]
+impl PairTable {
+    pub(crate) fn state(&self) -> PairsState {
+        PairsState {
+            slots: self.slots.clone(),
+            free: self.free.clone(),
+            resting: self.resting.clone(),
+        }
+    }
+}
+
+#[cfg(feature = "serde")]
+impl PairsState {
+    /// The table again, if every slot names bodies below `bodies` and every vacant slot is listed once.
+    pub(crate) fn restored(self, bodies: usize) -> Result<PairTable, alloc::string::String> {
+        let Self { slots, free, resting } = self;
+        let mut vacant: Vec<u32> = free.iter().chain(&resting).copied().collect();
+        vacant.sort_unstable();
+        let empty = slots
+            .iter()
+            .enumerate()
+            .filter(|(_, s)| s.bodies == VACANT)
+            .map(|(i, _)| i as u32);
+        let named = |key: &PairKey| {
+            let (a, b) = pair_of(*key);
+            a < b && (b as usize) < bodies
+        };
+        let occupied = slots.iter().enumerate().filter(|(_, s)| s.bodies != VACANT);
+        let mut pairs: Vec<(PairKey, u32)> = occupied.map(|(i, s)| (s.key(), i as u32)).collect();
+        pairs.sort_unstable();
+        let sound = pairs.iter().all(|(key, _)| named(key)) && pairs.is_sorted_by(|a, b| a.0 < b.0);
+        if slots.len() > MOST_PAIRS || !empty.eq(vacant) || !sound {
+            return Err("the pairs of the broad phase contradict each other".into());
+        }
+        let mut links = Links::default();
+        pairs.iter().for_each(|(key, slot)| links.insert(*key, *slot));
+        Ok(PairTable {
+            live: pairs.len(),
+            links,
+            slots,
+            free,
+            resting,
+            ..PairTable::default()
+        })
+    }
+}

@@ -1,0 +1,31 @@
+//! Feature `parallel`: work in halves. Without the feature, and with one thread, one after the other.
+
+/// How many threads share the work.
+pub(super) fn threads() -> usize {
+    #[cfg(feature = "parallel")]
+    return rayon::current_num_threads().max(1);
+    #[cfg(not(feature = "parallel"))]
+    1
+}
+
+/// Both, side by side if there are threads to spare.
+pub(super) fn join<A: Send, B: Send>(a: impl FnOnce() -> A + Send, b: impl FnOnce() -> B + Send) -> (A, B) {
+    #[cfg(feature = "parallel")]
+    return rayon::join(a, b);
+    #[cfg(not(feature = "parallel"))]
+    (a(), b())
+}
+
+/// Whether `items` ascend by `key`, no two equal.
+pub(super) fn ascends<T: Sync>(items: &[T], key: impl Fn(&T) -> u32 + Sync + Copy, threads: usize) -> bool {
+    if threads > 1 && items.len() > 2 {
+        // Halves share an item, so that every two neighbours are compared.
+        let half = items.len() / 2;
+        let (low, high) = join(
+            || ascends(&items[..=half], key, threads / 2),
+            || ascends(&items[half..], key, threads - threads / 2),
+        );
+        return low && high;
+    }
+    items.is_sorted_by(|a, b| key(a) < key(b))
+}
