@@ -195,27 +195,41 @@ impl Memory {
         best.height < before
     }
 
-    /// Takes over the deepest facet, and finds features that hold the witnesses: those of the last answer, the facet's own, or of
-    /// faces flush on each other others.
+    /// Takes over the deepest facet, and finds features that hold the witnesses: mostly its own.
+    #[inline(always)]
     fn stand(&mut self, placed: &Placed, best: &Best<f64>) -> Option<(FeaturePair, Witnesses)> {
         let (facet, at) = (best.features?, best.rounded());
-        let old = self.stand.filter(|f| f.is_of(placed.a, placed.b));
-        (self.facet, self.stand) = (Some(facet), None);
-        let held = |f: FeaturePair| Some((f, foot(placed, f, &at)?));
-        let found = old
-            .and_then(held)
-            .or_else(|| held(facet))
-            .or_else(|| flush(placed, facet, &at));
-        if let Some((features, _)) = found {
-            let of_face = |f: &FeaturePair| [f.a, f.b].into_iter().find(|x| x.dimension() == 2);
-            // Another vertex on the same face names the same facet.
-            if of_face(&features).is_some_and(|f| of_face(&facet) == Some(f) && (features.a == f) == (facet.a == f)) {
-                self.facet = Some(features);
-            } else {
-                self.stand = Some(features);
-            }
+        self.facet = Some(facet);
+        if self.stand.is_none()
+            && let Some(witnesses) = foot(placed, facet, &at)
+        {
+            return Some((facet, witnesses));
         }
-        found
+        self.stand_elsewhere(placed, facet, &at)
+    }
+
+    /// The features of the last answer, the facet's own or, of faces flush on each other, others.
+    #[cold]
+    #[inline(never)]
+    fn stand_elsewhere(
+        &mut self,
+        placed: &Placed,
+        facet: FeaturePair,
+        at: &(Vec3<f64>, f64),
+    ) -> Option<(FeaturePair, Witnesses)> {
+        let old = self.stand.take().filter(|f| f.is_of(placed.a, placed.b));
+        let held = |f: FeaturePair| Some((f, foot(placed, f, at)?));
+        let own = || held(facet).or_else(|| flush(placed, facet, at));
+        let (features, witnesses) = old.and_then(held).or_else(own)?;
+        let face = |f: &FeaturePair| [f.a, f.b].into_iter().find(|x| x.dimension() == 2);
+        let is_same = face(&features).is_some() && face(&features) == face(&facet);
+        // Another vertex on the same face names the same facet.
+        if is_same && (features.a.dimension() == 2) == (facet.a.dimension() == 2) {
+            self.facet = Some(features);
+        } else {
+            self.stand = Some(features);
+        }
+        Some((features, witnesses))
     }
 
     /// Makes the surface to work on the one that is remembered, at its places.
