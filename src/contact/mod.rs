@@ -137,24 +137,39 @@ impl Answer<'_> {
         let axes = self.axes();
         let features = self.promoted(&axes, options, before.features());
         contacts.features = features;
+        if features.a.dimension() > 0 && features.b.dimension() > 0 {
+            self.share(&axes, options, before, lasts, &mut contacts);
+        }
+        contacts
+    }
+
+    /// The contacts of two features that both have a shadow.
+    // Not inlined: most contacts of round bodies are a vertex's, and need none of the room.
+    #[inline(never)]
+    fn share(
+        self,
+        axes: &[Axes; 2],
+        options: &ManifoldOptions,
+        before: &Manifold,
+        lasts: Option<f64>,
+        contacts: &mut Contacts,
+    ) {
+        let features = contacts.features;
         let mut shadows = Shadows {
             a: Lazy::new(self.a, features.a, &axes[0], false),
             b: Lazy::new(self.b, features.b, &axes[1], true),
         };
         let lasts = lasts.filter(|_| before.features() == Some(features));
-        if lasts.is_some_and(|moved| shadows.keep(&self, options, before, moved, &mut contacts)) {
-            return contacts;
+        if lasts.is_some_and(|moved| shadows.keep(&self, options, before, moved, contacts)) {
+            return;
         }
-        if features.a.dimension() > 0 && features.b.dimension() > 0 {
-            let seen = Seen {
-                answer: self,
-                a: shadows.a.seen(),
-                b: shadows.b.seen(),
-                unit: self.a.unit(),
-            };
-            seen.choose(options, before, &mut contacts);
-        }
-        contacts
+        let seen = Seen {
+            answer: self,
+            a: shadows.a.seen(),
+            b: shadows.b.seen(),
+            unit: self.a.unit(),
+        };
+        seen.choose(options, before, contacts);
     }
 
     /// The normal and what is across, in each body's stored frame, about its witness.
