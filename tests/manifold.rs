@@ -657,3 +657,52 @@ fn nothing_is_shared_past_the_tip_of_a_sliver() {
     }
     assert!(points > 60, "{points}");
 }
+
+/// Which of thousands of faces and edges at a tip bears the contact is found by bisection.
+#[test]
+fn a_tip_of_thousands_of_faces_is_promoted_to_the_right_one() {
+    let mut rng = Rng::new(604);
+    let plate = world::body(&shapes::cuboid([4.0, 4.0, 0.1]));
+    let (mut faces, mut edges, mut tips) = (0, 0, 0);
+    for (n, height) in [(16, 1.0), (120, 0.3), (200, 1.0), (1000, 0.2)] {
+        let cone = world::body(&shapes::cone(n, 1.0, height));
+        let slope = (1.0f64 / height).atan();
+        for k in 0..200 {
+            // The cone stands on its tip, leaning until a flank all but lies on the plate.
+            let lean = slope.mul_add(-1.0, std::f64::consts::FRAC_PI_2) + [0.0, 0.004, -0.004, 0.1][k % 4];
+            let up = [1.0, 0.0, 0.0];
+            let turn = quat_mul(
+                quat(up, std::f64::consts::PI + lean),
+                quat([0.0, 0.0, 1.0], rng.range(0.0, 6.3)),
+            );
+            let q = unit_quat(turn);
+            let tip = Pose { q, t: [0.0; 3] }.rotate([0.0, 0.0, height]);
+            let frame = Frame {
+                a: Pose::IDENTITY,
+                b: Pose {
+                    q,
+                    t: add([0.0, 0.0, 0.1 + 1e-6], scale(tip, -1.0)),
+                },
+            };
+            let m = manifold(&plate, &cone, &frame, &exact(0.05, 4));
+            let Some(f) = m.features() else { continue };
+            let n: Point = m.normal().into_inner().into();
+            let off = |f: FaceId| {
+                let (normal, _) = cone.face_plane(f).expect("a face");
+                -dot(frame.b.rotate(normal.into_inner().into()), n)
+            };
+            let best = cone.faces().map(off).fold(f64::NEG_INFINITY, f64::max);
+            let is_near = 1.0 - best * best < (0.99 / 64.0f64).powi(2);
+            assert!(!is_near || matches!(f.b, Feature::Face(_)), "{f:?} {best}");
+            match f.b {
+                Feature::Face(f) => {
+                    assert!(off(f) >= best - 1e-12, "{} {best}", off(f));
+                    faces += 1;
+                }
+                Feature::Edge(_) => edges += 1,
+                Feature::Vertex(_) => tips += 1,
+            }
+        }
+    }
+    assert!(faces > 200 && tips > 30, "{faces} {edges} {tips}");
+}

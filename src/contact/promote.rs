@@ -1,7 +1,11 @@
 //! From the closest features to those that bear the contact: the face, or else the edge, that is nearly at right angles to the normal.
 
+use core::ops::Range;
+
 use nalgebra::Vector3;
 
+use crate::polyhedron::fans::top_of_ring;
+use crate::polyhedron::topology::MANY;
 use crate::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, Feature};
 use crate::tolerance::STAY;
 
@@ -19,7 +23,8 @@ pub(super) struct Promotion<'a> {
 impl Promotion<'_> {
     /// The face at `feature` most at right angles to the normal, if one is within the angle; else the edge; else the feature.
     ///
-    /// Looks at the faces at the feature: two of an edge, all of the fan of a vertex.
+    /// Looks at the faces at the feature: two of an edge, all of the fan of a vertex, or of one of many those about the
+    /// outermost, found by bisection.
     pub(super) fn of(&self, feature: Feature) -> Feature {
         let t = &self.body.topology;
         match feature {
@@ -29,11 +34,32 @@ impl Promotion<'_> {
                 self.face([h.face, t.half_edge(h.twin).face]).unwrap_or(feature)
             }
             Feature::Vertex(v) => {
-                let fan = || t.fan(v.0);
-                let faces = fan().map(|h| t.half_edge(h).face);
-                self.face(faces).or_else(|| self.edge(fan())).unwrap_or(feature)
+                let face = |h: u32| t.half_edge(h).face;
+                let outward = |h: u32| self.body.planes[face(h) as usize].normal.dot(&self.outward);
+                let faces = self.some_of(t.fan(v.0), outward).map(face);
+                let edges = || self.some_of(t.fan(v.0), |h| -self.rise(h));
+                self.face(faces).or_else(|| self.edge(edges())).unwrap_or(feature)
             }
         }
+    }
+
+    /// The half-edges of a fan, or of one of many three about that of the greatest measure.
+    fn some_of<M: Fn(u32) -> f64>(&self, fan: Range<u32>, measure: M) -> impl Iterator<Item = u32> + use<M> {
+        let m = fan.len();
+        let (first, count) = if m <= MANY {
+            (0, m)
+        } else {
+            ((top_of_ring(m, |k| measure(fan.start + k as u32)) + m - 1) % m, 3)
+        };
+        (first..first + count).map(move |k| fan.start + (if k < m { k } else { k - m }) as u32)
+    }
+
+    /// The squared sine of the angle by which an edge is off the plane across the outward direction.
+    fn rise(&self, h: u32) -> f64 {
+        let t = &self.body.topology;
+        let u = self.body.points[t.half_edge(h).to as usize] - self.body.points[t.from(h) as usize];
+        let rise = u.dot(&self.outward);
+        rise * rise / u.norm_squared()
     }
 
     /// The squared sine a feature may be off by.
@@ -63,11 +89,8 @@ impl Promotion<'_> {
     fn edge(&self, fan: impl Iterator<Item = u32>) -> Option<Feature> {
         let mut best: Option<(f64, Feature)> = None;
         for h in fan {
-            let t = &self.body.topology;
-            let u = self.body.points[t.half_edge(h).to as usize] - self.body.points[t.from(h) as usize];
-            let rise = u.dot(&self.outward);
-            let off = rise * rise / u.norm_squared();
-            let feature = Feature::Edge(EdgeId(t.edge(h)));
+            let off = self.rise(h);
+            let feature = Feature::Edge(EdgeId(self.body.topology.edge(h)));
             if off <= self.most(feature) && best.is_none_or(|(least, _)| off < least) {
                 best = Some((off, feature));
             }
