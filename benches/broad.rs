@@ -1,4 +1,7 @@
 //! A step of the broad phase, all scenes: `cargo bench --bench broad`. Against other libraries: `--example race`.
+//!
+//! What threads do: `RAYON_NUM_THREADS=2 cargo bench --features parallel --bench broad -- 'pencils/(uniform|pile)/10*$'`, and the same
+//! with one.
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use lab::boxes::{Kind, Scene};
@@ -9,6 +12,9 @@ fn step<B: BroadPhase>(criterion: &mut Criterion, name: &str, new: fn() -> B, si
     group.sample_size(20);
     for kind in Kind::ALL {
         for &n in sizes {
+            if n > 100_000 && !matches!(kind, Kind::Uniform | Kind::Pile) {
+                continue;
+            }
             let mut scene = Scene::new(kind, n);
             let mut broad = new();
             let ids: Vec<BodyId> = scene
@@ -64,7 +70,12 @@ fn build(criterion: &mut Criterion) {
 }
 
 fn benches(criterion: &mut Criterion) {
-    step(criterion, "pencils", PencilSweep::new, &[1_000, 10_000, 100_000]);
+    step(
+        criterion,
+        "pencils",
+        PencilSweep::new,
+        &[1_000, 10_000, 100_000, 1_000_000],
+    );
     step(criterion, "three-axes", SortedAxes::new, &[1_000]);
     build(criterion);
 }

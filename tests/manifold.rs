@@ -706,3 +706,30 @@ fn a_tip_of_thousands_of_faces_is_promoted_to_the_right_one() {
     }
     assert!(faces > 200 && tips > 30, "{faces} {edges} {tips}");
 }
+
+/// An angle below zero is taken as if it were above: corners are not kept for it where they are no more.
+#[test]
+fn negative_angles_keep_no_corner_off_the_faces() {
+    let body = world::body(&shapes::cuboid([1.0, 1.0, 0.2]));
+    for sine in [-1.0 / 64.0, -0.4, f64::NEG_INFINITY, f64::INFINITY, f64::NAN] {
+        let mut options = ManifoldOptions::within(0.5);
+        (options.drift, options.choice, options.sine) = (0.0, 10.0, sine);
+        let (mut pair, mut m) = (Tracker::new(), Manifold::new());
+        for k in 0..60 {
+            let frame = Frame {
+                a: Pose::IDENTITY,
+                b: Pose {
+                    t: [0.05 * f64::from(k), 0.02, 0.8],
+                    ..Pose::IDENTITY
+                },
+            };
+            pair.manifold(&body, &body, &world::relative(&frame), &options, &mut m);
+            for p in m.points() {
+                for point in [p.point_on_a, p.point_on_b] {
+                    let near = body.closest_point(&point).unwrap_or(point);
+                    assert!((near - point).norm() <= 1e-12, "{sine} {k}: {p:?}");
+                }
+            }
+        }
+    }
+}

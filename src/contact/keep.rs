@@ -15,7 +15,7 @@ use crate::tolerance::{AGREE, STAY};
 /// How far inside the other face a corner at least is, wherever it is seen from: `inside` is what the normal of now shows. That is
 /// off the face by no more than the angle of the options. Nothing is known of steep ones.
 pub(super) fn margin(inside: f64, separation: f64, options: &ManifoldOptions) -> f64 {
-    let sine = STAY * options.sine;
+    let sine = STAY * options.sine.abs();
     // Up to a half, the tangent is below twice the sine, and the cosine above one less it.
     if sine <= 0.5 {
         (1.0 - sine) * inside - lean_off(separation, options)
@@ -26,7 +26,7 @@ pub(super) fn margin(inside: f64, separation: f64, options: &ManifoldOptions) ->
 
 /// How far aside a corner may be seen for the normal being off the face's.
 fn lean_off(separation: f64, options: &ManifoldOptions) -> f64 {
-    2.0 * STAY * options.sine * separation.abs()
+    2.0 * STAY * options.sine.abs() * separation.abs()
 }
 
 /// The features that bear a contact.
