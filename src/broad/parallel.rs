@@ -8,12 +8,23 @@ pub(super) fn threads() -> usize {
     1
 }
 
-/// Both, side by side if there are threads to spare.
-pub(super) fn join<A: Send, B: Send>(a: impl FnOnce() -> A + Send, b: impl FnOnce() -> B + Send) -> (A, B) {
+/// Both, side by side if there are threads to spare. A thread outside the pool does the first itself: handing both over, it
+/// would sleep while two others are woken, often on one core.
+pub(super) fn join(a: impl FnOnce() + Send, b: impl FnOnce() + Send) {
     #[cfg(feature = "parallel")]
-    return rayon::join(a, b);
+    if rayon::current_thread_index().is_some() {
+        rayon::join(a, b);
+    } else {
+        rayon::in_place_scope(|scope| {
+            scope.spawn(|_| b());
+            a();
+        });
+    }
     #[cfg(not(feature = "parallel"))]
-    (a(), b())
+    {
+        a();
+        b();
+    }
 }
 
 /// Whether `items` ascend by `key`, no two equal.
@@ -21,9 +32,10 @@ pub(super) fn ascends<T: Sync>(items: &[T], key: impl Fn(&T) -> u32 + Sync + Cop
     if threads > 1 && items.len() > 2 {
         // Halves share an item, so that every two neighbours are compared.
         let half = items.len() / 2;
-        let (low, high) = join(
-            || ascends(&items[..=half], key, threads / 2),
-            || ascends(&items[half..], key, threads - threads / 2),
+        let (mut low, mut high) = (false, false);
+        join(
+            || low = ascends(&items[..=half], key, threads / 2),
+            || high = ascends(&items[half..], key, threads - threads / 2),
         );
         return low && high;
     }

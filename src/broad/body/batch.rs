@@ -73,9 +73,10 @@ fn split<const AXIS: usize>(
         generations: generations_high,
     };
     let mut marks_high = Marks::default();
-    let (error_low, error_high) = join(
-        || split::<AXIS>(context, run_low, low, origin, marks, threads / 2),
-        || split::<AXIS>(context, run_high, high, origin, &mut marks_high, threads - threads / 2),
+    let (mut error_low, mut error_high) = (None, None);
+    join(
+        || error_low = split::<AXIS>(context, run_low, low, origin, marks, threads / 2),
+        || error_high = split::<AXIS>(context, run_high, high, origin, &mut marks_high, threads - threads / 2),
     );
     marks.moved.append(&mut marks_high.moved);
     marks.noted.append(&mut marks_high.noted);
