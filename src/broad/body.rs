@@ -62,11 +62,22 @@ impl Detail {
 
 /// Who changed since the last step.
 #[derive(Clone, Debug, Default)]
+#[repr(align(128))] // threads write into neighbours: none shall share cache lines
 pub(crate) struct Marks {
     /// Bodies whose stored box differs from the last step's, in the order of the calls.
     pub(crate) moved: Vec<u32>,
     /// Those among them that may have changed columns.
     pub(crate) noted: Vec<u32>,
+}
+
+impl Marks {
+    /// Takes over those of `other`, which keeps its memory.
+    fn append(&mut self, other: &mut Self) {
+        trim(&mut other.moved);
+        trim(&mut other.noted);
+        self.moved.append(&mut other.moved);
+        self.noted.append(&mut other.noted);
+    }
 }
 
 /// All bodies of one broad phase.
@@ -83,6 +94,8 @@ pub(crate) struct Bodies {
     pub(crate) regrouped: Vec<u32>,
     pub(crate) unbounded: Vec<u32>,
     pub(crate) marks: Marks,
+    /// What single threads mark; empty between calls.
+    shares: Vec<Marks>,
     /// Number of the step being prepared; never 0.
     pub(crate) step: u32,
     pub(crate) origin: Point3<f64>,
@@ -112,6 +125,7 @@ impl Bodies {
             regrouped: Vec::new(),
             unbounded: Vec::new(),
             marks: Marks::default(),
+            shares: Vec::new(),
             step: 1,
             origin,
             grid: Grid::single(0),
@@ -341,18 +355,16 @@ impl Bodies {
 
     /// Bytes reserved for bodies.
     pub(crate) fn bytes(&self) -> usize {
-        let lists = [
-            &self.free,
-            &self.leaving,
-            &self.regrouped,
-            &self.unbounded,
-            &self.marks.moved,
-            &self.marks.noted,
-        ];
+        let lists = [&self.free, &self.leaving, &self.regrouped, &self.unbounded];
+        let marks = self.shares.iter().chain([&self.marks]);
         self.records.capacity() * size_of::<Record>()
             + self.details.capacity() * size_of::<Detail>()
             + self.generations.capacity() * 4
-            + lists.iter().map(|l| l.capacity() * 4).sum::<usize>()
+            + lists
+                .into_iter()
+                .chain(marks.flat_map(|m| [&m.moved, &m.noted]))
+                .map(|l| l.capacity() * 4)
+                .sum::<usize>()
     }
 }
 

@@ -4,6 +4,7 @@ use super::body::{Bodies, UNBOUNDED};
 use super::bounds::Bounds;
 use super::change::{Changes, pair_key};
 use super::pairs::PairTable;
+use super::parallel::Threads;
 use super::{Aabb, Body, BodyId, BroadPhase, BroadPhaseError, Pair, PairId, StoredBox};
 use alloc::vec::Vec;
 use nalgebra::Point3;
@@ -67,7 +68,7 @@ impl Ledger {
         &mut self,
         filter: &mut dyn FnMut(BodyId, BodyId) -> bool,
         mut partners: impl FnMut(&Bodies, u32, &mut Vec<u32>),
-        threads: usize,
+        threads: Threads,
     ) {
         let Self { bodies, pairs, changes } = self;
         changes.settle();

@@ -71,6 +71,7 @@ pub use error::{BatchError, BroadPhaseError};
 pub use ledger::Nearest;
 use ledger::{HasLedger, Ledger};
 pub use pairs::{Events, Pair, PairId};
+use parallel::Threads;
 pub use pencil::{Pencil, PencilSweep};
 pub use sorted_axes::SortedAxes;
 
@@ -167,7 +168,8 @@ impl Body {
 pub struct Settings {
     /// Stored boxes are relative to this point and finest near it. One that is not finite is refused with the first body.
     pub origin: Point3<f64>,
-    /// With feature `parallel`: the number of bodies from which on threads are used. The result is the same.
+    /// With feature `parallel`: the number of bodies from which on threads are used, each for no less than a sixteenth as many
+    /// bodies or changes. The result is the same.
     pub parallel_from: usize,
 }
 
@@ -263,7 +265,7 @@ pub trait BroadPhase: HasLedger {
     /// # Errors
     /// When any entry was refused: which was the first, why, and how many there were.
     fn set_boxes(&mut self, batch: &[(BodyId, Aabb)]) -> Result<(), BatchError> {
-        self.ledger_mut().bodies.set_boxes(batch, 1)
+        self.ledger_mut().bodies.set_boxes(batch, Threads::ONE)
     }
 
     /// Puts a body into other groups and asks all its pairs again in the next step.

@@ -1,11 +1,35 @@
 //! Feature `parallel`: work in halves. Without the feature, and with one thread, one after the other.
 
-/// How many threads share the work.
-pub(super) fn threads() -> usize {
-    #[cfg(feature = "parallel")]
-    return rayon::current_num_threads().max(1);
-    #[cfg(not(feature = "parallel"))]
-    1
+/// How many threads there are, and how little is not worth waking one.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Threads {
+    most: usize,
+    least: usize,
+}
+
+impl Threads {
+    /// Everything in the caller's thread.
+    pub(super) const ONE: Self = Self { most: 1, least: 1 };
+
+    /// Those of the pool for a structure that uses them from so many bodies on. A step looks at a body for some 25 ns, and
+    /// waking a thread takes as long as some hundred bodies, so a sixteenth of the default is still worth it.
+    pub(super) fn from(bodies: usize) -> Self {
+        #[cfg(feature = "parallel")]
+        return Self {
+            most: rayon::current_num_threads().max(1),
+            least: (bodies / 16).max(1),
+        };
+        #[cfg(not(feature = "parallel"))]
+        return Self {
+            least: bodies,
+            ..Self::ONE
+        };
+    }
+
+    /// How many share work on so many things.
+    pub(super) fn sharing(self, things: usize) -> usize {
+        self.most.min(things / self.least).max(1)
+    }
 }
 
 /// Both, side by side if there are threads to spare. A thread outside the pool does the first itself: handing both over, it

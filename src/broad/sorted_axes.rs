@@ -22,6 +22,7 @@ use super::aabb::order_key;
 use super::body::{Bodies, Record};
 use super::change::{Changes, overlap};
 use super::ledger::{HasLedger, Ledger};
+use super::parallel::Threads;
 use super::{Aabb, BodyId, BroadPhase, BroadPhaseError, Events, Settings, StoredBox};
 use alloc::vec::Vec;
 
@@ -177,7 +178,7 @@ impl BroadPhase for SortedAxes {
                 .filter(|(_, r)| r.now().overlaps(&stored));
             found.extend(hits.map(|(i, _)| i as u32));
         };
-        self.ledger.take_over(filter, partners, 1);
+        self.ledger.take_over(filter, partners, Threads::ONE);
         self.ledger.pairs.events(&self.ledger.bodies)
     }
 

@@ -2,7 +2,7 @@
 
 use super::{Bodies, Context, Marks, Record, checked};
 use crate::broad::bounds::Bounds;
-use crate::broad::parallel::{ascends, join};
+use crate::broad::parallel::{Threads, ascends, join};
 use crate::broad::{Aabb, BatchError, BodyId, BroadPhaseError};
 use nalgebra::Point3;
 
@@ -15,7 +15,8 @@ struct Run<'a> {
 
 impl Bodies {
     /// Applies every sound entry; the error tells of the others.
-    pub(crate) fn set_boxes(&mut self, batch: &[(BodyId, Aabb)], threads: usize) -> Result<(), BatchError> {
+    pub(crate) fn set_boxes(&mut self, batch: &[(BodyId, Aabb)], threads: Threads) -> Result<(), BatchError> {
+        let threads = threads.sharing(batch.len());
         let error = match self.grid.axis {
             0 => self.set_boxes_in::<0>(batch, threads),
             1 => self.set_boxes_in::<1>(batch, threads),
@@ -37,24 +38,28 @@ impl Bodies {
         };
         // Records can be dealt out to threads only when each part of the batch names a part of the table.
         if threads > 1 && ascends(batch, |entry| entry.0.index, threads) {
-            return split::<AXIS>(&context, run, batch, &self.origin, &mut self.marks, threads);
+            self.shares.resize_with(threads.max(self.shares.len()), Marks::default);
+            let shares = &mut self.shares[..threads];
+            let error = split::<AXIS>(&context, run, batch, &self.origin, shares);
+            shares.iter_mut().for_each(|share| self.marks.append(share));
+            return error;
         }
         run.apply::<AXIS>(&context, batch, &self.origin, &mut self.marks)
     }
 }
 
-/// Halves batch and table until every thread has a part; the parts' marks are joined in order, so the result is that
-/// of one thread.
+/// Halves batch and table until every thread has a part and marks of its own; these are joined in order, so the result is
+/// that of one thread.
 fn split<const AXIS: usize>(
     context: &Context<'_>,
     run: Run<'_>,
     batch: &[(BodyId, Aabb)],
     origin: &Point3<f64>,
-    marks: &mut Marks,
-    threads: usize,
+    shares: &mut [Marks],
 ) -> Option<BatchError> {
     let half = batch.len() / 2;
-    if threads <= 1 || half == 0 {
+    if shares.len() <= 1 || half == 0 {
+        let marks = shares.first_mut()?;
         return run.apply::<AXIS>(context, batch, origin, marks);
     }
     let (low, high) = batch.split_at(half);
@@ -72,14 +77,12 @@ fn split<const AXIS: usize>(
         records: records_high,
         generations: generations_high,
     };
-    let mut marks_high = Marks::default();
+    let (shares_low, shares_high) = shares.split_at_mut(shares.len() / 2);
     let (mut error_low, mut error_high) = (None, None);
     join(
-        || error_low = split::<AXIS>(context, run_low, low, origin, marks, threads / 2),
-        || error_high = split::<AXIS>(context, run_high, high, origin, &mut marks_high, threads - threads / 2),
+        || error_low = split::<AXIS>(context, run_low, low, origin, shares_low),
+        || error_high = split::<AXIS>(context, run_high, high, origin, shares_high),
     );
-    marks.moved.append(&mut marks_high.moved);
-    marks.noted.append(&mut marks_high.noted);
     let error_high = error_high.map(|e| BatchError {
         index: e.index + half,
         ..e

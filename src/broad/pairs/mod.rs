@@ -5,7 +5,7 @@ mod links;
 use super::ahead::{AHEAD, read_ahead};
 use super::body::trim;
 use super::change::{Changes, PairKey, pair_key, pair_of};
-use super::parallel::join;
+use super::parallel::{Threads, join};
 use super::{Bodies, BodyId, BroadPhaseError};
 use alloc::vec::Vec;
 use links::Links;
@@ -141,7 +141,7 @@ impl PairTable {
         changes: &Changes,
         bodies: &Bodies,
         filter: &mut dyn FnMut(BodyId, BodyId) -> bool,
-        threads: usize,
+        threads: Threads,
     ) {
         self.free.append(&mut self.resting);
         self.refused = None;
@@ -150,7 +150,8 @@ impl PairTable {
             events.clear();
             events.resize(keys.len(), NOWHERE);
         }
-        propose(&changes.began, &mut self.began, bodies, threads);
+        let share = threads.sharing(changes.began.len());
+        propose(&changes.began, &mut self.began, bodies, share);
         self.admit(filter);
         self.links.update(
             &changes.ended,
@@ -158,7 +159,7 @@ impl PairTable {
             &self.began,
             &self.slots,
             bodies,
-            threads,
+            threads.sharing(changes.ended.len() + self.began.len()),
         );
         self.vacate();
     }

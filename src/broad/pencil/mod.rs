@@ -37,7 +37,7 @@ use super::bounds::Bounds;
 use super::change::note_unbounded;
 use super::grid::Grid;
 use super::ledger::{HasLedger, Ledger};
-use super::parallel::{self, join};
+use super::parallel::{Threads, join};
 use super::{Aabb, BatchError, BodyId, BroadPhase, BroadPhaseError, Events, Settings};
 use alloc::vec::Vec;
 use column::{ARRIVING, Column};
@@ -95,13 +95,20 @@ impl PencilSweep {
         self.swaps
     }
 
-    /// How many threads share the work of a step.
-    fn threads(&self) -> usize {
+    fn threads(&self) -> Threads {
         if self.ledger.bodies.len() >= self.parallel_from {
-            parallel::threads()
+            Threads::from(self.parallel_from)
         } else {
-            1
+            Threads::ONE
         }
+    }
+
+    /// Workers to share work on so many things.
+    fn engage(&mut self, things: usize) -> usize {
+        let threads = self.threads().sharing(things);
+        self.workers
+            .resize_with(threads.max(self.workers.len()), Worker::default);
+        threads
     }
 
     /// Cuts new columns and lists every body in them as this step needs it.
@@ -160,14 +167,12 @@ impl PencilSweep {
     }
 
     fn sweep_all(&mut self) {
-        let threads = self.threads();
-        self.workers
-            .resize_with(threads.max(self.workers.len()), Worker::default);
+        let total: usize = self.columns.iter().map(|c| c.entries.len()).sum();
+        self.entries = total;
+        let threads = self.engage(total);
         let counting = self.tuning.wants_counts();
         self.workers.iter_mut().for_each(|w| w.counting = counting);
         let bodies = &self.ledger.bodies;
-        let total: usize = self.columns.iter().map(|c| c.entries.len()).sum();
-        self.entries = total;
         sweep_columns(&mut self.workers[..threads], &mut self.columns, 0, total, bodies);
         let mut counts = Counts::default();
         for worker in &mut self.workers {
@@ -181,13 +186,10 @@ impl PencilSweep {
 
     fn repair_touched(&mut self) {
         repair::list_touched(&self.ledger.bodies, &mut self.touched);
-        let worker = &mut self.workers[0];
-        worker.counting = false;
-        for group in self.touched.chunk_by(|a, b| a.0 == b.0) {
-            if let Some(column) = self.columns.get_mut(group[0].0 as usize) {
-                worker.repair(column, group, &self.ledger.bodies);
-            }
-        }
+        let threads = self.engage(self.touched.len());
+        self.workers.iter_mut().for_each(|w| w.counting = false);
+        let workers = &mut self.workers[..threads];
+        repair_columns(workers, &mut self.columns, 0, &self.touched, &self.ledger.bodies);
         self.collect();
     }
 
@@ -239,6 +241,30 @@ fn sweep_columns(workers: &mut [Worker], columns: &mut [Column], first: usize, t
     for (k, column) in columns.iter_mut().enumerate() {
         if !column.entries.is_empty() {
             worker.sweep(first + k, column, bodies);
+        }
+    }
+    worker.changes.sort();
+}
+
+/// Repairs the touched columns, of which the first given has number `first`, shared out as in a sweep.
+fn repair_columns(workers: &mut [Worker], columns: &mut [Column], first: usize, touched: &[Touch], bodies: &Bodies) {
+    if workers.len() > 1
+        && let Some((middle, _)) = touched.get(touched.len() / 2)
+    {
+        let (low, high) = workers.split_at_mut(workers.len() / 2);
+        let (below, above) = touched.split_at(touched.partition_point(|touch| touch.0 < *middle));
+        let border = (*middle as usize).clamp(first, first + columns.len());
+        let (left, right) = columns.split_at_mut(border - first);
+        join(
+            || repair_columns(low, left, first, below, bodies),
+            || repair_columns(high, right, border, above, bodies),
+        );
+        return;
+    }
+    let Some(worker) = workers.first_mut() else { return };
+    for group in touched.chunk_by(|a, b| a.0 == b.0) {
+        if let Some(column) = columns.get_mut(group[0].0 as usize - first) {
+            worker.repair(column, group, bodies);
         }
     }
     worker.changes.sort();

@@ -64,6 +64,7 @@ impl Lanes {
 
 /// What one thread needs to sweep columns, and what it found.
 #[derive(Clone, Debug, Default)]
+#[repr(align(128))] // as `Marks` are
 pub(super) struct Worker {
     lanes: Lanes,
     pub(super) changes: Changes,
