@@ -2,12 +2,13 @@
 
 mod world;
 
+use lab::contacts::widest_face;
 use lab::exact;
 use lab::motion::{self, Frame};
 use lab::pose::{norm, radius, scale, sub};
 use lab::rng::Rng;
 use lab::shapes::{self, Shape};
-use lab::{Body, Pose};
+use lab::{Body, Pose, workload};
 use lin_canny::nalgebra::Vector3;
 use lin_canny::polyhedron::solids;
 use lin_canny::{Class, ConvexPolyhedron, Layer, Outcome, Replay, Tracker};
@@ -255,6 +256,45 @@ fn warm_and_cold_agree_and_come_back() {
     }
     assert!(kept * 4 > frames * 3, "{kept} of {frames} kept");
     assert!(work[0] * 3 < work[1], "{work:?}");
+}
+
+/// A face on a face, trembling: another facet is the deepest in each frame, and mostly it covers what the kept surface is short of.
+/// Warm answers are the cold ones within the bounds, whatever proves them.
+#[test]
+fn faces_that_tremble_on_faces() {
+    let mut rng = Rng::new(505);
+    let (mut frames, mut grown, mut open) = (0, 0, 0);
+    for k in 0..96 {
+        let shape = |rng: &mut Rng| match rng.below(4) {
+            0 => shapes::cube(),
+            1 => shapes::prism(3 + rng.below(30), 1.0, 0.4),
+            2 => shapes::prism(4, 0.1, 3.0),
+            _ => shapes::sphere(rng, 8 + rng.clone().below(24)),
+        };
+        let (a, b) = (world::body(&shape(&mut rng)), world::body(&shape(&mut rng)));
+        let ((face_a, ra), (face_b, rb)) = (widest_face(&a), widest_face(&b));
+        let reach = ra.min(rb);
+        let depth = [1e-4, 1e-3, 1e-2, 0.1][k % 4] * reach;
+        let noise = [1e-12, 1e-9, 1e-6, 1e-5, 1e-4, 1e-3][k / 4 % 6] * reach;
+        let start = workload::stacked(face_a, face_b, rng.range(0.0, 6.0), -depth);
+        let mut pair = Tracker::new();
+        for frame in workload::at_rest(start, noise, reach, 40, &mut rng) {
+            let warm = pair.closest(&a, &b, &world::relative(&frame));
+            let cold = closest(&a, &b, &frame);
+            let (size, told) = (world::size(&a, &b, &frame), format!("{warm:?} {cold:?}"));
+            assert_eq!(warm.class, cold.class, "{told}");
+            if warm.class != Class::Overlapping {
+                continue;
+            }
+            assert!((warm.distance - cold.distance).abs() <= 1e-14 * size, "{told}");
+            assert!(warm.lower <= cold.upper && cold.lower <= warm.upper, "{told}");
+            frames += 1;
+            grown += u32::from(warm.work.grown > 0 || warm.layer != Layer::Surface);
+            open += u32::from(warm.upper - warm.lower > 1e-13 * size);
+        }
+    }
+    assert_eq!(open, 0);
+    assert!(frames > 2500 && grown * 2 < frames, "{grown} of {frames} frames grew");
 }
 
 /// B moved along the normal of an answer.

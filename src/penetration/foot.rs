@@ -81,7 +81,7 @@ fn facing(body: &ConvexPolyhedron, v: u32, outward: &Vector3<f64>) -> Option<u32
 }
 
 /// The half-edges of a face; some all round of a large one.
-fn some_of(body: &ConvexPolyhedron, f: u32) -> impl Iterator<Item = u32> + '_ {
+pub(super) fn some_of(body: &ConvexPolyhedron, f: u32) -> impl Iterator<Item = u32> + '_ {
     let t = &body.topology;
     let ring = t.ring(f);
     let spread = ring

@@ -15,6 +15,7 @@ use crate::polyhedron::FeaturePair;
 use crate::scalar::{Vec3, sub};
 use crate::tolerance::{AGREE_DEPTH, SHIFTS};
 
+use super::cover::{holds_disc, pierced, radius};
 use super::facet::{facets, height_of};
 use super::foot::{Witnesses, flush, foot};
 use super::pass::{Pass, pass};
@@ -30,6 +31,9 @@ const MOST_POINTS: usize = MOST / 2 + 2;
 
 /// Points for which a small list is enough.
 const FEW_POINTS: usize = 34;
+
+/// So few weak triangles are those of a facet next to the last one.
+const FEW_WEAK: usize = 2;
 
 /// Triangles a surface may gain before it is built afresh, beside those it was built with.
 const GAIN: usize = 24;
@@ -175,16 +179,18 @@ impl Memory {
         Some((self.facet?, self.stand, self.built, &self.points, &self.triangles))
     }
 
-    /// Tries the facets that the weak triangles may lie in; whether the difference is lower along one of them.
-    fn lower(&self, placed: &Placed, frame: &Frame<f64>, weak: &[u32], best: &mut Best<f64>) -> bool {
+    /// Tries the facets that triangles of three points, as vertices of A and of B, may lie in; whether the difference is lower along
+    /// one of them.
+    fn lower(
+        &self,
+        placed: &Placed,
+        frame: &Frame<f64>,
+        triangles: impl Iterator<Item = [[u32; 3]; 2]>,
+        best: &mut Best<f64>,
+    ) -> bool {
         let before = best.height;
-        for &t in weak {
-            let t = self.triangles[t as usize];
-            let corners = [t[0], t[1], t[2]].map(|k| self.points[k as usize]);
-            for facet in facets(placed, &corners.map(|c| c[0]), &corners.map(|c| c[1]))
-                .into_iter()
-                .flatten()
-            {
+        for [on_a, on_b] in triangles {
+            for facet in facets(placed, &on_a, &on_b).into_iter().flatten() {
                 if let Some((normal, height)) = height_of(placed, frame, facet)
                     && height < best.height
                 {
@@ -193,6 +199,57 @@ impl Memory {
             }
         }
         best.height < before
+    }
+
+    /// The three corners of a triangle.
+    fn corners(&self, t: u32) -> [usize; 3] {
+        let [i, j, k, ..] = self.triangles[t as usize];
+        [i, j, k].map(usize::from)
+    }
+
+    /// The same of few weak triangles: the facet is next to the last one.
+    fn lower_beside(&self, placed: &Placed, frame: &Frame<f64>, weak: &[u32], best: &mut Best<f64>) -> bool {
+        let corners = weak.iter().map(|t| self.corners(*t));
+        let names = corners.map(|at| [0, 1].map(|side| at.map(|k| self.points[k][side])));
+        weak.len() <= FEW_WEAK && self.lower(placed, frame, names, best)
+    }
+
+    /// The same of the facet over the weak triangles.
+    fn lower_over(
+        &self,
+        placed: &Placed,
+        frame: &Frame<f64>,
+        (weak, places): (&[u32], &[Vec3<f64>]),
+        best: &mut Best<f64>,
+    ) -> bool {
+        if self.radius(weak, places, best, placed.size()).is_none() {
+            return false;
+        }
+        let corner = |k: usize| {
+            let [a, b] = self.points[k];
+            Corner { a, b, w: places[k] }
+        };
+        let known = (0..places.len()).map(corner);
+        let axis = best.normal;
+        let found = weak
+            .iter()
+            .find_map(|t| pierced(placed, frame, &axis, known.clone(), self.corners(*t).map(corner)));
+        let names = found.map(|c| [c.map(|c| c.a), c.map(|c| c.b)]);
+        self.lower(placed, frame, names.into_iter(), best);
+        true
+    }
+
+    fn radius(&self, weak: &[u32], places: &[Vec3<f64>], best: &Best<f64>, size: f64) -> Option<f64> {
+        let triangles = weak.iter().map(|t| self.corners(*t).map(|k| places[k]));
+        radius(triangles, best, size)
+    }
+
+    /// The witnesses on the facet where it covers what the weak triangles are short of.
+    fn covered(&self, placed: &Placed, weak: &[u32], places: &[Vec3<f64>], best: &Best<f64>) -> Option<Witnesses> {
+        let rho = self.radius(weak, places, best, placed.size())?;
+        let (facet, at) = (best.features?, best.rounded());
+        let witnesses = foot(placed, facet, &at)?;
+        holds_disc(placed, facet, &witnesses, &at, rho).then_some(witnesses)
     }
 
     /// Takes over the deepest facet, and finds features that hold the witnesses: mostly its own.
@@ -315,11 +372,19 @@ fn resume_among<const N: usize>(
     }
     let size = placed.size();
     let mut shows = pass(&memory.triangles, &places, &best, size, &mut room.weak);
-    // One or two weak triangles are those of a facet next to the last one.
-    if let (Pass::About, 1..=2) = (&shows, room.weak.len())
-        && memory.lower(placed, frame, &room.weak, &mut best)
-    {
-        shows = pass(&memory.triangles, &places, &best, size, &mut room.weak);
+    let places = &places[..memory.points.len()];
+    if let Pass::About = shows {
+        // What is beyond the old height is beyond a lower one.
+        if memory.lower_over(placed, frame, (&room.weak, places), &mut best)
+            && let Some(witnesses) = memory.covered(placed, &room.weak, places, &best)
+        {
+            (memory.facet, memory.stand) = (best.features, None);
+            answer(placed, &proven(&best, witnesses, size), outcome);
+            return true;
+        }
+        if memory.lower_beside(placed, frame, &room.weak, &mut best) {
+            shows = pass(&memory.triangles, places, &best, size, &mut room.weak);
+        }
     }
     match shows {
         Pass::Folded => begin_anew(placed, frame, memory, room, outcome),
@@ -330,7 +395,7 @@ fn resume_among<const N: usize>(
                     ..proven(&best, witnesses, size)
                 },
                 None => {
-                    memory.recall(room, &places, best.height - AGREE_DEPTH * size);
+                    memory.recall(room, places, best.height - AGREE_DEPTH * size);
                     let mut search = Search::resumed(placed, frame, &mut room.surface, best);
                     search.stands(best.height - AGREE_DEPTH * size)
                 }
@@ -339,7 +404,7 @@ fn resume_among<const N: usize>(
             true
         }
         Pass::About => {
-            memory.recall(room, &places, best.height - AGREE_DEPTH * size);
+            memory.recall(room, places, best.height - AGREE_DEPTH * size);
             let found = Search::resumed(placed, frame, &mut room.surface, best).run(frame, 0.0);
             if found.end != End::Closed {
                 return false;

@@ -14,9 +14,11 @@
 //!    direction of its nearest point, the normal of the best facet): slivers weaken a bound and falsify none.
 //! 3. Heights are taken along the normals of the bodies' own features ([`facet`]), not of rounded points.
 //! 4. A tracker keeps the surface by its vertex pairs, and the next search begins with it ([`memory`]).
-//! 5. Where the first tetrahedron has the origin on its border (lattices, concentric and equal bodies), the surface is grown
+//! 5. Where faces lie upon faces, the deepest facet itself stands in for triangles that come to lie beneath the border ([`cover`]).
+//! 6. Where the first tetrahedron has the origin on its border (lattices, concentric and equal bodies), the surface is grown
 //!    about a point beside the origin until the ball about that point holds the origin too.
 
+mod cover;
 #[cfg(feature = "exact")]
 mod exhaustive;
 mod facet;
