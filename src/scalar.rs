@@ -79,3 +79,18 @@ pub(crate) fn cross<T: Scalar>(a: &Vec3<T>, b: &Vec3<T>) -> Vec3<T> {
         a[0] * b[1] - a[1] * b[0],
     ]
 }
+
+/// A number in files that may be infinite, which not every format can hold: as the largest number of its sign.
+#[cfg(feature = "serde")]
+pub(crate) mod infinite {
+    use serde::{Deserialize, Deserializer, Serializer};
+
+    pub(crate) fn serialize<S: Serializer>(x: &f64, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_f64(x.clamp(f64::MIN, f64::MAX))
+    }
+
+    pub(crate) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
+        let x = f64::deserialize(deserializer)?;
+        Ok(if x.abs() == f64::MAX { x * 2.0 } else { x })
+    }
+}

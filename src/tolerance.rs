@@ -100,6 +100,10 @@ pub const ACROSS: f64 = 64.0 * UNIT;
 /// more than this times L.
 pub const COPLANAR: f64 = 1.0 / (1u64 << 46) as f64;
 
+/// A face bears no contact where the cosine of its angle to the normal is below this: heights over a place are the place's noise times
+/// the tangent, at most `64 ACROSS L`. Not a matter of soundness.
+pub const STEEP: f64 = 1.0 / 64.0;
+
 /// What a manifold holds already stays while it is no worse than this times what would come in its place. Not a matter of
 /// soundness.
 pub const STAY: f64 = 1.25;

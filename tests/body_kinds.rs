@@ -481,3 +481,37 @@ fn stored_bodies_come_back_bit_for_bit() {
         );
     }
 }
+
+/// A point is its own middle: where it stands in its own frame costs no digit, and its box is finite wherever that is.
+#[test]
+fn a_point_is_as_exact_far_from_its_own_origin_as_in_it() {
+    use lin_canny::nalgebra::{Isometry3, UnitQuaternion};
+    use lin_canny::{BoxHint, RelativePose, Tracker};
+    let body = solids::octahedron(1.0).unwrap();
+    for (k, away) in [0.3, 1e3, 2e6, 1e12, 1e30].into_iter().enumerate() {
+        let p = Point3::new(-0.497, 0.466, 2.165) * away;
+        let point = ConvexPolyhedron::point(p).unwrap();
+        assert_eq!(point.vertex_points().collect::<Vec<_>>(), [p]);
+        assert!(point.contains(&p) && !point.contains(&(p * 1.5)));
+        let turn = UnitQuaternion::from_euler_angles(0.3, 0.1 * k as f64, -1.1);
+        let pose = Isometry3::from_parts((Vector3::new(1.0, 1.0, 0.5) - turn * p.coords).into(), turn);
+        let pose = RelativePose::from_isometry(&pose).unwrap();
+        let o = Tracker::new().closest(&body, &point, &pose);
+        let back = Tracker::new().closest(&point, &body, &pose.swapped());
+        for o in [o, back] {
+            // By how much the place in the body's frame is rounded, and the promise.
+            let size = 2.0 + o.upper.abs() + away * 2f64.powi(-49);
+            assert!(o.upper - o.lower <= 1e-13 * size, "{away:e}: {o:?}");
+            assert!((o.distance - back.distance).abs() <= 1e-13 * size, "{o:?}");
+        }
+    }
+    for far in [1e30, 1e49, 1e110] {
+        let point = ConvexPolyhedron::point(Point3::new(far, -far, far)).unwrap();
+        let (low, high) = point.aabb_at(
+            &Isometry3::rotation(Vector3::new(0.1, 0.2, 0.3)),
+            &mut BoxHint::default(),
+        );
+        assert!(low.iter().chain(high.iter()).all(|x| x.is_finite()), "{low} {high}");
+        assert!((high - low).amax() <= 1e-13 * far, "{low} {high}");
+    }
+}

@@ -474,3 +474,71 @@ fn bodies_without_faces_keep_their_depth_over_frames() {
     }
     assert!(surface > 500, "{surface}");
 }
+
+/// A point in the skin of a needle of thousands of faces: what the surface did not close about has its witnesses from the list of all
+/// facets.
+#[test]
+fn a_point_in_the_skin_of_a_needle_has_its_witnesses() {
+    let mut rng = Rng::new(415);
+    let speck = ConvexPolyhedron::point([0.0; 3].into()).unwrap();
+    let mut inside = 0;
+    for n in [200, 1000, 5000] {
+        let rim = (0..n).map(|k| std::f64::consts::TAU * (k as f64 / n as f64).powi(3));
+        let tip = [[0.0, 0.0, 1e6].into()];
+        let points: Vec<_> = rim.map(|t| [t.cos(), t.sin(), 0.0].into()).chain(tip).collect();
+        let needle = ConvexPolyhedron::from_points(&points).unwrap();
+        let corners: Vec<Vector3<f64>> = needle.vertex_points().map(|p| p.coords).collect();
+        for _ in 0..1000 {
+            let t = rng.uniform();
+            let at = *rng.pick(&corners) * t + Vector3::new(0.0, 0.0, 1e6) * (1.0 - t);
+            let frame = both(Pose::IDENTITY, Pose::shift(at.into()));
+            let o = closest(&needle, &speck, &frame);
+            if o.class != Class::Overlapping {
+                continue;
+            }
+            inside += 1;
+            let between = at + o.point_on_b.coords - o.point_on_a.coords;
+            let off = (between - o.normal.into_inner() * o.distance).norm();
+            assert!(off <= 1e-13 * 1e6, "{n}: {off:e} {o:?}");
+        }
+    }
+    assert!(inside > 20, "{inside}");
+}
+
+/// How near a witness is has nothing to do with how far the bodies are from their own origins, but for its own digits.
+#[test]
+fn witnesses_of_far_bodies_are_as_good_as_their_coordinates() {
+    let mut rng = Rng::new(416);
+    let away = 1e8;
+    let (mut deep, mut doubled) = (0, 0);
+    for k in 0..1500 {
+        let small = shapes::cone(200, 1.0, 0.4).stretched([1e-5; 3]);
+        let large = shapes::cone(128, 1.0, 1.0).moved(&Pose::shift(rng.unit().map(|x| x * away)));
+        let (a, b) = (world::body(&small), world::body(&large));
+        let mut frame = both(
+            Pose::IDENTITY,
+            Pose {
+                q: rng.quat(),
+                t: [0.0; 3],
+            },
+        );
+        let middle = frame.b.apply(b.bounding_ball().0.into());
+        frame.b.t = sub(rng.unit(), middle);
+        for _ in 0..4 {
+            let o = closest(&a, &b, &frame);
+            let by = [-1e-15, -1e-9, -1e-12, 0.0][k % 4] - o.distance;
+            frame.b.t = lab::pose::add(frame.b.t, scale(o.normal.into_inner().into(), by));
+        }
+        let o = closest(&a, &b, &frame);
+        if o.class != Class::Overlapping {
+            continue;
+        }
+        deep += 1;
+        doubled += usize::from(o.layer == Layer::DoubleDouble);
+        let between = lab::bound::witness_distance(o.point_on_a.into(), &frame.a, o.point_on_b.into(), &frame.b);
+        // The coordinates of the one on B end with 2^-27.
+        let off = (between + o.distance).abs();
+        assert!(off <= 3e-8, "{k}: {off:e} {o:?}");
+    }
+    assert!(deep > 300 && doubled > 50, "{deep} {doubled}");
+}

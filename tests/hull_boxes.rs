@@ -76,6 +76,37 @@ fn boxes_hold_the_body_and_are_tight() {
     }
 }
 
+/// What turns far away is off by the rounding of the whole matrix, also along an axis that hardly sees it.
+#[test]
+fn boxes_hold_bodies_far_from_their_own_origin() {
+    let mut rng = Rng::new(78);
+    let mut thin = 0;
+    for k in 0..2000 {
+        let away = [1e4, 1e6, 1e9][k % 3];
+        let shape = shapes::sphere(&mut rng, [80, 8][k / 3 % 2]);
+        let mut points: Vec<Point3<f64>> = shape.points.iter().map(|&p| p.into()).collect();
+        points.iter_mut().for_each(|p| p.z += away);
+        if k % 5 == 0 {
+            points.truncate(1);
+        }
+        let body = match points[..] {
+            [p] => ConvexPolyhedron::point(p).expect("a point"),
+            _ => ConvexPolyhedron::from_points(&points).expect("a solid"),
+        };
+        // About z, then about x or y: along the other axis nothing of z is seen but rounding.
+        let axis = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]][k % 2];
+        let tilt = lab::pose::quat(axis, rng.range(-3.0, 3.0));
+        let q = lab::pose::quat_mul(tilt, lab::pose::quat([0.0, 0.0, 1.0], rng.range(-3.0, 3.0)));
+        let pose = Pose { q, t: rng.unit() };
+        let (low, high) = body.aabb_at(&isometry(&pose), &mut BoxHint::default());
+        assert!(holds(&body, &pose, low, high), "{k}: {away:e} {pose:?}");
+        let (low, high) = body.cube_at(&isometry(&pose));
+        assert!(holds(&body, &pose, low, high), "cube {k}: {away:e} {pose:?}");
+        thin += usize::from(points.len() != 8);
+    }
+    assert!(thin > 800, "{thin}");
+}
+
 #[test]
 fn a_stale_hint_changes_no_bit() {
     let mut rng = Rng::new(78);

@@ -733,3 +733,42 @@ fn negative_angles_keep_no_corner_off_the_faces() {
         }
     }
 }
+
+/// Where a facet of the difference is smaller than rounding, the closest features may name a face that is upright: over a place its
+/// height is anything, so it bears nothing.
+#[test]
+fn upright_faces_bear_no_contact() {
+    let mut rng = Rng::new(611);
+    let rim = |n: usize, size: f64| {
+        let angle = move |k| std::f64::consts::TAU * k as f64 / n as f64;
+        (0..n).map(move |k| [size * angle(k).cos(), 0.6 * size * angle(k).sin(), 0.0].into())
+    };
+    let (mut points, mut overlaps) = (0, 0);
+    for k in 0..4000 {
+        let size = [1e3, 1e5][k % 2];
+        let plate = ConvexPolyhedron::polygon(&rim(100, size).collect::<Vec<_>>()).unwrap();
+        let card = (0..3).map(|_| [rng.range(-1.0, 1.0), rng.range(-1.0, 1.0), 0.0].into());
+        let card = ConvexPolyhedron::polygon(&card.collect::<Vec<_>>()).unwrap();
+        let mut frame = Frame {
+            a: Pose::IDENTITY,
+            b: Pose {
+                q: rng.quat(),
+                t: scale(rng.unit(), size),
+            },
+        };
+        // Edge on edge, in each other by no more than rounding.
+        for _ in 0..4 {
+            let o = Tracker::new().closest(&card, &plate, &world::relative(&frame));
+            let by = [0.0, -1e-12, -1e-16, -1e-9][k / 2 % 4] - o.distance;
+            frame.b.t = add(frame.b.t, scale(o.normal.into_inner().into(), by));
+        }
+        let m = manifold(&card, &plate, &frame, &ManifoldOptions::within(4.0));
+        for c in m.points() {
+            let deeper = m.lower() - c.separation;
+            assert!(deeper <= 1e-12 * size, "{k}: {deeper:e} {m:?}");
+            points += 1;
+        }
+        overlaps += usize::from(m.upper() <= 0.0);
+    }
+    assert!(points > 4000 && overlaps > 500, "{points} {overlaps}");
+}

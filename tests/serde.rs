@@ -88,6 +88,45 @@ fn a_manifold_keeps_its_names() {
     round_trip(&outcome.gradient_a());
 }
 
+/// Not every format can hold an infinity: what is not known yet, and what is wanted without limit, come back all the same.
+#[test]
+fn what_is_infinite_comes_back() {
+    let none = Manifold::new();
+    assert!(none.lower() == f64::NEG_INFINITY && none.upper() == f64::INFINITY);
+    round_trip(&none);
+    let mut options = ManifoldOptions::within(f64::INFINITY);
+    (options.drift, options.choice, options.sine) = (f64::INFINITY, f64::NEG_INFINITY, f64::INFINITY);
+    round_trip(&options);
+    let (a, b, pose) = query();
+    let (mut t, mut m) = (Tracker::new(), Manifold::new());
+    for prediction in [f64::INFINITY, f64::NEG_INFINITY] {
+        options.prediction = prediction;
+        t.manifold(&a, &b, &pose, &options, &mut m);
+        assert_eq!(m.points().is_empty(), prediction < 0.0);
+        round_trip(&m);
+    }
+    let mut open = t.closest(&a, &b, &pose);
+    open.lower = f64::NEG_INFINITY;
+    round_trip(&open);
+    round_trip(&Distance::from(&open));
+}
+
+/// Faces of more than 24 corners know of a corner only whether it is on them, and beside rounding it may not be.
+#[test]
+fn a_manifold_of_large_faces_comes_back() {
+    let disc = solids::prism(26, 1.0, 0.2).expect("a body");
+    for k in 0..26 {
+        // Corner upon corner.
+        let angle = std::f64::consts::TAU * f64::from(k) / 26.0;
+        let pose = lab::Pose::turn([0.0, 0.0, 1.0], angle, [0.0, 0.0, 0.4 + 1e-6]);
+        let pose = RelativePose::from_isometry(&world::isometry(&pose)).expect("a pose");
+        let mut m = Manifold::new();
+        Tracker::new().manifold(&disc, &disc, &pose, &ManifoldOptions::within(0.1), &mut m);
+        assert!(m.points().len() > 2);
+        round_trip(&m);
+    }
+}
+
 #[test]
 fn a_tracker_goes_on_where_it_was() {
     let (a, b, pose) = query();

@@ -108,6 +108,7 @@ pub struct Outcome {
     /// The best estimate of the signed distance, between the bounds; for an overlap, minus the depth.
     pub distance: f64,
     /// No greater than the signed distance; minus infinity where nothing is known.
+    #[cfg_attr(feature = "serde", serde(with = "crate::scalar::infinite"))]
     pub lower: f64,
     /// No less than the signed distance.
     pub upper: f64,
@@ -157,6 +158,7 @@ pub struct Distance {
     /// The best estimate of the signed distance; for an overlap, minus the depth.
     pub value: f64,
     /// No greater than the signed distance.
+    #[cfg_attr(feature = "serde", serde(with = "crate::scalar::infinite"))]
     pub lower: f64,
     /// No less than the signed distance.
     pub upper: f64,

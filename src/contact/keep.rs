@@ -13,12 +13,13 @@ use crate::polyhedron::{ConvexPolyhedron, Feature, FeaturePair};
 use crate::tolerance::{AGREE, STAY};
 
 /// How far inside the other face a corner at least is, wherever it is seen from: `inside` is what the normal of now shows. That is
-/// off the face by no more than the angle of the options. Nothing is known of steep ones.
+/// off the face by no more than the angle of the options. Nothing is known of steep ones, nor of places outside: zero, as a file
+/// need not hold an infinity.
 pub(super) fn margin(inside: f64, separation: f64, options: &ManifoldOptions) -> f64 {
     let sine = STAY * options.sine.abs();
     // Up to a half, the tangent is below twice the sine, and the cosine above one less it.
     if sine <= 0.5 {
-        (1.0 - sine) * inside - lean_off(separation, options)
+        ((1.0 - sine) * inside - lean_off(separation, options)).max(0.0)
     } else {
         0.0
     }

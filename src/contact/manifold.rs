@@ -56,7 +56,9 @@ pub struct Manifold {
     #[cfg_attr(feature = "serde", serde(deserialize_with = "at_most_all"))]
     count: usize,
     normal: Unit<Vector3<f64>>,
+    #[cfg_attr(feature = "serde", serde(with = "crate::scalar::infinite"))]
     lower: f64,
+    #[cfg_attr(feature = "serde", serde(with = "crate::scalar::infinite"))]
     upper: f64,
     made: Option<Made>,
     fresh: bool,
@@ -79,9 +81,11 @@ struct Made {
     reference: Which,
     /// In the frame of the reference.
     normal: Vector3<f64>,
+    #[cfg_attr(feature = "serde", serde(with = "crate::scalar::infinite"))]
     lower: f64,
     upper: f64,
     /// How far the bodies may move from there.
+    #[cfg_attr(feature = "serde", serde(with = "crate::scalar::infinite"))]
     budget: f64,
     /// How far they had moved since the points were chosen.
     since: f64,

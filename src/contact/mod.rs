@@ -29,9 +29,9 @@ mod shadow;
 use nalgebra::{Matrix3, Point3, Vector3};
 
 use crate::closest::outcome::{Layer, Outcome};
-use crate::polyhedron::{ConvexPolyhedron, FeaturePair};
+use crate::polyhedron::{ConvexPolyhedron, Feature, FeaturePair};
 use crate::scalar::sqrt;
-use crate::tolerance::{ACROSS, AGREE};
+use crate::tolerance::{ACROSS, AGREE, STEEP};
 use corners::{Corner, Corners, On};
 use keep::Shadows;
 use promote::Promotion;
@@ -52,18 +52,23 @@ pub(crate) const MOST_POINTS: usize = 8;
 #[non_exhaustive]
 pub struct ManifoldOptions {
     /// Contacts up to this separation are wanted, in the caller's unit. Zero: those that touch or overlap.
+    #[cfg_attr(feature = "serde", serde(with = "crate::scalar::infinite"))]
     pub prediction: f64,
     /// How many points at most, 1 to 8. Of faces of more than 24 corners not all corners of what they share are looked at: in random poses
     /// of one upon another eight points span 60 % of it in all but some in a thousand, and where it is long and narrow now and then much less.
     pub max_points: usize,
     /// The sine of the largest angle between the normal and a face that bears the contact. Default 1/64, a little less than one degree.
+    /// A face within one degree of upright bears none, whatever is asked.
+    #[cfg_attr(feature = "serde", serde(with = "crate::scalar::infinite"))]
     pub sine: f64,
     /// How far the bodies may move before a manifold is made anew, in radii of the smaller one; till then its points stay
     /// where they are on the bodies, with new separations. Contacts nearer to each other than this are one. Default 1/1024; zero: every
     /// motion asks anew.
+    #[cfg_attr(feature = "serde", serde(with = "crate::scalar::infinite"))]
     pub drift: f64,
     /// How far the bodies may move, in radii of the smaller one, before the choice among the corners of what two faces share is made
     /// anew; till then the same corners are kept, as long as they are corners and the deepest is among them. Default 1/16.
+    #[cfg_attr(feature = "serde", serde(with = "crate::scalar::infinite"))]
     pub choice: f64,
 }
 
@@ -137,7 +142,7 @@ impl Answer<'_> {
         let axes = self.axes();
         let features = self.promoted(&axes, options, before.features());
         contacts.features = features;
-        if features.a.dimension() > 0 && features.b.dimension() > 0 {
+        if features.a.dimension() > 0 && features.b.dimension() > 0 && self.bears(&axes, features) {
             self.share(&axes, options, before, lasts, &mut contacts);
         }
         contacts
@@ -213,6 +218,16 @@ impl Answer<'_> {
             a: promote(self.a, axes[0].normal, closest.a, before.map(|f| f.a)),
             b: promote(self.b, -axes[1].normal, closest.b, before.map(|f| f.b)),
         }
+    }
+
+    /// Whether no face of them is upright, as the closest may be where a facet of the difference is smaller than rounding.
+    #[inline(always)]
+    fn bears(&self, axes: &[Axes; 2], features: FeaturePair) -> bool {
+        let is_across = |body: &ConvexPolyhedron, feature: Feature, outward: Vector3<f64>| match feature {
+            Feature::Face(f) => body.planes[f.index()].normal.dot(&outward) > STEEP,
+            _ => true,
+        };
+        is_across(self.a, features.a, axes[0].normal) && is_across(self.b, features.b, -axes[1].normal)
     }
 }
 

@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 use crate::polyhedron::fans::top_of_ring;
 use crate::polyhedron::topology::MANY;
 use crate::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, Feature};
-use crate::tolerance::STAY;
+use crate::tolerance::{STAY, STEEP};
 
 /// A body's outward direction of contact and how far off it a face may be.
 pub(super) struct Promotion<'a> {
@@ -79,7 +79,7 @@ impl Promotion<'_> {
             let off = n.cross(&self.outward).norm_squared();
             let feature = Feature::Face(FaceId(f));
             // The null face of a segment has no normal.
-            if n.dot(&self.outward) > 0.0 && off <= self.most(feature) && best.is_none_or(|(least, _)| off < least) {
+            if n.dot(&self.outward) > STEEP && off <= self.most(feature) && best.is_none_or(|(least, _)| off < least) {
                 best = Some((off, feature));
             }
         }

@@ -35,7 +35,7 @@ use crate::closest::refine::{outward, state_of, unit};
 use crate::double_double::DoubleDouble;
 use crate::scalar::Scalar;
 #[cfg(feature = "exact")]
-use crate::tolerance::AGREE_DEPTH;
+use crate::tolerance::{AGREE_DEPTH, AGREE_WITNESS};
 use crate::tolerance::{CERTIFICATE, SHIFTS};
 use nalgebra::Vector3;
 use search::{End, Found, search};
@@ -81,7 +81,7 @@ fn deepen_finely(placed: &Placed, outcome: &mut Outcome) {
         take(placed, &found, outcome);
     }
     #[cfg(feature = "exact")]
-    if !is_narrow(placed, outcome) || outcome.distance == 0.0 {
+    if !is_narrow(placed, outcome) || outcome.distance == 0.0 || !is_held(placed, outcome) {
         exhaustive::settle(placed, &frame, outcome);
     }
 }
@@ -90,6 +90,14 @@ fn deepen_finely(placed: &Placed, outcome: &mut Outcome) {
 #[cfg(feature = "exact")]
 fn is_narrow(placed: &Placed, outcome: &Outcome) -> bool {
     outcome.upper - outcome.lower <= AGREE_DEPTH * placed.size()
+}
+
+/// Whether the witnesses are as far apart as the depth says, and along the normal: a surface that did not close may have none that are.
+#[cfg(feature = "exact")]
+fn is_held(placed: &Placed, outcome: &Outcome) -> bool {
+    let between = placed.point_in_a(&outcome.point_on_b.coords) - outcome.point_on_a.coords;
+    let rest = between - outcome.normal.into_inner() * outcome.distance;
+    rest.norm_squared() <= (AGREE_WITNESS * placed.size()) * (AGREE_WITNESS * placed.size())
 }
 
 /// Takes over what was found, where its bounds are the narrower.

@@ -116,8 +116,7 @@ fn flat<T: Scalar>(placed: &Placed, frame: &Frame<T>, simplex: &Simplex<T>, towa
         radius: zero,
         corners: core::array::from_fn(|k| simplex.kept()[k.min(simplex.len() - 1)]),
         // No points of the border, but ones that nearly coincide.
-        witnesses: (simplex.reach() <= T::from(AGREE_DEPTH) * T::from(placed.reach::<T>().whole()))
-            .then(|| witnesses(placed, simplex)),
+        witnesses: (simplex.reach() <= T::from(AGREE_DEPTH * placed.size())).then(|| witnesses(placed, simplex)),
         features: None,
         grown: 0,
     }
@@ -388,7 +387,8 @@ impl<'a, T: Scalar> Search<'a, T> {
         if let Some(foot) = best.features.and_then(|f| foot(self.placed, f, &best.rounded())) {
             return (self.surface.corners(weakest), foot);
         }
-        let close = T::from(AGREE_DEPTH) * self.size;
+        // Of L, not of origins far off, in whichever arithmetic.
+        let close = T::from(AGREE_DEPTH * self.placed.size());
         let plane = best.height - close;
         let all = 0..self.surface.triangles.len() as u32;
         let flat = all.clone().filter(|t| self.surface.height(*t, &best.normal) >= plane);

@@ -109,16 +109,15 @@ impl ConvexPolyhedron {
     /// to be looked at.
     pub fn cube_at(&self, pose: &Isometry3<f64>) -> (Point3<f64>, Point3<f64>) {
         let matrix = matrix(pose);
-        let center = matrix * self.origin + pose.translation.vector;
-        let far = matrix.abs() * self.origin.abs() + pose.translation.vector.abs();
-        let half = (far * BOX).add_scalar(self.radius * self.unit() * (1.0 + BOX));
+        let (center, far) = self.origin_at(&matrix, &pose.translation.vector);
+        let half = far.add_scalar(self.radius * self.unit() * (1.0 + BOX));
         (Point3::from(center - half), Point3::from(center + half))
     }
 
-    /// Where the stored origin is, and how far off that may be.
+    /// Where the stored origin is, and how far off that may be: an entry of the matrix is off by the same however small it is.
     #[cold]
     fn origin_at(&self, matrix: &Matrix3<f64>, t: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
-        let far = (matrix.abs() * self.origin.abs() + t.abs()) * BOX;
+        let far = t.abs().add_scalar(self.origin.abs().sum()) * BOX;
         (matrix * self.origin + t, far)
     }
 

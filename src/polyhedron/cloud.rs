@@ -132,7 +132,10 @@ fn placement(given: &[Point3<f64>], indices: &[u32]) -> Result<(Vector3<f64>, i3
                 extent: given[i as usize].coords.amax(),
             });
         }
-        return Ok((Vector3::zeros(), 0, f64::MIN_POSITIVE));
+        // A point is where it is without rounding: it is its own origin, but for what counts as zero.
+        let place = if indices.is_empty() { Vector3::zeros() } else { low };
+        let origin = place.map(|x| if x.abs() < f64::MIN_POSITIVE { 0.0 } else { x });
+        return Ok((origin, 0, f64::MIN_POSITIVE));
     }
     if !(EXTENT_MIN..=EXTENT_MAX).contains(&extent) {
         let ends = indices.iter().find(|&&i| given[i as usize][axis] == high[axis]);

@@ -76,59 +76,22 @@ struct Snapshot {
     budget: bool,
 }
 
-/// A lower bound in files: minus infinity, which not every format can hold, as the least number.
-trait Bounded {
-    fn lower(&mut self) -> Option<&mut f64>;
-}
-
-impl Bounded for () {
-    fn lower(&mut self) -> Option<&mut f64> {
-        None
-    }
-}
-
-impl Bounded for Distance {
-    fn lower(&mut self) -> Option<&mut f64> {
-        Some(&mut self.lower)
-    }
-}
-
-impl Bounded for Outcome {
-    fn lower(&mut self) -> Option<&mut f64> {
-        Some(&mut self.lower)
-    }
-}
-
-impl Bounded for Contact {
-    fn lower(&mut self) -> Option<&mut f64> {
-        // A manifold without a lower bound, which is rare, is made anew.
-        self.manifold.take_if(|m| !m.lower().is_finite());
-        Some(&mut self.outcome.lower)
-    }
-}
-
-fn seats<A: Answer + Bounded>(lane: &Lane<A>) -> Seats<A> {
+fn seats<A: Answer>(lane: &Lane<A>) -> Seats<A> {
     let pairs = lane.heads.iter().zip(&lane.trackers).zip(&lane.answers);
     let seat = |((head, tracker), answer): ((&Head, &Tracker), &A)| {
-        let mut answer = if head.state.measured {
+        let answer = if head.state.measured {
             answer.clone()
         } else {
             A::blank()
         };
-        if let Some(lower) = answer.lower() {
-            *lower = lower.max(f64::MIN);
-        }
         (*head, tracker.clone(), answer)
     };
     pairs.map(seat).collect()
 }
 
-fn lane<A: Bounded>(seats: Seats<A>) -> Lane<A> {
+fn lane<A>(seats: Seats<A>) -> Lane<A> {
     let mut lane = Lane::default();
-    for (head, tracker, mut answer) in seats {
-        if let Some(lower) = answer.lower().filter(|lower| **lower == f64::MIN) {
-            *lower = f64::NEG_INFINITY;
-        }
+    for (head, tracker, answer) in seats {
         lane.heads.push(head);
         lane.trackers.push(tracker);
         lane.answers.push(answer);
