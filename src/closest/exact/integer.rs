@@ -4,29 +4,10 @@ use dashu_base::{BitTest, DivRem, SquareRoot};
 use dashu_int::{IBig, UBig};
 use nalgebra::Vector3;
 
-use crate::polyhedron::power_of_two;
+use crate::polyhedron::{odd_part, power_of_two};
 
 /// A vector of integers.
 pub(super) type Big3 = [IBig; 3];
-
-/// `x = m 2^e` with `m` odd, of a finite number that is not zero.
-fn odd_part(x: f64) -> (i64, i32) {
-    let bits = x.to_bits();
-    let (field, fraction) = (((bits >> 52) & 0x7ff) as i32, (bits & ((1 << 52) - 1)) as i64);
-    let (m, e) = if field == 0 {
-        (fraction, -1074)
-    } else {
-        (fraction | 1 << 52, field - 1075)
-    };
-    let zeros = m.trailing_zeros();
-    let m = m >> zeros;
-    (if x < 0.0 { -m } else { m }, e + zeros as i32)
-}
-
-/// The exponent of the lowest bit set in any of the numbers, if any is not zero.
-pub(super) fn lowest_bit(numbers: impl IntoIterator<Item = f64>) -> Option<i32> {
-    numbers.into_iter().filter(|&x| x != 0.0).map(|x| odd_part(x).1).min()
-}
 
 /// `x / 2^e`, where no bit of `x` is lower.
 pub(super) fn integer(x: f64, e: i32) -> IBig {
@@ -104,6 +85,7 @@ pub(super) fn root(num: &UBig, den: &UBig, e: i32) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::polyhedron::lowest_bit;
 
     #[test]
     fn numbers_go_in_and_out_exactly() {

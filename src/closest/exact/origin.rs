@@ -1,7 +1,5 @@
 //! Inside or on the boundary: where exactly the origin lies in a convex set that holds it.
 
-use alloc::vec::Vec;
-
 use dashu_int::IBig;
 
 use super::integer::{Big3, cross, dot, is_zero, neg};
@@ -18,15 +16,16 @@ pub(super) enum Origin {
 pub(super) struct Set<'a> {
     /// A point greatest along a direction.
     pub(super) highest: &'a dyn Fn(&Big3) -> Corner,
-    /// The directions of the edges that leave a corner, a multiple of each; together they span the set seen from there.
-    pub(super) edges: &'a dyn Fn(&Corner) -> Vec<Big3>,
+    /// Of the edges that leave a corner and span the set seen from there: one that rises along a direction if one does, or else one that is
+    /// level if one is, or else any. `None` where there is no edge.
+    pub(super) rising: &'a dyn Fn(&Corner, &Big3) -> Option<Corner>,
 }
 
 /// Locates the origin, which `at` holds in the relative interior of its corners.
 pub(super) fn locate(set: &Set, at: &Nearest) -> Origin {
     let w = |k: usize| &at.kept[k].w;
     match at.kept.len() {
-        1 => at_vertex(&(set.edges)(&at.kept[0])),
+        1 => at_vertex(&|n| (set.rising)(&at.kept[0], n)),
         // The two corners are opposite, so either is the line through both.
         2 => on_line(set.highest, w(1)),
         // With the origin inside their triangle, no two corners are parallel.
@@ -89,29 +88,19 @@ fn on_line(highest: &dyn Fn(&Big3) -> Corner, d: &Big3) -> Origin {
 
 /// The origin is a corner of the set: a normal must not rise along any of its edges, so the question is where the
 /// origin lies in the hull of the edge directions.
-fn at_vertex(edges: &[Big3]) -> Origin {
-    let corner = |k: usize| Corner {
-        a: k as u32,
-        b: 0,
-        w: edges[k].clone(),
+///
+/// An edge that rises is as good as the highest: each brings the nearest point of those found nearer to the origin, and where none
+/// rises, the set stays on one side.
+fn at_vertex(rising: &dyn Fn(&Big3) -> Option<Corner>) -> Origin {
+    let any = [IBig::ONE, IBig::ZERO, IBig::ZERO];
+    let Some(first) = rising(&any) else {
+        return Origin::Boundary(any);
     };
-    let highest = |n: &Big3| {
-        let top = (1..edges.len()).fold(0, |top, k| {
-            if dot(n, &edges[k]) > dot(n, &edges[top]) {
-                k
-            } else {
-                top
-            }
-        });
-        corner(top)
-    };
-    if edges.is_empty() {
-        return Origin::Boundary([IBig::ONE, IBig::ZERO, IBig::ZERO]);
-    }
-    let lowest = |n: &Big3| highest(&neg(n));
-    let first = corner(0);
     let normal = neg(&first.w);
-    let Some(at) = minimize([first].into(), &lowest) else {
+    // With one edge there are more.
+    let highest = |n: &Big3| rising(n).unwrap_or_else(|| first.clone());
+    let lowest = |n: &Big3| highest(&neg(n));
+    let Some(at) = minimize([first.clone()].into(), &lowest) else {
         return Origin::Boundary(normal);
     };
     if is_zero(&at.direction) {
@@ -119,7 +108,7 @@ fn at_vertex(edges: &[Big3]) -> Origin {
         locate(
             &Set {
                 highest: &highest,
-                edges: &|_| Vec::new(),
+                rising: &|_, _| None,
             },
             &at,
         )

@@ -1,0 +1,272 @@
+//! The highest vertex along a direction, exactly, by a look at a few: also of faces and fans of thousands that are level but for
+//! rounding, or level altogether.
+//!
+//! A body is the exact hull of its stored points, and its faces are exactly flat. So with exact signs these hold without exception:
+//! a vertex that no neighbour exceeds is a highest one; heights round a face rise to one place and fall from it, and so do
+//! the slopes of the edges of a fan (see `fans`); and what is level with a highest vertex is that vertex, an edge or a face. Climbing
+//! and bisection on them need no proof. Signs are those of f64 where it is certain of them, and else those of double-double and
+//! of exact sums, or of integers at the exact level ([`Upward`]).
+
+use core::cmp::Ordering;
+
+use nalgebra::Vector3;
+
+use super::ConvexPolyhedron;
+use super::cloud::{exponent_of, power_of_two};
+use super::fans::{Fans, top_of_ring};
+use super::support::edge_sign;
+use super::topology::{MANY, Topology};
+use crate::double_double::{DoubleDouble, Expansion};
+use crate::scalar::Scalar;
+use crate::tolerance::{EDGE_SIGN, STEEPER, UNIT};
+
+/// A direction `n` along which the vertices of a body have an exact order.
+pub(crate) trait Upward {
+    /// The sign of `n . (q - p)` of two vertices.
+    fn rise(&self, p: u32, q: u32) -> i32;
+    /// The sign of `(n . e) (m . f) - (n . f) (m . e)`, for the edges `e` and `f` from `p` to `q` and `r`: which of the two rises more
+    /// along `n` for its rise along `m`, if both rise along that.
+    fn steeper(&self, m: &Vector3<f64>, p: u32, q: u32, r: u32) -> i32;
+}
+
+/// A direction in double-double.
+pub(crate) struct Direction<'a> {
+    points: &'a [Vector3<f64>],
+    /// The direction, scaled by a power of two to about one, and its f64 part.
+    fine: [DoubleDouble; 3],
+    n: Vector3<f64>,
+}
+
+impl<'a> Direction<'a> {
+    /// Along `n + rest`, which round to `n`, in the frame of the points.
+    pub(crate) fn new(points: &'a [Vector3<f64>], n: &Vector3<f64>, rest: &Vector3<f64>) -> Self {
+        let scale = power_of_two(-exponent_of(n.amax()));
+        let (n, rest) = (n * scale, rest * scale);
+        Self {
+            points,
+            fine: [0, 1, 2].map(|k| DoubleDouble { hi: n[k], lo: rest[k] }),
+            n,
+        }
+    }
+
+    /// The edge between two vertices, rounded.
+    fn edge(&self, p: u32, q: u32) -> Vector3<f64> {
+        self.points[q as usize] - self.points[p as usize]
+    }
+
+    fn fine_edge(&self, p: u32, q: u32) -> [DoubleDouble; 3] {
+        let (p, q) = (&self.points[p as usize], &self.points[q as usize]);
+        [0, 1, 2].map(|k| DoubleDouble::sum(q[k], -p[k]))
+    }
+
+    #[cold]
+    fn rise_finely(&self, p: u32, q: u32) -> i32 {
+        let (value, size) = sum(&self.fine, &self.fine_edge(p, q));
+        let bound = EDGE_SIGN / UNIT * DoubleDouble::UNIT * size;
+        if size == 0.0 || value.value().abs() > bound {
+            return sign(value.value());
+        }
+        let (p, q) = (&self.points[p as usize], &self.points[q as usize]);
+        let parts = self.fine.map(|n| [n.hi, n.lo]);
+        exact::<2, 24>(&parts, p, q).sign()
+    }
+
+    #[cold]
+    fn steeper_finely(&self, m: &Vector3<f64>, p: u32, q: u32, r: u32) -> i32 {
+        let (e, f) = (self.fine_edge(p, q), self.fine_edge(p, r));
+        if let Some(sign) = certain(&self.fine, &[0, 1, 2].map(|k| DoubleDouble::from(m[k])), &e, &f) {
+            return sign;
+        }
+        let [p, q, r] = [p, q, r].map(|v| &self.points[v as usize]);
+        let (up, along) = (self.fine.map(|n| [n.hi, n.lo]), [0, 1, 2].map(|k| [m[k]]));
+        let rises = |q| (exact::<2, 24>(&up, p, q), exact::<1, 12>(&along, p, q));
+        let ((n_e, m_e), (n_f, m_f)) = (rises(q), rises(r));
+        let mut sum = Expansion::<1152>::new();
+        for (x, y, sign) in [(&n_e, &m_f, 1.0), (&n_f, &m_e, -1.0)] {
+            for &x in x.parts() {
+                y.parts().iter().for_each(|y| sum.add_product(x, sign * y));
+            }
+        }
+        sum.sign()
+    }
+}
+
+impl Upward for Direction<'_> {
+    #[inline]
+    fn rise(&self, p: u32, q: u32) -> i32 {
+        match edge_sign(&self.n, &self.edge(p, q)) {
+            0 => self.rise_finely(p, q),
+            sign => sign,
+        }
+    }
+
+    #[inline]
+    fn steeper(&self, m: &Vector3<f64>, p: u32, q: u32, r: u32) -> i32 {
+        let [n, m_, e, f] = [self.n, *m, self.edge(p, q), self.edge(p, r)].map(<[f64; 3]>::from);
+        certain(&n, &m_, &e, &f).unwrap_or_else(|| self.steeper_finely(m, p, q, r))
+    }
+}
+
+fn sign(x: f64) -> i32 {
+    i32::from(x > 0.0) - i32::from(x < 0.0)
+}
+
+/// `n . e` and the sum of the magnitudes of its terms.
+#[inline]
+fn sum<T: Scalar>(n: &[T; 3], e: &[T; 3]) -> (T, f64) {
+    let terms = [n[0] * e[0], n[1] * e[1], n[2] * e[2]];
+    let size = terms.iter().fold(0.0, |s, x| s + x.value().abs());
+    (terms[0] + terms[1] + terms[2], size)
+}
+
+/// The sign of `(n . e) (m . f) - (n . f) (m . e)`, where the arithmetic is certain of it.
+#[inline]
+fn certain<T: Scalar>(n: &[T; 3], m: &[T; 3], e: &[T; 3], f: &[T; 3]) -> Option<i32> {
+    let ((ne, s_ne), (mf, s_mf)) = (sum(n, e), sum(m, f));
+    let ((nf, s_nf), (me, s_me)) = (sum(n, f), sum(m, e));
+    let (value, size) = ((ne * mf - nf * me).value(), s_ne * s_mf + s_nf * s_me);
+    (size == 0.0 || value.abs() > STEEPER / UNIT * T::UNIT * size).then(|| sign(value))
+}
+
+/// `n . (q - p)` without rounding, for a direction in `K` parts a coordinate; `N` is `12 K`.
+fn exact<const K: usize, const N: usize>(n: &[[f64; K]; 3], p: &Vector3<f64>, q: &Vector3<f64>) -> Expansion<N> {
+    let mut sum = Expansion::new();
+    for k in 0..3 {
+        for &part in &n[k] {
+            sum.add_product(part, q[k]);
+            sum.add_product(-part, p[k]);
+        }
+    }
+    sum
+}
+
+/// A vertex that compares by its height.
+struct Height<'a, U>(&'a U, u32);
+
+impl<U: Upward> PartialEq for Height<'_, U> {
+    fn eq(&self, other: &Self) -> bool {
+        self.partial_cmp(other) == Some(Ordering::Equal)
+    }
+}
+
+impl<U: Upward> PartialOrd for Height<'_, U> {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.0.rise(other.1, self.1).cmp(&0))
+    }
+}
+
+/// An edge from the first vertex to the second that compares by its rise for that along `m`.
+struct Slope<'a, U>(&'a U, &'a Vector3<f64>, u32, u32);
+
+impl<U: Upward> PartialEq for Slope<'_, U> {
+    fn eq(&self, other: &Self) -> bool {
+        self.partial_cmp(other) == Some(Ordering::Equal)
+    }
+}
+
+impl<U: Upward> PartialOrd for Slope<'_, U> {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.0.steeper(self.1, self.2, self.3, other.3).cmp(&0))
+    }
+}
+
+/// From a vertex of a large face, or beside one of a large fan, to the highest one of that face or a high one beside that vertex; the
+/// vertex itself where none is higher.
+pub(super) fn leap<U: Upward>(t: &Topology, fans: &Fans, n: &U, v: u32) -> u32 {
+    if !t.has_large_faces() && fans.is_empty() || t.fan(v).len() > MANY {
+        return v;
+    }
+    let mut best = v;
+    let mut take = |w: u32| {
+        if n.rise(best, w) > 0 {
+            best = w;
+        }
+    };
+    for h in t.fan(v) {
+        let e = t.half_edge(h);
+        if let Some(ring) = t.ring(e.face) {
+            let vertex = |k: usize| t.from(ring[k]);
+            take(vertex(top_of_ring(ring.len(), |k| Height(n, vertex(k)))));
+        }
+        if fans.axis(t, e.to).is_some() {
+            // Where the neighbours lie in one plane this is the highest of them.
+            let fan = t.fan(e.to);
+            let vertex = |k: usize| t.half_edge(fan.start + k as u32).to;
+            take(vertex(top_of_ring(fan.len(), |k| Height(n, vertex(k)))));
+        }
+    }
+    best
+}
+
+impl ConvexPolyhedron {
+    /// The vertex highest along `n`, the lowest number among equals, climbing from `start`.
+    #[inline(never)]
+    pub(crate) fn highest<U: Upward>(&self, n: &U, start: u32) -> u32 {
+        let mut v = start;
+        // Each vertex is higher than the one before.
+        for _ in 0..self.points.len() {
+            match self.above(n, v) {
+                Ok(higher) => v = leap(&self.topology, &self.fans, n, higher),
+                Err(first) => return first,
+            }
+        }
+        v
+    }
+
+    /// A neighbour of `v` that is higher; where there is none, the lowest number of what is level with it.
+    fn above<U: Upward>(&self, n: &U, v: u32) -> Result<u32, u32> {
+        let t = &self.topology;
+        let to = |h: u32| t.half_edge(h).to;
+        let (fan, (first, count)) = (t.fan(v), self.outermost(n, v));
+        let next = |h: u32| if h + 1 == fan.end { fan.start } else { h + 1 };
+        let (mut best, mut level, mut h) = (v, [None; 2], first);
+        for _ in 0..count {
+            let w = to(h);
+            match n.rise(v, w) {
+                1 if best == v || n.rise(best, w) > 0 => best = w,
+                0 if level[0].is_some() => level[1] = Some(h),
+                0 => level[0] = Some(h),
+                _ => {}
+            }
+            h = next(h);
+        }
+        match level {
+            _ if best != v => Ok(best),
+            [Some(g), Some(h)] => {
+                // Level edges are neighbours, a face between them.
+                let h = if next(g) == h { g } else { h };
+                Err(t.from(t.rim_start(t.half_edge(h).face)))
+            }
+            [Some(h), _] => Err(v.min(to(h))),
+            _ => Err(v),
+        }
+    }
+
+    /// The edges of `v` that may rise or be level if any is: the first and how many from there. All of a fan; of a large one the steepest
+    /// and those beside it.
+    fn outermost<U: Upward>(&self, n: &U, v: u32) -> (u32, usize) {
+        let (t, fan) = (&self.topology, self.topology.fan(v));
+        let Some(m) = self.fans.axis(t, v) else {
+            return (fan.start, fan.len());
+        };
+        let before = |k: usize| (k + fan.len() - 1) % fan.len();
+        (fan.start + before(self.steepest(n, v, m)) as u32, 3)
+    }
+
+    /// Where in the large fan of `v`, along whose axis `m` all its edges rise, the edge is that rises most for that.
+    fn steepest<U: Upward>(&self, n: &U, v: u32, m: &Vector3<f64>) -> usize {
+        let (t, fan) = (&self.topology, self.topology.fan(v));
+        top_of_ring(fan.len(), |k| Slope(n, m, v, t.half_edge(fan.start + k as u32).to))
+    }
+
+    /// An edge of `v` that rises along `n`, if one does, or else one that is level, if one is, or else any; none of a point.
+    #[cfg(feature = "exact")]
+    pub(crate) fn rising<U: Upward>(&self, n: &U, v: u32) -> Option<u32> {
+        let (t, fan) = (&self.topology, self.topology.fan(v));
+        if let Some(m) = self.fans.axis(t, v) {
+            return Some(fan.start + self.steepest(n, v, m) as u32);
+        }
+        let to = |h: u32| t.half_edge(h).to;
+        fan.reduce(|best, h| if n.rise(to(best), to(h)) > 0 { h } else { best })
+    }
+}
