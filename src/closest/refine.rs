@@ -249,10 +249,10 @@ impl ConvexPolyhedron {
         {
             return Feature::Edge(EdgeId(t.edge(h)));
         }
-        // Round the rim of the face where the vertex has more edges than that can have.
+        // Among many faces or corners the exact plane of the face tells.
         let is_at = |x: u32, f: u32| {
-            if t.fan(x).len() > MANY && t.ring(f).is_none() {
-                t.rim(f).any(|h| t.half_edge(h).to == x)
+            if t.fan(x).len() > MANY {
+                self.face_side(f, &self.points[x as usize]) == 0.0
             } else {
                 t.fan(x).any(|h| t.half_edge(h).face == f)
             }

@@ -8,9 +8,9 @@
 use alloc::vec::Vec;
 use nalgebra::Vector3;
 
+use super::highest::{Direction, Upward};
 use super::topology::{LARGE, MANY, Topology};
 use super::{ConvexPolyhedron, Plane};
-use crate::tolerance::EDGE_SIGN;
 
 /// The large fans of a body: their vertices in rising order, each with its direction `m`.
 #[derive(Clone, Debug)]
@@ -18,18 +18,15 @@ pub(crate) struct Fans(Vec<(u32, Vector3<f64>)>);
 
 impl Fans {
     /// For fans of more than [`LARGE`] edges, minus the sum of the normals of their faces; left out where rounding makes
-    /// an edge not rise along that.
+    /// an edge not rise along that, of which a tip must be no higher than rounding over a base of thousands of corners.
     pub(crate) fn new(topology: &Topology, points: &[Vector3<f64>], planes: &[Plane]) -> Self {
         let axis = |v: u32| {
             let normals = topology
                 .fan(v)
                 .map(|h| planes[topology.half_edge(h).face as usize].normal);
             let m = -normals.sum::<Vector3<f64>>() / topology.fan(v).len() as f64;
-            let rises = |w: u32| {
-                let e = points[w as usize] - points[v as usize];
-                m.dot(&e) > EDGE_SIGN * m.abs().dot(&e.abs())
-            };
-            topology.neighbours(v).all(rises).then_some((v, m))
+            let along = Direction::new(points, &m, &Vector3::zeros());
+            topology.neighbours(v).all(|w| along.rise(v, w) > 0).then_some((v, m))
         };
         let large = (0..topology.vertex_count() as u32).filter(|&v| topology.fan(v).len() > LARGE);
         Self(large.filter_map(axis).collect())

@@ -102,8 +102,7 @@ impl Upward for Direction<'_> {
 
     #[inline]
     fn steeper(&self, m: &Vector3<f64>, p: u32, q: u32, r: u32) -> i32 {
-        let [n, m_, e, f] = [self.n, *m, self.edge(p, q), self.edge(p, r)].map(<[f64; 3]>::from);
-        certain(&n, &m_, &e, &f).unwrap_or_else(|| self.steeper_finely(m, p, q, r))
+        steeper(&self.n, m, &self.edge(p, q), &self.edge(p, r)).unwrap_or_else(|| self.steeper_finely(m, p, q, r))
     }
 }
 
@@ -126,6 +125,13 @@ fn certain<T: Scalar>(n: &[T; 3], m: &[T; 3], e: &[T; 3], f: &[T; 3]) -> Option<
     let ((nf, s_nf), (me, s_me)) = (sum(n, f), sum(m, e));
     let (value, size) = ((ne * mf - nf * me).value(), s_ne * s_mf + s_nf * s_me);
     (size == 0.0 || value.abs() > STEEPER / UNIT * T::UNIT * size).then(|| sign(value))
+}
+
+/// The same in f64, `n` rounded and `e` and `f` rounded differences of stored points.
+#[inline]
+pub(crate) fn steeper(n: &Vector3<f64>, m: &Vector3<f64>, e: &Vector3<f64>, f: &Vector3<f64>) -> Option<i32> {
+    let [n, m, e, f] = [n, m, e, f].map(|v| <[f64; 3]>::from(*v));
+    certain(&n, &m, &e, &f)
 }
 
 /// `n . (q - p)` without rounding, for a direction in `K` parts a coordinate; `N` is `12 K`.

@@ -158,6 +158,7 @@ fn exact_difference(a: DoubleDouble, b: DoubleDouble, c: DoubleDouble, d: Double
 mod tests {
     use super::super::solids;
     use super::*;
+    use alloc::vec::Vec;
     use crate::tolerance::UNIT;
 
     #[test]

@@ -19,7 +19,7 @@ use nalgebra::{Matrix3, Point3, Vector3};
 use super::outcome::{Class, Layer, Outcome};
 use super::placed::Placed;
 use super::refine;
-use crate::polyhedron::highest::Upward;
+use crate::polyhedron::highest::{Upward, steeper};
 use crate::polyhedron::support::edge_sign;
 use crate::polyhedron::{ConvexPolyhedron, lowest_bit};
 use crate::pose::RelativePose;
@@ -126,7 +126,13 @@ struct Along<'a> {
 }
 
 impl Along<'_> {
-    /// The edge between two vertices, a multiple of it.
+    /// The edge between two vertices, in stored units.
+    fn rounded_edge(&self, p: u32, q: u32) -> Vector3<f64> {
+        let points = &self.body.body.points;
+        points[q as usize] - points[p as usize]
+    }
+
+    /// A multiple of it, exactly.
     fn edge(&self, p: u32, q: u32) -> Big3 {
         sub(&self.body.given(q, self.exponent), &self.body.given(p, self.exponent))
     }
@@ -134,18 +140,20 @@ impl Along<'_> {
 
 impl Upward for Along<'_> {
     fn rise(&self, p: u32, q: u32) -> i32 {
-        let points = &self.body.body.points;
-        match edge_sign(&self.rounded, &(points[q as usize] - points[p as usize])) {
+        match edge_sign(&self.rounded, &self.rounded_edge(p, q)) {
             0 => sign(&dot(&self.n, &self.edge(p, q))),
             sign => sign,
         }
     }
 
     fn steeper(&self, m: &Vector3<f64>, p: u32, q: u32, r: u32) -> i32 {
-        let lowest = lowest_bit(m.iter().copied()).unwrap_or(0);
-        let m = [m.x, m.y, m.z].map(|c| integer(c, lowest));
-        let (e, f) = (self.edge(p, q), self.edge(p, r));
-        sign(&(dot(&self.n, &e) * dot(&m, &f) - dot(&self.n, &f) * dot(&m, &e)))
+        let certain = steeper(&self.rounded, m, &self.rounded_edge(p, q), &self.rounded_edge(p, r));
+        certain.unwrap_or_else(|| {
+            let lowest = lowest_bit(m.iter().copied()).unwrap_or(0);
+            let m = [m.x, m.y, m.z].map(|c| integer(c, lowest));
+            let (e, f) = (self.edge(p, q), self.edge(p, r));
+            sign(&(dot(&self.n, &e) * dot(&m, &f) - dot(&self.n, &f) * dot(&m, &e)))
+        })
     }
 }
 

@@ -1,9 +1,11 @@
 //! Inside or on the boundary: where exactly the origin lies in a convex set that holds it.
 
+use alloc::vec::Vec;
+
 use dashu_int::IBig;
 
 use super::integer::{Big3, cross, dot, is_zero, neg};
-use super::simplex::{Corner, Nearest, minimize, sign};
+use super::simplex::{Corner, Nearest, nearest, sign};
 
 /// Where the origin lies in a convex set that holds it.
 pub(super) enum Origin {
@@ -89,30 +91,28 @@ fn on_line(highest: &dyn Fn(&Big3) -> Corner, d: &Big3) -> Origin {
 /// The origin is a corner of the set: a normal must not rise along any of its edges, so the question is where the
 /// origin lies in the hull of the edge directions.
 ///
-/// An edge that rises is as good as the highest: each brings the nearest point of those found nearer to the origin, and where none
+/// An edge that rises is as good as the highest: with each the nearest point of those found comes nearer to the origin, and where none
 /// rises, the set stays on one side.
 fn at_vertex(rising: &dyn Fn(&Big3) -> Option<Corner>) -> Origin {
-    let any = [IBig::ONE, IBig::ZERO, IBig::ZERO];
-    let Some(first) = rising(&any) else {
-        return Origin::Boundary(any);
-    };
-    let normal = neg(&first.w);
-    // With one edge there are more.
-    let highest = |n: &Big3| rising(n).unwrap_or_else(|| first.clone());
-    let lowest = |n: &Big3| highest(&neg(n));
-    let Some(at) = minimize([first.clone()].into(), &lowest) else {
-        return Origin::Boundary(normal);
-    };
-    if is_zero(&at.direction) {
-        // No edge is zero, so the origin is not a corner of their hull and this goes no deeper.
-        locate(
-            &Set {
+    let mut normal = [IBig::ONE, IBig::ZERO, IBig::ZERO];
+    let mut corners = Vec::new();
+    while let Some(next) = rising(&normal) {
+        if !corners.is_empty() && sign(&dot(&normal, &next.w)) <= 0 {
+            break;
+        }
+        corners.push(next);
+        // One to four corners always have a nearest point.
+        let Some(at) = nearest(&corners) else { break };
+        if is_zero(&at.direction) {
+            // No edge is zero, so the origin is not a corner of their hull and this goes no deeper.
+            let highest = |n: &Big3| rising(n).unwrap_or_else(|| at.kept[0].clone());
+            let edges = Set {
                 highest: &highest,
                 rising: &|_, _| None,
-            },
-            &at,
-        )
-    } else {
-        Origin::Boundary(neg(&at.direction))
+            };
+            return locate(&edges, &at);
+        }
+        (normal, corners) = (neg(&at.direction), at.kept);
     }
+    Origin::Boundary(normal)
 }
