@@ -161,6 +161,7 @@ pub(super) fn overlapping(outcome: &mut Outcome) {
 }
 
 /// The unit vector along `v`; some unit vector where `v` has no direction.
+#[inline]
 pub(crate) fn unit(v: &Vector3<f64>) -> Unit<Vector3<f64>> {
     let largest = v.amax();
     if largest > 0.0 && largest < f64::INFINITY {

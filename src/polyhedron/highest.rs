@@ -29,24 +29,28 @@ pub(crate) trait Upward {
     fn steeper(&self, m: &Vector3<f64>, p: u32, q: u32, r: u32) -> i32;
 }
 
-/// A direction in double-double.
+/// A direction in double-double: `n + rest`, which round to `n`.
 pub(crate) struct Direction<'a> {
     points: &'a [Vector3<f64>],
-    /// The direction, scaled by a power of two to about one, and its f64 part.
-    fine: [DoubleDouble; 3],
     n: Vector3<f64>,
+    rest: Vector3<f64>,
 }
 
 impl<'a> Direction<'a> {
-    /// Along `n + rest`, which round to `n`, in the frame of the points.
+    /// In the frame of the points.
+    #[inline]
     pub(crate) fn new(points: &'a [Vector3<f64>], n: &Vector3<f64>, rest: &Vector3<f64>) -> Self {
-        let scale = power_of_two(-exponent_of(n.amax()));
-        let (n, rest) = (n * scale, rest * scale);
-        Self {
-            points,
-            fine: [0, 1, 2].map(|k| DoubleDouble { hi: n[k], lo: rest[k] }),
-            n,
-        }
+        let (n, rest) = (*n, *rest);
+        Self { points, n, rest }
+    }
+
+    /// Times the power of two that brings it to about one.
+    fn fine(&self) -> [DoubleDouble; 3] {
+        let scale = power_of_two(-exponent_of(self.n.amax()));
+        [0, 1, 2].map(|k| DoubleDouble {
+            hi: self.n[k] * scale,
+            lo: self.rest[k] * scale,
+        })
     }
 
     /// The edge between two vertices, rounded.
@@ -61,24 +65,24 @@ impl<'a> Direction<'a> {
 
     #[cold]
     fn rise_finely(&self, p: u32, q: u32) -> i32 {
-        let (value, size) = sum(&self.fine, &self.fine_edge(p, q));
+        let fine = self.fine();
+        let (value, size) = sum(&fine, &self.fine_edge(p, q));
         let bound = EDGE_SIGN / UNIT * DoubleDouble::UNIT * size;
         if size == 0.0 || value.value().abs() > bound {
             return sign(value.value());
         }
         let (p, q) = (&self.points[p as usize], &self.points[q as usize]);
-        let parts = self.fine.map(|n| [n.hi, n.lo]);
-        exact::<2, 24>(&parts, p, q).sign()
+        exact::<2, 24>(&fine.map(|n| [n.hi, n.lo]), p, q).sign()
     }
 
     #[cold]
     fn steeper_finely(&self, m: &Vector3<f64>, p: u32, q: u32, r: u32) -> i32 {
-        let (e, f) = (self.fine_edge(p, q), self.fine_edge(p, r));
-        if let Some(sign) = certain(&self.fine, &[0, 1, 2].map(|k| DoubleDouble::from(m[k])), &e, &f) {
+        let (fine, e, f) = (self.fine(), self.fine_edge(p, q), self.fine_edge(p, r));
+        if let Some(sign) = certain(&fine, &[0, 1, 2].map(|k| DoubleDouble::from(m[k])), &e, &f) {
             return sign;
         }
         let [p, q, r] = [p, q, r].map(|v| &self.points[v as usize]);
-        let (up, along) = (self.fine.map(|n| [n.hi, n.lo]), [0, 1, 2].map(|k| [m[k]]));
+        let (up, along) = (fine.map(|n| [n.hi, n.lo]), [0, 1, 2].map(|k| [m[k]]));
         let rises = |q| (exact::<2, 24>(&up, p, q), exact::<1, 12>(&along, p, q));
         let ((n_e, m_e), (n_f, m_f)) = (rises(q), rises(r));
         let mut sum = Expansion::<1152>::new();
@@ -274,5 +278,163 @@ impl ConvexPolyhedron {
         }
         let to = |h: u32| t.half_edge(h).to;
         fan.reduce(|best, h| if n.rise(to(best), to(h)) > 0 { h } else { best })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use alloc::vec::Vec;
+    use core::cell::Cell;
+    use core::f64::consts::TAU;
+    use lab::rng::Rng;
+    use nalgebra::{Point3, UnitQuaternion};
+
+    /// Prisms, turned so that rounding breaks their lids into thousands of faces or not, cones and a face that bulges by rounding.
+    fn body(kind: &str, n: usize, rng: &mut Rng) -> ConvexPolyhedron {
+        let angle = |k| {
+            if kind.starts_with("odd") {
+                rng.range(0.0, TAU)
+            } else {
+                TAU * k as f64 / n as f64
+            }
+        };
+        let rim: Vec<_> = (0..n).map(angle).map(|t| Point3::new(t.cos(), 0.7 * t.sin(), 0.0)).collect();
+        let lid = rim.iter().map(|p| p + Vector3::new(0.0, 0.0, 0.4));
+        let turn = UnitQuaternion::from_euler_angles(0.3, 0.7, -0.4);
+        let points: Vec<_> = match kind {
+            "prism" | "odd prism" => rim.iter().copied().chain(lid).collect(),
+            "turned prism" => rim.iter().copied().chain(lid).map(|p| turn * p).collect(),
+            "flat cone" => rim.iter().copied().chain([Point3::new(0.1, 0.1, 1e-13)]).collect(),
+            "turned cone" => rim.iter().copied().chain([Point3::new(0.1, 0.1, 0.5)]).map(|p| turn * p).collect(),
+            "odd cone" => rim.iter().copied().chain([Point3::new(0.2, -0.1, 0.5)]).collect(),
+            "octahedron" => [0, 1, 2]
+                .into_iter()
+                .flat_map(|k| [1.0, -1.0].map(|x| Point3::from(Vector3::ith(k, x))))
+                .collect(),
+            _ => {
+                let inside = rim.iter().enumerate().map(|(k, p)| {
+                    let s = k as f64 / n as f64;
+                    Point3::new(p.x * s, p.y * s, 1e-15 * (1.0 - s * s))
+                });
+                rim.iter().copied().chain(inside).chain([Point3::new(0.0, 0.0, -0.3)]).collect()
+            }
+        };
+        ConvexPolyhedron::from_points(&points).expect("a solid")
+    }
+
+    const KINDS: [&str; 8] = [
+        "prism",
+        "odd prism",
+        "turned prism",
+        "flat cone",
+        "turned cone",
+        "odd cone",
+        "bulge",
+        "octahedron",
+    ];
+
+    /// Across faces, edges and nothing, off by rounding and less: a direction and the rest of it.
+    fn directions(body: &ConvexPolyhedron, count: usize, rng: &mut Rng) -> Vec<[Vector3<f64>; 2]> {
+        let pick = |m: usize, rng: &mut Rng| (rng.range(0.0, m as f64) as usize).min(m - 1);
+        let largest = (0..body.planes.len() as u32).max_by_key(|&f| body.topology.rim(f).count());
+        let aside = |off: f64, rng: &mut Rng| Vector3::from(rng.unit()) * off;
+        let one = |k: usize, rng: &mut Rng| {
+            let face = match k % 3 {
+                0 => pick(body.planes.len(), rng),
+                _ => largest.unwrap_or(0) as usize,
+            };
+            let off = [0.0, 1e-17, 1e-16, 1e-15, 1e-12, 1e-6, 1.0][k / 3 % 7];
+            let n = body.planes[face].normal * 0.7 + aside(off, rng);
+            let rest = n.map(|x| x * rng.range(-1.0, 1.0) * [0.0, 1e-33, 5e-17][k / 21 % 3]);
+            [n, rest]
+        };
+        (0..count).map(|k| one(k, rng)).collect()
+    }
+
+    #[test]
+    fn no_vertex_is_higher_and_none_as_high_has_a_lower_number() {
+        let mut ties = [0; 4];
+        for kind in KINDS {
+            for n in [7, 60, 1000] {
+                let mut rng = Rng::new(n as u64);
+                let body = body(kind, n, &mut rng);
+                for [n, rest] in directions(&body, 126, &mut rng) {
+                    let parts = [0, 1, 2].map(|k| [n[k], rest[k]]);
+                    // Without any filter.
+                    let rise = |p: u32, q: u32| {
+                        exact::<2, 24>(&parts, &body.points[p as usize], &body.points[q as usize]).sign()
+                    };
+                    let all = 0..body.points.len() as u32;
+                    let top = all.clone().fold(0, |top, v| if rise(top, v) > 0 { v } else { top });
+                    let level = all.filter(|&v| rise(top, v) == 0).count();
+                    ties[level.min(4) - 1] += 1;
+                    let direction = Direction::new(&body.points, &n, &rest);
+                    for start in [top, 0, body.points.len() as u32 / 2, body.climb(&n, 1)] {
+                        assert_eq!(body.highest(&direction, start), top, "{kind} {n} {rest}: {level} level");
+                    }
+                }
+            }
+        }
+        // Vertices, edges, triangles and larger faces.
+        assert!(ties[0] > 500 && ties[1] > 5 && ties[2] > 20 && ties[3] > 100, "{ties:?}");
+    }
+
+    /// Counts comparisons.
+    struct Counted<U>(U, Cell<u32>);
+
+    impl<U: Upward> Upward for Counted<U> {
+        fn rise(&self, p: u32, q: u32) -> i32 {
+            self.1.set(self.1.get() + 1);
+            self.0.rise(p, q)
+        }
+        fn steeper(&self, m: &Vector3<f64>, p: u32, q: u32, r: u32) -> i32 {
+            self.1.set(self.1.get() + 1);
+            self.0.steeper(m, p, q, r)
+        }
+    }
+
+    #[test]
+    fn comparisons_are_few_on_plateaus_of_thousands() {
+        for kind in KINDS {
+            let most = |n: usize| {
+                let mut rng = Rng::new(3);
+                let body = body(kind, n, &mut rng);
+                let list = directions(&body, 210, &mut rng);
+                let counts = list.iter().map(|[n, rest]| {
+                    let direction = Counted(Direction::new(&body.points, n, rest), Cell::new(0));
+                    body.highest(&direction, body.climb(n, 0));
+                    direction.1.get()
+                });
+                counts.max().unwrap_or(0)
+            };
+            let (few, many) = (most(500), most(16_000));
+            assert!(many <= 3 * few + 60 && many < 1000, "{kind}: {few} and {many}");
+        }
+    }
+
+    #[test]
+    fn slopes_compare_exactly() {
+        let mut rng = Rng::new(11);
+        let whole = |rng: &mut Rng| Vector3::from_fn(|_, _| rng.range(-4.0, 4.0).round());
+        let mut level = 0;
+        for _ in 0..20_000 {
+            let (n, m, p, e, f) = (whole(&mut rng), whole(&mut rng), whole(&mut rng), whole(&mut rng), whole(&mut rng));
+            let truth = sign(n.dot(&e) * m.dot(&f) - n.dot(&f) * m.dot(&e));
+            let points = [p, p + e, p + f];
+            let direction = Direction::new(&points, &n, &Vector3::zeros());
+            assert_eq!(direction.steeper(&m, 0, 1, 2), truth);
+            assert_eq!(direction.steeper_finely(&m, 0, 1, 2), truth);
+            assert_eq!(direction.rise(0, 1), sign(n.dot(&e)));
+            if truth == 0 && n.z == 0.0 {
+                // Off by what only an exact sum sees.
+                let n = n + Vector3::new(0.0, 0.0, 2f64.powi(-140));
+                let direction = Direction::new(&points, &n, &Vector3::zeros());
+                let truth = sign(e.z * m.dot(&f) - f.z * m.dot(&e));
+                assert_eq!(direction.steeper(&m, 0, 1, 2), truth);
+                level += 1;
+            }
+        }
+        assert!(level > 20, "{level}");
     }
 }
