@@ -241,7 +241,10 @@ fn extreme_vertices_of_large_features_are_the_highest() {
 fn stacks(un: [UnitQuaternion<f64>; 2], rng: &mut Rng) -> Vec<RelativePose> {
     let upside_down = UnitQuaternion::new_unchecked(lin_canny::nalgebra::Quaternion::new(0.0, 1.0, 0.0, 0.0));
     let mut list = vec![];
-    for world in [UnitQuaternion::identity(), UnitQuaternion::from_euler_angles(0.2, -0.5, 1.1)] {
+    for world in [
+        UnitQuaternion::identity(),
+        UnitQuaternion::from_euler_angles(0.2, -0.5, 1.1),
+    ] {
         for tilt in [0.0, 1e-16, 1e-15, 1e-14, 1e-12, 1e-9] {
             for (k, gap) in [0.0, 1e-16, 1e-9, -1e-9, 1e-3].into_iter().enumerate() {
                 let slide = [0.3, 0.0][k % 2];
@@ -300,7 +303,13 @@ fn no_query_on_flush_features_takes_time_in_proportion_to_the_corners() {
         ("odd tip", "odd tip"),
         ("odd tip", "cube"),
     ] {
-        let un = [x, y].map(|s| if s == "turned prism" { turned() } else { UnitQuaternion::identity() });
+        let un = [x, y].map(|s| {
+            if s == "turned prism" {
+                turned()
+            } else {
+                UnitQuaternion::identity()
+            }
+        });
         let run = |n: usize| {
             let mut rng = Rng::new(5);
             let (a, b) = (body(x, n, &mut rng), body(y, n, &mut rng));

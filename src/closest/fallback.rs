@@ -86,15 +86,15 @@ pub(crate) fn corner<T: Scalar>(placed: &Placed, frame: &Frame<T>, a: u32, b: u3
 /// The extreme vertex along `n` in the arithmetic of the solver; the lowest number among equals.
 pub(crate) fn extreme<T: Scalar>(body: &ConvexPolyhedron, n: &Vec3<T>, hint: u32) -> u32 {
     let rounded = Vector3::new(n[0].value(), n[1].value(), n[2].value());
-    let start = if body.points.len() > SMALL {
-        body.higher(&rounded, hint)
-    } else {
-        hint
-    };
     if T::UNIT == UNIT {
+        let start = if body.points.len() > SMALL {
+            body.higher(&rounded, hint)
+        } else {
+            hint
+        };
         return body.extreme(&rounded, start).vertex;
     }
     let rest = Vector3::from_fn(|k, _| (n[k] - T::from(rounded[k])).value());
     let direction = Direction::new(&body.points, &rounded, &rest);
-    body.highest(&direction, body.climb(&rounded, start))
+    body.highest(&direction, body.climb(&rounded, body.higher(&rounded, hint)))
 }

@@ -299,14 +299,22 @@ mod tests {
                 TAU * k as f64 / n as f64
             }
         };
-        let rim: Vec<_> = (0..n).map(angle).map(|t| Point3::new(t.cos(), 0.7 * t.sin(), 0.0)).collect();
+        let rim: Vec<_> = (0..n)
+            .map(angle)
+            .map(|t| Point3::new(t.cos(), 0.7 * t.sin(), 0.0))
+            .collect();
         let lid = rim.iter().map(|p| p + Vector3::new(0.0, 0.0, 0.4));
         let turn = UnitQuaternion::from_euler_angles(0.3, 0.7, -0.4);
         let points: Vec<_> = match kind {
             "prism" | "odd prism" => rim.iter().copied().chain(lid).collect(),
             "turned prism" => rim.iter().copied().chain(lid).map(|p| turn * p).collect(),
             "flat cone" => rim.iter().copied().chain([Point3::new(0.1, 0.1, 1e-13)]).collect(),
-            "turned cone" => rim.iter().copied().chain([Point3::new(0.1, 0.1, 0.5)]).map(|p| turn * p).collect(),
+            "turned cone" => rim
+                .iter()
+                .copied()
+                .chain([Point3::new(0.1, 0.1, 0.5)])
+                .map(|p| turn * p)
+                .collect(),
             "odd cone" => rim.iter().copied().chain([Point3::new(0.2, -0.1, 0.5)]).collect(),
             "octahedron" => [0, 1, 2]
                 .into_iter()
@@ -317,7 +325,11 @@ mod tests {
                     let s = k as f64 / n as f64;
                     Point3::new(p.x * s, p.y * s, 1e-15 * (1.0 - s * s))
                 });
-                rim.iter().copied().chain(inside).chain([Point3::new(0.0, 0.0, -0.3)]).collect()
+                rim.iter()
+                    .copied()
+                    .chain(inside)
+                    .chain([Point3::new(0.0, 0.0, -0.3)])
+                    .collect()
             }
         };
         ConvexPolyhedron::from_points(&points).expect("a solid")
@@ -377,7 +389,10 @@ mod tests {
             }
         }
         // Vertices, edges, triangles and larger faces.
-        assert!(ties[0] > 500 && ties[1] > 5 && ties[2] > 20 && ties[3] > 100, "{ties:?}");
+        assert!(
+            ties[0] > 500 && ties[1] > 5 && ties[2] > 20 && ties[3] > 100,
+            "{ties:?}"
+        );
     }
 
     /// Counts comparisons.
@@ -419,7 +434,13 @@ mod tests {
         let whole = |rng: &mut Rng| Vector3::from_fn(|_, _| rng.range(-4.0, 4.0).round());
         let mut level = 0;
         for _ in 0..20_000 {
-            let (n, m, p, e, f) = (whole(&mut rng), whole(&mut rng), whole(&mut rng), whole(&mut rng), whole(&mut rng));
+            let (n, m, p, e, f) = (
+                whole(&mut rng),
+                whole(&mut rng),
+                whole(&mut rng),
+                whole(&mut rng),
+                whole(&mut rng),
+            );
             let truth = sign(n.dot(&e) * m.dot(&f) - n.dot(&f) * m.dot(&e));
             let points = [p, p + e, p + f];
             let direction = Direction::new(&points, &n, &Vector3::zeros());

@@ -158,8 +158,8 @@ fn exact_difference(a: DoubleDouble, b: DoubleDouble, c: DoubleDouble, d: Double
 mod tests {
     use super::super::solids;
     use super::*;
-    use alloc::vec::Vec;
     use crate::tolerance::UNIT;
+    use alloc::vec::Vec;
 
     #[test]
     fn cancelled_products_are_exact() {

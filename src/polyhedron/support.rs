@@ -104,7 +104,7 @@ impl ConvexPolyhedron {
     }
 
     /// The higher along `n` of `hint` and the vertex of the cube map: a start for a climb.
-    #[inline(always)]
+    #[inline]
     pub(crate) fn higher(&self, n: &Vector3<f64>, hint: u32) -> u32 {
         let cell = self.lookup.cell(n);
         if n.dot(&self.points[hint as usize]) >= n.dot(&self.points[cell as usize]) {
@@ -248,7 +248,7 @@ impl CubeMap {
     }
 
     /// The vertex stored for the cell that holds `n`; any vertex where `n` is zero.
-    #[inline(always)]
+    #[inline]
     pub(crate) fn cell(&self, n: &Vector3<f64>) -> u32 {
         let n = n.component_mul(&self.stretch);
         let (x, y, z) = (n.x.abs(), n.y.abs(), n.z.abs());

@@ -199,9 +199,16 @@ impl<'a> Pair<'a> {
     /// Where the origin lies in the difference, which holds it at `at`.
     fn locate(&self, at: &Nearest, hint: (u32, u32)) -> Origin {
         let rising = |c: &Corner, n: &Big3| {
-            let a = self.a.rising(n, c.a, self.exponent).map(|(a, w)| Corner { a, w, ..c.clone() });
+            let a = self
+                .a
+                .rising(n, c.a, self.exponent)
+                .map(|(a, w)| Corner { a, w, ..c.clone() });
             let b = self.b.rising(&neg(n), c.b, self.exponent);
-            let b = b.map(|(b, w)| Corner { b, w: neg(&w), ..c.clone() });
+            let b = b.map(|(b, w)| Corner {
+                b,
+                w: neg(&w),
+                ..c.clone()
+            });
             let both = a.into_iter().chain(b);
             both.max_by(|c, d| dot(n, &c.w).cmp(&dot(n, &d.w)))
         };
