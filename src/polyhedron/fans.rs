@@ -87,7 +87,8 @@ pub(crate) fn top_of_ring<V: PartialOrd>(m: usize, value: impl Fn(usize) -> V) -
 /// The same from a place, by strides from the given one down to one.
 fn top_from<V: PartialOrd>(m: usize, mut best: usize, mut stride: usize, value: impl Fn(usize) -> V) -> usize {
     let mut top = value(best);
-    loop {
+    // Each round finds a higher place or halves the stride: no more rounds than places and halvings, whatever the values.
+    for _ in 0..m + usize::BITS as usize {
         let (left, right) = ((best + m - stride % m) % m, (best + stride) % m);
         let (at_left, at_right) = (value(left), value(right));
         if at_left > top {
@@ -95,11 +96,12 @@ fn top_from<V: PartialOrd>(m: usize, mut best: usize, mut stride: usize, value: 
         } else if at_right > top {
             (best, top) = (right, at_right);
         } else if stride == 1 {
-            return best;
+            break;
         } else {
             stride = stride.div_ceil(2);
         }
     }
+    best
 }
 
 impl ConvexPolyhedron {
