@@ -3,6 +3,8 @@
 //! Algorithms: Dekker 1971, Knuth TAOCP 2 section 4.2.2, in the accurate variants whose error bounds Joldes, Muller and
 //! Popescu proved (2017, algorithms 6, 12 without fused multiply-add, and 17). Only + - * /, so results agree on every
 //! target. Valid while no product overflows or loses bits to underflow: magnitudes between 2^-400 and 2^400.
+//!
+//! Where that is not enough, [`Expansion`] is a sum without rounding.
 
 use core::cmp::Ordering;
 use core::ops::{Add, Div, Mul, Neg, Sub};
@@ -142,6 +144,59 @@ impl Scalar for DoubleDouble {
     #[inline]
     fn value(self) -> f64 {
         self.hi
+    }
+}
+
+/// An exact sum of up to `N` numbers: parts that rise in magnitude, do not overlap and are not zero (Shewchuk 1997, grow-expansion
+/// with zero elimination).
+pub(crate) struct Expansion<const N: usize> {
+    parts: [f64; N],
+    len: usize,
+}
+
+impl<const N: usize> Expansion<N> {
+    /// Zero.
+    pub(crate) fn new() -> Self {
+        Self {
+            parts: [0.0; N],
+            len: 0,
+        }
+    }
+
+    /// Adds a number. There must have been fewer than `N`.
+    pub(crate) fn add(&mut self, term: f64) {
+        let (mut carry, mut kept) = (term, 0);
+        for k in 0..self.len {
+            let (sum, rest) = two_sum(carry, self.parts[k]);
+            carry = sum;
+            if rest != 0.0 {
+                self.parts[kept] = rest;
+                kept += 1;
+            }
+        }
+        if carry != 0.0 {
+            self.parts[kept] = carry;
+            kept += 1;
+        }
+        self.len = kept;
+    }
+
+    /// Adds a product: two numbers.
+    pub(crate) fn add_product(&mut self, a: f64, b: f64) {
+        let (high, low) = two_product(a, b);
+        self.add(low);
+        self.add(high);
+    }
+
+    /// The parts.
+    pub(crate) fn parts(&self) -> &[f64] {
+        &self.parts[..self.len]
+    }
+
+    /// -1, 0 or 1: the last part is greater than all others together.
+    pub(crate) fn sign(&self) -> i32 {
+        let last = self.parts().last().copied().unwrap_or(0.0);
+        i32::from(last > 0.0) - i32::from(last < 0.0)
     }
 }
 

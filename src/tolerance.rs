@@ -10,8 +10,12 @@ pub const UNIT_DOUBLE_DOUBLE: f64 = 16.0 * UNIT * UNIT;
 
 /// The sign of `n . e` is certain above this times the sum of the absolute terms: one rounding for each coordinate of
 /// `e` (a difference of stored points), one for each product and two additions, to first order `(1 + 1 + 2) UNIT`; 8
-/// leaves room for the second order and for the rounding of the bound itself.
+/// leaves room for a direction that is rounded itself, for the second order and for the rounding of the bound.
 pub const EDGE_SIGN: f64 = 8.0 * UNIT;
+
+/// The sign of `(n . e) (m . f) - (n . f) (m . e)` is certain above this times the sum of the products of the sums of the absolute terms:
+/// each dot errs by 5 UNIT as above, each product by two of them and one more, the difference by one: 12; 16 leaves room.
+pub const STEEPER: f64 = 16.0 * UNIT;
 
 /// How far the squared norm of a pose's quaternion may be off 1: what repeated composition of f64 rotations
 /// accumulates over thousands of products. Placement divides by the squared norm, so the value does not limit accuracy.
@@ -126,8 +130,8 @@ pub const SHIFTS: [f64; 8] = [
 /// The direction of the shift: off the planes and axes of lattices, and no longer than one (0.98).
 pub const ASIDE: [f64; 3] = [0.613, -0.365, 0.677];
 
-/// Vertices whose height along `n` is, in f64, within this times `|n|_1 r` of the highest may be the highest: three
-/// roundings of each of two dot products and of the direction itself.
+/// Heights along a direction `n` that are within this times `|n|_1 L` of each other may be the same: three roundings of each of two dot
+/// products and of the direction itself.
 pub const PLATEAU: f64 = 16.0 * UNIT;
 
 /// Error term of both bounds, in units of UNIT L, derived line by line (u = UNIT, norms are Euclidean, `t` the relative
@@ -145,12 +149,11 @@ pub const PLATEAU: f64 = 16.0 * UNIT;
 /// 4. A vertex of B in A's frame: 71 u rB + 28 u |t|, and 6 u rB for the product. A vertex of A in B's: 71 u and 6 u of
 ///    `|t| + rA`, the difference from the translation and its own error, 29 u |t|: 77 u rA + 106 u |t|. Sums: u L.
 /// 5. A direction taken into the other frame: 6 u, which may put another vertex lowest: 12 u of that body's radius.
-///    Heights along a direction: 3 u of rA, rB and |t|, once more where the highest of several is taken; their sums, 2 u L. At large
-///    faces and fans a vertex may stand for one 16 u of its body's radius higher ([`PLANE_BOUND`]).
+///    Heights along a direction: 3 u of rA, rB and |t|, once more where the highest of several is taken; their sums, 2 u L.
 /// 6. The witnesses, made as `p + s u` with `s` in 0..1, or as a sum of corners whose weights sum to one within 4 u: 8 u
 ///    of rA and of rB, in the upper bound instead of 5. The norm, or that of a normal: 3 u L.
 ///
-/// Sum, with u L counted for every summand: at most 77 + 12 + 6 + 6 + 16 = 117 u for the radius of the body that is placed,
+/// Sum, with u L counted for every summand: at most 77 + 12 + 6 + 6 = 101 u for the radius of the body that is placed,
 /// 106 + 3 + 6 = 115 u for |t|, 40 u for the other radius. Second-order terms are below 1 u. In double-double the same
 /// holds with two matrices of 40 for one, 16 for their product, and 2 times 46 for the translation with the origins of the
 /// bodies added to L; its sums and products err by 10 UNIT^2 at most, so all is below 100 [`UNIT_DOUBLE_DOUBLE`]. The
@@ -208,8 +211,8 @@ pub const PLANARITY: f64 = 64.0 * UNIT;
 /// offset by 5.
 pub(crate) const NEAR_PLANE: f64 = 16.0 * UNIT;
 
-/// The filter of the exact rung: vertices within this times `|n|_1 r` of the highest in f64 are placed exactly. The
-/// direction is turned by a matrix of error 40 UNIT (see [`CERTIFICATE`]) and rounded twice; heights add 3 UNIT each.
+/// Whether a direction `v` of the other body's frame rises along a unit normal is uncertain below this times `|v|_1`: it is turned by a
+/// matrix of error 40 UNIT (see [`CERTIFICATE`]) and rounded twice; the product adds 3 UNIT.
 pub const EXACT_FILTER: f64 = 128.0 * UNIT;
 
 /// From beyond `2^60` radii a body's closest point depends on the direction only, to `2^-60` of its size: below
@@ -220,10 +223,6 @@ pub(crate) const FAR_POINT: f64 = (1u64 << 60) as f64;
 /// roundings a coordinate relative to `alpha + beta` (3.5 UNIT as a vector), `s m` one more, and the weighted sum of the
 /// offsets three, each at most the radius.
 pub const EDGE_BOUND: f64 = 8.0 * UNIT;
-
-/// Three faces that meet at a vertex prove it the highest along a direction where what they leave of the direction could lift no
-/// vertex above it by more than this times the radius. Else every vertex is looked at. Part of the sum in [`CERTIFICATE`].
-pub const PLANE_BOUND: f64 = 16.0 * UNIT;
 
 /// A pivot of a small system below this times its diagonal may be rounding alone: products and sums of up to four terms, and room.
 /// Not a matter of soundness.

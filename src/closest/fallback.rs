@@ -4,19 +4,20 @@
 //! 1. It starts from the features the walk ended on, so a few supports settle most cases.
 //! 2. The direction of a triangle is its normal and that of an edge is orthogonalised once more (never the rounded
 //!    nearest point), so the last support is also the certificate.
-//! 3. Supports are proven (see [`ConvexPolyhedron::extremes`]); it ends where the support is in the simplex already or
+//! 3. Supports are proven (see [`ConvexPolyhedron::highest`]); it ends where the support is in the simplex already or
 //!    nothing is gained, and what it then knows are bounds.
 //! 4. Origin inside means four signed volumes beyond rounding: a proof of overlap.
 //!
-//! [`ConvexPolyhedron::extremes`]: crate::ConvexPolyhedron
+//! [`ConvexPolyhedron::highest`]: crate::ConvexPolyhedron
 
 use nalgebra::Vector3;
 
 use super::placed::{Frame, Placed};
 use super::simplex::{Corner, Simplex};
+use crate::polyhedron::highest::Direction;
 use crate::polyhedron::{ConvexPolyhedron, FeaturePair};
 use crate::scalar::{Scalar, Vec3, dot, neg, root, sub};
-use crate::tolerance::{ON_BOUNDARY, PLATEAU, UNIT};
+use crate::tolerance::{ON_BOUNDARY, UNIT};
 
 /// Supports one solve may take. Right answers were seen to take at most 24.
 const SUPPORTS: u32 = 64;
@@ -93,15 +94,7 @@ pub(crate) fn extreme<T: Scalar>(body: &ConvexPolyhedron, n: &Vec3<T>, hint: u32
         };
         return body.extreme(&rounded, start).vertex;
     }
-    // In f64 the true extreme vertex is within this of the highest.
-    let slack = PLATEAU * rounded.abs().sum() * body.radius;
-    let mut best: Option<(T, u32)> = None;
-    body.extremes(&rounded, body.higher(&rounded, hint), slack, |v, _| {
-        let p = body.points[v as usize];
-        let value = n[0] * T::from(p.x) + n[1] * T::from(p.y) + n[2] * T::from(p.z);
-        if best.is_none_or(|(top, u)| value > top || (value == top && v < u)) {
-            best = Some((value, v));
-        }
-    });
-    best.map_or(hint, |(_, v)| v)
+    let rest = Vector3::from_fn(|k, _| (n[k] - T::from(rounded[k])).value());
+    let direction = Direction::new(&body.points, &rounded, &rest);
+    body.highest(&direction, body.climb(&rounded, body.higher(&rounded, hint)))
 }

@@ -161,6 +161,7 @@ pub(super) fn overlapping(outcome: &mut Outcome) {
 }
 
 /// The unit vector along `v`; some unit vector where `v` has no direction.
+#[inline]
 pub(crate) fn unit(v: &Vector3<f64>) -> Unit<Vector3<f64>> {
     let largest = v.amax();
     if largest > 0.0 && largest < f64::INFINITY {
@@ -249,10 +250,10 @@ impl ConvexPolyhedron {
         {
             return Feature::Edge(EdgeId(t.edge(h)));
         }
-        // Round the rim of the face where the vertex has more edges than that can have.
+        // Among many faces or corners the exact plane of the face tells.
         let is_at = |x: u32, f: u32| {
-            if t.fan(x).len() > MANY && t.ring(f).is_none() {
-                t.rim(f).any(|h| t.half_edge(h).to == x)
+            if t.fan(x).len() > MANY {
+                self.face_side(f, &self.points[x as usize]) == 0.0
             } else {
                 t.fan(x).any(|h| t.half_edge(h).face == f)
             }

@@ -4,6 +4,8 @@ use alloc::vec::Vec;
 use nalgebra::{Matrix3, Point3, Vector3};
 
 use super::bounds::Scan;
+#[cfg(feature = "exact")]
+use super::cloud::lowest_bit;
 use super::cloud::{Cloud, bounding_box, power_of_two};
 use super::error::BuildError;
 use super::facets::Facets;
@@ -107,7 +109,11 @@ impl ConvexPolyhedron {
             m.dot(&n) > 0.0 && m.cross(&n).norm_squared() <= COPLANAR * COPLANAR
         });
         let fans = Fans::new(&topology, &points, &planes);
+        #[cfg(feature = "exact")]
+        let given = points.iter().flat_map(|p| cloud.given_place(p).data.0[0]);
         Ok(Self {
+            #[cfg(feature = "exact")]
+            lowest_bit: lowest_bit(given),
             lookup: CubeMap::new(&topology, &points, &fans),
             has_bands: topology.has_large_faces() || !fans.is_empty(),
             fans,

@@ -35,6 +35,27 @@ pub(crate) fn exponent_of(x: f64) -> i32 {
     ((x.to_bits() >> 52) & 0x7ff) as i32 - 1023
 }
 
+/// `x = m 2^e` with `m` odd, of a finite number that is not zero.
+#[cfg(feature = "exact")]
+pub(crate) fn odd_part(x: f64) -> (i64, i32) {
+    let bits = x.to_bits();
+    let (field, fraction) = (((bits >> 52) & 0x7ff) as i32, (bits & ((1 << 52) - 1)) as i64);
+    let (m, e) = if field == 0 {
+        (fraction, -1074)
+    } else {
+        (fraction | 1 << 52, field - 1075)
+    };
+    let zeros = m.trailing_zeros();
+    let m = m >> zeros;
+    (if x < 0.0 { -m } else { m }, e + zeros as i32)
+}
+
+/// The exponent of the lowest bit set in any of the numbers, if any is not zero.
+#[cfg(feature = "exact")]
+pub(crate) fn lowest_bit(numbers: impl IntoIterator<Item = f64>) -> Option<i32> {
+    numbers.into_iter().filter(|&x| x != 0.0).map(|x| odd_part(x).1).min()
+}
+
 impl Cloud {
     /// Of the points named by `indices`, which must exist; `needed` is the least count accepted.
     pub(crate) fn new(given: &[Point3<f64>], indices: Vec<u32>, needed: usize) -> Result<Self, BuildError> {
@@ -92,6 +113,12 @@ impl Cloud {
     /// The stored place of one of the points given, but for flushing.
     pub(crate) fn place(&self, given: &Point3<f64>) -> Vector3<f64> {
         stored_place(given, &self.origin, self.exponent)
+    }
+
+    /// A stored point in the caller's coordinates.
+    #[cfg(feature = "exact")]
+    pub(crate) fn given_place(&self, stored: &Vector3<f64>) -> Vector3<f64> {
+        stored * power_of_two(self.exponent) + self.origin
     }
 
     /// The diagonal of the bounding box, in stored units.

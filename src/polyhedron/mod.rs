@@ -2,7 +2,7 @@
 //!
 //! Reading order: [`feature`] (names), `topology` (who is beside whom, without coordinates), `cloud`, `hull`, `facets`,
 //! `plane` and `build` (points to a body), `build_faces` and `source_faces` (the caller's faces), `flat` (polygon, segment, point),
-//! `fans` (vertices of many edges), `support` (extreme vertices), `access`, `query`, `mass`, `rebuild`, `persist`, [`solids`].
+//! `fans` (vertices of many edges), `support` (extreme vertices), `highest` (the same where rounding hides them), `access`, `query`, `mass`, `rebuild`, `persist`, [`solids`].
 //!
 //! # Stored coordinates
 //!
@@ -21,6 +21,7 @@ mod facets;
 pub(crate) mod fans;
 pub mod feature;
 mod flat;
+pub(crate) mod highest;
 mod hull;
 mod mass;
 #[cfg(feature = "serde")]
@@ -40,6 +41,8 @@ use nalgebra::{Matrix3, Vector3};
 
 pub use bounds::BoxHint;
 pub(crate) use cloud::power_of_two;
+#[cfg(feature = "exact")]
+pub(crate) use cloud::{lowest_bit, odd_part};
 pub use error::BuildError;
 use fans::Fans;
 pub use feature::{EdgeId, FaceId, Feature, FeaturePair, VertexId};
@@ -79,6 +82,9 @@ pub struct ConvexPolyhedron {
     pub(crate) origin: Vector3<f64>,
     /// Stored lengths times `2^exponent` are the caller's.
     pub(crate) exponent: i32,
+    /// The exponent of the lowest bit set in any of the caller's coordinates, if any is not zero.
+    #[cfg(feature = "exact")]
+    pub(crate) lowest_bit: Option<i32>,
     /// Whether stored coordinates are the caller's: no origin, no exponent.
     pub(crate) as_given: bool,
     /// Largest distance of a vertex from the stored origin, rounded up, in stored units.

@@ -1,11 +1,10 @@
 //! Supporting planes of faces: a unit normal right to the last bit or so, and an offset that provably bounds the body.
 
-use alloc::vec::Vec;
 use nalgebra::Vector3;
 
 use super::Plane;
 use super::cloud::{exponent_of, power_of_two};
-use crate::double_double::{DoubleDouble, two_product, two_sum};
+use crate::double_double::{DoubleDouble, Expansion, two_sum};
 use crate::scalar::{Scalar, sqrt};
 use crate::tolerance::{CROSS_CANCELLED, NORMAL_ERROR, UNIT_DOUBLE_DOUBLE};
 
@@ -143,30 +142,16 @@ fn edge(a: &Vector3<f64>, b: &Vector3<f64>) -> ([DoubleDouble; 3], i32) {
     ([part(0), part(1), part(2)], k)
 }
 
-/// `a b - c d` with one rounding to double-double: the sixteen parts of the products are summed as an expansion
-/// (Shewchuk 1997, grow-expansion with zero elimination).
+/// `a b - c d` with one rounding to double-double.
 fn exact_difference(a: DoubleDouble, b: DoubleDouble, c: DoubleDouble, d: DoubleDouble) -> DoubleDouble {
-    let mut expansion: Vec<f64> = Vec::with_capacity(16);
+    let mut sum = Expansion::<16>::new();
     for (x, y) in [(a, b), (-c, d)] {
         for (x, y) in [(x.hi, y.hi), (x.hi, y.lo), (x.lo, y.hi), (x.lo, y.lo)] {
-            let (high, low) = two_product(x, y);
-            grow(&mut expansion, low);
-            grow(&mut expansion, high);
+            sum.add_product(x, y);
         }
     }
-    expansion
-        .iter()
-        .fold(DoubleDouble::default(), |sum, &part| sum + DoubleDouble::from(part))
-}
-
-/// Adds a number to an expansion whose parts rise in magnitude and do not overlap.
-fn grow(expansion: &mut Vec<f64>, term: f64) {
-    let mut carry = term;
-    for part in expansion.iter_mut() {
-        (carry, *part) = two_sum(carry, *part);
-    }
-    expansion.push(carry);
-    expansion.retain(|part| *part != 0.0);
+    let parts = sum.parts().iter();
+    parts.fold(DoubleDouble::default(), |sum, &part| sum + DoubleDouble::from(part))
 }
 
 #[cfg(test)]
@@ -174,6 +159,7 @@ mod tests {
     use super::super::solids;
     use super::*;
     use crate::tolerance::UNIT;
+    use alloc::vec::Vec;
 
     #[test]
     fn cancelled_products_are_exact() {
@@ -201,14 +187,12 @@ mod tests {
 
     /// `n . x - offset`, exactly, to the nearest f64.
     fn excess(plane: &Plane, x: &Vector3<f64>) -> f64 {
-        let mut expansion = Vec::new();
+        let mut sum = Expansion::<7>::new();
         for k in 0..3 {
-            let (high, low) = two_product(plane.normal[k], x[k]);
-            grow(&mut expansion, low);
-            grow(&mut expansion, high);
+            sum.add_product(plane.normal[k], x[k]);
         }
-        grow(&mut expansion, -plane.offset);
-        expansion.last().copied().unwrap_or(0.0)
+        sum.add(-plane.offset);
+        sum.parts().last().copied().unwrap_or(0.0)
     }
 
     #[test]

@@ -23,7 +23,7 @@ impl ConvexPolyhedron {
 
     /// Whether the closed body holds a point: points on the surface belong to it. The answer is exact for the body as
     /// stored (coordinates of the point below 2^-200 of the body's radius count as zero, as those of the vertices do).
-    /// `false` for a point that is not finite.
+    /// `false` for a point that is not finite. Looks at face after face until one excludes the point, so time is linear in the faces.
     pub fn contains(&self, point: &Point3<f64>) -> bool {
         let flush = flush_below(sqrt(((self.high - self.low) * 0.5).norm_squared()));
         // Within the box of a shifted body the shift is exact (Sterbenz), as it was for the vertices; a point that is not

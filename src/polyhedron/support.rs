@@ -1,10 +1,9 @@
 //! Extreme vertices: hill climbing from a hint, and a cube map of directions for cold starts.
 //!
 //! Every non-optimal vertex of a convex body has a strictly better neighbour, so climbing ends at the extreme vertex.
-//! Rounding breaks that argument only where the sign of `n . e` along an edge `e` is uncertain; such edges are flooded,
-//! and the extreme vertex is proven to lie among the vertices reached (see [`Extreme`]). Signs are taken on edge
-//! vectors, never as the difference of two large products: on a chamfer of 1e-9 no neighbour compares higher while a
-//! far vertex is.
+//! Rounding breaks that argument only where the sign of `n . e` along an edge `e` is uncertain; there the climb goes on with exact
+//! signs (`highest`). Signs are taken on edge vectors, never as the difference of two large products: on a chamfer of 1e-9 no
+//! neighbour compares higher while a far vertex is.
 //!
 //! Sources: Cameron 1997 (hill climbing with cached vertices); the cube map follows the directional lookup of Ehmann
 //! and Lin 2000, section 4.2, with cells on a cube instead of a sphere, so that no trigonometry is needed.
@@ -14,15 +13,13 @@ use alloc::vec::Vec;
 use nalgebra::Vector3;
 
 use super::ConvexPolyhedron;
-use super::fans::{Fans, highest_neighbour, steepest};
-use super::topology::{MANY, Topology};
+use super::fans::{Fans, steepest};
+use super::highest::{self, Direction};
+use super::topology::Topology;
 use crate::tolerance::EDGE_SIGN;
 
 /// The cube map takes no body for flatter than this.
 const FLATTEST: f64 = 1.0 / 1024.0;
-
-/// Vertices a flood may hold before it turns into a scan of the whole body.
-const FLOOD: usize = 48;
 
 /// Steps of a climb between two looks for a large face to leap over.
 const LEAP: u32 = 4;
@@ -66,59 +63,20 @@ pub(crate) fn climb(topology: &Topology, points: &[Vector3<f64>], fans: &Fans, n
     }
 }
 
-/// From a vertex of a large face, or beside one of a large fan, to the highest one of that face or beside that one; the vertex
-/// itself where none is certainly higher.
+/// A leap to the top of a large face or of what is round a large fan, of bodies that have such.
+#[inline]
 fn leap(topology: &Topology, points: &[Vector3<f64>], fans: &Fans, n: &Vector3<f64>, v: u32) -> u32 {
-    if !topology.has_large_faces() && fans.is_empty() || topology.fan(v).len() > MANY {
+    if !topology.has_large_faces() && fans.is_empty() {
         return v;
     }
-    let mut best = v;
-    let mut take = |w: u32| {
-        if edge_sign(n, &(points[w as usize] - points[best as usize])) > 0 {
-            best = w;
-        }
-    };
-    for h in topology.fan(v) {
-        let e = topology.half_edge(h);
-        if let Some(ring) = topology.ring(e.face) {
-            take(highest_of(topology, points, n, ring));
-        }
-        if fans.axis(topology, e.to).is_some() {
-            take(highest_neighbour(topology, points, e.to, n));
-        }
-    }
-    best
-}
-
-/// The highest vertex of a convex rim, by bisection: heights round it rise once and fall once. Where rounding hides the order, another one
-/// may come out.
-pub(super) fn highest_of(topology: &Topology, points: &[Vector3<f64>], n: &Vector3<f64>, ring: &[u32]) -> u32 {
-    let vertex = |k: usize| topology.from(ring[k % ring.len()]);
-    let height = |k: usize| n.dot(&points[vertex(k) as usize]);
-    let rises = |k: usize| n.dot(&(points[vertex(k + 1) as usize] - points[vertex(k) as usize])) > 0.0;
-    let (mut low, mut high) = (0, ring.len());
-    while high - low > 1 {
-        let middle = (low + high) / 2;
-        let is_before = if rises(low) {
-            !rises(middle) || height(middle) < height(low)
-        } else {
-            !rises(middle) && height(middle) > height(low)
-        };
-        if is_before {
-            high = middle;
-        } else {
-            low = middle;
-        }
-    }
-    vertex(if height(high) > height(low) { high } else { low })
+    highest::leap(topology, fans, &Direction::new(points, n, &Vector3::zeros()), v)
 }
 
 /// The extreme vertex along a direction, with proof.
 pub(crate) struct Extreme {
     /// A vertex no other vertex exceeds by more than rounding.
     pub(crate) vertex: u32,
-    /// The largest rounded `n . x` over a set of vertices that is proven to hold the extreme one; or, at a large face or fan, what
-    /// three faces prove of all.
+    /// The largest rounded `n . x` over a set of vertices that is proven to hold the extreme one.
     pub(crate) value: f64,
 }
 
@@ -156,13 +114,8 @@ impl ConvexPolyhedron {
         }
     }
 
-    /// The extreme vertex along `n`, proven: every vertex that may tie with the one climbed to is looked at.
+    /// The extreme vertex along `n`, proven: where others may tie with the one climbed to, exact signs decide.
     pub(crate) fn extreme(&self, n: &Vector3<f64>, hint: u32) -> Extreme {
-        if self.fans.axis(&self.topology, hint).is_some()
-            && let Some(proven) = self.extreme_by_faces(n, hint)
-        {
-            return proven;
-        }
         let summit = self.summit(n, hint);
         let (v, w) = (summit.vertex, summit.tie);
         let (at_v, at_w) = (n.dot(&self.points[v as usize]), n.dot(&self.points[w as usize]));
@@ -174,28 +127,17 @@ impl ConvexPolyhedron {
                 let (vertex, value) = if first { (v, at_v) } else { (w, at_w) };
                 Extreme { vertex, value }
             }
-            _ => self.extreme_of_many(n, v, w),
+            _ => self.extreme_of_many(n, v),
         }
     }
 
     #[inline(never)]
-    fn extreme_of_many(&self, n: &Vector3<f64>, top: u32, tie: u32) -> Extreme {
-        if self.topology.has_large_faces() || !self.fans.is_empty() {
-            let proven = [top, tie].into_iter().find_map(|v| self.extreme_by_faces(n, v));
-            if let Some(proven) = proven {
-                return proven;
-            }
+    fn extreme_of_many(&self, n: &Vector3<f64>, start: u32) -> Extreme {
+        let vertex = self.highest(&Direction::new(&self.points, n, &Vector3::zeros()), start);
+        Extreme {
+            vertex,
+            value: n.dot(&self.points[vertex as usize]),
         }
-        let mut best = Extreme {
-            vertex: 0,
-            value: f64::NEG_INFINITY,
-        };
-        self.extremes(n, top, 0.0, |v, value| {
-            if value > best.value || (value == best.value && v < best.vertex) {
-                best = Extreme { vertex: v, value };
-            }
-        });
-        best
     }
 
     /// Climbs along `n` as [`climb`] does, looking out for ties on the way.
@@ -252,44 +194,6 @@ impl ConvexPolyhedron {
             }
         });
         ring
-    }
-
-    /// Calls `visit(vertex, n . vertex)` for a set of vertices that holds every one whose true height along `n` is
-    /// within `slack` of the greatest.
-    ///
-    /// Proof for `slack = 0`: the set is closed under "neighbour not certainly lower", so from any member the strictly
-    /// rising path to the extreme vertex stays inside. For a positive slack the same holds with every vertex of a
-    /// superlevel set, which is connected in the graph of a convex body.
-    pub(crate) fn extremes(&self, n: &Vector3<f64>, hint: u32, slack: f64, mut visit: impl FnMut(u32, f64)) {
-        let top = self.climb(n, hint);
-        let floor = n.dot(&self.points[top as usize]) - slack;
-        let mut seen = [0u32; FLOOD];
-        seen[0] = top;
-        let (mut done, mut count) = (0, 1);
-        while done < count {
-            let v = seen[done];
-            done += 1;
-            let p = self.points[v as usize];
-            for w in self.topology.neighbours(v) {
-                let q = self.points[w as usize];
-                let near = edge_sign(n, &(q - p)) >= 0 || (slack > 0.0 && n.dot(&q) >= floor);
-                if !near || seen[..count].contains(&w) {
-                    continue;
-                }
-                if count == FLOOD {
-                    // A plateau larger than the list: every vertex is looked at.
-                    for (v, p) in self.points.iter().enumerate() {
-                        visit(v as u32, n.dot(p));
-                    }
-                    return;
-                }
-                seen[count] = w;
-                count += 1;
-            }
-        }
-        for &v in &seen[..count] {
-            visit(v, n.dot(&self.points[v as usize]));
-        }
     }
 }
 

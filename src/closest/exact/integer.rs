@@ -4,29 +4,10 @@ use dashu_base::{BitTest, DivRem, SquareRoot};
 use dashu_int::{IBig, UBig};
 use nalgebra::Vector3;
 
-use crate::polyhedron::power_of_two;
+use crate::polyhedron::{odd_part, power_of_two};
 
 /// A vector of integers.
 pub(super) type Big3 = [IBig; 3];
-
-/// `x = m 2^e` with `m` odd, of a finite number that is not zero.
-fn odd_part(x: f64) -> (i64, i32) {
-    let bits = x.to_bits();
-    let (field, fraction) = (((bits >> 52) & 0x7ff) as i32, (bits & ((1 << 52) - 1)) as i64);
-    let (m, e) = if field == 0 {
-        (fraction, -1074)
-    } else {
-        (fraction | 1 << 52, field - 1075)
-    };
-    let zeros = m.trailing_zeros();
-    let m = m >> zeros;
-    (if x < 0.0 { -m } else { m }, e + zeros as i32)
-}
-
-/// The exponent of the lowest bit set in any of the numbers, if any is not zero.
-pub(super) fn lowest_bit(numbers: impl IntoIterator<Item = f64>) -> Option<i32> {
-    numbers.into_iter().filter(|&x| x != 0.0).map(|x| odd_part(x).1).min()
-}
 
 /// `x / 2^e`, where no bit of `x` is lower.
 pub(super) fn integer(x: f64, e: i32) -> IBig {
@@ -61,14 +42,19 @@ pub(super) fn is_zero(a: &Big3) -> bool {
     a.iter().all(IBig::is_zero)
 }
 
-/// A multiple of `a` in f64, its largest coordinate between a half and one: each coordinate right to one rounding.
+/// A multiple of `a` in f64, its largest coordinate between a half and one: each coordinate right to one rounding, or zero where it
+/// is below `2^-900` of the largest.
 pub(super) fn direction(a: &Big3) -> Vector3<f64> {
     let bits = a.iter().map(BitTest::bit_len).max().unwrap_or(0);
-    // 62 bits fit in an i64; what is cut off is below the rounding to f64.
-    let shift = bits.saturating_sub(62);
-    let coordinate = |x: &IBig| i64::try_from(x >> shift).unwrap_or(0) as f64;
-    let v = Vector3::new(coordinate(&a[0]), coordinate(&a[1]), coordinate(&a[2]));
-    v * power_of_two(-((bits - shift) as i32))
+    let coordinate = |x: &IBig| {
+        // 62 bits fit in an i64; what is cut off is below the rounding to f64.
+        let (below, cut) = (bits - x.bit_len(), x.bit_len().saturating_sub(62));
+        if below > 900 {
+            return 0.0;
+        }
+        i64::try_from(x >> cut).unwrap_or(0) as f64 * power_of_two(cut as i32 - bits as i32)
+    };
+    Vector3::new(coordinate(&a[0]), coordinate(&a[1]), coordinate(&a[2]))
 }
 
 /// `num / den` in f64, for `0 <= num <= den`, right to two roundings.
@@ -104,6 +90,7 @@ pub(super) fn root(num: &UBig, den: &UBig, e: i32) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::polyhedron::lowest_bit;
 
     #[test]
     fn numbers_go_in_and_out_exactly() {
@@ -122,6 +109,17 @@ mod tests {
                 integer(x, e).to_f64().value() * 2f64.powi(e / 2) * 2f64.powi(e - e / 2),
                 x
             );
+        }
+    }
+
+    #[test]
+    fn each_coordinate_of_a_direction_is_right() {
+        let third = (IBig::ONE << 1400) / IBig::from(3);
+        for k in [0usize, 40, 100, 700, 899] {
+            let d = direction(&[third.clone(), -(&third >> k), IBig::ZERO]);
+            assert!((d.x * 3.0 - 2.0).abs() <= f64::EPSILON * 2.0, "{d}");
+            let scale = power_of_two(k as i32);
+            assert!((d.y * scale / d.x + 1.0).abs() <= f64::EPSILON, "{k}: {d}");
         }
     }
 

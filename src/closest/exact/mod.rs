@@ -2,8 +2,8 @@
 //!
 //! Both bodies are placed in the world, relative to A's origin, as integers over one denominator `D = |qa|^2 |qb|^2`
 //! times a power of two, from the bits of vertices and poses. The minimum-norm search of `fallback` runs on them with
-//! exact signs, from the features that floating point ended on, so it takes a step or two. Supports are filtered: only
-//! vertices within the rounding of the highest are placed exactly.
+//! exact signs, from the features that floating point ended on, so it takes a step or two. Supports are climbed to, and only where
+//! f64 is not certain of a sign are vertices compared exactly.
 
 mod depth;
 mod integer;
@@ -11,22 +11,22 @@ mod origin;
 mod simplex;
 
 use alloc::vec;
-use alloc::vec::Vec;
 
 use dashu_base::UnsignedAbs;
 use dashu_int::IBig;
-use nalgebra::{Matrix3, Point3};
+use nalgebra::{Matrix3, Point3, Vector3};
 
 use super::outcome::{Class, Layer, Outcome};
 use super::placed::Placed;
 use super::refine;
-use crate::polyhedron::ConvexPolyhedron;
+use crate::polyhedron::highest::{Upward, steeper};
+use crate::polyhedron::support::edge_sign;
+use crate::polyhedron::{ConvexPolyhedron, lowest_bit};
 use crate::pose::RelativePose;
-use crate::tolerance::EXACT_FILTER;
 pub(crate) use depth::deepest;
-use integer::{Big3, direction, dot, fraction, integer, is_zero, lowest_bit, neg, root, sub};
+use integer::{Big3, direction, dot, fraction, integer, is_zero, neg, root, sub};
 use origin::{Origin, Set, locate};
-use simplex::{Corner, Nearest, minimize};
+use simplex::{Corner, Nearest, minimize, sign};
 
 /// One body turned, over the common denominator.
 struct Turned<'a> {
@@ -90,37 +90,79 @@ impl<'a> Turned<'a> {
         self.vector(&self.given(v, exponent))
     }
 
-    /// The vertex greatest along `n`; the lowest number among exact equals.
-    fn highest(&self, n: &Big3, hint: u32, exponent: i32) -> u32 {
-        let local = self.rounded.tr_mul(&direction(n));
-        let slack = EXACT_FILTER * local.abs().sum() * self.body.radius;
-        let mut best: Option<(IBig, u32)> = None;
-        self.body.extremes(&local, hint, slack, |v, _| {
-            let height = dot(n, &self.point(v, exponent));
-            if best
-                .as_ref()
-                .is_none_or(|(top, u)| height > *top || (height == *top && v < *u))
-            {
-                best = Some((height, v));
-            }
-        });
-        best.map_or(hint, |(_, v)| v)
+    /// The direction `n` in the body's frame.
+    fn along(&self, n: &Big3, exponent: i32) -> Along<'_> {
+        let m = &self.matrix;
+        let n = [0, 1, 2].map(|k| &n[0] * &m[0][k] + &n[1] * &m[1][k] + &n[2] * &m[2][k]);
+        Along {
+            body: self,
+            rounded: direction(&n),
+            n,
+            exponent,
+        }
     }
 
-    /// The edges that leave `v`, turned.
-    fn edges(&self, v: u32, exponent: i32) -> Vec<Big3> {
-        let from = self.point(v, exponent);
-        let neighbours = self.body.topology.neighbours(v);
-        neighbours.map(|w| sub(&self.point(w, exponent), &from)).collect()
+    /// The vertex greatest along `n`; the lowest number among exact equals.
+    fn highest(&self, n: &Big3, hint: u32, exponent: i32) -> u32 {
+        let (body, along) = (self.body, self.along(n, exponent));
+        let start = body.climb(&along.rounded, body.higher(&along.rounded, hint));
+        body.highest(&along, start)
+    }
+
+    /// An edge that leaves `v`, turned, and where it leads: one that rises along `n` if one does, or else one that is level if one is.
+    fn rising(&self, n: &Big3, v: u32, exponent: i32) -> Option<(u32, Big3)> {
+        let h = self.body.rising(&self.along(n, exponent), v)?;
+        let to = self.body.topology.half_edge(h).to;
+        Some((to, sub(&self.point(to, exponent), &self.point(v, exponent))))
+    }
+}
+
+/// A direction in the frame of a body's vertices, exactly, and rounded.
+struct Along<'a> {
+    body: &'a Turned<'a>,
+    n: Big3,
+    rounded: Vector3<f64>,
+    exponent: i32,
+}
+
+impl Along<'_> {
+    /// The edge between two vertices, in stored units.
+    fn rounded_edge(&self, p: u32, q: u32) -> Vector3<f64> {
+        let points = &self.body.body.points;
+        points[q as usize] - points[p as usize]
+    }
+
+    /// A multiple of it, exactly.
+    fn edge(&self, p: u32, q: u32) -> Big3 {
+        sub(&self.body.given(q, self.exponent), &self.body.given(p, self.exponent))
+    }
+}
+
+impl Upward for Along<'_> {
+    fn rise(&self, p: u32, q: u32) -> i32 {
+        match edge_sign(&self.rounded, &self.rounded_edge(p, q)) {
+            0 => sign(&dot(&self.n, &self.edge(p, q))),
+            sign => sign,
+        }
+    }
+
+    fn steeper(&self, m: &Vector3<f64>, p: u32, q: u32, r: u32) -> i32 {
+        let certain = steeper(&self.rounded, m, &self.rounded_edge(p, q), &self.rounded_edge(p, r));
+        certain.unwrap_or_else(|| {
+            let lowest = lowest_bit(m.iter().copied()).unwrap_or(0);
+            let m = [m.x, m.y, m.z].map(|c| integer(c, lowest));
+            let (e, f) = (self.edge(p, q), self.edge(p, r));
+            sign(&(dot(&self.n, &e) * dot(&m, &f) - dot(&self.n, &f) * dot(&m, &e)))
+        })
     }
 }
 
 impl<'a> Pair<'a> {
     fn new(a: &'a ConvexPolyhedron, b: &'a ConvexPolyhedron, pose: &RelativePose) -> Self {
         let ((rows_a, na), (rows_b, nb)) = (turn(&pose.a.q), turn(&pose.b.q));
-        let given = |body: &'a ConvexPolyhedron| body.points.iter().flat_map(|p| body.given(p).coords.data.0[0]);
-        let translations = pose.a.t.into_iter().chain(pose.b.t);
-        let exponent = lowest_bit(given(a).chain(given(b)).chain(translations)).unwrap_or(0);
+        let translations = lowest_bit(pose.a.t.into_iter().chain(pose.b.t));
+        let lowest = [a.lowest_bit, b.lowest_bit, translations].into_iter().flatten().min();
+        let exponent = lowest.unwrap_or(0);
         let denominator = &na * &nb;
         let offset =
             [0, 1, 2].map(|k| (integer(pose.b.t[k], exponent) - integer(pose.a.t[k], exponent)) * &denominator);
@@ -156,15 +198,24 @@ impl<'a> Pair<'a> {
 
     /// Where the origin lies in the difference, which holds it at `at`.
     fn locate(&self, at: &Nearest, hint: (u32, u32)) -> Origin {
-        let edges = |c: &Corner| {
-            let mut edges = self.a.edges(c.a, self.exponent);
-            edges.extend(self.b.edges(c.b, self.exponent).iter().map(neg));
-            edges
+        let rising = |c: &Corner, n: &Big3| {
+            let a = self
+                .a
+                .rising(n, c.a, self.exponent)
+                .map(|(a, w)| Corner { a, w, ..c.clone() });
+            let b = self.b.rising(&neg(n), c.b, self.exponent);
+            let b = b.map(|(b, w)| Corner {
+                b,
+                w: neg(&w),
+                ..c.clone()
+            });
+            let both = a.into_iter().chain(b);
+            both.max_by(|c, d| dot(n, &c.w).cmp(&dot(n, &d.w)))
         };
         locate(
             &Set {
                 highest: &|n| self.highest(n, hint),
-                edges: &edges,
+                rising: &rising,
             },
             at,
         )

@@ -5,7 +5,7 @@ use alloc::vec::Vec;
 use dashu_int::IBig;
 
 use super::integer::{Big3, cross, dot, is_zero, neg};
-use super::simplex::{Corner, Nearest, minimize, sign};
+use super::simplex::{Corner, Nearest, nearest, sign};
 
 /// Where the origin lies in a convex set that holds it.
 pub(super) enum Origin {
@@ -18,15 +18,16 @@ pub(super) enum Origin {
 pub(super) struct Set<'a> {
     /// A point greatest along a direction.
     pub(super) highest: &'a dyn Fn(&Big3) -> Corner,
-    /// The directions of the edges that leave a corner, a multiple of each; together they span the set seen from there.
-    pub(super) edges: &'a dyn Fn(&Corner) -> Vec<Big3>,
+    /// Of the edges that leave a corner and span the set seen from there: one that rises along a direction if one does, or else one that is
+    /// level if one is, or else any. `None` where there is no edge.
+    pub(super) rising: &'a dyn Fn(&Corner, &Big3) -> Option<Corner>,
 }
 
 /// Locates the origin, which `at` holds in the relative interior of its corners.
 pub(super) fn locate(set: &Set, at: &Nearest) -> Origin {
     let w = |k: usize| &at.kept[k].w;
     match at.kept.len() {
-        1 => at_vertex(&(set.edges)(&at.kept[0])),
+        1 => at_vertex(&|n| (set.rising)(&at.kept[0], n)),
         // The two corners are opposite, so either is the line through both.
         2 => on_line(set.highest, w(1)),
         // With the origin inside their triangle, no two corners are parallel.
@@ -89,41 +90,29 @@ fn on_line(highest: &dyn Fn(&Big3) -> Corner, d: &Big3) -> Origin {
 
 /// The origin is a corner of the set: a normal must not rise along any of its edges, so the question is where the
 /// origin lies in the hull of the edge directions.
-fn at_vertex(edges: &[Big3]) -> Origin {
-    let corner = |k: usize| Corner {
-        a: k as u32,
-        b: 0,
-        w: edges[k].clone(),
-    };
-    let highest = |n: &Big3| {
-        let top = (1..edges.len()).fold(0, |top, k| {
-            if dot(n, &edges[k]) > dot(n, &edges[top]) {
-                k
-            } else {
-                top
-            }
-        });
-        corner(top)
-    };
-    if edges.is_empty() {
-        return Origin::Boundary([IBig::ONE, IBig::ZERO, IBig::ZERO]);
-    }
-    let lowest = |n: &Big3| highest(&neg(n));
-    let first = corner(0);
-    let normal = neg(&first.w);
-    let Some(at) = minimize([first].into(), &lowest) else {
-        return Origin::Boundary(normal);
-    };
-    if is_zero(&at.direction) {
-        // No edge is zero, so the origin is not a corner of their hull and this goes no deeper.
-        locate(
-            &Set {
+///
+/// An edge that rises is as good as the highest: with each the nearest point of those found comes nearer to the origin, and where none
+/// rises, the set stays on one side.
+fn at_vertex(rising: &dyn Fn(&Big3) -> Option<Corner>) -> Origin {
+    let mut normal = [IBig::ONE, IBig::ZERO, IBig::ZERO];
+    let mut corners = Vec::new();
+    while let Some(next) = rising(&normal) {
+        if !corners.is_empty() && sign(&dot(&normal, &next.w)) <= 0 {
+            break;
+        }
+        corners.push(next);
+        // One to four corners always have a nearest point.
+        let Some(at) = nearest(&corners) else { break };
+        if is_zero(&at.direction) {
+            // No edge is zero, so the origin is not a corner of their hull and this goes no deeper.
+            let highest = |n: &Big3| rising(n).unwrap_or_else(|| at.kept[0].clone());
+            let edges = Set {
                 highest: &highest,
-                edges: &|_| Vec::new(),
-            },
-            &at,
-        )
-    } else {
-        Origin::Boundary(neg(&at.direction))
+                rising: &|_, _| None,
+            };
+            return locate(&edges, &at);
+        }
+        (normal, corners) = (neg(&at.direction), at.kept);
     }
+    Origin::Boundary(normal)
 }

@@ -1,0 +1,461 @@
+//! The highest vertex along a direction, exactly, by a look at a few: also of faces and fans of thousands that are level but for
+//! rounding, or level altogether.
+//!
+//! A body is the exact hull of its stored points, and its faces are exactly flat. So with exact signs these hold without exception:
+//! a vertex that no neighbour exceeds is a highest one; heights round a face rise to one place and fall from it, and so do
+//! the slopes of the edges of a fan (see `fans`); and what is level with a highest vertex is that vertex, an edge or a face. Climbing
+//! and bisection on them need no proof. Signs are those of f64 where it is certain of them, and else those of double-double and
+//! of exact sums, or of integers at the exact level ([`Upward`]).
+
+use core::cmp::Ordering;
+
+use nalgebra::Vector3;
+
+use super::ConvexPolyhedron;
+use super::cloud::{exponent_of, power_of_two};
+use super::fans::{Fans, top_of_ring};
+use super::support::edge_sign;
+use super::topology::{MANY, Topology};
+use crate::double_double::{DoubleDouble, Expansion};
+use crate::scalar::Scalar;
+use crate::tolerance::{EDGE_SIGN, STEEPER, UNIT};
+
+/// A direction `n` along which the vertices of a body have an exact order.
+pub(crate) trait Upward {
+    /// The sign of `n . (q - p)` of two vertices.
+    fn rise(&self, p: u32, q: u32) -> i32;
+    /// The sign of `(n . e) (m . f) - (n . f) (m . e)`, for the edges `e` and `f` from `p` to `q` and `r`: which of the two rises more
+    /// along `n` for its rise along `m`, if both rise along that.
+    fn steeper(&self, m: &Vector3<f64>, p: u32, q: u32, r: u32) -> i32;
+}
+
+/// A direction in double-double: `n + rest`, which round to `n`.
+pub(crate) struct Direction<'a> {
+    points: &'a [Vector3<f64>],
+    n: Vector3<f64>,
+    rest: Vector3<f64>,
+}
+
+impl<'a> Direction<'a> {
+    /// In the frame of the points.
+    #[inline]
+    pub(crate) fn new(points: &'a [Vector3<f64>], n: &Vector3<f64>, rest: &Vector3<f64>) -> Self {
+        let (n, rest) = (*n, *rest);
+        Self { points, n, rest }
+    }
+
+    /// Times the power of two that brings it to about one.
+    fn fine(&self) -> [DoubleDouble; 3] {
+        let scale = power_of_two(-exponent_of(self.n.amax()));
+        [0, 1, 2].map(|k| DoubleDouble {
+            hi: self.n[k] * scale,
+            lo: self.rest[k] * scale,
+        })
+    }
+
+    /// The edge between two vertices, rounded.
+    fn edge(&self, p: u32, q: u32) -> Vector3<f64> {
+        self.points[q as usize] - self.points[p as usize]
+    }
+
+    fn fine_edge(&self, p: u32, q: u32) -> [DoubleDouble; 3] {
+        let (p, q) = (&self.points[p as usize], &self.points[q as usize]);
+        [0, 1, 2].map(|k| DoubleDouble::sum(q[k], -p[k]))
+    }
+
+    #[cold]
+    fn rise_finely(&self, p: u32, q: u32) -> i32 {
+        let fine = self.fine();
+        let (value, size) = sum(&fine, &self.fine_edge(p, q));
+        let bound = EDGE_SIGN / UNIT * DoubleDouble::UNIT * size;
+        if size == 0.0 || value.value().abs() > bound {
+            return sign(value.value());
+        }
+        let (p, q) = (&self.points[p as usize], &self.points[q as usize]);
+        exact::<2, 24>(&fine.map(|n| [n.hi, n.lo]), p, q).sign()
+    }
+
+    #[cold]
+    fn steeper_finely(&self, m: &Vector3<f64>, p: u32, q: u32, r: u32) -> i32 {
+        let (fine, e, f) = (self.fine(), self.fine_edge(p, q), self.fine_edge(p, r));
+        if let Some(sign) = certain(&fine, &[0, 1, 2].map(|k| DoubleDouble::from(m[k])), &e, &f) {
+            return sign;
+        }
+        let [p, q, r] = [p, q, r].map(|v| &self.points[v as usize]);
+        let (up, along) = (fine.map(|n| [n.hi, n.lo]), [0, 1, 2].map(|k| [m[k]]));
+        let rises = |q| (exact::<2, 24>(&up, p, q), exact::<1, 12>(&along, p, q));
+        let ((n_e, m_e), (n_f, m_f)) = (rises(q), rises(r));
+        let mut sum = Expansion::<1152>::new();
+        for (x, y, sign) in [(&n_e, &m_f, 1.0), (&n_f, &m_e, -1.0)] {
+            for &x in x.parts() {
+                y.parts().iter().for_each(|y| sum.add_product(x, sign * y));
+            }
+        }
+        sum.sign()
+    }
+}
+
+impl Upward for Direction<'_> {
+    #[inline]
+    fn rise(&self, p: u32, q: u32) -> i32 {
+        match edge_sign(&self.n, &self.edge(p, q)) {
+            0 => self.rise_finely(p, q),
+            sign => sign,
+        }
+    }
+
+    #[inline]
+    fn steeper(&self, m: &Vector3<f64>, p: u32, q: u32, r: u32) -> i32 {
+        steeper(&self.n, m, &self.edge(p, q), &self.edge(p, r)).unwrap_or_else(|| self.steeper_finely(m, p, q, r))
+    }
+}
+
+fn sign(x: f64) -> i32 {
+    i32::from(x > 0.0) - i32::from(x < 0.0)
+}
+
+/// `n . e` and the sum of the magnitudes of its terms.
+#[inline]
+fn sum<T: Scalar>(n: &[T; 3], e: &[T; 3]) -> (T, f64) {
+    let terms = [n[0] * e[0], n[1] * e[1], n[2] * e[2]];
+    let size = terms.iter().fold(0.0, |s, x| s + x.value().abs());
+    (terms[0] + terms[1] + terms[2], size)
+}
+
+/// The sign of `(n . e) (m . f) - (n . f) (m . e)`, where the arithmetic is certain of it.
+#[inline]
+fn certain<T: Scalar>(n: &[T; 3], m: &[T; 3], e: &[T; 3], f: &[T; 3]) -> Option<i32> {
+    let ((ne, s_ne), (mf, s_mf)) = (sum(n, e), sum(m, f));
+    let ((nf, s_nf), (me, s_me)) = (sum(n, f), sum(m, e));
+    let (value, size) = ((ne * mf - nf * me).value(), s_ne * s_mf + s_nf * s_me);
+    (size == 0.0 || value.abs() > STEEPER / UNIT * T::UNIT * size).then(|| sign(value))
+}
+
+/// The same in f64, `n` rounded and `e` and `f` rounded differences of stored points.
+#[inline]
+pub(crate) fn steeper(n: &Vector3<f64>, m: &Vector3<f64>, e: &Vector3<f64>, f: &Vector3<f64>) -> Option<i32> {
+    let [n, m, e, f] = [n, m, e, f].map(|v| <[f64; 3]>::from(*v));
+    certain(&n, &m, &e, &f)
+}
+
+/// `n . (q - p)` without rounding, for a direction in `K` parts a coordinate; `N` is `12 K`.
+fn exact<const K: usize, const N: usize>(n: &[[f64; K]; 3], p: &Vector3<f64>, q: &Vector3<f64>) -> Expansion<N> {
+    let mut sum = Expansion::new();
+    for k in 0..3 {
+        for &part in &n[k] {
+            sum.add_product(part, q[k]);
+            sum.add_product(-part, p[k]);
+        }
+    }
+    sum
+}
+
+/// A vertex that compares by its height.
+struct Height<'a, U>(&'a U, u32);
+
+impl<U: Upward> PartialEq for Height<'_, U> {
+    fn eq(&self, other: &Self) -> bool {
+        self.partial_cmp(other) == Some(Ordering::Equal)
+    }
+}
+
+impl<U: Upward> PartialOrd for Height<'_, U> {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.0.rise(other.1, self.1).cmp(&0))
+    }
+}
+
+/// An edge from the first vertex to the second that compares by its rise for that along `m`.
+struct Slope<'a, U>(&'a U, &'a Vector3<f64>, u32, u32);
+
+impl<U: Upward> PartialEq for Slope<'_, U> {
+    fn eq(&self, other: &Self) -> bool {
+        self.partial_cmp(other) == Some(Ordering::Equal)
+    }
+}
+
+impl<U: Upward> PartialOrd for Slope<'_, U> {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.0.steeper(self.1, self.2, self.3, other.3).cmp(&0))
+    }
+}
+
+/// From a vertex of a large face, or beside one of a large fan, to the highest one of that face or a high one beside that vertex; the
+/// vertex itself where none is higher.
+pub(super) fn leap<U: Upward>(t: &Topology, fans: &Fans, n: &U, v: u32) -> u32 {
+    if !t.has_large_faces() && fans.is_empty() || t.fan(v).len() > MANY {
+        return v;
+    }
+    let mut best = v;
+    let mut take = |w: u32| {
+        if n.rise(best, w) > 0 {
+            best = w;
+        }
+    };
+    for h in t.fan(v) {
+        let e = t.half_edge(h);
+        if let Some(ring) = t.ring(e.face) {
+            let vertex = |k: usize| t.from(ring[k]);
+            take(vertex(top_of_ring(ring.len(), |k| Height(n, vertex(k)))));
+        }
+        if fans.axis(t, e.to).is_some() {
+            // Where the neighbours lie in one plane this is the highest of them.
+            let fan = t.fan(e.to);
+            let vertex = |k: usize| t.half_edge(fan.start + k as u32).to;
+            take(vertex(top_of_ring(fan.len(), |k| Height(n, vertex(k)))));
+        }
+    }
+    best
+}
+
+impl ConvexPolyhedron {
+    /// The vertex highest along `n`, the lowest number among equals, climbing from `start`.
+    #[inline(never)]
+    pub(crate) fn highest<U: Upward>(&self, n: &U, start: u32) -> u32 {
+        let mut v = start;
+        // Each vertex is higher than the one before.
+        for _ in 0..self.points.len() {
+            match self.above(n, v) {
+                Ok(higher) => v = leap(&self.topology, &self.fans, n, higher),
+                Err(first) => return first,
+            }
+        }
+        v
+    }
+
+    /// A neighbour of `v` that is higher; where there is none, the lowest number of what is level with it.
+    fn above<U: Upward>(&self, n: &U, v: u32) -> Result<u32, u32> {
+        let t = &self.topology;
+        let to = |h: u32| t.half_edge(h).to;
+        let (fan, (first, count)) = (t.fan(v), self.outermost(n, v));
+        let next = |h: u32| if h + 1 == fan.end { fan.start } else { h + 1 };
+        let (mut best, mut level, mut h) = (v, [None; 2], first);
+        for _ in 0..count {
+            let w = to(h);
+            match n.rise(v, w) {
+                1 if best == v || n.rise(best, w) > 0 => best = w,
+                0 if level[0].is_some() => level[1] = Some(h),
+                0 => level[0] = Some(h),
+                _ => {}
+            }
+            h = next(h);
+        }
+        match level {
+            _ if best != v => Ok(best),
+            [Some(g), Some(h)] => {
+                // Level edges are neighbours, a face between them.
+                let h = if next(g) == h { g } else { h };
+                Err(t.from(t.rim_start(t.half_edge(h).face)))
+            }
+            [Some(h), _] => Err(v.min(to(h))),
+            _ => Err(v),
+        }
+    }
+
+    /// The edges of `v` that may rise or be level if any is: the first and how many from there. All of a fan; of a large one the steepest
+    /// and those beside it.
+    fn outermost<U: Upward>(&self, n: &U, v: u32) -> (u32, usize) {
+        let (t, fan) = (&self.topology, self.topology.fan(v));
+        let Some(m) = self.fans.axis(t, v) else {
+            return (fan.start, fan.len());
+        };
+        let before = |k: usize| (k + fan.len() - 1) % fan.len();
+        (fan.start + before(self.steepest(n, v, m)) as u32, 3)
+    }
+
+    /// Where in the large fan of `v`, along whose axis `m` all its edges rise, the edge is that rises most for that.
+    fn steepest<U: Upward>(&self, n: &U, v: u32, m: &Vector3<f64>) -> usize {
+        let (t, fan) = (&self.topology, self.topology.fan(v));
+        top_of_ring(fan.len(), |k| Slope(n, m, v, t.half_edge(fan.start + k as u32).to))
+    }
+
+    /// An edge of `v` that rises along `n`, if one does, or else one that is level, if one is, or else any; none of a point.
+    #[cfg(feature = "exact")]
+    pub(crate) fn rising<U: Upward>(&self, n: &U, v: u32) -> Option<u32> {
+        let (t, fan) = (&self.topology, self.topology.fan(v));
+        if let Some(m) = self.fans.axis(t, v) {
+            return Some(fan.start + self.steepest(n, v, m) as u32);
+        }
+        let to = |h: u32| t.half_edge(h).to;
+        fan.reduce(|best, h| if n.rise(to(best), to(h)) > 0 { h } else { best })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use alloc::vec::Vec;
+    use core::cell::Cell;
+    use core::f64::consts::TAU;
+    use lab::rng::Rng;
+    use nalgebra::{Point3, UnitQuaternion};
+
+    /// Prisms, turned so that rounding breaks their lids into thousands of faces or not, cones and a face that bulges by rounding.
+    fn body(kind: &str, n: usize, rng: &mut Rng) -> ConvexPolyhedron {
+        let angle = |k| {
+            if kind.starts_with("odd") {
+                rng.range(0.0, TAU)
+            } else {
+                TAU * k as f64 / n as f64
+            }
+        };
+        let rim: Vec<_> = (0..n)
+            .map(angle)
+            .map(|t| Point3::new(t.cos(), 0.7 * t.sin(), 0.0))
+            .collect();
+        let lid = rim.iter().map(|p| p + Vector3::new(0.0, 0.0, 0.4));
+        let turn = UnitQuaternion::from_euler_angles(0.3, 0.7, -0.4);
+        let points: Vec<_> = match kind {
+            "prism" | "odd prism" => rim.iter().copied().chain(lid).collect(),
+            "turned prism" => rim.iter().copied().chain(lid).map(|p| turn * p).collect(),
+            "flat cone" => rim.iter().copied().chain([Point3::new(0.1, 0.1, 1e-13)]).collect(),
+            "turned cone" => rim
+                .iter()
+                .copied()
+                .chain([Point3::new(0.1, 0.1, 0.5)])
+                .map(|p| turn * p)
+                .collect(),
+            "odd cone" => rim.iter().copied().chain([Point3::new(0.2, -0.1, 0.5)]).collect(),
+            "octahedron" => [0, 1, 2]
+                .into_iter()
+                .flat_map(|k| [1.0, -1.0].map(|x| Point3::from(Vector3::ith(k, x))))
+                .collect(),
+            _ => {
+                let inside = rim.iter().enumerate().map(|(k, p)| {
+                    let s = k as f64 / n as f64;
+                    Point3::new(p.x * s, p.y * s, 1e-15 * (1.0 - s * s))
+                });
+                rim.iter()
+                    .copied()
+                    .chain(inside)
+                    .chain([Point3::new(0.0, 0.0, -0.3)])
+                    .collect()
+            }
+        };
+        ConvexPolyhedron::from_points(&points).expect("a solid")
+    }
+
+    const KINDS: [&str; 8] = [
+        "prism",
+        "odd prism",
+        "turned prism",
+        "flat cone",
+        "turned cone",
+        "odd cone",
+        "bulge",
+        "octahedron",
+    ];
+
+    /// Across faces, edges and nothing, off by rounding and less: a direction and the rest of it.
+    fn directions(body: &ConvexPolyhedron, count: usize, rng: &mut Rng) -> Vec<[Vector3<f64>; 2]> {
+        let pick = |m: usize, rng: &mut Rng| (rng.range(0.0, m as f64) as usize).min(m - 1);
+        let largest = (0..body.planes.len() as u32).max_by_key(|&f| body.topology.rim(f).count());
+        let aside = |off: f64, rng: &mut Rng| Vector3::from(rng.unit()) * off;
+        let one = |k: usize, rng: &mut Rng| {
+            let face = match k % 3 {
+                0 => pick(body.planes.len(), rng),
+                _ => largest.unwrap_or(0) as usize,
+            };
+            let off = [0.0, 1e-17, 1e-16, 1e-15, 1e-12, 1e-6, 1.0][k / 3 % 7];
+            let n = body.planes[face].normal * 0.7 + aside(off, rng);
+            let rest = n.map(|x| x * rng.range(-1.0, 1.0) * [0.0, 1e-33, 5e-17][k / 21 % 3]);
+            [n, rest]
+        };
+        (0..count).map(|k| one(k, rng)).collect()
+    }
+
+    #[test]
+    fn no_vertex_is_higher_and_none_as_high_has_a_lower_number() {
+        let mut ties = [0; 4];
+        for kind in KINDS {
+            for n in [7, 60, 1000] {
+                let mut rng = Rng::new(n as u64);
+                let body = body(kind, n, &mut rng);
+                for [n, rest] in directions(&body, 126, &mut rng) {
+                    let parts = [0, 1, 2].map(|k| [n[k], rest[k]]);
+                    // Without any filter.
+                    let rise = |p: u32, q: u32| {
+                        exact::<2, 24>(&parts, &body.points[p as usize], &body.points[q as usize]).sign()
+                    };
+                    let all = 0..body.points.len() as u32;
+                    let top = all.clone().fold(0, |top, v| if rise(top, v) > 0 { v } else { top });
+                    let level = all.filter(|&v| rise(top, v) == 0).count();
+                    ties[level.min(4) - 1] += 1;
+                    let direction = Direction::new(&body.points, &n, &rest);
+                    for start in [top, 0, body.points.len() as u32 / 2, body.climb(&n, 1)] {
+                        assert_eq!(body.highest(&direction, start), top, "{kind} {n} {rest}: {level} level");
+                    }
+                }
+            }
+        }
+        // Vertices, edges, triangles and larger faces.
+        assert!(
+            ties[0] > 500 && ties[1] > 5 && ties[2] > 20 && ties[3] > 100,
+            "{ties:?}"
+        );
+    }
+
+    /// Counts comparisons.
+    struct Counted<U>(U, Cell<u32>);
+
+    impl<U: Upward> Upward for Counted<U> {
+        fn rise(&self, p: u32, q: u32) -> i32 {
+            self.1.set(self.1.get() + 1);
+            self.0.rise(p, q)
+        }
+        fn steeper(&self, m: &Vector3<f64>, p: u32, q: u32, r: u32) -> i32 {
+            self.1.set(self.1.get() + 1);
+            self.0.steeper(m, p, q, r)
+        }
+    }
+
+    #[test]
+    fn comparisons_are_few_on_plateaus_of_thousands() {
+        for kind in KINDS {
+            let most = |n: usize| {
+                let mut rng = Rng::new(3);
+                let body = body(kind, n, &mut rng);
+                let list = directions(&body, 210, &mut rng);
+                let counts = list.iter().map(|[n, rest]| {
+                    let direction = Counted(Direction::new(&body.points, n, rest), Cell::new(0));
+                    body.highest(&direction, body.climb(n, 0));
+                    direction.1.get()
+                });
+                counts.max().unwrap_or(0)
+            };
+            let (few, many) = (most(500), most(16_000));
+            assert!(many <= 3 * few + 60 && many < 1000, "{kind}: {few} and {many}");
+        }
+    }
+
+    #[test]
+    fn slopes_compare_exactly() {
+        let mut rng = Rng::new(11);
+        let whole = |rng: &mut Rng| Vector3::from_fn(|_, _| rng.range(-4.0, 4.0).round());
+        let mut level = 0;
+        for _ in 0..20_000 {
+            let (n, m, p, e, f) = (
+                whole(&mut rng),
+                whole(&mut rng),
+                whole(&mut rng),
+                whole(&mut rng),
+                whole(&mut rng),
+            );
+            let truth = sign(n.dot(&e) * m.dot(&f) - n.dot(&f) * m.dot(&e));
+            let points = [p, p + e, p + f];
+            let direction = Direction::new(&points, &n, &Vector3::zeros());
+            assert_eq!(direction.steeper(&m, 0, 1, 2), truth);
+            assert_eq!(direction.steeper_finely(&m, 0, 1, 2), truth);
+            assert_eq!(direction.rise(0, 1), sign(n.dot(&e)));
+            if truth == 0 && n.z == 0.0 {
+                // Off by what only an exact sum sees.
+                let n = n + Vector3::new(0.0, 0.0, 2f64.powi(-140));
+                let direction = Direction::new(&points, &n, &Vector3::zeros());
+                let truth = sign(e.z * m.dot(&f) - f.z * m.dot(&e));
+                assert_eq!(direction.steeper(&m, 0, 1, 2), truth);
+                level += 1;
+            }
+        }
+        assert!(level > 20, "{level}");
+    }
+}
