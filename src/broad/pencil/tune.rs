@@ -68,14 +68,21 @@ impl Survey {
 
     /// A few far bodies must not make all columns wide: they are clamped into border columns instead.
     fn find_extent(&mut self, k: usize, centers: &mut [f64]) {
-        centers.sort_unstable_by(f64::total_cmp);
         let (Some(last), few) = (centers.len().checked_sub(1), centers.len() / 50) else {
             return;
         };
-        let (low, high) = (centers[few], centers[last - few]);
+        // Selected, not sorted: this is done within a step.
+        let (below, low, above) = centers.select_nth_unstable_by(few, f64::total_cmp);
+        let (low, least) = (*low, below.iter().fold(*low, |a, b| a.min(*b)));
+        let (high, most) = if last - few > few {
+            let (_, high, beyond) = above.select_nth_unstable_by(last - 2 * few - 1, f64::total_cmp);
+            (*high, beyond.iter().fold(*high, |a, b| a.max(*b)))
+        } else {
+            (low, low)
+        };
         let room = 0.25 * (high - low) + self.mean[k];
-        self.lo[k] = centers[0].max(low - room);
-        self.hi[k] = centers[last].min(high + room);
+        self.lo[k] = least.max(low - room);
+        self.hi[k] = most.min(high + room);
     }
 
     fn extent(&self, k: usize) -> f64 {
