@@ -22,7 +22,7 @@ pub(super) fn list_touched(bodies: &Bodies, touched: &mut Vec<Touch>) {
         let mut push = |cell: [u16; 2]| touched.push((bodies.grid.index(cell) as u32, index));
         let range = record.range();
         range.columns().for_each(&mut push);
-        if record.flags & MIGRATES != 0 {
+        if record.flags() & MIGRATES != 0 {
             let old = record.range_before(bodies.step, &bodies.grid);
             old.columns().filter(|cell| !range.contains(*cell)).for_each(push);
         }
@@ -134,7 +134,7 @@ impl Worker {
 
 /// Whether the body has an entry in the column from the last step, and whether it needs a new one.
 fn roles(record: &Record, cell: [u16; 2], bodies: &Bodies) -> (bool, bool) {
-    let flags = record.flags;
+    let flags = record.flags();
     let in_new = record.range().contains(cell);
     let in_old = flags & MIGRATES != 0 && record.range_before(bodies.step, &bodies.grid).contains(cell);
     let stays = if flags & MIGRATES == 0 { in_new } else { in_old };

@@ -10,10 +10,9 @@
 //! and the farthest move. Bodies that come, leave or jump have one box only in the column; these few are left out of
 //! the sweep and looked at one by one, as a repair does.
 
-use super::column::{ARRIVING, Column, Part, index_of};
+use super::column::{ARRIVING, Column, Entry, Part, index_of};
 use crate::broad::aabb::{StoredBox, max};
-use crate::broad::body::{Bodies, JUMPS, MIGRATES};
-use crate::broad::bounds::{Bounds, largest};
+use crate::broad::body::{Bodies, JUMPS, MIGRATES, Record};
 use crate::broad::change::{Changes, overlap};
 use alloc::vec::Vec;
 use wide::{f32x4, f32x8};
@@ -23,6 +22,9 @@ const SLACK: f32 = 4.0 * f32::EPSILON;
 
 /// Above the rounding of a difference of bounds, of a sum of two moves and of this product itself.
 const ROUNDED_UP: f32 = 1.0 + 8.0 * f32::EPSILON;
+
+/// Entries copied at once.
+const FOUR: usize = 4;
 
 /// Entries compared at once.
 const LANES: usize = 8;
@@ -44,7 +46,7 @@ struct Lanes {
 
 impl Lanes {
     /// Room for `n` entries and the padding; what it holds is to be overwritten.
-    fn resize(&mut self, n: usize) {
+    fn make_room(&mut self, n: usize) {
         let Self {
             start,
             end,
@@ -54,11 +56,40 @@ impl Lanes {
             hi_v,
             moved,
         } = self;
-        for bounds in [&mut *start, end, lo_u, hi_u, lo_v, hi_v, moved] {
+        for bounds in [start, end, lo_u, hi_u, lo_v, hi_v, moved] {
             bounds.resize(n + LANES, 0.0);
         }
-        start[n..].fill(f32::INFINITY);
-        moved[n..].fill(f32::NAN);
+    }
+
+    /// Leaves nothing to compare in a lane but where it starts.
+    fn empty(&mut self, k: usize, start: f32) {
+        (self.start[k], self.end[k], self.moved[k]) = (start, f32::MIN, f32::NAN);
+    }
+
+    /// Ends the entries.
+    fn pad(&mut self, n: usize) {
+        self.start[n..].fill(f32::INFINITY);
+        self.moved[n..].fill(f32::NAN);
+    }
+
+    /// Copies four boxes to the lanes from `k` on. Returns how far their faces moved, and the lengths on the swept axis of what
+    /// covers the old and the new ones, or a little more.
+    #[inline(always)]
+    fn copy(&mut self, k: usize, records: &[&Record; FOUR], step: u32) -> (f32x4, f32x4) {
+        let by = records.map(|record| record.before(step).displacement(&record.now()));
+        let [start, lo_u, lo_v, _] = f32x4::transpose(records.map(|record| record.now().lo));
+        let [end, hi_u, hi_v, _] = f32x4::transpose(records.map(|record| record.now().hi));
+        let [by_x, by_u, by_v, _] = f32x4::transpose(by);
+        let moved = by_x.fast_max(by_u).fast_max(by_v) * f32x4::splat(ROUNDED_UP);
+        let put = |lanes: &mut Vec<f32>, four: f32x4| lanes[k..k + FOUR].copy_from_slice(&four.to_array());
+        put(&mut self.start, start);
+        put(&mut self.end, end);
+        put(&mut self.lo_u, lo_u);
+        put(&mut self.hi_u, hi_u);
+        put(&mut self.lo_v, lo_v);
+        put(&mut self.hi_v, hi_v);
+        put(&mut self.moved, moved);
+        (moved, end - start + by_x + by_x)
     }
 }
 
@@ -104,47 +135,34 @@ impl Worker {
     /// Copies the boxes of the column; lists entries of one box in `active` and leaves their lanes empty. True if
     /// anything moved.
     fn gather(&mut self, cell: [u16; 2], column: &mut Column, bodies: &Bodies) -> bool {
-        let (n, step) = (column.entries.len(), bodies.step);
+        let n = column.entries.len();
         self.active.clear();
-        self.lanes.resize(n);
-        let Lanes {
-            start,
-            end,
-            lo_u,
-            hi_u,
-            lo_v,
-            hi_v,
-            moved,
-        } = &mut self.lanes;
-        let (start, end, moved) = (&mut start[..n], &mut end[..n], &mut moved[..n]);
-        let (lo_u, hi_u, lo_v, hi_v) = (&mut lo_u[..n], &mut hi_u[..n], &mut lo_v[..n], &mut hi_v[..n]);
-        let absent = Bounds::from_box(&StoredBox::EMPTY);
-        let (mut any, mut farthest, mut longest) = (false, 0.0, f32x4::ZERO);
-        for (k, &e) in column.entries.iter().enumerate() {
-            let record = &bodies.records[index_of(e)];
-            any |= record.moved(step);
-            let (old, new) = (record.before(step), record.now());
-            let (mut lanes, mut from, mut by) = (new, new.lo, old.displacement(&new));
-            let mut farthest_face = largest(by) * ROUNDED_UP;
-            if (record.flags & (MIGRATES | JUMPS) != 0) | (e as u32 & ARRIVING != 0) {
-                let part = Part::of(e as u32, record, cell);
-                if part != Part::Both {
-                    let only = if part == Part::Old { old } else { new };
-                    longest = longest.fast_max(only.hi - only.lo);
-                    (lanes, from, by, farthest_face) = (absent, only.lo, f32x4::ZERO, f32::NAN);
-                    self.active.push(e);
+        self.lanes.make_room(n);
+        let (mut farthest, mut longest) = (f32x4::ZERO, f32x4::ZERO);
+        for (k, entries) in column.entries.chunks(FOUR).enumerate() {
+            // The last four may be fewer; the lanes behind them are padding, which is written last.
+            let four: [Entry; FOUR] = core::array::from_fn(|i| entries[i.min(entries.len() - 1)]);
+            let records = four.map(|e| &bodies.records[index_of(e)]);
+            let (mut moved, mut length) = self.lanes.copy(FOUR * k, &records, bodies.step);
+            let flags = records.iter().fold(0, |flags, record| flags | record.flags());
+            let arriving = four.iter().fold(0, |all, e| all | *e as u32) & ARRIVING;
+            if (flags & (MIGRATES | JUMPS) != 0) | (arriving != 0) {
+                for i in 0..FOUR {
+                    if let Some(only) = only_box(four[i], records[i], cell, bodies.step) {
+                        moved.as_mut_array()[i] = 0.0;
+                        length.as_mut_array()[i] = only.hi[0] - only.lo[0];
+                        self.lanes.empty(FOUR * k + i, only.lo[0]);
+                        self.active.extend(entries.get(i));
+                    }
                 }
             }
-            farthest = max(farthest_face, farthest); // not of NaN
-            // No cover of old and new box is longer.
-            longest = longest.fast_max(lanes.hi - lanes.lo + by + by);
-            let ([_, u0, v0, _], [x1, u1, v1, _]) = (lanes.lo.to_array(), lanes.hi.to_array());
-            (start[k], end[k], moved[k]) = (from.to_array()[0], x1, farthest_face);
-            (lo_u[k], hi_u[k], lo_v[k], hi_v[k]) = (u0, u1, v0, v1);
+            farthest = farthest.fast_max(moved);
+            longest = longest.fast_max(length);
         }
-        column.longest = longest.to_array()[0];
-        self.reach = farthest;
-        any
+        self.lanes.pad(n);
+        let most = |v: f32x4| v.to_array().into_iter().fold(0.0, max);
+        (column.longest, self.reach) = (most(longest), most(farthest));
+        self.reach > 0.0 || !self.active.is_empty()
     }
 
     /// Compares every entry with those that start before it ends.
@@ -211,6 +229,15 @@ impl Worker {
     pub(super) fn bytes(&self) -> usize {
         let lanes = self.lanes.start.capacity() * 7 * 4;
         lanes + (self.changes.began.capacity() + self.changes.ended.capacity() + self.active.capacity()) * 8
+    }
+}
+
+/// The box of an entry that stands for one only.
+fn only_box(e: Entry, record: &Record, cell: [u16; 2], step: u32) -> Option<StoredBox> {
+    match Part::of(e as u32, record, cell) {
+        Part::Both => None,
+        Part::Old => Some(record.before(step).to_box()),
+        Part::New => Some(record.now().to_box()),
     }
 }
 

@@ -41,7 +41,7 @@ impl Survey {
         let mut sample: [Vec<f64>; 3] = Default::default();
         let (mut mean, mut product) = ([0.0; 3], [0.0; 3]);
         let spread = bodies.records.iter().step_by(bodies.records.len() / SAMPLE + 1);
-        for record in spread.filter(|r| r.flags & UNBOUNDED == 0 && r.present()) {
+        for record in spread.filter(|r| r.flags() & UNBOUNDED == 0 && r.present()) {
             let stored = record.now().to_box();
             let length: [f64; 3] = core::array::from_fn(|k| f64::from(stored.hi[k]) - f64::from(stored.lo[k]));
             for k in 0..3 {
@@ -268,7 +268,7 @@ fn entries_of(bodies: &Bodies, grid: &Grid, turn: usize, most: usize) -> usize {
     for record in bodies
         .records
         .iter()
-        .filter(|r| r.flags & UNBOUNDED == 0 && r.present())
+        .filter(|r| r.flags() & UNBOUNDED == 0 && r.present())
     {
         total += grid
             .range(&Bounds::from_box(&record.now().to_box().rotated(turn)))
