@@ -15,7 +15,7 @@ use crate::broad::aabb::{StoredBox, max};
 use crate::broad::body::{Bodies, JUMPS, MIGRATES, Record};
 use crate::broad::change::{Changes, overlap};
 use alloc::vec::Vec;
-use wide::{f32x4, f32x8};
+use wide::f32x4;
 
 /// Four units in the last place: more than one rounded sum of two bounds can err.
 const SLACK: f32 = 4.0 * f32::EPSILON;
@@ -98,6 +98,8 @@ impl Lanes {
 #[repr(align(128))] // as `Marks` are
 pub(super) struct Worker {
     lanes: Lanes,
+    /// What the sweep hit and did not yet look at.
+    pending: Vec<Hits>,
     pub(super) changes: Changes,
     /// Entries to look at one by one, and how far the start of an entry may lie behind its lower bound.
     pub(super) active: Vec<u64>,
@@ -181,33 +183,37 @@ impl Worker {
         } = &self.lanes;
         let (start, end, moved) = (&start[..padded], &end[..padded], &moved[..padded]);
         let (lo_u, hi_u, lo_v, hi_v) = (&lo_u[..padded], &hi_u[..padded], &lo_v[..padded], &hi_v[..padded]);
-        let mut pending = [(0, 0, 0); PENDING];
+        // Room for the windows of one entry more, so that none has to wait for another to be settled.
+        self.pending.resize(PENDING + padded / LANES + 1, (0, 0, 0));
+        let pending = &mut self.pending[..];
         let mut waiting = 0;
         for i in 0..n {
             // A little more, so that the rounding of the sum errs to the safe side.
             let reach = end[i] + (2.0 * self.reach + end[i].abs() * SLACK);
-            let (x0, x1) = (f32x8::splat(start[i]), f32x8::splat(end[i]));
-            let (u0, u1) = (f32x8::splat(lo_u[i]), f32x8::splat(hi_u[i]));
-            let (v0, v1) = (f32x8::splat(lo_v[i]), f32x8::splat(hi_v[i]));
-            let by = f32x8::splat(moved[i]);
+            let [x0, x1] = [start[i], end[i]].map(f32x4::splat);
+            let [u0, u1, v0, v1] = [lo_u[i], hi_u[i], lo_v[i], hi_v[i]].map(f32x4::splat);
+            let by = f32x4::splat(moved[i]);
+            let hits_of_four = |j: usize| {
+                let apart_x = (four(start, j) - x1).fast_max(x0 - four(end, j));
+                let apart_u = (four(lo_u, j) - u1).fast_max(u0 - four(hi_u, j));
+                let apart_v = (four(lo_v, j) - v1).fast_max(v0 - four(hi_v, j));
+                let apart = apart_x.fast_max(apart_u).fast_max(apart_v);
+                apart.abs().simd_le(by + four(moved, j)).to_bitmask()
+            };
             let mut j = i + 1;
             while j + LANES <= padded {
-                let apart_x = (eight(start, j) - x1).fast_max(x0 - eight(end, j));
-                let apart_u = (eight(lo_u, j) - u1).fast_max(u0 - eight(hi_u, j));
-                let apart_v = (eight(lo_v, j) - v1).fast_max(v0 - eight(hi_v, j));
-                let apart = apart_x.fast_max(apart_u).fast_max(apart_v);
-                let hits = apart.abs().simd_le(by + eight(moved, j)).to_bitmask();
+                let hits = hits_of_four(j) | hits_of_four(j + FOUR) << FOUR;
                 // Written always, kept if there are any: no branch to mispredict.
-                pending[waiting % PENDING] = (i as u32, j as u32, hits);
+                pending[waiting] = (i as u32, j as u32, hits);
                 waiting += usize::from(hits != 0);
-                if waiting == PENDING {
-                    settle(&pending, column, cell, bodies, &mut self.changes);
-                    waiting = 0;
-                }
                 if start[j + LANES - 1] > reach {
                     break;
                 }
                 j += LANES;
+            }
+            if waiting >= PENDING {
+                settle(&pending[..waiting], column, cell, bodies, &mut self.changes);
+                waiting = 0;
             }
         }
         settle(&pending[..waiting], column, cell, bodies, &mut self.changes);
@@ -266,10 +272,10 @@ fn settle(pending: &[Hits], column: &Column, cell: [u16; 2], bodies: &Bodies, ch
 }
 
 #[inline(always)]
-fn eight(bounds: &[f32], from: usize) -> f32x8 {
-    let mut out = [0.0; LANES];
-    out.copy_from_slice(&bounds[from..from + LANES]);
-    f32x8::from(out)
+fn four(bounds: &[f32], from: usize) -> f32x4 {
+    let mut out = [0.0; FOUR];
+    out.copy_from_slice(&bounds[from..from + FOUR]);
+    f32x4::from(out)
 }
 
 /// Reports a changed pair if the column owns it: a beginning by the new boxes, an end by the old ones.
