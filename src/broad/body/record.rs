@@ -56,7 +56,13 @@ impl Record {
     /// The box of the last step.
     #[inline(always)]
     pub(crate) fn before(&self, step: u32) -> Bounds {
-        *if self.moved(step) { &self.old } else { &self.new }
+        *self.at(false, step)
+    }
+
+    /// The box of the step being prepared, or of the last one.
+    #[inline(always)]
+    pub(crate) fn at(&self, new: bool, step: u32) -> &Bounds {
+        if new | !self.moved(step) { &self.new } else { &self.old }
     }
 
     /// The step for which the box last changed.

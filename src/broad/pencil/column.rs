@@ -21,12 +21,10 @@ pub(super) enum Part {
 }
 
 impl Part {
-    pub(super) fn has_old(self) -> bool {
-        self != Self::New
-    }
-
-    pub(super) fn has_new(self) -> bool {
-        self != Self::Old
+    /// Whether it stands for the new box, or for the old one.
+    #[inline(always)]
+    pub(super) fn has(self, new: bool) -> bool {
+        self != if new { Self::Old } else { Self::New }
     }
 
     /// The part of the entry `who` (an index, perhaps with `ARRIVING`) in the column.
@@ -115,7 +113,7 @@ impl Column {
         self.entries.retain_mut(|e| {
             let part = Part::of(*e as u32, &records[index_of(*e)], column);
             *e &= !u64::from(ARRIVING);
-            part.has_new()
+            part.has(true)
         });
         self.settled = self.entries.len();
     }

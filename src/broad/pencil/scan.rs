@@ -212,11 +212,11 @@ impl Worker {
                 j += LANES;
             }
             if waiting >= PENDING {
-                settle(&pending[..waiting], column, cell, bodies, &mut self.changes);
+                settle(&mut pending[..waiting], column, cell, bodies, &mut self.changes);
                 waiting = 0;
             }
         }
-        settle(&pending[..waiting], column, cell, bodies, &mut self.changes);
+        settle(&mut pending[..waiting], column, cell, bodies, &mut self.changes);
     }
 
     /// Counts the entries inside the windows of a sample of the column.
@@ -253,20 +253,31 @@ type Hits = (u32, u32, u32);
 /// Hits put off until so many windows had some.
 const PENDING: usize = 32;
 
-/// Finds out which of the hits are changes.
+/// Finds out which of the hits are changes: in each round the first hit of every window, then of those that have more. What
+/// is to be kept is written always and counted if it counts, since no branch foretells it.
 #[inline(never)]
-fn settle(pending: &[Hits], column: &Column, cell: [u16; 2], bodies: &Bodies, changes: &mut Changes) {
-    for &(i, j, hits) in pending {
-        let first = column.entries[i as usize];
-        let a = &bodies.records[index_of(first)];
-        let mut open = hits;
-        while open != 0 {
-            let second = column.entries[(j + open.trailing_zeros()) as usize];
-            open &= open - 1;
-            let (was, is) = overlap(a, &bodies.records[index_of(second)], bodies.step);
-            if was != is {
-                decide(first as u32, second as u32, is, cell, bodies, changes);
+fn settle(pending: &mut [Hits], column: &Column, cell: [u16; 2], bodies: &Bodies, changes: &mut Changes) {
+    let mut found = [(0, 0, false); PENDING];
+    for pending in pending.chunks_mut(PENDING) {
+        let mut open = pending.len();
+        while open > 0 {
+            let (mut left, mut changed) = (0, 0);
+            for k in 0..open {
+                let (i, j, hits) = pending[k];
+                let first = column.entries[i as usize];
+                let second = column.entries[(j + hits.trailing_zeros()) as usize];
+                let [a, b] = [first, second].map(|e| &bodies.records[index_of(e)]);
+                let (was, is) = overlap(a, b, bodies.step);
+                found[changed] = (first as u32, second as u32, is);
+                changed += usize::from(was != is);
+                let others = hits & (hits - 1);
+                pending[left] = (i, j, others);
+                left += usize::from(others != 0);
             }
+            for &(a, b, is) in &found[..changed] {
+                decide(a, b, is, cell, bodies, changes);
+            }
+            open = left;
         }
     }
 }
@@ -283,15 +294,10 @@ pub(super) fn decide(a: u32, b: u32, began: bool, cell: [u16; 2], bodies: &Bodie
     let (i, j) = (a & !ARRIVING, b & !ARRIVING);
     let (first, second) = (&bodies.records[i as usize], &bodies.records[j as usize]);
     let (part_a, part_b) = (Part::of(a, first, cell), Part::of(b, second, cell));
-    let (seen, owner) = if began {
-        (
-            part_a.has_new() & part_b.has_new(),
-            bodies.grid.owner(&first.now(), &second.now()),
-        )
-    } else {
-        let (old_a, old_b) = (first.before(bodies.step), second.before(bodies.step));
-        (part_a.has_old() & part_b.has_old(), bodies.grid.owner(&old_a, &old_b))
-    };
+    // No branch foretells which it is.
+    let seen = part_a.has(began) & part_b.has(began);
+    let [box_a, box_b] = [first, second].map(|record| record.at(began, bodies.step));
+    let owner = bodies.grid.owner(box_a, box_b);
     if seen & (owner == cell) {
         changes.note(i, j, !began, began);
     }
