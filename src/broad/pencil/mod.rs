@@ -176,9 +176,7 @@ impl PencilSweep {
         sweep_columns(&mut self.workers[..threads], &mut self.columns, 0, total, bodies);
         let mut counts = Counts::default();
         for worker in &mut self.workers {
-            counts.entries += core::mem::take(&mut worker.swept);
-            counts.tests += core::mem::take(&mut worker.tests);
-            counts.sampled += core::mem::take(&mut worker.sampled);
+            counts.add(core::mem::take(&mut worker.counts));
         }
         self.collect();
         self.tuning.observe(&self.ledger.bodies, counts);

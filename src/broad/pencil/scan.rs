@@ -11,6 +11,7 @@
 //! the sweep and looked at one by one, as a repair does.
 
 use super::column::{ARRIVING, Column, Entry, Part, index_of};
+use super::tune::Counts;
 use crate::broad::aabb::{StoredBox, max};
 use crate::broad::body::{Bodies, JUMPS, MIGRATES, Record};
 use crate::broad::change::{Changes, overlap};
@@ -104,11 +105,9 @@ pub(super) struct Worker {
     /// Entries to look at one by one, and how far the start of an entry may lie behind its lower bound.
     pub(super) active: Vec<u64>,
     pub(super) reach: f32,
-    /// What tuning goes by, if `counting`: entries inside the windows of a sample, the sample, and all entries.
+    /// What tuning goes by, if `counting`.
     pub(super) counting: bool,
-    pub(super) tests: u64,
-    pub(super) sampled: u64,
-    pub(super) swept: u64,
+    pub(super) counts: Counts,
     /// Places that entries moved by to stay sorted.
     pub(super) swaps: u64,
 }
@@ -225,10 +224,11 @@ impl Worker {
         let start = &self.lanes.start[..n];
         for i in (0..n).step_by(4) {
             let end = bodies.records[index_of(column.entries[i])].now().to_box().hi[0];
-            self.tests += start[i + 1..].partition_point(|s| *s <= end) as u64;
-            self.sampled += 1;
+            self.counts.tests += start[i + 1..].partition_point(|s| *s <= end) as u64;
+            self.counts.sampled += 1;
         }
-        self.swept += n as u64;
+        self.counts.entries += n as u64;
+        self.counts.columns += 1;
     }
 
     /// Bytes reserved.
