@@ -383,7 +383,8 @@ impl Context<'_> {
             }
             bounds = self.loosened(record, index, given);
         }
-        if present.equals(&bounds) {
+        let by = present.displacement(&bounds);
+        if !any_above(by, 0.0) {
             return;
         }
         record.touch(index, self.step, &mut marks.moved);
@@ -392,7 +393,7 @@ impl Context<'_> {
             return;
         }
         let range = self.grid.range(&bounds);
-        let far = any_above(present.displacement(&bounds), self.grid.width * LEAP);
+        let far = any_above(by, self.grid.width * LEAP);
         if (range != record.range()) | far {
             record.set_range(range);
             if record.flags() & NOTED == 0 {

@@ -186,9 +186,11 @@ impl Worker {
         self.pending.resize(PENDING + padded / LANES + 1, (0, 0, 0));
         let pending = &mut self.pending[..];
         let mut waiting = 0;
+        // A little more, so that the rounding of the sum errs to the safe side; no bound is farther from zero than these are together.
+        let farthest = start[0].abs() + start[n - 1].abs() + column.longest;
+        let beyond = 2.0 * self.reach + farthest * SLACK;
         for i in 0..n {
-            // A little more, so that the rounding of the sum errs to the safe side.
-            let reach = end[i] + (2.0 * self.reach + end[i].abs() * SLACK);
+            let reach = end[i] + beyond;
             let [x0, x1] = [start[i], end[i]].map(f32x4::splat);
             let [u0, u1, v0, v1] = [lo_u[i], hi_u[i], lo_v[i], hi_v[i]].map(f32x4::splat);
             let by = f32x4::splat(moved[i]);
