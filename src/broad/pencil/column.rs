@@ -87,7 +87,10 @@ impl Column {
     /// Gives every entry the key of its box of this step and restores the order: insertion sort for those that stayed,
     /// which are nearly in order, then one merge with those that came. Returns how many places entries moved by.
     pub(super) fn reorder(&mut self, column: [u16; 2], records: &[Record], step: u32) -> u64 {
-        read_ahead(records.len(), self.entries.iter().map(|e| records[index_of(*e)].flags()));
+        read_ahead(
+            records.len(),
+            self.entries.iter().map(|e| records[index_of(*e)].flags()),
+        );
         let settled = self.settled.min(self.entries.len());
         let (stayed, came) = self.entries.split_at_mut(settled);
         let key = |e: Entry| {

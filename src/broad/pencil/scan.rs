@@ -235,7 +235,7 @@ impl Worker {
 
     /// Bytes reserved.
     pub(super) fn bytes(&self) -> usize {
-        let lanes = self.lanes.start.capacity() * 7 * 4;
+        let lanes = self.lanes.start.capacity() * 7 * 4 + self.pending.capacity() * size_of::<Hits>();
         lanes + (self.changes.began.capacity() + self.changes.ended.capacity() + self.active.capacity()) * 8
     }
 }

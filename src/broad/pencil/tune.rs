@@ -13,10 +13,10 @@ use alloc::vec::Vec;
 
 /// Cost of an entry, of a window of eight tests, of a column that holds bodies and of one that does not, in nanoseconds of
 /// the machine it was measured on; only their ratios matter.
-const ENTRY: f64 = 8.0;
-const WINDOW: f64 = 4.0;
-const COLUMN: f64 = 40.0;
-const EMPTY_COLUMN: f64 = 1.0;
+const ENTRY: f64 = 6.0;
+const WINDOW: f64 = 4.5;
+const COLUMN: f64 = 30.0;
+const EMPTY_COLUMN: f64 = 0.75;
 
 /// Bodies looked at to choose columns.
 const SAMPLE: usize = 512;
