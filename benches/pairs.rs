@@ -5,13 +5,13 @@
 
 use std::hint::black_box;
 
-use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
+use criterion::{BatchSize, BenchmarkId, Criterion, criterion_group, criterion_main};
 use lab::motion::Frame;
 use lab::parry::{Climber, GjkCached};
 use lab::rng::Rng;
 use lab::{Pose, workload};
 use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, UnitQuaternion};
-use lin_canny::{BoxHint, ConvexPolyhedron, RelativePose, Tracker};
+use lin_canny::{BoxHint, ConvexPolyhedron, Layer, RelativePose, Tracker};
 
 const FRAMES: usize = 500;
 
@@ -98,6 +98,53 @@ fn queries(c: &mut Criterion) {
     }
 }
 
+/// Queries that the minimum-norm solver answers, with the walk that failed before it.
+fn fallbacks(c: &mut Criterion) {
+    let mut group = c.benchmark_group("fallback");
+    for (shape, n) in [
+        ("sphere", 8),
+        ("flat", 8),
+        ("flat", 128),
+        ("sphere", 2048),
+        ("prism", 16384),
+    ] {
+        let mut rng = Rng::new(1000 + n as u64);
+        let (a, b) = (
+            hull(&workload::points(shape, n, &mut rng)),
+            hull(&workload::points(shape, n, &mut rng)),
+        );
+        let mut cases = Vec::new();
+        for _ in 0..40 {
+            let mut tracker = Tracker::new();
+            for f in &frames(&a, &b, None, &mut rng) {
+                let before = tracker.clone();
+                if tracker.closest(&a, &b, &relative(f)).layer == Layer::Fallback {
+                    cases.push((before, relative(f)));
+                }
+            }
+            if cases.len() >= 16 {
+                break;
+            }
+        }
+        println!("{shape} {n}: {} such queries", cases.len());
+        if cases.is_empty() {
+            continue;
+        }
+        let mut k = 0;
+        let mut next = move || {
+            k += 1;
+            k
+        };
+        group.bench_function(BenchmarkId::new(shape, n), |bench| {
+            bench.iter_batched(
+                || cases[next() % cases.len()].clone(),
+                |(mut tracker, relative)| black_box(tracker.closest(&a, &b, &relative).distance),
+                BatchSize::SmallInput,
+            );
+        });
+    }
+}
+
 fn builds(c: &mut Criterion) {
     let mut group = c.benchmark_group("build/sphere");
     group.sample_size(10);
@@ -147,5 +194,5 @@ fn boxes(c: &mut Criterion) {
     }
 }
 
-criterion_group!(benches, queries, builds, boxes);
+criterion_group!(benches, queries, fallbacks, builds, boxes);
 criterion_main!(benches);

@@ -6,6 +6,7 @@ use alloc::vec::Vec;
 
 use nalgebra::Unit;
 
+use crate::closest::ahead::ahead;
 use crate::closest::hold::Hold;
 use crate::closest::outcome::{Class, Distance, Level, Outcome, Proposal};
 use crate::closest::placed::Placed;
@@ -47,6 +48,9 @@ pub use counts::Totals;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Tracker {
     last: Option<FeaturePair>,
+    /// Where the next walk starts: there, or as far beyond as they came in a step.
+    #[cfg_attr(feature = "serde", serde(default))]
+    next: Option<FeaturePair>,
     starts: Starts,
     totals: Totals,
     /// The surface of the last answer, where that was an overlap.
@@ -57,6 +61,9 @@ pub struct Tracker {
     hold: Option<Hold>,
 }
 
+/// A walk of so many steps was near its end where it began.
+const STEADY: u32 = 3;
+
 impl Tracker {
     /// A tracker without a start: the first query begins at the support vertices along the line of centres.
     pub fn new() -> Self {
@@ -65,8 +72,10 @@ impl Tracker {
 
     /// A tracker that starts from the given features; those that are not the bodies' own are ignored.
     pub fn starting_from(features: FeaturePair, a: &ConvexPolyhedron, b: &ConvexPolyhedron) -> Self {
+        let features = features.is_of(a, b).then(|| features.to_stand_on(a, b));
         Self {
-            last: features.is_of(a, b).then(|| features.to_stand_on(a, b)),
+            last: features,
+            next: features,
             starts: Starts::default(),
             totals: Totals::default(),
             memory: Memory::default(),
@@ -203,7 +212,7 @@ impl Tracker {
             outcome.features = warm.unwrap_or_else(|| closest::seed::cold(&placed, &mut outcome.work));
             closest::solve(level, &placed, warm.is_some(), outcome);
             self.deepen(deep, &placed, outcome);
-            self.count(warm.is_some(), outcome);
+            self.count(warm.is_some(), a, b, outcome);
             if !(a.as_given && b.as_given) {
                 give_back(a, b, outcome);
             }
@@ -236,7 +245,7 @@ impl Tracker {
         self.totals.warm += 1;
         self.totals.depths += u64::from(outcome.work.depths);
         self.totals.answered[outcome.layer as usize] += 1;
-        self.last = Some(outcome.features);
+        self.stay(outcome.features);
         if !(placed.a.as_given && placed.b.as_given) {
             give_back(placed.a, placed.b, outcome);
         }
@@ -267,7 +276,7 @@ impl Tracker {
         core::mem::swap(&mut outcome.point_on_a, &mut outcome.point_on_b);
         let normal = -b_from_a.rotation().tr_mul(&outcome.normal);
         outcome.normal = Unit::new_normalize(normal);
-        self.count(warm.is_some(), outcome);
+        self.count(warm.is_some(), a, b, outcome);
         give_back(a, b, outcome);
     }
 
@@ -280,14 +289,14 @@ impl Tracker {
         outcome: &mut Outcome,
     ) {
         *outcome = far::answer(a, b, a_from_b);
-        self.count(false, outcome);
+        self.count(false, a, b, outcome);
     }
 
     /// Where the next query starts: the cached pair, where it names features of these bodies and has been the cheaper
     /// start of late. The only thing a tracker adds to an answer, and hence what a replay records.
     #[inline(always)]
     fn start(&self, a: &ConvexPolyhedron, b: &ConvexPolyhedron) -> Option<FeaturePair> {
-        self.last.filter(|pair| self.starts.prefer_warm() && pair.is_of(a, b))
+        self.next.filter(|pair| self.starts.prefer_warm() && pair.is_of(a, b))
     }
 
     /// What a fault is reported with, in builds that look for one.
@@ -297,14 +306,27 @@ impl Tracker {
     }
 
     #[inline(always)]
-    fn count(&mut self, warm: bool, outcome: &Outcome) {
+    fn count(&mut self, warm: bool, a: &ConvexPolyhedron, b: &ConvexPolyhedron, outcome: &Outcome) {
         self.totals.queries += 1;
         self.totals.warm += u64::from(warm);
         self.starts.learn(warm, &outcome.work);
         self.totals.answered[outcome.layer as usize] += 1;
         self.totals.steps += u64::from(outcome.work.steps);
         self.totals.depths += u64::from(outcome.work.depths);
-        self.last = Some(outcome.features);
+        // Longer walks, and those that began where features were to go: on long rims and round large fans.
+        if (a.has_bands | b.has_bands) && (outcome.work.steps > STEADY || self.next != self.last) {
+            let now = outcome.features;
+            let next = self.last.map_or(now, |before| ahead(a, b, before, now));
+            (self.last, self.next) = (Some(now), Some(next));
+        } else {
+            self.stay(outcome.features);
+        }
+    }
+
+    /// The next walk starts where this one ended.
+    #[inline(always)]
+    fn stay(&mut self, features: FeaturePair) {
+        (self.last, self.next) = (Some(features), Some(features));
     }
 }
 

@@ -101,6 +101,20 @@ fn no_query_takes_steps_in_proportion_to_the_corners() {
     }
 }
 
+/// In a motion that goes on evenly, walks begin where the features come next: most end before a leap is tried.
+#[test]
+fn walks_begin_where_features_go() {
+    for shape in ["prism", "cone"] {
+        let mut rng = Rng::new(5);
+        let (a, b) = (body(shape, 8192, &mut rng), body(shape, 8192, &mut rng));
+        let list = frames(&a, &b, Some(0.5), 400, &mut rng);
+        let mut pair = Tracker::new();
+        let steps = list.iter().map(|f| pair.closest(&a, &b, &relative(f)).work.steps);
+        let mean = steps.sum::<u32>() as f64 / list.len() as f64;
+        assert!(mean < 4.0, "{shape}: {mean}");
+    }
+}
+
 /// The answer is within its bounds of the truth: by any direction's supports over all vertices from below, and by the
 /// witnesses from above.
 fn assert_proven(a: &ConvexPolyhedron, b: &ConvexPolyhedron, f: &Frame, o: &Outcome) {

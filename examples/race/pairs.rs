@@ -296,6 +296,9 @@ fn print(row: &Row) {
     );
 }
 
+/// Vertices of prisms: those of the other shapes, and of 128-gons and 8192-gons.
+const PRISMS: [usize; 8] = [8, 32, 128, 256, 512, 2048, 8192, 16384];
+
 /// Scenes, shapes and sizes in the order they run.
 fn plan() -> Vec<(&'static str, &'static str, usize)> {
     let scenes = [
@@ -309,7 +312,8 @@ fn plan() -> Vec<(&'static str, &'static str, usize)> {
     let mut list = vec![];
     for scene in scenes {
         for shape in ["sphere", "flat", "box", "prism", "cone"] {
-            for n in SIZES {
+            let sizes: &[usize] = if shape == "prism" { &PRISMS } else { &SIZES };
+            for &n in sizes {
                 let cold = scene.starts_with("cold");
                 // Long rims and vertices of many edges are a matter of the walk alone.
                 let long = ["prism", "cone"].contains(&shape) && scene != "coherent-0.5";
@@ -372,6 +376,10 @@ pub(crate) fn run(words: &[String]) {
         progress.step();
     }
     progress.done();
+    let prism = |n| rows.iter().find(|r| r.shape == "prism" && r.n == n).map(|r| r.ns[&0]);
+    if let (Some(few), Some(many)) = (prism(256), prism(16384)) {
+        println!("a prism of 8192-gons costs {:.2} times one of 128-gons", many / few);
+    }
     let lines = rows.iter().flat_map(|row| {
         let engine = |(&k, &ns): (&usize, &f64)| (row.scene, row.shape, row.n, Engine::ALL[k].name(), ns);
         row.ns.iter().map(engine)

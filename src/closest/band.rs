@@ -6,8 +6,8 @@
 
 use nalgebra::Vector3;
 
-use crate::polyhedron::ConvexPolyhedron;
 use crate::polyhedron::topology::LARGE;
+use crate::polyhedron::{ConvexPolyhedron, Feature};
 
 /// One curve of a body.
 #[derive(Clone, Copy)]
@@ -155,6 +155,18 @@ impl<'a> Band<'a> {
         d.min(self.len() - d)
     }
 
+    /// The place as many corners beyond `to` as that is, the short way, beyond the place `from` of a ring that may be another: none then,
+    /// or if that is but one.
+    pub(super) fn beyond(&self, ring: &Self, from: usize, to: usize) -> Option<usize> {
+        let same = match (self.ring, ring.ring) {
+            (Ring::Rim(a), Ring::Rim(b)) => a.first() == b.first(),
+            (Ring::Link { apex: a, .. }, Ring::Link { apex: b, .. }) => a == b,
+            _ => false,
+        };
+        let m = self.len();
+        (same && self.between(from, to) > 1).then(|| (2 * to + m - from) % m)
+    }
+
     /// The parabola about the corner at place `k`. With ribs, their lines too; `None` where there are none, or the three corners
     /// do not follow each other along a line.
     pub(super) fn fit(&self, k: usize, ribs: bool) -> Option<Fit> {
@@ -241,8 +253,17 @@ fn last(most: usize, holds: impl Fn(usize) -> bool) -> usize {
 const SPAN: usize = 256;
 
 impl ConvexPolyhedron {
+    /// What a feature is beside a curve, if it is beside one.
+    pub(super) fn near(&self, feature: Feature) -> Option<Near<'_>> {
+        match feature {
+            Feature::Vertex(v) => self.near_vertex(v.0),
+            Feature::Edge(e) => self.near_edge(e.0),
+            Feature::Face(f) => self.near_face(f.0),
+        }
+    }
+
     /// The curve a vertex is a corner of.
-    pub(super) fn near_vertex(&self, v: u32) -> Option<Near<'_>> {
+    fn near_vertex(&self, v: u32) -> Option<Near<'_>> {
         let t = &self.topology;
         if t.fan(v).len() > LARGE {
             return None;
@@ -259,7 +280,7 @@ impl ConvexPolyhedron {
     }
 
     /// The curve an edge is a part of, or a rib beside.
-    pub(super) fn near_edge(&self, edge: u32) -> Option<Near<'_>> {
+    fn near_edge(&self, edge: u32) -> Option<Near<'_>> {
         let t = &self.topology;
         let e = t.half_edge(edge);
         let tail = t.half_edge(e.twin).to;
@@ -280,7 +301,7 @@ impl ConvexPolyhedron {
     }
 
     /// The curve a strip is beside.
-    pub(super) fn near_face(&self, face: u32) -> Option<Near<'_>> {
+    fn near_face(&self, face: u32) -> Option<Near<'_>> {
         let t = &self.topology;
         if t.ring(face).is_some() {
             return None;

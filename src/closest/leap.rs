@@ -71,12 +71,7 @@ struct Spot {
 impl<'a> Side<'a> {
     fn of(body: &'a ConvexPolyhedron, feature: Feature) -> Option<Self> {
         let (t, at) = (&body.topology, |v: u32| body.points[v as usize]);
-        let near = match feature {
-            Feature::Vertex(v) => body.near_vertex(v.0),
-            Feature::Edge(e) => body.near_edge(e.0),
-            Feature::Face(f) => body.near_face(f.0),
-        };
-        Some(match (near, feature) {
+        Some(match (body.near(feature), feature) {
             (Some(Near::Curve(band, k)), _) => Side::Curve(band, k, band.fit(k, false)?),
             (Some(Near::Rib(band, k)), _) => Side::Ribs(band, k, band.fit(k, true)?),
             (None, Feature::Vertex(v)) => Side::Vertex(v.0, at(v.0)),

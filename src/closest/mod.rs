@@ -10,6 +10,7 @@
 //! The class is never guessed: separated needs a positive lower bound, overlapping a tetrahedron of the Minkowski
 //! difference around the origin. Bounds that straddle zero send the pair to the next finer arithmetic.
 
+pub(crate) mod ahead;
 mod band;
 mod behind;
 pub(crate) mod edge_edge;

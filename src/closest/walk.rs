@@ -31,9 +31,8 @@ const LEAPS: u32 = 12;
 /// Steps a walk may take on bodies it leaps on.
 const LONGEST: u32 = 128;
 
-/// A walk leaps along a long rim or round a large fan at once on bodies of more vertices than this, and after a few steps on others:
-/// there most walks have ended by then.
-const FINE: usize = 4096;
+/// A walk leaps along a long rim or round a large fan after so many steps: most have ended by then.
+const FIRST_LEAP: u32 = 4;
 
 /// Looks at one state.
 #[inline(always)]
@@ -66,7 +65,7 @@ pub(crate) fn watched<const CERTIFY: bool>(
     mut seen: impl FnMut(FeaturePair),
 ) -> bool {
     let first_leap = if placed.a.has_bands | placed.b.has_bands {
-        first_leap(placed)
+        FIRST_LEAP
     } else {
         u32::MAX
     };
@@ -97,12 +96,6 @@ pub(crate) fn watched<const CERTIFY: bool>(
     }
 }
 
-#[cold]
-fn first_leap(placed: &Placed) -> u32 {
-    let finest = placed.a.points.len().max(placed.b.points.len());
-    if finest > FINE { 1 } else { 4 }
-}
-
 /// Ends walks that go in a circle or too far.
 struct Guard {
     steps: u32,
@@ -126,7 +119,7 @@ impl Guard {
         if self.steps == self.next_leap {
             // One that did not help is tried later again, and so is one that did: leaps are few, so the walk still ends.
             let leapt = leap(placed, outcome);
-            let later = if leapt { 4 } else { self.steps.max(4) };
+            let later = if leapt { FIRST_LEAP } else { self.steps.max(FIRST_LEAP) };
             self.leaps += 1;
             // A leap to where the last one went has nothing to add to the steps in between.
             let ends = self.leaps == LEAPS || (leapt && outcome.features == self.leapt);
