@@ -112,7 +112,7 @@ mod state;
 pub(crate) use state::BodiesState;
 
 pub(crate) use record::{FIXED, JUMPS, MIGRATES, Record, UNBOUNDED};
-use record::{LOOSE, NOTED, touch};
+use record::{LOOSE, NOTED};
 
 impl Bodies {
     pub(crate) fn new(origin: Point3<f64>) -> Self {
@@ -169,12 +169,7 @@ impl Bodies {
         };
         let unbounded = flags & UNBOUNDED != 0;
         let bounds = Bounds::from_box(&stored);
-        *record = Record {
-            stamp: self.step,
-            flags: flags | loose | fixed,
-            ..Record::absent()
-        };
-        record.set_new(&bounds);
+        *record = Record::new(&bounds, self.step, flags | loose | fixed);
         if !unbounded {
             record.set_range(self.grid.range(&bounds));
         }
@@ -182,7 +177,7 @@ impl Bodies {
         if unbounded {
             self.unbounded.push(index);
         } else {
-            record.flags |= NOTED;
+            record.raise(NOTED);
             self.marks.noted.push(index);
         }
         Ok(BodyId { index, generation })
@@ -195,11 +190,11 @@ impl Bodies {
         self.leaving.push(id.index);
         let step = self.step;
         let record = &mut self.records[i];
-        touch(record, id.index, step, &mut self.marks.moved);
+        record.touch(id.index, step, &mut self.marks.moved);
         record.set_new(&Bounds::from_box(&StoredBox::EMPTY));
         record.set_range(Range::NONE);
-        if record.flags & (NOTED | UNBOUNDED) == 0 {
-            record.flags |= NOTED;
+        if record.flags() & (NOTED | UNBOUNDED) == 0 {
+            record.raise(NOTED);
             self.marks.noted.push(id.index);
         }
         Ok(())
@@ -213,7 +208,7 @@ impl Bodies {
             step: self.step,
         };
         let record = &mut self.records[i];
-        let bounds = checked(aabb, &self.origin, &self.grid, record.flags)
+        let bounds = checked(aabb, &self.origin, &self.grid, record.flags())
             .map_err(|fault| BroadPhaseError::from_fault(fault, Some(id)))?;
         context.place(record, id.index, bounds, &mut self.marks);
         Ok(())
@@ -290,10 +285,8 @@ impl Bodies {
         let turn = (3 + grid.axis - self.grid.axis) % 3;
         self.marks.noted.clear();
         for (i, record) in self.records.iter_mut().enumerate() {
-            for bounds in [&mut record.lo, &mut record.hi, &mut record.old_lo, &mut record.old_hi] {
-                bounds.rotate_left(turn);
-            }
-            if record.flags & UNBOUNDED != 0 {
+            record.rotate(turn);
+            if record.flags() & UNBOUNDED != 0 {
                 continue;
             }
             record.set_range(if record.present() {
@@ -301,9 +294,9 @@ impl Bodies {
             } else {
                 Range::NONE
             });
-            record.flags &= !NOTED;
+            record.lower(NOTED);
             if record.moved(self.step) {
-                record.flags |= NOTED;
+                record.raise(NOTED);
                 self.marks.noted.push(i as u32);
             }
         }
@@ -319,8 +312,8 @@ impl Bodies {
             let stays = record.present() && record.present_before(step);
             let jumps = stays && any_above(record.before(step).displacement(&record.now()), leap);
             let migrates = record.range_before(step, grid) != record.range();
-            record.flags &= !(MIGRATES | JUMPS);
-            record.flags |= if jumps { JUMPS } else { 0 } | if migrates { MIGRATES } else { 0 };
+            record.lower(MIGRATES | JUMPS);
+            record.raise(if jumps { JUMPS } else { 0 } | if migrates { MIGRATES } else { 0 });
         }
     }
 
@@ -329,7 +322,7 @@ impl Bodies {
         trim(&mut self.marks.noted);
         trim(&mut self.marks.moved);
         for index in self.marks.noted.drain(..) {
-            self.records[index as usize].flags &= !(NOTED | MIGRATES | JUMPS);
+            self.records[index as usize].lower(NOTED | MIGRATES | JUMPS);
         }
         self.marks.moved.clear();
         self.regrouped.clear();
@@ -347,7 +340,7 @@ impl Bodies {
         self.step = match self.step.checked_add(1) {
             Some(next) => next,
             None => {
-                self.records.iter_mut().for_each(|r| r.stamp = 0);
+                self.records.iter_mut().for_each(|r| r.set_stamp(0));
                 1
             }
         };
@@ -384,26 +377,27 @@ impl Context<'_> {
     fn place(&self, record: &mut Record, index: u32, given: Bounds, marks: &mut Marks) {
         let present = record.now();
         let mut bounds = given;
-        if record.flags & LOOSE != 0 {
+        if record.flags() & LOOSE != 0 {
             if present.contains(&given) {
                 return;
             }
             bounds = self.loosened(record, index, given);
         }
-        if present.equals(&bounds) {
+        let by = present.displacement(&bounds);
+        if !any_above(by, 0.0) {
             return;
         }
-        touch(record, index, self.step, &mut marks.moved);
+        record.touch(index, self.step, &mut marks.moved);
         record.set_new(&bounds);
-        if record.flags & UNBOUNDED != 0 {
+        if record.flags() & UNBOUNDED != 0 {
             return;
         }
         let range = self.grid.range(&bounds);
-        let far = any_above(present.displacement(&bounds), self.grid.width * LEAP);
+        let far = any_above(by, self.grid.width * LEAP);
         if (range != record.range()) | far {
             record.set_range(range);
-            if record.flags & NOTED == 0 {
-                record.flags |= NOTED;
+            if record.flags() & NOTED == 0 {
+                record.raise(NOTED);
                 marks.noted.push(index);
             }
         }
@@ -415,13 +409,13 @@ impl Context<'_> {
         let Some(detail) = self.details.get(index as usize) else {
             return given;
         };
-        let given = given.to_box();
+        let (given, present) = (given.to_box(), record.now().to_box());
         let mut stored = grown(&given, detail.margin);
-        let steps = self.step.wrapping_sub(record.stamp).max(1) as f32;
+        let steps = self.step.wrapping_sub(record.stamp()).max(1) as f32;
         let ahead = detail.lookahead / steps;
         if ahead > 0.0 {
             for k in 0..3 {
-                let travel = 0.5 * (given.lo[k] - record.lo[k] + given.hi[k] - record.hi[k]) * ahead;
+                let travel = 0.5 * (given.lo[k] - present.lo[k] + given.hi[k] - present.hi[k]) * ahead;
                 stored.lo[k] = (stored.lo[k] + travel.min(0.0)).max(-FARTHEST);
                 stored.hi[k] = (stored.hi[k] + travel.max(0.0)).min(FARTHEST);
             }

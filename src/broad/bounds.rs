@@ -26,7 +26,7 @@ impl Bounds {
         let lo = rounded_down(min - zero);
         let hi = -rounded_down(zero - max);
         let limit = f32x4::splat(FARTHEST);
-        let in_range = (lo.abs().simd_le(limit) & hi.abs().simd_le(limit)).to_bitmask() & AXES == AXES;
+        let in_range = ((-limit).simd_le(lo) & hi.simd_le(limit)).to_bitmask() & AXES == AXES;
         // Adding zero turns -0 into +0, so that equal bounds have equal bits and sort keys.
         let zero = f32x4::ZERO;
         (ordered & in_range).then_some(Self {
@@ -65,12 +65,6 @@ impl Bounds {
     pub(crate) fn contains(&self, other: &Self) -> bool {
         let within = self.lo.simd_le(other.lo) & other.hi.simd_le(self.hi);
         within.to_bitmask() & AXES == AXES
-    }
-
-    #[inline(always)]
-    pub(crate) fn equals(&self, other: &Self) -> bool {
-        let same = self.lo.simd_eq(other.lo) & self.hi.simd_eq(other.hi);
-        same.to_bitmask() & AXES == AXES
     }
 
     /// The least box that covers both; the empty box is neutral.

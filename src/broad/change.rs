@@ -86,7 +86,7 @@ pub(crate) fn note_unbounded(bodies: &Bodies, changes: &mut Changes) {
         let wide = &bodies.records[w as usize];
         let mut compare = |other: u32| {
             let record = &bodies.records[other as usize];
-            let twice = record.flags & super::body::UNBOUNDED != 0 && record.moved(step) && other < w;
+            let twice = record.flags() & super::body::UNBOUNDED != 0 && record.moved(step) && other < w;
             if other != w && !twice {
                 let (was, is) = overlap(wide, record, step);
                 changes.note(w, other, was, is);

@@ -130,7 +130,11 @@ impl ConvexPolyhedron {
             for (slot, n, end) in [(2 * k, -up, &mut low[k]), (2 * k + 1, up, &mut high[k])] {
                 let known = hint.0[slot];
                 let start = if (known as usize) < self.points.len() { known } else { 0 };
-                let top = self.climb(&n, start);
+                let top = if self.is_summit(&n, start) {
+                    start
+                } else {
+                    self.climb(&n, start)
+                };
                 hint.0[slot] = top;
                 *end = up.dot(&self.points[top as usize]);
             }

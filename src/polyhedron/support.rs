@@ -97,6 +97,16 @@ impl ConvexPolyhedron {
         climb(&self.topology, &self.points, &self.fans, n, hint)
     }
 
+    /// Whether a climb along `n` would end at `v` at once, as far as that is cheap to tell: up to eight edges are looked at
+    /// side by side, without a branch to mispredict.
+    #[inline(always)]
+    pub(crate) fn is_summit(&self, n: &Vector3<f64>, v: u32) -> bool {
+        let p = self.points[v as usize];
+        let rises = |w: u32| n.dot(&(self.points[w as usize] - p)) > 0.0;
+        let beside = self.topology.up_to_eight(v);
+        beside.is_some_and(|beside| !beside.map(rises).into_iter().fold(false, |any, one| any | one))
+    }
+
     /// The highest vertex along `n` without a hint.
     #[inline]
     pub(crate) fn climb_cold(&self, n: &Vector3<f64>) -> u32 {

@@ -259,6 +259,22 @@ impl Topology {
         self.fan(v).map(|h| self.links.get(h).to)
     }
 
+    /// The vertices beside `v` where there are one to eight, the last of them repeated: without a loop whose end is
+    /// hard to foretell.
+    #[inline(always)]
+    pub(crate) fn up_to_eight(&self, v: u32) -> Option<[u32; 8]> {
+        fn taken<E>(fan: &[E], to: impl Fn(&E) -> u32) -> Option<[u32; 8]> {
+            (1..=8)
+                .contains(&fan.len())
+                .then(|| core::array::from_fn(|k| to(&fan[k.min(fan.len() - 1)])))
+        }
+        let fan = self.first[v as usize] as usize..self.first[v as usize + 1] as usize;
+        match &self.links {
+            Links::Short(l) => taken(&l[fan], |e| u32::from(e[0])),
+            Links::Long(l) => taken(&l[fan], |e| e[0]),
+        }
+    }
+
     /// Bytes on the heap.
     pub(crate) fn heap_bytes(&self) -> usize {
         let links = match &self.links {

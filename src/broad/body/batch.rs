@@ -110,7 +110,7 @@ impl Run<'_> {
             let bounds = match Bounds::outward::<AXIS>(aabb, origin) {
                 Some(bounds) => bounds,
                 // Faulty, unbounded or far: looked at more closely.
-                None => match checked(aabb, origin, context.grid, record.flags) {
+                None => match checked(aabb, origin, context.grid, record.flags()) {
                     Ok(bounds) => bounds,
                     Err(fault) => {
                         let fault = BroadPhaseError::from_fault(fault, Some(*id));

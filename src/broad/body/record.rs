@@ -19,91 +19,105 @@ pub(crate) const MIGRATES: u32 = 1 << 4;
 /// This step the body jumps: its old and its new box are listed as two entries.
 pub(crate) const JUMPS: u32 = 1 << 5;
 
-/// What a step reads of a body, in one cache line. Each box takes two vector registers whose spare lanes hold the rest.
+/// What a step reads of a body, in one cache line: two boxes in vector registers, whose spare lanes hold the rest as bits.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 pub(crate) struct Record {
-    /// The box of the step being prepared, and its columns.
-    pub(super) lo: [f32; 3],
-    pub(super) least: u32,
-    pub(super) hi: [f32; 3],
-    pub(super) most: u32,
-    /// The box of the last step; stale, and equal to the new one by definition, unless `stamp` is the current step.
-    pub(super) old_lo: [f32; 3],
-    /// The step for which the box last changed.
-    pub(super) stamp: u32,
-    pub(super) old_hi: [f32; 3],
-    pub(crate) flags: u32,
+    /// The box of the step being prepared; beside the lower corner its least column, beside the upper one the greatest.
+    new: Bounds,
+    /// The box of the last step; stale, and equal to the new one by definition, unless the stamp is the current step.
+    /// Beside the lower corner the stamp: the step for which the box last changed. Beside the upper one the flags.
+    old: Bounds,
 }
 
 impl Record {
+    /// A body of this box, in no column and not there before.
+    pub(super) fn new(bounds: &Bounds, stamp: u32, flags: u32) -> Self {
+        let mut record = Self {
+            new: *bounds,
+            old: Bounds::from_box(&StoredBox::EMPTY),
+        };
+        record.set_range(Range::NONE);
+        set_spare(&mut record.old.lo, stamp);
+        set_spare(&mut record.old.hi, flags);
+        record
+    }
+
     pub(super) fn absent() -> Self {
-        let StoredBox { lo, hi } = StoredBox::EMPTY;
-        let [least, most] = [Range::NONE.least, Range::NONE.most].map(Range::pack);
-        Self {
-            lo,
-            least,
-            hi,
-            most,
-            old_lo: lo,
-            stamp: 0,
-            old_hi: hi,
-            flags: 0,
-        }
+        Self::new(&Bounds::from_box(&StoredBox::EMPTY), 0, 0)
     }
 
     /// The box of the step being prepared.
     #[inline(always)]
     pub(crate) fn now(&self) -> Bounds {
-        Bounds {
-            lo: lanes(self.lo, self.least),
-            hi: lanes(self.hi, self.most),
-        }
+        self.new
     }
 
     /// The box of the last step.
     #[inline(always)]
     pub(crate) fn before(&self, step: u32) -> Bounds {
-        if self.stamp == step {
-            Bounds {
-                lo: lanes(self.old_lo, self.stamp),
-                hi: lanes(self.old_hi, self.flags),
-            }
-        } else {
-            self.now()
-        }
+        *self.at(false, step)
+    }
+
+    /// The box of the step being prepared, or of the last one.
+    #[inline(always)]
+    pub(crate) fn at(&self, new: bool, step: u32) -> &Bounds {
+        if new | !self.moved(step) { &self.new } else { &self.old }
+    }
+
+    /// The step for which the box last changed.
+    #[inline(always)]
+    pub(super) fn stamp(&self) -> u32 {
+        spare(&self.old.lo)
+    }
+
+    pub(super) fn set_stamp(&mut self, stamp: u32) {
+        set_spare(&mut self.old.lo, stamp);
+    }
+
+    #[inline(always)]
+    pub(crate) fn flags(&self) -> u32 {
+        spare(&self.old.hi)
+    }
+
+    #[inline(always)]
+    pub(super) fn raise(&mut self, flags: u32) {
+        let flags = self.flags() | flags;
+        set_spare(&mut self.old.hi, flags);
+    }
+
+    #[inline(always)]
+    pub(super) fn lower(&mut self, flags: u32) {
+        let flags = self.flags() & !flags;
+        set_spare(&mut self.old.hi, flags);
     }
 
     #[inline(always)]
     pub(crate) fn moved(&self, step: u32) -> bool {
-        self.stamp == step
+        self.stamp() == step
     }
 
     /// Whether the body is there in the step being prepared, and whether it was in the last.
     pub(crate) fn present(&self) -> bool {
-        self.lo[0] <= self.hi[0]
+        is_present(&self.new)
     }
 
     pub(crate) fn present_before(&self, step: u32) -> bool {
-        if self.stamp == step {
-            self.old_lo[0] <= self.old_hi[0]
-        } else {
-            self.present()
-        }
+        is_present(&self.before(step))
     }
 
     /// Columns of the new box.
     #[inline(always)]
     pub(crate) fn range(&self) -> Range {
         Range {
-            least: Range::unpack(self.least),
-            most: Range::unpack(self.most),
+            least: Range::unpack(spare(&self.new.lo)),
+            most: Range::unpack(spare(&self.new.hi)),
         }
     }
 
     /// Columns of the old box.
     pub(crate) fn range_before(&self, step: u32, grid: &Grid) -> Range {
-        if self.present_before(step) && self.flags & UNBOUNDED == 0 {
+        if self.present_before(step) && self.flags() & UNBOUNDED == 0 {
             grid.range(&self.before(step))
         } else {
             Range::NONE
@@ -112,28 +126,57 @@ impl Record {
 
     #[inline(always)]
     pub(super) fn set_range(&mut self, range: Range) {
-        (self.least, self.most) = (Range::pack(range.least), Range::pack(range.most));
+        set_spare(&mut self.new.lo, Range::pack(range.least));
+        set_spare(&mut self.new.hi, Range::pack(range.most));
     }
 
     #[inline(always)]
     pub(super) fn set_new(&mut self, bounds: &Bounds) {
-        let stored = bounds.to_box();
-        (self.lo, self.hi) = (stored.lo, stored.hi);
+        replace(&mut self.new, bounds);
+    }
+
+    pub(super) fn set_old(&mut self, bounds: &Bounds) {
+        replace(&mut self.old, bounds);
+    }
+
+    /// Boxes with their coordinates in another cyclic order.
+    pub(super) fn rotate(&mut self, turn: usize) {
+        let [new, old] = [self.new, self.old].map(|bounds| Bounds::from_box(&bounds.to_box().rotated(turn)));
+        self.set_new(&new);
+        self.set_old(&old);
+    }
+
+    /// The first change of a step keeps the box of the last one.
+    #[inline(always)]
+    pub(super) fn touch(&mut self, index: u32, step: u32, moved: &mut Vec<u32>) {
+        if !self.moved(step) {
+            replace(&mut self.old, &{ self.new });
+            self.set_stamp(step);
+            moved.push(index);
+        }
     }
 }
 
-/// Four consecutive numbers of a record as one vector.
 #[inline(always)]
-fn lanes([a, b, c]: [f32; 3], rest: u32) -> f32x4 {
-    f32x4::from([a, b, c, f32::from_bits(rest)])
+fn is_present(bounds: &Bounds) -> bool {
+    bounds.lo.as_array()[0] <= bounds.hi.as_array()[0]
 }
 
-/// The first change of a step keeps the box of the last one.
 #[inline(always)]
-pub(super) fn touch(record: &mut Record, index: u32, step: u32, moved: &mut Vec<u32>) {
-    if record.stamp != step {
-        record.stamp = step;
-        (record.old_lo, record.old_hi) = (record.lo, record.hi);
-        moved.push(index);
-    }
+fn spare(lanes: &f32x4) -> u32 {
+    lanes.as_array()[3].to_bits()
+}
+
+#[inline(always)]
+fn set_spare(lanes: &mut f32x4, bits: u32) {
+    lanes.as_mut_array()[3] = f32::from_bits(bits);
+}
+
+/// Another box beside the same bits.
+#[inline(always)]
+fn replace(kept: &mut Bounds, by: &Bounds) {
+    let (lo, hi) = (spare(&kept.lo), spare(&kept.hi));
+    *kept = *by;
+    set_spare(&mut kept.lo, lo);
+    set_spare(&mut kept.hi, hi);
 }

@@ -38,8 +38,8 @@ impl Bodies {
             body: self.details[i].body(),
             new: record.now().to_box().rotated(back),
             old: record.before(self.step).to_box().rotated(back),
-            stamp: record.stamp,
-            flags: record.flags & LASTING,
+            stamp: record.stamp(),
+            flags: record.flags() & LASTING,
         };
         BodiesState {
             origin: self.origin,
@@ -91,13 +91,8 @@ impl BodiesState {
             if !sound(&row.new) || !sound(&row.old) || row.body.check().is_err() {
                 return Err("a body of the broad phase has an unusable box or margin".into());
             }
-            let mut record = Record {
-                stamp: row.stamp,
-                flags: row.flags & LASTING,
-                ..Record::absent()
-            };
-            record.set_new(&Bounds::from_box(&row.new));
-            (record.old_lo, record.old_hi) = (row.old.lo, row.old.hi);
+            let mut record = Record::new(&Bounds::from_box(&row.new), row.stamp, row.flags & LASTING);
+            record.set_old(&Bounds::from_box(&row.old));
             bodies.records.push(record);
             bodies.details.push(Detail::new(row.body));
             bodies.generations.push(row.generation);

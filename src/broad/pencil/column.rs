@@ -21,12 +21,10 @@ pub(super) enum Part {
 }
 
 impl Part {
-    pub(super) fn has_old(self) -> bool {
-        self != Self::New
-    }
-
-    pub(super) fn has_new(self) -> bool {
-        self != Self::Old
+    /// Whether it stands for the new box, or for the old one.
+    #[inline(always)]
+    pub(super) fn has(self, new: bool) -> bool {
+        self != if new { Self::Old } else { Self::New }
     }
 
     /// The part of the entry `who` (an index, perhaps with `ARRIVING`) in the column.
@@ -34,9 +32,9 @@ impl Part {
     pub(super) fn of(who: u32, record: &Record, column: [u16; 2]) -> Self {
         if who & ARRIVING != 0 {
             Self::New
-        } else if record.flags & (MIGRATES | JUMPS) == 0 {
+        } else if record.flags() & (MIGRATES | JUMPS) == 0 {
             Self::Both
-        } else if record.flags & JUMPS != 0 || !record.range().contains(column) {
+        } else if record.flags() & JUMPS != 0 || !record.range().contains(column) {
             Self::Old
         } else {
             Self::Both
@@ -70,7 +68,7 @@ pub(super) struct Column {
 impl Column {
     /// The only column of a grid that has but one, as the last step left it.
     pub(super) fn of_all(bodies: &Bodies) -> Self {
-        let listed = |r: &Record| r.flags & UNBOUNDED == 0 && r.present_before(bodies.step);
+        let listed = |r: &Record| r.flags() & UNBOUNDED == 0 && r.present_before(bodies.step);
         let mut out = Self::default();
         for (i, record) in bodies.records.iter().enumerate().filter(|(_, r)| listed(r)) {
             let old = record.before(bodies.step).to_box();
@@ -89,7 +87,10 @@ impl Column {
     /// Gives every entry the key of its box of this step and restores the order: insertion sort for those that stayed,
     /// which are nearly in order, then one merge with those that came. Returns how many places entries moved by.
     pub(super) fn reorder(&mut self, column: [u16; 2], records: &[Record], step: u32) -> u64 {
-        read_ahead(records.len(), self.entries.iter().map(|e| records[index_of(*e)].flags));
+        read_ahead(
+            records.len(),
+            self.entries.iter().map(|e| records[index_of(*e)].flags()),
+        );
         let settled = self.settled.min(self.entries.len());
         let (stayed, came) = self.entries.split_at_mut(settled);
         let key = |e: Entry| {
@@ -115,7 +116,7 @@ impl Column {
         self.entries.retain_mut(|e| {
             let part = Part::of(*e as u32, &records[index_of(*e)], column);
             *e &= !u64::from(ARRIVING);
-            part.has_new()
+            part.has(true)
         });
         self.settled = self.entries.len();
     }

@@ -126,7 +126,7 @@ impl PencilSweep {
             .resize_with(self.ledger.bodies.grid.column_count(), Column::default);
         let bodies = &self.ledger.bodies;
         for (i, record) in bodies.records.iter().enumerate() {
-            if record.flags & UNBOUNDED != 0 {
+            if record.flags() & UNBOUNDED != 0 {
                 continue;
             }
             let old = record.range_before(bodies.step, &bodies.grid);
@@ -143,7 +143,7 @@ impl PencilSweep {
         for &index in &bodies.marks.noted {
             let record = &bodies.records[index as usize];
             let old = record.range_before(bodies.step, &bodies.grid);
-            let jumps = record.flags & JUMPS != 0;
+            let jumps = record.flags() & JUMPS != 0;
             for cell in record.range().columns().filter(|cell| jumps || !old.contains(*cell)) {
                 self.columns[bodies.grid.index(cell)]
                     .entries
@@ -176,9 +176,7 @@ impl PencilSweep {
         sweep_columns(&mut self.workers[..threads], &mut self.columns, 0, total, bodies);
         let mut counts = Counts::default();
         for worker in &mut self.workers {
-            counts.entries += core::mem::take(&mut worker.swept);
-            counts.tests += core::mem::take(&mut worker.tests);
-            counts.sampled += core::mem::take(&mut worker.sampled);
+            counts.add(core::mem::take(&mut worker.counts));
         }
         self.collect();
         self.tuning.observe(&self.ledger.bodies, counts);
@@ -298,7 +296,7 @@ impl BroadPhase for PencilSweep {
         let columns = &self.columns;
         let partners = |bodies: &Bodies, index: u32, found: &mut Vec<u32>| {
             let record = &bodies.records[index as usize];
-            if record.flags & UNBOUNDED != 0 {
+            if record.flags() & UNBOUNDED != 0 {
                 let hits = bodies
                     .records
                     .iter()

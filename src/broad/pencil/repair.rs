@@ -22,7 +22,7 @@ pub(super) fn list_touched(bodies: &Bodies, touched: &mut Vec<Touch>) {
         let mut push = |cell: [u16; 2]| touched.push((bodies.grid.index(cell) as u32, index));
         let range = record.range();
         range.columns().for_each(&mut push);
-        if record.flags & MIGRATES != 0 {
+        if record.flags() & MIGRATES != 0 {
             let old = record.range_before(bodies.step, &bodies.grid);
             old.columns().filter(|cell| !range.contains(*cell)).for_each(push);
         }
@@ -96,7 +96,8 @@ impl Worker {
         let who = active as u32;
         let record = &bodies.records[index_of(active)];
         let step = bodies.step;
-        let union = box_of(who, record, cell, step).to_box();
+        let cover = box_of(who, record, cell, step);
+        let union = cover.to_box();
         let slack = 8.0 * f32::EPSILON * max(union.lo[0].abs(), union.hi[0].abs());
         let first = order_key(union.lo[0] - column.longest * 1.000_01 - slack);
         let last = order_key(union.hi[0] + self.reach * 1.000_01 + slack);
@@ -108,6 +109,11 @@ impl Worker {
             let other = &bodies.records[index_of(e)];
             if index_of(e) == index_of(active) {
                 continue; // itself, or the other entry of a body that jumps
+            }
+            // Most entries of the window are apart on another axis, then and now.
+            let near = cover.overlaps(&other.now()) || (other.moved(step) && cover.overlaps(&other.before(step)));
+            if !near {
+                continue;
             }
             let (was, is) = overlap(record, other, step);
             if was == is {
@@ -128,7 +134,7 @@ impl Worker {
 
 /// Whether the body has an entry in the column from the last step, and whether it needs a new one.
 fn roles(record: &Record, cell: [u16; 2], bodies: &Bodies) -> (bool, bool) {
-    let flags = record.flags;
+    let flags = record.flags();
     let in_new = record.range().contains(cell);
     let in_old = flags & MIGRATES != 0 && record.range_before(bodies.step, &bodies.grid).contains(cell);
     let stays = if flags & MIGRATES == 0 { in_new } else { in_old };
@@ -155,16 +161,17 @@ fn shift(entries: &mut [u64], from: u64, to: u64) -> u64 {
     let Ok(place) = entries.binary_search(&from) else {
         return 0;
     };
-    let target = entries.partition_point(|e| *e < to);
-    if target > place {
-        entries[place..target].rotate_left(1);
-        entries[target - 1] = to;
-        (target - 1 - place) as u64
-    } else {
-        entries[target..=place].rotate_right(1);
-        entries[target] = to;
-        (place - target) as u64
+    let mut target = place;
+    while target + 1 < entries.len() && entries[target + 1] < to {
+        entries[target] = entries[target + 1];
+        target += 1;
     }
+    while target > 0 && entries[target - 1] > to {
+        entries[target] = entries[target - 1];
+        target -= 1;
+    }
+    entries[target] = to;
+    place.abs_diff(target) as u64
 }
 
 #[cfg(test)]

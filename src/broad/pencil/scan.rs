@@ -10,19 +10,22 @@
 //! and the farthest move. Bodies that come, leave or jump have one box only in the column; these few are left out of
 //! the sweep and looked at one by one, as a repair does.
 
-use super::column::{ARRIVING, Column, Part, index_of};
+use super::column::{ARRIVING, Column, Entry, Part, index_of};
+use super::tune::Counts;
 use crate::broad::aabb::{StoredBox, max};
-use crate::broad::body::{Bodies, JUMPS, MIGRATES};
-use crate::broad::bounds::{Bounds, largest};
+use crate::broad::body::{Bodies, JUMPS, MIGRATES, Record};
 use crate::broad::change::{Changes, overlap};
 use alloc::vec::Vec;
-use wide::{f32x4, f32x8};
+use wide::f32x4;
 
 /// Four units in the last place: more than one rounded sum of two bounds can err.
 const SLACK: f32 = 4.0 * f32::EPSILON;
 
 /// Above the rounding of a difference of bounds, of a sum of two moves and of this product itself.
 const ROUNDED_UP: f32 = 1.0 + 8.0 * f32::EPSILON;
+
+/// Entries copied at once.
+const FOUR: usize = 4;
 
 /// Entries compared at once.
 const LANES: usize = 8;
@@ -44,7 +47,7 @@ struct Lanes {
 
 impl Lanes {
     /// Room for `n` entries and the padding; what it holds is to be overwritten.
-    fn resize(&mut self, n: usize) {
+    fn make_room(&mut self, n: usize) {
         let Self {
             start,
             end,
@@ -54,11 +57,40 @@ impl Lanes {
             hi_v,
             moved,
         } = self;
-        for bounds in [&mut *start, end, lo_u, hi_u, lo_v, hi_v, moved] {
+        for bounds in [start, end, lo_u, hi_u, lo_v, hi_v, moved] {
             bounds.resize(n + LANES, 0.0);
         }
-        start[n..].fill(f32::INFINITY);
-        moved[n..].fill(f32::NAN);
+    }
+
+    /// Leaves nothing to compare in a lane but where it starts.
+    fn empty(&mut self, k: usize, start: f32) {
+        (self.start[k], self.end[k], self.moved[k]) = (start, f32::MIN, f32::NAN);
+    }
+
+    /// Ends the entries.
+    fn pad(&mut self, n: usize) {
+        self.start[n..].fill(f32::INFINITY);
+        self.moved[n..].fill(f32::NAN);
+    }
+
+    /// Copies four boxes to the lanes from `k` on. Returns how far their faces moved, and the lengths on the swept axis of what
+    /// covers the old and the new ones, or a little more.
+    #[inline(always)]
+    fn copy(&mut self, k: usize, records: &[&Record; FOUR], step: u32) -> (f32x4, f32x4) {
+        let by = records.map(|record| record.before(step).displacement(&record.now()));
+        let [start, lo_u, lo_v, _] = f32x4::transpose(records.map(|record| record.now().lo));
+        let [end, hi_u, hi_v, _] = f32x4::transpose(records.map(|record| record.now().hi));
+        let [by_x, by_u, by_v, _] = f32x4::transpose(by);
+        let moved = by_x.fast_max(by_u).fast_max(by_v) * f32x4::splat(ROUNDED_UP);
+        let put = |lanes: &mut Vec<f32>, four: f32x4| lanes[k..k + FOUR].copy_from_slice(&four.to_array());
+        put(&mut self.start, start);
+        put(&mut self.end, end);
+        put(&mut self.lo_u, lo_u);
+        put(&mut self.hi_u, hi_u);
+        put(&mut self.lo_v, lo_v);
+        put(&mut self.hi_v, hi_v);
+        put(&mut self.moved, moved);
+        (moved, end - start + by_x + by_x)
     }
 }
 
@@ -67,15 +99,15 @@ impl Lanes {
 #[repr(align(128))] // as `Marks` are
 pub(super) struct Worker {
     lanes: Lanes,
+    /// What the sweep hit and did not yet look at.
+    pending: Vec<Hits>,
     pub(super) changes: Changes,
     /// Entries to look at one by one, and how far the start of an entry may lie behind its lower bound.
     pub(super) active: Vec<u64>,
     pub(super) reach: f32,
-    /// What tuning goes by, if `counting`: entries inside the windows of a sample, the sample, and all entries.
+    /// What tuning goes by, if `counting`.
     pub(super) counting: bool,
-    pub(super) tests: u64,
-    pub(super) sampled: u64,
-    pub(super) swept: u64,
+    pub(super) counts: Counts,
     /// Places that entries moved by to stay sorted.
     pub(super) swaps: u64,
 }
@@ -104,47 +136,34 @@ impl Worker {
     /// Copies the boxes of the column; lists entries of one box in `active` and leaves their lanes empty. True if
     /// anything moved.
     fn gather(&mut self, cell: [u16; 2], column: &mut Column, bodies: &Bodies) -> bool {
-        let (n, step) = (column.entries.len(), bodies.step);
+        let n = column.entries.len();
         self.active.clear();
-        self.lanes.resize(n);
-        let Lanes {
-            start,
-            end,
-            lo_u,
-            hi_u,
-            lo_v,
-            hi_v,
-            moved,
-        } = &mut self.lanes;
-        let (start, end, moved) = (&mut start[..n], &mut end[..n], &mut moved[..n]);
-        let (lo_u, hi_u, lo_v, hi_v) = (&mut lo_u[..n], &mut hi_u[..n], &mut lo_v[..n], &mut hi_v[..n]);
-        let absent = Bounds::from_box(&StoredBox::EMPTY);
-        let (mut any, mut farthest, mut longest) = (false, 0.0, f32x4::ZERO);
-        for (k, &e) in column.entries.iter().enumerate() {
-            let record = &bodies.records[index_of(e)];
-            any |= record.moved(step);
-            let (old, new) = (record.before(step), record.now());
-            let (mut lanes, mut from, mut by) = (new, new.lo, old.displacement(&new));
-            let mut farthest_face = largest(by) * ROUNDED_UP;
-            if (record.flags & (MIGRATES | JUMPS) != 0) | (e as u32 & ARRIVING != 0) {
-                let part = Part::of(e as u32, record, cell);
-                if part != Part::Both {
-                    let only = if part == Part::Old { old } else { new };
-                    longest = longest.fast_max(only.hi - only.lo);
-                    (lanes, from, by, farthest_face) = (absent, only.lo, f32x4::ZERO, f32::NAN);
-                    self.active.push(e);
+        self.lanes.make_room(n);
+        let (mut farthest, mut longest) = (f32x4::ZERO, f32x4::ZERO);
+        for (k, entries) in column.entries.chunks(FOUR).enumerate() {
+            // The last four may be fewer; the lanes behind them are padding, which is written last.
+            let four: [Entry; FOUR] = core::array::from_fn(|i| entries[i.min(entries.len() - 1)]);
+            let records = four.map(|e| &bodies.records[index_of(e)]);
+            let (mut moved, mut length) = self.lanes.copy(FOUR * k, &records, bodies.step);
+            let flags = records.iter().fold(0, |flags, record| flags | record.flags());
+            let arriving = four.iter().fold(0, |all, e| all | *e as u32) & ARRIVING;
+            if (flags & (MIGRATES | JUMPS) != 0) | (arriving != 0) {
+                for i in 0..FOUR {
+                    if let Some(only) = only_box(four[i], records[i], cell, bodies.step) {
+                        moved.as_mut_array()[i] = 0.0;
+                        length.as_mut_array()[i] = only.hi[0] - only.lo[0];
+                        self.lanes.empty(FOUR * k + i, only.lo[0]);
+                        self.active.extend(entries.get(i));
+                    }
                 }
             }
-            farthest = max(farthest_face, farthest); // not of NaN
-            // No cover of old and new box is longer.
-            longest = longest.fast_max(lanes.hi - lanes.lo + by + by);
-            let ([_, u0, v0, _], [x1, u1, v1, _]) = (lanes.lo.to_array(), lanes.hi.to_array());
-            (start[k], end[k], moved[k]) = (from.to_array()[0], x1, farthest_face);
-            (lo_u[k], hi_u[k], lo_v[k], hi_v[k]) = (u0, u1, v0, v1);
+            farthest = farthest.fast_max(moved);
+            longest = longest.fast_max(length);
         }
-        column.longest = longest.to_array()[0];
-        self.reach = farthest;
-        any
+        self.lanes.pad(n);
+        let most = |v: f32x4| v.to_array().into_iter().fold(0.0, max);
+        (column.longest, self.reach) = (most(longest), most(farthest));
+        self.reach > 0.0 || !self.active.is_empty()
     }
 
     /// Compares every entry with those that start before it ends.
@@ -163,36 +182,42 @@ impl Worker {
         } = &self.lanes;
         let (start, end, moved) = (&start[..padded], &end[..padded], &moved[..padded]);
         let (lo_u, hi_u, lo_v, hi_v) = (&lo_u[..padded], &hi_u[..padded], &lo_v[..padded], &hi_v[..padded]);
-        let mut pending = [(0, 0, 0); PENDING];
+        // Room for the windows of one entry more, so that none has to wait for another to be settled.
+        self.pending.resize(PENDING + padded / LANES + 1, (0, 0, 0));
+        let pending = &mut self.pending[..];
         let mut waiting = 0;
+        // A little more, so that the rounding of the sum errs to the safe side; no bound is farther from zero than these are together.
+        let farthest = start[0].abs() + start[n - 1].abs() + column.longest;
+        let beyond = 2.0 * self.reach + farthest * SLACK;
         for i in 0..n {
-            // A little more, so that the rounding of the sum errs to the safe side.
-            let reach = end[i] + (2.0 * self.reach + end[i].abs() * SLACK);
-            let (x0, x1) = (f32x8::splat(start[i]), f32x8::splat(end[i]));
-            let (u0, u1) = (f32x8::splat(lo_u[i]), f32x8::splat(hi_u[i]));
-            let (v0, v1) = (f32x8::splat(lo_v[i]), f32x8::splat(hi_v[i]));
-            let by = f32x8::splat(moved[i]);
+            let reach = end[i] + beyond;
+            let [x0, x1] = [start[i], end[i]].map(f32x4::splat);
+            let [u0, u1, v0, v1] = [lo_u[i], hi_u[i], lo_v[i], hi_v[i]].map(f32x4::splat);
+            let by = f32x4::splat(moved[i]);
+            let hits_of_four = |j: usize| {
+                let apart_x = (four(start, j) - x1).fast_max(x0 - four(end, j));
+                let apart_u = (four(lo_u, j) - u1).fast_max(u0 - four(hi_u, j));
+                let apart_v = (four(lo_v, j) - v1).fast_max(v0 - four(hi_v, j));
+                let apart = apart_x.fast_max(apart_u).fast_max(apart_v);
+                apart.abs().simd_le(by + four(moved, j)).to_bitmask()
+            };
             let mut j = i + 1;
             while j + LANES <= padded {
-                let apart_x = (eight(start, j) - x1).fast_max(x0 - eight(end, j));
-                let apart_u = (eight(lo_u, j) - u1).fast_max(u0 - eight(hi_u, j));
-                let apart_v = (eight(lo_v, j) - v1).fast_max(v0 - eight(hi_v, j));
-                let apart = apart_x.fast_max(apart_u).fast_max(apart_v);
-                let hits = apart.abs().simd_le(by + eight(moved, j)).to_bitmask();
+                let hits = hits_of_four(j) | hits_of_four(j + FOUR) << FOUR;
                 // Written always, kept if there are any: no branch to mispredict.
-                pending[waiting % PENDING] = (i as u32, j as u32, hits);
+                pending[waiting] = (i as u32, j as u32, hits);
                 waiting += usize::from(hits != 0);
-                if waiting == PENDING {
-                    settle(&pending, column, cell, bodies, &mut self.changes);
-                    waiting = 0;
-                }
                 if start[j + LANES - 1] > reach {
                     break;
                 }
                 j += LANES;
             }
+            if waiting >= PENDING {
+                settle(&mut pending[..waiting], column, cell, bodies, &mut self.changes);
+                waiting = 0;
+            }
         }
-        settle(&pending[..waiting], column, cell, bodies, &mut self.changes);
+        settle(&mut pending[..waiting], column, cell, bodies, &mut self.changes);
     }
 
     /// Counts the entries inside the windows of a sample of the column.
@@ -201,16 +226,26 @@ impl Worker {
         let start = &self.lanes.start[..n];
         for i in (0..n).step_by(4) {
             let end = bodies.records[index_of(column.entries[i])].now().to_box().hi[0];
-            self.tests += start[i + 1..].partition_point(|s| *s <= end) as u64;
-            self.sampled += 1;
+            self.counts.tests += start[i + 1..].partition_point(|s| *s <= end) as u64;
+            self.counts.sampled += 1;
         }
-        self.swept += n as u64;
+        self.counts.entries += n as u64;
+        self.counts.columns += 1;
     }
 
     /// Bytes reserved.
     pub(super) fn bytes(&self) -> usize {
-        let lanes = self.lanes.start.capacity() * 7 * 4;
+        let lanes = self.lanes.start.capacity() * 7 * 4 + self.pending.capacity() * size_of::<Hits>();
         lanes + (self.changes.began.capacity() + self.changes.ended.capacity() + self.active.capacity()) * 8
+    }
+}
+
+/// The box of an entry that stands for one only.
+fn only_box(e: Entry, record: &Record, cell: [u16; 2], step: u32) -> Option<StoredBox> {
+    match Part::of(e as u32, record, cell) {
+        Part::Both => None,
+        Part::Old => Some(record.before(step).to_box()),
+        Part::New => Some(record.now().to_box()),
     }
 }
 
@@ -220,29 +255,40 @@ type Hits = (u32, u32, u32);
 /// Hits put off until so many windows had some.
 const PENDING: usize = 32;
 
-/// Finds out which of the hits are changes.
+/// Finds out which of the hits are changes: in each round the first hit of every window, then of those that have more. What
+/// is to be kept is written always and counted if it counts, since no branch foretells it.
 #[inline(never)]
-fn settle(pending: &[Hits], column: &Column, cell: [u16; 2], bodies: &Bodies, changes: &mut Changes) {
-    for &(i, j, hits) in pending {
-        let first = column.entries[i as usize];
-        let a = &bodies.records[index_of(first)];
-        let mut open = hits;
-        while open != 0 {
-            let second = column.entries[(j + open.trailing_zeros()) as usize];
-            open &= open - 1;
-            let (was, is) = overlap(a, &bodies.records[index_of(second)], bodies.step);
-            if was != is {
-                decide(first as u32, second as u32, is, cell, bodies, changes);
+fn settle(pending: &mut [Hits], column: &Column, cell: [u16; 2], bodies: &Bodies, changes: &mut Changes) {
+    let mut found = [(0, 0, false); PENDING];
+    for pending in pending.chunks_mut(PENDING) {
+        let mut open = pending.len();
+        while open > 0 {
+            let (mut left, mut changed) = (0, 0);
+            for k in 0..open {
+                let (i, j, hits) = pending[k];
+                let first = column.entries[i as usize];
+                let second = column.entries[(j + hits.trailing_zeros()) as usize];
+                let [a, b] = [first, second].map(|e| &bodies.records[index_of(e)]);
+                let (was, is) = overlap(a, b, bodies.step);
+                found[changed] = (first as u32, second as u32, is);
+                changed += usize::from(was != is);
+                let others = hits & (hits - 1);
+                pending[left] = (i, j, others);
+                left += usize::from(others != 0);
             }
+            for &(a, b, is) in &found[..changed] {
+                decide(a, b, is, cell, bodies, changes);
+            }
+            open = left;
         }
     }
 }
 
 #[inline(always)]
-fn eight(bounds: &[f32], from: usize) -> f32x8 {
-    let mut out = [0.0; LANES];
-    out.copy_from_slice(&bounds[from..from + LANES]);
-    f32x8::from(out)
+fn four(bounds: &[f32], from: usize) -> f32x4 {
+    let mut out = [0.0; FOUR];
+    out.copy_from_slice(&bounds[from..from + FOUR]);
+    f32x4::from(out)
 }
 
 /// Reports a changed pair if the column owns it: a beginning by the new boxes, an end by the old ones.
@@ -250,15 +296,10 @@ pub(super) fn decide(a: u32, b: u32, began: bool, cell: [u16; 2], bodies: &Bodie
     let (i, j) = (a & !ARRIVING, b & !ARRIVING);
     let (first, second) = (&bodies.records[i as usize], &bodies.records[j as usize]);
     let (part_a, part_b) = (Part::of(a, first, cell), Part::of(b, second, cell));
-    let (seen, owner) = if began {
-        (
-            part_a.has_new() & part_b.has_new(),
-            bodies.grid.owner(&first.now(), &second.now()),
-        )
-    } else {
-        let (old_a, old_b) = (first.before(bodies.step), second.before(bodies.step));
-        (part_a.has_old() & part_b.has_old(), bodies.grid.owner(&old_a, &old_b))
-    };
+    // No branch foretells which it is.
+    let seen = part_a.has(began) & part_b.has(began);
+    let [box_a, box_b] = [first, second].map(|record| record.at(began, bodies.step));
+    let owner = bodies.grid.owner(box_a, box_b);
     if seen & (owner == cell) {
         changes.note(i, j, !began, began);
     }

@@ -11,11 +11,12 @@ use crate::broad::grid::{Grid, MOST_COLUMNS_OF_AXIS};
 use crate::tolerance::{LEAST_MEAN, LEAST_START, LEAST_WIDTH};
 use alloc::vec::Vec;
 
-/// Cost of an entry, of a window of eight tests and of a column, in nanoseconds of the machine it was measured on; only
-/// their ratios matter.
-const ENTRY: f64 = 8.0;
-const WINDOW: f64 = 4.0;
-const COLUMN: f64 = 40.0;
+/// Cost of an entry, of a window of eight tests, of a column that holds bodies and of one that does not, in nanoseconds of
+/// the machine it was measured on; only their ratios matter.
+const ENTRY: f64 = 6.0;
+const WINDOW: f64 = 4.5;
+const COLUMN: f64 = 30.0;
+const EMPTY_COLUMN: f64 = 0.75;
 
 /// Bodies looked at to choose columns.
 const SAMPLE: usize = 512;
@@ -41,7 +42,7 @@ impl Survey {
         let mut sample: [Vec<f64>; 3] = Default::default();
         let (mut mean, mut product) = ([0.0; 3], [0.0; 3]);
         let spread = bodies.records.iter().step_by(bodies.records.len() / SAMPLE + 1);
-        for record in spread.filter(|r| r.flags & UNBOUNDED == 0 && r.present()) {
+        for record in spread.filter(|r| r.flags() & UNBOUNDED == 0 && r.present()) {
             let stored = record.now().to_box();
             let length: [f64; 3] = core::array::from_fn(|k| f64::from(stored.hi[k]) - f64::from(stored.lo[k]));
             for k in 0..3 {
@@ -68,14 +69,21 @@ impl Survey {
 
     /// A few far bodies must not make all columns wide: they are clamped into border columns instead.
     fn find_extent(&mut self, k: usize, centers: &mut [f64]) {
-        centers.sort_unstable_by(f64::total_cmp);
         let (Some(last), few) = (centers.len().checked_sub(1), centers.len() / 50) else {
             return;
         };
-        let (low, high) = (centers[few], centers[last - few]);
+        // Selected, not sorted: this is done within a step.
+        let (below, low, above) = centers.select_nth_unstable_by(few, f64::total_cmp);
+        let (low, least) = (*low, below.iter().fold(*low, |a, b| a.min(*b)));
+        let (high, most) = if last - few > few {
+            let (_, high, beyond) = above.select_nth_unstable_by(last - 2 * few - 1, f64::total_cmp);
+            (*high, beyond.iter().fold(*high, |a, b| a.max(*b)))
+        } else {
+            (low, low)
+        };
         let room = 0.25 * (high - low) + self.mean[k];
-        self.lo[k] = centers[0].max(low - room);
-        self.hi[k] = centers[last].min(high + room);
+        self.lo[k] = least.max(low - room);
+        self.hi[k] = most.min(high + room);
     }
 
     fn extent(&self, k: usize) -> f64 {
@@ -120,23 +128,34 @@ impl Survey {
         self.count / volume * self.mean[0] * self.overlap_of_columns(width)
     }
 
-    /// Cost of a sweep, a body, if columns of this width give so many tests a body.
-    fn cost(&self, width: f64, tests: f64) -> f64 {
+    /// Cost of a sweep, a body, if columns of this width give so many tests a body and so many columns hold bodies.
+    fn cost(&self, width: f64, tests: f64, held: f64) -> f64 {
         let entries = self.entries(width);
         let window = tests / entries;
-        let columns = (self.extent(1) / width + 1.0) * (self.extent(2) / width + 1.0) / self.count.max(1.0);
-        entries * (ENTRY + WINDOW * (1.0 + window * window / (8.0 * (window + 8.0)))) + COLUMN * columns.min(entries)
+        let count = self.count.max(1.0);
+        let columns = self.columns(width) / count;
+        let held = columns.min(entries).min(held / count);
+        entries * (ENTRY + WINDOW * (1.0 + window * window / (8.0 * (window + 8.0))))
+            + COLUMN * held
+            + EMPTY_COLUMN * (columns - held)
     }
 
-    /// The best width if `tests` a body were counted with columns of width `known`, and the share of the present cost
-    /// it would take.
-    fn best_width(&self, known: f64, tests: f64) -> (f64, f64) {
+    /// Columns of a grid of this width.
+    fn columns(&self, width: f64) -> f64 {
+        (self.extent(1) / width + 1.0) * (self.extent(2) / width + 1.0)
+    }
+
+    /// The best width if `tests` a body were counted with columns of width `known`, of which `held` held bodies, and the
+    /// share of the present cost it would take.
+    fn best_width(&self, known: f64, tests: f64, held: f64) -> (f64, f64) {
         let scale = tests / self.overlap_of_columns(known);
-        let present = self.cost(known, tests);
+        let present = self.cost(known, tests, held);
         let mut best = (known, 1.0);
         for k in -16..=16 {
             let width = known * libm::exp2(f64::from(k) / 4.0);
-            let share = self.cost(width, scale * self.overlap_of_columns(width)) / present;
+            // Each column is cut into as many as fit.
+            let held = held * (known / width) * (known / width);
+            let share = self.cost(width, scale * self.overlap_of_columns(width), held) / present;
             if share < best.1 {
                 best = (width, share);
             }
@@ -170,6 +189,17 @@ pub(super) struct Counts {
     /// Entries inside the windows of a sample of them.
     pub(super) tests: u64,
     pub(super) sampled: u64,
+    /// Columns swept that hold bodies.
+    pub(super) columns: u64,
+}
+
+impl Counts {
+    pub(super) fn add(&mut self, other: Self) {
+        self.entries += other.entries;
+        self.tests += other.tests;
+        self.sampled += other.sampled;
+        self.columns += other.columns;
+    }
 }
 
 /// When to cut new columns.
@@ -213,7 +243,7 @@ impl Tuning {
         let survey = Survey::of(bodies);
         let width = f64::from(bodies.grid.width);
         let tests = counts.tests as f64 / counts.sampled as f64 * survey.entries(width);
-        let (better, share) = survey.best_width(width, tests);
+        let (better, share) = survey.best_width(width, tests, counts.columns as f64);
         self.patience = (self.patience * 2).min(PATIENCE);
         self.wait = self.patience;
         self.wanted = (share < GAIN).then_some(better);
@@ -244,7 +274,7 @@ fn choose(bodies: &Bodies, survey: Survey, width: Option<f64>) -> Grid {
     let axis = (bodies.grid.axis + turn) % 3;
     let width = width.unwrap_or_else(|| {
         let start = (0.5 * (survey.mean[1] + survey.mean[2])).max(LEAST_START * survey.extent(1).min(survey.extent(2)));
-        let (better, _) = survey.best_width(start * 4.0, survey.even_tests(start * 4.0));
+        let (better, _) = survey.best_width(start * 4.0, survey.even_tests(start * 4.0), f64::INFINITY);
         better
     });
     let mut grid = survey.grid(axis, width);
@@ -261,7 +291,7 @@ fn entries_of(bodies: &Bodies, grid: &Grid, turn: usize, most: usize) -> usize {
     for record in bodies
         .records
         .iter()
-        .filter(|r| r.flags & UNBOUNDED == 0 && r.present())
+        .filter(|r| r.flags() & UNBOUNDED == 0 && r.present())
     {
         total += grid
             .range(&Bounds::from_box(&record.now().to_box().rotated(turn)))
