@@ -542,3 +542,15 @@ fn witnesses_of_far_bodies_are_as_good_as_their_coordinates() {
     }
     assert!(deep > 300 && doubled > 50, "{deep} {doubled}");
 }
+
+/// A speck in a cube, from a soak: the triangles of the kept surface are needles, and f64 took another for the one that the normal meets.
+#[test]
+fn witnesses_among_needles_are_behind_each_other() {
+    let replay: Replay = include_str!("replays/needles.txt").parse().expect("a replay");
+    let o = replay.tracker().closest(&replay.a, &replay.b, &replay.pose);
+    assert_eq!((o.class, o.layer), (Class::Overlapping, Layer::Surface));
+    let (pa, pb) = replay.pose.poses();
+    let (n, between) = (pa * o.normal.into_inner(), pb * o.point_on_b - pa * o.point_on_a);
+    let aside = (between - n * n.dot(&between)).norm();
+    assert!(aside <= 1e-14, "{aside:e} {o:?}");
+}
