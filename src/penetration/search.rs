@@ -398,7 +398,10 @@ impl<'a, T: Scalar> Search<'a, T> {
             return (self.surface.corners(found.0), found.2);
         }
         // The weights of needles are wrong in f64.
-        let found = self.nearest::<DoubleDouble>(order(), best, close);
+        let mut found = self.nearest::<DoubleDouble>(flat.clone().chain(core::iter::once(found.0)), best, close);
+        if found.1 > AGREE_WITNESS * self.placed.size() {
+            found = self.nearest::<DoubleDouble>(order(), best, close);
+        }
         (self.surface.corners(found.0), found.2)
     }
 
