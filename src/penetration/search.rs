@@ -367,7 +367,7 @@ impl<'a, T: Scalar> Search<'a, T> {
             height: T::from(f64::INFINITY),
             features: None,
         });
-        let (corners, witnesses) = self.deepest(&best, weakest.unwrap_or(0));
+        let (corners, witnesses) = self.deepest(&best, weakest.unwrap_or(0), end);
         Found {
             end,
             normal: best.normal,
@@ -383,7 +383,7 @@ impl<'a, T: Scalar> Search<'a, T> {
     /// The deepest points, and three corners of the facet they are on: where the features of the best direction do not hold them,
     /// they are those of the surface's point nearest to the foot of the origin on the best plane. The surface meets the ray
     /// along the normal between both bounds, so where they agree it is there.
-    fn deepest(&self, best: &Best<T>, weakest: u32) -> ([Corner<T>; 3], Witnesses) {
+    fn deepest(&self, best: &Best<T>, weakest: u32, end: End) -> ([Corner<T>; 3], Witnesses) {
         if let Some(foot) = best.features.and_then(|f| foot(self.placed, f, &best.rounded())) {
             return (self.surface.corners(weakest), foot);
         }
@@ -399,7 +399,7 @@ impl<'a, T: Scalar> Search<'a, T> {
         }
         // The weights of needles are wrong in f64.
         let mut found = self.nearest::<DoubleDouble>(flat.clone().chain(core::iter::once(found.0)), best, close);
-        if found.1 > AGREE_WITNESS * self.placed.size() {
+        if end == End::Closed && found.1 > AGREE_WITNESS * self.placed.size() {
             found = self.nearest::<DoubleDouble>(order(), best, close);
         }
         (self.surface.corners(found.0), found.2)
