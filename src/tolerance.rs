@@ -108,6 +108,14 @@ pub const COPLANAR: f64 = 1.0 / (1u64 << 46) as f64;
 /// the tangent, at most `64 ACROSS L`. Not a matter of soundness.
 pub const STEEP: f64 = 1.0 / 64.0;
 
+/// The radius of the disc that a facet must hold to stand in for weak triangles (`penetration::cover`) is raised by this factor. Its
+/// products, quotient and roots err by 10 UNIT relatively; the difference of squares by `3 UNIT r^2`, which is less than the
+/// `2 CERTIFICATE UNIT L` taken off each height `p` adds to it.
+pub(crate) const DISC: f64 = 1.0 + 1.0 / 1024.0;
+
+/// A larger disc than this part of the height is not tried: no matter of faces upon faces. The proof has room for a half.
+pub(crate) const DISC_MOST: f64 = 1.0 / 4.0;
+
 /// What a manifold holds already stays while it is no worse than this times what would come in its place. Not a matter of
 /// soundness.
 pub const STAY: f64 = 1.25;

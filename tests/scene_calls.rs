@@ -346,6 +346,21 @@ fn refused_calls_name_what_is_wrong_and_change_nothing() {
         assert!(matches!(scene.call_for(g, g, manifold), Err(SceneError::Range { .. })));
         assert!(d == f64::INFINITY || scene.pairs_within(g, g, d).is_err());
     }
+    for set in [
+        (|m| m.sine = f64::NAN) as fn(&mut ManifoldOptions),
+        |m| m.drift = f64::NAN,
+        |m| m.choice = f64::NAN,
+    ] {
+        let before = scene.effects(g, g);
+        let mut options = ManifoldOptions::within(0.1);
+        set(&mut options);
+        let manifold = Effects {
+            manifold: Some(options),
+            ..NONE
+        };
+        assert_eq!(scene.call_for(g, g, manifold), Err(SceneError::ManifoldOptions));
+        assert_eq!(scene.effects(g, g), before);
+    }
     assert_eq!(
         scene.set_velocity(b, Velocity::default()),
         Err(SceneError::Fixed { body: b })

@@ -11,8 +11,8 @@ impl Threads {
     /// Everything in the caller's thread.
     pub(super) const ONE: Self = Self { most: 1, least: 1 };
 
-    /// Those of the pool for a structure that uses them from so many bodies on. A step looks at a body for some 25 ns, and
-    /// waking a thread takes as long as some hundred bodies, so a sixteenth of the default is still worth it.
+    /// Those of the pool for a structure that uses them from so many bodies on: each is woken for no less than a sixteenth of
+    /// that.
     pub(super) fn from(bodies: usize) -> Self {
         #[cfg(feature = "parallel")]
         return Self {

@@ -8,8 +8,10 @@
 //! Proof. Let `x` of the ball be none of P. The way from the origin to `x` leaves the surface at a point `y` of a triangle, which is weak,
 //! since `y` is nearer than `r`. For a unit vector `m` along which that triangle is `p` high at least, `y = a m + v` with `v` across `m`,
 //! `p <= a <= r` and `|v|^2 <= r^2 - p^2`. So `y` is no further from the axis along `n` than `r |m x n| + sqrt(r^2 - p^2)`, and `x`
-//! no further than `r / p` times that, `rho`. P holds `x` moved along `n` into F, whose disc has the radius `rho`, and `x`
-//! moved along `n` down to height zero, which is nearer to the origin than any triangle: and `x` between the two.
+//! no further than `r / p` times that; `rho` is the largest such number. Where `m` is within sixty degrees of `n` and `rho` below half of
+//! every triangle's height, `y`, and so `x`, is above height zero along `n`: `n . y >= p / 2 - |v| sin 60`, and `|v| <= rho`. P holds
+//! `x` moved along `n` into F, whose disc has the radius `rho`, and `x` moved along `n` down to height zero, which is nearer to the
+//! origin than any triangle: and `x` between the two.
 
 use nalgebra::Vector3;
 
@@ -17,7 +19,7 @@ use crate::closest::placed::{Frame, Placed};
 use crate::closest::simplex::Corner;
 use crate::polyhedron::{ConvexPolyhedron, Feature, FeaturePair};
 use crate::scalar::{Vec3, cross, dot, sqrt, sub};
-use crate::tolerance::{AGREE_DEPTH, CERTIFICATE, UNIT};
+use crate::tolerance::{AGREE_DEPTH, CERTIFICATE, DISC, DISC_MOST, UNIT};
 
 use super::foot::{Witnesses, some_of};
 use super::search::{Best, highest};
@@ -25,12 +27,6 @@ use super::surface::{least, unit};
 
 /// Exchanges of a corner on the way to the facet over the axis.
 const EXCHANGES: usize = 48;
-
-/// A disc larger than this part of the height is no matter of faces upon faces. A half would do for the proof.
-const SMALL: f64 = 1.0 / 4.0;
-
-/// The radius of the disc, for the rounding of all that it is made of.
-const ROUNDED_UP: f64 = 1.0 + 1.0 / 1024.0;
 
 /// Three points of the facet that the axis pierces, from a triangle, counter-clockwise seen from outside, that it pierces; none where
 /// it does not. What `known` holds spares looking for points of the bodies.
@@ -90,8 +86,8 @@ pub(super) fn radius(weak: impl Iterator<Item = [Vec3<f64>; 3]>, best: &Best<f64
         let off = r * sqrt(dot(&turned, &turned)) + sqrt((r * r - p * p).max(0.0));
         (nearest, rho) = (p.min(nearest), (off * r / p).max(rho));
     }
-    let rho = rho * ROUNDED_UP + margin;
-    (rho < SMALL * nearest).then_some(rho)
+    let rho = rho * DISC + margin;
+    (rho < DISC_MOST * nearest).then_some(rho)
 }
 
 /// What a point of a facet may be off the height that is taken for it, within the [`AGREE_DEPTH`] that is left below that.

@@ -3,7 +3,8 @@
 //! Points of the difference are vertex pairs, and stay points of it whatever the pose: taken up again at another pose the
 //! surface is as good a proof as any, once it is known to be about the origin. It is if it is closed and every triangle is seen
 //! from behind (each ray then meets only triangles that count one way). Where all of them are beyond the facet, the depth is proven
-//! in one pass; else it grows; a surface that has folded is dropped.
+//! in one pass, or by the facet itself where that covers the others ([`cover`](super::cover)); else it grows; a surface that has folded
+//! is dropped.
 
 use alloc::boxed::Box;
 use alloc::vec::Vec;
@@ -214,17 +215,22 @@ impl Memory {
         weak.len() <= FEW_WEAK && self.lower(placed, frame, names, best)
     }
 
-    /// The same of the facet over the weak triangles.
-    fn lower_over(
+    /// The radius of the disc that covers what the weak triangles are short of, if it is worth a try.
+    fn disc(&self, weak: &[u32], places: &[Vec3<f64>], best: &Best<f64>, size: f64) -> Option<f64> {
+        let triangles = weak.iter().map(|t| self.corners(*t).map(|k| places[k]));
+        radius(triangles, best, size)
+    }
+
+    /// Makes the facet over the weak triangles the best, if that is lower; the witnesses on the best where it covers what they are
+    /// short of. What is beyond the old height is beyond a lower one, so no other triangle counts.
+    fn cover(
         &self,
         placed: &Placed,
         frame: &Frame<f64>,
         (weak, places): (&[u32], &[Vec3<f64>]),
         best: &mut Best<f64>,
-    ) -> bool {
-        if self.radius(weak, places, best, placed.size()).is_none() {
-            return false;
-        }
+    ) -> Option<Witnesses> {
+        self.disc(weak, places, best, placed.size())?;
         let corner = |k: usize| {
             let [a, b] = self.points[k];
             Corner { a, b, w: places[k] }
@@ -236,17 +242,7 @@ impl Memory {
             .find_map(|t| pierced(placed, frame, &axis, known.clone(), self.corners(*t).map(corner)));
         let names = found.map(|c| [c.map(|c| c.a), c.map(|c| c.b)]);
         self.lower(placed, frame, names.into_iter(), best);
-        true
-    }
-
-    fn radius(&self, weak: &[u32], places: &[Vec3<f64>], best: &Best<f64>, size: f64) -> Option<f64> {
-        let triangles = weak.iter().map(|t| self.corners(*t).map(|k| places[k]));
-        radius(triangles, best, size)
-    }
-
-    /// The witnesses on the facet where it covers what the weak triangles are short of.
-    fn covered(&self, placed: &Placed, weak: &[u32], places: &[Vec3<f64>], best: &Best<f64>) -> Option<Witnesses> {
-        let rho = self.radius(weak, places, best, placed.size())?;
+        let rho = self.disc(weak, places, best, placed.size())?;
         let (facet, at) = (best.features?, best.rounded());
         let witnesses = foot(placed, facet, &at)?;
         holds_disc(placed, facet, &witnesses, &at, rho).then_some(witnesses)
@@ -374,10 +370,7 @@ fn resume_among<const N: usize>(
     let mut shows = pass(&memory.triangles, &places, &best, size, &mut room.weak);
     let places = &places[..memory.points.len()];
     if let Pass::About = shows {
-        // What is beyond the old height is beyond a lower one.
-        if memory.lower_over(placed, frame, (&room.weak, places), &mut best)
-            && let Some(witnesses) = memory.covered(placed, &room.weak, places, &best)
-        {
+        if let Some(witnesses) = memory.cover(placed, frame, (&room.weak, places), &mut best) {
             (memory.facet, memory.stand) = (best.features, None);
             answer(placed, &proven(&best, witnesses, size), outcome);
             return true;

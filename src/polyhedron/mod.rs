@@ -2,7 +2,8 @@
 //!
 //! Reading order: [`feature`] (names), `topology` (who is beside whom, without coordinates), `cloud`, `hull`, `facets`,
 //! `plane` and `build` (points to a body), `build_faces` and `source_faces` (the caller's faces), `flat` (polygon, segment, point),
-//! `fans` (vertices of many edges), `support` (extreme vertices), `highest` (the same where rounding hides them), `access`, `query`, `mass`, `rebuild`, `persist`, [`solids`].
+//! `fans` (vertices of many edges), `support` (extreme vertices), `highest` (the same where rounding hides them), `access`,
+//! `query`, `mass`, `rebuild`, `persist`, [`solids`].
 //!
 //! # Stored coordinates
 //!

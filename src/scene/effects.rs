@@ -114,12 +114,18 @@ impl Effects {
         }
     }
 
-    /// Refuses distances that are none.
+    /// Refuses distances that are none, and options of a manifold that are none: a file could not hold them.
     fn check(&self) -> Result<(), SceneError> {
         let finite = |d: f64| (0.0..=SCENE_REACH).contains(&d);
         let refused = |value: f64| Err(SceneError::Range { value });
         if let Some(options) = self.manifold.filter(|m| !finite(m.prediction)) {
             return refused(options.prediction);
+        }
+        if self
+            .manifold
+            .is_some_and(|m| [m.sine, m.drift, m.choice].iter().any(|x| x.is_nan()))
+        {
+            return Err(SceneError::ManifoldOptions);
         }
         match (self.within, self.distance) {
             (Some(d), _) if !finite(d) => refused(d),

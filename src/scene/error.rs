@@ -44,6 +44,9 @@ pub enum SceneError {
         /// The distance.
         value: f64,
     },
+    /// `sine`, `drift` or `choice` of the manifold options is NaN.
+    #[error("sine, drift or choice of the manifold options is no number")]
+    ManifoldOptions,
     /// A velocity or a time is NaN or infinite.
     #[error("a velocity or a time is not finite")]
     Velocity,

@@ -166,7 +166,7 @@ impl Scene {
     /// forgotten without an event, unless nothing at all is left.
     ///
     /// # Errors
-    /// When a distance is NaN, negative or beyond 1e37; only `distance` may be infinite.
+    /// When a distance is NaN, negative or beyond 1e37 (only `distance` may be infinite), or an option of the manifold is NaN.
     pub fn call_for(&mut self, these: Group, those: Group, effects: Effects) -> Result<(), SceneError> {
         if self.table.effects(these, those) == effects {
             return Ok(());
