@@ -1,6 +1,6 @@
 //! Promise: bodies that overlap get the depth, proven: the least translation that parts them, along the normal.
 
-mod world;
+mod support;
 
 use lab::contacts::widest_face;
 use lab::exact;
@@ -18,14 +18,14 @@ fn both(a: Pose, b: Pose) -> Frame {
 }
 
 fn closest(a: &ConvexPolyhedron, b: &ConvexPolyhedron, frame: &Frame) -> Outcome {
-    Tracker::new().closest(a, b, &world::relative(frame))
+    Tracker::new().closest(a, b, &support::relative(frame))
 }
 
 /// Bounds, normal and witnesses of an overlap, by themselves: pushed along the normal by the greater bound of the depth
 /// the bodies are apart, by a little less than the depth they are not.
 fn judge(a: &ConvexPolyhedron, b: &ConvexPolyhedron, frame: &Frame, what: &str) -> Outcome {
     let o = closest(a, b, frame);
-    let size = world::size(a, b, frame);
+    let size = support::size(a, b, frame);
     let told = format!("{what}: {o:?} {frame:?}");
     assert_eq!(o.class, Class::Overlapping, "{told}");
     assert!(
@@ -48,7 +48,7 @@ fn judge(a: &ConvexPolyhedron, b: &ConvexPolyhedron, frame: &Frame, what: &str) 
         let near = body.closest_point(&point).unwrap_or(point);
         assert!((near - point).norm() <= 1e-12 * size, "{told}");
     }
-    assert!(world::are_of(o.features, a, b), "{told}");
+    assert!(support::are_of(o.features, a, b), "{told}");
     o
 }
 
@@ -56,7 +56,7 @@ fn judge(a: &ConvexPolyhedron, b: &ConvexPolyhedron, frame: &Frame, what: &str) 
 fn judge_both(a: &ConvexPolyhedron, b: &ConvexPolyhedron, frame: &Frame, what: &str) -> f64 {
     let there = judge(a, b, frame, what);
     let back = judge(b, a, &frame.swapped(), what);
-    let slack = 1e-14 * world::size(a, b, frame);
+    let slack = 1e-14 * support::size(a, b, frame);
     assert!(
         (there.distance - back.distance).abs() <= slack,
         "{what}: {there:?} {back:?}"
@@ -102,14 +102,14 @@ fn hard_poses_of_small_bodies_are_exact() {
         } else {
             shapes::small(&mut rng)
         };
-        let (body_a, body_b) = (world::body(&a), world::body(&b));
+        let (body_a, body_b) = (support::body(&a), support::body(&b));
         for frame in hard_poses(&mut rng, (radius(&a.points), radius(&b.points))) {
             let truth = exact::solve(Body::from(&a), &frame.a, Body::from(&b), &frame.b);
             if truth.class != lab::Class::Overlapping {
                 continue;
             }
             let d = judge_both(&body_a, &body_b, &frame, &a.name);
-            let slack = 1e-14 * world::size(&body_a, &body_b, &frame);
+            let slack = 1e-14 * support::size(&body_a, &body_b, &frame);
             assert!(
                 (d - truth.distance).abs() <= slack,
                 "{d:e}, not {:e}: {a:?} {b:?} {frame:?}",
@@ -135,7 +135,7 @@ fn larger_bodies_are_certified() {
         shapes::sliver(&mut rng, 40, 1e-6),
     ]
     .into_iter()
-    .map(|s| (s.clone(), world::body(&s)))
+    .map(|s| (s.clone(), support::body(&s)))
     .collect();
     let mut judged = 0;
     for (sa, a) in &bodies {
@@ -164,13 +164,13 @@ fn motions_through_contact_are_continuous() {
             _ => (shapes::small(&mut rng), shapes::small(&mut rng)),
         };
         let (ra, rb) = (radius(&a.points), radius(&b.points));
-        let (a, b) = (world::body(&a), world::body(&b));
+        let (a, b) = (support::body(&a), support::body(&b));
         let miss = rng.range(0.0, 0.5);
         let frames = motion::pass_through(&mut rng, 80, (ra, rb), miss);
         let mut pair = Tracker::new();
         let mut last: Option<(Frame, Outcome)> = None;
         for frame in frames {
-            let o = pair.closest(&a, &b, &world::relative(&frame));
+            let o = pair.closest(&a, &b, &support::relative(&frame));
             classes[o.class as usize] += 1;
             if let Some((before, old)) = last {
                 let moved = |p: &Pose, q: &Pose, r: f64| {
@@ -182,7 +182,7 @@ fn motions_through_contact_are_continuous() {
                     norm(sub(p.t, q.t)) + turn.iter().sum::<f64>()
                 };
                 let most = moved(&before.a, &frame.a, ra) + moved(&before.b, &frame.b, rb);
-                let slack = 1e-14 * world::size(&a, &b, &frame);
+                let slack = 1e-14 * support::size(&a, &b, &frame);
                 assert!(
                     (o.distance - old.distance).abs() <= most + slack,
                     "{old:?}\n{o:?}\n{frame:?} {most:e}"
@@ -197,16 +197,16 @@ fn motions_through_contact_are_continuous() {
 /// Who asks for less does not pay.
 #[test]
 fn a_depth_is_searched_for_on_request_only() {
-    let cube = world::body(&shapes::cube());
+    let cube = support::body(&shapes::cube());
     let mut pair = Tracker::new();
     for k in 0..20 {
-        let pose = world::shifted([0.1 * f64::from(k), 0.3, 0.2]);
+        let pose = support::shifted([0.1 * f64::from(k), 0.3, 0.2]);
         assert!(pair.intersects(&cube, &cube, &pose));
         assert!(pair.within(&cube, &cube, &pose, 0.1));
         assert!(pair.propose(&cube, &cube, &pose).work.depths == 0);
     }
     assert_eq!(pair.totals().depths, 0);
-    let o = pair.closest(&cube, &cube, &world::shifted([1.5, 0.3, 0.2]));
+    let o = pair.closest(&cube, &cube, &support::shifted([1.5, 0.3, 0.2]));
     assert_eq!((o.work.depths, pair.totals().depths), (1, 1));
     assert_eq!((o.distance, o.normal.into_inner().into()), (-0.5, [1.0, 0.0, 0.0]));
 }
@@ -225,10 +225,10 @@ fn warm_and_cold_agree_and_come_back() {
             _ => (shapes::small(&mut rng), shapes::small(&mut rng)),
         };
         let (ra, rb) = (radius(&a.points), radius(&b.points));
-        let (a, b) = (world::body(&a), world::body(&b));
+        let (a, b) = (support::body(&a), support::body(&b));
         let mut pair = Tracker::new();
         for frame in motion::pass_through(&mut rng, 200, (ra, rb), 0.3) {
-            let pose = world::relative(&frame);
+            let pose = support::relative(&frame);
             let replay = pair.replay(&a, &b, &pose, lin_canny::Level::Certified);
             let (warm, cold) = (pair.closest(&a, &b, &pose), closest(&a, &b, &frame));
             assert_eq!(warm.class, cold.class, "{warm:?} {cold:?}");
@@ -239,7 +239,7 @@ fn warm_and_cold_agree_and_come_back() {
             kept += u32::from(warm.layer == Layer::Surface);
             work[0] += warm.work.grown;
             work[1] += cold.work.grown;
-            let size = world::size(&a, &b, &frame);
+            let size = support::size(&a, &b, &frame);
             assert!(
                 (warm.distance - cold.distance).abs() <= 1e-14 * size && warm.upper - warm.lower <= 1e-13 * size,
                 "{warm:?} {cold:?}"
@@ -271,7 +271,7 @@ fn faces_that_tremble_on_faces() {
             2 => shapes::prism(4, 0.1, 3.0),
             _ => shapes::sphere(rng, 8 + rng.clone().below(24)),
         };
-        let (a, b) = (world::body(&shape(&mut rng)), world::body(&shape(&mut rng)));
+        let (a, b) = (support::body(&shape(&mut rng)), support::body(&shape(&mut rng)));
         let ((face_a, ra), (face_b, rb)) = (widest_face(&a), widest_face(&b));
         let reach = ra.min(rb);
         let depth = [1e-4, 1e-3, 1e-2, 0.1][k % 4] * reach;
@@ -279,9 +279,9 @@ fn faces_that_tremble_on_faces() {
         let start = workload::stacked(face_a, face_b, rng.range(0.0, 6.0), -depth);
         let mut pair = Tracker::new();
         for frame in workload::at_rest(start, noise, reach, 40, &mut rng) {
-            let warm = pair.closest(&a, &b, &world::relative(&frame));
+            let warm = pair.closest(&a, &b, &support::relative(&frame));
             let cold = closest(&a, &b, &frame);
-            let (size, told) = (world::size(&a, &b, &frame), format!("{warm:?} {cold:?}"));
+            let (size, told) = (support::size(&a, &b, &frame), format!("{warm:?} {cold:?}"));
             assert_eq!(warm.class, cold.class, "{told}");
             if warm.class != Class::Overlapping {
                 continue;
@@ -314,7 +314,7 @@ fn a_foreign_surface_does_no_harm() {
         shapes::tetrahedron(),
         shapes::prism(9, 1.0, 0.2),
     ];
-    let bodies = shapes.map(|s| world::body(&s));
+    let bodies = shapes.map(|s| support::body(&s));
     let mut pair = Tracker::new();
     for _ in 0..2000 {
         let (a, b) = (rng.pick(&bodies), rng.pick(&bodies));
@@ -323,9 +323,9 @@ fn a_foreign_surface_does_no_harm() {
             t: scale(rng.unit(), rng.range(0.0, 2.0)),
         };
         let frame = both(Pose::IDENTITY, at);
-        let (o, cold) = (pair.closest(a, b, &world::relative(&frame)), closest(a, b, &frame));
+        let (o, cold) = (pair.closest(a, b, &support::relative(&frame)), closest(a, b, &frame));
         assert_eq!(o.class, cold.class);
-        assert!((o.distance - cold.distance).abs() <= 1e-14 * world::size(a, b, &frame));
+        assert!((o.distance - cold.distance).abs() <= 1e-14 * support::size(a, b, &frame));
     }
 }
 
@@ -440,7 +440,7 @@ fn bodies_without_faces_keep_their_depth_over_frames() {
     let hull = solids::random_hull(40, Vector3::new(1.0, 0.7, 0.5), 3).expect("a hull");
     let mut rng = Rng::new(31);
     let mut surface = 0;
-    let lid = world::body(&shapes::pyramid_lid(5e-12));
+    let lid = support::body(&shapes::pyramid_lid(5e-12));
     for body in [&plate, &hull, &lid] {
         for small in [&point, &segment] {
             for _ in 0..20 {
@@ -462,8 +462,8 @@ fn bodies_without_faces_keep_their_depth_over_frames() {
                             ..Pose::IDENTITY
                         },
                     );
-                    let o = pair.closest(body, small, &world::relative(&frame));
-                    let p = back.closest(small, body, &world::relative(&frame.swapped()));
+                    let o = pair.closest(body, small, &support::relative(&frame));
+                    let p = back.closest(small, body, &support::relative(&frame.swapped()));
                     let cold = closest(body, small, &frame);
                     assert!((o.distance - cold.distance).abs() <= 1e-14, "{o:?} {cold:?}");
                     assert!((p.distance - cold.distance).abs() <= 1e-14, "{p:?} {cold:?}");
@@ -514,7 +514,7 @@ fn witnesses_of_far_bodies_are_as_good_as_their_coordinates() {
     for k in 0..1500 {
         let small = shapes::cone(200, 1.0, 0.4).stretched([1e-5; 3]);
         let large = shapes::cone(128, 1.0, 1.0).moved(&Pose::shift(rng.unit().map(|x| x * away)));
-        let (a, b) = (world::body(&small), world::body(&large));
+        let (a, b) = (support::body(&small), support::body(&large));
         let mut frame = both(
             Pose::IDENTITY,
             Pose {

@@ -1,7 +1,7 @@
 //! Promise: a manifold's points lie on the bodies, across from each other; the deepest is the certified answer's; what two faces
 //! share is spanned; names last.
 
-mod world;
+mod support;
 
 use lab::contacts::widest_face;
 use lab::motion::{self, Frame};
@@ -22,7 +22,7 @@ fn exact(prediction: f64, max_points: usize) -> ManifoldOptions {
 
 fn manifold(a: &ConvexPolyhedron, b: &ConvexPolyhedron, frame: &Frame, options: &ManifoldOptions) -> Manifold {
     let mut m = Manifold::new();
-    Tracker::new().manifold(a, b, &world::relative(frame), options, &mut m);
+    Tracker::new().manifold(a, b, &support::relative(frame), options, &mut m);
     m
 }
 
@@ -68,8 +68,8 @@ fn judge(
     o: &ManifoldOptions,
     what: &str,
 ) -> Outcome {
-    let size = world::size(a, b, frame);
-    let pose = world::relative(frame);
+    let size = support::size(a, b, frame);
+    let pose = support::relative(frame);
     let outcome = Tracker::new().closest(a, b, &pose);
     let told = || format!("{what}: {m:?}\n{outcome:?}\n{frame:?}");
     // In A's frame, where the offset of both has cancelled.
@@ -82,7 +82,7 @@ fn judge(
     }
     assert!(!m.points().is_empty(), "{}", told());
     // Edges that are parallel but for the angle allowed are not quite across from each other.
-    let beside = m.features().is_some_and(|f| world::kinds(f) == (1, 1));
+    let beside = m.features().is_some_and(|f| support::kinds(f) == (1, 1));
     // Nor are more so than the witnesses.
     let witnesses = {
         let (p, q) = (outcome.point_on_a.coords.into(), outcome.point_on_b.coords.into());
@@ -91,7 +91,7 @@ fn judge(
     };
     for p in m.points() {
         let (on_a, on_b): (Point, Point) = (p.point_on_a.coords.into(), p.point_on_b.coords.into());
-        assert!(world::are_of(p.features, a, b), "{}", told());
+        assert!(support::are_of(p.features, a, b), "{}", told());
         let (from_a, from_b) = (off(a, p.features.a, on_a), off(b, p.features.b, on_b));
         // Where rounding has split faces, the features a solver names need not hold its witnesses.
         let of_answer = p.features == outcome.features && outcome.layer >= Layer::Fallback;
@@ -192,7 +192,7 @@ fn hull(mut p: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
 
 /// Area the points of a manifold span, that of what its faces share, and how many corners the latter has.
 fn spanned(a: &ConvexPolyhedron, b: &ConvexPolyhedron, frame: &Frame, m: &Manifold) -> Option<(f64, f64, usize)> {
-    let f = m.features().filter(|&f| world::kinds(f) == (2, 2))?;
+    let f = m.features().filter(|&f| support::kinds(f) == (2, 2))?;
     let n: Point = frame.a.rotate(m.normal().into_inner().into());
     let e1 = unit(cross(
         n,
@@ -240,7 +240,7 @@ fn faces_on_faces_are_spanned() {
         shapes::prism(24, 1.0, 0.3),
     ];
     bodies.extend((0..5).map(|_| shapes::sphere(&mut rng, 12)));
-    let bodies: Vec<_> = bodies.iter().map(world::body).collect();
+    let bodies: Vec<_> = bodies.iter().map(support::body).collect();
     let (mut whole, mut part) = (0, 0);
     for k in 0..3000 {
         let (a, b) = (rng.pick(&bodies), rng.pick(&bodies));
@@ -279,7 +279,7 @@ fn large_faces_are_spanned() {
     let mut bodies = vec![shapes::cube(), shapes::cuboid([3.0, 0.02, 0.2])];
     bodies.extend([25, 64, 300].map(|n| shapes::prism(n, 1.0, 0.3)));
     bodies.push(shapes::prism(200, 1.0, 0.3).stretched([1.0, 1.0 / 64.0, 0.5]));
-    let bodies: Vec<_> = bodies.iter().map(world::body).collect();
+    let bodies: Vec<_> = bodies.iter().map(support::body).collect();
     let (mut seen, mut few) = ([0; 2], 0);
     for k in 0..1500 {
         let (a, b) = (rng.pick(&bodies), &bodies[2 + k % 4]);
@@ -333,7 +333,7 @@ fn hard_bodies_get_sound_manifolds_whichever_is_named_first() {
         shapes::dome(6, 1e-6),
     ]);
     bodies.extend([1e-12, 1e-4, 1e6].map(|s| shapes::cube().stretched([s; 3])));
-    let bodies: Vec<(Shape, ConvexPolyhedron)> = bodies.into_iter().map(|s| (s.clone(), world::body(&s))).collect();
+    let bodies: Vec<(Shape, ConvexPolyhedron)> = bodies.into_iter().map(|s| (s.clone(), support::body(&s))).collect();
     let (mut classes, mut counts, mut alike) = ([0; 4], [0; 9], 0);
     for (sa, a) in &bodies {
         for (sb, b) in &bodies {
@@ -342,7 +342,7 @@ fn hard_bodies_get_sound_manifolds_whichever_is_named_first() {
                 continue;
             }
             for frame in hard_frames(&mut rng, (radius(&sa.points), radius(&sb.points))) {
-                let size = world::size(a, b, &frame);
+                let size = support::size(a, b, &frame);
                 let options = exact(0.05 * size, 1 + rng.below(8));
                 let what = format!("{} {}", sa.name, sb.name);
                 let m = manifold(a, b, &frame, &options);
@@ -392,7 +392,7 @@ fn names_last_at_rest() {
     ];
     bodies.push(shapes::prism(48, 1.0, 0.3));
     bodies.push(shapes::sphere(&mut rng, 20));
-    let bodies: Vec<_> = bodies.iter().map(world::body).collect();
+    let bodies: Vec<_> = bodies.iter().map(support::body).collect();
     let (mut frames, mut fresh, mut full) = (0, 0, 0);
     for (k, a) in bodies.iter().enumerate() {
         for b in &bodies {
@@ -406,7 +406,7 @@ fn names_last_at_rest() {
                 options.drift = drift.unwrap_or(options.drift);
                 let mut before: Option<Vec<FeaturePair>> = None;
                 for frame in workload::at_rest(start, noise, reach, 60, &mut rng) {
-                    pair.manifold(a, b, &world::relative(&frame), &options, &mut m);
+                    pair.manifold(a, b, &support::relative(&frame), &options, &mut m);
                     let names: Vec<_> = m.points().iter().map(|p| p.id).collect();
                     if drift.is_none() {
                         assert!(before.as_ref().is_none_or(|b| *b == names), "{before:?} {m:?}");
@@ -427,13 +427,13 @@ fn names_last_at_rest() {
 
 #[test]
 fn sliding_contacts_keep_their_names_and_order() {
-    let plate = world::body(&shapes::cuboid([4.0, 4.0, 0.5]));
-    let cube = world::body(&shapes::cube());
+    let plate = support::body(&shapes::cuboid([4.0, 4.0, 0.5]));
+    let cube = support::body(&shapes::cube());
     let (mut pair, mut m) = (Tracker::new(), Manifold::new());
     let options = ManifoldOptions::within(0.05);
     let mut first: Option<Vec<FeaturePair>> = None;
     for k in 0..100 {
-        let pose = world::shifted([0.025 * f64::from(k) - 1.0, 0.3, 1.49]);
+        let pose = support::shifted([0.025 * f64::from(k) - 1.0, 0.3, 1.49]);
         pair.manifold(&plate, &cube, &pose, &options, &mut m);
         let names: Vec<_> = m.points().iter().map(|p| p.id).collect();
         assert_eq!(names.len(), 4);
@@ -455,12 +455,12 @@ fn old_manifolds_keep_their_bounds() {
             _ => (shapes::small(&mut rng), shapes::small(&mut rng)),
         };
         let radii = (radius(&a.points), radius(&b.points));
-        let (a, b) = (world::body(&a), world::body(&b));
+        let (a, b) = (support::body(&a), support::body(&b));
         let (mut pair, mut m) = (Tracker::new(), Manifold::new());
         let mut options = ManifoldOptions::within(0.02);
         options.drift = 1.0 / 64.0;
         for frame in motion::pass_through(&mut rng, 4000, radii, 0.3) {
-            let pose = world::relative(&frame);
+            let pose = support::relative(&frame);
             pair.manifold(&a, &b, &pose, &options, &mut m);
             let truth = pair.clone().closest(&a, &b, &pose);
             assert!(m.lower() <= truth.upper && truth.lower <= m.upper(), "{m:?} {truth:?}");
@@ -473,7 +473,7 @@ fn old_manifolds_keep_their_bounds() {
                 empty += 1;
                 continue;
             }
-            let size = world::size(&a, &b, &frame);
+            let size = support::size(&a, &b, &frame);
             let deepest = m.deepest().expect("not empty").separation;
             assert!(deepest >= m.lower() - 1e-13 * size, "{m:?} {truth:?}");
             assert!(m.upper() - m.lower() < 2.1 * options.drift * radii.0.min(radii.1) + 1e-12 * size);
@@ -485,11 +485,11 @@ fn old_manifolds_keep_their_bounds() {
 
 #[test]
 fn predictions_reach_as_far_as_they_say() {
-    let cube = world::body(&shapes::cube());
+    let cube = support::body(&shapes::cube());
     let mut count = [0; 2];
     for k in 0..100 {
         let gap = 0.001 * f64::from(k);
-        let pose = world::shifted([0.3, 0.2, 2.0 + gap]);
+        let pose = support::shifted([0.3, 0.2, 2.0 + gap]);
         let mut m = Manifold::new();
         let options = ManifoldOptions::within(0.05);
         Tracker::new().manifold(&cube, &cube, &pose, &options, &mut m);
@@ -503,27 +503,27 @@ fn predictions_reach_as_far_as_they_say() {
     for (prediction, points) in [(f64::NAN, 0), (-1.0, 0), (f64::INFINITY, 4)] {
         let options = exact(prediction, 100);
         let mut m = Manifold::new();
-        Tracker::new().manifold(&cube, &cube, &world::shifted([0.3, 0.2, 1.99]), &options, &mut m);
+        Tracker::new().manifold(&cube, &cube, &support::shifted([0.3, 0.2, 1.99]), &options, &mut m);
         assert_eq!(m.points().len(), points);
     }
     let mut options = exact(0.05, 0);
     (options.sine, options.drift) = (f64::NAN, f64::NAN);
     let mut m = Manifold::new();
-    Tracker::new().manifold(&cube, &cube, &world::shifted([0.3, 0.2, 1.99]), &options, &mut m);
+    Tracker::new().manifold(&cube, &cube, &support::shifted([0.3, 0.2, 1.99]), &options, &mut m);
     assert_eq!(m.points().len(), 1);
 }
 
 #[test]
 fn manifolds_of_other_bodies_are_made_anew() {
-    let cube = world::body(&shapes::cube());
+    let cube = support::body(&shapes::cube());
     let shaved = {
         let mut s = shapes::cube();
         s.points.push([1.0, 1.0, 0.99]);
         s.points.retain(|p| *p != [1.0, 1.0, 1.0]);
-        world::body(&Shape::hull("shaved", s.points))
+        support::body(&Shape::hull("shaved", s.points))
     };
     assert_eq!(shaved.vertex_count(), 8);
-    let pose = world::shifted([0.0, 0.0, 1.99]);
+    let pose = support::shifted([0.0, 0.0, 1.99]);
     let options = ManifoldOptions::within(0.05);
     let (mut pair, mut m) = (Tracker::new(), Manifold::new());
     pair.manifold(&cube, &cube, &pose, &options, &mut m);
@@ -538,7 +538,7 @@ fn manifolds_of_other_bodies_are_made_anew() {
 /// Edges on faces and edges on edges have two contacts, corners have one.
 #[test]
 fn edges_and_corners_make_contacts() {
-    let cube = world::body(&shapes::cube());
+    let cube = support::body(&shapes::cube());
     let quarter = std::f64::consts::FRAC_PI_4;
     let options = exact(0.05, 4);
     let turned = |axis: Point, angle: f64, t: Point| Frame {
@@ -548,7 +548,7 @@ fn edges_and_corners_make_contacts() {
     let root = 2f64.sqrt();
     let on_edge = turned([1.0, 0.0, 0.0], quarter, [0.3, 0.0, 1.0 + root - 0.01]);
     let m = manifold(&cube, &cube, &on_edge, &options);
-    assert_eq!((m.points().len(), m.features().map(world::kinds)), (2, Some((2, 1))));
+    assert_eq!((m.points().len(), m.features().map(support::kinds)), (2, Some((2, 1))));
     judge(&cube, &cube, &on_edge, &m, &options, "edge on face");
     // Two edges crosswise.
     let base = Pose::turn([0.0, 1.0, 0.0], quarter, [0.0; 3]);
@@ -557,7 +557,7 @@ fn edges_and_corners_make_contacts() {
         b: Pose::turn([1.0, 0.0, 0.0], quarter, [0.0, 0.0, 2.0 * root + 0.01]),
     };
     let m = manifold(&cube, &cube, &crossed, &options);
-    assert_eq!((m.points().len(), m.features().map(world::kinds)), (1, Some((1, 1))));
+    assert_eq!((m.points().len(), m.features().map(support::kinds)), (1, Some((1, 1))));
     judge(&cube, &cube, &crossed, &m, &options, "edges crosswise");
     // And along each other.
     let along = Frame {
@@ -568,7 +568,7 @@ fn edges_and_corners_make_contacts() {
         },
     };
     let m = manifold(&cube, &cube, &along, &options);
-    assert_eq!((m.points().len(), m.features().map(world::kinds)), (2, Some((1, 1))));
+    assert_eq!((m.points().len(), m.features().map(support::kinds)), (2, Some((1, 1))));
     judge(&cube, &cube, &along, &m, &options, "edges along each other");
     let length = (m.points()[0].point_on_a - m.points()[1].point_on_a).norm();
     assert!((length - 1.5).abs() < 1e-12);
@@ -591,7 +591,7 @@ fn kept_choices_are_sound() {
         shapes::prism(24, 1.0, 0.3),
         shapes::prism(100, 1.0, 0.3),
     ];
-    let bodies: Vec<_> = shapes.iter().map(world::body).collect();
+    let bodies: Vec<_> = shapes.iter().map(support::body).collect();
     let (mut frames, mut same, mut least) = (0, 0, f64::INFINITY);
     for a in &bodies {
         for b in &bodies {
@@ -604,7 +604,7 @@ fn kept_choices_are_sound() {
             options.drift = 0.0;
             let mut before = vec![];
             for frame in workload::to_and_fro(start, way, 240, 240, &mut rng) {
-                pair.manifold(a, b, &world::relative(&frame), &options, &mut m);
+                pair.manifold(a, b, &support::relative(&frame), &options, &mut m);
                 judge(a, b, &frame, &m, &options, "sliding");
                 let names: Vec<_> = m.points().iter().map(|p| p.features).collect();
                 same += usize::from(names == before);
@@ -662,10 +662,10 @@ fn nothing_is_shared_past_the_tip_of_a_sliver() {
 #[test]
 fn a_tip_of_thousands_of_faces_is_promoted_to_the_right_one() {
     let mut rng = Rng::new(604);
-    let plate = world::body(&shapes::cuboid([4.0, 4.0, 0.1]));
+    let plate = support::body(&shapes::cuboid([4.0, 4.0, 0.1]));
     let (mut faces, mut edges, mut tips) = (0, 0, 0);
     for (n, height) in [(16, 1.0), (120, 0.3), (200, 1.0), (1000, 0.2)] {
-        let cone = world::body(&shapes::cone(n, 1.0, height));
+        let cone = support::body(&shapes::cone(n, 1.0, height));
         let slope = (1.0f64 / height).atan();
         for k in 0..200 {
             // The cone stands on its tip, leaning until a flank all but lies on the plate.
@@ -710,7 +710,7 @@ fn a_tip_of_thousands_of_faces_is_promoted_to_the_right_one() {
 /// An angle below zero is taken as if it were above: corners are not kept for it where they are no more.
 #[test]
 fn negative_angles_keep_no_corner_off_the_faces() {
-    let body = world::body(&shapes::cuboid([1.0, 1.0, 0.2]));
+    let body = support::body(&shapes::cuboid([1.0, 1.0, 0.2]));
     for sine in [-1.0 / 64.0, -0.4, f64::NEG_INFINITY, f64::INFINITY, f64::NAN] {
         let mut options = ManifoldOptions::within(0.5);
         (options.drift, options.choice, options.sine) = (0.0, 10.0, sine);
@@ -723,7 +723,7 @@ fn negative_angles_keep_no_corner_off_the_faces() {
                     ..Pose::IDENTITY
                 },
             };
-            pair.manifold(&body, &body, &world::relative(&frame), &options, &mut m);
+            pair.manifold(&body, &body, &support::relative(&frame), &options, &mut m);
             for p in m.points() {
                 for point in [p.point_on_a, p.point_on_b] {
                     let near = body.closest_point(&point).unwrap_or(point);
@@ -758,7 +758,7 @@ fn upright_faces_bear_no_contact() {
         };
         // Edge on edge, in each other by no more than rounding.
         for _ in 0..4 {
-            let o = Tracker::new().closest(&card, &plate, &world::relative(&frame));
+            let o = Tracker::new().closest(&card, &plate, &support::relative(&frame));
             let by = [0.0, -1e-12, -1e-16, -1e-9][k / 2 % 4] - o.distance;
             frame.b.t = add(frame.b.t, scale(o.normal.into_inner().into(), by));
         }
