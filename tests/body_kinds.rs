@@ -1,5 +1,6 @@
 //! Bodies from faces, flat bodies, solids, mass, queries of one body, and files.
 
+use lab::rng::Rng;
 use lin_canny::polyhedron::{BuildError, ConvexPolyhedron, FaceId, solids};
 use nalgebra::{Matrix3, Point3, Rotation3, Vector3};
 
@@ -329,13 +330,7 @@ fn mass_properties_match_closed_forms() {
 
 #[test]
 fn closest_points_are_optimal() {
-    let mut state = 3u64;
-    let mut next = || {
-        state = state
-            .wrapping_mul(6364136223846793005)
-            .wrapping_add(1442695040888963407);
-        (state >> 11) as f64 / (1u64 << 53) as f64 * 2.0 - 1.0
-    };
+    let mut rng = Rng::new(3);
     let bodies = [
         solids::cuboid(Vector3::new(0.4, 0.7, 0.2)).unwrap(),
         solids::random_hull(60, Vector3::new(1.0, 0.5, 1e-3), 1).unwrap(),
@@ -344,7 +339,7 @@ fn closest_points_are_optimal() {
     let (mut inside, mut outside) = (0, 0);
     for body in &bodies {
         for _ in 0..400 {
-            let p = Point3::new(next(), next(), next() * 0.3);
+            let p = Point3::from([1.0, 1.0, 0.3].map(|reach| rng.range(-reach, reach)));
             let q = body.closest_point(&p).unwrap();
             if body.contains(&p) {
                 inside += 1;

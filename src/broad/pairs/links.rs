@@ -185,33 +185,26 @@ fn insert_all(blocks: &mut [Block], first: usize, began: &[Pair], count: usize) 
 mod tests {
     use super::*;
     use alloc::collections::BTreeMap;
+    use lab::rng::Rng;
     use nalgebra::Point3;
 
-    /// A number below `n`, evenly spread over the calls.
-    fn draw(state: &mut u64, n: u64) -> u64 {
-        *state = state
-            .wrapping_mul(6364136223846793005)
-            .wrapping_add(1442695040888963407);
-        (*state >> 33) % n
-    }
-
     /// Pairs of few bodies, so that blocks are crowded and many that are to end are not there.
-    fn steps_equal_a_map(lows: u64, threads: usize) {
+    fn steps_equal_a_map(lows: usize, threads: usize) {
         let bodies = Bodies::new(Point3::origin());
         let (mut links, mut slots, mut map) = (Links::default(), Vec::<Slot>::new(), BTreeMap::new());
-        let (mut state, mut found, mut absent) = (lows, 0, 0);
+        let (mut rng, mut found, mut absent) = (Rng::new(lows as u64), 0, 0);
         for step in 0..60 {
-            let keys = |state: &mut u64| {
-                let count = draw(state, 300);
+            let keys = |rng: &mut Rng| {
+                let count = rng.below(300);
                 let mut keys: Vec<PairKey> = (0..count)
-                    .map(|_| draw(state, lows) << 32 | (1000 + draw(state, 40)))
+                    .map(|_| pair_key(rng.below(lows) as u32, 1000 + rng.below(40) as u32))
                     .collect();
                 keys.sort_unstable();
                 keys.dedup();
                 keys
             };
-            let ended = keys(&mut state);
-            let mut began = keys(&mut state);
+            let ended = keys(&mut rng);
+            let mut began = keys(&mut rng);
             began.retain(|key| !map.contains_key(key) && ended.binary_search(key).is_err());
             let pairs: Vec<Pair> = (slots.len() as u32..)
                 .zip(&began)
