@@ -19,7 +19,7 @@ use lab::workload::{self, SIZES};
 use lin_canny::nalgebra::{Isometry3, Point3};
 use lin_canny::{ConvexPolyhedron, Layer, RelativePose, Totals, Tracker};
 
-use crate::common::{Options, WARM_UP, median};
+use crate::common::{Options, Rows, WARM_UP, median};
 
 /// One body in the form of each engine.
 struct Body {
@@ -337,15 +337,8 @@ fn degrees(scene: &str) -> Option<f64> {
     }
 }
 
-pub(crate) fn run(words: &[String]) {
-    let Some(o) = Options::of(words) else {
-        eprintln!("usage: race pairs [--csv FILE] [--quick] [--only SCENE]");
-        std::process::exit(2);
-    };
-    let plan: Vec<_> = plan()
-        .into_iter()
-        .filter(|p| o.only.as_ref().is_none_or(|s| s == p.0))
-        .collect();
+pub(crate) fn run(o: &Options) -> Rows {
+    let plan: Vec<_> = plan().into_iter().filter(|p| o.wants(p.0)).collect();
     println!(
         "{:<14} {:<7} {:>5} {:>8} {:>8} {:>9} {:>8} {:>10} {:>7} {:>9} {:>7} {:>9}",
         "scene", "shape", "n", "ours", "walk", "exact", "gjk", "parry", "/gjk", "/parry", "steps", "not walk"
@@ -380,9 +373,11 @@ pub(crate) fn run(words: &[String]) {
     if let (Some(few), Some(many)) = (prism(256), prism(16384)) {
         println!("a prism of 8192-gons costs {:.2} times one of 128-gons", many / few);
     }
-    let lines = rows.iter().flat_map(|row| {
-        let engine = |(&k, &ns): (&usize, &f64)| (row.scene, row.shape, row.n, Engine::ALL[k].name(), ns);
-        row.ns.iter().map(engine)
-    });
-    o.write(lines);
+    let mut csv = Rows::new();
+    for row in &rows {
+        for (&k, &ns) in &row.ns {
+            csv.push((row.scene, row.shape, row.n), Engine::ALL[k].name(), ns, 1);
+        }
+    }
+    csv
 }
