@@ -17,6 +17,7 @@ pub struct Aabb {
 
 /// What makes a box unusable.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum BoxFault {
     /// A bound on this axis is NaN or infinite.
     NonFinite {

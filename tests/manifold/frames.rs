@@ -2,12 +2,12 @@
 
 use crate::support;
 use lab::contacts::widest_face;
-use lab::motion;
-use lab::pose::radius;
+use lab::motion::{self, Frame};
+use lab::pose::{add, radius};
 use lab::rng::Rng;
 use lab::shapes::{self, Shape};
-use lab::workload;
-use lin_canny::{FeaturePair, Manifold, ManifoldOptions, Tracker};
+use lab::{Pose, workload};
+use lin_canny::{ConvexPolyhedron, FeaturePair, Manifold, ManifoldOptions, Tracker};
 
 #[test]
 fn names_last_at_rest() {
@@ -130,4 +130,37 @@ fn manifolds_of_other_bodies_are_made_anew() {
     assert!(m.is_fresh());
     pair.manifold(&shaved, &cube, &pose, &ManifoldOptions::within(0.06), &mut m);
     assert!(m.is_fresh());
+}
+
+/// Points of bodies far from their own origin have fewer digits than distances between the bodies: nothing is measured from them that
+/// an answer would say better.
+#[test]
+fn bodies_far_from_their_origin_are_asked_anew() {
+    let away = [3e5, -2e5, 1e5];
+    let near = support::body(&shapes::cube());
+    let far = support::body(&shapes::cube().moved(&Pose::shift(away)));
+    let mut rng = Rng::new(612);
+    for (a, b) in [(&near, &far), (&far, &near), (&far, &far)] {
+        let (mut pair, mut m) = (Tracker::new(), Manifold::new());
+        let options = ManifoldOptions::within(0.02);
+        let home = |body: &ConvexPolyhedron| {
+            Pose::shift(if std::ptr::eq(body, &far) {
+                away.map(|x| -x)
+            } else {
+                [0.0; 3]
+            })
+        };
+        for k in 0..40 {
+            let aside = [0.3 + 1e-5 * f64::from(k), 0.2, 1.99 - 1e-6 * rng.uniform()];
+            let frame = Frame {
+                a: home(a),
+                b: Pose::shift(add(home(b).t, aside)),
+            };
+            let pose = support::relative(&frame);
+            pair.manifold(a, b, &pose, &options, &mut m);
+            let truth = Tracker::new().closest(a, b, &pose);
+            let deepest = m.deepest().expect("cube on cube").separation;
+            assert!((deepest - truth.distance).abs() <= 1e-14, "{k}: {m:?} {truth:?}");
+        }
+    }
 }
