@@ -9,7 +9,7 @@
 use lab::crowd::{Crowd, Kind};
 use lab::plot::{Chart, save_stack};
 use lab::progress::Progress;
-use lin_canny::nalgebra::{Isometry3, Point3};
+use lin_canny::nalgebra::Isometry3;
 use lin_canny::scene::{Body, Change, Effects, Event, Group, Report, Scene};
 use lin_canny::{ConvexPolyhedron, ManifoldOptions};
 use std::fmt::Write as _;
@@ -164,15 +164,7 @@ fn main() -> Result<(), Trouble> {
     let bodies: usize = option("--bodies").map_or(Ok(1000), |n| n.parse())?;
     let repeats = if arguments.iter().any(|a| a == "--quick") { 1 } else { 5 };
     let mut crowd = Crowd::new(Kind::Pile, bodies, 32);
-    let hull = |points: &[[f64; 3]]| {
-        let points: Vec<_> = points.iter().copied().map(Point3::from).collect();
-        ConvexPolyhedron::from_points(&points).map(Arc::new)
-    };
-    let shapes = crowd
-        .shapes
-        .iter()
-        .map(|s| hull(&s.points))
-        .collect::<Result<Vec<_>, _>>()?;
+    let shapes = crowd.hulls();
     let motion = motion(&mut crowd);
 
     let progress = Progress::new("steps", (SETS.len() * repeats * STEPS) as u64);

@@ -2,14 +2,13 @@
 
 use lab::Pose;
 use lab::crowd::Crowd;
-use lin_canny::nalgebra::{Isometry3, Point3};
+use lin_canny::ManifoldOptions;
+use lin_canny::nalgebra::Isometry3;
 use lin_canny::scene::{Body, BodyId, Effects, Group, Report, Scene};
-use lin_canny::{ConvexPolyhedron, ManifoldOptions};
 use parry3d::bounding_volume::Aabb;
 use parry3d::partitioning::{Bvh, BvhBuildStrategy, BvhWorkspace};
 use parry3d::query;
 use rapier3d::prelude as rapier;
-use std::sync::Arc;
 use std::time::Duration;
 
 /// How far distances are taken; rapier's prediction distance.
@@ -42,11 +41,7 @@ struct Ours {
 
 impl Ours {
     fn new(name: &'static str, crowd: &Crowd) -> Self {
-        let hull = |points: &[[f64; 3]]| {
-            let points: Vec<Point3<f64>> = points.iter().copied().map(Point3::from).collect();
-            Arc::new(ConvexPolyhedron::from_points(&points).expect("points of a crowd are a body"))
-        };
-        let shapes: Vec<_> = crowd.shapes.iter().map(|s| hull(&s.points)).collect();
+        let shapes = crowd.hulls();
         let mut scene = Scene::new();
         let effects = Effects {
             overlap: true,
