@@ -70,6 +70,27 @@ fn sliding_contacts_keep_their_names_and_order() {
     }
 }
 
+/// Where a corner leaves the face it was over, two edges cross in its place: another pair of features, and the same contact.
+#[test]
+fn names_last_over_a_change_of_features() {
+    let plate = support::body(&shapes::cuboid([4.0, 4.0, 0.5]));
+    let cube = support::body(&shapes::cube());
+    for drift in [0.0, ManifoldOptions::default().drift] {
+        let (mut pair, mut m) = (Tracker::new(), Manifold::new());
+        let mut options = ManifoldOptions::within(0.05);
+        (options.drift, options.choice) = (drift, 0.0);
+        let (mut first, mut changed) = (None, 0);
+        for k in 0..100 {
+            let pose = support::shifted([2.95 + 0.001 * f64::from(k), 0.3, 1.49]);
+            pair.manifold(&plate, &cube, &pose, &options, &mut m);
+            let names: Vec<_> = m.points().iter().map(|p| p.id).collect();
+            assert_eq!(*first.get_or_insert(names.clone()), names, "{k}");
+            changed += usize::from(m.points().iter().any(|p| p.features != p.id));
+        }
+        assert!(changed > 40, "{changed}");
+    }
+}
+
 #[test]
 fn old_manifolds_keep_their_bounds() {
     let mut rng = Rng::new(605);
