@@ -91,6 +91,36 @@ fn names_last_over_a_change_of_features() {
     }
 }
 
+/// A corner to and fro over a border: its name goes to one of the two crossings that take its place, and comes back from either. No two
+/// contacts are called the same.
+#[test]
+fn names_are_never_given_twice() {
+    let plate = support::body(&shapes::cuboid([4.0, 4.0, 0.5]));
+    let cube = support::body(&shapes::cube());
+    let mut rng = Rng::new(613);
+    let mut strange = 0;
+    for _ in 0..60 {
+        let (mut pair, mut m) = (Tracker::new(), Manifold::new());
+        let mut options = ManifoldOptions::within(0.05);
+        (options.drift, options.choice, options.max_points) = (0.0, 0.0, 8);
+        let (yaw, aside) = (rng.range(0.1, 1.4), rng.range(-0.5, 0.5));
+        for k in 0..120 {
+            let x = 2.6 + 0.1 * (0.2 * f64::from(k)).sin() + rng.range(0.0, 0.02);
+            let turn = yaw + rng.range(-0.02, 0.02);
+            let frame = Frame {
+                a: Pose::IDENTITY,
+                b: Pose::turn([0.0, 0.0, 1.0], turn, [x, aside, 1.49]),
+            };
+            pair.manifold(&plate, &cube, &support::relative(&frame), &options, &mut m);
+            for (k, p) in m.points().iter().enumerate() {
+                assert!(m.points()[..k].iter().all(|q| q.id != p.id), "{m:?}");
+                strange += usize::from(m.points().iter().any(|q| q.features == p.id && q.id != p.id));
+            }
+        }
+    }
+    assert!(strange > 100, "{strange}");
+}
+
 #[test]
 fn old_manifolds_keep_their_bounds() {
     let mut rng = Rng::new(605);
