@@ -263,7 +263,7 @@ impl<'a, T: Scalar> Search<'a, T> {
 
     /// Counts points that are there already.
     fn is_worth(&mut self, c: &Corner<T>) -> bool {
-        if self.surface.points.iter().any(|p| (p.a, p.b) == (c.a, c.b)) {
+        if self.surface.knows(c) {
             self.repeats += 1;
         }
         self.repeats < REPEATS

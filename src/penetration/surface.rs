@@ -7,6 +7,7 @@
 //! triangle reaches into, however the surface is folded.
 
 mod grow;
+mod names;
 
 use alloc::vec::Vec;
 
@@ -15,6 +16,10 @@ use super::queue::{Entry, Queue};
 use crate::closest::simplex::{Corner, Simplex};
 use crate::scalar::{Scalar, Vec3, cross, dot, sub};
 use grow::Border;
+use names::Names;
+
+/// So many points are looked through as soon as looked up.
+const SCANNED: usize = 64;
 
 /// One triangle, its corners counter-clockwise seen from outside.
 #[derive(Clone, Copy, Debug, Default)]
@@ -58,6 +63,8 @@ pub(super) struct Filter<T> {
 #[derive(Clone, Debug)]
 pub(super) struct Surface<T> {
     pub(super) points: Vec<Corner<T>>,
+    /// The vertices of the first points, where there are many.
+    names: Names,
     pub(super) triangles: Vec<Triangle<T>>,
     /// Those that are not known to be beyond `enough`.
     queue: Queue,
@@ -76,6 +83,7 @@ impl<T> Surface<T> {
     pub(super) fn heap_bytes(&self) -> usize {
         self.points.capacity() * size_of::<Corner<T>>()
             + self.triangles.capacity() * size_of::<Triangle<T>>()
+            + self.names.heap_bytes()
             + self.queue.heap_bytes()
             + (self.visible.capacity() + self.starts.capacity()) * size_of::<u32>()
             + self.border.capacity() * size_of::<Border>()
@@ -87,6 +95,7 @@ impl<T: Scalar> Surface<T> {
     pub(super) fn new() -> Self {
         Self {
             points: Vec::new(),
+            names: Names::default(),
             triangles: Vec::new(),
             queue: Queue::default(),
             enough: T::from(f64::INFINITY),
@@ -110,6 +119,7 @@ impl<T: Scalar> Surface<T> {
     /// Without points and triangles, and interested in what is not beyond `enough`.
     pub(super) fn clear(&mut self, enough: T) {
         self.points.clear();
+        self.names.clear();
         self.triangles.clear();
         self.queue.clear();
         self.enough = enough;
@@ -161,6 +171,17 @@ impl<T: Scalar> Surface<T> {
         self.triangles[triangle as usize]
             .corners
             .map(|c| self.points[c as usize])
+    }
+
+    /// Whether a point of these vertices was taken in before.
+    pub(super) fn knows(&mut self, c: &Corner<T>) -> bool {
+        let name = |c: &Corner<T>| [c.a, c.b];
+        if self.points.len() <= SCANNED {
+            return self.points.iter().any(|p| name(p) == name(c));
+        }
+        let count = self.names.count();
+        self.points[count..].iter().for_each(|p| self.names.insert(name(p)));
+        self.names.contains(name(c))
     }
 
     /// Corners and neighbours of every triangle.

@@ -193,7 +193,7 @@ mod tests {
         let bodies = Bodies::new(Point3::origin());
         let (mut links, mut slots, mut map) = (Links::default(), Vec::<Slot>::new(), BTreeMap::new());
         let (mut rng, mut found, mut absent) = (Rng::new(lows as u64), 0, 0);
-        for step in 0..60 {
+        for step in 0..90 {
             let keys = |rng: &mut Rng| {
                 let count = rng.below(300);
                 let mut keys: Vec<PairKey> = (0..count)
