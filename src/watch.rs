@@ -24,6 +24,11 @@ use crate::tracker::{Tracker, clear_of};
 ///
 /// Borrows the bodies: bounds that outlive a pose are of these two alone.
 ///
+/// The signed distance is the greatest gap between parallel supporting planes. A motion that moves no point of one body, seen from the
+/// other, by more than `m` changes each of these gaps by at most `m`, and so the distance: an answer with bounds `lower` and `upper`
+/// is, `m` later, one with bounds `lower - m` and `upper + m`. Only where that is not answer enough the tracker looks. (The idea of
+/// waiting by distance is that of Lin 1993, chapter 5, there with velocities and a heap of times.)
+///
 /// ```
 /// use lin_canny::nalgebra::{Isometry3, Vector3};
 /// use lin_canny::{RelativePose, Watch, polyhedron::solids};
@@ -38,6 +43,8 @@ use crate::tracker::{Tracker, clear_of};
 /// assert_eq!((pair.asked(), pair.looked()), (100, 10));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+#[doc(alias = "approximate")]
+#[doc(alias = "clearance")]
 #[derive(Clone, Debug)]
 pub struct Watch<'a> {
     a: &'a ConvexPolyhedron,

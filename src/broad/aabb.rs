@@ -16,18 +16,38 @@ pub struct Aabb {
 }
 
 /// What makes a box unusable.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum BoxFault {
     /// A bound on this axis is NaN or infinite.
+    #[error("a bound on axis {axis} is not finite")]
     NonFinite {
         /// 0, 1, 2 for x, y, z.
         axis: usize,
     },
     /// The minimum exceeds the maximum on this axis.
+    #[error("the minimum exceeds the maximum on axis {axis}")]
     Inverted {
         /// 0, 1, 2 for x, y, z.
         axis: usize,
     },
+}
+
+/// From the least and the greatest corner, taken as they are.
+///
+/// ```
+/// use lin_canny::broad::Aabb;
+/// use lin_canny::nalgebra::{Isometry3, Vector3};
+/// use lin_canny::{BoxHint, polyhedron::solids};
+///
+/// let (body, mut hint) = (solids::cuboid(Vector3::new(1.0, 2.0, 3.0))?, BoxHint::default());
+/// let aabb = Aabb::from(body.aabb_at(&Isometry3::translation(10.0, 0.0, 0.0), &mut hint));
+/// assert!(aabb.contains(&Aabb::from(([9.0, -2.0, -3.0].into(), [11.0, 2.0, 3.0].into()))));
+/// # Ok::<(), lin_canny::BuildError>(())
+/// ```
+impl From<(Point3<f64>, Point3<f64>)> for Aabb {
+    fn from((min, max): (Point3<f64>, Point3<f64>)) -> Self {
+        Self { min, max }
+    }
 }
 
 impl Aabb {

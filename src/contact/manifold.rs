@@ -44,6 +44,11 @@ impl ContactPoint {
 
 /// The contact points of one pair of bodies: keep one for each pair and pass it to [`Tracker::manifold`] every frame.
 ///
+/// The features of the certified answer are promoted to the faces or edges within a small angle of its normal; both are seen along
+/// that normal, and the corners of what they share are the contacts, of which the deepest and those that span the most area are kept
+/// (after Gregorius 2013, "The separating axis test between convex polyhedra", GDC; here both faces play the same part, so the points are
+/// the same whichever body is named first).
+///
 /// Holds at most eight points, and nothing on the heap. A manifold of other bodies, or of other options, is made anew. One that
 /// comes from a file (feature `serde`) goes on where it was, and its points are taken at the file's word until they are chosen
 /// anew.
@@ -146,12 +151,13 @@ impl Manifold {
         self.points().iter().min_by(deeper)
     }
 
-    /// Unit direction from A to B, in A's frame: that of the answer the manifold was made from, turned with the reference since.
+    /// Unit direction from A to B, in A's frame: that of the answer the manifold was made from, turned with the reference since. It is
+    /// that of the last query also where there are no contacts, and x before the first.
     pub fn normal(&self) -> Unit<Vector3<f64>> {
         self.normal
     }
 
-    /// The features that bear the contact: of each body a face or an edge across the normal, or what is closest.
+    /// The features that bear the contact: of each body a face or an edge across the normal, or what is closest. `None` without contacts.
     pub fn features(&self) -> Option<FeaturePair> {
         self.made.as_ref().map(|m| m.features)
     }
@@ -162,12 +168,12 @@ impl Manifold {
         self.made.as_ref().map_or(Which::A, |m| m.reference)
     }
 
-    /// No greater than the signed distance.
+    /// No greater than the signed distance, contacts or not; minus infinity before the first query.
     pub fn lower(&self) -> f64 {
         self.lower
     }
 
-    /// No less than the signed distance.
+    /// No less than the signed distance, contacts or not; infinity before the first query.
     pub fn upper(&self) -> f64 {
         self.upper
     }

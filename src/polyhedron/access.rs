@@ -118,8 +118,8 @@ impl ConvexPolyhedron {
         self.source_faces.get(face.index()).map(|&i| i as usize)
     }
 
-    /// Bytes this body takes, its lists included but not its report: up to 10,922 vertices some 155 a vertex, beyond some
-    /// 205 (links of 16 and of 32 bits).
+    /// Bytes this body takes, its lists included but not its report: with some hundred vertices or more some 155 a vertex, beyond 10,922
+    /// vertices some 200 (links of 16 and of 32 bits).
     pub fn size_in_bytes(&self) -> usize {
         let lists = size_of_val(&self.points[..])
             + size_of_val(&self.planes[..])

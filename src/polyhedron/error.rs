@@ -81,7 +81,8 @@ pub enum BuildError {
         /// The face.
         face: usize,
     },
-    /// A corner leaves the plane of its face by more than the bound.
+    /// A corner leaves the plane of its face by more than the bound. Of coordinates that were rounded, as in files in single precision:
+    /// see [`from_faces_within`](super::ConvexPolyhedron::from_faces_within).
     #[error("point {vertex} lies {distance:e} off the plane of face {face}, more than {bound:e}")]
     FaceNotPlanar {
         /// The face.
@@ -111,7 +112,9 @@ pub enum BuildError {
         /// The face.
         face: usize,
     },
-    /// A point lies in front of a face.
+    /// A point lies in front of a face. By a little, of coordinates that were rounded: see
+    /// [`from_faces_within`](super::ConvexPolyhedron::from_faces_within). Else the mesh is not convex:
+    /// [`from_points`](super::ConvexPolyhedron::from_points) takes its hull.
     #[error("not convex: point {vertex} lies {by:e} in front of face {face}")]
     NotConvex {
         /// The face.

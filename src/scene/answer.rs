@@ -10,6 +10,9 @@ use crate::closest::outcome::{Distance, Outcome};
 use crate::contact::Manifold;
 
 /// What was found of one pair: of each effect that is called for its answer, and `None` for the others.
+///
+/// Witnesses, contact points and normals are in the frames of the bodies: `point_on_a` and `normal` in that of `a`, `point_on_b` in that
+/// of `b`. [`Scene::pose`] leads to the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct PairAnswer<'a> {

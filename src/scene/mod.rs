@@ -43,6 +43,39 @@
 //! [`report`](Scene::report). On top there are questions a step does not answer: [`pairs_within`](Scene::pairs_within),
 //! [`nearest`](Scene::nearest), [`first_contact`](Scene::first_contact).
 //!
+//! # The nearest pair of a robot and its cell
+//!
+//! A distance is called for up to a range, and the least of what a step found is the clearance. What is said of a pair is in the frames
+//! of its bodies, as in [`Outcome`](crate::Outcome); their poses lead to the world.
+//!
+//! ```
+//! use lin_canny::nalgebra::{Isometry3, Vector3};
+//! use lin_canny::polyhedron::solids;
+//! use lin_canny::scene::{Body, Effects, Group, Scene};
+//!
+//! const CELL: Group = Group::new(1).unwrap();
+//! const ROBOT: Group = Group::new(2).unwrap();
+//!
+//! let mut scene = Scene::new();
+//! scene.call_for(ROBOT, CELL, Effects { distance: Some(0.5), features: true, depth: true, ..Effects::none() })?;
+//! let post = solids::prism(24, 0.1, 1.0)?;
+//! scene.insert(Body::fixed(post).group(CELL), Isometry3::translation(1.0, 0.0, 0.0))?;
+//! let link = solids::cuboid(Vector3::new(0.3, 0.05, 0.05))?;
+//! let link = scene.insert(Body::moving(link).group(ROBOT), Isometry3::translation(0.4, 0.0, 0.2))?;
+//! scene.step();
+//!
+//! let answers = scene.pairs().filter_map(|pair| Some((pair, pair.outcome?)));
+//! let (pair, nearest) = answers.min_by(|x, y| x.1.distance.total_cmp(&y.1.distance)).expect("no farther apart than 0.5");
+//! assert!((nearest.distance - 0.2).abs() < 1e-3);
+//! let on_link = if pair.a == link { nearest.point_on_a } else { nearest.point_on_b };
+//! let in_world = scene.pose(link).unwrap() * on_link;
+//! assert!((in_world.x - 0.7).abs() < 1e-12);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! Neighbouring links of an arm touch by design. There is no filter by single pairs: give each link a group of its own and call for
+//! effects between those that are no neighbours.
+//!
 //! # What it costs
 //!
 //! [`Effects`] is the price list. A pair that only events of overlaps or of `within` are called for is looked at when its bodies may
@@ -56,7 +89,8 @@
 //! * Dropping an effect never raises a counter of the narrow phase on the scenes tested; what is not called for is counted as
 //!   exactly zero, and takes no memory.
 //! * The same calls give the same answers, events and counts bit for bit, with any number of threads (feature `parallel`), and after
-//!   a scene was written and read back (feature `serde`).
+//!   a scene was written and read back (feature `serde`; only [`Counts::swaps`], the work of sorted lists that are then built anew,
+//!   may differ). The format has to keep every bit of an `f64`: with `serde_json` switch on its feature `float_roundtrip`.
 //! * A refused call names what was wrong and changes nothing ([`SceneError`]).
 //!
 //! # Limits
