@@ -56,6 +56,7 @@ impl Default for Velocity {
 
 impl Velocity {
     /// From its two parts.
+    #[must_use]
     pub const fn new(linear: Vector3<f64>, angular: Vector3<f64>) -> Self {
         Self { linear, angular }
     }
@@ -71,6 +72,7 @@ impl Velocity {
     /// assert!((pose * Vector3::x() - Vector3::y()).norm() < 1e-15);
     /// assert_eq!(pose.translation.vector, Vector3::x() * 0.5);
     /// ```
+    #[must_use]
     pub fn applied(&self, pose: &Isometry3<f64>, time: f64) -> Isometry3<f64> {
         let at = pose.translation.vector + self.linear * time;
         let turned = rotation(&(self.angular * time)) * pose.rotation.into_inner();

@@ -179,11 +179,13 @@ impl RelativePose {
     }
 
     /// The same pair of poses with A and B exchanged.
+    #[must_use]
     pub fn swapped(&self) -> Self {
         Self { a: self.b, b: self.a }
     }
 
     /// The poses this was made from, bit for bit.
+    #[must_use]
     pub fn poses(&self) -> (Isometry3<f64>, Isometry3<f64>) {
         (self.a.isometry(), self.b.isometry())
     }

@@ -79,6 +79,7 @@ struct Place {
 
 impl<'a> Watch<'a> {
     /// Watches two bodies; nothing is known yet.
+    #[must_use]
     pub fn new(a: &'a ConvexPolyhedron, b: &'a ConvexPolyhedron) -> Self {
         let (ball_a, ball_b) = (a.bounding_ball(), b.bounding_ball());
         let (moving, (centre, radius)) = if ball_b.1 <= ball_a.1 {
@@ -145,16 +146,19 @@ impl<'a> Watch<'a> {
     }
 
     /// Questions so far.
+    #[must_use]
     pub fn asked(&self) -> u64 {
         self.asked
     }
 
     /// Questions that the motion since the last look left open.
+    #[must_use]
     pub fn looked(&self) -> u64 {
         self.looked
     }
 
     /// The tracker that looks, for its features and totals.
+    #[must_use]
     pub fn tracker(&self) -> &Tracker {
         &self.tracker
     }

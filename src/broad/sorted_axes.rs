@@ -50,11 +50,13 @@ fn index_of(end: End) -> u32 {
 
 impl SortedAxes {
     /// An empty broad phase about the origin.
+    #[must_use]
     pub fn new() -> Self {
         Self::with_settings(Settings::default())
     }
 
     /// An empty broad phase with settings of its own.
+    #[must_use]
     pub fn with_settings(settings: Settings) -> Self {
         Self::from_ledger(Ledger::new(settings.origin))
     }

@@ -41,6 +41,7 @@ impl Scene {
     }
 
     /// The pair of two bodies, in either order: `None` where their boxes, grown by the distances called for, do not overlap.
+    #[must_use]
     pub fn pair(&self, a: BodyId, b: BodyId) -> Option<PairAnswer<'_>> {
         let housed = |id| Some(self.bodies.housed[self.bodies.index_of(id).ok()?]);
         Some(self.answer(&self.broad.pair(housed(a)?, housed(b)?)?))
@@ -69,6 +70,7 @@ impl Scene {
     }
 
     /// Number of pairs whose boxes overlap.
+    #[must_use]
     pub fn pair_count(&self) -> usize {
         self.broad.pair_count()
     }

@@ -24,6 +24,7 @@ pub(super) const GROUPS: usize = 32;
 
 impl Group {
     /// Group `number` of 0 to 31.
+    #[must_use]
     pub const fn new(number: u8) -> Option<Self> {
         if (number as usize) < GROUPS {
             Some(Self(number))
@@ -33,6 +34,7 @@ impl Group {
     }
 
     /// Its number.
+    #[must_use]
     pub const fn number(self) -> u8 {
         self.0
     }
@@ -108,6 +110,7 @@ pub struct Effects {
 
 impl Effects {
     /// Nothing: the bodies of the two groups are not even paired.
+    #[must_use]
     pub const fn none() -> Self {
         Self {
             boxes: false,

@@ -105,9 +105,14 @@ struct OfOne<'a>(&'a PoseError);
 impl core::fmt::Display for OfOne<'_> {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self.0 {
-            PoseError::Translation { axis, value, .. } => write!(f, "coordinate {axis} of its translation is {value:e}"),
+            PoseError::Translation { axis, value, .. } => {
+                write!(f, "coordinate {axis} of its translation is {value:e}")
+            }
             PoseError::Rotation { norm_squared, .. } => {
-                write!(f, "its rotation is not a unit quaternion but has the squared norm {norm_squared}")
+                write!(
+                    f,
+                    "its rotation is not a unit quaternion but has the squared norm {norm_squared}"
+                )
             }
         }
     }

@@ -168,11 +168,13 @@ impl Default for Scene {
 
 impl Scene {
     /// An empty scene about the origin, in which nothing is called for.
+    #[must_use]
     pub fn new() -> Self {
         Self::with_settings(Settings::default())
     }
 
     /// An empty scene with settings of its own: where boxes are finest, and from how many bodies on threads are used.
+    #[must_use]
     pub fn with_settings(settings: Settings) -> Self {
         let bodies = Bodies {
             step: 1,
@@ -211,6 +213,7 @@ impl Scene {
     }
 
     /// What is called for.
+    #[must_use]
     pub fn effects(&self, these: Group, those: Group) -> Effects {
         self.table.effects(these, those)
     }
@@ -312,6 +315,7 @@ impl Scene {
     }
 
     /// The velocity of a body: zero unless set.
+    #[must_use]
     pub fn velocity(&self, id: BodyId) -> Option<Velocity> {
         let i = self.bodies.index_of(id).ok()?;
         Some(self.bodies.velocities.get(i).copied().unwrap_or_default())
@@ -356,22 +360,26 @@ impl Scene {
     }
 
     /// The pose last set.
+    #[must_use]
     pub fn pose(&self, id: BodyId) -> Option<&Isometry3<f64>> {
         Some(&self.bodies.poses[self.bodies.index_of(id).ok()?])
     }
 
     /// The shape of a body.
+    #[must_use]
     pub fn shape(&self, id: BodyId) -> Option<&ConvexPolyhedron> {
         let solid = self.bodies.solids[self.bodies.index_of(id).ok()?].as_ref()?;
         Some(&solid.shape)
     }
 
     /// The group of a body.
+    #[must_use]
     pub fn group(&self, id: BodyId) -> Option<Group> {
         Some(self.bodies.solids[self.bodies.index_of(id).ok()?].as_ref()?.group)
     }
 
     /// Number of bodies.
+    #[must_use]
     pub fn body_count(&self) -> usize {
         self.bodies.len()
     }
@@ -382,16 +390,19 @@ impl Scene {
     }
 
     /// What the last step changed, in ascending order of the two bodies; of one pair in the order of [`Change`].
+    #[must_use]
     pub fn events(&self) -> &[Event] {
         &self.events
     }
 
     /// What the last step did and how long it took.
+    #[must_use]
     pub fn report(&self) -> &Report {
         &self.report
     }
 
     /// Bytes reserved, shapes not counted: they belong to whoever shares them.
+    #[must_use]
     pub fn bytes(&self) -> Bytes {
         Bytes {
             bodies: self.bodies.bytes(),
@@ -419,6 +430,7 @@ pub struct Bytes {
 
 impl Bytes {
     /// All of them.
+    #[must_use]
     pub fn total(&self) -> usize {
         self.bodies + self.broad + self.pairs + self.scratch
     }

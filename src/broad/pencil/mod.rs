@@ -68,11 +68,13 @@ const SWEEP_SHARE: usize = 10;
 
 impl PencilSweep {
     /// An empty broad phase about the origin.
+    #[must_use]
     pub fn new() -> Self {
         Self::with_settings(Settings::default())
     }
 
     /// An empty broad phase with settings of its own.
+    #[must_use]
     pub fn with_settings(settings: Settings) -> Self {
         Self::from_ledger(Ledger::new(settings.origin), settings.parallel_from)
     }
@@ -93,6 +95,7 @@ impl PencilSweep {
     }
 
     /// How many places entries of the sorted lists moved by in the last step: the exchanges of the insertion sort.
+    #[must_use]
     pub fn swaps(&self) -> u64 {
         self.swaps
     }
