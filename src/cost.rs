@@ -27,8 +27,8 @@
 //!   it costs a third more.
 //! * **The last bit is dear**: [`closest_exact`](crate::Tracker) takes microseconds, some fifty times a certified answer.
 //!
-//! A slower motion, 0.05 degrees a frame, and 512 vertices, each engine and level a point with its spread (a tracked query is the same at any error allowed below what a frame
-//! moves; parry's `distance` keeps nothing between frames):
+//! A slower motion, 0.05 degrees a frame, and 512 vertices, each engine and level a point with its spread (a tracked query is the same
+//! at any error allowed below what a frame moves; parry's `distance` keeps nothing between frames):
 //!
 #![doc = include_str!("../images/accuracy.svg")]
 //!

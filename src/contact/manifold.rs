@@ -46,8 +46,8 @@ impl ContactPoint {
 ///
 /// The features of the certified answer are promoted to the faces or edges within a small angle of its normal; both are seen along
 /// that normal, and the corners of what they share are the contacts, of which the deepest and those that span the most area are kept
-/// (after Gregorius 2013, "The separating axis test between convex polyhedra", GDC; here both faces play the same part, so the points are
-/// the same whichever body is named first).
+/// (after Gregorius 2013, "The separating axis test between convex polyhedra", GDC; here both faces play the same part,
+/// whichever body is named first).
 ///
 /// Holds at most eight points, and nothing on the heap. A manifold of other bodies, or of other options, is made anew. One that
 /// comes from a file (feature `serde`) goes on where it was, and its points are taken at the file's word until they are chosen
