@@ -41,8 +41,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     if !flags.is_empty() {
         trace(&query);
     }
-    for (name, start) in [("recorded start", query.tracker()), ("cold", Tracker::new())] {
-        println!("\nfrom the {name}:");
+    for (name, start) in [
+        ("the recorded start", query.tracker()),
+        ("a cold start", Tracker::new()),
+    ] {
+        println!("\nfrom {name}:");
         answers(&query, &start);
     }
     Ok(())
