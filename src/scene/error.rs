@@ -117,3 +117,30 @@ impl core::fmt::Display for OfOne<'_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pose::RelativePose;
+    use alloc::string::ToString;
+    use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
+
+    #[test]
+    fn a_refused_pose_of_one_body_is_not_said_to_be_of_a() {
+        let said = |pose: Isometry3<f64>| {
+            let error = RelativePose::new(&pose, &Isometry3::identity()).unwrap_err();
+            SceneError::Pose { body: None, error }.to_string()
+        };
+        let far = said(Isometry3::translation(0.0, f64::NAN, 0.0));
+        assert_eq!(
+            far,
+            "the pose of the body to insert is refused: coordinate 1 of its translation is NaN"
+        );
+        let long = UnitQuaternion::new_unchecked(Quaternion::new(2.0, 0.0, 0.0, 0.0));
+        let long = said(Isometry3::from_parts(Translation3::identity(), long));
+        assert!(
+            long.ends_with("its rotation is not a unit quaternion but has the squared norm 4"),
+            "{long}"
+        );
+    }
+}

@@ -139,7 +139,7 @@ pub use report::{Counts, Report, Times};
 pub use search::Near;
 
 /// Bodies, the effects called for, and what the last step found. See the [module page](self).
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub struct Scene {
     bodies: Bodies,
     table: Table,
@@ -158,6 +158,17 @@ pub struct Scene {
     settings: Settings,
     /// Kept for its room.
     batch: Vec<(broad::BodyId, broad::Aabb)>,
+}
+
+/// How much there is; a scene is too large to be printed whole.
+impl core::fmt::Debug for Scene {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.debug_struct("Scene")
+            .field("bodies", &self.body_count())
+            .field("pairs", &self.pair_count())
+            .field("events", &self.events.len())
+            .finish_non_exhaustive()
+    }
 }
 
 impl Default for Scene {
