@@ -54,6 +54,8 @@ impl ContactPoint {
 /// anew.
 ///
 /// [`Tracker::manifold`]: crate::Tracker::manifold
+#[doc(alias = "contact points")]
+#[doc(alias = "clipping")]
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Manifold {
@@ -157,7 +159,8 @@ impl Manifold {
         self.normal
     }
 
-    /// The features that bear the contact: of each body a face or an edge across the normal, or what is closest. `None` without contacts.
+    /// The features that bear the contact: of each body a face or an edge across the normal, or what is closest. `None`
+    /// before the first query.
     pub fn features(&self) -> Option<FeaturePair> {
         self.made.as_ref().map(|m| m.features)
     }

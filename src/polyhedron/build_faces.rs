@@ -43,6 +43,7 @@ impl ConvexPolyhedron {
     ///
     /// Those of [`from_points`](Self::from_points), and every way in which faces fail to be the surface of a convex
     /// body; see [`BuildError`].
+    #[doc(alias = "mesh")]
     pub fn from_faces(points: &[Point3<f64>], faces: &[impl AsRef<[u32]>]) -> Result<Self, BuildError> {
         build(points, faces, None)
     }

@@ -139,6 +139,9 @@ pub use report::{Counts, Report, Times};
 pub use search::Near;
 
 /// Bodies, the effects called for, and what the last step found. See the [module page](self).
+#[doc(alias = "world")]
+#[doc(alias = "collision detection")]
+#[doc(alias = "i-collide")]
 #[derive(Clone)]
 pub struct Scene {
     bodies: Bodies,
