@@ -218,14 +218,16 @@ fn total(steps: &[Step]) -> Step {
 }
 
 fn show(bodies: usize, runs: &[Vec<Step>]) {
-    println!("{bodies} hulls of 32 vertices, {STEPS} steps; a mean step (us: its time; pairs: of boxes):\n");
+    println!(
+        "{bodies} hulls of 32 vertices, {STEPS} steps; a mean step (us: its time; pairs: of boxes; skipped: by the displacement budget):\n"
+    );
     println!(
         "{:<14}{:>9}{:>9}{:>9}{:>10}{:>9}{:>14}{:>11}{:>10}{:>9}{:>11}",
         "effects",
         "us",
         "pairs",
         "asked",
-        "by budget",
+        "skipped",
         "looks",
         "certificates",
         "distances",

@@ -59,7 +59,7 @@
 //! # Bodies and poses of parry and rapier
 //!
 //! The types of this crate are those of [`nalgebra`], in `f64`; parry and rapier have `glam`'s, rapier mostly in `f32`. What goes over is
-//! numbers. A rotation from `f32` has to be normalized in `f64`, or it is refused ([`PoseError`]).
+//! numbers. A rotation from `f32` has to be normalised in `f64`, or it is refused ([`PoseError`]).
 //!
 //! ```
 //! use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion};

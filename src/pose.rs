@@ -19,7 +19,7 @@ pub enum PoseError {
         /// The coordinate.
         value: f64,
     },
-    /// The rotation is not a unit quaternion: `| |q|^2 - 1 |` must not exceed 1e-12. One from `f32` has to be normalized in `f64`, see
+    /// The rotation is not a unit quaternion: `| |q|^2 - 1 |` must not exceed 1e-12. One from `f32` has to be normalised in `f64`, see
     /// [`RelativePose`].
     #[error("rotation of {body} is not a unit quaternion: its squared norm is {norm_squared}")]
     Rotation {
@@ -54,7 +54,7 @@ impl core::fmt::Display for Which {
 /// exactly changes no bit of any answer.
 ///
 /// A rotation has to be a unit quaternion in `f64`. One that was computed in `f32`, or by many products, is off by more than is
-/// accepted; normalize it first:
+/// accepted; normalise it first:
 ///
 /// ```
 /// use lin_canny::nalgebra::{Isometry3, UnitQuaternion, Vector3};
