@@ -9,7 +9,7 @@ use lab::{Point, Pose};
 use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use lin_canny::{Class, ConvexPolyhedron, Layer, Manifold, ManifoldOptions, Outcome, RelativePose, Tracker};
 use std::f64::consts::TAU;
-use support::isometry;
+use support::relative;
 
 /// Corners of a polygon on an ellipse: evenly spaced ones on a circle, or random ones.
 fn polygon(n: usize, rng: &mut Rng, even: bool) -> Vec<[f64; 2]> {
@@ -79,13 +79,9 @@ const PAIRS: [(&str, &str); 12] = [
 fn frames(a: &ConvexPolyhedron, b: &ConvexPolyhedron, degrees: Option<f64>, count: usize, rng: &mut Rng) -> Vec<Frame> {
     workload::motion(degrees, count, rng, |f| {
         let o = Tracker::new().closest(a, b, &relative(f));
-        let (pa, pb) = (isometry(&f.a), isometry(&f.b));
+        let (pa, pb) = (f.a.isometry(), f.b.isometry());
         (o.lower > 0.0).then(|| ((pa * o.point_on_a).into(), (pb * o.point_on_b).into()))
     })
-}
-
-fn relative(f: &Frame) -> RelativePose {
-    RelativePose::new(&isometry(&f.a), &isometry(&f.b)).expect("a pose")
 }
 
 /// Steps of a query are as few on 8192 corners as on 512, warm and cold. Linear growth would be sixteen times as many.
@@ -134,7 +130,7 @@ fn walks_begin_where_features_go() {
 /// witnesses from above.
 fn assert_proven(a: &ConvexPolyhedron, b: &ConvexPolyhedron, f: &Frame, o: &Outcome) {
     let pose = relative(f);
-    let (ra, rb) = (isometry(&f.a), isometry(&f.b));
+    let (ra, rb) = (f.a.isometry(), f.b.isometry());
     let size = 4.0 + (rb.translation.vector - ra.translation.vector).norm();
     let n = ra.rotation * o.normal.into_inner();
     let top = a
@@ -189,7 +185,7 @@ fn answers_on_large_features_agree_with_exact_ones() {
         let (a, b) = (body(x, 400, &mut rng), body(y, 400, &mut rng));
         for f in frames(&a, &b, None, 6, &mut rng) {
             let first = Tracker::new().closest(&a, &b, &relative(&f));
-            let n = isometry(&f.a).rotation * first.normal.into_inner();
+            let n = f.a.isometry().rotation * first.normal.into_inner();
             for gap in [1e-2, 1e-4, 1e-7, 1e-10] {
                 let by = n * (gap - first.distance);
                 let t = [0, 1, 2].map(|k| f.b.t[k] + by[k]);
