@@ -250,6 +250,7 @@ pub struct Bytes {
 
 impl Bytes {
     /// All of them.
+    #[must_use]
     pub fn total(&self) -> usize {
         self.bodies + self.broad + self.pairs + self.scratch
     }
