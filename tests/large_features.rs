@@ -41,6 +41,23 @@ fn body(shape: &str, n: usize, rng: &mut Rng) -> ConvexPolyhedron {
             points = rim.iter().map(at(0.5)).collect();
             points.push([0.0; 3]);
         }
+        // A tip no higher than rounding, and another behind it.
+        "low tip" => {
+            points = rim.iter().map(at(1e-16)).collect();
+            points.extend([[0.0; 3], [0.0, 0.0, 1.0]]);
+        }
+        "turned low tip" => {
+            points = rim.iter().map(at(1e-14)).collect();
+            points.extend([[0.0; 3], [0.0, 0.0, 1.0]]);
+            let turn = turned().inverse();
+            points = points.iter().map(|&p| (turn * Point3::from(p)).into()).collect();
+        }
+        // Two apexes of thousands of edges, one of which joins them.
+        "tent" => {
+            points.retain(|p| p[1] > -0.01);
+            points = points.iter().map(|p| [0.0, p[0], 0.1 + p[1]]).collect();
+            points.extend([[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0]]);
+        }
         "cube" => points = (0..8).map(|k| [0, 1, 2].map(|axis| f64::from(k >> axis & 1))).collect(),
         "flat cone" => points.push([0.0, 0.0, 0.02]),
         "odd cone" => points.push([0.5, 0.4, 0.7]),
@@ -312,9 +329,12 @@ fn no_query_on_flush_features_takes_time_in_proportion_to_the_corners() {
         ("tip", "prism"),
         ("odd tip", "odd tip"),
         ("odd tip", "cube"),
+        ("low tip", "low tip"),
+        ("turned low tip", "prism"),
+        ("tent", "tent"),
     ] {
         let un = [x, y].map(|s| {
-            if s == "turned prism" {
+            if s.starts_with("turned") {
                 turned()
             } else {
                 UnitQuaternion::identity()
@@ -328,6 +348,28 @@ fn no_query_on_flush_features_takes_time_in_proportion_to_the_corners() {
         };
         for ((kind, few), (_, many)) in run(512).into_iter().zip(run(16_384)) {
             assert!(many <= 8.0 * few + 0.002, "{x} on {y}, {kind}: {few} s and {many} s");
+        }
+    }
+}
+
+/// The solver goes round such rims by halves, each rim in turn, and gets there.
+#[test]
+fn nearly_parallel_rims_do_not_need_the_exact_rung() {
+    for n in [8192, 16_384] {
+        let body = body("low tip", n, &mut Rng::new(5));
+        let upside_down = Vector3::x_axis().into_inner() * std::f64::consts::PI;
+        let a = Isometry3::new(Vector3::zeros(), upside_down);
+        for k in 0..12 {
+            let direction = TAU * f64::from(k) / 12.0 + 0.1;
+            let tilt = Vector3::new(direction.cos(), direction.sin(), 0.0) * 1e-6;
+            let b = Isometry3::new(Vector3::new(0.0, 0.0, 1e-3), tilt);
+            let pose = RelativePose::new(&a, &b).expect("a pose");
+            let o = Tracker::new().closest(&body, &body, &pose);
+            assert_eq!(
+                (o.class, o.work.exacts),
+                (Class::Separated, 0),
+                "{n}, {direction}: {o:?}"
+            );
         }
     }
 }
