@@ -19,6 +19,17 @@ pub enum Class {
     Undecided,
 }
 
+impl core::fmt::Display for Class {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.pad(match self {
+            Self::Separated => "separated",
+            Self::Touching => "touching",
+            Self::Overlapping => "overlapping",
+            Self::Undecided => "undecided",
+        })
+    }
+}
+
 /// How right an answer is asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -53,6 +64,20 @@ pub enum Layer {
     /// A surface around the origin of the bodies' difference: kept from the answer before or begun at its deepest facet, overlap and depth at
     /// once; where no depth is asked for, four points kept from the answer before.
     Surface,
+}
+
+impl core::fmt::Display for Layer {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.pad(match self {
+            Self::Walk => "walk",
+            Self::Restart => "restart",
+            Self::Fallback => "fallback",
+            Self::DoubleDouble => "double-double",
+            Self::Exact => "exact",
+            Self::Far => "far",
+            Self::Surface => "surface",
+        })
+    }
 }
 
 /// Work done by one query, or summed over many.

@@ -135,6 +135,7 @@ impl Default for Manifold {
 
 impl Manifold {
     /// One without contacts, to begin with.
+    #[must_use]
     pub fn new() -> Self {
         Self::default()
     }
@@ -142,12 +143,14 @@ impl Manifold {
     /// The contacts: those that were there before in their old order, then the new ones. Empty where the bodies are further apart
     /// than the prediction.
     #[inline]
+    #[must_use]
     pub fn points(&self) -> &[ContactPoint] {
         // What comes from a file may say more.
         &self.points[..self.count.min(MOST_POINTS)]
     }
 
     /// The deepest of them.
+    #[must_use]
     pub fn deepest(&self) -> Option<&ContactPoint> {
         let deeper = |x: &&ContactPoint, y: &&ContactPoint| x.separation.total_cmp(&y.separation);
         self.points().iter().min_by(deeper)
@@ -155,33 +158,39 @@ impl Manifold {
 
     /// Unit direction from A to B, in A's frame: that of the answer the manifold was made from, turned with the reference since. It is
     /// that of the last query also where there are no contacts, and x before the first.
+    #[must_use]
     pub fn normal(&self) -> Unit<Vector3<f64>> {
         self.normal
     }
 
     /// The features that bear the contact: of each body a face or an edge across the normal, or what is closest. `None`
     /// before the first query.
+    #[must_use]
     pub fn features(&self) -> Option<FeaturePair> {
         self.made.as_ref().map(|m| m.features)
     }
 
     /// The body whose feature gives the normal: with a face against an edge or a vertex, that of the face. In doubt the one it was
     /// before, or else A.
+    #[must_use]
     pub fn reference(&self) -> Which {
         self.made.as_ref().map_or(Which::A, |m| m.reference)
     }
 
     /// No greater than the signed distance, contacts or not; minus infinity before the first query.
+    #[must_use]
     pub fn lower(&self) -> f64 {
         self.lower
     }
 
     /// No less than the signed distance, contacts or not; infinity before the first query.
+    #[must_use]
     pub fn upper(&self) -> f64 {
         self.upper
     }
 
     /// Whether the points are those of an answer to this very query; otherwise they are old ones with new separations.
+    #[must_use]
     pub fn is_fresh(&self) -> bool {
         self.fresh
     }

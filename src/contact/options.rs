@@ -37,6 +37,7 @@ impl Default for ManifoldOptions {
 
 impl ManifoldOptions {
     /// The default with a prediction distance.
+    #[must_use]
     pub const fn within(prediction: f64) -> Self {
         Self {
             prediction,
