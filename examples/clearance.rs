@@ -12,7 +12,7 @@ use lab::progress::Progress;
 use lin_canny::nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::scene::{Body, BodyId, Effects, Group, Report, Scene};
-use lin_canny::{Class, ConvexPolyhedron, Outcome};
+use lin_canny::{ConvexPolyhedron, Outcome};
 use std::collections::BTreeMap;
 
 type Trouble = Box<dyn std::error::Error>;
@@ -176,16 +176,10 @@ impl Stage {
 
 /// A line for a pair that has become the nearest.
 fn tell(frame: usize, name: &str, outcome: &Outcome) {
-    let word = if outcome.class == Class::Overlapping {
-        "deep in"
-    } else {
-        "clear of"
-    };
     println!(
-        "frame {frame:>5}  {name:<18} {:>9.5} {word}, between {:.9} and {:.9}, {}",
-        outcome.distance.abs(),
-        outcome.lower,
-        outcome.upper,
+        "{frame:>5}  {name:<18} {:>10.6} +- {:.0e}  {}",
+        outcome.distance,
+        (outcome.upper - outcome.lower) / 2.0,
         outcome.features
     );
 }
@@ -196,10 +190,10 @@ fn draw(nearest: &[(f64, String)], out: &str) -> Result<(), Trouble> {
         let of = nearest.iter().enumerate().filter(|(_, (_, name))| pick(name));
         of.map(|(k, (d, _))| (k as f64, *d)).collect::<Vec<_>>()
     };
-    let mut chart = Chart::new("clearance of the arm, by the nearest pair; below zero it is in the way")
-        .axes("frame", "least distance")
+    let mut chart = Chart::new("clearance of the arm, by the nearest pair; below zero it collides")
+        .axes("frame", "least signed distance, in the unit of the meshes")
         .legend_beside()
-        .line("all pairs", curve(&|_| true));
+        .line("other pairs", curve(&|_| true));
     let mut shares: BTreeMap<&str, usize> = BTreeMap::new();
     nearest
         .iter()
@@ -220,6 +214,8 @@ fn main() -> Result<(), Trouble> {
     let progress = Progress::new("frames", options.frames as u64);
     let mut nearest: Vec<(f64, String)> = Vec::new();
     let mut report = Report::default();
+    println!("Where another pair becomes the nearest; a distance below zero is minus the depth of an overlap.\n");
+    println!("frame  {:<18} {:>10}           features", "nearest pair", "distance");
     for frame in 0..options.frames {
         report += stage.step(6.3 * frame as f64 / options.frames as f64)?;
         if let Some((name, outcome)) = stage.nearest() {

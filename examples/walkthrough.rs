@@ -185,7 +185,7 @@ fn draw(options: &Options, flight: &Flight, slab: &[(BodyId, (f64, f64))]) -> Re
     let (touched, others): (Vec<_>, Vec<_>) = slab.iter().partition(|(id, _)| flight.met.contains(id));
     let places = |list: Vec<&(BodyId, (f64, f64))>| list.into_iter().map(|(_, at)| *at).collect::<Vec<_>>();
     let plan = Chart::new(format!(
-        "the way of the probe, and the bodies within one unit of its height ({} in all)",
+        "way of the probe, and bodies within one unit of its mean height ({} in all)",
         options.bodies
     ))
     .axes("x", "y")
@@ -203,7 +203,7 @@ fn draw(options: &Options, flight: &Flight, slab: &[(BodyId, (f64, f64))]) -> Re
         };
         flight.reports.chunks(group).enumerate().map(mean).collect::<Vec<_>>()
     };
-    let work = Chart::new("a frame")
+    let work = Chart::new("pairs a frame, mean of fifty")
         .axes("frame", "pairs")
         .legend_beside()
         .from_zero()

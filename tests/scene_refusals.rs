@@ -178,6 +178,26 @@ fn velocities_and_times_that_are_none_are_refused() {
     stage.assert_unchanged();
 }
 
+/// Where one body cannot move, none does, those before it neither.
+#[test]
+fn an_advance_moves_all_bodies_or_none() {
+    let mut stage = Stage::new();
+    let (scene, moving) = (&mut stage.scene, stage.moving);
+    let last = scene.insert(Body::moving(cube()), at(0.0, 30.0, 0.0)).unwrap();
+    scene.step();
+    for (id, speed) in [(moving, 0.1), (last, 1e36)] {
+        let velocity = Velocity::new(Vector3::new(speed, 0.0, 0.0), Vector3::zeros());
+        scene.set_velocity(id, velocity).unwrap();
+    }
+    let refused = scene.advance(1e3).unwrap_err();
+    assert!(
+        matches!(refused, SceneError::TooFar { body: Some(id), .. } if id == last),
+        "{refused}"
+    );
+    assert_eq!(scene.pose(moving), Some(&at(0.0, 0.0, 0.0)));
+    stage.assert_unchanged();
+}
+
 #[test]
 fn questions_out_of_turn_are_refused() {
     let mut stage = Stage::new();

@@ -70,7 +70,7 @@ fn skipped(name: &str, kind: Kind, n: usize) -> bool {
     (name == "three-axes" && n > 10_000) || (tree && kind == Kind::Teleport && n > 10_000)
 }
 
-const RACED: [Kind; 7] = [
+pub(crate) const RACED: [Kind; 7] = [
     Kind::Uniform,
     Kind::UniformSlow,
     Kind::Pile,

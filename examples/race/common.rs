@@ -38,6 +38,16 @@ pub(crate) fn parse(mut words: impl Iterator<Item = String>) -> Result<Option<(S
 }
 
 impl Options {
+    /// Refuses a scene that is none of the race's.
+    pub(crate) fn check(&self, scenes: &[&str]) -> Result<(), String> {
+        match &self.only {
+            Some(only) if !scenes.contains(&only.as_str()) => {
+                Err(format!("no scene is called {only}; there are {}", scenes.join(", ")))
+            }
+            _ => Ok(()),
+        }
+    }
+
     pub(crate) fn wants(&self, scene: &str) -> bool {
         self.only.as_deref().is_none_or(|only| only == scene)
     }

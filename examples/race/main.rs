@@ -11,7 +11,8 @@ mod hulls;
 mod pairs;
 mod scene;
 
-use common::Options;
+use common::{Options, Rows};
+use lab::boxes::Kind;
 use std::process::ExitCode;
 
 const USAGE: &str = "\
@@ -30,12 +31,13 @@ fn main() -> ExitCode {
 }
 
 fn race((name, options): &(String, Options)) -> Result<(), String> {
-    let rows = match name.as_str() {
-        "pairs" => pairs::run(options),
-        "contact" => contact::run(options),
-        "boxes" => boxes::run(options),
-        "scene" => scene::run(options),
+    let (scenes, run): (Vec<&str>, fn(&Options) -> Rows) = match name.as_str() {
+        "pairs" => (pairs::SCENES.into(), pairs::run),
+        "contact" => (lab::contacts::SCENES.into(), contact::run),
+        "boxes" => (boxes::RACED.map(Kind::name).into(), boxes::run),
+        "scene" => (scene::SCENES.map(|s| s.0).into(), scene::run),
         _ => return Err(format!("{name} is no race")),
     };
-    options.save(&rows)
+    options.check(&scenes)?;
+    options.save(&run(options))
 }

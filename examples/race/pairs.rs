@@ -299,18 +299,19 @@ fn print(row: &Row) {
 /// Vertices of prisms: those of the other shapes, and of 128-gons and 8192-gons.
 const PRISMS: [usize; 8] = [8, 32, 128, 256, 512, 2048, 8192, 16384];
 
+pub(crate) const SCENES: [&str; 6] = [
+    "coherent-0",
+    "coherent-0.5",
+    "coherent-5",
+    "coherent-25",
+    "random",
+    "cold256-0.5",
+];
+
 /// Scenes, shapes and sizes in the order they run.
 fn plan() -> Vec<(&'static str, &'static str, usize)> {
-    let scenes = [
-        "coherent-0",
-        "coherent-0.5",
-        "coherent-5",
-        "coherent-25",
-        "random",
-        "cold256-0.5",
-    ];
     let mut list = vec![];
-    for scene in scenes {
+    for scene in SCENES {
         for shape in ["sphere", "flat", "box", "prism", "cone"] {
             let sizes: &[usize] = if shape == "prism" { &PRISMS } else { &SIZES };
             for &n in sizes {
@@ -339,6 +340,10 @@ fn degrees(scene: &str) -> Option<f64> {
 
 pub(crate) fn run(o: &Options) -> Rows {
     let plan: Vec<_> = plan().into_iter().filter(|p| o.wants(p.0)).collect();
+    println!(
+        "nanoseconds a query. ours: closest; walk: propose; exact: closest_exact; gjk: parry's, its simplex kept; parry: its distance.\n\
+         /gjk, /parry: ours over theirs. steps: feature pairs looked at in a query; not walk: queries that another layer answered.\n"
+    );
     println!(
         "{:<14} {:<7} {:>5} {:>8} {:>8} {:>9} {:>8} {:>10} {:>7} {:>9} {:>7} {:>9}",
         "scene", "shape", "n", "ours", "walk", "exact", "gjk", "parry", "/gjk", "/parry", "steps", "not walk"

@@ -54,7 +54,7 @@ fn measure(engine: &mut dyn Engine, mut crowd: Crowd, progress: &Progress) -> (f
     (spent.as_nanos() as f64 / f64::from(steps), engine.pairs())
 }
 
-const SCENES: [(&str, Kind, usize); 4] = [
+pub(crate) const SCENES: [(&str, Kind, usize); 4] = [
     ("sparse-32", Kind::Sparse, 32),
     ("sparse-256", Kind::Sparse, 256),
     ("pile-32", Kind::Pile, 32),

@@ -48,6 +48,7 @@ pub struct Chart {
     size: (u32, u32),
     from_zero: bool,
     beside: bool,
+    low: bool,
     rows: bool,
     series: Vec<Series>,
 }
@@ -64,6 +65,7 @@ impl Chart {
             size: (860, 480),
             from_zero: false,
             beside: false,
+            low: false,
             rows: false,
             series: vec![],
         }
@@ -96,6 +98,12 @@ impl Chart {
     /// Puts the legend to the right of the axes, where it hides nothing.
     pub fn legend_beside(mut self) -> Self {
         self.beside = true;
+        self
+    }
+
+    /// Puts the legend into the lower right corner instead of the upper left.
+    pub fn legend_low(mut self) -> Self {
+        self.low = true;
         self
     }
 

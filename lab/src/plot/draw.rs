@@ -30,6 +30,10 @@ type Trouble<'a> = DrawingAreaErrorKind<<SVGBackend<'a> as DrawingBackend>::Erro
 /// Width of a legend beside the axes.
 const BESIDE: i32 = 250;
 
+/// Size of a title, and how wide one of its letters is at most, in sizes.
+pub(super) const TITLE: f64 = 20.0;
+const LETTER: f64 = 0.42;
+
 impl Chart {
     pub(super) fn draw_on<'a>(&self, area: &Area<'a>) -> Result<(), Trouble<'a>> {
         let with_words = self.series.iter().any(|s| s.mark == Mark::Spread);
@@ -57,7 +61,7 @@ impl Chart {
     {
         let font = |size: i32| ("sans-serif", size).into_font().color(&INK);
         let mut chart = ChartBuilder::on(area)
-            .caption(&self.title, font(20))
+            .caption(&self.title, font(self.title_size()))
             .margin(12)
             .margin_right(if self.beside { BESIDE } else { 12 })
             .x_label_area_size(48)
@@ -103,13 +107,25 @@ impl Chart {
             self.legend_on(area)?;
         } else if self.series.len() > 1 {
             let mut legend = chart.configure_series_labels();
-            legend.position(SeriesLabelPosition::UpperLeft).label_font(font(14));
+            let corner = if self.low {
+                SeriesLabelPosition::LowerRight
+            } else {
+                SeriesLabelPosition::UpperLeft
+            };
+            legend.position(corner).label_font(font(14));
             legend
                 .background_style(WHITE.mix(0.85))
                 .border_style(INK.mix(0.3))
                 .draw()?;
         }
         Ok(())
+    }
+
+    /// The size at which the title is no wider than the axes: the library would cut off its beginning.
+    pub(super) fn title_size(&self) -> i32 {
+        let room = self.size.0 as i32 - 24 - if self.beside { BESIDE - 12 } else { 0 };
+        let letters = self.title.chars().count().max(1) as f64;
+        TITLE.min(f64::from(room) / (LETTER * letters)) as i32
     }
 
     /// Lines, the bars of spreads, and dots, of which those of spreads are in the middle.
