@@ -117,30 +117,29 @@ impl RelativePose {
     /// A translation that is not finite or out of range, or a rotation whose squared norm is off 1 by more than 1e-12.
     #[inline]
     pub fn new(pose_a: &Isometry3<f64>, pose_b: &Isometry3<f64>) -> Result<Self, PoseError> {
-        let pose = Self {
-            a: Placement::new(pose_a),
-            b: Placement::new(pose_b),
-        };
-        let offset = pose.offset();
+        let (a, b) = (Placement::new(pose_a), Placement::new(pose_b));
+        let offset = offset(&a, &b);
         let unit = |p: &Placement| (p.norm_squared - 1.0).abs() <= POSE_UNIT;
         // Comparisons with NaN are false.
         let near = offset.x.abs() + offset.y.abs() + offset.z.abs() < REACH;
-        if near && unit(&pose.a) && unit(&pose.b) {
-            Ok(pose)
+        if near && unit(&a) && unit(&b) {
+            Ok(Self { a, b })
         } else {
-            pose.checked()
+            // From the start again: a pose whose address is taken would be copied whole.
+            Self::checked(pose_a, pose_b)
         }
     }
 
     /// The same with every number looked at.
     #[cold]
-    fn checked(self) -> Result<Self, PoseError> {
-        self.a.check(Which::A)?;
-        self.b.check(Which::B)?;
-        let offset = self.offset();
+    fn checked(pose_a: &Isometry3<f64>, pose_b: &Isometry3<f64>) -> Result<Self, PoseError> {
+        let (a, b) = (Placement::new(pose_a), Placement::new(pose_b));
+        a.check(Which::A)?;
+        b.check(Which::B)?;
+        let offset = offset(&a, &b);
         // Of three coordinates whose sum is too large one is a third of it.
         match (0..3).find(|&k| !(offset[k].abs() < REACH / 4.0)) {
-            None => Ok(self),
+            None => Ok(Self { a, b }),
             Some(axis) => Err(PoseError::Translation {
                 body: Which::B,
                 axis,
@@ -167,21 +166,15 @@ impl RelativePose {
         (self.a.isometry(), self.b.isometry())
     }
 
-    /// `t_b - t_a`: world offsets end here.
-    #[inline]
-    fn offset(&self) -> Vector3<f64> {
-        Vector3::from(self.b.t) - Vector3::from(self.a.t)
-    }
-
     /// Translation of `a_from_b`.
     #[inline(always)]
     pub(crate) fn translation(&self) -> Vector3<f64> {
-        self.turned_to_a(self.offset())
+        self.turned_to_a(offset(&self.a, &self.b))
     }
 
     /// A sixteenth of the translation, whose computation leaves no range that the translation itself does not.
     pub(crate) fn sixteenth(&self) -> Vector3<f64> {
-        self.turned_to_a(self.offset() / 16.0)
+        self.turned_to_a(offset(&self.a, &self.b) / 16.0)
     }
 
     #[inline(always)]
@@ -203,6 +196,12 @@ impl RelativePose {
             2.0 * (2.0 - self.a.norm_squared) * (2.0 - self.b.norm_squared),
         )
     }
+}
+
+/// `t_b - t_a`: world offsets end here.
+#[inline]
+fn offset(a: &Placement, b: &Placement) -> Vector3<f64> {
+    Vector3::from(b.t) - Vector3::from(a.t)
 }
 
 #[inline(always)]
