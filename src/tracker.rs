@@ -213,7 +213,10 @@ impl Tracker {
                 return;
             }
             let warm = self.start(a, b);
-            outcome.features = warm.unwrap_or_else(|| closest::seed::cold(&placed, &mut outcome.work));
+            match warm {
+                Some(pair) => outcome.features = pair,
+                None => outcome.features = closest::seed::cold(&placed, &mut outcome.work),
+            }
             closest::solve(level, &placed, warm.is_some(), outcome);
             self.deepen(deep, &placed, outcome);
             self.count(warm.is_some(), a, b, outcome);

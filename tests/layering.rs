@@ -133,7 +133,8 @@ const MAY_USE: [(&str, &[&str]); 13] = [
     ("tolerance", &[]),
     ("scalar", &["tolerance"]),
     ("double_double", &["scalar", "tolerance"]),
-    ("pose", &["tolerance"]),
+    ("lanes", &[]),
+    ("pose", &["lanes", "tolerance"]),
     // The box of a placed body turns by a pose's matrix.
     (
         "polyhedron",

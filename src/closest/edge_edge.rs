@@ -71,7 +71,7 @@ pub(crate) fn look<const CERTIFY: bool>(placed: &Placed, a: u32, b: u32, outcome
     }
     let per_square = 1.0 / nn;
     let (s, t) = (r.cross(&w).dot(&n) * per_square, r.cross(&u).dot(&n) * per_square);
-    if s.min(t) < 0.0 || s.max(t) > 1.0 {
+    if s < 0.0 || t < 0.0 || s > 1.0 || t > 1.0 {
         let off = |s: f64, squared: f64| (s - s.clamp(0.0, 1.0)).abs() * sqrt(squared) > DIFFERENCE * placed.size();
         if off(s, uu) || off(t, ww) {
             return ends(placed, a, b, outcome);
@@ -81,7 +81,7 @@ pub(crate) fn look<const CERTIFY: bool>(placed: &Placed, a: u32, b: u32, outcome
     let u_in_b = placed.vector_in_b(&u);
     let (on_a, on_b) = (ea.weights(&w, sign), eb.weights(&u_in_b, sign));
     let (s, t) = (s.clamp(0.0, 1.0), t.clamp(0.0, 1.0));
-    if on_a.0.min(on_a.1) < 0.0 || on_b.0.min(on_b.1) < 0.0 {
+    if on_a.0 < 0.0 || on_a.1 < 0.0 || on_b.0 < 0.0 || on_b.1 < 0.0 {
         // The weights are as long as the other edge: compare sines.
         let sine = |least: f64, other: &Vector3<f64>| {
             if least < -DIRECTION * one_norm(other) {
