@@ -4,14 +4,16 @@
 //! longer than all of a relative pose. Of plain vectors of three the compiler stores and reads whatever two it finds beside each
 //! other; of these it does the first two together and the third alone, everywhere. Roundings are those of the plain formulas.
 
+use core::ops::{Add, Mul, Neg, Sub};
+
 use nalgebra::{Matrix3, Vector3};
 use wide::f64x2;
 
-/// A vector: two coordinates in one lane pair, and the third.
+/// A vector: the first two coordinates, and the third in the first lane of another two. What is in the other lane does not matter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Lanes {
-    pub(crate) xy: f64x2,
-    pub(crate) z: f64,
+    xy: f64x2,
+    z: f64x2,
 }
 
 /// The first of both, and the second of both.
@@ -47,16 +49,14 @@ fn turned(p: f64x2) -> f64x2 {
 }
 
 #[inline(always)]
-fn sum(p: f64x2) -> f64 {
-    let [x, y] = p.to_array();
-    x + y
+fn first(p: f64x2) -> f64 {
+    p.to_array()[0]
 }
 
 /// The vector part and the scalar part of a quaternion.
 #[inline(always)]
 pub(crate) fn parts([xy, zw]: &[f64x2; 2]) -> (Lanes, f64) {
-    let (z, w) = spread(*zw);
-    (Lanes { xy: *xy, z: z.to_array()[0] }, w.to_array()[0])
+    (Lanes { xy: *xy, z: *zw }, first(spread(*zw).1))
 }
 
 impl Lanes {
@@ -64,68 +64,112 @@ impl Lanes {
     pub(crate) fn new(v: &Vector3<f64>) -> Self {
         Self {
             xy: f64x2::new([v.x, v.y]),
-            z: v.z,
+            z: f64x2::new([v.z, 0.0]),
         }
     }
 
     #[inline(always)]
     pub(crate) fn vector(self) -> Vector3<f64> {
         let [x, y] = self.xy.to_array();
-        Vector3::new(x, y, self.z)
+        Vector3::new(x, y, first(self.z))
     }
 
     #[inline(always)]
-    pub(crate) fn plus(self, other: Self) -> Self {
+    pub(crate) fn cross(self, other: Self) -> Self {
+        let products = self.xy * exchanged(other.xy);
+        let (z, other_z) = (spread(self.z).0, spread(other.z).0);
+        Self {
+            xy: turned(other.xy) * z - turned(self.xy) * other_z,
+            z: products - exchanged(products),
+        }
+    }
+
+    /// The sum of the coordinates.
+    #[inline(always)]
+    fn sum(self) -> f64 {
+        first(self.xy + exchanged(self.xy) + self.z)
+    }
+
+    #[inline(always)]
+    pub(crate) fn dot(self, other: Self) -> f64 {
+        let products = Self {
+            xy: self.xy * other.xy,
+            z: self.z * other.z,
+        };
+        products.sum()
+    }
+
+    #[inline(always)]
+    pub(crate) fn norm_squared(self) -> f64 {
+        self.dot(self)
+    }
+
+    /// The sum of absolute coordinates: a norm without a root.
+    #[inline(always)]
+    pub(crate) fn one_norm(self) -> f64 {
+        let absolutes = Self {
+            xy: self.xy.abs(),
+            z: self.z.abs(),
+        };
+        absolutes.sum()
+    }
+}
+
+impl Add for Lanes {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
         Self {
             xy: self.xy + other.xy,
             z: self.z + other.z,
         }
     }
+}
 
+impl Sub for Lanes {
+    type Output = Self;
     #[inline(always)]
-    pub(crate) fn minus(self, other: Self) -> Self {
+    fn sub(self, other: Self) -> Self {
         Self {
             xy: self.xy - other.xy,
             z: self.z - other.z,
         }
     }
+}
 
+impl Neg for Lanes {
+    type Output = Self;
     #[inline(always)]
-    pub(crate) fn times(self, s: f64) -> Self {
+    fn neg(self) -> Self {
+        let signs = f64x2::splat(-0.0);
         Self {
-            xy: self.xy * f64x2::splat(s),
-            z: self.z * s,
+            xy: self.xy ^ signs,
+            z: self.z ^ signs,
         }
-    }
-
-    #[inline(always)]
-    pub(crate) fn cross(self, other: Self) -> Self {
-        let [p, q] = (self.xy * exchanged(other.xy)).to_array();
-        Self {
-            xy: turned(other.xy) * f64x2::splat(self.z) - turned(self.xy) * f64x2::splat(other.z),
-            z: p - q,
-        }
-    }
-
-    #[inline(always)]
-    pub(crate) fn sum_of_absolutes(self) -> f64 {
-        sum(self.xy.abs()) + self.z.abs()
-    }
-
-    #[inline(always)]
-    pub(crate) fn norm_squared(self) -> f64 {
-        sum(self.xy * self.xy) + self.z * self.z
     }
 }
 
-/// A rotation, or one times a scale: nine numbers, of which all but the last lie in a column and in a row.
+impl Mul<f64> for Lanes {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, s: f64) -> Self {
+        let s = f64x2::splat(s);
+        Self {
+            xy: self.xy * s,
+            z: self.z * s,
+        }
+    }
+}
+
+/// A rotation, or one times a scale: nine numbers, of which all but the last lie in the first two of a column or of a row.
 #[derive(Clone, Copy)]
 pub(crate) struct Rotation {
     /// The first two numbers of each column.
     columns: [f64x2; 3],
     /// The first two numbers of each row.
     rows: [f64x2; 3],
-    last: f64,
+    /// The last number.
+    last: f64x2,
 }
 
 impl Rotation {
@@ -150,14 +194,14 @@ impl Rotation {
         let (zz, wz) = spread(zw * zs);
         let across = xy * zs; // xz, yz
         let turned = turned(xy_s * w); // -wy, wx
-        let diagonal = f64x2::splat(1.0) - (exchanged(squares) + zz);
-        let ([x, _], [_, ys]) = (xy.to_array(), xy_s.to_array());
-        let beside = f64x2::splat(x * ys) - mirrored(wz); // xy + wz, xy - wz
+        let swapped = exchanged(squares);
+        let diagonal = f64x2::splat(1.0) - (swapped + zz);
+        let beside = spread(xy).0 * spread(xy_s).1 - mirrored(wz); // xy + wz, xy - wz
         let ([d, e], [plus, minus]) = (diagonal.to_array(), beside.to_array());
         Self {
             columns: [f64x2::new([d, plus]), f64x2::new([minus, e]), across - turned],
             rows: [f64x2::new([d, minus]), f64x2::new([plus, e]), across + turned],
-            last: 1.0 - sum(squares),
+            last: f64x2::splat(1.0) - (squares + swapped),
         }
     }
 
@@ -167,33 +211,35 @@ impl Rotation {
         Self {
             columns: [0, 1, 2].map(|k| pair(m[(0, k)], m[(1, k)])),
             rows: [0, 1, 2].map(|k| pair(m[(k, 0)], m[(k, 1)])),
-            last: m[(2, 2)],
+            last: f64x2::splat(m[(2, 2)]),
         }
     }
 
     pub(crate) fn matrix(&self) -> Matrix3<f64> {
         let [a, b, c] = self.columns.map(f64x2::to_array);
         let [x, y] = self.rows[2].to_array();
-        Matrix3::new(a[0], b[0], c[0], a[1], b[1], c[1], x, y, self.last)
+        Matrix3::new(a[0], b[0], c[0], a[1], b[1], c[1], x, y, first(self.last))
     }
 
     /// The matrix times `v`.
     #[inline(always)]
-    pub(crate) fn times(&self, v: &Vector3<f64>) -> Lanes {
+    pub(crate) fn times(&self, v: Lanes) -> Lanes {
         combined(&self.columns, self.rows[2], self.last, v)
     }
 
     /// The transposed matrix times `v`.
     #[inline(always)]
-    pub(crate) fn transposed_times(&self, v: &Vector3<f64>) -> Lanes {
+    pub(crate) fn transposed_times(&self, v: Lanes) -> Lanes {
         combined(&self.rows, self.columns[2], self.last, v)
     }
 }
 
 #[inline(always)]
-fn combined([x, y, z]: &[f64x2; 3], third: f64x2, last: f64, v: &Vector3<f64>) -> Lanes {
+fn combined(lines: &[f64x2; 3], third: f64x2, last: f64x2, v: Lanes) -> Lanes {
+    let ((x, y), (z, _)) = (spread(v.xy), spread(v.z));
+    let products = third * v.xy;
     Lanes {
-        xy: *x * f64x2::splat(v.x) + *y * f64x2::splat(v.y) + *z * f64x2::splat(v.z),
-        z: sum(third * f64x2::new([v.x, v.y])) + last * v.z,
+        xy: lines[0] * x + lines[1] * y + lines[2] * z,
+        z: products + exchanged(products) + last * v.z,
     }
 }

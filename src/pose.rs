@@ -136,7 +136,7 @@ impl RelativePose {
         let offset = offset(&a, &b);
         let unit = |p: &Placement| (p.norm_squared - 1.0).abs() <= POSE_UNIT;
         // Comparisons with NaN are false.
-        let near = offset.sum_of_absolutes() < REACH;
+        let near = offset.one_norm() < REACH;
         if near && unit(&a) && unit(&b) {
             Ok(Self { a, b })
         } else {
@@ -176,7 +176,7 @@ impl RelativePose {
 
     /// A sixteenth of the translation, whose computation leaves no range that the translation itself does not.
     pub(crate) fn sixteenth(&self) -> Vector3<f64> {
-        self.turned_to_a(offset(&self.a, &self.b).times(1.0 / 16.0)).vector()
+        self.turned_to_a(offset(&self.a, &self.b) * (1.0 / 16.0)).vector()
     }
 
     /// `R_a^T offset`.
@@ -185,7 +185,7 @@ impl RelativePose {
         let (axis, w) = lanes::parts(&self.a.q);
         let c = offset.cross(axis);
         let s = 2.0 * (2.0 - self.a.norm_squared);
-        offset.plus(c.times(w).plus(c.cross(axis)).times(s))
+        offset + (c * w + c.cross(axis)) * s
     }
 
     /// Rotation of `a_from_b`: the matrix of `conj(qa) qb`, divided by its squared norm. The norms are within 1e-12 of
@@ -222,7 +222,7 @@ fn refusal(pose_a: &Isometry3<f64>, pose_b: &Isometry3<f64>) -> PoseError {
 /// `t_b - t_a`: world offsets end here.
 #[inline(always)]
 fn offset(a: &Placement, b: &Placement) -> Lanes {
-    b.t.minus(a.t)
+    b.t - a.t
 }
 
 /// The matrix that turns by `q`, for `s = 2 / |q|^2`.

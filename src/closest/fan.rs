@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 
+use crate::lanes::Lanes;
 use crate::polyhedron::fans::steepest;
 use crate::polyhedron::{ConvexPolyhedron, Plane};
 use crate::tolerance::{EDGE_BOUND, EDGE_SIGN};
@@ -88,18 +89,18 @@ impl ConvexPolyhedron {
     #[inline(always)]
     pub(crate) fn edge_bound(
         &self,
-        n: &Vector3<f64>,
+        n: Lanes,
         left: &Plane,
         right: &Plane,
         (alpha, beta): (f64, f64),
         squared: f64,
     ) -> f64 {
         let (alpha, beta) = (alpha.max(0.0), beta.max(0.0));
-        let m = left.normal * alpha + right.normal * beta;
+        let m = Lanes::new(&left.normal) * alpha + Lanes::new(&right.normal) * beta;
         let s = squared / m.dot(n);
         let rest = n - m * s;
         let weights = s * (alpha + beta) * EDGE_BOUND;
-        let bound = s * (alpha * left.offset + beta * right.offset) + (one_norm(&rest) + weights) * self.radius;
+        let bound = s * (alpha * left.offset + beta * right.offset) + (rest.one_norm() + weights) * self.radius;
         // A zero m or a negative s proves nothing; the comparison is false for NaN.
         if s >= 0.0 { bound } else { f64::INFINITY }
     }

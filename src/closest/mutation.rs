@@ -11,6 +11,7 @@ use nalgebra::{Isometry3, Unit, Vector3};
 use super::outcome::{Class, Layer, Level, Outcome, Work};
 use super::placed::Placed;
 use super::{seed, solve};
+use crate::lanes::Lanes;
 use crate::polyhedron::{ConvexPolyhedron, FeaturePair, solids};
 use crate::pose::{RelativePose, Which};
 
@@ -165,7 +166,7 @@ fn a_bound_by_two_planes_holds_for_any_planes_and_weights() {
             let mut plane = || &body.planes[((random() + 1.0) * 0.5 * body.planes.len() as f64) as usize];
             let (left, right) = (plane(), plane());
             let weights = (random() + 0.5, random() + 0.5);
-            let bound = body.edge_bound(&n, left, right, weights, n.norm_squared());
+            let bound = body.edge_bound(Lanes::new(&n), left, right, weights, n.norm_squared());
             let high = body.points.iter().fold(f64::NEG_INFINITY, |m, p| m.max(n.dot(p)));
             assert!(!(bound < high - 1e-15 * body.radius), "{bound} {high}");
             finite += usize::from(bound.is_finite());

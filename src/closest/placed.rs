@@ -15,8 +15,8 @@ pub(crate) struct Placed<'a> {
     pub(crate) a: &'a ConvexPolyhedron,
     pub(crate) b: &'a ConvexPolyhedron,
     /// `a_from_b` between stored frames: a rotation times `unit`, and a shift.
-    rotation: Rotation,
-    translation: Lanes,
+    pub(crate) rotation: Rotation,
+    pub(crate) translation: Lanes,
     /// One unit of B's stored frame in A's.
     unit: f64,
     /// The pair's size L in A's stored units.
@@ -87,31 +87,33 @@ impl<'a> Placed<'a> {
     /// Where a point of B is in A's frame.
     #[inline(always)]
     pub(crate) fn point_in_a(&self, p: &Vector3<f64>) -> Vector3<f64> {
-        self.rotation.times(p).plus(self.translation).vector()
+        (self.rotation.times(Lanes::new(p)) + self.translation).vector()
     }
 
     /// A vector of B's frame in A's.
     #[inline(always)]
     pub(crate) fn vector_in_a(&self, v: &Vector3<f64>) -> Vector3<f64> {
-        self.rotation.times(v).vector()
+        self.rotation.times(Lanes::new(v)).vector()
     }
 
     /// Where a point of A is in B's frame. Needs one unit.
     #[inline(always)]
     pub(crate) fn point_in_b(&self, p: &Vector3<f64>) -> Vector3<f64> {
-        self.vector_in_b(&(p - self.translation.vector()))
+        self.rotation
+            .transposed_times(Lanes::new(p) - self.translation)
+            .vector()
     }
 
     /// A vector of A's frame in B's. Needs one unit.
     #[inline(always)]
     pub(crate) fn vector_in_b(&self, v: &Vector3<f64>) -> Vector3<f64> {
-        self.rotation.transposed_times(v).vector()
+        self.rotation.transposed_times(Lanes::new(v)).vector()
     }
 
     /// The direction of B's frame along which points rise as they do along `n` of A's.
     #[inline(always)]
     pub(crate) fn direction_in_b(&self, n: &Vector3<f64>) -> Vector3<f64> {
-        self.rotation.transposed_times(n).vector()
+        self.rotation.transposed_times(Lanes::new(n)).vector()
     }
 
     /// The matrix of B's ellipsoid in A's frame.
@@ -123,7 +125,7 @@ impl<'a> Placed<'a> {
     /// How high B's stored origin is along `n` of A's frame.
     #[inline(always)]
     pub(crate) fn lift(&self, n: &Vector3<f64>) -> f64 {
-        n.dot(&self.translation.vector())
+        Lanes::new(n).dot(self.translation)
     }
 }
 
@@ -226,7 +228,7 @@ fn shifted_and_scaled(
 ) -> Result<(Rotation, Lanes, f64, f64), BeyondRange> {
     let scale = power_of_two(b.exponent - a.exponent);
     if a.origin == Vector3::zeros() && b.origin == Vector3::zeros() {
-        let translation = pose.shift().times(power_of_two(-a.exponent));
+        let translation = pose.shift() * power_of_two(-a.exponent);
         return Ok((Rotation::new(&(pose.rotation() * scale)), translation, scale, 0.0));
     }
     let frame = Frame::<DoubleDouble>::new(a, b, pose).ok_or(BeyondRange)?;

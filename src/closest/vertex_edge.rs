@@ -12,6 +12,7 @@ use super::fan::one_norm;
 use super::outcome::Outcome;
 use super::placed::Sides;
 use super::state::Step;
+use crate::lanes::Lanes;
 use crate::polyhedron::FeaturePair;
 use crate::scalar::sqrt;
 use crate::tolerance::{DIFFERENCE, ON_BOUNDARY};
@@ -56,8 +57,9 @@ pub(crate) fn look<const CERTIFY: bool, S: Sides>(sides: &S, vertex: u32, edge: 
     }
     // The distance is that of points of the bodies: an end where rounding puts the foot beyond it.
     let squared = d.norm_squared();
+    let length = sqrt(squared);
     let (foot, distance) = if (0.0..=1.0).contains(&s) {
-        (p + u * s, sqrt(squared))
+        (p + u * s, length)
     } else {
         let end = if s < 0.5 { p } else { q };
         (end, sqrt((x - end).norm_squared()))
@@ -65,9 +67,9 @@ pub(crate) fn look<const CERTIFY: bool, S: Sides>(sides: &S, vertex: u32, edge: 
     if distance <= ON_BOUNDARY * sides.size() {
         return Step::Lost;
     }
-    let per_length = 1.0 / sqrt(squared);
+    let per_length = 1.0 / length;
     let lower = if CERTIFY && body.proves_lowest(&fan, &n) {
-        (d.dot(&x) - other.edge_bound(&d, left, right, (alpha, beta), squared)) * per_length
+        (d.dot(&x) - other.edge_bound(Lanes::new(&d), left, right, (alpha, beta), squared)) * per_length
     } else {
         f64::NEG_INFINITY
     };
