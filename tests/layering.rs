@@ -129,7 +129,7 @@ fn functions_are_short() {
 }
 
 /// What the code of a folder may name of the crate.
-const MAY_USE: [(&str, &[&str]); 13] = [
+const MAY_USE: [(&str, &[&str]); 14] = [
     ("tolerance", &[]),
     ("scalar", &["tolerance"]),
     ("double_double", &["scalar", "tolerance"]),
@@ -151,6 +151,7 @@ const MAY_USE: [(&str, &[&str]); 13] = [
             "certificate",
             "polyhedron",
             "pose",
+            "lanes",
             "scalar",
             "double_double",
             "tolerance",
@@ -164,6 +165,7 @@ const MAY_USE: [(&str, &[&str]); 13] = [
             "closest",
             "polyhedron",
             "pose",
+            "lanes",
             "scalar",
             "double_double",
             "tolerance",
