@@ -8,6 +8,7 @@
 
 use nalgebra::Vector3;
 
+use super::fan::is_flanked;
 use super::outcome::Outcome;
 use super::placed::{OfA, OfB, Placed};
 use super::slide::{Slide, slide};
@@ -80,11 +81,13 @@ pub(crate) fn look<const CERTIFY: bool>(placed: &Placed, a: u32, b: u32, outcome
             return ends(placed, a, b, outcome);
         }
     }
-    let sign = if r.dot(n) < 0.0 { -1.0 } else { 1.0 };
+    let along = r.dot(n);
+    let sign = if along < 0.0 { -1.0 } else { 1.0 };
     let u_in_b = placed.rotation.transposed_times(u);
     let (on_a, on_b) = (ea.weights(w, sign), eb.weights(u_in_b, sign));
     let (s, t) = (s.clamp(0.0, 1.0), t.clamp(0.0, 1.0));
-    if on_a.0 < 0.0 || on_a.1 < 0.0 || on_b.0 < 0.0 || on_b.1 < 0.0 {
+    let proven = is_flanked(on_a, ww) && is_flanked(on_b, uu);
+    if !proven && (on_a.0 < 0.0 || on_a.1 < 0.0 || on_b.0 < 0.0 || on_b.1 < 0.0) {
         // The weights are as long as the other edge: compare sines.
         let sine = |least: f64, other: Lanes| {
             if least < -DIRECTION * other.one_norm() {
@@ -106,16 +109,28 @@ pub(crate) fn look<const CERTIFY: bool>(placed: &Placed, a: u32, b: u32, outcome
     if distance <= ON_BOUNDARY * placed.size() {
         return Step::Lost;
     }
-    let normal = n * (sign * sqrt(nn) * per_square);
-    let lower = if CERTIFY {
-        let high_a = placed.a.edge_bound(normal, ea.left, ea.right, on_a, 1.0);
-        let normal_in_b = -placed.rotation.transposed_times(normal);
-        let high_b = placed.b.edge_bound(normal_in_b, eb.left, eb.right, on_b, 1.0);
-        normal.dot(placed.translation) - high_a - high_b
-    } else {
+    let per_length = sqrt(nn) * per_square;
+    let normal = n * (sign * per_length);
+    let lower = if !CERTIFY {
         f64::NEG_INFINITY
+    } else if proven {
+        // Both are extreme across the other, so the supporting planes are as far apart as the lines.
+        along.abs() * per_length
+    } else {
+        between_planes(placed, (a, b), normal, on_a, on_b)
     };
     outcome.end(normal.vector(), (point_a.vector(), point_b.vector()), distance, lower)
+}
+
+/// How far apart the planes of the faces prove the bodies along a unit `normal`, where signs do not prove the edges extreme.
+#[cold]
+#[inline(never)]
+fn between_planes(placed: &Placed, (a, b): (u32, u32), normal: Lanes, on_a: (f64, f64), on_b: (f64, f64)) -> f64 {
+    let (ea, eb) = (Edge::new(placed.a, a), Edge::new(placed.b, b));
+    let high_a = placed.a.edge_bound(normal, ea.left, ea.right, on_a, 1.0);
+    let normal_in_b = -placed.rotation.transposed_times(normal);
+    let high_b = placed.b.edge_bound(normal_in_b, eb.left, eb.right, on_b, 1.0);
+    normal.dot(placed.translation) - high_a - high_b
 }
 
 /// Slides the edge of B over the right or the left face of A's, downhill from `t`.

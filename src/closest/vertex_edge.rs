@@ -68,10 +68,14 @@ pub(crate) fn look<const CERTIFY: bool, S: Sides>(sides: &S, vertex: u32, edge: 
         return Step::Lost;
     }
     let per_length = 1.0 / length;
-    let lower = if CERTIFY && body.proves_lowest(&fan, &n) {
-        (d.dot(&x) - other.edge_bound(Lanes::new(&d), left, right, (alpha, beta), squared)) * per_length
-    } else {
+    let lower = if !(CERTIFY && body.proves_lowest(&fan, &n)) {
         f64::NEG_INFINITY
+    } else if alpha > slack && beta > slack {
+        // The edge is extreme by the signs of its weights, `FLANK`, so the supporting planes are as far apart as vertex and line.
+        length
+    } else {
+        let high = other.edge_bound(Lanes::new(&d), left, right, (alpha, beta), squared);
+        (d.dot(&x) - high) * per_length
     };
     let normal = sides.normal(&(d * per_length));
     outcome.end(normal, S::witnesses(on_x, foot), distance, lower)
