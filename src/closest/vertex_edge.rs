@@ -8,12 +8,15 @@
 //!  nR (right)  nL (left): d = alpha nL + beta nR with alpha = nR . (u x d), beta = -nL . (u x d), both >= 0
 //! ```
 
+use nalgebra::Vector3;
+
+use super::edge_edge::Edge;
 use super::fan::one_norm;
 use super::outcome::Outcome;
 use super::placed::Sides;
 use super::state::Step;
 use crate::lanes::Lanes;
-use crate::polyhedron::FeaturePair;
+use crate::polyhedron::{ConvexPolyhedron, FeaturePair};
 use crate::scalar::sqrt;
 use crate::tolerance::{DIFFERENCE, ON_BOUNDARY};
 
@@ -56,8 +59,7 @@ pub(crate) fn look<const CERTIFY: bool, S: Sides>(sides: &S, vertex: u32, edge: 
         return outcome.go(FeaturePair::edges(S::OF, body.topology.edge(h), edge));
     }
     // The distance is that of points of the bodies: an end where rounding puts the foot beyond it.
-    let squared = d.norm_squared();
-    let length = sqrt(squared);
+    let length = sqrt(d.norm_squared());
     let (foot, distance) = if (0.0..=1.0).contains(&s) {
         (p + u * s, length)
     } else {
@@ -74,9 +76,22 @@ pub(crate) fn look<const CERTIFY: bool, S: Sides>(sides: &S, vertex: u32, edge: 
         // The edge is extreme by the signs of its weights, `FLANK`, so the supporting planes are as far apart as vertex and line.
         length
     } else {
-        let high = other.edge_bound(Lanes::new(&d), left, right, (alpha, beta), squared);
-        (d.dot(&x) - high) * per_length
+        above_planes(other, edge, &d, &x, (alpha, beta)) * per_length
     };
     let normal = sides.normal(&(d * per_length));
     outcome.end(normal, S::witnesses(on_x, foot), distance, lower)
+}
+
+/// How far the planes of the faces beside an edge prove `x` to be above its body, in units of `d`, where signs do not prove the edge extreme.
+#[cold]
+#[inline(never)]
+fn above_planes(
+    body: &ConvexPolyhedron,
+    edge: u32,
+    d: &Vector3<f64>,
+    x: &Vector3<f64>,
+    weights: (f64, f64),
+) -> f64 {
+    let Edge { left, right, .. } = Edge::new(body, edge);
+    d.dot(x) - body.edge_bound(Lanes::new(d), left, right, weights, d.norm_squared())
 }
