@@ -138,7 +138,7 @@ const MAY_USE: [(&str, &[&str]); 14] = [
     // The box of a placed body turns by a pose's matrix.
     (
         "polyhedron",
-        &["polyhedron", "pose", "scalar", "double_double", "tolerance"],
+        &["polyhedron", "pose", "lanes", "scalar", "double_double", "tolerance"],
     ),
     // Poses, velocities and displacements: no body.
     ("motion", &["scalar", "tolerance"]),

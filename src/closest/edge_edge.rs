@@ -144,7 +144,7 @@ fn over_face_of_a(placed: &Placed, a: u32, b: u32, right: bool, t: f64, outcome:
         &OfB(placed),
         &Slide {
             half_edge,
-            start,
+            start: Lanes::new(&start),
             face,
             from_rim: Some(a),
         },
@@ -163,7 +163,7 @@ fn over_face_of_b(placed: &Placed, a: u32, b: u32, right: bool, s: f64, outcome:
         &OfA(placed),
         &Slide {
             half_edge,
-            start,
+            start: Lanes::new(&start),
             face,
             from_rim: Some(b),
         },

@@ -210,7 +210,10 @@ fn an_edge_that_signs_prove_extreme_is_so() {
                 }
                 proven += 1;
                 let n = n.vector();
-                let high = body.points.iter().fold(f64::NEG_INFINITY, |m, p| m.max(n.dot(&(p - edge.p))));
+                let high = body
+                    .points
+                    .iter()
+                    .fold(f64::NEG_INFINITY, |m, p| m.max(n.dot(&(p - edge.p))));
                 let most = 16.0 * UNIT * body.radius * (u.norm_squared() * w.norm_squared()).sqrt();
                 assert!(high <= most, "{e} {k}: {high} beyond {most}");
             }

@@ -85,13 +85,7 @@ pub(crate) fn look<const CERTIFY: bool, S: Sides>(sides: &S, vertex: u32, edge: 
 /// How far the planes of the faces beside an edge prove `x` to be above its body, in units of `d`, where signs do not prove the edge extreme.
 #[cold]
 #[inline(never)]
-fn above_planes(
-    body: &ConvexPolyhedron,
-    edge: u32,
-    d: &Vector3<f64>,
-    x: &Vector3<f64>,
-    weights: (f64, f64),
-) -> f64 {
+fn above_planes(body: &ConvexPolyhedron, edge: u32, d: &Vector3<f64>, x: &Vector3<f64>, weights: (f64, f64)) -> f64 {
     let Edge { left, right, .. } = Edge::new(body, edge);
     d.dot(x) - body.edge_bound(Lanes::new(d), left, right, weights, d.norm_squared())
 }

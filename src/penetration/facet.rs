@@ -78,7 +78,10 @@ fn height_of_edges(placed: &Placed, facet: FeaturePair) -> Option<(Vector3<f64>,
     let n = u.cross(&v);
     let (squared, ahead) = (n.norm_squared(), a.p - at_b);
     let sign = if n.dot(&ahead) < 0.0 { -1.0 } else { 1.0 };
-    let (on_a, on_b) = (a.weights(Lanes::new(&v), sign), b.weights(placed.rotation.transposed_times(Lanes::new(&u)), sign));
+    let (on_a, on_b) = (
+        a.weights(Lanes::new(&v), sign),
+        b.weights(placed.rotation.transposed_times(Lanes::new(&u)), sign),
+    );
     // Written so that NaN proves nothing.
     let is_between = on_a.0.min(on_a.1).min(on_b.0).min(on_b.1) >= 0.0;
     if !(is_between && squared > NEARLY_PARALLEL * u.norm_squared() * v.norm_squared()) {
