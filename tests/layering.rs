@@ -135,13 +135,13 @@ const MAY_USE: [(&str, &[&str]); 14] = [
     ("double_double", &["scalar", "tolerance"]),
     ("lanes", &[]),
     ("pose", &["lanes", "tolerance"]),
+    // Poses, velocities and displacements: no body.
+    ("motion", &["pose", "scalar", "tolerance"]),
     // The box of a placed body turns by a pose's matrix.
     (
         "polyhedron",
         &["polyhedron", "pose", "lanes", "scalar", "double_double", "tolerance"],
     ),
-    // Poses, velocities and displacements: no body.
-    ("motion", &["scalar", "tolerance"]),
     // Boxes and ids only.
     ("broad", &["broad", "tolerance"]),
     (
@@ -172,7 +172,10 @@ const MAY_USE: [(&str, &[&str]); 14] = [
         ],
     ),
     // Contacts begin with an answer, however it was found.
-    ("contact", &["closest", "polyhedron", "pose", "scalar", "tolerance"]),
+    (
+        "contact",
+        &["closest", "motion", "polyhedron", "pose", "scalar", "tolerance"],
+    ),
     // What a caller keeps of a pair; the report of a fault is below it.
     (
         "tracker",
@@ -189,10 +192,7 @@ const MAY_USE: [(&str, &[&str]); 14] = [
         ],
     ),
     // One tracker, and how far its bodies have moved.
-    (
-        "watch",
-        &["tracker", "closest", "polyhedron", "pose", "scalar", "tolerance"],
-    ),
+    ("watch", &["tracker", "closest", "motion", "polyhedron", "pose"]),
     // Where all meets.
     (
         "scene",

@@ -234,16 +234,13 @@ pub(crate) fn order_key(v: f32) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use lab::rng::Rng;
 
     #[test]
     fn rounding_is_outward_tight_and_exact_on_f32() {
-        let mut state = 1_u64;
+        let mut rng = Rng::new(1);
         for _ in 0..20_000 {
-            state = state
-                .wrapping_mul(6364136223846793005)
-                .wrapping_add(1442695040888963407);
-            let v = (state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5;
-            let v = v * libm::exp2(((state >> 5) % 260) as f64 - 140.0);
+            let v = rng.sign() * libm::exp2(rng.range(-141.0, 119.0));
             let down = rounded_down(v);
             assert!(f64::from(down) <= v && f64::from(down.next_up()) > v, "{v:e} {down:e}");
             let same = v as f32;

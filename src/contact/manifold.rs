@@ -1,14 +1,14 @@
 //! The contacts of a pair over frames.
 
-use nalgebra::{Matrix3, Point3, Unit, Vector3};
+use nalgebra::{Point3, Unit, Vector3};
 
 use crate::closest::outcome::Outcome;
-use crate::polyhedron::{ConvexPolyhedron, FeaturePair};
-use crate::pose::{RelativePose, Which};
-use crate::scalar::sqrt;
-use crate::tolerance::{CERTIFICATE, UNIT};
+use crate::motion::Place;
+use crate::polyhedron::FeaturePair;
+use crate::pose::Which;
 
 use super::corners::{Corner, On};
+use super::query::Query;
 use super::rims::{NO_RAYS, Rays};
 use super::{Answer, Contacts, MOST_POINTS, ManifoldOptions};
 
@@ -75,8 +75,8 @@ pub struct Manifold {
 struct Made {
     bodies: [u64; 2],
     options: ManifoldOptions,
-    rotation: Matrix3<f64>,
-    translation: Vector3<f64>,
+    /// Of the smaller body.
+    place: Place,
     features: FeaturePair,
     reference: Which,
     /// In the frame of the reference.
@@ -197,7 +197,7 @@ impl Manifold {
     #[inline(always)]
     pub(crate) fn refresh(&mut self, query: &Query) -> Result<(), f64> {
         let Some(made) = &self.made else { return Err(0.0) };
-        let moved = made.moved(query);
+        let moved = query.place.displacement(&made.place);
         // Written so that NaN asks anew.
         if !(made.is_of(query) && moved <= made.budget) {
             return Err(moved);
@@ -257,8 +257,7 @@ impl Manifold {
         self.made = Some(Made {
             bodies: query.bodies(),
             options: *options,
-            rotation: query.rotation,
-            translation: query.translation,
+            place: query.place,
             features,
             reference,
             normal: match reference {
@@ -340,86 +339,6 @@ impl Made {
     #[inline(always)]
     fn is_of(&self, query: &Query) -> bool {
         self.bodies == query.bodies() && self.options == *query.options
-    }
-
-    /// No less than any point of one body has moved as seen from the other.
-    #[inline(always)]
-    fn moved(&self, query: &Query) -> f64 {
-        let Query {
-            a,
-            b,
-            rotation,
-            translation,
-            ..
-        } = query;
-        let turn = rotation - self.rotation;
-        let (ra, rb) = query.radii();
-        // A difference of rotations stretches two directions alike and one not at all, so its norm is that of its entries over
-        // the root of two, which is less than 181.1 / 256.
-        let turned = sqrt(turn.norm_squared()) * (181.1 / 256.0) * ra.min(rb);
-        let shift = if rb <= ra {
-            turn * b.origin + (translation - self.translation)
-        } else {
-            let seen = |r: &Matrix3<f64>, t: &Vector3<f64>| r.tr_mul(&(a.origin - t));
-            seen(rotation, translation) - seen(&self.rotation, &self.translation)
-        };
-        sqrt(shift.norm_squared()) + turned + CERTIFICATE * UNIT * query.size()
-    }
-}
-
-/// Two bodies, where they are, and what is asked of their contacts.
-pub(crate) struct Query<'a> {
-    a: &'a ConvexPolyhedron,
-    b: &'a ConvexPolyhedron,
-    /// Of `a_from_b`.
-    rotation: Matrix3<f64>,
-    translation: Vector3<f64>,
-    options: &'a ManifoldOptions,
-}
-
-impl<'a> Query<'a> {
-    #[inline(always)]
-    pub(crate) fn new(
-        a: &'a ConvexPolyhedron,
-        b: &'a ConvexPolyhedron,
-        pose: &RelativePose,
-        options: &'a ManifoldOptions,
-    ) -> Self {
-        Self {
-            a,
-            b,
-            rotation: pose.rotation(),
-            translation: pose.translation(),
-            options,
-        }
-    }
-
-    fn bodies(&self) -> [u64; 2] {
-        [self.a.print, self.b.print]
-    }
-
-    fn radii(&self) -> (f64, f64) {
-        let of = |body: &ConvexPolyhedron| {
-            if body.as_given {
-                body.radius
-            } else {
-                body.radius * body.unit()
-            }
-        };
-        (of(self.a), of(self.b))
-    }
-
-    fn least_radius(&self) -> f64 {
-        let (a, b) = self.radii();
-        a.min(b)
-    }
-
-    /// The pair's size L.
-    #[inline(always)]
-    fn size(&self) -> f64 {
-        let (a, b) = self.radii();
-        let apart = self.rotation * self.b.origin + self.translation - self.a.origin;
-        a + b + sqrt(apart.norm_squared())
     }
 }
 

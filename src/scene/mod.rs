@@ -69,11 +69,13 @@
 //! bounded by displacement instead of by time.
 
 mod answer;
+mod ball;
 mod body;
 pub mod budget;
 mod effects;
 mod error;
 mod events;
+mod kept;
 mod lane;
 mod look;
 #[cfg(feature = "parallel")]
@@ -83,13 +85,13 @@ mod search;
 #[cfg(feature = "serde")]
 mod snapshot;
 mod step;
+mod velocity;
 
 use alloc::vec::Vec;
 
 use nalgebra::Isometry3;
 
 use crate::broad::{self, BroadPhase, Groups, PencilSweep};
-use crate::motion::Velocity;
 use crate::polyhedron::{BoxHint, ConvexPolyhedron};
 
 pub use crate::broad::{BodyId, PairId, Settings};
@@ -101,7 +103,7 @@ use effects::{GROUPS, Table};
 pub use error::SceneError;
 pub use events::{Change, Event};
 use lane::Lanes;
-pub use report::{Counts, Report, Times};
+pub use report::{Bytes, Counts, Report, Times};
 pub use search::Near;
 
 /// Bodies, the effects called for, and what the last step found. See the [module page](self).
@@ -253,59 +255,6 @@ impl Scene {
         Ok(())
     }
 
-    /// Gives a moving body a velocity, which [`advance`](Self::advance) moves it by.
-    ///
-    /// # Errors
-    /// When the id is stale, the body fixed, or the velocity not finite.
-    pub fn set_velocity(&mut self, id: BodyId, velocity: Velocity) -> Result<(), SceneError> {
-        let i = self.bodies.index_of(id)?;
-        if self.bodies.solids[i].as_ref().is_some_and(|s| s.fixed) {
-            return Err(SceneError::Fixed { body: id });
-        }
-        let finite = velocity
-            .linear
-            .iter()
-            .chain(velocity.angular.iter())
-            .all(|v| v.is_finite());
-        if !finite {
-            return Err(SceneError::Velocity);
-        }
-        self.bodies
-            .velocities
-            .resize(self.bodies.generations.len(), Velocity::default());
-        self.bodies.velocities[i] = velocity;
-        Ok(())
-    }
-
-    /// The velocity of a body: zero unless set.
-    pub fn velocity(&self, id: BodyId) -> Option<Velocity> {
-        let i = self.bodies.index_of(id).ok()?;
-        Some(self.bodies.velocities.get(i).copied().unwrap_or_default())
-    }
-
-    /// Moves every body by its velocity for a time, straight and evenly turning. A time below zero goes back.
-    ///
-    /// # Errors
-    /// When the time is not finite or a body would leave the scene's reach; then no body has moved.
-    pub fn advance(&mut self, time: f64) -> Result<(), SceneError> {
-        if !time.is_finite() {
-            return Err(SceneError::Velocity);
-        }
-        let rest = Velocity::default();
-        let moving = |(i, v): (usize, &Velocity)| (*v != rest).then_some(i);
-        let moving: Vec<usize> = self.bodies.velocities.iter().enumerate().filter_map(moving).collect();
-        let mut poses = Vec::with_capacity(moving.len());
-        for &i in &moving {
-            let pose = self.bodies.velocities[i].applied(&self.bodies.poses[i], time);
-            checked(&pose, Some(self.bodies.id(i as u32)))?;
-            poses.push(pose);
-        }
-        for (&i, pose) in moving.iter().zip(&poses) {
-            self.bodies.place(i, pose);
-        }
-        Ok(())
-    }
-
     /// Puts a body into another group; its pairs are asked again in the next step.
     ///
     /// # Errors
@@ -366,26 +315,5 @@ impl Scene {
             scratch: self.batch.capacity() * size_of::<(broad::BodyId, broad::Aabb)>()
                 + self.events.capacity() * size_of::<Event>(),
         }
-    }
-}
-
-/// Bytes of a scene by what they are for.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[non_exhaustive]
-pub struct Bytes {
-    /// Tables of bodies.
-    pub bodies: usize,
-    /// The broad phase, its slots of pairs included.
-    pub broad: usize,
-    /// Trackers and answers of pairs.
-    pub pairs: usize,
-    /// Lists kept for their room.
-    pub scratch: usize,
-}
-
-impl Bytes {
-    /// All of them.
-    pub fn total(&self) -> usize {
-        self.bodies + self.broad + self.pairs + self.scratch
     }
 }

@@ -231,3 +231,24 @@ impl Clock {
         Duration::ZERO
     }
 }
+
+/// Bytes of a scene by what they are for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct Bytes {
+    /// Tables of bodies.
+    pub bodies: usize,
+    /// The broad phase, its slots of pairs included.
+    pub broad: usize,
+    /// Trackers and answers of pairs.
+    pub pairs: usize,
+    /// Lists kept for their room.
+    pub scratch: usize,
+}
+
+impl Bytes {
+    /// All of them.
+    pub fn total(&self) -> usize {
+        self.bodies + self.broad + self.pairs + self.scratch
+    }
+}
