@@ -215,6 +215,7 @@ impl Rotation {
         }
     }
 
+    #[inline]
     pub(crate) fn matrix(&self) -> Matrix3<f64> {
         let [a, b, c] = self.columns.map(f64x2::to_array);
         let [x, y] = self.rows[2].to_array();

@@ -164,6 +164,7 @@ impl RelativePose {
     }
 
     /// Translation of `a_from_b`.
+    #[inline]
     pub(crate) fn translation(&self) -> Vector3<f64> {
         self.shift().vector()
     }
@@ -190,6 +191,7 @@ impl RelativePose {
 
     /// Rotation of `a_from_b`: the matrix of `conj(qa) qb`, divided by its squared norm. The norms are within 1e-12 of
     /// one, so `2 - n` is `1 / n` to 1e-24.
+    #[inline]
     pub(crate) fn rotation(&self) -> Matrix3<f64> {
         self.turn().matrix()
     }

@@ -13,11 +13,12 @@ pub(crate) fn one_norm(v: &Vector3<f64>) -> f64 {
     v.x.abs() + v.y.abs() + v.z.abs()
 }
 
-/// Whether a direction across an edge certainly falls into both faces beside it, by its weights over their planes: then the edge is
-/// extreme along it. The weights are made of a vector of this squared length, and turned with it.
+/// Whether a direction across an edge certainly falls into both faces beside it: then the edge is extreme along it. Known by the
+/// weights of the direction over the planes of the faces ([`Edge::weights`](super::edge_edge::Edge::weights)), which are as long
+/// as the other edge; here that, squared.
 ///
-/// From a point of the edge every point of the body is reached along the edge, and by steps that are not negative into the left and the
-/// right face, as the faces are exactly plane. Signs are enough; nothing divides by the sine between the faces.
+/// From a point of the edge every point of the body is reached along the edge, then along the inward directions of the two faces by
+/// ways that are not negative, for the faces are exactly plane. Signs are enough: nothing divides by the sine between the faces.
 #[inline(always)]
 pub(crate) fn is_flanked((alpha, beta): (f64, f64), squared: f64) -> bool {
     let least = FLANK * FLANK * squared;
