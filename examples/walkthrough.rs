@@ -126,7 +126,7 @@ fn main() -> Result<(), Trouble> {
         .map(|(_, at)| *at)
         .collect();
     let plan = Chart::new(format!(
-        "the way of the probe, and the bodies within one unit of its height ({bodies} in all)"
+        "way of the probe, and bodies within one unit of its mean height ({bodies} in all)"
     ))
     .axes("x", "y")
     .legend_beside()
@@ -145,7 +145,7 @@ fn main() -> Result<(), Trouble> {
         };
         reports.chunks(group).enumerate().map(mean).collect::<Vec<_>>()
     };
-    let work = Chart::new("a frame")
+    let work = Chart::new("pairs a frame, mean of fifty")
         .axes("frame", "pairs")
         .legend_beside()
         .from_zero()

@@ -12,6 +12,39 @@ use crate::scalar::sqrt;
 use crate::tolerance::{DISPLACEMENT, FAR, LEAST_SQUARE, NEAR, WAY};
 
 /// The velocity of a rigid body in the world's frame: of its own origin, and about it in radians.
+///
+/// # Time of impact
+///
+/// No query answers it yet. Until one does: no two points of the bodies near each other faster than the sum of their speeds, so the
+/// bodies cannot meet within the lower bound of their distance over this sum (conservative advancement, Mirtich 1996). For constant
+/// velocities:
+///
+/// ```
+/// use lin_canny::nalgebra::{Isometry3, Vector3};
+/// use lin_canny::{ConvexPolyhedron, RelativePose, Tracker, Velocity, polyhedron::solids};
+///
+/// let (a, b) = (solids::cuboid(Vector3::new(0.5, 0.5, 0.5))?, solids::octahedron(0.5)?);
+/// let (pose_a, pose_b) = (Isometry3::identity(), Isometry3::translation(4.0, 0.0, 0.0));
+/// let (rest, flight) = (Velocity::default(), Velocity::new(-Vector3::x(), 0.3 * Vector3::x()));
+///
+/// // How far a body reaches from its own origin.
+/// let reach = |body: &ConvexPolyhedron| { let (centre, radius) = body.bounding_ball(); centre.coords.norm() + radius };
+/// let speed = (rest.linear - flight.linear).norm() + rest.angular.norm() * reach(&a) + flight.angular.norm() * reach(&b);
+/// let (mut pair, mut time, latest, gap) = (Tracker::new(), 0.0, 10.0, 1e-9);
+/// let impact = loop {
+///     let at = |velocity: &Velocity, pose| velocity.applied(pose, time);
+///     let d = pair.distance(&a, &b, &RelativePose::new(&at(&rest, &pose_a), &at(&flight, &pose_b))?);
+///     if d.lower <= gap { break Some(time) } // so near that it counts as contact
+///     time += d.lower / speed;
+///     if !(time <= latest) { break None } // never, where the speed is zero
+/// };
+/// assert!((impact.unwrap() - 3.0).abs() < 2e-9);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[doc(alias = "toi")]
+#[doc(alias = "ccd")]
+#[doc(alias = "time of impact")]
+#[doc(alias = "twist")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Velocity {
@@ -29,6 +62,7 @@ impl Default for Velocity {
 
 impl Velocity {
     /// From its two parts.
+    #[must_use]
     pub const fn new(linear: Vector3<f64>, angular: Vector3<f64>) -> Self {
         Self { linear, angular }
     }
@@ -44,6 +78,7 @@ impl Velocity {
     /// assert!((pose * Vector3::x() - Vector3::y()).norm() < 1e-15);
     /// assert_eq!(pose.translation.vector, Vector3::x() * 0.5);
     /// ```
+    #[must_use]
     pub fn applied(&self, pose: &Isometry3<f64>, time: f64) -> Isometry3<f64> {
         let at = pose.translation.vector + self.linear * time;
         let turned = rotation(&(self.angular * time)) * pose.rotation.into_inner();

@@ -23,6 +23,11 @@ use crate::tracker::{Tracker, clear_of};
 ///
 /// Borrows the bodies: bounds that outlive a pose are of these two alone.
 ///
+/// The signed distance is the greatest gap between parallel supporting planes. A motion that moves no point of one body, seen from the
+/// other, by more than `m` changes each of these gaps by at most `m`, and so the distance: an answer with bounds `lower` and `upper`
+/// is, `m` later, one with bounds `lower - m` and `upper + m`. Only where that is not answer enough the tracker looks. (The idea of
+/// waiting by distance is that of Lin 1993, chapter 5, there with velocities and a heap of times.)
+///
 /// ```
 /// use lin_canny::nalgebra::{Isometry3, Vector3};
 /// use lin_canny::{RelativePose, Watch, polyhedron::solids};
@@ -37,6 +42,8 @@ use crate::tracker::{Tracker, clear_of};
 /// assert_eq!((pair.asked(), pair.looked()), (100, 10));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+#[doc(alias = "approximate")]
+#[doc(alias = "clearance")]
 #[derive(Clone, Debug)]
 pub struct Watch<'a> {
     a: &'a ConvexPolyhedron,
@@ -60,6 +67,7 @@ struct Seen {
 
 impl<'a> Watch<'a> {
     /// Watches two bodies; nothing is known yet.
+    #[must_use]
     pub fn new(a: &'a ConvexPolyhedron, b: &'a ConvexPolyhedron) -> Self {
         let (ball_a, ball_b) = (a.bounding_ball(), b.bounding_ball());
         let (moving, (centre, radius)) = if ball_b.1 <= ball_a.1 {
@@ -126,16 +134,19 @@ impl<'a> Watch<'a> {
     }
 
     /// Questions so far.
+    #[must_use]
     pub fn asked(&self) -> u64 {
         self.asked
     }
 
     /// Questions that the motion since the last look left open.
+    #[must_use]
     pub fn looked(&self) -> u64 {
         self.looked
     }
 
     /// The tracker that looks, for its features and totals.
+    #[must_use]
     pub fn tracker(&self) -> &Tracker {
         &self.tracker
     }

@@ -217,13 +217,14 @@ fn looks(n: usize, degrees: f64) -> Result<f64, Trouble> {
 fn cost() -> Result<String, Trouble> {
     let degrees = [0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 90.0];
     let mut chart = Chart::new("feature pairs looked at in a frame")
-        .axes("degrees turned a frame", "looks")
+        .axes("degrees that B orbits and spins a frame", "looks a frame")
         .log_x()
         .log_y()
+        .legend_low()
         .size(440, 400);
     for n in [20, 200, 2000] {
         let curve: Result<Vec<_>, Trouble> = degrees.iter().map(|&d| Ok((d, looks(n, d)?))).collect();
-        chart = chart.curve(format!("{n} vertices each"), curve?);
+        chart = chart.curve(format!("{n} vertices"), curve?);
     }
     Ok(chart.svg()?)
 }

@@ -346,6 +346,14 @@ pub(crate) fn run(words: &[String]) {
         .into_iter()
         .filter(|p| o.only.as_ref().is_none_or(|s| s == p.0))
         .collect();
+    if plan.is_empty() {
+        eprintln!("no scene is called {}", o.only.unwrap_or_default());
+        std::process::exit(2);
+    }
+    println!(
+        "nanoseconds a query. ours: closest; walk: propose; exact: closest_exact; gjk: parry's, its simplex kept; parry: its distance.\n\
+         /gjk, /parry: ours over theirs. steps: feature pairs looked at in a query; not walk: queries that another layer answered.\n"
+    );
     println!(
         "{:<14} {:<7} {:>5} {:>8} {:>8} {:>9} {:>8} {:>10} {:>7} {:>9} {:>7} {:>9}",
         "scene", "shape", "n", "ours", "walk", "exact", "gjk", "parry", "/gjk", "/parry", "steps", "not walk"

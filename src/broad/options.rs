@@ -21,6 +21,7 @@ impl Groups {
     };
 
     /// Whether two bodies of these groups may pair.
+    #[must_use]
     pub fn meet(self, other: Self) -> bool {
         self.member_of & other.pairs_with != 0 && other.member_of & self.pairs_with != 0
     }
@@ -44,6 +45,7 @@ pub struct Body {
 
 impl Body {
     /// A body that moves, with a tight box, pairing with everything.
+    #[must_use]
     pub fn moving() -> Self {
         Self {
             groups: Groups::ALL,
@@ -54,6 +56,7 @@ impl Body {
     }
 
     /// A body that rests, pairing with everything that moves.
+    #[must_use]
     pub fn fixed() -> Self {
         Self {
             fixed: true,
@@ -62,16 +65,19 @@ impl Body {
     }
 
     /// The same body in these groups.
+    #[must_use]
     pub fn groups(self, groups: Groups) -> Self {
         Self { groups, ..self }
     }
 
     /// The same body with this margin.
+    #[must_use]
     pub fn margin(self, margin: f64) -> Self {
         Self { margin, ..self }
     }
 
     /// The same body reaching this many steps ahead.
+    #[must_use]
     pub fn lookahead(self, steps: f64) -> Self {
         Self {
             lookahead: steps,
@@ -112,11 +118,13 @@ impl Default for Settings {
 
 impl Settings {
     /// The same settings about another origin.
+    #[must_use]
     pub fn origin(self, origin: Point3<f64>) -> Self {
         Self { origin, ..self }
     }
 
     /// The same settings with threads from this number of bodies on.
+    #[must_use]
     pub fn parallel_from(self, bodies: usize) -> Self {
         Self {
             parallel_from: bodies,

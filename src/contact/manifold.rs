@@ -44,11 +44,18 @@ impl ContactPoint {
 
 /// The contact points of one pair of bodies: keep one for each pair and pass it to [`Tracker::manifold`] every frame.
 ///
+/// The features of the certified answer are promoted to the faces or edges within a small angle of its normal; both are seen along
+/// that normal, and the corners of what they share are the contacts, of which the deepest and those that span the most area are kept
+/// (after Gregorius 2013, "The separating axis test between convex polyhedra", GDC; here both faces play the same part,
+/// whichever body is named first).
+///
 /// Holds at most eight points, and nothing on the heap. A manifold of other bodies, or of other options, is made anew. One that
 /// comes from a file (feature `serde`) goes on where it was, and its points are taken at the file's word until they are chosen
 /// anew.
 ///
 /// [`Tracker::manifold`]: crate::Tracker::manifold
+#[doc(alias = "contact points")]
+#[doc(alias = "clipping")]
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Manifold {
@@ -128,6 +135,7 @@ impl Default for Manifold {
 
 impl Manifold {
     /// One without contacts, to begin with.
+    #[must_use]
     pub fn new() -> Self {
         Self::default()
     }
@@ -135,44 +143,54 @@ impl Manifold {
     /// The contacts: those that were there before in their old order, then the new ones. Empty where the bodies are further apart
     /// than the prediction.
     #[inline]
+    #[must_use]
     pub fn points(&self) -> &[ContactPoint] {
         // What comes from a file may say more.
         &self.points[..self.count.min(MOST_POINTS)]
     }
 
     /// The deepest of them.
+    #[must_use]
     pub fn deepest(&self) -> Option<&ContactPoint> {
         let deeper = |x: &&ContactPoint, y: &&ContactPoint| x.separation.total_cmp(&y.separation);
         self.points().iter().min_by(deeper)
     }
 
-    /// Unit direction from A to B, in A's frame: that of the answer the manifold was made from, turned with the reference since.
+    /// Unit direction from A to B, in A's frame: that of the answer the manifold was made from, turned with the reference since. It is
+    /// that of the last query also where there are no contacts, and x before the first.
+    #[must_use]
     pub fn normal(&self) -> Unit<Vector3<f64>> {
         self.normal
     }
 
-    /// The features that bear the contact: of each body a face or an edge across the normal, or what is closest.
+    /// The features that bear the contact: of each body a face or an edge across the normal, or what is closest. `None`
+    /// before the first query.
+    #[must_use]
     pub fn features(&self) -> Option<FeaturePair> {
         self.made.as_ref().map(|m| m.features)
     }
 
     /// The body whose feature gives the normal: with a face against an edge or a vertex, that of the face. In doubt the one it was
     /// before, or else A.
+    #[must_use]
     pub fn reference(&self) -> Which {
         self.made.as_ref().map_or(Which::A, |m| m.reference)
     }
 
-    /// No greater than the signed distance.
+    /// No greater than the signed distance, contacts or not; minus infinity before the first query.
+    #[must_use]
     pub fn lower(&self) -> f64 {
         self.lower
     }
 
-    /// No less than the signed distance.
+    /// No less than the signed distance, contacts or not; infinity before the first query.
+    #[must_use]
     pub fn upper(&self) -> f64 {
         self.upper
     }
 
     /// Whether the points are those of an answer to this very query; otherwise they are old ones with new separations.
+    #[must_use]
     pub fn is_fresh(&self) -> bool {
         self.fresh
     }

@@ -10,8 +10,9 @@ pub struct ManifoldOptions {
     /// Contacts up to this separation are wanted, in the caller's unit. Zero: those that touch or overlap.
     #[cfg_attr(feature = "serde", serde(with = "crate::scalar::infinite"))]
     pub prediction: f64,
-    /// How many points at most, 1 to 8. Of faces of more than 24 corners not all corners of what they share are looked at: in random poses
-    /// of one upon another eight points span 60 % of it in all but some in a thousand, and where it is long and narrow now and then much less.
+    /// How many points at most, 1 to 8. Default 4. Of faces of more than 24 corners not all corners of what they share are looked at: in
+    /// random poses of one upon another eight points span 60 % of it in all but some in a thousand, and where it is long and narrow now
+    /// and then much less.
     pub max_points: usize,
     /// The sine of the largest angle between the normal and a face that bears the contact. Default 1/64, a little less than one degree.
     /// A face within one degree of upright bears none, whatever is asked.
@@ -36,6 +37,7 @@ impl Default for ManifoldOptions {
 
 impl ManifoldOptions {
     /// The default with a prediction distance.
+    #[must_use]
     pub const fn within(prediction: f64) -> Self {
         Self {
             prediction,

@@ -46,6 +46,7 @@ impl Body {
     }
 
     /// The same body in this group.
+    #[must_use]
     pub fn group(self, group: Group) -> Self {
         Self { group, ..self }
     }

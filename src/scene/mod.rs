@@ -43,6 +43,39 @@
 //! [`report`](Scene::report). On top there are questions a step does not answer: [`pairs_within`](Scene::pairs_within),
 //! [`nearest`](Scene::nearest), [`first_contact`](Scene::first_contact).
 //!
+//! # The nearest pair of a robot and its cell
+//!
+//! A distance is called for up to a range, and the least of what a step found is the clearance. What is said of a pair is in the frames
+//! of its bodies, as in [`Outcome`](crate::Outcome); their poses lead to the world.
+//!
+//! ```
+//! use lin_canny::nalgebra::{Isometry3, Vector3};
+//! use lin_canny::polyhedron::solids;
+//! use lin_canny::scene::{Body, Effects, Group, Scene};
+//!
+//! const CELL: Group = Group::new(1).unwrap();
+//! const ROBOT: Group = Group::new(2).unwrap();
+//!
+//! let mut scene = Scene::new();
+//! scene.call_for(ROBOT, CELL, Effects { distance: Some(0.5), features: true, depth: true, ..Effects::none() })?;
+//! let post = solids::prism(24, 0.1, 1.0)?;
+//! scene.insert(Body::fixed(post).group(CELL), Isometry3::translation(1.0, 0.0, 0.0))?;
+//! let link = solids::cuboid(Vector3::new(0.3, 0.05, 0.05))?;
+//! let link = scene.insert(Body::moving(link).group(ROBOT), Isometry3::translation(0.4, 0.0, 0.2))?;
+//! scene.step();
+//!
+//! let answers = scene.pairs().filter_map(|pair| Some((pair, pair.outcome?)));
+//! let (pair, nearest) = answers.min_by(|x, y| x.1.distance.total_cmp(&y.1.distance)).expect("no farther apart than 0.5");
+//! assert!((nearest.distance - 0.2).abs() < 1e-3);
+//! let on_link = if pair.a == link { nearest.point_on_a } else { nearest.point_on_b };
+//! let in_world = scene.pose(link).unwrap() * on_link;
+//! assert!((in_world.x - 0.7).abs() < 1e-12);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! Neighbouring links of an arm touch by design. There is no filter by single pairs: give each link a group of its own and call for
+//! effects between those that are no neighbours.
+//!
 //! # What it costs
 //!
 //! [`Effects`] is the price list. A pair that only events of overlaps or of `within` are called for is looked at when its bodies may
@@ -56,7 +89,8 @@
 //! * Dropping an effect never raises a counter of the narrow phase on the scenes tested; what is not called for is counted as
 //!   exactly zero, and takes no memory.
 //! * The same calls give the same answers, events and counts bit for bit, with any number of threads (feature `parallel`), and after
-//!   a scene was written and read back (feature `serde`).
+//!   a scene was written and read back (feature `serde`; only [`Counts::swaps`], the work of sorted lists that are then built anew,
+//!   may differ). The format has to keep every bit of an `f64`: with `serde_json` switch on its feature `float_roundtrip`.
 //! * A refused call names what was wrong and changes nothing ([`SceneError`]).
 //!
 //! # Limits
@@ -107,7 +141,10 @@ pub use report::{Bytes, Counts, Report, Times};
 pub use search::Near;
 
 /// Bodies, the effects called for, and what the last step found. See the [module page](self).
-#[derive(Clone, Debug)]
+#[doc(alias = "world")]
+#[doc(alias = "collision detection")]
+#[doc(alias = "i-collide")]
+#[derive(Clone)]
 pub struct Scene {
     bodies: Bodies,
     table: Table,
@@ -128,6 +165,17 @@ pub struct Scene {
     batch: Vec<(broad::BodyId, broad::Aabb)>,
 }
 
+/// How much there is; a scene is too large to be printed whole.
+impl core::fmt::Debug for Scene {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.debug_struct("Scene")
+            .field("bodies", &self.body_count())
+            .field("pairs", &self.pair_count())
+            .field("events", &self.events.len())
+            .finish_non_exhaustive()
+    }
+}
+
 impl Default for Scene {
     fn default() -> Self {
         Self::new()
@@ -136,11 +184,13 @@ impl Default for Scene {
 
 impl Scene {
     /// An empty scene about the origin, in which nothing is called for.
+    #[must_use]
     pub fn new() -> Self {
         Self::with_settings(Settings::default())
     }
 
     /// An empty scene with settings of its own: where boxes are finest, and from how many bodies on threads are used.
+    #[must_use]
     pub fn with_settings(settings: Settings) -> Self {
         let bodies = Bodies {
             step: 1,
@@ -179,6 +229,7 @@ impl Scene {
     }
 
     /// What is called for.
+    #[must_use]
     pub fn effects(&self, these: Group, those: Group) -> Effects {
         self.table.effects(these, those)
     }
@@ -271,22 +322,26 @@ impl Scene {
     }
 
     /// The pose last set.
+    #[must_use]
     pub fn pose(&self, id: BodyId) -> Option<&Isometry3<f64>> {
         Some(&self.bodies.poses[self.bodies.index_of(id).ok()?])
     }
 
     /// The shape of a body.
+    #[must_use]
     pub fn shape(&self, id: BodyId) -> Option<&ConvexPolyhedron> {
         let solid = self.bodies.solids[self.bodies.index_of(id).ok()?].as_ref()?;
         Some(&solid.shape)
     }
 
     /// The group of a body.
+    #[must_use]
     pub fn group(&self, id: BodyId) -> Option<Group> {
         Some(self.bodies.solids[self.bodies.index_of(id).ok()?].as_ref()?.group)
     }
 
     /// Number of bodies.
+    #[must_use]
     pub fn body_count(&self) -> usize {
         self.bodies.len()
     }
@@ -297,16 +352,19 @@ impl Scene {
     }
 
     /// What the last step changed, in ascending order of the two bodies; of one pair in the order of [`Change`].
+    #[must_use]
     pub fn events(&self) -> &[Event] {
         &self.events
     }
 
     /// What the last step did and how long it took.
+    #[must_use]
     pub fn report(&self) -> &Report {
         &self.report
     }
 
     /// Bytes reserved, shapes not counted: they belong to whoever shares them.
+    #[must_use]
     pub fn bytes(&self) -> Bytes {
         Bytes {
             bodies: self.bodies.bytes(),

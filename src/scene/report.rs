@@ -62,6 +62,7 @@ pub struct Counts {
 
 impl Counts {
     /// How many queries `layer` answered.
+    #[must_use]
     pub fn answered_by(&self, layer: Layer) -> u64 {
         self.answered[layer as usize]
     }
@@ -127,6 +128,7 @@ pub struct Times {
 
 impl Times {
     /// All stages.
+    #[must_use]
     pub fn total(&self) -> Duration {
         self.boxes + self.pairs + self.look + self.events
     }
@@ -248,6 +250,7 @@ pub struct Bytes {
 
 impl Bytes {
     /// All of them.
+    #[must_use]
     pub fn total(&self) -> usize {
         self.bodies + self.broad + self.pairs + self.scratch
     }

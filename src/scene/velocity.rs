@@ -32,6 +32,7 @@ impl Scene {
     }
 
     /// The velocity of a body: zero unless set.
+    #[must_use]
     pub fn velocity(&self, id: BodyId) -> Option<Velocity> {
         let i = self.bodies.index_of(id).ok()?;
         Some(self.bodies.velocities.get(i).copied().unwrap_or_default())

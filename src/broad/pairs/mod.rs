@@ -25,6 +25,12 @@ pub struct PairId {
     pub generation: u32,
 }
 
+impl core::fmt::Display for PairId {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        write!(f, "pair {} (generation {})", self.slot, self.generation)
+    }
+}
+
 /// Two bodies whose boxes overlap, `a.index < b.index`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
