@@ -68,6 +68,20 @@ impl Lanes {
         }
     }
 
+    /// The same with a number of its own in the lane to spare.
+    #[inline(always)]
+    pub(crate) fn carrying(v: &Vector3<f64>, other: f64) -> Self {
+        Self {
+            z: zipped(f64x2::splat(v.z), f64x2::splat(other)).0,
+            ..Self::new(v)
+        }
+    }
+
+    #[inline(always)]
+    pub(crate) fn carried(self) -> f64 {
+        first(spread(self.z).1)
+    }
+
     #[inline(always)]
     pub(crate) fn vector(self) -> Vector3<f64> {
         let [x, y] = self.xy.to_array();

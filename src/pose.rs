@@ -86,9 +86,8 @@ pub struct RelativePose {
 pub(crate) struct Placement {
     /// Quaternion: vector part, then scalar part.
     q: [f64x2; 2],
+    /// The translation; in the lane to spare, `|q|^2`, rounded.
     t: Lanes,
-    /// `|q|^2`, rounded.
-    norm_squared: f64,
 }
 
 impl Placement {
@@ -104,8 +103,7 @@ impl Placement {
         let [even, odd] = (q[0] * q[0] + q[1] * q[1]).to_array();
         Self {
             q,
-            t: Lanes::new(&t.into()),
-            norm_squared: even + odd,
+            t: Lanes::carrying(&t.into(), even + odd),
         }
     }
 
@@ -120,6 +118,11 @@ impl Placement {
         self.t.vector().into()
     }
 
+    #[inline(always)]
+    fn norm_squared(&self) -> f64 {
+        self.t.carried()
+    }
+
     fn check(&self, body: Which) -> Result<(), PoseError> {
         let t = self.t();
         if let Some(axis) = (0..3).find(|&k| !t[k].is_finite()) {
@@ -129,7 +132,7 @@ impl Placement {
                 value: t[axis],
             });
         }
-        let norm_squared = self.norm_squared;
+        let norm_squared = self.norm_squared();
         // NaN fails the comparison and is refused.
         if (norm_squared - 1.0).abs() <= POSE_UNIT {
             Ok(())
@@ -154,7 +157,7 @@ impl RelativePose {
     pub fn new(pose_a: &Isometry3<f64>, pose_b: &Isometry3<f64>) -> Result<Self, PoseError> {
         let (a, b) = (Placement::new(pose_a), Placement::new(pose_b));
         let offset = offset(&a, &b);
-        let unit = |p: &Placement| (p.norm_squared - 1.0).abs() <= POSE_UNIT;
+        let unit = |p: &Placement| (p.norm_squared() - 1.0).abs() <= POSE_UNIT;
         // Comparisons with NaN are false.
         let near = offset.one_norm() < REACH;
         if near && unit(&a) && unit(&b) {
@@ -208,7 +211,7 @@ impl RelativePose {
     fn turned_to_a(&self, offset: Lanes) -> Lanes {
         let (axis, w) = lanes::parts(&self.a.q);
         let c = offset.cross(axis);
-        let s = 2.0 * (2.0 - self.a.norm_squared);
+        let s = 2.0 * (2.0 - self.a.norm_squared());
         offset + (c * w + c.cross(axis)) * s
     }
 
@@ -222,7 +225,7 @@ impl RelativePose {
     /// The same in lanes.
     #[inline(always)]
     pub(crate) fn turn(&self) -> Rotation {
-        let s = 2.0 * (2.0 - self.a.norm_squared) * (2.0 - self.b.norm_squared);
+        let s = 2.0 * (2.0 - self.a.norm_squared()) * (2.0 - self.b.norm_squared());
         Rotation::between(&self.a.q, &self.b.q, s)
     }
 }
