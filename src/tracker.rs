@@ -251,7 +251,9 @@ impl Tracker {
         let first = *outcome;
         if !penetration::resume(placed, &mut self.memory, outcome) {
             self.memory.clear();
+            let grown = outcome.work.grown;
             *outcome = first;
+            outcome.work.grown = grown;
             return false;
         }
         self.totals.queries += 1;
