@@ -5,9 +5,10 @@
 //! certificate is that they agree. It does not ask how the pair was found, so no error of the walk survives it: a
 //! cycle, a wrong end, a bad witness of nearly parallel edges all show as a gap between the bounds.
 //!
-//! The height of a body along `n` is had three ways, each with its proof:
+//! The height of a body along `n` is had four ways, each with its proof:
 //! * **face**: the plane of a face of the body, whose offset was taken over the whole body when it was built;
-//! * **edge**: two planes and linear programming duality (`edge_bound` in `closest::fan`);
+//! * **edge**: `n` is across it and certainly falls into both faces beside it (`is_flanked` in `closest::fan`);
+//! * **two planes**, where the signs of an edge leave doubt: linear programming duality (`edge_bound` there);
 //! * **vertex**: every edge of the fan certainly falls, so no neighbour and hence no vertex is higher.
 //!
 //! Where rounding leaves one of them open, both supports are searched for and proven ([`supports`]). The error terms

@@ -225,6 +225,7 @@ mod closest;
 mod contact;
 pub mod cost;
 mod double_double;
+mod lanes;
 mod motion;
 mod penetration;
 pub mod polyhedron;

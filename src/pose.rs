@@ -1,7 +1,9 @@
 //! The relative pose of two bodies: the only place a pose is refused.
 
 use nalgebra::{Isometry3, Matrix3, Quaternion, Vector3};
+use wide::f64x2;
 
+use crate::lanes::{self, Lanes, Rotation};
 use crate::tolerance::{POSE_UNIT, REACH};
 
 /// Why a pose is no rigid motion.
@@ -78,43 +80,59 @@ pub struct RelativePose {
     pub(crate) b: Placement,
 }
 
-/// One pose as given.
+/// One pose as given, in lanes: a query reads it moments after it was stored.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(into = "RawPlacement"))]
 pub(crate) struct Placement {
     /// Quaternion: vector part, then scalar part.
-    pub(crate) q: [f64; 4],
-    pub(crate) t: [f64; 3],
-    /// `|q|^2`, rounded.
-    norm_squared: f64,
+    q: [f64x2; 2],
+    /// The translation; in the lane to spare, `|q|^2`, rounded.
+    t: Lanes,
 }
 
 impl Placement {
-    #[inline]
+    #[inline(always)]
     fn new(pose: &Isometry3<f64>) -> Self {
         let (q, t) = (&pose.rotation.coords, &pose.translation.vector);
         Self::of([q.x, q.y, q.z, q.w], [t.x, t.y, t.z])
     }
 
-    #[inline]
-    fn of(q: [f64; 4], t: [f64; 3]) -> Self {
-        let [x, y, z, w] = q;
+    #[inline(always)]
+    fn of([x, y, z, w]: [f64; 4], t: [f64; 3]) -> Self {
+        let q = [f64x2::new([x, y]), f64x2::new([z, w])];
+        let [even, odd] = (q[0] * q[0] + q[1] * q[1]).to_array();
         Self {
             q,
-            t,
-            norm_squared: x * x + y * y + z * z + w * w,
+            t: Lanes::carrying(&t.into(), even + odd),
         }
     }
 
+    #[inline(always)]
+    pub(crate) fn q(&self) -> [f64; 4] {
+        let [[x, y], [z, w]] = self.q.map(f64x2::to_array);
+        [x, y, z, w]
+    }
+
+    #[inline(always)]
+    pub(crate) fn t(&self) -> [f64; 3] {
+        self.t.vector().into()
+    }
+
+    #[inline(always)]
+    fn norm_squared(&self) -> f64 {
+        self.t.carried()
+    }
+
     fn check(&self, body: Which) -> Result<(), PoseError> {
-        if let Some(axis) = (0..3).find(|&k| !self.t[k].is_finite()) {
+        let t = self.t();
+        if let Some(axis) = (0..3).find(|&k| !t[k].is_finite()) {
             return Err(PoseError::Translation {
                 body,
                 axis,
-                value: self.t[axis],
+                value: t[axis],
             });
         }
-        let norm_squared = self.norm_squared;
+        let norm_squared = self.norm_squared();
         // NaN fails the comparison and is refused.
         if (norm_squared - 1.0).abs() <= POSE_UNIT {
             Ok(())
@@ -124,9 +142,9 @@ impl Placement {
     }
 
     pub(crate) fn isometry(&self) -> Isometry3<f64> {
-        let [x, y, z, w] = self.q;
+        let [x, y, z, w] = self.q();
         let q = nalgebra::UnitQuaternion::new_unchecked(Quaternion::new(w, x, y, z));
-        Isometry3::from_parts(Vector3::from(self.t).into(), q)
+        Isometry3::from_parts(Vector3::from(self.t()).into(), q)
     }
 }
 
@@ -137,35 +155,16 @@ impl RelativePose {
     /// A translation that is not finite or out of range, or a rotation whose squared norm is off 1 by more than 1e-12.
     #[inline]
     pub fn new(pose_a: &Isometry3<f64>, pose_b: &Isometry3<f64>) -> Result<Self, PoseError> {
-        let pose = Self {
-            a: Placement::new(pose_a),
-            b: Placement::new(pose_b),
-        };
-        let offset = pose.offset();
-        let unit = |p: &Placement| (p.norm_squared - 1.0).abs() <= POSE_UNIT;
+        let (a, b) = (Placement::new(pose_a), Placement::new(pose_b));
+        let offset = offset(&a, &b);
+        let unit = |p: &Placement| (p.norm_squared() - 1.0).abs() <= POSE_UNIT;
         // Comparisons with NaN are false.
-        let near = offset.x.abs() + offset.y.abs() + offset.z.abs() < REACH;
-        if near && unit(&pose.a) && unit(&pose.b) {
-            Ok(pose)
+        let near = offset.one_norm() < REACH;
+        if near && unit(&a) && unit(&b) {
+            Ok(Self { a, b })
         } else {
-            pose.checked()
-        }
-    }
-
-    /// The same with every number looked at.
-    #[cold]
-    fn checked(self) -> Result<Self, PoseError> {
-        self.a.check(Which::A)?;
-        self.b.check(Which::B)?;
-        let offset = self.offset();
-        // Of three coordinates whose sum is too large one is a third of it.
-        match (0..3).find(|&k| !(offset[k].abs() < REACH / 4.0)) {
-            None => Ok(self),
-            Some(axis) => Err(PoseError::Translation {
-                body: Which::B,
-                axis,
-                value: offset[axis],
-            }),
+            // From the start again: a pose whose address is taken would be copied whole.
+            Err(refusal(pose_a, pose_b))
         }
     }
 
@@ -190,52 +189,68 @@ impl RelativePose {
         (self.a.isometry(), self.b.isometry())
     }
 
-    /// `t_b - t_a`: world offsets end here.
+    /// Translation of `a_from_b`.
     #[inline]
-    fn offset(&self) -> Vector3<f64> {
-        Vector3::from(self.b.t) - Vector3::from(self.a.t)
+    pub(crate) fn translation(&self) -> Vector3<f64> {
+        self.shift().vector()
     }
 
-    /// Translation of `a_from_b`.
+    /// The same in lanes.
     #[inline(always)]
-    pub(crate) fn translation(&self) -> Vector3<f64> {
-        self.turned_to_a(self.offset())
+    pub(crate) fn shift(&self) -> Lanes {
+        self.turned_to_a(offset(&self.a, &self.b))
     }
 
     /// A sixteenth of the translation, whose computation leaves no range that the translation itself does not.
     pub(crate) fn sixteenth(&self) -> Vector3<f64> {
-        self.turned_to_a(self.offset() / 16.0)
+        self.turned_to_a(offset(&self.a, &self.b) * (1.0 / 16.0)).vector()
     }
 
+    /// `R_a^T offset`.
     #[inline(always)]
-    fn turned_to_a(&self, offset: Vector3<f64>) -> Vector3<f64> {
-        let [x, y, z, w] = self.a.q;
-        // R_a^T offset, with the axis reversed.
-        let axis = Vector3::new(-x, -y, -z);
-        let c = axis.cross(&offset);
-        offset + (c * w + axis.cross(&c)) * (2.0 * (2.0 - self.a.norm_squared))
+    fn turned_to_a(&self, offset: Lanes) -> Lanes {
+        let (axis, w) = lanes::parts(&self.a.q);
+        let c = offset.cross(axis);
+        let s = 2.0 * (2.0 - self.a.norm_squared());
+        offset + (c * w + c.cross(axis)) * s
     }
 
     /// Rotation of `a_from_b`: the matrix of `conj(qa) qb`, divided by its squared norm. The norms are within 1e-12 of
     /// one, so `2 - n` is `1 / n` to 1e-24.
-    #[inline(always)]
+    #[inline]
     pub(crate) fn rotation(&self) -> Matrix3<f64> {
-        relative_rotation(
-            &self.a.q,
-            &self.b.q,
-            2.0 * (2.0 - self.a.norm_squared) * (2.0 - self.b.norm_squared),
-        )
+        self.turn().matrix()
+    }
+
+    /// The same in lanes.
+    #[inline(always)]
+    pub(crate) fn turn(&self) -> Rotation {
+        let s = 2.0 * (2.0 - self.a.norm_squared()) * (2.0 - self.b.norm_squared());
+        Rotation::between(&self.a.q, &self.b.q, s)
     }
 }
 
+/// What is wrong with one of two poses of which one is.
+#[cold]
+fn refusal(pose_a: &Isometry3<f64>, pose_b: &Isometry3<f64>) -> PoseError {
+    let (a, b) = (Placement::new(pose_a), Placement::new(pose_b));
+    if let Err(e) = a.check(Which::A).and(b.check(Which::B)) {
+        return e;
+    }
+    let offset = offset(&a, &b).vector();
+    // Of three coordinates whose sum is too large the largest is a third of it.
+    let axis = offset.iamax();
+    PoseError::Translation {
+        body: Which::B,
+        axis,
+        value: offset[axis],
+    }
+}
+
+/// `t_b - t_a`: world offsets end here.
 #[inline(always)]
-fn relative_rotation(qa: &[f64; 4], qb: &[f64; 4], s: f64) -> Matrix3<f64> {
-    let ([ax, ay, az, aw], [bx, by, bz, bw]) = (*qa, *qb);
-    let w = aw * bw + ax * bx + ay * by + az * bz;
-    let x = aw * bx - ax * bw - ay * bz + az * by;
-    let y = aw * by + ax * bz - ay * bw - az * bx;
-    let z = aw * bz - ax * by + ay * bx - az * bw;
-    rotation_matrix(&[x, y, z, w], s)
+fn offset(a: &Placement, b: &Placement) -> Lanes {
+    b.t - a.t
 }
 
 /// The matrix that turns by `q`, for `s = 2 / |q|^2`.
@@ -250,6 +265,21 @@ pub(crate) fn rotation_matrix(q: &[f64; 4], s: f64) -> Matrix3<f64> {
     Matrix3::new(xx, xy - wz, xz + wy, xy + wz, yy, yz - wx, xz - wy, yz + wx, zz)
 }
 
+/// A pose in files.
+#[cfg(feature = "serde")]
+#[derive(serde::Serialize, serde::Deserialize)]
+struct RawPlacement {
+    q: [f64; 4],
+    t: [f64; 3],
+}
+
+#[cfg(feature = "serde")]
+impl From<Placement> for RawPlacement {
+    fn from(p: Placement) -> Self {
+        Self { q: p.q(), t: p.t() }
+    }
+}
+
 #[cfg(feature = "serde")]
 impl<'de> serde::Deserialize<'de> for RelativePose {
     fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
@@ -257,11 +287,6 @@ impl<'de> serde::Deserialize<'de> for RelativePose {
         struct Raw {
             a: RawPlacement,
             b: RawPlacement,
-        }
-        #[derive(serde::Deserialize)]
-        struct RawPlacement {
-            q: [f64; 4],
-            t: [f64; 3],
         }
         let raw = Raw::deserialize(deserializer)?;
         let pose = |p: RawPlacement| Placement::of(p.q, p.t).isometry();

@@ -122,7 +122,7 @@ impl fmt::Display for Replay {
             }
         }
         for (word, p) in [("pose A", &self.pose.a), ("pose B", &self.pose.b)] {
-            let ([x, y, z, w], [tx, ty, tz]) = (p.q, p.t);
+            let ([x, y, z, w], [tx, ty, tz]) = (p.q(), p.t());
             numbers(f, word, &[x, y, z, w, tx, ty, tz])?;
         }
         match self.start {

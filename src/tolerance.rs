@@ -158,11 +158,15 @@ pub const PLATEAU: f64 = 16.0 * UNIT;
 ///    `|t| + rA`, the difference from the translation and its own error, 29 u |t|: 77 u rA + 106 u |t|. Sums: u L.
 /// 5. A direction taken into the other frame: 6 u, which may put another vertex lowest: 12 u of that body's radius.
 ///    Heights along a direction: 3 u of rA, rB and |t|, once more where the highest of several is taken; their sums, 2 u L.
+///    Of two edges each extreme across the other (`FLANK`): no direction is taken into another frame and no highest of several,
+///    but `n` is off their right angle by `3.5 u / sine` on A, where the sine is at least 1/4 or the angle is made right (6 u),
+///    and by 6 u more on B, for the turned edge: 28 u of rA, 40 u of rB. Of an edge beside a vertex, the direction is made right
+///    within 8 u: 17 u of its body's radius.
 /// 6. The witnesses, made as `p + s u` with `s` in 0..1, or as a sum of corners whose weights sum to one within 4 u: 8 u
 ///    of rA and of rB, in the upper bound instead of 5. The norm, or that of a normal: 3 u L.
 ///
 /// Sum, with u L counted for every summand: at most 77 + 12 + 6 + 6 = 101 u for the radius of the body that is placed,
-/// 106 + 3 + 6 = 115 u for |t|, 40 u for the other radius. Second-order terms are below 1 u. In double-double the same
+/// 106 + 3 + 6 = 115 u for |t|, 40 u for the other radius; for two edges 77 + 40 + 3 + 6 = 126 u, 115 u and 68 u. Second-order terms are below 1 u. In double-double the same
 /// holds with two matrices of 40 for one, 16 for their product, and 2 times 46 for the translation with the origins of the
 /// bodies added to L; its sums and products err by 10 UNIT^2 at most, so all is below 100 [`UNIT_DOUBLE_DOUBLE`]. The
 /// largest violation of the bounds without their term that was ever seen is 11 u L.
@@ -231,6 +235,22 @@ pub(crate) const FAR_POINT: f64 = (1u64 << 60) as f64;
 /// roundings a coordinate relative to `alpha + beta` (3.5 UNIT as a vector), `s m` one more, and the weighted sum of the
 /// offsets three, each at most the radius.
 pub const EDGE_BOUND: f64 = 8.0 * UNIT;
+
+/// The signs of the weights of `n = u x w` over the faces beside two edges, `w . n'` and `u' . n'` for face normals `n'` and the edges
+/// turned by a pose, are certain above this times the turned edge: then `n` falls, certainly, along the inward direction `n' x e` of each
+/// face, `e` its edge. With norms of one for all four vectors:
+///
+/// 1. On A: `(u x w) . (n' x u) = -(w . n') (u . u)`. The edge, a rounded difference, errs by UNIT, which makes `u . n'` no
+///    more; the cross product by 2.5, and 4 where it is orthogonalised; the dot by 3 and `n'` by `NORMAL_ERROR`. Sum: below 13.
+/// 2. On B, whose inward direction is `n' x w` in its own frame: a matrix that errs by 71 (see [`CERTIFICATE`]) turns a cross product
+///    into that of the turned vectors within 213, and keeps the right angle between `w` and `n'` within 142; the turned edges err by 7
+///    each; cross product and dot as on A. Sum: below 390.
+///
+/// A vertex beside an edge has one frame and no matrix: the direction `d` from the edge to it and `u x d` for `w` leave
+/// `(2.5 + 3 + 1.1 + 1) UNIT |u| |d|`, below `DIFFERENCE L` times the 1-norm of `u`.
+///
+/// What `n` has along the edges themselves is rounding, times up to `2 r`; [`CERTIFICATE`] counts it.
+pub(crate) const FLANK: f64 = 512.0 * UNIT;
 
 /// A pivot of a small system below this times its diagonal may be rounding alone: products and sums of up to four terms, and room.
 /// Not a matter of soundness.

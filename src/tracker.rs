@@ -219,7 +219,10 @@ impl Tracker {
                 return;
             }
             let warm = self.start(a, b);
-            outcome.features = warm.unwrap_or_else(|| closest::seed::cold(&placed, &mut outcome.work));
+            match warm {
+                Some(pair) => outcome.features = pair,
+                None => outcome.features = closest::seed::cold(&placed, &mut outcome.work),
+            }
             closest::solve(level, &placed, warm.is_some(), outcome);
             self.deepen(deep, &placed, outcome);
             self.count(warm.is_some(), a, b, outcome);
@@ -248,7 +251,9 @@ impl Tracker {
         let first = *outcome;
         if !penetration::resume(placed, &mut self.memory, outcome) {
             self.memory.clear();
+            let grown = outcome.work.grown;
             *outcome = first;
+            outcome.work.grown = grown;
             return false;
         }
         self.totals.queries += 1;

@@ -129,17 +129,18 @@ fn functions_are_short() {
 }
 
 /// What the code of a folder may name of the crate.
-const MAY_USE: [(&str, &[&str]); 13] = [
+const MAY_USE: [(&str, &[&str]); 14] = [
     ("tolerance", &[]),
     ("scalar", &["tolerance"]),
     ("double_double", &["scalar", "tolerance"]),
-    ("pose", &["tolerance"]),
+    ("lanes", &[]),
+    ("pose", &["lanes", "tolerance"]),
     // Poses, velocities and displacements: no body.
     ("motion", &["pose", "scalar", "tolerance"]),
     // The box of a placed body turns by a pose's matrix.
     (
         "polyhedron",
-        &["polyhedron", "pose", "scalar", "double_double", "tolerance"],
+        &["polyhedron", "pose", "lanes", "scalar", "double_double", "tolerance"],
     ),
     // Boxes and ids only.
     ("broad", &["broad", "tolerance"]),
@@ -150,6 +151,7 @@ const MAY_USE: [(&str, &[&str]); 13] = [
             "certificate",
             "polyhedron",
             "pose",
+            "lanes",
             "scalar",
             "double_double",
             "tolerance",
@@ -163,6 +165,7 @@ const MAY_USE: [(&str, &[&str]); 13] = [
             "closest",
             "polyhedron",
             "pose",
+            "lanes",
             "scalar",
             "double_double",
             "tolerance",

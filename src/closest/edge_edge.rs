@@ -8,11 +8,12 @@
 
 use nalgebra::Vector3;
 
-use super::fan::one_norm;
+use super::fan::is_flanked;
 use super::outcome::Outcome;
 use super::placed::{OfA, OfB, Placed};
 use super::slide::{Slide, slide};
 use super::state::Step;
+use crate::lanes::Lanes;
 use crate::polyhedron::{ConvexPolyhedron, FeaturePair, Plane};
 use crate::pose::Which;
 use crate::scalar::sqrt;
@@ -47,8 +48,9 @@ impl<'a> Edge<'a> {
     /// How far `t` leaves the faces on the right and on the left behind, for a normal turned by `sign`: the weights of
     /// the normal over the planes of the left and the right one, not negative inside.
     #[inline(always)]
-    pub(crate) fn weights(&self, t: &Vector3<f64>, sign: f64) -> (f64, f64) {
-        (-sign * t.dot(&self.right.normal), sign * t.dot(&self.left.normal))
+    pub(crate) fn weights(&self, t: Lanes, sign: f64) -> (f64, f64) {
+        let along = |plane: &Plane| t.dot(Lanes::new(&plane.normal));
+        (-sign * along(self.right), sign * along(self.left))
     }
 }
 
@@ -56,41 +58,45 @@ impl<'a> Edge<'a> {
 #[inline(never)]
 pub(crate) fn look<const CERTIFY: bool>(placed: &Placed, a: u32, b: u32, outcome: &mut Outcome) -> Step {
     let (ea, eb) = (Edge::new(placed.a, a), Edge::new(placed.b, b));
-    let (u, w_in_b) = (ea.q - ea.p, eb.q - eb.p);
-    let (w, p2) = (placed.vector_in_a(&w_in_b), placed.point_in_a(&eb.p));
-    let r = p2 - ea.p;
+    let (p1, p2_in_b) = (Lanes::new(&ea.p), Lanes::new(&eb.p));
+    let (u, w_in_b) = (Lanes::new(&ea.q) - p1, Lanes::new(&eb.q) - p2_in_b);
+    let w = placed.rotation.times(w_in_b);
+    let p2 = placed.rotation.times(p2_in_b) + placed.translation;
+    let r = p2 - p1;
     let (uu, ww) = (u.norm_squared(), w.norm_squared());
-    let mut n = u.cross(&w);
+    let mut n = u.cross(w);
     let mut nn = n.norm_squared();
     if nn < NEARLY_PARALLEL * uu * ww {
-        n -= u * (n.dot(&u) / uu);
+        n = n - u * (n.dot(u) / uu);
         nn = n.norm_squared();
         if nn <= PARALLEL * uu * ww {
             return ends(placed, a, b, outcome);
         }
     }
     let per_square = 1.0 / nn;
-    let (s, t) = (r.cross(&w).dot(&n) * per_square, r.cross(&u).dot(&n) * per_square);
-    if s.min(t) < 0.0 || s.max(t) > 1.0 {
+    let (s, t) = (r.cross(w).dot(n) * per_square, r.cross(u).dot(n) * per_square);
+    if s < 0.0 || t < 0.0 || s > 1.0 || t > 1.0 {
         let off = |s: f64, squared: f64| (s - s.clamp(0.0, 1.0)).abs() * sqrt(squared) > DIFFERENCE * placed.size();
         if off(s, uu) || off(t, ww) {
             return ends(placed, a, b, outcome);
         }
     }
-    let sign = if r.dot(&n) < 0.0 { -1.0 } else { 1.0 };
-    let u_in_b = placed.vector_in_b(&u);
-    let (on_a, on_b) = (ea.weights(&w, sign), eb.weights(&u_in_b, sign));
+    let along = r.dot(n);
+    let sign = if along < 0.0 { -1.0 } else { 1.0 };
+    let u_in_b = placed.rotation.transposed_times(u);
+    let (on_a, on_b) = (ea.weights(w, sign), eb.weights(u_in_b, sign));
     let (s, t) = (s.clamp(0.0, 1.0), t.clamp(0.0, 1.0));
-    if on_a.0.min(on_a.1) < 0.0 || on_b.0.min(on_b.1) < 0.0 {
+    let proven = is_flanked(on_a, ww) && is_flanked(on_b, uu);
+    if !proven && (on_a.0 < 0.0 || on_a.1 < 0.0 || on_b.0 < 0.0 || on_b.1 < 0.0) {
         // The weights are as long as the other edge: compare sines.
-        let sine = |least: f64, other: &Vector3<f64>| {
-            if least < -DIRECTION * one_norm(other) {
+        let sine = |least: f64, other: Lanes| {
+            if least < -DIRECTION * other.one_norm() {
                 least / sqrt(other.norm_squared())
             } else {
                 0.0
             }
         };
-        let (out_a, out_b) = (sine(on_a.0.min(on_a.1), &w), sine(on_b.0.min(on_b.1), &u_in_b));
+        let (out_a, out_b) = (sine(on_a.0.min(on_a.1), w), sine(on_b.0.min(on_b.1), u_in_b));
         if out_a < 0.0 && out_a <= out_b {
             return over_face_of_a(placed, a, b, on_a.0 < on_a.1, t, outcome);
         }
@@ -98,23 +104,33 @@ pub(crate) fn look<const CERTIFY: bool>(placed: &Placed, a: u32, b: u32, outcome
             return over_face_of_b(placed, a, b, on_b.0 < on_b.1, s, outcome);
         }
     }
-    let (point_a, point_b) = (ea.p + u * s, eb.p + w_in_b * t);
-    let between = (p2 + w * t) - point_a;
-    let distance = sqrt(between.norm_squared());
+    let (point_a, point_b) = (p1 + u * s, p2_in_b + w_in_b * t);
+    let distance = sqrt((p2 + w * t - point_a).norm_squared());
     if distance <= ON_BOUNDARY * placed.size() {
         return Step::Lost;
     }
-    let normal = n * (sign * sqrt(nn) * per_square);
-    let lower = if CERTIFY {
-        let high_a = placed.a.edge_bound(&normal, ea.left, ea.right, on_a, 1.0);
-        let high_b = placed
-            .b
-            .edge_bound(&-placed.direction_in_b(&normal), eb.left, eb.right, on_b, 1.0);
-        placed.lift(&normal) - high_a - high_b
-    } else {
+    let per_length = sqrt(nn) * per_square;
+    let normal = n * (sign * per_length);
+    let lower = if !CERTIFY {
         f64::NEG_INFINITY
+    } else if proven {
+        // Both are extreme across the other, so the supporting planes are as far apart as the lines.
+        along.abs() * per_length
+    } else {
+        between_planes(placed, (a, b), normal, on_a, on_b)
     };
-    outcome.end(normal, (point_a, point_b), distance, lower)
+    outcome.end(normal.vector(), (point_a.vector(), point_b.vector()), distance, lower)
+}
+
+/// How far apart the planes of the faces prove the bodies along a unit `normal`, where signs do not prove the edges extreme.
+#[cold]
+#[inline(never)]
+fn between_planes(placed: &Placed, (a, b): (u32, u32), normal: Lanes, on_a: (f64, f64), on_b: (f64, f64)) -> f64 {
+    let (ea, eb) = (Edge::new(placed.a, a), Edge::new(placed.b, b));
+    let high_a = placed.a.edge_bound(normal, ea.left, ea.right, on_a, 1.0);
+    let normal_in_b = -placed.rotation.transposed_times(normal);
+    let high_b = placed.b.edge_bound(normal_in_b, eb.left, eb.right, on_b, 1.0);
+    normal.dot(placed.translation) - high_a - high_b
 }
 
 /// Slides the edge of B over the right or the left face of A's, downhill from `t`.
@@ -128,7 +144,7 @@ fn over_face_of_a(placed: &Placed, a: u32, b: u32, right: bool, t: f64, outcome:
         &OfB(placed),
         &Slide {
             half_edge,
-            start,
+            start: Lanes::new(&start),
             face,
             from_rim: Some(a),
         },
@@ -147,7 +163,7 @@ fn over_face_of_b(placed: &Placed, a: u32, b: u32, right: bool, s: f64, outcome:
         &OfA(placed),
         &Slide {
             half_edge,
-            start,
+            start: Lanes::new(&start),
             face,
             from_rim: Some(b),
         },

@@ -2,14 +2,28 @@
 
 use nalgebra::Vector3;
 
+use crate::lanes::Lanes;
 use crate::polyhedron::fans::{Axis, steepest};
 use crate::polyhedron::{ConvexPolyhedron, Plane};
-use crate::tolerance::{EDGE_BOUND, EDGE_SIGN};
+use crate::tolerance::{EDGE_BOUND, EDGE_SIGN, FLANK};
 
 /// The sum of absolute coordinates: a norm without a root.
 #[inline]
 pub(crate) fn one_norm(v: &Vector3<f64>) -> f64 {
     v.x.abs() + v.y.abs() + v.z.abs()
+}
+
+/// Whether a direction across an edge certainly falls into both faces beside it: then the edge is extreme along it. Known by the
+/// weights of the direction over the planes of the faces ([`Edge::weights`](super::edge_edge::Edge::weights)), which are as long
+/// as the other edge; here that, squared.
+///
+/// From a point of the edge every point of the body is reached along the edge, then along the inward directions of the two faces by
+/// ways that are not negative, for the faces are exactly plane. Signs are enough: nothing divides by the sine between the faces.
+#[inline(always)]
+pub(crate) fn is_flanked((alpha, beta): (f64, f64), squared: f64) -> bool {
+    let least = FLANK * FLANK * squared;
+    // Written so that NaN proves nothing.
+    alpha * alpha.abs() > least && beta * beta.abs() > least
 }
 
 /// The edge of a vertex's fan along which a direction rises least.
@@ -88,18 +102,18 @@ impl ConvexPolyhedron {
     #[inline(always)]
     pub(crate) fn edge_bound(
         &self,
-        n: &Vector3<f64>,
+        n: Lanes,
         left: &Plane,
         right: &Plane,
         (alpha, beta): (f64, f64),
         squared: f64,
     ) -> f64 {
         let (alpha, beta) = (alpha.max(0.0), beta.max(0.0));
-        let m = left.normal * alpha + right.normal * beta;
+        let m = Lanes::new(&left.normal) * alpha + Lanes::new(&right.normal) * beta;
         let s = squared / m.dot(n);
         let rest = n - m * s;
         let weights = s * (alpha + beta) * EDGE_BOUND;
-        let bound = s * (alpha * left.offset + beta * right.offset) + (one_norm(&rest) + weights) * self.radius;
+        let bound = s * (alpha * left.offset + beta * right.offset) + (rest.one_norm() + weights) * self.radius;
         // A zero m or a negative s proves nothing; the comparison is false for NaN.
         if s >= 0.0 { bound } else { f64::INFINITY }
     }

@@ -8,11 +8,15 @@ use std::cell::Cell;
 
 use nalgebra::{Isometry3, Unit, Vector3};
 
+use super::edge_edge::Edge;
+use super::fan::is_flanked;
 use super::outcome::{Class, Layer, Level, Outcome, Work};
 use super::placed::Placed;
 use super::{seed, solve};
+use crate::lanes::Lanes;
 use crate::polyhedron::{ConvexPolyhedron, FeaturePair, solids};
 use crate::pose::{RelativePose, Which};
+use crate::tolerance::UNIT;
 
 /// How the walk errs.
 #[derive(Clone, Copy, Debug)]
@@ -165,7 +169,7 @@ fn a_bound_by_two_planes_holds_for_any_planes_and_weights() {
             let mut plane = || &body.planes[((random() + 1.0) * 0.5 * body.planes.len() as f64) as usize];
             let (left, right) = (plane(), plane());
             let weights = (random() + 0.5, random() + 0.5);
-            let bound = body.edge_bound(&n, left, right, weights, n.norm_squared());
+            let bound = body.edge_bound(Lanes::new(&n), left, right, weights, n.norm_squared());
             let high = body.points.iter().fold(f64::NEG_INFINITY, |m, p| m.max(n.dot(p)));
             assert!(!(bound < high - 1e-15 * body.radius), "{bound} {high}");
             finite += usize::from(bound.is_finite());
@@ -178,4 +182,42 @@ fn a_bound_by_two_planes_holds_for_any_planes_and_weights() {
         }
     }
     assert!(finite > 20_000, "{finite}");
+}
+
+#[test]
+fn an_edge_that_signs_prove_extreme_is_so() {
+    let mut state = 7u64;
+    let mut random = || {
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (state >> 11) as f64 / (1u64 << 53) as f64 * 2.0 - 1.0
+    };
+    let (mut proven, mut doubtful) = (0, 0);
+    for body in bodies() {
+        for e in body.edges() {
+            let edge = Edge::new(&body, e.0);
+            let u = Lanes::new(&edge.q) - Lanes::new(&edge.p);
+            for k in 0..300 {
+                // Random directions, and those within less and less of the normal of a face.
+                let face = if random() < 0.0 { edge.left } else { edge.right };
+                let off = Vector3::new(random(), random(), random()) * 0.125f64.powi(k % 20);
+                let w = Lanes::new(&(face.normal.cross(&u.vector()) * f64::from((k % 20).min(1)) + off));
+                let n = u.cross(w);
+                if !is_flanked(edge.weights(w, 1.0), w.norm_squared()) {
+                    doubtful += 1;
+                    continue;
+                }
+                proven += 1;
+                let n = n.vector();
+                let high = body
+                    .points
+                    .iter()
+                    .fold(f64::NEG_INFINITY, |m, p| m.max(n.dot(&(p - edge.p))));
+                let most = 16.0 * UNIT * body.radius * (u.norm_squared() * w.norm_squared()).sqrt();
+                assert!(high <= most, "{e} {k}: {high} beyond {most}");
+            }
+        }
+    }
+    assert!(proven > 10_000 && doubtful > 10_000, "{proven} and {doubtful}");
 }

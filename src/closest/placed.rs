@@ -4,6 +4,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::simplex::Reach;
 use crate::double_double::DoubleDouble;
+use crate::lanes::{Lanes, Rotation};
 use crate::polyhedron::{ConvexPolyhedron, power_of_two};
 use crate::pose::{RelativePose, Which};
 use crate::scalar::{Scalar, sqrt};
@@ -13,9 +14,9 @@ use crate::tolerance::{FAR, NEAR, UNIT, UNIT_DOUBLE_DOUBLE};
 pub(crate) struct Placed<'a> {
     pub(crate) a: &'a ConvexPolyhedron,
     pub(crate) b: &'a ConvexPolyhedron,
-    /// `a_from_b` between stored frames: a rotation times `unit`.
-    matrix: Matrix3<f64>,
-    translation: Vector3<f64>,
+    /// `a_from_b` between stored frames: a rotation times `unit`, and a shift.
+    pub(crate) rotation: Rotation,
+    pub(crate) translation: Lanes,
     /// One unit of B's stored frame in A's.
     unit: f64,
     /// The pair's size L in A's stored units.
@@ -36,8 +37,8 @@ impl<'a> Placed<'a> {
         b: &'a ConvexPolyhedron,
         pose: &'a RelativePose,
     ) -> Result<Self, BeyondRange> {
-        let (matrix, translation, unit, offsets) = if a.as_given && b.as_given {
-            (pose.rotation(), pose.translation(), 1.0, 0.0)
+        let (rotation, translation, unit, offsets) = if a.as_given && b.as_given {
+            (pose.turn(), pose.shift(), 1.0, 0.0)
         } else {
             shifted_and_scaled(a, b, pose)?
         };
@@ -52,7 +53,7 @@ impl<'a> Placed<'a> {
         Ok(Self {
             a,
             b,
-            matrix,
+            rotation,
             translation,
             unit,
             size,
@@ -86,42 +87,45 @@ impl<'a> Placed<'a> {
     /// Where a point of B is in A's frame.
     #[inline(always)]
     pub(crate) fn point_in_a(&self, p: &Vector3<f64>) -> Vector3<f64> {
-        self.matrix * p + self.translation
+        (self.rotation.times(Lanes::new(p)) + self.translation).vector()
     }
 
     /// A vector of B's frame in A's.
     #[inline(always)]
     pub(crate) fn vector_in_a(&self, v: &Vector3<f64>) -> Vector3<f64> {
-        self.matrix * v
+        self.rotation.times(Lanes::new(v)).vector()
     }
 
     /// Where a point of A is in B's frame. Needs one unit.
     #[inline(always)]
     pub(crate) fn point_in_b(&self, p: &Vector3<f64>) -> Vector3<f64> {
-        self.vector_in_b(&(p - self.translation))
+        self.rotation
+            .transposed_times(Lanes::new(p) - self.translation)
+            .vector()
     }
 
     /// A vector of A's frame in B's. Needs one unit.
     #[inline(always)]
     pub(crate) fn vector_in_b(&self, v: &Vector3<f64>) -> Vector3<f64> {
-        self.matrix.tr_mul(v)
+        self.rotation.transposed_times(Lanes::new(v)).vector()
     }
 
     /// The direction of B's frame along which points rise as they do along `n` of A's.
     #[inline(always)]
     pub(crate) fn direction_in_b(&self, n: &Vector3<f64>) -> Vector3<f64> {
-        self.matrix.tr_mul(n)
+        self.rotation.transposed_times(Lanes::new(n)).vector()
     }
 
     /// The matrix of B's ellipsoid in A's frame.
     pub(crate) fn spread_of_b(&self) -> Matrix3<f64> {
-        self.matrix * self.b.spread * self.matrix.transpose()
+        let matrix = self.rotation.matrix();
+        matrix * self.b.spread * matrix.transpose()
     }
 
     /// How high B's stored origin is along `n` of A's frame.
     #[inline(always)]
     pub(crate) fn lift(&self, n: &Vector3<f64>) -> f64 {
-        n.dot(&self.translation)
+        Lanes::new(n).dot(self.translation)
     }
 }
 
@@ -221,18 +225,18 @@ fn shifted_and_scaled(
     a: &ConvexPolyhedron,
     b: &ConvexPolyhedron,
     pose: &RelativePose,
-) -> Result<(Matrix3<f64>, Vector3<f64>, f64, f64), BeyondRange> {
+) -> Result<(Rotation, Lanes, f64, f64), BeyondRange> {
     let scale = power_of_two(b.exponent - a.exponent);
     if a.origin == Vector3::zeros() && b.origin == Vector3::zeros() {
-        let translation = pose.translation() * power_of_two(-a.exponent);
-        return Ok((pose.rotation() * scale, translation, scale, 0.0));
+        let translation = pose.shift() * power_of_two(-a.exponent);
+        return Ok((Rotation::new(&(pose.rotation() * scale)), translation, scale, 0.0));
     }
     let frame = Frame::<DoubleDouble>::new(a, b, pose).ok_or(BeyondRange)?;
     let matrix = Matrix3::from_fn(|r, c| frame.matrix[r][c].value());
     let translation = Vector3::from_fn(|r, _| frame.translation[r].value());
     let length = |v: &Vector3<f64>| v.abs().sum();
     let offsets = (length(&a.origin) + length(&b.origin)) / a.unit();
-    Ok((matrix, translation, scale, offsets))
+    Ok((Rotation::new(&matrix), Lanes::new(&translation), scale, offsets))
 }
 
 /// `a_from_b` between stored frames in the arithmetic of a solver.
@@ -244,9 +248,10 @@ pub(crate) struct Frame<T> {
 
 impl Frame<f64> {
     pub(crate) fn of(placed: &Placed) -> Self {
+        let matrix = placed.rotation.matrix();
         Self {
-            matrix: core::array::from_fn(|r| core::array::from_fn(|c| placed.matrix[(r, c)])),
-            translation: placed.translation.into(),
+            matrix: core::array::from_fn(|r| core::array::from_fn(|c| matrix[(r, c)])),
+            translation: placed.translation.vector().into(),
         }
     }
 }
@@ -258,9 +263,9 @@ impl Frame<DoubleDouble> {
         if pose.translation().amax() > FAR * power_of_two(a.exponent) {
             return None;
         }
-        let (ra, rb) = (rotation(&pose.a.q), rotation(&pose.b.q));
+        let (ra, rb) = (rotation(&pose.a.q()), rotation(&pose.b.q()));
         let at_b = apply(&rb, &b.origin.map(DoubleDouble::from).into());
-        let offset = core::array::from_fn(|k| at_b[k] + DoubleDouble::sum(pose.b.t[k], -pose.a.t[k]));
+        let offset = core::array::from_fn(|k| at_b[k] + DoubleDouble::sum(pose.b.t()[k], -pose.a.t()[k]));
         let ra = transposed(&ra);
         let unit = DoubleDouble::from(power_of_two(-a.exponent));
         let in_a = apply(&ra, &offset);

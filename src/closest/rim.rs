@@ -6,6 +6,7 @@
 use nalgebra::Vector3;
 
 use super::fan::one_norm;
+use crate::lanes::Lanes;
 use crate::polyhedron::ConvexPolyhedron;
 use crate::polyhedron::fans::top_of_ring;
 use crate::tolerance::{DIFFERENCE, FOOT};
@@ -137,8 +138,50 @@ impl Face<'_> {
     /// Where a line from `start`, which is over the face, leaves it before `start + way`: the part of the way and the
     /// edge. `from` is an edge the line comes in over, never one it leaves by.
     #[inline(always)]
-    pub(crate) fn leave(&self, start: &Vector3<f64>, way: &Vector3<f64>, from: Option<u32>) -> Option<(f64, u32)> {
-        let topology = &self.body.topology;
+    pub(crate) fn leave(&self, start: Lanes, way: Lanes, from: Option<u32>) -> Option<(f64, u32)> {
+        match self.body.topology.ring(self.face) {
+            None => self.leave_small(start, way, from),
+            Some(ring) => self.leave_large(ring, &start.vector(), &way.vector(), from),
+        }
+    }
+
+    /// Walks round.
+    #[inline(always)]
+    fn leave_small(&self, start: Lanes, way: Lanes, from: Option<u32>) -> Option<(f64, u32)> {
+        let (body, normal) = (self.body, Lanes::new(self.normal));
+        let begin = body.topology.rim_start(self.face);
+        let (mut h, mut p) = (begin, Lanes::new(&self.tail(begin)));
+        let mut first = None;
+        loop {
+            let e = body.topology.half_edge(h);
+            let q = Lanes::new(&body.points[e.to as usize]);
+            let (name, inward) = (h.min(e.twin), normal.cross(q - p));
+            let speed = inward.dot(way);
+            if speed < 0.0 && from != Some(name) {
+                let when = -inward.dot(start - p) / speed;
+                if when < first.map_or(1.0, |(w, _)| w) {
+                    first = Some((when, name));
+                }
+            }
+            (p, h) = (q, e.next);
+            if h == begin {
+                return first;
+            }
+        }
+    }
+
+    /// Most edges are short beside a large face: one by which it is left is bisected for.
+    #[inline(never)]
+    fn leave_large(
+        &self,
+        ring: &[u32],
+        start: &Vector3<f64>,
+        way: &Vector3<f64>,
+        from: Option<u32>,
+    ) -> Option<(f64, u32)> {
+        if matches!(self.beside_large(ring, &(start + way), 0.0), Rim::Inside) {
+            return None;
+        }
         let mut first = None;
         let mut try_edge = |h: u32| {
             let name = self.name(h);
@@ -152,18 +195,11 @@ impl Face<'_> {
                 }
             }
         };
-        match topology.ring(self.face) {
-            None => topology.rim(self.face).for_each(&mut try_edge),
-            // Most edges are short beside a large face.
-            Some(ring) if matches!(self.beside_large(ring, &(start + way), 0.0), Rim::Inside) => {}
-            Some(ring) => {
-                let k = self.exit(ring, start, way);
-                let m = ring.len();
-                [(k + m - 1) % m, k, (k + 1) % m]
-                    .into_iter()
-                    .for_each(|k| try_edge(ring[k]));
-            }
-        }
+        let k = self.exit(ring, start, way);
+        let m = ring.len();
+        [(k + m - 1) % m, k, (k + 1) % m]
+            .into_iter()
+            .for_each(|k| try_edge(ring[k]));
         first
     }
 

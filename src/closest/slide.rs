@@ -1,12 +1,11 @@
 //! An edge over a face is no place to rest: it falls towards the face until it leaves it or meets it.
 
-use nalgebra::Vector3;
-
 use super::outcome::Outcome;
 use super::placed::Sides;
 use super::rim::Face;
 use super::state::Step;
 use super::vertex_face::jump;
+use crate::lanes::Lanes;
 use crate::polyhedron::FeaturePair;
 
 /// An edge that falls towards a face.
@@ -14,7 +13,7 @@ pub(crate) struct Slide {
     /// The half-edge of `x`, in the direction it falls.
     pub(crate) half_edge: u32,
     /// Where to begin, in the frame of the face's body.
-    pub(crate) start: Vector3<f64>,
+    pub(crate) start: Lanes,
     /// The face of `y`.
     pub(crate) face: u32,
     /// The edge of the rim the edge comes in over, if it does.
@@ -27,20 +26,21 @@ pub(crate) fn slide<S: Sides>(sides: &S, s: &Slide, outcome: &mut Outcome) -> St
     let (body, other) = (sides.x(), sides.y());
     let x = &body.topology;
     let end = x.half_edge(s.half_edge).to;
-    let way = sides.point_in_y(&body.points[end as usize]) - s.start;
+    let way = Lanes::new(&sides.point_in_y(&body.points[end as usize])) - s.start;
     let plane = &other.planes[s.face as usize];
     let face = Face {
         body: other,
         face: s.face,
         normal: &plane.normal,
     };
-    let (first, to) = match face.leave(&s.start, &way, s.from_rim) {
+    let (first, to) = match face.leave(s.start, way, s.from_rim) {
         Some((when, edge)) => (when, FeaturePair::edges(S::OF, x.edge(s.half_edge), edge)),
         None => (1.0, FeaturePair::vertex_face(S::OF, end, s.face)),
     };
-    let (height, fall) = (plane.normal.dot(&s.start) - plane.offset, plane.normal.dot(&way));
+    let normal = Lanes::new(&plane.normal);
+    let (height, fall) = (normal.dot(s.start) - plane.offset, normal.dot(way));
     if height <= 0.0 {
-        return jump(sides, end, s.face, &s.start, outcome);
+        return jump(sides, end, s.face, &s.start.vector(), outcome);
     }
     if height + first * fall <= 0.0 {
         Step::Lost

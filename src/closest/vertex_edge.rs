@@ -8,11 +8,15 @@
 //!  nR (right)  nL (left): d = alpha nL + beta nR with alpha = nR . (u x d), beta = -nL . (u x d), both >= 0
 //! ```
 
+use nalgebra::Vector3;
+
+use super::edge_edge::Edge;
 use super::fan::one_norm;
 use super::outcome::Outcome;
 use super::placed::Sides;
 use super::state::Step;
-use crate::polyhedron::FeaturePair;
+use crate::lanes::Lanes;
+use crate::polyhedron::{ConvexPolyhedron, FeaturePair};
 use crate::scalar::sqrt;
 use crate::tolerance::{DIFFERENCE, ON_BOUNDARY};
 
@@ -55,9 +59,9 @@ pub(crate) fn look<const CERTIFY: bool, S: Sides>(sides: &S, vertex: u32, edge: 
         return outcome.go(FeaturePair::edges(S::OF, body.topology.edge(h), edge));
     }
     // The distance is that of points of the bodies: an end where rounding puts the foot beyond it.
-    let squared = d.norm_squared();
+    let length = sqrt(d.norm_squared());
     let (foot, distance) = if (0.0..=1.0).contains(&s) {
-        (p + u * s, sqrt(squared))
+        (p + u * s, length)
     } else {
         let end = if s < 0.5 { p } else { q };
         (end, sqrt((x - end).norm_squared()))
@@ -65,12 +69,23 @@ pub(crate) fn look<const CERTIFY: bool, S: Sides>(sides: &S, vertex: u32, edge: 
     if distance <= ON_BOUNDARY * sides.size() {
         return Step::Lost;
     }
-    let per_length = 1.0 / sqrt(squared);
-    let lower = if CERTIFY && body.proves_lowest(&fan, &n) {
-        (d.dot(&x) - other.edge_bound(&d, left, right, (alpha, beta), squared)) * per_length
-    } else {
+    let per_length = 1.0 / length;
+    let lower = if !(CERTIFY && body.proves_lowest(&fan, &n)) {
         f64::NEG_INFINITY
+    } else if alpha > slack && beta > slack {
+        // The edge is extreme by the signs of its weights, `FLANK`, so the supporting planes are as far apart as vertex and line.
+        length
+    } else {
+        above_planes(other, edge, &d, &x, (alpha, beta)) * per_length
     };
     let normal = sides.normal(&(d * per_length));
     outcome.end(normal, S::witnesses(on_x, foot), distance, lower)
+}
+
+/// How far the planes of the faces beside an edge prove `x` to be above its body, in units of `d`, where signs do not prove the edge extreme.
+#[cold]
+#[inline(never)]
+fn above_planes(body: &ConvexPolyhedron, edge: u32, d: &Vector3<f64>, x: &Vector3<f64>, weights: (f64, f64)) -> f64 {
+    let Edge { left, right, .. } = Edge::new(body, edge);
+    d.dot(x) - body.edge_bound(Lanes::new(d), left, right, weights, d.norm_squared())
 }

@@ -8,6 +8,7 @@ use super::placed::Sides;
 use super::rim::{Face, Rim};
 use super::slide::{Slide, slide};
 use super::state::Step;
+use crate::lanes::Lanes;
 use crate::polyhedron::{ConvexPolyhedron, FeaturePair};
 use crate::scalar::sqrt;
 use crate::tolerance::{DIRECTION, ON_BOUNDARY};
@@ -40,7 +41,7 @@ pub(crate) fn look<const CERTIFY: bool, S: Sides>(sides: &S, vertex: u32, face: 
             sides,
             &Slide {
                 half_edge: h,
-                start: x,
+                start: Lanes::new(&x),
                 face,
                 from_rim: None,
             },

@@ -64,33 +64,24 @@ pub(crate) fn watched<const CERTIFY: bool>(
     outcome: &mut Outcome,
     mut seen: impl FnMut(FeaturePair),
 ) -> bool {
-    let first_leap = if placed.a.has_bands | placed.b.has_bands {
-        FIRST_LEAP
-    } else {
-        u32::MAX
-    };
-    let mut guard = Guard {
-        free: first_leap.min(FREE),
-        next_leap: first_leap,
-        leaps: 0,
-        leapt: outcome.features,
-        steps: 0,
-        jumps: 0,
-        mark: outcome.features,
-        next_mark: FREE,
-        limit: u32::MAX,
-    };
+    let has_bands = placed.a.has_bands | placed.b.has_bands;
+    // Steps before the guard looks.
+    let free = if has_bands { FIRST_LEAP } else { FREE };
+    let (mut steps, mut jumps, mut guard) = (0, 0, None);
     loop {
         outcome.work.steps += 1;
         seen(outcome.features);
-        match look::<CERTIFY>(placed, outcome) {
-            Step::Found => return true,
-            Step::Move => {}
-            Step::Jump => guard.jumps += 1,
-            Step::Lost => return false,
+        let step = look::<CERTIFY>(placed, outcome);
+        // The one that most walks begin and end with comes first.
+        if step == Step::Found {
+            return true;
         }
-        guard.steps += 1;
-        if guard.steps >= guard.free && guard.stops(placed, outcome) || guard.jumps > JUMPS {
+        if step == Step::Lost {
+            return false;
+        }
+        jumps += u32::from(step == Step::Jump);
+        steps += 1;
+        if jumps > JUMPS || steps >= free && Guard::stops(&mut guard, steps, placed, outcome) {
             return false;
         }
     }
@@ -98,47 +89,57 @@ pub(crate) fn watched<const CERTIFY: bool>(
 
 /// Ends walks that go in a circle or too far.
 struct Guard {
-    steps: u32,
-    /// Steps before it looks.
-    free: u32,
     leaps: u32,
     /// Where the last one went.
-    leapt: FeaturePair,
+    leapt: Option<FeaturePair>,
     /// When to try a leap along a long rim, or round a large fan.
     next_leap: u32,
-    jumps: u32,
     /// The pair remembered at step 8, 16, 32 and so on (Brent): to meet it again is a circle.
-    mark: FeaturePair,
+    mark: Option<FeaturePair>,
     next_mark: u32,
     limit: u32,
 }
 
 impl Guard {
+    fn new(placed: &Placed) -> Self {
+        let has_bands = placed.a.has_bands | placed.b.has_bands;
+        Self {
+            leaps: 0,
+            leapt: None,
+            next_leap: if has_bands { FIRST_LEAP } else { u32::MAX },
+            mark: None,
+            next_mark: FREE,
+            limit: step_limit(placed),
+        }
+    }
+
+    /// Whether the walk ends after so many steps, of which the guard is to be told each from the first one on that is not free.
     #[cold]
-    fn stops(&mut self, placed: &Placed, outcome: &mut Outcome) -> bool {
-        if self.steps == self.next_leap {
-            // One that did not help is tried later again, and so is one that did: leaps are few, so the walk still ends.
-            let leapt = leap(placed, outcome);
-            let later = if leapt { FIRST_LEAP } else { self.steps.max(FIRST_LEAP) };
-            self.leaps += 1;
-            // A leap to where the last one went has nothing to add to the steps in between.
-            let ends = self.leaps == LEAPS || (leapt && outcome.features == self.leapt);
-            self.next_leap = if ends { u32::MAX } else { self.steps + later };
-            self.leapt = outcome.features;
+    fn stops(guard: &mut Option<Self>, steps: u32, placed: &Placed, outcome: &mut Outcome) -> bool {
+        let guard = guard.get_or_insert_with(|| Self::new(placed));
+        if steps == guard.next_leap {
+            guard.leap(steps, placed, outcome);
         }
-        let next = outcome.features;
-        if self.steps < FREE {
-            return false;
-        }
-        if self.steps == FREE {
-            self.limit = step_limit(placed);
-        } else if next == self.mark || self.steps >= self.limit {
+        let next = Some(outcome.features);
+        if steps > FREE && (next == guard.mark || steps >= guard.limit) {
             return true;
         }
-        if self.steps == self.next_mark {
-            (self.mark, self.next_mark) = (next, 2 * self.next_mark);
+        if steps == guard.next_mark {
+            (guard.mark, guard.next_mark) = (next, 2 * guard.next_mark);
         }
         false
+    }
+
+    fn leap(&mut self, steps: u32, placed: &Placed, outcome: &mut Outcome) {
+        // One that did not help is tried later again, and so is one that did: leaps are few, so the walk still ends.
+        let leapt = leap(placed, outcome);
+        let later = if leapt { FIRST_LEAP } else { steps.max(FIRST_LEAP) };
+        self.leaps += 1;
+        let there = Some(outcome.features);
+        // A leap to where the last one went has nothing to add to the steps in between.
+        let ends = self.leaps == LEAPS || (leapt && there == self.leapt);
+        self.next_leap = if ends { u32::MAX } else { steps + later };
+        self.leapt = there;
     }
 }
 

@@ -9,6 +9,7 @@ use crate::closest::edge_edge::Edge;
 use crate::closest::fallback::corner;
 use crate::closest::placed::{Frame, Placed};
 use crate::closest::simplex::Corner;
+use crate::lanes::Lanes;
 use crate::polyhedron::{ConvexPolyhedron, Feature, FeaturePair};
 use crate::pose::Which;
 use crate::scalar::{Scalar, Vec3, cross, dot, neg, sqrt};
@@ -77,17 +78,19 @@ fn height_of_edges(placed: &Placed, facet: FeaturePair) -> Option<(Vector3<f64>,
     let n = u.cross(&v);
     let (squared, ahead) = (n.norm_squared(), a.p - at_b);
     let sign = if n.dot(&ahead) < 0.0 { -1.0 } else { 1.0 };
-    let (on_a, on_b) = (a.weights(&v, sign), b.weights(&placed.vector_in_b(&u), sign));
+    let (on_a, on_b) = (
+        a.weights(Lanes::new(&v), sign),
+        b.weights(placed.rotation.transposed_times(Lanes::new(&u)), sign),
+    );
     // Written so that NaN proves nothing.
     let is_between = on_a.0.min(on_a.1).min(on_b.0).min(on_b.1) >= 0.0;
     if !(is_between && squared > NEARLY_PARALLEL * u.norm_squared() * v.norm_squared()) {
         return None;
     }
     let n = n * (sign / sqrt(squared));
-    let high_a = placed.a.edge_bound(&n, a.left, a.right, on_a, 1.0);
-    let high_b = placed
-        .b
-        .edge_bound(&-placed.direction_in_b(&n), b.left, b.right, on_b, 1.0);
+    let high_a = placed.a.edge_bound(Lanes::new(&n), a.left, a.right, on_a, 1.0);
+    let n_in_b = -placed.rotation.transposed_times(Lanes::new(&n));
+    let high_b = placed.b.edge_bound(n_in_b, b.left, b.right, on_b, 1.0);
     let height = high_a + high_b - placed.lift(&n);
     // What the planes of thin bodies prove may be far above the edges.
     (height - n.dot(&ahead) <= AGREE_DEPTH * 0.5 * placed.size()).then_some((n, height))

@@ -125,6 +125,7 @@ fn grow(
     memory.recall(room, places, best.height - AGREE_DEPTH * placed.size());
     let found = Search::resumed(placed, frame, &mut room.surface, best).run(frame, 0.0);
     if found.end != End::Closed {
+        outcome.work.grown += found.grown;
         return false;
     }
     answer(placed, &found, outcome);

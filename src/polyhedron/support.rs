@@ -16,6 +16,7 @@ use super::ConvexPolyhedron;
 use super::fans::{Fans, steepest};
 use super::highest::{self, Direction};
 use super::topology::Topology;
+use crate::lanes::Lanes;
 use crate::tolerance::EDGE_SIGN;
 
 /// The cube map takes no body for flatter than this.
@@ -34,29 +35,29 @@ pub(crate) fn edge_sign(n: &Vector3<f64>, e: &Vector3<f64>) -> i32 {
 
 /// Climbs from `start` to a vertex with no neighbour certainly higher along `n`.
 #[inline]
-pub(crate) fn climb(topology: &Topology, points: &[Vector3<f64>], fans: &Fans, n: &Vector3<f64>, start: u32) -> u32 {
+pub(crate) fn climb(topology: &Topology, points: &[Vector3<f64>], fans: &Fans, n: Lanes, start: u32) -> u32 {
     let mut v = start;
     let mut steps = 0;
     loop {
-        let p = points[v as usize];
+        let p = Lanes::new(&points[v as usize]);
         let (mut best, mut rise) = (v, 0.0);
         if let Some(m) = fans.axis(topology, v) {
-            best = topology.half_edge(steepest(topology, points, v, m, n)).to;
+            best = topology.half_edge(steepest(topology, points, v, m, &n.vector())).to;
         } else {
             topology.each_leaving(v, |_, to| {
-                let c = n.dot(&(points[to as usize] - p));
+                let c = n.dot(Lanes::new(&points[to as usize]) - p);
                 if c > rise {
                     (best, rise) = (to, c);
                 }
             });
         }
         // Only a certain rise is a move: that is what ends the loop among tied vertices.
-        if best == v || edge_sign(n, &(points[best as usize] - p)) <= 0 {
+        if best == v || edge_sign(&n.vector(), &(points[best as usize] - points[v as usize])) <= 0 {
             return v;
         }
         steps += 1;
         v = if steps % LEAP == 0 {
-            leap(topology, points, fans, n, best)
+            leap(topology, points, fans, &n.vector(), best)
         } else {
             best
         };
@@ -94,7 +95,7 @@ impl ConvexPolyhedron {
     /// The highest vertex along `n` (stored frame), starting from `hint`.
     #[inline]
     pub(crate) fn climb(&self, n: &Vector3<f64>, hint: u32) -> u32 {
-        climb(&self.topology, &self.points, &self.fans, n, hint)
+        climb(&self.topology, &self.points, &self.fans, Lanes::new(n), hint)
     }
 
     /// Whether a climb along `n` would end at `v` at once, as far as that is cheap to tell: up to eight edges are looked at
@@ -244,7 +245,7 @@ impl CubeMap {
                     let axis = face as usize / 2;
                     n[(axis + 1) % 3] = middle(row);
                     n[(axis + 2) % 3] = middle(column);
-                    hint = climb(topology, points, fans, &n.component_div(&stretch), hint);
+                    hint = climb(topology, points, fans, Lanes::new(&n.component_div(&stretch)), hint);
                     cells[((face * side + row) * side + column) as usize] = hint;
                 }
             }

@@ -167,16 +167,16 @@ impl Upward for Along<'_> {
 
 impl<'a> Pair<'a> {
     fn new(a: &'a ConvexPolyhedron, b: &'a ConvexPolyhedron, pose: &RelativePose) -> Self {
-        let ((rows_a, na), (rows_b, nb)) = (turn(&pose.a.q), turn(&pose.b.q));
-        let translations = lowest_bit(pose.a.t.into_iter().chain(pose.b.t));
+        let ((rows_a, na), (rows_b, nb)) = (turn(&pose.a.q()), turn(&pose.b.q()));
+        let translations = lowest_bit(pose.a.t().into_iter().chain(pose.b.t()));
         let lowest = [a.lowest_bit, b.lowest_bit, translations].into_iter().flatten().min();
         let exponent = lowest.unwrap_or(0);
         let denominator = &na * &nb;
         let offset =
-            [0, 1, 2].map(|k| (integer(pose.b.t[k], exponent) - integer(pose.a.t[k], exponent)) * &denominator);
+            [0, 1, 2].map(|k| (integer(pose.b.t()[k], exponent) - integer(pose.a.t()[k], exponent)) * &denominator);
         Self {
-            a: Turned::new(a, &pose.a.q, rows_a, &nb),
-            b: Turned::new(b, &pose.b.q, rows_b, &na),
+            a: Turned::new(a, &pose.a.q(), rows_a, &nb),
+            b: Turned::new(b, &pose.b.q(), rows_b, &na),
             offset,
             denominator,
             exponent,

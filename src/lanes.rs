@@ -1,0 +1,260 @@
+//! Vectors and rotations in lanes of two.
+//!
+//! A number that is read in other pieces than it was just stored in waits until it has left the processor's store queue, which takes
+//! longer than all of a relative pose. Of plain vectors of three the compiler stores and reads whatever two it finds beside each
+//! other; of these it does the first two together and the third alone, everywhere. Roundings are those of the plain formulas.
+
+use core::ops::{Add, Mul, Neg, Sub};
+
+use nalgebra::{Matrix3, Vector3};
+use wide::f64x2;
+
+/// A vector: the first two coordinates, and the third in the first lane of another two. What is in the other lane does not matter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Lanes {
+    xy: f64x2,
+    z: f64x2,
+}
+
+/// The first of both, and the second of both.
+#[inline(always)]
+fn zipped(p: f64x2, q: f64x2) -> (f64x2, f64x2) {
+    let [first, second] = f64x2::transpose([p, q]);
+    (first, second)
+}
+
+/// The first twice, and the second twice.
+#[inline(always)]
+fn spread(p: f64x2) -> (f64x2, f64x2) {
+    zipped(p, p)
+}
+
+/// The two exchanged.
+#[inline(always)]
+fn exchanged(p: f64x2) -> f64x2 {
+    let (x, y) = spread(p);
+    zipped(y, x).0
+}
+
+/// `(-x, y)`
+#[inline(always)]
+fn mirrored(p: f64x2) -> f64x2 {
+    p ^ f64x2::new([-0.0, 0.0])
+}
+
+/// `(-y, x)`: a quarter turn.
+#[inline(always)]
+fn turned(p: f64x2) -> f64x2 {
+    mirrored(exchanged(p))
+}
+
+#[inline(always)]
+fn first(p: f64x2) -> f64 {
+    p.to_array()[0]
+}
+
+/// The vector part and the scalar part of a quaternion.
+#[inline(always)]
+pub(crate) fn parts([xy, zw]: &[f64x2; 2]) -> (Lanes, f64) {
+    (Lanes { xy: *xy, z: *zw }, first(spread(*zw).1))
+}
+
+impl Lanes {
+    #[inline(always)]
+    pub(crate) fn new(v: &Vector3<f64>) -> Self {
+        Self {
+            xy: f64x2::new([v.x, v.y]),
+            z: f64x2::new([v.z, 0.0]),
+        }
+    }
+
+    /// The same with a number of its own in the lane to spare.
+    #[inline(always)]
+    pub(crate) fn carrying(v: &Vector3<f64>, other: f64) -> Self {
+        Self {
+            z: zipped(f64x2::splat(v.z), f64x2::splat(other)).0,
+            ..Self::new(v)
+        }
+    }
+
+    #[inline(always)]
+    pub(crate) fn carried(self) -> f64 {
+        first(spread(self.z).1)
+    }
+
+    #[inline(always)]
+    pub(crate) fn vector(self) -> Vector3<f64> {
+        let [x, y] = self.xy.to_array();
+        Vector3::new(x, y, first(self.z))
+    }
+
+    #[inline(always)]
+    pub(crate) fn cross(self, other: Self) -> Self {
+        let products = self.xy * exchanged(other.xy);
+        let (z, other_z) = (spread(self.z).0, spread(other.z).0);
+        Self {
+            xy: turned(other.xy) * z - turned(self.xy) * other_z,
+            z: products - exchanged(products),
+        }
+    }
+
+    /// The sum of the coordinates.
+    #[inline(always)]
+    fn sum(self) -> f64 {
+        first(self.xy + exchanged(self.xy) + self.z)
+    }
+
+    #[inline(always)]
+    pub(crate) fn dot(self, other: Self) -> f64 {
+        let products = Self {
+            xy: self.xy * other.xy,
+            z: self.z * other.z,
+        };
+        products.sum()
+    }
+
+    #[inline(always)]
+    pub(crate) fn norm_squared(self) -> f64 {
+        self.dot(self)
+    }
+
+    /// The sum of absolute coordinates: a norm without a root.
+    #[inline(always)]
+    pub(crate) fn one_norm(self) -> f64 {
+        let absolutes = Self {
+            xy: self.xy.abs(),
+            z: self.z.abs(),
+        };
+        absolutes.sum()
+    }
+}
+
+impl Add for Lanes {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        Self {
+            xy: self.xy + other.xy,
+            z: self.z + other.z,
+        }
+    }
+}
+
+impl Sub for Lanes {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        Self {
+            xy: self.xy - other.xy,
+            z: self.z - other.z,
+        }
+    }
+}
+
+impl Neg for Lanes {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        let signs = f64x2::splat(-0.0);
+        Self {
+            xy: self.xy ^ signs,
+            z: self.z ^ signs,
+        }
+    }
+}
+
+impl Mul<f64> for Lanes {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, s: f64) -> Self {
+        let s = f64x2::splat(s);
+        Self {
+            xy: self.xy * s,
+            z: self.z * s,
+        }
+    }
+}
+
+/// A rotation, or one times a scale: nine numbers, of which all but the last lie in the first two of a column or of a row.
+#[derive(Clone, Copy)]
+pub(crate) struct Rotation {
+    /// The first two numbers of each column.
+    columns: [f64x2; 3],
+    /// The first two numbers of each row.
+    rows: [f64x2; 3],
+    /// The last number.
+    last: f64x2,
+}
+
+impl Rotation {
+    /// The matrix of `conj(a) b`, each a vector part of three and a scalar part, for `s` two over the squares of their norms.
+    #[inline(always)]
+    pub(crate) fn between(a: &[f64x2; 2], b: &[f64x2; 2], s: f64) -> Self {
+        let ([a_xy, a_zw], [b_xy, b_zw]) = (*a, *b);
+        let ((az, aw), (bx, by), (bz, bw)) = (spread(a_zw), spread(b_xy), spread(b_zw));
+        let swapped = exchanged(a_xy);
+        let xy = (aw * b_xy - bw * a_xy) + (bz * mirrored(swapped) - az * turned(b_xy));
+        let zw = (aw * b_zw + az * turned(b_zw)) + (bx * swapped + by * mirrored(a_xy));
+        Self::of(xy, zw, s)
+    }
+
+    /// The matrix of a quaternion, for `s = 2 / |q|^2`.
+    #[inline(always)]
+    fn of(xy: f64x2, zw: f64x2, s: f64) -> Self {
+        let s = f64x2::splat(s);
+        let (xy_s, zw_s) = (xy * s, zw * s);
+        let ((zs, _), (_, w)) = (spread(zw_s), spread(zw));
+        let squares = xy * xy_s; // xx, yy
+        let (zz, wz) = spread(zw * zs);
+        let across = xy * zs; // xz, yz
+        let turned = turned(xy_s * w); // -wy, wx
+        let swapped = exchanged(squares);
+        let diagonal = f64x2::splat(1.0) - (swapped + zz);
+        let beside = spread(xy).0 * spread(xy_s).1 - mirrored(wz); // xy + wz, xy - wz
+        let ([d, e], [plus, minus]) = (diagonal.to_array(), beside.to_array());
+        Self {
+            columns: [f64x2::new([d, plus]), f64x2::new([minus, e]), across - turned],
+            rows: [f64x2::new([d, minus]), f64x2::new([plus, e]), across + turned],
+            last: f64x2::splat(1.0) - (squares + swapped),
+        }
+    }
+
+    #[inline(always)]
+    pub(crate) fn new(m: &Matrix3<f64>) -> Self {
+        let pair = |x, y| f64x2::new([x, y]);
+        Self {
+            columns: [0, 1, 2].map(|k| pair(m[(0, k)], m[(1, k)])),
+            rows: [0, 1, 2].map(|k| pair(m[(k, 0)], m[(k, 1)])),
+            last: f64x2::splat(m[(2, 2)]),
+        }
+    }
+
+    #[inline]
+    pub(crate) fn matrix(&self) -> Matrix3<f64> {
+        let [a, b, c] = self.columns.map(f64x2::to_array);
+        let [x, y] = self.rows[2].to_array();
+        Matrix3::new(a[0], b[0], c[0], a[1], b[1], c[1], x, y, first(self.last))
+    }
+
+    /// The matrix times `v`.
+    #[inline(always)]
+    pub(crate) fn times(&self, v: Lanes) -> Lanes {
+        combined(&self.columns, self.rows[2], self.last, v)
+    }
+
+    /// The transposed matrix times `v`.
+    #[inline(always)]
+    pub(crate) fn transposed_times(&self, v: Lanes) -> Lanes {
+        combined(&self.rows, self.columns[2], self.last, v)
+    }
+}
+
+#[inline(always)]
+fn combined(lines: &[f64x2; 3], third: f64x2, last: f64x2, v: Lanes) -> Lanes {
+    let ((x, y), (z, _)) = (spread(v.xy), spread(v.z));
+    let products = third * v.xy;
+    Lanes {
+        xy: lines[0] * x + lines[1] * y + lines[2] * z,
+        z: products + exchanged(products) + last * v.z,
+    }
+}
