@@ -9,19 +9,14 @@ use criterion::{BatchSize, BenchmarkId, Criterion, criterion_group, criterion_ma
 use lab::motion::Frame;
 use lab::parry::{Climber, GjkCached};
 use lab::rng::Rng;
-use lab::{Pose, workload};
-use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, UnitQuaternion};
+use lab::workload;
+use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion};
 use lin_canny::{BoxHint, ConvexPolyhedron, Layer, RelativePose, Tracker};
 
 const FRAMES: usize = 500;
 
-fn isometry(p: &Pose) -> Isometry3<f64> {
-    let [x, y, z, w] = p.q;
-    Isometry3::from_parts(p.t.into(), UnitQuaternion::new_unchecked(Quaternion::new(w, x, y, z)))
-}
-
 fn relative(f: &Frame) -> RelativePose {
-    RelativePose::new(&isometry(&f.a), &isometry(&f.b)).expect("poses of a motion")
+    RelativePose::new(&f.a.isometry(), &f.b.isometry()).expect("poses of a motion")
 }
 
 fn hull(points: &[lab::Point]) -> ConvexPolyhedron {
@@ -43,8 +38,8 @@ fn frames(a: &ConvexPolyhedron, b: &ConvexPolyhedron, degrees: Option<f64>, rng:
         let o = Tracker::new().closest(a, b, &relative(f));
         (o.lower > 0.0).then(|| {
             (
-                (isometry(&f.a) * o.point_on_a).into(),
-                (isometry(&f.b) * o.point_on_b).into(),
+                (f.a.isometry() * o.point_on_a).into(),
+                (f.b.isometry() * o.point_on_b).into(),
             )
         })
     })
@@ -63,7 +58,7 @@ fn queries(c: &mut Criterion) {
                 );
                 let (a, b) = (hull(&a), hull(&b));
                 let frames = frames(&a, &b, degrees, &mut rng);
-                let poses: Vec<_> = frames.iter().map(|f| (isometry(&f.a), isometry(&f.b))).collect();
+                let poses: Vec<_> = frames.iter().map(|f| (f.a.isometry(), f.b.isometry())).collect();
                 let (mut k, mut tracker) = (0, Tracker::new());
                 let mut next = move || {
                     k = (k + 1) % FRAMES;

@@ -2,7 +2,7 @@
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use lab::crowd::{Crowd, Kind};
-use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion};
+use lin_canny::nalgebra::Point3;
 use lin_canny::scene::{Body, BodyId, Effects, Group, Scene};
 use lin_canny::{ConvexPolyhedron, ManifoldOptions};
 use std::sync::Arc;
@@ -53,12 +53,6 @@ const SETS: [(&str, Effects); 7] = [
     ),
 ];
 
-fn isometry(pose: &lab::Pose) -> Isometry3<f64> {
-    let [x, y, z, w] = pose.q;
-    let turn = UnitQuaternion::new_unchecked(Quaternion::new(w, x, y, z));
-    Isometry3::from_parts(Translation3::from(pose.t), turn)
-}
-
 /// A crowd in a scene, some steps after its beginning.
 fn scene(crowd: &mut Crowd, effects: Effects) -> (Scene, Vec<BodyId>) {
     let hull = |points: &[[f64; 3]]| {
@@ -72,7 +66,7 @@ fn scene(crowd: &mut Crowd, effects: Effects) -> (Scene, Vec<BodyId>) {
     let bodies = crowd.shape_of.iter().zip(&crowd.poses);
     let ids = bodies.map(|(shape, pose)| {
         scene
-            .insert(Body::moving(shapes[*shape].clone()), isometry(pose))
+            .insert(Body::moving(shapes[*shape].clone()), pose.isometry())
             .expect("a pose")
     });
     let ids: Vec<_> = ids.collect();
@@ -85,7 +79,7 @@ fn scene(crowd: &mut Crowd, effects: Effects) -> (Scene, Vec<BodyId>) {
 fn advance(scene: &mut Scene, ids: &[BodyId], crowd: &mut Crowd) {
     crowd.step();
     for (id, pose) in ids.iter().zip(&crowd.poses) {
-        scene.set_pose(*id, isometry(pose)).expect("a pose");
+        scene.set_pose(*id, pose.isometry()).expect("a pose");
     }
     scene.step();
 }
@@ -120,7 +114,7 @@ fn resting(criterion: &mut Criterion) {
         b.iter(|| {
             crowd.step();
             for k in (0..ids.len()).step_by(100) {
-                scene.set_pose(ids[k], isometry(&crowd.poses[k])).expect("a pose");
+                scene.set_pose(ids[k], crowd.poses[k].isometry()).expect("a pose");
             }
             scene.step().counts.queries
         });

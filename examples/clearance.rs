@@ -9,10 +9,10 @@
 use lab::meshes;
 use lab::plot::Chart;
 use lab::progress::Progress;
+use lin_canny::ConvexPolyhedron;
 use lin_canny::nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::scene::{Body, BodyId, Effects, Group, Scene};
-use lin_canny::{Class, ConvexPolyhedron};
 use std::collections::BTreeMap;
 
 type Trouble = Box<dyn std::error::Error>;
@@ -151,6 +151,8 @@ fn main() -> Result<(), Trouble> {
     let progress = Progress::new("frames", options.frames as u64);
     let mut nearest: Vec<(f64, String)> = Vec::new();
     let mut report = *scene.report();
+    println!("Where another pair becomes the nearest; a distance below zero is minus the depth of an overlap.\n");
+    println!("frame  {:<18} {:>10}           features", "nearest pair", "distance");
     for frame in 0..options.frames {
         let time = 6.3 * frame as f64 / options.frames as f64;
         for (id, pose) in joints.iter().zip(arm(time)) {
@@ -161,16 +163,10 @@ fn main() -> Result<(), Trouble> {
         if let Some((pair, outcome)) = answers.min_by(|x, y| x.1.distance.total_cmp(&y.1.distance)) {
             let name = format!("{} - {}", names[&pair.a], names[&pair.b]);
             if nearest.last().is_none_or(|(_, last)| *last != name) {
-                let word = if outcome.class == Class::Overlapping {
-                    "deep in"
-                } else {
-                    "clear of"
-                };
                 println!(
-                    "frame {frame:>5}  {name:<18} {:>9.5} {word}, between {:.9} and {:.9}, {}",
-                    outcome.distance.abs(),
-                    outcome.lower,
-                    outcome.upper,
+                    "{frame:>5}  {name:<18} {:>10.6} +- {:.0e}  {}",
+                    outcome.distance,
+                    (outcome.upper - outcome.lower) / 2.0,
                     outcome.features
                 );
             }
@@ -184,11 +180,11 @@ fn main() -> Result<(), Trouble> {
         options.frames,
         scene.pair_count()
     );
-    let mut chart = Chart::new("clearance of the arm, by the nearest pair; below zero it is in the way")
-        .axes("frame", "least distance")
+    let mut chart = Chart::new("clearance of the arm, by the nearest pair; below zero it collides")
+        .axes("frame", "least signed distance, in the unit of the meshes")
         .legend_beside()
         .line(
-            "all pairs",
+            "other pairs",
             nearest.iter().enumerate().map(|(k, (d, _))| (k as f64, *d)),
         );
     let mut shares: BTreeMap<&str, usize> = BTreeMap::new();

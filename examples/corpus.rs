@@ -22,7 +22,7 @@ use lab::corpus::{self, Case};
 use lab::parry;
 use lab::shapes::Shape;
 use lin_canny::{Class, ConvexPolyhedron, Outcome, Tracker};
-use support::{body, relative};
+use support::{between, body};
 
 /// Signed distance, or that the bodies overlap, of unknown depth.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -93,17 +93,17 @@ fn ours(o: &Outcome) -> Answer {
 }
 
 fn walk(p: &Pair) -> Answer {
-    let pose = relative(&p.poses[0], &p.poses[1]);
+    let pose = between(&p.poses[0], &p.poses[1]);
     let told = Tracker::new().propose(&p.a, &p.b, &pose);
     told.distance.map_or(Answer::Overlap, Answer::Distance)
 }
 
 fn certified(p: &Pair) -> Answer {
-    ours(&Tracker::new().closest(&p.a, &p.b, &relative(&p.poses[0], &p.poses[1])))
+    ours(&Tracker::new().closest(&p.a, &p.b, &between(&p.poses[0], &p.poses[1])))
 }
 
 fn exact(p: &Pair) -> Answer {
-    ours(&Tracker::new().closest_exact(&p.a, &p.b, &relative(&p.poses[0], &p.poses[1])))
+    ours(&Tracker::new().closest_exact(&p.a, &p.b, &between(&p.poses[0], &p.poses[1])))
 }
 
 /// The vertices and faces of a body of ours.

@@ -9,6 +9,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     // One of each for a pair of bodies.
     let (mut pair, mut manifold) = (Tracker::new(), Manifold::new());
     let options = ManifoldOptions::within(0.01);
+    println!("name (the features it was first seen on), features now, depth, place on the plate");
     for frame in 0..8 {
         let turn = UnitQuaternion::from_euler_angles(0.0, 0.0, 0.4);
         let place = Translation3::new(0.45 + 0.08 * f64::from(frame), 0.1, 0.399);

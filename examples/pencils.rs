@@ -71,6 +71,10 @@ fn picture(broad: &PencilSweep) -> String {
             r##"<rect x="20" y="{:.1}" width="{width:.1}" height="{height:.1}" fill="rgb({shade:.0},{shade:.0},255)" stroke="#88a" stroke-dasharray="4 3"/>"##,
             y(top)
         );
+        // One at the border may be too narrow for its words.
+        if height < 12.0 {
+            continue;
+        }
         let _ = writeln!(
             svg,
             r##"<text x="{:.1}" y="{:.1}" font-size="11" fill="#448">{} listed</text>"##,
@@ -137,9 +141,12 @@ fn sweep(
     entries.sort_by(|(i, a), (j, b)| a.lo[axis].total_cmp(&b.lo[axis]).then(i.cmp(j)));
     let _ = writeln!(
         svg,
-        r##"<text x="20" y="{:.1}" font-size="14">the sweep of the busiest column: boxes by their start; each is compared with those that start before it ends; red: a pair</text>"##,
-        top - 8.0
+        r##"<text x="20" y="{:.1}" font-size="14">the sweep of the busiest column: its boxes by their start, from above</text>
+<text x="20" y="{:.1}" font-size="11" fill="#448">each is compared with those that start before it ends (thin lines); red: a pair</text>"##,
+        top,
+        top + 18.0
     );
+    let top = top + 34.0;
     for (row, (id, b)) in entries.iter().enumerate() {
         let y = top + 8.0 * row as f32;
         let (start, end) = (x(b.lo[axis]), x(b.hi[axis]));

@@ -3,9 +3,9 @@
 //! The text is what [`Tracker::replay`] writes and what a failed debug assertion prints; lines before its title are
 //! passed over, so the message of a panic can be given as it is.
 
-use std::io::Read;
+use std::io::{IsTerminal, Read};
 
-use lin_canny::{Layer, RelativePose, Replay, Tracker};
+use lin_canny::{Layer, RelativePose, Replay, ReplayError, Tracker};
 
 fn read(file: Option<String>) -> std::io::Result<String> {
     match file {
@@ -20,12 +20,15 @@ fn read(file: Option<String>) -> std::io::Result<String> {
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let (flags, files): (Vec<String>, Vec<String>) = std::env::args().skip(1).partition(|w| w.starts_with("--"));
-    if files.len() > 1 || flags.iter().any(|f| f != "--trace") {
-        return Err("usage: replay [--trace] [FILE]".into());
+    let nothing_to_read = files.is_empty() && std::io::stdin().is_terminal();
+    if nothing_to_read || files.len() > 1 || flags.iter().any(|f| f != "--trace") {
+        return Err(
+            "usage: replay [--trace] [FILE], FILE as written by Tracker::replay (some are in tests/replays)".into(),
+        );
     }
     let text = read(files.into_iter().next())?;
     let start = text.find("lin-canny replay").unwrap_or(0);
-    let query: Replay = text[start..].parse()?;
+    let query: Replay = text[start..].parse().map_err(|e: ReplayError| e.to_string())?;
     println!(
         "A: {} vertices, {} faces. B: {} vertices, {} faces. Recorded at level {}, start {}.",
         query.a.vertex_count(),
@@ -38,8 +41,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     if !flags.is_empty() {
         trace(&query);
     }
-    for (name, start) in [("recorded start", query.tracker()), ("cold", Tracker::new())] {
-        println!("\nfrom the {name}:");
+    for (name, start) in [
+        ("the recorded start", query.tracker()),
+        ("a cold start", Tracker::new()),
+    ] {
+        println!("\nfrom {name}:");
         answers(&query, &start);
     }
     Ok(())

@@ -7,7 +7,7 @@ use lab::progress::Progress;
 use lab::rng::Rng;
 use lab::shapes::ellipsoid;
 use lin_canny::ConvexPolyhedron;
-use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
+use lin_canny::nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::scene::{Body, Change, Effects, Group, Report, Scene};
 use std::collections::BTreeSet;
@@ -59,17 +59,12 @@ fn main() -> Result<(), Trouble> {
         .collect::<Result<Vec<_>, _>>()?;
     let mut slab = Vec::new();
     for k in 0..bodies {
-        let [x, y, z, w] = rng.quat();
-        let turn = UnitQuaternion::new_unchecked(Quaternion::new(w, x, y, z));
-        let at = Vector3::new(
-            rng.range(-half, half),
-            rng.range(-half, half),
-            rng.range(-0.5, 0.5) * HEIGHT,
-        );
+        let q = rng.quat();
+        let t = [half, half, 0.5 * HEIGHT].map(|reach| rng.range(-reach, reach));
         let body = Body::fixed(shapes[k % shapes.len()].clone()).group(WORLD);
-        let id = scene.insert(body, Isometry3::from_parts(Translation3::from(at), turn))?;
-        if at.z.abs() < 1.0 {
-            slab.push((id, (at.x, at.y)));
+        let id = scene.insert(body, lab::Pose { q, t }.isometry())?;
+        if t[2].abs() < 1.0 {
+            slab.push((id, (t[0], t[1])));
         }
     }
     let probe = Body::moving(solids::prism(16, 0.3, 0.6)?).group(PROBE);
@@ -131,7 +126,7 @@ fn main() -> Result<(), Trouble> {
         .map(|(_, at)| *at)
         .collect();
     let plan = Chart::new(format!(
-        "the way of the probe, and the bodies within one unit of its height ({bodies} in all)"
+        "way of the probe, and bodies within one unit of its mean height ({bodies} in all)"
     ))
     .axes("x", "y")
     .legend_beside()
@@ -150,7 +145,7 @@ fn main() -> Result<(), Trouble> {
         };
         reports.chunks(group).enumerate().map(mean).collect::<Vec<_>>()
     };
-    let work = Chart::new("a frame")
+    let work = Chart::new("pairs a frame, mean of fifty")
         .axes("frame", "pairs")
         .legend_beside()
         .from_zero()

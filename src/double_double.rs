@@ -193,6 +193,15 @@ impl<const N: usize> Expansion<N> {
         &self.parts[..self.len]
     }
 
+    /// The sum in `K` numbers that fall in magnitude, each the rest rounded; what is left is dropped. There must have been fewer than `N - K`.
+    pub(crate) fn leading<const K: usize>(mut self) -> [f64; K] {
+        core::array::from_fn(|_| {
+            let part = self.parts().iter().sum::<f64>();
+            self.add(-part);
+            part
+        })
+    }
+
     /// -1, 0 or 1: the last part is greater than all others together.
     pub(crate) fn sign(&self) -> i32 {
         let last = self.parts().last().copied().unwrap_or(0.0);

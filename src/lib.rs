@@ -2,8 +2,8 @@
 //!
 #![doc = include_str!("../images/hero.svg")]
 //!
-//! *Left: a tracked pair, the Voronoi region of the closest face, and the features met on the way. Right: what a frame costs
-//! against the motion in it. Pictures of this page: `cargo run --release --example figures`.*
+//! *Left: a tracked pair, the Voronoi region of the closest face, and the features met on the way. Right: the
+//! feature pairs looked at in a frame against the motion in it. Pictures of this page: `cargo run --release --example figures`.*
 //!
 //! # Quick start
 //!
@@ -32,14 +32,16 @@
 //! |---|---|---|
 //! | Do two bodies share a point? | [`Tracker::intersects`] | `bool`, touching counts |
 //! | Are they at most `d` apart? | [`Tracker::within`] | `bool` |
-//! | Which points hold them apart? | [`Tracker::manifold`] | [`Manifold`]: contact points, with names that last |
-//! | What does a motion do to it? | [`Outcome::gradient_a`], [`gradient_b`](Outcome::gradient_b) | [`Gradient`] of the signed distance |
-//! | Give or take an error? The same in many small steps? | [`Watch`] | distance or `bool`, looked for only where the motion leaves it open |
-//! | Many moving bodies? | [`scene::Scene`] | events and answers for the effects called for |
 //! | How far apart, how deep? | [`Tracker::distance`] | [`Distance`]: signed value and bounds |
 //! | Where, and which features? | [`Tracker::closest`] | [`Outcome`]: features, witnesses, normal, bounds |
 //! | The same to the last bit? | `Tracker::closest_exact` (feature `exact`) | [`Outcome`] |
 //! | As the walk says, checked elsewhere? | [`Tracker::propose`] | [`Proposal`]: no bounds |
+//! | Give or take an error? The same in many small steps? | [`Watch`] | distance or `bool`, looked for only where the motion leaves it open |
+//! | Which points hold them apart? | [`Tracker::manifold`] | [`Manifold`]: contact points, with names that last |
+//! | What does a motion do to the distance? | [`Outcome::gradient_a`], [`gradient_b`](Outcome::gradient_b) | [`Gradient`] of the signed distance |
+//! | When do they meet? | none yet; a loop over [`Tracker::distance`] | see [`Velocity`] |
+//! | Many moving bodies? | [`scene::Scene`] | events and answers for the effects called for |
+//! | Only the pairs of boxes? | [`broad::PencilSweep`] | pairs, events, stable ids |
 //! | Which pairs would the walk look at? | [`Tracker::trace`] | the way, pair by pair |
 //! | How do I report this query? | [`Tracker::replay`] | [`Replay`]: a text that rebuilds it bit for bit |
 //! | Where does B stand? | [`RelativePose::new`] | a checked pose, or a [`PoseError`] |
@@ -51,7 +53,38 @@
 //! Bodies that overlap are a negative distance apart: minus the length of the shortest shift that parts them, B along the normal.
 //!
 //! A, the first body, sets the frame: [`RelativePose`] maps B's coordinates into A's (`a_from_b`), `point_on_a` and `normal` are in
-//! A's frame, `point_on_b` is in B's. The normal is a unit vector from A to B. Lengths are in the caller's unit, whatever it is.
+//! A's frame, `point_on_b` is in B's: `pose_a * point_on_a` and `pose_b * point_on_b` are in the world. The normal is a unit vector from
+//! A to B. Lengths are in the caller's unit, whatever it is.
+//!
+//! # Bodies and poses of parry and rapier
+//!
+//! The types of this crate are those of [`nalgebra`], in `f64`; parry and rapier have `glam`'s, rapier mostly in `f32`. What goes over is
+//! numbers. A rotation from `f32` has to be normalised in `f64`, or it is refused ([`PoseError`]).
+//!
+//! ```
+//! use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion};
+//! use lin_canny::{BuildError, ConvexPolyhedron, RelativePose, Tracker};
+//! use parry3d::{math::{Pose, Vector}, shape}; // `rapier3d::parry` and `rapier3d::math` are the same
+//!
+//! /// The hull of vertices: of `Cuboid::to_trimesh`, `ConvexPolyhedron::points`, `TriMesh::vertices` and so on.
+//! fn body(points: &[Vector]) -> Result<ConvexPolyhedron, BuildError> {
+//!     let wide = |p: &Vector| Point3::from(p.to_array().map(f64::from));
+//!     ConvexPolyhedron::from_points(&points.iter().map(wide).collect::<Vec<_>>())
+//! }
+//!
+//! fn pose(pose: &Pose) -> Isometry3<f64> {
+//!     let [i, j, k, w] = pose.rotation.to_array().map(f64::from);
+//!     let translation = Translation3::from(pose.translation.to_array().map(f64::from));
+//!     Isometry3::from_parts(translation, UnitQuaternion::new_normalize(Quaternion::new(w, i, j, k)))
+//! }
+//!
+//! let a = body(&shape::Cuboid::new(Vector::new(1.0, 2.0, 3.0)).to_trimesh().0)?;
+//! let b = body(shape::ConvexPolyhedron::from_convex_hull(&shape::Ball::new(0.5).to_trimesh(8, 8).0).unwrap().points())?;
+//! let (pose_a, pose_b) = (Pose::identity(), Pose::translation(4.0, 0.1, 0.0));
+//! let c = Tracker::new().closest(&a, &b, &RelativePose::new(&pose(&pose_a), &pose(&pose_b))?);
+//! assert!((c.distance - 2.5).abs() < 0.1);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 //!
 //! # The idea in five minutes
 //!
@@ -78,8 +111,8 @@
 //! to neighbours lead to the one that is (4).*
 //!
 //! **Coherence.** Between two frames bodies move a little, so the closest features of the last frame are the right ones or a
-//! step away. That is what a [`Tracker`] remembers, and all it remembers: the features of the last answer. The chart on top
-//! counts the pairs looked at: hardly more than one for small motions, whatever the number of vertices.
+//! step away. That is what a [`Tracker`] remembers: the features of the last answer (and, of an overlap, the surface that proved its
+//! depth). The chart on top counts the pairs looked at: hardly more than one for small motions, whatever the number of vertices.
 //!
 //! **The certificate.** All of this holds for real numbers. With rounding, borders blur: nearly parallel edges have no good
 //! formula, regions of nearly coplanar faces are slivers, and a walk may circle or stop on the wrong pair without a
@@ -131,7 +164,7 @@
 //!   question, are to be looked at. Else its bounds stay open, and are returned as they are.
 //! * Coordinates below 2^-200 of a body's radius are stored as zero, and the build report counts them: answers are those of the body so
 //!   stored.
-//! * Times of impact, dynamics, non-convex or curved bodies are not there yet.
+//! * Times of impact (a loop that finds them: [`Velocity`]), dynamics, non-convex or curved bodies are not there yet.
 //!
 //! # Cargo features
 //!
@@ -139,7 +172,7 @@
 //! |---|---|---|
 //! | `std` | yes | square roots by the machine, `std::error::Error` everywhere; without it the crate is `no_std` with `alloc` |
 //! | `exact` | yes | the rung of exact integers (crate `dashu-int`) behind the filters |
-//! | `serde` | no | bodies, poses, trackers, ids and answers in files |
+//! | `serde` | no | bodies, poses, trackers, manifolds, scenes, ids and answers in files |
 //! | `parallel` | no | threads in the broad phase, the same answers bit for bit |
 //!
 //! # Reading the source
@@ -148,7 +181,7 @@
 //!
 //! 1. [`tolerance`]: every constant; `scalar`, `double_double`: the arithmetic.
 //! 2. [`polyhedron`]: names of features, half-edges without coordinates, hulls, planes, supports, solids, mass.
-//! 3. `pose`: the one place where a pose is refused.
+//! 3. `pose`: the one place where a pose is refused; `motion`: velocities, and how far a motion carries a point.
 //! 4. `closest`: the walk, one file for each pair of feature kinds, starts, the solvers behind it, outcomes.
 //! 5. `certificate`: what any direction proves.
 //! 6. `penetration`: how deep bodies overlap, by a surface around the origin of their difference.
@@ -157,8 +190,7 @@
 //! 9. `soundness`, `replay`: what debug builds check of every answer, and the text of a query that fails.
 //! 10. `watch`: one tracker, and how far its bodies have moved.
 //! 11. [`broad`]: boxes and ids alone, for many bodies; it knows nothing of the others.
-//! 12. `motion`: velocities, and how far a motion carries a point.
-//! 13. [`scene`]: where all meets; start with `scene/step.rs`.
+//! 12. [`scene`]: where all meets; start with `scene/step.rs`.
 //!
 //! # From the thesis
 //!

@@ -1,11 +1,50 @@
 //! Rigid motion: velocities, and how far a motion can have carried any point of a body.
+//!
+//! A point x about a centre goes by `shift + (R1 - R0) x` while the centre goes by `shift`, and `R1 - R0` stretches by at most
+//! `2 sin(angle / 2)`. So no point within `radius` of the centre goes farther than `|shift| + 2 radius sin(angle / 2)`, by whatever way
+//! the body goes. Poses in the world are quaternions and bodies many, so [`displacement`] takes the angle from those, a little
+//! too large; a [`Place`] has the matrix of a relative pose at hand, and is as exact as its rounding.
 
-use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Matrix3, Quaternion, Translation3, UnitQuaternion, Vector3};
 
+use crate::pose::Which;
 use crate::scalar::sqrt;
-use crate::tolerance::{LEAST_SQUARE, WAY};
+use crate::tolerance::{DISPLACEMENT, FAR, LEAST_SQUARE, NEAR, WAY};
 
 /// The velocity of a rigid body in the world's frame: of its own origin, and about it in radians.
+///
+/// # Time of impact
+///
+/// No query answers it yet. Until one does: no two points of the bodies near each other faster than the sum of their speeds, so the
+/// bodies cannot meet within the lower bound of their distance over this sum (conservative advancement, Mirtich 1996). For constant
+/// velocities:
+///
+/// ```
+/// use lin_canny::nalgebra::{Isometry3, Vector3};
+/// use lin_canny::{ConvexPolyhedron, RelativePose, Tracker, Velocity, polyhedron::solids};
+///
+/// let (a, b) = (solids::cuboid(Vector3::new(0.5, 0.5, 0.5))?, solids::octahedron(0.5)?);
+/// let (pose_a, pose_b) = (Isometry3::identity(), Isometry3::translation(4.0, 0.0, 0.0));
+/// let (rest, flight) = (Velocity::default(), Velocity::new(-Vector3::x(), 0.3 * Vector3::x()));
+///
+/// // How far a body reaches from its own origin.
+/// let reach = |body: &ConvexPolyhedron| { let (centre, radius) = body.bounding_ball(); centre.coords.norm() + radius };
+/// let speed = (rest.linear - flight.linear).norm() + rest.angular.norm() * reach(&a) + flight.angular.norm() * reach(&b);
+/// let (mut pair, mut time, latest, gap) = (Tracker::new(), 0.0, 10.0, 1e-9);
+/// let impact = loop {
+///     let at = |velocity: &Velocity, pose| velocity.applied(pose, time);
+///     let d = pair.distance(&a, &b, &RelativePose::new(&at(&rest, &pose_a), &at(&flight, &pose_b))?);
+///     if d.lower <= gap { break Some(time) } // so near that it counts as contact
+///     time += d.lower / speed;
+///     if !(time <= latest) { break None } // never, where the speed is zero
+/// };
+/// assert!((impact.unwrap() - 3.0).abs() < 2e-9);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[doc(alias = "toi")]
+#[doc(alias = "ccd")]
+#[doc(alias = "time of impact")]
+#[doc(alias = "twist")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Velocity {
@@ -23,6 +62,7 @@ impl Default for Velocity {
 
 impl Velocity {
     /// From its two parts.
+    #[must_use]
     pub const fn new(linear: Vector3<f64>, angular: Vector3<f64>) -> Self {
         Self { linear, angular }
     }
@@ -38,6 +78,7 @@ impl Velocity {
     /// assert!((pose * Vector3::x() - Vector3::y()).norm() < 1e-15);
     /// assert_eq!(pose.translation.vector, Vector3::x() * 0.5);
     /// ```
+    #[must_use]
     pub fn applied(&self, pose: &Isometry3<f64>, time: f64) -> Isometry3<f64> {
         let at = pose.translation.vector + self.linear * time;
         let turned = rotation(&(self.angular * time)) * pose.rotation.into_inner();
@@ -74,10 +115,9 @@ fn rotation(vector: &Vector3<f64>) -> Quaternion<f64> {
 }
 
 /// No point within `radius` of a centre goes farther while the centre goes by `shift` and the body turns from one rotation to
-/// another, by whatever way they are between: `|shift| + 2 radius sin(angle / 2)`, rounded up.
+/// another. Rounded up.
 ///
-/// A point x about the centre goes by `shift + (R1 - R0) x`, and `R1 - R0` stretches by at most `2 sin(angle / 2)`. Of two unit
-/// quaternions, of which opposite ones are one rotation, the nearer ones are `c = 2 sin(angle / 4)` apart, and
+/// Of two unit quaternions, of which opposite ones are one rotation, the nearer ones are `c = 2 sin(angle / 4)` apart, and
 /// `2 sin(angle / 2) <= 2 c`.
 pub(crate) fn displacement(
     shift: &Vector3<f64>,
@@ -91,10 +131,59 @@ pub(crate) fn displacement(
     gone * (1.0 + WAY)
 }
 
+/// A ball fixed to one of two bodies, as seen from the other.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct Place {
+    /// From B to A, whichever body the ball is of.
+    rotation: Matrix3<f64>,
+    centre: Vector3<f64>,
+    radius: f64,
+    /// What the rounding of rotation and centre is relative to.
+    size: f64,
+}
+
+impl Place {
+    /// Of a ball of the body `of`, in its frame, at a relative pose `a_from_b`.
+    #[inline(always)]
+    pub(crate) fn new(
+        of: Which,
+        (centre, radius): (&Vector3<f64>, f64),
+        rotation: &Matrix3<f64>,
+        translation: &Vector3<f64>,
+    ) -> Self {
+        let seen = match of {
+            Which::B => rotation * centre + translation,
+            Which::A => rotation.tr_mul(&(centre - translation)),
+        };
+        Self {
+            rotation: *rotation,
+            centre: seen,
+            radius,
+            size: radius + centre.abs().sum() + translation.abs().sum(),
+        }
+    }
+
+    /// No point of the ball is farther from where it was `then`: rounded up, and infinite where squares of lengths leave the range.
+    #[inline(always)]
+    pub(crate) fn displacement(&self, then: &Self) -> f64 {
+        let size = self.size + then.size;
+        // Written so that NaN is out of range.
+        if !(size > NEAR && size < FAR) {
+            return f64::INFINITY;
+        }
+        let shift = sqrt((self.centre - then.centre).norm_squared());
+        // A difference of rotations stretches two directions alike and one not at all.
+        let stretch = sqrt(0.5 * (self.rotation - then.rotation).norm_squared());
+        shift + stretch * self.radius + DISPLACEMENT * size
+    }
+}
+
 #[cfg(test)]
 mod tests {
     extern crate std;
     use super::*;
+    use lab::rng::Rng;
 
     #[test]
     fn rotations_are_those_of_sine_and_cosine() {
@@ -132,5 +221,61 @@ mod tests {
             tight += u32::from(most > 0.5 * bound);
         }
         assert!(tight > 1000, "{tight}");
+    }
+
+    /// Points of a ball of either body, seen from the other at two relative poses.
+    #[test]
+    fn no_point_of_a_ball_goes_farther_than_its_places_are_apart() {
+        let mut rng = Rng::new(93);
+        let (mut tight, mut slack) = (0, f64::INFINITY);
+        for k in 0..2000 {
+            let small = 0.5_f64.powi(k % 40);
+            let turn = UnitQuaternion::from_scaled_axis(Vector3::from(rng.unit()) * rng.range(0.0, 3.0));
+            let more = UnitQuaternion::from_scaled_axis(Vector3::from(rng.unit()) * small);
+            let at = Vector3::from(rng.unit()) * rng.range(0.0, 3.0);
+            let poses = [
+                (turn, at),
+                (
+                    more * turn,
+                    at + Vector3::from(rng.unit()) * small * rng.range(0.0, 1.0),
+                ),
+            ];
+            let (centre, radius) = (Vector3::from(rng.unit()), rng.range(0.1, 2.0));
+            for of in [Which::A, Which::B] {
+                let [then, now] = poses.map(|(r, t)| {
+                    let matrix = r.to_rotation_matrix().into_inner();
+                    Place::new(of, (&centre, radius), &matrix, &t)
+                });
+                let bound = now.displacement(&then);
+                let mut most: f64 = 0.0;
+                for _ in 0..60 {
+                    let x = centre + Vector3::from(rng.unit()) * radius;
+                    let [then, now] = poses.map(|(r, t)| match of {
+                        Which::A => r.inverse() * (x - t),
+                        Which::B => r * x + t,
+                    });
+                    most = most.max((now - then).norm());
+                }
+                slack = slack.min(bound - most);
+                tight += u32::from(most > 0.9 * bound);
+            }
+        }
+        assert!(slack > 0.0 && tight > 1500, "{slack:e} {tight}");
+    }
+
+    #[test]
+    fn nothing_is_said_of_places_out_of_range() {
+        let place = |t: f64| {
+            Place::new(
+                Which::B,
+                (&Vector3::zeros(), 0.0),
+                &Matrix3::identity(),
+                &Vector3::repeat(t),
+            )
+        };
+        for t in [0.0, 1e-120, 1e120, f64::NAN] {
+            assert_eq!(place(t).displacement(&place(t)), f64::INFINITY, "{t}");
+        }
+        assert!(place(1.0).displacement(&place(1.0)) < 1e-12);
     }
 }

@@ -19,7 +19,8 @@ pub enum PoseError {
         /// The coordinate.
         value: f64,
     },
-    /// The rotation is not a unit quaternion: `| |q|^2 - 1 |` must not exceed 1e-12.
+    /// The rotation is not a unit quaternion: `| |q|^2 - 1 |` must not exceed 1e-12. One from `f32` has to be normalised in `f64`, see
+    /// [`RelativePose`].
     #[error("rotation of {body} is not a unit quaternion: its squared norm is {norm_squared}")]
     Rotation {
         /// Which of the two poses.
@@ -51,6 +52,25 @@ impl core::fmt::Display for Which {
 /// as given: that placement, not its rounding, is what every bound of a certified answer speaks of. World offsets
 /// cancel first: the relative translation is formed from `t_b - t_a`, so a common shift that both translations absorb
 /// exactly changes no bit of any answer.
+///
+/// A rotation has to be a unit quaternion in `f64`. One that was computed in `f32`, or by many products, is off by more than is
+/// accepted; normalise it first:
+///
+/// ```
+/// use lin_canny::nalgebra::{Isometry3, UnitQuaternion, Vector3};
+/// use lin_canny::{PoseError, RelativePose};
+///
+/// let pose = Isometry3::new(Vector3::new(1.0, 2.0, 3.0), Vector3::new(0.3, 0.2, 0.1)).cast::<f32>();
+/// let mut pose: Isometry3<f64> = pose.cast();
+/// assert!(matches!(RelativePose::from_isometry(&pose), Err(PoseError::Rotation { .. })));
+/// pose.rotation = UnitQuaternion::new_normalize(pose.rotation.into_inner());
+/// let a_from_b = RelativePose::from_isometry(&pose)?;
+/// # Ok::<(), PoseError>(())
+/// ```
+///
+/// Poses of parry and rapier: see the [front page](crate#bodies-and-poses-of-parry-and-rapier).
+#[doc(alias = "isometry")]
+#[doc(alias = "transform")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct RelativePose {
@@ -149,7 +169,8 @@ impl RelativePose {
         }
     }
 
-    /// From the pose of B in A's frame.
+    /// From the pose of B in A's frame: `pose_a.inverse() * pose_b`, where you have that already. From two poses in the world
+    /// [`RelativePose::new`] is more accurate, as it cancels their offset first.
     ///
     /// # Errors
     /// As [`RelativePose::new`].
@@ -158,11 +179,13 @@ impl RelativePose {
     }
 
     /// The same pair of poses with A and B exchanged.
+    #[must_use]
     pub fn swapped(&self) -> Self {
         Self { a: self.b, b: self.a }
     }
 
     /// The poses this was made from, bit for bit.
+    #[must_use]
     pub fn poses(&self) -> (Isometry3<f64>, Isometry3<f64>) {
         (self.a.isometry(), self.b.isometry())
     }

@@ -66,11 +66,13 @@ const STEADY: u32 = 3;
 
 impl Tracker {
     /// A tracker without a start: the first query begins at the support vertices along the line of centres.
+    #[must_use]
     pub fn new() -> Self {
         Self::default()
     }
 
     /// A tracker that starts from the given features; those that are not the bodies' own are ignored.
+    #[must_use]
     pub fn starting_from(features: FeaturePair, a: &ConvexPolyhedron, b: &ConvexPolyhedron) -> Self {
         let features = features.is_of(a, b).then(|| features.to_stand_on(a, b));
         Self {
@@ -90,6 +92,7 @@ impl Tracker {
     }
 
     /// The features of the last answer.
+    #[must_use]
     pub fn features(&self) -> Option<FeaturePair> {
         self.last
     }
@@ -97,6 +100,7 @@ impl Tracker {
     /// The pairs of features that the walk of the next query would look at, in order, and whether it ends on the last
     /// of them rather than handing over there. Nothing is changed or counted. Empty for bodies that no walk is tried on:
     /// too far apart, or of sizes too different.
+    #[must_use]
     pub fn trace(
         &self,
         a: &ConvexPolyhedron,
@@ -110,11 +114,13 @@ impl Tracker {
     }
 
     /// The query as a text that rebuilds it bit for bit: ask for it before the query, or the start is the answer's.
+    #[must_use]
     pub fn replay(&self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose, level: Level) -> Replay {
         replay(a, b, a_from_b, (self.start(a, b), self.memory.clone()), level)
     }
 
     /// What has been done so far.
+    #[must_use]
     pub fn totals(&self) -> Totals {
         self.totals
     }
@@ -129,9 +135,9 @@ impl Tracker {
     /// their depth as a negative distance, bounded as well. Bodies apart allocate nothing, as long as the exact rung is not needed;
     /// the depth of an overlap takes memory that the tracker keeps, or has taken before ([`reserve`](Self::reserve)).
     ///
-    /// A query looks at a few vertices, also where faces or fans of thousands of edges lie flush. Two things take time in proportion to
-    /// those: the depth of an overlap whose centre is equally deep under all of them, as of two cones tip in tip on one axis; and
-    /// the name of the features where the witness on a body lies between vertices that all have more than 128 edges.
+    /// A query looks at a few vertices, also where faces or fans of thousands of edges lie flush. One thing takes time in proportion to
+    /// those: the depth of an overlap whose centre is equally deep under all of them, as of two cones tip in tip on one axis. Each may be
+    /// the deepest, and is looked at, in some 3 to 7 us.
     #[inline]
     pub fn closest(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Outcome {
         let before = self.before(a, b);
@@ -369,6 +375,7 @@ fn debug_check(
 
 impl Replay {
     /// A tracker that starts where the recorded one did.
+    #[must_use]
     pub fn tracker(&self) -> Tracker {
         let start = self.start.map(|pair| Tracker::starting_from(pair, &self.a, &self.b));
         Tracker {

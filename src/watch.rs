@@ -11,18 +11,22 @@
 //!
 //! Source: the idea of waiting by distance is that of Lin 1993, chapter 5 (there with velocities and a heap of times).
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Vector3;
 
 use crate::closest::outcome::{Class, Distance};
+use crate::motion::Place;
 use crate::polyhedron::ConvexPolyhedron;
 use crate::pose::{RelativePose, Which};
-use crate::scalar::sqrt;
-use crate::tolerance::{DISPLACEMENT, FAR, NEAR};
 use crate::tracker::{Tracker, clear_of};
 
 /// Two bodies, a tracker, and the last answer with the pose it was for.
 ///
 /// Borrows the bodies: bounds that outlive a pose are of these two alone.
+///
+/// The signed distance is the greatest gap between parallel supporting planes. A motion that moves no point of one body, seen from the
+/// other, by more than `m` changes each of these gaps by at most `m`, and so the distance: an answer with bounds `lower` and `upper`
+/// is, `m` later, one with bounds `lower - m` and `upper + m`. Only where that is not answer enough the tracker looks. (The idea of
+/// waiting by distance is that of Lin 1993, chapter 5, there with velocities and a heap of times.)
 ///
 /// ```
 /// use lin_canny::nalgebra::{Isometry3, Vector3};
@@ -38,6 +42,8 @@ use crate::tracker::{Tracker, clear_of};
 /// assert_eq!((pair.asked(), pair.looked()), (100, 10));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+#[doc(alias = "approximate")]
+#[doc(alias = "clearance")]
 #[derive(Clone, Debug)]
 pub struct Watch<'a> {
     a: &'a ConvexPolyhedron,
@@ -59,19 +65,9 @@ struct Seen {
     answer: Distance,
 }
 
-/// Where the moving body is, seen from the other.
-#[derive(Clone, Copy, Debug)]
-struct Place {
-    /// From B to A, whichever is seen to move.
-    rotation: Matrix3<f64>,
-    /// The middle of its ball.
-    centre: Vector3<f64>,
-    /// What the rounding of both is relative to.
-    size: f64,
-}
-
 impl<'a> Watch<'a> {
     /// Watches two bodies; nothing is known yet.
+    #[must_use]
     pub fn new(a: &'a ConvexPolyhedron, b: &'a ConvexPolyhedron) -> Self {
         let (ball_a, ball_b) = (a.bounding_ball(), b.bounding_ball());
         let (moving, (centre, radius)) = if ball_b.1 <= ball_a.1 {
@@ -138,16 +134,19 @@ impl<'a> Watch<'a> {
     }
 
     /// Questions so far.
+    #[must_use]
     pub fn asked(&self) -> u64 {
         self.asked
     }
 
     /// Questions that the motion since the last look left open.
+    #[must_use]
     pub fn looked(&self) -> u64 {
         self.looked
     }
 
     /// The tracker that looks, for its features and totals.
+    #[must_use]
     pub fn tracker(&self) -> &Tracker {
         &self.tracker
     }
@@ -162,15 +161,7 @@ impl<'a> Watch<'a> {
     #[inline]
     fn place(&self, a_from_b: &RelativePose) -> Place {
         let (rotation, translation) = (a_from_b.rotation(), a_from_b.translation());
-        let centre = match self.moving {
-            Which::B => rotation * self.centre + translation,
-            Which::A => rotation.tr_mul(&(self.centre - translation)),
-        };
-        Place {
-            rotation,
-            centre,
-            size: self.radius + self.centre.abs().sum() + translation.abs().sum(),
-        }
+        Place::new(self.moving, (&self.centre, self.radius), &rotation, &translation)
     }
 
     /// The last answer as far as it is one here. `None` where nothing was asked, or where squares of lengths leave the
@@ -178,14 +169,10 @@ impl<'a> Watch<'a> {
     #[inline]
     fn known(&self, place: &Place) -> Option<Distance> {
         let Seen { place: then, answer } = self.seen.as_ref()?;
-        let size = place.size + then.size;
-        if !(size > NEAR && size < FAR) {
+        let by = place.displacement(then);
+        if !(by < f64::INFINITY) {
             return None;
         }
-        let moved = sqrt((place.centre - then.centre).norm_squared());
-        // The difference of two rotations stretches by its Frobenius norm over the root of 2.
-        let turned = sqrt(0.5 * (place.rotation - then.rotation).norm_squared());
-        let by = moved + turned * self.radius + DISPLACEMENT * size;
         let (lower, upper) = ((answer.lower - by).next_down(), (answer.upper + by).next_up());
         let class = if lower > 0.0 {
             Class::Separated

@@ -3,7 +3,7 @@
 //! The judge is `lab::exact`, brute force over all feature pairs in integers. Bounds hold the truth, the distance is within
 //! 1e-14 L of it, witnesses lie in their bodies, the normal attains the distance; warm and cold, A to B and B to A.
 
-mod world;
+mod support;
 
 use lab::bound;
 use lab::exact::{self, Exact};
@@ -28,7 +28,7 @@ struct Pair {
 
 impl Pair {
     fn new(a: Shape, b: Shape) -> Self {
-        let bodies = [world::body(&a), world::body(&b)];
+        let bodies = [support::body(&a), support::body(&b)];
         Self { shapes: [a, b], bodies }
     }
 
@@ -45,7 +45,7 @@ impl Pair {
     /// Everything an outcome says, against the truth.
     fn judge(&self, frame: &Frame, o: &Outcome, truth: &Exact, what: &str) {
         let [a, b] = &self.bodies;
-        let allowed = ERROR * world::size(a, b, frame);
+        let allowed = ERROR * support::size(a, b, frame);
         let s = truth.distance;
         let told = || {
             format!(
@@ -55,7 +55,7 @@ impl Pair {
         };
         assert_eq!(format!("{:?}", o.class), format!("{:?}", truth.class), "{}", told());
         assert!(o.lower <= s && s <= o.upper, "{}", told());
-        assert!(world::are_of(o.features, a, b), "{}", told());
+        assert!(support::are_of(o.features, a, b), "{}", told());
         let (on_a, on_b) = (o.point_on_a.coords.into(), o.point_on_b.coords.into());
         let outside =
             bound::outside_by(on_a, (&self.shapes[0]).into()).max(bound::outside_by(on_b, (&self.shapes[1]).into()));
@@ -85,11 +85,11 @@ impl Pair {
     /// Asks in every way; `warm` has seen this pair at other poses.
     fn ask(&self, frame: &Frame, warm: &mut Tracker) -> lab::Class {
         let truth = self.truth(frame);
-        let ([a, b], pose) = (&self.bodies, world::relative(frame));
+        let ([a, b], pose) = (&self.bodies, support::relative(frame));
         self.judge(frame, &Tracker::new().closest(a, b, &pose), &truth, "cold");
         self.judge(frame, &warm.closest(a, b, &pose), &truth, "warm");
         let back = self.swapped();
-        let turned = Tracker::new().closest(&back.bodies[0], &back.bodies[1], &world::relative(&frame.swapped()));
+        let turned = Tracker::new().closest(&back.bodies[0], &back.bodies[1], &support::relative(&frame.swapped()));
         back.judge(&frame.swapped(), &turned, &truth, "swapped");
         let exact = Tracker::new().closest_exact(a, b, &pose);
         self.judge(frame, &exact, &truth, "exact");
@@ -135,10 +135,10 @@ fn random_hulls() {
 
 #[test]
 fn shipped_solids() {
-    let small: Vec<Shape> = world::shipped()
+    let small: Vec<Shape> = support::shipped()
         .iter()
         .filter(|b| b.vertex_count() <= 12)
-        .map(world::plain)
+        .map(support::plain)
         .collect();
     assert!(small.len() >= 6);
     let small: Vec<Shape> = small.into_iter().map(Shape::solved).collect();

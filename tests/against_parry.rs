@@ -3,7 +3,7 @@
 //! parry3d-f64 is asked twice: through the hull it builds itself, cold, and through its generic GJK with the cached simplex
 //! over our points. Its envelope (`lab::parry::tolerance`): bodies of size about 1, relative error below 6e-8 or `1e-15 / gap`.
 
-mod world;
+mod support;
 
 use lab::motion::{Frame, random_poses};
 use lab::parry::{self, Climber, GjkCached, tolerance};
@@ -30,7 +30,7 @@ struct Engines {
 
 impl Engines {
     fn new(ours: ConvexPolyhedron) -> Self {
-        let shape = world::plain(&ours);
+        let shape = support::plain(&ours);
         let hull = parry::hull(&shape.points).filter(|h| h.points().len() == shape.points.len());
         let climber = Climber::new(&shape.points, &shape.faces);
         Self {
@@ -65,13 +65,13 @@ fn compare(a: &Engines, b: &Engines, rng: &mut Rng, seen: &mut Seen) {
     let (mut tracker, mut cache, mut count) = (Tracker::new(), GjkCached::default(), 0);
     while count < OF_PAIR {
         let first = random_poses(rng, 1, radii, (0.3, 1.5), 1.0)[0];
-        let o = tracker.closest(&a.ours, &b.ours, &world::relative(&first));
+        let o = tracker.closest(&a.ours, &b.ours, &support::relative(&first));
         let mut frames = vec![first];
         if o.class == Class::Separated {
             frames.push(closed_in(&first, &o, rng));
         }
         for f in frames {
-            let o = tracker.closest(&a.ours, &b.ours, &world::relative(&f));
+            let o = tracker.closest(&a.ours, &b.ours, &support::relative(&f));
             let gjk = cache
                 .closest(&a.climber, &f.a, &b.climber, &f.b)
                 .map_or(0.0, |w| w.distance);
@@ -107,7 +107,7 @@ fn compare(a: &Engines, b: &Engines, rng: &mut Rng, seen: &mut Seen) {
 #[test]
 fn a_hundred_thousand_poses_agree() {
     let mut rng = Rng::new(201);
-    let mut bodies: Vec<Engines> = world::shipped().into_iter().map(Engines::new).collect();
+    let mut bodies: Vec<Engines> = support::shipped().into_iter().map(Engines::new).collect();
     for (k, n) in [4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128, 200].into_iter().enumerate() {
         let axes = [Vector3::new(1.0, 1.0, 1.0), Vector3::new(1.0, 0.6, 0.3)][k % 2];
         bodies.push(Engines::new(

@@ -1,5 +1,6 @@
 //! Bodies from points: the hull is right for every hard family, judged by brute force over exact signs.
 
+use lab::rng::Rng;
 use lin_canny::polyhedron::{BuildError, ConvexPolyhedron, solids};
 use nalgebra::{Point3, Vector3};
 use robust::{Coord3D, orient3d};
@@ -12,20 +13,9 @@ fn side(a: &Point3<f64>, b: &Point3<f64>, c: &Point3<f64>, p: &Point3<f64>) -> f
     -orient3d(a, b, c, p)
 }
 
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> f64 {
-        self.0 = self
-            .0
-            .wrapping_mul(6364136223846793005)
-            .wrapping_add(1442695040888963407);
-        (self.0 >> 11) as f64 / (1u64 << 53) as f64 * 2.0 - 1.0
-    }
-
-    fn point(&mut self, x: f64, y: f64, z: f64) -> Point3<f64> {
-        Point3::new(x * self.next(), y * self.next(), z * self.next())
-    }
+/// A point in a box about the origin.
+fn point(rng: &mut Rng, x: f64, y: f64, z: f64) -> Point3<f64> {
+    Point3::from([x, y, z].map(|reach| rng.range(-reach, reach)))
 }
 
 /// The extreme points by definition: a supporting plane through three points holds all; on such a plane a point is
@@ -94,7 +84,7 @@ fn check(points: &[Point3<f64>], name: &str) -> ConvexPolyhedron {
 
 fn families() -> Vec<(String, Points)> {
     let mut all = Vec::new();
-    let mut random = Random(1);
+    let mut rng = Rng::new(1);
     for (x, y, z) in [
         (1., 1., 1.),
         (1., 1., 1e-3),
@@ -103,7 +93,7 @@ fn families() -> Vec<(String, Points)> {
         (1e5, 1., 1e-5),
     ] {
         for n in [4, 5, 8, 14, 200] {
-            let cloud: Points = (0..n).map(|_| random.point(x, y, z)).collect();
+            let cloud: Points = (0..n).map(|_| point(&mut rng, x, y, z)).collect();
             all.push((format!("cloud {n} of {x}:{y}:{z}"), cloud));
         }
     }
@@ -181,13 +171,13 @@ fn hulls_of_hard_families_are_right() {
 /// Small integer coordinates: most triples are collinear or most quadruples coplanar somewhere.
 #[test]
 fn degenerate_clouds_match_brute_force() {
-    let mut random = Random(11);
+    let mut rng = Rng::new(11);
     let (mut solid, mut dropped) = (0, [0; 4]);
     for round in 0..1500 {
         let n = 4 + round % 10;
         let size = [1.0, 1.5, 2.0, 4.0][round % 4];
         let points: Points = (0..n)
-            .map(|_| random.point(size, size, size).map(|x| x.round() + 0.0))
+            .map(|_| point(&mut rng, size, size, size).map(|x| x.round() + 0.0))
             .collect();
         match ConvexPolyhedron::from_points(&points) {
             Err(BuildError::Flat { dimension, span }) => {
@@ -245,8 +235,8 @@ fn the_report_sorts_what_was_dropped() {
 
 #[test]
 fn scaling_by_a_power_of_two_scales_the_body() {
-    let mut random = Random(5);
-    let points: Points = (0..60).map(|_| random.point(1.0, 0.1, 1e-4)).collect();
+    let mut rng = Rng::new(5);
+    let points: Points = (0..60).map(|_| point(&mut rng, 1.0, 0.1, 1e-4)).collect();
     let body = check(&points, "unscaled");
     for k in [-300, -60, -30, 3, 50, 300] {
         let scale = 2f64.powi(k);
@@ -267,9 +257,9 @@ fn scaling_by_a_power_of_two_scales_the_body() {
 #[test]
 fn extents_reach_from_1e_minus_100_to_1e100() {
     for extent in [1e-100, 1e-80, 1e-13, 1e13, 1e80, 1e100] {
-        let mut random = Random(6);
+        let mut rng = Rng::new(6);
         let points: Points = (0..50)
-            .map(|_| random.point(extent / 2.1, extent / 1e7, extent / 3.0))
+            .map(|_| point(&mut rng, extent / 2.1, extent / 1e7, extent / 3.0))
             .collect();
         let mut points = points;
         points.extend([
@@ -292,10 +282,10 @@ fn extents_reach_from_1e_minus_100_to_1e100() {
 
 #[test]
 fn bodies_far_from_the_origin_lose_nothing() {
-    let mut random = Random(7);
+    let mut rng = Rng::new(7);
     let step = 2f64.powi(-20);
     let snapped = |p: Point3<f64>| p.map(|x| (x / step).round() * step);
-    let points: Points = (0..80).map(|_| snapped(random.point(1.0, 2.0, 0.5))).collect();
+    let points: Points = (0..80).map(|_| snapped(point(&mut rng, 1.0, 2.0, 0.5))).collect();
     let offset = Vector3::new(1073741824.0, -3e9, 0.0);
     let far: Points = points.iter().map(|p| p + offset).collect();
     let (near, far_body) = (check(&points, "near"), check(&far, "far"));
@@ -316,10 +306,8 @@ fn bodies_far_from_the_origin_lose_nothing() {
 fn the_order_of_the_input_changes_names_only() {
     for (name, mut points) in families() {
         let body = ConvexPolyhedron::from_points(&points).unwrap();
-        let mut random = Random(8);
-        for i in (1..points.len()).rev() {
-            points.swap(i, ((random.next() + 1.0) / 2.0 * i as f64) as usize);
-        }
+        let mut rng = Rng::new(8);
+        rng.shuffle(&mut points);
         assert_eq!(ConvexPolyhedron::from_points(&points).unwrap(), body, "{name}");
     }
 }
@@ -364,13 +352,8 @@ fn refused_points_are_named() {
 
 #[test]
 fn random_bits_never_panic() {
-    let mut state = 9u64;
-    let mut bits = || {
-        state ^= state << 13;
-        state ^= state >> 7;
-        state ^= state << 17;
-        state
-    };
+    let mut rng = Rng::new(9);
+    let mut bits = || rng.bits();
     let mut built = 0;
     for round in 0..3000 {
         let n = 1 + bits() % 12;

@@ -9,7 +9,7 @@ use lab::rng::Rng;
 use lab::shapes::Shape;
 use lab::{Pose, bound};
 use lin_canny::{ConvexPolyhedron, FeaturePair, Outcome, Tracker};
-use support::{body, class, isometry, pairs, relative};
+use support::{between, body, class, pairs};
 
 fn cases() -> Vec<Case> {
     let all = corpus::load(&Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/corpus"));
@@ -53,7 +53,7 @@ fn judge(c: &Case, o: &Outcome, unit: f64, exactly: bool, what: &str) {
 }
 
 fn ask(c: &Case, a: &ConvexPolyhedron, b: &ConvexPolyhedron, poses: (&Pose, &Pose), unit: f64, what: &str) {
-    let pose = relative(poses.0, poses.1);
+    let pose = between(poses.0, poses.1);
     let p = Tracker::new().propose(a, b, &pose);
     let numbers = p.point_on_a.iter().chain(p.point_on_b.iter()).chain(p.normal.iter());
     assert!(
@@ -95,7 +95,7 @@ fn run(c: &Case) {
     let (a, b) = (body(&c.a), body(&c.b));
     ask(c, &a, &b, (&c.pose_a, &c.pose_b), 1.0, "as it is");
     ask(c, &b, &a, (&c.pose_b, &c.pose_a), 1.0, "letters exchanged");
-    let pose = relative(&c.pose_a, &c.pose_b);
+    let pose = between(&c.pose_a, &c.pose_b);
     for start in starts(&a, &b, 1000) {
         let o = Tracker::starting_from(start, &a, &b).closest(&a, &b, &pose);
         judge(c, &o, 1.0, false, &format!("from {start}"));
@@ -127,7 +127,7 @@ fn run(c: &Case) {
 fn moved(c: &Case, a: &ConvexPolyhedron, b: &ConvexPolyhedron) {
     let common = Pose::turn(lab::pose::unit([1.0, -2.0, 0.5]), 0.9, [3.0, 1.0, -2.0]);
     let (pa, pb) = (common.after(&c.pose_a), common.after(&c.pose_b));
-    let o = Tracker::new().closest(a, b, &relative(&pa, &pb));
+    let o = Tracker::new().closest(a, b, &between(&pa, &pb));
     let slack = 1e-14 * (c.size() + 10.0 + lab::pose::norm(c.pose_a.t) + lab::pose::norm(c.pose_b.t));
     let truth = if c.class == lab::Class::Touching {
         Some(0.0)
@@ -150,7 +150,7 @@ fn motions_are_tracked() {
             trackers = Default::default();
             motion.clone_from(&c.motion);
         }
-        let (a, b, pose) = (body(&c.a), body(&c.b), relative(&c.pose_a, &c.pose_b));
+        let (a, b, pose) = (body(&c.a), body(&c.b), between(&c.pose_a, &c.pose_b));
         let o = trackers.0.closest(&a, &b, &pose);
         judge(c, &o, 1.0, false, "tracked");
         judge(
@@ -209,8 +209,8 @@ fn exact_bounds_agree_with_the_corpus() {
         .filter(|c| !is_small(c) && c.class == lab::Class::Separated)
     {
         let (a, b) = (body(&c.a), body(&c.b));
-        let o = Tracker::new().closest(&a, &b, &relative(&c.pose_a, &c.pose_b));
-        let n = isometry(&c.pose_a).rotation * o.normal;
+        let o = Tracker::new().closest(&a, &b, &between(&c.pose_a, &c.pose_b));
+        let n = c.pose_a.isometry().rotation * o.normal;
         let (n, p, q) = (
             n.into_inner().into(),
             o.point_on_a.coords.into(),

@@ -3,7 +3,7 @@
 //!
 //! No answer names an edge beside a face or two faces: one of their vertices or edges stands for them.
 
-mod world;
+mod support;
 
 use lab::motion::{orbit_and_spin, random_poses};
 use lab::pose::radius;
@@ -11,7 +11,7 @@ use lab::rng::Rng;
 use lin_canny::nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::{Class, ConvexPolyhedron, RelativePose, Tracker};
-use world::kinds;
+use support::kinds;
 
 fn hull(points: &[[f64; 3]]) -> ConvexPolyhedron {
     ConvexPolyhedron::from_points(&points.iter().map(|&p| Point3::from(p)).collect::<Vec<_>>()).expect("a hull")
@@ -181,10 +181,11 @@ fn hand_made_cases() {
         for swap in [false, true] {
             check(&case, &Isometry3::identity(), swap);
             for _ in 0..20 {
-                let rotation = world::isometry(&lab::Pose {
+                let rotation = lab::Pose {
                     q: rng.quat(),
                     t: [0.0; 3],
-                })
+                }
+                .isometry()
                 .rotation;
                 let place = Translation3::new(rng.range(-1.0, 1.0), rng.range(-1.0, 1.0), rng.range(-1.0, 1.0));
                 check(&case, &Isometry3::from_parts(place, rotation), swap);
@@ -222,15 +223,15 @@ fn every_start_leads_to_the_answer() {
 #[test]
 fn all_kinds_are_met() {
     let mut rng = Rng::new(302);
-    let bodies = world::shipped();
+    let bodies = support::shipped();
     let (mut random, mut moving) = ([[0; 3]; 3], [[0; 3]; 3]);
     for _ in 0..60 {
         let (a, b) = (rng.pick(&bodies), rng.pick(&bodies));
-        let radii = (radius(&world::plain(a).points), radius(&world::plain(b).points));
+        let radii = (radius(&support::plain(a).points), radius(&support::plain(b).points));
         let count = |mix: &mut [[usize; 3]; 3], frames: Vec<lab::motion::Frame>| {
             let mut tracker = Tracker::new();
             for f in frames {
-                let o = tracker.closest(a, b, &world::relative(&f));
+                let o = tracker.closest(a, b, &support::relative(&f));
                 if o.class == Class::Separated {
                     let (i, j) = kinds(o.features);
                     mix[i][j] += 1;

@@ -1,6 +1,6 @@
 //! Promise: the gradient is the derivative of the exact signed distance by either pose, apart and overlapping, and one-sided at ties.
 
-mod world;
+mod support;
 
 use lab::exact::{self, Body};
 use lab::motion::Frame;
@@ -71,8 +71,8 @@ fn gradients_are_derivatives() {
                 t: scale(rng.unit(), rng.range(0.3, 2.5)),
             },
         };
-        let pose = world::relative(&frame);
-        let o = Tracker::new().closest(&world::body(&a), &world::body(&b), &pose);
+        let pose = support::relative(&frame);
+        let o = Tracker::new().closest(&support::body(&a), &support::body(&b), &pose);
         if o.distance.abs() < 1e-3 {
             continue;
         }
@@ -120,8 +120,8 @@ fn parallel_faces_have_one_sided_rates() {
             a: Pose::IDENTITY,
             b: Pose::shift([at[0], at[1], 1.25 + distance]),
         };
-        let (body_a, body_b) = (world::body(&a), world::body(&b));
-        let pose = world::relative(&frame);
+        let (body_a, body_b) = (support::body(&a), support::body(&b));
+        let pose = support::relative(&frame);
         let mut options = ManifoldOptions::within(1.0);
         options.max_points = 8;
         let (mut pair, mut m) = (Tracker::new(), Manifold::new());
@@ -152,8 +152,8 @@ fn concentric_bodies_have_one_sided_rates() {
             a: Pose::IDENTITY,
             b: Pose::IDENTITY,
         };
-        let body = world::body(&cube);
-        let pose = world::relative(&at);
+        let body = support::body(&cube);
+        let pose = support::relative(&at);
         let o = Tracker::new().closest(&body, &body, &pose);
         let twists = [[[0.0; 3]; 2], [rng.unit(), [0.0; 3]]];
         let rate = o.gradient_b(&pose).along(&twists[1][0].into(), &Vector3::zeros());

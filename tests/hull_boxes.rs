@@ -4,13 +4,8 @@ use lab::Pose;
 use lab::rng::Rng;
 use lab::shapes::{self, Shape};
 use lin_canny::broad::Aabb;
-use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, UnitQuaternion};
+use lin_canny::nalgebra::{Isometry3, Point3};
 use lin_canny::{BoxHint, ConvexPolyhedron};
-
-fn isometry(p: &Pose) -> Isometry3<f64> {
-    let [x, y, z, w] = p.q;
-    Isometry3::from_parts(p.t.into(), UnitQuaternion::new_unchecked(Quaternion::new(w, x, y, z)))
-}
 
 /// Whether the exact place of every vertex is between the corners.
 fn holds(body: &ConvexPolyhedron, pose: &Pose, low: Point3<f64>, high: Point3<f64>) -> bool {
@@ -22,7 +17,7 @@ fn holds(body: &ConvexPolyhedron, pose: &Pose, low: Point3<f64>, high: Point3<f6
 
 /// How much larger a side is than the spread of the vertices, at most.
 fn excess(body: &ConvexPolyhedron, pose: &Pose, low: Point3<f64>, high: Point3<f64>) -> f64 {
-    let at: Vec<Point3<f64>> = body.vertex_points().map(|p| isometry(pose) * p).collect();
+    let at: Vec<Point3<f64>> = body.vertex_points().map(|p| pose.isometry() * p).collect();
     let worst = |k: usize| {
         let (least, most) = at
             .iter()
@@ -63,14 +58,14 @@ fn boxes_hold_the_body_and_are_tight() {
                 q: rng.quat(),
                 t: rng.unit().map(|c| c * radius * 10f64.powi(frame % 4)),
             };
-            let (low, high) = body.aabb_at(&isometry(&pose), &mut hint);
+            let (low, high) = body.aabb_at(&pose.isometry(), &mut hint);
             assert!(holds(&body, &pose, low, high), "{} {pose:?}", shape.name);
             let reach = radius + lab::pose::norm(pose.t) + body.bounding_ball().0.coords.norm();
             // A body about its own origin as far off as two radii is measured from there.
             let most = 3.3e-6 * radius + 3e-14 * reach;
             let excess = excess(&body, &pose, low, high);
             assert!(excess <= most, "{}: {excess:e} > {most:e}", shape.name);
-            let (low, high) = body.cube_at(&isometry(&pose));
+            let (low, high) = body.cube_at(&pose.isometry());
             assert!(holds(&body, &pose, low, high), "cube of {} {pose:?}", shape.name);
         }
     }
@@ -98,9 +93,9 @@ fn boxes_hold_bodies_far_from_their_own_origin() {
         let tilt = lab::pose::quat(axis, rng.range(-3.0, 3.0));
         let q = lab::pose::quat_mul(tilt, lab::pose::quat([0.0, 0.0, 1.0], rng.range(-3.0, 3.0)));
         let pose = Pose { q, t: rng.unit() };
-        let (low, high) = body.aabb_at(&isometry(&pose), &mut BoxHint::default());
+        let (low, high) = body.aabb_at(&pose.isometry(), &mut BoxHint::default());
         assert!(holds(&body, &pose, low, high), "{k}: {away:e} {pose:?}");
-        let (low, high) = body.cube_at(&isometry(&pose));
+        let (low, high) = body.cube_at(&pose.isometry());
         assert!(holds(&body, &pose, low, high), "cube {k}: {away:e} {pose:?}");
         thin += usize::from(points.len() != 8);
     }
@@ -114,10 +109,11 @@ fn a_stale_hint_changes_no_bit() {
     let mut foreign = BoxHint::default();
     for k in 0..200 {
         let (_, body) = &all[k % all.len()];
-        let pose = isometry(&Pose {
+        let pose = Pose {
             q: rng.quat(),
             t: rng.unit(),
-        });
+        }
+        .isometry();
         assert_eq!(
             body.aabb_at(&pose, &mut foreign),
             body.aabb_at(&pose, &mut BoxHint::default())

@@ -9,7 +9,7 @@ use lab::{Point, Pose};
 use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use lin_canny::{Class, ConvexPolyhedron, Layer, Manifold, ManifoldOptions, Outcome, RelativePose, Tracker};
 use std::f64::consts::TAU;
-use support::isometry;
+use support::relative;
 
 /// Corners of a polygon on an ellipse: evenly spaced ones on a circle, or random ones.
 fn polygon(n: usize, rng: &mut Rng, even: bool) -> Vec<[f64; 2]> {
@@ -40,6 +40,23 @@ fn body(shape: &str, n: usize, rng: &mut Rng) -> ConvexPolyhedron {
         "tip" | "odd tip" => {
             points = rim.iter().map(at(0.5)).collect();
             points.push([0.0; 3]);
+        }
+        // A tip no higher than rounding, and another behind it.
+        "low tip" => {
+            points = rim.iter().map(at(1e-16)).collect();
+            points.extend([[0.0; 3], [0.0, 0.0, 1.0]]);
+        }
+        "turned low tip" => {
+            points = rim.iter().map(at(1e-14)).collect();
+            points.extend([[0.0; 3], [0.0, 0.0, 1.0]]);
+            let turn = turned().inverse();
+            points = points.iter().map(|&p| (turn * Point3::from(p)).into()).collect();
+        }
+        // Two apexes of thousands of edges, one of which joins them.
+        "tent" => {
+            points.retain(|p| p[1] > -0.01);
+            points = points.iter().map(|p| [0.0, p[0], 0.1 + p[1]]).collect();
+            points.extend([[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0]]);
         }
         "cube" => points = (0..8).map(|k| [0, 1, 2].map(|axis| f64::from(k >> axis & 1))).collect(),
         "flat cone" => points.push([0.0, 0.0, 0.02]),
@@ -79,13 +96,9 @@ const PAIRS: [(&str, &str); 12] = [
 fn frames(a: &ConvexPolyhedron, b: &ConvexPolyhedron, degrees: Option<f64>, count: usize, rng: &mut Rng) -> Vec<Frame> {
     workload::motion(degrees, count, rng, |f| {
         let o = Tracker::new().closest(a, b, &relative(f));
-        let (pa, pb) = (isometry(&f.a), isometry(&f.b));
+        let (pa, pb) = (f.a.isometry(), f.b.isometry());
         (o.lower > 0.0).then(|| ((pa * o.point_on_a).into(), (pb * o.point_on_b).into()))
     })
-}
-
-fn relative(f: &Frame) -> RelativePose {
-    RelativePose::new(&isometry(&f.a), &isometry(&f.b)).expect("a pose")
 }
 
 /// Steps of a query are as few on 8192 corners as on 512, warm and cold. Linear growth would be sixteen times as many.
@@ -134,7 +147,7 @@ fn walks_begin_where_features_go() {
 /// witnesses from above.
 fn assert_proven(a: &ConvexPolyhedron, b: &ConvexPolyhedron, f: &Frame, o: &Outcome) {
     let pose = relative(f);
-    let (ra, rb) = (isometry(&f.a), isometry(&f.b));
+    let (ra, rb) = (f.a.isometry(), f.b.isometry());
     let size = 4.0 + (rb.translation.vector - ra.translation.vector).norm();
     let n = ra.rotation * o.normal.into_inner();
     let top = a
@@ -189,7 +202,7 @@ fn answers_on_large_features_agree_with_exact_ones() {
         let (a, b) = (body(x, 400, &mut rng), body(y, 400, &mut rng));
         for f in frames(&a, &b, None, 6, &mut rng) {
             let first = Tracker::new().closest(&a, &b, &relative(&f));
-            let n = isometry(&f.a).rotation * first.normal.into_inner();
+            let n = f.a.isometry().rotation * first.normal.into_inner();
             for gap in [1e-2, 1e-4, 1e-7, 1e-10] {
                 let by = n * (gap - first.distance);
                 let t = [0, 1, 2].map(|k| f.b.t[k] + by[k]);
@@ -316,9 +329,12 @@ fn no_query_on_flush_features_takes_time_in_proportion_to_the_corners() {
         ("tip", "prism"),
         ("odd tip", "odd tip"),
         ("odd tip", "cube"),
+        ("low tip", "low tip"),
+        ("turned low tip", "prism"),
+        ("tent", "tent"),
     ] {
         let un = [x, y].map(|s| {
-            if s == "turned prism" {
+            if s.starts_with("turned") {
                 turned()
             } else {
                 UnitQuaternion::identity()
@@ -332,6 +348,28 @@ fn no_query_on_flush_features_takes_time_in_proportion_to_the_corners() {
         };
         for ((kind, few), (_, many)) in run(512).into_iter().zip(run(16_384)) {
             assert!(many <= 8.0 * few + 0.002, "{x} on {y}, {kind}: {few} s and {many} s");
+        }
+    }
+}
+
+/// The solver goes round such rims by halves, each rim in turn, and gets there.
+#[test]
+fn nearly_parallel_rims_do_not_need_the_exact_rung() {
+    for n in [8192, 16_384] {
+        let body = body("low tip", n, &mut Rng::new(5));
+        let upside_down = Vector3::x_axis().into_inner() * std::f64::consts::PI;
+        let a = Isometry3::new(Vector3::zeros(), upside_down);
+        for k in 0..12 {
+            let direction = TAU * f64::from(k) / 12.0 + 0.1;
+            let tilt = Vector3::new(direction.cos(), direction.sin(), 0.0) * 1e-6;
+            let b = Isometry3::new(Vector3::new(0.0, 0.0, 1e-3), tilt);
+            let pose = RelativePose::new(&a, &b).expect("a pose");
+            let o = Tracker::new().closest(&body, &body, &pose);
+            assert_eq!(
+                (o.class, o.work.exacts),
+                (Class::Separated, 0),
+                "{n}, {direction}: {o:?}"
+            );
         }
     }
 }

@@ -134,13 +134,13 @@ const MAY_USE: [(&str, &[&str]); 13] = [
     ("scalar", &["tolerance"]),
     ("double_double", &["scalar", "tolerance"]),
     ("pose", &["tolerance"]),
+    // Poses, velocities and displacements: no body.
+    ("motion", &["pose", "scalar", "tolerance"]),
     // The box of a placed body turns by a pose's matrix.
     (
         "polyhedron",
         &["polyhedron", "pose", "scalar", "double_double", "tolerance"],
     ),
-    // Poses, velocities and displacements: no body.
-    ("motion", &["scalar", "tolerance"]),
     // Boxes and ids only.
     ("broad", &["broad", "tolerance"]),
     (
@@ -169,7 +169,10 @@ const MAY_USE: [(&str, &[&str]); 13] = [
         ],
     ),
     // Contacts begin with an answer, however it was found.
-    ("contact", &["closest", "polyhedron", "pose", "scalar", "tolerance"]),
+    (
+        "contact",
+        &["closest", "motion", "polyhedron", "pose", "scalar", "tolerance"],
+    ),
     // What a caller keeps of a pair; the report of a fault is below it.
     (
         "tracker",
@@ -186,10 +189,7 @@ const MAY_USE: [(&str, &[&str]); 13] = [
         ],
     ),
     // One tracker, and how far its bodies have moved.
-    (
-        "watch",
-        &["tracker", "closest", "polyhedron", "pose", "scalar", "tolerance"],
-    ),
+    ("watch", &["tracker", "closest", "motion", "polyhedron", "pose"]),
     // Where all meets.
     (
         "scene",

@@ -9,7 +9,7 @@ use lab::shapes::{self, Shape};
 use lab::{Point, Pose};
 use lin_canny::{Class, Outcome, RelativePose, Tracker};
 use proptest::prelude::*;
-use support::{body, isometry, relative};
+use support::{body, relative};
 
 /// A pair at a pose of any kind, from a seed.
 fn scene(seed: u64) -> (Shape, Shape, Frame) {
@@ -42,10 +42,6 @@ fn ask(a: &Shape, b: &Shape, pose: &RelativePose) -> [Outcome; 2] {
         Tracker::new().closest(&a, &b, pose),
         Tracker::new().closest_exact(&a, &b, pose),
     ]
-}
-
-fn of(frame: &Frame) -> RelativePose {
-    relative(&frame.a, &frame.b)
 }
 
 /// Two answers to the same question: neither proves the other wrong, and both are as near as rounding allows.
@@ -87,7 +83,7 @@ proptest! {
     #[test]
     fn letters_may_be_exchanged(seed: u64) {
         let (a, b, frame) = scene(seed);
-        let (x, y) = (ask(&a, &b, &of(&frame)), ask(&b, &a, &of(&frame.swapped())));
+        let (x, y) = (ask(&a, &b, &relative(&frame)), ask(&b, &a, &relative(&frame.swapped())));
         for (x, y) in x.iter().zip(&y) {
             agree(x, y, size(&frame))?;
         }
@@ -103,7 +99,7 @@ proptest! {
         let (a, b, frame) = scene(seed);
         let unit = 2f64.powi(k);
         let big = Frame { a: times(&frame.a, unit), b: times(&frame.b, unit) };
-        let (x, y) = (ask(&a, &b, &of(&frame)), ask(&scaled(&a, unit), &scaled(&b, unit), &of(&big)));
+        let (x, y) = (ask(&a, &b, &relative(&frame)), ask(&scaled(&a, unit), &scaled(&b, unit), &relative(&big)));
         for (x, y) in x.iter().zip(&y) {
             prop_assert_eq!(bits(x, unit), bits(y, 1.0), "{:?} {:?}", x, y);
             prop_assert_eq!((x.class, x.layer, x.features), (y.class, y.layer, y.features));
@@ -119,7 +115,7 @@ proptest! {
         let here = Frame { a: Pose { t: round(frame.a.t), ..frame.a }, b: Pose { t: round(frame.b.t), ..frame.b } };
         let there = |p: &Pose| Pose { t: lab::pose::add(p.t, shift), ..*p };
         let there = Frame { a: there(&here.a), b: there(&here.b) };
-        for (x, y) in ask(&a, &b, &of(&here)).iter().zip(&ask(&a, &b, &of(&there))) {
+        for (x, y) in ask(&a, &b, &relative(&here)).iter().zip(&ask(&a, &b, &relative(&there))) {
             prop_assert_eq!(x, y);
         }
     }
@@ -130,7 +126,7 @@ proptest! {
         let mut rng = Rng::new(!seed);
         let (c, d) = (a.clone().shuffled(&mut rng), b.clone().shuffled(&mut rng));
         // Vertices are numbered by place, so not even a bit may differ.
-        for (x, y) in ask(&a, &b, &of(&frame)).iter().zip(&ask(&c, &d, &of(&frame))) {
+        for (x, y) in ask(&a, &b, &relative(&frame)).iter().zip(&ask(&c, &d, &relative(&frame))) {
             prop_assert_eq!(bits(x, 1.0), bits(y, 1.0));
         }
     }
@@ -143,7 +139,7 @@ proptest! {
         let moved = frame.moved(&common);
         // The motion is rounded where it is far out: a unit in the last place of 100 moves a body by 1.4e-14.
         let slack = 1e-12;
-        for (x, y) in ask(&a, &b, &of(&frame)).iter().zip(&ask(&a, &b, &of(&moved))) {
+        for (x, y) in ask(&a, &b, &relative(&frame)).iter().zip(&ask(&a, &b, &relative(&moved))) {
             if x.distance > slack {
                 prop_assert_eq!(x.class, y.class);
                 prop_assert!((x.distance - y.distance).abs() <= slack, "{:?} {:?}", x, y);
@@ -157,9 +153,9 @@ proptest! {
         let (_, _, other) = scene(before);
         let (p, q) = (body(&a), body(&b));
         let mut pair = Tracker::new();
-        pair.closest(&p, &q, &of(&other));
-        let warm = [pair.clone().closest(&p, &q, &of(&frame)), pair.closest_exact(&p, &q, &of(&frame))];
-        let cold = ask(&a, &b, &of(&frame));
+        pair.closest(&p, &q, &relative(&other));
+        let warm = [pair.clone().closest(&p, &q, &relative(&frame)), pair.closest_exact(&p, &q, &relative(&frame))];
+        let cold = ask(&a, &b, &relative(&frame));
         for (x, y) in warm.iter().zip(&cold) {
             agree(x, y, size(&frame))?;
         }
@@ -168,7 +164,7 @@ proptest! {
         }
         for d in [0.0, warm[0].lower, warm[0].distance, warm[0].upper, 1.0] {
             let (mut x, mut y) = (pair.clone(), Tracker::new());
-            prop_assert_eq!(x.within(&p, &q, &of(&frame), d), y.within(&p, &q, &of(&frame), d));
+            prop_assert_eq!(x.within(&p, &q, &relative(&frame), d), y.within(&p, &q, &relative(&frame), d));
         }
     }
 
@@ -176,8 +172,8 @@ proptest! {
     fn two_ways_of_giving_one_pose_agree(seed: u64) {
         let (a, b, frame) = scene(seed);
         let still = Frame { a: Pose::IDENTITY, ..frame };
-        let one = RelativePose::from_isometry(&isometry(&still.b)).unwrap();
-        for (x, y) in ask(&a, &b, &of(&still)).iter().zip(&ask(&a, &b, &one)) {
+        let one = RelativePose::from_isometry(&still.b.isometry()).unwrap();
+        for (x, y) in ask(&a, &b, &relative(&still)).iter().zip(&ask(&a, &b, &one)) {
             prop_assert_eq!(x, y);
         }
     }
@@ -185,7 +181,7 @@ proptest! {
     #[test]
     fn the_predicates_are_the_distance(seed: u64) {
         let (a, b, frame) = scene(seed);
-        let (p, q, pose) = (body(&a), body(&b), of(&frame));
+        let (p, q, pose) = (body(&a), body(&b), relative(&frame));
         let o = Tracker::new().closest_exact(&p, &q, &pose);
         let mut pair = Tracker::new();
         prop_assert_eq!(pair.intersects(&p, &q, &pose), o.class != Class::Separated);
@@ -203,7 +199,7 @@ fn the_scenes_are_a_mix() {
     let mut seen = [0; 3];
     for seed in 0..300 {
         let (a, b, frame) = scene(seed);
-        match ask(&a, &b, &of(&frame))[0].class {
+        match ask(&a, &b, &relative(&frame))[0].class {
             Class::Separated => seen[0] += 1,
             Class::Overlapping => seen[1] += 1,
             _ => seen[2] += 1,

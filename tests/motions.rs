@@ -1,7 +1,7 @@
 //! Promise: a tracker changes time, never the answer: along motions, after jumps, for bodies it was not made for, and for
 //! flat bodies.
 
-mod world;
+mod support;
 
 use lab::bound;
 use lab::motion::{self, Frame};
@@ -11,7 +11,7 @@ use lab::shapes::Shape;
 use lin_canny::nalgebra::{Point3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::{Class, ConvexPolyhedron, Layer, Outcome, Tracker};
-use world::{plain, relative};
+use support::{plain, relative};
 
 /// Two answers to one question: the same class, and bounds and distances that agree.
 fn same(x: &Outcome, y: &Outcome, what: impl std::fmt::Display) {
@@ -37,7 +37,7 @@ fn proved(a: &Shape, b: &Shape, frame: &Frame, o: &Outcome) {
 
 fn bodies() -> Vec<ConvexPolyhedron> {
     let hull = |n, axes, seed| solids::random_hull(n, axes, seed).expect("a hull");
-    let mut all = world::shipped();
+    let mut all = support::shipped();
     all.push(hull(128, Vector3::new(1.0, 1.0, 1.0), 1));
     all.push(hull(512, Vector3::new(1.0, 1.0, 0.1), 2));
     all.push(hull(64, Vector3::new(1.0, 0.01, 0.01), 3));
@@ -140,7 +140,7 @@ fn a_foreign_tracker_costs_time_only() {
             t.closest(&large, &large, &relative(&f));
         }
         let strange = t.closest(a, b, &relative(&f));
-        assert!(world::are_of(strange.features, a, b), "{strange:?}");
+        assert!(support::are_of(strange.features, a, b), "{strange:?}");
         same(&strange, &Tracker::new().closest(a, b, &relative(&f)), "foreign");
         assert_eq!(t.intersects(a, b, &relative(&f)), strange.class != Class::Separated);
     }
@@ -151,10 +151,10 @@ fn a_foreign_tracker_costs_time_only() {
 fn features_of_other_bodies_are_no_start() {
     let large = solids::random_hull(700, Vector3::new(1.0, 0.7, 0.5), 5).expect("a hull");
     let small = solids::tetrahedron(1.0).expect("a tetrahedron");
-    let pose = world::shifted([3.0, 0.2, 0.1]);
+    let pose = support::shifted([3.0, 0.2, 0.1]);
     let pair = Tracker::new().closest(&large, &large, &pose).features;
     let mut t = Tracker::starting_from(pair, &small, &small);
-    assert!(t.features().is_none() || world::are_of(t.features().expect("some"), &small, &small));
+    assert!(t.features().is_none() || support::are_of(t.features().expect("some"), &small, &small));
     same(
         &t.closest(&small, &small, &pose),
         &Tracker::new().closest(&small, &small, &pose),
@@ -201,7 +201,7 @@ fn flat_bodies_are_bodies() {
                 let warm = forth.closest(a, b, &relative(&f));
                 same(&warm, &Tracker::new().closest(a, b, &relative(&f)), "flat");
                 same(&warm, &back.closest(b, a, &relative(&f.swapped())), "flat, swapped");
-                assert!(world::are_of(warm.features, a, b));
+                assert!(support::are_of(warm.features, a, b));
                 // Two bodies without volume share no interior point; they may still cross.
                 crossing += usize::from(warm.class != Class::Separated);
                 if warm.class == Class::Separated {
@@ -245,7 +245,7 @@ fn flat_bodies_by_hand() {
     ];
     let square = ConvexPolyhedron::polygon(&square).expect("a square");
     let point = ConvexPolyhedron::point(p(0.0, 0.0, 0.0)).expect("a point");
-    let ask = |a: &ConvexPolyhedron, b: &ConvexPolyhedron, at| Tracker::new().closest(a, b, &world::shifted(at));
+    let ask = |a: &ConvexPolyhedron, b: &ConvexPolyhedron, at| Tracker::new().closest(a, b, &support::shifted(at));
     let apart = [
         (&along_x, &along_y, [0.5, 0.2, 0.75], 0.75),
         (&along_x, &along_x, [0.5, 3.0, 4.0], 5.0),

@@ -1,6 +1,6 @@
 //! Promise: `intersects` and `within` are decided exactly, for closed sets, and agree with the distance.
 
-mod world;
+mod support;
 
 use lab::exact;
 use lab::motion::{self, random_poses};
@@ -10,7 +10,7 @@ use lab::shapes;
 use lin_canny::nalgebra::{Point3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::{Class, ConvexPolyhedron, Tracker};
-use world::shifted;
+use support::shifted;
 
 fn cube() -> ConvexPolyhedron {
     solids::cuboid(Vector3::new(0.5, 0.5, 0.5)).expect("a cube")
@@ -88,12 +88,12 @@ fn predicates_are_those_of_the_oracle() {
     let mut seen = [0; 3];
     for _ in 0..120 {
         let (a, b) = (shapes::small(&mut rng), shapes::small(&mut rng));
-        let (body_a, body_b) = (world::body(&a), world::body(&b));
+        let (body_a, body_b) = (support::body(&a), support::body(&b));
         let radii = (radius(&a.points), radius(&b.points));
         let mut warm = Tracker::new();
         for f in random_poses(&mut rng, 5, radii, (0.2, 1.2), 1.0) {
             let truth = exact::solve((&a).into(), &f.a, (&b).into(), &f.b);
-            let (pose, back) = (world::relative(&f), world::relative(&f.swapped()));
+            let (pose, back) = (support::relative(&f), support::relative(&f.swapped()));
             let apart = truth.class == lab::Class::Separated;
             seen[truth.class as usize] += 1;
             for t in [&mut warm, &mut Tracker::new()] {
@@ -124,7 +124,7 @@ fn predicates_agree_with_the_distance() {
     let mut rng = Rng::new(402);
     let (mut t, mut hits) = (Tracker::new(), 0);
     for f in motion::pass_through(&mut rng, 600, (1.0, 0.7), 0.3) {
-        let pose = world::relative(&f);
+        let pose = support::relative(&f);
         let (d, hit) = (Tracker::new().distance(&a, &b, &pose), t.intersects(&a, &b, &pose));
         hits += usize::from(hit);
         assert_eq!(hit, d.class != Class::Separated);

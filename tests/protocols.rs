@@ -13,7 +13,7 @@ use lab::rng::Rng;
 use lab::shapes::{self, Shape};
 use lab::{Pose, exact};
 use lin_canny::{Class, ConvexPolyhedron, Layer, Outcome, Totals, Tracker};
-use support::{assert_right, body, relative};
+use support::{assert_right, between, body};
 
 /// Upper bound of the width of a certified answer, in units of L.
 const WIDTH: f64 = 1e-13;
@@ -56,7 +56,7 @@ fn bisect(
     check: &mut impl FnMut(&Outcome, &Pose),
 ) {
     let mut ask = |p: &Pose| {
-        let o = pair.closest(a, b, &relative(&Pose::IDENTITY, p));
+        let o = pair.closest(a, b, &between(&Pose::IDENTITY, p));
         check(&o, p);
         o.features
     };
@@ -146,7 +146,7 @@ fn warm_is_cold_along_coherent_motion() {
         for degrees in [0.0, 0.1, 0.5, 1.0, 5.0, 10.0, 25.0] {
             let (mut warm, mut cold) = (Tracker::new(), Totals::default());
             for (i, p) in sinusoid(&mut rng, 1000, degrees).iter().enumerate() {
-                let pose = relative(&Pose::IDENTITY, p);
+                let pose = between(&Pose::IDENTITY, p);
                 let o = warm.closest(&a, &a, &pose);
                 let mut fresh = Tracker::new();
                 let c = fresh.closest(&a, &a, &pose);

@@ -1,7 +1,7 @@
 //! Promise: no absolute tolerance: the answer scales with the scene, whatever its unit, its place and the ratio of its
 //! bodies.
 
-mod world;
+mod support;
 
 use std::cmp::Ordering;
 
@@ -11,7 +11,7 @@ use lab::pose::{add, norm, radius, scale, sub};
 use lab::rng::Rng;
 use lab::shapes::{self, Shape};
 use lin_canny::{Class, ConvexPolyhedron, Outcome, RelativePose, Tracker};
-use world::{body, relative};
+use support::{body, relative};
 
 fn pairs(rng: &mut Rng) -> Vec<(Shape, Shape, Vec<Frame>)> {
     let mut pair = || {
@@ -221,7 +221,7 @@ fn distances_up_to_the_largest_number() {
     let cube = body(&shapes::cube());
     let mut t = Tracker::new();
     for x in [1e20, 1e100, 1e155, 1e200, 1e300, 1.7e308] {
-        let pose = world::shifted([x, 0.0, 0.0]);
+        let pose = support::shifted([x, 0.0, 0.0]);
         let o = t.closest(&cube, &cube, &pose);
         assert!(
             o.class == Class::Separated && o.lower <= x && x - 2.0 <= o.upper,

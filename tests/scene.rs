@@ -1,13 +1,13 @@
 //! Promise: a scene finds what brute force over all pairs finds, on every frame, whatever is called for and however cheaply.
 
-mod world;
+mod support;
 
 use lab::crowd::{Crowd, Kind};
 use lin_canny::scene::{Body, BodyId, Change, Effects, Event, Group, Scene};
 use lin_canny::{Class, ConvexPolyhedron, ManifoldOptions, RelativePose, Tracker};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
-use world::{body, isometry};
+use support::body;
 
 type Keys = BTreeSet<(BodyId, BodyId)>;
 
@@ -46,7 +46,7 @@ impl Play {
         let ids = (0..n)
             .map(|i| {
                 let body = make(i)(shapes[crowd.shape_of[i]].clone()).group(group(i));
-                scene.insert(body, isometry(&crowd.poses[i])).unwrap()
+                scene.insert(body, crowd.poses[i].isometry()).unwrap()
             })
             .collect();
         Self { crowd, scene, ids }
@@ -56,7 +56,7 @@ impl Play {
     fn step(&mut self) {
         self.crowd.step();
         for (id, pose) in self.ids.iter().zip(&self.crowd.poses) {
-            let _ = self.scene.set_pose(*id, isometry(pose));
+            let _ = self.scene.set_pose(*id, pose.isometry());
         }
         self.scene.step();
     }

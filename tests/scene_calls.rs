@@ -1,6 +1,6 @@
 //! Promise: whatever is called in whatever order, a scene says what is true; and what is refused changes nothing.
 
-mod world;
+mod support;
 
 use lab::rng::Rng;
 use lab::shapes;
@@ -10,7 +10,7 @@ use lin_canny::scene::{Body, BodyId, Change, Effects, Event, Group, Scene, Scene
 use lin_canny::{Class, ConvexPolyhedron, ManifoldOptions, PoseError, RelativePose, Tracker, Velocity};
 use std::collections::BTreeSet;
 use std::sync::Arc;
-use world::body;
+use support::body;
 
 type Keys = BTreeSet<(BodyId, BodyId)>;
 
@@ -58,10 +58,8 @@ impl Play {
     }
 
     fn pose(&mut self) -> Isometry3<f64> {
-        let [x, y, z, w] = self.rng.quat();
-        let at = [0; 3].map(|_| self.rng.range(-3.0, 3.0));
-        let turn = UnitQuaternion::new_unchecked(Quaternion::new(w, x, y, z));
-        Isometry3::from_parts(Translation3::from(at), turn)
+        let (q, t) = (self.rng.quat(), [0; 3].map(|_| self.rng.range(-3.0, 3.0)));
+        lab::Pose { q, t }.isometry()
     }
 
     fn any(&mut self) -> Option<BodyId> {
@@ -427,9 +425,7 @@ fn questions_on_top_equal_brute_force() {
     }
     let shapes = [body(&shapes::icosahedron()), body(&shapes::cuboid([0.9, 0.3, 0.1]))].map(Arc::new);
     for k in 0..60 {
-        let [x, y, z, w] = rng.quat();
-        let turn = UnitQuaternion::new_unchecked(Quaternion::new(w, x, y, z));
-        let at = Translation3::from([0; 3].map(|_| rng.range(-6.0, 6.0)));
+        let (q, t) = (rng.quat(), [0; 3].map(|_| rng.range(-6.0, 6.0)));
         let shape = shapes[k % 2].clone();
         let made = if k % 3 == 0 {
             Body::fixed(shape)
@@ -437,7 +433,7 @@ fn questions_on_top_equal_brute_force() {
             Body::moving(shape)
         };
         scene
-            .insert(made.group(group(k / 2 % 2)), Isometry3::from_parts(at, turn))
+            .insert(made.group(group(k / 2 % 2)), lab::Pose { q, t }.isometry())
             .unwrap();
     }
     scene.step();

@@ -1,13 +1,13 @@
 //! Features `parallel` and `serde`: any number of threads gives the same bits, and so does a scene that was written and read back.
 #![cfg(all(feature = "parallel", feature = "serde"))]
 
-mod world;
+mod support;
 
 use lab::crowd::{Crowd, Kind};
 use lin_canny::scene::{Body, BodyId, Effects, Event, Group, Scene, Settings};
 use lin_canny::{Distance, Manifold, ManifoldOptions, Outcome};
 use std::sync::Arc;
-use world::{body, isometry};
+use support::body;
 
 const KINDS: [Kind; 2] = [Kind::Sparse, Kind::Pile];
 
@@ -63,7 +63,7 @@ fn scene(crowd: &Crowd, settings: Settings) -> (Scene, Vec<BodyId>) {
             } else {
                 Body::moving(shape)
             };
-            scene.insert(made.group(group(k % 3)), isometry(pose)).unwrap()
+            scene.insert(made.group(group(k % 3)), pose.isometry()).unwrap()
         });
     let ids = ids.collect();
     (scene, ids)
@@ -103,7 +103,7 @@ fn advance(scene: &mut Scene, ids: &[BodyId], crowd: &mut Crowd) {
     crowd.step();
     for (k, (id, pose)) in ids.iter().zip(&crowd.poses).enumerate() {
         if k % 7 != 0 && k % 5 != 1 {
-            scene.set_pose(*id, isometry(pose)).unwrap();
+            scene.set_pose(*id, pose.isometry()).unwrap();
         }
     }
 }

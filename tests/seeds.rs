@@ -6,7 +6,7 @@ use lab::rng::Rng;
 use lab::shapes::{self, Shape};
 use lab::{Pose, exact};
 use lin_canny::{Class, Layer, Tracker};
-use support::{assert_right, body, pairs, relative};
+use support::{assert_right, between, body, pairs};
 
 /// A corner of a thin plate: faces that come to a point of `angle` radians.
 fn tip(angle: f64) -> Shape {
@@ -65,7 +65,7 @@ fn every_pair_of_features_leads_to_the_same_answer() {
             for (k, (pa, pb)) in poses(&mut rng).into_iter().enumerate() {
                 let truth = exact::solve(sa.into(), &pa, sb.into(), &pb);
                 classes[truth.class as usize] += 1;
-                let pose = relative(&pa, &pb);
+                let pose = between(&pa, &pb);
                 for pair in pairs(&a, &b) {
                     let o = Tracker::starting_from(pair, &a, &b).closest(&a, &b, &pose);
                     assert_right(
@@ -92,7 +92,7 @@ fn beyond_the_tip_of_a_face_the_face_is_not_the_closest_feature() {
     let (a, b) = (body(&sa), body(&sb));
     let truth = exact::solve((&sa).into(), &Pose::IDENTITY, (&sb).into(), &Pose::IDENTITY);
     assert!(truth.distance > 1e-4);
-    let pose = relative(&Pose::IDENTITY, &Pose::IDENTITY);
+    let pose = between(&Pose::IDENTITY, &Pose::IDENTITY);
     for pair in pairs(&a, &b) {
         let o = Tracker::starting_from(pair, &a, &b).closest(&a, &b, &pose);
         assert_right(&o, &truth, &pair.to_string());

@@ -1,7 +1,7 @@
 //! Promise: every public type of the feature `serde` comes back from a file as it was.
 #![cfg(feature = "serde")]
 
-mod world;
+mod support;
 
 use lin_canny::polyhedron::solids;
 use lin_canny::{
@@ -23,11 +23,7 @@ fn query() -> (ConvexPolyhedron, ConvexPolyhedron, RelativePose) {
         solids::cone(7, 0.3, 1.1).expect("a body"),
     );
     let pose = lab::Pose::turn([0.6, 0.0, 0.8], 0.7, [1.9, 0.3, -0.4]);
-    (
-        a,
-        b,
-        RelativePose::from_isometry(&world::isometry(&pose)).expect("a pose"),
-    )
+    (a, b, RelativePose::from_isometry(&pose.isometry()).expect("a pose"))
 }
 
 #[test]
@@ -61,7 +57,7 @@ fn answers_come_back() {
 #[test]
 fn a_manifold_keeps_its_names() {
     let cube = solids::cuboid(lin_canny::nalgebra::Vector3::new(0.5, 0.5, 0.5)).expect("a body");
-    let pose = world::shifted([0.3, 0.2, 0.99]);
+    let pose = support::shifted([0.3, 0.2, 0.99]);
     let options = round_trip(&ManifoldOptions::within(0.1));
     let (mut t, mut m) = (Tracker::new(), Manifold::new());
     t.manifold(&cube, &cube, &pose, &options, &mut m);
@@ -71,7 +67,7 @@ fn a_manifold_keeps_its_names() {
     let mut back: Manifold = serde_json::from_str(&text).expect("deserialises");
     assert_eq!(back, m);
     // Far enough for another look, too near for another choice.
-    let pose = world::shifted([0.31, 0.2, 0.99]);
+    let pose = support::shifted([0.31, 0.2, 0.99]);
     for manifold in [&mut m, &mut back] {
         t.manifold(&cube, &cube, &pose, &options, manifold);
         assert!(manifold.is_fresh());
@@ -119,7 +115,7 @@ fn a_manifold_of_large_faces_comes_back() {
         // Corner upon corner.
         let angle = std::f64::consts::TAU * f64::from(k) / 26.0;
         let pose = lab::Pose::turn([0.0, 0.0, 1.0], angle, [0.0, 0.0, 0.4 + 1e-6]);
-        let pose = RelativePose::from_isometry(&world::isometry(&pose)).expect("a pose");
+        let pose = RelativePose::from_isometry(&pose.isometry()).expect("a pose");
         let mut m = Manifold::new();
         Tracker::new().manifold(&disc, &disc, &pose, &ManifoldOptions::within(0.1), &mut m);
         assert!(m.points().len() > 2);

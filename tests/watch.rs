@@ -10,7 +10,7 @@ use lab::pose::{add, scale};
 use lab::rng::Rng;
 use lab::shapes::{self, Shape};
 use lin_canny::{Class, Tracker, Watch};
-use support::{body, class, relative};
+use support::{between, body, class};
 
 /// Small solids, one of them far from its own origin, one large and one small.
 fn solids(rng: &mut Rng) -> Vec<Shape> {
@@ -58,7 +58,7 @@ fn distances_keep_to_the_error_and_bounds_hold() {
             let (pa, pb) = (about(&a, &f.a), about(&b, &f.b));
             let truth = solve((&a).into(), &pa, (&b).into(), &pb);
             let before = watch.looked();
-            let d = watch.distance(&relative(&pa, &pb), error);
+            let d = watch.distance(&between(&pa, &pb), error);
             let what = format!("{} {} {error}: {d:?}, truth {}", a.name, b.name, truth.distance);
             if d.class != class(truth.class) {
                 assert!(d.class == Class::Touching && d.lower <= 0.0 && d.upper >= 0.0, "{what}");
@@ -98,7 +98,7 @@ fn yes_and_no_are_exact() {
         let mut watch = Watch::new(&body_a, &body_b);
         for f in motions(&mut rng) {
             let (pa, pb) = (about(&a, &f.a), about(&b, &f.b));
-            let pose = relative(&pa, &pb);
+            let pose = between(&pa, &pb);
             let truth = Tracker::new().within(&body_a, &body_b, &pose, d);
             assert_eq!(watch.within(&pose, d), truth, "{} {} {d}", a.name, b.name);
             yes += u32::from(truth);
@@ -115,7 +115,7 @@ fn yes_and_no_are_exact() {
 #[test]
 fn a_watch_does_not_sleep_through_contact() {
     let cube = body(&shapes::cube());
-    let at = |x: f64| relative(&Pose::IDENTITY, &Pose::shift([x, 0.0, 0.0]));
+    let at = |x: f64| between(&Pose::IDENTITY, &Pose::shift([x, 0.0, 0.0]));
     let mut watch = Watch::new(&cube, &cube);
     let above = 2.0f64.next_up();
     for (x, touches) in [(3.0, false), (2.5, false), (above, false), (2.0, true), (above, false)] {

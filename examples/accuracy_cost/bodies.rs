@@ -4,7 +4,7 @@ use lab::motion::Frame;
 use lab::parry::Climber;
 use lab::rng::Rng;
 use lab::{Face, Point, Pose, shapes, workload};
-use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, UnitQuaternion};
+use lin_canny::nalgebra::{Isometry3, Point3};
 use lin_canny::{Class, ConvexPolyhedron, Outcome, RelativePose, Tracker};
 
 /// One body in the form of each engine. Engines get the vertices and faces of our hull, so all see the same body.
@@ -130,13 +130,13 @@ impl Pair {
     }
 
     fn with(mut self, frames: Vec<Frame>) -> Self {
-        self.isometries = frames.iter().map(|f| (isometry(&f.a), isometry(&f.b))).collect();
+        self.isometries = frames.iter().map(|f| (f.a.isometry(), f.b.isometry())).collect();
         self.frames = frames;
         self
     }
 
     fn closest(&self, tracker: &mut Tracker, f: &Frame) -> Outcome {
-        let pose = RelativePose::new(&isometry(&f.a), &isometry(&f.b)).expect("poses of a motion");
+        let pose = RelativePose::new(&f.a.isometry(), &f.b.isometry()).expect("poses of a motion");
         tracker.closest(&self.a.ours, &self.b.ours, &pose)
     }
 
@@ -151,11 +151,6 @@ impl Pair {
 /// Both witnesses in the world.
 fn witnesses(f: &Frame, o: &Outcome) -> (Point, Point) {
     (f.a.apply(o.point_on_a.into()), f.b.apply(o.point_on_b.into()))
-}
-
-pub(crate) fn isometry(p: &Pose) -> Isometry3<f64> {
-    let [x, y, z, w] = p.q;
-    Isometry3::from_parts(p.t.into(), UnitQuaternion::new_unchecked(Quaternion::new(w, x, y, z)))
 }
 
 /// `n` points spread evenly over the unit sphere, on a spiral.

@@ -47,11 +47,19 @@ pub(crate) fn picture() -> Result<String, Trouble> {
             &style(SKY, BLUE),
         );
         svg.polygon(&face(&part, features.b, &pose, panel), &style(ORANGE, ORANGE));
+        // Names stand outside of what the points span.
+        let middle = manifold
+            .points()
+            .iter()
+            .map(|c| see(panel, &c.point_on_a)[0])
+            .sum::<f64>()
+            / manifold.points().len() as f64;
         for contact in manifold.points() {
             let at = see(panel, &contact.point_on_a);
             let moved = contact.id != contact.features;
             svg.dot(at, 5.0, &format!("fill=\"{}\"", if moved { GREEN } else { INK }));
-            svg.words([at[0] + 7.0, at[1] - 6.0], 12, "start", &contact.id.to_string());
+            let (side, anchor) = if at[0] < middle { (-7.0, "end") } else { (7.0, "start") };
+            svg.words([at[0] + side, at[1] - 6.0], 12, anchor, &contact.id.to_string());
         }
         svg.words(
             [PANEL * panel as f64 + 30.0, 24.0],

@@ -7,8 +7,8 @@ use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::{Class, ConvexPolyhedron, FaceId, Feature, Outcome, RelativePose, Tracker};
 
+use crate::Trouble;
 use crate::svg::{BLUE, GREEN, INK, ORANGE, Place, Svg};
-use crate::{Trouble, isometry};
 
 /// Frames of the motion on the left; the last one is drawn.
 const FRAMES: usize = 90;
@@ -208,7 +208,7 @@ fn looks(n: usize, degrees: f64) -> Result<f64, Trouble> {
     let (a, b) = (hull(1)?, hull(2)?);
     let mut tracker = Tracker::new();
     for f in orbit_and_spin(&mut Rng::new(5), 3000, degrees, (1.0, 1.0), (0.05, 0.4), 300) {
-        let o = tracker.closest(&a, &b, &RelativePose::new(&isometry(&f.a), &isometry(&f.b))?);
+        let o = tracker.closest(&a, &b, &RelativePose::new(&f.a.isometry(), &f.b.isometry())?);
         assert_eq!(o.class, Class::Separated);
     }
     Ok(tracker.totals().steps as f64 / tracker.totals().queries as f64)
@@ -217,13 +217,14 @@ fn looks(n: usize, degrees: f64) -> Result<f64, Trouble> {
 fn cost() -> Result<String, Trouble> {
     let degrees = [0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 90.0];
     let mut chart = Chart::new("feature pairs looked at in a frame")
-        .axes("degrees turned a frame", "looks")
+        .axes("degrees that B orbits and spins a frame", "looks a frame")
         .log_x()
         .log_y()
+        .legend_low()
         .size(440, 400);
     for n in [20, 200, 2000] {
         let curve: Result<Vec<_>, Trouble> = degrees.iter().map(|&d| Ok((d, looks(n, d)?))).collect();
-        chart = chart.curve(format!("{n} vertices each"), curve?);
+        chart = chart.curve(format!("{n} vertices"), curve?);
     }
     Ok(chart.svg()?)
 }

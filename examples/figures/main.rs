@@ -8,15 +8,7 @@ mod records;
 mod svg;
 mod ulps;
 
-use lin_canny::nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
-
 type Trouble = Box<dyn std::error::Error>;
-
-fn isometry(pose: &lab::Pose) -> Isometry3<f64> {
-    let [x, y, z, w] = pose.q;
-    let rotation = UnitQuaternion::new_unchecked(Quaternion::new(w, x, y, z));
-    Isometry3::from_parts(Translation3::from(pose.t), rotation)
-}
 
 fn main() -> Result<(), Trouble> {
     let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));

@@ -6,8 +6,8 @@ use lin_canny::nalgebra::{Point3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::{ConvexPolyhedron, RelativePose, Tracker};
 
+use crate::Trouble;
 use crate::svg::Svg;
-use crate::{Trouble, isometry};
 
 /// Cells along a side of a map.
 const SIDE: usize = 40;
@@ -63,7 +63,7 @@ impl Stage {
     }
 
     fn maps(&self) -> Result<Vec<Map>, Trouble> {
-        let relative = |p: &Pose| RelativePose::new(&isometry(&Pose::IDENTITY), &isometry(p));
+        let relative = |p: &Pose| RelativePose::new(&Pose::IDENTITY.isometry(), &p.isometry());
         let of = |c| match c {
             lin_canny::Class::Separated => Class::Separated,
             lin_canny::Class::Overlapping => Class::Overlapping,

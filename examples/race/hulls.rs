@@ -2,7 +2,7 @@
 
 use lab::rng::Rng;
 use lab::{Pose, shapes};
-use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion};
+use lin_canny::nalgebra::Point3;
 use lin_canny::{BoxHint, ConvexPolyhedron};
 use parry3d::math::{Pose as ParryPose, Rotation, Vector};
 use parry3d::shape::{ConvexPolyhedron as ParryHull, Shape};
@@ -48,12 +48,7 @@ pub(crate) fn run(csv: &mut String) {
             continue;
         };
         let poses = poses(&mut rng);
-        let isometry = |p: &Pose| {
-            let [x, y, z, w] = p.q;
-            let q = UnitQuaternion::new_unchecked(Quaternion::new(w, x, y, z));
-            Isometry3::from_parts(Translation3::from(p.t), q)
-        };
-        let wide: Vec<_> = poses.iter().map(isometry).collect();
+        let wide: Vec<_> = poses.iter().map(Pose::isometry).collect();
         let parry = |p: &Pose| {
             let [x, y, z, w] = p.q.map(|c| c as f32);
             ParryPose::from_parts(Vector::from(p.t.map(|c| c as f32)), Rotation::from_xyzw(x, y, z, w))

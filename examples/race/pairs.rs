@@ -10,7 +10,7 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use lab::Point;
-use lab::contacts::{isometry, plain};
+use lab::contacts::plain;
 use lab::motion::Frame;
 use lab::parry::{Climber, GjkCached};
 use lab::progress::Progress;
@@ -85,11 +85,11 @@ fn pair(shape: &str, n: usize, degrees: Option<f64>, frames: usize, rng: &mut Rn
     let a = body(&workload::points(shape, n, rng), with_parry);
     let b = body(&workload::points(shape, n, rng), with_parry);
     let frames = workload::motion(degrees, frames, rng, |f| {
-        let (pa, pb) = (isometry(&f.a), isometry(&f.b));
+        let (pa, pb) = (f.a.isometry(), f.b.isometry());
         let o = Tracker::new().closest(&a.ours, &b.ours, &RelativePose::new(&pa, &pb).ok()?);
         (o.lower > 0.0).then(|| ((pa * o.point_on_a).into(), (pb * o.point_on_b).into()))
     });
-    let isometries = frames.iter().map(|f| (isometry(&f.a), isometry(&f.b))).collect();
+    let isometries = frames.iter().map(|f| (f.a.isometry(), f.b.isometry())).collect();
     Pair {
         a,
         b,
@@ -346,6 +346,14 @@ pub(crate) fn run(words: &[String]) {
         .into_iter()
         .filter(|p| o.only.as_ref().is_none_or(|s| s == p.0))
         .collect();
+    if plan.is_empty() {
+        eprintln!("no scene is called {}", o.only.unwrap_or_default());
+        std::process::exit(2);
+    }
+    println!(
+        "nanoseconds a query. ours: closest; walk: propose; exact: closest_exact; gjk: parry's, its simplex kept; parry: its distance.\n\
+         /gjk, /parry: ours over theirs. steps: feature pairs looked at in a query; not walk: queries that another layer answered.\n"
+    );
     println!(
         "{:<14} {:<7} {:>5} {:>8} {:>8} {:>9} {:>8} {:>10} {:>7} {:>9} {:>7} {:>9}",
         "scene", "shape", "n", "ours", "walk", "exact", "gjk", "parry", "/gjk", "/parry", "steps", "not walk"

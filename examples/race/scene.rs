@@ -16,7 +16,7 @@ use cpu_time::ThreadTime;
 use lab::Pose;
 use lab::crowd::{Crowd, Kind};
 use lab::progress::Progress;
-use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion};
+use lin_canny::nalgebra::{Isometry3, Point3};
 use lin_canny::scene::{Body, BodyId, Effects, Group, Report, Scene};
 use lin_canny::{ConvexPolyhedron, ManifoldOptions};
 use parry3d::bounding_volume::Aabb;
@@ -55,12 +55,6 @@ struct Ours {
     sum: Report,
 }
 
-fn isometry(pose: &Pose) -> Isometry3<f64> {
-    let [x, y, z, w] = pose.q;
-    let rotation = UnitQuaternion::new_unchecked(Quaternion::new(w, x, y, z));
-    Isometry3::from_parts(Translation3::from(pose.t), rotation)
-}
-
 impl Ours {
     fn new(name: &'static str, crowd: &Crowd) -> Self {
         let hull = |points: &[[f64; 3]]| {
@@ -81,7 +75,7 @@ impl Ours {
         scene.call_for(all, all, effects).expect("a range");
         let insert = |(shape, pose): (&usize, &Pose)| {
             let body = Body::moving(shapes[*shape].clone());
-            scene.insert(body, isometry(pose)).expect("a pose")
+            scene.insert(body, pose.isometry()).expect("a pose")
         };
         let ids = crowd.shape_of.iter().zip(&crowd.poses).map(insert).collect();
         Self {
@@ -101,7 +95,7 @@ impl Engine for Ours {
 
     fn prepare(&mut self, poses: &[Pose]) {
         self.poses.clear();
-        self.poses.extend(poses.iter().map(isometry));
+        self.poses.extend(poses.iter().map(Pose::isometry));
     }
 
     fn step(&mut self) {

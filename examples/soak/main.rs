@@ -99,7 +99,7 @@ impl Run<'_> {
         let truths: [usize; 3] = std::array::from_fn(|_| self.rng.below(self.trial.frames.len()));
         let mut last: Option<(Frame, f64)> = None;
         for (k, frame) in self.trial.frames.iter().enumerate() {
-            let pose = support::relative(&frame.a, &frame.b);
+            let pose = support::relative(frame);
             let before = self.pair.clone();
             let began = Instant::now();
             let asked = catch_unwind(AssertUnwindSafe(|| {

@@ -3,7 +3,7 @@
 use lab::motion::{Frame, tumble_past};
 use lab::rng::Rng;
 use lin_canny::ConvexPolyhedron;
-use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion};
+use lin_canny::nalgebra::{Isometry3, Point3, Translation3};
 
 /// Degrees that A turns over the whole motion; B turns less, about another axis.
 const TURN: f64 = 360.0;
@@ -28,8 +28,5 @@ pub(crate) fn poses(a: &ConvexPolyhedron, b: &ConvexPolyhedron, frames: usize) -
 
 /// The pose that turns a body about `centre` and puts it where `pose` puts the origin.
 fn about(centre: &Point3<f64>, pose: &lab::Pose) -> Isometry3<f64> {
-    let [x, y, z, w] = pose.q;
-    let rotation = UnitQuaternion::new_unchecked(Quaternion::new(w, x, y, z));
-    let shift = Translation3::from(pose.t).vector - rotation * centre.coords;
-    Isometry3::from_parts(shift.into(), rotation)
+    pose.isometry() * Translation3::from(-centre.coords)
 }

@@ -4,9 +4,9 @@ use crate::motion::Frame;
 use crate::pose::{cross, radius, scale, sub, unit};
 use crate::rng::Rng;
 use crate::workload::{self, DEPTH, FacePlane};
-use crate::{Face, Point, Pose};
+use crate::{Face, Point};
 use lin_canny::{ConvexPolyhedron, FaceId, RelativePose, Tracker};
-use nalgebra::{Isometry3, Point3, Quaternion, UnitQuaternion};
+use nalgebra::{Isometry3, Point3};
 
 /// What the bodies do.
 ///
@@ -51,7 +51,7 @@ impl Scene {
 
     /// World poses of both bodies, frame by frame.
     pub fn poses(&self) -> Vec<(Isometry3<f64>, Isometry3<f64>)> {
-        self.frames.iter().map(|f| (isometry(&f.a), isometry(&f.b))).collect()
+        self.frames.iter().map(|f| (f.a.isometry(), f.b.isometry())).collect()
     }
 }
 
@@ -69,7 +69,7 @@ fn frames(
 ) -> Vec<Frame> {
     let mut pair = Tracker::new();
     let query = |f: &Frame| {
-        let (pa, pb) = (isometry(&f.a), isometry(&f.b));
+        let (pa, pb) = (f.a.isometry(), f.b.isometry());
         let relative = RelativePose::new(&pa, &pb).expect("a pose");
         let o = pair.closest(a, b, &relative);
         (o.distance, (pa * o.normal.into_inner()).into())
@@ -119,12 +119,6 @@ pub fn plain(body: &ConvexPolyhedron) -> (Vec<Point>, Vec<Face>) {
     let at = body.vertex_points().map(Into::into).collect();
     let rim = |f| body.face_vertices(f).map(|v| v.index() as u32).collect();
     (at, body.faces().map(rim).collect())
-}
-
-/// The pose bit for bit.
-pub fn isometry(p: &Pose) -> Isometry3<f64> {
-    let [x, y, z, w] = p.q;
-    Isometry3::from_parts(p.t.into(), UnitQuaternion::new_unchecked(Quaternion::new(w, x, y, z)))
 }
 
 #[cfg(test)]

@@ -70,12 +70,17 @@ pub struct Chart {
     size: (u32, u32),
     from_zero: bool,
     beside: bool,
+    low: bool,
     rows: bool,
     series: Vec<Series>,
 }
 
 /// Width of a legend beside the axes.
 const BESIDE: i32 = 250;
+
+/// Size of a title, and how wide one of its letters is at most, in sizes.
+const TITLE: f64 = 20.0;
+const LETTER: f64 = 0.42;
 
 impl Chart {
     /// An empty chart of 860 by 480 pixels with linear axes.
@@ -89,6 +94,7 @@ impl Chart {
             size: (860, 480),
             from_zero: false,
             beside: false,
+            low: false,
             rows: false,
             series: vec![],
         }
@@ -121,6 +127,12 @@ impl Chart {
     /// Puts the legend to the right of the axes, where it hides nothing.
     pub fn legend_beside(mut self) -> Self {
         self.beside = true;
+        self
+    }
+
+    /// Puts the legend into the lower right corner instead of the upper left.
+    pub fn legend_low(mut self) -> Self {
+        self.low = true;
         self
     }
 
@@ -250,7 +262,7 @@ impl Chart {
     {
         let font = |size: i32| ("sans-serif", size).into_font().color(&INK);
         let mut chart = ChartBuilder::on(area)
-            .caption(&self.title, font(20))
+            .caption(&self.title, font(self.title_size()))
             .margin(12)
             .margin_right(if self.beside { BESIDE } else { 12 })
             .x_label_area_size(48)
@@ -319,13 +331,25 @@ impl Chart {
             self.legend_on(area)?;
         } else if self.series.len() > 1 {
             let mut legend = chart.configure_series_labels();
-            legend.position(SeriesLabelPosition::UpperLeft).label_font(font(14));
+            let corner = if self.low {
+                SeriesLabelPosition::LowerRight
+            } else {
+                SeriesLabelPosition::UpperLeft
+            };
+            legend.position(corner).label_font(font(14));
             legend
                 .background_style(WHITE.mix(0.85))
                 .border_style(INK.mix(0.3))
                 .draw()?;
         }
         Ok(())
+    }
+
+    /// The size at which the title is no wider than the axes: the library would cut off its beginning.
+    fn title_size(&self) -> i32 {
+        let room = self.size.0 as i32 - 24 - if self.beside { BESIDE - 12 } else { 0 };
+        let letters = self.title.chars().count().max(1) as f64;
+        TITLE.min(f64::from(room) / (LETTER * letters)) as i32
     }
 
     /// Words beside the points of spreads, each in the first place where it hides no other.

@@ -104,3 +104,14 @@ fn words_stand_beside_their_points_and_legends_beside_the_axes() {
     };
     assert!((place("one") - place("two")).abs() >= 13.0, "words hide each other");
 }
+
+#[test]
+fn a_long_title_is_set_smaller_and_a_short_one_is_not() {
+    let size = |c: &Chart| c.title_size();
+    let long =
+        Chart::new("a title of more letters than there is room for beside the legend, ninety or so of them in all");
+    assert_eq!(size(&Chart::new("short").legend_beside()), TITLE as i32);
+    assert_eq!(size(&long), TITLE as i32);
+    let set = size(&long.legend_beside());
+    assert!((10..TITLE as i32).contains(&set), "{set}");
+}

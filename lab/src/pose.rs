@@ -1,5 +1,7 @@
 //! A rigid pose as plain numbers, and the few vector operations the generators need.
 
+use nalgebra::{Isometry3, Quaternion, UnitQuaternion};
+
 /// A point or a vector.
 pub type Point = [f64; 3];
 
@@ -37,6 +39,15 @@ impl Pose {
     /// Where the pose puts `v`, in f64.
     pub fn apply(&self, v: Point) -> Point {
         add(self.rotate(v), self.t)
+    }
+
+    /// The very bits as the crate takes them.
+    pub fn isometry(&self) -> Isometry3<f64> {
+        let [x, y, z, w] = self.q;
+        Isometry3::from_parts(
+            self.t.into(),
+            UnitQuaternion::new_unchecked(Quaternion::new(w, x, y, z)),
+        )
     }
 
     /// The rotation alone.

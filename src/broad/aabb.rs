@@ -16,27 +16,49 @@ pub struct Aabb {
 }
 
 /// What makes a box unusable.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum BoxFault {
     /// A bound on this axis is NaN or infinite.
+    #[error("a bound on axis {axis} is not finite")]
     NonFinite {
         /// 0, 1, 2 for x, y, z.
         axis: usize,
     },
     /// The minimum exceeds the maximum on this axis.
+    #[error("the minimum exceeds the maximum on axis {axis}")]
     Inverted {
         /// 0, 1, 2 for x, y, z.
         axis: usize,
     },
 }
 
+/// From the least and the greatest corner, taken as they are.
+///
+/// ```
+/// use lin_canny::broad::Aabb;
+/// use lin_canny::nalgebra::{Isometry3, Vector3};
+/// use lin_canny::{BoxHint, polyhedron::solids};
+///
+/// let (body, mut hint) = (solids::cuboid(Vector3::new(1.0, 2.0, 3.0))?, BoxHint::default());
+/// let aabb = Aabb::from(body.aabb_at(&Isometry3::translation(10.0, 0.0, 0.0), &mut hint));
+/// assert!(aabb.contains(&Aabb::from(([9.0, -2.0, -3.0].into(), [11.0, 2.0, 3.0].into()))));
+/// # Ok::<(), lin_canny::BuildError>(())
+/// ```
+impl From<(Point3<f64>, Point3<f64>)> for Aabb {
+    fn from((min, max): (Point3<f64>, Point3<f64>)) -> Self {
+        Self { min, max }
+    }
+}
+
 impl Aabb {
     /// The box between two corners, taken as they are.
+    #[must_use]
     pub fn new(min: Point3<f64>, max: Point3<f64>) -> Self {
         Self { min, max }
     }
 
     /// The box with this centre that reaches `half` to each side.
+    #[must_use]
     pub fn from_center(center: Point3<f64>, half: Vector3<f64>) -> Self {
         Self {
             min: center - half,
@@ -45,6 +67,7 @@ impl Aabb {
     }
 
     /// The whole of space; for [`insert_unbounded`](super::BroadPhase::insert_unbounded) only.
+    #[must_use]
     pub fn everything() -> Self {
         let far = Vector3::repeat(f64::INFINITY);
         Self {
@@ -54,6 +77,7 @@ impl Aabb {
     }
 
     /// The box grown by `margin` on every side.
+    #[must_use]
     pub fn grown(&self, margin: f64) -> Self {
         let by = Vector3::repeat(margin);
         Self {
@@ -64,6 +88,7 @@ impl Aabb {
 
     /// The box that covers this one on its whole way along `motion` (a straight line; a turn needs its own bound).
     #[doc(alias = "sweep")]
+    #[must_use]
     pub fn swept(&self, motion: &Vector3<f64>) -> Self {
         let zero = Vector3::zeros();
         Self {
@@ -73,6 +98,7 @@ impl Aabb {
     }
 
     /// The least box that covers both.
+    #[must_use]
     pub fn united(&self, other: &Self) -> Self {
         Self {
             min: self.min.inf(&other.min),
@@ -81,16 +107,19 @@ impl Aabb {
     }
 
     /// Whether the closed boxes share a point: touching boxes do.
+    #[must_use]
     pub fn overlaps(&self, other: &Self) -> bool {
         (0..3).all(|k| self.min[k] <= other.max[k] && other.min[k] <= self.max[k])
     }
 
     /// Whether `other` lies within this box, faces included.
+    #[must_use]
     pub fn contains(&self, other: &Self) -> bool {
         (0..3).all(|k| self.min[k] <= other.min[k] && other.max[k] <= self.max[k])
     }
 
     /// The first fault of a box meant to be finite.
+    #[must_use]
     pub fn fault(&self) -> Option<BoxFault> {
         if self.is_sound() {
             None
@@ -100,6 +129,7 @@ impl Aabb {
     }
 
     /// The first fault of a box that may reach to infinity: NaN and inversion stay faults.
+    #[must_use]
     pub fn fault_unbounded(&self) -> Option<BoxFault> {
         (0..3).find_map(|axis| self.fault_of_axis(axis, |v| !v.is_nan()))
     }
@@ -155,6 +185,7 @@ impl StoredBox {
     };
 
     /// The stored form of a box without faults.
+    #[must_use]
     pub fn outward(aabb: &Aabb, origin: &Point3<f64>) -> Self {
         // Adding zero turns -0 into +0, so that equal bounds have equal bits and sort keys.
         Self {
@@ -165,6 +196,7 @@ impl StoredBox {
 
     /// Whether the closed boxes share a point.
     #[inline(always)]
+    #[must_use]
     pub fn overlaps(&self, other: &Self) -> bool {
         let mut all = true;
         for k in 0..3 {
@@ -176,6 +208,7 @@ impl StoredBox {
 
     /// Whether `other` lies within this box, faces included.
     #[inline(always)]
+    #[must_use]
     pub fn contains(&self, other: &Self) -> bool {
         let mut all = true;
         for k in 0..3 {
@@ -243,16 +276,13 @@ pub(crate) fn order_key(v: f32) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use lab::rng::Rng;
 
     #[test]
     fn rounding_is_outward_tight_and_exact_on_f32() {
-        let mut state = 1_u64;
+        let mut rng = Rng::new(1);
         for _ in 0..20_000 {
-            state = state
-                .wrapping_mul(6364136223846793005)
-                .wrapping_add(1442695040888963407);
-            let v = (state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5;
-            let v = v * libm::exp2(((state >> 5) % 260) as f64 - 140.0);
+            let v = rng.sign() * libm::exp2(rng.range(-141.0, 119.0));
             let down = rounded_down(v);
             assert!(f64::from(down) <= v && f64::from(down.next_up()) > v, "{v:e} {down:e}");
             let same = v as f32;

@@ -1,14 +1,27 @@
 //! The table of bodies: ids with generations, the stored boxes of this step and the last, and who moved.
 
-use super::aabb::{FARTHEST, StoredBox};
+mod batch;
+mod place;
+mod record;
+#[cfg(feature = "serde")]
+mod state;
+
+use super::aabb::StoredBox;
 use super::ahead::read_ahead;
 use super::bounds::{Bounds, any_above};
 use super::error::BroadPhaseError;
 use super::grid::{Grid, Range};
-use super::{Aabb, Body, BoxFault, Groups};
+use super::lists::{push, trim};
+use super::{Aabb, Body, Groups};
 use alloc::vec::Vec;
 use core::fmt;
 use nalgebra::Point3;
+use place::{Context, LEAP, checked, fraction, grown};
+use record::{LOOSE, NOTED};
+
+pub(crate) use record::{FIXED, JUMPS, MIGRATES, Record, UNBOUNDED};
+#[cfg(feature = "serde")]
+pub(crate) use state::BodiesState;
 
 /// Names a body of one broad phase. The index is reused after a removal, the generation then differs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -104,16 +117,6 @@ pub(crate) struct Bodies {
     pub(super) most: usize,
 }
 
-mod batch;
-mod record;
-#[cfg(feature = "serde")]
-mod state;
-#[cfg(feature = "serde")]
-pub(crate) use state::BodiesState;
-
-pub(crate) use record::{FIXED, JUMPS, MIGRATES, Record, UNBOUNDED};
-use record::{LOOSE, NOTED};
-
 impl Bodies {
     pub(crate) fn new(origin: Point3<f64>) -> Self {
         Self {
@@ -140,47 +143,45 @@ impl Bodies {
 
     pub(crate) fn insert(&mut self, stored: StoredBox, body: Body, flags: u32) -> Result<BodyId, BroadPhaseError> {
         body.check()?;
-        let index = match self.free.pop() {
-            Some(index) => index,
-            None if self.records.len() >= self.most => return Err(BroadPhaseError::TooManyBodies),
-            None => {
-                push(&mut self.records, Record::absent());
-                push(&mut self.details, Detail::new(body));
-                push(&mut self.generations, 0);
-                (self.records.len() - 1) as u32
-            }
-        };
+        let index = self.vacant()?;
         let i = index as usize;
         let generation = self.generations[i] + 1;
         self.generations[i] = generation;
         self.details[i] = Detail::new(body);
-        let loose = if body.margin > 0.0 || body.lookahead > 0.0 {
-            LOOSE
-        } else {
-            0
-        };
-        let fixed = if body.fixed { FIXED } else { 0 };
-        let record = &mut self.records[i];
+        let is_loose = body.margin > 0.0 || body.lookahead > 0.0;
+        let kind = if is_loose { LOOSE } else { 0 } | if body.fixed { FIXED } else { 0 };
         // Loose boxes born together would otherwise expire together, in waves.
-        let stored = if loose != 0 {
+        let stored = if is_loose {
             grown(&stored, body.margin as f32 * fraction(index))
         } else {
             stored
         };
-        let unbounded = flags & UNBOUNDED != 0;
         let bounds = Bounds::from_box(&stored);
-        *record = Record::new(&bounds, self.step, flags | loose | fixed);
-        if !unbounded {
-            record.set_range(self.grid.range(&bounds));
-        }
+        let record = &mut self.records[i];
+        *record = Record::new(&bounds, self.step, flags | kind);
         self.marks.moved.push(index);
-        if unbounded {
+        if flags & UNBOUNDED != 0 {
             self.unbounded.push(index);
         } else {
+            record.set_range(self.grid.range(&bounds));
             record.raise(NOTED);
             self.marks.noted.push(index);
         }
         Ok(BodyId { index, generation })
+    }
+
+    /// An index for a body that has none, if there is room.
+    fn vacant(&mut self) -> Result<u32, BroadPhaseError> {
+        if let Some(index) = self.free.pop() {
+            return Ok(index);
+        }
+        if self.records.len() >= self.most {
+            return Err(BroadPhaseError::TooManyBodies);
+        }
+        push(&mut self.records, Record::absent());
+        push(&mut self.details, Detail::new(Body::moving()));
+        push(&mut self.generations, 0);
+        Ok((self.records.len() - 1) as u32)
     }
 
     /// From now on the id is stale. The box becomes empty, so that the next step sees every pair of the body end.
@@ -358,110 +359,5 @@ impl Bodies {
                 .chain(marks.flat_map(|m| [&m.moved, &m.noted]))
                 .map(|l| l.capacity() * 4)
                 .sum::<usize>()
-    }
-}
-
-/// A move longer than this part of a column's width is a jump.
-const LEAP: f32 = 0.25;
-
-/// What placing a box needs besides the record.
-struct Context<'a> {
-    grid: &'a Grid,
-    details: &'a [Detail],
-    step: u32,
-}
-
-impl Context<'_> {
-    /// Takes over a new box and notes what changed. The common case touches nothing but the record.
-    #[inline(always)]
-    fn place(&self, record: &mut Record, index: u32, given: Bounds, marks: &mut Marks) {
-        let present = record.now();
-        let mut bounds = given;
-        if record.flags() & LOOSE != 0 {
-            if present.contains(&given) {
-                return;
-            }
-            bounds = self.loosened(record, index, given);
-        }
-        let by = present.displacement(&bounds);
-        if !any_above(by, 0.0) {
-            return;
-        }
-        record.touch(index, self.step, &mut marks.moved);
-        record.set_new(&bounds);
-        if record.flags() & UNBOUNDED != 0 {
-            return;
-        }
-        let range = self.grid.range(&bounds);
-        let far = any_above(by, self.grid.width * LEAP);
-        if (range != record.range()) | far {
-            record.set_range(range);
-            if record.flags() & NOTED == 0 {
-                record.raise(NOTED);
-                marks.noted.push(index);
-            }
-        }
-    }
-
-    /// The given box with the margins of its body.
-    #[inline(never)]
-    fn loosened(&self, record: &Record, index: u32, given: Bounds) -> Bounds {
-        let Some(detail) = self.details.get(index as usize) else {
-            return given;
-        };
-        let (given, present) = (given.to_box(), record.now().to_box());
-        let mut stored = grown(&given, detail.margin);
-        let steps = self.step.wrapping_sub(record.stamp()).max(1) as f32;
-        let ahead = detail.lookahead / steps;
-        if ahead > 0.0 {
-            for k in 0..3 {
-                let travel = 0.5 * (given.lo[k] - present.lo[k] + given.hi[k] - present.hi[k]) * ahead;
-                stored.lo[k] = (stored.lo[k] + travel.min(0.0)).max(-FARTHEST);
-                stored.hi[k] = (stored.hi[k] + travel.max(0.0)).min(FARTHEST);
-            }
-        }
-        Bounds::from_box(&stored)
-    }
-}
-
-/// The stored form of a box, or what is wrong with it.
-fn checked(aabb: &Aabb, origin: &Point3<f64>, grid: &Grid, flags: u32) -> Result<Bounds, BoxFault> {
-    let fault = if flags & UNBOUNDED == 0 {
-        aabb.fault()
-    } else {
-        aabb.fault_unbounded()
-    };
-    match fault {
-        Some(fault) => Err(fault),
-        None => Ok(Bounds::from_box(&StoredBox::outward(aabb, origin).rotated(grid.axis))),
-    }
-}
-
-fn grown(stored: &StoredBox, margin: f32) -> StoredBox {
-    let mut out = *stored;
-    for k in 0..3 {
-        out.lo[k] = (stored.lo[k] - margin).max(-FARTHEST);
-        out.hi[k] = (stored.hi[k] + margin).min(FARTHEST);
-    }
-    out
-}
-
-/// A fixed number in (0, 1] for each index, evenly spread.
-fn fraction(index: u32) -> f32 {
-    (index.wrapping_mul(2_654_435_769) >> 8) as f32 / (1 << 24) as f32
-}
-
-/// Appends; grows by an eighth, not by doubling, since tables of bodies are most of the memory.
-fn push<T>(list: &mut Vec<T>, item: T) {
-    if list.len() == list.capacity() {
-        list.reserve_exact(list.len() / 8 + 16);
-    }
-    list.push(item);
-}
-
-/// Gives back memory of a list that once was far longer than it was this step.
-pub(super) fn trim<T>(list: &mut Vec<T>) {
-    if list.capacity() > 8 * list.len() + 1024 {
-        list.shrink_to(2 * list.len());
     }
 }

@@ -3,7 +3,8 @@
 //! Nothing is remembered of a pair to find out that it began or ended, and a pair that stays costs no table look-up:
 //! `was` and `is` are the overlaps of the old and of the new boxes, and a pair is reported when they differ.
 
-use super::body::{Bodies, Record, trim};
+use super::body::{Bodies, Record};
+use super::lists::trim;
 use alloc::vec::Vec;
 
 /// Two body indices in one number, the lower index in the upper half, so that numbers sort like pairs.

@@ -54,6 +54,8 @@ mod grid;
 mod ledger;
 #[cfg(test)]
 mod limits;
+mod lists;
+mod options;
 mod pairs;
 mod parallel;
 mod pencil;
@@ -62,7 +64,6 @@ mod snapshot;
 mod sorted_axes;
 
 use alloc::vec::Vec;
-use nalgebra::Point3;
 
 pub use aabb::{Aabb, BoxFault, StoredBox};
 use body::Bodies;
@@ -70,132 +71,11 @@ pub use body::BodyId;
 pub use error::{BatchError, BroadPhaseError};
 pub use ledger::Nearest;
 use ledger::{HasLedger, Ledger};
+pub use options::{Body, Groups, Settings};
 pub use pairs::{Events, Pair, PairId};
 use parallel::Threads;
 pub use pencil::{Pencil, PencilSweep};
 pub use sorted_axes::SortedAxes;
-
-/// Who pairs with whom: two bodies do if each is a member of a group the other asks for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Groups {
-    /// Groups the body belongs to, one bit each.
-    pub member_of: u32,
-    /// Groups it pairs with.
-    pub pairs_with: u32,
-}
-
-impl Groups {
-    /// Member of every group, pairing with every group.
-    pub const ALL: Self = Self {
-        member_of: u32::MAX,
-        pairs_with: u32::MAX,
-    };
-
-    /// Whether two bodies of these groups may pair.
-    pub fn meet(self, other: Self) -> bool {
-        self.member_of & other.pairs_with != 0 && other.member_of & self.pairs_with != 0
-    }
-}
-
-/// Options of a body.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[non_exhaustive]
-pub struct Body {
-    /// Groups for pairing.
-    pub groups: Groups,
-    /// Two fixed bodies never pair. A fixed body may be moved; it costs something in the steps it is.
-    pub fixed: bool,
-    /// How far the stored box reaches beyond the given one when it is renewed; it is renewed when the given box leaves
-    /// it. 0 keeps the stored box tight. A margin saves work where few bodies move or all move slowly, and costs pairs.
-    pub margin: f64,
-    /// For how many steps of the body's last motion the renewed box also reaches ahead.
-    pub lookahead: f64,
-}
-
-impl Body {
-    /// A body that moves, with a tight box, pairing with everything.
-    pub fn moving() -> Self {
-        Self {
-            groups: Groups::ALL,
-            fixed: false,
-            margin: 0.0,
-            lookahead: 0.0,
-        }
-    }
-
-    /// A body that rests, pairing with everything that moves.
-    pub fn fixed() -> Self {
-        Self {
-            fixed: true,
-            ..Self::moving()
-        }
-    }
-
-    /// The same body in these groups.
-    pub fn groups(self, groups: Groups) -> Self {
-        Self { groups, ..self }
-    }
-
-    /// The same body with this margin.
-    pub fn margin(self, margin: f64) -> Self {
-        Self { margin, ..self }
-    }
-
-    /// The same body reaching this many steps ahead.
-    pub fn lookahead(self, steps: f64) -> Self {
-        Self {
-            lookahead: steps,
-            ..self
-        }
-    }
-
-    fn check(&self) -> Result<(), BroadPhaseError> {
-        let sound = |v: f64| (0.0..f64::from(f32::MAX)).contains(&v);
-        if sound(self.margin) && sound(self.lookahead) {
-            Ok(())
-        } else {
-            Err(BroadPhaseError::Margin)
-        }
-    }
-}
-
-/// Settings of a structure.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[non_exhaustive]
-pub struct Settings {
-    /// Stored boxes are relative to this point and finest near it. One that is not finite is refused with the first body.
-    pub origin: Point3<f64>,
-    /// With feature `parallel`: the number of bodies from which on threads are used, each for no less than a sixteenth as many
-    /// bodies or changes. The result is the same.
-    pub parallel_from: usize,
-}
-
-impl Default for Settings {
-    fn default() -> Self {
-        Self {
-            origin: Point3::origin(),
-            parallel_from: 20_000,
-        }
-    }
-}
-
-impl Settings {
-    /// The same settings about another origin.
-    pub fn origin(self, origin: Point3<f64>) -> Self {
-        Self { origin, ..self }
-    }
-
-    /// The same settings with threads from this number of bodies on.
-    pub fn parallel_from(self, bodies: usize) -> Self {
-        Self {
-            parallel_from: bodies,
-            ..self
-        }
-    }
-}
 
 /// A broad phase. The two implementations differ in cost only.
 #[doc(alias = "sap")]

@@ -1,22 +1,4 @@
 //! Three sorted axes: sweep and prune as the thesis has it.
-//!
-//! Baraff 1992 (thesis, section 2.3); Lin 1993 (thesis, section 2.4); Cohen, Lin, Manocha, Ponamgi 1995 (I-COLLIDE,
-//! section 4). Both ends of every box stand in one sorted list an axis. Boxes overlap exactly if their intervals do on
-//! all three axes. Between steps the lists are kept by insertion sort, and two boxes can begin or cease to overlap only
-//! where a lower end and an upper end change places:
-//!
-//! ```text
-//!    last step   a[-----]  b[----]          ... a] b[ ...
-//!    this step   a[-----b[--a]--]           ... b[ a] ...     the exchange that makes a pair to look at
-//! ```
-//!
-//! Departures:
-//! 1. An exchange does not flip one of three flags a pair, which takes n^2 bits; old and new boxes are compared, and a
-//!    pair seen on several axes is counted once.
-//! 2. Many insertions at once sort the lists anew and sweep one axis, instead of inserting each by exchanges.
-//!
-//! Cost of a step: 6 n ends looked at and the exchanges made. At constant density these grow as n^(5/3), on a flat floor
-//! worse, which is why [`PencilSweep`](super::PencilSweep) is the one to use.
 
 use super::aabb::order_key;
 use super::body::{Bodies, Record};
@@ -26,7 +8,25 @@ use super::parallel::Threads;
 use super::{BodyId, BroadPhase, Events, Settings, StoredBox};
 use alloc::vec::Vec;
 
-/// Sweep and prune on three sorted axes; the reference. See the module page.
+/// Sweep and prune on three sorted axes, as the thesis has it; the reference.
+///
+/// Baraff 1992 (thesis, section 2.3); Lin 1993 (thesis, section 2.4); Cohen, Lin, Manocha, Ponamgi 1995 (I-COLLIDE,
+/// section 4). Both ends of every box stand in one sorted list an axis. Boxes overlap exactly if their intervals do on
+/// all three axes. Between steps the lists are kept by insertion sort, and two boxes can begin or cease to overlap only
+/// where a lower end and an upper end change places:
+///
+/// ```text
+///    last step   a[-----]  b[----]          ... a] b[ ...
+///    this step   a[-----b[--a]--]           ... b[ a] ...     the exchange that makes a pair to look at
+/// ```
+///
+/// Departures:
+/// 1. An exchange does not flip one of three flags a pair, which takes n^2 bits; old and new boxes are compared, and a
+///    pair seen on several axes is counted once.
+/// 2. Many insertions at once sort the lists anew and sweep one axis, instead of inserting each by exchanges.
+///
+/// Cost of a step: 6 n ends looked at and the exchanges made. At constant density these grow as n^(5/3), on a flat floor
+/// worse, which is why [`PencilSweep`](super::PencilSweep) is the one to use.
 #[derive(Clone, Debug)]
 pub struct SortedAxes {
     pub(super) ledger: Ledger,
@@ -50,11 +50,13 @@ fn index_of(end: End) -> u32 {
 
 impl SortedAxes {
     /// An empty broad phase about the origin.
+    #[must_use]
     pub fn new() -> Self {
         Self::with_settings(Settings::default())
     }
 
     /// An empty broad phase with settings of its own.
+    #[must_use]
     pub fn with_settings(settings: Settings) -> Self {
         Self::from_ledger(Ledger::new(settings.origin))
     }

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use crate::polyhedron::fans::steepest;
+use crate::polyhedron::fans::{Axis, steepest};
 use crate::polyhedron::{ConvexPolyhedron, Plane};
 use crate::tolerance::{EDGE_BOUND, EDGE_SIGN};
 
@@ -44,7 +44,7 @@ impl ConvexPolyhedron {
     /// Searches a large fan for the edge that falls most for its rise along `m`. The search proves nothing, so the least is at most zero.
     #[cold]
     #[inline(never)]
-    fn large_fan_minimum(&self, v: u32, m: &Vector3<f64>, n: &Vector3<f64>) -> Fan {
+    fn large_fan_minimum(&self, v: u32, m: &Axis, n: &Vector3<f64>) -> Fan {
         let (t, points) = (&self.topology, &self.points);
         let along = |h: u32| n.dot(&(points[t.half_edge(h).to as usize] - points[v as usize]));
         let half_edge = steepest(t, points, v, m, &-n);

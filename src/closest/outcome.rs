@@ -19,6 +19,17 @@ pub enum Class {
     Undecided,
 }
 
+impl core::fmt::Display for Class {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.pad(match self {
+            Self::Separated => "separated",
+            Self::Touching => "touching",
+            Self::Overlapping => "overlapping",
+            Self::Undecided => "undecided",
+        })
+    }
+}
+
 /// How right an answer is asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -53,6 +64,20 @@ pub enum Layer {
     /// A surface around the origin of the bodies' difference: kept from the answer before or begun at its deepest facet, overlap and depth at
     /// once; where no depth is asked for, four points kept from the answer before.
     Surface,
+}
+
+impl core::fmt::Display for Layer {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.pad(match self {
+            Self::Walk => "walk",
+            Self::Restart => "restart",
+            Self::Fallback => "fallback",
+            Self::DoubleDouble => "double-double",
+            Self::Exact => "exact",
+            Self::Far => "far",
+            Self::Surface => "surface",
+        })
+    }
 }
 
 /// Work done by one query, or summed over many.
@@ -99,6 +124,24 @@ impl core::ops::AddAssign for Work {
 /// The signed distance is positive when apart and minus the penetration depth when overlapping: the length of the least
 /// translation that parts the bodies. `lower` and `upper`
 /// bound it for the placement given, rounding included.
+///
+/// Points are in the frames of their bodies. With the poses that [`RelativePose::new`](crate::RelativePose::new) was given they lead to
+/// the world:
+///
+/// ```
+/// use lin_canny::nalgebra::{Isometry3, Vector3};
+/// use lin_canny::{RelativePose, Tracker, polyhedron::solids};
+///
+/// let (a, b) = (solids::cuboid(Vector3::new(1.0, 1.0, 1.0))?, solids::octahedron(0.5)?);
+/// let (pose_a, pose_b) = (Isometry3::rotation(Vector3::z()), Isometry3::translation(3.0, 2.0, 1.0));
+/// let c = Tracker::new().closest(&a, &b, &RelativePose::new(&pose_a, &pose_b)?);
+/// let (on_a, on_b, normal) = (pose_a * c.point_on_a, pose_b * c.point_on_b, pose_a * c.normal);
+/// assert!((on_a + c.distance * *normal - on_b).norm() < 1e-14);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[doc(alias = "witness")]
+#[doc(alias = "closest points")]
+#[doc(alias = "penetration")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]

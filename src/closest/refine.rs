@@ -235,7 +235,7 @@ impl ConvexPolyhedron {
     /// The smallest feature that holds the given vertices (one to four, with repeats); the first vertex where no face
     /// holds them all.
     ///
-    /// The candidates are those about the vertex of fewest edges: about an apex of thousands each would be looked for among thousands.
+    /// The candidates are those about the vertex of fewest edges toward another.
     pub(crate) fn feature_of(&self, vertices: &[u32]) -> Feature {
         let t = &self.topology;
         let first = vertices[0];
@@ -246,7 +246,7 @@ impl ConvexPolyhedron {
             return Feature::Vertex(VertexId(v));
         };
         if vertices.iter().all(|&x| x == v || x == w)
-            && let Some(h) = t.fan(v).find(|&h| t.half_edge(h).to == w)
+            && let Some(h) = self.toward(v, w).find(|&h| t.half_edge(h).to == w)
         {
             return Feature::Edge(EdgeId(t.edge(h)));
         }
@@ -259,7 +259,7 @@ impl ConvexPolyhedron {
             }
         };
         let holds = |f: u32| vertices.iter().all(|&x| x == v || is_at(x, f));
-        match t.fan(v).map(|h| t.half_edge(h).face).find(|&f| holds(f)) {
+        match self.toward(v, w).map(|h| t.half_edge(h).face).find(|&f| holds(f)) {
             Some(f) => Feature::Face(FaceId(f)),
             None => Feature::Vertex(VertexId(first)),
         }

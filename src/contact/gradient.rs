@@ -35,6 +35,7 @@ impl Gradient {
     }
 
     /// The rate along a twist.
+    #[must_use]
     pub fn along(&self, linear: &Vector3<f64>, angular: &Vector3<f64>) -> f64 {
         self.linear.dot(linear) + self.angular.dot(angular)
     }
@@ -47,12 +48,14 @@ impl Outcome {
     /// (parallel faces or edges), its rate is the least over these pairs, and this is one of them, so the rate is no more than this says
     /// ([`Manifold::rate`] takes the least); where an overlap is equally deep along several normals, its rate is the largest over
     /// those, and this is one of them, so the rate is no less. Bodies that touch at less than a face have both.
+    #[must_use]
     pub fn gradient_a(&self) -> Gradient {
         Gradient::at(&self.point_on_a.coords, -self.normal.into_inner())
     }
 
     /// The gradient of the signed distance by the pose of B, `a_from_b` the pose that was asked with. See
     /// [`gradient_a`](Self::gradient_a).
+    #[must_use]
     pub fn gradient_b(&self, a_from_b: &RelativePose) -> Gradient {
         Gradient::at(&self.point_on_b.coords, a_from_b.rotation().tr_mul(&self.normal))
     }

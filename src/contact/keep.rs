@@ -5,9 +5,10 @@
 
 use nalgebra::Vector3;
 
+use super::axes::{Axes, Lean};
 use super::clip::{self, End};
 use super::corners::On;
-use super::shadow::{Axes, Lazy, Lean};
+use super::shadow::Lazy;
 use super::{Answer, ContactPoint, Contacts, Manifold, ManifoldOptions};
 use crate::polyhedron::{ConvexPolyhedron, Feature, FeaturePair};
 use crate::tolerance::{AGREE, STAY};

@@ -1,14 +1,14 @@
 //! The contacts of a pair over frames.
 
-use nalgebra::{Matrix3, Point3, Unit, Vector3};
+use nalgebra::{Point3, Unit, Vector3};
 
 use crate::closest::outcome::Outcome;
-use crate::polyhedron::{ConvexPolyhedron, FeaturePair};
-use crate::pose::{RelativePose, Which};
-use crate::scalar::sqrt;
-use crate::tolerance::{CERTIFICATE, UNIT};
+use crate::motion::Place;
+use crate::polyhedron::FeaturePair;
+use crate::pose::Which;
 
 use super::corners::{Corner, On};
+use super::query::Query;
 use super::rims::{NO_RAYS, Rays};
 use super::{Answer, Contacts, MOST_POINTS, ManifoldOptions};
 
@@ -44,11 +44,18 @@ impl ContactPoint {
 
 /// The contact points of one pair of bodies: keep one for each pair and pass it to [`Tracker::manifold`] every frame.
 ///
+/// The features of the certified answer are promoted to the faces or edges within a small angle of its normal; both are seen along
+/// that normal, and the corners of what they share are the contacts, of which the deepest and those that span the most area are kept
+/// (after Gregorius 2013, "The separating axis test between convex polyhedra", GDC; here both faces play the same part,
+/// whichever body is named first).
+///
 /// Holds at most eight points, and nothing on the heap. A manifold of other bodies, or of other options, is made anew. One that
 /// comes from a file (feature `serde`) goes on where it was, and its points are taken at the file's word until they are chosen
 /// anew.
 ///
 /// [`Tracker::manifold`]: crate::Tracker::manifold
+#[doc(alias = "contact points")]
+#[doc(alias = "clipping")]
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Manifold {
@@ -75,8 +82,8 @@ pub struct Manifold {
 struct Made {
     bodies: [u64; 2],
     options: ManifoldOptions,
-    rotation: Matrix3<f64>,
-    translation: Vector3<f64>,
+    /// Of the smaller body.
+    place: Place,
     features: FeaturePair,
     reference: Which,
     /// In the frame of the reference.
@@ -128,6 +135,7 @@ impl Default for Manifold {
 
 impl Manifold {
     /// One without contacts, to begin with.
+    #[must_use]
     pub fn new() -> Self {
         Self::default()
     }
@@ -135,44 +143,54 @@ impl Manifold {
     /// The contacts: those that were there before in their old order, then the new ones. Empty where the bodies are further apart
     /// than the prediction.
     #[inline]
+    #[must_use]
     pub fn points(&self) -> &[ContactPoint] {
         // What comes from a file may say more.
         &self.points[..self.count.min(MOST_POINTS)]
     }
 
     /// The deepest of them.
+    #[must_use]
     pub fn deepest(&self) -> Option<&ContactPoint> {
         let deeper = |x: &&ContactPoint, y: &&ContactPoint| x.separation.total_cmp(&y.separation);
         self.points().iter().min_by(deeper)
     }
 
-    /// Unit direction from A to B, in A's frame: that of the answer the manifold was made from, turned with the reference since.
+    /// Unit direction from A to B, in A's frame: that of the answer the manifold was made from, turned with the reference since. It is
+    /// that of the last query also where there are no contacts, and x before the first.
+    #[must_use]
     pub fn normal(&self) -> Unit<Vector3<f64>> {
         self.normal
     }
 
-    /// The features that bear the contact: of each body a face or an edge across the normal, or what is closest.
+    /// The features that bear the contact: of each body a face or an edge across the normal, or what is closest. `None`
+    /// before the first query.
+    #[must_use]
     pub fn features(&self) -> Option<FeaturePair> {
         self.made.as_ref().map(|m| m.features)
     }
 
     /// The body whose feature gives the normal: with a face against an edge or a vertex, that of the face. In doubt the one it was
     /// before, or else A.
+    #[must_use]
     pub fn reference(&self) -> Which {
         self.made.as_ref().map_or(Which::A, |m| m.reference)
     }
 
-    /// No greater than the signed distance.
+    /// No greater than the signed distance, contacts or not; minus infinity before the first query.
+    #[must_use]
     pub fn lower(&self) -> f64 {
         self.lower
     }
 
-    /// No less than the signed distance.
+    /// No less than the signed distance, contacts or not; infinity before the first query.
+    #[must_use]
     pub fn upper(&self) -> f64 {
         self.upper
     }
 
     /// Whether the points are those of an answer to this very query; otherwise they are old ones with new separations.
+    #[must_use]
     pub fn is_fresh(&self) -> bool {
         self.fresh
     }
@@ -197,7 +215,7 @@ impl Manifold {
     #[inline(always)]
     pub(crate) fn refresh(&mut self, query: &Query) -> Result<(), f64> {
         let Some(made) = &self.made else { return Err(0.0) };
-        let moved = made.moved(query);
+        let moved = query.place.displacement(&made.place);
         // Written so that NaN asks anew.
         if !(made.is_of(query) && moved <= made.budget) {
             return Err(moved);
@@ -257,8 +275,7 @@ impl Manifold {
         self.made = Some(Made {
             bodies: query.bodies(),
             options: *options,
-            rotation: query.rotation,
-            translation: query.translation,
+            place: query.place,
             features,
             reference,
             normal: match reference {
@@ -340,86 +357,6 @@ impl Made {
     #[inline(always)]
     fn is_of(&self, query: &Query) -> bool {
         self.bodies == query.bodies() && self.options == *query.options
-    }
-
-    /// No less than any point of one body has moved as seen from the other.
-    #[inline(always)]
-    fn moved(&self, query: &Query) -> f64 {
-        let Query {
-            a,
-            b,
-            rotation,
-            translation,
-            ..
-        } = query;
-        let turn = rotation - self.rotation;
-        let (ra, rb) = query.radii();
-        // A difference of rotations stretches two directions alike and one not at all, so its norm is that of its entries over
-        // the root of two, which is less than 181.1 / 256.
-        let turned = sqrt(turn.norm_squared()) * (181.1 / 256.0) * ra.min(rb);
-        let shift = if rb <= ra {
-            turn * b.origin + (translation - self.translation)
-        } else {
-            let seen = |r: &Matrix3<f64>, t: &Vector3<f64>| r.tr_mul(&(a.origin - t));
-            seen(rotation, translation) - seen(&self.rotation, &self.translation)
-        };
-        sqrt(shift.norm_squared()) + turned + CERTIFICATE * UNIT * query.size()
-    }
-}
-
-/// Two bodies, where they are, and what is asked of their contacts.
-pub(crate) struct Query<'a> {
-    a: &'a ConvexPolyhedron,
-    b: &'a ConvexPolyhedron,
-    /// Of `a_from_b`.
-    rotation: Matrix3<f64>,
-    translation: Vector3<f64>,
-    options: &'a ManifoldOptions,
-}
-
-impl<'a> Query<'a> {
-    #[inline(always)]
-    pub(crate) fn new(
-        a: &'a ConvexPolyhedron,
-        b: &'a ConvexPolyhedron,
-        pose: &RelativePose,
-        options: &'a ManifoldOptions,
-    ) -> Self {
-        Self {
-            a,
-            b,
-            rotation: pose.rotation(),
-            translation: pose.translation(),
-            options,
-        }
-    }
-
-    fn bodies(&self) -> [u64; 2] {
-        [self.a.print, self.b.print]
-    }
-
-    fn radii(&self) -> (f64, f64) {
-        let of = |body: &ConvexPolyhedron| {
-            if body.as_given {
-                body.radius
-            } else {
-                body.radius * body.unit()
-            }
-        };
-        (of(self.a), of(self.b))
-    }
-
-    fn least_radius(&self) -> f64 {
-        let (a, b) = self.radii();
-        a.min(b)
-    }
-
-    /// The pair's size L.
-    #[inline(always)]
-    fn size(&self) -> f64 {
-        let (a, b) = self.radii();
-        let apart = self.rotation * self.b.origin + self.translation - self.a.origin;
-        a + b + sqrt(apart.norm_squared())
     }
 }
 

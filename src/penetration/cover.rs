@@ -21,9 +21,10 @@ use crate::polyhedron::{ConvexPolyhedron, Feature, FeaturePair};
 use crate::scalar::{Vec3, cross, dot, sqrt, sub};
 use crate::tolerance::{AGREE_DEPTH, CERTIFICATE, DISC, DISC_MOST, UNIT};
 
+use super::direction::{least, unit};
 use super::foot::{Witnesses, some_of};
-use super::search::{Best, highest};
-use super::surface::{least, unit};
+use super::found::Best;
+use super::search::highest;
 
 /// Exchanges of a corner on the way to the facet over the axis.
 const EXCHANGES: usize = 48;

@@ -14,8 +14,8 @@ use crate::pose::Which;
 use crate::scalar::{Scalar, Vec3, cross, dot, neg, sqrt};
 use crate::tolerance::{AGREE_DEPTH, NEARLY_PARALLEL};
 
+use super::direction::unit;
 use super::search::highest;
-use super::surface::unit;
 
 /// The facets that may hold three points, by the vertices of A and of B they are made of.
 pub(super) fn facets(placed: &Placed, on_a: &[u32; 3], on_b: &[u32; 3]) -> [Option<FeaturePair>; 3] {

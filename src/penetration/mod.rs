@@ -13,19 +13,23 @@
 //! 2. The bound of a triangle is the least of three heights along one unit vector, for which any will do (its normal, the
 //!    direction of its nearest point, the normal of the best facet): slivers weaken a bound and falsify none.
 //! 3. Heights are taken along the normals of the bodies' own features ([`facet`]), not of rounded points.
-//! 4. A tracker keeps the surface by its vertex pairs, and the next search begins with it ([`memory`]).
+//! 4. A tracker keeps the surface by its vertex pairs ([`memory`]), and the next search begins with it ([`mod@resume`]).
 //! 5. Where faces lie upon faces, the deepest facet itself stands in for triangles that come to lie beneath the border ([`cover`]).
 //! 6. Where the first tetrahedron has the origin on its border (lattices, concentric and equal bodies), the surface is grown
 //!    about a point beside the origin until the ball about that point holds the origin too.
 
 mod cover;
+mod deepest;
+mod direction;
 #[cfg(feature = "exact")]
 mod exhaustive;
 mod facet;
 mod foot;
+mod found;
 mod memory;
 mod pass;
 mod queue;
+mod resume;
 mod search;
 mod surface;
 
@@ -37,11 +41,13 @@ use crate::scalar::Scalar;
 #[cfg(feature = "exact")]
 use crate::tolerance::{AGREE_DEPTH, AGREE_WITNESS};
 use crate::tolerance::{CERTIFICATE, SHIFTS};
+use found::{End, Found};
 use nalgebra::Vector3;
-use search::{End, Found, search};
+use search::search;
 use surface::Surface;
 
-pub(crate) use memory::{Memory, Raw, resume};
+pub(crate) use memory::{Memory, Raw};
+pub(crate) use resume::resume;
 
 /// How many of the shifts are worth a try in f64: those well above its rounding.
 const SHIFTS_PLAIN: usize = 3;

@@ -4,8 +4,8 @@ use alloc::vec::Vec;
 
 use wide::f64x2;
 
-use super::search::Best;
-use super::surface::least;
+use super::direction::least;
+use super::found::Best;
 use crate::closest::simplex::{Corner, Simplex};
 use crate::scalar::{Vec3, cross, dot, sub};
 use crate::tolerance::{AGREE_DEPTH, CERTIFICATE, ORIENTATION, UNIT};

@@ -4,68 +4,25 @@ use crate::closest::fallback::{Minimum, corner, extreme, solve};
 use crate::closest::placed::{Frame, Placed};
 use crate::closest::refine::witnesses;
 use crate::closest::simplex::{Corner, Simplex};
-use crate::double_double::DoubleDouble;
 use crate::polyhedron::FeaturePair;
-use crate::scalar::{Scalar, Vec3, dot, neg, scaled, sub};
-use crate::tolerance::{AGREE_DEPTH, AGREE_WITNESS, ALMOST_FLAT, ASIDE, CERTIFICATE, PLATEAU, UNIT};
+use crate::scalar::{Scalar, Vec3, dot, neg};
+use crate::tolerance::{AGREE_DEPTH, ALMOST_FLAT, ASIDE, CERTIFICATE, PLATEAU, UNIT};
 
+use super::direction::unit;
 use super::facet::{facets, height_of, normal_of};
-use super::foot::{Witnesses, foot};
-use super::surface::{Filter, Surface, unit};
+use super::found::{Best, End, Found};
+use super::surface::{Filter, Surface};
 
 /// Points that may come twice before a surface counts as folded.
 const REPEATS: u32 = 16;
 
-/// Why a search ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum End {
-    /// Both bounds agree.
-    Closed,
-    /// Rounding hides what to do next.
-    Stuck,
-    /// The surface has as many triangles as it may.
-    Full,
-}
-
-/// What a search proves and where it ended.
-pub(super) struct Found<T> {
-    pub(super) end: End,
-    /// The best unit direction and the height of the difference along it.
-    pub(super) normal: Vec3<T>,
-    pub(super) height: T,
-    /// No point outside the difference is nearer to the origin; zero where nothing is known.
-    pub(super) radius: T,
-    /// The triangle that holds the deepest point, or one of the facet.
-    pub(super) corners: [Corner<T>; 3],
-    /// The deepest points of A and of B in their stored frames.
-    pub(super) witnesses: Option<Witnesses>,
-    pub(super) features: Option<FeaturePair>,
-    /// Points the surface took in.
-    pub(super) grown: u32,
-}
-
-/// A direction, its height, and the features it comes from.
-#[derive(Clone, Copy)]
-pub(super) struct Best<T> {
-    pub(super) normal: Vec3<T>,
-    pub(super) height: T,
-    pub(super) features: Option<FeaturePair>,
-}
-
-impl<T: Scalar> Best<T> {
-    /// Normal and height in f64.
-    pub(super) fn rounded(&self) -> (Vec3<f64>, f64) {
-        (self.normal.map(Scalar::value), self.height.value())
-    }
-}
-
 /// A surface on its way to the deepest facet.
 pub(super) struct Search<'a, T: Scalar> {
-    placed: &'a Placed<'a>,
+    pub(super) placed: &'a Placed<'a>,
     frame: Frame<T>,
     /// Whether B is shifted off its place.
     is_shifted: bool,
-    surface: &'a mut Surface<T>,
+    pub(super) surface: &'a mut Surface<T>,
     filter: Filter<T>,
     best: Option<Best<T>>,
     size: T,
@@ -306,7 +263,7 @@ impl<'a, T: Scalar> Search<'a, T> {
 
     /// Counts points that are there already.
     fn is_worth(&mut self, c: &Corner<T>) -> bool {
-        if self.surface.points.iter().any(|p| (p.a, p.b) == (c.a, c.b)) {
+        if self.surface.knows(c) {
             self.repeats += 1;
         }
         self.repeats < REPEATS
@@ -378,70 +335,5 @@ impl<'a, T: Scalar> Search<'a, T> {
             features: best.features,
             grown: self.grown,
         }
-    }
-
-    /// The deepest points, and three corners of the facet they are on: where the features of the best direction do not hold them,
-    /// they are those of the surface's point nearest to the foot of the origin on the best plane. The surface meets the ray
-    /// along the normal between both bounds, so where they agree it is there.
-    fn deepest(&self, best: &Best<T>, weakest: u32, end: End) -> ([Corner<T>; 3], Witnesses) {
-        if let Some(foot) = best.features.and_then(|f| foot(self.placed, f, &best.rounded())) {
-            return (self.surface.corners(weakest), foot);
-        }
-        // Of L, not of origins far off, in whichever arithmetic.
-        let close = T::from(AGREE_DEPTH * self.placed.size());
-        let plane = best.height - close;
-        let all = 0..self.surface.triangles.len() as u32;
-        let flat = all.clone().filter(|t| self.surface.height(*t, &best.normal) >= plane);
-        let order = || core::iter::once(weakest).chain(flat.clone()).chain(all.clone());
-        let found = self.nearest::<T>(order(), best, close);
-        if T::UNIT < UNIT || found.1 <= AGREE_WITNESS * self.placed.size() {
-            return (self.surface.corners(found.0), found.2);
-        }
-        // The weights of needles are wrong in f64.
-        let mut found = self.nearest::<DoubleDouble>(flat.clone().chain(core::iter::once(found.0)), best, close);
-        if end == End::Closed && found.1 > AGREE_WITNESS * self.placed.size() {
-            found = self.nearest::<DoubleDouble>(order(), best, close);
-        }
-        (self.surface.corners(found.0), found.2)
-    }
-
-    /// The first triangle that comes close enough to the foot of the origin on the best plane, or else the nearest; how near, and
-    /// the witnesses there.
-    fn nearest<S: Scalar>(
-        &self,
-        triangles: impl Iterator<Item = u32>,
-        best: &Best<T>,
-        close: T,
-    ) -> (u32, f64, Witnesses) {
-        // Both parts of a double-double.
-        let as_s = |x: T| S::from(x.value()) + S::from((x - T::from(x.value())).value());
-        let fine = |v: &Vec3<T>| v.map(as_s);
-        let target = scaled(&fine(&best.normal), as_s(best.height));
-        let mut found: Option<(u32, f64, Simplex<S>)> = None;
-        for t in triangles {
-            let shifted = self.surface.corners(t).map(|c| Corner {
-                a: c.a,
-                b: c.b,
-                w: sub(&fine(&c.w), &target),
-            });
-            let simplex = Simplex::triangle(shifted);
-            let off = simplex.reach().value();
-            if found.as_ref().is_none_or(|f| off < f.1) {
-                found = Some((t, off, simplex));
-            }
-            if off <= close.value() {
-                break;
-            }
-        }
-        let (t, off, simplex) = found.unwrap_or_else(|| {
-            let c = self.surface.corners(0)[0];
-            let at = Corner {
-                a: c.a,
-                b: c.b,
-                w: fine(&c.w),
-            };
-            (0, f64::INFINITY, Simplex::vertex(at))
-        });
-        (t, off, witnesses(self.placed, &simplex))
     }
 }

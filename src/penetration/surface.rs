@@ -1,16 +1,25 @@
-//! A closed surface of triangles on points of the Minkowski difference, and how it grows.
+//! A closed surface of triangles on points of the Minkowski difference: how near each may be, and which is the nearest. How it takes in
+//! a point: [`grow`].
 //!
 //! Invariant: the surface winds once about the origin. It holds for the first tetrahedron, whose volumes prove it, and
 //! each step keeps it: a triangle is replaced only by way of the tetrahedron of it and the new point, and that lies on the far
 //! side of a plane that the origin is certainly beneath. So the hull of the points holds the ball about the origin that no
 //! triangle reaches into, however the surface is folded.
 
+mod grow;
+mod names;
+
 use alloc::vec::Vec;
 
+use super::direction::{least, normal, unit};
 use super::queue::{Entry, Queue};
 use crate::closest::simplex::{Corner, Simplex};
-use crate::scalar::{Scalar, Vec3, cross, dot, root, sub};
-use crate::tolerance::SQUARE_MIN;
+use crate::scalar::{Scalar, Vec3, cross, dot, sub};
+use grow::Border;
+use names::Names;
+
+/// So many points are looked through as soon as looked up.
+const SCANNED: usize = 64;
 
 /// One triangle, its corners counter-clockwise seen from outside.
 #[derive(Clone, Copy, Debug, Default)]
@@ -42,24 +51,6 @@ enum Measured {
     Whole,
 }
 
-/// An edge of the border between what is replaced and what stays.
-#[derive(Clone, Copy, Debug)]
-struct Border {
-    from: u32,
-    to: u32,
-    outer: u32,
-}
-
-impl<T> Triangle<T> {
-    fn rim(&self) -> [Border; 3] {
-        core::array::from_fn(|k| Border {
-            from: self.corners[k],
-            to: self.corners[(k + 1) % 3],
-            outer: self.beside[k],
-        })
-    }
-}
-
 /// What rounding asks of a flood.
 pub(super) struct Filter<T> {
     /// Heights above this are certainly positive.
@@ -72,6 +63,8 @@ pub(super) struct Filter<T> {
 #[derive(Clone, Debug)]
 pub(super) struct Surface<T> {
     pub(super) points: Vec<Corner<T>>,
+    /// The vertices of the first points, where there are many.
+    names: Names,
     pub(super) triangles: Vec<Triangle<T>>,
     /// Those that are not known to be beyond `enough`.
     queue: Queue,
@@ -85,60 +78,12 @@ pub(super) struct Surface<T> {
     starts: Vec<u32>,
 }
 
-/// The unit vector along `v`; zero where there is none.
-#[inline]
-pub(super) fn unit<T: Scalar>(v: &Vec3<T>) -> Vec3<T> {
-    let squared = dot(v, v);
-    if squared.value() > SQUARE_MIN && squared.value() < 1.0 / SQUARE_MIN {
-        let by = T::from(1.0) / root(squared);
-        return v.map(|x| x * by);
-    }
-    let largest = v.iter().fold(0.0f64, |m, x| m.max(x.value().abs()));
-    if !(largest > 0.0 && largest < f64::INFINITY) {
-        return [T::from(0.0); 3];
-    }
-    let v = v.map(|x| x / T::from(largest));
-    let norm = root(dot(&v, &v));
-    v.map(|x| x / norm)
-}
-
-/// The least height of three points along a direction.
-#[inline]
-pub(super) fn least<T: Scalar>(n: &Vec3<T>, w: &[Vec3<T>; 3]) -> T {
-    let h = w.map(|w| dot(n, &w));
-    let low = if h[1] < h[0] { h[1] } else { h[0] };
-    if h[2] < low { h[2] } else { low }
-}
-
-/// The unit normal of a triangle, from its two shorter edges.
-#[inline]
-fn normal<T: Scalar>(w: &[Vec3<T>; 3]) -> Vec3<T> {
-    let edges = [sub(&w[1], &w[0]), sub(&w[2], &w[1]), sub(&w[0], &w[2])];
-    let length = edges.map(|e| dot(&e, &e).value());
-    let (u, v) = if length[0] >= length[1] && length[0] >= length[2] {
-        (&edges[1], &edges[2])
-    } else if length[1] >= length[2] {
-        (&edges[2], &edges[0])
-    } else {
-        (&edges[0], &edges[1])
-    };
-    let n = cross(u, v);
-    // Of the shortest edges the product may be below what f64 holds.
-    if dot(&n, &n).value() > SQUARE_MIN {
-        return unit(&n);
-    }
-    let by_size = |e: &Vec3<T>| {
-        let m = e.iter().fold(0.0f64, |m, x| m.max(x.value().abs()));
-        if m > 0.0 { e.map(|x| x / T::from(m)) } else { *e }
-    };
-    unit(&cross(&by_size(u), &by_size(v)))
-}
-
 impl<T> Surface<T> {
     /// Bytes on the heap.
     pub(super) fn heap_bytes(&self) -> usize {
         self.points.capacity() * size_of::<Corner<T>>()
             + self.triangles.capacity() * size_of::<Triangle<T>>()
+            + self.names.heap_bytes()
             + self.queue.heap_bytes()
             + (self.visible.capacity() + self.starts.capacity()) * size_of::<u32>()
             + self.border.capacity() * size_of::<Border>()
@@ -150,6 +95,7 @@ impl<T: Scalar> Surface<T> {
     pub(super) fn new() -> Self {
         Self {
             points: Vec::new(),
+            names: Names::default(),
             triangles: Vec::new(),
             queue: Queue::default(),
             enough: T::from(f64::INFINITY),
@@ -173,6 +119,7 @@ impl<T: Scalar> Surface<T> {
     /// Without points and triangles, and interested in what is not beyond `enough`.
     pub(super) fn clear(&mut self, enough: T) {
         self.points.clear();
+        self.names.clear();
         self.triangles.clear();
         self.queue.clear();
         self.enough = enough;
@@ -224,6 +171,17 @@ impl<T: Scalar> Surface<T> {
         self.triangles[triangle as usize]
             .corners
             .map(|c| self.points[c as usize])
+    }
+
+    /// Whether a point of these vertices was taken in before.
+    pub(super) fn knows(&mut self, c: &Corner<T>) -> bool {
+        let name = |c: &Corner<T>| [c.a, c.b];
+        if self.points.len() <= SCANNED {
+            return self.points.iter().any(|p| name(p) == name(c));
+        }
+        let count = self.names.count();
+        self.points[count..].iter().for_each(|p| self.names.insert(name(p)));
+        self.names.contains(name(c))
     }
 
     /// Corners and neighbours of every triangle.
@@ -343,136 +301,5 @@ impl<T: Scalar> Surface<T> {
             self.enqueue(triangle);
         }
         better
-    }
-
-    /// Takes in a point that lies higher than `triangle` along its direction, and replaces the triangles that see it.
-    pub(super) fn insert(&mut self, triangle: u32, c: Corner<T>, filter: &Filter<T>) {
-        self.flood(triangle, &c.w, filter);
-        if !self.surround() {
-            // Three edges are a loop whatever is around them.
-            self.visible.clear();
-            self.visible.push(triangle);
-            self.border.clear();
-            self.border.extend(self.triangles[triangle as usize].rim());
-        }
-        let apex = self.points.len() as u32;
-        self.points.push(c);
-        let (kept, count) = (self.visible.len(), self.border.len());
-        // New triangles take the places of the old; the rest are added.
-        let added = self.triangles.len();
-        for k in kept..count {
-            self.triangles.push(Triangle::default());
-            self.visible.push((added + k - kept) as u32);
-        }
-        for k in 0..count {
-            let Border { from, to, outer } = self.border[k];
-            let (at, after, before) = (
-                self.visible[k],
-                self.visible[(k + 1) % count],
-                self.visible[(k + count - 1) % count],
-            );
-            self.triangles[at as usize] = Triangle {
-                corners: [from, to, apex],
-                beside: [outer, after, before],
-                ..Triangle::default()
-            };
-            self.weigh(at);
-            self.join(outer, [to, from], at);
-        }
-        // The last of those left over first, so that none of them moves.
-        while self.visible.len() > count {
-            let left = &self.visible[count..];
-            let last = left.iter().enumerate().max_by_key(|(_, t)| **t).map_or(0, |(k, _)| k);
-            let hole = self.visible.swap_remove(count + last);
-            self.remove(hole);
-        }
-    }
-
-    /// Makes `other` the neighbour of a triangle across an edge.
-    fn join(&mut self, triangle: u32, edge: [u32; 2], other: u32) {
-        let t = &mut self.triangles[triangle as usize];
-        for i in 0..3 {
-            if [t.corners[i], t.corners[(i + 1) % 3]] == edge {
-                t.beside[i] = other;
-            }
-        }
-    }
-
-    /// Removes a triangle that none is joined to; the last one takes its number.
-    fn remove(&mut self, hole: u32) {
-        let last = self.triangles.len() as u32 - 1;
-        self.triangles.swap_remove(hole as usize);
-        if hole == last {
-            return;
-        }
-        let Triangle { corners, beside, .. } = self.triangles[hole as usize];
-        for i in 0..3 {
-            self.join(beside[i], [corners[(i + 1) % 3], corners[i]], hole);
-        }
-        if self.triangles[hole as usize].state != Measured::Not {
-            self.enqueue(hole);
-        }
-    }
-
-    /// Lists the triangles around `from` that see `w` and may be replaced.
-    fn flood(&mut self, from: u32, w: &Vec3<T>, filter: &Filter<T>) {
-        self.floods += 1;
-        self.visible.clear();
-        self.visible.push(from);
-        self.triangles[from as usize].flood = self.floods;
-        let mut done = 0;
-        while done < self.visible.len() {
-            for k in self.triangles[self.visible[done] as usize].beside {
-                if self.triangles[k as usize].flood == self.floods || !self.sees(k, w, filter) {
-                    continue;
-                }
-                self.triangles[k as usize].flood = self.floods;
-                self.visible.push(k);
-            }
-            done += 1;
-        }
-    }
-
-    /// Whether `w` is outside the plane of a triangle, and some plane certainly has the origin beneath and both above.
-    pub(super) fn sees(&mut self, triangle: u32, w: &Vec3<T>, filter: &Filter<T>) -> bool {
-        self.measure(triangle);
-        let t = &self.triangles[triangle as usize];
-        let p = &self.points[t.corners[0] as usize].w;
-        let is_flat = t.outward.iter().all(|x| x.value() == 0.0);
-        // Outside its plane, the point is as high along the normal as the corners.
-        if !is_flat && !(dot(&t.outward, &sub(w, p)) > filter.noise) {
-            return false;
-        }
-        if !is_flat && t.level > filter.margin {
-            return true;
-        }
-        if self.refine(triangle) {
-            self.enqueue(triangle);
-        }
-        let t = &self.triangles[triangle as usize];
-        let height = dot(&t.direction, w);
-        let above = t.bound > filter.margin && height > filter.margin;
-        above && (!is_flat || height > t.bound + filter.noise)
-    }
-
-    /// Puts the edges round the visible triangles in order; whether they are one loop without a corner twice.
-    fn surround(&mut self) -> bool {
-        let (flood, all) = (self.floods, &self.triangles);
-        let edges = &mut self.border;
-        edges.clear();
-        let rims = self.visible.iter().flat_map(|&t| all[t as usize].rim());
-        edges.extend(rims.filter(|e| all[e.outer as usize].flood != flood));
-        for k in 1..edges.len() {
-            let Some(next) = (k..edges.len()).find(|&i| edges[i].from == edges[k - 1].to) else {
-                return false;
-            };
-            edges.swap(k, next);
-        }
-        self.starts.clear();
-        self.starts.extend(edges.iter().map(|e| e.from));
-        self.starts.sort_unstable();
-        let simple = self.starts.windows(2).all(|s| s[0] != s[1]);
-        let closed = edges.last().is_some_and(|e| e.to == edges[0].from);
-        simple && closed && edges.len() > 2
     }
 }

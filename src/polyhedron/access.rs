@@ -11,18 +11,21 @@ use crate::tolerance::UNIT;
 impl ConvexPolyhedron {
     /// How many vertices the body has: all are extreme points.
     #[inline]
+    #[must_use]
     pub fn vertex_count(&self) -> usize {
         self.points.len()
     }
 
     /// How many edges the body has.
     #[inline]
+    #[must_use]
     pub fn edge_count(&self) -> usize {
         self.topology.half_edge_count() / 2
     }
 
     /// How many faces the body has: two for a polygon (its sides), none for a segment or a point.
     #[inline]
+    #[must_use]
     pub fn face_count(&self) -> usize {
         if self.topology.face_count() == 1 {
             0
@@ -48,16 +51,19 @@ impl ConvexPolyhedron {
     }
 
     /// The place of a vertex: exactly the point the caller gave, but for coordinates the report counts as flushed.
+    #[must_use]
     pub fn vertex(&self, vertex: VertexId) -> Option<Point3<f64>> {
         self.points.get(vertex.index()).map(|p| self.given(p))
     }
 
     /// The places of all vertices, in the order of their ids.
+    #[must_use]
     pub fn vertex_points(&self) -> impl ExactSizeIterator<Item = Point3<f64>> + Clone + '_ {
         self.points.iter().map(|p| self.given(p))
     }
 
     /// The ends of an edge.
+    #[must_use]
     pub fn edge_vertices(&self, edge: EdgeId) -> Option<[VertexId; 2]> {
         self.has_edge(edge)
             .then(|| [self.topology.from(edge.0), self.topology.half_edge(edge.0).to].map(VertexId))
@@ -65,6 +71,7 @@ impl ConvexPolyhedron {
 
     /// The faces on the left and on the right of an edge, looking from its first end to its second from outside; `None`
     /// also for the edge of a segment.
+    #[must_use]
     pub fn edge_faces(&self, edge: EdgeId) -> Option<[FaceId; 2]> {
         let known = self.has_edge(edge) && self.face_count() > 0;
         known.then(|| {
@@ -85,6 +92,7 @@ impl ConvexPolyhedron {
     }
 
     /// The outward unit normal of a face and its offset along it, `normal . x = offset` on the face up to rounding.
+    #[must_use]
     pub fn face_plane(&self, face: FaceId) -> Option<(Unit<Vector3<f64>>, f64)> {
         let plane = self.planes.get(face.index()).filter(|_| self.has_face(face))?;
         let offset = plane.offset * self.unit() + plane.normal.dot(&self.origin);
@@ -108,18 +116,21 @@ impl ConvexPolyhedron {
     }
 
     /// The caller's index of a vertex, the lowest among equal points.
+    #[must_use]
     pub fn source_vertex(&self, vertex: VertexId) -> Option<usize> {
         self.source.get(vertex.index()).map(|&i| i as usize)
     }
 
     /// The caller's face that holds a face of the body. Where the caller had cut one flat face into pieces it is one of
     /// them; `None` for bodies that were not made from faces.
+    #[must_use]
     pub fn source_face(&self, face: FaceId) -> Option<usize> {
         self.source_faces.get(face.index()).map(|&i| i as usize)
     }
 
-    /// Bytes this body takes, its lists included but not its report: up to 10,922 vertices some 155 a vertex, beyond some
-    /// 205 (links of 16 and of 32 bits).
+    /// Bytes this body takes, its lists included but not its report: with some hundred vertices or more some 155 a vertex, beyond 10,922
+    /// vertices some 200 (links of 16 and of 32 bits).
+    #[must_use]
     pub fn size_in_bytes(&self) -> usize {
         let lists = size_of_val(&self.points[..])
             + size_of_val(&self.planes[..])
@@ -134,16 +145,19 @@ impl ConvexPolyhedron {
     }
 
     /// What building this body kept, merged and dropped.
+    #[must_use]
     pub fn report(&self) -> &BuildReport {
         &self.report
     }
 
     /// The corners of the smallest box that holds the body, exactly.
+    #[must_use]
     pub fn aabb(&self) -> (Point3<f64>, Point3<f64>) {
         (self.given(&self.low), self.given(&self.high))
     }
 
     /// A ball that holds the body: the centre of its box and the largest distance of a vertex from there, rounded up.
+    #[must_use]
     pub fn bounding_ball(&self) -> (Point3<f64>, f64) {
         let (low, high) = self.aabb();
         let centre = Point3::from(low.coords * 0.5 + high.coords * 0.5);

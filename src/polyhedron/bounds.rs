@@ -107,6 +107,7 @@ impl ConvexPolyhedron {
     /// A cube that holds the body however it is turned, about its own origin or, for a body far from that, about its
     /// middle: the fixed box of Cohen et al. 1995. Cheaper than [`aabb_at`](Self::aabb_at) and larger, so more pairs have
     /// to be looked at.
+    #[must_use]
     pub fn cube_at(&self, pose: &Isometry3<f64>) -> (Point3<f64>, Point3<f64>) {
         let matrix = matrix(pose);
         let (center, far) = self.origin_at(&matrix, &pose.translation.vector);

@@ -43,12 +43,31 @@ impl ConvexPolyhedron {
     ///
     /// Those of [`from_points`](Self::from_points), and every way in which faces fail to be the surface of a convex
     /// body; see [`BuildError`].
+    #[doc(alias = "mesh")]
     pub fn from_faces(points: &[Point3<f64>], faces: &[impl AsRef<[u32]>]) -> Result<Self, BuildError> {
         build(points, faces, None)
     }
 
     /// As [`from_faces`](Self::from_faces) for faces that are planar, and bodies that are convex, only to a bound in the
-    /// caller's unit, such as meshes stored in single precision.
+    /// caller's unit, such as meshes stored in single precision: for these some 1e-6 times the body's size.
+    ///
+    /// The body is the hull of the points as they are given, so a face that is planar only to the bound becomes several faces of the
+    /// body; [`source_face`](Self::source_face) leads from each back to it.
+    ///
+    /// ```
+    /// use lin_canny::ConvexPolyhedron;
+    /// use lin_canny::nalgebra::{Point3, Rotation3, Vector3};
+    ///
+    /// // A box that was turned and stored in f32: its sides are flat to 1e-8 only.
+    /// let turn = Rotation3::new(Vector3::new(0.3, 0.2, 0.1));
+    /// let corner = |i: u8| [i & 1, i >> 1 & 1, i >> 2].map(f64::from);
+    /// let points = [0, 1, 2, 3, 4, 5, 6, 7].map(|i| (turn * Point3::from(corner(i))).cast::<f32>().cast::<f64>());
+    /// let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    /// assert!(ConvexPolyhedron::from_faces(&points, &faces).is_err());
+    /// let body = ConvexPolyhedron::from_faces_within(&points, &faces, 1e-6)?;
+    /// assert!(body.face_count() > 6 && body.report().non_planarity < 1e-6);
+    /// # Ok::<(), lin_canny::BuildError>(())
+    /// ```
     ///
     /// # Errors
     ///

@@ -44,7 +44,7 @@ pub enum BuildError {
         span: Vec<usize>,
     },
     /// The corners of a polygon leave their plane by more than rounding explains.
-    #[error("point {index} lies {distance:e} off the plane of the polygon, more than {bound:e}")]
+    #[error("point {index} lies {distance:.2e} off the plane of the polygon, more than {bound:.2e}")]
     PolygonNotPlanar {
         /// The point farthest off.
         index: usize,
@@ -81,8 +81,9 @@ pub enum BuildError {
         /// The face.
         face: usize,
     },
-    /// A corner leaves the plane of its face by more than the bound.
-    #[error("point {vertex} lies {distance:e} off the plane of face {face}, more than {bound:e}")]
+    /// A corner leaves the plane of its face by more than the bound. Of coordinates that were rounded, as in files in single precision:
+    /// see [`from_faces_within`](super::ConvexPolyhedron::from_faces_within).
+    #[error("point {vertex} lies {distance:.2e} off the plane of face {face}, more than {bound:.2e}")]
     FaceNotPlanar {
         /// The face.
         face: usize,
@@ -111,8 +112,10 @@ pub enum BuildError {
         /// The face.
         face: usize,
     },
-    /// A point lies in front of a face.
-    #[error("not convex: point {vertex} lies {by:e} in front of face {face}")]
+    /// A point lies in front of a face. By a little, of coordinates that were rounded: see
+    /// [`from_faces_within`](super::ConvexPolyhedron::from_faces_within). Else the mesh is not convex:
+    /// [`from_points`](super::ConvexPolyhedron::from_points) takes its hull.
+    #[error("not convex: point {vertex} lies {by:.2e} in front of face {face}")]
     NotConvex {
         /// The face.
         face: usize,

@@ -8,28 +8,95 @@
 use alloc::vec::Vec;
 use nalgebra::Vector3;
 
-use super::highest::{Direction, Upward};
+use super::highest::{Direction, Slope, exact};
+use super::sign::side;
+use super::support::edge_sign;
 use super::topology::{LARGE, MANY, Topology};
 use super::{ConvexPolyhedron, Plane};
+use crate::double_double::{DoubleDouble, Expansion};
 
-/// The large fans of a body: their vertices in rising order, each with its direction `m`.
+/// The direction `m` of a fan, each coordinate a sum of parts that fall in magnitude.
 #[derive(Clone, Debug)]
-pub(crate) struct Fans(Vec<(u32, Vector3<f64>)>);
+pub(crate) struct Axis {
+    parts: [[f64; Self::PARTS]; 3],
+    /// Whether f64 is certain that all edges rise along the first parts, and the others are zero.
+    plain: bool,
+}
+
+impl Axis {
+    /// One part is enough but for a tip that is no higher than rounding over a base of thousands of corners.
+    const PARTS: usize = 4;
+
+    #[cfg(test)]
+    pub(super) fn new(parts: [[f64; Self::PARTS]; 3]) -> Self {
+        Self { parts, plain: false }
+    }
+
+    /// Minus the sum of the normals of the faces at `v`, if f64 is certain that all edges of `v` rise along it.
+    fn plain(t: &Topology, points: &[Vector3<f64>], planes: &[Plane], v: u32) -> Option<Self> {
+        let normals = t.fan(v).map(|h| planes[t.half_edge(h).face as usize].normal);
+        let m = -normals.sum::<Vector3<f64>>() / t.fan(v).len() as f64;
+        let rises = |w: u32| edge_sign(&m, &(points[w as usize] - points[v as usize])) > 0;
+        let parts = [0, 1, 2].map(|k| core::array::from_fn(|part| if part == 0 { m[k] } else { 0.0 }));
+        t.neighbours(v).all(rises).then_some(Self { parts, plain: true })
+    }
+
+    /// Minus the sum of the exact normals of two faces at `v` without a common edge: all edges rise along that. `None` where it has
+    /// too many parts.
+    fn fine(t: &Topology, points: &[Vector3<f64>], v: u32) -> Option<Self> {
+        let (fan, p) = (t.fan(v), points[v as usize]);
+        let to = |h: u32| points[t.half_edge(h).to as usize];
+        let faces = [fan.start, fan.start + fan.len() as u32 / 2].map(|h| [to(h), to(h + 1)]);
+        let coordinate = |k: usize| {
+            let (i, j) = ((k + 1) % 3, (k + 2) % 3);
+            let mut sum = Expansion::<{ 24 + Self::PARTS }>::new();
+            for [q, r] in faces {
+                // (r - p) x (q - p) without differences, which may be rounded.
+                for (x, y) in [(r, q), (q, p), (p, r)] {
+                    sum.add_product(x[i], y[j]);
+                    sum.add_product(-x[j], y[i]);
+                }
+            }
+            sum.leading()
+        };
+        let (parts, plain) = ([0, 1, 2].map(coordinate), false);
+        let axis = Self { parts, plain };
+        let rises = |w: u32| axis.rise(&p, &points[w as usize]).sign() > 0;
+        t.neighbours(v).all(rises).then_some(axis)
+    }
+
+    /// Rounded.
+    pub(crate) fn rounded(&self) -> Vector3<f64> {
+        Vector3::from(self.parts.map(|p| p[0]))
+    }
+
+    /// The first two parts.
+    pub(super) fn doubled(&self) -> [DoubleDouble; 3] {
+        self.parts.map(|[hi, lo, ..]| DoubleDouble { hi, lo })
+    }
+
+    /// All parts.
+    #[cfg(feature = "exact")]
+    pub(crate) fn parts(&self) -> &[[f64; Self::PARTS]; 3] {
+        &self.parts
+    }
+
+    /// `m . (q - p)` without rounding.
+    pub(super) fn rise(&self, p: &Vector3<f64>, q: &Vector3<f64>) -> Expansion<{ 12 * Self::PARTS }> {
+        exact(&self.parts, p, q)
+    }
+}
+
+/// The large fans of a body: their vertices in rising order, each with its axis.
+#[derive(Clone, Debug)]
+pub(crate) struct Fans(Vec<(u32, Axis)>);
 
 impl Fans {
-    /// For fans of more than [`LARGE`] edges, minus the sum of the normals of their faces; left out where rounding makes
-    /// an edge not rise along that, of which a tip must be no higher than rounding over a base of thousands of corners.
+    /// For fans of more than [`LARGE`] edges; left out are those without an axis.
     pub(crate) fn new(topology: &Topology, points: &[Vector3<f64>], planes: &[Plane]) -> Self {
-        let axis = |v: u32| {
-            let normals = topology
-                .fan(v)
-                .map(|h| planes[topology.half_edge(h).face as usize].normal);
-            let m = -normals.sum::<Vector3<f64>>() / topology.fan(v).len() as f64;
-            let along = Direction::new(points, &m, &Vector3::zeros());
-            topology.neighbours(v).all(|w| along.rise(v, w) > 0).then_some((v, m))
-        };
+        let axis = |v| Axis::plain(topology, points, planes, v).or_else(|| Axis::fine(topology, points, v));
         let large = (0..topology.vertex_count() as u32).filter(|&v| topology.fan(v).len() > LARGE);
-        Self(large.filter_map(axis).collect())
+        Self(large.filter_map(|v| Some((v, axis(v)?))).collect())
     }
 
     /// Whether there are none.
@@ -40,12 +107,12 @@ impl Fans {
 
     /// Bytes on the heap.
     pub(crate) fn heap_bytes(&self) -> usize {
-        self.0.capacity() * size_of::<(u32, Vector3<f64>)>()
+        self.0.capacity() * size_of::<(u32, Axis)>()
     }
 
     /// Along which all edges of `v` rise; `None` for fans of up to [`MANY`] edges, which are soon looked round.
     #[inline(always)]
-    pub(crate) fn axis(&self, topology: &Topology, v: u32) -> Option<&Vector3<f64>> {
+    pub(crate) fn axis(&self, topology: &Topology, v: u32) -> Option<&Axis> {
         if topology.fan(v).len() <= MANY {
             None
         } else {
@@ -54,21 +121,27 @@ impl Fans {
     }
 
     #[cold]
-    fn find(&self, v: u32) -> Option<&Vector3<f64>> {
+    fn find(&self, v: u32) -> Option<&Axis> {
         let k = self.0.binary_search_by_key(&v, |f| f.0).ok()?;
         Some(&self.0[k].1)
     }
 }
 
-/// The half-edge of the large fan of `v` for which `n . e / (m . e)` is greatest.
+/// The half-edge of the large fan of `v` for which `n . e / (m . e)` is greatest, in f64 as far as its axis allows.
 #[inline(never)]
-pub(crate) fn steepest(t: &Topology, points: &[Vector3<f64>], v: u32, m: &Vector3<f64>, n: &Vector3<f64>) -> u32 {
-    let (fan, p) = (t.fan(v), points[v as usize]);
-    let slope = |k: usize| {
-        let e = points[t.half_edge(fan.start + k as u32).to as usize] - p;
-        n.dot(&e) / m.dot(&e)
+pub(crate) fn steepest(t: &Topology, points: &[Vector3<f64>], v: u32, axis: &Axis, n: &Vector3<f64>) -> u32 {
+    let (fan, p, m) = (t.fan(v), points[v as usize], axis.rounded());
+    let to = |k: usize| t.half_edge(fan.start + k as u32).to;
+    let steepest = if axis.plain {
+        top_of_ring(fan.len(), |k| {
+            let e = points[to(k) as usize] - p;
+            n.dot(&e) / m.dot(&e)
+        })
+    } else {
+        let n = Direction::new(points, n, &Vector3::zeros());
+        top_of_ring(fan.len(), |k| Slope(&n, axis, v, to(k)))
     };
-    fan.start + top_of_ring(fan.len(), slope) as u32
+    fan.start + steepest as u32
 }
 
 /// The place of the greatest value on a ring on which values rise to one place and fall from it.
@@ -105,6 +178,30 @@ fn top_from<V: PartialOrd>(m: usize, mut best: usize, mut stride: usize, value: 
 }
 
 impl ConvexPolyhedron {
+    /// Half-edges of `v` among which are those of all edges and faces at `v` that vertex `w` is on: the whole fan, of a large one three.
+    pub(crate) fn toward(&self, v: u32, w: u32) -> impl Iterator<Item = u32> + Clone + use<> {
+        let (t, fan) = (&self.topology, self.topology.fan(v));
+        let m = fan.len();
+        let (mut first, mut count) = (0, m);
+        if m > MANY {
+            // Seen along the first edge from `v`, the others turn counter-clockwise by less than half a turn, and `w` lies among them.
+            let to = |k: usize| &self.points[t.half_edge(fan.start + k as u32).to as usize];
+            let (p, q, at) = (&self.points[v as usize], to(0), &self.points[w as usize]);
+            let (mut low, mut high) = (1, m);
+            while low < high {
+                let k = low.midpoint(high);
+                if side(p, q, to(k), at) < 0.0 {
+                    low = k + 1;
+                } else {
+                    high = k;
+                }
+            }
+            // Between the edges before and at `low`; on that before it is also on the face before that.
+            (first, count) = (low + m - 2, 3);
+        }
+        (first..first + count).map(move |k| fan.start + (k % m) as u32)
+    }
+
     /// The half-edge of the large fan of `v` that makes the least angle with `d`, which leads out of the body: the rib nearest to a point
     /// there. Of the faces seen from there, one is found as in `closest::behind`; along those seen the angle falls to one
     /// rib and rises from it.
@@ -131,6 +228,82 @@ impl ConvexPolyhedron {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::tolerance::UNIT;
+    use nalgebra::{Point3, UnitQuaternion};
+
+    /// Two tips over a rim of 300 corners, the first `height` above its plane, which is level or not; on a diagonal plane the corners are
+    /// whole numbers, exactly on it.
+    fn double_cone(plane: &str, height: f64) -> ConvexPolyhedron {
+        let turn = UnitQuaternion::from_euler_angles(0.3, 0.7, -0.4);
+        let place = |p: [f64; 3]| match plane {
+            "level" => Point3::from(p),
+            "turned" => turn * Point3::from(p),
+            _ => {
+                let [x, y, z] = p;
+                let (x, y) = ((x * 1e6).round(), (y * 1e6).round());
+                Point3::new(x + z, y + z, z - x - y)
+            }
+        };
+        let rim = (0..300).map(|k| core::f64::consts::TAU * f64::from(k) / 300.0);
+        let rim = rim.map(|t| [t.cos(), t.sin(), 0.0]);
+        let points: Vec<_> = rim.chain([[0.0, 0.0, height], [0.0, 0.0, -1.0]]).map(place).collect();
+        ConvexPolyhedron::from_points(&points).expect("a solid")
+    }
+
+    #[test]
+    fn tips_lower_than_rounding_have_an_axis() {
+        for (plane, height) in [
+            ("level", 0.5),
+            ("level", 1e-60),
+            ("turned", 0.5),
+            ("turned", 16.0 * UNIT),
+            ("diagonal", 0.5),
+            ("diagonal", 1e-16),
+            ("diagonal", 1e-45),
+        ] {
+            let body = double_cone(plane, height);
+            let tips: Vec<u32> = (0..body.points.len() as u32)
+                .filter(|&v| body.topology.fan(v).len() > MANY)
+                .collect();
+            assert!(
+                tips.len() > usize::from(plane != "turned"),
+                "{plane} {height}: {}",
+                tips.len()
+            );
+            for &v in &tips {
+                let axis = body.fans.axis(&body.topology, v).expect("an axis");
+                let at = |v: u32| &body.points[v as usize];
+                assert!(body.topology.neighbours(v).all(|w| axis.rise(at(v), at(w)).sign() > 0));
+            }
+        }
+    }
+
+    #[test]
+    fn what_two_vertices_share_is_toward_each_other() {
+        // Two apexes that share an edge and a rim of 300 corners.
+        let rim = (0..300).map(|k| core::f64::consts::PI * f64::from(k) / 299.0);
+        let rim = rim.map(|t| Point3::new(0.0, t.cos(), 0.1 + t.sin()));
+        let apexes = [1.0, -1.0].map(|x| Point3::new(x, 0.0, 0.0));
+        let tent = ConvexPolyhedron::from_points(&rim.chain(apexes).collect::<Vec<_>>()).expect("a solid");
+        for body in [tent, double_cone("level", 0.5), double_cone("turned", 4.0 * UNIT)] {
+            let t = &body.topology;
+            let all = 0..t.vertex_count() as u32;
+            let tips = all.clone().filter(|&v| t.fan(v).len() > MANY);
+            let (mut edges, mut faces) = (0, 0);
+            for (v, w) in tips.flat_map(|v| all.clone().filter(move |&w| w != v).map(move |w| (v, w))) {
+                let near: Vec<u32> = body.toward(v, w).collect();
+                assert_eq!(near.len(), 3);
+                for h in t.fan(v) {
+                    let e = t.half_edge(h);
+                    let edge = e.to == w;
+                    let face = t.rim(e.face).any(|g| t.from(g) == w);
+                    assert!(!(edge || face) || near.contains(&h), "{v} {w}");
+                    (edges, faces) = (edges + u32::from(edge), faces + u32::from(face));
+                }
+            }
+            assert!(edges > 250 && faces > 500, "{edges} {faces}");
+        }
+    }
 
     #[test]
     fn the_search_finds_the_top_of_a_ring() {

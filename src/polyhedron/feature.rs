@@ -58,6 +58,7 @@ pub enum Feature {
 
 impl Feature {
     /// 0 for a vertex, 1 for an edge, 2 for a face.
+    #[must_use]
     pub fn dimension(self) -> usize {
         match self {
             Feature::Vertex(_) => 0,
@@ -89,6 +90,7 @@ pub struct FeaturePair {
 
 impl FeaturePair {
     /// The same pair seen with A and B exchanged.
+    #[must_use]
     pub fn swapped(self) -> Self {
         Self { a: self.b, b: self.a }
     }

@@ -13,7 +13,7 @@ use nalgebra::Vector3;
 
 use super::ConvexPolyhedron;
 use super::cloud::{exponent_of, power_of_two};
-use super::fans::{Fans, top_of_ring};
+use super::fans::{Axis, Fans, top_of_ring};
 use super::support::edge_sign;
 use super::topology::{MANY, Topology};
 use crate::double_double::{DoubleDouble, Expansion};
@@ -26,7 +26,7 @@ pub(crate) trait Upward {
     fn rise(&self, p: u32, q: u32) -> i32;
     /// The sign of `(n . e) (m . f) - (n . f) (m . e)`, for the edges `e` and `f` from `p` to `q` and `r`: which of the two rises more
     /// along `n` for its rise along `m`, if both rise along that.
-    fn steeper(&self, m: &Vector3<f64>, p: u32, q: u32, r: u32) -> i32;
+    fn steeper(&self, m: &Axis, p: u32, q: u32, r: u32) -> i32;
 }
 
 /// A direction in double-double: `n + rest`, which round to `n`.
@@ -76,16 +76,16 @@ impl<'a> Direction<'a> {
     }
 
     #[cold]
-    fn steeper_finely(&self, m: &Vector3<f64>, p: u32, q: u32, r: u32) -> i32 {
+    fn steeper_finely(&self, m: &Axis, p: u32, q: u32, r: u32) -> i32 {
         let (fine, e, f) = (self.fine(), self.fine_edge(p, q), self.fine_edge(p, r));
-        if let Some(sign) = certain(&fine, &[0, 1, 2].map(|k| DoubleDouble::from(m[k])), &e, &f) {
+        if let Some(sign) = certain(&fine, &m.doubled(), &e, &f) {
             return sign;
         }
         let [p, q, r] = [p, q, r].map(|v| &self.points[v as usize]);
-        let (up, along) = (fine.map(|n| [n.hi, n.lo]), [0, 1, 2].map(|k| [m[k]]));
-        let rises = |q| (exact::<2, 24>(&up, p, q), exact::<1, 12>(&along, p, q));
+        let up = fine.map(|n| [n.hi, n.lo]);
+        let rises = |q| (exact::<2, 24>(&up, p, q), m.rise(p, q));
         let ((n_e, m_e), (n_f, m_f)) = (rises(q), rises(r));
-        let mut sum = Expansion::<1152>::new();
+        let mut sum = Expansion::<4608>::new();
         for (x, y, sign) in [(&n_e, &m_f, 1.0), (&n_f, &m_e, -1.0)] {
             for &x in x.parts() {
                 y.parts().iter().for_each(|y| sum.add_product(x, sign * y));
@@ -105,8 +105,9 @@ impl Upward for Direction<'_> {
     }
 
     #[inline]
-    fn steeper(&self, m: &Vector3<f64>, p: u32, q: u32, r: u32) -> i32 {
-        steeper(&self.n, m, &self.edge(p, q), &self.edge(p, r)).unwrap_or_else(|| self.steeper_finely(m, p, q, r))
+    fn steeper(&self, m: &Axis, p: u32, q: u32, r: u32) -> i32 {
+        steeper(&self.n, &m.rounded(), &self.edge(p, q), &self.edge(p, r))
+            .unwrap_or_else(|| self.steeper_finely(m, p, q, r))
     }
 }
 
@@ -139,7 +140,11 @@ pub(crate) fn steeper(n: &Vector3<f64>, m: &Vector3<f64>, e: &Vector3<f64>, f: &
 }
 
 /// `n . (q - p)` without rounding, for a direction in `K` parts a coordinate; `N` is `12 K`.
-fn exact<const K: usize, const N: usize>(n: &[[f64; K]; 3], p: &Vector3<f64>, q: &Vector3<f64>) -> Expansion<N> {
+pub(super) fn exact<const K: usize, const N: usize>(
+    n: &[[f64; K]; 3],
+    p: &Vector3<f64>,
+    q: &Vector3<f64>,
+) -> Expansion<N> {
     let mut sum = Expansion::new();
     for k in 0..3 {
         for &part in &n[k] {
@@ -165,8 +170,8 @@ impl<U: Upward> PartialOrd for Height<'_, U> {
     }
 }
 
-/// An edge from the first vertex to the second that compares by its rise for that along `m`.
-struct Slope<'a, U>(&'a U, &'a Vector3<f64>, u32, u32);
+/// An edge from the first vertex to the second that compares by its rise for that along the axis `m`.
+pub(super) struct Slope<'a, U>(pub(super) &'a U, pub(super) &'a Axis, pub(super) u32, pub(super) u32);
 
 impl<U: Upward> PartialEq for Slope<'_, U> {
     fn eq(&self, other: &Self) -> bool {
@@ -264,7 +269,7 @@ impl ConvexPolyhedron {
     }
 
     /// Where in the large fan of `v`, along whose axis `m` all its edges rise, the edge is that rises most for that.
-    fn steepest<U: Upward>(&self, n: &U, v: u32, m: &Vector3<f64>) -> usize {
+    fn steepest<U: Upward>(&self, n: &U, v: u32, m: &Axis) -> usize {
         let (t, fan) = (&self.topology, self.topology.fan(v));
         top_of_ring(fan.len(), |k| Slope(n, m, v, t.half_edge(fan.start + k as u32).to))
     }
@@ -403,7 +408,7 @@ mod tests {
             self.1.set(self.1.get() + 1);
             self.0.rise(p, q)
         }
-        fn steeper(&self, m: &Vector3<f64>, p: u32, q: u32, r: u32) -> i32 {
+        fn steeper(&self, m: &Axis, p: u32, q: u32, r: u32) -> i32 {
             self.1.set(self.1.get() + 1);
             self.0.steeper(m, p, q, r)
         }
@@ -444,16 +449,31 @@ mod tests {
             let truth = sign(n.dot(&e) * m.dot(&f) - n.dot(&f) * m.dot(&e));
             let points = [p, p + e, p + f];
             let direction = Direction::new(&points, &n, &Vector3::zeros());
-            assert_eq!(direction.steeper(&m, 0, 1, 2), truth);
-            assert_eq!(direction.steeper_finely(&m, 0, 1, 2), truth);
+            let axis = Axis::new([0, 1, 2].map(|k| [m[k], 0.0, 0.0, 0.0]));
+            assert_eq!(direction.steeper(&axis, 0, 1, 2), truth);
+            assert_eq!(direction.steeper_finely(&axis, 0, 1, 2), truth);
             assert_eq!(direction.rise(0, 1), sign(n.dot(&e)));
             if truth == 0 && n.z == 0.0 {
                 // Off by what only an exact sum sees.
                 let n = n + Vector3::new(0.0, 0.0, 2f64.powi(-140));
                 let direction = Direction::new(&points, &n, &Vector3::zeros());
                 let truth = sign(e.z * m.dot(&f) - f.z * m.dot(&e));
-                assert_eq!(direction.steeper(&m, 0, 1, 2), truth);
+                assert_eq!(direction.steeper(&axis, 0, 1, 2), truth);
                 level += 1;
+                // The same of the axis, whose last part alone tells.
+                let off = whole(&mut rng);
+                let n = Vector3::new(n.x, n.y, 0.0);
+                let truth = sign(n.dot(&e) * off.dot(&f) - n.dot(&f) * off.dot(&e));
+                let axis = Axis::new([0, 1, 2].map(|k| {
+                    let off = off[k] * 2f64.powi(-160);
+                    if m[k] == 0.0 {
+                        [off, 0.0, 0.0, 0.0]
+                    } else {
+                        [m[k], off, 0.0, 0.0]
+                    }
+                }));
+                let direction = Direction::new(&points, &n, &Vector3::zeros());
+                assert_eq!(direction.steeper(&axis, 0, 1, 2), truth);
             }
         }
         assert!(level > 20, "{level}");

@@ -23,6 +23,7 @@ const PAIRS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 
 
 impl ConvexPolyhedron {
     /// The volume, in the caller's unit cubed; 0 for polygons, segments and points.
+    #[must_use]
     pub fn volume(&self) -> f64 {
         let unit = self.unit();
         self.moments(false).volume.value() / 6.0 * unit * unit * unit
@@ -30,6 +31,7 @@ impl ConvexPolyhedron {
 
     /// The centre of mass: of the volume, or of a polygon's area, a segment's length, or the point itself.
     #[doc(alias = "center_of_mass")]
+    #[must_use]
     pub fn centroid(&self) -> Point3<f64> {
         let middle = self.middle();
         let moments = self.moments(false);
@@ -48,6 +50,7 @@ impl ConvexPolyhedron {
     /// bodies without volume. Overflows to infinity and underflows to zero where f64 does: extents beyond about 1e60
     /// and below 1e-60.
     #[doc(alias = "moment_of_inertia")]
+    #[must_use]
     pub fn inertia(&self) -> Matrix3<f64> {
         let m = self.moments(true);
         if self.face_count() < 3 || m.volume.value() <= 0.0 {

@@ -66,6 +66,11 @@ pub(crate) struct Plane {
 ///
 /// Immutable, `Send + Sync`, cheap to share by reference or `Arc`. Coordinates are those of the caller, in the body's
 /// own frame, in any unit.
+///
+/// From a mesh: [`from_points`](Self::from_points) takes the hull of its vertices, whatever its faces are;
+/// [`from_faces`](Self::from_faces) refuses a mesh that is not convex or has holes, and keeps the caller's faces;
+/// [`from_faces_within`](Self::from_faces_within) does so for coordinates that were rounded, as those of STL files are. Triangles that
+/// repeat their corners (STL) need no welding: equal points are one.
 #[derive(Clone, Debug)]
 pub struct ConvexPolyhedron {
     pub(crate) topology: Topology,

@@ -12,6 +12,7 @@ impl ConvexPolyhedron {
     /// A vertex farthest along a direction of any length, proven so up to the rounding of `direction . vertex`; among
     /// equals the lowest. Vertex 0 for a direction that is zero or not finite. Looks at a few vertices only.
     #[doc(alias = "support")]
+    #[must_use]
     pub fn extreme_vertex(&self, direction: &Vector3<f64>) -> VertexId {
         let size = direction.amax();
         if !(size > 0.0 && size.is_finite()) {
@@ -24,6 +25,7 @@ impl ConvexPolyhedron {
     /// Whether the closed body holds a point: points on the surface belong to it. The answer is exact for the body as
     /// stored (coordinates of the point below 2^-200 of the body's radius count as zero, as those of the vertices do).
     /// `false` for a point that is not finite. Looks at face after face until one excludes the point, so time is linear in the faces.
+    #[must_use]
     pub fn contains(&self, point: &Point3<f64>) -> bool {
         let flush = flush_below(sqrt(((self.high - self.low) * 0.5).norm_squared()));
         // Within the box of a shifted body the shift is exact (Sterbenz), as it was for the vertices; a point that is not
@@ -69,6 +71,7 @@ impl ConvexPolyhedron {
     /// is not finite.
     ///
     /// Looks at every face and edge, so time is linear in the size of the body.
+    #[must_use]
     pub fn closest_point(&self, point: &Point3<f64>) -> Option<Point3<f64>> {
         if !point.iter().all(|x| x.is_finite()) {
             return None;

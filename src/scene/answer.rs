@@ -10,6 +10,9 @@ use crate::closest::outcome::{Distance, Outcome};
 use crate::contact::Manifold;
 
 /// What was found of one pair: of each effect that is called for its answer, and `None` for the others.
+///
+/// Witnesses, contact points and normals are in the frames of the bodies: `point_on_a` and `normal` in that of `a`, `point_on_b` in that
+/// of `b`. [`Scene::pose`] leads to the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct PairAnswer<'a> {
@@ -38,6 +41,7 @@ impl Scene {
     }
 
     /// The pair of two bodies, in either order: `None` where their boxes, grown by the distances called for, do not overlap.
+    #[must_use]
     pub fn pair(&self, a: BodyId, b: BodyId) -> Option<PairAnswer<'_>> {
         let housed = |id| Some(self.bodies.housed[self.bodies.index_of(id).ok()?]);
         Some(self.answer(&self.broad.pair(housed(a)?, housed(b)?)?))
@@ -66,6 +70,7 @@ impl Scene {
     }
 
     /// Number of pairs whose boxes overlap.
+    #[must_use]
     pub fn pair_count(&self) -> usize {
         self.broad.pair_count()
     }

@@ -3,8 +3,9 @@
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 
-use nalgebra::{Isometry3, Point3, Vector3};
+use nalgebra::Isometry3;
 
+use super::ball::Ball;
 use super::budget::Travel;
 use super::effects::Group;
 use super::{BodyId, SceneError};
@@ -12,8 +13,7 @@ use crate::broad::{self, Aabb};
 use crate::motion::{Velocity, displacement};
 use crate::polyhedron::{BoxHint, ConvexPolyhedron};
 use crate::pose::{PoseError, RelativePose};
-use crate::scalar::sqrt;
-use crate::tolerance::{CENTRE, SCENE_REACH, UNIT};
+use crate::tolerance::{SCENE_REACH, UNIT};
 
 /// A body to insert: a shape, which may be shared by many, and how it takes part.
 #[derive(Clone, Debug)]
@@ -46,62 +46,9 @@ impl Body {
     }
 
     /// The same body in this group.
+    #[must_use]
     pub fn group(self, group: Group) -> Self {
         Self { group, ..self }
-    }
-}
-
-/// A ball about a body, in one frame: centre and radius.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Ball {
-    pub(super) centre: Vector3<f64>,
-    pub(super) radius: f64,
-}
-
-impl Ball {
-    /// A ball about a shape, in its own frame: about its own origin, where that is nearly as good as about the middle of its box.
-    fn about(shape: &ConvexPolyhedron) -> Self {
-        let (centre, radius) = shape.bounding_ball();
-        // Scaled, so that squares stay in range.
-        let size = shape.vertex_points().fold(0.0, |m: f64, p| m.max(p.coords.amax()));
-        let square = |p: Point3<f64>| (p.coords / size).norm_squared();
-        let own = size * sqrt(shape.vertex_points().map(square).fold(0.0, f64::max)) * (1.0 + 8.0 * UNIT);
-        if own <= 1.25 * radius || size == 0.0 {
-            return Self {
-                centre: Vector3::zeros(),
-                radius: if size == 0.0 { 0.0 } else { own },
-            };
-        }
-        Self {
-            centre: centre.coords,
-            radius,
-        }
-    }
-
-    /// The ball of the placed body.
-    #[inline]
-    fn at(&self, pose: &Isometry3<f64>) -> Self {
-        let t = pose.translation.vector;
-        if self.centre == Vector3::zeros() {
-            return Self { centre: t, ..*self };
-        }
-        // By the norm of the quaternion off one the centre is off by less than by CENTRE times the displacement.
-        let centre = pose.rotation.coords.normalize();
-        let turned = nalgebra::UnitQuaternion::new_unchecked(centre.into()) * self.centre;
-        Self {
-            centre: turned + t,
-            radius: self.radius + self.error(&t),
-        }
-    }
-
-    /// How far the placed centre may be off.
-    fn error(&self, t: &Vector3<f64>) -> f64 {
-        let sum = |v: &Vector3<f64>| v.x.abs() + v.y.abs() + v.z.abs();
-        if self.centre == Vector3::zeros() {
-            0.0
-        } else {
-            CENTRE * (sum(&self.centre) + sum(t))
-        }
     }
 }
 
@@ -247,12 +194,8 @@ impl Bodies {
         hint: BoxHint,
         housed: broad::BodyId,
     ) {
-        let nothing = Ball {
-            centre: Vector3::zeros(),
-            radius: 0.0,
-        };
         self.generations.push(generation);
-        self.balls.push(solid.as_ref().map_or(nothing, |s| s.ball.at(&pose)));
+        self.balls.push(solid.as_ref().map_or(Ball::NONE, |s| s.ball.at(&pose)));
         self.solids.push(solid);
         self.poses.push(pose);
         self.travels.push(travel);

@@ -1,16 +1,4 @@
 //! What a scene pays for: effects per pair of groups, resolved to the lowest rung that answers.
-//!
-//! | rung | called for by | what a step does for a pair | what it keeps of it |
-//! |---|---|---|---|
-//! | nothing | [`Effects::none`] | the bodies are never paired | nothing |
-//! | boxes | `boxes` | boxes begin and cease to overlap | a slot |
-//! | predicates | `overlap`, `within` | one exact yes or no each, while the budget is not answer enough | a tracker |
-//! | distance | `distance`, `depth` | the signed distance and its bounds | and these |
-//! | features | `features` | features, witnesses and normal as well | and these |
-//! | manifold | `manifold` | contact points as well | and, while the bodies are within its prediction, a manifold |
-//!
-//! A rung includes those above it in the table as far as they are called for: events of overlaps come at no further query where a
-//! distance is taken anyway. `depth` is a property of the two last rungs: without it an overlap is known as such and no more.
 
 use alloc::boxed::Box;
 
@@ -36,6 +24,7 @@ pub(super) const GROUPS: usize = 32;
 
 impl Group {
     /// Group `number` of 0 to 31.
+    #[must_use]
     pub const fn new(number: u8) -> Option<Self> {
         if (number as usize) < GROUPS {
             Some(Self(number))
@@ -45,12 +34,19 @@ impl Group {
     }
 
     /// Its number.
+    #[must_use]
     pub const fn number(self) -> u8 {
         self.0
     }
 
     pub(super) fn index(self) -> usize {
         usize::from(self.0)
+    }
+}
+
+impl core::fmt::Display for Group {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        write!(f, "group {}", self.0)
     }
 }
 
@@ -69,6 +65,18 @@ impl From<Group> for u8 {
 }
 
 /// What is called for, for the pairs of two groups. Everything left out is neither computed nor stored.
+///
+/// | rung | called for by | what a step does for a pair | what it keeps of it |
+/// |---|---|---|---|
+/// | nothing | [`none`](Self::none) | the bodies are never paired | nothing |
+/// | boxes | `boxes` | boxes begin and cease to overlap | a slot |
+/// | predicates | `overlap`, `within` | one exact yes or no each, while the budget is not answer enough | a tracker |
+/// | distance | `distance`, `depth` | the signed distance and its bounds | and these |
+/// | features | `features` | features, witnesses and normal as well | and these |
+/// | manifold | `manifold` | contact points as well | and, while the bodies are within its prediction, a manifold |
+///
+/// A rung includes those above it in the table as far as they are called for: events of overlaps come at no further query where a
+/// distance is taken anyway. `depth` is a property of the two last rungs: without it an overlap is known as such and no more.
 ///
 /// ```
 /// use lin_canny::scene::Effects;
@@ -102,6 +110,7 @@ pub struct Effects {
 
 impl Effects {
     /// Nothing: the bodies of the two groups are not even paired.
+    #[must_use]
     pub const fn none() -> Self {
         Self {
             boxes: false,

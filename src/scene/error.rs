@@ -15,7 +15,7 @@ pub enum SceneError {
         body: BodyId,
     },
     /// The pose is no rigid motion. Poses of one body are reported as those of A.
-    #[error("the pose of {} is refused: {error}", Name(*.body))]
+    #[error("the pose of {} is refused: {}", Name(*.body), OfOne(.error))]
     Pose {
         /// The body; `None` for one that was to be inserted.
         body: Option<BodyId>,
@@ -60,7 +60,7 @@ pub enum SceneError {
     #[error("bodies or effects changed since the last step: step first")]
     StepDue,
     /// The question is about two groups between which nothing is called for, so their boxes are not kept.
-    #[error("nothing is called for between groups {} and {}", .these.number(), .those.number())]
+    #[error("nothing is called for between {these} and {those}")]
     NotCalledFor {
         /// One group.
         these: Group,
@@ -96,5 +96,51 @@ impl core::fmt::Display for Name {
             Some(id) => id.fmt(f),
             None => f.write_str("the body to insert"),
         }
+    }
+}
+
+/// What is wrong with the pose of one body, without the letter that tells two apart.
+struct OfOne<'a>(&'a PoseError);
+
+impl core::fmt::Display for OfOne<'_> {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self.0 {
+            PoseError::Translation { axis, value, .. } => {
+                write!(f, "coordinate {axis} of its translation is {value:e}")
+            }
+            PoseError::Rotation { norm_squared, .. } => {
+                write!(
+                    f,
+                    "its rotation is not a unit quaternion but has the squared norm {norm_squared}"
+                )
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pose::RelativePose;
+    use alloc::string::ToString;
+    use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
+
+    #[test]
+    fn a_refused_pose_of_one_body_is_not_said_to_be_of_a() {
+        let said = |pose: Isometry3<f64>| {
+            let error = RelativePose::new(&pose, &Isometry3::identity()).unwrap_err();
+            SceneError::Pose { body: None, error }.to_string()
+        };
+        let far = said(Isometry3::translation(0.0, f64::NAN, 0.0));
+        assert_eq!(
+            far,
+            "the pose of the body to insert is refused: coordinate 1 of its translation is NaN"
+        );
+        let long = UnitQuaternion::new_unchecked(Quaternion::new(2.0, 0.0, 0.0, 0.0));
+        let long = said(Isometry3::from_parts(Translation3::identity(), long));
+        assert!(
+            long.ends_with("its rotation is not a unit quaternion but has the squared norm 4"),
+            "{long}"
+        );
     }
 }

@@ -22,6 +22,19 @@ pub enum Change {
     BoxesParted,
 }
 
+impl core::fmt::Display for Change {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.pad(match self {
+            Self::BoxesMet => "boxes met",
+            Self::OverlapBegan => "overlap began",
+            Self::CameWithin => "came within",
+            Self::LeftWithin => "left within",
+            Self::OverlapEnded => "overlap ended",
+            Self::BoxesParted => "boxes parted",
+        })
+    }
+}
+
 /// One change of one pair. A change is told where its effect is called for; a pair that ends because a body is removed or because
 /// its groups no longer call for anything ends its overlap as well.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -3,17 +3,17 @@
 use alloc::boxed::Box;
 use alloc::vec::Vec;
 
-use super::body::{Ball, Bodies};
+use super::ball::least_distance;
+use super::body::Bodies;
 use super::budget::{slack, wake};
 use super::effects::{NEVER, Plan, Rung, Table};
 use super::events::{Change, Happened};
-use super::lane::{Answer, Head, Lane, State};
+use super::kept::Answer;
+use super::lane::{Head, Lane, State};
 use super::report::Counts;
 use crate::closest::outcome::{Class, Outcome};
 use crate::contact::{Manifold, Query};
 use crate::pose::RelativePose;
-use crate::scalar::sqrt;
-use crate::tolerance::UNIT;
 use crate::tracker::Tracker;
 
 /// What looking at a pair reads of its scene.
@@ -157,14 +157,6 @@ fn slack_of(plan: &Plan, outcome: &Outcome) -> f64 {
     let thresholds = [contact, plan.within, plan.range];
     let called = thresholds.iter().filter(|t| **t != NEVER);
     called.fold(f64::INFINITY, |s, t| s.min(slack(*t, outcome.lower, upper)))
-}
-
-/// A lower bound of the distance of what two balls hold; may be negative.
-#[inline]
-pub(super) fn least_distance(a: &Ball, b: &Ball) -> f64 {
-    let between = b.centre - a.centre;
-    // The difference, its square and the root err by less than 4 UNIT; the sum of the radii by one.
-    sqrt(between.norm_squared()) * (1.0 - 4.0 * UNIT) - (a.radius + b.radius) * (1.0 + 4.0 * UNIT)
 }
 
 fn tell(before: State, head: &Head, happened: &mut Vec<Happened>) {

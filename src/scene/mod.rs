@@ -43,6 +43,39 @@
 //! [`report`](Scene::report). On top there are questions a step does not answer: [`pairs_within`](Scene::pairs_within),
 //! [`nearest`](Scene::nearest), [`first_contact`](Scene::first_contact).
 //!
+//! # The nearest pair of a robot and its cell
+//!
+//! A distance is called for up to a range, and the least of what a step found is the clearance. What is said of a pair is in the frames
+//! of its bodies, as in [`Outcome`](crate::Outcome); their poses lead to the world.
+//!
+//! ```
+//! use lin_canny::nalgebra::{Isometry3, Vector3};
+//! use lin_canny::polyhedron::solids;
+//! use lin_canny::scene::{Body, Effects, Group, Scene};
+//!
+//! const CELL: Group = Group::new(1).unwrap();
+//! const ROBOT: Group = Group::new(2).unwrap();
+//!
+//! let mut scene = Scene::new();
+//! scene.call_for(ROBOT, CELL, Effects { distance: Some(0.5), features: true, depth: true, ..Effects::none() })?;
+//! let post = solids::prism(24, 0.1, 1.0)?;
+//! scene.insert(Body::fixed(post).group(CELL), Isometry3::translation(1.0, 0.0, 0.0))?;
+//! let link = solids::cuboid(Vector3::new(0.3, 0.05, 0.05))?;
+//! let link = scene.insert(Body::moving(link).group(ROBOT), Isometry3::translation(0.4, 0.0, 0.2))?;
+//! scene.step();
+//!
+//! let answers = scene.pairs().filter_map(|pair| Some((pair, pair.outcome?)));
+//! let (pair, nearest) = answers.min_by(|x, y| x.1.distance.total_cmp(&y.1.distance)).expect("no farther apart than 0.5");
+//! assert!((nearest.distance - 0.2).abs() < 1e-3);
+//! let on_link = if pair.a == link { nearest.point_on_a } else { nearest.point_on_b };
+//! let in_world = scene.pose(link).unwrap() * on_link;
+//! assert!((in_world.x - 0.7).abs() < 1e-12);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! Neighbouring links of an arm touch by design. There is no filter by single pairs: give each link a group of its own and call for
+//! effects between those that are no neighbours.
+//!
 //! # What it costs
 //!
 //! [`Effects`] is the price list. A pair that only events of overlaps or of `within` are called for is looked at when its bodies may
@@ -56,7 +89,8 @@
 //! * Dropping an effect never raises a counter of the narrow phase on the scenes tested; what is not called for is counted as
 //!   exactly zero, and takes no memory.
 //! * The same calls give the same answers, events and counts bit for bit, with any number of threads (feature `parallel`), and after
-//!   a scene was written and read back (feature `serde`).
+//!   a scene was written and read back (feature `serde`; only [`Counts::swaps`], the work of sorted lists that are then built anew,
+//!   may differ). The format has to keep every bit of an `f64`: with `serde_json` switch on its feature `float_roundtrip`.
 //! * A refused call names what was wrong and changes nothing ([`SceneError`]).
 //!
 //! # Limits
@@ -69,11 +103,13 @@
 //! bounded by displacement instead of by time.
 
 mod answer;
+mod ball;
 mod body;
 pub mod budget;
 mod effects;
 mod error;
 mod events;
+mod kept;
 mod lane;
 mod look;
 #[cfg(feature = "parallel")]
@@ -83,13 +119,13 @@ mod search;
 #[cfg(feature = "serde")]
 mod snapshot;
 mod step;
+mod velocity;
 
 use alloc::vec::Vec;
 
 use nalgebra::Isometry3;
 
 use crate::broad::{self, BroadPhase, Groups, PencilSweep};
-use crate::motion::Velocity;
 use crate::polyhedron::{BoxHint, ConvexPolyhedron};
 
 pub use crate::broad::{BodyId, PairId, Settings};
@@ -101,11 +137,14 @@ use effects::{GROUPS, Table};
 pub use error::SceneError;
 pub use events::{Change, Event};
 use lane::Lanes;
-pub use report::{Counts, Report, Times};
+pub use report::{Bytes, Counts, Report, Times};
 pub use search::Near;
 
 /// Bodies, the effects called for, and what the last step found. See the [module page](self).
-#[derive(Clone, Debug)]
+#[doc(alias = "world")]
+#[doc(alias = "collision detection")]
+#[doc(alias = "i-collide")]
+#[derive(Clone)]
 pub struct Scene {
     bodies: Bodies,
     table: Table,
@@ -126,6 +165,17 @@ pub struct Scene {
     batch: Vec<(broad::BodyId, broad::Aabb)>,
 }
 
+/// How much there is; a scene is too large to be printed whole.
+impl core::fmt::Debug for Scene {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.debug_struct("Scene")
+            .field("bodies", &self.body_count())
+            .field("pairs", &self.pair_count())
+            .field("events", &self.events.len())
+            .finish_non_exhaustive()
+    }
+}
+
 impl Default for Scene {
     fn default() -> Self {
         Self::new()
@@ -134,11 +184,13 @@ impl Default for Scene {
 
 impl Scene {
     /// An empty scene about the origin, in which nothing is called for.
+    #[must_use]
     pub fn new() -> Self {
         Self::with_settings(Settings::default())
     }
 
     /// An empty scene with settings of its own: where boxes are finest, and from how many bodies on threads are used.
+    #[must_use]
     pub fn with_settings(settings: Settings) -> Self {
         let bodies = Bodies {
             step: 1,
@@ -177,6 +229,7 @@ impl Scene {
     }
 
     /// What is called for.
+    #[must_use]
     pub fn effects(&self, these: Group, those: Group) -> Effects {
         self.table.effects(these, those)
     }
@@ -253,59 +306,6 @@ impl Scene {
         Ok(())
     }
 
-    /// Gives a moving body a velocity, which [`advance`](Self::advance) moves it by.
-    ///
-    /// # Errors
-    /// When the id is stale, the body fixed, or the velocity not finite.
-    pub fn set_velocity(&mut self, id: BodyId, velocity: Velocity) -> Result<(), SceneError> {
-        let i = self.bodies.index_of(id)?;
-        if self.bodies.solids[i].as_ref().is_some_and(|s| s.fixed) {
-            return Err(SceneError::Fixed { body: id });
-        }
-        let finite = velocity
-            .linear
-            .iter()
-            .chain(velocity.angular.iter())
-            .all(|v| v.is_finite());
-        if !finite {
-            return Err(SceneError::Velocity);
-        }
-        self.bodies
-            .velocities
-            .resize(self.bodies.generations.len(), Velocity::default());
-        self.bodies.velocities[i] = velocity;
-        Ok(())
-    }
-
-    /// The velocity of a body: zero unless set.
-    pub fn velocity(&self, id: BodyId) -> Option<Velocity> {
-        let i = self.bodies.index_of(id).ok()?;
-        Some(self.bodies.velocities.get(i).copied().unwrap_or_default())
-    }
-
-    /// Moves every body by its velocity for a time, straight and evenly turning. A time below zero goes back.
-    ///
-    /// # Errors
-    /// When the time is not finite or a body would leave the scene's reach; then no body has moved.
-    pub fn advance(&mut self, time: f64) -> Result<(), SceneError> {
-        if !time.is_finite() {
-            return Err(SceneError::Velocity);
-        }
-        let rest = Velocity::default();
-        let moving = |(i, v): (usize, &Velocity)| (*v != rest).then_some(i);
-        let moving: Vec<usize> = self.bodies.velocities.iter().enumerate().filter_map(moving).collect();
-        let mut poses = Vec::with_capacity(moving.len());
-        for &i in &moving {
-            let pose = self.bodies.velocities[i].applied(&self.bodies.poses[i], time);
-            checked(&pose, Some(self.bodies.id(i as u32)))?;
-            poses.push(pose);
-        }
-        for (&i, pose) in moving.iter().zip(&poses) {
-            self.bodies.place(i, pose);
-        }
-        Ok(())
-    }
-
     /// Puts a body into another group; its pairs are asked again in the next step.
     ///
     /// # Errors
@@ -322,22 +322,26 @@ impl Scene {
     }
 
     /// The pose last set.
+    #[must_use]
     pub fn pose(&self, id: BodyId) -> Option<&Isometry3<f64>> {
         Some(&self.bodies.poses[self.bodies.index_of(id).ok()?])
     }
 
     /// The shape of a body.
+    #[must_use]
     pub fn shape(&self, id: BodyId) -> Option<&ConvexPolyhedron> {
         let solid = self.bodies.solids[self.bodies.index_of(id).ok()?].as_ref()?;
         Some(&solid.shape)
     }
 
     /// The group of a body.
+    #[must_use]
     pub fn group(&self, id: BodyId) -> Option<Group> {
         Some(self.bodies.solids[self.bodies.index_of(id).ok()?].as_ref()?.group)
     }
 
     /// Number of bodies.
+    #[must_use]
     pub fn body_count(&self) -> usize {
         self.bodies.len()
     }
@@ -348,16 +352,19 @@ impl Scene {
     }
 
     /// What the last step changed, in ascending order of the two bodies; of one pair in the order of [`Change`].
+    #[must_use]
     pub fn events(&self) -> &[Event] {
         &self.events
     }
 
     /// What the last step did and how long it took.
+    #[must_use]
     pub fn report(&self) -> &Report {
         &self.report
     }
 
     /// Bytes reserved, shapes not counted: they belong to whoever shares them.
+    #[must_use]
     pub fn bytes(&self) -> Bytes {
         Bytes {
             bodies: self.bodies.bytes(),
@@ -366,26 +373,5 @@ impl Scene {
             scratch: self.batch.capacity() * size_of::<(broad::BodyId, broad::Aabb)>()
                 + self.events.capacity() * size_of::<Event>(),
         }
-    }
-}
-
-/// Bytes of a scene by what they are for.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[non_exhaustive]
-pub struct Bytes {
-    /// Tables of bodies.
-    pub bodies: usize,
-    /// The broad phase, its slots of pairs included.
-    pub broad: usize,
-    /// Trackers and answers of pairs.
-    pub pairs: usize,
-    /// Lists kept for their room.
-    pub scratch: usize,
-}
-
-impl Bytes {
-    /// All of them.
-    pub fn total(&self) -> usize {
-        self.bodies + self.broad + self.pairs + self.scratch
     }
 }

@@ -5,7 +5,8 @@ use alloc::vec::Vec;
 
 use rayon::prelude::*;
 
-use super::lane::{Answer, Lane};
+use super::kept::Answer;
+use super::lane::Lane;
 use super::look::{Context, Tally, look_at_run};
 use super::step::Boxes;
 use crate::broad::{self, Aabb};

@@ -62,6 +62,7 @@ pub struct Counts {
 
 impl Counts {
     /// How many queries `layer` answered.
+    #[must_use]
     pub fn answered_by(&self, layer: Layer) -> u64 {
         self.answered[layer as usize]
     }
@@ -127,6 +128,7 @@ pub struct Times {
 
 impl Times {
     /// All stages.
+    #[must_use]
     pub fn total(&self) -> Duration {
         self.boxes + self.pairs + self.look + self.events
     }
@@ -229,5 +231,27 @@ impl Clock {
             return now.duration_since(core::mem::replace(last, now));
         }
         Duration::ZERO
+    }
+}
+
+/// Bytes of a scene by what they are for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct Bytes {
+    /// Tables of bodies.
+    pub bodies: usize,
+    /// The broad phase, its slots of pairs included.
+    pub broad: usize,
+    /// Trackers and answers of pairs.
+    pub pairs: usize,
+    /// Lists kept for their room.
+    pub scratch: usize,
+}
+
+impl Bytes {
+    /// All of them.
+    #[must_use]
+    pub fn total(&self) -> usize {
+        self.bodies + self.broad + self.pairs + self.scratch
     }
 }

@@ -5,9 +5,9 @@
 
 use alloc::vec::Vec;
 
+use super::ball::least_distance;
 use super::body::box_of;
 use super::effects::{Group, Rung, class_of};
-use super::look::least_distance;
 use super::{BodyId, Scene, SceneError};
 use crate::broad::{Aabb, BroadPhase};
 use crate::closest::outcome::Outcome;

@@ -65,6 +65,7 @@ pub struct Totals {
 
 impl Totals {
     /// How many queries `layer` answered.
+    #[must_use]
     pub fn answered_by(&self, layer: Layer) -> u64 {
         self.answered[layer as usize]
     }

@@ -1,6 +1,10 @@
 //! Bodies, poses and queries from arbitrary bytes: what is built is queried in every way, and nothing may panic, hang or
 //! say NaN. The test `bytes` and the target of `fuzz/` share this.
 
+#[path = "input.rs"]
+mod input;
+
+use input::Bytes;
 use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion};
 use lin_canny::{Class, ConvexPolyhedron, Outcome, RelativePose, Tracker};
 
@@ -15,16 +19,7 @@ pub struct Tally {
     pub classes: [u32; 4],
 }
 
-/// Reads from the front; zero when nothing is left.
-struct Bytes<'a>(&'a [u8]);
-
 impl Bytes<'_> {
-    fn byte(&mut self) -> u8 {
-        let first = self.0.first().copied().unwrap_or(0);
-        self.0 = self.0.get(1..).unwrap_or(&[]);
-        first
-    }
-
     /// Any f64: small whole numbers (so that points coincide and faces are flat), those times a power of two, or bits.
     fn number(&mut self) -> f64 {
         let kind = self.byte();

@@ -1,6 +1,10 @@
 //! Sequences of calls of the broad phase from arbitrary bytes: nothing may panic, both structures must agree, and the pairs
 //! are those of brute force. The test `broad_calls` and the target `calls` of `fuzz/` share this.
 
+#[path = "input.rs"]
+mod input;
+
+use input::Bytes;
 use lin_canny::broad::*;
 use lin_canny::nalgebra::{Point3, Vector3};
 
@@ -20,16 +24,7 @@ pub struct Tally {
 /// Most calls of one input: brute force is quadratic.
 const CALLS: usize = 300;
 
-/// Reads from the front; zero when nothing is left.
-struct Bytes<'a>(&'a [u8]);
-
 impl Bytes<'_> {
-    fn byte(&mut self) -> u8 {
-        let first = self.0.first().copied().unwrap_or(0);
-        self.0 = self.0.get(1..).unwrap_or(&[]);
-        first
-    }
-
     fn signed(&mut self) -> f64 {
         f64::from(self.byte() as i8)
     }

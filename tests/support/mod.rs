@@ -2,21 +2,26 @@
 //! answer by the exact oracle.
 #![allow(dead_code)]
 
+use lab::motion::Frame;
 use lab::shapes::Shape;
-use lab::{Exact, Pose};
-use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion};
+use lab::{Exact, Point, Pose};
+use lin_canny::nalgebra::{Point3, Vector3};
+use lin_canny::polyhedron::solids;
 use lin_canny::{Class, ConvexPolyhedron, Feature, FeaturePair, Outcome, RelativePose};
 
-/// The pose with the very bits given.
-pub(crate) fn isometry(p: &Pose) -> Isometry3<f64> {
-    let [x, y, z, w] = p.q;
-    let q = UnitQuaternion::new_unchecked(Quaternion::new(w, x, y, z));
-    Isometry3::from_parts(Translation3::new(p.t[0], p.t[1], p.t[2]), q)
+/// B as seen from A, of poses in the world.
+pub(crate) fn between(a: &Pose, b: &Pose) -> RelativePose {
+    RelativePose::new(&a.isometry(), &b.isometry()).expect("poses of a test are poses")
 }
 
-/// Both poses as one.
-pub(crate) fn relative(a: &Pose, b: &Pose) -> RelativePose {
-    RelativePose::new(&isometry(a), &isometry(b)).expect("poses of a test are poses")
+/// The same in a frame of a motion.
+pub(crate) fn relative(frame: &Frame) -> RelativePose {
+    between(&frame.a, &frame.b)
+}
+
+/// B shifted, A at rest.
+pub(crate) fn shifted(by: Point) -> RelativePose {
+    between(&Pose::IDENTITY, &Pose::shift(by))
 }
 
 /// The body of a shape: a hull, or a point, a segment or a polygon.
@@ -29,6 +34,54 @@ pub(crate) fn body(s: &Shape) -> ConvexPolyhedron {
         _ => ConvexPolyhedron::from_points(&points).or_else(flat),
     };
     body.unwrap_or_else(|e| panic!("{}: {e}", s.name))
+}
+
+/// A body as plain data, with the faces it says it has.
+pub(crate) fn plain(body: &ConvexPolyhedron) -> Shape {
+    let (points, faces) = lab::contacts::plain(body);
+    let mut shape = Shape::hull("body", points);
+    shape.faces = faces;
+    shape
+}
+
+/// The size L of a placed pair: both radii about the middles of the boxes, and the distance of the middles.
+pub(crate) fn size(a: &ConvexPolyhedron, b: &ConvexPolyhedron, frame: &Frame) -> f64 {
+    let ((middle_a, radius_a), (middle_b, radius_b)) = (a.bounding_ball(), b.bounding_ball());
+    let apart = frame.b.isometry() * middle_b - frame.a.isometry() * middle_a;
+    radius_a + radius_b + apart.norm()
+}
+
+/// One of each shipped solid, none larger than 2 across, with at most 42 vertices.
+pub(crate) fn shipped() -> Vec<ConvexPolyhedron> {
+    let all = [
+        solids::cuboid(Vector3::new(0.5, 0.5, 0.5)),
+        solids::cuboid(Vector3::new(0.9, 0.3, 0.1)),
+        solids::tetrahedron(1.0),
+        solids::octahedron(1.0),
+        solids::icosahedron(1.0),
+        solids::dodecahedron(1.0),
+        solids::prism(3, 0.8, 0.5),
+        solids::prism(16, 0.8, 0.4),
+        solids::cone(5, 0.7, 1.0),
+        solids::cone(24, 0.9, 0.6),
+        solids::geodesic_sphere(1, 1.0),
+    ];
+    all.into_iter().map(|b| b.expect("a shipped solid")).collect()
+}
+
+/// Dimensions of the features of A and of B.
+pub(crate) fn kinds(pair: FeaturePair) -> (usize, usize) {
+    (pair.a.dimension(), pair.b.dimension())
+}
+
+/// Whether both features are those of the bodies.
+pub(crate) fn are_of(pair: FeaturePair, a: &ConvexPolyhedron, b: &ConvexPolyhedron) -> bool {
+    let known = |body: &ConvexPolyhedron, feature| match feature {
+        Feature::Vertex(v) => body.vertex(v).is_some(),
+        Feature::Edge(e) => body.edge_vertices(e).is_some(),
+        Feature::Face(f) => body.face_plane(f).is_some(),
+    };
+    known(a, pair.a) && known(b, pair.b)
 }
 
 /// All features of a body.

@@ -1,6 +1,7 @@
 //! Many boxes at once.
 
-use super::{Bodies, Context, Marks, Record, checked};
+use super::place::{Context, checked};
+use super::{Bodies, Marks, Record};
 use crate::broad::bounds::Bounds;
 use crate::broad::parallel::{Threads, ascends, join};
 use crate::broad::{Aabb, BatchError, BodyId, BroadPhaseError};

@@ -1,6 +1,7 @@
 //! Feature `serde`: the table of bodies as text.
 
 use super::*;
+use crate::broad::aabb::FARTHEST;
 use alloc::string::String;
 
 /// One index of the table.

@@ -1,7 +1,9 @@
 //! From two bodies to the slot of their pair: small hash tables, each of some consecutive lower bodies.
 //!
 //! Changes come in ascending order, so a step walks the tables in order, stays in the nearest caches, and can be dealt out
-//! to threads. Within a table: open addressing, linear probing, deletion by backward shift (Knuth, section 6.4).
+//! to threads.
+
+mod block;
 
 use crate::broad::ahead::{AHEAD, read_ahead};
 use crate::broad::body::Bodies;
@@ -9,38 +11,7 @@ use crate::broad::change::{PairKey, pair_key};
 use crate::broad::pairs::{NOWHERE, Pair, Slot, named};
 use crate::broad::parallel::join;
 use alloc::vec::Vec;
-
-/// A hash of the two bodies, and the slot of their pair, which tells whether it is theirs.
-#[derive(Clone, Copy, Debug)]
-struct Link {
-    hash: u32,
-    slot: u32,
-}
-
-/// A vacant place; no pair has such a slot.
-const VACANT: Link = Link {
-    hash: 0,
-    slot: NOWHERE.id.slot,
-};
-
-impl Link {
-    #[inline(always)]
-    fn new(key: PairKey, slot: u32) -> Self {
-        let hash = hash(key);
-        Self { hash, slot }
-    }
-
-    #[inline(always)]
-    fn is_vacant(&self) -> bool {
-        self.slot == VACANT.slot
-    }
-}
-
-/// The high half of a product with 2^64 over the golden ratio (Knuth, section 6.4).
-#[inline(always)]
-fn hash(key: PairKey) -> u32 {
-    (key.wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 32) as u32
-}
+use block::{Block, Link};
 
 /// So many consecutive indices share a block, as a power of two: few enough that a block lies in the nearest cache.
 const SHIFT: u32 = 6;
@@ -51,14 +22,6 @@ fn block_of(key: PairKey) -> usize {
 
 fn key_of(pair: &Pair) -> PairKey {
     pair_key(pair.a.index, pair.b.index)
-}
-
-/// The links of some consecutive lower bodies.
-#[derive(Clone, Debug, Default)]
-struct Block {
-    /// At most 3/8 of them taken: runs are short, which deletion walks.
-    places: Vec<Link>,
-    live: usize,
 }
 
 /// All links. Blocks behind the last pair's may be missing.
@@ -218,125 +181,30 @@ fn insert_all(blocks: &mut [Block], first: usize, began: &[Pair], count: usize) 
     }
 }
 
-impl Block {
-    /// Where a hash belongs.
-    #[inline(always)]
-    fn home(&self, hash: u32) -> usize {
-        ((u64::from(hash) * self.places.len() as u64) >> 32) as usize
-    }
-
-    #[inline(always)]
-    fn next(&self, place: usize) -> usize {
-        if place + 1 < self.places.len() { place + 1 } else { 0 }
-    }
-
-    /// What is there, for reading ahead.
-    #[inline(always)]
-    fn at_home(&self, key: PairKey) -> Option<u32> {
-        self.places.get(self.home(hash(key))).map(|link| link.slot)
-    }
-
-    fn find(&self, key: PairKey, slots: &[Slot]) -> Option<usize> {
-        let hash = hash(key);
-        let mut place = self.home(hash);
-        loop {
-            let link = self.places.get(place)?;
-            if link.is_vacant() {
-                return None;
-            }
-            if link.hash == hash && slots[link.slot as usize].key() == key {
-                return Some(place);
-            }
-            place = self.next(place);
-        }
-    }
-
-    /// The pair is not in the table.
-    fn insert(&mut self, link: Link) {
-        if (self.live + 1) * 8 > self.places.len() * 3 {
-            self.resize(7 * self.live / 2 + 4);
-        }
-        let mut place = self.home(link.hash);
-        while !self.places[place].is_vacant() {
-            place = self.next(place);
-        }
-        self.places[place] = link;
-        self.live += 1;
-    }
-
-    fn remove(&mut self, key: PairKey, slots: &[Slot]) -> Option<u32> {
-        let mut hole = self.find(key, slots)?;
-        let slot = self.places[hole].slot;
-        let mut place = self.next(hole);
-        while !self.places[place].is_vacant() {
-            let home = self.home(self.places[place].hash);
-            // The entry may fill the hole if the hole is not before its home in probing order.
-            let fills = self.steps(home, place) >= self.steps(hole, place);
-            let (here, there) = (self.places[hole], self.places[place]);
-            self.places[hole] = if fills { there } else { here };
-            hole = if fills { place } else { hole };
-            place = self.next(place);
-        }
-        self.places[hole] = VACANT;
-        self.live -= 1;
-        if self.live * 10 + 16 < self.places.len() {
-            self.resize(3 * self.live);
-        }
-        Some(slot)
-    }
-
-    /// Steps of probing from one place to another.
-    #[inline(always)]
-    fn steps(&self, from: usize, to: usize) -> usize {
-        if from <= to {
-            to - from
-        } else {
-            to + self.places.len() - from
-        }
-    }
-
-    /// The same links in so many places.
-    #[cold]
-    fn resize(&mut self, count: usize) {
-        let old = core::mem::replace(&mut self.places, alloc::vec![VACANT; count]);
-        self.live = 0;
-        old.into_iter()
-            .filter(|link| !link.is_vacant())
-            .for_each(|link| self.insert(link));
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use alloc::collections::BTreeMap;
+    use lab::rng::Rng;
     use nalgebra::Point3;
 
-    /// A number below `n`, evenly spread over the calls.
-    fn draw(state: &mut u64, n: u64) -> u64 {
-        *state = state
-            .wrapping_mul(6364136223846793005)
-            .wrapping_add(1442695040888963407);
-        (*state >> 33) % n
-    }
-
     /// Pairs of few bodies, so that blocks are crowded and many that are to end are not there.
-    fn steps_equal_a_map(lows: u64, threads: usize) {
+    fn steps_equal_a_map(lows: usize, threads: usize) {
         let bodies = Bodies::new(Point3::origin());
         let (mut links, mut slots, mut map) = (Links::default(), Vec::<Slot>::new(), BTreeMap::new());
-        let (mut state, mut found, mut absent) = (lows, 0, 0);
-        for step in 0..60 {
-            let keys = |state: &mut u64| {
-                let count = draw(state, 300);
+        let (mut rng, mut found, mut absent) = (Rng::new(lows as u64), 0, 0);
+        for step in 0..90 {
+            let keys = |rng: &mut Rng| {
+                let count = rng.below(300);
                 let mut keys: Vec<PairKey> = (0..count)
-                    .map(|_| draw(state, lows) << 32 | (1000 + draw(state, 40)))
+                    .map(|_| pair_key(rng.below(lows) as u32, 1000 + rng.below(40) as u32))
                     .collect();
                 keys.sort_unstable();
                 keys.dedup();
                 keys
             };
-            let ended = keys(&mut state);
-            let mut began = keys(&mut state);
+            let ended = keys(&mut rng);
+            let mut began = keys(&mut rng);
             began.retain(|key| !map.contains_key(key) && ended.binary_search(key).is_err());
             let pairs: Vec<Pair> = (slots.len() as u32..)
                 .zip(&began)

@@ -1,14 +1,18 @@
 //! The overlapping pairs in slots that stay put from a pair's beginning to its end.
 
 mod links;
+#[cfg(feature = "serde")]
+mod state;
 
 use super::ahead::{AHEAD, read_ahead};
-use super::body::trim;
 use super::change::{Changes, PairKey, pair_key, pair_of};
+use super::lists::trim;
 use super::parallel::{Threads, join};
 use super::{Bodies, BodyId, BroadPhaseError};
 use alloc::vec::Vec;
 use links::Links;
+#[cfg(feature = "serde")]
+pub(crate) use state::PairsState;
 
 /// Names a pair from its beginning to its end. `slot` is small and dense: a caller can keep its own state of a pair,
 /// say a tracker, in a vector at that place.
@@ -19,6 +23,12 @@ pub struct PairId {
     pub slot: u32,
     /// Tells apart the pairs that used the slot one after the other.
     pub generation: u32,
+}
+
+impl core::fmt::Display for PairId {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        write!(f, "pair {} (generation {})", self.slot, self.generation)
+    }
 }
 
 /// Two bodies whose boxes overlap, `a.index < b.index`.
@@ -315,61 +325,5 @@ fn propose(keys: &[PairKey], out: &mut [Pair], bodies: &Bodies, threads: usize) 
                 *pair = named(bodies, *key, NOWHERE.id.slot, 0);
             }
         }
-    }
-}
-
-/// Feature `serde`: the slots as text; the index is made anew.
-#[cfg(feature = "serde")]
-#[derive(serde::Serialize, serde::Deserialize)]
-pub(crate) struct PairsState {
-    slots: Vec<Slot>,
-    free: Vec<u32>,
-    resting: Vec<u32>,
-}
-
-#[cfg(feature = "serde")]
-impl PairTable {
-    pub(crate) fn state(&self) -> PairsState {
-        PairsState {
-            slots: self.slots.clone(),
-            free: self.free.clone(),
-            resting: self.resting.clone(),
-        }
-    }
-}
-
-#[cfg(feature = "serde")]
-impl PairsState {
-    /// The table again, if every slot names bodies below `bodies` and every vacant slot is listed once.
-    pub(crate) fn restored(self, bodies: usize) -> Result<PairTable, alloc::string::String> {
-        let Self { slots, free, resting } = self;
-        let mut vacant: Vec<u32> = free.iter().chain(&resting).copied().collect();
-        vacant.sort_unstable();
-        let empty = slots
-            .iter()
-            .enumerate()
-            .filter(|(_, s)| s.bodies == VACANT)
-            .map(|(i, _)| i as u32);
-        let named = |key: &PairKey| {
-            let (a, b) = pair_of(*key);
-            a < b && (b as usize) < bodies
-        };
-        let occupied = slots.iter().enumerate().filter(|(_, s)| s.bodies != VACANT);
-        let mut pairs: Vec<(PairKey, u32)> = occupied.map(|(i, s)| (s.key(), i as u32)).collect();
-        pairs.sort_unstable();
-        let sound = pairs.iter().all(|(key, _)| named(key)) && pairs.is_sorted_by(|a, b| a.0 < b.0);
-        if slots.len() > MOST_PAIRS || !empty.eq(vacant) || !sound {
-            return Err("the pairs of the broad phase contradict each other".into());
-        }
-        let mut links = Links::default();
-        pairs.iter().for_each(|(key, slot)| links.insert(*key, *slot));
-        Ok(PairTable {
-            live: pairs.len(),
-            links,
-            slots,
-            free,
-            resting,
-            ..PairTable::default()
-        })
     }
 }

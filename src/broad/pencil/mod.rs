@@ -1,30 +1,4 @@
 //! Sweep and prune over pencils: the world cut into columns along the swept axis, each a sorted list of its own.
-//!
-//! ```text
-//!    v ^   +------+------+------+        a column (pencil) seen end on; the swept axis points at you
-//!      |   |    +-|--+   |      |        a box is listed in every column it touches
-//!      |   |    | |  |   |      |        a pair belongs to the column that holds the lower corner
-//!      |   +----|-+--|---+------+        of its intersection, so that it is found exactly once
-//!      |   |    +-|--+   |      |
-//!      |   +------+------+------+--> u
-//! ```
-//!
-//! Baraff 1992 (thesis, section 2.3), Lin 1993 (thesis, section 2.4) and Cohen, Lin, Manocha, Ponamgi 1995 (I-COLLIDE,
-//! section 4) keep boxes sorted by insertion sort along axes, which is cheap since little changes between steps. That
-//! is kept. We depart as follows.
-//!
-//! 1. One axis is swept, not three, and inside columns (Tracy, Buss, Woods 2009 subdivide likewise). At constant
-//!    density the exchanges of a whole sorted axis grow as n^(5/3) over all bodies, and bodies on a flat floor exchange
-//!    places on the vertical axis all the time; within a column both stay constant a body.
-//! 2. Sorted are lower bounds only. The upper bound ends a body's window (Terdiman's box pruning).
-//! 3. The window is tested for changes of overlap, not for overlap (`scan`), eight entries at once. No flags a pair, no
-//!    set of found pairs: storage grows with bodies and overlapping pairs only.
-//! 4. When few boxes changed, only their entries and windows are looked at (`repair`), column by column; a column is
-//!    swept whole or repaired as is cheaper, with the same result.
-//! 5. Column width follows from what the last sweep counted (`tune`).
-//!
-//! Cost of a step: proportional to the entries when most boxes move, else to the boxes moved and their windows. Worst
-//! case n^2 when all boxes really overlap on all but the pruned axes, as in a stack of wide thin plates swept the wrong way.
 
 mod column;
 mod query;
@@ -46,7 +20,35 @@ use repair::Touch;
 use scan::Worker;
 use tune::{Counts, Tuning};
 
-/// Sweep and prune over pencils; the broad phase to use. See the module page for how it works.
+/// Sweep and prune over pencils, the broad phase to use: the world cut into columns along the swept axis, each a sorted list of
+/// its own.
+///
+/// ```text
+///    v ^   +------+------+------+        a column (pencil) seen end on; the swept axis points at you
+///      |   |    +-|--+   |      |        a box is listed in every column it touches
+///      |   |    | |  |   |      |        a pair belongs to the column that holds the lower corner
+///      |   +----|-+--|---+------+        of its intersection, so that it is found exactly once
+///      |   |    +-|--+   |      |
+///      |   +------+------+------+--> u
+/// ```
+///
+/// Baraff 1992 (thesis, section 2.3), Lin 1993 (thesis, section 2.4) and Cohen, Lin, Manocha, Ponamgi 1995 (I-COLLIDE,
+/// section 4) keep boxes sorted by insertion sort along axes, which is cheap since little changes between steps. That
+/// is kept. We depart as follows.
+///
+/// 1. One axis is swept, not three, and inside columns (Tracy, Buss, Woods 2009 subdivide likewise). At constant
+///    density the exchanges of a whole sorted axis grow as n^(5/3) over all bodies, and bodies on a flat floor exchange
+///    places on the vertical axis all the time; within a column both stay constant a body.
+/// 2. Sorted are lower bounds only. The upper bound ends a body's window (Terdiman's box pruning).
+/// 3. The window is tested for changes of overlap, not for overlap (`scan`), eight entries at once. No flags a pair, no
+///    set of found pairs: storage grows with bodies and overlapping pairs only.
+/// 4. When few boxes changed, only their entries and windows are looked at (`repair`), column by column; a column is
+///    swept whole or repaired as is cheaper, with the same result.
+/// 5. Column width follows from what the last sweep counted (`tune`).
+///
+/// Cost of a step: proportional to the entries when most boxes move, else to the boxes moved and their windows. Worst
+/// case n^2 when all boxes really overlap on all but the pruned axes, as in a stack of wide thin plates swept the wrong way.
+#[doc(alias = "sweep and prune")]
 #[derive(Clone, Debug)]
 pub struct PencilSweep {
     pub(super) ledger: Ledger,
@@ -66,11 +68,13 @@ const SWEEP_SHARE: usize = 10;
 
 impl PencilSweep {
     /// An empty broad phase about the origin.
+    #[must_use]
     pub fn new() -> Self {
         Self::with_settings(Settings::default())
     }
 
     /// An empty broad phase with settings of its own.
+    #[must_use]
     pub fn with_settings(settings: Settings) -> Self {
         Self::from_ledger(Ledger::new(settings.origin), settings.parallel_from)
     }
@@ -91,6 +95,7 @@ impl PencilSweep {
     }
 
     /// How many places entries of the sorted lists moved by in the last step: the exchanges of the insertion sort.
+    #[must_use]
     pub fn swaps(&self) -> u64 {
         self.swaps
     }

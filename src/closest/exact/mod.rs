@@ -19,6 +19,7 @@ use nalgebra::{Matrix3, Point3, Vector3};
 use super::outcome::{Class, Layer, Outcome};
 use super::placed::Placed;
 use super::refine;
+use crate::polyhedron::fans::Axis;
 use crate::polyhedron::highest::{Upward, steeper};
 use crate::polyhedron::support::edge_sign;
 use crate::polyhedron::{ConvexPolyhedron, lowest_bit};
@@ -146,11 +147,18 @@ impl Upward for Along<'_> {
         }
     }
 
-    fn steeper(&self, m: &Vector3<f64>, p: u32, q: u32, r: u32) -> i32 {
-        let certain = steeper(&self.rounded, m, &self.rounded_edge(p, q), &self.rounded_edge(p, r));
+    fn steeper(&self, m: &Axis, p: u32, q: u32, r: u32) -> i32 {
+        let certain = steeper(
+            &self.rounded,
+            &m.rounded(),
+            &self.rounded_edge(p, q),
+            &self.rounded_edge(p, r),
+        );
         certain.unwrap_or_else(|| {
-            let lowest = lowest_bit(m.iter().copied()).unwrap_or(0);
-            let m = [m.x, m.y, m.z].map(|c| integer(c, lowest));
+            let lowest = lowest_bit(m.parts().iter().flatten().copied()).unwrap_or(0);
+            let m = m
+                .parts()
+                .map(|parts| parts.map(|c| integer(c, lowest)).into_iter().sum::<IBig>());
             let (e, f) = (self.edge(p, q), self.edge(p, r));
             sign(&(dot(&self.n, &e) * dot(&m, &f) - dot(&self.n, &f) * dot(&m, &e)))
         })

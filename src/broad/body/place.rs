@@ -1,0 +1,98 @@
+//! A given box becomes a stored one: checked, grown by the margins of its body, and noted where it changed.
+
+use super::record::{LOOSE, NOTED, Record, UNBOUNDED};
+use super::{Detail, Marks};
+use crate::broad::aabb::{Aabb, BoxFault, FARTHEST, StoredBox};
+use crate::broad::bounds::{Bounds, any_above};
+use crate::broad::grid::Grid;
+use nalgebra::Point3;
+
+/// A move longer than this part of a column's width is a jump.
+pub(super) const LEAP: f32 = 0.25;
+
+/// What placing a box needs besides the record.
+pub(super) struct Context<'a> {
+    pub(super) grid: &'a Grid,
+    pub(super) details: &'a [Detail],
+    pub(super) step: u32,
+}
+
+impl Context<'_> {
+    /// Takes over a new box and notes what changed. The common case touches nothing but the record.
+    #[inline(always)]
+    pub(super) fn place(&self, record: &mut Record, index: u32, given: Bounds, marks: &mut Marks) {
+        let present = record.now();
+        let mut bounds = given;
+        if record.flags() & LOOSE != 0 {
+            if present.contains(&given) {
+                return;
+            }
+            bounds = self.loosened(record, index, given);
+        }
+        let by = present.displacement(&bounds);
+        if !any_above(by, 0.0) {
+            return;
+        }
+        record.touch(index, self.step, &mut marks.moved);
+        record.set_new(&bounds);
+        if record.flags() & UNBOUNDED != 0 {
+            return;
+        }
+        let range = self.grid.range(&bounds);
+        let far = any_above(by, self.grid.width * LEAP);
+        if (range != record.range()) | far {
+            record.set_range(range);
+            if record.flags() & NOTED == 0 {
+                record.raise(NOTED);
+                marks.noted.push(index);
+            }
+        }
+    }
+
+    /// The given box with the margins of its body.
+    #[inline(never)]
+    fn loosened(&self, record: &Record, index: u32, given: Bounds) -> Bounds {
+        let Some(detail) = self.details.get(index as usize) else {
+            return given;
+        };
+        let (given, present) = (given.to_box(), record.now().to_box());
+        let mut stored = grown(&given, detail.margin);
+        let steps = self.step.wrapping_sub(record.stamp()).max(1) as f32;
+        let ahead = detail.lookahead / steps;
+        if ahead > 0.0 {
+            for k in 0..3 {
+                let travel = 0.5 * (given.lo[k] - present.lo[k] + given.hi[k] - present.hi[k]) * ahead;
+                stored.lo[k] = (stored.lo[k] + travel.min(0.0)).max(-FARTHEST);
+                stored.hi[k] = (stored.hi[k] + travel.max(0.0)).min(FARTHEST);
+            }
+        }
+        Bounds::from_box(&stored)
+    }
+}
+
+/// The stored form of a box, or what is wrong with it.
+pub(super) fn checked(aabb: &Aabb, origin: &Point3<f64>, grid: &Grid, flags: u32) -> Result<Bounds, BoxFault> {
+    let fault = if flags & UNBOUNDED == 0 {
+        aabb.fault()
+    } else {
+        aabb.fault_unbounded()
+    };
+    match fault {
+        Some(fault) => Err(fault),
+        None => Ok(Bounds::from_box(&StoredBox::outward(aabb, origin).rotated(grid.axis))),
+    }
+}
+
+pub(super) fn grown(stored: &StoredBox, margin: f32) -> StoredBox {
+    let mut out = *stored;
+    for k in 0..3 {
+        out.lo[k] = (stored.lo[k] - margin).max(-FARTHEST);
+        out.hi[k] = (stored.hi[k] + margin).min(FARTHEST);
+    }
+    out
+}
+
+/// A fixed number in (0, 1] for each index, evenly spread.
+pub(super) fn fraction(index: u32) -> f32 {
+    (index.wrapping_mul(2_654_435_769) >> 8) as f32 / (1 << 24) as f32
+}

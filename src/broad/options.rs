@@ -1,0 +1,134 @@
+//! What a caller says of a body and of a structure.
+
+use super::BroadPhaseError;
+use nalgebra::Point3;
+
+/// Who pairs with whom: two bodies do if each is a member of a group the other asks for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Groups {
+    /// Groups the body belongs to, one bit each.
+    pub member_of: u32,
+    /// Groups it pairs with.
+    pub pairs_with: u32,
+}
+
+impl Groups {
+    /// Member of every group, pairing with every group.
+    pub const ALL: Self = Self {
+        member_of: u32::MAX,
+        pairs_with: u32::MAX,
+    };
+
+    /// Whether two bodies of these groups may pair.
+    #[must_use]
+    pub fn meet(self, other: Self) -> bool {
+        self.member_of & other.pairs_with != 0 && other.member_of & self.pairs_with != 0
+    }
+}
+
+/// Options of a body.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct Body {
+    /// Groups for pairing.
+    pub groups: Groups,
+    /// Two fixed bodies never pair. A fixed body may be moved; it costs something in the steps it is.
+    pub fixed: bool,
+    /// How far the stored box reaches beyond the given one when it is renewed; it is renewed when the given box leaves
+    /// it. 0 keeps the stored box tight. A margin saves work where few bodies move or all move slowly, and costs pairs.
+    pub margin: f64,
+    /// For how many steps of the body's last motion the renewed box also reaches ahead.
+    pub lookahead: f64,
+}
+
+impl Body {
+    /// A body that moves, with a tight box, pairing with everything.
+    #[must_use]
+    pub fn moving() -> Self {
+        Self {
+            groups: Groups::ALL,
+            fixed: false,
+            margin: 0.0,
+            lookahead: 0.0,
+        }
+    }
+
+    /// A body that rests, pairing with everything that moves.
+    #[must_use]
+    pub fn fixed() -> Self {
+        Self {
+            fixed: true,
+            ..Self::moving()
+        }
+    }
+
+    /// The same body in these groups.
+    #[must_use]
+    pub fn groups(self, groups: Groups) -> Self {
+        Self { groups, ..self }
+    }
+
+    /// The same body with this margin.
+    #[must_use]
+    pub fn margin(self, margin: f64) -> Self {
+        Self { margin, ..self }
+    }
+
+    /// The same body reaching this many steps ahead.
+    #[must_use]
+    pub fn lookahead(self, steps: f64) -> Self {
+        Self {
+            lookahead: steps,
+            ..self
+        }
+    }
+
+    pub(super) fn check(&self) -> Result<(), BroadPhaseError> {
+        let sound = |v: f64| (0.0..f64::from(f32::MAX)).contains(&v);
+        if sound(self.margin) && sound(self.lookahead) {
+            Ok(())
+        } else {
+            Err(BroadPhaseError::Margin)
+        }
+    }
+}
+
+/// Settings of a structure.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct Settings {
+    /// Stored boxes are relative to this point and finest near it. One that is not finite is refused with the first body.
+    pub origin: Point3<f64>,
+    /// With feature `parallel`: the number of bodies from which on threads are used, each for no less than a sixteenth as many
+    /// bodies or changes. The result is the same.
+    pub parallel_from: usize,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            origin: Point3::origin(),
+            parallel_from: 20_000,
+        }
+    }
+}
+
+impl Settings {
+    /// The same settings about another origin.
+    #[must_use]
+    pub fn origin(self, origin: Point3<f64>) -> Self {
+        Self { origin, ..self }
+    }
+
+    /// The same settings with threads from this number of bodies on.
+    #[must_use]
+    pub fn parallel_from(self, bodies: usize) -> Self {
+        Self {
+            parallel_from: bodies,
+            ..self
+        }
+    }
+}

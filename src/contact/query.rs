@@ -1,0 +1,75 @@
+//! What is asked of the contacts of two bodies.
+
+use nalgebra::{Matrix3, Vector3};
+
+use crate::motion::Place;
+use crate::polyhedron::ConvexPolyhedron;
+use crate::pose::{RelativePose, Which};
+use crate::scalar::sqrt;
+
+use super::ManifoldOptions;
+
+/// Two bodies, where they are, and what is asked of their contacts.
+pub(crate) struct Query<'a> {
+    pub(super) a: &'a ConvexPolyhedron,
+    pub(super) b: &'a ConvexPolyhedron,
+    /// Of `a_from_b`.
+    pub(super) rotation: Matrix3<f64>,
+    pub(super) translation: Vector3<f64>,
+    /// Of the smaller body, as seen from the other.
+    pub(super) place: Place,
+    pub(super) options: &'a ManifoldOptions,
+}
+
+impl<'a> Query<'a> {
+    #[inline(always)]
+    pub(crate) fn new(
+        a: &'a ConvexPolyhedron,
+        b: &'a ConvexPolyhedron,
+        pose: &RelativePose,
+        options: &'a ManifoldOptions,
+    ) -> Self {
+        let (rotation, translation) = (pose.rotation(), pose.translation());
+        let (ra, rb) = (radius(a), radius(b));
+        let (moving, ball) = if rb <= ra {
+            (Which::B, (&b.origin, rb))
+        } else {
+            (Which::A, (&a.origin, ra))
+        };
+        let place = Place::new(moving, ball, &rotation, &translation);
+        Self {
+            a,
+            b,
+            rotation,
+            translation,
+            place,
+            options,
+        }
+    }
+
+    pub(super) fn bodies(&self) -> [u64; 2] {
+        [self.a.print, self.b.print]
+    }
+
+    /// The radius of the smaller body.
+    pub(super) fn least_radius(&self) -> f64 {
+        radius(self.a).min(radius(self.b))
+    }
+
+    /// The pair's size L.
+    #[inline(always)]
+    pub(super) fn size(&self) -> f64 {
+        let apart = self.rotation * self.b.origin + self.translation - self.a.origin;
+        radius(self.a) + radius(self.b) + sqrt(apart.norm_squared())
+    }
+}
+
+/// The radius about the origin of the stored coordinates, in the caller's unit.
+#[inline(always)]
+fn radius(body: &ConvexPolyhedron) -> f64 {
+    if body.as_given {
+        body.radius
+    } else {
+        body.radius * body.unit()
+    }
+}

@@ -1,0 +1,76 @@
+//! Balls about bodies: what is nearer than they may touch is looked at.
+
+use nalgebra::{Isometry3, Point3, Vector3};
+
+use crate::polyhedron::ConvexPolyhedron;
+use crate::scalar::sqrt;
+use crate::tolerance::{CENTRE, UNIT};
+
+/// A ball about a body, in one frame: centre and radius.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Ball {
+    pub(super) centre: Vector3<f64>,
+    pub(super) radius: f64,
+}
+
+impl Ball {
+    /// Where no body is.
+    #[cfg(feature = "serde")]
+    pub(super) const NONE: Self = Self {
+        centre: Vector3::new(0.0, 0.0, 0.0),
+        radius: 0.0,
+    };
+
+    /// A ball about a shape, in its own frame: about its own origin, where that is nearly as good as about the middle of its box.
+    pub(super) fn about(shape: &ConvexPolyhedron) -> Self {
+        let (centre, radius) = shape.bounding_ball();
+        // Scaled, so that squares stay in range.
+        let size = shape.vertex_points().fold(0.0, |m: f64, p| m.max(p.coords.amax()));
+        let square = |p: Point3<f64>| (p.coords / size).norm_squared();
+        let own = size * sqrt(shape.vertex_points().map(square).fold(0.0, f64::max)) * (1.0 + 8.0 * UNIT);
+        if own <= 1.25 * radius || size == 0.0 {
+            return Self {
+                centre: Vector3::zeros(),
+                radius: if size == 0.0 { 0.0 } else { own },
+            };
+        }
+        Self {
+            centre: centre.coords,
+            radius,
+        }
+    }
+
+    /// The ball of the placed body.
+    #[inline]
+    pub(super) fn at(&self, pose: &Isometry3<f64>) -> Self {
+        let t = pose.translation.vector;
+        if self.centre == Vector3::zeros() {
+            return Self { centre: t, ..*self };
+        }
+        // By the norm of the quaternion off one the centre is off by less than by CENTRE times the displacement.
+        let centre = pose.rotation.coords.normalize();
+        let turned = nalgebra::UnitQuaternion::new_unchecked(centre.into()) * self.centre;
+        Self {
+            centre: turned + t,
+            radius: self.radius + self.error(&t),
+        }
+    }
+
+    /// How far the placed centre may be off.
+    pub(super) fn error(&self, t: &Vector3<f64>) -> f64 {
+        let sum = |v: &Vector3<f64>| v.x.abs() + v.y.abs() + v.z.abs();
+        if self.centre == Vector3::zeros() {
+            0.0
+        } else {
+            CENTRE * (sum(&self.centre) + sum(t))
+        }
+    }
+}
+
+/// A lower bound of the distance of what two balls hold; may be negative.
+#[inline]
+pub(super) fn least_distance(a: &Ball, b: &Ball) -> f64 {
+    let between = b.centre - a.centre;
+    // The difference, its square and the root err by less than 4 UNIT; the sum of the radii by one.
+    sqrt(between.norm_squared()) * (1.0 - 4.0 * UNIT) - (a.radius + b.radius) * (1.0 + 4.0 * UNIT)
+}

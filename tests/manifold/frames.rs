@@ -1,0 +1,133 @@
+//! A manifold over frames: names last, old ones keep their bounds.
+
+use crate::support;
+use lab::contacts::widest_face;
+use lab::motion;
+use lab::pose::radius;
+use lab::rng::Rng;
+use lab::shapes::{self, Shape};
+use lab::workload;
+use lin_canny::{FeaturePair, Manifold, ManifoldOptions, Tracker};
+
+#[test]
+fn names_last_at_rest() {
+    let mut rng = Rng::new(604);
+    let mut bodies = vec![
+        shapes::cube(),
+        shapes::cuboid([0.7, 0.4, 0.2]),
+        shapes::prism(7, 1.0, 0.3),
+    ];
+    bodies.push(shapes::prism(48, 1.0, 0.3));
+    bodies.push(shapes::sphere(&mut rng, 20));
+    let bodies: Vec<_> = bodies.iter().map(support::body).collect();
+    let (mut frames, mut fresh, mut full) = (0, 0, 0);
+    for (k, a) in bodies.iter().enumerate() {
+        for b in &bodies {
+            for (noise, drift) in [(1e-6, None), (1e-4, None), (1e-7, Some(0.0))] {
+                let ((face_a, _), (face_b, reach)) = (widest_face(a), widest_face(b));
+                // Among them corner on corner and edge on edge.
+                let spin = if k % 2 == 0 { 0.0 } else { rng.range(0.0, 6.0) };
+                let start = workload::stacked(face_a, face_b, spin, -1e-3);
+                let (mut pair, mut m) = (Tracker::new(), Manifold::new());
+                let mut options = ManifoldOptions::within(0.05);
+                options.drift = drift.unwrap_or(options.drift);
+                let mut before: Option<Vec<FeaturePair>> = None;
+                for frame in workload::at_rest(start, noise, reach, 60, &mut rng) {
+                    pair.manifold(a, b, &support::relative(&frame), &options, &mut m);
+                    let names: Vec<_> = m.points().iter().map(|p| p.id).collect();
+                    if drift.is_none() {
+                        assert!(before.as_ref().is_none_or(|b| *b == names), "{before:?} {m:?}");
+                    } else if let Some(before) = &before {
+                        let lasting = names.iter().filter(|n| before.contains(n)).count();
+                        full += usize::from(lasting == names.len());
+                    }
+                    frames += 1;
+                    fresh += usize::from(m.is_fresh());
+                    before = Some(names);
+                }
+            }
+        }
+    }
+    // With no drift allowed every frame asks anew, and rounding chooses among equal corners.
+    assert!(frames == 4500 && fresh < 1700 && full > 1000, "{frames} {fresh} {full}");
+}
+
+#[test]
+fn sliding_contacts_keep_their_names_and_order() {
+    let plate = support::body(&shapes::cuboid([4.0, 4.0, 0.5]));
+    let cube = support::body(&shapes::cube());
+    let (mut pair, mut m) = (Tracker::new(), Manifold::new());
+    let options = ManifoldOptions::within(0.05);
+    let mut first: Option<Vec<FeaturePair>> = None;
+    for k in 0..100 {
+        let pose = support::shifted([0.025 * f64::from(k) - 1.0, 0.3, 1.49]);
+        pair.manifold(&plate, &cube, &pose, &options, &mut m);
+        let names: Vec<_> = m.points().iter().map(|p| p.id).collect();
+        assert_eq!(names.len(), 4);
+        assert!(m.is_fresh());
+        assert_eq!(*first.get_or_insert(names.clone()), names, "{k}");
+        assert!((m.points()[0].separation + 0.01).abs() < 1e-14);
+    }
+}
+
+#[test]
+fn old_manifolds_keep_their_bounds() {
+    let mut rng = Rng::new(605);
+    let (mut old, mut empty, mut anew) = (0, 0, 0);
+    for k in 0..60 {
+        let n = 6 + rng.below(30);
+        let (a, b) = match k % 3 {
+            0 => (shapes::cube(), shapes::cuboid([0.3, 0.2, 0.1])),
+            1 => (shapes::sphere(&mut rng, n), shapes::sphere(&mut rng, n)),
+            _ => (shapes::small(&mut rng), shapes::small(&mut rng)),
+        };
+        let radii = (radius(&a.points), radius(&b.points));
+        let (a, b) = (support::body(&a), support::body(&b));
+        let (mut pair, mut m) = (Tracker::new(), Manifold::new());
+        let mut options = ManifoldOptions::within(0.02);
+        options.drift = 1.0 / 64.0;
+        for frame in motion::pass_through(&mut rng, 4000, radii, 0.3) {
+            let pose = support::relative(&frame);
+            pair.manifold(&a, &b, &pose, &options, &mut m);
+            let truth = pair.clone().closest(&a, &b, &pose);
+            assert!(m.lower() <= truth.upper && truth.lower <= m.upper(), "{m:?} {truth:?}");
+            if m.is_fresh() {
+                anew += 1;
+                continue;
+            }
+            if m.points().is_empty() {
+                assert!(truth.upper > options.prediction, "{m:?} {truth:?}");
+                empty += 1;
+                continue;
+            }
+            let size = support::size(&a, &b, &frame);
+            let deepest = m.deepest().expect("not empty").separation;
+            assert!(deepest >= m.lower() - 1e-13 * size, "{m:?} {truth:?}");
+            assert!(m.upper() - m.lower() < 2.1 * options.drift * radii.0.min(radii.1) + 1e-12 * size);
+            old += 1;
+        }
+    }
+    assert!(old > 1000 && empty > 10_000 && anew > 10_000, "{old} {empty} {anew}");
+}
+
+#[test]
+fn manifolds_of_other_bodies_are_made_anew() {
+    let cube = support::body(&shapes::cube());
+    let shaved = {
+        let mut s = shapes::cube();
+        s.points.push([1.0, 1.0, 0.99]);
+        s.points.retain(|p| *p != [1.0, 1.0, 1.0]);
+        support::body(&Shape::hull("shaved", s.points))
+    };
+    assert_eq!(shaved.vertex_count(), 8);
+    let pose = support::shifted([0.0, 0.0, 1.99]);
+    let options = ManifoldOptions::within(0.05);
+    let (mut pair, mut m) = (Tracker::new(), Manifold::new());
+    pair.manifold(&cube, &cube, &pose, &options, &mut m);
+    pair.manifold(&cube, &cube, &pose, &options, &mut m);
+    assert!(!m.is_fresh());
+    pair.manifold(&shaved, &cube, &pose, &options, &mut m);
+    assert!(m.is_fresh());
+    pair.manifold(&shaved, &cube, &pose, &ManifoldOptions::within(0.06), &mut m);
+    assert!(m.is_fresh());
+}

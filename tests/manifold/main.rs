@@ -1,0 +1,104 @@
+//! Promise: a manifold's points lie on the bodies, across from each other; the deepest is the certified answer's; what two faces
+//! share is spanned; names last.
+
+mod faces;
+mod frames;
+mod hard;
+mod judge;
+mod planar;
+#[path = "../support/mod.rs"]
+mod support;
+
+use judge::judge;
+use lab::motion::Frame;
+use lab::pose::unit;
+use lab::shapes;
+use lab::{Point, Pose};
+use lin_canny::{Class, ConvexPolyhedron, Manifold, ManifoldOptions, Tracker};
+
+fn exact(prediction: f64, max_points: usize) -> ManifoldOptions {
+    let mut o = ManifoldOptions::within(prediction);
+    (o.drift, o.choice, o.max_points) = (0.0, 0.0, max_points);
+    o
+}
+
+fn manifold(a: &ConvexPolyhedron, b: &ConvexPolyhedron, frame: &Frame, options: &ManifoldOptions) -> Manifold {
+    let mut m = Manifold::new();
+    Tracker::new().manifold(a, b, &support::relative(frame), options, &mut m);
+    m
+}
+
+#[test]
+fn predictions_reach_as_far_as_they_say() {
+    let cube = support::body(&shapes::cube());
+    let mut count = [0; 2];
+    for k in 0..100 {
+        let gap = 0.001 * f64::from(k);
+        let pose = support::shifted([0.3, 0.2, 2.0 + gap]);
+        let mut m = Manifold::new();
+        let options = ManifoldOptions::within(0.05);
+        Tracker::new().manifold(&cube, &cube, &pose, &options, &mut m);
+        if (gap - 0.05).abs() > 1e-12 {
+            assert_eq!(m.points().len(), if gap < 0.05 { 4 } else { 0 }, "{gap}");
+            count[usize::from(gap < 0.05)] += 1;
+        }
+    }
+    assert!(count.iter().all(|&c| c >= 49));
+    // Numbers that are none ask for nothing, and are no harm.
+    for (prediction, points) in [(f64::NAN, 0), (-1.0, 0), (f64::INFINITY, 4)] {
+        let options = exact(prediction, 100);
+        let mut m = Manifold::new();
+        Tracker::new().manifold(&cube, &cube, &support::shifted([0.3, 0.2, 1.99]), &options, &mut m);
+        assert_eq!(m.points().len(), points);
+    }
+    let mut options = exact(0.05, 0);
+    (options.sine, options.drift) = (f64::NAN, f64::NAN);
+    let mut m = Manifold::new();
+    Tracker::new().manifold(&cube, &cube, &support::shifted([0.3, 0.2, 1.99]), &options, &mut m);
+    assert_eq!(m.points().len(), 1);
+}
+
+/// Edges on faces and edges on edges have two contacts, corners have one.
+#[test]
+fn edges_and_corners_make_contacts() {
+    let cube = support::body(&shapes::cube());
+    let quarter = std::f64::consts::FRAC_PI_4;
+    let options = exact(0.05, 4);
+    let turned = |axis: Point, angle: f64, t: Point| Frame {
+        a: Pose::IDENTITY,
+        b: Pose::turn(axis, angle, t),
+    };
+    let root = 2f64.sqrt();
+    let on_edge = turned([1.0, 0.0, 0.0], quarter, [0.3, 0.0, 1.0 + root - 0.01]);
+    let m = manifold(&cube, &cube, &on_edge, &options);
+    assert_eq!((m.points().len(), m.features().map(support::kinds)), (2, Some((2, 1))));
+    judge(&cube, &cube, &on_edge, &m, &options, "edge on face");
+    // Two edges crosswise.
+    let base = Pose::turn([0.0, 1.0, 0.0], quarter, [0.0; 3]);
+    let crossed = Frame {
+        a: base,
+        b: Pose::turn([1.0, 0.0, 0.0], quarter, [0.0, 0.0, 2.0 * root + 0.01]),
+    };
+    let m = manifold(&cube, &cube, &crossed, &options);
+    assert_eq!((m.points().len(), m.features().map(support::kinds)), (1, Some((1, 1))));
+    judge(&cube, &cube, &crossed, &m, &options, "edges crosswise");
+    // And along each other.
+    let along = Frame {
+        a: base,
+        b: Pose {
+            t: [0.0, 0.5, 2.0 * root + 0.01],
+            ..base
+        },
+    };
+    let m = manifold(&cube, &cube, &along, &options);
+    assert_eq!((m.points().len(), m.features().map(support::kinds)), (2, Some((1, 1))));
+    judge(&cube, &cube, &along, &m, &options, "edges along each other");
+    let length = (m.points()[0].point_on_a - m.points()[1].point_on_a).norm();
+    assert!((length - 1.5).abs() < 1e-12);
+    // A corner: the cube on its diagonal.
+    let axis = unit([1.0, -1.0, 0.0]);
+    let corner = turned(axis, (1.0 / 3f64.sqrt()).acos(), [0.2, 0.1, 1.0 + 3f64.sqrt() - 0.01]);
+    let m = manifold(&cube, &cube, &corner, &options);
+    let o = judge(&cube, &cube, &corner, &m, &options, "corner on face");
+    assert_eq!((m.points().len(), o.class), (1, Class::Overlapping));
+}
