@@ -259,7 +259,7 @@ fn points_in_and_beside_bodies_of_any_size() {
                 let t = sub([x * by, 0.0, 0.0], p);
                 let at = add(p, t)[0] / by;
                 let truth = if at > 1.0 { at - 1.0 } else { (at - 1.0) / 3f64.sqrt() } * by;
-                for o in ask(&octahedron, &point, &world::shifted(t)) {
+                for o in ask(&octahedron, &point, &support::shifted(t)) {
                     let size = by * (1.0 + at) + offset * 2f64.powi(-49);
                     assert!(o.upper - o.lower <= 1e-13 * size, "{by:e} {place:?} {x}: {o:?}");
                     assert!(
@@ -289,7 +289,7 @@ fn points_beyond_all_measure_from_their_own_origin() {
     for away in [1e30, 1e60, 1e80, 1e99, 1e115] {
         let p = [away, -0.3 * away, 0.7 * away];
         let point = ConvexPolyhedron::point(p.into()).unwrap();
-        let pose = world::shifted(scale(p, -1.0));
+        let pose = support::shifted(scale(p, -1.0));
         for o in [
             Tracker::new().closest(&cube, &point, &pose),
             Tracker::new().closest(&point, &cube, &pose.swapped()),
@@ -299,7 +299,7 @@ fn points_beyond_all_measure_from_their_own_origin() {
             assert!(held, "{away:e}: {o:?}");
         }
         // Two points a little apart, of which one shift takes the greater part away.
-        let near = world::shifted(add(scale(p, -1.0), [3e-12 * away, 0.0, 0.0]));
+        let near = support::shifted(add(scale(p, -1.0), [3e-12 * away, 0.0, 0.0]));
         let other = ConvexPolyhedron::point([0.0; 3].into()).unwrap();
         let o = Tracker::new().closest(&other, &point, &near);
         let apart = (3e-12 * away - away) + away;

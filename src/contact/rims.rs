@@ -41,6 +41,20 @@ impl Shadow<'_> {
         [0, 1].map(|k| (p[k] + q[k] + r[k]) / 3.0)
     }
 
+    /// Whether the face is no wider than `noise`, so that rounding decides where rays leave it. Of a large one a triangle in it tells.
+    fn is_sliver(&self, noise: f64) -> bool {
+        let count = if self.is_large() { 3 } else { self.count };
+        let seen = |k: usize| minus(self.place(k * self.count / count), self.place(0));
+        let (mut area, mut reach) = (0.0, 0.0f64);
+        for k in 2..count {
+            let (p, q) = (seen(k - 1), seen(k));
+            area += turn(p, q);
+            reach = reach.max(dot(p, p)).max(dot(q, q));
+        }
+        // Written so that NaN is one.
+        !self.is_edge() && !(area.abs() > noise * sqrt(reach))
+    }
+
     /// Where the ray from `from`, inside the face, leaves it: by which edge, and after how many times `way`. A ray that leaves by
     /// the edge `hint` or one beside it is soon told.
     fn exit(&self, from: Place, way: Place, hint: usize) -> (f64, usize) {
@@ -151,8 +165,19 @@ pub(super) struct Rims<'a> {
     count: usize,
 }
 
-/// Corners of what two faces share, enough to choose `most` from. `hint`: a place that may be in the middle of it.
-pub(super) fn clip(a: &Shadow, b: &Shadow, hint: Option<Place>, most: usize, rays: &mut Rays, corners: &mut Corners) {
+/// Corners of what two faces share, enough to choose `most` from; none of slivers no wider than `noise`. `hint`: a place that may be in
+/// the middle of it.
+pub(super) fn clip(
+    [a, b]: [&Shadow; 2],
+    noise: f64,
+    hint: Option<Place>,
+    most: usize,
+    rays: &mut Rays,
+    corners: &mut Corners,
+) {
+    if a.is_sliver(noise) || b.is_sliver(noise) {
+        return;
+    }
     let Some(mut centre) = inside(a, b, hint) else { return };
     let mut rims = Rims { a, b, rays, count: 0 };
     let first = corners.all().len();
