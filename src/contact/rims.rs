@@ -5,6 +5,8 @@
 //! the longest sides of what is known. So of two discs of `m` corners `log m` are looked at for each
 //! ray, and not all corners of what they share are found: more than are wanted, spread over it.
 
+use core::cmp::Ordering;
+
 use super::MOST_POINTS;
 use super::clip::crossing;
 use super::corners::{Corners, On};
@@ -217,10 +219,18 @@ impl Rims<'_> {
         // Counter-clockwise from the first.
         let start = minus(found[0].at, middle);
         let half = |p: Place| turn(start, p) < 0.0 || turn(start, p) == 0.0 && dot(start, p) < 0.0;
-        found[1..].sort_unstable_by(|c, d| {
-            let (u, v) = (minus(c.at, middle), minus(d.at, middle));
+        let order = |p: Place, q: Place| {
+            let (u, v) = (minus(p, middle), minus(q, middle));
             half(u).cmp(&half(v)).then(turn(v, u).total_cmp(&turn(u, v)))
-        });
+        };
+        // By hand: to rounding this is no order, which the sorts of the library may end by a panic.
+        for end in 2..count {
+            let mut k = end;
+            while k > 1 && order(found[k].at, found[k - 1].at) == Ordering::Less {
+                found.swap(k, k - 1);
+                k -= 1;
+            }
+        }
         let mut longest = (0.0, [f64::NAN; 2], [0.0; 2]);
         for k in 0..count {
             let (p, q) = (found[k].at, found[(k + 1) % count].at);
