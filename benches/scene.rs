@@ -2,10 +2,8 @@
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use lab::crowd::{Crowd, Kind};
-use lin_canny::nalgebra::Point3;
+use lin_canny::ManifoldOptions;
 use lin_canny::scene::{Body, BodyId, Effects, Group, Scene};
-use lin_canny::{ConvexPolyhedron, ManifoldOptions};
-use std::sync::Arc;
 
 const NONE: Effects = Effects::none();
 
@@ -55,11 +53,7 @@ const SETS: [(&str, Effects); 7] = [
 
 /// A crowd in a scene, some steps after its beginning.
 fn scene(crowd: &mut Crowd, effects: Effects) -> (Scene, Vec<BodyId>) {
-    let hull = |points: &[[f64; 3]]| {
-        let points: Vec<_> = points.iter().copied().map(Point3::from).collect();
-        Arc::new(ConvexPolyhedron::from_points(&points).expect("points of a crowd are a body"))
-    };
-    let shapes: Vec<_> = crowd.shapes.iter().map(|s| hull(&s.points)).collect();
+    let shapes = crowd.hulls();
     let mut scene = Scene::new();
     let all = Group::default();
     scene.call_for(all, all, effects).expect("a range");

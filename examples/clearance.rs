@@ -9,10 +9,10 @@
 use lab::meshes;
 use lab::plot::Chart;
 use lab::progress::Progress;
-use lin_canny::ConvexPolyhedron;
 use lin_canny::nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 use lin_canny::polyhedron::solids;
-use lin_canny::scene::{Body, BodyId, Effects, Group, Scene};
+use lin_canny::scene::{Body, BodyId, Effects, Group, Report, Scene};
+use lin_canny::{ConvexPolyhedron, Outcome};
 use std::collections::BTreeMap;
 
 type Trouble = Box<dyn std::error::Error>;
@@ -127,48 +127,100 @@ fn arm(time: f64) -> [Isometry3<f64>; 6] {
     })
 }
 
-fn main() -> Result<(), Trouble> {
-    let options = options()?;
-    let mut scene = Scene::new();
-    let clearance = Effects {
-        distance: Some(f64::INFINITY),
-        features: true,
-        depth: true,
-        ..Effects::none()
-    };
-    scene.call_for(ARM, CELL, clearance)?;
-    let mut names: BTreeMap<BodyId, String> = BTreeMap::new();
-    let mut joints = Vec::new();
-    for (k, (link, pose)) in links(&options.links)?.into_iter().zip(arm(0.0)).enumerate() {
-        let id = scene.insert(Body::moving(link).group(ARM), pose)?;
-        names.insert(id, format!("link {}", k + 1));
-        joints.push(id);
-    }
-    for (name, shape, pose) in cell(&options.cell)? {
-        names.insert(scene.insert(Body::fixed(shape).group(CELL), pose)?, name);
+/// The scene, its joints, and what its bodies are called.
+struct Stage {
+    scene: Scene,
+    joints: Vec<BodyId>,
+    names: BTreeMap<BodyId, String>,
+}
+
+impl Stage {
+    fn new(options: &Options) -> Result<Self, Trouble> {
+        let mut scene = Scene::new();
+        let clearance = Effects {
+            distance: Some(f64::INFINITY),
+            features: true,
+            depth: true,
+            ..Effects::none()
+        };
+        scene.call_for(ARM, CELL, clearance)?;
+        let mut names = BTreeMap::new();
+        let mut joints = Vec::new();
+        for (k, (link, pose)) in links(&options.links)?.into_iter().zip(arm(0.0)).enumerate() {
+            let id = scene.insert(Body::moving(link).group(ARM), pose)?;
+            names.insert(id, format!("link {}", k + 1));
+            joints.push(id);
+        }
+        for (name, shape, pose) in cell(&options.cell)? {
+            names.insert(scene.insert(Body::fixed(shape).group(CELL), pose)?, name);
+        }
+        Ok(Self { scene, joints, names })
     }
 
+    /// Moves the arm; what the step did.
+    fn step(&mut self, time: f64) -> Result<Report, Trouble> {
+        for (id, pose) in self.joints.iter().zip(arm(time)) {
+            self.scene.set_pose(*id, pose)?;
+        }
+        Ok(*self.scene.step())
+    }
+
+    /// The pair that is nearest, by name.
+    fn nearest(&self) -> Option<(String, &Outcome)> {
+        let answers = self.scene.pairs().filter_map(|p| Some((p, p.outcome?)));
+        let (pair, outcome) = answers.min_by(|x, y| x.1.distance.total_cmp(&y.1.distance))?;
+        let name = format!("{} - {}", self.names[&pair.a], self.names[&pair.b]);
+        Some((name, outcome))
+    }
+}
+
+/// A line for a pair that has become the nearest.
+fn tell(frame: usize, name: &str, outcome: &Outcome) {
+    println!(
+        "{frame:>5}  {name:<18} {:>10.6} +- {:.0e}  {}",
+        outcome.distance,
+        (outcome.upper - outcome.lower) / 2.0,
+        outcome.features
+    );
+}
+
+/// The least distance over time, and where it was that of the pairs most often nearest.
+fn draw(nearest: &[(f64, String)], out: &str) -> Result<(), Trouble> {
+    let curve = |pick: &dyn Fn(&str) -> bool| {
+        let of = nearest.iter().enumerate().filter(|(_, (_, name))| pick(name));
+        of.map(|(k, (d, _))| (k as f64, *d)).collect::<Vec<_>>()
+    };
+    let mut chart = Chart::new("clearance of the arm, by the nearest pair; below zero it collides")
+        .axes("frame", "least signed distance, in the unit of the meshes")
+        .legend_beside()
+        .line("other pairs", curve(&|_| true));
+    let mut shares: BTreeMap<&str, usize> = BTreeMap::new();
+    nearest
+        .iter()
+        .for_each(|(_, name)| *shares.entry(name).or_default() += 1);
+    let mut shares: Vec<_> = shares.into_iter().collect();
+    shares.sort_by_key(|(name, count)| (std::cmp::Reverse(*count), *name));
+    for (name, _) in shares.iter().take(5) {
+        chart = chart.dots(*name, curve(&|n| n == *name));
+    }
+    chart.save(out)?;
+    println!("drawn: {out}");
+    Ok(())
+}
+
+fn main() -> Result<(), Trouble> {
+    let options = options()?;
+    let mut stage = Stage::new(&options)?;
     let progress = Progress::new("frames", options.frames as u64);
     let mut nearest: Vec<(f64, String)> = Vec::new();
-    let mut report = *scene.report();
+    let mut report = Report::default();
     println!("Where another pair becomes the nearest; a distance below zero is minus the depth of an overlap.\n");
     println!("frame  {:<18} {:>10}           features", "nearest pair", "distance");
     for frame in 0..options.frames {
-        let time = 6.3 * frame as f64 / options.frames as f64;
-        for (id, pose) in joints.iter().zip(arm(time)) {
-            scene.set_pose(*id, pose)?;
-        }
-        report += *scene.step();
-        let answers = scene.pairs().filter_map(|p| Some((p, p.outcome?)));
-        if let Some((pair, outcome)) = answers.min_by(|x, y| x.1.distance.total_cmp(&y.1.distance)) {
-            let name = format!("{} - {}", names[&pair.a], names[&pair.b]);
+        report += stage.step(6.3 * frame as f64 / options.frames as f64)?;
+        if let Some((name, outcome)) = stage.nearest() {
             if nearest.last().is_none_or(|(_, last)| *last != name) {
-                println!(
-                    "{frame:>5}  {name:<18} {:>10.6} +- {:.0e}  {}",
-                    outcome.distance,
-                    (outcome.upper - outcome.lower) / 2.0,
-                    outcome.features
-                );
+                tell(frame, &name, outcome);
             }
             nearest.push((outcome.distance, name));
         }
@@ -178,26 +230,7 @@ fn main() -> Result<(), Trouble> {
     println!(
         "\n{} frames, {} pairs followed:\n{report}",
         options.frames,
-        scene.pair_count()
+        stage.scene.pair_count()
     );
-    let mut chart = Chart::new("clearance of the arm, by the nearest pair; below zero it collides")
-        .axes("frame", "least signed distance, in the unit of the meshes")
-        .legend_beside()
-        .line(
-            "other pairs",
-            nearest.iter().enumerate().map(|(k, (d, _))| (k as f64, *d)),
-        );
-    let mut shares: BTreeMap<&str, usize> = BTreeMap::new();
-    nearest
-        .iter()
-        .for_each(|(_, name)| *shares.entry(name).or_default() += 1);
-    let mut shares: Vec<_> = shares.into_iter().collect();
-    shares.sort_by_key(|(name, count)| (std::cmp::Reverse(*count), *name));
-    for (name, _) in shares.iter().take(5) {
-        let of = nearest.iter().enumerate().filter(|(_, (_, n))| n == name);
-        chart = chart.dots(*name, of.map(|(k, (d, _))| (k as f64, *d)));
-    }
-    chart.save(&options.out)?;
-    println!("drawn: {}", options.out);
-    Ok(())
+    draw(&nearest, &options.out)
 }

@@ -9,7 +9,7 @@
 use lab::crowd::{Crowd, Kind};
 use lab::plot::{Chart, save_stack};
 use lab::progress::Progress;
-use lin_canny::nalgebra::{Isometry3, Point3};
+use lin_canny::nalgebra::Isometry3;
 use lin_canny::scene::{Body, Change, Effects, Event, Group, Report, Scene};
 use lin_canny::{ConvexPolyhedron, ManifoldOptions};
 use std::fmt::Write as _;
@@ -158,6 +158,32 @@ fn run(
     Ok(reports)
 }
 
+/// A run of every set, of each step the fastest of some; sets in turn, so that a busy machine spoils no single one.
+fn fastest(
+    shapes: &[Arc<ConvexPolyhedron>],
+    crowd: &Crowd,
+    motion: &[Vec<Isometry3<f64>>],
+    repeats: usize,
+) -> Result<Vec<Vec<Step>>, Trouble> {
+    let progress = Progress::new("steps", (SETS.len() * repeats * STEPS) as u64);
+    let mut best: Vec<Option<Vec<Step>>> = vec![None; SETS.len()];
+    for _ in 0..repeats {
+        for ((name, effects), best) in SETS.iter().zip(&mut best) {
+            progress.say(name);
+            let steps = run(shapes, crowd, motion, *effects, &progress)?;
+            match best {
+                None => *best = Some(steps),
+                Some(best) => best.iter_mut().zip(steps).for_each(|(old, new)| {
+                    if new.report.times.total() < old.report.times.total() {
+                        *old = new;
+                    }
+                }),
+            }
+        }
+    }
+    Ok(best.into_iter().flatten().collect())
+}
+
 fn main() -> Result<(), Trouble> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let option = |name: &str| {
@@ -167,36 +193,10 @@ fn main() -> Result<(), Trouble> {
     let bodies: usize = option("--bodies").map_or(Ok(1000), |n| n.parse())?;
     let repeats = if arguments.iter().any(|a| a == "--quick") { 1 } else { 5 };
     let mut crowd = Crowd::new(Kind::Pile, bodies, 32);
-    let hull = |points: &[[f64; 3]]| {
-        let points: Vec<_> = points.iter().copied().map(Point3::from).collect();
-        ConvexPolyhedron::from_points(&points).map(Arc::new)
-    };
-    let shapes = crowd
-        .shapes
-        .iter()
-        .map(|s| hull(&s.points))
-        .collect::<Result<Vec<_>, _>>()?;
+    let shapes = crowd.hulls();
     let motion = motion(&mut crowd);
 
-    let progress = Progress::new("steps", (SETS.len() * repeats * STEPS) as u64);
-    let mut best: Vec<Option<Vec<Step>>> = vec![None; SETS.len()];
-    // Sets in turn, so that a busy machine spoils no single one; of each step the fastest is kept.
-    for _ in 0..repeats {
-        for ((name, effects), best) in SETS.iter().zip(&mut best) {
-            progress.say(name);
-            let reports = run(&shapes, &crowd, &motion, *effects, &progress)?;
-            match best {
-                None => *best = Some(reports),
-                Some(best) => best.iter_mut().zip(reports).for_each(|(old, new)| {
-                    if new.report.times.total() < old.report.times.total() {
-                        *old = new;
-                    }
-                }),
-            }
-        }
-    }
-    drop(progress);
-    let runs: Vec<Vec<Step>> = best.into_iter().flatten().collect();
+    let runs = fastest(&shapes, &crowd, &motion, repeats)?;
     show(bodies, &runs);
     if let Some(file) = option("--csv") {
         std::fs::write(&file, table(&runs))?;

@@ -9,9 +9,10 @@ use lab::shapes::ellipsoid;
 use lin_canny::ConvexPolyhedron;
 use lin_canny::nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 use lin_canny::polyhedron::solids;
-use lin_canny::scene::{Body, Change, Effects, Group, Report, Scene};
+use lin_canny::scene::{Body, BodyId, Change, Effects, Group, Report, Scene};
 use std::collections::BTreeSet;
 use std::f64::consts::TAU;
+use std::process::ExitCode;
 use std::sync::Arc;
 
 type Trouble = Box<dyn std::error::Error>;
@@ -28,132 +29,189 @@ const EVERY: usize = 6;
 /// Height of the field of bodies.
 const HEIGHT: f64 = 12.0;
 
-fn main() -> Result<(), Trouble> {
-    let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let option = |name: &str| {
-        let at = arguments.iter().position(|a| a == name)?;
-        arguments.get(at + 1).cloned()
-    };
-    let bodies: usize = option("--bodies").map_or(Ok(10_000), |n| n.parse())?;
-    let frames: usize = option("--frames").map_or(Ok(6_000), |n| n.parse())?;
-    let mut rng = Rng::new(7);
-    // Eight cubic units a body.
-    let half = 0.5 * (8.0 * bodies as f64 / HEIGHT).sqrt();
+const USAGE: &str = "\
+usage: walkthrough [--out FILE.svg] [--bodies N] [--frames N]
 
-    let mut scene = Scene::new();
-    let near = Effects {
-        within: Some(CLEARANCE),
-        ..Effects::none()
+A probe flies through a field of fixed bodies. Prints what it took to know when it is too near to one, and draws its way.
+
+  --out FILE    where to draw (default: walkthrough.svg)
+  --bodies N    bodies of the field (default: 10000)
+  --frames N    frames of the flight (default: 6000)";
+
+struct Options {
+    out: String,
+    bodies: usize,
+    frames: usize,
+}
+
+/// The options, or what to tell the user: `Ok(None)` when asked for help.
+fn parse(mut words: impl Iterator<Item = String>) -> Result<Option<Options>, String> {
+    let mut o = Options {
+        out: "walkthrough.svg".into(),
+        bodies: 10_000,
+        frames: 6_000,
     };
-    scene.call_for(PROBE, WORLD, near)?;
-    let shapes = (0..12)
-        .map(|k| {
-            let axes = [0; 3].map(|_| rng.range(0.2, 0.6));
-            let points: Vec<_> = ellipsoid(&mut rng, 12 + 6 * k, axes)
-                .points
-                .into_iter()
-                .map(Point3::from)
-                .collect();
-            ConvexPolyhedron::from_points(&points).map(Arc::new)
-        })
-        .collect::<Result<Vec<_>, _>>()?;
-    let mut slab = Vec::new();
-    for k in 0..bodies {
-        let q = rng.quat();
-        let t = [half, half, 0.5 * HEIGHT].map(|reach| rng.range(-reach, reach));
-        let body = Body::fixed(shapes[k % shapes.len()].clone()).group(WORLD);
-        let id = scene.insert(body, lab::Pose { q, t }.isometry())?;
-        if t[2].abs() < 1.0 {
-            slab.push((id, (t[0], t[1])));
+    let number = |word: &str, value: String| value.parse().map_err(|_| format!("{word} needs a number"));
+    while let Some(word) = words.next() {
+        let mut value = || words.next().ok_or(format!("{word} needs a value"));
+        match word.as_str() {
+            "-h" | "--help" => return Ok(None),
+            "--out" => o.out = value()?,
+            "--bodies" => o.bodies = number(&word, value()?)?,
+            "--frames" => o.frames = number(&word, value()?)?,
+            _ => return Err(format!("{word} is no option")),
         }
     }
+    Ok(Some(o))
+}
+
+fn main() -> ExitCode {
+    let parsed = parse(std::env::args().skip(1));
+    lab::command::main("walkthrough", USAGE, parsed, walkthrough)
+}
+
+fn walkthrough(options: &Options) -> Result<(), Trouble> {
+    let mut field = Field::new(options.bodies)?;
+    let flight = fly(&mut field, options.frames)?;
+    tell(options, &flight);
+    draw(options, &flight, &field.slab)
+}
+
+/// A scene of fixed bodies, and those among them that are about as high as the probe.
+struct Field {
+    scene: Scene,
+    /// The field reaches so far to each side.
+    half: f64,
+    slab: Vec<(BodyId, (f64, f64))>,
+}
+
+impl Field {
+    fn new(bodies: usize) -> Result<Self, Trouble> {
+        let mut rng = Rng::new(7);
+        // Eight cubic units a body.
+        let half = 0.5 * (8.0 * bodies as f64 / HEIGHT).sqrt();
+        let mut scene = Scene::new();
+        let near = Effects {
+            within: Some(CLEARANCE),
+            ..Effects::none()
+        };
+        scene.call_for(PROBE, WORLD, near)?;
+        let shapes = (0..12).map(|k| {
+            let axes = [0; 3].map(|_| rng.range(0.2, 0.6));
+            let points = ellipsoid(&mut rng, 12 + 6 * k, axes).points;
+            let points: Vec<_> = points.into_iter().map(Point3::from).collect();
+            ConvexPolyhedron::from_points(&points).map(Arc::new)
+        });
+        let shapes = shapes.collect::<Result<Vec<_>, _>>()?;
+        let mut slab = Vec::new();
+        for k in 0..bodies {
+            let q = rng.quat();
+            let t = [half, half, 0.5 * HEIGHT].map(|reach| rng.range(-reach, reach));
+            let body = Body::fixed(shapes[k % shapes.len()].clone()).group(WORLD);
+            let id = scene.insert(body, lab::Pose { q, t }.isometry())?;
+            if t[2].abs() < 1.0 {
+                slab.push((id, (t[0], t[1])));
+            }
+        }
+        Ok(Self { scene, half, slab })
+    }
+}
+
+/// What became of the probe.
+#[derive(Default)]
+struct Flight {
+    reports: Vec<Report>,
+    /// Frames in which it was too close to something, and to what all.
+    too_close: usize,
+    met: BTreeSet<BodyId>,
+    /// Its way where it was free, and where it was not.
+    free: Vec<(f64, f64)>,
+    close: Vec<(f64, f64)>,
+}
+
+fn fly(field: &mut Field, frames: usize) -> Result<Flight, Trouble> {
+    let (scene, half) = (&mut field.scene, field.half);
     let probe = Body::moving(solids::prism(16, 0.3, 0.6)?).group(PROBE);
     let probe = scene.insert(probe, path(0.0, half))?;
-
-    let mut too_close = 0;
-    let (mut way, mut close, mut reports) = (Vec::new(), Vec::new(), Vec::new());
-    let (mut within, mut met) = (BTreeSet::new(), BTreeSet::new());
+    let (mut flight, mut within) = (Flight::default(), BTreeSet::new());
     let progress = Progress::new("frames", frames as u64);
     for frame in 0..frames {
         let pose = path(frame as f64 / frames as f64, half);
         scene.set_pose(probe, pose)?;
-        reports.push(*scene.step());
+        flight.reports.push(*scene.step());
         for event in scene.events() {
             let other = if event.a == probe { event.b } else { event.a };
             if event.change == Change::CameWithin {
                 within.insert(other);
-                met.insert(other);
+                flight.met.insert(other);
             } else {
                 within.remove(&other);
             }
         }
+        let is_free = within.is_empty();
         if frame % EVERY == 0 {
             let at = (pose.translation.x, pose.translation.y);
             // A line breaks where it is no number.
-            way.push(if within.is_empty() { at } else { (f64::NAN, f64::NAN) });
-            close.extend((!within.is_empty()).then_some(at));
+            flight.free.push(if is_free { at } else { (f64::NAN, f64::NAN) });
+            flight.close.extend((!is_free).then_some(at));
         }
-        too_close += usize::from(!within.is_empty());
+        flight.too_close += usize::from(!is_free);
         progress.step();
     }
-    drop(progress);
+    Ok(flight)
+}
 
-    let sum = reports.iter().fold(Report::default(), |mut sum, r| {
+fn tell(options: &Options, flight: &Flight) {
+    let Options { bodies, frames, .. } = options;
+    let sum = flight.reports.iter().fold(Report::default(), |mut sum, r| {
         sum += *r;
         sum
     });
-    let mean = |v: u64| v as f64 / frames as f64;
+    let mean = |v: u64| v as f64 / *frames as f64;
     println!("a probe among {bodies} fixed bodies, {frames} frames, only within({CLEARANCE}) called for");
     println!(
         "{} frames too close, {} bodies; a frame: {:.2} us, {:.2} pairs of boxes, {:.2} asked, {:.2} by the budget",
-        too_close,
-        met.len(),
-        sum.times.total().as_secs_f64() * 1e6 / frames as f64,
+        flight.too_close,
+        flight.met.len(),
+        sum.times.total().as_secs_f64() * 1e6 / *frames as f64,
         mean(sum.counts.pairs),
         mean(sum.counts.queries),
         mean(sum.counts.skipped)
     );
     println!("all frames together:\n{sum}");
-    let out = option("--out").unwrap_or("walkthrough.svg".into());
-    let touched: Vec<_> = slab
-        .iter()
-        .filter(|(id, _)| met.contains(id))
-        .map(|(_, at)| *at)
-        .collect();
-    let others: Vec<_> = slab
-        .iter()
-        .filter(|(id, _)| !met.contains(id))
-        .map(|(_, at)| *at)
-        .collect();
+}
+
+fn draw(options: &Options, flight: &Flight, slab: &[(BodyId, (f64, f64))]) -> Result<(), Trouble> {
+    let (touched, others): (Vec<_>, Vec<_>) = slab.iter().partition(|(id, _)| flight.met.contains(id));
+    let places = |list: Vec<&(BodyId, (f64, f64))>| list.into_iter().map(|(_, at)| *at).collect::<Vec<_>>();
     let plan = Chart::new(format!(
-        "way of the probe, and bodies within one unit of its mean height ({bodies} in all)"
+        "way of the probe, and bodies within one unit of its mean height ({} in all)",
+        options.bodies
     ))
     .axes("x", "y")
     .legend_beside()
     .size(860, 620)
-    .line("free", way.iter().copied())
-    .dots("too close", close.iter().copied())
-    .dots("bodies", others)
-    .dots("bodies met", touched);
+    .line("free", flight.free.iter().copied())
+    .dots("too close", flight.close.iter().copied())
+    .dots("bodies", places(others))
+    .dots("bodies met", places(touched));
     let group = 50;
-    let smooth = |value: &dyn Fn(&Report) -> f64| {
+    let smooth = |value: fn(&Report) -> u64| {
         let mean = |(k, part): (usize, &[Report])| {
-            (
-                (k * group) as f64,
-                part.iter().map(value).sum::<f64>() / part.len() as f64,
-            )
+            let sum: u64 = part.iter().map(value).sum();
+            ((k * group) as f64, sum as f64 / part.len() as f64)
         };
-        reports.chunks(group).enumerate().map(mean).collect::<Vec<_>>()
+        flight.reports.chunks(group).enumerate().map(mean).collect::<Vec<_>>()
     };
     let work = Chart::new("pairs a frame, mean of fifty")
         .axes("frame", "pairs")
         .legend_beside()
         .from_zero()
         .size(860, 300)
-        .line("pairs of boxes", smooth(&|r| r.counts.pairs as f64))
-        .line("asked", smooth(&|r| r.counts.queries as f64));
-    save_stack(&[&plan, &work], &out)?;
-    println!("drawn: {out}");
+        .line("pairs of boxes", smooth(|r| r.counts.pairs))
+        .line("asked", smooth(|r| r.counts.queries));
+    save_stack(&[&plan, &work], &options.out)?;
+    println!("drawn: {}", options.out);
     Ok(())
 }
 

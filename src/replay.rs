@@ -223,25 +223,30 @@ impl<'a> Lines<'a> {
 
     /// What follows `word` in the next line, which must begin with it.
     fn word(&mut self, word: &str, what: &'static str) -> Result<(usize, &'a str), ReplayError> {
-        let (line, text) = self.take().ok_or(expected(0, what))?;
-        let rest = text.strip_prefix(word).filter(|r| r.starts_with(' ') || r.is_empty());
-        rest.map(|r| (line, r.trim())).ok_or(expected(line, what))
+        let at = self.peek().map_or(0, |(line, _)| line);
+        self.word_if_there(word).ok_or(expected(at, what))
+    }
+
+    /// The same of a line that may be missing.
+    fn word_if_there(&mut self, word: &str) -> Option<(usize, &'a str)> {
+        let (line, text) = self.peek()?;
+        let rest = text.strip_prefix(word).filter(|r| r.starts_with(' ') || r.is_empty())?;
+        self.next += 1;
+        Some((line, rest.trim()))
     }
 
     fn body(&mut self, which: Which) -> Result<ConvexPolyhedron, ReplayError> {
         let title = if which == Which::A { "body A" } else { "body B" };
         let (line, count) = self.word(title, "a body")?;
         let mut points = Vec::new();
-        while self.peek().is_some_and(|(_, l)| l.starts_with("vertex")) {
-            let (line, text) = self.word("vertex", "a vertex")?;
+        while let Some((line, text)) = self.word_if_there("vertex") {
             points.push(Point3::from(bits::<3>(line, text)?));
         }
         if count.parse() != Ok(points.len()) {
             return Err(expected(line, "the count of the vertices that follow"));
         }
         let mut side = Vec::new();
-        if self.peek().is_some_and(|(_, l)| l.starts_with("polygon")) {
-            let (line, text) = self.word("polygon", "a polygon")?;
+        if let Some((line, text)) = self.word_if_there("polygon") {
             for word in text.split_whitespace() {
                 side.push(word.parse().map_err(|_| expected(line, "the number of a vertex"))?);
             }
@@ -251,14 +256,12 @@ impl<'a> Lines<'a> {
 
     /// The lines of an overlap, where they are; nothing where they are no surface.
     fn surface(&mut self) -> Result<Memory, ReplayError> {
-        if !self.peek().is_some_and(|(_, l)| l.starts_with("facet")) {
+        let Some((line, text)) = self.word_if_there("facet") else {
             return Ok(Memory::default());
-        }
-        let (line, text) = self.word("facet", "a facet")?;
+        };
         let facet = Some(features(text).ok_or(expected(line, "two features, as v3 f5"))?);
         let mut stand = None;
-        if self.peek().is_some_and(|(_, l)| l.starts_with("stand")) {
-            let (line, text) = self.word("stand", "two features")?;
+        if let Some((line, text)) = self.word_if_there("stand") {
             stand = Some(features(text).ok_or(expected(line, "two features, as v3 f5"))?);
         }
         let (line, text) = self.word("surface", "a surface")?;

@@ -1,13 +1,10 @@
 //! Promise: a scene finds what brute force over all pairs finds, on every frame, whatever is called for and however cheaply.
 
-mod support;
-
 use lab::crowd::{Crowd, Kind};
 use lin_canny::scene::{Body, BodyId, Change, Effects, Event, Group, Scene};
 use lin_canny::{Class, ConvexPolyhedron, ManifoldOptions, RelativePose, Tracker};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
-use support::body;
 
 type Keys = BTreeSet<(BodyId, BodyId)>;
 
@@ -40,7 +37,7 @@ impl Play {
         call: impl FnOnce(&mut Scene),
     ) -> Self {
         let crowd = Crowd::new(kind, n, 20);
-        let shapes: Vec<_> = crowd.shapes.iter().map(|s| Arc::new(body(s))).collect();
+        let shapes = crowd.hulls();
         let mut scene = Scene::new();
         call(&mut scene);
         let ids = (0..n)

@@ -1,13 +1,9 @@
 //! Features `parallel` and `serde`: any number of threads gives the same bits, and so does a scene that was written and read back.
 #![cfg(all(feature = "parallel", feature = "serde"))]
 
-mod support;
-
 use lab::crowd::{Crowd, Kind};
 use lin_canny::scene::{Body, BodyId, Effects, Event, Group, Scene, Settings};
 use lin_canny::{Distance, Manifold, ManifoldOptions, Outcome};
-use std::sync::Arc;
-use support::body;
 
 const KINDS: [Kind; 2] = [Kind::Sparse, Kind::Pile];
 
@@ -50,7 +46,7 @@ fn scene(crowd: &Crowd, settings: Settings) -> (Scene, Vec<BodyId>) {
         scene.call_for(group(k % 3), group((k + k / 3) % 3), effects).unwrap();
         scene.call_for(group(k % 3), group(2), effects).unwrap();
     }
-    let shapes: Vec<_> = crowd.shapes.iter().map(|s| Arc::new(body(s))).collect();
+    let shapes = crowd.hulls();
     let ids = crowd
         .shape_of
         .iter()

@@ -1,51 +1,90 @@
-//! What the races of pairs and of contacts share.
+//! What the races share.
 
-use std::io::Write;
+use std::fmt::Write as _;
+use std::path::PathBuf;
 use std::time::Duration;
 
 /// How long an engine runs before a pass of it counts.
 pub(crate) const WARM_UP: Duration = Duration::from_millis(3);
 
+/// What a race of many bodies is cut down to.
+const QUICK: usize = 1000;
+
+#[derive(Default)]
 pub(crate) struct Options {
-    csv: Option<String>,
+    csv: Option<PathBuf>,
     pub(crate) quick: bool,
-    pub(crate) only: Option<String>,
+    only: Option<String>,
+    upto: Option<usize>,
+}
+
+/// The race and its options, or what to tell the user: `Ok(None)` when asked for help.
+pub(crate) fn parse(mut words: impl Iterator<Item = String>) -> Result<Option<(String, Options)>, String> {
+    let mut o = Options::default();
+    let mut race = None;
+    while let Some(word) = words.next() {
+        let mut value = || words.next().ok_or(format!("{word} needs a value"));
+        match word.as_str() {
+            "-h" | "--help" => return Ok(None),
+            "--csv" => o.csv = Some(value()?.into()),
+            "--quick" => o.quick = true,
+            "--only" => o.only = Some(value()?),
+            "--upto" => o.upto = Some(value()?.parse().map_err(|_| "--upto needs a number")?),
+            _ if word.starts_with('-') || race.is_some() => return Err(format!("{word} is no option")),
+            _ => race = Some(word),
+        }
+    }
+    Ok(Some((race.ok_or("which race?")?, o)))
 }
 
 impl Options {
-    pub(crate) fn of(words: &[String]) -> Option<Self> {
-        let mut o = Options {
-            csv: None,
-            quick: false,
-            only: None,
-        };
-        let mut words = words.iter();
-        while let Some(word) = words.next() {
-            match word.as_str() {
-                "--csv" => o.csv = Some(words.next()?.clone()),
-                "--quick" => o.quick = true,
-                "--only" => o.only = Some(words.next()?.clone()),
-                _ => return None,
+    /// Refuses a scene that is none of the race's.
+    pub(crate) fn check(&self, scenes: &[&str]) -> Result<(), String> {
+        match &self.only {
+            Some(only) if !scenes.contains(&only.as_str()) => {
+                Err(format!("no scene is called {only}; there are {}", scenes.join(", ")))
             }
+            _ => Ok(()),
         }
-        Some(o)
     }
 
-    /// Writes the file asked for: scene, shape, n, engine and time of each line.
-    pub(crate) fn write<'a>(&self, lines: impl Iterator<Item = (&'a str, &'a str, usize, &'a str, f64)>) {
-        let Some(file) = &self.csv else { return };
-        let write = || -> std::io::Result<()> {
-            let mut out = std::fs::File::create(file)?;
-            writeln!(out, "scene,shape,n,engine,ns")?;
-            for (scene, shape, n, engine, ns) in lines {
-                writeln!(out, "{scene},{shape},{n},{engine},{ns:.1}")?;
-            }
-            Ok(())
-        };
-        if let Err(e) = write() {
-            eprintln!("{file}: {e}");
-            std::process::exit(1);
+    pub(crate) fn wants(&self, scene: &str) -> bool {
+        self.only.as_deref().is_none_or(|only| only == scene)
+    }
+
+    /// Whether all scenes are raced.
+    pub(crate) fn wants_all(&self) -> bool {
+        self.only.is_none()
+    }
+
+    /// Those of some numbers of bodies that are raced.
+    pub(crate) fn sizes<const N: usize>(&self, all: [usize; N]) -> impl Iterator<Item = usize> {
+        let most = self.upto.unwrap_or(if self.quick { QUICK } else { usize::MAX });
+        all.into_iter().filter(move |n| *n <= most)
+    }
+
+    /// Writes the file asked for.
+    pub(crate) fn save(&self, rows: &Rows) -> Result<(), String> {
+        let Some(file) = &self.csv else { return Ok(()) };
+        std::fs::write(file, &rows.text).map_err(|e| format!("{}: {e}", file.display()))
+    }
+}
+
+/// Results as CSV: scene, shape, number of vertices or bodies, engine, nanoseconds.
+pub(crate) struct Rows {
+    text: String,
+}
+
+impl Rows {
+    pub(crate) fn new() -> Self {
+        Self {
+            text: "scene,shape,n,engine,ns\n".into(),
         }
+    }
+
+    /// One result with so many digits behind the point.
+    pub(crate) fn push(&mut self, (scene, shape, n): (&str, &str, usize), engine: &str, ns: f64, digits: usize) {
+        let _ = writeln!(self.text, "{scene},{shape},{n},{engine},{ns:.digits$}");
     }
 }
 

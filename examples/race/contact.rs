@@ -14,7 +14,7 @@ use lab::workload::DEPTH;
 use lin_canny::nalgebra::Isometry3;
 use lin_canny::{ConvexPolyhedron, Manifold, ManifoldOptions, RelativePose, Tracker};
 
-use crate::common::{Options, WARM_UP, median};
+use crate::common::{Options, Rows, WARM_UP, median};
 
 #[derive(Clone, Copy, PartialEq)]
 enum Engine {
@@ -265,14 +265,8 @@ fn print(row: &Row) {
     );
 }
 
-pub(crate) fn run(words: &[String]) {
-    let Some(o) = Options::of(words) else {
-        eprintln!("usage: race contact [--csv FILE] [--quick] [--only SCENE]");
-        std::process::exit(2);
-    };
-    let scenes = SCENES
-        .into_iter()
-        .filter(|s| o.only.as_deref().is_none_or(|only| only == *s));
+pub(crate) fn run(o: &Options) -> Rows {
+    let scenes = SCENES.into_iter().filter(|s| o.wants(s));
     let plan: Vec<_> = scenes
         .flat_map(|scene| {
             contacts::shapes(scene)
@@ -280,10 +274,6 @@ pub(crate) fn run(words: &[String]) {
                 .map(move |(shape, n)| (scene, shape, n))
         })
         .collect();
-    if plan.is_empty() {
-        eprintln!("no scene is called {}", o.only.unwrap_or_default());
-        std::process::exit(2);
-    }
     println!(
         "nanoseconds a frame. ours: depth and witnesses; manifold: ours; parry: its contact; p-manif: its manifold, kept.\n\
          /parry, /p-man: ours over theirs. frame, p99: the median frame of ours, and the 99th percentile over it. points: contacts of a\n\
@@ -303,9 +293,11 @@ pub(crate) fn run(words: &[String]) {
         progress.step();
     }
     progress.done();
-    let lines = rows.iter().flat_map(|row| {
-        let engine = |(e, &ns): (&Engine, &f64)| (row.scene, row.shape, row.n, e.name(), ns);
-        Engine::ALL.iter().zip(&row.ns).map(engine)
-    });
-    o.write(lines);
+    let mut csv = Rows::new();
+    for row in &rows {
+        for (engine, &ns) in Engine::ALL.iter().zip(&row.ns) {
+            csv.push((row.scene, row.shape, row.n), engine.name(), ns, 1);
+        }
+    }
+    csv
 }

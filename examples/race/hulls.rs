@@ -1,12 +1,12 @@
 //! The box of a placed hull: ours and parry's, in nanoseconds a box.
 
+use crate::common::Rows;
 use lab::rng::Rng;
 use lab::{Pose, shapes};
 use lin_canny::nalgebra::Point3;
 use lin_canny::{BoxHint, ConvexPolyhedron};
 use parry3d::math::{Pose as ParryPose, Rotation, Vector};
 use parry3d::shape::{ConvexPolyhedron as ParryHull, Shape};
-use std::fmt::Write as _;
 use std::hint::black_box;
 use std::time::Instant;
 
@@ -30,7 +30,7 @@ fn time<P>(poses: &[P], mut work: impl FnMut(&P)) -> f64 {
     (0..40).map(|_| round(&mut work)).fold(f64::INFINITY, f64::min)
 }
 
-pub(crate) fn run(csv: &mut String) {
+pub(crate) fn run(csv: &mut Rows) {
     println!(
         "\nbox of a placed hull, ns\n{:>8}{:>9}{:>9}{:>8}",
         "vertices", "ours", "parry", "/ours"
@@ -63,7 +63,7 @@ pub(crate) fn run(csv: &mut String) {
         });
         println!("{n:>8}{ours:>9.1}{theirs:>9.1}{:>8.1}", theirs / ours);
         for (engine, ns) in [("ours", ours), ("parry", theirs)] {
-            let _ = writeln!(csv, "hull-box,sphere,{n},{engine},{ns:.3}");
+            csv.push(("hull-box", "sphere", n), engine, ns, 3);
         }
     }
 }

@@ -1,10 +1,7 @@
 //! Races against other libraries on the same motions.
 //!
 //! ```text
-//! cargo run --release --example race -- pairs [--csv FILE] [--quick] [--only SCENE]
-//! cargo run --release --example race -- contact [--csv FILE] [--quick] [--only SCENE]
-//! cargo run --release --example race -- boxes [--csv FILE] [--scene NAME] [--upto N]
-//! cargo run --release --example race -- scene [--csv FILE] [--only SCENE] [--upto N]
+//! cargo run --release --example race -- pairs|contact|boxes|scene [--csv FILE] [--quick] [--only SCENE] [--upto N]
 //! ```
 
 mod boxes;
@@ -14,13 +11,33 @@ mod hulls;
 mod pairs;
 mod scene;
 
-fn main() {
-    let arguments: Vec<String> = std::env::args().skip(1).collect();
-    match arguments.first().map(String::as_str) {
-        Some("pairs") => pairs::run(&arguments[1..]),
-        Some("contact") => contact::run(&arguments[1..]),
-        Some("boxes") => boxes::run(&arguments[1..]),
-        Some("scene") => scene::run(&arguments[1..]),
-        _ => eprintln!("usage: race pairs|contact|boxes|scene [--csv FILE] (see the head of examples/race/main.rs)"),
-    }
+use common::{Options, Rows};
+use lab::boxes::Kind;
+use std::process::ExitCode;
+
+const USAGE: &str = "\
+usage: race pairs|contact|boxes|scene [--csv FILE] [--quick] [--only SCENE] [--upto N]
+
+Ours against other libraries: closest points of two bodies, their contacts, boxes of many bodies, whole scenes.
+
+  --csv FILE     one row a result: scene,shape,n,engine,ns
+  --quick        pairs and contact: fewer frames and passes; boxes and scene: a thousand bodies
+  --only SCENE   one scene of the race
+  --upto N       boxes and scene: no more bodies than these";
+
+fn main() -> ExitCode {
+    let parsed = common::parse(std::env::args().skip(1));
+    lab::command::main("race", USAGE, parsed, race)
+}
+
+fn race((name, options): &(String, Options)) -> Result<(), String> {
+    let (scenes, run): (Vec<&str>, fn(&Options) -> Rows) = match name.as_str() {
+        "pairs" => (pairs::SCENES.into(), pairs::run),
+        "contact" => (lab::contacts::SCENES.into(), contact::run),
+        "boxes" => (boxes::RACED.map(Kind::name).into(), boxes::run),
+        "scene" => (scene::SCENES.map(|s| s.0).into(), scene::run),
+        _ => return Err(format!("{name} is no race")),
+    };
+    options.check(&scenes)?;
+    options.save(&run(options))
 }

@@ -19,7 +19,7 @@ use lab::workload::{self, SIZES};
 use lin_canny::nalgebra::{Isometry3, Point3};
 use lin_canny::{ConvexPolyhedron, Layer, RelativePose, Totals, Tracker};
 
-use crate::common::{Options, WARM_UP, median};
+use crate::common::{Options, Rows, WARM_UP, median};
 
 /// One body in the form of each engine.
 struct Body {
@@ -299,18 +299,19 @@ fn print(row: &Row) {
 /// Vertices of prisms: those of the other shapes, and of 128-gons and 8192-gons.
 const PRISMS: [usize; 8] = [8, 32, 128, 256, 512, 2048, 8192, 16384];
 
+pub(crate) const SCENES: [&str; 6] = [
+    "coherent-0",
+    "coherent-0.5",
+    "coherent-5",
+    "coherent-25",
+    "random",
+    "cold256-0.5",
+];
+
 /// Scenes, shapes and sizes in the order they run.
 fn plan() -> Vec<(&'static str, &'static str, usize)> {
-    let scenes = [
-        "coherent-0",
-        "coherent-0.5",
-        "coherent-5",
-        "coherent-25",
-        "random",
-        "cold256-0.5",
-    ];
     let mut list = vec![];
-    for scene in scenes {
+    for scene in SCENES {
         for shape in ["sphere", "flat", "box", "prism", "cone"] {
             let sizes: &[usize] = if shape == "prism" { &PRISMS } else { &SIZES };
             for &n in sizes {
@@ -337,19 +338,8 @@ fn degrees(scene: &str) -> Option<f64> {
     }
 }
 
-pub(crate) fn run(words: &[String]) {
-    let Some(o) = Options::of(words) else {
-        eprintln!("usage: race pairs [--csv FILE] [--quick] [--only SCENE]");
-        std::process::exit(2);
-    };
-    let plan: Vec<_> = plan()
-        .into_iter()
-        .filter(|p| o.only.as_ref().is_none_or(|s| s == p.0))
-        .collect();
-    if plan.is_empty() {
-        eprintln!("no scene is called {}", o.only.unwrap_or_default());
-        std::process::exit(2);
-    }
+pub(crate) fn run(o: &Options) -> Rows {
+    let plan: Vec<_> = plan().into_iter().filter(|p| o.wants(p.0)).collect();
     println!(
         "nanoseconds a query. ours: closest; walk: propose; exact: closest_exact; gjk: parry's, its simplex kept; parry: its distance.\n\
          /gjk, /parry: ours over theirs. steps: feature pairs looked at in a query; not walk: queries that another layer answered.\n"
@@ -388,9 +378,11 @@ pub(crate) fn run(words: &[String]) {
     if let (Some(few), Some(many)) = (prism(256), prism(16384)) {
         println!("a prism of 8192-gons costs {:.2} times one of 128-gons", many / few);
     }
-    let lines = rows.iter().flat_map(|row| {
-        let engine = |(&k, &ns): (&usize, &f64)| (row.scene, row.shape, row.n, Engine::ALL[k].name(), ns);
-        row.ns.iter().map(engine)
-    });
-    o.write(lines);
+    let mut csv = Rows::new();
+    for row in &rows {
+        for (&k, &ns) in &row.ns {
+            csv.push((row.scene, row.shape, row.n), Engine::ALL[k].name(), ns, 1);
+        }
+    }
+    csv
 }

@@ -12,280 +12,14 @@
 //!
 //! parry and rapier compute in `f32`, ours in `f64`. Sparse: 16 cubic units a body of about one; pile: four layers of them.
 
+mod engines;
+
+use crate::common::{Options, Rows};
 use cpu_time::ThreadTime;
-use lab::Pose;
+use engines::{ENGINES, Engine, RANGE, engine};
 use lab::crowd::{Crowd, Kind};
 use lab::progress::Progress;
-use lin_canny::nalgebra::{Isometry3, Point3};
-use lin_canny::scene::{Body, BodyId, Effects, Group, Report, Scene};
-use lin_canny::{ConvexPolyhedron, ManifoldOptions};
-use parry3d::bounding_volume::Aabb;
-use parry3d::partitioning::{Bvh, BvhBuildStrategy, BvhWorkspace};
-use parry3d::query;
-use rapier3d::prelude as rapier;
-use std::fmt::Write as _;
-use std::sync::Arc;
 use std::time::{Duration, Instant};
-
-/// How far distances are taken; rapier's prediction distance.
-const RANGE: f64 = 0.02;
-
-/// An engine that is fed a crowd.
-trait Engine {
-    fn name(&self) -> &'static str;
-    /// Preparation that is not timed: the poses in the engine's own form.
-    fn prepare(&mut self, poses: &[Pose]);
-    /// The timed part.
-    fn step(&mut self);
-    /// Pairs that are near.
-    fn pairs(&self) -> usize;
-    /// What only one engine tells, once the race is over.
-    fn remarks(&self) -> String {
-        String::new()
-    }
-    /// The steps so far were to warm up.
-    fn warmed_up(&mut self) {}
-}
-
-struct Ours {
-    name: &'static str,
-    scene: Scene,
-    ids: Vec<BodyId>,
-    poses: Vec<Isometry3<f64>>,
-    sum: Report,
-}
-
-impl Ours {
-    fn new(name: &'static str, crowd: &Crowd) -> Self {
-        let hull = |points: &[[f64; 3]]| {
-            let points: Vec<Point3<f64>> = points.iter().copied().map(Point3::from).collect();
-            Arc::new(ConvexPolyhedron::from_points(&points).expect("points of a crowd are a body"))
-        };
-        let shapes: Vec<_> = crowd.shapes.iter().map(|s| hull(&s.points)).collect();
-        let mut scene = Scene::new();
-        let effects = Effects {
-            overlap: true,
-            distance: Some(RANGE),
-            features: true,
-            depth: name != "ours",
-            manifold: (name == "ours-manifold").then_some(ManifoldOptions::within(RANGE)),
-            ..Effects::none()
-        };
-        let all = Group::default();
-        scene.call_for(all, all, effects).expect("a range");
-        let insert = |(shape, pose): (&usize, &Pose)| {
-            let body = Body::moving(shapes[*shape].clone());
-            scene.insert(body, pose.isometry()).expect("a pose")
-        };
-        let ids = crowd.shape_of.iter().zip(&crowd.poses).map(insert).collect();
-        Self {
-            name,
-            scene,
-            ids,
-            poses: vec![],
-            sum: Report::default(),
-        }
-    }
-}
-
-impl Engine for Ours {
-    fn name(&self) -> &'static str {
-        self.name
-    }
-
-    fn prepare(&mut self, poses: &[Pose]) {
-        self.poses.clear();
-        self.poses.extend(poses.iter().map(Pose::isometry));
-    }
-
-    fn step(&mut self) {
-        for (id, pose) in self.ids.iter().zip(&self.poses) {
-            self.scene.set_pose(*id, *pose).expect("a pose");
-        }
-        self.sum += *self.scene.step();
-    }
-
-    fn pairs(&self) -> usize {
-        self.scene.pairs().filter(|p| p.distance.is_some()).count()
-    }
-
-    fn warmed_up(&mut self) {
-        self.sum = Report::default();
-    }
-
-    fn remarks(&self) -> String {
-        let (c, t) = (&self.sum.counts, &self.sum.times);
-        let steps = c.steps.max(1) as f64;
-        let us = |d: Duration| d.as_secs_f64() * 1e6 / steps;
-        let bytes = self.scene.bytes();
-        let (n, pairs) = (self.scene.body_count().max(1), (c.called as f64 / steps).max(1.0));
-        format!(
-            "    wall us a step: boxes {:.0}, pairs {:.0}, look {:.0}, events {:.0}; a step: {:.0} box pairs, {:.0} by budget, {:.0} by balls, {:.0} asked ({:.0} walk, {:.0} kept proof, {:.0} other); {} bytes a body, {:.0} a pair",
-            us(t.boxes),
-            us(t.pairs),
-            us(t.look),
-            us(t.events),
-            c.pairs as f64 / steps,
-            c.skipped as f64 / steps,
-            c.balls as f64 / steps,
-            c.queries as f64 / steps,
-            c.answered[0] as f64 / steps,
-            c.answered[6] as f64 / steps,
-            (c.queries - c.answered[0] - c.answered[6]) as f64 / steps,
-            (bytes.bodies + bytes.broad + bytes.scratch) / n,
-            bytes.pairs as f64 / pairs,
-        )
-    }
-}
-
-/// The pose in the types of parry and rapier.
-fn pose32(pose: &Pose) -> rapier::Pose {
-    let ([x, y, z], [i, j, k, w]) = (pose.t.map(|v| v as f32), pose.q.map(|v| v as f32));
-    rapier::Pose::from_parts(rapier::Vector::new(x, y, z), rapier::Rotation::from_xyzw(i, j, k, w))
-}
-
-fn hulls32(crowd: &Crowd) -> Vec<rapier::SharedShape> {
-    let vector = |p: &[f64; 3]| rapier::Vector::new(p[0] as f32, p[1] as f32, p[2] as f32);
-    let hull = |points: Vec<_>| rapier::SharedShape::convex_hull(&points).expect("points of a crowd are a hull");
-    crowd
-        .shapes
-        .iter()
-        .map(|s| hull(s.points.iter().map(vector).collect()))
-        .collect()
-}
-
-/// The parts of parry that a scene needs, put together as its documentation has it.
-struct Parry {
-    shapes: Vec<rapier::SharedShape>,
-    poses: Vec<rapier::Pose>,
-    tree: Bvh,
-    workspace: BvhWorkspace,
-    pairs: Vec<(u32, u32)>,
-    near: usize,
-}
-
-impl Parry {
-    fn new(crowd: &Crowd) -> Self {
-        let distinct = hulls32(crowd);
-        let shapes: Vec<_> = crowd.shape_of.iter().map(|k| distinct[*k].clone()).collect();
-        let poses: Vec<_> = crowd.poses.iter().map(pose32).collect();
-        let leaves: Vec<Aabb> = shapes.iter().zip(&poses).map(|(s, p)| s.compute_aabb(p)).collect();
-        Self {
-            tree: Bvh::from_leaves(BvhBuildStrategy::Binned, &leaves),
-            shapes,
-            poses,
-            workspace: BvhWorkspace::default(),
-            pairs: Vec::new(),
-            near: 0,
-        }
-    }
-}
-
-impl Engine for Parry {
-    fn name(&self) -> &'static str {
-        "parry-parts"
-    }
-
-    fn prepare(&mut self, poses: &[Pose]) {
-        self.poses.clear();
-        self.poses.extend(poses.iter().map(pose32));
-    }
-
-    fn step(&mut self) {
-        for (i, (shape, pose)) in self.shapes.iter().zip(&self.poses).enumerate() {
-            self.tree
-                .insert_or_update_partially(shape.compute_aabb(pose), i as u32, 0.0);
-        }
-        self.tree.optimize_incremental(&mut self.workspace);
-        self.tree.refit(&mut self.workspace);
-        self.pairs.clear();
-        let pairs = &mut self.pairs;
-        self.tree
-            .traverse_bvtt_single_tree::<false>(&mut self.workspace, &mut |a, b| pairs.push((a, b)));
-        self.near = 0;
-        for &(a, b) in &self.pairs {
-            let (a, b) = (a as usize, b as usize);
-            let (shape_a, shape_b) = (&*self.shapes[a], &*self.shapes[b]);
-            let found = query::distance(&self.poses[a], shape_a, &self.poses[b], shape_b);
-            self.near += usize::from(found.is_ok_and(|d| d.distance <= RANGE as f32));
-        }
-    }
-
-    fn pairs(&self) -> usize {
-        self.near
-    }
-}
-
-/// rapier without dynamics: colliders that belong to no body.
-struct Rapier {
-    pipeline: rapier::CollisionPipeline,
-    islands: rapier::IslandManager,
-    broad: rapier::BroadPhaseBvh,
-    narrow: rapier::NarrowPhase,
-    bodies: rapier::RigidBodySet,
-    colliders: rapier::ColliderSet,
-    handles: Vec<rapier::ColliderHandle>,
-    poses: Vec<rapier::Pose>,
-}
-
-impl Rapier {
-    fn new(crowd: &Crowd) -> Self {
-        let distinct = hulls32(crowd);
-        let mut colliders = rapier::ColliderSet::new();
-        let insert = |(shape, pose): (&usize, &Pose)| {
-            // Two colliders without a body are no pair unless asked for.
-            let collider = rapier::ColliderBuilder::new(distinct[*shape].clone())
-                .position(pose32(pose))
-                .active_collision_types(rapier::ActiveCollisionTypes::all());
-            colliders.insert(collider)
-        };
-        let handles = crowd.shape_of.iter().zip(&crowd.poses).map(insert).collect();
-        Self {
-            pipeline: rapier::CollisionPipeline::new(),
-            islands: rapier::IslandManager::new(),
-            broad: rapier::BroadPhaseBvh::new(),
-            narrow: rapier::NarrowPhase::new(),
-            bodies: rapier::RigidBodySet::new(),
-            colliders,
-            handles,
-            poses: Vec::new(),
-        }
-    }
-}
-
-impl Engine for Rapier {
-    fn name(&self) -> &'static str {
-        "rapier-collision"
-    }
-
-    fn prepare(&mut self, poses: &[Pose]) {
-        self.poses.clear();
-        self.poses.extend(poses.iter().map(pose32));
-    }
-
-    fn step(&mut self) {
-        for (handle, pose) in self.handles.iter().zip(&self.poses) {
-            if let Some(collider) = self.colliders.get_mut(*handle) {
-                collider.set_position(*pose);
-            }
-        }
-        self.pipeline.step(
-            RANGE as f32,
-            &mut self.islands,
-            &mut self.broad,
-            &mut self.narrow,
-            &mut self.bodies,
-            &mut self.colliders,
-            &(),
-            &(),
-        );
-    }
-
-    fn pairs(&self) -> usize {
-        let touching = |p: &&rapier::ContactPair| p.manifolds().iter().any(|m| !m.points.is_empty());
-        self.narrow.contact_pairs().filter(touching).count()
-    }
-}
 
 /// Steps of an engine: before any counts, at most, and for how long at most.
 const WARM: usize = 60;
@@ -320,68 +54,50 @@ fn measure(engine: &mut dyn Engine, mut crowd: Crowd, progress: &Progress) -> (f
     (spent.as_nanos() as f64 / f64::from(steps), engine.pairs())
 }
 
-const SCENES: [(&str, Kind, usize); 4] = [
+pub(crate) const SCENES: [(&str, Kind, usize); 4] = [
     ("sparse-32", Kind::Sparse, 32),
     ("sparse-256", Kind::Sparse, 256),
     ("pile-32", Kind::Pile, 32),
     ("pile-256", Kind::Pile, 256),
 ];
 
-const ENGINES: [&str; 5] = ["ours", "ours-depth", "ours-manifold", "parry-parts", "rapier-collision"];
-
-fn engine(name: &str, crowd: &Crowd) -> Box<dyn Engine> {
-    match name {
-        "ours" => Box::new(Ours::new("ours", crowd)),
-        "ours-depth" => Box::new(Ours::new("ours-depth", crowd)),
-        "ours-manifold" => Box::new(Ours::new("ours-manifold", crowd)),
-        "parry-parts" => Box::new(Parry::new(crowd)),
-        _ => Box::new(Rapier::new(crowd)),
+/// All engines on one crowd.
+fn race(scene: &str, n: usize, crowd: &Crowd, csv: &mut Rows) {
+    let mut ours = f64::NAN;
+    for name in ENGINES {
+        let progress = Progress::new(&format!("{scene} {n} {name}"), (WARM + STEPS) as u64);
+        let mut racer = engine(name, crowd);
+        let (ns, near) = measure(racer.as_mut(), crowd.clone(), &progress);
+        drop(progress);
+        if name == "ours" {
+            ours = ns;
+        }
+        println!(
+            "{scene:<12}{n:>7} {:<17}{:>12.0}{:>10.0}{:>8.2}{near:>8}",
+            racer.name(),
+            ns / 1e3,
+            ns / n as f64,
+            ns / ours
+        );
+        let remarks = racer.remarks();
+        if !remarks.is_empty() {
+            println!("{remarks}");
+        }
+        csv.push((scene, "hull", n), racer.name(), ns, 0);
     }
 }
 
-pub(crate) fn run(arguments: &[String]) {
-    let option = |name: &str| {
-        let at = arguments.iter().position(|a| a == name)?;
-        arguments.get(at + 1).cloned()
-    };
-    let only = option("--only");
-    let upto: usize = option("--upto").and_then(|n| n.parse().ok()).unwrap_or(usize::MAX);
-    let mut csv = String::from("scene,shape,n,engine,ns\n");
+pub(crate) fn run(o: &Options) -> Rows {
+    let mut csv = Rows::new();
     println!("us a step of n hulls, thread CPU time; near: pairs within {RANGE} as the engine sees them\n");
     println!(
         "{:<12}{:>7} {:<17}{:>12}{:>10}{:>8}{:>8}",
         "scene", "n", "engine", "us a step", "ns/body", "/ours", "near"
     );
-    for (scene, kind, vertices) in SCENES.into_iter().filter(|s| only.as_ref().is_none_or(|o| o == s.0)) {
-        for n in [1_000, 10_000].into_iter().filter(|n| *n <= upto) {
-            let crowd = Crowd::new(kind, n, vertices);
-            let mut ours = f64::NAN;
-            for name in ENGINES {
-                let progress = Progress::new(&format!("{scene} {n} {name}"), (WARM + STEPS) as u64);
-                let mut racer = engine(name, &crowd);
-                let (ns, near) = measure(racer.as_mut(), crowd.clone(), &progress);
-                drop(progress);
-                if name == "ours" {
-                    ours = ns;
-                }
-                println!(
-                    "{scene:<12}{n:>7} {:<17}{:>12.0}{:>10.0}{:>8.2}{near:>8}",
-                    racer.name(),
-                    ns / 1e3,
-                    ns / n as f64,
-                    ns / ours
-                );
-                let remarks = racer.remarks();
-                if !remarks.is_empty() {
-                    println!("{remarks}");
-                }
-                let _ = writeln!(csv, "{scene},hull,{n},{},{ns:.0}", racer.name());
-            }
+    for (scene, kind, vertices) in SCENES.into_iter().filter(|s| o.wants(s.0)) {
+        for n in o.sizes([1_000, 10_000]) {
+            race(scene, n, &Crowd::new(kind, n, vertices), &mut csv);
         }
     }
-    if let Some(file) = option("--csv")
-        && let Err(error) = std::fs::write(&file, csv)
-    {
-        eprintln!("{file}: {error}");
-    }
+    csv
 }

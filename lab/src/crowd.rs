@@ -7,6 +7,9 @@ use crate::pose::{add, quat, quat_mul, scale, unit_quat};
 use crate::rng::Rng;
 use crate::shapes::{Shape, ellipsoid};
 use crate::{Point, Pose};
+use lin_canny::ConvexPolyhedron;
+use nalgebra::Point3;
+use std::sync::Arc;
 
 /// How a crowd stands.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,6 +55,15 @@ pub struct Crowd {
 const SHAPES: usize = 16;
 
 impl Crowd {
+    /// The distinct shapes as bodies of the crate.
+    pub fn hulls(&self) -> Vec<Arc<ConvexPolyhedron>> {
+        let hull = |s: &Shape| {
+            let points: Vec<Point3<f64>> = s.points.iter().copied().map(Point3::from).collect();
+            Arc::new(ConvexPolyhedron::from_points(&points).expect("points of an ellipsoid are a body"))
+        };
+        self.shapes.iter().map(hull).collect()
+    }
+
     /// `n` bodies of hulls with `vertices` points, always the same.
     pub fn new(kind: Kind, n: usize, vertices: usize) -> Self {
         let mut rng = Rng::new(0x5EED + n as u64 + 7 * vertices as u64);

@@ -2,7 +2,7 @@
 //!
 //! Everything here works on plain data: a point is `[f64; 3]`, a face is a list of point indices counter-clockwise
 //! from outside, a pose is [`Pose`]. So a judge never borrows the code it judges;
-//! only [`boxes`] and [`contacts`] speak the crate's own types.
+//! only [`boxes`], [`crowd`] and [`contacts`] speak the crate's own types.
 //!
 //! | module | what it gives |
 //! |---|---|

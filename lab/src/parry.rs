@@ -8,15 +8,16 @@
 //! user who cares would build from parry's public parts: its GJK, fed with the simplex of the last frame, over a support
 //! map that climbs along edges from the last frame's vertex.
 
-use crate::body::edge_ids;
+mod climber;
+
 use crate::shapes::triangles;
 use crate::{Face, Point, Pose};
 use parry3d_f64::math::{Rotation, Vector};
 use parry3d_f64::query::details::{closest_points_support_map_support_map, contact_manifold_pfm_pfm_shapes};
-use parry3d_f64::query::gjk::{self, CsoPoint, GJKResult, VoronoiSimplex};
 use parry3d_f64::query::{self, ClosestPoints, Contact, ContactManifold, TrackedContact};
 use parry3d_f64::shape::{ConvexPolyhedron, SupportMap};
-use std::cell::Cell;
+
+pub use climber::{Climber, GjkCached};
 
 /// Distance and witness points in the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -169,150 +170,6 @@ impl ContactPair {
     }
 }
 
-/// A body for [`GjkCached`]: points and, for each, its neighbours along edges, in one list.
-#[derive(Clone, Debug)]
-pub struct Climber {
-    points: Vec<Vector>,
-    /// Neighbours of point `i` are `neighbours[first[i]..first[i + 1]]`.
-    first: Vec<u32>,
-    neighbours: Vec<u32>,
-}
-
-impl Climber {
-    /// A body from its points and faces (merged or triangles). Points that no face uses are never climbed to.
-    pub fn new(points: &[Point], faces: &[Face]) -> Self {
-        let mut near = vec![Vec::new(); points.len()];
-        for [i, j] in edge_ids(points.len(), faces) {
-            near[i as usize].push(j);
-            near[j as usize].push(i);
-        }
-        let mut first = vec![0];
-        first.extend(near.iter().scan(0, |end, l| {
-            *end += l.len() as u32;
-            Some(*end)
-        }));
-        Self {
-            points: vectors(points),
-            first,
-            neighbours: near.concat(),
-        }
-    }
-
-    /// A point from which climbing can start: one that has neighbours.
-    fn start(&self) -> u32 {
-        self.first.windows(2).position(|w| w[0] < w[1]).unwrap_or(0) as u32
-    }
-
-    /// The farthest point along `dir`, climbing from `from`. On a convex body a point with no better neighbour is it.
-    fn climb(&self, from: u32, dir: Vector) -> u32 {
-        let mut at = from as usize;
-        let mut height = self.points[at].dot(dir);
-        loop {
-            let here = at;
-            for &k in &self.neighbours[self.first[here] as usize..self.first[here + 1] as usize] {
-                let h = self.points[k as usize].dot(dir);
-                if h > height {
-                    (at, height) = (k as usize, h);
-                }
-            }
-            if at == here {
-                return at as u32;
-            }
-        }
-    }
-}
-
-/// A climber with the point it stands on.
-struct Climbing<'a> {
-    body: &'a Climber,
-    at: Cell<u32>,
-}
-
-impl SupportMap for Climbing<'_> {
-    fn local_support_point(&self, dir: Vector) -> Vector {
-        self.at.set(self.body.climb(self.at.get(), dir));
-        self.body.points[self.at.get() as usize]
-    }
-}
-
-/// What is kept of a pair between frames: the vertices stood on, and up to three pairs of points that span the last
-/// simplex, each in its own body's frame. Start anew when a body changes.
-#[derive(Clone)]
-pub struct GjkCached {
-    stand: Option<(u32, u32)>,
-    kept: [(Vector, Vector); 3],
-    count: usize,
-    simplex: VoronoiSimplex,
-}
-
-impl Default for GjkCached {
-    fn default() -> Self {
-        Self {
-            stand: None,
-            kept: [(Vector::ZERO, Vector::ZERO); 3],
-            count: 0,
-            simplex: VoronoiSimplex::new(),
-        }
-    }
-}
-
-impl GjkCached {
-    /// Distance and witness points from two world poses; `None` when overlapping.
-    pub fn closest(&mut self, a: &Climber, pose_a: &Pose, b: &Climber, pose_b: &Pose) -> Option<Witnesses> {
-        let (world_a, world_b) = (pose(pose_a), pose(pose_b));
-        let a_from_b = world_a.inv_mul(&world_b);
-        let (at_a, at_b) = self.stand.unwrap_or_else(|| (a.start(), b.start()));
-        let (a, b) = (
-            Climbing {
-                body: a,
-                at: Cell::new(at_a),
-            },
-            Climbing {
-                body: b,
-                at: Cell::new(at_b),
-            },
-        );
-        self.warm(&a_from_b, &a, &b);
-        let found = gjk::closest_points(&a_from_b, &a, &b, f64::MAX, true, &mut self.simplex);
-        self.stand = Some((a.at.get(), b.at.get()));
-        // A simplex that holds the origin is no start for the next frame.
-        self.count = 0;
-        let GJKResult::ClosestPoints(p, q, _) = found else {
-            return None;
-        };
-        self.keep(&a_from_b);
-        Some(Witnesses {
-            distance: (q - p).length(),
-            on_a: (world_a * p).into(),
-            on_b: (world_a * q).into(),
-        })
-    }
-
-    /// Puts last frame's simplex, at this frame's pose, into the solver; without one, a first support point.
-    fn warm(&mut self, a_from_b: &ParryPose, a: &Climbing, b: &Climbing) {
-        let Some((first, more)) = self.kept[..self.count].split_first() else {
-            self.simplex
-                .reset(CsoPoint::from_shapes(a_from_b, a, b, a_from_b.translation));
-            return;
-        };
-        let place = |&(p, q): &(Vector, Vector)| CsoPoint::new(p, *a_from_b * q);
-        self.simplex.reset(place(first));
-        for pair in more {
-            // Refused where the pose has made it degenerate: then the simplex is smaller, not wrong.
-            let _ = self.simplex.add_point(place(pair));
-        }
-    }
-
-    /// Keeps at most a triangle of the solver's simplex.
-    fn keep(&mut self, a_from_b: &ParryPose) {
-        self.count = (self.simplex.dimension() + 1).min(3);
-        for i in 0..self.count {
-            let c = self.simplex.point(i);
-            self.kept[i] = (c.orig1, a_from_b.inverse_transform_point(c.orig2));
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -368,25 +225,6 @@ mod tests {
             let cold = closest_points(&cloud_a, &f.a, &cloud_b, &f.b).map_or(0.0, |w| w.distance);
             let warm = cache.closest(&a, &f.a, &b, &f.b).map_or(0.0, |w| w.distance);
             assert!((cold - warm).abs() <= 1e-7 * cold.max(1e-5), "{cold} {warm}");
-        }
-    }
-
-    #[test]
-    fn climbing_finds_what_scanning_finds() {
-        let mut r = Rng::new(23);
-        for s in [
-            shapes::cone(64, 1.0, 0.3),
-            shapes::icosphere(2),
-            shapes::cuboid([1.0, 0.5, 0.1]),
-        ] {
-            let climber = Climber::new(&s.points, &s.faces);
-            let mut at = climber.start();
-            for _ in 0..500 {
-                let d = vector(r.unit());
-                at = climber.climb(at, d);
-                let best = Cloud::new(&s.points).local_support_point(d).dot(d);
-                assert!((climber.points[at as usize].dot(d) - best).abs() < 1e-14);
-            }
         }
     }
 

@@ -1,5 +1,6 @@
 //! Charts hold what they were given and nothing that is not a number.
 
+use super::draw::{TITLE, short};
 use super::*;
 
 fn chart() -> Chart {

@@ -17,6 +17,7 @@ pub struct Aabb {
 
 /// What makes a box unusable.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum BoxFault {
     /// A bound on this axis is NaN or infinite.
     #[error("a bound on axis {axis} is not finite")]

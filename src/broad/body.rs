@@ -209,15 +209,15 @@ impl Bodies {
             step: self.step,
         };
         let record = &mut self.records[i];
-        let bounds = checked(aabb, &self.origin, &self.grid, record.flags())
+        let stored = checked(aabb, &self.origin, &self.grid, record.flags())
             .map_err(|fault| BroadPhaseError::from_fault(fault, Some(id)))?;
-        context.place(record, id.index, bounds, &mut self.marks);
+        context.place(record, id.index, Bounds::from_box(&stored), &mut self.marks);
         Ok(())
     }
 
-    /// A box without faults in stored form.
-    pub(crate) fn stored(&self, aabb: &Aabb) -> StoredBox {
-        StoredBox::outward(aabb, &self.origin).rotated(self.grid.axis)
+    /// The stored form of a box that is none of a body's yet; of a finite one unless the flags say otherwise.
+    pub(crate) fn stored(&self, aabb: &Aabb, flags: u32) -> Result<StoredBox, BroadPhaseError> {
+        checked(aabb, &self.origin, &self.grid, flags).map_err(|fault| BroadPhaseError::from_fault(fault, None))
     }
 
     pub(crate) fn index_of(&self, id: BodyId) -> Result<usize, BroadPhaseError> {

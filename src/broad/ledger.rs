@@ -33,6 +33,7 @@ pub trait HasLedger {
 
 /// A body and the distance of its box from the box asked about.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Nearest {
     /// The body.
     pub body: BodyId,
@@ -53,16 +54,9 @@ impl Ledger {
         if let Some(axis) = self.bodies.origin.iter().position(|x| !x.is_finite()) {
             return Err(BroadPhaseError::Origin { axis });
         }
-        let fault = if unbounded {
-            aabb.fault_unbounded()
-        } else {
-            aabb.fault()
-        };
-        if let Some(fault) = fault {
-            return Err(BroadPhaseError::from_fault(fault, None));
-        }
-        let stored = self.bodies.stored(aabb);
-        self.bodies.insert(stored, body, if unbounded { UNBOUNDED } else { 0 })
+        let flags = if unbounded { UNBOUNDED } else { 0 };
+        let stored = self.bodies.stored(aabb, flags)?;
+        self.bodies.insert(stored, body, flags)
     }
 
     /// Takes the changes over into pairs and events, and asks the pairs of regrouped bodies again. `partners` lists
@@ -118,10 +112,7 @@ impl Ledger {
 
     /// The stored form of a box asked about.
     pub(super) fn asked(&self, aabb: &Aabb) -> Result<StoredBox, BroadPhaseError> {
-        match aabb.fault_unbounded() {
-            Some(fault) => Err(BroadPhaseError::from_fault(fault, None)),
-            None => Ok(self.bodies.stored(aabb)),
-        }
+        self.bodies.stored(aabb, UNBOUNDED)
     }
 
     /// Bytes reserved.
@@ -151,11 +142,8 @@ pub(super) fn nearest<B: BroadPhase + ?Sized>(
     count: usize,
     farthest: f64,
 ) -> Result<Vec<Nearest>, BroadPhaseError> {
-    if let Some(fault) = aabb.fault() {
-        return Err(BroadPhaseError::from_fault(fault, None));
-    }
     let bodies = &broad.ledger().bodies;
-    let asked = bodies.stored(aabb);
+    let asked = bodies.stored(aabb, 0)?;
     let back = 3 - bodies.grid.axis;
     let mut out: Vec<Nearest> = Vec::new();
     if count == 0 || farthest.is_nan() || farthest < 0.0 {

@@ -236,45 +236,18 @@ impl Manifold {
 
     /// The contacts of an answer, with the names of those that were there before the bodies `moved`.
     pub(crate) fn renew(&mut self, query: &Query, outcome: &Outcome, moved: f64) {
-        let Query { a, b, options, .. } = *query;
         (self.normal, self.lower, self.upper, self.fresh) = (outcome.normal, outcome.lower, outcome.upper, true);
-        let (mut features, mut since) = (outcome.features, 0.0);
-        let mut budget = outcome.lower - options.prediction;
-        if outcome.lower <= options.prediction {
-            let answer = Answer {
-                a,
-                b,
-                rotation: &query.rotation,
-                size: query.size(),
-                outcome,
-            };
-            let least = query.least_radius();
-            let travelled = self.made.as_ref().filter(|m| m.is_of(query)).map(|m| m.since + moved);
-            let lasts = travelled.filter(|&t| t <= options.choice * least);
-            let contacts = answer.contacts(options, self, lasts);
-            features = contacts.features;
-            self.rays = contacts.rays;
-            budget = options.drift * least;
-            if contacts.same {
-                since = lasts.unwrap_or(0.0);
-                for (old, new) in self.points.iter_mut().zip(&contacts.points[..contacts.count]) {
-                    *old = ContactPoint { id: old.id, ..*new };
-                }
-            } else {
-                self.adopt(&contacts, 2.0 * moved + budget);
-            }
+        let (features, since) = if outcome.lower <= query.options.prediction {
+            self.renew_points(query, outcome, moved)
         } else {
             self.count = 0;
-        }
-        // Where stored coordinates are not the given ones, old places would be measured more coarsely than new ones.
-        if !(a.as_given && b.as_given) {
-            budget = -1.0;
-        }
+            (outcome.features, 0.0)
+        };
         let reference = reference(outcome.features).unwrap_or(self.reference());
         let normal = outcome.normal.into_inner();
         self.made = Some(Made {
             bodies: query.bodies(),
-            options: *options,
+            options: *query.options,
             place: query.place,
             features,
             reference,
@@ -284,9 +257,34 @@ impl Manifold {
             },
             lower: outcome.lower,
             upper: outcome.upper,
-            budget,
+            budget: query.budget(outcome.lower),
             since,
         });
+    }
+
+    /// The points of an answer; the features that bear them, and how far the bodies have moved since their corners were chosen.
+    fn renew_points(&mut self, query: &Query, outcome: &Outcome, moved: f64) -> (FeaturePair, f64) {
+        let Query { a, b, options, .. } = *query;
+        let answer = Answer {
+            a,
+            b,
+            rotation: &query.rotation,
+            size: query.size(),
+            outcome,
+        };
+        let least = query.least_radius();
+        let travelled = self.made.as_ref().filter(|m| m.is_of(query)).map(|m| m.since + moved);
+        let lasts = travelled.filter(|&t| t <= options.choice * least);
+        let contacts = answer.contacts(options, self, lasts);
+        self.rays = contacts.rays;
+        if !contacts.same {
+            self.adopt(&contacts, 2.0 * moved + options.drift * least);
+            return (contacts.features, 0.0);
+        }
+        for (old, new) in self.points.iter_mut().zip(&contacts.points[..contacts.count]) {
+            *old = ContactPoint { id: old.id, ..*new };
+        }
+        (contacts.features, lasts.unwrap_or(0.0))
     }
 
     /// Takes new points in the place of the old ones: names and order stay with those of the same features, and of the others

@@ -3,7 +3,7 @@
 //!
 //! A manifold begins with a certified answer: its normal, its features, its witnesses. The features are promoted to the faces (or
 //! edges) within a small angle of the normal ([`promote`]), both are seen along it ([`shadow`]), and the corners of what they
-//! share ([`clip`], and [`rims`] for faces of many corners) are the contacts. A few of them are kept ([`reduce`]): the
+//! share ([`clip`], and [`rims`] for faces of many corners) are the contacts. A few of them are kept ([`mod@reduce`]): the
 //! deepest, and those that span the most area. [`manifold`] keeps them over frames.
 //!
 //! Every pair of points (a of A, b of B) fulfils `n . b - n . a >= lower`, the bound of the answer, so the deepest contact is the

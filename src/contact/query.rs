@@ -56,6 +56,18 @@ impl<'a> Query<'a> {
         radius(self.a).min(radius(self.b))
     }
 
+    /// How far the bodies may move before the contacts of an answer with this lower bound are made anew.
+    pub(super) fn budget(&self, lower: f64) -> f64 {
+        if !(self.a.as_given && self.b.as_given) {
+            // Where stored coordinates are not the given ones, old places would be measured more coarsely than new ones.
+            -1.0
+        } else if lower <= self.options.prediction {
+            self.options.drift * self.least_radius()
+        } else {
+            lower - self.options.prediction
+        }
+    }
+
     /// The pair's size L.
     #[inline(always)]
     pub(super) fn size(&self) -> f64 {

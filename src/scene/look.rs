@@ -80,23 +80,33 @@ impl Context<'_> {
         false
     }
 
+    /// Whether two balls are so far apart that nothing called for can be true.
+    #[inline]
+    fn is_clear(&self, head: &mut Head, reach: f64, counts: &mut Counts) -> bool {
+        let [a, b] = [head.a, head.b].map(|i| &self.bodies.balls[i as usize]);
+        let apart = least_distance(a, b);
+        if !(apart > reach) {
+            return false;
+        }
+        counts.balls += 1;
+        head.state = State {
+            known: true,
+            ..State::default()
+        };
+        head.wake = wake(self.sum(head), apart - reach);
+        true
+    }
+
     #[inline]
     fn look<A: Answer>(&self, head: &mut Head, tracker: &mut Tracker, answer: &mut A, counts: &mut Counts) {
         let plan = self.table.plan(head.class);
-        let (a, b) = (head.a as usize, head.b as usize);
-        let apart = least_distance(&self.bodies.balls[a], &self.bodies.balls[b]);
-        if apart > plan.reach {
-            counts.balls += 1;
-            head.state = State {
-                known: true,
-                ..State::default()
-            };
-            head.wake = wake(self.sum(head), apart - plan.reach);
+        if self.is_clear(head, plan.reach, counts) {
             if let Some(kept) = answer.manifold() {
                 *kept = None;
             }
             return;
         }
+        let (a, b) = (head.a as usize, head.b as usize);
         let (Some(solid_a), Some(solid_b)) = (&self.bodies.solids[a], &self.bodies.solids[b]) else {
             return;
         };

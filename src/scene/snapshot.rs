@@ -166,40 +166,13 @@ impl Snapshot {
         let shapes: Vec<_> = self.shapes.into_iter().map(Arc::new).collect();
         let lists = [self.free, self.leaving, self.owners, self.due];
         let bodies = restored_bodies(self.rows, &shapes, lists, self.velocities, self.step)?;
-        let housed = |i: usize| self.broad.contains(bodies.housed[i]);
-        let owned = |i: usize| bodies.owners.get(bodies.housed[i].index as usize) == Some(&(i as u32));
-        if !(0..bodies.generations.len()).all(|i| !bodies.lives(i) || housed(i) && owned(i)) {
-            return Err("a body of the scene has no place in its broad phase".into());
-        }
-        let there = |i: usize| {
-            bodies
-                .owners
-                .get(i)
-                .is_some_and(|o| (*o as usize) < bodies.generations.len())
-        };
-        if !self.broad.bodies().all(|id| there(id.index as usize)) {
-            return Err("a box of the scene belongs to no body".into());
-        }
-        if !self
-            .broad
-            .pairs()
-            .all(|p| [p.a, p.b].iter().all(|id| there(id.index as usize)))
-        {
-            return Err("a pair of the scene has no bodies".into());
-        }
+        check_houses(&bodies, &self.broad)?;
         let slots = self.broad.pairs().map(|p| p.id.slot as usize + 1).max().unwrap_or(0);
         let (predicates, distances, features) = (lane(self.predicates), lane(self.distances), lane(self.features));
         let contacts = lane(self.contacts);
         let lanes = Lanes::restored(predicates, distances, features, contacts, &self.told, slots);
         let lanes = lanes.ok_or("two pairs of the scene sit in one seat")?;
-        let sound = |head: &Head| {
-            let pair = self.broad.pair_of(head.pair).map(|pair| owners(&bodies, &pair));
-            let class = usize::from(head.class) < GROUPS * GROUPS;
-            class && head.a != head.b && pair == Some((head.a, head.b))
-        };
-        if !lanes.heads().all(sound) {
-            return Err("a seat of the scene is taken by no pair".into());
-        }
+        check_seats(&lanes, &bodies, &self.broad)?;
         Ok(Scene {
             bodies,
             table,
@@ -216,6 +189,37 @@ impl Snapshot {
             batch: Vec::new(),
         })
     }
+}
+
+/// Whether every body has its place in the broad phase, and every box there its body.
+fn check_houses(bodies: &Bodies, broad: &PencilSweep) -> Result<(), String> {
+    let n = bodies.generations.len();
+    let housed = |i: usize| broad.contains(bodies.housed[i]);
+    let owned = |i: usize| bodies.owners.get(bodies.housed[i].index as usize) == Some(&(i as u32));
+    if !(0..n).all(|i| !bodies.lives(i) || housed(i) && owned(i)) {
+        return Err("a body of the scene has no place in its broad phase".into());
+    }
+    let is_owned = |id: broad::BodyId| bodies.owners.get(id.index as usize).is_some_and(|o| (*o as usize) < n);
+    if !broad.bodies().all(is_owned) {
+        return Err("a box of the scene belongs to no body".into());
+    }
+    if !broad.pairs().all(|p| is_owned(p.a) && is_owned(p.b)) {
+        return Err("a pair of the scene has no bodies".into());
+    }
+    Ok(())
+}
+
+/// Whether every seat is that of a pair of the broad phase.
+fn check_seats(lanes: &Lanes, bodies: &Bodies, broad: &PencilSweep) -> Result<(), String> {
+    let sound = |head: &Head| {
+        let pair = broad.pair_of(head.pair).map(|pair| owners(bodies, &pair));
+        let class = usize::from(head.class) < GROUPS * GROUPS;
+        class && head.a != head.b && pair == Some((head.a, head.b))
+    };
+    if !lanes.heads().all(sound) {
+        return Err("a seat of the scene is taken by no pair".into());
+    }
+    Ok(())
 }
 
 /// The tables of bodies, if every list names what is there.

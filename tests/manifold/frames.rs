@@ -2,12 +2,12 @@
 
 use crate::support;
 use lab::contacts::widest_face;
-use lab::motion;
-use lab::pose::radius;
+use lab::motion::{self, Frame};
+use lab::pose::{add, radius};
 use lab::rng::Rng;
 use lab::shapes::{self, Shape};
-use lab::workload;
-use lin_canny::{FeaturePair, Manifold, ManifoldOptions, Tracker};
+use lab::{Pose, workload};
+use lin_canny::{ConvexPolyhedron, FeaturePair, Manifold, ManifoldOptions, Tracker};
 
 #[test]
 fn names_last_at_rest() {
@@ -70,6 +70,57 @@ fn sliding_contacts_keep_their_names_and_order() {
     }
 }
 
+/// Where a corner leaves the face it was over, two edges cross in its place: another pair of features, and the same contact.
+#[test]
+fn names_last_over_a_change_of_features() {
+    let plate = support::body(&shapes::cuboid([4.0, 4.0, 0.5]));
+    let cube = support::body(&shapes::cube());
+    for drift in [0.0, ManifoldOptions::default().drift] {
+        let (mut pair, mut m) = (Tracker::new(), Manifold::new());
+        let mut options = ManifoldOptions::within(0.05);
+        (options.drift, options.choice) = (drift, 0.0);
+        let (mut first, mut changed) = (None, 0);
+        for k in 0..100 {
+            let pose = support::shifted([2.95 + 0.001 * f64::from(k), 0.3, 1.49]);
+            pair.manifold(&plate, &cube, &pose, &options, &mut m);
+            let names: Vec<_> = m.points().iter().map(|p| p.id).collect();
+            assert_eq!(*first.get_or_insert(names.clone()), names, "{k}");
+            changed += usize::from(m.points().iter().any(|p| p.features != p.id));
+        }
+        assert!(changed > 40, "{changed}");
+    }
+}
+
+/// A corner to and fro over a border: its name goes to one of the two crossings that take its place, and comes back from either. No two
+/// contacts are called the same.
+#[test]
+fn names_are_never_given_twice() {
+    let plate = support::body(&shapes::cuboid([4.0, 4.0, 0.5]));
+    let cube = support::body(&shapes::cube());
+    let mut rng = Rng::new(613);
+    let mut strange = 0;
+    for _ in 0..60 {
+        let (mut pair, mut m) = (Tracker::new(), Manifold::new());
+        let mut options = ManifoldOptions::within(0.05);
+        (options.drift, options.choice, options.max_points) = (0.0, 0.0, 8);
+        let (yaw, aside) = (rng.range(0.1, 1.4), rng.range(-0.5, 0.5));
+        for k in 0..120 {
+            let x = 2.6 + 0.1 * (0.2 * f64::from(k)).sin() + rng.range(0.0, 0.02);
+            let turn = yaw + rng.range(-0.02, 0.02);
+            let frame = Frame {
+                a: Pose::IDENTITY,
+                b: Pose::turn([0.0, 0.0, 1.0], turn, [x, aside, 1.49]),
+            };
+            pair.manifold(&plate, &cube, &support::relative(&frame), &options, &mut m);
+            for (k, p) in m.points().iter().enumerate() {
+                assert!(m.points()[..k].iter().all(|q| q.id != p.id), "{m:?}");
+                strange += usize::from(m.points().iter().any(|q| q.features == p.id && q.id != p.id));
+            }
+        }
+    }
+    assert!(strange > 100, "{strange}");
+}
+
 #[test]
 fn old_manifolds_keep_their_bounds() {
     let mut rng = Rng::new(605);
@@ -130,4 +181,37 @@ fn manifolds_of_other_bodies_are_made_anew() {
     assert!(m.is_fresh());
     pair.manifold(&shaved, &cube, &pose, &ManifoldOptions::within(0.06), &mut m);
     assert!(m.is_fresh());
+}
+
+/// Points of bodies far from their own origin have fewer digits than distances between the bodies: nothing is measured from them that
+/// an answer would say better.
+#[test]
+fn bodies_far_from_their_origin_are_asked_anew() {
+    let away = [3e5, -2e5, 1e5];
+    let near = support::body(&shapes::cube());
+    let far = support::body(&shapes::cube().moved(&Pose::shift(away)));
+    let mut rng = Rng::new(612);
+    for (a, b) in [(&near, &far), (&far, &near), (&far, &far)] {
+        let (mut pair, mut m) = (Tracker::new(), Manifold::new());
+        let options = ManifoldOptions::within(0.02);
+        let home = |body: &ConvexPolyhedron| {
+            Pose::shift(if std::ptr::eq(body, &far) {
+                away.map(|x| -x)
+            } else {
+                [0.0; 3]
+            })
+        };
+        for k in 0..40 {
+            let aside = [0.3 + 1e-5 * f64::from(k), 0.2, 1.99 - 1e-6 * rng.uniform()];
+            let frame = Frame {
+                a: home(a),
+                b: Pose::shift(add(home(b).t, aside)),
+            };
+            let pose = support::relative(&frame);
+            pair.manifold(a, b, &pose, &options, &mut m);
+            let truth = Tracker::new().closest(a, b, &pose);
+            let deepest = m.deepest().expect("cube on cube").separation;
+            assert!((deepest - truth.distance).abs() <= 1e-14, "{k}: {m:?} {truth:?}");
+        }
+    }
 }

@@ -112,7 +112,7 @@ impl Run<'_> {
                 Some(bounds) => bounds,
                 // Faulty, unbounded or far: looked at more closely.
                 None => match checked(aabb, origin, context.grid, record.flags()) {
-                    Ok(bounds) => bounds,
+                    Ok(stored) => Bounds::from_box(&stored),
                     Err(fault) => {
                         let fault = BroadPhaseError::from_fault(fault, Some(*id));
                         error = BatchError::joined(error, Some(BatchError::one(place, fault)));

@@ -71,7 +71,7 @@ impl Context<'_> {
 }
 
 /// The stored form of a box, or what is wrong with it.
-pub(super) fn checked(aabb: &Aabb, origin: &Point3<f64>, grid: &Grid, flags: u32) -> Result<Bounds, BoxFault> {
+pub(super) fn checked(aabb: &Aabb, origin: &Point3<f64>, grid: &Grid, flags: u32) -> Result<StoredBox, BoxFault> {
     let fault = if flags & UNBOUNDED == 0 {
         aabb.fault()
     } else {
@@ -79,7 +79,7 @@ pub(super) fn checked(aabb: &Aabb, origin: &Point3<f64>, grid: &Grid, flags: u32
     };
     match fault {
         Some(fault) => Err(fault),
-        None => Ok(Bounds::from_box(&StoredBox::outward(aabb, origin).rotated(grid.axis))),
+        None => Ok(StoredBox::outward(aabb, origin).rotated(grid.axis)),
     }
 }
 

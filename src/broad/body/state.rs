@@ -56,14 +56,12 @@ impl Bodies {
 }
 
 impl BodiesState {
-    pub(crate) fn restored(self) -> Result<Bodies, String> {
+    /// Whether every list names bodies that are there, none twice, and step and origin are sound.
+    fn check(&self) -> Result<(), String> {
         let n = self.rows.len();
         let lists = [&self.free, &self.leaving, &self.regrouped, &self.unbounded, &self.moved];
-        if n > MOST_BODIES
-            || lists
-                .iter()
-                .any(|list| list.len() > n || list.iter().any(|i| *i as usize >= n))
-        {
+        let is_known = |list: &&Vec<u32>| list.len() <= n && list.iter().all(|i| (*i as usize) < n);
+        if n > MOST_BODIES || !lists.iter().all(is_known) {
             return Err("a list of the broad phase names a body that is not there".into());
         }
         let once = |list: &Vec<u32>| {
@@ -75,13 +73,18 @@ impl BodiesState {
         if !once(&removed) || !once(&self.unbounded) || !once(&self.moved) {
             return Err("a list of the broad phase names a body twice".into());
         }
-        let dead = |i: &u32| self.rows[*i as usize].generation.is_multiple_of(2);
         if self.step == 0 || !self.origin.iter().all(|v| v.is_finite()) {
             return Err("the broad phase has no sound step or origin".into());
         }
-        if !self.free.iter().chain(&self.leaving).all(dead) {
+        let is_dead = |i: &u32| self.rows[*i as usize].generation.is_multiple_of(2);
+        if !removed.iter().all(is_dead) {
             return Err("a living body of the broad phase is listed as removed".into());
         }
+        Ok(())
+    }
+
+    pub(crate) fn restored(self) -> Result<Bodies, String> {
+        self.check()?;
         let mut bodies = Bodies::new(self.origin);
         bodies.step = self.step;
         for row in &self.rows {
