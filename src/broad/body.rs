@@ -99,7 +99,7 @@ pub(crate) struct Bodies {
     pub(crate) records: Vec<Record>,
     details: Vec<Detail>,
     /// Odd while the body lives, one more after.
-    generations: Vec<u32>,
+    pub(super) generations: Vec<u32>,
     free: Vec<u32>,
     /// Removed bodies whose pairs end with the next step.
     pub(crate) leaving: Vec<u32>,

@@ -1,4 +1,4 @@
-//! What happens when indices run out, with few of them.
+//! What happens when indices, generations or steps run out, with few of them.
 
 use super::pairs::Most;
 use super::{Aabb, Body, BodyId, BroadPhase, BroadPhaseError, PencilSweep, SortedAxes};
@@ -74,4 +74,46 @@ fn pairs_without_slot(mut broad: impl BroadPhase) {
 fn pairs_without_a_slot_are_told_and_change_nothing() {
     pairs_without_slot(PencilSweep::new());
     pairs_without_slot(SortedAxes::new());
+}
+
+fn last_generation(mut broad: impl BroadPhase) {
+    let first = broad.insert(&cube(0.0), Body::moving()).expect("there is room");
+    let last = BodyId {
+        generation: u32::MAX - 2,
+        ..first
+    };
+    broad.ledger_mut().bodies.generations[first.index as usize] = last.generation;
+    broad.remove(last).expect("it is there");
+    broad.step();
+    let next = broad.insert(&cube(0.0), Body::moving()).expect("there is room");
+    assert_ne!(next.index, last.index);
+    assert!(!broad.contains(first) && !broad.contains(last));
+}
+
+#[test]
+fn an_index_of_the_last_generation_is_not_given_again() {
+    last_generation(PencilSweep::new());
+    last_generation(SortedAxes::new());
+}
+
+/// What moved in a step long ago has not moved in the one that has its number again.
+fn last_step(mut broad: impl BroadPhase) {
+    for x in [0.0, 0.1, 9.0] {
+        broad.insert(&cube(x), Body::moving()).expect("there is room");
+    }
+    let mover = broad.insert(&cube(20.0), Body::moving()).expect("there is room");
+    assert_eq!(broad.step().began.len(), 1);
+    broad.ledger_mut().bodies.step = u32::MAX;
+    for x in [21.0, 22.0, 9.1, 22.0] {
+        broad.set_box(mover, &cube(x)).expect("it is there");
+        let meets = usize::from(x < 10.0);
+        assert_eq!(broad.step().began.len(), meets, "{x}");
+    }
+    assert_eq!((broad.step().ended.len(), broad.pair_count()), (0, 1));
+}
+
+#[test]
+fn steps_are_numbered_anew() {
+    last_step(PencilSweep::new());
+    last_step(SortedAxes::new());
 }

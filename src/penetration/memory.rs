@@ -13,7 +13,7 @@ use crate::scalar::Vec3;
 use super::surface::Surface;
 
 /// Triangles that are worth their memory: their numbers fit a byte.
-const MOST: usize = 256;
+pub(super) const MOST: usize = 256;
 
 /// Points of so many triangles.
 pub(super) const MOST_POINTS: usize = MOST / 2 + 2;

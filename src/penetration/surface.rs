@@ -12,15 +12,15 @@ mod names;
 use alloc::vec::Vec;
 
 use super::direction::{least, normal, unit};
-use super::memory::MOST_POINTS;
+use super::memory::MOST;
 use super::queue::{Entry, Queue};
 use crate::closest::simplex::{Corner, Simplex};
 use crate::scalar::{Scalar, Vec3, cross, dot, sub};
 use grow::Border;
 use names::Names;
 
-/// So many points are looked through about as soon as looked up; all that a tracker takes room for, so that its queries allocate nothing.
-const SCANNED: usize = MOST_POINTS;
+/// So many points are looked through, hardly later than looked up: those that a tracker takes room for, so that queries allocate nothing.
+const SCANNED: usize = MOST;
 
 /// One triangle, its corners counter-clockwise seen from outside.
 #[derive(Clone, Copy, Debug, Default)]
