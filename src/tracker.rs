@@ -13,7 +13,7 @@ use crate::closest::placed::Placed;
 use crate::closest::trace::trace;
 use crate::closest::{self, far};
 use crate::penetration::{self, Memory};
-use crate::polyhedron::{ConvexPolyhedron, FeaturePair, power_of_two};
+use crate::polyhedron::{ConvexPolyhedron, FeaturePair};
 use crate::pose::{RelativePose, Which};
 use crate::replay::Replay;
 
@@ -208,8 +208,7 @@ impl Tracker {
         (level, deep): (Level, bool),
         outcome: &mut Outcome,
     ) {
-        if b.exponent > a.exponent {
-            // In the units of B, which are the larger.
+        if a.exponent != b.exponent && has_the_unit(b, a) {
             self.solve_in_units_of_b(a, b, a_from_b, (level, deep), outcome);
         } else if let Ok(placed) = Placed::new(a, b, a_from_b) {
             if deep && !self.memory.is_empty() && self.resume(&placed, outcome) {
@@ -402,10 +401,16 @@ pub(crate) fn clear_of(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &Relati
     pose.translation().norm_squared() > reach * reach * (1.0 + 1.0 / 1_048_576.0)
 }
 
+/// Whether a pair of different units is asked in those of `x`: they are the larger, or `y` is a point, which has no size of its own.
+#[cold]
+fn has_the_unit(x: &ConvexPolyhedron, y: &ConvexPolyhedron) -> bool {
+    y.radius == 0.0 || x.exponent > y.exponent && x.radius > 0.0
+}
+
 /// From stored units and frames to the caller's.
 #[cold]
 fn give_back(a: &ConvexPolyhedron, b: &ConvexPolyhedron, outcome: &mut Outcome) {
-    let unit = power_of_two(a.exponent.max(b.exponent));
+    let unit = if has_the_unit(b, a) { b.unit() } else { a.unit() };
     outcome.distance *= unit;
     outcome.lower *= unit;
     outcome.upper *= unit;

@@ -81,6 +81,41 @@ fn closest_points_are_optimal() {
     assert!(inside > 50 && outside > 500, "{inside} {outside}");
 }
 
+/// Beyond the end of a face that is a line but for rounding every side says "inside" by rounding alone.
+#[test]
+fn closest_points_beyond_faces_that_are_nearly_lines() {
+    use lin_canny::{RelativePose, Tracker, nalgebra::Isometry3};
+    let mut rng = Rng::new(77);
+    let (mut apart, mut thin) = (0, 0);
+    for k in 0..2000 {
+        let mut whole = || Vector3::from_fn(|_, _| rng.int(-4, 4) as f64);
+        let (start, along, aside) = (whole(), whole(), whole());
+        // Decimal fractions: points of a line that rounding puts beside it.
+        let at = |t: i32, s: f64| Point3::from((start + along * f64::from(t) + aside * s) * 0.85);
+        let flat = [at(-2, 0.0), at(0, 0.0), at(1, 0.0)];
+        let body = if k % 2 == 0 {
+            ConvexPolyhedron::polygon(&flat)
+        } else {
+            ConvexPolyhedron::from_points(&[flat[0], flat[1], flat[2], at(-1, 1e-15), at(0, -1e-15)])
+        };
+        let Ok(body) = body else { continue };
+        thin += 1;
+        for p in [at(3, 0.0), at(-6, 0.0), at(4, 1e-3), at(2, 1.0)] {
+            let point = ConvexPolyhedron::point(p).unwrap();
+            let here = RelativePose::from_isometry(&Isometry3::identity()).unwrap();
+            let o = Tracker::new().closest(&body, &point, &here);
+            let distance = (body.closest_point(&p).unwrap() - p).norm();
+            let size = 40.0;
+            assert!(
+                (distance - o.distance.max(0.0)).abs() <= 1e-14 * size,
+                "{flat:?} {p}: {distance:e} {o:?}"
+            );
+            apart += usize::from(o.distance > 0.1);
+        }
+    }
+    assert!(thin > 300 && apart > 600, "{thin} {apart}");
+}
+
 #[test]
 fn links_agree_and_foreign_ids_are_refused() {
     let large = solids::random_hull(40, Vector3::repeat(1.0), 2).unwrap();

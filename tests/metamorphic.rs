@@ -58,6 +58,11 @@ fn size(frame: &Frame) -> f64 {
     2.0 * 3f64.sqrt() + lab::pose::norm(lab::pose::sub(frame.b.t, frame.a.t))
 }
 
+/// Whether two distances are within a unit in the last place: of one halfway between two doubles either may be the answer.
+fn neighbours(x: f64, y: f64) -> bool {
+    x.next_down() <= y && y <= x.next_up()
+}
+
 /// The numbers of an answer times `unit`, bit for bit.
 fn bits(o: &Outcome, unit: f64) -> Vec<u64> {
     let lengths = [o.distance, o.lower, o.upper].into_iter();
@@ -88,7 +93,7 @@ proptest! {
             agree(x, y, size(&frame))?;
         }
         if x[1].class == Class::Separated {
-            prop_assert_eq!(x[1].distance.to_bits(), y[1].distance.to_bits(), "correctly rounded either way");
+            prop_assert!(neighbours(x[1].distance, y[1].distance), "{:?} {:?}", x[1], y[1]);
         }
     }
 
@@ -160,7 +165,7 @@ proptest! {
             agree(x, y, size(&frame))?;
         }
         if cold[1].class == Class::Separated {
-            prop_assert_eq!(warm[1].distance.to_bits(), cold[1].distance.to_bits());
+            prop_assert!(neighbours(warm[1].distance, cold[1].distance), "{:?} {:?}", warm[1], cold[1]);
         }
         for d in [0.0, warm[0].lower, warm[0].distance, warm[0].upper, 1.0] {
             let (mut x, mut y) = (pair.clone(), Tracker::new());

@@ -3,6 +3,8 @@
 
 mod support;
 
+use std::cmp::Ordering;
+
 use lab::bound;
 use lab::motion::{Frame, random_poses};
 use lab::pose::{add, norm, radius, scale, sub};
@@ -234,4 +236,77 @@ fn distances_up_to_the_largest_number() {
     }
     let far = |x: f64| lin_canny::nalgebra::Isometry3::translation(x, 0.0, 0.0);
     assert!(RelativePose::new(&far(-1.7e308), &far(1.7e308)).is_err());
+}
+
+/// A point has no size of its own: it is asked in the other body's unit, however small, and wherever it stands in its own frame.
+#[test]
+fn points_in_and_beside_bodies_of_any_size() {
+    let ask = |body: &ConvexPolyhedron, point: &ConvexPolyhedron, pose: &RelativePose| {
+        let mut t = Tracker::new();
+        let cold = t.closest(body, point, pose);
+        let back = Tracker::new().closest(point, body, &pose.swapped());
+        assert_eq!(t.intersects(body, point, pose), cold.class != Class::Separated);
+        [cold, t.closest(body, point, pose), back]
+    };
+    for by in [1e-99, 1e-95, 1e-90, 1e-60, 1.0, 1e60, 1e99] {
+        let octahedron = body(&scaled(&shapes::octahedron(), by));
+        for place in [[0.0; 3], [0.3, -2.0, 7.0], [5e8, 2.0, -1.0]] {
+            let p = scale(place, by);
+            let point = ConvexPolyhedron::point(p.into()).unwrap();
+            let offset = norm(p);
+            for x in [0.0, 0.25, 0.9, 1.0, 1.5, 1e3] {
+                // Where the point really is: differences of doubles that near are exact.
+                let t = sub([x * by, 0.0, 0.0], p);
+                let at = add(p, t)[0] / by;
+                let truth = if at > 1.0 { at - 1.0 } else { (at - 1.0) / 3f64.sqrt() } * by;
+                for o in ask(&octahedron, &point, &support::shifted(t)) {
+                    let size = by * (1.0 + at) + offset * 2f64.powi(-49);
+                    assert!(o.upper - o.lower <= 1e-13 * size, "{by:e} {place:?} {x}: {o:?}");
+                    assert!(
+                        (o.distance - truth).abs() <= 1e-14 * size,
+                        "{by:e} {place:?} {x}: {o:?}"
+                    );
+                    // Beside its own origin a point touches but for the rounding of its place.
+                    let class = match at.total_cmp(&1.0) {
+                        Ordering::Less => Class::Overlapping,
+                        Ordering::Equal => Class::Touching,
+                        Ordering::Greater => Class::Separated,
+                    };
+                    assert!(
+                        o.class == class || x == 1.0 && offset > 0.0,
+                        "{by:e} {place:?} {x}: {o:?}"
+                    );
+                }
+            }
+        }
+    }
+}
+
+/// Bodies whose place in their own frame leaves nothing of them in doubles: class and bounds are right all the same.
+#[test]
+fn points_beyond_all_measure_from_their_own_origin() {
+    let cube = body(&shapes::cube());
+    for away in [1e30, 1e60, 1e80, 1e99, 1e115] {
+        let p = [away, -0.3 * away, 0.7 * away];
+        let point = ConvexPolyhedron::point(p.into()).unwrap();
+        let pose = support::shifted(scale(p, -1.0));
+        for o in [
+            Tracker::new().closest(&cube, &point, &pose),
+            Tracker::new().closest(&point, &cube, &pose.swapped()),
+        ] {
+            assert_eq!(o.class, Class::Overlapping, "{away:e}: {o:?}");
+            let held = o.lower <= -1.0 && -1.0 <= o.upper && o.upper - o.lower <= 1e-13 * (4.0 + away * 2f64.powi(-49));
+            assert!(held, "{away:e}: {o:?}");
+        }
+        // Two points a little apart, of which one shift takes the greater part away.
+        let near = support::shifted(add(scale(p, -1.0), [3e-12 * away, 0.0, 0.0]));
+        let other = ConvexPolyhedron::point([0.0; 3].into()).unwrap();
+        let o = Tracker::new().closest(&other, &point, &near);
+        let apart = (3e-12 * away - away) + away;
+        assert!(
+            o.upper - o.lower <= 1e-13 * (apart + away * 2f64.powi(-49)),
+            "{away:e}: {o:?}"
+        );
+        assert!(o.lower <= apart && apart <= o.upper, "{away:e}: {apart:e} {o:?}");
+    }
 }

@@ -228,6 +228,15 @@ impl StoredBox {
         }
     }
 
+    /// A box that every box at most `by` away from this one overlaps: the differences of bounds are rounded, so a little more.
+    pub(crate) fn grown(&self, by: f64) -> Self {
+        let by = by.next_up();
+        Self {
+            lo: self.lo.map(|v| rounded_down(f64::from(v) - by) + 0.0),
+            hi: self.hi.map(|v| 0.0 - rounded_down(-f64::from(v) - by)),
+        }
+    }
+
     /// Squared distance between the boxes in `f64`, zero when they overlap.
     pub(crate) fn distance_squared(&self, other: &Self) -> f64 {
         let gap = |k: usize| {

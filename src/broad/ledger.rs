@@ -26,6 +26,9 @@ pub trait HasLedger {
     fn ledger(&self) -> &Ledger;
     #[doc(hidden)]
     fn ledger_mut(&mut self) -> &mut Ledger;
+    /// Appends the bodies whose boxes overlapped a stored box in the last step, in ascending order.
+    #[doc(hidden)]
+    fn overlapping_stored(&self, asked: &StoredBox, found: &mut Vec<BodyId>);
 }
 
 /// A body and the distance of its box from the box asked about.
@@ -141,6 +144,7 @@ pub(super) fn nearest<B: BroadPhase + ?Sized>(
 ) -> Result<Vec<Nearest>, BroadPhaseError> {
     let bodies = &broad.ledger().bodies;
     let asked = bodies.stored(aabb, 0)?;
+    let back = 3 - bodies.grid.axis;
     let mut out: Vec<Nearest> = Vec::new();
     if count == 0 || farthest.is_nan() || farthest < 0.0 {
         return Ok(out);
@@ -149,13 +153,13 @@ pub(super) fn nearest<B: BroadPhase + ?Sized>(
     let mut reach = f64::from(bodies.grid.width).min(farthest);
     loop {
         found.clear();
-        let grown = aabb.grown(reach);
-        broad.overlapping(&grown, &mut found)?;
+        broad.overlapping_stored(&asked.grown(reach), &mut found);
         let distance = |id: &BodyId| {
             let stored = bodies.records[id.index as usize].before(bodies.step).to_box();
             Nearest {
                 body: *id,
-                distance: libm::sqrt(stored.distance_squared(&asked)),
+                // With axes in one order, whichever is swept: the sum is the same to the last bit.
+                distance: libm::sqrt(stored.rotated(back).distance_squared(&asked.rotated(back))),
             }
         };
         out.clear();

@@ -90,7 +90,11 @@ pub trait BroadPhase: HasLedger {
     ///
     /// # Errors
     /// When a bound of the box is NaN or the box is inverted. It may be infinite.
-    fn overlapping(&self, aabb: &Aabb, found: &mut Vec<BodyId>) -> Result<(), BroadPhaseError>;
+    fn overlapping(&self, aabb: &Aabb, found: &mut Vec<BodyId>) -> Result<(), BroadPhaseError> {
+        let asked = self.ledger().asked(aabb)?;
+        self.overlapping_stored(&asked, found);
+        Ok(())
+    }
 
     /// [`step_with`](Self::step_with) a filter that lets every pair pass.
     fn step(&mut self) -> Events<'_> {

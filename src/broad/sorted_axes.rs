@@ -5,7 +5,7 @@ use super::body::{Bodies, Record};
 use super::change::{Changes, overlap};
 use super::ledger::{HasLedger, Ledger};
 use super::parallel::Threads;
-use super::{Aabb, BodyId, BroadPhase, BroadPhaseError, Events, Settings, StoredBox};
+use super::{BodyId, BroadPhase, Events, Settings, StoredBox};
 use alloc::vec::Vec;
 
 /// Sweep and prune on three sorted axes, as the thesis has it; the reference.
@@ -166,6 +166,10 @@ impl HasLedger for SortedAxes {
     fn ledger_mut(&mut self) -> &mut Ledger {
         &mut self.ledger
     }
+
+    fn overlapping_stored(&self, asked: &StoredBox, found: &mut Vec<BodyId>) {
+        self.ledger.overlapping_of_all(asked, found);
+    }
 }
 
 impl BroadPhase for SortedAxes {
@@ -182,12 +186,6 @@ impl BroadPhase for SortedAxes {
         };
         self.ledger.take_over(filter, partners, Threads::ONE);
         self.ledger.pairs.events(&self.ledger.bodies)
-    }
-
-    fn overlapping(&self, aabb: &Aabb, found: &mut Vec<BodyId>) -> Result<(), BroadPhaseError> {
-        let asked = self.ledger.asked(aabb)?;
-        self.ledger.overlapping_of_all(&asked, found);
-        Ok(())
     }
 
     fn bytes(&self) -> usize {

@@ -42,27 +42,33 @@ pub(crate) fn answer(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &Relative
         layer: Layer::Far,
         work: Work::default(),
     };
-    // Two points that f64 cannot tell apart, or that stand far from their own origins.
+    // Two points that f64 cannot tell apart, or bodies that stand far from their own origins.
     #[cfg(feature = "exact")]
-    if class != Class::Separated {
+    if class != Class::Separated || offsets > distance {
         return exactly(a, b, pose, outcome);
     }
     outcome
 }
 
-/// The same answer with class and distance by exact arithmetic.
+/// The same answer with class and distance by exact arithmetic. The depth of an overlap is at most the sum of the radii, which bounds it
+/// well enough: bodies that overlap here are smaller than the rounding of their places, so far from their own origins they stand.
 #[cfg(feature = "exact")]
 #[cold]
 pub(crate) fn exactly(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &RelativePose, outcome: Outcome) -> Outcome {
     let hint = outcome.features.vertices_of(a, b);
-    let Some((apart, distance)) = super::exact::separation(a, b, pose, hint) else {
+    let Some((class, distance)) = super::exact::separation(a, b, pose, hint) else {
         return outcome;
     };
+    let (lower, upper) = match class {
+        Class::Separated => (distance.next_down().max(0.0), distance.next_up()),
+        Class::Overlapping => ((-a.radius * a.unit() - b.radius * b.unit()).next_down(), 0.0),
+        _ => (0.0, 0.0),
+    };
     Outcome {
-        class: if apart { Class::Separated } else { Class::Touching },
+        class,
         distance,
-        lower: if apart { distance.next_down().max(0.0) } else { 0.0 },
-        upper: if apart { distance.next_up() } else { 0.0 },
+        lower,
+        upper,
         work: Work {
             exacts: outcome.work.exacts + 1,
             ..outcome.work

@@ -213,7 +213,7 @@ impl Seen<'_> {
         } else if a.is_large() || b.is_large() {
             let middle = |p: &Point3<f64>| a.place_of(&self.answer.a.stored(p));
             let hint = before.middle().as_ref().map(middle);
-            rims::clip(a, b, hint, options.most(), rays, corners);
+            rims::clip([a, b], noise, hint, options.most(), rays, corners);
         } else {
             clip::clip(a, b, noise, corners);
         }

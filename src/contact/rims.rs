@@ -5,6 +5,8 @@
 //! the longest sides of what is known. So of two discs of `m` corners `log m` are looked at for each
 //! ray, and not all corners of what they share are found: more than are wanted, spread over it.
 
+use core::cmp::Ordering;
+
 use super::MOST_POINTS;
 use super::clip::crossing;
 use super::corners::{Corners, On};
@@ -39,6 +41,20 @@ impl Shadow<'_> {
     pub(super) fn middle(&self) -> Place {
         let [p, q, r] = [0, self.count / 3, 2 * self.count / 3].map(|k| self.place(k));
         [0, 1].map(|k| (p[k] + q[k] + r[k]) / 3.0)
+    }
+
+    /// Whether the face is no wider than `noise`, so that rounding decides where rays leave it. Of a large one a triangle in it tells.
+    fn is_sliver(&self, noise: f64) -> bool {
+        let count = if self.is_large() { 3 } else { self.count };
+        let seen = |k: usize| minus(self.place(k * self.count / count), self.place(0));
+        let (mut area, mut reach) = (0.0, 0.0f64);
+        for k in 2..count {
+            let (p, q) = (seen(k - 1), seen(k));
+            area += turn(p, q);
+            reach = reach.max(dot(p, p)).max(dot(q, q));
+        }
+        // Written so that NaN is one.
+        !self.is_edge() && !(area.abs() > noise * sqrt(reach))
     }
 
     /// Where the ray from `from`, inside the face, leaves it: by which edge, and after how many times `way`. A ray that leaves by
@@ -151,8 +167,19 @@ pub(super) struct Rims<'a> {
     count: usize,
 }
 
-/// Corners of what two faces share, enough to choose `most` from. `hint`: a place that may be in the middle of it.
-pub(super) fn clip(a: &Shadow, b: &Shadow, hint: Option<Place>, most: usize, rays: &mut Rays, corners: &mut Corners) {
+/// Corners of what two faces share, enough to choose `most` from; none of slivers no wider than `noise`. `hint`: a place that may be in
+/// the middle of it.
+pub(super) fn clip(
+    [a, b]: [&Shadow; 2],
+    noise: f64,
+    hint: Option<Place>,
+    most: usize,
+    rays: &mut Rays,
+    corners: &mut Corners,
+) {
+    if a.is_sliver(noise) || b.is_sliver(noise) {
+        return;
+    }
     let Some(mut centre) = inside(a, b, hint) else { return };
     let mut rims = Rims { a, b, rays, count: 0 };
     let first = corners.all().len();
@@ -192,10 +219,18 @@ impl Rims<'_> {
         // Counter-clockwise from the first.
         let start = minus(found[0].at, middle);
         let half = |p: Place| turn(start, p) < 0.0 || turn(start, p) == 0.0 && dot(start, p) < 0.0;
-        found[1..].sort_unstable_by(|c, d| {
-            let (u, v) = (minus(c.at, middle), minus(d.at, middle));
+        let order = |p: Place, q: Place| {
+            let (u, v) = (minus(p, middle), minus(q, middle));
             half(u).cmp(&half(v)).then(turn(v, u).total_cmp(&turn(u, v)))
-        });
+        };
+        // By hand: to rounding this is no order, which the sorts of the library may end by a panic.
+        for end in 2..count {
+            let mut k = end;
+            while k > 1 && order(found[k].at, found[k - 1].at) == Ordering::Less {
+                found.swap(k, k - 1);
+                k -= 1;
+            }
+        }
         let mut longest = (0.0, [f64::NAN; 2], [0.0; 2]);
         for k in 0..count {
             let (p, q) = (found[k].at, found[(k + 1) % count].at);

@@ -6,7 +6,7 @@ use super::cloud::flush_below;
 use super::sign::{projection, turn};
 use super::{ConvexPolyhedron, VertexId};
 use crate::scalar::sqrt;
-use crate::tolerance::{FAR_POINT, NEAR_PLANE};
+use crate::tolerance::{FAR_POINT, FOOT, NEAR_PLANE};
 
 impl ConvexPolyhedron {
     /// A vertex farthest along a direction of any length, proven so up to the rounding of `direction . vertex`; among
@@ -115,8 +115,9 @@ impl ConvexPolyhedron {
         half / half.amax() * far
     }
 
-    /// The foot of the perpendicular from `p` to a face, where it falls within the rim. Seen from behind it is a point
-    /// of the body too, and the closest one where rounding misjudges the side.
+    /// The foot of the perpendicular from `p` to a face, where it falls within the rim beyond rounding: nearer to an edge than that the
+    /// edge is as good, and of a face that is little more than a line every side is rounding. Seen from behind the foot is a point of the
+    /// body too, and the closest one where rounding misjudges the side.
     fn foot_on_face(&self, f: u32, p: &Vector3<f64>) -> Option<Vector3<f64>> {
         let n = self.planes[f as usize].normal;
         let a = self.points[self.topology.from(self.topology.rim_start(f)) as usize];
@@ -124,7 +125,8 @@ impl ConvexPolyhedron {
         let inside = self.topology.rim(f).all(|h| {
             let e = self.topology.half_edge(h);
             let from = self.points[self.topology.from(h) as usize];
-            (self.points[e.to as usize] - from).cross(&(p - from)).dot(&n) >= 0.0
+            let (edge, to) = (self.points[e.to as usize] - from, p - from);
+            edge.cross(&to).dot(&n) > FOOT * sqrt(edge.norm_squared() * to.norm_squared())
         });
         inside.then(|| p - n * height)
     }

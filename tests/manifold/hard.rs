@@ -178,3 +178,35 @@ fn a_tip_of_thousands_of_faces_is_promoted_to_the_right_one() {
     }
     assert!(faces > 200 && tips > 30, "{faces} {edges} {tips}");
 }
+
+/// A face no wider than rounding upon one of many corners: rays in it leave anywhere, and its middle may lie outside.
+#[test]
+fn slivers_upon_large_faces_hold_their_contacts() {
+    let mut rng = Rng::new(608);
+    let plate = support::body(&shapes::prism(100, 1.0, 0.5));
+    let size = |p: Point| norm(p);
+    let (mut many, mut few) = (0, 0);
+    for _ in 0..600 {
+        let (m, width) = (3 + rng.below(20), rng.log_range(1e-18, 1.0));
+        let corner = |k: usize| std::f64::consts::TAU * (k as f64 + 0.3) / m as f64;
+        let rim: Vec<Point> = (0..m)
+            .map(|k| [width * corner(k).cos(), corner(k).sin(), 0.0])
+            .collect();
+        let points: Vec<_> = rim.iter().map(|&p| p.into()).collect();
+        let Ok(blade) = ConvexPolyhedron::polygon(&points) else {
+            continue;
+        };
+        let t = [rng.range(-1.0, 1.0), rng.range(-1.0, 1.0), 0.5 + rng.range(-1e-3, 1e-3)];
+        let b = Pose::turn([0.0, 0.0, 1.0], rng.range(0.0, 6.0), t);
+        let frame = Frame { a: Pose::IDENTITY, b };
+        let m = manifold(&plate, &blade, &frame, &exact(0.01, 8));
+        for contact in m.points() {
+            let off = |body: &ConvexPolyhedron, p| (body.closest_point(&p).unwrap() - p).into();
+            let (on_a, on_b) = (contact.point_on_a, contact.point_on_b);
+            let (a, b): (Point, Point) = (off(&plate, on_a), off(&blade, on_b));
+            assert!(size(a) <= 1e-13 && size(b) <= 1e-13, "{width:e}: {contact:?}");
+        }
+        *(if m.points().len() > 2 { &mut many } else { &mut few }) += 1;
+    }
+    assert!(many > 200 && few > 50, "{many} {few}");
+}

@@ -12,7 +12,7 @@ use super::change::note_unbounded;
 use super::grid::Grid;
 use super::ledger::{HasLedger, Ledger};
 use super::parallel::{Threads, join};
-use super::{Aabb, BatchError, BodyId, BroadPhase, BroadPhaseError, Events, Settings};
+use super::{Aabb, BatchError, BodyId, BroadPhase, Events, Settings, StoredBox};
 use alloc::vec::Vec;
 use column::{ARRIVING, Column};
 pub use query::Pencil;
@@ -287,6 +287,19 @@ impl HasLedger for PencilSweep {
     fn ledger_mut(&mut self) -> &mut Ledger {
         &mut self.ledger
     }
+
+    fn overlapping_stored(&self, asked: &StoredBox, found: &mut Vec<BodyId>) {
+        let bodies = &self.ledger.bodies;
+        let first = found.len();
+        query::overlapping(
+            bodies,
+            &self.columns,
+            &Bounds::from_box(asked),
+            |r| r.before(bodies.step),
+            |i| found.push(bodies.id(i)),
+        );
+        found[first..].sort_unstable();
+    }
 }
 
 impl BroadPhase for PencilSweep {
@@ -314,22 +327,6 @@ impl BroadPhase for PencilSweep {
         };
         self.ledger.take_over(filter, partners, threads);
         self.ledger.pairs.events(&self.ledger.bodies)
-    }
-
-    fn overlapping(&self, aabb: &Aabb, found: &mut Vec<BodyId>) -> Result<(), BroadPhaseError> {
-        let Ledger { bodies, .. } = &self.ledger;
-        let asked = self.ledger.asked(aabb)?;
-        let first = found.len();
-        let visit = |i: u32| found.push(bodies.id(i));
-        query::overlapping(
-            bodies,
-            &self.columns,
-            &Bounds::from_box(&asked),
-            |r| r.before(bodies.step),
-            visit,
-        );
-        found[first..].sort_unstable();
-        Ok(())
     }
 
     fn bytes(&self) -> usize {

@@ -274,17 +274,22 @@ fn distance(pair: &Pair, at: &Nearest) -> f64 {
     root(&num.unsigned_abs(), &den.unsigned_abs(), pair.exponent)
 }
 
-/// Of two bodies of which it is known that they do not overlap: whether they are apart, and their distance in the
-/// caller's units, correctly rounded (which may be zero).
+/// The class, and the distance in the caller's units, correctly rounded (which may be zero for bodies apart, and is for others).
 pub(crate) fn separation(
     a: &ConvexPolyhedron,
     b: &ConvexPolyhedron,
     pose: &RelativePose,
     hint: (u32, u32),
-) -> Option<(bool, f64)> {
+) -> Option<(Class, f64)> {
     let pair = Pair::new(a, b, pose);
     let at = pair.nearest(hint)?;
-    Some((!is_zero(&at.direction), distance(&pair, &at)))
+    if !is_zero(&at.direction) {
+        return Some((Class::Separated, distance(&pair, &at)));
+    }
+    Some(match pair.locate(&at, hint) {
+        Origin::Boundary(_) => (Class::Touching, 0.0),
+        Origin::Interior => (Class::Overlapping, 0.0),
+    })
 }
 
 /// The convex combinations of the corners' vertices in stored coordinates, rounded.
