@@ -21,11 +21,11 @@
 //!
 //! * **The walk has no accuracy to choose.** It ends on the closest features after a look or two, exact up to rounding, and has
 //!   nothing with bounds to stop at before. An iterative solver is often sold with a tolerance; on polytopes it buys nothing here.
-//! * **The proof is cheap.** [`Tracker::closest`](crate::Tracker::closest) takes some five to ten nanoseconds more than the walk's word.
-//! * **An allowed error saves time between frames**, not within one: [`Watch`](crate::Watch) answers from how far the bodies
-//!   have moved since the last look. It pays where a frame moves the bodies by less than the error; where it has to look every time
-//!   it costs a third more.
-//! * **The last bit is dear**: [`closest_exact`](crate::Tracker) takes microseconds, some fifty times a certified answer.
+//! * **The proof is cheap.** [`Tracker::closest`](crate::Tracker::closest) takes one to three nanoseconds more than the walk's word.
+//! * **An allowed error saves little**: [`Watch`](crate::Watch) answers from how far the bodies have moved since the last look, and to find
+//!   that out takes nearly as long as a tracked query. It pays, by up to a sixth, where a frame moves the bodies by much less than the
+//!   error; where it has to look every time it costs half as much again.
+//! * **The last bit is dear**: [`closest_exact`](crate::Tracker) takes microseconds, some hundred times a certified answer.
 //!
 //! A slower motion, 0.05 degrees a frame, and 512 vertices, each engine and level a point with its spread (a tracked query is the same
 //! at any error allowed below what a frame moves; parry's `distance` keeps nothing between frames):
@@ -35,14 +35,14 @@
 //! # Motion
 //!
 //! What a frame moves is what a tracked query pays for; from ten degrees on it begins anew instead. A
-//! [`Watch`](crate::Watch) wins where a frame moves less than its error.
+//! [`Watch`](crate::Watch) wins a little where a frame moves much less than its error.
 //!
 #![doc = include_str!("../images/motion.svg")]
 //!
 //! # Finer shapes
 //!
 //! A sphere replaced by a hull of n vertices is wrong by some `1/n` of the pair's size. The walk hardly cares how many there are:
-//! it takes less than five times as long for 100,000 as for 12.
+//! it takes some five times as long for 100,000 as for 12.
 //!
 #![doc = include_str!("../images/geometry.svg")]
 //!
@@ -76,8 +76,8 @@
 //!
 //! # Where this crate loses
 //!
-//! * Exact distances: parry's f64 answer for bodies of eight vertices is right to `1e-15 L` and seven times as fast.
+//! * Exact distances: parry's f64 answer for bodies of eight vertices is right to `1e-15 L` and eight times as fast.
 //! * Contact below `1e-13 L`, in time (above).
 //! * A [`Watch`](crate::Watch) of bodies that move more than the error in every frame.
-//! * Random poses, where nothing is kept that helps: three times a tracked query on round bodies of 512 vertices, five times on
+//! * Random poses, where nothing is kept that helps: five times a tracked query on round bodies of 512 vertices, nine times on
 //!   flat ones.
