@@ -258,3 +258,57 @@ fn combined(lines: &[f64x2; 3], third: f64x2, last: f64x2, v: Lanes) -> Lanes {
         z: products + exchanged(products) + last * v.z,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use lab::rng::Rng;
+
+    fn vector(rng: &mut Rng) -> Vector3<f64> {
+        Vector3::from(rng.unit()) * 2f64.powi(rng.below(40) as i32 - 20)
+    }
+
+    #[test]
+    fn roundings_are_those_of_the_plain_formulas() {
+        let mut rng = Rng::new(17);
+        for _ in 0..2000 {
+            let (u, v, s) = (vector(&mut rng), vector(&mut rng), rng.range(-2.0, 2.0));
+            let (a, b) = (Lanes::new(&u), Lanes::new(&v));
+            assert_eq!((a + b).vector(), u + v);
+            assert_eq!((a - b).vector(), u - v);
+            assert_eq!((-a * s).vector(), -u * s);
+            assert_eq!(a.cross(b).vector(), u.cross(&v));
+            assert_eq!(a.dot(b), u.x * v.x + u.y * v.y + u.z * v.z);
+            assert_eq!(a.one_norm(), u.x.abs() + u.y.abs() + u.z.abs());
+            let carrying = Lanes::carrying(&u, s);
+            assert_eq!((carrying.carried(), carrying.dot(b)), (s, a.dot(b)));
+            let m = Matrix3::from_fn(|_, _| rng.range(-1.0, 1.0));
+            let rotation = Rotation::new(&m);
+            assert_eq!(rotation.matrix(), m);
+            let row = |r: [f64; 3]| r[0] * v.x + r[1] * v.y + r[2] * v.z;
+            let rows = |m: Matrix3<f64>| Vector3::from_fn(|k, _| row([m[(k, 0)], m[(k, 1)], m[(k, 2)]]));
+            assert_eq!(rotation.times(b).vector(), rows(m));
+            assert_eq!(rotation.transposed_times(b).vector(), rows(m.transpose()));
+        }
+    }
+
+    #[test]
+    fn a_rotation_between_two_quaternions_is_theirs() {
+        let mut rng = Rng::new(18);
+        let quaternion = |rng: &mut Rng| {
+            let q = nalgebra::Vector4::from_fn(|_, _| rng.range(-1.0, 1.0)).normalize();
+            nalgebra::UnitQuaternion::new_unchecked(nalgebra::Quaternion::from_vector(q))
+        };
+        let lanes = |q: &nalgebra::UnitQuaternion<f64>| [f64x2::new([q.i, q.j]), f64x2::new([q.k, q.w])];
+        for _ in 0..2000 {
+            let (a, b) = (quaternion(&mut rng), quaternion(&mut rng));
+            let m = Rotation::between(&lanes(&a), &lanes(&b), 2.0);
+            let off = m.matrix() - (a.inverse() * b).to_rotation_matrix().into_inner();
+            assert!(off.amax() < 1e-15 * 4.0, "{off}");
+            let v = vector(&mut rng);
+            let size = v.norm();
+            let there = m.transposed_times(m.times(Lanes::new(&v))).vector();
+            assert!((there - v).norm() < 8e-15 * size);
+        }
+    }
+}
