@@ -24,7 +24,7 @@
 //! * **The proof is cheap.** [`Tracker::closest`](crate::Tracker::closest) takes one to three nanoseconds more than the walk's word.
 //! * **An allowed error saves little**: [`Watch`](crate::Watch) answers from how far the bodies have moved since the last look, and to find
 //!   that out takes nearly as long as a tracked query. It pays, by up to a sixth, where a frame moves the bodies by much less than the
-//!   error; where it has to look every time it costs half as much again.
+//!   error; where it has to look every time it costs a third to half as much again.
 //! * **The last bit is dear**: [`closest_exact`](crate::Tracker) takes microseconds, some hundred times a certified answer.
 //!
 //! A slower motion, 0.05 degrees a frame, and 512 vertices, each engine and level a point with its spread (a tracked query is the same

@@ -6,8 +6,8 @@
 //! along every n by at most `m`, and so their greatest. Hence an answer with bounds `lower` and `upper` is, `m` later, an
 //! answer with bounds `lower - m` and `upper + m`, and no vertex need be looked at to know it.
 //!
-//! This is where an error allowed in a distance saves time. In the walk it does not: a walk ends on the closest features
-//! after a look or two, and has no earlier answer with bounds to stop at.
+//! This is where an error allowed in a distance saves time, if little beside a tracked query ([`cost`](crate::cost)). In the walk it
+//! does not: a walk ends on the closest features after a look or two, and has no earlier answer with bounds to stop at.
 //!
 //! Source: the idea of waiting by distance is that of Lin 1993, chapter 5 (there with velocities and a heap of times).
 

@@ -10,6 +10,7 @@ mod contact;
 mod hulls;
 mod pairs;
 mod scene;
+mod tree;
 
 use common::{Options, Rows};
 use lab::boxes::Kind;

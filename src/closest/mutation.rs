@@ -6,6 +6,7 @@ extern crate std;
 use alloc::{format, vec, vec::Vec};
 use std::cell::Cell;
 
+use lab::rng::Rng;
 use nalgebra::{Isometry3, Unit, Vector3};
 
 use super::edge_edge::Edge;
@@ -155,13 +156,8 @@ fn a_walk_that_errs_is_found_out() {
 
 #[test]
 fn a_bound_by_two_planes_holds_for_any_planes_and_weights() {
-    let mut state = 1u64;
-    let mut random = || {
-        state = state
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
-        (state >> 11) as f64 / (1u64 << 53) as f64 * 2.0 - 1.0
-    };
+    let mut rng = Rng::new(1);
+    let mut random = || rng.range(-1.0, 1.0);
     let mut finite = 0;
     for body in bodies() {
         for _ in 0..20_000 {
@@ -186,13 +182,8 @@ fn a_bound_by_two_planes_holds_for_any_planes_and_weights() {
 
 #[test]
 fn an_edge_that_signs_prove_extreme_is_so() {
-    let mut state = 7u64;
-    let mut random = || {
-        state = state
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
-        (state >> 11) as f64 / (1u64 << 53) as f64 * 2.0 - 1.0
-    };
+    let mut rng = Rng::new(7);
+    let mut random = || rng.range(-1.0, 1.0);
     let (mut proven, mut doubtful) = (0, 0);
     for body in bodies() {
         for e in body.edges() {

@@ -1,8 +1,8 @@
 //! Broad phases in one form.
 
+use crate::tree::Tree;
 use lab::boxes::{Kind, Scene};
 use lin_canny::broad::{Aabb, Body, BodyId, BroadPhase, PencilSweep, SortedAxes};
-use parry3d::partitioning::{Bvh, BvhBuildStrategy, BvhWorkspace};
 use rapier3d::prelude as rapier;
 
 /// A broad phase that is fed a scene.
@@ -74,10 +74,8 @@ impl<B: BroadPhase> Engine for Ours<B> {
 
 /// parry's tree alone: leaves updated in place, optimised and refitted as its documentation has it, all pairs listed.
 struct Parry {
-    tree: Bvh,
-    workspace: BvhWorkspace,
+    tree: Tree,
     boxes: Vec<(u32, parry3d::bounding_volume::Aabb)>,
-    pairs: Vec<(u32, u32)>,
 }
 
 fn parry_box(aabb: &Aabb) -> parry3d::bounding_volume::Aabb {
@@ -88,12 +86,9 @@ fn parry_box(aabb: &Aabb) -> parry3d::bounding_volume::Aabb {
 impl Parry {
     fn new(scene: &Scene) -> Self {
         let leaves: Vec<_> = scene.boxes.iter().map(parry_box).collect();
-        let tree = Bvh::from_leaves(BvhBuildStrategy::Binned, &leaves);
         Self {
-            tree,
-            workspace: BvhWorkspace::default(),
+            tree: Tree::new(&leaves),
             boxes: Vec::new(),
-            pairs: Vec::new(),
         }
     }
 }
@@ -110,23 +105,15 @@ impl Engine for Parry {
     }
 
     fn step(&mut self) {
-        for (i, aabb) in &self.boxes {
-            self.tree.insert_or_update_partially(*aabb, *i, 0.0);
-        }
-        self.tree.optimize_incremental(&mut self.workspace);
-        self.tree.refit(&mut self.workspace);
-        self.pairs.clear();
-        let pairs = &mut self.pairs;
-        self.tree
-            .traverse_bvtt_single_tree::<false>(&mut self.workspace, &mut |a, b| pairs.push((a, b)));
+        self.tree.step(self.boxes.iter().copied());
     }
 
     fn pairs(&self) -> Option<usize> {
-        Some(self.pairs.len())
+        Some(self.tree.pairs.len())
     }
 
     fn bytes(&self) -> Option<usize> {
-        Some(self.tree.total_memory_size() + self.pairs.capacity() * size_of::<(u32, u32)>())
+        Some(self.tree.bytes())
     }
 }
 

@@ -1,12 +1,12 @@
 //! What steps whole scenes, in one form.
 
+use crate::tree::Tree;
 use lab::Pose;
 use lab::crowd::Crowd;
 use lin_canny::ManifoldOptions;
 use lin_canny::nalgebra::Isometry3;
 use lin_canny::scene::{Body, BodyId, Effects, Group, Report, Scene};
 use parry3d::bounding_volume::Aabb;
-use parry3d::partitioning::{Bvh, BvhBuildStrategy, BvhWorkspace};
 use parry3d::query;
 use rapier3d::prelude as rapier;
 use std::time::Duration;
@@ -138,9 +138,7 @@ fn hulls32(crowd: &Crowd) -> Vec<rapier::SharedShape> {
 struct Parry {
     shapes: Vec<rapier::SharedShape>,
     poses: Vec<rapier::Pose>,
-    tree: Bvh,
-    workspace: BvhWorkspace,
-    pairs: Vec<(u32, u32)>,
+    tree: Tree,
     near: usize,
 }
 
@@ -151,11 +149,9 @@ impl Parry {
         let poses: Vec<_> = crowd.poses.iter().map(pose32).collect();
         let leaves: Vec<Aabb> = shapes.iter().zip(&poses).map(|(s, p)| s.compute_aabb(p)).collect();
         Self {
-            tree: Bvh::from_leaves(BvhBuildStrategy::Binned, &leaves),
+            tree: Tree::new(&leaves),
             shapes,
             poses,
-            workspace: BvhWorkspace::default(),
-            pairs: Vec::new(),
             near: 0,
         }
     }
@@ -172,18 +168,10 @@ impl Engine for Parry {
     }
 
     fn step(&mut self) {
-        for (i, (shape, pose)) in self.shapes.iter().zip(&self.poses).enumerate() {
-            self.tree
-                .insert_or_update_partially(shape.compute_aabb(pose), i as u32, 0.0);
-        }
-        self.tree.optimize_incremental(&mut self.workspace);
-        self.tree.refit(&mut self.workspace);
-        self.pairs.clear();
-        let pairs = &mut self.pairs;
-        self.tree
-            .traverse_bvtt_single_tree::<false>(&mut self.workspace, &mut |a, b| pairs.push((a, b)));
+        let boxes = self.shapes.iter().zip(&self.poses).map(|(s, p)| s.compute_aabb(p));
+        self.tree.step((0..).zip(boxes));
         self.near = 0;
-        for &(a, b) in &self.pairs {
+        for &(a, b) in &self.tree.pairs {
             let (a, b) = (a as usize, b as usize);
             let (shape_a, shape_b) = (&*self.shapes[a], &*self.shapes[b]);
             let found = query::distance(&self.poses[a], shape_a, &self.poses[b], shape_b);
