@@ -220,28 +220,30 @@ extern crate alloc;
 extern crate std;
 
 pub mod broad;
-mod certificate;
-mod closest;
 mod contact;
 pub mod cost;
-mod double_double;
-mod lanes;
+mod depth;
+#[cfg(feature = "exact")]
+mod exact;
+mod minimum;
 mod motion;
-mod penetration;
+mod num;
+mod pair;
 pub mod polyhedron;
 mod pose;
 mod replay;
-mod scalar;
 pub mod scene;
+mod solve;
 mod soundness;
 pub mod tolerance;
 mod tracker;
+mod walk;
 mod watch;
 
-pub use closest::outcome::{Class, Distance, Layer, Level, Outcome, Proposal, Work};
 pub use contact::{ContactPoint, Gradient, Manifold, ManifoldOptions};
 pub use motion::Velocity;
 pub use nalgebra;
+pub use pair::outcome::{Class, Distance, Layer, Level, Outcome, Proposal, Work};
 pub use polyhedron::{
     BoxHint, BuildError, BuildReport, ConvexPolyhedron, EdgeId, FaceId, Feature, FeaturePair, VertexId,
 };

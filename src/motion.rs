@@ -7,8 +7,8 @@
 
 use nalgebra::{Isometry3, Matrix3, Quaternion, Translation3, UnitQuaternion, Vector3};
 
+use crate::num::scalar::sqrt;
 use crate::pose::Which;
-use crate::scalar::sqrt;
 use crate::tolerance::{DISPLACEMENT, FAR, LEAST_SQUARE, NEAR, WAY};
 
 /// The velocity of a rigid body in the world's frame: of its own origin, and about it in radians.

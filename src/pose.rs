@@ -3,7 +3,7 @@
 use nalgebra::{Isometry3, Matrix3, Quaternion, Vector3};
 use wide::f64x2;
 
-use crate::lanes::{self, Lanes, Rotation};
+use crate::num::packed::{self, Lanes, Rotation};
 use crate::tolerance::{POSE_UNIT, REACH};
 
 /// Why a pose is no rigid motion.
@@ -209,7 +209,7 @@ impl RelativePose {
     /// `R_a^T offset`.
     #[inline(always)]
     fn turned_to_a(&self, offset: Lanes) -> Lanes {
-        let (axis, w) = lanes::parts(&self.a.q);
+        let (axis, w) = packed::parts(&self.a.q);
         let c = offset.cross(axis);
         let s = 2.0 * (2.0 - self.a.norm_squared());
         offset + (c * w + c.cross(axis)) * s

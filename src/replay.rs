@@ -25,8 +25,8 @@ use core::str::FromStr;
 
 use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion};
 
-use crate::closest::outcome::Level;
-use crate::penetration::{Memory, Raw};
+use crate::depth::{Memory, Raw};
+use crate::pair::outcome::Level;
 use crate::polyhedron::{BuildError, ConvexPolyhedron, EdgeId, FaceId, Feature, FeaturePair, VertexId};
 use crate::pose::{PoseError, RelativePose, Which};
 

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use crate::closest::outcome::{Class, Layer, Outcome};
+use crate::pair::outcome::{Class, Layer, Outcome};
 use crate::polyhedron::ConvexPolyhedron;
 use crate::pose::RelativePose;
 use crate::tolerance::UNIT;
@@ -67,7 +67,7 @@ fn witnesses_agree(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &RelativePo
 fn length(v: &Vector3<f64>) -> f64 {
     let largest = v.amax();
     if largest > 0.0 {
-        largest * crate::scalar::sqrt((v / largest).norm_squared())
+        largest * crate::num::scalar::sqrt((v / largest).norm_squared())
     } else {
         largest
     }

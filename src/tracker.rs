@@ -6,16 +6,17 @@ use alloc::vec::Vec;
 
 use nalgebra::Unit;
 
-use crate::closest::ahead::ahead;
-use crate::closest::hold::Hold;
-use crate::closest::outcome::{Class, Distance, Level, Outcome, Proposal};
-use crate::closest::placed::Placed;
-use crate::closest::trace::trace;
-use crate::closest::{self, far};
-use crate::penetration::{self, Memory};
+use crate::depth::{self, Memory};
+use crate::minimum::overlap_proof::Hold;
+use crate::pair::outcome::{Class, Distance, Level, Outcome, Proposal};
+use crate::pair::posed::Placed;
 use crate::polyhedron::{ConvexPolyhedron, FeaturePair};
 use crate::pose::{RelativePose, Which};
 use crate::replay::Replay;
+use crate::solve::{self, out_of_range};
+use crate::walk::rings::predict::ahead;
+use crate::walk::seed;
+use crate::walk::trace::trace;
 
 mod counts;
 mod look;
@@ -153,10 +154,10 @@ impl Tracker {
         let before = self.before(a, b);
         let mut outcome = self.answer(a, b, a_from_b, Level::Exact, true);
         // The second: a distance that only f64 in the caller's own unit can hold.
-        if outcome.layer == crate::closest::outcome::Layer::Far
+        if outcome.layer == crate::pair::outcome::Layer::Far
             || outcome.class == Class::Separated && outcome.lower <= 0.0
         {
-            outcome = far::exactly(a, b, a_from_b, outcome);
+            outcome = out_of_range::exactly(a, b, a_from_b, outcome);
         }
         debug_check(a, b, a_from_b, &before, Level::Exact, &outcome);
         outcome
@@ -220,9 +221,9 @@ impl Tracker {
             let warm = self.start(a, b);
             match warm {
                 Some(pair) => outcome.features = pair,
-                None => outcome.features = closest::seed::cold(&placed, &mut outcome.work),
+                None => outcome.features = seed::cold(&placed, &mut outcome.work),
             }
-            closest::solve(level, &placed, warm.is_some(), outcome);
+            solve::solve(level, &placed, warm.is_some(), outcome);
             self.deepen(deep, &placed, outcome);
             self.count(warm.is_some(), a, b, outcome);
             if !(a.as_given && b.as_given) {
@@ -239,7 +240,7 @@ impl Tracker {
         if outcome.class == Class::Overlapping {
             self.hold = (!deep).then(Hold::default);
             if deep {
-                penetration::deepen(placed, &mut self.memory, outcome);
+                depth::deepen(placed, &mut self.memory, outcome);
             }
         }
     }
@@ -248,7 +249,7 @@ impl Tracker {
     #[inline(never)]
     fn resume(&mut self, placed: &Placed, outcome: &mut Outcome) -> bool {
         let first = *outcome;
-        if !penetration::resume(placed, &mut self.memory, outcome) {
+        if !depth::resume(placed, &mut self.memory, outcome) {
             self.memory.clear();
             let grown = outcome.work.grown;
             *outcome = first;
@@ -280,8 +281,8 @@ impl Tracker {
             return self.solve_far(a, b, a_from_b, outcome);
         };
         let warm = self.start(a, b).map(FeaturePair::swapped);
-        outcome.features = warm.unwrap_or_else(|| closest::seed::cold(&placed, &mut outcome.work));
-        closest::solve(level, &placed, warm.is_some(), outcome);
+        outcome.features = warm.unwrap_or_else(|| seed::cold(&placed, &mut outcome.work));
+        solve::solve(level, &placed, warm.is_some(), outcome);
         self.deepen(deep, &placed, outcome);
         // Their names are those of the bodies exchanged.
         self.memory.clear();
@@ -302,7 +303,7 @@ impl Tracker {
         a_from_b: &RelativePose,
         outcome: &mut Outcome,
     ) {
-        *outcome = far::answer(a, b, a_from_b);
+        *outcome = out_of_range::answer(a, b, a_from_b);
         self.count(false, a, b, outcome);
     }
 

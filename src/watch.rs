@@ -13,8 +13,8 @@
 
 use nalgebra::Vector3;
 
-use crate::closest::outcome::{Class, Distance};
 use crate::motion::Place;
+use crate::pair::outcome::{Class, Distance};
 use crate::polyhedron::ConvexPolyhedron;
 use crate::pose::{RelativePose, Which};
 use crate::tracker::{Tracker, clear_of};

@@ -6,7 +6,7 @@
 
 use nalgebra::Vector3;
 
-use crate::closest::outcome::Outcome;
+use crate::pair::outcome::Outcome;
 use crate::pose::RelativePose;
 
 use super::Manifold;

@@ -2,8 +2,8 @@
 
 use nalgebra::{Point3, Unit, Vector3};
 
-use crate::closest::outcome::Outcome;
 use crate::motion::Place;
+use crate::pair::outcome::Outcome;
 use crate::polyhedron::FeaturePair;
 use crate::pose::Which;
 
@@ -63,9 +63,9 @@ pub struct Manifold {
     #[cfg_attr(feature = "serde", serde(deserialize_with = "at_most_all"))]
     count: usize,
     normal: Unit<Vector3<f64>>,
-    #[cfg_attr(feature = "serde", serde(with = "crate::scalar::infinite"))]
+    #[cfg_attr(feature = "serde", serde(with = "crate::num::scalar::infinite"))]
     lower: f64,
-    #[cfg_attr(feature = "serde", serde(with = "crate::scalar::infinite"))]
+    #[cfg_attr(feature = "serde", serde(with = "crate::num::scalar::infinite"))]
     upper: f64,
     made: Option<Made>,
     fresh: bool,
@@ -88,11 +88,11 @@ struct Made {
     reference: Which,
     /// In the frame of the reference.
     normal: Vector3<f64>,
-    #[cfg_attr(feature = "serde", serde(with = "crate::scalar::infinite"))]
+    #[cfg_attr(feature = "serde", serde(with = "crate::num::scalar::infinite"))]
     lower: f64,
     upper: f64,
     /// How far the bodies may move from there.
-    #[cfg_attr(feature = "serde", serde(with = "crate::scalar::infinite"))]
+    #[cfg_attr(feature = "serde", serde(with = "crate::num::scalar::infinite"))]
     budget: f64,
     /// How far they had moved since the points were chosen.
     since: f64,

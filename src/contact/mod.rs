@@ -31,9 +31,9 @@ mod shadow;
 
 use nalgebra::{Matrix3, Point3, Vector3};
 
-use crate::closest::outcome::{Layer, Outcome};
+use crate::num::scalar::sqrt;
+use crate::pair::outcome::{Layer, Outcome};
 use crate::polyhedron::{ConvexPolyhedron, Feature, FeaturePair};
-use crate::scalar::sqrt;
 use crate::tolerance::{ACROSS, AGREE, STEEP};
 use axes::Axes;
 use corners::{Corner, Corners, On};

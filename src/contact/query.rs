@@ -3,9 +3,9 @@
 use nalgebra::{Matrix3, Vector3};
 
 use crate::motion::Place;
+use crate::num::scalar::sqrt;
 use crate::polyhedron::ConvexPolyhedron;
 use crate::pose::{RelativePose, Which};
-use crate::scalar::sqrt;
 
 use super::ManifoldOptions;
 

@@ -11,7 +11,7 @@ use super::MOST_POINTS;
 use super::clip::crossing;
 use super::corners::{Corners, On};
 use super::shadow::Shadow;
-use crate::scalar::sqrt;
+use crate::num::scalar::sqrt;
 
 /// So many corners beside a hint are looked at before all are.
 const NEAR: usize = 4;

@@ -2,8 +2,8 @@
 
 use nalgebra::{Point3, Unit, Vector3};
 
-use super::{BuildReport, ConvexPolyhedron, EdgeId, FaceId, VertexId};
-use crate::scalar::sqrt;
+use crate::num::scalar::sqrt;
+use crate::polyhedron::{BuildReport, ConvexPolyhedron, EdgeId, FaceId, VertexId};
 use crate::tolerance::UNIT;
 
 /// Ids are checked: one that names no feature of this body, such as one of a larger body, gives `None` or an empty
@@ -207,5 +207,13 @@ impl PartialEq for ConvexPolyhedron {
     fn eq(&self, other: &Self) -> bool {
         let place = |b: &Self| (b.exponent, b.origin);
         place(self) == place(other) && self.points == other.points && self.topology == other.topology
+    }
+}
+
+impl ConvexPolyhedron {
+    /// Middle of the bounding box, in stored coordinates.
+    #[inline]
+    pub(crate) fn center(&self) -> Vector3<f64> {
+        (self.low + self.high) * 0.5
     }
 }

@@ -10,7 +10,7 @@ use alloc::vec::Vec;
 use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
 use wide::f32x4;
 
-use super::ConvexPolyhedron;
+use crate::polyhedron::ConvexPolyhedron;
 use crate::pose::rotation_matrix;
 use crate::tolerance::{BOX, BOX_SCANNED, POSE_UNIT};
 

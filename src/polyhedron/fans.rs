@@ -8,12 +8,12 @@
 use alloc::vec::Vec;
 use nalgebra::Vector3;
 
-use super::highest::{Direction, Slope, exact};
-use super::sign::side;
-use super::support::edge_sign;
-use super::topology::{LARGE, MANY, Topology};
-use super::{ConvexPolyhedron, Plane};
-use crate::double_double::{DoubleDouble, Expansion};
+use crate::num::double_double::{DoubleDouble, Expansion};
+use crate::num::sign::side;
+use crate::polyhedron::highest::{Direction, Slope, exact};
+use crate::polyhedron::support::edge_sign;
+use crate::polyhedron::topology::{LARGE, MANY, Topology};
+use crate::polyhedron::{ConvexPolyhedron, Plane};
 
 /// The direction `m` of a fan, each coordinate a sum of parts that fall in magnitude.
 #[derive(Clone, Debug)]

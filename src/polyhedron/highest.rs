@@ -11,13 +11,13 @@ use core::cmp::Ordering;
 
 use nalgebra::Vector3;
 
-use super::ConvexPolyhedron;
-use super::cloud::{exponent_of, power_of_two};
-use super::fans::{Axis, Fans, top_of_ring};
-use super::support::edge_sign;
-use super::topology::{MANY, Topology};
-use crate::double_double::{DoubleDouble, Expansion};
-use crate::scalar::Scalar;
+use crate::num::double_double::{DoubleDouble, Expansion};
+use crate::num::scalar::Scalar;
+use crate::polyhedron::ConvexPolyhedron;
+use crate::polyhedron::build::cloud::{exponent_of, power_of_two};
+use crate::polyhedron::fans::{Axis, Fans, top_of_ring};
+use crate::polyhedron::support::edge_sign;
+use crate::polyhedron::topology::{MANY, Topology};
 use crate::tolerance::{EDGE_SIGN, STEEPER, UNIT};
 
 /// A direction `n` along which the vertices of a body have an exact order.

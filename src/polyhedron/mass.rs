@@ -6,9 +6,9 @@
 
 use nalgebra::{Matrix3, Point3, Vector3};
 
-use super::ConvexPolyhedron;
-use crate::double_double::DoubleDouble;
-use crate::scalar::Scalar;
+use crate::num::double_double::DoubleDouble;
+use crate::num::scalar::Scalar;
+use crate::polyhedron::ConvexPolyhedron;
 
 /// Sums over the body about its box centre, in stored units: six times the volume, 24 times the first moments, 120
 /// times the second.

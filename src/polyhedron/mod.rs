@@ -14,26 +14,15 @@
 
 mod access;
 mod bounds;
-mod build;
-mod build_faces;
-mod cloud;
-mod error;
-mod facets;
+pub(crate) mod build;
 pub(crate) mod fans;
 pub mod feature;
-mod flat;
+mod feature_pair;
 pub(crate) mod highest;
-mod hull;
 mod mass;
-#[cfg(feature = "serde")]
-mod persist;
 mod plane;
 mod query;
-mod rebuild;
-mod report;
-pub(crate) mod sign;
 pub mod solids;
-mod source_faces;
 pub(crate) mod support;
 pub(crate) mod topology;
 
@@ -41,13 +30,13 @@ use alloc::vec::Vec;
 use nalgebra::{Matrix3, Vector3};
 
 pub use bounds::BoxHint;
-pub(crate) use cloud::power_of_two;
+pub(crate) use build::cloud::power_of_two;
 #[cfg(feature = "exact")]
-pub(crate) use cloud::{lowest_bit, odd_part};
-pub use error::BuildError;
+pub(crate) use build::cloud::{lowest_bit, odd_part};
+pub use build::error::BuildError;
+pub use build::report::BuildReport;
 use fans::Fans;
 pub use feature::{EdgeId, FaceId, Feature, FeaturePair, VertexId};
-pub use report::BuildReport;
 use support::CubeMap;
 use topology::Topology;
 

@@ -2,10 +2,10 @@
 
 use nalgebra::Vector3;
 
-use super::Plane;
-use super::cloud::{exponent_of, power_of_two};
-use crate::double_double::{DoubleDouble, Expansion, two_sum};
-use crate::scalar::{Scalar, sqrt};
+use crate::num::double_double::{DoubleDouble, Expansion, two_sum};
+use crate::num::scalar::{Scalar, sqrt};
+use crate::polyhedron::Plane;
+use crate::polyhedron::build::cloud::{exponent_of, power_of_two};
 use crate::tolerance::{CROSS_CANCELLED, NORMAL_ERROR, UNIT_DOUBLE_DOUBLE};
 
 /// Three corners of a face far from collinear: all triples of an exactly planar face span the same plane.
@@ -156,8 +156,8 @@ fn exact_difference(a: DoubleDouble, b: DoubleDouble, c: DoubleDouble, d: Double
 
 #[cfg(test)]
 mod tests {
-    use super::super::solids;
     use super::*;
+    use crate::polyhedron::solids;
     use crate::tolerance::UNIT;
     use alloc::vec::Vec;
 

@@ -2,10 +2,10 @@
 
 use nalgebra::{Point3, Vector3};
 
-use super::cloud::flush_below;
-use super::sign::{projection, turn};
-use super::{ConvexPolyhedron, VertexId};
-use crate::scalar::sqrt;
+use crate::num::scalar::sqrt;
+use crate::num::sign::{projection, turn};
+use crate::polyhedron::build::cloud::flush_below;
+use crate::polyhedron::{ConvexPolyhedron, VertexId};
 use crate::tolerance::{FAR_POINT, FOOT, NEAR_PLANE};
 
 impl ConvexPolyhedron {

@@ -6,8 +6,8 @@ use alloc::vec::Vec;
 use core::f64::consts::TAU;
 use nalgebra::{Point3, Vector3};
 
-use super::{BuildError, ConvexPolyhedron};
-use crate::scalar::sqrt;
+use crate::num::scalar::sqrt;
+use crate::polyhedron::{BuildError, ConvexPolyhedron};
 use crate::tolerance::{EXTENT_MAX, EXTENT_MIN};
 
 /// Most corners of a prism or cone, and most points of a random hull.

@@ -12,11 +12,11 @@ use alloc::vec;
 use alloc::vec::Vec;
 use nalgebra::Vector3;
 
-use super::ConvexPolyhedron;
-use super::fans::{Fans, steepest};
-use super::highest::{self, Direction};
-use super::topology::Topology;
-use crate::lanes::Lanes;
+use crate::num::packed::Lanes;
+use crate::polyhedron::ConvexPolyhedron;
+use crate::polyhedron::fans::{Fans, steepest};
+use crate::polyhedron::highest::{self, Direction};
+use crate::polyhedron::topology::Topology;
 use crate::tolerance::EDGE_SIGN;
 
 /// The cube map takes no body for flatter than this.

@@ -2,8 +2,8 @@
 
 use nalgebra::{Isometry3, Point3, Vector3};
 
+use crate::num::scalar::sqrt;
 use crate::polyhedron::ConvexPolyhedron;
-use crate::scalar::sqrt;
 use crate::tolerance::{CENTRE, UNIT};
 
 /// A ball about a body, in one frame: centre and radius.

@@ -2,8 +2,8 @@
 
 use alloc::boxed::Box;
 
-use crate::closest::outcome::{Distance, Outcome};
 use crate::contact::Manifold;
+use crate::pair::outcome::{Distance, Outcome};
 use crate::polyhedron::FeaturePair;
 use crate::pose::Which;
 

@@ -7,8 +7,8 @@ use alloc::vec::Vec;
 use super::effects::{Class, NEVER, Plan, Rung};
 use super::kept::{Answer, Contact};
 use crate::broad::PairId;
-use crate::closest::outcome::{Distance, Outcome};
 use crate::contact::Manifold;
+use crate::pair::outcome::{Distance, Outcome};
 use crate::tracker::Tracker;
 
 /// What the stages before a query read of a pair.

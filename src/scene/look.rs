@@ -11,8 +11,8 @@ use super::events::{Change, Happened};
 use super::kept::Answer;
 use super::lane::{Head, Lane, State};
 use super::report::Counts;
-use crate::closest::outcome::{Class, Outcome};
 use crate::contact::{Manifold, Query};
+use crate::pair::outcome::{Class, Outcome};
 use crate::pose::RelativePose;
 use crate::tracker::Tracker;
 

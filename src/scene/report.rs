@@ -4,7 +4,7 @@ use core::fmt;
 use core::ops::AddAssign;
 use core::time::Duration;
 
-use crate::closest::outcome::{Layer, Outcome};
+use crate::pair::outcome::{Layer, Outcome};
 
 /// Work done by a step, or summed over many, stage by stage. The same calls give the same counts on every machine, with any
 /// number of threads.

@@ -10,7 +10,7 @@ use super::body::box_of;
 use super::effects::{Group, Rung, class_of};
 use super::{BodyId, Scene, SceneError};
 use crate::broad::{Aabb, BroadPhase};
-use crate::closest::outcome::Outcome;
+use crate::pair::outcome::Outcome;
 use crate::polyhedron::{BoxHint, ConvexPolyhedron};
 use crate::pose::RelativePose;
 use crate::tolerance::{SCENE_REACH, UNIT};

@@ -18,8 +18,8 @@ use super::report::Report;
 use super::step::owners;
 use super::{Event, Scene, Settings};
 use crate::broad::{self, BroadPhase, PencilSweep};
-use crate::closest::outcome::{Distance, Outcome};
 use crate::motion::Velocity;
+use crate::pair::outcome::{Distance, Outcome};
 use crate::polyhedron::{BoxHint, ConvexPolyhedron};
 use crate::tracker::Tracker;
 

@@ -1,6 +1,6 @@
 //! What a tracker counts: for itself, which start is the cheaper one; for the caller, what was done.
 
-use crate::closest::outcome::{Layer, Work};
+use crate::pair::outcome::{Layer, Work};
 
 /// What the two ways to start have cost lately, in steps of the walk: which of them a query takes.
 ///

@@ -1,10 +1,10 @@
 //! A query that stops at the class of an overlap, and what is decided from its outcome: what predicates and scenes ask.
 
 use super::{Tracker, clear_of, give_back};
-use crate::closest::hold;
-use crate::closest::outcome::{Class, Distance, Level, Outcome};
-use crate::closest::placed::Placed;
-use crate::penetration::Memory;
+use crate::depth::Memory;
+use crate::minimum::overlap_proof;
+use crate::pair::outcome::{Class, Distance, Level, Outcome};
+use crate::pair::posed::Placed;
 use crate::polyhedron::ConvexPolyhedron;
 use crate::pose::RelativePose;
 
@@ -96,7 +96,7 @@ impl Tracker {
         };
         outcome.features = features;
         if !hold.proves(placed, outcome) {
-            self.hold = hold::regain(placed, features, outcome);
+            self.hold = overlap_proof::regain(placed, features, outcome);
             if self.hold.is_none() {
                 let work = outcome.work;
                 *outcome = Outcome { work, ..first };
@@ -116,7 +116,7 @@ impl Tracker {
     #[cold]
     fn decide_within(&self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose, d: f64) -> bool {
         let hint = self.last.map_or((0, 0), |s| s.vertices_of(a, b));
-        crate::closest::exact::within(a, b, a_from_b, hint, d)
+        crate::exact::within(a, b, a_from_b, hint, d)
     }
 
     #[cfg(not(feature = "exact"))]

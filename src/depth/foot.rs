@@ -1,0 +1,136 @@
+//! The deepest points of an overlap, from the features of its deepest facet.
+//!
+//! Where a face lies upon a face, many pairs of points are deepest alike, and the vertex that names the facet may overhang: then others
+//! hold the witnesses ([`flush`]).
+
+use nalgebra::{Point3, Vector3};
+
+use crate::num::scalar::Vec3;
+use crate::pair::face::{Face, Rim};
+use crate::pair::posed::Placed;
+use crate::polyhedron::topology::{LARGE, Topology};
+use crate::polyhedron::{ConvexPolyhedron, Feature, FeaturePair};
+use crate::pose::Which;
+use crate::tolerance::{AGREE_DEPTH, FOOT};
+
+/// Rims up to this long are tried edge by edge.
+const SMALL: usize = 8;
+
+/// A point of A and one of B, in their stored frames.
+pub(super) type Witnesses = (Point3<f64>, Point3<f64>);
+
+/// The points that are `height` apart along the unit `normal`, A's ahead: where the
+/// features of a facet at that height hold such points.
+pub(super) fn foot(placed: &Placed, facet: FeaturePair, (normal, height): &(Vec3<f64>, f64)) -> Option<Witnesses> {
+    let (ahead, close) = (Vector3::from(*normal) * *height, AGREE_DEPTH * placed.size());
+    let (p, q) = match (facet.a, facet.b) {
+        (Feature::Face(f), Feature::Vertex(v)) => {
+            let q = placed.b.points[v.index()];
+            let p = placed.point_in_a(&q) + ahead;
+            (is_on(placed.a, f.0, &p, close).then_some(p)?, q)
+        }
+        (Feature::Vertex(v), Feature::Face(f)) if placed.has_one_unit() => {
+            let p = placed.a.points[v.index()];
+            let q = placed.point_in_b(&(p - ahead));
+            (p, is_on(placed.b, f.0, &q, close).then_some(q)?)
+        }
+        (Feature::Edge(e), Feature::Edge(g)) => crossing(placed, e.0, g.0, &ahead, close)?,
+        _ => return None,
+    };
+    Some((p.into(), q.into()))
+}
+
+/// The same of faces flush on each other, one of which the facet names: by a corner of one over the other or, of small faces, by two
+/// rims that cross; and the features that hold them.
+#[cold]
+pub(super) fn flush(placed: &Placed, facet: FeaturePair, best: &(Vec3<f64>, f64)) -> Option<(FeaturePair, Witnesses)> {
+    let n = Vector3::from(best.0);
+    let (f, g) = match (facet.a, facet.b) {
+        (Feature::Face(f), Feature::Vertex(v)) => (f.0, facing(placed.b, v.0, &-placed.direction_in_b(&n))?),
+        (Feature::Vertex(v), Feature::Face(g)) => (facing(placed.a, v.0, &n)?, g.0),
+        _ => return None,
+    };
+    let stand = |pair: FeaturePair| Some((pair, foot(placed, pair, best)?));
+    let t = [&placed.a.topology, &placed.b.topology];
+    let of_b = || some_of(placed.b, g).map(|h| FeaturePair::vertex_face(Which::B, t[1].from(h), f));
+    let of_a = || some_of(placed.a, f).map(|h| FeaturePair::vertex_face(Which::A, t[0].from(h), g));
+    if let Some(found) = of_b().chain(of_a()).find_map(stand) {
+        return Some(found);
+    }
+    let is_small = |t: &Topology, face: u32| t.rim(face).nth(SMALL).is_none();
+    if !(is_small(t[0], f) && is_small(t[1], g)) {
+        return None;
+    }
+    let pairs = t[0].rim(f).flat_map(|h| t[1].rim(g).map(move |k| (h, k)));
+    let edges = |(h, k)| FeaturePair::edges(Which::A, t[0].edge(h), t[1].edge(k));
+    pairs.map(edges).find_map(stand)
+}
+
+/// The face at a vertex that is most across a direction; none of a body without faces.
+fn facing(body: &ConvexPolyhedron, v: u32, outward: &Vector3<f64>) -> Option<u32> {
+    let t = &body.topology;
+    let mut best = (0.0, None);
+    for h in t.fan(v).take(LARGE) {
+        let f = t.half_edge(h).face;
+        let along = body.planes[f as usize].normal.dot(outward);
+        if along > best.0 {
+            best = (along, Some(f));
+        }
+    }
+    best.1
+}
+
+/// The half-edges of a face; some all round of a large one.
+pub(super) fn some_of(body: &ConvexPolyhedron, f: u32) -> impl Iterator<Item = u32> + '_ {
+    let t = &body.topology;
+    let ring = t.ring(f);
+    let spread = ring
+        .into_iter()
+        .flat_map(|r| r.iter().copied().step_by(r.len().div_ceil(LARGE)));
+    let whole = if ring.is_none() { LARGE } else { 0 };
+    t.rim(f).take(whole).chain(spread)
+}
+
+/// Whether a point is on a face, or off it by no more than rounding.
+fn is_on(body: &ConvexPolyhedron, f: u32, x: &Vector3<f64>, close: f64) -> bool {
+    let (t, plane) = (&body.topology, &body.planes[f as usize]);
+    let inside = |h: u32| {
+        let (from, to) = (body.points[t.from(h) as usize], body.points[t.half_edge(h).to as usize]);
+        let u = to - from;
+        plane.normal.cross(&u).dot(&(x - from)) >= -close * u.abs().sum()
+    };
+    // Written so that NaN is outside.
+    if !((plane.normal.dot(x) - plane.offset).abs() <= close) {
+        return false;
+    }
+    match t.ring(f) {
+        None => t.rim(f).take(LARGE).all(inside),
+        Some(ring) => {
+            let face = Face {
+                body,
+                face: f,
+                normal: &plane.normal,
+            };
+            !matches!(face.beside_large(ring, x, close / FOOT), Rim::Outside(_))
+        }
+    }
+}
+
+/// The points of two edges that differ by `ahead`.
+fn crossing(placed: &Placed, e: u32, g: u32, ahead: &Vector3<f64>, close: f64) -> Option<(Vector3<f64>, Vector3<f64>)> {
+    let ends = |body: &ConvexPolyhedron, h: u32| {
+        let t = &body.topology;
+        (body.points[t.from(h) as usize], body.points[t.half_edge(h).to as usize])
+    };
+    let ((p0, p1), (q0, q1)) = (ends(placed.a, e), ends(placed.b, g));
+    let (u, v) = (p1 - p0, placed.vector_in_a(&(q1 - q0)));
+    let gap = p0 - placed.point_in_a(&q0) - ahead;
+    let c = u.cross(&v);
+    let squared = c.norm_squared();
+    // gap + s u - t v = 0, multiplied by v and by u.
+    let s = (-gap.cross(&v).dot(&c) / squared).clamp(0.0, 1.0);
+    let t = (-gap.cross(&u).dot(&c) / squared).clamp(0.0, 1.0);
+    // Parallel edges have no such numbers: NaN, or a rest.
+    let rest = gap + u * s - v * t;
+    (rest.norm_squared() <= close * close).then(|| (p0 + u * s, q0 + (q1 - q0) * t))
+}

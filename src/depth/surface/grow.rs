@@ -1,0 +1,161 @@
+//! How the surface takes in a point: the triangles that see it give way to ones that join it to their border.
+
+use crate::depth::surface::{Filter, Measured, Surface, Triangle};
+use crate::num::scalar::{Scalar, Vec3, dot, sub};
+use crate::pair::difference::Corner;
+
+/// An edge of the border between what is replaced and what stays.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Border {
+    from: u32,
+    to: u32,
+    outer: u32,
+}
+
+impl<T> Triangle<T> {
+    fn rim(&self) -> [Border; 3] {
+        core::array::from_fn(|k| Border {
+            from: self.corners[k],
+            to: self.corners[(k + 1) % 3],
+            outer: self.beside[k],
+        })
+    }
+}
+
+impl<T: Scalar> Surface<T> {
+    /// Takes in a point that lies higher than `triangle` along its direction, and replaces the triangles that see it.
+    pub(in crate::depth) fn insert(&mut self, triangle: u32, c: Corner<T>, filter: &Filter<T>) {
+        self.flood(triangle, &c.w, filter);
+        if !self.surround() {
+            // Three edges are a loop whatever is around them.
+            self.visible.clear();
+            self.visible.push(triangle);
+            self.border.clear();
+            self.border.extend(self.triangles[triangle as usize].rim());
+        }
+        self.points.push(c);
+        self.raise_fan();
+        // The last of those left over first, so that none of them moves.
+        let count = self.border.len();
+        while self.visible.len() > count {
+            let left = &self.visible[count..];
+            let last = left.iter().enumerate().max_by_key(|(_, t)| **t).map_or(0, |(k, _)| k);
+            let hole = self.visible.swap_remove(count + last);
+            self.remove(hole);
+        }
+    }
+
+    /// Joins the last point to every edge of the border, in the places of the visible triangles; what more are needed is added.
+    fn raise_fan(&mut self) {
+        let apex = self.points.len() as u32 - 1;
+        let (kept, count) = (self.visible.len(), self.border.len());
+        let added = self.triangles.len();
+        for k in kept..count {
+            self.triangles.push(Triangle::default());
+            self.visible.push((added + k - kept) as u32);
+        }
+        for k in 0..count {
+            let Border { from, to, outer } = self.border[k];
+            let (at, after, before) = (
+                self.visible[k],
+                self.visible[(k + 1) % count],
+                self.visible[(k + count - 1) % count],
+            );
+            self.triangles[at as usize] = Triangle {
+                corners: [from, to, apex],
+                beside: [outer, after, before],
+                ..Triangle::default()
+            };
+            self.weigh(at);
+            self.join(outer, [to, from], at);
+        }
+    }
+
+    /// Makes `other` the neighbour of a triangle across an edge.
+    fn join(&mut self, triangle: u32, edge: [u32; 2], other: u32) {
+        let t = &mut self.triangles[triangle as usize];
+        for i in 0..3 {
+            if [t.corners[i], t.corners[(i + 1) % 3]] == edge {
+                t.beside[i] = other;
+            }
+        }
+    }
+
+    /// Removes a triangle that none is joined to; the last one takes its number.
+    fn remove(&mut self, hole: u32) {
+        let last = self.triangles.len() as u32 - 1;
+        self.triangles.swap_remove(hole as usize);
+        if hole == last {
+            return;
+        }
+        let Triangle { corners, beside, .. } = self.triangles[hole as usize];
+        for i in 0..3 {
+            self.join(beside[i], [corners[(i + 1) % 3], corners[i]], hole);
+        }
+        if self.triangles[hole as usize].state != Measured::Not {
+            self.enqueue(hole);
+        }
+    }
+
+    /// Lists the triangles around `from` that see `w` and may be replaced.
+    fn flood(&mut self, from: u32, w: &Vec3<T>, filter: &Filter<T>) {
+        self.floods += 1;
+        self.visible.clear();
+        self.visible.push(from);
+        self.triangles[from as usize].flood = self.floods;
+        let mut done = 0;
+        while done < self.visible.len() {
+            for k in self.triangles[self.visible[done] as usize].beside {
+                if self.triangles[k as usize].flood == self.floods || !self.sees(k, w, filter) {
+                    continue;
+                }
+                self.triangles[k as usize].flood = self.floods;
+                self.visible.push(k);
+            }
+            done += 1;
+        }
+    }
+
+    /// Whether `w` is outside the plane of a triangle, and some plane certainly has the origin beneath and both above.
+    pub(in crate::depth) fn sees(&mut self, triangle: u32, w: &Vec3<T>, filter: &Filter<T>) -> bool {
+        self.measure(triangle);
+        let t = &self.triangles[triangle as usize];
+        let p = &self.points[t.corners[0] as usize].w;
+        let is_flat = t.outward.iter().all(|x| x.value() == 0.0);
+        // Outside its plane, the point is as high along the normal as the corners.
+        if !is_flat && !(dot(&t.outward, &sub(w, p)) > filter.noise) {
+            return false;
+        }
+        if !is_flat && t.level > filter.margin {
+            return true;
+        }
+        if self.refine(triangle) {
+            self.enqueue(triangle);
+        }
+        let t = &self.triangles[triangle as usize];
+        let height = dot(&t.direction, w);
+        let above = t.bound > filter.margin && height > filter.margin;
+        above && (!is_flat || height > t.bound + filter.noise)
+    }
+
+    /// Puts the edges round the visible triangles in order; whether they are one loop without a corner twice.
+    fn surround(&mut self) -> bool {
+        let (flood, all) = (self.floods, &self.triangles);
+        let edges = &mut self.border;
+        edges.clear();
+        let rims = self.visible.iter().flat_map(|&t| all[t as usize].rim());
+        edges.extend(rims.filter(|e| all[e.outer as usize].flood != flood));
+        for k in 1..edges.len() {
+            let Some(next) = (k..edges.len()).find(|&i| edges[i].from == edges[k - 1].to) else {
+                return false;
+            };
+            edges.swap(k, next);
+        }
+        self.starts.clear();
+        self.starts.extend(edges.iter().map(|e| e.from));
+        self.starts.sort_unstable();
+        let simple = self.starts.windows(2).all(|s| s[0] != s[1]);
+        let closed = edges.last().is_some_and(|e| e.to == edges[0].from);
+        simple && closed && edges.len() > 2
+    }
+}

@@ -1,0 +1,237 @@
+//! The point of a simplex nearest to the origin, in any arithmetic.
+//!
+//! Signed volumes (Montanari, Petrinic, Barbieri 2017) with one departure: where a sign says the origin lies beyond
+//! more than one face, or rounding hides the sign, each such face is tried and the nearest answer taken.
+
+use crate::num::scalar::{Scalar, Vec3, cross, dot, neg, root, scaled, sub};
+use crate::pair::difference::Corner;
+use crate::pair::transform::Reach;
+use crate::tolerance::VOLUME;
+
+/// Up to four corners and the point of their hull nearest to the origin.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Simplex<T> {
+    corners: [Corner<T>; 4],
+    nearest: Nearest<T>,
+}
+
+/// The nearest point of a few corners, by their numbers.
+#[derive(Clone, Copy, Debug)]
+struct Nearest<T> {
+    /// The corners whose hull holds it in its relative interior.
+    ids: [u8; 4],
+    len: u8,
+    /// Positive and summing to one up to rounding, for the corners held.
+    weights: [T; 4],
+    /// From the origin towards the simplex: the nearest point or, better conditioned, a multiple of the normal.
+    direction: Vec3<T>,
+    /// Squared distance from the origin.
+    squared: T,
+}
+
+impl<T: Scalar> Nearest<T> {
+    #[inline]
+    fn vertex(c: &[Corner<T>; 4], p: u8) -> Self {
+        let (one, w) = (T::from(1.0), c[p as usize].w);
+        Self {
+            ids: [p; 4],
+            len: 1,
+            weights: [one; 4],
+            direction: w,
+            squared: dot(&w, &w),
+        }
+    }
+
+    fn edge(c: &[Corner<T>; 4], p: u8, q: u8) -> Self {
+        let (pw, qw) = (&c[p as usize].w, &c[q as usize].w);
+        let d = sub(qw, pw);
+        let (t, dd) = (-dot(pw, &d), dot(&d, &d));
+        let zero = T::from(0.0);
+        // V(p), V(q); a zero edge is a vertex.
+        if !(t > zero) {
+            return Self::vertex(c, p);
+        }
+        if !(t < dd) {
+            return Self::vertex(c, q);
+        }
+        let s = t / dd;
+        let v = [0, 1, 2].map(|k| pw[k] + d[k] * s);
+        let v = sub(&v, &scaled(&d, dot(&v, &d) / dd));
+        let weights = [T::from(1.0) - s, s, zero, zero];
+        Self {
+            ids: [p, q, q, q],
+            len: 2,
+            weights,
+            direction: v,
+            squared: dot(&v, &v),
+        }
+    }
+
+    fn triangle(c: &[Corner<T>; 4], ids: [u8; 3]) -> Self {
+        let [p, q, r] = ids.map(|k| &c[k as usize].w);
+        let n = cross(&sub(q, p), &sub(r, p));
+        let zero = T::from(0.0);
+        // Weight of the corner opposite to the edge x-y.
+        let weight = |x: &Vec3<T>, y: &Vec3<T>| -dot(&n, &cross(&sub(y, x), x));
+        let w = [weight(q, r), weight(r, p), weight(p, q)];
+        let mut best: Option<Self> = None;
+        for k in 0..3 {
+            if !(w[k] > zero) {
+                let e = Self::edge(c, ids[(k + 1) % 3], ids[(k + 2) % 3]);
+                if best.is_none_or(|b| e.squared < b.squared) {
+                    best = Some(e);
+                }
+            }
+        }
+        if let Some(best) = best {
+            return best;
+        }
+        let (sum, height) = (w[0] + w[1] + w[2], dot(&n, p));
+        let weights = [w[0] / sum, w[1] / sum, w[2] / sum, zero];
+        let direction = if height < zero { neg(&n) } else { n };
+        let squared = height * height / dot(&n, &n);
+        Self {
+            ids: [ids[0], ids[1], ids[2], ids[2]],
+            len: 3,
+            weights,
+            direction,
+            squared,
+        }
+    }
+
+    /// Four corners: the origin inside (`len` 4, proven against rounding), or the nearest of the faces it may be beyond.
+    fn tetrahedron(c: &[Corner<T>; 4], reach: Reach) -> Self {
+        let det = |i: usize, j: usize, k: usize| dot(&c[i].w, &cross(&c[j].w, &c[k].w));
+        let mut volume = [det(1, 2, 3), -det(0, 2, 3), det(0, 1, 3), -det(0, 1, 2)];
+        let zero = T::from(0.0);
+        let sum = volume[0] + volume[1] + volume[2] + volume[3];
+        if sum < zero {
+            volume = volume.map(|v| -v);
+        }
+        let all = reach.whole();
+        let certain = T::from(VOLUME * T::UNIT * all * all * all);
+        let is_certain = |v: T, face: &[u8; 3]| v > certain || (v > zero && v.value() > rounding::<T>(c, face, reach));
+        let faces = [[1, 2, 3], [0, 2, 3], [0, 1, 3], [0, 1, 2]];
+        let mut best: Option<Self> = None;
+        for k in 0..4 {
+            if !is_certain(volume[k], &faces[k]) {
+                let t = Self::triangle(c, faces[k]);
+                if best.is_none_or(|b| t.squared < b.squared) {
+                    best = Some(t);
+                }
+            }
+        }
+        best.unwrap_or_else(|| {
+            let sum = volume[0] + volume[1] + volume[2] + volume[3];
+            let weights = volume.map(|v| v / sum);
+            Self {
+                ids: [0, 1, 2, 3],
+                len: 4,
+                weights,
+                direction: [zero; 3],
+                squared: zero,
+            }
+        })
+    }
+}
+
+/// What rounding may make of the volume of three corners, see [`VOLUME`].
+#[cold]
+fn rounding<T: Scalar>(c: &[Corner<T>; 4], face: &[u8; 3], reach: Reach) -> f64 {
+    let sum = |v: Vec3<T>| v.iter().fold(0.0, |sum, x| sum + x.value().abs());
+    let [p, q, r] = face.map(|k| c[k as usize].w);
+    let (u, v) = (sub(&q, &p), sub(&r, &p));
+    let [p, q, r] = [p, q, r].map(sum);
+    let off = VOLUME * T::UNIT * reach.size;
+    let own = off * (p * q + q * r + r * p) + off * off * reach.size;
+    own + VOLUME * T::UNIT * reach.shared * (sum(cross(&u, &v)) + off * (sum(u) + sum(v) + off))
+}
+
+impl<T: Scalar> Simplex<T> {
+    /// One corner.
+    pub(crate) fn vertex(c: Corner<T>) -> Self {
+        let corners = [c; 4];
+        Self {
+            corners,
+            nearest: Nearest::vertex(&corners, 0),
+        }
+    }
+
+    /// A triangle.
+    pub(crate) fn triangle([p, q, r]: [Corner<T>; 3]) -> Self {
+        let corners = [p, q, r, r];
+        let nearest = Nearest::triangle(&corners, [0, 1, 2]);
+        Self {
+            corners: nearest.ids.map(|k| corners[k as usize]),
+            nearest,
+        }
+    }
+
+    /// A tetrahedron that holds the origin, proven against rounding.
+    pub(crate) fn around_origin(corners: [Corner<T>; 4], reach: Reach) -> Option<Self> {
+        let nearest = Nearest::tetrahedron(&corners, reach);
+        (nearest.len == 4).then_some(Self { corners, nearest })
+    }
+
+    /// The nearest point of the hull of these corners and one more; whether it is nearer, or the origin is inside. Where
+    /// it is not, nothing is changed.
+    pub(crate) fn add(&mut self, c: Corner<T>, reach: Reach) -> bool {
+        let mut corners = self.corners;
+        corners[self.len()] = c;
+        let nearest = match self.len() {
+            1 => Nearest::edge(&corners, 0, 1),
+            2 => Nearest::triangle(&corners, [0, 1, 2]),
+            _ => Nearest::tetrahedron(&corners, reach),
+        };
+        let better = nearest.squared < self.nearest.squared;
+        if better {
+            self.corners = nearest.ids.map(|k| corners[k as usize]);
+            self.nearest = nearest;
+        }
+        better
+    }
+
+    /// How many corners hold the nearest point; four hold the origin.
+    #[inline]
+    pub(crate) fn len(&self) -> usize {
+        self.nearest.len as usize
+    }
+
+    /// The corners that hold the nearest point.
+    #[inline]
+    pub(crate) fn kept(&self) -> &[Corner<T>] {
+        &self.corners[..self.len()]
+    }
+
+    /// Their weights.
+    pub(crate) fn weights(&self) -> &[T] {
+        &self.nearest.weights[..self.len()]
+    }
+
+    /// From the origin towards the simplex.
+    pub(crate) fn direction(&self) -> Vec3<T> {
+        self.nearest.direction
+    }
+
+    /// Squared distance from the origin.
+    pub(crate) fn squared(&self) -> T {
+        self.nearest.squared
+    }
+
+    /// The distance of the point that the weights name. The weights are positive and sum to one, so it is a point of the
+    /// difference whatever rounding did to them, and the distance an upper bound; the root of `squared` is none, because
+    /// the plane of a needle-shaped triangle may be nearer than the triangle.
+    pub(crate) fn reach(&self) -> T {
+        let at = |k: usize| {
+            let parts = self.kept().iter().zip(self.weights());
+            parts.fold(T::from(0.0), |sum, (c, &weight)| sum + c.w[k] * weight)
+        };
+        let v = [at(0), at(1), at(2)];
+        root(dot(&v, &v))
+    }
+
+    /// Whether a corner is kept.
+    pub(crate) fn holds(&self, a: u32, b: u32) -> bool {
+        self.kept().iter().any(|c| (c.a, c.b) == (a, b))
+    }
+}

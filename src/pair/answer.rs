@@ -1,0 +1,84 @@
+//! What every solver writes into an outcome: directions, rounded bounds, features of vertex lists, and the test of a finished answer.
+
+use nalgebra::{Unit, Vector3};
+
+use crate::num::scalar::Scalar;
+use crate::pair::outcome::{Class, Outcome};
+use crate::pair::posed::Placed;
+use crate::polyhedron::{Feature, FeaturePair};
+use crate::pose::Which;
+use crate::tolerance::{AGREE, CERTIFICATE, UNIT};
+
+/// The unit vector along `v`; some unit vector where `v` has no direction.
+#[inline]
+pub(crate) fn unit(v: &Vector3<f64>) -> Unit<Vector3<f64>> {
+    let largest = v.amax();
+    if largest > 0.0 && largest < f64::INFINITY {
+        let scaled = v / largest;
+        Unit::new_unchecked(scaled / crate::num::scalar::sqrt(scaled.norm_squared()))
+    } else {
+        Vector3::x_axis()
+    }
+}
+
+/// `x + by`, rounded away from `x` by the last place, in f64.
+pub(crate) fn outward<T: Scalar>(x: T, by: f64) -> f64 {
+    let sum = (x + T::from(by)).value();
+    if by < 0.0 { sum.next_down() } else { sum.next_up() }
+}
+
+/// Depth and normal of an overlap are not known here (they are the work of `penetration`); the direction has no meaning
+/// yet, but it is a unit vector.
+pub(crate) fn overlapping(outcome: &mut Outcome) {
+    outcome.class = Class::Overlapping;
+    outcome.distance = 0.0;
+    outcome.normal = Vector3::x_axis();
+    (outcome.lower, outcome.upper) = (f64::NEG_INFINITY, 0.0);
+}
+
+/// Out of the range of the finer arithmetic: what any two vertices prove.
+pub(crate) fn give_up(placed: &Placed, outcome: &mut Outcome) {
+    let (a, b) = outcome.features.vertices_of(placed.a, placed.b);
+    let (p, q) = (placed.a.points[a as usize], placed.b.points[b as usize]);
+    (outcome.point_on_a, outcome.point_on_b) = (p.into(), q.into());
+    let between = placed.point_in_a(&q) - p;
+    outcome.normal = unit(&between);
+    outcome.distance = crate::num::scalar::sqrt(between.norm_squared());
+    outcome.upper = outcome.distance + CERTIFICATE * UNIT * placed.size();
+    outcome.lower = f64::NEG_INFINITY;
+    outcome.class = Class::Undecided;
+}
+
+/// The smallest features that hold one to four vertices of each body.
+pub(crate) fn state_of(placed: &Placed, a: &[u32], b: &[u32]) -> FeaturePair {
+    let (fa, fb) = (placed.a.feature_of(a), placed.b.feature_of(b));
+    let features = FeaturePair { a: fa, b: fb };
+    if fa.dimension() + fb.dimension() <= 2 {
+        return features;
+    }
+    // An edge over a face, or two faces: parallel features, of which a vertex beside the face is closest too.
+    match (fa, fb) {
+        (Feature::Face(f), _) => FeaturePair::vertex_face(Which::B, b[0], f.0),
+        (_, Feature::Face(f)) => FeaturePair::vertex_face(Which::A, a[0], f.0),
+        _ => features,
+    }
+}
+
+/// Whether class and distance are settled: apart with bounds no wider than they should be, or overlapping with witnesses
+/// that are one point up to rounding (the weights of a flat tetrahedron around the origin may be wrong in every digit
+/// while the signs of its volumes are certain).
+pub(crate) fn is_proven(placed: &Placed, outcome: &Outcome) -> bool {
+    match outcome.class {
+        Class::Overlapping => {
+            let between = placed.point_in_a(&outcome.point_on_b.coords) - outcome.point_on_a.coords;
+            crate::num::scalar::sqrt(between.norm_squared()) <= AGREE * placed.size()
+        }
+        Class::Separated => is_narrow(placed, outcome),
+        Class::Touching | Class::Undecided => false,
+    }
+}
+
+/// Whether the bounds agree as well as a certified answer's must.
+pub(crate) fn is_narrow(placed: &Placed, outcome: &Outcome) -> bool {
+    outcome.upper - outcome.lower <= (AGREE + 2.0 * CERTIFICATE * UNIT) * placed.size()
+}

@@ -1,0 +1,13 @@
+//! Two posed shapes: their relative transform, their Minkowski difference, and the outcome of a query with its certificate.
+//!
+//! Every solver stands on this room; the room knows none of the solvers.
+
+pub(crate) mod answer;
+pub(crate) mod certificate;
+pub(crate) mod difference;
+pub(crate) mod edge;
+pub(crate) mod face;
+pub(crate) mod outcome;
+pub(crate) mod posed;
+pub(crate) mod star;
+pub(crate) mod transform;

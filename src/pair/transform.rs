@@ -1,0 +1,110 @@
+//! The relative pose in the arithmetic of a solver, and what its errors are relative to.
+
+use nalgebra::Vector3;
+
+use crate::num::double_double::DoubleDouble;
+use crate::num::scalar::Scalar;
+use crate::pair::posed::Placed;
+use crate::polyhedron::{ConvexPolyhedron, power_of_two};
+use crate::pose::RelativePose;
+use crate::tolerance::FAR;
+
+/// What the errors of corners are relative to.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Reach {
+    /// The length of corners, and what each one's own error is relative to.
+    pub(crate) size: f64,
+    /// Beside that, what an error is relative to that all corners share: one of the translation between the bodies.
+    pub(crate) shared: f64,
+}
+
+impl Reach {
+    /// What an error of a place is relative to.
+    pub(crate) fn whole(self) -> f64 {
+        self.size + self.shared
+    }
+}
+
+/// `a_from_b` between stored frames in the arithmetic of a solver.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Frame<T> {
+    pub(crate) matrix: [[T; 3]; 3],
+    pub(crate) translation: [T; 3],
+}
+
+impl Frame<f64> {
+    pub(crate) fn of(placed: &Placed) -> Self {
+        let matrix = placed.rotation.matrix();
+        Self {
+            matrix: core::array::from_fn(|r| core::array::from_fn(|c| matrix[(r, c)])),
+            translation: placed.translation.vector().into(),
+        }
+    }
+}
+
+impl Frame<DoubleDouble> {
+    /// From the poses as given. `None` where the translation is beyond the range of the products that follow.
+    pub(crate) fn new(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &RelativePose) -> Option<Self> {
+        // The bodies' own offsets are at most 1e116 and cannot leave the range alone.
+        if pose.translation().amax() > FAR * power_of_two(a.exponent) {
+            return None;
+        }
+        let (ra, rb) = (rotation(&pose.a.q()), rotation(&pose.b.q()));
+        let at_b = apply(&rb, &b.origin.map(DoubleDouble::from).into());
+        let offset = core::array::from_fn(|k| at_b[k] + DoubleDouble::sum(pose.b.t()[k], -pose.a.t()[k]));
+        let ra = transposed(&ra);
+        let unit = DoubleDouble::from(power_of_two(-a.exponent));
+        let in_a = apply(&ra, &offset);
+        let translation = core::array::from_fn(|k| (in_a[k] - DoubleDouble::from(a.origin[k])) * unit);
+        let scale = DoubleDouble::from(power_of_two(b.exponent - a.exponent));
+        let columns: [[DoubleDouble; 3]; 3] =
+            core::array::from_fn(|c| apply(&ra, &core::array::from_fn(|r| rb[r][c] * scale)));
+        Some(Self {
+            matrix: transposed(&columns),
+            translation,
+        })
+    }
+}
+
+impl<T: Scalar> Frame<T> {
+    /// A stored point of B in A's stored frame.
+    #[inline(always)]
+    pub(crate) fn point(&self, p: &Vector3<f64>) -> [T; 3] {
+        let p = [T::from(p.x), T::from(p.y), T::from(p.z)];
+        let r = apply(&self.matrix, &p);
+        core::array::from_fn(|k| r[k] + self.translation[k])
+    }
+
+    /// A vector of B's stored frame in A's.
+    pub(crate) fn vector(&self, v: &[T; 3]) -> [T; 3] {
+        apply(&self.matrix, v)
+    }
+
+    /// The direction of B's stored frame along which points rise as they do along `n` in A's.
+    #[inline(always)]
+    pub(crate) fn direction(&self, n: &[T; 3]) -> [T; 3] {
+        core::array::from_fn(|c| self.matrix[0][c] * n[0] + self.matrix[1][c] * n[1] + self.matrix[2][c] * n[2])
+    }
+}
+
+/// The matrix of `q`, divided by `|q|^2`.
+fn rotation(q: &[f64; 4]) -> [[DoubleDouble; 3]; 3] {
+    let [x, y, z, w] = q.map(DoubleDouble::from);
+    let two = DoubleDouble::from(2.0);
+    let one = DoubleDouble::from(1.0);
+    let s = two / (x * x + y * y + z * z + w * w);
+    [
+        [one - (y * y + z * z) * s, (x * y - w * z) * s, (x * z + w * y) * s],
+        [(x * y + w * z) * s, one - (x * x + z * z) * s, (y * z - w * x) * s],
+        [(x * z - w * y) * s, (y * z + w * x) * s, one - (x * x + y * y) * s],
+    ]
+}
+
+#[inline]
+fn apply<T: Scalar>(m: &[[T; 3]; 3], v: &[T; 3]) -> [T; 3] {
+    core::array::from_fn(|r| m[r][0] * v[0] + m[r][1] * v[1] + m[r][2] * v[2])
+}
+
+fn transposed<T: Copy>(m: &[[T; 3]; 3]) -> [[T; 3]; 3] {
+    core::array::from_fn(|r| core::array::from_fn(|c| m[c][r]))
+}

@@ -1,0 +1,280 @@
+//! From points to a body: cloud, hull, faces, planes, report.
+
+pub(crate) mod cloud;
+pub(crate) mod error;
+mod faces;
+mod facets;
+mod flat;
+mod hull;
+#[cfg(feature = "serde")]
+mod persist;
+mod rebuild;
+pub(crate) mod report;
+mod source_faces;
+
+use alloc::vec::Vec;
+use nalgebra::{Matrix3, Point3, Vector3};
+
+use crate::num::scalar::sqrt;
+use crate::num::sign::side;
+use crate::polyhedron::bounds::Scan;
+#[cfg(feature = "exact")]
+use crate::polyhedron::build::cloud::lowest_bit;
+use crate::polyhedron::build::cloud::{Cloud, bounding_box, power_of_two};
+use crate::polyhedron::build::error::BuildError;
+use crate::polyhedron::build::facets::Facets;
+use crate::polyhedron::build::hull::{Span, Surface, hull};
+use crate::polyhedron::build::report::BuildReport;
+use crate::polyhedron::fans::Fans;
+use crate::polyhedron::plane::{plane, widest_corners};
+use crate::polyhedron::support::CubeMap;
+use crate::polyhedron::topology::Topology;
+use crate::polyhedron::{ConvexPolyhedron, Plane};
+use crate::tolerance::{COPLANAR, NEAR_PLANE, UNIT};
+
+/// How many of the largest faces the flatness of the report looks across.
+const WIDTHS: usize = 8;
+
+impl ConvexPolyhedron {
+    /// The convex hull of points, in any order and any unit.
+    ///
+    /// Every decision is an exact sign, so the hull is right at any aspect ratio: no extreme point is lost and none
+    /// invented. Exactly coplanar facets are one face; points that are not extreme are dropped and listed in
+    /// [`report`](Self::report). Vertices are numbered along a space-filling curve, whatever the order of the input.
+    /// Time is near `n log n`.
+    ///
+    /// ```
+    /// use lin_canny::polyhedron::{BuildError, ConvexPolyhedron};
+    /// use nalgebra::Point3;
+    ///
+    /// let corners = [[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [0., 0., 1.], [0.1, 0.1, 0.1]];
+    /// let body = ConvexPolyhedron::from_points(&corners.map(Point3::from))?;
+    /// assert_eq!((body.vertex_count(), body.edge_count(), body.face_count()), (4, 6, 4));
+    /// assert_eq!(body.report().interior, [4]);
+    ///
+    /// let flat = [0, 1, 2, 0].map(|i: usize| Point3::from(corners[i]));
+    /// let flat = ConvexPolyhedron::from_points(&flat);
+    /// assert!(matches!(flat, Err(BuildError::Flat { dimension: 2, .. })));
+    /// # Ok::<(), BuildError>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// Fewer than four points, a coordinate that is not finite, an extent outside 1e-100..1e100, or points that are all
+    /// exactly coplanar: see [`BuildError`]. Flat bodies have constructors of their own: [`polygon`](Self::polygon),
+    /// [`segment`](Self::segment), [`point`](Self::point).
+    #[doc(alias = "convex_hull")]
+    #[doc(alias = "quickhull")]
+    pub fn from_points(points: &[Point3<f64>]) -> Result<Self, BuildError> {
+        let indices = (0..points.len().min(u32::MAX as usize) as u32).collect();
+        Self::hull_of(Cloud::new(points, indices, 4)?)
+    }
+
+    /// The hull of a cloud that is not flat.
+    pub(crate) fn hull_of(cloud: Cloud) -> Result<Self, BuildError> {
+        let surface = hull(&cloud.points)
+            .map_err(|span| flat(&cloud, &span))?
+            .ok_or(BuildError::Inconsistent)?;
+        let facets = Facets::new(&cloud.points, &surface).ok_or(BuildError::Inconsistent)?;
+        let mut body = Self::assemble(&cloud, &facets.kept, &facets.loops)?;
+        body.report.merged_facets = facets.merged;
+        let name = |list: &[u32]| list.iter().map(|&i| cloud.source[i as usize]).collect();
+        body.report.on_faces = name(&facets.on_faces);
+        body.report.on_edges = name(&facets.on_edges);
+        body.sort_out_dropped(&cloud, &surface, &facets);
+        Ok(body)
+    }
+
+    /// Puts a body together from the places of its vertices in the cloud and its faces by vertex number.
+    pub(crate) fn assemble(cloud: &Cloud, kept: &[u32], loops: &[Vec<u32>]) -> Result<Self, BuildError> {
+        let points: Vec<Vector3<f64>> = kept.iter().map(|&i| cloud.points[i as usize]).collect();
+        let topology = Topology::from_loops(points.len(), loops).ok_or(BuildError::Inconsistent)?;
+        let radius = points.iter().fold(0.0f64, |r, p| r.max(p.norm_squared()));
+        // Three squares, two sums and a root err by less than 3 UNIT together.
+        let radius = sqrt(radius) * (1.0 + 4.0 * UNIT);
+        let (planes, areas) = planes_of(&points, loops, radius);
+        let (low, high) = bounding_box(&points);
+        let flatness = flatness(&points, &planes, &areas, (high - low).max());
+        let (vertices, edges) = (points.len(), topology.half_edge_count() / 2);
+        let faces = if loops.len() == 1 { 0 } else { loops.len() };
+        let report = BuildReport {
+            input_points: cloud.given,
+            vertices,
+            edges,
+            faces,
+            duplicates: cloud.duplicates.clone(),
+            flushed_coordinates: cloud.flushed,
+            flatness,
+            euler_characteristic: vertices as i64 - edges as i64 + faces as i64,
+            ..BuildReport::default()
+        };
+        if loops.len() > 1 && report.euler_characteristic != 2 {
+            return Err(BuildError::Inconsistent);
+        }
+        let inner = points.iter().sum::<Vector3<f64>>() / points.len() as f64;
+        let squares = points.iter().map(|p| (p - inner) * (p - inner).transpose());
+        let spread = squares.sum::<Matrix3<f64>>() * (3.0 / points.len() as f64);
+        let mean = spread.trace() / 3.0;
+        let is_creased = (0..topology.half_edge_count() as u32).any(|h| {
+            let e = topology.half_edge(h);
+            let [m, n] = [e.face, topology.half_edge(e.twin).face].map(|f| planes[f as usize].normal);
+            m.dot(&n) > 0.0 && m.cross(&n).norm_squared() <= COPLANAR * COPLANAR
+        });
+        let fans = Fans::new(&topology, &points, &planes);
+        #[cfg(feature = "exact")]
+        let given = points.iter().flat_map(|p| cloud.given_place(p).data.0[0]);
+        Ok(Self {
+            #[cfg(feature = "exact")]
+            lowest_bit: lowest_bit(given),
+            lookup: CubeMap::new(&topology, &points, &fans),
+            has_bands: topology.has_large_faces() || !fans.is_empty(),
+            fans,
+            scan: Scan::new(&points),
+            inner,
+            spread,
+            is_flat: points.len() > FEW && spread.determinant() < FLAT * mean * mean * mean,
+            topology,
+            source: kept.iter().map(|&i| cloud.source[i as usize]).collect(),
+            points,
+            planes,
+            source_faces: Vec::new(),
+            origin: cloud.origin,
+            exponent: cloud.exponent,
+            as_given: cloud.exponent == 0 && cloud.origin == Vector3::zeros(),
+            radius,
+            low,
+            high,
+            is_creased,
+            print: print(cloud, kept, loops),
+            report,
+        })
+    }
+
+    /// Enters the points that never became vertices of the hull's triangles into the report.
+    fn sort_out_dropped(&mut self, cloud: &Cloud, surface: &Surface, facets: &Facets) {
+        let mut settled = alloc::vec![false; cloud.points.len()];
+        for &i in facets.kept.iter().chain(&facets.on_edges).chain(&facets.on_faces) {
+            settled[i as usize] = true;
+        }
+        let mut hint = 0;
+        for (i, p) in cloud.points.iter().enumerate().filter(|(i, _)| !settled[*i]) {
+            let on = if surface.touching[i] {
+                self.faces_through(p, &mut hint)
+            } else {
+                0
+            };
+            let list = match on {
+                0 => &mut self.report.interior,
+                1 => &mut self.report.on_faces,
+                _ => &mut self.report.on_edges,
+            };
+            list.push(cloud.source[i]);
+        }
+    }
+
+    /// In how many face planes a point of the body lies exactly, counted up to 2. Neighbours in space often lie on the
+    /// same face, so the search starts at the face of the last one.
+    fn faces_through(&self, p: &Vector3<f64>, hint: &mut usize) -> usize {
+        let near = NEAR_PLANE * self.radius;
+        let mut count = 0;
+        let faces = self.planes.len();
+        let start = *hint;
+        for f in (start..faces).chain(0..start) {
+            let plane = &self.planes[f];
+            if plane.normal.dot(p) >= plane.offset - near && self.face_side(f as u32, p) == 0.0 {
+                count += 1;
+                *hint = f;
+                if count == 2 {
+                    break;
+                }
+            }
+        }
+        count
+    }
+
+    /// Positive where a point in stored coordinates is in front of a face, 0 in its plane; an exact sign.
+    pub(crate) fn face_side(&self, face: u32, p: &Vector3<f64>) -> f64 {
+        let h = self.topology.rim_start(face);
+        let e = self.topology.half_edge(h);
+        let corners = [self.topology.from(h), e.to, self.topology.half_edge(e.next).to];
+        let [a, b, c] = corners.map(|v| &self.points[v as usize]);
+        side(a, b, c, p)
+    }
+
+    /// Stored lengths times this are the caller's.
+    pub(crate) fn unit(&self) -> f64 {
+        power_of_two(self.exponent)
+    }
+}
+
+/// Vertices, scale and faces mixed into one number (Fowler, Noll and Vo's hash, by words): two bodies with the same one are the
+/// same for all practical purposes.
+fn print(cloud: &Cloud, kept: &[u32], loops: &[Vec<u32>]) -> u64 {
+    let mix = |h: u64, x: u64| {
+        (h.rotate_left(29) ^ x)
+            .wrapping_mul(0x0000_0100_0000_01b3)
+            .wrapping_add(0xcbf2_9ce4_8422_2325)
+    };
+    let coordinates = kept.iter().flat_map(|&i| cloud.points[i as usize].iter().copied());
+    let place = cloud.origin.iter().copied().chain([f64::from(cloud.exponent)]);
+    let corners = loops
+        .iter()
+        .flat_map(|l| core::iter::once(u64::MAX).chain(l.iter().map(|&v| u64::from(v))));
+    let numbers = place.chain(coordinates).map(f64::to_bits);
+    numbers.chain(corners).fold(0, mix)
+}
+
+/// The plane of each face, and twice the area of the widest triangle on it; zeros for the null face of a segment.
+fn planes_of(points: &[Vector3<f64>], loops: &[Vec<u32>], radius: f64) -> (Vec<Plane>, Vec<f64>) {
+    let null = Plane {
+        normal: Vector3::zeros(),
+        offset: 0.0,
+    };
+    let of_face = |rim: &Vec<u32>| {
+        if rim.len() < 3 {
+            return (null, 0.0);
+        }
+        let [a, b, c] = widest_corners(points, rim).map(|v| &points[v as usize]);
+        plane(a, b, c, radius)
+    };
+    loops.iter().map(of_face).unzip()
+}
+
+/// A body is flat or long if the product of the squares of its half axes is below this part of that of a ball with the same sum: as
+/// it is for 3:3:1.
+const FLAT: f64 = 0.32;
+
+/// On bodies of so many vertices every way is short.
+const FEW: usize = 12;
+
+/// The error for a flat cloud.
+pub(crate) fn flat(cloud: &Cloud, span: &Span) -> BuildError {
+    let span: Vec<usize> = span.iter().map(|&i| cloud.source[i as usize] as usize).collect();
+    BuildError::Flat {
+        dimension: span.len().saturating_sub(1),
+        span,
+    }
+}
+
+/// Least width across the axes of the box and the largest faces, over the longest side of the box.
+fn flatness(points: &[Vector3<f64>], planes: &[Plane], areas: &[f64], extent: f64) -> f64 {
+    if extent <= 0.0 || planes.len() < 3 {
+        return 0.0;
+    }
+    let mut largest: Vec<usize> = Vec::with_capacity(WIDTHS + 1);
+    for f in 0..planes.len() {
+        if largest.len() < WIDTHS || areas[f] > areas[largest[WIDTHS - 1]] {
+            let place = largest.partition_point(|&g| areas[g] >= areas[f]);
+            largest.insert(place, f);
+            largest.truncate(WIDTHS);
+        }
+    }
+    let (low, high) = bounding_box(points);
+    let mut width = (high - low).min();
+    for f in largest {
+        let n = planes[f].normal;
+        let below = points.iter().fold(f64::INFINITY, |m, p| m.min(n.dot(p)));
+        width = width.min(planes[f].offset - below);
+    }
+    (width / extent).clamp(0.0, 1.0)
+}

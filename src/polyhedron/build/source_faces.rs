@@ -1,0 +1,117 @@
+//! Which of the caller's faces holds each face of the body.
+
+use alloc::vec;
+use alloc::vec::Vec;
+use nalgebra::Vector3;
+
+use crate::polyhedron::ConvexPolyhedron;
+use crate::polyhedron::build::faces::Mesh;
+
+const NONE: u32 = u32::MAX;
+
+/// A corner where more faces meet than this names no candidates if another one did.
+const CROWD: usize = 8;
+
+/// For each face of the body the caller's face that shares most corners with it, the lowest among equals. Three corners
+/// settle it; where the caller cut a face so that no piece has three, it is the piece that lies in its plane.
+///
+/// `places` are the places of the body's vertices in the cloud, `points` those of the cloud.
+pub(crate) fn source_faces(mesh: &Mesh, body: &ConvexPolyhedron, places: &[u32], points: &[Vector3<f64>]) -> Vec<u32> {
+    let incidence = Incidence::new(mesh);
+    // The last face each of the caller's was compared with, and the corners they share.
+    let mut shared = vec![(NONE, 0u32); mesh.face_count()];
+    let mut rim: Vec<u32> = Vec::new();
+    let mut candidates: Vec<u32> = Vec::new();
+    let mut result = Vec::with_capacity(body.face_count());
+    for f in 0..body.face_count() as u32 {
+        rim.clear();
+        candidates.clear();
+        rim.extend(body.topology.rim(f).map(|h| places[body.topology.from(h) as usize]));
+        // Crowded corners, such as the apex of a cone, come last and are only looked up in the candidates known by then.
+        rim.sort_by_key(|&c| incidence.faces_at(c).len());
+        for &corner in &rim {
+            if !candidates.is_empty() && incidence.faces_at(corner).len() > CROWD {
+                for &g in candidates.iter().filter(|&&g| incidence.has_corner(g, corner)) {
+                    shared[g as usize].1 += 1;
+                }
+                continue;
+            }
+            for &g in incidence.faces_at(corner) {
+                let (last, count) = &mut shared[g as usize];
+                if *last != f {
+                    (*last, *count) = (f, 0);
+                    candidates.push(g);
+                }
+                *count += 1;
+            }
+        }
+        let count = |g: u32| shared[g as usize].1;
+        let most = candidates.iter().map(|&g| count(g)).max().unwrap_or(0);
+        let best = if most >= 3 {
+            candidates.iter().copied().filter(|&g| count(g) == most).min()
+        } else {
+            let off = |g: u32| depth_below(mesh.face(g as usize), body, f, points);
+            candidates
+                .iter()
+                .copied()
+                .min_by(|&g, &h| off(g).total_cmp(&off(h)).then(g.cmp(&h)))
+        };
+        result.push(best.unwrap_or(0));
+    }
+    result
+}
+
+/// How far three spread corners of a caller's face reach below the plane of a face of the body.
+fn depth_below(corners: &[u32], body: &ConvexPolyhedron, face: u32, points: &[Vector3<f64>]) -> f64 {
+    let plane = &body.planes[face as usize];
+    let spread = [0, 1, 2].map(|k| corners[k * corners.len() / 3]);
+    let depths = spread.map(|c| plane.offset - plane.normal.dot(&points[c as usize]));
+    depths.into_iter().fold(0.0, f64::max)
+}
+
+/// Which of the caller's faces meet at each place, both ways.
+struct Incidence<'a> {
+    mesh: &'a Mesh,
+    /// Corners of each face in rising order, laid out as in the mesh.
+    sorted: Vec<u32>,
+    first: Vec<u32>,
+    faces: Vec<u32>,
+}
+
+impl<'a> Incidence<'a> {
+    fn new(mesh: &'a Mesh) -> Self {
+        let mut first = vec![0u32; mesh.source.len() + 1];
+        for &c in &mesh.corners {
+            first[c as usize + 1] += 1;
+        }
+        for c in 0..mesh.source.len() {
+            first[c + 1] += first[c];
+        }
+        let mut next = first.clone();
+        let mut faces = vec![0u32; mesh.corners.len()];
+        let mut sorted = mesh.corners.clone();
+        for f in 0..mesh.face_count() {
+            sorted[mesh.corners_of(f)].sort_unstable();
+            for &c in mesh.face(f) {
+                faces[next[c as usize] as usize] = f as u32;
+                next[c as usize] += 1;
+            }
+        }
+        Self {
+            mesh,
+            sorted,
+            first,
+            faces,
+        }
+    }
+
+    fn faces_at(&self, place: u32) -> &[u32] {
+        &self.faces[self.first[place as usize] as usize..self.first[place as usize + 1] as usize]
+    }
+
+    fn has_corner(&self, face: u32, place: u32) -> bool {
+        self.sorted[self.mesh.corners_of(face as usize)]
+            .binary_search(&place)
+            .is_ok()
+    }
+}

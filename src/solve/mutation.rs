@@ -1,0 +1,215 @@
+//! Tests of the certificate: a walk that errs, in any of the ways below, is found out. What it says is falsified after it
+//! ended; the answer must be the right one all the same, from whichever layer.
+#![cfg(test)]
+extern crate std;
+
+use alloc::{format, vec, vec::Vec};
+use std::cell::Cell;
+
+use lab::rng::Rng;
+use nalgebra::{Isometry3, Unit, Vector3};
+
+use crate::num::packed::Lanes;
+use crate::pair::edge::Edge;
+use crate::pair::outcome::{Class, Layer, Level, Outcome, Work};
+use crate::pair::posed::Placed;
+use crate::pair::star::is_flanked;
+use crate::polyhedron::{ConvexPolyhedron, FeaturePair, solids};
+use crate::pose::{RelativePose, Which};
+use crate::solve::solve;
+use crate::tolerance::UNIT;
+use crate::walk::seed;
+
+/// How the walk errs.
+#[derive(Clone, Copy, Debug)]
+enum Error {
+    /// It ends on vertices picked at random and says their distance.
+    Ends(u64),
+    /// It ends anywhere, says the distance of the vertices there, and a direction that is not theirs.
+    Turns(u64),
+    /// Its distance is off by this factor.
+    Scales(f64),
+    /// Its planes are this far, in units of L, from where they are.
+    Lifts(f64),
+    /// It says that it ended, and nothing else.
+    Lies,
+    /// Its numbers are NaN.
+    Blurs,
+    /// It never ends.
+    Loops,
+}
+
+std::thread_local! {
+    static ERROR: Cell<Option<Error>> = const { Cell::new(None) };
+}
+
+/// What the walk of this thread says after it ended at `answer`: with no error set, the truth.
+pub(super) fn falsify(placed: &Placed, outcome: &mut Outcome, ended: bool) -> bool {
+    let Some(error) = ERROR.get() else { return ended };
+    let vertices = |outcome: &mut Outcome, seed: u64| {
+        let (a, b) = (
+            seed % placed.a.points.len() as u64,
+            seed / 7 % placed.b.points.len() as u64,
+        );
+        outcome.features = FeaturePair::vertices(Which::A, a as u32, b as u32);
+        let (p, q) = (placed.a.points[a as usize], placed.b.points[b as usize]);
+        let between = placed.point_in_a(&q) - p;
+        outcome.distance = between.norm();
+        outcome.normal = Unit::new_normalize(between);
+        (outcome.point_on_a, outcome.point_on_b) = (p.into(), q.into());
+        outcome.lower = f64::NEG_INFINITY;
+    };
+    match error {
+        Error::Ends(seed) => vertices(outcome, seed),
+        Error::Turns(seed) => {
+            vertices(outcome, seed);
+            outcome.normal = Unit::new_normalize(Vector3::new(seed as f64, 1.0, -(seed as f64) / 2.0));
+        }
+        Error::Scales(by) => outcome.distance *= by,
+        Error::Lifts(by) => outcome.lower += by * placed.size(),
+        Error::Lies => *outcome = Outcome::open(outcome.features),
+        Error::Blurs => {
+            outcome.distance = f64::NAN;
+            outcome.lower = f64::NAN;
+        }
+        Error::Loops => return false,
+    }
+    match error {
+        Error::Scales(_) | Error::Lifts(_) => ended,
+        _ => true,
+    }
+}
+
+fn ask(placed: &Placed, error: Option<Error>, start: Option<FeaturePair>) -> Outcome {
+    ERROR.set(error);
+    let mut outcome = Outcome::open(start.unwrap_or_else(|| seed::cold(placed, &mut Work::default())));
+    solve(Level::Certified, placed, start.is_some(), &mut outcome);
+    ERROR.set(None);
+    outcome
+}
+
+fn errors() -> Vec<Error> {
+    let mut all = vec![Error::Lies, Error::Blurs, Error::Loops];
+    for by in [
+        0.0,
+        0.5,
+        0.999_999,
+        1.0 - 1e-11,
+        1.0 + 1e-11,
+        1.000_001,
+        2.0,
+        -1.0,
+        f64::INFINITY,
+    ] {
+        all.push(Error::Scales(by));
+    }
+    all.extend([-1.0, -1e-3, -1e-9, 1e-12, 1e-9, 1e-3, 1.0, f64::INFINITY].map(Error::Lifts));
+    all.extend((1..20).flat_map(|seed| [Error::Ends(seed * 31), Error::Turns(seed * 17)]));
+    all
+}
+
+fn bodies() -> Vec<ConvexPolyhedron> {
+    vec![
+        solids::cuboid(Vector3::new(1.0, 1.0, 1.0)).unwrap(),
+        solids::icosahedron(1.0).unwrap(),
+        solids::random_hull(40, Vector3::new(1.0, 0.8, 1e-4), 3).unwrap(),
+        solids::cone(64, 1.0, 0.5).unwrap(),
+    ]
+}
+
+#[test]
+fn a_walk_that_errs_is_found_out() {
+    let bodies = bodies();
+    let (mut right, mut by_walk, mut found_out) = (0, 0, 0);
+    for (i, a) in bodies.iter().enumerate() {
+        for b in &bodies {
+            for k in 0..6 {
+                let turn = Vector3::new(0.3, -0.2, 0.5) * f64::from(k);
+                let pose = Isometry3::new(Vector3::new(2.6, 0.4 * f64::from(k), 0.7 * i as f64), turn);
+                let pose = RelativePose::from_isometry(&pose).unwrap();
+                let Ok(placed) = Placed::new(a, b, &pose) else {
+                    panic!("in range")
+                };
+                let truth = ask(&placed, None, None);
+                assert_eq!((truth.class, truth.layer), (Class::Separated, Layer::Walk));
+                for error in errors() {
+                    for start in [None, Some(FeaturePair::vertices(Which::A, 0, 0))] {
+                        let x = ask(&placed, Some(error), start);
+                        let what = format!("{error:?}: {x:?} for {truth:?}");
+                        assert_eq!(x.class, Class::Separated, "{what}");
+                        assert!(x.lower <= truth.upper && truth.lower <= x.upper, "{what}");
+                        assert!((x.distance - truth.distance).abs() <= 1e-14 * placed.size(), "{what}");
+                        assert!(x.upper - x.lower <= 1e-13 * placed.size(), "{what}");
+                        right += 1;
+                        by_walk += usize::from(x.layer == Layer::Walk);
+                        found_out += usize::from(x.layer > Layer::Restart);
+                    }
+                }
+            }
+        }
+    }
+    // Errors below what the certificate allows may pass, and so may vertices that happen to be the closest.
+    assert!(
+        found_out * 10 > right * 8 && by_walk * 5 < right,
+        "{found_out} and {by_walk} of {right}"
+    );
+}
+
+#[test]
+fn a_bound_by_two_planes_holds_for_any_planes_and_weights() {
+    let mut rng = Rng::new(1);
+    let mut random = || rng.range(-1.0, 1.0);
+    let mut finite = 0;
+    for body in bodies() {
+        for _ in 0..20_000 {
+            let n = Vector3::new(random(), random(), random());
+            let mut plane = || &body.planes[((random() + 1.0) * 0.5 * body.planes.len() as f64) as usize];
+            let (left, right) = (plane(), plane());
+            let weights = (random() + 0.5, random() + 0.5);
+            let bound = body.edge_bound(Lanes::new(&n), left, right, weights, n.norm_squared());
+            let high = body.points.iter().fold(f64::NEG_INFINITY, |m, p| m.max(n.dot(p)));
+            assert!(!(bound < high - 1e-15 * body.radius), "{bound} {high}");
+            finite += usize::from(bound.is_finite());
+            let v = ((random() + 1.0) * 0.5 * body.points.len() as f64) as u32;
+            let fan = body.fan_minimum(v, &n);
+            if body.proves_lowest(&fan, &n) {
+                let low = body.points.iter().fold(f64::INFINITY, |m, p| m.min(n.dot(p)));
+                assert_eq!(low, n.dot(&body.points[v as usize]));
+            }
+        }
+    }
+    assert!(finite > 20_000, "{finite}");
+}
+
+#[test]
+fn an_edge_that_signs_prove_extreme_is_so() {
+    let mut rng = Rng::new(7);
+    let mut random = || rng.range(-1.0, 1.0);
+    let (mut proven, mut doubtful) = (0, 0);
+    for body in bodies() {
+        for e in body.edges() {
+            let edge = Edge::new(&body, e.0);
+            let u = Lanes::new(&edge.q) - Lanes::new(&edge.p);
+            for k in 0..300 {
+                // Random directions, and those within less and less of the normal of a face.
+                let face = if random() < 0.0 { edge.left } else { edge.right };
+                let off = Vector3::new(random(), random(), random()) * 0.125f64.powi(k % 20);
+                let w = Lanes::new(&(face.normal.cross(&u.vector()) * f64::from((k % 20).min(1)) + off));
+                let n = u.cross(w);
+                if !is_flanked(edge.weights(w, 1.0), w.norm_squared()) {
+                    doubtful += 1;
+                    continue;
+                }
+                proven += 1;
+                let n = n.vector();
+                let high = body
+                    .points
+                    .iter()
+                    .fold(f64::NEG_INFINITY, |m, p| m.max(n.dot(&(p - edge.p))));
+                let most = 16.0 * UNIT * body.radius * (u.norm_squared() * w.norm_squared()).sqrt();
+                assert!(high <= most, "{e} {k}: {high} beyond {most}");
+            }
+        }
+    }
+    assert!(proven > 10_000 && doubtful > 10_000, "{proven} and {doubtful}");
+}

@@ -1,0 +1,201 @@
+//! An edge beside an edge: the feet of their common perpendicular must lie on both, and the perpendicular between the
+//! planes of the faces of each.
+//!
+//! With `n = u x w` for the edge vectors `u` of A and `w` of B, the feet come from cross products over `n . n`, never
+//! from `1 - cos^2`, which is where every wrong answer of the closed form was seen to end. By the Binet-Cauchy identity
+//! the four plane tests are four products: `n` turned towards B is `alpha nL + beta nR` on A with
+//! `alpha = -sign w . nR` and `beta = sign w . nL`, and its opposite the same on B with `u` for `w`.
+
+use nalgebra::Vector3;
+
+use crate::num::packed::Lanes;
+use crate::num::scalar::sqrt;
+use crate::pair::edge::Edge;
+use crate::pair::outcome::Outcome;
+use crate::pair::posed::{OfA, OfB, Placed};
+use crate::pair::star::is_flanked;
+use crate::polyhedron::{ConvexPolyhedron, FeaturePair};
+use crate::pose::Which;
+use crate::tolerance::{DIFFERENCE, DIRECTION, NEARLY_PARALLEL, ON_BOUNDARY, PARALLEL};
+use crate::walk::slide::{Slide, slide};
+use crate::walk::step::Step;
+
+// Not inlined: the walk's loop would hoist the loads of every kind of pair and spill them.
+#[inline(never)]
+pub(crate) fn look<const CERTIFY: bool>(placed: &Placed, a: u32, b: u32, outcome: &mut Outcome) -> Step {
+    let (ea, eb) = (Edge::new(placed.a, a), Edge::new(placed.b, b));
+    let (p1, p2_in_b) = (Lanes::new(&ea.p), Lanes::new(&eb.p));
+    let (u, w_in_b) = (Lanes::new(&ea.q) - p1, Lanes::new(&eb.q) - p2_in_b);
+    let w = placed.rotation.times(w_in_b);
+    let p2 = placed.rotation.times(p2_in_b) + placed.translation;
+    let r = p2 - p1;
+    let (uu, ww) = (u.norm_squared(), w.norm_squared());
+    let mut n = u.cross(w);
+    let mut nn = n.norm_squared();
+    if nn < NEARLY_PARALLEL * uu * ww {
+        n = n - u * (n.dot(u) / uu);
+        nn = n.norm_squared();
+        if nn <= PARALLEL * uu * ww {
+            return ends(placed, a, b, outcome);
+        }
+    }
+    let per_square = 1.0 / nn;
+    let (s, t) = (r.cross(w).dot(n) * per_square, r.cross(u).dot(n) * per_square);
+    if s < 0.0 || t < 0.0 || s > 1.0 || t > 1.0 {
+        let off = |s: f64, squared: f64| (s - s.clamp(0.0, 1.0)).abs() * sqrt(squared) > DIFFERENCE * placed.size();
+        if off(s, uu) || off(t, ww) {
+            return ends(placed, a, b, outcome);
+        }
+    }
+    let along = r.dot(n);
+    let sign = if along < 0.0 { -1.0 } else { 1.0 };
+    let u_in_b = placed.rotation.transposed_times(u);
+    let (on_a, on_b) = (ea.weights(w, sign), eb.weights(u_in_b, sign));
+    let (s, t) = (s.clamp(0.0, 1.0), t.clamp(0.0, 1.0));
+    let proven = is_flanked(on_a, ww) && is_flanked(on_b, uu);
+    if !proven && (on_a.0 < 0.0 || on_a.1 < 0.0 || on_b.0 < 0.0 || on_b.1 < 0.0) {
+        // The weights are as long as the other edge: compare sines.
+        let sine = |least: f64, other: Lanes| {
+            if least < -DIRECTION * other.one_norm() {
+                least / sqrt(other.norm_squared())
+            } else {
+                0.0
+            }
+        };
+        let (out_a, out_b) = (sine(on_a.0.min(on_a.1), w), sine(on_b.0.min(on_b.1), u_in_b));
+        if out_a < 0.0 && out_a <= out_b {
+            return over_face_of_a(placed, a, b, on_a.0 < on_a.1, t, outcome);
+        }
+        if out_b < 0.0 {
+            return over_face_of_b(placed, a, b, on_b.0 < on_b.1, s, outcome);
+        }
+    }
+    let (point_a, point_b) = (p1 + u * s, p2_in_b + w_in_b * t);
+    let distance = sqrt((p2 + w * t - point_a).norm_squared());
+    if distance <= ON_BOUNDARY * placed.size() {
+        return Step::Lost;
+    }
+    let per_length = sqrt(nn) * per_square;
+    let normal = n * (sign * per_length);
+    let lower = if !CERTIFY {
+        f64::NEG_INFINITY
+    } else if proven {
+        // Both are extreme across the other, so the supporting planes are as far apart as the lines.
+        along.abs() * per_length
+    } else {
+        between_planes(placed, (a, b), normal, on_a, on_b)
+    };
+    outcome.end(normal.vector(), (point_a.vector(), point_b.vector()), distance, lower)
+}
+
+/// How far apart the planes of the faces prove the bodies along a unit `normal`, where signs do not prove the edges extreme.
+#[cold]
+#[inline(never)]
+fn between_planes(placed: &Placed, (a, b): (u32, u32), normal: Lanes, on_a: (f64, f64), on_b: (f64, f64)) -> f64 {
+    let (ea, eb) = (Edge::new(placed.a, a), Edge::new(placed.b, b));
+    let high_a = placed.a.edge_bound(normal, ea.left, ea.right, on_a, 1.0);
+    let normal_in_b = -placed.rotation.transposed_times(normal);
+    let high_b = placed.b.edge_bound(normal_in_b, eb.left, eb.right, on_b, 1.0);
+    normal.dot(placed.translation) - high_a - high_b
+}
+
+/// Slides the edge of B over the right or the left face of A's, downhill from `t`.
+#[inline(never)]
+fn over_face_of_a(placed: &Placed, a: u32, b: u32, right: bool, t: f64, outcome: &mut Outcome) -> Step {
+    let eb = Edge::new(placed.b, b);
+    let start = placed.point_in_a(&(eb.p + (eb.q - eb.p) * t));
+    let way = placed.vector_in_a(&(eb.q - eb.p));
+    let (face, half_edge) = downhill(placed.a, a, right, &way, placed.b, b);
+    slide(
+        &OfB(placed),
+        &Slide {
+            half_edge,
+            start: Lanes::new(&start),
+            face,
+            from_rim: Some(a),
+        },
+        outcome,
+    )
+}
+
+/// Slides the edge of A over the right or the left face of B's, downhill from `s`.
+#[inline(never)]
+fn over_face_of_b(placed: &Placed, a: u32, b: u32, right: bool, s: f64, outcome: &mut Outcome) -> Step {
+    let ea = Edge::new(placed.a, a);
+    let start = placed.point_in_b(&(ea.p + (ea.q - ea.p) * s));
+    let way = placed.vector_in_b(&(ea.q - ea.p));
+    let (face, half_edge) = downhill(placed.b, b, right, &way, placed.a, a);
+    slide(
+        &OfA(placed),
+        &Slide {
+            half_edge,
+            start: Lanes::new(&start),
+            face,
+            from_rim: Some(b),
+        },
+        outcome,
+    )
+}
+
+/// The face right or left of `rim`, and the half-edge of `edge` (pointing along `way`) that falls towards it.
+fn downhill(
+    body: &ConvexPolyhedron,
+    rim: u32,
+    right: bool,
+    way: &Vector3<f64>,
+    other: &ConvexPolyhedron,
+    edge: u32,
+) -> (u32, u32) {
+    let e = body.topology.half_edge(rim);
+    let face = if right {
+        body.topology.half_edge(e.twin).face
+    } else {
+        e.face
+    };
+    let rising = body.planes[face as usize].normal.dot(way) > 0.0;
+    (
+        face,
+        if rising {
+            other.topology.half_edge(edge).twin
+        } else {
+            edge
+        },
+    )
+}
+
+/// The nearest pair of points of the two segments where at least one of them is an end: the ends of each projected on
+/// the other, the best of the four.
+#[cold]
+fn ends(placed: &Placed, a: u32, b: u32, outcome: &mut Outcome) -> Step {
+    let (ea, eb) = (Edge::new(placed.a, a), Edge::new(placed.b, b));
+    let (u, w) = (ea.q - ea.p, placed.vector_in_a(&(eb.q - eb.p)));
+    let r = placed.point_in_a(&eb.p) - ea.p;
+    let (uu, ww, uw) = (u.norm_squared(), w.norm_squared(), u.dot(&w));
+    let (ru, rw) = (r.dot(&u), r.dot(&w));
+    let on_b = |s: f64| ((s * uw - rw) / ww).clamp(0.0, 1.0);
+    let on_a = |t: f64| ((t * uw + ru) / uu).clamp(0.0, 1.0);
+    let candidates = [(0.0, on_b(0.0)), (1.0, on_b(1.0)), (on_a(0.0), 0.0), (on_a(1.0), 1.0)];
+    let gap = |&(s, t): &(f64, f64)| (r + w * t - u * s).norm_squared();
+    let mut best = candidates[0];
+    for c in &candidates[1..] {
+        if gap(c) < gap(&best) {
+            best = *c;
+        }
+    }
+    let end = |e: &Edge, x: f64| {
+        if x == 0.0 {
+            Some(e.tail)
+        } else if x == 1.0 {
+            Some(e.head)
+        } else {
+            None
+        }
+    };
+    outcome.go(match (end(&ea, best.0), end(&eb, best.1)) {
+        (Some(v), Some(w)) => FeaturePair::vertices(Which::A, v, w),
+        (Some(v), None) => FeaturePair::vertex_edge(Which::A, v, b),
+        (None, Some(v)) => FeaturePair::vertex_edge(Which::B, v, a),
+        // A projection that is NaN: the tails stand in.
+        (None, None) => FeaturePair::vertices(Which::A, ea.tail, eb.tail),
+    })
+}

@@ -1,0 +1,10 @@
+//! Long face boundaries and large fans: the walk jumps along them instead of taking an edge per step.
+//!
+//! Two doors: [`newton_jump`] moves a walk that has taken too many steps, [`predict`] chooses where the next query
+//! starts. Only bodies with a face or a fan of more than
+//! [`LARGE`](crate::polyhedron::topology::LARGE) edges ever come here.
+
+mod cholesky;
+mod curve;
+pub(crate) mod newton_jump;
+pub(crate) mod predict;

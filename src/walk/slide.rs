@@ -1,0 +1,50 @@
+//! An edge over a face is no place to rest: it falls towards the face until it leaves it or meets it.
+
+use crate::num::packed::Lanes;
+use crate::pair::face::Face;
+use crate::pair::outcome::Outcome;
+use crate::pair::posed::Sides;
+use crate::polyhedron::FeaturePair;
+use crate::walk::ray_exit_face::jump;
+use crate::walk::step::Step;
+
+/// An edge that falls towards a face.
+pub(crate) struct Slide {
+    /// The half-edge of `x`, in the direction it falls.
+    pub(crate) half_edge: u32,
+    /// Where to begin, in the frame of the face's body.
+    pub(crate) start: Lanes,
+    /// The face of `y`.
+    pub(crate) face: u32,
+    /// The edge of the rim the edge comes in over, if it does.
+    pub(crate) from_rim: Option<u32>,
+}
+
+/// Follows the edge to the first of: a side plane of the face (edge-edge), its own end (vertex-face), the plane of the
+/// face (the bodies meet).
+pub(crate) fn slide<S: Sides>(sides: &S, s: &Slide, outcome: &mut Outcome) -> Step {
+    let (body, other) = (sides.x(), sides.y());
+    let x = &body.topology;
+    let end = x.half_edge(s.half_edge).to;
+    let way = Lanes::new(&sides.point_in_y(&body.points[end as usize])) - s.start;
+    let plane = &other.planes[s.face as usize];
+    let face = Face {
+        body: other,
+        face: s.face,
+        normal: &plane.normal,
+    };
+    let (first, to) = match face.leave(s.start, way, s.from_rim) {
+        Some((when, edge)) => (when, FeaturePair::edges(S::OF, x.edge(s.half_edge), edge)),
+        None => (1.0, FeaturePair::vertex_face(S::OF, end, s.face)),
+    };
+    let normal = Lanes::new(&plane.normal);
+    let (height, fall) = (normal.dot(s.start) - plane.offset, normal.dot(way));
+    if height <= 0.0 {
+        return jump(sides, end, s.face, &s.start.vector(), outcome);
+    }
+    if height + first * fall <= 0.0 {
+        Step::Lost
+    } else {
+        outcome.go(to)
+    }
+}

@@ -1,0 +1,91 @@
+//! A vertex beside an edge: the foot must lie on the edge, the vertex between the planes of the edge's faces, and the
+//! foot in the region of the vertex.
+//!
+//! ```text
+//!        x            x   the vertex, in the frame of the edge's body
+//!        |  d         d   from the foot to x, orthogonal to u
+//!   p ---+----> q     u   = q - p
+//!  nR (right)  nL (left): d = alpha nL + beta nR with alpha = nR . (u x d), beta = -nL . (u x d), both >= 0
+//! ```
+
+use nalgebra::Vector3;
+
+use crate::num::packed::Lanes;
+use crate::num::scalar::sqrt;
+use crate::pair::edge::Edge;
+use crate::pair::outcome::Outcome;
+use crate::pair::posed::Sides;
+use crate::pair::star::one_norm;
+use crate::polyhedron::{ConvexPolyhedron, FeaturePair};
+use crate::tolerance::{DIFFERENCE, ON_BOUNDARY};
+use crate::walk::step::Step;
+
+// Not inlined: the walk's loop would hoist the loads of every kind of pair and spill them.
+#[inline(never)]
+pub(crate) fn look<const CERTIFY: bool, S: Sides>(sides: &S, vertex: u32, edge: u32, outcome: &mut Outcome) -> Step {
+    let (body, other) = (sides.x(), sides.y());
+    let e = other.topology.half_edge(edge);
+    let twin = other.topology.half_edge(e.twin);
+    let (p, q) = (other.points[twin.to as usize], other.points[e.to as usize]);
+    let on_x = body.points[vertex as usize];
+    let x = sides.point_in_y(&on_x);
+    let (u, r) = (q - p, x - p);
+    let noise = DIFFERENCE * sides.size();
+    let (along, uu) = (r.dot(&u), u.norm_squared());
+    let slack = noise * one_norm(&u);
+    // V(p), V(q)
+    if along < -slack {
+        return outcome.go(FeaturePair::vertices(S::OF, vertex, twin.to));
+    }
+    if along > uu + slack {
+        return outcome.go(FeaturePair::vertices(S::OF, vertex, e.to));
+    }
+    let inverse = 1.0 / uu;
+    let s = along * inverse;
+    let d = r - u * s;
+    let correction = d.dot(&u) * inverse;
+    let (s, d) = (s + correction, d - u * correction);
+    // F(left), F(right)
+    let w = u.cross(&d);
+    let (left, right) = (&other.planes[e.face as usize], &other.planes[twin.face as usize]);
+    let (alpha, beta) = (right.normal.dot(&w), -left.normal.dot(&w));
+    if alpha < -slack || beta < -slack {
+        let face = if alpha < beta { twin.face } else { e.face };
+        return outcome.go(FeaturePair::vertex_face(S::OF, vertex, face));
+    }
+    let n = sides.direction_in_x(&d);
+    let fan = body.fan_minimum(vertex, &n);
+    if let Some(h) = body.descent(vertex, &fan, noise) {
+        return outcome.go(FeaturePair::edges(S::OF, body.topology.edge(h), edge));
+    }
+    // The distance is that of points of the bodies: an end where rounding puts the foot beyond it.
+    let length = sqrt(d.norm_squared());
+    let (foot, distance) = if (0.0..=1.0).contains(&s) {
+        (p + u * s, length)
+    } else {
+        let end = if s < 0.5 { p } else { q };
+        (end, sqrt((x - end).norm_squared()))
+    };
+    if distance <= ON_BOUNDARY * sides.size() {
+        return Step::Lost;
+    }
+    let per_length = 1.0 / length;
+    let lower = if !(CERTIFY && body.proves_lowest(&fan, &n)) {
+        f64::NEG_INFINITY
+    } else if alpha > slack && beta > slack {
+        // The edge is extreme by the signs of its weights, `FLANK`, so the supporting planes are as far apart as vertex and line.
+        length
+    } else {
+        above_planes(other, edge, &d, &x, (alpha, beta)) * per_length
+    };
+    let normal = sides.normal(&(d * per_length));
+    outcome.end(normal, S::witnesses(on_x, foot), distance, lower)
+}
+
+/// How far the planes of the faces beside an edge prove `x` to be above its body, in units of `d`, where signs do not prove the edge extreme.
+#[cold]
+#[inline(never)]
+fn above_planes(body: &ConvexPolyhedron, edge: u32, d: &Vector3<f64>, x: &Vector3<f64>, weights: (f64, f64)) -> f64 {
+    let Edge { left, right, .. } = Edge::new(body, edge);
+    d.dot(x) - body.edge_bound(Lanes::new(d), left, right, weights, d.norm_squared())
+}

@@ -1,0 +1,75 @@
+//! A vertex beside a face: it must stand over the face, and the face's plane must support its body at it.
+
+use nalgebra::Vector3;
+
+use crate::num::packed::Lanes;
+use crate::num::scalar::sqrt;
+use crate::pair::face::{Face, Rim};
+use crate::pair::outcome::Outcome;
+use crate::pair::posed::Sides;
+use crate::polyhedron::{ConvexPolyhedron, FeaturePair};
+use crate::tolerance::{DIRECTION, ON_BOUNDARY};
+use crate::walk::ray_exit_face::jump;
+use crate::walk::slide::{Slide, slide};
+use crate::walk::step::Step;
+
+// Not inlined: the walk's loop would hoist the loads of every kind of pair and spill them.
+#[inline(never)]
+pub(crate) fn look<const CERTIFY: bool, S: Sides>(sides: &S, vertex: u32, face: u32, outcome: &mut Outcome) -> Step {
+    let (body, other) = (sides.x(), sides.y());
+    let on_x = body.points[vertex as usize];
+    let x = sides.point_in_y(&on_x);
+    let plane = &other.planes[face as usize];
+    let size = sides.size();
+    let (rim, corner) = Face {
+        body: other,
+        face,
+        normal: &plane.normal,
+    }
+    .beside(&x, size);
+    if let Rim::Outside(edge) = rim {
+        return outcome.go(FeaturePair::vertex_edge(S::OF, vertex, edge));
+    }
+    let height = plane.normal.dot(&(x - corner));
+    if height <= ON_BOUNDARY * size {
+        return jump(sides, vertex, face, &x, outcome);
+    }
+    let n = sides.direction_in_x(&plane.normal);
+    let fan = body.fan_minimum(vertex, &n);
+    if let Some(h) = body.descent(vertex, &fan, DIRECTION) {
+        return slide(
+            sides,
+            &Slide {
+                half_edge: h,
+                start: Lanes::new(&x),
+                face,
+                from_rim: None,
+            },
+            outcome,
+        );
+    }
+    let lower = if CERTIFY && body.proves_lowest(&fan, &n) {
+        plane.normal.dot(&x) - plane.offset
+    } else {
+        f64::NEG_INFINITY
+    };
+    let (foot, height) = match rim {
+        Rim::Grazes(edge) => onto_edge(other, edge, &x),
+        _ => (x - plane.normal * height, height),
+    };
+    let normal = sides.normal(&plane.normal);
+    outcome.end(normal, S::witnesses(on_x, foot), height, lower)
+}
+
+/// The point of an edge nearest to `x`, and its distance. Where `x` grazes the rim, the foot of the perpendicular may
+/// fall outside the face, and far outside at an acute corner; this one is a point of the body.
+#[cold]
+fn onto_edge(body: &ConvexPolyhedron, edge: u32, x: &Vector3<f64>) -> (Vector3<f64>, f64) {
+    let (p, q) = (
+        body.points[body.topology.from(edge) as usize],
+        body.points[body.topology.half_edge(edge).to as usize],
+    );
+    let u = q - p;
+    let foot = p + u * ((x - p).dot(&u) / u.norm_squared()).clamp(0.0, 1.0);
+    (foot, sqrt((x - foot).norm_squared()))
+}
