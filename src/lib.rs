@@ -26,7 +26,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! # Which function?
+//! # Operand function?
 //!
 //! | question | function | answer |
 //! |---|---|---|
@@ -37,12 +37,12 @@
 //! | The same to the last bit? | `Tracker::closest_exact` (feature `exact`) | [`Outcome`] |
 //! | As the walk says, checked elsewhere? | [`Tracker::propose`] | [`Proposal`]: no bounds |
 //! | Give or take an error? The same in many small steps? | [`Watch`] | distance or `bool`, looked for only where the motion leaves it open |
-//! | Which points hold them apart? | [`Tracker::manifold`] | [`Manifold`]: contact points, with names that last |
+//! | Operand points hold them apart? | [`Tracker::manifold`] | [`Manifold`]: contact points, with names that last |
 //! | What does a motion do to the distance? | [`Outcome::gradient_a`], [`gradient_b`](Outcome::gradient_b) | [`Gradient`] of the signed distance |
 //! | When do they meet? | none yet; a loop over [`Tracker::distance`] | see [`Velocity`] |
 //! | Many moving bodies? | [`scene::Scene`] | events and answers for the effects called for |
 //! | Only the pairs of boxes? | [`broad::PencilSweep`] | pairs, events, stable ids |
-//! | Which pairs would the walk look at? | [`Tracker::trace`] | the way, pair by pair |
+//! | Operand pairs would the walk look at? | [`Tracker::trace`] | the way, pair by pair |
 //! | How do I report this query? | [`Tracker::replay`] | [`Replay`]: a text that rebuilds it bit for bit |
 //! | Where does B stand? | [`RelativePose::new`] | a checked pose, or a [`PoseError`] |
 //! | A body of points, of faces? | [`ConvexPolyhedron::from_points`], [`from_faces`](ConvexPolyhedron::from_faces) | a body with its [`BuildReport`], or a [`BuildError`] |
@@ -120,7 +120,7 @@
 //! *upper* bound, and for any direction n the gap between the supporting planes across n, least `n . b` minus greatest
 //! `n . a`, is a *lower* bound. At the closest points, with n along them, the two are equal. The walk delivers both; the
 //! crate compares them, adds the error of its own rounding, and returns what is then proven: [`Outcome::lower`] and
-//! [`Outcome::upper`]. Where they do not meet, other solvers take over: [`Layer`] says which one answered.
+//! [`Outcome::upper`]. Where they do not meet, other solvers take over: [`Solver`] says which one answered.
 //!
 //! # Accuracy
 //!
@@ -243,11 +243,11 @@ mod watch;
 pub use contact::{ContactPoint, Gradient, Manifold, ManifoldOptions};
 pub use motion::Velocity;
 pub use nalgebra;
-pub use pair::outcome::{Class, Distance, Layer, Level, Outcome, Proposal, Work};
+pub use pair::outcome::{Accuracy, Class, Distance, Outcome, Proposal, Solver, Work};
 pub use polyhedron::{
     BoxHint, BuildError, BuildReport, ConvexPolyhedron, EdgeId, FaceId, Feature, FeaturePair, VertexId,
 };
-pub use pose::{PoseError, RelativePose, Which};
+pub use pose::{Operand, PoseError, RelativePose};
 pub use replay::{Replay, ReplayError};
 pub use tracker::{Totals, Tracker};
 pub use watch::Watch;

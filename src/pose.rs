@@ -3,7 +3,7 @@
 use nalgebra::{Isometry3, Matrix3, Quaternion, Vector3};
 use wide::f64x2;
 
-use crate::num::packed::{self, Lanes, Rotation};
+use crate::num::packed::{self, PackedRotation, PackedVec3};
 use crate::tolerance::{POSE_UNIT, REACH};
 
 /// Why a pose is no rigid motion.
@@ -14,8 +14,8 @@ pub enum PoseError {
     /// f64: then the body is B and the value its place seen from A's.
     #[error("translation of {body} is out of range: coordinate {axis} is {value}")]
     Translation {
-        /// Which of the two poses.
-        body: Which,
+        /// Operand of the two poses.
+        body: Operand,
         /// 0, 1 or 2.
         axis: usize,
         /// The coordinate.
@@ -25,8 +25,8 @@ pub enum PoseError {
     /// [`RelativePose`].
     #[error("rotation of {body} is not a unit quaternion: its squared norm is {norm_squared}")]
     Rotation {
-        /// Which of the two poses.
-        body: Which,
+        /// Operand of the two poses.
+        body: Operand,
         /// The squared norm, NaN or infinite where a coordinate is.
         norm_squared: f64,
     },
@@ -35,16 +35,16 @@ pub enum PoseError {
 /// The first or the second body of a query.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum Which {
+pub enum Operand {
     /// The first.
     A,
     /// The second.
     B,
 }
 
-impl core::fmt::Display for Which {
+impl core::fmt::Display for Operand {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.write_str(if *self == Which::A { "A" } else { "B" })
+        f.write_str(if *self == Operand::A { "A" } else { "B" })
     }
 }
 
@@ -76,21 +76,21 @@ impl core::fmt::Display for Which {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct RelativePose {
-    pub(crate) a: Placement,
-    pub(crate) b: Placement,
+    pub(crate) a: PoseBits,
+    pub(crate) b: PoseBits,
 }
 
 /// One pose as given, in lanes: a query reads it moments after it was stored.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize), serde(into = "RawPlacement"))]
-pub(crate) struct Placement {
+pub(crate) struct PoseBits {
     /// Quaternion: vector part, then scalar part.
     q: [f64x2; 2],
     /// The translation; in the lane to spare, `|q|^2`, rounded.
-    t: Lanes,
+    t: PackedVec3,
 }
 
-impl Placement {
+impl PoseBits {
     #[inline(always)]
     fn new(pose: &Isometry3<f64>) -> Self {
         let (q, t) = (&pose.rotation.coords, &pose.translation.vector);
@@ -103,7 +103,7 @@ impl Placement {
         let [even, odd] = (q[0] * q[0] + q[1] * q[1]).to_array();
         Self {
             q,
-            t: Lanes::carrying(&t.into(), even + odd),
+            t: PackedVec3::carrying(&t.into(), even + odd),
         }
     }
 
@@ -123,7 +123,7 @@ impl Placement {
         self.t.carried()
     }
 
-    fn check(&self, body: Which) -> Result<(), PoseError> {
+    fn check(&self, body: Operand) -> Result<(), PoseError> {
         let t = self.t();
         if let Some(axis) = (0..3).find(|&k| !t[k].is_finite()) {
             return Err(PoseError::Translation {
@@ -155,9 +155,9 @@ impl RelativePose {
     /// A translation that is not finite or out of range, or a rotation whose squared norm is off 1 by more than 1e-12.
     #[inline]
     pub fn new(pose_a: &Isometry3<f64>, pose_b: &Isometry3<f64>) -> Result<Self, PoseError> {
-        let (a, b) = (Placement::new(pose_a), Placement::new(pose_b));
+        let (a, b) = (PoseBits::new(pose_a), PoseBits::new(pose_b));
         let offset = offset(&a, &b);
-        let unit = |p: &Placement| (p.norm_squared() - 1.0).abs() <= POSE_UNIT;
+        let unit = |p: &PoseBits| (p.norm_squared() - 1.0).abs() <= POSE_UNIT;
         // Comparisons with NaN are false.
         let near = offset.one_norm() < REACH;
         if near && unit(&a) && unit(&b) {
@@ -197,7 +197,7 @@ impl RelativePose {
 
     /// The same in lanes.
     #[inline(always)]
-    pub(crate) fn shift(&self) -> Lanes {
+    pub(crate) fn shift(&self) -> PackedVec3 {
         self.turned_to_a(offset(&self.a, &self.b))
     }
 
@@ -208,7 +208,7 @@ impl RelativePose {
 
     /// `R_a^T offset`.
     #[inline(always)]
-    fn turned_to_a(&self, offset: Lanes) -> Lanes {
+    fn turned_to_a(&self, offset: PackedVec3) -> PackedVec3 {
         let (axis, w) = packed::parts(&self.a.q);
         let c = offset.cross(axis);
         let s = 2.0 * (2.0 - self.a.norm_squared());
@@ -224,24 +224,24 @@ impl RelativePose {
 
     /// The same in lanes.
     #[inline(always)]
-    pub(crate) fn turn(&self) -> Rotation {
+    pub(crate) fn turn(&self) -> PackedRotation {
         let s = 2.0 * (2.0 - self.a.norm_squared()) * (2.0 - self.b.norm_squared());
-        Rotation::between(&self.a.q, &self.b.q, s)
+        PackedRotation::between(&self.a.q, &self.b.q, s)
     }
 }
 
 /// What is wrong with one of two poses of which one is.
 #[cold]
 fn refusal(pose_a: &Isometry3<f64>, pose_b: &Isometry3<f64>) -> PoseError {
-    let (a, b) = (Placement::new(pose_a), Placement::new(pose_b));
-    if let Err(e) = a.check(Which::A).and(b.check(Which::B)) {
+    let (a, b) = (PoseBits::new(pose_a), PoseBits::new(pose_b));
+    if let Err(e) = a.check(Operand::A).and(b.check(Operand::B)) {
         return e;
     }
     let offset = offset(&a, &b).vector();
     // Of three coordinates whose sum is too large the largest is a third of it.
     let axis = offset.iamax();
     PoseError::Translation {
-        body: Which::B,
+        body: Operand::B,
         axis,
         value: offset[axis],
     }
@@ -249,7 +249,7 @@ fn refusal(pose_a: &Isometry3<f64>, pose_b: &Isometry3<f64>) -> PoseError {
 
 /// `t_b - t_a`: world offsets end here.
 #[inline(always)]
-fn offset(a: &Placement, b: &Placement) -> Lanes {
+fn offset(a: &PoseBits, b: &PoseBits) -> PackedVec3 {
     b.t - a.t
 }
 
@@ -274,8 +274,8 @@ struct RawPlacement {
 }
 
 #[cfg(feature = "serde")]
-impl From<Placement> for RawPlacement {
-    fn from(p: Placement) -> Self {
+impl From<PoseBits> for RawPlacement {
+    fn from(p: PoseBits) -> Self {
         Self { q: p.q(), t: p.t() }
     }
 }
@@ -289,7 +289,7 @@ impl<'de> serde::Deserialize<'de> for RelativePose {
             b: RawPlacement,
         }
         let raw = Raw::deserialize(deserializer)?;
-        let pose = |p: RawPlacement| Placement::of(p.q, p.t).isometry();
+        let pose = |p: RawPlacement| PoseBits::of(p.q, p.t).isometry();
         Self::new(&pose(raw.a), &pose(raw.b)).map_err(serde::de::Error::custom)
     }
 }
@@ -317,7 +317,7 @@ mod tests {
         assert!(matches!(
             RelativePose::new(&one, &nan),
             Err(PoseError::Translation {
-                body: Which::B,
+                body: Operand::B,
                 axis: 1,
                 ..
             })
@@ -326,7 +326,7 @@ mod tests {
         let long = Isometry3::from_parts(Translation3::identity(), long);
         assert!(matches!(
             RelativePose::new(&long, &one),
-            Err(PoseError::Rotation { body: Which::A, .. })
+            Err(PoseError::Rotation { body: Operand::A, .. })
         ));
         let far = |x| Isometry3::translation(x, 0.0, 0.0);
         assert!(RelativePose::new(&far(-1.7e308), &far(1.7e308)).is_err());

@@ -26,9 +26,9 @@ use core::str::FromStr;
 use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion};
 
 use crate::depth::{Memory, Raw};
-use crate::pair::outcome::Level;
+use crate::pair::outcome::Accuracy;
 use crate::polyhedron::{BuildError, ConvexPolyhedron, EdgeId, FaceId, Feature, FeaturePair, VertexId};
-use crate::pose::{PoseError, RelativePose, Which};
+use crate::pose::{Operand, PoseError, RelativePose};
 
 const TITLE: &str = "lin-canny replay 1";
 
@@ -39,12 +39,12 @@ const TITLE: &str = "lin-canny replay 1";
 ///
 /// ```
 /// use lin_canny::nalgebra::Isometry3;
-/// use lin_canny::{Level, RelativePose, Replay, Tracker, polyhedron::solids};
+/// use lin_canny::{Accuracy, RelativePose, Replay, Tracker, polyhedron::solids};
 ///
 /// let (a, b) = (solids::octahedron(0.1)?, solids::icosahedron(0.3)?);
 /// let pose = RelativePose::from_isometry(&Isometry3::translation(0.4, 0.5, 0.6))?;
 /// let mut pair = Tracker::new();
-/// let text = pair.replay(&a, &b, &pose, Level::Certified).to_string();
+/// let text = pair.replay(&a, &b, &pose, Accuracy::Certified).to_string();
 /// let again: Replay = text.parse()?;
 /// assert_eq!(again.tracker().closest(&again.a, &again.b, &again.pose), pair.closest(&a, &b, &pose));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -62,7 +62,7 @@ pub struct Replay {
     /// The surface of an overlap that the tracker held.
     pub(crate) surface: Memory,
     /// The level asked for.
-    pub level: Level,
+    pub level: Accuracy,
 }
 
 /// Why a text is no replay. Lines are counted from 1.
@@ -83,8 +83,8 @@ pub enum ReplayError {
     /// The vertices make no body.
     #[error("body {which}: {error}")]
     Body {
-        /// Which of the two.
-        which: Which,
+        /// Operand of the two.
+        which: Operand,
         /// Why.
         error: BuildError,
     },
@@ -96,12 +96,12 @@ pub enum ReplayError {
     Start(FeaturePair),
 }
 
-impl fmt::Display for Level {
+impl fmt::Display for Accuracy {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
-            Level::Walk => "walk",
-            Level::Certified => "certified",
-            Level::Exact => "exact",
+            Accuracy::Walk => "walk",
+            Accuracy::Certified => "certified",
+            Accuracy::Exact => "exact",
         })
     }
 }
@@ -109,7 +109,7 @@ impl fmt::Display for Level {
 impl fmt::Display for Replay {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "{TITLE}\nlevel {}", self.level)?;
-        for (which, body) in [(Which::A, &self.a), (Which::B, &self.b)] {
+        for (which, body) in [(Operand::A, &self.a), (Operand::B, &self.b)] {
             writeln!(f, "body {which} {}", body.vertex_count())?;
             for p in body.vertex_points() {
                 numbers(f, "vertex", &[p.x, p.y, p.z])?;
@@ -163,12 +163,12 @@ impl FromStr for Replay {
         }
         lines.take();
         let level = match lines.word("level", "a level")? {
-            (_, "walk") => Level::Walk,
-            (_, "certified") => Level::Certified,
-            (_, "exact") => Level::Exact,
+            (_, "walk") => Accuracy::Walk,
+            (_, "certified") => Accuracy::Certified,
+            (_, "exact") => Accuracy::Exact,
             (line, _) => return Err(expected(line, "walk, certified or exact")),
         };
-        let (a, b) = (lines.body(Which::A)?, lines.body(Which::B)?);
+        let (a, b) = (lines.body(Operand::A)?, lines.body(Operand::B)?);
         let pose = RelativePose::new(&lines.pose("pose A")?, &lines.pose("pose B")?)?;
         let start = match lines.word("start", "a start")? {
             (_, "cold") => None,
@@ -235,8 +235,8 @@ impl<'a> Lines<'a> {
         Some((line, rest.trim()))
     }
 
-    fn body(&mut self, which: Which) -> Result<ConvexPolyhedron, ReplayError> {
-        let title = if which == Which::A { "body A" } else { "body B" };
+    fn body(&mut self, which: Operand) -> Result<ConvexPolyhedron, ReplayError> {
+        let title = if which == Operand::A { "body A" } else { "body B" };
         let (line, count) = self.word(title, "a body")?;
         let mut points = Vec::new();
         while let Some((line, text)) = self.word_if_there("vertex") {

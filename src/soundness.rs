@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use crate::pair::outcome::{Class, Layer, Outcome};
+use crate::pair::outcome::{Class, Outcome, Solver};
 use crate::polyhedron::ConvexPolyhedron;
 use crate::pose::RelativePose;
 use crate::tolerance::UNIT;
@@ -23,7 +23,7 @@ pub(crate) fn fault(
     }
     let classed = match o.class {
         // Where f64 ends, exact arithmetic may know more than a bound can say.
-        Class::Separated => o.lower > 0.0 || o.lower == 0.0 && o.layer >= Layer::Exact,
+        Class::Separated => o.lower > 0.0 || o.lower == 0.0 && o.solver >= Solver::Exact,
         Class::Overlapping => o.upper <= 0.0,
         Class::Touching => o.lower <= 0.0 && o.upper >= 0.0,
         Class::Undecided => true,
@@ -35,7 +35,7 @@ pub(crate) fn fault(
         return Some("the normal is not of unit length");
     }
     // Of bodies too far apart or too near for squares the witnesses are what they are.
-    if o.layer == Layer::Far || witnesses_agree(a, b, pose, o) {
+    if o.solver == Solver::Far || witnesses_agree(a, b, pose, o) {
         None
     } else {
         Some("the witnesses contradict the bounds")

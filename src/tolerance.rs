@@ -18,7 +18,7 @@ pub const EDGE_SIGN: f64 = 8.0 * UNIT;
 pub const STEEPER: f64 = 16.0 * UNIT;
 
 /// How far the squared norm of a pose's quaternion may be off 1: what repeated composition of f64 rotations
-/// accumulates over thousands of products. Placement divides by the squared norm, so the value does not limit accuracy.
+/// accumulates over thousands of products. PoseBits divides by the squared norm, so the value does not limit accuracy.
 pub const POSE_UNIT: f64 = 1e-12;
 
 /// The sum of the coordinates of the relative translation stays below this, so that no distance leaves f64, nor its

@@ -7,14 +7,14 @@ use alloc::vec::Vec;
 use nalgebra::Unit;
 
 use crate::depth::{self, Memory};
-use crate::minimum::overlap_proof::Hold;
-use crate::pair::outcome::{Class, Distance, Level, Outcome, Proposal};
-use crate::pair::posed::Placed;
+use crate::minimum::overlap_proof::OverlapProof;
+use crate::pair::outcome::{Accuracy, Class, Distance, Outcome, Proposal};
+use crate::pair::posed::PosedPair;
 use crate::polyhedron::{ConvexPolyhedron, FeaturePair};
-use crate::pose::{RelativePose, Which};
+use crate::pose::{Operand, RelativePose};
 use crate::replay::Replay;
 use crate::solve::{self, out_of_range};
-use crate::walk::rings::predict::ahead;
+use crate::walk::rings::predict::predict;
 use crate::walk::seed;
 use crate::walk::trace::trace;
 
@@ -59,7 +59,7 @@ pub struct Tracker {
     memory: Memory,
     /// The proof of the last answer, where that was an overlap without its depth.
     #[cfg_attr(feature = "serde", serde(default))]
-    hold: Option<Hold>,
+    overlap_proof: Option<OverlapProof>,
 }
 
 /// A walk of so many steps was near its end where it began.
@@ -82,7 +82,7 @@ impl Tracker {
             starts: Starts::default(),
             totals: Totals::default(),
             memory: Memory::default(),
-            hold: None,
+            overlap_proof: None,
         }
     }
 
@@ -108,15 +108,21 @@ impl Tracker {
         b: &ConvexPolyhedron,
         a_from_b: &RelativePose,
     ) -> (Vec<FeaturePair>, bool) {
-        match Placed::new(a, b, a_from_b) {
-            Ok(placed) => trace(&placed, self.start(a, b)),
+        match PosedPair::new(a, b, a_from_b) {
+            Ok(posed) => trace(&posed, self.start(a, b)),
             Err(_) => (Vec::new(), false),
         }
     }
 
     /// The query as a text that rebuilds it bit for bit: ask for it before the query, or the start is the answer's.
     #[must_use]
-    pub fn replay(&self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose, level: Level) -> Replay {
+    pub fn replay(
+        &self,
+        a: &ConvexPolyhedron,
+        b: &ConvexPolyhedron,
+        a_from_b: &RelativePose,
+        level: Accuracy,
+    ) -> Replay {
         replay(a, b, a_from_b, (self.start(a, b), self.memory.clone()), level)
     }
 
@@ -142,8 +148,8 @@ impl Tracker {
     #[inline]
     pub fn closest(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Outcome {
         let before = self.before(a, b);
-        let outcome = self.answer(a, b, a_from_b, Level::Certified, true);
-        debug_check(a, b, a_from_b, &before, Level::Certified, &outcome);
+        let outcome = self.answer(a, b, a_from_b, Accuracy::Certified, true);
+        debug_check(a, b, a_from_b, &before, Accuracy::Certified, &outcome);
         outcome
     }
 
@@ -152,14 +158,14 @@ impl Tracker {
     #[cfg(feature = "exact")]
     pub fn closest_exact(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Outcome {
         let before = self.before(a, b);
-        let mut outcome = self.answer(a, b, a_from_b, Level::Exact, true);
+        let mut outcome = self.answer(a, b, a_from_b, Accuracy::Exact, true);
         // The second: a distance that only f64 in the caller's own unit can hold.
-        if outcome.layer == crate::pair::outcome::Layer::Far
+        if outcome.solver == crate::pair::outcome::Solver::Far
             || outcome.class == Class::Separated && outcome.lower <= 0.0
         {
             outcome = out_of_range::exactly(a, b, a_from_b, outcome);
         }
-        debug_check(a, b, a_from_b, &before, Level::Exact, &outcome);
+        debug_check(a, b, a_from_b, &before, Accuracy::Exact, &outcome);
         outcome
     }
 
@@ -172,14 +178,14 @@ impl Tracker {
     /// solver in f64 stands in.
     #[inline]
     pub fn propose(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Proposal {
-        let o = self.answer(a, b, a_from_b, Level::Walk, false);
+        let o = self.answer(a, b, a_from_b, Accuracy::Walk, false);
         Proposal {
             distance: (o.class != Class::Overlapping).then_some(o.distance),
             features: o.features,
             point_on_a: o.point_on_a,
             point_on_b: o.point_on_b,
             normal: o.normal,
-            layer: o.layer,
+            solver: o.solver,
             work: o.work,
         }
     }
@@ -192,10 +198,10 @@ impl Tracker {
         a: &ConvexPolyhedron,
         b: &ConvexPolyhedron,
         a_from_b: &RelativePose,
-        level: Level,
+        level: Accuracy,
         deep: bool,
     ) -> Outcome {
-        let mut outcome = Outcome::open(FeaturePair::vertices(Which::A, 0, 0));
+        let mut outcome = Outcome::open(FeaturePair::vertices(Operand::A, 0, 0));
         self.solve(a, b, a_from_b, (level, deep), &mut outcome);
         outcome
     }
@@ -206,28 +212,32 @@ impl Tracker {
         a: &ConvexPolyhedron,
         b: &ConvexPolyhedron,
         a_from_b: &RelativePose,
-        (level, deep): (Level, bool),
+        (level, deep): (Accuracy, bool),
         outcome: &mut Outcome,
     ) {
         if a.exponent != b.exponent && has_the_unit(b, a) {
             self.solve_in_units_of_b(a, b, a_from_b, (level, deep), outcome);
-        } else if let Ok(placed) = Placed::new(a, b, a_from_b) {
-            if deep && !self.memory.is_empty() && self.resume(&placed, outcome) {
+        } else if let Ok(posed) = PosedPair::new(a, b, a_from_b) {
+            if deep && !self.memory.is_empty() && self.resume(&posed, outcome) {
                 return;
             }
-            if !deep && level == Level::Certified && self.hold.is_some() && self.still_overlaps(&placed, outcome) {
+            if !deep
+                && level == Accuracy::Certified
+                && self.overlap_proof.is_some()
+                && self.still_overlaps(&posed, outcome)
+            {
                 return;
             }
             let warm = self.start(a, b);
             match warm {
                 Some(pair) => outcome.features = pair,
-                None => outcome.features = seed::cold(&placed, &mut outcome.work),
+                None => outcome.features = seed::cold(&posed, &mut outcome.work),
             }
-            solve::solve(level, &placed, warm.is_some(), outcome);
-            self.deepen(deep, &placed, outcome);
+            solve::solve(level, &posed, warm.is_some(), outcome);
+            self.deepen(deep, &posed, outcome);
             self.count(warm.is_some(), a, b, outcome);
-            if !(a.as_given && b.as_given) {
-                give_back(a, b, outcome);
+            if !(a.is_unscaled && b.is_unscaled) {
+                to_user_units(a, b, outcome);
             }
         } else {
             self.solve_far(a, b, a_from_b, outcome);
@@ -236,20 +246,20 @@ impl Tracker {
 
     /// The depth of an overlap, where it is asked for; where not, the next query begins with the expectation of another.
     #[inline(always)]
-    fn deepen(&mut self, deep: bool, placed: &Placed, outcome: &mut Outcome) {
+    fn deepen(&mut self, deep: bool, posed: &PosedPair, outcome: &mut Outcome) {
         if outcome.class == Class::Overlapping {
-            self.hold = (!deep).then(Hold::default);
+            self.overlap_proof = (!deep).then(OverlapProof::default);
             if deep {
-                depth::deepen(placed, &mut self.memory, outcome);
+                depth::penetration_depth(posed, &mut self.memory, outcome);
             }
         }
     }
 
     /// The answer from the surface of the last one. What is no longer of use is forgotten.
     #[inline(never)]
-    fn resume(&mut self, placed: &Placed, outcome: &mut Outcome) -> bool {
+    fn resume(&mut self, posed: &PosedPair, outcome: &mut Outcome) -> bool {
         let first = *outcome;
-        if !depth::resume(placed, &mut self.memory, outcome) {
+        if !depth::resume(posed, &mut self.memory, outcome) {
             self.memory.clear();
             let grown = outcome.work.grown;
             *outcome = first;
@@ -259,10 +269,10 @@ impl Tracker {
         self.totals.queries += 1;
         self.totals.warm += 1;
         self.totals.depths += u64::from(outcome.work.depths);
-        self.totals.answered[outcome.layer as usize] += 1;
+        self.totals.answered[outcome.solver as usize] += 1;
         self.stay(outcome.features);
-        if !(placed.a.as_given && placed.b.as_given) {
-            give_back(placed.a, placed.b, outcome);
+        if !(posed.a.is_unscaled && posed.b.is_unscaled) {
+            to_user_units(posed.a, posed.b, outcome);
         }
         true
     }
@@ -273,26 +283,26 @@ impl Tracker {
         a: &ConvexPolyhedron,
         b: &ConvexPolyhedron,
         a_from_b: &RelativePose,
-        (level, deep): (Level, bool),
+        (level, deep): (Accuracy, bool),
         outcome: &mut Outcome,
     ) {
         let b_from_a = a_from_b.swapped();
-        let Ok(placed) = Placed::new(b, a, &b_from_a) else {
+        let Ok(posed) = PosedPair::new(b, a, &b_from_a) else {
             return self.solve_far(a, b, a_from_b, outcome);
         };
         let warm = self.start(a, b).map(FeaturePair::swapped);
-        outcome.features = warm.unwrap_or_else(|| seed::cold(&placed, &mut outcome.work));
-        solve::solve(level, &placed, warm.is_some(), outcome);
-        self.deepen(deep, &placed, outcome);
+        outcome.features = warm.unwrap_or_else(|| seed::cold(&posed, &mut outcome.work));
+        solve::solve(level, &posed, warm.is_some(), outcome);
+        self.deepen(deep, &posed, outcome);
         // Their names are those of the bodies exchanged.
         self.memory.clear();
-        self.hold = None;
+        self.overlap_proof = None;
         outcome.features = outcome.features.swapped();
         core::mem::swap(&mut outcome.point_on_a, &mut outcome.point_on_b);
         let normal = -b_from_a.rotation().tr_mul(&outcome.normal);
         outcome.normal = Unit::new_normalize(normal);
         self.count(warm.is_some(), a, b, outcome);
-        give_back(a, b, outcome);
+        to_user_units(a, b, outcome);
     }
 
     #[cold]
@@ -325,13 +335,13 @@ impl Tracker {
         self.totals.queries += 1;
         self.totals.warm += u64::from(warm);
         self.starts.learn(warm, &outcome.work);
-        self.totals.answered[outcome.layer as usize] += 1;
+        self.totals.answered[outcome.solver as usize] += 1;
         self.totals.steps += u64::from(outcome.work.steps);
         self.totals.depths += u64::from(outcome.work.depths);
         // Longer walks, and those that began where features were to go: on long rims and round large fans.
         if (a.has_bands | b.has_bands) && (outcome.work.steps > STEADY || self.next != self.last) {
             let now = outcome.features;
-            let next = self.last.map_or(now, |before| ahead(a, b, before, now));
+            let next = self.last.map_or(now, |before| predict(a, b, before, now));
             (self.last, self.next) = (Some(now), Some(next));
         } else {
             self.stay(outcome.features);
@@ -350,7 +360,7 @@ fn replay(
     b: &ConvexPolyhedron,
     pose: &RelativePose,
     (start, surface): (Option<FeaturePair>, Memory),
-    level: Level,
+    level: Accuracy,
 ) -> Replay {
     Replay {
         a: a.clone(),
@@ -369,7 +379,7 @@ fn debug_check(
     b: &ConvexPolyhedron,
     pose: &RelativePose,
     before: &Option<(Option<FeaturePair>, Memory)>,
-    level: Level,
+    level: Accuracy,
     outcome: &Outcome,
 ) {
     if let Some(before) = before
@@ -394,7 +404,7 @@ impl Replay {
 /// Whether the bounding balls alone prove the bodies more than `d` apart.
 #[inline]
 pub(crate) fn clear_of(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &RelativePose, d: f64) -> bool {
-    if !a.as_given || !b.as_given {
+    if !a.is_unscaled || !b.is_unscaled {
         return false;
     }
     let reach = a.radius + b.radius + d;
@@ -410,11 +420,11 @@ fn has_the_unit(x: &ConvexPolyhedron, y: &ConvexPolyhedron) -> bool {
 
 /// From stored units and frames to the caller's.
 #[cold]
-fn give_back(a: &ConvexPolyhedron, b: &ConvexPolyhedron, outcome: &mut Outcome) {
+fn to_user_units(a: &ConvexPolyhedron, b: &ConvexPolyhedron, outcome: &mut Outcome) {
     let unit = if has_the_unit(b, a) { b.unit() } else { a.unit() };
     outcome.distance *= unit;
     outcome.lower *= unit;
     outcome.upper *= unit;
-    outcome.point_on_a = a.given(&outcome.point_on_a.coords);
-    outcome.point_on_b = b.given(&outcome.point_on_b.coords);
+    outcome.point_on_a = a.to_user(&outcome.point_on_a.coords);
+    outcome.point_on_b = b.to_user(&outcome.point_on_b.coords);
 }

@@ -13,10 +13,10 @@
 
 use nalgebra::Vector3;
 
-use crate::motion::Place;
+use crate::motion::BallAtPose;
 use crate::pair::outcome::{Class, Distance};
 use crate::polyhedron::ConvexPolyhedron;
-use crate::pose::{RelativePose, Which};
+use crate::pose::{Operand, RelativePose};
 use crate::tracker::{Tracker, clear_of};
 
 /// Two bodies, a tracker, and the last answer with the pose it was for.
@@ -50,7 +50,7 @@ pub struct Watch<'a> {
     b: &'a ConvexPolyhedron,
     tracker: Tracker,
     /// The body that is seen to move, the smaller one, and the ball that holds it.
-    moving: Which,
+    moving: Operand,
     centre: Vector3<f64>,
     radius: f64,
     seen: Option<Seen>,
@@ -61,7 +61,7 @@ pub struct Watch<'a> {
 /// The last answer that was looked for, and where the moving body was.
 #[derive(Clone, Copy, Debug)]
 struct Seen {
-    place: Place,
+    place: BallAtPose,
     answer: Distance,
 }
 
@@ -71,9 +71,9 @@ impl<'a> Watch<'a> {
     pub fn new(a: &'a ConvexPolyhedron, b: &'a ConvexPolyhedron) -> Self {
         let (ball_a, ball_b) = (a.bounding_ball(), b.bounding_ball());
         let (moving, (centre, radius)) = if ball_b.1 <= ball_a.1 {
-            (Which::B, ball_b)
+            (Operand::B, ball_b)
         } else {
-            (Which::A, ball_a)
+            (Operand::A, ball_a)
         };
         Self {
             a,
@@ -151,7 +151,7 @@ impl<'a> Watch<'a> {
         &self.tracker
     }
 
-    fn look(&mut self, place: Place, a_from_b: &RelativePose, deep: bool) -> Distance {
+    fn look(&mut self, place: BallAtPose, a_from_b: &RelativePose, deep: bool) -> Distance {
         self.looked += 1;
         let answer = self.tracker.bounds(self.a, self.b, a_from_b, deep);
         self.seen = Some(Seen { place, answer });
@@ -159,15 +159,15 @@ impl<'a> Watch<'a> {
     }
 
     #[inline]
-    fn place(&self, a_from_b: &RelativePose) -> Place {
+    fn place(&self, a_from_b: &RelativePose) -> BallAtPose {
         let (rotation, translation) = (a_from_b.rotation(), a_from_b.translation());
-        Place::new(self.moving, (&self.centre, self.radius), &rotation, &translation)
+        BallAtPose::new(self.moving, (&self.centre, self.radius), &rotation, &translation)
     }
 
     /// The last answer as far as it is one here. `None` where nothing was asked, or where squares of lengths leave the
     /// range.
     #[inline]
-    fn known(&self, place: &Place) -> Option<Distance> {
+    fn known(&self, place: &BallAtPose) -> Option<Distance> {
         let Seen { place: then, answer } = self.seen.as_ref()?;
         let by = place.displacement(then);
         if !(by < f64::INFINITY) {

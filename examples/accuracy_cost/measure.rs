@@ -2,7 +2,7 @@
 
 use lab::progress::Progress;
 use lab::record::{Row, spread};
-use lin_canny::{Layer, Totals};
+use lin_canny::{Solver, Totals};
 
 use crate::bodies::Pair;
 use crate::engines::{self, Case};
@@ -79,7 +79,7 @@ pub(crate) fn table(seen: &[Seen], family: &str, n: usize) {
         let (ns, err) = (spread(s.ns.iter().copied()), spread(s.err.iter().copied()));
         let tracked = s.totals.queries > 0;
         let number = |x: f64, unit: &str| if tracked { format!("{x:.2}{unit}") } else { "-".into() };
-        let walked = [Layer::Walk, Layer::Restart]
+        let walked = [Solver::Walk, Solver::Restart]
             .map(|l| s.totals.answered_by(l))
             .iter()
             .sum::<u64>();

@@ -26,7 +26,7 @@ use judge::Judge;
 use lab::motion::Frame;
 use lab::progress::Progress;
 use lab::rng::Rng;
-use lin_canny::{Class, Level, Outcome, RelativePose, Tracker};
+use lin_canny::{Accuracy, Class, Outcome, RelativePose, Tracker};
 use tally::Tally;
 
 struct Options {
@@ -84,7 +84,7 @@ impl Run<'_> {
             self.options.seed, self.number, a.family, a.shape.name, b.family, b.shape.name, self.trial.motion
         );
         eprintln!("{head}\n");
-        let replay = before.replay(&a.body, &b.body, pose, Level::Certified);
+        let replay = before.replay(&a.body, &b.body, pose, Accuracy::Certified);
         let text: String = head.lines().map(|l| format!("# {l}\n")).collect();
         let name = format!("{}-{}-{frame}.txt", self.options.seed, self.number);
         let file = self.options.out.join(name);

@@ -40,7 +40,7 @@ impl Tally {
     pub(crate) fn frame(&mut self, motion: &'static str, o: &Outcome) {
         self.frames += 1;
         self.classes[o.class as usize] += 1;
-        self.layers[o.layer as usize] += 1;
+        self.layers[o.solver as usize] += 1;
         self.motions.entry(motion).or_default()[o.class as usize] += 1;
     }
 

@@ -12,7 +12,7 @@ pub(super) struct Axes {
 }
 
 impl Axes {
-    /// Place and height of a stored point.
+    /// Point2 and height of a stored point.
     #[inline(always)]
     pub(super) fn see(&self, p: &Vector3<f64>) -> [f64; 3] {
         let d = p - self.witness;
@@ -28,12 +28,12 @@ impl Axes {
 
 /// Heights on a face: at the witness, and how they fall across.
 #[derive(Clone, Copy, Default)]
-pub(super) struct Lean {
+pub(super) struct FacePlane2 {
     level: f64,
     fall: [f64; 2],
 }
 
-impl Lean {
+impl FacePlane2 {
     /// Those of a face, which is not upright.
     #[inline(always)]
     pub(super) fn new(body: &ConvexPolyhedron, f: u32, axes: &Axes) -> Self {

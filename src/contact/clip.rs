@@ -5,8 +5,8 @@
 
 use wide::f64x4;
 
-use super::corners::{Corners, On};
-use super::shadow::Shadow;
+use super::corners::{Corners, Location};
+use super::shadow::ProjectedFeature;
 use crate::polyhedron::topology::LARGE;
 
 /// For each edge of one shadow, which corners of the other lie outside it, a bit each.
@@ -18,7 +18,7 @@ struct Sides {
 
 impl Sides {
     #[inline(always)]
-    fn new(of: &Shadow, corners: &Shadow, noise: f64) -> Self {
+    fn new(of: &ProjectedFeature, corners: &ProjectedFeature, noise: f64) -> Self {
         let mut sides = Self {
             outside: [0; LARGE],
             beyond: 0,
@@ -54,7 +54,7 @@ impl Sides {
 
     /// The edges of the other shadow whose ends are on both sides of the line of edge `j`, a bit each.
     #[inline(always)]
-    fn parted(&self, j: usize, other: &Shadow) -> u32 {
+    fn parted(&self, j: usize, other: &ProjectedFeature) -> u32 {
         let here = self.outside[j] & all(other);
         // An edge has two corners and is one edge.
         if other.is_edge() {
@@ -67,7 +67,7 @@ impl Sides {
 
 /// A bit for each corner.
 #[inline(always)]
-fn all(s: &Shadow) -> u32 {
+fn all(s: &ProjectedFeature) -> u32 {
     (1 << s.count) - 1
 }
 
@@ -82,19 +82,27 @@ fn each(mut bits: u32, mut f: impl FnMut(usize)) {
 
 /// The corners of what two features share, `noise` the rounding of a place.
 #[inline(always)]
-pub(super) fn clip(a: &Shadow, b: &Shadow, noise: f64, corners: &mut Corners) {
+pub(super) fn clip(a: &ProjectedFeature, b: &ProjectedFeature, noise: f64, corners: &mut Corners) {
     let of_b = Sides::new(b, a, noise);
     // An edge has no inside; its two sides would be a line.
     let inside_b = if b.is_edge() { 0 } else { all(a) & !of_b.beyond };
     each(inside_b, |i| {
         let at = [a.x[i], a.y[i]];
-        corners.push(at, [a.corner(i)[2], b.height_on_face(at)], [On::corner(i), On::WHOLE]);
+        corners.push(
+            at,
+            [a.corner(i)[2], b.height_on_face(at)],
+            [Location::corner(i), Location::WHOLE],
+        );
     });
     let of_a = Sides::new(a, b, noise);
     let inside_a = if a.is_edge() { 0 } else { all(b) & !of_a.beyond };
     each(inside_a, |j| {
         let at = [b.x[j], b.y[j]];
-        corners.push(at, [a.height_on_face(at), b.corner(j)[2]], [On::WHOLE, On::corner(j)]);
+        corners.push(
+            at,
+            [a.height_on_face(at), b.corner(j)[2]],
+            [Location::WHOLE, Location::corner(j)],
+        );
     });
     let edges = if b.is_edge() { 1 } else { b.count };
     for j in 0..edges {
@@ -106,7 +114,7 @@ pub(super) fn clip(a: &Shadow, b: &Shadow, noise: f64, corners: &mut Corners) {
     }
 }
 
-/// Place and height of the end of an edge.
+/// Point2 and height of the end of an edge.
 pub(super) type End = [f64; 3];
 
 /// Where two edges cross: the place, how far along each it is, and the heights there.
@@ -144,15 +152,15 @@ pub(super) fn cross([p, q]: &[End; 2], [r, s]: &[End; 2]) -> bool {
 
 /// Edge `i` of A's shadow and edge `j` of B's, the line of which parts the ends of the other.
 #[inline(always)]
-pub(super) fn crossing(a: &Shadow, b: &Shadow, i: usize, j: usize, corners: &mut Corners) -> bool {
+pub(super) fn crossing(a: &ProjectedFeature, b: &ProjectedFeature, i: usize, j: usize, corners: &mut Corners) -> bool {
     let Crossing { at, heights, .. } = meet(&a.ends(i), &b.ends(j));
-    corners.push(at, heights, [On::edge(i), On::edge(j)])
+    corners.push(at, heights, [Location::edge(i), Location::edge(j)])
 }
 
 /// The ends of what two nearly parallel edges share, each end across from its foot on the other edge. Nothing for edges that
 /// are not: then they cross at the witnesses.
-pub(super) fn beside(a: &Shadow, b: &Shadow, sine: f64, corners: &mut Corners) {
-    let direction = |s: &Shadow| [s.x[1] - s.x[0], s.y[1] - s.y[0]];
+pub(super) fn beside(a: &ProjectedFeature, b: &ProjectedFeature, sine: f64, corners: &mut Corners) {
+    let direction = |s: &ProjectedFeature| [s.x[1] - s.x[0], s.y[1] - s.y[0]];
     let (u, v) = (direction(a), direction(b));
     let squared = |d: [f64; 2]| d[0] * d[0] + d[1] * d[1];
     let turn = u[0] * v[1] - u[1] * v[0];
@@ -166,9 +174,9 @@ pub(super) fn beside(a: &Shadow, b: &Shadow, sine: f64, corners: &mut Corners) {
             if t > 0.0 && t < 1.0 {
                 let foot = to.height_on_edge(0, at);
                 if is_a {
-                    corners.push(at, [of.corner(k)[2], foot], [On::corner(k), On::WHOLE]);
+                    corners.push(at, [of.corner(k)[2], foot], [Location::corner(k), Location::WHOLE]);
                 } else {
-                    corners.push(at, [foot, of.corner(k)[2]], [On::WHOLE, On::corner(k)]);
+                    corners.push(at, [foot, of.corner(k)[2]], [Location::WHOLE, Location::corner(k)]);
                 }
             }
         }

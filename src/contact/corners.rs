@@ -6,22 +6,22 @@ const MOST: usize = 64;
 /// On what of a shadow a point lies.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(super) struct On(u32);
+pub(super) struct Location(u32);
 
-impl On {
+impl Location {
     /// Between its corners.
-    pub(super) const WHOLE: On = On(0);
+    pub(super) const WHOLE: Location = Location(0);
     const CORNER: u32 = 1 << 30;
     const EDGE: u32 = 2 << 30;
 
     #[inline(always)]
     pub(super) fn corner(k: usize) -> Self {
-        On(Self::CORNER | k as u32)
+        Location(Self::CORNER | k as u32)
     }
 
     #[inline(always)]
     pub(super) fn edge(k: usize) -> Self {
-        On(Self::EDGE | k as u32)
+        Location(Self::EDGE | k as u32)
     }
 
     /// The number of the corner.
@@ -39,20 +39,20 @@ impl On {
 //
 // All zero in memory where nothing is in it, so that a list of them is soon made.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Corner {
+pub(super) struct ContactCandidate {
     pub(super) at: [f64; 2],
     /// From the point on A to that on B.
     pub(super) separation: f64,
-    pub(super) on: [On; 2],
+    pub(super) on: [Location; 2],
 }
 
-impl Corner {
-    pub(super) const WITNESS: [On; 2] = [On::WHOLE; 2];
+impl ContactCandidate {
+    pub(super) const WITNESS: [Location; 2] = [Location::WHOLE; 2];
 }
 
 /// A short list of those no further apart than wanted.
 pub(super) struct Corners {
-    list: [Corner; MOST],
+    list: [ContactCandidate; MOST],
     count: usize,
     /// Of the witnesses.
     distance: f64,
@@ -63,10 +63,10 @@ pub(super) struct Corners {
 impl Corners {
     #[inline(always)]
     pub(super) fn new(distance: f64, prediction: f64) -> Self {
-        const NONE: Corner = Corner {
+        const NONE: ContactCandidate = ContactCandidate {
             at: [0.0; 2],
             separation: 0.0,
-            on: Corner::WITNESS,
+            on: ContactCandidate::WITNESS,
         };
         Self {
             list: [NONE; MOST],
@@ -79,22 +79,22 @@ impl Corners {
     /// A corner whose points are at these heights over the witnesses, if it is near enough, which is told. The witnesses are in any
     /// case.
     #[inline(always)]
-    pub(super) fn push(&mut self, at: [f64; 2], [on_a, on_b]: [f64; 2], on: [On; 2]) -> bool {
+    pub(super) fn push(&mut self, at: [f64; 2], [on_a, on_b]: [f64; 2], on: [Location; 2]) -> bool {
         let separation = self.distance + (on_b - on_a);
-        let wanted = (separation <= self.prediction || on == Corner::WITNESS) && self.count < MOST;
+        let wanted = (separation <= self.prediction || on == ContactCandidate::WITNESS) && self.count < MOST;
         if wanted {
-            self.list[self.count] = Corner { at, separation, on };
+            self.list[self.count] = ContactCandidate { at, separation, on };
             self.count += 1;
         }
         wanted
     }
 
     #[inline(always)]
-    pub(super) fn all(&self) -> &[Corner] {
+    pub(super) fn all(&self) -> &[ContactCandidate] {
         &self.list[..self.count]
     }
 
-    pub(super) fn all_mut(&mut self) -> &mut [Corner] {
+    pub(super) fn all_mut(&mut self) -> &mut [ContactCandidate] {
         &mut self.list[..self.count]
     }
 }

@@ -5,10 +5,10 @@
 
 use nalgebra::Vector3;
 
-use super::axes::{Axes, Lean};
+use super::axes::{Axes, FacePlane2};
 use super::clip::{self, End};
-use super::corners::On;
-use super::shadow::Lazy;
+use super::corners::Location;
+use super::shadow::LazyProjection;
 use super::{Answer, ContactPoint, Contacts, Manifold, ManifoldOptions};
 use crate::polyhedron::{ConvexPolyhedron, Feature, FeaturePair};
 use crate::tolerance::{AGREE, STAY};
@@ -33,8 +33,8 @@ fn lean_off(separation: f64, options: &ManifoldOptions) -> f64 {
 
 /// The features that bear a contact.
 pub(super) struct Shadows<'a> {
-    pub(super) a: Lazy<'a>,
-    pub(super) b: Lazy<'a>,
+    pub(super) a: LazyProjection<'a>,
+    pub(super) b: LazyProjection<'a>,
 }
 
 /// A contact by stored points, places and heights along the normal.
@@ -60,8 +60,8 @@ impl Shadows<'_> {
             return false;
         };
         let leans = [
-            Lean::new(self.a.body, f.0, self.a.axes),
-            Lean::new(self.b.body, g.0, self.b.axes),
+            FacePlane2::new(self.a.body, f.0, self.a.axes),
+            FacePlane2::new(self.b.body, g.0, self.b.axes),
         ];
         let (unit, distance) = (answer.a.unit(), answer.outcome.distance);
         let (old, on, margins) = (before.points(), before.on(), before.margins());
@@ -91,8 +91,8 @@ impl Shadows<'_> {
             }
             least = least.min(separation);
             contacts.points[k] = ContactPoint {
-                point_on_a: answer.a.given(&m.points[0]),
-                point_on_b: answer.b.given(&m.points[1]),
+                point_on_a: answer.a.to_user(&m.points[0]),
+                point_on_b: answer.b.to_user(&m.points[1]),
                 separation,
                 features,
                 id: features,
@@ -108,7 +108,7 @@ impl Shadows<'_> {
 
     /// A contact by its names; none where edges do not cross any more, and of witnesses.
     #[inline(always)]
-    fn measure(&self, leans: &[Lean; 2], features: FeaturePair, on: [On; 2]) -> Option<Measured> {
+    fn measure(&self, leans: &[FacePlane2; 2], features: FeaturePair, on: [Location; 2]) -> Option<Measured> {
         let (a, b, ours, theirs) = (self.a.body, self.b.body, self.a.axes, self.b.axes);
         match (features.a, features.b) {
             (Feature::Vertex(v), Feature::Face(_)) if on[0].as_corner().is_some() => {

@@ -2,12 +2,12 @@
 
 use nalgebra::{Point3, Unit, Vector3};
 
-use crate::motion::Place;
+use crate::motion::BallAtPose;
 use crate::pair::outcome::Outcome;
 use crate::polyhedron::FeaturePair;
-use crate::pose::Which;
+use crate::pose::Operand;
 
-use super::corners::{Corner, On};
+use super::corners::{ContactCandidate, Location};
 use super::query::Query;
 use super::rims::{NO_RAYS, Rays};
 use super::{Answer, Contacts, MOST_POINTS, ManifoldOptions};
@@ -70,7 +70,7 @@ pub struct Manifold {
     made: Option<Made>,
     fresh: bool,
     /// On what of the features the points are.
-    on: [[On; 2]; MOST_POINTS],
+    on: [[Location; 2]; MOST_POINTS],
     /// How far corners were inside the other face when they were chosen, in the caller's unit.
     margins: [f64; MOST_POINTS],
     pub(super) rays: Rays,
@@ -83,9 +83,9 @@ struct Made {
     bodies: [u64; 2],
     options: ManifoldOptions,
     /// Of the smaller body.
-    place: Place,
+    place: BallAtPose,
     features: FeaturePair,
-    reference: Which,
+    reference: Operand,
     /// In the frame of the reference.
     normal: Vector3<f64>,
     #[cfg_attr(feature = "serde", serde(with = "crate::num::scalar::infinite"))]
@@ -115,8 +115,8 @@ impl Default for Manifold {
             point_on_a: Point3::origin(),
             point_on_b: Point3::origin(),
             separation: 0.0,
-            features: FeaturePair::vertices(Which::A, 0, 0),
-            id: FeaturePair::vertices(Which::A, 0, 0),
+            features: FeaturePair::vertices(Operand::A, 0, 0),
+            id: FeaturePair::vertices(Operand::A, 0, 0),
         };
         Self {
             points: [none; MOST_POINTS],
@@ -126,7 +126,7 @@ impl Default for Manifold {
             upper: f64::INFINITY,
             made: None,
             fresh: false,
-            on: [Corner::WITNESS; MOST_POINTS],
+            on: [ContactCandidate::WITNESS; MOST_POINTS],
             margins: [0.0; MOST_POINTS],
             rays: NO_RAYS,
         }
@@ -173,8 +173,8 @@ impl Manifold {
     /// The body whose feature gives the normal: with a face against an edge or a vertex, that of the face. In doubt the one it was
     /// before, or else A.
     #[must_use]
-    pub fn reference(&self) -> Which {
-        self.made.as_ref().map_or(Which::A, |m| m.reference)
+    pub fn reference(&self) -> Operand {
+        self.made.as_ref().map_or(Operand::A, |m| m.reference)
     }
 
     /// No greater than the signed distance, contacts or not; minus infinity before the first query.
@@ -195,7 +195,7 @@ impl Manifold {
         self.fresh
     }
 
-    pub(super) fn on(&self) -> &[[On; 2]] {
+    pub(super) fn on(&self) -> &[[Location; 2]] {
         &self.on[..self.count]
     }
 
@@ -223,8 +223,8 @@ impl Manifold {
         self.fresh = false;
         (self.lower, self.upper) = (made.lower - moved, made.upper + moved);
         let n = match made.reference {
-            Which::A => made.normal,
-            Which::B => query.rotation * made.normal,
+            Operand::A => made.normal,
+            Operand::B => query.rotation * made.normal,
         };
         self.normal = Unit::new_unchecked(n);
         for p in &mut self.points[..self.count] {
@@ -252,8 +252,8 @@ impl Manifold {
             features,
             reference,
             normal: match reference {
-                Which::A => normal,
-                Which::B => query.rotation.tr_mul(&normal),
+                Operand::A => normal,
+                Operand::B => query.rotation.tr_mul(&normal),
             },
             lower: outcome.lower,
             upper: outcome.upper,
@@ -359,10 +359,10 @@ impl Made {
 }
 
 /// The body of the larger feature.
-fn reference(features: FeaturePair) -> Option<Which> {
+fn reference(features: FeaturePair) -> Option<Operand> {
     match features.a.dimension().cmp(&features.b.dimension()) {
-        core::cmp::Ordering::Greater => Some(Which::A),
-        core::cmp::Ordering::Less => Some(Which::B),
+        core::cmp::Ordering::Greater => Some(Operand::A),
+        core::cmp::Ordering::Less => Some(Operand::B),
         core::cmp::Ordering::Equal => None,
     }
 }

@@ -32,16 +32,16 @@ mod shadow;
 use nalgebra::{Matrix3, Point3, Vector3};
 
 use crate::num::scalar::sqrt;
-use crate::pair::outcome::{Layer, Outcome};
+use crate::pair::outcome::{Outcome, Solver};
 use crate::polyhedron::{ConvexPolyhedron, Feature, FeaturePair};
 use crate::tolerance::{ACROSS, AGREE, STEEP};
 use axes::Axes;
-use corners::{Corner, Corners, On};
+use corners::{ContactCandidate, Corners, Location};
 use keep::Shadows;
 use promote::Promotion;
 use reduce::reduce;
 use rims::Rays;
-use shadow::{Lazy, Shadow};
+use shadow::{LazyProjection, ProjectedFeature};
 
 pub use gradient::Gradient;
 pub use manifold::{ContactPoint, Manifold};
@@ -58,7 +58,7 @@ struct Contacts {
     /// What bears them.
     features: FeaturePair,
     /// On what of the features they are.
-    on: [[On; 2]; MOST_POINTS],
+    on: [[Location; 2]; MOST_POINTS],
     /// How far corners are inside the other face.
     margins: [f64; MOST_POINTS],
     /// Whether they are the corners that the manifold before had, in its order.
@@ -86,13 +86,13 @@ impl Answer<'_> {
             points: [ContactPoint::witness(outcome); MOST_POINTS],
             count: 1,
             features: outcome.features,
-            on: [Corner::WITNESS; MOST_POINTS],
+            on: [ContactCandidate::WITNESS; MOST_POINTS],
             margins: [0.0; MOST_POINTS],
             same: false,
             rays: before.rays,
         };
         // Of bodies so far apart, or so different in size, the witnesses are all there is to say.
-        if self.a.exponent != self.b.exponent || outcome.layer == Layer::Far {
+        if self.a.exponent != self.b.exponent || outcome.solver == Solver::Far {
             return contacts;
         }
         let axes = self.axes();
@@ -117,8 +117,8 @@ impl Answer<'_> {
     ) {
         let features = contacts.features;
         let mut shadows = Shadows {
-            a: Lazy::new(self.a, features.a, &axes[0], false),
-            b: Lazy::new(self.b, features.b, &axes[1], true),
+            a: LazyProjection::new(self.a, features.a, &axes[0], false),
+            b: LazyProjection::new(self.b, features.b, &axes[1], true),
         };
         let lasts = lasts.filter(|_| before.features() == Some(features));
         if lasts.is_some_and(|moved| shadows.keep(&self, options, before, moved, contacts)) {
@@ -190,8 +190,8 @@ impl Answer<'_> {
 /// Two features seen along the normal.
 struct Seen<'a> {
     answer: Answer<'a>,
-    a: &'a Shadow<'a>,
-    b: &'a Shadow<'a>,
+    a: &'a ProjectedFeature<'a>,
+    b: &'a ProjectedFeature<'a>,
     /// One stored unit in the caller's.
     unit: f64,
 }
@@ -218,7 +218,7 @@ impl Seen<'_> {
             clip::clip(a, b, noise, corners);
         }
         if !self.has_deepest(corners) {
-            corners.push([0.0; 2], [0.0; 2], Corner::WITNESS);
+            corners.push([0.0; 2], [0.0; 2], ContactCandidate::WITNESS);
         }
     }
 
@@ -245,7 +245,7 @@ impl Seen<'_> {
         contacts.count = 0;
         for &k in chosen.all() {
             let corner = &corners.all()[k];
-            let point = if corner.on == Corner::WITNESS {
+            let point = if corner.on == ContactCandidate::WITNESS {
                 ContactPoint::witness(outcome)
             } else {
                 self.contact(corner, self.name(corner))
@@ -262,8 +262,8 @@ impl Seen<'_> {
     }
 
     /// How far a corner of one face is inside the other.
-    fn margin(&self, corner: &Corner, options: &ManifoldOptions) -> f64 {
-        let inside = match corner.on.map(On::as_corner) {
+    fn margin(&self, corner: &ContactCandidate, options: &ManifoldOptions) -> f64 {
+        let inside = match corner.on.map(Location::as_corner) {
             [Some(_), _] => self.b.inside_by(corner.at),
             [_, Some(_)] => self.a.inside_by(corner.at),
             _ => 0.0,
@@ -272,11 +272,11 @@ impl Seen<'_> {
     }
 
     /// A bit for each corner that the manifold before had, where there is a choice.
-    fn kept(&self, corners: &[Corner], options: &ManifoldOptions, before: &Manifold) -> u64 {
+    fn kept(&self, corners: &[ContactCandidate], options: &ManifoldOptions, before: &Manifold) -> u64 {
         if corners.len() <= options.most() || before.features() != Some(self.features()) {
             return 0;
         }
-        let bit = |(k, c): (usize, &Corner)| u64::from(before.on().contains(&c.on)) << k;
+        let bit = |(k, c): (usize, &ContactCandidate)| u64::from(before.on().contains(&c.on)) << k;
         corners.iter().enumerate().map(bit).fold(0, |bits, bit| bits | bit)
     }
 
@@ -287,8 +287,8 @@ impl Seen<'_> {
         }
     }
 
-    fn name(&self, corner: &Corner) -> FeaturePair {
-        if corner.on == Corner::WITNESS {
+    fn name(&self, corner: &ContactCandidate) -> FeaturePair {
+        if corner.on == ContactCandidate::WITNESS {
             return self.answer.outcome.features;
         }
         let [a, b] = corner.on;
@@ -298,11 +298,11 @@ impl Seen<'_> {
         }
     }
 
-    fn contact(&self, corner: &Corner, features: FeaturePair) -> ContactPoint {
+    fn contact(&self, corner: &ContactCandidate, features: FeaturePair) -> ContactPoint {
         let [on_a, on_b] = corner.on;
         ContactPoint {
-            point_on_a: self.answer.a.given(&self.a.point(on_a, corner.at)),
-            point_on_b: self.answer.b.given(&self.b.point(on_b, corner.at)),
+            point_on_a: self.answer.a.to_user(&self.a.point(on_a, corner.at)),
+            point_on_b: self.answer.b.to_user(&self.b.point(on_b, corner.at)),
             separation: corner.separation * self.unit,
             features,
             id: features,
@@ -313,7 +313,7 @@ impl Seen<'_> {
 impl ConvexPolyhedron {
     /// A point in the caller's coordinates, in stored ones.
     fn stored(&self, given: &Point3<f64>) -> Vector3<f64> {
-        if self.as_given {
+        if self.is_unscaled {
             given.coords
         } else {
             (given.coords - self.origin) / self.unit()

@@ -2,10 +2,10 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use crate::motion::Place;
+use crate::motion::BallAtPose;
 use crate::num::scalar::sqrt;
 use crate::polyhedron::ConvexPolyhedron;
-use crate::pose::{RelativePose, Which};
+use crate::pose::{Operand, RelativePose};
 
 use super::ManifoldOptions;
 
@@ -17,7 +17,7 @@ pub(crate) struct Query<'a> {
     pub(super) rotation: Matrix3<f64>,
     pub(super) translation: Vector3<f64>,
     /// Of the smaller body, as seen from the other.
-    pub(super) place: Place,
+    pub(super) place: BallAtPose,
     pub(super) options: &'a ManifoldOptions,
 }
 
@@ -32,11 +32,11 @@ impl<'a> Query<'a> {
         let (rotation, translation) = (pose.rotation(), pose.translation());
         let (ra, rb) = (radius(a), radius(b));
         let (moving, ball) = if rb <= ra {
-            (Which::B, (&b.origin, rb))
+            (Operand::B, (&b.origin, rb))
         } else {
-            (Which::A, (&a.origin, ra))
+            (Operand::A, (&a.origin, ra))
         };
-        let place = Place::new(moving, ball, &rotation, &translation);
+        let place = BallAtPose::new(moving, ball, &rotation, &translation);
         Self {
             a,
             b,
@@ -48,7 +48,7 @@ impl<'a> Query<'a> {
     }
 
     pub(super) fn bodies(&self) -> [u64; 2] {
-        [self.a.print, self.b.print]
+        [self.a.fingerprint, self.b.fingerprint]
     }
 
     /// The radius of the smaller body.
@@ -58,7 +58,7 @@ impl<'a> Query<'a> {
 
     /// How far the bodies may move before the contacts of an answer with this lower bound are made anew.
     pub(super) fn budget(&self, lower: f64) -> f64 {
-        if !(self.a.as_given && self.b.as_given) {
+        if !(self.a.is_unscaled && self.b.is_unscaled) {
             // Where stored coordinates are not the given ones, old places would be measured more coarsely than new ones.
             -1.0
         } else if lower <= self.options.prediction {
@@ -79,7 +79,7 @@ impl<'a> Query<'a> {
 /// The radius about the origin of the stored coordinates, in the caller's unit.
 #[inline(always)]
 fn radius(body: &ConvexPolyhedron) -> f64 {
-    if body.as_given {
+    if body.is_unscaled {
         body.radius
     } else {
         body.radius * body.unit()

@@ -1,7 +1,7 @@
 //! A few of many points: the deepest, and those that keep the most area.
 
 use super::MOST_POINTS;
-use super::corners::Corner;
+use super::corners::ContactCandidate;
 use crate::tolerance::STAY;
 
 /// The chosen ones by number.
@@ -26,7 +26,7 @@ impl Chosen {
 /// At most `most` of the points, of which there is at least one: the deepest, the farthest from it, and then, one by one, the
 /// point that adds the largest triangle to the polygon of those chosen. None is within `merge` of another, or of a side. Depths
 /// are equal within `tie`; there and in size, those with a bit in `kept` have the preference.
-pub(super) fn reduce(choices: &[Corner], kept: u64, most: usize, merge: f64, tie: f64) -> Chosen {
+pub(super) fn reduce(choices: &[ContactCandidate], kept: u64, most: usize, merge: f64, tie: f64) -> Chosen {
     let mut chosen = Chosen::default();
     let first = deepest(choices, kept, tie);
     chosen.insert(0, first);
@@ -39,7 +39,7 @@ pub(super) fn reduce(choices: &[Corner], kept: u64, most: usize, merge: f64, tie
         }
         return chosen;
     }
-    let far = |c: &Corner| {
+    let far = |c: &ContactCandidate| {
         let squared = squared(between(&choices[first], c));
         (squared > merge * merge).then_some(squared)
     };
@@ -57,15 +57,19 @@ pub(super) fn reduce(choices: &[Corner], kept: u64, most: usize, merge: f64, tie
     chosen
 }
 
-fn deepest(choices: &[Corner], kept: u64, tie: f64) -> usize {
+fn deepest(choices: &[ContactCandidate], kept: u64, tie: f64) -> usize {
     let least = choices.iter().fold(f64::INFINITY, |m, c| m.min(c.separation));
-    let deep = |c: &Corner| c.separation <= least + tie;
+    let deep = |c: &ContactCandidate| c.separation <= least + tie;
     let old = (0..choices.len()).find(|&k| is(kept, k) && deep(&choices[k]));
     old.or_else(|| choices.iter().position(deep)).unwrap_or(0)
 }
 
 /// The point of the greatest measure.
-fn largest(choices: &[Corner], kept: u64, measure: impl Fn(&Corner) -> Option<f64>) -> Option<usize> {
+fn largest(
+    choices: &[ContactCandidate],
+    kept: u64,
+    measure: impl Fn(&ContactCandidate) -> Option<f64>,
+) -> Option<usize> {
     let mut best: Option<(f64, usize)> = None;
     for (k, c) in choices.iter().enumerate() {
         if let Some(m) = measure(c) {
@@ -79,13 +83,13 @@ fn largest(choices: &[Corner], kept: u64, measure: impl Fn(&Corner) -> Option<f6
 }
 
 /// The point that adds most beyond a side of the counter-clockwise polygon of those chosen, and its place there.
-fn widest(choices: &[Corner], kept: u64, chosen: &Chosen, merge: f64) -> Option<(usize, usize)> {
+fn widest(choices: &[ContactCandidate], kept: u64, chosen: &Chosen, merge: f64) -> Option<(usize, usize)> {
     let mut best: Option<(f64, usize, usize)> = None;
     for side in 0..chosen.count {
         let (p, q) = (chosen.list[side], chosen.list[(side + 1) % chosen.count]);
         let u = between(&choices[p], &choices[q]);
         let noise = merge * merge * squared(u);
-        let beyond = |c: &Corner| {
+        let beyond = |c: &ContactCandidate| {
             let v = between(&choices[p], c);
             let area = u[1] * v[0] - u[0] * v[1];
             (area > 0.0 && area * area > noise).then_some(area)
@@ -105,7 +109,7 @@ fn is(bits: u64, k: usize) -> bool {
     bits >> k & 1 == 1
 }
 
-fn between(p: &Corner, q: &Corner) -> [f64; 2] {
+fn between(p: &ContactCandidate, q: &ContactCandidate) -> [f64; 2] {
     [q.at[0] - p.at[0], q.at[1] - p.at[1]]
 }
 
@@ -117,15 +121,15 @@ fn squared(v: [f64; 2]) -> f64 {
 mod tests {
     use super::*;
 
-    fn at(x: f64, y: f64, separation: f64) -> Corner {
-        Corner {
+    fn at(x: f64, y: f64, separation: f64) -> ContactCandidate {
+        ContactCandidate {
             at: [x, y],
             separation,
-            on: Corner::WITNESS,
+            on: ContactCandidate::WITNESS,
         }
     }
 
-    fn ring(n: usize) -> Vec<Corner> {
+    fn ring(n: usize) -> Vec<ContactCandidate> {
         let angle = |k: usize| core::f64::consts::TAU * k as f64 / n as f64;
         (0..n).map(|k| at(angle(k).cos(), angle(k).sin(), k as f64)).collect()
     }

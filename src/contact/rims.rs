@@ -9,8 +9,8 @@ use core::cmp::Ordering;
 
 use super::MOST_POINTS;
 use super::clip::crossing;
-use super::corners::{Corners, On};
-use super::shadow::Shadow;
+use super::corners::{Corners, Location};
+use super::shadow::ProjectedFeature;
 use crate::num::scalar::sqrt;
 
 /// So many corners beside a hint are looked at before all are.
@@ -22,23 +22,23 @@ pub(super) type Rays = [[u32; 2]; 12];
 /// A ray that has none before it.
 pub(super) const NO_RAYS: Rays = [[u32::MAX; 2]; 12];
 
-type Place = [f64; 2];
+type Point2 = [f64; 2];
 
-fn minus(p: Place, q: Place) -> Place {
+fn minus(p: Point2, q: Point2) -> Point2 {
     [p[0] - q[0], p[1] - q[1]]
 }
 
-fn turn(u: Place, v: Place) -> f64 {
+fn turn(u: Point2, v: Point2) -> f64 {
     u[0] * v[1] - u[1] * v[0]
 }
 
-fn dot(u: Place, v: Place) -> f64 {
+fn dot(u: Point2, v: Point2) -> f64 {
     u[0] * v[0] + u[1] * v[1]
 }
 
-impl Shadow<'_> {
+impl ProjectedFeature<'_> {
     /// A point inside the face.
-    pub(super) fn middle(&self) -> Place {
+    pub(super) fn middle(&self) -> Point2 {
         let [p, q, r] = [0, self.count / 3, 2 * self.count / 3].map(|k| self.place(k));
         [0, 1].map(|k| (p[k] + q[k] + r[k]) / 3.0)
     }
@@ -59,9 +59,9 @@ impl Shadow<'_> {
 
     /// Where the ray from `from`, inside the face, leaves it: by which edge, and after how many times `way`. A ray that leaves by
     /// the edge `hint` or one beside it is soon told.
-    fn exit(&self, from: Place, way: Place, hint: usize) -> (f64, usize) {
+    fn exit(&self, from: Point2, way: Point2, hint: usize) -> (f64, usize) {
         let seen = |k: usize| minus(self.place(k), from);
-        let leave = |k: usize, p: Place, q: Place| {
+        let leave = |k: usize, p: Point2, q: Point2| {
             let (right, left) = (turn(way, p), turn(way, q));
             let s = if left > right {
                 (-right / (left - right)).clamp(0.0, 1.0)
@@ -72,7 +72,7 @@ impl Shadow<'_> {
             (dot(x, way) / dot(way, way), k)
         };
         // Right of the ray at one end, left of it at the other, and seen from inside.
-        let hit = |p: Place, q: Place| {
+        let hit = |p: Point2, q: Point2| {
             turn(way, p) <= 0.0 && turn(way, q) >= 0.0 && turn(p, q) > 0.0 && dot(way, q) + dot(way, p) > 0.0
         };
         let near = if hint < self.count { NEAR } else { 0 };
@@ -101,12 +101,12 @@ impl Shadow<'_> {
     }
 
     /// The edge by which a ray leaves.
-    fn bisect(&self, from: Place, way: Place) -> usize {
+    fn bisect(&self, from: Point2, way: Point2) -> usize {
         let seen = |k: usize| minus(self.place(k), from);
         let first = seen(0);
         let ahead = turn(first, way) >= 0.0;
         // Whether, counter-clockwise from the first corner, another comes before the ray.
-        let before = |v: Place| {
+        let before = |v: Point2| {
             let (half, short) = (turn(first, v) >= 0.0, turn(v, way) >= 0.0);
             if ahead { half && short } else { half || short }
         };
@@ -123,23 +123,23 @@ impl Shadow<'_> {
     }
 
     /// Whether a place is in the face, seen from one that is; NaN is in.
-    pub(super) fn holds(&self, middle: Place, at: Place) -> bool {
+    pub(super) fn holds(&self, middle: Point2, at: Point2) -> bool {
         !(self.exit(middle, minus(at, middle), usize::MAX).0 < 1.0)
     }
 }
 
 /// A point well inside both faces: the hint, or one from the witnesses, which are at zero: towards the middle of a face, or away
 /// from both borders.
-fn inside(a: &Shadow, b: &Shadow, hint: Option<Place>) -> Option<Place> {
+fn inside(a: &ProjectedFeature, b: &ProjectedFeature, hint: Option<Point2>) -> Option<Point2> {
     let (of_a, of_b) = (a.middle(), b.middle());
-    let both = |p: &Place| a.holds(of_a, *p) && b.holds(of_b, *p);
+    let both = |p: &Point2| a.holds(of_a, *p) && b.holds(of_b, *p);
     if let Some(hint) = hint.filter(both) {
         return Some(hint);
     }
     if let Some(p) = [of_a, of_b].map(|w| [w[0] * 0.5, w[1] * 0.5]).into_iter().find(both) {
         return Some(p);
     }
-    let inward = |s: &Shadow, middle: Place| {
+    let inward = |s: &ProjectedFeature, middle: Point2| {
         let (_, k) = s.exit(middle, [-middle[0], -middle[1]], usize::MAX);
         let u = minus(s.place(s.next(k)), s.place(k));
         let length = sqrt(dot(u, u));
@@ -161,8 +161,8 @@ fn inside(a: &Shadow, b: &Shadow, hint: Option<Place>) -> Option<Place> {
 
 /// Two faces, and how many rays were shot at them.
 pub(super) struct Rims<'a> {
-    a: &'a Shadow<'a>,
-    b: &'a Shadow<'a>,
+    a: &'a ProjectedFeature<'a>,
+    b: &'a ProjectedFeature<'a>,
     rays: &'a mut Rays,
     count: usize,
 }
@@ -170,9 +170,9 @@ pub(super) struct Rims<'a> {
 /// Corners of what two faces share, enough to choose `most` from; none of slivers no wider than `noise`. `hint`: a place that may be in
 /// the middle of it.
 pub(super) fn clip(
-    [a, b]: [&Shadow; 2],
+    [a, b]: [&ProjectedFeature; 2],
     noise: f64,
-    hint: Option<Place>,
+    hint: Option<Point2>,
     most: usize,
     rays: &mut Rays,
     corners: &mut Corners,
@@ -211,15 +211,15 @@ pub(super) fn clip(
 
 impl Rims<'_> {
     /// One ray more, out of the middle of the longest side of the corners found that was not `tried` yet; which is told.
-    fn widen(&mut self, first: usize, tried: &[Place], corners: &mut Corners) -> Place {
+    fn widen(&mut self, first: usize, tried: &[Point2], corners: &mut Corners) -> Point2 {
         let found = &mut corners.all_mut()[first..];
         let count = found.len();
         let sum = found.iter().fold([0.0; 2], |s, c| [s[0] + c.at[0], s[1] + c.at[1]]);
         let middle = [sum[0] / count as f64, sum[1] / count as f64];
         // Counter-clockwise from the first.
         let start = minus(found[0].at, middle);
-        let half = |p: Place| turn(start, p) < 0.0 || turn(start, p) == 0.0 && dot(start, p) < 0.0;
-        let order = |p: Place, q: Place| {
+        let half = |p: Point2| turn(start, p) < 0.0 || turn(start, p) == 0.0 && dot(start, p) < 0.0;
+        let order = |p: Point2, q: Point2| {
             let (u, v) = (minus(p, middle), minus(q, middle));
             half(u).cmp(&half(v)).then(turn(v, u).total_cmp(&turn(u, v)))
         };
@@ -249,7 +249,7 @@ impl Rims<'_> {
 
     /// The corner at the left end of the border that a ray from inside hits, and that at its right end where the border is one of a
     /// few; after how many times `way` the ray hits it is told.
-    fn shoot(&mut self, from: Place, way: Place, corners: &mut Corners) -> f64 {
+    fn shoot(&mut self, from: Point2, way: Point2, corners: &mut Corners) -> f64 {
         let (a, b) = (self.a, self.b);
         let before = self.rays.get(self.count).copied().unwrap_or([u32::MAX; 2]);
         let ((far_a, i), (far_b, j)) = (
@@ -267,7 +267,7 @@ impl Rims<'_> {
                     None => corners.push(
                         at,
                         [a.corner(end)[2], b.height_on_face(at)],
-                        [On::corner(end), On::WHOLE],
+                        [Location::corner(end), Location::WHOLE],
                     ),
                     Some(j) => crossing(a, b, i, j, corners),
                 };
@@ -279,7 +279,7 @@ impl Rims<'_> {
                     None => corners.push(
                         at,
                         [a.height_on_face(at), b.corner(end)[2]],
-                        [On::WHOLE, On::corner(end)],
+                        [Location::WHOLE, Location::corner(end)],
                     ),
                     Some(i) => crossing(a, b, i, j, corners),
                 };
@@ -290,14 +290,18 @@ impl Rims<'_> {
 }
 
 /// The ends of edge `k` that are worth a look.
-fn ends(of: &Shadow, k: usize) -> impl Iterator<Item = usize> {
+fn ends(of: &ProjectedFeature, k: usize) -> impl Iterator<Item = usize> {
     let right = (!of.is_large()).then_some(k);
     core::iter::once(of.next(k)).chain(right)
 }
 
 /// The edge of the outer face's rim that crosses edge `k` of the inner one between the ray, which leaves the outer face by `start`,
 /// and one end of the edge; `None` where that end is in the outer face.
-fn crossed((inner, k, end): (&Shadow, usize, usize), (outer, start): (&Shadow, usize), from: Place) -> Option<usize> {
+fn crossed(
+    (inner, k, end): (&ProjectedFeature, usize, usize),
+    (outer, start): (&ProjectedFeature, usize),
+    from: Point2,
+) -> Option<usize> {
     let (far, last) = outer.exit(from, minus(inner.place(end), from), start);
     if !(far < 1.0) {
         return None;

@@ -3,8 +3,8 @@
 use nalgebra::Vector3;
 use wide::f64x4;
 
-use super::axes::{Axes, Lean};
-use super::corners::On;
+use super::axes::{Axes, FacePlane2};
+use super::corners::Location;
 use crate::polyhedron::topology::LARGE;
 use crate::polyhedron::{ConvexPolyhedron, EdgeId, Feature, VertexId};
 use crate::tolerance::COPLANAR;
@@ -13,15 +13,15 @@ use crate::tolerance::COPLANAR;
 pub(super) const ROOM: usize = LARGE + 4;
 
 /// A feature, and its shadow from when it is first looked at.
-pub(super) struct Lazy<'a> {
+pub(super) struct LazyProjection<'a> {
     pub(super) body: &'a ConvexPolyhedron,
     pub(super) feature: Feature,
     pub(super) axes: &'a Axes,
     backward: bool,
-    shadow: Option<Shadow<'a>>,
+    shadow: Option<ProjectedFeature<'a>>,
 }
 
-impl<'a> Lazy<'a> {
+impl<'a> LazyProjection<'a> {
     /// `backward`: the body lies behind the other along the normal, so that its face is seen from within.
     #[inline(always)]
     pub(super) fn new(body: &'a ConvexPolyhedron, feature: Feature, axes: &'a Axes, backward: bool) -> Self {
@@ -35,9 +35,9 @@ impl<'a> Lazy<'a> {
     }
 
     #[inline(always)]
-    pub(super) fn seen(&mut self) -> &Shadow<'a> {
+    pub(super) fn seen(&mut self) -> &ProjectedFeature<'a> {
         self.shadow.get_or_insert_with(|| {
-            let mut shadow = Shadow::new(self.body, self.feature, self.axes, self.backward);
+            let mut shadow = ProjectedFeature::new(self.body, self.feature, self.axes, self.backward);
             shadow.cast();
             shadow
         })
@@ -47,7 +47,7 @@ impl<'a> Lazy<'a> {
 /// The corners of a face, or the ends of an edge, counter-clockwise about the normal.
 ///
 /// Up to [`LARGE`] corners are seen at once; of larger faces each is looked at when it is needed.
-pub(super) struct Shadow<'a> {
+pub(super) struct ProjectedFeature<'a> {
     body: &'a ConvexPolyhedron,
     axes: &'a Axes,
     pub(super) feature: Feature,
@@ -61,10 +61,10 @@ pub(super) struct Shadow<'a> {
     /// The half-edges of a large face, and whether they go round the other way.
     ring: Option<&'a [u32]>,
     backward: bool,
-    lean: Lean,
+    lean: FacePlane2,
 }
 
-impl<'a> Shadow<'a> {
+impl<'a> ProjectedFeature<'a> {
     #[inline(always)]
     fn new(body: &'a ConvexPolyhedron, feature: Feature, axes: &'a Axes, backward: bool) -> Self {
         Self {
@@ -78,7 +78,7 @@ impl<'a> Shadow<'a> {
             edges: [0; LARGE],
             ring: None,
             backward,
-            lean: Lean::default(),
+            lean: FacePlane2::default(),
         }
     }
 
@@ -96,7 +96,7 @@ impl<'a> Shadow<'a> {
                 self.count = 2;
             }
             Feature::Face(f) => {
-                self.lean = Lean::new(self.body, f.0, self.axes);
+                self.lean = FacePlane2::new(self.body, f.0, self.axes);
                 self.ring = t.ring(f.0);
                 match self.ring {
                     Some(ring) => self.count = ring.len(),
@@ -112,7 +112,7 @@ impl<'a> Shadow<'a> {
     fn go_round(&mut self, f: u32) {
         let t = &self.body.topology;
         let start = t.rim_start(f);
-        if !(self.body.is_creased && self.go_round_all(f)) {
+        if !(self.body.has_coplanar_neighbours && self.go_round_all(f)) {
             self.walk(start, |_| false);
         }
         let n = self.count;
@@ -200,7 +200,7 @@ impl<'a> Shadow<'a> {
     }
 
     /// The name of what a point lies on.
-    pub(super) fn name(&self, on: On) -> Feature {
+    pub(super) fn name(&self, on: Location) -> Feature {
         match (on.as_corner(), on.as_edge()) {
             (Some(k), _) => Feature::Vertex(VertexId(self.number(k))),
             (_, Some(k)) => self.edge(k),
@@ -220,7 +220,7 @@ impl<'a> Shadow<'a> {
         Feature::Edge(EdgeId(edge))
     }
 
-    /// Place and height of a corner.
+    /// Point2 and height of a corner.
     #[inline(always)]
     pub(super) fn corner(&self, k: usize) -> [f64; 3] {
         self.axes.see(&self.body.points[self.number(k) as usize])
@@ -314,7 +314,7 @@ impl<'a> Shadow<'a> {
     }
 
     /// The stored point at a place, on what it lies on.
-    pub(super) fn point(&self, on: On, at: [f64; 2]) -> Vector3<f64> {
+    pub(super) fn point(&self, on: Location, at: [f64; 2]) -> Vector3<f64> {
         let corner = |k: usize| self.body.points[self.number(k) as usize];
         let on_edge = |k: usize| {
             let (p, q) = (corner(k), corner(self.next(k)));

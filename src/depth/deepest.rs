@@ -4,7 +4,7 @@ use crate::minimum::simplex::Simplex;
 use crate::minimum::witnesses::witnesses;
 use crate::num::double_double::DoubleDouble;
 use crate::num::scalar::{Scalar, Vec3, scaled, sub};
-use crate::pair::difference::Corner;
+use crate::pair::difference::MinkowskiPoint;
 use crate::tolerance::{AGREE_DEPTH, AGREE_WITNESS, UNIT};
 
 use crate::depth::foot::{Witnesses, foot};
@@ -15,23 +15,23 @@ impl<T: Scalar> Search<'_, T> {
     /// The deepest points, and three corners of the facet they are on: where the features of the best direction do not hold them,
     /// they are those of the surface's point nearest to the foot of the origin on the best plane. The surface meets the ray
     /// along the normal between both bounds, so where they agree it is there.
-    pub(super) fn deepest(&self, best: &Best<T>, weakest: u32, end: End) -> ([Corner<T>; 3], Witnesses) {
-        if let Some(foot) = best.features.and_then(|f| foot(self.placed, f, &best.rounded())) {
+    pub(super) fn deepest(&self, best: &Best<T>, weakest: u32, end: End) -> ([MinkowskiPoint<T>; 3], Witnesses) {
+        if let Some(foot) = best.features.and_then(|f| foot(self.posed, f, &best.rounded())) {
             return (self.surface.corners(weakest), foot);
         }
         // Of L, not of origins far off, in whichever arithmetic.
-        let close = T::from(AGREE_DEPTH * self.placed.size());
+        let close = T::from(AGREE_DEPTH * self.posed.size());
         let plane = best.height - close;
         let all = 0..self.surface.triangles.len() as u32;
         let flat = all.clone().filter(|t| self.surface.height(*t, &best.normal) >= plane);
         let order = || core::iter::once(weakest).chain(flat.clone()).chain(all.clone());
         let found = self.nearest::<T>(order(), best, close);
-        if T::UNIT < UNIT || found.1 <= AGREE_WITNESS * self.placed.size() {
+        if T::UNIT < UNIT || found.1 <= AGREE_WITNESS * self.posed.size() {
             return (self.surface.corners(found.0), found.2);
         }
         // The weights of needles are wrong in f64.
         let mut found = self.nearest::<DoubleDouble>(flat.clone().chain(core::iter::once(found.0)), best, close);
-        if end == End::Closed && found.1 > AGREE_WITNESS * self.placed.size() {
+        if end == End::Closed && found.1 > AGREE_WITNESS * self.posed.size() {
             found = self.nearest::<DoubleDouble>(order(), best, close);
         }
         (self.surface.corners(found.0), found.2)
@@ -51,7 +51,7 @@ impl<T: Scalar> Search<'_, T> {
         let target = scaled(&fine(&best.normal), as_s(best.height));
         let mut found: Option<(u32, f64, Simplex<S>)> = None;
         for t in triangles {
-            let shifted = self.surface.corners(t).map(|c| Corner {
+            let shifted = self.surface.corners(t).map(|c| MinkowskiPoint {
                 a: c.a,
                 b: c.b,
                 w: sub(&fine(&c.w), &target),
@@ -67,13 +67,13 @@ impl<T: Scalar> Search<'_, T> {
         }
         let (t, off, simplex) = found.unwrap_or_else(|| {
             let c = self.surface.corners(0)[0];
-            let at = Corner {
+            let at = MinkowskiPoint {
                 a: c.a,
                 b: c.b,
                 w: fine(&c.w),
             };
             (0, f64::INFINITY, Simplex::vertex(at))
         });
-        (t, off, witnesses(self.placed, &simplex))
+        (t, off, witnesses(self.posed, &simplex))
     }
 }

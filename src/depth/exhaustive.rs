@@ -12,17 +12,17 @@ use crate::exact;
 use crate::num::double_double::DoubleDouble;
 use crate::num::scalar::{Scalar, Vec3, cross, dot, neg, root};
 use crate::num::sign::side;
-use crate::pair::difference::corner;
+use crate::pair::difference::difference_point;
 use crate::pair::edge::Edge;
 use crate::pair::outcome::Outcome;
-use crate::pair::posed::Placed;
-use crate::pair::transform::Frame;
+use crate::pair::posed::PosedPair;
+use crate::pair::transform::Transform;
 use crate::polyhedron::{ConvexPolyhedron, Feature, FeaturePair};
-use crate::pose::Which;
+use crate::pose::Operand;
 use crate::tolerance::{CERTIFICATE, EXACT_FILTER, NORMAL_ERROR};
 
 use crate::depth::facet::{edge, normal_of};
-use crate::depth::search::highest;
+use crate::pair::difference::support;
 
 /// Pairs of edges that are looked at: 2048 edges beside 2048.
 const PAIRS: usize = 1 << 22;
@@ -34,22 +34,22 @@ const MEASURED: usize = 1 << 16;
 const LOOKS: usize = 1 << 22;
 
 /// Settles the depth of bodies whose interiors meet; whether it could.
-pub(super) fn settle(placed: &Placed, frame: &Frame<DoubleDouble>, outcome: &mut Outcome) -> bool {
-    let Some(mut pairs) = facets(placed, frame) else {
+pub(super) fn resolve_exactly(posed: &PosedPair, frame: &Transform<DoubleDouble>, outcome: &mut Outcome) -> bool {
+    let Some(mut pairs) = facets(posed, frame) else {
         return false;
     };
-    thin_out(placed, &Frame::<f64>::of(placed), &mut pairs);
-    if pairs.len() * (placed.a.points.len() + placed.b.points.len()) > LOOKS {
+    thin_out(posed, &Transform::<f64>::of(posed), &mut pairs);
+    if pairs.len() * (posed.a.points.len() + posed.b.points.len()) > LOOKS {
         return false;
     }
-    thin_out(placed, frame, &mut pairs);
+    thin_out(posed, frame, &mut pairs);
     outcome.work.exacts += 1;
-    exact::deepest(placed, &pairs, outcome)
+    exact::deepest(posed, &pairs, outcome)
 }
 
 /// Leaves those that may be the lowest as far as an arithmetic can tell.
-fn thin_out<T: Scalar>(placed: &Placed, frame: &Frame<T>, pairs: &mut Vec<FeaturePair>) {
-    let measured: Vec<(f64, f64)> = pairs.iter().map(|&pair| measure(placed, frame, pair)).collect();
+fn thin_out<T: Scalar>(posed: &PosedPair, frame: &Transform<T>, pairs: &mut Vec<FeaturePair>) {
+    let measured: Vec<(f64, f64)> = pairs.iter().map(|&pair| measure(posed, frame, pair)).collect();
     let least = measured.iter().fold(f64::INFINITY, |least, (_, most)| least.min(*most));
     let mut lowest = measured.iter().map(|(lower, _)| lower);
     // Written so that NaN stays.
@@ -57,10 +57,10 @@ fn thin_out<T: Scalar>(placed: &Placed, frame: &Frame<T>, pairs: &mut Vec<Featur
 }
 
 /// All pairs of features that may span a facet; none where they are too many, or where a face stands for several that are not listed.
-fn facets(placed: &Placed, frame: &Frame<DoubleDouble>) -> Option<Vec<FeaturePair>> {
-    let (a, b) = (placed.a, placed.b);
-    let of_a = a.faces().map(|f| FeaturePair::vertex_face(Which::B, 0, f.0));
-    let of_b = b.faces().map(|f| FeaturePair::vertex_face(Which::A, 0, f.0));
+fn facets(posed: &PosedPair, frame: &Transform<DoubleDouble>) -> Option<Vec<FeaturePair>> {
+    let (a, b) = (posed.a, posed.b);
+    let of_a = a.faces().map(|f| FeaturePair::vertex_face(Operand::B, 0, f.0));
+    let of_b = b.faces().map(|f| FeaturePair::vertex_face(Operand::A, 0, f.0));
     let mut pairs: Vec<FeaturePair> = of_a.chain(of_b).collect();
     let on_b: Vec<_> = b.edges().map(|g| (g, Edge::new(b, g.0))).collect();
     let too_many = pairs.len() > MEASURED || a.edges().count() * on_b.len() > PAIRS;
@@ -70,9 +70,9 @@ fn facets(placed: &Placed, frame: &Frame<DoubleDouble>) -> Option<Vec<FeaturePai
     let mut doubtful = 0;
     for e in a.edges() {
         let on_a = Edge::new(a, e.0);
-        let along_a = placed.vector_in_b(&(on_a.q - on_a.p));
+        let along_a = posed.vector_in_b(&(on_a.q - on_a.p));
         for (g, on_b) in &on_b {
-            let along_b = placed.vector_in_a(&(on_b.q - on_b.p));
+            let along_b = posed.vector_in_a(&(on_b.q - on_b.p));
             if !(on_a.may_leave(&along_b) && on_b.may_leave(&along_a)) {
                 continue;
             }
@@ -80,8 +80,8 @@ fn facets(placed: &Placed, frame: &Frame<DoubleDouble>) -> Option<Vec<FeaturePai
             if doubtful > MEASURED {
                 return None;
             }
-            if may_share(placed, frame, e.0, g.0) {
-                pairs.push(FeaturePair::edges(Which::A, e.0, g.0));
+            if may_share(posed, frame, e.0, g.0) {
+                pairs.push(FeaturePair::edges(Operand::A, e.0, g.0));
             }
         }
     }
@@ -103,8 +103,8 @@ fn has_flat_faces(body: &ConvexPolyhedron) -> bool {
 }
 
 /// Whether two edges may share a normal, in double-double: across both, the faces beside each must fall off.
-fn may_share(placed: &Placed, frame: &Frame<DoubleDouble>, e: u32, g: u32) -> bool {
-    let n = cross(&edge(placed.a, e), &frame.vector(&edge(placed.b, g)));
+fn may_share(posed: &PosedPair, frame: &Transform<DoubleDouble>, e: u32, g: u32) -> bool {
+    let n = cross(&edge(posed.a, e), &frame.vector(&edge(posed.b, g)));
     let noise = 2.0 * CERTIFICATE * DoubleDouble::UNIT;
     // Whether a face beside an edge certainly falls off along `n`, and whether one rises: by its corner after the edge.
     let slopes = |body: &ConvexPolyhedron, h: u32, n: &Vec3<DoubleDouble>| {
@@ -118,8 +118,8 @@ fn may_share(placed: &Placed, frame: &Frame<DoubleDouble>, e: u32, g: u32) -> bo
         let falls = beside.iter().any(|(x, noise)| *x < -noise);
         (falls, beside.iter().any(|(x, noise)| x > noise))
     };
-    let (falls_a, rises_a) = slopes(placed.a, e, &n);
-    let (falls_b, rises_b) = slopes(placed.b, g, &frame.direction(&n));
+    let (falls_a, rises_a) = slopes(posed.a, e, &n);
+    let (falls_b, rises_b) = slopes(posed.b, g, &frame.direction(&n));
     // Along n, A falls off and B, which is taken off, rises; or the other way round.
     !(rises_a || falls_b) || !(falls_a || rises_b)
 }
@@ -137,22 +137,22 @@ impl Edge<'_> {
 
 /// Between what the height of the difference along the normal of a facet is: it errs by its own rounding, and by L times the angle
 /// that the normal may be off.
-fn measure<T: Scalar>(placed: &Placed, frame: &Frame<T>, pair: FeaturePair) -> (f64, f64) {
-    let (a, b) = pair.vertices_of(placed.a, placed.b);
-    let on = corner(placed, frame, a, b);
-    let Some(n) = normal_of(placed, frame, pair, &on) else {
+fn measure<T: Scalar>(posed: &PosedPair, frame: &Transform<T>, pair: FeaturePair) -> (f64, f64) {
+    let (a, b) = pair.vertices_of(posed.a, posed.b);
+    let on = difference_point(posed, frame, a, b);
+    let Some(n) = normal_of(posed, frame, pair, &on) else {
         return (f64::NEG_INFINITY, f64::INFINITY);
     };
     let rounding = 2.0 * CERTIFICATE * T::UNIT;
     let off = match (pair.a, pair.b) {
         (Feature::Edge(e), Feature::Edge(g)) => {
-            let across = cross(&edge(placed.a, e.0), &frame.vector(&edge(placed.b, g.0)));
+            let across = cross(&edge(posed.a, e.0), &frame.vector(&edge(posed.b, g.0)));
             rounding / root(dot(&across, &across)).value()
         }
         _ => 2.0 * NORMAL_ERROR,
     };
-    let error = rounding * placed.reach::<T>().whole() + off * placed.size();
-    let along = |n| dot(&n, &highest(placed, frame, &n, &on).w).value();
+    let error = rounding * posed.reach::<T>().whole() + off * posed.size();
+    let along = |n| dot(&n, &support(posed, frame, &n, &on).w).value();
     let mut height = along(n);
     // Of two edges this near to the origin it is not known which way the facet looks.
     if dot(&n, &on.w).value().abs() <= error {
@@ -165,8 +165,8 @@ fn measure<T: Scalar>(placed: &Placed, frame: &Frame<T>, pair: FeaturePair) -> (
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::depth::{Memory, deepen};
-    use crate::pair::outcome::{Class, Layer, Level};
+    use crate::depth::{Memory, penetration_depth};
+    use crate::pair::outcome::{Accuracy, Class, Solver};
     use crate::polyhedron::solids;
     use crate::pose::RelativePose;
     use crate::solve::solve;
@@ -196,28 +196,28 @@ mod tests {
                     let shift = Vector3::new(0.1 * f64::from(k), 0.05 * i as f64, -0.2);
                     let pose = Isometry3::new(shift, turn);
                     let pose = RelativePose::from_isometry(&pose).expect("a pose");
-                    let Ok(placed) = Placed::new(a, b, &pose) else {
+                    let Ok(posed) = PosedPair::new(a, b, &pose) else {
                         panic!("in range")
                     };
-                    let mut outcome = Outcome::open(FeaturePair::vertices(Which::A, 0, 0));
-                    solve(Level::Certified, &placed, false, &mut outcome);
+                    let mut outcome = Outcome::open(FeaturePair::vertices(Operand::A, 0, 0));
+                    solve(Accuracy::Certified, &posed, false, &mut outcome);
                     if outcome.class != Class::Overlapping {
                         continue;
                     }
-                    deepen(&placed, &mut Memory::default(), &mut outcome);
+                    penetration_depth(&posed, &mut Memory::default(), &mut outcome);
                     let mut all = outcome;
-                    let frame = Frame::<DoubleDouble>::new(a, b, &pose).expect("in range");
-                    assert!(settle(&placed, &frame, &mut all), "{all:?}");
+                    let frame = Transform::<DoubleDouble>::new(a, b, &pose).expect("in range");
+                    assert!(resolve_exactly(&posed, &frame, &mut all), "{all:?}");
                     assert!(
                         outcome.lower <= all.upper && all.lower <= outcome.upper,
                         "{outcome:?} {all:?}"
                     );
-                    assert!(all.upper - all.lower <= 1e-15 * placed.size(), "{all:?}");
-                    let between = placed.point_in_a(&all.point_on_b.coords) - all.point_on_a.coords;
+                    assert!(all.upper - all.lower <= 1e-15 * posed.size(), "{all:?}");
+                    let between = posed.point_in_a(&all.point_on_b.coords) - all.point_on_a.coords;
                     let along = all.normal.into_inner() * all.distance;
-                    assert!((between - along).norm() <= 1e-14 * placed.size(), "{all:?}");
+                    assert!((between - along).norm() <= 1e-14 * posed.size(), "{all:?}");
                     closed += 1;
-                    exact += usize::from(all.layer == Layer::Exact);
+                    exact += usize::from(all.solver == Solver::Exact);
                 }
             }
         }
@@ -228,10 +228,10 @@ mod tests {
     fn too_many_edges_are_left_alone() {
         let sphere = solids::random_hull(1500, Vector3::new(1.0, 1.0, 1.0), 1).expect("a hull");
         let pose = RelativePose::from_isometry(&Isometry3::identity()).expect("a pose");
-        let Ok(placed) = Placed::new(&sphere, &sphere, &pose) else {
+        let Ok(posed) = PosedPair::new(&sphere, &sphere, &pose) else {
             panic!("in range")
         };
-        let frame = Frame::<DoubleDouble>::new(&sphere, &sphere, &pose).expect("in range");
-        assert!(facets(&placed, &frame).is_none());
+        let frame = Transform::<DoubleDouble>::new(&sphere, &sphere, &pose).expect("in range");
+        assert!(facets(&posed, &frame).is_none());
     }
 }

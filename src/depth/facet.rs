@@ -5,62 +5,65 @@
 
 use nalgebra::Vector3;
 
-use crate::num::packed::Lanes;
+use crate::num::packed::PackedVec3;
 use crate::num::scalar::{Scalar, Vec3, cross, dot, neg, sqrt};
-use crate::pair::difference::Corner;
-use crate::pair::difference::corner;
+use crate::pair::difference::MinkowskiPoint;
+use crate::pair::difference::difference_point;
 use crate::pair::edge::Edge;
-use crate::pair::posed::Placed;
-use crate::pair::transform::Frame;
+use crate::pair::posed::PosedPair;
+use crate::pair::transform::Transform;
 use crate::polyhedron::{ConvexPolyhedron, Feature, FeaturePair};
-use crate::pose::Which;
+use crate::pose::Operand;
 use crate::tolerance::{AGREE_DEPTH, NEARLY_PARALLEL};
 
 use crate::depth::direction::unit;
-use crate::depth::search::highest;
+use crate::pair::difference::support;
 
 /// The facets that may hold three points, by the vertices of A and of B they are made of.
-pub(super) fn facets(placed: &Placed, on_a: &[u32; 3], on_b: &[u32; 3]) -> [Option<FeaturePair>; 3] {
-    let (fa, fb) = (placed.a.feature_of(on_a), placed.b.feature_of(on_b));
+pub(super) fn facets(posed: &PosedPair, on_a: &[u32; 3], on_b: &[u32; 3]) -> [Option<FeaturePair>; 3] {
+    let (fa, fb) = (posed.a.feature_of(on_a), posed.b.feature_of(on_b));
     let of_a = match fa {
-        Feature::Face(f) => Some(FeaturePair::vertex_face(Which::B, on_b[0], f.0)),
+        Feature::Face(f) => Some(FeaturePair::vertex_face(Operand::B, on_b[0], f.0)),
         _ => None,
     };
     let of_b = match fb {
-        Feature::Face(f) => Some(FeaturePair::vertex_face(Which::A, on_a[0], f.0)),
+        Feature::Face(f) => Some(FeaturePair::vertex_face(Operand::A, on_a[0], f.0)),
         _ => None,
     };
     let of_edges = match (fa, fb) {
-        (Feature::Edge(e), Feature::Edge(f)) => Some(FeaturePair::edges(Which::A, e.0, f.0)),
+        (Feature::Edge(e), Feature::Edge(f)) => Some(FeaturePair::edges(Operand::A, e.0, f.0)),
         _ => None,
     };
     [of_a, of_b, of_edges]
 }
 
 /// The normal of the facet of a pair of features, and how high the difference is along it.
-pub(super) fn height_of(placed: &Placed, frame: &Frame<f64>, facet: FeaturePair) -> Option<(Vec3<f64>, f64)> {
+pub(super) fn height_of(posed: &PosedPair, frame: &Transform<f64>, facet: FeaturePair) -> Option<(Vec3<f64>, f64)> {
     // No vertex is beyond the plane of a face: the offset is rounded up.
     let (n, height) = match (facet.a, facet.b) {
         (Feature::Face(f), Feature::Vertex(v)) => {
-            let plane = &placed.a.planes[f.index()];
-            let b = placed.b.extreme(&-placed.direction_in_b(&plane.normal), v.0).vertex;
-            let at = placed.point_in_a(&placed.b.points[b as usize]);
+            let plane = &posed.a.planes[f.index()];
+            let b = posed
+                .b
+                .support_certified(&-posed.direction_in_b(&plane.normal), v.0)
+                .vertex;
+            let at = posed.point_in_a(&posed.b.points[b as usize]);
             (plane.normal, plane.offset - plane.normal.dot(&at))
         }
-        (Feature::Vertex(v), Feature::Face(f)) if placed.has_one_unit() => {
-            let plane = &placed.b.planes[f.index()];
-            let n = -placed.vector_in_a(&plane.normal);
-            let a = placed.a.extreme(&n, v.0);
-            (n, a.value + (plane.offset - placed.lift(&n)))
+        (Feature::Vertex(v), Feature::Face(f)) if posed.same_scale() => {
+            let plane = &posed.b.planes[f.index()];
+            let n = -posed.vector_in_a(&plane.normal);
+            let a = posed.a.support_certified(&n, v.0);
+            (n, a.value + (plane.offset - posed.lift(&n)))
         }
         _ => {
-            if let Some((n, height)) = height_of_edges(placed, facet) {
+            if let Some((n, height)) = height_of_edges(posed, facet) {
                 return Some((n.into(), height));
             }
-            let (a, b) = facet.vertices_of(placed.a, placed.b);
-            let on = corner(placed, frame, a, b);
-            let n = normal_of(placed, frame, facet, &on)?;
-            return Some((n, dot(&n, &highest(placed, frame, &n, &on).w)));
+            let (a, b) = facet.vertices_of(posed.a, posed.b);
+            let on = difference_point(posed, frame, a, b);
+            let n = normal_of(posed, frame, facet, &on)?;
+            return Some((n, dot(&n, &support(posed, frame, &n, &on).w)));
         }
     };
     let n: Vec3<f64> = n.into();
@@ -69,19 +72,19 @@ pub(super) fn height_of(placed: &Placed, frame: &Frame<f64>, facet: FeaturePair)
 }
 
 /// The same of two edges, where the planes of their faces prove it: as in the walk, but for the edge of A lying ahead.
-fn height_of_edges(placed: &Placed, facet: FeaturePair) -> Option<(Vector3<f64>, f64)> {
-    let (Feature::Edge(e), Feature::Edge(g), true) = (facet.a, facet.b, placed.has_one_unit()) else {
+fn height_of_edges(posed: &PosedPair, facet: FeaturePair) -> Option<(Vector3<f64>, f64)> {
+    let (Feature::Edge(e), Feature::Edge(g), true) = (facet.a, facet.b, posed.same_scale()) else {
         return None;
     };
-    let (a, b) = (Edge::new(placed.a, e.0), Edge::new(placed.b, g.0));
+    let (a, b) = (Edge::new(posed.a, e.0), Edge::new(posed.b, g.0));
     let u = a.q - a.p;
-    let (v, at_b) = (placed.vector_in_a(&(b.q - b.p)), placed.point_in_a(&b.p));
+    let (v, at_b) = (posed.vector_in_a(&(b.q - b.p)), posed.point_in_a(&b.p));
     let n = u.cross(&v);
     let (squared, ahead) = (n.norm_squared(), a.p - at_b);
     let sign = if n.dot(&ahead) < 0.0 { -1.0 } else { 1.0 };
     let (on_a, on_b) = (
-        a.weights(Lanes::new(&v), sign),
-        b.weights(placed.rotation.transposed_times(Lanes::new(&u)), sign),
+        a.weights(PackedVec3::new(&v), sign),
+        b.weights(posed.rotation.transposed_times(PackedVec3::new(&u)), sign),
     );
     // Written so that NaN proves nothing.
     let is_between = on_a.0.min(on_a.1).min(on_b.0).min(on_b.1) >= 0.0;
@@ -89,26 +92,26 @@ fn height_of_edges(placed: &Placed, facet: FeaturePair) -> Option<(Vector3<f64>,
         return None;
     }
     let n = n * (sign / sqrt(squared));
-    let high_a = placed.a.edge_bound(Lanes::new(&n), a.left, a.right, on_a, 1.0);
-    let n_in_b = -placed.rotation.transposed_times(Lanes::new(&n));
-    let high_b = placed.b.edge_bound(n_in_b, b.left, b.right, on_b, 1.0);
-    let height = high_a + high_b - placed.lift(&n);
+    let high_a = posed.a.edge_bound(PackedVec3::new(&n), a.left, a.right, on_a, 1.0);
+    let n_in_b = -posed.rotation.transposed_times(PackedVec3::new(&n));
+    let high_b = posed.b.edge_bound(n_in_b, b.left, b.right, on_b, 1.0);
+    let height = high_a + high_b - posed.lift(&n);
     // What the planes of thin bodies prove may be far above the edges.
-    (height - n.dot(&ahead) <= AGREE_DEPTH * 0.5 * placed.size()).then_some((n, height))
+    (height - n.dot(&ahead) <= AGREE_DEPTH * 0.5 * posed.size()).then_some((n, height))
 }
 
 /// The normal of a facet that is known by its features, `on` a point of it.
 pub(super) fn normal_of<T: Scalar>(
-    placed: &Placed,
-    frame: &Frame<T>,
+    posed: &PosedPair,
+    frame: &Transform<T>,
     facet: FeaturePair,
-    on: &Corner<T>,
+    on: &MinkowskiPoint<T>,
 ) -> Option<Vec3<T>> {
     let n = match (facet.a, facet.b) {
-        (Feature::Face(f), _) => unit(&face(placed.a, f.0)),
-        (_, Feature::Face(f)) => unit(&neg(&frame.vector(&face(placed.b, f.0)))),
+        (Feature::Face(f), _) => unit(&face(posed.a, f.0)),
+        (_, Feature::Face(f)) => unit(&neg(&frame.vector(&face(posed.b, f.0)))),
         (Feature::Edge(e), Feature::Edge(f)) => {
-            let n = unit(&cross(&edge(placed.a, e.0), &unit(&frame.vector(&edge(placed.b, f.0)))));
+            let n = unit(&cross(&edge(posed.a, e.0), &unit(&frame.vector(&edge(posed.b, f.0)))));
             if dot(&n, &on.w) > T::from(0.0) { n } else { neg(&n) }
         }
         _ => return None,

@@ -16,16 +16,16 @@
 use nalgebra::Vector3;
 
 use crate::num::scalar::{Vec3, cross, dot, sqrt, sub};
-use crate::pair::difference::Corner;
-use crate::pair::posed::Placed;
-use crate::pair::transform::Frame;
+use crate::pair::difference::MinkowskiPoint;
+use crate::pair::posed::PosedPair;
+use crate::pair::transform::Transform;
 use crate::polyhedron::{ConvexPolyhedron, Feature, FeaturePair};
 use crate::tolerance::{AGREE_DEPTH, CERTIFICATE, DISC, DISC_MOST, UNIT};
 
 use crate::depth::direction::{least, unit};
 use crate::depth::foot::{Witnesses, some_of};
 use crate::depth::result::Best;
-use crate::depth::search::highest;
+use crate::pair::difference::support;
 
 /// Exchanges of a corner on the way to the facet over the axis.
 const EXCHANGES: usize = 48;
@@ -33,20 +33,20 @@ const EXCHANGES: usize = 48;
 /// Three points of the facet that the axis pierces, from a triangle, counter-clockwise seen from outside, that it pierces; none where
 /// it does not. What `known` holds spares looking for points of the bodies.
 pub(super) fn pierced(
-    placed: &Placed,
-    frame: &Frame<f64>,
+    posed: &PosedPair,
+    frame: &Transform<f64>,
     axis: &Vec3<f64>,
-    known: impl Iterator<Item = Corner<f64>> + Clone,
-    mut at: [Corner<f64>; 3],
-) -> Option<[Corner<f64>; 3]> {
-    let is_left = |p: &Corner<f64>, q: &Corner<f64>| dot(axis, &cross(&p.w, &q.w)) >= 0.0;
+    known: impl Iterator<Item = MinkowskiPoint<f64>> + Clone,
+    mut at: [MinkowskiPoint<f64>; 3],
+) -> Option<[MinkowskiPoint<f64>; 3]> {
+    let is_left = |p: &MinkowskiPoint<f64>, q: &MinkowskiPoint<f64>| dot(axis, &cross(&p.w, &q.w)) >= 0.0;
     if !(is_left(&at[0], &at[1]) && is_left(&at[1], &at[2]) && is_left(&at[2], &at[0])) {
         return None;
     }
     for _ in 0..EXCHANGES {
         let [i, j, k] = at;
         let n = unit(&cross(&sub(&j.w, &i.w), &sub(&k.w, &i.w)));
-        let flat = dot(&n, &i.w) + AGREE_DEPTH * placed.size();
+        let flat = dot(&n, &i.w) + AGREE_DEPTH * posed.size();
         let mut top = i;
         let mut height = flat;
         for c in known.clone() {
@@ -56,7 +56,7 @@ pub(super) fn pierced(
             }
         }
         if height == flat {
-            top = highest(placed, frame, &n, &i);
+            top = support(posed, frame, &n, &i);
             if !(dot(&n, &top.w) > flat) {
                 return Some(at);
             }
@@ -93,13 +93,13 @@ pub(super) fn radius(weak: impl Iterator<Item = [Vec3<f64>; 3]>, best: &Best<f64
 }
 
 /// What a point of a facet may be off the height that is taken for it, within the [`AGREE_DEPTH`] that is left below that.
-fn play(placed: &Placed) -> f64 {
-    0.25 * AGREE_DEPTH * placed.size()
+fn play(posed: &PosedPair) -> f64 {
+    0.25 * AGREE_DEPTH * posed.size()
 }
 
 /// Whether the facet, at its height but for rounding, holds the disc of that radius about its foot.
 pub(super) fn holds_disc(
-    placed: &Placed,
+    posed: &PosedPair,
     facet: FeaturePair,
     (p, q): &Witnesses,
     (normal, height): &(Vec3<f64>, f64),
@@ -107,20 +107,20 @@ pub(super) fn holds_disc(
 ) -> bool {
     let (p, q, n) = (p.coords, q.coords, Vector3::from(*normal));
     match (facet.a, facet.b) {
-        (Feature::Face(f), Feature::Vertex(_)) => face_holds(placed.a, f.0, &p, rho, play(placed)),
-        (Feature::Vertex(_), Feature::Face(f)) => face_holds(placed.b, f.0, &q, rho, play(placed)),
+        (Feature::Face(f), Feature::Vertex(_)) => face_holds(posed.a, f.0, &p, rho, play(posed)),
+        (Feature::Vertex(_), Feature::Face(f)) => face_holds(posed.b, f.0, &q, rho, play(posed)),
         (Feature::Edge(e), Feature::Edge(g)) => {
             let ends = |body: &ConvexPolyhedron, h: u32| {
                 let t = &body.topology;
                 [t.from(h), t.half_edge(h).to].map(|v| body.points[v as usize])
             };
-            let ([p0, p1], of_b) = (ends(placed.a, e.0), ends(placed.b, g.0));
-            let ([q0, q1], q) = (of_b.map(|q| placed.point_in_a(&q)), placed.point_in_a(&q));
+            let ([p0, p1], of_b) = (ends(posed.a, e.0), ends(posed.b, g.0));
+            let ([q0, q1], q) = (of_b.map(|q| posed.point_in_a(&q)), posed.point_in_a(&q));
             let lowest = n.dot(&p0).min(n.dot(&p1)) - n.dot(&q0).max(n.dot(&q1));
             let (across_a, across_b) = (n.cross(&(p1 - p0)), n.cross(&(q1 - q0)));
             // From the sides of the parallelogram that are parallel to the one edge and to the other.
             let is_clear = |x: Vector3<f64>, across: &Vector3<f64>| across.dot(&x).abs() >= rho * across.abs().sum();
-            lowest >= height - 2.0 * play(placed)
+            lowest >= height - 2.0 * play(posed)
                 && is_clear(p - p0, &across_b)
                 && is_clear(p1 - p, &across_b)
                 && is_clear(q - q0, &across_a)
@@ -211,16 +211,16 @@ mod tests {
             let at = |by: Vector3<f64>| Isometry3::from_parts((Vector3::from([0.3, 0.1, 0.0]) + by).into(), turn);
             let pose = RelativePose::from_isometry(&at(Vector3::zeros())).expect("a pose");
             let o = Tracker::new().closest(&a, &b, &pose);
-            let placed = Placed::new(&a, &b, &pose).ok().expect("near");
-            let Some((n, height)) = height_of(&placed, &Frame::of(&placed), o.features) else {
+            let posed = PosedPair::new(&a, &b, &pose).ok().expect("near");
+            let Some((n, height)) = height_of(&posed, &Transform::of(&posed), o.features) else {
                 continue;
             };
-            let Some(witnesses) = foot(&placed, o.features, &(n, height)) else {
+            let Some(witnesses) = foot(&posed, o.features, &(n, height)) else {
                 continue;
             };
             for k in 1..8 {
                 let rho = 0.5_f64.powi(k);
-                let holds = holds_disc(&placed, o.features, &witnesses, &(n, height), rho);
+                let holds = holds_disc(&posed, o.features, &witnesses, &(n, height), rho);
                 let kind = o.features.a.dimension();
                 told[kind][usize::from(holds)] += 1;
                 let normal = Vector3::from(n);

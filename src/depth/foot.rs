@@ -7,10 +7,10 @@ use nalgebra::{Point3, Vector3};
 
 use crate::num::scalar::Vec3;
 use crate::pair::face::{Face, Rim};
-use crate::pair::posed::Placed;
+use crate::pair::posed::PosedPair;
 use crate::polyhedron::topology::{LARGE, Topology};
 use crate::polyhedron::{ConvexPolyhedron, Feature, FeaturePair};
-use crate::pose::Which;
+use crate::pose::Operand;
 use crate::tolerance::{AGREE_DEPTH, FOOT};
 
 /// Rims up to this long are tried edge by edge.
@@ -21,20 +21,20 @@ pub(super) type Witnesses = (Point3<f64>, Point3<f64>);
 
 /// The points that are `height` apart along the unit `normal`, A's ahead: where the
 /// features of a facet at that height hold such points.
-pub(super) fn foot(placed: &Placed, facet: FeaturePair, (normal, height): &(Vec3<f64>, f64)) -> Option<Witnesses> {
-    let (ahead, close) = (Vector3::from(*normal) * *height, AGREE_DEPTH * placed.size());
+pub(super) fn foot(posed: &PosedPair, facet: FeaturePair, (normal, height): &(Vec3<f64>, f64)) -> Option<Witnesses> {
+    let (ahead, close) = (Vector3::from(*normal) * *height, AGREE_DEPTH * posed.size());
     let (p, q) = match (facet.a, facet.b) {
         (Feature::Face(f), Feature::Vertex(v)) => {
-            let q = placed.b.points[v.index()];
-            let p = placed.point_in_a(&q) + ahead;
-            (is_on(placed.a, f.0, &p, close).then_some(p)?, q)
+            let q = posed.b.points[v.index()];
+            let p = posed.point_in_a(&q) + ahead;
+            (is_on(posed.a, f.0, &p, close).then_some(p)?, q)
         }
-        (Feature::Vertex(v), Feature::Face(f)) if placed.has_one_unit() => {
-            let p = placed.a.points[v.index()];
-            let q = placed.point_in_b(&(p - ahead));
-            (p, is_on(placed.b, f.0, &q, close).then_some(q)?)
+        (Feature::Vertex(v), Feature::Face(f)) if posed.same_scale() => {
+            let p = posed.a.points[v.index()];
+            let q = posed.point_in_b(&(p - ahead));
+            (p, is_on(posed.b, f.0, &q, close).then_some(q)?)
         }
-        (Feature::Edge(e), Feature::Edge(g)) => crossing(placed, e.0, g.0, &ahead, close)?,
+        (Feature::Edge(e), Feature::Edge(g)) => crossing(posed, e.0, g.0, &ahead, close)?,
         _ => return None,
     };
     Some((p.into(), q.into()))
@@ -43,17 +43,21 @@ pub(super) fn foot(placed: &Placed, facet: FeaturePair, (normal, height): &(Vec3
 /// The same of faces flush on each other, one of which the facet names: by a corner of one over the other or, of small faces, by two
 /// rims that cross; and the features that hold them.
 #[cold]
-pub(super) fn flush(placed: &Placed, facet: FeaturePair, best: &(Vec3<f64>, f64)) -> Option<(FeaturePair, Witnesses)> {
+pub(super) fn flush(
+    posed: &PosedPair,
+    facet: FeaturePair,
+    best: &(Vec3<f64>, f64),
+) -> Option<(FeaturePair, Witnesses)> {
     let n = Vector3::from(best.0);
     let (f, g) = match (facet.a, facet.b) {
-        (Feature::Face(f), Feature::Vertex(v)) => (f.0, facing(placed.b, v.0, &-placed.direction_in_b(&n))?),
-        (Feature::Vertex(v), Feature::Face(g)) => (facing(placed.a, v.0, &n)?, g.0),
+        (Feature::Face(f), Feature::Vertex(v)) => (f.0, facing(posed.b, v.0, &-posed.direction_in_b(&n))?),
+        (Feature::Vertex(v), Feature::Face(g)) => (facing(posed.a, v.0, &n)?, g.0),
         _ => return None,
     };
-    let stand = |pair: FeaturePair| Some((pair, foot(placed, pair, best)?));
-    let t = [&placed.a.topology, &placed.b.topology];
-    let of_b = || some_of(placed.b, g).map(|h| FeaturePair::vertex_face(Which::B, t[1].from(h), f));
-    let of_a = || some_of(placed.a, f).map(|h| FeaturePair::vertex_face(Which::A, t[0].from(h), g));
+    let stand = |pair: FeaturePair| Some((pair, foot(posed, pair, best)?));
+    let t = [&posed.a.topology, &posed.b.topology];
+    let of_b = || some_of(posed.b, g).map(|h| FeaturePair::vertex_face(Operand::B, t[1].from(h), f));
+    let of_a = || some_of(posed.a, f).map(|h| FeaturePair::vertex_face(Operand::A, t[0].from(h), g));
     if let Some(found) = of_b().chain(of_a()).find_map(stand) {
         return Some(found);
     }
@@ -62,7 +66,7 @@ pub(super) fn flush(placed: &Placed, facet: FeaturePair, best: &(Vec3<f64>, f64)
         return None;
     }
     let pairs = t[0].rim(f).flat_map(|h| t[1].rim(g).map(move |k| (h, k)));
-    let edges = |(h, k)| FeaturePair::edges(Which::A, t[0].edge(h), t[1].edge(k));
+    let edges = |(h, k)| FeaturePair::edges(Operand::A, t[0].edge(h), t[1].edge(k));
     pairs.map(edges).find_map(stand)
 }
 
@@ -117,14 +121,20 @@ fn is_on(body: &ConvexPolyhedron, f: u32, x: &Vector3<f64>, close: f64) -> bool 
 }
 
 /// The points of two edges that differ by `ahead`.
-fn crossing(placed: &Placed, e: u32, g: u32, ahead: &Vector3<f64>, close: f64) -> Option<(Vector3<f64>, Vector3<f64>)> {
+fn crossing(
+    posed: &PosedPair,
+    e: u32,
+    g: u32,
+    ahead: &Vector3<f64>,
+    close: f64,
+) -> Option<(Vector3<f64>, Vector3<f64>)> {
     let ends = |body: &ConvexPolyhedron, h: u32| {
         let t = &body.topology;
         (body.points[t.from(h) as usize], body.points[t.half_edge(h).to as usize])
     };
-    let ((p0, p1), (q0, q1)) = (ends(placed.a, e), ends(placed.b, g));
-    let (u, v) = (p1 - p0, placed.vector_in_a(&(q1 - q0)));
-    let gap = p0 - placed.point_in_a(&q0) - ahead;
+    let ((p0, p1), (q0, q1)) = (ends(posed.a, e), ends(posed.b, g));
+    let (u, v) = (p1 - p0, posed.vector_in_a(&(q1 - q0)));
+    let gap = p0 - posed.point_in_a(&q0) - ahead;
     let c = u.cross(&v);
     let squared = c.norm_squared();
     // gap + s u - t v = 0, multiplied by v and by u.

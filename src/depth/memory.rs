@@ -7,7 +7,7 @@ use alloc::boxed::Box;
 use alloc::vec::Vec;
 
 use crate::num::scalar::Vec3;
-use crate::pair::difference::Corner;
+use crate::pair::difference::MinkowskiPoint;
 use crate::polyhedron::FeaturePair;
 
 use crate::depth::surface::Surface;
@@ -173,7 +173,9 @@ impl Memory {
         let surface = &mut room.surface;
         surface.clear(enough);
         let points = self.points.iter().zip(places);
-        surface.points.extend(points.map(|(&[a, b], &w)| Corner { a, b, w }));
+        surface
+            .points
+            .extend(points.map(|(&[a, b], &w)| MinkowskiPoint { a, b, w }));
         for &[p, q, r, x, y, z] in &self.triangles {
             surface.push([p, q, r].map(u32::from), [x, y, z].map(u32::from));
         }

@@ -37,8 +37,8 @@ use crate::num::double_double::DoubleDouble;
 use crate::num::scalar::Scalar;
 use crate::pair::answer::{outward, state_of, unit};
 use crate::pair::outcome::Outcome;
-use crate::pair::posed::Placed;
-use crate::pair::transform::Frame;
+use crate::pair::posed::PosedPair;
+use crate::pair::transform::Transform;
 #[cfg(feature = "exact")]
 use crate::tolerance::{AGREE_DEPTH, AGREE_WITNESS};
 use crate::tolerance::{CERTIFICATE, SHIFTS};
@@ -55,61 +55,61 @@ const SHIFTS_PLAIN: usize = 3;
 
 /// Depth, normal, witnesses and features of bodies of which it is proven that they overlap.
 #[cold]
-pub(crate) fn deepen(placed: &Placed, memory: &mut Memory, outcome: &mut Outcome) {
+pub(crate) fn penetration_depth(posed: &PosedPair, memory: &mut Memory, outcome: &mut Outcome) {
     memory.clear();
     outcome.work.depths += 1;
     outcome.lower = f64::NEG_INFINITY;
     let shifts = &SHIFTS[..SHIFTS_PLAIN];
     let is_done = memory.within(|memory, room| {
         let surface = &mut room.surface;
-        let Some(found) = search(placed, &Frame::of(placed), outcome.features, shifts, surface) else {
+        let Some(found) = search(posed, &Transform::of(posed), outcome.features, shifts, surface) else {
             return false;
         };
-        take(placed, &found, outcome);
+        take(posed, &found, outcome);
         if found.end == End::Closed {
             memory.keep(surface, outcome.features, None);
         }
         found.end != End::Stuck
     });
     if !is_done {
-        deepen_finely(placed, outcome);
+        penetration_depth_in_double_double(posed, outcome);
     }
 }
 
 /// The same in double-double.
 #[cold]
 #[inline(never)]
-fn deepen_finely(placed: &Placed, outcome: &mut Outcome) {
+fn penetration_depth_in_double_double(posed: &PosedPair, outcome: &mut Outcome) {
     outcome.work.double_doubles += 1;
-    let Some(frame) = Frame::<DoubleDouble>::new(placed.a, placed.b, placed.pose) else {
+    let Some(frame) = Transform::<DoubleDouble>::new(posed.a, posed.b, posed.pose) else {
         return;
     };
-    if let Some(found) = search(placed, &frame, outcome.features, &SHIFTS, &mut Surface::new()) {
-        take(placed, &found, outcome);
+    if let Some(found) = search(posed, &frame, outcome.features, &SHIFTS, &mut Surface::new()) {
+        take(posed, &found, outcome);
     }
     #[cfg(feature = "exact")]
-    if !is_narrow(placed, outcome) || outcome.distance == 0.0 || !is_held(placed, outcome) {
-        exhaustive::settle(placed, &frame, outcome);
+    if !is_narrow(posed, outcome) || outcome.distance == 0.0 || !is_held(posed, outcome) {
+        exhaustive::resolve_exactly(posed, &frame, outcome);
     }
 }
 
 /// Whether the bounds agree as well as a proven depth's must; NaN does not.
 #[cfg(feature = "exact")]
-fn is_narrow(placed: &Placed, outcome: &Outcome) -> bool {
-    outcome.upper - outcome.lower <= AGREE_DEPTH * placed.size()
+fn is_narrow(posed: &PosedPair, outcome: &Outcome) -> bool {
+    outcome.upper - outcome.lower <= AGREE_DEPTH * posed.size()
 }
 
 /// Whether the witnesses are as far apart as the depth says, and along the normal: a surface that did not close may have none that are.
 #[cfg(feature = "exact")]
-fn is_held(placed: &Placed, outcome: &Outcome) -> bool {
-    let between = placed.point_in_a(&outcome.point_on_b.coords) - outcome.point_on_a.coords;
+fn is_held(posed: &PosedPair, outcome: &Outcome) -> bool {
+    let between = posed.point_in_a(&outcome.point_on_b.coords) - outcome.point_on_a.coords;
     let rest = between - outcome.normal.into_inner() * outcome.distance;
-    rest.norm_squared() <= (AGREE_WITNESS * placed.size()) * (AGREE_WITNESS * placed.size())
+    rest.norm_squared() <= (AGREE_WITNESS * posed.size()) * (AGREE_WITNESS * posed.size())
 }
 
 /// Takes over what was found, where its bounds are the narrower.
-fn take<T: Scalar>(placed: &Placed, found: &Found<T>, outcome: &mut Outcome) {
-    let term = CERTIFICATE * T::UNIT * placed.reach::<T>().whole();
+fn take<T: Scalar>(posed: &PosedPair, found: &Found<T>, outcome: &mut Outcome) {
+    let term = CERTIFICATE * T::UNIT * posed.reach::<T>().whole();
     outcome.work.grown += found.grown;
     let lower = -outward(found.height, term);
     let upper = (-outward(found.radius, -term)).min(0.0);
@@ -125,6 +125,6 @@ fn take<T: Scalar>(placed: &Placed, found: &Found<T>, outcome: &mut Outcome) {
     }
     outcome.features = found.features.unwrap_or_else(|| {
         let (a, b) = (found.corners.map(|c| c.a), found.corners.map(|c| c.b));
-        state_of(placed, &a, &b)
+        state_of(posed, &a, &b)
     });
 }

@@ -1,7 +1,7 @@
 //! What a search finds.
 
 use crate::num::scalar::{Scalar, Vec3};
-use crate::pair::difference::Corner;
+use crate::pair::difference::MinkowskiPoint;
 use crate::polyhedron::FeaturePair;
 
 use crate::depth::foot::Witnesses;
@@ -26,7 +26,7 @@ pub(super) struct Found<T> {
     /// No point outside the difference is nearer to the origin; zero where nothing is known.
     pub(super) radius: T,
     /// The triangle that holds the deepest point, or one of the facet.
-    pub(super) corners: [Corner<T>; 3],
+    pub(super) corners: [MinkowskiPoint<T>; 3],
     /// The deepest points of A and of B in their stored frames.
     pub(super) witnesses: Option<Witnesses>,
     pub(super) features: Option<FeaturePair>,

@@ -6,10 +6,10 @@
 //! ([`cover`](super::cover)); else it grows; a surface that has folded is dropped.
 
 use crate::num::scalar::{Vec3, sub};
-use crate::pair::difference::Corner;
-use crate::pair::outcome::{Class, Layer, Outcome};
-use crate::pair::posed::Placed;
-use crate::pair::transform::Frame;
+use crate::pair::difference::MinkowskiPoint;
+use crate::pair::outcome::{Class, Outcome, Solver};
+use crate::pair::posed::PosedPair;
+use crate::pair::transform::Transform;
 use crate::polyhedron::FeaturePair;
 use crate::tolerance::{AGREE_DEPTH, SHIFTS};
 
@@ -29,12 +29,12 @@ const FEW_POINTS: usize = 34;
 const FEW_WEAK: usize = 2;
 
 /// The depth from the surface of the last answer; nothing is said of bodies that it no longer proves to overlap.
-pub(crate) fn resume(placed: &Placed, memory: &mut Memory, outcome: &mut Outcome) -> bool {
-    let Some(facet) = memory.facet.filter(|f| f.is_of(placed.a, placed.b)) else {
+pub(crate) fn resume(posed: &PosedPair, memory: &mut Memory, outcome: &mut Outcome) -> bool {
+    let Some(facet) = memory.facet.filter(|f| f.is_of(posed.a, posed.b)) else {
         return false;
     };
-    let frame = Frame::of(placed);
-    let Some((normal, height)) = height_of(placed, &frame, facet) else {
+    let frame = Transform::of(posed);
+    let Some((normal, height)) = height_of(posed, &frame, facet) else {
         return false;
     };
     let best = Best {
@@ -44,65 +44,65 @@ pub(crate) fn resume(placed: &Placed, memory: &mut Memory, outcome: &mut Outcome
     };
     memory.within(|memory, room| {
         if memory.triangles.is_empty() {
-            begin_anew(placed, &frame, memory, room, outcome)
+            begin_anew(posed, &frame, memory, room, outcome)
         } else if memory.points.len() <= FEW_POINTS {
-            resume_among::<FEW_POINTS>(placed, &frame, (memory, room), best, outcome)
+            resume_among::<FEW_POINTS>(posed, &frame, (memory, room), best, outcome)
         } else {
-            resume_among::<MOST_POINTS>(placed, &frame, (memory, room), best, outcome)
+            resume_among::<MOST_POINTS>(posed, &frame, (memory, room), best, outcome)
         }
     })
 }
 
 /// The same, of a surface of up to `N` points.
 fn resume_among<const N: usize>(
-    placed: &Placed,
-    frame: &Frame<f64>,
+    posed: &PosedPair,
+    frame: &Transform<f64>,
     (memory, room): (&mut Memory, &mut Room),
     mut best: Best<f64>,
     outcome: &mut Outcome,
 ) -> bool {
     let mut places = [[0.0; 3]; N];
     for (place, &[a, b]) in places.iter_mut().zip(&memory.points) {
-        let (Some(p), Some(q)) = (placed.a.points.get(a as usize), placed.b.points.get(b as usize)) else {
+        let (Some(p), Some(q)) = (posed.a.points.get(a as usize), posed.b.points.get(b as usize)) else {
             return false;
         };
         *place = sub(&[p.x, p.y, p.z], &frame.point(q));
     }
-    let size = placed.size();
+    let size = posed.size();
     let mut shows = pass(&memory.triangles, &places, &best, size, &mut room.weak);
     let places = &places[..memory.points.len()];
     if let Pass::About = shows {
-        if let Some(witnesses) = memory.cover(placed, frame, (&room.weak, places), &mut best) {
+        if let Some(witnesses) = memory.cover(posed, frame, (&room.weak, places), &mut best) {
             (memory.facet, memory.stand) = (best.features, None);
-            answer(placed, &proven(&best, witnesses, size), outcome);
+            answer(posed, &proven(&best, witnesses, size), outcome);
             return true;
         }
-        if memory.lower_beside(placed, frame, &room.weak, &mut best) {
+        if memory.lower_beside(posed, frame, &room.weak, &mut best) {
             shows = pass(&memory.triangles, places, &best, size, &mut room.weak);
         }
     }
     let place = (places, best);
     match shows {
-        Pass::Folded => begin_anew(placed, frame, memory, room, outcome),
+        Pass::Folded => begin_anew(posed, frame, memory, room, outcome),
         Pass::Stands => {
-            let found = stand(placed, frame, (memory, room), place);
-            answer(placed, &found, outcome);
+            let found = stand(posed, frame, (memory, room), place);
+            answer(posed, &found, outcome);
             true
         }
-        Pass::About => grow(placed, frame, (memory, room), place, outcome),
+        Pass::About => grow(posed, frame, (memory, room), place, outcome),
     }
 }
 
 /// What is found where every triangle is beyond the facet.
 #[inline(always)]
 fn stand(
-    placed: &Placed,
-    frame: &Frame<f64>,
+    posed: &PosedPair,
+    frame: &Transform<f64>,
     (memory, room): (&mut Memory, &mut Room),
     (places, best): (&[Vec3<f64>], Best<f64>),
 ) -> Found<f64> {
-    let size = placed.size();
-    match memory.stand(placed, &best) {
+    let size = posed.size();
+    match memory.stand(posed, &best) {
         Some((features, witnesses)) => Found {
             features: Some(features),
             ..proven(&best, witnesses, size)
@@ -110,26 +110,26 @@ fn stand(
         None => {
             let radius = best.height - AGREE_DEPTH * size;
             memory.recall(room, places, radius);
-            Search::resumed(placed, frame, &mut room.surface, best).stands(radius)
+            Search::resumed(posed, frame, &mut room.surface, best).stands(radius)
         }
     }
 }
 
 /// Grows the surface where it is short of the facet; whether it closed.
 fn grow(
-    placed: &Placed,
-    frame: &Frame<f64>,
+    posed: &PosedPair,
+    frame: &Transform<f64>,
     (memory, room): (&mut Memory, &mut Room),
     (places, best): (&[Vec3<f64>], Best<f64>),
     outcome: &mut Outcome,
 ) -> bool {
-    memory.recall(room, places, best.height - AGREE_DEPTH * placed.size());
-    let found = Search::resumed(placed, frame, &mut room.surface, best).run(frame, 0.0);
+    memory.recall(room, places, best.height - AGREE_DEPTH * posed.size());
+    let found = Search::resumed(posed, frame, &mut room.surface, best).run(frame, 0.0);
     if found.end != End::Closed {
         outcome.work.grown += found.grown;
         return false;
     }
-    answer(placed, &found, outcome);
+    answer(posed, &found, outcome);
     if found.grown > 0 {
         memory.keep(&room.surface, outcome.features, Some(memory.built));
     } else {
@@ -140,16 +140,16 @@ fn grow(
 
 /// From the features of the facet instead of a surface that has folded.
 fn begin_anew(
-    placed: &Placed,
-    frame: &Frame<f64>,
+    posed: &PosedPair,
+    frame: &Transform<f64>,
     memory: &mut Memory,
     room: &mut Room,
     outcome: &mut Outcome,
 ) -> bool {
     let Some(facet) = memory.facet else { return false };
-    match search(placed, frame, facet, &SHIFTS[..1], &mut room.surface) {
+    match search(posed, frame, facet, &SHIFTS[..1], &mut room.surface) {
         Some(found) if found.end == End::Closed => {
-            answer(placed, &found, outcome);
+            answer(posed, &found, outcome);
             memory.keep(&room.surface, outcome.features, None);
             true
         }
@@ -164,29 +164,34 @@ fn proven(best: &Best<f64>, witnesses: Witnesses, size: f64) -> Found<f64> {
         normal: best.normal,
         height: best.height,
         radius: best.height - AGREE_DEPTH * size,
-        corners: [Corner::default(); 3],
+        corners: [MinkowskiPoint::default(); 3],
         witnesses: Some(witnesses),
         features: best.features,
         grown: 0,
     }
 }
 
-fn answer(placed: &Placed, found: &Found<f64>, outcome: &mut Outcome) {
+fn answer(posed: &PosedPair, found: &Found<f64>, outcome: &mut Outcome) {
     outcome.class = Class::Overlapping;
-    outcome.layer = Layer::Surface;
+    outcome.solver = Solver::Surface;
     outcome.lower = f64::NEG_INFINITY;
     outcome.work.depths += 1;
-    take(placed, found, outcome);
+    take(posed, found, outcome);
 }
 
 impl Best<f64> {
     /// Tries the facets that triangles of three points, as vertices of A and of B, may lie in; whether the difference is lower along
     /// one of them.
-    fn lower(&mut self, placed: &Placed, frame: &Frame<f64>, triangles: impl Iterator<Item = [[u32; 3]; 2]>) -> bool {
+    fn lower(
+        &mut self,
+        posed: &PosedPair,
+        frame: &Transform<f64>,
+        triangles: impl Iterator<Item = [[u32; 3]; 2]>,
+    ) -> bool {
         let before = self.height;
         for [on_a, on_b] in triangles {
-            for facet in facets(placed, &on_a, &on_b).into_iter().flatten() {
-                if let Some((normal, height)) = height_of(placed, frame, facet)
+            for facet in facets(posed, &on_a, &on_b).into_iter().flatten() {
+                if let Some((normal, height)) = height_of(posed, frame, facet)
                     && height < self.height
                 {
                     (self.normal, self.height, self.features) = (normal, height, Some(facet));
@@ -199,10 +204,10 @@ impl Best<f64> {
 
 impl Memory {
     /// Tries the facets of the weak triangles, if they are few; whether the difference is lower along one of them.
-    fn lower_beside(&self, placed: &Placed, frame: &Frame<f64>, weak: &[u32], best: &mut Best<f64>) -> bool {
+    fn lower_beside(&self, posed: &PosedPair, frame: &Transform<f64>, weak: &[u32], best: &mut Best<f64>) -> bool {
         let corners = weak.iter().map(|t| self.corners(*t));
         let names = corners.map(|at| [0, 1].map(|side| at.map(|k| self.points[k][side])));
-        weak.len() <= FEW_WEAK && best.lower(placed, frame, names)
+        weak.len() <= FEW_WEAK && best.lower(posed, frame, names)
     }
 
     /// The radius of the disc that covers what the weak triangles are short of, if it is worth a try.
@@ -215,40 +220,40 @@ impl Memory {
     /// short of. What is beyond the old height is beyond a lower one, so no other triangle counts.
     fn cover(
         &self,
-        placed: &Placed,
-        frame: &Frame<f64>,
+        posed: &PosedPair,
+        frame: &Transform<f64>,
         (weak, places): (&[u32], &[Vec3<f64>]),
         best: &mut Best<f64>,
     ) -> Option<Witnesses> {
-        self.disc(weak, places, best, placed.size())?;
+        self.disc(weak, places, best, posed.size())?;
         let corner = |k: usize| {
             let [a, b] = self.points[k];
-            Corner { a, b, w: places[k] }
+            MinkowskiPoint { a, b, w: places[k] }
         };
         let known = (0..places.len()).map(corner);
         let axis = best.normal;
         let found = weak
             .iter()
-            .find_map(|t| pierced(placed, frame, &axis, known.clone(), self.corners(*t).map(corner)));
+            .find_map(|t| pierced(posed, frame, &axis, known.clone(), self.corners(*t).map(corner)));
         let names = found.map(|c| [c.map(|c| c.a), c.map(|c| c.b)]);
-        best.lower(placed, frame, names.into_iter());
-        let rho = self.disc(weak, places, best, placed.size())?;
+        best.lower(posed, frame, names.into_iter());
+        let rho = self.disc(weak, places, best, posed.size())?;
         let (facet, at) = (best.features?, best.rounded());
-        let witnesses = foot(placed, facet, &at)?;
-        holds_disc(placed, facet, &witnesses, &at, rho).then_some(witnesses)
+        let witnesses = foot(posed, facet, &at)?;
+        holds_disc(posed, facet, &witnesses, &at, rho).then_some(witnesses)
     }
 
     /// Takes over the deepest facet, and finds features that hold the witnesses: mostly its own.
     #[inline(always)]
-    fn stand(&mut self, placed: &Placed, best: &Best<f64>) -> Option<(FeaturePair, Witnesses)> {
+    fn stand(&mut self, posed: &PosedPair, best: &Best<f64>) -> Option<(FeaturePair, Witnesses)> {
         let (facet, at) = (best.features?, best.rounded());
         self.facet = Some(facet);
         if self.stand.is_none()
-            && let Some(witnesses) = foot(placed, facet, &at)
+            && let Some(witnesses) = foot(posed, facet, &at)
         {
             return Some((facet, witnesses));
         }
-        self.stand_elsewhere(placed, facet, &at)
+        self.stand_elsewhere(posed, facet, &at)
     }
 
     /// The features of the last answer, the facet's own or, of faces flush on each other, others.
@@ -256,13 +261,13 @@ impl Memory {
     #[inline(never)]
     fn stand_elsewhere(
         &mut self,
-        placed: &Placed,
+        posed: &PosedPair,
         facet: FeaturePair,
         at: &(Vec3<f64>, f64),
     ) -> Option<(FeaturePair, Witnesses)> {
-        let old = self.stand.take().filter(|f| f.is_of(placed.a, placed.b));
-        let held = |f: FeaturePair| Some((f, foot(placed, f, at)?));
-        let own = || held(facet).or_else(|| flush(placed, facet, at));
+        let old = self.stand.take().filter(|f| f.is_of(posed.a, posed.b));
+        let held = |f: FeaturePair| Some((f, foot(posed, f, at)?));
+        let own = || held(facet).or_else(|| flush(posed, facet, at));
         let (features, witnesses) = old.and_then(held).or_else(own)?;
         let face = |f: &FeaturePair| [f.a, f.b].into_iter().find(|x| x.dimension() == 2);
         let is_same = face(&features).is_some() && face(&features) == face(&facet);

@@ -4,10 +4,10 @@ use crate::minimum::gjk::{Minimum, solve};
 use crate::minimum::simplex::Simplex;
 use crate::minimum::witnesses::witnesses;
 use crate::num::scalar::{Scalar, Vec3, dot, neg};
-use crate::pair::difference::Corner;
-use crate::pair::difference::{corner, extreme};
-use crate::pair::posed::Placed;
-use crate::pair::transform::Frame;
+use crate::pair::difference::MinkowskiPoint;
+use crate::pair::difference::{difference_point, support};
+use crate::pair::posed::PosedPair;
+use crate::pair::transform::Transform;
 use crate::polyhedron::FeaturePair;
 use crate::tolerance::{AGREE_DEPTH, ALMOST_FLAT, ASIDE, CERTIFICATE, PLATEAU, UNIT};
 
@@ -21,8 +21,8 @@ const REPEATS: u32 = 16;
 
 /// A surface on its way to the deepest facet.
 pub(super) struct Search<'a, T: Scalar> {
-    pub(super) placed: &'a Placed<'a>,
-    frame: Frame<T>,
+    pub(super) posed: &'a PosedPair<'a>,
+    frame: Transform<T>,
     /// Whether B is shifted off its place.
     is_shifted: bool,
     pub(super) surface: &'a mut Surface<T>,
@@ -36,8 +36,8 @@ pub(super) struct Search<'a, T: Scalar> {
 /// Searches from the features of an overlap, about the origin or, one after the other, points shifted off it. The best that
 /// was found where none closes; where one does, `surface` is its.
 pub(super) fn search<T: Scalar>(
-    placed: &Placed,
-    frame: &Frame<T>,
+    posed: &PosedPair,
+    frame: &Transform<T>,
     from: FeaturePair,
     shifts: &[f64],
     surface: &mut Surface<T>,
@@ -45,7 +45,7 @@ pub(super) fn search<T: Scalar>(
     let mut found: Option<Found<T>> = None;
     let mut grown = 0;
     for &shift in shifts {
-        let now = match Search::about(placed, frame, from, shift, surface) {
+        let now = match Search::about(posed, frame, from, shift, surface) {
             Ok(mut search) => search.run(frame, shift),
             Err(found) => found,
         };
@@ -62,13 +62,13 @@ pub(super) fn search<T: Scalar>(
 }
 
 /// What a solver knows of an origin that it cannot tell from the border: a direction and its height.
-fn flat<T: Scalar>(placed: &Placed, frame: &Frame<T>, simplex: &Simplex<T>, toward: &Vec3<T>) -> Found<T> {
+fn flat<T: Scalar>(posed: &PosedPair, frame: &Transform<T>, simplex: &Simplex<T>, toward: &Vec3<T>) -> Found<T> {
     let zero = T::from(0.0);
     let n = unit(&neg(toward));
     let is_unit = dot(&n, &n).value() > 0.5;
     let normal = if is_unit { n } else { [T::from(1.0), zero, zero] };
     let hint = simplex.kept()[0];
-    let height = dot(&normal, &highest(placed, frame, &normal, &hint).w);
+    let height = dot(&normal, &support(posed, frame, &normal, &hint).w);
     Found {
         end: End::Stuck,
         normal,
@@ -76,50 +76,43 @@ fn flat<T: Scalar>(placed: &Placed, frame: &Frame<T>, simplex: &Simplex<T>, towa
         radius: zero,
         corners: core::array::from_fn(|k| simplex.kept()[k.min(simplex.len() - 1)]),
         // No points of the border, but ones that nearly coincide.
-        witnesses: (simplex.reach() <= T::from(AGREE_DEPTH * placed.size())).then(|| witnesses(placed, simplex)),
+        witnesses: (simplex.reach() <= T::from(AGREE_DEPTH * posed.size())).then(|| witnesses(posed, simplex)),
         features: None,
         grown: 0,
     }
-}
-
-/// The highest point of the difference along a direction.
-pub(super) fn highest<T: Scalar>(placed: &Placed, frame: &Frame<T>, n: &Vec3<T>, hint: &Corner<T>) -> Corner<T> {
-    let a = extreme(placed.a, n, hint.a);
-    let b = extreme(placed.b, &neg(&frame.direction(n)), hint.b);
-    corner(placed, frame, a, b)
 }
 
 impl<'a, T: Scalar> Search<'a, T> {
     /// From the tetrahedron that proves a point beside the origin inside; without one, what the solver found instead:
     /// of a point outside, a direction along which the origin is not deeper than the shift.
     fn about(
-        placed: &'a Placed<'a>,
-        frame: &Frame<T>,
+        posed: &'a PosedPair<'a>,
+        frame: &Transform<T>,
         from: FeaturePair,
         shift: f64,
         surface: &'a mut Surface<T>,
     ) -> Result<Self, Found<T>> {
-        let size = placed.reach::<T>().whole();
+        let size = posed.reach::<T>().whole();
         let mut shifted = *frame;
         for (t, aside) in shifted.translation.iter_mut().zip(ASIDE) {
             *t = *t + T::from(aside * shift * size);
         }
-        let simplex = match solve(placed, &shifted, from) {
+        let simplex = match solve(posed, &shifted, from) {
             Minimum::Inside { simplex } => simplex,
-            Minimum::Outside { simplex, direction, .. } => return Err(flat(placed, frame, &simplex, &direction)),
+            Minimum::Outside { simplex, direction, .. } => return Err(flat(posed, frame, &simplex, &direction)),
         };
         if !surface.start(simplex.kept()) {
-            return Err(flat(placed, frame, &simplex, &simplex.direction()));
+            return Err(flat(posed, frame, &simplex, &simplex.direction()));
         }
-        let mut search = Self::new(placed, &shifted, surface);
+        let mut search = Self::new(posed, &shifted, surface);
         search.is_shifted = shift != 0.0;
         Ok(search)
     }
 
-    fn new(placed: &'a Placed<'a>, frame: &Frame<T>, surface: &'a mut Surface<T>) -> Self {
-        let size = placed.reach::<T>().whole();
+    fn new(posed: &'a PosedPair<'a>, frame: &Transform<T>, surface: &'a mut Surface<T>) -> Self {
+        let size = posed.reach::<T>().whole();
         Self {
-            placed,
+            posed,
             frame: *frame,
             is_shifted: false,
             surface,
@@ -136,12 +129,12 @@ impl<'a, T: Scalar> Search<'a, T> {
 
     /// From a surface that is about the origin, and a direction.
     pub(super) fn resumed(
-        placed: &'a Placed<'a>,
-        frame: &Frame<T>,
+        posed: &'a PosedPair<'a>,
+        frame: &Transform<T>,
         surface: &'a mut Surface<T>,
         best: Best<T>,
     ) -> Self {
-        let mut search = Self::new(placed, frame, surface);
+        let mut search = Self::new(posed, frame, surface);
         search.improve(best);
         search
     }
@@ -169,15 +162,15 @@ impl<'a, T: Scalar> Search<'a, T> {
     }
 
     /// Grows until the ball about the shifted point holds the origin, then about the origin.
-    pub(super) fn run(&mut self, frame: &Frame<T>, shift: f64) -> Found<T> {
+    pub(super) fn run(&mut self, frame: &Transform<T>, shift: f64) -> Found<T> {
         if shift != 0.0 {
             // ASIDE is no longer than one.
             let reached = self.grow(Some(
                 T::from(shift.abs()) * self.size + self.filter.margin + self.filter.margin,
             ));
             (self.frame, self.is_shifted) = (*frame, false);
-            let placed = self.placed;
-            self.surface.place(|c| corner(placed, frame, c.a, c.b));
+            let posed = self.posed;
+            self.surface.place(|c| difference_point(posed, frame, c.a, c.b));
             self.best = None;
             if !reached {
                 return self.end(End::Stuck, false);
@@ -197,7 +190,7 @@ impl<'a, T: Scalar> Search<'a, T> {
     fn is_good(&mut self) -> bool {
         let bound = self.bound();
         self.best
-            .is_some_and(|b| b.height - bound <= T::from(AGREE_DEPTH * self.placed.size()))
+            .is_some_and(|b| b.height - bound <= T::from(AGREE_DEPTH * self.posed.size()))
     }
 
     /// What every triangle is beyond.
@@ -209,7 +202,7 @@ impl<'a, T: Scalar> Search<'a, T> {
     }
 
     fn is_full(&self) -> bool {
-        let vertices = self.placed.a.points.len() + self.placed.b.points.len();
+        let vertices = self.posed.a.points.len() + self.posed.b.points.len();
         self.surface.triangles.len() > 64 * vertices + 1024
     }
 
@@ -248,7 +241,7 @@ impl<'a, T: Scalar> Search<'a, T> {
 
     /// A point outside the plane of a triangle, so that the surface stays convex: the one found or, where that was along a
     /// direction from elsewhere and is not, the highest along the normal.
-    fn in_sight(&mut self, t: u32, top: Corner<T>) -> Corner<T> {
+    fn in_sight(&mut self, t: u32, top: MinkowskiPoint<T>) -> MinkowskiPoint<T> {
         if self.surface.sees(t, &top.w, &self.filter) {
             return top;
         }
@@ -265,7 +258,7 @@ impl<'a, T: Scalar> Search<'a, T> {
     }
 
     /// Counts points that are there already.
-    fn is_worth(&mut self, c: &Corner<T>) -> bool {
+    fn is_worth(&mut self, c: &MinkowskiPoint<T>) -> bool {
         if self.surface.knows(c) {
             self.repeats += 1;
         }
@@ -273,8 +266,8 @@ impl<'a, T: Scalar> Search<'a, T> {
     }
 
     /// The highest point of the difference along a unit direction; the direction is kept if it is the best.
-    fn probe(&mut self, t: u32, n: &Vec3<T>) -> Corner<T> {
-        let top = highest(self.placed, &self.frame, n, &self.surface.corners(t)[0]);
+    fn probe(&mut self, t: u32, n: &Vec3<T>) -> MinkowskiPoint<T> {
+        let top = support(self.posed, &self.frame, n, &self.surface.corners(t)[0]);
         self.improve(Best {
             normal: *n,
             height: dot(n, &top.w),
@@ -287,7 +280,7 @@ impl<'a, T: Scalar> Search<'a, T> {
     fn probe_facets(&mut self, t: u32) -> bool {
         let corners = self.surface.corners(t);
         let mut raised = false;
-        let facets = facets(self.placed, &corners.map(|c| c.a), &corners.map(|c| c.b));
+        let facets = facets(self.posed, &corners.map(|c| c.a), &corners.map(|c| c.b));
         for facet in facets.into_iter().flatten() {
             let Some((normal, height)) = self.height_of(facet, &corners[0]) else {
                 continue;
@@ -303,13 +296,13 @@ impl<'a, T: Scalar> Search<'a, T> {
     }
 
     /// The normal of a facet that holds `on`, and the height along it: by the planes of the bodies where those are where they belong.
-    fn height_of(&self, facet: FeaturePair, on: &Corner<T>) -> Option<(Vec3<T>, T)> {
+    fn height_of(&self, facet: FeaturePair, on: &MinkowskiPoint<T>) -> Option<(Vec3<T>, T)> {
         if T::UNIT == UNIT && !self.is_shifted {
-            let (n, height) = height_of(self.placed, &Frame::of(self.placed), facet)?;
+            let (n, height) = height_of(self.posed, &Transform::of(self.posed), facet)?;
             return Some((n.map(T::from), T::from(height)));
         }
-        let n = normal_of(self.placed, &self.frame, facet, on)?;
-        Some((n, dot(&n, &highest(self.placed, &self.frame, &n, on).w)))
+        let n = normal_of(self.posed, &self.frame, facet, on)?;
+        Some((n, dot(&n, &support(self.posed, &self.frame, &n, on).w)))
     }
 
     /// What is known; `winds` if the surface is about the origin.

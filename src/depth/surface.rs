@@ -16,7 +16,7 @@ use crate::depth::memory::MOST;
 use crate::depth::queue::{Entry, Queue};
 use crate::minimum::simplex::Simplex;
 use crate::num::scalar::{Scalar, Vec3, cross, dot, sub};
-use crate::pair::difference::Corner;
+use crate::pair::difference::MinkowskiPoint;
 use grow::Border;
 use names::Names;
 
@@ -64,7 +64,7 @@ pub(super) struct Filter<T> {
 /// The surface, and room to work in.
 #[derive(Clone, Debug)]
 pub(super) struct Surface<T> {
-    pub(super) points: Vec<Corner<T>>,
+    pub(super) points: Vec<MinkowskiPoint<T>>,
     /// The vertices of the first points, where there are many.
     names: Names,
     pub(super) triangles: Vec<Triangle<T>>,
@@ -83,7 +83,7 @@ pub(super) struct Surface<T> {
 impl<T> Surface<T> {
     /// Bytes on the heap.
     pub(super) fn heap_bytes(&self) -> usize {
-        self.points.capacity() * size_of::<Corner<T>>()
+        self.points.capacity() * size_of::<MinkowskiPoint<T>>()
             + self.triangles.capacity() * size_of::<Triangle<T>>()
             + self.names.heap_bytes()
             + self.queue.heap_bytes()
@@ -129,8 +129,8 @@ impl<T: Scalar> Surface<T> {
     }
 
     /// Makes it the tetrahedron of four corners; whether there are four.
-    pub(super) fn start(&mut self, corners: &[Corner<T>]) -> bool {
-        let Ok([p, q, r, s]) = <&[Corner<T>; 4]>::try_from(corners) else {
+    pub(super) fn start(&mut self, corners: &[MinkowskiPoint<T>]) -> bool {
+        let Ok([p, q, r, s]) = <&[MinkowskiPoint<T>; 4]>::try_from(corners) else {
             return false;
         };
         let (u, v, x) = (sub(&q.w, &p.w), sub(&r.w, &p.w), sub(&s.w, &p.w));
@@ -169,15 +169,15 @@ impl<T: Scalar> Surface<T> {
     }
 
     /// The corners of a triangle.
-    pub(super) fn corners(&self, triangle: u32) -> [Corner<T>; 3] {
+    pub(super) fn corners(&self, triangle: u32) -> [MinkowskiPoint<T>; 3] {
         self.triangles[triangle as usize]
             .corners
             .map(|c| self.points[c as usize])
     }
 
     /// Whether a point of these vertices was taken in before.
-    pub(super) fn knows(&mut self, c: &Corner<T>) -> bool {
-        let name = |c: &Corner<T>| [c.a, c.b];
+    pub(super) fn knows(&mut self, c: &MinkowskiPoint<T>) -> bool {
+        let name = |c: &MinkowskiPoint<T>| [c.a, c.b];
         if self.points.len() <= SCANNED {
             return self.points.iter().any(|p| name(p) == name(c));
         }
@@ -258,7 +258,7 @@ impl<T: Scalar> Surface<T> {
     }
 
     /// Takes every point and triangle anew, the points placed by `place`.
-    pub(super) fn place(&mut self, place: impl Fn(&Corner<T>) -> Corner<T>) {
+    pub(super) fn place(&mut self, place: impl Fn(&MinkowskiPoint<T>) -> MinkowskiPoint<T>) {
         for p in &mut self.points {
             *p = place(p);
         }

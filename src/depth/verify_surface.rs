@@ -8,7 +8,7 @@ use crate::depth::direction::least;
 use crate::depth::result::Best;
 use crate::minimum::simplex::Simplex;
 use crate::num::scalar::{Vec3, cross, dot, sub};
-use crate::pair::difference::Corner;
+use crate::pair::difference::MinkowskiPoint;
 use crate::tolerance::{AGREE_DEPTH, CERTIFICATE, ORIENTATION, UNIT};
 
 /// What one pass over the surface shows.
@@ -93,7 +93,7 @@ fn inner(u: &Vec3<f64x2>, v: &Vec3<f64x2>) -> f64x2 {
 impl Goal<'_> {
     /// Whether a triangle is beyond the facet though its plane is not: all of it lies beyond its nearest point.
     fn is_far(&self, w: &[Vec3<f64>; 3]) -> bool {
-        let nearest = Simplex::triangle(w.map(|w| Corner { a: 0, b: 0, w })).direction();
+        let nearest = Simplex::triangle(w.map(|w| MinkowskiPoint { a: 0, b: 0, w })).direction();
         let low = least(&nearest, w);
         low > 0.0 && low * low >= self.height * self.height * dot(&nearest, &nearest)
     }

@@ -5,11 +5,11 @@ use dashu_base::UnsignedAbs;
 use dashu_int::IBig;
 
 use crate::exact::integer::{Big3, cross, direction, dot, is_zero, neg, root, sub};
-use crate::exact::simplex::{Corner, minimize, sign};
+use crate::exact::simplex::{ExactPoint, minimize, sign};
 use crate::exact::{Pair, Turned, witnesses};
 use crate::pair::answer::{state_of, unit};
-use crate::pair::outcome::{Class, Layer, Outcome};
-use crate::pair::posed::Placed;
+use crate::pair::outcome::{Class, Outcome, Solver};
+use crate::pair::posed::PosedPair;
 use crate::polyhedron::{Feature, FeaturePair};
 
 /// A facet of the difference: its normal, and its height along that times the normal's length.
@@ -31,7 +31,7 @@ impl Turned<'_> {
     /// A normal of a face, outward and of any length; none where its corners are not in one plane.
     fn normal(&self, face: u32, exponent: i32) -> Option<Big3> {
         let t = &self.body.topology;
-        let given = |h: u32| self.given(t.from(h), exponent);
+        let given = |h: u32| self.to_user(t.from(h), exponent);
         let base = given(t.rim_start(face));
         let from_base = |h: u32| sub(&given(h), &base);
         let side = t.rim(face).map(from_base).find(|u| !is_zero(u))?;
@@ -52,8 +52,8 @@ impl Turned<'_> {
 
 impl Pair<'_> {
     /// The facet of a pair of features: `Ok(None)` where there is none lower than the best, `Err` where it is not known which there are.
-    fn facet(&self, placed: &Placed, features: FeaturePair, best: Option<&Facet>) -> Result<Option<Facet>, NotFlat> {
-        let hint = features.vertices_of(placed.a, placed.b);
+    fn facet(&self, posed: &PosedPair, features: FeaturePair, best: Option<&Facet>) -> Result<Option<Facet>, NotFlat> {
+        let hint = features.vertices_of(posed.a, posed.b);
         let normal = match (features.a, features.b) {
             (Feature::Face(f), _) => self.a.normal(f.0, self.exponent).ok_or(NotFlat)?,
             (_, Feature::Face(f)) => neg(&self.b.normal(f.0, self.exponent).ok_or(NotFlat)?),
@@ -75,7 +75,7 @@ impl Pair<'_> {
             }
             _ => return Ok(None),
         };
-        let height = dot(&normal, &self.highest(&normal, hint).w);
+        let height = dot(&normal, &self.support_exact(&normal, hint).w);
         Ok((height.is_positive() && !height.is_zero()).then_some(Facet { normal, height, hint }))
     }
 }
@@ -85,29 +85,29 @@ struct NotFlat;
 
 /// Takes the depth from the deepest facet of those that the pairs of features may span, of bodies whose interiors meet; whether
 /// it could. The depth is correctly rounded, and the bounds are one unit in the last place beside it.
-pub(crate) fn deepest(placed: &Placed, facets: &[FeaturePair], outcome: &mut Outcome) -> bool {
-    let pair = Pair::new(placed.a, placed.b, placed.pose);
+pub(crate) fn deepest(posed: &PosedPair, facets: &[FeaturePair], outcome: &mut Outcome) -> bool {
+    let pair = Pair::new(posed.a, posed.b, posed.pose);
     let mut best: Option<Facet> = None;
     for &features in facets {
-        match pair.facet(placed, features, best.as_ref()) {
+        match pair.facet(posed, features, best.as_ref()) {
             Err(NotFlat) => return false,
             Ok(Some(facet)) if best.as_ref().is_none_or(|b| facet.is_lower(b)) => best = Some(facet),
             Ok(_) => {}
         }
     }
-    best.is_some_and(|facet| take(placed, &pair, &facet, outcome))
+    best.is_some_and(|facet| take(posed, &pair, &facet, outcome))
 }
 
 /// The foot of the origin on the facet, `n height / n . n`, is a point of the difference: its vertices are the witnesses'.
-fn take(placed: &Placed, pair: &Pair, facet: &Facet, outcome: &mut Outcome) -> bool {
+fn take(posed: &PosedPair, pair: &Pair, facet: &Facet, outcome: &mut Outcome) -> bool {
     let Facet { normal, height, hint } = facet;
     let squared = dot(normal, normal);
-    let from_foot = |c: Corner| Corner {
+    let from_foot = |c: ExactPoint| ExactPoint {
         w: [0, 1, 2].map(|k| &c.w[k] * &squared - &normal[k] * height),
         ..c
     };
-    let lowest = |n: &Big3| from_foot(pair.highest(&neg(n), *hint));
-    let Some(at) = minimize([from_foot(pair.highest(normal, *hint))].into(), &lowest) else {
+    let lowest = |n: &Big3| from_foot(pair.support_exact(&neg(n), *hint));
+    let Some(at) = minimize([from_foot(pair.support_exact(normal, *hint))].into(), &lowest) else {
         return false;
     };
     let (mut a, mut b) = ([0; 4], [0; 4]);
@@ -115,10 +115,10 @@ fn take(placed: &Placed, pair: &Pair, facet: &Facet, outcome: &mut Outcome) -> b
         (a[k], b[k]) = (c.a, c.b);
     }
     let den = squared * &pair.denominator * &pair.denominator;
-    let depth = root(&(height * height).unsigned_abs(), &den.unsigned_abs(), pair.exponent) / placed.a.unit();
+    let depth = root(&(height * height).unsigned_abs(), &den.unsigned_abs(), pair.exponent) / posed.a.unit();
     outcome.class = Class::Overlapping;
-    outcome.layer = Layer::Exact;
-    outcome.features = state_of(placed, &a[..at.kept.len()], &b[..at.kept.len()]);
+    outcome.solver = Solver::Exact;
+    outcome.features = state_of(posed, &a[..at.kept.len()], &b[..at.kept.len()]);
     (outcome.point_on_a, outcome.point_on_b) = witnesses(pair, &at);
     outcome.normal = unit(&pair.a.rounded.tr_mul(&direction(normal)));
     outcome.distance = -depth;

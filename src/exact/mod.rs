@@ -16,8 +16,8 @@ use dashu_base::UnsignedAbs;
 use dashu_int::IBig;
 use nalgebra::{Matrix3, Point3, Vector3};
 
-use crate::pair::outcome::{Class, Layer, Outcome};
-use crate::pair::posed::Placed;
+use crate::pair::outcome::{Class, Outcome, Solver};
+use crate::pair::posed::PosedPair;
 use crate::polyhedron::fans::Axis;
 use crate::polyhedron::highest::{Upward, steeper};
 use crate::polyhedron::support::edge_sign;
@@ -26,7 +26,7 @@ use crate::pose::RelativePose;
 pub(crate) use depth::deepest;
 use integer::{Big3, direction, dot, fraction, integer, is_zero, neg, root, sub};
 use origin::{Origin, Set, locate};
-use simplex::{Corner, Nearest, minimize, sign};
+use simplex::{ExactPoint, Nearest, minimize, sign};
 
 /// One body turned, over the common denominator.
 struct Turned<'a> {
@@ -80,14 +80,14 @@ impl<'a> Turned<'a> {
         ]
     }
 
-    fn given(&self, v: u32, exponent: i32) -> Big3 {
-        let p = self.body.given(&self.body.points[v as usize]);
+    fn to_user(&self, v: u32, exponent: i32) -> Big3 {
+        let p = self.body.to_user(&self.body.points[v as usize]);
         [p.x, p.y, p.z].map(|c| integer(c, exponent))
     }
 
     /// Vertex `v`, turned.
     fn point(&self, v: u32, exponent: i32) -> Big3 {
-        self.vector(&self.given(v, exponent))
+        self.vector(&self.to_user(v, exponent))
     }
 
     /// The direction `n` in the body's frame.
@@ -103,10 +103,10 @@ impl<'a> Turned<'a> {
     }
 
     /// The vertex greatest along `n`; the lowest number among exact equals.
-    fn highest(&self, n: &Big3, hint: u32, exponent: i32) -> u32 {
+    fn support_exact(&self, n: &Big3, hint: u32, exponent: i32) -> u32 {
         let (body, along) = (self.body, self.along(n, exponent));
-        let start = body.climb(&along.rounded, body.higher(&along.rounded, hint));
-        body.highest(&along, start)
+        let start = body.support_climb(&along.rounded, body.start_vertex(&along.rounded, hint));
+        body.support_exact(&along, start)
     }
 
     /// An edge that leaves `v`, turned, and where it leads: one that rises along `n` if one does, or else one that is level if one is.
@@ -134,7 +134,10 @@ impl Along<'_> {
 
     /// A multiple of it, exactly.
     fn edge(&self, p: u32, q: u32) -> Big3 {
-        sub(&self.body.given(q, self.exponent), &self.body.given(p, self.exponent))
+        sub(
+            &self.body.to_user(q, self.exponent),
+            &self.body.to_user(p, self.exponent),
+        )
     }
 }
 
@@ -183,9 +186,9 @@ impl<'a> Pair<'a> {
     }
 
     /// The point `a - b` of the difference.
-    fn corner(&self, a: u32, b: u32) -> Corner {
+    fn corner(&self, a: u32, b: u32) -> ExactPoint {
         let (p, q) = (self.a.point(a, self.exponent), self.b.point(b, self.exponent));
-        Corner {
+        ExactPoint {
             a,
             b,
             w: sub(&sub(&p, &q), &self.offset),
@@ -193,25 +196,27 @@ impl<'a> Pair<'a> {
     }
 
     /// The corner greatest along `n`.
-    fn highest(&self, n: &Big3, hint: (u32, u32)) -> Corner {
-        let a = self.a.highest(n, hint.0, self.exponent);
-        let b = self.b.highest(&neg(n), hint.1, self.exponent);
+    fn support_exact(&self, n: &Big3, hint: (u32, u32)) -> ExactPoint {
+        let a = self.a.support_exact(n, hint.0, self.exponent);
+        let b = self.b.support_exact(&neg(n), hint.1, self.exponent);
         self.corner(a, b)
     }
 
     fn nearest(&self, hint: (u32, u32)) -> Option<Nearest> {
-        minimize(vec![self.corner(hint.0, hint.1)], &|n| self.highest(&neg(n), hint))
+        minimize(vec![self.corner(hint.0, hint.1)], &|n| {
+            self.support_exact(&neg(n), hint)
+        })
     }
 
     /// Where the origin lies in the difference, which holds it at `at`.
     fn locate(&self, at: &Nearest, hint: (u32, u32)) -> Origin {
-        let rising = |c: &Corner, n: &Big3| {
+        let rising = |c: &ExactPoint, n: &Big3| {
             let a = self
                 .a
                 .rising(n, c.a, self.exponent)
-                .map(|(a, w)| Corner { a, w, ..c.clone() });
+                .map(|(a, w)| ExactPoint { a, w, ..c.clone() });
             let b = self.b.rising(&neg(n), c.b, self.exponent);
-            let b = b.map(|(b, w)| Corner {
+            let b = b.map(|(b, w)| ExactPoint {
                 b,
                 w: neg(&w),
                 ..c.clone()
@@ -221,7 +226,7 @@ impl<'a> Pair<'a> {
         };
         locate(
             &Set {
-                highest: &|n| self.highest(n, hint),
+                highest: &|n| self.support_exact(n, hint),
                 rising: &rising,
             },
             at,
@@ -230,23 +235,23 @@ impl<'a> Pair<'a> {
 }
 
 /// Settles class and distance exactly, from the vertices of the outcome's features.
-pub(crate) fn settle(placed: &Placed, outcome: &mut Outcome) {
-    let hint = outcome.features.vertices_of(placed.a, placed.b);
-    let pair = Pair::new(placed.a, placed.b, placed.pose);
+pub(crate) fn resolve_exactly(posed: &PosedPair, outcome: &mut Outcome) {
+    let hint = outcome.features.vertices_of(posed.a, posed.b);
+    let pair = Pair::new(posed.a, posed.b, posed.pose);
     // One to four corners always have a nearest point.
     let Some(at) = pair.nearest(hint) else {
-        return crate::pair::answer::give_up(placed, outcome);
+        return crate::pair::answer::give_up(posed, outcome);
     };
     let (mut a, mut b) = ([0; 4], [0; 4]);
     for (k, c) in at.kept.iter().enumerate().take(4) {
         (a[k], b[k]) = (c.a, c.b);
     }
-    outcome.layer = Layer::Exact;
-    outcome.features = crate::pair::answer::state_of(placed, &a[..at.kept.len()], &b[..at.kept.len()]);
+    outcome.solver = Solver::Exact;
+    outcome.features = crate::pair::answer::state_of(posed, &a[..at.kept.len()], &b[..at.kept.len()]);
     (outcome.point_on_a, outcome.point_on_b) = witnesses(&pair, &at);
     let normal = |n: &Big3| crate::pair::answer::unit(&pair.a.rounded.tr_mul(&direction(n)));
     if !is_zero(&at.direction) {
-        let d = distance(&pair, &at) / placed.a.unit();
+        let d = distance(&pair, &at) / posed.a.unit();
         outcome.class = Class::Separated;
         outcome.distance = d;
         outcome.normal = normal(&neg(&at.direction));

@@ -5,7 +5,7 @@ use alloc::vec::Vec;
 use dashu_int::IBig;
 
 use crate::exact::integer::{Big3, cross, dot, is_zero, neg};
-use crate::exact::simplex::{Corner, Nearest, nearest, sign};
+use crate::exact::simplex::{ExactPoint, Nearest, nearest, sign};
 
 /// Where the origin lies in a convex set that holds it.
 pub(super) enum Origin {
@@ -17,10 +17,10 @@ pub(super) enum Origin {
 /// A convex set by its extreme points.
 pub(super) struct Set<'a> {
     /// A point greatest along a direction.
-    pub(super) highest: &'a dyn Fn(&Big3) -> Corner,
+    pub(super) highest: &'a dyn Fn(&Big3) -> ExactPoint,
     /// Of the edges that leave a corner and span the set seen from there: one that rises along a direction if one does, or else one that is
     /// level if one is, or else any. `None` where there is no edge.
-    pub(super) rising: &'a dyn Fn(&Corner, &Big3) -> Option<Corner>,
+    pub(super) rising: &'a dyn Fn(&ExactPoint, &Big3) -> Option<ExactPoint>,
 }
 
 /// Locates the origin, which `at` holds in the relative interior of its corners.
@@ -37,13 +37,13 @@ pub(super) fn locate(set: &Set, at: &Nearest) -> Origin {
 }
 
 /// Whether the set stays on one side of `n` and the origin.
-fn supports(highest: &dyn Fn(&Big3) -> Corner, n: &Big3) -> Result<(), Corner> {
+fn supports(highest: &dyn Fn(&Big3) -> ExactPoint, n: &Big3) -> Result<(), ExactPoint> {
     let top = highest(n);
     if sign(&dot(n, &top.w)) <= 0 { Ok(()) } else { Err(top) }
 }
 
 /// The set holds a neighbourhood of the origin in the plane across `n`: only `n` and `-n` can support it.
-fn on_plane(highest: &dyn Fn(&Big3) -> Corner, n: Big3) -> Origin {
+fn on_plane(highest: &dyn Fn(&Big3) -> ExactPoint, n: Big3) -> Origin {
     let opposite = neg(&n);
     if supports(highest, &n).is_ok() {
         Origin::Boundary(n)
@@ -57,7 +57,7 @@ fn on_plane(highest: &dyn Fn(&Big3) -> Corner, n: Big3) -> Origin {
 /// The set holds a neighbourhood of the origin on the line along `d`: a normal is across it, so the search is in the
 /// plane of `e` and `f`. The directions that no point found so far rules out are those from `start`, turning left, to
 /// `end`; `start` is tried and moved until it supports or nothing is left.
-fn on_line(highest: &dyn Fn(&Big3) -> Corner, d: &Big3) -> Origin {
+fn on_line(highest: &dyn Fn(&Big3) -> ExactPoint, d: &Big3) -> Origin {
     let axis = (0..3)
         .find(|&k| d[(k + 1) % 3] != IBig::ZERO || d[(k + 2) % 3] != IBig::ZERO)
         .unwrap_or(0);
@@ -93,7 +93,7 @@ fn on_line(highest: &dyn Fn(&Big3) -> Corner, d: &Big3) -> Origin {
 ///
 /// An edge that rises is as good as the highest: with each the nearest point of those found comes nearer to the origin, and where none
 /// rises, the set stays on one side.
-fn at_vertex(rising: &dyn Fn(&Big3) -> Option<Corner>) -> Origin {
+fn at_vertex(rising: &dyn Fn(&Big3) -> Option<ExactPoint>) -> Origin {
     let mut normal = [IBig::ONE, IBig::ZERO, IBig::ZERO];
     let mut corners = Vec::new();
     while let Some(next) = rising(&normal) {

@@ -11,7 +11,7 @@ use crate::exact::integer::{Big3, cross, dot, is_zero, neg, sub};
 
 /// A point of the set searched: its names and its place.
 #[derive(Clone, Debug)]
-pub(super) struct Corner {
+pub(super) struct ExactPoint {
     pub(super) a: u32,
     pub(super) b: u32,
     pub(super) w: Big3,
@@ -21,7 +21,7 @@ pub(super) struct Corner {
 #[derive(Clone, Debug)]
 pub(super) struct Nearest {
     /// The corners whose hull holds it in its relative interior.
-    pub(super) kept: Vec<Corner>,
+    pub(super) kept: Vec<ExactPoint>,
     /// Their weights, positive, as parts of `sum`.
     pub(super) weights: Vec<IBig>,
     pub(super) sum: IBig,
@@ -59,7 +59,7 @@ pub(super) fn sign(x: &IBig) -> i32 {
 
 /// The weights and the direction of the nearest point of the affine hull of some corners, if it lies in the relative
 /// interior of their hull.
-fn inside(s: &[&Corner]) -> Option<(Vec<IBig>, IBig, Big3)> {
+fn inside(s: &[&ExactPoint]) -> Option<(Vec<IBig>, IBig, Big3)> {
     let positive = |w: &[IBig]| w.iter().all(|x| x.is_positive() && !x.is_zero());
     match s {
         [p] => Some((vec![IBig::ONE], IBig::ONE, p.w.clone())),
@@ -89,7 +89,7 @@ fn inside(s: &[&Corner]) -> Option<(Vec<IBig>, IBig, Big3)> {
             })
         }
         [p, q, r, t] => {
-            let det = |x: &Corner, y: &Corner, z: &Corner| dot(&x.w, &cross(&y.w, &z.w));
+            let det = |x: &ExactPoint, y: &ExactPoint, z: &ExactPoint| dot(&x.w, &cross(&y.w, &z.w));
             let mut w = vec![det(q, r, t), -det(p, r, t), det(p, q, t), -det(p, q, r)];
             let mut sum = &w[0] + &w[1] + &w[2] + &w[3];
             if sign(&sum) < 0 {
@@ -106,12 +106,12 @@ fn inside(s: &[&Corner]) -> Option<(Vec<IBig>, IBig, Big3)> {
 ///
 /// A subset holds it if the point lies in the subset's relative interior and no corner is beyond the plane through it
 /// (the optimality condition of the minimum-norm point), so the first subset that passes is the answer.
-pub(super) fn nearest(corners: &[Corner]) -> Option<Nearest> {
+pub(super) fn nearest(corners: &[ExactPoint]) -> Option<Nearest> {
     let n = corners.len();
     for size in 1..=n.min(4) {
         for mask in (1u32..1 << n).filter(|m| m.count_ones() as usize == size) {
             let chosen = |k: &usize| mask & 1 << k != 0;
-            let subset: Vec<&Corner> = (0..n).filter(chosen).map(|k| &corners[k]).collect();
+            let subset: Vec<&ExactPoint> = (0..n).filter(chosen).map(|k| &corners[k]).collect();
             let Some((weights, sum, direction)) = inside(&subset) else {
                 continue;
             };
@@ -133,7 +133,7 @@ pub(super) fn nearest(corners: &[Corner]) -> Option<Nearest> {
 
 /// The point of a convex set nearest to the origin; `lowest(n)` is a corner of the set least along `n`. Ends because
 /// each round is strictly nearer and there are finitely many simplices.
-pub(super) fn minimize(start: Vec<Corner>, lowest: &dyn Fn(&Big3) -> Corner) -> Option<Nearest> {
+pub(super) fn minimize(start: Vec<ExactPoint>, lowest: &dyn Fn(&Big3) -> ExactPoint) -> Option<Nearest> {
     let mut corners = start;
     loop {
         let now = nearest(&corners)?;

@@ -12,9 +12,9 @@
 
 use crate::minimum::simplex::Simplex;
 use crate::num::scalar::{Scalar, Vec3, dot, neg, root};
-use crate::pair::difference::{corner, extreme};
-use crate::pair::posed::Placed;
-use crate::pair::transform::Frame;
+use crate::pair::difference::{difference_point, support};
+use crate::pair::posed::PosedPair;
+use crate::pair::transform::Transform;
 use crate::polyhedron::FeaturePair;
 use crate::tolerance::{ON_BOUNDARY, UNIT};
 
@@ -37,11 +37,11 @@ pub(crate) enum Minimum<T> {
 }
 
 /// Solves from a vertex of each feature.
-pub(crate) fn solve<T: Scalar>(placed: &Placed, frame: &Frame<T>, from: FeaturePair) -> Minimum<T> {
-    let (a, b) = from.vertices_of(placed.a, placed.b);
-    let reach = placed.reach::<T>();
+pub(crate) fn solve<T: Scalar>(posed: &PosedPair, frame: &Transform<T>, from: FeaturePair) -> Minimum<T> {
+    let (a, b) = from.vertices_of(posed.a, posed.b);
+    let reach = posed.reach::<T>();
     let touches = T::from(ON_BOUNDARY * T::UNIT / UNIT * reach.whole());
-    let mut simplex = Simplex::vertex(corner(placed, frame, a, b));
+    let mut simplex = Simplex::vertex(difference_point(posed, frame, a, b));
     let (mut lower, mut direction) = (T::from(f64::NEG_INFINITY), simplex.direction());
     for _ in 0..SUPPORTS {
         let d = simplex.direction();
@@ -50,14 +50,12 @@ pub(crate) fn solve<T: Scalar>(placed: &Placed, frame: &Frame<T>, from: FeatureP
             break;
         }
         let (hint, toward) = (simplex.kept()[simplex.len() - 1], neg(&d));
-        let a = extreme(placed.a, &toward, hint.a);
-        let b = extreme(placed.b, &frame.direction(&d), hint.b);
-        let c = corner(placed, frame, a, b);
+        let c = support(posed, frame, &toward, &hint);
         let height = dot(&d, &c.w) / root(norm_squared);
         if height > lower {
             (lower, direction) = (height, d);
         }
-        if simplex.holds(a, b) || !simplex.add(c, reach) {
+        if simplex.holds(c.a, c.b) || !simplex.add(c, reach) {
             break;
         }
         if simplex.len() == 4 {

@@ -4,14 +4,14 @@
 //! more than one face, or rounding hides the sign, each such face is tried and the nearest answer taken.
 
 use crate::num::scalar::{Scalar, Vec3, cross, dot, neg, root, scaled, sub};
-use crate::pair::difference::Corner;
+use crate::pair::difference::MinkowskiPoint;
 use crate::pair::transform::Reach;
 use crate::tolerance::VOLUME;
 
 /// Up to four corners and the point of their hull nearest to the origin.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Simplex<T> {
-    corners: [Corner<T>; 4],
+    corners: [MinkowskiPoint<T>; 4],
     nearest: Nearest<T>,
 }
 
@@ -31,7 +31,7 @@ struct Nearest<T> {
 
 impl<T: Scalar> Nearest<T> {
     #[inline]
-    fn vertex(c: &[Corner<T>; 4], p: u8) -> Self {
+    fn vertex(c: &[MinkowskiPoint<T>; 4], p: u8) -> Self {
         let (one, w) = (T::from(1.0), c[p as usize].w);
         Self {
             ids: [p; 4],
@@ -42,7 +42,7 @@ impl<T: Scalar> Nearest<T> {
         }
     }
 
-    fn edge(c: &[Corner<T>; 4], p: u8, q: u8) -> Self {
+    fn edge(c: &[MinkowskiPoint<T>; 4], p: u8, q: u8) -> Self {
         let (pw, qw) = (&c[p as usize].w, &c[q as usize].w);
         let d = sub(qw, pw);
         let (t, dd) = (-dot(pw, &d), dot(&d, &d));
@@ -67,7 +67,7 @@ impl<T: Scalar> Nearest<T> {
         }
     }
 
-    fn triangle(c: &[Corner<T>; 4], ids: [u8; 3]) -> Self {
+    fn triangle(c: &[MinkowskiPoint<T>; 4], ids: [u8; 3]) -> Self {
         let [p, q, r] = ids.map(|k| &c[k as usize].w);
         let n = cross(&sub(q, p), &sub(r, p));
         let zero = T::from(0.0);
@@ -100,7 +100,7 @@ impl<T: Scalar> Nearest<T> {
     }
 
     /// Four corners: the origin inside (`len` 4, proven against rounding), or the nearest of the faces it may be beyond.
-    fn tetrahedron(c: &[Corner<T>; 4], reach: Reach) -> Self {
+    fn tetrahedron(c: &[MinkowskiPoint<T>; 4], reach: Reach) -> Self {
         let det = |i: usize, j: usize, k: usize| dot(&c[i].w, &cross(&c[j].w, &c[k].w));
         let mut volume = [det(1, 2, 3), -det(0, 2, 3), det(0, 1, 3), -det(0, 1, 2)];
         let zero = T::from(0.0);
@@ -137,7 +137,7 @@ impl<T: Scalar> Nearest<T> {
 
 /// What rounding may make of the volume of three corners, see [`VOLUME`].
 #[cold]
-fn rounding<T: Scalar>(c: &[Corner<T>; 4], face: &[u8; 3], reach: Reach) -> f64 {
+fn rounding<T: Scalar>(c: &[MinkowskiPoint<T>; 4], face: &[u8; 3], reach: Reach) -> f64 {
     let sum = |v: Vec3<T>| v.iter().fold(0.0, |sum, x| sum + x.value().abs());
     let [p, q, r] = face.map(|k| c[k as usize].w);
     let (u, v) = (sub(&q, &p), sub(&r, &p));
@@ -149,7 +149,7 @@ fn rounding<T: Scalar>(c: &[Corner<T>; 4], face: &[u8; 3], reach: Reach) -> f64 
 
 impl<T: Scalar> Simplex<T> {
     /// One corner.
-    pub(crate) fn vertex(c: Corner<T>) -> Self {
+    pub(crate) fn vertex(c: MinkowskiPoint<T>) -> Self {
         let corners = [c; 4];
         Self {
             corners,
@@ -158,7 +158,7 @@ impl<T: Scalar> Simplex<T> {
     }
 
     /// A triangle.
-    pub(crate) fn triangle([p, q, r]: [Corner<T>; 3]) -> Self {
+    pub(crate) fn triangle([p, q, r]: [MinkowskiPoint<T>; 3]) -> Self {
         let corners = [p, q, r, r];
         let nearest = Nearest::triangle(&corners, [0, 1, 2]);
         Self {
@@ -168,14 +168,14 @@ impl<T: Scalar> Simplex<T> {
     }
 
     /// A tetrahedron that holds the origin, proven against rounding.
-    pub(crate) fn around_origin(corners: [Corner<T>; 4], reach: Reach) -> Option<Self> {
+    pub(crate) fn around_origin(corners: [MinkowskiPoint<T>; 4], reach: Reach) -> Option<Self> {
         let nearest = Nearest::tetrahedron(&corners, reach);
         (nearest.len == 4).then_some(Self { corners, nearest })
     }
 
     /// The nearest point of the hull of these corners and one more; whether it is nearer, or the origin is inside. Where
     /// it is not, nothing is changed.
-    pub(crate) fn add(&mut self, c: Corner<T>, reach: Reach) -> bool {
+    pub(crate) fn add(&mut self, c: MinkowskiPoint<T>, reach: Reach) -> bool {
         let mut corners = self.corners;
         corners[self.len()] = c;
         let nearest = match self.len() {
@@ -199,7 +199,7 @@ impl<T: Scalar> Simplex<T> {
 
     /// The corners that hold the nearest point.
     #[inline]
-    pub(crate) fn kept(&self) -> &[Corner<T>] {
+    pub(crate) fn kept(&self) -> &[MinkowskiPoint<T>] {
         &self.corners[..self.len()]
     }
 

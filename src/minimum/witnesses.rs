@@ -5,14 +5,14 @@ use nalgebra::Point3;
 use crate::minimum::simplex::Simplex;
 use crate::num::scalar::Scalar;
 use crate::pair::answer::state_of;
-use crate::pair::posed::Placed;
+use crate::pair::posed::PosedPair;
 use crate::polyhedron::FeaturePair;
 
 /// The convex combinations of the corners' vertices, each in its body's stored frame.
-pub(crate) fn witnesses<T: Scalar>(placed: &Placed, simplex: &Simplex<T>) -> (Point3<f64>, Point3<f64>) {
+pub(crate) fn witnesses<T: Scalar>(posed: &PosedPair, simplex: &Simplex<T>) -> (Point3<f64>, Point3<f64>) {
     let (mut on_a, mut on_b) = ([T::from(0.0); 3], [T::from(0.0); 3]);
     for (c, &w) in simplex.kept().iter().zip(simplex.weights()) {
-        let (p, q) = (placed.a.points[c.a as usize], placed.b.points[c.b as usize]);
+        let (p, q) = (posed.a.points[c.a as usize], posed.b.points[c.b as usize]);
         for k in 0..3 {
             on_a[k] = on_a[k] + w * T::from(p[k]);
             on_b[k] = on_b[k] + w * T::from(q[k]);
@@ -25,10 +25,10 @@ pub(crate) fn witnesses<T: Scalar>(placed: &Placed, simplex: &Simplex<T>) -> (Po
 }
 
 /// The smallest features that hold the corners' vertices.
-pub(crate) fn features<T: Scalar>(placed: &Placed, simplex: &Simplex<T>) -> FeaturePair {
+pub(crate) fn features<T: Scalar>(posed: &PosedPair, simplex: &Simplex<T>) -> FeaturePair {
     let (mut a, mut b) = ([0; 4], [0; 4]);
     for (k, c) in simplex.kept().iter().enumerate() {
         (a[k], b[k]) = (c.a, c.b);
     }
-    state_of(placed, &a[..simplex.len()], &b[..simplex.len()])
+    state_of(posed, &a[..simplex.len()], &b[..simplex.len()])
 }

@@ -11,7 +11,7 @@ use wide::f64x2;
 
 /// A vector: the first two coordinates, and the third in the first lane of another two. What is in the other lane does not matter.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Lanes {
+pub(crate) struct PackedVec3 {
     xy: f64x2,
     z: f64x2,
 }
@@ -55,11 +55,11 @@ fn first(p: f64x2) -> f64 {
 
 /// The vector part and the scalar part of a quaternion.
 #[inline(always)]
-pub(crate) fn parts([xy, zw]: &[f64x2; 2]) -> (Lanes, f64) {
-    (Lanes { xy: *xy, z: *zw }, first(spread(*zw).1))
+pub(crate) fn parts([xy, zw]: &[f64x2; 2]) -> (PackedVec3, f64) {
+    (PackedVec3 { xy: *xy, z: *zw }, first(spread(*zw).1))
 }
 
-impl Lanes {
+impl PackedVec3 {
     #[inline(always)]
     pub(crate) fn new(v: &Vector3<f64>) -> Self {
         Self {
@@ -129,7 +129,7 @@ impl Lanes {
     }
 }
 
-impl Add for Lanes {
+impl Add for PackedVec3 {
     type Output = Self;
     #[inline(always)]
     fn add(self, other: Self) -> Self {
@@ -140,7 +140,7 @@ impl Add for Lanes {
     }
 }
 
-impl Sub for Lanes {
+impl Sub for PackedVec3 {
     type Output = Self;
     #[inline(always)]
     fn sub(self, other: Self) -> Self {
@@ -151,7 +151,7 @@ impl Sub for Lanes {
     }
 }
 
-impl Neg for Lanes {
+impl Neg for PackedVec3 {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
@@ -163,7 +163,7 @@ impl Neg for Lanes {
     }
 }
 
-impl Mul<f64> for Lanes {
+impl Mul<f64> for PackedVec3 {
     type Output = Self;
     #[inline(always)]
     fn mul(self, s: f64) -> Self {
@@ -177,7 +177,7 @@ impl Mul<f64> for Lanes {
 
 /// A rotation, or one times a scale: nine numbers, of which all but the last lie in the first two of a column or of a row.
 #[derive(Clone, Copy)]
-pub(crate) struct Rotation {
+pub(crate) struct PackedRotation {
     /// The first two numbers of each column.
     columns: [f64x2; 3],
     /// The first two numbers of each row.
@@ -186,7 +186,7 @@ pub(crate) struct Rotation {
     last: f64x2,
 }
 
-impl Rotation {
+impl PackedRotation {
     /// The matrix of `conj(a) b`, each a vector part of three and a scalar part, for `s` two over the squares of their norms.
     #[inline(always)]
     pub(crate) fn between(a: &[f64x2; 2], b: &[f64x2; 2], s: f64) -> Self {
@@ -238,22 +238,22 @@ impl Rotation {
 
     /// The matrix times `v`.
     #[inline(always)]
-    pub(crate) fn times(&self, v: Lanes) -> Lanes {
+    pub(crate) fn times(&self, v: PackedVec3) -> PackedVec3 {
         combined(&self.columns, self.rows[2], self.last, v)
     }
 
     /// The transposed matrix times `v`.
     #[inline(always)]
-    pub(crate) fn transposed_times(&self, v: Lanes) -> Lanes {
+    pub(crate) fn transposed_times(&self, v: PackedVec3) -> PackedVec3 {
         combined(&self.rows, self.columns[2], self.last, v)
     }
 }
 
 #[inline(always)]
-fn combined(lines: &[f64x2; 3], third: f64x2, last: f64x2, v: Lanes) -> Lanes {
+fn combined(lines: &[f64x2; 3], third: f64x2, last: f64x2, v: PackedVec3) -> PackedVec3 {
     let ((x, y), (z, _)) = (spread(v.xy), spread(v.z));
     let products = third * v.xy;
-    Lanes {
+    PackedVec3 {
         xy: lines[0] * x + lines[1] * y + lines[2] * z,
         z: products + exchanged(products) + last * v.z,
     }
@@ -274,17 +274,17 @@ mod tests {
         let mut rng = Rng::new(17);
         for _ in 0..2000 {
             let (u, v, s) = (vector(&mut rng), vector(&mut rng), rng.range(-2.0, 2.0));
-            let (a, b) = (Lanes::new(&u), Lanes::new(&v));
+            let (a, b) = (PackedVec3::new(&u), PackedVec3::new(&v));
             assert_eq!((a + b).vector(), u + v);
             assert_eq!((a - b).vector(), u - v);
             assert_eq!((-a * s).vector(), -u * s);
             assert_eq!(a.cross(b).vector(), u.cross(&v));
             assert_eq!(a.dot(b), u.x * v.x + u.y * v.y + u.z * v.z);
             assert_eq!(a.one_norm(), u.x.abs() + u.y.abs() + u.z.abs());
-            let carrying = Lanes::carrying(&u, s);
+            let carrying = PackedVec3::carrying(&u, s);
             assert_eq!((carrying.carried(), carrying.dot(b)), (s, a.dot(b)));
             let m = Matrix3::from_fn(|_, _| rng.range(-1.0, 1.0));
-            let rotation = Rotation::new(&m);
+            let rotation = PackedRotation::new(&m);
             assert_eq!(rotation.matrix(), m);
             let row = |r: [f64; 3]| r[0] * v.x + r[1] * v.y + r[2] * v.z;
             let rows = |m: Matrix3<f64>| Vector3::from_fn(|k, _| row([m[(k, 0)], m[(k, 1)], m[(k, 2)]]));
@@ -303,12 +303,12 @@ mod tests {
         let lanes = |q: &nalgebra::UnitQuaternion<f64>| [f64x2::new([q.i, q.j]), f64x2::new([q.k, q.w])];
         for _ in 0..2000 {
             let (a, b) = (quaternion(&mut rng), quaternion(&mut rng));
-            let m = Rotation::between(&lanes(&a), &lanes(&b), 2.0);
+            let m = PackedRotation::between(&lanes(&a), &lanes(&b), 2.0);
             let off = m.matrix() - (a.inverse() * b).to_rotation_matrix().into_inner();
             assert!(off.amax() < 32.0 * UNIT, "{off}");
             let v = vector(&mut rng);
             let size = v.norm();
-            let there = m.transposed_times(m.times(Lanes::new(&v))).vector();
+            let there = m.transposed_times(m.times(PackedVec3::new(&v))).vector();
             assert!((there - v).norm() < 64.0 * UNIT * size);
         }
     }

@@ -4,9 +4,9 @@ use nalgebra::{Unit, Vector3};
 
 use crate::num::scalar::Scalar;
 use crate::pair::outcome::{Class, Outcome};
-use crate::pair::posed::Placed;
+use crate::pair::posed::PosedPair;
 use crate::polyhedron::{Feature, FeaturePair};
-use crate::pose::Which;
+use crate::pose::Operand;
 use crate::tolerance::{AGREE, CERTIFICATE, UNIT};
 
 /// The unit vector along `v`; some unit vector where `v` has no direction.
@@ -37,29 +37,29 @@ pub(crate) fn overlapping(outcome: &mut Outcome) {
 }
 
 /// Out of the range of the finer arithmetic: what any two vertices prove.
-pub(crate) fn give_up(placed: &Placed, outcome: &mut Outcome) {
-    let (a, b) = outcome.features.vertices_of(placed.a, placed.b);
-    let (p, q) = (placed.a.points[a as usize], placed.b.points[b as usize]);
+pub(crate) fn give_up(posed: &PosedPair, outcome: &mut Outcome) {
+    let (a, b) = outcome.features.vertices_of(posed.a, posed.b);
+    let (p, q) = (posed.a.points[a as usize], posed.b.points[b as usize]);
     (outcome.point_on_a, outcome.point_on_b) = (p.into(), q.into());
-    let between = placed.point_in_a(&q) - p;
+    let between = posed.point_in_a(&q) - p;
     outcome.normal = unit(&between);
     outcome.distance = crate::num::scalar::sqrt(between.norm_squared());
-    outcome.upper = outcome.distance + CERTIFICATE * UNIT * placed.size();
+    outcome.upper = outcome.distance + CERTIFICATE * UNIT * posed.size();
     outcome.lower = f64::NEG_INFINITY;
     outcome.class = Class::Undecided;
 }
 
 /// The smallest features that hold one to four vertices of each body.
-pub(crate) fn state_of(placed: &Placed, a: &[u32], b: &[u32]) -> FeaturePair {
-    let (fa, fb) = (placed.a.feature_of(a), placed.b.feature_of(b));
+pub(crate) fn state_of(posed: &PosedPair, a: &[u32], b: &[u32]) -> FeaturePair {
+    let (fa, fb) = (posed.a.feature_of(a), posed.b.feature_of(b));
     let features = FeaturePair { a: fa, b: fb };
     if fa.dimension() + fb.dimension() <= 2 {
         return features;
     }
     // An edge over a face, or two faces: parallel features, of which a vertex beside the face is closest too.
     match (fa, fb) {
-        (Feature::Face(f), _) => FeaturePair::vertex_face(Which::B, b[0], f.0),
-        (_, Feature::Face(f)) => FeaturePair::vertex_face(Which::A, a[0], f.0),
+        (Feature::Face(f), _) => FeaturePair::vertex_face(Operand::B, b[0], f.0),
+        (_, Feature::Face(f)) => FeaturePair::vertex_face(Operand::A, a[0], f.0),
         _ => features,
     }
 }
@@ -67,18 +67,18 @@ pub(crate) fn state_of(placed: &Placed, a: &[u32], b: &[u32]) -> FeaturePair {
 /// Whether class and distance are settled: apart with bounds no wider than they should be, or overlapping with witnesses
 /// that are one point up to rounding (the weights of a flat tetrahedron around the origin may be wrong in every digit
 /// while the signs of its volumes are certain).
-pub(crate) fn is_proven(placed: &Placed, outcome: &Outcome) -> bool {
+pub(crate) fn is_proven(posed: &PosedPair, outcome: &Outcome) -> bool {
     match outcome.class {
         Class::Overlapping => {
-            let between = placed.point_in_a(&outcome.point_on_b.coords) - outcome.point_on_a.coords;
-            crate::num::scalar::sqrt(between.norm_squared()) <= AGREE * placed.size()
+            let between = posed.point_in_a(&outcome.point_on_b.coords) - outcome.point_on_a.coords;
+            crate::num::scalar::sqrt(between.norm_squared()) <= AGREE * posed.size()
         }
-        Class::Separated => is_narrow(placed, outcome),
+        Class::Separated => is_narrow(posed, outcome),
         Class::Touching | Class::Undecided => false,
     }
 }
 
 /// Whether the bounds agree as well as a certified answer's must.
-pub(crate) fn is_narrow(placed: &Placed, outcome: &Outcome) -> bool {
-    outcome.upper - outcome.lower <= (AGREE + 2.0 * CERTIFICATE * UNIT) * placed.size()
+pub(crate) fn is_narrow(posed: &PosedPair, outcome: &Outcome) -> bool {
+    outcome.upper - outcome.lower <= (AGREE + 2.0 * CERTIFICATE * UNIT) * posed.size()
 }

@@ -19,17 +19,17 @@
 
 use nalgebra::Vector3;
 
-use crate::pair::posed::Placed;
+use crate::pair::posed::PosedPair;
 
 /// The distance of the supporting planes across `normal` (A's stored frame, any length), before its error term.
 #[cold]
-pub(crate) fn supports(placed: &Placed, normal: &Vector3<f64>, hint_a: u32, hint_b: u32) -> f64 {
+pub(crate) fn supports(posed: &PosedPair, normal: &Vector3<f64>, hint_a: u32, hint_b: u32) -> f64 {
     let norm = crate::num::scalar::sqrt(normal.norm_squared());
     if !(norm > 0.0) {
         return f64::NEG_INFINITY;
     }
     let n = normal / norm;
-    let high_a = placed.a.extreme(&n, hint_a).value;
-    let high_b = placed.b.extreme(&-placed.direction_in_b(&n), hint_b).value;
-    placed.lift(&n) - high_a - high_b
+    let high_a = posed.a.support_certified(&n, hint_a).value;
+    let high_b = posed.b.support_certified(&-posed.direction_in_b(&n), hint_b).value;
+    posed.lift(&n) - high_a - high_b
 }

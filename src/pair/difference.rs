@@ -3,9 +3,9 @@
 
 use nalgebra::Vector3;
 
-use crate::num::scalar::{Scalar, Vec3, sub};
-use crate::pair::posed::Placed;
-use crate::pair::transform::Frame;
+use crate::num::scalar::{Scalar, Vec3, neg, sub};
+use crate::pair::posed::PosedPair;
+use crate::pair::transform::Transform;
 use crate::polyhedron::ConvexPolyhedron;
 use crate::polyhedron::highest::Direction;
 use crate::tolerance::UNIT;
@@ -15,34 +15,54 @@ const SMALL: usize = 64;
 
 /// A point of the Minkowski difference A - B: a vertex of each body.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Corner<T> {
+pub(crate) struct MinkowskiPoint<T> {
     pub(crate) a: u32,
     pub(crate) b: u32,
-    /// Placed difference `a - b`, in A's frame.
+    /// PosedPair difference `a - b`, in A's frame.
     pub(crate) w: Vec3<T>,
 }
 
-pub(crate) fn corner<T: Scalar>(placed: &Placed, frame: &Frame<T>, a: u32, b: u32) -> Corner<T> {
-    let p = placed.a.points[a as usize];
+pub(crate) fn difference_point<T: Scalar>(
+    posed: &PosedPair,
+    frame: &Transform<T>,
+    a: u32,
+    b: u32,
+) -> MinkowskiPoint<T> {
+    let p = posed.a.points[a as usize];
     let w = sub(
         &[T::from(p.x), T::from(p.y), T::from(p.z)],
-        &frame.point(&placed.b.points[b as usize]),
+        &frame.point(&posed.b.points[b as usize]),
     );
-    Corner { a, b, w }
+    MinkowskiPoint { a, b, w }
 }
 
 /// The extreme vertex along `n` in the arithmetic of the solver; the lowest number among equals.
-pub(crate) fn extreme<T: Scalar>(body: &ConvexPolyhedron, n: &Vec3<T>, hint: u32) -> u32 {
+pub(crate) fn support_vertex<T: Scalar>(body: &ConvexPolyhedron, n: &Vec3<T>, hint: u32) -> u32 {
     let rounded = Vector3::new(n[0].value(), n[1].value(), n[2].value());
     if T::UNIT == UNIT {
         let start = if body.points.len() > SMALL {
-            body.higher(&rounded, hint)
+            body.start_vertex(&rounded, hint)
         } else {
             hint
         };
-        return body.extreme(&rounded, start).vertex;
+        return body.support_certified(&rounded, start).vertex;
     }
     let rest = Vector3::from_fn(|k, _| (n[k] - T::from(rounded[k])).value());
     let direction = Direction::new(&body.points, &rounded, &rest);
-    body.highest(&direction, body.climb(&rounded, body.higher(&rounded, hint)))
+    body.support_exact(
+        &direction,
+        body.support_climb(&rounded, body.start_vertex(&rounded, hint)),
+    )
+}
+
+/// The highest point of the difference along a direction.
+pub(crate) fn support<T: Scalar>(
+    posed: &PosedPair,
+    frame: &Transform<T>,
+    n: &Vec3<T>,
+    hint: &MinkowskiPoint<T>,
+) -> MinkowskiPoint<T> {
+    let a = support_vertex(posed.a, n, hint.a);
+    let b = support_vertex(posed.b, &neg(&frame.direction(n)), hint.b);
+    difference_point(posed, frame, a, b)
 }

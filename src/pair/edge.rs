@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use crate::num::packed::Lanes;
+use crate::num::packed::PackedVec3;
 use crate::polyhedron::{ConvexPolyhedron, Plane};
 
 /// The ends of an edge and the planes of its faces.
@@ -34,8 +34,8 @@ impl<'a> Edge<'a> {
     /// How far `t` leaves the faces on the right and on the left behind, for a normal turned by `sign`: the weights of
     /// the normal over the planes of the left and the right one, not negative inside.
     #[inline(always)]
-    pub(crate) fn weights(&self, t: Lanes, sign: f64) -> (f64, f64) {
-        let along = |plane: &Plane| t.dot(Lanes::new(&plane.normal));
+    pub(crate) fn weights(&self, t: PackedVec3, sign: f64) -> (f64, f64) {
+        let along = |plane: &Plane| t.dot(PackedVec3::new(&plane.normal));
         (-sign * along(self.right), sign * along(self.left))
     }
 }

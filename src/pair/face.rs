@@ -5,7 +5,7 @@
 
 use nalgebra::Vector3;
 
-use crate::num::packed::Lanes;
+use crate::num::packed::PackedVec3;
 use crate::pair::star::one_norm;
 use crate::polyhedron::ConvexPolyhedron;
 use crate::polyhedron::fans::top_of_ring;
@@ -138,7 +138,7 @@ impl Face<'_> {
     /// Where a line from `start`, which is over the face, leaves it before `start + way`: the part of the way and the
     /// edge. `from` is an edge the line comes in over, never one it leaves by.
     #[inline(always)]
-    pub(crate) fn leave(&self, start: Lanes, way: Lanes, from: Option<u32>) -> Option<(f64, u32)> {
+    pub(crate) fn leave(&self, start: PackedVec3, way: PackedVec3, from: Option<u32>) -> Option<(f64, u32)> {
         match self.body.topology.ring(self.face) {
             None => self.leave_small(start, way, from),
             Some(ring) => self.leave_large(ring, &start.vector(), &way.vector(), from),
@@ -147,14 +147,14 @@ impl Face<'_> {
 
     /// Walks round.
     #[inline(always)]
-    fn leave_small(&self, start: Lanes, way: Lanes, from: Option<u32>) -> Option<(f64, u32)> {
-        let (body, normal) = (self.body, Lanes::new(self.normal));
+    fn leave_small(&self, start: PackedVec3, way: PackedVec3, from: Option<u32>) -> Option<(f64, u32)> {
+        let (body, normal) = (self.body, PackedVec3::new(self.normal));
         let begin = body.topology.rim_start(self.face);
-        let (mut h, mut p) = (begin, Lanes::new(&self.tail(begin)));
+        let (mut h, mut p) = (begin, PackedVec3::new(&self.tail(begin)));
         let mut first = None;
         loop {
             let e = body.topology.half_edge(h);
-            let q = Lanes::new(&body.points[e.to as usize]);
+            let q = PackedVec3::new(&body.points[e.to as usize]);
             let (name, inward) = (h.min(e.twin), normal.cross(q - p));
             let speed = inward.dot(way);
             if speed < 0.0 && from != Some(name) {

@@ -4,7 +4,7 @@ use nalgebra::{Point3, Unit, Vector3};
 
 use crate::polyhedron::FeaturePair;
 
-/// Which side of contact a pair is on.
+/// Operand side of contact a pair is on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Class {
@@ -33,7 +33,7 @@ impl core::fmt::Display for Class {
 /// How right an answer is asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum Level {
+pub enum Accuracy {
     /// The word of the walk, or of the f64 solver where it does not end, without bounds:
     /// [`Tracker::propose`](crate::Tracker::propose).
     Walk,
@@ -44,10 +44,10 @@ pub enum Level {
     Exact,
 }
 
-/// Which layer gave the answer. Each is tried where the certificate refuses the one before.
+/// Operand layer gave the answer. Each is tried where the certificate refuses the one before.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum Layer {
+pub enum Solver {
     /// The walk over Voronoi regions, from the cached features or a first start.
     #[default]
     Walk,
@@ -66,7 +66,7 @@ pub enum Layer {
     Surface,
 }
 
-impl core::fmt::Display for Layer {
+impl core::fmt::Display for Solver {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         f.pad(match self {
             Self::Walk => "walk",
@@ -146,7 +146,7 @@ impl core::ops::AddAssign for Work {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Outcome {
-    /// Which side of contact.
+    /// Operand side of contact.
     pub class: Class,
     /// The best estimate of the signed distance, between the bounds; for an overlap, minus the depth.
     pub distance: f64,
@@ -164,8 +164,8 @@ pub struct Outcome {
     /// Unit direction from A to B, in A's frame: the direction of the witnesses and of the proof. An overlap ends
     /// where B is moved along it by the depth.
     pub normal: Unit<Vector3<f64>>,
-    /// Which layer answered.
-    pub layer: Layer,
+    /// Operand layer answered.
+    pub solver: Solver,
     /// What it took.
     pub work: Work,
 }
@@ -183,7 +183,7 @@ impl Outcome {
             point_on_a: Point3::origin(),
             point_on_b: Point3::origin(),
             normal: Vector3::x_axis(),
-            layer: Layer::Walk,
+            solver: Solver::Walk,
             work: Work::default(),
         }
     }
@@ -204,8 +204,8 @@ pub struct Proposal {
     pub point_on_b: Point3<f64>,
     /// Unit direction from A to B, in A's frame.
     pub normal: Unit<Vector3<f64>>,
-    /// [`Layer::Walk`], or what stood in where the walk did not end.
-    pub layer: Layer,
+    /// [`Solver::Walk`], or what stood in where the walk did not end.
+    pub solver: Solver,
     /// What it took.
     pub work: Work,
 }
@@ -215,7 +215,7 @@ pub struct Proposal {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Distance {
-    /// Which side of contact.
+    /// Operand side of contact.
     pub class: Class,
     /// The best estimate of the signed distance; for an overlap, minus the depth.
     pub value: f64,

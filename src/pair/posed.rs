@@ -3,23 +3,23 @@
 use nalgebra::{Matrix3, Vector3};
 
 use crate::num::double_double::DoubleDouble;
-use crate::num::packed::{Lanes, Rotation};
+use crate::num::packed::{PackedRotation, PackedVec3};
 use crate::num::scalar::{Scalar, sqrt};
-use crate::pair::transform::{Frame, Reach};
+use crate::pair::transform::{Reach, Transform};
 use crate::polyhedron::{ConvexPolyhedron, power_of_two};
-use crate::pose::{RelativePose, Which};
+use crate::pose::{Operand, RelativePose};
 use crate::tolerance::{FAR, NEAR, UNIT, UNIT_DOUBLE_DOUBLE};
 
 /// A point of A and a point of B, each in its body's stored frame.
 pub(crate) type Witnesses = (Vector3<f64>, Vector3<f64>);
 
 /// Two bodies placed against each other, in stored units.
-pub(crate) struct Placed<'a> {
+pub(crate) struct PosedPair<'a> {
     pub(crate) a: &'a ConvexPolyhedron,
     pub(crate) b: &'a ConvexPolyhedron,
     /// `a_from_b` between stored frames: a rotation times `unit`, and a shift.
-    pub(crate) rotation: Rotation,
-    pub(crate) translation: Lanes,
+    pub(crate) rotation: PackedRotation,
+    pub(crate) translation: PackedVec3,
     /// One unit of B's stored frame in A's.
     unit: f64,
     /// The pair's size L in A's stored units.
@@ -32,7 +32,7 @@ pub(crate) struct Placed<'a> {
 /// Why a pair cannot be placed in f64: it is so far apart, or its bodies such points, that only the separation counts.
 pub(crate) struct BeyondRange;
 
-impl<'a> Placed<'a> {
+impl<'a> PosedPair<'a> {
     /// Places B beside A. The caller has seen to it that A's units are not the smaller ones.
     #[inline(always)]
     pub(crate) fn new(
@@ -40,7 +40,7 @@ impl<'a> Placed<'a> {
         b: &'a ConvexPolyhedron,
         pose: &'a RelativePose,
     ) -> Result<Self, BeyondRange> {
-        let (rotation, translation, unit, offsets) = if a.as_given && b.as_given {
+        let (rotation, translation, unit, offsets) = if a.is_unscaled && b.is_unscaled {
             (pose.turn(), pose.shift(), 1.0, 0.0)
         } else {
             shifted_and_scaled(a, b, pose)?
@@ -74,7 +74,7 @@ impl<'a> Placed<'a> {
     /// Whether both bodies are stored in the same unit, so that directions and vectors turn alike: what the walk needs.
     /// Pairs that are not have a body 2^105 units or more, or less than 2^-105, in radius.
     #[inline(always)]
-    pub(crate) fn has_one_unit(&self) -> bool {
+    pub(crate) fn same_scale(&self) -> bool {
         self.unit == 1.0
     }
 
@@ -90,53 +90,53 @@ impl<'a> Placed<'a> {
     /// Where a point of B is in A's frame.
     #[inline(always)]
     pub(crate) fn point_in_a(&self, p: &Vector3<f64>) -> Vector3<f64> {
-        (self.rotation.times(Lanes::new(p)) + self.translation).vector()
+        (self.rotation.times(PackedVec3::new(p)) + self.translation).vector()
     }
 
     /// A vector of B's frame in A's.
     #[inline(always)]
     pub(crate) fn vector_in_a(&self, v: &Vector3<f64>) -> Vector3<f64> {
-        self.rotation.times(Lanes::new(v)).vector()
+        self.rotation.times(PackedVec3::new(v)).vector()
     }
 
     /// Where a point of A is in B's frame. Needs one unit.
     #[inline(always)]
     pub(crate) fn point_in_b(&self, p: &Vector3<f64>) -> Vector3<f64> {
         self.rotation
-            .transposed_times(Lanes::new(p) - self.translation)
+            .transposed_times(PackedVec3::new(p) - self.translation)
             .vector()
     }
 
     /// A vector of A's frame in B's. Needs one unit.
     #[inline(always)]
     pub(crate) fn vector_in_b(&self, v: &Vector3<f64>) -> Vector3<f64> {
-        self.rotation.transposed_times(Lanes::new(v)).vector()
+        self.rotation.transposed_times(PackedVec3::new(v)).vector()
     }
 
     /// The direction of B's frame along which points rise as they do along `n` of A's.
     #[inline(always)]
     pub(crate) fn direction_in_b(&self, n: &Vector3<f64>) -> Vector3<f64> {
-        self.rotation.transposed_times(Lanes::new(n)).vector()
+        self.rotation.transposed_times(PackedVec3::new(n)).vector()
     }
 
     /// The matrix of B's ellipsoid in A's frame.
     pub(crate) fn spread_of_b(&self) -> Matrix3<f64> {
         let matrix = self.rotation.matrix();
-        matrix * self.b.spread * matrix.transpose()
+        matrix * self.b.covariance3 * matrix.transpose()
     }
 
     /// How high B's stored origin is along `n` of A's frame.
     #[inline(always)]
     pub(crate) fn lift(&self, n: &Vector3<f64>) -> f64 {
-        Lanes::new(n).dot(self.translation)
+        PackedVec3::new(n).dot(self.translation)
     }
 }
 
 /// The bodies in the order a test needs them: `x` owns the vertex or edge that moves, `y` the feature beside it, and
 /// the test is done in `y`'s frame.
 pub(crate) trait Sides {
-    /// Which body is `x`.
-    const OF: Which;
+    /// Operand body is `x`.
+    const OF: Operand;
     fn x(&self) -> &ConvexPolyhedron;
     fn y(&self) -> &ConvexPolyhedron;
     /// L.
@@ -151,13 +151,13 @@ pub(crate) trait Sides {
 }
 
 /// A as `x`, B as `y`.
-pub(crate) struct OfA<'a, 'b>(pub(crate) &'a Placed<'b>);
+pub(crate) struct OfA<'a, 'b>(pub(crate) &'a PosedPair<'b>);
 
 /// B as `x`, A as `y`.
-pub(crate) struct OfB<'a, 'b>(pub(crate) &'a Placed<'b>);
+pub(crate) struct OfB<'a, 'b>(pub(crate) &'a PosedPair<'b>);
 
 impl Sides for OfA<'_, '_> {
-    const OF: Which = Which::A;
+    const OF: Operand = Operand::A;
     #[inline(always)]
     fn x(&self) -> &ConvexPolyhedron {
         self.0.a
@@ -189,7 +189,7 @@ impl Sides for OfA<'_, '_> {
 }
 
 impl Sides for OfB<'_, '_> {
-    const OF: Which = Which::B;
+    const OF: Operand = Operand::B;
     #[inline(always)]
     fn x(&self) -> &ConvexPolyhedron {
         self.0.b
@@ -228,16 +228,21 @@ fn shifted_and_scaled(
     a: &ConvexPolyhedron,
     b: &ConvexPolyhedron,
     pose: &RelativePose,
-) -> Result<(Rotation, Lanes, f64, f64), BeyondRange> {
+) -> Result<(PackedRotation, PackedVec3, f64, f64), BeyondRange> {
     let scale = power_of_two(b.exponent - a.exponent);
     if a.origin == Vector3::zeros() && b.origin == Vector3::zeros() {
         let translation = pose.shift() * power_of_two(-a.exponent);
-        return Ok((Rotation::new(&(pose.rotation() * scale)), translation, scale, 0.0));
+        return Ok((PackedRotation::new(&(pose.rotation() * scale)), translation, scale, 0.0));
     }
-    let frame = Frame::<DoubleDouble>::new(a, b, pose).ok_or(BeyondRange)?;
+    let frame = Transform::<DoubleDouble>::new(a, b, pose).ok_or(BeyondRange)?;
     let matrix = Matrix3::from_fn(|r, c| frame.matrix[r][c].value());
     let translation = Vector3::from_fn(|r, _| frame.translation[r].value());
     let length = |v: &Vector3<f64>| v.abs().sum();
     let offsets = (length(&a.origin) + length(&b.origin)) / a.unit();
-    Ok((Rotation::new(&matrix), Lanes::new(&translation), scale, offsets))
+    Ok((
+        PackedRotation::new(&matrix),
+        PackedVec3::new(&translation),
+        scale,
+        offsets,
+    ))
 }

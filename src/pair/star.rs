@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use crate::num::packed::Lanes;
+use crate::num::packed::PackedVec3;
 use crate::polyhedron::fans::{Axis, steepest};
 use crate::polyhedron::{ConvexPolyhedron, Plane};
 use crate::tolerance::{EDGE_BOUND, EDGE_SIGN, FLANK};
@@ -102,14 +102,14 @@ impl ConvexPolyhedron {
     #[inline(always)]
     pub(crate) fn edge_bound(
         &self,
-        n: Lanes,
+        n: PackedVec3,
         left: &Plane,
         right: &Plane,
         (alpha, beta): (f64, f64),
         squared: f64,
     ) -> f64 {
         let (alpha, beta) = (alpha.max(0.0), beta.max(0.0));
-        let m = Lanes::new(&left.normal) * alpha + Lanes::new(&right.normal) * beta;
+        let m = PackedVec3::new(&left.normal) * alpha + PackedVec3::new(&right.normal) * beta;
         let s = squared / m.dot(n);
         let rest = n - m * s;
         let weights = s * (alpha + beta) * EDGE_BOUND;

@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 
 use crate::num::double_double::DoubleDouble;
 use crate::num::scalar::Scalar;
-use crate::pair::posed::Placed;
+use crate::pair::posed::PosedPair;
 use crate::polyhedron::{ConvexPolyhedron, power_of_two};
 use crate::pose::RelativePose;
 use crate::tolerance::FAR;
@@ -27,22 +27,22 @@ impl Reach {
 
 /// `a_from_b` between stored frames in the arithmetic of a solver.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Frame<T> {
+pub(crate) struct Transform<T> {
     pub(crate) matrix: [[T; 3]; 3],
     pub(crate) translation: [T; 3],
 }
 
-impl Frame<f64> {
-    pub(crate) fn of(placed: &Placed) -> Self {
-        let matrix = placed.rotation.matrix();
+impl Transform<f64> {
+    pub(crate) fn of(posed: &PosedPair) -> Self {
+        let matrix = posed.rotation.matrix();
         Self {
             matrix: core::array::from_fn(|r| core::array::from_fn(|c| matrix[(r, c)])),
-            translation: placed.translation.vector().into(),
+            translation: posed.translation.vector().into(),
         }
     }
 }
 
-impl Frame<DoubleDouble> {
+impl Transform<DoubleDouble> {
     /// From the poses as given. `None` where the translation is beyond the range of the products that follow.
     pub(crate) fn new(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &RelativePose) -> Option<Self> {
         // The bodies' own offsets are at most 1e116 and cannot leave the range alone.
@@ -66,7 +66,7 @@ impl Frame<DoubleDouble> {
     }
 }
 
-impl<T: Scalar> Frame<T> {
+impl<T: Scalar> Transform<T> {
     /// A stored point of B in A's stored frame.
     #[inline(always)]
     pub(crate) fn point(&self, p: &Vector3<f64>) -> [T; 3] {

@@ -53,13 +53,13 @@ impl ConvexPolyhedron {
     /// The place of a vertex: exactly the point the caller gave, but for coordinates the report counts as flushed.
     #[must_use]
     pub fn vertex(&self, vertex: VertexId) -> Option<Point3<f64>> {
-        self.points.get(vertex.index()).map(|p| self.given(p))
+        self.points.get(vertex.index()).map(|p| self.to_user(p))
     }
 
     /// The places of all vertices, in the order of their ids.
     #[must_use]
     pub fn vertex_points(&self) -> impl ExactSizeIterator<Item = Point3<f64>> + Clone + '_ {
-        self.points.iter().map(|p| self.given(p))
+        self.points.iter().map(|p| self.to_user(p))
     }
 
     /// The ends of an edge.
@@ -153,7 +153,7 @@ impl ConvexPolyhedron {
     /// The corners of the smallest box that holds the body, exactly.
     #[must_use]
     pub fn aabb(&self) -> (Point3<f64>, Point3<f64>) {
-        (self.given(&self.low), self.given(&self.high))
+        (self.to_user(&self.low), self.to_user(&self.high))
     }
 
     /// A ball that holds the body: the centre of its box and the largest distance of a vertex from there, rounded up.
@@ -163,16 +163,15 @@ impl ConvexPolyhedron {
         let centre = Point3::from(low.coords * 0.5 + high.coords * 0.5);
         let scale = 1.0 / self.unit();
         // Distances are taken from the centre as rounded, in stored units so that squares stay in range.
-        let far = self
-            .points
-            .iter()
-            .fold(0.0f64, |r, p| r.max(((self.given(p) - centre) * scale).norm_squared()));
+        let far = self.points.iter().fold(0.0f64, |r, p| {
+            r.max(((self.to_user(p) - centre) * scale).norm_squared())
+        });
         (centre, sqrt(far) * (1.0 + 8.0 * UNIT) * self.unit())
     }
 
     /// A stored point in the caller's coordinates.
     #[inline]
-    pub(crate) fn given(&self, stored: &Vector3<f64>) -> Point3<f64> {
+    pub(crate) fn to_user(&self, stored: &Vector3<f64>) -> Point3<f64> {
         Point3::from(stored * self.unit() + self.origin)
     }
 

@@ -96,7 +96,7 @@ impl ConvexPolyhedron {
                 Point3::from(center + high + margin),
             )
         };
-        if self.as_given {
+        if self.is_unscaled {
             return around(t, low, high, (t.abs() * BOX).add_scalar(error));
         }
         let (center, far) = self.origin_at(&matrix, &t);
@@ -134,7 +134,7 @@ impl ConvexPolyhedron {
                 let top = if self.is_summit(&n, start) {
                     start
                 } else {
-                    self.climb(&n, start)
+                    self.support_climb(&n, start)
                 };
                 hint.0[slot] = top;
                 *end = up.dot(&self.points[top as usize]);

@@ -209,7 +209,7 @@ impl ConvexPolyhedron {
     pub(crate) fn nearest_rib(&self, v: u32, d: &Vector3<f64>) -> u32 {
         let (t, fan, p) = (&self.topology, self.topology.fan(v), self.points[v as usize]);
         let m = fan.len();
-        let inward = self.inner - p;
+        let inward = self.vertex_mean - p;
         let normal = |k: usize| &self.planes[t.half_edge(fan.start + (k % m) as u32).face as usize].normal;
         let seen = top_of_ring(m, |k| -normal(k).dot(d) / normal(k).dot(&inward));
         let fall = |k: usize| {

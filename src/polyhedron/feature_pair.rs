@@ -2,39 +2,39 @@
 
 use crate::polyhedron::topology::MANY;
 use crate::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, Feature, FeaturePair, VertexId};
-use crate::pose::Which;
+use crate::pose::Operand;
 
 /// The pair of `x`, a feature of body `of`, and `y`, a feature of the other.
 #[inline]
-fn pair(of: Which, x: Feature, y: Feature) -> FeaturePair {
+fn pair(of: Operand, x: Feature, y: Feature) -> FeaturePair {
     match of {
-        Which::A => FeaturePair { a: x, b: y },
-        Which::B => FeaturePair { a: y, b: x },
+        Operand::A => FeaturePair { a: x, b: y },
+        Operand::B => FeaturePair { a: y, b: x },
     }
 }
 
 impl FeaturePair {
     /// A vertex of `of` beside a vertex of the other body.
     #[inline]
-    pub(crate) fn vertices(of: Which, vertex: u32, other: u32) -> Self {
+    pub(crate) fn vertices(of: Operand, vertex: u32, other: u32) -> Self {
         pair(of, Feature::Vertex(VertexId(vertex)), Feature::Vertex(VertexId(other)))
     }
 
     /// A vertex of `of` beside an edge of the other body, named by the lower of its half-edges.
     #[inline]
-    pub(crate) fn vertex_edge(of: Which, vertex: u32, edge: u32) -> Self {
+    pub(crate) fn vertex_edge(of: Operand, vertex: u32, edge: u32) -> Self {
         pair(of, Feature::Vertex(VertexId(vertex)), Feature::Edge(EdgeId(edge)))
     }
 
     /// A vertex of `of` beside a face of the other body.
     #[inline]
-    pub(crate) fn vertex_face(of: Which, vertex: u32, face: u32) -> Self {
+    pub(crate) fn vertex_face(of: Operand, vertex: u32, face: u32) -> Self {
         pair(of, Feature::Vertex(VertexId(vertex)), Feature::Face(FaceId(face)))
     }
 
     /// An edge of `of` beside an edge of the other body.
     #[inline]
-    pub(crate) fn edges(of: Which, edge: u32, other: u32) -> Self {
+    pub(crate) fn edges(of: Operand, edge: u32, other: u32) -> Self {
         pair(of, Feature::Edge(EdgeId(edge)), Feature::Edge(EdgeId(other)))
     }
 
@@ -50,7 +50,7 @@ impl FeaturePair {
             return self;
         }
         let (v, w) = self.vertices_of(a, b);
-        Self::vertices(Which::A, v, w)
+        Self::vertices(Operand::A, v, w)
     }
 
     /// One vertex of each body's feature.

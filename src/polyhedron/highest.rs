@@ -216,7 +216,7 @@ pub(super) fn leap<U: Upward>(t: &Topology, fans: &Fans, n: &U, v: u32) -> u32 {
 impl ConvexPolyhedron {
     /// The vertex highest along `n`, the lowest number among equals, climbing from `start`.
     #[inline(never)]
-    pub(crate) fn highest<U: Upward>(&self, n: &U, start: u32) -> u32 {
+    pub(crate) fn support_exact<U: Upward>(&self, n: &U, start: u32) -> u32 {
         let mut v = start;
         // Each vertex is higher than the one before.
         for _ in 0..self.points.len() {
@@ -248,7 +248,7 @@ impl ConvexPolyhedron {
         match level {
             _ if best != v => Ok(best),
             [Some(g), Some(h)] => {
-                // Level edges are neighbours, a face between them.
+                // Accuracy edges are neighbours, a face between them.
                 let h = if next(g) == h { g } else { h };
                 Err(t.from(t.rim_start(t.half_edge(h).face)))
             }
@@ -387,8 +387,12 @@ mod tests {
                     let level = all.filter(|&v| rise(top, v) == 0).count();
                     ties[level.min(4) - 1] += 1;
                     let direction = Direction::new(&body.points, &n, &rest);
-                    for start in [top, 0, body.points.len() as u32 / 2, body.climb(&n, 1)] {
-                        assert_eq!(body.highest(&direction, start), top, "{kind} {n} {rest}: {level} level");
+                    for start in [top, 0, body.points.len() as u32 / 2, body.support_climb(&n, 1)] {
+                        assert_eq!(
+                            body.support_exact(&direction, start),
+                            top,
+                            "{kind} {n} {rest}: {level} level"
+                        );
                     }
                 }
             }
@@ -423,7 +427,7 @@ mod tests {
                 let list = directions(&body, 210, &mut rng);
                 let counts = list.iter().map(|[n, rest]| {
                     let direction = Counted(Direction::new(&body.points, n, rest), Cell::new(0));
-                    body.highest(&direction, body.climb(n, 0));
+                    body.support_exact(&direction, body.support_climb(n, 0));
                     direction.1.get()
                 });
                 counts.max().unwrap_or(0)

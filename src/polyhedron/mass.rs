@@ -43,7 +43,7 @@ impl ConvexPolyhedron {
         } else {
             middle
         };
-        self.given(&centroid)
+        self.to_user(&centroid)
     }
 
     /// The inertia tensor about the centroid at unit density, in the caller's axes and unit to the fifth power; zero for

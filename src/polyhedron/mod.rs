@@ -81,13 +81,13 @@ pub struct ConvexPolyhedron {
     #[cfg(feature = "exact")]
     pub(crate) lowest_bit: Option<i32>,
     /// Whether stored coordinates are the caller's: no origin, no exponent.
-    pub(crate) as_given: bool,
+    pub(crate) is_unscaled: bool,
     /// Largest distance of a vertex from the stored origin, rounded up, in stored units.
     pub(crate) radius: f64,
     /// The mean of the vertices, in stored coordinates: inside the body, which the middle of its box need not be.
-    pub(crate) inner: Vector3<f64>,
+    pub(crate) vertex_mean: Vector3<f64>,
     /// Three times the covariance of the vertices: the matrix of the ellipsoid through points that lie on one.
-    pub(crate) spread: Matrix3<f64>,
+    pub(crate) covariance3: Matrix3<f64>,
     /// Whether that is far from a ball.
     pub(crate) is_flat: bool,
     /// Whether it has rims or fans so long that walks leap along them.
@@ -96,8 +96,8 @@ pub struct ConvexPolyhedron {
     pub(crate) low: Vector3<f64>,
     pub(crate) high: Vector3<f64>,
     /// Whether two faces with a common edge lie in one plane but for rounding.
-    pub(crate) is_creased: bool,
+    pub(crate) has_coplanar_neighbours: bool,
     /// A number made of vertices and faces, by which what is kept of a body knows it again.
-    pub(crate) print: u64,
+    pub(crate) fingerprint: u64,
     pub(crate) report: BuildReport,
 }

@@ -19,7 +19,7 @@ impl ConvexPolyhedron {
             return VertexId(0);
         }
         let direction = direction / size;
-        VertexId(self.extreme(&direction, self.lookup.cell(&direction)).vertex)
+        VertexId(self.support_certified(&direction, self.lookup.cell(&direction)).vertex)
     }
 
     /// Whether the closed body holds a point: points on the surface belong to it. The answer is exact for the body as
@@ -100,7 +100,7 @@ impl ConvexPolyhedron {
                 propose(foot);
             }
         }
-        Some(self.given(&best.1))
+        Some(self.to_user(&best.1))
     }
 
     /// The point in stored coordinates; one beyond 2^60 radii is drawn in along its ray, where it sees the same.

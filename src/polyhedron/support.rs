@@ -12,7 +12,7 @@ use alloc::vec;
 use alloc::vec::Vec;
 use nalgebra::Vector3;
 
-use crate::num::packed::Lanes;
+use crate::num::packed::PackedVec3;
 use crate::polyhedron::ConvexPolyhedron;
 use crate::polyhedron::fans::{Fans, steepest};
 use crate::polyhedron::highest::{self, Direction};
@@ -35,17 +35,23 @@ pub(crate) fn edge_sign(n: &Vector3<f64>, e: &Vector3<f64>) -> i32 {
 
 /// Climbs from `start` to a vertex with no neighbour certainly higher along `n`.
 #[inline]
-pub(crate) fn climb(topology: &Topology, points: &[Vector3<f64>], fans: &Fans, n: Lanes, start: u32) -> u32 {
+pub(crate) fn support_climb(
+    topology: &Topology,
+    points: &[Vector3<f64>],
+    fans: &Fans,
+    n: PackedVec3,
+    start: u32,
+) -> u32 {
     let mut v = start;
     let mut steps = 0;
     loop {
-        let p = Lanes::new(&points[v as usize]);
+        let p = PackedVec3::new(&points[v as usize]);
         let (mut best, mut rise) = (v, 0.0);
         if let Some(m) = fans.axis(topology, v) {
             best = topology.half_edge(steepest(topology, points, v, m, &n.vector())).to;
         } else {
             topology.each_leaving(v, |_, to| {
-                let c = n.dot(Lanes::new(&points[to as usize]) - p);
+                let c = n.dot(PackedVec3::new(&points[to as usize]) - p);
                 if c > rise {
                     (best, rise) = (to, c);
                 }
@@ -94,8 +100,8 @@ struct Ring {
 impl ConvexPolyhedron {
     /// The highest vertex along `n` (stored frame), starting from `hint`.
     #[inline]
-    pub(crate) fn climb(&self, n: &Vector3<f64>, hint: u32) -> u32 {
-        climb(&self.topology, &self.points, &self.fans, Lanes::new(n), hint)
+    pub(crate) fn support_climb(&self, n: &Vector3<f64>, hint: u32) -> u32 {
+        support_climb(&self.topology, &self.points, &self.fans, PackedVec3::new(n), hint)
     }
 
     /// Whether a climb along `n` would end at `v` at once, as far as that is cheap to tell: up to eight edges are looked at
@@ -110,13 +116,13 @@ impl ConvexPolyhedron {
 
     /// The highest vertex along `n` without a hint.
     #[inline]
-    pub(crate) fn climb_cold(&self, n: &Vector3<f64>) -> u32 {
-        self.climb(n, self.lookup.cell(n))
+    pub(crate) fn support_cold(&self, n: &Vector3<f64>) -> u32 {
+        self.support_climb(n, self.lookup.cell(n))
     }
 
     /// The higher along `n` of `hint` and the vertex of the cube map: a start for a climb.
     #[inline]
-    pub(crate) fn higher(&self, n: &Vector3<f64>, hint: u32) -> u32 {
+    pub(crate) fn start_vertex(&self, n: &Vector3<f64>, hint: u32) -> u32 {
         let cell = self.lookup.cell(n);
         if n.dot(&self.points[hint as usize]) >= n.dot(&self.points[cell as usize]) {
             hint
@@ -126,7 +132,7 @@ impl ConvexPolyhedron {
     }
 
     /// The extreme vertex along `n`, proven: where others may tie with the one climbed to, exact signs decide.
-    pub(crate) fn extreme(&self, n: &Vector3<f64>, hint: u32) -> Extreme {
+    pub(crate) fn support_certified(&self, n: &Vector3<f64>, hint: u32) -> Extreme {
         let summit = self.summit(n, hint);
         let (v, w) = (summit.vertex, summit.tie);
         let (at_v, at_w) = (n.dot(&self.points[v as usize]), n.dot(&self.points[w as usize]));
@@ -144,7 +150,7 @@ impl ConvexPolyhedron {
 
     #[inline(never)]
     fn extreme_of_many(&self, n: &Vector3<f64>, start: u32) -> Extreme {
-        let vertex = self.highest(&Direction::new(&self.points, n, &Vector3::zeros()), start);
+        let vertex = self.support_exact(&Direction::new(&self.points, n, &Vector3::zeros()), start);
         Extreme {
             vertex,
             value: n.dot(&self.points[vertex as usize]),
@@ -245,7 +251,13 @@ impl CubeMap {
                     let axis = face as usize / 2;
                     n[(axis + 1) % 3] = middle(row);
                     n[(axis + 2) % 3] = middle(column);
-                    hint = climb(topology, points, fans, Lanes::new(&n.component_div(&stretch)), hint);
+                    hint = support_climb(
+                        topology,
+                        points,
+                        fans,
+                        PackedVec3::new(&n.component_div(&stretch)),
+                        hint,
+                    );
                     cells[((face * side + row) * side + column) as usize] = hint;
                 }
             }

@@ -310,15 +310,15 @@ pub(super) fn checked(pose: &Isometry3<f64>, body: Option<BodyId>) -> Result<(),
 
 /// A pose stood as B's beside the identity; of one body it is A's.
 fn as_only(error: PoseError) -> PoseError {
-    use crate::pose::Which;
+    use crate::pose::Operand;
     match error {
         PoseError::Translation { axis, value, .. } => PoseError::Translation {
-            body: Which::A,
+            body: Operand::A,
             axis,
             value,
         },
         PoseError::Rotation { norm_squared, .. } => PoseError::Rotation {
-            body: Which::A,
+            body: Operand::A,
             norm_squared,
         },
     }

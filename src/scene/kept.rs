@@ -5,7 +5,7 @@ use alloc::boxed::Box;
 use crate::contact::Manifold;
 use crate::pair::outcome::{Distance, Outcome};
 use crate::polyhedron::FeaturePair;
-use crate::pose::Which;
+use crate::pose::Operand;
 
 /// What a lane keeps of an outcome.
 pub(super) trait Answer: Clone + Send + Sync {
@@ -56,7 +56,7 @@ impl Answer for Outcome {
         Self {
             // Finite, since not every format of files can hold what is not.
             upper: f64::MAX,
-            ..Self::open(FeaturePair::vertices(Which::A, 0, 0))
+            ..Self::open(FeaturePair::vertices(Operand::A, 0, 0))
         }
     }
     #[inline]

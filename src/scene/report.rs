@@ -4,7 +4,7 @@ use core::fmt;
 use core::ops::AddAssign;
 use core::time::Duration;
 
-use crate::pair::outcome::{Layer, Outcome};
+use crate::pair::outcome::{Outcome, Solver};
 
 /// Work done by a step, or summed over many, stage by stage. The same calls give the same counts on every machine, with any
 /// number of threads.
@@ -34,7 +34,7 @@ pub struct Counts {
     pub balls: u64,
     /// Called pairs whose tracker was asked: calls of the narrow phase.
     pub queries: u64,
-    /// Queries by the layer that answered, in the order of [`Layer`].
+    /// Queries by the solver that answered, in the order of [`Solver`].
     pub answered: [u64; 7],
     /// Queries that found the bodies apart.
     pub separated: u64,
@@ -61,18 +61,18 @@ pub struct Counts {
 }
 
 impl Counts {
-    /// How many queries `layer` answered.
+    /// How many queries `solver` answered.
     #[must_use]
-    pub fn answered_by(&self, layer: Layer) -> u64 {
-        self.answered[layer as usize]
+    pub fn answered_by(&self, solver: Solver) -> u64 {
+        self.answered[solver as usize]
     }
 
     /// One query more.
     #[inline]
     pub(super) fn note(&mut self, outcome: &Outcome, facets: usize) {
-        let surface = outcome.layer == Layer::Surface;
+        let surface = outcome.solver == Solver::Surface;
         self.queries += 1;
-        self.answered[outcome.layer as usize] += 1;
+        self.answered[outcome.solver as usize] += 1;
         self.separated += u64::from(outcome.lower > 0.0);
         self.walked += u64::from(outcome.work.steps) + if surface { facets as u64 } else { 0 };
         self.certificates += u64::from(outcome.work.certificates) + u64::from(surface);

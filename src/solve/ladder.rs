@@ -7,66 +7,66 @@ use crate::minimum::witnesses::{features, witnesses};
 use crate::num::double_double::DoubleDouble;
 use crate::num::scalar::Scalar;
 use crate::pair::answer::{give_up, is_proven, outward, overlapping, unit};
-use crate::pair::outcome::{Class, Layer, Outcome};
-use crate::pair::posed::Placed;
-use crate::pair::transform::Frame;
+use crate::pair::outcome::{Class, Outcome, Solver};
+use crate::pair::posed::PosedPair;
+use crate::pair::transform::Transform;
 use crate::solve::certified_walk;
 use crate::tolerance::CERTIFICATE;
 use crate::walk::seed;
 
 /// Restart, fallback, double-double, exact: the first that proves its outcome.
 #[cold]
-pub(crate) fn refine(placed: &Placed, warm: bool, outcome: &mut Outcome) {
-    if warm && placed.has_one_unit() {
+pub(crate) fn refine(posed: &PosedPair, warm: bool, outcome: &mut Outcome) {
+    if warm && posed.same_scale() {
         outcome.work.restarts += 1;
-        outcome.features = seed::cold(placed, &mut outcome.work);
-        outcome.layer = Layer::Restart;
-        if certified_walk(placed, outcome) {
+        outcome.features = seed::cold(posed, &mut outcome.work);
+        outcome.solver = Solver::Restart;
+        if certified_walk(posed, outcome) {
             return;
         }
     }
     outcome.work.fallbacks += 1;
-    outcome.layer = Layer::Fallback;
-    take(placed, &solve(placed, &Frame::of(placed), outcome.features), outcome);
-    if !is_proven(placed, outcome) {
-        doubled(placed, outcome);
+    outcome.solver = Solver::Fallback;
+    take(posed, &solve(posed, &Transform::of(posed), outcome.features), outcome);
+    if !is_proven(posed, outcome) {
+        doubled(posed, outcome);
     }
 }
 
 /// The f64 solver alone, its bounds not looked at.
 #[cold]
-pub(crate) fn unchecked(placed: &Placed, outcome: &mut Outcome) {
+pub(crate) fn unchecked(posed: &PosedPair, outcome: &mut Outcome) {
     outcome.work.fallbacks += 1;
-    outcome.layer = Layer::Fallback;
-    take(placed, &solve(placed, &Frame::of(placed), outcome.features), outcome);
+    outcome.solver = Solver::Fallback;
+    take(posed, &solve(posed, &Transform::of(posed), outcome.features), outcome);
 }
 
 /// The double-double layer and what follows it.
-fn doubled(placed: &Placed, outcome: &mut Outcome) {
+fn doubled(posed: &PosedPair, outcome: &mut Outcome) {
     outcome.work.double_doubles += 1;
-    outcome.layer = Layer::DoubleDouble;
-    match Frame::<DoubleDouble>::new(placed.a, placed.b, placed.pose) {
-        Some(frame) => take(placed, &solve(placed, &frame, outcome.features), outcome),
-        None => give_up(placed, outcome),
+    outcome.solver = Solver::DoubleDouble;
+    match Transform::<DoubleDouble>::new(posed.a, posed.b, posed.pose) {
+        Some(frame) => take(posed, &solve(posed, &frame, outcome.features), outcome),
+        None => give_up(posed, outcome),
     }
-    if !is_proven(placed, outcome) {
-        last(placed, outcome);
+    if !is_proven(posed, outcome) {
+        last(posed, outcome);
     }
 }
 
 /// What no floating-point arithmetic decides.
 #[cfg(feature = "exact")]
-fn last(placed: &Placed, outcome: &mut Outcome) {
+fn last(posed: &PosedPair, outcome: &mut Outcome) {
     outcome.work.exacts += 1;
-    crate::exact::settle(placed, outcome);
+    crate::exact::resolve_exactly(posed, outcome);
 }
 
 /// Without the exact rung, bounds that are narrow and straddle zero are called touching.
 #[cfg(not(feature = "exact"))]
-fn last(placed: &Placed, outcome: &mut Outcome) {
+fn last(posed: &PosedPair, outcome: &mut Outcome) {
     outcome.class = match outcome.class {
         Class::Overlapping => Class::Overlapping,
-        _ if crate::pair::answer::is_narrow(placed, outcome) => Class::Touching,
+        _ if crate::pair::answer::is_narrow(posed, outcome) => Class::Touching,
         _ => Class::Undecided,
     };
 }
@@ -74,36 +74,36 @@ fn last(placed: &Placed, outcome: &mut Outcome) {
 /// The distance of a separated pair within one unit in the last place: by the double-double layer where its bounds
 /// are that close, else by the exact rung.
 #[cfg(feature = "exact")]
-pub(crate) fn sharpen(placed: &Placed, outcome: &mut Outcome) {
-    if outcome.class != Class::Separated || outcome.layer == Layer::Exact {
+pub(crate) fn sharpen(posed: &PosedPair, outcome: &mut Outcome) {
+    if outcome.class != Class::Separated || outcome.solver == Solver::Exact {
         return;
     }
     outcome.work.double_doubles += 1;
-    outcome.layer = Layer::DoubleDouble;
-    if let Some(frame) = Frame::<DoubleDouble>::new(placed.a, placed.b, placed.pose) {
-        let minimum = solve(placed, &frame, outcome.features);
+    outcome.solver = Solver::DoubleDouble;
+    if let Some(frame) = Transform::<DoubleDouble>::new(posed.a, posed.b, posed.pose) {
+        let minimum = solve(posed, &frame, outcome.features);
         if let Minimum::Outside { simplex, lower, .. } = &minimum {
             let distance = simplex.reach();
             let gap = (distance - *lower).value().abs()
-                + 2.0 * CERTIFICATE * DoubleDouble::UNIT * placed.reach::<DoubleDouble>().whole();
+                + 2.0 * CERTIFICATE * DoubleDouble::UNIT * posed.reach::<DoubleDouble>().whole();
             let d = distance.value();
             // Rounding takes half a unit; what is left open must not take the other half.
             if gap <= 0.25 * (d - d.next_down()) {
-                take(placed, &minimum, outcome);
+                take(posed, &minimum, outcome);
                 (outcome.distance, outcome.lower, outcome.upper) = (d, d.next_down(), d.next_up());
                 return;
             }
         }
     }
-    last(placed, outcome);
+    last(posed, outcome);
 }
 
 /// Takes over what a solve proves, and its witnesses.
-fn take<T: Scalar>(placed: &Placed, minimum: &Minimum<T>, outcome: &mut Outcome) {
-    let term = CERTIFICATE * T::UNIT * placed.reach::<T>().whole();
+fn take<T: Scalar>(posed: &PosedPair, minimum: &Minimum<T>, outcome: &mut Outcome) {
+    let term = CERTIFICATE * T::UNIT * posed.reach::<T>().whole();
     let (Minimum::Inside { simplex } | Minimum::Outside { simplex, .. }) = minimum;
-    outcome.features = features(placed, simplex);
-    (outcome.point_on_a, outcome.point_on_b) = witnesses(placed, simplex);
+    outcome.features = features(posed, simplex);
+    (outcome.point_on_a, outcome.point_on_b) = witnesses(posed, simplex);
     match minimum {
         Minimum::Inside { .. } => overlapping(outcome),
         Minimum::Outside {

@@ -16,41 +16,41 @@ mod mutation;
 pub(crate) mod out_of_range;
 
 use crate::pair::certificate;
-use crate::pair::outcome::{Class, Level, Outcome};
-use crate::pair::posed::Placed;
+use crate::pair::outcome::{Accuracy, Class, Outcome};
+use crate::pair::posed::PosedPair;
 use crate::tolerance::{AGREE, CERTIFICATE, UNIT};
 use crate::walk;
 
 /// Walks from the features of `outcome` and takes the certificate; on refusal, it says how far it got.
 #[inline(always)]
-pub(crate) fn certified_walk(placed: &Placed, outcome: &mut Outcome) -> bool {
+pub(crate) fn certified_walk(posed: &PosedPair, outcome: &mut Outcome) -> bool {
     outcome.work.certificates += 1;
-    let ended = walk::walk::<true>(placed, outcome);
+    let ended = walk::walk::<true>(posed, outcome);
     #[cfg(test)]
-    let ended = mutation::falsify(placed, outcome, ended);
+    let ended = mutation::falsify(posed, outcome, ended);
     // Comparisons are written so that NaN refuses.
-    ended && (agrees(placed, outcome) || supports_agree(placed, outcome)) && proves_apart(placed, outcome)
+    ended && (agrees(posed, outcome) || supports_agree(posed, outcome)) && proves_apart(posed, outcome)
 }
 
 /// Whether witnesses and supporting planes agree. Planes further apart than the witnesses are no agreement either: one of
 /// the two is wrong then.
 #[inline(always)]
-fn agrees(placed: &Placed, outcome: &Outcome) -> bool {
-    (outcome.distance - outcome.lower).abs() <= AGREE * placed.size()
+fn agrees(posed: &PosedPair, outcome: &Outcome) -> bool {
+    (outcome.distance - outcome.lower).abs() <= AGREE * posed.size()
 }
 
 /// The same with both supports looked for along the normal.
 #[cold]
-fn supports_agree(placed: &Placed, outcome: &mut Outcome) -> bool {
-    let (a, b) = outcome.features.vertices_of(placed.a, placed.b);
-    outcome.lower = certificate::supports(placed, &outcome.normal, a, b);
-    agrees(placed, outcome)
+fn supports_agree(posed: &PosedPair, outcome: &mut Outcome) -> bool {
+    let (a, b) = outcome.features.vertices_of(posed.a, posed.b);
+    outcome.lower = certificate::supports(posed, &outcome.normal, a, b);
+    agrees(posed, outcome)
 }
 
 /// Takes the error terms and refuses what they leave open.
 #[inline(always)]
-fn proves_apart(placed: &Placed, outcome: &mut Outcome) -> bool {
-    let term = CERTIFICATE * UNIT * placed.size();
+fn proves_apart(posed: &PosedPair, outcome: &mut Outcome) -> bool {
+    let term = CERTIFICATE * UNIT * posed.size();
     outcome.lower -= term;
     outcome.upper = outcome.distance + term;
     outcome.class = Class::Separated;
@@ -59,19 +59,19 @@ fn proves_apart(placed: &Placed, outcome: &mut Outcome) -> bool {
 
 /// Answers from the features of `outcome`; `warm` if that is a cached one.
 #[inline(always)]
-pub(crate) fn solve(level: Level, placed: &Placed, warm: bool, outcome: &mut Outcome) {
-    if level == Level::Walk {
+pub(crate) fn solve(level: Accuracy, posed: &PosedPair, warm: bool, outcome: &mut Outcome) {
+    if level == Accuracy::Walk {
         outcome.class = Class::Separated;
-        if !(placed.has_one_unit() && walk::walk::<false>(placed, outcome)) {
-            ladder::unchecked(placed, outcome);
+        if !(posed.same_scale() && walk::walk::<false>(posed, outcome)) {
+            ladder::unchecked(posed, outcome);
         }
         return;
     }
-    if !(placed.has_one_unit() && certified_walk(placed, outcome)) {
-        ladder::refine(placed, warm, outcome);
+    if !(posed.same_scale() && certified_walk(posed, outcome)) {
+        ladder::refine(posed, warm, outcome);
     }
     #[cfg(feature = "exact")]
-    if level == Level::Exact {
-        ladder::sharpen(placed, outcome);
+    if level == Accuracy::Exact {
+        ladder::sharpen(posed, outcome);
     }
 }

@@ -9,13 +9,13 @@ use std::cell::Cell;
 use lab::rng::Rng;
 use nalgebra::{Isometry3, Unit, Vector3};
 
-use crate::num::packed::Lanes;
+use crate::num::packed::PackedVec3;
 use crate::pair::edge::Edge;
-use crate::pair::outcome::{Class, Layer, Level, Outcome, Work};
-use crate::pair::posed::Placed;
+use crate::pair::outcome::{Accuracy, Class, Outcome, Solver, Work};
+use crate::pair::posed::PosedPair;
 use crate::pair::star::is_flanked;
 use crate::polyhedron::{ConvexPolyhedron, FeaturePair, solids};
-use crate::pose::{RelativePose, Which};
+use crate::pose::{Operand, RelativePose};
 use crate::solve::solve;
 use crate::tolerance::UNIT;
 use crate::walk::seed;
@@ -44,16 +44,16 @@ std::thread_local! {
 }
 
 /// What the walk of this thread says after it ended at `answer`: with no error set, the truth.
-pub(super) fn falsify(placed: &Placed, outcome: &mut Outcome, ended: bool) -> bool {
+pub(super) fn falsify(posed: &PosedPair, outcome: &mut Outcome, ended: bool) -> bool {
     let Some(error) = ERROR.get() else { return ended };
     let vertices = |outcome: &mut Outcome, seed: u64| {
         let (a, b) = (
-            seed % placed.a.points.len() as u64,
-            seed / 7 % placed.b.points.len() as u64,
+            seed % posed.a.points.len() as u64,
+            seed / 7 % posed.b.points.len() as u64,
         );
-        outcome.features = FeaturePair::vertices(Which::A, a as u32, b as u32);
-        let (p, q) = (placed.a.points[a as usize], placed.b.points[b as usize]);
-        let between = placed.point_in_a(&q) - p;
+        outcome.features = FeaturePair::vertices(Operand::A, a as u32, b as u32);
+        let (p, q) = (posed.a.points[a as usize], posed.b.points[b as usize]);
+        let between = posed.point_in_a(&q) - p;
         outcome.distance = between.norm();
         outcome.normal = Unit::new_normalize(between);
         (outcome.point_on_a, outcome.point_on_b) = (p.into(), q.into());
@@ -66,7 +66,7 @@ pub(super) fn falsify(placed: &Placed, outcome: &mut Outcome, ended: bool) -> bo
             outcome.normal = Unit::new_normalize(Vector3::new(seed as f64, 1.0, -(seed as f64) / 2.0));
         }
         Error::Scales(by) => outcome.distance *= by,
-        Error::Lifts(by) => outcome.lower += by * placed.size(),
+        Error::Lifts(by) => outcome.lower += by * posed.size(),
         Error::Lies => *outcome = Outcome::open(outcome.features),
         Error::Blurs => {
             outcome.distance = f64::NAN;
@@ -80,10 +80,10 @@ pub(super) fn falsify(placed: &Placed, outcome: &mut Outcome, ended: bool) -> bo
     }
 }
 
-fn ask(placed: &Placed, error: Option<Error>, start: Option<FeaturePair>) -> Outcome {
+fn ask(posed: &PosedPair, error: Option<Error>, start: Option<FeaturePair>) -> Outcome {
     ERROR.set(error);
-    let mut outcome = Outcome::open(start.unwrap_or_else(|| seed::cold(placed, &mut Work::default())));
-    solve(Level::Certified, placed, start.is_some(), &mut outcome);
+    let mut outcome = Outcome::open(start.unwrap_or_else(|| seed::cold(posed, &mut Work::default())));
+    solve(Accuracy::Certified, posed, start.is_some(), &mut outcome);
     ERROR.set(None);
     outcome
 }
@@ -127,22 +127,22 @@ fn a_walk_that_errs_is_found_out() {
                 let turn = Vector3::new(0.3, -0.2, 0.5) * f64::from(k);
                 let pose = Isometry3::new(Vector3::new(2.6, 0.4 * f64::from(k), 0.7 * i as f64), turn);
                 let pose = RelativePose::from_isometry(&pose).unwrap();
-                let Ok(placed) = Placed::new(a, b, &pose) else {
+                let Ok(posed) = PosedPair::new(a, b, &pose) else {
                     panic!("in range")
                 };
-                let truth = ask(&placed, None, None);
-                assert_eq!((truth.class, truth.layer), (Class::Separated, Layer::Walk));
+                let truth = ask(&posed, None, None);
+                assert_eq!((truth.class, truth.solver), (Class::Separated, Solver::Walk));
                 for error in errors() {
-                    for start in [None, Some(FeaturePair::vertices(Which::A, 0, 0))] {
-                        let x = ask(&placed, Some(error), start);
+                    for start in [None, Some(FeaturePair::vertices(Operand::A, 0, 0))] {
+                        let x = ask(&posed, Some(error), start);
                         let what = format!("{error:?}: {x:?} for {truth:?}");
                         assert_eq!(x.class, Class::Separated, "{what}");
                         assert!(x.lower <= truth.upper && truth.lower <= x.upper, "{what}");
-                        assert!((x.distance - truth.distance).abs() <= 1e-14 * placed.size(), "{what}");
-                        assert!(x.upper - x.lower <= 1e-13 * placed.size(), "{what}");
+                        assert!((x.distance - truth.distance).abs() <= 1e-14 * posed.size(), "{what}");
+                        assert!(x.upper - x.lower <= 1e-13 * posed.size(), "{what}");
                         right += 1;
-                        by_walk += usize::from(x.layer == Layer::Walk);
-                        found_out += usize::from(x.layer > Layer::Restart);
+                        by_walk += usize::from(x.solver == Solver::Walk);
+                        found_out += usize::from(x.solver > Solver::Restart);
                     }
                 }
             }
@@ -166,7 +166,7 @@ fn a_bound_by_two_planes_holds_for_any_planes_and_weights() {
             let mut plane = || &body.planes[((random() + 1.0) * 0.5 * body.planes.len() as f64) as usize];
             let (left, right) = (plane(), plane());
             let weights = (random() + 0.5, random() + 0.5);
-            let bound = body.edge_bound(Lanes::new(&n), left, right, weights, n.norm_squared());
+            let bound = body.edge_bound(PackedVec3::new(&n), left, right, weights, n.norm_squared());
             let high = body.points.iter().fold(f64::NEG_INFINITY, |m, p| m.max(n.dot(p)));
             assert!(!(bound < high - 1e-15 * body.radius), "{bound} {high}");
             finite += usize::from(bound.is_finite());
@@ -189,12 +189,12 @@ fn an_edge_that_signs_prove_extreme_is_so() {
     for body in bodies() {
         for e in body.edges() {
             let edge = Edge::new(&body, e.0);
-            let u = Lanes::new(&edge.q) - Lanes::new(&edge.p);
+            let u = PackedVec3::new(&edge.q) - PackedVec3::new(&edge.p);
             for k in 0..300 {
                 // Random directions, and those within less and less of the normal of a face.
                 let face = if random() < 0.0 { edge.left } else { edge.right };
                 let off = Vector3::new(random(), random(), random()) * 0.125f64.powi(k % 20);
-                let w = Lanes::new(&(face.normal.cross(&u.vector()) * f64::from((k % 20).min(1)) + off));
+                let w = PackedVec3::new(&(face.normal.cross(&u.vector()) * f64::from((k % 20).min(1)) + off));
                 let n = u.cross(w);
                 if !is_flanked(edge.weights(w, 1.0), w.norm_squared()) {
                     doubtful += 1;

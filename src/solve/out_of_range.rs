@@ -3,9 +3,9 @@
 //! The radii are below the rounding of the separation (or zero), so the vertices that face each other are the closest
 //! features within every bound asked for, and lengths are scaled before they are squared.
 
-use crate::pair::outcome::{Class, Layer, Outcome, Work};
+use crate::pair::outcome::{Class, Outcome, Solver, Work};
 use crate::polyhedron::{ConvexPolyhedron, FeaturePair};
-use crate::pose::{RelativePose, Which};
+use crate::pose::{Operand, RelativePose};
 use crate::tolerance::{CERTIFICATE, UNIT};
 
 /// The answer in the caller's units.
@@ -15,8 +15,8 @@ pub(crate) fn answer(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &Relative
     let (rotation, translation) = (pose.rotation(), pose.sixteenth());
     let t = translation + rotation * b.origin / 16.0 - a.origin / 16.0;
     let n = crate::pair::answer::unit(&t);
-    let (va, vb) = (a.climb_cold(&n), b.climb_cold(&-rotation.tr_mul(&n)));
-    let (point_on_a, point_on_b) = (a.given(&a.points[va as usize]), b.given(&b.points[vb as usize]));
+    let (va, vb) = (a.support_cold(&n), b.support_cold(&-rotation.tr_mul(&n)));
+    let (point_on_a, point_on_b) = (a.to_user(&a.points[va as usize]), b.to_user(&b.points[vb as usize]));
     let between = translation + rotation * point_on_b.coords / 16.0 - point_on_a.coords / 16.0;
     let largest = between.amax();
     let distance = if largest > 0.0 {
@@ -35,11 +35,11 @@ pub(crate) fn answer(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &Relative
         distance,
         lower,
         upper: distance + slack,
-        features: FeaturePair::vertices(Which::A, va, vb),
+        features: FeaturePair::vertices(Operand::A, va, vb),
         point_on_a,
         point_on_b,
         normal: n,
-        layer: Layer::Far,
+        solver: Solver::Far,
         work: Work::default(),
     };
     // Two points that f64 cannot tell apart, or bodies that stand far from their own origins.

@@ -1,6 +1,6 @@
 //! What a tracker counts: for itself, which start is the cheaper one; for the caller, what was done.
 
-use crate::pair::outcome::{Layer, Work};
+use crate::pair::outcome::{Solver, Work};
 
 /// What the two ways to start have cost lately, in steps of the walk: which of them a query takes.
 ///
@@ -55,7 +55,7 @@ pub struct Totals {
     pub queries: u64,
     /// Of these, how many started from the features of the answer before.
     pub warm: u64,
-    /// Queries by the layer that answered, in the order of [`Layer`].
+    /// Queries by the solver that answered, in the order of [`Solver`].
     pub answered: [u64; 7],
     /// Feature pairs looked at.
     pub steps: u64,
@@ -64,10 +64,10 @@ pub struct Totals {
 }
 
 impl Totals {
-    /// How many queries `layer` answered.
+    /// How many queries `solver` answered.
     #[must_use]
-    pub fn answered_by(&self, layer: Layer) -> u64 {
-        self.answered[layer as usize]
+    pub fn answered_by(&self, solver: Solver) -> u64 {
+        self.answered[solver as usize]
     }
 }
 

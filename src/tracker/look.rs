@@ -1,10 +1,10 @@
 //! A query that stops at the class of an overlap, and what is decided from its outcome: what predicates and scenes ask.
 
-use super::{Tracker, clear_of, give_back};
+use super::{Tracker, clear_of, to_user_units};
 use crate::depth::Memory;
 use crate::minimum::overlap_proof;
-use crate::pair::outcome::{Class, Distance, Level, Outcome};
-use crate::pair::posed::Placed;
+use crate::pair::outcome::{Accuracy, Class, Distance, Outcome};
+use crate::pair::posed::PosedPair;
 use crate::polyhedron::ConvexPolyhedron;
 use crate::pose::RelativePose;
 
@@ -38,7 +38,7 @@ impl Tracker {
         a_from_b: &RelativePose,
         deep: bool,
     ) -> Distance {
-        Distance::from(&self.answer(a, b, a_from_b, Level::Certified, deep))
+        Distance::from(&self.answer(a, b, a_from_b, Accuracy::Certified, deep))
     }
 
     /// As [`closest`](Self::closest), but an overlap gets its depth only if `deep`: else it is known as such and no more.
@@ -50,7 +50,7 @@ impl Tracker {
         a_from_b: &RelativePose,
         deep: bool,
     ) -> Outcome {
-        self.answer(a, b, a_from_b, Level::Certified, deep)
+        self.answer(a, b, a_from_b, Accuracy::Certified, deep)
     }
 
     /// What [`within`](Self::within) answers for a `d` that is not negative, from the outcome of the last query.
@@ -74,7 +74,11 @@ impl Tracker {
 
     /// Triangles of what is kept of an overlap.
     pub(crate) fn facets(&self) -> usize {
-        if self.hold.is_some() { 4 } else { self.memory.facets() }
+        if self.overlap_proof.is_some() {
+            4
+        } else {
+            self.memory.facets()
+        }
     }
 
     /// Gives up the surface kept of an overlap, and its room.
@@ -89,15 +93,15 @@ impl Tracker {
 
     /// The class alone from the proof of the last answer, or from the solver that found it.
     #[inline(never)]
-    pub(super) fn still_overlaps(&mut self, placed: &Placed, outcome: &mut Outcome) -> bool {
+    pub(super) fn still_overlaps(&mut self, posed: &PosedPair, outcome: &mut Outcome) -> bool {
         let first = *outcome;
-        let Some((hold, features)) = self.hold.zip(self.last.filter(|f| f.is_of(placed.a, placed.b))) else {
+        let Some((hold, features)) = self.overlap_proof.zip(self.last.filter(|f| f.is_of(posed.a, posed.b))) else {
             return false;
         };
         outcome.features = features;
-        if !hold.proves(placed, outcome) {
-            self.hold = overlap_proof::regain(placed, features, outcome);
-            if self.hold.is_none() {
+        if !hold.proves(posed, outcome) {
+            self.overlap_proof = overlap_proof::solve_overlap(posed, features, outcome);
+            if self.overlap_proof.is_none() {
                 let work = outcome.work;
                 *outcome = Outcome { work, ..first };
                 return false;
@@ -105,9 +109,9 @@ impl Tracker {
         }
         self.totals.queries += 1;
         self.totals.warm += 1;
-        self.totals.answered[outcome.layer as usize] += 1;
-        if !(placed.a.as_given && placed.b.as_given) {
-            give_back(placed.a, placed.b, outcome);
+        self.totals.answered[outcome.solver as usize] += 1;
+        if !(posed.a.is_unscaled && posed.b.is_unscaled) {
+            to_user_units(posed.a, posed.b, outcome);
         }
         true
     }

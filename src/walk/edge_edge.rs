@@ -8,26 +8,26 @@
 
 use nalgebra::Vector3;
 
-use crate::num::packed::Lanes;
+use crate::num::packed::PackedVec3;
 use crate::num::scalar::sqrt;
 use crate::pair::edge::Edge;
 use crate::pair::outcome::Outcome;
-use crate::pair::posed::{OfA, OfB, Placed};
+use crate::pair::posed::{OfA, OfB, PosedPair};
 use crate::pair::star::is_flanked;
 use crate::polyhedron::{ConvexPolyhedron, FeaturePair};
-use crate::pose::Which;
+use crate::pose::Operand;
 use crate::tolerance::{DIFFERENCE, DIRECTION, NEARLY_PARALLEL, ON_BOUNDARY, PARALLEL};
 use crate::walk::slide::{Slide, slide};
 use crate::walk::step::Step;
 
 // Not inlined: the walk's loop would hoist the loads of every kind of pair and spill them.
 #[inline(never)]
-pub(crate) fn look<const CERTIFY: bool>(placed: &Placed, a: u32, b: u32, outcome: &mut Outcome) -> Step {
-    let (ea, eb) = (Edge::new(placed.a, a), Edge::new(placed.b, b));
-    let (p1, p2_in_b) = (Lanes::new(&ea.p), Lanes::new(&eb.p));
-    let (u, w_in_b) = (Lanes::new(&ea.q) - p1, Lanes::new(&eb.q) - p2_in_b);
-    let w = placed.rotation.times(w_in_b);
-    let p2 = placed.rotation.times(p2_in_b) + placed.translation;
+pub(crate) fn look<const CERTIFY: bool>(posed: &PosedPair, a: u32, b: u32, outcome: &mut Outcome) -> Step {
+    let (ea, eb) = (Edge::new(posed.a, a), Edge::new(posed.b, b));
+    let (p1, p2_in_b) = (PackedVec3::new(&ea.p), PackedVec3::new(&eb.p));
+    let (u, w_in_b) = (PackedVec3::new(&ea.q) - p1, PackedVec3::new(&eb.q) - p2_in_b);
+    let w = posed.rotation.times(w_in_b);
+    let p2 = posed.rotation.times(p2_in_b) + posed.translation;
     let r = p2 - p1;
     let (uu, ww) = (u.norm_squared(), w.norm_squared());
     let mut n = u.cross(w);
@@ -36,26 +36,26 @@ pub(crate) fn look<const CERTIFY: bool>(placed: &Placed, a: u32, b: u32, outcome
         n = n - u * (n.dot(u) / uu);
         nn = n.norm_squared();
         if nn <= PARALLEL * uu * ww {
-            return ends(placed, a, b, outcome);
+            return ends(posed, a, b, outcome);
         }
     }
     let per_square = 1.0 / nn;
     let (s, t) = (r.cross(w).dot(n) * per_square, r.cross(u).dot(n) * per_square);
     if s < 0.0 || t < 0.0 || s > 1.0 || t > 1.0 {
-        let off = |s: f64, squared: f64| (s - s.clamp(0.0, 1.0)).abs() * sqrt(squared) > DIFFERENCE * placed.size();
+        let off = |s: f64, squared: f64| (s - s.clamp(0.0, 1.0)).abs() * sqrt(squared) > DIFFERENCE * posed.size();
         if off(s, uu) || off(t, ww) {
-            return ends(placed, a, b, outcome);
+            return ends(posed, a, b, outcome);
         }
     }
     let along = r.dot(n);
     let sign = if along < 0.0 { -1.0 } else { 1.0 };
-    let u_in_b = placed.rotation.transposed_times(u);
+    let u_in_b = posed.rotation.transposed_times(u);
     let (on_a, on_b) = (ea.weights(w, sign), eb.weights(u_in_b, sign));
     let (s, t) = (s.clamp(0.0, 1.0), t.clamp(0.0, 1.0));
     let proven = is_flanked(on_a, ww) && is_flanked(on_b, uu);
     if !proven && (on_a.0 < 0.0 || on_a.1 < 0.0 || on_b.0 < 0.0 || on_b.1 < 0.0) {
         // The weights are as long as the other edge: compare sines.
-        let sine = |least: f64, other: Lanes| {
+        let sine = |least: f64, other: PackedVec3| {
             if least < -DIRECTION * other.one_norm() {
                 least / sqrt(other.norm_squared())
             } else {
@@ -64,15 +64,15 @@ pub(crate) fn look<const CERTIFY: bool>(placed: &Placed, a: u32, b: u32, outcome
         };
         let (out_a, out_b) = (sine(on_a.0.min(on_a.1), w), sine(on_b.0.min(on_b.1), u_in_b));
         if out_a < 0.0 && out_a <= out_b {
-            return over_face_of_a(placed, a, b, on_a.0 < on_a.1, t, outcome);
+            return over_face_of_a(posed, a, b, on_a.0 < on_a.1, t, outcome);
         }
         if out_b < 0.0 {
-            return over_face_of_b(placed, a, b, on_b.0 < on_b.1, s, outcome);
+            return over_face_of_b(posed, a, b, on_b.0 < on_b.1, s, outcome);
         }
     }
     let (point_a, point_b) = (p1 + u * s, p2_in_b + w_in_b * t);
     let distance = sqrt((p2 + w * t - point_a).norm_squared());
-    if distance <= ON_BOUNDARY * placed.size() {
+    if distance <= ON_BOUNDARY * posed.size() {
         return Step::Lost;
     }
     let per_length = sqrt(nn) * per_square;
@@ -83,7 +83,7 @@ pub(crate) fn look<const CERTIFY: bool>(placed: &Placed, a: u32, b: u32, outcome
         // Both are extreme across the other, so the supporting planes are as far apart as the lines.
         along.abs() * per_length
     } else {
-        between_planes(placed, (a, b), normal, on_a, on_b)
+        between_planes(posed, (a, b), normal, on_a, on_b)
     };
     outcome.end(normal.vector(), (point_a.vector(), point_b.vector()), distance, lower)
 }
@@ -91,26 +91,32 @@ pub(crate) fn look<const CERTIFY: bool>(placed: &Placed, a: u32, b: u32, outcome
 /// How far apart the planes of the faces prove the bodies along a unit `normal`, where signs do not prove the edges extreme.
 #[cold]
 #[inline(never)]
-fn between_planes(placed: &Placed, (a, b): (u32, u32), normal: Lanes, on_a: (f64, f64), on_b: (f64, f64)) -> f64 {
-    let (ea, eb) = (Edge::new(placed.a, a), Edge::new(placed.b, b));
-    let high_a = placed.a.edge_bound(normal, ea.left, ea.right, on_a, 1.0);
-    let normal_in_b = -placed.rotation.transposed_times(normal);
-    let high_b = placed.b.edge_bound(normal_in_b, eb.left, eb.right, on_b, 1.0);
-    normal.dot(placed.translation) - high_a - high_b
+fn between_planes(
+    posed: &PosedPair,
+    (a, b): (u32, u32),
+    normal: PackedVec3,
+    on_a: (f64, f64),
+    on_b: (f64, f64),
+) -> f64 {
+    let (ea, eb) = (Edge::new(posed.a, a), Edge::new(posed.b, b));
+    let high_a = posed.a.edge_bound(normal, ea.left, ea.right, on_a, 1.0);
+    let normal_in_b = -posed.rotation.transposed_times(normal);
+    let high_b = posed.b.edge_bound(normal_in_b, eb.left, eb.right, on_b, 1.0);
+    normal.dot(posed.translation) - high_a - high_b
 }
 
 /// Slides the edge of B over the right or the left face of A's, downhill from `t`.
 #[inline(never)]
-fn over_face_of_a(placed: &Placed, a: u32, b: u32, right: bool, t: f64, outcome: &mut Outcome) -> Step {
-    let eb = Edge::new(placed.b, b);
-    let start = placed.point_in_a(&(eb.p + (eb.q - eb.p) * t));
-    let way = placed.vector_in_a(&(eb.q - eb.p));
-    let (face, half_edge) = downhill(placed.a, a, right, &way, placed.b, b);
+fn over_face_of_a(posed: &PosedPair, a: u32, b: u32, right: bool, t: f64, outcome: &mut Outcome) -> Step {
+    let eb = Edge::new(posed.b, b);
+    let start = posed.point_in_a(&(eb.p + (eb.q - eb.p) * t));
+    let way = posed.vector_in_a(&(eb.q - eb.p));
+    let (face, half_edge) = downhill(posed.a, a, right, &way, posed.b, b);
     slide(
-        &OfB(placed),
+        &OfB(posed),
         &Slide {
             half_edge,
-            start: Lanes::new(&start),
+            start: PackedVec3::new(&start),
             face,
             from_rim: Some(a),
         },
@@ -120,16 +126,16 @@ fn over_face_of_a(placed: &Placed, a: u32, b: u32, right: bool, t: f64, outcome:
 
 /// Slides the edge of A over the right or the left face of B's, downhill from `s`.
 #[inline(never)]
-fn over_face_of_b(placed: &Placed, a: u32, b: u32, right: bool, s: f64, outcome: &mut Outcome) -> Step {
-    let ea = Edge::new(placed.a, a);
-    let start = placed.point_in_b(&(ea.p + (ea.q - ea.p) * s));
-    let way = placed.vector_in_b(&(ea.q - ea.p));
-    let (face, half_edge) = downhill(placed.b, b, right, &way, placed.a, a);
+fn over_face_of_b(posed: &PosedPair, a: u32, b: u32, right: bool, s: f64, outcome: &mut Outcome) -> Step {
+    let ea = Edge::new(posed.a, a);
+    let start = posed.point_in_b(&(ea.p + (ea.q - ea.p) * s));
+    let way = posed.vector_in_b(&(ea.q - ea.p));
+    let (face, half_edge) = downhill(posed.b, b, right, &way, posed.a, a);
     slide(
-        &OfA(placed),
+        &OfA(posed),
         &Slide {
             half_edge,
-            start: Lanes::new(&start),
+            start: PackedVec3::new(&start),
             face,
             from_rim: Some(b),
         },
@@ -166,10 +172,10 @@ fn downhill(
 /// The nearest pair of points of the two segments where at least one of them is an end: the ends of each projected on
 /// the other, the best of the four.
 #[cold]
-fn ends(placed: &Placed, a: u32, b: u32, outcome: &mut Outcome) -> Step {
-    let (ea, eb) = (Edge::new(placed.a, a), Edge::new(placed.b, b));
-    let (u, w) = (ea.q - ea.p, placed.vector_in_a(&(eb.q - eb.p)));
-    let r = placed.point_in_a(&eb.p) - ea.p;
+fn ends(posed: &PosedPair, a: u32, b: u32, outcome: &mut Outcome) -> Step {
+    let (ea, eb) = (Edge::new(posed.a, a), Edge::new(posed.b, b));
+    let (u, w) = (ea.q - ea.p, posed.vector_in_a(&(eb.q - eb.p)));
+    let r = posed.point_in_a(&eb.p) - ea.p;
     let (uu, ww, uw) = (u.norm_squared(), w.norm_squared(), u.dot(&w));
     let (ru, rw) = (r.dot(&u), r.dot(&w));
     let on_b = |s: f64| ((s * uw - rw) / ww).clamp(0.0, 1.0);
@@ -192,10 +198,10 @@ fn ends(placed: &Placed, a: u32, b: u32, outcome: &mut Outcome) -> Step {
         }
     };
     outcome.go(match (end(&ea, best.0), end(&eb, best.1)) {
-        (Some(v), Some(w)) => FeaturePair::vertices(Which::A, v, w),
-        (Some(v), None) => FeaturePair::vertex_edge(Which::A, v, b),
-        (None, Some(v)) => FeaturePair::vertex_edge(Which::B, v, a),
+        (Some(v), Some(w)) => FeaturePair::vertices(Operand::A, v, w),
+        (Some(v), None) => FeaturePair::vertex_edge(Operand::A, v, b),
+        (None, Some(v)) => FeaturePair::vertex_edge(Operand::B, v, a),
         // A projection that is NaN: the tails stand in.
-        (None, None) => FeaturePair::vertices(Which::A, ea.tail, eb.tail),
+        (None, None) => FeaturePair::vertices(Operand::A, ea.tail, eb.tail),
     })
 }

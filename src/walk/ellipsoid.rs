@@ -9,15 +9,15 @@
 use nalgebra::{Matrix3, Vector3};
 
 use crate::num::scalar::sqrt;
-use crate::pair::posed::Placed;
+use crate::pair::posed::PosedPair;
 
 /// Rounds of the equation.
 const ROUNDS: usize = 6;
 
 /// The direction from A to B, in A's stored frame.
-pub(super) fn direction(placed: &Placed) -> Vector3<f64> {
-    let c = placed.point_in_a(&placed.b.inner) - placed.a.inner;
-    let (p, q) = (placed.a.spread, placed.spread_of_b());
+pub(super) fn direction(posed: &PosedPair) -> Vector3<f64> {
+    let c = posed.point_in_a(&posed.b.vertex_mean) - posed.a.vertex_mean;
+    let (p, q) = (posed.a.covariance3, posed.spread_of_b());
     let (mut s, mut x) = (0.5, c);
     for _ in 0..ROUNDS {
         let Some(next) = solve(&(p * (1.0 - s) + q * s), &c) else {

@@ -25,9 +25,9 @@ mod vertex_vertex;
 
 use crate::num::scalar::sqrt;
 use crate::pair::outcome::Outcome;
-use crate::pair::posed::{OfA, OfB, Placed};
+use crate::pair::posed::{OfA, OfB, PosedPair};
 use crate::polyhedron::{Feature, FeaturePair};
-use crate::walk::rings::newton_jump::leap;
+use crate::walk::rings::newton_jump::newton_jump;
 use crate::walk::step::Step;
 
 /// Jumps to a far face (vertex-face from behind) a walk may take: they are not monotone.
@@ -47,15 +47,15 @@ const FIRST_LEAP: u32 = 4;
 
 /// Looks at one state.
 #[inline(always)]
-fn look<const CERTIFY: bool>(placed: &Placed, outcome: &mut Outcome) -> Step {
+fn look<const CERTIFY: bool>(posed: &PosedPair, outcome: &mut Outcome) -> Step {
     use Feature::{Edge, Face, Vertex};
     match (outcome.features.a, outcome.features.b) {
-        (Edge(e), Edge(g)) => edge_edge::look::<CERTIFY>(placed, e.0, g.0, outcome),
-        (Vertex(v), Face(f)) => vertex_face::look::<CERTIFY, _>(&OfA(placed), v.0, f.0, outcome),
-        (Face(f), Vertex(v)) => vertex_face::look::<CERTIFY, _>(&OfB(placed), v.0, f.0, outcome),
-        (Vertex(v), Edge(e)) => vertex_edge::look::<CERTIFY, _>(&OfA(placed), v.0, e.0, outcome),
-        (Edge(e), Vertex(v)) => vertex_edge::look::<CERTIFY, _>(&OfB(placed), v.0, e.0, outcome),
-        (Vertex(v), Vertex(w)) => vertex_vertex::look::<CERTIFY>(placed, v.0, w.0, outcome),
+        (Edge(e), Edge(g)) => edge_edge::look::<CERTIFY>(posed, e.0, g.0, outcome),
+        (Vertex(v), Face(f)) => vertex_face::look::<CERTIFY, _>(&OfA(posed), v.0, f.0, outcome),
+        (Face(f), Vertex(v)) => vertex_face::look::<CERTIFY, _>(&OfB(posed), v.0, f.0, outcome),
+        (Vertex(v), Edge(e)) => vertex_edge::look::<CERTIFY, _>(&OfA(posed), v.0, e.0, outcome),
+        (Edge(e), Vertex(v)) => vertex_edge::look::<CERTIFY, _>(&OfB(posed), v.0, e.0, outcome),
+        (Vertex(v), Vertex(w)) => vertex_vertex::look::<CERTIFY>(posed, v.0, w.0, outcome),
         // No state; nothing leads here (see `to_stand_on`).
         (Edge(_), Face(_)) | (Face(_), Edge(_) | Face(_)) => Step::Lost,
     }
@@ -64,25 +64,25 @@ fn look<const CERTIFY: bool>(placed: &Placed, outcome: &mut Outcome) -> Step {
 /// Walks from the features of `outcome` until the Voronoi tests accept one; whether they do. At most
 /// `4 sqrt(nA + nB) + 16` steps, and 128 on bodies with long rims or large fans.
 #[inline(always)]
-pub(crate) fn walk<const CERTIFY: bool>(placed: &Placed, outcome: &mut Outcome) -> bool {
-    watched::<CERTIFY>(placed, outcome, |_| {})
+pub(crate) fn walk<const CERTIFY: bool>(posed: &PosedPair, outcome: &mut Outcome) -> bool {
+    watched::<CERTIFY>(posed, outcome, |_| {})
 }
 
 /// The same walk, each pair it looks at told to `seen`.
 #[inline(always)]
 pub(crate) fn watched<const CERTIFY: bool>(
-    placed: &Placed,
+    posed: &PosedPair,
     outcome: &mut Outcome,
     mut seen: impl FnMut(FeaturePair),
 ) -> bool {
-    let has_bands = placed.a.has_bands | placed.b.has_bands;
+    let has_bands = posed.a.has_bands | posed.b.has_bands;
     // Steps before the guard looks.
     let free = if has_bands { FIRST_LEAP } else { FREE };
     let (mut steps, mut jumps, mut guard) = (0, 0, None);
     loop {
         outcome.work.steps += 1;
         seen(outcome.features);
-        let step = look::<CERTIFY>(placed, outcome);
+        let step = look::<CERTIFY>(posed, outcome);
         // The one that most walks begin and end with comes first.
         if step == Step::Found {
             return true;
@@ -92,7 +92,7 @@ pub(crate) fn watched<const CERTIFY: bool>(
         }
         jumps += u32::from(step == Step::Jump);
         steps += 1;
-        if jumps > JUMPS || steps >= free && Guard::stops(&mut guard, steps, placed, outcome) {
+        if jumps > JUMPS || steps >= free && Guard::stops(&mut guard, steps, posed, outcome) {
             return false;
         }
     }
@@ -112,24 +112,24 @@ struct Guard {
 }
 
 impl Guard {
-    fn new(placed: &Placed) -> Self {
-        let has_bands = placed.a.has_bands | placed.b.has_bands;
+    fn new(posed: &PosedPair) -> Self {
+        let has_bands = posed.a.has_bands | posed.b.has_bands;
         Self {
             leaps: 0,
             leapt: None,
             next_leap: if has_bands { FIRST_LEAP } else { u32::MAX },
             mark: None,
             next_mark: FREE,
-            limit: step_limit(placed),
+            limit: step_limit(posed),
         }
     }
 
     /// Whether the walk ends after so many steps, of which the guard is to be told each from the first one on that is not free.
     #[cold]
-    fn stops(guard: &mut Option<Self>, steps: u32, placed: &Placed, outcome: &mut Outcome) -> bool {
-        let guard = guard.get_or_insert_with(|| Self::new(placed));
+    fn stops(guard: &mut Option<Self>, steps: u32, posed: &PosedPair, outcome: &mut Outcome) -> bool {
+        let guard = guard.get_or_insert_with(|| Self::new(posed));
         if steps == guard.next_leap {
-            guard.leap(steps, placed, outcome);
+            guard.newton_jump(steps, posed, outcome);
         }
         let next = Some(outcome.features);
         if steps > FREE && (next == guard.mark || steps >= guard.limit) {
@@ -141,9 +141,9 @@ impl Guard {
         false
     }
 
-    fn leap(&mut self, steps: u32, placed: &Placed, outcome: &mut Outcome) {
+    fn newton_jump(&mut self, steps: u32, posed: &PosedPair, outcome: &mut Outcome) {
         // One that did not help is tried later again, and so is one that did: leaps are few, so the walk still ends.
-        let leapt = leap(placed, outcome);
+        let leapt = newton_jump(posed, outcome);
         let later = if leapt { FIRST_LEAP } else { steps.max(FIRST_LEAP) };
         self.leaps += 1;
         let there = Some(outcome.features);
@@ -156,11 +156,11 @@ impl Guard {
 
 /// Round bodies take about sqrt(n) steps from anywhere; twice the sum of both and a constant leaves room.
 #[cold]
-fn step_limit(placed: &Placed) -> u32 {
-    let n = placed.a.topology.vertex_count() + placed.b.topology.vertex_count();
+fn step_limit(posed: &PosedPair) -> u32 {
+    let n = posed.a.topology.vertex_count() + posed.b.topology.vertex_count();
     let round = (4.0 * sqrt(n as f64)) as u32 + 16;
     // Leaps take a walk along long rims and round large fans.
-    if placed.a.has_bands | placed.b.has_bands {
+    if posed.a.has_bands | posed.b.has_bands {
         round.min(LONGEST)
     } else {
         round

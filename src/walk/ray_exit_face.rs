@@ -18,7 +18,7 @@ use crate::walk::step::Step;
 /// The face by which the ray from the mean of the body's vertices to `x` leaves it, if `x` is above it by more than `least`.
 #[cold]
 pub(crate) fn seen_face(body: &ConvexPolyhedron, x: &Vector3<f64>, least: f64) -> Option<u32> {
-    let (t, center) = (&body.topology, body.inner);
+    let (t, center) = (&body.topology, body.vertex_mean);
     let way = x - center;
     // The depth of the mean is zero for flat bodies; then the side `x` is on decides. What stands for zero scales with the body.
     let zero = UNIT * UNIT * body.radius;
@@ -26,7 +26,7 @@ pub(crate) fn seen_face(body: &ConvexPolyhedron, x: &Vector3<f64>, least: f64) -
         let plane = &body.planes[f as usize];
         plane.normal.dot(&way) / (plane.offset - plane.normal.dot(&center)).max(zero)
     };
-    let near = body.climb_cold(&way);
+    let near = body.support_cold(&way);
     let mut best = t.half_edge(t.fan(near).next()?).face;
     let mut top = reach(best);
     let across = |h: u32| t.half_edge(t.half_edge(h).twin).face;

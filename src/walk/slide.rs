@@ -1,6 +1,6 @@
 //! An edge over a face is no place to rest: it falls towards the face until it leaves it or meets it.
 
-use crate::num::packed::Lanes;
+use crate::num::packed::PackedVec3;
 use crate::pair::face::Face;
 use crate::pair::outcome::Outcome;
 use crate::pair::posed::Sides;
@@ -13,7 +13,7 @@ pub(crate) struct Slide {
     /// The half-edge of `x`, in the direction it falls.
     pub(crate) half_edge: u32,
     /// Where to begin, in the frame of the face's body.
-    pub(crate) start: Lanes,
+    pub(crate) start: PackedVec3,
     /// The face of `y`.
     pub(crate) face: u32,
     /// The edge of the rim the edge comes in over, if it does.
@@ -26,7 +26,7 @@ pub(crate) fn slide<S: Sides>(sides: &S, s: &Slide, outcome: &mut Outcome) -> St
     let (body, other) = (sides.x(), sides.y());
     let x = &body.topology;
     let end = x.half_edge(s.half_edge).to;
-    let way = Lanes::new(&sides.point_in_y(&body.points[end as usize])) - s.start;
+    let way = PackedVec3::new(&sides.point_in_y(&body.points[end as usize])) - s.start;
     let plane = &other.planes[s.face as usize];
     let face = Face {
         body: other,
@@ -37,7 +37,7 @@ pub(crate) fn slide<S: Sides>(sides: &S, s: &Slide, outcome: &mut Outcome) -> St
         Some((when, edge)) => (when, FeaturePair::edges(S::OF, x.edge(s.half_edge), edge)),
         None => (1.0, FeaturePair::vertex_face(S::OF, end, s.face)),
     };
-    let normal = Lanes::new(&plane.normal);
+    let normal = PackedVec3::new(&plane.normal);
     let (height, fall) = (normal.dot(s.start) - plane.offset, normal.dot(way));
     if height <= 0.0 {
         return jump(sides, end, s.face, &s.start.vector(), outcome);

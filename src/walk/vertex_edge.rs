@@ -10,7 +10,7 @@
 
 use nalgebra::Vector3;
 
-use crate::num::packed::Lanes;
+use crate::num::packed::PackedVec3;
 use crate::num::scalar::sqrt;
 use crate::pair::edge::Edge;
 use crate::pair::outcome::Outcome;
@@ -87,5 +87,5 @@ pub(crate) fn look<const CERTIFY: bool, S: Sides>(sides: &S, vertex: u32, edge: 
 #[inline(never)]
 fn above_planes(body: &ConvexPolyhedron, edge: u32, d: &Vector3<f64>, x: &Vector3<f64>, weights: (f64, f64)) -> f64 {
     let Edge { left, right, .. } = Edge::new(body, edge);
-    d.dot(x) - body.edge_bound(Lanes::new(d), left, right, weights, d.norm_squared())
+    d.dot(x) - body.edge_bound(PackedVec3::new(d), left, right, weights, d.norm_squared())
 }

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use crate::num::packed::Lanes;
+use crate::num::packed::PackedVec3;
 use crate::num::scalar::sqrt;
 use crate::pair::face::{Face, Rim};
 use crate::pair::outcome::Outcome;
@@ -41,7 +41,7 @@ pub(crate) fn look<const CERTIFY: bool, S: Sides>(sides: &S, vertex: u32, face: 
             sides,
             &Slide {
                 half_edge: h,
-                start: Lanes::new(&x),
+                start: PackedVec3::new(&x),
                 face,
                 from_rim: None,
             },

@@ -2,7 +2,7 @@
 
 use crate::depth::surface::{Filter, Measured, Surface, Triangle};
 use crate::num::scalar::{Scalar, Vec3, dot, sub};
-use crate::pair::difference::Corner;
+use crate::pair::difference::MinkowskiPoint;
 
 /// An edge of the border between what is replaced and what stays.
 #[derive(Clone, Copy, Debug)]
@@ -24,7 +24,7 @@ impl<T> Triangle<T> {
 
 impl<T: Scalar> Surface<T> {
     /// Takes in a point that lies higher than `triangle` along its direction, and replaces the triangles that see it.
-    pub(in crate::depth) fn insert(&mut self, triangle: u32, c: Corner<T>, filter: &Filter<T>) {
+    pub(in crate::depth) fn insert(&mut self, triangle: u32, c: MinkowskiPoint<T>, filter: &Filter<T>) {
         self.flood(triangle, &c.w, filter);
         if !self.surround() {
             // Three edges are a loop whatever is around them.

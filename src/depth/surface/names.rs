@@ -1,4 +1,4 @@
-//! Which vertex pairs are points of a large surface.
+//! Operand vertex pairs are points of a large surface.
 
 use alloc::vec::Vec;
 

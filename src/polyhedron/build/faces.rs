@@ -303,10 +303,10 @@ impl Mesh {
                 .map(|&c| vertex_at[c as usize])
                 .filter(|&v| v != NONE);
             let start = corners.min_by_key(|&v| body.topology.fan(v).len()).unwrap_or(0);
-            let front = body.climb(&p.normal, start);
+            let front = body.support_climb(&p.normal, start);
             let by = p.normal.dot(&(body.points[front as usize] - p.base));
             if by > accept {
-                let back = body.climb(&-p.normal, start);
+                let back = body.support_climb(&-p.normal, start);
                 let behind = p.normal.dot(&(p.base - body.points[back as usize]));
                 if behind <= accept {
                     return Err(BuildError::WrongOrientation { face: f });

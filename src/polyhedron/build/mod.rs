@@ -111,11 +111,11 @@ impl ConvexPolyhedron {
         if loops.len() > 1 && report.euler_characteristic != 2 {
             return Err(BuildError::Inconsistent);
         }
-        let inner = points.iter().sum::<Vector3<f64>>() / points.len() as f64;
-        let squares = points.iter().map(|p| (p - inner) * (p - inner).transpose());
-        let spread = squares.sum::<Matrix3<f64>>() * (3.0 / points.len() as f64);
-        let mean = spread.trace() / 3.0;
-        let is_creased = (0..topology.half_edge_count() as u32).any(|h| {
+        let vertex_mean = points.iter().sum::<Vector3<f64>>() / points.len() as f64;
+        let squares = points.iter().map(|p| (p - vertex_mean) * (p - vertex_mean).transpose());
+        let covariance3 = squares.sum::<Matrix3<f64>>() * (3.0 / points.len() as f64);
+        let mean = covariance3.trace() / 3.0;
+        let has_coplanar_neighbours = (0..topology.half_edge_count() as u32).any(|h| {
             let e = topology.half_edge(h);
             let [m, n] = [e.face, topology.half_edge(e.twin).face].map(|f| planes[f as usize].normal);
             m.dot(&n) > 0.0 && m.cross(&n).norm_squared() <= COPLANAR * COPLANAR
@@ -130,9 +130,9 @@ impl ConvexPolyhedron {
             has_bands: topology.has_large_faces() || !fans.is_empty(),
             fans,
             scan: Scan::new(&points),
-            inner,
-            spread,
-            is_flat: points.len() > FEW && spread.determinant() < FLAT * mean * mean * mean,
+            vertex_mean,
+            covariance3,
+            is_flat: points.len() > FEW && covariance3.determinant() < FLAT * mean * mean * mean,
             topology,
             source: kept.iter().map(|&i| cloud.source[i as usize]).collect(),
             points,
@@ -140,12 +140,12 @@ impl ConvexPolyhedron {
             source_faces: Vec::new(),
             origin: cloud.origin,
             exponent: cloud.exponent,
-            as_given: cloud.exponent == 0 && cloud.origin == Vector3::zeros(),
+            is_unscaled: cloud.exponent == 0 && cloud.origin == Vector3::zeros(),
             radius,
             low,
             high,
-            is_creased,
-            print: print(cloud, kept, loops),
+            has_coplanar_neighbours,
+            fingerprint: print(cloud, kept, loops),
             report,
         })
     }

@@ -1,7 +1,7 @@
 //! Long rims and large fans as smooth curves and the bands beside them.
 //!
 //! A long rim, or the ring of the neighbours of a vertex of many edges, is a curve whose corners are numbered; its *ribs* go from
-//! each corner to the apex of the fan, or along the sides of a prism to the other rim. Near a corner the curve is taken as the
+//! each corner to the apex of the fan, or along the sides of a prism to the other rim. RingLocation a corner the curve is taken as the
 //! parabola through it and two others, so far away that their unevenness does not count.
 
 use nalgebra::Vector3;
@@ -11,7 +11,7 @@ use crate::polyhedron::{ConvexPolyhedron, Feature};
 
 /// One curve of a body.
 #[derive(Clone, Copy)]
-pub(super) struct Band<'a> {
+pub(super) struct RingCurve<'a> {
     body: &'a ConvexPolyhedron,
     ring: Ring<'a>,
 }
@@ -25,11 +25,11 @@ enum Ring<'a> {
 }
 
 /// What a feature of a body is beside a curve.
-pub(super) enum Near<'a> {
+pub(super) enum RingLocation<'a> {
     /// A corner or an edge of the curve; its place.
-    Curve(Band<'a>, usize),
+    Curve(RingCurve<'a>, usize),
     /// A rib, or the strip between two of them; its place.
-    Rib(Band<'a>, usize),
+    Rib(RingCurve<'a>, usize),
 }
 
 /// The parabola through three corners of a curve and the lines through their ribs, in `x`, which is zero at the middle corner: value,
@@ -44,10 +44,10 @@ pub(super) struct Fit {
     origin: f64,
 }
 
-impl<'a> Band<'a> {
+impl<'a> RingCurve<'a> {
     fn link(body: &'a ConvexPolyhedron, apex: u32) -> Option<Self> {
         let fan = body.topology.fan(apex);
-        (fan.len() > LARGE).then(|| Band {
+        (fan.len() > LARGE).then(|| RingCurve {
             body,
             ring: Ring::Link {
                 apex,
@@ -63,7 +63,7 @@ impl<'a> Band<'a> {
         let t = &body.topology;
         if let Some((ring, k)) = t.long_rim(t.from(h)).filter(|(ring, k)| ring[*k] == h) {
             let ring = Ring::Rim(ring);
-            return Some((Band { body, ring }, k));
+            return Some((RingCurve { body, ring }, k));
         }
         let next = t.half_edge(t.half_edge(h).next);
         let band = Self::link(body, next.to)?;
@@ -254,7 +254,7 @@ const SPAN: usize = 256;
 
 impl ConvexPolyhedron {
     /// What a feature is beside a curve, if it is beside one.
-    pub(super) fn near(&self, feature: Feature) -> Option<Near<'_>> {
+    pub(super) fn near(&self, feature: Feature) -> Option<RingLocation<'_>> {
         match feature {
             Feature::Vertex(v) => self.near_vertex(v.0),
             Feature::Edge(e) => self.near_edge(e.0),
@@ -263,58 +263,58 @@ impl ConvexPolyhedron {
     }
 
     /// The curve a vertex is a corner of.
-    fn near_vertex(&self, v: u32) -> Option<Near<'_>> {
+    fn near_vertex(&self, v: u32) -> Option<RingLocation<'_>> {
         let t = &self.topology;
         if t.fan(v).len() > LARGE {
             return None;
         }
         if let Some((ring, k)) = t.long_rim(v) {
             let ring = Ring::Rim(ring);
-            return Some(Near::Curve(Band { body: self, ring }, k));
+            return Some(RingLocation::Curve(RingCurve { body: self, ring }, k));
         }
         t.fan(v).find_map(|h| {
             let e = t.half_edge(h);
-            let band = Band::link(self, e.to)?;
-            Some(Near::Curve(band, band.place_of(e.twin)))
+            let band = RingCurve::link(self, e.to)?;
+            Some(RingLocation::Curve(band, band.place_of(e.twin)))
         })
     }
 
     /// The curve an edge is a part of, or a rib beside.
-    fn near_edge(&self, edge: u32) -> Option<Near<'_>> {
+    fn near_edge(&self, edge: u32) -> Option<RingLocation<'_>> {
         let t = &self.topology;
         let e = t.half_edge(edge);
         let tail = t.half_edge(e.twin).to;
         // Of a fan.
         for (apex, h) in [(tail, edge), (e.to, e.twin)] {
-            if let Some(band) = Band::link(self, apex) {
-                return Some(Near::Rib(band, band.place_of(h)));
+            if let Some(band) = RingCurve::link(self, apex) {
+                return Some(RingLocation::Rib(band, band.place_of(h)));
             }
         }
         // Of a curve, one way or the other.
-        if let Some((band, k)) = Band::along(self, edge).or_else(|| Band::along(self, e.twin)) {
-            return Some(Near::Curve(band, k));
+        if let Some((band, k)) = RingCurve::along(self, edge).or_else(|| RingCurve::along(self, e.twin)) {
+            return Some(RingLocation::Curve(band, k));
         }
         match self.near_vertex(tail)? {
-            Near::Curve(band, k) if band.rib(k) == Some(t.edge(edge)) => Some(Near::Rib(band, k)),
+            RingLocation::Curve(band, k) if band.rib(k) == Some(t.edge(edge)) => Some(RingLocation::Rib(band, k)),
             _ => None,
         }
     }
 
     /// The curve a strip is beside.
-    fn near_face(&self, face: u32) -> Option<Near<'_>> {
+    fn near_face(&self, face: u32) -> Option<RingLocation<'_>> {
         let t = &self.topology;
         if t.ring(face).is_some() {
             return None;
         }
         t.rim(face).find_map(|h| {
             let e = t.half_edge(h);
-            if let Some(band) = Band::link(self, e.to) {
+            if let Some(band) = RingCurve::link(self, e.to) {
                 // The half-edge from the apex with this face on its left.
-                return Some(Near::Rib(band, band.place_of(e.next)));
+                return Some(RingLocation::Rib(band, band.place_of(e.next)));
             }
             let (ring, k) = t.long_rim(e.to).filter(|(ring, k)| ring[*k] == e.twin)?;
             let ring = Ring::Rim(ring);
-            Some(Near::Rib(Band { body: self, ring }, k))
+            Some(RingLocation::Rib(RingCurve { body: self, ring }, k))
         })
     }
 }

@@ -12,10 +12,10 @@ use nalgebra::Vector3;
 
 use crate::pair::face::{Face, Rim};
 use crate::pair::outcome::Outcome;
-use crate::pair::posed::Placed;
+use crate::pair::posed::PosedPair;
 use crate::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, Feature, FeaturePair, VertexId};
 use crate::walk::rings::cholesky::{Four, System};
-use crate::walk::rings::curve::{Band, Fit, Near};
+use crate::walk::rings::curve::{Fit, RingCurve, RingLocation};
 
 /// Newton steps of one leap.
 const STEPS: usize = 3;
@@ -44,9 +44,9 @@ enum Side<'a> {
     /// A face beside none: a point of its plane, its unit normal.
     Face(u32, [Vector3<f64>; 2]),
     /// On a curve: the place a fit is made about.
-    Curve(Band<'a>, usize, Fit),
+    Curve(RingCurve<'a>, usize, Fit),
     /// On the ribs beside one.
-    Ribs(Band<'a>, usize, Fit),
+    Ribs(RingCurve<'a>, usize, Fit),
 }
 
 /// Value and derivatives of a side's point in its two variables, `x` along the curve and `y` along the rib.
@@ -72,8 +72,8 @@ impl<'a> Side<'a> {
     fn of(body: &'a ConvexPolyhedron, feature: Feature) -> Option<Self> {
         let (t, at) = (&body.topology, |v: u32| body.points[v as usize]);
         Some(match (body.near(feature), feature) {
-            (Some(Near::Curve(band, k)), _) => Side::Curve(band, k, band.fit(k, false)?),
-            (Some(Near::Rib(band, k)), _) => Side::Ribs(band, k, band.fit(k, true)?),
+            (Some(RingLocation::Curve(band, k)), _) => Side::Curve(band, k, band.fit(k, false)?),
+            (Some(RingLocation::Rib(band, k)), _) => Side::Ribs(band, k, band.fit(k, true)?),
             (None, Feature::Vertex(v)) => Side::Vertex(v.0, at(v.0)),
             (None, Feature::Edge(e)) => {
                 let (p, q) = (at(t.from(e.0)), at(t.half_edge(e.0).to));
@@ -96,9 +96,9 @@ impl<'a> Side<'a> {
     }
 
     /// From B's frame to A's.
-    fn place(&mut self, placed: &Placed) {
-        let point = |p: &mut Vector3<f64>| *p = placed.point_in_a(p);
-        let vector = |v: &mut Vector3<f64>| *v = placed.vector_in_a(v);
+    fn place(&mut self, posed: &PosedPair) {
+        let point = |p: &mut Vector3<f64>| *p = posed.point_in_a(p);
+        let vector = |v: &mut Vector3<f64>| *v = posed.vector_in_a(v);
         let jet = |[p, d, c]: &mut [Vector3<f64>; 3]| {
             point(p);
             vector(d);
@@ -196,7 +196,7 @@ impl<'a> Side<'a> {
         let vertex = |v: u32| Feature::Vertex(VertexId(v));
         let edge = |e: u32| Feature::Edge(EdgeId(e));
         let t = &body.topology;
-        let curve = |band: &Band| {
+        let curve = |band: &RingCurve| {
             if other == 2 {
                 vertex(band.corner_near(j, part))
             } else {
@@ -235,19 +235,19 @@ impl<'a> Side<'a> {
 /// Goes to where the curves of the pair's features are closest; whether that is elsewhere.
 #[cold]
 #[inline(never)]
-pub(crate) fn leap(placed: &Placed, outcome: &mut Outcome) -> bool {
+pub(crate) fn newton_jump(posed: &PosedPair, outcome: &mut Outcome) -> bool {
     let pair = outcome.features;
-    let (Some(a), Some(mut b)) = (Side::of(placed.a, pair.a), Side::of(placed.b, pair.b)) else {
+    let (Some(a), Some(mut b)) = (Side::of(posed.a, pair.a), Side::of(posed.b, pair.b)) else {
         return false;
     };
     if !a.is_curved() && !b.is_curved() {
         return false;
     }
-    b.place(placed);
-    let leap = Leap { placed, a: &a, b: &b };
+    b.place(posed);
+    let leap = Leap { posed, a: &a, b: &b };
     match leap.pair() {
         Some(to) => {
-            outcome.features = to.to_stand_on(placed.a, placed.b);
+            outcome.features = to.to_stand_on(posed.a, posed.b);
             true
         }
         None => false,
@@ -256,7 +256,7 @@ pub(crate) fn leap(placed: &Placed, outcome: &mut Outcome) -> bool {
 
 /// Both sides, in A's frame.
 struct Leap<'a, 'b> {
-    placed: &'a Placed<'b>,
+    posed: &'a PosedPair<'b>,
     a: &'a Side<'a>,
     b: &'a Side<'a>,
 }
@@ -293,12 +293,12 @@ impl Leap<'_, '_> {
 
     /// How far apart the bodies' own points are there.
     fn landing(&self, spots: &(Spot, Spot)) -> Landing {
-        let placed = self.placed;
-        let (on_a, on_b) = (self.a.point(placed.a, &spots.0), self.b.point(placed.b, &spots.1));
+        let posed = self.posed;
+        let (on_a, on_b) = (self.a.point(posed.a, &spots.0), self.b.point(posed.b, &spots.1));
         match (on_a, on_b, self.a, self.b) {
-            (Some(p), Some(q), ..) => Landing::At((p - placed.point_in_a(&q)).norm_squared()),
-            (_, Some(q), Side::Face(f, _), _) => over(placed.a, *f, &placed.point_in_a(&q), placed.size()),
-            (Some(p), _, _, Side::Face(f, _)) => over(placed.b, *f, &placed.point_in_b(&p), placed.size()),
+            (Some(p), Some(q), ..) => Landing::At((p - posed.point_in_a(&q)).norm_squared()),
+            (_, Some(q), Side::Face(f, _), _) => over(posed.a, *f, &posed.point_in_a(&q), posed.size()),
+            (Some(p), _, _, Side::Face(f, _)) => over(posed.b, *f, &posed.point_in_b(&p), posed.size()),
             _ => Landing::At(f64::INFINITY),
         }
     }
@@ -325,8 +325,8 @@ impl Leap<'_, '_> {
             _ => side.feature(body, spot, other),
         };
         FeaturePair {
-            a: name(self.a, self.placed.a, &spots.0, dimension(self.b, &spots.1)),
-            b: name(self.b, self.placed.b, &spots.1, dimension(self.a, &spots.0)),
+            a: name(self.a, self.posed.a, &spots.0, dimension(self.b, &spots.1)),
+            b: name(self.b, self.posed.b, &spots.1, dimension(self.a, &spots.0)),
         }
     }
 }

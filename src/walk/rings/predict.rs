@@ -4,12 +4,17 @@
 //! evenly about as many as in the step before. To start there saves the leap (see [`leap`](super::leap)).
 
 use crate::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, Feature, FeaturePair, VertexId};
-use crate::walk::rings::curve::Near;
+use crate::walk::rings::curve::RingLocation;
 
 /// The pair as far beyond `now` as that is from `before`, each feature along its curve; the same feature where it is on none.
 #[cold]
 #[inline(never)]
-pub(crate) fn ahead(a: &ConvexPolyhedron, b: &ConvexPolyhedron, before: FeaturePair, now: FeaturePair) -> FeaturePair {
+pub(crate) fn predict(
+    a: &ConvexPolyhedron,
+    b: &ConvexPolyhedron,
+    before: FeaturePair,
+    now: FeaturePair,
+) -> FeaturePair {
     let next = |body: &ConvexPolyhedron, before: Feature, now: Feature| {
         let moves = body.has_bands && before != now && body.has(before);
         moves.then(|| body.beyond(before, now)).flatten().unwrap_or(now)
@@ -23,15 +28,15 @@ pub(crate) fn ahead(a: &ConvexPolyhedron, b: &ConvexPolyhedron, before: FeatureP
 impl ConvexPolyhedron {
     /// As far along a curve beyond `now` as that is from `before`.
     fn beyond(&self, before: Feature, now: Feature) -> Option<Feature> {
-        let (Near::Curve(ring, from) | Near::Rib(ring, from)) = self.near(before)?;
+        let (RingLocation::Curve(ring, from) | RingLocation::Rib(ring, from)) = self.near(before)?;
         let there = self.near(now)?;
-        let (Near::Curve(band, to) | Near::Rib(band, to)) = there;
+        let (RingLocation::Curve(band, to) | RingLocation::Rib(band, to)) = there;
         let place = band.beyond(&ring, from, to)?;
         Some(match (there, now) {
-            (Near::Curve(..), Feature::Vertex(_)) => Feature::Vertex(VertexId(band.corner(place))),
-            (Near::Curve(..), _) => Feature::Edge(EdgeId(band.edge(place))),
-            (Near::Rib(..), Feature::Edge(_)) => Feature::Edge(EdgeId(band.rib(place)?)),
-            (Near::Rib(..), _) => Feature::Face(FaceId(band.strip(place))),
+            (RingLocation::Curve(..), Feature::Vertex(_)) => Feature::Vertex(VertexId(band.corner(place))),
+            (RingLocation::Curve(..), _) => Feature::Edge(EdgeId(band.edge(place))),
+            (RingLocation::Rib(..), Feature::Edge(_)) => Feature::Edge(EdgeId(band.rib(place)?)),
+            (RingLocation::Rib(..), _) => Feature::Face(FaceId(band.strip(place))),
         })
     }
 }
