@@ -26,7 +26,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! # Operand function?
+//! # Which function?
 //!
 //! | question | function | answer |
 //! |---|---|---|
@@ -37,12 +37,12 @@
 //! | The same to the last bit? | `Tracker::closest_exact` (feature `exact`) | [`Outcome`] |
 //! | As the walk says, checked elsewhere? | [`Tracker::propose`] | [`Proposal`]: no bounds |
 //! | Give or take an error? The same in many small steps? | [`Watch`] | distance or `bool`, looked for only where the motion leaves it open |
-//! | Operand points hold them apart? | [`Tracker::manifold`] | [`Manifold`]: contact points, with names that last |
+//! | Which points hold them apart? | [`Tracker::manifold`] | [`Manifold`]: contact points, with names that last |
 //! | What does a motion do to the distance? | [`Outcome::gradient_a`], [`gradient_b`](Outcome::gradient_b) | [`Gradient`] of the signed distance |
 //! | When do they meet? | none yet; a loop over [`Tracker::distance`] | see [`Velocity`] |
 //! | Many moving bodies? | [`scene::Scene`] | events and answers for the effects called for |
 //! | Only the pairs of boxes? | [`broad::PencilSweep`] | pairs, events, stable ids |
-//! | Operand pairs would the walk look at? | [`Tracker::trace`] | the way, pair by pair |
+//! | Which pairs would the walk look at? | [`Tracker::trace`] | the way, pair by pair |
 //! | How do I report this query? | [`Tracker::replay`] | [`Replay`]: a text that rebuilds it bit for bit |
 //! | Where does B stand? | [`RelativePose::new`] | a checked pose, or a [`PoseError`] |
 //! | A body of points, of faces? | [`ConvexPolyhedron::from_points`], [`from_faces`](ConvexPolyhedron::from_faces) | a body with its [`BuildReport`], or a [`BuildError`] |

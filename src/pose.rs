@@ -14,7 +14,7 @@ pub enum PoseError {
     /// f64: then the body is B and the value its place seen from A's.
     #[error("translation of {body} is out of range: coordinate {axis} is {value}")]
     Translation {
-        /// Operand of the two poses.
+        /// Which of the two poses.
         body: Operand,
         /// 0, 1 or 2.
         axis: usize,
@@ -25,7 +25,7 @@ pub enum PoseError {
     /// [`RelativePose`].
     #[error("rotation of {body} is not a unit quaternion: its squared norm is {norm_squared}")]
     Rotation {
-        /// Operand of the two poses.
+        /// Which of the two poses.
         body: Operand,
         /// The squared norm, NaN or infinite where a coordinate is.
         norm_squared: f64,

@@ -14,7 +14,7 @@
 use nalgebra::Vector3;
 
 use crate::motion::BallAtPose;
-use crate::pair::outcome::{Class, Distance};
+use crate::pair::outcome::{Class, Distance, Until};
 use crate::polyhedron::ConvexPolyhedron;
 use crate::pose::{Operand, RelativePose};
 use crate::tracker::{Tracker, clear_of};
@@ -102,7 +102,7 @@ impl<'a> Watch<'a> {
         {
             return known;
         }
-        self.look(place, a_from_b, true)
+        self.look(place, a_from_b, Until::Depth)
     }
 
     /// Whether the closed bodies are at most `d` apart: the answer of [`Tracker::within`], often for less.
@@ -124,7 +124,7 @@ impl<'a> Watch<'a> {
         if let Some(answer) = self.known(&place).as_ref().and_then(decided) {
             return answer;
         }
-        let found = self.look(place, a_from_b, false);
+        let found = self.look(place, a_from_b, Until::Class);
         decided(&found).unwrap_or_else(|| self.tracker.within(self.a, self.b, a_from_b, d))
     }
 
@@ -151,9 +151,9 @@ impl<'a> Watch<'a> {
         &self.tracker
     }
 
-    fn look(&mut self, place: BallAtPose, a_from_b: &RelativePose, deep: bool) -> Distance {
+    fn look(&mut self, place: BallAtPose, a_from_b: &RelativePose, until: Until) -> Distance {
         self.looked += 1;
-        let answer = self.tracker.bounds(self.a, self.b, a_from_b, deep);
+        let answer = self.tracker.bounds(self.a, self.b, a_from_b, until);
         self.seen = Some(Seen { place, answer });
         answer
     }

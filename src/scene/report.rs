@@ -35,7 +35,7 @@ pub struct Counts {
     /// Called pairs whose tracker was asked: calls of the narrow phase.
     pub queries: u64,
     /// Queries by the solver that answered, in the order of [`Solver`].
-    pub answered: [u64; 7],
+    pub(crate) answered: [u64; Solver::COUNT],
     /// Queries that found the bodies apart.
     pub separated: u64,
     /// Feature pairs looked at by walks, and facets of the surfaces that answered without one.

@@ -56,7 +56,7 @@ pub struct Totals {
     /// Of these, how many started from the features of the answer before.
     pub warm: u64,
     /// Queries by the solver that answered, in the order of [`Solver`].
-    pub answered: [u64; 7],
+    pub(crate) answered: [u64; Solver::COUNT],
     /// Feature pairs looked at.
     pub steps: u64,
     /// Overlaps whose depth was searched for.
