@@ -137,7 +137,7 @@ fn answer(
         Class::Separated => "sep",
         Class::Touching => "touch",
         Class::Overlapping => "pen",
-        Class::Undecided => "none",
+        _ => "none",
     };
     let n = pa.rotation * normal;
     let mut line = format!("{} {word} {distance:e}", case.id);
