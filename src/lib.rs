@@ -240,10 +240,11 @@ pub use contact::{ContactPoint, Gradient, Manifold, ManifoldOptions};
 pub use motion::Velocity;
 pub use nalgebra;
 pub use pair::outcome::{Accuracy, Class, Distance, Outcome, Proposal, Solver, Work};
+pub use pair::world::WorldWitnesses;
 pub use polyhedron::{
     BoxHint, BuildError, BuildReport, ConvexPolyhedron, EdgeId, FaceId, Feature, FeaturePair, VertexId,
 };
-pub use pose::{Operand, PoseError, RelativePose};
+pub use pose::{Operand, PoseError, RelativePose, normalize};
 pub use replay::{Replay, ReplayError};
 pub use tracker::{Totals, Tracker};
 

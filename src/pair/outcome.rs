@@ -103,8 +103,19 @@ pub enum Solver {
 }
 
 impl Solver {
+    /// All solvers, in the order of their declaration.
+    pub const ALL: &'static [Self] = &[
+        Self::Walk,
+        Self::Restart,
+        Self::Fallback,
+        Self::DoubleDouble,
+        Self::Exact,
+        Self::Far,
+        Self::Surface,
+    ];
+
     /// Number of solvers: the length of a table with one entry for each.
-    pub(crate) const COUNT: usize = Self::Surface as usize + 1;
+    pub(crate) const COUNT: usize = Self::ALL.len();
 }
 
 impl core::fmt::Display for Solver {

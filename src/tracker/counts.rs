@@ -1,6 +1,7 @@
 //! What a tracker counts: for itself, which start is the cheaper one; for the caller, what was done.
 
 use crate::pair::outcome::{Solver, Work};
+use crate::pair::world::AnsweredBy;
 
 /// What the two ways to start have cost lately, in steps of the walk: which of them a query takes.
 ///
@@ -68,6 +69,21 @@ impl Totals {
     #[must_use]
     pub fn answered_by(&self, solver: Solver) -> u64 {
         self.answered[solver as usize]
+    }
+}
+
+/// Queries, the share of warm starts, steps and depths, and the solvers that answered.
+impl core::fmt::Display for Totals {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        write!(
+            f,
+            "{} queries, {} warm, {} steps, {} depths; {}",
+            self.queries,
+            self.warm,
+            self.steps,
+            self.depths,
+            AnsweredBy(&self.answered)
+        )
     }
 }
 
