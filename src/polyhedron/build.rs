@@ -10,7 +10,7 @@ use super::cloud::{Cloud, bounding_box, power_of_two};
 use super::error::BuildError;
 use super::facets::Facets;
 use super::fans::Fans;
-use super::hull::{Span, Surface, hull};
+use super::hull::{NONE, Span, Surface, hull};
 use super::plane::{plane, widest_corners};
 use super::report::BuildReport;
 use super::sign::side;
@@ -18,7 +18,7 @@ use super::support::CubeMap;
 use super::topology::Topology;
 use super::{ConvexPolyhedron, Plane};
 use crate::scalar::sqrt;
-use crate::tolerance::{COPLANAR, NEAR_PLANE, UNIT};
+use crate::tolerance::{COPLANAR, UNIT};
 
 /// How many of the largest faces the flatness of the report looks across.
 const WIDTHS: usize = 8;
@@ -144,40 +144,14 @@ impl ConvexPolyhedron {
         for &i in facets.kept.iter().chain(&facets.on_edges).chain(&facets.on_faces) {
             settled[i as usize] = true;
         }
-        let mut hint = 0;
         for (i, p) in cloud.points.iter().enumerate().filter(|(i, _)| !settled[*i]) {
-            let on = if surface.touching[i] {
-                self.faces_through(p, &mut hint)
-            } else {
-                0
-            };
-            let list = match on {
-                0 => &mut self.report.interior,
-                1 => &mut self.report.on_faces,
-                _ => &mut self.report.on_edges,
+            let list = match surface.touching[i] {
+                NONE => &mut self.report.interior,
+                triangle if facets.is_on_edge(&cloud.points, triangle, p) => &mut self.report.on_edges,
+                _ => &mut self.report.on_faces,
             };
             list.push(cloud.source[i]);
         }
-    }
-
-    /// In how many face planes a point of the body lies exactly, counted up to 2. Neighbours in space often lie on the
-    /// same face, so the search starts at the face of the last one.
-    fn faces_through(&self, p: &Vector3<f64>, hint: &mut usize) -> usize {
-        let near = NEAR_PLANE * self.radius;
-        let mut count = 0;
-        let faces = self.planes.len();
-        let start = *hint;
-        for f in (start..faces).chain(0..start) {
-            let plane = &self.planes[f];
-            if plane.normal.dot(p) >= plane.offset - near && self.face_side(f as u32, p) == 0.0 {
-                count += 1;
-                *hint = f;
-                if count == 2 {
-                    break;
-                }
-            }
-        }
-        count
     }
 
     /// Positive where a point in stored coordinates is in front of a face, 0 in its plane; an exact sign.

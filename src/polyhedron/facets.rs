@@ -5,7 +5,7 @@ use alloc::vec::Vec;
 use nalgebra::Vector3;
 
 use super::hull::{Surface, Triangle};
-use super::sign::side;
+use super::sign::{projection, side, turn};
 
 const NONE: u32 = u32::MAX;
 
@@ -21,6 +21,8 @@ pub(crate) struct Facets {
     pub(crate) on_faces: Vec<u32>,
     /// Triangles that were merged away.
     pub(crate) merged: usize,
+    /// The face of each triangle.
+    pub(crate) face_of: Vec<u32>,
 }
 
 impl Facets {
@@ -35,6 +37,7 @@ impl Facets {
             on_edges: Vec::new(),
             on_faces: Vec::new(),
             merged: triangles.len() - groups,
+            face_of: Vec::new(),
         };
         for (i, degree) in degree.iter().enumerate() {
             match degree {
@@ -56,17 +59,53 @@ impl Facets {
             };
             if !core::mem::replace(&mut done[g], true) {
                 let ring = rim(triangles, &group, &number, start as u32, k)?;
-                order.push(((ring[0] as u64) << 32 | ring[1] as u64, facets.loops.len()));
+                order.push(((ring[0] as u64) << 32 | ring[1] as u64, facets.loops.len(), g));
                 facets.loops.push(ring);
             }
         }
         order.sort_unstable();
+        let mut face_of_group = vec![NONE; groups];
+        for (&(_, _, g), face) in order.iter().zip(0u32..) {
+            face_of_group[g] = face;
+        }
+        facets.face_of = group.iter().map(|&g| face_of_group[g as usize]).collect();
         facets.loops = order
             .into_iter()
-            .map(|(_, i)| core::mem::take(&mut facets.loops[i]))
+            .map(|(_, i, _)| core::mem::take(&mut facets.loops[i]))
             .collect();
         (facets.loops.len() == groups).then_some(facets)
     }
+
+    /// Returns whether a point of the hull that lies in the plane of a triangle is on an edge of the triangle's face.
+    pub(crate) fn is_on_edge(&self, points: &[Vector3<f64>], triangle: u32, p: &Vector3<f64>) -> bool {
+        let rim = &self.loops[self.face_of[triangle as usize] as usize];
+        let at = |k: usize| &points[self.kept[rim[k] as usize] as usize];
+        // Corners are extreme, so no three are in line.
+        let Some(axis) = projection(at(0), at(1), at(2)) else {
+            return false;
+        };
+        let sense = turn(axis, at(0), at(1), at(2));
+        is_on_rim(rim.len(), |i, j| turn(axis, at(i), at(j), p) * sense.signum())
+    }
+}
+
+/// Returns whether a point of a closed convex polygon of `corners` corners is on an edge: `turn(i, j)` is positive if the point is to the
+/// left of the line from corner `i` to corner `j`, and zero on it. Asks for a logarithm of the corners.
+fn is_on_rim(corners: usize, mut turn: impl FnMut(usize, usize) -> f64) -> bool {
+    // The point is between the diagonals from corner 0 to `low` and to `high`.
+    let (mut low, mut high) = (1, corners - 1);
+    if turn(0, low) == 0.0 || turn(0, high) == 0.0 {
+        return true;
+    }
+    while high - low > 1 {
+        let middle = low.midpoint(high);
+        if turn(0, middle) >= 0.0 {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    turn(low, high) == 0.0
 }
 
 /// The number of the face each triangle belongs to, and how many there are.
