@@ -103,9 +103,7 @@ impl Tracker {
                 return false;
             }
         }
-        self.totals.queries += 1;
-        self.totals.warm += 1;
-        self.totals.answered[outcome.layer as usize] += 1;
+        self.totals.note(true, outcome.layer, &outcome.work);
         if !(placed.a.as_given && placed.b.as_given) {
             give_back(placed.a, placed.b, outcome);
         }
