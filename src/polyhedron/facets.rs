@@ -187,3 +187,79 @@ fn rim(triangles: &[Triangle], group: &[u32], number: &[u32], start: u32, k: usi
     }
     None
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::polyhedron::ConvexPolyhedron;
+    use lab::rng::Rng;
+    use nalgebra::Point3;
+
+    /// A parabola's polygon: corners `(k, k^2)`, doubled so that midpoints of edges are whole.
+    #[test]
+    fn a_point_is_found_on_a_rim_by_a_logarithm_of_looks() {
+        for corners in [3usize, 4, 5, 17, 1000] {
+            let at = |k: usize| [2 * k as i64, 2 * (k * k) as i64];
+            let most = 2 * (usize::BITS - corners.leading_zeros()) + 3;
+            let ask = |p: [i64; 2]| {
+                let mut looks = 0;
+                let told = is_on_rim(corners, |i, j| {
+                    looks += 1;
+                    let ([ax, ay], [bx, by]) = (at(i), at(j));
+                    ((bx - ax) * (p[1] - ay) - (by - ay) * (p[0] - ax)) as f64
+                });
+                assert!(looks <= most, "{looks} looks at {corners} corners");
+                told
+            };
+            for k in 0..corners {
+                let ([ax, ay], [bx, by]) = (at(k), at((k + 1) % corners));
+                assert!(ask([(ax + bx) / 2, (ay + by) / 2]), "{corners} {k}");
+            }
+            // Two units above the parabola, the first and the last corner left out.
+            for k in 1..corners.saturating_sub(2) {
+                let [x, y] = at(k);
+                assert!(!ask([x + 1, y + 2 * k as i64 + 2]), "{corners} {k}");
+            }
+        }
+    }
+
+    /// What a report says of points that are no vertices is what all faces say one by one.
+    #[test]
+    fn every_face_looked_at_sorts_points_out_alike() {
+        let mut rng = Rng::new(71);
+        let mut found = [0; 3];
+        for round in 0..300 {
+            let n = 8 + rng.below(60);
+            let side = 2 + rng.below(6);
+            let mut points: Vec<Vector3<f64>> = (0..n)
+                .map(|_| Vector3::from([0; 3].map(|_| 6.0 * rng.below(side) as f64)))
+                .collect();
+            // Midpoints and centroids of some, exact as coordinates are multiples of six.
+            for _ in 0..n {
+                let [p, q, r] = [0; 3].map(|_| points[rng.below(n)]);
+                points.push(if rng.below(2) == 0 {
+                    (p + q) / 2.0
+                } else {
+                    (p + q + r) / 3.0
+                });
+            }
+            let points: Vec<Point3<f64>> = points.into_iter().map(Point3::from).collect();
+            let Ok(body) = ConvexPolyhedron::from_points(&points) else {
+                continue;
+            };
+            let report = body.report();
+            let copies: Vec<usize> = report.duplicates.iter().map(|d| d.0 as usize).collect();
+            for (i, p) in points.iter().enumerate().filter(|(i, _)| !copies.contains(i)) {
+                let stored = (p.coords - body.origin) / body.unit();
+                let on = body.faces().filter(|f| body.face_side(f.0, &stored) == 0.0).count();
+                let i = i as u32;
+                let listed = [&report.interior, &report.on_faces, &report.on_edges].map(|list| list.contains(&i));
+                assert_eq!(listed, [on == 0, on == 1, on == 2], "{round}: {p} is on {on} faces");
+                if on < 3 {
+                    found[on] += 1;
+                }
+            }
+        }
+        assert!(found.iter().all(|&n| n > 300), "{found:?}");
+    }
+}
