@@ -1,5 +1,6 @@
 //! Sweep and prune over pencils: the world cut into columns along the swept axis, each a sorted list of its own.
 
+mod check;
 mod column;
 mod query;
 mod repair;
@@ -13,8 +14,9 @@ use super::grid::Grid;
 use super::ledger::{HasLedger, Ledger};
 use super::parallel::{Threads, join};
 use super::{Aabb, BatchError, BodyId, BroadPhase, Events, Settings, StoredBox};
+use alloc::string::String;
 use alloc::vec::Vec;
-use column::{ARRIVING, Column};
+use column::{Column, who};
 pub use query::Pencil;
 use repair::Touch;
 use scan::Worker;
@@ -136,7 +138,9 @@ impl PencilSweep {
             }
             let old = record.range_before(bodies.step, &bodies.grid);
             for cell in old.columns() {
-                self.columns[bodies.grid.index(cell)].entries.push(i as u64);
+                self.columns[bodies.grid.index(cell)]
+                    .entries
+                    .push(u64::from(who(i as u32, 0)));
             }
         }
         self.list_arrivals();
@@ -150,9 +154,7 @@ impl PencilSweep {
             let old = record.range_before(bodies.step, &bodies.grid);
             let jumps = record.flags() & JUMPS != 0;
             for cell in record.range().columns().filter(|cell| jumps || !old.contains(*cell)) {
-                self.columns[bodies.grid.index(cell)]
-                    .entries
-                    .push(u64::from(index | ARRIVING));
+                self.columns[bodies.grid.index(cell)].arrive(index);
             }
         }
     }
@@ -327,6 +329,11 @@ impl BroadPhase for PencilSweep {
         };
         self.ledger.take_over(filter, partners, threads);
         self.ledger.pairs.events(&self.ledger.bodies)
+    }
+
+    fn check(&self) -> Result<(), String> {
+        self.ledger.check()?;
+        self.check_columns()
     }
 
     fn bytes(&self) -> usize {

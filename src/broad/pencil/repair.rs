@@ -1,6 +1,6 @@
 //! Local repair: when few boxes changed, only their entries move and only their windows are looked at.
 
-use super::column::{ARRIVING, Column, Part, entry, index_of};
+use super::column::{ARRIVING, Column, Part, entry, index_of, who};
 use super::scan::{Worker, decide};
 use crate::broad::aabb::{max, order_key};
 use crate::broad::body::{Bodies, JUMPS, MIGRATES, Record};
@@ -59,14 +59,14 @@ impl Worker {
         self.active.clear();
         self.reach = 0.0;
         let mut parted = false;
-        for &(_, who) in touched {
-            let record = &bodies.records[who as usize];
+        for &(_, index) in touched {
+            let record = &bodies.records[index as usize];
             let (stays, comes) = roles(record, cell, bodies);
             let (old, new) = (record.before(bodies.step), record.now());
             let (old_start, new_start) = (old.to_box().lo[0], new.to_box().lo[0]);
             parted |= comes;
             if comes {
-                let item = entry(new_start, who | ARRIVING);
+                let item = entry(new_start, who(index, ARRIVING));
                 let place = column.entries.partition_point(|e| *e < item);
                 column.entries.insert(place, item);
                 column.longest = max(column.longest, length(&new));
@@ -75,9 +75,9 @@ impl Worker {
             if !stays {
                 continue;
             }
-            let mut item = entry(old_start, who);
-            if Part::of(who, record, cell) == Part::Both {
-                let moved = entry(new_start, who);
+            let mut item = entry(old_start, who(index, 0));
+            if Part::of(item as u32, record, cell) == Part::Both {
+                let moved = entry(new_start, who(index, 0));
                 self.swaps += shift(&mut column.entries, item, moved);
                 item = moved;
                 column.longest = max(column.longest, length(&old.united(&new)));
@@ -159,6 +159,7 @@ fn length(bounds: &Bounds) -> f32 {
 /// Replaces an entry by another and keeps the order. Returns how many places it moved by.
 fn shift(entries: &mut [u64], from: u64, to: u64) -> u64 {
     let Ok(place) = entries.binary_search(&from) else {
+        debug_assert!(false, "a column lost the entry {from:#x}");
         return 0;
     };
     let mut target = place;

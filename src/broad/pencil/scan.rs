@@ -293,7 +293,7 @@ fn four(bounds: &[f32], from: usize) -> f32x4 {
 
 /// Reports a changed pair if the column owns it: a beginning by the new boxes, an end by the old ones.
 pub(super) fn decide(a: u32, b: u32, began: bool, cell: [u16; 2], bodies: &Bodies, changes: &mut Changes) {
-    let (i, j) = (a & !ARRIVING, b & !ARRIVING);
+    let (i, j) = (a >> 1, b >> 1);
     let (first, second) = (&bodies.records[i as usize], &bodies.records[j as usize]);
     let (part_a, part_b) = (Part::of(a, first, cell), Part::of(b, second, cell));
     // No branch foretells which it is.
