@@ -62,6 +62,8 @@ pub struct PencilSweep {
     entries: usize,
     /// Places that entries moved by in the last step.
     swaps: u64,
+    /// Entries inside the windows of the last step.
+    scanned: u64,
     pub(super) parallel_from: usize,
 }
 
@@ -92,6 +94,7 @@ impl PencilSweep {
             tuning: Tuning::new(),
             entries: 0,
             swaps: 0,
+            scanned: 0,
             parallel_from,
         }
     }
@@ -100,6 +103,12 @@ impl PencilSweep {
     #[must_use]
     pub fn swaps(&self) -> u64 {
         self.swaps
+    }
+
+    /// How many entries lay inside the windows of the last step, which were compared with the entry whose window it was.
+    #[must_use]
+    pub fn scanned(&self) -> u64 {
+        self.scanned
     }
 
     fn threads(&self) -> Threads {
@@ -202,11 +211,12 @@ impl PencilSweep {
         for worker in &mut self.workers {
             self.ledger.changes.append(&mut worker.changes);
             self.swaps += core::mem::take(&mut worker.swaps);
+            self.scanned += core::mem::take(&mut worker.scanned);
         }
     }
 
     fn find_changes(&mut self) {
-        self.swaps = 0;
+        (self.swaps, self.scanned) = (0, 0);
         self.ledger.changes.clear();
         self.ledger.bodies.classify();
         let entries = self.entries_to_be();
