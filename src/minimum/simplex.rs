@@ -1,29 +1,31 @@
-//! The point of a simplex nearest to the origin, in any arithmetic.
+//! The point of a simplex closest to the origin, in any arithmetic.
 //!
-//! Signed volumes (Montanari, Petrinic, Barbieri 2017) with one departure: where a sign says the origin lies beyond
-//! more than one face, or rounding hides the sign, each such face is tried and the nearest answer taken.
+//! Signed volumes (Montanari, Petrinic, Barbieri 2017) with one departure: if the signs put the
+//! origin beyond more than one face, or rounding hides a sign, each such face is tried and the
+//! closest point of all is taken.
 
 use crate::num::scalar::{Scalar, Vec3, cross, dot, neg, root, scaled, sub};
 use crate::pair::difference::MinkowskiPoint;
 use crate::pair::transform::Reach;
 use crate::tolerance::VOLUME;
 
-/// Up to four corners and the point of their hull nearest to the origin.
+/// Up to four Minkowski points, and the point of their convex hull closest to the origin.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Simplex<T> {
     corners: [MinkowskiPoint<T>; 4],
     nearest: Nearest<T>,
 }
 
-/// The nearest point of a few corners, by their numbers.
+/// The closest point of a simplex, in barycentric coordinates.
 #[derive(Clone, Copy, Debug)]
 struct Nearest<T> {
-    /// The corners whose hull holds it in its relative interior.
+    /// Indices of the points whose hull contains the closest point in the relative interior.
     ids: [u8; 4],
     len: u8,
-    /// Positive and summing to one up to rounding, for the corners held.
+    /// Barycentric weights of the points in `ids`: positive, with a sum of 1 up to rounding.
     weights: [T; 4],
-    /// From the origin towards the simplex: the nearest point or, better conditioned, a multiple of the normal.
+    /// Direction from the origin towards the simplex: the closest point or, better conditioned, a
+    /// multiple of the normal.
     direction: Vec3<T>,
     /// Squared distance from the origin.
     squared: T,
@@ -47,7 +49,7 @@ impl<T: Scalar> Nearest<T> {
         let d = sub(qw, pw);
         let (t, dd) = (-dot(pw, &d), dot(&d, &d));
         let zero = T::from(0.0);
-        // V(p), V(q); a zero edge is a vertex.
+        // Voronoi regions V(p), V(q); a zero edge is a vertex.
         if !(t > zero) {
             return Self::vertex(c, p);
         }
@@ -71,7 +73,7 @@ impl<T: Scalar> Nearest<T> {
         let [p, q, r] = ids.map(|k| &c[k as usize].w);
         let n = cross(&sub(q, p), &sub(r, p));
         let zero = T::from(0.0);
-        // Weight of the corner opposite to the edge x-y.
+        // Weight of the point opposite to the edge x-y.
         let weight = |x: &Vec3<T>, y: &Vec3<T>| -dot(&n, &cross(&sub(y, x), x));
         let w = [weight(q, r), weight(r, p), weight(p, q)];
         let mut best: Option<Self> = None;
@@ -99,7 +101,8 @@ impl<T: Scalar> Nearest<T> {
         }
     }
 
-    /// Four corners: the origin inside (`len` 4, proven against rounding), or the nearest of the faces it may be beyond.
+    /// Tests a tetrahedron: the origin inside (`len` 4, proven against rounding), or the closest
+    /// point of the faces that may separate the origin.
     fn tetrahedron(c: &[MinkowskiPoint<T>; 4], reach: Reach) -> Self {
         let det = |i: usize, j: usize, k: usize| dot(&c[i].w, &cross(&c[j].w, &c[k].w));
         let mut volume = [det(1, 2, 3), -det(0, 2, 3), det(0, 1, 3), -det(0, 1, 2)];
@@ -135,7 +138,7 @@ impl<T: Scalar> Nearest<T> {
     }
 }
 
-/// What rounding may make of the volume of three corners, see [`VOLUME`].
+/// Bound of the rounding in the volume of three points with the origin, see [`VOLUME`].
 #[cold]
 fn rounding<T: Scalar>(c: &[MinkowskiPoint<T>; 4], face: &[u8; 3], reach: Reach) -> f64 {
     let sum = |v: Vec3<T>| v.iter().fold(0.0, |sum, x| sum + x.value().abs());
@@ -148,7 +151,7 @@ fn rounding<T: Scalar>(c: &[MinkowskiPoint<T>; 4], face: &[u8; 3], reach: Reach)
 }
 
 impl<T: Scalar> Simplex<T> {
-    /// One corner.
+    /// Returns the simplex of one point.
     pub(crate) fn vertex(c: MinkowskiPoint<T>) -> Self {
         let corners = [c; 4];
         Self {
@@ -157,7 +160,7 @@ impl<T: Scalar> Simplex<T> {
         }
     }
 
-    /// A triangle.
+    /// Returns the simplex of a triangle.
     pub(crate) fn triangle([p, q, r]: [MinkowskiPoint<T>; 3]) -> Self {
         let corners = [p, q, r, r];
         let nearest = Nearest::triangle(&corners, [0, 1, 2]);
@@ -167,14 +170,14 @@ impl<T: Scalar> Simplex<T> {
         }
     }
 
-    /// A tetrahedron that holds the origin, proven against rounding.
+    /// Returns the tetrahedron if the origin is inside, proven against rounding.
     pub(crate) fn around_origin(corners: [MinkowskiPoint<T>; 4], reach: Reach) -> Option<Self> {
         let nearest = Nearest::tetrahedron(&corners, reach);
         (nearest.len == 4).then_some(Self { corners, nearest })
     }
 
-    /// The nearest point of the hull of these corners and one more; whether it is nearer, or the origin is inside. Where
-    /// it is not, nothing is changed.
+    /// Adds a point, and returns whether the hull comes closer to the origin or contains the
+    /// origin. If not, nothing changes.
     pub(crate) fn add(&mut self, c: MinkowskiPoint<T>, reach: Reach) -> bool {
         let mut corners = self.corners;
         corners[self.len()] = c;
@@ -191,36 +194,37 @@ impl<T: Scalar> Simplex<T> {
         better
     }
 
-    /// How many corners hold the nearest point; four hold the origin.
+    /// Returns the number of points that span the closest point; four contain the origin.
     #[inline]
     pub(crate) fn len(&self) -> usize {
         self.nearest.len as usize
     }
 
-    /// The corners that hold the nearest point.
+    /// Returns the points that span the closest point.
     #[inline]
     pub(crate) fn kept(&self) -> &[MinkowskiPoint<T>] {
         &self.corners[..self.len()]
     }
 
-    /// Their weights.
+    /// Returns the barycentric weights of the points.
     pub(crate) fn weights(&self) -> &[T] {
         &self.nearest.weights[..self.len()]
     }
 
-    /// From the origin towards the simplex.
+    /// Returns the direction from the origin towards the simplex.
     pub(crate) fn direction(&self) -> Vec3<T> {
         self.nearest.direction
     }
 
-    /// Squared distance from the origin.
+    /// Returns the squared distance from the origin.
     pub(crate) fn squared(&self) -> T {
         self.nearest.squared
     }
 
-    /// The distance of the point that the weights name. The weights are positive and sum to one, so it is a point of the
-    /// difference whatever rounding did to them, and the distance an upper bound; the root of `squared` is none, because
-    /// the plane of a needle-shaped triangle may be nearer than the triangle.
+    /// Returns the distance of the point given by the weights, an upper bound. The weights are
+    /// positive and sum to 1, so they give a point of the difference, whatever rounding did to
+    /// them. The root of `squared` is no upper bound: the plane of a needle-shaped triangle may be
+    /// closer than the triangle.
     pub(crate) fn reach(&self) -> T {
         let at = |k: usize| {
             let parts = self.kept().iter().zip(self.weights());
@@ -230,7 +234,7 @@ impl<T: Scalar> Simplex<T> {
         root(dot(&v, &v))
     }
 
-    /// Whether a corner is kept.
+    /// Returns whether the simplex contains the point of two vertices.
     pub(crate) fn holds(&self, a: u32, b: u32) -> bool {
         self.kept().iter().any(|c| (c.a, c.b) == (a, b))
     }

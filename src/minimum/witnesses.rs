@@ -8,7 +8,7 @@ use crate::pair::answer::state_of;
 use crate::pair::posed::PosedPair;
 use crate::polyhedron::FeaturePair;
 
-/// The convex combinations of the corners' vertices, each in its body's stored frame.
+/// Returns the witnesses: the convex combinations of the vertices of each body, in stored frames.
 pub(crate) fn witnesses<T: Scalar>(posed: &PosedPair, simplex: &Simplex<T>) -> (Point3<f64>, Point3<f64>) {
     let (mut on_a, mut on_b) = ([T::from(0.0); 3], [T::from(0.0); 3]);
     for (c, &w) in simplex.kept().iter().zip(simplex.weights()) {
@@ -24,7 +24,7 @@ pub(crate) fn witnesses<T: Scalar>(posed: &PosedPair, simplex: &Simplex<T>) -> (
     )
 }
 
-/// The smallest features that hold the corners' vertices.
+/// Returns the smallest features that contain the vertices of the simplex.
 pub(crate) fn features<T: Scalar>(posed: &PosedPair, simplex: &Simplex<T>) -> FeaturePair {
     let (mut a, mut b) = ([0; 4], [0; 4]);
     for (k, c) in simplex.kept().iter().enumerate() {

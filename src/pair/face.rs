@@ -1,7 +1,9 @@
-//! The rim of a face: where a point is beside its side planes, and where a line leaves it.
+//! Queries on the boundary of a face: the location of a point relative to the side planes, and the
+//! edge by which a line exits.
 //!
-//! Small rims are walked round; on large ones (see [`Topology::ring`](crate::polyhedron::topology::Topology)) both
-//! questions are answered by bisection, so that a face of 8192 edges costs a few times one of 32.
+//! Small boundaries are scanned edge by edge. On large ones (see
+//! [`Topology::ring`](crate::polyhedron::topology::Topology)) bisection answers both questions, so
+//! that a face of 8192 edges costs a few times as much as a face of 32.
 
 use nalgebra::Vector3;
 
@@ -11,32 +13,33 @@ use crate::polyhedron::ConvexPolyhedron;
 use crate::polyhedron::fans::top_of_ring;
 use crate::tolerance::{DIFFERENCE, FOOT};
 
-/// Where a point is beside the side planes of a face.
+/// Location of a point relative to the side planes of a face.
 pub(crate) enum Rim {
-    /// Within all of them, beyond rounding.
+    /// Inside all side planes, beyond rounding.
     Inside,
-    /// Within rounding of the plane of this edge.
+    /// Within rounding of the side plane of this edge.
     Grazes(u32),
-    /// Outside the plane of this edge, beyond rounding.
+    /// Outside the side plane of this edge, beyond rounding.
     Outside(u32),
 }
 
-/// A face of a body and its plane's normal.
+/// A face of a body, with the normal of the plane.
 pub(crate) struct Face<'a> {
     pub(crate) body: &'a ConvexPolyhedron,
     pub(crate) face: u32,
     pub(crate) normal: &'a Vector3<f64>,
 }
 
-/// One look at one edge of the rim.
+/// Position of a point relative to one edge of the boundary.
 struct Look {
-    /// Signed distance from the side plane, squared with its sign: negative outside.
+    /// Squared distance from the side plane, with the sign of the distance: negative outside.
     signed: f64,
     rim: Rim,
 }
 
 impl Face<'_> {
-    /// Where `x` is, with rounding relative to the pair's `size`; and a corner of the rim.
+    /// Locates `x`, with rounding relative to the pair's `size`. Also returns a vertex of the
+    /// boundary.
     #[inline(always)]
     pub(crate) fn beside(&self, x: &Vector3<f64>, size: f64) -> (Rim, Vector3<f64>) {
         match self.body.topology.ring(self.face) {
@@ -45,7 +48,8 @@ impl Face<'_> {
         }
     }
 
-    /// Walks round: the edge furthest outside, or the closest that `x` grazes.
+    /// Locates `x` by a scan: returns the edge furthest outside, or the closest edge that `x`
+    /// grazes.
     #[inline(always)]
     fn beside_small(&self, x: &Vector3<f64>, size: f64) -> (Rim, Vector3<f64>) {
         let body = self.body;
@@ -73,15 +77,26 @@ impl Face<'_> {
         }
     }
 
-    /// Bisects for the wedge, seen from the first corner, that holds `x`, until it does so on the near side of the chord between
-    /// the wedge's other two corners: the three corners of the face then prove it inside, but for the edges next to them, which
-    /// are looked at.
+    /// Locates `x` on a large boundary by bisection over the wedges at the first vertex.
+    ///
+    /// ```text
+    ///   high *-------* low     root       first vertex of the boundary
+    ///         \     /          low, high  neighbours of x in angle, narrowed by bisection
+    ///          \ x /
+    ///           \ /            x on the near side of the chord low-high is inside the face
+    ///            * root
+    /// ```
+    ///
+    /// The bisection narrows the wedge that contains `x` until `x` lies on the near side of the
+    /// chord between the two outer vertices: the three vertices then prove `x` inside the face,
+    /// except for the edges next to them, which are tested.
     #[inline(never)]
     pub(crate) fn beside_large(&self, ring: &[u32], x: &Vector3<f64>, size: f64) -> Rim {
         let m = ring.len();
         let root = self.tail(ring[0]);
         let left_of = |k: usize| self.normal.cross(&(self.tail(ring[k]) - root)).dot(&(x - root)) >= 0.0;
-        // x is left of the ray to corner `low` and right of that to `high`, or beyond one of the two edges at the root.
+        // x is left of the ray to vertex `low` and right of the ray to `high`, or beyond one of the
+        // two edges at the root.
         let (mut low, mut high) = (1, m - 1);
         while high - low > 1 {
             let middle = (low + high) / 2;
@@ -110,8 +125,9 @@ impl Face<'_> {
         }
     }
 
-    /// From the edge `at`, seen from outside by `x`, gallops along the edges so seen to the one nearest to `x`: the
-    /// distance falls along them until there and rises after.
+    /// Finds the edge closest to `x` by a gallop from the edge `at` along the edges visible from
+    /// `x` (`x` is outside their side planes): along them the distance falls up to the closest edge
+    /// and rises after.
     fn nearest(&self, ring: &[u32], at: usize, x: &Vector3<f64>) -> usize {
         let m = ring.len();
         let ends = |k: usize| (self.tail(ring[k % m]), self.head(ring[k % m]));
@@ -135,8 +151,9 @@ impl Face<'_> {
         }
     }
 
-    /// Where a line from `start`, which is over the face, leaves it before `start + way`: the part of the way and the
-    /// edge. `from` is an edge the line comes in over, never one it leaves by.
+    /// Returns the exit of a line that begins over the face at `start`, if the line exits before
+    /// `start + way`: the fraction of `way`, and the edge. The line may enter over the edge `from`
+    /// and never exits there.
     #[inline(always)]
     pub(crate) fn leave(&self, start: PackedVec3, way: PackedVec3, from: Option<u32>) -> Option<(f64, u32)> {
         match self.body.topology.ring(self.face) {
@@ -145,7 +162,7 @@ impl Face<'_> {
         }
     }
 
-    /// Walks round.
+    /// Finds the exit by a scan.
     #[inline(always)]
     fn leave_small(&self, start: PackedVec3, way: PackedVec3, from: Option<u32>) -> Option<(f64, u32)> {
         let (body, normal) = (self.body, PackedVec3::new(self.normal));
@@ -170,7 +187,8 @@ impl Face<'_> {
         }
     }
 
-    /// Most edges are short beside a large face: one by which it is left is bisected for.
+    /// Finds the exit by bisection. Most lines are short compared with a large face: the end of the
+    /// line is located first.
     #[inline(never)]
     fn leave_large(
         &self,
@@ -203,14 +221,14 @@ impl Face<'_> {
         first
     }
 
-    /// The edge of a large rim by which the line from `start` along `way` leaves it: the one from the corners right of
-    /// the line to those left of it.
+    /// Returns the index of the edge by which the line from `start` along `way` exits a large
+    /// boundary: the edge from the vertices right of the line to the vertices left of the line.
     #[inline(never)]
     fn exit(&self, ring: &[u32], start: &Vector3<f64>, way: &Vector3<f64>) -> usize {
         let m = ring.len();
         let left = self.normal.cross(way);
         let height = |k: usize| left.dot(&(self.tail(ring[k % m]) - start));
-        // From the rightmost corner, counter-clockwise, to the leftmost: in between, once, the sign changes.
+        // Counter-clockwise from the rightmost vertex to the leftmost, the sign changes once.
         let (low, high) = (top_of_ring(m, |k| -height(k)), top_of_ring(m, height));
         let span = (high + m - low) % m;
         let (mut right, mut over) = (0, span.max(1));
@@ -246,7 +264,7 @@ impl Face<'_> {
     }
 }
 
-/// What the product `side` with the unnormalised inward direction says of an edge `u`.
+/// Classifies a point by the product `side` with the unnormalised inward direction of an edge `u`.
 #[inline(always)]
 fn judge(edge: u32, side: f64, u: &Vector3<f64>, size: f64) -> Look {
     let length = one_norm(u);
@@ -263,13 +281,14 @@ fn judge(edge: u32, side: f64, u: &Vector3<f64>, size: f64) -> Look {
     }
 }
 
-/// How many steps in a row, from the first, a condition holds that holds for a run of them and then no more.
+/// Returns for how many steps in a row, from the first, a condition holds, if true for a run and
+/// false ever after.
 fn gallop(most: usize, holds: impl Fn(usize) -> bool) -> usize {
     let mut reach = 1;
     while reach < most && holds(reach - 1) {
         reach *= 2;
     }
-    // It holds below `low` and not at `high`, or the ring ends there.
+    // True below `low` and false at `high`, or the ring ends there.
     let (mut low, mut high) = (reach / 2, reach.min(most) - 1);
     while low < high {
         let middle = (low + high) / 2;

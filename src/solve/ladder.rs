@@ -1,4 +1,5 @@
-//! What follows a walk that the certificate refuses: each layer finer and slower than the one before.
+//! The ladder after a walk that the certificate refuses: each solver finer and slower than the
+//! last.
 
 use nalgebra::Vector3;
 
@@ -14,7 +15,7 @@ use crate::solve::certified_walk;
 use crate::tolerance::CERTIFICATE;
 use crate::walk::seed;
 
-/// Restart, fallback, double-double, exact: the first that proves its outcome.
+/// Runs restart, f64 solver, double-double and exact arithmetic until one proves the outcome.
 #[cold]
 pub(crate) fn refine(posed: &PosedPair, warm: bool, outcome: &mut Outcome) {
     if warm && posed.same_scale() {
@@ -33,7 +34,7 @@ pub(crate) fn refine(posed: &PosedPair, warm: bool, outcome: &mut Outcome) {
     }
 }
 
-/// The f64 solver alone, its bounds not looked at.
+/// Runs the f64 solver alone, without a check of the bounds.
 #[cold]
 pub(crate) fn unchecked(posed: &PosedPair, outcome: &mut Outcome) {
     outcome.work.fallbacks += 1;
@@ -41,7 +42,7 @@ pub(crate) fn unchecked(posed: &PosedPair, outcome: &mut Outcome) {
     take(posed, &solve(posed, &Transform::of(posed), outcome.features), outcome);
 }
 
-/// The double-double layer and what follows it.
+/// Runs the double-double solver and, if the outcome is not proven, the last step of the ladder.
 fn doubled(posed: &PosedPair, outcome: &mut Outcome) {
     outcome.work.double_doubles += 1;
     outcome.solver = Solver::DoubleDouble;
@@ -54,14 +55,15 @@ fn doubled(posed: &PosedPair, outcome: &mut Outcome) {
     }
 }
 
-/// What no floating-point arithmetic decides.
+/// Resolves by exact arithmetic a pair that no floating-point arithmetic decides.
 #[cfg(feature = "exact")]
 fn last(posed: &PosedPair, outcome: &mut Outcome) {
     outcome.work.exacts += 1;
     crate::exact::resolve_exactly(posed, outcome);
 }
 
-/// Without the exact rung, bounds that are narrow and straddle zero are called touching.
+/// Classifies the pair without exact arithmetic: narrow bounds that straddle zero count as
+/// touching.
 #[cfg(not(feature = "exact"))]
 fn last(posed: &PosedPair, outcome: &mut Outcome) {
     outcome.class = match outcome.class {
@@ -71,8 +73,8 @@ fn last(posed: &PosedPair, outcome: &mut Outcome) {
     };
 }
 
-/// The distance of a separated pair within one unit in the last place: by the double-double layer where its bounds
-/// are that close, else by the exact rung.
+/// Sharpens the distance of a separated pair to one unit in the last place: by double-double if the
+/// bounds are close enough, else by exact arithmetic.
 #[cfg(feature = "exact")]
 pub(crate) fn sharpen(posed: &PosedPair, outcome: &mut Outcome) {
     if outcome.class != Class::Separated || outcome.solver == Solver::Exact {
@@ -87,7 +89,7 @@ pub(crate) fn sharpen(posed: &PosedPair, outcome: &mut Outcome) {
             let gap = (distance - *lower).value().abs()
                 + 2.0 * CERTIFICATE * DoubleDouble::UNIT * posed.reach::<DoubleDouble>().whole();
             let d = distance.value();
-            // Rounding takes half a unit; what is left open must not take the other half.
+            // Rounding takes half a unit; the remaining gap must not take the second half.
             if gap <= 0.25 * (d - d.next_down()) {
                 take(posed, &minimum, outcome);
                 (outcome.distance, outcome.lower, outcome.upper) = (d, d.next_down(), d.next_up());
@@ -98,7 +100,7 @@ pub(crate) fn sharpen(posed: &PosedPair, outcome: &mut Outcome) {
     last(posed, outcome);
 }
 
-/// Takes over what a solve proves, and its witnesses.
+/// Writes the proven bounds, the features and the witnesses of a solve.
 fn take<T: Scalar>(posed: &PosedPair, minimum: &Minimum<T>, outcome: &mut Outcome) {
     let term = CERTIFICATE * T::UNIT * posed.reach::<T>().whole();
     let (Minimum::Inside { simplex } | Minimum::Outside { simplex, .. }) = minimum;

@@ -1,5 +1,6 @@
-//! Tests of the certificate: a walk that errs, in any of the ways below, is found out. What it says is falsified after it
-//! ended; the answer must be the right one all the same, from whichever layer.
+//! Tests of the certificate: a walk with an error, of any kind below, is found out. The result of
+//! the walk is falsified after the end of the walk; the answer must be right all the same, from
+//! whichever solver.
 #![cfg(test)]
 extern crate std;
 
@@ -20,22 +21,23 @@ use crate::solve::solve;
 use crate::tolerance::UNIT;
 use crate::walk::seed;
 
-/// How the walk errs.
+/// Kinds of errors of a walk.
 #[derive(Clone, Copy, Debug)]
 enum Error {
-    /// It ends on vertices picked at random and says their distance.
+    /// The walk ends on random vertices and reports their distance.
     Ends(u64),
-    /// It ends anywhere, says the distance of the vertices there, and a direction that is not theirs.
+    /// The walk ends on random vertices and reports their distance, and a direction of no relation
+    /// to them.
     Turns(u64),
-    /// Its distance is off by this factor.
+    /// The distance is off by this factor.
     Scales(f64),
-    /// Its planes are this far, in units of L, from where they are.
+    /// The supporting planes are off by this distance, in units of L.
     Lifts(f64),
-    /// It says that it ended, and nothing else.
+    /// The walk reports an end and nothing else.
     Lies,
-    /// Its numbers are NaN.
+    /// The numbers are NaN.
     Blurs,
-    /// It never ends.
+    /// The walk never ends.
     Loops,
 }
 
@@ -43,7 +45,8 @@ std::thread_local! {
     static ERROR: Cell<Option<Error>> = const { Cell::new(None) };
 }
 
-/// What the walk of this thread says after it ended at `answer`: with no error set, the truth.
+/// Falsifies the result of a walk by the error set for this thread; with no error set, returns the
+/// truth.
 pub(super) fn falsify(posed: &PosedPair, outcome: &mut Outcome, ended: bool) -> bool {
     let Some(error) = ERROR.get() else { return ended };
     let vertices = |outcome: &mut Outcome, seed: u64| {
@@ -148,7 +151,8 @@ fn a_walk_that_errs_is_found_out() {
             }
         }
     }
-    // Errors below what the certificate allows may pass, and so may vertices that happen to be the closest.
+    // Errors below the limit of the certificate may pass, and so may random vertices that happen to
+    // be closest.
     assert!(
         found_out * 10 > right * 8 && by_walk * 5 < right,
         "{found_out} and {by_walk} of {right}"
@@ -191,7 +195,7 @@ fn an_edge_that_signs_prove_extreme_is_so() {
             let edge = Edge::new(&body, e.0);
             let u = PackedVec3::new(&edge.q) - PackedVec3::new(&edge.p);
             for k in 0..300 {
-                // Random directions, and those within less and less of the normal of a face.
+                // Random directions, and directions closer and closer to the normal of a face.
                 let face = if random() < 0.0 { edge.left } else { edge.right };
                 let off = Vector3::new(random(), random(), random()) * 0.125f64.powi(k % 20);
                 let w = PackedVec3::new(&(face.normal.cross(&u.vector()) * f64::from((k % 20).min(1)) + off));

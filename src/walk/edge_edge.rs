@@ -1,10 +1,21 @@
-//! An edge beside an edge: the feet of their common perpendicular must lie on both, and the perpendicular between the
-//! planes of the faces of each.
+//! Edge-edge test: the feet of the common perpendicular must lie on both edges, and the
+//! perpendicular must lie between the planes of the adjacent faces of each edge.
 //!
-//! With `n = u x w` for the edge vectors `u` of A and `w` of B, the feet come from cross products over `n . n`, never
-//! from `1 - cos^2`, which is where every wrong answer of the closed form was seen to end. By the Binet-Cauchy identity
-//! the four plane tests are four products: `n` turned towards B is `alpha nL + beta nR` on A with
-//! `alpha = -sign w . nR` and `beta = sign w . nL`, and its opposite the same on B with `u` for `w`.
+//! ```text
+//!           p2                      p1, p2  tails of the edges of A and B, r = p2 - p1
+//!             \                     u, w    edge vectors, heads minus tails
+//!              + p2 + t w           n       u x w, along the common perpendicular
+//!              |\                   s, t    positions of the feet on the edges, 0..1
+//!            n | \ w                nL, nR  normals of the faces left and right of an edge
+//!              |  v
+//!   p1 --------+---------> u
+//!              p1 + s u
+//! ```
+//!
+//! The feet come from cross products over `n . n`, never from `1 - cos^2`: every wrong answer of
+//! the closed form was seen to begin there. By the Binet-Cauchy identity the four plane tests are
+//! four products. On A, `n` turned towards B is `alpha nL + beta nR` with `alpha = -sign w . nR`
+//! and `beta = sign w . nL`. On B, the opposite of `n` is such a sum with `u` for `w`.
 
 use nalgebra::Vector3;
 
@@ -20,6 +31,8 @@ use crate::tolerance::{DIFFERENCE, DIRECTION, NEARLY_PARALLEL, ON_BOUNDARY, PARA
 use crate::walk::slide::{Slide, slide};
 use crate::walk::step::Step;
 
+// Not inlined: otherwise the loop of the walk would hoist the loads of every kind of pair and spill
+// them.
 // Not inlined: the walk's loop would hoist the loads of every kind of pair and spill them.
 #[inline(never)]
 pub(crate) fn look<const CERTIFY: bool>(posed: &PosedPair, a: u32, b: u32, outcome: &mut Outcome) -> Step {
@@ -54,7 +67,7 @@ pub(crate) fn look<const CERTIFY: bool>(posed: &PosedPair, a: u32, b: u32, outco
     let (s, t) = (s.clamp(0.0, 1.0), t.clamp(0.0, 1.0));
     let proven = is_flanked(on_a, ww) && is_flanked(on_b, uu);
     if !proven && (on_a.0 < 0.0 || on_a.1 < 0.0 || on_b.0 < 0.0 || on_b.1 < 0.0) {
-        // The weights are as long as the other edge: compare sines.
+        // The weights are as long as the opposite edge: compare sines.
         let sine = |least: f64, other: PackedVec3| {
             if least < -DIRECTION * other.one_norm() {
                 least / sqrt(other.norm_squared())
@@ -80,7 +93,8 @@ pub(crate) fn look<const CERTIFY: bool>(posed: &PosedPair, a: u32, b: u32, outco
     let lower = if !CERTIFY {
         f64::NEG_INFINITY
     } else if proven {
-        // Both are extreme across the other, so the supporting planes are as far apart as the lines.
+        // Each edge is extreme along the normal, so the supporting planes are as far apart as the
+        // lines.
         along.abs() * per_length
     } else {
         between_planes(posed, (a, b), normal, on_a, on_b)
@@ -88,7 +102,8 @@ pub(crate) fn look<const CERTIFY: bool>(posed: &PosedPair, a: u32, b: u32, outco
     outcome.end(normal.vector(), (point_a.vector(), point_b.vector()), distance, lower)
 }
 
-/// How far apart the planes of the faces prove the bodies along a unit `normal`, where signs do not prove the edges extreme.
+/// Lower bound of the distance along a unit `normal` from the planes of the adjacent faces, if
+/// signs do not prove the edges extreme.
 #[cold]
 #[inline(never)]
 fn between_planes(
@@ -105,7 +120,7 @@ fn between_planes(
     normal.dot(posed.translation) - high_a - high_b
 }
 
-/// Slides the edge of B over the right or the left face of A's, downhill from `t`.
+/// Slides the edge of B over the right or left face of the edge of A, descending from `t`.
 #[inline(never)]
 fn over_face_of_a(posed: &PosedPair, a: u32, b: u32, right: bool, t: f64, outcome: &mut Outcome) -> Step {
     let eb = Edge::new(posed.b, b);
@@ -124,7 +139,7 @@ fn over_face_of_a(posed: &PosedPair, a: u32, b: u32, right: bool, t: f64, outcom
     )
 }
 
-/// Slides the edge of A over the right or the left face of B's, downhill from `s`.
+/// Slides the edge of A over the right or left face of the edge of B, descending from `s`.
 #[inline(never)]
 fn over_face_of_b(posed: &PosedPair, a: u32, b: u32, right: bool, s: f64, outcome: &mut Outcome) -> Step {
     let ea = Edge::new(posed.a, a);
@@ -143,7 +158,8 @@ fn over_face_of_b(posed: &PosedPair, a: u32, b: u32, right: bool, s: f64, outcom
     )
 }
 
-/// The face right or left of `rim`, and the half-edge of `edge` (pointing along `way`) that falls towards it.
+/// Returns the face right or left of the edge `hinge`, and the half-edge of `edge` (pointing along
+/// `along`) that descends towards the face.
 fn downhill(
     body: &ConvexPolyhedron,
     rim: u32,
@@ -169,8 +185,8 @@ fn downhill(
     )
 }
 
-/// The nearest pair of points of the two segments where at least one of them is an end: the ends of each projected on
-/// the other, the best of the four.
+/// Moves to the closest points of the two segments with at least one endpoint among them: each
+/// endpoint is projected on the opposite segment, and the best of the four pairs is taken.
 #[cold]
 fn ends(posed: &PosedPair, a: u32, b: u32, outcome: &mut Outcome) -> Step {
     let (ea, eb) = (Edge::new(posed.a, a), Edge::new(posed.b, b));
@@ -201,7 +217,7 @@ fn ends(posed: &PosedPair, a: u32, b: u32, outcome: &mut Outcome) -> Step {
         (Some(v), Some(w)) => FeaturePair::vertices(Operand::A, v, w),
         (Some(v), None) => FeaturePair::vertex_edge(Operand::A, v, b),
         (None, Some(v)) => FeaturePair::vertex_edge(Operand::B, v, a),
-        // A projection that is NaN: the tails stand in.
+        // A projection is NaN: the tails stand in.
         (None, None) => FeaturePair::vertices(Operand::A, ea.tail, eb.tail),
     })
 }

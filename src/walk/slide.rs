@@ -1,4 +1,14 @@
-//! An edge over a face is no place to rest: it falls towards the face until it leaves it or meets it.
+//! An edge over a face, which is no state of the walk: the edge descends until it leaves the face
+//! or meets the face.
+//!
+//! ```text
+//!      start o                          start         point of the edge over the face
+//!            |\  displacement           displacement  from start to the end of the half-edge
+//!     height | \                        height        of start above the plane of the face
+//!            |  \                       fall          change of height along displacement
+//!     =======+===\=======|  side plane  fraction      of displacement over the face, at most 1
+//!       face      o end
+//! ```
 
 use crate::num::packed::PackedVec3;
 use crate::pair::face::Face;
@@ -8,20 +18,20 @@ use crate::polyhedron::FeaturePair;
 use crate::walk::ray_exit_face::jump;
 use crate::walk::step::Step;
 
-/// An edge that falls towards a face.
+/// A half-edge over a face, descending towards the face.
 pub(crate) struct Slide {
-    /// The half-edge of `x`, in the direction it falls.
+    /// The half-edge of the first body, in the descending direction.
     pub(crate) half_edge: u32,
-    /// Where to begin, in the frame of the face's body.
+    /// Point at which to begin, in the frame of the face's body.
     pub(crate) start: PackedVec3,
-    /// The face of `y`.
+    /// The face of the second body.
     pub(crate) face: u32,
-    /// The edge of the rim the edge comes in over, if it does.
+    /// The edge of the face boundary over which the half-edge enters, if any.
     pub(crate) from_rim: Option<u32>,
 }
 
-/// Follows the edge to the first of: a side plane of the face (edge-edge), its own end (vertex-face), the plane of the
-/// face (the bodies meet).
+/// Follows the edge to the first of: a side plane of the face (edge-edge), the end of the edge
+/// (vertex-face), the plane of the face (the bodies meet).
 pub(crate) fn slide<S: Sides>(sides: &S, s: &Slide, outcome: &mut Outcome) -> Step {
     let (body, other) = (sides.x(), sides.y());
     let x = &body.topology;

@@ -1,5 +1,5 @@
-//! A vertex beside an edge: the foot must lie on the edge, the vertex between the planes of the edge's faces, and the
-//! foot in the region of the vertex.
+//! Vertex-edge test: the foot must lie on the edge, the vertex between the planes of the adjacent
+//! faces, and the foot in the Voronoi region of the vertex.
 //!
 //! ```text
 //!        x            x   the vertex, in the frame of the edge's body
@@ -20,6 +20,8 @@ use crate::polyhedron::{ConvexPolyhedron, FeaturePair};
 use crate::tolerance::{DIFFERENCE, ON_BOUNDARY};
 use crate::walk::step::Step;
 
+// Not inlined: otherwise the loop of the walk would hoist the loads of every kind of pair and spill
+// them.
 // Not inlined: the walk's loop would hoist the loads of every kind of pair and spill them.
 #[inline(never)]
 pub(crate) fn look<const CERTIFY: bool, S: Sides>(sides: &S, vertex: u32, edge: u32, outcome: &mut Outcome) -> Step {
@@ -33,7 +35,7 @@ pub(crate) fn look<const CERTIFY: bool, S: Sides>(sides: &S, vertex: u32, edge: 
     let noise = DIFFERENCE * sides.size();
     let (along, uu) = (r.dot(&u), u.norm_squared());
     let slack = noise * one_norm(&u);
-    // V(p), V(q)
+    // Voronoi planes of the endpoints: V(p), V(q).
     if along < -slack {
         return outcome.go(FeaturePair::vertices(S::OF, vertex, twin.to));
     }
@@ -45,7 +47,7 @@ pub(crate) fn look<const CERTIFY: bool, S: Sides>(sides: &S, vertex: u32, edge: 
     let d = r - u * s;
     let correction = d.dot(&u) * inverse;
     let (s, d) = (s + correction, d - u * correction);
-    // F(left), F(right)
+    // Voronoi planes of the adjacent faces: F(left), F(right).
     let w = u.cross(&d);
     let (left, right) = (&other.planes[e.face as usize], &other.planes[twin.face as usize]);
     let (alpha, beta) = (right.normal.dot(&w), -left.normal.dot(&w));
@@ -58,7 +60,8 @@ pub(crate) fn look<const CERTIFY: bool, S: Sides>(sides: &S, vertex: u32, edge: 
     if let Some(h) = body.descent(vertex, &fan, noise) {
         return outcome.go(FeaturePair::edges(S::OF, body.topology.edge(h), edge));
     }
-    // The distance is that of points of the bodies: an end where rounding puts the foot beyond it.
+    // The distance is between points of the bodies: an endpoint if rounding puts the foot beyond
+    // the edge.
     let length = sqrt(d.norm_squared());
     let (foot, distance) = if (0.0..=1.0).contains(&s) {
         (p + u * s, length)
@@ -73,7 +76,8 @@ pub(crate) fn look<const CERTIFY: bool, S: Sides>(sides: &S, vertex: u32, edge: 
     let lower = if !(CERTIFY && body.proves_lowest(&fan, &n)) {
         f64::NEG_INFINITY
     } else if alpha > slack && beta > slack {
-        // The edge is extreme by the signs of its weights, `FLANK`, so the supporting planes are as far apart as vertex and line.
+        // The signs of the weights prove the edge extreme (`FLANK`), so the supporting planes are
+        // as far apart as vertex and line.
         length
     } else {
         above_planes(other, edge, &d, &x, (alpha, beta)) * per_length
@@ -82,7 +86,8 @@ pub(crate) fn look<const CERTIFY: bool, S: Sides>(sides: &S, vertex: u32, edge: 
     outcome.end(normal, S::witnesses(on_x, foot), distance, lower)
 }
 
-/// How far the planes of the faces beside an edge prove `x` to be above its body, in units of `d`, where signs do not prove the edge extreme.
+/// Lower bound of the height of `x` above the body of an edge, in units of `d`, from the planes of
+/// the adjacent faces, if signs do not prove the edge extreme.
 #[cold]
 #[inline(never)]
 fn above_planes(body: &ConvexPolyhedron, edge: u32, d: &Vector3<f64>, x: &Vector3<f64>, weights: (f64, f64)) -> f64 {

@@ -1,4 +1,5 @@
-//! A vertex beside a face: it must stand over the face, and the face's plane must support its body at it.
+//! Vertex-face test: the vertex must lie over the face, and the plane of the face must support the
+//! body of the vertex there.
 
 use nalgebra::Vector3;
 
@@ -13,6 +14,8 @@ use crate::walk::ray_exit_face::jump;
 use crate::walk::slide::{Slide, slide};
 use crate::walk::step::Step;
 
+// Not inlined: otherwise the loop of the walk would hoist the loads of every kind of pair and spill
+// them.
 // Not inlined: the walk's loop would hoist the loads of every kind of pair and spill them.
 #[inline(never)]
 pub(crate) fn look<const CERTIFY: bool, S: Sides>(sides: &S, vertex: u32, face: u32, outcome: &mut Outcome) -> Step {
@@ -61,8 +64,9 @@ pub(crate) fn look<const CERTIFY: bool, S: Sides>(sides: &S, vertex: u32, face: 
     outcome.end(normal, S::witnesses(on_x, foot), height, lower)
 }
 
-/// The point of an edge nearest to `x`, and its distance. Where `x` grazes the rim, the foot of the perpendicular may
-/// fall outside the face, and far outside at an acute corner; this one is a point of the body.
+/// Returns the point of an edge closest to `x`, and the distance. If `x` grazes the face boundary,
+/// the foot of the perpendicular may fall outside the face, and far outside at an acute vertex; the
+/// point returned here belongs to the body.
 #[cold]
 fn onto_edge(body: &ConvexPolyhedron, edge: u32, x: &Vector3<f64>) -> (Vector3<f64>, f64) {
     let (p, q) = (

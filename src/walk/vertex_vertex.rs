@@ -1,4 +1,5 @@
-//! A vertex beside a vertex: each must be the lowest of its body towards the other.
+//! Vertex-vertex test: each vertex must be the support vertex of its body towards the opposite
+//! vertex.
 
 use crate::num::scalar::sqrt;
 use crate::pair::outcome::Outcome;
@@ -8,6 +9,8 @@ use crate::pose::Operand;
 use crate::tolerance::{DIFFERENCE, ON_BOUNDARY};
 use crate::walk::step::Step;
 
+// Not inlined: otherwise the loop of the walk would hoist the loads of every kind of pair and spill
+// them.
 // Not inlined: the walk's loop would hoist the loads of every kind of pair and spill them.
 #[inline(never)]
 pub(crate) fn look<const CERTIFY: bool>(posed: &PosedPair, a: u32, b: u32, outcome: &mut Outcome) -> Step {
@@ -31,7 +34,8 @@ pub(crate) fn look<const CERTIFY: bool>(posed: &PosedPair, a: u32, b: u32, outco
         return Step::Lost;
     }
     let proven = CERTIFY && posed.a.proves_lowest(&fan_a, &from_b) && posed.b.proves_lowest(&fan_b, &to_b_in_b);
-    // Both are extreme along the line that joins them, so the supporting planes are as far apart as they are.
+    // Both vertices are extreme along the line between them, so the supporting planes are as far
+    // apart as the vertices.
     let lower = if proven { distance } else { f64::NEG_INFINITY };
     outcome.end(to_b / distance, (p, q), distance, lower)
 }

@@ -1,15 +1,22 @@
-//! Long rims and large fans as smooth curves and the bands beside them.
+//! Large rings as smooth curves: long face boundaries and the neighbours of a vertex of many edges.
 //!
-//! A long rim, or the ring of the neighbours of a vertex of many edges, is a curve whose corners are numbered; its *ribs* go from
-//! each corner to the apex of the fan, or along the sides of a prism to the other rim. RingLocation a corner the curve is taken as the
-//! parabola through it and two others, so far away that their unevenness does not count.
+//! ```text
+//!         apex                 ring       vertices k = 0, 1, 2, ...: the boundary of a large face,
+//!         /|\                             or the link of an apex (the ends of a large fan)
+//!        / | \  spokes         spoke k    edge from vertex k to the apex, or along the side of a
+//!       /  |  \                           prism to the opposite face
+//!   ---0---1---2---  ring      side face  k lies between spoke k and spoke k + 1
+//! ```
+//!
+//! Near a vertex the ring is approximated by the parabola through the vertex and two vertices at a
+//! distance, so far away that the unevenness of the edges does not count.
 
 use nalgebra::Vector3;
 
 use crate::polyhedron::topology::LARGE;
 use crate::polyhedron::{ConvexPolyhedron, Feature};
 
-/// One curve of a body.
+/// A large ring of a body, as a curve.
 #[derive(Clone, Copy)]
 pub(super) struct RingCurve<'a> {
     body: &'a ConvexPolyhedron,
@@ -18,33 +25,34 @@ pub(super) struct RingCurve<'a> {
 
 #[derive(Clone, Copy)]
 enum Ring<'a> {
-    /// The half-edges of a long rim.
+    /// The half-edges of a long face boundary.
     Rim(&'a [u32]),
-    /// The fan of this vertex, from its first half-edge.
+    /// The link of a vertex of many edges: the fan of `apex`, from the first half-edge.
     Link { apex: u32, first: u32, len: usize },
 }
 
-/// What a feature of a body is beside a curve.
+/// Location of a feature relative to a ring.
 pub(super) enum RingLocation<'a> {
-    /// A corner or an edge of the curve; its place.
+    /// A vertex or an edge of the ring, and the index.
     Curve(RingCurve<'a>, usize),
-    /// A rib, or the strip between two of them; its place.
+    /// A spoke, or the side face between two spokes, and the index.
     Rib(RingCurve<'a>, usize),
 }
 
-/// The parabola through three corners of a curve and the lines through their ribs, in `x`, which is zero at the middle corner: value,
-/// first and second derivative.
+/// Parabolas through three vertices of a ring and through the far ends of their spokes, in a
+/// parameter `x` that is zero at the middle vertex: value, first and second derivative.
 pub(super) struct Fit {
-    /// Of the curve.
+    /// Parabola of the ring.
     pub(super) near: [Vector3<f64>; 3],
-    /// Of the far ends of the ribs.
+    /// Parabola of the far ends of the spokes.
     pub(super) far: [Vector3<f64>; 3],
-    /// `x` of a point `p` of the body is `scale . p - origin`.
+    /// The parameter `x` of a point `p` of the body is `scale . p - origin`.
     scale: Vector3<f64>,
     origin: f64,
 }
 
 impl<'a> RingCurve<'a> {
+    /// Returns the link of `apex`, if the fan of `apex` is large.
     fn link(body: &'a ConvexPolyhedron, apex: u32) -> Option<Self> {
         let fan = body.topology.fan(apex);
         (fan.len() > LARGE).then(|| RingCurve {
@@ -57,8 +65,9 @@ impl<'a> RingCurve<'a> {
         })
     }
 
-    /// The curve that `h` is a part of, with the place of its tail: the rim on its left, or the link of the vertex across the
-    /// triangle on its left.
+    /// Returns the ring that contains the half-edge `h`, with the index of the tail of `h`: the
+    /// boundary of the face on the left, or the link of the vertex opposite to `h` in the triangle
+    /// on the left.
     fn along(body: &'a ConvexPolyhedron, h: u32) -> Option<(Self, usize)> {
         let t = &body.topology;
         if let Some((ring, k)) = t.long_rim(t.from(h)).filter(|(ring, k)| ring[*k] == h) {
@@ -70,7 +79,7 @@ impl<'a> RingCurve<'a> {
         Some((band, band.place_of(next.next)))
     }
 
-    /// The place of a half-edge of a fan.
+    /// Returns the index of a half-edge of the fan.
     fn place_of(&self, h: u32) -> usize {
         match self.ring {
             Ring::Link { first, len, .. } => (h.wrapping_sub(first) as usize).min(len - 1),
@@ -78,6 +87,7 @@ impl<'a> RingCurve<'a> {
         }
     }
 
+    /// Returns the number of vertices.
     fn len(&self) -> usize {
         match self.ring {
             Ring::Rim(ring) => ring.len(),
@@ -85,7 +95,7 @@ impl<'a> RingCurve<'a> {
         }
     }
 
-    /// The vertex at place `k`.
+    /// Returns the vertex at index `k`.
     pub(super) fn corner(&self, k: usize) -> u32 {
         let t = &self.body.topology;
         match self.ring {
@@ -94,12 +104,13 @@ impl<'a> RingCurve<'a> {
         }
     }
 
-    /// The corner nearest to a part of the way from that at place `k` to the next.
+    /// Returns the vertex closest to the point at `fraction` of the edge from index `k` to the
+    /// next.
     pub(super) fn corner_near(&self, k: usize, part: f64) -> u32 {
         self.corner(if part < 0.5 { k } else { (k + 1) % self.len() })
     }
 
-    /// The edge from the corner at place `k` to the next.
+    /// Returns the edge from index `k` to the next.
     pub(super) fn edge(&self, k: usize) -> u32 {
         let t = &self.body.topology;
         match self.ring {
@@ -108,8 +119,9 @@ impl<'a> RingCurve<'a> {
         }
     }
 
-    /// The half-edge of the rib of the corner at place `k`, towards its far end or away from it: of a rim, the one edge of a corner
-    /// of three that is none of the rim.
+    /// Returns the half-edge of spoke `k`. On a face boundary it leads to the far end, and exists
+    /// if the vertex has three edges: the edge outside the boundary. On a link it leads from the
+    /// apex.
     fn rib_half_edge(&self, k: usize) -> Option<u32> {
         let t = &self.body.topology;
         match self.ring {
@@ -118,12 +130,12 @@ impl<'a> RingCurve<'a> {
         }
     }
 
-    /// The rib of the corner at place `k`.
+    /// Returns the edge of spoke `k`.
     pub(super) fn rib(&self, k: usize) -> Option<u32> {
         self.rib_half_edge(k).map(|h| self.body.topology.edge(h))
     }
 
-    /// Its far end.
+    /// Returns the vertex at the far end of spoke `k`.
     pub(super) fn far(&self, k: usize) -> Option<u32> {
         match self.ring {
             Ring::Rim(_) => self.rib_half_edge(k).map(|h| self.body.topology.half_edge(h).to),
@@ -131,7 +143,7 @@ impl<'a> RingCurve<'a> {
         }
     }
 
-    /// The face between the ribs at place `k` and the next.
+    /// Returns the side face between spoke `k` and the next.
     pub(super) fn strip(&self, k: usize) -> u32 {
         let t = &self.body.topology;
         match self.ring {
@@ -140,23 +152,25 @@ impl<'a> RingCurve<'a> {
         }
     }
 
+    /// Returns the position of the vertex at index `k`.
     fn at(&self, k: usize) -> Vector3<f64> {
         self.body.points[self.corner(k) as usize]
     }
 
-    /// The point between the corner at place `k` and the next.
+    /// Returns the point at `fraction` of the edge from index `k` to the next.
     pub(super) fn point(&self, k: usize, part: f64) -> Vector3<f64> {
         self.at(k) * (1.0 - part) + self.at((k + 1) % self.len()) * part
     }
 
-    /// How many places there are between two, the short way.
+    /// Returns the number of edges between two indices, in the shorter direction.
     pub(super) fn between(&self, k: usize, j: usize) -> usize {
         let d = k.abs_diff(j);
         d.min(self.len() - d)
     }
 
-    /// The place as many corners beyond `to` as that is, the short way, beyond the place `from` of a ring that may be another: none then,
-    /// or if that is but one.
+    /// Extrapolates the motion along this ring: returns index `to + (to - from)` (mod ring length,
+    /// shorter direction). `None` if `from` is on another ring (`ring`) or the step is at most one
+    /// vertex.
     pub(super) fn beyond(&self, ring: &Self, from: usize, to: usize) -> Option<usize> {
         let same = match (self.ring, ring.ring) {
             (Ring::Rim(a), Ring::Rim(b)) => a.first() == b.first(),
@@ -167,8 +181,9 @@ impl<'a> RingCurve<'a> {
         (same && self.between(from, to) > 1).then(|| (2 * to + m - from) % m)
     }
 
-    /// The parabola about the corner at place `k`. With ribs, their lines too; `None` where there are none, or the three corners
-    /// do not follow each other along a line.
+    /// Fits a parabola around index `k`, and with `spokes` a parabola through the far ends too.
+    /// `None` if a spoke is missing, or if the three vertices do not follow each other along a
+    /// line.
     pub(super) fn fit(&self, k: usize, ribs: bool) -> Option<Fit> {
         let m = self.len();
         // An arc of about three degrees: smooth over small edges, and short.
@@ -186,7 +201,7 @@ impl<'a> RingCurve<'a> {
             return None;
         }
         let (per_left, per_right) = (1.0 / x0, 1.0 / x1);
-        // x1 - x0 is one.
+        // x1 - x0 is 1.
         let parabola = |a: Vector3<f64>, p: Vector3<f64>, b: Vector3<f64>| {
             let (left, right) = ((a - p) * per_left, (b - p) * per_right);
             [p, left * x1 - right * x0, (right - left) * 2.0]
@@ -205,7 +220,8 @@ impl<'a> RingCurve<'a> {
         })
     }
 
-    /// The place whose corner is the last before `x` of a fit about place `k`, and which part of the way to the next `x` is.
+    /// Locates the parameter `x` of a fit around index `k`: returns the index of the last vertex
+    /// before `x`, and the fraction of the edge to the next vertex at which `x` lies.
     pub(super) fn place_at(&self, fit: &Fit, k: usize, x: f64) -> (usize, f64) {
         if x == 0.0 {
             return (k, 0.0);
@@ -213,9 +229,9 @@ impl<'a> RingCurve<'a> {
         let m = self.len();
         let wrapped = |j: usize| if j >= m { j - m } else { j };
         let at = |j: usize| fit.scale.dot(&self.at(wrapped(j))) - fit.origin;
-        // Corners follow each other along the curve for less than a quarter of it.
+        // Vertices are in order along the fit for less than a quarter of the ring.
         let most = m / 4;
-        // Where it is if corners are evenly spaced.
+        // The index if vertices are evenly spaced.
         let guess = x * (2 * m.div_ceil(SPAN)) as f64;
         let from = wrapped(wrapped(
             (k + m).wrapping_add_signed(guess.clamp(-(most as f64), most as f64) as isize),
@@ -230,8 +246,8 @@ impl<'a> RingCurve<'a> {
     }
 }
 
-/// The largest `d` up to `most` for which a condition holds that holds from zero on for a while: doubling, then bisection. Zero counts as
-/// holding.
+/// Returns the largest `d` up to `most` for which a condition holds that is true from zero up to
+/// some number: doubling, then bisection. Zero counts as true.
 fn last(most: usize, holds: impl Fn(usize) -> bool) -> usize {
     let (mut low, mut reach) = (0, 1);
     while reach <= most && holds(reach) {
@@ -249,11 +265,11 @@ fn last(most: usize, holds: impl Fn(usize) -> bool) -> usize {
     low
 }
 
-/// Curves are fitted over this part of them to each side.
+/// A fit spans this fraction of a ring to each side: one in `SPAN`.
 const SPAN: usize = 256;
 
 impl ConvexPolyhedron {
-    /// What a feature is beside a curve, if it is beside one.
+    /// Returns the location of a feature relative to a large ring, if the feature touches one.
     pub(super) fn near(&self, feature: Feature) -> Option<RingLocation<'_>> {
         match feature {
             Feature::Vertex(v) => self.near_vertex(v.0),
@@ -262,7 +278,7 @@ impl ConvexPolyhedron {
         }
     }
 
-    /// The curve a vertex is a corner of.
+    /// Returns the ring that contains a vertex.
     fn near_vertex(&self, v: u32) -> Option<RingLocation<'_>> {
         let t = &self.topology;
         if t.fan(v).len() > LARGE {
@@ -279,18 +295,18 @@ impl ConvexPolyhedron {
         })
     }
 
-    /// The curve an edge is a part of, or a rib beside.
+    /// Returns the ring that contains an edge, or has the edge as a spoke.
     fn near_edge(&self, edge: u32) -> Option<RingLocation<'_>> {
         let t = &self.topology;
         let e = t.half_edge(edge);
         let tail = t.half_edge(e.twin).to;
-        // Of a fan.
+        // A spoke of a fan.
         for (apex, h) in [(tail, edge), (e.to, e.twin)] {
             if let Some(band) = RingCurve::link(self, apex) {
                 return Some(RingLocation::Rib(band, band.place_of(h)));
             }
         }
-        // Of a curve, one way or the other.
+        // An edge of a ring, in either direction.
         if let Some((band, k)) = RingCurve::along(self, edge).or_else(|| RingCurve::along(self, e.twin)) {
             return Some(RingLocation::Curve(band, k));
         }
@@ -300,7 +316,7 @@ impl ConvexPolyhedron {
         }
     }
 
-    /// The curve a strip is beside.
+    /// Returns the ring that has the face as a side face.
     fn near_face(&self, face: u32) -> Option<RingLocation<'_>> {
         let t = &self.topology;
         if t.ring(face).is_some() {
@@ -309,7 +325,7 @@ impl ConvexPolyhedron {
         t.rim(face).find_map(|h| {
             let e = t.half_edge(h);
             if let Some(band) = RingCurve::link(self, e.to) {
-                // The half-edge from the apex with this face on its left.
+                // The half-edge from the apex with this face on the left.
                 return Some(RingLocation::Rib(band, band.place_of(e.next)));
             }
             let (ring, k) = t.long_rim(e.to).filter(|(ring, k)| ring[*k] == e.twin)?;

@@ -1,12 +1,15 @@
-//! Leaps along long rims and round large fans.
+//! Newton jumps along large rings.
 //!
-//! On two nearly touching rims of thousands of edges the feet of a step are a corner or two from where they were, and the walk
-//! would alternate between the two for as many steps as there are corners on the way. Here the curves, and the ribs beside
-//! them, are smooth (see [`band`](super::band)), and Newton's method goes at once to where their distance is least. The walk goes on from
-//! the corners there: a leap is a proposal, like every step.
+//! If two long face boundaries nearly touch, each step moves the witnesses by one or two vertices,
+//! and the walk would alternate between the two for as many steps as there are vertices on the way.
+//! Here the rings and their spokes are smooth curves (see [`curve`](super::curve)), and Newton's
+//! method goes at once to the least distance. The walk continues from the vertices there: a jump is
+//! a proposal, like every step.
 //!
-//! With `r` from a point of B to one of A, in up to two variables for each, `|r|^2 / 2` has the gradient `r . r_i` and the second
-//! derivatives `r_i . r_j + r . r_ij`. A fixed edge or face on the other side takes no variables: what lies along it is dropped from `r`.
+//! With `r` from a point of B to a point of A, in up to two variables for each, `|r|^2 / 2` has the
+//! gradient `r . r_i` and the second derivatives `r_i . r_j + r . r_ij`. A side on no ring is
+//! fixed: a vertex takes no variable, an edge takes the variable along itself, and a face takes
+//! none, because the components of `r` in the plane of the face are dropped.
 
 use nalgebra::Vector3;
 
@@ -17,39 +20,40 @@ use crate::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, Feature, FeaturePair, 
 use crate::walk::rings::cholesky::{Four, System};
 use crate::walk::rings::curve::{Fit, RingCurve, RingLocation};
 
-/// Newton steps of one leap.
+/// Newton steps per jump.
 const STEPS: usize = 3;
 
-/// What makes second derivatives positive where they are not, relatively.
+/// Relative damping that makes second derivatives positive if they are not.
 const DAMPING: f64 = 1.0 / 1024.0;
 
-/// A step as short as this is the last.
+/// Newton's method stops after a step shorter than this.
 const CLOSE: f64 = 1.0 / 8.0;
 
-/// How often a leap that leads no closer is cut to a quarter.
+/// Limit of attempts: a jump that leads no closer is cut to a quarter for the next attempt.
 const TRIES: u32 = 3;
 
-/// Bisections for where a curve leaves a face.
+/// Bisections for the point at which a curve leaves a face.
 const BISECTIONS: u32 = 8;
 
-/// How far a parabola is followed, in the length it is fitted over.
+/// Limit of `x` on a parabola, in units of the length of the fit.
 const REACH: f64 = 12.0;
 
-/// One body's side of a pair.
+/// The feature of one body as a smooth set of points.
 enum Side<'a> {
-    /// A vertex beside no curve.
+    /// A vertex on no ring.
     Vertex(u32, Vector3<f64>),
-    /// An edge of none: its tail and what leads to its head.
+    /// An edge on no ring: the tail, and the vector to the head.
     Edge(u32, [Vector3<f64>; 2]),
-    /// A face beside none: a point of its plane, its unit normal.
+    /// A face on no ring: a point of the plane, and the unit normal.
     Face(u32, [Vector3<f64>; 2]),
-    /// On a curve: the place a fit is made about.
+    /// A vertex or an edge of a ring: the index and the fit around the index.
     Curve(RingCurve<'a>, usize, Fit),
-    /// On the ribs beside one.
+    /// A spoke or a side face of a ring: the index and the fit around the index.
     Ribs(RingCurve<'a>, usize, Fit),
 }
 
-/// Value and derivatives of a side's point in its two variables, `x` along the curve and `y` along the rib.
+/// Point of a side, with derivatives in the two variables: `x` along the curve and `y` along the
+/// spoke.
 #[derive(Clone, Copy)]
 struct Jet {
     at: Vector3<f64>,
@@ -59,16 +63,18 @@ struct Jet {
     xy: Vector3<f64>,
 }
 
-/// A place on a side: between the corner of this number and the next, and on the line there.
+/// Position on a side: `fraction` of the edge from the vertex `index` to the next, and `y` along
+/// the spoke there.
 struct Spot {
     place: usize,
     part: f64,
     y: f64,
-    /// How many corners that is from the start.
+    /// Number of vertices between the start and this position.
     moved: usize,
 }
 
 impl<'a> Side<'a> {
+    /// Returns the side of a feature; `None` if the ring of the feature has no fit.
     fn of(body: &'a ConvexPolyhedron, feature: Feature) -> Option<Self> {
         let (t, at) = (&body.topology, |v: u32| body.points[v as usize]);
         Some(match (body.near(feature), feature) {
@@ -90,12 +96,12 @@ impl<'a> Side<'a> {
         matches!(self, Side::Curve(..) | Side::Ribs(..))
     }
 
-    /// Whether it is followed in the variable `y` too.
+    /// Returns whether the side has the variable `y`: along an edge or a spoke.
     fn has_lines(&self) -> bool {
         matches!(self, Side::Edge(..) | Side::Ribs(..))
     }
 
-    /// From B's frame to A's.
+    /// Transforms the side from B's frame to A's.
     fn place(&mut self, posed: &PosedPair) {
         let point = |p: &mut Vector3<f64>| *p = posed.point_in_a(p);
         let vector = |v: &mut Vector3<f64>| *v = posed.vector_in_a(v);
@@ -118,6 +124,7 @@ impl<'a> Side<'a> {
         }
     }
 
+    /// Evaluates point and derivatives at `x`, `y`.
     fn jet(&self, x: f64, y: f64) -> Jet {
         let zero = Vector3::zeros();
         let still = |at: Vector3<f64>, y: Vector3<f64>| Jet {
@@ -153,7 +160,7 @@ impl<'a> Side<'a> {
         }
     }
 
-    /// The place at `x`, `y`.
+    /// Returns the position at `x`, `y`.
     fn spot(&self, x: f64, y: f64) -> Spot {
         match self {
             Side::Curve(band, k, fit) | Side::Ribs(band, k, fit) => {
@@ -174,7 +181,8 @@ impl<'a> Side<'a> {
         }
     }
 
-    /// The point of the body itself, in its frame; none for a face.
+    /// Returns the point of the body itself at a position, in the frame of the body; `None` for a
+    /// face.
     fn point(&self, body: &ConvexPolyhedron, spot: &Spot) -> Option<Vector3<f64>> {
         let at = |v: u32| body.points[v as usize];
         let &Spot { place: j, part, y, .. } = spot;
@@ -190,7 +198,7 @@ impl<'a> Side<'a> {
         })
     }
 
-    /// The feature there, beside one of dimension `other`.
+    /// Returns the feature at a position, for a pair with a feature of dimension `other`.
     fn feature(&self, body: &ConvexPolyhedron, spot: &Spot, other: usize) -> Feature {
         let &Spot { place: j, y, part, .. } = spot;
         let vertex = |v: u32| Feature::Vertex(VertexId(v));
@@ -220,7 +228,7 @@ impl<'a> Side<'a> {
         }
     }
 
-    /// The dimension of what it will name at `y`.
+    /// Returns the dimension of the feature to expect at `y`.
     fn dimension(&self, y: f64) -> usize {
         match self {
             Side::Vertex(..) => 0,
@@ -232,7 +240,8 @@ impl<'a> Side<'a> {
     }
 }
 
-/// Goes to where the curves of the pair's features are closest; whether that is elsewhere.
+/// Jumps to the features at which the curves of the pair are closest. Returns whether the jump
+/// leads elsewhere.
 #[cold]
 #[inline(never)]
 pub(crate) fn newton_jump(posed: &PosedPair, outcome: &mut Outcome) -> bool {
@@ -254,23 +263,24 @@ pub(crate) fn newton_jump(posed: &PosedPair, outcome: &mut Outcome) -> bool {
     }
 }
 
-/// Both sides, in A's frame.
+/// Both sides of a jump, in A's frame.
 struct Leap<'a, 'b> {
     posed: &'a PosedPair<'b>,
     a: &'a Side<'a>,
     b: &'a Side<'a>,
 }
 
-/// Where a leap lands.
+/// The end of a jump, evaluated on the bodies themselves.
 enum Landing {
-    /// As far apart as the root of this.
+    /// Squared distance of the two points.
     At(f64),
-    /// Over no face: beyond this edge.
+    /// The point is over no part of the face: it lies beyond this edge.
     Beyond(u32),
 }
 
 impl Leap<'_, '_> {
-    /// The pair to go on from: where Newton's method leads, or a part of the way there.
+    /// Returns the pair from which to continue: at the end of Newton's method, or a part of the way
+    /// there. `None` if a jump leads no closer or hardly moves.
     fn pair(&self) -> Option<FeaturePair> {
         let (start, before, mut at) = closest(self.a, self.b)?;
         for _ in 0..TRIES {
@@ -291,7 +301,7 @@ impl Leap<'_, '_> {
         (self.a.spot(at[0], at[1]), self.b.spot(at[2], at[3]))
     }
 
-    /// How far apart the bodies' own points are there.
+    /// Evaluates the distance between the points of the bodies themselves.
     fn landing(&self, spots: &(Spot, Spot)) -> Landing {
         let posed = self.posed;
         let (on_a, on_b) = (self.a.point(posed.a, &spots.0), self.b.point(posed.b, &spots.1));
@@ -303,7 +313,8 @@ impl Leap<'_, '_> {
         }
     }
 
-    /// From over a face to beyond `edge` of its rim: the edge that is passed first, and that of the curve which passes.
+    /// Returns the pair for a jump from over a face to beyond `edge` of the face boundary: the
+    /// boundary edge that is passed first, and the edge of the curve that passes.
     fn beyond(&self, start: &Four, at: &Four, mut edge: u32) -> FeaturePair {
         let (mut over, mut out, mut spots) = (0.0, 1.0, self.spots(at));
         for _ in 0..BISECTIONS {
@@ -317,7 +328,8 @@ impl Leap<'_, '_> {
         self.features(&spots, Some(edge))
     }
 
-    /// The features there; `edge` for a face, where it is one of its rim.
+    /// Returns the features at two positions; `edge` replaces a face if the point lies beyond this
+    /// boundary edge.
     fn features(&self, spots: &(Spot, Spot), edge: Option<u32>) -> FeaturePair {
         let dimension = |side: &Side, spot: &Spot| if edge.is_some() { 1 } else { side.dimension(spot.y) };
         let name = |side: &Side, body: &ConvexPolyhedron, spot: &Spot, other: usize| match (side, edge) {
@@ -331,12 +343,13 @@ impl Leap<'_, '_> {
     }
 }
 
-/// A part of the way from one to the other.
+/// Returns the point at `fraction` of the way between two points.
 fn between(from: &Four, to: &Four, part: f64) -> Four {
     core::array::from_fn(|k| from[k] + (to[k] - from[k]) * part)
 }
 
-/// Where a point is over a face.
+/// Evaluates a point over a face: the squared height, or the boundary edge beyond which the point
+/// lies.
 fn over(body: &ConvexPolyhedron, face: u32, x: &Vector3<f64>, size: f64) -> Landing {
     let plane = &body.planes[face as usize];
     let face = Face {
@@ -354,7 +367,8 @@ fn over(body: &ConvexPolyhedron, face: u32, x: &Vector3<f64>, size: f64) -> Land
     }
 }
 
-/// Newton's method: first along the lines alone, then in all variables. From where, how far apart that is, squared, and where it leads.
+/// Runs Newton's method, first along the lines alone, then in all variables. Returns the start, the
+/// squared distance there, and the end.
 fn closest(a: &Side, b: &Side) -> Option<(Four, f64, Four)> {
     let mut at = [0.0, 0.5, 0.0, 0.5];
     let lines = [false, a.has_lines(), false, b.has_lines()];
@@ -365,7 +379,7 @@ fn closest(a: &Side, b: &Side) -> Option<(Four, f64, Four)> {
     let start = at;
     let (before, mut by) = step(a, b, &mut at, all)?;
     for _ in 1..STEPS {
-        // The next would move by the square of it.
+        // The next step would be as short as the square of the last.
         if by >= CLOSE {
             by = step(a, b, &mut at, all)?.1;
         }
@@ -373,15 +387,16 @@ fn closest(a: &Side, b: &Side) -> Option<(Four, f64, Four)> {
     Some((start, before, at))
 }
 
-/// What counts of the difference, and the jets.
+/// The relevant part of the difference of two points, and the derivatives of both.
 type Difference = (Vector3<f64>, Jet, Jet);
 
+/// Evaluates both sides and their difference.
 fn difference(a: &Side, b: &Side, at: &Four) -> Difference {
     let (ja, jb) = (a.jet(at[0], at[1]), b.jet(at[2], at[3]));
     (counting(a, b, &(ja.at - jb.at)), ja, jb)
 }
 
-/// Over a face, only what is across it.
+/// Returns the relevant part of a vector: over a face, only the component along the normal.
 fn counting(a: &Side, b: &Side, r: &Vector3<f64>) -> Vector3<f64> {
     match (a, b) {
         (Side::Face(_, [_, n]), _) | (_, Side::Face(_, [_, n])) => n * r.dot(n),
@@ -389,10 +404,12 @@ fn counting(a: &Side, b: &Side, r: &Vector3<f64>) -> Vector3<f64> {
     }
 }
 
-/// One Newton step in the variables that are `free`: the squared length before it, and how far it goes in `x`.
+/// Takes a Newton step in the variables that are `free`. Returns the squared length before the
+/// step, and the length of the step in `x`.
 fn step(a: &Side, b: &Side, at: &mut Four, free: [bool; 4]) -> Option<(f64, f64)> {
     let difference = difference(a, b, at);
-    // Far from the least distance the second derivatives may not be positive; the other ones always are.
+    // Far from the least distance the second derivatives may not be positive; the damped ones
+    // always are.
     let solved = system(a, b, at, &difference, free, true).solve();
     let by = solved.or_else(|| system(a, b, at, &difference, free, false).solve())?;
     for k in 0..4 {
@@ -402,7 +419,8 @@ fn step(a: &Side, b: &Side, at: &mut Four, free: [bool; 4]) -> Option<(f64, f64)
     Some((difference.0.norm_squared(), by[0].abs().max(by[2].abs())))
 }
 
-/// The system of a step; of Newton's method if `curved`, else damped and certainly positive.
+/// Returns the linear system of a step: Newton's if `curved`, else damped and certainly positive
+/// definite.
 #[inline(always)]
 fn system(a: &Side, b: &Side, at: &Four, (r, ja, jb): &Difference, free: [bool; 4], curved: bool) -> System {
     let mut of = System::default();
@@ -415,7 +433,8 @@ fn system(a: &Side, b: &Side, at: &Four, (r, ja, jb): &Difference, free: [bool; 
         let is_line = i % 2 == 1;
         let d = counting(a, b, &(if is_line { jet.y } else { jet.x } * sign));
         let downhill = -d.dot(r);
-        // At an end of the line and on beyond it; and nothing moves round an apex.
+        // Fixed: a variable that would leave the end of its line, and a position at an apex, which
+        // `x` does not move.
         let ends = is_line && (at[i] <= 0.0 && downhill < 0.0 || at[i] >= 1.0 && downhill > 0.0);
         if ends || d == Vector3::zeros() {
             continue;

@@ -1,12 +1,14 @@
-//! Where the features of a moving body will be next.
+//! Prediction of the closest features of a moving body.
 //!
-//! On rims and fans of thousands of edges the features of a step are many corners from where they were, and in a motion that goes on
-//! evenly about as many as in the step before. To start there saves the leap (see [`leap`](super::leap)).
+//! On face boundaries and fans of thousands of edges the closest features move by many vertices per
+//! query, and in a steady motion by about as many as in the query before. A start at the predicted
+//! features saves the Newton jump (see [`newton_jump`](super::newton_jump)).
 
 use crate::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, Feature, FeaturePair, VertexId};
 use crate::walk::rings::curve::RingLocation;
 
-/// The pair as far beyond `now` as that is from `before`, each feature along its curve; the same feature where it is on none.
+/// Extrapolates the motion from `before` to `now`, each feature along its ring. A feature that is
+/// on no ring, or does not move, stays.
 #[cold]
 #[inline(never)]
 pub(crate) fn predict(
@@ -26,7 +28,8 @@ pub(crate) fn predict(
 }
 
 impl ConvexPolyhedron {
-    /// As far along a curve beyond `now` as that is from `before`.
+    /// Extrapolates the motion from `before` to `now` along a ring; `None` if the two features
+    /// share none.
     fn beyond(&self, before: Feature, now: Feature) -> Option<Feature> {
         let (RingLocation::Curve(ring, from) | RingLocation::Rib(ring, from)) = self.near(before)?;
         let there = self.near(now)?;
