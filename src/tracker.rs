@@ -201,7 +201,7 @@ impl Tracker {
         level: Accuracy,
         deep: bool,
     ) -> Outcome {
-        let mut outcome = Outcome::open(FeaturePair::vertices(Operand::A, 0, 0));
+        let mut outcome = Outcome::starting_at(FeaturePair::vertices(Operand::A, 0, 0));
         self.solve(a, b, a_from_b, (level, deep), &mut outcome);
         outcome
     }
@@ -261,9 +261,9 @@ impl Tracker {
         let first = *outcome;
         if !depth::resume(posed, &mut self.memory, outcome) {
             self.memory.clear();
-            let grown = outcome.work.grown;
+            let grown = outcome.work.points_added;
             *outcome = first;
-            outcome.work.grown = grown;
+            outcome.work.points_added = grown;
             return false;
         }
         self.totals.queries += 1;

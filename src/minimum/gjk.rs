@@ -39,23 +39,23 @@ pub(crate) enum Minimum<T> {
 /// Solves from a vertex of each feature of `from`.
 pub(crate) fn solve<T: Scalar>(posed: &PosedPair, frame: &Transform<T>, from: FeaturePair) -> Minimum<T> {
     let (a, b) = from.vertices_of(posed.a, posed.b);
-    let reach = posed.reach::<T>();
-    let touches = T::from(ON_BOUNDARY * T::UNIT / UNIT * reach.whole());
+    let scale = posed.error_scale::<T>();
+    let touches = T::from(ON_BOUNDARY * T::UNIT / UNIT * scale.total());
     let mut simplex = Simplex::vertex(difference_point(posed, frame, a, b));
     let (mut lower, mut direction) = (T::from(f64::NEG_INFINITY), simplex.direction());
     for _ in 0..SUPPORTS {
         let d = simplex.direction();
         let norm_squared = dot(&d, &d);
-        if !(simplex.squared() > touches * touches) || !(norm_squared > T::from(0.0)) {
+        if !(simplex.squared_distance() > touches * touches) || !(norm_squared > T::from(0.0)) {
             break;
         }
-        let (hint, toward) = (simplex.kept()[simplex.len() - 1], neg(&d));
+        let (hint, toward) = (simplex.points()[simplex.len() - 1], neg(&d));
         let c = support(posed, frame, &toward, &hint);
         let height = dot(&d, &c.w) / root(norm_squared);
         if height > lower {
             (lower, direction) = (height, d);
         }
-        if simplex.holds(c.a, c.b) || !simplex.add(c, reach) {
+        if simplex.contains(c.a, c.b) || !simplex.add(c, scale) {
             break;
         }
         if simplex.len() == 4 {

@@ -8,7 +8,7 @@
 use crate::minimum::gjk::{Minimum, solve};
 use crate::minimum::simplex::Simplex;
 use crate::minimum::witnesses::witnesses;
-use crate::pair::answer::{is_proven, overlapping};
+use crate::pair::answer::{is_proven, set_overlapping};
 use crate::pair::difference::difference_point;
 use crate::pair::outcome::{Outcome, Solver};
 use crate::pair::posed::PosedPair;
@@ -22,8 +22,8 @@ use crate::polyhedron::FeaturePair;
 pub(crate) struct OverlapProof([[u32; 2]; 4]);
 
 impl OverlapProof {
-    fn of(simplex: &Simplex<f64>) -> Option<Self> {
-        let kept: &[_; 4] = simplex.kept().try_into().ok()?;
+    fn from_simplex(simplex: &Simplex<f64>) -> Option<Self> {
+        let kept: &[_; 4] = simplex.points().try_into().ok()?;
         Some(Self(kept.map(|c| [c.a, c.b])))
     }
 
@@ -37,12 +37,12 @@ impl OverlapProof {
             return false;
         }
         let frame = Transform::of(posed);
-        let corners = self.0.map(|[x, y]| difference_point(posed, &frame, x, y));
-        let Some(simplex) = Simplex::around_origin(corners, posed.reach::<f64>()) else {
+        let points = self.0.map(|[x, y]| difference_point(posed, &frame, x, y));
+        let Some(simplex) = Simplex::around_origin(points, posed.error_scale::<f64>()) else {
             return false;
         };
         outcome.solver = Solver::Surface;
-        take_overlap(posed, &simplex, outcome)
+        write_overlap(posed, &simplex, outcome)
     }
 }
 
@@ -55,13 +55,13 @@ pub(crate) fn solve_overlap(posed: &PosedPair, from: FeaturePair, outcome: &mut 
         return None;
     };
     outcome.solver = Solver::Fallback;
-    take_overlap(posed, &simplex, outcome).then(|| OverlapProof::of(&simplex))?
+    write_overlap(posed, &simplex, outcome).then(|| OverlapProof::from_simplex(&simplex))?
 }
 
 /// Writes the overlap and the witnesses of a tetrahedron around the origin; features stay as in the
 /// last answer. Returns whether the overlap is settled.
-fn take_overlap(posed: &PosedPair, simplex: &Simplex<f64>, outcome: &mut Outcome) -> bool {
+fn write_overlap(posed: &PosedPair, simplex: &Simplex<f64>, outcome: &mut Outcome) -> bool {
     (outcome.point_on_a, outcome.point_on_b) = witnesses(posed, simplex);
-    overlapping(outcome);
+    set_overlapping(outcome);
     is_proven(posed, outcome)
 }

@@ -6,19 +6,19 @@
 
 use crate::num::scalar::{Scalar, Vec3, cross, dot, neg, root, scaled, sub};
 use crate::pair::difference::MinkowskiPoint;
-use crate::pair::transform::Reach;
+use crate::pair::transform::ErrorScale;
 use crate::tolerance::VOLUME;
 
 /// Up to four Minkowski points, and the point of their convex hull closest to the origin.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Simplex<T> {
-    corners: [MinkowskiPoint<T>; 4],
-    nearest: Nearest<T>,
+    points: [MinkowskiPoint<T>; 4],
+    closest: ClosestPoint<T>,
 }
 
 /// The closest point of a simplex, in barycentric coordinates.
 #[derive(Clone, Copy, Debug)]
-struct Nearest<T> {
+struct ClosestPoint<T> {
     /// Indices of the points whose hull contains the closest point in the relative interior.
     ids: [u8; 4],
     len: u8,
@@ -31,7 +31,7 @@ struct Nearest<T> {
     squared: T,
 }
 
-impl<T: Scalar> Nearest<T> {
+impl<T: Scalar> ClosestPoint<T> {
     #[inline]
     fn vertex(c: &[MinkowskiPoint<T>; 4], p: u8) -> Self {
         let (one, w) = (T::from(1.0), c[p as usize].w);
@@ -103,7 +103,7 @@ impl<T: Scalar> Nearest<T> {
 
     /// Tests a tetrahedron: the origin inside (`len` 4, proven against rounding), or the closest
     /// point of the faces that may separate the origin.
-    fn tetrahedron(c: &[MinkowskiPoint<T>; 4], reach: Reach) -> Self {
+    fn tetrahedron(c: &[MinkowskiPoint<T>; 4], scale: ErrorScale) -> Self {
         let det = |i: usize, j: usize, k: usize| dot(&c[i].w, &cross(&c[j].w, &c[k].w));
         let mut volume = [det(1, 2, 3), -det(0, 2, 3), det(0, 1, 3), -det(0, 1, 2)];
         let zero = T::from(0.0);
@@ -111,9 +111,10 @@ impl<T: Scalar> Nearest<T> {
         if sum < zero {
             volume = volume.map(|v| -v);
         }
-        let all = reach.whole();
+        let all = scale.total();
         let certain = T::from(VOLUME * T::UNIT * all * all * all);
-        let is_certain = |v: T, face: &[u8; 3]| v > certain || (v > zero && v.value() > rounding::<T>(c, face, reach));
+        let is_certain =
+            |v: T, face: &[u8; 3]| v > certain || (v > zero && v.value() > rounding_bound::<T>(c, face, scale));
         let faces = [[1, 2, 3], [0, 2, 3], [0, 1, 3], [0, 1, 2]];
         let mut best: Option<Self> = None;
         for k in 0..4 {
@@ -140,56 +141,56 @@ impl<T: Scalar> Nearest<T> {
 
 /// Bound of the rounding in the volume of three points with the origin, see [`VOLUME`].
 #[cold]
-fn rounding<T: Scalar>(c: &[MinkowskiPoint<T>; 4], face: &[u8; 3], reach: Reach) -> f64 {
+fn rounding_bound<T: Scalar>(c: &[MinkowskiPoint<T>; 4], face: &[u8; 3], scale: ErrorScale) -> f64 {
     let sum = |v: Vec3<T>| v.iter().fold(0.0, |sum, x| sum + x.value().abs());
     let [p, q, r] = face.map(|k| c[k as usize].w);
     let (u, v) = (sub(&q, &p), sub(&r, &p));
     let [p, q, r] = [p, q, r].map(sum);
-    let off = VOLUME * T::UNIT * reach.size;
-    let own = off * (p * q + q * r + r * p) + off * off * reach.size;
-    own + VOLUME * T::UNIT * reach.shared * (sum(cross(&u, &v)) + off * (sum(u) + sum(v) + off))
+    let off = VOLUME * T::UNIT * scale.size;
+    let own = off * (p * q + q * r + r * p) + off * off * scale.size;
+    own + VOLUME * T::UNIT * scale.shared * (sum(cross(&u, &v)) + off * (sum(u) + sum(v) + off))
 }
 
 impl<T: Scalar> Simplex<T> {
     /// Returns the simplex of one point.
     pub(crate) fn vertex(c: MinkowskiPoint<T>) -> Self {
-        let corners = [c; 4];
+        let points = [c; 4];
         Self {
-            corners,
-            nearest: Nearest::vertex(&corners, 0),
+            points,
+            closest: ClosestPoint::vertex(&points, 0),
         }
     }
 
     /// Returns the simplex of a triangle.
     pub(crate) fn triangle([p, q, r]: [MinkowskiPoint<T>; 3]) -> Self {
-        let corners = [p, q, r, r];
-        let nearest = Nearest::triangle(&corners, [0, 1, 2]);
+        let points = [p, q, r, r];
+        let closest = ClosestPoint::triangle(&points, [0, 1, 2]);
         Self {
-            corners: nearest.ids.map(|k| corners[k as usize]),
-            nearest,
+            points: closest.ids.map(|k| points[k as usize]),
+            closest,
         }
     }
 
     /// Returns the tetrahedron if the origin is inside, proven against rounding.
-    pub(crate) fn around_origin(corners: [MinkowskiPoint<T>; 4], reach: Reach) -> Option<Self> {
-        let nearest = Nearest::tetrahedron(&corners, reach);
-        (nearest.len == 4).then_some(Self { corners, nearest })
+    pub(crate) fn around_origin(points: [MinkowskiPoint<T>; 4], scale: ErrorScale) -> Option<Self> {
+        let closest = ClosestPoint::tetrahedron(&points, scale);
+        (closest.len == 4).then_some(Self { points, closest })
     }
 
     /// Adds a point, and returns whether the hull comes closer to the origin or contains the
     /// origin. If not, nothing changes.
-    pub(crate) fn add(&mut self, c: MinkowskiPoint<T>, reach: Reach) -> bool {
-        let mut corners = self.corners;
-        corners[self.len()] = c;
-        let nearest = match self.len() {
-            1 => Nearest::edge(&corners, 0, 1),
-            2 => Nearest::triangle(&corners, [0, 1, 2]),
-            _ => Nearest::tetrahedron(&corners, reach),
+    pub(crate) fn add(&mut self, c: MinkowskiPoint<T>, scale: ErrorScale) -> bool {
+        let mut points = self.points;
+        points[self.len()] = c;
+        let closest = match self.len() {
+            1 => ClosestPoint::edge(&points, 0, 1),
+            2 => ClosestPoint::triangle(&points, [0, 1, 2]),
+            _ => ClosestPoint::tetrahedron(&points, scale),
         };
-        let better = nearest.squared < self.nearest.squared;
+        let better = closest.squared < self.closest.squared;
         if better {
-            self.corners = nearest.ids.map(|k| corners[k as usize]);
-            self.nearest = nearest;
+            self.points = closest.ids.map(|k| points[k as usize]);
+            self.closest = closest;
         }
         better
     }
@@ -197,37 +198,37 @@ impl<T: Scalar> Simplex<T> {
     /// Returns the number of points that span the closest point; four contain the origin.
     #[inline]
     pub(crate) fn len(&self) -> usize {
-        self.nearest.len as usize
+        self.closest.len as usize
     }
 
     /// Returns the points that span the closest point.
     #[inline]
-    pub(crate) fn kept(&self) -> &[MinkowskiPoint<T>] {
-        &self.corners[..self.len()]
+    pub(crate) fn points(&self) -> &[MinkowskiPoint<T>] {
+        &self.points[..self.len()]
     }
 
     /// Returns the barycentric weights of the points.
     pub(crate) fn weights(&self) -> &[T] {
-        &self.nearest.weights[..self.len()]
+        &self.closest.weights[..self.len()]
     }
 
     /// Returns the direction from the origin towards the simplex.
     pub(crate) fn direction(&self) -> Vec3<T> {
-        self.nearest.direction
+        self.closest.direction
     }
 
     /// Returns the squared distance from the origin.
-    pub(crate) fn squared(&self) -> T {
-        self.nearest.squared
+    pub(crate) fn squared_distance(&self) -> T {
+        self.closest.squared
     }
 
     /// Returns the distance of the point given by the weights, an upper bound. The weights are
     /// positive and sum to 1, so they give a point of the difference, whatever rounding did to
     /// them. The root of `squared` is no upper bound: the plane of a needle-shaped triangle may be
     /// closer than the triangle.
-    pub(crate) fn reach(&self) -> T {
+    pub(crate) fn witness_distance(&self) -> T {
         let at = |k: usize| {
-            let parts = self.kept().iter().zip(self.weights());
+            let parts = self.points().iter().zip(self.weights());
             parts.fold(T::from(0.0), |sum, (c, &weight)| sum + c.w[k] * weight)
         };
         let v = [at(0), at(1), at(2)];
@@ -235,7 +236,7 @@ impl<T: Scalar> Simplex<T> {
     }
 
     /// Returns whether the simplex contains the point of two vertices.
-    pub(crate) fn holds(&self, a: u32, b: u32) -> bool {
-        self.kept().iter().any(|c| (c.a, c.b) == (a, b))
+    pub(crate) fn contains(&self, a: u32, b: u32) -> bool {
+        self.points().iter().any(|c| (c.a, c.b) == (a, b))
     }
 }

@@ -23,14 +23,14 @@ pub(crate) fn unit(v: &Vector3<f64>) -> Unit<Vector3<f64>> {
 }
 
 /// Returns `x + by` in f64, rounded away from `x` by the last place.
-pub(crate) fn outward<T: Scalar>(x: T, by: f64) -> f64 {
+pub(crate) fn round_outward<T: Scalar>(x: T, by: f64) -> f64 {
     let sum = (x + T::from(by)).value();
     if by < 0.0 { sum.next_down() } else { sum.next_up() }
 }
 
 /// Marks an outcome as overlapping. Depth and normal are unknown here (they are the work of
 /// `depth`); the normal has no meaning yet, but is a unit vector.
-pub(crate) fn overlapping(outcome: &mut Outcome) {
+pub(crate) fn set_overlapping(outcome: &mut Outcome) {
     outcome.class = Class::Overlapping;
     outcome.distance = 0.0;
     outcome.normal = Vector3::x_axis();
@@ -39,7 +39,7 @@ pub(crate) fn overlapping(outcome: &mut Outcome) {
 
 /// Leaves a pair undecided, out of the range of the finer arithmetic, with the upper bound that any
 /// two vertices prove.
-pub(crate) fn give_up(posed: &PosedPair, outcome: &mut Outcome) {
+pub(crate) fn set_undecided(posed: &PosedPair, outcome: &mut Outcome) {
     let (a, b) = outcome.features.vertices_of(posed.a, posed.b);
     let (p, q) = (posed.a.points[a as usize], posed.b.points[b as usize]);
     (outcome.point_on_a, outcome.point_on_b) = (p.into(), q.into());
@@ -53,7 +53,7 @@ pub(crate) fn give_up(posed: &PosedPair, outcome: &mut Outcome) {
 
 /// Returns the smallest features that contain one to four vertices of each body, as a state of the
 /// walk.
-pub(crate) fn state_of(posed: &PosedPair, a: &[u32], b: &[u32]) -> FeaturePair {
+pub(crate) fn walk_state(posed: &PosedPair, a: &[u32], b: &[u32]) -> FeaturePair {
     let (fa, fb) = (posed.a.feature_of(a), posed.b.feature_of(b));
     let features = FeaturePair { a: fa, b: fb };
     if fa.dimension() + fb.dimension() <= 2 {

@@ -18,7 +18,7 @@
 //! * **face**: the plane of a face of the body, whose offset was taken over the whole body when the
 //!   body was built;
 //! * **edge**: `n` is perpendicular to the edge and certainly falls into both adjacent faces
-//!   ([`is_flanked`](super::star::is_flanked));
+//!   ([`falls_into_both_faces`](super::star::is_flanked));
 //! * **two planes**, if the signs of an edge leave doubt: linear programming duality
 //!   ([`edge_bound`](crate::ConvexPolyhedron::edge_bound));
 //! * **vertex**: every edge of the fan certainly falls, so no adjacent vertex, and hence no vertex,
@@ -37,7 +37,7 @@ use crate::pair::posed::PosedPair;
 /// Returns the distance of the supporting planes perpendicular to `normal` (in A's stored frame, of
 /// any length): a lower bound of the distance, before the error term.
 #[cold]
-pub(crate) fn supports(posed: &PosedPair, normal: &Vector3<f64>, hint_a: u32, hint_b: u32) -> f64 {
+pub(crate) fn support_distance(posed: &PosedPair, normal: &Vector3<f64>, hint_a: u32, hint_b: u32) -> f64 {
     let norm = crate::num::scalar::sqrt(normal.norm_squared());
     if !(norm > 0.0) {
         return f64::NEG_INFINITY;
@@ -45,5 +45,5 @@ pub(crate) fn supports(posed: &PosedPair, normal: &Vector3<f64>, hint_a: u32, hi
     let n = normal / norm;
     let high_a = posed.a.support_certified(&n, hint_a).value;
     let high_b = posed.b.support_certified(&-posed.direction_in_b(&n), hint_b).value;
-    posed.lift(&n) - high_a - high_b
+    posed.height_of_b_origin(&n) - high_a - high_b
 }

@@ -107,7 +107,7 @@ pub struct Work {
     /// Searches for the depth of an overlap.
     pub depths: u32,
     /// Points added to the surfaces of depth searches.
-    pub grown: u32,
+    pub points_added: u32,
 }
 
 impl core::ops::AddAssign for Work {
@@ -120,7 +120,7 @@ impl core::ops::AddAssign for Work {
         self.double_doubles += o.double_doubles;
         self.exacts += o.exacts;
         self.depths += o.depths;
-        self.grown += o.grown;
+        self.points_added += o.points_added;
     }
 }
 
@@ -180,7 +180,7 @@ pub struct Outcome {
 impl Outcome {
     /// Returns an outcome that holds nothing yet but the start of a solver.
     #[inline(always)]
-    pub(crate) fn open(pair: FeaturePair) -> Self {
+    pub(crate) fn starting_at(pair: FeaturePair) -> Self {
         Self {
             class: Class::Undecided,
             distance: 0.0,

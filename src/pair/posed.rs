@@ -5,13 +5,13 @@ use nalgebra::{Matrix3, Vector3};
 use crate::num::double_double::DoubleDouble;
 use crate::num::packed::{PackedRotation, PackedVec3};
 use crate::num::scalar::{Scalar, sqrt};
-use crate::pair::transform::{Reach, Transform};
+use crate::pair::transform::{ErrorScale, Transform};
 use crate::polyhedron::{ConvexPolyhedron, power_of_two};
 use crate::pose::{Operand, RelativePose};
 use crate::tolerance::{FAR, NEAR, UNIT, UNIT_DOUBLE_DOUBLE};
 
 /// Witnesses on A and on B, each in the stored frame of its body.
-pub(crate) type Witnesses = (Vector3<f64>, Vector3<f64>);
+pub(crate) type WitnessPair = (Vector3<f64>, Vector3<f64>);
 
 /// Two bodies at a relative pose, in stored units.
 pub(crate) struct PosedPair<'a> {
@@ -32,7 +32,7 @@ pub(crate) struct PosedPair<'a> {
 
 /// A pair that f64 cannot pose: so far apart, or points so close together, that only the separation
 /// counts.
-pub(crate) struct BeyondRange;
+pub(crate) struct OutOfRange;
 
 impl<'a> PosedPair<'a> {
     /// Poses B relative to A. The stored unit of A must not be smaller than the stored unit of B.
@@ -41,7 +41,7 @@ impl<'a> PosedPair<'a> {
         a: &'a ConvexPolyhedron,
         b: &'a ConvexPolyhedron,
         pose: &'a RelativePose,
-    ) -> Result<Self, BeyondRange> {
+    ) -> Result<Self, OutOfRange> {
         let (rotation, translation, unit, offsets) = if a.is_unscaled && b.is_unscaled {
             (pose.turn(), pose.shift(), 1.0, 0.0)
         } else {
@@ -53,7 +53,7 @@ impl<'a> PosedPair<'a> {
         let size = a.radius + unit * b.radius + sqrt(translation.norm_squared()) + extra;
         // Written so that NaN is out of range.
         if !(size > NEAR && size < FAR) {
-            return Err(BeyondRange);
+            return Err(OutOfRange);
         }
         Ok(Self {
             a,
@@ -84,8 +84,8 @@ impl<'a> PosedPair<'a> {
     /// Returns the lengths that scale the rounding errors of a solver: L, and the full origins of
     /// the bodies if the pose rounds as coarsely as the solver (in double-double; in f64 the
     /// origins are a part of L).
-    pub(crate) fn reach<T: Scalar>(&self) -> Reach {
-        Reach {
+    pub(crate) fn error_scale<T: Scalar>(&self) -> ErrorScale {
+        ErrorScale {
             size: self.size,
             shared: if T::UNIT == UNIT { 0.0 } else { self.offsets },
         }
@@ -125,55 +125,55 @@ impl<'a> PosedPair<'a> {
     }
 
     /// Returns the matrix of B's ellipsoid in A's frame.
-    pub(crate) fn spread_of_b(&self) -> Matrix3<f64> {
+    pub(crate) fn covariance_of_b(&self) -> Matrix3<f64> {
         let matrix = self.rotation.matrix();
         matrix * self.b.covariance3 * matrix.transpose()
     }
 
     /// Returns the height of B's stored origin along `n`, in A's frame.
     #[inline(always)]
-    pub(crate) fn lift(&self, n: &Vector3<f64>) -> f64 {
+    pub(crate) fn height_of_b_origin(&self, n: &Vector3<f64>) -> f64 {
         PackedVec3::new(n).dot(self.translation)
     }
 }
 
 /// The bodies in the order of a feature test: `first` has the vertex or edge that moves, `second`
 /// the feature opposite, and the test runs in the frame of `second`.
-pub(crate) trait Sides {
+pub(crate) trait OrderedPair {
     /// The operand in the role of `first`.
-    const OF: Operand;
+    const FIRST: Operand;
     /// Returns the body with the vertex or edge that moves.
-    fn x(&self) -> &ConvexPolyhedron;
+    fn first(&self) -> &ConvexPolyhedron;
     /// Returns the body with the feature opposite.
-    fn y(&self) -> &ConvexPolyhedron;
+    fn second(&self) -> &ConvexPolyhedron;
     /// Returns the size L.
     fn size(&self) -> f64;
     /// Maps a point from the frame of `first` to the frame of `second`.
-    fn point_in_y(&self, p: &Vector3<f64>) -> Vector3<f64>;
+    fn point_in_second(&self, p: &Vector3<f64>) -> Vector3<f64>;
     /// Maps a normal from the frame of `second` to the frame of `first`: points rise along the
     /// result as they rise along `n`.
-    fn direction_in_x(&self, n: &Vector3<f64>) -> Vector3<f64>;
+    fn direction_in_first(&self, n: &Vector3<f64>) -> Vector3<f64>;
     /// Returns the unit normal from A to B in A's frame, given the unit normal `n` from `second` to
     /// `first` in the frame of `second`.
     fn normal(&self, n: &Vector3<f64>) -> Vector3<f64>;
     /// Returns the witnesses in the order A, B.
-    fn witnesses(on_x: Vector3<f64>, on_y: Vector3<f64>) -> (Vector3<f64>, Vector3<f64>);
+    fn witnesses(on_first: Vector3<f64>, on_second: Vector3<f64>) -> (Vector3<f64>, Vector3<f64>);
 }
 
 /// A pair with A as `first` and B as `second`.
-pub(crate) struct OfA<'a, 'b>(pub(crate) &'a PosedPair<'b>);
+pub(crate) struct AFirst<'a, 'b>(pub(crate) &'a PosedPair<'b>);
 
 /// A pair with B as `first` and A as `second`.
-pub(crate) struct OfB<'a, 'b>(pub(crate) &'a PosedPair<'b>);
+pub(crate) struct BFirst<'a, 'b>(pub(crate) &'a PosedPair<'b>);
 
-impl Sides for OfA<'_, '_> {
-    const OF: Operand = Operand::A;
+impl OrderedPair for AFirst<'_, '_> {
+    const FIRST: Operand = Operand::A;
     #[inline(always)]
-    fn x(&self) -> &ConvexPolyhedron {
+    fn first(&self) -> &ConvexPolyhedron {
         self.0.a
     }
     #[inline(always)]
-    fn y(&self) -> &ConvexPolyhedron {
+    fn second(&self) -> &ConvexPolyhedron {
         self.0.b
     }
     #[inline(always)]
@@ -181,11 +181,11 @@ impl Sides for OfA<'_, '_> {
         self.0.size
     }
     #[inline(always)]
-    fn point_in_y(&self, p: &Vector3<f64>) -> Vector3<f64> {
+    fn point_in_second(&self, p: &Vector3<f64>) -> Vector3<f64> {
         self.0.point_in_b(p)
     }
     #[inline(always)]
-    fn direction_in_x(&self, n: &Vector3<f64>) -> Vector3<f64> {
+    fn direction_in_first(&self, n: &Vector3<f64>) -> Vector3<f64> {
         self.0.vector_in_a(n)
     }
     #[inline(always)]
@@ -193,19 +193,19 @@ impl Sides for OfA<'_, '_> {
         -self.0.vector_in_a(n)
     }
     #[inline(always)]
-    fn witnesses(on_x: Vector3<f64>, on_y: Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
-        (on_x, on_y)
+    fn witnesses(on_first: Vector3<f64>, on_second: Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
+        (on_first, on_second)
     }
 }
 
-impl Sides for OfB<'_, '_> {
-    const OF: Operand = Operand::B;
+impl OrderedPair for BFirst<'_, '_> {
+    const FIRST: Operand = Operand::B;
     #[inline(always)]
-    fn x(&self) -> &ConvexPolyhedron {
+    fn first(&self) -> &ConvexPolyhedron {
         self.0.b
     }
     #[inline(always)]
-    fn y(&self) -> &ConvexPolyhedron {
+    fn second(&self) -> &ConvexPolyhedron {
         self.0.a
     }
     #[inline(always)]
@@ -213,11 +213,11 @@ impl Sides for OfB<'_, '_> {
         self.0.size
     }
     #[inline(always)]
-    fn point_in_y(&self, p: &Vector3<f64>) -> Vector3<f64> {
+    fn point_in_second(&self, p: &Vector3<f64>) -> Vector3<f64> {
         self.0.point_in_a(p)
     }
     #[inline(always)]
-    fn direction_in_x(&self, n: &Vector3<f64>) -> Vector3<f64> {
+    fn direction_in_first(&self, n: &Vector3<f64>) -> Vector3<f64> {
         self.0.direction_in_b(n)
     }
     #[inline(always)]
@@ -225,8 +225,8 @@ impl Sides for OfB<'_, '_> {
         *n
     }
     #[inline(always)]
-    fn witnesses(on_x: Vector3<f64>, on_y: Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
-        (on_y, on_x)
+    fn witnesses(on_first: Vector3<f64>, on_second: Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
+        (on_second, on_first)
     }
 }
 
@@ -239,13 +239,13 @@ fn shifted_and_scaled(
     a: &ConvexPolyhedron,
     b: &ConvexPolyhedron,
     pose: &RelativePose,
-) -> Result<(PackedRotation, PackedVec3, f64, f64), BeyondRange> {
+) -> Result<(PackedRotation, PackedVec3, f64, f64), OutOfRange> {
     let scale = power_of_two(b.exponent - a.exponent);
     if a.origin == Vector3::zeros() && b.origin == Vector3::zeros() {
         let translation = pose.shift() * power_of_two(-a.exponent);
         return Ok((PackedRotation::new(&(pose.rotation() * scale)), translation, scale, 0.0));
     }
-    let frame = Transform::<DoubleDouble>::new(a, b, pose).ok_or(BeyondRange)?;
+    let frame = Transform::<DoubleDouble>::new(a, b, pose).ok_or(OutOfRange)?;
     let matrix = Matrix3::from_fn(|r, c| frame.matrix[r][c].value());
     let translation = Vector3::from_fn(|r, _| frame.translation[r].value());
     let length = |v: &Vector3<f64>| v.abs().sum();

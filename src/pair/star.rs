@@ -24,16 +24,16 @@ pub(crate) fn one_norm(v: &Vector3<f64>) -> f64 {
 /// inward directions of the two faces by non-negative lengths, because the faces are exactly plane.
 /// Signs are enough: nothing divides by the sine between the faces.
 #[inline(always)]
-pub(crate) fn is_flanked((alpha, beta): (f64, f64), squared: f64) -> bool {
+pub(crate) fn falls_into_both_faces((alpha, beta): (f64, f64), squared: f64) -> bool {
     let least = FLANK * FLANK * squared;
     // Written so that NaN proves nothing.
     alpha * alpha.abs() > least && beta * beta.abs() > least
 }
 
 /// The edge of a vertex fan along which a direction rises least.
-pub(crate) struct Fan {
+pub(crate) struct FanMinimum {
     /// Smallest `n . e` over the fan; plus infinity for an empty fan.
-    pub(crate) least: f64,
+    pub(crate) value: f64,
     /// The half-edge with the smallest value.
     pub(crate) half_edge: u32,
 }
@@ -41,19 +41,19 @@ pub(crate) struct Fan {
 impl ConvexPolyhedron {
     /// Finds the edge of the fan of `v` that falls most along `n`.
     #[inline(always)]
-    pub(crate) fn fan_minimum(&self, v: u32, n: &Vector3<f64>) -> Fan {
+    pub(crate) fn fan_minimum(&self, v: u32, n: &Vector3<f64>) -> FanMinimum {
         if let Some(m) = self.fans.axis(&self.topology, v) {
             return self.large_fan_minimum(v, m, n);
         }
         let p = self.points[v as usize];
-        let mut fan = Fan {
-            least: f64::INFINITY,
+        let mut fan = FanMinimum {
+            value: f64::INFINITY,
             half_edge: 0,
         };
         self.topology.each_leaving(v, |half_edge, to| {
             let c = n.dot(&(self.points[to as usize] - p));
-            if c < fan.least {
-                fan = Fan { least: c, half_edge };
+            if c < fan.value {
+                fan = FanMinimum { value: c, half_edge };
             }
         });
         fan
@@ -63,16 +63,16 @@ impl ConvexPolyhedron {
     /// every edge is examined, so the result is clamped to at most zero and never certifies.
     #[cold]
     #[inline(never)]
-    fn large_fan_minimum(&self, v: u32, m: &Axis, n: &Vector3<f64>) -> Fan {
+    fn large_fan_minimum(&self, v: u32, m: &Axis, n: &Vector3<f64>) -> FanMinimum {
         let (t, points) = (&self.topology, &self.points);
         let along = |h: u32| n.dot(&(points[t.half_edge(h).to as usize] - points[v as usize]));
         let half_edge = steepest(t, points, v, m, &-n);
         if along(half_edge) >= 0.0 {
-            return Fan { least: 0.0, half_edge };
+            return FanMinimum { value: 0.0, half_edge };
         }
         let half_edge = self.nearest_rib(v, &-n);
-        Fan {
-            least: along(half_edge).min(0.0),
+        FanMinimum {
+            value: along(half_edge).min(0.0),
             half_edge,
         }
     }
@@ -80,20 +80,20 @@ impl ConvexPolyhedron {
     /// Returns whether a fan minimum proves the vertex to be the lowest of the body along `n`:
     /// every edge certainly rises.
     #[inline(always)]
-    pub(crate) fn proves_lowest(&self, fan: &Fan, n: &Vector3<f64>) -> bool {
-        fan.least > 2.0 * EDGE_SIGN * self.radius * one_norm(n)
+    pub(crate) fn proves_lowest(&self, fan: &FanMinimum, n: &Vector3<f64>) -> bool {
+        fan.value > 2.0 * EDGE_SIGN * self.radius * one_norm(n)
     }
 
     /// Returns the edge on which to leave the vertex: the edge that falls most, if the fall exceeds
     /// the uncertainty `noise` of the direction.
     #[inline(always)]
-    pub(crate) fn descent(&self, v: u32, fan: &Fan, noise: f64) -> Option<u32> {
-        if fan.least >= 0.0 {
+    pub(crate) fn descending_edge(&self, v: u32, fan: &FanMinimum, noise: f64) -> Option<u32> {
+        if fan.value >= 0.0 {
             return None;
         }
         let to = self.topology.half_edge(fan.half_edge).to;
         let e = self.points[to as usize] - self.points[v as usize];
-        (fan.least < -noise * one_norm(&e)).then_some(fan.half_edge)
+        (fan.value < -noise * one_norm(&e)).then_some(fan.half_edge)
     }
 
     /// Upper bound of `n . x` over the body from the planes of two faces (or one plane twice), by

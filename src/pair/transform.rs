@@ -11,7 +11,7 @@ use crate::tolerance::FAR;
 
 /// Lengths that scale the rounding errors of Minkowski points.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Reach {
+pub(crate) struct ErrorScale {
     /// Length of Minkowski points; scales the error of each point on its own.
     pub(crate) size: f64,
     /// Scales the additional error that all points share: an error of the translation between the
@@ -19,9 +19,9 @@ pub(crate) struct Reach {
     pub(crate) shared: f64,
 }
 
-impl Reach {
+impl ErrorScale {
     /// Returns the length that scales the total error of a position.
-    pub(crate) fn whole(self) -> f64 {
+    pub(crate) fn total(self) -> f64 {
         self.size + self.shared
     }
 }

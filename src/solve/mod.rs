@@ -33,13 +33,13 @@ pub(crate) fn certified_walk(posed: &PosedPair, outcome: &mut Outcome) -> bool {
     #[cfg(test)]
     let ended = mutation::falsify(posed, outcome, ended);
     // Comparisons are written so that NaN refuses.
-    ended && (agrees(posed, outcome) || supports_agree(posed, outcome)) && proves_apart(posed, outcome)
+    ended && (bounds_agree(posed, outcome) || supports_agree(posed, outcome)) && proves_separated(posed, outcome)
 }
 
 /// Returns whether witnesses and supporting planes agree. Planes further apart than the witnesses
 /// do not agree either: then one of the two is wrong.
 #[inline(always)]
-fn agrees(posed: &PosedPair, outcome: &Outcome) -> bool {
+fn bounds_agree(posed: &PosedPair, outcome: &Outcome) -> bool {
     (outcome.distance - outcome.lower).abs() <= AGREE * posed.size()
 }
 
@@ -48,13 +48,13 @@ fn agrees(posed: &PosedPair, outcome: &Outcome) -> bool {
 #[cold]
 fn supports_agree(posed: &PosedPair, outcome: &mut Outcome) -> bool {
     let (a, b) = outcome.features.vertices_of(posed.a, posed.b);
-    outcome.lower = certificate::supports(posed, &outcome.normal, a, b);
-    agrees(posed, outcome)
+    outcome.lower = certificate::support_distance(posed, &outcome.normal, a, b);
+    bounds_agree(posed, outcome)
 }
 
 /// Widens the bounds by the error terms and returns whether the lower bound remains positive.
 #[inline(always)]
-fn proves_apart(posed: &PosedPair, outcome: &mut Outcome) -> bool {
+fn proves_separated(posed: &PosedPair, outcome: &mut Outcome) -> bool {
     let term = CERTIFICATE * UNIT * posed.size();
     outcome.lower -= term;
     outcome.upper = outcome.distance + term;
@@ -64,11 +64,11 @@ fn proves_apart(posed: &PosedPair, outcome: &mut Outcome) -> bool {
 
 /// Answers from the features of `outcome`; `warm` if the features come from the cache.
 #[inline(always)]
-pub(crate) fn solve(level: Accuracy, posed: &PosedPair, warm: bool, outcome: &mut Outcome) {
-    if level == Accuracy::Walk {
+pub(crate) fn solve(accuracy: Accuracy, posed: &PosedPair, warm: bool, outcome: &mut Outcome) {
+    if accuracy == Accuracy::Walk {
         outcome.class = Class::Separated;
         if !(posed.same_scale() && walk::walk::<false>(posed, outcome)) {
-            ladder::unchecked(posed, outcome);
+            ladder::gjk_unchecked(posed, outcome);
         }
         return;
     }
@@ -76,7 +76,7 @@ pub(crate) fn solve(level: Accuracy, posed: &PosedPair, warm: bool, outcome: &mu
         ladder::refine(posed, warm, outcome);
     }
     #[cfg(feature = "exact")]
-    if level == Accuracy::Exact {
+    if accuracy == Accuracy::Exact {
         ladder::sharpen(posed, outcome);
     }
 }

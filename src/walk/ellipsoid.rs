@@ -22,7 +22,7 @@ const ROUNDS: usize = 6;
 /// Returns the direction from A to B, in A's stored frame.
 pub(super) fn direction(posed: &PosedPair) -> Vector3<f64> {
     let c = posed.point_in_a(&posed.b.vertex_mean) - posed.a.vertex_mean;
-    let (p, q) = (posed.a.covariance3, posed.spread_of_b());
+    let (p, q) = (posed.a.covariance3, posed.covariance_of_b());
     let (mut s, mut x) = (0.5, c);
     for _ in 0..ROUNDS {
         let Some(next) = solve(&(p * (1.0 - s) + q * s), &c) else {

@@ -34,7 +34,7 @@ mod vertex_vertex;
 
 use crate::num::scalar::sqrt;
 use crate::pair::outcome::Outcome;
-use crate::pair::posed::{OfA, OfB, PosedPair};
+use crate::pair::posed::{AFirst, BFirst, PosedPair};
 use crate::polyhedron::{Feature, FeaturePair};
 use crate::walk::rings::newton_jump::newton_jump;
 use crate::walk::step::Step;
@@ -56,15 +56,15 @@ const FIRST_LEAP: u32 = 4;
 
 /// Tests the current feature pair of `outcome` and moves to the next pair or accepts the pair.
 #[inline(always)]
-fn look<const CERTIFY: bool>(posed: &PosedPair, outcome: &mut Outcome) -> Step {
+fn test_pair<const CERTIFY: bool>(posed: &PosedPair, outcome: &mut Outcome) -> Step {
     use Feature::{Edge, Face, Vertex};
     match (outcome.features.a, outcome.features.b) {
-        (Edge(e), Edge(g)) => edge_edge::look::<CERTIFY>(posed, e.0, g.0, outcome),
-        (Vertex(v), Face(f)) => vertex_face::look::<CERTIFY, _>(&OfA(posed), v.0, f.0, outcome),
-        (Face(f), Vertex(v)) => vertex_face::look::<CERTIFY, _>(&OfB(posed), v.0, f.0, outcome),
-        (Vertex(v), Edge(e)) => vertex_edge::look::<CERTIFY, _>(&OfA(posed), v.0, e.0, outcome),
-        (Edge(e), Vertex(v)) => vertex_edge::look::<CERTIFY, _>(&OfB(posed), v.0, e.0, outcome),
-        (Vertex(v), Vertex(w)) => vertex_vertex::look::<CERTIFY>(posed, v.0, w.0, outcome),
+        (Edge(e), Edge(g)) => edge_edge::test::<CERTIFY>(posed, e.0, g.0, outcome),
+        (Vertex(v), Face(f)) => vertex_face::test::<CERTIFY, _>(&AFirst(posed), v.0, f.0, outcome),
+        (Face(f), Vertex(v)) => vertex_face::test::<CERTIFY, _>(&BFirst(posed), v.0, f.0, outcome),
+        (Vertex(v), Edge(e)) => vertex_edge::test::<CERTIFY, _>(&AFirst(posed), v.0, e.0, outcome),
+        (Edge(e), Vertex(v)) => vertex_edge::test::<CERTIFY, _>(&BFirst(posed), v.0, e.0, outcome),
+        (Vertex(v), Vertex(w)) => vertex_vertex::test::<CERTIFY>(posed, v.0, w.0, outcome),
         // Not a state: no step leads here (see `to_stand_on`).
         (Edge(_), Face(_)) | (Face(_), Edge(_) | Face(_)) => Step::Lost,
     }
@@ -75,15 +75,15 @@ fn look<const CERTIFY: bool>(posed: &PosedPair, outcome: &mut Outcome) -> Step {
 /// takes at most `4 sqrt(nA + nB) + 16` steps, and at most 128 on bodies with large rings.
 #[inline(always)]
 pub(crate) fn walk<const CERTIFY: bool>(posed: &PosedPair, outcome: &mut Outcome) -> bool {
-    watched::<CERTIFY>(posed, outcome, |_| {})
+    walk_observed::<CERTIFY>(posed, outcome, |_| {})
 }
 
 /// Walks as [`walk`] does, and passes each tested pair to `observe`.
 #[inline(always)]
-pub(crate) fn watched<const CERTIFY: bool>(
+pub(crate) fn walk_observed<const CERTIFY: bool>(
     posed: &PosedPair,
     outcome: &mut Outcome,
-    mut seen: impl FnMut(FeaturePair),
+    mut observe: impl FnMut(FeaturePair),
 ) -> bool {
     let has_bands = posed.a.has_bands | posed.b.has_bands;
     // Number of steps before the guard first checks.
@@ -91,8 +91,8 @@ pub(crate) fn watched<const CERTIFY: bool>(
     let (mut steps, mut jumps, mut guard) = (0, 0, None);
     loop {
         outcome.work.steps += 1;
-        seen(outcome.features);
-        let step = look::<CERTIFY>(posed, outcome);
+        observe(outcome.features);
+        let step = test_pair::<CERTIFY>(posed, outcome);
         // First, because most walks begin and end with this step.
         if step == Step::Found {
             return true;
@@ -110,11 +110,11 @@ pub(crate) fn watched<const CERTIFY: bool>(
 
 /// Ends walks that repeat a feature pair or take too many steps, and starts Newton jumps.
 struct Guard {
-    leaps: u32,
+    newton_jumps: u32,
     /// Feature pair after the last Newton jump.
-    leapt: Option<FeaturePair>,
+    last_target: Option<FeaturePair>,
     /// Step at which to try the next Newton jump along a large ring.
-    next_leap: u32,
+    next_jump: u32,
     /// Feature pair stored at steps 8, 16, 32 and so on (Brent): meeting the pair again proves a
     /// cycle.
     mark: Option<FeaturePair>,
@@ -126,9 +126,9 @@ impl Guard {
     fn new(posed: &PosedPair) -> Self {
         let has_bands = posed.a.has_bands | posed.b.has_bands;
         Self {
-            leaps: 0,
-            leapt: None,
-            next_leap: if has_bands { FIRST_LEAP } else { u32::MAX },
+            newton_jumps: 0,
+            last_target: None,
+            next_jump: if has_bands { FIRST_LEAP } else { u32::MAX },
             mark: None,
             next_mark: FREE,
             limit: step_limit(posed),
@@ -140,7 +140,7 @@ impl Guard {
     #[cold]
     fn stops(guard: &mut Option<Self>, steps: u32, posed: &PosedPair, outcome: &mut Outcome) -> bool {
         let guard = guard.get_or_insert_with(|| Self::new(posed));
-        if steps == guard.next_leap {
+        if steps == guard.next_jump {
             guard.newton_jump(steps, posed, outcome);
         }
         let next = Some(outcome.features);
@@ -156,14 +156,14 @@ impl Guard {
     fn newton_jump(&mut self, steps: u32, posed: &PosedPair, outcome: &mut Outcome) {
         // Whether the jump helped or not, another is tried later: jumps are few, so the walk still
         // ends.
-        let leapt = newton_jump(posed, outcome);
-        let later = if leapt { FIRST_LEAP } else { steps.max(FIRST_LEAP) };
-        self.leaps += 1;
-        let there = Some(outcome.features);
+        let jumped = newton_jump(posed, outcome);
+        let later = if jumped { FIRST_LEAP } else { steps.max(FIRST_LEAP) };
+        self.newton_jumps += 1;
+        let target = Some(outcome.features);
         // A second jump to the target of the last adds nothing to the steps in between.
-        let ends = self.leaps == LEAPS || (leapt && there == self.leapt);
-        self.next_leap = if ends { u32::MAX } else { steps + later };
-        self.leapt = there;
+        let ends = self.newton_jumps == LEAPS || (jumped && target == self.last_target);
+        self.next_jump = if ends { u32::MAX } else { steps + later };
+        self.last_target = target;
     }
 }
 

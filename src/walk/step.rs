@@ -3,7 +3,7 @@
 use nalgebra::{Unit, Vector3};
 
 use crate::pair::outcome::Outcome;
-use crate::pair::posed::Witnesses;
+use crate::pair::posed::WitnessPair;
 use crate::polyhedron::FeaturePair;
 
 /// Result of the test of a feature pair.
@@ -24,7 +24,7 @@ pub(crate) enum Step {
 impl Outcome {
     /// Moves to a closer pair.
     #[inline(always)]
-    pub(crate) fn go(&mut self, pair: FeaturePair) -> Step {
+    pub(crate) fn move_to(&mut self, pair: FeaturePair) -> Step {
         self.features = pair;
         Step::Move
     }
@@ -33,7 +33,7 @@ impl Outcome {
     /// in their stored frames, their distance, and a lower bound of the distance before the error
     /// term (minus infinity if the tests do not prove one).
     #[inline(always)]
-    pub(crate) fn end(&mut self, normal: Vector3<f64>, witnesses: Witnesses, distance: f64, lower: f64) -> Step {
+    pub(crate) fn accept(&mut self, normal: Vector3<f64>, witnesses: WitnessPair, distance: f64, lower: f64) -> Step {
         self.normal = Unit::new_unchecked(normal);
         self.point_on_a = witnesses.0.into();
         self.point_on_b = witnesses.1.into();

@@ -14,7 +14,7 @@ use crate::num::packed::PackedVec3;
 use crate::num::scalar::sqrt;
 use crate::pair::edge::Edge;
 use crate::pair::outcome::Outcome;
-use crate::pair::posed::Sides;
+use crate::pair::posed::OrderedPair;
 use crate::pair::star::one_norm;
 use crate::polyhedron::{ConvexPolyhedron, FeaturePair};
 use crate::tolerance::{DIFFERENCE, ON_BOUNDARY};
@@ -24,23 +24,28 @@ use crate::walk::step::Step;
 // them.
 // Not inlined: the walk's loop would hoist the loads of every kind of pair and spill them.
 #[inline(never)]
-pub(crate) fn look<const CERTIFY: bool, S: Sides>(sides: &S, vertex: u32, edge: u32, outcome: &mut Outcome) -> Step {
-    let (body, other) = (sides.x(), sides.y());
+pub(crate) fn test<const CERTIFY: bool, S: OrderedPair>(
+    pair: &S,
+    vertex: u32,
+    edge: u32,
+    outcome: &mut Outcome,
+) -> Step {
+    let (body, other) = (pair.first(), pair.second());
     let e = other.topology.half_edge(edge);
     let twin = other.topology.half_edge(e.twin);
     let (p, q) = (other.points[twin.to as usize], other.points[e.to as usize]);
-    let on_x = body.points[vertex as usize];
-    let x = sides.point_in_y(&on_x);
+    let vertex_point = body.points[vertex as usize];
+    let x = pair.point_in_second(&vertex_point);
     let (u, r) = (q - p, x - p);
-    let noise = DIFFERENCE * sides.size();
+    let noise = DIFFERENCE * pair.size();
     let (along, uu) = (r.dot(&u), u.norm_squared());
     let slack = noise * one_norm(&u);
     // Voronoi planes of the endpoints: V(p), V(q).
     if along < -slack {
-        return outcome.go(FeaturePair::vertices(S::OF, vertex, twin.to));
+        return outcome.move_to(FeaturePair::vertices(S::FIRST, vertex, twin.to));
     }
     if along > uu + slack {
-        return outcome.go(FeaturePair::vertices(S::OF, vertex, e.to));
+        return outcome.move_to(FeaturePair::vertices(S::FIRST, vertex, e.to));
     }
     let inverse = 1.0 / uu;
     let s = along * inverse;
@@ -53,12 +58,12 @@ pub(crate) fn look<const CERTIFY: bool, S: Sides>(sides: &S, vertex: u32, edge: 
     let (alpha, beta) = (right.normal.dot(&w), -left.normal.dot(&w));
     if alpha < -slack || beta < -slack {
         let face = if alpha < beta { twin.face } else { e.face };
-        return outcome.go(FeaturePair::vertex_face(S::OF, vertex, face));
+        return outcome.move_to(FeaturePair::vertex_face(S::FIRST, vertex, face));
     }
-    let n = sides.direction_in_x(&d);
+    let n = pair.direction_in_first(&d);
     let fan = body.fan_minimum(vertex, &n);
-    if let Some(h) = body.descent(vertex, &fan, noise) {
-        return outcome.go(FeaturePair::edges(S::OF, body.topology.edge(h), edge));
+    if let Some(h) = body.descending_edge(vertex, &fan, noise) {
+        return outcome.move_to(FeaturePair::edges(S::FIRST, body.topology.edge(h), edge));
     }
     // The distance is between points of the bodies: an endpoint if rounding puts the foot beyond
     // the edge.
@@ -69,7 +74,7 @@ pub(crate) fn look<const CERTIFY: bool, S: Sides>(sides: &S, vertex: u32, edge: 
         let end = if s < 0.5 { p } else { q };
         (end, sqrt((x - end).norm_squared()))
     };
-    if distance <= ON_BOUNDARY * sides.size() {
+    if distance <= ON_BOUNDARY * pair.size() {
         return Step::Lost;
     }
     let per_length = 1.0 / length;
@@ -80,17 +85,23 @@ pub(crate) fn look<const CERTIFY: bool, S: Sides>(sides: &S, vertex: u32, edge: 
         // as far apart as vertex and line.
         length
     } else {
-        above_planes(other, edge, &d, &x, (alpha, beta)) * per_length
+        height_over_planes(other, edge, &d, &x, (alpha, beta)) * per_length
     };
-    let normal = sides.normal(&(d * per_length));
-    outcome.end(normal, S::witnesses(on_x, foot), distance, lower)
+    let normal = pair.normal(&(d * per_length));
+    outcome.accept(normal, S::witnesses(vertex_point, foot), distance, lower)
 }
 
 /// Lower bound of the height of `x` above the body of an edge, in units of `d`, from the planes of
 /// the adjacent faces, if signs do not prove the edge extreme.
 #[cold]
 #[inline(never)]
-fn above_planes(body: &ConvexPolyhedron, edge: u32, d: &Vector3<f64>, x: &Vector3<f64>, weights: (f64, f64)) -> f64 {
+fn height_over_planes(
+    body: &ConvexPolyhedron,
+    edge: u32,
+    d: &Vector3<f64>,
+    x: &Vector3<f64>,
+    weights: (f64, f64),
+) -> f64 {
     let Edge { left, right, .. } = Edge::new(body, edge);
     d.dot(x) - body.edge_bound(PackedVec3::new(d), left, right, weights, d.norm_squared())
 }

@@ -9,7 +9,7 @@ pub(super) type Four = [f64; 4];
 #[derive(Clone, Copy, Default)]
 pub(super) struct System {
     /// The variables of the rows.
-    pub(super) of: [usize; 4],
+    pub(super) variables: [usize; 4],
     pub(super) len: usize,
     rows: [[f64; 4]; 4],
     right: Four,
@@ -19,7 +19,7 @@ impl System {
     /// Adds a row of the lower half of the matrix, for the next variable.
     pub(super) fn push(&mut self, variable: usize, row: [f64; 4], right: f64) {
         let n = self.len;
-        (self.of[n], self.rows[n], self.right[n]) = (variable, row, right);
+        (self.variables[n], self.rows[n], self.right[n]) = (variable, row, right);
         self.len += 1;
     }
 
@@ -28,7 +28,7 @@ impl System {
     pub(super) fn solve(mut self) -> Option<Four> {
         let (n, h, g) = (self.len, &mut self.rows, &mut self.right);
         for i in 0..n {
-            let whole = h[i][i];
+            let diagonal = h[i][i];
             for j in 0..i {
                 // So far h[i][j] is the entry times the pivot of j.
                 let factor = h[i][j] / h[j][j];
@@ -38,7 +38,7 @@ impl System {
                 h[i][i] -= factor * h[i][j];
                 g[i] -= factor * g[j];
             }
-            if !(h[i][i] > PIVOT * whole) {
+            if !(h[i][i] > PIVOT * diagonal) {
                 return None;
             }
         }
@@ -48,7 +48,7 @@ impl System {
                 g[i] -= h[k][i] * g[k];
             }
             g[i] /= h[i][i];
-            x[self.of[i]] = g[i];
+            x[self.variables[i]] = g[i];
         }
         Some(x)
     }

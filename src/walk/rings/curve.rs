@@ -20,13 +20,13 @@ use crate::polyhedron::{ConvexPolyhedron, Feature};
 #[derive(Clone, Copy)]
 pub(super) struct RingCurve<'a> {
     body: &'a ConvexPolyhedron,
-    ring: Ring<'a>,
+    kind: RingKind<'a>,
 }
 
 #[derive(Clone, Copy)]
-enum Ring<'a> {
+enum RingKind<'a> {
     /// The half-edges of a long face boundary.
-    Rim(&'a [u32]),
+    Boundary(&'a [u32]),
     /// The link of a vertex of many edges: the fan of `apex`, from the first half-edge.
     Link { apex: u32, first: u32, len: usize },
 }
@@ -34,18 +34,18 @@ enum Ring<'a> {
 /// Location of a feature relative to a ring.
 pub(super) enum RingLocation<'a> {
     /// A vertex or an edge of the ring, and the index.
-    Curve(RingCurve<'a>, usize),
+    Ring(RingCurve<'a>, usize),
     /// A spoke, or the side face between two spokes, and the index.
-    Rib(RingCurve<'a>, usize),
+    Spokes(RingCurve<'a>, usize),
 }
 
 /// Parabolas through three vertices of a ring and through the far ends of their spokes, in a
 /// parameter `x` that is zero at the middle vertex: value, first and second derivative.
-pub(super) struct Fit {
+pub(super) struct ParabolaFit {
     /// Parabola of the ring.
-    pub(super) near: [Vector3<f64>; 3],
+    pub(super) ring: [Vector3<f64>; 3],
     /// Parabola of the far ends of the spokes.
-    pub(super) far: [Vector3<f64>; 3],
+    pub(super) spoke_ends: [Vector3<f64>; 3],
     /// The parameter `x` of a point `p` of the body is `scale . p - origin`.
     scale: Vector3<f64>,
     origin: f64,
@@ -53,11 +53,11 @@ pub(super) struct Fit {
 
 impl<'a> RingCurve<'a> {
     /// Returns the link of `apex`, if the fan of `apex` is large.
-    fn link(body: &'a ConvexPolyhedron, apex: u32) -> Option<Self> {
+    fn of_link(body: &'a ConvexPolyhedron, apex: u32) -> Option<Self> {
         let fan = body.topology.fan(apex);
         (fan.len() > LARGE).then(|| RingCurve {
             body,
-            ring: Ring::Link {
+            kind: RingKind::Link {
                 apex,
                 first: fan.start,
                 len: fan.len(),
@@ -68,102 +68,104 @@ impl<'a> RingCurve<'a> {
     /// Returns the ring that contains the half-edge `h`, with the index of the tail of `h`: the
     /// boundary of the face on the left, or the link of the vertex opposite to `h` in the triangle
     /// on the left.
-    fn along(body: &'a ConvexPolyhedron, h: u32) -> Option<(Self, usize)> {
+    fn of_half_edge(body: &'a ConvexPolyhedron, h: u32) -> Option<(Self, usize)> {
         let t = &body.topology;
         if let Some((ring, k)) = t.long_rim(t.from(h)).filter(|(ring, k)| ring[*k] == h) {
-            let ring = Ring::Rim(ring);
-            return Some((RingCurve { body, ring }, k));
+            let kind = RingKind::Boundary(ring);
+            return Some((RingCurve { body, kind }, k));
         }
         let next = t.half_edge(t.half_edge(h).next);
-        let band = Self::link(body, next.to)?;
-        Some((band, band.place_of(next.next)))
+        let curve = Self::of_link(body, next.to)?;
+        Some((curve, curve.index_of(next.next)))
     }
 
     /// Returns the index of a half-edge of the fan.
-    fn place_of(&self, h: u32) -> usize {
-        match self.ring {
-            Ring::Link { first, len, .. } => (h.wrapping_sub(first) as usize).min(len - 1),
-            Ring::Rim(_) => 0,
+    fn index_of(&self, h: u32) -> usize {
+        match self.kind {
+            RingKind::Link { first, len, .. } => (h.wrapping_sub(first) as usize).min(len - 1),
+            RingKind::Boundary(_) => 0,
         }
     }
 
     /// Returns the number of vertices.
     fn len(&self) -> usize {
-        match self.ring {
-            Ring::Rim(ring) => ring.len(),
-            Ring::Link { len, .. } => len,
+        match self.kind {
+            RingKind::Boundary(ring) => ring.len(),
+            RingKind::Link { len, .. } => len,
         }
     }
 
     /// Returns the vertex at index `k`.
-    pub(super) fn corner(&self, k: usize) -> u32 {
+    pub(super) fn vertex(&self, k: usize) -> u32 {
         let t = &self.body.topology;
-        match self.ring {
-            Ring::Rim(ring) => t.from(ring[k]),
-            Ring::Link { first, .. } => t.half_edge(first + k as u32).to,
+        match self.kind {
+            RingKind::Boundary(ring) => t.from(ring[k]),
+            RingKind::Link { first, .. } => t.half_edge(first + k as u32).to,
         }
     }
 
     /// Returns the vertex closest to the point at `fraction` of the edge from index `k` to the
     /// next.
-    pub(super) fn corner_near(&self, k: usize, part: f64) -> u32 {
-        self.corner(if part < 0.5 { k } else { (k + 1) % self.len() })
+    pub(super) fn nearest_vertex(&self, k: usize, fraction: f64) -> u32 {
+        self.vertex(if fraction < 0.5 { k } else { (k + 1) % self.len() })
     }
 
     /// Returns the edge from index `k` to the next.
     pub(super) fn edge(&self, k: usize) -> u32 {
         let t = &self.body.topology;
-        match self.ring {
-            Ring::Rim(ring) => t.edge(ring[k]),
-            Ring::Link { first, .. } => t.edge(t.half_edge(first + k as u32).next),
+        match self.kind {
+            RingKind::Boundary(ring) => t.edge(ring[k]),
+            RingKind::Link { first, .. } => t.edge(t.half_edge(first + k as u32).next),
         }
     }
 
     /// Returns the half-edge of spoke `k`. On a face boundary it leads to the far end, and exists
     /// if the vertex has three edges: the edge outside the boundary. On a link it leads from the
     /// apex.
-    fn rib_half_edge(&self, k: usize) -> Option<u32> {
+    fn spoke_half_edge(&self, k: usize) -> Option<u32> {
         let t = &self.body.topology;
-        match self.ring {
-            Ring::Rim(ring) => (t.fan(t.from(ring[k])).len() == 3).then(|| t.half_edge(t.half_edge(ring[k]).twin).next),
-            Ring::Link { first, .. } => Some(first + k as u32),
+        match self.kind {
+            RingKind::Boundary(ring) => {
+                (t.fan(t.from(ring[k])).len() == 3).then(|| t.half_edge(t.half_edge(ring[k]).twin).next)
+            }
+            RingKind::Link { first, .. } => Some(first + k as u32),
         }
     }
 
     /// Returns the edge of spoke `k`.
-    pub(super) fn rib(&self, k: usize) -> Option<u32> {
-        self.rib_half_edge(k).map(|h| self.body.topology.edge(h))
+    pub(super) fn spoke(&self, k: usize) -> Option<u32> {
+        self.spoke_half_edge(k).map(|h| self.body.topology.edge(h))
     }
 
     /// Returns the vertex at the far end of spoke `k`.
-    pub(super) fn far(&self, k: usize) -> Option<u32> {
-        match self.ring {
-            Ring::Rim(_) => self.rib_half_edge(k).map(|h| self.body.topology.half_edge(h).to),
-            Ring::Link { apex, .. } => Some(apex),
+    pub(super) fn spoke_end(&self, k: usize) -> Option<u32> {
+        match self.kind {
+            RingKind::Boundary(_) => self.spoke_half_edge(k).map(|h| self.body.topology.half_edge(h).to),
+            RingKind::Link { apex, .. } => Some(apex),
         }
     }
 
     /// Returns the side face between spoke `k` and the next.
-    pub(super) fn strip(&self, k: usize) -> u32 {
+    pub(super) fn side_face(&self, k: usize) -> u32 {
         let t = &self.body.topology;
-        match self.ring {
-            Ring::Rim(ring) => t.half_edge(t.half_edge(ring[k]).twin).face,
-            Ring::Link { first, .. } => t.half_edge(first + k as u32).face,
+        match self.kind {
+            RingKind::Boundary(ring) => t.half_edge(t.half_edge(ring[k]).twin).face,
+            RingKind::Link { first, .. } => t.half_edge(first + k as u32).face,
         }
     }
 
     /// Returns the position of the vertex at index `k`.
     fn at(&self, k: usize) -> Vector3<f64> {
-        self.body.points[self.corner(k) as usize]
+        self.body.points[self.vertex(k) as usize]
     }
 
     /// Returns the point at `fraction` of the edge from index `k` to the next.
-    pub(super) fn point(&self, k: usize, part: f64) -> Vector3<f64> {
-        self.at(k) * (1.0 - part) + self.at((k + 1) % self.len()) * part
+    pub(super) fn point(&self, k: usize, fraction: f64) -> Vector3<f64> {
+        self.at(k) * (1.0 - fraction) + self.at((k + 1) % self.len()) * fraction
     }
 
     /// Returns the number of edges between two indices, in the shorter direction.
-    pub(super) fn between(&self, k: usize, j: usize) -> usize {
+    pub(super) fn index_distance(&self, k: usize, j: usize) -> usize {
         let d = k.abs_diff(j);
         d.min(self.len() - d)
     }
@@ -171,31 +173,31 @@ impl<'a> RingCurve<'a> {
     /// Extrapolates the motion along this ring: returns index `to + (to - from)` (mod ring length,
     /// shorter direction). `None` if `from` is on another ring (`ring`) or the step is at most one
     /// vertex.
-    pub(super) fn beyond(&self, ring: &Self, from: usize, to: usize) -> Option<usize> {
-        let same = match (self.ring, ring.ring) {
-            (Ring::Rim(a), Ring::Rim(b)) => a.first() == b.first(),
-            (Ring::Link { apex: a, .. }, Ring::Link { apex: b, .. }) => a == b,
+    pub(super) fn extrapolate(&self, ring: &Self, from: usize, to: usize) -> Option<usize> {
+        let is_same_ring = match (self.kind, ring.kind) {
+            (RingKind::Boundary(a), RingKind::Boundary(b)) => a.first() == b.first(),
+            (RingKind::Link { apex: a, .. }, RingKind::Link { apex: b, .. }) => a == b,
             _ => false,
         };
         let m = self.len();
-        (same && self.between(from, to) > 1).then(|| (2 * to + m - from) % m)
+        (is_same_ring && self.index_distance(from, to) > 1).then(|| (2 * to + m - from) % m)
     }
 
     /// Fits a parabola around index `k`, and with `spokes` a parabola through the far ends too.
     /// `None` if a spoke is missing, or if the three vertices do not follow each other along a
     /// line.
-    pub(super) fn fit(&self, k: usize, ribs: bool) -> Option<Fit> {
+    pub(super) fn fit(&self, k: usize, spokes: bool) -> Option<ParabolaFit> {
         let m = self.len();
         // An arc of about three degrees: smooth over small edges, and short.
         let w = m.div_ceil(SPAN);
-        let places = [
+        let indices = [
             if k >= w { k - w } else { k + m - w },
             k,
             if k + w >= m { k + w - m } else { k + w },
         ];
-        let [before, p, after] = places.map(|k| self.at(k));
-        let way = after - before;
-        let scale = way * (1.0 / way.norm_squared());
+        let [before, p, after] = indices.map(|k| self.at(k));
+        let chord = after - before;
+        let scale = chord * (1.0 / chord.norm_squared());
         let (x0, x1) = (scale.dot(&(before - p)), scale.dot(&(after - p)));
         if !(x0 < 0.0 && x1 > 0.0) {
             return None;
@@ -206,15 +208,15 @@ impl<'a> RingCurve<'a> {
             let (left, right) = ((a - p) * per_left, (b - p) * per_right);
             [p, left * x1 - right * x0, (right - left) * 2.0]
         };
-        let far = if ribs {
-            let [a, q, b] = places.map(|k| self.far(k).map(|v| self.body.points[v as usize]));
+        let spoke_ends = if spokes {
+            let [a, q, b] = indices.map(|k| self.spoke_end(k).map(|v| self.body.points[v as usize]));
             parabola(a?, q?, b?)
         } else {
             [Vector3::zeros(); 3]
         };
-        Some(Fit {
-            near: parabola(before, p, after),
-            far,
+        Some(ParabolaFit {
+            ring: parabola(before, p, after),
+            spoke_ends,
             scale,
             origin: scale.dot(&p),
         })
@@ -222,7 +224,7 @@ impl<'a> RingCurve<'a> {
 
     /// Locates the parameter `x` of a fit around index `k`: returns the index of the last vertex
     /// before `x`, and the fraction of the edge to the next vertex at which `x` lies.
-    pub(super) fn place_at(&self, fit: &Fit, k: usize, x: f64) -> (usize, f64) {
+    pub(super) fn locate(&self, fit: &ParabolaFit, k: usize, x: f64) -> (usize, f64) {
         if x == 0.0 {
             return (k, 0.0);
         }
@@ -237,9 +239,9 @@ impl<'a> RingCurve<'a> {
             (k + m).wrapping_add_signed(guess.clamp(-(most as f64), most as f64) as isize),
         ));
         let j = if at(from) <= x {
-            wrapped(from + last(most, |d| at(from + d) <= x))
+            wrapped(from + last_true(most, |d| at(from + d) <= x))
         } else {
-            wrapped(from + m - 1 - last(most, |d| at(from + m - d) > x))
+            wrapped(from + m - 1 - last_true(most, |d| at(from + m - d) > x))
         };
         let (before, after) = (at(j), at(j + 1));
         (j, ((x - before) / (after - before)).clamp(0.0, 1.0))
@@ -248,7 +250,7 @@ impl<'a> RingCurve<'a> {
 
 /// Returns the largest `d` up to `most` for which a condition holds that is true from zero up to
 /// some number: doubling, then bisection. Zero counts as true.
-fn last(most: usize, holds: impl Fn(usize) -> bool) -> usize {
+fn last_true(most: usize, holds: impl Fn(usize) -> bool) -> usize {
     let (mut low, mut reach) = (0, 1);
     while reach <= most && holds(reach) {
         (low, reach) = (reach, 2 * reach);
@@ -270,67 +272,70 @@ const SPAN: usize = 256;
 
 impl ConvexPolyhedron {
     /// Returns the location of a feature relative to a large ring, if the feature touches one.
-    pub(super) fn near(&self, feature: Feature) -> Option<RingLocation<'_>> {
+    pub(super) fn ring_location(&self, feature: Feature) -> Option<RingLocation<'_>> {
         match feature {
-            Feature::Vertex(v) => self.near_vertex(v.0),
-            Feature::Edge(e) => self.near_edge(e.0),
-            Feature::Face(f) => self.near_face(f.0),
+            Feature::Vertex(v) => self.ring_of_vertex(v.0),
+            Feature::Edge(e) => self.ring_of_edge(e.0),
+            Feature::Face(f) => self.ring_of_face(f.0),
         }
     }
 
     /// Returns the ring that contains a vertex.
-    fn near_vertex(&self, v: u32) -> Option<RingLocation<'_>> {
+    fn ring_of_vertex(&self, v: u32) -> Option<RingLocation<'_>> {
         let t = &self.topology;
         if t.fan(v).len() > LARGE {
             return None;
         }
         if let Some((ring, k)) = t.long_rim(v) {
-            let ring = Ring::Rim(ring);
-            return Some(RingLocation::Curve(RingCurve { body: self, ring }, k));
+            let kind = RingKind::Boundary(ring);
+            return Some(RingLocation::Ring(RingCurve { body: self, kind }, k));
         }
         t.fan(v).find_map(|h| {
             let e = t.half_edge(h);
-            let band = RingCurve::link(self, e.to)?;
-            Some(RingLocation::Curve(band, band.place_of(e.twin)))
+            let curve = RingCurve::of_link(self, e.to)?;
+            Some(RingLocation::Ring(curve, curve.index_of(e.twin)))
         })
     }
 
     /// Returns the ring that contains an edge, or has the edge as a spoke.
-    fn near_edge(&self, edge: u32) -> Option<RingLocation<'_>> {
+    fn ring_of_edge(&self, edge: u32) -> Option<RingLocation<'_>> {
         let t = &self.topology;
         let e = t.half_edge(edge);
         let tail = t.half_edge(e.twin).to;
         // A spoke of a fan.
         for (apex, h) in [(tail, edge), (e.to, e.twin)] {
-            if let Some(band) = RingCurve::link(self, apex) {
-                return Some(RingLocation::Rib(band, band.place_of(h)));
+            if let Some(curve) = RingCurve::of_link(self, apex) {
+                return Some(RingLocation::Spokes(curve, curve.index_of(h)));
             }
         }
         // An edge of a ring, in either direction.
-        if let Some((band, k)) = RingCurve::along(self, edge).or_else(|| RingCurve::along(self, e.twin)) {
-            return Some(RingLocation::Curve(band, k));
+        if let Some((curve, k)) = RingCurve::of_half_edge(self, edge).or_else(|| RingCurve::of_half_edge(self, e.twin))
+        {
+            return Some(RingLocation::Ring(curve, k));
         }
-        match self.near_vertex(tail)? {
-            RingLocation::Curve(band, k) if band.rib(k) == Some(t.edge(edge)) => Some(RingLocation::Rib(band, k)),
+        match self.ring_of_vertex(tail)? {
+            RingLocation::Ring(curve, k) if curve.spoke(k) == Some(t.edge(edge)) => {
+                Some(RingLocation::Spokes(curve, k))
+            }
             _ => None,
         }
     }
 
     /// Returns the ring that has the face as a side face.
-    fn near_face(&self, face: u32) -> Option<RingLocation<'_>> {
+    fn ring_of_face(&self, face: u32) -> Option<RingLocation<'_>> {
         let t = &self.topology;
         if t.ring(face).is_some() {
             return None;
         }
         t.rim(face).find_map(|h| {
             let e = t.half_edge(h);
-            if let Some(band) = RingCurve::link(self, e.to) {
+            if let Some(curve) = RingCurve::of_link(self, e.to) {
                 // The half-edge from the apex with this face on the left.
-                return Some(RingLocation::Rib(band, band.place_of(e.next)));
+                return Some(RingLocation::Spokes(curve, curve.index_of(e.next)));
             }
             let (ring, k) = t.long_rim(e.to).filter(|(ring, k)| ring[*k] == e.twin)?;
-            let ring = Ring::Rim(ring);
-            Some(RingLocation::Rib(RingCurve { body: self, ring }, k))
+            let kind = RingKind::Boundary(ring);
+            Some(RingLocation::Spokes(RingCurve { body: self, kind }, k))
         })
     }
 }
