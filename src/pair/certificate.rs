@@ -1,11 +1,11 @@
 //! The certificate: bounds of the distance, proven for the given pose, rounding included.
 //!
 //! ```text
-//!     supporting planes        n  direction from A to B
+//!     supporting planes        n     direction from A to B
 //!      ____|          |____    p, q  witnesses, points of A and B
 //!     /    |          |    \   |p - q| is an upper bound of the distance
-//!    |  A p|   n -->  |q B  |  lower bound: (min over B of n . b - max over A of n . a) / |n|,
-//!     \____|          |____/   the distance of the supporting planes
+//!    |  A p|   n -->  |q B  |  (min over B of n . b - max over A of n . a) / |n|, the distance of
+//!     \____|          |____/   the supporting planes, is a lower bound
 //! ```
 //!
 //! For any direction `n`, the distance is at least the lower bound; for any two points of the
@@ -18,14 +18,14 @@
 //! * **face**: the plane of a face of the body, whose offset was taken over the whole body when the
 //!   body was built;
 //! * **edge**: `n` is perpendicular to the edge and certainly falls into both adjacent faces
-//!   ([`falls_into_both_faces`](super::star::is_flanked));
+//!   ([`falls_into_both_faces`](super::star::falls_into_both_faces));
 //! * **two planes**, if the signs of an edge leave doubt: linear programming duality
 //!   ([`edge_bound`](crate::ConvexPolyhedron::edge_bound));
 //! * **vertex**: every edge of the fan certainly falls, so no adjacent vertex, and hence no vertex,
 //!   is higher.
 //!
-//! If rounding leaves one support value open, both are searched for and proven ([`supports`]). The
-//! error terms are in [`tolerance`](crate::tolerance).
+//! If rounding leaves one support value open, both are searched for and proven
+//! ([`support_distance`]). The error terms are in [`tolerance`](crate::tolerance).
 //!
 //! Source: the duality gap of Gilbert, Johnson and Keerthi 1988; the use as an acceptance test of a
 //! feature walk is ours.

@@ -65,9 +65,9 @@ impl Face<'_> {
             let u = to - from;
             let side = self.normal.cross(&u).dot(&(x - to));
             if side < close {
-                let side_of_edge = classify(h.min(e.twin), side, &u, size);
-                if side_of_edge.signed < furthest && !matches!(side_of_edge.location, FaceLocation::Inside) {
-                    (location, furthest) = (side_of_edge.location, side_of_edge.signed);
+                let edge_side = classify(h.min(e.twin), side, &u, size);
+                if edge_side.signed < furthest && !matches!(edge_side.location, FaceLocation::Inside) {
+                    (location, furthest) = (edge_side.location, edge_side.signed);
                 }
             }
             (from, h) = (to, e.next);
@@ -113,9 +113,9 @@ impl Face<'_> {
         let near = [0, m - 1, low - 1, low, high - 1, high];
         let (mut location, mut furthest, mut at) = (FaceLocation::Inside, f64::INFINITY, 0);
         for k in near {
-            let side_of_edge = self.edge_side(ring[k], x, size);
-            if side_of_edge.signed < furthest && !matches!(side_of_edge.location, FaceLocation::Inside) {
-                (location, furthest, at) = (side_of_edge.location, side_of_edge.signed, k);
+            let edge_side = self.edge_side(ring[k], x, size);
+            if edge_side.signed < furthest && !matches!(edge_side.location, FaceLocation::Inside) {
+                (location, furthest, at) = (edge_side.location, edge_side.signed, k);
             }
         }
         if let FaceLocation::Outside(_) = location {
@@ -152,8 +152,8 @@ impl Face<'_> {
     }
 
     /// Returns the exit of a line that begins over the face at `start`, if the line exits before
-    /// `start + displacement`: the fraction of `displacement`, and the edge. The line may enter over the edge `entry`
-    /// and never exits there.
+    /// `start + displacement`: the fraction of `displacement`, and the edge. The line may enter
+    /// over the edge `entry` and never exits there.
     #[inline(always)]
     pub(crate) fn exit(&self, start: PackedVec3, displacement: PackedVec3, entry: Option<u32>) -> Option<(f64, u32)> {
         match self.body.topology.ring(self.face) {
@@ -224,8 +224,9 @@ impl Face<'_> {
         first
     }
 
-    /// Returns the index of the edge by which the line from `start` along `displacement` exits a large
-    /// boundary: the edge from the vertices right of the line to the vertices left of the line.
+    /// Returns the index of the edge by which the line from `start` along `displacement` exits a
+    /// large boundary: the edge from the vertices right of the line to the vertices left of the
+    /// line.
     #[inline(never)]
     fn exit_edge(&self, ring: &[u32], start: &Vector3<f64>, displacement: &Vector3<f64>) -> usize {
         let m = ring.len();

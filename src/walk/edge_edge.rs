@@ -32,9 +32,9 @@ use crate::tolerance::{DIFFERENCE, DIRECTION, NEARLY_PARALLEL, ON_BOUNDARY, PARA
 use crate::walk::slide::{Slide, slide};
 use crate::walk::step::Step;
 
+/// Tests an edge of A against an edge of B.
 // Not inlined: otherwise the loop of the walk would hoist the loads of every kind of pair and spill
 // them.
-// Not inlined: the walk's loop would hoist the loads of every kind of pair and spill them.
 #[inline(never)]
 pub(crate) fn test<const CERTIFY: bool>(posed: &PosedPair, a: u32, b: u32, outcome: &mut Outcome) -> Step {
     let (ea, eb) = (Edge::new(posed.a, a), Edge::new(posed.b, b));

@@ -3,11 +3,12 @@
 //!
 //! ```text
 //!      start o                          start         point of the edge over the face
-//!            |\  displacement           displacement  from start to the end of the half-edge
-//!     height | \                        height        of start above the plane of the face
-//!            |  \                       fall          change of height along displacement
-//!     =======+===\=======|  side plane  fraction      of displacement over the face, at most 1
-//!       face      o end
+//!            | '. displacement          displacement  from start to the end of the half-edge
+//!     height |   '.    |                height        of start above the plane of the face
+//!            |     '.  | side plane     fall          change of height along displacement
+//!            |       '.|                fraction      of displacement over the face, at most 1
+//!     =======+=========+'.
+//!       face           |  o end
 //! ```
 
 use crate::num::packed::PackedVec3;

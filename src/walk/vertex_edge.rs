@@ -2,10 +2,11 @@
 //! faces, and the foot in the Voronoi region of the vertex.
 //!
 //! ```text
-//!        x            x   the vertex, in the frame of the edge's body
-//!        |  d         d   from the foot to x, orthogonal to u
-//!   p ---+----> q     u   = q - p
-//!  nR (right)  nL (left): d = alpha nL + beta nR with alpha = nR . (u x d), beta = -nL . (u x d), both >= 0
+//!        x          x            the vertex, in the frame of the edge's body
+//!        | d        u            q - p
+//!   p ---+---> q    d            from the foot to x, orthogonal to u
+//!                   nL, nR       normals of the left and right face: d = alpha nL + beta nR
+//!                   alpha, beta  nR . (u x d) and -nL . (u x d), both >= 0
 //! ```
 
 use nalgebra::Vector3;
@@ -20,9 +21,9 @@ use crate::polyhedron::{ConvexPolyhedron, FeaturePair};
 use crate::tolerance::{DIFFERENCE, ON_BOUNDARY};
 use crate::walk::step::Step;
 
+/// Tests a vertex of the first body against an edge of the second.
 // Not inlined: otherwise the loop of the walk would hoist the loads of every kind of pair and spill
 // them.
-// Not inlined: the walk's loop would hoist the loads of every kind of pair and spill them.
 #[inline(never)]
 pub(crate) fn test<const CERTIFY: bool, S: OrderedPair>(
     pair: &S,

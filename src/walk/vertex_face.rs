@@ -1,5 +1,13 @@
 //! Vertex-face test: the vertex must lie over the face, and the plane of the face must support the
 //! body of the vertex there.
+//!
+//! ```text
+//!     \   /
+//!      \ /  body of the vertex
+//!       x             x       the vertex, in the frame of the face's body
+//!       | height      height  of x above the plane of the face
+//!    ---+------ face  foot    x - normal * height, or on the edge that x grazes
+//! ```
 
 use nalgebra::Vector3;
 
@@ -14,9 +22,9 @@ use crate::walk::ray_exit_face::jump_to_exit_face;
 use crate::walk::slide::{Slide, slide};
 use crate::walk::step::Step;
 
+/// Tests a vertex of the first body against a face of the second.
 // Not inlined: otherwise the loop of the walk would hoist the loads of every kind of pair and spill
 // them.
-// Not inlined: the walk's loop would hoist the loads of every kind of pair and spill them.
 #[inline(never)]
 pub(crate) fn test<const CERTIFY: bool, S: OrderedPair>(
     pair: &S,

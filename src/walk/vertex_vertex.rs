@@ -9,9 +9,9 @@ use crate::pose::Operand;
 use crate::tolerance::{DIFFERENCE, ON_BOUNDARY};
 use crate::walk::step::Step;
 
+/// Tests a vertex of A against a vertex of B.
 // Not inlined: otherwise the loop of the walk would hoist the loads of every kind of pair and spill
 // them.
-// Not inlined: the walk's loop would hoist the loads of every kind of pair and spill them.
 #[inline(never)]
 pub(crate) fn test<const CERTIFY: bool>(posed: &PosedPair, a: u32, b: u32, outcome: &mut Outcome) -> Step {
     let (p, q) = (posed.a.points[a as usize], posed.b.points[b as usize]);
