@@ -7,6 +7,7 @@ use crate::polyhedron::FeaturePair;
 /// Whether two bodies are apart, touch or overlap.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub enum Class {
     /// Proven apart: the lower bound is positive (or zero if exact arithmetic finds a distance too
     /// small for f64).
@@ -35,6 +36,7 @@ impl core::fmt::Display for Class {
 /// Accuracy requested of an answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub enum Accuracy {
     /// The proposal of the walk, or of the f64 solver if the walk does not end, without bounds:
     /// [`Tracker::propose`](crate::Tracker::propose).
@@ -47,9 +49,43 @@ pub enum Accuracy {
     Exact,
 }
 
+/// Request of a query: the accuracy of the answer, and whether an overlap needs a depth.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Ask {
+    pub(crate) accuracy: Accuracy,
+    pub(crate) until: Until,
+}
+
+impl Ask {
+    /// Returns a request for proven bounds, with or without the depth of an overlap.
+    pub(crate) const fn certified(until: Until) -> Self {
+        Self {
+            accuracy: Accuracy::Certified,
+            until,
+        }
+    }
+}
+
+/// The point at which a query may stop.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Until {
+    /// An overlap is proven; the penetration depth stays open.
+    Class,
+    /// The penetration depth of an overlap is bounded as well.
+    Depth,
+}
+
+impl Until {
+    /// Returns [`Until::Depth`] if the depth of overlaps is called for.
+    pub(crate) fn depth_if(depth: bool) -> Self {
+        if depth { Self::Depth } else { Self::Class }
+    }
+}
+
 /// Solver that gave an answer. Each is tried if the certificate refuses the one before.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub enum Solver {
     /// The walk over Voronoi regions, from the cached features or a cold start.
     #[default]
@@ -60,7 +96,10 @@ pub enum Solver {
     Fallback,
     /// The minimum-norm solver in double-double.
     DoubleDouble,
-    /// The minimum-norm solver in exact integers (feature `exact`).
+    /// Exact integers (feature `exact`). The class is exact, and the distance is right to one unit
+    /// in the last place. So is the depth of an overlap if at most 65,536 pairs of features may be
+    /// the deepest; if more, the depth keeps the bounds of double-double, which may be farther
+    /// apart than `1e-13 L`, as of two prisms of 100 sides thinner than rounding.
     Exact,
     /// Bodies so far apart that only their separation counts.
     Far,
@@ -68,6 +107,22 @@ pub enum Solver {
     /// at the deepest facet of the last answer: overlap and depth at once. If no depth is
     /// requested: four points kept from the last answer.
     Surface,
+}
+
+impl Solver {
+    /// All solvers, in the order of their declaration.
+    pub const ALL: &'static [Self] = &[
+        Self::Walk,
+        Self::Restart,
+        Self::Fallback,
+        Self::DoubleDouble,
+        Self::Exact,
+        Self::Far,
+        Self::Surface,
+    ];
+
+    /// Number of solvers: the length of a table with one entry for each.
+    pub(crate) const COUNT: usize = Self::ALL.len();
 }
 
 impl core::fmt::Display for Solver {
@@ -111,16 +166,17 @@ pub struct Work {
 }
 
 impl core::ops::AddAssign for Work {
+    /// Adds with saturation.
     fn add_assign(&mut self, o: Self) {
-        self.steps += o.steps;
-        self.certificates += o.certificates;
-        self.restarts += o.restarts;
-        self.ellipsoids += o.ellipsoids;
-        self.fallbacks += o.fallbacks;
-        self.double_doubles += o.double_doubles;
-        self.exacts += o.exacts;
-        self.depths += o.depths;
-        self.points_added += o.points_added;
+        self.steps = self.steps.saturating_add(o.steps);
+        self.certificates = self.certificates.saturating_add(o.certificates);
+        self.restarts = self.restarts.saturating_add(o.restarts);
+        self.ellipsoids = self.ellipsoids.saturating_add(o.ellipsoids);
+        self.fallbacks = self.fallbacks.saturating_add(o.fallbacks);
+        self.double_doubles = self.double_doubles.saturating_add(o.double_doubles);
+        self.exacts = self.exacts.saturating_add(o.exacts);
+        self.depths = self.depths.saturating_add(o.depths);
+        self.points_added = self.points_added.saturating_add(o.points_added);
     }
 }
 
@@ -233,6 +289,14 @@ pub struct Distance {
     pub lower: f64,
     /// Upper bound of the signed distance.
     pub upper: f64,
+}
+
+impl Outcome {
+    /// Whether the distance is within one unit in the last place of the truth, as the bounds prove.
+    #[cfg(feature = "exact")]
+    pub(crate) fn is_tight(&self) -> bool {
+        self.lower > 0.0 && self.lower >= self.distance.next_down() && self.upper <= self.distance.next_up()
+    }
 }
 
 impl From<&Outcome> for Distance {
