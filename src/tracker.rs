@@ -212,7 +212,7 @@ impl Tracker {
     /// leave the store queue.
     #[inline(always)]
     fn answer(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose, ask: Ask) -> Outcome {
-        let mut outcome = Outcome::open(FeaturePair::vertices(Operand::A, 0, 0));
+        let mut outcome = Outcome::starting_at(FeaturePair::vertices(Operand::A, 0, 0));
         self.solve(a, b, a_from_b, ask, &mut outcome);
         outcome
     }
@@ -271,9 +271,9 @@ impl Tracker {
         let first = *outcome;
         if !depth::resume(posed, &mut self.memory, outcome) {
             self.memory.clear();
-            let grown = outcome.work.grown;
+            let grown = outcome.work.points_added;
             *outcome = first;
-            outcome.work.grown = grown;
+            outcome.work.points_added = grown;
             return false;
         }
         self.totals.note(true, outcome.solver, &outcome.work);

@@ -92,10 +92,10 @@ fn queries_below_the_exact_rung_allocate_nothing() {
             pair.closest(a, b, &pose);
             // The first surface has four triangles, each point adds two; what is kept of it grows from query to query.
             let is_plain = o.work.exacts == 0 && (o.class != Class::Overlapping || o.work.double_doubles == 0);
-            let is_small = kept_points + o.work.grown <= (256 - 4) / 2;
+            let is_small = kept_points + o.work.points_added <= (256 - 4) / 2;
             kept_points = match o.solver {
-                Solver::Surface => kept_points + o.work.grown,
-                _ => o.work.grown,
+                Solver::Surface => kept_points + o.work.points_added,
+                _ => o.work.points_added,
             };
             if is_plain && is_small {
                 assert_eq!((count, lean), (0, 0), "{o:?}");

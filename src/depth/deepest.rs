@@ -57,7 +57,7 @@ impl<T: Scalar> Search<'_, T> {
                 w: sub(&fine(&c.w), &target),
             });
             let simplex = Simplex::triangle(shifted);
-            let off = simplex.reach().value();
+            let off = simplex.witness_distance().value();
             if found.as_ref().is_none_or(|f| off < f.1) {
                 found = Some((t, off, simplex));
             }

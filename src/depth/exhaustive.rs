@@ -151,7 +151,7 @@ fn measure<T: Scalar>(posed: &PosedPair, frame: &Transform<T>, pair: FeaturePair
         }
         _ => 2.0 * NORMAL_ERROR,
     };
-    let error = rounding * posed.reach::<T>().whole() + off * posed.size();
+    let error = rounding * posed.error_scale::<T>().total() + off * posed.size();
     let along = |n| dot(&n, &support(posed, frame, &n, &on).w).value();
     let mut height = along(n);
     // Of two edges this near to the origin it is not known which way the facet looks.
@@ -199,7 +199,7 @@ mod tests {
                     let Ok(posed) = PosedPair::new(a, b, &pose) else {
                         panic!("in range")
                     };
-                    let mut outcome = Outcome::open(FeaturePair::vertices(Operand::A, 0, 0));
+                    let mut outcome = Outcome::starting_at(FeaturePair::vertices(Operand::A, 0, 0));
                     solve(Accuracy::Certified, &posed, false, &mut outcome);
                     if outcome.class != Class::Overlapping {
                         continue;

@@ -54,7 +54,7 @@ pub(super) fn height_of(posed: &PosedPair, frame: &Transform<f64>, facet: Featur
             let plane = &posed.b.planes[f.index()];
             let n = -posed.vector_in_a(&plane.normal);
             let a = posed.a.support_certified(&n, v.0);
-            (n, a.value + (plane.offset - posed.lift(&n)))
+            (n, a.value + (plane.offset - posed.height_of_b_origin(&n)))
         }
         _ => {
             if let Some((n, height)) = height_of_edges(posed, facet) {
@@ -95,7 +95,7 @@ fn height_of_edges(posed: &PosedPair, facet: FeaturePair) -> Option<(Vector3<f64
     let high_a = posed.a.edge_bound(PackedVec3::new(&n), a.left, a.right, on_a, 1.0);
     let n_in_b = -posed.rotation.transposed_times(PackedVec3::new(&n));
     let high_b = posed.b.edge_bound(n_in_b, b.left, b.right, on_b, 1.0);
-    let height = high_a + high_b - posed.lift(&n);
+    let height = high_a + high_b - posed.height_of_b_origin(&n);
     // What the planes of thin bodies prove may be far above the edges.
     (height - n.dot(&ahead) <= AGREE_DEPTH * 0.5 * posed.size()).then_some((n, height))
 }

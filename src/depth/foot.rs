@@ -6,7 +6,7 @@
 use nalgebra::{Point3, Vector3};
 
 use crate::num::scalar::Vec3;
-use crate::pair::face::{Face, Rim};
+use crate::pair::face::{Face, FaceLocation};
 use crate::pair::posed::PosedPair;
 use crate::polyhedron::topology::{LARGE, Topology};
 use crate::polyhedron::{ConvexPolyhedron, Feature, FeaturePair};
@@ -115,7 +115,7 @@ fn is_on(body: &ConvexPolyhedron, f: u32, x: &Vector3<f64>, close: f64) -> bool 
                 face: f,
                 normal: &plane.normal,
             };
-            !matches!(face.beside_large(ring, x, close / FOOT), Rim::Outside(_))
+            !matches!(face.locate_large(ring, x, close / FOOT), FaceLocation::Outside(_))
         }
     }
 }

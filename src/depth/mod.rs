@@ -35,7 +35,7 @@ mod verify_surface;
 
 use crate::num::double_double::DoubleDouble;
 use crate::num::scalar::Scalar;
-use crate::pair::answer::{outward, state_of, unit};
+use crate::pair::answer::{round_outward, unit, walk_state};
 use crate::pair::outcome::Outcome;
 use crate::pair::posed::PosedPair;
 use crate::pair::transform::Transform;
@@ -109,10 +109,10 @@ fn is_held(posed: &PosedPair, outcome: &Outcome) -> bool {
 
 /// Takes over what was found, where its bounds are the narrower.
 fn take<T: Scalar>(posed: &PosedPair, found: &Found<T>, outcome: &mut Outcome) {
-    let term = CERTIFICATE * T::UNIT * posed.reach::<T>().whole();
-    outcome.work.grown += found.grown;
-    let lower = -outward(found.height, term);
-    let upper = (-outward(found.radius, -term)).min(0.0);
+    let term = CERTIFICATE * T::UNIT * posed.error_scale::<T>().total();
+    outcome.work.points_added += found.grown;
+    let lower = -round_outward(found.height, term);
+    let upper = (-round_outward(found.radius, -term)).min(0.0);
     if outcome.lower.is_finite() && !(upper - lower < outcome.upper - outcome.lower) {
         return;
     }
@@ -125,6 +125,6 @@ fn take<T: Scalar>(posed: &PosedPair, found: &Found<T>, outcome: &mut Outcome) {
     }
     outcome.features = found.features.unwrap_or_else(|| {
         let (a, b) = (found.corners.map(|c| c.a), found.corners.map(|c| c.b));
-        state_of(posed, &a, &b)
+        walk_state(posed, &a, &b)
     });
 }

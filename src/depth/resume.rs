@@ -126,7 +126,7 @@ fn grow(
     memory.recall(room, places, best.height - AGREE_DEPTH * posed.size());
     let found = Search::resumed(posed, frame, &mut room.surface, best).run(frame, 0.0);
     if found.end != End::Closed {
-        outcome.work.grown += found.grown;
+        outcome.work.points_added += found.grown;
         return false;
     }
     answer(posed, &found, outcome);

@@ -67,16 +67,17 @@ fn flat<T: Scalar>(posed: &PosedPair, frame: &Transform<T>, simplex: &Simplex<T>
     let n = unit(&neg(toward));
     let is_unit = dot(&n, &n).value() > 0.5;
     let normal = if is_unit { n } else { [T::from(1.0), zero, zero] };
-    let hint = simplex.kept()[0];
+    let hint = simplex.points()[0];
     let height = dot(&normal, &support(posed, frame, &normal, &hint).w);
     Found {
         end: End::Stuck,
         normal,
         height,
         radius: zero,
-        corners: core::array::from_fn(|k| simplex.kept()[k.min(simplex.len() - 1)]),
+        corners: core::array::from_fn(|k| simplex.points()[k.min(simplex.len() - 1)]),
         // No points of the border, but ones that nearly coincide.
-        witnesses: (simplex.reach() <= T::from(AGREE_DEPTH * posed.size())).then(|| witnesses(posed, simplex)),
+        witnesses: (simplex.witness_distance() <= T::from(AGREE_DEPTH * posed.size()))
+            .then(|| witnesses(posed, simplex)),
         features: None,
         grown: 0,
     }
@@ -92,7 +93,7 @@ impl<'a, T: Scalar> Search<'a, T> {
         shift: f64,
         surface: &'a mut Surface<T>,
     ) -> Result<Self, Found<T>> {
-        let size = posed.reach::<T>().whole();
+        let size = posed.error_scale::<T>().total();
         let mut shifted = *frame;
         for (t, aside) in shifted.translation.iter_mut().zip(ASIDE) {
             *t = *t + T::from(aside * shift * size);
@@ -101,7 +102,7 @@ impl<'a, T: Scalar> Search<'a, T> {
             Minimum::Inside { simplex } => simplex,
             Minimum::Outside { simplex, direction, .. } => return Err(flat(posed, frame, &simplex, &direction)),
         };
-        if !surface.start(simplex.kept()) {
+        if !surface.start(simplex.points()) {
             return Err(flat(posed, frame, &simplex, &simplex.direction()));
         }
         let mut search = Self::new(posed, &shifted, surface);
@@ -110,7 +111,7 @@ impl<'a, T: Scalar> Search<'a, T> {
     }
 
     fn new(posed: &'a PosedPair<'a>, frame: &Transform<T>, surface: &'a mut Surface<T>) -> Self {
-        let size = posed.reach::<T>().whole();
+        let size = posed.error_scale::<T>().total();
         Self {
             posed,
             frame: *frame,

@@ -7,7 +7,7 @@ use dashu_int::IBig;
 use crate::exact::integer::{Big3, cross, direction, dot, is_zero, neg, root, sub};
 use crate::exact::simplex::{ExactPoint, minimize, sign};
 use crate::exact::{Pair, Turned, witnesses};
-use crate::pair::answer::{state_of, unit};
+use crate::pair::answer::{unit, walk_state};
 use crate::pair::outcome::{Class, Outcome, Solver};
 use crate::pair::posed::PosedPair;
 use crate::polyhedron::{Feature, FeaturePair};
@@ -119,7 +119,7 @@ fn take(posed: &PosedPair, pair: &Pair, facet: &Facet, outcome: &mut Outcome) ->
     let depth = root(&(height * height).unsigned_abs(), &den.unsigned_abs(), exponent);
     outcome.class = Class::Overlapping;
     outcome.solver = Solver::Exact;
-    outcome.features = state_of(posed, &a[..at.kept.len()], &b[..at.kept.len()]);
+    outcome.features = walk_state(posed, &a[..at.kept.len()], &b[..at.kept.len()]);
     (outcome.point_on_a, outcome.point_on_b) = witnesses(pair, &at);
     outcome.normal = unit(&pair.a.rounded.tr_mul(&direction(normal)));
     outcome.distance = -depth;

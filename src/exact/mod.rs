@@ -240,14 +240,14 @@ pub(crate) fn resolve_exactly(posed: &PosedPair, outcome: &mut Outcome) {
     let pair = Pair::new(posed.a, posed.b, posed.pose);
     // One to four corners always have a nearest point.
     let Some(at) = pair.nearest(hint) else {
-        return crate::pair::answer::give_up(posed, outcome);
+        return crate::pair::answer::set_undecided(posed, outcome);
     };
     let (mut a, mut b) = ([0; 4], [0; 4]);
     for (k, c) in at.kept.iter().enumerate().take(4) {
         (a[k], b[k]) = (c.a, c.b);
     }
     outcome.solver = Solver::Exact;
-    outcome.features = crate::pair::answer::state_of(posed, &a[..at.kept.len()], &b[..at.kept.len()]);
+    outcome.features = crate::pair::answer::walk_state(posed, &a[..at.kept.len()], &b[..at.kept.len()]);
     (outcome.point_on_a, outcome.point_on_b) = witnesses(&pair, &at);
     let normal = |n: &Big3| crate::pair::answer::unit(&pair.a.rounded.tr_mul(&direction(n)));
     if !is_zero(&at.direction) {
@@ -267,7 +267,7 @@ pub(crate) fn resolve_exactly(posed: &PosedPair, outcome: &mut Outcome) {
             outcome.normal = normal(&n);
             (outcome.lower, outcome.upper) = (0.0, 0.0);
         }
-        Origin::Interior => crate::pair::answer::overlapping(outcome),
+        Origin::Interior => crate::pair::answer::set_overlapping(outcome),
     }
 }
 

@@ -1,14 +1,14 @@
-//! The solver that stands in for the walk: the minimum-norm point of the Minkowski difference A - B.
+//! GJK: the minimum-norm point of the Minkowski difference A - B, by the solver that stands in for
+//! the walk.
 //!
 //! Gilbert, Johnson and Keerthi 1988, in f64 and in double-double. Departures:
-//! 1. It starts from the features the walk ended on, so a few supports settle most cases.
-//! 2. The direction of a triangle is its normal and that of an edge is orthogonalised once more (never the rounded
-//!    nearest point), so the last support is also the certificate.
-//! 3. Supports are proven (see [`ConvexPolyhedron::highest`]); it ends where the support is in the simplex already or
-//!    nothing is gained, and what it then knows are bounds.
+//! 1. The solver starts from the features on which the walk ended, so a few supports settle most
+//!    cases.
+//! 2. The direction of a triangle is the normal, and the direction of an edge is orthogonalised
+//!    once more (never the rounded nearest point), so the last support is also the certificate.
+//! 3. Supports are proven (see [`support`]). The solver ends if the support is in the simplex
+//!    already or nothing is gained, and then returns bounds.
 //! 4. Origin inside means four signed volumes beyond rounding: a proof of overlap.
-//!
-//! [`ConvexPolyhedron::highest`]: crate::ConvexPolyhedron
 
 use crate::minimum::simplex::Simplex;
 use crate::num::scalar::{Scalar, Vec3, dot, neg, root};
@@ -18,44 +18,44 @@ use crate::pair::transform::Transform;
 use crate::polyhedron::FeaturePair;
 use crate::tolerance::{ON_BOUNDARY, UNIT};
 
-/// Supports one solve may take. Right answers were seen to take at most 24, and some 90 where nearly parallel faces of 32768 corners lie
-/// rim over rim.
+/// Limit of supports per solve. Right answers were seen to take at most 24, and some 90 if nearly
+/// parallel faces of 32768 vertices lie boundary over boundary.
 const SUPPORTS: u32 = 256;
 
-/// Where a solve ended.
+/// Result of a solve.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Minimum<T> {
-    /// The origin is outside, or on the surface up to rounding: `direction . w / |direction|` is at least `lower` over
-    /// the whole difference (its error term still to be taken off).
+    /// The origin is outside, or on the surface up to rounding: `direction . w / |direction|` is at
+    /// least `lower` over the whole difference (before the error term).
     Outside {
         simplex: Simplex<T>,
         lower: T,
         direction: Vec3<T>,
     },
-    /// The tetrahedron holds the origin, proven.
+    /// The tetrahedron contains the origin, proven.
     Inside { simplex: Simplex<T> },
 }
 
-/// Solves from a vertex of each feature.
+/// Solves from a vertex of each feature of `from`.
 pub(crate) fn solve<T: Scalar>(posed: &PosedPair, frame: &Transform<T>, from: FeaturePair) -> Minimum<T> {
     let (a, b) = from.vertices_of(posed.a, posed.b);
-    let reach = posed.reach::<T>();
-    let touches = T::from(ON_BOUNDARY * T::UNIT / UNIT * reach.whole());
+    let scale = posed.error_scale::<T>();
+    let touches = T::from(ON_BOUNDARY * T::UNIT / UNIT * scale.total());
     let mut simplex = Simplex::vertex(difference_point(posed, frame, a, b));
     let (mut lower, mut direction) = (T::from(f64::NEG_INFINITY), simplex.direction());
     for _ in 0..SUPPORTS {
         let d = simplex.direction();
         let norm_squared = dot(&d, &d);
-        if !(simplex.squared() > touches * touches) || !(norm_squared > T::from(0.0)) {
+        if !(simplex.squared_distance() > touches * touches) || !(norm_squared > T::from(0.0)) {
             break;
         }
-        let (hint, toward) = (simplex.kept()[simplex.len() - 1], neg(&d));
+        let (hint, toward) = (simplex.points()[simplex.len() - 1], neg(&d));
         let c = support(posed, frame, &toward, &hint);
         let height = dot(&d, &c.w) / root(norm_squared);
         if height > lower {
             (lower, direction) = (height, d);
         }
-        if simplex.holds(c.a, c.b) || !simplex.add(c, reach) {
+        if simplex.contains(c.a, c.b) || !simplex.add(c, scale) {
             break;
         }
         if simplex.len() == 4 {

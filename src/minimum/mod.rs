@@ -1,5 +1,5 @@
-//! The point of the Minkowski difference A - B nearest to the origin: the solver that does not walk, and the proof of
-//! overlap that a tracker keeps.
+//! The point of the Minkowski difference A - B closest to the origin: the solver without a walk,
+//! and the proof of overlap that a tracker caches.
 
 pub(crate) mod gjk;
 pub(crate) mod overlap_proof;

@@ -1,35 +1,37 @@
-//! The point of a simplex nearest to the origin, in any arithmetic.
+//! The point of a simplex closest to the origin, in any arithmetic.
 //!
-//! Signed volumes (Montanari, Petrinic, Barbieri 2017) with one departure: where a sign says the origin lies beyond
-//! more than one face, or rounding hides the sign, each such face is tried and the nearest answer taken.
+//! Signed volumes (Montanari, Petrinic, Barbieri 2017) with one departure: if the signs put the
+//! origin beyond more than one face, or rounding hides a sign, each such face is tried and the
+//! closest point of all is taken.
 
 use crate::num::scalar::{Scalar, Vec3, cross, dot, neg, root, scaled, sub};
 use crate::pair::difference::MinkowskiPoint;
-use crate::pair::transform::Reach;
+use crate::pair::transform::ErrorScale;
 use crate::tolerance::VOLUME;
 
-/// Up to four corners and the point of their hull nearest to the origin.
+/// Up to four Minkowski points, and the point of their convex hull closest to the origin.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Simplex<T> {
-    corners: [MinkowskiPoint<T>; 4],
-    nearest: Nearest<T>,
+    points: [MinkowskiPoint<T>; 4],
+    closest: ClosestPoint<T>,
 }
 
-/// The nearest point of a few corners, by their numbers.
+/// The closest point of a simplex, in barycentric coordinates.
 #[derive(Clone, Copy, Debug)]
-struct Nearest<T> {
-    /// The corners whose hull holds it in its relative interior.
+struct ClosestPoint<T> {
+    /// Indices of the points whose hull contains the closest point in the relative interior.
     ids: [u8; 4],
     len: u8,
-    /// Positive and summing to one up to rounding, for the corners held.
+    /// Barycentric weights of the points in `ids`: positive, with a sum of 1 up to rounding.
     weights: [T; 4],
-    /// From the origin towards the simplex: the nearest point or, better conditioned, a multiple of the normal.
+    /// Direction from the origin towards the simplex: the closest point or, better conditioned, a
+    /// multiple of the normal.
     direction: Vec3<T>,
     /// Squared distance from the origin.
     squared: T,
 }
 
-impl<T: Scalar> Nearest<T> {
+impl<T: Scalar> ClosestPoint<T> {
     #[inline]
     fn vertex(c: &[MinkowskiPoint<T>; 4], p: u8) -> Self {
         let (one, w) = (T::from(1.0), c[p as usize].w);
@@ -47,7 +49,7 @@ impl<T: Scalar> Nearest<T> {
         let d = sub(qw, pw);
         let (t, dd) = (-dot(pw, &d), dot(&d, &d));
         let zero = T::from(0.0);
-        // V(p), V(q); a zero edge is a vertex.
+        // Voronoi regions V(p), V(q); a zero edge is a vertex.
         if !(t > zero) {
             return Self::vertex(c, p);
         }
@@ -71,7 +73,7 @@ impl<T: Scalar> Nearest<T> {
         let [p, q, r] = ids.map(|k| &c[k as usize].w);
         let n = cross(&sub(q, p), &sub(r, p));
         let zero = T::from(0.0);
-        // Weight of the corner opposite to the edge x-y.
+        // Weight of the point opposite to the edge x-y.
         let weight = |x: &Vec3<T>, y: &Vec3<T>| -dot(&n, &cross(&sub(y, x), x));
         let w = [weight(q, r), weight(r, p), weight(p, q)];
         let mut best: Option<Self> = None;
@@ -99,8 +101,9 @@ impl<T: Scalar> Nearest<T> {
         }
     }
 
-    /// Four corners: the origin inside (`len` 4, proven against rounding), or the nearest of the faces it may be beyond.
-    fn tetrahedron(c: &[MinkowskiPoint<T>; 4], reach: Reach) -> Self {
+    /// Tests a tetrahedron: the origin inside (`len` 4, proven against rounding), or the closest
+    /// point of the faces that may separate the origin.
+    fn tetrahedron(c: &[MinkowskiPoint<T>; 4], scale: ErrorScale) -> Self {
         let det = |i: usize, j: usize, k: usize| dot(&c[i].w, &cross(&c[j].w, &c[k].w));
         let mut volume = [det(1, 2, 3), -det(0, 2, 3), det(0, 1, 3), -det(0, 1, 2)];
         let zero = T::from(0.0);
@@ -108,9 +111,10 @@ impl<T: Scalar> Nearest<T> {
         if sum < zero {
             volume = volume.map(|v| -v);
         }
-        let all = reach.whole();
+        let all = scale.total();
         let certain = T::from(VOLUME * T::UNIT * all * all * all);
-        let is_certain = |v: T, face: &[u8; 3]| v > certain || (v > zero && v.value() > rounding::<T>(c, face, reach));
+        let is_certain =
+            |v: T, face: &[u8; 3]| v > certain || (v > zero && v.value() > rounding_bound::<T>(c, face, scale));
         let faces = [[1, 2, 3], [0, 2, 3], [0, 1, 3], [0, 1, 2]];
         let mut best: Option<Self> = None;
         for k in 0..4 {
@@ -135,103 +139,104 @@ impl<T: Scalar> Nearest<T> {
     }
 }
 
-/// What rounding may make of the volume of three corners, see [`VOLUME`].
+/// Bound of the rounding in the volume of three points with the origin, see [`VOLUME`].
 #[cold]
-fn rounding<T: Scalar>(c: &[MinkowskiPoint<T>; 4], face: &[u8; 3], reach: Reach) -> f64 {
+fn rounding_bound<T: Scalar>(c: &[MinkowskiPoint<T>; 4], face: &[u8; 3], scale: ErrorScale) -> f64 {
     let sum = |v: Vec3<T>| v.iter().fold(0.0, |sum, x| sum + x.value().abs());
     let [p, q, r] = face.map(|k| c[k as usize].w);
     let (u, v) = (sub(&q, &p), sub(&r, &p));
     let [p, q, r] = [p, q, r].map(sum);
-    let off = VOLUME * T::UNIT * reach.size;
-    let own = off * (p * q + q * r + r * p) + off * off * reach.size;
-    own + VOLUME * T::UNIT * reach.shared * (sum(cross(&u, &v)) + off * (sum(u) + sum(v) + off))
+    let off = VOLUME * T::UNIT * scale.size;
+    let own = off * (p * q + q * r + r * p) + off * off * scale.size;
+    own + VOLUME * T::UNIT * scale.shared * (sum(cross(&u, &v)) + off * (sum(u) + sum(v) + off))
 }
 
 impl<T: Scalar> Simplex<T> {
-    /// One corner.
+    /// Returns the simplex of one point.
     pub(crate) fn vertex(c: MinkowskiPoint<T>) -> Self {
-        let corners = [c; 4];
+        let points = [c; 4];
         Self {
-            corners,
-            nearest: Nearest::vertex(&corners, 0),
+            points,
+            closest: ClosestPoint::vertex(&points, 0),
         }
     }
 
-    /// A triangle.
+    /// Returns the simplex of a triangle.
     pub(crate) fn triangle([p, q, r]: [MinkowskiPoint<T>; 3]) -> Self {
-        let corners = [p, q, r, r];
-        let nearest = Nearest::triangle(&corners, [0, 1, 2]);
+        let points = [p, q, r, r];
+        let closest = ClosestPoint::triangle(&points, [0, 1, 2]);
         Self {
-            corners: nearest.ids.map(|k| corners[k as usize]),
-            nearest,
+            points: closest.ids.map(|k| points[k as usize]),
+            closest,
         }
     }
 
-    /// A tetrahedron that holds the origin, proven against rounding.
-    pub(crate) fn around_origin(corners: [MinkowskiPoint<T>; 4], reach: Reach) -> Option<Self> {
-        let nearest = Nearest::tetrahedron(&corners, reach);
-        (nearest.len == 4).then_some(Self { corners, nearest })
+    /// Returns the tetrahedron if the origin is inside, proven against rounding.
+    pub(crate) fn around_origin(points: [MinkowskiPoint<T>; 4], scale: ErrorScale) -> Option<Self> {
+        let closest = ClosestPoint::tetrahedron(&points, scale);
+        (closest.len == 4).then_some(Self { points, closest })
     }
 
-    /// The nearest point of the hull of these corners and one more; whether it is nearer, or the origin is inside. Where
-    /// it is not, nothing is changed.
-    pub(crate) fn add(&mut self, c: MinkowskiPoint<T>, reach: Reach) -> bool {
-        let mut corners = self.corners;
-        corners[self.len()] = c;
-        let nearest = match self.len() {
-            1 => Nearest::edge(&corners, 0, 1),
-            2 => Nearest::triangle(&corners, [0, 1, 2]),
-            _ => Nearest::tetrahedron(&corners, reach),
+    /// Adds a point, and returns whether the hull comes closer to the origin or contains the
+    /// origin. If not, nothing changes.
+    pub(crate) fn add(&mut self, c: MinkowskiPoint<T>, scale: ErrorScale) -> bool {
+        let mut points = self.points;
+        points[self.len()] = c;
+        let closest = match self.len() {
+            1 => ClosestPoint::edge(&points, 0, 1),
+            2 => ClosestPoint::triangle(&points, [0, 1, 2]),
+            _ => ClosestPoint::tetrahedron(&points, scale),
         };
-        let better = nearest.squared < self.nearest.squared;
+        let better = closest.squared < self.closest.squared;
         if better {
-            self.corners = nearest.ids.map(|k| corners[k as usize]);
-            self.nearest = nearest;
+            self.points = closest.ids.map(|k| points[k as usize]);
+            self.closest = closest;
         }
         better
     }
 
-    /// How many corners hold the nearest point; four hold the origin.
+    /// Returns the number of points that span the closest point; four contain the origin.
     #[inline]
     pub(crate) fn len(&self) -> usize {
-        self.nearest.len as usize
+        self.closest.len as usize
     }
 
-    /// The corners that hold the nearest point.
+    /// Returns the points that span the closest point.
     #[inline]
-    pub(crate) fn kept(&self) -> &[MinkowskiPoint<T>] {
-        &self.corners[..self.len()]
+    pub(crate) fn points(&self) -> &[MinkowskiPoint<T>] {
+        &self.points[..self.len()]
     }
 
-    /// Their weights.
+    /// Returns the barycentric weights of the points.
     pub(crate) fn weights(&self) -> &[T] {
-        &self.nearest.weights[..self.len()]
+        &self.closest.weights[..self.len()]
     }
 
-    /// From the origin towards the simplex.
+    /// Returns the direction from the origin towards the simplex.
     pub(crate) fn direction(&self) -> Vec3<T> {
-        self.nearest.direction
+        self.closest.direction
     }
 
-    /// Squared distance from the origin.
-    pub(crate) fn squared(&self) -> T {
-        self.nearest.squared
+    /// Returns the squared distance from the origin.
+    pub(crate) fn squared_distance(&self) -> T {
+        self.closest.squared
     }
 
-    /// The distance of the point that the weights name. The weights are positive and sum to one, so it is a point of the
-    /// difference whatever rounding did to them, and the distance an upper bound; the root of `squared` is none, because
-    /// the plane of a needle-shaped triangle may be nearer than the triangle.
-    pub(crate) fn reach(&self) -> T {
+    /// Returns the distance of the point given by the weights, an upper bound. The weights are
+    /// positive and sum to 1, so they give a point of the difference, whatever rounding did to
+    /// them. The root of `squared` is no upper bound: the plane of a needle-shaped triangle may be
+    /// closer than the triangle.
+    pub(crate) fn witness_distance(&self) -> T {
         let at = |k: usize| {
-            let parts = self.kept().iter().zip(self.weights());
+            let parts = self.points().iter().zip(self.weights());
             parts.fold(T::from(0.0), |sum, (c, &weight)| sum + c.w[k] * weight)
         };
         let v = [at(0), at(1), at(2)];
         root(dot(&v, &v))
     }
 
-    /// Whether a corner is kept.
-    pub(crate) fn holds(&self, a: u32, b: u32) -> bool {
-        self.kept().iter().any(|c| (c.a, c.b) == (a, b))
+    /// Returns whether the simplex contains the point of two vertices.
+    pub(crate) fn contains(&self, a: u32, b: u32) -> bool {
+        self.points().iter().any(|c| (c.a, c.b) == (a, b))
     }
 }

@@ -4,14 +4,14 @@ use nalgebra::Point3;
 
 use crate::minimum::simplex::Simplex;
 use crate::num::scalar::Scalar;
-use crate::pair::answer::state_of;
+use crate::pair::answer::walk_state;
 use crate::pair::posed::PosedPair;
 use crate::polyhedron::FeaturePair;
 
-/// The convex combinations of the corners' vertices, each in its body's stored frame.
+/// Returns the witnesses: the convex combinations of the vertices of each body, in stored frames.
 pub(crate) fn witnesses<T: Scalar>(posed: &PosedPair, simplex: &Simplex<T>) -> (Point3<f64>, Point3<f64>) {
     let (mut on_a, mut on_b) = ([T::from(0.0); 3], [T::from(0.0); 3]);
-    for (c, &w) in simplex.kept().iter().zip(simplex.weights()) {
+    for (c, &w) in simplex.points().iter().zip(simplex.weights()) {
         let (p, q) = (posed.a.points[c.a as usize], posed.b.points[c.b as usize]);
         for k in 0..3 {
             on_a[k] = on_a[k] + w * T::from(p[k]);
@@ -24,11 +24,11 @@ pub(crate) fn witnesses<T: Scalar>(posed: &PosedPair, simplex: &Simplex<T>) -> (
     )
 }
 
-/// The smallest features that hold the corners' vertices.
+/// Returns the smallest features that contain the vertices of the simplex.
 pub(crate) fn features<T: Scalar>(posed: &PosedPair, simplex: &Simplex<T>) -> FeaturePair {
     let (mut a, mut b) = ([0; 4], [0; 4]);
-    for (k, c) in simplex.kept().iter().enumerate() {
+    for (k, c) in simplex.points().iter().enumerate() {
         (a[k], b[k]) = (c.a, c.b);
     }
-    state_of(posed, &a[..simplex.len()], &b[..simplex.len()])
+    walk_state(posed, &a[..simplex.len()], &b[..simplex.len()])
 }

@@ -1,4 +1,5 @@
-//! What every solver writes into an outcome: directions, rounded bounds, features of vertex lists, and the test of a finished answer.
+//! Parts of an outcome that several solvers write: directions, rounded bounds, features of vertex
+//! lists, and the test of a finished answer.
 
 use nalgebra::{Unit, Vector3};
 
@@ -9,7 +10,7 @@ use crate::polyhedron::{Feature, FeaturePair};
 use crate::pose::Operand;
 use crate::tolerance::{AGREE, CERTIFICATE, UNIT};
 
-/// The unit vector along `v`; some unit vector where `v` has no direction.
+/// Returns the unit vector along `v`, or any unit vector if `v` has no direction.
 #[inline]
 pub(crate) fn unit(v: &Vector3<f64>) -> Unit<Vector3<f64>> {
     let largest = v.amax();
@@ -21,23 +22,24 @@ pub(crate) fn unit(v: &Vector3<f64>) -> Unit<Vector3<f64>> {
     }
 }
 
-/// `x + by`, rounded away from `x` by the last place, in f64.
-pub(crate) fn outward<T: Scalar>(x: T, by: f64) -> f64 {
+/// Returns `x + by` in f64, rounded away from `x` by the last place.
+pub(crate) fn round_outward<T: Scalar>(x: T, by: f64) -> f64 {
     let sum = (x + T::from(by)).value();
     if by < 0.0 { sum.next_down() } else { sum.next_up() }
 }
 
-/// Depth and normal of an overlap are not known here (they are the work of `penetration`); the direction has no meaning
-/// yet, but it is a unit vector.
-pub(crate) fn overlapping(outcome: &mut Outcome) {
+/// Marks an outcome as overlapping. Depth and normal are unknown here (they are the work of
+/// `depth`); the normal has no meaning yet, but is a unit vector.
+pub(crate) fn set_overlapping(outcome: &mut Outcome) {
     outcome.class = Class::Overlapping;
     outcome.distance = 0.0;
     outcome.normal = Vector3::x_axis();
     (outcome.lower, outcome.upper) = (f64::NEG_INFINITY, 0.0);
 }
 
-/// Out of the range of the finer arithmetic: what any two vertices prove.
-pub(crate) fn give_up(posed: &PosedPair, outcome: &mut Outcome) {
+/// Leaves a pair undecided, out of the range of the finer arithmetic, with the upper bound that any
+/// two vertices prove.
+pub(crate) fn set_undecided(posed: &PosedPair, outcome: &mut Outcome) {
     let (a, b) = outcome.features.vertices_of(posed.a, posed.b);
     let (p, q) = (posed.a.points[a as usize], posed.b.points[b as usize]);
     (outcome.point_on_a, outcome.point_on_b) = (p.into(), q.into());
@@ -49,14 +51,16 @@ pub(crate) fn give_up(posed: &PosedPair, outcome: &mut Outcome) {
     outcome.class = Class::Undecided;
 }
 
-/// The smallest features that hold one to four vertices of each body.
-pub(crate) fn state_of(posed: &PosedPair, a: &[u32], b: &[u32]) -> FeaturePair {
+/// Returns the smallest features that contain one to four vertices of each body, as a state of the
+/// walk.
+pub(crate) fn walk_state(posed: &PosedPair, a: &[u32], b: &[u32]) -> FeaturePair {
     let (fa, fb) = (posed.a.feature_of(a), posed.b.feature_of(b));
     let features = FeaturePair { a: fa, b: fb };
     if fa.dimension() + fb.dimension() <= 2 {
         return features;
     }
-    // An edge over a face, or two faces: parallel features, of which a vertex beside the face is closest too.
+    // An edge over a face, or two faces: parallel features, so a vertex with the face is closest
+    // too.
     match (fa, fb) {
         (Feature::Face(f), _) => FeaturePair::vertex_face(Operand::B, b[0], f.0),
         (_, Feature::Face(f)) => FeaturePair::vertex_face(Operand::A, a[0], f.0),
@@ -64,9 +68,10 @@ pub(crate) fn state_of(posed: &PosedPair, a: &[u32], b: &[u32]) -> FeaturePair {
     }
 }
 
-/// Whether class and distance are settled: apart with bounds no wider than they should be, or overlapping with witnesses
-/// that are one point up to rounding (the weights of a flat tetrahedron around the origin may be wrong in every digit
-/// while the signs of its volumes are certain).
+/// Returns whether class and distance are settled: separated with bounds no wider than they should
+/// be, or overlapping with witnesses that coincide up to rounding (the weights of a flat
+/// tetrahedron around the origin may be wrong in every digit while the signs of the volumes are
+/// certain).
 pub(crate) fn is_proven(posed: &PosedPair, outcome: &Outcome) -> bool {
     match outcome.class {
         Class::Overlapping => {
@@ -78,7 +83,7 @@ pub(crate) fn is_proven(posed: &PosedPair, outcome: &Outcome) -> bool {
     }
 }
 
-/// Whether the bounds agree as well as a certified answer's must.
+/// Returns whether the bounds are as close as the bounds of a certified answer must be.
 pub(crate) fn is_narrow(posed: &PosedPair, outcome: &Outcome) -> bool {
     outcome.upper - outcome.lower <= (AGREE + 2.0 * CERTIFICATE * UNIT) * posed.size()
 }

@@ -1,5 +1,7 @@
-//! The Minkowski difference A - B: its points by vertex pairs, and its support points. The only place where points of the
-//! difference are made, but for the exact rung, which has integers of its own.
+//! The Minkowski difference A - B: its points by vertex pairs, and its support points.
+//!
+//! Points of the difference are made nowhere else, except in exact arithmetic, which has integers
+//! of its own.
 
 use nalgebra::Vector3;
 
@@ -10,7 +12,7 @@ use crate::polyhedron::ConvexPolyhedron;
 use crate::polyhedron::highest::Direction;
 use crate::tolerance::UNIT;
 
-/// Bodies of so many vertices are climbed from any of them.
+/// Bodies of at most this many vertices are climbed from the hint, whichever vertex the hint is.
 const SMALL: usize = 64;
 
 /// A point of the Minkowski difference A - B: a vertex of each body.
@@ -18,10 +20,11 @@ const SMALL: usize = 64;
 pub(crate) struct MinkowskiPoint<T> {
     pub(crate) a: u32,
     pub(crate) b: u32,
-    /// PosedPair difference `a - b`, in A's frame.
+    /// The difference `a - b`, in A's frame.
     pub(crate) w: Vec3<T>,
 }
 
+/// Returns the point of A - B for a vertex of A and a vertex of B.
 pub(crate) fn difference_point<T: Scalar>(
     posed: &PosedPair,
     frame: &Transform<T>,
@@ -36,7 +39,8 @@ pub(crate) fn difference_point<T: Scalar>(
     MinkowskiPoint { a, b, w }
 }
 
-/// The extreme vertex along `n` in the arithmetic of the solver; the lowest number among equals.
+/// Returns the support vertex along `n` in the arithmetic of the solver; the lowest index among
+/// ties.
 pub(crate) fn support_vertex<T: Scalar>(body: &ConvexPolyhedron, n: &Vec3<T>, hint: u32) -> u32 {
     let rounded = Vector3::new(n[0].value(), n[1].value(), n[2].value());
     if T::UNIT == UNIT {
@@ -55,7 +59,7 @@ pub(crate) fn support_vertex<T: Scalar>(body: &ConvexPolyhedron, n: &Vec3<T>, hi
     )
 }
 
-/// The highest point of the difference along a direction.
+/// Returns the support point of A - B along a direction.
 pub(crate) fn support<T: Scalar>(
     posed: &PosedPair,
     frame: &Transform<T>,

@@ -1,11 +1,11 @@
-//! An edge of a polyhedron with the planes of its two adjacent faces.
+//! An edge of a polyhedron with the planes of the two adjacent faces.
 
 use nalgebra::Vector3;
 
 use crate::num::packed::PackedVec3;
 use crate::polyhedron::{ConvexPolyhedron, Plane};
 
-/// The ends of an edge and the planes of its faces.
+/// Endpoints of an edge and the planes of the adjacent faces.
 #[derive(Clone, Copy)]
 pub(crate) struct Edge<'a> {
     pub(crate) tail: u32,
@@ -31,8 +31,9 @@ impl<'a> Edge<'a> {
         }
     }
 
-    /// How far `t` leaves the faces on the right and on the left behind, for a normal turned by `sign`: the weights of
-    /// the normal over the planes of the left and the right one, not negative inside.
+    /// Returns the weights `(alpha, beta)` of a normal over the normals of the left and right face:
+    /// up to a positive factor, `sign (e x t)` is `alpha nL + beta nR`, with `e` the edge. Neither
+    /// weight is negative if the normal lies between the two face normals.
     #[inline(always)]
     pub(crate) fn weights(&self, t: PackedVec3, sign: f64) -> (f64, f64) {
         let along = |plane: &Plane| t.dot(PackedVec3::new(&plane.normal));

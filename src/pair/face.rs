@@ -1,7 +1,9 @@
-//! The rim of a face: where a point is beside its side planes, and where a line leaves it.
+//! Queries on the boundary of a face: the location of a point relative to the side planes, and the
+//! edge by which a line exits.
 //!
-//! Small rims are walked round; on large ones (see [`Topology::ring`](crate::polyhedron::topology::Topology)) both
-//! questions are answered by bisection, so that a face of 8192 edges costs a few times one of 32.
+//! Small boundaries are scanned edge by edge. On large ones (see
+//! [`Topology::ring`](crate::polyhedron::topology::Topology)) bisection answers both questions, so
+//! that a face of 8192 edges costs a few times as much as a face of 32.
 
 use nalgebra::Vector3;
 
@@ -11,49 +13,51 @@ use crate::polyhedron::ConvexPolyhedron;
 use crate::polyhedron::fans::top_of_ring;
 use crate::tolerance::{DIFFERENCE, FOOT};
 
-/// Where a point is beside the side planes of a face.
-pub(crate) enum Rim {
-    /// Within all of them, beyond rounding.
+/// Location of a point relative to the side planes of a face.
+pub(crate) enum FaceLocation {
+    /// Inside all side planes, beyond rounding.
     Inside,
-    /// Within rounding of the plane of this edge.
+    /// Within rounding of the side plane of this edge.
     Grazes(u32),
-    /// Outside the plane of this edge, beyond rounding.
+    /// Outside the side plane of this edge, beyond rounding.
     Outside(u32),
 }
 
-/// A face of a body and its plane's normal.
+/// A face of a body, with the normal of the plane.
 pub(crate) struct Face<'a> {
     pub(crate) body: &'a ConvexPolyhedron,
     pub(crate) face: u32,
     pub(crate) normal: &'a Vector3<f64>,
 }
 
-/// One look at one edge of the rim.
-struct Look {
-    /// Signed distance from the side plane, squared with its sign: negative outside.
+/// Position of a point relative to one edge of the boundary.
+struct EdgeSide {
+    /// Squared distance from the side plane, with the sign of the distance: negative outside.
     signed: f64,
-    rim: Rim,
+    location: FaceLocation,
 }
 
 impl Face<'_> {
-    /// Where `x` is, with rounding relative to the pair's `size`; and a corner of the rim.
+    /// Locates `x`, with rounding relative to the pair's `size`. Also returns a vertex of the
+    /// boundary.
     #[inline(always)]
-    pub(crate) fn beside(&self, x: &Vector3<f64>, size: f64) -> (Rim, Vector3<f64>) {
+    pub(crate) fn locate(&self, x: &Vector3<f64>, size: f64) -> (FaceLocation, Vector3<f64>) {
         match self.body.topology.ring(self.face) {
-            None => self.beside_small(x, size),
-            Some(ring) => (self.beside_large(ring, x, size), self.tail(ring[0])),
+            None => self.locate_small(x, size),
+            Some(ring) => (self.locate_large(ring, x, size), self.tail(ring[0])),
         }
     }
 
-    /// Walks round: the edge furthest outside, or the closest that `x` grazes.
+    /// Locates `x` by a scan: returns the edge furthest outside, or the closest edge that `x`
+    /// grazes.
     #[inline(always)]
-    fn beside_small(&self, x: &Vector3<f64>, size: f64) -> (Rim, Vector3<f64>) {
+    fn locate_small(&self, x: &Vector3<f64>, size: f64) -> (FaceLocation, Vector3<f64>) {
         let body = self.body;
         // No edge is longer than the diameter, and the 1-norm is less than twice the length.
         let close = 4.0 * FOOT * size * body.radius;
         let start = body.topology.rim_start(self.face);
         let mut from = self.tail(start);
-        let (mut rim, mut furthest) = (Rim::Inside, f64::INFINITY);
+        let (mut location, mut furthest) = (FaceLocation::Inside, f64::INFINITY);
         let mut h = start;
         loop {
             let e = body.topology.half_edge(h);
@@ -61,27 +65,38 @@ impl Face<'_> {
             let u = to - from;
             let side = self.normal.cross(&u).dot(&(x - to));
             if side < close {
-                let look = judge(h.min(e.twin), side, &u, size);
-                if look.signed < furthest && !matches!(look.rim, Rim::Inside) {
-                    (rim, furthest) = (look.rim, look.signed);
+                let edge_side = classify(h.min(e.twin), side, &u, size);
+                if edge_side.signed < furthest && !matches!(edge_side.location, FaceLocation::Inside) {
+                    (location, furthest) = (edge_side.location, edge_side.signed);
                 }
             }
             (from, h) = (to, e.next);
             if h == start {
-                return (rim, from);
+                return (location, from);
             }
         }
     }
 
-    /// Bisects for the wedge, seen from the first corner, that holds `x`, until it does so on the near side of the chord between
-    /// the wedge's other two corners: the three corners of the face then prove it inside, but for the edges next to them, which
-    /// are looked at.
+    /// Locates `x` on a large boundary by bisection over the wedges at the first vertex.
+    ///
+    /// ```text
+    ///   high *-------* low     root       first vertex of the boundary
+    ///         \     /          low, high  neighbours of x in angle, narrowed by bisection
+    ///          \ x /
+    ///           \ /            x on the near side of the chord low-high is inside the face
+    ///            * root
+    /// ```
+    ///
+    /// The bisection narrows the wedge that contains `x` until `x` lies on the near side of the
+    /// chord between the two outer vertices: the three vertices then prove `x` inside the face,
+    /// except for the edges next to them, which are tested.
     #[inline(never)]
-    pub(crate) fn beside_large(&self, ring: &[u32], x: &Vector3<f64>, size: f64) -> Rim {
+    pub(crate) fn locate_large(&self, ring: &[u32], x: &Vector3<f64>, size: f64) -> FaceLocation {
         let m = ring.len();
         let root = self.tail(ring[0]);
         let left_of = |k: usize| self.normal.cross(&(self.tail(ring[k]) - root)).dot(&(x - root)) >= 0.0;
-        // x is left of the ray to corner `low` and right of that to `high`, or beyond one of the two edges at the root.
+        // x is left of the ray to vertex `low` and right of the ray to `high`, or beyond one of the
+        // two edges at the root.
         let (mut low, mut high) = (1, m - 1);
         while high - low > 1 {
             let middle = (low + high) / 2;
@@ -96,58 +111,60 @@ impl Face<'_> {
             }
         }
         let near = [0, m - 1, low - 1, low, high - 1, high];
-        let (mut rim, mut furthest, mut at) = (Rim::Inside, f64::INFINITY, 0);
+        let (mut location, mut furthest, mut at) = (FaceLocation::Inside, f64::INFINITY, 0);
         for k in near {
-            let look = self.look(ring[k], x, size);
-            if look.signed < furthest && !matches!(look.rim, Rim::Inside) {
-                (rim, furthest, at) = (look.rim, look.signed, k);
+            let edge_side = self.edge_side(ring[k], x, size);
+            if edge_side.signed < furthest && !matches!(edge_side.location, FaceLocation::Inside) {
+                (location, furthest, at) = (edge_side.location, edge_side.signed, k);
             }
         }
-        if let Rim::Outside(_) = rim {
-            Rim::Outside(self.name(ring[self.nearest(ring, at, x)]))
+        if let FaceLocation::Outside(_) = location {
+            FaceLocation::Outside(self.edge(ring[self.nearest_visible(ring, at, x)]))
         } else {
-            rim
+            location
         }
     }
 
-    /// From the edge `at`, seen from outside by `x`, gallops along the edges so seen to the one nearest to `x`: the
-    /// distance falls along them until there and rises after.
-    fn nearest(&self, ring: &[u32], at: usize, x: &Vector3<f64>) -> usize {
+    /// Finds the edge closest to `x` by a gallop from the edge `at` along the edges visible from
+    /// `x` (`x` is outside their side planes): along them the distance falls up to the closest edge
+    /// and rises after.
+    fn nearest_visible(&self, ring: &[u32], at: usize, x: &Vector3<f64>) -> usize {
         let m = ring.len();
         let ends = |k: usize| (self.tail(ring[k % m]), self.head(ring[k % m]));
-        let seen = |k: usize| {
+        let is_visible = |k: usize| {
             let (p, q) = ends(k);
             self.normal.cross(&(q - p)).dot(&(x - p)) < 0.0
         };
-        let ahead = |k: usize| {
+        let closer_ahead = |k: usize| {
             let (p, q) = ends(at + k);
-            seen(at + k) && (x - q).dot(&(q - p)) > 0.0
+            is_visible(at + k) && (x - q).dot(&(q - p)) > 0.0
         };
-        let behind = |k: usize| {
+        let closer_behind = |k: usize| {
             let (p, q) = ends(at + m - k);
-            seen(at + m - k) && (x - p).dot(&(q - p)) < 0.0
+            is_visible(at + m - k) && (x - p).dot(&(q - p)) < 0.0
         };
-        let forward = gallop(m, ahead);
+        let forward = gallop(m, closer_ahead);
         if forward > 0 {
             (at + forward) % m
         } else {
-            (at + m - gallop(m, behind)) % m
+            (at + m - gallop(m, closer_behind)) % m
         }
     }
 
-    /// Where a line from `start`, which is over the face, leaves it before `start + way`: the part of the way and the
-    /// edge. `from` is an edge the line comes in over, never one it leaves by.
+    /// Returns the exit of a line that begins over the face at `start`, if the line exits before
+    /// `start + displacement`: the fraction of `displacement`, and the edge. The line may enter
+    /// over the edge `entry` and never exits there.
     #[inline(always)]
-    pub(crate) fn leave(&self, start: PackedVec3, way: PackedVec3, from: Option<u32>) -> Option<(f64, u32)> {
+    pub(crate) fn exit(&self, start: PackedVec3, displacement: PackedVec3, entry: Option<u32>) -> Option<(f64, u32)> {
         match self.body.topology.ring(self.face) {
-            None => self.leave_small(start, way, from),
-            Some(ring) => self.leave_large(ring, &start.vector(), &way.vector(), from),
+            None => self.exit_small(start, displacement, entry),
+            Some(ring) => self.exit_large(ring, &start.vector(), &displacement.vector(), entry),
         }
     }
 
-    /// Walks round.
+    /// Finds the exit by a scan.
     #[inline(always)]
-    fn leave_small(&self, start: PackedVec3, way: PackedVec3, from: Option<u32>) -> Option<(f64, u32)> {
+    fn exit_small(&self, start: PackedVec3, displacement: PackedVec3, entry: Option<u32>) -> Option<(f64, u32)> {
         let (body, normal) = (self.body, PackedVec3::new(self.normal));
         let begin = body.topology.rim_start(self.face);
         let (mut h, mut p) = (begin, PackedVec3::new(&self.tail(begin)));
@@ -155,12 +172,12 @@ impl Face<'_> {
         loop {
             let e = body.topology.half_edge(h);
             let q = PackedVec3::new(&body.points[e.to as usize]);
-            let (name, inward) = (h.min(e.twin), normal.cross(q - p));
-            let speed = inward.dot(way);
-            if speed < 0.0 && from != Some(name) {
+            let (edge, inward) = (h.min(e.twin), normal.cross(q - p));
+            let speed = inward.dot(displacement);
+            if speed < 0.0 && entry != Some(edge) {
                 let when = -inward.dot(start - p) / speed;
                 if when < first.map_or(1.0, |(w, _)| w) {
-                    first = Some((when, name));
+                    first = Some((when, edge));
                 }
             }
             (p, h) = (q, e.next);
@@ -170,32 +187,36 @@ impl Face<'_> {
         }
     }
 
-    /// Most edges are short beside a large face: one by which it is left is bisected for.
+    /// Finds the exit by bisection. Most lines are short compared with a large face: the end of the
+    /// line is located first.
     #[inline(never)]
-    fn leave_large(
+    fn exit_large(
         &self,
         ring: &[u32],
         start: &Vector3<f64>,
-        way: &Vector3<f64>,
-        from: Option<u32>,
+        displacement: &Vector3<f64>,
+        entry: Option<u32>,
     ) -> Option<(f64, u32)> {
-        if matches!(self.beside_large(ring, &(start + way), 0.0), Rim::Inside) {
+        if matches!(
+            self.locate_large(ring, &(start + displacement), 0.0),
+            FaceLocation::Inside
+        ) {
             return None;
         }
         let mut first = None;
         let mut try_edge = |h: u32| {
-            let name = self.name(h);
+            let edge = self.edge(h);
             let (p, q) = (self.tail(h), self.head(h));
             let inward = self.normal.cross(&(q - p));
-            let speed = inward.dot(way);
-            if speed < 0.0 && from != Some(name) {
+            let speed = inward.dot(displacement);
+            if speed < 0.0 && entry != Some(edge) {
                 let when = -inward.dot(&(start - p)) / speed;
                 if when < first.map_or(1.0, |(w, _)| w) {
-                    first = Some((when, name));
+                    first = Some((when, edge));
                 }
             }
         };
-        let k = self.exit(ring, start, way);
+        let k = self.exit_edge(ring, start, displacement);
         let m = ring.len();
         [(k + m - 1) % m, k, (k + 1) % m]
             .into_iter()
@@ -203,14 +224,15 @@ impl Face<'_> {
         first
     }
 
-    /// The edge of a large rim by which the line from `start` along `way` leaves it: the one from the corners right of
-    /// the line to those left of it.
+    /// Returns the index of the edge by which the line from `start` along `displacement` exits a
+    /// large boundary: the edge from the vertices right of the line to the vertices left of the
+    /// line.
     #[inline(never)]
-    fn exit(&self, ring: &[u32], start: &Vector3<f64>, way: &Vector3<f64>) -> usize {
+    fn exit_edge(&self, ring: &[u32], start: &Vector3<f64>, displacement: &Vector3<f64>) -> usize {
         let m = ring.len();
-        let left = self.normal.cross(way);
+        let left = self.normal.cross(displacement);
         let height = |k: usize| left.dot(&(self.tail(ring[k % m]) - start));
-        // From the rightmost corner, counter-clockwise, to the leftmost: in between, once, the sign changes.
+        // Counter-clockwise from the rightmost vertex to the leftmost, the sign changes once.
         let (low, high) = (top_of_ring(m, |k| -height(k)), top_of_ring(m, height));
         let span = (high + m - low) % m;
         let (mut right, mut over) = (0, span.max(1));
@@ -225,13 +247,13 @@ impl Face<'_> {
         (low + right) % m
     }
 
-    fn look(&self, h: u32, x: &Vector3<f64>, size: f64) -> Look {
+    fn edge_side(&self, h: u32, x: &Vector3<f64>, size: f64) -> EdgeSide {
         let (p, q) = (self.tail(h), self.head(h));
         let side = self.normal.cross(&(q - p)).dot(&(x - q));
-        judge(self.name(h), side, &(q - p), size)
+        classify(self.edge(h), side, &(q - p), size)
     }
 
-    fn name(&self, h: u32) -> u32 {
+    fn edge(&self, h: u32) -> u32 {
         self.body.topology.edge(h)
     }
 
@@ -246,30 +268,31 @@ impl Face<'_> {
     }
 }
 
-/// What the product `side` with the unnormalised inward direction says of an edge `u`.
+/// Classifies a point by the product `side` with the unnormalised inward direction of an edge `u`.
 #[inline(always)]
-fn judge(edge: u32, side: f64, u: &Vector3<f64>, size: f64) -> Look {
+fn classify(edge: u32, side: f64, u: &Vector3<f64>, size: f64) -> EdgeSide {
     let length = one_norm(u);
-    let rim = if side < -DIFFERENCE * size * length {
-        Rim::Outside(edge)
+    let location = if side < -DIFFERENCE * size * length {
+        FaceLocation::Outside(edge)
     } else if side < FOOT * size * length {
-        Rim::Grazes(edge)
+        FaceLocation::Grazes(edge)
     } else {
-        Rim::Inside
+        FaceLocation::Inside
     };
-    Look {
+    EdgeSide {
         signed: side * side.abs() / u.norm_squared(),
-        rim,
+        location,
     }
 }
 
-/// How many steps in a row, from the first, a condition holds that holds for a run of them and then no more.
+/// Returns for how many steps in a row, from the first, a condition holds, if true for a run and
+/// false ever after.
 fn gallop(most: usize, holds: impl Fn(usize) -> bool) -> usize {
     let mut reach = 1;
     while reach < most && holds(reach - 1) {
         reach *= 2;
     }
-    // It holds below `low` and not at `high`, or the ring ends there.
+    // True below `low` and false at `high`, or the ring ends there.
     let (mut low, mut high) = (reach / 2, reach.min(most) - 1);
     while low < high {
         let middle = (low + high) / 2;

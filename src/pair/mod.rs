@@ -1,6 +1,7 @@
-//! Two posed shapes: their relative transform, their Minkowski difference, and the outcome of a query with its certificate.
+//! Two posed shapes: their relative transform, their Minkowski difference, and the outcome of a
+//! query with its certificate.
 //!
-//! Every solver stands on this room; the room knows none of the solvers.
+//! Every solver builds on this module; the module knows no solver.
 
 pub(crate) mod answer;
 pub(crate) mod certificate;

@@ -1,22 +1,24 @@
-//! What a query answers, and how it came about.
+//! Outcome of a query, and the work that led to the outcome.
 
 use nalgebra::{Point3, Unit, Vector3};
 
 use crate::polyhedron::FeaturePair;
 
-/// Which side of contact a pair is on.
+/// Whether two bodies are apart, touch or overlap.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum Class {
-    /// Proven apart: the lower bound is positive (or zero where exact arithmetic finds a distance too small for f64).
+    /// Proven apart: the lower bound is positive (or zero if exact arithmetic finds a distance too
+    /// small for f64).
     Separated,
-    /// The bounds straddle zero and no finer arithmetic could, or was asked to, part them; or proven to touch.
+    /// Proven to touch; or the bounds straddle zero, and no finer arithmetic was able, or was
+    /// asked, to decide.
     Touching,
     /// Proven to share an interior point.
     Overlapping,
-    /// The bounds are wider than the accuracy asked for, and straddle zero or not. Possible only without the feature
-    /// `exact`.
+    /// The bounds are wider than the requested accuracy, whether they straddle zero or not.
+    /// Possible only without the feature `exact`.
     Undecided,
 }
 
@@ -31,22 +33,23 @@ impl core::fmt::Display for Class {
     }
 }
 
-/// How right an answer is asked for.
+/// Accuracy requested of an answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum Accuracy {
-    /// The word of the walk, or of the f64 solver where it does not end, without bounds:
+    /// The proposal of the walk, or of the f64 solver if the walk does not end, without bounds:
     /// [`Tracker::propose`](crate::Tracker::propose).
     Walk,
-    /// With proven bounds: [`Tracker::closest`](crate::Tracker::closest).
+    /// Proven bounds: [`Tracker::closest`](crate::Tracker::closest).
     #[default]
     Certified,
-    /// Within one unit in the last place where the bodies are apart: `Tracker::closest_exact` (feature `exact`).
+    /// Within one unit in the last place if the bodies are apart: `Tracker::closest_exact` (feature
+    /// `exact`).
     Exact,
 }
 
-/// What a query is asked for: how accurate the answer must be, and whether an overlap needs its depth.
+/// Request of a query: the accuracy of the answer, and whether an overlap needs a depth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Ask {
     pub(crate) accuracy: Accuracy,
@@ -79,28 +82,30 @@ impl Until {
     }
 }
 
-/// Which layer gave the answer. Each is tried where the certificate refuses the one before.
+/// Solver that gave an answer. Each is tried if the certificate refuses the one before.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum Solver {
-    /// The walk over Voronoi regions, from the cached features or a first start.
+    /// The walk over Voronoi regions, from the cached features or a cold start.
     #[default]
     Walk,
-    /// The walk, started afresh from the support vertices.
+    /// The walk, restarted from the support vertices.
     Restart,
     /// The minimum-norm solver in f64.
     Fallback,
     /// The minimum-norm solver in double-double.
     DoubleDouble,
-    /// Exact integers (feature `exact`). The class is exact, and a distance is right to one unit in the last place. The depth of an
-    /// overlap is as exact if no more than 65,536 pairs of features may be the deepest; of more it keeps the bounds that double-double
-    /// found, which may be farther apart than `1e-13 L`, as of two prisms of 100 sides thinner than rounding.
+    /// Exact integers (feature `exact`). The class is exact, and the distance is right to one unit
+    /// in the last place. So is the depth of an overlap if at most 65,536 pairs of features may be
+    /// the deepest; if more, the depth keeps the bounds of double-double, which may be farther
+    /// apart than `1e-13 L`, as of two prisms of 100 sides thinner than rounding.
     Exact,
     /// Bodies so far apart that only their separation counts.
     Far,
-    /// A surface around the origin of the bodies' difference: kept from the answer before or begun at its deepest facet, overlap and depth at
-    /// once; where no depth is asked for, four points kept from the answer before.
+    /// A surface around the origin of the Minkowski difference, kept from the last answer or begun
+    /// at the deepest facet of the last answer: overlap and depth at once. If no depth is
+    /// requested: four points kept from the last answer.
     Surface,
 }
 
@@ -139,13 +144,14 @@ impl core::fmt::Display for Solver {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Work {
-    /// Feature pairs the walk evaluated.
+    /// Feature pairs evaluated by the walk.
     pub steps: u32,
-    /// Certificates taken.
+    /// Certificates evaluated.
     pub certificates: u32,
-    /// Walks started afresh from support vertices.
+    /// Walks restarted from support vertices.
     pub restarts: u32,
-    /// Starts taken where the ellipsoids of flat bodies face each other, instead of along the line of centres.
+    /// Cold starts along the normal of two touching ellipsoids (flat bodies) instead of the line of
+    /// centres.
     pub ellipsoids: u32,
     /// Minimum-norm solves in f64.
     pub fallbacks: u32,
@@ -153,14 +159,14 @@ pub struct Work {
     pub double_doubles: u32,
     /// Exact solves.
     pub exacts: u32,
-    /// Overlaps whose depth was searched for.
+    /// Searches for the depth of an overlap.
     pub depths: u32,
-    /// Points taken into the surfaces of these searches.
-    pub grown: u32,
+    /// Points added to the surfaces of depth searches.
+    pub points_added: u32,
 }
 
 impl core::ops::AddAssign for Work {
-    /// Sums that stay at their end.
+    /// Adds with saturation.
     fn add_assign(&mut self, o: Self) {
         self.steps = self.steps.saturating_add(o.steps);
         self.certificates = self.certificates.saturating_add(o.certificates);
@@ -170,25 +176,26 @@ impl core::ops::AddAssign for Work {
         self.double_doubles = self.double_doubles.saturating_add(o.double_doubles);
         self.exacts = self.exacts.saturating_add(o.exacts);
         self.depths = self.depths.saturating_add(o.depths);
-        self.grown = self.grown.saturating_add(o.grown);
+        self.points_added = self.points_added.saturating_add(o.points_added);
     }
 }
 
-/// The closest features of two bodies, with proof.
+/// Closest features of two bodies, with proven bounds of the distance.
 ///
-/// The signed distance is positive when apart and minus the penetration depth when overlapping: the length of the least
-/// translation that parts the bodies. `lower` and `upper`
-/// bound it for the placement given, rounding included.
+/// The signed distance is positive for separated bodies, and minus the penetration depth for
+/// overlapping bodies: the length of the shortest translation that separates them. `lower` and
+/// `upper` bound the signed distance for the given pose, rounding included.
 ///
-/// Points are in the frames of their bodies. With the poses that [`RelativePose::new`](crate::RelativePose::new) was given they lead to
-/// the world:
+/// Points are in the frames of their bodies. The poses given to
+/// [`RelativePose::new`](crate::RelativePose::new) map them to the world:
 ///
 /// ```
 /// use lin_canny::nalgebra::{Isometry3, Vector3};
 /// use lin_canny::{RelativePose, Tracker, polyhedron::solids};
 ///
 /// let (a, b) = (solids::cuboid(Vector3::new(1.0, 1.0, 1.0))?, solids::octahedron(0.5)?);
-/// let (pose_a, pose_b) = (Isometry3::rotation(Vector3::z()), Isometry3::translation(3.0, 2.0, 1.0));
+/// let pose_a = Isometry3::rotation(Vector3::z());
+/// let pose_b = Isometry3::translation(3.0, 2.0, 1.0);
 /// let c = Tracker::new().closest(&a, &b, &RelativePose::new(&pose_a, &pose_b)?);
 /// let (on_a, on_b, normal) = (pose_a * c.point_on_a, pose_b * c.point_on_b, pose_a * c.normal);
 /// assert!((on_a + c.distance * *normal - on_b).norm() < 1e-14);
@@ -201,34 +208,36 @@ impl core::ops::AddAssign for Work {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Outcome {
-    /// Which side of contact.
+    /// Whether the bodies are apart, touch or overlap.
     pub class: Class,
-    /// The best estimate of the signed distance, between the bounds; for an overlap, minus the depth.
+    /// Best estimate of the signed distance, between the bounds; for an overlap, minus the depth.
     pub distance: f64,
-    /// No greater than the signed distance; minus infinity where nothing is known.
+    /// Lower bound of the signed distance; minus infinity if nothing is known.
     #[cfg_attr(feature = "serde", serde(with = "crate::num::scalar::infinite"))]
     pub lower: f64,
-    /// No less than the signed distance.
+    /// Upper bound of the signed distance.
     pub upper: f64,
-    /// The closest features; for an overlap, those of the deepest facet: a face and a vertex, or two edges.
+    /// Closest features; for an overlap, the features of the deepest facet: a face and a vertex, or
+    /// two edges.
     pub features: FeaturePair,
-    /// The witness on A, in A's frame; for an overlap, its deepest point in B along the normal.
+    /// Witness on A, in A's frame; for an overlap, A's deepest point in B along the normal.
     pub point_on_a: Point3<f64>,
-    /// The witness on B, in B's frame; for an overlap, its deepest point in A, the depth behind the witness on A.
+    /// Witness on B, in B's frame; for an overlap, B's deepest point in A, at the depth behind the
+    /// witness on A.
     pub point_on_b: Point3<f64>,
-    /// Unit direction from A to B, in A's frame: the direction of the witnesses and of the proof. An overlap ends
-    /// where B is moved along it by the depth.
+    /// Unit direction from A to B, in A's frame: the direction of the witnesses and of the proof.
+    /// Moving B along the normal by the depth ends an overlap.
     pub normal: Unit<Vector3<f64>>,
-    /// Which layer answered.
+    /// Solver that gave the answer.
     pub solver: Solver,
-    /// What it took.
+    /// Work done for the answer.
     pub work: Work,
 }
 
 impl Outcome {
-    /// Nothing known yet but where to begin.
+    /// Returns an outcome that holds nothing yet but the start of a solver.
     #[inline(always)]
-    pub(crate) fn open(pair: FeaturePair) -> Self {
+    pub(crate) fn starting_at(pair: FeaturePair) -> Self {
         Self {
             class: Class::Undecided,
             distance: 0.0,
@@ -244,40 +253,41 @@ impl Outcome {
     }
 }
 
-/// The closest features as the walk proposes them, with no bound: the level for those who check elsewhere.
+/// Closest features proposed by the walk, without bounds: for callers who verify the answer
+/// elsewhere.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Proposal {
-    /// `None` where the bodies seem to overlap.
+    /// Proposed distance; `None` if the bodies seem to overlap.
     pub distance: Option<f64>,
-    /// The closest features.
+    /// Closest features.
     pub features: FeaturePair,
-    /// The witness on A, in A's frame.
+    /// Witness on A, in A's frame.
     pub point_on_a: Point3<f64>,
-    /// The witness on B, in B's frame.
+    /// Witness on B, in B's frame.
     pub point_on_b: Point3<f64>,
     /// Unit direction from A to B, in A's frame.
     pub normal: Unit<Vector3<f64>>,
-    /// [`Solver::Walk`], or what stood in where the walk did not end.
+    /// [`Solver::Walk`], or the solver that stood in if the walk did not end.
     pub solver: Solver,
-    /// What it took.
+    /// Work done for the answer.
     pub work: Work,
 }
 
-/// The distance alone, with proof.
+/// Distance alone, with proven bounds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Distance {
-    /// Which side of contact.
+    /// Whether the bodies are apart, touch or overlap.
     pub class: Class,
-    /// The best estimate of the signed distance; for an overlap, minus the depth.
+    /// Best estimate of the signed distance; for an overlap, minus the depth.
     pub value: f64,
-    /// No greater than the signed distance.
+    /// Lower bound of the signed distance.
     #[cfg_attr(feature = "serde", serde(with = "crate::num::scalar::infinite"))]
     pub lower: f64,
-    /// No less than the signed distance.
+    /// Upper bound of the signed distance.
     pub upper: f64,
 }
 

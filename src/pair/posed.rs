@@ -1,57 +1,59 @@
-//! A pair of bodies at one relative pose: the maps between their stored frames.
+//! Two bodies at one relative pose, and the maps between their stored frames.
 
 use nalgebra::{Matrix3, Vector3};
 
 use crate::num::double_double::DoubleDouble;
 use crate::num::packed::{PackedRotation, PackedVec3};
 use crate::num::scalar::{Scalar, sqrt};
-use crate::pair::transform::{Reach, Transform};
+use crate::pair::transform::{ErrorScale, Transform};
 use crate::polyhedron::{ConvexPolyhedron, power_of_two};
 use crate::pose::{Operand, RelativePose};
 use crate::tolerance::{FAR, NEAR, UNIT, UNIT_DOUBLE_DOUBLE};
 
-/// A point of A and a point of B, each in its body's stored frame.
-pub(crate) type Witnesses = (Vector3<f64>, Vector3<f64>);
+/// Witnesses on A and on B, each in the stored frame of its body.
+pub(crate) type WitnessPair = (Vector3<f64>, Vector3<f64>);
 
-/// Two bodies placed against each other, in stored units.
+/// Two bodies at a relative pose, in stored units.
 pub(crate) struct PosedPair<'a> {
     pub(crate) a: &'a ConvexPolyhedron,
     pub(crate) b: &'a ConvexPolyhedron,
-    /// `a_from_b` between stored frames: a rotation times `unit`, and a shift.
+    /// `a_from_b` between stored frames: a rotation times `unit`, and a translation.
     pub(crate) rotation: PackedRotation,
     pub(crate) translation: PackedVec3,
-    /// One unit of B's stored frame in A's.
+    /// One unit of B's stored frame, in units of A's stored frame.
     unit: f64,
-    /// The pair's size L in A's stored units.
+    /// The size L of the pair, in A's stored units.
     size: f64,
-    /// How far the stored origins are from the bodies' own, in A's stored units: zero for ordinary bodies.
+    /// Distances of the stored origins from the bodies' own origins, in A's stored units: zero for
+    /// ordinary bodies.
     offsets: f64,
     pub(crate) pose: &'a RelativePose,
 }
 
-/// Why a pair cannot be placed in f64: it is so far apart, or its bodies such points, that only the separation counts.
-pub(crate) struct BeyondRange;
+/// A pair that f64 cannot pose: so far apart, or points so close together, that only the separation
+/// counts.
+pub(crate) struct OutOfRange;
 
 impl<'a> PosedPair<'a> {
-    /// Places B beside A. The caller has seen to it that A's units are not the smaller ones.
+    /// Poses B relative to A. The stored unit of A must not be smaller than the stored unit of B.
     #[inline(always)]
     pub(crate) fn new(
         a: &'a ConvexPolyhedron,
         b: &'a ConvexPolyhedron,
         pose: &'a RelativePose,
-    ) -> Result<Self, BeyondRange> {
+    ) -> Result<Self, OutOfRange> {
         let (rotation, translation, unit, offsets) = if a.is_unscaled && b.is_unscaled {
             (pose.turn(), pose.shift(), 1.0, 0.0)
         } else {
             shifted_and_scaled(a, b, pose)?
         };
-        // The shift by the origins is made in double-double, and its error is relative to the origins: as a part of L
-        // it is covered by every term in UNIT L.
+        // The translation by the origins is made in double-double, with an error relative to the
+        // origins: as a part of L, the origins are covered by every term in UNIT L.
         let extra = UNIT_DOUBLE_DOUBLE / UNIT * offsets;
         let size = a.radius + unit * b.radius + sqrt(translation.norm_squared()) + extra;
-        // Written so that NaN goes the safe way.
+        // Written so that NaN is out of range.
         if !(size > NEAR && size < FAR) {
-            return Err(BeyondRange);
+            return Err(OutOfRange);
         }
         Ok(Self {
             a,
@@ -65,41 +67,43 @@ impl<'a> PosedPair<'a> {
         })
     }
 
-    /// L in A's stored units.
+    /// Returns the size L in A's stored units.
     #[inline(always)]
     pub(crate) fn size(&self) -> f64 {
         self.size
     }
 
-    /// Whether both bodies are stored in the same unit, so that directions and vectors turn alike: what the walk needs.
-    /// Pairs that are not have a body 2^105 units or more, or less than 2^-105, in radius.
+    /// Returns whether both bodies are stored in the same unit, so that directions and vectors turn
+    /// alike: the walk requires this. If not, the radius of a body is at least 2^105 units, or less
+    /// than 2^-105.
     #[inline(always)]
     pub(crate) fn same_scale(&self) -> bool {
         self.unit == 1.0
     }
 
-    /// What the rounding of a solver is relative to: L, and the origins of the bodies in full where the placement rounds
-    /// as coarsely as the solver (in double-double; for f64 they are a part of L).
-    pub(crate) fn reach<T: Scalar>(&self) -> Reach {
-        Reach {
+    /// Returns the lengths that scale the rounding errors of a solver: L, and the full origins of
+    /// the bodies if the pose rounds as coarsely as the solver (in double-double; in f64 the
+    /// origins are a part of L).
+    pub(crate) fn error_scale<T: Scalar>(&self) -> ErrorScale {
+        ErrorScale {
             size: self.size,
             shared: if T::UNIT == UNIT { 0.0 } else { self.offsets },
         }
     }
 
-    /// Where a point of B is in A's frame.
+    /// Maps a point from B's frame to A's.
     #[inline(always)]
     pub(crate) fn point_in_a(&self, p: &Vector3<f64>) -> Vector3<f64> {
         (self.rotation.times(PackedVec3::new(p)) + self.translation).vector()
     }
 
-    /// A vector of B's frame in A's.
+    /// Maps a vector from B's frame to A's.
     #[inline(always)]
     pub(crate) fn vector_in_a(&self, v: &Vector3<f64>) -> Vector3<f64> {
         self.rotation.times(PackedVec3::new(v)).vector()
     }
 
-    /// Where a point of A is in B's frame. Needs one unit.
+    /// Maps a point from A's frame to B's. The bodies must have one stored unit.
     #[inline(always)]
     pub(crate) fn point_in_b(&self, p: &Vector3<f64>) -> Vector3<f64> {
         self.rotation
@@ -107,63 +111,69 @@ impl<'a> PosedPair<'a> {
             .vector()
     }
 
-    /// A vector of A's frame in B's. Needs one unit.
+    /// Maps a vector from A's frame to B's. The bodies must have one stored unit.
     #[inline(always)]
     pub(crate) fn vector_in_b(&self, v: &Vector3<f64>) -> Vector3<f64> {
         self.rotation.transposed_times(PackedVec3::new(v)).vector()
     }
 
-    /// The direction of B's frame along which points rise as they do along `n` of A's.
+    /// Maps a normal from A's frame to B's: B's points rise along the result as they rise along
+    /// `n`.
     #[inline(always)]
     pub(crate) fn direction_in_b(&self, n: &Vector3<f64>) -> Vector3<f64> {
         self.rotation.transposed_times(PackedVec3::new(n)).vector()
     }
 
-    /// The matrix of B's ellipsoid in A's frame.
-    pub(crate) fn spread_of_b(&self) -> Matrix3<f64> {
+    /// Returns the matrix of B's ellipsoid in A's frame.
+    pub(crate) fn covariance_of_b(&self) -> Matrix3<f64> {
         let matrix = self.rotation.matrix();
         matrix * self.b.covariance3 * matrix.transpose()
     }
 
-    /// How high B's stored origin is along `n` of A's frame.
+    /// Returns the height of B's stored origin along `n`, in A's frame.
     #[inline(always)]
-    pub(crate) fn lift(&self, n: &Vector3<f64>) -> f64 {
+    pub(crate) fn height_of_b_origin(&self, n: &Vector3<f64>) -> f64 {
         PackedVec3::new(n).dot(self.translation)
     }
 }
 
-/// The bodies in the order a test needs them: `x` owns the vertex or edge that moves, `y` the feature beside it, and
-/// the test is done in `y`'s frame.
-pub(crate) trait Sides {
-    /// Which body is `x`.
-    const OF: Operand;
-    fn x(&self) -> &ConvexPolyhedron;
-    fn y(&self) -> &ConvexPolyhedron;
-    /// L.
+/// The bodies in the order of a feature test: `first` has the vertex or edge that moves, `second`
+/// the feature opposite, and the test runs in the frame of `second`.
+pub(crate) trait OrderedPair {
+    /// The operand in the role of `first`.
+    const FIRST: Operand;
+    /// Returns the body with the vertex or edge that moves.
+    fn first(&self) -> &ConvexPolyhedron;
+    /// Returns the body with the feature opposite.
+    fn second(&self) -> &ConvexPolyhedron;
+    /// Returns the size L.
     fn size(&self) -> f64;
-    fn point_in_y(&self, p: &Vector3<f64>) -> Vector3<f64>;
-    /// The direction of `x`'s frame along which points rise as they do along `n` of `y`'s.
-    fn direction_in_x(&self, n: &Vector3<f64>) -> Vector3<f64>;
-    /// From A to B in A's frame, for the unit direction `n` from `y` to `x` in `y`'s.
+    /// Maps a point from the frame of `first` to the frame of `second`.
+    fn point_in_second(&self, p: &Vector3<f64>) -> Vector3<f64>;
+    /// Maps a normal from the frame of `second` to the frame of `first`: points rise along the
+    /// result as they rise along `n`.
+    fn direction_in_first(&self, n: &Vector3<f64>) -> Vector3<f64>;
+    /// Returns the unit normal from A to B in A's frame, given the unit normal `n` from `second` to
+    /// `first` in the frame of `second`.
     fn normal(&self, n: &Vector3<f64>) -> Vector3<f64>;
-    /// The witnesses on A and on B.
-    fn witnesses(on_x: Vector3<f64>, on_y: Vector3<f64>) -> (Vector3<f64>, Vector3<f64>);
+    /// Returns the witnesses in the order A, B.
+    fn witnesses(on_first: Vector3<f64>, on_second: Vector3<f64>) -> (Vector3<f64>, Vector3<f64>);
 }
 
-/// A as `x`, B as `y`.
-pub(crate) struct OfA<'a, 'b>(pub(crate) &'a PosedPair<'b>);
+/// A pair with A as `first` and B as `second`.
+pub(crate) struct AFirst<'a, 'b>(pub(crate) &'a PosedPair<'b>);
 
-/// B as `x`, A as `y`.
-pub(crate) struct OfB<'a, 'b>(pub(crate) &'a PosedPair<'b>);
+/// A pair with B as `first` and A as `second`.
+pub(crate) struct BFirst<'a, 'b>(pub(crate) &'a PosedPair<'b>);
 
-impl Sides for OfA<'_, '_> {
-    const OF: Operand = Operand::A;
+impl OrderedPair for AFirst<'_, '_> {
+    const FIRST: Operand = Operand::A;
     #[inline(always)]
-    fn x(&self) -> &ConvexPolyhedron {
+    fn first(&self) -> &ConvexPolyhedron {
         self.0.a
     }
     #[inline(always)]
-    fn y(&self) -> &ConvexPolyhedron {
+    fn second(&self) -> &ConvexPolyhedron {
         self.0.b
     }
     #[inline(always)]
@@ -171,11 +181,11 @@ impl Sides for OfA<'_, '_> {
         self.0.size
     }
     #[inline(always)]
-    fn point_in_y(&self, p: &Vector3<f64>) -> Vector3<f64> {
+    fn point_in_second(&self, p: &Vector3<f64>) -> Vector3<f64> {
         self.0.point_in_b(p)
     }
     #[inline(always)]
-    fn direction_in_x(&self, n: &Vector3<f64>) -> Vector3<f64> {
+    fn direction_in_first(&self, n: &Vector3<f64>) -> Vector3<f64> {
         self.0.vector_in_a(n)
     }
     #[inline(always)]
@@ -183,19 +193,19 @@ impl Sides for OfA<'_, '_> {
         -self.0.vector_in_a(n)
     }
     #[inline(always)]
-    fn witnesses(on_x: Vector3<f64>, on_y: Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
-        (on_x, on_y)
+    fn witnesses(on_first: Vector3<f64>, on_second: Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
+        (on_first, on_second)
     }
 }
 
-impl Sides for OfB<'_, '_> {
-    const OF: Operand = Operand::B;
+impl OrderedPair for BFirst<'_, '_> {
+    const FIRST: Operand = Operand::B;
     #[inline(always)]
-    fn x(&self) -> &ConvexPolyhedron {
+    fn first(&self) -> &ConvexPolyhedron {
         self.0.b
     }
     #[inline(always)]
-    fn y(&self) -> &ConvexPolyhedron {
+    fn second(&self) -> &ConvexPolyhedron {
         self.0.a
     }
     #[inline(always)]
@@ -203,11 +213,11 @@ impl Sides for OfB<'_, '_> {
         self.0.size
     }
     #[inline(always)]
-    fn point_in_y(&self, p: &Vector3<f64>) -> Vector3<f64> {
+    fn point_in_second(&self, p: &Vector3<f64>) -> Vector3<f64> {
         self.0.point_in_a(p)
     }
     #[inline(always)]
-    fn direction_in_x(&self, n: &Vector3<f64>) -> Vector3<f64> {
+    fn direction_in_first(&self, n: &Vector3<f64>) -> Vector3<f64> {
         self.0.direction_in_b(n)
     }
     #[inline(always)]
@@ -215,26 +225,27 @@ impl Sides for OfB<'_, '_> {
         *n
     }
     #[inline(always)]
-    fn witnesses(on_x: Vector3<f64>, on_y: Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
-        (on_y, on_x)
+    fn witnesses(on_first: Vector3<f64>, on_second: Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
+        (on_second, on_first)
     }
 }
 
-/// Matrix, translation, scale and offsets of `a_from_b` between stored frames that are not the given ones. Scaling alone
-/// is exact, so that powers of two change no bit of an answer but the exponent. Shifts are made in double-double, because
-/// the offsets of the bodies may be far larger than the bodies and cancel.
+/// Returns matrix, translation, scale and offsets of `a_from_b` between stored frames that differ
+/// from the user's frames. Scaling alone is exact, so powers of two change no bit of an answer but
+/// the exponent. Translations are made in double-double, because the offsets of the bodies may be
+/// far larger than the bodies and cancel.
 #[cold]
 fn shifted_and_scaled(
     a: &ConvexPolyhedron,
     b: &ConvexPolyhedron,
     pose: &RelativePose,
-) -> Result<(PackedRotation, PackedVec3, f64, f64), BeyondRange> {
+) -> Result<(PackedRotation, PackedVec3, f64, f64), OutOfRange> {
     let scale = power_of_two(b.exponent - a.exponent);
     if a.origin == Vector3::zeros() && b.origin == Vector3::zeros() {
         let translation = pose.shift() * power_of_two(-a.exponent);
         return Ok((PackedRotation::new(&(pose.rotation() * scale)), translation, scale, 0.0));
     }
-    let frame = Transform::<DoubleDouble>::new(a, b, pose).ok_or(BeyondRange)?;
+    let frame = Transform::<DoubleDouble>::new(a, b, pose).ok_or(OutOfRange)?;
     let matrix = Matrix3::from_fn(|r, c| frame.matrix[r][c].value());
     let translation = Vector3::from_fn(|r, _| frame.translation[r].value());
     let length = |v: &Vector3<f64>| v.abs().sum();

@@ -1,4 +1,4 @@
-//! The relative pose in the arithmetic of a solver, and what its errors are relative to.
+//! The relative pose in the arithmetic of a solver, and the lengths that scale rounding errors.
 
 use nalgebra::Vector3;
 
@@ -9,23 +9,24 @@ use crate::polyhedron::{ConvexPolyhedron, power_of_two};
 use crate::pose::RelativePose;
 use crate::tolerance::FAR;
 
-/// What the errors of corners are relative to.
+/// Lengths that scale the rounding errors of Minkowski points.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Reach {
-    /// The length of corners, and what each one's own error is relative to.
+pub(crate) struct ErrorScale {
+    /// Length of Minkowski points; scales the error of each point on its own.
     pub(crate) size: f64,
-    /// Beside that, what an error is relative to that all corners share: one of the translation between the bodies.
+    /// Scales the additional error that all points share: an error of the translation between the
+    /// bodies.
     pub(crate) shared: f64,
 }
 
-impl Reach {
-    /// What an error of a place is relative to.
-    pub(crate) fn whole(self) -> f64 {
+impl ErrorScale {
+    /// Returns the length that scales the total error of a position.
+    pub(crate) fn total(self) -> f64 {
         self.size + self.shared
     }
 }
 
-/// `a_from_b` between stored frames in the arithmetic of a solver.
+/// The transform `a_from_b` between stored frames, in the arithmetic of a solver.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Transform<T> {
     pub(crate) matrix: [[T; 3]; 3],
@@ -33,6 +34,7 @@ pub(crate) struct Transform<T> {
 }
 
 impl Transform<f64> {
+    /// Returns the transform of a posed pair, as rounded to f64.
     pub(crate) fn of(posed: &PosedPair) -> Self {
         let matrix = posed.rotation.matrix();
         Self {
@@ -43,7 +45,8 @@ impl Transform<f64> {
 }
 
 impl Transform<DoubleDouble> {
-    /// From the poses as given. `None` where the translation is beyond the range of the products that follow.
+    /// Returns the transform from the unrounded poses. `None` if the translation is out of range
+    /// for the products below.
     pub(crate) fn new(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &RelativePose) -> Option<Self> {
         // The bodies' own offsets are at most 1e116 and cannot leave the range alone.
         if pose.translation().amax() > FAR * power_of_two(a.exponent) {
@@ -67,7 +70,7 @@ impl Transform<DoubleDouble> {
 }
 
 impl<T: Scalar> Transform<T> {
-    /// A stored point of B in A's stored frame.
+    /// Maps a stored point of B to A's stored frame.
     #[inline(always)]
     pub(crate) fn point(&self, p: &Vector3<f64>) -> [T; 3] {
         let p = [T::from(p.x), T::from(p.y), T::from(p.z)];
@@ -75,19 +78,20 @@ impl<T: Scalar> Transform<T> {
         core::array::from_fn(|k| r[k] + self.translation[k])
     }
 
-    /// A vector of B's stored frame in A's.
+    /// Maps a vector from B's stored frame to A's.
     pub(crate) fn vector(&self, v: &[T; 3]) -> [T; 3] {
         apply(&self.matrix, v)
     }
 
-    /// The direction of B's stored frame along which points rise as they do along `n` in A's.
+    /// Maps a normal from A's stored frame to B's: B's points rise along the result as they rise
+    /// along `n`.
     #[inline(always)]
     pub(crate) fn direction(&self, n: &[T; 3]) -> [T; 3] {
         core::array::from_fn(|c| self.matrix[0][c] * n[0] + self.matrix[1][c] * n[1] + self.matrix[2][c] * n[2])
     }
 }
 
-/// The matrix of `q`, divided by `|q|^2`.
+/// Returns the rotation matrix of the quaternion `q`, divided by `|q|^2`.
 fn rotation(q: &[f64; 4]) -> [[DoubleDouble; 3]; 3] {
     let [x, y, z, w] = q.map(DoubleDouble::from);
     let two = DoubleDouble::from(2.0);

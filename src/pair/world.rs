@@ -14,7 +14,8 @@ use crate::pose::RelativePose;
 /// use lin_canny::{RelativePose, Tracker, polyhedron::solids};
 ///
 /// let cube = solids::cuboid(Vector3::new(1.0, 1.0, 1.0))?;
-/// let (pose_a, pose_b) = (Isometry3::translation(5.0, 0.0, 0.0), Isometry3::translation(8.0, 0.0, 0.0));
+/// let pose_a = Isometry3::translation(5.0, 0.0, 0.0);
+/// let pose_b = Isometry3::translation(8.0, 0.0, 0.0);
 /// let poses = RelativePose::new(&pose_a, &pose_b)?;
 /// let world = Tracker::new().closest(&cube, &cube, &poses).in_world(&poses);
 /// assert_eq!((world.point_on_a.x, world.point_on_b.x, world.normal.x), (6.0, 7.0, 1.0));
@@ -80,7 +81,8 @@ impl fmt::Display for Outcome {
     }
 }
 
-/// Query counts by solver as text: `answered by walk 12, exact 3`; solvers without a query are left out.
+/// Query counts by solver as text: `answered by walk 12, exact 3`; solvers without a query are left
+/// out.
 pub(crate) struct AnsweredBy<'a>(pub(crate) &'a [u64; Solver::COUNT]);
 
 impl fmt::Display for AnsweredBy<'_> {

@@ -56,7 +56,7 @@ impl Answer for Outcome {
         Self {
             // Finite, since not every format of files can hold what is not.
             upper: f64::MAX,
-            ..Self::open(FeaturePair::vertices(Operand::A, 0, 0))
+            ..Self::starting_at(FeaturePair::vertices(Operand::A, 0, 0))
         }
     }
     #[inline]

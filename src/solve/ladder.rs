@@ -1,4 +1,5 @@
-//! What follows a walk that the certificate refuses: each layer finer and slower than the one before.
+//! The ladder after a walk that the certificate refuses: each solver finer and slower than the
+//! last.
 
 use nalgebra::Vector3;
 
@@ -6,7 +7,7 @@ use crate::minimum::gjk::{Minimum, solve};
 use crate::minimum::witnesses::{features, witnesses};
 use crate::num::double_double::DoubleDouble;
 use crate::num::scalar::Scalar;
-use crate::pair::answer::{give_up, is_proven, outward, overlapping, unit};
+use crate::pair::answer::{is_proven, round_outward, set_overlapping, set_undecided, unit};
 use crate::pair::outcome::{Class, Outcome, Solver};
 use crate::pair::posed::PosedPair;
 use crate::pair::transform::Transform;
@@ -14,7 +15,7 @@ use crate::solve::certified_walk;
 use crate::tolerance::CERTIFICATE;
 use crate::walk::seed;
 
-/// Restart, fallback, double-double, exact: the first that proves its outcome.
+/// Runs restart, f64 solver, double-double and exact arithmetic until one proves the outcome.
 #[cold]
 pub(crate) fn refine(posed: &PosedPair, warm: bool, outcome: &mut Outcome) {
     if warm && posed.same_scale() {
@@ -27,43 +28,44 @@ pub(crate) fn refine(posed: &PosedPair, warm: bool, outcome: &mut Outcome) {
     }
     outcome.work.fallbacks += 1;
     outcome.solver = Solver::Fallback;
-    take(posed, &solve(posed, &Transform::of(posed), outcome.features), outcome);
+    write_minimum(posed, &solve(posed, &Transform::of(posed), outcome.features), outcome);
     if !is_proven(posed, outcome) {
-        doubled(posed, outcome);
+        refine_in_double_double(posed, outcome);
     }
 }
 
-/// The f64 solver alone, its bounds not looked at.
+/// Runs the f64 solver alone, without a check of the bounds.
 #[cold]
-pub(crate) fn unchecked(posed: &PosedPair, outcome: &mut Outcome) {
+pub(crate) fn gjk_unchecked(posed: &PosedPair, outcome: &mut Outcome) {
     outcome.work.fallbacks += 1;
     outcome.solver = Solver::Fallback;
-    take(posed, &solve(posed, &Transform::of(posed), outcome.features), outcome);
+    write_minimum(posed, &solve(posed, &Transform::of(posed), outcome.features), outcome);
 }
 
-/// The double-double layer and what follows it.
-fn doubled(posed: &PosedPair, outcome: &mut Outcome) {
+/// Runs the double-double solver and, if the outcome is not proven, the last step of the ladder.
+fn refine_in_double_double(posed: &PosedPair, outcome: &mut Outcome) {
     outcome.work.double_doubles += 1;
     outcome.solver = Solver::DoubleDouble;
     match Transform::<DoubleDouble>::new(posed.a, posed.b, posed.pose) {
-        Some(frame) => take(posed, &solve(posed, &frame, outcome.features), outcome),
-        None => give_up(posed, outcome),
+        Some(frame) => write_minimum(posed, &solve(posed, &frame, outcome.features), outcome),
+        None => set_undecided(posed, outcome),
     }
     if !is_proven(posed, outcome) {
-        last(posed, outcome);
+        decide(posed, outcome);
     }
 }
 
-/// What no floating-point arithmetic decides.
+/// Resolves by exact arithmetic a pair that no floating-point arithmetic decides.
 #[cfg(feature = "exact")]
-fn last(posed: &PosedPair, outcome: &mut Outcome) {
+fn decide(posed: &PosedPair, outcome: &mut Outcome) {
     outcome.work.exacts += 1;
     crate::exact::resolve_exactly(posed, outcome);
 }
 
-/// Without the exact rung, bounds that are narrow and straddle zero are called touching.
+/// Classifies the pair without exact arithmetic: narrow bounds that straddle zero count as
+/// touching.
 #[cfg(not(feature = "exact"))]
-fn last(posed: &PosedPair, outcome: &mut Outcome) {
+fn decide(posed: &PosedPair, outcome: &mut Outcome) {
     outcome.class = match outcome.class {
         Class::Overlapping => Class::Overlapping,
         _ if crate::pair::answer::is_narrow(posed, outcome) => Class::Touching,
@@ -71,8 +73,8 @@ fn last(posed: &PosedPair, outcome: &mut Outcome) {
     };
 }
 
-/// The distance of a separated pair within one unit in the last place: by the double-double layer where its bounds
-/// are that close, else by the exact rung.
+/// Sharpens the distance of a separated pair to one unit in the last place: by double-double if the
+/// bounds are close enough, else by exact arithmetic.
 #[cfg(feature = "exact")]
 pub(crate) fn sharpen(posed: &PosedPair, outcome: &mut Outcome) {
     if outcome.class != Class::Separated || outcome.solver == Solver::Exact {
@@ -83,37 +85,37 @@ pub(crate) fn sharpen(posed: &PosedPair, outcome: &mut Outcome) {
     if let Some(frame) = Transform::<DoubleDouble>::new(posed.a, posed.b, posed.pose) {
         let minimum = solve(posed, &frame, outcome.features);
         if let Minimum::Outside { simplex, lower, .. } = &minimum {
-            let distance = simplex.reach();
+            let distance = simplex.witness_distance();
             let gap = (distance - *lower).value().abs()
-                + 2.0 * CERTIFICATE * DoubleDouble::UNIT * posed.reach::<DoubleDouble>().whole();
+                + 2.0 * CERTIFICATE * DoubleDouble::UNIT * posed.error_scale::<DoubleDouble>().total();
             let d = distance.value();
-            // Rounding takes half a unit; what is left open must not take the other half.
+            // Rounding takes half a unit; the remaining gap must not take the second half.
             if gap <= 0.25 * (d - d.next_down()) {
-                take(posed, &minimum, outcome);
+                write_minimum(posed, &minimum, outcome);
                 (outcome.distance, outcome.lower, outcome.upper) = (d, d.next_down(), d.next_up());
                 return;
             }
         }
     }
-    last(posed, outcome);
+    decide(posed, outcome);
 }
 
-/// Takes over what a solve proves, and its witnesses.
-fn take<T: Scalar>(posed: &PosedPair, minimum: &Minimum<T>, outcome: &mut Outcome) {
-    let term = CERTIFICATE * T::UNIT * posed.reach::<T>().whole();
+/// Writes the proven bounds, the features and the witnesses of a solve.
+fn write_minimum<T: Scalar>(posed: &PosedPair, minimum: &Minimum<T>, outcome: &mut Outcome) {
+    let term = CERTIFICATE * T::UNIT * posed.error_scale::<T>().total();
     let (Minimum::Inside { simplex } | Minimum::Outside { simplex, .. }) = minimum;
     outcome.features = features(posed, simplex);
     (outcome.point_on_a, outcome.point_on_b) = witnesses(posed, simplex);
     match minimum {
-        Minimum::Inside { .. } => overlapping(outcome),
+        Minimum::Inside { .. } => set_overlapping(outcome),
         Minimum::Outside {
             simplex,
             lower,
             direction: d,
         } => {
-            let distance = simplex.reach();
-            outcome.lower = outward(*lower, -term);
-            outcome.upper = outward(distance, term);
+            let distance = simplex.witness_distance();
+            outcome.lower = round_outward(*lower, -term);
+            outcome.upper = round_outward(distance, term);
             outcome.class = if outcome.lower > 0.0 {
                 Class::Separated
             } else {

@@ -1,14 +1,17 @@
-//! The Lin-Canny core: from a pair of features to the closest pair, with proof.
+//! The Lin-Canny core: from a feature pair to the closest feature pair, with proof.
 //!
-//! 1. **Walk** ([`walk`]): from the cached pair, or from the support vertices along the line of centres ([`seed`]).
-//! 2. **Certify**: witnesses against supporting planes. Agreement within `64 UNIT L` is an answer; its bounds are
-//!    widened by the error term and reported.
-//! 3. Where they do not agree: both supports along the same direction are proven afresh; a walk from a cached pair is
-//!    started again from the support vertices; then comes the minimum-norm solver in f64, the same in double-double,
-//!    and the exact rung ([`fallback`], `exact`). Each is judged by bounds of its own.
+//! 1. **Walk** ([`walk`]): from the cached pair, or from the support vertices along the line of
+//!    centres ([`seed`](crate::walk::seed)).
+//! 2. **Certify** ([`certificate`]): witnesses against supporting planes. Agreement within
+//!    `64 UNIT L` is an answer; the bounds are widened by the error term and reported.
+//! 3. **Refine** ([`ladder`]), if the bounds disagree. Both supports along the same direction are
+//!    searched for and proven; a walk from a cached pair is restarted from the support vertices;
+//!    then come the minimum-norm solver in f64, in double-double, and exact arithmetic (`exact`).
+//!    Each solver is judged by bounds of its own.
 //!
-//! The class is never guessed: separated needs a positive lower bound, overlapping a tetrahedron of the Minkowski
-//! difference around the origin. Bounds that straddle zero send the pair to the next finer arithmetic.
+//! The class is never guessed: separated requires a positive lower bound, overlapping a tetrahedron
+//! of the Minkowski difference around the origin. If the bounds straddle zero, the pair goes to the
+//! next finer arithmetic.
 
 pub(crate) mod ladder;
 #[cfg(test)]
@@ -21,7 +24,8 @@ use crate::pair::posed::PosedPair;
 use crate::tolerance::{AGREE, CERTIFICATE, UNIT};
 use crate::walk;
 
-/// Walks from the features of `outcome` and takes the certificate; on refusal, it says how far it got.
+/// Walks from the features of `outcome` and tests the certificate. Returns whether the answer is
+/// proven; if not, `outcome` holds the state at the refusal.
 #[inline(always)]
 pub(crate) fn certified_walk(posed: &PosedPair, outcome: &mut Outcome) -> bool {
     outcome.work.certificates += 1;
@@ -29,27 +33,28 @@ pub(crate) fn certified_walk(posed: &PosedPair, outcome: &mut Outcome) -> bool {
     #[cfg(test)]
     let ended = mutation::falsify(posed, outcome, ended);
     // Comparisons are written so that NaN refuses.
-    ended && (agrees(posed, outcome) || supports_agree(posed, outcome)) && proves_apart(posed, outcome)
+    ended && (bounds_agree(posed, outcome) || supports_agree(posed, outcome)) && proves_separated(posed, outcome)
 }
 
-/// Whether witnesses and supporting planes agree. Planes further apart than the witnesses are no agreement either: one of
-/// the two is wrong then.
+/// Returns whether witnesses and supporting planes agree. Planes further apart than the witnesses
+/// do not agree either: then one of the two is wrong.
 #[inline(always)]
-fn agrees(posed: &PosedPair, outcome: &Outcome) -> bool {
+fn bounds_agree(posed: &PosedPair, outcome: &Outcome) -> bool {
     (outcome.distance - outcome.lower).abs() <= AGREE * posed.size()
 }
 
-/// The same with both supports looked for along the normal.
+/// Returns whether witnesses and supporting planes agree after a search for both supports along the
+/// normal.
 #[cold]
 fn supports_agree(posed: &PosedPair, outcome: &mut Outcome) -> bool {
     let (a, b) = outcome.features.vertices_of(posed.a, posed.b);
-    outcome.lower = certificate::supports(posed, &outcome.normal, a, b);
-    agrees(posed, outcome)
+    outcome.lower = certificate::support_distance(posed, &outcome.normal, a, b);
+    bounds_agree(posed, outcome)
 }
 
-/// Takes the error terms and refuses what they leave open.
+/// Widens the bounds by the error terms and returns whether the lower bound remains positive.
 #[inline(always)]
-fn proves_apart(posed: &PosedPair, outcome: &mut Outcome) -> bool {
+fn proves_separated(posed: &PosedPair, outcome: &mut Outcome) -> bool {
     let term = CERTIFICATE * UNIT * posed.size();
     outcome.lower -= term;
     outcome.upper = outcome.distance + term;
@@ -57,13 +62,13 @@ fn proves_apart(posed: &PosedPair, outcome: &mut Outcome) -> bool {
     outcome.lower > 0.0
 }
 
-/// Answers from the features of `outcome`; `warm` if that is a cached one.
+/// Answers from the features of `outcome`; `warm` if the features come from the cache.
 #[inline(always)]
-pub(crate) fn solve(level: Accuracy, posed: &PosedPair, warm: bool, outcome: &mut Outcome) {
-    if level == Accuracy::Walk {
+pub(crate) fn solve(accuracy: Accuracy, posed: &PosedPair, warm: bool, outcome: &mut Outcome) {
+    if accuracy == Accuracy::Walk {
         outcome.class = Class::Separated;
         if !(posed.same_scale() && walk::walk::<false>(posed, outcome)) {
-            ladder::unchecked(posed, outcome);
+            ladder::gjk_unchecked(posed, outcome);
         }
         return;
     }
@@ -71,7 +76,7 @@ pub(crate) fn solve(level: Accuracy, posed: &PosedPair, warm: bool, outcome: &mu
         ladder::refine(posed, warm, outcome);
     }
     #[cfg(feature = "exact")]
-    if level == Accuracy::Exact {
+    if accuracy == Accuracy::Exact {
         ladder::sharpen(posed, outcome);
     }
 }

@@ -1,5 +1,6 @@
-//! Tests of the certificate: a walk that errs, in any of the ways below, is found out. What it says is falsified after it
-//! ended; the answer must be the right one all the same, from whichever layer.
+//! Tests of the certificate: a walk with an error, of any kind below, is found out. The result of
+//! the walk is falsified after the end of the walk; the answer must be right all the same, from
+//! whichever solver.
 #![cfg(test)]
 extern crate std;
 
@@ -13,39 +14,41 @@ use crate::num::packed::PackedVec3;
 use crate::pair::edge::Edge;
 use crate::pair::outcome::{Accuracy, Class, Outcome, Solver, Work};
 use crate::pair::posed::PosedPair;
-use crate::pair::star::is_flanked;
+use crate::pair::star::falls_into_both_faces;
 use crate::polyhedron::{ConvexPolyhedron, FeaturePair, solids};
 use crate::pose::{Operand, RelativePose};
 use crate::solve::solve;
 use crate::tolerance::UNIT;
 use crate::walk::seed;
 
-/// How the walk errs.
+/// Kinds of errors of a walk.
 #[derive(Clone, Copy, Debug)]
-enum Error {
-    /// It ends on vertices picked at random and says their distance.
-    Ends(u64),
-    /// It ends anywhere, says the distance of the vertices there, and a direction that is not theirs.
-    Turns(u64),
-    /// Its distance is off by this factor.
-    Scales(f64),
-    /// Its planes are this far, in units of L, from where they are.
-    Lifts(f64),
-    /// It says that it ended, and nothing else.
-    Lies,
-    /// Its numbers are NaN.
-    Blurs,
-    /// It never ends.
-    Loops,
+enum Fault {
+    /// The walk ends on random vertices and reports their distance.
+    RandomVertices(u64),
+    /// The walk ends on random vertices and reports their distance, and a direction of no relation
+    /// to them.
+    WrongNormal(u64),
+    /// The distance is off by this factor.
+    ScaledDistance(f64),
+    /// The supporting planes are off by this distance, in units of L.
+    ShiftedPlanes(f64),
+    /// The walk reports an end and nothing else.
+    NothingComputed,
+    /// The numbers are NaN.
+    NotANumber,
+    /// The walk never ends.
+    NoEnd,
 }
 
 std::thread_local! {
-    static ERROR: Cell<Option<Error>> = const { Cell::new(None) };
+    static FAULT: Cell<Option<Fault>> = const { Cell::new(None) };
 }
 
-/// What the walk of this thread says after it ended at `answer`: with no error set, the truth.
+/// Falsifies the result of a walk by the error set for this thread; with no error set, returns the
+/// truth.
 pub(super) fn falsify(posed: &PosedPair, outcome: &mut Outcome, ended: bool) -> bool {
-    let Some(error) = ERROR.get() else { return ended };
+    let Some(fault) = FAULT.get() else { return ended };
     let vertices = |outcome: &mut Outcome, seed: u64| {
         let (a, b) = (
             seed % posed.a.points.len() as u64,
@@ -59,37 +62,37 @@ pub(super) fn falsify(posed: &PosedPair, outcome: &mut Outcome, ended: bool) -> 
         (outcome.point_on_a, outcome.point_on_b) = (p.into(), q.into());
         outcome.lower = f64::NEG_INFINITY;
     };
-    match error {
-        Error::Ends(seed) => vertices(outcome, seed),
-        Error::Turns(seed) => {
+    match fault {
+        Fault::RandomVertices(seed) => vertices(outcome, seed),
+        Fault::WrongNormal(seed) => {
             vertices(outcome, seed);
             outcome.normal = Unit::new_normalize(Vector3::new(seed as f64, 1.0, -(seed as f64) / 2.0));
         }
-        Error::Scales(by) => outcome.distance *= by,
-        Error::Lifts(by) => outcome.lower += by * posed.size(),
-        Error::Lies => *outcome = Outcome::open(outcome.features),
-        Error::Blurs => {
+        Fault::ScaledDistance(by) => outcome.distance *= by,
+        Fault::ShiftedPlanes(by) => outcome.lower += by * posed.size(),
+        Fault::NothingComputed => *outcome = Outcome::starting_at(outcome.features),
+        Fault::NotANumber => {
             outcome.distance = f64::NAN;
             outcome.lower = f64::NAN;
         }
-        Error::Loops => return false,
+        Fault::NoEnd => return false,
     }
-    match error {
-        Error::Scales(_) | Error::Lifts(_) => ended,
+    match fault {
+        Fault::ScaledDistance(_) | Fault::ShiftedPlanes(_) => ended,
         _ => true,
     }
 }
 
-fn ask(posed: &PosedPair, error: Option<Error>, start: Option<FeaturePair>) -> Outcome {
-    ERROR.set(error);
-    let mut outcome = Outcome::open(start.unwrap_or_else(|| seed::cold(posed, &mut Work::default())));
+fn ask(posed: &PosedPair, fault: Option<Fault>, start: Option<FeaturePair>) -> Outcome {
+    FAULT.set(fault);
+    let mut outcome = Outcome::starting_at(start.unwrap_or_else(|| seed::cold(posed, &mut Work::default())));
     solve(Accuracy::Certified, posed, start.is_some(), &mut outcome);
-    ERROR.set(None);
+    FAULT.set(None);
     outcome
 }
 
-fn errors() -> Vec<Error> {
-    let mut all = vec![Error::Lies, Error::Blurs, Error::Loops];
+fn faults() -> Vec<Fault> {
+    let mut all = vec![Fault::NothingComputed, Fault::NotANumber, Fault::NoEnd];
     for by in [
         0.0,
         0.5,
@@ -101,10 +104,10 @@ fn errors() -> Vec<Error> {
         -1.0,
         f64::INFINITY,
     ] {
-        all.push(Error::Scales(by));
+        all.push(Fault::ScaledDistance(by));
     }
-    all.extend([-1.0, -1e-3, -1e-9, 1e-12, 1e-9, 1e-3, 1.0, f64::INFINITY].map(Error::Lifts));
-    all.extend((1..20).flat_map(|seed| [Error::Ends(seed * 31), Error::Turns(seed * 17)]));
+    all.extend([-1.0, -1e-3, -1e-9, 1e-12, 1e-9, 1e-3, 1.0, f64::INFINITY].map(Fault::ShiftedPlanes));
+    all.extend((1..20).flat_map(|seed| [Fault::RandomVertices(seed * 31), Fault::WrongNormal(seed * 17)]));
     all
 }
 
@@ -132,10 +135,10 @@ fn a_walk_that_errs_is_found_out() {
                 };
                 let truth = ask(&posed, None, None);
                 assert_eq!((truth.class, truth.solver), (Class::Separated, Solver::Walk));
-                for error in errors() {
+                for fault in faults() {
                     for start in [None, Some(FeaturePair::vertices(Operand::A, 0, 0))] {
-                        let x = ask(&posed, Some(error), start);
-                        let what = format!("{error:?}: {x:?} for {truth:?}");
+                        let x = ask(&posed, Some(fault), start);
+                        let what = format!("{fault:?}: {x:?} for {truth:?}");
                         assert_eq!(x.class, Class::Separated, "{what}");
                         assert!(x.lower <= truth.upper && truth.lower <= x.upper, "{what}");
                         assert!((x.distance - truth.distance).abs() <= 1e-14 * posed.size(), "{what}");
@@ -148,7 +151,8 @@ fn a_walk_that_errs_is_found_out() {
             }
         }
     }
-    // Errors below what the certificate allows may pass, and so may vertices that happen to be the closest.
+    // Errors below the limit of the certificate may pass, and so may random vertices that happen to
+    // be closest.
     assert!(
         found_out * 10 > right * 8 && by_walk * 5 < right,
         "{found_out} and {by_walk} of {right}"
@@ -191,12 +195,12 @@ fn an_edge_that_signs_prove_extreme_is_so() {
             let edge = Edge::new(&body, e.0);
             let u = PackedVec3::new(&edge.q) - PackedVec3::new(&edge.p);
             for k in 0..300 {
-                // Random directions, and those within less and less of the normal of a face.
+                // Random directions, and directions closer and closer to the normal of a face.
                 let face = if random() < 0.0 { edge.left } else { edge.right };
                 let off = Vector3::new(random(), random(), random()) * 0.125f64.powi(k % 20);
                 let w = PackedVec3::new(&(face.normal.cross(&u.vector()) * f64::from((k % 20).min(1)) + off));
                 let n = u.cross(w);
-                if !is_flanked(edge.weights(w, 1.0), w.norm_squared()) {
+                if !falls_into_both_faces(edge.weights(w, 1.0), w.norm_squared()) {
                     doubtful += 1;
                     continue;
                 }

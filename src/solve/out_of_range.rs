@@ -1,14 +1,16 @@
-//! Bodies so far apart that only their separation counts, or two points so near that squares of lengths vanish.
+//! Pairs out of the range of f64: bodies so far apart that only the separation counts, or two
+//! points so close that squares of lengths vanish.
 //!
-//! The radii are below the rounding of the separation (or zero), so the vertices that face each other are the closest
-//! features within every bound asked for, and lengths are scaled before they are squared.
+//! The radii are below the rounding of the separation (or zero), so the vertices that face each
+//! other are the closest features within every bound requested. Lengths are scaled before the
+//! squares are taken.
 
 use crate::pair::outcome::{Class, Outcome, Solver, Work};
 use crate::polyhedron::{ConvexPolyhedron, FeaturePair};
 use crate::pose::{Operand, RelativePose};
 use crate::tolerance::{CERTIFICATE, UNIT};
 
-/// The answer in the caller's units.
+/// Returns the outcome in the caller's units.
 #[cold]
 pub(crate) fn answer(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &RelativePose) -> Outcome {
     // In sixteenths, so that no intermediate result is infinite.
@@ -42,7 +44,7 @@ pub(crate) fn answer(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &Relative
         solver: Solver::Far,
         work: Work::default(),
     };
-    // Two points that f64 cannot tell apart, or bodies that stand far from their own origins.
+    // Two points that f64 cannot distinguish, or bodies far from their own origins.
     #[cfg(feature = "exact")]
     if class != Class::Separated || offsets > distance {
         return exactly(a, b, pose, outcome);
@@ -50,8 +52,9 @@ pub(crate) fn answer(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &Relative
     outcome
 }
 
-/// The same answer with class and distance by exact arithmetic. The depth of an overlap is at most the sum of the radii, which bounds it
-/// well enough: bodies that overlap here are smaller than the rounding of their places, so far from their own origins they stand.
+/// Replaces class and distance by the result of exact arithmetic. The depth of an overlap is at
+/// most the sum of the radii, which is bound enough: bodies that overlap here are smaller than the
+/// rounding of their positions, so far from their own origins they stand.
 #[cfg(feature = "exact")]
 #[cold]
 pub(crate) fn exactly(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &RelativePose, outcome: Outcome) -> Outcome {

@@ -1,10 +1,22 @@
-//! An edge beside an edge: the feet of their common perpendicular must lie on both, and the perpendicular between the
-//! planes of the faces of each.
+//! Edge-edge test: the feet of the common perpendicular must lie on both edges, and the
+//! perpendicular must lie between the planes of the adjacent faces of each edge.
 //!
-//! With `n = u x w` for the edge vectors `u` of A and `w` of B, the feet come from cross products over `n . n`, never
-//! from `1 - cos^2`, which is where every wrong answer of the closed form was seen to end. By the Binet-Cauchy identity
-//! the four plane tests are four products: `n` turned towards B is `alpha nL + beta nR` on A with
-//! `alpha = -sign w . nR` and `beta = sign w . nL`, and its opposite the same on B with `u` for `w`.
+//! ```text
+//!           p2                      p1, p2  tails of the edges of A and B, r = p2 - p1
+//!             \                     u, w    edge vectors, heads minus tails
+//!              + p2 + t w           n       u x w, along the common perpendicular
+//!              |\                   s, t    positions of the feet on the edges, 0..1
+//!            n | \ w                nL, nR  normals of the faces left and right of an edge
+//!              |  v
+//!   p1 --------+---------> u
+//!              p1 + s u
+//! ```
+//!
+//! The feet come from cross products over `n . n`, never from `1 - cos^2`: every wrong answer of
+//! the closed form was seen to begin there. By the Binet-Cauchy identity the four plane tests are
+//! four products. On A, `n` turned towards B is (up to a positive factor) `alpha nL + beta nR` with
+//! `alpha = -sign w . nR` and `beta = sign w . nL`. On B, the opposite of `n` is such a sum with
+//! `u` for `w`.
 
 use nalgebra::Vector3;
 
@@ -12,17 +24,19 @@ use crate::num::packed::PackedVec3;
 use crate::num::scalar::sqrt;
 use crate::pair::edge::Edge;
 use crate::pair::outcome::Outcome;
-use crate::pair::posed::{OfA, OfB, PosedPair};
-use crate::pair::star::is_flanked;
+use crate::pair::posed::{AFirst, BFirst, PosedPair};
+use crate::pair::star::falls_into_both_faces;
 use crate::polyhedron::{ConvexPolyhedron, FeaturePair};
 use crate::pose::Operand;
 use crate::tolerance::{DIFFERENCE, DIRECTION, NEARLY_PARALLEL, ON_BOUNDARY, PARALLEL};
 use crate::walk::slide::{Slide, slide};
 use crate::walk::step::Step;
 
-// Not inlined: the walk's loop would hoist the loads of every kind of pair and spill them.
+/// Tests an edge of A against an edge of B.
+// Not inlined: otherwise the loop of the walk would hoist the loads of every kind of pair and spill
+// them.
 #[inline(never)]
-pub(crate) fn look<const CERTIFY: bool>(posed: &PosedPair, a: u32, b: u32, outcome: &mut Outcome) -> Step {
+pub(crate) fn test<const CERTIFY: bool>(posed: &PosedPair, a: u32, b: u32, outcome: &mut Outcome) -> Step {
     let (ea, eb) = (Edge::new(posed.a, a), Edge::new(posed.b, b));
     let (p1, p2_in_b) = (PackedVec3::new(&ea.p), PackedVec3::new(&eb.p));
     let (u, w_in_b) = (PackedVec3::new(&ea.q) - p1, PackedVec3::new(&eb.q) - p2_in_b);
@@ -36,7 +50,7 @@ pub(crate) fn look<const CERTIFY: bool>(posed: &PosedPair, a: u32, b: u32, outco
         n = n - u * (n.dot(u) / uu);
         nn = n.norm_squared();
         if nn <= PARALLEL * uu * ww {
-            return ends(posed, a, b, outcome);
+            return closest_with_endpoint(posed, a, b, outcome);
         }
     }
     let per_square = 1.0 / nn;
@@ -44,7 +58,7 @@ pub(crate) fn look<const CERTIFY: bool>(posed: &PosedPair, a: u32, b: u32, outco
     if s < 0.0 || t < 0.0 || s > 1.0 || t > 1.0 {
         let off = |s: f64, squared: f64| (s - s.clamp(0.0, 1.0)).abs() * sqrt(squared) > DIFFERENCE * posed.size();
         if off(s, uu) || off(t, ww) {
-            return ends(posed, a, b, outcome);
+            return closest_with_endpoint(posed, a, b, outcome);
         }
     }
     let along = r.dot(n);
@@ -52,9 +66,9 @@ pub(crate) fn look<const CERTIFY: bool>(posed: &PosedPair, a: u32, b: u32, outco
     let u_in_b = posed.rotation.transposed_times(u);
     let (on_a, on_b) = (ea.weights(w, sign), eb.weights(u_in_b, sign));
     let (s, t) = (s.clamp(0.0, 1.0), t.clamp(0.0, 1.0));
-    let proven = is_flanked(on_a, ww) && is_flanked(on_b, uu);
+    let proven = falls_into_both_faces(on_a, ww) && falls_into_both_faces(on_b, uu);
     if !proven && (on_a.0 < 0.0 || on_a.1 < 0.0 || on_b.0 < 0.0 || on_b.1 < 0.0) {
-        // The weights are as long as the other edge: compare sines.
+        // The weights are as long as the opposite edge: compare sines.
         let sine = |least: f64, other: PackedVec3| {
             if least < -DIRECTION * other.one_norm() {
                 least / sqrt(other.norm_squared())
@@ -64,10 +78,10 @@ pub(crate) fn look<const CERTIFY: bool>(posed: &PosedPair, a: u32, b: u32, outco
         };
         let (out_a, out_b) = (sine(on_a.0.min(on_a.1), w), sine(on_b.0.min(on_b.1), u_in_b));
         if out_a < 0.0 && out_a <= out_b {
-            return over_face_of_a(posed, a, b, on_a.0 < on_a.1, t, outcome);
+            return slide_over_face_of_a(posed, a, b, on_a.0 < on_a.1, t, outcome);
         }
         if out_b < 0.0 {
-            return over_face_of_b(posed, a, b, on_b.0 < on_b.1, s, outcome);
+            return slide_over_face_of_b(posed, a, b, on_b.0 < on_b.1, s, outcome);
         }
     }
     let (point_a, point_b) = (p1 + u * s, p2_in_b + w_in_b * t);
@@ -80,18 +94,20 @@ pub(crate) fn look<const CERTIFY: bool>(posed: &PosedPair, a: u32, b: u32, outco
     let lower = if !CERTIFY {
         f64::NEG_INFINITY
     } else if proven {
-        // Both are extreme across the other, so the supporting planes are as far apart as the lines.
+        // Each edge is extreme along the normal, so the supporting planes are as far apart as the
+        // lines.
         along.abs() * per_length
     } else {
-        between_planes(posed, (a, b), normal, on_a, on_b)
+        bound_by_planes(posed, (a, b), normal, on_a, on_b)
     };
-    outcome.end(normal.vector(), (point_a.vector(), point_b.vector()), distance, lower)
+    outcome.accept(normal.vector(), (point_a.vector(), point_b.vector()), distance, lower)
 }
 
-/// How far apart the planes of the faces prove the bodies along a unit `normal`, where signs do not prove the edges extreme.
+/// Lower bound of the distance along a unit `normal` from the planes of the adjacent faces, if
+/// signs do not prove the edges extreme.
 #[cold]
 #[inline(never)]
-fn between_planes(
+fn bound_by_planes(
     posed: &PosedPair,
     (a, b): (u32, u32),
     normal: PackedVec3,
@@ -105,60 +121,61 @@ fn between_planes(
     normal.dot(posed.translation) - high_a - high_b
 }
 
-/// Slides the edge of B over the right or the left face of A's, downhill from `t`.
+/// Slides the edge of B over the right or left face of the edge of A, descending from `t`.
 #[inline(never)]
-fn over_face_of_a(posed: &PosedPair, a: u32, b: u32, right: bool, t: f64, outcome: &mut Outcome) -> Step {
+fn slide_over_face_of_a(posed: &PosedPair, a: u32, b: u32, right: bool, t: f64, outcome: &mut Outcome) -> Step {
     let eb = Edge::new(posed.b, b);
     let start = posed.point_in_a(&(eb.p + (eb.q - eb.p) * t));
-    let way = posed.vector_in_a(&(eb.q - eb.p));
-    let (face, half_edge) = downhill(posed.a, a, right, &way, posed.b, b);
+    let along = posed.vector_in_a(&(eb.q - eb.p));
+    let (face, half_edge) = descending_half_edge(posed.a, a, right, &along, posed.b, b);
     slide(
-        &OfB(posed),
+        &BFirst(posed),
         &Slide {
             half_edge,
             start: PackedVec3::new(&start),
             face,
-            from_rim: Some(a),
+            entry_edge: Some(a),
         },
         outcome,
     )
 }
 
-/// Slides the edge of A over the right or the left face of B's, downhill from `s`.
+/// Slides the edge of A over the right or left face of the edge of B, descending from `s`.
 #[inline(never)]
-fn over_face_of_b(posed: &PosedPair, a: u32, b: u32, right: bool, s: f64, outcome: &mut Outcome) -> Step {
+fn slide_over_face_of_b(posed: &PosedPair, a: u32, b: u32, right: bool, s: f64, outcome: &mut Outcome) -> Step {
     let ea = Edge::new(posed.a, a);
     let start = posed.point_in_b(&(ea.p + (ea.q - ea.p) * s));
-    let way = posed.vector_in_b(&(ea.q - ea.p));
-    let (face, half_edge) = downhill(posed.b, b, right, &way, posed.a, a);
+    let along = posed.vector_in_b(&(ea.q - ea.p));
+    let (face, half_edge) = descending_half_edge(posed.b, b, right, &along, posed.a, a);
     slide(
-        &OfA(posed),
+        &AFirst(posed),
         &Slide {
             half_edge,
             start: PackedVec3::new(&start),
             face,
-            from_rim: Some(b),
+            entry_edge: Some(b),
         },
         outcome,
     )
 }
 
-/// The face right or left of `rim`, and the half-edge of `edge` (pointing along `way`) that falls towards it.
-fn downhill(
+/// Returns the face right or left of the edge `hinge`, and the half-edge of `edge` (pointing along
+/// `along`) that descends towards the face.
+fn descending_half_edge(
     body: &ConvexPolyhedron,
-    rim: u32,
+    hinge: u32,
     right: bool,
-    way: &Vector3<f64>,
+    along: &Vector3<f64>,
     other: &ConvexPolyhedron,
     edge: u32,
 ) -> (u32, u32) {
-    let e = body.topology.half_edge(rim);
+    let e = body.topology.half_edge(hinge);
     let face = if right {
         body.topology.half_edge(e.twin).face
     } else {
         e.face
     };
-    let rising = body.planes[face as usize].normal.dot(way) > 0.0;
+    let rising = body.planes[face as usize].normal.dot(along) > 0.0;
     (
         face,
         if rising {
@@ -169,10 +186,10 @@ fn downhill(
     )
 }
 
-/// The nearest pair of points of the two segments where at least one of them is an end: the ends of each projected on
-/// the other, the best of the four.
+/// Moves to the closest points of the two segments with at least one endpoint among them: each
+/// endpoint is projected on the opposite segment, and the best of the four pairs is taken.
 #[cold]
-fn ends(posed: &PosedPair, a: u32, b: u32, outcome: &mut Outcome) -> Step {
+fn closest_with_endpoint(posed: &PosedPair, a: u32, b: u32, outcome: &mut Outcome) -> Step {
     let (ea, eb) = (Edge::new(posed.a, a), Edge::new(posed.b, b));
     let (u, w) = (ea.q - ea.p, posed.vector_in_a(&(eb.q - eb.p)));
     let r = posed.point_in_a(&eb.p) - ea.p;
@@ -197,11 +214,11 @@ fn ends(posed: &PosedPair, a: u32, b: u32, outcome: &mut Outcome) -> Step {
             None
         }
     };
-    outcome.go(match (end(&ea, best.0), end(&eb, best.1)) {
+    outcome.move_to(match (end(&ea, best.0), end(&eb, best.1)) {
         (Some(v), Some(w)) => FeaturePair::vertices(Operand::A, v, w),
         (Some(v), None) => FeaturePair::vertex_edge(Operand::A, v, b),
         (None, Some(v)) => FeaturePair::vertex_edge(Operand::B, v, a),
-        // A projection that is NaN: the tails stand in.
+        // A projection is NaN: the tails stand in.
         (None, None) => FeaturePair::vertices(Operand::A, ea.tail, eb.tail),
     })
 }

@@ -1,15 +1,24 @@
-//! The walk: from a pair of features to the closest one, each step to a neighbour that is closer.
+//! The Lin-Canny walk: from a feature pair to the closest feature pair, by steps to adjacent
+//! features that are closer.
 //!
-//! Lin and Canny 1991: two points on features of A and B are closest exactly if each lies in the Voronoi region of the
-//! other's feature; where one does not, the plane it violates names a neighbouring feature that is closer. Distance
-//! falls with every step that raises the dimension of a feature and holds with one that lowers it, so in exact
-//! arithmetic and for separated bodies the walk ends.
+//! Lin and Canny 1991: a point of A and a point of B are closest if and only if each lies in the
+//! Voronoi region of the feature that holds the opposite point. Otherwise a violated plane of a
+//! Voronoi region names an adjacent feature that is closer. The distance falls with every step to a
+//! feature of higher dimension and stays equal with every step to a lower dimension, so the walk
+//! ends in exact arithmetic if the bodies are separated.
+//!
+//! [`walk`] is the loop. Each state has a test in a file of its own: [`vertex_vertex`],
+//! [`vertex_edge`], [`vertex_face`] and [`edge_edge`]. A test returns a [`Step`]: accept the pair,
+//! move to the next pair, or give up.
 //!
 //! Departures:
-//! 1. Four states only (Mirtich 1998): an edge over a face slides off it, and two faces meet as one of their vertices
-//!    or edges; the states on which the 1991 walk was seen to cycle are gone.
-//! 2. No flare angles, no stickiness: rounding may end the walk early, and the certificate says so.
-//! 3. A repeated pair (Brent's mark) or too many steps end it. What stands in then is no worse (`fallback`).
+//! 1. Four states only (Mirtich 1998): an edge over a face slides off the face ([`slide`]), and two
+//!    faces meet as a vertex or an edge of either face. The states on which the 1991 walk was seen
+//!    to cycle are gone.
+//! 2. No flare angles, no stickiness: rounding may end the walk early, and the certificate detects
+//!    such an end.
+//! 3. A repeated pair (Brent's cycle detection) or too many steps end the walk. The solver that
+//!    takes over is no worse (`solve::ladder`).
 
 pub(crate) mod edge_edge;
 mod ellipsoid;
@@ -25,65 +34,66 @@ mod vertex_vertex;
 
 use crate::num::scalar::sqrt;
 use crate::pair::outcome::Outcome;
-use crate::pair::posed::{OfA, OfB, PosedPair};
+use crate::pair::posed::{AFirst, BFirst, PosedPair};
 use crate::polyhedron::{Feature, FeaturePair};
 use crate::walk::rings::newton_jump::newton_jump;
 use crate::walk::step::Step;
 
-/// Jumps to a far face (vertex-face from behind) a walk may take: they are not monotone.
+/// Limit of jumps to a distant face (vertex-face from behind) per walk: jumps are not monotone.
 const JUMPS: u32 = 3;
 
-/// Steps before the guard looks.
+/// Number of steps before the guard first checks a walk.
 const FREE: u32 = 8;
 
-/// Leaps a walk may try.
+/// Limit of Newton jumps per walk.
 const LEAPS: u32 = 12;
 
-/// Steps a walk may take on bodies it leaps on.
+/// Limit of steps per walk if a body has large rings.
 const LONGEST: u32 = 128;
 
-/// A walk leaps along a long rim or round a large fan after so many steps: most have ended by then.
+/// Number of steps before the first Newton jump along a large ring: most walks have ended by then.
 const FIRST_LEAP: u32 = 4;
 
-/// Looks at one state.
+/// Tests the current feature pair of `outcome` and moves to the next pair or accepts the pair.
 #[inline(always)]
-fn look<const CERTIFY: bool>(posed: &PosedPair, outcome: &mut Outcome) -> Step {
+fn test_pair<const CERTIFY: bool>(posed: &PosedPair, outcome: &mut Outcome) -> Step {
     use Feature::{Edge, Face, Vertex};
     match (outcome.features.a, outcome.features.b) {
-        (Edge(e), Edge(g)) => edge_edge::look::<CERTIFY>(posed, e.0, g.0, outcome),
-        (Vertex(v), Face(f)) => vertex_face::look::<CERTIFY, _>(&OfA(posed), v.0, f.0, outcome),
-        (Face(f), Vertex(v)) => vertex_face::look::<CERTIFY, _>(&OfB(posed), v.0, f.0, outcome),
-        (Vertex(v), Edge(e)) => vertex_edge::look::<CERTIFY, _>(&OfA(posed), v.0, e.0, outcome),
-        (Edge(e), Vertex(v)) => vertex_edge::look::<CERTIFY, _>(&OfB(posed), v.0, e.0, outcome),
-        (Vertex(v), Vertex(w)) => vertex_vertex::look::<CERTIFY>(posed, v.0, w.0, outcome),
-        // No state; nothing leads here (see `to_stand_on`).
+        (Edge(e), Edge(g)) => edge_edge::test::<CERTIFY>(posed, e.0, g.0, outcome),
+        (Vertex(v), Face(f)) => vertex_face::test::<CERTIFY, _>(&AFirst(posed), v.0, f.0, outcome),
+        (Face(f), Vertex(v)) => vertex_face::test::<CERTIFY, _>(&BFirst(posed), v.0, f.0, outcome),
+        (Vertex(v), Edge(e)) => vertex_edge::test::<CERTIFY, _>(&AFirst(posed), v.0, e.0, outcome),
+        (Edge(e), Vertex(v)) => vertex_edge::test::<CERTIFY, _>(&BFirst(posed), v.0, e.0, outcome),
+        (Vertex(v), Vertex(w)) => vertex_vertex::test::<CERTIFY>(posed, v.0, w.0, outcome),
+        // Not a state: no step leads here (see `to_stand_on`).
         (Edge(_), Face(_)) | (Face(_), Edge(_) | Face(_)) => Step::Lost,
     }
 }
 
-/// Walks from the features of `outcome` until the Voronoi tests accept one; whether they do. At most
-/// `4 sqrt(nA + nB) + 16` steps, and 128 on bodies with long rims or large fans.
+/// Walks from the features of `outcome` and returns whether the Voronoi tests accepted a pair. With
+/// `CERTIFY`, an accepted pair has a lower bound of the distance, if the tests prove one. A walk
+/// takes at most `4 sqrt(nA + nB) + 16` steps, and at most 128 on bodies with large rings.
 #[inline(always)]
 pub(crate) fn walk<const CERTIFY: bool>(posed: &PosedPair, outcome: &mut Outcome) -> bool {
-    watched::<CERTIFY>(posed, outcome, |_| {})
+    walk_observed::<CERTIFY>(posed, outcome, |_| {})
 }
 
-/// The same walk, each pair it looks at told to `seen`.
+/// Walks as [`walk`] does, and passes each tested pair to `observe`.
 #[inline(always)]
-pub(crate) fn watched<const CERTIFY: bool>(
+pub(crate) fn walk_observed<const CERTIFY: bool>(
     posed: &PosedPair,
     outcome: &mut Outcome,
-    mut seen: impl FnMut(FeaturePair),
+    mut observe: impl FnMut(FeaturePair),
 ) -> bool {
     let has_bands = posed.a.has_bands | posed.b.has_bands;
-    // Steps before the guard looks.
+    // Number of steps before the guard first checks.
     let free = if has_bands { FIRST_LEAP } else { FREE };
     let (mut steps, mut jumps, mut guard) = (0, 0, None);
     loop {
         outcome.work.steps += 1;
-        seen(outcome.features);
-        let step = look::<CERTIFY>(posed, outcome);
-        // The one that most walks begin and end with comes first.
+        observe(outcome.features);
+        let step = test_pair::<CERTIFY>(posed, outcome);
+        // First, because most walks begin and end with this step.
         if step == Step::Found {
             return true;
         }
@@ -98,14 +108,15 @@ pub(crate) fn watched<const CERTIFY: bool>(
     }
 }
 
-/// Ends walks that go in a circle or too far.
+/// Ends walks that repeat a feature pair or take too many steps, and starts Newton jumps.
 struct Guard {
-    leaps: u32,
-    /// Where the last one went.
-    leapt: Option<FeaturePair>,
-    /// When to try a leap along a long rim, or round a large fan.
-    next_leap: u32,
-    /// The pair remembered at step 8, 16, 32 and so on (Brent): to meet it again is a circle.
+    newton_jumps: u32,
+    /// Feature pair after the last Newton jump.
+    last_target: Option<FeaturePair>,
+    /// Step at which to try the next Newton jump along a large ring.
+    next_jump: u32,
+    /// Feature pair stored at steps 8, 16, 32 and so on (Brent): meeting the pair again proves a
+    /// cycle.
     mark: Option<FeaturePair>,
     next_mark: u32,
     limit: u32,
@@ -115,20 +126,21 @@ impl Guard {
     fn new(posed: &PosedPair) -> Self {
         let has_bands = posed.a.has_bands | posed.b.has_bands;
         Self {
-            leaps: 0,
-            leapt: None,
-            next_leap: if has_bands { FIRST_LEAP } else { u32::MAX },
+            newton_jumps: 0,
+            last_target: None,
+            next_jump: if has_bands { FIRST_LEAP } else { u32::MAX },
             mark: None,
             next_mark: FREE,
             limit: step_limit(posed),
         }
     }
 
-    /// Whether the walk ends after so many steps, of which the guard is to be told each from the first one on that is not free.
+    /// Returns whether the walk must end after `steps` steps. From the first step that is not free,
+    /// the walk must call the guard after every step.
     #[cold]
     fn stops(guard: &mut Option<Self>, steps: u32, posed: &PosedPair, outcome: &mut Outcome) -> bool {
         let guard = guard.get_or_insert_with(|| Self::new(posed));
-        if steps == guard.next_leap {
+        if steps == guard.next_jump {
             guard.newton_jump(steps, posed, outcome);
         }
         let next = Some(outcome.features);
@@ -142,24 +154,26 @@ impl Guard {
     }
 
     fn newton_jump(&mut self, steps: u32, posed: &PosedPair, outcome: &mut Outcome) {
-        // One that did not help is tried later again, and so is one that did: leaps are few, so the walk still ends.
-        let leapt = newton_jump(posed, outcome);
-        let later = if leapt { FIRST_LEAP } else { steps.max(FIRST_LEAP) };
-        self.leaps += 1;
-        let there = Some(outcome.features);
-        // A leap to where the last one went has nothing to add to the steps in between.
-        let ends = self.leaps == LEAPS || (leapt && there == self.leapt);
-        self.next_leap = if ends { u32::MAX } else { steps + later };
-        self.leapt = there;
+        // Whether the jump helped or not, another is tried later: jumps are few, so the walk still
+        // ends.
+        let jumped = newton_jump(posed, outcome);
+        let later = if jumped { FIRST_LEAP } else { steps.max(FIRST_LEAP) };
+        self.newton_jumps += 1;
+        let target = Some(outcome.features);
+        // A second jump to the target of the last adds nothing to the steps in between.
+        let ends = self.newton_jumps == LEAPS || (jumped && target == self.last_target);
+        self.next_jump = if ends { u32::MAX } else { steps + later };
+        self.last_target = target;
     }
 }
 
-/// Round bodies take about sqrt(n) steps from anywhere; twice the sum of both and a constant leaves room.
+/// Limit of the steps of a walk. Round bodies take about sqrt(n) steps from any start; at least
+/// twice the sum for both bodies, plus a constant, leaves room.
 #[cold]
 fn step_limit(posed: &PosedPair) -> u32 {
     let n = posed.a.topology.vertex_count() + posed.b.topology.vertex_count();
     let round = (4.0 * sqrt(n as f64)) as u32 + 16;
-    // Leaps take a walk along long rims and round large fans.
+    // Newton jumps move a walk along large rings.
     if posed.a.has_bands | posed.b.has_bands {
         round.min(LONGEST)
     } else {

@@ -1,4 +1,4 @@
-//! Where a walk starts without a cached pair: at vertices that face each other.
+//! Start of a walk without a cached pair: two vertices that face each other.
 
 use crate::pair::outcome::Work;
 use crate::pair::posed::PosedPair;
@@ -6,8 +6,9 @@ use crate::polyhedron::FeaturePair;
 use crate::pose::Operand;
 use crate::walk::ellipsoid;
 
-/// Cold: the support vertices (cube map and hill climb) along the line of centres, which on round bodies are a few steps from
-/// the closest features; on flat ones, along the direction in which their ellipsoids face each other.
+/// Returns the cold start: the support vertices (cube map and hill climb) along the line of
+/// centres, on round bodies a few steps from the closest features. If a body is flat, the direction
+/// is the normal of two touching ellipsoids instead ([`ellipsoid`]).
 pub(crate) fn cold(posed: &PosedPair, work: &mut Work) -> FeaturePair {
     let n = if posed.a.is_flat || posed.b.is_flat {
         work.ellipsoids += 1;

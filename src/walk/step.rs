@@ -1,36 +1,39 @@
-//! The result of testing one feature pair.
+//! Result of the test of a feature pair, and the two ways to write the result into an outcome.
 
 use nalgebra::{Unit, Vector3};
 
 use crate::pair::outcome::Outcome;
-use crate::pair::posed::Witnesses;
+use crate::pair::posed::WitnessPair;
 use crate::polyhedron::FeaturePair;
 
-/// What the look at one pair says.
+/// Result of the test of a feature pair.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Step {
-    /// A neighbour is closer; it is the pair to look at next.
+    /// An adjacent feature is closer: test the new pair next.
     Move,
-    /// A face elsewhere sees the vertex from outside; the distance need not be smaller.
+    /// A distant face sees the vertex from outside: test that face next. The distance need not be
+    /// smaller.
     Jump,
-    /// Each witness lies in the Voronoi region of the other feature.
+    /// Each witness lies in the Voronoi region of the opposite feature: the pair is accepted.
     Found,
-    /// No neighbour helps: the bodies overlap or nearly touch, or rounding hides the way.
+    /// No adjacent feature is closer: the bodies overlap or nearly touch, or rounding hides the
+    /// descent.
     Lost,
 }
 
 impl Outcome {
-    /// Goes to a closer pair.
+    /// Moves to a closer pair.
     #[inline(always)]
-    pub(crate) fn go(&mut self, pair: FeaturePair) -> Step {
+    pub(crate) fn move_to(&mut self, pair: FeaturePair) -> Step {
         self.features = pair;
         Step::Move
     }
 
-    /// Ends at this pair: the unit direction from A to B in A's frame, the witnesses in their stored frames, their
-    /// distance, and a lower bound of it before its error term (minus infinity where the tests do not prove one).
+    /// Accepts the current pair: writes the unit direction from A to B in A's frame, the witnesses
+    /// in their stored frames, their distance, and a lower bound of the distance before the error
+    /// term (minus infinity if the tests do not prove one).
     #[inline(always)]
-    pub(crate) fn end(&mut self, normal: Vector3<f64>, witnesses: Witnesses, distance: f64, lower: f64) -> Step {
+    pub(crate) fn accept(&mut self, normal: Vector3<f64>, witnesses: WitnessPair, distance: f64, lower: f64) -> Step {
         self.normal = Unit::new_unchecked(normal);
         self.point_on_a = witnesses.0.into();
         self.point_on_b = witnesses.1.into();

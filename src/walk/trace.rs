@@ -1,4 +1,4 @@
-//! The way of a walk, for those who want to see it: the same walk, watched.
+//! Record of a walk for diagnosis: the walk of a query, with every tested pair listed.
 
 use alloc::vec::Vec;
 
@@ -6,13 +6,13 @@ use crate::pair::outcome::{Outcome, Work};
 use crate::pair::posed::PosedPair;
 use crate::polyhedron::FeaturePair;
 use crate::walk::seed;
-use crate::walk::watched;
+use crate::walk::walk_observed;
 
-/// The pairs of features that the walk from `start`, or from the first start, looks at, and whether it ended on the
-/// last of them rather than giving up there.
+/// Returns the feature pairs tested by the walk from `start` (from a cold start if `None`), and
+/// whether the walk accepted the last pair rather than giving up there.
 pub(crate) fn trace(posed: &PosedPair, start: Option<FeaturePair>) -> (Vec<FeaturePair>, bool) {
-    let mut way = Vec::new();
-    let mut outcome = Outcome::open(start.unwrap_or_else(|| seed::cold(posed, &mut Work::default())));
-    let ended = posed.same_scale() && watched::<true>(posed, &mut outcome, |pair| way.push(pair));
-    (way, ended)
+    let mut path = Vec::new();
+    let mut outcome = Outcome::starting_at(start.unwrap_or_else(|| seed::cold(posed, &mut Work::default())));
+    let ended = posed.same_scale() && walk_observed::<true>(posed, &mut outcome, |pair| path.push(pair));
+    (path, ended)
 }

@@ -1,49 +1,65 @@
-//! A vertex beside a face: it must stand over the face, and the face's plane must support its body at it.
+//! Vertex-face test: the vertex must lie over the face, and the plane of the face must support the
+//! body of the vertex there.
+//!
+//! ```text
+//!     \   /
+//!      \ /  body of the vertex
+//!       x             x       the vertex, in the frame of the face's body
+//!       | height      height  of x above the plane of the face
+//!    ---+------ face  foot    x - normal * height, or on the edge that x grazes
+//! ```
 
 use nalgebra::Vector3;
 
 use crate::num::packed::PackedVec3;
 use crate::num::scalar::sqrt;
-use crate::pair::face::{Face, Rim};
+use crate::pair::face::{Face, FaceLocation};
 use crate::pair::outcome::Outcome;
-use crate::pair::posed::Sides;
+use crate::pair::posed::OrderedPair;
 use crate::polyhedron::{ConvexPolyhedron, FeaturePair};
 use crate::tolerance::{DIRECTION, ON_BOUNDARY};
-use crate::walk::ray_exit_face::jump;
+use crate::walk::ray_exit_face::jump_to_exit_face;
 use crate::walk::slide::{Slide, slide};
 use crate::walk::step::Step;
 
-// Not inlined: the walk's loop would hoist the loads of every kind of pair and spill them.
+/// Tests a vertex of the first body against a face of the second.
+// Not inlined: otherwise the loop of the walk would hoist the loads of every kind of pair and spill
+// them.
 #[inline(never)]
-pub(crate) fn look<const CERTIFY: bool, S: Sides>(sides: &S, vertex: u32, face: u32, outcome: &mut Outcome) -> Step {
-    let (body, other) = (sides.x(), sides.y());
-    let on_x = body.points[vertex as usize];
-    let x = sides.point_in_y(&on_x);
+pub(crate) fn test<const CERTIFY: bool, S: OrderedPair>(
+    pair: &S,
+    vertex: u32,
+    face: u32,
+    outcome: &mut Outcome,
+) -> Step {
+    let (body, other) = (pair.first(), pair.second());
+    let vertex_point = body.points[vertex as usize];
+    let x = pair.point_in_second(&vertex_point);
     let plane = &other.planes[face as usize];
-    let size = sides.size();
-    let (rim, corner) = Face {
+    let size = pair.size();
+    let (location, corner) = Face {
         body: other,
         face,
         normal: &plane.normal,
     }
-    .beside(&x, size);
-    if let Rim::Outside(edge) = rim {
-        return outcome.go(FeaturePair::vertex_edge(S::OF, vertex, edge));
+    .locate(&x, size);
+    if let FaceLocation::Outside(edge) = location {
+        return outcome.move_to(FeaturePair::vertex_edge(S::FIRST, vertex, edge));
     }
     let height = plane.normal.dot(&(x - corner));
     if height <= ON_BOUNDARY * size {
-        return jump(sides, vertex, face, &x, outcome);
+        return jump_to_exit_face(pair, vertex, face, &x, outcome);
     }
-    let n = sides.direction_in_x(&plane.normal);
+    let n = pair.direction_in_first(&plane.normal);
     let fan = body.fan_minimum(vertex, &n);
-    if let Some(h) = body.descent(vertex, &fan, DIRECTION) {
+    if let Some(h) = body.descending_edge(vertex, &fan, DIRECTION) {
         return slide(
-            sides,
+            pair,
             &Slide {
                 half_edge: h,
                 start: PackedVec3::new(&x),
                 face,
-                from_rim: None,
+                entry_edge: None,
             },
             outcome,
         );
@@ -53,18 +69,19 @@ pub(crate) fn look<const CERTIFY: bool, S: Sides>(sides: &S, vertex: u32, face: 
     } else {
         f64::NEG_INFINITY
     };
-    let (foot, height) = match rim {
-        Rim::Grazes(edge) => onto_edge(other, edge, &x),
+    let (foot, height) = match location {
+        FaceLocation::Grazes(edge) => closest_on_edge(other, edge, &x),
         _ => (x - plane.normal * height, height),
     };
-    let normal = sides.normal(&plane.normal);
-    outcome.end(normal, S::witnesses(on_x, foot), height, lower)
+    let normal = pair.normal(&plane.normal);
+    outcome.accept(normal, S::witnesses(vertex_point, foot), height, lower)
 }
 
-/// The point of an edge nearest to `x`, and its distance. Where `x` grazes the rim, the foot of the perpendicular may
-/// fall outside the face, and far outside at an acute corner; this one is a point of the body.
+/// Returns the point of an edge closest to `x`, and the distance. If `x` grazes the face boundary,
+/// the foot of the perpendicular may fall outside the face, and far outside at an acute vertex; the
+/// point returned here belongs to the body.
 #[cold]
-fn onto_edge(body: &ConvexPolyhedron, edge: u32, x: &Vector3<f64>) -> (Vector3<f64>, f64) {
+fn closest_on_edge(body: &ConvexPolyhedron, edge: u32, x: &Vector3<f64>) -> (Vector3<f64>, f64) {
     let (p, q) = (
         body.points[body.topology.from(edge) as usize],
         body.points[body.topology.half_edge(edge).to as usize],

@@ -1,4 +1,5 @@
-//! A vertex beside a vertex: each must be the lowest of its body towards the other.
+//! Vertex-vertex test: each vertex must be the support vertex of its body towards the opposite
+//! vertex.
 
 use crate::num::scalar::sqrt;
 use crate::pair::outcome::Outcome;
@@ -8,30 +9,33 @@ use crate::pose::Operand;
 use crate::tolerance::{DIFFERENCE, ON_BOUNDARY};
 use crate::walk::step::Step;
 
-// Not inlined: the walk's loop would hoist the loads of every kind of pair and spill them.
+/// Tests a vertex of A against a vertex of B.
+// Not inlined: otherwise the loop of the walk would hoist the loads of every kind of pair and spill
+// them.
 #[inline(never)]
-pub(crate) fn look<const CERTIFY: bool>(posed: &PosedPair, a: u32, b: u32, outcome: &mut Outcome) -> Step {
+pub(crate) fn test<const CERTIFY: bool>(posed: &PosedPair, a: u32, b: u32, outcome: &mut Outcome) -> Step {
     let (p, q) = (posed.a.points[a as usize], posed.b.points[b as usize]);
     let to_b = posed.point_in_a(&q) - p;
     let noise = DIFFERENCE * posed.size();
     let from_b = -to_b;
     let fan_a = posed.a.fan_minimum(a, &from_b);
-    if let Some(h) = posed.a.descent(a, &fan_a, noise) {
+    if let Some(h) = posed.a.descending_edge(a, &fan_a, noise) {
         let edge = posed.a.topology.edge(h);
-        return outcome.go(FeaturePair::vertex_edge(Operand::B, b, edge));
+        return outcome.move_to(FeaturePair::vertex_edge(Operand::B, b, edge));
     }
     let to_b_in_b = posed.direction_in_b(&to_b);
     let fan_b = posed.b.fan_minimum(b, &to_b_in_b);
-    if let Some(h) = posed.b.descent(b, &fan_b, noise) {
+    if let Some(h) = posed.b.descending_edge(b, &fan_b, noise) {
         let edge = posed.b.topology.edge(h);
-        return outcome.go(FeaturePair::vertex_edge(Operand::A, a, edge));
+        return outcome.move_to(FeaturePair::vertex_edge(Operand::A, a, edge));
     }
     let distance = sqrt(to_b.norm_squared());
     if distance <= ON_BOUNDARY * posed.size() {
         return Step::Lost;
     }
     let proven = CERTIFY && posed.a.proves_lowest(&fan_a, &from_b) && posed.b.proves_lowest(&fan_b, &to_b_in_b);
-    // Both are extreme along the line that joins them, so the supporting planes are as far apart as they are.
+    // Both vertices are extreme along the line between them, so the supporting planes are as far
+    // apart as the vertices.
     let lower = if proven { distance } else { f64::NEG_INFINITY };
-    outcome.end(to_b / distance, (p, q), distance, lower)
+    outcome.accept(to_b / distance, (p, q), distance, lower)
 }

@@ -80,8 +80,8 @@ fn warm_and_cold_agree_and_come_back() {
             }
             frames += 1;
             kept += u32::from(warm.solver == Solver::Surface);
-            work[0] += warm.work.grown;
-            work[1] += cold.work.grown;
+            work[0] += warm.work.points_added;
+            work[1] += cold.work.points_added;
             let size = support::size(&a, &b, &frame);
             assert!(
                 (warm.distance - cold.distance).abs() <= 1e-14 * size && warm.upper - warm.lower <= 1e-13 * size,
@@ -132,7 +132,7 @@ fn faces_that_tremble_on_faces() {
             assert!((warm.distance - cold.distance).abs() <= 1e-14 * size, "{told}");
             assert!(warm.lower <= cold.upper && cold.lower <= warm.upper, "{told}");
             frames += 1;
-            grown += u32::from(warm.work.grown > 0 || warm.solver != Solver::Surface);
+            grown += u32::from(warm.work.points_added > 0 || warm.solver != Solver::Surface);
             open += u32::from(warm.upper - warm.lower > 1e-13 * size);
         }
     }

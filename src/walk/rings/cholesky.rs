@@ -1,33 +1,36 @@
-//! Small symmetric systems, for Newton's method in up to four variables.
+//! Small symmetric linear systems, for Newton's method in up to four variables.
 
 use crate::tolerance::PIVOT;
 
-/// The variables of both sides of a [`leap`](super::leap): `x`, `y` of A, then of B.
+/// The variables of a [`newton_jump`](super::newton_jump): `x`, `y` of A, then `x`, `y` of B.
 pub(super) type Four = [f64; 4];
 
-/// A symmetric system in some of four variables: the lower half of the matrix, and the right side.
+/// Symmetric system in some of four variables: the lower half of the matrix, and the right side.
 #[derive(Clone, Copy, Default)]
 pub(super) struct System {
-    pub(super) of: [usize; 4],
+    /// The variables of the rows.
+    pub(super) variables: [usize; 4],
     pub(super) len: usize,
     rows: [[f64; 4]; 4],
     right: Four,
 }
 
 impl System {
+    /// Adds a row of the lower half of the matrix, for the next variable.
     pub(super) fn push(&mut self, variable: usize, row: [f64; 4], right: f64) {
         let n = self.len;
-        (self.of[n], self.rows[n], self.right[n]) = (variable, row, right);
+        (self.variables[n], self.rows[n], self.right[n]) = (variable, row, right);
         self.len += 1;
     }
 
-    /// By Cholesky's method, zero for the other variables; `None` where the matrix is not positive.
+    /// Solves by Cholesky's method, with zero for the absent variables; `None` if the matrix is not
+    /// positive definite.
     pub(super) fn solve(mut self) -> Option<Four> {
         let (n, h, g) = (self.len, &mut self.rows, &mut self.right);
         for i in 0..n {
-            let whole = h[i][i];
+            let diagonal = h[i][i];
             for j in 0..i {
-                // h[i][j] is the entry times the pivot of j until here.
+                // So far h[i][j] is the entry times the pivot of j.
                 let factor = h[i][j] / h[j][j];
                 for k in j + 1..i {
                     h[i][k] -= factor * h[k][j];
@@ -35,7 +38,7 @@ impl System {
                 h[i][i] -= factor * h[i][j];
                 g[i] -= factor * g[j];
             }
-            if !(h[i][i] > PIVOT * whole) {
+            if !(h[i][i] > PIVOT * diagonal) {
                 return None;
             }
         }
@@ -45,7 +48,7 @@ impl System {
                 g[i] -= h[k][i] * g[k];
             }
             g[i] /= h[i][i];
-            x[self.of[i]] = g[i];
+            x[self.variables[i]] = g[i];
         }
         Some(x)
     }

@@ -1,79 +1,85 @@
-//! Leaps along long rims and round large fans.
+//! Newton jumps along large rings.
 //!
-//! On two nearly touching rims of thousands of edges the feet of a step are a corner or two from where they were, and the walk
-//! would alternate between the two for as many steps as there are corners on the way. Here the curves, and the ribs beside
-//! them, are smooth (see [`band`](super::band)), and Newton's method goes at once to where their distance is least. The walk goes on from
-//! the corners there: a leap is a proposal, like every step.
+//! If two long face boundaries nearly touch, each step moves the witnesses by one or two vertices,
+//! and the walk would alternate between the two for as many steps as there are vertices on the way.
+//! Here the rings and their spokes are smooth curves (see [`curve`](super::curve)), and Newton's
+//! method goes at once to the least distance. The walk continues from the vertices there: a jump is
+//! a proposal, like every step.
 //!
-//! With `r` from a point of B to one of A, in up to two variables for each, `|r|^2 / 2` has the gradient `r . r_i` and the second
-//! derivatives `r_i . r_j + r . r_ij`. A fixed edge or face on the other side takes no variables: what lies along it is dropped from `r`.
+//! With `r` from a point of B to a point of A, in up to two variables for each, `|r|^2 / 2` has the
+//! gradient `r . r_i` and the second derivatives `r_i . r_j + r . r_ij`. A side on no ring is
+//! fixed: a vertex takes no variable, an edge takes the variable along itself, and a face takes
+//! none, because the components of `r` in the plane of the face are dropped.
 
 use nalgebra::Vector3;
 
-use crate::pair::face::{Face, Rim};
+use crate::pair::face::{Face, FaceLocation};
 use crate::pair::outcome::Outcome;
 use crate::pair::posed::PosedPair;
 use crate::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, Feature, FeaturePair, VertexId};
 use crate::walk::rings::cholesky::{Four, System};
-use crate::walk::rings::curve::{Fit, RingCurve, RingLocation};
+use crate::walk::rings::curve::{ParabolaFit, RingCurve, RingLocation};
 
-/// Newton steps of one leap.
+/// Newton steps per jump.
 const STEPS: usize = 3;
 
-/// What makes second derivatives positive where they are not, relatively.
+/// Relative damping that makes second derivatives positive if they are not.
 const DAMPING: f64 = 1.0 / 1024.0;
 
-/// A step as short as this is the last.
+/// Newton's method stops after a step shorter than this.
 const CLOSE: f64 = 1.0 / 8.0;
 
-/// How often a leap that leads no closer is cut to a quarter.
+/// Limit of attempts: a jump that leads no closer is cut to a quarter for the next attempt.
 const TRIES: u32 = 3;
 
-/// Bisections for where a curve leaves a face.
+/// Bisections for the point at which a curve leaves a face.
 const BISECTIONS: u32 = 8;
 
-/// How far a parabola is followed, in the length it is fitted over.
+/// Limit of `x` on a parabola, in units of the length of the fit.
 const REACH: f64 = 12.0;
 
-/// One body's side of a pair.
+/// The feature of one body as a smooth set of points.
 enum Side<'a> {
-    /// A vertex beside no curve.
+    /// A vertex on no ring.
     Vertex(u32, Vector3<f64>),
-    /// An edge of none: its tail and what leads to its head.
+    /// An edge on no ring: the tail, and the vector to the head.
     Edge(u32, [Vector3<f64>; 2]),
-    /// A face beside none: a point of its plane, its unit normal.
+    /// A face on no ring: a point of the plane, and the unit normal.
     Face(u32, [Vector3<f64>; 2]),
-    /// On a curve: the place a fit is made about.
-    Curve(RingCurve<'a>, usize, Fit),
-    /// On the ribs beside one.
-    Ribs(RingCurve<'a>, usize, Fit),
+    /// A vertex or an edge of a ring: the index and the fit around the index.
+    Ring(RingCurve<'a>, usize, ParabolaFit),
+    /// A spoke or a side face of a ring: the index and the fit around the index.
+    Spokes(RingCurve<'a>, usize, ParabolaFit),
 }
 
-/// Value and derivatives of a side's point in its two variables, `x` along the curve and `y` along the rib.
+/// Point of a side, with derivatives in the two variables: `x` along the curve and `y` along the
+/// spoke.
 #[derive(Clone, Copy)]
 struct Jet {
-    at: Vector3<f64>,
-    x: Vector3<f64>,
-    y: Vector3<f64>,
-    xx: Vector3<f64>,
-    xy: Vector3<f64>,
+    point: Vector3<f64>,
+    dx: Vector3<f64>,
+    dy: Vector3<f64>,
+    dxx: Vector3<f64>,
+    dxy: Vector3<f64>,
 }
 
-/// A place on a side: between the corner of this number and the next, and on the line there.
-struct Spot {
-    place: usize,
-    part: f64,
+/// Position on a side: `fraction` of the edge from the vertex `index` to the next, and `y` along
+/// the spoke there.
+struct SidePosition {
+    index: usize,
+    fraction: f64,
     y: f64,
-    /// How many corners that is from the start.
+    /// Number of vertices between the start and this position.
     moved: usize,
 }
 
 impl<'a> Side<'a> {
+    /// Returns the side of a feature; `None` if the ring of the feature has no fit.
     fn of(body: &'a ConvexPolyhedron, feature: Feature) -> Option<Self> {
         let (t, at) = (&body.topology, |v: u32| body.points[v as usize]);
-        Some(match (body.near(feature), feature) {
-            (Some(RingLocation::Curve(band, k)), _) => Side::Curve(band, k, band.fit(k, false)?),
-            (Some(RingLocation::Rib(band, k)), _) => Side::Ribs(band, k, band.fit(k, true)?),
+        Some(match (body.ring_location(feature), feature) {
+            (Some(RingLocation::Ring(ring, k)), _) => Side::Ring(ring, k, ring.fit(k, false)?),
+            (Some(RingLocation::Spokes(ring, k)), _) => Side::Spokes(ring, k, ring.fit(k, true)?),
             (None, Feature::Vertex(v)) => Side::Vertex(v.0, at(v.0)),
             (None, Feature::Edge(e)) => {
                 let (p, q) = (at(t.from(e.0)), at(t.half_edge(e.0).to));
@@ -87,16 +93,16 @@ impl<'a> Side<'a> {
     }
 
     fn is_curved(&self) -> bool {
-        matches!(self, Side::Curve(..) | Side::Ribs(..))
+        matches!(self, Side::Ring(..) | Side::Spokes(..))
     }
 
-    /// Whether it is followed in the variable `y` too.
+    /// Returns whether the side has the variable `y`: along an edge or a spoke.
     fn has_lines(&self) -> bool {
-        matches!(self, Side::Edge(..) | Side::Ribs(..))
+        matches!(self, Side::Edge(..) | Side::Spokes(..))
     }
 
-    /// From B's frame to A's.
-    fn place(&mut self, posed: &PosedPair) {
+    /// Transforms the side from B's frame to A's.
+    fn to_frame_of_a(&mut self, posed: &PosedPair) {
         let point = |p: &mut Vector3<f64>| *p = posed.point_in_a(p);
         let vector = |v: &mut Vector3<f64>| *v = posed.vector_in_a(v);
         let jet = |[p, d, c]: &mut [Vector3<f64>; 3]| {
@@ -110,74 +116,78 @@ impl<'a> Side<'a> {
                 point(p);
                 vector(u);
             }
-            Side::Curve(_, _, fit) => jet(&mut fit.near),
-            Side::Ribs(_, _, fit) => {
-                jet(&mut fit.near);
-                jet(&mut fit.far);
+            Side::Ring(_, _, fit) => jet(&mut fit.ring),
+            Side::Spokes(_, _, fit) => {
+                jet(&mut fit.ring);
+                jet(&mut fit.spoke_ends);
             }
         }
     }
 
+    /// Evaluates point and derivatives at `x`, `y`.
     fn jet(&self, x: f64, y: f64) -> Jet {
         let zero = Vector3::zeros();
-        let still = |at: Vector3<f64>, y: Vector3<f64>| Jet {
-            at,
-            x: zero,
-            y,
-            xx: zero,
-            xy: zero,
+        let fixed = |point: Vector3<f64>, dy: Vector3<f64>| Jet {
+            point,
+            dx: zero,
+            dy,
+            dxx: zero,
+            dxy: zero,
         };
         let follow = |[p, d, c]: &[Vector3<f64>; 3]| (p + (d + c * (0.5 * x)) * x, d + c * x, *c);
         match self {
-            Side::Vertex(_, p) | Side::Face(_, [p, _]) => still(*p, zero),
-            Side::Edge(_, [p, u]) => still(p + u * y, *u),
-            Side::Curve(_, _, fit) => {
-                let (at, x, xx) = follow(&fit.near);
+            Side::Vertex(_, p) | Side::Face(_, [p, _]) => fixed(*p, zero),
+            Side::Edge(_, [p, u]) => fixed(p + u * y, *u),
+            Side::Ring(_, _, fit) => {
+                let (point, dx, dxx) = follow(&fit.ring);
                 Jet {
-                    x,
-                    xx,
-                    ..still(at, zero)
+                    dx,
+                    dxx,
+                    ..fixed(point, zero)
                 }
             }
-            Side::Ribs(_, _, fit) => {
-                let (near, far) = (follow(&fit.near), follow(&fit.far));
-                let (rib, along) = (far.0 - near.0, far.1 - near.1);
+            Side::Spokes(_, _, fit) => {
+                let (ring, ends) = (follow(&fit.ring), follow(&fit.spoke_ends));
+                let (spoke, change) = (ends.0 - ring.0, ends.1 - ring.1);
                 Jet {
-                    at: near.0 + rib * y,
-                    x: near.1 + along * y,
-                    y: rib,
-                    xx: near.2 + (far.2 - near.2) * y,
-                    xy: along,
+                    point: ring.0 + spoke * y,
+                    dx: ring.1 + change * y,
+                    dy: spoke,
+                    dxx: ring.2 + (ends.2 - ring.2) * y,
+                    dxy: change,
                 }
             }
         }
     }
 
-    /// The place at `x`, `y`.
-    fn spot(&self, x: f64, y: f64) -> Spot {
+    /// Returns the position at `x`, `y`.
+    fn position(&self, x: f64, y: f64) -> SidePosition {
         match self {
-            Side::Curve(band, k, fit) | Side::Ribs(band, k, fit) => {
-                let (place, part) = band.place_at(fit, *k, x);
-                Spot {
-                    place,
-                    part,
+            Side::Ring(ring, k, fit) | Side::Spokes(ring, k, fit) => {
+                let (index, fraction) = ring.locate(fit, *k, x);
+                SidePosition {
+                    index,
+                    fraction,
                     y,
-                    moved: band.between(*k, place),
+                    moved: ring.index_distance(*k, index),
                 }
             }
-            _ => Spot {
-                place: 0,
-                part: 0.0,
+            _ => SidePosition {
+                index: 0,
+                fraction: 0.0,
                 y,
                 moved: 0,
             },
         }
     }
 
-    /// The point of the body itself, in its frame; none for a face.
-    fn point(&self, body: &ConvexPolyhedron, spot: &Spot) -> Option<Vector3<f64>> {
+    /// Returns the point of the body itself at a position, in the frame of the body; `None` for a
+    /// face.
+    fn point(&self, body: &ConvexPolyhedron, position: &SidePosition) -> Option<Vector3<f64>> {
         let at = |v: u32| body.points[v as usize];
-        let &Spot { place: j, part, y, .. } = spot;
+        let &SidePosition {
+            index: j, fraction, y, ..
+        } = position;
         Some(match self {
             Side::Vertex(v, _) => at(*v),
             Side::Edge(e, _) => {
@@ -185,22 +195,24 @@ impl<'a> Side<'a> {
                 at(t.from(*e)) * (1.0 - y) + at(t.half_edge(*e).to) * y
             }
             Side::Face(..) => return None,
-            Side::Curve(band, ..) => band.point(j, part),
-            Side::Ribs(band, ..) => band.point(j, part) * (1.0 - y) + at(band.far(j)?) * y,
+            Side::Ring(ring, ..) => ring.point(j, fraction),
+            Side::Spokes(ring, ..) => ring.point(j, fraction) * (1.0 - y) + at(ring.spoke_end(j)?) * y,
         })
     }
 
-    /// The feature there, beside one of dimension `other`.
-    fn feature(&self, body: &ConvexPolyhedron, spot: &Spot, other: usize) -> Feature {
-        let &Spot { place: j, y, part, .. } = spot;
+    /// Returns the feature at a position, for a pair with a feature of dimension `other`.
+    fn feature(&self, body: &ConvexPolyhedron, position: &SidePosition, other: usize) -> Feature {
+        let &SidePosition {
+            index: j, y, fraction, ..
+        } = position;
         let vertex = |v: u32| Feature::Vertex(VertexId(v));
         let edge = |e: u32| Feature::Edge(EdgeId(e));
         let t = &body.topology;
-        let curve = |band: &RingCurve| {
+        let on_ring = |ring: &RingCurve| {
             if other == 2 {
-                vertex(band.corner_near(j, part))
+                vertex(ring.nearest_vertex(j, fraction))
             } else {
-                edge(band.edge(j))
+                edge(ring.edge(j))
             }
         };
         match self {
@@ -209,30 +221,31 @@ impl<'a> Side<'a> {
             Side::Edge(e, _) if y <= 0.0 => vertex(t.from(*e)),
             Side::Edge(e, _) if y >= 1.0 => vertex(t.half_edge(*e).to),
             Side::Edge(e, _) => edge(*e),
-            Side::Curve(band, ..) => curve(band),
-            Side::Ribs(band, ..) => match (band.rib(j), band.far(j)) {
-                _ if y <= 0.0 => curve(band),
+            Side::Ring(ring, ..) => on_ring(ring),
+            Side::Spokes(ring, ..) => match (ring.spoke(j), ring.spoke_end(j)) {
+                _ if y <= 0.0 => on_ring(ring),
                 (_, Some(far)) if y >= 1.0 => vertex(far),
-                _ if other == 0 => Feature::Face(FaceId(band.strip(j))),
-                (Some(rib), _) if other == 1 => edge(rib),
-                _ => vertex(band.corner_near(j, part)),
+                _ if other == 0 => Feature::Face(FaceId(ring.side_face(j))),
+                (Some(spoke), _) if other == 1 => edge(spoke),
+                _ => vertex(ring.nearest_vertex(j, fraction)),
             },
         }
     }
 
-    /// The dimension of what it will name at `y`.
+    /// Returns the dimension of the feature to expect at `y`.
     fn dimension(&self, y: f64) -> usize {
         match self {
             Side::Vertex(..) => 0,
             Side::Edge(..) => usize::from(y > 0.0 && y < 1.0),
-            Side::Ribs(..) if y >= 1.0 => 0,
-            Side::Curve(..) | Side::Ribs(..) => 1,
+            Side::Spokes(..) if y >= 1.0 => 0,
+            Side::Ring(..) | Side::Spokes(..) => 1,
             Side::Face(..) => 2,
         }
     }
 }
 
-/// Goes to where the curves of the pair's features are closest; whether that is elsewhere.
+/// Jumps to the features at which the curves of the pair are closest. Returns whether the jump
+/// leads elsewhere.
 #[cold]
 #[inline(never)]
 pub(crate) fn newton_jump(posed: &PosedPair, outcome: &mut Outcome) -> bool {
@@ -243,9 +256,9 @@ pub(crate) fn newton_jump(posed: &PosedPair, outcome: &mut Outcome) -> bool {
     if !a.is_curved() && !b.is_curved() {
         return false;
     }
-    b.place(posed);
-    let leap = Leap { posed, a: &a, b: &b };
-    match leap.pair() {
+    b.to_frame_of_a(posed);
+    let jump = NewtonJump { posed, a: &a, b: &b };
+    match jump.target() {
         Some(to) => {
             outcome.features = to.to_stand_on(posed.a, posed.b);
             true
@@ -254,158 +267,168 @@ pub(crate) fn newton_jump(posed: &PosedPair, outcome: &mut Outcome) -> bool {
     }
 }
 
-/// Both sides, in A's frame.
-struct Leap<'a, 'b> {
+/// Both sides of a jump, in A's frame.
+struct NewtonJump<'a, 'b> {
     posed: &'a PosedPair<'b>,
     a: &'a Side<'a>,
     b: &'a Side<'a>,
 }
 
-/// Where a leap lands.
+/// The end of a jump, evaluated on the bodies themselves.
 enum Landing {
-    /// As far apart as the root of this.
-    At(f64),
-    /// Over no face: beyond this edge.
-    Beyond(u32),
+    /// Squared distance of the two points.
+    SquaredDistance(f64),
+    /// The point is over no part of the face: it lies beyond this edge.
+    OutsideFace(u32),
 }
 
-impl Leap<'_, '_> {
-    /// The pair to go on from: where Newton's method leads, or a part of the way there.
-    fn pair(&self) -> Option<FeaturePair> {
-        let (start, before, mut at) = closest(self.a, self.b)?;
+impl NewtonJump<'_, '_> {
+    /// Returns the pair from which to continue: at the end of Newton's method, or a part of the way
+    /// there. `None` if a jump leads no closer or hardly moves.
+    fn target(&self) -> Option<FeaturePair> {
+        let (start, before, mut at) = newton(self.a, self.b)?;
         for _ in 0..TRIES {
-            let spots = self.spots(&at);
-            if spots.0.moved.max(spots.1.moved) <= 1 {
+            let positions = self.positions(&at);
+            if positions.0.moved.max(positions.1.moved) <= 1 {
                 return None;
             }
-            match self.landing(&spots) {
-                Landing::Beyond(edge) => return Some(self.beyond(&start, &at, edge)),
-                Landing::At(squared) if squared < before => return Some(self.features(&spots, None)),
-                Landing::At(_) => at = between(&start, &at, 0.25),
+            match self.landing(&positions) {
+                Landing::OutsideFace(edge) => return Some(self.across_boundary(&start, &at, edge)),
+                Landing::SquaredDistance(squared) if squared < before => return Some(self.features(&positions, None)),
+                Landing::SquaredDistance(_) => at = interpolate(&start, &at, 0.25),
             }
         }
         None
     }
 
-    fn spots(&self, at: &Four) -> (Spot, Spot) {
-        (self.a.spot(at[0], at[1]), self.b.spot(at[2], at[3]))
+    fn positions(&self, at: &Four) -> (SidePosition, SidePosition) {
+        (self.a.position(at[0], at[1]), self.b.position(at[2], at[3]))
     }
 
-    /// How far apart the bodies' own points are there.
-    fn landing(&self, spots: &(Spot, Spot)) -> Landing {
+    /// Evaluates the distance between the points of the bodies themselves.
+    fn landing(&self, positions: &(SidePosition, SidePosition)) -> Landing {
         let posed = self.posed;
-        let (on_a, on_b) = (self.a.point(posed.a, &spots.0), self.b.point(posed.b, &spots.1));
+        let (on_a, on_b) = (self.a.point(posed.a, &positions.0), self.b.point(posed.b, &positions.1));
         match (on_a, on_b, self.a, self.b) {
-            (Some(p), Some(q), ..) => Landing::At((p - posed.point_in_a(&q)).norm_squared()),
-            (_, Some(q), Side::Face(f, _), _) => over(posed.a, *f, &posed.point_in_a(&q), posed.size()),
-            (Some(p), _, _, Side::Face(f, _)) => over(posed.b, *f, &posed.point_in_b(&p), posed.size()),
-            _ => Landing::At(f64::INFINITY),
+            (Some(p), Some(q), ..) => Landing::SquaredDistance((p - posed.point_in_a(&q)).norm_squared()),
+            (_, Some(q), Side::Face(f, _), _) => height_over_face(posed.a, *f, &posed.point_in_a(&q), posed.size()),
+            (Some(p), _, _, Side::Face(f, _)) => height_over_face(posed.b, *f, &posed.point_in_b(&p), posed.size()),
+            _ => Landing::SquaredDistance(f64::INFINITY),
         }
     }
 
-    /// From over a face to beyond `edge` of its rim: the edge that is passed first, and that of the curve which passes.
-    fn beyond(&self, start: &Four, at: &Four, mut edge: u32) -> FeaturePair {
-        let (mut over, mut out, mut spots) = (0.0, 1.0, self.spots(at));
+    /// Returns the pair for a jump from over a face to beyond `edge` of the face boundary: the
+    /// boundary edge that is passed first, and the edge of the curve that passes.
+    fn across_boundary(&self, start: &Four, at: &Four, mut edge: u32) -> FeaturePair {
+        let (mut over, mut out, mut positions) = (0.0, 1.0, self.positions(at));
         for _ in 0..BISECTIONS {
             let middle = 0.5 * (over + out);
-            let there = self.spots(&between(start, at, middle));
+            let there = self.positions(&interpolate(start, at, middle));
             match self.landing(&there) {
-                Landing::Beyond(e) => (out, edge, spots) = (middle, e, there),
-                Landing::At(_) => over = middle,
+                Landing::OutsideFace(e) => (out, edge, positions) = (middle, e, there),
+                Landing::SquaredDistance(_) => over = middle,
             }
         }
-        self.features(&spots, Some(edge))
+        self.features(&positions, Some(edge))
     }
 
-    /// The features there; `edge` for a face, where it is one of its rim.
-    fn features(&self, spots: &(Spot, Spot), edge: Option<u32>) -> FeaturePair {
-        let dimension = |side: &Side, spot: &Spot| if edge.is_some() { 1 } else { side.dimension(spot.y) };
-        let name = |side: &Side, body: &ConvexPolyhedron, spot: &Spot, other: usize| match (side, edge) {
+    /// Returns the features at two positions; `edge` replaces a face if the point lies beyond this
+    /// boundary edge.
+    fn features(&self, positions: &(SidePosition, SidePosition), edge: Option<u32>) -> FeaturePair {
+        let dimension =
+            |side: &Side, position: &SidePosition| if edge.is_some() { 1 } else { side.dimension(position.y) };
+        let name = |side: &Side, body: &ConvexPolyhedron, position: &SidePosition, other: usize| match (side, edge) {
             (Side::Face(..), Some(e)) => Feature::Edge(EdgeId(e)),
-            _ => side.feature(body, spot, other),
+            _ => side.feature(body, position, other),
         };
         FeaturePair {
-            a: name(self.a, self.posed.a, &spots.0, dimension(self.b, &spots.1)),
-            b: name(self.b, self.posed.b, &spots.1, dimension(self.a, &spots.0)),
+            a: name(self.a, self.posed.a, &positions.0, dimension(self.b, &positions.1)),
+            b: name(self.b, self.posed.b, &positions.1, dimension(self.a, &positions.0)),
         }
     }
 }
 
-/// A part of the way from one to the other.
-fn between(from: &Four, to: &Four, part: f64) -> Four {
-    core::array::from_fn(|k| from[k] + (to[k] - from[k]) * part)
+/// Returns the point at `fraction` of the way between two points.
+fn interpolate(from: &Four, to: &Four, fraction: f64) -> Four {
+    core::array::from_fn(|k| from[k] + (to[k] - from[k]) * fraction)
 }
 
-/// Where a point is over a face.
-fn over(body: &ConvexPolyhedron, face: u32, x: &Vector3<f64>, size: f64) -> Landing {
+/// Evaluates a point over a face: the squared height, or the boundary edge beyond which the point
+/// lies.
+fn height_over_face(body: &ConvexPolyhedron, face: u32, x: &Vector3<f64>, size: f64) -> Landing {
     let plane = &body.planes[face as usize];
     let face = Face {
         body,
         face,
         normal: &plane.normal,
     };
-    let (rim, corner) = face.beside(x, size);
-    match rim {
-        Rim::Outside(edge) => Landing::Beyond(edge),
+    let (location, corner) = face.locate(x, size);
+    match location {
+        FaceLocation::Outside(edge) => Landing::OutsideFace(edge),
         _ => {
             let height = plane.normal.dot(&(x - corner));
-            Landing::At(height * height)
+            Landing::SquaredDistance(height * height)
         }
     }
 }
 
-/// Newton's method: first along the lines alone, then in all variables. From where, how far apart that is, squared, and where it leads.
-fn closest(a: &Side, b: &Side) -> Option<(Four, f64, Four)> {
+/// Runs Newton's method, first along the lines alone, then in all variables. Returns the start, the
+/// squared distance there, and the end.
+fn newton(a: &Side, b: &Side) -> Option<(Four, f64, Four)> {
     let mut at = [0.0, 0.5, 0.0, 0.5];
     let lines = [false, a.has_lines(), false, b.has_lines()];
     let all = [a.is_curved(), lines[1], b.is_curved(), lines[3]];
     if lines[1] || lines[3] {
-        step(a, b, &mut at, lines)?;
+        newton_step(a, b, &mut at, lines)?;
     }
     let start = at;
-    let (before, mut by) = step(a, b, &mut at, all)?;
+    let (before, mut by) = newton_step(a, b, &mut at, all)?;
     for _ in 1..STEPS {
-        // The next would move by the square of it.
+        // The next step would be as short as the square of the last.
         if by >= CLOSE {
-            by = step(a, b, &mut at, all)?.1;
+            by = newton_step(a, b, &mut at, all)?.1;
         }
     }
     Some((start, before, at))
 }
 
-/// What counts of the difference, and the jets.
-type Difference = (Vector3<f64>, Jet, Jet);
+/// The relevant part of the difference of two points, and the derivatives of both.
+type Evaluation = (Vector3<f64>, Jet, Jet);
 
-fn difference(a: &Side, b: &Side, at: &Four) -> Difference {
+/// Evaluates both sides and their difference.
+fn evaluate(a: &Side, b: &Side, at: &Four) -> Evaluation {
     let (ja, jb) = (a.jet(at[0], at[1]), b.jet(at[2], at[3]));
-    (counting(a, b, &(ja.at - jb.at)), ja, jb)
+    (relevant(a, b, &(ja.point - jb.point)), ja, jb)
 }
 
-/// Over a face, only what is across it.
-fn counting(a: &Side, b: &Side, r: &Vector3<f64>) -> Vector3<f64> {
+/// Returns the relevant part of a vector: over a face, only the component along the normal.
+fn relevant(a: &Side, b: &Side, r: &Vector3<f64>) -> Vector3<f64> {
     match (a, b) {
         (Side::Face(_, [_, n]), _) | (_, Side::Face(_, [_, n])) => n * r.dot(n),
         _ => *r,
     }
 }
 
-/// One Newton step in the variables that are `free`: the squared length before it, and how far it goes in `x`.
-fn step(a: &Side, b: &Side, at: &mut Four, free: [bool; 4]) -> Option<(f64, f64)> {
-    let difference = difference(a, b, at);
-    // Far from the least distance the second derivatives may not be positive; the other ones always are.
-    let solved = system(a, b, at, &difference, free, true).solve();
-    let by = solved.or_else(|| system(a, b, at, &difference, free, false).solve())?;
+/// Takes a Newton step in the variables that are `free`. Returns the squared length before the
+/// step, and the length of the step in `x`.
+fn newton_step(a: &Side, b: &Side, at: &mut Four, free: [bool; 4]) -> Option<(f64, f64)> {
+    let evaluation = evaluate(a, b, at);
+    // Far from the least distance the second derivatives may not be positive; the damped ones
+    // always are.
+    let solved = newton_system(a, b, at, &evaluation, free, true).solve();
+    let by = solved.or_else(|| newton_system(a, b, at, &evaluation, free, false).solve())?;
     for k in 0..4 {
         let (low, high) = if k % 2 == 0 { (-REACH, REACH) } else { (0.0, 1.0) };
         at[k] = (at[k] + by[k]).clamp(low, high);
     }
-    Some((difference.0.norm_squared(), by[0].abs().max(by[2].abs())))
+    Some((evaluation.0.norm_squared(), by[0].abs().max(by[2].abs())))
 }
 
-/// The system of a step; of Newton's method if `curved`, else damped and certainly positive.
+/// Returns the linear system of a step: Newton's if `curved`, else damped and certainly positive
+/// definite.
 #[inline(always)]
-fn system(a: &Side, b: &Side, at: &Four, (r, ja, jb): &Difference, free: [bool; 4], curved: bool) -> System {
-    let mut of = System::default();
+fn newton_system(a: &Side, b: &Side, at: &Four, (r, ja, jb): &Evaluation, free: [bool; 4], curved: bool) -> System {
+    let mut system = System::default();
     let mut first = [Vector3::zeros(); 4];
     for i in 0..4 {
         if !free[i] {
@@ -413,29 +436,30 @@ fn system(a: &Side, b: &Side, at: &Four, (r, ja, jb): &Difference, free: [bool; 
         }
         let (jet, sign) = if i < 2 { (ja, 1.0) } else { (jb, -1.0) };
         let is_line = i % 2 == 1;
-        let d = counting(a, b, &(if is_line { jet.y } else { jet.x } * sign));
+        let d = relevant(a, b, &(if is_line { jet.dy } else { jet.dx } * sign));
         let downhill = -d.dot(r);
-        // At an end of the line and on beyond it; and nothing moves round an apex.
+        // Fixed: a variable that would leave the end of its line, and a position at an apex, which
+        // `x` does not move.
         let ends = is_line && (at[i] <= 0.0 && downhill < 0.0 || at[i] >= 1.0 && downhill > 0.0);
         if ends || d == Vector3::zeros() {
             continue;
         }
-        let n = of.len;
+        let n = system.len;
         let mut row = [0.0; 4];
         for k in 0..n {
             row[k] = d.dot(&first[k]);
         }
-        let bend = if is_line { 0.0 } else { sign * r.dot(&jet.xx) };
+        let bend = if is_line { 0.0 } else { sign * r.dot(&jet.dxx) };
         row[n] = if curved {
             d.norm_squared() + bend
         } else {
             (d.norm_squared() + bend.abs()) * (1.0 + DAMPING)
         };
-        if curved && is_line && n > 0 && of.of[n - 1] == i - 1 {
-            row[n - 1] += sign * r.dot(&jet.xy);
+        if curved && is_line && n > 0 && system.variables[n - 1] == i - 1 {
+            row[n - 1] += sign * r.dot(&jet.dxy);
         }
-        of.push(i, row, downhill);
+        system.push(i, row, downhill);
         first[n] = d;
     }
-    of
+    system
 }

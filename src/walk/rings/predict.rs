@@ -1,12 +1,14 @@
-//! Where the features of a moving body will be next.
+//! Prediction of the closest features of a moving body.
 //!
-//! On rims and fans of thousands of edges the features of a step are many corners from where they were, and in a motion that goes on
-//! evenly about as many as in the step before. To start there saves the leap (see [`leap`](super::leap)).
+//! On face boundaries and fans of thousands of edges the closest features move by many vertices per
+//! query, and in a steady motion by about as many as in the query before. A start at the predicted
+//! features saves the Newton jump (see [`newton_jump`](super::newton_jump)).
 
 use crate::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, Feature, FeaturePair, VertexId};
 use crate::walk::rings::curve::RingLocation;
 
-/// The pair as far beyond `now` as that is from `before`, each feature along its curve; the same feature where it is on none.
+/// Extrapolates the motion from `before` to `now`, each feature along its ring. A feature that is
+/// on no ring, or does not move, stays.
 #[cold]
 #[inline(never)]
 pub(crate) fn predict(
@@ -17,7 +19,10 @@ pub(crate) fn predict(
 ) -> FeaturePair {
     let next = |body: &ConvexPolyhedron, before: Feature, now: Feature| {
         let moves = body.has_bands && before != now && body.has(before);
-        moves.then(|| body.beyond(before, now)).flatten().unwrap_or(now)
+        moves
+            .then(|| body.extrapolate_feature(before, now))
+            .flatten()
+            .unwrap_or(now)
     };
     FeaturePair {
         a: next(a, before.a, now.a),
@@ -26,17 +31,18 @@ pub(crate) fn predict(
 }
 
 impl ConvexPolyhedron {
-    /// As far along a curve beyond `now` as that is from `before`.
-    fn beyond(&self, before: Feature, now: Feature) -> Option<Feature> {
-        let (RingLocation::Curve(ring, from) | RingLocation::Rib(ring, from)) = self.near(before)?;
-        let there = self.near(now)?;
-        let (RingLocation::Curve(band, to) | RingLocation::Rib(band, to)) = there;
-        let place = band.beyond(&ring, from, to)?;
-        Some(match (there, now) {
-            (RingLocation::Curve(..), Feature::Vertex(_)) => Feature::Vertex(VertexId(band.corner(place))),
-            (RingLocation::Curve(..), _) => Feature::Edge(EdgeId(band.edge(place))),
-            (RingLocation::Rib(..), Feature::Edge(_)) => Feature::Edge(EdgeId(band.rib(place)?)),
-            (RingLocation::Rib(..), _) => Feature::Face(FaceId(band.strip(place))),
+    /// Extrapolates the motion from `before` to `now` along a ring; `None` if the two features
+    /// share none.
+    fn extrapolate_feature(&self, before: Feature, now: Feature) -> Option<Feature> {
+        let (RingLocation::Ring(old_ring, from) | RingLocation::Spokes(old_ring, from)) = self.ring_location(before)?;
+        let location = self.ring_location(now)?;
+        let (RingLocation::Ring(ring, to) | RingLocation::Spokes(ring, to)) = location;
+        let index = ring.extrapolate(&old_ring, from, to)?;
+        Some(match (location, now) {
+            (RingLocation::Ring(..), Feature::Vertex(_)) => Feature::Vertex(VertexId(ring.vertex(index))),
+            (RingLocation::Ring(..), _) => Feature::Edge(EdgeId(ring.edge(index))),
+            (RingLocation::Spokes(..), Feature::Edge(_)) => Feature::Edge(EdgeId(ring.spoke(index)?)),
+            (RingLocation::Spokes(..), _) => Feature::Face(FaceId(ring.side_face(index))),
         })
     }
 }
