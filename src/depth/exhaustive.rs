@@ -1,10 +1,13 @@
-//! The last rung of the depth: every facet of the difference looked at, for small bodies thinner than rounding.
+//! Last stage of the depth: enumerates every facet of A - B, for small bodies thinner than
+//! rounding.
 //!
-//! Each facet of A - B is a face of A beside a vertex of B, a vertex of A beside a face of B, or two edges (Cameron and Culley
-//! 1986, "Determining the minimum translational distance between two convex polyhedra"). With the origin inside, the depth is
-//! the least of their heights, and any direction that is no facet's is no lower. Of the list, what may be the least stays: two edges
-//! whose faces leave no normal in common go by their signs, and a facet that is too high by its height in double-double. The
-//! rest is decided in exact arithmetic. No surface is needed, so nothing can fold.
+//! Each facet of A - B is a face of A with a vertex of B, a vertex of A with a face of B, or a pair
+//! of edges (Cameron and Culley 1986, "Determining the minimum translational distance between two
+//! convex polyhedra"). With the origin inside, the depth is the least facet height, and no
+//! direction other than a facet normal has a smaller height. The list keeps only candidates for the
+//! minimum: a pair of edges whose faces leave no common normal is dropped by signs, a facet too
+//! high by its height in double-double. The rest is decided in exact arithmetic. No surface is
+//! needed, so nothing can fold.
 
 use alloc::vec::Vec;
 
@@ -24,16 +27,17 @@ use crate::tolerance::{CERTIFICATE, EXACT_FILTER, NORMAL_ERROR};
 use crate::depth::facet::{edge, normal_of};
 use crate::pair::difference::support;
 
-/// Pairs of edges that are looked at: 2048 edges beside 2048.
+/// Most edge pairs tested: 2048 edges times 2048.
 const PAIRS: usize = 1 << 22;
 
-/// Pairs that are measured.
+/// Most feature pairs measured.
 const MEASURED: usize = 1 << 16;
 
-/// Looks at a vertex in double-double: some hundred milliseconds.
+/// Most vertex evaluations in double-double: some hundred milliseconds.
 const LOOKS: usize = 1 << 22;
 
-/// Settles the depth of bodies whose interiors meet; whether it could.
+/// Resolves the depth of bodies with intersecting interiors; returns whether the depth was
+/// resolved.
 pub(super) fn resolve_exactly(posed: &PosedPair, frame: &Transform<DoubleDouble>, outcome: &mut Outcome) -> bool {
     let Some(mut pairs) = facets(posed, frame) else {
         return false;
@@ -47,16 +51,17 @@ pub(super) fn resolve_exactly(posed: &PosedPair, frame: &Transform<DoubleDouble>
     exact::deepest(posed, &pairs, outcome)
 }
 
-/// Leaves those that may be the lowest as far as an arithmetic can tell.
+/// Keeps the pairs that may have the least height, as far as the arithmetic `T` can decide.
 fn thin_out<T: Scalar>(posed: &PosedPair, frame: &Transform<T>, pairs: &mut Vec<FeaturePair>) {
     let measured: Vec<(f64, f64)> = pairs.iter().map(|&pair| measure(posed, frame, pair)).collect();
     let least = measured.iter().fold(f64::INFINITY, |least, (_, most)| least.min(*most));
     let mut lowest = measured.iter().map(|(lower, _)| lower);
-    // Written so that NaN stays.
+    // NaN keeps the pair.
     pairs.retain(|_| !lowest.next().is_some_and(|lower| *lower > least));
 }
 
-/// All pairs of features that may span a facet; none where they are too many, or where a face stands for several that are not listed.
+/// Returns all feature pairs that may span a facet; `None` if there are too many, or if a stored
+/// face stands for several unlisted faces.
 fn facets(posed: &PosedPair, frame: &Transform<DoubleDouble>) -> Option<Vec<FeaturePair>> {
     let (a, b) = (posed.a, posed.b);
     let of_a = a.faces().map(|f| FeaturePair::vertex_face(Operand::B, 0, f.0));
@@ -88,25 +93,27 @@ fn facets(posed: &PosedPair, frame: &Transform<DoubleDouble>) -> Option<Vec<Feat
     Some(pairs)
 }
 
-/// Whether the corners of each face are in one plane, exactly.
+/// Returns whether the vertices of each face lie exactly in a common plane.
 fn has_flat_faces(body: &ConvexPolyhedron) -> bool {
     body.faces().all(|f| {
         let corner = |h: u32| body.points[body.topology.from(h) as usize];
         let start = body.topology.rim_start(f.0);
         let next = |h: u32| body.topology.half_edge(h).next;
         let [p, q] = [start, next(start)].map(corner);
-        // Three corners in line say nothing of the others.
+        // Tests p and q with both ends of every edge: three collinear vertices prove nothing.
         body.topology
             .rim(f.0)
             .all(|h| side(&p, &q, &corner(h), &corner(next(h))) == 0.0)
     })
 }
 
-/// Whether two edges may share a normal, in double-double: across both, the faces beside each must fall off.
+/// Returns whether two edges may share a normal, tested in double-double: along the common
+/// perpendicular of both edges, all adjacent faces must descend.
 fn may_share(posed: &PosedPair, frame: &Transform<DoubleDouble>, e: u32, g: u32) -> bool {
     let n = cross(&edge(posed.a, e), &frame.vector(&edge(posed.b, g)));
     let noise = 2.0 * CERTIFICATE * DoubleDouble::UNIT;
-    // Whether a face beside an edge certainly falls off along `n`, and whether one rises: by its corner after the edge.
+    // Returns whether a face adjacent to the edge certainly descends along `n`, and whether a face
+    // certainly rises, both judged by the face's vertex after the edge.
     let slopes = |body: &ConvexPolyhedron, h: u32, n: &Vec3<DoubleDouble>| {
         let t = &body.topology;
         let from = body.points[t.from(h) as usize];
@@ -120,23 +127,24 @@ fn may_share(posed: &PosedPair, frame: &Transform<DoubleDouble>, e: u32, g: u32)
     };
     let (falls_a, rises_a) = slopes(posed.a, e, &n);
     let (falls_b, rises_b) = slopes(posed.b, g, &frame.direction(&n));
-    // Along n, A falls off and B, which is taken off, rises; or the other way round.
+    // Along n, A must descend and the subtracted B must rise, or vice versa.
     !(rises_a || falls_b) || !(falls_a || rises_b)
 }
 
 impl Edge<'_> {
-    /// Whether some normal of the edge, between those of its faces, may be across `v`: not where `v` certainly rises along both
-    /// or falls along both.
+    /// Returns whether some normal of the edge, between the normals of the two faces, may be
+    /// perpendicular to `v`: false if `v` certainly rises along both face normals or certainly
+    /// falls along both.
     fn may_leave(&self, v: &nalgebra::Vector3<f64>) -> bool {
         let noise = EXACT_FILTER * v.abs().sum();
         let (left, right) = (v.dot(&self.left.normal), v.dot(&self.right.normal));
-        // Written so that NaN may.
+        // NaN returns true.
         !(left.min(right) > noise || left.max(right) < -noise)
     }
 }
 
-/// Between what the height of the difference along the normal of a facet is: it errs by its own rounding, and by L times the angle
-/// that the normal may be off.
+/// Returns lower and upper bounds of the support of A - B along the facet normal, covering rounding
+/// and L times the angular error of the normal.
 fn measure<T: Scalar>(posed: &PosedPair, frame: &Transform<T>, pair: FeaturePair) -> (f64, f64) {
     let (a, b) = pair.vertices_of(posed.a, posed.b);
     let on = difference_point(posed, frame, a, b);
@@ -154,7 +162,7 @@ fn measure<T: Scalar>(posed: &PosedPair, frame: &Transform<T>, pair: FeaturePair
     let error = rounding * posed.reach::<T>().whole() + off * posed.size();
     let along = |n| dot(&n, &support(posed, frame, &n, &on).w).value();
     let mut height = along(n);
-    // Of two edges this near to the origin it is not known which way the facet looks.
+    // If two edges pass this near the origin, the side the facet faces is unknown.
     if dot(&n, &on.w).value().abs() <= error {
         height = height.min(along(neg(&n)));
     }
@@ -185,7 +193,7 @@ mod tests {
         .into()
     }
 
-    /// The surface and the list of all facets have nothing in common but the bodies.
+    /// The surface and the list of all facets share nothing but the bodies.
     #[test]
     fn every_facet_looked_at_gives_the_depth_of_the_surface() {
         let (mut closed, mut exact) = (0, 0);

@@ -1,17 +1,31 @@
-//! A proof of the depth without growing: the deepest facet covers what the surface is short of.
+//! A proof of the depth without growing: the deepest facet covers for triangles slightly too low.
 //!
-//! A surface that was close to the border at one pose is a little beneath it at the next, and where faces lie upon faces it is
-//! so after any motion at all. Let its triangles be seen from behind, let `r` be the height of a facet F of the difference P along
-//! its normal `n`, and call *weak* the triangles that are not beyond `r`. Then P holds the ball of radius `r` about the origin if
-//! F holds a disc about its foot, `r n`, of the radius given below.
+//! A surface close to the boundary at one pose lies a little beneath the boundary at the next; if
+//! faces lie flush, any motion has this effect. Let the origin lie behind every triangle, let `r`
+//! be the height of a facet F of the difference P along the normal `n`, and call the triangles not
+//! beyond `r` *below target*. Then P contains the ball of radius `r` about the origin if F contains
+//! a disc about the foot `r n`, of the radius `rho` given below.
 //!
-//! Proof. Let `x` of the ball be none of P. The way from the origin to `x` leaves the surface at a point `y` of a triangle, which is weak,
-//! since `y` is nearer than `r`. For a unit vector `m` along which that triangle is `p` high at least, `y = a m + v` with `v` across `m`,
-//! `p <= a <= r` and `|v|^2 <= r^2 - p^2`. So `y` is no further from the axis along `n` than `r |m x n| + sqrt(r^2 - p^2)`, and `x`
-//! no further than `r / p` times that; `rho` is the largest such number. Where `m` is within sixty degrees of `n` and `rho` below half of
-//! every triangle's height, `y`, and so `x`, is above height zero along `n`: `n . y >= p / 2 - |v| sin 60`, and `|v| <= rho`. P holds
-//! `x` moved along `n` into F, whose disc has the radius `rho`, and `x` moved along `n` down to height zero, which is nearer to the
-//! origin than any triangle: and `x` between the two.
+//! ```text
+//!             n
+//!             ^
+//!   F ========+===x====   facet at height r, contains the disc of radius rho about r n
+//!             |  /
+//!      .______|_y____     triangle below target: at height p along m, p < r
+//!             |/      '
+//!             o           origin
+//! ```
+//!
+//! Proof. Let `x` be a point of the ball outside P. The segment from the origin to `x` leaves the
+//! surface at a point `y` of a triangle below target, since `y` is nearer than `r`. For a unit
+//! vector `m` along which the triangle is at least `p` high, `y = a m + v` with `v` perpendicular
+//! to `m`, `p <= a <= r` and `|v|^2 <= r^2 - p^2`. So the distance of `y` from the axis along `n`
+//! is at most `r |m x n| + sqrt(r^2 - p^2)`, and the distance of `x` at most `r / p` times as much;
+//! `rho` is the largest such number. If `m` is within sixty degrees of `n` and `rho` is below half
+//! of every triangle's height, then `y`, and so `x`, has positive height along `n`: `n . y >= p / 2
+//! - |v| sin 60`, and `|v| <= rho`. P contains the projection of `x` along `n` into F, whose disc
+//! has the radius `rho`, and the projection of `x` along `n` down to height zero, nearer to the
+//! origin than any triangle; hence P contains `x`, between the two.
 
 use nalgebra::Vector3;
 
@@ -27,11 +41,12 @@ use crate::depth::foot::{Witnesses, some_of};
 use crate::depth::result::Best;
 use crate::pair::difference::support;
 
-/// Exchanges of a corner on the way to the facet over the axis.
+/// Most vertex exchanges on the way to the facet pierced by the axis.
 const EXCHANGES: usize = 48;
 
-/// Three points of the facet that the axis pierces, from a triangle, counter-clockwise seen from outside, that it pierces; none where
-/// it does not. What `known` holds spares looking for points of the bodies.
+/// Returns three points of the facet pierced by `axis`, starting from a pierced triangle
+/// (counter-clockwise seen from outside); `None` if `axis` misses the triangle. Points in `known`
+/// spare support queries on the bodies.
 pub(super) fn pierced(
     posed: &PosedPair,
     frame: &Transform<f64>,
@@ -72,7 +87,8 @@ pub(super) fn pierced(
     None
 }
 
-/// The radius of the disc that the facet must hold; none where a weak triangle is too far beneath it or turned too far from it.
+/// Returns the radius of the disc that the facet must contain; `None` if a triangle below target is
+/// too far beneath the facet or turned too far from the facet normal.
 pub(super) fn radius(weak: impl Iterator<Item = [Vec3<f64>; 3]>, best: &Best<f64>, size: f64) -> Option<f64> {
     let margin = 2.0 * CERTIFICATE * UNIT * size;
     let r = best.height - AGREE_DEPTH * size;
@@ -80,7 +96,7 @@ pub(super) fn radius(weak: impl Iterator<Item = [Vec3<f64>; 3]>, best: &Best<f64
     for w in weak {
         let m = unit(&cross(&sub(&w[1], &w[0]), &sub(&w[2], &w[0])));
         let p = least(&m, &w) - margin;
-        // Comparisons are written so that NaN covers nothing.
+        // NaN proves nothing.
         if !(p > 0.0 && dot(&m, &best.normal) > 0.5) {
             return None;
         }
@@ -92,12 +108,14 @@ pub(super) fn radius(weak: impl Iterator<Item = [Vec3<f64>; 3]>, best: &Best<f64
     (rho < DISC_MOST * nearest).then_some(rho)
 }
 
-/// What a point of a facet may be off the height that is taken for it, within the [`AGREE_DEPTH`] that is left below that.
+/// Returns the largest accepted offset of a facet point from the facet's height, within the
+/// [`AGREE_DEPTH`] left below the height.
 fn play(posed: &PosedPair) -> f64 {
     0.25 * AGREE_DEPTH * posed.size()
 }
 
-/// Whether the facet, at its height but for rounding, holds the disc of that radius about its foot.
+/// Returns whether the facet, flat at its height up to rounding, contains the disc of radius `rho`
+/// about its foot.
 pub(super) fn holds_disc(
     posed: &PosedPair,
     facet: FeaturePair,
@@ -118,7 +136,7 @@ pub(super) fn holds_disc(
             let ([q0, q1], q) = (of_b.map(|q| posed.point_in_a(&q)), posed.point_in_a(&q));
             let lowest = n.dot(&p0).min(n.dot(&p1)) - n.dot(&q0).max(n.dot(&q1));
             let (across_a, across_b) = (n.cross(&(p1 - p0)), n.cross(&(q1 - q0)));
-            // From the sides of the parallelogram that are parallel to the one edge and to the other.
+            // Distances from the sides of the parallelogram parallel to either edge.
             let is_clear = |x: Vector3<f64>, across: &Vector3<f64>| across.dot(&x).abs() >= rho * across.abs().sum();
             lowest >= height - 2.0 * play(posed)
                 && is_clear(p - p0, &across_b)
@@ -130,7 +148,8 @@ pub(super) fn holds_disc(
     }
 }
 
-/// Whether a face holds a disc about a point in its plane, by all its corners or, of a large one, by some.
+/// Returns whether a face contains a disc about a point in its plane, tested against all face
+/// vertices or, if the face is large, against a sample.
 fn face_holds(body: &ConvexPolyhedron, f: u32, x: &Vector3<f64>, rho: f64, play: f64) -> bool {
     let (t, plane) = (&body.topology, &body.planes[f as usize]);
     let corner = |h: u32| body.points[t.from(h) as usize];
@@ -156,7 +175,8 @@ mod tests {
     use lab::rng::Rng;
     use nalgebra::{Isometry3, Point3, UnitQuaternion};
 
-    /// Of random triangles a little beneath a ball: where a ray through one leaves the ball is no further from the axis than told.
+    /// Random triangles a little beneath a ball: a ray through a triangle leaves the ball no
+    /// further from the axis than the returned radius.
     #[test]
     fn what_weak_triangles_lack_is_near_the_axis() {
         let mut rng = Rng::new(91);
@@ -200,7 +220,7 @@ mod tests {
         ConvexPolyhedron::from_points(&points).expect("a solid")
     }
 
-    /// B moved by a point of the disc still meets A: the point is one of the difference.
+    /// B moved by a vector of the disc still meets A: the vector is a point of A - B.
     #[test]
     fn a_facet_holds_the_disc_it_says() {
         let mut rng = Rng::new(92);

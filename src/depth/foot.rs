@@ -1,7 +1,7 @@
-//! The deepest points of an overlap, from the features of its deepest facet.
+//! The deepest points of an overlap, from the features of the deepest facet.
 //!
-//! Where a face lies upon a face, many pairs of points are deepest alike, and the vertex that names the facet may overhang: then others
-//! hold the witnesses ([`flush`]).
+//! If faces lie flush, many pairs of points are equally deep, and the vertex that names the facet
+//! may overhang the opposite face: then another feature pair has the witnesses ([`flush`]).
 
 use nalgebra::{Point3, Vector3};
 
@@ -13,14 +13,14 @@ use crate::polyhedron::{ConvexPolyhedron, Feature, FeaturePair};
 use crate::pose::Operand;
 use crate::tolerance::{AGREE_DEPTH, FOOT};
 
-/// Rims up to this long are tried edge by edge.
+/// Longest face boundaries tested edge against edge.
 const SMALL: usize = 8;
 
-/// A point of A and one of B, in their stored frames.
+/// A point of A and a point of B, in their stored frames.
 pub(super) type Witnesses = (Point3<f64>, Point3<f64>);
 
-/// The points that are `height` apart along the unit `normal`, A's ahead: where the
-/// features of a facet at that height hold such points.
+/// Returns a point of A and a point of B that differ by `height` along the unit `normal`, A's
+/// ahead; `None` if the features of the facet contain no such points.
 pub(super) fn foot(posed: &PosedPair, facet: FeaturePair, (normal, height): &(Vec3<f64>, f64)) -> Option<Witnesses> {
     let (ahead, close) = (Vector3::from(*normal) * *height, AGREE_DEPTH * posed.size());
     let (p, q) = match (facet.a, facet.b) {
@@ -40,8 +40,9 @@ pub(super) fn foot(posed: &PosedPair, facet: FeaturePair, (normal, height): &(Ve
     Some((p.into(), q.into()))
 }
 
-/// The same of faces flush on each other, one of which the facet names: by a corner of one over the other or, of small faces, by two
-/// rims that cross; and the features that hold them.
+/// Returns witnesses on two flush faces, the facet naming either face, and the features that
+/// contain the witnesses: a vertex of a face over the opposite face or, if both faces are small,
+/// two crossing edges.
 #[cold]
 pub(super) fn flush(
     posed: &PosedPair,
@@ -70,7 +71,8 @@ pub(super) fn flush(
     pairs.map(edges).find_map(stand)
 }
 
-/// The face at a vertex that is most across a direction; none of a body without faces.
+/// Returns the face at a vertex whose normal is closest to `outward`; `None` if the body has no
+/// faces.
 fn facing(body: &ConvexPolyhedron, v: u32, outward: &Vector3<f64>) -> Option<u32> {
     let t = &body.topology;
     let mut best = (0.0, None);
@@ -84,7 +86,7 @@ fn facing(body: &ConvexPolyhedron, v: u32, outward: &Vector3<f64>) -> Option<u32
     best.1
 }
 
-/// The half-edges of a face; some all round of a large one.
+/// Returns the half-edges of a face; of a large face, an evenly spaced sample.
 pub(super) fn some_of(body: &ConvexPolyhedron, f: u32) -> impl Iterator<Item = u32> + '_ {
     let t = &body.topology;
     let ring = t.ring(f);
@@ -95,7 +97,7 @@ pub(super) fn some_of(body: &ConvexPolyhedron, f: u32) -> impl Iterator<Item = u
     t.rim(f).take(whole).chain(spread)
 }
 
-/// Whether a point is on a face, or off it by no more than rounding.
+/// Returns whether a point lies on a face, or at most `close` off the face.
 fn is_on(body: &ConvexPolyhedron, f: u32, x: &Vector3<f64>, close: f64) -> bool {
     let (t, plane) = (&body.topology, &body.planes[f as usize]);
     let inside = |h: u32| {
@@ -103,7 +105,7 @@ fn is_on(body: &ConvexPolyhedron, f: u32, x: &Vector3<f64>, close: f64) -> bool 
         let u = to - from;
         plane.normal.cross(&u).dot(&(x - from)) >= -close * u.abs().sum()
     };
-    // Written so that NaN is outside.
+    // NaN is outside.
     if !((plane.normal.dot(x) - plane.offset).abs() <= close) {
         return false;
     }
@@ -120,7 +122,7 @@ fn is_on(body: &ConvexPolyhedron, f: u32, x: &Vector3<f64>, close: f64) -> bool 
     }
 }
 
-/// The points of two edges that differ by `ahead`.
+/// Returns the points of two edges that differ by `ahead`.
 fn crossing(
     posed: &PosedPair,
     e: u32,
@@ -140,7 +142,7 @@ fn crossing(
     // gap + s u - t v = 0, multiplied by v and by u.
     let s = (-gap.cross(&v).dot(&c) / squared).clamp(0.0, 1.0);
     let t = (-gap.cross(&u).dot(&c) / squared).clamp(0.0, 1.0);
-    // Parallel edges have no such numbers: NaN, or a rest.
+    // For parallel edges s and t do not exist: NaN, or a residual.
     let rest = gap + u * s - v * t;
     (rest.norm_squared() <= close * close).then(|| (p0 + u * s, q0 + (q1 - q0) * t))
 }

@@ -1,7 +1,7 @@
-//! What a tracker keeps of an overlap: the surface by the names of its points, and the deepest facet.
+//! Cached state of an overlap: the surface as vertex pairs, and the deepest facet.
 //!
-//! Points of the difference are vertex pairs, and stay points of it whatever the pose, so a surface of them may be taken up again at
-//! any other ([`resume`](mod@crate::depth::resume)).
+//! Points of A - B are vertex pairs and remain points of A - B at every pose, so a surface on such
+//! points can be resumed at any pose ([`resume`](mod@crate::depth::resume)).
 
 use alloc::boxed::Box;
 use alloc::vec::Vec;
@@ -12,42 +12,44 @@ use crate::polyhedron::FeaturePair;
 
 use crate::depth::surface::Surface;
 
-/// Triangles that are worth their memory: their numbers fit a byte.
+/// Most triangles worth caching: a triangle index fits in a byte.
 pub(super) const MOST: usize = 256;
 
-/// Points of so many triangles.
+/// Most points of a cached surface: a closed surface of `MOST` triangles has no more.
 pub(super) const MOST_POINTS: usize = MOST / 2 + 2;
 
-/// Triangles a surface may gain before it is built afresh, beside those it was built with.
+/// Triangles a surface may gain, beyond twice its initial number, before it is built afresh.
 const GAIN: usize = 24;
 
-/// A closed surface without places: each edge of a triangle is the reverse of one of its neighbour.
+/// A closed surface without coordinates: each edge of a triangle is the reverse of an edge of the
+/// adjacent triangle.
 #[derive(Clone, Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(from = "Raw"))]
 pub(crate) struct Memory {
-    /// A vertex of each body.
+    /// Vertex of A and vertex of B of each point.
     pub(super) points: Vec<[u32; 2]>,
-    /// Three corners, and the triangle across the edge from corner k to corner k + 1.
+    /// Three point indices, then the triangle across the edge from vertex k to vertex k + 1.
     pub(super) triangles: Vec<[u8; 6]>,
-    /// The features of the deepest facet.
+    /// Features of the deepest facet.
     pub(super) facet: Option<FeaturePair>,
-    /// The features that held the witnesses last, where they are not those.
+    /// Features of the last witnesses, if different from `facet`.
     pub(super) stand: Option<FeaturePair>,
-    /// With how many triangles it was built.
+    /// Number of triangles when the surface was built.
     pub(super) built: u32,
-    /// Where surfaces grow, from the first overlap on: no part of what is remembered.
+    /// Working memory, allocated at the first overlap; not part of the cached state.
     #[cfg_attr(feature = "serde", serde(skip))]
     room: Option<Box<Room>>,
 }
 
-/// The features of the deepest facet, those that held the witnesses, with how many triangles it was built, its points, and its triangles.
+/// Features of the deepest facet, features of the witnesses, initial number of triangles, points,
+/// and triangles.
 type Parts<'a> = (FeaturePair, Option<FeaturePair>, u32, &'a [[u32; 2]], &'a [[u8; 6]]);
 
-/// Lists that keep what they have taken.
+/// Buffers that keep their allocation between queries.
 #[derive(Clone, Debug)]
 pub(super) struct Room {
     pub(super) surface: Surface<f64>,
-    /// Triangles where it must grow.
+    /// Triangles below the target height, at which the surface must grow.
     pub(super) weak: Vec<u32>,
 }
 
@@ -57,7 +59,7 @@ impl PartialEq for Memory {
     }
 }
 
-/// The same as it comes from a file: it need not be closed.
+/// Cached surface as deserialized: not yet known to be closed.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize))]
 pub(crate) struct Raw {
@@ -70,7 +72,7 @@ pub(crate) struct Raw {
 }
 
 impl From<Raw> for Memory {
-    /// Nothing, where it is no surface.
+    /// Returns an empty cache if the data is no closed surface.
     fn from(raw: Raw) -> Self {
         if !raw.is_closed() {
             return Self::default();
@@ -106,7 +108,7 @@ impl Raw {
 }
 
 impl Memory {
-    /// Takes room for the largest surface that is kept.
+    /// Allocates for the largest surface that is cached.
     pub(crate) fn reserve(&mut self) {
         self.points.reserve(MOST_POINTS);
         self.triangles.reserve(MOST);
@@ -116,7 +118,7 @@ impl Memory {
         });
     }
 
-    /// Does what needs room.
+    /// Runs `work` with the working memory, allocated if absent.
     pub(super) fn within<R>(&mut self, work: impl FnOnce(&mut Self, &mut Room) -> R) -> R {
         let mut room = self.room.take().unwrap_or_else(|| {
             Box::new(Room {
@@ -129,7 +131,7 @@ impl Memory {
         result
     }
 
-    /// Forgets the surface, not its room.
+    /// Forgets the surface and keeps the allocations.
     pub(crate) fn clear(&mut self) {
         self.points.clear();
         self.triangles.clear();
@@ -137,12 +139,12 @@ impl Memory {
         self.built = 0;
     }
 
-    /// Triangles kept.
+    /// Returns the number of cached triangles.
     pub(crate) fn facets(&self) -> usize {
         self.triangles.len()
     }
 
-    /// Bytes on the heap.
+    /// Returns the allocated bytes on the heap.
     pub(crate) fn heap_bytes(&self) -> usize {
         self.points.capacity() * size_of::<[u32; 2]>()
             + self.triangles.capacity() * size_of::<[u8; 6]>()
@@ -151,24 +153,24 @@ impl Memory {
             })
     }
 
-    /// Whether there is nothing to begin with.
+    /// Returns whether the cache holds no facet to resume from.
     #[inline(always)]
     pub(crate) fn is_empty(&self) -> bool {
         self.facet.is_none()
     }
 
-    /// What is remembered, if anything.
+    /// Returns the cached parts; `None` if the cache is empty.
     pub(crate) fn parts(&self) -> Option<Parts<'_>> {
         Some((self.facet?, self.stand, self.built, &self.points, &self.triangles))
     }
 
-    /// The three corners of a triangle.
+    /// Returns the three point indices of a triangle.
     pub(super) fn corners(&self, t: u32) -> [usize; 3] {
         let [i, j, k, ..] = self.triangles[t as usize];
         [i, j, k].map(usize::from)
     }
 
-    /// Makes the surface to work on the one that is remembered, at its places.
+    /// Loads the cached surface, with the points at `positions`, into the working memory.
     pub(super) fn recall(&self, room: &mut Room, places: &[Vec3<f64>], enough: f64) {
         let surface = &mut room.surface;
         surface.clear(enough);
@@ -184,7 +186,8 @@ impl Memory {
         }
     }
 
-    /// Keeps the facet and, if it is small and has not outgrown the one it came from, the surface worked on.
+    /// Caches the facet and also the surface, if the surface is small and has not outgrown its
+    /// initial number of triangles.
     pub(super) fn keep(&mut self, surface: &Surface<f64>, facet: FeaturePair, built: Option<u32>) {
         self.clear();
         self.facet = Some(facet);
@@ -193,7 +196,7 @@ impl Memory {
         if count > MOST || surface.points.len() > MOST || count > 2 * built as usize + GAIN {
             return;
         }
-        // Points that no triangle uses any more are left behind.
+        // Drops points no triangle uses any more.
         let mut place = [u8::MAX; MOST];
         for (corners, beside) in surface.names() {
             let mut t = [0; 6];

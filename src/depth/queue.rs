@@ -1,8 +1,8 @@
-//! Triangles by their bounds, the least first.
+//! Priority queue of triangles by lower bound, the least first.
 
 use alloc::vec::Vec;
 
-/// A triangle and what its bound was.
+/// A triangle with its bound at the time of insertion.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Entry {
     pub(super) bound: f64,
@@ -10,13 +10,13 @@ pub(super) struct Entry {
 }
 
 impl Entry {
-    /// The least bound is first; among equals the lower number.
+    /// Orders by bound; equal bounds by triangle number.
     fn is_before(&self, o: &Self) -> bool {
         self.bound < o.bound || (self.bound == o.bound && self.triangle < o.triangle)
     }
 }
 
-/// A binary heap.
+/// Binary heap of triangles, the least bound at the root.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Queue {
     entries: Vec<Entry>,
@@ -27,7 +27,7 @@ impl Queue {
         self.entries.reserve(entries);
     }
 
-    /// Bytes on the heap.
+    /// Returns the allocated bytes on the heap.
     pub(super) fn heap_bytes(&self) -> usize {
         self.entries.capacity() * size_of::<Entry>()
     }
@@ -50,7 +50,7 @@ impl Queue {
         }
     }
 
-    /// Drops the first.
+    /// Removes the first entry.
     pub(super) fn pop(&mut self) {
         if self.entries.is_empty() {
             return;

@@ -1,4 +1,4 @@
-//! What a search finds.
+//! The result of a search.
 
 use crate::num::scalar::{Scalar, Vec3};
 use crate::pair::difference::MinkowskiPoint;
@@ -11,30 +11,30 @@ use crate::depth::foot::Witnesses;
 pub(super) enum End {
     /// Both bounds agree.
     Closed,
-    /// Rounding hides what to do next.
+    /// Rounding hides the next step.
     Stuck,
-    /// The surface has as many triangles as it may.
+    /// The surface reached its triangle limit.
     Full,
 }
 
-/// What a search proves and where it ended.
+/// Proven bounds and final state of a search.
 pub(super) struct Found<T> {
     pub(super) end: End,
-    /// The best unit direction and the height of the difference along it.
+    /// Best unit direction and the support of A - B along the direction.
     pub(super) normal: Vec3<T>,
     pub(super) height: T,
-    /// No point outside the difference is nearer to the origin; zero where nothing is known.
+    /// Every point outside A - B is at least this far from the origin; zero if nothing is known.
     pub(super) radius: T,
-    /// The triangle that holds the deepest point, or one of the facet.
+    /// Triangle that contains the deepest point, or a triangle of the facet.
     pub(super) corners: [MinkowskiPoint<T>; 3],
-    /// The deepest points of A and of B in their stored frames.
+    /// Deepest points of A and of B in their stored frames.
     pub(super) witnesses: Option<Witnesses>,
     pub(super) features: Option<FeaturePair>,
-    /// Points the surface took in.
+    /// Number of points added to the surface.
     pub(super) grown: u32,
 }
 
-/// A direction, its height, and the features it comes from.
+/// A direction, the support along the direction, and the features it comes from.
 #[derive(Clone, Copy)]
 pub(super) struct Best<T> {
     pub(super) normal: Vec3<T>,
@@ -43,7 +43,7 @@ pub(super) struct Best<T> {
 }
 
 impl<T: Scalar> Best<T> {
-    /// Normal and height in f64.
+    /// Returns normal and height rounded to f64.
     pub(super) fn rounded(&self) -> (Vec3<f64>, f64) {
         (self.normal.map(Scalar::value), self.height.value())
     }

@@ -1,9 +1,10 @@
-//! The depth from the surface of the last answer.
+//! Resumes the depth from the surface of the previous answer.
 //!
-//! Taken up at another pose, a surface on points of the difference is as good a proof as any, once it is known to be about the
-//! origin. It is if it is closed and every triangle is seen from behind (each ray then meets only triangles that count one way). Where
-//! all of them are beyond the facet, the depth is proven in one pass, or by the facet itself where that covers the others
-//! ([`cover`](super::cover)); else it grows; a surface that has folded is dropped.
+//! A cached surface remains a valid certificate at a new pose if the surface still encloses the
+//! origin. A closed surface does if the origin lies behind every triangle, since every ray from the
+//! origin then crosses the surface outward only. If every triangle is beyond the facet, the depth
+//! is proven in a single pass; if the facet covers the triangles below target, by the facet itself
+//! ([`facet_disc`](super::facet_disc)); else the surface grows. A folded surface is dropped.
 
 use crate::num::scalar::{Vec3, sub};
 use crate::pair::difference::MinkowskiPoint;
@@ -22,13 +23,15 @@ use crate::depth::search::{Search, search};
 use crate::depth::take;
 use crate::depth::verify_surface::{Pass, pass};
 
-/// Points for which a small list is enough.
+/// Most points of a small surface, whose positions fit the smaller array.
 const FEW_POINTS: usize = 34;
 
-/// So few weak triangles are those of a facet next to the last one.
+/// Most triangles below target for which their facets are tried: a few belong to a facet next to
+/// the last deepest facet.
 const FEW_WEAK: usize = 2;
 
-/// The depth from the surface of the last answer; nothing is said of bodies that it no longer proves to overlap.
+/// Resumes the depth from the cached surface. Returns false, with no statement about the bodies, if
+/// the surface no longer proves an overlap.
 pub(crate) fn resume(posed: &PosedPair, memory: &mut Memory, outcome: &mut Outcome) -> bool {
     let Some(facet) = memory.facet.filter(|f| f.is_of(posed.a, posed.b)) else {
         return false;
@@ -53,7 +56,7 @@ pub(crate) fn resume(posed: &PosedPair, memory: &mut Memory, outcome: &mut Outco
     })
 }
 
-/// The same, of a surface of up to `N` points.
+/// Resumes from a cached surface of at most `N` points.
 fn resume_among<const N: usize>(
     posed: &PosedPair,
     frame: &Transform<f64>,
@@ -93,7 +96,7 @@ fn resume_among<const N: usize>(
     }
 }
 
-/// What is found where every triangle is beyond the facet.
+/// Returns the result if every triangle is beyond the facet.
 #[inline(always)]
 fn stand(
     posed: &PosedPair,
@@ -115,7 +118,7 @@ fn stand(
     }
 }
 
-/// Grows the surface where it is short of the facet; whether it closed.
+/// Grows the surface at the triangles below target; returns whether the search closed.
 fn grow(
     posed: &PosedPair,
     frame: &Transform<f64>,
@@ -138,7 +141,7 @@ fn grow(
     true
 }
 
-/// From the features of the facet instead of a surface that has folded.
+/// Searches again from the features of the facet, instead of from a folded surface.
 fn begin_anew(
     posed: &PosedPair,
     frame: &Transform<f64>,
@@ -157,7 +160,7 @@ fn begin_anew(
     }
 }
 
-/// What is found where every triangle is beyond the facet and the facet holds the deepest points.
+/// Returns the result if every triangle is beyond the facet and the facet has witnesses.
 fn proven(best: &Best<f64>, witnesses: Witnesses, size: f64) -> Found<f64> {
     Found {
         end: End::Closed,
@@ -180,8 +183,8 @@ fn answer(posed: &PosedPair, found: &Found<f64>, outcome: &mut Outcome) {
 }
 
 impl Best<f64> {
-    /// Tries the facets that triangles of three points, as vertices of A and of B, may lie in; whether the difference is lower along
-    /// one of them.
+    /// Tries the facets that may contain triangles, each given by three vertices of A and of B;
+    /// returns whether the support along a facet normal is lower.
     fn lower(
         &mut self,
         posed: &PosedPair,
@@ -203,21 +206,23 @@ impl Best<f64> {
 }
 
 impl Memory {
-    /// Tries the facets of the weak triangles, if they are few; whether the difference is lower along one of them.
+    /// Tries the facets of the triangles below target if there are few; returns whether the support
+    /// along a facet normal is lower.
     fn lower_beside(&self, posed: &PosedPair, frame: &Transform<f64>, weak: &[u32], best: &mut Best<f64>) -> bool {
         let corners = weak.iter().map(|t| self.corners(*t));
         let names = corners.map(|at| [0, 1].map(|side| at.map(|k| self.points[k][side])));
         weak.len() <= FEW_WEAK && best.lower(posed, frame, names)
     }
 
-    /// The radius of the disc that covers what the weak triangles are short of, if it is worth a try.
+    /// Returns the radius of the disc that covers for the triangles below target, if worth a try.
     fn disc(&self, weak: &[u32], places: &[Vec3<f64>], best: &Best<f64>, size: f64) -> Option<f64> {
         let triangles = weak.iter().map(|t| self.corners(*t).map(|k| places[k]));
         radius(triangles, best, size)
     }
 
-    /// Makes the facet over the weak triangles the best, if that is lower; the witnesses on the best where it covers what they are
-    /// short of. What is beyond the old height is beyond a lower one, so no other triangle counts.
+    /// Makes the facet over the triangles below target the best if its support is lower. Returns
+    /// the witnesses on the best facet if the facet covers for the triangles below target. A
+    /// triangle beyond the old height is beyond a lower height, so no further triangle matters.
     fn cover(
         &self,
         posed: &PosedPair,
@@ -243,7 +248,8 @@ impl Memory {
         holds_disc(posed, facet, &witnesses, &at, rho).then_some(witnesses)
     }
 
-    /// Takes over the deepest facet, and finds features that hold the witnesses: mostly its own.
+    /// Makes the deepest facet the current facet and returns features with witnesses: mostly the
+    /// facet's own.
     #[inline(always)]
     fn stand(&mut self, posed: &PosedPair, best: &Best<f64>) -> Option<(FeaturePair, Witnesses)> {
         let (facet, at) = (best.features?, best.rounded());
@@ -256,7 +262,8 @@ impl Memory {
         self.stand_elsewhere(posed, facet, &at)
     }
 
-    /// The features of the last answer, the facet's own or, of faces flush on each other, others.
+    /// Returns witnesses on the features of the previous answer, on the facet's own or, if faces
+    /// lie flush, on another feature pair.
     #[cold]
     #[inline(never)]
     fn stand_elsewhere(
@@ -271,7 +278,7 @@ impl Memory {
         let (features, witnesses) = old.and_then(held).or_else(own)?;
         let face = |f: &FeaturePair| [f.a, f.b].into_iter().find(|x| x.dimension() == 2);
         let is_same = face(&features).is_some() && face(&features) == face(&facet);
-        // Another vertex on the same face names the same facet.
+        // A different vertex on the same face names the same facet.
         if is_same && (features.a.dimension() == 2) == (facet.a.dimension() == 2) {
             self.facet = Some(features);
         } else {

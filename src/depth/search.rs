@@ -1,4 +1,5 @@
-//! The search for the deepest facet: a surface grown at its nearest triangle until that is known to lie on the border.
+//! Search for the deepest facet: grows a surface at the nearest triangle until the triangle is
+//! proven to lie on the boundary of A - B.
 
 use crate::minimum::gjk::{Minimum, solve};
 use crate::minimum::simplex::Simplex;
@@ -16,14 +17,14 @@ use crate::depth::facet::{facets, height_of, normal_of};
 use crate::depth::result::{Best, End, Found};
 use crate::depth::surface::{Filter, Surface};
 
-/// Points that may come twice before a surface counts as folded.
+/// Repeated points after which a surface counts as folded.
 const REPEATS: u32 = 16;
 
-/// A surface on its way to the deepest facet.
+/// A surface on the way to the deepest facet.
 pub(super) struct Search<'a, T: Scalar> {
     pub(super) posed: &'a PosedPair<'a>,
     frame: Transform<T>,
-    /// Whether B is shifted off its place.
+    /// Whether B is perturbed off its pose.
     is_shifted: bool,
     pub(super) surface: &'a mut Surface<T>,
     filter: Filter<T>,
@@ -33,8 +34,8 @@ pub(super) struct Search<'a, T: Scalar> {
     repeats: u32,
 }
 
-/// Searches from the features of an overlap, about the origin or, one after the other, points shifted off it. The best that
-/// was found where none closes; where one does, `surface` is its.
+/// Searches from the features of an overlap, about the origin or, in turn, about perturbed points.
+/// Returns the best result if no search closes; if a search closes, `surface` is its surface.
 pub(super) fn search<T: Scalar>(
     posed: &PosedPair,
     frame: &Transform<T>,
@@ -61,7 +62,8 @@ pub(super) fn search<T: Scalar>(
     found.map(|f| Found { grown, ..f })
 }
 
-/// What a solver knows of an origin that it cannot tell from the border: a direction and its height.
+/// Returns the result when GJK cannot decide whether the origin is inside: the last direction and
+/// the support along the direction, an upper bound of the depth.
 fn flat<T: Scalar>(posed: &PosedPair, frame: &Transform<T>, simplex: &Simplex<T>, toward: &Vec3<T>) -> Found<T> {
     let zero = T::from(0.0);
     let n = unit(&neg(toward));
@@ -75,7 +77,7 @@ fn flat<T: Scalar>(posed: &PosedPair, frame: &Transform<T>, simplex: &Simplex<T>
         height,
         radius: zero,
         corners: core::array::from_fn(|k| simplex.kept()[k.min(simplex.len() - 1)]),
-        // No points of the border, but ones that nearly coincide.
+        // Not boundary points of A - B, but nearly coincident points.
         witnesses: (simplex.reach() <= T::from(AGREE_DEPTH * posed.size())).then(|| witnesses(posed, simplex)),
         features: None,
         grown: 0,
@@ -83,8 +85,9 @@ fn flat<T: Scalar>(posed: &PosedPair, frame: &Transform<T>, simplex: &Simplex<T>
 }
 
 impl<'a, T: Scalar> Search<'a, T> {
-    /// From the tetrahedron that proves a point beside the origin inside; without one, what the solver found instead:
-    /// of a point outside, a direction along which the origin is not deeper than the shift.
+    /// Starts from the tetrahedron that proves a perturbed origin to be inside. Without a
+    /// tetrahedron, returns the solver's result: if the point is outside, a direction along which
+    /// the origin is at most as deep as the perturbation.
     fn about(
         posed: &'a PosedPair<'a>,
         frame: &Transform<T>,
@@ -127,7 +130,7 @@ impl<'a, T: Scalar> Search<'a, T> {
         }
     }
 
-    /// From a surface that is about the origin, and a direction.
+    /// Continues from a surface that encloses the origin, and a direction.
     pub(super) fn resumed(
         posed: &'a PosedPair<'a>,
         frame: &Transform<T>,
@@ -139,7 +142,8 @@ impl<'a, T: Scalar> Search<'a, T> {
         search
     }
 
-    /// Of a surface of which every triangle is known to be beyond `radius`, as far as the best direction.
+    /// Returns the result for a surface whose triangles are all known to be beyond `radius`, up to
+    /// the best direction.
     pub(super) fn stands(&mut self, radius: T) -> Found<T> {
         Found {
             radius,
@@ -147,24 +151,25 @@ impl<'a, T: Scalar> Search<'a, T> {
         }
     }
 
-    /// Takes the direction if it is the best: triangles as far as it is high are then beyond doubt.
+    /// Keeps the direction if its support is the lowest so far: triangles beyond the support then
+    /// need no further work.
     fn improve(&mut self, b: Best<T>) {
-        // No direction has no height; NaN is no better than anything.
+        // A zero vector has no support; NaN is never better.
         if dot(&b.normal, &b.normal).value() > 0.5 && self.best.is_none_or(|best| b.height < best.height) {
             self.surface.expect(b.height - self.open(T::UNIT));
             self.best = Some(b);
         }
     }
 
-    /// How far height and bound may be apart, for the rounding of an arithmetic.
+    /// Returns the accepted gap between support and bound, for the rounding of an arithmetic.
     fn open(&self, rounding: f64) -> T {
         T::from(AGREE_DEPTH / UNIT * rounding) * self.size
     }
 
-    /// Grows until the ball about the shifted point holds the origin, then about the origin.
+    /// Grows until the ball about the perturbed point contains the origin, then about the origin.
     pub(super) fn run(&mut self, frame: &Transform<T>, shift: f64) -> Found<T> {
         if shift != 0.0 {
-            // ASIDE is no longer than one.
+            // The length of ASIDE is at most one.
             let reached = self.grow(Some(
                 T::from(shift.abs()) * self.size + self.filter.margin + self.filter.margin,
             ));
@@ -186,14 +191,15 @@ impl<'a, T: Scalar> Search<'a, T> {
         self.end(end, true)
     }
 
-    /// Whether the bounds agree as well as they have to, though they might do better in a finer arithmetic.
+    /// Returns whether the bounds agree as closely as required, though a finer arithmetic might
+    /// improve them.
     fn is_good(&mut self) -> bool {
         let bound = self.bound();
         self.best
             .is_some_and(|b| b.height - bound <= T::from(AGREE_DEPTH * self.posed.size()))
     }
 
-    /// What every triangle is beyond.
+    /// Returns the height that every triangle is beyond.
     fn bound(&mut self) -> T {
         match self.surface.weakest() {
             Some(t) => self.surface.triangles[t as usize].bound,
@@ -206,7 +212,8 @@ impl<'a, T: Scalar> Search<'a, T> {
         self.surface.triangles.len() > 64 * vertices + 1024
     }
 
-    /// Grows the surface: whether every triangle came to be beyond `goal` or, without one, the bounds agree.
+    /// Grows the surface; returns whether every triangle is beyond `goal` or, without a goal,
+    /// whether the bounds agree.
     fn grow(&mut self, goal: Option<T>) -> bool {
         while !self.is_full() {
             let Some(t) = self.surface.weakest() else {
@@ -219,7 +226,7 @@ impl<'a, T: Scalar> Search<'a, T> {
             if self.best.is_some_and(|b| self.surface.raise(t, &b.normal)) {
                 continue;
             }
-            // Comparisons are written so that NaN ends the search.
+            // NaN ends the search.
             if !(bound > self.filter.margin) {
                 return false;
             }
@@ -239,8 +246,9 @@ impl<'a, T: Scalar> Search<'a, T> {
         false
     }
 
-    /// A point outside the plane of a triangle, so that the surface stays convex: the one found or, where that was along a
-    /// direction from elsewhere and is not, the highest along the normal.
+    /// Returns a point outside the plane of a triangle, which keeps the surface convex: `top` or,
+    /// if `top` was found along a foreign direction and lies inside, the support point along the
+    /// normal.
     fn in_sight(&mut self, t: u32, top: MinkowskiPoint<T>) -> MinkowskiPoint<T> {
         if self.surface.sees(t, &top.w, &self.filter) {
             return top;
@@ -257,7 +265,7 @@ impl<'a, T: Scalar> Search<'a, T> {
         }
     }
 
-    /// Counts points that are there already.
+    /// Counts points already on the surface; returns whether repeats are still few.
     fn is_worth(&mut self, c: &MinkowskiPoint<T>) -> bool {
         if self.surface.knows(c) {
             self.repeats += 1;
@@ -265,7 +273,8 @@ impl<'a, T: Scalar> Search<'a, T> {
         self.repeats < REPEATS
     }
 
-    /// The highest point of the difference along a unit direction; the direction is kept if it is the best.
+    /// Returns the support point of A - B along a unit direction, and keeps the direction if the
+    /// best.
     fn probe(&mut self, t: u32, n: &Vec3<T>) -> MinkowskiPoint<T> {
         let top = support(self.posed, &self.frame, n, &self.surface.corners(t)[0]);
         self.improve(Best {
@@ -276,7 +285,8 @@ impl<'a, T: Scalar> Search<'a, T> {
         top
     }
 
-    /// Tries the facets that the triangle may lie in; whether the normal of one of them raises its bound.
+    /// Tries the facets that may contain the triangle; returns whether a facet normal raised the
+    /// bound.
     fn probe_facets(&mut self, t: u32) -> bool {
         let corners = self.surface.corners(t);
         let mut raised = false;
@@ -295,7 +305,8 @@ impl<'a, T: Scalar> Search<'a, T> {
         raised
     }
 
-    /// The normal of a facet that holds `on`, and the height along it: by the planes of the bodies where those are where they belong.
+    /// Returns the normal of a facet that contains `on`, and the support along the normal: from the
+    /// face planes if the arithmetic is f64 and B is not perturbed.
     fn height_of(&self, facet: FeaturePair, on: &MinkowskiPoint<T>) -> Option<(Vec3<T>, T)> {
         if T::UNIT == UNIT && !self.is_shifted {
             let (n, height) = height_of(self.posed, &Transform::of(self.posed), facet)?;
@@ -305,7 +316,7 @@ impl<'a, T: Scalar> Search<'a, T> {
         Some((n, dot(&n, &support(self.posed, &self.frame, &n, on).w)))
     }
 
-    /// What is known; `winds` if the surface is about the origin.
+    /// Returns the final result; `winds` must be true only if the surface encloses the origin.
     fn end(&mut self, end: End, winds: bool) -> Found<T> {
         let zero = T::from(0.0);
         let weakest = self.surface.weakest();

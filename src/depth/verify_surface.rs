@@ -1,4 +1,4 @@
-//! One look at every triangle of a remembered surface, without roots or divisions.
+//! Single-pass verification of a cached surface at a new pose, without roots or divisions.
 
 use alloc::vec::Vec;
 
@@ -11,26 +11,26 @@ use crate::num::scalar::{Vec3, cross, dot, sub};
 use crate::pair::difference::MinkowskiPoint;
 use crate::tolerance::{AGREE_DEPTH, CERTIFICATE, ORIENTATION, UNIT};
 
-/// What one pass over the surface shows.
+/// Result of the verification.
 pub(super) enum Pass {
-    /// About the origin, and every triangle beyond the facet: the depth is proven.
+    /// The surface encloses the origin and every triangle is beyond the facet: the depth is proven.
     Stands,
-    /// About the origin.
+    /// The surface encloses the origin.
     About,
     Folded,
 }
 
-/// What triangles are held to.
+/// Requirements on a triangle.
 struct Goal<'a> {
     best: &'a Best<f64>,
-    /// How far off a triangle has to be.
+    /// Required distance of a triangle from the origin.
     height: f64,
-    /// Heights above this are certainly positive.
+    /// Heights above `margin` are certainly positive.
     margin: f64,
     noise: f64,
 }
 
-/// Looks at two triangles at a time. Those not beyond the facet go on the list of the weak.
+/// Verifies two triangles at a time by SIMD and lists the triangles below target in `weak`.
 pub(super) fn pass(
     triangles: &[[u8; 6]],
     places: &[Vec3<f64>],
@@ -55,7 +55,7 @@ pub(super) fn pass(
             core::array::from_fn(|axis| f64x2::new([p[axis], q[axis]]))
         });
         let (n, edges) = normals(&w);
-        // All corners are as high along n as the first, but for rounding.
+        // All vertices are as high along n as the first, up to rounding.
         let low = inner(&n, &w[0]) - noise * edges;
         let is_beyond = low.simd_gt(zero) & (low * low).simd_ge(squared_goal * inner(&n, &n));
         if is_deep && is_beyond.all() {
@@ -72,7 +72,8 @@ pub(super) fn pass(
     if weak.is_empty() { Pass::Stands } else { Pass::About }
 }
 
-/// The normals of two triangles, as long as their areas twice, and the sums of the squares of two edges.
+/// Returns the normals of two triangles, of twice the triangle's area, and the sums of two squared
+/// edge lengths.
 #[inline(always)]
 fn normals(w: &[Vec3<f64x2>; 3]) -> (Vec3<f64x2>, f64x2) {
     let less = |p: &Vec3<f64x2>, q: &Vec3<f64x2>| [p[0] - q[0], p[1] - q[1], p[2] - q[2]];
@@ -91,20 +92,22 @@ fn inner(u: &Vec3<f64x2>, v: &Vec3<f64x2>) -> f64x2 {
 }
 
 impl Goal<'_> {
-    /// Whether a triangle is beyond the facet though its plane is not: all of it lies beyond its nearest point.
+    /// Returns whether a triangle is beyond the facet though its plane is not: the triangle lies
+    /// entirely beyond its nearest point.
     fn is_far(&self, w: &[Vec3<f64>; 3]) -> bool {
         let nearest = Simplex::triangle(w.map(|w| MinkowskiPoint { a: 0, b: 0, w })).direction();
         let low = least(&nearest, w);
         low > 0.0 && low * low >= self.height * self.height * dot(&nearest, &nearest)
     }
 
-    /// Whether a triangle is beyond the facet; `None` where it is not certainly seen from behind and clear of the origin.
+    /// Returns whether a triangle is beyond the facet; `None` unless the origin is certainly behind
+    /// the triangle and clear of it.
     fn judge(&self, w: &[Vec3<f64>; 3]) -> Option<bool> {
         let (u, v) = (sub(&w[1], &w[0]), sub(&w[2], &w[0]));
         let n = cross(&u, &v);
         let (low, squared) = (least(&n, w), dot(&n, &n));
         let rounding = self.noise * self.noise * dot(&u, &u) * dot(&v, &v);
-        // Comparisons are written so that NaN is a fold.
+        // NaN counts as a fold.
         if !(low > 0.0 && low * low > rounding && low * low > self.margin * self.margin * squared) {
             return None;
         }

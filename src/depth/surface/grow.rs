@@ -1,10 +1,21 @@
-//! How the surface takes in a point: the triangles that see it give way to ones that join it to their border.
+//! Insertion of a point: the triangles visible from the point are replaced by a fan from the point
+//! to their horizon.
+//!
+//! ```text
+//!      +------+             +------+
+//!     / \ v  / \           / '.  .' \      v: visible triangles
+//!    /   \  / v \         /    \/    \     horizon: the edges around them
+//!   +-----\/-----+   ->  +-----c------+    c: the inserted point, apex of the fan
+//!    \  v /\    /         \   / \    /
+//!     \  / v\  /           \ /   \  /
+//!      +------+             +------+
+//! ```
 
 use crate::depth::surface::{Filter, Measured, Surface, Triangle};
 use crate::num::scalar::{Scalar, Vec3, dot, sub};
 use crate::pair::difference::MinkowskiPoint;
 
-/// An edge of the border between what is replaced and what stays.
+/// An edge between a visible triangle and a triangle that stays.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Border {
     from: u32,
@@ -23,11 +34,12 @@ impl<T> Triangle<T> {
 }
 
 impl<T: Scalar> Surface<T> {
-    /// Takes in a point that lies higher than `triangle` along its direction, and replaces the triangles that see it.
+    /// Inserts a point higher than `triangle` along the triangle's direction, and replaces the
+    /// triangles visible from the point.
     pub(in crate::depth) fn insert(&mut self, triangle: u32, c: MinkowskiPoint<T>, filter: &Filter<T>) {
         self.flood(triangle, &c.w, filter);
         if !self.surround() {
-            // Three edges are a loop whatever is around them.
+            // The three edges of a triangle are always a loop.
             self.visible.clear();
             self.visible.push(triangle);
             self.border.clear();
@@ -35,7 +47,7 @@ impl<T: Scalar> Surface<T> {
         }
         self.points.push(c);
         self.raise_fan();
-        // The last of those left over first, so that none of them moves.
+        // Removes the highest index first, so that no listed triangle moves.
         let count = self.border.len();
         while self.visible.len() > count {
             let left = &self.visible[count..];
@@ -45,7 +57,8 @@ impl<T: Scalar> Surface<T> {
         }
     }
 
-    /// Joins the last point to every edge of the border, in the places of the visible triangles; what more are needed is added.
+    /// Joins the last point to every horizon edge, reusing the visible triangles and adding more if
+    /// needed.
     fn raise_fan(&mut self) {
         let apex = self.points.len() as u32 - 1;
         let (kept, count) = (self.visible.len(), self.border.len());
@@ -81,7 +94,7 @@ impl<T: Scalar> Surface<T> {
         }
     }
 
-    /// Removes a triangle that none is joined to; the last one takes its number.
+    /// Removes a triangle no neighbour refers to; the last triangle takes its index.
     fn remove(&mut self, hole: u32) {
         let last = self.triangles.len() as u32 - 1;
         self.triangles.swap_remove(hole as usize);
@@ -97,7 +110,7 @@ impl<T: Scalar> Surface<T> {
         }
     }
 
-    /// Lists the triangles around `from` that see `w` and may be replaced.
+    /// Lists the triangles connected to `from` that are visible from `w` and may be replaced.
     fn flood(&mut self, from: u32, w: &Vec3<T>, filter: &Filter<T>) {
         self.floods += 1;
         self.visible.clear();
@@ -116,13 +129,14 @@ impl<T: Scalar> Surface<T> {
         }
     }
 
-    /// Whether `w` is outside the plane of a triangle, and some plane certainly has the origin beneath and both above.
+    /// Returns whether `w` is outside the plane of a triangle, and some plane certainly has the
+    /// origin beneath and both the triangle and `w` above.
     pub(in crate::depth) fn sees(&mut self, triangle: u32, w: &Vec3<T>, filter: &Filter<T>) -> bool {
         self.measure(triangle);
         let t = &self.triangles[triangle as usize];
         let p = &self.points[t.corners[0] as usize].w;
         let is_flat = t.outward.iter().all(|x| x.value() == 0.0);
-        // Outside its plane, the point is as high along the normal as the corners.
+        // Outside the triangle's plane, `w` is at least as high along the normal as the vertices.
         if !is_flat && !(dot(&t.outward, &sub(w, p)) > filter.noise) {
             return false;
         }
@@ -138,7 +152,8 @@ impl<T: Scalar> Surface<T> {
         above && (!is_flat || height > t.bound + filter.noise)
     }
 
-    /// Puts the edges round the visible triangles in order; whether they are one loop without a corner twice.
+    /// Orders the horizon edges around the visible triangles; returns whether they form a single
+    /// loop without a repeated vertex.
     fn surround(&mut self) -> bool {
         let (flood, all) = (self.floods, &self.triangles);
         let edges = &mut self.border;

@@ -1,20 +1,20 @@
-//! Operand vertex pairs are points of a large surface.
+//! Set of the vertex pairs whose points lie on a large surface.
 
 use alloc::vec::Vec;
 
-/// No vertices have such numbers.
+/// Marks a free slot: no vertices have such numbers.
 const VACANT: [u32; 2] = [u32::MAX; 2];
 
-/// A hash table from which nothing is taken out: open addressing, linear probing (Knuth, section 6.4).
+/// A hash table without removal: open addressing, linear probing (Knuth, section 6.4).
 #[derive(Clone, Debug, Default)]
 pub(super) struct Names {
-    /// At most half of them are taken.
+    /// At most half of the slots are occupied.
     places: Vec<[u32; 2]>,
     count: usize,
 }
 
 impl Names {
-    /// Bytes on the heap.
+    /// Returns the allocated bytes on the heap.
     pub(super) fn heap_bytes(&self) -> usize {
         self.places.capacity() * size_of::<[u32; 2]>()
     }
@@ -24,7 +24,7 @@ impl Names {
         self.count = 0;
     }
 
-    /// How many names were put in, repeats included.
+    /// Returns the number of insertions, repeats included.
     pub(super) fn count(&self) -> usize {
         self.count
     }
@@ -47,9 +47,9 @@ impl Names {
         self.places[place] = name;
     }
 
-    /// Where a name is, or else where it would be put. The table is not empty.
+    /// Returns the slot of a name, or the free slot for it. The table must not be empty.
     fn place(&self, [a, b]: [u32; 2]) -> usize {
-        // The high half of a product with 2^64 over the golden ratio.
+        // High half of a product with 2^64 over the golden ratio.
         let hash = (u64::from(a) << 32 | u64::from(b)).wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 32;
         let mut place = ((hash * self.places.len() as u64) >> 32) as usize;
         while self.places[place] != VACANT && self.places[place] != [a, b] {
