@@ -1,48 +1,51 @@
-//! Vectors and rotations in lanes of two.
+//! Vectors and rotations packed into SIMD lanes of two f64.
 //!
-//! A number that is read in other pieces than it was just stored in waits until it has left the processor's store queue, which takes
-//! longer than all of a relative pose. Of plain vectors of three the compiler stores and reads whatever two it finds beside each
-//! other; of these it does the first two together and the third alone, everywhere. Roundings are those of the plain formulas.
+//! A load that splits or joins recently stored values differently from the stores waits until the
+//! values have left the processor's store queue, which takes longer than computing a whole relative
+//! pose. For plain vectors of three the compiler loads and stores whatever two adjacent coordinates
+//! it finds; for packed vectors always the first two together and the third alone. Results are
+//! rounded as by the plain formulas.
 
 use core::ops::{Add, Mul, Neg, Sub};
 
 use nalgebra::{Matrix3, Vector3};
 use wide::f64x2;
 
-/// A vector: the first two coordinates, and the third in the first lane of another two. What is in the other lane does not matter.
+/// A vector: the first two coordinates, and the third in the first lane of a second pair. The spare
+/// lane may hold anything.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct PackedVec3 {
     xy: f64x2,
     z: f64x2,
 }
 
-/// The first of both, and the second of both.
+/// Returns both first lanes, and both second lanes.
 #[inline(always)]
 fn zipped(p: f64x2, q: f64x2) -> (f64x2, f64x2) {
     let [first, second] = f64x2::transpose([p, q]);
     (first, second)
 }
 
-/// The first twice, and the second twice.
+/// Returns the first lane twice, and the second lane twice.
 #[inline(always)]
 fn spread(p: f64x2) -> (f64x2, f64x2) {
     zipped(p, p)
 }
 
-/// The two exchanged.
+/// Returns the two lanes exchanged.
 #[inline(always)]
 fn exchanged(p: f64x2) -> f64x2 {
     let (x, y) = spread(p);
     zipped(y, x).0
 }
 
-/// `(-x, y)`
+/// Returns `(-x, y)`.
 #[inline(always)]
 fn mirrored(p: f64x2) -> f64x2 {
     p ^ f64x2::new([-0.0, 0.0])
 }
 
-/// `(-y, x)`: a quarter turn.
+/// Returns `(-y, x)`: a quarter turn.
 #[inline(always)]
 fn turned(p: f64x2) -> f64x2 {
     mirrored(exchanged(p))
@@ -53,7 +56,7 @@ fn first(p: f64x2) -> f64 {
     p.to_array()[0]
 }
 
-/// The vector part and the scalar part of a quaternion.
+/// Returns the vector part and the scalar part of a quaternion.
 #[inline(always)]
 pub(crate) fn parts([xy, zw]: &[f64x2; 2]) -> (PackedVec3, f64) {
     (PackedVec3 { xy: *xy, z: *zw }, first(spread(*zw).1))
@@ -68,7 +71,7 @@ impl PackedVec3 {
         }
     }
 
-    /// The same with a number of its own in the lane to spare.
+    /// Returns the packed vector with `other` in the spare lane.
     #[inline(always)]
     pub(crate) fn carrying(v: &Vector3<f64>, other: f64) -> Self {
         Self {
@@ -98,7 +101,7 @@ impl PackedVec3 {
         }
     }
 
-    /// The sum of the coordinates.
+    /// Returns the sum of the coordinates.
     #[inline(always)]
     fn sum(self) -> f64 {
         first(self.xy + exchanged(self.xy) + self.z)
@@ -118,7 +121,7 @@ impl PackedVec3 {
         self.dot(self)
     }
 
-    /// The sum of absolute coordinates: a norm without a root.
+    /// Returns the sum of absolute coordinates: a norm without a root.
     #[inline(always)]
     pub(crate) fn one_norm(self) -> f64 {
         let absolutes = Self {
@@ -175,19 +178,21 @@ impl Mul<f64> for PackedVec3 {
     }
 }
 
-/// A rotation, or one times a scale: nine numbers, of which all but the last lie in the first two of a column or of a row.
+/// A rotation matrix, possibly scaled: nine numbers, of which all but the last lie in the first two
+/// of a column or of a row.
 #[derive(Clone, Copy)]
 pub(crate) struct PackedRotation {
-    /// The first two numbers of each column.
+    /// First two numbers of each column.
     columns: [f64x2; 3],
-    /// The first two numbers of each row.
+    /// First two numbers of each row.
     rows: [f64x2; 3],
-    /// The last number.
+    /// Last number.
     last: f64x2,
 }
 
 impl PackedRotation {
-    /// The matrix of `conj(a) b`, each a vector part of three and a scalar part, for `s` two over the squares of their norms.
+    /// Returns the matrix of `conj(a) b`, each quaternion a vector part of three and a scalar part,
+    /// for `s` equal to two over the squares of both norms.
     #[inline(always)]
     pub(crate) fn between(a: &[f64x2; 2], b: &[f64x2; 2], s: f64) -> Self {
         let ([a_xy, a_zw], [b_xy, b_zw]) = (*a, *b);
@@ -198,7 +203,7 @@ impl PackedRotation {
         Self::of(xy, zw, s)
     }
 
-    /// The matrix of a quaternion, for `s = 2 / |q|^2`.
+    /// Returns the matrix of a quaternion, for `s = 2 / |q|^2`.
     #[inline(always)]
     fn of(xy: f64x2, zw: f64x2, s: f64) -> Self {
         let s = f64x2::splat(s);
@@ -236,13 +241,13 @@ impl PackedRotation {
         Matrix3::new(a[0], b[0], c[0], a[1], b[1], c[1], x, y, first(self.last))
     }
 
-    /// The matrix times `v`.
+    /// Returns the matrix times `v`.
     #[inline(always)]
     pub(crate) fn times(&self, v: PackedVec3) -> PackedVec3 {
         combined(&self.columns, self.rows[2], self.last, v)
     }
 
-    /// The transposed matrix times `v`.
+    /// Returns the transposed matrix times `v`.
     #[inline(always)]
     pub(crate) fn transposed_times(&self, v: PackedVec3) -> PackedVec3 {
         combined(&self.rows, self.columns[2], self.last, v)
