@@ -1,7 +1,16 @@
-//! What two features of few corners share, seen along the normal: the corners of a polygon, the ends of a segment, or a point.
+//! Overlap of two projected features with few vertices: the vertices of a polygon, the ends of a
+//! segment, or a point.
 //!
-//! A corner is a corner of one feature inside the other, or a crossing of two edges. Both kinds are found from two tables of
-//! signs, in which A and B play the same part; corners on the border within rounding belong to both.
+//! ```text
+//!    A +-----------+
+//!      |       v---c-----+ B     v: vertex of either feature inside the opposite feature
+//!      |       |   |     |       c: crossing of an edge of A with an edge of B
+//!      +-------c---v     |
+//!              +---------+
+//! ```
+//!
+//! Both kinds of candidates are found from two tables of signs, in which A and B play equal parts;
+//! vertices on the boundary within rounding belong to both features.
 
 use wide::f64x4;
 
@@ -9,10 +18,11 @@ use super::corners::{Corners, Location};
 use super::shadow::ProjectedFeature;
 use crate::polyhedron::topology::LARGE;
 
-/// For each edge of one shadow, which corners of the other lie outside it, a bit each.
+/// For each edge of a projected feature, a bit mask of the opposite feature's vertices outside the
+/// edge.
 struct Sides {
     outside: [u32; LARGE],
-    /// Outside any edge, or past the last corner, beyond rounding.
+    /// Vertices outside any edge, or past the extremes of the coordinates, beyond rounding.
     beyond: u32,
 }
 
@@ -52,11 +62,12 @@ impl Sides {
         sides
     }
 
-    /// The edges of the other shadow whose ends are on both sides of the line of edge `j`, a bit each.
+    /// Returns a bit mask of the other feature's edges with ends on both sides of the line of edge
+    /// `j`.
     #[inline(always)]
     fn parted(&self, j: usize, other: &ProjectedFeature) -> u32 {
         let here = self.outside[j] & all(other);
-        // An edge has two corners and is one edge.
+        // A projected edge has two vertices but is a single edge.
         if other.is_edge() {
             return (here ^ here >> 1) & 1;
         }
@@ -65,13 +76,13 @@ impl Sides {
     }
 }
 
-/// A bit for each corner.
+/// Returns a mask with a bit for each vertex.
 #[inline(always)]
 fn all(s: &ProjectedFeature) -> u32 {
     (1 << s.count) - 1
 }
 
-/// The numbers of the bits set.
+/// Calls `f` with the index of each set bit.
 #[inline(always)]
 fn each(mut bits: u32, mut f: impl FnMut(usize)) {
     while bits != 0 {
@@ -80,11 +91,11 @@ fn each(mut bits: u32, mut f: impl FnMut(usize)) {
     }
 }
 
-/// The corners of what two features share, `noise` the rounding of a place.
+/// Adds the vertices of the overlap of two features; `noise` is the rounding of a plane coordinate.
 #[inline(always)]
 pub(super) fn clip(a: &ProjectedFeature, b: &ProjectedFeature, noise: f64, corners: &mut Corners) {
     let of_b = Sides::new(b, a, noise);
-    // An edge has no inside; its two sides would be a line.
+    // An edge has no interior; its two sides would be a line.
     let inside_b = if b.is_edge() { 0 } else { all(a) & !of_b.beyond };
     each(inside_b, |i| {
         let at = [a.x[i], a.y[i]];
@@ -114,23 +125,24 @@ pub(super) fn clip(a: &ProjectedFeature, b: &ProjectedFeature, noise: f64, corne
     }
 }
 
-/// Point2 and height of the end of an edge.
+/// Plane coordinates and height of the end of an edge.
 pub(super) type End = [f64; 3];
 
-/// Where two edges cross: the place, how far along each it is, and the heights there.
+/// Crossing of two edges: plane coordinates, parameter along each edge, and height on each edge.
 pub(super) struct Crossing {
     pub(super) at: [f64; 2],
     pub(super) along: [f64; 2],
     pub(super) heights: [f64; 2],
 }
 
-/// Where an edge of A meets an edge of B, the line of which parts its ends.
+/// Returns the crossing of an edge of A with an edge of B, whose line separates the ends of A's
+/// edge.
 #[inline(always)]
 pub(super) fn meet([p, q]: &[End; 2], [r, s]: &[End; 2]) -> Crossing {
     let (u, v) = ([q[0] - p[0], q[1] - p[1]], [s[0] - r[0], s[1] - r[1]]);
     let side = |x: &End| v[0] * (x[1] - r[1]) - v[1] * (x[0] - r[0]);
     let (from, to) = (side(p), side(q));
-    // One of the two is negative and the other is not; a place that rounding hides is the middle.
+    // Exactly one of the two values is negative; if rounding hides the parameter, take the middle.
     let t = from / (from - to);
     let t = if (0.0..=1.0).contains(&t) { t } else { 0.5 };
     let at = [p[0] + t * u[0], p[1] + t * u[1]];
@@ -143,22 +155,22 @@ pub(super) fn meet([p, q]: &[End; 2], [r, s]: &[End; 2]) -> Crossing {
     }
 }
 
-/// Whether two edges cross: each parts the ends of the other.
+/// Returns whether two edges cross: each line separates the ends of the opposite edge.
 #[inline(always)]
 pub(super) fn cross([p, q]: &[End; 2], [r, s]: &[End; 2]) -> bool {
     let left = |p: &End, q: &End, x: &End| (q[0] - p[0]) * (x[1] - p[1]) >= (q[1] - p[1]) * (x[0] - p[0]);
     left(r, s, p) != left(r, s, q) && left(p, q, r) != left(p, q, s)
 }
 
-/// Edge `i` of A's shadow and edge `j` of B's, the line of which parts the ends of the other.
+/// Adds the crossing of edge `i` of A and edge `j` of B, whose lines separate each other's ends.
 #[inline(always)]
 pub(super) fn crossing(a: &ProjectedFeature, b: &ProjectedFeature, i: usize, j: usize, corners: &mut Corners) -> bool {
     let Crossing { at, heights, .. } = meet(&a.ends(i), &b.ends(j));
     corners.push(at, heights, [Location::edge(i), Location::edge(j)])
 }
 
-/// The ends of what two nearly parallel edges share, each end across from its foot on the other edge. Nothing for edges that
-/// are not: then they cross at the witnesses.
+/// Adds the ends of the overlap of two nearly parallel edges, each end opposite its foot on the
+/// other edge. Adds nothing if the edges are not nearly parallel: they then cross at the witnesses.
 pub(super) fn beside(a: &ProjectedFeature, b: &ProjectedFeature, sine: f64, corners: &mut Corners) {
     let direction = |s: &ProjectedFeature| [s.x[1] - s.x[0], s.y[1] - s.y[0]];
     let (u, v) = (direction(a), direction(b));

@@ -1,15 +1,15 @@
-//! The corners of what two features share: candidates for contacts.
+//! Contact candidates: vertices of the overlap of two projected features.
 
-/// The most corners there are: those of two features of 24, and some that rounding doubles.
+/// Most candidates: for two features of 24 vertices, with some doubled by rounding.
 const MOST: usize = 64;
 
-/// On what of a shadow a point lies.
+/// Part of a projected feature that contains a point: a vertex, an edge, or the interior.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Location(u32);
 
 impl Location {
-    /// Between its corners.
+    /// The interior of the feature.
     pub(super) const WHOLE: Location = Location(0);
     const CORNER: u32 = 1 << 30;
     const EDGE: u32 = 2 << 30;
@@ -24,24 +24,25 @@ impl Location {
         Location(Self::EDGE | k as u32)
     }
 
-    /// The number of the corner.
+    /// Returns the index of the vertex, if the location is a vertex.
     pub(super) fn as_corner(self) -> Option<usize> {
         (self.0 & Self::CORNER != 0).then_some((self.0 & !Self::CORNER) as usize)
     }
 
-    /// The number of the edge.
+    /// Returns the index of the edge, if the location is an edge.
     pub(super) fn as_edge(self) -> Option<usize> {
         (self.0 & Self::EDGE != 0).then_some((self.0 & !Self::EDGE) as usize)
     }
 }
 
-/// A pair of points across from each other. The witnesses are on neither corners nor edges of the shadows.
+/// A pair of points opposite each other along the normal. Witnesses have no vertex or edge
+/// location.
 //
-// All zero in memory where nothing is in it, so that a list of them is soon made.
+// The value of an empty slot is all zero bits, so an empty list is cheap to initialize.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct ContactCandidate {
     pub(super) at: [f64; 2],
-    /// From the point on A to that on B.
+    /// Height of the point on B above the point on A.
     pub(super) separation: f64,
     pub(super) on: [Location; 2],
 }
@@ -50,13 +51,13 @@ impl ContactCandidate {
     pub(super) const WITNESS: [Location; 2] = [Location::WHOLE; 2];
 }
 
-/// A short list of those no further apart than wanted.
+/// Short list of the candidates no further apart than the prediction.
 pub(super) struct Corners {
     list: [ContactCandidate; MOST],
     count: usize,
-    /// Of the witnesses.
+    /// Signed distance of the witnesses.
     distance: f64,
-    /// The largest separation that is wanted.
+    /// Largest accepted separation.
     prediction: f64,
 }
 
@@ -76,8 +77,8 @@ impl Corners {
         }
     }
 
-    /// A corner whose points are at these heights over the witnesses, if it is near enough, which is told. The witnesses are in any
-    /// case.
+    /// Adds a candidate with the given heights over the witnesses if near enough; returns whether
+    /// added. The witnesses are accepted at any separation.
     #[inline(always)]
     pub(super) fn push(&mut self, at: [f64; 2], [on_a, on_b]: [f64; 2], on: [Location; 2]) -> bool {
         let separation = self.distance + (on_b - on_a);

@@ -1,7 +1,8 @@
-//! Contacts that are there still, measured anew without a look round the faces that bear them.
+//! Keeps the contacts of the previous manifold by measuring them again, without clipping the faces.
 //!
-//! A corner of one face over the other stays over it while the bodies have moved less than it is inside, and two edges that
-//! crossed are asked whether they do. So a manifold of two faces is kept at a price that does not depend on their corners.
+//! A vertex of a face over the opposite face stays over it while the bodies have moved less than
+//! the vertex's distance from the boundary; two edges that crossed are tested again. So the cost of
+//! keeping a manifold of two faces does not depend on their numbers of vertices.
 
 use nalgebra::Vector3;
 
@@ -13,12 +14,13 @@ use super::{Answer, ContactPoint, Contacts, Manifold, ManifoldOptions};
 use crate::polyhedron::{ConvexPolyhedron, Feature, FeaturePair};
 use crate::tolerance::{AGREE, STAY};
 
-/// How far inside the other face a corner at least is, wherever it is seen from: `inside` is what the normal of now shows. That is
-/// off the face by no more than the angle of the options. Nothing is known of steep ones, nor of places outside: zero, as a file
-/// need not hold an infinity.
+/// Lower bound of a vertex's distance to the boundary of the opposite face, for every normal within
+/// the promotion angle; `inside` is the distance seen along the current normal. Returns 0 if the
+/// angle is too large or the vertex is outside (0, not -inf, so that the value can be serialized).
 pub(super) fn margin(inside: f64, separation: f64, options: &ManifoldOptions) -> f64 {
     let sine = STAY * options.sine.abs();
-    // Up to a half, the tangent is below twice the sine, and the cosine above one less it.
+    // Up to a sine of 1/2, the tangent is below twice the sine, and the cosine above one less the
+    // sine.
     if sine <= 0.5 {
         ((1.0 - sine) * inside - lean_off(separation, options)).max(0.0)
     } else {
@@ -26,18 +28,19 @@ pub(super) fn margin(inside: f64, separation: f64, options: &ManifoldOptions) ->
     }
 }
 
-/// How far aside a corner may be seen for the normal being off the face's.
+/// Returns the largest shift of a projected vertex caused by the angle between normal and face
+/// normal.
 fn lean_off(separation: f64, options: &ManifoldOptions) -> f64 {
     2.0 * STAY * options.sine.abs() * separation.abs()
 }
 
-/// The features that bear a contact.
+/// Projections of the features that bear a contact.
 pub(super) struct Shadows<'a> {
     pub(super) a: LazyProjection<'a>,
     pub(super) b: LazyProjection<'a>,
 }
 
-/// A contact by stored points, places and heights along the normal.
+/// A contact by stored points, plane coordinates, and heights along the normal.
 struct Measured {
     points: [Vector3<f64>; 2],
     at: [f64; 2],
@@ -45,8 +48,9 @@ struct Measured {
 }
 
 impl Shadows<'_> {
-    /// Whether all contacts of the manifold before are contacts still and the deepest is among them: then they are measured. The
-    /// bodies have `moved` no more than so far since corners were chosen, in the caller's unit.
+    /// Measures all contacts of the previous manifold; returns false unless all are still contacts
+    /// and the deepest is among them. `moved` bounds the motion of the bodies since the candidates
+    /// were chosen, in the caller's unit.
     #[inline(always)]
     pub(super) fn keep(
         &mut self,
@@ -72,7 +76,7 @@ impl Shadows<'_> {
                 return false;
             };
             let separation = distance + (m.heights[1] - m.heights[0]) * unit;
-            // Written so that NaN is looked at.
+            // NaN is tested.
             let mut margin = margins[k];
             if on[k][0].as_edge().is_none() && !(margin - lean_off(separation, options) > moved) {
                 let other = if on[k][0].as_corner().is_some() {
@@ -106,7 +110,8 @@ impl Shadows<'_> {
         contacts.same
     }
 
-    /// A contact by its names; none where edges do not cross any more, and of witnesses.
+    /// Returns a contact measured from its features; `None` if edges no longer cross, and for
+    /// witnesses.
     #[inline(always)]
     fn measure(&self, leans: &[FacePlane2; 2], features: FeaturePair, on: [Location; 2]) -> Option<Measured> {
         let (a, b, ours, theirs) = (self.a.body, self.b.body, self.a.axes, self.b.axes);
@@ -146,7 +151,7 @@ impl Shadows<'_> {
     }
 }
 
-/// The ends of an edge, as they are stored and as they are seen.
+/// Returns the ends of an edge, as stored and in contact coordinates.
 #[inline(always)]
 fn ends(body: &ConvexPolyhedron, edge: u32, axes: &Axes) -> Option<([Vector3<f64>; 2], [End; 2])> {
     let t = &body.topology;

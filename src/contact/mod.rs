@@ -1,20 +1,22 @@
-//! Contact manifolds: the few points by which two bodies hold each other apart, kept from frame to frame; and what a motion does to
-//! the signed distance.
+//! Contact manifolds: the few points at which two bodies hold each other apart, kept from frame to
+//! frame; and gradients of the signed distance.
 //!
-//! A manifold begins with a certified answer: its normal, its features, its witnesses. The features are promoted to the faces (or
-//! edges) within a small angle of the normal ([`promote`]), both are seen along it ([`shadow`]), and the corners of what they
-//! share ([`clip`], and [`rims`] for faces of many corners) are the contacts. A few of them are kept ([`mod@reduce`]): the
-//! deepest, and those that span the most area. [`manifold`] keeps them over frames.
+//! A manifold starts from a certified outcome: normal, features, witnesses. The features are
+//! promoted to the faces (or edges) within a small angle of the normal ([`promote`]), both are
+//! projected along the normal ([`shadow`]), and the vertices of their overlap ([`clip`], and
+//! [`rims`] for faces of many vertices) are the contact candidates. A few candidates are kept
+//! ([`mod@reduce`]): the deepest, and the points that span the most area. [`manifold`] keeps the
+//! contacts over frames.
 //!
-//! Every pair of points (a of A, b of B) fulfils `n . b - n . a >= lower`, the bound of the answer, so the deepest contact is the
-//! answer's own; no other can be deeper.
+//! Every pair of points (a of A, b of B) satisfies `n . b - n . a >= lower`, the bound of the
+//! outcome, so the deepest contact is the outcome's own; no contact can be deeper.
 //!
-//! Source: the clipping of a reference and an incident face (Gregorius 2013, "The separating axis test between convex
-//! polyhedra", GDC). Departures:
-//! 1. Both faces are seen along the certified normal, and play the same part: points on A and on B are across from each other along the
-//!    normal, whichever body is named first.
-//! 2. The reference says with which body the normal turns between two answers, no more.
-//! 3. What is old is kept by how far the bodies can have moved, not by distances of points.
+//! Source: the clipping of a reference and an incident face (Gregorius 2013, "The separating axis
+//! test between convex polyhedra", GDC). Departures:
+//! 1. Both faces are projected along the certified normal, and play equal parts: points on A and on
+//!    B lie opposite each other along the normal, whichever body is named first.
+//! 2. The reference only determines the body with which the normal rotates between two outcomes.
+//! 3. Old contacts are matched by a bound on the motion of the bodies, not by distances of points.
 
 mod axes;
 mod clip;
@@ -48,25 +50,25 @@ pub use manifold::{ContactPoint, Manifold};
 pub use options::ManifoldOptions;
 pub(crate) use query::Query;
 
-/// The most points a manifold holds.
+/// Most points of a manifold.
 pub(crate) const MOST_POINTS: usize = 8;
 
-/// The contacts of one answer.
+/// The contacts of an outcome.
 struct Contacts {
     points: [ContactPoint; MOST_POINTS],
     count: usize,
-    /// What bears them.
+    /// Features that bear the contacts.
     features: FeaturePair,
-    /// On what of the features they are.
+    /// Location of each contact on both features.
     on: [[Location; 2]; MOST_POINTS],
-    /// How far corners are inside the other face.
+    /// Lower bound of each vertex's distance to the boundary of the opposite face.
     margins: [f64; MOST_POINTS],
-    /// Whether they are the corners that the manifold before had, in its order.
+    /// Whether the contacts are the previous manifold's, in the previous order.
     same: bool,
     rays: Rays,
 }
 
-/// Two bodies, the rotation of `a_from_b`, and how they lie.
+/// Two bodies, the rotation of `a_from_b`, and the certified outcome.
 #[derive(Clone, Copy)]
 struct Answer<'a> {
     a: &'a ConvexPolyhedron,
@@ -78,8 +80,8 @@ struct Answer<'a> {
 }
 
 impl Answer<'_> {
-    /// The contacts of an answer whose lower bound is within the prediction. `lasts`: how far the bodies have moved since corners were chosen,
-    /// where that choice may stay.
+    /// Returns the contacts of an outcome whose lower bound is within the prediction. `lasts` is
+    /// the motion of the bodies since the candidates were chosen, if the choice may be kept.
     fn contacts(self, options: &ManifoldOptions, before: &Manifold, lasts: Option<f64>) -> Contacts {
         let outcome = self.outcome;
         let mut contacts = Contacts {
@@ -91,7 +93,8 @@ impl Answer<'_> {
             same: false,
             rays: before.rays,
         };
-        // Of bodies so far apart, or so different in size, the witnesses are all there is to say.
+        // If the bodies are very far apart or very different in size, the witnesses are the only
+        // contact.
         if self.a.exponent != self.b.exponent || outcome.solver == Solver::Far {
             return contacts;
         }
@@ -104,8 +107,8 @@ impl Answer<'_> {
         contacts
     }
 
-    /// The contacts of two features that both have a shadow.
-    // Not inlined: most contacts of round bodies are a vertex's, and need none of the room.
+    /// Computes the contacts of two features, each an edge or a face.
+    // Not inlined: most contacts of round bodies involve a vertex and need none of the stack space.
     #[inline(never)]
     fn share(
         self,
@@ -133,7 +136,7 @@ impl Answer<'_> {
         seen.choose(options, before, contacts);
     }
 
-    /// The normal and what is across, in each body's stored frame, about its witness.
+    /// Returns the contact axes in each body's stored frame, about the body's witness.
     #[inline(always)]
     fn axes(&self) -> [Axes; 2] {
         let normal = self.outcome.normal.into_inner();
@@ -152,12 +155,12 @@ impl Answer<'_> {
         ]
     }
 
-    /// The rounding of a place, in stored units.
+    /// Returns the rounding of a plane coordinate, in stored units.
     fn noise(&self) -> f64 {
         ACROSS * self.size / self.a.unit()
     }
 
-    /// The features that bear the contact.
+    /// Returns the features that bear the contact.
     #[inline(always)]
     fn promoted(&self, axes: &[Axes; 2], options: &ManifoldOptions, before: Option<FeaturePair>) -> FeaturePair {
         let promote = |body, outward, feature, kept| {
@@ -176,7 +179,8 @@ impl Answer<'_> {
         }
     }
 
-    /// Whether no face of them is upright, as the closest may be where a facet of the difference is smaller than rounding.
+    /// Returns whether no promoted face is upright, as a closest face may be if a facet of A - B is
+    /// smaller than rounding.
     #[inline(always)]
     fn bears(&self, axes: &[Axes; 2], features: FeaturePair) -> bool {
         let is_across = |body: &ConvexPolyhedron, feature: Feature, outward: Vector3<f64>| match feature {
@@ -187,17 +191,17 @@ impl Answer<'_> {
     }
 }
 
-/// Two features seen along the normal.
+/// Two features projected along the normal.
 struct Seen<'a> {
     answer: Answer<'a>,
     a: &'a ProjectedFeature<'a>,
     b: &'a ProjectedFeature<'a>,
-    /// One stored unit in the caller's.
+    /// Length of a stored unit in the caller's unit.
     unit: f64,
 }
 
 impl Seen<'_> {
-    /// The corners within the prediction, and the witnesses where no corner is as deep.
+    /// Adds the candidates within the prediction, and the witnesses if no candidate is as deep.
     #[inline(always)]
     fn corners(
         &self,
@@ -222,7 +226,7 @@ impl Seen<'_> {
         }
     }
 
-    /// Whether a corner is as deep as the answer says.
+    /// Returns whether a candidate is as deep as the outcome.
     #[inline(always)]
     fn has_deepest(&self, corners: &Corners) -> bool {
         let deep = (self.answer.outcome.upper + AGREE * self.answer.size) / self.unit;
@@ -250,7 +254,8 @@ impl Seen<'_> {
             } else {
                 self.contact(corner, self.name(corner))
             };
-            // Where rounding has split a feature, the answer may name the witnesses like a corner beside them.
+            // If rounding has split a feature, the witnesses may have the features of a nearby
+            // candidate.
             let before = &contacts.points[..contacts.count];
             if before.iter().all(|p| p.features != point.features) {
                 contacts.points[contacts.count] = point;
@@ -261,7 +266,7 @@ impl Seen<'_> {
         }
     }
 
-    /// How far a corner of one face is inside the other.
+    /// Lower bound of a candidate vertex's distance to the boundary of the opposite face.
     fn margin(&self, corner: &ContactCandidate, options: &ManifoldOptions) -> f64 {
         let inside = match corner.on.map(Location::as_corner) {
             [Some(_), _] => self.b.inside_by(corner.at),
@@ -271,7 +276,8 @@ impl Seen<'_> {
         keep::margin(inside * self.unit, corner.separation * self.unit, options)
     }
 
-    /// A bit for each corner that the manifold before had, where there is a choice.
+    /// Returns a bit mask of the candidates that the previous manifold contained; zero if all
+    /// candidates fit or the features changed.
     fn kept(&self, corners: &[ContactCandidate], options: &ManifoldOptions, before: &Manifold) -> u64 {
         if corners.len() <= options.most() || before.features() != Some(self.features()) {
             return 0;
@@ -311,7 +317,7 @@ impl Seen<'_> {
 }
 
 impl ConvexPolyhedron {
-    /// A point in the caller's coordinates, in stored ones.
+    /// Converts a point from the caller's coordinates to stored coordinates.
     fn stored(&self, given: &Point3<f64>) -> Vector3<f64> {
         if self.is_unscaled {
             given.coords
@@ -321,7 +327,8 @@ impl ConvexPolyhedron {
     }
 }
 
-/// Two unit directions at right angles to a unit direction and to each other, right-handed with it.
+/// Returns two unit directions perpendicular to a unit direction and to each other, right-handed
+/// with `n`.
 fn across(n: &Vector3<f64>) -> [Vector3<f64>; 2] {
     let other = if n.x.abs() < 0.6 {
         Vector3::new(0.0, -n.z, n.y)

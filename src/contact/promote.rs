@@ -1,4 +1,5 @@
-//! From the closest features to those that bear the contact: the face, or else the edge, that is nearly at right angles to the normal.
+//! Promotion of the closest features to the features that bear the contact: the face, or else the
+//! edge, most nearly perpendicular to the normal.
 
 use core::ops::Range;
 
@@ -9,22 +10,23 @@ use crate::polyhedron::topology::MANY;
 use crate::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, Feature};
 use crate::tolerance::{STAY, STEEP};
 
-/// A body's outward direction of contact and how far off it a face may be.
+/// A body's outward contact direction, and the largest angle of a face or edge from it.
 pub(super) struct Promotion<'a> {
     pub(super) body: &'a ConvexPolyhedron,
-    /// Unit, away from the body, in its own frame.
+    /// Unit direction away from the body, in the body's own frame.
     pub(super) outward: Vector3<f64>,
-    /// The sine of the largest angle.
+    /// Sine of the largest angle.
     pub(super) sine: f64,
-    /// What bore the contact before: it may be off by a quarter more.
+    /// Feature that bore the contact before: it may be a quarter further off.
     pub(super) kept: Option<Feature>,
 }
 
 impl Promotion<'_> {
-    /// The face at `feature` most at right angles to the normal, if one is within the angle; else the edge; else the feature.
+    /// Returns the face at `feature` most nearly perpendicular to the normal if any is within the
+    /// angle; else the edge; else `feature`.
     ///
-    /// Looks at the faces at the feature: two of an edge, all of the fan of a vertex, or of one of many those about the
-    /// outermost, found by bisection.
+    /// Tests the faces at the feature: the two faces of an edge, or the faces of a vertex's whole
+    /// fan; in a large fan only the neighbourhood of the outermost face, found by bisection.
     pub(super) fn of(&self, feature: Feature) -> Feature {
         let t = &self.body.topology;
         match feature {
@@ -43,7 +45,8 @@ impl Promotion<'_> {
         }
     }
 
-    /// The half-edges of a fan, or of one of many three about that of the greatest measure.
+    /// Returns the half-edges of a fan; of a large fan, the half-edge of greatest measure and its
+    /// two neighbours.
     fn some_of<M: Fn(u32) -> f64>(&self, fan: Range<u32>, measure: M) -> impl Iterator<Item = u32> + use<M> {
         let m = fan.len();
         let (first, count) = if m <= MANY {
@@ -54,7 +57,8 @@ impl Promotion<'_> {
         (first..first + count).map(move |k| fan.start + (if k < m { k } else { k - m }) as u32)
     }
 
-    /// The squared sine of the angle by which an edge is off the plane across the outward direction.
+    /// Returns the squared sine of the angle between an edge and the plane perpendicular to the
+    /// outward direction.
     fn rise(&self, h: u32) -> f64 {
         let t = &self.body.topology;
         let u = self.body.points[t.half_edge(h).to as usize] - self.body.points[t.from(h) as usize];
@@ -62,7 +66,7 @@ impl Promotion<'_> {
         rise * rise / u.norm_squared()
     }
 
-    /// The squared sine a feature may be off by.
+    /// Returns the largest squared sine accepted for a feature.
     fn most(&self, feature: Feature) -> f64 {
         let sine = if self.kept == Some(feature) {
             STAY * self.sine

@@ -1,10 +1,10 @@
-//! A few of many points: the deepest, and those that keep the most area.
+//! Reduction of many candidates to a few: the deepest, and the points that span the most area.
 
 use super::MOST_POINTS;
 use super::corners::ContactCandidate;
 use crate::tolerance::STAY;
 
-/// The chosen ones by number.
+/// Indices of the chosen candidates.
 #[derive(Debug, Default)]
 pub(super) struct Chosen {
     list: [usize; MOST_POINTS],
@@ -23,9 +23,12 @@ impl Chosen {
     }
 }
 
-/// At most `most` of the points, of which there is at least one: the deepest, the farthest from it, and then, one by one, the
-/// point that adds the largest triangle to the polygon of those chosen. None is within `merge` of another, or of a side. Depths
-/// are equal within `tie`; there and in size, those with a bit in `kept` have the preference.
+/// Chooses at most `most` candidates; `choices` must not be empty.
+///
+/// The first is the deepest, the second the farthest from the first, and each further point adds
+/// the largest triangle to the polygon of the chosen points. No two chosen points are within
+/// `merge` of each other, nor a point within `merge` of a side. Depths within `tie` count as equal;
+/// among equals, and within a factor in size, candidates with a bit in `kept` are preferred.
 pub(super) fn reduce(choices: &[ContactCandidate], kept: u64, most: usize, merge: f64, tie: f64) -> Chosen {
     let mut chosen = Chosen::default();
     let first = deepest(choices, kept, tie);
@@ -64,7 +67,7 @@ fn deepest(choices: &[ContactCandidate], kept: u64, tie: f64) -> usize {
     old.or_else(|| choices.iter().position(deep)).unwrap_or(0)
 }
 
-/// The point of the greatest measure.
+/// Returns the candidate of greatest measure.
 fn largest(
     choices: &[ContactCandidate],
     kept: u64,
@@ -82,7 +85,8 @@ fn largest(
     best.map(|(_, k)| k)
 }
 
-/// The point that adds most beyond a side of the counter-clockwise polygon of those chosen, and its place there.
+/// Returns the candidate that adds the most area beyond a side of the counter-clockwise polygon of
+/// chosen points, and its index in the polygon.
 fn widest(choices: &[ContactCandidate], kept: u64, chosen: &Chosen, merge: f64) -> Option<(usize, usize)> {
     let mut best: Option<(f64, usize, usize)> = None;
     for side in 0..chosen.count {
@@ -104,7 +108,7 @@ fn widest(choices: &[ContactCandidate], kept: u64, chosen: &Chosen, merge: f64) 
     best.map(|(_, place, k)| (place, k))
 }
 
-/// Whether bit `k` is set.
+/// Returns whether bit `k` is set.
 fn is(bits: u64, k: usize) -> bool {
     bits >> k & 1 == 1
 }

@@ -1,9 +1,20 @@
-//! What two faces share where one has many corners: found by rays from a point inside, without a look at most of the corners.
+//! Overlap of two faces, either with many vertices: found by rays from an interior point, without
+//! visiting most vertices.
 //!
-//! A ray leaves each face by an edge found by bisection; the nearer of the two is a border of what they share, and the end
-//! of that edge, or where it crosses the other rim, is a corner. Four rays are shot crosswise, some between them, and then some out of
-//! the longest sides of what is known. So of two discs of `m` corners `log m` are looked at for each
-//! ray, and not all corners of what they share are found: more than are wanted, spread over it.
+//! ```text
+//!       .-----.
+//!     /    A .-+----.        m: a point inside both faces
+//!    |      /   \     \      i: the edge by which the ray leaves A, before leaving B
+//!    |     |  m--i->   |     The left end of i is a candidate if it lies in B; otherwise the
+//!     \     \   /   B /      crossing of i with the boundary of B is.
+//!       '----+'-----'
+//! ```
+//!
+//! Each face is left by an edge found by bisection; the nearer exit is on the boundary of the
+//! overlap, and the end of the edge, or its crossing with the opposite boundary, is a candidate.
+//! Four rays are cast crosswise, some between them, and then some out of the longest sides found so
+//! far. So for two discs of `m` vertices each ray visits `log m` of them. Not all vertices of the
+//! overlap are found, but more than requested, spread over the overlap.
 
 use core::cmp::Ordering;
 
@@ -13,13 +24,13 @@ use super::corners::{Corners, Location};
 use super::shadow::ProjectedFeature;
 use crate::num::scalar::sqrt;
 
-/// So many corners beside a hint are looked at before all are.
+/// Vertices next to a hint tested before the bisection.
 const NEAR: usize = 4;
 
-/// Where the rays of the last frame left the faces of A and of B: the next ones leave nearby.
+/// Exit edges of the previous frame's rays on the faces of A and of B: the next rays exit nearby.
 pub(super) type Rays = [[u32; 2]; 12];
 
-/// A ray that has none before it.
+/// Exit edges of rays never cast before.
 pub(super) const NO_RAYS: Rays = [[u32::MAX; 2]; 12];
 
 type Point2 = [f64; 2];
@@ -37,13 +48,14 @@ fn dot(u: Point2, v: Point2) -> f64 {
 }
 
 impl ProjectedFeature<'_> {
-    /// A point inside the face.
+    /// Returns a point inside the face.
     pub(super) fn middle(&self) -> Point2 {
         let [p, q, r] = [0, self.count / 3, 2 * self.count / 3].map(|k| self.place(k));
         [0, 1].map(|k| (p[k] + q[k] + r[k]) / 3.0)
     }
 
-    /// Whether the face is no wider than `noise`, so that rounding decides where rays leave it. Of a large one a triangle in it tells.
+    /// Returns whether the face is no wider than `noise`, so that rounding decides the exits of
+    /// rays. A large face is judged by an inscribed triangle.
     fn is_sliver(&self, noise: f64) -> bool {
         let count = if self.is_large() { 3 } else { self.count };
         let seen = |k: usize| minus(self.place(k * self.count / count), self.place(0));
@@ -53,12 +65,12 @@ impl ProjectedFeature<'_> {
             area += turn(p, q);
             reach = reach.max(dot(p, p)).max(dot(q, q));
         }
-        // Written so that NaN is one.
+        // NaN counts as a sliver.
         !self.is_edge() && !(area.abs() > noise * sqrt(reach))
     }
 
-    /// Where the ray from `from`, inside the face, leaves it: by which edge, and after how many times `way`. A ray that leaves by
-    /// the edge `hint` or one beside it is soon told.
+    /// Returns the exit of a ray from `from`, inside the face: the ray parameter in multiples of
+    /// `way`, and the exit edge. Fast if the exit edge is `hint` or near it.
     fn exit(&self, from: Point2, way: Point2, hint: usize) -> (f64, usize) {
         let seen = |k: usize| minus(self.place(k), from);
         let leave = |k: usize, p: Point2, q: Point2| {
@@ -71,7 +83,7 @@ impl ProjectedFeature<'_> {
             let x = [p[0] + s * (q[0] - p[0]), p[1] + s * (q[1] - p[1])];
             (dot(x, way) / dot(way, way), k)
         };
-        // Right of the ray at one end, left of it at the other, and seen from inside.
+        // Right of the ray at the start, left of the ray at the end, and seen from inside.
         let hit = |p: Point2, q: Point2| {
             turn(way, p) <= 0.0 && turn(way, q) >= 0.0 && turn(p, q) > 0.0 && dot(way, q) + dot(way, p) > 0.0
         };
@@ -100,12 +112,12 @@ impl ProjectedFeature<'_> {
         leave(k, seen(k), seen(self.next(k)))
     }
 
-    /// The edge by which a ray leaves.
+    /// Returns the edge by which a ray exits, found by bisection.
     fn bisect(&self, from: Point2, way: Point2) -> usize {
         let seen = |k: usize| minus(self.place(k), from);
         let first = seen(0);
         let ahead = turn(first, way) >= 0.0;
-        // Whether, counter-clockwise from the first corner, another comes before the ray.
+        // Returns whether `v` comes before the ray, counter-clockwise from the first vertex.
         let before = |v: Point2| {
             let (half, short) = (turn(first, v) >= 0.0, turn(v, way) >= 0.0);
             if ahead { half && short } else { half || short }
@@ -122,14 +134,15 @@ impl ProjectedFeature<'_> {
         low
     }
 
-    /// Whether a place is in the face, seen from one that is; NaN is in.
+    /// Returns whether a point is in the face, as seen from the interior point `middle`; true for
+    /// NaN.
     pub(super) fn holds(&self, middle: Point2, at: Point2) -> bool {
         !(self.exit(middle, minus(at, middle), usize::MAX).0 < 1.0)
     }
 }
 
-/// A point well inside both faces: the hint, or one from the witnesses, which are at zero: towards the middle of a face, or away
-/// from both borders.
+/// Returns a point well inside both faces: the hint, or a point offset from the witnesses (the
+/// origin of the plane) towards the middle of a face, or away from both boundaries.
 fn inside(a: &ProjectedFeature, b: &ProjectedFeature, hint: Option<Point2>) -> Option<Point2> {
     let (of_a, of_b) = (a.middle(), b.middle());
     let both = |p: &Point2| a.holds(of_a, *p) && b.holds(of_b, *p);
@@ -159,7 +172,7 @@ fn inside(a: &ProjectedFeature, b: &ProjectedFeature, hint: Option<Point2>) -> O
     None
 }
 
-/// Two faces, and how many rays were shot at them.
+/// Two faces, and the number of rays cast so far.
 pub(super) struct Rims<'a> {
     a: &'a ProjectedFeature<'a>,
     b: &'a ProjectedFeature<'a>,
@@ -167,8 +180,8 @@ pub(super) struct Rims<'a> {
     count: usize,
 }
 
-/// Corners of what two faces share, enough to choose `most` from; none of slivers no wider than `noise`. `hint`: a place that may be in
-/// the middle of it.
+/// Adds candidates on the boundary of the overlap of two faces, enough to choose `most` from; none
+/// if a face is a sliver no wider than `noise`. `hint` may be near the middle of the overlap.
 pub(super) fn clip(
     [a, b]: [&ProjectedFeature; 2],
     noise: f64,
@@ -194,7 +207,8 @@ pub(super) fn clip(
         half[k] = (ahead + back) * 0.5;
         centre[k] += (ahead - back) * 0.5;
     }
-    // Between the axes a round or square outline is met before the sum of both; a long one beyond it, and then on both ends.
+    // Between the axes a round or square outline is hit before the sum of both half axes; a long
+    // outline beyond the sum, and then on both ends.
     for [x, y] in [half, [-half[0], half[1]]] {
         if rims.shoot(centre, [x, y], corners) > 1.0 {
             rims.shoot(centre, [-x, -y], corners);
@@ -210,20 +224,22 @@ pub(super) fn clip(
 }
 
 impl Rims<'_> {
-    /// One ray more, out of the middle of the longest side of the corners found that was not `tried` yet; which is told.
+    /// Casts a further ray from the middle of the longest untried side of the candidates found;
+    /// returns the middle.
     fn widen(&mut self, first: usize, tried: &[Point2], corners: &mut Corners) -> Point2 {
         let found = &mut corners.all_mut()[first..];
         let count = found.len();
         let sum = found.iter().fold([0.0; 2], |s, c| [s[0] + c.at[0], s[1] + c.at[1]]);
         let middle = [sum[0] / count as f64, sum[1] / count as f64];
-        // Counter-clockwise from the first.
+        // Sorts counter-clockwise from the first candidate.
         let start = minus(found[0].at, middle);
         let half = |p: Point2| turn(start, p) < 0.0 || turn(start, p) == 0.0 && dot(start, p) < 0.0;
         let order = |p: Point2, q: Point2| {
             let (u, v) = (minus(p, middle), minus(q, middle));
             half(u).cmp(&half(v)).then(turn(v, u).total_cmp(&turn(u, v)))
         };
-        // By hand: to rounding this is no order, which the sorts of the library may end by a panic.
+        // Sorted by hand: under rounding the comparison is no total order, and library sorts may
+        // panic.
         for end in 2..count {
             let mut k = end;
             while k > 1 && order(found[k].at, found[k - 1].at) == Ordering::Less {
@@ -247,8 +263,8 @@ impl Rims<'_> {
         from
     }
 
-    /// The corner at the left end of the border that a ray from inside hits, and that at its right end where the border is one of a
-    /// few; after how many times `way` the ray hits it is told.
+    /// Casts a ray from an interior point and adds the left end (for small faces also the right
+    /// end) of the boundary edge it hits. Returns the ray parameter in multiples of `way`.
     fn shoot(&mut self, from: Point2, way: Point2, corners: &mut Corners) -> f64 {
         let (a, b) = (self.a, self.b);
         let before = self.rays.get(self.count).copied().unwrap_or([u32::MAX; 2]);
@@ -289,14 +305,15 @@ impl Rims<'_> {
     }
 }
 
-/// The ends of edge `k` that are worth a look.
+/// Returns the ends of edge `k` to be tested.
 fn ends(of: &ProjectedFeature, k: usize) -> impl Iterator<Item = usize> {
     let right = (!of.is_large()).then_some(k);
     core::iter::once(of.next(k)).chain(right)
 }
 
-/// The edge of the outer face's rim that crosses edge `k` of the inner one between the ray, which leaves the outer face by `start`,
-/// and one end of the edge; `None` where that end is in the outer face.
+/// Returns the outer face's boundary edge that crosses edge `k` of the inner face between the ray,
+/// which exits the outer face by `start`, and an end of edge `k`; `None` if the end is in the outer
+/// face.
 fn crossed(
     (inner, k, end): (&ProjectedFeature, usize, usize),
     (outer, start): (&ProjectedFeature, usize),
@@ -309,7 +326,8 @@ fn crossed(
     let p = inner.place(k);
     let u = minus(inner.place(inner.next(k)), p);
     let m = outer.count;
-    // Edge 0 leaves by the ray, the last one by the end; their corners are outside the inner edge, then inside.
+    // The ray exits by edge 0, the segment to the end by the last edge; the vertices between are
+    // first outside the inner edge, then inside.
     let left = end != k;
     let edge = |n: usize| if left { (start + n) % m } else { (start + m - n) % m };
     let inside = |n: usize| {

@@ -71,14 +71,12 @@ fn on_plane(highest: &dyn Fn(&Big3) -> ExactPoint, n: Big3) -> Origin {
 /// is tried and moved until no point of the set rises along `start` or no direction is left.
 ///
 /// ```text
-///      f
-///      |    start      not excluded: the wedge from start, turning left, to end
-///      |   /
-///      |  /             . top: a support point found, excludes all n with n . top > 0
-///      | /        .
-///      o-----------  e
-///       \
-///        end
+///    start  f
+///        \  |      . top     A support point `top` excludes every n with n . top > 0.
+///         \ |               Not excluded: the directions from start, turning left, to end.
+///           o------- e
+///            \
+///             end
 /// ```
 fn on_line(highest: &dyn Fn(&Big3) -> ExactPoint, d: &Big3) -> Origin {
     let axis = (0..3)
