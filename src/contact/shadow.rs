@@ -23,8 +23,8 @@ pub(super) struct LazyProjection<'a> {
 }
 
 impl<'a> LazyProjection<'a> {
-    /// Returns an unprojected feature. `backward` must be set for B: its body lies in front along
-    /// the normal, so its face is seen from within.
+    /// Returns an unprojected feature. `backward` must be set for B: the outward normal of its face
+    /// opposes the contact normal, so its half-edges run clockwise.
     #[inline(always)]
     pub(super) fn new(body: &'a ConvexPolyhedron, feature: Feature, axes: &'a Axes, backward: bool) -> Self {
         Self {
