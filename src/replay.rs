@@ -27,7 +27,7 @@ use core::str::FromStr;
 
 use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion};
 
-use crate::depth::{Memory, Raw};
+use crate::depth::{Memory, RawMemory};
 use crate::pair::outcome::Accuracy;
 use crate::polyhedron::{BuildError, ConvexPolyhedron, EdgeId, FaceId, Feature, FeaturePair, VertexId};
 use crate::pose::{Operand, PoseError, RelativePose};
@@ -133,12 +133,12 @@ impl fmt::Display for Replay {
             Some(pair) => writeln!(f, "start {} {}", pair.a, pair.b)?,
             None => writeln!(f, "start cold")?,
         }
-        let Some((facet, stand, built, points, triangles)) = self.surface.parts() else {
+        let Some((facet, witness_features, built, points, triangles)) = self.surface.parts() else {
             return Ok(());
         };
         writeln!(f, "facet {} {}", facet.a, facet.b)?;
-        if let Some(stand) = stand {
-            writeln!(f, "stand {} {}", stand.a, stand.b)?;
+        if let Some(pair) = witness_features {
+            writeln!(f, "stand {} {}", pair.a, pair.b)?;
         }
         write!(f, "surface {built}")?;
         points.iter().try_for_each(|[a, b]| write!(f, " {a}-{b}"))?;
@@ -265,9 +265,9 @@ impl<'a> Lines<'a> {
             return Ok(Memory::default());
         };
         let facet = Some(features(text).ok_or(expected(line, "two features, as v3 f5"))?);
-        let mut stand = None;
+        let mut witness_features = None;
         if let Some((line, text)) = self.word_if_there("stand") {
-            stand = Some(features(text).ok_or(expected(line, "two features, as v3 f5"))?);
+            witness_features = Some(features(text).ok_or(expected(line, "two features, as v3 f5"))?);
         }
         let (line, text) = self.word("surface", "a surface")?;
         let wrong = || expected(line, "pairs of vertices, and six numbers a triangle");
@@ -283,11 +283,11 @@ impl<'a> Lines<'a> {
         let (triangles, []) = rest.as_chunks::<6>() else {
             return Err(wrong());
         };
-        Ok(Memory::from(Raw {
+        Ok(Memory::from(RawMemory {
             points,
             triangles: triangles.to_vec(),
             facet,
-            stand,
+            witness_features,
             built: *built,
         }))
     }

@@ -7,8 +7,8 @@ use crate::num::scalar::{Scalar, Vec3, scaled, sub};
 use crate::pair::difference::MinkowskiPoint;
 use crate::tolerance::{AGREE_DEPTH, AGREE_WITNESS, UNIT};
 
-use crate::depth::foot::{Witnesses, foot};
-use crate::depth::result::{Best, End};
+use crate::depth::foot::{WitnessPoints, foot};
+use crate::depth::result::{Best, SearchEnd};
 use crate::depth::search::Search;
 
 impl<T: Scalar> Search<'_, T> {
@@ -17,9 +17,14 @@ impl<T: Scalar> Search<'_, T> {
     /// If the features of the best direction do not contain the deepest points, they are the
     /// surface point nearest to the foot of the origin on the best plane. The surface crosses the
     /// ray along the normal between both bounds, hence at the foot if the bounds agree.
-    pub(super) fn deepest(&self, best: &Best<T>, weakest: u32, end: End) -> ([MinkowskiPoint<T>; 3], Witnesses) {
+    pub(super) fn deepest(
+        &self,
+        best: &Best<T>,
+        weakest: u32,
+        end: SearchEnd,
+    ) -> ([MinkowskiPoint<T>; 3], WitnessPoints) {
         if let Some(foot) = best.features.and_then(|f| foot(self.posed, f, &best.rounded())) {
-            return (self.surface.corners(weakest), foot);
+            return (self.surface.vertices(weakest), foot);
         }
         // Relative to L in either arithmetic, not to the distance of far origins.
         let close = T::from(AGREE_DEPTH * self.posed.size());
@@ -29,14 +34,14 @@ impl<T: Scalar> Search<'_, T> {
         let order = || core::iter::once(weakest).chain(flat.clone()).chain(all.clone());
         let found = self.nearest::<T>(order(), best, close);
         if T::UNIT < UNIT || found.1 <= AGREE_WITNESS * self.posed.size() {
-            return (self.surface.corners(found.0), found.2);
+            return (self.surface.vertices(found.0), found.2);
         }
         // In f64 the barycentric coordinates of needles are wrong.
         let mut found = self.nearest::<DoubleDouble>(flat.clone().chain(core::iter::once(found.0)), best, close);
-        if end == End::Closed && found.1 > AGREE_WITNESS * self.posed.size() {
+        if end == SearchEnd::Closed && found.1 > AGREE_WITNESS * self.posed.size() {
             found = self.nearest::<DoubleDouble>(order(), best, close);
         }
-        (self.surface.corners(found.0), found.2)
+        (self.surface.vertices(found.0), found.2)
     }
 
     /// Returns the first triangle close enough to the foot of the origin on the best plane (if none
@@ -46,14 +51,14 @@ impl<T: Scalar> Search<'_, T> {
         triangles: impl Iterator<Item = u32>,
         best: &Best<T>,
         close: T,
-    ) -> (u32, f64, Witnesses) {
+    ) -> (u32, f64, WitnessPoints) {
         // Converts both parts of a double-double.
         let as_s = |x: T| S::from(x.value()) + S::from((x - T::from(x.value())).value());
         let fine = |v: &Vec3<T>| v.map(as_s);
         let target = scaled(&fine(&best.normal), as_s(best.height));
         let mut found: Option<(u32, f64, Simplex<S>)> = None;
         for t in triangles {
-            let shifted = self.surface.corners(t).map(|c| MinkowskiPoint {
+            let shifted = self.surface.vertices(t).map(|c| MinkowskiPoint {
                 a: c.a,
                 b: c.b,
                 w: sub(&fine(&c.w), &target),
@@ -68,7 +73,7 @@ impl<T: Scalar> Search<'_, T> {
             }
         }
         let (t, off, simplex) = found.unwrap_or_else(|| {
-            let c = self.surface.corners(0)[0];
+            let c = self.surface.vertices(0)[0];
             let at = MinkowskiPoint {
                 a: c.a,
                 b: c.b,

@@ -22,7 +22,7 @@ pub(super) fn unit<T: Scalar>(v: &Vec3<T>) -> Vec3<T> {
 
 /// Returns the least height of three points along a direction.
 #[inline]
-pub(super) fn least<T: Scalar>(n: &Vec3<T>, w: &[Vec3<T>; 3]) -> T {
+pub(super) fn min_height<T: Scalar>(n: &Vec3<T>, w: &[Vec3<T>; 3]) -> T {
     let h = w.map(|w| dot(n, &w));
     let low = if h[1] < h[0] { h[1] } else { h[0] };
     if h[2] < low { h[2] } else { low }

@@ -28,47 +28,47 @@ use crate::depth::facet::{edge, normal_of};
 use crate::pair::difference::support;
 
 /// Most edge pairs tested: 2048 edges times 2048.
-const PAIRS: usize = 1 << 22;
+const MAX_EDGE_PAIRS: usize = 1 << 22;
 
 /// Most feature pairs measured.
-const MEASURED: usize = 1 << 16;
+const MAX_MEASURED: usize = 1 << 16;
 
 /// Most vertex evaluations in double-double: some hundred milliseconds.
-const LOOKS: usize = 1 << 22;
+const MAX_EVALUATIONS: usize = 1 << 22;
 
 /// Resolves the depth of bodies with intersecting interiors; returns whether the depth was
 /// resolved.
 pub(super) fn resolve_exactly(posed: &PosedPair, frame: &Transform<DoubleDouble>, outcome: &mut Outcome) -> bool {
-    let Some(mut pairs) = facets(posed, frame) else {
+    let Some(mut pairs) = candidate_facets(posed, frame) else {
         return false;
     };
-    thin_out(posed, &Transform::<f64>::of(posed), &mut pairs);
-    if pairs.len() * (posed.a.points.len() + posed.b.points.len()) > LOOKS {
+    keep_lowest(posed, &Transform::<f64>::of(posed), &mut pairs);
+    if pairs.len() * (posed.a.points.len() + posed.b.points.len()) > MAX_EVALUATIONS {
         return false;
     }
-    thin_out(posed, frame, &mut pairs);
+    keep_lowest(posed, frame, &mut pairs);
     outcome.work.exacts += 1;
     exact::deepest(posed, &pairs, outcome)
 }
 
 /// Keeps the pairs that may have the least height, as far as the arithmetic `T` can decide.
-fn thin_out<T: Scalar>(posed: &PosedPair, frame: &Transform<T>, pairs: &mut Vec<FeaturePair>) {
-    let measured: Vec<(f64, f64)> = pairs.iter().map(|&pair| measure(posed, frame, pair)).collect();
-    let least = measured.iter().fold(f64::INFINITY, |least, (_, most)| least.min(*most));
-    let mut lowest = measured.iter().map(|(lower, _)| lower);
+fn keep_lowest<T: Scalar>(posed: &PosedPair, frame: &Transform<T>, pairs: &mut Vec<FeaturePair>) {
+    let heights: Vec<(f64, f64)> = pairs.iter().map(|&pair| height_bounds(posed, frame, pair)).collect();
+    let least = heights.iter().fold(f64::INFINITY, |least, (_, most)| least.min(*most));
+    let mut lowest = heights.iter().map(|(lower, _)| lower);
     // NaN keeps the pair.
     pairs.retain(|_| !lowest.next().is_some_and(|lower| *lower > least));
 }
 
 /// Returns all feature pairs that may span a facet; `None` if there are too many, or if a stored
 /// face stands for several unlisted faces.
-fn facets(posed: &PosedPair, frame: &Transform<DoubleDouble>) -> Option<Vec<FeaturePair>> {
+fn candidate_facets(posed: &PosedPair, frame: &Transform<DoubleDouble>) -> Option<Vec<FeaturePair>> {
     let (a, b) = (posed.a, posed.b);
     let of_a = a.faces().map(|f| FeaturePair::vertex_face(Operand::B, 0, f.0));
     let of_b = b.faces().map(|f| FeaturePair::vertex_face(Operand::A, 0, f.0));
     let mut pairs: Vec<FeaturePair> = of_a.chain(of_b).collect();
     let on_b: Vec<_> = b.edges().map(|g| (g, Edge::new(b, g.0))).collect();
-    let too_many = pairs.len() > MEASURED || a.edges().count() * on_b.len() > PAIRS;
+    let too_many = pairs.len() > MAX_MEASURED || a.edges().count() * on_b.len() > MAX_EDGE_PAIRS;
     if too_many || ![a, b].into_iter().all(has_flat_faces) {
         return None;
     }
@@ -78,14 +78,14 @@ fn facets(posed: &PosedPair, frame: &Transform<DoubleDouble>) -> Option<Vec<Feat
         let along_a = posed.vector_in_b(&(on_a.q - on_a.p));
         for (g, on_b) in &on_b {
             let along_b = posed.vector_in_a(&(on_b.q - on_b.p));
-            if !(on_a.may_leave(&along_b) && on_b.may_leave(&along_a)) {
+            if !(on_a.may_be_perpendicular(&along_b) && on_b.may_be_perpendicular(&along_a)) {
                 continue;
             }
             doubtful += 1;
-            if doubtful > MEASURED {
+            if doubtful > MAX_MEASURED {
                 return None;
             }
-            if may_share(posed, frame, e.0, g.0) {
+            if may_share_normal(posed, frame, e.0, g.0) {
                 pairs.push(FeaturePair::edges(Operand::A, e.0, g.0));
             }
         }
@@ -96,20 +96,20 @@ fn facets(posed: &PosedPair, frame: &Transform<DoubleDouble>) -> Option<Vec<Feat
 /// Returns whether the vertices of each face lie exactly in a common plane.
 fn has_flat_faces(body: &ConvexPolyhedron) -> bool {
     body.faces().all(|f| {
-        let corner = |h: u32| body.points[body.topology.from(h) as usize];
+        let vertex = |h: u32| body.points[body.topology.from(h) as usize];
         let start = body.topology.rim_start(f.0);
         let next = |h: u32| body.topology.half_edge(h).next;
-        let [p, q] = [start, next(start)].map(corner);
+        let [p, q] = [start, next(start)].map(vertex);
         // Tests p and q with both ends of every edge: three collinear vertices prove nothing.
         body.topology
             .rim(f.0)
-            .all(|h| side(&p, &q, &corner(h), &corner(next(h))) == 0.0)
+            .all(|h| side(&p, &q, &vertex(h), &vertex(next(h))) == 0.0)
     })
 }
 
 /// Returns whether two edges may share a normal, tested in double-double: along the common
 /// perpendicular of both edges, all adjacent faces must descend.
-fn may_share(posed: &PosedPair, frame: &Transform<DoubleDouble>, e: u32, g: u32) -> bool {
+fn may_share_normal(posed: &PosedPair, frame: &Transform<DoubleDouble>, e: u32, g: u32) -> bool {
     let n = cross(&edge(posed.a, e), &frame.vector(&edge(posed.b, g)));
     let noise = 2.0 * CERTIFICATE * DoubleDouble::UNIT;
     // Returns whether a face adjacent to the edge certainly descends along `n`, and whether a face
@@ -117,13 +117,13 @@ fn may_share(posed: &PosedPair, frame: &Transform<DoubleDouble>, e: u32, g: u32)
     let slopes = |body: &ConvexPolyhedron, h: u32, n: &Vec3<DoubleDouble>| {
         let t = &body.topology;
         let from = body.points[t.from(h) as usize];
-        let beside = [h, t.half_edge(h).twin].map(|h| {
-            let corner = body.points[t.half_edge(t.half_edge(h).next).to as usize];
-            let u = [0, 1, 2].map(|k| DoubleDouble::sum(corner[k], -from[k]));
-            (dot(n, &u).value(), noise * (corner - from).abs().sum())
+        let adjacent = [h, t.half_edge(h).twin].map(|h| {
+            let vertex = body.points[t.half_edge(t.half_edge(h).next).to as usize];
+            let u = [0, 1, 2].map(|k| DoubleDouble::sum(vertex[k], -from[k]));
+            (dot(n, &u).value(), noise * (vertex - from).abs().sum())
         });
-        let falls = beside.iter().any(|(x, noise)| *x < -noise);
-        (falls, beside.iter().any(|(x, noise)| x > noise))
+        let falls = adjacent.iter().any(|(x, noise)| *x < -noise);
+        (falls, adjacent.iter().any(|(x, noise)| x > noise))
     };
     let (falls_a, rises_a) = slopes(posed.a, e, &n);
     let (falls_b, rises_b) = slopes(posed.b, g, &frame.direction(&n));
@@ -135,7 +135,7 @@ impl Edge<'_> {
     /// Returns whether some normal of the edge, between the normals of the two faces, may be
     /// perpendicular to `v`: false if `v` certainly rises along both face normals or certainly
     /// falls along both.
-    fn may_leave(&self, v: &nalgebra::Vector3<f64>) -> bool {
+    fn may_be_perpendicular(&self, v: &nalgebra::Vector3<f64>) -> bool {
         let noise = EXACT_FILTER * v.abs().sum();
         let (left, right) = (v.dot(&self.left.normal), v.dot(&self.right.normal));
         // NaN returns true.
@@ -145,7 +145,7 @@ impl Edge<'_> {
 
 /// Returns lower and upper bounds of the support of A - B along the facet normal, covering rounding
 /// and L times the angular error of the normal.
-fn measure<T: Scalar>(posed: &PosedPair, frame: &Transform<T>, pair: FeaturePair) -> (f64, f64) {
+fn height_bounds<T: Scalar>(posed: &PosedPair, frame: &Transform<T>, pair: FeaturePair) -> (f64, f64) {
     let (a, b) = pair.vertices_of(posed.a, posed.b);
     let on = difference_point(posed, frame, a, b);
     let Some(n) = normal_of(posed, frame, pair, &on) else {
@@ -154,8 +154,8 @@ fn measure<T: Scalar>(posed: &PosedPair, frame: &Transform<T>, pair: FeaturePair
     let rounding = 2.0 * CERTIFICATE * T::UNIT;
     let off = match (pair.a, pair.b) {
         (Feature::Edge(e), Feature::Edge(g)) => {
-            let across = cross(&edge(posed.a, e.0), &frame.vector(&edge(posed.b, g.0)));
-            rounding / root(dot(&across, &across)).value()
+            let perpendicular = cross(&edge(posed.a, e.0), &frame.vector(&edge(posed.b, g.0)));
+            rounding / root(dot(&perpendicular, &perpendicular)).value()
         }
         _ => 2.0 * NORMAL_ERROR,
     };
@@ -195,7 +195,7 @@ mod tests {
 
     /// The surface and the list of all facets share nothing but the bodies.
     #[test]
-    fn every_facet_looked_at_gives_the_depth_of_the_surface() {
+    fn all_facets_give_the_depth_of_the_surface() {
         let (mut closed, mut exact) = (0, 0);
         for (i, a) in bodies().iter().enumerate() {
             for b in &bodies() {
@@ -240,6 +240,6 @@ mod tests {
             panic!("in range")
         };
         let frame = Transform::<DoubleDouble>::new(&sphere, &sphere, &pose).expect("in range");
-        assert!(facets(&posed, &frame).is_none());
+        assert!(candidate_facets(&posed, &frame).is_none());
     }
 }

@@ -17,11 +17,15 @@ use crate::tolerance::{AGREE_DEPTH, FOOT};
 const SMALL: usize = 8;
 
 /// A point of A and a point of B, in their stored frames.
-pub(super) type Witnesses = (Point3<f64>, Point3<f64>);
+pub(super) type WitnessPoints = (Point3<f64>, Point3<f64>);
 
 /// Returns a point of A and a point of B that differ by `height` along the unit `normal`, A's
 /// ahead; `None` if the features of the facet contain no such points.
-pub(super) fn foot(posed: &PosedPair, facet: FeaturePair, (normal, height): &(Vec3<f64>, f64)) -> Option<Witnesses> {
+pub(super) fn foot(
+    posed: &PosedPair,
+    facet: FeaturePair,
+    (normal, height): &(Vec3<f64>, f64),
+) -> Option<WitnessPoints> {
     let (ahead, close) = (Vector3::from(*normal) * *height, AGREE_DEPTH * posed.size());
     let (p, q) = match (facet.a, facet.b) {
         (Feature::Face(f), Feature::Vertex(v)) => {
@@ -48,18 +52,18 @@ pub(super) fn flush(
     posed: &PosedPair,
     facet: FeaturePair,
     best: &(Vec3<f64>, f64),
-) -> Option<(FeaturePair, Witnesses)> {
+) -> Option<(FeaturePair, WitnessPoints)> {
     let n = Vector3::from(best.0);
     let (f, g) = match (facet.a, facet.b) {
-        (Feature::Face(f), Feature::Vertex(v)) => (f.0, facing(posed.b, v.0, &-posed.direction_in_b(&n))?),
-        (Feature::Vertex(v), Feature::Face(g)) => (facing(posed.a, v.0, &n)?, g.0),
+        (Feature::Face(f), Feature::Vertex(v)) => (f.0, face_towards(posed.b, v.0, &-posed.direction_in_b(&n))?),
+        (Feature::Vertex(v), Feature::Face(g)) => (face_towards(posed.a, v.0, &n)?, g.0),
         _ => return None,
     };
-    let stand = |pair: FeaturePair| Some((pair, foot(posed, pair, best)?));
+    let with_witnesses = |pair: FeaturePair| Some((pair, foot(posed, pair, best)?));
     let t = [&posed.a.topology, &posed.b.topology];
-    let of_b = || some_of(posed.b, g).map(|h| FeaturePair::vertex_face(Operand::B, t[1].from(h), f));
-    let of_a = || some_of(posed.a, f).map(|h| FeaturePair::vertex_face(Operand::A, t[0].from(h), g));
-    if let Some(found) = of_b().chain(of_a()).find_map(stand) {
+    let of_b = || sample_rim(posed.b, g).map(|h| FeaturePair::vertex_face(Operand::B, t[1].from(h), f));
+    let of_a = || sample_rim(posed.a, f).map(|h| FeaturePair::vertex_face(Operand::A, t[0].from(h), g));
+    if let Some(found) = of_b().chain(of_a()).find_map(with_witnesses) {
         return Some(found);
     }
     let is_small = |t: &Topology, face: u32| t.rim(face).nth(SMALL).is_none();
@@ -68,12 +72,12 @@ pub(super) fn flush(
     }
     let pairs = t[0].rim(f).flat_map(|h| t[1].rim(g).map(move |k| (h, k)));
     let edges = |(h, k)| FeaturePair::edges(Operand::A, t[0].edge(h), t[1].edge(k));
-    pairs.map(edges).find_map(stand)
+    pairs.map(edges).find_map(with_witnesses)
 }
 
 /// Returns the face at a vertex whose normal is closest to `outward`; `None` if the body has no
 /// faces.
-fn facing(body: &ConvexPolyhedron, v: u32, outward: &Vector3<f64>) -> Option<u32> {
+fn face_towards(body: &ConvexPolyhedron, v: u32, outward: &Vector3<f64>) -> Option<u32> {
     let t = &body.topology;
     let mut best = (0.0, None);
     for h in t.fan(v).take(LARGE) {
@@ -87,14 +91,14 @@ fn facing(body: &ConvexPolyhedron, v: u32, outward: &Vector3<f64>) -> Option<u32
 }
 
 /// Returns the half-edges of a face; of a large face, an evenly spaced sample.
-pub(super) fn some_of(body: &ConvexPolyhedron, f: u32) -> impl Iterator<Item = u32> + '_ {
+pub(super) fn sample_rim(body: &ConvexPolyhedron, f: u32) -> impl Iterator<Item = u32> + '_ {
     let t = &body.topology;
     let ring = t.ring(f);
-    let spread = ring
+    let sampled = ring
         .into_iter()
         .flat_map(|r| r.iter().copied().step_by(r.len().div_ceil(LARGE)));
     let whole = if ring.is_none() { LARGE } else { 0 };
-    t.rim(f).take(whole).chain(spread)
+    t.rim(f).take(whole).chain(sampled)
 }
 
 /// Returns whether a point lies on a face, or at most `close` off the face.

@@ -13,10 +13,10 @@ use crate::polyhedron::FeaturePair;
 use crate::depth::surface::Surface;
 
 /// Most triangles worth caching: a triangle index fits in a byte.
-pub(super) const MOST: usize = 256;
+pub(super) const MAX_TRIANGLES: usize = 256;
 
-/// Most points of a cached surface: a closed surface of `MOST` triangles has no more.
-pub(super) const MOST_POINTS: usize = MOST / 2 + 2;
+/// Most points of a cached surface: a closed surface of `MAX_TRIANGLES` triangles has no more.
+pub(super) const MAX_POINTS: usize = MAX_TRIANGLES / 2 + 2;
 
 /// Triangles a surface may gain, beyond twice its initial number, before it is built afresh.
 const GAIN: usize = 24;
@@ -24,7 +24,11 @@ const GAIN: usize = 24;
 /// A closed surface without coordinates: each edge of a triangle is the reverse of an edge of the
 /// adjacent triangle.
 #[derive(Clone, Debug, Default)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(from = "Raw"))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(from = "RawMemory")
+)]
 pub(crate) struct Memory {
     /// Vertex of A and vertex of B of each point.
     pub(super) points: Vec<[u32; 2]>,
@@ -33,12 +37,12 @@ pub(crate) struct Memory {
     /// Features of the deepest facet.
     pub(super) facet: Option<FeaturePair>,
     /// Features of the last witnesses, if different from `facet`.
-    pub(super) stand: Option<FeaturePair>,
+    pub(super) witness_features: Option<FeaturePair>,
     /// Number of triangles when the surface was built.
     pub(super) built: u32,
     /// Working memory, allocated at the first overlap; not part of the cached state.
     #[cfg_attr(feature = "serde", serde(skip))]
-    room: Option<Box<Room>>,
+    scratch: Option<Box<Scratch>>,
 }
 
 /// Features of the deepest facet, features of the witnesses, initial number of triangles, points,
@@ -47,10 +51,10 @@ type Parts<'a> = (FeaturePair, Option<FeaturePair>, u32, &'a [[u32; 2]], &'a [[u
 
 /// Buffers that keep their allocation between queries.
 #[derive(Clone, Debug)]
-pub(super) struct Room {
+pub(super) struct Scratch {
     pub(super) surface: Surface<f64>,
     /// Triangles below the target height, at which the surface must grow.
-    pub(super) weak: Vec<u32>,
+    pub(super) below_target: Vec<u32>,
 }
 
 impl PartialEq for Memory {
@@ -62,18 +66,18 @@ impl PartialEq for Memory {
 /// Cached surface as deserialized: not yet known to be closed.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize))]
-pub(crate) struct Raw {
+pub(crate) struct RawMemory {
     pub(crate) points: Vec<[u32; 2]>,
     pub(crate) triangles: Vec<[u32; 6]>,
     pub(crate) facet: Option<FeaturePair>,
     #[cfg_attr(feature = "serde", serde(default))]
-    pub(crate) stand: Option<FeaturePair>,
+    pub(crate) witness_features: Option<FeaturePair>,
     pub(crate) built: u32,
 }
 
-impl From<Raw> for Memory {
+impl From<RawMemory> for Memory {
     /// Returns an empty cache if the data is no closed surface.
-    fn from(raw: Raw) -> Self {
+    fn from(raw: RawMemory) -> Self {
         if !raw.is_closed() {
             return Self::default();
         }
@@ -82,14 +86,14 @@ impl From<Raw> for Memory {
             triangles: raw.triangles.iter().map(bytes).collect(),
             points: raw.points,
             facet: raw.facet,
-            stand: raw.stand,
+            witness_features: raw.witness_features,
             built: raw.built,
-            room: None,
+            scratch: None,
         }
     }
 }
 
-impl Raw {
+impl RawMemory {
     fn is_closed(&self) -> bool {
         let closed = |(k, t): (usize, &[u32; 6])| {
             (0..3).all(|i| {
@@ -101,8 +105,8 @@ impl Raw {
                         .is_some_and(|o| (0..3).any(|j| (o[j], o[(j + 1) % 3], o[3 + j]) == (to, from, k as u32)))
             })
         };
-        self.points.len() <= MOST_POINTS
-            && self.triangles.len() <= MOST
+        self.points.len() <= MAX_POINTS
+            && self.triangles.len() <= MAX_TRIANGLES
             && self.triangles.iter().enumerate().all(closed)
     }
 }
@@ -110,24 +114,24 @@ impl Raw {
 impl Memory {
     /// Allocates for the largest surface that is cached.
     pub(crate) fn reserve(&mut self) {
-        self.points.reserve(MOST_POINTS);
-        self.triangles.reserve(MOST);
-        self.within(|_, room| {
-            room.surface.reserve(MOST);
-            room.weak.reserve(MOST);
+        self.points.reserve(MAX_POINTS);
+        self.triangles.reserve(MAX_TRIANGLES);
+        self.with_scratch(|_, scratch| {
+            scratch.surface.reserve(MAX_TRIANGLES);
+            scratch.below_target.reserve(MAX_TRIANGLES);
         });
     }
 
     /// Runs `work` with the working memory, allocated if absent.
-    pub(super) fn within<R>(&mut self, work: impl FnOnce(&mut Self, &mut Room) -> R) -> R {
-        let mut room = self.room.take().unwrap_or_else(|| {
-            Box::new(Room {
+    pub(super) fn with_scratch<R>(&mut self, work: impl FnOnce(&mut Self, &mut Scratch) -> R) -> R {
+        let mut scratch = self.scratch.take().unwrap_or_else(|| {
+            Box::new(Scratch {
                 surface: Surface::new(),
-                weak: Vec::new(),
+                below_target: Vec::new(),
             })
         });
-        let result = work(self, &mut room);
-        self.room = Some(room);
+        let result = work(self, &mut scratch);
+        self.scratch = Some(scratch);
         result
     }
 
@@ -135,7 +139,7 @@ impl Memory {
     pub(crate) fn clear(&mut self) {
         self.points.clear();
         self.triangles.clear();
-        (self.facet, self.stand) = (None, None);
+        (self.facet, self.witness_features) = (None, None);
         self.built = 0;
     }
 
@@ -148,8 +152,8 @@ impl Memory {
     pub(crate) fn heap_bytes(&self) -> usize {
         self.points.capacity() * size_of::<[u32; 2]>()
             + self.triangles.capacity() * size_of::<[u8; 6]>()
-            + self.room.as_ref().map_or(0, |r| {
-                size_of::<Room>() + r.weak.capacity() * size_of::<u32>() + r.surface.heap_bytes()
+            + self.scratch.as_ref().map_or(0, |r| {
+                size_of::<Scratch>() + r.below_target.capacity() * size_of::<u32>() + r.surface.heap_bytes()
             })
     }
 
@@ -161,28 +165,34 @@ impl Memory {
 
     /// Returns the cached parts; `None` if the cache is empty.
     pub(crate) fn parts(&self) -> Option<Parts<'_>> {
-        Some((self.facet?, self.stand, self.built, &self.points, &self.triangles))
+        Some((
+            self.facet?,
+            self.witness_features,
+            self.built,
+            &self.points,
+            &self.triangles,
+        ))
     }
 
     /// Returns the three point indices of a triangle.
-    pub(super) fn corners(&self, t: u32) -> [usize; 3] {
+    pub(super) fn vertices(&self, t: u32) -> [usize; 3] {
         let [i, j, k, ..] = self.triangles[t as usize];
         [i, j, k].map(usize::from)
     }
 
     /// Loads the cached surface, with the points at `positions`, into the working memory.
-    pub(super) fn recall(&self, room: &mut Room, places: &[Vec3<f64>], enough: f64) {
-        let surface = &mut room.surface;
-        surface.clear(enough);
-        let points = self.points.iter().zip(places);
+    pub(super) fn recall(&self, scratch: &mut Scratch, positions: &[Vec3<f64>], target: f64) {
+        let surface = &mut scratch.surface;
+        surface.clear(target);
+        let points = self.points.iter().zip(positions);
         surface
             .points
             .extend(points.map(|(&[a, b], &w)| MinkowskiPoint { a, b, w }));
         for &[p, q, r, x, y, z] in &self.triangles {
             surface.push([p, q, r].map(u32::from), [x, y, z].map(u32::from));
         }
-        for &t in &room.weak {
-            surface.weigh(t);
+        for &t in &scratch.below_target {
+            surface.compute_bound(t);
         }
     }
 
@@ -193,20 +203,20 @@ impl Memory {
         self.facet = Some(facet);
         let count = surface.triangles.len();
         let built = built.unwrap_or(count as u32);
-        if count > MOST || surface.points.len() > MOST || count > 2 * built as usize + GAIN {
+        if count > MAX_TRIANGLES || surface.points.len() > MAX_TRIANGLES || count > 2 * built as usize + GAIN {
             return;
         }
         // Drops points no triangle uses any more.
-        let mut place = [u8::MAX; MOST];
-        for (corners, beside) in surface.names() {
+        let mut index = [u8::MAX; MAX_TRIANGLES];
+        for (vertices, neighbours) in surface.indices() {
             let mut t = [0; 6];
             for k in 0..3 {
-                let c = corners[k] as usize;
-                if place[c] == u8::MAX {
-                    place[c] = self.points.len() as u8;
+                let c = vertices[k] as usize;
+                if index[c] == u8::MAX {
+                    index[c] = self.points.len() as u8;
                     self.points.push([surface.points[c].a, surface.points[c].b]);
                 }
-                (t[k], t[3 + k]) = (place[c], beside[k] as u8);
+                (t[k], t[3 + k]) = (index[c], neighbours[k] as u8);
             }
             self.triangles.push(t);
         }
@@ -219,7 +229,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_room_for_later_overlaps_is_what_the_documentation_says() {
+    fn the_scratch_of_later_overlaps_has_the_documented_size() {
         let mut memory = Memory::default();
         assert_eq!(memory.heap_bytes(), 0);
         memory.reserve();

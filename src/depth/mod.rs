@@ -50,11 +50,11 @@ use crate::pair::transform::Transform;
 use crate::tolerance::{AGREE_DEPTH, AGREE_WITNESS};
 use crate::tolerance::{CERTIFICATE, SHIFTS};
 use nalgebra::Vector3;
-use result::{End, Found};
+use result::{SearchEnd, SearchResult};
 use search::search;
 use surface::Surface;
 
-pub(crate) use memory::{Memory, Raw};
+pub(crate) use memory::{Memory, RawMemory};
 pub(crate) use resume::resume;
 
 /// Number of perturbations tried in f64: only those well above the rounding of f64.
@@ -67,16 +67,16 @@ pub(crate) fn penetration_depth(posed: &PosedPair, memory: &mut Memory, outcome:
     outcome.work.depths += 1;
     outcome.lower = f64::NEG_INFINITY;
     let shifts = &SHIFTS[..SHIFTS_PLAIN];
-    let is_done = memory.within(|memory, room| {
-        let surface = &mut room.surface;
+    let is_done = memory.with_scratch(|memory, scratch| {
+        let surface = &mut scratch.surface;
         let Some(found) = search(posed, &Transform::of(posed), outcome.features, shifts, surface) else {
             return false;
         };
-        take(posed, &found, outcome);
-        if found.end == End::Closed {
+        write_result(posed, &found, outcome);
+        if found.end == SearchEnd::Closed {
             memory.keep(surface, outcome.features, None);
         }
-        found.end != End::Stuck
+        found.end != SearchEnd::Stuck
     });
     if !is_done {
         penetration_depth_in_double_double(posed, outcome);
@@ -92,33 +92,33 @@ fn penetration_depth_in_double_double(posed: &PosedPair, outcome: &mut Outcome) 
         return;
     };
     if let Some(found) = search(posed, &frame, outcome.features, &SHIFTS, &mut Surface::new()) {
-        take(posed, &found, outcome);
+        write_result(posed, &found, outcome);
     }
     #[cfg(feature = "exact")]
-    if !is_narrow(posed, outcome) || outcome.distance == 0.0 || !is_held(posed, outcome) {
+    if !has_close_bounds(posed, outcome) || outcome.distance == 0.0 || !has_witnesses(posed, outcome) {
         exhaustive::resolve_exactly(posed, &frame, outcome);
     }
 }
 
 /// Returns whether the bounds agree as closely as a proven depth requires; false for NaN.
 #[cfg(feature = "exact")]
-fn is_narrow(posed: &PosedPair, outcome: &Outcome) -> bool {
+fn has_close_bounds(posed: &PosedPair, outcome: &Outcome) -> bool {
     outcome.upper - outcome.lower <= AGREE_DEPTH * posed.size()
 }
 
 /// Returns whether the witnesses differ by the depth along the normal: a surface that failed to
 /// close may have no such witnesses.
 #[cfg(feature = "exact")]
-fn is_held(posed: &PosedPair, outcome: &Outcome) -> bool {
+fn has_witnesses(posed: &PosedPair, outcome: &Outcome) -> bool {
     let between = posed.point_in_a(&outcome.point_on_b.coords) - outcome.point_on_a.coords;
     let rest = between - outcome.normal.into_inner() * outcome.distance;
     rest.norm_squared() <= (AGREE_WITNESS * posed.size()) * (AGREE_WITNESS * posed.size())
 }
 
 /// Writes the search result to the outcome if the bounds of the result are narrower.
-fn take<T: Scalar>(posed: &PosedPair, found: &Found<T>, outcome: &mut Outcome) {
+fn write_result<T: Scalar>(posed: &PosedPair, found: &SearchResult<T>, outcome: &mut Outcome) {
     let term = CERTIFICATE * T::UNIT * posed.reach::<T>().whole();
-    outcome.work.grown += found.grown;
+    outcome.work.grown += found.points_added;
     let lower = -outward(found.height, term);
     let upper = (-outward(found.radius, -term)).min(0.0);
     if outcome.lower.is_finite() && !(upper - lower < outcome.upper - outcome.lower) {
@@ -132,7 +132,7 @@ fn take<T: Scalar>(posed: &PosedPair, found: &Found<T>, outcome: &mut Outcome) {
         (outcome.point_on_a, outcome.point_on_b) = witnesses;
     }
     outcome.features = found.features.unwrap_or_else(|| {
-        let (a, b) = (found.corners.map(|c| c.a), found.corners.map(|c| c.b));
+        let (a, b) = (found.vertices.map(|c| c.a), found.vertices.map(|c| c.b));
         state_of(posed, &a, &b)
     });
 }

@@ -8,29 +8,29 @@
 //! enters, however folded the surface is.
 
 mod grow;
-mod names;
+mod vertex_pairs;
 
 use alloc::vec::Vec;
 
-use crate::depth::direction::{least, normal, unit};
-use crate::depth::memory::MOST;
-use crate::depth::queue::{Entry, Queue};
+use crate::depth::direction::{min_height, normal, unit};
+use crate::depth::memory::MAX_TRIANGLES;
+use crate::depth::queue::{Queue, QueuedTriangle};
 use crate::minimum::simplex::Simplex;
 use crate::num::scalar::{Scalar, Vec3, cross, dot, sub};
 use crate::pair::difference::MinkowskiPoint;
-use grow::Border;
-use names::Names;
+use grow::HorizonEdge;
+use vertex_pairs::VertexPairs;
 
 /// Most points searched linearly, hardly slower than by hashing: as many as a tracker allocates
 /// for, so queries allocate nothing.
-const SCANNED: usize = MOST;
+const SCANNED: usize = MAX_TRIANGLES;
 
 /// A triangle with its vertices counter-clockwise seen from outside.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Triangle<T> {
-    pub(super) corners: [u32; 3],
+    pub(super) vertices: [u32; 3],
     /// Triangle across the edge from vertex k to vertex k + 1.
-    beside: [u32; 3],
+    neighbours: [u32; 3],
     /// Unit normal of the triangle's plane; zero if degenerate.
     pub(super) outward: Vec3<T>,
     /// Height of the lowest vertex along `outward`.
@@ -39,22 +39,22 @@ pub(super) struct Triangle<T> {
     /// triangle is nearer to the origin.
     pub(super) direction: Vec3<T>,
     pub(super) bound: T,
-    state: Measured,
+    state: BoundState,
     /// Number of the last flood to visit the triangle.
     flood: u32,
 }
 
 /// How far the bound of a triangle has been computed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-enum Measured {
+enum BoundState {
     /// Known to be beyond the target, nothing else.
     #[default]
-    Not,
+    Unmeasured,
     /// Normal, and the bound along the normal.
-    Plane,
+    AlongNormal,
     /// Best bound: along the direction of the nearest point if rounding or an obtuse position
     /// spoils the bound along the normal.
-    Whole,
+    Best,
 }
 
 /// Rounding margins of the visibility test.
@@ -70,16 +70,16 @@ pub(super) struct Filter<T> {
 pub(super) struct Surface<T> {
     pub(super) points: Vec<MinkowskiPoint<T>>,
     /// Vertex pairs of the first points, if there are many points.
-    names: Names,
+    vertex_pairs: VertexPairs,
     pub(super) triangles: Vec<Triangle<T>>,
     /// Triangles not known to be beyond `target`.
     queue: Queue,
     /// Triangles beyond this height need no work.
-    enough: T,
+    target: T,
     floods: u32,
     /// Triangles visible from the new point, and the horizon around them.
     visible: Vec<u32>,
-    border: Vec<Border>,
+    horizon: Vec<HorizonEdge>,
     /// Start vertices of the horizon edges, sorted.
     starts: Vec<u32>,
 }
@@ -89,10 +89,10 @@ impl<T> Surface<T> {
     pub(super) fn heap_bytes(&self) -> usize {
         self.points.capacity() * size_of::<MinkowskiPoint<T>>()
             + self.triangles.capacity() * size_of::<Triangle<T>>()
-            + self.names.heap_bytes()
+            + self.vertex_pairs.heap_bytes()
             + self.queue.heap_bytes()
             + (self.visible.capacity() + self.starts.capacity()) * size_of::<u32>()
-            + self.border.capacity() * size_of::<Border>()
+            + self.horizon.capacity() * size_of::<HorizonEdge>()
     }
 }
 
@@ -101,13 +101,13 @@ impl<T: Scalar> Surface<T> {
     pub(super) fn new() -> Self {
         Self {
             points: Vec::new(),
-            names: Names::default(),
+            vertex_pairs: VertexPairs::default(),
             triangles: Vec::new(),
             queue: Queue::default(),
-            enough: T::from(f64::INFINITY),
+            target: T::from(f64::INFINITY),
             floods: 0,
             visible: Vec::new(),
-            border: Vec::new(),
+            horizon: Vec::new(),
             starts: Vec::new(),
         }
     }
@@ -118,23 +118,23 @@ impl<T: Scalar> Surface<T> {
         self.triangles.reserve(triangles);
         self.queue.reserve(2 * triangles);
         self.visible.reserve(triangles);
-        self.border.reserve(triangles);
+        self.horizon.reserve(triangles);
         self.starts.reserve(triangles);
     }
 
     /// Removes all points and triangles and sets the target.
-    pub(super) fn clear(&mut self, enough: T) {
+    pub(super) fn clear(&mut self, target: T) {
         self.points.clear();
-        self.names.clear();
+        self.vertex_pairs.clear();
         self.triangles.clear();
         self.queue.clear();
-        self.enough = enough;
+        self.target = target;
         self.floods = 0;
     }
 
     /// Resets the surface to the tetrahedron of four points; returns false if not given four.
-    pub(super) fn start(&mut self, corners: &[MinkowskiPoint<T>]) -> bool {
-        let Ok([p, q, r, s]) = <&[MinkowskiPoint<T>; 4]>::try_from(corners) else {
+    pub(super) fn start(&mut self, vertices: &[MinkowskiPoint<T>]) -> bool {
+        let Ok([p, q, r, s]) = <&[MinkowskiPoint<T>; 4]>::try_from(vertices) else {
             return false;
         };
         let (u, v, x) = (sub(&q.w, &p.w), sub(&r.w, &p.w), sub(&s.w, &p.w));
@@ -149,65 +149,67 @@ impl<T: Scalar> Surface<T> {
             ([0, 3, 2], [1, 3, 0]),
             ([1, 2, 3], [0, 2, 1]),
         ];
-        for (k, (corners, beside)) in (0..4).zip(faces) {
-            self.push(corners, beside);
-            self.weigh(k);
+        for (k, (vertices, neighbours)) in (0..4).zip(faces) {
+            self.push(vertices, neighbours);
+            self.compute_bound(k);
         }
         true
     }
 
     /// Sets the height beyond which triangles need no work; must never exceed the previous target.
-    pub(super) fn expect(&mut self, enough: T) {
-        self.enough = enough;
+    pub(super) fn set_target(&mut self, target: T) {
+        self.target = target;
     }
 
     /// Returns the height that every triangle is beyond if [`weakest`](Self::weakest) returns
     /// `None`.
-    pub(super) fn enough(&self) -> T {
-        self.enough
+    pub(super) fn target(&self) -> T {
+        self.target
     }
 
     /// Returns the positions of a triangle's vertices.
     #[inline]
-    fn places(&self, corners: &[u32; 3]) -> [Vec3<T>; 3] {
-        corners.map(|c| self.points[c as usize].w)
+    fn positions(&self, vertices: &[u32; 3]) -> [Vec3<T>; 3] {
+        vertices.map(|c| self.points[c as usize].w)
     }
 
     /// Returns the vertices of a triangle.
-    pub(super) fn corners(&self, triangle: u32) -> [MinkowskiPoint<T>; 3] {
+    pub(super) fn vertices(&self, triangle: u32) -> [MinkowskiPoint<T>; 3] {
         self.triangles[triangle as usize]
-            .corners
+            .vertices
             .map(|c| self.points[c as usize])
     }
 
     /// Returns whether a point of the given vertex pair was inserted before.
-    pub(super) fn knows(&mut self, c: &MinkowskiPoint<T>) -> bool {
-        let name = |c: &MinkowskiPoint<T>| [c.a, c.b];
+    pub(super) fn contains_pair(&mut self, c: &MinkowskiPoint<T>) -> bool {
+        let pair = |c: &MinkowskiPoint<T>| [c.a, c.b];
         if self.points.len() <= SCANNED {
-            return self.points.iter().any(|p| name(p) == name(c));
+            return self.points.iter().any(|p| pair(p) == pair(c));
         }
-        let count = self.names.count();
-        self.points[count..].iter().for_each(|p| self.names.insert(name(p)));
-        self.names.contains(name(c))
+        let count = self.vertex_pairs.count();
+        self.points[count..]
+            .iter()
+            .for_each(|p| self.vertex_pairs.insert(pair(p)));
+        self.vertex_pairs.contains(pair(c))
     }
 
     /// Returns point indices and adjacent triangles of every triangle.
-    pub(super) fn names(&self) -> impl ExactSizeIterator<Item = ([u32; 3], [u32; 3])> + '_ {
-        self.triangles.iter().map(|t| (t.corners, t.beside))
+    pub(super) fn indices(&self) -> impl ExactSizeIterator<Item = ([u32; 3], [u32; 3])> + '_ {
+        self.triangles.iter().map(|t| (t.vertices, t.neighbours))
     }
 
     /// Adds a triangle known to be beyond the target.
-    pub(super) fn push(&mut self, corners: [u32; 3], beside: [u32; 3]) {
+    pub(super) fn push(&mut self, vertices: [u32; 3], neighbours: [u32; 3]) {
         self.triangles.push(Triangle {
-            corners,
-            beside,
+            vertices,
+            neighbours,
             ..Triangle::default()
         });
     }
 
     /// Computes the bound of a triangle and queues the triangle if below the target.
-    pub(super) fn weigh(&mut self, triangle: u32) {
-        self.triangles[triangle as usize].state = Measured::Not;
+    pub(super) fn compute_bound(&mut self, triangle: u32) {
+        self.triangles[triangle as usize].state = BoundState::Unmeasured;
         self.measure(triangle);
         self.enqueue(triangle);
     }
@@ -215,12 +217,12 @@ impl<T: Scalar> Surface<T> {
     /// Computes the normal of a triangle and the bound along the normal.
     fn measure(&mut self, triangle: u32) {
         let t = &self.triangles[triangle as usize];
-        if t.state != Measured::Not {
+        if t.state != BoundState::Unmeasured {
             return;
         }
-        let w = self.places(&t.corners);
+        let w = self.positions(&t.vertices);
         let outward = normal(&w);
-        let level = least(&outward, &w);
+        let level = min_height(&outward, &w);
         // NaN means nothing known.
         let level = if level > T::from(f64::NEG_INFINITY) {
             level
@@ -230,15 +232,15 @@ impl<T: Scalar> Surface<T> {
         let t = &mut self.triangles[triangle as usize];
         (t.outward, t.level) = (outward, level);
         (t.direction, t.bound) = (outward, level);
-        t.state = Measured::Plane;
+        t.state = BoundState::AlongNormal;
     }
 
     fn enqueue(&mut self, triangle: u32) {
         let bound = self.triangles[triangle as usize].bound;
         // NaN is queued.
-        if !(bound >= self.enough) {
+        if !(bound >= self.target) {
             let bound = bound.value();
-            self.queue.push(Entry { bound, triangle });
+            self.queue.push(QueuedTriangle { bound, triangle });
         }
     }
 
@@ -246,16 +248,16 @@ impl<T: Scalar> Surface<T> {
     /// better; returns whether it was.
     fn refine(&mut self, triangle: u32) -> bool {
         let t = &mut self.triangles[triangle as usize];
-        if t.state == Measured::Whole {
+        if t.state == BoundState::Best {
             return false;
         }
-        t.state = Measured::Whole;
-        let nearest = Simplex::triangle(t.corners.map(|c| self.points[c as usize]));
+        t.state = BoundState::Best;
+        let nearest = Simplex::triangle(t.vertices.map(|c| self.points[c as usize]));
         if nearest.len() == 3 && t.bound > T::from(0.0) {
             return false;
         }
         let direction = unit(&nearest.direction());
-        let bound = least(&direction, &t.corners.map(|c| self.points[c as usize].w));
+        let bound = min_height(&direction, &t.vertices.map(|c| self.points[c as usize].w));
         let better = bound > t.bound;
         if better {
             (t.direction, t.bound) = (direction, bound);
@@ -264,30 +266,30 @@ impl<T: Scalar> Surface<T> {
     }
 
     /// Moves every point by `place` and computes every bound again.
-    pub(super) fn place(&mut self, place: impl Fn(&MinkowskiPoint<T>) -> MinkowskiPoint<T>) {
+    pub(super) fn reposition(&mut self, place: impl Fn(&MinkowskiPoint<T>) -> MinkowskiPoint<T>) {
         for p in &mut self.points {
             *p = place(p);
         }
         self.queue.clear();
-        self.enough = T::from(f64::INFINITY);
+        self.target = T::from(f64::INFINITY);
         for k in 0..self.triangles.len() as u32 {
-            self.weigh(k);
+            self.compute_bound(k);
         }
     }
 
     /// Returns the height of a triangle's lowest vertex along a direction.
     pub(super) fn height(&self, triangle: u32, n: &Vec3<T>) -> T {
-        least(n, &self.places(&self.triangles[triangle as usize].corners))
+        min_height(n, &self.positions(&self.triangles[triangle as usize].vertices))
     }
 
     /// Returns the triangle of least bound; `None` if all are beyond the target.
     pub(super) fn weakest(&mut self) -> Option<u32> {
         loop {
-            let Entry { bound, triangle } = self.queue.first()?;
+            let QueuedTriangle { bound, triangle } = self.queue.first()?;
             let is_current = self
                 .triangles
                 .get(triangle as usize)
-                .is_some_and(|t| t.bound.value() == bound && !(t.bound >= self.enough));
+                .is_some_and(|t| t.bound.value() == bound && !(t.bound >= self.target));
             if !is_current {
                 self.queue.pop();
             } else if self.refine(triangle) {
@@ -300,7 +302,7 @@ impl<T: Scalar> Surface<T> {
     }
 
     /// Tries a direction for the bound of a triangle; returns whether the bound improved.
-    pub(super) fn raise(&mut self, triangle: u32, direction: &Vec3<T>) -> bool {
+    pub(super) fn improve_bound(&mut self, triangle: u32, direction: &Vec3<T>) -> bool {
         let bound = self.height(triangle, direction);
         let t = &mut self.triangles[triangle as usize];
         let better = bound > t.bound;
