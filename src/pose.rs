@@ -84,7 +84,7 @@ pub struct RelativePose {
 /// A pose as given by the caller, packed for SIMD: a query reads the pose moments after it was
 /// stored.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(into = "RawPlacement"))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(into = "RawPose"))]
 pub(crate) struct PoseBits {
     /// Quaternion: vector part, then scalar part.
     q: [f64x2; 2],
@@ -105,7 +105,7 @@ impl PoseBits {
         let [even, odd] = (q[0] * q[0] + q[1] * q[1]).to_array();
         Self {
             q,
-            t: PackedVec3::carrying(&t.into(), even + odd),
+            t: PackedVec3::with_spare(&t.into(), even + odd),
         }
     }
 
@@ -122,7 +122,7 @@ impl PoseBits {
 
     #[inline(always)]
     fn norm_squared(&self) -> f64 {
-        self.t.carried()
+        self.t.spare()
     }
 
     fn check(&self, body: Operand) -> Result<(), PoseError> {
@@ -196,24 +196,24 @@ impl RelativePose {
     /// Returns the translation of `a_from_b`.
     #[inline]
     pub(crate) fn translation(&self) -> Vector3<f64> {
-        self.shift().vector()
+        self.packed_translation().vector()
     }
 
     /// Returns the translation of `a_from_b`, packed for SIMD.
     #[inline(always)]
-    pub(crate) fn shift(&self) -> PackedVec3 {
-        self.turned_to_a(offset(&self.a, &self.b))
+    pub(crate) fn packed_translation(&self) -> PackedVec3 {
+        self.rotated_to_a(offset(&self.a, &self.b))
     }
 
     /// Returns a sixteenth of the translation: its computation does not overflow unless the
     /// translation itself does.
-    pub(crate) fn sixteenth(&self) -> Vector3<f64> {
-        self.turned_to_a(offset(&self.a, &self.b) * (1.0 / 16.0)).vector()
+    pub(crate) fn translation_sixteenth(&self) -> Vector3<f64> {
+        self.rotated_to_a(offset(&self.a, &self.b) * (1.0 / 16.0)).vector()
     }
 
     /// Returns `R_a^T offset`.
     #[inline(always)]
-    fn turned_to_a(&self, offset: PackedVec3) -> PackedVec3 {
+    fn rotated_to_a(&self, offset: PackedVec3) -> PackedVec3 {
         let (axis, w) = packed::parts(&self.a.q);
         let c = offset.cross(axis);
         let s = 2.0 * (2.0 - self.a.norm_squared());
@@ -224,12 +224,12 @@ impl RelativePose {
     /// norm. The norms are within 1e-12 of one, so `2 - n` is `1 / n` to 1e-24.
     #[inline]
     pub(crate) fn rotation(&self) -> Matrix3<f64> {
-        self.turn().matrix()
+        self.packed_rotation().matrix()
     }
 
     /// Returns the rotation of `a_from_b`, packed for SIMD.
     #[inline(always)]
-    pub(crate) fn turn(&self) -> PackedRotation {
+    pub(crate) fn packed_rotation(&self) -> PackedRotation {
         let s = 2.0 * (2.0 - self.a.norm_squared()) * (2.0 - self.b.norm_squared());
         PackedRotation::between(&self.a.q, &self.b.q, s)
     }
@@ -274,13 +274,13 @@ pub(crate) fn rotation_matrix(q: &[f64; 4], s: f64) -> Matrix3<f64> {
 /// Serialized form of a pose.
 #[cfg(feature = "serde")]
 #[derive(serde::Serialize, serde::Deserialize)]
-struct RawPlacement {
+struct RawPose {
     q: [f64; 4],
     t: [f64; 3],
 }
 
 #[cfg(feature = "serde")]
-impl From<PoseBits> for RawPlacement {
+impl From<PoseBits> for RawPose {
     fn from(p: PoseBits) -> Self {
         Self { q: p.q(), t: p.t() }
     }
@@ -290,12 +290,12 @@ impl From<PoseBits> for RawPlacement {
 impl<'de> serde::Deserialize<'de> for RelativePose {
     fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         #[derive(serde::Deserialize)]
-        struct Raw {
-            a: RawPlacement,
-            b: RawPlacement,
+        struct RawRelativePose {
+            a: RawPose,
+            b: RawPose,
         }
-        let raw = Raw::deserialize(deserializer)?;
-        let pose = |p: RawPlacement| PoseBits::of(p.q, p.t).isometry();
+        let raw = RawRelativePose::deserialize(deserializer)?;
+        let pose = |p: RawPose| PoseBits::of(p.q, p.t).isometry();
         Self::new(&pose(raw.a), &pose(raw.b)).map_err(serde::de::Error::custom)
     }
 }
@@ -317,7 +317,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_pose_is_refused_by_name() {
+    fn invalid_poses_are_refused_by_name() {
         let one = Isometry3::identity();
         let nan = Isometry3::from_parts(Translation3::new(0.0, f64::NAN, 0.0), UnitQuaternion::identity());
         assert!(matches!(

@@ -226,9 +226,9 @@ impl<'a> Lines<'a> {
     }
 
     /// Returns the rest of the next line, which must begin with `word`.
-    fn word(&mut self, word: &str, what: &'static str) -> Result<(usize, &'a str), ReplayError> {
+    fn word(&mut self, word: &str, content: &'static str) -> Result<(usize, &'a str), ReplayError> {
         let at = self.peek().map_or(0, |(line, _)| line);
-        self.word_if_there(word).ok_or(expected(at, what))
+        self.word_if_there(word).ok_or(expected(at, content))
     }
 
     /// Returns the rest of the next line if the line begins with `word`.

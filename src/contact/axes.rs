@@ -16,7 +16,7 @@ pub(super) struct Axes {
 impl Axes {
     /// Returns plane coordinates and height of a stored point.
     #[inline(always)]
-    pub(super) fn see(&self, p: &Vector3<f64>) -> [f64; 3] {
+    pub(super) fn to_local(&self, p: &Vector3<f64>) -> [f64; 3] {
         let d = p - self.witness;
         [self.across[0].dot(&d), self.across[1].dot(&d), self.normal.dot(&d)]
     }
@@ -42,10 +42,10 @@ impl FacePlane2 {
     pub(super) fn new(body: &ConvexPolyhedron, f: u32, axes: &Axes) -> Self {
         let t = &body.topology;
         let m = &body.planes[f as usize].normal;
-        let corner = body.points[t.half_edge(t.rim_start(f)).to as usize];
+        let vertex = body.points[t.half_edge(t.rim_start(f)).to as usize];
         let up = 1.0 / m.dot(&axes.normal);
         Self {
-            level: m.dot(&(corner - axes.witness)) * up,
+            level: m.dot(&(vertex - axes.witness)) * up,
             fall: axes.across.map(|e| m.dot(&e) * up),
         }
     }

@@ -7,10 +7,10 @@ use crate::pair::outcome::Outcome;
 use crate::polyhedron::FeaturePair;
 use crate::pose::Operand;
 
-use super::corners::{ContactCandidate, Location};
+use super::candidates::{ContactCandidate, Location};
 use super::query::Query;
 use super::rims::{NO_RAYS, Rays};
-use super::{Answer, Contacts, MOST_POINTS, ManifoldOptions};
+use super::{Contacts, MOST_POINTS, ManifoldOptions, PosedOutcome};
 
 /// A point of each body, opposite each other along the normal.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -87,7 +87,7 @@ struct Made {
     bodies: [u64; 2],
     options: ManifoldOptions,
     /// Bounding ball of the smaller body at its pose.
-    place: BallAtPose,
+    ball: BallAtPose,
     features: FeaturePair,
     reference: Operand,
     /// Normal in the frame of the reference body.
@@ -95,7 +95,7 @@ struct Made {
     #[cfg_attr(feature = "serde", serde(with = "crate::num::scalar::infinite"))]
     lower: f64,
     upper: f64,
-    /// How far the bodies may move from `place`.
+    /// How far the bodies may move from `ball`.
     #[cfg_attr(feature = "serde", serde(with = "crate::num::scalar::infinite"))]
     budget: f64,
     /// How far the bodies had moved since the points were chosen.
@@ -223,7 +223,7 @@ impl Manifold {
     #[inline(always)]
     pub(crate) fn refresh(&mut self, query: &Query) -> Result<(), f64> {
         let Some(made) = &self.made else { return Err(0.0) };
-        let moved = query.place.displacement(&made.place);
+        let moved = query.ball.displacement(&made.ball);
         // NaN computes the manifold again.
         if !(made.is_of(query) && moved <= made.budget) {
             return Err(moved);
@@ -257,7 +257,7 @@ impl Manifold {
         self.made = Some(Made {
             bodies: query.bodies(),
             options: *query.options,
-            place: query.place,
+            ball: query.ball,
             features,
             reference,
             normal: match reference {
@@ -275,7 +275,7 @@ impl Manifold {
     /// bodies have moved since the candidates were chosen.
     fn renew_points(&mut self, query: &Query, outcome: &Outcome, moved: f64) -> (FeaturePair, f64) {
         let Query { a, b, options, .. } = *query;
-        let answer = Answer {
+        let posed = PosedOutcome {
             a,
             b,
             rotation: &query.rotation,
@@ -284,22 +284,22 @@ impl Manifold {
         };
         let least = query.least_radius();
         let travelled = self.made.as_ref().filter(|m| m.is_of(query)).map(|m| m.since + moved);
-        let lasts = travelled.filter(|&t| t <= options.choice * least);
-        let contacts = answer.contacts(options, self, lasts);
+        let since_choice = travelled.filter(|&t| t <= options.choice * least);
+        let contacts = posed.contacts(options, self, since_choice);
         self.rays = contacts.rays;
         if !contacts.same {
-            self.adopt(&contacts, 2.0 * moved + options.drift * least);
+            self.replace_points(&contacts, 2.0 * moved + options.drift * least);
             return (contacts.features, 0.0);
         }
         for (old, new) in self.points.iter_mut().zip(&contacts.points[..contacts.count]) {
             *old = ContactPoint { id: old.id, ..*new };
         }
-        (contacts.features, lasts.unwrap_or(0.0))
+        (contacts.features, since_choice.unwrap_or(0.0))
     }
 
     /// Replaces the old points by new points. A new point takes id and order from the old point
     /// with equal features, else from the nearest old point at most `reach` away on either body.
-    fn adopt(&mut self, contacts: &Contacts, reach: f64) {
+    fn replace_points(&mut self, contacts: &Contacts, reach: f64) {
         let new = &contacts.points[..contacts.count];
         let old = self.points();
         let mut origin = [usize::MAX; MOST_POINTS];
@@ -329,18 +329,18 @@ impl Manifold {
         let new = &contacts.points[..contacts.count];
         let old = self.points().len();
         // Ids are read first: the old points are overwritten in order.
-        let names = origin.map(|k| self.points[k.min(MOST_POINTS - 1)].id);
+        let ids = origin.map(|k| self.points[k.min(MOST_POINTS - 1)].id);
         self.count = 0;
         for k in 0..old {
             if let Some(i) = origin[..new.len()].iter().position(|&o| o == k) {
-                self.points[self.count] = ContactPoint { id: names[i], ..new[i] };
+                self.points[self.count] = ContactPoint { id: ids[i], ..new[i] };
                 (self.on[self.count], self.margins[self.count]) = (contacts.on[i], contacts.margins[i]);
                 self.count += 1;
             }
         }
         for (i, p) in new.iter().enumerate() {
             if origin[i] == usize::MAX {
-                let id = self.free_name(p.features);
+                let id = self.free_id(p.features);
                 self.points[self.count] = ContactPoint { id, ..*p };
                 (self.on[self.count], self.margins[self.count]) = (contacts.on[i], contacts.margins[i]);
                 self.count += 1;
@@ -350,15 +350,15 @@ impl Manifold {
 
     /// Returns a free contact id for this feature pair. If a contact at different features owns the
     /// id, follows the chain of displaced ids to a free id.
-    fn free_name(&self, features: FeaturePair) -> FeaturePair {
-        let mut name = features;
+    fn free_id(&self, features: FeaturePair) -> FeaturePair {
+        let mut id = features;
         for _ in 0..self.count {
-            match self.points().iter().find(|p| p.id == name) {
-                Some(p) => name = p.features,
+            match self.points().iter().find(|p| p.id == id) {
+                Some(p) => id = p.features,
                 None => break,
             }
         }
-        name
+        id
     }
 }
 

@@ -3,7 +3,7 @@
 //!
 //! A manifold starts from a certified outcome: normal, features, witnesses. The features are
 //! promoted to the faces (or edges) within a small angle of the normal ([`promote`]), both are
-//! projected along the normal ([`shadow`]), and the vertices of their overlap ([`clip`], and
+//! projected along the normal ([`projection`]), and the vertices of their overlap ([`clip`], and
 //! [`rims`] for faces of many vertices) are the contact candidates. A few candidates are kept
 //! ([`mod@reduce`]): the deepest, and the points that span the most area. [`manifold`] keeps the
 //! contacts over frames.
@@ -19,17 +19,17 @@
 //! 3. Old contacts are matched by a bound on the motion of the bodies, not by distances of points.
 
 mod axes;
+mod candidates;
 mod clip;
-mod corners;
 mod gradient;
 mod keep;
 mod manifold;
 mod options;
+mod projection;
 mod promote;
 mod query;
 mod reduce;
 mod rims;
-mod shadow;
 
 use nalgebra::{Matrix3, Point3, Vector3};
 
@@ -38,12 +38,12 @@ use crate::pair::outcome::{Outcome, Solver};
 use crate::polyhedron::{ConvexPolyhedron, Feature, FeaturePair};
 use crate::tolerance::{ACROSS, AGREE, STEEP};
 use axes::Axes;
-use corners::{ContactCandidate, Corners, Location};
-use keep::Shadows;
+use candidates::{Candidates, ContactCandidate, Location};
+use keep::Projections;
+use projection::{LazyProjection, ProjectedFeature};
 use promote::Promotion;
 use reduce::reduce;
 use rims::Rays;
-use shadow::{LazyProjection, ProjectedFeature};
 
 pub use gradient::Gradient;
 pub use manifold::{ContactPoint, Manifold};
@@ -70,7 +70,7 @@ struct Contacts {
 
 /// Two bodies, the rotation of `a_from_b`, and the certified outcome.
 #[derive(Clone, Copy)]
-struct Answer<'a> {
+struct PosedOutcome<'a> {
     a: &'a ConvexPolyhedron,
     b: &'a ConvexPolyhedron,
     rotation: &'a Matrix3<f64>,
@@ -79,10 +79,10 @@ struct Answer<'a> {
     outcome: &'a Outcome,
 }
 
-impl Answer<'_> {
-    /// Returns the contacts of an outcome whose lower bound is within the prediction. `lasts` is
+impl PosedOutcome<'_> {
+    /// Returns the contacts of an outcome whose lower bound is within the prediction. `since_choice` is
     /// the motion of the bodies since the candidates were chosen, if the choice may be kept.
-    fn contacts(self, options: &ManifoldOptions, before: &Manifold, lasts: Option<f64>) -> Contacts {
+    fn contacts(self, options: &ManifoldOptions, before: &Manifold, since_choice: Option<f64>) -> Contacts {
         let outcome = self.outcome;
         let mut contacts = Contacts {
             points: [ContactPoint::witness(outcome); MOST_POINTS],
@@ -101,8 +101,8 @@ impl Answer<'_> {
         let axes = self.axes();
         let features = self.promoted(&axes, options, before.features());
         contacts.features = features;
-        if features.a.dimension() > 0 && features.b.dimension() > 0 && self.bears(&axes, features) {
-            self.share(&axes, options, before, lasts, &mut contacts);
+        if features.a.dimension() > 0 && features.b.dimension() > 0 && self.has_no_upright_face(&axes, features) {
+            self.clip_features(&axes, options, before, since_choice, &mut contacts);
         }
         contacts
     }
@@ -110,47 +110,47 @@ impl Answer<'_> {
     /// Computes the contacts of two features, each an edge or a face.
     // Not inlined: most contacts of round bodies involve a vertex and need none of the stack space.
     #[inline(never)]
-    fn share(
+    fn clip_features(
         self,
         axes: &[Axes; 2],
         options: &ManifoldOptions,
         before: &Manifold,
-        lasts: Option<f64>,
+        since_choice: Option<f64>,
         contacts: &mut Contacts,
     ) {
         let features = contacts.features;
-        let mut shadows = Shadows {
+        let mut projections = Projections {
             a: LazyProjection::new(self.a, features.a, &axes[0], false),
             b: LazyProjection::new(self.b, features.b, &axes[1], true),
         };
-        let lasts = lasts.filter(|_| before.features() == Some(features));
-        if lasts.is_some_and(|moved| shadows.keep(&self, options, before, moved, contacts)) {
+        let since_choice = since_choice.filter(|_| before.features() == Some(features));
+        if since_choice.is_some_and(|moved| projections.keep(&self, options, before, moved, contacts)) {
             return;
         }
-        let seen = Seen {
-            answer: self,
-            a: shadows.a.seen(),
-            b: shadows.b.seen(),
+        let pair = ProjectedPair {
+            posed: self,
+            a: projections.a.get(),
+            b: projections.b.get(),
             unit: self.a.unit(),
         };
-        seen.choose(options, before, contacts);
+        pair.choose(options, before, contacts);
     }
 
     /// Returns the contact axes in each body's stored frame, about the body's witness.
     #[inline(always)]
     fn axes(&self) -> [Axes; 2] {
         let normal = self.outcome.normal.into_inner();
-        let across = across(&normal);
+        let across = perpendiculars(&normal);
         [
             Axes {
                 across,
                 normal,
-                witness: self.a.stored(&self.outcome.point_on_a),
+                witness: self.a.to_stored(&self.outcome.point_on_a),
             },
             Axes {
                 across: across.map(|v| self.rotation.tr_mul(&v)),
                 normal: self.rotation.tr_mul(&normal),
-                witness: self.b.stored(&self.outcome.point_on_b),
+                witness: self.b.to_stored(&self.outcome.point_on_b),
             },
         ]
     }
@@ -163,14 +163,14 @@ impl Answer<'_> {
     /// Returns the features that bear the contact.
     #[inline(always)]
     fn promoted(&self, axes: &[Axes; 2], options: &ManifoldOptions, before: Option<FeaturePair>) -> FeaturePair {
-        let promote = |body, outward, feature, kept| {
+        let promote = |body, outward, feature, previous| {
             let promotion = Promotion {
                 body,
                 outward,
                 sine: options.sine,
-                kept,
+                previous,
             };
-            promotion.of(feature)
+            promotion.promote(feature)
         };
         let closest = self.outcome.features;
         FeaturePair {
@@ -182,108 +182,108 @@ impl Answer<'_> {
     /// Returns whether no promoted face is upright, as a closest face may be if a facet of A - B is
     /// smaller than rounding.
     #[inline(always)]
-    fn bears(&self, axes: &[Axes; 2], features: FeaturePair) -> bool {
-        let is_across = |body: &ConvexPolyhedron, feature: Feature, outward: Vector3<f64>| match feature {
+    fn has_no_upright_face(&self, axes: &[Axes; 2], features: FeaturePair) -> bool {
+        let is_not_upright = |body: &ConvexPolyhedron, feature: Feature, outward: Vector3<f64>| match feature {
             Feature::Face(f) => body.planes[f.index()].normal.dot(&outward) > STEEP,
             _ => true,
         };
-        is_across(self.a, features.a, axes[0].normal) && is_across(self.b, features.b, -axes[1].normal)
+        is_not_upright(self.a, features.a, axes[0].normal) && is_not_upright(self.b, features.b, -axes[1].normal)
     }
 }
 
 /// Two features projected along the normal.
-struct Seen<'a> {
-    answer: Answer<'a>,
+struct ProjectedPair<'a> {
+    posed: PosedOutcome<'a>,
     a: &'a ProjectedFeature<'a>,
     b: &'a ProjectedFeature<'a>,
     /// Length of a stored unit in the caller's unit.
     unit: f64,
 }
 
-impl Seen<'_> {
+impl ProjectedPair<'_> {
     /// Adds the candidates within the prediction, and the witnesses if no candidate is as deep.
     #[inline(always)]
-    fn corners(
+    fn add_candidates(
         &self,
         options: &ManifoldOptions,
         noise: f64,
         before: &Manifold,
         rays: &mut Rays,
-        corners: &mut Corners,
+        candidates: &mut Candidates,
     ) {
         let (a, b) = (self.a, self.b);
         if a.is_edge() && b.is_edge() {
-            clip::beside(a, b, options.sine, corners);
+            clip::overlap_edges(a, b, options.sine, candidates);
         } else if a.is_large() || b.is_large() {
-            let middle = |p: &Point3<f64>| a.place_of(&self.answer.a.stored(p));
+            let middle = |p: &Point3<f64>| a.position_of(&self.posed.a.to_stored(p));
             let hint = before.middle().as_ref().map(middle);
-            rims::clip([a, b], noise, hint, options.most(), rays, corners);
+            rims::clip([a, b], noise, hint, options.most(), rays, candidates);
         } else {
-            clip::clip(a, b, noise, corners);
+            clip::clip(a, b, noise, candidates);
         }
-        if !self.has_deepest(corners) {
-            corners.push([0.0; 2], [0.0; 2], ContactCandidate::WITNESS);
+        if !self.has_deepest(candidates) {
+            candidates.push([0.0; 2], [0.0; 2], ContactCandidate::WITNESS);
         }
     }
 
     /// Returns whether a candidate is as deep as the outcome.
     #[inline(always)]
-    fn has_deepest(&self, corners: &Corners) -> bool {
-        let deep = (self.answer.outcome.upper + AGREE * self.answer.size) / self.unit;
-        corners.all().iter().any(|c| c.separation <= deep)
+    fn has_deepest(&self, candidates: &Candidates) -> bool {
+        let deep = (self.posed.outcome.upper + AGREE * self.posed.size) / self.unit;
+        candidates.all().iter().any(|c| c.separation <= deep)
     }
 
     #[inline(always)]
-    fn none(&self, options: &ManifoldOptions) -> Corners {
-        Corners::new(self.answer.outcome.distance / self.unit, options.prediction / self.unit)
+    fn no_candidates(&self, options: &ManifoldOptions) -> Candidates {
+        Candidates::new(self.posed.outcome.distance / self.unit, options.prediction / self.unit)
     }
 
     #[inline(always)]
     fn choose(&self, options: &ManifoldOptions, before: &Manifold, contacts: &mut Contacts) {
-        let Answer { a, b, outcome, .. } = self.answer;
-        let (mut corners, noise) = (self.none(options), self.answer.noise());
-        self.corners(options, noise, before, &mut contacts.rays, &mut corners);
+        let PosedOutcome { a, b, outcome, .. } = self.posed;
+        let (mut candidates, noise) = (self.no_candidates(options), self.posed.noise());
+        self.add_candidates(options, noise, before, &mut contacts.rays, &mut candidates);
         let merge = noise.max(options.drift * a.radius.min(b.radius));
-        let kept = self.kept(corners.all(), options, before);
-        let chosen = reduce(corners.all(), kept, options.most(), merge, noise);
+        let kept = self.kept(candidates.all(), options, before);
+        let chosen = reduce(candidates.all(), kept, options.most(), merge, noise);
         contacts.count = 0;
         for &k in chosen.all() {
-            let corner = &corners.all()[k];
-            let point = if corner.on == ContactCandidate::WITNESS {
+            let candidate = &candidates.all()[k];
+            let point = if candidate.on == ContactCandidate::WITNESS {
                 ContactPoint::witness(outcome)
             } else {
-                self.contact(corner, self.name(corner))
+                self.contact(candidate, self.features_of(candidate))
             };
             // If rounding has split a feature, the witnesses may have the features of a nearby
             // candidate.
             let before = &contacts.points[..contacts.count];
             if before.iter().all(|p| p.features != point.features) {
                 contacts.points[contacts.count] = point;
-                contacts.on[contacts.count] = corner.on;
-                contacts.margins[contacts.count] = self.margin(corner, options);
+                contacts.on[contacts.count] = candidate.on;
+                contacts.margins[contacts.count] = self.margin(candidate, options);
                 contacts.count += 1;
             }
         }
     }
 
     /// Lower bound of a candidate vertex's distance to the boundary of the opposite face.
-    fn margin(&self, corner: &ContactCandidate, options: &ManifoldOptions) -> f64 {
-        let inside = match corner.on.map(Location::as_corner) {
-            [Some(_), _] => self.b.inside_by(corner.at),
-            [_, Some(_)] => self.a.inside_by(corner.at),
+    fn margin(&self, candidate: &ContactCandidate, options: &ManifoldOptions) -> f64 {
+        let inside = match candidate.on.map(Location::as_vertex) {
+            [Some(_), _] => self.b.inside_by(candidate.at),
+            [_, Some(_)] => self.a.inside_by(candidate.at),
             _ => 0.0,
         };
-        keep::margin(inside * self.unit, corner.separation * self.unit, options)
+        keep::margin(inside * self.unit, candidate.separation * self.unit, options)
     }
 
     /// Returns a bit mask of the candidates that the previous manifold contained; zero if all
     /// candidates fit or the features changed.
-    fn kept(&self, corners: &[ContactCandidate], options: &ManifoldOptions, before: &Manifold) -> u64 {
-        if corners.len() <= options.most() || before.features() != Some(self.features()) {
+    fn kept(&self, candidates: &[ContactCandidate], options: &ManifoldOptions, before: &Manifold) -> u64 {
+        if candidates.len() <= options.most() || before.features() != Some(self.features()) {
             return 0;
         }
         let bit = |(k, c): (usize, &ContactCandidate)| u64::from(before.on().contains(&c.on)) << k;
-        corners.iter().enumerate().map(bit).fold(0, |bits, bit| bits | bit)
+        candidates.iter().enumerate().map(bit).fold(0, |bits, bit| bits | bit)
     }
 
     fn features(&self) -> FeaturePair {
@@ -293,23 +293,23 @@ impl Seen<'_> {
         }
     }
 
-    fn name(&self, corner: &ContactCandidate) -> FeaturePair {
-        if corner.on == ContactCandidate::WITNESS {
-            return self.answer.outcome.features;
+    fn features_of(&self, candidate: &ContactCandidate) -> FeaturePair {
+        if candidate.on == ContactCandidate::WITNESS {
+            return self.posed.outcome.features;
         }
-        let [a, b] = corner.on;
+        let [a, b] = candidate.on;
         FeaturePair {
-            a: self.a.name(a),
-            b: self.b.name(b),
+            a: self.a.feature_at(a),
+            b: self.b.feature_at(b),
         }
     }
 
-    fn contact(&self, corner: &ContactCandidate, features: FeaturePair) -> ContactPoint {
-        let [on_a, on_b] = corner.on;
+    fn contact(&self, candidate: &ContactCandidate, features: FeaturePair) -> ContactPoint {
+        let [on_a, on_b] = candidate.on;
         ContactPoint {
-            point_on_a: self.answer.a.to_user(&self.a.point(on_a, corner.at)),
-            point_on_b: self.answer.b.to_user(&self.b.point(on_b, corner.at)),
-            separation: corner.separation * self.unit,
+            point_on_a: self.posed.a.to_user(&self.a.point(on_a, candidate.at)),
+            point_on_b: self.posed.b.to_user(&self.b.point(on_b, candidate.at)),
+            separation: candidate.separation * self.unit,
             features,
             id: features,
         }
@@ -318,7 +318,7 @@ impl Seen<'_> {
 
 impl ConvexPolyhedron {
     /// Converts a point from the caller's coordinates to stored coordinates.
-    fn stored(&self, given: &Point3<f64>) -> Vector3<f64> {
+    fn to_stored(&self, given: &Point3<f64>) -> Vector3<f64> {
         if self.is_unscaled {
             given.coords
         } else {
@@ -329,7 +329,7 @@ impl ConvexPolyhedron {
 
 /// Returns two unit directions perpendicular to a unit direction and to each other, right-handed
 /// with `n`.
-fn across(n: &Vector3<f64>) -> [Vector3<f64>; 2] {
+fn perpendiculars(n: &Vector3<f64>) -> [Vector3<f64>; 2] {
     let other = if n.x.abs() < 0.6 {
         Vector3::new(0.0, -n.z, n.y)
     } else {

@@ -18,7 +18,7 @@ pub(super) struct Promotion<'a> {
     /// Sine of the largest angle.
     pub(super) sine: f64,
     /// Feature that bore the contact before: it may be a quarter further off.
-    pub(super) kept: Option<Feature>,
+    pub(super) previous: Option<Feature>,
 }
 
 impl Promotion<'_> {
@@ -27,7 +27,7 @@ impl Promotion<'_> {
     ///
     /// Tests the faces at the feature: the two faces of an edge, or the faces of a vertex's whole
     /// fan; in a large fan only the neighbourhood of the outermost face, found by bisection.
-    pub(super) fn of(&self, feature: Feature) -> Feature {
+    pub(super) fn promote(&self, feature: Feature) -> Feature {
         let t = &self.body.topology;
         match feature {
             Feature::Face(f) => self.face([f.0]).unwrap_or(feature),
@@ -38,8 +38,8 @@ impl Promotion<'_> {
             Feature::Vertex(v) => {
                 let face = |h: u32| t.half_edge(h).face;
                 let outward = |h: u32| self.body.planes[face(h) as usize].normal.dot(&self.outward);
-                let faces = self.some_of(t.fan(v.0), outward).map(face);
-                let edges = || self.some_of(t.fan(v.0), |h| -self.rise(h));
+                let faces = self.sample_fan(t.fan(v.0), outward).map(face);
+                let edges = || self.sample_fan(t.fan(v.0), |h| -self.rise(h));
                 self.face(faces).or_else(|| self.edge(edges())).unwrap_or(feature)
             }
         }
@@ -47,7 +47,7 @@ impl Promotion<'_> {
 
     /// Returns the half-edges of a fan; of a large fan, the half-edge of greatest measure and its
     /// two neighbours.
-    fn some_of<M: Fn(u32) -> f64>(&self, fan: Range<u32>, measure: M) -> impl Iterator<Item = u32> + use<M> {
+    fn sample_fan<M: Fn(u32) -> f64>(&self, fan: Range<u32>, measure: M) -> impl Iterator<Item = u32> + use<M> {
         let m = fan.len();
         let (first, count) = if m <= MANY {
             (0, m)
@@ -67,8 +67,8 @@ impl Promotion<'_> {
     }
 
     /// Returns the largest squared sine accepted for a feature.
-    fn most(&self, feature: Feature) -> f64 {
-        let sine = if self.kept == Some(feature) {
+    fn max_squared_sine(&self, feature: Feature) -> f64 {
+        let sine = if self.previous == Some(feature) {
             STAY * self.sine
         } else {
             self.sine
@@ -83,7 +83,10 @@ impl Promotion<'_> {
             let off = n.cross(&self.outward).norm_squared();
             let feature = Feature::Face(FaceId(f));
             // The null face of a segment has no normal.
-            if n.dot(&self.outward) > STEEP && off <= self.most(feature) && best.is_none_or(|(least, _)| off < least) {
+            if n.dot(&self.outward) > STEEP
+                && off <= self.max_squared_sine(feature)
+                && best.is_none_or(|(least, _)| off < least)
+            {
                 best = Some((off, feature));
             }
         }
@@ -95,7 +98,7 @@ impl Promotion<'_> {
         for h in fan {
             let off = self.rise(h);
             let feature = Feature::Edge(EdgeId(self.body.topology.edge(h)));
-            if off <= self.most(feature) && best.is_none_or(|(least, _)| off < least) {
+            if off <= self.max_squared_sine(feature) && best.is_none_or(|(least, _)| off < least) {
                 best = Some((off, feature));
             }
         }

@@ -17,7 +17,7 @@ pub(crate) struct Query<'a> {
     pub(super) rotation: Matrix3<f64>,
     pub(super) translation: Vector3<f64>,
     /// Bounding ball of the smaller body at its pose relative to the larger body.
-    pub(super) place: BallAtPose,
+    pub(super) ball: BallAtPose,
     pub(super) options: &'a ManifoldOptions,
 }
 
@@ -36,13 +36,13 @@ impl<'a> Query<'a> {
         } else {
             (Operand::A, (&a.origin, ra))
         };
-        let place = BallAtPose::new(moving, ball, &rotation, &translation);
+        let ball = BallAtPose::new(moving, ball, &rotation, &translation);
         Self {
             a,
             b,
             rotation,
             translation,
-            place,
+            ball,
             options,
         }
     }

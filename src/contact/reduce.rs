@@ -1,7 +1,7 @@
 //! Reduction of many candidates to a few: the deepest, and the points that span the most area.
 
 use super::MOST_POINTS;
-use super::corners::ContactCandidate;
+use super::candidates::ContactCandidate;
 use crate::tolerance::STAY;
 
 /// Indices of the chosen candidates.
@@ -63,7 +63,7 @@ pub(super) fn reduce(choices: &[ContactCandidate], kept: u64, most: usize, merge
 fn deepest(choices: &[ContactCandidate], kept: u64, tie: f64) -> usize {
     let least = choices.iter().fold(f64::INFINITY, |m, c| m.min(c.separation));
     let deep = |c: &ContactCandidate| c.separation <= least + tie;
-    let old = (0..choices.len()).find(|&k| is(kept, k) && deep(&choices[k]));
+    let old = (0..choices.len()).find(|&k| has_bit(kept, k) && deep(&choices[k]));
     old.or_else(|| choices.iter().position(deep)).unwrap_or(0)
 }
 
@@ -76,7 +76,7 @@ fn largest(
     let mut best: Option<(f64, usize)> = None;
     for (k, c) in choices.iter().enumerate() {
         if let Some(m) = measure(c) {
-            let m = if is(kept, k) { STAY * m } else { m };
+            let m = if has_bit(kept, k) { STAY * m } else { m };
             if best.is_none_or(|(most, _)| m > most) {
                 best = Some((m, k));
             }
@@ -99,7 +99,7 @@ fn widest(choices: &[ContactCandidate], kept: u64, chosen: &Chosen, merge: f64) 
             (area > 0.0 && area * area > noise).then_some(area)
         };
         if let Some(k) = largest(choices, kept, beyond) {
-            let area = beyond(&choices[k]).unwrap_or(0.0) * if is(kept, k) { STAY } else { 1.0 };
+            let area = beyond(&choices[k]).unwrap_or(0.0) * if has_bit(kept, k) { STAY } else { 1.0 };
             if best.is_none_or(|(most, ..)| area > most) {
                 best = Some((area, side + 1, k));
             }
@@ -109,7 +109,7 @@ fn widest(choices: &[ContactCandidate], kept: u64, chosen: &Chosen, merge: f64) 
 }
 
 /// Returns whether bit `k` is set.
-fn is(bits: u64, k: usize) -> bool {
+fn has_bit(bits: u64, k: usize) -> bool {
     bits >> k & 1 == 1
 }
 

@@ -19,13 +19,13 @@
 use core::cmp::Ordering;
 
 use super::MOST_POINTS;
-use super::clip::crossing;
-use super::corners::{Corners, Location};
-use super::shadow::ProjectedFeature;
+use super::candidates::{Candidates, Location};
+use super::clip::push_crossing;
+use super::projection::ProjectedFeature;
 use crate::num::scalar::sqrt;
 
 /// Vertices next to a hint tested before the bisection.
-const NEAR: usize = 4;
+const MAX_LOCAL_STEPS: usize = 4;
 
 /// Exit edges of the previous frame's rays on the faces of A and of B: the next rays exit nearby.
 pub(super) type Rays = [[u32; 2]; 12];
@@ -50,7 +50,7 @@ fn dot(u: Point2, v: Point2) -> f64 {
 impl ProjectedFeature<'_> {
     /// Returns a point inside the face.
     pub(super) fn middle(&self) -> Point2 {
-        let [p, q, r] = [0, self.count / 3, 2 * self.count / 3].map(|k| self.place(k));
+        let [p, q, r] = [0, self.count / 3, 2 * self.count / 3].map(|k| self.position(k));
         [0, 1].map(|k| (p[k] + q[k] + r[k]) / 3.0)
     }
 
@@ -58,10 +58,10 @@ impl ProjectedFeature<'_> {
     /// rays. A large face is judged by an inscribed triangle.
     fn is_sliver(&self, noise: f64) -> bool {
         let count = if self.is_large() { 3 } else { self.count };
-        let seen = |k: usize| minus(self.place(k * self.count / count), self.place(0));
+        let relative = |k: usize| minus(self.position(k * self.count / count), self.position(0));
         let (mut area, mut reach) = (0.0, 0.0f64);
         for k in 2..count {
-            let (p, q) = (seen(k - 1), seen(k));
+            let (p, q) = (relative(k - 1), relative(k));
             area += turn(p, q);
             reach = reach.max(dot(p, p)).max(dot(q, q));
         }
@@ -72,8 +72,8 @@ impl ProjectedFeature<'_> {
     /// Returns the exit of a ray from `from`, inside the face: the ray parameter in multiples of
     /// `way`, and the exit edge. Fast if the exit edge is `hint` or near it.
     fn exit(&self, from: Point2, way: Point2, hint: usize) -> (f64, usize) {
-        let seen = |k: usize| minus(self.place(k), from);
-        let leave = |k: usize, p: Point2, q: Point2| {
+        let relative = |k: usize| minus(self.position(k), from);
+        let exit_at = |k: usize, p: Point2, q: Point2| {
             let (right, left) = (turn(way, p), turn(way, q));
             let s = if left > right {
                 (-right / (left - right)).clamp(0.0, 1.0)
@@ -87,35 +87,35 @@ impl ProjectedFeature<'_> {
         let hit = |p: Point2, q: Point2| {
             turn(way, p) <= 0.0 && turn(way, q) >= 0.0 && turn(p, q) > 0.0 && dot(way, q) + dot(way, p) > 0.0
         };
-        let near = if hint < self.count { NEAR } else { 0 };
+        let near = if hint < self.count { MAX_LOCAL_STEPS } else { 0 };
         let mut k = hint.min(self.count - 1);
-        let mut p = seen(k);
+        let mut p = relative(k);
         let forward = turn(way, p) <= 0.0;
         for _ in 0..near {
-            let beside = if forward {
+            let adjacent = if forward {
                 self.next(k)
             } else if k == 0 {
                 self.count - 1
             } else {
                 k - 1
             };
-            let q = seen(beside);
+            let q = relative(adjacent);
             if forward && hit(p, q) {
-                return leave(k, p, q);
+                return exit_at(k, p, q);
             }
             if !forward && hit(q, p) {
-                return leave(beside, q, p);
+                return exit_at(adjacent, q, p);
             }
-            (k, p) = (beside, q);
+            (k, p) = (adjacent, q);
         }
         let k = self.bisect(from, way);
-        leave(k, seen(k), seen(self.next(k)))
+        exit_at(k, relative(k), relative(self.next(k)))
     }
 
     /// Returns the edge by which a ray exits, found by bisection.
     fn bisect(&self, from: Point2, way: Point2) -> usize {
-        let seen = |k: usize| minus(self.place(k), from);
-        let first = seen(0);
+        let relative = |k: usize| minus(self.position(k), from);
+        let first = relative(0);
         let ahead = turn(first, way) >= 0.0;
         // Returns whether `v` comes before the ray, counter-clockwise from the first vertex.
         let before = |v: Point2| {
@@ -125,7 +125,7 @@ impl ProjectedFeature<'_> {
         let (mut low, mut high) = (0, self.count);
         while high - low > 1 {
             let middle = (low + high) / 2;
-            if before(seen(middle)) {
+            if before(relative(middle)) {
                 low = middle;
             } else {
                 high = middle;
@@ -136,16 +136,16 @@ impl ProjectedFeature<'_> {
 
     /// Returns whether a point is in the face, as seen from the interior point `middle`; true for
     /// NaN.
-    pub(super) fn holds(&self, middle: Point2, at: Point2) -> bool {
+    pub(super) fn contains(&self, middle: Point2, at: Point2) -> bool {
         !(self.exit(middle, minus(at, middle), usize::MAX).0 < 1.0)
     }
 }
 
 /// Returns a point well inside both faces: the hint, or a point offset from the witnesses (the
 /// origin of the plane) towards the middle of a face, or away from both boundaries.
-fn inside(a: &ProjectedFeature, b: &ProjectedFeature, hint: Option<Point2>) -> Option<Point2> {
+fn common_point(a: &ProjectedFeature, b: &ProjectedFeature, hint: Option<Point2>) -> Option<Point2> {
     let (of_a, of_b) = (a.middle(), b.middle());
-    let both = |p: &Point2| a.holds(of_a, *p) && b.holds(of_b, *p);
+    let both = |p: &Point2| a.contains(of_a, *p) && b.contains(of_b, *p);
     if let Some(hint) = hint.filter(both) {
         return Some(hint);
     }
@@ -154,7 +154,7 @@ fn inside(a: &ProjectedFeature, b: &ProjectedFeature, hint: Option<Point2>) -> O
     }
     let inward = |s: &ProjectedFeature, middle: Point2| {
         let (_, k) = s.exit(middle, [-middle[0], -middle[1]], usize::MAX);
-        let u = minus(s.place(s.next(k)), s.place(k));
+        let u = minus(s.position(s.next(k)), s.position(k));
         let length = sqrt(dot(u, u));
         [-u[1] / length, u[0] / length]
     };
@@ -173,7 +173,7 @@ fn inside(a: &ProjectedFeature, b: &ProjectedFeature, hint: Option<Point2>) -> O
 }
 
 /// Two faces, and the number of rays cast so far.
-pub(super) struct Rims<'a> {
+pub(super) struct RayCaster<'a> {
     a: &'a ProjectedFeature<'a>,
     b: &'a ProjectedFeature<'a>,
     rays: &'a mut Rays,
@@ -188,20 +188,22 @@ pub(super) fn clip(
     hint: Option<Point2>,
     most: usize,
     rays: &mut Rays,
-    corners: &mut Corners,
+    candidates: &mut Candidates,
 ) {
     if a.is_sliver(noise) || b.is_sliver(noise) {
         return;
     }
-    let Some(mut centre) = inside(a, b, hint) else { return };
-    let mut rims = Rims { a, b, rays, count: 0 };
-    let first = corners.all().len();
+    let Some(mut centre) = common_point(a, b, hint) else {
+        return;
+    };
+    let mut caster = RayCaster { a, b, rays, count: 0 };
+    let first = candidates.all().len();
     let mut half = [0.0; 2];
     for k in 0..2 {
         let mut ray = |way: f64| {
             let mut axis = [0.0; 2];
             axis[k] = way;
-            rims.shoot(centre, axis, corners)
+            caster.cast_ray(centre, axis, candidates)
         };
         let (ahead, back) = (ray(1.0), ray(-1.0));
         half[k] = (ahead + back) * 0.5;
@@ -210,24 +212,24 @@ pub(super) fn clip(
     // Between the axes a round or square outline is hit before the sum of both half axes; a long
     // outline beyond the sum, and then on both ends.
     for [x, y] in [half, [-half[0], half[1]]] {
-        if rims.shoot(centre, [x, y], corners) > 1.0 {
-            rims.shoot(centre, [-x, -y], corners);
+        if caster.cast_ray(centre, [x, y], candidates) > 1.0 {
+            caster.cast_ray(centre, [-x, -y], candidates);
         }
     }
     let mut tried = [[f64::NAN; 2]; MOST_POINTS / 2];
     for k in 0..most / 2 {
-        if corners.all().len() < first + 3 {
+        if candidates.all().len() < first + 3 {
             return;
         }
-        tried[k] = rims.widen(first, &tried[..k], corners);
+        tried[k] = caster.widen(first, &tried[..k], candidates);
     }
 }
 
-impl Rims<'_> {
+impl RayCaster<'_> {
     /// Casts a further ray from the middle of the longest untried side of the candidates found;
     /// returns the middle.
-    fn widen(&mut self, first: usize, tried: &[Point2], corners: &mut Corners) -> Point2 {
-        let found = &mut corners.all_mut()[first..];
+    fn widen(&mut self, first: usize, tried: &[Point2], candidates: &mut Candidates) -> Point2 {
+        let found = &mut candidates.all_mut()[first..];
         let count = found.len();
         let sum = found.iter().fold([0.0; 2], |s, c| [s[0] + c.at[0], s[1] + c.at[1]]);
         let middle = [sum[0] / count as f64, sum[1] / count as f64];
@@ -258,14 +260,14 @@ impl Rims<'_> {
         }
         let (length, from, way) = longest;
         if length > 0.0 {
-            self.shoot(from, way, corners);
+            self.cast_ray(from, way, candidates);
         }
         from
     }
 
     /// Casts a ray from an interior point and adds the left end (for small faces also the right
     /// end) of the boundary edge it hits. Returns the ray parameter in multiples of `way`.
-    fn shoot(&mut self, from: Point2, way: Point2, corners: &mut Corners) -> f64 {
+    fn cast_ray(&mut self, from: Point2, way: Point2, candidates: &mut Candidates) -> f64 {
         let (a, b) = (self.a, self.b);
         let before = self.rays.get(self.count).copied().unwrap_or([u32::MAX; 2]);
         let ((far_a, i), (far_b, j)) = (
@@ -277,27 +279,27 @@ impl Rims<'_> {
         }
         self.count += 1;
         if far_a <= far_b {
-            for end in ends(a, i) {
-                let at = a.place(end);
-                match crossed((a, i, end), (b, j), from) {
-                    None => corners.push(
+            for end in tested_ends(a, i) {
+                let at = a.position(end);
+                match crossing_edge((a, i, end), (b, j), from) {
+                    None => candidates.push(
                         at,
-                        [a.corner(end)[2], b.height_on_face(at)],
-                        [Location::corner(end), Location::WHOLE],
+                        [a.vertex(end)[2], b.height_on_face(at)],
+                        [Location::vertex(end), Location::WHOLE],
                     ),
-                    Some(j) => crossing(a, b, i, j, corners),
+                    Some(j) => push_crossing(a, b, i, j, candidates),
                 };
             }
         } else {
-            for end in ends(b, j) {
-                let at = b.place(end);
-                match crossed((b, j, end), (a, i), from) {
-                    None => corners.push(
+            for end in tested_ends(b, j) {
+                let at = b.position(end);
+                match crossing_edge((b, j, end), (a, i), from) {
+                    None => candidates.push(
                         at,
-                        [a.height_on_face(at), b.corner(end)[2]],
-                        [Location::WHOLE, Location::corner(end)],
+                        [a.height_on_face(at), b.vertex(end)[2]],
+                        [Location::WHOLE, Location::vertex(end)],
                     ),
-                    Some(i) => crossing(a, b, i, j, corners),
+                    Some(i) => push_crossing(a, b, i, j, candidates),
                 };
             }
         }
@@ -306,7 +308,7 @@ impl Rims<'_> {
 }
 
 /// Returns the ends of edge `k` to be tested.
-fn ends(of: &ProjectedFeature, k: usize) -> impl Iterator<Item = usize> {
+fn tested_ends(of: &ProjectedFeature, k: usize) -> impl Iterator<Item = usize> {
     let right = (!of.is_large()).then_some(k);
     core::iter::once(of.next(k)).chain(right)
 }
@@ -314,25 +316,25 @@ fn ends(of: &ProjectedFeature, k: usize) -> impl Iterator<Item = usize> {
 /// Returns the outer face's boundary edge that crosses edge `k` of the inner face between the ray,
 /// which exits the outer face by `start`, and an end of edge `k`; `None` if the end is in the outer
 /// face.
-fn crossed(
+fn crossing_edge(
     (inner, k, end): (&ProjectedFeature, usize, usize),
     (outer, start): (&ProjectedFeature, usize),
     from: Point2,
 ) -> Option<usize> {
-    let (far, last) = outer.exit(from, minus(inner.place(end), from), start);
+    let (far, last) = outer.exit(from, minus(inner.position(end), from), start);
     if !(far < 1.0) {
         return None;
     }
-    let p = inner.place(k);
-    let u = minus(inner.place(inner.next(k)), p);
+    let p = inner.position(k);
+    let u = minus(inner.position(inner.next(k)), p);
     let m = outer.count;
     // The ray exits by edge 0, the segment to the end by the last edge; the vertices between are
     // first outside the inner edge, then inside.
     let left = end != k;
     let edge = |n: usize| if left { (start + n) % m } else { (start + m - n) % m };
     let inside = |n: usize| {
-        let corner = if left { outer.next(edge(n)) } else { edge(n) };
-        turn(u, minus(outer.place(corner), p)) >= 0.0
+        let vertex = if left { outer.next(edge(n)) } else { edge(n) };
+        turn(u, minus(outer.position(vertex), p)) >= 0.0
     };
     let (mut low, mut high) = (
         0,

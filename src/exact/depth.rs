@@ -13,13 +13,13 @@ use crate::pair::posed::PosedPair;
 use crate::polyhedron::{Feature, FeaturePair};
 
 /// A facet of A - B: a normal, and the height along the normal times the normal's length.
-struct Facet {
+struct ExactFacet {
     normal: Big3,
     height: IBig,
     hint: (u32, u32),
 }
 
-impl Facet {
+impl ExactFacet {
     fn is_lower(&self, o: &Self) -> bool {
         let squared = |f: &Self| (&f.height * &f.height, dot(&f.normal, &f.normal));
         let ((h, n), (g, m)) = (squared(self), squared(o));
@@ -32,9 +32,9 @@ impl Turned<'_> {
     /// coplanar.
     fn normal(&self, face: u32, exponent: i32) -> Option<Big3> {
         let t = &self.body.topology;
-        let given = |h: u32| self.to_user(t.from(h), exponent);
-        let base = given(t.rim_start(face));
-        let from_base = |h: u32| sub(&given(h), &base);
+        let vertex = |h: u32| self.to_user(t.from(h), exponent);
+        let base = vertex(t.rim_start(face));
+        let from_base = |h: u32| sub(&vertex(h), &base);
         let side = t.rim(face).map(from_base).find(|u| !is_zero(u))?;
         let n = t.rim(face).map(|h| cross(&side, &from_base(h))).find(|n| !is_zero(n))?;
         let is_flat = t.rim(face).all(|h| sign(&dot(&n, &from_base(h))) == 0);
@@ -54,7 +54,12 @@ impl Turned<'_> {
 impl Pair<'_> {
     /// Returns the facet spanned by a feature pair: `Ok(None)` if the facet is not lower than the
     /// best, `Err` if the true facets are unknown.
-    fn facet(&self, posed: &PosedPair, features: FeaturePair, best: Option<&Facet>) -> Result<Option<Facet>, NotFlat> {
+    fn facet(
+        &self,
+        posed: &PosedPair,
+        features: FeaturePair,
+        best: Option<&ExactFacet>,
+    ) -> Result<Option<ExactFacet>, NotFlat> {
         let hint = features.vertices_of(posed.a, posed.b);
         let normal = match (features.a, features.b) {
             (Feature::Face(f), _) => self.a.normal(f.0, self.exponent).ok_or(NotFlat)?,
@@ -69,7 +74,7 @@ impl Pair<'_> {
                     _ => (neg(&n), -ahead),
                 };
                 // If the pair spans a facet, `ahead` is the facet's height.
-                let facet = Facet { normal, height, hint };
+                let facet = ExactFacet { normal, height, hint };
                 if best.is_some_and(|best| !facet.is_lower(best)) {
                     return Ok(None);
                 }
@@ -78,7 +83,7 @@ impl Pair<'_> {
             _ => return Ok(None),
         };
         let height = dot(&normal, &self.support_exact(&normal, hint).w);
-        Ok((height.is_positive() && !height.is_zero()).then_some(Facet { normal, height, hint }))
+        Ok((height.is_positive() && !height.is_zero()).then_some(ExactFacet { normal, height, hint }))
     }
 }
 
@@ -90,7 +95,7 @@ struct NotFlat;
 /// with bounds one unit in the last place on either side.
 pub(crate) fn deepest(posed: &PosedPair, facets: &[FeaturePair], outcome: &mut Outcome) -> bool {
     let pair = Pair::new(posed.a, posed.b, posed.pose);
-    let mut best: Option<Facet> = None;
+    let mut best: Option<ExactFacet> = None;
     for &features in facets {
         match pair.facet(posed, features, best.as_ref()) {
             Err(NotFlat) => return false,
@@ -98,13 +103,13 @@ pub(crate) fn deepest(posed: &PosedPair, facets: &[FeaturePair], outcome: &mut O
             Ok(_) => {}
         }
     }
-    best.is_some_and(|facet| take(posed, &pair, &facet, outcome))
+    best.is_some_and(|facet| write_facet(posed, &pair, &facet, outcome))
 }
 
 /// Writes the depth, normal, features and witnesses of a facet to the outcome. The foot of the
 /// origin on the facet, `n height / n . n`, is a point of A - B: its vertices give the witnesses.
-fn take(posed: &PosedPair, pair: &Pair, facet: &Facet, outcome: &mut Outcome) -> bool {
-    let Facet { normal, height, hint } = facet;
+fn write_facet(posed: &PosedPair, pair: &Pair, facet: &ExactFacet, outcome: &mut Outcome) -> bool {
+    let ExactFacet { normal, height, hint } = facet;
     let squared = dot(normal, normal);
     let from_foot = |c: ExactPoint| ExactPoint {
         w: [0, 1, 2].map(|k| &c.w[k] * &squared - &normal[k] * height),

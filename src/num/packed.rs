@@ -21,22 +21,22 @@ pub(crate) struct PackedVec3 {
 
 /// Returns both first lanes, and both second lanes.
 #[inline(always)]
-fn zipped(p: f64x2, q: f64x2) -> (f64x2, f64x2) {
+fn interleaved(p: f64x2, q: f64x2) -> (f64x2, f64x2) {
     let [first, second] = f64x2::transpose([p, q]);
     (first, second)
 }
 
 /// Returns the first lane twice, and the second lane twice.
 #[inline(always)]
-fn spread(p: f64x2) -> (f64x2, f64x2) {
-    zipped(p, p)
+fn duplicated(p: f64x2) -> (f64x2, f64x2) {
+    interleaved(p, p)
 }
 
 /// Returns the two lanes exchanged.
 #[inline(always)]
-fn exchanged(p: f64x2) -> f64x2 {
-    let (x, y) = spread(p);
-    zipped(y, x).0
+fn swapped(p: f64x2) -> f64x2 {
+    let (x, y) = duplicated(p);
+    interleaved(y, x).0
 }
 
 /// Returns `(-x, y)`.
@@ -47,8 +47,8 @@ fn mirrored(p: f64x2) -> f64x2 {
 
 /// Returns `(-y, x)`: a quarter turn.
 #[inline(always)]
-fn turned(p: f64x2) -> f64x2 {
-    mirrored(exchanged(p))
+fn quarter_turn(p: f64x2) -> f64x2 {
+    mirrored(swapped(p))
 }
 
 #[inline(always)]
@@ -59,7 +59,7 @@ fn first(p: f64x2) -> f64 {
 /// Returns the vector part and the scalar part of a quaternion.
 #[inline(always)]
 pub(crate) fn parts([xy, zw]: &[f64x2; 2]) -> (PackedVec3, f64) {
-    (PackedVec3 { xy: *xy, z: *zw }, first(spread(*zw).1))
+    (PackedVec3 { xy: *xy, z: *zw }, first(duplicated(*zw).1))
 }
 
 impl PackedVec3 {
@@ -73,16 +73,16 @@ impl PackedVec3 {
 
     /// Returns the packed vector with `other` in the spare lane.
     #[inline(always)]
-    pub(crate) fn carrying(v: &Vector3<f64>, other: f64) -> Self {
+    pub(crate) fn with_spare(v: &Vector3<f64>, other: f64) -> Self {
         Self {
-            z: zipped(f64x2::splat(v.z), f64x2::splat(other)).0,
+            z: interleaved(f64x2::splat(v.z), f64x2::splat(other)).0,
             ..Self::new(v)
         }
     }
 
     #[inline(always)]
-    pub(crate) fn carried(self) -> f64 {
-        first(spread(self.z).1)
+    pub(crate) fn spare(self) -> f64 {
+        first(duplicated(self.z).1)
     }
 
     #[inline(always)]
@@ -93,18 +93,18 @@ impl PackedVec3 {
 
     #[inline(always)]
     pub(crate) fn cross(self, other: Self) -> Self {
-        let products = self.xy * exchanged(other.xy);
-        let (z, other_z) = (spread(self.z).0, spread(other.z).0);
+        let products = self.xy * swapped(other.xy);
+        let (z, other_z) = (duplicated(self.z).0, duplicated(other.z).0);
         Self {
-            xy: turned(other.xy) * z - turned(self.xy) * other_z,
-            z: products - exchanged(products),
+            xy: quarter_turn(other.xy) * z - quarter_turn(self.xy) * other_z,
+            z: products - swapped(products),
         }
     }
 
     /// Returns the sum of the coordinates.
     #[inline(always)]
     fn sum(self) -> f64 {
-        first(self.xy + exchanged(self.xy) + self.z)
+        first(self.xy + swapped(self.xy) + self.z)
     }
 
     #[inline(always)]
@@ -196,10 +196,10 @@ impl PackedRotation {
     #[inline(always)]
     pub(crate) fn between(a: &[f64x2; 2], b: &[f64x2; 2], s: f64) -> Self {
         let ([a_xy, a_zw], [b_xy, b_zw]) = (*a, *b);
-        let ((az, aw), (bx, by), (bz, bw)) = (spread(a_zw), spread(b_xy), spread(b_zw));
-        let swapped = exchanged(a_xy);
-        let xy = (aw * b_xy - bw * a_xy) + (bz * mirrored(swapped) - az * turned(b_xy));
-        let zw = (aw * b_zw + az * turned(b_zw)) + (bx * swapped + by * mirrored(a_xy));
+        let ((az, aw), (bx, by), (bz, bw)) = (duplicated(a_zw), duplicated(b_xy), duplicated(b_zw));
+        let swapped = swapped(a_xy);
+        let xy = (aw * b_xy - bw * a_xy) + (bz * mirrored(swapped) - az * quarter_turn(b_xy));
+        let zw = (aw * b_zw + az * quarter_turn(b_zw)) + (bx * swapped + by * mirrored(a_xy));
         Self::of(xy, zw, s)
     }
 
@@ -208,18 +208,18 @@ impl PackedRotation {
     fn of(xy: f64x2, zw: f64x2, s: f64) -> Self {
         let s = f64x2::splat(s);
         let (xy_s, zw_s) = (xy * s, zw * s);
-        let ((zs, _), (_, w)) = (spread(zw_s), spread(zw));
+        let ((zs, _), (_, w)) = (duplicated(zw_s), duplicated(zw));
         let squares = xy * xy_s; // xx, yy
-        let (zz, wz) = spread(zw * zs);
+        let (zz, wz) = duplicated(zw * zs);
         let across = xy * zs; // xz, yz
-        let turned = turned(xy_s * w); // -wy, wx
-        let swapped = exchanged(squares);
+        let quarter_turn = quarter_turn(xy_s * w); // -wy, wx
+        let swapped = swapped(squares);
         let diagonal = f64x2::splat(1.0) - (swapped + zz);
-        let beside = spread(xy).0 * spread(xy_s).1 - mirrored(wz); // xy + wz, xy - wz
+        let beside = duplicated(xy).0 * duplicated(xy_s).1 - mirrored(wz); // xy + wz, xy - wz
         let ([d, e], [plus, minus]) = (diagonal.to_array(), beside.to_array());
         Self {
-            columns: [f64x2::new([d, plus]), f64x2::new([minus, e]), across - turned],
-            rows: [f64x2::new([d, minus]), f64x2::new([plus, e]), across + turned],
+            columns: [f64x2::new([d, plus]), f64x2::new([minus, e]), across - quarter_turn],
+            rows: [f64x2::new([d, minus]), f64x2::new([plus, e]), across + quarter_turn],
             last: f64x2::splat(1.0) - (squares + swapped),
         }
     }
@@ -256,11 +256,11 @@ impl PackedRotation {
 
 #[inline(always)]
 fn combined(lines: &[f64x2; 3], third: f64x2, last: f64x2, v: PackedVec3) -> PackedVec3 {
-    let ((x, y), (z, _)) = (spread(v.xy), spread(v.z));
+    let ((x, y), (z, _)) = (duplicated(v.xy), duplicated(v.z));
     let products = third * v.xy;
     PackedVec3 {
         xy: lines[0] * x + lines[1] * y + lines[2] * z,
-        z: products + exchanged(products) + last * v.z,
+        z: products + swapped(products) + last * v.z,
     }
 }
 
@@ -286,8 +286,8 @@ mod tests {
             assert_eq!(a.cross(b).vector(), u.cross(&v));
             assert_eq!(a.dot(b), u.x * v.x + u.y * v.y + u.z * v.z);
             assert_eq!(a.one_norm(), u.x.abs() + u.y.abs() + u.z.abs());
-            let carrying = PackedVec3::carrying(&u, s);
-            assert_eq!((carrying.carried(), carrying.dot(b)), (s, a.dot(b)));
+            let with_spare = PackedVec3::with_spare(&u, s);
+            assert_eq!((with_spare.spare(), with_spare.dot(b)), (s, a.dot(b)));
             let m = Matrix3::from_fn(|_, _| rng.range(-1.0, 1.0));
             let rotation = PackedRotation::new(&m);
             assert_eq!(rotation.matrix(), m);

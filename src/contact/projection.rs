@@ -5,13 +5,13 @@ use nalgebra::Vector3;
 use wide::f64x4;
 
 use super::axes::{Axes, FacePlane2};
-use super::corners::Location;
+use super::candidates::Location;
 use crate::polyhedron::topology::LARGE;
 use crate::polyhedron::{ConvexPolyhedron, EdgeId, Feature, VertexId};
 use crate::tolerance::COPLANAR;
 
 /// Slots for the vertices of a small face plus a repeated first vertex, in fours for SIMD.
-pub(super) const ROOM: usize = LARGE + 4;
+pub(super) const SLOTS: usize = LARGE + 4;
 
 /// A feature, with its projection computed at first use.
 pub(super) struct LazyProjection<'a> {
@@ -19,7 +19,7 @@ pub(super) struct LazyProjection<'a> {
     pub(super) feature: Feature,
     pub(super) axes: &'a Axes,
     backward: bool,
-    shadow: Option<ProjectedFeature<'a>>,
+    projection: Option<ProjectedFeature<'a>>,
 }
 
 impl<'a> LazyProjection<'a> {
@@ -32,16 +32,16 @@ impl<'a> LazyProjection<'a> {
             feature,
             axes,
             backward,
-            shadow: None,
+            projection: None,
         }
     }
 
     #[inline(always)]
-    pub(super) fn seen(&mut self) -> &ProjectedFeature<'a> {
-        self.shadow.get_or_insert_with(|| {
-            let mut shadow = ProjectedFeature::new(self.body, self.feature, self.axes, self.backward);
-            shadow.cast();
-            shadow
+    pub(super) fn get(&mut self) -> &ProjectedFeature<'a> {
+        self.projection.get_or_insert_with(|| {
+            let mut projection = ProjectedFeature::new(self.body, self.feature, self.axes, self.backward);
+            projection.project();
+            projection
         })
     }
 }
@@ -55,15 +55,15 @@ pub(super) struct ProjectedFeature<'a> {
     pub(super) feature: Feature,
     pub(super) count: usize,
     /// Plane coordinates; after the last vertex of a small face the first vertex is repeated.
-    pub(super) x: [f64; ROOM],
-    pub(super) y: [f64; ROOM],
+    pub(super) x: [f64; SLOTS],
+    pub(super) y: [f64; SLOTS],
     vertices: [u32; LARGE],
     /// Edge from each vertex to the next.
     edges: [u32; LARGE],
     /// Half-edges of a large face, to be read in reverse order if `backward`.
     ring: Option<&'a [u32]>,
     backward: bool,
-    lean: FacePlane2,
+    plane: FacePlane2,
 }
 
 impl<'a> ProjectedFeature<'a> {
@@ -74,35 +74,35 @@ impl<'a> ProjectedFeature<'a> {
             axes,
             feature,
             count: 0,
-            x: [0.0; ROOM],
-            y: [0.0; ROOM],
+            x: [0.0; SLOTS],
+            y: [0.0; SLOTS],
             vertices: [0; LARGE],
             edges: [0; LARGE],
             ring: None,
             backward,
-            lean: FacePlane2::default(),
+            plane: FacePlane2::default(),
         }
     }
 
     /// Projects the feature; a vertex has no projection.
     #[inline(always)]
-    fn cast(&mut self) {
+    fn project(&mut self) {
         let t = &self.body.topology;
         match self.feature {
             Feature::Vertex(_) => {}
             Feature::Edge(e) => {
                 for (k, v) in [t.from(e.0), t.half_edge(e.0).to].into_iter().enumerate() {
-                    [self.x[k], self.y[k]] = self.place_of(&self.body.points[v as usize]);
+                    [self.x[k], self.y[k]] = self.position_of(&self.body.points[v as usize]);
                     (self.vertices[k], self.edges[k]) = (v, e.0);
                 }
                 self.count = 2;
             }
             Feature::Face(f) => {
-                self.lean = FacePlane2::new(self.body, f.0, self.axes);
+                self.plane = FacePlane2::new(self.body, f.0, self.axes);
                 self.ring = t.ring(f.0);
                 match self.ring {
                     Some(ring) => self.count = ring.len(),
-                    None => self.go_round(f.0),
+                    None => self.outline(f.0),
                 }
             }
         }
@@ -111,10 +111,10 @@ impl<'a> ProjectedFeature<'a> {
     /// Collects the vertices of a face together with adjacent faces coplanar up to rounding:
     /// together they are the intended face.
     #[inline(always)]
-    fn go_round(&mut self, f: u32) {
+    fn outline(&mut self, f: u32) {
         let t = &self.body.topology;
         let start = t.rim_start(f);
-        if !(self.body.has_coplanar_neighbours && self.go_round_all(f)) {
+        if !(self.body.has_coplanar_neighbours && self.outline_coplanar(f)) {
             self.walk(start, |_| false);
         }
         let n = self.count;
@@ -125,7 +125,7 @@ impl<'a> ProjectedFeature<'a> {
         }
         for k in 0..n {
             let p = &self.body.points[self.vertices[k] as usize];
-            [self.x[k], self.y[k]] = self.place_of(p);
+            [self.x[k], self.y[k]] = self.position_of(p);
         }
         (self.x[n], self.y[n]) = (self.x[0], self.y[0]);
     }
@@ -133,7 +133,7 @@ impl<'a> ProjectedFeature<'a> {
     /// Collects the outline of several coplanar faces; returns whether an outline was found, of at
     /// most [`LARGE`] vertices.
     #[cold]
-    fn go_round_all(&mut self, f: u32) -> bool {
+    fn outline_coplanar(&mut self, f: u32) -> bool {
         let (t, planes) = (&self.body.topology, &self.body.planes);
         let n = planes[f as usize].normal;
         let within = |h: u32| {
@@ -190,7 +190,7 @@ impl<'a> ProjectedFeature<'a> {
 
     /// Returns the id of a vertex.
     #[inline(always)]
-    fn number(&self, k: usize) -> u32 {
+    fn vertex_id(&self, k: usize) -> u32 {
         let Some(ring) = self.ring else {
             return self.vertices[k];
         };
@@ -204,9 +204,9 @@ impl<'a> ProjectedFeature<'a> {
     }
 
     /// Returns the feature that contains a location.
-    pub(super) fn name(&self, on: Location) -> Feature {
-        match (on.as_corner(), on.as_edge()) {
-            (Some(k), _) => Feature::Vertex(VertexId(self.number(k))),
+    pub(super) fn feature_at(&self, on: Location) -> Feature {
+        match (on.as_vertex(), on.as_edge()) {
+            (Some(k), _) => Feature::Vertex(VertexId(self.vertex_id(k))),
             (_, Some(k)) => self.edge(k),
             _ => self.feature,
         }
@@ -226,28 +226,28 @@ impl<'a> ProjectedFeature<'a> {
 
     /// Returns plane coordinates and height of a vertex.
     #[inline(always)]
-    pub(super) fn corner(&self, k: usize) -> [f64; 3] {
-        self.axes.see(&self.body.points[self.number(k) as usize])
+    pub(super) fn vertex(&self, k: usize) -> [f64; 3] {
+        self.axes.to_local(&self.body.points[self.vertex_id(k) as usize])
     }
 
     /// Returns plane coordinates and height of both ends of an edge.
     #[inline(always)]
     pub(super) fn ends(&self, k: usize) -> [[f64; 3]; 2] {
-        [self.corner(k), self.corner(self.next(k))]
+        [self.vertex(k), self.vertex(self.next(k))]
     }
 
     /// Returns the plane coordinates of a vertex.
     #[inline(always)]
-    pub(super) fn place(&self, k: usize) -> [f64; 2] {
+    pub(super) fn position(&self, k: usize) -> [f64; 2] {
         if self.ring.is_none() {
             return [self.x[k], self.y[k]];
         }
-        self.place_of(&self.body.points[self.number(k) as usize])
+        self.position_of(&self.body.points[self.vertex_id(k) as usize])
     }
 
     /// Returns the plane coordinates of a stored point.
     #[inline(always)]
-    pub(super) fn place_of(&self, p: &Vector3<f64>) -> [f64; 2] {
+    pub(super) fn position_of(&self, p: &Vector3<f64>) -> [f64; 2] {
         let d = p - self.axes.witness;
         self.axes.across.map(|e| e.dot(&d))
     }
@@ -258,8 +258,8 @@ impl<'a> ProjectedFeature<'a> {
     #[inline(always)]
     pub(super) fn span(&self) -> [[f64; 2]; 2] {
         let of = |c: &[f64]| {
-            let corners = c[..self.count].iter();
-            corners.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], &x| {
+            let coordinates = c[..self.count].iter();
+            coordinates.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], &x| {
                 [if x < low { x } else { low }, if x > high { x } else { high }]
             })
         };
@@ -271,17 +271,18 @@ impl<'a> ProjectedFeature<'a> {
     #[inline(always)]
     pub(super) fn inside_by(&self, at: [f64; 2]) -> f64 {
         if self.is_large() {
-            return if self.holds(self.middle(), at) {
+            return if self.contains(self.middle(), at) {
                 0.0
             } else {
                 f64::NEG_INFINITY
             };
         }
         let span = self.span();
-        let past = |k: usize| (at[k] - span[k][0]).min(span[k][1] - at[k]);
+        let past_extreme = |k: usize| (at[k] - span[k][0]).min(span[k][1] - at[k]);
         let (x, y) = (f64x4::splat(at[0]), f64x4::splat(at[1]));
-        let four = |list: &[f64; ROOM], k: usize| list[k..].first_chunk().map_or(f64x4::ZERO, |four| f64x4::new(*four));
-        let mut least = past(0).min(past(1));
+        let four =
+            |list: &[f64; SLOTS], k: usize| list[k..].first_chunk().map_or(f64x4::ZERO, |four| f64x4::new(*four));
+        let mut least = past_extreme(0).min(past_extreme(1));
         for k in (0..self.count).step_by(4) {
             let (px, py) = (four(&self.x, k), four(&self.y, k));
             let (ux, uy) = (four(&self.x, k + 1) - px, four(&self.y, k + 1) - py);
@@ -298,13 +299,13 @@ impl<'a> ProjectedFeature<'a> {
     /// Returns the height of the face over a point of the plane.
     #[inline(always)]
     pub(super) fn height_on_face(&self, at: [f64; 2]) -> f64 {
-        self.lean.height(at)
+        self.plane.height(at)
     }
 
     /// Returns the parameter along edge `k` of the foot of a point, from 0 to 1.
     #[inline(always)]
     pub(super) fn along(&self, k: usize, [x, y]: [f64; 2]) -> f64 {
-        let (p, q) = (self.place(k), self.place(self.next(k)));
+        let (p, q) = (self.position(k), self.position(self.next(k)));
         let u = [q[0] - p[0], q[1] - p[1]];
         let squared = u[0] * u[0] + u[1] * u[1];
         let t = ((x - p[0]) * u[0] + (y - p[1]) * u[1]) / squared;
@@ -315,19 +316,19 @@ impl<'a> ProjectedFeature<'a> {
     /// Returns the height of edge `k` at the foot of a point of the plane.
     #[inline(always)]
     pub(super) fn height_on_edge(&self, k: usize, at: [f64; 2]) -> f64 {
-        let (p, q) = (self.corner(k), self.corner(self.next(k)));
+        let (p, q) = (self.vertex(k), self.vertex(self.next(k)));
         p[2] + self.along(k, at) * (q[2] - p[2])
     }
 
     /// Returns the stored point at plane coordinates, on the given location.
     pub(super) fn point(&self, on: Location, at: [f64; 2]) -> Vector3<f64> {
-        let corner = |k: usize| self.body.points[self.number(k) as usize];
+        let vertex = |k: usize| self.body.points[self.vertex_id(k) as usize];
         let on_edge = |k: usize| {
-            let (p, q) = (corner(k), corner(self.next(k)));
+            let (p, q) = (vertex(k), vertex(self.next(k)));
             p + (q - p) * self.along(k, at)
         };
-        match (on.as_corner(), on.as_edge()) {
-            (Some(k), _) => corner(k),
+        match (on.as_vertex(), on.as_edge()) {
+            (Some(k), _) => vertex(k),
             (_, Some(k)) => on_edge(k),
             _ if self.is_edge() => on_edge(0),
             _ => self.axes.point(at, self.height_on_face(at)),

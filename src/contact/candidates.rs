@@ -1,7 +1,7 @@
 //! Contact candidates: vertices of the overlap of two projected features.
 
 /// Most candidates: for two features of 24 vertices, with some doubled by rounding.
-const MOST: usize = 64;
+const MAX_CANDIDATES: usize = 64;
 
 /// Part of a projected feature that contains a point: a vertex, an edge, or the interior.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -11,12 +11,12 @@ pub(super) struct Location(u32);
 impl Location {
     /// The interior of the feature.
     pub(super) const WHOLE: Location = Location(0);
-    const CORNER: u32 = 1 << 30;
+    const VERTEX: u32 = 1 << 30;
     const EDGE: u32 = 2 << 30;
 
     #[inline(always)]
-    pub(super) fn corner(k: usize) -> Self {
-        Location(Self::CORNER | k as u32)
+    pub(super) fn vertex(k: usize) -> Self {
+        Location(Self::VERTEX | k as u32)
     }
 
     #[inline(always)]
@@ -25,8 +25,8 @@ impl Location {
     }
 
     /// Returns the index of the vertex, if the location is a vertex.
-    pub(super) fn as_corner(self) -> Option<usize> {
-        (self.0 & Self::CORNER != 0).then_some((self.0 & !Self::CORNER) as usize)
+    pub(super) fn as_vertex(self) -> Option<usize> {
+        (self.0 & Self::VERTEX != 0).then_some((self.0 & !Self::VERTEX) as usize)
     }
 
     /// Returns the index of the edge, if the location is an edge.
@@ -52,8 +52,8 @@ impl ContactCandidate {
 }
 
 /// Short list of the candidates no further apart than the prediction.
-pub(super) struct Corners {
-    list: [ContactCandidate; MOST],
+pub(super) struct Candidates {
+    list: [ContactCandidate; MAX_CANDIDATES],
     count: usize,
     /// Signed distance of the witnesses.
     distance: f64,
@@ -61,16 +61,16 @@ pub(super) struct Corners {
     prediction: f64,
 }
 
-impl Corners {
+impl Candidates {
     #[inline(always)]
     pub(super) fn new(distance: f64, prediction: f64) -> Self {
-        const NONE: ContactCandidate = ContactCandidate {
+        const EMPTY: ContactCandidate = ContactCandidate {
             at: [0.0; 2],
             separation: 0.0,
             on: ContactCandidate::WITNESS,
         };
         Self {
-            list: [NONE; MOST],
+            list: [EMPTY; MAX_CANDIDATES],
             count: 0,
             distance,
             prediction,
@@ -82,12 +82,13 @@ impl Corners {
     #[inline(always)]
     pub(super) fn push(&mut self, at: [f64; 2], [on_a, on_b]: [f64; 2], on: [Location; 2]) -> bool {
         let separation = self.distance + (on_b - on_a);
-        let wanted = (separation <= self.prediction || on == ContactCandidate::WITNESS) && self.count < MOST;
-        if wanted {
+        let is_accepted =
+            (separation <= self.prediction || on == ContactCandidate::WITNESS) && self.count < MAX_CANDIDATES;
+        if is_accepted {
             self.list[self.count] = ContactCandidate { at, separation, on };
             self.count += 1;
         }
-        wanted
+        is_accepted
     }
 
     #[inline(always)]
