@@ -53,8 +53,9 @@ impl core::fmt::Display for Operand {
 ///
 /// A vertex `v` of a body at pose `(q, t)` is at `R(q) v / |q|^2 + t` over the rationals, for the
 /// bits of `q` and `t` as given: all bounds of a certified outcome refer to the exact placement,
-/// not to its rounding. World offsets cancel first: the relative translation is formed from `t_b -
-/// t_a`, so a common shift that both translations absorb exactly changes no bit of any outcome.
+/// not to its rounding. World offsets cancel first: the relative translation is formed from
+/// `t_b - t_a`, so a common shift that both translations absorb exactly changes no bit of any
+/// outcome.
 ///
 /// A rotation must be a unit quaternion in `f64`. The error of a quaternion computed in `f32`, or
 /// by many products, exceeds the accepted error; normalise such a quaternion first:

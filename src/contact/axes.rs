@@ -8,7 +8,7 @@ use crate::polyhedron::ConvexPolyhedron;
 /// Contact axes in a body's stored frame: two directions perpendicular to the normal, the normal,
 /// and the body's witness as the origin.
 pub(super) struct Axes {
-    pub(super) across: [Vector3<f64>; 2],
+    pub(super) tangents: [Vector3<f64>; 2],
     pub(super) normal: Vector3<f64>,
     pub(super) witness: Vector3<f64>,
 }
@@ -18,13 +18,13 @@ impl Axes {
     #[inline(always)]
     pub(super) fn to_local(&self, p: &Vector3<f64>) -> [f64; 3] {
         let d = p - self.witness;
-        [self.across[0].dot(&d), self.across[1].dot(&d), self.normal.dot(&d)]
+        [self.tangents[0].dot(&d), self.tangents[1].dot(&d), self.normal.dot(&d)]
     }
 
     /// Returns the stored point at given plane coordinates and height.
     #[inline(always)]
     pub(super) fn point(&self, [x, y]: [f64; 2], height: f64) -> Vector3<f64> {
-        self.witness + self.across[0] * x + self.across[1] * y + self.normal * height
+        self.witness + self.tangents[0] * x + self.tangents[1] * y + self.normal * height
     }
 }
 
@@ -46,7 +46,7 @@ impl FacePlane2 {
         let up = 1.0 / m.dot(&axes.normal);
         Self {
             level: m.dot(&(vertex - axes.witness)) * up,
-            fall: axes.across.map(|e| m.dot(&e) * up),
+            fall: axes.tangents.map(|e| m.dot(&e) * up),
         }
     }
 

@@ -161,8 +161,8 @@ impl Manifold {
     }
 
     /// Returns the unit direction from A to B, in A's frame: the normal of the outcome the manifold
-    /// was computed from, rotated with the reference body since. Valid also without contacts; x
-    /// before the first query.
+    /// was computed from, rotated with the reference body since. Without contacts, the normal
+    /// of the last query; x before the first query.
     #[must_use]
     pub fn normal(&self) -> Unit<Vector3<f64>> {
         self.normal

@@ -80,8 +80,9 @@ struct PosedOutcome<'a> {
 }
 
 impl PosedOutcome<'_> {
-    /// Returns the contacts of an outcome whose lower bound is within the prediction. `since_choice` is
-    /// the motion of the bodies since the candidates were chosen, if the choice may be kept.
+    /// Returns the contacts of an outcome whose lower bound is within the prediction.
+    /// `since_choice` is the motion of the bodies since the candidates were chosen, if the choice
+    /// may be kept.
     fn contacts(self, options: &ManifoldOptions, before: &Manifold, since_choice: Option<f64>) -> Contacts {
         let outcome = self.outcome;
         let mut contacts = Contacts {
@@ -140,15 +141,15 @@ impl PosedOutcome<'_> {
     #[inline(always)]
     fn axes(&self) -> [Axes; 2] {
         let normal = self.outcome.normal.into_inner();
-        let across = perpendiculars(&normal);
+        let tangents = tangents_of(&normal);
         [
             Axes {
-                across,
+                tangents,
                 normal,
                 witness: self.a.to_stored(&self.outcome.point_on_a),
             },
             Axes {
-                across: across.map(|v| self.rotation.tr_mul(&v)),
+                tangents: tangents.map(|v| self.rotation.tr_mul(&v)),
                 normal: self.rotation.tr_mul(&normal),
                 witness: self.b.to_stored(&self.outcome.point_on_b),
             },
@@ -318,18 +319,18 @@ impl ProjectedPair<'_> {
 
 impl ConvexPolyhedron {
     /// Converts a point from the caller's coordinates to stored coordinates.
-    fn to_stored(&self, given: &Point3<f64>) -> Vector3<f64> {
+    fn to_stored(&self, p: &Point3<f64>) -> Vector3<f64> {
         if self.is_unscaled {
-            given.coords
+            p.coords
         } else {
-            (given.coords - self.origin) / self.unit()
+            (p.coords - self.origin) / self.unit()
         }
     }
 }
 
 /// Returns two unit directions perpendicular to a unit direction and to each other, right-handed
 /// with `n`.
-fn perpendiculars(n: &Vector3<f64>) -> [Vector3<f64>; 2] {
+fn tangents_of(n: &Vector3<f64>) -> [Vector3<f64>; 2] {
     let other = if n.x.abs() < 0.6 {
         Vector3::new(0.0, -n.z, n.y)
     } else {

@@ -2,7 +2,7 @@
 
 use super::MOST_POINTS;
 
-/// Options of a contact manifold. NaN options admit no contacts.
+/// Options of a contact manifold. A NaN option requests nothing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]

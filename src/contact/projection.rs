@@ -249,7 +249,7 @@ impl<'a> ProjectedFeature<'a> {
     #[inline(always)]
     pub(super) fn position_of(&self, p: &Vector3<f64>) -> [f64; 2] {
         let d = p - self.axes.witness;
-        self.axes.across.map(|e| e.dot(&d))
+        self.axes.tangents.map(|e| e.dot(&d))
     }
 
     /// Returns the least and greatest plane coordinates of a small face. Beyond the apex of a

@@ -16,9 +16,9 @@ impl Chosen {
         &self.list[..self.count]
     }
 
-    fn insert(&mut self, place: usize, choice: usize) {
-        self.list[place..=self.count].rotate_right(1);
-        self.list[place] = choice;
+    fn insert(&mut self, index: usize, choice: usize) {
+        self.list[index..=self.count].rotate_right(1);
+        self.list[index] = choice;
         self.count += 1;
     }
 }
@@ -53,7 +53,7 @@ pub(super) fn reduce(choices: &[ContactCandidate], kept: u64, most: usize, merge
     }
     while chosen.count > 1 && chosen.count < most {
         match widest(choices, kept, &chosen, merge) {
-            Some((place, k)) => chosen.insert(place, k),
+            Some((index, k)) => chosen.insert(index, k),
             None => break,
         }
     }
@@ -105,7 +105,7 @@ fn widest(choices: &[ContactCandidate], kept: u64, chosen: &Chosen, merge: f64) 
             }
         }
     }
-    best.map(|(_, place, k)| (place, k))
+    best.map(|(_, index, k)| (index, k))
 }
 
 /// Returns whether bit `k` is set.
@@ -146,9 +146,9 @@ mod tests {
         for n in 5..40 {
             let chosen = reduce(&ring(n), 0, 4, 1e-9, 1e-12);
             assert_eq!((chosen.all().len(), chosen.all()[0]), (4, 0));
-            let corners: Vec<_> = chosen.all().iter().map(|&k| ring(n)[k].at).collect();
+            let vertices: Vec<_> = chosen.all().iter().map(|&k| ring(n)[k].at).collect();
             let area: f64 = (0..4)
-                .map(|k| corners[k][0] * corners[(k + 1) % 4][1] - corners[k][1] * corners[(k + 1) % 4][0])
+                .map(|k| vertices[k][0] * vertices[(k + 1) % 4][1] - vertices[k][1] * vertices[(k + 1) % 4][0])
                 .sum::<f64>();
             assert!(area / 2.0 > 1.4, "{n}: {}", area / 2.0);
         }

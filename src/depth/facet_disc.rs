@@ -22,10 +22,10 @@
 //! to `m`, `p <= a <= r` and `|v|^2 <= r^2 - p^2`. So the distance of `y` from the axis along `n`
 //! is at most `r |m x n| + sqrt(r^2 - p^2)`, and the distance of `x` at most `r / p` times as much;
 //! `rho` is the largest such number. If `m` is within sixty degrees of `n` and `rho` is below half
-//! of every triangle's height, then `y`, and so `x`, has positive height along `n`: `n . y >= p / 2
-//! - |v| sin 60`, and `|v| <= rho`. P contains the projection of `x` along `n` into F, whose disc
-//! has the radius `rho`, and the projection of `x` along `n` down to height zero, nearer to the
-//! origin than any triangle; hence P contains `x`, between the two.
+//! of every triangle's height, then `y`, and so `x`, has positive height along `n`:
+//! `n . y >= p / 2 - |v| sin 60`, and `|v| <= rho`. P contains the projection of `x` along `n` into
+//! F, whose disc has the radius `rho`, and the projection of `x` along `n` down to height zero,
+//! nearer to the origin than any triangle; hence P contains `x`, between the two.
 
 use nalgebra::Vector3;
 

@@ -10,7 +10,7 @@ use crate::num::scalar::Vec3;
 use crate::pair::difference::MinkowskiPoint;
 use crate::polyhedron::FeaturePair;
 
-use crate::depth::surface::Surface;
+use crate::depth::surface::EnclosingSurface;
 
 /// Most triangles worth caching: a triangle index fits in a byte.
 pub(super) const MAX_TRIANGLES: usize = 256;
@@ -52,7 +52,7 @@ type Parts<'a> = (FeaturePair, Option<FeaturePair>, u32, &'a [[u32; 2]], &'a [[u
 /// Buffers that keep their allocation between queries.
 #[derive(Clone, Debug)]
 pub(super) struct Scratch {
-    pub(super) surface: Surface<f64>,
+    pub(super) surface: EnclosingSurface<f64>,
     /// Triangles below the target height, at which the surface must grow.
     pub(super) below_target: Vec<u32>,
 }
@@ -126,7 +126,7 @@ impl Memory {
     pub(super) fn with_scratch<R>(&mut self, work: impl FnOnce(&mut Self, &mut Scratch) -> R) -> R {
         let mut scratch = self.scratch.take().unwrap_or_else(|| {
             Box::new(Scratch {
-                surface: Surface::new(),
+                surface: EnclosingSurface::new(),
                 below_target: Vec::new(),
             })
         });
@@ -198,7 +198,7 @@ impl Memory {
 
     /// Caches the facet and also the surface, if the surface is small and has not outgrown its
     /// initial number of triangles.
-    pub(super) fn keep(&mut self, surface: &Surface<f64>, facet: FeaturePair, built: Option<u32>) {
+    pub(super) fn keep(&mut self, surface: &EnclosingSurface<f64>, facet: FeaturePair, built: Option<u32>) {
         self.clear();
         self.facet = Some(facet);
         let count = surface.triangles.len();

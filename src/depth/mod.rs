@@ -52,7 +52,7 @@ use crate::tolerance::{CERTIFICATE, SHIFTS};
 use nalgebra::Vector3;
 use result::{SearchEnd, SearchResult};
 use search::search;
-use surface::Surface;
+use surface::EnclosingSurface;
 
 pub(crate) use memory::{Memory, RawMemory};
 pub(crate) use resume::resume;
@@ -91,7 +91,7 @@ fn penetration_depth_in_double_double(posed: &PosedPair, outcome: &mut Outcome) 
     let Some(frame) = Transform::<DoubleDouble>::new(posed.a, posed.b, posed.pose) else {
         return;
     };
-    if let Some(found) = search(posed, &frame, outcome.features, &SHIFTS, &mut Surface::new()) {
+    if let Some(found) = search(posed, &frame, outcome.features, &SHIFTS, &mut EnclosingSurface::new()) {
         write_result(posed, &found, outcome);
     }
     #[cfg(feature = "exact")]

@@ -216,8 +216,8 @@ impl Memory {
         best: &mut Best<f64>,
     ) -> bool {
         let vertices = below_target.iter().map(|t| self.vertices(*t));
-        let names = vertices.map(|at| [0, 1].map(|side| at.map(|k| self.points[k][side])));
-        below_target.len() <= FEW_TRIANGLES && best.try_facets(posed, frame, names)
+        let vertex_pairs = vertices.map(|at| [0, 1].map(|side| at.map(|k| self.points[k][side])));
+        below_target.len() <= FEW_TRIANGLES && best.try_facets(posed, frame, vertex_pairs)
     }
 
     /// Returns the radius of the disc that covers for the triangles below target, if worth a try.
@@ -246,8 +246,8 @@ impl Memory {
         let found = below_target
             .iter()
             .find_map(|t| pierced_facet(posed, frame, &axis, known.clone(), self.vertices(*t).map(vertex)));
-        let names = found.map(|c| [c.map(|c| c.a), c.map(|c| c.b)]);
-        best.try_facets(posed, frame, names.into_iter());
+        let vertex_pairs = found.map(|c| [c.map(|c| c.a), c.map(|c| c.b)]);
+        best.try_facets(posed, frame, vertex_pairs.into_iter());
         let rho = self.disc(below_target, positions, best, posed.size())?;
         let (facet, at) = (best.features?, best.rounded());
         let witnesses = foot(posed, facet, &at)?;

@@ -15,7 +15,7 @@ use crate::tolerance::{AGREE_DEPTH, ALMOST_FLAT, ASIDE, CERTIFICATE, PLATEAU, UN
 use crate::depth::direction::unit;
 use crate::depth::facet::{facets, height_of, normal_of};
 use crate::depth::result::{Best, SearchEnd, SearchResult};
-use crate::depth::surface::{Filter, Surface};
+use crate::depth::surface::{EnclosingSurface, Filter};
 
 /// Repeated points after which a surface counts as folded.
 const REPEATS: u32 = 16;
@@ -26,7 +26,7 @@ pub(super) struct Search<'a, T: Scalar> {
     frame: Transform<T>,
     /// Whether B is perturbed off its pose.
     is_shifted: bool,
-    pub(super) surface: &'a mut Surface<T>,
+    pub(super) surface: &'a mut EnclosingSurface<T>,
     filter: Filter<T>,
     best: Option<Best<T>>,
     size: T,
@@ -41,7 +41,7 @@ pub(super) fn search<T: Scalar>(
     frame: &Transform<T>,
     from: FeaturePair,
     shifts: &[f64],
-    surface: &mut Surface<T>,
+    surface: &mut EnclosingSurface<T>,
 ) -> Option<SearchResult<T>> {
     let mut found: Option<SearchResult<T>> = None;
     let mut points_added = 0;
@@ -98,7 +98,7 @@ impl<'a, T: Scalar> Search<'a, T> {
         frame: &Transform<T>,
         from: FeaturePair,
         shift: f64,
-        surface: &'a mut Surface<T>,
+        surface: &'a mut EnclosingSurface<T>,
     ) -> Result<Self, SearchResult<T>> {
         let size = posed.reach::<T>().whole();
         let mut shifted = *frame;
@@ -117,7 +117,7 @@ impl<'a, T: Scalar> Search<'a, T> {
         Ok(search)
     }
 
-    fn new(posed: &'a PosedPair<'a>, frame: &Transform<T>, surface: &'a mut Surface<T>) -> Self {
+    fn new(posed: &'a PosedPair<'a>, frame: &Transform<T>, surface: &'a mut EnclosingSurface<T>) -> Self {
         let size = posed.reach::<T>().whole();
         Self {
             posed,
@@ -139,7 +139,7 @@ impl<'a, T: Scalar> Search<'a, T> {
     pub(super) fn resumed(
         posed: &'a PosedPair<'a>,
         frame: &Transform<T>,
-        surface: &'a mut Surface<T>,
+        surface: &'a mut EnclosingSurface<T>,
         best: Best<T>,
     ) -> Self {
         let mut search = Self::new(posed, frame, surface);

@@ -27,7 +27,7 @@ const SCANNED: usize = MAX_TRIANGLES;
 
 /// A triangle with its vertices counter-clockwise seen from outside.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Triangle<T> {
+pub(super) struct SurfaceTriangle<T> {
     pub(super) vertices: [u32; 3],
     /// Triangle across the edge from vertex k to vertex k + 1.
     neighbours: [u32; 3],
@@ -67,11 +67,11 @@ pub(super) struct Filter<T> {
 
 /// The surface and its working memory.
 #[derive(Clone, Debug)]
-pub(super) struct Surface<T> {
+pub(super) struct EnclosingSurface<T> {
     pub(super) points: Vec<MinkowskiPoint<T>>,
     /// Vertex pairs of the first points, if there are many points.
     vertex_pairs: VertexPairs,
-    pub(super) triangles: Vec<Triangle<T>>,
+    pub(super) triangles: Vec<SurfaceTriangle<T>>,
     /// Triangles not known to be beyond `target`.
     queue: Queue,
     /// Triangles beyond this height need no work.
@@ -84,11 +84,11 @@ pub(super) struct Surface<T> {
     starts: Vec<u32>,
 }
 
-impl<T> Surface<T> {
+impl<T> EnclosingSurface<T> {
     /// Returns the allocated bytes on the heap.
     pub(super) fn heap_bytes(&self) -> usize {
         self.points.capacity() * size_of::<MinkowskiPoint<T>>()
-            + self.triangles.capacity() * size_of::<Triangle<T>>()
+            + self.triangles.capacity() * size_of::<SurfaceTriangle<T>>()
             + self.vertex_pairs.heap_bytes()
             + self.queue.heap_bytes()
             + (self.visible.capacity() + self.starts.capacity()) * size_of::<u32>()
@@ -96,7 +96,7 @@ impl<T> Surface<T> {
     }
 }
 
-impl<T: Scalar> Surface<T> {
+impl<T: Scalar> EnclosingSurface<T> {
     /// Returns a surface without triangles.
     pub(super) fn new() -> Self {
         Self {
@@ -161,8 +161,8 @@ impl<T: Scalar> Surface<T> {
         self.target = target;
     }
 
-    /// Returns the height that every triangle is beyond if [`weakest`](Self::weakest) returns
-    /// `None`.
+    /// Returns the target: every triangle is beyond the target if [`weakest`](Self::weakest)
+    /// returns `None`.
     pub(super) fn target(&self) -> T {
         self.target
     }
@@ -200,10 +200,10 @@ impl<T: Scalar> Surface<T> {
 
     /// Adds a triangle known to be beyond the target.
     pub(super) fn push(&mut self, vertices: [u32; 3], neighbours: [u32; 3]) {
-        self.triangles.push(Triangle {
+        self.triangles.push(SurfaceTriangle {
             vertices,
             neighbours,
-            ..Triangle::default()
+            ..SurfaceTriangle::default()
         });
     }
 
@@ -245,7 +245,7 @@ impl<T: Scalar> Surface<T> {
     }
 
     /// Replaces the bound along the normal by the bound along the direction of the nearest point if
-    /// better; returns whether it was.
+    /// better; returns whether the bound improved.
     fn refine(&mut self, triangle: u32) -> bool {
         let t = &mut self.triangles[triangle as usize];
         if t.state == BoundState::Best {

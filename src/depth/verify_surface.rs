@@ -15,8 +15,9 @@ use crate::tolerance::{AGREE_DEPTH, CERTIFICATE, ORIENTATION, UNIT};
 pub(super) enum SurfaceState {
     /// The surface encloses the origin and every triangle is beyond the facet: the depth is proven.
     Proven,
-    /// The surface encloses the origin.
+    /// The surface encloses the origin; some triangles are below target.
     Encloses,
+    /// The origin is not certainly behind every triangle.
     Folded,
 }
 
@@ -30,7 +31,7 @@ struct Target<'a> {
     noise: f64,
 }
 
-/// Verifies two triangles at a time by SIMD and lists the triangles below target in `weak`.
+/// Verifies two triangles at a time by SIMD and lists the triangles below target in `below_target`.
 pub(super) fn verify_surface(
     triangles: &[[u8; 6]],
     positions: &[Vec3<f64>],

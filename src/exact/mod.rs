@@ -211,7 +211,7 @@ impl<'a> Pair<'a> {
         })
     }
 
-    /// Locates the origin in A - B, whose point `at` is the origin.
+    /// Locates the origin in A - B; `at` must be the origin.
     fn locate(&self, at: &Nearest, hint: (u32, u32)) -> Origin {
         let rising = |c: &ExactPoint, n: &Big3| {
             let a = self

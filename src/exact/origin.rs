@@ -116,14 +116,14 @@ fn on_line(highest: &dyn Fn(&Big3) -> ExactPoint, d: &Big3) -> Origin {
 /// far comes strictly nearer to the origin, and if no edge rises, the set stays on one side.
 fn at_vertex(rising: &dyn Fn(&Big3) -> Option<ExactPoint>) -> Origin {
     let mut normal = [IBig::ONE, IBig::ZERO, IBig::ZERO];
-    let mut corners = Vec::new();
+    let mut vertices = Vec::new();
     while let Some(next) = rising(&normal) {
-        if !corners.is_empty() && sign(&dot(&normal, &next.w)) <= 0 {
+        if !vertices.is_empty() && sign(&dot(&normal, &next.w)) <= 0 {
             break;
         }
-        corners.push(next);
+        vertices.push(next);
         // One to four points always have a nearest point.
-        let Some(at) = nearest(&corners) else { break };
+        let Some(at) = nearest(&vertices) else { break };
         if is_zero(&at.direction) {
             // No edge is zero, so the origin is no vertex of the edges' hull and the recursion ends
             // here.
@@ -134,7 +134,7 @@ fn at_vertex(rising: &dyn Fn(&Big3) -> Option<ExactPoint>) -> Origin {
             };
             return locate(&edges, &at);
         }
-        (normal, corners) = (neg(&at.direction), at.kept);
+        (normal, vertices) = (neg(&at.direction), at.kept);
     }
     Origin::Boundary(normal)
 }

@@ -107,17 +107,17 @@ fn inside(s: &[&ExactPoint]) -> Option<(Vec<IBig>, IBig, Big3)> {
 /// A subset is optimal if the nearest point of its affine hull lies in the subset's relative
 /// interior and no point is beyond the plane through the nearest point (the optimality condition of
 /// the minimum-norm point), so the first subset to pass is the answer.
-pub(super) fn nearest(corners: &[ExactPoint]) -> Option<Nearest> {
-    let n = corners.len();
+pub(super) fn nearest(vertices: &[ExactPoint]) -> Option<Nearest> {
+    let n = vertices.len();
     for size in 1..=n.min(4) {
         for mask in (1u32..1 << n).filter(|m| m.count_ones() as usize == size) {
             let chosen = |k: &usize| mask & 1 << k != 0;
-            let subset: Vec<&ExactPoint> = (0..n).filter(chosen).map(|k| &corners[k]).collect();
+            let subset: Vec<&ExactPoint> = (0..n).filter(chosen).map(|k| &vertices[k]).collect();
             let Some((weights, sum, direction)) = inside(&subset) else {
                 continue;
             };
             let base = dot(&direction, &subset[0].w);
-            let supports = is_zero(&direction) || (0..n).all(|k| chosen(&k) || dot(&direction, &corners[k].w) >= base);
+            let supports = is_zero(&direction) || (0..n).all(|k| chosen(&k) || dot(&direction, &vertices[k].w) >= base);
             if supports {
                 let kept = subset.into_iter().cloned().collect();
                 return Some(Nearest {
@@ -136,9 +136,9 @@ pub(super) fn nearest(corners: &[ExactPoint]) -> Option<Nearest> {
 /// point least along `n`. Terminates because each round is strictly nearer and the number of
 /// simplices is finite.
 pub(super) fn minimize(start: Vec<ExactPoint>, lowest: &dyn Fn(&Big3) -> ExactPoint) -> Option<Nearest> {
-    let mut corners = start;
+    let mut vertices = start;
     loop {
-        let now = nearest(&corners)?;
+        let now = nearest(&vertices)?;
         if is_zero(&now.direction) {
             return Some(now);
         }
@@ -146,7 +146,7 @@ pub(super) fn minimize(start: Vec<ExactPoint>, lowest: &dyn Fn(&Big3) -> ExactPo
         if dot(&now.direction, &next.w) >= dot(&now.direction, &now.kept[0].w) {
             return Some(now);
         }
-        corners = now.kept;
-        corners.push(next);
+        vertices = now.kept;
+        vertices.push(next);
     }
 }

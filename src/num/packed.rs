@@ -211,15 +211,15 @@ impl PackedRotation {
         let ((zs, _), (_, w)) = (duplicated(zw_s), duplicated(zw));
         let squares = xy * xy_s; // xx, yy
         let (zz, wz) = duplicated(zw * zs);
-        let across = xy * zs; // xz, yz
+        let xz_yz = xy * zs; // xz, yz
         let quarter_turn = quarter_turn(xy_s * w); // -wy, wx
         let swapped = swapped(squares);
         let diagonal = f64x2::splat(1.0) - (swapped + zz);
-        let beside = duplicated(xy).0 * duplicated(xy_s).1 - mirrored(wz); // xy + wz, xy - wz
-        let ([d, e], [plus, minus]) = (diagonal.to_array(), beside.to_array());
+        let xy_wz = duplicated(xy).0 * duplicated(xy_s).1 - mirrored(wz); // xy + wz, xy - wz
+        let ([d, e], [plus, minus]) = (diagonal.to_array(), xy_wz.to_array());
         Self {
-            columns: [f64x2::new([d, plus]), f64x2::new([minus, e]), across - quarter_turn],
-            rows: [f64x2::new([d, minus]), f64x2::new([plus, e]), across + quarter_turn],
+            columns: [f64x2::new([d, plus]), f64x2::new([minus, e]), xz_yz - quarter_turn],
+            rows: [f64x2::new([d, minus]), f64x2::new([plus, e]), xz_yz + quarter_turn],
             last: f64x2::splat(1.0) - (squares + swapped),
         }
     }

@@ -11,7 +11,7 @@
 //!      +------+             +------+
 //! ```
 
-use crate::depth::surface::{BoundState, Filter, Surface, Triangle};
+use crate::depth::surface::{BoundState, EnclosingSurface, Filter, SurfaceTriangle};
 use crate::num::scalar::{Scalar, Vec3, dot, sub};
 use crate::pair::difference::MinkowskiPoint;
 
@@ -23,7 +23,7 @@ pub(super) struct HorizonEdge {
     outer: u32,
 }
 
-impl<T> Triangle<T> {
+impl<T> SurfaceTriangle<T> {
     fn edges(&self) -> [HorizonEdge; 3] {
         core::array::from_fn(|k| HorizonEdge {
             from: self.vertices[k],
@@ -33,7 +33,7 @@ impl<T> Triangle<T> {
     }
 }
 
-impl<T: Scalar> Surface<T> {
+impl<T: Scalar> EnclosingSurface<T> {
     /// Inserts a point higher than `triangle` along the triangle's direction, and replaces the
     /// triangles visible from the point.
     pub(in crate::depth) fn insert(&mut self, triangle: u32, c: MinkowskiPoint<T>, filter: &Filter<T>) {
@@ -64,7 +64,7 @@ impl<T: Scalar> Surface<T> {
         let (kept, count) = (self.visible.len(), self.horizon.len());
         let added = self.triangles.len();
         for k in kept..count {
-            self.triangles.push(Triangle::default());
+            self.triangles.push(SurfaceTriangle::default());
             self.visible.push((added + k - kept) as u32);
         }
         for k in 0..count {
@@ -74,10 +74,10 @@ impl<T: Scalar> Surface<T> {
                 self.visible[(k + 1) % count],
                 self.visible[(k + count - 1) % count],
             );
-            self.triangles[at as usize] = Triangle {
+            self.triangles[at as usize] = SurfaceTriangle {
                 vertices: [from, to, apex],
                 neighbours: [outer, after, before],
-                ..Triangle::default()
+                ..SurfaceTriangle::default()
             };
             self.compute_bound(at);
             self.join(outer, [to, from], at);
@@ -101,7 +101,7 @@ impl<T: Scalar> Surface<T> {
         if hole == last {
             return;
         }
-        let Triangle {
+        let SurfaceTriangle {
             vertices, neighbours, ..
         } = self.triangles[hole as usize];
         for i in 0..3 {

@@ -47,7 +47,7 @@ impl VertexPairs {
         self.slots[slot] = pair;
     }
 
-    /// Returns the slot of a name, or the free slot for it. The table must not be empty.
+    /// Returns the slot of a pair, or the free slot for a new pair. The table must not be empty.
     fn slot(&self, [a, b]: [u32; 2]) -> usize {
         // High half of a product with 2^64 over the golden ratio.
         let hash = (u64::from(a) << 32 | u64::from(b)).wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 32;
