@@ -71,9 +71,10 @@ fn on_plane(highest: &dyn Fn(&Big3) -> ExactPoint, n: Big3) -> Origin {
 /// is tried and moved until no point of the set rises along `start` or no direction is left.
 ///
 /// ```text
-///    start  f
-///        \  |      . top     A support point `top` excludes every n with n . top > 0.
-///         \ |               Not excluded: the directions from start, turning left, to end.
+///   start   f
+///       \   |       top      A support point `top` excludes every n with n . top > 0.
+///        \  |     .'         Not excluded: the directions from start, turning left, to end.
+///         \ |  .'
 ///           o------- e
 ///            \
 ///             end
