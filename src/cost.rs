@@ -19,8 +19,7 @@
 //! # The levels
 //!
 //! Two random hulls in a sphere of radius 1, B orbiting A and spinning by half a degree a frame;
-//! nanoseconds a query, from two world poses to distance and both witness points (a
-//! [`Watch`](crate::Watch) returns the distance alone):
+//! nanoseconds a query, from two world poses to distance and both witness points:
 //!
 #![doc = include_str!("../images/cost.md")]
 //!
@@ -29,24 +28,18 @@
 //!   solver is often sold with a tolerance; on polytopes a tolerance buys nothing here.
 //! * **The proof is cheap.** [`Tracker::closest`](crate::Tracker::closest) takes one to three
 //!   nanoseconds more than the walk alone.
-//! * **An allowed error saves little**: [`Watch`](crate::Watch) answers from a bound on the motion
-//!   of the bodies since the last query, and computing the bound takes nearly as long as a tracked
-//!   query. The watch saves up to a sixth if a frame moves the bodies by much less than the error;
-//!   if every frame needs a query, the watch costs a third to half as much again.
 //! * **The last bit is expensive**: [`closest_exact`](crate::Tracker) takes microseconds, some
 //!   hundred times a certified answer.
 //!
 //! A slower motion, 0.05 degrees a frame, and 512 vertices, each engine and level a point with its
-//! spread (a tracked query costs the same at any allowed error below the motion of a frame; parry's
-//! `distance` caches nothing between frames):
+//! spread (parry's `distance` caches nothing between frames):
 //!
 #![doc = include_str!("../images/accuracy.svg")]
 //!
 //! # Motion
 //!
-//! The cost of a tracked query grows with the motion of a frame; from ten degrees on the walk
-//! starts cold instead. A [`Watch`](crate::Watch) wins a little if a frame moves much less than its
-//! error.
+//! The cost of a tracked query grows with the motion of a frame; from ten degrees per frame on, a
+//! query starts from support vertices instead.
 //!
 #![doc = include_str!("../images/motion.svg")]
 //!
@@ -92,6 +85,5 @@
 //! * Exact distances: parry's f64 answer for bodies of eight vertices is right to `1e-15 L` and
 //!   eight times as fast.
 //! * Contact below `1e-13 L`, in time (above).
-//! * A [`Watch`](crate::Watch) of bodies that move more than the error in every frame.
 //! * Random poses, for which no cached state helps: five times a tracked query on round bodies of
 //!   512 vertices, nine times on flat bodies.

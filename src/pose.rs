@@ -22,9 +22,12 @@ pub enum PoseError {
         /// Value of the coordinate.
         value: f64,
     },
-    /// The rotation is not a unit quaternion: `| |q|^2 - 1 |` must not exceed 1e-12. A quaternion
-    /// converted from `f32` must be normalised in `f64`, see [`RelativePose`].
-    #[error("rotation of {body} is not a unit quaternion: its squared norm is {norm_squared}")]
+    /// The rotation is not a unit quaternion: `| |q|^2 - 1 |` must not exceed 1e-12.
+    /// [`RelativePose::normalized`] accepts rotations from `f32`, from files and from many products.
+    #[error(
+        "rotation of {body} is not a unit quaternion: its squared norm is {norm_squared} (`normalize` the pose, or use \
+         `RelativePose::normalized`)"
+    )]
     Rotation {
         /// Body with the refused pose.
         body: Operand,
@@ -57,18 +60,18 @@ impl core::fmt::Display for Operand {
 /// `t_b - t_a`, so a common shift that both translations absorb exactly changes no bit of any
 /// outcome.
 ///
-/// A rotation must be a unit quaternion in `f64`. The error of a quaternion computed in `f32`, or
-/// by many products, exceeds the accepted error; normalise such a quaternion first:
+/// A rotation must be a unit quaternion in `f64`. A rotation from `f32`, from a file or from many
+/// products is farther off than [`new`](Self::new) accepts; [`normalized`](Self::normalized)
+/// divides by the norm first:
 ///
 /// ```
-/// use lin_canny::nalgebra::{Isometry3, UnitQuaternion, Vector3};
+/// use lin_canny::nalgebra::{Isometry3, Vector3};
 /// use lin_canny::{PoseError, RelativePose};
 ///
 /// let pose = Isometry3::new(Vector3::new(1.0, 2.0, 3.0), Vector3::new(0.3, 0.2, 0.1)).cast::<f32>();
-/// let mut pose: Isometry3<f64> = pose.cast();
+/// let pose: Isometry3<f64> = pose.cast();
 /// assert!(matches!(RelativePose::from_isometry(&pose), Err(PoseError::Rotation { .. })));
-/// pose.rotation = UnitQuaternion::new_normalize(pose.rotation.into_inner());
-/// let a_from_b = RelativePose::from_isometry(&pose)?;
+/// let a_from_b = RelativePose::normalized(&Isometry3::identity(), &pose)?;
 /// # Ok::<(), PoseError>(())
 /// ```
 ///
@@ -151,6 +154,22 @@ impl PoseBits {
     }
 }
 
+/// Returns the pose with its quaternion divided by the norm, as [`RelativePose::new`] and a scene
+/// require. A quaternion that is zero or not finite is returned unchanged, and refused there.
+#[must_use]
+pub fn normalize(pose: &Isometry3<f64>) -> Isometry3<f64> {
+    let q = pose.rotation.coords;
+    let largest = q.amax();
+    if !(largest > 0.0 && largest < f64::INFINITY) {
+        return *pose;
+    }
+    // Scaled first: the squares of a very long or short quaternion leave the range of f64.
+    let scaled = q / largest;
+    let unit = scaled / crate::num::scalar::sqrt(scaled.norm_squared());
+    let rotation = nalgebra::UnitQuaternion::new_unchecked(Quaternion::from(unit));
+    Isometry3::from_parts(pose.translation, rotation)
+}
+
 impl RelativePose {
     /// Returns the relative pose of two bodies from their poses in a common frame.
     ///
@@ -180,6 +199,15 @@ impl RelativePose {
     /// As [`RelativePose::new`].
     pub fn from_isometry(a_from_b: &Isometry3<f64>) -> Result<Self, PoseError> {
         Self::new(&Isometry3::identity(), a_from_b)
+    }
+
+    /// Returns the relative pose of two poses whose rotations are normalised first, see
+    /// [`normalize`]. Bounds then hold for the normalised poses.
+    ///
+    /// # Errors
+    /// A translation that is not finite or out of range, or a quaternion that is zero or not finite.
+    pub fn normalized(pose_a: &Isometry3<f64>, pose_b: &Isometry3<f64>) -> Result<Self, PoseError> {
+        Self::new(&normalize(pose_a), &normalize(pose_b))
     }
 
     /// Returns the relative pose with A and B exchanged.

@@ -8,7 +8,7 @@ use nalgebra::Unit;
 
 use crate::depth::{self, Memory};
 use crate::minimum::overlap_proof::OverlapProof;
-use crate::pair::outcome::{Accuracy, Class, Distance, Outcome, Proposal};
+use crate::pair::outcome::{Accuracy, Ask, Class, Distance, Outcome, Proposal, Until};
 use crate::pair::posed::PosedPair;
 use crate::polyhedron::{ConvexPolyhedron, FeaturePair};
 use crate::pose::{Operand, RelativePose};
@@ -148,7 +148,7 @@ impl Tracker {
     #[inline]
     pub fn closest(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Outcome {
         let before = self.before(a, b);
-        let outcome = self.answer(a, b, a_from_b, Accuracy::Certified, true);
+        let outcome = self.answer(a, b, a_from_b, Ask::certified(Until::Depth));
         debug_check(a, b, a_from_b, &before, Accuracy::Certified, &outcome);
         outcome
     }
@@ -158,7 +158,15 @@ impl Tracker {
     #[cfg(feature = "exact")]
     pub fn closest_exact(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Outcome {
         let before = self.before(a, b);
-        let mut outcome = self.answer(a, b, a_from_b, Accuracy::Exact, true);
+        let mut outcome = self.answer(
+            a,
+            b,
+            a_from_b,
+            Ask {
+                accuracy: Accuracy::Exact,
+                until: Until::Depth,
+            },
+        );
         // The second: a distance that only f64 in the caller's own unit can hold.
         if outcome.solver == crate::pair::outcome::Solver::Far
             || outcome.class == Class::Separated && outcome.lower <= 0.0
@@ -171,14 +179,22 @@ impl Tracker {
 
     /// The distance and its bounds without the witnesses.
     pub fn distance(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Distance {
-        self.bounds(a, b, a_from_b, true)
+        self.bounds(a, b, a_from_b, Until::Depth)
     }
 
     /// The closest features as the walk proposes them, without bounds. Where the walk does not end, the minimum-norm
     /// solver in f64 stands in.
     #[inline]
     pub fn propose(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Proposal {
-        let o = self.answer(a, b, a_from_b, Accuracy::Walk, false);
+        let o = self.answer(
+            a,
+            b,
+            a_from_b,
+            Ask {
+                accuracy: Accuracy::Walk,
+                until: Until::Class,
+            },
+        );
         Proposal {
             distance: (o.class != Class::Overlapping).then_some(o.distance),
             features: o.features,
@@ -193,16 +209,9 @@ impl Tracker {
     /// Answers at one level, an overlap with its depth if `deep`. The outcome is written where it is returned: copied whole, it would wait for its parts to
     /// leave the store queue.
     #[inline(always)]
-    fn answer(
-        &mut self,
-        a: &ConvexPolyhedron,
-        b: &ConvexPolyhedron,
-        a_from_b: &RelativePose,
-        level: Accuracy,
-        deep: bool,
-    ) -> Outcome {
+    fn answer(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose, ask: Ask) -> Outcome {
         let mut outcome = Outcome::open(FeaturePair::vertices(Operand::A, 0, 0));
-        self.solve(a, b, a_from_b, (level, deep), &mut outcome);
+        self.solve(a, b, a_from_b, ask, &mut outcome);
         outcome
     }
 
@@ -212,17 +221,16 @@ impl Tracker {
         a: &ConvexPolyhedron,
         b: &ConvexPolyhedron,
         a_from_b: &RelativePose,
-        (level, deep): (Accuracy, bool),
+        ask: Ask,
         outcome: &mut Outcome,
     ) {
         if a.exponent != b.exponent && has_the_unit(b, a) {
-            self.solve_in_units_of_b(a, b, a_from_b, (level, deep), outcome);
+            self.solve_in_units_of_b(a, b, a_from_b, ask, outcome);
         } else if let Ok(posed) = PosedPair::new(a, b, a_from_b) {
-            if deep && !self.memory.is_empty() && self.resume(&posed, outcome) {
+            if ask.until == Until::Depth && !self.memory.is_empty() && self.resume(&posed, outcome) {
                 return;
             }
-            if !deep
-                && level == Accuracy::Certified
+            if ask == Ask::certified(Until::Class)
                 && self.overlap_proof.is_some()
                 && self.still_overlaps(&posed, outcome)
             {
@@ -233,8 +241,8 @@ impl Tracker {
                 Some(pair) => outcome.features = pair,
                 None => outcome.features = seed::cold(&posed, &mut outcome.work),
             }
-            solve::solve(level, &posed, warm.is_some(), outcome);
-            self.deepen(deep, &posed, outcome);
+            solve::solve(ask.accuracy, &posed, warm.is_some(), outcome);
+            self.deepen(ask.until, &posed, outcome);
             self.count(warm.is_some(), a, b, outcome);
             if !(a.is_unscaled && b.is_unscaled) {
                 to_user_units(a, b, outcome);
@@ -246,10 +254,10 @@ impl Tracker {
 
     /// The depth of an overlap, where it is asked for; where not, the next query begins with the expectation of another.
     #[inline(always)]
-    fn deepen(&mut self, deep: bool, posed: &PosedPair, outcome: &mut Outcome) {
+    fn deepen(&mut self, until: Until, posed: &PosedPair, outcome: &mut Outcome) {
         if outcome.class == Class::Overlapping {
-            self.overlap_proof = (!deep).then(OverlapProof::default);
-            if deep {
+            self.overlap_proof = (until == Until::Class).then(OverlapProof::default);
+            if until == Until::Depth {
                 depth::penetration_depth(posed, &mut self.memory, outcome);
             }
         }
@@ -283,7 +291,7 @@ impl Tracker {
         a: &ConvexPolyhedron,
         b: &ConvexPolyhedron,
         a_from_b: &RelativePose,
-        (level, deep): (Accuracy, bool),
+        ask: Ask,
         outcome: &mut Outcome,
     ) {
         let b_from_a = a_from_b.swapped();
@@ -292,8 +300,8 @@ impl Tracker {
         };
         let warm = self.start(a, b).map(FeaturePair::swapped);
         outcome.features = warm.unwrap_or_else(|| seed::cold(&posed, &mut outcome.work));
-        solve::solve(level, &posed, warm.is_some(), outcome);
-        self.deepen(deep, &posed, outcome);
+        solve::solve(ask.accuracy, &posed, warm.is_some(), outcome);
+        self.deepen(ask.until, &posed, outcome);
         // Their names are those of the bodies exchanged.
         self.memory.clear();
         self.overlap_proof = None;

@@ -5,6 +5,7 @@ use core::ops::AddAssign;
 use core::time::Duration;
 
 use crate::pair::outcome::{Outcome, Solver};
+use crate::pair::world::AnsweredBy;
 
 /// Work done by a step, or summed over many, stage by stage. The same calls give the same counts on every machine, with any
 /// number of threads.
@@ -35,7 +36,7 @@ pub struct Counts {
     /// Called pairs whose tracker was asked: calls of the narrow phase.
     pub queries: u64,
     /// Queries by the solver that answered, in the order of [`Solver`].
-    pub answered: [u64; 7],
+    pub(crate) answered: [u64; Solver::COUNT],
     /// Queries that found the bodies apart.
     pub separated: u64,
     /// Feature pairs looked at by walks, and facets of the surfaces that answered without one.
@@ -187,7 +188,7 @@ impl fmt::Display for Report {
         )?;
         writeln!(
             f,
-            "                      {} overlaps, {} withins, {} distances, {} features, {} depths, {} manifolds; {} steps, {} certificates; answered by walk {}, restart {}, fallback {}, double-double {}, exact {}, far {}, surface {}",
+            "                      {} overlaps, {} withins, {} distances, {} features, {} depths, {} manifolds; {} steps, {} certificates; {}",
             c.overlaps,
             c.withins,
             c.distances,
@@ -196,13 +197,7 @@ impl fmt::Display for Report {
             c.manifolds,
             c.walked,
             c.certificates,
-            c.answered[0],
-            c.answered[1],
-            c.answered[2],
-            c.answered[3],
-            c.answered[4],
-            c.answered[5],
-            c.answered[6]
+            AnsweredBy(&c.answered)
         )?;
         write!(f, "events  {:>9.1} us  {}", us(t.events), c.events)
     }

@@ -1,6 +1,7 @@
 //! What a tracker counts: for itself, which start is the cheaper one; for the caller, what was done.
 
 use crate::pair::outcome::{Solver, Work};
+use crate::pair::world::AnsweredBy;
 
 /// What the two ways to start have cost lately, in steps of the walk: which of them a query takes.
 ///
@@ -56,7 +57,7 @@ pub struct Totals {
     /// Of these, how many started from the features of the answer before.
     pub warm: u64,
     /// Queries by the solver that answered, in the order of [`Solver`].
-    pub answered: [u64; 7],
+    pub(crate) answered: [u64; Solver::COUNT],
     /// Feature pairs looked at.
     pub steps: u64,
     /// Overlaps whose depth was searched for.
@@ -68,6 +69,21 @@ impl Totals {
     #[must_use]
     pub fn answered_by(&self, solver: Solver) -> u64 {
         self.answered[solver as usize]
+    }
+}
+
+/// Queries, the share of warm starts, steps and depths, and the solvers that answered.
+impl core::fmt::Display for Totals {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        write!(
+            f,
+            "{} queries, {} warm, {} steps, {} depths; {}",
+            self.queries,
+            self.warm,
+            self.steps,
+            self.depths,
+            AnsweredBy(&self.answered)
+        )
     }
 }
 

@@ -133,7 +133,7 @@ pub enum BuildError {
     /// A size or count of a solid that makes no body.
     #[error("{value} is no {what} for this solid")]
     BadSize {
-        /// Operand parameter.
+        /// Which parameter.
         what: &'static str,
         /// Its value.
         value: f64,

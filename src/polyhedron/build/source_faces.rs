@@ -1,4 +1,4 @@
-//! Operand of the caller's faces holds each face of the body.
+//! Which of the caller's faces holds each face of the body.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -69,7 +69,7 @@ fn depth_below(corners: &[u32], body: &ConvexPolyhedron, face: u32, points: &[Ve
     depths.into_iter().fold(0.0, f64::max)
 }
 
-/// Operand of the caller's faces meet at each place, both ways.
+/// Which of the caller's faces meet at each place, both ways.
 struct Incidence<'a> {
     mesh: &'a Mesh,
     /// Corners of each face in rising order, laid out as in the mesh.
