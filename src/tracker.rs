@@ -14,6 +14,7 @@ use crate::polyhedron::{ConvexPolyhedron, FeaturePair};
 use crate::pose::{Operand, RelativePose};
 use crate::replay::Replay;
 use crate::solve::{self, out_of_range};
+use crate::tolerance::LEAST_SQUARE;
 use crate::walk::rings::predict::predict;
 use crate::walk::seed;
 use crate::walk::trace::trace;
@@ -167,9 +168,10 @@ impl Tracker {
                 until: Until::Depth,
             },
         );
-        // The second: a distance that only f64 in the caller's own unit can hold.
+        // The second: a distance that f64 holds in the caller's unit only, below the normal numbers in
+        // the stored unit.
         if outcome.solver == crate::pair::outcome::Solver::Far
-            || outcome.class == Class::Separated && outcome.lower <= 0.0
+            || outcome.class == Class::Separated && !outcome.is_tight()
         {
             outcome = out_of_range::exactly(a, b, a_from_b, outcome);
         }
@@ -274,10 +276,7 @@ impl Tracker {
             outcome.work.grown = grown;
             return false;
         }
-        self.totals.queries += 1;
-        self.totals.warm += 1;
-        self.totals.depths += u64::from(outcome.work.depths);
-        self.totals.answered[outcome.solver as usize] += 1;
+        self.totals.note(true, outcome.solver, &outcome.work);
         self.stay(outcome.features);
         if !(posed.a.is_unscaled && posed.b.is_unscaled) {
             to_user_units(posed.a, posed.b, outcome);
@@ -340,12 +339,8 @@ impl Tracker {
 
     #[inline(always)]
     fn count(&mut self, warm: bool, a: &ConvexPolyhedron, b: &ConvexPolyhedron, outcome: &Outcome) {
-        self.totals.queries += 1;
-        self.totals.warm += u64::from(warm);
         self.starts.learn(warm, &outcome.work);
-        self.totals.answered[outcome.solver as usize] += 1;
-        self.totals.steps += u64::from(outcome.work.steps);
-        self.totals.depths += u64::from(outcome.work.depths);
+        self.totals.note(warm, outcome.solver, &outcome.work);
         // Longer walks, and those that began where features were to go: on long rims and round large fans.
         if (a.has_bands | b.has_bands) && (outcome.work.steps > STEADY || self.next != self.last) {
             let now = outcome.features;
@@ -416,8 +411,9 @@ pub(crate) fn clear_of(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &Relati
         return false;
     }
     let reach = a.radius + b.radius + d;
-    // One part in 2^20 is far more than the rounding of both sides.
-    pose.translation().norm_squared() > reach * reach * (1.0 + 1.0 / 1_048_576.0)
+    // One part in 2^20 is far more than the rounding of both sides, and LEAST_SQUARE more than what squares lose below the normal
+    // numbers.
+    pose.translation().norm_squared() > reach * reach * (1.0 + 1.0 / 1_048_576.0) + LEAST_SQUARE
 }
 
 /// Whether a pair of different units is asked in those of `x`: they are the larger, or `y` is a point, which has no size of its own.
@@ -426,13 +422,21 @@ fn has_the_unit(x: &ConvexPolyhedron, y: &ConvexPolyhedron) -> bool {
     y.radius == 0.0 || x.exponent > y.exponent && x.radius > 0.0
 }
 
-/// From stored units and frames to the caller's.
+/// Takes an outcome from stored units and frames to the caller's: the one place where bounds change their unit. A unit is a power of two,
+/// so only what leaves the normal numbers is rounded; bounds are rounded outward.
 #[cold]
 fn to_user_units(a: &ConvexPolyhedron, b: &ConvexPolyhedron, outcome: &mut Outcome) {
     let unit = if has_the_unit(b, a) { b.unit() } else { a.unit() };
+    outcome.lower = scaled_down(outcome.lower, unit);
+    outcome.upper = -scaled_down(-outcome.upper, unit);
     outcome.distance *= unit;
-    outcome.lower *= unit;
-    outcome.upper *= unit;
     outcome.point_on_a = a.to_user(&outcome.point_on_a.coords);
     outcome.point_on_b = b.to_user(&outcome.point_on_b.coords);
+}
+
+/// Returns the largest f64 that is no greater than `x` times a power of two.
+fn scaled_down(x: f64, unit: f64) -> f64 {
+    let y = x * unit;
+    // The way back is exact, or it overflows as the way there did.
+    if y / unit > x { y.next_down() } else { y }
 }

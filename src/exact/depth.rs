@@ -91,8 +91,8 @@ impl Pair<'_> {
 struct NotFlat;
 
 /// Computes the depth from the deepest facet among the candidate pairs, for bodies with
-/// intersecting interiors; returns whether the depth was resolved. The depth is correctly rounded,
-/// with bounds one unit in the last place on either side.
+/// intersecting interiors; returns whether the depth was resolved. The depth is correct to less
+/// than one unit in the last place of the stored unit, with bounds one such unit on either side.
 pub(crate) fn deepest(posed: &PosedPair, facets: &[FeaturePair], outcome: &mut Outcome) -> bool {
     let pair = Pair::new(posed.a, posed.b, posed.pose);
     let mut best: Option<ExactFacet> = None;
@@ -124,7 +124,8 @@ fn write_facet(posed: &PosedPair, pair: &Pair, facet: &ExactFacet, outcome: &mut
         (a[k], b[k]) = (c.a, c.b);
     }
     let den = squared * &pair.denominator * &pair.denominator;
-    let depth = root(&(height * height).unsigned_abs(), &den.unsigned_abs(), pair.exponent) / posed.a.unit();
+    let exponent = pair.exponent - posed.a.exponent;
+    let depth = root(&(height * height).unsigned_abs(), &den.unsigned_abs(), exponent);
     outcome.class = Class::Overlapping;
     outcome.solver = Solver::Exact;
     outcome.features = state_of(posed, &a[..at.kept.len()], &b[..at.kept.len()]);

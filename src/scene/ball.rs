@@ -4,7 +4,7 @@ use nalgebra::{Isometry3, Point3, Vector3};
 
 use crate::num::scalar::sqrt;
 use crate::polyhedron::ConvexPolyhedron;
-use crate::tolerance::{CENTRE, UNIT};
+use crate::tolerance::{CENTRE, LEAST_SQUARE, UNIT};
 
 /// A ball about a body, in one frame: centre and radius.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -71,6 +71,8 @@ impl Ball {
 #[inline]
 pub(super) fn least_distance(a: &Ball, b: &Ball) -> f64 {
     let between = b.centre - a.centre;
-    // The difference, its square and the root err by less than 4 UNIT; the sum of the radii by one.
-    sqrt(between.norm_squared()) * (1.0 - 4.0 * UNIT) - (a.radius + b.radius) * (1.0 + 4.0 * UNIT)
+    // The difference, its square and the root err by less than 4 UNIT; the sum of the radii by one. What squares lose below the normal
+    // numbers is less than LEAST_SQUARE.
+    let squared = (between.norm_squared() - LEAST_SQUARE).max(0.0);
+    sqrt(squared) * (1.0 - 4.0 * UNIT) - (a.radius + b.radius) * (1.0 + 4.0 * UNIT)
 }

@@ -87,14 +87,29 @@ impl core::fmt::Display for Totals {
     }
 }
 
+impl Totals {
+    /// Counts a query and its work. A counter stays at its end: a file may have put it there.
+    #[inline(always)]
+    pub(super) fn note(&mut self, warm: bool, solver: Solver, work: &Work) {
+        let add = |counter: &mut u64, by: u64| *counter = counter.saturating_add(by);
+        add(&mut self.queries, 1);
+        add(&mut self.warm, u64::from(warm));
+        add(&mut self.answered[solver as usize], 1);
+        add(&mut self.steps, u64::from(work.steps));
+        add(&mut self.depths, u64::from(work.depths));
+    }
+}
+
 impl core::ops::AddAssign for Totals {
+    /// Sums that stay at their end.
     fn add_assign(&mut self, o: Self) {
-        self.queries += o.queries;
-        self.warm += o.warm;
-        self.steps += o.steps;
-        self.depths += o.depths;
+        let add = |counter: &mut u64, by: u64| *counter = counter.saturating_add(by);
+        add(&mut self.queries, o.queries);
+        add(&mut self.warm, o.warm);
+        add(&mut self.steps, o.steps);
+        add(&mut self.depths, o.depths);
         for (mine, theirs) in self.answered.iter_mut().zip(o.answered) {
-            *mine += theirs;
+            add(mine, theirs);
         }
     }
 }

@@ -109,9 +109,7 @@ impl Tracker {
                 return false;
             }
         }
-        self.totals.queries += 1;
-        self.totals.warm += 1;
-        self.totals.answered[outcome.solver as usize] += 1;
+        self.totals.note(true, outcome.solver, &outcome.work);
         if !(posed.a.is_unscaled && posed.b.is_unscaled) {
             to_user_units(posed.a, posed.b, outcome);
         }

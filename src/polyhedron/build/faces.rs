@@ -8,6 +8,7 @@ use alloc::vec;
 use alloc::vec::Vec;
 use nalgebra::{Point3, Vector3};
 
+use crate::num::sign::side;
 use crate::polyhedron::ConvexPolyhedron;
 use crate::polyhedron::build::cloud::{Cloud, power_of_two};
 use crate::polyhedron::build::error::BuildError;
@@ -255,7 +256,15 @@ impl Mesh {
         if area < -2.0 * error {
             normal = -normal;
         }
-        let off = |v: u32| normal.dot(&(cloud.points[v as usize] - a)).abs();
+        // A corner exactly in the plane is off by nothing, whatever the rounding of the normal says, and no other is.
+        let off = |v: u32| {
+            let p = &cloud.points[v as usize];
+            if corners.contains(&v) || side(a, b, c, p) == 0.0 {
+                0.0
+            } else {
+                normal.dot(&(p - a)).abs().max(f64::MIN_POSITIVE)
+            }
+        };
         let worst = rim.iter().fold(rim[0], |w, &v| if off(v) > off(w) { v } else { w });
         let deviation = off(worst);
         if deviation > bound {

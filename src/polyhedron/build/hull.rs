@@ -23,7 +23,7 @@ use crate::num::sign::{projection, side};
 use crate::polyhedron::build::cloud::bounding_box;
 use crate::tolerance::SIDE_ERROR;
 
-const NONE: u32 = u32::MAX;
+pub(crate) const NONE: u32 = u32::MAX;
 
 /// A triangle of the hull's surface, counter-clockwise from outside.
 #[derive(Clone, Copy, Debug)]
@@ -36,9 +36,8 @@ pub(crate) struct Triangle {
 /// The triangulated hull of a cloud.
 pub(crate) struct Surface {
     pub(crate) triangles: Vec<Triangle>,
-    /// Points that lay in the plane of a triangle when they were found not to be outside: only these can lie on the
-    /// final surface without being one of its vertices.
-    pub(crate) touching: Vec<bool>,
+    /// For each point a triangle in whose plane it lies, or `NONE`: only points with one lie on the surface without being vertices of it.
+    pub(crate) touching: Vec<u32>,
 }
 
 /// Points that span the affine hull of a flat cloud: one more than its dimension.
@@ -52,6 +51,8 @@ struct Facet {
     guard: f64,
     /// Head of the list of points waiting here.
     first: u32,
+    /// Head of the list of points in the plane that are not outside.
+    touching: u32,
     farthest: u32,
     height: f64,
     /// Twice the number of the insertion that last looked at it, plus one if it was seen.
@@ -69,7 +70,6 @@ struct Hull<'a> {
     pending: VecDeque<u32>,
     /// The next point of the same list.
     next: Vec<u32>,
-    touching: Vec<bool>,
     insertion: u32,
     seen: Vec<u32>,
     /// `[from, to, unseen triangle]`.
@@ -90,7 +90,6 @@ pub(crate) fn hull(points: &[Vector3<f64>]) -> Result<Option<Surface>, Span> {
         free: Vec::new(),
         pending: VecDeque::new(),
         next: vec![NONE; points.len()],
-        touching: vec![false; points.len()],
         insertion: 0,
         seen: Vec::new(),
         horizon: Vec::new(),
@@ -134,6 +133,7 @@ impl Hull<'_> {
             normal: u.cross(&w),
             guard,
             first: NONE,
+            touching: NONE,
             farthest: NONE,
             height: 0.0,
             mark: 0,
@@ -175,9 +175,11 @@ impl Hull<'_> {
         }
     }
 
-    /// Puts `p` into the list of a new triangle that it sees, if any.
+    /// Puts `p` into the list of a new triangle that it sees, if any, or else of one in whose plane it lies.
+    ///
+    /// A point on the surface whose triangle goes stays on the surface only on the horizon, where a new triangle holds it.
     fn hand_over(&mut self, p: u32) {
-        let mut touching = false;
+        let mut touched = NONE;
         for k in 0..self.fresh.len() {
             let facet = self.fresh[k];
             let height = self.height(facet, p);
@@ -190,9 +192,14 @@ impl Hull<'_> {
                 }
                 return;
             }
-            touching |= height == 0.0;
+            if height == 0.0 {
+                touched = facet;
+            }
         }
-        self.touching[p as usize] = touching;
+        if let Some(f) = self.facets.get_mut(touched as usize) {
+            self.next[p as usize] = f.touching;
+            f.touching = p;
+        }
     }
 
     /// Adds the farthest point of the list of `facet`.
@@ -201,14 +208,15 @@ impl Hull<'_> {
         self.look(facet, apex);
         self.raise(apex)?;
         for k in 0..self.seen.len() {
-            let old = self.seen[k];
-            let mut p = self.facets[old as usize].first;
-            while p != NONE {
-                let after = self.next[p as usize];
-                if p != apex {
-                    self.hand_over(p);
+            let old = &self.facets[self.seen[k] as usize];
+            for mut p in [old.first, old.touching] {
+                while p != NONE {
+                    let after = self.next[p as usize];
+                    if p != apex {
+                        self.hand_over(p);
+                    }
+                    p = after;
                 }
-                p = after;
             }
         }
         self.free.append(&mut self.seen);
@@ -279,9 +287,17 @@ impl Hull<'_> {
             v: t.v,
             beside: t.beside.map(|b| number[b as usize]),
         };
+        let mut touching = vec![NONE; self.points.len()];
+        for (f, triangle) in alive.clone().zip(0u32..) {
+            let mut p = f.touching;
+            while p != NONE {
+                touching[p as usize] = triangle;
+                p = self.next[p as usize];
+            }
+        }
         Surface {
             triangles: alive.map(|f| renumber(&f.triangle)).collect(),
-            touching: self.touching,
+            touching,
         }
     }
 }
