@@ -23,7 +23,8 @@ pub enum PoseError {
         value: f64,
     },
     /// The rotation is not a unit quaternion: `| |q|^2 - 1 |` must not exceed 1e-12.
-    /// [`RelativePose::normalized`] accepts rotations from `f32`, from files and from many products.
+    /// [`RelativePose::normalized`] accepts rotations from `f32`, from files and from many
+    /// products.
     #[error(
         "rotation of {body} is not a unit quaternion: its squared norm is {norm_squared} (`normalize` the pose, or use \
          `RelativePose::normalized`)"
@@ -205,7 +206,8 @@ impl RelativePose {
     /// [`normalize`]. Bounds then hold for the normalised poses.
     ///
     /// # Errors
-    /// A translation that is not finite or out of range, or a quaternion that is zero or not finite.
+    /// A translation that is not finite or out of range, or a quaternion that is zero or not
+    /// finite.
     pub fn normalized(pose_a: &Isometry3<f64>, pose_b: &Isometry3<f64>) -> Result<Self, PoseError> {
         Self::new(&normalize(pose_a), &normalize(pose_b))
     }

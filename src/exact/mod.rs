@@ -258,8 +258,8 @@ pub(crate) fn resolve_exactly(posed: &PosedPair, outcome: &mut Outcome) {
         outcome.class = Class::Separated;
         outcome.distance = d;
         outcome.normal = normal(&neg(&at.direction));
-        // Zero if the distance underflows. A single rounding, also of a subnormal, is at most half a
-        // unit in the last place.
+        // Zero if the distance underflows. A single rounding, also of a subnormal, is at most half
+        // a unit in the last place.
         (outcome.lower, outcome.upper) = (d.next_down().max(0.0), d.next_up());
         return;
     }
