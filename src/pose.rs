@@ -6,31 +6,33 @@ use wide::f64x2;
 use crate::num::packed::{self, PackedRotation, PackedVec3};
 use crate::tolerance::{POSE_UNIT, REACH};
 
-/// Why a pose is no rigid motion.
+/// Error returned if a pose is no rigid motion.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PoseError {
-    /// A coordinate of the translation is NaN or infinite, or the bodies are so far apart that their distance may leave
-    /// f64: then the body is B and the value its place seen from A's.
+    /// A coordinate of the translation is NaN or infinite, or the bodies are so far apart that
+    /// their distance may overflow f64: then `body` is B and `value` a coordinate of the
+    /// translation from A to B.
     #[error("translation of {body} is out of range: coordinate {axis} is {value}")]
     Translation {
-        /// Which of the two poses.
+        /// Body with the refused pose.
         body: Operand,
-        /// 0, 1 or 2.
+        /// Index of the coordinate: 0, 1 or 2.
         axis: usize,
-        /// The coordinate.
+        /// Value of the coordinate.
         value: f64,
     },
     /// The rotation is not a unit quaternion: `| |q|^2 - 1 |` must not exceed 1e-12.
-    /// [`RelativePose::normalized`] accepts rotations from `f32`, from files and from many products.
+    /// [`RelativePose::normalized`] accepts rotations from `f32`, from files and from many
+    /// products.
     #[error(
         "rotation of {body} is not a unit quaternion: its squared norm is {norm_squared} (`normalize` the pose, or use \
          `RelativePose::normalized`)"
     )]
     Rotation {
-        /// Which of the two poses.
+        /// Body with the refused pose.
         body: Operand,
-        /// The squared norm, NaN or infinite where a coordinate is.
+        /// Squared norm of the quaternion; NaN or infinite if a coordinate is.
         norm_squared: f64,
     },
 }
@@ -39,9 +41,9 @@ pub enum PoseError {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Operand {
-    /// The first.
+    /// First body.
     A,
-    /// The second.
+    /// Second body.
     B,
 }
 
@@ -51,12 +53,13 @@ impl core::fmt::Display for Operand {
     }
 }
 
-/// Where B stands as seen from A.
+/// Pose of B relative to A.
 ///
-/// A vertex `v` of a body at pose `(q, t)` is at `R(q) v / |q|^2 + t` over the rationals, for the bits of `q` and `t`
-/// as given: that placement, not its rounding, is what every bound of a certified answer speaks of. World offsets
-/// cancel first: the relative translation is formed from `t_b - t_a`, so a common shift that both translations absorb
-/// exactly changes no bit of any answer.
+/// A vertex `v` of a body at pose `(q, t)` is at `R(q) v / |q|^2 + t` over the rationals, for the
+/// bits of `q` and `t` as given: all bounds of a certified outcome refer to the exact placement,
+/// not to its rounding. World offsets cancel first: the relative translation is formed from
+/// `t_b - t_a`, so a common shift that both translations absorb exactly changes no bit of any
+/// outcome.
 ///
 /// A rotation must be a unit quaternion in `f64`. A rotation from `f32`, from a file or from many
 /// products is farther off than [`new`](Self::new) accepts; [`normalized`](Self::normalized)
@@ -83,13 +86,14 @@ pub struct RelativePose {
     pub(crate) b: PoseBits,
 }
 
-/// One pose as given, in lanes: a query reads it moments after it was stored.
+/// A pose as given by the caller, packed for SIMD: a query reads the pose moments after it was
+/// stored.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(into = "RawPlacement"))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(into = "RawPose"))]
 pub(crate) struct PoseBits {
     /// Quaternion: vector part, then scalar part.
     q: [f64x2; 2],
-    /// The translation; in the lane to spare, `|q|^2`, rounded.
+    /// Translation; in the spare lane `|q|^2`, rounded.
     t: PackedVec3,
 }
 
@@ -106,7 +110,7 @@ impl PoseBits {
         let [even, odd] = (q[0] * q[0] + q[1] * q[1]).to_array();
         Self {
             q,
-            t: PackedVec3::carrying(&t.into(), even + odd),
+            t: PackedVec3::with_spare(&t.into(), even + odd),
         }
     }
 
@@ -123,7 +127,7 @@ impl PoseBits {
 
     #[inline(always)]
     fn norm_squared(&self) -> f64 {
-        self.t.carried()
+        self.t.spare()
     }
 
     fn check(&self, body: Operand) -> Result<(), PoseError> {
@@ -151,8 +155,8 @@ impl PoseBits {
     }
 }
 
-/// Returns the pose with its quaternion divided by its norm: what [`RelativePose::new`] and a
-/// scene accept. A quaternion that is zero or not finite is returned as it is, and refused there.
+/// Returns the pose with its quaternion divided by the norm, as [`RelativePose::new`] and a scene
+/// require. A quaternion that is zero or not finite is returned unchanged, and refused there.
 #[must_use]
 pub fn normalize(pose: &Isometry3<f64>) -> Isometry3<f64> {
     let q = pose.rotation.coords;
@@ -168,10 +172,11 @@ pub fn normalize(pose: &Isometry3<f64>) -> Isometry3<f64> {
 }
 
 impl RelativePose {
-    /// From the poses of both bodies in one common frame.
+    /// Returns the relative pose of two bodies from their poses in a common frame.
     ///
     /// # Errors
-    /// A translation that is not finite or out of range, or a rotation whose squared norm is off 1 by more than 1e-12.
+    /// A translation that is not finite or out of range, or a rotation whose squared norm differs
+    /// from 1 by more than 1e-12.
     #[inline]
     pub fn new(pose_a: &Isometry3<f64>, pose_b: &Isometry3<f64>) -> Result<Self, PoseError> {
         let (a, b) = (PoseBits::new(pose_a), PoseBits::new(pose_b));
@@ -182,13 +187,14 @@ impl RelativePose {
         if near && unit(&a) && unit(&b) {
             Ok(Self { a, b })
         } else {
-            // From the start again: a pose whose address is taken would be copied whole.
+            // Starts again from the arguments: a pose whose address is taken would be copied whole.
             Err(refusal(pose_a, pose_b))
         }
     }
 
-    /// From the pose of B in A's frame: `pose_a.inverse() * pose_b`, where you have that already. From two poses in the world
-    /// [`RelativePose::new`] is more accurate, as it cancels their offset first.
+    /// Returns the relative pose from the pose of B in A's frame, `pose_a.inverse() * pose_b`, if
+    /// already known. For two world poses [`RelativePose::new`] is more accurate, as their offset
+    /// cancels first.
     ///
     /// # Errors
     /// As [`RelativePose::new`].
@@ -200,65 +206,67 @@ impl RelativePose {
     /// [`normalize`]. Bounds then hold for the normalised poses.
     ///
     /// # Errors
-    /// A translation that is not finite or out of range, or a quaternion that is zero or not finite.
+    /// A translation that is not finite or out of range, or a quaternion that is zero or not
+    /// finite.
     pub fn normalized(pose_a: &Isometry3<f64>, pose_b: &Isometry3<f64>) -> Result<Self, PoseError> {
         Self::new(&normalize(pose_a), &normalize(pose_b))
     }
 
-    /// The same pair of poses with A and B exchanged.
+    /// Returns the relative pose with A and B exchanged.
     #[must_use]
     pub fn swapped(&self) -> Self {
         Self { a: self.b, b: self.a }
     }
 
-    /// The poses this was made from, bit for bit.
+    /// Returns the two original poses, bit for bit.
     #[must_use]
     pub fn poses(&self) -> (Isometry3<f64>, Isometry3<f64>) {
         (self.a.isometry(), self.b.isometry())
     }
 
-    /// Translation of `a_from_b`.
+    /// Returns the translation of `a_from_b`.
     #[inline]
     pub(crate) fn translation(&self) -> Vector3<f64> {
-        self.shift().vector()
+        self.packed_translation().vector()
     }
 
-    /// The same in lanes.
+    /// Returns the translation of `a_from_b`, packed for SIMD.
     #[inline(always)]
-    pub(crate) fn shift(&self) -> PackedVec3 {
-        self.turned_to_a(offset(&self.a, &self.b))
+    pub(crate) fn packed_translation(&self) -> PackedVec3 {
+        self.rotated_to_a(offset(&self.a, &self.b))
     }
 
-    /// A sixteenth of the translation, whose computation leaves no range that the translation itself does not.
-    pub(crate) fn sixteenth(&self) -> Vector3<f64> {
-        self.turned_to_a(offset(&self.a, &self.b) * (1.0 / 16.0)).vector()
+    /// Returns a sixteenth of the translation: its computation does not overflow unless the
+    /// translation itself does.
+    pub(crate) fn translation_sixteenth(&self) -> Vector3<f64> {
+        self.rotated_to_a(offset(&self.a, &self.b) * (1.0 / 16.0)).vector()
     }
 
-    /// `R_a^T offset`.
+    /// Returns `R_a^T offset`.
     #[inline(always)]
-    fn turned_to_a(&self, offset: PackedVec3) -> PackedVec3 {
+    fn rotated_to_a(&self, offset: PackedVec3) -> PackedVec3 {
         let (axis, w) = packed::parts(&self.a.q);
         let c = offset.cross(axis);
         let s = 2.0 * (2.0 - self.a.norm_squared());
         offset + (c * w + c.cross(axis)) * s
     }
 
-    /// Rotation of `a_from_b`: the matrix of `conj(qa) qb`, divided by its squared norm. The norms are within 1e-12 of
-    /// one, so `2 - n` is `1 / n` to 1e-24.
+    /// Returns the rotation of `a_from_b`: the matrix of `conj(qa) qb`, divided by its squared
+    /// norm. The norms are within 1e-12 of one, so `2 - n` is `1 / n` to 1e-24.
     #[inline]
     pub(crate) fn rotation(&self) -> Matrix3<f64> {
-        self.turn().matrix()
+        self.packed_rotation().matrix()
     }
 
-    /// The same in lanes.
+    /// Returns the rotation of `a_from_b`, packed for SIMD.
     #[inline(always)]
-    pub(crate) fn turn(&self) -> PackedRotation {
+    pub(crate) fn packed_rotation(&self) -> PackedRotation {
         let s = 2.0 * (2.0 - self.a.norm_squared()) * (2.0 - self.b.norm_squared());
         PackedRotation::between(&self.a.q, &self.b.q, s)
     }
 }
 
-/// What is wrong with one of two poses of which one is.
+/// Returns the error of two poses; at least one of the two, or their offset, must be invalid.
 #[cold]
 fn refusal(pose_a: &Isometry3<f64>, pose_b: &Isometry3<f64>) -> PoseError {
     let (a, b) = (PoseBits::new(pose_a), PoseBits::new(pose_b));
@@ -266,7 +274,8 @@ fn refusal(pose_a: &Isometry3<f64>, pose_b: &Isometry3<f64>) -> PoseError {
         return e;
     }
     let offset = offset(&a, &b).vector();
-    // Of three coordinates whose sum is too large the largest is a third of it.
+    // If the sum of three absolute coordinates is too large, the largest is at least a third of the
+    // sum.
     let axis = offset.iamax();
     PoseError::Translation {
         body: Operand::B,
@@ -275,13 +284,13 @@ fn refusal(pose_a: &Isometry3<f64>, pose_b: &Isometry3<f64>) -> PoseError {
     }
 }
 
-/// `t_b - t_a`: world offsets end here.
+/// Returns `t_b - t_a`: world offsets cancel here.
 #[inline(always)]
 fn offset(a: &PoseBits, b: &PoseBits) -> PackedVec3 {
     b.t - a.t
 }
 
-/// The matrix that turns by `q`, for `s = 2 / |q|^2`.
+/// Returns the rotation matrix of `q`, for `s = 2 / |q|^2`.
 #[inline(always)]
 pub(crate) fn rotation_matrix(q: &[f64; 4], s: f64) -> Matrix3<f64> {
     let [x, y, z, w] = *q;
@@ -293,16 +302,16 @@ pub(crate) fn rotation_matrix(q: &[f64; 4], s: f64) -> Matrix3<f64> {
     Matrix3::new(xx, xy - wz, xz + wy, xy + wz, yy, yz - wx, xz - wy, yz + wx, zz)
 }
 
-/// A pose in files.
+/// Serialized form of a pose.
 #[cfg(feature = "serde")]
 #[derive(serde::Serialize, serde::Deserialize)]
-struct RawPlacement {
+struct RawPose {
     q: [f64; 4],
     t: [f64; 3],
 }
 
 #[cfg(feature = "serde")]
-impl From<PoseBits> for RawPlacement {
+impl From<PoseBits> for RawPose {
     fn from(p: PoseBits) -> Self {
         Self { q: p.q(), t: p.t() }
     }
@@ -312,12 +321,12 @@ impl From<PoseBits> for RawPlacement {
 impl<'de> serde::Deserialize<'de> for RelativePose {
     fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         #[derive(serde::Deserialize)]
-        struct Raw {
-            a: RawPlacement,
-            b: RawPlacement,
+        struct RawRelativePose {
+            a: RawPose,
+            b: RawPose,
         }
-        let raw = Raw::deserialize(deserializer)?;
-        let pose = |p: RawPlacement| PoseBits::of(p.q, p.t).isometry();
+        let raw = RawRelativePose::deserialize(deserializer)?;
+        let pose = |p: RawPose| PoseBits::of(p.q, p.t).isometry();
         Self::new(&pose(raw.a), &pose(raw.b)).map_err(serde::de::Error::custom)
     }
 }
@@ -339,7 +348,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_pose_is_refused_by_name() {
+    fn invalid_poses_are_refused_by_name() {
         let one = Isometry3::identity();
         let nan = Isometry3::from_parts(Translation3::new(0.0, f64::NAN, 0.0), UnitQuaternion::identity());
         assert!(matches!(

@@ -1,10 +1,10 @@
-//! A few of many points: the deepest, and those that keep the most area.
+//! Reduction of many candidates to a few: the deepest, and the points that span the most area.
 
 use super::MOST_POINTS;
-use super::corners::ContactCandidate;
+use super::candidates::ContactCandidate;
 use crate::tolerance::STAY;
 
-/// The chosen ones by number.
+/// Indices of the chosen candidates.
 #[derive(Debug, Default)]
 pub(super) struct Chosen {
     list: [usize; MOST_POINTS],
@@ -16,16 +16,19 @@ impl Chosen {
         &self.list[..self.count]
     }
 
-    fn insert(&mut self, place: usize, choice: usize) {
-        self.list[place..=self.count].rotate_right(1);
-        self.list[place] = choice;
+    fn insert(&mut self, index: usize, choice: usize) {
+        self.list[index..=self.count].rotate_right(1);
+        self.list[index] = choice;
         self.count += 1;
     }
 }
 
-/// At most `most` of the points, of which there is at least one: the deepest, the farthest from it, and then, one by one, the
-/// point that adds the largest triangle to the polygon of those chosen. None is within `merge` of another, or of a side. Depths
-/// are equal within `tie`; there and in size, those with a bit in `kept` have the preference.
+/// Chooses at most `most` candidates; `choices` must not be empty.
+///
+/// The first is the deepest, the second the farthest from the first, and each further point adds
+/// the largest triangle to the polygon of the chosen points. No chosen point is within `merge` of
+/// another, or of a side. Depths within `tie` count as equal; among equals, and within a factor in
+/// size, candidates with a bit in `kept` are preferred.
 pub(super) fn reduce(choices: &[ContactCandidate], kept: u64, most: usize, merge: f64, tie: f64) -> Chosen {
     let mut chosen = Chosen::default();
     let first = deepest(choices, kept, tie);
@@ -50,7 +53,7 @@ pub(super) fn reduce(choices: &[ContactCandidate], kept: u64, most: usize, merge
     }
     while chosen.count > 1 && chosen.count < most {
         match widest(choices, kept, &chosen, merge) {
-            Some((place, k)) => chosen.insert(place, k),
+            Some((index, k)) => chosen.insert(index, k),
             None => break,
         }
     }
@@ -60,11 +63,11 @@ pub(super) fn reduce(choices: &[ContactCandidate], kept: u64, most: usize, merge
 fn deepest(choices: &[ContactCandidate], kept: u64, tie: f64) -> usize {
     let least = choices.iter().fold(f64::INFINITY, |m, c| m.min(c.separation));
     let deep = |c: &ContactCandidate| c.separation <= least + tie;
-    let old = (0..choices.len()).find(|&k| is(kept, k) && deep(&choices[k]));
+    let old = (0..choices.len()).find(|&k| has_bit(kept, k) && deep(&choices[k]));
     old.or_else(|| choices.iter().position(deep)).unwrap_or(0)
 }
 
-/// The point of the greatest measure.
+/// Returns the candidate of greatest measure.
 fn largest(
     choices: &[ContactCandidate],
     kept: u64,
@@ -73,7 +76,7 @@ fn largest(
     let mut best: Option<(f64, usize)> = None;
     for (k, c) in choices.iter().enumerate() {
         if let Some(m) = measure(c) {
-            let m = if is(kept, k) { STAY * m } else { m };
+            let m = if has_bit(kept, k) { STAY * m } else { m };
             if best.is_none_or(|(most, _)| m > most) {
                 best = Some((m, k));
             }
@@ -82,7 +85,8 @@ fn largest(
     best.map(|(_, k)| k)
 }
 
-/// The point that adds most beyond a side of the counter-clockwise polygon of those chosen, and its place there.
+/// Returns the candidate that adds the most area beyond a side of the counter-clockwise polygon of
+/// chosen points, and its index in the polygon.
 fn widest(choices: &[ContactCandidate], kept: u64, chosen: &Chosen, merge: f64) -> Option<(usize, usize)> {
     let mut best: Option<(f64, usize, usize)> = None;
     for side in 0..chosen.count {
@@ -95,17 +99,17 @@ fn widest(choices: &[ContactCandidate], kept: u64, chosen: &Chosen, merge: f64) 
             (area > 0.0 && area * area > noise).then_some(area)
         };
         if let Some(k) = largest(choices, kept, beyond) {
-            let area = beyond(&choices[k]).unwrap_or(0.0) * if is(kept, k) { STAY } else { 1.0 };
+            let area = beyond(&choices[k]).unwrap_or(0.0) * if has_bit(kept, k) { STAY } else { 1.0 };
             if best.is_none_or(|(most, ..)| area > most) {
                 best = Some((area, side + 1, k));
             }
         }
     }
-    best.map(|(_, place, k)| (place, k))
+    best.map(|(_, index, k)| (index, k))
 }
 
-/// Whether bit `k` is set.
-fn is(bits: u64, k: usize) -> bool {
+/// Returns whether bit `k` is set.
+fn has_bit(bits: u64, k: usize) -> bool {
     bits >> k & 1 == 1
 }
 
@@ -142,9 +146,9 @@ mod tests {
         for n in 5..40 {
             let chosen = reduce(&ring(n), 0, 4, 1e-9, 1e-12);
             assert_eq!((chosen.all().len(), chosen.all()[0]), (4, 0));
-            let corners: Vec<_> = chosen.all().iter().map(|&k| ring(n)[k].at).collect();
+            let vertices: Vec<_> = chosen.all().iter().map(|&k| ring(n)[k].at).collect();
             let area: f64 = (0..4)
-                .map(|k| corners[k][0] * corners[(k + 1) % 4][1] - corners[k][1] * corners[(k + 1) % 4][0])
+                .map(|k| vertices[k][0] * vertices[(k + 1) % 4][1] - vertices[k][1] * vertices[(k + 1) % 4][0])
                 .sum::<f64>();
             assert!(area / 2.0 > 1.4, "{n}: {}", area / 2.0);
         }

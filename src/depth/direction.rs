@@ -1,9 +1,9 @@
-//! Unit directions, and the normals of triangles, over all sizes.
+//! Unit directions and triangle normals at every magnitude.
 
 use crate::num::scalar::{Scalar, Vec3, cross, dot, root, sub};
 use crate::tolerance::SQUARE_MIN;
 
-/// The unit vector along `v`; zero where there is none.
+/// Returns the unit vector along `v`; zero if `v` has no direction.
 #[inline]
 pub(super) fn unit<T: Scalar>(v: &Vec3<T>) -> Vec3<T> {
     let squared = dot(v, v);
@@ -20,15 +20,15 @@ pub(super) fn unit<T: Scalar>(v: &Vec3<T>) -> Vec3<T> {
     v.map(|x| x / norm)
 }
 
-/// The least height of three points along a direction.
+/// Returns the least height of three points along a direction.
 #[inline]
-pub(super) fn least<T: Scalar>(n: &Vec3<T>, w: &[Vec3<T>; 3]) -> T {
+pub(super) fn min_height<T: Scalar>(n: &Vec3<T>, w: &[Vec3<T>; 3]) -> T {
     let h = w.map(|w| dot(n, &w));
     let low = if h[1] < h[0] { h[1] } else { h[0] };
     if h[2] < low { h[2] } else { low }
 }
 
-/// The unit normal of a triangle, from its two shorter edges.
+/// Returns the unit normal of a triangle, from the two shorter edges.
 #[inline]
 pub(super) fn normal<T: Scalar>(w: &[Vec3<T>; 3]) -> Vec3<T> {
     let edges = [sub(&w[1], &w[0]), sub(&w[2], &w[1]), sub(&w[0], &w[2])];
@@ -41,7 +41,7 @@ pub(super) fn normal<T: Scalar>(w: &[Vec3<T>; 3]) -> Vec3<T> {
         (&edges[0], &edges[1])
     };
     let n = cross(u, v);
-    // Of the shortest edges the product may be below what f64 holds.
+    // The product of the shortest edges may underflow.
     if dot(&n, &n).value() > SQUARE_MIN {
         return unit(&n);
     }

@@ -1,10 +1,13 @@
-//! The last rung of the depth: every facet of the difference looked at, for small bodies thinner than rounding.
+//! Last stage of the depth: enumerates every facet of A - B, for small bodies thinner than
+//! rounding.
 //!
-//! Each facet of A - B is a face of A beside a vertex of B, a vertex of A beside a face of B, or two edges (Cameron and Culley
-//! 1986, "Determining the minimum translational distance between two convex polyhedra"). With the origin inside, the depth is
-//! the least of their heights, and any direction that is no facet's is no lower. Of the list, what may be the least stays: two edges
-//! whose faces leave no normal in common go by their signs, and a facet that is too high by its height in double-double. The
-//! rest is decided in exact arithmetic. No surface is needed, so nothing can fold.
+//! Each facet of A - B is a face of A with a vertex of B, a vertex of A with a face of B, or a pair
+//! of edges (Cameron and Culley 1986, "Determining the minimum translational distance between two
+//! convex polyhedra"). With the origin inside, the depth is the least facet height, and no
+//! direction other than a facet normal has a smaller height. The list keeps only candidates for the
+//! minimum: a pair of edges whose faces leave no common normal is dropped by signs, a facet too
+//! high by its height in double-double. The rest is decided in exact arithmetic. No surface is
+//! needed, so nothing can fold.
 
 use alloc::vec::Vec;
 
@@ -24,46 +27,48 @@ use crate::tolerance::{CERTIFICATE, EXACT_FILTER, NORMAL_ERROR};
 use crate::depth::facet::{edge, normal_of};
 use crate::pair::difference::support;
 
-/// Pairs of edges that are looked at: 2048 edges beside 2048.
-const PAIRS: usize = 1 << 22;
+/// Most edge pairs tested: 2048 edges times 2048.
+const MAX_EDGE_PAIRS: usize = 1 << 22;
 
-/// Pairs that are measured.
-const MEASURED: usize = 1 << 16;
+/// Most feature pairs measured.
+const MAX_MEASURED: usize = 1 << 16;
 
-/// Looks at a vertex in double-double: some hundred milliseconds.
-const LOOKS: usize = 1 << 22;
+/// Most vertex evaluations in double-double: some hundred milliseconds.
+const MAX_EVALUATIONS: usize = 1 << 22;
 
-/// Settles the depth of bodies whose interiors meet; whether it could.
+/// Resolves the depth of bodies with intersecting interiors; returns whether the depth was
+/// resolved.
 pub(super) fn resolve_exactly(posed: &PosedPair, frame: &Transform<DoubleDouble>, outcome: &mut Outcome) -> bool {
-    let Some(mut pairs) = facets(posed, frame) else {
+    let Some(mut pairs) = candidate_facets(posed, frame) else {
         return false;
     };
-    thin_out(posed, &Transform::<f64>::of(posed), &mut pairs);
-    if pairs.len() * (posed.a.points.len() + posed.b.points.len()) > LOOKS {
+    keep_lowest(posed, &Transform::<f64>::of(posed), &mut pairs);
+    if pairs.len() * (posed.a.points.len() + posed.b.points.len()) > MAX_EVALUATIONS {
         return false;
     }
-    thin_out(posed, frame, &mut pairs);
+    keep_lowest(posed, frame, &mut pairs);
     outcome.work.exacts += 1;
     exact::deepest(posed, &pairs, outcome)
 }
 
-/// Leaves those that may be the lowest as far as an arithmetic can tell.
-fn thin_out<T: Scalar>(posed: &PosedPair, frame: &Transform<T>, pairs: &mut Vec<FeaturePair>) {
-    let measured: Vec<(f64, f64)> = pairs.iter().map(|&pair| measure(posed, frame, pair)).collect();
-    let least = measured.iter().fold(f64::INFINITY, |least, (_, most)| least.min(*most));
-    let mut lowest = measured.iter().map(|(lower, _)| lower);
-    // Written so that NaN stays.
+/// Keeps the pairs that may have the least height, as far as the arithmetic `T` can decide.
+fn keep_lowest<T: Scalar>(posed: &PosedPair, frame: &Transform<T>, pairs: &mut Vec<FeaturePair>) {
+    let heights: Vec<(f64, f64)> = pairs.iter().map(|&pair| height_bounds(posed, frame, pair)).collect();
+    let least = heights.iter().fold(f64::INFINITY, |least, (_, most)| least.min(*most));
+    let mut lowest = heights.iter().map(|(lower, _)| lower);
+    // NaN keeps the pair.
     pairs.retain(|_| !lowest.next().is_some_and(|lower| *lower > least));
 }
 
-/// All pairs of features that may span a facet; none where they are too many, or where a face stands for several that are not listed.
-fn facets(posed: &PosedPair, frame: &Transform<DoubleDouble>) -> Option<Vec<FeaturePair>> {
+/// Returns all feature pairs that may span a facet; `None` if there are too many, or if a stored
+/// face stands for several unlisted faces.
+fn candidate_facets(posed: &PosedPair, frame: &Transform<DoubleDouble>) -> Option<Vec<FeaturePair>> {
     let (a, b) = (posed.a, posed.b);
     let of_a = a.faces().map(|f| FeaturePair::vertex_face(Operand::B, 0, f.0));
     let of_b = b.faces().map(|f| FeaturePair::vertex_face(Operand::A, 0, f.0));
     let mut pairs: Vec<FeaturePair> = of_a.chain(of_b).collect();
     let on_b: Vec<_> = b.edges().map(|g| (g, Edge::new(b, g.0))).collect();
-    let too_many = pairs.len() > MEASURED || a.edges().count() * on_b.len() > PAIRS;
+    let too_many = pairs.len() > MAX_MEASURED || a.edges().count() * on_b.len() > MAX_EDGE_PAIRS;
     if too_many || ![a, b].into_iter().all(has_flat_faces) {
         return None;
     }
@@ -73,14 +78,14 @@ fn facets(posed: &PosedPair, frame: &Transform<DoubleDouble>) -> Option<Vec<Feat
         let along_a = posed.vector_in_b(&(on_a.q - on_a.p));
         for (g, on_b) in &on_b {
             let along_b = posed.vector_in_a(&(on_b.q - on_b.p));
-            if !(on_a.may_leave(&along_b) && on_b.may_leave(&along_a)) {
+            if !(on_a.may_be_perpendicular(&along_b) && on_b.may_be_perpendicular(&along_a)) {
                 continue;
             }
             doubtful += 1;
-            if doubtful > MEASURED {
+            if doubtful > MAX_MEASURED {
                 return None;
             }
-            if may_share(posed, frame, e.0, g.0) {
+            if may_share_normal(posed, frame, e.0, g.0) {
                 pairs.push(FeaturePair::edges(Operand::A, e.0, g.0));
             }
         }
@@ -88,56 +93,59 @@ fn facets(posed: &PosedPair, frame: &Transform<DoubleDouble>) -> Option<Vec<Feat
     Some(pairs)
 }
 
-/// Whether the corners of each face are in one plane, exactly.
+/// Returns whether the vertices of each face lie exactly in a common plane.
 fn has_flat_faces(body: &ConvexPolyhedron) -> bool {
     body.faces().all(|f| {
-        let corner = |h: u32| body.points[body.topology.from(h) as usize];
+        let vertex = |h: u32| body.points[body.topology.from(h) as usize];
         let start = body.topology.rim_start(f.0);
         let next = |h: u32| body.topology.half_edge(h).next;
-        let [p, q] = [start, next(start)].map(corner);
-        // Three corners in line say nothing of the others.
+        let [p, q] = [start, next(start)].map(vertex);
+        // Tests p and q with both ends of every edge: three collinear vertices prove nothing.
         body.topology
             .rim(f.0)
-            .all(|h| side(&p, &q, &corner(h), &corner(next(h))) == 0.0)
+            .all(|h| side(&p, &q, &vertex(h), &vertex(next(h))) == 0.0)
     })
 }
 
-/// Whether two edges may share a normal, in double-double: across both, the faces beside each must fall off.
-fn may_share(posed: &PosedPair, frame: &Transform<DoubleDouble>, e: u32, g: u32) -> bool {
+/// Returns whether two edges may share a normal, tested in double-double: along the common
+/// perpendicular of both edges, all adjacent faces must descend.
+fn may_share_normal(posed: &PosedPair, frame: &Transform<DoubleDouble>, e: u32, g: u32) -> bool {
     let n = cross(&edge(posed.a, e), &frame.vector(&edge(posed.b, g)));
     let noise = 2.0 * CERTIFICATE * DoubleDouble::UNIT;
-    // Whether a face beside an edge certainly falls off along `n`, and whether one rises: by its corner after the edge.
+    // Returns whether a face adjacent to the edge certainly descends along `n`, and whether a face
+    // certainly rises, both judged by the face's vertex after the edge.
     let slopes = |body: &ConvexPolyhedron, h: u32, n: &Vec3<DoubleDouble>| {
         let t = &body.topology;
         let from = body.points[t.from(h) as usize];
-        let beside = [h, t.half_edge(h).twin].map(|h| {
-            let corner = body.points[t.half_edge(t.half_edge(h).next).to as usize];
-            let u = [0, 1, 2].map(|k| DoubleDouble::sum(corner[k], -from[k]));
-            (dot(n, &u).value(), noise * (corner - from).abs().sum())
+        let adjacent = [h, t.half_edge(h).twin].map(|h| {
+            let vertex = body.points[t.half_edge(t.half_edge(h).next).to as usize];
+            let u = [0, 1, 2].map(|k| DoubleDouble::sum(vertex[k], -from[k]));
+            (dot(n, &u).value(), noise * (vertex - from).abs().sum())
         });
-        let falls = beside.iter().any(|(x, noise)| *x < -noise);
-        (falls, beside.iter().any(|(x, noise)| x > noise))
+        let falls = adjacent.iter().any(|(x, noise)| *x < -noise);
+        (falls, adjacent.iter().any(|(x, noise)| x > noise))
     };
     let (falls_a, rises_a) = slopes(posed.a, e, &n);
     let (falls_b, rises_b) = slopes(posed.b, g, &frame.direction(&n));
-    // Along n, A falls off and B, which is taken off, rises; or the other way round.
+    // Along n, A must descend and the subtracted B must rise, or vice versa.
     !(rises_a || falls_b) || !(falls_a || rises_b)
 }
 
 impl Edge<'_> {
-    /// Whether some normal of the edge, between those of its faces, may be across `v`: not where `v` certainly rises along both
-    /// or falls along both.
-    fn may_leave(&self, v: &nalgebra::Vector3<f64>) -> bool {
+    /// Returns whether some normal of the edge, between the normals of the two faces, may be
+    /// perpendicular to `v`: false if `v` certainly rises along both face normals or certainly
+    /// falls along both.
+    fn may_be_perpendicular(&self, v: &nalgebra::Vector3<f64>) -> bool {
         let noise = EXACT_FILTER * v.abs().sum();
         let (left, right) = (v.dot(&self.left.normal), v.dot(&self.right.normal));
-        // Written so that NaN may.
+        // NaN returns true.
         !(left.min(right) > noise || left.max(right) < -noise)
     }
 }
 
-/// Between what the height of the difference along the normal of a facet is: it errs by its own rounding, and by L times the angle
-/// that the normal may be off.
-fn measure<T: Scalar>(posed: &PosedPair, frame: &Transform<T>, pair: FeaturePair) -> (f64, f64) {
+/// Returns lower and upper bounds of the support of A - B along the facet normal, covering rounding
+/// and L times the angular error of the normal.
+fn height_bounds<T: Scalar>(posed: &PosedPair, frame: &Transform<T>, pair: FeaturePair) -> (f64, f64) {
     let (a, b) = pair.vertices_of(posed.a, posed.b);
     let on = difference_point(posed, frame, a, b);
     let Some(n) = normal_of(posed, frame, pair, &on) else {
@@ -146,15 +154,15 @@ fn measure<T: Scalar>(posed: &PosedPair, frame: &Transform<T>, pair: FeaturePair
     let rounding = 2.0 * CERTIFICATE * T::UNIT;
     let off = match (pair.a, pair.b) {
         (Feature::Edge(e), Feature::Edge(g)) => {
-            let across = cross(&edge(posed.a, e.0), &frame.vector(&edge(posed.b, g.0)));
-            rounding / root(dot(&across, &across)).value()
+            let perpendicular = cross(&edge(posed.a, e.0), &frame.vector(&edge(posed.b, g.0)));
+            rounding / root(dot(&perpendicular, &perpendicular)).value()
         }
         _ => 2.0 * NORMAL_ERROR,
     };
     let error = rounding * posed.error_scale::<T>().total() + off * posed.size();
     let along = |n| dot(&n, &support(posed, frame, &n, &on).w).value();
     let mut height = along(n);
-    // Of two edges this near to the origin it is not known which way the facet looks.
+    // If two edges pass this near the origin, the side the facet faces is unknown.
     if dot(&n, &on.w).value().abs() <= error {
         height = height.min(along(neg(&n)));
     }
@@ -185,9 +193,9 @@ mod tests {
         .into()
     }
 
-    /// The surface and the list of all facets have nothing in common but the bodies.
+    /// The surface and the list of all facets share nothing but the bodies.
     #[test]
-    fn every_facet_looked_at_gives_the_depth_of_the_surface() {
+    fn all_facets_give_the_depth_of_the_surface() {
         let (mut closed, mut exact) = (0, 0);
         for (i, a) in bodies().iter().enumerate() {
             for b in &bodies() {
@@ -232,6 +240,6 @@ mod tests {
             panic!("in range")
         };
         let frame = Transform::<DoubleDouble>::new(&sphere, &sphere, &pose).expect("in range");
-        assert!(facets(&posed, &frame).is_none());
+        assert!(candidate_facets(&posed, &frame).is_none());
     }
 }

@@ -1,7 +1,8 @@
-//! The normals that the bodies themselves offer for a triangle of the Minkowski difference.
+//! Facet normals of the Minkowski difference, taken from the features of the two bodies.
 //!
-//! A facet of A - B is a face of A beside a vertex of B, a vertex of A beside a face of B, or two edges. A triangle on it
-//! names the vertices; the face or the edges know its normal far better than three rounded points do.
+//! A facet of A - B is a face of A with a vertex of B, a vertex of A with a face of B, or a pair of
+//! edges. A triangle on the facet names the vertices; the face or the edges give a far more
+//! accurate normal than three rounded points do.
 
 use nalgebra::Vector3;
 
@@ -19,7 +20,7 @@ use crate::tolerance::{AGREE_DEPTH, NEARLY_PARALLEL};
 use crate::depth::direction::unit;
 use crate::pair::difference::support;
 
-/// The facets that may hold three points, by the vertices of A and of B they are made of.
+/// Returns the facets that may contain three points of A - B, given by vertices of A and of B.
 pub(super) fn facets(posed: &PosedPair, on_a: &[u32; 3], on_b: &[u32; 3]) -> [Option<FeaturePair>; 3] {
     let (fa, fb) = (posed.a.feature_of(on_a), posed.b.feature_of(on_b));
     let of_a = match fa {
@@ -37,9 +38,10 @@ pub(super) fn facets(posed: &PosedPair, on_a: &[u32; 3], on_b: &[u32; 3]) -> [Op
     [of_a, of_b, of_edges]
 }
 
-/// The normal of the facet of a pair of features, and how high the difference is along it.
+/// Returns the normal of the facet spanned by a feature pair, and the support of A - B along the
+/// normal.
 pub(super) fn height_of(posed: &PosedPair, frame: &Transform<f64>, facet: FeaturePair) -> Option<(Vec3<f64>, f64)> {
-    // No vertex is beyond the plane of a face: the offset is rounded up.
+    // The plane offset is rounded up: no vertex lies beyond the plane of a face.
     let (n, height) = match (facet.a, facet.b) {
         (Feature::Face(f), Feature::Vertex(v)) => {
             let plane = &posed.a.planes[f.index()];
@@ -67,11 +69,12 @@ pub(super) fn height_of(posed: &PosedPair, frame: &Transform<f64>, facet: Featur
         }
     };
     let n: Vec3<f64> = n.into();
-    // A null face has no normal.
+    // A degenerate face has no normal.
     (dot(&n, &n) > 0.5).then_some((n, height))
 }
 
-/// The same of two edges, where the planes of their faces prove it: as in the walk, but for the edge of A lying ahead.
+/// Returns normal and support of a facet spanned by two edges if the planes of the adjacent faces
+/// prove the support: the test of the walk, with the edge of A ahead.
 fn height_of_edges(posed: &PosedPair, facet: FeaturePair) -> Option<(Vector3<f64>, f64)> {
     let (Feature::Edge(e), Feature::Edge(g), true) = (facet.a, facet.b, posed.same_scale()) else {
         return None;
@@ -86,7 +89,7 @@ fn height_of_edges(posed: &PosedPair, facet: FeaturePair) -> Option<(Vector3<f64
         a.weights(PackedVec3::new(&v), sign),
         b.weights(posed.rotation.transposed_times(PackedVec3::new(&u)), sign),
     );
-    // Written so that NaN proves nothing.
+    // NaN proves nothing.
     let is_between = on_a.0.min(on_a.1).min(on_b.0).min(on_b.1) >= 0.0;
     if !(is_between && squared > NEARLY_PARALLEL * u.norm_squared() * v.norm_squared()) {
         return None;
@@ -96,11 +99,11 @@ fn height_of_edges(posed: &PosedPair, facet: FeaturePair) -> Option<(Vector3<f64
     let n_in_b = -posed.rotation.transposed_times(PackedVec3::new(&n));
     let high_b = posed.b.edge_bound(n_in_b, b.left, b.right, on_b, 1.0);
     let height = high_a + high_b - posed.height_of_b_origin(&n);
-    // What the planes of thin bodies prove may be far above the edges.
+    // On thin bodies the bound proven by the planes may lie far above the edges.
     (height - n.dot(&ahead) <= AGREE_DEPTH * 0.5 * posed.size()).then_some((n, height))
 }
 
-/// The normal of a facet that is known by its features, `on` a point of it.
+/// Returns the normal of the facet spanned by a feature pair; `on` is a point of the facet.
 pub(super) fn normal_of<T: Scalar>(
     posed: &PosedPair,
     frame: &Transform<T>,
@@ -119,13 +122,13 @@ pub(super) fn normal_of<T: Scalar>(
     (dot(&n, &n).value() > 0.5).then_some(n)
 }
 
-/// The stored normal of a face.
+/// Returns the stored normal of a face.
 fn face<T: Scalar>(body: &ConvexPolyhedron, f: u32) -> Vec3<T> {
     let n = body.planes[f as usize].normal;
     [T::from(n.x), T::from(n.y), T::from(n.z)]
 }
 
-/// The unit direction of an edge.
+/// Returns the unit direction of an edge.
 pub(super) fn edge<T: Scalar>(body: &ConvexPolyhedron, h: u32) -> Vec3<T> {
     let t = &body.topology;
     let (from, to) = (body.points[t.from(h) as usize], body.points[t.half_edge(h).to as usize]);

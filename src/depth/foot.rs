@@ -1,7 +1,7 @@
-//! The deepest points of an overlap, from the features of its deepest facet.
+//! The deepest points of an overlap, from the features of the deepest facet.
 //!
-//! Where a face lies upon a face, many pairs of points are deepest alike, and the vertex that names the facet may overhang: then others
-//! hold the witnesses ([`flush`]).
+//! If faces lie flush, many pairs of points are equally deep, and the vertex that names the facet
+//! may overhang the opposite face: then another feature pair has the witnesses ([`flush`]).
 
 use nalgebra::{Point3, Vector3};
 
@@ -13,15 +13,19 @@ use crate::polyhedron::{ConvexPolyhedron, Feature, FeaturePair};
 use crate::pose::Operand;
 use crate::tolerance::{AGREE_DEPTH, FOOT};
 
-/// Rims up to this long are tried edge by edge.
+/// Longest face boundaries tested edge against edge.
 const SMALL: usize = 8;
 
-/// A point of A and one of B, in their stored frames.
-pub(super) type Witnesses = (Point3<f64>, Point3<f64>);
+/// A point of A and a point of B, in their stored frames.
+pub(super) type WitnessPoints = (Point3<f64>, Point3<f64>);
 
-/// The points that are `height` apart along the unit `normal`, A's ahead: where the
-/// features of a facet at that height hold such points.
-pub(super) fn foot(posed: &PosedPair, facet: FeaturePair, (normal, height): &(Vec3<f64>, f64)) -> Option<Witnesses> {
+/// Returns a point of A and a point of B that differ by `height` along the unit `normal`, A's
+/// ahead; `None` if the features of the facet contain no such points.
+pub(super) fn foot(
+    posed: &PosedPair,
+    facet: FeaturePair,
+    (normal, height): &(Vec3<f64>, f64),
+) -> Option<WitnessPoints> {
     let (ahead, close) = (Vector3::from(*normal) * *height, AGREE_DEPTH * posed.size());
     let (p, q) = match (facet.a, facet.b) {
         (Feature::Face(f), Feature::Vertex(v)) => {
@@ -40,25 +44,26 @@ pub(super) fn foot(posed: &PosedPair, facet: FeaturePair, (normal, height): &(Ve
     Some((p.into(), q.into()))
 }
 
-/// The same of faces flush on each other, one of which the facet names: by a corner of one over the other or, of small faces, by two
-/// rims that cross; and the features that hold them.
+/// Returns witnesses on two flush faces, the facet naming either face, and the features that
+/// contain the witnesses: a vertex of a face over the opposite face or, if both faces are small,
+/// two crossing edges.
 #[cold]
 pub(super) fn flush(
     posed: &PosedPair,
     facet: FeaturePair,
     best: &(Vec3<f64>, f64),
-) -> Option<(FeaturePair, Witnesses)> {
+) -> Option<(FeaturePair, WitnessPoints)> {
     let n = Vector3::from(best.0);
     let (f, g) = match (facet.a, facet.b) {
-        (Feature::Face(f), Feature::Vertex(v)) => (f.0, facing(posed.b, v.0, &-posed.direction_in_b(&n))?),
-        (Feature::Vertex(v), Feature::Face(g)) => (facing(posed.a, v.0, &n)?, g.0),
+        (Feature::Face(f), Feature::Vertex(v)) => (f.0, face_towards(posed.b, v.0, &-posed.direction_in_b(&n))?),
+        (Feature::Vertex(v), Feature::Face(g)) => (face_towards(posed.a, v.0, &n)?, g.0),
         _ => return None,
     };
-    let stand = |pair: FeaturePair| Some((pair, foot(posed, pair, best)?));
+    let with_witnesses = |pair: FeaturePair| Some((pair, foot(posed, pair, best)?));
     let t = [&posed.a.topology, &posed.b.topology];
-    let of_b = || some_of(posed.b, g).map(|h| FeaturePair::vertex_face(Operand::B, t[1].from(h), f));
-    let of_a = || some_of(posed.a, f).map(|h| FeaturePair::vertex_face(Operand::A, t[0].from(h), g));
-    if let Some(found) = of_b().chain(of_a()).find_map(stand) {
+    let of_b = || sample_rim(posed.b, g).map(|h| FeaturePair::vertex_face(Operand::B, t[1].from(h), f));
+    let of_a = || sample_rim(posed.a, f).map(|h| FeaturePair::vertex_face(Operand::A, t[0].from(h), g));
+    if let Some(found) = of_b().chain(of_a()).find_map(with_witnesses) {
         return Some(found);
     }
     let is_small = |t: &Topology, face: u32| t.rim(face).nth(SMALL).is_none();
@@ -67,11 +72,12 @@ pub(super) fn flush(
     }
     let pairs = t[0].rim(f).flat_map(|h| t[1].rim(g).map(move |k| (h, k)));
     let edges = |(h, k)| FeaturePair::edges(Operand::A, t[0].edge(h), t[1].edge(k));
-    pairs.map(edges).find_map(stand)
+    pairs.map(edges).find_map(with_witnesses)
 }
 
-/// The face at a vertex that is most across a direction; none of a body without faces.
-fn facing(body: &ConvexPolyhedron, v: u32, outward: &Vector3<f64>) -> Option<u32> {
+/// Returns the face at a vertex whose normal is closest to `outward`; `None` if the body has no
+/// faces.
+fn face_towards(body: &ConvexPolyhedron, v: u32, outward: &Vector3<f64>) -> Option<u32> {
     let t = &body.topology;
     let mut best = (0.0, None);
     for h in t.fan(v).take(LARGE) {
@@ -84,18 +90,18 @@ fn facing(body: &ConvexPolyhedron, v: u32, outward: &Vector3<f64>) -> Option<u32
     best.1
 }
 
-/// The half-edges of a face; some all round of a large one.
-pub(super) fn some_of(body: &ConvexPolyhedron, f: u32) -> impl Iterator<Item = u32> + '_ {
+/// Returns the half-edges of a face; of a large face, an evenly spaced sample.
+pub(super) fn sample_rim(body: &ConvexPolyhedron, f: u32) -> impl Iterator<Item = u32> + '_ {
     let t = &body.topology;
     let ring = t.ring(f);
-    let spread = ring
+    let sampled = ring
         .into_iter()
         .flat_map(|r| r.iter().copied().step_by(r.len().div_ceil(LARGE)));
     let whole = if ring.is_none() { LARGE } else { 0 };
-    t.rim(f).take(whole).chain(spread)
+    t.rim(f).take(whole).chain(sampled)
 }
 
-/// Whether a point is on a face, or off it by no more than rounding.
+/// Returns whether a point lies on a face, or at most `close` off the face.
 fn is_on(body: &ConvexPolyhedron, f: u32, x: &Vector3<f64>, close: f64) -> bool {
     let (t, plane) = (&body.topology, &body.planes[f as usize]);
     let inside = |h: u32| {
@@ -103,7 +109,7 @@ fn is_on(body: &ConvexPolyhedron, f: u32, x: &Vector3<f64>, close: f64) -> bool 
         let u = to - from;
         plane.normal.cross(&u).dot(&(x - from)) >= -close * u.abs().sum()
     };
-    // Written so that NaN is outside.
+    // NaN is outside.
     if !((plane.normal.dot(x) - plane.offset).abs() <= close) {
         return false;
     }
@@ -120,7 +126,7 @@ fn is_on(body: &ConvexPolyhedron, f: u32, x: &Vector3<f64>, close: f64) -> bool 
     }
 }
 
-/// The points of two edges that differ by `ahead`.
+/// Returns the points of two edges that differ by `ahead`.
 fn crossing(
     posed: &PosedPair,
     e: u32,
@@ -140,7 +146,7 @@ fn crossing(
     // gap + s u - t v = 0, multiplied by v and by u.
     let s = (-gap.cross(&v).dot(&c) / squared).clamp(0.0, 1.0);
     let t = (-gap.cross(&u).dot(&c) / squared).clamp(0.0, 1.0);
-    // Parallel edges have no such numbers: NaN, or a rest.
+    // For parallel edges s and t do not exist: NaN, or a residual.
     let rest = gap + u * s - v * t;
     (rest.norm_squared() <= close * close).then(|| (p0 + u * s, q0 + (q1 - q0) * t))
 }

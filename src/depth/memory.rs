@@ -1,7 +1,7 @@
-//! What a tracker keeps of an overlap: the surface by the names of its points, and the deepest facet.
+//! Cached state of an overlap: the surface as vertex pairs, and the deepest facet.
 //!
-//! Points of the difference are vertex pairs, and stay points of it whatever the pose, so a surface of them may be taken up again at
-//! any other ([`resume`](mod@crate::depth::resume)).
+//! Points of A - B are vertex pairs and remain points of A - B at every pose, so a surface on such
+//! points can be resumed at any pose ([`resume`](mod@crate::depth::resume)).
 
 use alloc::boxed::Box;
 use alloc::vec::Vec;
@@ -10,45 +10,51 @@ use crate::num::scalar::Vec3;
 use crate::pair::difference::MinkowskiPoint;
 use crate::polyhedron::FeaturePair;
 
-use crate::depth::surface::Surface;
+use crate::depth::surface::EnclosingSurface;
 
-/// Triangles that are worth their memory: their numbers fit a byte.
-pub(super) const MOST: usize = 256;
+/// Most triangles worth caching: a triangle index fits in a byte.
+pub(super) const MAX_TRIANGLES: usize = 256;
 
-/// Points of so many triangles.
-pub(super) const MOST_POINTS: usize = MOST / 2 + 2;
+/// Most points of a cached surface: a closed surface of `MAX_TRIANGLES` triangles has no more.
+pub(super) const MAX_POINTS: usize = MAX_TRIANGLES / 2 + 2;
 
-/// Triangles a surface may gain before it is built afresh, beside those it was built with.
+/// Triangles a surface may gain, beyond twice its initial number, before it is built afresh.
 const GAIN: usize = 24;
 
-/// A closed surface without places: each edge of a triangle is the reverse of one of its neighbour.
+/// A closed surface without coordinates: each edge of a triangle is the reverse of an edge of the
+/// adjacent triangle.
 #[derive(Clone, Debug, Default)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(from = "Raw"))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(from = "RawMemory")
+)]
 pub(crate) struct Memory {
-    /// A vertex of each body.
+    /// Vertex of A and vertex of B of each point.
     pub(super) points: Vec<[u32; 2]>,
-    /// Three corners, and the triangle across the edge from corner k to corner k + 1.
+    /// Three point indices, then the triangle across the edge from vertex k to vertex k + 1.
     pub(super) triangles: Vec<[u8; 6]>,
-    /// The features of the deepest facet.
+    /// Features of the deepest facet.
     pub(super) facet: Option<FeaturePair>,
-    /// The features that held the witnesses last, where they are not those.
-    pub(super) stand: Option<FeaturePair>,
-    /// With how many triangles it was built.
+    /// Features of the last witnesses, if different from `facet`.
+    pub(super) witness_features: Option<FeaturePair>,
+    /// Number of triangles when the surface was built.
     pub(super) built: u32,
-    /// Where surfaces grow, from the first overlap on: no part of what is remembered.
+    /// Working memory, allocated at the first overlap; not part of the cached state.
     #[cfg_attr(feature = "serde", serde(skip))]
-    room: Option<Box<Room>>,
+    scratch: Option<Box<Scratch>>,
 }
 
-/// The features of the deepest facet, those that held the witnesses, with how many triangles it was built, its points, and its triangles.
+/// Features of the deepest facet, features of the witnesses, initial number of triangles, points,
+/// and triangles.
 type Parts<'a> = (FeaturePair, Option<FeaturePair>, u32, &'a [[u32; 2]], &'a [[u8; 6]]);
 
-/// Lists that keep what they have taken.
+/// Buffers that keep their allocation between queries.
 #[derive(Clone, Debug)]
-pub(super) struct Room {
-    pub(super) surface: Surface<f64>,
-    /// Triangles where it must grow.
-    pub(super) weak: Vec<u32>,
+pub(super) struct Scratch {
+    pub(super) surface: EnclosingSurface<f64>,
+    /// Triangles below the target height, at which the surface must grow.
+    pub(super) below_target: Vec<u32>,
 }
 
 impl PartialEq for Memory {
@@ -57,21 +63,21 @@ impl PartialEq for Memory {
     }
 }
 
-/// The same as it comes from a file: it need not be closed.
+/// Cached surface as deserialized: not yet known to be closed.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize))]
-pub(crate) struct Raw {
+pub(crate) struct RawMemory {
     pub(crate) points: Vec<[u32; 2]>,
     pub(crate) triangles: Vec<[u32; 6]>,
     pub(crate) facet: Option<FeaturePair>,
     #[cfg_attr(feature = "serde", serde(default))]
-    pub(crate) stand: Option<FeaturePair>,
+    pub(crate) witness_features: Option<FeaturePair>,
     pub(crate) built: u32,
 }
 
-impl From<Raw> for Memory {
-    /// Nothing, where it is no surface.
-    fn from(raw: Raw) -> Self {
+impl From<RawMemory> for Memory {
+    /// Returns an empty cache if the data is no closed surface.
+    fn from(raw: RawMemory) -> Self {
         if !raw.is_closed() {
             return Self::default();
         }
@@ -80,14 +86,14 @@ impl From<Raw> for Memory {
             triangles: raw.triangles.iter().map(bytes).collect(),
             points: raw.points,
             facet: raw.facet,
-            stand: raw.stand,
+            witness_features: raw.witness_features,
             built: raw.built,
-            room: None,
+            scratch: None,
         }
     }
 }
 
-impl Raw {
+impl RawMemory {
     fn is_closed(&self) -> bool {
         let closed = |(k, t): (usize, &[u32; 6])| {
             (0..3).all(|i| {
@@ -99,111 +105,118 @@ impl Raw {
                         .is_some_and(|o| (0..3).any(|j| (o[j], o[(j + 1) % 3], o[3 + j]) == (to, from, k as u32)))
             })
         };
-        self.points.len() <= MOST_POINTS
-            && self.triangles.len() <= MOST
+        self.points.len() <= MAX_POINTS
+            && self.triangles.len() <= MAX_TRIANGLES
             && self.triangles.iter().enumerate().all(closed)
     }
 }
 
 impl Memory {
-    /// Takes room for the largest surface that is kept.
+    /// Allocates for the largest surface that is cached.
     pub(crate) fn reserve(&mut self) {
-        self.points.reserve(MOST_POINTS);
-        self.triangles.reserve(MOST);
-        self.within(|_, room| {
-            room.surface.reserve(MOST);
-            room.weak.reserve(MOST);
+        self.points.reserve(MAX_POINTS);
+        self.triangles.reserve(MAX_TRIANGLES);
+        self.with_scratch(|_, scratch| {
+            scratch.surface.reserve(MAX_TRIANGLES);
+            scratch.below_target.reserve(MAX_TRIANGLES);
         });
     }
 
-    /// Does what needs room.
-    pub(super) fn within<R>(&mut self, work: impl FnOnce(&mut Self, &mut Room) -> R) -> R {
-        let mut room = self.room.take().unwrap_or_else(|| {
-            Box::new(Room {
-                surface: Surface::new(),
-                weak: Vec::new(),
+    /// Runs `work` with the working memory, allocated if absent.
+    pub(super) fn with_scratch<R>(&mut self, work: impl FnOnce(&mut Self, &mut Scratch) -> R) -> R {
+        let mut scratch = self.scratch.take().unwrap_or_else(|| {
+            Box::new(Scratch {
+                surface: EnclosingSurface::new(),
+                below_target: Vec::new(),
             })
         });
-        let result = work(self, &mut room);
-        self.room = Some(room);
+        let result = work(self, &mut scratch);
+        self.scratch = Some(scratch);
         result
     }
 
-    /// Forgets the surface, not its room.
+    /// Forgets the surface and keeps the allocations.
     pub(crate) fn clear(&mut self) {
         self.points.clear();
         self.triangles.clear();
-        (self.facet, self.stand) = (None, None);
+        (self.facet, self.witness_features) = (None, None);
         self.built = 0;
     }
 
-    /// Triangles kept.
+    /// Returns the number of cached triangles.
     pub(crate) fn facets(&self) -> usize {
         self.triangles.len()
     }
 
-    /// Bytes on the heap.
+    /// Returns the allocated bytes on the heap.
     pub(crate) fn heap_bytes(&self) -> usize {
         self.points.capacity() * size_of::<[u32; 2]>()
             + self.triangles.capacity() * size_of::<[u8; 6]>()
-            + self.room.as_ref().map_or(0, |r| {
-                size_of::<Room>() + r.weak.capacity() * size_of::<u32>() + r.surface.heap_bytes()
+            + self.scratch.as_ref().map_or(0, |r| {
+                size_of::<Scratch>() + r.below_target.capacity() * size_of::<u32>() + r.surface.heap_bytes()
             })
     }
 
-    /// Whether there is nothing to begin with.
+    /// Returns whether the cache holds no facet to resume from.
     #[inline(always)]
     pub(crate) fn is_empty(&self) -> bool {
         self.facet.is_none()
     }
 
-    /// What is remembered, if anything.
+    /// Returns the cached parts; `None` if the cache is empty.
     pub(crate) fn parts(&self) -> Option<Parts<'_>> {
-        Some((self.facet?, self.stand, self.built, &self.points, &self.triangles))
+        Some((
+            self.facet?,
+            self.witness_features,
+            self.built,
+            &self.points,
+            &self.triangles,
+        ))
     }
 
-    /// The three corners of a triangle.
-    pub(super) fn corners(&self, t: u32) -> [usize; 3] {
+    /// Returns the three point indices of a triangle.
+    pub(super) fn vertices(&self, t: u32) -> [usize; 3] {
         let [i, j, k, ..] = self.triangles[t as usize];
         [i, j, k].map(usize::from)
     }
 
-    /// Makes the surface to work on the one that is remembered, at its places.
-    pub(super) fn recall(&self, room: &mut Room, places: &[Vec3<f64>], enough: f64) {
-        let surface = &mut room.surface;
-        surface.clear(enough);
-        let points = self.points.iter().zip(places);
+    /// Loads the cached surface, with the points at `positions`, into the working memory.
+    pub(super) fn recall(&self, scratch: &mut Scratch, positions: &[Vec3<f64>], target: f64) {
+        let surface = &mut scratch.surface;
+        surface.clear(target);
+        let points = self.points.iter().zip(positions);
         surface
             .points
             .extend(points.map(|(&[a, b], &w)| MinkowskiPoint { a, b, w }));
         for &[p, q, r, x, y, z] in &self.triangles {
             surface.push([p, q, r].map(u32::from), [x, y, z].map(u32::from));
         }
-        for &t in &room.weak {
-            surface.weigh(t);
+        for &t in &scratch.below_target {
+            surface.compute_bound(t);
         }
     }
 
-    /// Keeps the facet and, if it is small and has not outgrown the one it came from, the surface worked on.
-    pub(super) fn keep(&mut self, surface: &Surface<f64>, facet: FeaturePair, built: Option<u32>) {
+    /// Caches the facet and also the surface, if the surface is small and has not outgrown its
+    /// initial number of triangles.
+    pub(super) fn keep(&mut self, surface: &EnclosingSurface<f64>, facet: FeaturePair, built: Option<u32>) {
         self.clear();
         self.facet = Some(facet);
         let count = surface.triangles.len();
         let built = built.unwrap_or(count as u32);
-        if count > MOST || surface.points.len() > MOST || count > 2 * built as usize + GAIN {
+        if count > MAX_TRIANGLES || surface.points.len() > MAX_TRIANGLES || count > 2 * built as usize + GAIN {
             return;
         }
-        // Points that no triangle uses any more are left behind.
-        let mut place = [u8::MAX; MOST];
-        for (corners, beside) in surface.names() {
+        // Drops points no triangle uses any more.
+        let mut index = [u8::MAX; MAX_TRIANGLES];
+        for (vertices, neighbours) in surface.indices() {
             let mut t = [0; 6];
             for k in 0..3 {
-                let c = corners[k] as usize;
-                if place[c] == u8::MAX {
-                    place[c] = self.points.len() as u8;
+                let c = vertices[k] as usize;
+                if index[c] == u8::MAX {
+                    index[c] = self.points.len() as u8;
                     self.points.push([surface.points[c].a, surface.points[c].b]);
                 }
-                (t[k], t[3 + k]) = (place[c], beside[k] as u8);
+                (t[k], t[3 + k]) = (index[c], neighbours[k] as u8);
             }
             self.triangles.push(t);
         }
@@ -216,7 +229,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_room_for_later_overlaps_is_what_the_documentation_says() {
+    fn the_scratch_of_later_overlaps_has_the_documented_size() {
         let mut memory = Memory::default();
         assert_eq!(memory.heap_bytes(), 0);
         memory.reserve();

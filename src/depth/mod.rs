@@ -1,22 +1,29 @@
-//! How deep two bodies overlap: the least translation that parts them, with proof.
+//! Penetration depth: the shortest translation that separates two overlapping bodies, with a proof.
 //!
-//! With P = A - B and h(n) the height of P along the unit vector n, the depth is the least h(n) over all n: the radius of
-//! the largest ball about the origin in P. Any n gives an upper bound. A closed surface of triangles on points of P that
-//! winds about the origin ([`surface`]) gives a lower one, the least distance of a triangle. Grown at the nearest triangle
-//! until both agree, it proves the depth globally; what is open goes from f64 to double-double, and what stays open there to
+//! With P = A - B and h(n) the support of P along the unit vector n, the depth is the minimum of
+//! h(n) over all n: the radius of the largest ball about the origin inside P. Any n gives an upper
+//! bound. A closed surface of triangles on points of P with winding number one about the origin
+//! ([`surface`]) gives a lower bound, the least distance of a triangle. The search grows the
+//! surface at the nearest triangle until both bounds agree; the depth is then proven globally. An
+//! open result in f64 is repeated in double-double, and a result still open there is resolved in
 //! exact arithmetic, facet by facet ([`exhaustive`]).
 //!
-//! Source: van den Bergen 2001, "Proximity queries and penetration depth computation on 3D game objects", the expanding
-//! polytope algorithm. Departures:
-//! 1. The proof is the winding number, kept by every step, not convexity: a surface that rounding has folded costs time
-//!    and never the answer.
-//! 2. The bound of a triangle is the least of three heights along one unit vector, for which any will do (its normal, the
-//!    direction of its nearest point, the normal of the best facet): slivers weaken a bound and falsify none.
-//! 3. Heights are taken along the normals of the bodies' own features ([`facet`]), not of rounded points.
-//! 4. A tracker keeps the surface by its vertex pairs ([`memory`]), and the next search begins with it ([`mod@resume`]).
-//! 5. Where faces lie upon faces, the deepest facet itself stands in for triangles that come to lie beneath the border ([`cover`]).
-//! 6. Where the first tetrahedron has the origin on its border (lattices, concentric and equal bodies), the surface is grown
-//!    about a point beside the origin until the ball about that point holds the origin too.
+//! Source: van den Bergen 2001, "Proximity queries and penetration depth computation on 3D game
+//! objects", the expanding polytope algorithm. Departures:
+//! 1. The proof is the winding number, preserved by every step, not convexity: a surface folded by
+//!    rounding costs time and never the answer.
+//! 2. The bound of a triangle is the least of three heights along a unit vector, and any unit
+//!    vector will do (the normal, the direction of the nearest point, the normal of the best
+//!    facet): slivers weaken a bound and falsify none.
+//! 3. Heights are taken along the normals of the bodies' own features ([`facet`]), not of rounded
+//!    points.
+//! 4. A tracker caches the surface as vertex pairs ([`memory`]) and starts the next search from the
+//!    cached surface ([`mod@resume`]).
+//! 5. If faces lie flush on each other, the deepest facet itself covers for triangles slightly
+//!    beneath the boundary of P ([`facet_disc`]).
+//! 6. If the origin lies on the boundary of the first tetrahedron (lattices, concentric and equal
+//!    bodies), the surface is grown about a point close to the origin until the ball about the
+//!    shifted point contains the origin too.
 
 mod deepest;
 mod direction;
@@ -43,40 +50,40 @@ use crate::pair::transform::Transform;
 use crate::tolerance::{AGREE_DEPTH, AGREE_WITNESS};
 use crate::tolerance::{CERTIFICATE, SHIFTS};
 use nalgebra::Vector3;
-use result::{End, Found};
+use result::{SearchEnd, SearchResult};
 use search::search;
-use surface::Surface;
+use surface::EnclosingSurface;
 
-pub(crate) use memory::{Memory, Raw};
+pub(crate) use memory::{Memory, RawMemory};
 pub(crate) use resume::resume;
 
-/// How many of the shifts are worth a try in f64: those well above its rounding.
+/// Number of perturbations tried in f64: only those well above the rounding of f64.
 const SHIFTS_PLAIN: usize = 3;
 
-/// Depth, normal, witnesses and features of bodies of which it is proven that they overlap.
+/// Computes depth, normal, witnesses and features of two bodies already proven to overlap.
 #[cold]
 pub(crate) fn penetration_depth(posed: &PosedPair, memory: &mut Memory, outcome: &mut Outcome) {
     memory.clear();
     outcome.work.depths += 1;
     outcome.lower = f64::NEG_INFINITY;
     let shifts = &SHIFTS[..SHIFTS_PLAIN];
-    let is_done = memory.within(|memory, room| {
-        let surface = &mut room.surface;
+    let is_done = memory.with_scratch(|memory, scratch| {
+        let surface = &mut scratch.surface;
         let Some(found) = search(posed, &Transform::of(posed), outcome.features, shifts, surface) else {
             return false;
         };
-        take(posed, &found, outcome);
-        if found.end == End::Closed {
+        write_result(posed, &found, outcome);
+        if found.end == SearchEnd::Closed {
             memory.keep(surface, outcome.features, None);
         }
-        found.end != End::Stuck
+        found.end != SearchEnd::Stuck
     });
     if !is_done {
         penetration_depth_in_double_double(posed, outcome);
     }
 }
 
-/// The same in double-double.
+/// Computes depth, normal, witnesses and features in double-double, and exactly if still open.
 #[cold]
 #[inline(never)]
 fn penetration_depth_in_double_double(posed: &PosedPair, outcome: &mut Outcome) {
@@ -84,33 +91,34 @@ fn penetration_depth_in_double_double(posed: &PosedPair, outcome: &mut Outcome) 
     let Some(frame) = Transform::<DoubleDouble>::new(posed.a, posed.b, posed.pose) else {
         return;
     };
-    if let Some(found) = search(posed, &frame, outcome.features, &SHIFTS, &mut Surface::new()) {
-        take(posed, &found, outcome);
+    if let Some(found) = search(posed, &frame, outcome.features, &SHIFTS, &mut EnclosingSurface::new()) {
+        write_result(posed, &found, outcome);
     }
     #[cfg(feature = "exact")]
-    if !is_narrow(posed, outcome) || outcome.distance == 0.0 || !is_held(posed, outcome) {
+    if !has_close_bounds(posed, outcome) || outcome.distance == 0.0 || !has_witnesses(posed, outcome) {
         exhaustive::resolve_exactly(posed, &frame, outcome);
     }
 }
 
-/// Whether the bounds agree as well as a proven depth's must; NaN does not.
+/// Returns whether the bounds agree as closely as a proven depth requires; false for NaN.
 #[cfg(feature = "exact")]
-fn is_narrow(posed: &PosedPair, outcome: &Outcome) -> bool {
+fn has_close_bounds(posed: &PosedPair, outcome: &Outcome) -> bool {
     outcome.upper - outcome.lower <= AGREE_DEPTH * posed.size()
 }
 
-/// Whether the witnesses are as far apart as the depth says, and along the normal: a surface that did not close may have none that are.
+/// Returns whether the witnesses differ by the depth along the normal: a surface that failed to
+/// close may have no such witnesses.
 #[cfg(feature = "exact")]
-fn is_held(posed: &PosedPair, outcome: &Outcome) -> bool {
+fn has_witnesses(posed: &PosedPair, outcome: &Outcome) -> bool {
     let between = posed.point_in_a(&outcome.point_on_b.coords) - outcome.point_on_a.coords;
     let rest = between - outcome.normal.into_inner() * outcome.distance;
     rest.norm_squared() <= (AGREE_WITNESS * posed.size()) * (AGREE_WITNESS * posed.size())
 }
 
-/// Takes over what was found, where its bounds are the narrower.
-fn take<T: Scalar>(posed: &PosedPair, found: &Found<T>, outcome: &mut Outcome) {
+/// Writes the search result to the outcome if the bounds of the result are narrower.
+fn write_result<T: Scalar>(posed: &PosedPair, found: &SearchResult<T>, outcome: &mut Outcome) {
     let term = CERTIFICATE * T::UNIT * posed.error_scale::<T>().total();
-    outcome.work.points_added += found.grown;
+    outcome.work.points_added += found.points_added;
     let lower = -round_outward(found.height, term);
     let upper = (-round_outward(found.radius, -term)).min(0.0);
     if outcome.lower.is_finite() && !(upper - lower < outcome.upper - outcome.lower) {
@@ -124,7 +132,7 @@ fn take<T: Scalar>(posed: &PosedPair, found: &Found<T>, outcome: &mut Outcome) {
         (outcome.point_on_a, outcome.point_on_b) = witnesses;
     }
     outcome.features = found.features.unwrap_or_else(|| {
-        let (a, b) = (found.corners.map(|c| c.a), found.corners.map(|c| c.b));
+        let (a, b) = (found.vertices.map(|c| c.a), found.vertices.map(|c| c.b));
         walk_state(posed, &a, &b)
     });
 }

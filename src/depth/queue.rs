@@ -1,25 +1,25 @@
-//! Triangles by their bounds, the least first.
+//! Priority queue of triangles by lower bound, the least first.
 
 use alloc::vec::Vec;
 
-/// A triangle and what its bound was.
+/// A triangle with its bound at the time of insertion.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Entry {
+pub(super) struct QueuedTriangle {
     pub(super) bound: f64,
     pub(super) triangle: u32,
 }
 
-impl Entry {
-    /// The least bound is first; among equals the lower number.
+impl QueuedTriangle {
+    /// Orders by bound; equal bounds by triangle number.
     fn is_before(&self, o: &Self) -> bool {
         self.bound < o.bound || (self.bound == o.bound && self.triangle < o.triangle)
     }
 }
 
-/// A binary heap.
+/// Binary heap of triangles, the least bound at the root.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Queue {
-    entries: Vec<Entry>,
+    entries: Vec<QueuedTriangle>,
 }
 
 impl Queue {
@@ -27,20 +27,20 @@ impl Queue {
         self.entries.reserve(entries);
     }
 
-    /// Bytes on the heap.
+    /// Returns the allocated bytes on the heap.
     pub(super) fn heap_bytes(&self) -> usize {
-        self.entries.capacity() * size_of::<Entry>()
+        self.entries.capacity() * size_of::<QueuedTriangle>()
     }
 
     pub(super) fn clear(&mut self) {
         self.entries.clear();
     }
 
-    pub(super) fn first(&self) -> Option<Entry> {
+    pub(super) fn first(&self) -> Option<QueuedTriangle> {
         self.entries.first().copied()
     }
 
-    pub(super) fn push(&mut self, entry: Entry) {
+    pub(super) fn push(&mut self, entry: QueuedTriangle) {
         self.entries.push(entry);
         let list = &mut self.entries;
         let mut k = list.len() - 1;
@@ -50,7 +50,7 @@ impl Queue {
         }
     }
 
-    /// Drops the first.
+    /// Removes the first entry.
     pub(super) fn pop(&mut self) {
         if self.entries.is_empty() {
             return;
@@ -81,12 +81,12 @@ mod tests {
         let mut queue = Queue::default();
         for k in 0..500u32 {
             let bound = f64::from(k * 7919 % 101);
-            queue.push(Entry { bound, triangle: k });
+            queue.push(QueuedTriangle { bound, triangle: k });
             if k % 3 == 0 {
                 queue.pop();
             }
         }
-        let mut last: Option<Entry> = None;
+        let mut last: Option<QueuedTriangle> = None;
         let mut count = 0;
         while let Some(e) = queue.first() {
             assert!(last.is_none_or(|l| l.is_before(&e)));

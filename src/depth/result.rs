@@ -1,40 +1,40 @@
-//! What a search finds.
+//! The result of a search.
 
 use crate::num::scalar::{Scalar, Vec3};
 use crate::pair::difference::MinkowskiPoint;
 use crate::polyhedron::FeaturePair;
 
-use crate::depth::foot::Witnesses;
+use crate::depth::foot::WitnessPoints;
 
 /// Why a search ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum End {
+pub(super) enum SearchEnd {
     /// Both bounds agree.
     Closed,
-    /// Rounding hides what to do next.
+    /// Rounding hides the next step.
     Stuck,
-    /// The surface has as many triangles as it may.
+    /// The surface reached its triangle limit.
     Full,
 }
 
-/// What a search proves and where it ended.
-pub(super) struct Found<T> {
-    pub(super) end: End,
-    /// The best unit direction and the height of the difference along it.
+/// Proven bounds and final state of a search.
+pub(super) struct SearchResult<T> {
+    pub(super) end: SearchEnd,
+    /// Best unit direction and the support of A - B along the direction.
     pub(super) normal: Vec3<T>,
     pub(super) height: T,
-    /// No point outside the difference is nearer to the origin; zero where nothing is known.
+    /// Every point outside A - B is at least this far from the origin; zero if nothing is known.
     pub(super) radius: T,
-    /// The triangle that holds the deepest point, or one of the facet.
-    pub(super) corners: [MinkowskiPoint<T>; 3],
-    /// The deepest points of A and of B in their stored frames.
-    pub(super) witnesses: Option<Witnesses>,
+    /// Triangle that contains the deepest point, or a triangle of the facet.
+    pub(super) vertices: [MinkowskiPoint<T>; 3],
+    /// Deepest points of A and of B in their stored frames.
+    pub(super) witnesses: Option<WitnessPoints>,
     pub(super) features: Option<FeaturePair>,
-    /// Points the surface took in.
-    pub(super) grown: u32,
+    /// Number of points added to the surface.
+    pub(super) points_added: u32,
 }
 
-/// A direction, its height, and the features it comes from.
+/// A direction, the support along the direction, and the features it comes from.
 #[derive(Clone, Copy)]
 pub(super) struct Best<T> {
     pub(super) normal: Vec3<T>,
@@ -43,7 +43,7 @@ pub(super) struct Best<T> {
 }
 
 impl<T: Scalar> Best<T> {
-    /// Normal and height in f64.
+    /// Returns normal and height rounded to f64.
     pub(super) fn rounded(&self) -> (Vec3<f64>, f64) {
         (self.normal.map(Scalar::value), self.height.value())
     }

@@ -1,9 +1,10 @@
-//! The depth from the surface of the last answer.
+//! Resumes the depth from the surface of the previous answer.
 //!
-//! Taken up at another pose, a surface on points of the difference is as good a proof as any, once it is known to be about the
-//! origin. It is if it is closed and every triangle is seen from behind (each ray then meets only triangles that count one way). Where
-//! all of them are beyond the facet, the depth is proven in one pass, or by the facet itself where that covers the others
-//! ([`cover`](super::cover)); else it grows; a surface that has folded is dropped.
+//! A cached surface remains a valid certificate at a new pose if the surface still encloses the
+//! origin. A closed surface does if the origin lies behind every triangle, since every ray from the
+//! origin then crosses the surface outward only. If every triangle is beyond the facet, the depth
+//! is proven in a single pass; if the facet covers the triangles below target, by the facet itself
+//! ([`facet_disc`](super::facet_disc)); else the surface grows. A folded surface is dropped.
 
 use crate::num::scalar::{Vec3, sub};
 use crate::pair::difference::MinkowskiPoint;
@@ -14,21 +15,23 @@ use crate::polyhedron::FeaturePair;
 use crate::tolerance::{AGREE_DEPTH, SHIFTS};
 
 use crate::depth::facet::{facets, height_of};
-use crate::depth::facet_disc::{holds_disc, pierced, radius};
-use crate::depth::foot::{Witnesses, flush, foot};
-use crate::depth::memory::{MOST_POINTS, Memory, Room};
-use crate::depth::result::{Best, End, Found};
+use crate::depth::facet_disc::{disc_radius, holds_disc, pierced_facet};
+use crate::depth::foot::{WitnessPoints, flush, foot};
+use crate::depth::memory::{MAX_POINTS, Memory, Scratch};
+use crate::depth::result::{Best, SearchEnd, SearchResult};
 use crate::depth::search::{Search, search};
-use crate::depth::take;
-use crate::depth::verify_surface::{Pass, pass};
+use crate::depth::verify_surface::{SurfaceState, verify_surface};
+use crate::depth::write_result;
 
-/// Points for which a small list is enough.
+/// Most points of a small surface, whose positions fit the smaller array.
 const FEW_POINTS: usize = 34;
 
-/// So few weak triangles are those of a facet next to the last one.
-const FEW_WEAK: usize = 2;
+/// Most triangles below target for which their facets are tried: a few belong to a facet next to
+/// the last deepest facet.
+const FEW_TRIANGLES: usize = 2;
 
-/// The depth from the surface of the last answer; nothing is said of bodies that it no longer proves to overlap.
+/// Resumes the depth from the cached surface. Returns false, with no statement about the bodies, if
+/// the surface no longer proves an overlap.
 pub(crate) fn resume(posed: &PosedPair, memory: &mut Memory, outcome: &mut Outcome) -> bool {
     let Some(facet) = memory.facet.filter(|f| f.is_of(posed.a, posed.b)) else {
         return false;
@@ -42,147 +45,147 @@ pub(crate) fn resume(posed: &PosedPair, memory: &mut Memory, outcome: &mut Outco
         height,
         features: Some(facet),
     };
-    memory.within(|memory, room| {
+    memory.with_scratch(|memory, scratch| {
         if memory.triangles.is_empty() {
-            begin_anew(posed, &frame, memory, room, outcome)
+            restart(posed, &frame, memory, scratch, outcome)
         } else if memory.points.len() <= FEW_POINTS {
-            resume_among::<FEW_POINTS>(posed, &frame, (memory, room), best, outcome)
+            resume_with::<FEW_POINTS>(posed, &frame, (memory, scratch), best, outcome)
         } else {
-            resume_among::<MOST_POINTS>(posed, &frame, (memory, room), best, outcome)
+            resume_with::<MAX_POINTS>(posed, &frame, (memory, scratch), best, outcome)
         }
     })
 }
 
-/// The same, of a surface of up to `N` points.
-fn resume_among<const N: usize>(
+/// Resumes from a cached surface of at most `N` points.
+fn resume_with<const N: usize>(
     posed: &PosedPair,
     frame: &Transform<f64>,
-    (memory, room): (&mut Memory, &mut Room),
+    (memory, scratch): (&mut Memory, &mut Scratch),
     mut best: Best<f64>,
     outcome: &mut Outcome,
 ) -> bool {
-    let mut places = [[0.0; 3]; N];
-    for (place, &[a, b]) in places.iter_mut().zip(&memory.points) {
+    let mut positions = [[0.0; 3]; N];
+    for (position, &[a, b]) in positions.iter_mut().zip(&memory.points) {
         let (Some(p), Some(q)) = (posed.a.points.get(a as usize), posed.b.points.get(b as usize)) else {
             return false;
         };
-        *place = sub(&[p.x, p.y, p.z], &frame.point(q));
+        *position = sub(&[p.x, p.y, p.z], &frame.point(q));
     }
     let size = posed.size();
-    let mut shows = pass(&memory.triangles, &places, &best, size, &mut room.weak);
-    let places = &places[..memory.points.len()];
-    if let Pass::About = shows {
-        if let Some(witnesses) = memory.cover(posed, frame, (&room.weak, places), &mut best) {
-            (memory.facet, memory.stand) = (best.features, None);
-            answer(posed, &proven(&best, witnesses, size), outcome);
+    let mut state = verify_surface(&memory.triangles, &positions, &best, size, &mut scratch.below_target);
+    let positions = &positions[..memory.points.len()];
+    if let SurfaceState::Encloses = state {
+        if let Some(witnesses) = memory.prove_by_disc(posed, frame, (&scratch.below_target, positions), &mut best) {
+            (memory.facet, memory.witness_features) = (best.features, None);
+            write_overlap(posed, &proven(&best, witnesses, size), outcome);
             return true;
         }
-        if memory.lower_beside(posed, frame, &room.weak, &mut best) {
-            shows = pass(&memory.triangles, places, &best, size, &mut room.weak);
+        if memory.try_facets_of(posed, frame, &scratch.below_target, &mut best) {
+            state = verify_surface(&memory.triangles, positions, &best, size, &mut scratch.below_target);
         }
     }
-    let place = (places, best);
-    match shows {
-        Pass::Folded => begin_anew(posed, frame, memory, room, outcome),
-        Pass::Stands => {
-            let found = stand(posed, frame, (memory, room), place);
-            answer(posed, &found, outcome);
+    let start = (positions, best);
+    match state {
+        SurfaceState::Folded => restart(posed, frame, memory, scratch, outcome),
+        SurfaceState::Proven => {
+            let found = finish(posed, frame, (memory, scratch), start);
+            write_overlap(posed, &found, outcome);
             true
         }
-        Pass::About => grow(posed, frame, (memory, room), place, outcome),
+        SurfaceState::Encloses => grow(posed, frame, (memory, scratch), start, outcome),
     }
 }
 
-/// What is found where every triangle is beyond the facet.
+/// Returns the result if every triangle is beyond the facet.
 #[inline(always)]
-fn stand(
+fn finish(
     posed: &PosedPair,
     frame: &Transform<f64>,
-    (memory, room): (&mut Memory, &mut Room),
-    (places, best): (&[Vec3<f64>], Best<f64>),
-) -> Found<f64> {
+    (memory, scratch): (&mut Memory, &mut Scratch),
+    (positions, best): (&[Vec3<f64>], Best<f64>),
+) -> SearchResult<f64> {
     let size = posed.size();
-    match memory.stand(posed, &best) {
-        Some((features, witnesses)) => Found {
+    match memory.find_witnesses(posed, &best) {
+        Some((features, witnesses)) => SearchResult {
             features: Some(features),
             ..proven(&best, witnesses, size)
         },
         None => {
             let radius = best.height - AGREE_DEPTH * size;
-            memory.recall(room, places, radius);
-            Search::resumed(posed, frame, &mut room.surface, best).stands(radius)
+            memory.recall(scratch, positions, radius);
+            Search::resumed(posed, frame, &mut scratch.surface, best).proven(radius)
         }
     }
 }
 
-/// Grows the surface where it is short of the facet; whether it closed.
+/// Grows the surface at the triangles below target; returns whether the search closed.
 fn grow(
     posed: &PosedPair,
     frame: &Transform<f64>,
-    (memory, room): (&mut Memory, &mut Room),
-    (places, best): (&[Vec3<f64>], Best<f64>),
+    (memory, scratch): (&mut Memory, &mut Scratch),
+    (positions, best): (&[Vec3<f64>], Best<f64>),
     outcome: &mut Outcome,
 ) -> bool {
-    memory.recall(room, places, best.height - AGREE_DEPTH * posed.size());
-    let found = Search::resumed(posed, frame, &mut room.surface, best).run(frame, 0.0);
-    if found.end != End::Closed {
-        outcome.work.points_added += found.grown;
+    memory.recall(scratch, positions, best.height - AGREE_DEPTH * posed.size());
+    let found = Search::resumed(posed, frame, &mut scratch.surface, best).run(frame, 0.0);
+    if found.end != SearchEnd::Closed {
+        outcome.work.points_added += found.points_added;
         return false;
     }
-    answer(posed, &found, outcome);
-    if found.grown > 0 {
-        memory.keep(&room.surface, outcome.features, Some(memory.built));
+    write_overlap(posed, &found, outcome);
+    if found.points_added > 0 {
+        memory.keep(&scratch.surface, outcome.features, Some(memory.built));
     } else {
         memory.facet = Some(outcome.features);
     }
     true
 }
 
-/// From the features of the facet instead of a surface that has folded.
-fn begin_anew(
+/// Searches again from the features of the facet, instead of from a folded surface.
+fn restart(
     posed: &PosedPair,
     frame: &Transform<f64>,
     memory: &mut Memory,
-    room: &mut Room,
+    scratch: &mut Scratch,
     outcome: &mut Outcome,
 ) -> bool {
     let Some(facet) = memory.facet else { return false };
-    match search(posed, frame, facet, &SHIFTS[..1], &mut room.surface) {
-        Some(found) if found.end == End::Closed => {
-            answer(posed, &found, outcome);
-            memory.keep(&room.surface, outcome.features, None);
+    match search(posed, frame, facet, &SHIFTS[..1], &mut scratch.surface) {
+        Some(found) if found.end == SearchEnd::Closed => {
+            write_overlap(posed, &found, outcome);
+            memory.keep(&scratch.surface, outcome.features, None);
             true
         }
         _ => false,
     }
 }
 
-/// What is found where every triangle is beyond the facet and the facet holds the deepest points.
-fn proven(best: &Best<f64>, witnesses: Witnesses, size: f64) -> Found<f64> {
-    Found {
-        end: End::Closed,
+/// Returns the result if every triangle is beyond the facet and the facet has witnesses.
+fn proven(best: &Best<f64>, witnesses: WitnessPoints, size: f64) -> SearchResult<f64> {
+    SearchResult {
+        end: SearchEnd::Closed,
         normal: best.normal,
         height: best.height,
         radius: best.height - AGREE_DEPTH * size,
-        corners: [MinkowskiPoint::default(); 3],
+        vertices: [MinkowskiPoint::default(); 3],
         witnesses: Some(witnesses),
         features: best.features,
-        grown: 0,
+        points_added: 0,
     }
 }
 
-fn answer(posed: &PosedPair, found: &Found<f64>, outcome: &mut Outcome) {
+fn write_overlap(posed: &PosedPair, found: &SearchResult<f64>, outcome: &mut Outcome) {
     outcome.class = Class::Overlapping;
     outcome.solver = Solver::Surface;
     outcome.lower = f64::NEG_INFINITY;
     outcome.work.depths += 1;
-    take(posed, found, outcome);
+    write_result(posed, found, outcome);
 }
 
 impl Best<f64> {
-    /// Tries the facets that triangles of three points, as vertices of A and of B, may lie in; whether the difference is lower along
-    /// one of them.
-    fn lower(
+    /// Tries the facets that may contain triangles, each given by three vertices of A and of B;
+    /// returns whether the support along a facet normal is lower.
+    fn try_facets(
         &mut self,
         posed: &PosedPair,
         frame: &Transform<f64>,
@@ -203,79 +206,89 @@ impl Best<f64> {
 }
 
 impl Memory {
-    /// Tries the facets of the weak triangles, if they are few; whether the difference is lower along one of them.
-    fn lower_beside(&self, posed: &PosedPair, frame: &Transform<f64>, weak: &[u32], best: &mut Best<f64>) -> bool {
-        let corners = weak.iter().map(|t| self.corners(*t));
-        let names = corners.map(|at| [0, 1].map(|side| at.map(|k| self.points[k][side])));
-        weak.len() <= FEW_WEAK && best.lower(posed, frame, names)
-    }
-
-    /// The radius of the disc that covers what the weak triangles are short of, if it is worth a try.
-    fn disc(&self, weak: &[u32], places: &[Vec3<f64>], best: &Best<f64>, size: f64) -> Option<f64> {
-        let triangles = weak.iter().map(|t| self.corners(*t).map(|k| places[k]));
-        radius(triangles, best, size)
-    }
-
-    /// Makes the facet over the weak triangles the best, if that is lower; the witnesses on the best where it covers what they are
-    /// short of. What is beyond the old height is beyond a lower one, so no other triangle counts.
-    fn cover(
+    /// Tries the facets of the triangles below target if there are few; returns whether the support
+    /// along a facet normal is lower.
+    fn try_facets_of(
         &self,
         posed: &PosedPair,
         frame: &Transform<f64>,
-        (weak, places): (&[u32], &[Vec3<f64>]),
+        below_target: &[u32],
         best: &mut Best<f64>,
-    ) -> Option<Witnesses> {
-        self.disc(weak, places, best, posed.size())?;
-        let corner = |k: usize| {
+    ) -> bool {
+        let vertices = below_target.iter().map(|t| self.vertices(*t));
+        let vertex_pairs = vertices.map(|at| [0, 1].map(|side| at.map(|k| self.points[k][side])));
+        below_target.len() <= FEW_TRIANGLES && best.try_facets(posed, frame, vertex_pairs)
+    }
+
+    /// Returns the radius of the disc that covers for the triangles below target, if worth a try.
+    fn disc(&self, below_target: &[u32], positions: &[Vec3<f64>], best: &Best<f64>, size: f64) -> Option<f64> {
+        let triangles = below_target.iter().map(|t| self.vertices(*t).map(|k| positions[k]));
+        disc_radius(triangles, best, size)
+    }
+
+    /// Makes the facet over the triangles below target the best if its support is lower. Returns
+    /// the witnesses on the best facet if the facet covers for the triangles below target. A
+    /// triangle beyond the old height is beyond a lower height, so no further triangle matters.
+    fn prove_by_disc(
+        &self,
+        posed: &PosedPair,
+        frame: &Transform<f64>,
+        (below_target, positions): (&[u32], &[Vec3<f64>]),
+        best: &mut Best<f64>,
+    ) -> Option<WitnessPoints> {
+        self.disc(below_target, positions, best, posed.size())?;
+        let vertex = |k: usize| {
             let [a, b] = self.points[k];
-            MinkowskiPoint { a, b, w: places[k] }
+            MinkowskiPoint { a, b, w: positions[k] }
         };
-        let known = (0..places.len()).map(corner);
+        let known = (0..positions.len()).map(vertex);
         let axis = best.normal;
-        let found = weak
+        let found = below_target
             .iter()
-            .find_map(|t| pierced(posed, frame, &axis, known.clone(), self.corners(*t).map(corner)));
-        let names = found.map(|c| [c.map(|c| c.a), c.map(|c| c.b)]);
-        best.lower(posed, frame, names.into_iter());
-        let rho = self.disc(weak, places, best, posed.size())?;
+            .find_map(|t| pierced_facet(posed, frame, &axis, known.clone(), self.vertices(*t).map(vertex)));
+        let vertex_pairs = found.map(|c| [c.map(|c| c.a), c.map(|c| c.b)]);
+        best.try_facets(posed, frame, vertex_pairs.into_iter());
+        let rho = self.disc(below_target, positions, best, posed.size())?;
         let (facet, at) = (best.features?, best.rounded());
         let witnesses = foot(posed, facet, &at)?;
         holds_disc(posed, facet, &witnesses, &at, rho).then_some(witnesses)
     }
 
-    /// Takes over the deepest facet, and finds features that hold the witnesses: mostly its own.
+    /// Makes the deepest facet the current facet and returns features with witnesses: mostly the
+    /// facet's own.
     #[inline(always)]
-    fn stand(&mut self, posed: &PosedPair, best: &Best<f64>) -> Option<(FeaturePair, Witnesses)> {
+    fn find_witnesses(&mut self, posed: &PosedPair, best: &Best<f64>) -> Option<(FeaturePair, WitnessPoints)> {
         let (facet, at) = (best.features?, best.rounded());
         self.facet = Some(facet);
-        if self.stand.is_none()
+        if self.witness_features.is_none()
             && let Some(witnesses) = foot(posed, facet, &at)
         {
             return Some((facet, witnesses));
         }
-        self.stand_elsewhere(posed, facet, &at)
+        self.find_other_witnesses(posed, facet, &at)
     }
 
-    /// The features of the last answer, the facet's own or, of faces flush on each other, others.
+    /// Returns witnesses on the features of the previous answer, on the facet's own or, if faces
+    /// lie flush, on another feature pair.
     #[cold]
     #[inline(never)]
-    fn stand_elsewhere(
+    fn find_other_witnesses(
         &mut self,
         posed: &PosedPair,
         facet: FeaturePair,
         at: &(Vec3<f64>, f64),
-    ) -> Option<(FeaturePair, Witnesses)> {
-        let old = self.stand.take().filter(|f| f.is_of(posed.a, posed.b));
+    ) -> Option<(FeaturePair, WitnessPoints)> {
+        let old = self.witness_features.take().filter(|f| f.is_of(posed.a, posed.b));
         let held = |f: FeaturePair| Some((f, foot(posed, f, at)?));
         let own = || held(facet).or_else(|| flush(posed, facet, at));
         let (features, witnesses) = old.and_then(held).or_else(own)?;
         let face = |f: &FeaturePair| [f.a, f.b].into_iter().find(|x| x.dimension() == 2);
         let is_same = face(&features).is_some() && face(&features) == face(&facet);
-        // Another vertex on the same face names the same facet.
+        // A different vertex on the same face names the same facet.
         if is_same && (features.a.dimension() == 2) == (facet.a.dimension() == 2) {
             self.facet = Some(features);
         } else {
-            self.stand = Some(features);
+            self.witness_features = Some(features);
         }
         Some((features, witnesses))
     }

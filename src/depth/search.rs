@@ -1,4 +1,5 @@
-//! The search for the deepest facet: a surface grown at its nearest triangle until that is known to lie on the border.
+//! Search for the deepest facet: grows a surface at the nearest triangle until the triangle is
+//! proven to lie on the boundary of A - B.
 
 use crate::minimum::gjk::{Minimum, solve};
 use crate::minimum::simplex::Simplex;
@@ -13,104 +14,111 @@ use crate::tolerance::{AGREE_DEPTH, ALMOST_FLAT, ASIDE, CERTIFICATE, PLATEAU, UN
 
 use crate::depth::direction::unit;
 use crate::depth::facet::{facets, height_of, normal_of};
-use crate::depth::result::{Best, End, Found};
-use crate::depth::surface::{Filter, Surface};
+use crate::depth::result::{Best, SearchEnd, SearchResult};
+use crate::depth::surface::{EnclosingSurface, Filter};
 
-/// Points that may come twice before a surface counts as folded.
+/// Repeated points after which a surface counts as folded.
 const REPEATS: u32 = 16;
 
-/// A surface on its way to the deepest facet.
+/// A surface on the way to the deepest facet.
 pub(super) struct Search<'a, T: Scalar> {
     pub(super) posed: &'a PosedPair<'a>,
     frame: Transform<T>,
-    /// Whether B is shifted off its place.
+    /// Whether B is perturbed off its pose.
     is_shifted: bool,
-    pub(super) surface: &'a mut Surface<T>,
+    pub(super) surface: &'a mut EnclosingSurface<T>,
     filter: Filter<T>,
     best: Option<Best<T>>,
     size: T,
-    grown: u32,
+    points_added: u32,
     repeats: u32,
 }
 
-/// Searches from the features of an overlap, about the origin or, one after the other, points shifted off it. The best that
-/// was found where none closes; where one does, `surface` is its.
+/// Searches from the features of an overlap, about the origin or, in turn, about perturbed points.
+/// Returns the best result if no search closes; if a search closes, `surface` is its surface.
 pub(super) fn search<T: Scalar>(
     posed: &PosedPair,
     frame: &Transform<T>,
     from: FeaturePair,
     shifts: &[f64],
-    surface: &mut Surface<T>,
-) -> Option<Found<T>> {
-    let mut found: Option<Found<T>> = None;
-    let mut grown = 0;
+    surface: &mut EnclosingSurface<T>,
+) -> Option<SearchResult<T>> {
+    let mut found: Option<SearchResult<T>> = None;
+    let mut points_added = 0;
     for &shift in shifts {
-        let now = match Search::about(posed, frame, from, shift, surface) {
+        let now = match Search::enclosing(posed, frame, from, shift, surface) {
             Ok(mut search) => search.run(frame, shift),
             Err(found) => found,
         };
-        grown += now.grown;
-        let (end, open) = (now.end, now.height - now.radius);
-        if found.as_ref().is_none_or(|f| open < f.height - f.radius) {
+        points_added += now.points_added;
+        let (end, gap) = (now.end, now.height - now.radius);
+        if found.as_ref().is_none_or(|f| gap < f.height - f.radius) {
             found = Some(now);
         }
-        if end != End::Stuck {
+        if end != SearchEnd::Stuck {
             break;
         }
     }
-    found.map(|f| Found { grown, ..f })
+    found.map(|f| SearchResult { points_added, ..f })
 }
 
-/// What a solver knows of an origin that it cannot tell from the border: a direction and its height.
-fn flat<T: Scalar>(posed: &PosedPair, frame: &Transform<T>, simplex: &Simplex<T>, toward: &Vec3<T>) -> Found<T> {
+/// Returns the result when GJK cannot decide whether the origin is inside: the last direction and
+/// the support along the direction, an upper bound of the depth.
+fn undecided<T: Scalar>(
+    posed: &PosedPair,
+    frame: &Transform<T>,
+    simplex: &Simplex<T>,
+    toward: &Vec3<T>,
+) -> SearchResult<T> {
     let zero = T::from(0.0);
     let n = unit(&neg(toward));
     let is_unit = dot(&n, &n).value() > 0.5;
     let normal = if is_unit { n } else { [T::from(1.0), zero, zero] };
     let hint = simplex.points()[0];
     let height = dot(&normal, &support(posed, frame, &normal, &hint).w);
-    Found {
-        end: End::Stuck,
+    SearchResult {
+        end: SearchEnd::Stuck,
         normal,
         height,
         radius: zero,
-        corners: core::array::from_fn(|k| simplex.points()[k.min(simplex.len() - 1)]),
-        // No points of the border, but ones that nearly coincide.
+        vertices: core::array::from_fn(|k| simplex.points()[k.min(simplex.len() - 1)]),
+        // Not boundary points of A - B, but nearly coincident points.
         witnesses: (simplex.witness_distance() <= T::from(AGREE_DEPTH * posed.size()))
             .then(|| witnesses(posed, simplex)),
         features: None,
-        grown: 0,
+        points_added: 0,
     }
 }
 
 impl<'a, T: Scalar> Search<'a, T> {
-    /// From the tetrahedron that proves a point beside the origin inside; without one, what the solver found instead:
-    /// of a point outside, a direction along which the origin is not deeper than the shift.
-    fn about(
+    /// Starts from the tetrahedron that proves a perturbed origin to be inside. Without a
+    /// tetrahedron, returns the solver's result: if the point is outside, a direction along which
+    /// the origin is at most as deep as the perturbation.
+    fn enclosing(
         posed: &'a PosedPair<'a>,
         frame: &Transform<T>,
         from: FeaturePair,
         shift: f64,
-        surface: &'a mut Surface<T>,
-    ) -> Result<Self, Found<T>> {
+        surface: &'a mut EnclosingSurface<T>,
+    ) -> Result<Self, SearchResult<T>> {
         let size = posed.error_scale::<T>().total();
         let mut shifted = *frame;
-        for (t, aside) in shifted.translation.iter_mut().zip(ASIDE) {
-            *t = *t + T::from(aside * shift * size);
+        for (t, offset) in shifted.translation.iter_mut().zip(ASIDE) {
+            *t = *t + T::from(offset * shift * size);
         }
         let simplex = match solve(posed, &shifted, from) {
             Minimum::Inside { simplex } => simplex,
-            Minimum::Outside { simplex, direction, .. } => return Err(flat(posed, frame, &simplex, &direction)),
+            Minimum::Outside { simplex, direction, .. } => return Err(undecided(posed, frame, &simplex, &direction)),
         };
         if !surface.start(simplex.points()) {
-            return Err(flat(posed, frame, &simplex, &simplex.direction()));
+            return Err(undecided(posed, frame, &simplex, &simplex.direction()));
         }
         let mut search = Self::new(posed, &shifted, surface);
         search.is_shifted = shift != 0.0;
         Ok(search)
     }
 
-    fn new(posed: &'a PosedPair<'a>, frame: &Transform<T>, surface: &'a mut Surface<T>) -> Self {
+    fn new(posed: &'a PosedPair<'a>, frame: &Transform<T>, surface: &'a mut EnclosingSurface<T>) -> Self {
         let size = posed.error_scale::<T>().total();
         Self {
             posed,
@@ -123,16 +131,16 @@ impl<'a, T: Scalar> Search<'a, T> {
             },
             best: None,
             size: T::from(size),
-            grown: 0,
+            points_added: 0,
             repeats: 0,
         }
     }
 
-    /// From a surface that is about the origin, and a direction.
+    /// Continues from a surface that encloses the origin, and a direction.
     pub(super) fn resumed(
         posed: &'a PosedPair<'a>,
         frame: &Transform<T>,
-        surface: &'a mut Surface<T>,
+        surface: &'a mut EnclosingSurface<T>,
         best: Best<T>,
     ) -> Self {
         let mut search = Self::new(posed, frame, surface);
@@ -140,65 +148,68 @@ impl<'a, T: Scalar> Search<'a, T> {
         search
     }
 
-    /// Of a surface of which every triangle is known to be beyond `radius`, as far as the best direction.
-    pub(super) fn stands(&mut self, radius: T) -> Found<T> {
-        Found {
+    /// Returns the result for a surface whose triangles are all known to be beyond `radius`, up to
+    /// the best direction.
+    pub(super) fn proven(&mut self, radius: T) -> SearchResult<T> {
+        SearchResult {
             radius,
-            ..self.end(End::Closed, true)
+            ..self.end(SearchEnd::Closed, true)
         }
     }
 
-    /// Takes the direction if it is the best: triangles as far as it is high are then beyond doubt.
+    /// Keeps the direction if its support is the lowest so far: triangles beyond the support then
+    /// need no further work.
     fn improve(&mut self, b: Best<T>) {
-        // No direction has no height; NaN is no better than anything.
+        // A zero vector has no support; NaN is never better.
         if dot(&b.normal, &b.normal).value() > 0.5 && self.best.is_none_or(|best| b.height < best.height) {
-            self.surface.expect(b.height - self.open(T::UNIT));
+            self.surface.set_target(b.height - self.accepted_gap(T::UNIT));
             self.best = Some(b);
         }
     }
 
-    /// How far height and bound may be apart, for the rounding of an arithmetic.
-    fn open(&self, rounding: f64) -> T {
+    /// Returns the accepted gap between support and bound, for the rounding of an arithmetic.
+    fn accepted_gap(&self, rounding: f64) -> T {
         T::from(AGREE_DEPTH / UNIT * rounding) * self.size
     }
 
-    /// Grows until the ball about the shifted point holds the origin, then about the origin.
-    pub(super) fn run(&mut self, frame: &Transform<T>, shift: f64) -> Found<T> {
+    /// Grows until the ball about the perturbed point contains the origin, then about the origin.
+    pub(super) fn run(&mut self, frame: &Transform<T>, shift: f64) -> SearchResult<T> {
         if shift != 0.0 {
-            // ASIDE is no longer than one.
+            // The length of ASIDE is at most one.
             let reached = self.grow(Some(
                 T::from(shift.abs()) * self.size + self.filter.margin + self.filter.margin,
             ));
             (self.frame, self.is_shifted) = (*frame, false);
             let posed = self.posed;
-            self.surface.place(|c| difference_point(posed, frame, c.a, c.b));
+            self.surface.reposition(|c| difference_point(posed, frame, c.a, c.b));
             self.best = None;
             if !reached {
-                return self.end(End::Stuck, false);
+                return self.end(SearchEnd::Stuck, false);
             }
         }
-        let end = if self.grow(None) || self.is_good() {
-            End::Closed
+        let end = if self.grow(None) || self.has_close_bounds() {
+            SearchEnd::Closed
         } else if self.is_full() {
-            End::Full
+            SearchEnd::Full
         } else {
-            End::Stuck
+            SearchEnd::Stuck
         };
         self.end(end, true)
     }
 
-    /// Whether the bounds agree as well as they have to, though they might do better in a finer arithmetic.
-    fn is_good(&mut self) -> bool {
+    /// Returns whether the bounds agree as closely as required, though a finer arithmetic might
+    /// improve them.
+    fn has_close_bounds(&mut self) -> bool {
         let bound = self.bound();
         self.best
             .is_some_and(|b| b.height - bound <= T::from(AGREE_DEPTH * self.posed.size()))
     }
 
-    /// What every triangle is beyond.
+    /// Returns the height that every triangle is beyond.
     fn bound(&mut self) -> T {
         match self.surface.weakest() {
             Some(t) => self.surface.triangles[t as usize].bound,
-            None => self.surface.enough(),
+            None => self.surface.target(),
         }
     }
 
@@ -207,43 +218,45 @@ impl<'a, T: Scalar> Search<'a, T> {
         self.surface.triangles.len() > 64 * vertices + 1024
     }
 
-    /// Grows the surface: whether every triangle came to be beyond `goal` or, without one, the bounds agree.
+    /// Grows the surface; returns whether every triangle is beyond `goal` or, without a goal,
+    /// whether the bounds agree.
     fn grow(&mut self, goal: Option<T>) -> bool {
         while !self.is_full() {
             let Some(t) = self.surface.weakest() else {
-                return goal.is_none_or(|goal| self.surface.enough() > goal);
+                return goal.is_none_or(|goal| self.surface.target() > goal);
             };
             let bound = self.surface.triangles[t as usize].bound;
             if goal.is_some_and(|goal| bound > goal) {
                 return true;
             }
-            if self.best.is_some_and(|b| self.surface.raise(t, &b.normal)) {
+            if self.best.is_some_and(|b| self.surface.improve_bound(t, &b.normal)) {
                 continue;
             }
-            // Comparisons are written so that NaN ends the search.
+            // NaN ends the search.
             if !(bound > self.filter.margin) {
                 return false;
             }
             let direction = self.surface.triangles[t as usize].direction;
             let top = self.probe(t, &direction);
             let gain = dot(&direction, &top.w) - bound;
-            if gain < T::from(ALMOST_FLAT) * self.size && self.probe_facets(t) || bound >= self.surface.enough() {
+            if gain < T::from(ALMOST_FLAT) * self.size && self.probe_facets(t) || bound >= self.surface.target() {
                 continue;
             }
-            let top = self.in_sight(t, top);
-            if !(gain > T::from(0.0)) || !self.is_worth(&top) {
+            let top = self.visible_point(t, top);
+            if !(gain > T::from(0.0)) || !self.has_few_repeats(&top) {
                 return false;
             }
-            self.grown += 1;
+            self.points_added += 1;
             self.surface.insert(t, top, &self.filter);
         }
         false
     }
 
-    /// A point outside the plane of a triangle, so that the surface stays convex: the one found or, where that was along a
-    /// direction from elsewhere and is not, the highest along the normal.
-    fn in_sight(&mut self, t: u32, top: MinkowskiPoint<T>) -> MinkowskiPoint<T> {
-        if self.surface.sees(t, &top.w, &self.filter) {
+    /// Returns a point outside the plane of a triangle, which keeps the surface convex: `top` or,
+    /// if `top` was found along a foreign direction and lies inside, the support point along the
+    /// normal.
+    fn visible_point(&mut self, t: u32, top: MinkowskiPoint<T>) -> MinkowskiPoint<T> {
+        if self.surface.is_visible(t, &top.w, &self.filter) {
             return top;
         }
         let outward = self.surface.triangles[t as usize].outward;
@@ -251,24 +264,25 @@ impl<'a, T: Scalar> Search<'a, T> {
             return top;
         }
         let other = self.probe(t, &outward);
-        if self.surface.sees(t, &other.w, &self.filter) {
+        if self.surface.is_visible(t, &other.w, &self.filter) {
             other
         } else {
             top
         }
     }
 
-    /// Counts points that are there already.
-    fn is_worth(&mut self, c: &MinkowskiPoint<T>) -> bool {
-        if self.surface.knows(c) {
+    /// Counts points already on the surface; returns whether repeats are still few.
+    fn has_few_repeats(&mut self, c: &MinkowskiPoint<T>) -> bool {
+        if self.surface.contains_pair(c) {
             self.repeats += 1;
         }
         self.repeats < REPEATS
     }
 
-    /// The highest point of the difference along a unit direction; the direction is kept if it is the best.
+    /// Returns the support point of A - B along a unit direction, and keeps the direction if the
+    /// best.
     fn probe(&mut self, t: u32, n: &Vec3<T>) -> MinkowskiPoint<T> {
-        let top = support(self.posed, &self.frame, n, &self.surface.corners(t)[0]);
+        let top = support(self.posed, &self.frame, n, &self.surface.vertices(t)[0]);
         self.improve(Best {
             normal: *n,
             height: dot(n, &top.w),
@@ -277,13 +291,14 @@ impl<'a, T: Scalar> Search<'a, T> {
         top
     }
 
-    /// Tries the facets that the triangle may lie in; whether the normal of one of them raises its bound.
+    /// Tries the facets that may contain the triangle; returns whether a facet normal raised the
+    /// bound.
     fn probe_facets(&mut self, t: u32) -> bool {
-        let corners = self.surface.corners(t);
-        let mut raised = false;
-        let facets = facets(self.posed, &corners.map(|c| c.a), &corners.map(|c| c.b));
+        let vertices = self.surface.vertices(t);
+        let mut improved = false;
+        let facets = facets(self.posed, &vertices.map(|c| c.a), &vertices.map(|c| c.b));
         for facet in facets.into_iter().flatten() {
-            let Some((normal, height)) = self.height_of(facet, &corners[0]) else {
+            let Some((normal, height)) = self.height_of(facet, &vertices[0]) else {
                 continue;
             };
             self.improve(Best {
@@ -291,12 +306,13 @@ impl<'a, T: Scalar> Search<'a, T> {
                 height,
                 features: Some(facet),
             });
-            raised |= self.surface.raise(t, &normal);
+            improved |= self.surface.improve_bound(t, &normal);
         }
-        raised
+        improved
     }
 
-    /// The normal of a facet that holds `on`, and the height along it: by the planes of the bodies where those are where they belong.
+    /// Returns the normal of a facet that contains `on`, and the support along the normal: from the
+    /// face planes if the arithmetic is f64 and B is not perturbed.
     fn height_of(&self, facet: FeaturePair, on: &MinkowskiPoint<T>) -> Option<(Vec3<T>, T)> {
         if T::UNIT == UNIT && !self.is_shifted {
             let (n, height) = height_of(self.posed, &Transform::of(self.posed), facet)?;
@@ -306,8 +322,8 @@ impl<'a, T: Scalar> Search<'a, T> {
         Some((n, dot(&n, &support(self.posed, &self.frame, &n, on).w)))
     }
 
-    /// What is known; `winds` if the surface is about the origin.
-    fn end(&mut self, end: End, winds: bool) -> Found<T> {
+    /// Returns the final result; `winds` must be true only if the surface encloses the origin.
+    fn end(&mut self, end: SearchEnd, winds: bool) -> SearchResult<T> {
         let zero = T::from(0.0);
         let weakest = self.surface.weakest();
         if self.best.is_none() {
@@ -321,16 +337,16 @@ impl<'a, T: Scalar> Search<'a, T> {
             height: T::from(f64::INFINITY),
             features: None,
         });
-        let (corners, witnesses) = self.deepest(&best, weakest.unwrap_or(0), end);
-        Found {
+        let (vertices, witnesses) = self.deepest(&best, weakest.unwrap_or(0), end);
+        SearchResult {
             end,
             normal: best.normal,
             height: best.height,
             radius: if winds && bound > zero { bound } else { zero },
-            corners,
+            vertices,
             witnesses: Some(witnesses),
             features: best.features,
-            grown: self.grown,
+            points_added: self.points_added,
         }
     }
 }

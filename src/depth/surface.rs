@@ -1,136 +1,140 @@
-//! A closed surface of triangles on points of the Minkowski difference: how near each may be, and which is the nearest. How it takes in
-//! a point: [`grow`].
+//! A closed surface of triangles on points of A - B, with a lower bound of each triangle's distance
+//! from the origin and the triangle of least bound. Insertion of a point: [`grow`].
 //!
-//! Invariant: the surface winds once about the origin. It holds for the first tetrahedron, whose volumes prove it, and
-//! each step keeps it: a triangle is replaced only by way of the tetrahedron of it and the new point, and that lies on the far
-//! side of a plane that the origin is certainly beneath. So the hull of the points holds the ball about the origin that no
-//! triangle reaches into, however the surface is folded.
+//! Invariant: the surface winds once about the origin. The four volumes prove the invariant for the
+//! first tetrahedron, and each step preserves it: a triangle is replaced only by way of the
+//! tetrahedron of the triangle and the new point, on the far side of a plane with the origin
+//! certainly beneath. So the hull of the points contains the ball about the origin that no triangle
+//! enters, however folded the surface is.
 
 mod grow;
-mod names;
+mod vertex_pairs;
 
 use alloc::vec::Vec;
 
-use crate::depth::direction::{least, normal, unit};
-use crate::depth::memory::MOST;
-use crate::depth::queue::{Entry, Queue};
+use crate::depth::direction::{min_height, normal, unit};
+use crate::depth::memory::MAX_TRIANGLES;
+use crate::depth::queue::{Queue, QueuedTriangle};
 use crate::minimum::simplex::Simplex;
 use crate::num::scalar::{Scalar, Vec3, cross, dot, sub};
 use crate::pair::difference::MinkowskiPoint;
-use grow::Border;
-use names::Names;
+use grow::HorizonEdge;
+use vertex_pairs::VertexPairs;
 
-/// So many points are looked through, hardly later than looked up: those that a tracker takes room for, so that queries allocate nothing.
-const SCANNED: usize = MOST;
+/// Most points searched linearly, hardly slower than by hashing: as many as a tracker allocates
+/// for, so queries allocate nothing.
+const SCANNED: usize = MAX_TRIANGLES;
 
-/// One triangle, its corners counter-clockwise seen from outside.
+/// A triangle with its vertices counter-clockwise seen from outside.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Triangle<T> {
-    pub(super) corners: [u32; 3],
-    /// The triangle across the edge from corner k to corner k + 1.
-    beside: [u32; 3],
-    /// Unit normal of its plane; zero where it has none.
+pub(super) struct SurfaceTriangle<T> {
+    pub(super) vertices: [u32; 3],
+    /// Triangle across the edge from vertex k to vertex k + 1.
+    neighbours: [u32; 3],
+    /// Unit normal of the triangle's plane; zero if degenerate.
     pub(super) outward: Vec3<T>,
-    /// How high its lowest corner is along that.
+    /// Height of the lowest vertex along `outward`.
     level: T,
-    /// A unit direction along which all three corners are at least `bound` high: the triangle is no nearer.
+    /// Unit direction along which all three vertices are at least `bound` high: no point of the
+    /// triangle is nearer to the origin.
     pub(super) direction: Vec3<T>,
     pub(super) bound: T,
-    state: Measured,
-    /// The last flood that looked at it.
+    state: BoundState,
+    /// Number of the last flood to visit the triangle.
     flood: u32,
 }
 
-/// What is known of a triangle.
+/// How far the bound of a triangle has been computed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-enum Measured {
-    /// That it is beyond what is of interest, and nothing else.
+enum BoundState {
+    /// Known to be beyond the target, nothing else.
     #[default]
-    Not,
-    /// Its normal, and the bound from that.
-    Plane,
-    /// The best bound: that of the direction of its nearest point, where rounding or the triangle's place spoils the normal's.
-    Whole,
+    Unmeasured,
+    /// Normal, and the bound along the normal.
+    AlongNormal,
+    /// Best bound: along the direction of the nearest point if rounding or an obtuse position
+    /// spoils the bound along the normal.
+    Best,
 }
 
-/// What rounding asks of a flood.
+/// Rounding margins of the visibility test.
 pub(super) struct Filter<T> {
-    /// Heights above this are certainly positive.
+    /// Heights above `margin` are certainly positive.
     pub(super) margin: T,
-    /// A point this far above a plane is outside it.
+    /// A point more than `noise` above a plane is outside the plane.
     pub(super) noise: T,
 }
 
-/// The surface, and room to work in.
+/// The surface and its working memory.
 #[derive(Clone, Debug)]
-pub(super) struct Surface<T> {
+pub(super) struct EnclosingSurface<T> {
     pub(super) points: Vec<MinkowskiPoint<T>>,
-    /// The vertices of the first points, where there are many.
-    names: Names,
-    pub(super) triangles: Vec<Triangle<T>>,
-    /// Those that are not known to be beyond `enough`.
+    /// Vertex pairs of the first points, if there are many points.
+    vertex_pairs: VertexPairs,
+    pub(super) triangles: Vec<SurfaceTriangle<T>>,
+    /// Triangles not known to be beyond `target`.
     queue: Queue,
-    /// Triangles beyond this are of no interest.
-    enough: T,
+    /// Triangles beyond this height need no work.
+    target: T,
     floods: u32,
-    /// Triangles that see the new point, and the border round them.
+    /// Triangles visible from the new point, and the horizon around them.
     visible: Vec<u32>,
-    border: Vec<Border>,
-    /// Where the edges of the border begin, in order.
+    horizon: Vec<HorizonEdge>,
+    /// Start vertices of the horizon edges, sorted.
     starts: Vec<u32>,
 }
 
-impl<T> Surface<T> {
-    /// Bytes on the heap.
+impl<T> EnclosingSurface<T> {
+    /// Returns the allocated bytes on the heap.
     pub(super) fn heap_bytes(&self) -> usize {
         self.points.capacity() * size_of::<MinkowskiPoint<T>>()
-            + self.triangles.capacity() * size_of::<Triangle<T>>()
-            + self.names.heap_bytes()
+            + self.triangles.capacity() * size_of::<SurfaceTriangle<T>>()
+            + self.vertex_pairs.heap_bytes()
             + self.queue.heap_bytes()
             + (self.visible.capacity() + self.starts.capacity()) * size_of::<u32>()
-            + self.border.capacity() * size_of::<Border>()
+            + self.horizon.capacity() * size_of::<HorizonEdge>()
     }
 }
 
-impl<T: Scalar> Surface<T> {
-    /// One without triangles.
+impl<T: Scalar> EnclosingSurface<T> {
+    /// Returns a surface without triangles.
     pub(super) fn new() -> Self {
         Self {
             points: Vec::new(),
-            names: Names::default(),
+            vertex_pairs: VertexPairs::default(),
             triangles: Vec::new(),
             queue: Queue::default(),
-            enough: T::from(f64::INFINITY),
+            target: T::from(f64::INFINITY),
             floods: 0,
             visible: Vec::new(),
-            border: Vec::new(),
+            horizon: Vec::new(),
             starts: Vec::new(),
         }
     }
 
-    /// Takes room for so many triangles.
+    /// Allocates for the given number of triangles.
     pub(super) fn reserve(&mut self, triangles: usize) {
         self.points.reserve(triangles);
         self.triangles.reserve(triangles);
         self.queue.reserve(2 * triangles);
         self.visible.reserve(triangles);
-        self.border.reserve(triangles);
+        self.horizon.reserve(triangles);
         self.starts.reserve(triangles);
     }
 
-    /// Without points and triangles, and interested in what is not beyond `enough`.
-    pub(super) fn clear(&mut self, enough: T) {
+    /// Removes all points and triangles and sets the target.
+    pub(super) fn clear(&mut self, target: T) {
         self.points.clear();
-        self.names.clear();
+        self.vertex_pairs.clear();
         self.triangles.clear();
         self.queue.clear();
-        self.enough = enough;
+        self.target = target;
         self.floods = 0;
     }
 
-    /// Makes it the tetrahedron of four corners; whether there are four.
-    pub(super) fn start(&mut self, corners: &[MinkowskiPoint<T>]) -> bool {
-        let Ok([p, q, r, s]) = <&[MinkowskiPoint<T>; 4]>::try_from(corners) else {
+    /// Resets the surface to the tetrahedron of four points; returns false if not given four.
+    pub(super) fn start(&mut self, vertices: &[MinkowskiPoint<T>]) -> bool {
+        let Ok([p, q, r, s]) = <&[MinkowskiPoint<T>; 4]>::try_from(vertices) else {
             return false;
         };
         let (u, v, x) = (sub(&q.w, &p.w), sub(&r.w, &p.w), sub(&s.w, &p.w));
@@ -138,85 +142,88 @@ impl<T: Scalar> Surface<T> {
         self.clear(T::from(f64::INFINITY));
         self.points
             .extend_from_slice(&if right { [*p, *q, *r, *s] } else { [*q, *p, *r, *s] });
-        // Across its edges, by the numbers of the faces in this list.
+        // Vertices and adjacent faces, numbered as in this list.
         let faces = [
             ([0, 2, 1], [2, 3, 1]),
             ([0, 1, 3], [0, 3, 2]),
             ([0, 3, 2], [1, 3, 0]),
             ([1, 2, 3], [0, 2, 1]),
         ];
-        for (k, (corners, beside)) in (0..4).zip(faces) {
-            self.push(corners, beside);
-            self.weigh(k);
+        for (k, (vertices, neighbours)) in (0..4).zip(faces) {
+            self.push(vertices, neighbours);
+            self.compute_bound(k);
         }
         true
     }
 
-    /// From now on, triangles beyond `enough` are of no interest; never more than before.
-    pub(super) fn expect(&mut self, enough: T) {
-        self.enough = enough;
+    /// Sets the height beyond which triangles need no work; must never exceed the previous target.
+    pub(super) fn set_target(&mut self, target: T) {
+        self.target = target;
     }
 
-    /// What every triangle that is not returned by [`weakest`](Self::weakest) is beyond.
-    pub(super) fn enough(&self) -> T {
-        self.enough
+    /// Returns the target: every triangle is beyond the target if [`weakest`](Self::weakest)
+    /// returns `None`.
+    pub(super) fn target(&self) -> T {
+        self.target
     }
 
-    /// Where the corners of a triangle are.
+    /// Returns the positions of a triangle's vertices.
     #[inline]
-    fn places(&self, corners: &[u32; 3]) -> [Vec3<T>; 3] {
-        corners.map(|c| self.points[c as usize].w)
+    fn positions(&self, vertices: &[u32; 3]) -> [Vec3<T>; 3] {
+        vertices.map(|c| self.points[c as usize].w)
     }
 
-    /// The corners of a triangle.
-    pub(super) fn corners(&self, triangle: u32) -> [MinkowskiPoint<T>; 3] {
+    /// Returns the vertices of a triangle.
+    pub(super) fn vertices(&self, triangle: u32) -> [MinkowskiPoint<T>; 3] {
         self.triangles[triangle as usize]
-            .corners
+            .vertices
             .map(|c| self.points[c as usize])
     }
 
-    /// Whether a point of these vertices was taken in before.
-    pub(super) fn knows(&mut self, c: &MinkowskiPoint<T>) -> bool {
-        let name = |c: &MinkowskiPoint<T>| [c.a, c.b];
+    /// Returns whether a point of the given vertex pair was inserted before.
+    pub(super) fn contains_pair(&mut self, c: &MinkowskiPoint<T>) -> bool {
+        let pair = |c: &MinkowskiPoint<T>| [c.a, c.b];
         if self.points.len() <= SCANNED {
-            return self.points.iter().any(|p| name(p) == name(c));
+            return self.points.iter().any(|p| pair(p) == pair(c));
         }
-        let count = self.names.count();
-        self.points[count..].iter().for_each(|p| self.names.insert(name(p)));
-        self.names.contains(name(c))
+        let count = self.vertex_pairs.count();
+        self.points[count..]
+            .iter()
+            .for_each(|p| self.vertex_pairs.insert(pair(p)));
+        self.vertex_pairs.contains(pair(c))
     }
 
-    /// Corners and neighbours of every triangle.
-    pub(super) fn names(&self) -> impl ExactSizeIterator<Item = ([u32; 3], [u32; 3])> + '_ {
-        self.triangles.iter().map(|t| (t.corners, t.beside))
+    /// Returns point indices and adjacent triangles of every triangle.
+    pub(super) fn indices(&self) -> impl ExactSizeIterator<Item = ([u32; 3], [u32; 3])> + '_ {
+        self.triangles.iter().map(|t| (t.vertices, t.neighbours))
     }
 
-    /// Adds a triangle that is known to be beyond what is of interest.
-    pub(super) fn push(&mut self, corners: [u32; 3], beside: [u32; 3]) {
-        self.triangles.push(Triangle {
-            corners,
-            beside,
-            ..Triangle::default()
+    /// Adds a triangle known to be beyond the target.
+    pub(super) fn push(&mut self, vertices: [u32; 3], neighbours: [u32; 3]) {
+        self.triangles.push(SurfaceTriangle {
+            vertices,
+            neighbours,
+            ..SurfaceTriangle::default()
         });
     }
 
-    /// Measures a triangle and queues it if it is of interest.
-    pub(super) fn weigh(&mut self, triangle: u32) {
-        self.triangles[triangle as usize].state = Measured::Not;
+    /// Computes the bound of a triangle and queues the triangle if below the target.
+    pub(super) fn compute_bound(&mut self, triangle: u32) {
+        self.triangles[triangle as usize].state = BoundState::Unmeasured;
         self.measure(triangle);
         self.enqueue(triangle);
     }
 
-    /// Takes the normal of a triangle and the bound from that.
+    /// Computes the normal of a triangle and the bound along the normal.
     fn measure(&mut self, triangle: u32) {
         let t = &self.triangles[triangle as usize];
-        if t.state != Measured::Not {
+        if t.state != BoundState::Unmeasured {
             return;
         }
-        let w = self.places(&t.corners);
+        let w = self.positions(&t.vertices);
         let outward = normal(&w);
-        let level = least(&outward, &w);
-        // NaN is nothing known.
+        let level = min_height(&outward, &w);
+        // NaN means nothing known.
         let level = if level > T::from(f64::NEG_INFINITY) {
             level
         } else {
@@ -225,31 +232,32 @@ impl<T: Scalar> Surface<T> {
         let t = &mut self.triangles[triangle as usize];
         (t.outward, t.level) = (outward, level);
         (t.direction, t.bound) = (outward, level);
-        t.state = Measured::Plane;
+        t.state = BoundState::AlongNormal;
     }
 
     fn enqueue(&mut self, triangle: u32) {
         let bound = self.triangles[triangle as usize].bound;
-        // Written so that NaN is of interest.
-        if !(bound >= self.enough) {
+        // NaN is queued.
+        if !(bound >= self.target) {
             let bound = bound.value();
-            self.queue.push(Entry { bound, triangle });
+            self.queue.push(QueuedTriangle { bound, triangle });
         }
     }
 
-    /// Takes the direction of the nearest point where that gives a better bound than the normal; whether it does.
+    /// Replaces the bound along the normal by the bound along the direction of the nearest point if
+    /// better; returns whether the bound improved.
     fn refine(&mut self, triangle: u32) -> bool {
         let t = &mut self.triangles[triangle as usize];
-        if t.state == Measured::Whole {
+        if t.state == BoundState::Best {
             return false;
         }
-        t.state = Measured::Whole;
-        let nearest = Simplex::triangle(t.corners.map(|c| self.points[c as usize]));
+        t.state = BoundState::Best;
+        let nearest = Simplex::triangle(t.vertices.map(|c| self.points[c as usize]));
         if nearest.len() == 3 && t.bound > T::from(0.0) {
             return false;
         }
         let direction = unit(&nearest.direction());
-        let bound = least(&direction, &t.corners.map(|c| self.points[c as usize].w));
+        let bound = min_height(&direction, &t.vertices.map(|c| self.points[c as usize].w));
         let better = bound > t.bound;
         if better {
             (t.direction, t.bound) = (direction, bound);
@@ -257,31 +265,31 @@ impl<T: Scalar> Surface<T> {
         better
     }
 
-    /// Takes every point and triangle anew, the points placed by `place`.
-    pub(super) fn place(&mut self, place: impl Fn(&MinkowskiPoint<T>) -> MinkowskiPoint<T>) {
+    /// Moves every point by `place` and computes every bound again.
+    pub(super) fn reposition(&mut self, place: impl Fn(&MinkowskiPoint<T>) -> MinkowskiPoint<T>) {
         for p in &mut self.points {
             *p = place(p);
         }
         self.queue.clear();
-        self.enough = T::from(f64::INFINITY);
+        self.target = T::from(f64::INFINITY);
         for k in 0..self.triangles.len() as u32 {
-            self.weigh(k);
+            self.compute_bound(k);
         }
     }
 
-    /// How high the lowest corner of a triangle is along a direction.
+    /// Returns the height of a triangle's lowest vertex along a direction.
     pub(super) fn height(&self, triangle: u32, n: &Vec3<T>) -> T {
-        least(n, &self.places(&self.triangles[triangle as usize].corners))
+        min_height(n, &self.positions(&self.triangles[triangle as usize].vertices))
     }
 
-    /// The triangle of the least bound; none where all are beyond `enough`.
+    /// Returns the triangle of least bound; `None` if all are beyond the target.
     pub(super) fn weakest(&mut self) -> Option<u32> {
         loop {
-            let Entry { bound, triangle } = self.queue.first()?;
+            let QueuedTriangle { bound, triangle } = self.queue.first()?;
             let is_current = self
                 .triangles
                 .get(triangle as usize)
-                .is_some_and(|t| t.bound.value() == bound && !(t.bound >= self.enough));
+                .is_some_and(|t| t.bound.value() == bound && !(t.bound >= self.target));
             if !is_current {
                 self.queue.pop();
             } else if self.refine(triangle) {
@@ -293,8 +301,8 @@ impl<T: Scalar> Surface<T> {
         }
     }
 
-    /// Tries another direction for the bound of a triangle; whether it is better.
-    pub(super) fn raise(&mut self, triangle: u32, direction: &Vec3<T>) -> bool {
+    /// Tries a direction for the bound of a triangle; returns whether the bound improved.
+    pub(super) fn improve_bound(&mut self, triangle: u32, direction: &Vec3<T>) -> bool {
         let bound = self.height(triangle, direction);
         let t = &mut self.triangles[triangle as usize];
         let better = bound > t.bound;

@@ -1,78 +1,84 @@
-//! One look at every triangle of a remembered surface, without roots or divisions.
+//! Single-pass verification of a cached surface at a new pose, without roots or divisions.
 
 use alloc::vec::Vec;
 
 use wide::f64x2;
 
-use crate::depth::direction::least;
+use crate::depth::direction::min_height;
 use crate::depth::result::Best;
 use crate::minimum::simplex::Simplex;
 use crate::num::scalar::{Vec3, cross, dot, sub};
 use crate::pair::difference::MinkowskiPoint;
 use crate::tolerance::{AGREE_DEPTH, CERTIFICATE, ORIENTATION, UNIT};
 
-/// What one pass over the surface shows.
-pub(super) enum Pass {
-    /// About the origin, and every triangle beyond the facet: the depth is proven.
-    Stands,
-    /// About the origin.
-    About,
+/// Result of the verification.
+pub(super) enum SurfaceState {
+    /// The surface encloses the origin and every triangle is beyond the facet: the depth is proven.
+    Proven,
+    /// The surface encloses the origin; some triangles are below target.
+    Encloses,
+    /// The origin is not certainly behind every triangle.
     Folded,
 }
 
-/// What triangles are held to.
-struct Goal<'a> {
+/// Requirements on a triangle.
+struct Target<'a> {
     best: &'a Best<f64>,
-    /// How far off a triangle has to be.
+    /// Required distance of a triangle from the origin.
     height: f64,
-    /// Heights above this are certainly positive.
+    /// Heights above `margin` are certainly positive.
     margin: f64,
     noise: f64,
 }
 
-/// Looks at two triangles at a time. Those not beyond the facet go on the list of the weak.
-pub(super) fn pass(
+/// Verifies two triangles at a time by SIMD and lists the triangles below target in `below_target`.
+pub(super) fn verify_surface(
     triangles: &[[u8; 6]],
-    places: &[Vec3<f64>],
+    positions: &[Vec3<f64>],
     best: &Best<f64>,
     size: f64,
-    weak: &mut Vec<u32>,
-) -> Pass {
-    let goal = Goal {
+    below_target: &mut Vec<u32>,
+) -> SurfaceState {
+    let target = Target {
         best,
         height: best.height - AGREE_DEPTH * size,
         margin: 2.0 * CERTIFICATE * UNIT * size,
         noise: ORIENTATION * size,
     };
-    let is_deep = goal.height > goal.margin;
-    let (zero, noise) = (f64x2::splat(0.0), f64x2::splat(goal.noise));
-    let squared_goal = f64x2::splat(goal.height * goal.height);
-    weak.clear();
+    let is_deep = target.height > target.margin;
+    let (zero, noise) = (f64x2::splat(0.0), f64x2::splat(target.noise));
+    let squared_target = f64x2::splat(target.height * target.height);
+    below_target.clear();
     for (k, pair) in triangles.chunks(2).enumerate() {
         let (s, t) = (&pair[0], &pair[pair.len() - 1]);
         let w: [Vec3<f64x2>; 3] = core::array::from_fn(|c| {
-            let (p, q) = (&places[s[c] as usize], &places[t[c] as usize]);
+            let (p, q) = (&positions[s[c] as usize], &positions[t[c] as usize]);
             core::array::from_fn(|axis| f64x2::new([p[axis], q[axis]]))
         });
         let (n, edges) = normals(&w);
-        // All corners are as high along n as the first, but for rounding.
-        let low = inner(&n, &w[0]) - noise * edges;
-        let is_beyond = low.simd_gt(zero) & (low * low).simd_ge(squared_goal * inner(&n, &n));
+        // All vertices are as high along n as the first, up to rounding.
+        let low = dot_pair(&n, &w[0]) - noise * edges;
+        let is_beyond = low.simd_gt(zero) & (low * low).simd_ge(squared_target * dot_pair(&n, &n));
         if is_deep && is_beyond.all() {
             continue;
         }
         for (lane, t) in pair.iter().enumerate() {
-            match goal.judge(&[t[0], t[1], t[2]].map(|c| places[c as usize])) {
-                None => return Pass::Folded,
+            match target.judge(&[t[0], t[1], t[2]].map(|c| positions[c as usize])) {
+                None => return SurfaceState::Folded,
                 Some(true) => {}
-                Some(false) => weak.push((2 * k + lane) as u32),
+                Some(false) => below_target.push((2 * k + lane) as u32),
             }
         }
     }
-    if weak.is_empty() { Pass::Stands } else { Pass::About }
+    if below_target.is_empty() {
+        SurfaceState::Proven
+    } else {
+        SurfaceState::Encloses
+    }
 }
 
-/// The normals of two triangles, as long as their areas twice, and the sums of the squares of two edges.
+/// Returns the normals of two triangles, of twice the triangle's area, and the sums of two squared
+/// edge lengths.
 #[inline(always)]
 fn normals(w: &[Vec3<f64x2>; 3]) -> (Vec3<f64x2>, f64x2) {
     let less = |p: &Vec3<f64x2>, q: &Vec3<f64x2>| [p[0] - q[0], p[1] - q[1], p[2] - q[2]];
@@ -82,34 +88,36 @@ fn normals(w: &[Vec3<f64x2>; 3]) -> (Vec3<f64x2>, f64x2) {
         u[2] * v[0] - u[0] * v[2],
         u[0] * v[1] - u[1] * v[0],
     ];
-    (n, inner(&u, &u) + inner(&v, &v))
+    (n, dot_pair(&u, &u) + dot_pair(&v, &v))
 }
 
 #[inline(always)]
-fn inner(u: &Vec3<f64x2>, v: &Vec3<f64x2>) -> f64x2 {
+fn dot_pair(u: &Vec3<f64x2>, v: &Vec3<f64x2>) -> f64x2 {
     u[0] * v[0] + u[1] * v[1] + u[2] * v[2]
 }
 
-impl Goal<'_> {
-    /// Whether a triangle is beyond the facet though its plane is not: all of it lies beyond its nearest point.
+impl Target<'_> {
+    /// Returns whether a triangle is beyond the facet though its plane is not: the triangle lies
+    /// entirely beyond its nearest point.
     fn is_far(&self, w: &[Vec3<f64>; 3]) -> bool {
         let nearest = Simplex::triangle(w.map(|w| MinkowskiPoint { a: 0, b: 0, w })).direction();
-        let low = least(&nearest, w);
+        let low = min_height(&nearest, w);
         low > 0.0 && low * low >= self.height * self.height * dot(&nearest, &nearest)
     }
 
-    /// Whether a triangle is beyond the facet; `None` where it is not certainly seen from behind and clear of the origin.
+    /// Returns whether a triangle is beyond the facet; `None` unless the origin is certainly behind
+    /// the triangle and clear of it.
     fn judge(&self, w: &[Vec3<f64>; 3]) -> Option<bool> {
         let (u, v) = (sub(&w[1], &w[0]), sub(&w[2], &w[0]));
         let n = cross(&u, &v);
-        let (low, squared) = (least(&n, w), dot(&n, &n));
+        let (low, squared) = (min_height(&n, w), dot(&n, &n));
         let rounding = self.noise * self.noise * dot(&u, &u) * dot(&v, &v);
-        // Comparisons are written so that NaN is a fold.
+        // NaN counts as a fold.
         if !(low > 0.0 && low * low > rounding && low * low > self.margin * self.margin * squared) {
             return None;
         }
         let is_beyond = low * low >= self.height * self.height * squared
-            || least(&self.best.normal, w) >= self.height
+            || min_height(&self.best.normal, w) >= self.height
             || self.is_far(w);
         Some(self.height > self.margin && is_beyond)
     }

@@ -1,4 +1,4 @@
-//! Integers of any length and vectors of them.
+//! Integers of arbitrary length and vectors of such integers.
 
 use dashu_base::{BitTest, DivRem, SquareRoot};
 use dashu_int::{IBig, UBig};
@@ -6,10 +6,10 @@ use nalgebra::Vector3;
 
 use crate::polyhedron::{odd_part, power_of_two};
 
-/// A vector of integers.
+/// Vector of three integers.
 pub(super) type Big3 = [IBig; 3];
 
-/// `x / 2^e`, where no bit of `x` is lower.
+/// Returns `x / 2^e`; no bit of `x` may be lower than `2^e`.
 pub(super) fn integer(x: f64, e: i32) -> IBig {
     if x == 0.0 {
         return IBig::ZERO;
@@ -42,12 +42,12 @@ pub(super) fn is_zero(a: &Big3) -> bool {
     a.iter().all(IBig::is_zero)
 }
 
-/// A multiple of `a` in f64, its largest coordinate between a half and one: each coordinate right to one rounding, or zero where it
-/// is below `2^-900` of the largest.
+/// Returns a multiple of `a` in f64 with the largest coordinate between a half and one: each
+/// coordinate is correct to one rounding, or zero if below `2^-900` of the largest.
 pub(super) fn direction(a: &Big3) -> Vector3<f64> {
     let bits = a.iter().map(BitTest::bit_len).max().unwrap_or(0);
     let coordinate = |x: &IBig| {
-        // 62 bits fit in an i64; what is cut off is below the rounding to f64.
+        // 62 bits fit in an i64; the bits cut off are below the rounding to f64.
         let (below, cut) = (bits - x.bit_len(), x.bit_len().saturating_sub(62));
         if below > 900 {
             return 0.0;
@@ -57,19 +57,21 @@ pub(super) fn direction(a: &Big3) -> Vector3<f64> {
     Vector3::new(coordinate(&a[0]), coordinate(&a[1]), coordinate(&a[2]))
 }
 
-/// `num / den` in f64, for `0 <= num <= den`, right to two roundings.
+/// Returns `num / den` in f64, for `0 <= num <= den`, correct to two roundings.
 pub(super) fn fraction(num: &IBig, den: &IBig) -> f64 {
     let shift = den.bit_len().saturating_sub(1000);
     (num >> shift).to_f64().value() / (den >> shift).to_f64().value()
 }
 
-/// Returns `sqrt(num / den) 2^e` for `num >= 0` and `den > 0`, correctly rounded if it is a normal number. A subnormal result is rounded
-/// twice and errs by less than `1/2 + 2^-52` units of the least f64.
+/// Returns `sqrt(num / den) 2^e` for `num >= 0` and `den > 0`, correctly rounded if the result is a
+/// normal number. A subnormal result is rounded twice and errs by less than `1/2 + 2^-52` units of
+/// the least f64.
 pub(super) fn root(num: &UBig, den: &UBig, e: i32) -> f64 {
     if num.is_zero() {
         return 0.0;
     }
-    // Scaled by 4^h so that the integer root has at least 64 bits; the last bit stands for all below.
+    // Scaled by 4^h: the integer root gets at least 64 bits, and its last bit stands for all bits
+    // below.
     let bits = num.bit_len() as i64 - den.bit_len() as i64;
     let h = ((132 - bits).max(0) / 2) as usize;
     let (quotient, rest) = (num << (2 * h)).div_rem(den);
@@ -84,7 +86,7 @@ pub(super) fn root(num: &UBig, den: &UBig, e: i32) -> f64 {
         mantissa
     };
     let exponent = e - h as i32 - 1 + cut as i32;
-    // In halves, so that neither factor leaves the range of powers of two.
+    // Two half exponents keep either factor within the range of powers of two.
     mantissa.to_f64().value() * power_of_two(exponent / 2) * power_of_two(exponent - exponent / 2)
 }
 

@@ -1,9 +1,11 @@
-//! The exact rung: class and distance over the rationals, for what no floating-point arithmetic decides.
+//! Exact solver: class and distance in rational arithmetic, for pairs undecidable in floating
+//! point.
 //!
-//! Both bodies are placed in the world, relative to A's origin, as integers over one denominator `D = |qa|^2 |qb|^2`
-//! times a power of two, from the bits of vertices and poses. The minimum-norm search of `fallback` runs on them with
-//! exact signs, from the features that floating point ended on, so it takes a step or two. Supports are climbed to, and only where
-//! f64 is not certain of a sign are vertices compared exactly.
+//! Both bodies are placed in the world, relative to A's origin, as integers over a common
+//! denominator `D = |qa|^2 |qb|^2` times a power of two, from the bits of vertices and poses. The
+//! minimum-norm search of `minimum` runs on the integers with exact signs, from the final features
+//! of floating point, so a step or two suffice. Support vertices are found by hill climbing;
+//! vertices are compared exactly only if f64 is not certain of a sign.
 
 mod depth;
 mod integer;
@@ -28,11 +30,11 @@ use integer::{Big3, direction, dot, fraction, integer, is_zero, neg, root, sub};
 use origin::{Origin, Set, locate};
 use simplex::{ExactPoint, Nearest, minimize, sign};
 
-/// One body turned, over the common denominator.
+/// A body rotated exactly, over the common denominator.
 struct Turned<'a> {
     body: &'a ConvexPolyhedron,
     matrix: [Big3; 3],
-    /// The same matrix in f64, transposed use only: world directions into the body.
+    /// The matrix in f64, used transposed only: takes world directions into the body frame.
     rounded: Matrix3<f64>,
 }
 
@@ -40,13 +42,13 @@ struct Turned<'a> {
 struct Pair<'a> {
     a: Turned<'a>,
     b: Turned<'a>,
-    /// B's place relative to A's.
+    /// Translation from A to B.
     offset: Big3,
     denominator: IBig,
     exponent: i32,
 }
 
-/// `R(q) |q|^2` and `|q|^2` for the integer quaternion that is a multiple of `q`.
+/// Returns `R(q) |q|^2` and `|q|^2` for the integer quaternion proportional to `q`.
 fn turn(q: &[f64; 4]) -> ([Big3; 3], IBig) {
     let e = lowest_bit(*q).unwrap_or(0);
     let [x, y, z, w] = q.map(|c| integer(c, e));
@@ -85,12 +87,12 @@ impl<'a> Turned<'a> {
         [p.x, p.y, p.z].map(|c| integer(c, exponent))
     }
 
-    /// Vertex `v`, turned.
+    /// Returns vertex `v`, rotated.
     fn point(&self, v: u32, exponent: i32) -> Big3 {
         self.vector(&self.to_user(v, exponent))
     }
 
-    /// The direction `n` in the body's frame.
+    /// Returns the world direction `n` in the body frame.
     fn along(&self, n: &Big3, exponent: i32) -> Along<'_> {
         let m = &self.matrix;
         let n = [0, 1, 2].map(|k| &n[0] * &m[0][k] + &n[1] * &m[1][k] + &n[2] * &m[2][k]);
@@ -102,14 +104,15 @@ impl<'a> Turned<'a> {
         }
     }
 
-    /// The vertex greatest along `n`; the lowest number among exact equals.
+    /// Returns the support vertex along `n`; among exact ties the lowest number.
     fn support_exact(&self, n: &Big3, hint: u32, exponent: i32) -> u32 {
         let (body, along) = (self.body, self.along(n, exponent));
         let start = body.support_climb(&along.rounded, body.start_vertex(&along.rounded, hint));
         body.support_exact(&along, start)
     }
 
-    /// An edge that leaves `v`, turned, and where it leads: one that rises along `n` if one does, or else one that is level if one is.
+    /// Returns an edge at `v`, rotated, and its end vertex: an edge that rises along `n` if there
+    /// is any, else a level edge if there is any.
     fn rising(&self, n: &Big3, v: u32, exponent: i32) -> Option<(u32, Big3)> {
         let h = self.body.rising(&self.along(n, exponent), v)?;
         let to = self.body.topology.half_edge(h).to;
@@ -117,7 +120,7 @@ impl<'a> Turned<'a> {
     }
 }
 
-/// A direction in the frame of a body's vertices, exactly, and rounded.
+/// A direction in the frame of a body's vertices, exact and rounded.
 struct Along<'a> {
     body: &'a Turned<'a>,
     n: Big3,
@@ -126,13 +129,13 @@ struct Along<'a> {
 }
 
 impl Along<'_> {
-    /// The edge between two vertices, in stored units.
+    /// Returns the edge between two vertices, in stored units.
     fn rounded_edge(&self, p: u32, q: u32) -> Vector3<f64> {
         let points = &self.body.body.points;
         points[q as usize] - points[p as usize]
     }
 
-    /// A multiple of it, exactly.
+    /// Returns an exact multiple of the edge between two vertices.
     fn edge(&self, p: u32, q: u32) -> Big3 {
         sub(
             &self.body.to_user(q, self.exponent),
@@ -185,7 +188,7 @@ impl<'a> Pair<'a> {
         }
     }
 
-    /// The point `a - b` of the difference.
+    /// Returns the point `a - b` of A - B.
     fn corner(&self, a: u32, b: u32) -> ExactPoint {
         let (p, q) = (self.a.point(a, self.exponent), self.b.point(b, self.exponent));
         ExactPoint {
@@ -195,7 +198,7 @@ impl<'a> Pair<'a> {
         }
     }
 
-    /// The corner greatest along `n`.
+    /// Returns the support point of A - B along `n`.
     fn support_exact(&self, n: &Big3, hint: (u32, u32)) -> ExactPoint {
         let a = self.a.support_exact(n, hint.0, self.exponent);
         let b = self.b.support_exact(&neg(n), hint.1, self.exponent);
@@ -208,7 +211,7 @@ impl<'a> Pair<'a> {
         })
     }
 
-    /// Where the origin lies in the difference, which holds it at `at`.
+    /// Locates the origin in A - B; `at` must be the origin.
     fn locate(&self, at: &Nearest, hint: (u32, u32)) -> Origin {
         let rising = |c: &ExactPoint, n: &Big3| {
             let a = self
@@ -234,11 +237,11 @@ impl<'a> Pair<'a> {
     }
 }
 
-/// Settles class and distance exactly, from the vertices of the outcome's features.
+/// Resolves class and distance exactly, from the vertices of the outcome's features.
 pub(crate) fn resolve_exactly(posed: &PosedPair, outcome: &mut Outcome) {
     let hint = outcome.features.vertices_of(posed.a, posed.b);
     let pair = Pair::new(posed.a, posed.b, posed.pose);
-    // One to four corners always have a nearest point.
+    // One to four points always have a nearest point.
     let Some(at) = pair.nearest(hint) else {
         return crate::pair::answer::set_undecided(posed, outcome);
     };
@@ -255,12 +258,13 @@ pub(crate) fn resolve_exactly(posed: &PosedPair, outcome: &mut Outcome) {
         outcome.class = Class::Separated;
         outcome.distance = d;
         outcome.normal = normal(&neg(&at.direction));
-        // Zero where f64 ends. One rounding, of a subnormal too, is by half a unit in the last place at most.
+        // Zero if the distance underflows. A single rounding, also of a subnormal, is at most half
+        // a unit in the last place.
         (outcome.lower, outcome.upper) = (d.next_down().max(0.0), d.next_up());
         return;
     }
     match pair.locate(&at, hint) {
-        // A - B lies below the normal, A behind and B in front: it points from A to B.
+        // A - B lies below the normal, A behind and B in front: the normal points from A to B.
         Origin::Boundary(n) => {
             outcome.class = Class::Touching;
             outcome.distance = 0.0;
@@ -271,15 +275,17 @@ pub(crate) fn resolve_exactly(posed: &PosedPair, outcome: &mut Outcome) {
     }
 }
 
-/// Returns the distance in units of `2^unit` of the caller's, rounded at most twice, to less than one unit in the last place.
+/// Returns the distance in units of `2^unit` of the caller's, rounded at most twice, to less than
+/// one unit in the last place.
 fn distance(pair: &Pair, at: &Nearest, unit: i32) -> f64 {
     let (num, den) = at.squared();
     let den = den * &pair.denominator * &pair.denominator;
     root(&num.unsigned_abs(), &den.unsigned_abs(), pair.exponent - unit)
 }
 
-/// Returns the class, and the distance in the caller's units to less than one unit in the last place (which may be zero for bodies apart,
-/// and is for others).
+/// Returns the class, and the distance in the caller's units to less than one unit in the last
+/// place: zero if the bodies touch or overlap, and possibly if the distance of separated bodies
+/// underflows.
 pub(crate) fn separation(
     a: &ConvexPolyhedron,
     b: &ConvexPolyhedron,
@@ -297,7 +303,8 @@ pub(crate) fn separation(
     })
 }
 
-/// The convex combinations of the corners' vertices in stored coordinates, rounded.
+/// Returns the witnesses in stored coordinates: convex combinations of the simplex vertices,
+/// rounded.
 fn witnesses(pair: &Pair, at: &Nearest) -> (Point3<f64>, Point3<f64>) {
     let (mut on_a, mut on_b) = (Point3::origin(), Point3::origin());
     for (c, weight) in at.kept.iter().zip(&at.weights) {
@@ -308,7 +315,7 @@ fn witnesses(pair: &Pair, at: &Nearest) -> (Point3<f64>, Point3<f64>) {
     (on_a, on_b)
 }
 
-/// Whether the closed bodies are at most `d` apart, exactly; `d` is not negative.
+/// Returns whether the closed bodies are at most `d` apart, exactly; `d` must not be negative.
 pub(crate) fn within(
     a: &ConvexPolyhedron,
     b: &ConvexPolyhedron,
@@ -322,7 +329,7 @@ pub(crate) fn within(
         return true;
     }
     let Some(e) = lowest_bit([d]) else { return false };
-    // s^2 = num / (den D^2) 4^exponent against d^2 = m^2 4^e.
+    // Compares s^2 = num / (den D^2) 4^exponent with d^2 = m^2 4^e.
     let (num, den) = at.squared();
     let m = integer(d, e);
     let (mut left, mut right) = (num, den * &pair.denominator * &pair.denominator * &m * &m);

@@ -9,7 +9,7 @@ use dashu_int::IBig;
 
 use crate::exact::integer::{Big3, cross, dot, is_zero, neg, sub};
 
-/// A point of the set searched: its names and its place.
+/// A point of the searched set: vertex numbers and position.
 #[derive(Clone, Debug)]
 pub(super) struct ExactPoint {
     pub(super) a: u32,
@@ -20,17 +20,17 @@ pub(super) struct ExactPoint {
 /// The point of a simplex nearest to the origin.
 #[derive(Clone, Debug)]
 pub(super) struct Nearest {
-    /// The corners whose hull holds it in its relative interior.
+    /// Simplex vertices whose hull contains the nearest point in its relative interior.
     pub(super) kept: Vec<ExactPoint>,
-    /// Their weights, positive, as parts of `sum`.
+    /// Barycentric coordinates of the nearest point, positive, as numerators over `sum`.
     pub(super) weights: Vec<IBig>,
     pub(super) sum: IBig,
-    /// A positive multiple of the point; zero where it is the origin.
+    /// A positive multiple of the nearest point; zero if the nearest point is the origin.
     pub(super) direction: Big3,
 }
 
 impl Nearest {
-    /// The squared distance from the origin as a fraction.
+    /// Returns the squared distance from the origin as a fraction.
     pub(super) fn squared(&self) -> (IBig, IBig) {
         let w = |k: usize| &self.kept[k].w;
         match self.kept.len() {
@@ -57,8 +57,8 @@ pub(super) fn sign(x: &IBig) -> i32 {
     }
 }
 
-/// The weights and the direction of the nearest point of the affine hull of some corners, if it lies in the relative
-/// interior of their hull.
+/// Returns barycentric coordinates, their sum, and the direction of the affine hull's nearest
+/// point, if the point lies in the relative interior of the convex hull.
 fn inside(s: &[&ExactPoint]) -> Option<(Vec<IBig>, IBig, Big3)> {
     let positive = |w: &[IBig]| w.iter().all(|x| x.is_positive() && !x.is_zero());
     match s {
@@ -102,21 +102,22 @@ fn inside(s: &[&ExactPoint]) -> Option<(Vec<IBig>, IBig, Big3)> {
     }
 }
 
-/// The nearest point of the hull of one to four corners.
+/// Returns the nearest point of the hull of one to four points.
 ///
-/// A subset holds it if the point lies in the subset's relative interior and no corner is beyond the plane through it
-/// (the optimality condition of the minimum-norm point), so the first subset that passes is the answer.
-pub(super) fn nearest(corners: &[ExactPoint]) -> Option<Nearest> {
-    let n = corners.len();
+/// A subset is optimal if the nearest point of its affine hull lies in the subset's relative
+/// interior and no point is beyond the plane through the nearest point (the optimality condition of
+/// the minimum-norm point), so the first subset to pass is the answer.
+pub(super) fn nearest(vertices: &[ExactPoint]) -> Option<Nearest> {
+    let n = vertices.len();
     for size in 1..=n.min(4) {
         for mask in (1u32..1 << n).filter(|m| m.count_ones() as usize == size) {
             let chosen = |k: &usize| mask & 1 << k != 0;
-            let subset: Vec<&ExactPoint> = (0..n).filter(chosen).map(|k| &corners[k]).collect();
+            let subset: Vec<&ExactPoint> = (0..n).filter(chosen).map(|k| &vertices[k]).collect();
             let Some((weights, sum, direction)) = inside(&subset) else {
                 continue;
             };
             let base = dot(&direction, &subset[0].w);
-            let supports = is_zero(&direction) || (0..n).all(|k| chosen(&k) || dot(&direction, &corners[k].w) >= base);
+            let supports = is_zero(&direction) || (0..n).all(|k| chosen(&k) || dot(&direction, &vertices[k].w) >= base);
             if supports {
                 let kept = subset.into_iter().cloned().collect();
                 return Some(Nearest {
@@ -131,12 +132,13 @@ pub(super) fn nearest(corners: &[ExactPoint]) -> Option<Nearest> {
     None
 }
 
-/// The point of a convex set nearest to the origin; `lowest(n)` is a corner of the set least along `n`. Ends because
-/// each round is strictly nearer and there are finitely many simplices.
+/// Returns the point of a convex set nearest to the origin; `lowest(n)` must return an extreme
+/// point least along `n`. Terminates because each round is strictly nearer and the number of
+/// simplices is finite.
 pub(super) fn minimize(start: Vec<ExactPoint>, lowest: &dyn Fn(&Big3) -> ExactPoint) -> Option<Nearest> {
-    let mut corners = start;
+    let mut vertices = start;
     loop {
-        let now = nearest(&corners)?;
+        let now = nearest(&vertices)?;
         if is_zero(&now.direction) {
             return Some(now);
         }
@@ -144,7 +146,7 @@ pub(super) fn minimize(start: Vec<ExactPoint>, lowest: &dyn Fn(&Big3) -> ExactPo
         if dot(&now.direction, &next.w) >= dot(&now.direction, &now.kept[0].w) {
             return Some(now);
         }
-        corners = now.kept;
-        corners.push(next);
+        vertices = now.kept;
+        vertices.push(next);
     }
 }

@@ -1,25 +1,26 @@
 //! Numbers of twice the precision of f64, as an unevaluated sum of two.
 //!
-//! Algorithms: Dekker 1971, Knuth TAOCP 2 section 4.2.2; sum and product in the accurate variants whose error bounds Joldes, Muller
-//! and Popescu proved (2017, algorithm 6, and 12 without fused multiply-add); the quotient by long division with three partial
-//! quotients (Hida, Li and Bailey 2001), bounded at `div`. Only + - * /, so results agree on every target. Valid while no product
+//! Algorithms: Dekker 1971, Knuth TAOCP 2 section 4.2.2; sum and product in the accurate variants
+//! whose error bounds Joldes, Muller and Popescu proved (2017, algorithm 6, and 12 without fused
+//! multiply-add); the quotient by long division with three partial quotients (Hida, Li and Bailey
+//! 2001), bounded at `div`. Only + - * /, so results agree on every target. Valid while no product
 //! overflows or loses bits to underflow: magnitudes between 2^-400 and 2^400.
 //!
-//! Where that is not enough, [`Expansion`] is a sum without rounding.
+//! For more precision, [`Expansion`] is a sum without rounding.
 
 use core::cmp::Ordering;
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
 use crate::num::scalar::Scalar;
 
-/// `hi + lo` with `hi` the nearest f64 to the sum.
+/// The sum `hi + lo`, with `hi` the f64 nearest to the sum.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub(crate) struct DoubleDouble {
     pub(crate) hi: f64,
     pub(crate) lo: f64,
 }
 
-/// The rounded sum and its error, exactly.
+/// Returns the rounded sum and its exact error.
 #[inline]
 pub(crate) fn two_sum(a: f64, b: f64) -> (f64, f64) {
     let s = a + b;
@@ -27,7 +28,7 @@ pub(crate) fn two_sum(a: f64, b: f64) -> (f64, f64) {
     (s, (a - (s - bb)) + (b - bb))
 }
 
-/// As [`two_sum`] where `|a| >= |b|` or `a == 0`.
+/// Returns the rounded sum and its exact error if `|a| >= |b|` or `a == 0`.
 #[inline]
 fn quick_two_sum(a: f64, b: f64) -> (f64, f64) {
     let s = a + b;
@@ -41,7 +42,7 @@ fn split(a: f64) -> (f64, f64) {
     (hi, a - hi)
 }
 
-/// The rounded product and its error, exactly.
+/// Returns the rounded product and its exact error.
 #[inline]
 pub(crate) fn two_product(a: f64, b: f64) -> (f64, f64) {
     let p = a * b;
@@ -50,14 +51,14 @@ pub(crate) fn two_product(a: f64, b: f64) -> (f64, f64) {
 }
 
 impl DoubleDouble {
-    /// The exact sum of two f64.
+    /// Returns the exact sum of two f64.
     #[inline]
     pub(crate) fn sum(a: f64, b: f64) -> Self {
         let (hi, lo) = two_sum(a, b);
         Self { hi, lo }
     }
 
-    /// The exact product of two f64.
+    /// Returns the exact product of two f64.
     #[inline]
     pub(crate) fn product(a: f64, b: f64) -> Self {
         let (hi, lo) = two_product(a, b);
@@ -115,12 +116,16 @@ impl Mul for DoubleDouble {
 
 impl Div for DoubleDouble {
     type Output = Self;
-    /// Errs by less than `5 u^2`, `u = UNIT`, relatively. A partial quotient of leading parts errs by `3 u` of itself: both leading parts
-    /// and the division. A product `o q` with a single number errs by `3 u^2`: `lo q` is rounded once, the sum with the error of `hi q`
-    /// once, both numbers at most `u |o q|`. A difference errs by `3 u^2` of itself. So the first rest is right to `3 u^2` of the
-    /// dividend, and is itself at most `3 u` of the dividend; the second rest is at most `9 u^2` of the dividend, and what rounding does
-    /// to the second rest and to the third quotient is of order `u^3`. The last sum rounds a number of size `u |q|`: `u^2` more.
-    /// Together `4 u^2` and terms of order `u^3`.
+    /// Returns the quotient with a relative error below `5 u^2`, `u = UNIT`.
+    ///
+    /// A partial quotient of leading parts errs by `3 u` of itself: both leading parts and the
+    /// division. A product `o q` with a single number errs by `3 u^2`: `lo q` is rounded once, the
+    /// sum with the error of `hi q` once, both numbers at most `u |o q|`. A difference errs by
+    /// `3 u^2` of itself. So the first remainder is correct to `3 u^2` of the dividend, and is
+    /// itself at most `3 u` of the dividend; the second remainder is at most `9 u^2` of the
+    /// dividend, and the rounding of the second remainder and of the third quotient is of order
+    /// `u^3`. The last sum rounds a number of size `u |q|`: `u^2` more. Together `4 u^2` and terms
+    /// of order `u^3`.
     #[inline]
     fn div(self, o: Self) -> Self {
         let q = self.hi / o.hi;
@@ -154,15 +159,15 @@ impl Scalar for DoubleDouble {
     }
 }
 
-/// An exact sum of up to `N` numbers: parts that rise in magnitude, do not overlap and are not zero (Shewchuk 1997, grow-expansion
-/// with zero elimination).
+/// An exact sum of up to `N` numbers: nonzero parts of rising magnitude that do not overlap
+/// (Shewchuk 1997, grow-expansion with zero elimination).
 pub(crate) struct Expansion<const N: usize> {
     parts: [f64; N],
     len: usize,
 }
 
 impl<const N: usize> Expansion<N> {
-    /// Zero.
+    /// Returns zero.
     pub(crate) fn new() -> Self {
         Self {
             parts: [0.0; N],
@@ -170,7 +175,7 @@ impl<const N: usize> Expansion<N> {
         }
     }
 
-    /// Adds a number. There must have been fewer than `N`.
+    /// Adds a number; must be called at most `N` times.
     pub(crate) fn add(&mut self, term: f64) {
         let (mut carry, mut kept) = (term, 0);
         for k in 0..self.len {
@@ -188,19 +193,20 @@ impl<const N: usize> Expansion<N> {
         self.len = kept;
     }
 
-    /// Adds a product: two numbers.
+    /// Adds a product, which counts as two numbers.
     pub(crate) fn add_product(&mut self, a: f64, b: f64) {
         let (high, low) = two_product(a, b);
         self.add(low);
         self.add(high);
     }
 
-    /// The parts.
+    /// Returns the parts in order of rising magnitude.
     pub(crate) fn parts(&self) -> &[f64] {
         &self.parts[..self.len]
     }
 
-    /// The sum in `K` numbers that fall in magnitude, each the rest rounded; what is left is dropped. There must have been fewer than `N - K`.
+    /// Returns the sum as `K` numbers of falling magnitude, each the rounded remainder; the final
+    /// remainder is dropped. Fewer than `N - K` numbers must have been added.
     pub(crate) fn leading<const K: usize>(mut self) -> [f64; K] {
         core::array::from_fn(|_| {
             let part = self.parts().iter().sum::<f64>();
@@ -209,7 +215,8 @@ impl<const N: usize> Expansion<N> {
         })
     }
 
-    /// -1, 0 or 1: the last part is greater than all others together.
+    /// Returns -1, 0 or 1, the sign of the last part: greater in magnitude than the sum of the
+    /// rest.
     pub(crate) fn sign(&self) -> i32 {
         let last = self.parts().last().copied().unwrap_or(0.0);
         i32::from(last > 0.0) - i32::from(last < 0.0)

@@ -1,51 +1,54 @@
-//! Vectors and rotations in lanes of two.
+//! Vectors and rotations packed into SIMD lanes of two f64.
 //!
-//! A number that is read in other pieces than it was just stored in waits until it has left the processor's store queue, which takes
-//! longer than all of a relative pose. Of plain vectors of three the compiler stores and reads whatever two it finds beside each
-//! other; of these it does the first two together and the third alone, everywhere. Roundings are those of the plain formulas.
+//! A load that splits or joins recently stored values differently from the stores waits until the
+//! values have left the processor's store queue, which takes longer than computing a whole relative
+//! pose. For plain vectors of three the compiler loads and stores whatever two adjacent coordinates
+//! it finds; for packed vectors always the first two together and the third alone. Results are
+//! rounded as by the plain formulas.
 
 use core::ops::{Add, Mul, Neg, Sub};
 
 use nalgebra::{Matrix3, Vector3};
 use wide::f64x2;
 
-/// A vector: the first two coordinates, and the third in the first lane of another two. What is in the other lane does not matter.
+/// A vector: the first two coordinates, and the third in the first lane of a second pair. The spare
+/// lane may hold anything.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct PackedVec3 {
     xy: f64x2,
     z: f64x2,
 }
 
-/// The first of both, and the second of both.
+/// Returns both first lanes, and both second lanes.
 #[inline(always)]
-fn zipped(p: f64x2, q: f64x2) -> (f64x2, f64x2) {
+fn interleaved(p: f64x2, q: f64x2) -> (f64x2, f64x2) {
     let [first, second] = f64x2::transpose([p, q]);
     (first, second)
 }
 
-/// The first twice, and the second twice.
+/// Returns the first lane twice, and the second lane twice.
 #[inline(always)]
-fn spread(p: f64x2) -> (f64x2, f64x2) {
-    zipped(p, p)
+fn duplicated(p: f64x2) -> (f64x2, f64x2) {
+    interleaved(p, p)
 }
 
-/// The two exchanged.
+/// Returns the two lanes exchanged.
 #[inline(always)]
-fn exchanged(p: f64x2) -> f64x2 {
-    let (x, y) = spread(p);
-    zipped(y, x).0
+fn swapped(p: f64x2) -> f64x2 {
+    let (x, y) = duplicated(p);
+    interleaved(y, x).0
 }
 
-/// `(-x, y)`
+/// Returns `(-x, y)`.
 #[inline(always)]
 fn mirrored(p: f64x2) -> f64x2 {
     p ^ f64x2::new([-0.0, 0.0])
 }
 
-/// `(-y, x)`: a quarter turn.
+/// Returns `(-y, x)`: a quarter turn.
 #[inline(always)]
-fn turned(p: f64x2) -> f64x2 {
-    mirrored(exchanged(p))
+fn quarter_turn(p: f64x2) -> f64x2 {
+    mirrored(swapped(p))
 }
 
 #[inline(always)]
@@ -53,10 +56,10 @@ fn first(p: f64x2) -> f64 {
     p.to_array()[0]
 }
 
-/// The vector part and the scalar part of a quaternion.
+/// Returns the vector part and the scalar part of a quaternion.
 #[inline(always)]
 pub(crate) fn parts([xy, zw]: &[f64x2; 2]) -> (PackedVec3, f64) {
-    (PackedVec3 { xy: *xy, z: *zw }, first(spread(*zw).1))
+    (PackedVec3 { xy: *xy, z: *zw }, first(duplicated(*zw).1))
 }
 
 impl PackedVec3 {
@@ -68,18 +71,18 @@ impl PackedVec3 {
         }
     }
 
-    /// The same with a number of its own in the lane to spare.
+    /// Returns the packed vector with `other` in the spare lane.
     #[inline(always)]
-    pub(crate) fn carrying(v: &Vector3<f64>, other: f64) -> Self {
+    pub(crate) fn with_spare(v: &Vector3<f64>, other: f64) -> Self {
         Self {
-            z: zipped(f64x2::splat(v.z), f64x2::splat(other)).0,
+            z: interleaved(f64x2::splat(v.z), f64x2::splat(other)).0,
             ..Self::new(v)
         }
     }
 
     #[inline(always)]
-    pub(crate) fn carried(self) -> f64 {
-        first(spread(self.z).1)
+    pub(crate) fn spare(self) -> f64 {
+        first(duplicated(self.z).1)
     }
 
     #[inline(always)]
@@ -90,18 +93,18 @@ impl PackedVec3 {
 
     #[inline(always)]
     pub(crate) fn cross(self, other: Self) -> Self {
-        let products = self.xy * exchanged(other.xy);
-        let (z, other_z) = (spread(self.z).0, spread(other.z).0);
+        let products = self.xy * swapped(other.xy);
+        let (z, other_z) = (duplicated(self.z).0, duplicated(other.z).0);
         Self {
-            xy: turned(other.xy) * z - turned(self.xy) * other_z,
-            z: products - exchanged(products),
+            xy: quarter_turn(other.xy) * z - quarter_turn(self.xy) * other_z,
+            z: products - swapped(products),
         }
     }
 
-    /// The sum of the coordinates.
+    /// Returns the sum of the coordinates.
     #[inline(always)]
     fn sum(self) -> f64 {
-        first(self.xy + exchanged(self.xy) + self.z)
+        first(self.xy + swapped(self.xy) + self.z)
     }
 
     #[inline(always)]
@@ -118,7 +121,7 @@ impl PackedVec3 {
         self.dot(self)
     }
 
-    /// The sum of absolute coordinates: a norm without a root.
+    /// Returns the sum of absolute coordinates: a norm without a root.
     #[inline(always)]
     pub(crate) fn one_norm(self) -> f64 {
         let absolutes = Self {
@@ -175,46 +178,48 @@ impl Mul<f64> for PackedVec3 {
     }
 }
 
-/// A rotation, or one times a scale: nine numbers, of which all but the last lie in the first two of a column or of a row.
+/// A rotation matrix, possibly scaled: nine numbers, of which all but the last lie in the first two
+/// of a column or of a row.
 #[derive(Clone, Copy)]
 pub(crate) struct PackedRotation {
-    /// The first two numbers of each column.
+    /// First two numbers of each column.
     columns: [f64x2; 3],
-    /// The first two numbers of each row.
+    /// First two numbers of each row.
     rows: [f64x2; 3],
-    /// The last number.
+    /// Last number.
     last: f64x2,
 }
 
 impl PackedRotation {
-    /// The matrix of `conj(a) b`, each a vector part of three and a scalar part, for `s` two over the squares of their norms.
+    /// Returns the matrix of `conj(a) b`, each quaternion a vector part of three and a scalar part,
+    /// for `s` equal to two over the squares of both norms.
     #[inline(always)]
     pub(crate) fn between(a: &[f64x2; 2], b: &[f64x2; 2], s: f64) -> Self {
         let ([a_xy, a_zw], [b_xy, b_zw]) = (*a, *b);
-        let ((az, aw), (bx, by), (bz, bw)) = (spread(a_zw), spread(b_xy), spread(b_zw));
-        let swapped = exchanged(a_xy);
-        let xy = (aw * b_xy - bw * a_xy) + (bz * mirrored(swapped) - az * turned(b_xy));
-        let zw = (aw * b_zw + az * turned(b_zw)) + (bx * swapped + by * mirrored(a_xy));
+        let ((az, aw), (bx, by), (bz, bw)) = (duplicated(a_zw), duplicated(b_xy), duplicated(b_zw));
+        let swapped = swapped(a_xy);
+        let xy = (aw * b_xy - bw * a_xy) + (bz * mirrored(swapped) - az * quarter_turn(b_xy));
+        let zw = (aw * b_zw + az * quarter_turn(b_zw)) + (bx * swapped + by * mirrored(a_xy));
         Self::of(xy, zw, s)
     }
 
-    /// The matrix of a quaternion, for `s = 2 / |q|^2`.
+    /// Returns the matrix of a quaternion, for `s = 2 / |q|^2`.
     #[inline(always)]
     fn of(xy: f64x2, zw: f64x2, s: f64) -> Self {
         let s = f64x2::splat(s);
         let (xy_s, zw_s) = (xy * s, zw * s);
-        let ((zs, _), (_, w)) = (spread(zw_s), spread(zw));
+        let ((zs, _), (_, w)) = (duplicated(zw_s), duplicated(zw));
         let squares = xy * xy_s; // xx, yy
-        let (zz, wz) = spread(zw * zs);
-        let across = xy * zs; // xz, yz
-        let turned = turned(xy_s * w); // -wy, wx
-        let swapped = exchanged(squares);
+        let (zz, wz) = duplicated(zw * zs);
+        let xz_yz = xy * zs; // xz, yz
+        let quarter_turn = quarter_turn(xy_s * w); // -wy, wx
+        let swapped = swapped(squares);
         let diagonal = f64x2::splat(1.0) - (swapped + zz);
-        let beside = spread(xy).0 * spread(xy_s).1 - mirrored(wz); // xy + wz, xy - wz
-        let ([d, e], [plus, minus]) = (diagonal.to_array(), beside.to_array());
+        let xy_wz = duplicated(xy).0 * duplicated(xy_s).1 - mirrored(wz); // xy + wz, xy - wz
+        let ([d, e], [plus, minus]) = (diagonal.to_array(), xy_wz.to_array());
         Self {
-            columns: [f64x2::new([d, plus]), f64x2::new([minus, e]), across - turned],
-            rows: [f64x2::new([d, minus]), f64x2::new([plus, e]), across + turned],
+            columns: [f64x2::new([d, plus]), f64x2::new([minus, e]), xz_yz - quarter_turn],
+            rows: [f64x2::new([d, minus]), f64x2::new([plus, e]), xz_yz + quarter_turn],
             last: f64x2::splat(1.0) - (squares + swapped),
         }
     }
@@ -236,13 +241,13 @@ impl PackedRotation {
         Matrix3::new(a[0], b[0], c[0], a[1], b[1], c[1], x, y, first(self.last))
     }
 
-    /// The matrix times `v`.
+    /// Returns the matrix times `v`.
     #[inline(always)]
     pub(crate) fn times(&self, v: PackedVec3) -> PackedVec3 {
         combined(&self.columns, self.rows[2], self.last, v)
     }
 
-    /// The transposed matrix times `v`.
+    /// Returns the transposed matrix times `v`.
     #[inline(always)]
     pub(crate) fn transposed_times(&self, v: PackedVec3) -> PackedVec3 {
         combined(&self.rows, self.columns[2], self.last, v)
@@ -251,11 +256,11 @@ impl PackedRotation {
 
 #[inline(always)]
 fn combined(lines: &[f64x2; 3], third: f64x2, last: f64x2, v: PackedVec3) -> PackedVec3 {
-    let ((x, y), (z, _)) = (spread(v.xy), spread(v.z));
+    let ((x, y), (z, _)) = (duplicated(v.xy), duplicated(v.z));
     let products = third * v.xy;
     PackedVec3 {
         xy: lines[0] * x + lines[1] * y + lines[2] * z,
-        z: products + exchanged(products) + last * v.z,
+        z: products + swapped(products) + last * v.z,
     }
 }
 
@@ -281,8 +286,8 @@ mod tests {
             assert_eq!(a.cross(b).vector(), u.cross(&v));
             assert_eq!(a.dot(b), u.x * v.x + u.y * v.y + u.z * v.z);
             assert_eq!(a.one_norm(), u.x.abs() + u.y.abs() + u.z.abs());
-            let carrying = PackedVec3::carrying(&u, s);
-            assert_eq!((carrying.carried(), carrying.dot(b)), (s, a.dot(b)));
+            let with_spare = PackedVec3::with_spare(&u, s);
+            assert_eq!((with_spare.spare(), with_spare.dot(b)), (s, a.dot(b)));
             let m = Matrix3::from_fn(|_, _| rng.range(-1.0, 1.0));
             let rotation = PackedRotation::new(&m);
             assert_eq!(rotation.matrix(), m);

@@ -1,6 +1,6 @@
-//! The arithmetic a solver is written over: plain or double-double.
+//! Scalar types of the solvers: f64 or double-double.
 
-/// Square root, correctly rounded with and without std.
+/// Returns the square root, correctly rounded with and without std.
 #[inline]
 pub(crate) fn sqrt(x: f64) -> f64 {
     #[cfg(feature = "std")]
@@ -9,7 +9,7 @@ pub(crate) fn sqrt(x: f64) -> f64 {
     return libm::sqrt(x);
 }
 
-/// What the fallback needs of a number: the same code runs in f64 and in double-double.
+/// Arithmetic of a solver: the generic code runs in f64 and in double-double.
 pub(crate) trait Scalar:
     Copy
     + Default
@@ -21,9 +21,9 @@ pub(crate) trait Scalar:
     + core::ops::Neg<Output = Self>
     + From<f64>
 {
-    /// Bound of the relative rounding error of one operation.
+    /// Bound of the relative rounding error of an operation.
     const UNIT: f64;
-    /// The nearest f64.
+    /// Returns the nearest f64.
     fn value(self) -> f64;
 }
 
@@ -35,7 +35,8 @@ impl Scalar for f64 {
     }
 }
 
-/// The square root to the precision of the arithmetic (one Newton step past f64); 0 for what is not positive.
+/// Returns the square root to the precision of the arithmetic (one Newton step past f64); 0 if `x`
+/// is not positive.
 pub(crate) fn root<T: Scalar>(x: T) -> T {
     let r = sqrt(x.value());
     if !(r > 0.0) {
@@ -48,7 +49,7 @@ pub(crate) fn root<T: Scalar>(x: T) -> T {
     (r + x / r) * T::from(0.5)
 }
 
-/// A vector in the arithmetic of a solver.
+/// Vector in the arithmetic of a solver.
 pub(crate) type Vec3<T> = [T; 3];
 
 #[inline]
@@ -80,7 +81,8 @@ pub(crate) fn cross<T: Scalar>(a: &Vec3<T>, b: &Vec3<T>) -> Vec3<T> {
     ]
 }
 
-/// A number in files that may be infinite, which not every format can hold: as the largest number of its sign.
+/// Serialization of possibly infinite numbers, for formats without infinity: as the largest finite
+/// number of equal sign.
 #[cfg(feature = "serde")]
 pub(crate) mod infinite {
     use serde::{Deserialize, Deserializer, Serializer};

@@ -43,7 +43,7 @@ impl<'a> PosedPair<'a> {
         pose: &'a RelativePose,
     ) -> Result<Self, OutOfRange> {
         let (rotation, translation, unit, offsets) = if a.is_unscaled && b.is_unscaled {
-            (pose.turn(), pose.shift(), 1.0, 0.0)
+            (pose.packed_rotation(), pose.packed_translation(), 1.0, 0.0)
         } else {
             shifted_and_scaled(a, b, pose)?
         };
@@ -242,7 +242,7 @@ fn shifted_and_scaled(
 ) -> Result<(PackedRotation, PackedVec3, f64, f64), OutOfRange> {
     let scale = power_of_two(b.exponent - a.exponent);
     if a.origin == Vector3::zeros() && b.origin == Vector3::zeros() {
-        let translation = pose.shift() * power_of_two(-a.exponent);
+        let translation = pose.packed_translation() * power_of_two(-a.exponent);
         return Ok((PackedRotation::new(&(pose.rotation() * scale)), translation, scale, 0.0));
     }
     let frame = Transform::<DoubleDouble>::new(a, b, pose).ok_or(OutOfRange)?;

@@ -14,7 +14,7 @@ use crate::tolerance::{CERTIFICATE, UNIT};
 #[cold]
 pub(crate) fn answer(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &RelativePose) -> Outcome {
     // In sixteenths, so that no intermediate result is infinite.
-    let (rotation, translation) = (pose.rotation(), pose.sixteenth());
+    let (rotation, translation) = (pose.rotation(), pose.translation_sixteenth());
     let t = translation + rotation * b.origin / 16.0 - a.origin / 16.0;
     let n = crate::pair::answer::unit(&t);
     let (va, vb) = (a.support_cold(&n), b.support_cold(&-rotation.tr_mul(&n)));

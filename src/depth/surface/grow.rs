@@ -1,42 +1,54 @@
-//! How the surface takes in a point: the triangles that see it give way to ones that join it to their border.
+//! Insertion of a point: the triangles visible from the point are replaced by a fan from the point
+//! to their horizon.
+//!
+//! ```text
+//!      +------+             +------+
+//!     / \ v  / \           / '.  .' \      v: visible triangles
+//!    /   \  / v \         /    \/    \     horizon: the edges around them
+//!   +-----\/-----+   ->  +-----c------+    c: the inserted point, apex of the fan
+//!    \  v /\    /         \   / \    /
+//!     \  / v\  /           \ /   \  /
+//!      +------+             +------+
+//! ```
 
-use crate::depth::surface::{Filter, Measured, Surface, Triangle};
+use crate::depth::surface::{BoundState, EnclosingSurface, Filter, SurfaceTriangle};
 use crate::num::scalar::{Scalar, Vec3, dot, sub};
 use crate::pair::difference::MinkowskiPoint;
 
-/// An edge of the border between what is replaced and what stays.
+/// An edge between a visible triangle and a triangle that stays.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Border {
+pub(super) struct HorizonEdge {
     from: u32,
     to: u32,
     outer: u32,
 }
 
-impl<T> Triangle<T> {
-    fn rim(&self) -> [Border; 3] {
-        core::array::from_fn(|k| Border {
-            from: self.corners[k],
-            to: self.corners[(k + 1) % 3],
-            outer: self.beside[k],
+impl<T> SurfaceTriangle<T> {
+    fn edges(&self) -> [HorizonEdge; 3] {
+        core::array::from_fn(|k| HorizonEdge {
+            from: self.vertices[k],
+            to: self.vertices[(k + 1) % 3],
+            outer: self.neighbours[k],
         })
     }
 }
 
-impl<T: Scalar> Surface<T> {
-    /// Takes in a point that lies higher than `triangle` along its direction, and replaces the triangles that see it.
+impl<T: Scalar> EnclosingSurface<T> {
+    /// Inserts a point higher than `triangle` along the triangle's direction, and replaces the
+    /// triangles visible from the point.
     pub(in crate::depth) fn insert(&mut self, triangle: u32, c: MinkowskiPoint<T>, filter: &Filter<T>) {
         self.flood(triangle, &c.w, filter);
-        if !self.surround() {
-            // Three edges are a loop whatever is around them.
+        if !self.order_horizon() {
+            // The three edges of a triangle are always a loop.
             self.visible.clear();
             self.visible.push(triangle);
-            self.border.clear();
-            self.border.extend(self.triangles[triangle as usize].rim());
+            self.horizon.clear();
+            self.horizon.extend(self.triangles[triangle as usize].edges());
         }
         self.points.push(c);
-        self.raise_fan();
-        // The last of those left over first, so that none of them moves.
-        let count = self.border.len();
+        self.add_fan();
+        // Removes the highest index first, so that no listed triangle moves.
+        let count = self.horizon.len();
         while self.visible.len() > count {
             let left = &self.visible[count..];
             let last = left.iter().enumerate().max_by_key(|(_, t)| **t).map_or(0, |(k, _)| k);
@@ -45,28 +57,29 @@ impl<T: Scalar> Surface<T> {
         }
     }
 
-    /// Joins the last point to every edge of the border, in the places of the visible triangles; what more are needed is added.
-    fn raise_fan(&mut self) {
+    /// Joins the last point to every horizon edge, reusing the visible triangles and adding more if
+    /// needed.
+    fn add_fan(&mut self) {
         let apex = self.points.len() as u32 - 1;
-        let (kept, count) = (self.visible.len(), self.border.len());
+        let (kept, count) = (self.visible.len(), self.horizon.len());
         let added = self.triangles.len();
         for k in kept..count {
-            self.triangles.push(Triangle::default());
+            self.triangles.push(SurfaceTriangle::default());
             self.visible.push((added + k - kept) as u32);
         }
         for k in 0..count {
-            let Border { from, to, outer } = self.border[k];
+            let HorizonEdge { from, to, outer } = self.horizon[k];
             let (at, after, before) = (
                 self.visible[k],
                 self.visible[(k + 1) % count],
                 self.visible[(k + count - 1) % count],
             );
-            self.triangles[at as usize] = Triangle {
-                corners: [from, to, apex],
-                beside: [outer, after, before],
-                ..Triangle::default()
+            self.triangles[at as usize] = SurfaceTriangle {
+                vertices: [from, to, apex],
+                neighbours: [outer, after, before],
+                ..SurfaceTriangle::default()
             };
-            self.weigh(at);
+            self.compute_bound(at);
             self.join(outer, [to, from], at);
         }
     }
@@ -75,29 +88,31 @@ impl<T: Scalar> Surface<T> {
     fn join(&mut self, triangle: u32, edge: [u32; 2], other: u32) {
         let t = &mut self.triangles[triangle as usize];
         for i in 0..3 {
-            if [t.corners[i], t.corners[(i + 1) % 3]] == edge {
-                t.beside[i] = other;
+            if [t.vertices[i], t.vertices[(i + 1) % 3]] == edge {
+                t.neighbours[i] = other;
             }
         }
     }
 
-    /// Removes a triangle that none is joined to; the last one takes its number.
+    /// Removes a triangle no neighbour refers to; the last triangle takes its index.
     fn remove(&mut self, hole: u32) {
         let last = self.triangles.len() as u32 - 1;
         self.triangles.swap_remove(hole as usize);
         if hole == last {
             return;
         }
-        let Triangle { corners, beside, .. } = self.triangles[hole as usize];
+        let SurfaceTriangle {
+            vertices, neighbours, ..
+        } = self.triangles[hole as usize];
         for i in 0..3 {
-            self.join(beside[i], [corners[(i + 1) % 3], corners[i]], hole);
+            self.join(neighbours[i], [vertices[(i + 1) % 3], vertices[i]], hole);
         }
-        if self.triangles[hole as usize].state != Measured::Not {
+        if self.triangles[hole as usize].state != BoundState::Unmeasured {
             self.enqueue(hole);
         }
     }
 
-    /// Lists the triangles around `from` that see `w` and may be replaced.
+    /// Lists the triangles connected to `from` that are visible from `w` and may be replaced.
     fn flood(&mut self, from: u32, w: &Vec3<T>, filter: &Filter<T>) {
         self.floods += 1;
         self.visible.clear();
@@ -105,8 +120,8 @@ impl<T: Scalar> Surface<T> {
         self.triangles[from as usize].flood = self.floods;
         let mut done = 0;
         while done < self.visible.len() {
-            for k in self.triangles[self.visible[done] as usize].beside {
-                if self.triangles[k as usize].flood == self.floods || !self.sees(k, w, filter) {
+            for k in self.triangles[self.visible[done] as usize].neighbours {
+                if self.triangles[k as usize].flood == self.floods || !self.is_visible(k, w, filter) {
                     continue;
                 }
                 self.triangles[k as usize].flood = self.floods;
@@ -116,13 +131,14 @@ impl<T: Scalar> Surface<T> {
         }
     }
 
-    /// Whether `w` is outside the plane of a triangle, and some plane certainly has the origin beneath and both above.
-    pub(in crate::depth) fn sees(&mut self, triangle: u32, w: &Vec3<T>, filter: &Filter<T>) -> bool {
+    /// Returns whether `w` is outside the plane of a triangle, and some plane certainly has the
+    /// origin beneath and both the triangle and `w` above.
+    pub(in crate::depth) fn is_visible(&mut self, triangle: u32, w: &Vec3<T>, filter: &Filter<T>) -> bool {
         self.measure(triangle);
         let t = &self.triangles[triangle as usize];
-        let p = &self.points[t.corners[0] as usize].w;
+        let p = &self.points[t.vertices[0] as usize].w;
         let is_flat = t.outward.iter().all(|x| x.value() == 0.0);
-        // Outside its plane, the point is as high along the normal as the corners.
+        // Outside the triangle's plane, `w` is at least as high along the normal as the vertices.
         if !is_flat && !(dot(&t.outward, &sub(w, p)) > filter.noise) {
             return false;
         }
@@ -138,13 +154,14 @@ impl<T: Scalar> Surface<T> {
         above && (!is_flat || height > t.bound + filter.noise)
     }
 
-    /// Puts the edges round the visible triangles in order; whether they are one loop without a corner twice.
-    fn surround(&mut self) -> bool {
+    /// Orders the horizon edges around the visible triangles; returns whether they form a single
+    /// loop without a repeated vertex.
+    fn order_horizon(&mut self) -> bool {
         let (flood, all) = (self.floods, &self.triangles);
-        let edges = &mut self.border;
+        let edges = &mut self.horizon;
         edges.clear();
-        let rims = self.visible.iter().flat_map(|&t| all[t as usize].rim());
-        edges.extend(rims.filter(|e| all[e.outer as usize].flood != flood));
+        let edges_of_visible = self.visible.iter().flat_map(|&t| all[t as usize].edges());
+        edges.extend(edges_of_visible.filter(|e| all[e.outer as usize].flood != flood));
         for k in 1..edges.len() {
             let Some(next) = (k..edges.len()).find(|&i| edges[i].from == edges[k - 1].to) else {
                 return false;

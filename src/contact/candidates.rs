@@ -1,22 +1,22 @@
-//! The corners of what two features share: candidates for contacts.
+//! Contact candidates: vertices of the overlap of two projected features.
 
-/// The most corners there are: those of two features of 24, and some that rounding doubles.
-const MOST: usize = 64;
+/// Most candidates: for two features of 24 vertices, with some doubled by rounding.
+const MAX_CANDIDATES: usize = 64;
 
-/// On what of a shadow a point lies.
+/// Part of a projected feature that contains a point: a vertex, an edge, or the interior.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Location(u32);
 
 impl Location {
-    /// Between its corners.
+    /// The interior of the feature.
     pub(super) const WHOLE: Location = Location(0);
-    const CORNER: u32 = 1 << 30;
+    const VERTEX: u32 = 1 << 30;
     const EDGE: u32 = 2 << 30;
 
     #[inline(always)]
-    pub(super) fn corner(k: usize) -> Self {
-        Location(Self::CORNER | k as u32)
+    pub(super) fn vertex(k: usize) -> Self {
+        Location(Self::VERTEX | k as u32)
     }
 
     #[inline(always)]
@@ -24,24 +24,25 @@ impl Location {
         Location(Self::EDGE | k as u32)
     }
 
-    /// The number of the corner.
-    pub(super) fn as_corner(self) -> Option<usize> {
-        (self.0 & Self::CORNER != 0).then_some((self.0 & !Self::CORNER) as usize)
+    /// Returns the index of the vertex, if the location is a vertex.
+    pub(super) fn as_vertex(self) -> Option<usize> {
+        (self.0 & Self::VERTEX != 0).then_some((self.0 & !Self::VERTEX) as usize)
     }
 
-    /// The number of the edge.
+    /// Returns the index of the edge, if the location is an edge.
     pub(super) fn as_edge(self) -> Option<usize> {
         (self.0 & Self::EDGE != 0).then_some((self.0 & !Self::EDGE) as usize)
     }
 }
 
-/// A pair of points across from each other. The witnesses are on neither corners nor edges of the shadows.
+/// A pair of points opposite each other along the normal. Witnesses have no vertex or edge
+/// location.
 //
-// All zero in memory where nothing is in it, so that a list of them is soon made.
+// The value of an empty slot is all zero bits, so an empty list is cheap to initialize.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct ContactCandidate {
     pub(super) at: [f64; 2],
-    /// From the point on A to that on B.
+    /// Height of the point on B above the point on A.
     pub(super) separation: f64,
     pub(super) on: [Location; 2],
 }
@@ -50,43 +51,44 @@ impl ContactCandidate {
     pub(super) const WITNESS: [Location; 2] = [Location::WHOLE; 2];
 }
 
-/// A short list of those no further apart than wanted.
-pub(super) struct Corners {
-    list: [ContactCandidate; MOST],
+/// Short list of the candidates no further apart than the prediction.
+pub(super) struct Candidates {
+    list: [ContactCandidate; MAX_CANDIDATES],
     count: usize,
-    /// Of the witnesses.
+    /// Signed distance of the witnesses.
     distance: f64,
-    /// The largest separation that is wanted.
+    /// Largest accepted separation.
     prediction: f64,
 }
 
-impl Corners {
+impl Candidates {
     #[inline(always)]
     pub(super) fn new(distance: f64, prediction: f64) -> Self {
-        const NONE: ContactCandidate = ContactCandidate {
+        const EMPTY: ContactCandidate = ContactCandidate {
             at: [0.0; 2],
             separation: 0.0,
             on: ContactCandidate::WITNESS,
         };
         Self {
-            list: [NONE; MOST],
+            list: [EMPTY; MAX_CANDIDATES],
             count: 0,
             distance,
             prediction,
         }
     }
 
-    /// A corner whose points are at these heights over the witnesses, if it is near enough, which is told. The witnesses are in any
-    /// case.
+    /// Adds a candidate with the given heights over the witnesses if near enough; returns whether
+    /// added. The witnesses are accepted at any separation.
     #[inline(always)]
     pub(super) fn push(&mut self, at: [f64; 2], [on_a, on_b]: [f64; 2], on: [Location; 2]) -> bool {
         let separation = self.distance + (on_b - on_a);
-        let wanted = (separation <= self.prediction || on == ContactCandidate::WITNESS) && self.count < MOST;
-        if wanted {
+        let is_accepted =
+            (separation <= self.prediction || on == ContactCandidate::WITNESS) && self.count < MAX_CANDIDATES;
+        if is_accepted {
             self.list[self.count] = ContactCandidate { at, separation, on };
             self.count += 1;
         }
-        wanted
+        is_accepted
     }
 
     #[inline(always)]
