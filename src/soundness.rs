@@ -42,8 +42,9 @@ pub(crate) fn fault(
     }
 }
 
-/// Whether the witnesses, placed in f64, are as far apart as the bounds say, and along the normal. The slack is that of
-/// witnesses rounded in the caller's coordinates, which may be far from the body.
+/// Whether the witnesses, placed in f64, are as far apart as the bounds say, and along the normal.
+/// The slack is that of witnesses rounded in the caller's coordinates, which may be far from the
+/// body.
 fn witnesses_agree(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &RelativePose, o: &Outcome) -> bool {
     let (p, q) = (o.point_on_a.coords, o.point_on_b.coords);
     let between = pose.rotation() * q + pose.translation() - p;

@@ -6,8 +6,8 @@ use crate::num::scalar::sqrt;
 use crate::polyhedron::{BuildReport, ConvexPolyhedron, EdgeId, FaceId, VertexId};
 use crate::tolerance::UNIT;
 
-/// Ids are checked: one that names no feature of this body, such as one of a larger body, gives `None` or an empty
-/// iterator.
+/// Ids are checked: one that names no feature of this body, such as one of a larger body, gives
+/// `None` or an empty iterator.
 impl ConvexPolyhedron {
     /// How many vertices the body has: all are extreme points.
     #[inline]
@@ -50,7 +50,8 @@ impl ConvexPolyhedron {
         (0..self.face_count() as u32).map(FaceId)
     }
 
-    /// The place of a vertex: exactly the point the caller gave, but for coordinates the report counts as flushed.
+    /// The place of a vertex: exactly the point the caller gave, but for coordinates the report
+    /// counts as flushed.
     #[must_use]
     pub fn vertex(&self, vertex: VertexId) -> Option<Point3<f64>> {
         self.points.get(vertex.index()).map(|p| self.to_user(p))
@@ -69,8 +70,8 @@ impl ConvexPolyhedron {
             .then(|| [self.topology.from(edge.0), self.topology.half_edge(edge.0).to].map(VertexId))
     }
 
-    /// The faces on the left and on the right of an edge, looking from its first end to its second from outside; `None`
-    /// also for the edge of a segment.
+    /// The faces on the left and on the right of an edge, looking from its first end to its second
+    /// from outside; `None` also for the edge of a segment.
     #[must_use]
     pub fn edge_faces(&self, edge: EdgeId) -> Option<[FaceId; 2]> {
         let known = self.has_edge(edge) && self.face_count() > 0;
@@ -91,7 +92,8 @@ impl ConvexPolyhedron {
         self.face_rim(face).map(|h| EdgeId(self.topology.edge(h)))
     }
 
-    /// The outward unit normal of a face and its offset along it, `normal . x = offset` on the face up to rounding.
+    /// The outward unit normal of a face and its offset along it, `normal . x = offset` on the face
+    /// up to rounding.
     #[must_use]
     pub fn face_plane(&self, face: FaceId) -> Option<(Unit<Vector3<f64>>, f64)> {
         let plane = self.planes.get(face.index()).filter(|_| self.has_face(face))?;
@@ -121,15 +123,15 @@ impl ConvexPolyhedron {
         self.source.get(vertex.index()).map(|&i| i as usize)
     }
 
-    /// The caller's face that holds a face of the body. Where the caller had cut one flat face into pieces it is one of
-    /// them; `None` for bodies that were not made from faces.
+    /// The caller's face that holds a face of the body. Where the caller had cut one flat face into
+    /// pieces it is one of them; `None` for bodies that were not made from faces.
     #[must_use]
     pub fn source_face(&self, face: FaceId) -> Option<usize> {
         self.source_faces.get(face.index()).map(|&i| i as usize)
     }
 
-    /// Bytes this body takes, its lists included but not its report: with some hundred vertices or more some 155 a vertex, beyond 10,922
-    /// vertices some 200 (links of 16 and of 32 bits).
+    /// Bytes this body takes, its lists included but not its report: with some hundred vertices or
+    /// more some 155 a vertex, beyond 10,922 vertices some 200 (links of 16 and of 32 bits).
     #[must_use]
     pub fn size_in_bytes(&self) -> usize {
         let lists = size_of_val(&self.points[..])
@@ -156,13 +158,15 @@ impl ConvexPolyhedron {
         (self.to_user(&self.low), self.to_user(&self.high))
     }
 
-    /// A ball that holds the body: the centre of its box and the largest distance of a vertex from there, rounded up.
+    /// A ball that holds the body: the centre of its box and the largest distance of a vertex from
+    /// there, rounded up.
     #[must_use]
     pub fn bounding_ball(&self) -> (Point3<f64>, f64) {
         let (low, high) = self.aabb();
         let centre = Point3::from(low.coords * 0.5 + high.coords * 0.5);
         let scale = 1.0 / self.unit();
-        // Distances are taken from the centre as rounded, in stored units so that squares stay in range.
+        // Distances are taken from the centre as rounded, in stored units so that squares stay in
+        // range.
         let far = self.points.iter().fold(0.0f64, |r, p| {
             r.max(((self.to_user(p) - centre) * scale).norm_squared())
         });
@@ -201,7 +205,8 @@ impl ConvexPolyhedron {
     }
 }
 
-/// Two bodies are equal if they have the same vertices by number, and with them all else but the caller's indices and the report.
+/// Two bodies are equal if they have the same vertices by number, and with them all else but the
+/// caller's indices and the report.
 impl PartialEq for ConvexPolyhedron {
     fn eq(&self, other: &Self) -> bool {
         let place = |b: &Self| (b.exponent, b.origin);

@@ -1,9 +1,10 @@
 //! Boxes of a placed body, for a broad phase.
 //!
-//! Small bodies are scanned, four vertices at a time in `f32`; of larger ones the six extreme vertices are kept by the
-//! caller and climbed from (Cohen, Lin, Manocha and Ponamgi 1995, section 4.2, the dynamic box). Both are rounded outward
-//! by a bound of all their rounding, so the box holds the body as placed: at most `1e-6 r` too large on a side when
-//! scanned, `1e-14 (r + |t|)` when climbed.
+//! Small bodies are scanned, four vertices at a time in `f32`; of larger ones the six extreme
+//! vertices are kept by the caller and climbed from (Cohen, Lin, Manocha and Ponamgi 1995, section
+//! 4.2, the dynamic box). Both are rounded outward by a bound of all their rounding, so the box
+//! holds the body as placed: at most `1e-6 r` too large on a side when scanned, `1e-14 (r + |t|)`
+//! when climbed.
 
 use alloc::vec::Vec;
 
@@ -17,7 +18,8 @@ use crate::tolerance::{BOX, BOX_SCANNED, POSE_UNIT};
 /// Bodies up to this many vertices are scanned.
 const SCANNED: usize = 64;
 
-/// The extreme vertices of one body at its last pose: what [`ConvexPolyhedron::aabb_at`] starts from.
+/// The extreme vertices of one body at its last pose: what [`ConvexPolyhedron::aabb_at`] starts
+/// from.
 ///
 /// Of another body, or out of date, it costs time and never a box that is too small.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -75,8 +77,9 @@ fn across([x, y, z]: [f32x4; 3], fold: impl Fn(f32x4, f32x4) -> f32x4) -> Vector
 }
 
 impl ConvexPolyhedron {
-    /// The axis-aligned box of the body at a pose, rounded outward: least and greatest corner, in the frame the pose leads
-    /// to. `hint` remembers the extreme vertices from one frame to the next.
+    /// The axis-aligned box of the body at a pose, rounded outward: least and greatest corner, in
+    /// the frame the pose leads to. `hint` remembers the extreme vertices from one frame to the
+    /// next.
     ///
     /// A pose that is not finite gives a box that is not, which a broad phase refuses by name.
     #[doc(alias = "compute_aabb")]
@@ -104,9 +107,9 @@ impl ConvexPolyhedron {
         around(center, low * unit, high * unit, far.add_scalar(error * unit))
     }
 
-    /// A cube that holds the body however it is turned, about its own origin or, for a body far from that, about its
-    /// middle: the fixed box of Cohen et al. 1995. Cheaper than [`aabb_at`](Self::aabb_at) and larger, so more pairs have
-    /// to be looked at.
+    /// A cube that holds the body however it is turned, about its own origin or, for a body far
+    /// from that, about its middle: the fixed box of Cohen et al. 1995. Cheaper than
+    /// [`aabb_at`](Self::aabb_at) and larger, so more pairs have to be looked at.
     #[must_use]
     pub fn cube_at(&self, pose: &Isometry3<f64>) -> (Point3<f64>, Point3<f64>) {
         let matrix = matrix(pose);
@@ -115,14 +118,16 @@ impl ConvexPolyhedron {
         (Point3::from(center - half), Point3::from(center + half))
     }
 
-    /// Where the stored origin is, and how far off that may be: an entry of the matrix is off by the same however small it is.
+    /// Where the stored origin is, and how far off that may be: an entry of the matrix is off by
+    /// the same however small it is.
     #[cold]
     fn origin_at(&self, matrix: &Matrix3<f64>, t: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
         let far = t.abs().add_scalar(self.origin.abs().sum()) * BOX;
         (matrix * self.origin + t, far)
     }
 
-    /// Climbs to the least and greatest vertex along each axis. Apart from the scan, which needs fewer registers saved.
+    /// Climbs to the least and greatest vertex along each axis. Apart from the scan, which needs
+    /// fewer registers saved.
     #[inline(never)]
     fn climbed_span(&self, matrix: &Matrix3<f64>, hint: &mut BoxHint) -> (Vector3<f64>, Vector3<f64>) {
         let (mut low, mut high) = (Vector3::zeros(), Vector3::zeros());

@@ -1,9 +1,10 @@
 //! Vertices of many edges: which edge rises most, without a look at every edge.
 //!
-//! With a direction `m` along which every edge `e` of a fan rises, the points `e / (m . e)` are the corners of a convex
-//! polygon in the plane `m . x = 1`. A direction `n` on them, `n . e / (m . e)`, rises to one corner and falls from it,
-//! and is positive where `n . e` is. So a search round the ring finds an edge that rises, if one does: for certain where the values
-//! are compared without rounding (`highest`), else most of the time.
+//! With a direction `m` along which every edge `e` of a fan rises, the points `e / (m . e)` are the
+//! corners of a convex polygon in the plane `m . x = 1`. A direction `n` on them,
+//! `n . e / (m . e)`, rises to one corner and falls from it, and is positive where `n . e` is. So a
+//! search round the ring finds an edge that rises, if one does: for certain where the values are
+//! compared without rounding (`highest`), else most of the time.
 
 use alloc::vec::Vec;
 use nalgebra::Vector3;
@@ -24,7 +25,8 @@ pub(crate) struct Axis {
 }
 
 impl Axis {
-    /// One part is enough but for a tip that is no higher than rounding over a base of thousands of corners.
+    /// One part is enough but for a tip that is no higher than rounding over a base of thousands of
+    /// corners.
     const PARTS: usize = 4;
 
     #[cfg(test)]
@@ -32,7 +34,8 @@ impl Axis {
         Self { parts, plain: false }
     }
 
-    /// Minus the sum of the normals of the faces at `v`, if f64 is certain that all edges of `v` rise along it.
+    /// Minus the sum of the normals of the faces at `v`, if f64 is certain that all edges of `v`
+    /// rise along it.
     fn plain(t: &Topology, points: &[Vector3<f64>], planes: &[Plane], v: u32) -> Option<Self> {
         let normals = t.fan(v).map(|h| planes[t.half_edge(h).face as usize].normal);
         let m = -normals.sum::<Vector3<f64>>() / t.fan(v).len() as f64;
@@ -41,8 +44,8 @@ impl Axis {
         t.neighbours(v).all(rises).then_some(Self { parts, plain: true })
     }
 
-    /// Minus the sum of the exact normals of two faces at `v` without a common edge: all edges rise along that. `None` where it has
-    /// too many parts.
+    /// Minus the sum of the exact normals of two faces at `v` without a common edge: all edges rise
+    /// along that. `None` where it has too many parts.
     fn fine(t: &Topology, points: &[Vector3<f64>], v: u32) -> Option<Self> {
         let (fan, p) = (t.fan(v), points[v as usize]);
         let to = |h: u32| points[t.half_edge(h).to as usize];
@@ -110,7 +113,8 @@ impl Fans {
         self.0.capacity() * size_of::<(u32, Axis)>()
     }
 
-    /// Along which all edges of `v` rise; `None` for fans of up to [`MANY`] edges, which are soon looked round.
+    /// Along which all edges of `v` rise; `None` for fans of up to [`MANY`] edges, which are soon
+    /// looked round.
     #[inline(always)]
     pub(crate) fn axis(&self, topology: &Topology, v: u32) -> Option<&Axis> {
         if topology.fan(v).len() <= MANY {
@@ -127,7 +131,8 @@ impl Fans {
     }
 }
 
-/// The half-edge of the large fan of `v` for which `n . e / (m . e)` is greatest, in f64 as far as its axis allows.
+/// The half-edge of the large fan of `v` for which `n . e / (m . e)` is greatest, in f64 as far as
+/// its axis allows.
 #[inline(never)]
 pub(crate) fn steepest(t: &Topology, points: &[Vector3<f64>], v: u32, axis: &Axis, n: &Vector3<f64>) -> u32 {
     let (fan, p, m) = (t.fan(v), points[v as usize], axis.rounded());
@@ -160,7 +165,8 @@ pub(crate) fn top_of_ring<V: PartialOrd>(m: usize, value: impl Fn(usize) -> V) -
 /// The same from a place, by strides from the given one down to one.
 fn top_from<V: PartialOrd>(m: usize, mut best: usize, mut stride: usize, value: impl Fn(usize) -> V) -> usize {
     let mut top = value(best);
-    // Each round finds a higher place or halves the stride: no more rounds than places and halvings, whatever the values.
+    // Each round finds a higher place or halves the stride: no more rounds than places and
+    // halvings, whatever the values.
     for _ in 0..m + usize::BITS as usize {
         let (left, right) = ((best + m - stride % m) % m, (best + stride) % m);
         let (at_left, at_right) = (value(left), value(right));
@@ -178,13 +184,15 @@ fn top_from<V: PartialOrd>(m: usize, mut best: usize, mut stride: usize, value: 
 }
 
 impl ConvexPolyhedron {
-    /// Half-edges of `v` among which are those of all edges and faces at `v` that vertex `w` is on: the whole fan, of a large one three.
+    /// Half-edges of `v` among which are those of all edges and faces at `v` that vertex `w` is on:
+    /// the whole fan, of a large one three.
     pub(crate) fn toward(&self, v: u32, w: u32) -> impl Iterator<Item = u32> + Clone + use<> {
         let (t, fan) = (&self.topology, self.topology.fan(v));
         let m = fan.len();
         let (mut first, mut count) = (0, m);
         if m > MANY {
-            // Seen along the first edge from `v`, the others turn counter-clockwise by less than half a turn, and `w` lies among them.
+            // Seen along the first edge from `v`, the others turn counter-clockwise by less than
+            // half a turn, and `w` lies among them.
             let to = |k: usize| &self.points[t.half_edge(fan.start + k as u32).to as usize];
             let (p, q, at) = (&self.points[v as usize], to(0), &self.points[w as usize]);
             let (mut low, mut high) = (1, m);
@@ -196,15 +204,16 @@ impl ConvexPolyhedron {
                     high = k;
                 }
             }
-            // Between the edges before and at `low`; on that before it is also on the face before that.
+            // Between the edges before and at `low`; on that before it is also on the face before
+            // that.
             (first, count) = (low + m - 2, 3);
         }
         (first..first + count).map(move |k| fan.start + (k % m) as u32)
     }
 
-    /// The half-edge of the large fan of `v` that makes the least angle with `d`, which leads out of the body: the rib nearest to a point
-    /// there. Of the faces seen from there, one is found as in `closest::behind`; along those seen the angle falls to one
-    /// rib and rises from it.
+    /// The half-edge of the large fan of `v` that makes the least angle with `d`, which leads out
+    /// of the body: the rib nearest to a point there. Of the faces seen from there, one is found as
+    /// in `closest::behind`; along those seen the angle falls to one rib and rises from it.
     #[inline(never)]
     pub(crate) fn nearest_rib(&self, v: u32, d: &Vector3<f64>) -> u32 {
         let (t, fan, p) = (&self.topology, self.topology.fan(v), self.points[v as usize]);
@@ -231,8 +240,8 @@ mod tests {
     use crate::tolerance::UNIT;
     use nalgebra::{Point3, UnitQuaternion};
 
-    /// Two tips over a rim of 300 corners, the first `height` above its plane, which is level or not; on a diagonal plane the corners are
-    /// whole numbers, exactly on it.
+    /// Two tips over a rim of 300 corners, the first `height` above its plane, which is level or
+    /// not; on a diagonal plane the corners are whole numbers, exactly on it.
     fn double_cone(plane: &str, height: f64) -> ConvexPolyhedron {
         let turn = UnitQuaternion::from_euler_angles(0.3, 0.7, -0.4);
         let place = |p: [f64; 3]| match plane {

@@ -27,14 +27,16 @@ macro_rules! id {
 }
 
 id!(
-    /// A vertex of one body. [`ConvexPolyhedron::source_vertex`] leads back to the caller's own index.
+    /// A vertex of one body. [`ConvexPolyhedron::source_vertex`] leads back to the caller's own
+    /// index.
     ///
     /// [`ConvexPolyhedron::source_vertex`]: crate::ConvexPolyhedron::source_vertex
     VertexId,
     "v"
 );
 id!(
-    /// An undirected edge of one body, named by the lower of the numbers of its two half-edges (so the numbers have gaps).
+    /// An undirected edge of one body, named by the lower of the numbers of its two half-edges (so
+    /// the numbers have gaps).
     EdgeId,
     "e"
 );

@@ -44,7 +44,8 @@ impl FeaturePair {
         a.has(self.a) && b.has(self.b)
     }
 
-    /// A pair the walk can stand on. An edge beside a face, or two faces, are none: a vertex of each stands in.
+    /// A pair the walk can stand on. An edge beside a face, or two faces, are none: a vertex of
+    /// each stands in.
     pub(crate) fn to_stand_on(self, a: &ConvexPolyhedron, b: &ConvexPolyhedron) -> Self {
         if self.a.dimension() + self.b.dimension() <= 2 {
             return self;
@@ -60,7 +61,8 @@ impl FeaturePair {
 }
 
 impl ConvexPolyhedron {
-    /// Whether `feature` names a feature of this body. An edge has two numbers; only the lower one is its name.
+    /// Whether `feature` names a feature of this body. An edge has two numbers; only the lower one
+    /// is its name.
     #[inline]
     pub(crate) fn has(&self, feature: Feature) -> bool {
         match feature {
@@ -81,8 +83,8 @@ impl ConvexPolyhedron {
 }
 
 impl ConvexPolyhedron {
-    /// The smallest feature that holds the given vertices (one to four, with repeats); the first vertex where no face
-    /// holds them all.
+    /// The smallest feature that holds the given vertices (one to four, with repeats); the first
+    /// vertex where no face holds them all.
     ///
     /// The candidates are those about the vertex of fewest edges toward another.
     pub(crate) fn feature_of(&self, vertices: &[u32]) -> Feature {

@@ -1,11 +1,12 @@
-//! The highest vertex along a direction, exactly, by a look at a few: also of faces and fans of thousands that are level but for
-//! rounding, or level altogether.
+//! The highest vertex along a direction, exactly, by a look at a few: also of faces and fans of
+//! thousands that are level but for rounding, or level altogether.
 //!
-//! A body is the exact hull of its stored points, and its faces are exactly flat. So with exact signs these hold without exception:
-//! a vertex that no neighbour exceeds is a highest one; heights round a face rise to one place and fall from it, and so do
-//! the slopes of the edges of a fan (see `fans`); and what is level with a highest vertex is that vertex, an edge or a face. Climbing
-//! and bisection on them need no proof. Signs are those of f64 where it is certain of them, and else those of double-double and
-//! of exact sums, or of integers at the exact level ([`Upward`]).
+//! A body is the exact hull of its stored points, and its faces are exactly flat. So with exact
+//! signs these hold without exception: a vertex that no neighbour exceeds is a highest one; heights
+//! round a face rise to one place and fall from it, and so do the slopes of the edges of a fan (see
+//! `fans`); and what is level with a highest vertex is that vertex, an edge or a face. Climbing and
+//! bisection on them need no proof. Signs are those of f64 where it is certain of them, and else
+//! those of double-double and of exact sums, or of integers at the exact level ([`Upward`]).
 
 use core::cmp::Ordering;
 
@@ -24,8 +25,9 @@ use crate::tolerance::{EDGE_SIGN, STEEPER, UNIT};
 pub(crate) trait Upward {
     /// The sign of `n . (q - p)` of two vertices.
     fn rise(&self, p: u32, q: u32) -> i32;
-    /// The sign of `(n . e) (m . f) - (n . f) (m . e)`, for the edges `e` and `f` from `p` to `q` and `r`: which of the two rises more
-    /// along `n` for its rise along `m`, if both rise along that.
+    /// The sign of `(n . e) (m . f) - (n . f) (m . e)`, for the edges `e` and `f` from `p` to `q`
+    /// and `r`: which of the two rises more along `n` for its rise along `m`, if both rise along
+    /// that.
     fn steeper(&self, m: &Axis, p: u32, q: u32, r: u32) -> i32;
 }
 
@@ -170,7 +172,8 @@ impl<U: Upward> PartialOrd for Height<'_, U> {
     }
 }
 
-/// An edge from the first vertex to the second that compares by its rise for that along the axis `m`.
+/// An edge from the first vertex to the second that compares by its rise for that along the axis
+/// `m`.
 pub(super) struct Slope<'a, U>(pub(super) &'a U, pub(super) &'a Axis, pub(super) u32, pub(super) u32);
 
 impl<U: Upward> PartialEq for Slope<'_, U> {
@@ -185,8 +188,8 @@ impl<U: Upward> PartialOrd for Slope<'_, U> {
     }
 }
 
-/// From a vertex of a large face, or beside one of a large fan, to the highest one of that face or a high one beside that vertex; the
-/// vertex itself where none is higher.
+/// From a vertex of a large face, or beside one of a large fan, to the highest one of that face or
+/// a high one beside that vertex; the vertex itself where none is higher.
 pub(super) fn leap<U: Upward>(t: &Topology, fans: &Fans, n: &U, v: u32) -> u32 {
     if !t.has_large_faces() && fans.is_empty() || t.fan(v).len() > MANY {
         return v;
@@ -228,7 +231,8 @@ impl ConvexPolyhedron {
         v
     }
 
-    /// A neighbour of `v` that is higher; where there is none, the lowest number of what is level with it.
+    /// A neighbour of `v` that is higher; where there is none, the lowest number of what is level
+    /// with it.
     fn above<U: Upward>(&self, n: &U, v: u32) -> Result<u32, u32> {
         let t = &self.topology;
         let to = |h: u32| t.half_edge(h).to;
@@ -257,8 +261,8 @@ impl ConvexPolyhedron {
         }
     }
 
-    /// The edges of `v` that may rise or be level if any is: the first and how many from there. All of a fan; of a large one the steepest
-    /// and those beside it.
+    /// The edges of `v` that may rise or be level if any is: the first and how many from there. All
+    /// of a fan; of a large one the steepest and those beside it.
     fn outermost<U: Upward>(&self, n: &U, v: u32) -> (u32, usize) {
         let (t, fan) = (&self.topology, self.topology.fan(v));
         let Some(m) = self.fans.axis(t, v) else {
@@ -268,13 +272,15 @@ impl ConvexPolyhedron {
         (fan.start + before(self.steepest(n, v, m)) as u32, 3)
     }
 
-    /// Where in the large fan of `v`, along whose axis `m` all its edges rise, the edge is that rises most for that.
+    /// Where in the large fan of `v`, along whose axis `m` all its edges rise, the edge is that
+    /// rises most for that.
     fn steepest<U: Upward>(&self, n: &U, v: u32, m: &Axis) -> usize {
         let (t, fan) = (&self.topology, self.topology.fan(v));
         top_of_ring(fan.len(), |k| Slope(n, m, v, t.half_edge(fan.start + k as u32).to))
     }
 
-    /// An edge of `v` that rises along `n`, if one does, or else one that is level, if one is, or else any; none of a point.
+    /// An edge of `v` that rises along `n`, if one does, or else one that is level, if one is, or
+    /// else any; none of a point.
     #[cfg(feature = "exact")]
     pub(crate) fn rising<U: Upward>(&self, n: &U, v: u32) -> Option<u32> {
         let (t, fan) = (&self.topology, self.topology.fan(v));
@@ -295,7 +301,8 @@ mod tests {
     use lab::rng::Rng;
     use nalgebra::{Point3, UnitQuaternion};
 
-    /// Prisms, turned so that rounding breaks their lids into thousands of faces or not, cones and a face that bulges by rounding.
+    /// Prisms, turned so that rounding breaks their lids into thousands of faces or not, cones and
+    /// a face that bulges by rounding.
     fn body(kind: &str, n: usize, rng: &mut Rng) -> ConvexPolyhedron {
         let angle = |k| {
             if kind.starts_with("odd") {

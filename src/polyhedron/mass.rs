@@ -1,8 +1,9 @@
 //! Volume, centroid and inertia at unit density.
 //!
-//! The body is cut into tetrahedra between its box centre and triangles of its faces; their moments are polynomials of
-//! the corners (Tonon 2004). All is summed in double-double from exact differences, so that thin, far-off and round
-//! bodies lose nothing to cancellation; only slivers thinner than rounding (1e-16 of their extent) lose digits.
+//! The body is cut into tetrahedra between its box centre and triangles of its faces; their moments
+//! are polynomials of the corners (Tonon 2004). All is summed in double-double from exact
+//! differences, so that thin, far-off and round bodies lose nothing to cancellation; only slivers
+//! thinner than rounding (1e-16 of their extent) lose digits.
 
 use nalgebra::{Matrix3, Point3, Vector3};
 
@@ -10,8 +11,8 @@ use crate::num::double_double::DoubleDouble;
 use crate::num::scalar::Scalar;
 use crate::polyhedron::ConvexPolyhedron;
 
-/// Sums over the body about its box centre, in stored units: six times the volume, 24 times the first moments, 120
-/// times the second.
+/// Sums over the body about its box centre, in stored units: six times the volume, 24 times the
+/// first moments, 120 times the second.
 struct Moments {
     volume: DoubleDouble,
     first: [DoubleDouble; 3],
@@ -29,7 +30,8 @@ impl ConvexPolyhedron {
         self.moments(false).volume.value() / 6.0 * unit * unit * unit
     }
 
-    /// The centre of mass: of the volume, or of a polygon's area, a segment's length, or the point itself.
+    /// The centre of mass: of the volume, or of a polygon's area, a segment's length, or the point
+    /// itself.
     #[doc(alias = "center_of_mass")]
     #[must_use]
     pub fn centroid(&self) -> Point3<f64> {
@@ -46,9 +48,9 @@ impl ConvexPolyhedron {
         self.to_user(&centroid)
     }
 
-    /// The inertia tensor about the centroid at unit density, in the caller's axes and unit to the fifth power; zero for
-    /// bodies without volume. Overflows to infinity and underflows to zero where f64 does: extents beyond about 1e60
-    /// and below 1e-60.
+    /// The inertia tensor about the centroid at unit density, in the caller's axes and unit to the
+    /// fifth power; zero for bodies without volume. Overflows to infinity and underflows to zero
+    /// where f64 does: extents beyond about 1e60 and below 1e-60.
     #[doc(alias = "moment_of_inertia")]
     #[must_use]
     pub fn inertia(&self) -> Matrix3<f64> {
@@ -57,7 +59,8 @@ impl ConvexPolyhedron {
             return Matrix3::zeros();
         }
         let of = DoubleDouble::from;
-        // Steiner's theorem: 120 times the second moments about the centroid, volume = m.volume / 6.
+        // Steiner's theorem: 120 times the second moments about the centroid, volume = m.volume /
+        // 6.
         let central: [f64; 6] = core::array::from_fn(|i| {
             let (j, k) = PAIRS[i];
             let shift = m.first[j] * m.first[k] / m.volume * of(120.0 / (24.0 * 4.0));

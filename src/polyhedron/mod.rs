@@ -1,16 +1,17 @@
 //! The immutable body: a convex polyhedron with its features, their neighbours and their planes.
 //!
-//! Reading order: [`feature`] (names), `topology` (who is beside whom, without coordinates), `cloud`, `hull`, `facets`,
-//! `plane` and `build` (points to a body), `build_faces` and `source_faces` (the caller's faces), `flat` (polygon, segment, point),
-//! `fans` (vertices of many edges), `support` (extreme vertices), `highest` (the same where rounding hides them), `access`,
+//! Reading order: [`feature`] (names), `topology` (who is beside whom, without coordinates),
+//! `cloud`, `hull`, `facets`, `plane` and `build` (points to a body), `build_faces` and
+//! `source_faces` (the caller's faces), `flat` (polygon, segment, point), `fans` (vertices of many
+//! edges), `support` (extreme vertices), `highest` (the same where rounding hides them), `access`,
 //! `query`, `mass`, `rebuild`, `persist`, [`solids`].
 //!
 //! # Stored coordinates
 //!
-//! A body keeps its vertices as `stored = (given - origin) / 2^exponent`, exactly. `origin` is zero in every coordinate
-//! in which the body lies about its own origin, and `exponent` is zero for ordinary sizes, so most bodies are kept as
-//! given. The rest is what makes far-off and extreme bodies as accurate as any other: rounding is relative to the
-//! body's size, never to its place.
+//! A body keeps its vertices as `stored = (given - origin) / 2^exponent`, exactly. `origin` is zero
+//! in every coordinate in which the body lies about its own origin, and `exponent` is zero for
+//! ordinary sizes, so most bodies are kept as given. The rest is what makes far-off and extreme
+//! bodies as accurate as any other: rounding is relative to the body's size, never to its place.
 
 mod access;
 mod bounds;
@@ -40,8 +41,9 @@ pub use feature::{EdgeId, FaceId, Feature, FeaturePair, VertexId};
 use support::CubeMap;
 use topology::Topology;
 
-/// The supporting plane of a face: `normal . x <= offset` for every vertex `x` of the body, exactly, for the normal as
-/// stored. The offset exceeds the least such number by at most 5 UNIT times the radius.
+/// The supporting plane of a face: `normal . x <= offset` for every vertex `x` of the body,
+/// exactly, for the normal as stored. The offset exceeds the least such number by at most 5 UNIT
+/// times the radius.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Plane {
@@ -53,13 +55,14 @@ pub(crate) struct Plane {
 
 /// A convex body: a polyhedron, or on purpose a polygon, a segment or a point.
 ///
-/// Immutable, `Send + Sync`, cheap to share by reference or `Arc`. Coordinates are those of the caller, in the body's
-/// own frame, in any unit.
+/// Immutable, `Send + Sync`, cheap to share by reference or `Arc`. Coordinates are those of the
+/// caller, in the body's own frame, in any unit.
 ///
-/// From a mesh: [`from_points`](Self::from_points) takes the hull of its vertices, whatever its faces are;
-/// [`from_faces`](Self::from_faces) refuses a mesh that is not convex or has holes, and keeps the caller's faces;
-/// [`from_faces_within`](Self::from_faces_within) does so for coordinates that were rounded, as those of STL files are. Triangles that
-/// repeat their corners (STL) need no welding: equal points are one.
+/// From a mesh: [`from_points`](Self::from_points) takes the hull of its vertices, whatever its
+/// faces are; [`from_faces`](Self::from_faces) refuses a mesh that is not convex or has holes, and
+/// keeps the caller's faces; [`from_faces_within`](Self::from_faces_within) does so for coordinates
+/// that were rounded, as those of STL files are. Triangles that repeat their corners (STL) need no
+/// welding: equal points are one.
 #[derive(Clone, Debug)]
 pub struct ConvexPolyhedron {
     pub(crate) topology: Topology,
@@ -84,9 +87,11 @@ pub struct ConvexPolyhedron {
     pub(crate) is_unscaled: bool,
     /// Largest distance of a vertex from the stored origin, rounded up, in stored units.
     pub(crate) radius: f64,
-    /// The mean of the vertices, in stored coordinates: inside the body, which the middle of its box need not be.
+    /// The mean of the vertices, in stored coordinates: inside the body, which the middle of its
+    /// box need not be.
     pub(crate) vertex_mean: Vector3<f64>,
-    /// Three times the covariance of the vertices: the matrix of the ellipsoid through points that lie on one.
+    /// Three times the covariance of the vertices: the matrix of the ellipsoid through points that
+    /// lie on one.
     pub(crate) covariance3: Matrix3<f64>,
     /// Whether that is far from a ball.
     pub(crate) is_flat: bool,

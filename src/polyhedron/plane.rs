@@ -1,4 +1,5 @@
-//! Supporting planes of faces: a unit normal right to the last bit or so, and an offset that provably bounds the body.
+//! Supporting planes of faces: a unit normal right to the last bit or so, and an offset that
+//! provably bounds the body.
 
 use nalgebra::Vector3;
 
@@ -8,7 +9,8 @@ use crate::polyhedron::Plane;
 use crate::polyhedron::build::cloud::{exponent_of, power_of_two};
 use crate::tolerance::{CROSS_CANCELLED, NORMAL_ERROR, UNIT_DOUBLE_DOUBLE};
 
-/// Three corners of a face far from collinear: all triples of an exactly planar face span the same plane.
+/// Three corners of a face far from collinear: all triples of an exactly planar face span the same
+/// plane.
 pub(crate) fn widest_corners(points: &[Vector3<f64>], rim: &[u32]) -> [u32; 3] {
     let at = |v: u32| points[v as usize];
     if let [a, b, c] = *rim {
@@ -32,11 +34,12 @@ fn most(rim: &[u32], measure: impl Fn(u32) -> f64) -> u32 {
     rim.iter().copied().fold((0, f64::NEG_INFINITY), better).0
 }
 
-/// The plane through three points of a body whose vertices lie within `radius` of the stored origin and exactly below
-/// the plane, and twice the area of the triangle.
+/// The plane through three points of a body whose vertices lie within `radius` of the stored origin
+/// and exactly below the plane, and twice the area of the triangle.
 ///
-/// For a vertex x and the true normal N, `N . (x - a) <= 0` exactly; the stored one differs by at most `NORMAL_ERROR`,
-/// so `n . x <= n . a + NORMAL_ERROR |x - a|`, and `|x - a| <= radius + |a|`. Nothing needs to be searched.
+/// For a vertex x and the true normal N, `N . (x - a) <= 0` exactly; the stored one differs by at
+/// most `NORMAL_ERROR`, so `n . x <= n . a + NORMAL_ERROR |x - a|`, and `|x - a| <= radius + |a|`.
+/// Nothing needs to be searched.
 pub(crate) fn plane(a: &Vector3<f64>, b: &Vector3<f64>, c: &Vector3<f64>, radius: f64) -> (Plane, f64) {
     let (cross, exponent) = cross(a, b, c);
     let squares = cross[0] * cross[0] + cross[1] * cross[1] + cross[2] * cross[2];
@@ -89,7 +92,8 @@ fn inverse_root(x: DoubleDouble) -> DoubleDouble {
     DoubleDouble::sum(y, 0.5 * y * rest.value())
 }
 
-/// `(b - a) x (c - a)` times a power of two, in double-double, and the exponent that undoes the power.
+/// `(b - a) x (c - a)` times a power of two, in double-double, and the exponent that undoes the
+/// power.
 ///
 /// Cut at the corner opposite the longest edge, which keeps the products small.
 fn cross(a: &Vector3<f64>, b: &Vector3<f64>, c: &Vector3<f64>) -> ([DoubleDouble; 3], i32) {

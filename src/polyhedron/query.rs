@@ -9,8 +9,9 @@ use crate::polyhedron::{ConvexPolyhedron, VertexId};
 use crate::tolerance::{FAR_POINT, FOOT, NEAR_PLANE};
 
 impl ConvexPolyhedron {
-    /// A vertex farthest along a direction of any length, proven so up to the rounding of `direction . vertex`; among
-    /// equals the lowest. Vertex 0 for a direction that is zero or not finite. Looks at a few vertices only.
+    /// A vertex farthest along a direction of any length, proven so up to the rounding of
+    /// `direction . vertex`; among equals the lowest. Vertex 0 for a direction that is zero or not
+    /// finite. Looks at a few vertices only.
     #[doc(alias = "support")]
     #[must_use]
     pub fn extreme_vertex(&self, direction: &Vector3<f64>) -> VertexId {
@@ -22,14 +23,16 @@ impl ConvexPolyhedron {
         VertexId(self.support_certified(&direction, self.lookup.cell(&direction)).vertex)
     }
 
-    /// Whether the closed body holds a point: points on the surface belong to it. The answer is exact for the body as
-    /// stored (coordinates of the point below 2^-200 of the body's radius count as zero, as those of the vertices do).
-    /// `false` for a point that is not finite. Looks at face after face until one excludes the point, so time is linear in the faces.
+    /// Whether the closed body holds a point: points on the surface belong to it. The answer is
+    /// exact for the body as stored (coordinates of the point below 2^-200 of the body's radius
+    /// count as zero, as those of the vertices do). `false` for a point that is not finite. Looks
+    /// at face after face until one excludes the point, so time is linear in the faces.
     #[must_use]
     pub fn contains(&self, point: &Point3<f64>) -> bool {
         let flush = flush_below(sqrt(((self.high - self.low) * 0.5).norm_squared()));
-        // Within the box of a shifted body the shift is exact (Sterbenz), as it was for the vertices; a point that is not
-        // shifted exactly is at least half the shift away, farther than the body reaches.
+        // Within the box of a shifted body the shift is exact (Sterbenz), as it was for the
+        // vertices; a point that is not shifted exactly is at least half the shift away, farther
+        // than the body reaches.
         let p = ((point.coords - self.origin) / self.unit()).map(|x| if x.abs() < flush { 0.0 } else { x });
         if !(0..3).all(|k| self.low[k] <= p[k] && p[k] <= self.high[k]) {
             return false; // also where a coordinate is not a number
@@ -67,8 +70,8 @@ impl ConvexPolyhedron {
             })
     }
 
-    /// The point of the closed body closest to a point: the point itself if the body holds it. `None` for a point that
-    /// is not finite.
+    /// The point of the closed body closest to a point: the point itself if the body holds it.
+    /// `None` for a point that is not finite.
     ///
     /// Looks at every face and edge, so time is linear in the size of the body.
     #[must_use]
@@ -103,7 +106,8 @@ impl ConvexPolyhedron {
         Some(self.to_user(&best.1))
     }
 
-    /// The point in stored coordinates; one beyond 2^60 radii is drawn in along its ray, where it sees the same.
+    /// The point in stored coordinates; one beyond 2^60 radii is drawn in along its ray, where it
+    /// sees the same.
     fn nearby(&self, point: &Point3<f64>) -> Vector3<f64> {
         let far = FAR_POINT * self.radius.max(f64::MIN_POSITIVE);
         // Halves keep the difference finite.
@@ -115,9 +119,10 @@ impl ConvexPolyhedron {
         half / half.amax() * far
     }
 
-    /// The foot of the perpendicular from `p` to a face, where it falls within the rim beyond rounding: nearer to an edge than that the
-    /// edge is as good, and of a face that is little more than a line every side is rounding. Seen from behind the foot is a point of the
-    /// body too, and the closest one where rounding misjudges the side.
+    /// The foot of the perpendicular from `p` to a face, where it falls within the rim beyond
+    /// rounding: nearer to an edge than that the edge is as good, and of a face that is little more
+    /// than a line every side is rounding. Seen from behind the foot is a point of the body too,
+    /// and the closest one where rounding misjudges the side.
     fn foot_on_face(&self, f: u32, p: &Vector3<f64>) -> Option<Vector3<f64>> {
         let n = self.planes[f as usize].normal;
         let a = self.points[self.topology.from(self.topology.rim_start(f)) as usize];

@@ -59,7 +59,8 @@ fn circle(n: usize, radius: f64, z: f64) -> impl Iterator<Item = Point3<f64>> {
     })
 }
 
-/// A prism along z over a regular polygon of `n` corners at distance `radius` from the axis, the first on the x axis.
+/// A prism along z over a regular polygon of `n` corners at distance `radius` from the axis, the
+/// first on the x axis.
 ///
 /// # Errors
 ///
@@ -140,10 +141,11 @@ fn icosahedron_points(radius: f64) -> Vec<Point3<f64>> {
 
 /// A dodecahedron of twelve exactly planar pentagons with its vertices at distance `radius`.
 ///
-/// No regular one has coordinates in f64; rounding them would break the pentagons into triangles. For any ratio h the
-/// points `(+-1, +-1, +-1)` and the cyclic shifts of `(0, +-(1 + h), +-(1 - h^2))` are planar by fives. Here h is a ratio
-/// of Fibonacci numbers, 1e-8 from the golden one, and the scale has so few digits that no coordinate is rounded: all
-/// vertices lie within 3e-8 `radius` of their regular places.
+/// No regular one has coordinates in f64; rounding them would break the pentagons into triangles.
+/// For any ratio h the points `(+-1, +-1, +-1)` and the cyclic shifts of
+/// `(0, +-(1 + h), +-(1 - h^2))` are planar by fives. Here h is a ratio of Fibonacci numbers, 1e-8
+/// from the golden one, and the scale has so few digits that no coordinate is rounded: all vertices
+/// lie within 3e-8 `radius` of their regular places.
 ///
 /// # Errors
 ///
@@ -168,8 +170,8 @@ pub fn dodecahedron(radius: f64) -> Result<ConvexPolyhedron, BuildError> {
     ConvexPolyhedron::from_points(&cube.chain(rest).collect::<Vec<_>>())
 }
 
-/// An icosahedron whose triangles are divided into four `subdivisions` times, all vertices at distance `radius`:
-/// `10 * 4^subdivisions + 2` vertices.
+/// An icosahedron whose triangles are divided into four `subdivisions` times, all vertices at
+/// distance `radius`: `10 * 4^subdivisions + 2` vertices.
 ///
 /// # Errors
 ///
@@ -218,8 +220,8 @@ fn divide(triangles: &[[u32; 3]], points: &mut Vec<Vector3<f64>>) -> Vec<[u32; 3
     divided.collect()
 }
 
-/// The hull of `n` random points on an ellipsoid: uniform directions on the unit sphere, stretched by `semi_axes`. The
-/// same seed gives the same bits on every target.
+/// The hull of `n` random points on an ellipsoid: uniform directions on the unit sphere, stretched
+/// by `semi_axes`. The same seed gives the same bits on every target.
 ///
 /// # Errors
 ///

@@ -1,12 +1,14 @@
 //! Extreme vertices: hill climbing from a hint, and a cube map of directions for cold starts.
 //!
-//! Every non-optimal vertex of a convex body has a strictly better neighbour, so climbing ends at the extreme vertex.
-//! Rounding breaks that argument only where the sign of `n . e` along an edge `e` is uncertain; there the climb goes on with exact
-//! signs (`highest`). Signs are taken on edge vectors, never as the difference of two large products: on a chamfer of 1e-9 no
-//! neighbour compares higher while a far vertex is.
+//! Every non-optimal vertex of a convex body has a strictly better neighbour, so climbing ends at
+//! the extreme vertex. Rounding breaks that argument only where the sign of `n . e` along an edge
+//! `e` is uncertain; there the climb goes on with exact signs (`highest`). Signs are taken on edge
+//! vectors, never as the difference of two large products: on a chamfer of 1e-9 no neighbour
+//! compares higher while a far vertex is.
 //!
-//! Sources: Cameron 1997 (hill climbing with cached vertices); the cube map follows the directional lookup of Ehmann
-//! and Lin 2000, section 4.2, with cells on a cube instead of a sphere, so that no trigonometry is needed.
+//! Sources: Cameron 1997 (hill climbing with cached vertices); the cube map follows the directional
+//! lookup of Ehmann and Lin 2000, section 4.2, with cells on a cube instead of a sphere, so that no
+//! trigonometry is needed.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -25,7 +27,8 @@ const FLATTEST: f64 = 1.0 / 1024.0;
 /// Steps of a climb between two looks for a large face to leap over.
 const LEAP: u32 = 4;
 
-/// The sign of `n . e` where rounding leaves no doubt, else 0. `e` is a rounded difference of two stored points.
+/// The sign of `n . e` where rounding leaves no doubt, else 0. `e` is a rounded difference of two
+/// stored points.
 #[inline]
 pub(crate) fn edge_sign(n: &Vector3<f64>, e: &Vector3<f64>) -> i32 {
     let (x, y, z) = (n.x * e.x, n.y * e.y, n.z * e.z);
@@ -104,8 +107,8 @@ impl ConvexPolyhedron {
         support_climb(&self.topology, &self.points, &self.fans, PackedVec3::new(n), hint)
     }
 
-    /// Whether a climb along `n` would end at `v` at once, as far as that is cheap to tell: up to eight edges are looked at
-    /// side by side, without a branch to mispredict.
+    /// Whether a climb along `n` would end at `v` at once, as far as that is cheap to tell: up to
+    /// eight edges are looked at side by side, without a branch to mispredict.
     #[inline(always)]
     pub(crate) fn is_summit(&self, n: &Vector3<f64>, v: u32) -> bool {
         let p = self.points[v as usize];
@@ -131,12 +134,14 @@ impl ConvexPolyhedron {
         }
     }
 
-    /// The extreme vertex along `n`, proven: where others may tie with the one climbed to, exact signs decide.
+    /// The extreme vertex along `n`, proven: where others may tie with the one climbed to, exact
+    /// signs decide.
     pub(crate) fn support_certified(&self, n: &Vector3<f64>, hint: u32) -> Extreme {
         let summit = self.summit(n, hint);
         let (v, w) = (summit.vertex, summit.tie);
         let (at_v, at_w) = (n.dot(&self.points[v as usize]), n.dot(&self.points[w as usize]));
-        // All around one or two vertices are certainly lower: no other is in reach of a path that does not fall.
+        // All around one or two vertices are certainly lower: no other is in reach of a path that
+        // does not fall.
         match summit.ties {
             0 => Extreme { vertex: v, value: at_v },
             1 if self.ring(n, w, v).ties == 0 => {
@@ -216,8 +221,8 @@ impl ConvexPolyhedron {
 
 /// The extreme vertex of a grid of directions on the faces of a cube.
 ///
-/// Directions are stretched by the body's extents before they are looked up: the normals of a flat body crowd round its
-/// axis, and so do the cells.
+/// Directions are stretched by the body's extents before they are looked up: the normals of a flat
+/// body crowd round its axis, and so do the cells.
 #[derive(Clone, Debug)]
 pub(crate) struct CubeMap {
     /// Half extents of the body, none less than a thousandth of the greatest.
@@ -231,7 +236,8 @@ pub(crate) struct CubeMap {
 impl CubeMap {
     /// Looks up the middle of every cell, climbing from the vertex of the cell before.
     pub(crate) fn new(topology: &Topology, points: &[Vector3<f64>], fans: &Fans) -> Self {
-        // Measured: with 4, 8 and 16 cells a climb visits 2-6 vertices up to 128, 1024 and 8192 vertices.
+        // Measured: with 4, 8 and 16 cells a climb visits 2-6 vertices up to 128, 1024 and 8192
+        // vertices.
         let side: u32 = match points.len() {
             0..=12 => 2,
             13..=128 => 4,

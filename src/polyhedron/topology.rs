@@ -1,7 +1,7 @@
 //! Who is beside whom: half-edges by number, without a single coordinate.
 //!
-//! The half-edges that leave a vertex are contiguous and counter-clockwise seen from outside (its *fan*); those
-//! round a face are linked by `next`, counter-clockwise too (its *rim*).
+//! The half-edges that leave a vertex are contiguous and counter-clockwise seen from outside (its
+//! *fan*); those round a face are linked by `next`, counter-clockwise too (its *rim*).
 //!
 //! ```text
 //!            to
@@ -68,8 +68,8 @@ impl Links {
 
 /// The vertices, half-edges and faces of one body by number.
 ///
-/// A point has one vertex and an empty fan; a segment has one face of two half-edges, its *null face*, whose plane
-/// has a zero normal; a polygon has two faces, one for each side.
+/// A point has one vertex and an empty fan; a segment has one face of two half-edges, its *null
+/// face*, whose plane has a zero normal; a polygon has two faces, one for each side.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Topology {
@@ -82,7 +82,8 @@ pub(crate) struct Topology {
     rings: Vec<(u32, u32)>,
     /// The half-edges of large faces in order, face after face.
     ring: Vec<u32>,
-    /// Where there are large faces: by vertex, the place in `ring` of a half-edge of one of them that leaves it.
+    /// Where there are large faces: by vertex, the place in `ring` of a half-edge of one of them
+    /// that leaves it.
     places: Vec<u32>,
 }
 
@@ -93,8 +94,9 @@ pub(crate) const LARGE: usize = 24;
 pub(crate) const MANY: usize = 128;
 
 impl Topology {
-    /// From the vertex loops of the faces, counter-clockwise from outside. `None` where the loops are not a closed
-    /// surface in which every directed edge occurs once beside its reverse and every vertex has one fan.
+    /// From the vertex loops of the faces, counter-clockwise from outside. `None` where the loops
+    /// are not a closed surface in which every directed edge occurs once beside its reverse and
+    /// every vertex has one fan.
     pub(crate) fn from_loops(vertices: usize, loops: &[Vec<u32>]) -> Option<Self> {
         // Provisional half-edges in loop order: (from, to, next, face).
         let mut raw: Vec<[u32; 4]> = Vec::new();
@@ -176,7 +178,8 @@ impl Topology {
         }
     }
 
-    /// The rim of a large face that a vertex is on, as a ring, and the place of the half-edge that leaves it.
+    /// The rim of a large face that a vertex is on, as a ring, and the place of the half-edge that
+    /// leaves it.
     pub(crate) fn long_rim(&self, v: u32) -> Option<(&[u32], usize)> {
         let place = *self.places.get(v as usize)?;
         let next = self.rings.partition_point(|r| r.1 <= place);
@@ -193,7 +196,8 @@ impl Topology {
         !self.rings.is_empty()
     }
 
-    /// The half-edges of a large face in order; `None` for the others, whose rims are soon walked round.
+    /// The half-edges of a large face in order; `None` for the others, whose rims are soon walked
+    /// round.
     #[inline(always)]
     pub(crate) fn ring(&self, f: u32) -> Option<&[u32]> {
         if self.rings.is_empty() {
@@ -259,8 +263,8 @@ impl Topology {
         self.fan(v).map(|h| self.links.get(h).to)
     }
 
-    /// The vertices beside `v` where there are one to eight, the last of them repeated: without a loop whose end is
-    /// hard to foretell.
+    /// The vertices beside `v` where there are one to eight, the last of them repeated: without a
+    /// loop whose end is hard to foretell.
     #[inline(always)]
     pub(crate) fn up_to_eight(&self, v: u32) -> Option<[u32; 8]> {
         fn taken<E>(fan: &[E], to: impl Fn(&E) -> u32) -> Option<[u32; 8]> {
@@ -318,8 +322,8 @@ impl Topology {
     }
 }
 
-/// The provisional half-edges by (from, to), and where those that leave each vertex begin: a counting sort, as most
-/// vertices have few.
+/// The provisional half-edges by (from, to), and where those that leave each vertex begin: a
+/// counting sort, as most vertices have few.
 fn sort_by_ends(vertices: usize, raw: &[[u32; 4]]) -> (Vec<u32>, Vec<u32>) {
     let mut start = vec![0u32; vertices + 1];
     for h in raw {
@@ -340,8 +344,9 @@ fn sort_by_ends(vertices: usize, raw: &[[u32; 4]]) -> (Vec<u32>, Vec<u32>) {
     (start, order)
 }
 
-/// Numbers the half-edges so that each fan is contiguous and counter-clockwise: the fan starts and the new number of
-/// each old half-edge. `None` where a vertex has no fan (unless it is the only one) or more than one.
+/// Numbers the half-edges so that each fan is contiguous and counter-clockwise: the fan starts and
+/// the new number of each old half-edge. `None` where a vertex has no fan (unless it is the only
+/// one) or more than one.
 fn fans(vertices: usize, raw: &[[u32; 4]], order: &[u32], left: impl Fn(u32) -> u32) -> Option<(Vec<u32>, Vec<u32>)> {
     let mut first = Vec::with_capacity(vertices + 1);
     let mut number = vec![u32::MAX; raw.len()];

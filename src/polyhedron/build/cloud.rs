@@ -1,4 +1,5 @@
-//! From the caller's points to stored coordinates: checked, shifted, scaled, sorted and without duplicates.
+//! From the caller's points to stored coordinates: checked, shifted, scaled, sorted and without
+//! duplicates.
 
 use alloc::vec::Vec;
 use nalgebra::{Point3, Vector3};
@@ -8,10 +9,12 @@ use crate::num::scalar::sqrt;
 use crate::polyhedron::build::error::BuildError;
 use crate::tolerance::{EXPONENT_FREE, EXTENT_MAX, EXTENT_MIN, FLUSH_EXPONENT, PLACE_MAX};
 
-/// Most points accepted: a body of n vertices has fewer than 6 n half-edges, each with a 32-bit number.
+/// Most points accepted: a body of n vertices has fewer than 6 n half-edges, each with a 32-bit
+/// number.
 const POINTS_MAX: usize = 1 << 29;
 
-/// Distinct points in stored coordinates, in Morton order, so that neighbours in space are neighbours in memory.
+/// Distinct points in stored coordinates, in Morton order, so that neighbours in space are
+/// neighbours in memory.
 pub(crate) struct Cloud {
     pub(crate) points: Vec<Vector3<f64>>,
     /// The caller's index of each point, the lowest among equal ones.
@@ -159,7 +162,8 @@ fn placement(given: &[Point3<f64>], indices: &[u32]) -> Result<(Vector3<f64>, i3
                 extent: given[i as usize].coords.amax(),
             });
         }
-        // A point is where it is without rounding: it is its own origin, but for what counts as zero.
+        // A point is where it is without rounding: it is its own origin, but for what counts as
+        // zero.
         let place = if indices.is_empty() { Vector3::zeros() } else { low };
         let origin = place.map(|x| if x.abs() < f64::MIN_POSITIVE { 0.0 } else { x });
         return Ok((origin, 0, f64::MIN_POSITIVE));
@@ -171,22 +175,26 @@ fn placement(given: &[Point3<f64>], indices: &[u32]) -> Result<(Vector3<f64>, i3
             extent,
         });
     }
-    // Half the diagonal, not the farthest point: it depends on extreme points only, without rounding in between.
+    // Half the diagonal, not the farthest point: it depends on extreme points only, without
+    // rounding in between.
     let middle = low * 0.5 + high * 0.5;
     let radius = sqrt((sides * 0.5).norm_squared());
-    // The shift is exact by Sterbenz' lemma; the check costs nothing and covers the rounding of `middle`.
+    // The shift is exact by Sterbenz' lemma; the check costs nothing and covers the rounding of
+    // `middle`.
     let origin = Vector3::from_fn(|k, _| {
         let shifts = middle[k].abs() > 2.0 * radius && all().all(|p| two_sum(p[k], -middle[k]).1 == 0.0);
         if shifts { middle[k] } else { 0.0 }
     });
     let size = exponent_of(radius);
-    // The nearest multiple of the window, so that bodies of like size are stored in one unit whatever the caller's.
+    // The nearest multiple of the window, so that bodies of like size are stored in one unit
+    // whatever the caller's.
     let window = 2 * EXPONENT_FREE;
     let exponent = (size + EXPONENT_FREE).div_euclid(window) * window;
     Ok((origin, exponent, flush_below(radius * power_of_two(-exponent))))
 }
 
-/// Positions of `points` along the Morton curve of their bounding box; equal points follow each other by index.
+/// Positions of `points` along the Morton curve of their bounding box; equal points follow each
+/// other by index.
 fn morton_order(points: &[Vector3<f64>], indices: &[u32]) -> Vec<u32> {
     let (low, high) = bounding_box(points);
     let extent = if points.is_empty() { 0.0 } else { (high - low).max() };

@@ -26,8 +26,8 @@ pub enum BuildError {
         /// Points or corners given.
         count: usize,
     },
-    /// The longest side of the bounding box is below 1e-100 or above 1e100, or a coordinate is above 1e116 (and is then
-    /// what is named).
+    /// The longest side of the bounding box is below 1e-100 or above 1e100, or a coordinate is
+    /// above 1e116 (and is then what is named).
     #[error("the extent {extent:e}, reached at point {index}, lies outside 1e-100..1e100")]
     OutOfRange {
         /// A point at an end of the longest side.
@@ -81,8 +81,9 @@ pub enum BuildError {
         /// The face.
         face: usize,
     },
-    /// A corner leaves the plane of its face by more than the bound. Of coordinates that were rounded, as in files in single precision:
-    /// see [`from_faces_within`](super::ConvexPolyhedron::from_faces_within).
+    /// A corner leaves the plane of its face by more than the bound. Of coordinates that were
+    /// rounded, as in files in single precision: see
+    /// [`from_faces_within`](super::ConvexPolyhedron::from_faces_within).
     #[error("point {vertex} lies {distance:.2e} off the plane of face {face}, more than {bound:.2e}")]
     FaceNotPlanar {
         /// The face.
@@ -113,8 +114,8 @@ pub enum BuildError {
         face: usize,
     },
     /// A point lies in front of a face. By a little, of coordinates that were rounded: see
-    /// [`from_faces_within`](super::ConvexPolyhedron::from_faces_within). Else the mesh is not convex:
-    /// [`from_points`](super::ConvexPolyhedron::from_points) takes its hull.
+    /// [`from_faces_within`](super::ConvexPolyhedron::from_faces_within). Else the mesh is not
+    /// convex: [`from_points`](super::ConvexPolyhedron::from_points) takes its hull.
     #[error("not convex: point {vertex} lies {by:.2e} in front of face {face}")]
     NotConvex {
         /// The face.
@@ -144,7 +145,8 @@ pub enum BuildError {
         /// What does not fit.
         what: &'static str,
     },
-    /// The surface found is not a polyhedron. Exact predicates exclude it, so to meet it is a defect of this crate.
+    /// The surface found is not a polyhedron. Exact predicates exclude it, so to meet it is a
+    /// defect of this crate.
     #[error("the hull found is not a polyhedron; please report these points")]
     Inconsistent,
 }

@@ -1,8 +1,10 @@
-//! From the caller's faces to a body: every fault is found and named, then the body is the exact hull of the corners.
+//! From the caller's faces to a body: every fault is found and named, then the body is the exact
+//! hull of the corners.
 //!
-//! Faces are accepted when they are planar to a bound. The body is never the rounded polyhedron the caller drew but the
-//! hull of its points, so that extreme vertices are found along a true skeleton; a face planar only to the bound
-//! becomes several, and [`ConvexPolyhedron::source_face`] leads back.
+//! Faces are accepted when they are planar to a bound. The body is never the rounded polyhedron the
+//! caller drew but the hull of its points, so that extreme vertices are found along a true
+//! skeleton; a face planar only to the bound becomes several, and [`ConvexPolyhedron::source_face`]
+//! leads back.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -20,9 +22,10 @@ const NONE: u32 = u32::MAX;
 impl ConvexPolyhedron {
     /// A body from points and faces, each a loop of indices counter-clockwise seen from outside.
     ///
-    /// Faces may leave their plane by rounding: 64 UNIT times the diagonal of the box. Several coplanar faces become
-    /// one face of the body; [`source_face`](Self::source_face) leads back. Equal points are taken for one, points no
-    /// face uses are ignored and listed in [`report`](Self::report).
+    /// Faces may leave their plane by rounding: 64 UNIT times the diagonal of the box. Several
+    /// coplanar faces become one face of the body; [`source_face`](Self::source_face) leads back.
+    /// Equal points are taken for one, points no face uses are ignored and listed in
+    /// [`report`](Self::report).
     ///
     /// ```
     /// use lin_canny::polyhedron::{BuildError, ConvexPolyhedron};
@@ -41,18 +44,20 @@ impl ConvexPolyhedron {
     ///
     /// # Errors
     ///
-    /// Those of [`from_points`](Self::from_points), and every way in which faces fail to be the surface of a convex
-    /// body; see [`BuildError`].
+    /// Those of [`from_points`](Self::from_points), and every way in which faces fail to be the
+    /// surface of a convex body; see [`BuildError`].
     #[doc(alias = "mesh")]
     pub fn from_faces(points: &[Point3<f64>], faces: &[impl AsRef<[u32]>]) -> Result<Self, BuildError> {
         build(points, faces, None)
     }
 
-    /// As [`from_faces`](Self::from_faces) for faces that are planar, and bodies that are convex, only to a bound in the
-    /// caller's unit, such as meshes stored in single precision: for these some 1e-6 times the body's size.
+    /// As [`from_faces`](Self::from_faces) for faces that are planar, and bodies that are convex,
+    /// only to a bound in the caller's unit, such as meshes stored in single precision: for these
+    /// some 1e-6 times the body's size.
     ///
-    /// The body is the hull of the points as they are given, so a face that is planar only to the bound becomes several faces of the
-    /// body; [`source_face`](Self::source_face) leads from each back to it.
+    /// The body is the hull of the points as they are given, so a face that is planar only to the
+    /// bound becomes several faces of the body; [`source_face`](Self::source_face) leads from each
+    /// back to it.
     ///
     /// ```
     /// use lin_canny::ConvexPolyhedron;
@@ -203,8 +208,8 @@ impl Mesh {
         self.source[place as usize] as usize
     }
 
-    /// Every edge has two faces. An edge that both pass in the same direction is handed back: it means that one face is
-    /// turned over, and the planes tell which.
+    /// Every edge has two faces. An edge that both pass in the same direction is handed back: it
+    /// means that one face is turned over, and the planes tell which.
     fn check_edges(&self) -> Result<Option<[usize; 2]>, BuildError> {
         let mut edges: Vec<(u32, u32, bool)> = Vec::with_capacity(self.corners.len());
         for f in 0..self.face_count() {
@@ -242,8 +247,8 @@ impl Mesh {
         if normal == Vector3::zeros() {
             return Err(BuildError::FaceWithoutArea { face: f });
         }
-        // Corners may turn either way where the face is not convex; the area of the whole face has the right sign, unless
-        // it is a sliver at rounding level.
+        // Corners may turn either way where the face is not convex; the area of the whole face has
+        // the right sign, unless it is a sliver at rounding level.
         let at = |v: &u32| cloud.points[*v as usize] - a;
         let around = rim.iter().zip(rim.iter().cycle().skip(1)).map(|(p, q)| (at(p), at(q)));
         let (area, error) = around.fold((0.0, 0.0), |(area, error), (p, q)| {
@@ -282,7 +287,8 @@ impl Mesh {
         (0..self.source.len() as u32).filter(is_vertex).collect()
     }
 
-    /// Every face supports the hull from outside. With closed edges that makes the faces the whole surface.
+    /// Every face supports the hull from outside. With closed edges that makes the faces the whole
+    /// surface.
     fn check_convex(
         &self,
         body: &ConvexPolyhedron,

@@ -1,4 +1,5 @@
-//! From the triangles of a hull to its faces: exactly coplanar neighbours are one face, and only extreme points stay.
+//! From the triangles of a hull to its faces: exactly coplanar neighbours are one face, and only
+//! extreme points stay.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -105,7 +106,8 @@ fn root(parent: &mut [u32], mut i: u32) -> u32 {
     i
 }
 
-/// How many faces meet at each point, counted up to 3: a vertex has three, a point inside an edge two.
+/// How many faces meet at each point, counted up to 3: a vertex has three, a point inside an edge
+/// two.
 fn faces_at(points: usize, triangles: &[Triangle], group: &[u32]) -> Vec<u8> {
     let mut degree = vec![0u8; points];
     let mut met = vec![[NONE; 2]; points];
@@ -122,7 +124,8 @@ fn faces_at(points: usize, triangles: &[Triangle], group: &[u32]) -> Vec<u8> {
     degree
 }
 
-/// The extreme points round the face of triangle `start`, whose edge `k` is on the rim; least vertex first.
+/// The extreme points round the face of triangle `start`, whose edge `k` is on the rim; least
+/// vertex first.
 fn rim(triangles: &[Triangle], group: &[u32], number: &[u32], start: u32, k: usize) -> Option<Vec<u32>> {
     let mut ring = Vec::with_capacity(3);
     let (mut t, mut e) = (start, k);
@@ -131,7 +134,8 @@ fn rim(triangles: &[Triangle], group: &[u32], number: &[u32], start: u32, k: usi
         if vertex != NONE {
             ring.push(vertex);
         }
-        // The next rim edge leaves the end of this one: turn about it through triangles of the same face.
+        // The next rim edge leaves the end of this one: turn about it through triangles of the same
+        // face.
         e = (e + 1) % 3;
         let mut other = triangles[t as usize].beside[e];
         while group[other as usize] == group[start as usize] {

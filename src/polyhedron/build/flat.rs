@@ -27,8 +27,8 @@ impl ConvexPolyhedron {
     ///
     /// # Errors
     ///
-    /// A coordinate that is not finite, equal points ([`BuildError::Flat`] of dimension 0), or a length outside
-    /// 1e-100..1e100.
+    /// A coordinate that is not finite, equal points ([`BuildError::Flat`] of dimension 0), or a
+    /// length outside 1e-100..1e100.
     pub fn segment(start: Point3<f64>, end: Point3<f64>) -> Result<Self, BuildError> {
         let cloud = Cloud::new(&[start, end], vec![0, 1], 2)?;
         if cloud.points.len() < 2 {
@@ -37,17 +37,19 @@ impl ConvexPolyhedron {
         Self::assemble(&cloud, &[0, 1], &[vec![0, 1]])
     }
 
-    /// The convex hull of coplanar points, in any order: a body with two faces, one for each side. The first face sees
-    /// the points turn counter-clockwise as the first three that are not collinear do.
+    /// The convex hull of coplanar points, in any order: a body with two faces, one for each side.
+    /// The first face sees the points turn counter-clockwise as the first three that are not
+    /// collinear do.
     ///
-    /// Points exactly in one plane make a body without thickness. Points that leave a plane by rounding only, up to 64
-    /// UNIT times the diagonal of the box, are accepted too; rounded coordinates cannot in general be put back into one plane, so
-    /// then the body is their exact hull, a sliver with the faces of one: it is always the hull of the points stored.
+    /// Points exactly in one plane make a body without thickness. Points that leave a plane by
+    /// rounding only, up to 64 UNIT times the diagonal of the box, are accepted too; rounded
+    /// coordinates cannot in general be put back into one plane, so then the body is their exact
+    /// hull, a sliver with the faces of one: it is always the hull of the points stored.
     ///
     /// # Errors
     ///
-    /// Fewer than three points, collinear or equal points, a coordinate that is not finite, an extent outside
-    /// 1e-100..1e100, or a point farther off the plane.
+    /// Fewer than three points, collinear or equal points, a coordinate that is not finite, an
+    /// extent outside 1e-100..1e100, or a point farther off the plane.
     pub fn polygon(points: &[Point3<f64>]) -> Result<Self, BuildError> {
         let indices = (0..points.len().min(u32::MAX as usize) as u32).collect();
         let cloud = Cloud::new(points, indices, 3)?;
@@ -138,8 +140,9 @@ fn check_planar(cloud: &Cloud, base: &Vector3<f64>, normal: &Vector3<f64>) -> Re
     Ok(())
 }
 
-/// The corners of the hull of exactly coplanar points, counter-clockwise in the projection along `axis`, and the points
-/// inside its edges in rising order. Andrew's monotone chain (1979) with exact turns.
+/// The corners of the hull of exactly coplanar points, counter-clockwise in the projection along
+/// `axis`, and the points inside its edges in rising order. Andrew's monotone chain (1979) with
+/// exact turns.
 fn planar_hull(points: &[Vector3<f64>], axis: usize) -> (Vec<u32>, Vec<u32>) {
     let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
     let mut order: Vec<u32> = (0..points.len() as u32).collect();

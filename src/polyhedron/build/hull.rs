@@ -1,18 +1,20 @@
-//! Convex hull of points by quickhull with conflict lists (Barber, Dobkin, Huhdanpaa 1996; conflict sets after Clarkson
-//! and Shor 1989), every decision an exact sign.
+//! Convex hull of points by quickhull with conflict lists (Barber, Dobkin, Huhdanpaa 1996; conflict
+//! sets after Clarkson and Shor 1989), every decision an exact sign.
 //!
-//! The hull is kept as a closed surface of triangles. A point outside waits in the list of one triangle it sees. The
-//! farthest of a list is added: the triangles it sees (a connected set) go, and their rim, the *horizon*, is joined to
-//! it by new triangles; what waited on the old ones is handed to the new ones or found inside.
+//! The hull is kept as a closed surface of triangles. A point outside waits in the list of one
+//! triangle it sees. The farthest of a list is added: the triangles it sees (a connected set) go,
+//! and their rim, the *horizon*, is joined to it by new triangles; what waited on the old ones is
+//! handed to the new ones or found inside.
 //!
 //! Departures from the paper:
-//! 1. Signs are exact, so there are no thick facets and no merging on the way. A triangle in whose plane the point
-//!    lies counts as unseen; then the horizon is a simple closed curve, no new triangle is degenerate, and exactly
-//!    coplanar triangles are merged at the end (`facets`).
+//! 1. Signs are exact, so there are no thick facets and no merging on the way. A triangle in whose
+//!    plane the point lies counts as unseen; then the horizon is a simple closed curve, no new
+//!    triangle is degenerate, and exactly coplanar triangles are merged at the end (`facets`).
 //! 2. Distances only choose which point comes next; they decide nothing.
 //!
-//! Why a handed-over point needs to be tried on the new triangles only: a point that sees both triangles at a horizon
-//! edge sees the new one between them, whose plane is a positive combination of theirs; and what it sees is connected.
+//! Why a handed-over point needs to be tried on the new triangles only: a point that sees both
+//! triangles at a horizon edge sees the new one between them, whose plane is a positive combination
+//! of theirs; and what it sees is connected.
 
 use alloc::collections::VecDeque;
 use alloc::vec;
@@ -36,8 +38,8 @@ pub(crate) struct Triangle {
 /// The triangulated hull of a cloud.
 pub(crate) struct Surface {
     pub(crate) triangles: Vec<Triangle>,
-    /// Points that lay in the plane of a triangle when they were found not to be outside: only these can lie on the
-    /// final surface without being one of its vertices.
+    /// Points that lay in the plane of a triangle when they were found not to be outside: only
+    /// these can lie on the final surface without being one of its vertices.
     pub(crate) touching: Vec<bool>,
 }
 
@@ -65,7 +67,8 @@ struct Hull<'a> {
     sides: Vector3<f64>,
     facets: Vec<Facet>,
     free: Vec<u32>,
-    /// Triangles where points may wait, oldest first: the hull grows on all sides alike, which keeps horizons short.
+    /// Triangles where points may wait, oldest first: the hull grows on all sides alike, which
+    /// keeps horizons short.
     pending: VecDeque<u32>,
     /// The next point of the same list.
     next: Vec<u32>,
@@ -79,7 +82,8 @@ struct Hull<'a> {
     starting_at: Vec<u32>,
 }
 
-/// The hull of distinct points, or what they span if it is flat. `Ok(None)` cannot happen with exact signs.
+/// The hull of distinct points, or what they span if it is flat. `Ok(None)` cannot happen with
+/// exact signs.
 pub(crate) fn hull(points: &[Vector3<f64>]) -> Result<Option<Surface>, Span> {
     let simplex = simplex(points)?;
     let (low, high) = bounding_box(points);
@@ -167,7 +171,8 @@ impl Hull<'_> {
     fn exact_height(&self, f: &Facet, p: u32) -> f64 {
         let [a, b, c] = f.triangle.v.map(|i| &self.points[i as usize]);
         let p = &self.points[p as usize];
-        // Where every term vanishes by itself (axis-parallel planes) the sum needs no exact arithmetic.
+        // Where every term vanishes by itself (axis-parallel planes) the sum needs no exact
+        // arithmetic.
         if products(&(b - a), &(c - a)).dot(&(p - a).abs()) == 0.0 {
             0.0
         } else {
@@ -245,7 +250,8 @@ impl Hull<'_> {
         }
     }
 
-    /// Replaces the triangles seen by a cone from the horizon to `apex`. `None` where the horizon is not closed.
+    /// Replaces the triangles seen by a cone from the horizon to `apex`. `None` where the horizon
+    /// is not closed.
     fn raise(&mut self, apex: u32) -> Option<()> {
         self.fresh.clear();
         for &f in &self.seen {

@@ -38,10 +38,10 @@ const WIDTHS: usize = 8;
 impl ConvexPolyhedron {
     /// The convex hull of points, in any order and any unit.
     ///
-    /// Every decision is an exact sign, so the hull is right at any aspect ratio: no extreme point is lost and none
-    /// invented. Exactly coplanar facets are one face; points that are not extreme are dropped and listed in
-    /// [`report`](Self::report). Vertices are numbered along a space-filling curve, whatever the order of the input.
-    /// Time is near `n log n`.
+    /// Every decision is an exact sign, so the hull is right at any aspect ratio: no extreme point
+    /// is lost and none invented. Exactly coplanar facets are one face; points that are not extreme
+    /// are dropped and listed in [`report`](Self::report). Vertices are numbered along a
+    /// space-filling curve, whatever the order of the input. Time is near `n log n`.
     ///
     /// ```
     /// use lin_canny::polyhedron::{BuildError, ConvexPolyhedron};
@@ -60,9 +60,9 @@ impl ConvexPolyhedron {
     ///
     /// # Errors
     ///
-    /// Fewer than four points, a coordinate that is not finite, an extent outside 1e-100..1e100, or points that are all
-    /// exactly coplanar: see [`BuildError`]. Flat bodies have constructors of their own: [`polygon`](Self::polygon),
-    /// [`segment`](Self::segment), [`point`](Self::point).
+    /// Fewer than four points, a coordinate that is not finite, an extent outside 1e-100..1e100, or
+    /// points that are all exactly coplanar: see [`BuildError`]. Flat bodies have constructors of
+    /// their own: [`polygon`](Self::polygon), [`segment`](Self::segment), [`point`](Self::point).
     #[doc(alias = "convex_hull")]
     #[doc(alias = "quickhull")]
     pub fn from_points(points: &[Point3<f64>]) -> Result<Self, BuildError> {
@@ -85,7 +85,8 @@ impl ConvexPolyhedron {
         Ok(body)
     }
 
-    /// Puts a body together from the places of its vertices in the cloud and its faces by vertex number.
+    /// Puts a body together from the places of its vertices in the cloud and its faces by vertex
+    /// number.
     pub(crate) fn assemble(cloud: &Cloud, kept: &[u32], loops: &[Vec<u32>]) -> Result<Self, BuildError> {
         let points: Vec<Vector3<f64>> = kept.iter().map(|&i| cloud.points[i as usize]).collect();
         let topology = Topology::from_loops(points.len(), loops).ok_or(BuildError::Inconsistent)?;
@@ -172,8 +173,8 @@ impl ConvexPolyhedron {
         }
     }
 
-    /// In how many face planes a point of the body lies exactly, counted up to 2. Neighbours in space often lie on the
-    /// same face, so the search starts at the face of the last one.
+    /// In how many face planes a point of the body lies exactly, counted up to 2. Neighbours in
+    /// space often lie on the same face, so the search starts at the face of the last one.
     fn faces_through(&self, p: &Vector3<f64>, hint: &mut usize) -> usize {
         let near = NEAR_PLANE * self.radius;
         let mut count = 0;
@@ -192,7 +193,8 @@ impl ConvexPolyhedron {
         count
     }
 
-    /// Positive where a point in stored coordinates is in front of a face, 0 in its plane; an exact sign.
+    /// Positive where a point in stored coordinates is in front of a face, 0 in its plane; an exact
+    /// sign.
     pub(crate) fn face_side(&self, face: u32, p: &Vector3<f64>) -> f64 {
         let h = self.topology.rim_start(face);
         let e = self.topology.half_edge(h);
@@ -207,8 +209,8 @@ impl ConvexPolyhedron {
     }
 }
 
-/// Vertices, scale and faces mixed into one number (Fowler, Noll and Vo's hash, by words): two bodies with the same one are the
-/// same for all practical purposes.
+/// Vertices, scale and faces mixed into one number (Fowler, Noll and Vo's hash, by words): two
+/// bodies with the same one are the same for all practical purposes.
 fn print(cloud: &Cloud, kept: &[u32], loops: &[Vec<u32>]) -> u64 {
     let mix = |h: u64, x: u64| {
         (h.rotate_left(29) ^ x)
@@ -224,7 +226,8 @@ fn print(cloud: &Cloud, kept: &[u32], loops: &[Vec<u32>]) -> u64 {
     numbers.chain(corners).fold(0, mix)
 }
 
-/// The plane of each face, and twice the area of the widest triangle on it; zeros for the null face of a segment.
+/// The plane of each face, and twice the area of the widest triangle on it; zeros for the null face
+/// of a segment.
 fn planes_of(points: &[Vector3<f64>], loops: &[Vec<u32>], radius: f64) -> (Vec<Plane>, Vec<f64>) {
     let null = Plane {
         normal: Vector3::zeros(),
@@ -240,8 +243,8 @@ fn planes_of(points: &[Vector3<f64>], loops: &[Vec<u32>], radius: f64) -> (Vec<P
     loops.iter().map(of_face).unzip()
 }
 
-/// A body is flat or long if the product of the squares of its half axes is below this part of that of a ball with the same sum: as
-/// it is for 3:3:1.
+/// A body is flat or long if the product of the squares of its half axes is below this part of that
+/// of a ball with the same sum: as it is for 3:3:1.
 const FLAT: f64 = 0.32;
 
 /// On bodies of so many vertices every way is short.

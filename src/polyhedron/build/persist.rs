@@ -1,7 +1,8 @@
-//! Bodies in files (feature `serde`): vertices and names are written, everything else is rebuilt and checked.
+//! Bodies in files (feature `serde`): vertices and names are written, everything else is rebuilt
+//! and checked.
 //!
-//! Rebuilding makes a hostile file harmless, and gives the same body bit for bit: origin, scale and numbering depend
-//! on the extreme points alone.
+//! Rebuilding makes a hostile file harmless, and gives the same body bit for bit: origin, scale and
+//! numbering depend on the extreme points alone.
 
 use alloc::vec::Vec;
 use nalgebra::Point3;

@@ -12,8 +12,9 @@ impl ConvexPolyhedron {
         side.map_or(Vec::new(), |f| self.face_vertices(f).map(|v| v.0).collect())
     }
 
-    /// The body whose vertices, in the order of their ids, and [`first_side`](Self::first_side) these are: the same bit
-    /// for bit, because origin, scale and numbering depend on the extreme points alone. Only names and report are lost.
+    /// The body whose vertices, in the order of their ids, and [`first_side`](Self::first_side)
+    /// these are: the same bit for bit, because origin, scale and numbering depend on the extreme
+    /// points alone. Only names and report are lost.
     ///
     /// # Errors
     /// Vertices that are not those of a body in order, or make none.

@@ -3,7 +3,8 @@
 use alloc::vec::Vec;
 use core::fmt;
 
-/// What building a body kept, merged and dropped. Indices are the caller's, lengths in the caller's unit.
+/// What building a body kept, merged and dropped. Indices are the caller's, lengths in the caller's
+/// unit.
 #[derive(Clone, Debug, PartialEq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
@@ -28,10 +29,12 @@ pub struct BuildReport {
     pub unused: Vec<u32>,
     /// Triangles of the hull that were merged away into exactly coplanar faces.
     pub merged_facets: usize,
-    /// Coordinates replaced by zero: below `2^-200` of the extent, where exact arithmetic would run out of range.
+    /// Coordinates replaced by zero: below `2^-200` of the extent, where exact arithmetic would run
+    /// out of range.
     pub flushed_coordinates: usize,
-    /// Thickness over longest box side, at most 1 and 0 for flat bodies: the least width across the box's axes and
-    /// across the eight largest faces, an upper estimate of the least width in any direction.
+    /// Thickness over longest box side, at most 1 and 0 for flat bodies: the least width across the
+    /// box's axes and across the eight largest faces, an upper estimate of the least width in any
+    /// direction.
     pub flatness: f64,
     /// Largest distance of a corner from the plane of its face as given (bodies from faces).
     pub non_planarity: f64,

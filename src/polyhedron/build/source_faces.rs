@@ -12,8 +12,9 @@ const NONE: u32 = u32::MAX;
 /// A corner where more faces meet than this names no candidates if another one did.
 const CROWD: usize = 8;
 
-/// For each face of the body the caller's face that shares most corners with it, the lowest among equals. Three corners
-/// settle it; where the caller cut a face so that no piece has three, it is the piece that lies in its plane.
+/// For each face of the body the caller's face that shares most corners with it, the lowest among
+/// equals. Three corners settle it; where the caller cut a face so that no piece has three, it is
+/// the piece that lies in its plane.
 ///
 /// `places` are the places of the body's vertices in the cloud, `points` those of the cloud.
 pub(crate) fn source_faces(mesh: &Mesh, body: &ConvexPolyhedron, places: &[u32], points: &[Vector3<f64>]) -> Vec<u32> {
@@ -27,7 +28,8 @@ pub(crate) fn source_faces(mesh: &Mesh, body: &ConvexPolyhedron, places: &[u32],
         rim.clear();
         candidates.clear();
         rim.extend(body.topology.rim(f).map(|h| places[body.topology.from(h) as usize]));
-        // Crowded corners, such as the apex of a cone, come last and are only looked up in the candidates known by then.
+        // Crowded corners, such as the apex of a cone, come last and are only looked up in the
+        // candidates known by then.
         rim.sort_by_key(|&c| incidence.faces_at(c).len());
         for &corner in &rim {
             if !candidates.is_empty() && incidence.faces_at(corner).len() > CROWD {
