@@ -1,7 +1,9 @@
-//! Who is beside whom: half-edges by number, without a single coordinate.
+//! Adjacency of vertices, edges and faces: half-edges by number, without a single coordinate.
 //!
-//! The half-edges that leave a vertex are contiguous and counter-clockwise seen from outside (its
-//! *fan*); those round a face are linked by `next`, counter-clockwise too (its *rim*).
+//! The half-edges that leave a vertex are contiguous and counter-clockwise seen from outside (the
+//! *fan* of the vertex); the half-edges round a face are linked by `next`, counter-clockwise too
+//! (the *rim* of the face, its face loop). The rim of a large face is also kept as a list in order,
+//! its *ring*, for bisection.
 //!
 //! ```text
 //!            to
@@ -15,21 +17,22 @@
 use alloc::vec;
 use alloc::vec::Vec;
 
-/// One of the two directions of an edge.
+/// A half-edge: an edge with one of its two directions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct HalfEdge {
-    /// The vertex it points to.
+    /// The vertex at the end.
     pub(crate) to: u32,
-    /// The same edge the other way.
+    /// The half-edge of the opposite direction.
     pub(crate) twin: u32,
-    /// The half-edge that follows round `face`.
+    /// The following half-edge round `face`.
     pub(crate) next: u32,
     /// The face on the left.
     pub(crate) face: u32,
 }
 
-/// Half-edges in memory: numbers of 16 bits where they suffice, which halves what a query touches.
+/// Half-edges in memory: numbers of 16 bits if they suffice, which halves the memory a query
+/// touches.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 enum Links {
@@ -40,7 +43,7 @@ enum Links {
 impl Links {
     fn new(half_edges: &[HalfEdge]) -> Self {
         let numbers = half_edges.iter().map(|e| [e.to, e.twin, e.next, e.face]);
-        // Of all numbers of a body, those of its half-edges are the largest.
+        // Half-edges have the largest numbers of all features of a body.
         if half_edges.len() <= usize::from(u16::MAX) {
             Links::Short(numbers.map(|e| e.map(|x| x as u16)).collect())
         } else {
@@ -73,17 +76,18 @@ impl Links {
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Topology {
-    /// Where the fan of each vertex begins, and one entry more for the end of the last.
+    /// Start of the fan of each vertex, and one more entry for the end of the last fan.
     first: Vec<u32>,
     links: Links,
     /// One half-edge of each face.
     rim: Vec<u32>,
-    /// Where the ring of each large face begins, by face.
+    /// `(face, start)` of each large face, `start` being the index in `ring` of the first
+    /// half-edge.
     rings: Vec<(u32, u32)>,
     /// The half-edges of large faces in order, face after face.
     ring: Vec<u32>,
-    /// Where there are large faces: by vertex, the place in `ring` of a half-edge of one of them
-    /// that leaves it.
+    /// For each vertex the index in `ring` of a half-edge that leaves the vertex along a large
+    /// face; empty if there are no large faces.
     places: Vec<u32>,
 }
 
@@ -94,9 +98,9 @@ pub(crate) const LARGE: usize = 24;
 pub(crate) const MANY: usize = 128;
 
 impl Topology {
-    /// From the vertex loops of the faces, counter-clockwise from outside. `None` where the loops
-    /// are not a closed surface in which every directed edge occurs once beside its reverse and
-    /// every vertex has one fan.
+    /// Builds the topology from the vertex loops of the faces, counter-clockwise from outside.
+    /// `None` if the loops are not a closed surface in which every directed edge occurs once, its
+    /// reverse once, and every vertex has one fan.
     pub(crate) fn from_loops(vertices: usize, loops: &[Vec<u32>]) -> Option<Self> {
         // Provisional half-edges in loop order: (from, to, next, face).
         let mut raw: Vec<[u32; 4]> = Vec::new();
@@ -178,26 +182,26 @@ impl Topology {
         }
     }
 
-    /// The rim of a large face that a vertex is on, as a ring, and the place of the half-edge that
-    /// leaves it.
+    /// Returns the ring of a large face at vertex `v`, and the index there of the half-edge that
+    /// leaves `v`.
     pub(crate) fn long_rim(&self, v: u32) -> Option<(&[u32], usize)> {
         let place = *self.places.get(v as usize)?;
         let next = self.rings.partition_point(|r| r.1 <= place);
         let start = self.rings.get(next.checked_sub(1)?)?.1;
         let end = self.rings.get(next).map_or(self.ring.len(), |r| r.1 as usize);
-        // The place of a vertex on none is beyond all.
+        // A vertex on no large face has an index beyond all rings.
         let ring = self.ring.get(start as usize..end)?;
         (place < end as u32).then_some((ring, (place - start) as usize))
     }
 
-    /// Whether any face is kept as a ring.
+    /// Returns whether any face is kept as a ring.
     #[inline(always)]
     pub(crate) fn has_large_faces(&self) -> bool {
         !self.rings.is_empty()
     }
 
-    /// The half-edges of a large face in order; `None` for the others, whose rims are soon walked
-    /// round.
+    /// Returns the half-edges of a large face in order; `None` for small faces, whose rims are
+    /// short to walk.
     #[inline(always)]
     pub(crate) fn ring(&self, f: u32) -> Option<&[u32]> {
         if self.rings.is_empty() {
@@ -233,7 +237,7 @@ impl Topology {
         self.links.get(h)
     }
 
-    /// The numbers of the half-edges that leave `v`.
+    /// Returns the numbers of the half-edges that leave `v`.
     #[inline]
     pub(crate) fn fan(&self, v: u32) -> core::ops::Range<u32> {
         self.first[v as usize]..self.first[v as usize + 1]
@@ -258,13 +262,13 @@ impl Topology {
         }
     }
 
-    /// The vertices beside `v`, counter-clockwise from outside.
+    /// Returns the vertices adjacent to `v`, counter-clockwise from outside.
     pub(crate) fn neighbours(&self, v: u32) -> impl Iterator<Item = u32> + '_ {
         self.fan(v).map(|h| self.links.get(h).to)
     }
 
-    /// The vertices beside `v` where there are one to eight, the last of them repeated: without a
-    /// loop whose end is hard to foretell.
+    /// Returns the vertices adjacent to `v`, the last one repeated, if there are one to eight:
+    /// without a loop whose end is hard to predict.
     #[inline(always)]
     pub(crate) fn up_to_eight(&self, v: u32) -> Option<[u32; 8]> {
         fn taken<E>(fan: &[E], to: impl Fn(&E) -> u32) -> Option<[u32; 8]> {
@@ -279,7 +283,7 @@ impl Topology {
         }
     }
 
-    /// Bytes on the heap.
+    /// Returns the bytes on the heap.
     pub(crate) fn heap_bytes(&self) -> usize {
         let links = match &self.links {
             Links::Short(l) => l.capacity() * 8,
@@ -291,19 +295,19 @@ impl Topology {
             + 8 * self.rings.capacity()
     }
 
-    /// The vertex `h` leaves.
+    /// Returns the vertex that `h` leaves.
     #[inline]
     pub(crate) fn from(&self, h: u32) -> u32 {
         self.links.get(self.links.get(h).twin).to
     }
 
-    /// One half-edge of the rim of `f`.
+    /// Returns one half-edge of the rim of `f`.
     #[inline]
     pub(crate) fn rim_start(&self, f: u32) -> u32 {
         self.rim[f as usize]
     }
 
-    /// The half-edges round `f`, counter-clockwise from outside.
+    /// Returns the half-edges round `f`, counter-clockwise from outside.
     pub(crate) fn rim(&self, f: u32) -> impl Iterator<Item = u32> + '_ {
         let start = self.rim[f as usize];
         let mut next = Some(start);
@@ -315,15 +319,15 @@ impl Topology {
         })
     }
 
-    /// The lower of `h` and its twin: the name of the edge.
+    /// Returns the lower of `h` and its twin: the name of the edge.
     #[inline]
     pub(crate) fn edge(&self, h: u32) -> u32 {
         h.min(self.links.get(h).twin)
     }
 }
 
-/// The provisional half-edges by (from, to), and where those that leave each vertex begin: a
-/// counting sort, as most vertices have few.
+/// Sorts the provisional half-edges by (from, to) and returns the start of each vertex's half-edges
+/// and the order: a counting sort, as most vertices have few.
 fn sort_by_ends(vertices: usize, raw: &[[u32; 4]]) -> (Vec<u32>, Vec<u32>) {
     let mut start = vec![0u32; vertices + 1];
     for h in raw {
@@ -344,9 +348,9 @@ fn sort_by_ends(vertices: usize, raw: &[[u32; 4]]) -> (Vec<u32>, Vec<u32>) {
     (start, order)
 }
 
-/// Numbers the half-edges so that each fan is contiguous and counter-clockwise: the fan starts and
-/// the new number of each old half-edge. `None` where a vertex has no fan (unless it is the only
-/// one) or more than one.
+/// Numbers the half-edges so that each fan is contiguous and counter-clockwise. Returns the start
+/// of each fan and the new number of each old half-edge; `None` if a vertex has no fan (unless it
+/// is the only vertex) or more than one.
 fn fans(vertices: usize, raw: &[[u32; 4]], order: &[u32], left: impl Fn(u32) -> u32) -> Option<(Vec<u32>, Vec<u32>)> {
     let mut first = Vec::with_capacity(vertices + 1);
     let mut number = vec![u32::MAX; raw.len()];
