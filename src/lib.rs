@@ -237,6 +237,7 @@ mod solve;
 mod soundness;
 pub mod tolerance;
 mod tracker;
+mod tuning;
 mod walk;
 mod watch;
 

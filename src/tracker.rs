@@ -14,6 +14,7 @@ use crate::polyhedron::{ConvexPolyhedron, FeaturePair};
 use crate::pose::{Operand, RelativePose};
 use crate::replay::Replay;
 use crate::solve::{self, out_of_range};
+use crate::tuning::tracker::STEADY;
 use crate::walk::rings::predict::predict;
 use crate::walk::seed;
 use crate::walk::trace::trace;
@@ -61,9 +62,6 @@ pub struct Tracker {
     #[cfg_attr(feature = "serde", serde(default))]
     overlap_proof: Option<OverlapProof>,
 }
-
-/// A walk of so many steps was near its end where it began.
-const STEADY: u32 = 3;
 
 impl Tracker {
     /// A tracker without a start: the first query begins at the support vertices along the line of centres.

@@ -7,7 +7,7 @@ use wide::f64x4;
 
 use super::corners::{Corners, Location};
 use super::shadow::ProjectedFeature;
-use crate::polyhedron::topology::LARGE;
+use crate::tuning::polyhedron::LARGE;
 
 /// For each edge of one shadow, which corners of the other lie outside it, a bit each.
 struct Sides {

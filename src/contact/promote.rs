@@ -5,9 +5,9 @@ use core::ops::Range;
 use nalgebra::Vector3;
 
 use crate::polyhedron::fans::top_of_ring;
-use crate::polyhedron::topology::MANY;
 use crate::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, Feature};
 use crate::tolerance::{STAY, STEEP};
+use crate::tuning::polyhedron::MANY;
 
 /// A body's outward direction of contact and how far off it a face may be.
 pub(super) struct Promotion<'a> {

@@ -12,9 +12,7 @@ use super::clip::crossing;
 use super::corners::{Corners, Location};
 use super::shadow::ProjectedFeature;
 use crate::num::scalar::sqrt;
-
-/// So many corners beside a hint are looked at before all are.
-const NEAR: usize = 4;
+use crate::tuning::contact::NEAR;
 
 /// Where the rays of the last frame left the faces of A and of B: the next ones leave nearby.
 pub(super) type Rays = [[u32; 2]; 12];

@@ -5,9 +5,9 @@ use wide::f64x4;
 
 use super::axes::{Axes, FacePlane2};
 use super::corners::Location;
-use crate::polyhedron::topology::LARGE;
 use crate::polyhedron::{ConvexPolyhedron, EdgeId, Feature, VertexId};
 use crate::tolerance::COPLANAR;
+use crate::tuning::polyhedron::LARGE;
 
 /// Corners of a small face, the first of them twice, in fours.
 pub(super) const ROOM: usize = LARGE + 4;

@@ -23,15 +23,7 @@ use crate::tolerance::{CERTIFICATE, EXACT_FILTER, NORMAL_ERROR};
 
 use crate::depth::facet::{edge, normal_of};
 use crate::pair::difference::support;
-
-/// Pairs of edges that are looked at: 2048 edges beside 2048.
-const PAIRS: usize = 1 << 22;
-
-/// Pairs that are measured.
-const MEASURED: usize = 1 << 16;
-
-/// Looks at a vertex in double-double: some hundred milliseconds.
-const LOOKS: usize = 1 << 22;
+use crate::tuning::depth::{LOOKS, MEASURED, PAIRS};
 
 /// Settles the depth of bodies whose interiors meet; whether it could.
 pub(super) fn resolve_exactly(posed: &PosedPair, frame: &Transform<DoubleDouble>, outcome: &mut Outcome) -> bool {

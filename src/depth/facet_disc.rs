@@ -26,9 +26,7 @@ use crate::depth::direction::{least, unit};
 use crate::depth::foot::{Witnesses, some_of};
 use crate::depth::result::Best;
 use crate::pair::difference::support;
-
-/// Exchanges of a corner on the way to the facet over the axis.
-const EXCHANGES: usize = 48;
+use crate::tuning::depth::EXCHANGES;
 
 /// Three points of the facet that the axis pierces, from a triangle, counter-clockwise seen from outside, that it pierces; none where
 /// it does not. What `known` holds spares looking for points of the bodies.

@@ -11,15 +11,10 @@ use crate::pair::difference::MinkowskiPoint;
 use crate::polyhedron::FeaturePair;
 
 use crate::depth::surface::Surface;
-
-/// Triangles that are worth their memory: their numbers fit a byte.
-pub(super) const MOST: usize = 256;
+use crate::tuning::depth::{GAIN, MOST};
 
 /// Points of so many triangles.
 pub(super) const MOST_POINTS: usize = MOST / 2 + 2;
-
-/// Triangles a surface may gain before it is built afresh, beside those it was built with.
-const GAIN: usize = 24;
 
 /// A closed surface without places: each edge of a triangle is the reverse of one of its neighbour.
 #[derive(Clone, Debug, Default)]

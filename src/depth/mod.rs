@@ -42,6 +42,7 @@ use crate::pair::transform::Transform;
 #[cfg(feature = "exact")]
 use crate::tolerance::{AGREE_DEPTH, AGREE_WITNESS};
 use crate::tolerance::{CERTIFICATE, SHIFTS};
+use crate::tuning::depth::SHIFTS_PLAIN;
 use nalgebra::Vector3;
 use result::{End, Found};
 use search::search;
@@ -49,9 +50,6 @@ use surface::Surface;
 
 pub(crate) use memory::{Memory, Raw};
 pub(crate) use resume::resume;
-
-/// How many of the shifts are worth a try in f64: those well above its rounding.
-const SHIFTS_PLAIN: usize = 3;
 
 /// Depth, normal, witnesses and features of bodies of which it is proven that they overlap.
 #[cold]

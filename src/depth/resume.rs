@@ -21,12 +21,7 @@ use crate::depth::result::{Best, End, Found};
 use crate::depth::search::{Search, search};
 use crate::depth::take;
 use crate::depth::verify_surface::{Pass, pass};
-
-/// Points for which a small list is enough.
-const FEW_POINTS: usize = 34;
-
-/// So few weak triangles are those of a facet next to the last one.
-const FEW_WEAK: usize = 2;
+use crate::tuning::depth::{FEW_POINTS, FEW_WEAK};
 
 /// The depth from the surface of the last answer; nothing is said of bodies that it no longer proves to overlap.
 pub(crate) fn resume(posed: &PosedPair, memory: &mut Memory, outcome: &mut Outcome) -> bool {

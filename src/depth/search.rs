@@ -15,9 +15,7 @@ use crate::depth::direction::unit;
 use crate::depth::facet::{facets, height_of, normal_of};
 use crate::depth::result::{Best, End, Found};
 use crate::depth::surface::{Filter, Surface};
-
-/// Points that may come twice before a surface counts as folded.
-const REPEATS: u32 = 16;
+use crate::tuning::depth::REPEATS;
 
 /// A surface on its way to the deepest facet.
 pub(super) struct Search<'a, T: Scalar> {

@@ -12,16 +12,13 @@ mod names;
 use alloc::vec::Vec;
 
 use crate::depth::direction::{least, normal, unit};
-use crate::depth::memory::MOST;
 use crate::depth::queue::{Entry, Queue};
 use crate::minimum::simplex::Simplex;
 use crate::num::scalar::{Scalar, Vec3, cross, dot, sub};
 use crate::pair::difference::MinkowskiPoint;
+use crate::tuning::depth::SCANNED;
 use grow::Border;
 use names::Names;
-
-/// So many points are looked through, hardly later than looked up: those that a tracker takes room for, so that queries allocate nothing.
-const SCANNED: usize = MOST;
 
 /// One triangle, its corners counter-clockwise seen from outside.
 #[derive(Clone, Copy, Debug, Default)]

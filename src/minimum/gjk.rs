@@ -17,10 +17,7 @@ use crate::pair::posed::PosedPair;
 use crate::pair::transform::Transform;
 use crate::polyhedron::FeaturePair;
 use crate::tolerance::{ON_BOUNDARY, UNIT};
-
-/// Supports one solve may take. Right answers were seen to take at most 24, and some 90 where nearly parallel faces of 32768 corners lie
-/// rim over rim.
-const SUPPORTS: u32 = 256;
+use crate::tuning::minimum::SUPPORTS;
 
 /// Where a solve ended.
 #[derive(Clone, Copy, Debug)]

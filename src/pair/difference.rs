@@ -9,9 +9,7 @@ use crate::pair::transform::Transform;
 use crate::polyhedron::ConvexPolyhedron;
 use crate::polyhedron::highest::Direction;
 use crate::tolerance::UNIT;
-
-/// Bodies of so many vertices are climbed from any of them.
-const SMALL: usize = 64;
+use crate::tuning::pair::SMALL;
 
 /// A point of the Minkowski difference A - B: a vertex of each body.
 #[derive(Clone, Copy, Debug, Default)]

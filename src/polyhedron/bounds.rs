@@ -14,9 +14,7 @@ use wide::f32x4;
 use crate::polyhedron::ConvexPolyhedron;
 use crate::pose::rotation_matrix;
 use crate::tolerance::{BOX, BOX_SCANNED, POSE_UNIT};
-
-/// Bodies up to this many vertices are scanned.
-const SCANNED: usize = 64;
+use crate::tuning::polyhedron::SCANNED;
 
 /// The extreme vertices of one body at its last pose, from which [`ConvexPolyhedron::aabb_at`]
 /// starts.

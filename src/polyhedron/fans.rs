@@ -13,8 +13,9 @@ use crate::num::double_double::{DoubleDouble, Expansion};
 use crate::num::sign::side;
 use crate::polyhedron::highest::{Direction, Slope, exact};
 use crate::polyhedron::support::edge_sign;
-use crate::polyhedron::topology::{LARGE, MANY, Topology};
+use crate::polyhedron::topology::Topology;
 use crate::polyhedron::{ConvexPolyhedron, Plane};
+use crate::tuning::polyhedron::{LARGE, MANY};
 
 /// The direction `m` of a fan, each coordinate a sum of parts that fall in magnitude.
 #[derive(Clone, Debug)]

@@ -1,8 +1,8 @@
 //! Pairs of features by kind and number, and pairs for which the walk has a test.
 
-use crate::polyhedron::topology::MANY;
 use crate::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, Feature, FeaturePair, VertexId};
 use crate::pose::Operand;
+use crate::tuning::polyhedron::MANY;
 
 /// Returns the pair of `x`, a feature of body `of`, and `y`, a feature of the other body.
 #[inline]

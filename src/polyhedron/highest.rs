@@ -18,8 +18,9 @@ use crate::polyhedron::ConvexPolyhedron;
 use crate::polyhedron::build::cloud::{exponent_of, power_of_two};
 use crate::polyhedron::fans::{Axis, Fans, top_of_ring};
 use crate::polyhedron::support::edge_sign;
-use crate::polyhedron::topology::{MANY, Topology};
+use crate::polyhedron::topology::Topology;
 use crate::tolerance::{EDGE_SIGN, STEEPER, UNIT};
+use crate::tuning::polyhedron::MANY;
 
 /// A direction `n` along which the vertices of a body have an exact order.
 pub(crate) trait Upward {

@@ -20,12 +20,7 @@ use crate::polyhedron::fans::{Fans, steepest};
 use crate::polyhedron::highest::{self, Direction};
 use crate::polyhedron::topology::Topology;
 use crate::tolerance::EDGE_SIGN;
-
-/// The cube map takes no body for flatter than this.
-const FLATTEST: f64 = 1.0 / 1024.0;
-
-/// Steps of a climb between two looks for a large face to leap over.
-const LEAP: u32 = 4;
+use crate::tuning::polyhedron::{FLATTEST, LEAP};
 
 /// The sign of `n . e` where rounding leaves no doubt, else 0. `e` is a rounded difference of two
 /// stored points.

@@ -17,6 +17,8 @@
 use alloc::vec;
 use alloc::vec::Vec;
 
+use crate::tuning::polyhedron::LARGE;
+
 /// A half-edge: an edge with one of its two directions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -90,12 +92,6 @@ pub(crate) struct Topology {
     /// face; empty if there are no large faces.
     places: Vec<u32>,
 }
-
-/// Rims longer than this are kept as rings too.
-pub(crate) const LARGE: usize = 24;
-
-/// Fans of more edges than this are searched; up to here a look at each is as cheap.
-pub(crate) const MANY: usize = 128;
 
 impl Topology {
     /// Builds the topology from the vertex loops of the faces, counter-clockwise from outside.

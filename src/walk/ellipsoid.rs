@@ -10,9 +10,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use crate::num::scalar::sqrt;
 use crate::pair::posed::PosedPair;
-
-/// Rounds of the equation.
-const ROUNDS: usize = 6;
+use crate::tuning::walk::ROUNDS;
 
 /// The direction from A to B, in A's stored frame.
 pub(super) fn direction(posed: &PosedPair) -> Vector3<f64> {

@@ -27,23 +27,9 @@ use crate::num::scalar::sqrt;
 use crate::pair::outcome::Outcome;
 use crate::pair::posed::{OfA, OfB, PosedPair};
 use crate::polyhedron::{Feature, FeaturePair};
+use crate::tuning::walk::{FIRST_LEAP, FREE, JUMPS, LEAPS, LONGEST};
 use crate::walk::rings::newton_jump::newton_jump;
 use crate::walk::step::Step;
-
-/// Jumps to a far face (vertex-face from behind) a walk may take: they are not monotone.
-const JUMPS: u32 = 3;
-
-/// Steps before the guard looks.
-const FREE: u32 = 8;
-
-/// Leaps a walk may try.
-const LEAPS: u32 = 12;
-
-/// Steps a walk may take on bodies it leaps on.
-const LONGEST: u32 = 128;
-
-/// A walk leaps along a long rim or round a large fan after so many steps: most have ended by then.
-const FIRST_LEAP: u32 = 4;
 
 /// Looks at one state.
 #[inline(always)]

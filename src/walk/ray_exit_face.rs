@@ -10,9 +10,9 @@ use nalgebra::Vector3;
 use crate::pair::outcome::Outcome;
 use crate::pair::posed::Sides;
 use crate::polyhedron::fans::top_of_ring;
-use crate::polyhedron::topology::LARGE;
 use crate::polyhedron::{ConvexPolyhedron, FeaturePair};
 use crate::tolerance::{ON_BOUNDARY, UNIT};
+use crate::tuning::polyhedron::LARGE;
 use crate::walk::step::Step;
 
 /// The face by which the ray from the mean of the body's vertices to `x` leaves it, if `x` is above it by more than `least`.

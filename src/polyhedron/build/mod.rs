@@ -31,6 +31,7 @@ use crate::polyhedron::support::CubeMap;
 use crate::polyhedron::topology::Topology;
 use crate::polyhedron::{ConvexPolyhedron, Plane};
 use crate::tolerance::{COPLANAR, NEAR_PLANE, UNIT};
+use crate::tuning::polyhedron::{FEW, FLAT};
 
 /// How many of the largest faces the flatness of the report looks across.
 const WIDTHS: usize = 8;
@@ -242,13 +243,6 @@ fn planes_of(points: &[Vector3<f64>], loops: &[Vec<u32>], radius: f64) -> (Vec<P
     };
     loops.iter().map(of_face).unzip()
 }
-
-/// A body is flat or long if the product of the squares of its half axes is below this part of that
-/// of a ball with the same sum: as it is for 3:3:1.
-const FLAT: f64 = 0.32;
-
-/// On bodies of so many vertices every way is short.
-const FEW: usize = 12;
 
 /// The error for a flat cloud.
 pub(crate) fn flat(cloud: &Cloud, span: &Span) -> BuildError {

@@ -6,8 +6,9 @@
 
 use nalgebra::Vector3;
 
-use crate::polyhedron::topology::LARGE;
 use crate::polyhedron::{ConvexPolyhedron, Feature};
+use crate::tuning::polyhedron::LARGE;
+use crate::tuning::walk::SPAN;
 
 /// One curve of a body.
 #[derive(Clone, Copy)]
@@ -248,9 +249,6 @@ fn last(most: usize, holds: impl Fn(usize) -> bool) -> usize {
     }
     low
 }
-
-/// Curves are fitted over this part of them to each side.
-const SPAN: usize = 256;
 
 impl ConvexPolyhedron {
     /// What a feature is beside a curve, if it is beside one.

@@ -14,26 +14,9 @@ use crate::pair::face::{Face, Rim};
 use crate::pair::outcome::Outcome;
 use crate::pair::posed::PosedPair;
 use crate::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, Feature, FeaturePair, VertexId};
+use crate::tuning::walk::{BISECTIONS, CLOSE, DAMPING, REACH, STEPS, TRIES};
 use crate::walk::rings::cholesky::{Four, System};
 use crate::walk::rings::curve::{Fit, RingCurve, RingLocation};
-
-/// Newton steps of one leap.
-const STEPS: usize = 3;
-
-/// What makes second derivatives positive where they are not, relatively.
-const DAMPING: f64 = 1.0 / 1024.0;
-
-/// A step as short as this is the last.
-const CLOSE: f64 = 1.0 / 8.0;
-
-/// How often a leap that leads no closer is cut to a quarter.
-const TRIES: u32 = 3;
-
-/// Bisections for where a curve leaves a face.
-const BISECTIONS: u32 = 8;
-
-/// How far a parabola is followed, in the length it is fitted over.
-const REACH: f64 = 12.0;
 
 /// One body's side of a pair.
 enum Side<'a> {
