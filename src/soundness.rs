@@ -1,13 +1,13 @@
-//! What is true of every certified answer, checked in debug builds.
+//! Checks of every certified answer, in debug builds.
 
 use nalgebra::Vector3;
 
 use crate::pair::outcome::{Class, Outcome, Solver};
 use crate::polyhedron::ConvexPolyhedron;
 use crate::pose::RelativePose;
-use crate::tolerance::UNIT;
+use crate::tolerance::{UNIT_LENGTH, WITNESS_CHECK};
 
-/// What is wrong with an answer, if anything is: its bounds, its normal, or its witnesses.
+/// Returns the fault of an answer in its bounds, its normal or its witnesses, if there is one.
 pub(crate) fn fault(
     a: &ConvexPolyhedron,
     b: &ConvexPolyhedron,
@@ -22,7 +22,7 @@ pub(crate) fn fault(
         return Some("the distance or its upper bound is not finite");
     }
     let classed = match o.class {
-        // Where f64 ends, exact arithmetic may know more than a bound can say.
+        // Near the end of f64, exact arithmetic may prove more than a bound can express.
         Class::Separated => o.lower > 0.0 || o.lower == 0.0 && o.solver >= Solver::Exact,
         Class::Overlapping => o.upper <= 0.0,
         Class::Touching => o.lower <= 0.0 && o.upper >= 0.0,
@@ -31,10 +31,10 @@ pub(crate) fn fault(
     if !classed {
         return Some("the bounds contradict the class");
     }
-    if !((o.normal.norm() - 1.0).abs() <= 16.0 * UNIT) {
+    if !((o.normal.norm() - 1.0).abs() <= UNIT_LENGTH) {
         return Some("the normal is not of unit length");
     }
-    // Of bodies too far apart or too near for squares the witnesses are what they are.
+    // For bodies too far apart or too near for squares the witnesses cannot be checked.
     if o.solver == Solver::Far || witnesses_agree(a, b, pose, o) {
         None
     } else {
@@ -42,29 +42,29 @@ pub(crate) fn fault(
     }
 }
 
-/// Whether the witnesses, placed in f64, are as far apart as the bounds say, and along the normal.
-/// The slack is that of witnesses rounded in the caller's coordinates, which may be far from the
-/// body.
+/// Returns whether the witnesses, placed in f64, are as far apart as the bounds state, and along
+/// the normal. The slack covers the rounding of witnesses in the caller's coordinates, which may be
+/// far from the body.
 fn witnesses_agree(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &RelativePose, o: &Outcome) -> bool {
     let (p, q) = (o.point_on_a.coords, o.point_on_b.coords);
     let between = pose.rotation() * q + pose.translation() - p;
     let apart = length(&between);
     let origins = length(&a.origin) + length(&b.origin);
     let size = a.radius * a.unit() + b.radius * b.unit() + length(&pose.translation()) + 2.0 * origins;
-    let slack = 1024.0 * UNIT * size;
+    let slack = WITNESS_CHECK * size;
     if o.class == Class::Undecided {
         return apart.is_finite();
     }
     let along = o.normal.dot(&between);
     match o.class {
-        // The witness on B lies behind that on A by the depth.
+        // The witness on B lies behind the witness on A by the depth.
         Class::Overlapping => apart <= -o.lower + slack && apart >= -o.upper - slack && -along >= -o.upper - slack,
         Class::Separated => apart <= o.upper + slack && apart >= o.lower - slack && along >= o.lower - slack,
         _ => apart <= o.upper + slack,
     }
 }
 
-/// The length of a vector whose squares may leave the range.
+/// Returns the length of a vector whose squares may leave the range.
 fn length(v: &Vector3<f64>) -> f64 {
     let largest = v.amax();
     if largest > 0.0 {

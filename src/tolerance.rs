@@ -1,4 +1,5 @@
-//! Every constant of the crate, each with its derivation.
+//! Bounds of rounding errors and limits of range, each with its derivation. Thresholds that only steer
+//! work are in `tuning`.
 
 /// Unit roundoff of f64: the largest relative error of one rounded operation.
 pub const UNIT: f64 = f64::EPSILON / 2.0;
@@ -294,3 +295,55 @@ pub const ODOMETER: f64 = 8.0 * UNIT;
 /// Coordinates, radii and ranges of a scene stay below this, so that boxes grown by a range stay below 1e38, where `f32` boxes
 /// are clamped, and no distance or odometer leaves f64.
 pub const SCENE_REACH: f64 = 1e37;
+
+/// Factor that rounds up a length made by a root of three squares, or a sum or product of two
+/// numbers that are not negative: three squares and two sums err by 3 UNIT, half as much under the
+/// root, and the root by one, a sum or product by one; this product adds one. Less than 4 in all.
+pub(crate) const ROUND_UP: f64 = 1.0 + 4.0 * UNIT;
+
+/// Factor that rounds down the distance of two centres: differences, squares, sums and root err by
+/// 3.5 UNIT. The roundings of this product and of a subtraction after it are not counted.
+pub(crate) const ROUND_DOWN: f64 = 1.0 - 4.0 * UNIT;
+
+/// Factor that rounds up the largest distance of a vertex from a centre, and scales it: a difference
+/// or a quotient by a scale errs by UNIT, three squares, two sums and a root by 2.5, the scale and
+/// this product by one each. Sum: 5.5.
+pub(crate) const RADIUS_UP: f64 = 1.0 + 8.0 * UNIT;
+
+/// Factor that rounds down the distance of two boxes, below which no body in them is nearer: a
+/// difference errs by UNIT, squares, sums and root by 2.5, this product by one. Sum: 4.5.
+pub(crate) const BOX_DISTANCE_DOWN: f64 = 1.0 - 8.0 * UNIT;
+
+/// Factor of the distance `radius + |a|` in the offset of a plane: the stored normal is off by
+/// [`NORMAL_ERROR`], raised by 4 units in the last place for the roundings of that distance, and the
+/// product `n . a` in double-double errs by 4 [`UNIT_DOUBLE_DOUBLE`].
+pub(crate) const PLANE_OFFSET: f64 = NORMAL_ERROR * (1.0 + f64::EPSILON * 4.0) + 4.0 * UNIT_DOUBLE_DOUBLE;
+
+/// The length of an answer's normal differs from one by less than this: a normal is divided by its
+/// length, which errs by 2.5 UNIT, the quotient and the length measured again by 3.5 more; a turn
+/// into another frame and room make 16. A check in debug builds, no bound of an answer.
+pub(crate) const UNIT_LENGTH: f64 = 16.0 * UNIT;
+
+/// Witnesses placed in f64 agree with the bounds within this times the size of the pair with its
+/// origins counted twice: [`CERTIFICATE`] UNIT for the bounds and for each of the placed witnesses,
+/// and room for their rounding in the caller's coordinates, which may be far from the body. A check
+/// in debug builds, no bound of an answer.
+pub(crate) const WITNESS_CHECK: f64 = 1024.0 * UNIT;
+
+/// Columns of the broad phase, in `f32`: a rounded sum of two bounds errs by less than this times the
+/// magnitudes, which is four units in the last place.
+pub(crate) const COLUMN_SUM: f32 = 4.0 * f32::EPSILON;
+
+/// Columns of the broad phase, in `f32`: above the rounding of a difference of bounds, of a sum of
+/// two moves and of the product with this factor itself, half a unit in the last place each.
+pub(crate) const COLUMN_MOVE: f32 = 1.0 + 8.0 * f32::EPSILON;
+
+/// Columns of the broad phase, in `f32`: a search along the swept axis begins and ends this much
+/// farther out, times the magnitude of its bounds. The difference or sum that makes the end errs by
+/// half a unit in the last place of numbers up to that magnitude and the longest box.
+pub(crate) const COLUMN_SEARCH: f32 = 8.0 * f32::EPSILON;
+
+/// Columns of the broad phase, in `f32`: the longest box and the farthest move, differences rounded
+/// to half a unit in the last place, are raised by this factor before a search; 84 units, far more
+/// than the difference and this product need.
+pub(crate) const COLUMN_REACH: f32 = 1.000_01;

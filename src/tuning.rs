@@ -77,15 +77,16 @@ pub(crate) mod walk {
     /// Newton steps of one jump. Not measured.
     pub(crate) const STEPS: usize = 3;
 
-    /// Relative amount that makes non-positive second derivatives positive: safer steps for
-    /// slower convergence. Not measured.
+    /// Relative amount that makes non-positive second derivatives positive: safer steps for slower
+    /// convergence. Not measured.
     pub(crate) const DAMPING: f64 = 1.0 / 1024.0;
 
     /// A Newton step shorter than this is the last: the next step would be as short as its square.
     /// Not measured.
     pub(crate) const CLOSE: f64 = 1.0 / 8.0;
 
-    /// How often a jump that leads no closer is cut to a quarter before it is dropped. Not measured.
+    /// How often a jump that leads no closer is cut to a quarter before it is dropped. Not
+    /// measured.
     pub(crate) const TRIES: u32 = 3;
 
     /// Bisections for the point at which a curve leaves a face. Not measured.
@@ -168,9 +169,9 @@ pub(crate) mod tracker {
     /// would gain nothing. Not measured.
     pub(crate) const STEADY: u32 = 3;
 
-    /// Cost of a cold start, two cube-map look-ups and climbs, in steps of the walk. Measured of the
-    /// walks: some five steps from the support vertices of round bodies, and from the last features
-    /// `1 + 0.085 sqrt(n)` steps a degree turned; the cost itself was not measured.
+    /// Cost of a cold start, two cube-map look-ups and climbs, in steps of the walk. Measured of
+    /// the walks: some five steps from the support vertices of round bodies, and from the last
+    /// features `1 + 0.085 sqrt(n)` steps a degree turned; the cost itself was not measured.
     pub(crate) const CLIMBS: u32 = 4;
 
     /// Cost of the direction of two ellipsoids, in steps of the walk. Not measured.

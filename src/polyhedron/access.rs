@@ -5,7 +5,7 @@ use nalgebra::{Point3, Unit, Vector3};
 
 use crate::num::scalar::sqrt;
 use crate::polyhedron::{BuildReport, ConvexPolyhedron, EdgeId, FaceId, VertexId};
-use crate::tolerance::UNIT;
+use crate::tolerance::RADIUS_UP;
 
 /// Ids are checked: an id that names no feature of this body, such as an id of a larger body, gives
 /// `None` or an empty iterator.
@@ -172,7 +172,7 @@ impl ConvexPolyhedron {
         let far = self.points.iter().fold(0.0f64, |r, p| {
             r.max(((self.to_user(p) - centre) * scale).norm_squared())
         });
-        (centre, sqrt(far) * (1.0 + 8.0 * UNIT) * self.unit())
+        (centre, sqrt(far) * RADIUS_UP * self.unit())
     }
 
     /// Converts a stored point to the caller's coordinates.

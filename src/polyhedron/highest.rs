@@ -1,12 +1,12 @@
-//! The highest vertex along a direction, exactly, by a look at a few: also of faces and fans of
-//! thousands that are level but for rounding, or level altogether.
+//! Exact support vertex. Examines few vertices even if thousands tie exactly or within rounding
+//! because the direction is normal to a large face or fan.
 //!
-//! A body is the exact hull of its stored points, and its faces are exactly flat. So with exact
-//! signs these hold without exception: a vertex that no neighbour exceeds is a highest one; heights
-//! round a face rise to one place and fall from it, and so do the slopes of the edges of a fan (see
-//! `fans`); and what is level with a highest vertex is that vertex, an edge or a face. Climbing and
-//! bisection on them need no proof. Signs are those of f64 where it is certain of them, and else
-//! those of double-double and of exact sums, or of integers at the exact level ([`Upward`]).
+//! A body is the exact hull of its stored points, and its faces are exactly flat. With exact signs
+//! the following therefore holds without exception: a vertex that no adjacent vertex exceeds is a
+//! support vertex; heights round a face are unimodal, and so are the slopes of the edges of a fan
+//! (see `fans`); the points level with a support vertex are the vertex itself, an edge or a face.
+//! Hill climbing and bisection need no further proof. Signs are f64 signs if f64 is certain, else
+//! signs in double-double, then of exact sums, or of integers at the exact level ([`Upward`]).
 
 use core::cmp::Ordering;
 
@@ -24,15 +24,15 @@ use crate::tuning::polyhedron::MANY;
 
 /// A direction `n` along which the vertices of a body have an exact order.
 pub(crate) trait Upward {
-    /// The sign of `n . (q - p)` of two vertices.
+    /// Returns the sign of `n . (q - p)` for vertices `p` and `q`.
     fn rise(&self, p: u32, q: u32) -> i32;
-    /// The sign of `(n . e) (m . f) - (n . f) (m . e)`, for the edges `e` and `f` from `p` to `q`
-    /// and `r`: which of the two rises more along `n` for its rise along `m`, if both rise along
-    /// that.
+    /// Returns the sign of `(n . e) (m . f) - (n . f) (m . e)`, with `e` and `f` the edges from `p`
+    /// to `q` and `r`: which edge has the greater slope `n . e / m . e`, if both rise along the
+    /// axis `m`.
     fn steeper(&self, m: &Axis, p: u32, q: u32, r: u32) -> i32;
 }
 
-/// A direction in double-double: `n + rest`, which round to `n`.
+/// A direction in double-double, `n + rest`, which rounds to `n`.
 pub(crate) struct Direction<'a> {
     points: &'a [Vector3<f64>],
     n: Vector3<f64>,
@@ -40,14 +40,15 @@ pub(crate) struct Direction<'a> {
 }
 
 impl<'a> Direction<'a> {
-    /// In the frame of the points.
+    /// Makes a direction in the frame of the points.
     #[inline]
     pub(crate) fn new(points: &'a [Vector3<f64>], n: &Vector3<f64>, rest: &Vector3<f64>) -> Self {
         let (n, rest) = (*n, *rest);
         Self { points, n, rest }
     }
 
-    /// Times the power of two that brings it to about one.
+    /// Returns the direction in double-double, times the power of two that brings its length to
+    /// about one.
     fn fine(&self) -> [DoubleDouble; 3] {
         let scale = power_of_two(-exponent_of(self.n.amax()));
         [0, 1, 2].map(|k| DoubleDouble {
@@ -56,7 +57,7 @@ impl<'a> Direction<'a> {
         })
     }
 
-    /// The edge between two vertices, rounded.
+    /// Returns the edge from `p` to `q`, rounded.
     fn edge(&self, p: u32, q: u32) -> Vector3<f64> {
         self.points[q as usize] - self.points[p as usize]
     }
@@ -118,7 +119,7 @@ fn sign(x: f64) -> i32 {
     i32::from(x > 0.0) - i32::from(x < 0.0)
 }
 
-/// `n . e` and the sum of the magnitudes of its terms.
+/// Returns `n . e` and the sum of the magnitudes of its terms.
 #[inline]
 fn sum<T: Scalar>(n: &[T; 3], e: &[T; 3]) -> (T, f64) {
     let terms = [n[0] * e[0], n[1] * e[1], n[2] * e[2]];
@@ -126,7 +127,7 @@ fn sum<T: Scalar>(n: &[T; 3], e: &[T; 3]) -> (T, f64) {
     (terms[0] + terms[1] + terms[2], size)
 }
 
-/// The sign of `(n . e) (m . f) - (n . f) (m . e)`, where the arithmetic is certain of it.
+/// Returns the sign of `(n . e) (m . f) - (n . f) (m . e)`, if the arithmetic is certain.
 #[inline]
 fn certain<T: Scalar>(n: &[T; 3], m: &[T; 3], e: &[T; 3], f: &[T; 3]) -> Option<i32> {
     let ((ne, s_ne), (mf, s_mf)) = (sum(n, e), sum(m, f));
@@ -135,14 +136,16 @@ fn certain<T: Scalar>(n: &[T; 3], m: &[T; 3], e: &[T; 3], f: &[T; 3]) -> Option<
     (size == 0.0 || value.abs() > STEEPER / UNIT * T::UNIT * size).then(|| sign(value))
 }
 
-/// The same in f64, `n` rounded and `e` and `f` rounded differences of stored points.
+/// Returns the sign of `(n . e) (m . f) - (n . f) (m . e)`, if f64 is certain. `n` may be rounded,
+/// and `e` and `f` are rounded differences of stored points.
 #[inline]
 pub(crate) fn steeper(n: &Vector3<f64>, m: &Vector3<f64>, e: &Vector3<f64>, f: &Vector3<f64>) -> Option<i32> {
     let [n, m, e, f] = [n, m, e, f].map(|v| <[f64; 3]>::from(*v));
     certain(&n, &m, &e, &f)
 }
 
-/// `n . (q - p)` without rounding, for a direction in `K` parts a coordinate; `N` is `12 K`.
+/// Returns `n . (q - p)` without rounding, for a direction of `K` parts a coordinate; `N` must be
+/// `12 K`.
 pub(super) fn exact<const K: usize, const N: usize>(
     n: &[[f64; K]; 3],
     p: &Vector3<f64>,
@@ -158,7 +161,7 @@ pub(super) fn exact<const K: usize, const N: usize>(
     sum
 }
 
-/// A vertex that compares by its height.
+/// A vertex, compared by height along a direction.
 struct Height<'a, U>(&'a U, u32);
 
 impl<U: Upward> PartialEq for Height<'_, U> {
@@ -173,8 +176,8 @@ impl<U: Upward> PartialOrd for Height<'_, U> {
     }
 }
 
-/// An edge from the first vertex to the second that compares by its rise for that along the axis
-/// `m`.
+/// An edge from the first vertex to the second, compared by slope: the rise along the direction
+/// over the rise along the axis `m`.
 pub(super) struct Slope<'a, U>(pub(super) &'a U, pub(super) &'a Axis, pub(super) u32, pub(super) u32);
 
 impl<U: Upward> PartialEq for Slope<'_, U> {
@@ -189,8 +192,8 @@ impl<U: Upward> PartialOrd for Slope<'_, U> {
     }
 }
 
-/// From a vertex of a large face, or beside one of a large fan, to the highest one of that face or
-/// a high one beside that vertex; the vertex itself where none is higher.
+/// Returns the highest vertex of the large faces at `v`, or a high vertex of the large fans
+/// adjacent to `v`; `v` itself if none is higher.
 pub(super) fn leap<U: Upward>(t: &Topology, fans: &Fans, n: &U, v: u32) -> u32 {
     if !t.has_large_faces() && fans.is_empty() || t.fan(v).len() > MANY {
         return v;
@@ -208,7 +211,7 @@ pub(super) fn leap<U: Upward>(t: &Topology, fans: &Fans, n: &U, v: u32) -> u32 {
             take(vertex(top_of_ring(ring.len(), |k| Height(n, vertex(k)))));
         }
         if fans.axis(t, e.to).is_some() {
-            // Where the neighbours lie in one plane this is the highest of them.
+            // If the adjacent vertices lie in one plane, this is the highest of them.
             let fan = t.fan(e.to);
             let vertex = |k: usize| t.half_edge(fan.start + k as u32).to;
             take(vertex(top_of_ring(fan.len(), |k| Height(n, vertex(k)))));
@@ -218,7 +221,8 @@ pub(super) fn leap<U: Upward>(t: &Topology, fans: &Fans, n: &U, v: u32) -> u32 {
 }
 
 impl ConvexPolyhedron {
-    /// The vertex highest along `n`, the lowest number among equals, climbing from `start`.
+    /// Returns the support vertex along `n`, the lowest id among equal vertices, climbing from
+    /// `start`.
     #[inline(never)]
     pub(crate) fn support_exact<U: Upward>(&self, n: &U, start: u32) -> u32 {
         let mut v = start;
@@ -232,8 +236,8 @@ impl ConvexPolyhedron {
         v
     }
 
-    /// A neighbour of `v` that is higher; where there is none, the lowest number of what is level
-    /// with it.
+    /// Returns an adjacent vertex higher than `v`, or, as an error, the lowest id among the
+    /// vertices level with `v` if none is higher.
     fn above<U: Upward>(&self, n: &U, v: u32) -> Result<u32, u32> {
         let t = &self.topology;
         let to = |h: u32| t.half_edge(h).to;
@@ -253,7 +257,7 @@ impl ConvexPolyhedron {
         match level {
             _ if best != v => Ok(best),
             [Some(g), Some(h)] => {
-                // Accuracy edges are neighbours, a face between them.
+                // Two level edges are adjacent in the fan, with a face between them.
                 let h = if next(g) == h { g } else { h };
                 Err(t.from(t.rim_start(t.half_edge(h).face)))
             }
@@ -262,8 +266,8 @@ impl ConvexPolyhedron {
         }
     }
 
-    /// The edges of `v` that may rise or be level if any is: the first and how many from there. All
-    /// of a fan; of a large one the steepest and those beside it.
+    /// Returns a run of edges of `v`, first and count, that holds a rising or level edge if there
+    /// is one: the whole fan, or the steepest edge of a large fan and the edges next to it.
     fn outermost<U: Upward>(&self, n: &U, v: u32) -> (u32, usize) {
         let (t, fan) = (&self.topology, self.topology.fan(v));
         let Some(m) = self.fans.axis(t, v) else {
@@ -273,15 +277,15 @@ impl ConvexPolyhedron {
         (fan.start + before(self.steepest(n, v, m)) as u32, 3)
     }
 
-    /// Where in the large fan of `v`, along whose axis `m` all its edges rise, the edge is that
-    /// rises most for that.
+    /// Returns the index in the large fan of `v`, whose axis is `m`, of the edge with the greatest
+    /// slope along `n`.
     fn steepest<U: Upward>(&self, n: &U, v: u32, m: &Axis) -> usize {
         let (t, fan) = (&self.topology, self.topology.fan(v));
         top_of_ring(fan.len(), |k| Slope(n, m, v, t.half_edge(fan.start + k as u32).to))
     }
 
-    /// An edge of `v` that rises along `n`, if one does, or else one that is level, if one is, or
-    /// else any; none of a point.
+    /// Returns an edge of `v` that rises along `n`, if there is one, else a level edge, if there is
+    /// one, else any edge; `None` for a point.
     #[cfg(feature = "exact")]
     pub(crate) fn rising<U: Upward>(&self, n: &U, v: u32) -> Option<u32> {
         let (t, fan) = (&self.topology, self.topology.fan(v));
@@ -302,8 +306,8 @@ mod tests {
     use lab::rng::Rng;
     use nalgebra::{Point3, UnitQuaternion};
 
-    /// Prisms, turned so that rounding breaks their lids into thousands of faces or not, cones and
-    /// a face that bulges by rounding.
+    /// Prisms, turned or not (rounding breaks the lids of a turned prism into thousands of faces),
+    /// cones and a face that bulges by rounding.
     fn body(kind: &str, n: usize, rng: &mut Rng) -> ConvexPolyhedron {
         let angle = |k| {
             if kind.starts_with("odd") {
@@ -359,7 +363,8 @@ mod tests {
         "octahedron",
     ];
 
-    /// Across faces, edges and nothing, off by rounding and less: a direction and the rest of it.
+    /// Directions perpendicular to faces, to edges and to nothing, off by rounding and less: each
+    /// direction and its rest.
     fn directions(body: &ConvexPolyhedron, count: usize, rng: &mut Rng) -> Vec<[Vector3<f64>; 2]> {
         let pick = |m: usize, rng: &mut Rng| (rng.range(0.0, m as f64) as usize).min(m - 1);
         let largest = (0..body.planes.len() as u32).max_by_key(|&f| body.topology.rim(f).count());
@@ -386,7 +391,7 @@ mod tests {
                 let body = body(kind, n, &mut rng);
                 for [n, rest] in directions(&body, 126, &mut rng) {
                     let parts = [0, 1, 2].map(|k| [n[k], rest[k]]);
-                    // Without any filter.
+                    // Exact, without a floating-point filter.
                     let rise = |p: u32, q: u32| {
                         exact::<2, 24>(&parts, &body.points[p as usize], &body.points[q as usize]).sign()
                     };
@@ -466,13 +471,13 @@ mod tests {
             assert_eq!(direction.steeper_finely(&axis, 0, 1, 2), truth);
             assert_eq!(direction.rise(0, 1), sign(n.dot(&e)));
             if truth == 0 && n.z == 0.0 {
-                // Off by what only an exact sum sees.
+                // Off by an amount that only an exact sum resolves.
                 let n = n + Vector3::new(0.0, 0.0, 2f64.powi(-140));
                 let direction = Direction::new(&points, &n, &Vector3::zeros());
                 let truth = sign(e.z * m.dot(&f) - f.z * m.dot(&e));
                 assert_eq!(direction.steeper(&axis, 0, 1, 2), truth);
                 level += 1;
-                // The same of the axis, whose last part alone tells.
+                // An axis off by such an amount, visible in its last part alone.
                 let off = whole(&mut rng);
                 let n = Vector3::new(n.x, n.y, 0.0);
                 let truth = sign(n.dot(&e) * off.dot(&f) - n.dot(&f) * off.dot(&e));

@@ -7,7 +7,7 @@ use crate::num::double_double::{DoubleDouble, Expansion, two_sum};
 use crate::num::scalar::{Scalar, sqrt};
 use crate::polyhedron::Plane;
 use crate::polyhedron::build::cloud::{exponent_of, power_of_two};
-use crate::tolerance::{CROSS_CANCELLED, NORMAL_ERROR, UNIT_DOUBLE_DOUBLE};
+use crate::tolerance::{CROSS_CANCELLED, PLANE_OFFSET};
 
 /// Returns three vertices of a face far from collinear: all triples of an exactly planar face span
 /// one plane.
@@ -73,7 +73,7 @@ pub(crate) fn plane(a: &Vector3<f64>, b: &Vector3<f64>, c: &Vector3<f64>, radius
         );
     }
     let reach = radius + a.norm();
-    let slack = reach * (NORMAL_ERROR * (1.0 + f64::EPSILON * 4.0) + 4.0 * UNIT_DOUBLE_DOUBLE);
+    let slack = reach * PLANE_OFFSET;
     let at = |k: usize| DoubleDouble::product(normal[k], a[k]);
     let offset = at(0) + at(1) + at(2) + DoubleDouble::from(slack);
     (

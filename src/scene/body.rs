@@ -13,7 +13,7 @@ use crate::broad::{self, Aabb};
 use crate::motion::{Velocity, displacement};
 use crate::polyhedron::{BoxHint, ConvexPolyhedron};
 use crate::pose::{PoseError, RelativePose};
-use crate::tolerance::{SCENE_REACH, UNIT};
+use crate::tolerance::{ROUND_UP, SCENE_REACH};
 
 /// A body to insert: a shape, which may be shared by many, and how it takes part.
 #[derive(Clone, Debug)]
@@ -329,5 +329,5 @@ fn as_only(error: PoseError) -> PoseError {
 pub(super) fn box_of(shape: &ConvexPolyhedron, pose: &Isometry3<f64>, growth: f64, hint: &mut BoxHint) -> Aabb {
     let (min, max) = shape.aabb_at(pose, hint);
     // Rounded up, so that the halves of a pair reach together at least as far as they should.
-    Aabb::new(min, max).grown(growth * (1.0 + 4.0 * UNIT))
+    Aabb::new(min, max).grown(growth * ROUND_UP)
 }

@@ -1,5 +1,5 @@
-//! From the triangles of a hull to its faces: exactly coplanar neighbours are one face, and only
-//! extreme points stay.
+//! From the triangles of a hull to its faces: exactly coplanar adjacent triangles become one face,
+//! and only extreme points stay.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -12,15 +12,15 @@ const NONE: u32 = u32::MAX;
 
 /// The faces of a hull as loops over its extreme points.
 pub(crate) struct Facets {
-    /// Vertices in the order of the cloud, each by its place there.
+    /// Vertices in the order of the cloud, as indices there.
     pub(crate) kept: Vec<u32>,
     /// Rims by vertex number, counter-clockwise from outside, least vertex first, in rising order.
     pub(crate) loops: Vec<Vec<u32>>,
-    /// Points of the cloud inside an edge, as far as they were vertices of the triangles.
+    /// Points of the cloud inside an edge, if they were vertices of the triangles.
     pub(crate) on_edges: Vec<u32>,
-    /// The same inside a face.
+    /// Points of the cloud inside a face, if they were vertices of the triangles.
     pub(crate) on_faces: Vec<u32>,
-    /// Triangles that were merged away.
+    /// Number of triangles merged away.
     pub(crate) merged: usize,
 }
 
@@ -70,7 +70,7 @@ impl Facets {
     }
 }
 
-/// The number of the face each triangle belongs to, and how many there are.
+/// Returns the face number of each triangle, and the number of faces.
 fn coplanar_groups(points: &[Vector3<f64>], triangles: &[Triangle]) -> (Vec<u32>, usize) {
     let mut parent: Vec<u32> = (0..triangles.len() as u32).collect();
     for (i, t) in triangles.iter().enumerate() {
@@ -106,8 +106,8 @@ fn root(parent: &mut [u32], mut i: u32) -> u32 {
     i
 }
 
-/// How many faces meet at each point, counted up to 3: a vertex has three, a point inside an edge
-/// two.
+/// Returns the number of faces at each point, counted up to 3: a vertex has three, a point inside
+/// an edge two.
 fn faces_at(points: usize, triangles: &[Triangle], group: &[u32]) -> Vec<u8> {
     let mut degree = vec![0u8; points];
     let mut met = vec![[NONE; 2]; points];
@@ -124,8 +124,8 @@ fn faces_at(points: usize, triangles: &[Triangle], group: &[u32]) -> Vec<u8> {
     degree
 }
 
-/// The extreme points round the face of triangle `start`, whose edge `k` is on the rim; least
-/// vertex first.
+/// Returns the extreme points round the face of triangle `start`, whose edge `k` is on the rim;
+/// least vertex first.
 fn rim(triangles: &[Triangle], group: &[u32], number: &[u32], start: u32, k: usize) -> Option<Vec<u32>> {
     let mut ring = Vec::with_capacity(3);
     let (mut t, mut e) = (start, k);
@@ -134,8 +134,8 @@ fn rim(triangles: &[Triangle], group: &[u32], number: &[u32], start: u32, k: usi
         if vertex != NONE {
             ring.push(vertex);
         }
-        // The next rim edge leaves the end of this one: turn about it through triangles of the same
-        // face.
+        // The next rim edge leaves the end of this edge: turn about the end through triangles of
+        // one face.
         e = (e + 1) % 3;
         let mut other = triangles[t as usize].beside[e];
         while group[other as usize] == group[start as usize] {

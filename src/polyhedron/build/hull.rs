@@ -1,20 +1,29 @@
 //! Convex hull of points by quickhull with conflict lists (Barber, Dobkin, Huhdanpaa 1996; conflict
 //! sets after Clarkson and Shor 1989), every decision an exact sign.
 //!
-//! The hull is kept as a closed surface of triangles. A point outside waits in the list of one
-//! triangle it sees. The farthest of a list is added: the triangles it sees (a connected set) go,
-//! and their rim, the *horizon*, is joined to it by new triangles; what waited on the old ones is
-//! handed to the new ones or found inside.
+//! The hull is a closed surface of triangles. A point outside waits in the conflict list of one
+//! triangle that it sees. The farthest point of a list is added: the triangles visible from the
+//! point (a connected set) are removed, and the boundary of the set, the *horizon*, is joined to
+//! the point by new triangles; points that waited on removed triangles move to new triangles or are
+//! found inside.
+//!
+//! ```text
+//!             apex
+//!            / | \           new triangles: horizon edge and apex
+//!           /  |  \
+//!     ---- from - to ----    horizon edge
+//!        unseen triangle
+//! ```
 //!
 //! Departures from the paper:
-//! 1. Signs are exact, so there are no thick facets and no merging on the way. A triangle in whose
-//!    plane the point lies counts as unseen; then the horizon is a simple closed curve, no new
+//! 1. Signs are exact, so there are no thick facets and no merging on the way. A triangle counts as
+//!    unseen if the point lies in its plane; then the horizon is a simple closed curve, no new
 //!    triangle is degenerate, and exactly coplanar triangles are merged at the end (`facets`).
-//! 2. Distances only choose which point comes next; they decide nothing.
+//! 2. Distances only choose the next point; they decide nothing.
 //!
-//! Why a handed-over point needs to be tried on the new triangles only: a point that sees both
-//! triangles at a horizon edge sees the new one between them, whose plane is a positive combination
-//! of theirs; and what it sees is connected.
+//! Why a waiting point must be tested against the new triangles only: a point that sees both
+//! triangles at a horizon edge sees the new triangle between them, whose plane is a positive
+//! combination of their planes; and the set of triangles that a point sees is connected.
 
 use alloc::collections::VecDeque;
 use alloc::vec;
@@ -31,32 +40,33 @@ const NONE: u32 = u32::MAX;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Triangle {
     pub(crate) v: [u32; 3],
-    /// The triangle across the edge from `v[k]` to `v[k + 1]`.
+    /// The triangles on the other side of the edges, edge k leading from `v[k]` to `v[k + 1]`.
     pub(crate) beside: [u32; 3],
 }
 
 /// The triangulated hull of a cloud.
 pub(crate) struct Surface {
     pub(crate) triangles: Vec<Triangle>,
-    /// Points that lay in the plane of a triangle when they were found not to be outside: only
-    /// these can lie on the final surface without being one of its vertices.
+    /// Whether each point lay in the plane of a triangle when found not to be outside: only such
+    /// points can lie on the final surface without being a vertex.
     pub(crate) touching: Vec<bool>,
 }
 
-/// Points that span the affine hull of a flat cloud: one more than its dimension.
+/// Points that span the affine hull of a flat cloud, one more than its dimension.
 pub(crate) type Span = Vec<u32>;
 
 struct Facet {
     triangle: Triangle,
     base: Vector3<f64>,
     normal: Vector3<f64>,
-    /// `|normal . (p - base)|` above this has the right sign for every p of the cloud.
+    /// Bound above which `|normal . (p - base)|` proves the sign for every point p of the cloud.
     guard: f64,
-    /// Head of the list of points waiting here.
+    /// Head of the conflict list of this triangle.
     first: u32,
     farthest: u32,
     height: f64,
-    /// Twice the number of the insertion that last looked at it, plus one if it was seen.
+    /// Twice the number of the last insertion that tested this triangle, plus one if the triangle
+    /// was visible.
     mark: u32,
     alive: bool,
 }
@@ -67,23 +77,23 @@ struct Hull<'a> {
     sides: Vector3<f64>,
     facets: Vec<Facet>,
     free: Vec<u32>,
-    /// Triangles where points may wait, oldest first: the hull grows on all sides alike, which
+    /// Triangles on which points may wait, oldest first: the hull grows on all sides alike, which
     /// keeps horizons short.
     pending: VecDeque<u32>,
-    /// The next point of the same list.
+    /// The next point of the conflict list, for each point.
     next: Vec<u32>,
     touching: Vec<bool>,
     insertion: u32,
     seen: Vec<u32>,
-    /// `[from, to, unseen triangle]`.
+    /// Horizon edges as `[from, to, unseen triangle]`.
     horizon: Vec<[u32; 3]>,
     fresh: Vec<u32>,
-    /// The new triangle whose horizon edge starts at a vertex.
+    /// The new triangle whose horizon edge starts at a vertex, for each vertex.
     starting_at: Vec<u32>,
 }
 
-/// The hull of distinct points, or what they span if it is flat. `Ok(None)` cannot happen with
-/// exact signs.
+/// Returns the hull of distinct points, or as an error points that span their affine hull if it is
+/// flat. `Ok(None)` cannot happen with exact signs.
 pub(crate) fn hull(points: &[Vector3<f64>]) -> Result<Option<Surface>, Span> {
     let simplex = simplex(points)?;
     let (low, high) = bounding_box(points);
@@ -112,9 +122,9 @@ pub(crate) fn hull(points: &[Vector3<f64>]) -> Result<Option<Surface>, Span> {
 }
 
 impl Hull<'_> {
-    /// The first tetrahedron, its last vertex below the first three.
+    /// Creates the first tetrahedron; the last vertex must lie below the first three.
     fn begin(&mut self, [a, b, c, d]: [u32; 4]) {
-        // The neighbours follow from the order: 0 = abc, 1 = adb, 2 = bdc, 3 = cda.
+        // The adjacent triangles follow from the order: 0 = abc, 1 = adb, 2 = bdc, 3 = cda.
         self.create([a, b, c], [1, 2, 3]);
         self.create([a, d, b], [3, 2, 0]);
         self.create([b, d, c], [1, 3, 0]);
@@ -155,7 +165,7 @@ impl Hull<'_> {
         }
     }
 
-    /// Height of `p` above `facet` with an exact sign (the value is a rounded one).
+    /// Returns the height of `p` above `facet`: a rounded value with an exact sign.
     #[inline]
     fn height(&self, facet: u32, p: u32) -> f64 {
         let f = &self.facets[facet as usize];
@@ -171,7 +181,7 @@ impl Hull<'_> {
     fn exact_height(&self, f: &Facet, p: u32) -> f64 {
         let [a, b, c] = f.triangle.v.map(|i| &self.points[i as usize]);
         let p = &self.points[p as usize];
-        // Where every term vanishes by itself (axis-parallel planes) the sum needs no exact
+        // If every term vanishes by itself (axis-parallel planes), the sum needs no exact
         // arithmetic.
         if products(&(b - a), &(c - a)).dot(&(p - a).abs()) == 0.0 {
             0.0
@@ -180,7 +190,7 @@ impl Hull<'_> {
         }
     }
 
-    /// Puts `p` into the list of a new triangle that it sees, if any.
+    /// Puts `p` into the conflict list of a new triangle that it sees, if any.
     fn hand_over(&mut self, p: u32) {
         let mut touching = false;
         for k in 0..self.fresh.len() {
@@ -200,7 +210,7 @@ impl Hull<'_> {
         self.touching[p as usize] = touching;
     }
 
-    /// Adds the farthest point of the list of `facet`.
+    /// Adds the farthest point of the conflict list of `facet` to the hull.
     fn add(&mut self, facet: u32) -> Option<()> {
         let apex = self.facets[facet as usize].farthest;
         self.look(facet, apex);
@@ -223,7 +233,7 @@ impl Hull<'_> {
         Some(())
     }
 
-    /// Collects the triangles `apex` sees, starting from one of them, and the horizon.
+    /// Collects the triangles visible from `apex`, starting from one of them, and the horizon.
     fn look(&mut self, start: u32, apex: u32) {
         self.insertion += 1;
         let (unseen, seen) = (2 * self.insertion, 2 * self.insertion + 1);
@@ -250,7 +260,7 @@ impl Hull<'_> {
         }
     }
 
-    /// Replaces the triangles seen by a cone from the horizon to `apex`. `None` where the horizon
+    /// Replaces the visible triangles by a cone from the horizon to `apex`. `None` if the horizon
     /// is not closed.
     fn raise(&mut self, apex: u32) -> Option<()> {
         self.fresh.clear();
@@ -275,7 +285,7 @@ impl Hull<'_> {
         Some(())
     }
 
-    /// The triangles left, renumbered without gaps.
+    /// Returns the remaining triangles, renumbered without gaps.
     fn finish(self) -> Surface {
         let mut number = vec![NONE; self.facets.len()];
         let slots = number.iter_mut().zip(&self.facets).filter(|(_, f)| f.alive);
@@ -292,21 +302,22 @@ impl Hull<'_> {
     }
 }
 
-/// Coordinate by coordinate the sum of the magnitudes of the two products in `u x v`.
+/// Returns, coordinate by coordinate, the sum of the magnitudes of the two products in `u x v`.
 #[inline]
 fn products(u: &Vector3<f64>, v: &Vector3<f64>) -> Vector3<f64> {
     let (u, v) = (u.abs(), v.abs());
     Vector3::new(u.y * v.z + u.z * v.y, u.z * v.x + u.x * v.z, u.x * v.y + u.y * v.x)
 }
 
-/// Four points that are not coplanar, the last below the first three, or a span of what there is.
+/// Returns four points that are not coplanar, the last below the first three, or points that span
+/// the affine hull if it is flat.
 fn simplex(points: &[Vector3<f64>]) -> Result<[u32; 4], Span> {
     let at = |i: u32| &points[i as usize];
     let all = || 0..points.len() as u32;
     if points.len() < 2 {
         return Err(all().collect());
     }
-    // Measures only propose; where the proposal is degenerate every point is tried exactly.
+    // Measures only propose; if the proposal is degenerate, every point is tried exactly.
     let a = largest(all(), |i| -at(i).x);
     let b = largest(all(), |i| (at(i) - at(a)).norm_squared());
     let b = if a == b { (a + 1) % points.len() as u32 } else { b };
@@ -328,7 +339,7 @@ fn simplex(points: &[Vector3<f64>]) -> Result<[u32; 4], Span> {
     Ok(if height(d) < 0.0 { [a, b, c, d] } else { [a, c, b, d] })
 }
 
-/// The first index of the largest measure.
+/// Returns the first index of the largest measure.
 fn largest(indices: impl Iterator<Item = u32>, measure: impl Fn(u32) -> f64) -> u32 {
     let mut best = (0, f64::NEG_INFINITY);
     for i in indices {

@@ -30,14 +30,14 @@ use crate::polyhedron::plane::{plane, widest_corners};
 use crate::polyhedron::support::CubeMap;
 use crate::polyhedron::topology::Topology;
 use crate::polyhedron::{ConvexPolyhedron, Plane};
-use crate::tolerance::{COPLANAR, NEAR_PLANE, UNIT};
+use crate::tolerance::{COPLANAR, NEAR_PLANE, ROUND_UP};
 use crate::tuning::polyhedron::{FEW, FLAT};
 
-/// How many of the largest faces the flatness of the report looks across.
+/// Number of largest faces for the flatness of the report.
 const WIDTHS: usize = 8;
 
 impl ConvexPolyhedron {
-    /// The convex hull of points, in any order and any unit.
+    /// Returns the convex hull of points, in any order and any unit.
     ///
     /// Every decision is an exact sign, so the hull is right at any aspect ratio: no extreme point
     /// is lost and none invented. Exactly coplanar facets are one face; points that are not extreme
@@ -71,7 +71,7 @@ impl ConvexPolyhedron {
         Self::hull_of(Cloud::new(points, indices, 4)?)
     }
 
-    /// The hull of a cloud that is not flat.
+    /// Returns the hull of a cloud that is not flat.
     pub(crate) fn hull_of(cloud: Cloud) -> Result<Self, BuildError> {
         let surface = hull(&cloud.points)
             .map_err(|span| flat(&cloud, &span))?
@@ -86,14 +86,13 @@ impl ConvexPolyhedron {
         Ok(body)
     }
 
-    /// Puts a body together from the places of its vertices in the cloud and its faces by vertex
+    /// Assembles a body from the indices of its vertices in the cloud and its faces by vertex
     /// number.
     pub(crate) fn assemble(cloud: &Cloud, kept: &[u32], loops: &[Vec<u32>]) -> Result<Self, BuildError> {
         let points: Vec<Vector3<f64>> = kept.iter().map(|&i| cloud.points[i as usize]).collect();
         let topology = Topology::from_loops(points.len(), loops).ok_or(BuildError::Inconsistent)?;
         let radius = points.iter().fold(0.0f64, |r, p| r.max(p.norm_squared()));
-        // Three squares, two sums and a root err by less than 3 UNIT together.
-        let radius = sqrt(radius) * (1.0 + 4.0 * UNIT);
+        let radius = sqrt(radius) * ROUND_UP;
         let (planes, areas) = planes_of(&points, loops, radius);
         let (low, high) = bounding_box(&points);
         let flatness = flatness(&points, &planes, &areas, (high - low).max());
@@ -174,8 +173,9 @@ impl ConvexPolyhedron {
         }
     }
 
-    /// In how many face planes a point of the body lies exactly, counted up to 2. Neighbours in
-    /// space often lie on the same face, so the search starts at the face of the last one.
+    /// Returns the number of face planes on which a point of the body lies exactly, counted up to
+    /// 2. Points adjacent in space often lie on one face, so the search starts at the face of the
+    /// last point.
     fn faces_through(&self, p: &Vector3<f64>, hint: &mut usize) -> usize {
         let near = NEAR_PLANE * self.radius;
         let mut count = 0;
@@ -194,8 +194,8 @@ impl ConvexPolyhedron {
         count
     }
 
-    /// Positive where a point in stored coordinates is in front of a face, 0 in its plane; an exact
-    /// sign.
+    /// Returns an exact sign: positive if a point in stored coordinates is in front of a face, 0 in
+    /// its plane.
     pub(crate) fn face_side(&self, face: u32, p: &Vector3<f64>) -> f64 {
         let h = self.topology.rim_start(face);
         let e = self.topology.half_edge(h);
@@ -204,14 +204,14 @@ impl ConvexPolyhedron {
         side(a, b, c, p)
     }
 
-    /// Stored lengths times this are the caller's.
+    /// Returns the stored unit: stored lengths times the unit are the caller's.
     pub(crate) fn unit(&self) -> f64 {
         power_of_two(self.exponent)
     }
 }
 
-/// Vertices, scale and faces mixed into one number (Fowler, Noll and Vo's hash, by words): two
-/// bodies with the same one are the same for all practical purposes.
+/// Returns a 64-bit hash of vertices, scale and faces (Fowler, Noll and Vo's hash, by words):
+/// bodies of equal fingerprint are identical for all practical purposes.
 fn print(cloud: &Cloud, kept: &[u32], loops: &[Vec<u32>]) -> u64 {
     let mix = |h: u64, x: u64| {
         (h.rotate_left(29) ^ x)
@@ -227,8 +227,8 @@ fn print(cloud: &Cloud, kept: &[u32], loops: &[Vec<u32>]) -> u64 {
     numbers.chain(corners).fold(0, mix)
 }
 
-/// The plane of each face, and twice the area of the widest triangle on it; zeros for the null face
-/// of a segment.
+/// Returns the plane of each face, and twice the area of the widest triangle on the face; zeros for
+/// the null face of a segment.
 fn planes_of(points: &[Vector3<f64>], loops: &[Vec<u32>], radius: f64) -> (Vec<Plane>, Vec<f64>) {
     let null = Plane {
         normal: Vector3::zeros(),
@@ -244,7 +244,7 @@ fn planes_of(points: &[Vector3<f64>], loops: &[Vec<u32>], radius: f64) -> (Vec<P
     loops.iter().map(of_face).unzip()
 }
 
-/// The error for a flat cloud.
+/// Returns the error for a flat cloud.
 pub(crate) fn flat(cloud: &Cloud, span: &Span) -> BuildError {
     let span: Vec<usize> = span.iter().map(|&i| cloud.source[i as usize] as usize).collect();
     BuildError::Flat {
@@ -253,7 +253,8 @@ pub(crate) fn flat(cloud: &Cloud, span: &Span) -> BuildError {
     }
 }
 
-/// Least width across the axes of the box and the largest faces, over the longest side of the box.
+/// Returns the least width along the axes of the box and the normals of the largest faces, over the
+/// longest side of the box.
 fn flatness(points: &[Vector3<f64>], planes: &[Plane], areas: &[f64], extent: f64) -> f64 {
     if extent <= 0.0 || planes.len() < 3 {
         return 0.0;
