@@ -7,7 +7,7 @@ use crate::polyhedron::ConvexPolyhedron;
 use crate::pose::RelativePose;
 use crate::tolerance::{UNIT_LENGTH, WITNESS_CHECK};
 
-/// Returns the fault of an answer in its bounds, its normal or its witnesses, if there is one.
+/// Returns the fault of an answer in bounds, normal or witnesses, if there is any.
 pub(crate) fn fault(
     a: &ConvexPolyhedron,
     b: &ConvexPolyhedron,

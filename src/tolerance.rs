@@ -19,7 +19,7 @@ pub const EDGE_SIGN: f64 = 8.0 * UNIT;
 pub const STEEPER: f64 = 16.0 * UNIT;
 
 /// How far the squared norm of a pose's quaternion may be off 1: what repeated composition of f64 rotations
-/// accumulates over thousands of products. PoseBits divides by the squared norm, so the value does not limit accuracy.
+/// accumulates over thousands of products. A relative pose divides by the squared norm, so the value does not limit accuracy.
 pub const POSE_UNIT: f64 = 1e-12;
 
 /// The sum of the coordinates of the relative translation stays below this, so that no distance leaves f64, nor its
@@ -109,7 +109,7 @@ pub const COPLANAR: f64 = 1.0 / (1u64 << 46) as f64;
 /// the tangent, at most `64 ACROSS L`. Not a matter of soundness.
 pub const STEEP: f64 = 1.0 / 64.0;
 
-/// The radius of the disc that a facet must hold to stand in for weak triangles (`penetration::cover`) is raised by this factor. Its
+/// The radius of the disc that a facet must hold to stand in for weak triangles (`depth::facet_disc`) is raised by this factor. Its
 /// products, quotient and roots err by 10 UNIT relatively; the difference of squares by `3 UNIT r^2`, which is less than the
 /// `2 CERTIFICATE UNIT L` taken off each height `p` adds to it.
 pub(crate) const DISC: f64 = 1.0 + 1.0 / 1024.0;

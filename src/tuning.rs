@@ -47,8 +47,8 @@ pub(crate) mod pair {
 
 /// The walk and its starts.
 pub(crate) mod walk {
-    /// Jumps to a far face (vertex-face from behind) that a walk may take. Jumps are not monotone;
-    /// more of them keep walks alive that the other solvers end sooner. Not measured.
+    /// Jumps to a far face (vertex-face from behind) in a walk, at most. Jumps are not monotone; a
+    /// larger number keeps walks alive that another solver ends sooner. Not measured.
     pub(crate) const JUMPS: u32 = 3;
 
     /// Steps before the guard against cycles begins: most walks end before and never pay for the
@@ -111,8 +111,8 @@ pub(crate) mod depth {
     /// measured.
     pub(crate) const MOST: usize = 256;
 
-    /// Triangles that a kept surface may gain, beside the number it was built with, before it is
-    /// built again: an old surface carries triangles that bound nothing. Not measured.
+    /// Triangles that a kept surface may gain, beside the number at its build, before the surface
+    /// is built again: an old surface carries triangles that bound nothing. Not measured.
     pub(crate) const GAIN: usize = 24;
 
     /// Points up to which a resumed surface works on a small array, which costs less to clear. Not
@@ -123,8 +123,9 @@ pub(crate) mod depth {
     /// before the surface grows. Not measured.
     pub(crate) const FEW_WEAK: usize = 2;
 
-    /// Points of a surface up to which a point is found by a scan, hardly slower than by hashing.
-    /// [`MOST`], the size for which trackers reserve memory, so that queries allocate nothing.
+    /// Surfaces of up to this many points are scanned for a point, hardly slower than hashing.
+    /// Equal to [`MOST`], the size for which trackers reserve memory, so that queries allocate
+    /// nothing.
     pub(crate) const SCANNED: usize = MOST;
 
     /// Points that may come twice before a surface counts as folded and the next arithmetic takes
@@ -132,10 +133,10 @@ pub(crate) mod depth {
     pub(crate) const REPEATS: u32 = 16;
 
     /// Number of perturbations worth a search in f64, the first of
-    /// [`SHIFTS`](crate::tolerance::SHIFTS): the perturbations well above its rounding.
+    /// [`SHIFTS`](crate::tolerance::SHIFTS): the perturbations well above the rounding of f64.
     pub(crate) const SHIFTS_PLAIN: usize = 3;
 
-    /// Vertices exchanged on the way to the facet over the axis, at most. Not measured.
+    /// Exchanges of a vertex on the way to the facet over the axis, at most. Not measured.
     pub(crate) const EXCHANGES: usize = 48;
 
     /// Faces of up to this many edges are tried edge by edge for the features of a depth, the

@@ -4,7 +4,7 @@ use core::ops::Range;
 
 use nalgebra::Vector3;
 
-use crate::polyhedron::fans::top_of_ring;
+use crate::polyhedron::unimodal::top_of_ring;
 use crate::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, Feature};
 use crate::tolerance::{STAY, STEEP};
 use crate::tuning::polyhedron::MANY;

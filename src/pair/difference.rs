@@ -7,7 +7,7 @@ use crate::num::scalar::{Scalar, Vec3, neg, sub};
 use crate::pair::posed::PosedPair;
 use crate::pair::transform::Transform;
 use crate::polyhedron::ConvexPolyhedron;
-use crate::polyhedron::highest::Direction;
+use crate::polyhedron::heights::Direction;
 use crate::tolerance::UNIT;
 use crate::tuning::pair::SMALL;
 

@@ -124,8 +124,8 @@ impl ConvexPolyhedron {
         self.source.get(vertex.index()).map(|&i| i as usize)
     }
 
-    /// Returns the caller's face that holds a face of the body. If the caller had cut a flat face
-    /// into pieces, one of the pieces; `None` for bodies that were not made from faces.
+    /// Returns the caller's face that holds a face of the body; any piece if the caller had cut a
+    /// flat face into pieces. `None` for bodies not made from faces.
     #[must_use]
     pub fn source_face(&self, face: FaceId) -> Option<usize> {
         self.source_faces.get(face.index()).map(|&i| i as usize)

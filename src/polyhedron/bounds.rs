@@ -136,7 +136,7 @@ impl ConvexPolyhedron {
             for (slot, n, end) in [(2 * k, -up, &mut low[k]), (2 * k + 1, up, &mut high[k])] {
                 let known = hint.0[slot];
                 let start = if (known as usize) < self.points.len() { known } else { 0 };
-                let top = if self.is_summit(&n, start) {
+                let top = if self.is_local_maximum(&n, start) {
                     start
                 } else {
                     self.support_climb(&n, start)

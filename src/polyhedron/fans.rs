@@ -4,7 +4,7 @@
 //! are the vertices of a convex polygon in the plane `m . x = 1`, and the heights `n . e / (m . e)`
 //! along any direction `n` are unimodal round the polygon; a height is positive if and only if
 //! `n . e` is. A search round the fan therefore finds a rising edge if there is one: for certain if
-//! heights are compared without rounding (`highest`), else most of the time.
+//! heights are compared without rounding (`heights`), else most of the time.
 //!
 //! ```text
 //!   \_______/        plane m . x = 1: the points e / (m . e), a convex polygon
@@ -17,89 +17,13 @@
 use alloc::vec::Vec;
 use nalgebra::Vector3;
 
-use crate::num::double_double::{DoubleDouble, Expansion};
 use crate::num::sign::side;
-use crate::polyhedron::highest::{Direction, Slope, exact};
-use crate::polyhedron::support::edge_sign;
+use crate::polyhedron::axis::Axis;
+use crate::polyhedron::heights::{Direction, Slope};
 use crate::polyhedron::topology::Topology;
+use crate::polyhedron::unimodal::{top_from, top_of_ring};
 use crate::polyhedron::{ConvexPolyhedron, Plane};
 use crate::tuning::polyhedron::{LARGE, MANY};
-
-/// The axis `m` of a fan: a direction along which all its edges rise, each coordinate a sum of
-/// parts of falling magnitude.
-#[derive(Clone, Debug)]
-pub(crate) struct Axis {
-    parts: [[f64; Self::PARTS]; 3],
-    /// Whether f64 is certain that all edges rise along the first parts; then all other parts are
-    /// zero.
-    plain: bool,
-}
-
-impl Axis {
-    /// Number of parts. One part is enough but for an apex no higher than rounding over a base of
-    /// thousands of vertices.
-    const PARTS: usize = 4;
-
-    #[cfg(test)]
-    pub(super) fn new(parts: [[f64; Self::PARTS]; 3]) -> Self {
-        Self { parts, plain: false }
-    }
-
-    /// Returns minus the mean normal of the faces at `v`, if f64 is certain that all edges of `v`
-    /// rise along it.
-    fn plain(t: &Topology, points: &[Vector3<f64>], planes: &[Plane], v: u32) -> Option<Self> {
-        let normals = t.fan(v).map(|h| planes[t.half_edge(h).face as usize].normal);
-        let m = -normals.sum::<Vector3<f64>>() / t.fan(v).len() as f64;
-        let rises = |w: u32| edge_sign(&m, &(points[w as usize] - points[v as usize])) > 0;
-        let parts = [0, 1, 2].map(|k| core::array::from_fn(|part| if part == 0 { m[k] } else { 0.0 }));
-        t.neighbours(v).all(rises).then_some(Self { parts, plain: true })
-    }
-
-    /// Returns minus the sum of the exact normals of two faces at `v` without a common edge: all
-    /// edges of `v` rise along this sum. `None` if the sum has too many parts.
-    fn fine(t: &Topology, points: &[Vector3<f64>], v: u32) -> Option<Self> {
-        let (fan, p) = (t.fan(v), points[v as usize]);
-        let to = |h: u32| points[t.half_edge(h).to as usize];
-        let faces = [fan.start, fan.start + fan.len() as u32 / 2].map(|h| [to(h), to(h + 1)]);
-        let coordinate = |k: usize| {
-            let (i, j) = ((k + 1) % 3, (k + 2) % 3);
-            let mut sum = Expansion::<{ 24 + Self::PARTS }>::new();
-            for [q, r] in faces {
-                // (r - p) x (q - p) without differences, which may be rounded.
-                for (x, y) in [(r, q), (q, p), (p, r)] {
-                    sum.add_product(x[i], y[j]);
-                    sum.add_product(-x[j], y[i]);
-                }
-            }
-            sum.leading()
-        };
-        let (parts, plain) = ([0, 1, 2].map(coordinate), false);
-        let axis = Self { parts, plain };
-        let rises = |w: u32| axis.rise(&p, &points[w as usize]).sign() > 0;
-        t.neighbours(v).all(rises).then_some(axis)
-    }
-
-    /// Returns the axis rounded to f64.
-    pub(crate) fn rounded(&self) -> Vector3<f64> {
-        Vector3::from(self.parts.map(|p| p[0]))
-    }
-
-    /// Returns the first two parts of each coordinate, as double-double.
-    pub(super) fn doubled(&self) -> [DoubleDouble; 3] {
-        self.parts.map(|[hi, lo, ..]| DoubleDouble { hi, lo })
-    }
-
-    /// Returns all parts of each coordinate.
-    #[cfg(feature = "exact")]
-    pub(crate) fn parts(&self) -> &[[f64; Self::PARTS]; 3] {
-        &self.parts
-    }
-
-    /// Returns `m . (q - p)` without rounding.
-    pub(super) fn rise(&self, p: &Vector3<f64>, q: &Vector3<f64>) -> Expansion<{ 12 * Self::PARTS }> {
-        exact(&self.parts, p, q)
-    }
-}
 
 /// The large fans of a body: their vertices in rising order, each with its axis.
 #[derive(Clone, Debug)]
@@ -109,7 +33,9 @@ impl Fans {
     /// Computes the axes of all fans of more than [`LARGE`] edges; fans without an axis are left
     /// out.
     pub(crate) fn new(topology: &Topology, points: &[Vector3<f64>], planes: &[Plane]) -> Self {
-        let axis = |v| Axis::plain(topology, points, planes, v).or_else(|| Axis::fine(topology, points, v));
+        let axis = |v| {
+            Axis::from_normals(topology, points, planes, v).or_else(|| Axis::from_exact_normals(topology, points, v))
+        };
         let large = (0..topology.vertex_count() as u32).filter(|&v| topology.fan(v).len() > LARGE);
         Self(large.filter_map(|v| Some((v, axis(v)?))).collect())
     }
@@ -149,7 +75,7 @@ impl Fans {
 pub(crate) fn steepest(t: &Topology, points: &[Vector3<f64>], v: u32, axis: &Axis, n: &Vector3<f64>) -> u32 {
     let (fan, p, m) = (t.fan(v), points[v as usize], axis.rounded());
     let to = |k: usize| t.half_edge(fan.start + k as u32).to;
-    let steepest = if axis.plain {
+    let steepest = if axis.is_plain {
         top_of_ring(fan.len(), |k| {
             let e = points[to(k) as usize] - p;
             n.dot(&e) / m.dot(&e)
@@ -159,42 +85,6 @@ pub(crate) fn steepest(t: &Topology, points: &[Vector3<f64>], v: u32, axis: &Axi
         top_of_ring(fan.len(), |k| Slope(&n, axis, v, to(k)))
     };
     fan.start + steepest as u32
-}
-
-/// Returns the index of the greatest value on a ring of `m` values that are unimodal: they rise to
-/// one index and fall from there.
-pub(crate) fn top_of_ring<V: PartialOrd>(m: usize, value: impl Fn(usize) -> V) -> usize {
-    let stride = m.div_ceil(4).max(1);
-    let (mut best, mut top) = (0, value(0));
-    for k in 1..4 {
-        let (k, v) = ((k * stride) % m, value((k * stride) % m));
-        if v > top {
-            (best, top) = (k, v);
-        }
-    }
-    top_from(m, best, stride, value)
-}
-
-/// Returns the index of the greatest of `m` unimodal values, searching from index `best` by strides
-/// from the given one down to one.
-fn top_from<V: PartialOrd>(m: usize, mut best: usize, mut stride: usize, value: impl Fn(usize) -> V) -> usize {
-    let mut top = value(best);
-    // Each round finds a higher value or halves the stride: no more rounds than values and
-    // halvings, whatever the values.
-    for _ in 0..m + usize::BITS as usize {
-        let (left, right) = ((best + m - stride % m) % m, (best + stride) % m);
-        let (at_left, at_right) = (value(left), value(right));
-        if at_left > top {
-            (best, top) = (left, at_left);
-        } else if at_right > top {
-            (best, top) = (right, at_right);
-        } else if stride == 1 {
-            break;
-        } else {
-            stride = stride.div_ceil(2);
-        }
-    }
-    best
 }
 
 impl ConvexPolyhedron {
@@ -225,10 +115,10 @@ impl ConvexPolyhedron {
         (first..first + count).map(move |k| fan.start + (k % m) as u32)
     }
 
-    /// Returns the half-edge of the large fan of `v` that makes the least angle with `d`, which
-    /// must lead out of the body: the edge nearest to a point there. One of the faces visible from
-    /// the point is found as in `walk::ray_exit_face`; along the visible faces the angle is
-    /// unimodal, with its minimum at one edge.
+    /// Returns the half-edge of the large fan of `v` with the least angle to `d`, which must lead
+    /// out of the body: the edge nearest to a point there. A face visible from the point is found
+    /// as in `walk::ray_exit_face`; along the visible faces the angle is unimodal, with a minimum
+    /// at an edge.
     #[inline(never)]
     pub(crate) fn nearest_rib(&self, v: u32, d: &Vector3<f64>) -> u32 {
         let (t, fan, p) = (&self.topology, self.topology.fan(v), self.points[v as usize]);
@@ -327,16 +217,6 @@ mod tests {
                 }
             }
             assert!(edges > 250 && faces > 500, "{edges} {faces}");
-        }
-    }
-
-    #[test]
-    fn the_search_finds_the_top_of_a_ring() {
-        for m in 3..200 {
-            for top in 0..m {
-                let height = |k: usize| (core::f64::consts::TAU * (k as f64 - top as f64) / m as f64).cos();
-                assert_eq!(top_of_ring(m, height), top);
-            }
         }
     }
 }

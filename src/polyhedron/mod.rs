@@ -2,8 +2,9 @@
 //!
 //! Reading order: [`feature`] (ids), `topology` (adjacency without coordinates), `plane`, `build`
 //! (points to a body: `cloud`, `hull`, `facets`; the caller's faces: `faces`, `source_faces`;
-//! polygon, segment, point: `flat`; `rebuild`, `persist`), `fans` (vertices of many edges),
-//! `support` (support vertices), `highest` (support vertices if rounding hides them), `access`,
+//! polygon, segment, point: `flat`; `rebuild`, `persist`); support vertices, each file on the files
+//! before: `axis` (of a fan), `heights` (exact comparison), `unimodal` (bisection), `fans`
+//! (vertices of many edges), `highest` (exact), `support` (hill climbing and cube map); `access`,
 //! `bounds`, `query`, `mass`, `feature_pair`, [`solids`].
 //!
 //! # Stored coordinates
@@ -15,11 +16,13 @@
 //! position.
 
 mod access;
+pub(crate) mod axis;
 mod bounds;
 pub(crate) mod build;
 pub(crate) mod fans;
 pub mod feature;
 mod feature_pair;
+pub(crate) mod heights;
 pub(crate) mod highest;
 mod mass;
 mod plane;
@@ -27,6 +30,7 @@ mod query;
 pub mod solids;
 pub(crate) mod support;
 pub(crate) mod topology;
+pub(crate) mod unimodal;
 
 use alloc::vec::Vec;
 use nalgebra::{Matrix3, Vector3};

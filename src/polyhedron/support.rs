@@ -15,21 +15,14 @@ use alloc::vec::Vec;
 use nalgebra::Vector3;
 
 use crate::num::packed::PackedVec3;
+use crate::num::sign::edge_sign;
 use crate::polyhedron::ConvexPolyhedron;
 use crate::polyhedron::fans::{Fans, steepest};
-use crate::polyhedron::highest::{self, Direction};
+use crate::polyhedron::heights::Direction;
+use crate::polyhedron::highest;
 use crate::polyhedron::topology::Topology;
 use crate::tolerance::EDGE_SIGN;
 use crate::tuning::polyhedron::{FLATTEST, LEAP};
-
-/// Returns the sign of `n . e` if rounding leaves no doubt, else 0. `e` must be a rounded
-/// difference of two stored points.
-#[inline]
-pub(crate) fn edge_sign(n: &Vector3<f64>, e: &Vector3<f64>) -> i32 {
-    let (x, y, z) = (n.x * e.x, n.y * e.y, n.z * e.z);
-    let (value, bound) = (x + y + z, EDGE_SIGN * (x.abs() + y.abs() + z.abs()));
-    i32::from(value > bound) - i32::from(value < -bound)
-}
 
 /// Climbs from `start` to a vertex with no adjacent vertex certainly higher along `n`.
 #[inline]
@@ -61,7 +54,7 @@ pub(crate) fn support_climb(
         }
         steps += 1;
         v = if steps % LEAP == 0 {
-            leap(topology, points, fans, &n.vector(), best)
+            jump(topology, points, fans, &n.vector(), best)
         } else {
             best
         };
@@ -71,11 +64,11 @@ pub(crate) fn support_climb(
 /// Jumps to the highest vertex of a large face, or to a high vertex of a large fan, if the body has
 /// such.
 #[inline]
-fn leap(topology: &Topology, points: &[Vector3<f64>], fans: &Fans, n: &Vector3<f64>, v: u32) -> u32 {
+fn jump(topology: &Topology, points: &[Vector3<f64>], fans: &Fans, n: &Vector3<f64>, v: u32) -> u32 {
     if !topology.has_large_faces() && fans.is_empty() {
         return v;
     }
-    highest::leap(topology, fans, &Direction::new(points, n, &Vector3::zeros()), v)
+    highest::jump(topology, fans, &Direction::new(points, n, &Vector3::zeros()), v)
 }
 
 /// The support vertex along a direction, with proof.
@@ -88,7 +81,7 @@ pub(crate) struct Extreme {
 }
 
 /// The heights of the vertices adjacent to a vertex, relative to the vertex, along a direction.
-struct Ring {
+struct Surroundings {
     vertex: u32,
     /// The highest adjacent vertex, if certainly higher.
     higher: Option<u32>,
@@ -107,11 +100,11 @@ impl ConvexPolyhedron {
     /// Returns whether a climb along `n` would end at `v` at once, as far as a cheap test can
     /// decide: up to eight edges in parallel, without a branch to mispredict.
     #[inline(always)]
-    pub(crate) fn is_summit(&self, n: &Vector3<f64>, v: u32) -> bool {
+    pub(crate) fn is_local_maximum(&self, n: &Vector3<f64>, v: u32) -> bool {
         let p = self.points[v as usize];
         let rises = |w: u32| n.dot(&(self.points[w as usize] - p)) > 0.0;
-        let beside = self.topology.up_to_eight(v);
-        beside.is_some_and(|beside| !beside.map(rises).into_iter().fold(false, |any, one| any | one))
+        let adjacent = self.topology.up_to_eight(v);
+        adjacent.is_some_and(|adjacent| !adjacent.map(rises).into_iter().fold(false, |any, one| any | one))
     }
 
     /// Returns the support vertex along `n` up to rounding, without a hint.
@@ -134,14 +127,14 @@ impl ConvexPolyhedron {
     /// Returns the proven support vertex along `n`: if other vertices may tie with the end of the
     /// climb, exact signs decide.
     pub(crate) fn support_certified(&self, n: &Vector3<f64>, hint: u32) -> Extreme {
-        let summit = self.summit(n, hint);
-        let (v, w) = (summit.vertex, summit.tie);
+        let top = self.climb_with_ties(n, hint);
+        let (v, w) = (top.vertex, top.tie);
         let (at_v, at_w) = (n.dot(&self.points[v as usize]), n.dot(&self.points[w as usize]));
         // All vertices adjacent to the one or two tied vertices are certainly lower, so no path
         // that never falls reaches another vertex.
-        match summit.ties {
+        match top.ties {
             0 => Extreme { vertex: v, value: at_v },
-            1 if self.ring(n, w, v).ties == 0 => {
+            1 if self.surroundings(n, w, v).ties == 0 => {
                 let first = at_v > at_w || (at_v == at_w && v < w);
                 let (vertex, value) = if first { (v, at_v) } else { (w, at_w) };
                 Extreme { vertex, value }
@@ -161,15 +154,15 @@ impl ConvexPolyhedron {
 
     /// Climbs along `n` as [`support_climb`] does, and counts ties on the way.
     #[inline]
-    fn summit(&self, n: &Vector3<f64>, start: u32) -> Ring {
+    fn climb_with_ties(&self, n: &Vector3<f64>, start: u32) -> Surroundings {
         let mut v = start;
         let mut steps = 0;
         loop {
-            let ring = self.ring(n, v, v);
+            let ring = self.surroundings(n, v, v);
             let Some(w) = ring.higher else { return ring };
             steps += 1;
             v = if steps % LEAP == 0 {
-                leap(&self.topology, &self.points, &self.fans, n, w)
+                jump(&self.topology, &self.points, &self.fans, n, w)
             } else {
                 w
             };
@@ -178,9 +171,9 @@ impl ConvexPolyhedron {
 
     /// Compares `v` with its adjacent vertices, `except` one.
     #[inline]
-    fn ring(&self, n: &Vector3<f64>, v: u32, except: u32) -> Ring {
+    fn surroundings(&self, n: &Vector3<f64>, v: u32, except: u32) -> Surroundings {
         let p = self.points[v as usize];
-        let mut ring = Ring {
+        let mut ring = Surroundings {
             vertex: v,
             higher: None,
             ties: 0,
@@ -194,7 +187,7 @@ impl ConvexPolyhedron {
                 .to;
             let rises = edge_sign(n, &(self.points[w as usize] - p)) > 0;
             // Ties of a large fan are not counted: two stand for any number.
-            return Ring {
+            return Surroundings {
                 higher: rises.then_some(w),
                 ties: 2,
                 ..ring

@@ -19,7 +19,7 @@ use alloc::vec::Vec;
 
 use crate::tuning::polyhedron::LARGE;
 
-/// A half-edge: an edge with one of its two directions.
+/// A half-edge: an edge with a direction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct HalfEdge {
@@ -37,35 +37,35 @@ pub(crate) struct HalfEdge {
 /// touches.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-enum Links {
+enum HalfEdges {
     Short(Vec<[u16; 4]>),
     Long(Vec<[u32; 4]>),
 }
 
-impl Links {
+impl HalfEdges {
     fn new(half_edges: &[HalfEdge]) -> Self {
         let numbers = half_edges.iter().map(|e| [e.to, e.twin, e.next, e.face]);
         // Half-edges have the largest numbers of all features of a body.
         if half_edges.len() <= usize::from(u16::MAX) {
-            Links::Short(numbers.map(|e| e.map(|x| x as u16)).collect())
+            HalfEdges::Short(numbers.map(|e| e.map(|x| x as u16)).collect())
         } else {
-            Links::Long(numbers.collect())
+            HalfEdges::Long(numbers.collect())
         }
     }
 
     #[inline(always)]
     fn len(&self) -> usize {
         match self {
-            Links::Short(l) => l.len(),
-            Links::Long(l) => l.len(),
+            HalfEdges::Short(l) => l.len(),
+            HalfEdges::Long(l) => l.len(),
         }
     }
 
     #[inline(always)]
     fn get(&self, h: u32) -> HalfEdge {
         let [to, twin, next, face] = match self {
-            Links::Short(l) => l[h as usize].map(u32::from),
-            Links::Long(l) => l[h as usize],
+            HalfEdges::Short(l) => l[h as usize].map(u32::from),
+            HalfEdges::Long(l) => l[h as usize],
         };
         HalfEdge { to, twin, next, face }
     }
@@ -80,7 +80,7 @@ impl Links {
 pub(crate) struct Topology {
     /// Start of the fan of each vertex, and one more entry for the end of the last fan.
     first: Vec<u32>,
-    links: Links,
+    links: HalfEdges,
     /// One half-edge of each face.
     rim: Vec<u32>,
     /// `(face, start)` of each large face, `start` being the index in `ring` of the first
@@ -152,7 +152,7 @@ impl Topology {
         }
         let mut topology = Self {
             first,
-            links: Links::new(&half_edges),
+            links: HalfEdges::new(&half_edges),
             rim,
             rings: Vec::new(),
             ring: Vec::new(),
@@ -245,12 +245,12 @@ impl Topology {
         let fan = self.fan(v);
         let (start, span) = (fan.start, fan.start as usize..fan.end as usize);
         match &self.links {
-            Links::Short(l) => {
+            HalfEdges::Short(l) => {
                 for (k, e) in l[span].iter().enumerate() {
                     f(start + k as u32, u32::from(e[0]));
                 }
             }
-            Links::Long(l) => {
+            HalfEdges::Long(l) => {
                 for (k, e) in l[span].iter().enumerate() {
                     f(start + k as u32, e[0]);
                 }
@@ -274,16 +274,16 @@ impl Topology {
         }
         let fan = self.first[v as usize] as usize..self.first[v as usize + 1] as usize;
         match &self.links {
-            Links::Short(l) => taken(&l[fan], |e| u32::from(e[0])),
-            Links::Long(l) => taken(&l[fan], |e| e[0]),
+            HalfEdges::Short(l) => taken(&l[fan], |e| u32::from(e[0])),
+            HalfEdges::Long(l) => taken(&l[fan], |e| e[0]),
         }
     }
 
     /// Returns the bytes on the heap.
     pub(crate) fn heap_bytes(&self) -> usize {
         let links = match &self.links {
-            Links::Short(l) => l.capacity() * 8,
-            Links::Long(l) => l.capacity() * 16,
+            HalfEdges::Short(l) => l.capacity() * 8,
+            HalfEdges::Long(l) => l.capacity() * 16,
         };
         links
             + 4 * (self.first.capacity() + self.rim.capacity() + self.ring.capacity())
@@ -345,8 +345,8 @@ fn sort_by_ends(vertices: usize, raw: &[[u32; 4]]) -> (Vec<u32>, Vec<u32>) {
 }
 
 /// Numbers the half-edges so that each fan is contiguous and counter-clockwise. Returns the start
-/// of each fan and the new number of each old half-edge; `None` if a vertex has no fan (unless it
-/// is the only vertex) or more than one.
+/// of each fan and the new number of each old half-edge; `None` if a vertex has no fan (unless the
+/// body is a point) or several fans.
 fn fans(vertices: usize, raw: &[[u32; 4]], order: &[u32], left: impl Fn(u32) -> u32) -> Option<(Vec<u32>, Vec<u32>)> {
     let mut first = Vec::with_capacity(vertices + 1);
     let mut number = vec![u32::MAX; raw.len()];

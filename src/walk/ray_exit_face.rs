@@ -9,7 +9,7 @@ use nalgebra::Vector3;
 
 use crate::pair::outcome::Outcome;
 use crate::pair::posed::Sides;
-use crate::polyhedron::fans::top_of_ring;
+use crate::polyhedron::unimodal::top_of_ring;
 use crate::polyhedron::{ConvexPolyhedron, FeaturePair};
 use crate::tolerance::{ON_BOUNDARY, UNIT};
 use crate::tuning::polyhedron::LARGE;

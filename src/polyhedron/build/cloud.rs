@@ -164,8 +164,8 @@ fn placement(given: &[Point3<f64>], indices: &[u32]) -> Result<(Vector3<f64>, i3
                 extent: given[i as usize].coords.amax(),
             });
         }
-        // A single point is its own origin, so its position is not rounded, but for magnitudes that
-        // count as zero.
+        // A single point becomes the origin, so the position is not rounded, but for magnitudes
+        // that count as zero.
         let place = if indices.is_empty() { Vector3::zeros() } else { low };
         let origin = place.map(|x| if x.abs() < f64::MIN_POSITIVE { 0.0 } else { x });
         return Ok((origin, 0, f64::MIN_POSITIVE));

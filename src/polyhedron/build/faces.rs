@@ -69,9 +69,8 @@ impl ConvexPolyhedron {
     /// let corner = |i: u8| [i & 1, i >> 1 & 1, i >> 2].map(f64::from);
     /// let rounded = |i| (turn * Point3::from(corner(i))).cast::<f32>().cast::<f64>();
     /// let points = [0, 1, 2, 3, 4, 5, 6, 7].map(rounded);
-    /// let sides = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4]];
-    /// let others = [[2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
-    /// let faces = [sides, others].concat();
+    /// let faces =
+    ///     [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
     /// assert!(ConvexPolyhedron::from_faces(&points, &faces).is_err());
     /// let body = ConvexPolyhedron::from_faces_within(&points, &faces, 1e-6)?;
     /// assert!(body.face_count() > 6 && body.report().non_planarity < 1e-6);
@@ -212,8 +211,8 @@ impl Mesh {
         self.source[place as usize] as usize
     }
 
-    /// Checks that every edge has two faces. Returns an edge that both faces pass in one direction,
-    /// if any: then a face is turned over, and the planes decide which.
+    /// Checks that every edge has two faces. Returns an edge passed twice in one direction, if any:
+    /// then a face is turned over, and the planes decide which.
     fn check_edges(&self) -> Result<Option<[usize; 2]>, BuildError> {
         let mut edges: Vec<(u32, u32, bool)> = Vec::with_capacity(self.corners.len());
         for f in 0..self.face_count() {

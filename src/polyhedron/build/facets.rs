@@ -6,7 +6,7 @@ use alloc::vec::Vec;
 use nalgebra::Vector3;
 
 use crate::num::sign::side;
-use crate::polyhedron::build::hull::{Surface, Triangle};
+use crate::polyhedron::build::hull::{HullTriangle, Surface};
 
 const NONE: u32 = u32::MAX;
 
@@ -52,7 +52,7 @@ impl Facets {
         let mut order = Vec::with_capacity(groups);
         for start in 0..triangles.len() {
             let g = group[start] as usize;
-            let Some(k) = (0..3).find(|&k| group[triangles[start].beside[k] as usize] != group[start]) else {
+            let Some(k) = (0..3).find(|&k| group[triangles[start].adjacent[k] as usize] != group[start]) else {
                 continue;
             };
             if !core::mem::replace(&mut done[g], true) {
@@ -71,11 +71,11 @@ impl Facets {
 }
 
 /// Returns the face number of each triangle, and the number of faces.
-fn coplanar_groups(points: &[Vector3<f64>], triangles: &[Triangle]) -> (Vec<u32>, usize) {
+fn coplanar_groups(points: &[Vector3<f64>], triangles: &[HullTriangle]) -> (Vec<u32>, usize) {
     let mut parent: Vec<u32> = (0..triangles.len() as u32).collect();
     for (i, t) in triangles.iter().enumerate() {
         let [a, b, c] = t.v.map(|v| &points[v as usize]);
-        for &other in t.beside.iter().filter(|&&o| (o as usize) > i) {
+        for &other in t.adjacent.iter().filter(|&&o| (o as usize) > i) {
             let across = triangles[other as usize].v.into_iter().find(|v| !t.v.contains(v));
             if across.is_some_and(|d| side(a, b, c, &points[d as usize]) == 0.0) {
                 let (p, q) = (root(&mut parent, i as u32), root(&mut parent, other));
@@ -83,7 +83,7 @@ fn coplanar_groups(points: &[Vector3<f64>], triangles: &[Triangle]) -> (Vec<u32>
             }
         }
     }
-    // Roots come before their members, so one pass numbers all.
+    // Roots come before all members, so a single pass numbers the groups.
     let mut group = vec![NONE; triangles.len()];
     let mut count = 0;
     for i in 0..triangles.len() {
@@ -108,7 +108,7 @@ fn root(parent: &mut [u32], mut i: u32) -> u32 {
 
 /// Returns the number of faces at each point, counted up to 3: a vertex has three, a point inside
 /// an edge two.
-fn faces_at(points: usize, triangles: &[Triangle], group: &[u32]) -> Vec<u8> {
+fn faces_at(points: usize, triangles: &[HullTriangle], group: &[u32]) -> Vec<u8> {
     let mut degree = vec![0u8; points];
     let mut met = vec![[NONE; 2]; points];
     for (t, &g) in triangles.iter().zip(group) {
@@ -126,7 +126,7 @@ fn faces_at(points: usize, triangles: &[Triangle], group: &[u32]) -> Vec<u8> {
 
 /// Returns the extreme points round the face of triangle `start`, whose edge `k` is on the rim;
 /// least vertex first.
-fn rim(triangles: &[Triangle], group: &[u32], number: &[u32], start: u32, k: usize) -> Option<Vec<u32>> {
+fn rim(triangles: &[HullTriangle], group: &[u32], number: &[u32], start: u32, k: usize) -> Option<Vec<u32>> {
     let mut ring = Vec::with_capacity(3);
     let (mut t, mut e) = (start, k);
     for _ in 0..3 * triangles.len() {
@@ -137,12 +137,12 @@ fn rim(triangles: &[Triangle], group: &[u32], number: &[u32], start: u32, k: usi
         // The next rim edge leaves the end of this edge: turn about the end through triangles of
         // one face.
         e = (e + 1) % 3;
-        let mut other = triangles[t as usize].beside[e];
+        let mut other = triangles[t as usize].adjacent[e];
         while group[other as usize] == group[start as usize] {
             let pivot = triangles[t as usize].v[e];
             t = other;
             e = triangles[t as usize].v.iter().position(|&v| v == pivot)?;
-            other = triangles[t as usize].beside[e];
+            other = triangles[t as usize].adjacent[e];
         }
         if (t, e) == (start, k) {
             let least = ring.iter().enumerate().min_by_key(|r| r.1)?.0;

@@ -172,8 +172,8 @@ fn planar_hull(points: &[Vector3<f64>], axis: usize) -> (Vec<u32>, Vec<u32>) {
     rim.pop();
     rim.extend(&upper[..upper.len() - 1]);
     upper.reverse();
-    // Both chains rise: a point can only lie on the one link of each chain that passes over or
-    // under it.
+    // Both chains rise: a point can only lie on the link of a chain that passes over or under the
+    // point.
     let on_chain = |chain: &[u32], p: u32| {
         let k = chain.partition_point(|&i| rank[i as usize] < rank[p as usize]);
         0 < k && k < chain.len() && chain[k] != p && turns(chain[k - 1], chain[k], p) == 0.0

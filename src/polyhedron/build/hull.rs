@@ -38,25 +38,25 @@ const NONE: u32 = u32::MAX;
 
 /// A triangle of the hull's surface, counter-clockwise from outside.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Triangle {
+pub(crate) struct HullTriangle {
     pub(crate) v: [u32; 3],
     /// The triangles on the other side of the edges, edge k leading from `v[k]` to `v[k + 1]`.
-    pub(crate) beside: [u32; 3],
+    pub(crate) adjacent: [u32; 3],
 }
 
 /// The triangulated hull of a cloud.
 pub(crate) struct Surface {
-    pub(crate) triangles: Vec<Triangle>,
+    pub(crate) triangles: Vec<HullTriangle>,
     /// Whether each point lay in the plane of a triangle when found not to be outside: only such
     /// points can lie on the final surface without being a vertex.
     pub(crate) touching: Vec<bool>,
 }
 
-/// Points that span the affine hull of a flat cloud, one more than its dimension.
+/// Points that span the affine hull of a flat cloud, by number its dimension plus one.
 pub(crate) type Span = Vec<u32>;
 
-struct Facet {
-    triangle: Triangle,
+struct HullFacet {
+    triangle: HullTriangle,
     base: Vector3<f64>,
     normal: Vector3<f64>,
     /// Bound above which `|normal . (p - base)|` proves the sign for every point p of the cloud.
@@ -75,7 +75,7 @@ struct Hull<'a> {
     points: &'a [Vector3<f64>],
     /// Sides of the bounding box.
     sides: Vector3<f64>,
-    facets: Vec<Facet>,
+    facets: Vec<HullFacet>,
     free: Vec<u32>,
     /// Triangles on which points may wait, oldest first: the hull grows on all sides alike, which
     /// keeps horizons short.
@@ -138,12 +138,12 @@ impl Hull<'_> {
         self.pending.extend(0..4);
     }
 
-    fn create(&mut self, v: [u32; 3], beside: [u32; 3]) -> u32 {
+    fn create(&mut self, v: [u32; 3], adjacent: [u32; 3]) -> u32 {
         let [a, b, c] = v.map(|i| self.points[i as usize]);
         let (u, w) = (b - a, c - a);
         let guard = SIDE_ERROR * products(&u, &w).dot(&self.sides) * (1.0 + SIDE_ERROR) + f64::MIN_POSITIVE;
-        let facet = Facet {
-            triangle: Triangle { v, beside },
+        let facet = HullFacet {
+            triangle: HullTriangle { v, adjacent },
             base: a,
             normal: u.cross(&w),
             guard,
@@ -178,7 +178,7 @@ impl Hull<'_> {
     }
 
     #[cold]
-    fn exact_height(&self, f: &Facet, p: u32) -> f64 {
+    fn exact_height(&self, f: &HullFacet, p: u32) -> f64 {
         let [a, b, c] = f.triangle.v.map(|i| &self.points[i as usize]);
         let p = &self.points[p as usize];
         // If every term vanishes by itself (axis-parallel planes), the sum needs no exact
@@ -213,8 +213,8 @@ impl Hull<'_> {
     /// Adds the farthest point of the conflict list of `facet` to the hull.
     fn add(&mut self, facet: u32) -> Option<()> {
         let apex = self.facets[facet as usize].farthest;
-        self.look(facet, apex);
-        self.raise(apex)?;
+        self.find_visible(facet, apex);
+        self.add_cone(apex)?;
         for k in 0..self.seen.len() {
             let old = self.seen[k];
             let mut p = self.facets[old as usize].first;
@@ -234,7 +234,7 @@ impl Hull<'_> {
     }
 
     /// Collects the triangles visible from `apex`, starting from one of them, and the horizon.
-    fn look(&mut self, start: u32, apex: u32) {
+    fn find_visible(&mut self, start: u32, apex: u32) {
         self.insertion += 1;
         let (unseen, seen) = (2 * self.insertion, 2 * self.insertion + 1);
         self.seen.clear();
@@ -243,8 +243,8 @@ impl Hull<'_> {
         self.facets[start as usize].mark = seen;
         let mut k = 0;
         while k < self.seen.len() {
-            let Triangle { v, beside } = self.facets[self.seen[k] as usize].triangle;
-            for (i, &other) in beside.iter().enumerate() {
+            let HullTriangle { v, adjacent } = self.facets[self.seen[k] as usize].triangle;
+            for (i, &other) in adjacent.iter().enumerate() {
                 if self.facets[other as usize].mark < unseen {
                     let sees = self.height(other, apex) > 0.0;
                     self.facets[other as usize].mark = if sees { seen } else { unseen };
@@ -262,7 +262,7 @@ impl Hull<'_> {
 
     /// Replaces the visible triangles by a cone from the horizon to `apex`. `None` if the horizon
     /// is not closed.
-    fn raise(&mut self, apex: u32) -> Option<()> {
+    fn add_cone(&mut self, apex: u32) -> Option<()> {
         self.fresh.clear();
         for &f in &self.seen {
             self.facets[f as usize].alive = false;
@@ -272,15 +272,15 @@ impl Hull<'_> {
             let fresh = self.create([from, to, apex], [other, NONE, NONE]);
             let outer = &mut self.facets[other as usize].triangle;
             let slot = outer.v.iter().position(|&v| v == to)?;
-            outer.beside[slot] = fresh;
+            outer.adjacent[slot] = fresh;
             self.starting_at[from as usize] = fresh;
             self.fresh.push(fresh);
         }
         for k in 0..self.fresh.len() {
             let (fresh, to) = (self.fresh[k], self.horizon[k][1]);
             let after = self.starting_at[to as usize];
-            self.facets.get_mut(after as usize)?.triangle.beside[2] = fresh;
-            self.facets[fresh as usize].triangle.beside[1] = after;
+            self.facets.get_mut(after as usize)?.triangle.adjacent[2] = fresh;
+            self.facets[fresh as usize].triangle.adjacent[1] = after;
         }
         Some(())
     }
@@ -291,9 +291,9 @@ impl Hull<'_> {
         let slots = number.iter_mut().zip(&self.facets).filter(|(_, f)| f.alive);
         slots.zip(0u32..).for_each(|((slot, _), count)| *slot = count);
         let alive = self.facets.iter().filter(|f| f.alive);
-        let renumber = |t: &Triangle| Triangle {
+        let renumber = |t: &HullTriangle| HullTriangle {
             v: t.v,
-            beside: t.beside.map(|b| number[b as usize]),
+            adjacent: t.adjacent.map(|b| number[b as usize]),
         };
         Surface {
             triangles: alive.map(|f| renumber(&f.triangle)).collect(),
@@ -309,8 +309,8 @@ fn products(u: &Vector3<f64>, v: &Vector3<f64>) -> Vector3<f64> {
     Vector3::new(u.y * v.z + u.z * v.y, u.z * v.x + u.x * v.z, u.x * v.y + u.y * v.x)
 }
 
-/// Returns four points that are not coplanar, the last below the first three, or points that span
-/// the affine hull if it is flat.
+/// Returns four points not in one plane, the last below the first three, or, for a flat cloud,
+/// points that span the affine hull.
 fn simplex(points: &[Vector3<f64>]) -> Result<[u32; 4], Span> {
     let at = |i: u32| &points[i as usize];
     let all = || 0..points.len() as u32;

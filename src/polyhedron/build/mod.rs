@@ -146,7 +146,7 @@ impl ConvexPolyhedron {
             low,
             high,
             has_coplanar_neighbours,
-            fingerprint: print(cloud, kept, loops),
+            fingerprint: fingerprint_of(cloud, kept, loops),
             report,
         })
     }
@@ -212,7 +212,7 @@ impl ConvexPolyhedron {
 
 /// Returns a 64-bit hash of vertices, scale and faces (Fowler, Noll and Vo's hash, by words):
 /// bodies of equal fingerprint are identical for all practical purposes.
-fn print(cloud: &Cloud, kept: &[u32], loops: &[Vec<u32>]) -> u64 {
+fn fingerprint_of(cloud: &Cloud, kept: &[u32], loops: &[Vec<u32>]) -> u64 {
     let mix = |h: u64, x: u64| {
         (h.rotate_left(29) ^ x)
             .wrapping_mul(0x0000_0100_0000_01b3)

@@ -18,11 +18,11 @@ pub struct BuildReport {
     pub faces: usize,
     /// Exactly equal points, as `(dropped, kept)`.
     pub duplicates: Vec<(u32, u32)>,
-    /// Points dropped because they lie strictly inside the body.
+    /// Points dropped as strictly inside the body.
     pub interior: Vec<u32>,
-    /// Points dropped because they lie inside a face.
+    /// Points dropped as inside a face.
     pub on_faces: Vec<u32>,
-    /// Points dropped because they lie inside an edge.
+    /// Points dropped as inside an edge.
     pub on_edges: Vec<u32>,
     /// Points that no face uses (bodies from faces).
     pub unused: Vec<u32>,

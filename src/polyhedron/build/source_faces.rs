@@ -1,4 +1,4 @@
-//! Finds for each face of a body the caller's face that holds it.
+//! The caller's face for each face of a body.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -12,9 +12,9 @@ const NONE: u32 = u32::MAX;
 /// A vertex of more faces than this adds no candidates if another vertex has added some.
 const CROWD: usize = 8;
 
-/// Returns for each face of the body the caller's face that shares most vertices with it, the
-/// lowest index among equals. Three vertices decide; if the caller cut a face so that no piece has
-/// three, the piece that lies in its plane is taken.
+/// Returns for each face of the body the caller's face with most vertices in common, the lowest
+/// index among equals. Three vertices decide; if the caller cut a face into pieces of fewer than
+/// three common vertices, the piece in the plane of the face is taken.
 ///
 /// `places` are the indices in the cloud of the body's vertices, `points` the points of the cloud.
 pub(crate) fn source_faces(mesh: &Mesh, body: &ConvexPolyhedron, places: &[u32], points: &[Vector3<f64>]) -> Vec<u32> {
