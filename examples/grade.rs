@@ -14,7 +14,7 @@ use lab::suite::{Case, Line, Reader};
 use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion};
 use lin_canny::{Class, ConvexPolyhedron, RelativePose, Tracker};
 
-/// Operand level of accuracy answers.
+/// Which level of accuracy answers.
 #[derive(Clone, Copy, PartialEq)]
 enum Accuracy {
     Walk,
@@ -137,7 +137,7 @@ fn answer(
         Class::Separated => "sep",
         Class::Touching => "touch",
         Class::Overlapping => "pen",
-        Class::Undecided => "none",
+        _ => "none",
     };
     let n = pa.rotation * normal;
     let mut line = format!("{} {word} {distance:e}", case.id);
@@ -148,7 +148,7 @@ fn answer(
     Ok(line)
 }
 
-/// Operand layer answered how many cases of each family: separated and not.
+/// Which layer answered how many cases of each family: separated and not.
 #[derive(Default)]
 struct Layers(HashMap<String, [[u64; 7]; 2]>);
 

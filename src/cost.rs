@@ -15,27 +15,23 @@
 //! # The levels
 //!
 //! Two random hulls in a sphere of radius 1, B orbiting A and spinning by half a degree a frame; nanoseconds a query, two world poses in,
-//! distance and both witness points out (a [`Watch`](crate::Watch) gives the distance alone):
+//! distance and both witness points out:
 //!
 #![doc = include_str!("../images/cost.md")]
 //!
 //! * **The walk has no accuracy to choose.** It ends on the closest features after a look or two, exact up to rounding, and has
 //!   nothing with bounds to stop at before. An iterative solver is often sold with a tolerance; on polytopes it buys nothing here.
 //! * **The proof is cheap.** [`Tracker::closest`](crate::Tracker::closest) takes one to three nanoseconds more than the walk's word.
-//! * **An allowed error saves little**: [`Watch`](crate::Watch) answers from how far the bodies have moved since the last look, and to find
-//!   that out takes nearly as long as a tracked query. It pays, by up to a sixth, where a frame moves the bodies by much less than the
-//!   error; where it has to look every time it costs a third to half as much again.
 //! * **The last bit is dear**: [`closest_exact`](crate::Tracker) takes microseconds, some hundred times a certified answer.
 //!
-//! A slower motion, 0.05 degrees a frame, and 512 vertices, each engine and level a point with its spread (a tracked query is the same
-//! at any error allowed below what a frame moves; parry's `distance` keeps nothing between frames):
+//! A slower motion, 0.05 degrees a frame, and 512 vertices, each engine and level a point with its spread (parry's `distance` keeps nothing
+//! between frames):
 //!
 #![doc = include_str!("../images/accuracy.svg")]
 //!
 //! # Motion
 //!
-//! What a frame moves is what a tracked query pays for; from ten degrees on it begins anew instead. A
-//! [`Watch`](crate::Watch) wins a little where a frame moves much less than its error.
+//! What a frame moves is what a tracked query pays for; from ten degrees per frame on, a query starts from support vertices instead.
 //!
 #![doc = include_str!("../images/motion.svg")]
 //!
@@ -78,6 +74,5 @@
 //!
 //! * Exact distances: parry's f64 answer for bodies of eight vertices is right to `1e-15 L` and eight times as fast.
 //! * Contact below `1e-13 L`, in time (above).
-//! * A [`Watch`](crate::Watch) of bodies that move more than the error in every frame.
 //! * Random poses, where nothing is kept that helps: five times a tracked query on round bodies of 512 vertices, nine times on
 //!   flat ones.

@@ -26,7 +26,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! # Operand function?
+//! # Which function?
 //!
 //! | question | function | answer |
 //! |---|---|---|
@@ -36,13 +36,12 @@
 //! | Where, and which features? | [`Tracker::closest`] | [`Outcome`]: features, witnesses, normal, bounds |
 //! | The same to the last bit? | `Tracker::closest_exact` (feature `exact`) | [`Outcome`] |
 //! | As the walk says, checked elsewhere? | [`Tracker::propose`] | [`Proposal`]: no bounds |
-//! | Give or take an error? The same in many small steps? | [`Watch`] | distance or `bool`, looked for only where the motion leaves it open |
-//! | Operand points hold them apart? | [`Tracker::manifold`] | [`Manifold`]: contact points, with names that last |
+//! | Which points hold them apart? | [`Tracker::manifold`] | [`Manifold`]: contact points, with names that last |
 //! | What does a motion do to the distance? | [`Outcome::gradient_a`], [`gradient_b`](Outcome::gradient_b) | [`Gradient`] of the signed distance |
 //! | When do they meet? | none yet; a loop over [`Tracker::distance`] | see [`Velocity`] |
 //! | Many moving bodies? | [`scene::Scene`] | events and answers for the effects called for |
 //! | Only the pairs of boxes? | [`broad::PencilSweep`] | pairs, events, stable ids |
-//! | Operand pairs would the walk look at? | [`Tracker::trace`] | the way, pair by pair |
+//! | Which pairs would the walk look at? | [`Tracker::trace`] | the way, pair by pair |
 //! | How do I report this query? | [`Tracker::replay`] | [`Replay`]: a text that rebuilds it bit for bit |
 //! | Where does B stand? | [`RelativePose::new`] | a checked pose, or a [`PoseError`] |
 //! | A body of points, of faces? | [`ConvexPolyhedron::from_points`], [`from_faces`](ConvexPolyhedron::from_faces) | a body with its [`BuildReport`], or a [`BuildError`] |
@@ -130,7 +129,6 @@
 //! | level | what it promises |
 //! |---|---|
 //! | [`Tracker::propose`] | the walk's word: no bounds in its type |
-//! | [`Watch::distance`] | the true signed distance lies in `lower..=upper`, off by at most the error allowed |
 //! | [`Tracker::closest`], [`Tracker::distance`] | the true signed distance lies in `lower..=upper`, no wider than `1e-13 L` |
 //! | `Tracker::closest_exact` | the class is exact and the distance within one unit in the last place |
 //! | [`Tracker::intersects`], [`Tracker::within`] | exact with the feature `exact`; without it ties count as within |
@@ -188,9 +186,8 @@
 //! 7. `contact`: the points by which bodies hold each other apart, over frames; gradients of the signed distance.
 //! 8. `tracker`: what a caller keeps, and which solver to ask.
 //! 9. `soundness`, `replay`: what debug builds check of every answer, and the text of a query that fails.
-//! 10. `watch`: one tracker, and how far its bodies have moved.
-//! 11. [`broad`]: boxes and ids alone, for many bodies; it knows nothing of the others.
-//! 12. [`scene`]: where all meets; start with `scene/step.rs`.
+//! 10. [`broad`]: boxes and ids alone, for many bodies; it knows nothing of the others.
+//! 11. [`scene`]: where all meets; start with `scene/step.rs`.
 //!
 //! # From the thesis
 //!
@@ -239,19 +236,18 @@ pub mod tolerance;
 mod tracker;
 mod tuning;
 mod walk;
-mod watch;
 
 pub use contact::{ContactPoint, Gradient, Manifold, ManifoldOptions};
 pub use motion::Velocity;
 pub use nalgebra;
 pub use pair::outcome::{Accuracy, Class, Distance, Outcome, Proposal, Solver, Work};
+pub use pair::world::WorldWitnesses;
 pub use polyhedron::{
     BoxHint, BuildError, BuildReport, ConvexPolyhedron, EdgeId, FaceId, Feature, FeaturePair, VertexId,
 };
-pub use pose::{Operand, PoseError, RelativePose};
+pub use pose::{Operand, PoseError, RelativePose, normalize};
 pub use replay::{Replay, ReplayError};
 pub use tracker::{Totals, Tracker};
-pub use watch::Watch;
 
 /// Runs the README as a test.
 #[doc = include_str!("../README.md")]

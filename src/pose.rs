@@ -14,18 +14,21 @@ pub enum PoseError {
     /// f64: then the body is B and the value its place seen from A's.
     #[error("translation of {body} is out of range: coordinate {axis} is {value}")]
     Translation {
-        /// Operand of the two poses.
+        /// Which of the two poses.
         body: Operand,
         /// 0, 1 or 2.
         axis: usize,
         /// The coordinate.
         value: f64,
     },
-    /// The rotation is not a unit quaternion: `| |q|^2 - 1 |` must not exceed 1e-12. One from `f32` has to be normalised in `f64`, see
-    /// [`RelativePose`].
-    #[error("rotation of {body} is not a unit quaternion: its squared norm is {norm_squared}")]
+    /// The rotation is not a unit quaternion: `| |q|^2 - 1 |` must not exceed 1e-12.
+    /// [`RelativePose::normalized`] accepts rotations from `f32`, from files and from many products.
+    #[error(
+        "rotation of {body} is not a unit quaternion: its squared norm is {norm_squared} (`normalize` the pose, or use \
+         `RelativePose::normalized`)"
+    )]
     Rotation {
-        /// Operand of the two poses.
+        /// Which of the two poses.
         body: Operand,
         /// The squared norm, NaN or infinite where a coordinate is.
         norm_squared: f64,
@@ -55,18 +58,18 @@ impl core::fmt::Display for Operand {
 /// cancel first: the relative translation is formed from `t_b - t_a`, so a common shift that both translations absorb
 /// exactly changes no bit of any answer.
 ///
-/// A rotation has to be a unit quaternion in `f64`. One that was computed in `f32`, or by many products, is off by more than is
-/// accepted; normalise it first:
+/// A rotation must be a unit quaternion in `f64`. A rotation from `f32`, from a file or from many
+/// products is farther off than [`new`](Self::new) accepts; [`normalized`](Self::normalized)
+/// divides by the norm first:
 ///
 /// ```
-/// use lin_canny::nalgebra::{Isometry3, UnitQuaternion, Vector3};
+/// use lin_canny::nalgebra::{Isometry3, Vector3};
 /// use lin_canny::{PoseError, RelativePose};
 ///
 /// let pose = Isometry3::new(Vector3::new(1.0, 2.0, 3.0), Vector3::new(0.3, 0.2, 0.1)).cast::<f32>();
-/// let mut pose: Isometry3<f64> = pose.cast();
+/// let pose: Isometry3<f64> = pose.cast();
 /// assert!(matches!(RelativePose::from_isometry(&pose), Err(PoseError::Rotation { .. })));
-/// pose.rotation = UnitQuaternion::new_normalize(pose.rotation.into_inner());
-/// let a_from_b = RelativePose::from_isometry(&pose)?;
+/// let a_from_b = RelativePose::normalized(&Isometry3::identity(), &pose)?;
 /// # Ok::<(), PoseError>(())
 /// ```
 ///
@@ -148,6 +151,22 @@ impl PoseBits {
     }
 }
 
+/// Returns the pose with its quaternion divided by its norm: what [`RelativePose::new`] and a
+/// scene accept. A quaternion that is zero or not finite is returned as it is, and refused there.
+#[must_use]
+pub fn normalize(pose: &Isometry3<f64>) -> Isometry3<f64> {
+    let q = pose.rotation.coords;
+    let largest = q.amax();
+    if !(largest > 0.0 && largest < f64::INFINITY) {
+        return *pose;
+    }
+    // Scaled first: the squares of a very long or short quaternion leave the range of f64.
+    let scaled = q / largest;
+    let unit = scaled / crate::num::scalar::sqrt(scaled.norm_squared());
+    let rotation = nalgebra::UnitQuaternion::new_unchecked(Quaternion::from(unit));
+    Isometry3::from_parts(pose.translation, rotation)
+}
+
 impl RelativePose {
     /// From the poses of both bodies in one common frame.
     ///
@@ -175,6 +194,15 @@ impl RelativePose {
     /// As [`RelativePose::new`].
     pub fn from_isometry(a_from_b: &Isometry3<f64>) -> Result<Self, PoseError> {
         Self::new(&Isometry3::identity(), a_from_b)
+    }
+
+    /// Returns the relative pose of two poses whose rotations are normalised first, see
+    /// [`normalize`]. Bounds then hold for the normalised poses.
+    ///
+    /// # Errors
+    /// A translation that is not finite or out of range, or a quaternion that is zero or not finite.
+    pub fn normalized(pose_a: &Isometry3<f64>, pose_b: &Isometry3<f64>) -> Result<Self, PoseError> {
+        Self::new(&normalize(pose_a), &normalize(pose_b))
     }
 
     /// The same pair of poses with A and B exchanged.

@@ -83,7 +83,7 @@ pub enum ReplayError {
     /// The vertices make no body.
     #[error("body {which}: {error}")]
     Body {
-        /// Operand of the two.
+        /// Which of the two.
         which: Operand,
         /// Why.
         error: BuildError,

@@ -8,12 +8,13 @@ use nalgebra::Unit;
 
 use crate::depth::{self, Memory};
 use crate::minimum::overlap_proof::OverlapProof;
-use crate::pair::outcome::{Accuracy, Class, Distance, Outcome, Proposal};
+use crate::pair::outcome::{Accuracy, Ask, Class, Distance, Outcome, Proposal, Until};
 use crate::pair::posed::PosedPair;
 use crate::polyhedron::{ConvexPolyhedron, FeaturePair};
 use crate::pose::{Operand, RelativePose};
 use crate::replay::Replay;
 use crate::solve::{self, out_of_range};
+use crate::tolerance::LEAST_SQUARE;
 use crate::tuning::tracker::STEADY;
 use crate::walk::rings::predict::predict;
 use crate::walk::seed;
@@ -146,7 +147,7 @@ impl Tracker {
     #[inline]
     pub fn closest(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Outcome {
         let before = self.before(a, b);
-        let outcome = self.answer(a, b, a_from_b, Accuracy::Certified, true);
+        let outcome = self.answer(a, b, a_from_b, Ask::certified(Until::Depth));
         debug_check(a, b, a_from_b, &before, Accuracy::Certified, &outcome);
         outcome
     }
@@ -156,10 +157,19 @@ impl Tracker {
     #[cfg(feature = "exact")]
     pub fn closest_exact(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Outcome {
         let before = self.before(a, b);
-        let mut outcome = self.answer(a, b, a_from_b, Accuracy::Exact, true);
-        // The second: a distance that only f64 in the caller's own unit can hold.
+        let mut outcome = self.answer(
+            a,
+            b,
+            a_from_b,
+            Ask {
+                accuracy: Accuracy::Exact,
+                until: Until::Depth,
+            },
+        );
+        // The second: a distance that f64 holds in the caller's unit only, below the normal numbers in
+        // the stored unit.
         if outcome.solver == crate::pair::outcome::Solver::Far
-            || outcome.class == Class::Separated && outcome.lower <= 0.0
+            || outcome.class == Class::Separated && !outcome.is_tight()
         {
             outcome = out_of_range::exactly(a, b, a_from_b, outcome);
         }
@@ -169,14 +179,22 @@ impl Tracker {
 
     /// The distance and its bounds without the witnesses.
     pub fn distance(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Distance {
-        self.bounds(a, b, a_from_b, true)
+        self.bounds(a, b, a_from_b, Until::Depth)
     }
 
     /// The closest features as the walk proposes them, without bounds. Where the walk does not end, the minimum-norm
     /// solver in f64 stands in.
     #[inline]
     pub fn propose(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Proposal {
-        let o = self.answer(a, b, a_from_b, Accuracy::Walk, false);
+        let o = self.answer(
+            a,
+            b,
+            a_from_b,
+            Ask {
+                accuracy: Accuracy::Walk,
+                until: Until::Class,
+            },
+        );
         Proposal {
             distance: (o.class != Class::Overlapping).then_some(o.distance),
             features: o.features,
@@ -191,16 +209,9 @@ impl Tracker {
     /// Answers at one level, an overlap with its depth if `deep`. The outcome is written where it is returned: copied whole, it would wait for its parts to
     /// leave the store queue.
     #[inline(always)]
-    fn answer(
-        &mut self,
-        a: &ConvexPolyhedron,
-        b: &ConvexPolyhedron,
-        a_from_b: &RelativePose,
-        level: Accuracy,
-        deep: bool,
-    ) -> Outcome {
+    fn answer(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose, ask: Ask) -> Outcome {
         let mut outcome = Outcome::open(FeaturePair::vertices(Operand::A, 0, 0));
-        self.solve(a, b, a_from_b, (level, deep), &mut outcome);
+        self.solve(a, b, a_from_b, ask, &mut outcome);
         outcome
     }
 
@@ -210,17 +221,16 @@ impl Tracker {
         a: &ConvexPolyhedron,
         b: &ConvexPolyhedron,
         a_from_b: &RelativePose,
-        (level, deep): (Accuracy, bool),
+        ask: Ask,
         outcome: &mut Outcome,
     ) {
         if a.exponent != b.exponent && has_the_unit(b, a) {
-            self.solve_in_units_of_b(a, b, a_from_b, (level, deep), outcome);
+            self.solve_in_units_of_b(a, b, a_from_b, ask, outcome);
         } else if let Ok(posed) = PosedPair::new(a, b, a_from_b) {
-            if deep && !self.memory.is_empty() && self.resume(&posed, outcome) {
+            if ask.until == Until::Depth && !self.memory.is_empty() && self.resume(&posed, outcome) {
                 return;
             }
-            if !deep
-                && level == Accuracy::Certified
+            if ask == Ask::certified(Until::Class)
                 && self.overlap_proof.is_some()
                 && self.still_overlaps(&posed, outcome)
             {
@@ -231,8 +241,8 @@ impl Tracker {
                 Some(pair) => outcome.features = pair,
                 None => outcome.features = seed::cold(&posed, &mut outcome.work),
             }
-            solve::solve(level, &posed, warm.is_some(), outcome);
-            self.deepen(deep, &posed, outcome);
+            solve::solve(ask.accuracy, &posed, warm.is_some(), outcome);
+            self.deepen(ask.until, &posed, outcome);
             self.count(warm.is_some(), a, b, outcome);
             if !(a.is_unscaled && b.is_unscaled) {
                 to_user_units(a, b, outcome);
@@ -244,10 +254,10 @@ impl Tracker {
 
     /// The depth of an overlap, where it is asked for; where not, the next query begins with the expectation of another.
     #[inline(always)]
-    fn deepen(&mut self, deep: bool, posed: &PosedPair, outcome: &mut Outcome) {
+    fn deepen(&mut self, until: Until, posed: &PosedPair, outcome: &mut Outcome) {
         if outcome.class == Class::Overlapping {
-            self.overlap_proof = (!deep).then(OverlapProof::default);
-            if deep {
+            self.overlap_proof = (until == Until::Class).then(OverlapProof::default);
+            if until == Until::Depth {
                 depth::penetration_depth(posed, &mut self.memory, outcome);
             }
         }
@@ -264,10 +274,7 @@ impl Tracker {
             outcome.work.grown = grown;
             return false;
         }
-        self.totals.queries += 1;
-        self.totals.warm += 1;
-        self.totals.depths += u64::from(outcome.work.depths);
-        self.totals.answered[outcome.solver as usize] += 1;
+        self.totals.note(true, outcome.solver, &outcome.work);
         self.stay(outcome.features);
         if !(posed.a.is_unscaled && posed.b.is_unscaled) {
             to_user_units(posed.a, posed.b, outcome);
@@ -281,7 +288,7 @@ impl Tracker {
         a: &ConvexPolyhedron,
         b: &ConvexPolyhedron,
         a_from_b: &RelativePose,
-        (level, deep): (Accuracy, bool),
+        ask: Ask,
         outcome: &mut Outcome,
     ) {
         let b_from_a = a_from_b.swapped();
@@ -290,8 +297,8 @@ impl Tracker {
         };
         let warm = self.start(a, b).map(FeaturePair::swapped);
         outcome.features = warm.unwrap_or_else(|| seed::cold(&posed, &mut outcome.work));
-        solve::solve(level, &posed, warm.is_some(), outcome);
-        self.deepen(deep, &posed, outcome);
+        solve::solve(ask.accuracy, &posed, warm.is_some(), outcome);
+        self.deepen(ask.until, &posed, outcome);
         // Their names are those of the bodies exchanged.
         self.memory.clear();
         self.overlap_proof = None;
@@ -330,12 +337,8 @@ impl Tracker {
 
     #[inline(always)]
     fn count(&mut self, warm: bool, a: &ConvexPolyhedron, b: &ConvexPolyhedron, outcome: &Outcome) {
-        self.totals.queries += 1;
-        self.totals.warm += u64::from(warm);
         self.starts.learn(warm, &outcome.work);
-        self.totals.answered[outcome.solver as usize] += 1;
-        self.totals.steps += u64::from(outcome.work.steps);
-        self.totals.depths += u64::from(outcome.work.depths);
+        self.totals.note(warm, outcome.solver, &outcome.work);
         // Longer walks, and those that began where features were to go: on long rims and round large fans.
         if (a.has_bands | b.has_bands) && (outcome.work.steps > STEADY || self.next != self.last) {
             let now = outcome.features;
@@ -406,8 +409,9 @@ pub(crate) fn clear_of(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &Relati
         return false;
     }
     let reach = a.radius + b.radius + d;
-    // One part in 2^20 is far more than the rounding of both sides.
-    pose.translation().norm_squared() > reach * reach * (1.0 + 1.0 / 1_048_576.0)
+    // One part in 2^20 is far more than the rounding of both sides, and LEAST_SQUARE more than what squares lose below the normal
+    // numbers.
+    pose.translation().norm_squared() > reach * reach * (1.0 + 1.0 / 1_048_576.0) + LEAST_SQUARE
 }
 
 /// Whether a pair of different units is asked in those of `x`: they are the larger, or `y` is a point, which has no size of its own.
@@ -416,13 +420,21 @@ fn has_the_unit(x: &ConvexPolyhedron, y: &ConvexPolyhedron) -> bool {
     y.radius == 0.0 || x.exponent > y.exponent && x.radius > 0.0
 }
 
-/// From stored units and frames to the caller's.
+/// Takes an outcome from stored units and frames to the caller's: the one place where bounds change their unit. A unit is a power of two,
+/// so only what leaves the normal numbers is rounded; bounds are rounded outward.
 #[cold]
 fn to_user_units(a: &ConvexPolyhedron, b: &ConvexPolyhedron, outcome: &mut Outcome) {
     let unit = if has_the_unit(b, a) { b.unit() } else { a.unit() };
+    outcome.lower = scaled_down(outcome.lower, unit);
+    outcome.upper = -scaled_down(-outcome.upper, unit);
     outcome.distance *= unit;
-    outcome.lower *= unit;
-    outcome.upper *= unit;
     outcome.point_on_a = a.to_user(&outcome.point_on_a.coords);
     outcome.point_on_b = b.to_user(&outcome.point_on_b.coords);
+}
+
+/// Returns the largest f64 that is no greater than `x` times a power of two.
+fn scaled_down(x: f64, unit: f64) -> f64 {
+    let y = x * unit;
+    // The way back is exact, or it overflows as the way there did.
+    if y / unit > x { y.next_down() } else { y }
 }

@@ -7,7 +7,7 @@ use std::time::Duration;
 use cpu_time::ThreadTime;
 use lab::Point;
 use lab::parry::GjkCached;
-use lin_canny::{RelativePose, Totals, Tracker, Watch};
+use lin_canny::{RelativePose, Totals, Tracker};
 
 use crate::bodies::{Body, Pair};
 
@@ -23,8 +23,6 @@ pub(crate) enum Accuracy {
     Certified,
     /// `Tracker::closest_exact`.
     Exact,
-    /// `Watch::distance` to within `10^-k L`.
-    Within(i32),
     /// parry's GJK over a support map that climbs, the simplex kept.
     Gjk,
     /// parry's closest points, in f64 and in f32.
@@ -64,7 +62,6 @@ impl Case {
             Accuracy::Walk => "walk".into(),
             Accuracy::Certified => "certified".into(),
             Accuracy::Exact => "exact".into(),
-            Accuracy::Within(k) => format!("1e-{k}"),
             Accuracy::Gjk => "closest".into(),
             Accuracy::Parry | Accuracy::ParryF32 => "distance".into(),
         }
@@ -86,42 +83,11 @@ pub(crate) type Answer = (f64, Point, Point);
 
 const NONE: Answer = (f64::NAN, [0.0; 3], [0.0; 3]);
 
-/// What a case keeps for its pair.
-pub(crate) struct State<'a> {
+/// The state that a case keeps for its pair.
+#[derive(Default)]
+pub(crate) struct State {
     tracker: Tracker,
-    watch: Watch<'a>,
     gjk: GjkCached,
-    error: f64,
-}
-
-impl<'a> State<'a> {
-    pub(crate) fn new(pair: &'a Pair, case: Case) -> Self {
-        let error = match case.level {
-            Accuracy::Within(k) => 10f64.powi(-k) * pair.size(0),
-            _ => 0.0,
-        };
-        Self {
-            tracker: Tracker::new(),
-            watch: Watch::new(&pair.a.ours, &pair.b.ours),
-            gjk: GjkCached::default(),
-            error,
-        }
-    }
-
-    pub(crate) fn tracker(&self, case: Case) -> &Tracker {
-        match case.level {
-            Accuracy::Within(_) => self.watch.tracker(),
-            _ => &self.tracker,
-        }
-    }
-
-    /// Queries, and of these those that looked at a vertex.
-    pub(crate) fn looked(&self, case: Case) -> (u64, u64) {
-        match case.level {
-            Accuracy::Within(_) => (self.watch.asked(), self.watch.looked()),
-            _ => (self.tracker.totals().queries, self.tracker.totals().queries),
-        }
-    }
 }
 
 /// One query of one case.
@@ -151,7 +117,6 @@ pub(crate) fn ask(case: Case, pair: &Pair, frame: usize, state: &mut State) -> A
                 return NONE;
             };
             let o = match ours {
-                Accuracy::Within(_) => return (state.watch.distance(&relative, state.error).value, [0.0; 3], [0.0; 3]),
                 Accuracy::Walk => {
                     let p = state.tracker.propose(a, b, &relative);
                     let d = p.distance.unwrap_or(0.0);
@@ -166,17 +131,17 @@ pub(crate) fn ask(case: Case, pair: &Pair, frame: usize, state: &mut State) -> A
 }
 
 /// The answers of a whole motion, and what the trackers counted.
-pub(crate) fn answers(case: Case, pair: &Pair) -> (Vec<Answer>, Totals, (u64, u64)) {
-    let mut state = State::new(pair, case);
+pub(crate) fn answers(case: Case, pair: &Pair) -> (Vec<Answer>, Totals) {
+    let mut state = State::default();
     let list = (0..pair.frames.len()).map(|f| ask(case, pair, f, &mut state)).collect();
-    (list, state.tracker(case).totals(), state.looked(case))
+    (list, state.tracker.totals())
 }
 
 /// Nanoseconds a query over the first frames of a motion, as many as fit into some milliseconds.
 pub(crate) fn time(case: Case, pair: &Pair) -> f64 {
     // Each level a loop of its own.
     match case.level {
-        Accuracy::Walk => pass(case, pair, |p, f, s| {
+        Accuracy::Walk => pass(pair, |p, f, s| {
             ask(
                 Case {
                     level: Accuracy::Walk,
@@ -187,7 +152,7 @@ pub(crate) fn time(case: Case, pair: &Pair) -> f64 {
                 s,
             )
         }),
-        Accuracy::Certified => pass(case, pair, |p, f, s| {
+        Accuracy::Certified => pass(pair, |p, f, s| {
             ask(
                 Case {
                     level: Accuracy::Certified,
@@ -198,7 +163,7 @@ pub(crate) fn time(case: Case, pair: &Pair) -> f64 {
                 s,
             )
         }),
-        Accuracy::Exact => pass(case, pair, |p, f, s| {
+        Accuracy::Exact => pass(pair, |p, f, s| {
             ask(
                 Case {
                     level: Accuracy::Exact,
@@ -209,18 +174,7 @@ pub(crate) fn time(case: Case, pair: &Pair) -> f64 {
                 s,
             )
         }),
-        Accuracy::Within(_) => pass(case, pair, |p, f, s| {
-            ask(
-                Case {
-                    level: Accuracy::Within(0),
-                    ..case
-                },
-                p,
-                f,
-                s,
-            )
-        }),
-        Accuracy::Gjk => pass(case, pair, |p, f, s| {
+        Accuracy::Gjk => pass(pair, |p, f, s| {
             ask(
                 Case {
                     level: Accuracy::Gjk,
@@ -231,7 +185,7 @@ pub(crate) fn time(case: Case, pair: &Pair) -> f64 {
                 s,
             )
         }),
-        Accuracy::Parry => pass(case, pair, |p, f, s| {
+        Accuracy::Parry => pass(pair, |p, f, s| {
             ask(
                 Case {
                     level: Accuracy::Parry,
@@ -242,7 +196,7 @@ pub(crate) fn time(case: Case, pair: &Pair) -> f64 {
                 s,
             )
         }),
-        Accuracy::ParryF32 => pass(case, pair, |p, f, s| {
+        Accuracy::ParryF32 => pass(pair, |p, f, s| {
             ask(
                 Case {
                     level: Accuracy::ParryF32,
@@ -257,8 +211,8 @@ pub(crate) fn time(case: Case, pair: &Pair) -> f64 {
 }
 
 #[inline(always)]
-fn pass(case: Case, pair: &Pair, ask: impl Fn(&Pair, usize, &mut State) -> Answer) -> f64 {
-    clocked(pair.frames.len(), || State::new(pair, case), |f, s| ask(pair, f, s))
+fn pass(pair: &Pair, ask: impl Fn(&Pair, usize, &mut State) -> Answer) -> f64 {
+    clocked(pair.frames.len(), State::default, |f, s| ask(pair, f, s))
 }
 
 /// Nanoseconds of processor time a query: the first passes find the caches and branch tables of another engine, the last is the one that counts.

@@ -13,17 +13,10 @@ use crate::options::Options;
 type Trouble = Box<dyn std::error::Error>;
 
 /// Every level, warm and cold.
-pub(crate) const ALL: [Case; 16] = [
+pub(crate) const ALL: [Case; 9] = [
     Case::warm(Accuracy::Walk),
     Case::warm(Accuracy::Certified),
     Case::warm(Accuracy::Exact),
-    Case::warm(Accuracy::Within(2)),
-    Case::warm(Accuracy::Within(4)),
-    Case::warm(Accuracy::Within(6)),
-    Case::warm(Accuracy::Within(8)),
-    Case::warm(Accuracy::Within(10)),
-    Case::warm(Accuracy::Within(12)),
-    Case::warm(Accuracy::Within(14)),
     Case::cold(Accuracy::Certified),
     Case::cold(Accuracy::Exact),
     Case::warm(Accuracy::Gjk),
@@ -33,11 +26,10 @@ pub(crate) const ALL: [Case; 16] = [
 ];
 
 /// Those that motion and gap are shown for.
-const SOME: [Case; 7] = [
+const SOME: [Case; 6] = [
     Case::warm(Accuracy::Walk),
     Case::warm(Accuracy::Certified),
     Case::warm(Accuracy::Exact),
-    Case::warm(Accuracy::Within(2)),
     Case::warm(Accuracy::Gjk),
     Case::cold(Accuracy::Parry),
     Case::cold(Accuracy::ParryF32),

@@ -44,7 +44,7 @@ struct Mover {
 pub struct Crowd {
     /// The distinct shapes.
     pub shapes: Vec<Shape>,
-    /// Operand of them each body has.
+    /// Which of them each body has.
     pub shape_of: Vec<usize>,
     /// Where the bodies are in this frame.
     pub poses: Vec<Pose>,

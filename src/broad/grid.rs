@@ -1,4 +1,4 @@
-//! Operand columns a box touches: a regular grid over the two axes that are not swept.
+//! Which columns a box touches: a regular grid over the two axes that are not swept.
 //!
 //! Column numbers of a box are found by monotone arithmetic (subtract, multiply, clamp, truncate), and that is all
 //! correctness needs: boxes that overlap share a column, and `cell(max(a, b)) = max(cell(a), cell(b))`. Boxes beyond the

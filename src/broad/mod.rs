@@ -1,4 +1,4 @@
-//! Operand boxes overlap: a broad phase on boxes and ids alone, usable without the rest of the crate.
+//! Which boxes overlap: a broad phase on boxes and ids alone, usable without the rest of the crate.
 //!
 //! ```
 //! use lin_canny::broad::{Aabb, Body, BroadPhase, PencilSweep};
@@ -20,7 +20,7 @@
 //! [`set_box`](BroadPhase::set_box) (moves and teleports alike). [`step`](BroadPhase::step) takes them over at once and
 //! tells which pairs began and ended. [`pairs`](BroadPhase::pairs) and all queries speak of the last step.
 //!
-//! # Operand structure
+//! # Which structure
 //!
 //! | | [`PencilSweep`] | [`SortedAxes`] |
 //! |---|---|---|

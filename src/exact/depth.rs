@@ -84,7 +84,7 @@ impl Pair<'_> {
 struct NotFlat;
 
 /// Takes the depth from the deepest facet of those that the pairs of features may span, of bodies whose interiors meet; whether
-/// it could. The depth is correctly rounded, and the bounds are one unit in the last place beside it.
+/// it could. The depth is right to less than one unit in the last place of the stored unit, and the bounds are one such unit beside it.
 pub(crate) fn deepest(posed: &PosedPair, facets: &[FeaturePair], outcome: &mut Outcome) -> bool {
     let pair = Pair::new(posed.a, posed.b, posed.pose);
     let mut best: Option<Facet> = None;
@@ -115,7 +115,8 @@ fn take(posed: &PosedPair, pair: &Pair, facet: &Facet, outcome: &mut Outcome) ->
         (a[k], b[k]) = (c.a, c.b);
     }
     let den = squared * &pair.denominator * &pair.denominator;
-    let depth = root(&(height * height).unsigned_abs(), &den.unsigned_abs(), pair.exponent) / posed.a.unit();
+    let exponent = pair.exponent - posed.a.exponent;
+    let depth = root(&(height * height).unsigned_abs(), &den.unsigned_abs(), exponent);
     outcome.class = Class::Overlapping;
     outcome.solver = Solver::Exact;
     outcome.features = state_of(posed, &a[..at.kept.len()], &b[..at.kept.len()]);

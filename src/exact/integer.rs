@@ -63,7 +63,8 @@ pub(super) fn fraction(num: &IBig, den: &IBig) -> f64 {
     (num >> shift).to_f64().value() / (den >> shift).to_f64().value()
 }
 
-/// `sqrt(num / den) 2^e`, correctly rounded unless it is subnormal; `num >= 0`, `den > 0`.
+/// Returns `sqrt(num / den) 2^e` for `num >= 0` and `den > 0`, correctly rounded if it is a normal number. A subnormal result is rounded
+/// twice and errs by less than `1/2 + 2^-52` units of the least f64.
 pub(super) fn root(num: &UBig, den: &UBig, e: i32) -> f64 {
     if num.is_zero() {
         return 0.0;

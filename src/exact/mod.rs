@@ -251,11 +251,11 @@ pub(crate) fn resolve_exactly(posed: &PosedPair, outcome: &mut Outcome) {
     (outcome.point_on_a, outcome.point_on_b) = witnesses(&pair, &at);
     let normal = |n: &Big3| crate::pair::answer::unit(&pair.a.rounded.tr_mul(&direction(n)));
     if !is_zero(&at.direction) {
-        let d = distance(&pair, &at) / posed.a.unit();
+        let d = distance(&pair, &at, posed.a.exponent);
         outcome.class = Class::Separated;
         outcome.distance = d;
         outcome.normal = normal(&neg(&at.direction));
-        // Zero where f64 ends.
+        // Zero where f64 ends. One rounding, of a subnormal too, is by half a unit in the last place at most.
         (outcome.lower, outcome.upper) = (d.next_down().max(0.0), d.next_up());
         return;
     }
@@ -271,14 +271,15 @@ pub(crate) fn resolve_exactly(posed: &PosedPair, outcome: &mut Outcome) {
     }
 }
 
-/// The distance in the caller's units, correctly rounded.
-fn distance(pair: &Pair, at: &Nearest) -> f64 {
+/// Returns the distance in units of `2^unit` of the caller's, rounded at most twice, to less than one unit in the last place.
+fn distance(pair: &Pair, at: &Nearest, unit: i32) -> f64 {
     let (num, den) = at.squared();
     let den = den * &pair.denominator * &pair.denominator;
-    root(&num.unsigned_abs(), &den.unsigned_abs(), pair.exponent)
+    root(&num.unsigned_abs(), &den.unsigned_abs(), pair.exponent - unit)
 }
 
-/// The class, and the distance in the caller's units, correctly rounded (which may be zero for bodies apart, and is for others).
+/// Returns the class, and the distance in the caller's units to less than one unit in the last place (which may be zero for bodies apart,
+/// and is for others).
 pub(crate) fn separation(
     a: &ConvexPolyhedron,
     b: &ConvexPolyhedron,
@@ -288,7 +289,7 @@ pub(crate) fn separation(
     let pair = Pair::new(a, b, pose);
     let at = pair.nearest(hint)?;
     if !is_zero(&at.direction) {
-        return Some((Class::Separated, distance(&pair, &at)));
+        return Some((Class::Separated, distance(&pair, &at, 0)));
     }
     Some(match pair.locate(&at, hint) {
         Origin::Boundary(_) => (Class::Touching, 0.0),

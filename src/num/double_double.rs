@@ -1,8 +1,9 @@
 //! Numbers of twice the precision of f64, as an unevaluated sum of two.
 //!
-//! Algorithms: Dekker 1971, Knuth TAOCP 2 section 4.2.2, in the accurate variants whose error bounds Joldes, Muller and
-//! Popescu proved (2017, algorithms 6, 12 without fused multiply-add, and 17). Only + - * /, so results agree on every
-//! target. Valid while no product overflows or loses bits to underflow: magnitudes between 2^-400 and 2^400.
+//! Algorithms: Dekker 1971, Knuth TAOCP 2 section 4.2.2; sum and product in the accurate variants whose error bounds Joldes, Muller
+//! and Popescu proved (2017, algorithm 6, and 12 without fused multiply-add); the quotient by long division with three partial
+//! quotients (Hida, Li and Bailey 2001), bounded at `div`. Only + - * /, so results agree on every target. Valid while no product
+//! overflows or loses bits to underflow: magnitudes between 2^-400 and 2^400.
 //!
 //! Where that is not enough, [`Expansion`] is a sum without rounding.
 
@@ -114,6 +115,12 @@ impl Mul for DoubleDouble {
 
 impl Div for DoubleDouble {
     type Output = Self;
+    /// Errs by less than `5 u^2`, `u = UNIT`, relatively. A partial quotient of leading parts errs by `3 u` of itself: both leading parts
+    /// and the division. A product `o q` with a single number errs by `3 u^2`: `lo q` is rounded once, the sum with the error of `hi q`
+    /// once, both numbers at most `u |o q|`. A difference errs by `3 u^2` of itself. So the first rest is right to `3 u^2` of the
+    /// dividend, and is itself at most `3 u` of the dividend; the second rest is at most `9 u^2` of the dividend, and what rounding does
+    /// to the second rest and to the third quotient is of order `u^3`. The last sum rounds a number of size `u |q|`: `u^2` more.
+    /// Together `4 u^2` and terms of order `u^3`.
     #[inline]
     fn div(self, o: Self) -> Self {
         let q = self.hi / o.hi;

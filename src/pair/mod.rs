@@ -11,3 +11,4 @@ pub(crate) mod outcome;
 pub(crate) mod posed;
 pub(crate) mod star;
 pub(crate) mod transform;
+pub(crate) mod world;

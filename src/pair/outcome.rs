@@ -4,9 +4,10 @@ use nalgebra::{Point3, Unit, Vector3};
 
 use crate::polyhedron::FeaturePair;
 
-/// Operand side of contact a pair is on.
+/// Which side of contact a pair is on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub enum Class {
     /// Proven apart: the lower bound is positive (or zero where exact arithmetic finds a distance too small for f64).
     Separated,
@@ -33,6 +34,7 @@ impl core::fmt::Display for Class {
 /// How right an answer is asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub enum Accuracy {
     /// The word of the walk, or of the f64 solver where it does not end, without bounds:
     /// [`Tracker::propose`](crate::Tracker::propose).
@@ -44,9 +46,43 @@ pub enum Accuracy {
     Exact,
 }
 
-/// Operand layer gave the answer. Each is tried where the certificate refuses the one before.
+/// What a query is asked for: how accurate the answer must be, and whether an overlap needs its depth.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Ask {
+    pub(crate) accuracy: Accuracy,
+    pub(crate) until: Until,
+}
+
+impl Ask {
+    /// Returns a request for proven bounds, with or without the depth of an overlap.
+    pub(crate) const fn certified(until: Until) -> Self {
+        Self {
+            accuracy: Accuracy::Certified,
+            until,
+        }
+    }
+}
+
+/// The point at which a query may stop.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Until {
+    /// An overlap is proven; the penetration depth stays open.
+    Class,
+    /// The penetration depth of an overlap is bounded as well.
+    Depth,
+}
+
+impl Until {
+    /// Returns [`Until::Depth`] if the depth of overlaps is called for.
+    pub(crate) fn depth_if(depth: bool) -> Self {
+        if depth { Self::Depth } else { Self::Class }
+    }
+}
+
+/// Which layer gave the answer. Each is tried where the certificate refuses the one before.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub enum Solver {
     /// The walk over Voronoi regions, from the cached features or a first start.
     #[default]
@@ -57,13 +93,31 @@ pub enum Solver {
     Fallback,
     /// The minimum-norm solver in double-double.
     DoubleDouble,
-    /// The minimum-norm solver in exact integers (feature `exact`).
+    /// Exact integers (feature `exact`). The class is exact, and a distance is right to one unit in the last place. The depth of an
+    /// overlap is as exact if no more than 65,536 pairs of features may be the deepest; of more it keeps the bounds that double-double
+    /// found, which may be farther apart than `1e-13 L`, as of two prisms of 100 sides thinner than rounding.
     Exact,
     /// Bodies so far apart that only their separation counts.
     Far,
     /// A surface around the origin of the bodies' difference: kept from the answer before or begun at its deepest facet, overlap and depth at
     /// once; where no depth is asked for, four points kept from the answer before.
     Surface,
+}
+
+impl Solver {
+    /// All solvers, in the order of their declaration.
+    pub const ALL: &'static [Self] = &[
+        Self::Walk,
+        Self::Restart,
+        Self::Fallback,
+        Self::DoubleDouble,
+        Self::Exact,
+        Self::Far,
+        Self::Surface,
+    ];
+
+    /// Number of solvers: the length of a table with one entry for each.
+    pub(crate) const COUNT: usize = Self::ALL.len();
 }
 
 impl core::fmt::Display for Solver {
@@ -106,16 +160,17 @@ pub struct Work {
 }
 
 impl core::ops::AddAssign for Work {
+    /// Sums that stay at their end.
     fn add_assign(&mut self, o: Self) {
-        self.steps += o.steps;
-        self.certificates += o.certificates;
-        self.restarts += o.restarts;
-        self.ellipsoids += o.ellipsoids;
-        self.fallbacks += o.fallbacks;
-        self.double_doubles += o.double_doubles;
-        self.exacts += o.exacts;
-        self.depths += o.depths;
-        self.grown += o.grown;
+        self.steps = self.steps.saturating_add(o.steps);
+        self.certificates = self.certificates.saturating_add(o.certificates);
+        self.restarts = self.restarts.saturating_add(o.restarts);
+        self.ellipsoids = self.ellipsoids.saturating_add(o.ellipsoids);
+        self.fallbacks = self.fallbacks.saturating_add(o.fallbacks);
+        self.double_doubles = self.double_doubles.saturating_add(o.double_doubles);
+        self.exacts = self.exacts.saturating_add(o.exacts);
+        self.depths = self.depths.saturating_add(o.depths);
+        self.grown = self.grown.saturating_add(o.grown);
     }
 }
 
@@ -146,7 +201,7 @@ impl core::ops::AddAssign for Work {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Outcome {
-    /// Operand side of contact.
+    /// Which side of contact.
     pub class: Class,
     /// The best estimate of the signed distance, between the bounds; for an overlap, minus the depth.
     pub distance: f64,
@@ -164,7 +219,7 @@ pub struct Outcome {
     /// Unit direction from A to B, in A's frame: the direction of the witnesses and of the proof. An overlap ends
     /// where B is moved along it by the depth.
     pub normal: Unit<Vector3<f64>>,
-    /// Operand layer answered.
+    /// Which layer answered.
     pub solver: Solver,
     /// What it took.
     pub work: Work,
@@ -215,7 +270,7 @@ pub struct Proposal {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Distance {
-    /// Operand side of contact.
+    /// Which side of contact.
     pub class: Class,
     /// The best estimate of the signed distance; for an overlap, minus the depth.
     pub value: f64,
@@ -224,6 +279,14 @@ pub struct Distance {
     pub lower: f64,
     /// No less than the signed distance.
     pub upper: f64,
+}
+
+impl Outcome {
+    /// Whether the distance is within one unit in the last place of the truth, as the bounds prove.
+    #[cfg(feature = "exact")]
+    pub(crate) fn is_tight(&self) -> bool {
+        self.lower > 0.0 && self.lower >= self.distance.next_down() && self.upper <= self.distance.next_up()
+    }
 }
 
 impl From<&Outcome> for Distance {

@@ -135,7 +135,7 @@ impl<'a> PosedPair<'a> {
 /// The bodies in the order a test needs them: `x` owns the vertex or edge that moves, `y` the feature beside it, and
 /// the test is done in `y`'s frame.
 pub(crate) trait Sides {
-    /// Operand body is `x`.
+    /// Which body is `x`.
     const OF: Operand;
     fn x(&self) -> &ConvexPolyhedron;
     fn y(&self) -> &ConvexPolyhedron;

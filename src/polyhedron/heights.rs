@@ -116,7 +116,9 @@ fn certain<T: Scalar>(n: &[T; 3], m: &[T; 3], e: &[T; 3], f: &[T; 3]) -> Option<
     let ((ne, s_ne), (mf, s_mf)) = (dot_and_size(n, e), dot_and_size(m, f));
     let ((nf, s_nf), (me, s_me)) = (dot_and_size(n, f), dot_and_size(m, e));
     let (value, size) = ((ne * mf - nf * me).value(), s_ne * s_mf + s_nf * s_me);
-    (size == 0.0 || value.abs() > STEEPER / UNIT * T::UNIT * size).then(|| sign(value))
+    let is_zero = (s_ne == 0.0 || s_mf == 0.0) && (s_nf == 0.0 || s_me == 0.0);
+    // The least normal number is more than underflow takes.
+    (is_zero || value.abs() > STEEPER / UNIT * T::UNIT * size + f64::MIN_POSITIVE).then(|| sign(value))
 }
 
 /// Returns the sign of `(n . e) (m . f) - (n . f) (m . e)`, if f64 is certain. `n` may be rounded,

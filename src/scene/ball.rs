@@ -4,7 +4,7 @@ use nalgebra::{Isometry3, Point3, Vector3};
 
 use crate::num::scalar::sqrt;
 use crate::polyhedron::ConvexPolyhedron;
-use crate::tolerance::{CENTRE, RADIUS_UP, ROUND_DOWN, ROUND_UP};
+use crate::tolerance::{CENTRE, LEAST_SQUARE, RADIUS_UP, ROUND_DOWN, ROUND_UP};
 
 /// A ball about a body, in one frame: centre and radius.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -71,5 +71,7 @@ impl Ball {
 #[inline]
 pub(super) fn least_distance(a: &Ball, b: &Ball) -> f64 {
     let between = b.centre - a.centre;
-    sqrt(between.norm_squared()) * ROUND_DOWN - (a.radius + b.radius) * ROUND_UP
+    // Squares lose less than LEAST_SQUARE below the normal numbers.
+    let squared = (between.norm_squared() - LEAST_SQUARE).max(0.0);
+    sqrt(squared) * ROUND_DOWN - (a.radius + b.radius) * ROUND_UP
 }

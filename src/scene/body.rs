@@ -15,6 +15,9 @@ use crate::polyhedron::{BoxHint, ConvexPolyhedron};
 use crate::pose::{PoseError, RelativePose};
 use crate::tolerance::{ROUND_UP, SCENE_REACH};
 
+/// From this generation on an index is not used again.
+pub(super) const RETIRED: u32 = u32::MAX - 1;
+
 /// A body to insert: a shape, which may be shared by many, and how it takes part.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
@@ -269,7 +272,7 @@ impl Bodies {
         for index in self.leaving.drain(..) {
             self.solids[index as usize] = None;
             // An index whose generations are used up is retired.
-            if self.generations[index as usize] < u32::MAX - 1 {
+            if self.generations[index as usize] < RETIRED {
                 self.free.push(index);
             }
         }

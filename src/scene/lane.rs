@@ -8,7 +8,7 @@ use super::effects::{Class, NEVER, Plan, Rung};
 use super::kept::{Answer, Contact};
 use crate::broad::PairId;
 use crate::contact::Manifold;
-use crate::pair::outcome::{Distance, Outcome};
+use crate::pair::outcome::{Distance, Outcome, Until};
 use crate::tracker::Tracker;
 
 /// What the stages before a query read of a pair.
@@ -161,7 +161,7 @@ impl Lanes {
         };
         let head = Head { state, ..head };
         let mut tracker = luggage.tracker;
-        if !plan.deep {
+        if plan.until == Until::Class {
             tracker.shed();
         }
         let seat = match plan.rung {

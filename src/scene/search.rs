@@ -10,7 +10,7 @@ use super::body::box_of;
 use super::effects::{Group, Rung, class_of};
 use super::{BodyId, Scene, SceneError};
 use crate::broad::{Aabb, BroadPhase};
-use crate::pair::outcome::Outcome;
+use crate::pair::outcome::{Outcome, Until};
 use crate::polyhedron::{BoxHint, ConvexPolyhedron};
 use crate::pose::RelativePose;
 use crate::tolerance::{BOX_DISTANCE_DOWN, SCENE_REACH};
@@ -164,7 +164,7 @@ impl Scene {
             return None;
         }
         let outcome = self.tracked(a, b, |tracker, x, y, pose| {
-            let outcome = tracker.look(x, y, pose, false);
+            let outcome = tracker.measure(x, y, pose, Until::Class);
             tracker.decides_within(x, y, pose, &outcome, d).then_some(outcome)
         });
         outcome.flatten().map(|outcome| Near {

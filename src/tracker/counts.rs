@@ -1,6 +1,7 @@
 //! What a tracker counts: for itself, which start is the cheaper one; for the caller, what was done.
 
 use crate::pair::outcome::{Solver, Work};
+use crate::pair::world::AnsweredBy;
 use crate::tuning::tracker::{CLIMBS, ELLIPSOIDS};
 
 /// What the two ways to start have cost lately, in steps of the walk: which of them a query takes.
@@ -52,7 +53,7 @@ pub struct Totals {
     /// Of these, how many started from the features of the answer before.
     pub warm: u64,
     /// Queries by the solver that answered, in the order of [`Solver`].
-    pub answered: [u64; 7],
+    pub(crate) answered: [u64; Solver::COUNT],
     /// Feature pairs looked at.
     pub steps: u64,
     /// Overlaps whose depth was searched for.
@@ -67,14 +68,44 @@ impl Totals {
     }
 }
 
+/// Queries, the share of warm starts, steps and depths, and the solvers that answered.
+impl core::fmt::Display for Totals {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        write!(
+            f,
+            "{} queries, {} warm, {} steps, {} depths; {}",
+            self.queries,
+            self.warm,
+            self.steps,
+            self.depths,
+            AnsweredBy(&self.answered)
+        )
+    }
+}
+
+impl Totals {
+    /// Counts a query and its work. A counter stays at its end: a file may have put it there.
+    #[inline(always)]
+    pub(super) fn note(&mut self, warm: bool, solver: Solver, work: &Work) {
+        let add = |counter: &mut u64, by: u64| *counter = counter.saturating_add(by);
+        add(&mut self.queries, 1);
+        add(&mut self.warm, u64::from(warm));
+        add(&mut self.answered[solver as usize], 1);
+        add(&mut self.steps, u64::from(work.steps));
+        add(&mut self.depths, u64::from(work.depths));
+    }
+}
+
 impl core::ops::AddAssign for Totals {
+    /// Sums that stay at their end.
     fn add_assign(&mut self, o: Self) {
-        self.queries += o.queries;
-        self.warm += o.warm;
-        self.steps += o.steps;
-        self.depths += o.depths;
+        let add = |counter: &mut u64, by: u64| *counter = counter.saturating_add(by);
+        add(&mut self.queries, o.queries);
+        add(&mut self.warm, o.warm);
+        add(&mut self.steps, o.steps);
+        add(&mut self.depths, o.depths);
         for (mine, theirs) in self.answered.iter_mut().zip(o.answered) {
-            *mine += theirs;
+            add(mine, theirs);
         }
     }
 }

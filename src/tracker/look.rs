@@ -1,9 +1,9 @@
-//! A query that stops at the class of an overlap, and what is decided from its outcome: what predicates and scenes ask.
+//! Queries that may stop at the class of an overlap, and predicates decided from their outcomes.
 
 use super::{Tracker, clear_of, to_user_units};
 use crate::depth::Memory;
 use crate::minimum::overlap_proof;
-use crate::pair::outcome::{Accuracy, Class, Distance, Outcome};
+use crate::pair::outcome::{Ask, Class, Distance, Outcome, Until};
 use crate::pair::posed::PosedPair;
 use crate::polyhedron::ConvexPolyhedron;
 use crate::pose::RelativePose;
@@ -25,32 +25,34 @@ impl Tracker {
         if !(d >= 0.0) || clear_of(a, b, a_from_b, d) {
             return false;
         }
-        let outcome = self.look(a, b, a_from_b, false);
+        let outcome = self.measure(a, b, a_from_b, Until::Class);
         self.decides_within(a, b, a_from_b, &outcome, d)
     }
 
-    /// As [`distance`](Self::distance); of an overlap only that it is one, unless `deep`.
+    /// Returns the signed distance and its bounds; the depth of an overlap stays open if `until` is
+    /// [`Until::Class`].
     #[inline]
     pub(crate) fn bounds(
         &mut self,
         a: &ConvexPolyhedron,
         b: &ConvexPolyhedron,
         a_from_b: &RelativePose,
-        deep: bool,
+        until: Until,
     ) -> Distance {
-        Distance::from(&self.answer(a, b, a_from_b, Accuracy::Certified, deep))
+        Distance::from(&self.answer(a, b, a_from_b, Ask::certified(until)))
     }
 
-    /// As [`closest`](Self::closest), but an overlap gets its depth only if `deep`: else it is known as such and no more.
+    /// Returns the certified outcome; the depth of an overlap stays open if `until` is
+    /// [`Until::Class`].
     #[inline]
-    pub(crate) fn look(
+    pub(crate) fn measure(
         &mut self,
         a: &ConvexPolyhedron,
         b: &ConvexPolyhedron,
         a_from_b: &RelativePose,
-        deep: bool,
+        until: Until,
     ) -> Outcome {
-        self.answer(a, b, a_from_b, Accuracy::Certified, deep)
+        self.answer(a, b, a_from_b, Ask::certified(until))
     }
 
     /// What [`within`](Self::within) answers for a `d` that is not negative, from the outcome of the last query.
@@ -107,9 +109,7 @@ impl Tracker {
                 return false;
             }
         }
-        self.totals.queries += 1;
-        self.totals.warm += 1;
-        self.totals.answered[outcome.solver as usize] += 1;
+        self.totals.note(true, outcome.solver, &outcome.work);
         if !(posed.a.is_unscaled && posed.b.is_unscaled) {
             to_user_units(posed.a, posed.b, outcome);
         }

@@ -130,7 +130,7 @@ fn upright_faces_bear_no_contact() {
     assert!(points > 4000 && overlaps > 500, "{points} {overlaps}");
 }
 
-/// Operand of thousands of faces and edges at a tip bears the contact is found by bisection.
+/// Which of thousands of faces and edges at a tip bears the contact is found by bisection.
 #[test]
 fn a_tip_of_thousands_of_faces_is_promoted_to_the_right_one() {
     let mut rng = Rng::new(604);

@@ -8,7 +8,7 @@ use alloc::vec::Vec;
 /// Marks an entry that stands for the new box only: the body came into the column this step.
 pub(super) const ARRIVING: u32 = 1 << 31;
 
-/// Operand of its two boxes an entry stands for in its column this step.
+/// Which of its two boxes an entry stands for in its column this step.
 ///
 /// A body that stays in a column has one entry for both. One that leaves keeps an entry for its old box until the
 /// column is done, so that the ends of its pairs are seen; one that comes gets an entry for its new box. A body that

@@ -1,4 +1,4 @@
-//! Operand axis to sweep and how wide a column to cut.
+//! Which axis to sweep and how wide a column to cut.
 //!
 //! The cost of a sweep is a sum over entries and over tests. Narrow columns list a box often, wide ones compare it with
 //! many. Both are known exactly from the last sweep, and how they change with the width follows from the boxes' sizes,

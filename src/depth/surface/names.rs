@@ -1,4 +1,4 @@
-//! Operand vertex pairs are points of a large surface.
+//! Which vertex pairs are points of a large surface.
 
 use alloc::vec::Vec;
 

@@ -10,6 +10,7 @@ use alloc::vec;
 use alloc::vec::Vec;
 use nalgebra::{Point3, Vector3};
 
+use crate::num::sign::side;
 use crate::polyhedron::ConvexPolyhedron;
 use crate::polyhedron::build::cloud::{Cloud, power_of_two};
 use crate::polyhedron::build::error::BuildError;
@@ -263,7 +264,16 @@ impl Mesh {
         if area < -2.0 * error {
             normal = -normal;
         }
-        let off = |v: u32| normal.dot(&(cloud.points[v as usize] - a)).abs();
+        // A vertex exactly in the plane has distance zero, whatever the rounding of the normal, and
+        // no other vertex has.
+        let off = |v: u32| {
+            let p = &cloud.points[v as usize];
+            if corners.contains(&v) || side(a, b, c, p) == 0.0 {
+                0.0
+            } else {
+                normal.dot(&(p - a)).abs().max(f64::MIN_POSITIVE)
+            }
+        };
         let worst = rim.iter().fold(rim[0], |w, &v| if off(v) > off(w) { v } else { w });
         let deviation = off(worst);
         if deviation > bound {

@@ -5,7 +5,7 @@ use alloc::vec;
 use alloc::vec::Vec;
 use nalgebra::Vector3;
 
-use crate::num::sign::side;
+use crate::num::sign::{projection, side, turn};
 use crate::polyhedron::build::hull::{HullTriangle, Surface};
 
 const NONE: u32 = u32::MAX;
@@ -22,6 +22,8 @@ pub(crate) struct Facets {
     pub(crate) on_faces: Vec<u32>,
     /// Number of triangles merged away.
     pub(crate) merged: usize,
+    /// The face of each triangle.
+    pub(crate) face_of: Vec<u32>,
 }
 
 impl Facets {
@@ -36,6 +38,7 @@ impl Facets {
             on_edges: Vec::new(),
             on_faces: Vec::new(),
             merged: triangles.len() - groups,
+            face_of: Vec::new(),
         };
         for (i, degree) in degree.iter().enumerate() {
             match degree {
@@ -57,17 +60,55 @@ impl Facets {
             };
             if !core::mem::replace(&mut done[g], true) {
                 let ring = rim(triangles, &group, &number, start as u32, k)?;
-                order.push(((ring[0] as u64) << 32 | ring[1] as u64, facets.loops.len()));
+                order.push(((ring[0] as u64) << 32 | ring[1] as u64, facets.loops.len(), g));
                 facets.loops.push(ring);
             }
         }
         order.sort_unstable();
+        let mut face_of_group = vec![NONE; groups];
+        for (&(_, _, g), face) in order.iter().zip(0u32..) {
+            face_of_group[g] = face;
+        }
+        facets.face_of = group.iter().map(|&g| face_of_group[g as usize]).collect();
         facets.loops = order
             .into_iter()
-            .map(|(_, i)| core::mem::take(&mut facets.loops[i]))
+            .map(|(_, i, _)| core::mem::take(&mut facets.loops[i]))
             .collect();
         (facets.loops.len() == groups).then_some(facets)
     }
+
+    /// Returns whether a point of the hull that lies in the plane of a triangle is on an edge of
+    /// the triangle's face.
+    pub(crate) fn is_on_edge(&self, points: &[Vector3<f64>], triangle: u32, p: &Vector3<f64>) -> bool {
+        let rim = &self.loops[self.face_of[triangle as usize] as usize];
+        let at = |k: usize| &points[self.kept[rim[k] as usize] as usize];
+        // Vertices are extreme, so no three are collinear.
+        let Some(axis) = projection(at(0), at(1), at(2)) else {
+            return false;
+        };
+        let sense = turn(axis, at(0), at(1), at(2));
+        is_on_rim(rim.len(), |i, j| turn(axis, at(i), at(j), p) * sense.signum())
+    }
+}
+
+/// Returns whether a point of a closed convex polygon of `corners` vertices is on an edge.
+/// `turn(i, j)` must be positive if the point is to the left of the line from vertex `i` to vertex
+/// `j`, and zero on the line; called a number of times logarithmic in the vertices.
+fn is_on_rim(corners: usize, mut turn: impl FnMut(usize, usize) -> f64) -> bool {
+    // The point is between the diagonals from corner 0 to `low` and to `high`.
+    let (mut low, mut high) = (1, corners - 1);
+    if turn(0, low) == 0.0 || turn(0, high) == 0.0 {
+        return true;
+    }
+    while high - low > 1 {
+        let middle = low.midpoint(high);
+        if turn(0, middle) >= 0.0 {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    turn(low, high) == 0.0
 }
 
 /// Returns the face number of each triangle, and the number of faces.
@@ -151,4 +192,82 @@ fn rim(triangles: &[HullTriangle], group: &[u32], number: &[u32], start: u32, k:
         }
     }
     None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::polyhedron::ConvexPolyhedron;
+    use lab::rng::Rng;
+    use nalgebra::Point3;
+
+    /// A polygon on a parabola, with vertices `(k, k^2)`, doubled so that midpoints of edges are
+    /// whole.
+    #[test]
+    fn a_point_is_found_on_a_rim_by_a_logarithm_of_looks() {
+        for corners in [3usize, 4, 5, 17, 1000] {
+            let at = |k: usize| [2 * k as i64, 2 * (k * k) as i64];
+            let most = 2 * (usize::BITS - corners.leading_zeros()) + 3;
+            let ask = |p: [i64; 2]| {
+                let mut looks = 0;
+                let told = is_on_rim(corners, |i, j| {
+                    looks += 1;
+                    let ([ax, ay], [bx, by]) = (at(i), at(j));
+                    ((bx - ax) * (p[1] - ay) - (by - ay) * (p[0] - ax)) as f64
+                });
+                assert!(looks <= most, "{looks} looks at {corners} corners");
+                told
+            };
+            for k in 0..corners {
+                let ([ax, ay], [bx, by]) = (at(k), at((k + 1) % corners));
+                assert!(ask([(ax + bx) / 2, (ay + by) / 2]), "{corners} {k}");
+            }
+            // Two units above the parabola, the first and the last vertex left out.
+            for k in 1..corners.saturating_sub(2) {
+                let [x, y] = at(k);
+                assert!(!ask([x + 1, y + 2 * k as i64 + 2]), "{corners} {k}");
+            }
+        }
+    }
+
+    /// The report sorts points that are no vertices as a test of all faces does.
+    #[test]
+    fn every_face_looked_at_sorts_points_out_alike() {
+        let mut rng = Rng::new(71);
+        let mut found = [0; 3];
+        for round in 0..300 {
+            let n = 8 + rng.below(60);
+            let side = 2 + rng.below(6);
+            let mut points: Vec<Vector3<f64>> = (0..n)
+                .map(|_| Vector3::from([0; 3].map(|_| 6.0 * rng.below(side) as f64)))
+                .collect();
+            // Midpoints and centroids of some points, exact because coordinates are multiples of
+            // six.
+            for _ in 0..n {
+                let [p, q, r] = [0; 3].map(|_| points[rng.below(n)]);
+                points.push(if rng.below(2) == 0 {
+                    (p + q) / 2.0
+                } else {
+                    (p + q + r) / 3.0
+                });
+            }
+            let points: Vec<Point3<f64>> = points.into_iter().map(Point3::from).collect();
+            let Ok(body) = ConvexPolyhedron::from_points(&points) else {
+                continue;
+            };
+            let report = body.report();
+            let copies: Vec<usize> = report.duplicates.iter().map(|d| d.0 as usize).collect();
+            for (i, p) in points.iter().enumerate().filter(|(i, _)| !copies.contains(i)) {
+                let stored = (p.coords - body.origin) / body.unit();
+                let on = body.faces().filter(|f| body.face_side(f.0, &stored) == 0.0).count();
+                let i = i as u32;
+                let listed = [&report.interior, &report.on_faces, &report.on_edges].map(|list| list.contains(&i));
+                assert_eq!(listed, [on == 0, on == 1, on == 2], "{round}: {p} is on {on} faces");
+                if on < 3 {
+                    found[on] += 1;
+                }
+            }
+        }
+        assert!(found.iter().all(|&n| n > 300), "{found:?}");
+    }
 }

@@ -34,7 +34,7 @@ use crate::num::sign::{projection, side};
 use crate::polyhedron::build::cloud::bounding_box;
 use crate::tolerance::SIDE_ERROR;
 
-const NONE: u32 = u32::MAX;
+pub(crate) const NONE: u32 = u32::MAX;
 
 /// A triangle of the hull's surface, counter-clockwise from outside.
 #[derive(Clone, Copy, Debug)]
@@ -47,9 +47,9 @@ pub(crate) struct HullTriangle {
 /// The triangulated hull of a cloud.
 pub(crate) struct Surface {
     pub(crate) triangles: Vec<HullTriangle>,
-    /// Whether each point lay in the plane of a triangle when found not to be outside: only such
-    /// points can lie on the final surface without being a vertex.
-    pub(crate) touching: Vec<bool>,
+    /// For each point a triangle in whose plane the point lies, or `NONE`: only points with such a
+    /// triangle lie on the surface without being a vertex.
+    pub(crate) touching: Vec<u32>,
 }
 
 /// Points that span the affine hull of a flat cloud, by number its dimension plus one.
@@ -63,6 +63,8 @@ struct HullFacet {
     guard: f64,
     /// Head of the conflict list of this triangle.
     first: u32,
+    /// Head of the list of points in the plane that are not outside.
+    touching: u32,
     farthest: u32,
     height: f64,
     /// Twice the number of the last insertion that tested this triangle, plus one if the triangle
@@ -82,7 +84,6 @@ struct Hull<'a> {
     pending: VecDeque<u32>,
     /// The next point of the conflict list, for each point.
     next: Vec<u32>,
-    touching: Vec<bool>,
     insertion: u32,
     seen: Vec<u32>,
     /// Horizon edges as `[from, to, unseen triangle]`.
@@ -104,7 +105,6 @@ pub(crate) fn hull(points: &[Vector3<f64>]) -> Result<Option<Surface>, Span> {
         free: Vec::new(),
         pending: VecDeque::new(),
         next: vec![NONE; points.len()],
-        touching: vec![false; points.len()],
         insertion: 0,
         seen: Vec::new(),
         horizon: Vec::new(),
@@ -148,6 +148,7 @@ impl Hull<'_> {
             normal: u.cross(&w),
             guard,
             first: NONE,
+            touching: NONE,
             farthest: NONE,
             height: 0.0,
             mark: 0,
@@ -190,9 +191,13 @@ impl Hull<'_> {
         }
     }
 
-    /// Puts `p` into the conflict list of a new triangle that it sees, if any.
+    /// Puts `p` into the conflict list of a new triangle that it sees, if any, or else into the
+    /// list of a new triangle in whose plane it lies.
+    ///
+    /// If the triangle of a point on the surface is removed, the point stays on the surface only on
+    /// the horizon, where a new triangle holds the point.
     fn hand_over(&mut self, p: u32) {
-        let mut touching = false;
+        let mut touched = NONE;
         for k in 0..self.fresh.len() {
             let facet = self.fresh[k];
             let height = self.height(facet, p);
@@ -205,9 +210,14 @@ impl Hull<'_> {
                 }
                 return;
             }
-            touching |= height == 0.0;
+            if height == 0.0 {
+                touched = facet;
+            }
         }
-        self.touching[p as usize] = touching;
+        if let Some(f) = self.facets.get_mut(touched as usize) {
+            self.next[p as usize] = f.touching;
+            f.touching = p;
+        }
     }
 
     /// Adds the farthest point of the conflict list of `facet` to the hull.
@@ -216,14 +226,15 @@ impl Hull<'_> {
         self.find_visible(facet, apex);
         self.add_cone(apex)?;
         for k in 0..self.seen.len() {
-            let old = self.seen[k];
-            let mut p = self.facets[old as usize].first;
-            while p != NONE {
-                let after = self.next[p as usize];
-                if p != apex {
-                    self.hand_over(p);
+            let old = &self.facets[self.seen[k] as usize];
+            for mut p in [old.first, old.touching] {
+                while p != NONE {
+                    let after = self.next[p as usize];
+                    if p != apex {
+                        self.hand_over(p);
+                    }
+                    p = after;
                 }
-                p = after;
             }
         }
         self.free.append(&mut self.seen);
@@ -295,9 +306,17 @@ impl Hull<'_> {
             v: t.v,
             adjacent: t.adjacent.map(|b| number[b as usize]),
         };
+        let mut touching = vec![NONE; self.points.len()];
+        for (f, triangle) in alive.clone().zip(0u32..) {
+            let mut p = f.touching;
+            while p != NONE {
+                touching[p as usize] = triangle;
+                p = self.next[p as usize];
+            }
+        }
         Surface {
             triangles: alive.map(|f| renumber(&f.triangle)).collect(),
-            touching: self.touching,
+            touching,
         }
     }
 }

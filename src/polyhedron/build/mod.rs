@@ -23,14 +23,14 @@ use crate::polyhedron::build::cloud::lowest_bit;
 use crate::polyhedron::build::cloud::{Cloud, bounding_box, power_of_two};
 use crate::polyhedron::build::error::BuildError;
 use crate::polyhedron::build::facets::Facets;
-use crate::polyhedron::build::hull::{Span, Surface, hull};
+use crate::polyhedron::build::hull::{NONE, Span, Surface, hull};
 use crate::polyhedron::build::report::BuildReport;
 use crate::polyhedron::fans::Fans;
 use crate::polyhedron::plane::{plane, widest_corners};
 use crate::polyhedron::support::CubeMap;
 use crate::polyhedron::topology::Topology;
 use crate::polyhedron::{ConvexPolyhedron, Plane};
-use crate::tolerance::{COPLANAR, NEAR_PLANE, ROUND_UP};
+use crate::tolerance::{COPLANAR, ROUND_UP};
 use crate::tuning::polyhedron::{FEW, FLAT};
 
 /// Number of largest faces for the flatness of the report.
@@ -157,41 +157,14 @@ impl ConvexPolyhedron {
         for &i in facets.kept.iter().chain(&facets.on_edges).chain(&facets.on_faces) {
             settled[i as usize] = true;
         }
-        let mut hint = 0;
         for (i, p) in cloud.points.iter().enumerate().filter(|(i, _)| !settled[*i]) {
-            let on = if surface.touching[i] {
-                self.faces_through(p, &mut hint)
-            } else {
-                0
-            };
-            let list = match on {
-                0 => &mut self.report.interior,
-                1 => &mut self.report.on_faces,
-                _ => &mut self.report.on_edges,
+            let list = match surface.touching[i] {
+                NONE => &mut self.report.interior,
+                triangle if facets.is_on_edge(&cloud.points, triangle, p) => &mut self.report.on_edges,
+                _ => &mut self.report.on_faces,
             };
             list.push(cloud.source[i]);
         }
-    }
-
-    /// Returns the number of face planes on which a point of the body lies exactly, counted up to
-    /// 2. Points adjacent in space often lie on one face, so the search starts at the face of the
-    /// last point.
-    fn faces_through(&self, p: &Vector3<f64>, hint: &mut usize) -> usize {
-        let near = NEAR_PLANE * self.radius;
-        let mut count = 0;
-        let faces = self.planes.len();
-        let start = *hint;
-        for f in (start..faces).chain(0..start) {
-            let plane = &self.planes[f];
-            if plane.normal.dot(p) >= plane.offset - near && self.face_side(f as u32, p) == 0.0 {
-                count += 1;
-                *hint = f;
-                if count == 2 {
-                    break;
-                }
-            }
-        }
-        count
     }
 
     /// Returns an exact sign: positive if a point in stored coordinates is in front of a face, 0 in
