@@ -234,6 +234,7 @@ mod solve;
 mod soundness;
 pub mod tolerance;
 mod tracker;
+mod tuning;
 mod walk;
 
 pub use contact::{ContactPoint, Gradient, Manifold, ManifoldOptions};

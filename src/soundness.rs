@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use crate::pair::outcome::{Class, Outcome, Solver};
 use crate::polyhedron::ConvexPolyhedron;
 use crate::pose::RelativePose;
-use crate::tolerance::UNIT;
+use crate::tolerance::{UNIT_LENGTH, WITNESS_CHECK};
 
 /// Returns a description of the first violated invariant: bounds, normal, or witnesses; `None` if
 /// the outcome is sound.
@@ -32,7 +32,7 @@ pub(crate) fn fault(
     if !classed {
         return Some("the bounds contradict the class");
     }
-    if !((o.normal.norm() - 1.0).abs() <= 16.0 * UNIT) {
+    if !((o.normal.norm() - 1.0).abs() <= UNIT_LENGTH) {
         return Some("the normal is not of unit length");
     }
     // Witnesses are unchecked if the bodies are too far apart or too near for squares.
@@ -52,7 +52,7 @@ fn witnesses_agree(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &RelativePo
     let apart = length(&between);
     let origins = length(&a.origin) + length(&b.origin);
     let size = a.radius * a.unit() + b.radius * b.unit() + length(&pose.translation()) + 2.0 * origins;
-    let slack = 1024.0 * UNIT * size;
+    let slack = WITNESS_CHECK * size;
     if o.class == Class::Undecided {
         return apart.is_finite();
     }

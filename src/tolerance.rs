@@ -1,9 +1,10 @@
-//! Every constant of the crate, each with its derivation.
+//! Bounds of rounding errors and limits of range, each with its derivation. Thresholds that only steer
+//! work are in `tuning`.
 //!
 //! Derivations count relative roundings, as they are of normal numbers. What underflow adds is absolute, and one of these cases:
 //!
 //! * **S, stored lengths** (the rule, where a derivation names no case). Bodies are stored with a radius of `2^-105` or more
-//!   ([`EXPONENT_FREE`]), and pairs of L up to [`NEAR`], which only two points are, go to `closest::far`. A sum or product loses at most
+//!   ([`EXPONENT_FREE`]), and pairs of L up to [`NEAR`], which only two points are, go to `solve::out_of_range`. A sum or product loses at most
 //!   `2^-1075`, a product of three lengths at most `2^-1070`, the root of a sum of squares at most `2^-536`. The least error terms,
 //!   `UNIT_DOUBLE_DOUBLE` times L, L^2 and L^3, are above `2^-402`, `2^-702` and `2^-1002`: far more, and each derivation has room for it.
 //!   Translations are read in the caller's unit, which is at most `2^420` stored ones: what they lose is below `2^-652`, and L of bodies
@@ -14,7 +15,7 @@
 //!   is above `2^-513`, and underflow of the others is nothing; where it is zero, two products are left, and as rounding is monotone
 //!   the sign of their sum is never the opposite one.
 //! * **G, guarded**: numbers of the caller of any size. Squares are guarded by [`LEAST_SQUARE`], or numbers are scaled first.
-//! * **U, the caller's unit**: bounds leave the stored unit in one place, `tracker::give_back`, which rounds them outward.
+//! * **U, the caller's unit**: bounds leave the stored unit in one place, `tracker::to_user_units`, which rounds them outward.
 
 /// Unit roundoff of f64: the largest relative error of one rounded operation.
 pub const UNIT: f64 = f64::EPSILON / 2.0;
@@ -35,7 +36,7 @@ pub const EDGE_SIGN: f64 = 8.0 * UNIT;
 pub const STEEPER: f64 = 16.0 * UNIT;
 
 /// How far the squared norm of a pose's quaternion may be off 1: what repeated composition of f64 rotations
-/// accumulates over thousands of products. PoseBits divides by the squared norm, so the value does not limit accuracy.
+/// accumulates over thousands of products. A relative pose divides by the squared norm, so the value does not limit accuracy.
 pub const POSE_UNIT: f64 = 1e-12;
 
 /// The sum of the coordinates of the relative translation stays below this, so that no distance leaves f64, nor its
@@ -125,7 +126,7 @@ pub const COPLANAR: f64 = 1.0 / (1u64 << 46) as f64;
 /// the tangent, at most `64 ACROSS L`. Not a matter of soundness.
 pub const STEEP: f64 = 1.0 / 64.0;
 
-/// The radius of the disc that a facet must hold to stand in for weak triangles (`penetration::cover`) is raised by this factor. Its
+/// The radius of the disc that a facet must hold to stand in for weak triangles (`depth::facet_disc`) is raised by this factor. Its
 /// products, quotient and roots err by 10 UNIT relatively; the difference of squares by `3 UNIT r^2`, which is less than the
 /// `2 CERTIFICATE UNIT L` taken off each height `p` adds to it.
 pub(crate) const DISC: f64 = 1.0 + 1.0 / 1024.0;
@@ -317,3 +318,55 @@ pub const ODOMETER: f64 = 8.0 * UNIT;
 /// Coordinates, radii and ranges of a scene stay below this, so that boxes grown by a range stay below 1e38, where `f32` boxes
 /// are clamped, and no distance or odometer leaves f64.
 pub const SCENE_REACH: f64 = 1e37;
+
+/// Factor that rounds up a length made by a root of three squares, or a sum or product of two
+/// numbers that are not negative: three squares and two sums err by 3 UNIT, half as much under the
+/// root, and the root by one, a sum or product by one; this product adds one. Less than 4 in all.
+pub(crate) const ROUND_UP: f64 = 1.0 + 4.0 * UNIT;
+
+/// Factor that rounds down the distance of two centres: differences, squares, sums and root err by
+/// 3.5 UNIT. The roundings of this product and of a subtraction after it are not counted.
+pub(crate) const ROUND_DOWN: f64 = 1.0 - 4.0 * UNIT;
+
+/// Factor that rounds up the largest distance of a vertex from a centre, and scales it: a difference
+/// or a quotient by a scale errs by UNIT, three squares, two sums and a root by 2.5, the scale and
+/// this product by one each. Sum: 5.5.
+pub(crate) const RADIUS_UP: f64 = 1.0 + 8.0 * UNIT;
+
+/// Factor that rounds down the distance of two boxes, below which no body in them is nearer: a
+/// difference errs by UNIT, squares, sums and root by 2.5, this product by one. Sum: 4.5.
+pub(crate) const BOX_DISTANCE_DOWN: f64 = 1.0 - 8.0 * UNIT;
+
+/// Factor of the distance `radius + |a|` in the offset of a plane: the stored normal is off by
+/// [`NORMAL_ERROR`], raised by 4 units in the last place for the roundings of that distance, and the
+/// product `n . a` in double-double errs by 4 [`UNIT_DOUBLE_DOUBLE`].
+pub(crate) const PLANE_OFFSET: f64 = NORMAL_ERROR * (1.0 + f64::EPSILON * 4.0) + 4.0 * UNIT_DOUBLE_DOUBLE;
+
+/// The length of an answer's normal differs from one by less than this: a normal is divided by its
+/// length, which errs by 2.5 UNIT, the quotient and the length measured again by 3.5 more; a turn
+/// into another frame and room make 16. A check in debug builds, no bound of an answer.
+pub(crate) const UNIT_LENGTH: f64 = 16.0 * UNIT;
+
+/// Witnesses placed in f64 agree with the bounds within this times the size of the pair with its
+/// origins counted twice: [`CERTIFICATE`] UNIT for the bounds and for each of the placed witnesses,
+/// and room for their rounding in the caller's coordinates, which may be far from the body. A check
+/// in debug builds, no bound of an answer.
+pub(crate) const WITNESS_CHECK: f64 = 1024.0 * UNIT;
+
+/// Columns of the broad phase, in `f32`: a rounded sum of two bounds errs by less than this times the
+/// magnitudes, which is four units in the last place.
+pub(crate) const COLUMN_SUM: f32 = 4.0 * f32::EPSILON;
+
+/// Columns of the broad phase, in `f32`: above the rounding of a difference of bounds, of a sum of
+/// two moves and of the product with this factor itself, half a unit in the last place each.
+pub(crate) const COLUMN_MOVE: f32 = 1.0 + 8.0 * f32::EPSILON;
+
+/// Columns of the broad phase, in `f32`: a search along the swept axis begins and ends this much
+/// farther out, times the magnitude of its bounds. The difference or sum that makes the end errs by
+/// half a unit in the last place of numbers up to that magnitude and the longest box.
+pub(crate) const COLUMN_SEARCH: f32 = 8.0 * f32::EPSILON;
+
+/// Columns of the broad phase, in `f32`: the longest box and the farthest move, differences rounded
+/// to half a unit in the last place, are raised by this factor before a search; 84 units, far more
+/// than the difference and this product need.
+pub(crate) const COLUMN_REACH: f32 = 1.000_01;

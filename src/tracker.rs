@@ -15,6 +15,7 @@ use crate::pose::{Operand, RelativePose};
 use crate::replay::Replay;
 use crate::solve::{self, out_of_range};
 use crate::tolerance::LEAST_SQUARE;
+use crate::tuning::tracker::STEADY;
 use crate::walk::rings::predict::predict;
 use crate::walk::seed;
 use crate::walk::trace::trace;
@@ -62,9 +63,6 @@ pub struct Tracker {
     #[cfg_attr(feature = "serde", serde(default))]
     overlap_proof: Option<OverlapProof>,
 }
-
-/// A walk of so many steps was near its end where it began.
-const STEADY: u32 = 3;
 
 impl Tracker {
     /// A tracker without a start: the first query begins at the support vertices along the line of centres.

@@ -132,22 +132,26 @@ fn functions_are_short() {
 const MAY_USE: [(&str, &[&str]); 19] = [
     ("cost", &[]),
     ("tolerance", &[]),
-    ("tuning", &[]),
+    // Thresholds that steer work and never answers.
+    ("tuning", &["tolerance"]),
     ("num", &["num", "tolerance"]),
     ("pose", &["num", "tolerance"]),
     // Poses, velocities and displacements: no shape.
     ("motion", &["pose", "num", "tolerance"]),
     // The box of a posed polyhedron turns by the matrix of a pose.
-    ("polyhedron", &["polyhedron", "pose", "num", "tolerance"]),
+    ("polyhedron", &["polyhedron", "pose", "num", "tolerance", "tuning"]),
     // Boxes and ids only.
     ("broad", &["broad", "tolerance"]),
     // Two posed shapes, the outcome and the certificate: no solver.
-    ("pair", &["pair", "polyhedron", "pose", "num", "tolerance"]),
+    ("pair", &["pair", "polyhedron", "pose", "num", "tolerance", "tuning"]),
     // The walk knows no solver.
-    ("walk", &["walk", "pair", "polyhedron", "pose", "num", "tolerance"]),
+    (
+        "walk",
+        &["walk", "pair", "polyhedron", "pose", "num", "tolerance", "tuning"],
+    ),
     (
         "minimum",
-        &["minimum", "pair", "polyhedron", "pose", "num", "tolerance"],
+        &["minimum", "pair", "polyhedron", "pose", "num", "tolerance", "tuning"],
     ),
     ("exact", &["exact", "pair", "polyhedron", "pose", "num", "tolerance"]),
     (
@@ -176,12 +180,22 @@ const MAY_USE: [(&str, &[&str]); 19] = [
             "pose",
             "num",
             "tolerance",
+            "tuning",
         ],
     ),
     // Contacts begin with an outcome, whichever solver found the outcome.
     (
         "contact",
-        &["contact", "pair", "motion", "polyhedron", "pose", "num", "tolerance"],
+        &[
+            "contact",
+            "pair",
+            "motion",
+            "polyhedron",
+            "pose",
+            "num",
+            "tolerance",
+            "tuning",
+        ],
     ),
     ("soundness", &["pair", "polyhedron", "pose", "num", "tolerance"]),
     ("replay", &["depth", "pair", "polyhedron", "pose", "num", "tolerance"]),
@@ -203,6 +217,7 @@ const MAY_USE: [(&str, &[&str]); 19] = [
             "soundness",
             "replay",
             "tolerance",
+            "tuning",
         ],
     ),
     // Where all meets.
@@ -300,26 +315,81 @@ fn foreign_mathematics_stays_outside() {
     none("types of other engines", holding(&words, |s| !s.is_in("interop")));
 }
 
-/// No `1e-9` anywhere but in the file of tolerances: what is small is a formula in machine epsilon.
+/// No `1e-9` and no `1.000_01` anywhere but in the file of tolerances: every small number is a formula in machine
+/// epsilon.
 #[test]
 fn tolerances_are_in_one_file() {
-    let literal = |line: &str| {
-        let code: String = line.split('"').step_by(2).collect(); // without the texts of messages
-        code.match_indices("e-").any(|(k, _)| {
-            let before = code[..k]
-                .chars()
-                .next_back()
-                .is_some_and(|c| c.is_ascii_digit() || c == '.');
-            before && code[k + 2..].chars().next().is_some_and(|c| c.is_ascii_digit())
-        })
-    };
     let mut found = Vec::new();
     for s in sources().iter().filter(|s| s.name != "tolerance.rs") {
         found.extend(
             s.code()
-                .filter(|(_, l)| literal(l))
+                .filter(|(_, l)| holds_tolerance(l))
                 .map(|(k, l)| format!("{}:{k}: {}", s.name, l.trim())),
         );
     }
     none("tolerances outside tolerance.rs", found);
+}
+
+/// Whether a line of code holds a small number or a number next to one.
+fn holds_tolerance(line: &str) -> bool {
+    let code: String = line.split('"').step_by(2).collect(); // without the texts of messages
+    let small = code.match_indices("e-").any(|(k, _)| {
+        let before = code[..k]
+            .chars()
+            .next_back()
+            .is_some_and(|c| c.is_ascii_digit() || c == '.');
+        before && code[k + 2..].chars().next().is_some_and(|c| c.is_ascii_digit())
+    });
+    let next_to_one = code
+        .split(|c: char| !c.is_ascii_digit() && c != '_' && c != '.')
+        .any(|number| {
+            let number = number.replace('_', "");
+            let is_more = |rest: &str| rest.chars().any(|c| ('1'..='9').contains(&c));
+            number.strip_prefix("1.000").is_some_and(is_more) || number.starts_with("0.999")
+        });
+    small || next_to_one
+}
+
+#[test]
+fn small_numbers_are_recognised() {
+    for line in ["x * 1.000_01", "x < 1e-9", "0.999_9 * x", "x + 2.5e-3", "(1.0001f32)"] {
+        assert!(holds_tolerance(line), "{line}");
+    }
+    for line in [
+        "x * 1.0",
+        "1.000",
+        "21.000_1",
+        "\"1.000_1\"",
+        "e - 2",
+        "0.99",
+        "let e = 1.0_f64;",
+    ] {
+        assert!(!holds_tolerance(line), "{line}");
+    }
+}
+
+/// Columns of a line that holds a comment and nothing else.
+const COMMENT: usize = 100;
+
+/// Folders and files of `src` whose comments are wrapped. The list grows until it is every one.
+const WRAPPED: [&str; 3] = ["polyhedron", "soundness", "tuning"];
+
+#[test]
+fn comments_are_wrapped() {
+    let (mut found, mut count) = (Vec::new(), 0);
+    for s in sources().iter().filter(|s| WRAPPED.iter().any(|f| s.is_in(f))) {
+        for (k, line) in s
+            .text
+            .lines()
+            .enumerate()
+            .filter(|(_, l)| l.trim_start().starts_with("//"))
+        {
+            count += 1;
+            if line.chars().count() > COMMENT {
+                found.push(format!("{}:{}: {} columns", s.name, k + 1, line.chars().count()));
+            }
+        }
+    }
+    assert!(count > 500, "only {count} comment lines found");
+    none("comments of more than 100 columns", found);
 }

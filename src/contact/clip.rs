@@ -16,7 +16,7 @@ use wide::f64x4;
 
 use super::candidates::{Candidates, Location};
 use super::projection::ProjectedFeature;
-use crate::polyhedron::topology::LARGE;
+use crate::tuning::polyhedron::LARGE;
 
 /// For each edge of a projected feature, a bit mask of the opposite feature's vertices outside the
 /// edge.

@@ -6,9 +6,9 @@ use wide::f64x4;
 
 use super::axes::{Axes, FacePlane2};
 use super::candidates::Location;
-use crate::polyhedron::topology::LARGE;
 use crate::polyhedron::{ConvexPolyhedron, EdgeId, Feature, VertexId};
 use crate::tolerance::COPLANAR;
+use crate::tuning::polyhedron::LARGE;
 
 /// Slots for the vertices of a small face plus a repeated first vertex, in fours for SIMD.
 pub(super) const SLOTS: usize = LARGE + 4;

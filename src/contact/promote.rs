@@ -5,10 +5,10 @@ use core::ops::Range;
 
 use nalgebra::Vector3;
 
-use crate::polyhedron::fans::top_of_ring;
-use crate::polyhedron::topology::MANY;
+use crate::polyhedron::unimodal::top_of_ring;
 use crate::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, Feature};
 use crate::tolerance::{STAY, STEEP};
+use crate::tuning::polyhedron::MANY;
 
 /// A body's outward contact direction, and the largest angle of a face or edge from it.
 pub(super) struct Promotion<'a> {

@@ -23,9 +23,7 @@ use super::candidates::{Candidates, Location};
 use super::clip::push_crossing;
 use super::projection::ProjectedFeature;
 use crate::num::scalar::sqrt;
-
-/// Vertices next to a hint tested before the bisection.
-const MAX_LOCAL_STEPS: usize = 4;
+use crate::tuning::contact::MAX_LOCAL_STEPS;
 
 /// Exit edges of the previous frame's rays on the faces of A and of B: the next rays exit nearby.
 pub(super) type Rays = [[u32; 2]; 12];

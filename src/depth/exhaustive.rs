@@ -23,18 +23,10 @@ use crate::pair::transform::Transform;
 use crate::polyhedron::{ConvexPolyhedron, Feature, FeaturePair};
 use crate::pose::Operand;
 use crate::tolerance::{CERTIFICATE, EXACT_FILTER, NORMAL_ERROR};
+use crate::tuning::depth::{MAX_EDGE_PAIRS, MAX_EVALUATIONS, MAX_MEASURED};
 
 use crate::depth::facet::{edge, normal_of};
 use crate::pair::difference::support;
-
-/// Most edge pairs tested: 2048 edges times 2048.
-const MAX_EDGE_PAIRS: usize = 1 << 22;
-
-/// Most feature pairs measured.
-const MAX_MEASURED: usize = 1 << 16;
-
-/// Most vertex evaluations in double-double: some hundred milliseconds.
-const MAX_EVALUATIONS: usize = 1 << 22;
 
 /// Resolves the depth of bodies with intersecting interiors; returns whether the depth was
 /// resolved.

@@ -35,14 +35,12 @@ use crate::pair::posed::PosedPair;
 use crate::pair::transform::Transform;
 use crate::polyhedron::{ConvexPolyhedron, Feature, FeaturePair};
 use crate::tolerance::{AGREE_DEPTH, CERTIFICATE, DISC, DISC_MOST, UNIT};
+use crate::tuning::depth::MAX_EXCHANGES;
 
 use crate::depth::direction::{min_height, unit};
 use crate::depth::foot::{WitnessPoints, sample_rim};
 use crate::depth::result::Best;
 use crate::pair::difference::support;
-
-/// Most vertex exchanges on the way to the facet pierced by the axis.
-const MAX_EXCHANGES: usize = 48;
 
 /// Returns three points of the facet pierced by `axis`, starting from a pierced triangle
 /// (counter-clockwise seen from outside); `None` if `axis` misses the triangle. Points in `known`

@@ -8,13 +8,12 @@ use nalgebra::{Point3, Vector3};
 use crate::num::scalar::Vec3;
 use crate::pair::face::{Face, FaceLocation};
 use crate::pair::posed::PosedPair;
-use crate::polyhedron::topology::{LARGE, Topology};
+use crate::polyhedron::topology::Topology;
 use crate::polyhedron::{ConvexPolyhedron, Feature, FeaturePair};
 use crate::pose::Operand;
 use crate::tolerance::{AGREE_DEPTH, FOOT};
-
-/// Longest face boundaries tested edge against edge.
-const SMALL: usize = 8;
+use crate::tuning::depth::SMALL;
+use crate::tuning::polyhedron::LARGE;
 
 /// A point of A and a point of B, in their stored frames.
 pub(super) type WitnessPoints = (Point3<f64>, Point3<f64>);

@@ -9,17 +9,12 @@ use alloc::vec::Vec;
 use crate::num::scalar::Vec3;
 use crate::pair::difference::MinkowskiPoint;
 use crate::polyhedron::FeaturePair;
+use crate::tuning::depth::{GAIN, MAX_TRIANGLES};
 
 use crate::depth::surface::EnclosingSurface;
 
-/// Most triangles worth caching: a triangle index fits in a byte.
-pub(super) const MAX_TRIANGLES: usize = 256;
-
 /// Most points of a cached surface: a closed surface of `MAX_TRIANGLES` triangles has no more.
 pub(super) const MAX_POINTS: usize = MAX_TRIANGLES / 2 + 2;
-
-/// Triangles a surface may gain, beyond twice its initial number, before it is built afresh.
-const GAIN: usize = 24;
 
 /// A closed surface without coordinates: each edge of a triangle is the reverse of an edge of the
 /// adjacent triangle.

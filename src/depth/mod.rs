@@ -49,6 +49,7 @@ use crate::pair::transform::Transform;
 #[cfg(feature = "exact")]
 use crate::tolerance::{AGREE_DEPTH, AGREE_WITNESS};
 use crate::tolerance::{CERTIFICATE, SHIFTS};
+use crate::tuning::depth::SHIFTS_PLAIN;
 use nalgebra::Vector3;
 use result::{SearchEnd, SearchResult};
 use search::search;
@@ -56,9 +57,6 @@ use surface::EnclosingSurface;
 
 pub(crate) use memory::{Memory, RawMemory};
 pub(crate) use resume::resume;
-
-/// Number of perturbations tried in f64: only those well above the rounding of f64.
-const SHIFTS_PLAIN: usize = 3;
 
 /// Computes depth, normal, witnesses and features of two bodies already proven to overlap.
 #[cold]

@@ -13,6 +13,7 @@ use crate::pair::posed::PosedPair;
 use crate::pair::transform::Transform;
 use crate::polyhedron::FeaturePair;
 use crate::tolerance::{AGREE_DEPTH, SHIFTS};
+use crate::tuning::depth::{FEW_POINTS, FEW_TRIANGLES};
 
 use crate::depth::facet::{facets, height_of};
 use crate::depth::facet_disc::{disc_radius, holds_disc, pierced_facet};
@@ -22,13 +23,6 @@ use crate::depth::result::{Best, SearchEnd, SearchResult};
 use crate::depth::search::{Search, search};
 use crate::depth::verify_surface::{SurfaceState, verify_surface};
 use crate::depth::write_result;
-
-/// Most points of a small surface, whose positions fit the smaller array.
-const FEW_POINTS: usize = 34;
-
-/// Most triangles below target for which their facets are tried: a few belong to a facet next to
-/// the last deepest facet.
-const FEW_TRIANGLES: usize = 2;
 
 /// Resumes the depth from the cached surface. Returns false, with no statement about the bodies, if
 /// the surface no longer proves an overlap.

@@ -11,14 +11,12 @@ use crate::pair::posed::PosedPair;
 use crate::pair::transform::Transform;
 use crate::polyhedron::FeaturePair;
 use crate::tolerance::{AGREE_DEPTH, ALMOST_FLAT, ASIDE, CERTIFICATE, PLATEAU, UNIT};
+use crate::tuning::depth::REPEATS;
 
 use crate::depth::direction::unit;
 use crate::depth::facet::{facets, height_of, normal_of};
 use crate::depth::result::{Best, SearchEnd, SearchResult};
 use crate::depth::surface::{EnclosingSurface, Filter};
-
-/// Repeated points after which a surface counts as folded.
-const REPEATS: u32 = 16;
 
 /// A surface on the way to the deepest facet.
 pub(super) struct Search<'a, T: Scalar> {

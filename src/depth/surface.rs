@@ -13,17 +13,13 @@ mod vertex_pairs;
 use alloc::vec::Vec;
 
 use crate::depth::direction::{min_height, normal, unit};
-use crate::depth::memory::MAX_TRIANGLES;
 use crate::depth::queue::{Queue, QueuedTriangle};
 use crate::minimum::simplex::Simplex;
 use crate::num::scalar::{Scalar, Vec3, cross, dot, sub};
 use crate::pair::difference::MinkowskiPoint;
+use crate::tuning::depth::SCANNED;
 use grow::HorizonEdge;
 use vertex_pairs::VertexPairs;
-
-/// Most points searched linearly, hardly slower than by hashing: as many as a tracker allocates
-/// for, so queries allocate nothing.
-const SCANNED: usize = MAX_TRIANGLES;
 
 /// A triangle with its vertices counter-clockwise seen from outside.
 #[derive(Clone, Copy, Debug, Default)]

@@ -18,11 +18,11 @@ use dashu_base::UnsignedAbs;
 use dashu_int::IBig;
 use nalgebra::{Matrix3, Point3, Vector3};
 
+use crate::num::sign::edge_sign;
 use crate::pair::outcome::{Class, Outcome, Solver};
 use crate::pair::posed::PosedPair;
-use crate::polyhedron::fans::Axis;
-use crate::polyhedron::highest::{Upward, steeper};
-use crate::polyhedron::support::edge_sign;
+use crate::polyhedron::axis::Axis;
+use crate::polyhedron::heights::{Upward, steeper};
 use crate::polyhedron::{ConvexPolyhedron, lowest_bit};
 use crate::pose::RelativePose;
 pub(crate) use depth::deepest;

@@ -17,10 +17,7 @@ use crate::pair::posed::PosedPair;
 use crate::pair::transform::Transform;
 use crate::polyhedron::FeaturePair;
 use crate::tolerance::{ON_BOUNDARY, UNIT};
-
-/// Limit of supports per solve. Right answers were seen to take at most 24, and some 90 if nearly
-/// parallel faces of 32768 vertices lie boundary over boundary.
-const SUPPORTS: u32 = 256;
+use crate::tuning::minimum::SUPPORTS;
 
 /// Result of a solve.
 #[derive(Clone, Copy, Debug)]

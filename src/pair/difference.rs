@@ -9,11 +9,9 @@ use crate::num::scalar::{Scalar, Vec3, neg, sub};
 use crate::pair::posed::PosedPair;
 use crate::pair::transform::Transform;
 use crate::polyhedron::ConvexPolyhedron;
-use crate::polyhedron::highest::Direction;
+use crate::polyhedron::heights::Direction;
 use crate::tolerance::UNIT;
-
-/// Bodies of at most this many vertices are climbed from the hint, whichever vertex the hint is.
-const SMALL: usize = 64;
+use crate::tuning::pair::SMALL;
 
 /// A point of the Minkowski difference A - B: a vertex of each body.
 #[derive(Clone, Copy, Debug, Default)]

@@ -10,7 +10,7 @@ use nalgebra::Vector3;
 use crate::num::packed::PackedVec3;
 use crate::pair::star::one_norm;
 use crate::polyhedron::ConvexPolyhedron;
-use crate::polyhedron::fans::top_of_ring;
+use crate::polyhedron::unimodal::top_of_ring;
 use crate::tolerance::{DIFFERENCE, FOOT};
 
 /// Location of a point relative to the side planes of a face.

@@ -3,7 +3,8 @@
 use nalgebra::Vector3;
 
 use crate::num::packed::PackedVec3;
-use crate::polyhedron::fans::{Axis, steepest};
+use crate::polyhedron::axis::Axis;
+use crate::polyhedron::fans::steepest;
 use crate::polyhedron::{ConvexPolyhedron, Plane};
 use crate::tolerance::{EDGE_BOUND, EDGE_SIGN, FLANK};
 

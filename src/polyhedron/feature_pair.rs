@@ -1,10 +1,10 @@
-//! Pairs of features by kind and number, and pairs on which the walk has a test.
+//! Pairs of features by kind and number, and pairs for which the walk has a test.
 
-use crate::polyhedron::topology::MANY;
 use crate::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, Feature, FeaturePair, VertexId};
 use crate::pose::Operand;
+use crate::tuning::polyhedron::MANY;
 
-/// The pair of `x`, a feature of body `of`, and `y`, a feature of the other.
+/// Returns the pair of `x`, a feature of body `of`, and `y`, a feature of the other body.
 #[inline]
 fn pair(of: Operand, x: Feature, y: Feature) -> FeaturePair {
     match of {
@@ -14,37 +14,39 @@ fn pair(of: Operand, x: Feature, y: Feature) -> FeaturePair {
 }
 
 impl FeaturePair {
-    /// A vertex of `of` beside a vertex of the other body.
+    /// Returns the pair of a vertex of `of` and a vertex of the other body.
     #[inline]
     pub(crate) fn vertices(of: Operand, vertex: u32, other: u32) -> Self {
         pair(of, Feature::Vertex(VertexId(vertex)), Feature::Vertex(VertexId(other)))
     }
 
-    /// A vertex of `of` beside an edge of the other body, named by the lower of its half-edges.
+    /// Returns the pair of a vertex of `of` and an edge of the other body, named by the lower of
+    /// its half-edges.
     #[inline]
     pub(crate) fn vertex_edge(of: Operand, vertex: u32, edge: u32) -> Self {
         pair(of, Feature::Vertex(VertexId(vertex)), Feature::Edge(EdgeId(edge)))
     }
 
-    /// A vertex of `of` beside a face of the other body.
+    /// Returns the pair of a vertex of `of` and a face of the other body.
     #[inline]
     pub(crate) fn vertex_face(of: Operand, vertex: u32, face: u32) -> Self {
         pair(of, Feature::Vertex(VertexId(vertex)), Feature::Face(FaceId(face)))
     }
 
-    /// An edge of `of` beside an edge of the other body.
+    /// Returns the pair of an edge of `of` and an edge of the other body.
     #[inline]
     pub(crate) fn edges(of: Operand, edge: u32, other: u32) -> Self {
         pair(of, Feature::Edge(EdgeId(edge)), Feature::Edge(EdgeId(other)))
     }
 
-    /// Whether both ids name features of bodies with as many.
+    /// Returns whether both ids name features of the given bodies.
     #[inline]
     pub(crate) fn is_of(self, a: &ConvexPolyhedron, b: &ConvexPolyhedron) -> bool {
         a.has(self.a) && b.has(self.b)
     }
 
-    /// A pair the walk can stand on. An edge beside a face, or two faces, are none: a vertex of each stands in.
+    /// Returns this pair if the walk has a test for it. The walk has no test for an edge and a
+    /// face, or for two faces: then returns the pair of one vertex of each.
     pub(crate) fn to_stand_on(self, a: &ConvexPolyhedron, b: &ConvexPolyhedron) -> Self {
         if self.a.dimension() + self.b.dimension() <= 2 {
             return self;
@@ -53,14 +55,15 @@ impl FeaturePair {
         Self::vertices(Operand::A, v, w)
     }
 
-    /// One vertex of each body's feature.
+    /// Returns one vertex of each body's feature.
     pub(crate) fn vertices_of(self, a: &ConvexPolyhedron, b: &ConvexPolyhedron) -> (u32, u32) {
         (a.first_vertex(self.a), b.first_vertex(self.b))
     }
 }
 
 impl ConvexPolyhedron {
-    /// Whether `feature` names a feature of this body. An edge has two numbers; only the lower one is its name.
+    /// Returns whether `feature` names a feature of this body. An edge has two half-edges; only the
+    /// lower number is its name.
     #[inline]
     pub(crate) fn has(&self, feature: Feature) -> bool {
         match feature {
@@ -70,7 +73,7 @@ impl ConvexPolyhedron {
         }
     }
 
-    /// A vertex of a feature that is this body's.
+    /// Returns one vertex of a feature, which must be a feature of this body.
     pub(crate) fn first_vertex(&self, feature: Feature) -> u32 {
         match feature {
             Feature::Vertex(v) => v.0,
@@ -81,10 +84,11 @@ impl ConvexPolyhedron {
 }
 
 impl ConvexPolyhedron {
-    /// The smallest feature that holds the given vertices (one to four, with repeats); the first vertex where no face
-    /// holds them all.
+    /// Returns the smallest feature that holds the given vertices (one to four, with repeats); the
+    /// first vertex if no face holds all of them.
     ///
-    /// The candidates are those about the vertex of fewest edges toward another.
+    /// The candidates are the features at the vertex of fewest edges, in the direction of another
+    /// vertex.
     pub(crate) fn feature_of(&self, vertices: &[u32]) -> Feature {
         let t = &self.topology;
         let first = vertices[0];
@@ -99,7 +103,7 @@ impl ConvexPolyhedron {
         {
             return Feature::Edge(EdgeId(t.edge(h)));
         }
-        // Among many faces or corners the exact plane of the face tells.
+        // At a vertex of many faces the exact plane of the face decides.
         let is_at = |x: u32, f: u32| {
             if t.fan(x).len() > MANY {
                 self.face_side(f, &self.points[x as usize]) == 0.0

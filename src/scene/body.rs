@@ -13,7 +13,7 @@ use crate::broad::{self, Aabb};
 use crate::motion::{Velocity, displacement};
 use crate::polyhedron::{BoxHint, ConvexPolyhedron};
 use crate::pose::{PoseError, RelativePose};
-use crate::tolerance::{SCENE_REACH, UNIT};
+use crate::tolerance::{ROUND_UP, SCENE_REACH};
 
 /// From this generation on an index is not used again.
 pub(super) const RETIRED: u32 = u32::MAX - 1;
@@ -332,5 +332,5 @@ fn as_only(error: PoseError) -> PoseError {
 pub(super) fn box_of(shape: &ConvexPolyhedron, pose: &Isometry3<f64>, growth: f64, hint: &mut BoxHint) -> Aabb {
     let (min, max) = shape.aabb_at(pose, hint);
     // Rounded up, so that the halves of a pair reach together at least as far as they should.
-    Aabb::new(min, max).grown(growth * (1.0 + 4.0 * UNIT))
+    Aabb::new(min, max).grown(growth * ROUND_UP)
 }

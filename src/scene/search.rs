@@ -13,7 +13,7 @@ use crate::broad::{Aabb, BroadPhase};
 use crate::pair::outcome::{Outcome, Until};
 use crate::polyhedron::{BoxHint, ConvexPolyhedron};
 use crate::pose::RelativePose;
-use crate::tolerance::{SCENE_REACH, UNIT};
+use crate::tolerance::{BOX_DISTANCE_DOWN, SCENE_REACH};
 use crate::tracker::Tracker;
 
 /// A pair and its closest features.
@@ -97,7 +97,7 @@ impl Scene {
             found.sort_by(|x, y| x.outcome.distance.total_cmp(&y.outcome.distance).then(x.b.cmp(&y.b)));
             found.truncate(count);
             // Boxes that were not listed are no nearer than the last; bodies are no nearer than their boxes.
-            let covered = boxes.last().map_or(0.0, |n| n.distance * (1.0 - 8.0 * UNIT));
+            let covered = boxes.last().map_or(0.0, |n| n.distance * BOX_DISTANCE_DOWN);
             let settled = found.len() == count && found.last().is_none_or(|n| n.outcome.upper <= covered);
             if settled || boxes.len() < asked {
                 return Ok(found);

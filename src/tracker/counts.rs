@@ -2,6 +2,7 @@
 
 use crate::pair::outcome::{Solver, Work};
 use crate::pair::world::AnsweredBy;
+use crate::tuning::tracker::{CLIMBS, ELLIPSOIDS};
 
 /// What the two ways to start have cost lately, in steps of the walk: which of them a query takes.
 ///
@@ -17,11 +18,6 @@ pub(super) struct Starts {
 }
 
 impl Starts {
-    /// Two cube-map look-ups and climbs cost as much as this many steps.
-    const CLIMBS: u32 = 4;
-    /// The direction of two ellipsoids costs as much as this many.
-    const ELLIPSOIDS: u32 = 2;
-
     #[inline(always)]
     pub(super) fn prefer_warm(self) -> bool {
         self.warm <= self.cold
@@ -30,8 +26,8 @@ impl Starts {
     /// Takes the cost of the way taken into its mean; what is known of the other fades, so that it is tried again.
     #[inline(always)]
     pub(super) fn learn(&mut self, warm: bool, work: &Work) {
-        let steps = work.steps + Self::ELLIPSOIDS * work.ellipsoids;
-        let cost = 16 * (steps + if warm { 0 } else { Self::CLIMBS }).min(1000) as u16;
+        let steps = work.steps + ELLIPSOIDS * work.ellipsoids;
+        let cost = 16 * (steps + if warm { 0 } else { CLIMBS }).min(1000) as u16;
         let (taken, other) = if warm {
             (&mut self.warm, &mut self.cold)
         } else {

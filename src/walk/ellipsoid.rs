@@ -15,9 +15,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use crate::num::scalar::sqrt;
 use crate::pair::posed::PosedPair;
-
-/// Number of iterations of the equation for `s`.
-const ROUNDS: usize = 6;
+use crate::tuning::walk::ROUNDS;
 
 /// Returns the direction from A to B, in A's stored frame.
 pub(super) fn direction(posed: &PosedPair) -> Vector3<f64> {

@@ -36,23 +36,9 @@ use crate::num::scalar::sqrt;
 use crate::pair::outcome::Outcome;
 use crate::pair::posed::{AFirst, BFirst, PosedPair};
 use crate::polyhedron::{Feature, FeaturePair};
+use crate::tuning::walk::{FIRST_NEWTON_JUMP, FREE, JUMPS, LONGEST, NEWTON_JUMPS};
 use crate::walk::rings::newton_jump::newton_jump;
 use crate::walk::step::Step;
-
-/// Limit of jumps to a distant face (vertex-face from behind) per walk: jumps are not monotone.
-const JUMPS: u32 = 3;
-
-/// Number of steps before the guard first checks a walk.
-const FREE: u32 = 8;
-
-/// Limit of Newton jumps per walk.
-const LEAPS: u32 = 12;
-
-/// Limit of steps per walk if a body has large rings.
-const LONGEST: u32 = 128;
-
-/// Number of steps before the first Newton jump along a large ring: most walks have ended by then.
-const FIRST_LEAP: u32 = 4;
 
 /// Tests the current feature pair of `outcome` and moves to the next pair or accepts the pair.
 #[inline(always)]
@@ -87,7 +73,7 @@ pub(crate) fn walk_observed<const CERTIFY: bool>(
 ) -> bool {
     let has_bands = posed.a.has_bands | posed.b.has_bands;
     // Number of steps before the guard first checks.
-    let free = if has_bands { FIRST_LEAP } else { FREE };
+    let free = if has_bands { FIRST_NEWTON_JUMP } else { FREE };
     let (mut steps, mut jumps, mut guard) = (0, 0, None);
     loop {
         outcome.work.steps += 1;
@@ -128,7 +114,7 @@ impl Guard {
         Self {
             newton_jumps: 0,
             last_target: None,
-            next_jump: if has_bands { FIRST_LEAP } else { u32::MAX },
+            next_jump: if has_bands { FIRST_NEWTON_JUMP } else { u32::MAX },
             mark: None,
             next_mark: FREE,
             limit: step_limit(posed),
@@ -157,11 +143,15 @@ impl Guard {
         // Whether the jump helped or not, another is tried later: jumps are few, so the walk still
         // ends.
         let jumped = newton_jump(posed, outcome);
-        let later = if jumped { FIRST_LEAP } else { steps.max(FIRST_LEAP) };
+        let later = if jumped {
+            FIRST_NEWTON_JUMP
+        } else {
+            steps.max(FIRST_NEWTON_JUMP)
+        };
         self.newton_jumps += 1;
         let target = Some(outcome.features);
         // A second jump to the target of the last adds nothing to the steps in between.
-        let ends = self.newton_jumps == LEAPS || (jumped && target == self.last_target);
+        let ends = self.newton_jumps == NEWTON_JUMPS || (jumped && target == self.last_target);
         self.next_jump = if ends { u32::MAX } else { steps + later };
         self.last_target = target;
     }

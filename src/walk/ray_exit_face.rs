@@ -10,10 +10,10 @@ use nalgebra::Vector3;
 
 use crate::pair::outcome::Outcome;
 use crate::pair::posed::OrderedPair;
-use crate::polyhedron::fans::top_of_ring;
-use crate::polyhedron::topology::LARGE;
+use crate::polyhedron::unimodal::top_of_ring;
 use crate::polyhedron::{ConvexPolyhedron, FeaturePair};
 use crate::tolerance::{ON_BOUNDARY, UNIT};
+use crate::tuning::polyhedron::LARGE;
 use crate::walk::step::Step;
 
 /// Returns the exit face of the ray from the vertex mean of the body to `x`, if `x` is above the

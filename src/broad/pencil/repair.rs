@@ -6,6 +6,7 @@ use crate::broad::aabb::{max, order_key};
 use crate::broad::body::{Bodies, JUMPS, MIGRATES, Record};
 use crate::broad::bounds::{Bounds, largest};
 use crate::broad::change::overlap;
+use crate::tolerance::{COLUMN_REACH, COLUMN_SEARCH};
 use alloc::vec::Vec;
 
 /// A column is swept whole when this many times its changed entries exceed its entries.
@@ -125,9 +126,9 @@ impl Worker {
         let step = bodies.step;
         let cover = box_of(who, record, cell, step);
         let union = cover.to_box();
-        let slack = 8.0 * f32::EPSILON * max(union.lo[0].abs(), union.hi[0].abs());
-        let first = order_key(union.lo[0] - column.longest * 1.000_01 - slack);
-        let last = order_key(union.hi[0] + self.reach * 1.000_01 + slack);
+        let slack = COLUMN_SEARCH * max(union.lo[0].abs(), union.hi[0].abs());
+        let first = order_key(union.lo[0] - column.longest * COLUMN_REACH - slack);
+        let last = order_key(union.hi[0] + self.reach * COLUMN_REACH + slack);
         let place = column.entries.partition_point(|e| ((e >> 32) as u32) < first);
         for &e in &column.entries[place..] {
             if (e >> 32) as u32 > last {

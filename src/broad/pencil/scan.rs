@@ -15,14 +15,9 @@ use super::tune::Counts;
 use crate::broad::aabb::{StoredBox, max};
 use crate::broad::body::{Bodies, JUMPS, MIGRATES, Record};
 use crate::broad::change::{Changes, overlap};
+use crate::tolerance::{COLUMN_MOVE, COLUMN_SUM};
 use alloc::vec::Vec;
 use wide::f32x4;
-
-/// Four units in the last place: more than one rounded sum of two bounds can err.
-const SLACK: f32 = 4.0 * f32::EPSILON;
-
-/// Above the rounding of a difference of bounds, of a sum of two moves and of this product itself.
-const ROUNDED_UP: f32 = 1.0 + 8.0 * f32::EPSILON;
 
 /// Entries copied at once.
 const FOUR: usize = 4;
@@ -94,7 +89,7 @@ impl Lanes {
         let [start, lo_u, lo_v, _] = f32x4::transpose(records.map(|record| record.now().lo));
         let [end, hi_u, hi_v, _] = f32x4::transpose(records.map(|record| record.now().hi));
         let [by_x, by_u, by_v, _] = f32x4::transpose(by);
-        let moved = by_x.fast_max(by_u).fast_max(by_v) * f32x4::splat(ROUNDED_UP);
+        let moved = by_x.fast_max(by_u).fast_max(by_v) * f32x4::splat(COLUMN_MOVE);
         let put = |lanes: &mut Vec<f32>, four: f32x4| lanes[k..k + FOUR].copy_from_slice(&four.to_array());
         put(&mut self.start, start);
         put(&mut self.end, end);
@@ -208,7 +203,7 @@ impl Worker {
         let mut waiting = 0;
         // A little more, so that the rounding of the sum errs to the safe side; no bound is farther from zero than these are together.
         let farthest = start[0].abs() + start[n - 1].abs() + column.longest;
-        let beyond = 2.0 * self.reach + farthest * SLACK;
+        let beyond = 2.0 * self.reach + farthest * COLUMN_SUM;
         for i in 0..n {
             let reach = end[i] + beyond;
             let [x0, x1] = [start[i], end[i]].map(f32x4::splat);

@@ -1,4 +1,5 @@
-//! From the caller's points to stored coordinates: checked, shifted, scaled, sorted and without duplicates.
+//! From the caller's points to stored coordinates: checked, shifted, scaled, sorted and without
+//! duplicates.
 
 use alloc::vec::Vec;
 use nalgebra::{Point3, Vector3};
@@ -8,34 +9,36 @@ use crate::num::scalar::sqrt;
 use crate::polyhedron::build::error::BuildError;
 use crate::tolerance::{EXPONENT_FREE, EXTENT_MAX, EXTENT_MIN, FLUSH_EXPONENT, PLACE_MAX};
 
-/// Most points accepted: a body of n vertices has fewer than 6 n half-edges, each with a 32-bit number.
+/// Largest number of points accepted: a body of n vertices has fewer than 6 n half-edges, each with
+/// a 32-bit number.
 const POINTS_MAX: usize = 1 << 29;
 
-/// Distinct points in stored coordinates, in Morton order, so that neighbours in space are neighbours in memory.
+/// Distinct points in stored coordinates, in Morton order: points adjacent in space are adjacent in
+/// memory.
 pub(crate) struct Cloud {
     pub(crate) points: Vec<Vector3<f64>>,
-    /// The caller's index of each point, the lowest among equal ones.
+    /// The caller's index of each point, the lowest among equal points.
     pub(crate) source: Vec<u32>,
-    /// `(dropped, kept)` indices of the caller.
+    /// Equal points as the caller's indices `(dropped, kept)`.
     pub(crate) duplicates: Vec<(u32, u32)>,
     pub(crate) origin: Vector3<f64>,
     pub(crate) exponent: i32,
     pub(crate) flushed: usize,
-    /// Points given, used or not.
+    /// Number of points given, used or not.
     pub(crate) given: usize,
 }
 
-/// `2^k` for `|k| < 1022`.
+/// Returns `2^k` for `|k| < 1022`.
 pub(crate) fn power_of_two(k: i32) -> f64 {
     f64::from_bits(((1023 + k.clamp(-1022, 1022)) as u64) << 52)
 }
 
-/// The `k` with `2^k <= x < 2^(k+1)`, of a normal positive number.
+/// Returns the `k` with `2^k <= x < 2^(k+1)` of a normal positive number.
 pub(crate) fn exponent_of(x: f64) -> i32 {
     ((x.to_bits() >> 52) & 0x7ff) as i32 - 1023
 }
 
-/// `x = m 2^e` with `m` odd, of a finite number that is not zero.
+/// Returns odd `m` and `e` with `x = m 2^e`, for a finite number that is not zero.
 #[cfg(feature = "exact")]
 pub(crate) fn odd_part(x: f64) -> (i64, i32) {
     let bits = x.to_bits();
@@ -50,14 +53,15 @@ pub(crate) fn odd_part(x: f64) -> (i64, i32) {
     (if x < 0.0 { -m } else { m }, e + zeros as i32)
 }
 
-/// The exponent of the lowest bit set in any of the numbers, if any is not zero.
+/// Returns the exponent of the lowest bit set in any of the numbers, if any is not zero.
 #[cfg(feature = "exact")]
 pub(crate) fn lowest_bit(numbers: impl IntoIterator<Item = f64>) -> Option<i32> {
     numbers.into_iter().filter(|&x| x != 0.0).map(|x| odd_part(x).1).min()
 }
 
 impl Cloud {
-    /// Of the points named by `indices`, which must exist; `needed` is the least count accepted.
+    /// Makes a cloud of the points named by `indices`. The indices must exist; `needed` is the
+    /// least count accepted.
     pub(crate) fn new(given: &[Point3<f64>], indices: Vec<u32>, needed: usize) -> Result<Self, BuildError> {
         if given.len() > POINTS_MAX {
             return Err(BuildError::TooMany { count: given.len() });
@@ -110,18 +114,18 @@ impl Cloud {
         Ok(cloud)
     }
 
-    /// The stored place of one of the points given, but for flushing.
+    /// Returns the stored coordinates of a given point, without flushing.
     pub(crate) fn place(&self, given: &Point3<f64>) -> Vector3<f64> {
         stored_place(given, &self.origin, self.exponent)
     }
 
-    /// A stored point in the caller's coordinates.
+    /// Converts a stored point to the caller's coordinates.
     #[cfg(feature = "exact")]
     pub(crate) fn given_place(&self, stored: &Vector3<f64>) -> Vector3<f64> {
         stored * power_of_two(self.exponent) + self.origin
     }
 
-    /// The diagonal of the bounding box, in stored units.
+    /// Returns the diagonal of the bounding box, in stored units.
     pub(crate) fn diagonal(&self) -> f64 {
         let (low, high) = bounding_box(&self.points);
         sqrt((high - low).norm_squared())
@@ -132,7 +136,7 @@ fn stored_place(given: &Point3<f64>, origin: &Vector3<f64>, exponent: i32) -> Ve
     (given.coords - origin) * power_of_two(-exponent)
 }
 
-/// Corners of the bounding box.
+/// Returns the least and greatest corner of the bounding box.
 pub(crate) fn bounding_box<'a>(points: impl IntoIterator<Item = &'a Vector3<f64>>) -> (Vector3<f64>, Vector3<f64>) {
     let start = (Vector3::repeat(f64::INFINITY), Vector3::repeat(f64::NEG_INFINITY));
     points
@@ -140,12 +144,13 @@ pub(crate) fn bounding_box<'a>(points: impl IntoIterator<Item = &'a Vector3<f64>
         .fold(start, |(low, high), p| (low.inf(p), high.sup(p)))
 }
 
-/// Stored coordinates below this count as zero, by half the diagonal of the stored box.
+/// Returns the magnitude below which stored coordinates count as zero, given half the diagonal of
+/// the stored box.
 pub(crate) fn flush_below(radius: f64) -> f64 {
     power_of_two(exponent_of(radius) - FLUSH_EXPONENT)
 }
 
-/// Origin, exponent and the magnitude below which a stored coordinate becomes zero.
+/// Returns the origin, the exponent and the magnitude below which stored coordinates become zero.
 fn placement(given: &[Point3<f64>], indices: &[u32]) -> Result<(Vector3<f64>, i32, f64), BuildError> {
     let all = || indices.iter().map(|&i| &given[i as usize].coords);
     let (low, high) = bounding_box(all());
@@ -159,7 +164,8 @@ fn placement(given: &[Point3<f64>], indices: &[u32]) -> Result<(Vector3<f64>, i3
                 extent: given[i as usize].coords.amax(),
             });
         }
-        // A point is where it is without rounding: it is its own origin, but for what counts as zero.
+        // A single point becomes the origin, so the position is not rounded, but for magnitudes
+        // that count as zero.
         let place = if indices.is_empty() { Vector3::zeros() } else { low };
         let origin = place.map(|x| if x.abs() < f64::MIN_POSITIVE { 0.0 } else { x });
         return Ok((origin, 0, f64::MIN_POSITIVE));
@@ -171,22 +177,26 @@ fn placement(given: &[Point3<f64>], indices: &[u32]) -> Result<(Vector3<f64>, i3
             extent,
         });
     }
-    // Half the diagonal, not the farthest point: it depends on extreme points only, without rounding in between.
+    // Half the diagonal, not the distance of the farthest point: the diagonal depends on extreme
+    // points only, without rounding in between.
     let middle = low * 0.5 + high * 0.5;
     let radius = sqrt((sides * 0.5).norm_squared());
-    // The shift is exact by Sterbenz' lemma; the check costs nothing and covers the rounding of `middle`.
+    // The shift is exact by Sterbenz' lemma; the check costs nothing and covers the rounding of
+    // `middle`.
     let origin = Vector3::from_fn(|k, _| {
         let shifts = middle[k].abs() > 2.0 * radius && all().all(|p| two_sum(p[k], -middle[k]).1 == 0.0);
         if shifts { middle[k] } else { 0.0 }
     });
     let size = exponent_of(radius);
-    // The nearest multiple of the window, so that bodies of like size are stored in one unit whatever the caller's.
+    // The nearest multiple of the window, so that bodies of like size share a stored unit whatever
+    // the caller's unit.
     let window = 2 * EXPONENT_FREE;
     let exponent = (size + EXPONENT_FREE).div_euclid(window) * window;
     Ok((origin, exponent, flush_below(radius * power_of_two(-exponent))))
 }
 
-/// Positions of `points` along the Morton curve of their bounding box; equal points follow each other by index.
+/// Returns the order of `points` along the Morton curve of their bounding box, equal points by
+/// index.
 fn morton_order(points: &[Vector3<f64>], indices: &[u32]) -> Vec<u32> {
     let (low, high) = bounding_box(points);
     let extent = if points.is_empty() { 0.0 } else { (high - low).max() };
@@ -217,7 +227,7 @@ fn morton_order(points: &[Vector3<f64>], indices: &[u32]) -> Vec<u32> {
     keys.into_iter().map(|k| k.1).collect()
 }
 
-/// Two zero bits before each of the low 21 bits.
+/// Inserts two zero bits before each of the low 21 bits.
 fn spread(x: u64) -> u64 {
     let x = x & 0x1f_ffff;
     let x = (x | x << 32) & 0x1f_0000_0000_ffff;

@@ -1,8 +1,9 @@
-//! Why a body was refused.
+//! Errors of building a body.
 
 use alloc::vec::Vec;
 
-/// Why points or faces make no body. Indices are the caller's, lengths in the caller's unit.
+/// The reason for which points or faces make no body. Indices are the caller's, lengths in the
+/// caller's unit.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum BuildError {
@@ -20,14 +21,14 @@ pub enum BuildError {
         /// Points needed.
         needed: usize,
     },
-    /// More points, faces or corners than 32-bit ids can name.
+    /// More points, faces or vertices of faces than 32-bit ids can name.
     #[error("{count} points or corners of faces are more than ids can name")]
     TooMany {
-        /// Points or corners given.
+        /// Number of points, faces or vertices of faces.
         count: usize,
     },
-    /// The longest side of the bounding box is below 1e-100 or above 1e100, or a coordinate is above 1e116 (and is then
-    /// what is named).
+    /// The longest side of the bounding box is below 1e-100 or above 1e100, or a coordinate is
+    /// above 1e116 (then `extent` is the coordinate).
     #[error("the extent {extent:e}, reached at point {index}, lies outside 1e-100..1e100")]
     OutOfRange {
         /// A point at an end of the longest side.
@@ -40,17 +41,17 @@ pub enum BuildError {
     Flat {
         /// Dimension of the affine hull.
         dimension: usize,
-        /// One point more than `dimension`, which span the affine hull.
+        /// Points that span the affine hull, one more than `dimension`.
         span: Vec<usize>,
     },
-    /// The corners of a polygon leave their plane by more than rounding explains.
+    /// The vertices of a polygon leave their plane by more than rounding explains.
     #[error("point {index} lies {distance:.2e} off the plane of the polygon, more than {bound:.2e}")]
     PolygonNotPlanar {
         /// The point farthest off.
         index: usize,
-        /// Its distance from the plane.
+        /// The distance of the point from the plane.
         distance: f64,
-        /// What is accepted.
+        /// The largest accepted distance.
         bound: f64,
     },
     /// A face names a point that does not exist.
@@ -58,16 +59,16 @@ pub enum BuildError {
     IndexOutOfRange {
         /// The face.
         face: usize,
-        /// The index it names.
+        /// The index that does not exist.
         index: usize,
     },
-    /// A face has fewer than three corners.
+    /// A face has fewer than three vertices.
     #[error("face {face} has fewer than three corners")]
     FaceTooSmall {
         /// The face.
         face: usize,
     },
-    /// A face passes twice through one point, or through two points at the same place.
+    /// A face passes twice through one point, or through two points of equal coordinates.
     #[error("face {face} passes twice through point {vertex}")]
     RepeatedVertex {
         /// The face.
@@ -75,23 +76,24 @@ pub enum BuildError {
         /// The point.
         vertex: usize,
     },
-    /// All corners of a face are collinear.
+    /// All vertices of a face are collinear.
     #[error("the corners of face {face} are collinear")]
     FaceWithoutArea {
         /// The face.
         face: usize,
     },
-    /// A corner leaves the plane of its face by more than the bound. Of coordinates that were rounded, as in files in single precision:
-    /// see [`from_faces_within`](super::ConvexPolyhedron::from_faces_within).
+    /// A vertex leaves the plane of its face by more than the bound. For rounded coordinates, as in
+    /// files in single precision, see
+    /// [`from_faces_within`](super::ConvexPolyhedron::from_faces_within).
     #[error("point {vertex} lies {distance:.2e} off the plane of face {face}, more than {bound:.2e}")]
     FaceNotPlanar {
         /// The face.
         face: usize,
-        /// Its corner farthest off.
+        /// The vertex farthest off the plane.
         vertex: usize,
-        /// The distance of that corner from the plane.
+        /// The distance of the vertex from the plane.
         distance: f64,
-        /// What is accepted.
+        /// The largest accepted distance.
         bound: f64,
     },
     /// An edge has a face on one side only.
@@ -112,16 +114,16 @@ pub enum BuildError {
         /// The face.
         face: usize,
     },
-    /// A point lies in front of a face. By a little, of coordinates that were rounded: see
-    /// [`from_faces_within`](super::ConvexPolyhedron::from_faces_within). Else the mesh is not convex:
-    /// [`from_points`](super::ConvexPolyhedron::from_points) takes its hull.
+    /// A point lies in front of a face. If by a little, because coordinates were rounded, see
+    /// [`from_faces_within`](super::ConvexPolyhedron::from_faces_within). Else the mesh is not
+    /// convex; [`from_points`](super::ConvexPolyhedron::from_points) takes its hull.
     #[error("not convex: point {vertex} lies {by:.2e} in front of face {face}")]
     NotConvex {
         /// The face.
         face: usize,
         /// The point that sticks out farthest.
         vertex: usize,
-        /// By how much.
+        /// The distance of the point from the plane of the face.
         by: f64,
     },
     /// A planarity bound that is negative or not finite.
@@ -133,18 +135,19 @@ pub enum BuildError {
     /// A size or count of a solid that makes no body.
     #[error("{value} is no {what} for this solid")]
     BadSize {
-        /// Which parameter.
+        /// The parameter.
         what: &'static str,
-        /// Its value.
+        /// The value given.
         value: f64,
     },
-    /// Data of a stored body that do not describe one.
+    /// Data of a stored body that describe no body.
     #[error("the stored body is damaged: {what}")]
     Damaged {
-        /// What does not fit.
+        /// The part that does not fit.
         what: &'static str,
     },
-    /// The surface found is not a polyhedron. Exact predicates exclude it, so to meet it is a defect of this crate.
+    /// The surface found is not a polyhedron. Exact predicates exclude this, so the error is a
+    /// defect of this crate.
     #[error("the hull found is not a polyhedron; please report these points")]
     Inconsistent,
 }

@@ -1,8 +1,10 @@
-//! From the caller's faces to a body: every fault is found and named, then the body is the exact hull of the corners.
+//! From the caller's faces to a body: every fault is found and named, then the body is the exact
+//! hull of the vertices.
 //!
-//! Faces are accepted when they are planar to a bound. The body is never the rounded polyhedron the caller drew but the
-//! hull of its points, so that extreme vertices are found along a true skeleton; a face planar only to the bound
-//! becomes several, and [`ConvexPolyhedron::source_face`] leads back.
+//! Faces are accepted if planar to a bound. The body is never the rounded polyhedron the caller
+//! drew but the hull of the points, so that support vertices are found along a true skeleton; a
+//! face planar only to the bound becomes several faces, and [`ConvexPolyhedron::source_face`] leads
+//! back.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -19,11 +21,13 @@ use crate::tolerance::{PLANARITY, SIDE_ERROR};
 const NONE: u32 = u32::MAX;
 
 impl ConvexPolyhedron {
-    /// A body from points and faces, each a loop of indices counter-clockwise seen from outside.
+    /// Returns a body from points and faces, each a loop of indices counter-clockwise seen from
+    /// outside.
     ///
-    /// Faces may leave their plane by rounding: 64 UNIT times the diagonal of the box. Several coplanar faces become
-    /// one face of the body; [`source_face`](Self::source_face) leads back. Equal points are taken for one, points no
-    /// face uses are ignored and listed in [`report`](Self::report).
+    /// Faces may leave their plane by rounding: 64 UNIT times the diagonal of the box. Several
+    /// coplanar faces become one face of the body; [`source_face`](Self::source_face) leads back.
+    /// Equal points are merged, points that no face uses are ignored and listed in
+    /// [`report`](Self::report).
     ///
     /// ```
     /// use lin_canny::polyhedron::{BuildError, ConvexPolyhedron};
@@ -42,18 +46,20 @@ impl ConvexPolyhedron {
     ///
     /// # Errors
     ///
-    /// Those of [`from_points`](Self::from_points), and every way in which faces fail to be the surface of a convex
-    /// body; see [`BuildError`].
+    /// The errors of [`from_points`](Self::from_points), and every way in which faces fail to be
+    /// the surface of a convex body; see [`BuildError`].
     #[doc(alias = "mesh")]
     pub fn from_faces(points: &[Point3<f64>], faces: &[impl AsRef<[u32]>]) -> Result<Self, BuildError> {
         build(points, faces, None)
     }
 
-    /// As [`from_faces`](Self::from_faces) for faces that are planar, and bodies that are convex, only to a bound in the
-    /// caller's unit, such as meshes stored in single precision: for these some 1e-6 times the body's size.
+    /// Returns a body from points and faces as [`from_faces`](Self::from_faces) does, if the faces
+    /// are planar, and the body convex, only to a bound in the caller's unit, such as meshes stored
+    /// in single precision: for these some 1e-6 times the body's size.
     ///
-    /// The body is the hull of the points as they are given, so a face that is planar only to the bound becomes several faces of the
-    /// body; [`source_face`](Self::source_face) leads from each back to it.
+    /// The body is the hull of the given points, so a face that is planar only to the bound becomes
+    /// several faces of the body; [`source_face`](Self::source_face) leads from each back to the
+    /// given face.
     ///
     /// ```
     /// use lin_canny::ConvexPolyhedron;
@@ -62,8 +68,10 @@ impl ConvexPolyhedron {
     /// // A box that was turned and stored in f32: its sides are flat to 1e-8 only.
     /// let turn = Rotation3::new(Vector3::new(0.3, 0.2, 0.1));
     /// let corner = |i: u8| [i & 1, i >> 1 & 1, i >> 2].map(f64::from);
-    /// let points = [0, 1, 2, 3, 4, 5, 6, 7].map(|i| (turn * Point3::from(corner(i))).cast::<f32>().cast::<f64>());
-    /// let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    /// let rounded = |i| (turn * Point3::from(corner(i))).cast::<f32>().cast::<f64>();
+    /// let points = [0, 1, 2, 3, 4, 5, 6, 7].map(rounded);
+    /// let faces =
+    ///     [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
     /// assert!(ConvexPolyhedron::from_faces(&points, &faces).is_err());
     /// let body = ConvexPolyhedron::from_faces_within(&points, &faces, 1e-6)?;
     /// assert!(body.face_count() > 6 && body.report().non_planarity < 1e-6);
@@ -72,7 +80,7 @@ impl ConvexPolyhedron {
     ///
     /// # Errors
     ///
-    /// As [`from_faces`](Self::from_faces), and a bound that is negative or not finite.
+    /// The errors of [`from_faces`](Self::from_faces), and a bound that is negative or not finite.
     pub fn from_faces_within(
         points: &[Point3<f64>],
         faces: &[impl AsRef<[u32]>],
@@ -110,7 +118,7 @@ fn build(
     Ok(body)
 }
 
-/// The points some face uses and the others; refuses indices out of range.
+/// Returns the points that some face uses and the unused points; refuses indices out of range.
 fn used_points(points: &[Point3<f64>], faces: &[impl AsRef<[u32]>]) -> Result<(Vec<u32>, Vec<u32>), BuildError> {
     let corners = faces.iter().fold(0usize, |n, f| n.saturating_add(f.as_ref().len()));
     for count in [points.len(), faces.len(), corners] {
@@ -135,13 +143,13 @@ fn used_points(points: &[Point3<f64>], faces: &[impl AsRef<[u32]>]) -> Result<(V
     Ok((0..points.len() as u32).partition(|&i| is_used[i as usize]))
 }
 
-/// The caller's faces over the points of the cloud.
+/// The caller's faces, over the points of the cloud.
 pub(crate) struct Mesh {
-    /// Corners of all faces one after the other, as places in the cloud.
+    /// Vertices of all faces, face after face, as indices in the cloud.
     pub(crate) corners: Vec<u32>,
-    /// Where each face begins, and the end of the last.
+    /// Start of each face in `corners`, and the end of the last face.
     first: Vec<u32>,
-    /// The caller's index of each place.
+    /// The caller's index of each point of the cloud.
     pub(crate) source: Vec<u32>,
 }
 
@@ -149,7 +157,7 @@ pub(crate) struct Mesh {
 struct FacePlane {
     normal: Vector3<f64>,
     base: Vector3<f64>,
-    /// The largest distance of one of its corners.
+    /// The largest distance of a vertex of the face from the plane.
     deviation: f64,
 }
 
@@ -195,7 +203,7 @@ impl Mesh {
         &self.corners[self.corners_of(f)]
     }
 
-    /// Where the corners of a face stand.
+    /// Returns the range of a face in `corners`.
     pub(crate) fn corners_of(&self, f: usize) -> core::ops::Range<usize> {
         self.first[f] as usize..self.first[f + 1] as usize
     }
@@ -204,8 +212,8 @@ impl Mesh {
         self.source[place as usize] as usize
     }
 
-    /// Every edge has two faces. An edge that both pass in the same direction is handed back: it means that one face is
-    /// turned over, and the planes tell which.
+    /// Checks that every edge has two faces. Returns an edge passed twice in one direction, if any:
+    /// then a face is turned over, and the planes decide which.
     fn check_edges(&self) -> Result<Option<[usize; 2]>, BuildError> {
         let mut edges: Vec<(u32, u32, bool)> = Vec::with_capacity(self.corners.len());
         for f in 0..self.face_count() {
@@ -243,8 +251,8 @@ impl Mesh {
         if normal == Vector3::zeros() {
             return Err(BuildError::FaceWithoutArea { face: f });
         }
-        // Corners may turn either way where the face is not convex; the area of the whole face has the right sign, unless
-        // it is a sliver at rounding level.
+        // Vertices may turn either way if the face is not convex; the area of the whole face has
+        // the right sign, unless the face is a sliver at rounding level.
         let at = |v: &u32| cloud.points[*v as usize] - a;
         let around = rim.iter().zip(rim.iter().cycle().skip(1)).map(|(p, q)| (at(p), at(q)));
         let (area, error) = around.fold((0.0, 0.0), |(area, error), (p, q)| {
@@ -256,7 +264,8 @@ impl Mesh {
         if area < -2.0 * error {
             normal = -normal;
         }
-        // A corner exactly in the plane is off by nothing, whatever the rounding of the normal says, and no other is.
+        // A vertex exactly in the plane has distance zero, whatever the rounding of the normal, and
+        // no other vertex has.
         let off = |v: u32| {
             let p = &cloud.points[v as usize];
             if corners.contains(&v) || side(a, b, c, p) == 0.0 {
@@ -284,14 +293,15 @@ impl Mesh {
         })
     }
 
-    /// The place of each vertex of the body; both orders agree.
+    /// Returns the index in the cloud of each vertex of the body; both lists have one order.
     fn places(&self, body: &ConvexPolyhedron) -> Vec<u32> {
         let mut wanted = body.source.iter().peekable();
         let is_vertex = |place: &u32| wanted.next_if_eq(&&self.source[*place as usize]).is_some();
         (0..self.source.len() as u32).filter(is_vertex).collect()
     }
 
-    /// Every face supports the hull from outside. With closed edges that makes the faces the whole surface.
+    /// Checks that every face supports the hull from outside. With closed edges this makes the
+    /// faces the whole surface.
     fn check_convex(
         &self,
         body: &ConvexPolyhedron,

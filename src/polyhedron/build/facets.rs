@@ -1,25 +1,26 @@
-//! From the triangles of a hull to its faces: exactly coplanar neighbours are one face, and only extreme points stay.
+//! From the triangles of a hull to its faces: exactly coplanar adjacent triangles become one face,
+//! and only extreme points stay.
 
 use alloc::vec;
 use alloc::vec::Vec;
 use nalgebra::Vector3;
 
 use crate::num::sign::{projection, side, turn};
-use crate::polyhedron::build::hull::{Surface, Triangle};
+use crate::polyhedron::build::hull::{HullTriangle, Surface};
 
 const NONE: u32 = u32::MAX;
 
 /// The faces of a hull as loops over its extreme points.
 pub(crate) struct Facets {
-    /// Vertices in the order of the cloud, each by its place there.
+    /// Vertices in the order of the cloud, as indices there.
     pub(crate) kept: Vec<u32>,
     /// Rims by vertex number, counter-clockwise from outside, least vertex first, in rising order.
     pub(crate) loops: Vec<Vec<u32>>,
-    /// Points of the cloud inside an edge, as far as they were vertices of the triangles.
+    /// Points of the cloud inside an edge, if they were vertices of the triangles.
     pub(crate) on_edges: Vec<u32>,
-    /// The same inside a face.
+    /// Points of the cloud inside a face, if they were vertices of the triangles.
     pub(crate) on_faces: Vec<u32>,
-    /// Triangles that were merged away.
+    /// Number of triangles merged away.
     pub(crate) merged: usize,
     /// The face of each triangle.
     pub(crate) face_of: Vec<u32>,
@@ -54,7 +55,7 @@ impl Facets {
         let mut order = Vec::with_capacity(groups);
         for start in 0..triangles.len() {
             let g = group[start] as usize;
-            let Some(k) = (0..3).find(|&k| group[triangles[start].beside[k] as usize] != group[start]) else {
+            let Some(k) = (0..3).find(|&k| group[triangles[start].adjacent[k] as usize] != group[start]) else {
                 continue;
             };
             if !core::mem::replace(&mut done[g], true) {
@@ -76,11 +77,12 @@ impl Facets {
         (facets.loops.len() == groups).then_some(facets)
     }
 
-    /// Returns whether a point of the hull that lies in the plane of a triangle is on an edge of the triangle's face.
+    /// Returns whether a point of the hull that lies in the plane of a triangle is on an edge of
+    /// the triangle's face.
     pub(crate) fn is_on_edge(&self, points: &[Vector3<f64>], triangle: u32, p: &Vector3<f64>) -> bool {
         let rim = &self.loops[self.face_of[triangle as usize] as usize];
         let at = |k: usize| &points[self.kept[rim[k] as usize] as usize];
-        // Corners are extreme, so no three are in line.
+        // Vertices are extreme, so no three are collinear.
         let Some(axis) = projection(at(0), at(1), at(2)) else {
             return false;
         };
@@ -89,8 +91,9 @@ impl Facets {
     }
 }
 
-/// Returns whether a point of a closed convex polygon of `corners` corners is on an edge: `turn(i, j)` is positive if the point is to the
-/// left of the line from corner `i` to corner `j`, and zero on it. Asks for a logarithm of the corners.
+/// Returns whether a point of a closed convex polygon of `corners` vertices is on an edge.
+/// `turn(i, j)` must be positive if the point is to the left of the line from vertex `i` to vertex
+/// `j`, and zero on the line; called a number of times logarithmic in the vertices.
 fn is_on_rim(corners: usize, mut turn: impl FnMut(usize, usize) -> f64) -> bool {
     // The point is between the diagonals from corner 0 to `low` and to `high`.
     let (mut low, mut high) = (1, corners - 1);
@@ -108,12 +111,12 @@ fn is_on_rim(corners: usize, mut turn: impl FnMut(usize, usize) -> f64) -> bool 
     turn(low, high) == 0.0
 }
 
-/// The number of the face each triangle belongs to, and how many there are.
-fn coplanar_groups(points: &[Vector3<f64>], triangles: &[Triangle]) -> (Vec<u32>, usize) {
+/// Returns the face number of each triangle, and the number of faces.
+fn coplanar_groups(points: &[Vector3<f64>], triangles: &[HullTriangle]) -> (Vec<u32>, usize) {
     let mut parent: Vec<u32> = (0..triangles.len() as u32).collect();
     for (i, t) in triangles.iter().enumerate() {
         let [a, b, c] = t.v.map(|v| &points[v as usize]);
-        for &other in t.beside.iter().filter(|&&o| (o as usize) > i) {
+        for &other in t.adjacent.iter().filter(|&&o| (o as usize) > i) {
             let across = triangles[other as usize].v.into_iter().find(|v| !t.v.contains(v));
             if across.is_some_and(|d| side(a, b, c, &points[d as usize]) == 0.0) {
                 let (p, q) = (root(&mut parent, i as u32), root(&mut parent, other));
@@ -121,7 +124,7 @@ fn coplanar_groups(points: &[Vector3<f64>], triangles: &[Triangle]) -> (Vec<u32>
             }
         }
     }
-    // Roots come before their members, so one pass numbers all.
+    // Roots come before all members, so a single pass numbers the groups.
     let mut group = vec![NONE; triangles.len()];
     let mut count = 0;
     for i in 0..triangles.len() {
@@ -144,8 +147,9 @@ fn root(parent: &mut [u32], mut i: u32) -> u32 {
     i
 }
 
-/// How many faces meet at each point, counted up to 3: a vertex has three, a point inside an edge two.
-fn faces_at(points: usize, triangles: &[Triangle], group: &[u32]) -> Vec<u8> {
+/// Returns the number of faces at each point, counted up to 3: a vertex has three, a point inside
+/// an edge two.
+fn faces_at(points: usize, triangles: &[HullTriangle], group: &[u32]) -> Vec<u8> {
     let mut degree = vec![0u8; points];
     let mut met = vec![[NONE; 2]; points];
     for (t, &g) in triangles.iter().zip(group) {
@@ -161,8 +165,9 @@ fn faces_at(points: usize, triangles: &[Triangle], group: &[u32]) -> Vec<u8> {
     degree
 }
 
-/// The extreme points round the face of triangle `start`, whose edge `k` is on the rim; least vertex first.
-fn rim(triangles: &[Triangle], group: &[u32], number: &[u32], start: u32, k: usize) -> Option<Vec<u32>> {
+/// Returns the extreme points round the face of triangle `start`, whose edge `k` is on the rim;
+/// least vertex first.
+fn rim(triangles: &[HullTriangle], group: &[u32], number: &[u32], start: u32, k: usize) -> Option<Vec<u32>> {
     let mut ring = Vec::with_capacity(3);
     let (mut t, mut e) = (start, k);
     for _ in 0..3 * triangles.len() {
@@ -170,14 +175,15 @@ fn rim(triangles: &[Triangle], group: &[u32], number: &[u32], start: u32, k: usi
         if vertex != NONE {
             ring.push(vertex);
         }
-        // The next rim edge leaves the end of this one: turn about it through triangles of the same face.
+        // The next rim edge leaves the end of this edge: turn about the end through triangles of
+        // one face.
         e = (e + 1) % 3;
-        let mut other = triangles[t as usize].beside[e];
+        let mut other = triangles[t as usize].adjacent[e];
         while group[other as usize] == group[start as usize] {
             let pivot = triangles[t as usize].v[e];
             t = other;
             e = triangles[t as usize].v.iter().position(|&v| v == pivot)?;
-            other = triangles[t as usize].beside[e];
+            other = triangles[t as usize].adjacent[e];
         }
         if (t, e) == (start, k) {
             let least = ring.iter().enumerate().min_by_key(|r| r.1)?.0;
@@ -195,7 +201,8 @@ mod tests {
     use lab::rng::Rng;
     use nalgebra::Point3;
 
-    /// A parabola's polygon: corners `(k, k^2)`, doubled so that midpoints of edges are whole.
+    /// A polygon on a parabola, with vertices `(k, k^2)`, doubled so that midpoints of edges are
+    /// whole.
     #[test]
     fn a_point_is_found_on_a_rim_by_a_logarithm_of_looks() {
         for corners in [3usize, 4, 5, 17, 1000] {
@@ -215,7 +222,7 @@ mod tests {
                 let ([ax, ay], [bx, by]) = (at(k), at((k + 1) % corners));
                 assert!(ask([(ax + bx) / 2, (ay + by) / 2]), "{corners} {k}");
             }
-            // Two units above the parabola, the first and the last corner left out.
+            // Two units above the parabola, the first and the last vertex left out.
             for k in 1..corners.saturating_sub(2) {
                 let [x, y] = at(k);
                 assert!(!ask([x + 1, y + 2 * k as i64 + 2]), "{corners} {k}");
@@ -223,7 +230,7 @@ mod tests {
         }
     }
 
-    /// What a report says of points that are no vertices is what all faces say one by one.
+    /// The report sorts points that are no vertices as a test of all faces does.
     #[test]
     fn every_face_looked_at_sorts_points_out_alike() {
         let mut rng = Rng::new(71);
@@ -234,7 +241,8 @@ mod tests {
             let mut points: Vec<Vector3<f64>> = (0..n)
                 .map(|_| Vector3::from([0; 3].map(|_| 6.0 * rng.below(side) as f64)))
                 .collect();
-            // Midpoints and centroids of some, exact as coordinates are multiples of six.
+            // Midpoints and centroids of some points, exact because coordinates are multiples of
+            // six.
             for _ in 0..n {
                 let [p, q, r] = [0; 3].map(|_| points[rng.below(n)]);
                 points.push(if rng.below(2) == 0 {

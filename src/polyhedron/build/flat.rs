@@ -1,4 +1,4 @@
-//! Flat bodies on purpose: a point, a segment, a convex polygon.
+//! Constructors of flat bodies: a point, a segment, a convex polygon.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -13,7 +13,7 @@ use crate::polyhedron::plane::{plane, widest_corners};
 use crate::tolerance::PLANARITY;
 
 impl ConvexPolyhedron {
-    /// A body of one point: one vertex, no edge, no face.
+    /// Returns a body of one point: one vertex, no edge, no face.
     ///
     /// # Errors
     ///
@@ -23,12 +23,12 @@ impl ConvexPolyhedron {
         Self::assemble(&cloud, &[0], &[])
     }
 
-    /// The segment between two different points: two vertices, one edge, no face.
+    /// Returns the segment between two different points: two vertices, one edge, no face.
     ///
     /// # Errors
     ///
-    /// A coordinate that is not finite, equal points ([`BuildError::Flat`] of dimension 0), or a length outside
-    /// 1e-100..1e100.
+    /// A coordinate that is not finite, equal points ([`BuildError::Flat`] of dimension 0), or a
+    /// length outside 1e-100..1e100.
     pub fn segment(start: Point3<f64>, end: Point3<f64>) -> Result<Self, BuildError> {
         let cloud = Cloud::new(&[start, end], vec![0, 1], 2)?;
         if cloud.points.len() < 2 {
@@ -37,17 +37,19 @@ impl ConvexPolyhedron {
         Self::assemble(&cloud, &[0, 1], &[vec![0, 1]])
     }
 
-    /// The convex hull of coplanar points, in any order: a body with two faces, one for each side. The first face sees
-    /// the points turn counter-clockwise as the first three that are not collinear do.
+    /// Returns the convex hull of coplanar points, in any order: a body with two faces, one for
+    /// each side. Seen from outside the first face, the first three given points that are not
+    /// collinear turn counter-clockwise.
     ///
-    /// Points exactly in one plane make a body without thickness. Points that leave a plane by rounding only, up to 64
-    /// UNIT times the diagonal of the box, are accepted too; rounded coordinates cannot in general be put back into one plane, so
-    /// then the body is their exact hull, a sliver with the faces of one: it is always the hull of the points stored.
+    /// Points exactly in one plane make a body without thickness. Points that leave a plane by
+    /// rounding only, up to 64 UNIT times the diagonal of the box, are accepted too; rounded
+    /// coordinates cannot in general be put back into one plane, so the body is then their exact
+    /// hull, a sliver with the faces of a sliver: always the hull of the stored points.
     ///
     /// # Errors
     ///
-    /// Fewer than three points, collinear or equal points, a coordinate that is not finite, an extent outside
-    /// 1e-100..1e100, or a point farther off the plane.
+    /// Fewer than three points, collinear or equal points, a coordinate that is not finite, an
+    /// extent outside 1e-100..1e100, or a point farther off the plane.
     pub fn polygon(points: &[Point3<f64>]) -> Result<Self, BuildError> {
         let indices = (0..points.len().min(u32::MAX as usize) as u32).collect();
         let cloud = Cloud::new(points, indices, 3)?;
@@ -87,7 +89,7 @@ impl ConvexPolyhedron {
     }
 }
 
-/// Three points far from collinear and an axis along which they project to a triangle.
+/// Returns three points far from collinear and an axis along which they project to a triangle.
 fn spanning_corners(cloud: &Cloud) -> Option<([u32; 3], usize)> {
     let points = &cloud.points;
     if points.len() < 3 {
@@ -107,7 +109,8 @@ fn spanning_corners(cloud: &Cloud) -> Option<([u32; 3], usize)> {
         .find_map(|c| projection(at(a), at(b), at(c)).map(|axis| ([a, b, c], axis)))
 }
 
-/// The turn of the caller's first three points that are not collinear, projected along `axis`.
+/// Returns the orientation of the caller's first three points that are not collinear, projected
+/// along `axis`.
 fn first_turn(cloud: &Cloud, points: &[Point3<f64>], axis: usize) -> f64 {
     let Some(a) = points.first() else { return 1.0 };
     let Some(b) = points.iter().find(|p| *p != a) else {
@@ -138,8 +141,9 @@ fn check_planar(cloud: &Cloud, base: &Vector3<f64>, normal: &Vector3<f64>) -> Re
     Ok(())
 }
 
-/// The corners of the hull of exactly coplanar points, counter-clockwise in the projection along `axis`, and the points
-/// inside its edges in rising order. Andrew's monotone chain (1979) with exact turns.
+/// Returns the vertices of the hull of exactly coplanar points, counter-clockwise in the projection
+/// along `axis`, and the points inside its edges in rising order. Andrew's monotone chain (1979)
+/// with exact turns.
 fn planar_hull(points: &[Vector3<f64>], axis: usize) -> (Vec<u32>, Vec<u32>) {
     let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
     let mut order: Vec<u32> = (0..points.len() as u32).collect();
@@ -168,7 +172,8 @@ fn planar_hull(points: &[Vector3<f64>], axis: usize) -> (Vec<u32>, Vec<u32>) {
     rim.pop();
     rim.extend(&upper[..upper.len() - 1]);
     upper.reverse();
-    // Both chains rise: a point can only lie on the link of each that passes over or under it.
+    // Both chains rise: a point can only lie on the link of a chain that passes over or under the
+    // point.
     let on_chain = |chain: &[u32], p: u32| {
         let k = chain.partition_point(|&i| rank[i as usize] < rank[p as usize]);
         0 < k && k < chain.len() && chain[k] != p && turns(chain[k - 1], chain[k], p) == 0.0

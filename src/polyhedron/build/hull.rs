@@ -1,18 +1,29 @@
-//! Convex hull of points by quickhull with conflict lists (Barber, Dobkin, Huhdanpaa 1996; conflict sets after Clarkson
-//! and Shor 1989), every decision an exact sign.
+//! Convex hull of points by quickhull with conflict lists (Barber, Dobkin, Huhdanpaa 1996; conflict
+//! sets after Clarkson and Shor 1989), every decision an exact sign.
 //!
-//! The hull is kept as a closed surface of triangles. A point outside waits in the list of one triangle it sees. The
-//! farthest of a list is added: the triangles it sees (a connected set) go, and their rim, the *horizon*, is joined to
-//! it by new triangles; what waited on the old ones is handed to the new ones or found inside.
+//! The hull is a closed surface of triangles. A point outside waits in the conflict list of one
+//! triangle that it sees. The farthest point of a list is added: the triangles visible from the
+//! point (a connected set) are removed, and the boundary of the set, the *horizon*, is joined to
+//! the point by new triangles; points that waited on removed triangles move to new triangles or are
+//! found inside.
+//!
+//! ```text
+//!             apex
+//!            / | \           new triangles: horizon edge and apex
+//!           /  |  \
+//!     ---- from - to ----    horizon edge
+//!        unseen triangle
+//! ```
 //!
 //! Departures from the paper:
-//! 1. Signs are exact, so there are no thick facets and no merging on the way. A triangle in whose plane the point
-//!    lies counts as unseen; then the horizon is a simple closed curve, no new triangle is degenerate, and exactly
-//!    coplanar triangles are merged at the end (`facets`).
-//! 2. Distances only choose which point comes next; they decide nothing.
+//! 1. Signs are exact, so there are no thick facets and no merging on the way. A triangle counts as
+//!    unseen if the point lies in its plane; then the horizon is a simple closed curve, no new
+//!    triangle is degenerate, and exactly coplanar triangles are merged at the end (`facets`).
+//! 2. Distances only choose the next point; they decide nothing.
 //!
-//! Why a handed-over point needs to be tried on the new triangles only: a point that sees both triangles at a horizon
-//! edge sees the new one between them, whose plane is a positive combination of theirs; and what it sees is connected.
+//! Why a waiting point must be tested against the new triangles only: a point that sees both
+//! triangles at a horizon edge sees the new triangle between them, whose plane is a positive
+//! combination of their planes; and the set of triangles that a point sees is connected.
 
 use alloc::collections::VecDeque;
 use alloc::vec;
@@ -27,35 +38,37 @@ pub(crate) const NONE: u32 = u32::MAX;
 
 /// A triangle of the hull's surface, counter-clockwise from outside.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Triangle {
+pub(crate) struct HullTriangle {
     pub(crate) v: [u32; 3],
-    /// The triangle across the edge from `v[k]` to `v[k + 1]`.
-    pub(crate) beside: [u32; 3],
+    /// The triangles on the other side of the edges, edge k leading from `v[k]` to `v[k + 1]`.
+    pub(crate) adjacent: [u32; 3],
 }
 
 /// The triangulated hull of a cloud.
 pub(crate) struct Surface {
-    pub(crate) triangles: Vec<Triangle>,
-    /// For each point a triangle in whose plane it lies, or `NONE`: only points with one lie on the surface without being vertices of it.
+    pub(crate) triangles: Vec<HullTriangle>,
+    /// For each point a triangle in whose plane the point lies, or `NONE`: only points with such a
+    /// triangle lie on the surface without being a vertex.
     pub(crate) touching: Vec<u32>,
 }
 
-/// Points that span the affine hull of a flat cloud: one more than its dimension.
+/// Points that span the affine hull of a flat cloud, by number its dimension plus one.
 pub(crate) type Span = Vec<u32>;
 
-struct Facet {
-    triangle: Triangle,
+struct HullFacet {
+    triangle: HullTriangle,
     base: Vector3<f64>,
     normal: Vector3<f64>,
-    /// `|normal . (p - base)|` above this has the right sign for every p of the cloud.
+    /// Bound above which `|normal . (p - base)|` proves the sign for every point p of the cloud.
     guard: f64,
-    /// Head of the list of points waiting here.
+    /// Head of the conflict list of this triangle.
     first: u32,
     /// Head of the list of points in the plane that are not outside.
     touching: u32,
     farthest: u32,
     height: f64,
-    /// Twice the number of the insertion that last looked at it, plus one if it was seen.
+    /// Twice the number of the last insertion that tested this triangle, plus one if the triangle
+    /// was visible.
     mark: u32,
     alive: bool,
 }
@@ -64,22 +77,24 @@ struct Hull<'a> {
     points: &'a [Vector3<f64>],
     /// Sides of the bounding box.
     sides: Vector3<f64>,
-    facets: Vec<Facet>,
+    facets: Vec<HullFacet>,
     free: Vec<u32>,
-    /// Triangles where points may wait, oldest first: the hull grows on all sides alike, which keeps horizons short.
+    /// Triangles on which points may wait, oldest first: the hull grows on all sides alike, which
+    /// keeps horizons short.
     pending: VecDeque<u32>,
-    /// The next point of the same list.
+    /// The next point of the conflict list, for each point.
     next: Vec<u32>,
     insertion: u32,
     seen: Vec<u32>,
-    /// `[from, to, unseen triangle]`.
+    /// Horizon edges as `[from, to, unseen triangle]`.
     horizon: Vec<[u32; 3]>,
     fresh: Vec<u32>,
-    /// The new triangle whose horizon edge starts at a vertex.
+    /// The new triangle whose horizon edge starts at a vertex, for each vertex.
     starting_at: Vec<u32>,
 }
 
-/// The hull of distinct points, or what they span if it is flat. `Ok(None)` cannot happen with exact signs.
+/// Returns the hull of distinct points, or as an error points that span their affine hull if it is
+/// flat. `Ok(None)` cannot happen with exact signs.
 pub(crate) fn hull(points: &[Vector3<f64>]) -> Result<Option<Surface>, Span> {
     let simplex = simplex(points)?;
     let (low, high) = bounding_box(points);
@@ -107,9 +122,9 @@ pub(crate) fn hull(points: &[Vector3<f64>]) -> Result<Option<Surface>, Span> {
 }
 
 impl Hull<'_> {
-    /// The first tetrahedron, its last vertex below the first three.
+    /// Creates the first tetrahedron; the last vertex must lie below the first three.
     fn begin(&mut self, [a, b, c, d]: [u32; 4]) {
-        // The neighbours follow from the order: 0 = abc, 1 = adb, 2 = bdc, 3 = cda.
+        // The adjacent triangles follow from the order: 0 = abc, 1 = adb, 2 = bdc, 3 = cda.
         self.create([a, b, c], [1, 2, 3]);
         self.create([a, d, b], [3, 2, 0]);
         self.create([b, d, c], [1, 3, 0]);
@@ -123,12 +138,12 @@ impl Hull<'_> {
         self.pending.extend(0..4);
     }
 
-    fn create(&mut self, v: [u32; 3], beside: [u32; 3]) -> u32 {
+    fn create(&mut self, v: [u32; 3], adjacent: [u32; 3]) -> u32 {
         let [a, b, c] = v.map(|i| self.points[i as usize]);
         let (u, w) = (b - a, c - a);
         let guard = SIDE_ERROR * products(&u, &w).dot(&self.sides) * (1.0 + SIDE_ERROR) + f64::MIN_POSITIVE;
-        let facet = Facet {
-            triangle: Triangle { v, beside },
+        let facet = HullFacet {
+            triangle: HullTriangle { v, adjacent },
             base: a,
             normal: u.cross(&w),
             guard,
@@ -151,7 +166,7 @@ impl Hull<'_> {
         }
     }
 
-    /// Height of `p` above `facet` with an exact sign (the value is a rounded one).
+    /// Returns the height of `p` above `facet`: a rounded value with an exact sign.
     #[inline]
     fn height(&self, facet: u32, p: u32) -> f64 {
         let f = &self.facets[facet as usize];
@@ -164,10 +179,11 @@ impl Hull<'_> {
     }
 
     #[cold]
-    fn exact_height(&self, f: &Facet, p: u32) -> f64 {
+    fn exact_height(&self, f: &HullFacet, p: u32) -> f64 {
         let [a, b, c] = f.triangle.v.map(|i| &self.points[i as usize]);
         let p = &self.points[p as usize];
-        // Where every term vanishes by itself (axis-parallel planes) the sum needs no exact arithmetic.
+        // If every term vanishes by itself (axis-parallel planes), the sum needs no exact
+        // arithmetic.
         if products(&(b - a), &(c - a)).dot(&(p - a).abs()) == 0.0 {
             0.0
         } else {
@@ -175,9 +191,11 @@ impl Hull<'_> {
         }
     }
 
-    /// Puts `p` into the list of a new triangle that it sees, if any, or else of one in whose plane it lies.
+    /// Puts `p` into the conflict list of a new triangle that it sees, if any, or else into the
+    /// list of a new triangle in whose plane it lies.
     ///
-    /// A point on the surface whose triangle goes stays on the surface only on the horizon, where a new triangle holds it.
+    /// If the triangle of a point on the surface is removed, the point stays on the surface only on
+    /// the horizon, where a new triangle holds the point.
     fn hand_over(&mut self, p: u32) {
         let mut touched = NONE;
         for k in 0..self.fresh.len() {
@@ -202,11 +220,11 @@ impl Hull<'_> {
         }
     }
 
-    /// Adds the farthest point of the list of `facet`.
+    /// Adds the farthest point of the conflict list of `facet` to the hull.
     fn add(&mut self, facet: u32) -> Option<()> {
         let apex = self.facets[facet as usize].farthest;
-        self.look(facet, apex);
-        self.raise(apex)?;
+        self.find_visible(facet, apex);
+        self.add_cone(apex)?;
         for k in 0..self.seen.len() {
             let old = &self.facets[self.seen[k] as usize];
             for mut p in [old.first, old.touching] {
@@ -226,8 +244,8 @@ impl Hull<'_> {
         Some(())
     }
 
-    /// Collects the triangles `apex` sees, starting from one of them, and the horizon.
-    fn look(&mut self, start: u32, apex: u32) {
+    /// Collects the triangles visible from `apex`, starting from one of them, and the horizon.
+    fn find_visible(&mut self, start: u32, apex: u32) {
         self.insertion += 1;
         let (unseen, seen) = (2 * self.insertion, 2 * self.insertion + 1);
         self.seen.clear();
@@ -236,8 +254,8 @@ impl Hull<'_> {
         self.facets[start as usize].mark = seen;
         let mut k = 0;
         while k < self.seen.len() {
-            let Triangle { v, beside } = self.facets[self.seen[k] as usize].triangle;
-            for (i, &other) in beside.iter().enumerate() {
+            let HullTriangle { v, adjacent } = self.facets[self.seen[k] as usize].triangle;
+            for (i, &other) in adjacent.iter().enumerate() {
                 if self.facets[other as usize].mark < unseen {
                     let sees = self.height(other, apex) > 0.0;
                     self.facets[other as usize].mark = if sees { seen } else { unseen };
@@ -253,8 +271,9 @@ impl Hull<'_> {
         }
     }
 
-    /// Replaces the triangles seen by a cone from the horizon to `apex`. `None` where the horizon is not closed.
-    fn raise(&mut self, apex: u32) -> Option<()> {
+    /// Replaces the visible triangles by a cone from the horizon to `apex`. `None` if the horizon
+    /// is not closed.
+    fn add_cone(&mut self, apex: u32) -> Option<()> {
         self.fresh.clear();
         for &f in &self.seen {
             self.facets[f as usize].alive = false;
@@ -264,28 +283,28 @@ impl Hull<'_> {
             let fresh = self.create([from, to, apex], [other, NONE, NONE]);
             let outer = &mut self.facets[other as usize].triangle;
             let slot = outer.v.iter().position(|&v| v == to)?;
-            outer.beside[slot] = fresh;
+            outer.adjacent[slot] = fresh;
             self.starting_at[from as usize] = fresh;
             self.fresh.push(fresh);
         }
         for k in 0..self.fresh.len() {
             let (fresh, to) = (self.fresh[k], self.horizon[k][1]);
             let after = self.starting_at[to as usize];
-            self.facets.get_mut(after as usize)?.triangle.beside[2] = fresh;
-            self.facets[fresh as usize].triangle.beside[1] = after;
+            self.facets.get_mut(after as usize)?.triangle.adjacent[2] = fresh;
+            self.facets[fresh as usize].triangle.adjacent[1] = after;
         }
         Some(())
     }
 
-    /// The triangles left, renumbered without gaps.
+    /// Returns the remaining triangles, renumbered without gaps.
     fn finish(self) -> Surface {
         let mut number = vec![NONE; self.facets.len()];
         let slots = number.iter_mut().zip(&self.facets).filter(|(_, f)| f.alive);
         slots.zip(0u32..).for_each(|((slot, _), count)| *slot = count);
         let alive = self.facets.iter().filter(|f| f.alive);
-        let renumber = |t: &Triangle| Triangle {
+        let renumber = |t: &HullTriangle| HullTriangle {
             v: t.v,
-            beside: t.beside.map(|b| number[b as usize]),
+            adjacent: t.adjacent.map(|b| number[b as usize]),
         };
         let mut touching = vec![NONE; self.points.len()];
         for (f, triangle) in alive.clone().zip(0u32..) {
@@ -302,21 +321,22 @@ impl Hull<'_> {
     }
 }
 
-/// Coordinate by coordinate the sum of the magnitudes of the two products in `u x v`.
+/// Returns, coordinate by coordinate, the sum of the magnitudes of the two products in `u x v`.
 #[inline]
 fn products(u: &Vector3<f64>, v: &Vector3<f64>) -> Vector3<f64> {
     let (u, v) = (u.abs(), v.abs());
     Vector3::new(u.y * v.z + u.z * v.y, u.z * v.x + u.x * v.z, u.x * v.y + u.y * v.x)
 }
 
-/// Four points that are not coplanar, the last below the first three, or a span of what there is.
+/// Returns four points not in one plane, the last below the first three, or, for a flat cloud,
+/// points that span the affine hull.
 fn simplex(points: &[Vector3<f64>]) -> Result<[u32; 4], Span> {
     let at = |i: u32| &points[i as usize];
     let all = || 0..points.len() as u32;
     if points.len() < 2 {
         return Err(all().collect());
     }
-    // Measures only propose; where the proposal is degenerate every point is tried exactly.
+    // Measures only propose; if the proposal is degenerate, every point is tried exactly.
     let a = largest(all(), |i| -at(i).x);
     let b = largest(all(), |i| (at(i) - at(a)).norm_squared());
     let b = if a == b { (a + 1) % points.len() as u32 } else { b };
@@ -338,7 +358,7 @@ fn simplex(points: &[Vector3<f64>]) -> Result<[u32; 4], Span> {
     Ok(if height(d) < 0.0 { [a, b, c, d] } else { [a, c, b, d] })
 }
 
-/// The first index of the largest measure.
+/// Returns the first index of the largest measure.
 fn largest(indices: impl Iterator<Item = u32>, measure: impl Fn(u32) -> f64) -> u32 {
     let mut best = (0, f64::NEG_INFINITY);
     for i in indices {

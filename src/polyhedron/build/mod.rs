@@ -30,18 +30,19 @@ use crate::polyhedron::plane::{plane, widest_corners};
 use crate::polyhedron::support::CubeMap;
 use crate::polyhedron::topology::Topology;
 use crate::polyhedron::{ConvexPolyhedron, Plane};
-use crate::tolerance::{COPLANAR, UNIT};
+use crate::tolerance::{COPLANAR, ROUND_UP};
+use crate::tuning::polyhedron::{FEW, FLAT};
 
-/// How many of the largest faces the flatness of the report looks across.
+/// Number of largest faces for the flatness of the report.
 const WIDTHS: usize = 8;
 
 impl ConvexPolyhedron {
-    /// The convex hull of points, in any order and any unit.
+    /// Returns the convex hull of points, in any order and any unit.
     ///
-    /// Every decision is an exact sign, so the hull is right at any aspect ratio: no extreme point is lost and none
-    /// invented. Exactly coplanar facets are one face; points that are not extreme are dropped and listed in
-    /// [`report`](Self::report). Vertices are numbered along a space-filling curve, whatever the order of the input.
-    /// Time is near `n log n`.
+    /// Every decision is an exact sign, so the hull is right at any aspect ratio: no extreme point
+    /// is lost and none invented. Exactly coplanar facets are one face; points that are not extreme
+    /// are dropped and listed in [`report`](Self::report). Vertices are numbered along a
+    /// space-filling curve, whatever the order of the input. Time is near `n log n`.
     ///
     /// ```
     /// use lin_canny::polyhedron::{BuildError, ConvexPolyhedron};
@@ -60,9 +61,9 @@ impl ConvexPolyhedron {
     ///
     /// # Errors
     ///
-    /// Fewer than four points, a coordinate that is not finite, an extent outside 1e-100..1e100, or points that are all
-    /// exactly coplanar: see [`BuildError`]. Flat bodies have constructors of their own: [`polygon`](Self::polygon),
-    /// [`segment`](Self::segment), [`point`](Self::point).
+    /// Fewer than four points, a coordinate that is not finite, an extent outside 1e-100..1e100, or
+    /// points that are all exactly coplanar: see [`BuildError`]. Flat bodies have constructors of
+    /// their own: [`polygon`](Self::polygon), [`segment`](Self::segment), [`point`](Self::point).
     #[doc(alias = "convex_hull")]
     #[doc(alias = "quickhull")]
     pub fn from_points(points: &[Point3<f64>]) -> Result<Self, BuildError> {
@@ -70,7 +71,7 @@ impl ConvexPolyhedron {
         Self::hull_of(Cloud::new(points, indices, 4)?)
     }
 
-    /// The hull of a cloud that is not flat.
+    /// Returns the hull of a cloud that is not flat.
     pub(crate) fn hull_of(cloud: Cloud) -> Result<Self, BuildError> {
         let surface = hull(&cloud.points)
             .map_err(|span| flat(&cloud, &span))?
@@ -85,13 +86,13 @@ impl ConvexPolyhedron {
         Ok(body)
     }
 
-    /// Puts a body together from the places of its vertices in the cloud and its faces by vertex number.
+    /// Assembles a body from the indices of its vertices in the cloud and its faces by vertex
+    /// number.
     pub(crate) fn assemble(cloud: &Cloud, kept: &[u32], loops: &[Vec<u32>]) -> Result<Self, BuildError> {
         let points: Vec<Vector3<f64>> = kept.iter().map(|&i| cloud.points[i as usize]).collect();
         let topology = Topology::from_loops(points.len(), loops).ok_or(BuildError::Inconsistent)?;
         let radius = points.iter().fold(0.0f64, |r, p| r.max(p.norm_squared()));
-        // Three squares, two sums and a root err by less than 3 UNIT together.
-        let radius = sqrt(radius) * (1.0 + 4.0 * UNIT);
+        let radius = sqrt(radius) * ROUND_UP;
         let (planes, areas) = planes_of(&points, loops, radius);
         let (low, high) = bounding_box(&points);
         let flatness = flatness(&points, &planes, &areas, (high - low).max());
@@ -145,7 +146,7 @@ impl ConvexPolyhedron {
             low,
             high,
             has_coplanar_neighbours,
-            fingerprint: print(cloud, kept, loops),
+            fingerprint: fingerprint_of(cloud, kept, loops),
             report,
         })
     }
@@ -166,7 +167,8 @@ impl ConvexPolyhedron {
         }
     }
 
-    /// Positive where a point in stored coordinates is in front of a face, 0 in its plane; an exact sign.
+    /// Returns an exact sign: positive if a point in stored coordinates is in front of a face, 0 in
+    /// its plane.
     pub(crate) fn face_side(&self, face: u32, p: &Vector3<f64>) -> f64 {
         let h = self.topology.rim_start(face);
         let e = self.topology.half_edge(h);
@@ -175,15 +177,15 @@ impl ConvexPolyhedron {
         side(a, b, c, p)
     }
 
-    /// Stored lengths times this are the caller's.
+    /// Returns the stored unit: stored lengths times the unit are the caller's.
     pub(crate) fn unit(&self) -> f64 {
         power_of_two(self.exponent)
     }
 }
 
-/// Vertices, scale and faces mixed into one number (Fowler, Noll and Vo's hash, by words): two bodies with the same one are the
-/// same for all practical purposes.
-fn print(cloud: &Cloud, kept: &[u32], loops: &[Vec<u32>]) -> u64 {
+/// Returns a 64-bit hash of vertices, scale and faces (Fowler, Noll and Vo's hash, by words):
+/// bodies of equal fingerprint are identical for all practical purposes.
+fn fingerprint_of(cloud: &Cloud, kept: &[u32], loops: &[Vec<u32>]) -> u64 {
     let mix = |h: u64, x: u64| {
         (h.rotate_left(29) ^ x)
             .wrapping_mul(0x0000_0100_0000_01b3)
@@ -198,7 +200,8 @@ fn print(cloud: &Cloud, kept: &[u32], loops: &[Vec<u32>]) -> u64 {
     numbers.chain(corners).fold(0, mix)
 }
 
-/// The plane of each face, and twice the area of the widest triangle on it; zeros for the null face of a segment.
+/// Returns the plane of each face, and twice the area of the widest triangle on the face; zeros for
+/// the null face of a segment.
 fn planes_of(points: &[Vector3<f64>], loops: &[Vec<u32>], radius: f64) -> (Vec<Plane>, Vec<f64>) {
     let null = Plane {
         normal: Vector3::zeros(),
@@ -214,14 +217,7 @@ fn planes_of(points: &[Vector3<f64>], loops: &[Vec<u32>], radius: f64) -> (Vec<P
     loops.iter().map(of_face).unzip()
 }
 
-/// A body is flat or long if the product of the squares of its half axes is below this part of that of a ball with the same sum: as
-/// it is for 3:3:1.
-const FLAT: f64 = 0.32;
-
-/// On bodies of so many vertices every way is short.
-const FEW: usize = 12;
-
-/// The error for a flat cloud.
+/// Returns the error for a flat cloud.
 pub(crate) fn flat(cloud: &Cloud, span: &Span) -> BuildError {
     let span: Vec<usize> = span.iter().map(|&i| cloud.source[i as usize] as usize).collect();
     BuildError::Flat {
@@ -230,7 +226,8 @@ pub(crate) fn flat(cloud: &Cloud, span: &Span) -> BuildError {
     }
 }
 
-/// Least width across the axes of the box and the largest faces, over the longest side of the box.
+/// Returns the least width along the axes of the box and the normals of the largest faces, over the
+/// longest side of the box.
 fn flatness(points: &[Vector3<f64>], planes: &[Plane], areas: &[f64], extent: f64) -> f64 {
     if extent <= 0.0 || planes.len() < 3 {
         return 0.0;

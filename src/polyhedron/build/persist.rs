@@ -1,7 +1,8 @@
-//! Bodies in files (feature `serde`): vertices and names are written, everything else is rebuilt and checked.
+//! Serialization of bodies (feature `serde`): vertices and names are written, everything else is
+//! rebuilt and checked.
 //!
-//! Rebuilding makes a hostile file harmless, and gives the same body bit for bit: origin, scale and numbering depend
-//! on the extreme points alone.
+//! Rebuilding makes a hostile file harmless, and gives the identical body bit for bit: origin,
+//! scale and numbering depend on the extreme points alone.
 
 use alloc::vec::Vec;
 use nalgebra::Point3;
@@ -13,9 +14,9 @@ use crate::polyhedron::{BuildError, BuildReport, ConvexPolyhedron};
 #[derive(Serialize, Deserialize)]
 #[serde(rename = "ConvexPolyhedron")]
 struct Stored {
-    /// In the order of their ids.
+    /// The vertices in the order of their ids.
     vertices: Vec<[f64; 3]>,
-    /// The vertices round the first side of a polygon; empty for other bodies.
+    /// The vertices of the first side of a polygon, in order; empty for other bodies.
     polygon: Vec<u32>,
     source: Vec<u32>,
     source_faces: Vec<u32>,

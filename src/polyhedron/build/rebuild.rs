@@ -1,4 +1,4 @@
-//! A body again from its vertices in order: for files and replays.
+//! Rebuilds a body from its vertices in order, for files and replays.
 
 use alloc::vec::Vec;
 use nalgebra::Point3;
@@ -6,17 +6,18 @@ use nalgebra::Point3;
 use crate::polyhedron::{BuildError, ConvexPolyhedron};
 
 impl ConvexPolyhedron {
-    /// The vertices round the first side of a polygon; empty for other bodies.
+    /// Returns the vertices of the first side of a polygon, in order; empty for other bodies.
     pub(crate) fn first_side(&self) -> Vec<u32> {
         let side = self.faces().next().filter(|_| self.face_count() == 2);
         side.map_or(Vec::new(), |f| self.face_vertices(f).map(|v| v.0).collect())
     }
 
-    /// The body whose vertices, in the order of their ids, and [`first_side`](Self::first_side) these are: the same bit
-    /// for bit, because origin, scale and numbering depend on the extreme points alone. Only names and report are lost.
+    /// Returns the body with the given vertices, in the order of their ids, and the given
+    /// [`first_side`](Self::first_side): identical bit for bit, because origin, scale and numbering
+    /// depend on the extreme points alone. Only names and report are lost.
     ///
     /// # Errors
-    /// Vertices that are not those of a body in order, or make none.
+    /// Vertices that are not the vertices of a body in order, or make no body.
     pub(crate) fn rebuilt(points: &[Point3<f64>], first_side: &[u32]) -> Result<Self, BuildError> {
         let damaged = |what| BuildError::Damaged { what };
         let body = match *points {

@@ -1,14 +1,14 @@
-//! What building a body kept, merged and dropped.
+//! The report of building a body.
 
 use alloc::vec::Vec;
 use core::fmt;
 
-/// What building a body kept, merged and dropped. Indices are the caller's, lengths in the caller's unit.
+/// The report of building a body.
 #[derive(Clone, Debug, PartialEq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct BuildReport {
-    /// Points given.
+    /// Number of points given.
     pub input_points: usize,
     /// Vertices of the body.
     pub vertices: usize,
@@ -16,24 +16,26 @@ pub struct BuildReport {
     pub edges: usize,
     /// Faces of the body.
     pub faces: usize,
-    /// `(dropped, kept)`: exactly equal points.
+    /// Exactly equal points, as `(dropped, kept)`.
     pub duplicates: Vec<(u32, u32)>,
-    /// Points dropped because they lie strictly inside.
+    /// Points dropped as strictly inside the body.
     pub interior: Vec<u32>,
-    /// Points dropped because they lie inside a face.
+    /// Points dropped as inside a face.
     pub on_faces: Vec<u32>,
-    /// Points dropped because they lie inside an edge.
+    /// Points dropped as inside an edge.
     pub on_edges: Vec<u32>,
-    /// Points no face uses (bodies from faces).
+    /// Points that no face uses (bodies from faces).
     pub unused: Vec<u32>,
     /// Triangles of the hull that were merged away into exactly coplanar faces.
     pub merged_facets: usize,
-    /// Coordinates replaced by zero: below `2^-200` of the extent, where exact arithmetic would run out of range.
+    /// Number of coordinates replaced by zero: below `2^-200` of the extent, at which exact
+    /// arithmetic would run out of range.
     pub flushed_coordinates: usize,
-    /// Thickness over longest box side, at most 1 and 0 for flat bodies: the least width across the box's axes and
-    /// across the eight largest faces, an upper estimate of the least width in any direction.
+    /// Thickness over the longest side of the box, at most 1, and 0 for flat bodies: the least
+    /// width perpendicular to the box's sides and to the eight largest faces, an upper estimate of
+    /// the least width in any direction.
     pub flatness: f64,
-    /// Largest distance of a corner from the plane of its face as given (bodies from faces).
+    /// Largest distance of a vertex from the plane of its given face (bodies from faces).
     pub non_planarity: f64,
     /// Vertices - edges + faces: 2 for every body with faces.
     pub euler_characteristic: i64,

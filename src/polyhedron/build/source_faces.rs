@@ -1,4 +1,4 @@
-//! Which of the caller's faces holds each face of the body.
+//! The caller's face for each face of a body.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -9,16 +9,18 @@ use crate::polyhedron::build::faces::Mesh;
 
 const NONE: u32 = u32::MAX;
 
-/// A corner where more faces meet than this names no candidates if another one did.
+/// A vertex of more faces than this adds no candidates if another vertex has added some.
 const CROWD: usize = 8;
 
-/// For each face of the body the caller's face that shares most corners with it, the lowest among equals. Three corners
-/// settle it; where the caller cut a face so that no piece has three, it is the piece that lies in its plane.
+/// Returns for each face of the body the caller's face with most vertices in common, the lowest
+/// index among equals. Three vertices decide; if the caller cut a face into pieces of fewer than
+/// three common vertices, the piece in the plane of the face is taken.
 ///
-/// `places` are the places of the body's vertices in the cloud, `points` those of the cloud.
+/// `places` are the indices in the cloud of the body's vertices, `points` the points of the cloud.
 pub(crate) fn source_faces(mesh: &Mesh, body: &ConvexPolyhedron, places: &[u32], points: &[Vector3<f64>]) -> Vec<u32> {
     let incidence = Incidence::new(mesh);
-    // The last face each of the caller's was compared with, and the corners they share.
+    // For each of the caller's faces the last face compared with it, and the number of shared
+    // vertices.
     let mut shared = vec![(NONE, 0u32); mesh.face_count()];
     let mut rim: Vec<u32> = Vec::new();
     let mut candidates: Vec<u32> = Vec::new();
@@ -27,7 +29,8 @@ pub(crate) fn source_faces(mesh: &Mesh, body: &ConvexPolyhedron, places: &[u32],
         rim.clear();
         candidates.clear();
         rim.extend(body.topology.rim(f).map(|h| places[body.topology.from(h) as usize]));
-        // Crowded corners, such as the apex of a cone, come last and are only looked up in the candidates known by then.
+        // Vertices of many faces, such as the apex of a cone, come last and are looked up only in
+        // the candidates known by then.
         rim.sort_by_key(|&c| incidence.faces_at(c).len());
         for &corner in &rim {
             if !candidates.is_empty() && incidence.faces_at(corner).len() > CROWD {
@@ -61,7 +64,8 @@ pub(crate) fn source_faces(mesh: &Mesh, body: &ConvexPolyhedron, places: &[u32],
     result
 }
 
-/// How far three spread corners of a caller's face reach below the plane of a face of the body.
+/// Returns how far three spread vertices of a caller's face reach below the plane of a face of the
+/// body.
 fn depth_below(corners: &[u32], body: &ConvexPolyhedron, face: u32, points: &[Vector3<f64>]) -> f64 {
     let plane = &body.planes[face as usize];
     let spread = [0, 1, 2].map(|k| corners[k * corners.len() / 3]);
@@ -69,10 +73,10 @@ fn depth_below(corners: &[u32], body: &ConvexPolyhedron, face: u32, points: &[Ve
     depths.into_iter().fold(0.0, f64::max)
 }
 
-/// Which of the caller's faces meet at each place, both ways.
+/// The caller's faces at each point of the cloud, and the points of each face.
 struct Incidence<'a> {
     mesh: &'a Mesh,
-    /// Corners of each face in rising order, laid out as in the mesh.
+    /// Vertices of each face in rising order, laid out as in the mesh.
     sorted: Vec<u32>,
     first: Vec<u32>,
     faces: Vec<u32>,

@@ -13,8 +13,9 @@
 
 use nalgebra::Vector3;
 
-use crate::polyhedron::topology::LARGE;
 use crate::polyhedron::{ConvexPolyhedron, Feature};
+use crate::tuning::polyhedron::LARGE;
+use crate::tuning::walk::SPAN;
 
 /// A large ring of a body, as a curve.
 #[derive(Clone, Copy)]
@@ -266,9 +267,6 @@ fn last_true(most: usize, holds: impl Fn(usize) -> bool) -> usize {
     }
     low
 }
-
-/// A fit spans this fraction of a ring to each side: one in `SPAN`.
-const SPAN: usize = 256;
 
 impl ConvexPolyhedron {
     /// Returns the location of a feature relative to a large ring, if the feature touches one.

@@ -17,26 +17,9 @@ use crate::pair::face::{Face, FaceLocation};
 use crate::pair::outcome::Outcome;
 use crate::pair::posed::PosedPair;
 use crate::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, Feature, FeaturePair, VertexId};
+use crate::tuning::walk::{BISECTIONS, CLOSE, DAMPING, REACH, STEPS, TRIES};
 use crate::walk::rings::cholesky::{Four, System};
 use crate::walk::rings::curve::{ParabolaFit, RingCurve, RingLocation};
-
-/// Newton steps per jump.
-const STEPS: usize = 3;
-
-/// Relative damping that makes second derivatives positive if they are not.
-const DAMPING: f64 = 1.0 / 1024.0;
-
-/// Newton's method stops after a step shorter than this.
-const CLOSE: f64 = 1.0 / 8.0;
-
-/// Limit of attempts: a jump that leads no closer is cut to a quarter for the next attempt.
-const TRIES: u32 = 3;
-
-/// Bisections for the point at which a curve leaves a face.
-const BISECTIONS: u32 = 8;
-
-/// Limit of `x` on a parabola, in units of the length of the fit.
-const REACH: f64 = 12.0;
 
 /// The feature of one body as a smooth set of points.
 enum Side<'a> {
