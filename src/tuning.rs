@@ -124,8 +124,8 @@ pub(crate) mod depth {
     pub(crate) const FEW_TRIANGLES: usize = 2;
 
     /// Surfaces of up to this many points are scanned for a point, hardly slower than hashing.
-    /// Equal to [`MAX_TRIANGLES`], the size for which trackers reserve memory, so that queries allocate
-    /// nothing.
+    /// Equal to [`MAX_TRIANGLES`], the size for which trackers reserve memory, so that queries
+    /// allocate nothing.
     pub(crate) const SCANNED: usize = MAX_TRIANGLES;
 
     /// Points that may come twice before a surface counts as folded and the next arithmetic takes
