@@ -129,14 +129,14 @@ fn functions_are_short() {
 }
 
 /// What the code of a folder may name of the crate.
-const MAY_USE: [(&str, &[&str]); 14] = [
+const MAY_USE: [(&str, &[&str]); 16] = [
     ("tolerance", &[]),
     ("scalar", &["tolerance"]),
     ("double_double", &["scalar", "tolerance"]),
     ("lanes", &[]),
     ("pose", &["lanes", "tolerance"]),
     // Poses, velocities and displacements: no body.
-    ("motion", &["pose", "scalar", "tolerance"]),
+    ("motion", &["motion", "pose", "scalar", "double_double", "tolerance"]),
     // The box of a placed body turns by a pose's matrix.
     (
         "polyhedron",
@@ -193,6 +193,13 @@ const MAY_USE: [(&str, &[&str]); 14] = [
     ),
     // One tracker, and how far its bodies have moved.
     ("watch", &["tracker", "closest", "motion", "polyhedron", "pose"]),
+    // A pair of any shapes over time: the plane knows no shape, the pair of polyhedra a tracker.
+    (
+        "separation",
+        &["separation", "tracker", "closest", "motion", "polyhedron", "pose", "scalar", "tolerance"],
+    ),
+    // Time of impact: motions and the seam, no shape.
+    ("impact", &["impact", "separation", "motion", "closest", "pose", "tolerance"]),
     // Where all meets.
     (
         "scene",

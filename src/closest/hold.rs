@@ -22,6 +22,11 @@ impl Hold {
         Some(Self(kept.map(|c| [c.a, c.b])))
     }
 
+    /// Four pairs of vertices, of A and of B, that may hold the origin between their differences.
+    pub(crate) fn guess(corners: [[u32; 2]; 4]) -> Self {
+        Self(corners)
+    }
+
     /// Whether the bodies are overlapping for the same reason; then the answer, which is as good as the solver's.
     #[inline]
     pub(crate) fn proves(&self, placed: &Placed, outcome: &mut Outcome) -> bool {

@@ -1,7 +1,7 @@
 //! A query that stops at the class of an overlap, and what is decided from its outcome: what predicates and scenes ask.
 
 use super::{Tracker, clear_of, give_back};
-use crate::closest::hold;
+use crate::closest::hold::{self, Hold};
 use crate::closest::outcome::{Class, Distance, Level, Outcome};
 use crate::closest::placed::Placed;
 use crate::penetration::Memory;
@@ -70,6 +70,11 @@ impl Tracker {
         } else {
             self.decide_within(a, b, a_from_b, d)
         }
+    }
+
+    /// Lets the next query without depth begin with an expectation of an overlap.
+    pub(crate) fn expect(&mut self, hold: Hold) {
+        self.hold = Some(hold);
     }
 
     /// Triangles of what is kept of an overlap.
