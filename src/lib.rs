@@ -234,6 +234,7 @@ mod pose;
 mod replay;
 mod scalar;
 pub mod scene;
+pub mod schedule;
 pub mod separation;
 mod soundness;
 pub mod tolerance;

@@ -338,3 +338,7 @@ pub(crate) const HEIGHT: f64 = 8.0 * UNIT;
 /// Squares and products of the flight of two balls err by at most 10 UNIT of the squares of their distance and of the sum of their
 /// radii; this much, `2^-40`, is counted to the square of the radii, and settles the signs and the root that follow.
 pub(crate) const BALLS: f64 = 1.0 / (1u64 << 40) as f64;
+
+/// A number of ticks is taken this much too small, relatively, `2^-30`: a quotient errs by UNIT, and a clock that adds up ticks by
+/// UNIT a tick, of which there are fewer than `2^20` in any bound worth having.
+pub(crate) const TICK: f64 = 1.0 / (1u64 << 30) as f64;

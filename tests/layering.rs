@@ -129,7 +129,7 @@ fn functions_are_short() {
 }
 
 /// What the code of a folder may name of the crate.
-const MAY_USE: [(&str, &[&str]); 16] = [
+const MAY_USE: [(&str, &[&str]); 17] = [
     ("tolerance", &[]),
     ("scalar", &["tolerance"]),
     ("double_double", &["scalar", "tolerance"]),
@@ -198,6 +198,8 @@ const MAY_USE: [(&str, &[&str]); 16] = [
         "separation",
         &["separation", "tracker", "closest", "motion", "polyhedron", "pose", "scalar", "tolerance"],
     ),
+    // Ids, ticks and bounds only.
+    ("schedule", &["tolerance"]),
     // Time of impact: motions and the seam, no shape.
     ("impact", &["impact", "separation", "motion", "closest", "pose", "tolerance"]),
     // Where all meets.

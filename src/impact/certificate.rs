@@ -106,3 +106,35 @@ where
         certificate(free.span, free.proof)
     })
 }
+
+/// Returns until when shapes that overlap now, at least `depth` deep, are proven to overlap still: the begin of the interval if
+/// nothing is proven.
+///
+/// A motion that moves no point of one shape, seen from the other, by more than `m` changes the depth by at most `m`.
+///
+/// # Errors
+/// An interval or a depth that is none, or a motion that leaves the range of poses.
+pub fn held_until<S, A, B>(
+    pair: &S,
+    motion_a: &A,
+    motion_b: &B,
+    interval: (f64, f64),
+    depth: f64,
+) -> Result<f64, ImpactError>
+where
+    S: Separation + ?Sized,
+    A: Motion + ?Sized,
+    B: Motion + ?Sized,
+{
+    check(interval)?;
+    if !(depth >= 0.0 && depth < f64::INFINITY) {
+        return Err(ImpactError::Size {
+            what: "depth",
+            value: depth,
+        });
+    }
+    let (from, end) = interval;
+    let (_, flight) = flight(motion_a, motion_b, from, end, 0.0)?;
+    let span = flight.held(pair, depth);
+    Ok(if span >= flight.span { end } else { later(from, span).clamp(from, end) })
+}

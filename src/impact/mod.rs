@@ -61,7 +61,7 @@ use crate::pose::PoseError;
 use crate::separation::{Measure, Separation};
 
 use cast::Search;
-pub use certificate::{Certificate, free_until};
+pub use certificate::{Certificate, free_until, held_until};
 
 /// How wide the bracket of a hit may be.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -65,3 +65,30 @@ pub(super) fn apart<S: Separation + ?Sized>(pair: &S, flight: &Flight) -> Apart 
         noise,
     }
 }
+
+/// For how long no point of a shape moves, seen from the other, by as much as `way`.
+pub(super) fn held<S: Separation + ?Sized>(pair: &S, flight: &Flight, way: f64) -> f64 {
+    let (a, b) = (&flight.course_a, &flight.course_b);
+    let (radius_a, _) = about(pair, Which::A, &flight.pose_a, a);
+    let (radius_b, _) = about(pair, Which::B, &flight.pose_b, b);
+    let drift = a.drift(radius_a) + b.drift(radius_b);
+    let push = (b.acceleration - a.acceleration).norm();
+    let pace = (b.linear - a.linear).norm() + radius_a * a.angular.norm() + radius_b * b.angular.norm();
+    // Over the whole span, then over what that left: drifts and pushes grow with the span they are counted for.
+    let mut span = flight.span;
+    for _ in 0..3 {
+        let left = way * (1.0 - PLANE) - drift.at(span) - 0.5 * push * span * span;
+        let held = if left <= 0.0 {
+            0.0
+        } else if pace * span <= left {
+            return span;
+        } else {
+            left / pace * (1.0 - ROOT)
+        };
+        if held > 0.0 {
+            return held;
+        }
+        span *= 0.25;
+    }
+    0.0
+}

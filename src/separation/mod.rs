@@ -169,6 +169,11 @@ impl Flight {
     pub(crate) fn apart<S: Separation + ?Sized>(&self, pair: &S) -> balls::Apart {
         balls::apart(pair, self)
     }
+
+    /// Returns for how long no point of a shape moves, seen from the other, by as much as `way`.
+    pub(crate) fn held<S: Separation + ?Sized>(&self, pair: &S, way: f64) -> f64 {
+        balls::held(pair, self, way)
+    }
 }
 
 impl Measure {
