@@ -110,7 +110,10 @@ fn judge(bodies: &[Body], plate: &Body, speed: f64, throws: usize) -> Result<([[
             }
         }
         let nlerp = Nlerp::new(&start, &end, STEP, Point3::origin())?;
-        let swept = matches!(cast(&mut new(), &nlerp, &rest, (0.0, STEP), fine)?.impact, Impact::Hit { .. });
+        let swept = matches!(
+            cast(&mut new(), &nlerp, &rest, (0.0, STEP), fine)?.impact,
+            Impact::Hit { .. }
+        );
         let vector = |v: Vector3<f64>| [v.x, v.y, v.z].into();
         let flown = Flight {
             hull: &body.hull,
@@ -146,7 +149,10 @@ fn main() -> Result<(), Trouble> {
     ];
     let plate = body(&shapes::cuboid([0.001, 0.15, 0.15]).points)?;
     println!("hits missed, of {} steps a speed (m/s), in per cent\n", options.throws);
-    println!("{:>6}{:>7}{:>11}{:>14}{:>18}{:>15}", "speed", "hits", WAYS[0], WAYS[1], WAYS[2], WAYS[3]);
+    println!(
+        "{:>6}{:>7}{:>11}{:>14}{:>18}{:>15}",
+        "speed", "hits", WAYS[0], WAYS[1], WAYS[2], WAYS[3]
+    );
     let mut lines = vec![vec![]; WAYS.len()];
     let mut wrong = 0;
     for speed in SPEEDS {

@@ -43,8 +43,12 @@ fn main() -> ExitCode {
 
 /// The numbers of a text, which spaces and commas separate.
 fn numbers(text: &str) -> Result<Vec<f64>, Trouble> {
-    let words = text.split(|c: char| c == ',' || c.is_whitespace()).filter(|w| !w.is_empty());
-    words.map(|w| w.parse().map_err(|_| format!("{w} is no number").into())).collect()
+    let words = text
+        .split(|c: char| c == ',' || c.is_whitespace())
+        .filter(|w| !w.is_empty());
+    words
+        .map(|w| w.parse().map_err(|_| format!("{w} is no number").into()))
+        .collect()
 }
 
 /// A hull or, of points that have none, a polygon, a segment or a point.
@@ -68,7 +72,10 @@ fn motion(text: &str) -> Result<Steady, Trouble> {
     };
     let turn = UnitQuaternion::new_normalize(Quaternion::new(qw, qx, qy, qz));
     let start = Isometry3::from_parts(Vector3::new(x, y, z).into(), turn);
-    Ok(Steady::new(&start, Velocity::new(Vector3::new(vx, vy, vz), Vector3::new(wx, wy, wz)))?)
+    Ok(Steady::new(
+        &start,
+        Velocity::new(Vector3::new(vx, vy, vz), Vector3::new(wx, wy, wz)),
+    )?)
 }
 
 fn answer(line: &str) -> Result<String, Trouble> {
@@ -80,7 +87,13 @@ fn answer(line: &str) -> Result<String, Trouble> {
     let (motion_a, motion_b) = (motion(motion_a)?, motion(motion_b)?);
     let (end, tolerance): (f64, f64) = (end.trim().parse()?, tolerance.trim().parse()?);
     let mut pair = PolyhedronPair::new(&a, &b);
-    let found = cast(&mut pair, &motion_a, &motion_b, (0.0, end), Tolerance::Distance(tolerance))?;
+    let found = cast(
+        &mut pair,
+        &motion_a,
+        &motion_b,
+        (0.0, end),
+        Tolerance::Distance(tolerance),
+    )?;
     Ok(match found.impact {
         Impact::Hit { safe, hit, .. } => format!("hit {safe:.17e} {hit:.17e}"),
         Impact::Miss => "miss".into(),

@@ -68,13 +68,24 @@ impl Swarm {
         let mut rng = Rng::new(19);
         // Two parts in a hundred of the cube are filled by balls of radius one.
         let half = 0.5 * (count as f64 * 4.19 / 0.02).cbrt();
-        let mut swarm = Self { shapes: vec![], poses: vec![], velocities: vec![], half };
+        let mut swarm = Self {
+            shapes: vec![],
+            poses: vec![],
+            velocities: vec![],
+            half,
+        };
         for k in 0..count {
-            swarm.shapes.push(solids::random_hull(32, Vector3::repeat(1.0), k as u64)?);
+            swarm
+                .shapes
+                .push(solids::random_hull(32, Vector3::repeat(1.0), k as u64)?);
             let place = Vector3::from_fn(|_, _| rng.range(-half, half));
-            swarm.poses.push(Isometry3::from_parts(place.into(), lab::casts::rotation(&mut rng)));
+            swarm
+                .poses
+                .push(Isometry3::from_parts(place.into(), lab::casts::rotation(&mut rng)));
             let linear = Vector3::from(rng.in_ball()) * 8.0;
-            swarm.velocities.push(Velocity::new(linear, Vector3::from(rng.in_ball()) * 6.0));
+            swarm
+                .velocities
+                .push(Velocity::new(linear, Vector3::from(rng.in_ball()) * 6.0));
         }
         Ok(swarm)
     }
@@ -155,9 +166,19 @@ fn main() -> Result<(), Trouble> {
         }
     }
     let pairs = u64::from(n) * u64::from(n - 1) / 2;
-    println!("{} bodies, {} ticks at {} Hz: {events} overlaps began or ended", n, options.ticks, options.rate);
-    println!("looks: {total} of {} (every pair, every tick); of pairs apart {}", pairs * options.ticks, looks.len());
-    println!("ticks at which the overlaps differ from brute force: {differences}; overlapping at the end: {}", truth.len());
+    println!(
+        "{} bodies, {} ticks at {} Hz: {events} overlaps began or ended",
+        n, options.ticks, options.rate
+    );
+    println!(
+        "looks: {total} of {} (every pair, every tick); of pairs apart {}",
+        pairs * options.ticks,
+        looks.len()
+    );
+    println!(
+        "ticks at which the overlaps differ from brute force: {differences}; overlapping at the end: {}",
+        truth.len()
+    );
     let dots = looks.iter().filter_map(|(pair, tick)| {
         let after = |list: &BTreeMap<(u32, u32), Vec<u64>>| {
             let next = list.get(pair)?.iter().find(|t| *t > tick)?;

@@ -196,12 +196,24 @@ const MAY_USE: [(&str, &[&str]); 17] = [
     // A pair of any shapes over time: the plane knows no shape, the pair of polyhedra a tracker.
     (
         "separation",
-        &["separation", "tracker", "closest", "motion", "polyhedron", "pose", "scalar", "tolerance"],
+        &[
+            "separation",
+            "tracker",
+            "closest",
+            "motion",
+            "polyhedron",
+            "pose",
+            "scalar",
+            "tolerance",
+        ],
     ),
     // Ids, ticks and bounds only.
     ("schedule", &["tolerance"]),
     // Time of impact: motions and the seam, no shape.
-    ("impact", &["impact", "separation", "motion", "closest", "pose", "tolerance"]),
+    (
+        "impact",
+        &["impact", "separation", "motion", "closest", "pose", "tolerance"],
+    ),
     // Where all meets.
     (
         "scene",

@@ -49,9 +49,13 @@ fn check(rng: &mut Rng, motion: &impl Motion, truth: &impl Motion, latest: f64, 
         let constant = course.shift.0[0] + radius * course.turn.0[0];
         // What the model here is rounded by itself.
         let own = 1e-15 * radius * (1.0 + course.angular.norm() * s);
-        assert!(off.norm() <= bound + own, "{} exceeds {bound:e} after {s}: {course:?}", off.norm());
+        assert!(
+            off.norm() <= bound + own,
+            "{} exceeds {bound:e} after {s}: {course:?}",
+            off.norm()
+        );
         if bound < 2.0 * constant {
-            used.rounding = used.rounding.max(off.norm() / bound);
+            used.rounding = used.rounding.max(off.norm() / (bound + own));
         } else {
             used.whole = used.whole.max(off.norm() / bound);
         }
@@ -69,7 +73,11 @@ fn steady_motions_keep_to_their_courses() {
     for k in 0..3000 {
         let spin = rng.log_range(1e-3, 600.0);
         let velocity = Velocity::new(vector(&mut rng, 5.0), Vector3::from(rng.unit()) * spin);
-        let pivot = if k % 2 == 0 { Point3::origin() } else { vector(&mut rng, 4.0).into() };
+        let pivot = if k % 2 == 0 {
+            Point3::origin()
+        } else {
+            vector(&mut rng, 4.0).into()
+        };
         let mut motion = Steady::about(&pose(&mut rng), pivot, velocity).expect("a motion");
         if k % 3 == 0 {
             motion = motion.accelerated(vector(&mut rng, 9.8)).expect("an acceleration");
@@ -77,7 +85,7 @@ fn steady_motions_keep_to_their_courses() {
         check(&mut rng, &motion, &motion, 1.0, &mut used);
     }
     // The bound of rounding is used to a good part, and never left.
-    assert!((0.05..1.0).contains(&used.rounding) && used.way > 0.9, "{used:?}");
+    assert!((0.05..=1.0).contains(&used.rounding) && used.way > 0.9, "{used:?}");
 }
 
 /// Motions whose accelerations differ from what is known by as much as is allowed.
@@ -92,7 +100,13 @@ fn open_motions_keep_to_their_courses() {
         let nominal = Steady::new(&start, Velocity::new(vector(&mut rng, 5.0), axis * spin)).expect("a motion");
         let (push, twist) = (vector(&mut rng, 1.0).normalize() * 4.0, rng.range(-2.0, 2.0));
         let open = nominal.within(4.0, 2.0).expect("bounds");
-        let truth = Pushed { nominal, axis, start, push, twist };
+        let truth = Pushed {
+            nominal,
+            axis,
+            start,
+            push,
+            twist,
+        };
         check(&mut rng, &open, &truth, 1.0, &mut used);
     }
     assert!(used.whole > 0.9 && used.whole <= 1.0, "{used:?}");
@@ -142,9 +156,17 @@ fn sweeps_keep_to_their_courses_and_ends() {
         }
         // Both are the same half way.
         let (p, q) = (slerp.pose(0.5 * duration), nlerp.pose(0.5 * duration));
-        assert!((p.rotation.coords - q.rotation.coords).norm().min((p.rotation.coords + q.rotation.coords).norm()) < 1e-14);
+        assert!(
+            (p.rotation.coords - q.rotation.coords)
+                .norm()
+                .min((p.rotation.coords + q.rotation.coords).norm())
+                < 1e-14
+        );
     }
-    assert!(lerps.whole > 0.3 && lerps.way > 0.9 && slerps.way > 0.9, "{lerps:?} {slerps:?}");
+    assert!(
+        lerps.whole > 0.3 && lerps.way > 0.9 && slerps.way > 0.9,
+        "{lerps:?} {slerps:?}"
+    );
 }
 
 #[test]
@@ -168,11 +190,29 @@ fn a_screw_stays_on_its_line() {
 fn numbers_that_are_no_motion_are_refused() {
     let one = Isometry3::identity();
     let nan = Velocity::new(Vector3::new(0.0, f64::NAN, 0.0), Vector3::zeros());
-    assert!(matches!(Steady::new(&one, nan), Err(MotionError::Value { what: "linear velocity", .. })));
+    assert!(matches!(
+        Steady::new(&one, nan),
+        Err(MotionError::Value {
+            what: "linear velocity",
+            ..
+        })
+    ));
     let far = Velocity::new(Vector3::zeros(), Vector3::x() * 1e101);
-    assert!(matches!(Steady::new(&one, far), Err(MotionError::Value { what: "angular velocity", .. })));
-    assert!(matches!(Nlerp::new(&one, &one, 0.0, Point3::origin()), Err(MotionError::Size { .. })));
-    assert!(matches!(Steady::between(&one, &one, -1.0, Point3::origin()), Err(MotionError::Size { .. })));
+    assert!(matches!(
+        Steady::new(&one, far),
+        Err(MotionError::Value {
+            what: "angular velocity",
+            ..
+        })
+    ));
+    assert!(matches!(
+        Nlerp::new(&one, &one, 0.0, Point3::origin()),
+        Err(MotionError::Size { .. })
+    ));
+    assert!(matches!(
+        Steady::between(&one, &one, -1.0, Point3::origin()),
+        Err(MotionError::Size { .. })
+    ));
     assert!(Steady::screw(&one, &Point3::origin(), &Vector3::zeros(), 1.0, 1.0).is_err());
     let rest = Steady::new(&one, Velocity::default()).expect("rest is a motion");
     assert!(rest.within(-1.0, 0.0).is_err() && rest.accelerated(Vector3::repeat(f64::INFINITY)).is_err());
@@ -180,5 +220,8 @@ fn numbers_that_are_no_motion_are_refused() {
         Translation3::identity(),
         UnitQuaternion::new_unchecked(Quaternion::new(1.1, 0.0, 0.0, 0.0)),
     );
-    assert!(matches!(Steady::new(&long, Velocity::default()), Err(MotionError::Pose(_))));
+    assert!(matches!(
+        Steady::new(&long, Velocity::default()),
+        Err(MotionError::Pose(_))
+    ));
 }

@@ -14,11 +14,11 @@ use lab::parry::casts::{Flight, SLOP, linear, nonlinear, sweep};
 use lab::parry::{self, ParryPose};
 use lab::progress::Progress;
 use lab::rng::Rng;
+use lin_canny::ConvexPolyhedron;
 use lin_canny::impact::{Cast, Impact, Tolerance, cast};
 use lin_canny::motion::{Motion, Nlerp, Steady};
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::separation::PolyhedronPair;
-use lin_canny::ConvexPolyhedron;
 
 use crate::common::{Options, Rows};
 
@@ -48,7 +48,13 @@ enum Engine {
 }
 
 impl Engine {
-    const ALL: [Engine; 5] = [Engine::Ours, Engine::D3, Engine::Sweep, Engine::Nonlinear, Engine::Linear];
+    const ALL: [Engine; 5] = [
+        Engine::Ours,
+        Engine::D3,
+        Engine::Sweep,
+        Engine::Nonlinear,
+        Engine::Linear,
+    ];
 
     fn name(self) -> &'static str {
         match self {
@@ -91,7 +97,9 @@ impl Case {
         let motions = throw.motions();
         let ends = [0, 1].map(|k| [motions[k].pose(0.0), motions[k].pose(1.0)]);
         let sweeps = ends.map(|[p, q]| Nlerp::new(&p, &q, 1.0, Point3::origin()));
-        let [Ok(sweep_a), Ok(sweep_b)] = sweeps else { return None };
+        let [Ok(sweep_a), Ok(sweep_b)] = sweeps else {
+            return None;
+        };
         let new = || PolyhedronPair::new(&bodies[0], &bodies[1]);
         Some(Self {
             pair,
@@ -125,7 +133,10 @@ impl Case {
         match engine {
             Engine::Ours => {
                 let mut ours = PolyhedronPair::new(a, b);
-                match cast(&mut ours, &self.motions[0], &self.motions[1], (0.0, 1.0), TOLERANCE).ok()?.impact {
+                match cast(&mut ours, &self.motions[0], &self.motions[1], (0.0, 1.0), TOLERANCE)
+                    .ok()?
+                    .impact
+                {
                     Impact::Hit { hit, .. } => Some(hit),
                     Impact::Miss => None,
                     _ => Some(0.0),
@@ -170,8 +181,14 @@ fn pairs(shape: &str, n: usize, rng: &mut Rng) -> Option<Vec<Pair>> {
 fn faults(engine: Engine, cases: &[Case], pairs: &[Pair]) -> (usize, usize, usize) {
     let (mut missed, mut late, mut hits) = (0, 0, 0);
     for case in cases {
-        let truth = if engine == Engine::Sweep { case.swept } else { case.truth };
-        let Impact::Hit { hit, .. } = truth.impact else { continue };
+        let truth = if engine == Engine::Sweep {
+            case.swept
+        } else {
+            case.truth
+        };
+        let Impact::Hit { hit, .. } = truth.impact else {
+            continue;
+        };
         hits += 1;
         match case.ask(engine, pairs) {
             None => missed += 1,
@@ -219,7 +236,11 @@ fn race(o: &Options, (scene, turn): (&'static str, f64), shape: &'static str, n:
     let mut notes = String::new();
     for engine in Engine::ALL {
         let runs = engine != Engine::Linear || turn == 0.0;
-        let few = if engine == Engine::Nonlinear || engine == Engine::Sweep && n > 512 { &cases[..cases.len() / 4] } else { &cases[..] };
+        let few = if engine == Engine::Nonlinear || engine == Engine::Sweep && n > 512 {
+            &cases[..cases.len() / 4]
+        } else {
+            &cases[..]
+        };
         if !runs {
             print!("{:>17}", "-");
             continue;

@@ -114,7 +114,12 @@ pub fn advance(bodies: [&ConvexPolyhedron; 2], throw: &Throw, tolerance: f64, li
     let motions = throw.motions();
     let [va, vb] = throw.velocity;
     // The axis as each body sees it.
-    let swings = [0, 1].map(|k| swing(bodies[k], &(throw.start[k].rotation.inverse() * throw.velocity[k].angular)));
+    let swings = [0, 1].map(|k| {
+        swing(
+            bodies[k],
+            &(throw.start[k].rotation.inverse() * throw.velocity[k].angular),
+        )
+    });
     let mut tracker = Tracker::new();
     let mut time = 0.0;
     for queries in 1..=limit {
@@ -130,7 +135,11 @@ pub fn advance(bodies: [&ConvexPolyhedron; 2], throw: &Throw, tolerance: f64, li
             + va.angular.cross(&n).norm() * swings[0]
             + vb.angular.cross(&n).norm() * swings[1];
         // The last factor covers rounding: distances here are within 1e-13 of the size.
-        let step = if speed > 0.0 { 0.99999 * seen.lower / speed } else { f64::INFINITY };
+        let step = if speed > 0.0 {
+            0.99999 * seen.lower / speed
+        } else {
+            f64::INFINITY
+        };
         if time + step > 1.0 {
             return (Advance::Miss, queries);
         }

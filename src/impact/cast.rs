@@ -72,7 +72,10 @@ impl<S: Separation + ?Sized, A: Motion + ?Sized, B: Motion + ?Sized> Search<'_, 
                     Impact::Start { seen }
                 } else {
                     debug_assert!(false, "a pair proven apart meets at {time}, look {look}: {seen:?}");
-                    Impact::Near { safe: time, distance: seen.upper }
+                    Impact::Near {
+                        safe: time,
+                        distance: seen.upper,
+                    }
                 });
             }
             match self.step(time, &seen, flight, apart.noise, &mut shrunk)? {

@@ -84,7 +84,11 @@ where
     let (relative, flight) = flight(motion_a, motion_b, from, end, distance)?;
     let certificate = |span: f64, proof: Proof| Certificate {
         from,
-        until: if span >= flight.span { end } else { later(from, span).clamp(from, end) },
+        until: if span >= flight.span {
+            end
+        } else {
+            later(from, span).clamp(from, end)
+        },
         distance,
         proof,
     };
@@ -136,5 +140,9 @@ where
     let (from, end) = interval;
     let (_, flight) = flight(motion_a, motion_b, from, end, 0.0)?;
     let span = flight.held(pair, depth);
-    Ok(if span >= flight.span { end } else { later(from, span).clamp(from, end) })
+    Ok(if span >= flight.span {
+        end
+    } else {
+        later(from, span).clamp(from, end)
+    })
 }

@@ -43,7 +43,10 @@ impl Nlerp {
         RelativePose::new(from, to)?;
         positive("duration", duration)?;
         in_range("pivot", &pivot.coords)?;
-        let (first, last) = (normalised(&from.rotation.into_inner()), normalised(&to.rotation.into_inner()));
+        let (first, last) = (
+            normalised(&from.rotation.into_inner()),
+            normalised(&to.rotation.into_inner()),
+        );
         let last = if first.dot(&last) < 0.0 { -last } else { last };
         let mut way = to.translation.vector - from.translation.vector;
         if pivot != Point3::origin() {

@@ -81,12 +81,19 @@ impl Steady {
         RelativePose::new(from, to)?;
         positive("duration", duration)?;
         in_range("pivot", &pivot.coords)?;
-        let (first, last) = (normalised(&from.rotation.into_inner()), normalised(&to.rotation.into_inner()));
+        let (first, last) = (
+            normalised(&from.rotation.into_inner()),
+            normalised(&to.rotation.into_inner()),
+        );
         let turn = last * first.conjugate();
         let turn = if turn.w < 0.0 { -turn } else { turn };
         let sine = sqrt(turn.imag().norm_squared());
         // Of small angles the vector part is the half angle itself.
-        let per_sine = if sine > 0.0 { 2.0 * libm::atan2(sine, turn.w) / sine } else { 2.0 };
+        let per_sine = if sine > 0.0 {
+            2.0 * libm::atan2(sine, turn.w) / sine
+        } else {
+            2.0
+        };
         let mut way = to.translation.vector - from.translation.vector;
         if pivot != Point3::origin() {
             way += turned(&last, &pivot.coords) - turned(&first, &pivot.coords);
@@ -135,7 +142,10 @@ impl Steady {
     /// # Errors
     /// A bound that is negative or not finite.
     pub fn within(self, linear: f64, angular: f64) -> Result<Self, MotionError> {
-        for (what, value) in [("bound of acceleration", linear), ("bound of angular acceleration", angular)] {
+        for (what, value) in [
+            ("bound of acceleration", linear),
+            ("bound of angular acceleration", angular),
+        ] {
             if !(value >= 0.0 && value <= EXTENT_MAX) {
                 return Err(MotionError::Size { what, value });
             }

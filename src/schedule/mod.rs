@@ -152,7 +152,11 @@ impl Schedule {
             if self.pairs.get(&(a, b)) == Some(&since) {
                 self.wake_at((a, b), self.now.saturating_add(1));
                 let epochs = self.epochs_of((a, b));
-                return Some(Due { pair: (a, b), since, epochs });
+                return Some(Due {
+                    pair: (a, b),
+                    since,
+                    epochs,
+                });
             }
         }
         None
@@ -176,7 +180,11 @@ impl Schedule {
         self.pairs.insert(pair, tick);
         self.heap.push(Reverse((tick, pair.0, pair.1)));
         if self.heap.len() > 4 * self.pairs.len() + SPARE {
-            self.heap = self.pairs.iter().map(|(&(a, b), &tick)| Reverse((tick, a, b))).collect();
+            self.heap = self
+                .pairs
+                .iter()
+                .map(|(&(a, b), &tick)| Reverse((tick, a, b)))
+                .collect();
         }
     }
 
@@ -221,7 +229,12 @@ mod tests {
 
     impl Plain {
         fn due(&self, now: u64) -> Vec<(u32, u32)> {
-            let mut due: Vec<_> = self.wake.iter().filter(|(_, w)| **w <= now).map(|(&p, &w)| (w, p)).collect();
+            let mut due: Vec<_> = self
+                .wake
+                .iter()
+                .filter(|(_, w)| **w <= now)
+                .map(|(&p, &w)| (w, p))
+                .collect();
             due.sort_unstable();
             due.into_iter().map(|(_, p)| p).collect()
         }
@@ -295,7 +308,13 @@ mod tests {
         assert_eq!(ticks(1.0, 0.25), 3);
         assert_eq!(ticks(1.0 + 1e-9, 0.25), 4);
         assert_eq!(ticks(f64::INFINITY, 0.25), u64::MAX);
-        for nothing in [ticks(f64::NAN, 1.0), ticks(-1.0, 1.0), ticks(1.0, 0.0), ticks(1.0, -1.0), ticks(1.0, f64::NAN)] {
+        for nothing in [
+            ticks(f64::NAN, 1.0),
+            ticks(-1.0, 1.0),
+            ticks(1.0, 0.0),
+            ticks(1.0, -1.0),
+            ticks(1.0, f64::NAN),
+        ] {
             assert_eq!(nothing, 0);
         }
         let mut schedule = Schedule::new();

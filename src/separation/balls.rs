@@ -24,7 +24,12 @@ pub(crate) struct Apart {
 fn about<S: Separation + ?Sized>(pair: &S, of: Which, pose: &Isometry3<f64>, course: &Course) -> (f64, Vector3<f64>) {
     let (centre, radius) = pair.ball(of);
     let arm = centre - course.pivot;
-    let radius = radius + if arm == Vector3::zeros() { 0.0 } else { arm.norm() * (1.0 + PLANE) };
+    let radius = radius
+        + if arm == Vector3::zeros() {
+            0.0
+        } else {
+            arm.norm() * (1.0 + PLANE)
+        };
     let lever = if course.pivot.coords == Vector3::zeros() {
         Vector3::zeros()
     } else {

@@ -75,7 +75,12 @@ mod tests {
         let mut rng = Rng::new(7);
         let (mut whole, mut tight, mut dips) = (0, 0, 0);
         for _ in 0..20_000 {
-            let c = [rng.log_range(1e-9, 1.0), rng.range(-1.0, 1.0), rng.range(-1.0, 1.0), rng.range(-1.0, 1.0)];
+            let c = [
+                rng.log_range(1e-9, 1.0),
+                rng.range(-1.0, 1.0),
+                rng.range(-1.0, 1.0),
+                rng.range(-1.0, 1.0),
+            ];
             let bound = positive_until(c);
             let root = (0..=1000).map(|k| f64::from(k) / 1000.0).find(|&x| value(&c, x) <= 0.0);
             let root = root.unwrap_or(1.0);

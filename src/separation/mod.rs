@@ -15,7 +15,7 @@ mod polyhedra;
 
 use nalgebra::{Isometry3, Point3, Unit, Vector3};
 
-use crate::closest::outcome::{Class, Outcome};
+use crate::closest::outcome::{Class, Layer, Outcome};
 use crate::motion::Course;
 use crate::polyhedron::FeaturePair;
 use crate::pose::{RelativePose, Which};
@@ -86,6 +86,8 @@ pub struct Measure {
     pub normal: Unit<Vector3<f64>>,
     /// How the direction turns as the shapes move.
     pub tangent: Tangent,
+    /// Whether the shapes are proven `lower` apart along this very `normal`, as they are by its supporting planes.
+    pub by_plane: bool,
 }
 
 /// How the closest direction of a pair turns with its shapes, to first order. Not a matter of soundness: a tangent
@@ -190,6 +192,7 @@ impl Measure {
             point_on_b: outcome.point_on_b,
             normal: outcome.normal,
             tangent,
+            by_plane: outcome.class == Class::Separated && matches!(outcome.layer, Layer::Walk | Layer::Restart),
         }
     }
 }

@@ -53,11 +53,18 @@ const FAR: f64 = 0.05;
 pub(super) fn free_for<S: Separation + ?Sized>(pair: &mut S, seen: &Measure, flight: &Flight) -> Free {
     let setting = Setting::new(pair, flight);
     let normal = setting.a.rotation * seen.normal.into_inner();
-    let spin = setting.spin(&normal, &seen.tangent);
-    let mut best = (setting.reach(pair, &normal, &spin), spin);
     let still = Vector3::zeros();
+    if seen.by_plane && setting.a.rate == 0.0 && setting.b.rate == 0.0 {
+        return Free {
+            span: setting.shifted(&normal, seen.lower),
+            proof: Proof::Plane { normal, spin: still },
+        };
+    }
+    let at = (setting.a.height(pair, &normal), setting.b.height(pair, &-normal));
+    let spin = setting.spin(&normal, &seen.tangent);
+    let mut best = (setting.reach(pair, &normal, &spin, &at), spin);
     if best.0 < flight.span && spin != still && seen.lower - flight.keep > FAR * (setting.a.reach + setting.b.reach) {
-        let reach = setting.reach(pair, &normal, &still);
+        let reach = setting.reach(pair, &normal, &still, &at);
         if reach > best.0 {
             best = (reach, still);
         }
@@ -73,7 +80,10 @@ pub(super) fn forecast<S: Separation + ?Sized>(pair: &S, seen: &Measure, flight:
     let set = Setting::new(pair, flight);
     let normal = set.a.rotation * seen.normal.into_inner();
     let spin = set.spin(&normal, &seen.tangent);
-    let (turn_a, turn_b) = (set.a.turn(&normal, &spin, spin.norm()), set.b.turn(&normal, &spin, spin.norm()));
+    let (turn_a, turn_b) = (
+        set.a.turn(&normal, &spin, spin.norm()),
+        set.b.turn(&normal, &spin, spin.norm()),
+    );
     let on_a = set.a.rotation * (seen.point_on_a - flight.course_a.pivot);
     let on_b = set.b.rotation * (seen.point_on_b - flight.course_b.pivot);
     let [_, f1, f2] = set.way(&normal, &spin);
@@ -107,6 +117,9 @@ struct Side {
     rate: f64,
 }
 
+/// Heights of both shapes along the normal, and their points.
+type Heights = ((f64, Vector3<f64>), (f64, Vector3<f64>));
+
 /// How the direction turns as a shape sees it: first and second derivative, and a bound of the third.
 struct Turn {
     /// Whether it does not turn at all.
@@ -135,7 +148,10 @@ impl Side {
     fn height<S: Separation + ?Sized>(&self, pair: &mut S, direction: &Vector3<f64>) -> (f64, Vector3<f64>) {
         let own = self.rotation.tr_mul(direction);
         let support = pair.support(self.which, &own);
-        (support.height + own.dot(&self.arm), self.rotation * (support.point + self.arm))
+        (
+            support.height + own.dot(&self.arm),
+            self.rotation * (support.point + self.arm),
+        )
     }
 
     fn turn(&self, n: &Vector3<f64>, spin: &Vector3<f64>, spin_rate: f64) -> Turn {
@@ -181,7 +197,8 @@ impl<'a> Setting<'a> {
         let offset = flight.pose_b.translation.vector - flight.pose_a.translation.vector;
         let (pivot_a, pivot_b) = (course_a.pivot.coords, course_b.pivot.coords);
         let between = offset + (b.rotation * pivot_b - a.rotation * pivot_a);
-        let size = a.reach + b.reach + one_norm(&offset) + 2.0 * (one_norm(&pivot_a) + one_norm(&pivot_b)) + flight.keep;
+        let size =
+            a.reach + b.reach + one_norm(&offset) + 2.0 * (one_norm(&pivot_a) + one_norm(&pivot_b)) + flight.keep;
         Self {
             between,
             velocity: course_b.linear - course_a.linear,
@@ -218,7 +235,7 @@ impl<'a> Setting<'a> {
     }
 
     /// For how long a plane proves the shapes apart.
-    fn reach<S: Separation + ?Sized>(&self, pair: &mut S, n: &Vector3<f64>, spin: &Vector3<f64>) -> f64 {
+    fn reach<S: Separation + ?Sized>(&self, pair: &mut S, n: &Vector3<f64>, spin: &Vector3<f64>, at: &Heights) -> f64 {
         let spin_rate = spin.norm();
         let plane = Plane {
             setting: self,
@@ -228,10 +245,37 @@ impl<'a> Setting<'a> {
             spin_rate,
             rate: spin_rate + self.a.rate.max(self.b.rate),
             way: self.way(n, spin),
-            at_a: self.a.height(pair, n),
-            at_b: self.b.height(pair, &-n),
+            at_a: &at.0,
+            at_b: &at.1,
         };
         plane.reach(pair)
+    }
+
+    /// For how long shapes that do not turn are apart along a normal along which they are a gap apart now: a parabola, exactly.
+    fn shifted(&self, n: &Vector3<f64>, gap: f64) -> f64 {
+        let span = self.flight.span;
+        let (slope, bend) = (n.dot(&self.velocity), n.dot(&self.acceleration));
+        let ways = |length: f64| length * (one_norm(&self.velocity) + length * one_norm(&self.acceleration));
+        let [d0, d1, d2, d3] = self.drift.0;
+        let reach = |length: f64| {
+            let taken = PLANE * (self.size + ways(length)) + self.flight.keep + d0;
+            let way = |k: f64| slope * length * (k / 3.0);
+            let (square, cube) = (
+                0.5 * (bend - d2) * length * length,
+                d3 * length * length * length * (1.0 / 6.0),
+            );
+            let b0 = gap - taken;
+            let late = d1 * length;
+            let part = positive_until([
+                b0,
+                b0 + way(1.0) - late * (1.0 / 3.0),
+                b0 + way(2.0) - late * (2.0 / 3.0) + square * (1.0 / 3.0),
+                b0 + way(3.0) - late + square - cube,
+            ]);
+            part * length
+        };
+        let length = span.min(AHEAD * time_to(gap, slope, bend));
+        if length < f64::INFINITY { reach(length) } else { 0.0 }
     }
 
     /// `n(s) . (dc + dv s + da s^2 / 2)` and its first two derivatives.
@@ -255,8 +299,8 @@ struct Plane<'a> {
     /// No direction turns faster as either shape sees it.
     rate: f64,
     way: [f64; 3],
-    at_a: (f64, Vector3<f64>),
-    at_b: (f64, Vector3<f64>),
+    at_a: &'a (f64, Vector3<f64>),
+    at_b: &'a (f64, Vector3<f64>),
 }
 
 impl Plane<'_> {

@@ -4,6 +4,7 @@ use nalgebra::{Point3, Vector3};
 
 use super::{Measure, Separation, Support, Tangent};
 use crate::closest::hold::Hold;
+use crate::polyhedron::support::Extreme;
 use crate::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, Feature};
 use crate::pose::{RelativePose, Which};
 use crate::scalar::sqrt;
@@ -36,6 +37,13 @@ pub struct PolyhedronPair<'a> {
     tracker: Tracker,
 }
 
+/// Bodies of so few vertices are scanned whole: that needs no proof, and no time for ties.
+const FEW: usize = 24;
+
+/// A direction nearer to the normal of a face than this, as a 1-norm, has the height of the face's plane and what the difference
+/// makes of it. Not a matter of soundness.
+const FLUSH: f64 = 1.0 / (1u64 << 40) as f64;
+
 /// A body, a ball about it, and the vertex of the last support.
 #[derive(Clone, Debug)]
 struct Body<'a> {
@@ -45,6 +53,8 @@ struct Body<'a> {
     centre: Point3<f64>,
     radius: f64,
     hint: u32,
+    /// The face of the last measure.
+    face: Option<u32>,
 }
 
 impl<'a> Body<'a> {
@@ -63,20 +73,61 @@ impl<'a> Body<'a> {
             centre: Point3::from(middle * shape.unit() + shape.origin),
             radius: radius * shape.unit(),
             hint: 0,
+            face: None,
         }
     }
 
     #[inline]
     fn support(&mut self, direction: &Vector3<f64>) -> Support {
-        let highest = self.shape.extreme(direction, self.hint);
+        let highest = self.highest(direction);
         self.hint = highest.vertex;
-        let length = direction.x.abs() + direction.y.abs() + direction.z.abs();
+        let length = one_norm(direction);
         let height = highest.value - direction.dot(&self.middle) + HEIGHT * length * self.shape.radius;
         let unit = self.shape.unit();
         Support {
             height: height * unit,
             point: (self.shape.points[highest.vertex as usize] - self.middle) * unit,
         }
+    }
+
+    /// The highest vertex in stored coordinates, and a height that no vertex exceeds but for rounding.
+    #[inline]
+    fn highest(&self, direction: &Vector3<f64>) -> Extreme {
+        let points = &self.shape.points;
+        if points.len() <= FEW {
+            let first = Extreme {
+                vertex: 0,
+                value: f64::NEG_INFINITY,
+            };
+            return (0..).zip(points).fold(first, |best, (vertex, p)| {
+                let value = direction.dot(p);
+                if value > best.value {
+                    Extreme { vertex, value }
+                } else {
+                    best
+                }
+            });
+        }
+        if let Some(face) = self.face {
+            let plane = &self.shape.planes[face as usize];
+            let off = one_norm(&(direction - plane.normal));
+            if off < FLUSH {
+                return Extreme {
+                    vertex: self.hint,
+                    value: plane.offset + off * self.shape.radius,
+                };
+            }
+        }
+        self.shape.extreme(direction, self.hint)
+    }
+
+    /// Takes note of the feature that was measured, and a vertex of it.
+    fn note(&mut self, feature: Feature, vertex: u32) {
+        self.hint = vertex;
+        self.face = match feature {
+            Feature::Face(face) => Some(face.0),
+            _ => None,
+        };
     }
 
     fn edge(&self, edge: EdgeId) -> [u32; 2] {
@@ -195,8 +246,12 @@ impl Separation for PolyhedronPair<'_> {
     fn measure(&mut self, a_from_b: &RelativePose) -> Measure {
         let outcome = self.tracker.look(self.a.shape, self.b.shape, a_from_b, false);
         let (on_a, on_b) = outcome.features.vertices_of(self.a.shape, self.b.shape);
-        (self.a.hint, self.b.hint) = (on_a, on_b);
-        Measure::new(&outcome, self.tangent(outcome.features.a, outcome.features.b))
+        self.a.note(outcome.features.a, on_a);
+        self.b.note(outcome.features.b, on_b);
+        let mut seen = Measure::new(&outcome, self.tangent(outcome.features.a, outcome.features.b));
+        // Of bodies that are stored in other units the normal was turned once more.
+        seen.by_plane &= self.a.shape.exponent == self.b.shape.exponent;
+        seen
     }
 
     /// By [`Tracker::intersects`] and [`Tracker::within`]: without the feature `exact`, ties count as met.
@@ -216,4 +271,9 @@ impl Separation for PolyhedronPair<'_> {
         let body = if of == Which::A { &mut self.a } else { &mut self.b };
         body.support(direction)
     }
+}
+
+/// The sum of the absolute coordinates: no less than the length.
+fn one_norm(v: &Vector3<f64>) -> f64 {
+    v.x.abs() + v.y.abs() + v.z.abs()
 }

@@ -39,9 +39,16 @@ fn a_rod_spins_into_a_wall() {
         let spin = if k % 3 == 0 { 1.0 } else { -1.0 };
         let throw = Throw {
             start: [at(0.0, 0.0, 0.0), start],
-            velocity: [Velocity::new(drift, Vector3::zeros()), Velocity::new(drift, Vector3::z() * spin)],
+            velocity: [
+                Velocity::new(drift, Vector3::zeros()),
+                Velocity::new(drift, Vector3::z() * spin),
+            ],
         };
-        let (throw, pair) = if k % 5 == 0 { (throw.swapped(), [&rod, &wall]) } else { (throw, [&wall, &rod]) };
+        let (throw, pair) = if k % 5 == 0 {
+            (throw.swapped(), [&rod, &wall])
+        } else {
+            (throw, [&wall, &rod])
+        };
         let cast = Judge::new(pair, throw, format!("rod {k}")).cast(FINE, 100, 1.0, &mut tally);
         let reach = 1e-3 + gap;
         // sin t + 1e-3 cos t = reach
@@ -65,7 +72,13 @@ fn bullets_do_not_pass_through_plates() {
     let mut tally = Tally::default();
     let plate = solid(&shapes::cuboid([1e-3, 0.5, 0.5]).points);
     for k in 0..300 {
-        let bullet = solid(&shapes::sphere(&mut rng, 16).points.iter().map(|p| p.map(|x| 0.005 * x)).collect::<Vec<_>>());
+        let bullet = solid(
+            &shapes::sphere(&mut rng, 16)
+                .points
+                .iter()
+                .map(|p| p.map(|x| 0.005 * x))
+                .collect::<Vec<_>>(),
+        );
         let speed = rng.range(100.0, 1000.0);
         let spin = Vector3::from(rng.unit()) * rng.range(0.0, 500.0);
         let start = Isometry3::from_parts(Vector3::new(-20.0, 0.1, -0.2).into(), rotation(&mut rng));
@@ -90,14 +103,25 @@ fn bodies_carried_along_never_meet() {
         // As a rigid whole: B turns about A's origin.
         let start = [at(0.0, 0.0, 0.0), at(1.7, 0.0, 0.0)];
         let ma = Steady::new(&start[0], Velocity::new(Vector3::zeros(), spin)).expect("a motion");
-        let mb = Steady::about(&start[1], Point3::new(-1.7, 0.0, 0.0), Velocity::new(Vector3::zeros(), spin)).expect("a motion");
+        let mb = Steady::about(
+            &start[1],
+            Point3::new(-1.7, 0.0, 0.0),
+            Velocity::new(Vector3::zeros(), spin),
+        )
+        .expect("a motion");
         let mut pair = PolyhedronPair::new(&a, &b);
         let found = cast(&mut pair, &ma, &mb, (0.0, 1.0), FINE).expect("a cast");
-        let throw = Throw { start, velocity: [rest(), rest()] };
+        let throw = Throw {
+            start,
+            velocity: [rest(), rest()],
+        };
         if Judge::new([&a, &b], throw, String::new()).meets(&mut lin_canny::Tracker::new(), 0.0) {
             continue;
         }
-        assert!(found.impact == Impact::Miss && found.queries <= 3, "carried {k}: {found:?}");
+        assert!(
+            found.impact == Impact::Miss && found.queries <= 3,
+            "carried {k}: {found:?}"
+        );
         let alike = Velocity::new(Vector3::from(rng.in_ball()) * 50.0, Vector3::zeros());
         let away = Velocity::new(alike.linear + Vector3::x(), Vector3::zeros());
         for velocity in [[alike, alike], [alike, away]] {
@@ -126,7 +150,10 @@ fn gears_turn_a_hair_apart() {
         };
         Judge::new([&gear, &gear], throw, format!("gears {k}")).cast(FINE, 2000, 100.0, &mut tally);
     }
-    assert!(tally.hits > 10 && tally.misses > 0 && tally.near + tally.unknown == 0, "{tally:?}");
+    assert!(
+        tally.hits > 10 && tally.misses > 0 && tally.near + tally.unknown == 0,
+        "{tally:?}"
+    );
 }
 
 /// Between a hit and a miss by bisection: the grazing motion, to the last bits.
@@ -135,7 +162,10 @@ fn grazing_motions_are_hits_misses_or_near() {
     let mut rng = Rng::new(1913);
     let mut tally = Tally::default();
     for k in 0..60 {
-        let (a, b) = (body(["sphere", "box", "rods"][k % 3], 8, &mut rng), body("sphere", 8, &mut rng));
+        let (a, b) = (
+            body(["sphere", "box", "rods"][k % 3], 8, &mut rng),
+            body("sphere", 8, &mut rng),
+        );
         let throw = aimed(&mut rng, (radius(&a), radius(&b)), 1.0);
         let shifted = |aside: f64| {
             let mut t = throw;
@@ -154,11 +184,21 @@ fn grazing_motions_are_hits_misses_or_near() {
         }
         for _ in 0..44 {
             let middle = 0.5 * (hit + miss);
-            if is_hit(middle, &mut tally) { hit = middle } else { miss = middle }
+            if is_hit(middle, &mut tally) {
+                hit = middle
+            } else {
+                miss = middle
+            }
         }
     }
     eprintln!("{tally:?}");
-    assert!(tally.hits > 400 && tally.misses > 400 && tally.near < 200, "{} {} {}", tally.hits, tally.misses, tally.near);
+    assert!(
+        tally.hits > 400 && tally.misses > 400 && tally.near < 200,
+        "{} {} {}",
+        tally.hits,
+        tally.misses,
+        tally.near
+    );
     assert_eq!(tally.unknown, 0);
 }
 
@@ -172,7 +212,9 @@ fn contact_at_the_ends_is_contact() {
     };
     let ask = |x: f64, v: f64| {
         let [a, b] = throw(x, v).motions();
-        cast(&mut PolyhedronPair::new(&cube, &cube), &a, &b, (0.0, 1.0), FINE).expect("a cast").impact
+        cast(&mut PolyhedronPair::new(&cube, &cube), &a, &b, (0.0, 1.0), FINE)
+            .expect("a cast")
+            .impact
     };
     assert!(matches!(ask(2.0, 1.0), Impact::Start { .. }));
     assert!(matches!(ask(1.5, 1.0), Impact::Start { .. }));
@@ -195,13 +237,19 @@ fn brackets_are_as_narrow_as_asked() {
             let [ma, mb] = throw.motions();
             let mut pair = PolyhedronPair::new(&a, &b);
             let by_time = cast(&mut pair, &ma, &mb, (0.0, 1.0), Tolerance::Time(tolerance)).expect("a cast");
-            let Impact::Hit { safe, hit, .. } = by_time.impact else { continue };
+            let Impact::Hit { safe, hit, .. } = by_time.impact else {
+                continue;
+            };
             widths.push(hit - safe);
             late += u32::from(hit - safe > tolerance);
         }
         widths.sort_by(f64::total_cmp);
         let n = widths.len();
-        eprintln!("{tolerance:e}: median {:e} p99 {:e} of {n}, {late} wider", widths[n / 2], widths[n * 99 / 100]);
+        eprintln!(
+            "{tolerance:e}: median {:e} p99 {:e} of {n}, {late} wider",
+            widths[n / 2],
+            widths[n * 99 / 100]
+        );
         assert!(n > 100 && late <= 2 + n as u32 / 50 && widths[n / 2] < tolerance);
     }
 }
@@ -211,12 +259,21 @@ fn brackets_are_as_narrow_as_asked() {
 fn within_a_distance() {
     let cube = solid(&shapes::cuboid([1.0, 1.0, 1.0]).points);
     let a = Steady::new(&at(0.0, 0.0, 0.0), rest()).expect("a motion");
-    let b = Steady::new(&at(5.0, 0.3, 0.2), Velocity::new(Vector3::x() * -2.0, Vector3::x() * 0.4)).expect("a motion");
+    let b = Steady::new(
+        &at(5.0, 0.3, 0.2),
+        Velocity::new(Vector3::x() * -2.0, Vector3::x() * 0.4),
+    )
+    .expect("a motion");
     for (distance, expected) in [(0.5, 1.25), (1.0, 1.0), (0.0, 1.5)] {
         let mut pair = PolyhedronPair::new(&cube, &cube);
         let found = cast_within(&mut pair, &a, &b, (0.0, 2.0), FINE, distance).expect("a cast");
-        let Impact::Hit { safe, hit, .. } = found.impact else { panic!("{found:?}") };
-        assert!(safe <= expected && expected <= hit + 1e-15 && hit - safe < 1e-9, "{safe} {expected} {hit}");
+        let Impact::Hit { safe, hit, .. } = found.impact else {
+            panic!("{found:?}")
+        };
+        assert!(
+            safe <= expected && expected <= hit + 1e-15 && hit - safe < 1e-9,
+            "{safe} {expected} {hit}"
+        );
     }
     let mut pair = PolyhedronPair::new(&cube, &cube);
     let found = cast_within(&mut pair, &a, &b, (0.0, 1.0), FINE, 0.9).expect("a cast");
@@ -265,10 +322,16 @@ fn what_is_no_question_is_refused() {
     let a = Steady::new(&at(0.0, 0.0, 0.0), rest()).expect("a motion");
     let mut pair = PolyhedronPair::new(&cube, &cube);
     for interval in [(1.0, 0.0), (f64::NAN, 1.0), (0.0, f64::INFINITY)] {
-        assert!(matches!(cast(&mut pair, &a, &a, interval, FINE), Err(ImpactError::Interval { .. })));
+        assert!(matches!(
+            cast(&mut pair, &a, &a, interval, FINE),
+            Err(ImpactError::Interval { .. })
+        ));
     }
     let bad = Tolerance::Time(-1.0);
-    assert!(matches!(cast(&mut pair, &a, &a, (0.0, 1.0), bad), Err(ImpactError::Size { .. })));
+    assert!(matches!(
+        cast(&mut pair, &a, &a, (0.0, 1.0), bad),
+        Err(ImpactError::Size { .. })
+    ));
     assert!(cast_within(&mut pair, &a, &a, (0.0, 1.0), FINE, f64::NAN).is_err());
     let found = cast(&mut pair, &a, &a, (0.5, 0.5), FINE).expect("a cast");
     assert!(matches!(found.impact, Impact::Start { .. }));

@@ -60,7 +60,12 @@ pub(crate) struct Judge<'a> {
 impl<'a> Judge<'a> {
     pub(crate) fn new(bodies: [&'a ConvexPolyhedron; 2], throw: Throw, name: String) -> Self {
         let motions = throw.motions();
-        Self { bodies, motions, throw, name }
+        Self {
+            bodies,
+            motions,
+            throw,
+            name,
+        }
     }
 
     pub(crate) fn pair(&self) -> PolyhedronPair<'a> {
@@ -79,7 +84,11 @@ impl<'a> Judge<'a> {
         let evenly = (0..instants).map(|k| safe * k as f64 / instants as f64);
         let nearer = (0..30).map(|k| safe - safe * 0.5f64.powi(2 * k));
         for time in evenly.chain(nearer).chain([safe]) {
-            assert!(!self.meets(&mut tracker, time), "{}: contact at {time}, safe {safe}", self.name);
+            assert!(
+                !self.meets(&mut tracker, time),
+                "{}: contact at {time}, safe {safe}",
+                self.name
+            );
         }
     }
 

@@ -16,7 +16,11 @@ pub(crate) fn bodies(rng: &mut Rng) -> Vec<ConvexPolyhedron> {
     let mut all: Vec<_> = SHAPES.iter().map(|s| casts::body(s, 8, rng)).collect();
     all.extend(["sphere", "flat", "plates"].map(|s| casts::body(s, 32, rng)));
     all.push(casts::body("sphere", 128, rng));
-    let tiny: Vec<_> = lab::shapes::sphere(rng, 12).points.iter().map(|p| p.map(|x| 1e-3 * x)).collect();
+    let tiny: Vec<_> = lab::shapes::sphere(rng, 12)
+        .points
+        .iter()
+        .map(|p| p.map(|x| 1e-3 * x))
+        .collect();
     all.push(casts::solid(&tiny));
     all
 }
@@ -48,11 +52,24 @@ fn throws(seed: u64, count: u64, instants: usize) -> Tally {
 fn still(rng: &mut Rng, throw: &mut Throw) {
     let [a, b] = throw.velocity;
     match rng.below(10) {
-        0 => throw.velocity = [Default::default(), lin_canny::Velocity::new(b.linear - a.linear, b.angular)],
-        1 => throw.velocity = [lin_canny::Velocity::new(a.linear - b.linear, a.angular), Default::default()],
+        0 => {
+            throw.velocity = [
+                Default::default(),
+                lin_canny::Velocity::new(b.linear - a.linear, b.angular),
+            ]
+        }
+        1 => {
+            throw.velocity = [
+                lin_canny::Velocity::new(a.linear - b.linear, a.angular),
+                Default::default(),
+            ]
+        }
         2 => throw.velocity[1].linear = a.linear,
         3 => throw.velocity[0].angular = b.angular,
-        4 => throw.start[1].translation.vector += 0.7 * (throw.start[0].translation.vector - throw.start[1].translation.vector),
+        4 => {
+            throw.start[1].translation.vector +=
+                0.7 * (throw.start[0].translation.vector - throw.start[1].translation.vector)
+        }
         _ => {}
     }
 }
@@ -61,7 +78,10 @@ fn still(rng: &mut Rng, throw: &mut Throw) {
 fn casts_are_never_late_and_never_miss() {
     let tally = throws(1905, 20_000, 100);
     eprintln!("{tally:?}");
-    assert!(tally.hits > 6_000 && tally.misses > 5_000 && tally.starts > 20, "{tally:?}");
+    assert!(
+        tally.hits > 6_000 && tally.misses > 5_000 && tally.starts > 20,
+        "{tally:?}"
+    );
     assert!(tally.near + tally.unknown <= 2, "{tally:?}");
     let [slow, fast] = tally.medians();
     assert!(slow <= 5 && fast <= 7, "queries a hit: {slow} {fast}");

@@ -12,8 +12,14 @@ use lin_canny::{ConvexPolyhedron, Velocity};
 /// The gap along `n` of the world, over all vertices.
 fn gap(a: &ConvexPolyhedron, pa: &Isometry3<f64>, b: &ConvexPolyhedron, pb: &Isometry3<f64>, n: &Vector3<f64>) -> f64 {
     let offset = pb.translation.vector - pa.translation.vector;
-    let high = a.vertex_points().map(|p| n.dot(&(pa.rotation * p.coords))).fold(f64::NEG_INFINITY, f64::max);
-    let low = b.vertex_points().map(|p| n.dot(&(pb.rotation * p.coords))).fold(f64::INFINITY, f64::min);
+    let high = a
+        .vertex_points()
+        .map(|p| n.dot(&(pa.rotation * p.coords)))
+        .fold(f64::NEG_INFINITY, f64::max);
+    let low = b
+        .vertex_points()
+        .map(|p| n.dot(&(pb.rotation * p.coords)))
+        .fold(f64::INFINITY, f64::min);
     n.dot(&offset) + low - high
 }
 
@@ -49,11 +55,18 @@ fn judge<A: Motion, B: Motion>(
         gap(a, &ma.pose(t), b, &mb.pose(t), &n)
     };
     for k in 0..=40 {
-        let t = if k == 40 { until } else { from + (until - from) * f64::from(k) / 40.0 };
+        let t = if k == 40 {
+            until
+        } else {
+            from + (until - from) * f64::from(k) / 40.0
+        };
         let g = at(t);
         assert!(g > distance, "{g} at {t} of {certificate:?}");
         let by_supports = certificate.gap(&mut pair, ma, mb, t).expect("a plane");
-        assert!((g - by_supports).abs() < 1e-12 * (1.0 + radius(a) + radius(b) + 10.0), "{g} {by_supports}");
+        assert!(
+            (g - by_supports).abs() < 1e-12 * (1.0 + radius(a) + radius(b) + 10.0),
+            "{g} {by_supports}"
+        );
     }
     if until == 1.0 {
         seen.whole += 1;
@@ -91,7 +104,13 @@ fn planes_hold_over_all_vertices() {
         judge((&a, &b), (&ma, &mb), from, distance, &mut seen);
     }
     let part = median(&mut seen.part);
-    let Seen { planes, balls, whole, cut, .. } = seen;
+    let Seen {
+        planes,
+        balls,
+        whole,
+        cut,
+        ..
+    } = seen;
     eprintln!("{planes} planes, {balls} by balls, {whole} to the end, {cut} cut, median part {part}");
     assert!(planes > 4_000 && cut > 1_500 && whole > 300 && part > 0.75);
 }
@@ -109,7 +128,9 @@ fn planes_hold_for_every_motion() {
         let [va, vb] = throw.velocity;
         let [sa, sb] = throw.start;
         let push = Vector3::from(rng.in_ball()) * 5.0;
-        let ma = Steady::about(&sa, pivot, va).and_then(|m| m.accelerated(push)).expect("a motion");
+        let ma = Steady::about(&sa, pivot, va)
+            .and_then(|m| m.accelerated(push))
+            .expect("a motion");
         let from = rng.range(0.0, 0.9);
         if k % 2 == 0 {
             let mb = Steady::new(&sb, vb).and_then(|m| m.within(0.3, 0.2)).expect("a motion");
