@@ -62,16 +62,16 @@ pub(super) fn free_for<S: Separation + ?Sized>(pair: &mut S, seen: &Measure, fli
     }
     let at = (setting.a.height(pair, &normal), setting.b.height(pair, &-normal));
     let spin = setting.spin(&normal, &seen.tangent);
-    let mut best = (setting.reach(pair, &normal, &spin, &at), spin);
-    if best.0 < flight.span && spin != still && seen.lower - flight.keep > FAR * (setting.a.reach + setting.b.reach) {
-        let reach = setting.reach(pair, &normal, &still, &at);
-        if reach > best.0 {
-            best = (reach, still);
+    let (mut plane, mut chosen) = (setting.plane(&normal, &spin, &at), spin);
+    if spin != still && seen.lower - flight.keep > FAR * (setting.a.reach + setting.b.reach) {
+        let other = setting.plane(&normal, &still, &at);
+        if other.ahead > plane.ahead {
+            (plane, chosen) = (other, still);
         }
     }
     Free {
-        span: best.0,
-        proof: Proof::Plane { normal, spin: best.1 },
+        span: plane.reach(pair),
+        proof: Proof::Plane { normal, spin: chosen },
     }
 }
 
@@ -234,10 +234,10 @@ impl<'a> Setting<'a> {
         }
     }
 
-    /// For how long a plane proves the shapes apart.
-    fn reach<S: Separation + ?Sized>(&self, pair: &mut S, n: &Vector3<f64>, spin: &Vector3<f64>, at: &Heights) -> f64 {
+    /// The plane that turns at a rate, and how far ahead of it is worth a try.
+    fn plane<'b>(&'b self, n: &'b Vector3<f64>, spin: &Vector3<f64>, at: &'b Heights) -> Plane<'b> {
         let spin_rate = spin.norm();
-        let plane = Plane {
+        let mut plane = Plane {
             setting: self,
             n,
             turn_a: self.a.turn(n, spin, spin_rate),
@@ -247,8 +247,14 @@ impl<'a> Setting<'a> {
             way: self.way(n, spin),
             at_a: &at.0,
             at_b: &at.1,
+            gap: 0.0,
+            ahead: 0.0,
         };
-        plane.reach(pair)
+        plane.gap = plane.way[0] - at.0.0 - at.1.0 - plane.taken(0.0);
+        if plane.gap > 0.0 {
+            plane.ahead = plane.shortened(self.flight.span.min(AHEAD * plane.expected()));
+        }
+        plane
     }
 
     /// For how long shapes that do not turn are apart along a normal along which they are a gap apart now: a parabola, exactly.
@@ -301,22 +307,16 @@ struct Plane<'a> {
     way: [f64; 3],
     at_a: &'a (f64, Vector3<f64>),
     at_b: &'a (f64, Vector3<f64>),
+    /// The gap at the instant, less what is taken off it.
+    gap: f64,
+    /// The interval of the first try; zero if there is no gap.
+    ahead: f64,
 }
 
 impl Plane<'_> {
     fn reach<S: Separation + ?Sized>(&self, pair: &mut S) -> f64 {
-        let span = self.setting.flight.span;
-        let gap = self.way[0] - self.at_a.0 - self.at_b.0 - self.taken(0.0);
-        if !(gap > 0.0) {
-            return 0.0;
-        }
-        let mut length = span.min(AHEAD * self.expected(gap));
-        if !(length < f64::INFINITY) {
-            return 0.0;
-        }
-        let mut best = 0.0;
+        let (mut length, mut best) = (self.ahead, 0.0);
         for _ in 0..TRIES {
-            length = self.shortened(gap, length);
             if !(length > best) {
                 break;
             }
@@ -329,7 +329,7 @@ impl Plane<'_> {
             if part >= ENOUGH {
                 break;
             }
-            length = 2.0 * proven;
+            length = self.shortened(2.0 * proven);
         }
         best
     }
@@ -342,11 +342,11 @@ impl Plane<'_> {
     }
 
     /// When the present support points would meet the plane from both sides; infinite if never.
-    fn expected(&self, gap: f64) -> f64 {
+    fn expected(&self) -> f64 {
         let (a, b) = (&self.at_a.1, &self.at_b.1);
         let slope = self.way[1] - self.turn_a.first.dot(a) + self.turn_b.first.dot(b);
         let bend = self.way[2] - self.turn_a.second.dot(a) + self.turn_b.second.dot(b);
-        time_to(gap, slope, bend)
+        time_to(self.gap, slope, bend)
     }
 
     /// Bound of the third derivative of the gap over an interval.
@@ -359,10 +359,10 @@ impl Plane<'_> {
         (of_way + set.a.reach * self.turn_a.third + set.b.reach * self.turn_b.third) * (1.0 + PLANE)
     }
 
-    /// The interval, cut until the remainder of Taylor's theorem is no more than twice the gap.
-    fn shortened(&self, gap: f64, length: f64) -> f64 {
-        let mut length = length;
-        while self.third(length) * length * length * length > 12.0 * gap {
+    /// The interval, cut until the remainder of Taylor's theorem is no more than twice the gap; zero for one without end.
+    fn shortened(&self, length: f64) -> f64 {
+        let mut length = if length < f64::INFINITY { length } else { 0.0 };
+        while self.third(length) * length * length * length > 12.0 * self.gap {
             length *= 0.75;
         }
         length
