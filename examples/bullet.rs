@@ -25,7 +25,7 @@ use lin_canny::{ConvexPolyhedron, RelativePose, Tracker, Velocity};
 type Trouble = Box<dyn std::error::Error>;
 
 const STEP: f64 = 1.0 / 60.0;
-const SPEEDS: [f64; 7] = [1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1000.0];
+const SPEEDS: [f64; 7] = [10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0];
 const WAYS: [&str; 4] = ["discrete", "parry sweep", "parry nonlinear", "impact::cast"];
 
 struct Options {

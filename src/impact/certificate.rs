@@ -76,7 +76,7 @@ where
     B: Motion + ?Sized,
 {
     check(interval)?;
-    if !(distance >= 0.0 && distance < f64::INFINITY) {
+    if !(0.0..f64::INFINITY).contains(&distance) {
         let what = "distance";
         return Err(ImpactError::Size { what, value: distance });
     }
@@ -131,7 +131,7 @@ where
     B: Motion + ?Sized,
 {
     check(interval)?;
-    if !(depth >= 0.0 && depth < f64::INFINITY) {
+    if !(0.0..f64::INFINITY).contains(&depth) {
         return Err(ImpactError::Size {
             what: "depth",
             value: depth,

@@ -193,7 +193,7 @@ where
     check(interval)?;
     let (Tolerance::Distance(size) | Tolerance::Time(size)) = tolerance;
     for (what, value) in [("tolerance", size), ("distance", distance)] {
-        if !(value >= 0.0 && value < f64::INFINITY) {
+        if !(0.0..f64::INFINITY).contains(&value) {
             return Err(ImpactError::Size { what, value });
         }
     }

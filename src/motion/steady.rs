@@ -146,7 +146,7 @@ impl Steady {
             ("bound of acceleration", linear),
             ("bound of angular acceleration", angular),
         ] {
-            if !(value >= 0.0 && value <= EXTENT_MAX) {
+            if !(0.0..=EXTENT_MAX).contains(&value) {
                 return Err(MotionError::Size { what, value });
             }
         }
