@@ -16,14 +16,14 @@ use lin_canny::{Class, ConvexPolyhedron, RelativePose, Tracker};
 
 /// Which level of accuracy answers.
 #[derive(Clone, Copy, PartialEq)]
-enum Level {
+enum Accuracy {
     Walk,
     Certified,
     Exact,
 }
 
 struct Options {
-    level: Level,
+    level: Accuracy,
     mesh: bool,
     cold: bool,
     file: String,
@@ -35,14 +35,14 @@ const USAGE: &str = "usage: grade [--level walk|certified|exact] [--shapes hull|
 
 fn options() -> Option<Options> {
     let mut words = std::env::args().skip(1);
-    let (mut level, mut mesh, mut cold, mut rest) = (Level::Certified, false, false, vec![]);
+    let (mut level, mut mesh, mut cold, mut rest) = (Accuracy::Certified, false, false, vec![]);
     while let Some(word) = words.next() {
         match word.as_str() {
             "--level" => {
                 level = match words.next()?.as_str() {
-                    "walk" => Level::Walk,
-                    "certified" => Level::Certified,
-                    "exact" => Level::Exact,
+                    "walk" => Accuracy::Walk,
+                    "certified" => Accuracy::Certified,
+                    "exact" => Accuracy::Exact,
                     _ => return None,
                 }
             }
@@ -94,7 +94,7 @@ fn body(shape: &lab::shapes::Shape, mesh: bool) -> Result<ConvexPolyhedron, Box<
 /// One line of the answer file.
 fn answer(
     tracker: &mut Tracker,
-    level: Level,
+    level: Accuracy,
     a: &ConvexPolyhedron,
     b: &ConvexPolyhedron,
     case: &Case,
@@ -104,7 +104,7 @@ fn answer(
     let began = Instant::now();
     let relative = RelativePose::new(&pa, &pb)?;
     let (class, distance, on_a, on_b, normal, layer) = match level {
-        Level::Walk => {
+        Accuracy::Walk => {
             let p = tracker.propose(a, b, &relative);
             let class = if p.distance == Some(0.0) {
                 Class::Touching
@@ -119,16 +119,16 @@ fn answer(
                 p.point_on_a,
                 p.point_on_b,
                 p.normal,
-                p.layer,
+                p.solver,
             )
         }
-        Level::Certified => {
+        Accuracy::Certified => {
             let o = tracker.closest(a, b, &relative);
-            (o.class, o.distance, o.point_on_a, o.point_on_b, o.normal, o.layer)
+            (o.class, o.distance, o.point_on_a, o.point_on_b, o.normal, o.solver)
         }
-        Level::Exact => {
+        Accuracy::Exact => {
             let o = tracker.closest_exact(a, b, &relative);
-            (o.class, o.distance, o.point_on_a, o.point_on_b, o.normal, o.layer)
+            (o.class, o.distance, o.point_on_a, o.point_on_b, o.normal, o.solver)
         }
     };
     let ns = began.elapsed().as_nanos();
@@ -137,7 +137,7 @@ fn answer(
         Class::Separated => "sep",
         Class::Touching => "touch",
         Class::Overlapping => "pen",
-        Class::Undecided => "none",
+        _ => "none",
     };
     let n = pa.rotation * normal;
     let mut line = format!("{} {word} {distance:e}", case.id);
@@ -186,12 +186,12 @@ impl Layers {
 fn run(o: &Options) -> Result<(), Box<dyn std::error::Error>> {
     let mut part = File::create(&o.part)?;
     let level = match o.level {
-        Level::Walk => "walk",
-        Level::Certified => "certified",
-        Level::Exact => "exact",
+        Accuracy::Walk => "walk",
+        Accuracy::Certified => "certified",
+        Accuracy::Exact => "exact",
     };
     // The walk alone computes no depth.
-    let signed = if o.level == Level::Walk { "no" } else { "yes" };
+    let signed = if o.level == Accuracy::Walk { "no" } else { "yes" };
     writeln!(
         part,
         "# engine lin-canny {level}\n# signed {signed}\n# witness local\n# normal yes\n# distance yes"

@@ -5,7 +5,7 @@
 
 use std::io::{IsTerminal, Read};
 
-use lin_canny::{Layer, RelativePose, Replay, ReplayError, Tracker};
+use lin_canny::{RelativePose, Replay, ReplayError, Solver, Tracker};
 
 fn read(file: Option<String>) -> std::io::Result<String> {
     match file {
@@ -58,7 +58,7 @@ fn answers(q: &Replay, start: &Tracker) {
     let distance = p.distance.map_or("overlap".to_owned(), |d| format!("{d:?}"));
     println!(
         "  walk       {distance}  {}  by {:?}; {:?}",
-        p.features, p.layer, p.work
+        p.features, p.solver, p.work
     );
     println!(
         "             witnesses {} {}, normal {:?}",
@@ -73,7 +73,7 @@ fn answers(q: &Replay, start: &Tracker) {
     for (name, o) in [("certified", certified), ("exact", exact)] {
         println!(
             "  {name:<10} {:?} {:?} in [{:?}, {:?}]  {}  by {:?}; {:?}",
-            o.class, o.distance, o.lower, o.upper, o.features, o.layer, o.work
+            o.class, o.distance, o.lower, o.upper, o.features, o.solver, o.work
         );
         println!(
             "             witnesses {} {}, normal {:?}",
@@ -81,7 +81,7 @@ fn answers(q: &Replay, start: &Tracker) {
             o.point_on_b,
             o.normal.as_slice()
         );
-        if o.layer == Layer::Far {
+        if o.solver == Solver::Far {
             println!("             too far apart or too near for a walk");
         }
     }

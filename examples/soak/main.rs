@@ -10,6 +10,9 @@
 
 mod draw;
 mod judge;
+#[path = "../../tests/support/lattice.rs"]
+#[allow(unreachable_pub)]
+mod lattice;
 #[path = "../../tests/support/mod.rs"]
 mod support;
 mod tally;
@@ -26,7 +29,8 @@ use judge::Judge;
 use lab::motion::Frame;
 use lab::progress::Progress;
 use lab::rng::Rng;
-use lin_canny::{Class, Level, Outcome, RelativePose, Tracker};
+use lin_canny::broad::PencilSweep;
+use lin_canny::{Accuracy, Class, Outcome, RelativePose, Tracker};
 use tally::Tally;
 
 struct Options {
@@ -84,7 +88,7 @@ impl Run<'_> {
             self.options.seed, self.number, a.family, a.shape.name, b.family, b.shape.name, self.trial.motion
         );
         eprintln!("{head}\n");
-        let replay = before.replay(&a.body, &b.body, pose, Level::Certified);
+        let replay = before.replay(&a.body, &b.body, pose, Accuracy::Certified);
         let text: String = head.lines().map(|l| format!("# {l}\n")).collect();
         let name = format!("{}-{}-{frame}.txt", self.options.seed, self.number);
         let file = self.options.out.join(name);
@@ -194,10 +198,33 @@ fn run(options: &Options, number: u64) -> Tally {
             options.seed
         );
     }
+    worlds(options, number, &mut run.tally);
     let frames = run.tally.frames;
     run.tally.body(trial.a.family, frames);
     run.tally.body(trial.b.family, frames);
     run.tally
+}
+
+/// Worlds of equal boxes a trial.
+const WORLDS: u64 = 16;
+
+/// The broad phase on lattices, bricks and stacks, each step against brute force. The soak used to draw pairs of bodies alone,
+/// and nowhere were equal bounds, an index used again and slow motion drawn together.
+fn worlds(options: &Options, number: u64, tally: &mut Tally) {
+    for k in 0..WORLDS {
+        let seed = Rng::of_case(options.seed ^ 0x1a77, number * WORLDS + k).bits();
+        let played = catch_unwind(|| lattice::sequence(seed, PencilSweep::new()));
+        let what = match played {
+            Ok(Ok(mix)) => {
+                tally.worlds.add(&mix);
+                continue;
+            }
+            Ok(Err(what)) => what,
+            Err(_) => "a panic".to_owned(),
+        };
+        tally.failures += 1;
+        eprintln!("seed {} trial {number}: world {seed}: {what}", options.seed);
+    }
 }
 
 /// Trials until the time is over.

@@ -3,8 +3,8 @@
 use nalgebra::Isometry3;
 
 use super::{Impact, Tolerance};
-use crate::closest::outcome::Class;
 use crate::motion::Motion;
+use crate::pair::outcome::Class;
 use crate::pose::{PoseError, RelativePose};
 use crate::separation::{Flight, Measure, Separation};
 use crate::tolerance::ROOT;

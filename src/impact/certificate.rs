@@ -4,9 +4,9 @@ use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
 use super::cast::{flight, later};
 use super::{ImpactError, check};
-use crate::closest::outcome::Class;
 use crate::motion::Motion;
-use crate::pose::Which;
+use crate::pair::outcome::Class;
+use crate::pose::Operand;
 use crate::separation::{Proof, Separation};
 
 /// A proof that two shapes stay apart from one time until another.
@@ -47,11 +47,14 @@ impl Certificate {
     {
         let normal = self.normal(time)?;
         let (pose_a, pose_b) = (motion_a.pose(time), motion_b.pose(time));
-        let mut height = |of: Which, pose: &Isometry3<f64>, n: &Vector3<f64>| {
+        let mut height = |of: Operand, pose: &Isometry3<f64>, n: &Vector3<f64>| {
             let (centre, _) = pair.ball(of);
             n.dot(&(pose.rotation * centre.coords)) + pair.support(of, &(pose.rotation.conjugate() * n)).height
         };
-        let (high_a, high_b) = (height(Which::A, &pose_a, &normal), height(Which::B, &pose_b, &-normal));
+        let (high_a, high_b) = (
+            height(Operand::A, &pose_a, &normal),
+            height(Operand::B, &pose_b, &-normal),
+        );
         let offset = pose_b.translation.vector - pose_a.translation.vector;
         Some(normal.dot(&offset) - high_a - high_b)
     }

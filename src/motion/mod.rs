@@ -36,7 +36,7 @@ pub use error::MotionError;
 pub use nlerp::Nlerp;
 pub use steady::Steady;
 pub use velocity::Velocity;
-pub(crate) use way::{Place, displacement};
+pub(crate) use way::{BallAtPose, displacement};
 
 /// A rigid motion: a pose at every time, and bounds of what the body does from there.
 ///

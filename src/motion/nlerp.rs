@@ -4,8 +4,8 @@ use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vect
 
 use super::steady::{in_range, normalised, positive, turned};
 use super::{Course, Drift, Motion, MotionError};
+use crate::num::scalar::sqrt;
 use crate::pose::RelativePose;
-use crate::scalar::sqrt;
 use crate::tolerance::{PLACED_CENTRE, PLACED_PIVOT, TURN, UNIT};
 
 /// A motion from one pose to another in a given time: a point of the body goes straight, and the rotation is the normalised sum of

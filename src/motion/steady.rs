@@ -4,8 +4,8 @@ use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vect
 
 use super::turn::Spin;
 use super::{Course, Drift, Motion, MotionError, Velocity};
+use crate::num::scalar::sqrt;
 use crate::pose::RelativePose;
-use crate::scalar::sqrt;
 use crate::tolerance::{EXTENT_MAX, PLACED_CENTRE, PLACED_PIVOT, TURN, UNIT};
 
 /// A motion whose pivot, a point of the body, goes straight at a constant velocity (or acceleration) while the body turns about the

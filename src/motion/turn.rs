@@ -2,8 +2,8 @@
 
 use nalgebra::{Quaternion, Vector3};
 
-use crate::double_double::{DoubleDouble, two_product};
-use crate::scalar::sqrt;
+use crate::num::double_double::{DoubleDouble, two_product};
+use crate::num::scalar::sqrt;
 use crate::tolerance::SQUARE_MIN;
 
 /// An angular velocity as axis and rate. The rate and its product with a time are kept in double-double, so that a

@@ -3,7 +3,7 @@
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 
 use super::turn::Spin;
-use crate::scalar::sqrt;
+use crate::num::scalar::sqrt;
 
 /// The velocity of a rigid body in the world's frame: of its own origin, and about it in radians.
 ///

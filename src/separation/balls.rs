@@ -4,8 +4,8 @@ use nalgebra::{Isometry3, Vector3};
 
 use super::{Flight, Separation};
 use crate::motion::Course;
-use crate::pose::Which;
-use crate::scalar::sqrt;
+use crate::num::scalar::sqrt;
+use crate::pose::Operand;
 use crate::tolerance::{BALLS, PLANE, ROOT};
 
 /// What the balls say of a flight.
@@ -21,7 +21,7 @@ pub(crate) struct Apart {
 }
 
 /// The radius about the pivot, and the pivot in the world less the pose's translation.
-fn about<S: Separation + ?Sized>(pair: &S, of: Which, pose: &Isometry3<f64>, course: &Course) -> (f64, Vector3<f64>) {
+fn about<S: Separation + ?Sized>(pair: &S, of: Operand, pose: &Isometry3<f64>, course: &Course) -> (f64, Vector3<f64>) {
     let (centre, radius) = pair.ball(of);
     let arm = centre - course.pivot;
     let radius = radius
@@ -40,8 +40,8 @@ fn about<S: Separation + ?Sized>(pair: &S, of: Which, pose: &Isometry3<f64>, cou
 
 pub(super) fn apart<S: Separation + ?Sized>(pair: &S, flight: &Flight) -> Apart {
     let (a, b, span) = (&flight.course_a, &flight.course_b, flight.span);
-    let (radius_a, lever_a) = about(pair, Which::A, &flight.pose_a, a);
-    let (radius_b, lever_b) = about(pair, Which::B, &flight.pose_b, b);
+    let (radius_a, lever_a) = about(pair, Operand::A, &flight.pose_a, a);
+    let (radius_b, lever_b) = about(pair, Operand::B, &flight.pose_b, b);
     let offset = flight.pose_b.translation.vector - flight.pose_a.translation.vector;
     let (between, velocity) = (offset + (lever_b - lever_a), b.linear - a.linear);
     let drift = a.drift(radius_a) + b.drift(radius_b);
@@ -74,8 +74,8 @@ pub(super) fn apart<S: Separation + ?Sized>(pair: &S, flight: &Flight) -> Apart 
 /// For how long no point of a shape moves, seen from the other, by as much as `way`.
 pub(super) fn held<S: Separation + ?Sized>(pair: &S, flight: &Flight, way: f64) -> f64 {
     let (a, b) = (&flight.course_a, &flight.course_b);
-    let (radius_a, _) = about(pair, Which::A, &flight.pose_a, a);
-    let (radius_b, _) = about(pair, Which::B, &flight.pose_b, b);
+    let (radius_a, _) = about(pair, Operand::A, &flight.pose_a, a);
+    let (radius_b, _) = about(pair, Operand::B, &flight.pose_b, b);
     let drift = a.drift(radius_a) + b.drift(radius_b);
     let push = (b.acceleration - a.acceleration).norm();
     let pace = (b.linear - a.linear).norm() + radius_a * a.angular.norm() + radius_b * b.angular.norm();

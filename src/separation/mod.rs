@@ -15,10 +15,10 @@ mod polyhedra;
 
 use nalgebra::{Isometry3, Point3, Unit, Vector3};
 
-use crate::closest::outcome::{Class, Layer, Outcome};
 use crate::motion::Course;
+use crate::pair::outcome::{Class, Outcome, Solver};
 use crate::polyhedron::FeaturePair;
-use crate::pose::{RelativePose, Which};
+use crate::pose::{Operand, RelativePose};
 
 pub use polyhedra::PolyhedronPair;
 
@@ -28,7 +28,7 @@ pub use polyhedra::PolyhedronPair;
 /// of its own computation. What a pair caches changes the time of an answer, never its truth.
 pub trait Separation {
     /// Returns a ball that holds a shape: its centre in the shape's frame, and its radius.
-    fn ball(&self, of: Which) -> (Point3<f64>, f64);
+    fn ball(&self, of: Operand) -> (Point3<f64>, f64);
 
     /// Returns the closest points at a pose. Of an overlap the class alone counts; its depth need not be found.
     fn measure(&mut self, a_from_b: &RelativePose) -> Measure;
@@ -39,7 +39,7 @@ pub trait Separation {
 
     /// Returns the height of a shape along a direction of its frame, of any length: a bound, from above, of `direction . (x - c)` over
     /// all points `x`, `c` the centre of its [`ball`](Self::ball). If not implemented, the height of the ball: sound, and loose.
-    fn support(&mut self, of: Which, direction: &Vector3<f64>) -> Support {
+    fn support(&mut self, of: Operand, direction: &Vector3<f64>) -> Support {
         let (_, radius) = self.ball(of);
         let length = direction.norm();
         let point = if length > 0.0 {
@@ -65,18 +65,18 @@ pub trait Separation {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Measure {
-    /// Which side of contact the pair is on.
+    /// Operand side of contact the pair is on.
     pub class: Class,
     /// The best estimate of the distance; zero or less if the shapes touch or overlap.
     pub distance: f64,
     /// Lower bound of the distance.
-    #[cfg_attr(feature = "serde", serde(with = "crate::scalar::infinite"))]
+    #[cfg_attr(feature = "serde", serde(with = "crate::num::scalar::infinite"))]
     pub lower: f64,
     /// Upper bound of the distance.
     pub upper: f64,
     /// The closest features, for shapes that name theirs.
     pub features: Option<FeaturePair>,
-    /// Which piece or triangle of either shape they are of; zero for shapes of one piece.
+    /// Operand piece or triangle of either shape they are of; zero for shapes of one piece.
     pub pieces: (u32, u32),
     /// The witness on A, in A's frame.
     pub point_on_a: Point3<f64>,
@@ -192,7 +192,7 @@ impl Measure {
             point_on_b: outcome.point_on_b,
             normal: outcome.normal,
             tangent,
-            by_plane: outcome.class == Class::Separated && matches!(outcome.layer, Layer::Walk | Layer::Restart),
+            by_plane: outcome.class == Class::Separated && matches!(outcome.solver, Solver::Walk | Solver::Restart),
         }
     }
 }

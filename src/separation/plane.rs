@@ -19,7 +19,7 @@
 //! first term is treated likewise, `|f'''| <= |eta|^3 |dc + dv s + da s^2 / 2| + 3 |eta|^2 |dv + da s| + 3 |eta| |da|`. So g is at least the
 //! cubic of four Bernstein coefficients, less the drifts of both motions, and its first root bounds the time.
 //!
-//! # Which way the plane turns
+//! # Operand way the plane turns
 //!
 //! The distance is the greatest gap over all n: a plane that turns as the closest direction does touches it to first order, and a
 //! step to its root converges quadratically. A face carries its normal along (eta = w); two edges keep theirs perpendicular to both.
@@ -33,8 +33,8 @@ use nalgebra::{Isometry3, Matrix3, Vector3};
 use super::bernstein::positive_until;
 use super::{Flight, Free, Measure, Proof, Separation, Tangent};
 use crate::motion::{Course, Drift};
-use crate::pose::{Which, rotation_matrix};
-use crate::scalar::sqrt;
+use crate::num::scalar::sqrt;
+use crate::pose::{Operand, rotation_matrix};
 use crate::tolerance::PLANE;
 
 /// Times the root that is expected: how far a first try goes.
@@ -106,7 +106,7 @@ fn time_to(way: f64, slope: f64, bend: f64) -> f64 {
 
 /// One shape at the instant.
 struct Side {
-    which: Which,
+    which: Operand,
     /// From the shape's axes to the world's.
     rotation: Matrix3<f64>,
     /// From the pivot to the centre of the ball, in the shape's axes.
@@ -130,7 +130,7 @@ struct Turn {
 }
 
 impl Side {
-    fn new<S: Separation + ?Sized>(pair: &S, which: Which, pose: &Isometry3<f64>, course: &Course) -> Self {
+    fn new<S: Separation + ?Sized>(pair: &S, which: Operand, pose: &Isometry3<f64>, course: &Course) -> Self {
         let (centre, radius) = pair.ball(which);
         let q = pose.rotation.coords;
         let arm = centre - course.pivot;
@@ -192,8 +192,8 @@ struct Setting<'a> {
 impl<'a> Setting<'a> {
     fn new<S: Separation + ?Sized>(pair: &S, flight: &'a Flight) -> Self {
         let (course_a, course_b) = (&flight.course_a, &flight.course_b);
-        let a = Side::new(pair, Which::A, &flight.pose_a, course_a);
-        let b = Side::new(pair, Which::B, &flight.pose_b, course_b);
+        let a = Side::new(pair, Operand::A, &flight.pose_a, course_a);
+        let b = Side::new(pair, Operand::B, &flight.pose_b, course_b);
         let offset = flight.pose_b.translation.vector - flight.pose_a.translation.vector;
         let (pivot_a, pivot_b) = (course_a.pivot.coords, course_b.pivot.coords);
         let between = offset + (b.rotation * pivot_b - a.rotation * pivot_a);

@@ -3,11 +3,12 @@
 use nalgebra::{Point3, Vector3};
 
 use super::{Measure, Separation, Support, Tangent};
-use crate::closest::hold::Hold;
+use crate::minimum::overlap_proof::OverlapProof;
+use crate::num::scalar::sqrt;
+use crate::pair::outcome::Until;
 use crate::polyhedron::support::Extreme;
 use crate::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, Feature};
-use crate::pose::{RelativePose, Which};
-use crate::scalar::sqrt;
+use crate::pose::{Operand, RelativePose};
 use crate::tolerance::{HEIGHT, UNIT};
 use crate::tracker::Tracker;
 
@@ -118,7 +119,7 @@ impl<'a> Body<'a> {
                 };
             }
         }
-        self.shape.extreme(direction, self.hint)
+        self.shape.support_certified(direction, self.hint)
     }
 
     /// Takes note of the feature that was measured, and a vertex of it.
@@ -205,8 +206,8 @@ impl<'a> PolyhedronPair<'a> {
 
     /// Four points of the Minkowski difference that should hold the origin just behind the facet of the closest features: the triangle of
     /// that facet which holds the witnesses, and the point farthest behind it.
-    fn behind(&self, a_from_b: &RelativePose, seen: &Measure) -> Option<Hold> {
-        if !(self.a.shape.as_given && self.b.shape.as_given) {
+    fn behind(&self, a_from_b: &RelativePose, seen: &Measure) -> Option<OverlapProof> {
+        if !(self.a.shape.is_unscaled && self.b.shape.is_unscaled) {
             return None;
         }
         let features = seen.features?;
@@ -230,21 +231,24 @@ impl<'a> PolyhedronPair<'a> {
         };
         let normal = seen.normal.into_inner();
         let normal_in_b = a_from_b.rotation().tr_mul(&normal);
-        let deep = [self.a.shape.climb_cold(&-normal), self.b.shape.climb_cold(&normal_in_b)];
-        Some(Hold::guess([facet[0], facet[1], facet[2], deep]))
+        let deep = [
+            self.a.shape.support_cold(&-normal),
+            self.b.shape.support_cold(&normal_in_b),
+        ];
+        Some(OverlapProof::guess([facet[0], facet[1], facet[2], deep]))
     }
 }
 
 impl Separation for PolyhedronPair<'_> {
     #[inline]
-    fn ball(&self, of: Which) -> (Point3<f64>, f64) {
-        let body = if of == Which::A { &self.a } else { &self.b };
+    fn ball(&self, of: Operand) -> (Point3<f64>, f64) {
+        let body = if of == Operand::A { &self.a } else { &self.b };
         (body.centre, body.radius)
     }
 
     #[inline]
     fn measure(&mut self, a_from_b: &RelativePose) -> Measure {
-        let outcome = self.tracker.look(self.a.shape, self.b.shape, a_from_b, false);
+        let outcome = self.tracker.measure(self.a.shape, self.b.shape, a_from_b, Until::Class);
         let (on_a, on_b) = outcome.features.vertices_of(self.a.shape, self.b.shape);
         self.a.note(outcome.features.a, on_a);
         self.b.note(outcome.features.b, on_b);
@@ -267,8 +271,8 @@ impl Separation for PolyhedronPair<'_> {
     }
 
     #[inline]
-    fn support(&mut self, of: Which, direction: &Vector3<f64>) -> Support {
-        let body = if of == Which::A { &mut self.a } else { &mut self.b };
+    fn support(&mut self, of: Operand, direction: &Vector3<f64>) -> Support {
+        let body = if of == Operand::A { &mut self.a } else { &mut self.b };
         body.support(direction)
     }
 }
