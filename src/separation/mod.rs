@@ -3,7 +3,7 @@
 //! [`Separation`] is a pair of shapes, of any two kinds, that can be measured at a relative pose. [`impact`](crate::impact) asks for
 //! nothing else. A pair of convex shapes implements [`ball`](Separation::ball), [`measure`](Separation::measure),
 //! [`meets`](Separation::meets) and [`support`](Separation::support), and gets [`free_for`](Separation::free_for), one look ahead,
-//! from a plane that turns ([`plane`]). A pair without one plane between its shapes (meshes, composites) answers
+//! from a plane that turns (`separation/plane.rs`). A pair without one plane between its shapes (meshes, composites) answers
 //! `free_for` by means of its own, and needs no `support`.
 //!
 //! [`PolyhedronPair`] is the pair of two [`ConvexPolyhedron`](crate::ConvexPolyhedron)s and a [`Tracker`](crate::Tracker).
