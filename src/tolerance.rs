@@ -319,6 +319,54 @@ pub const ODOMETER: f64 = 8.0 * UNIT;
 /// are clamped, and no distance or odometer leaves f64.
 pub const SCENE_REACH: f64 = 1e37;
 
+/// How far the pivot of a body on a motion may be placed off, twice (once where a bound begins, once where it ends), in units of the
+/// 1-norms of the pivot's place at time zero, and of the ways that velocity and acceleration make of it until then: `v t` has one
+/// rounding, `a t^2 / 2` three, their sums two, the last difference one, and the velocity at a later time two more times the way: 6 UNIT.
+pub(crate) const PLACED_CENTRE: f64 = 16.0 * UNIT;
+
+/// The same in units of the distance of the pivot from the body's own origin: a product with a quaternion whose square is off one by
+/// 26 UNIT is off by twice that, and rounded by 24; the difference adds one. Twice 77.
+pub(crate) const PLACED_PIVOT: f64 = 192.0 * UNIT;
+
+/// By which angle a body on a motion may be placed off, twice. The quaternion of a turn: sine and cosine err by less than one in the
+/// last place, UNIT; the correction for what the half angle left over, UNIT; the axis by 2 UNIT and its product by one: 5.4 UNIT as a
+/// vector. The product with the first rotation: 4 UNIT a coordinate, 8 as a vector. An error of a quaternion turns by twice as much:
+/// 27 UNIT. A normalised sum of two quaternions: 3 UNIT a coordinate of numbers up to one, over a norm of at least `1 / sqrt 2`: 9 UNIT
+/// and, for the part of the way itself, one more: 20 UNIT.
+pub(crate) const TURN: f64 = 64.0 * UNIT;
+
+/// Error of the coefficients of a plane's gap (`separation::plane`), times `(1 + q)^2` with q the angle that a direction turns by as a
+/// shape sees it, in units of both reaches, the ways of the pivots, the difference of the translations, and twice the distances of
+/// the pivots from the origins (u = UNIT):
+///
+/// 1. Directions: derivatives are sums of at most three cross products, 8 u of `(|eta| + |w|)^2`, and the control points two sums and
+///    products more: 12 u. Into the body: the matrix of one quaternion 27 u (19 for its entries, 8 for the square of its norm), the
+///    product 6 u. Heights over the arm of a pivot 3 u. Together 48 u of the reach.
+/// 2. The pivots: a product with that matrix 33 u, two sums 2 u; the difference of the translations u. Products with the normal and with
+///    its derivatives 9 u.
+/// 3. Sums of at most five terms, and from square to cube, 8 u; the length of the normal, 3 u, times the distance to keep.
+pub(crate) const PLANE: f64 = 64.0 * UNIT;
+
+/// Error of the coefficients of a cubic that is cut four times: each cut is three rounds of two products and a sum, 3 UNIT each, so
+/// 36 UNIT of the largest.
+pub(crate) const BERNSTEIN: f64 = 64.0 * UNIT;
+
+/// A place between two coefficients errs by at most 8 UNIT of itself, a place put together of four parts by as much again; and a time that
+/// is put together of a start and such a part of an interval, by less than the rest.
+pub(crate) const ROOT: f64 = 32.0 * UNIT;
+
+/// How far the height of a polyhedron may be off, in units of the 1-norm of the direction and of its radius: the product with a vertex errs
+/// by 3 UNIT, that with the centre of the ball by as much, their difference by one.
+pub(crate) const HEIGHT: f64 = 8.0 * UNIT;
+
+/// Squares and products of the flight of two balls err by at most 10 UNIT of the squares of their distance and of the sum of their
+/// radii; this much, `2^-40`, is counted to the square of the radii, and settles the signs and the root that follow.
+pub(crate) const BALLS: f64 = 1.0 / (1u64 << 40) as f64;
+
+/// A number of ticks is taken this much too small, relatively, `2^-30`: a quotient errs by UNIT, and a clock that adds up ticks by
+/// UNIT a tick, of which there are fewer than `2^20` in any bound worth having.
+pub(crate) const TICK: f64 = 1.0 / (1u64 << 30) as f64;
+
 /// Factor that rounds up a length made by a root of three squares, or a sum or product of two
 /// numbers that are not negative: three squares and two sums err by 3 UNIT, half as much under the
 /// root, and the root by one, a sum or product by one; this product adds one. Less than 4 in all.
