@@ -222,6 +222,7 @@ extern crate std;
 pub mod broad;
 mod certificate;
 mod closest;
+pub mod composite;
 mod contact;
 pub mod cost;
 mod double_double;
@@ -239,6 +240,10 @@ mod tracker;
 mod watch;
 
 pub use closest::outcome::{Class, Distance, Layer, Level, Outcome, Proposal, Work};
+pub use composite::mesh::{Mesh, MeshError, MeshKind, MeshPart, MeshReport};
+pub use composite::outcome::{MeshFeature, MeshOutcome, MeshSpot};
+pub use composite::search::MeshWork;
+pub use composite::tracker::MeshTracker;
 pub use contact::{ContactPoint, Gradient, Manifold, ManifoldOptions};
 pub use motion::Velocity;
 pub use nalgebra;

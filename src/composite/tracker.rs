@@ -1,0 +1,445 @@
+//! What a caller keeps of a pair of meshes, and the queries.
+
+use alloc::vec::Vec;
+use nalgebra::{Matrix3, Point3, Unit, Vector3};
+
+use super::frame::Frame;
+use super::front::{Front, Pair};
+use super::mesh::Mesh;
+use super::outcome::MeshOutcome;
+use super::pair::{MeshPair, side};
+use super::search::{Goal, Judge, Measured, MeshWork, Search};
+use super::triangle::Spot;
+use crate::closest::outcome::{Class, Distance};
+use crate::motion::Place;
+use crate::pose::{RelativePose, Which};
+
+/// Motions up to this, as the norm of the difference of rotations and as a part of L, are worth a front: some 2.4 degrees. Not a
+/// matter of soundness.
+const NEAR: f64 = 1.0 / 24.0;
+
+/// Motions beyond this begin anew. Not a matter of soundness.
+const JUMP: f64 = 1.0 / 12.0;
+
+/// The front of the last answer for one pair of meshes, from which the next query starts, and counters.
+///
+/// Owns no mesh. What is kept changes time, never an answer: a tracker that comes from another pair, or is out of date, is allowed.
+///
+/// ```
+/// use lin_canny::nalgebra::{Isometry3, Vector3};
+/// use lin_canny::{Class, Mesh, MeshTracker, RelativePose, polyhedron::solids};
+///
+/// let a = Mesh::from_convex(&solids::cuboid(Vector3::new(1.0, 1.0, 1.0))?)?;
+/// let b = Mesh::from_convex(&solids::octahedron(0.5)?)?;
+/// let mut pair = MeshTracker::new();
+/// for k in 0..10 {
+///     let a_from_b = RelativePose::from_isometry(&Isometry3::translation(3.0, 0.1 * k as f64, 0.0))?;
+///     let c = pair.closest(&a, &b, &a_from_b);
+///     assert!(c.lower <= 1.5 && 1.5 <= c.upper);
+/// }
+/// let inside = RelativePose::from_isometry(&Isometry3::translation(0.1, 0.2, 0.0))?;
+/// assert_eq!(pair.closest(&a, &b, &inside).class, Class::Overlapping);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug, Default)]
+pub struct MeshTracker {
+    fingerprints: [u64; 2],
+    pub(super) front: Front,
+    /// The two closest pairs of triangles of the last answers.
+    last: [Option<Pair>; 2],
+    pose: Option<(Matrix3<f64>, Vector3<f64>)>,
+    /// The last answer that proved surfaces and insides apart: how far, and where B was.
+    free: Option<(f64, Place)>,
+    stack: Vec<Pair>,
+    failed: Vec<u32>,
+    work: MeshWork,
+}
+
+/// What a search found, in A's stored units.
+struct Found {
+    best: Option<Measured<[Spot; 2]>>,
+    lower: f64,
+    touches: Vec<Pair>,
+}
+
+impl MeshTracker {
+    /// Returns a tracker without a start.
+    #[must_use]
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Returns the work of all queries so far.
+    #[must_use]
+    pub fn work(&self) -> MeshWork {
+        self.work
+    }
+
+    /// Returns the number of entries of the front that is kept.
+    #[must_use]
+    pub fn front_len(&self) -> usize {
+        self.front.len()
+    }
+
+    /// Returns the bytes kept on the heap.
+    #[must_use]
+    pub fn heap_bytes(&self) -> usize {
+        self.front.heap_bytes() + self.stack.capacity() * size_of::<Pair>() + 4 * self.failed.capacity()
+    }
+
+    /// Forgets everything that is kept, counters too.
+    pub fn reset(&mut self) {
+        *self = Self::default();
+    }
+
+    /// Returns the closest points with bounds of the distance: for bodies apart no wider than `1e-13 L`, with `L` the sum of both radii
+    /// about the bodies' own origins and the distance of these.
+    pub fn closest(&mut self, a: &Mesh, b: &Mesh, a_from_b: &RelativePose) -> MeshOutcome {
+        self.recognise(a, b);
+        self.work.queries += 1;
+        match Frame::new(side(a), side(b), a_from_b) {
+            Some(frame) => {
+                let found = self.search(a, b, a_from_b, &frame);
+                self.conclude(a, b, a_from_b, &frame, &found)
+            }
+            None => far(a, b, a_from_b),
+        }
+    }
+
+    /// Returns the distance and its bounds without the witnesses.
+    pub fn distance(&mut self, a: &Mesh, b: &Mesh, a_from_b: &RelativePose) -> Distance {
+        Distance::from(&self.closest(a, b, a_from_b))
+    }
+
+    /// Returns whether the bodies share a point; touching counts. Exact with the feature `exact`; without it ties count as touching.
+    pub fn intersects(&mut self, a: &Mesh, b: &Mesh, a_from_b: &RelativePose) -> bool {
+        self.within(a, b, a_from_b, 0.0)
+    }
+
+    /// Returns whether the bodies are at most `d` apart. Exact with the feature `exact`; without it ties count as within. False for a
+    /// negative `d` and for NaN.
+    pub fn within(&mut self, a: &Mesh, b: &Mesh, a_from_b: &RelativePose, d: f64) -> bool {
+        if !(d >= 0.0) {
+            return false;
+        }
+        self.recognise(a, b);
+        self.work.queries += 1;
+        let Some(frame) = Frame::new(side(a), side(b), a_from_b) else {
+            return far(a, b, a_from_b).lower <= d;
+        };
+        let place = place(b, &frame);
+        if let Some((lower, then)) = &self.free
+            && lower - place.displacement(then) > d / a.unit()
+        {
+            return false;
+        }
+        let mut judge = MeshPair::new(a, b, a_from_b);
+        judge.within = Some(d);
+        let mut search = searching(a, b, &frame, judge, Goal::Within(d / a.unit()));
+        for pair in self.last.into_iter().flatten() {
+            search.measure(pair);
+        }
+        if !search.is_over() {
+            search.start(&mut self.stack, None);
+            search.descend(&mut self.stack, None);
+        }
+        let (is_within, best) = (search.is_over(), search.best);
+        self.work += search.work;
+        self.work.settled += search.judge.settled;
+        if let Some(best) = best {
+            self.remember(best.pair);
+        }
+        is_within || self.inside(a, b, &frame).is_some()
+    }
+
+    /// Returns a lower bound of the distance in one pass over what is kept, without looking for the closest pair; zero where nothing
+    /// better is known.
+    pub fn lower_bound(&mut self, a: &Mesh, b: &Mesh, a_from_b: &RelativePose) -> f64 {
+        self.recognise(a, b);
+        let (Some(frame), false) = (Frame::new(side(a), side(b), a_from_b), self.front.is_empty()) else {
+            return 0.0;
+        };
+        let carried = self
+            .free
+            .as_ref()
+            .map_or(0.0, |(lower, then)| lower - place(b, &frame).displacement(then));
+        self.front.turn_to(&frame);
+        let mut least = f32::INFINITY;
+        self.front.gaps(&frame.single, |_, gap| least = least.min(gap));
+        let mut bound = f64::from(least) * frame.single.unit;
+        if bound > 0.0 && !(carried > 0.0) && self.inside(a, b, &frame).is_some() {
+            bound = 0.0;
+        }
+        bound.max(carried).max(0.0) * a.unit()
+    }
+
+    /// Forgets what belongs to other meshes.
+    fn recognise(&mut self, a: &Mesh, b: &Mesh) {
+        let fingerprints = [a.fingerprint, b.fingerprint];
+        if self.fingerprints != fingerprints {
+            let work = self.work;
+            self.reset();
+            (self.fingerprints, self.work) = (fingerprints, work);
+        }
+    }
+
+    fn remember(&mut self, pair: Pair) {
+        if self.last[0] != Some(pair) {
+            self.last = [Some(pair), self.last[0]];
+        }
+    }
+
+    /// How far the pose is from that of the last query: the norm of the difference of rotations, the shift as a part of L.
+    fn motion(&self, frame: &Frame) -> f64 {
+        self.pose.as_ref().map_or(f64::INFINITY, |(r, t)| {
+            let turn = crate::scalar::sqrt(0.5 * (frame.rotation - r).norm_squared());
+            turn + crate::scalar::sqrt((frame.translation - t).norm_squared()) / frame.size
+        })
+    }
+
+    /// The closest pair of triangles, by the front where there is one.
+    fn search(&mut self, a: &Mesh, b: &Mesh, pose: &RelativePose, frame: &Frame) -> Found {
+        let motion = self.motion(frame);
+        self.pose = Some((frame.rotation, frame.translation));
+        let mut search = searching(a, b, frame, MeshPair::new(a, b, pose), Goal::Least);
+        if motion < JUMP {
+            for pair in self.last.into_iter().flatten() {
+                search.measure(pair);
+            }
+        }
+        if !search.is_over() {
+            if motion < NEAR && !self.front.is_empty() {
+                self.renew(&mut search);
+            } else {
+                self.begin(&mut search, motion);
+            }
+        }
+        if search.is_over() {
+            self.front.clear();
+        } else if motion < NEAR && (self.front.is_empty() || self.front.len() > 2 * self.front.cut) {
+            self.cut(&mut search);
+        }
+        self.work += search.work;
+        self.work.settled += search.judge.settled;
+        if let Some(best) = &search.best {
+            self.remember(best.pair);
+        }
+        let touches = search.judge.touches[..search.judge.touch_count].to_vec();
+        Found {
+            best: search.best,
+            lower: search.lower,
+            touches,
+        }
+    }
+
+    /// A search without a front.
+    fn begin<J: Judge>(&mut self, search: &mut Search<J>, motion: f64) {
+        self.front.clear();
+        if !(motion < JUMP) {
+            search.seed();
+        }
+        if !search.is_over() {
+            search.start(&mut self.stack, None);
+            search.descend(&mut self.stack, None);
+        }
+    }
+
+    /// Proves the front again; what its directions do not prove gets new ones, or is split.
+    fn renew<J: Judge>(&mut self, search: &mut Search<J>) {
+        self.front.turn_to(search.frame);
+        self.failed.clear();
+        let (failed, level) = (&mut self.failed, search.frame.single_up(search.level()));
+        self.front.test(&search.frame.single, level, |k| failed.push(k as u32));
+        search.work.entries += self.front.len() as u64;
+        search.work.failed += self.failed.len() as u64;
+        if 2 * self.failed.len() > self.front.len() && self.front.len() > 16 {
+            return self.begin(search, 0.0);
+        }
+        self.stack.clear();
+        for batch in self.failed.rchunks(8) {
+            if search.is_over() {
+                return;
+            }
+            let mut pairs = [[0; 2]; 8];
+            (0..batch.len()).for_each(|k| pairs[k] = self.front.pair(batch[k] as usize));
+            let found = search.bound(&pairs[..batch.len()]);
+            for k in (0..batch.len()).rev() {
+                let (at, pair) = (batch[k] as usize, pairs[k]);
+                let normal = [0, 1, 2].map(|c| found.normal[c][k]);
+                match search.settle(pair, found.gap[k], normal) {
+                    Some((n, gap)) => {
+                        let ball = &search.b.boxes[pair[1] as usize];
+                        self.front.set(&search.frame.single, at, ball, n, gap);
+                    }
+                    None => {
+                        self.front.remove(at);
+                        self.stack.push(pair);
+                    }
+                }
+            }
+        }
+        search.descend(&mut self.stack, Some(&mut self.front));
+    }
+
+    /// Cuts a new front, with the distance known.
+    fn cut<J: Judge>(&mut self, search: &mut Search<J>) {
+        search.work.cuts += 1;
+        self.front.clear();
+        self.front.turn_to(search.frame);
+        search.start(&mut self.stack, Some(&mut self.front));
+        search.descend(&mut self.stack, Some(&mut self.front));
+        self.front.cut = self.front.len();
+        if search.is_over() {
+            self.front.clear();
+        }
+    }
+
+    /// From the closest triangles to the class of the bodies, and to the caller's units.
+    fn conclude(&mut self, a: &Mesh, b: &Mesh, pose: &RelativePose, frame: &Frame, found: &Found) -> MeshOutcome {
+        let Some(best) = &found.best else {
+            return far(a, b, pose);
+        };
+        let solid = a.is_solid() && b.is_solid();
+        let pair = MeshPair::new(a, b, pose);
+        let (on_a, on_b) = pair.spots(best.pair, best.features);
+        let mut outcome = MeshOutcome {
+            class: Class::Touching,
+            distance: best.distance * a.unit(),
+            lower: found.lower.min(best.lower).max(0.0) * a.unit(),
+            upper: best.upper * a.unit(),
+            on_a,
+            on_b,
+            point_on_a: a.given(&best.on_a),
+            point_on_b: b.given(&best.on_b),
+            normal: Unit::new_unchecked(best.normal),
+        };
+        let shared = if best.crosses {
+            Some(Class::Overlapping)
+        } else if outcome.lower > 0.0 {
+            self.free_of(a, b, frame, outcome.lower / a.unit(), &mut outcome)
+        } else if solid && self.shares_inside(a, b, frame, &found.touches) {
+            Some(Class::Overlapping)
+        } else {
+            return outcome;
+        };
+        match shared {
+            Some(_) => {
+                outcome.class = if solid { Class::Overlapping } else { Class::Touching };
+                (outcome.distance, outcome.lower, outcome.upper) = (0.0, 0.0, 0.0);
+            }
+            None => outcome.class = Class::Separated,
+        }
+        outcome
+    }
+
+    /// `None` if neither body is inside the other, whose surfaces are proven apart; moves the witnesses to the inner one if so.
+    fn free_of(&mut self, a: &Mesh, b: &Mesh, frame: &Frame, lower: f64, outcome: &mut MeshOutcome) -> Option<Class> {
+        let now = place(b, frame);
+        // Surfaces that were proven apart cannot have met on the way if no point went as far.
+        let carried = self
+            .free
+            .as_ref()
+            .is_some_and(|(before, then)| now.displacement(then) < *before);
+        if !carried && let Some(inner) = self.inside(a, b, frame) {
+            self.free = None;
+            (outcome.point_on_a, outcome.point_on_b) = inner;
+            return Some(Class::Overlapping);
+        }
+        self.free = Some((lower, now));
+        None
+    }
+
+    /// A vertex of a part of one body that is inside the other, whose surfaces are apart: in A's frame and in B's.
+    fn inside(&mut self, a: &Mesh, b: &Mesh, frame: &Frame) -> Option<(Point3<f64>, Point3<f64>)> {
+        let ratio = a.unit() / b.unit();
+        if a.is_solid() {
+            for &v in &b.part_vertices {
+                let local = b.points[v as usize];
+                let place = frame.point(&local);
+                self.work.windings += 1;
+                if a.winding(&place).unwrap_or(0) != 0 {
+                    return Some((a.given(&place), b.given(&local)));
+                }
+            }
+        }
+        if b.is_solid() {
+            for &v in &a.part_vertices {
+                let local = a.points[v as usize];
+                let place = frame.rotation.tr_mul(&(local - frame.translation)) * ratio;
+                self.work.windings += 1;
+                if b.winding(&place).unwrap_or(0) != 0 {
+                    return Some((a.given(&local), b.given(&place)));
+                }
+            }
+        }
+        None
+    }
+
+    /// Whether one of the triangles in contact has its middle certainly inside the other solid.
+    fn shares_inside(&mut self, a: &Mesh, b: &Mesh, frame: &Frame, touches: &[Pair]) -> bool {
+        let ratio = a.unit() / b.unit();
+        let middle = |t: [Vector3<f64>; 3]| (t[0] + t[1] + t[2]) / 3.0;
+        let within = |mesh: &Mesh, p: &Vector3<f64>, error: f64| {
+            mesh.winding(p).unwrap_or(0) != 0 && mesh.is_clear_of(p, 2.0 * error)
+        };
+        touches.iter().any(|&[i, j]| {
+            let (p, q) = (middle(a.corners(i)), frame.point(&middle(b.corners(j))));
+            let back = frame.rotation.tr_mul(&(p - frame.translation)) * ratio;
+            within(a, &q, frame.error) || within(b, &back, frame.error * ratio)
+        })
+    }
+}
+
+fn searching<'a, J: Judge>(a: &'a Mesh, b: &'a Mesh, frame: &'a Frame, judge: J, goal: Goal) -> Search<'a, J> {
+    Search {
+        a: &a.tree,
+        b: &b.tree,
+        frame,
+        judge,
+        goal,
+        best: None,
+        lower: f64::INFINITY,
+        direction: None,
+        work: MeshWork::default(),
+    }
+}
+
+/// The ball of B about its tree's origin, as seen from A, in A's stored units.
+fn place(b: &Mesh, frame: &Frame) -> Place {
+    let radius = f64::from(b.tree.reach) * b.tree.unit() * frame.scale;
+    Place::new(
+        Which::B,
+        (&(b.tree.centre * frame.scale), radius),
+        &frame.rotation,
+        &frame.translation,
+    )
+}
+
+/// Bodies so far apart, or so small beside their distance, that only balls about their origins count.
+fn far(a: &Mesh, b: &Mesh, pose: &RelativePose) -> MeshOutcome {
+    let sixteenth = pose.sixteenth();
+    let length = sixteenth.amax();
+    let n = if length > 0.0 { sixteenth / length } else { Vector3::x() };
+    let norm = crate::scalar::sqrt(n.norm_squared());
+    let distance = length * norm * 16.0;
+    let reach = a.radius * a.unit() + b.radius * b.unit();
+    let slack = distance * crate::tolerance::CERTIFICATE * crate::tolerance::UNIT + reach;
+    let lower = (distance - slack).max(0.0);
+    let pair = MeshPair::new(a, b, pose);
+    let (on_a, on_b) = pair.spots([0, 0], [Spot::Vertex(0); 2]);
+    MeshOutcome {
+        class: if lower > 0.0 {
+            Class::Separated
+        } else {
+            Class::Undecided
+        },
+        distance,
+        lower,
+        upper: distance + slack,
+        on_a,
+        on_b,
+        point_on_a: a.given(&a.corners(0)[0]),
+        point_on_b: b.given(&b.corners(0)[0]),
+        normal: Unit::new_unchecked(n / norm),
+    }
+}

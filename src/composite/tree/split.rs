@@ -1,0 +1,180 @@
+//! Which triangles belong together: cut at the mean across the longest axis of their spread, at the median where that is lopsided.
+
+use alloc::vec;
+use alloc::vec::Vec;
+use nalgebra::{Matrix3, Vector3};
+
+use super::eigen::axes;
+use super::{COUNT_SHIFT, LEAF, LEAF_MARK, OrientedBox, Tree};
+use crate::polyhedron::{bounding_box, exponent_of, power_of_two};
+use crate::scalar::sqrt;
+
+/// A leaf of several triangles is no thicker than this part of its length: coarse bodies have thin leaves of one triangle, fine ones save
+/// two thirds of the boxes.
+const THIN: f64 = 1.0 / 16.0;
+
+/// A cut leaves at least one part in this many on each side, so that the depth is a logarithm.
+const LOPSIDED: usize = 8;
+
+/// From so few triangles on the corners count, not the middles: a few middles have no spread of their own.
+const FEW: usize = 16;
+
+/// A triangle while it is sorted, in the tree's coordinates.
+#[derive(Clone, Copy)]
+struct Item {
+    middle: [f32; 3],
+    area: f32,
+    triangle: u32,
+}
+
+/// Triangles still to be divided: the node, the first and the number of its items.
+type Task = (u32, usize, usize);
+
+impl Tree {
+    /// Divides triangles until they are leaves: the tree with axes and without extents, and the order of the triangles.
+    pub(crate) fn split(points: &[Vector3<f64>], triangles: &[[u32; 3]]) -> (Self, Vec<u32>) {
+        let used = triangles.iter().flatten().map(|&v| &points[v as usize]);
+        let (low, high) = bounding_box(used);
+        let centre = low * 0.5 + high * 0.5;
+        let exponent = exponent_of(sqrt(((high - low) * 0.5).norm_squared()));
+        let mut splitter = Splitter {
+            points,
+            triangles,
+            centre,
+            scale: power_of_two(-exponent),
+            items: Vec::with_capacity(triangles.len()),
+            tree: Self {
+                centre,
+                exponent,
+                boxes: Vec::with_capacity(triangles.len()),
+                links: Vec::with_capacity(triangles.len()),
+                ..Self::default()
+            },
+        };
+        splitter.collect();
+        splitter.run();
+        let order = splitter.items.iter().map(|i| i.triangle).collect();
+        splitter.tree.boxes.shrink_to_fit();
+        splitter.tree.links.shrink_to_fit();
+        (splitter.tree, order)
+    }
+}
+
+struct Splitter<'a> {
+    points: &'a [Vector3<f64>],
+    triangles: &'a [[u32; 3]],
+    centre: Vector3<f64>,
+    scale: f64,
+    items: Vec<Item>,
+    tree: Tree,
+}
+
+impl Splitter<'_> {
+    fn corners(&self, triangle: u32) -> [Vector3<f64>; 3] {
+        let place = |v: u32| (self.points[v as usize] - self.centre) * self.scale;
+        self.triangles[triangle as usize].map(place)
+    }
+
+    fn collect(&mut self) {
+        for triangle in 0..self.triangles.len() as u32 {
+            let [a, b, c] = self.corners(triangle);
+            let middle = (a + b + c) / 3.0;
+            let area = sqrt((b - a).cross(&(c - a)).norm_squared());
+            self.items.push(Item {
+                middle: [middle.x as f32, middle.y as f32, middle.z as f32],
+                area: (area as f32).max(f32::MIN_POSITIVE),
+                triangle,
+            });
+        }
+    }
+
+    fn run(&mut self) {
+        self.push_node();
+        let mut tasks: Vec<Task> = vec![(0, 0, self.items.len())];
+        while let Some((node, first, count)) = tasks.pop() {
+            let (rows, mean, values) = self.spread(first, count);
+            self.store_axes(node, &rows);
+            let thin = values[2] <= THIN * THIN * values[0];
+            if count == 1 || count <= LEAF && thin {
+                self.tree.links[node as usize] = LEAF_MARK | (count as u32 - 1) << COUNT_SHIFT | first as u32;
+                continue;
+            }
+            let left = self.cut(first, count, &rows[0], &mean);
+            let child = self.push_node();
+            self.push_node();
+            self.tree.links[node as usize] = child;
+            tasks.push((child + 1, first + left, count - left));
+            tasks.push((child, first, left));
+        }
+    }
+
+    fn push_node(&mut self) -> u32 {
+        self.tree.boxes.push(OrientedBox::default());
+        self.tree.links.push(0);
+        self.tree.boxes.len() as u32 - 1
+    }
+
+    fn store_axes(&mut self, node: u32, rows: &[Vector3<f64>; 3]) {
+        let flat = &mut self.tree.boxes[node as usize].rows;
+        for (k, x) in rows.iter().flat_map(|r| r.iter()).enumerate() {
+            flat[k / 8][k % 8] = *x as f32;
+        }
+    }
+
+    /// Axes of the spread, its mean and its eigenvalues.
+    fn spread(&self, first: usize, count: usize) -> ([Vector3<f64>; 3], Vector3<f64>, [f64; 3]) {
+        let mut sum = Moments::default();
+        for item in &self.items[first..first + count] {
+            let (area, middle) = (f64::from(item.area), Vector3::from(item.middle.map(f64::from)));
+            if count > FEW {
+                sum.add(area, &middle);
+            } else {
+                for corner in self.corners(item.triangle) {
+                    sum.add(area, &corner);
+                }
+            }
+        }
+        let mean = sum.first / sum.weight;
+        let matrix = sum.second / sum.weight - mean * mean.transpose();
+        let (rows, values) = axes(&matrix);
+        (rows, mean, values)
+    }
+
+    /// Puts the items on the lower side of the cut first and returns their number: at least one, at most all but one.
+    fn cut(&mut self, first: usize, count: usize, axis: &Vector3<f64>, mean: &Vector3<f64>) -> usize {
+        let axis = [axis.x as f32, axis.y as f32, axis.z as f32];
+        let height = |i: &Item| axis[0] * i.middle[0] + axis[1] * i.middle[1] + axis[2] * i.middle[2];
+        let level = axis[0] * mean.x as f32 + axis[1] * mean.y as f32 + axis[2] * mean.z as f32;
+        let items = &mut self.items[first..first + count];
+        let mut left = 0;
+        for k in 0..count {
+            if height(&items[k]) < level {
+                items.swap(k, left);
+                left += 1;
+            }
+        }
+        if left * LOPSIDED >= count && (count - left) * LOPSIDED >= count && left > 0 && left < count {
+            return left;
+        }
+        items.select_nth_unstable_by(count / 2, |a, b| {
+            height(a).total_cmp(&height(b)).then(a.triangle.cmp(&b.triangle))
+        });
+        count / 2
+    }
+}
+
+#[derive(Default)]
+struct Moments {
+    weight: f64,
+    first: Vector3<f64>,
+    second: Matrix3<f64>,
+}
+
+impl Moments {
+    fn add(&mut self, weight: f64, p: &Vector3<f64>) {
+        let q = p * weight;
+        self.weight += weight;
+        self.first += q;
+        self.second += q * p.transpose();
+    }
+}
