@@ -1,7 +1,7 @@
 //! Bodies that are not convex: meshes of triangles as the user brought them, and bodies of placed convex pieces.
 //!
 //! Reading order: [`mesh`] (triangles to a checked mesh), `tree` (oriented boxes in single precision), `frame` (a pair at a pose),
-//! `bounds` (eight pairs of boxes at once), `front` (what is kept of the last answer), `search` (down both trees),
+//! `bounds` (eight pairs of boxes at once), `front` (what is kept of the last answer), `search` (down both trees), `kept` (front and search from frame to frame),
 //! `triangle` (two triangles), `inside` (winding numbers), `tracker` (what a caller keeps of a pair).
 //!
 //! # The proof
@@ -24,6 +24,7 @@ mod bounds;
 mod frame;
 mod front;
 mod inside;
+mod kept;
 pub mod mesh;
 pub(crate) mod outcome;
 mod pair;
@@ -31,6 +32,3 @@ pub(crate) mod search;
 pub(crate) mod tracker;
 mod tree;
 mod triangle;
-
-#[cfg(test)]
-mod tests;

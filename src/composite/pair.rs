@@ -151,6 +151,8 @@ fn of_features(p: &Triangle, q: &Triangle, found: &Closest) -> Option<Vector3<f6
 impl Judge for MeshPair<'_> {
     type Features = [Spot; 2];
 
+    const HAS_HEIGHTS: bool = true;
+
     #[inline(always)]
     fn highest_in_a(&self, item: u32, n: &Vector3<f64>) -> f64 {
         let [a, b, c] = self.a.corners(item);

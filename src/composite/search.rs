@@ -14,6 +14,9 @@ pub(super) trait Judge {
     /// What is told of a pair beside points and bounds.
     type Features: Copy;
 
+    /// Whether the heights of an item along a direction cost little beside a measurement.
+    const HAS_HEIGHTS: bool;
+
     /// The greatest `n . x` of an item of A, in A's stored frame.
     fn highest_in_a(&self, item: u32, n: &Vector3<f64>) -> f64;
 
@@ -116,7 +119,21 @@ type Proof = ([f32; 3], f32);
 /// Pairs taken off the stack at once: both halves of each make eight.
 const AT_ONCE: usize = 4;
 
-impl<J: Judge> Search<'_, J> {
+impl<'a, J: Judge> Search<'a, J> {
+    pub(super) fn new((a, b): (&'a Tree, &'a Tree), frame: &'a Frame, judge: J, goal: Goal) -> Self {
+        Self {
+            a,
+            b,
+            frame,
+            judge,
+            goal,
+            best: None,
+            lower: f64::INFINITY,
+            direction: None,
+            work: MeshWork::default(),
+        }
+    }
+
     /// What a pair must exceed to be passed by, in A's stored units.
     pub(super) fn level(&self) -> f64 {
         match self.goal {
@@ -232,6 +249,10 @@ impl<J: Judge> Search<'_, J> {
         let (Below::Leaf(i, m), Below::Leaf(j, n)) = (self.a.below(pair[0]), self.b.below(pair[1])) else {
             return (normal, -f32::MAX);
         };
+        if !J::HAS_HEIGHTS {
+            let (n, gap) = self.measure([i, j]);
+            return self.proof(&n, gap);
+        }
         let mut open = Open::new((i, m), (j, n));
         let own = unit(&Vector3::from(normal.map(f64::from)));
         for n in [self.direction, own].into_iter().flatten() {

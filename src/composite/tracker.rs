@@ -1,25 +1,19 @@
 //! What a caller keeps of a pair of meshes, and the queries.
 
 use alloc::vec::Vec;
-use nalgebra::{Matrix3, Point3, Unit, Vector3};
+use nalgebra::{Point3, Unit, Vector3};
 
 use super::frame::Frame;
-use super::front::{Front, Pair};
+use super::front::Pair;
+use super::kept::Kept;
 use super::mesh::Mesh;
 use super::outcome::MeshOutcome;
 use super::pair::{MeshPair, side};
-use super::search::{Goal, Judge, Measured, MeshWork, Search};
+use super::search::{Goal, Measured, MeshWork, Search};
 use super::triangle::Spot;
 use crate::closest::outcome::{Class, Distance};
 use crate::motion::Place;
 use crate::pose::{RelativePose, Which};
-
-/// Motions up to this, as the norm of the difference of rotations and as a part of L, are worth a front: some 2.4 degrees. Not a
-/// matter of soundness.
-const NEAR: f64 = 1.0 / 24.0;
-
-/// Motions beyond this begin anew. Not a matter of soundness.
-const JUMP: f64 = 1.0 / 12.0;
 
 /// The front of the last answer for one pair of meshes, from which the next query starts, and counters.
 ///
@@ -44,15 +38,9 @@ const JUMP: f64 = 1.0 / 12.0;
 #[derive(Clone, Debug, Default)]
 pub struct MeshTracker {
     fingerprints: [u64; 2],
-    pub(super) front: Front,
-    /// The two closest pairs of triangles of the last answers.
-    last: [Option<Pair>; 2],
-    pose: Option<(Matrix3<f64>, Vector3<f64>)>,
+    pub(super) kept: Kept,
     /// The last answer that proved surfaces and insides apart: how far, and where B was.
     free: Option<(f64, Place)>,
-    stack: Vec<Pair>,
-    failed: Vec<u32>,
-    work: MeshWork,
 }
 
 /// What a search found, in A's stored units.
@@ -72,19 +60,19 @@ impl MeshTracker {
     /// Returns the work of all queries so far.
     #[must_use]
     pub fn work(&self) -> MeshWork {
-        self.work
+        self.kept.work
     }
 
     /// Returns the number of entries of the front that is kept.
     #[must_use]
     pub fn front_len(&self) -> usize {
-        self.front.len()
+        self.kept.front.len()
     }
 
     /// Returns the bytes kept on the heap.
     #[must_use]
     pub fn heap_bytes(&self) -> usize {
-        self.front.heap_bytes() + self.stack.capacity() * size_of::<Pair>() + 4 * self.failed.capacity()
+        self.kept.heap_bytes()
     }
 
     /// Forgets everything that is kept, counters too.
@@ -96,7 +84,7 @@ impl MeshTracker {
     /// about the bodies' own origins and the distance of these.
     pub fn closest(&mut self, a: &Mesh, b: &Mesh, a_from_b: &RelativePose) -> MeshOutcome {
         self.recognise(a, b);
-        self.work.queries += 1;
+        self.kept.work.queries += 1;
         match Frame::new(side(a), side(b), a_from_b) {
             Some(frame) => {
                 let found = self.search(a, b, a_from_b, &frame);
@@ -123,7 +111,7 @@ impl MeshTracker {
             return false;
         }
         self.recognise(a, b);
-        self.work.queries += 1;
+        self.kept.work.queries += 1;
         let Some(frame) = Frame::new(side(a), side(b), a_from_b) else {
             return far(a, b, a_from_b).lower <= d;
         };
@@ -135,20 +123,9 @@ impl MeshTracker {
         }
         let mut judge = MeshPair::new(a, b, a_from_b);
         judge.within = Some(d);
-        let mut search = searching(a, b, &frame, judge, Goal::Within(d / a.unit()));
-        for pair in self.last.into_iter().flatten() {
-            search.measure(pair);
-        }
-        if !search.is_over() {
-            search.start(&mut self.stack, None);
-            search.descend(&mut self.stack, None);
-        }
-        let (is_within, best) = (search.is_over(), search.best);
-        self.work += search.work;
-        self.work.settled += search.judge.settled;
-        if let Some(best) = best {
-            self.remember(best.pair);
-        }
+        let mut search = Search::new((&a.tree, &b.tree), &frame, judge, Goal::Within(d / a.unit()));
+        let is_within = self.kept.is_within(&mut search);
+        self.kept.work.settled += search.judge.settled;
         is_within || self.inside(a, b, &frame).is_some()
     }
 
@@ -156,16 +133,16 @@ impl MeshTracker {
     /// better is known.
     pub fn lower_bound(&mut self, a: &Mesh, b: &Mesh, a_from_b: &RelativePose) -> f64 {
         self.recognise(a, b);
-        let (Some(frame), false) = (Frame::new(side(a), side(b), a_from_b), self.front.is_empty()) else {
+        let (Some(frame), false) = (Frame::new(side(a), side(b), a_from_b), self.kept.front.is_empty()) else {
             return 0.0;
         };
         let carried = self
             .free
             .as_ref()
             .map_or(0.0, |(lower, then)| lower - place(b, &frame).displacement(then));
-        self.front.turn_to(&frame);
+        self.kept.front.turn_to(&frame);
         let mut least = f32::INFINITY;
-        self.front.gaps(&frame.single, |_, gap| least = least.min(gap));
+        self.kept.front.gaps(&frame.single, |_, gap| least = least.min(gap));
         let mut bound = f64::from(least) * frame.single.unit;
         if bound > 0.0 && !(carried > 0.0) && self.inside(a, b, &frame).is_some() {
             bound = 0.0;
@@ -177,120 +154,22 @@ impl MeshTracker {
     fn recognise(&mut self, a: &Mesh, b: &Mesh) {
         let fingerprints = [a.fingerprint, b.fingerprint];
         if self.fingerprints != fingerprints {
-            let work = self.work;
+            let work = self.kept.work;
             self.reset();
-            (self.fingerprints, self.work) = (fingerprints, work);
+            (self.fingerprints, self.kept.work) = (fingerprints, work);
         }
-    }
-
-    fn remember(&mut self, pair: Pair) {
-        if self.last[0] != Some(pair) {
-            self.last = [Some(pair), self.last[0]];
-        }
-    }
-
-    /// How far the pose is from that of the last query: the norm of the difference of rotations, the shift as a part of L.
-    fn motion(&self, frame: &Frame) -> f64 {
-        self.pose.as_ref().map_or(f64::INFINITY, |(r, t)| {
-            let turn = crate::scalar::sqrt(0.5 * (frame.rotation - r).norm_squared());
-            turn + crate::scalar::sqrt((frame.translation - t).norm_squared()) / frame.size
-        })
     }
 
     /// The closest pair of triangles, by the front where there is one.
     fn search(&mut self, a: &Mesh, b: &Mesh, pose: &RelativePose, frame: &Frame) -> Found {
-        let motion = self.motion(frame);
-        self.pose = Some((frame.rotation, frame.translation));
-        let mut search = searching(a, b, frame, MeshPair::new(a, b, pose), Goal::Least);
-        if motion < JUMP {
-            for pair in self.last.into_iter().flatten() {
-                search.measure(pair);
-            }
-        }
-        if !search.is_over() {
-            if motion < NEAR && !self.front.is_empty() {
-                self.renew(&mut search);
-            } else {
-                self.begin(&mut search, motion);
-            }
-        }
-        if search.is_over() {
-            self.front.clear();
-        } else if motion < NEAR && (self.front.is_empty() || self.front.len() > 2 * self.front.cut) {
-            self.cut(&mut search);
-        }
-        self.work += search.work;
-        self.work.settled += search.judge.settled;
-        if let Some(best) = &search.best {
-            self.remember(best.pair);
-        }
+        let mut search = Search::new((&a.tree, &b.tree), frame, MeshPair::new(a, b, pose), Goal::Least);
+        self.kept.closest(&mut search);
+        self.kept.work.settled += search.judge.settled;
         let touches = search.judge.touches[..search.judge.touch_count].to_vec();
         Found {
             best: search.best,
             lower: search.lower,
             touches,
-        }
-    }
-
-    /// A search without a front.
-    fn begin<J: Judge>(&mut self, search: &mut Search<J>, motion: f64) {
-        self.front.clear();
-        if !(motion < JUMP) {
-            search.seed();
-        }
-        if !search.is_over() {
-            search.start(&mut self.stack, None);
-            search.descend(&mut self.stack, None);
-        }
-    }
-
-    /// Proves the front again; what its directions do not prove gets new ones, or is split.
-    fn renew<J: Judge>(&mut self, search: &mut Search<J>) {
-        self.front.turn_to(search.frame);
-        self.failed.clear();
-        let (failed, level) = (&mut self.failed, search.frame.single_up(search.level()));
-        self.front.test(&search.frame.single, level, |k| failed.push(k as u32));
-        search.work.entries += self.front.len() as u64;
-        search.work.failed += self.failed.len() as u64;
-        if 2 * self.failed.len() > self.front.len() && self.front.len() > 16 {
-            return self.begin(search, 0.0);
-        }
-        self.stack.clear();
-        for batch in self.failed.rchunks(8) {
-            if search.is_over() {
-                return;
-            }
-            let mut pairs = [[0; 2]; 8];
-            (0..batch.len()).for_each(|k| pairs[k] = self.front.pair(batch[k] as usize));
-            let found = search.bound(&pairs[..batch.len()]);
-            for k in (0..batch.len()).rev() {
-                let (at, pair) = (batch[k] as usize, pairs[k]);
-                let normal = [0, 1, 2].map(|c| found.normal[c][k]);
-                match search.settle(pair, found.gap[k], normal) {
-                    Some((n, gap)) => {
-                        let ball = &search.b.boxes[pair[1] as usize];
-                        self.front.set(&search.frame.single, at, ball, n, gap);
-                    }
-                    None => {
-                        self.front.remove(at);
-                        self.stack.push(pair);
-                    }
-                }
-            }
-        }
-        search.descend(&mut self.stack, Some(&mut self.front));
-    }
-
-    /// Cuts a new front, with the distance known.
-    fn cut<J: Judge>(&mut self, search: &mut Search<J>) {
-        search.work.cuts += 1;
-        self.front.clear();
-        self.front.turn_to(search.frame);
-        search.start(&mut self.stack, Some(&mut self.front));
-        search.descend(&mut self.stack, Some(&mut self.front));
-        self.front.cut = self.front.len();
-        if search.is_over() {
-            self.front.clear();
         }
     }
 
@@ -356,7 +235,7 @@ impl MeshTracker {
             for &v in &b.part_vertices {
                 let local = b.points[v as usize];
                 let place = frame.point(&local);
-                self.work.windings += 1;
+                self.kept.work.windings += 1;
                 if a.winding(&place).unwrap_or(0) != 0 {
                     return Some((a.given(&place), b.given(&local)));
                 }
@@ -366,7 +245,7 @@ impl MeshTracker {
             for &v in &a.part_vertices {
                 let local = a.points[v as usize];
                 let place = frame.rotation.tr_mul(&(local - frame.translation)) * ratio;
-                self.work.windings += 1;
+                self.kept.work.windings += 1;
                 if b.winding(&place).unwrap_or(0) != 0 {
                     return Some((a.given(&local), b.given(&place)));
                 }
@@ -387,20 +266,6 @@ impl MeshTracker {
             let back = frame.rotation.tr_mul(&(p - frame.translation)) * ratio;
             within(a, &q, frame.error) || within(b, &back, frame.error * ratio)
         })
-    }
-}
-
-fn searching<'a, J: Judge>(a: &'a Mesh, b: &'a Mesh, frame: &'a Frame, judge: J, goal: Goal) -> Search<'a, J> {
-    Search {
-        a: &a.tree,
-        b: &b.tree,
-        frame,
-        judge,
-        goal,
-        best: None,
-        lower: f64::INFINITY,
-        direction: None,
-        work: MeshWork::default(),
     }
 }
 

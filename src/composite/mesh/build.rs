@@ -6,7 +6,7 @@ use nalgebra::{Point3, Vector3};
 
 use super::weld::{MOST, Welded, mix, stir, weld};
 use super::{Mesh, MeshError, MeshKind, MeshReport, edges};
-use crate::composite::tree::Tree;
+use crate::composite::tree::{LEAF, Tree};
 use crate::polyhedron::{ConvexPolyhedron, bounding_box, sign};
 use crate::scalar::sqrt;
 use crate::tolerance::{SIDE_ERROR, UNIT};
@@ -130,14 +130,14 @@ fn assemble(welded: Welded, sieved: Sieved, given: usize) -> Mesh {
     parts
         .iter_mut()
         .for_each(|p| p.triangle = sieved.source[p.triangle as usize]);
-    let (mut tree, order) = Tree::split(&welded.points, &sieved.kept);
+    let (mut tree, order) = Tree::split(&welded.points, &sieved.kept, LEAF);
     let mut ordered = Ordered::new(welded.points.len());
     ordered.triangles = order
         .iter()
         .map(|&k| sieved.kept[k as usize].map(|v| ordered.vertex(v)))
         .collect();
     let points: Vec<_> = ordered.source.iter().map(|&v| welded.points[v as usize]).collect();
-    tree.fit(&points, &ordered.triangles);
+    tree.fit(&points, &ordered.triangles, 0.0);
     let (low, high) = bounding_box(&points);
     let unit = crate::polyhedron::power_of_two(welded.exponent);
     parts.iter_mut().for_each(|p| p.volume *= unit * unit * unit);

@@ -11,48 +11,49 @@ use crate::tolerance::{BOX_EXTENT, UNIT};
 /// A node thinner than this part of the tree's size gets a slab: about as thin as single precision can say.
 const SLAB: f64 = 1.0 / 131_072.0;
 
-/// Vertices of the mesh in the tree's coordinates, by the range of triangles that use them.
-struct Vertices<'a> {
+/// Vertices in the tree's coordinates, by the range of triangles or pieces that use them.
+struct Vertices<'a, I> {
     places: Vec<Vector3<f64>>,
-    triangles: &'a [[u32; 3]],
-    /// The number of vertices that the triangles before each use.
+    items: &'a [I],
+    /// The number of vertices that the items before each use.
     before: Vec<u32>,
 }
 
-impl<'a> Vertices<'a> {
-    fn new(places: Vec<Vector3<f64>>, triangles: &'a [[u32; 3]]) -> Self {
+impl<'a, I: AsRef<[u32]>> Vertices<'a, I> {
+    fn new(places: Vec<Vector3<f64>>, items: &'a [I]) -> Self {
         let mut most = 0;
         let mut before = vec![0];
-        for t in triangles {
-            most = t.iter().fold(most, |m, &v| m.max(v + 1));
+        for item in items {
+            most = item.as_ref().iter().fold(most, |m, &v| m.max(v + 1));
             before.push(most);
         }
         Self {
             places,
-            triangles,
+            items,
             before,
         }
     }
 
-    /// Calls `visit` with every vertex of the triangles from `first` to `last`: those that come up there first are consecutive, and
+    /// Calls `visit` with every vertex of the items from `first` to `last`: those that come up there first are consecutive, and
     /// corners of earlier ones are few.
     fn visit(&self, (first, last): (usize, usize), mut visit: impl FnMut(&Vector3<f64>)) {
         let (low, high) = (self.before[first], self.before[last]);
         self.places[low as usize..high as usize].iter().for_each(&mut visit);
-        let older = self.triangles[first..last].iter().flatten().filter(|v| **v < low);
+        let older = self.items[first..last].iter().flat_map(|i| i.as_ref()).filter(|v| **v < low);
         older.for_each(|&v| visit(&self.places[v as usize]));
     }
 }
 
 impl Tree {
-    /// Sets the extents of every box. Triangles are in the tree's order, vertices in the order in which triangles use them.
-    pub(crate) fn fit(&mut self, points: &[Vector3<f64>], triangles: &[[u32; 3]]) {
+    /// Sets the extents of every box. Triangles or pieces are in the tree's order, vertices in the order in which these use them. No vertex
+    /// is off its place by more than `error`.
+    pub(crate) fn fit<I: AsRef<[u32]>>(&mut self, points: &[Vector3<f64>], items: &[I], error: f64) {
         let scale = crate::polyhedron::power_of_two(-self.exponent);
         let places: Vec<_> = points.iter().map(|p| (p - self.centre) * scale).collect();
         // What the shift to the tree's origin has rounded.
         let farthest = points.iter().fold(self.centre.amax(), |m, p| m.max(p.amax()));
-        let slack = BOX_EXTENT * (1.0 + farthest * scale);
-        let vertices = Vertices::new(places, triangles);
+        let slack = BOX_EXTENT * (1.0 + farthest * scale) + error * scale;
+        let vertices = Vertices::new(places, items);
         let ranges = self.ranges();
         for (node, &range) in ranges.iter().enumerate() {
             self.fit_node(node, range, &vertices, slack);
@@ -74,7 +75,13 @@ impl Tree {
         ranges
     }
 
-    fn fit_node(&mut self, node: usize, range: (usize, usize), vertices: &Vertices, slack: f64) {
+    fn fit_node<I: AsRef<[u32]>>(
+        &mut self,
+        node: usize,
+        range: (usize, usize),
+        vertices: &Vertices<I>,
+        slack: f64,
+    ) {
         let (mut low, mut high) = extents(&self.boxes[node], range, vertices);
         let sides = high - low;
         if sides[2] < sides[0] / 64.0 {
@@ -120,13 +127,13 @@ impl Tree {
 
     /// Centre and half extents: the centre is rounded first, then every point's coordinates about it are taken along the dual axes, so
     /// that the axes as stored, which are not quite orthonormal, span every point.
-    fn store_extents(
+    fn store_extents<I: AsRef<[u32]>>(
         &mut self,
         node: usize,
         low: &Vector3<f64>,
         high: &Vector3<f64>,
         range: (usize, usize),
-        vertices: &Vertices,
+        vertices: &Vertices<I>,
         slack: f64,
     ) {
         let dual = dual_axes(&self.boxes[node]);
@@ -151,7 +158,7 @@ impl Tree {
 }
 
 /// Coordinates along the axes that hold all vertices.
-fn extents(b: &OrientedBox, range: (usize, usize), vertices: &Vertices) -> (Vector3<f64>, Vector3<f64>) {
+fn extents<I: AsRef<[u32]>>(b: &OrientedBox, range: (usize, usize), vertices: &Vertices<I>) -> (Vector3<f64>, Vector3<f64>) {
     let dual = dual_axes(b);
     let (mut low, mut high) = (Vector3::repeat(f64::INFINITY), Vector3::repeat(f64::NEG_INFINITY));
     vertices.visit(range, |p| {
@@ -161,7 +168,7 @@ fn extents(b: &OrientedBox, range: (usize, usize), vertices: &Vertices) -> (Vect
     (low, high)
 }
 
-fn heights(normal: &Vector3<f64>, range: (usize, usize), vertices: &Vertices) -> (f64, f64) {
+fn heights<I: AsRef<[u32]>>(normal: &Vector3<f64>, range: (usize, usize), vertices: &Vertices<I>) -> (f64, f64) {
     let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
     vertices.visit(range, |p| {
         let h = normal.dot(p);
@@ -177,13 +184,13 @@ fn dual_axes(b: &OrientedBox) -> [Vector3<f64>; 3] {
     [y.cross(&z) / volume, z.cross(&x) / volume, x.cross(&y) / volume]
 }
 
-/// The unit normal of the largest triangle of a range.
-fn largest_normal((first, last): (usize, usize), vertices: &Vertices) -> Option<Vector3<f64>> {
-    let normal = |t: &[u32; 3]| {
-        let [a, b, c] = t.map(|v| vertices.places[v as usize]);
-        (b - a).cross(&(c - a))
+/// The unit normal of the largest triangle of a range, of a piece's first three corners.
+fn largest_normal<I: AsRef<[u32]>>((first, last): (usize, usize), vertices: &Vertices<I>) -> Option<Vector3<f64>> {
+    let normal = |item: &I| {
+        let [a, b, c] = item.as_ref().first_chunk::<3>()?.map(|v| vertices.places[v as usize]);
+        Some((b - a).cross(&(c - a)))
     };
-    let all = vertices.triangles[first..last].iter().map(normal);
+    let all = vertices.items[first..last].iter().filter_map(normal);
     let largest = all.reduce(|m, n| if n.norm_squared() > m.norm_squared() { n } else { m })?;
     let unit = largest / sqrt(largest.norm_squared());
     unit.iter().all(|x| x.is_finite()).then_some(unit)

@@ -1,11 +1,11 @@
-//! Which triangles belong together: cut at the mean across the longest axis of their spread, at the median where that is lopsided.
+//! Which triangles or pieces belong together: cut at the mean across the longest axis of their spread, at the median where that is lopsided.
 
 use alloc::vec;
 use alloc::vec::Vec;
 use nalgebra::{Matrix3, Vector3};
 
 use super::eigen::axes;
-use super::{COUNT_SHIFT, LEAF, LEAF_MARK, OrientedBox, Tree};
+use super::{COUNT_SHIFT, LEAF_MARK, OrientedBox, Tree};
 use crate::polyhedron::{bounding_box, exponent_of, power_of_two};
 use crate::scalar::sqrt;
 
@@ -19,71 +19,76 @@ const LOPSIDED: usize = 8;
 /// From so few triangles on the corners count, not the middles: a few middles have no spread of their own.
 const FEW: usize = 16;
 
-/// A triangle while it is sorted, in the tree's coordinates.
+/// A triangle or a piece while it is sorted, in the tree's coordinates.
 #[derive(Clone, Copy)]
 struct Item {
     middle: [f32; 3],
-    area: f32,
-    triangle: u32,
+    weight: f32,
+    number: u32,
 }
 
-/// Triangles still to be divided: the node, the first and the number of its items.
+/// Items still to be divided: the node, the first and the number of its items.
 type Task = (u32, usize, usize);
 
 impl Tree {
-    /// Divides triangles until they are leaves: the tree with axes and without extents, and the order of the triangles.
-    pub(crate) fn split(points: &[Vector3<f64>], triangles: &[[u32; 3]]) -> (Self, Vec<u32>) {
-        let used = triangles.iter().flatten().map(|&v| &points[v as usize]);
+    /// Divides triangles or pieces, given by their corners, until they are leaves of at most `most`: the tree with axes and without
+    /// extents, and the order of the items.
+    pub(crate) fn split<I: AsRef<[u32]>>(points: &[Vector3<f64>], given: &[I], most: usize) -> (Self, Vec<u32>) {
+        let used = given.iter().flat_map(|i| i.as_ref()).map(|&v| &points[v as usize]);
         let (low, high) = bounding_box(used);
         let centre = low * 0.5 + high * 0.5;
         let exponent = exponent_of(sqrt(((high - low) * 0.5).norm_squared()));
         let mut splitter = Splitter {
             points,
-            triangles,
+            given,
+            most,
             centre,
             scale: power_of_two(-exponent),
-            items: Vec::with_capacity(triangles.len()),
+            items: Vec::with_capacity(given.len()),
             tree: Self {
                 centre,
                 exponent,
-                boxes: Vec::with_capacity(triangles.len()),
-                links: Vec::with_capacity(triangles.len()),
+                boxes: Vec::with_capacity(given.len()),
+                links: Vec::with_capacity(given.len()),
                 ..Self::default()
             },
         };
         splitter.collect();
         splitter.run();
-        let order = splitter.items.iter().map(|i| i.triangle).collect();
+        let order = splitter.items.iter().map(|i| i.number).collect();
         splitter.tree.boxes.shrink_to_fit();
         splitter.tree.links.shrink_to_fit();
         (splitter.tree, order)
     }
 }
 
-struct Splitter<'a> {
+struct Splitter<'a, I> {
     points: &'a [Vector3<f64>],
-    triangles: &'a [[u32; 3]],
+    given: &'a [I],
+    most: usize,
     centre: Vector3<f64>,
     scale: f64,
     items: Vec<Item>,
     tree: Tree,
 }
 
-impl Splitter<'_> {
-    fn corners(&self, triangle: u32) -> [Vector3<f64>; 3] {
-        let place = |v: u32| (self.points[v as usize] - self.centre) * self.scale;
-        self.triangles[triangle as usize].map(place)
+impl<I: AsRef<[u32]>> Splitter<'_, I> {
+    fn corners(&self, item: u32) -> impl Iterator<Item = Vector3<f64>> + Clone + '_ {
+        let place = |v: &u32| (self.points[*v as usize] - self.centre) * self.scale;
+        self.given[item as usize].as_ref().iter().map(place)
     }
 
     fn collect(&mut self) {
-        for triangle in 0..self.triangles.len() as u32 {
-            let [a, b, c] = self.corners(triangle);
-            let middle = (a + b + c) / 3.0;
-            let area = sqrt((b - a).cross(&(c - a)).norm_squared());
+        for number in 0..self.given.len() as u32 {
+            let corners = self.corners(number);
+            let count = self.given[number as usize].as_ref().len().max(1) as f64;
+            let middle = corners.clone().sum::<Vector3<f64>>() / count;
+            // Weighs as its area does, up to its shape.
+            let spread: f64 = corners.map(|c| (c - middle).norm_squared()).sum();
             self.items.push(Item {
                 middle: [middle.x as f32, middle.y as f32, middle.z as f32],
-                area: (area as f32).max(f32::MIN_POSITIVE),
-                triangle,
+                weight: (spread as f32).max(f32::MIN_POSITIVE),
+                number,
             });
         }
     }
@@ -95,7 +100,7 @@ impl Splitter<'_> {
             let (rows, mean, values) = self.spread(first, count);
             self.store_axes(node, &rows);
             let thin = values[2] <= THIN * THIN * values[0];
-            if count == 1 || count <= LEAF && thin {
+            if count == 1 || count <= self.most && thin {
                 self.tree.links[node as usize] = LEAF_MARK | (count as u32 - 1) << COUNT_SHIFT | first as u32;
                 continue;
             }
@@ -125,12 +130,12 @@ impl Splitter<'_> {
     fn spread(&self, first: usize, count: usize) -> ([Vector3<f64>; 3], Vector3<f64>, [f64; 3]) {
         let mut sum = Moments::default();
         for item in &self.items[first..first + count] {
-            let (area, middle) = (f64::from(item.area), Vector3::from(item.middle.map(f64::from)));
+            let (weight, middle) = (f64::from(item.weight), Vector3::from(item.middle.map(f64::from)));
             if count > FEW {
-                sum.add(area, &middle);
+                sum.add(weight, &middle);
             } else {
-                for corner in self.corners(item.triangle) {
-                    sum.add(area, &corner);
+                for corner in self.corners(item.number) {
+                    sum.add(weight, &corner);
                 }
             }
         }
@@ -157,7 +162,7 @@ impl Splitter<'_> {
             return left;
         }
         items.select_nth_unstable_by(count / 2, |a, b| {
-            height(a).total_cmp(&height(b)).then(a.triangle.cmp(&b.triangle))
+            height(a).total_cmp(&height(b)).then(a.number.cmp(&b.number))
         });
         count / 2
     }
