@@ -242,6 +242,7 @@ mod watch;
 pub use closest::outcome::{Class, Distance, Layer, Level, Outcome, Proposal, Work};
 pub use composite::mesh::{Mesh, MeshError, MeshKind, MeshPart, MeshReport};
 pub use composite::outcome::{MeshFeature, MeshOutcome, MeshSpot};
+pub use composite::pieces::{Composite, CompositeError, CompositeOutcome, CompositeTracker, Piece};
 pub use composite::search::MeshWork;
 pub use composite::tracker::MeshTracker;
 pub use contact::{ContactPoint, Gradient, Manifold, ManifoldOptions};

@@ -60,7 +60,10 @@ fn tumbling(a: &Mesh, b: &Mesh, reach: f64, degrees: f64, frames: usize) -> Vec<
         let phase = poses.len() as f64 * degrees.to_radians();
         q = unit_quat(quat_mul(quat(axis, degrees.to_radians()), q));
         let gap = 0.11 + 0.09 * phase.sin();
-        let mut pose = Pose { q, t: [x, 0.1 * phase.sin(), 0.1 * phase.cos()] };
+        let mut pose = Pose {
+            q,
+            t: [x, 0.1 * phase.sin(), 0.1 * phase.cos()],
+        };
         for _ in 0..if poses.is_empty() { 60 } else { 2 } {
             let at = RelativePose::from_isometry(&pose.isometry()).expect("unit");
             let d = tracker.distance(a, b, &at).value;
@@ -92,7 +95,10 @@ fn random(a: &Mesh, b: &Mesh, reach: f64, frames: usize) -> Vec<Pose> {
     let mut poses = Vec::new();
     while poses.len() < frames {
         let (q, u) = (rng.quat(), rng.unit());
-        let pose = Pose { q, t: u.map(|x| x * reach * rng.range(0.5, 1.3)) };
+        let pose = Pose {
+            q,
+            t: u.map(|x| x * reach * rng.range(0.5, 1.3)),
+        };
         let at = RelativePose::from_isometry(&pose.isometry()).expect("unit");
         let d = MeshTracker::new().distance(a, b, &at).value;
         if d > 0.01 {
@@ -106,7 +112,10 @@ fn random(a: &Mesh, b: &Mesh, reach: f64, frames: usize) -> Vec<Pose> {
 fn flush(height: f64, frames: usize) -> Vec<Pose> {
     let pose = |k: usize| {
         let angle = k as f64 * 0.5f64.to_radians();
-        Pose { q: quat([0.0, 0.0, 1.0], angle), t: [0.3 * angle.sin(), 0.2 * angle.cos(), height] }
+        Pose {
+            q: quat([0.0, 0.0, 1.0], angle),
+            t: [0.3 * angle.sin(), 0.2 * angle.cos(), height],
+        }
     };
     (0..frames).map(pose).collect()
 }
@@ -180,7 +189,11 @@ fn time(poses: usize, mut query: impl FnMut(usize)) -> f64 {
 
 fn race(scene: &str, n: usize, race: &Race, csv: &mut Rows) {
     let (a, b) = (mesh(&race.a), mesh(&race.b));
-    let at: Vec<RelativePose> = race.poses.iter().map(|p| RelativePose::from_isometry(&p.isometry()).expect("unit")).collect();
+    let at: Vec<RelativePose> = race
+        .poses
+        .iter()
+        .map(|p| RelativePose::from_isometry(&p.isometry()).expect("unit"))
+        .collect();
     let progress = Progress::new(&format!("{scene} {} {n}", race.shape), 3);
     let mut tracker = MeshTracker::new();
     let ours = time(at.len(), |k| {
@@ -226,7 +239,10 @@ fn built(n: usize) {
         let m = mesh(&soup);
         let ms = start.elapsed().as_secs_f64() * 1e3;
         let bytes = m.heap_bytes() as f64 / m.triangle_count() as f64;
-        println!("{shape:<7}{:>8} triangles: {ms:>7.1} ms, {bytes:>5.1} bytes a triangle", m.triangle_count());
+        println!(
+            "{shape:<7}{:>8} triangles: {ms:>7.1} ms, {bytes:>5.1} bytes a triangle",
+            m.triangle_count()
+        );
     }
 }
 

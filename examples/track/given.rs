@@ -52,7 +52,11 @@ fn load(letter: char, path: &Path) -> Result<Mesh, Trouble> {
 
 /// A pose from seven numbers. A quaternion that was rounded to few digits is normalised.
 fn pose(line: &str) -> Option<Isometry3<f64>> {
-    let numbers: Result<Vec<f64>, _> = line.split([' ', '\t', ',']).filter(|w| !w.is_empty()).map(str::parse).collect();
+    let numbers: Result<Vec<f64>, _> = line
+        .split([' ', '\t', ','])
+        .filter(|w| !w.is_empty())
+        .map(str::parse)
+        .collect();
     let [x, y, z, i, j, k, w] = numbers.ok()?.try_into().ok()?;
     let q = Quaternion::new(w, i, j, k);
     let rotation = if (q.norm_squared() - 1.0).abs() <= UNIT {

@@ -100,10 +100,9 @@ pub fn knot(n: usize, m: usize, tube: f64) -> Soup {
         let x = unit(cross([0.0, 0.0, 1.0], along));
         let y = cross(along, x);
         let (s, c) = (TAU * v).sin_cos();
-        // From the inside of the tube the ring runs clockwise: `x, y, along` is right-handed.
+        // Round the tube against the sense in which the grid's second way turns about the first.
         add(path(u), add(scale(x, tube * c), scale(y, -tube * s)))
     })
-    .flipped()
 }
 
 /// A sphere of `20 4^k` triangles.

@@ -124,3 +124,14 @@ impl Single {
         }
     }
 }
+
+/// The distance of two bodies' origins in the caller's unit, by how much that of the bodies may differ, and the direction.
+pub(super) fn far(a: Side, b: Side, pose: &RelativePose) -> (f64, f64, Vector3<f64>) {
+    let sixteenth = pose.sixteenth();
+    let length = sixteenth.amax();
+    let n = if length > 0.0 { sixteenth / length } else { Vector3::x() };
+    let norm = sqrt(n.norm_squared());
+    let distance = length * norm * 16.0;
+    let reach = a.radius * power_of_two(a.exponent) + b.radius * power_of_two(b.exponent);
+    (distance, distance * CERTIFICATE * UNIT + reach, n / norm)
+}

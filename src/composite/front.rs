@@ -61,11 +61,6 @@ impl Front {
         self.blocks.capacity() * size_of::<Block>() + self.pairs.capacity() * size_of::<Pair>()
     }
 
-    /// What the rounding of an entry and of its test may come to.
-    pub(super) fn error(&self) -> f32 {
-        self.error
-    }
-
     /// Takes the pose of a query. Must be called before entries are tested or made.
     pub(super) fn turn_to(&mut self, frame: &Frame) {
         if let Some(last) = &self.rotation {

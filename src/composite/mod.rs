@@ -28,6 +28,7 @@ mod kept;
 pub mod mesh;
 pub(crate) mod outcome;
 mod pair;
+pub(crate) mod pieces;
 pub(crate) mod search;
 pub(crate) mod tracker;
 mod tree;

@@ -44,7 +44,8 @@ impl core::fmt::Display for MeshSpot {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct MeshOutcome {
-    /// Which side of contact. Surfaces have no inside, so a pair with one is never [`Class::Overlapping`].
+    /// Which side of contact. Surfaces have no inside, so a pair with one is never [`Class::Overlapping`]; [`Class::Undecided`] if no
+    /// segment from a vertex to the outside avoids all edges of the other mesh.
     pub class: Class,
     /// The distance, between the bounds; zero for bodies that share a point.
     pub distance: f64,
@@ -62,6 +63,14 @@ pub struct MeshOutcome {
     pub point_on_b: Point3<f64>,
     /// Unit direction from A to B, in A's frame, along which the closest triangles are proven apart.
     pub normal: Unit<Vector3<f64>>,
+}
+
+impl MeshOutcome {
+    /// The bodies share points; only solids share inner ones.
+    pub(super) fn share(&mut self, solids: bool) {
+        self.class = if solids { Class::Overlapping } else { Class::Touching };
+        (self.distance, self.lower, self.upper) = (0.0, 0.0, 0.0);
+    }
 }
 
 impl From<&MeshOutcome> for Distance {

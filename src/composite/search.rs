@@ -234,12 +234,31 @@ impl<'a, J: Judge> Search<'a, J> {
         ([n.x as f32, n.y as f32, n.z as f32], gap)
     }
 
-    /// The gap of two nodes along a direction in double precision, error taken off.
+    /// The gap of two nodes along a direction in double precision, error taken off: by boxes and slabs, and where that is short by no more
+    /// than single precision can hide, by the corners of small nodes themselves.
     fn look(&mut self, [x, y]: Pair, n: &Vector3<f64>) -> f64 {
         self.work.looks += 1;
-        let in_b = -self.frame.direction_in_b(n);
-        let gap = n.dot(&self.frame.translation) - height(self.b, y, &in_b) - height(self.a, x, n);
-        gap - 2.0 * self.frame.error
+        let in_b = self.frame.direction_in_b(n);
+        let lift = n.dot(&self.frame.translation) - 2.0 * self.frame.error;
+        let (mut low, mut high) = (-height(self.b, y, &-in_b), height(self.a, x, n));
+        let hidden = f64::from(self.frame.single.error) * self.frame.single.unit;
+        let level = self.level() - self.frame.tie;
+        let is_short = |gap: f64| gap < level && gap + hidden >= level;
+        if J::HAS_HEIGHTS && is_short(low + lift - high) {
+            if let Some((first, last)) = few(self.b, y) {
+                low = (first..last)
+                    .map(|k| self.judge.lowest_in_b(k, &in_b))
+                    .fold(f64::INFINITY, f64::min);
+            }
+            if is_short(low + lift - high)
+                && let Some((first, last)) = few(self.a, x)
+            {
+                high = (first..last)
+                    .map(|k| self.judge.highest_in_a(k, n))
+                    .fold(f64::NEG_INFINITY, f64::max);
+            }
+        }
+        low + lift - high
     }
 
     /// Judges all items of two leaves: along the best direction so far, along the boxes' own, by measuring. The proof returned is the
@@ -435,6 +454,15 @@ impl Open {
             best: None,
         }
     }
+}
+
+/// Items of a node that are few enough to be looked at one by one. Not a matter of soundness.
+const FEW: u32 = 64;
+
+/// The items of a node without a slab, if they are few.
+fn few(tree: &Tree, node: u32) -> Option<(u32, u32)> {
+    let (first, last) = tree.range(node);
+    (last - first <= FEW && tree.slab(node).is_none()).then_some((first, last))
 }
 
 /// A vector as a unit one, where it is near one.

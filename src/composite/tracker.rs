@@ -43,6 +43,15 @@ pub struct MeshTracker {
     free: Option<(f64, Place)>,
 }
 
+/// Whether one body is inside the other.
+enum Inside {
+    No,
+    /// At a vertex of the inner one, in A's frame and in B's.
+    At(Point3<f64>, Point3<f64>),
+    /// Every segment met an edge.
+    Unclear,
+}
+
 /// What a search found, in A's stored units.
 struct Found {
     best: Option<Measured<[Spot; 2]>>,
@@ -126,7 +135,7 @@ impl MeshTracker {
         let mut search = Search::new((&a.tree, &b.tree), &frame, judge, Goal::Within(d / a.unit()));
         let is_within = self.kept.is_within(&mut search);
         self.kept.work.settled += search.judge.settled;
-        is_within || self.inside(a, b, &frame).is_some()
+        is_within || !matches!(self.inside(a, b, &frame), Inside::No)
     }
 
     /// Returns a lower bound of the distance in one pass over what is kept, without looking for the closest pair; zero where nothing
@@ -144,7 +153,7 @@ impl MeshTracker {
         let mut least = f32::INFINITY;
         self.kept.front.gaps(&frame.single, |_, gap| least = least.min(gap));
         let mut bound = f64::from(least) * frame.single.unit;
-        if bound > 0.0 && !(carried > 0.0) && self.inside(a, b, &frame).is_some() {
+        if bound > 0.0 && !(carried > 0.0) && !matches!(self.inside(a, b, &frame), Inside::No) {
             bound = 0.0;
         }
         bound.max(carried).max(0.0) * a.unit()
@@ -192,52 +201,46 @@ impl MeshTracker {
             point_on_b: b.given(&best.on_b),
             normal: Unit::new_unchecked(best.normal),
         };
-        let shared = if best.crosses {
-            Some(Class::Overlapping)
+        if best.crosses || outcome.lower <= 0.0 && solid && self.shares_inside(a, b, frame, &found.touches) {
+            outcome.share(solid);
         } else if outcome.lower > 0.0 {
-            self.free_of(a, b, frame, outcome.lower / a.unit(), &mut outcome)
-        } else if solid && self.shares_inside(a, b, frame, &found.touches) {
-            Some(Class::Overlapping)
-        } else {
-            return outcome;
-        };
-        match shared {
-            Some(_) => {
-                outcome.class = if solid { Class::Overlapping } else { Class::Touching };
-                (outcome.distance, outcome.lower, outcome.upper) = (0.0, 0.0, 0.0);
+            match self.held(a, b, frame, outcome.lower / a.unit()) {
+                Inside::No => outcome.class = Class::Separated,
+                Inside::At(on_a, on_b) => {
+                    (outcome.point_on_a, outcome.point_on_b) = (on_a, on_b);
+                    outcome.share(solid);
+                }
+                Inside::Unclear => (outcome.class, outcome.lower) = (Class::Undecided, 0.0),
             }
-            None => outcome.class = Class::Separated,
         }
         outcome
     }
 
-    /// `None` if neither body is inside the other, whose surfaces are proven apart; moves the witnesses to the inner one if so.
-    fn free_of(&mut self, a: &Mesh, b: &Mesh, frame: &Frame, lower: f64, outcome: &mut MeshOutcome) -> Option<Class> {
+    /// Whether one body is inside the other, whose surfaces are proven to be `lower` apart.
+    fn held(&mut self, a: &Mesh, b: &Mesh, frame: &Frame, lower: f64) -> Inside {
         let now = place(b, frame);
         // Surfaces that were proven apart cannot have met on the way if no point went as far.
         let carried = self
             .free
             .as_ref()
             .is_some_and(|(before, then)| now.displacement(then) < *before);
-        if !carried && let Some(inner) = self.inside(a, b, frame) {
-            self.free = None;
-            (outcome.point_on_a, outcome.point_on_b) = inner;
-            return Some(Class::Overlapping);
-        }
-        self.free = Some((lower, now));
-        None
+        let inside = if carried { Inside::No } else { self.inside(a, b, frame) };
+        self.free = matches!(inside, Inside::No).then_some((lower, now));
+        inside
     }
 
-    /// A vertex of a part of one body that is inside the other, whose surfaces are apart: in A's frame and in B's.
-    fn inside(&mut self, a: &Mesh, b: &Mesh, frame: &Frame) -> Option<(Point3<f64>, Point3<f64>)> {
+    /// Whether a part of one body is inside the other, whose surfaces are apart.
+    fn inside(&mut self, a: &Mesh, b: &Mesh, frame: &Frame) -> Inside {
         let ratio = a.unit() / b.unit();
         if a.is_solid() {
             for &v in &b.part_vertices {
                 let local = b.points[v as usize];
                 let place = frame.point(&local);
                 self.kept.work.windings += 1;
-                if a.winding(&place).unwrap_or(0) != 0 {
-                    return Some((a.given(&place), b.given(&local)));
+                match a.winding(&place) {
+                    Some(0) => {}
+                    Some(_) => return Inside::At(a.given(&place), b.given(&local)),
+                    None => return Inside::Unclear,
                 }
             }
         }
@@ -246,12 +249,14 @@ impl MeshTracker {
                 let local = a.points[v as usize];
                 let place = frame.rotation.tr_mul(&(local - frame.translation)) * ratio;
                 self.kept.work.windings += 1;
-                if b.winding(&place).unwrap_or(0) != 0 {
-                    return Some((a.given(&local), b.given(&place)));
+                match b.winding(&place) {
+                    Some(0) => {}
+                    Some(_) => return Inside::At(a.given(&local), b.given(&place)),
+                    None => return Inside::Unclear,
                 }
             }
         }
-        None
+        Inside::No
     }
 
     /// Whether one of the triangles in contact has its middle certainly inside the other solid.
@@ -282,13 +287,7 @@ fn place(b: &Mesh, frame: &Frame) -> Place {
 
 /// Bodies so far apart, or so small beside their distance, that only balls about their origins count.
 fn far(a: &Mesh, b: &Mesh, pose: &RelativePose) -> MeshOutcome {
-    let sixteenth = pose.sixteenth();
-    let length = sixteenth.amax();
-    let n = if length > 0.0 { sixteenth / length } else { Vector3::x() };
-    let norm = crate::scalar::sqrt(n.norm_squared());
-    let distance = length * norm * 16.0;
-    let reach = a.radius * a.unit() + b.radius * b.unit();
-    let slack = distance * crate::tolerance::CERTIFICATE * crate::tolerance::UNIT + reach;
+    let (distance, slack, normal) = super::frame::far(side(a), side(b), pose);
     let lower = (distance - slack).max(0.0);
     let pair = MeshPair::new(a, b, pose);
     let (on_a, on_b) = pair.spots([0, 0], [Spot::Vertex(0); 2]);
@@ -305,6 +304,6 @@ fn far(a: &Mesh, b: &Mesh, pose: &RelativePose) -> MeshOutcome {
         on_b,
         point_on_a: a.given(&a.corners(0)[0]),
         point_on_b: b.given(&b.corners(0)[0]),
-        normal: Unit::new_unchecked(n / norm),
+        normal: Unit::new_unchecked(normal),
     }
 }

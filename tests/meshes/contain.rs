@@ -12,7 +12,13 @@ fn windings_decide_over_jumps() {
     // A hollow ball; a ball that two overlapping parts make; a part in a part.
     let two = soups::sphere(2).with(&soups::sphere(2).map(|p| [p[0] + 0.7, p[1], p[2]]));
     let nested = soups::sphere(2).with(&soups::sphere(2).map(|p| scale(p, 0.5)));
-    let solids = [soups::cave(3, 0.7), two, nested, soups::torus(40, 20, 0.3), soups::bracket()];
+    let solids = [
+        soups::cave(3, 0.7),
+        two,
+        nested,
+        soups::torus(40, 20, 0.3),
+        soups::bracket(),
+    ];
     let pebble = soups::sphere(1).map(|p| scale(p, 0.05));
     let small = mesh(&pebble);
     let mut rng = Rng::new(21);
@@ -22,13 +28,20 @@ fn windings_decide_over_jumps() {
         assert_eq!(m.kind(), MeshKind::Solid);
         let (mut forward, mut backward) = (MeshTracker::new(), MeshTracker::new());
         for i in 0..500 {
-            let pose = Pose { q: rng.quat(), t: scale(rng.in_ball(), 1.5) };
+            let pose = Pose {
+                q: rng.quat(),
+                t: scale(rng.in_ball(), 1.5),
+            };
             let truth = brute::distance(solid, &pebble, &pose).0;
             if truth < 1e-9 {
                 continue;
             }
             let contained = brute::winding(solid, pose.apply(pebble.points[0])).abs() > 0.5;
-            let class = if contained { Class::Overlapping } else { Class::Separated };
+            let class = if contained {
+                Class::Overlapping
+            } else {
+                Class::Separated
+            };
             let found = forward.closest(&m, &small, &relative(&pose));
             assert_eq!(found.class, class, "{k} {i} {found:?} {truth}");
             assert_eq!(backward.closest(&small, &m, &relative(&pose).swapped()).class, class);
@@ -62,8 +75,14 @@ fn linked_rings_are_apart() {
     for k in 0..100 {
         let angle = 0.05 * f64::from(k);
         let q = lab::pose::quat_mul(quat([0.0, 0.0, 1.0], 0.1 * angle.sin()), quat([1.0, 0.0, 0.0], 1.5));
-        let pose = Pose { q, t: [1.0 + 0.2 * angle.cos(), 0.0, 0.1 * angle.sin()] };
-        assert_eq!(super::judge(&mut tracker, (&ring, &ring), (&m, &m), &pose), Class::Separated);
+        let pose = Pose {
+            q,
+            t: [1.0 + 0.2 * angle.cos(), 0.0, 0.1 * angle.sin()],
+        };
+        assert_eq!(
+            super::judge(&mut tracker, (&ring, &ring), (&m, &m), &pose),
+            Class::Separated
+        );
     }
 }
 
@@ -83,7 +102,10 @@ fn boxes_with_coplanar_faces_overlap() {
             assert_eq!((found.class, found.distance), (Class::Touching, 0.0), "{n} {t:?}");
             assert!(tracker.intersects(&m, &k, &relative(&Pose::shift(t))));
             let beyond = t.map(|x| if x == 1.0 { 1.0 + 1e-15 } else { x });
-            assert!(!MeshTracker::new().intersects(&m, &k, &relative(&Pose::shift(beyond))), "{n} {t:?}");
+            assert!(
+                !MeshTracker::new().intersects(&m, &k, &relative(&Pose::shift(beyond))),
+                "{n} {t:?}"
+            );
         }
     }
 }

@@ -17,7 +17,10 @@ fn motion(frames: usize, degrees: f64, jump: usize, seed: u64) -> Vec<Pose> {
         }
         q = unit_quat(quat_mul(quat(axis, degrees.to_radians()), q));
         let swing = 1.45 + 0.6 * (k as f64 * degrees.to_radians()).sin();
-        Pose { q, t: at.map(|x| x * swing) }
+        Pose {
+            q,
+            t: at.map(|x| x * swing),
+        }
     };
     (0..frames).map(pose).collect()
 }
@@ -39,7 +42,10 @@ fn tracked_frames_equal_brute_force() {
             entries += tracker.work().entries;
         }
     }
-    assert!(apart > 500 && meeting > 100 && entries > 10_000, "{apart} {meeting} {entries}");
+    assert!(
+        apart > 500 && meeting > 100 && entries > 10_000,
+        "{apart} {meeting} {entries}"
+    );
 }
 
 #[test]

@@ -45,7 +45,10 @@ pub(crate) fn judge(tracker: &mut MeshTracker, (a, b): (&Soup, &Soup), (m, n): (
     match found.class {
         Class::Separated => {
             assert!((found.distance - truth).abs() < noise, "{found:?} {truth}");
-            assert!(found.lower <= truth + noise && truth <= found.upper + noise, "{found:?} {truth}");
+            assert!(
+                found.lower <= truth + noise && truth <= found.upper + noise,
+                "{found:?} {truth}"
+            );
             assert!(found.upper - found.lower < 1e-13 * size(a, b, pose), "{found:?}");
             let on_b = pose.apply(found.point_on_b.into());
             let apart = lab::pose::norm(lab::pose::sub(on_b, found.point_on_a.into()));
@@ -55,7 +58,10 @@ pub(crate) fn judge(tracker: &mut MeshTracker, (a, b): (&Soup, &Soup), (m, n): (
         Class::Overlapping => {
             let inside = |s: &Soup, p| brute::winding(s, p).abs() > 0.5;
             let contained = inside(a, pose.apply(b.points[0])) || inside(b, pose.apply_inverse(a.points[0]));
-            assert!(found.distance == 0.0 && (truth == 0.0 || contained), "{found:?} {truth}");
+            assert!(
+                found.distance == 0.0 && (truth == 0.0 || contained),
+                "{found:?} {truth}"
+            );
         }
         _ => panic!("{found:?}"),
     }
@@ -95,7 +101,12 @@ fn random_poses_equal_brute_force() {
             q: rng.quat(),
             t: rng.unit().map(|x| x * rng.range(0.1, 3.0)),
         };
-        let class = judge(&mut MeshTracker::new(), (&shapes[i], &shapes[j]), (&meshes[i], &meshes[j]), &pose);
+        let class = judge(
+            &mut MeshTracker::new(),
+            (&shapes[i], &shapes[j]),
+            (&meshes[i], &meshes[j]),
+            &pose,
+        );
         tally[usize::from(class == Class::Separated)] += 1;
         if k % 4 == 0 {
             // B to A: the same class, and the same distance within the bounds.

@@ -2,6 +2,9 @@
 
 mod build;
 mod edges;
+mod mass;
+#[cfg(feature = "serde")]
+mod persist;
 mod report;
 mod weld;
 
@@ -11,6 +14,7 @@ use nalgebra::{Point3, Vector3};
 pub use report::{MeshError, MeshKind, MeshPart, MeshReport};
 
 use super::tree::Tree;
+pub(super) use weld::stir;
 
 /// A body made of triangles: the mesh as the caller brought it, not a decomposition.
 ///

@@ -83,7 +83,7 @@ pub(super) fn mix(p: &Vector3<f64>) -> u64 {
 }
 
 /// One round of multiply and shift, a bijection.
-pub(super) fn stir(x: u64) -> u64 {
+pub(in crate::composite) fn stir(x: u64) -> u64 {
     let x = (x ^ x >> 32).wrapping_mul(0xd6e8_feb8_6659_fd93);
     (x ^ x >> 29).wrapping_mul(0xff51_afd7_ed55_8ccd)
 }

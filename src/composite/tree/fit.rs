@@ -27,11 +27,7 @@ impl<'a, I: AsRef<[u32]>> Vertices<'a, I> {
             most = item.as_ref().iter().fold(most, |m, &v| m.max(v + 1));
             before.push(most);
         }
-        Self {
-            places,
-            items,
-            before,
-        }
+        Self { places, items, before }
     }
 
     /// Calls `visit` with every vertex of the items from `first` to `last`: those that come up there first are consecutive, and
@@ -39,7 +35,10 @@ impl<'a, I: AsRef<[u32]>> Vertices<'a, I> {
     fn visit(&self, (first, last): (usize, usize), mut visit: impl FnMut(&Vector3<f64>)) {
         let (low, high) = (self.before[first], self.before[last]);
         self.places[low as usize..high as usize].iter().for_each(&mut visit);
-        let older = self.items[first..last].iter().flat_map(|i| i.as_ref()).filter(|v| **v < low);
+        let older = self.items[first..last]
+            .iter()
+            .flat_map(|i| i.as_ref())
+            .filter(|v| **v < low);
         older.for_each(|&v| visit(&self.places[v as usize]));
     }
 }
@@ -75,13 +74,7 @@ impl Tree {
         ranges
     }
 
-    fn fit_node<I: AsRef<[u32]>>(
-        &mut self,
-        node: usize,
-        range: (usize, usize),
-        vertices: &Vertices<I>,
-        slack: f64,
-    ) {
+    fn fit_node<I: AsRef<[u32]>>(&mut self, node: usize, range: (usize, usize), vertices: &Vertices<I>, slack: f64) {
         let (mut low, mut high) = extents(&self.boxes[node], range, vertices);
         let sides = high - low;
         if sides[2] < sides[0] / 64.0 {
@@ -158,7 +151,11 @@ impl Tree {
 }
 
 /// Coordinates along the axes that hold all vertices.
-fn extents<I: AsRef<[u32]>>(b: &OrientedBox, range: (usize, usize), vertices: &Vertices<I>) -> (Vector3<f64>, Vector3<f64>) {
+fn extents<I: AsRef<[u32]>>(
+    b: &OrientedBox,
+    range: (usize, usize),
+    vertices: &Vertices<I>,
+) -> (Vector3<f64>, Vector3<f64>) {
     let dual = dual_axes(b);
     let (mut low, mut high) = (Vector3::repeat(f64::INFINITY), Vector3::repeat(f64::NEG_INFINITY));
     vertices.visit(range, |p| {

@@ -101,6 +101,23 @@ impl Tree {
         self.links[node as usize] & LEAF_MARK != 0
     }
 
+    /// First item below a node, and the one after the last.
+    pub(crate) fn range(&self, node: u32) -> (u32, u32) {
+        let (mut left, mut right) = (node, node);
+        let first = loop {
+            match self.below(left) {
+                Below::Children(c) => left = c,
+                Below::Leaf(first, _) => break first,
+            }
+        };
+        loop {
+            match self.below(right) {
+                Below::Children(c) => right = c + 1,
+                Below::Leaf(last, count) => break (first, last + count),
+            }
+        }
+    }
+
     pub(crate) fn slab(&self, node: u32) -> Option<&Slab> {
         let at = self.slabs.binary_search_by_key(&node, |s| s.node).ok()?;
         Some(&self.slabs[at])

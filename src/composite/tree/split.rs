@@ -16,6 +16,9 @@ const THIN: f64 = 1.0 / 16.0;
 /// A cut leaves at least one part in this many on each side, so that the depth is a logarithm.
 const LOPSIDED: usize = 8;
 
+/// Middles whose heights differ by less than this part of the tree's size are level: the rounding of single precision.
+const LEVEL: f32 = 8.0 * f32::EPSILON;
+
 /// From so few triangles on the corners count, not the middles: a few middles have no spread of their own.
 const FEW: usize = 16;
 
@@ -104,7 +107,10 @@ impl<I: AsRef<[u32]>> Splitter<'_, I> {
                 self.tree.links[node as usize] = LEAF_MARK | (count as u32 - 1) << COUNT_SHIFT | first as u32;
                 continue;
             }
-            let left = self.cut(first, count, &rows[0], &mean);
+            let left = match self.cut_plane(first, count, &rows[2]) {
+                0 => self.cut(first, count, &rows[0], &mean),
+                left => left,
+            };
             let child = self.push_node();
             self.push_node();
             self.tree.links[node as usize] = child;
@@ -143,6 +149,33 @@ impl<I: AsRef<[u32]>> Splitter<'_, I> {
         let matrix = sum.second / sum.weight - mean * mean.transpose();
         let (rows, values) = axes(&matrix);
         (rows, mean, values)
+    }
+
+    /// Puts the items in the highest or lowest plane across the shortest axis first and returns their number: zero if they are few. What
+    /// lies in one plane has a box without thickness, which proves all of a flush contact at once.
+    fn cut_plane(&mut self, first: usize, count: usize, axis: &Vector3<f64>) -> usize {
+        let axis = [axis.x as f32, axis.y as f32, axis.z as f32];
+        let height = |i: &Item| axis[0] * i.middle[0] + axis[1] * i.middle[1] + axis[2] * i.middle[2];
+        let items = &mut self.items[first..first + count];
+        let (mut low, mut high) = (f32::INFINITY, f32::NEG_INFINITY);
+        for h in items.iter().map(height) {
+            (low, high) = (low.min(h), high.max(h));
+        }
+        for level in [high, low] {
+            let is_level = |i: &Item| (height(i) - level).abs() <= LEVEL;
+            let left = items.iter().filter(|i| is_level(i)).count();
+            if left > 1 && left * LOPSIDED >= count && left < count {
+                let mut at = 0;
+                for k in 0..count {
+                    if is_level(&items[k]) {
+                        items.swap(k, at);
+                        at += 1;
+                    }
+                }
+                return left;
+            }
+        }
+        0
     }
 
     /// Puts the items on the lower side of the cut first and returns their number: at least one, at most all but one.
