@@ -40,6 +40,8 @@
 //! | Which points hold them apart? | [`Tracker::manifold`] | [`Manifold`]: contact points, with names that last |
 //! | What does a motion do to the distance? | [`Outcome::gradient_a`], [`gradient_b`](Outcome::gradient_b) | [`Gradient`] of the signed distance |
 //! | When do they meet? | none yet; a loop over [`Tracker::distance`] | see [`Velocity`] |
+//! | The same of meshes that are not convex? | [`MeshTracker`] on [`Mesh`]es | the same questions, [`MeshOutcome`]; inside a solid is an overlap |
+//! | The same of bodies made of convex pieces? | [`CompositeTracker`] on [`Composite`]s | [`CompositeOutcome`] |
 //! | Many moving bodies? | [`scene::Scene`] | events and answers for the effects called for |
 //! | Only the pairs of boxes? | [`broad::PencilSweep`] | pairs, events, stable ids |
 //! | Which pairs would the walk look at? | [`Tracker::trace`] | the way, pair by pair |
@@ -164,7 +166,8 @@
 //!   question, are to be looked at. Else its bounds stay open, and are returned as they are.
 //! * Coordinates below 2^-200 of a body's radius are stored as zero, and the build report counts them: answers are those of the body so
 //!   stored.
-//! * Times of impact (a loop that finds them: [`Velocity`]), dynamics, non-convex or curved bodies are not there yet.
+//! * Meshes and bodies of pieces have no depth, contacts or place in scenes yet.
+//! * Times of impact (a loop that finds them: [`Velocity`]), dynamics and curved bodies are not there yet.
 //!
 //! # Cargo features
 //!
@@ -188,9 +191,10 @@
 //! 7. `contact`: the points by which bodies hold each other apart, over frames; gradients of the signed distance.
 //! 8. `tracker`: what a caller keeps, and which solver to ask.
 //! 9. `soundness`, `replay`: what debug builds check of every answer, and the text of a query that fails.
-//! 10. `watch`: one tracker, and how far its bodies have moved.
-//! 11. [`broad`]: boxes and ids alone, for many bodies; it knows nothing of the others.
-//! 12. [`scene`]: where all meets; start with `scene/step.rs`.
+//! 10. [`composite`]: meshes and bodies of pieces, on a tree of boxes and a front kept from frame to frame.
+//! 11. `watch`: one tracker, and how far its bodies have moved.
+//! 12. [`broad`]: boxes and ids alone, for many bodies; it knows nothing of the others.
+//! 13. [`scene`]: where all meets; start with `scene/step.rs`.
 //!
 //! # From the thesis
 //!
@@ -200,7 +204,7 @@
 //! | thesis | here |
 //! |---|---|
 //! | chapter 3, incremental distance computation | `closest`, [`polyhedron`], [`Tracker`] |
-//! | chapter 4, non-convex and curved bodies | not yet |
+//! | chapter 4, non-convex and curved bodies | [`composite`]; curved bodies not yet |
 //! | chapter 5, many moving bodies | [`broad`], [`scene`]; scheduling by time not yet |
 //! | chapter 6, path planning | not yet |
 //!
@@ -240,6 +244,7 @@ mod tracker;
 mod watch;
 
 pub use closest::outcome::{Class, Distance, Layer, Level, Outcome, Proposal, Work};
+pub use composite::audit::FrontFault;
 pub use composite::mesh::{Mesh, MeshError, MeshKind, MeshPart, MeshReport};
 pub use composite::outcome::{MeshFeature, MeshOutcome, MeshSpot};
 pub use composite::pieces::{Composite, CompositeError, CompositeOutcome, CompositeTracker, Piece};

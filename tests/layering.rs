@@ -129,7 +129,7 @@ fn functions_are_short() {
 }
 
 /// What the code of a folder may name of the crate.
-const MAY_USE: [(&str, &[&str]); 14] = [
+const MAY_USE: [(&str, &[&str]); 15] = [
     ("tolerance", &[]),
     ("scalar", &["tolerance"]),
     ("double_double", &["scalar", "tolerance"]),
@@ -188,6 +188,20 @@ const MAY_USE: [(&str, &[&str]); 14] = [
             "scalar",
             "soundness",
             "replay",
+            "tolerance",
+        ],
+    ),
+    // Meshes and bodies of pieces: leaves are asked by trackers.
+    (
+        "composite",
+        &[
+            "composite",
+            "tracker",
+            "closest",
+            "motion",
+            "polyhedron",
+            "pose",
+            "scalar",
             "tolerance",
         ],
     ),

@@ -4,7 +4,8 @@
 //! tracker, `ours-cold` begins each query anew; parry's `distance` of two `TriMesh`es keeps nothing.
 //!
 //! Scenes: B tumbles by 0.5 or 0.02 degrees a frame at gaps of 0.02 to 0.2 (`tracked`), stands anywhere (`random`), slides and turns flush
-//! on A (`flush`); a box tumbles over a mesh (`box-over`). Tori are linked.
+//! on A (`flush`); a box tumbles over a mesh (`box-over`). Tori are linked. In `pieces` rings and knots are made of convex pieces, and `n` is
+//! their number: ours as a `Composite`, parry's as a `Compound`.
 
 use std::hint::black_box;
 use std::time::{Duration, Instant};
@@ -15,14 +16,14 @@ use lab::progress::Progress;
 use lab::rng::Rng;
 use lab::soups::{self, Soup};
 use lin_canny::nalgebra::Point3;
-use lin_canny::{Mesh, MeshTracker, RelativePose};
+use lin_canny::{Composite, CompositeTracker, ConvexPolyhedron, Mesh, MeshTracker, Piece, RelativePose};
 use parry3d_f64::math::Vector;
 use parry3d_f64::query;
-use parry3d_f64::shape::TriMesh;
+use parry3d_f64::shape::{Compound, SharedShape, TriMesh};
 
 use crate::common::{Options, Rows, median};
 
-pub(crate) const SCENES: [&str; 5] = ["tracked-0.5", "tracked-0.02", "random", "flush", "box-over"];
+pub(crate) const SCENES: [&str; 6] = ["tracked-0.5", "tracked-0.02", "random", "flush", "box-over", "pieces"];
 
 /// Frames of a scene, and passes over them.
 const FRAMES: usize = 240;
@@ -178,7 +179,7 @@ fn time(poses: usize, mut query: impl FnMut(usize)) -> f64 {
         }
         // The first pass warms up, unless there is no time for another.
         if pass > 0 || done < poses {
-            passes.push(start.elapsed().as_nanos() as f64 / f64::from(done));
+            passes.push(start.elapsed().as_nanos() as f64 / done as f64);
         }
         if begun.elapsed() > LIMIT {
             break;
@@ -232,6 +233,84 @@ fn race(scene: &str, n: usize, race: &Race, csv: &mut Rows) {
     }
 }
 
+/// The hulls of stretches of a tube: so many rows of `m` points each.
+fn stretches(soup: &Soup, m: usize, rows: usize) -> Vec<Vec<[f64; 3]>> {
+    let count = soup.points.len() / m;
+    let stretch = |first: usize| {
+        let points = (first..=first + rows).flat_map(|i| &soup.points[i % count * m..][..m]);
+        points.copied().collect()
+    };
+    (0..count).step_by(rows).map(stretch).collect()
+}
+
+/// Tubes of convex pieces.
+fn pieces(frames: usize, csv: &mut Rows) {
+    let tubes = [
+        ("torus", soups::torus(16, 12, 0.3), 2),
+        ("torus", soups::torus(52, 12, 0.3), 2),
+        ("knot", soups::knot(104, 8, 0.12), 4),
+    ];
+    for (shape, soup, rows) in tubes {
+        let m = if shape == "torus" { 12 } else { 8 };
+        let hulls = stretches(&soup, m, rows);
+        let body = |points: &Vec<[f64; 3]>| {
+            let points: Vec<_> = points.iter().map(|p| Point3::from(*p)).collect();
+            Piece::new(ConvexPolyhedron::from_points(&points).expect("a stretch has a volume"))
+        };
+        let ours = Composite::new(hulls.iter().map(body).collect()).expect("pieces stand in place");
+        let reach = 2.0 * soup.radius();
+        let (a, b) = (mesh(&soup), mesh(&soup));
+        let poses = if shape == "torus" {
+            linked(0.5, frames)
+        } else {
+            tumbling(&a, &b, reach, 0.5, frames)
+        };
+        let at: Vec<RelativePose> = poses
+            .iter()
+            .map(|p| RelativePose::from_isometry(&p.isometry()).expect("unit"))
+            .collect();
+        let mut tracker = CompositeTracker::new();
+        let tracked = time(at.len(), |k| {
+            black_box(tracker.closest(&ours, &ours, &at[k]));
+        });
+        let cold = time(at.len(), |k| {
+            black_box(CompositeTracker::new().closest(&ours, &ours, &at[k]));
+        });
+        let hull = |points: &Vec<[f64; 3]>| {
+            let points: Vec<_> = points.iter().map(|p| Vector::new(p[0], p[1], p[2])).collect();
+            (
+                Default::default(),
+                SharedShape::convex_hull(&points).expect("a stretch has a volume"),
+            )
+        };
+        let compound = Compound::new(hulls.iter().map(hull).collect());
+        let placed: Vec<_> = poses.iter().map(lab::parry::pose).collect();
+        let parry = time(placed.len(), |k| {
+            black_box(query::distance(&Default::default(), &compound, &placed[k], &compound).ok());
+        });
+        let mut counted = CompositeTracker::new();
+        at.iter().for_each(|at| {
+            counted.closest(&ours, &ours, at);
+        });
+        let w = counted.work();
+        let each = |x: u64| x as f64 / w.queries as f64;
+        println!(
+            "{:<13}{shape:<7}{:>8}{tracked:>10.0}{cold:>10.0}{parry:>14.0}{:>9.0}{:>8.0}{:>8.1}{:>8.1}{:>7.2}{:>8.0}",
+            "pieces",
+            hulls.len(),
+            parry / tracked,
+            each(w.bounds),
+            each(w.failed),
+            each(w.measured),
+            each(w.cuts),
+            counted.front_len(),
+        );
+        for (engine, ns) in [("ours", tracked), ("ours-cold", cold), ("parry-compound", parry)] {
+            csv.push(("pieces", shape, hulls.len()), engine, ns, 0);
+        }
+    }
+}
+
 /// What meshes cost before any query.
 fn built(n: usize) {
     for (shape, soup) in shapes(n) {
@@ -257,7 +336,10 @@ pub(crate) fn run(o: &Options) -> Rows {
         "{:<13}{:<7}{:>8}{:>10}{:>10}{:>14}{:>9}{:>8}{:>8}{:>8}{:>7}{:>8}",
         "scene", "shape", "n", "ours", "cold", "parry", "/ours", "bounds", "failed", "measure", "cuts", "front"
     );
-    for scene in SCENES.into_iter().filter(|s| o.wants(s)) {
+    if o.wants("pieces") {
+        pieces(frames, &mut csv);
+    }
+    for scene in SCENES.into_iter().filter(|s| *s != "pieces" && o.wants(s)) {
         for n in o.sizes([1_280, 20_480, 102_400]) {
             for r in races(scene, n, frames) {
                 race(scene, n, &r, &mut csv);

@@ -159,7 +159,6 @@ impl Front {
     }
 
     /// The direction of an entry.
-    #[cfg(test)]
     pub(super) fn normal(&self, k: usize) -> [f32; 3] {
         let block = &self.blocks[k / 8].0;
         [block[0][k % 8], block[1][k % 8], block[2][k % 8]]

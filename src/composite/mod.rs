@@ -20,6 +20,7 @@
 //!    distance are in double precision.
 //! 3. Closed meshes are solids: a part inside another body is an overlap, decided by exact winding numbers.
 
+pub(crate) mod audit;
 mod bounds;
 mod frame;
 mod front;

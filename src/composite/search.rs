@@ -317,19 +317,6 @@ impl<'a, J: Judge> Search<'a, J> {
         }
     }
 
-    /// The two halves of a pair: of the larger box, unless that is a leaf.
-    fn halves(&self, [x, y]: Pair) -> Option<[Pair; 2]> {
-        let of_a = self.a.boxes[x as usize].radius() * self.frame.single.scale_a;
-        let of_b = self.b.boxes[y as usize].radius() * self.frame.single.scale_b;
-        match (self.a.below(x), self.b.below(y)) {
-            (Below::Children(c), Below::Leaf(..)) => Some([[c, y], [c + 1, y]]),
-            (Below::Leaf(..), Below::Children(c)) => Some([[x, c], [x, c + 1]]),
-            (Below::Children(c), Below::Children(_)) if of_a >= of_b => Some([[c, y], [c + 1, y]]),
-            (_, Below::Children(c)) => Some([[x, c], [x, c + 1]]),
-            _ => None,
-        }
-    }
-
     /// Splits the pairs on the stack until each is proven, nearest first. Proven pairs go to the front, if one is kept.
     pub(super) fn descend(&mut self, stack: &mut Vec<Pair>, mut front: Option<&mut Front>) {
         while !stack.is_empty() && !self.is_over() {
@@ -338,7 +325,7 @@ impl<'a, J: Judge> Search<'a, J> {
             while count < 2 * AT_ONCE
                 && let Some(pair) = stack.pop()
             {
-                if let Some(two) = self.halves(pair) {
+                if let Some(two) = split_pair((self.a, self.b), self.frame, pair) {
                     halves[count..count + 2].copy_from_slice(&two);
                     count += 2;
                 }
@@ -395,7 +382,7 @@ impl<'a, J: Judge> Search<'a, J> {
             let mut halves = [[0; 2]; 2 * AT_ONCE];
             let mut count = 0;
             for &pair in &beam[..width] {
-                match self.halves(pair) {
+                match split_pair((self.a, self.b), self.frame, pair) {
                     Some(two) => {
                         halves[count..count + 2].copy_from_slice(&two);
                         count += 2;
@@ -422,6 +409,19 @@ impl<'a, J: Judge> Search<'a, J> {
         for (_, pair, normal) in leaves.into_iter().filter(|x| x.0 < f32::INFINITY).take(2) {
             self.judge_leaves(pair, normal);
         }
+    }
+}
+
+/// The two halves of a pair: of the larger box, unless that is a leaf.
+pub(super) fn split_pair((a, b): (&Tree, &Tree), frame: &Frame, [x, y]: Pair) -> Option<[Pair; 2]> {
+    let of_a = a.boxes[x as usize].radius() * frame.single.scale_a;
+    let of_b = b.boxes[y as usize].radius() * frame.single.scale_b;
+    match (a.below(x), b.below(y)) {
+        (Below::Children(c), Below::Leaf(..)) => Some([[c, y], [c + 1, y]]),
+        (Below::Leaf(..), Below::Children(c)) => Some([[x, c], [x, c + 1]]),
+        (Below::Children(c), Below::Children(_)) if of_a >= of_b => Some([[c, y], [c + 1, y]]),
+        (_, Below::Children(c)) => Some([[x, c], [x, c + 1]]),
+        _ => None,
     }
 }
 

@@ -3,6 +3,7 @@
 use alloc::vec::Vec;
 use nalgebra::{Point3, Unit, Vector3};
 
+use super::audit::{FrontFault, audit};
 use super::frame::Frame;
 use super::front::Pair;
 use super::kept::Kept;
@@ -76,6 +77,39 @@ impl MeshTracker {
     #[must_use]
     pub fn front_len(&self) -> usize {
         self.kept.front.len()
+    }
+
+    /// Returns the front that is kept: pairs of nodes of A's and B's trees that are proven farther apart than the distance, under which every
+    /// pair of triangles lies. [`Mesh::node_box`] returns their boxes.
+    pub fn front(&self) -> impl ExactSizeIterator<Item = [u32; 2]> + '_ {
+        (0..self.kept.front.len()).map(|k| self.kept.front.pair(k))
+    }
+
+    /// Checks the front that is kept against all corners, at the pose of the last [`closest`](Self::closest): for debugging, in time that is
+    /// entries times triangles.
+    ///
+    /// # Errors
+    ///
+    /// The first claim that is false, or a pair that is not covered.
+    pub fn audit(&self, a: &Mesh, b: &Mesh, a_from_b: &RelativePose) -> Result<(), FrontFault> {
+        match Frame::new(side(a), side(b), a_from_b) {
+            Some(frame) if !self.kept.front.is_empty() => audit(&self.kept.front, a, b, &frame),
+            _ => Ok(()),
+        }
+    }
+
+    /// Adds to the claim of an entry.
+    #[cfg(test)]
+    pub(super) fn spoil(&mut self, entry: usize, by: f32) {
+        let entry = entry % self.kept.front.len();
+        self.kept.front.corrupt(entry, by);
+    }
+
+    /// Loses an entry.
+    #[cfg(test)]
+    pub(super) fn drop_entry(&mut self, entry: usize) {
+        let entry = entry % self.kept.front.len();
+        self.kept.front.remove(entry);
     }
 
     /// Returns the bytes kept on the heap.

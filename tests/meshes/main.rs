@@ -3,6 +3,7 @@
 mod contain;
 mod frames;
 mod hard;
+mod pieces;
 
 use lab::rng::Rng;
 use lab::soups::{self, Soup};

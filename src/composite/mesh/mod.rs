@@ -104,6 +104,19 @@ impl Mesh {
         each.map(|(t, &source)| (source, t.map(|v| self.given(&self.points[v as usize]))))
     }
 
+    /// Returns the corners of the box of a node of the mesh's tree, to be drawn: corner k is at the far end of axis i if bit i of k is set.
+    /// The box as it is compared is in single precision, right within a millionth of the mesh.
+    #[must_use]
+    pub fn node_box(&self, node: u32) -> Option<[Point3<f64>; 8]> {
+        let b = self.tree.boxes.get(node as usize)?;
+        let (centre, half) = (b.centre(), b.half());
+        Some(core::array::from_fn(|k| {
+            let end = |i: usize| b.axis(i) * if k >> i & 1 == 1 { half[i] } else { -half[i] };
+            let place = centre + end(0) + end(1) + end(2);
+            self.given(&(place * self.tree.unit() + self.tree.centre))
+        }))
+    }
+
     pub(crate) fn is_solid(&self) -> bool {
         self.report.kind == MeshKind::Solid
     }

@@ -89,7 +89,11 @@ impl Judge for PiecePair<'_> {
         let (p, q) = self.pieces(pair);
         let (pose, exact) = self.pose_of(p, q);
         let tracker = self.trackers.entry(pair).or_default();
-        let o: Outcome = tracker.closest_or_class(&p.shape, &q.shape, &pose);
+        let mut o: Outcome = tracker.closest_or_class(&p.shape, &q.shape, &pose);
+        if !exact && o.class == Class::Overlapping {
+            // Only a depth beyond the rounding of composed poses proves an overlap.
+            o = tracker.closest(&p.shape, &q.shape, &pose);
+        }
         let unit = 1.0 / self.a.unit();
         // What composing poses has rounded: two products of rotations and two sums.
         let error = if exact { 0.0 } else { 2.0 * frame.error };
