@@ -131,21 +131,27 @@ fn gap(p: &Triangle, q: &Triangle, n: &Vector3<f64>) -> f64 {
     low - high
 }
 
-/// The direction that the features themselves give: the normal of the triangle inside which a point lies, or of two edges.
-fn of_features(p: &Triangle, q: &Triangle, found: &Closest) -> Option<Vector3<f64>> {
+/// Directions that the triangles themselves give, the likelier first: outward from either, as flush triangles have them; perpendicular to
+/// both features.
+fn candidates(p: &Triangle, q: &Triangle, found: &Closest) -> [Vector3<f64>; 4] {
     let edge = |t: &Triangle, k: u8| t[(k as usize + 1) % 3] - t[k as usize % 3];
-    let n = match found.spots {
-        [Spot::Inside, _] => triangle::normal(p),
-        [_, Spot::Inside] => triangle::normal(q),
+    let (of_p, of_q) = (triangle::normal(p), triangle::normal(q));
+    let across = match found.spots {
         [Spot::Edge(i), Spot::Edge(j)] => edge(p, i).cross(&edge(q, j)),
-        // A vertex at an edge: perpendicular to the edge, in a plane of the triangles.
-        [Spot::Edge(i), _] => edge(p, i).cross(&triangle::normal(p)),
-        [_, Spot::Edge(j)] => triangle::normal(q).cross(&edge(q, j)),
-        _ => triangle::normal(p),
+        // A vertex at an edge: perpendicular to the edge, in the plane of its triangle.
+        [Spot::Edge(i), _] => edge(p, i).cross(&of_p),
+        [_, Spot::Edge(j)] => of_q.cross(&edge(q, j)),
+        [Spot::Inside, _] => -of_p,
+        _ => of_q,
     };
-    let length = sqrt(n.norm_squared());
-    let n = n / length;
-    n.iter().all(|x| x.is_finite()).then_some(n)
+    [of_p, -of_q, across, -across]
+}
+
+/// The unit vector of a direction; `None` for one that is zero or not finite.
+fn unit(v: &Vector3<f64>) -> Option<Vector3<f64>> {
+    let n = v / sqrt(v.norm_squared());
+    // Written so that NaN is none.
+    (n.norm_squared() > 0.5).then_some(n)
 }
 
 impl Judge for MeshPair<'_> {
@@ -172,12 +178,14 @@ impl Judge for MeshPair<'_> {
         let found = triangle::closest(&p, &q);
         let distance = sqrt(found.square);
         let crosses = found.pierces && certainly_cross(&p, &q, frame.error);
-        let mut normal = (found.on_q - found.on_p) / distance;
-        let mut best = if distance > 0.0 {
-            gap(&p, &q, &normal)
+        // Witnesses nearer than rounding have no direction.
+        let between = if distance > frame.error {
+            unit(&(found.on_q - found.on_p))
         } else {
-            f64::NEG_INFINITY
+            None
         };
+        let mut best = between.map_or(f64::NEG_INFINITY, |n| gap(&p, &q, &n));
+        let mut normal = between.unwrap_or_else(Vector3::x);
         // Of the question whether they are within a distance the bound must lie beyond it.
         let known = if self.within.is_some() {
             known + frame.tie + frame.error
@@ -185,18 +193,13 @@ impl Judge for MeshPair<'_> {
             known
         };
         let enough = distance.min(known) - frame.tie + frame.error;
-        if !(best >= enough)
-            && let Some(n) = of_features(&p, &q, &found)
-        {
-            for n in [n, -n] {
+        if !(best >= enough) {
+            for n in candidates(&p, &q, &found).iter().filter_map(unit) {
                 let along = gap(&p, &q, &n);
-                if !(along <= best) {
+                if along > best + frame.error {
                     (best, normal) = (along, n);
                 }
             }
-        }
-        if !normal.iter().all(|x| x.is_finite()) {
-            normal = Vector3::x();
         }
         let mut m = Measured {
             pair,

@@ -151,18 +151,21 @@ impl<I: AsRef<[u32]>> Splitter<'_, I> {
         (rows, mean, values)
     }
 
-    /// Puts the items in the highest or lowest plane across the shortest axis first and returns their number: zero if they are few. What
-    /// lies in one plane has a box without thickness, which proves all of a flush contact at once.
+    /// Puts the items in the plane of the highest or lowest one along the shortest axis first and returns their number: zero if they are
+    /// few. What lies in one plane has a box without thickness, which proves all of a flush contact at once.
     fn cut_plane(&mut self, first: usize, count: usize, axis: &Vector3<f64>) -> usize {
-        let axis = [axis.x as f32, axis.y as f32, axis.z as f32];
-        let height = |i: &Item| axis[0] * i.middle[0] + axis[1] * i.middle[1] + axis[2] * i.middle[2];
-        let items = &mut self.items[first..first + count];
-        let (mut low, mut high) = (f32::INFINITY, f32::NEG_INFINITY);
-        for h in items.iter().map(height) {
-            (low, high) = (low.min(h), high.max(h));
-        }
-        for level in [high, low] {
+        let items = &self.items[first..first + count];
+        let along =
+            |axis: [f32; 3]| move |i: &Item| axis[0] * i.middle[0] + axis[1] * i.middle[1] + axis[2] * i.middle[2];
+        let height = along(single(axis));
+        let by_height = |a: &&Item, b: &&Item| height(a).total_cmp(&height(b));
+        let ends = [items.iter().max_by(by_height), items.iter().min_by(by_height)].map(|e| e.copied());
+        for end in ends.into_iter().flatten() {
+            // Of the item, not of the spread, which the way a plane is cut into triangles tilts a little.
+            let height = along(single(&self.normal(end.number)));
+            let level = height(&end);
             let is_level = |i: &Item| (height(i) - level).abs() <= LEVEL;
+            let items = &mut self.items[first..first + count];
             let left = items.iter().filter(|i| is_level(i)).count();
             if left > 1 && left * LOPSIDED >= count && left < count {
                 let mut at = 0;
@@ -176,6 +179,17 @@ impl<I: AsRef<[u32]>> Splitter<'_, I> {
             }
         }
         0
+    }
+
+    /// The unit normal of an item's first three corners; zero if they are collinear.
+    fn normal(&self, item: u32) -> Vector3<f64> {
+        let mut corners = self.corners(item);
+        let (Some(a), Some(b), Some(c)) = (corners.next(), corners.next(), corners.next()) else {
+            return Vector3::zeros();
+        };
+        let n = (b - a).cross(&(c - a));
+        let length = sqrt(n.norm_squared());
+        if length > 0.0 { n / length } else { Vector3::zeros() }
     }
 
     /// Puts the items on the lower side of the cut first and returns their number: at least one, at most all but one.
@@ -199,6 +213,10 @@ impl<I: AsRef<[u32]>> Splitter<'_, I> {
         });
         count / 2
     }
+}
+
+fn single(v: &Vector3<f64>) -> [f32; 3] {
+    [v.x as f32, v.y as f32, v.z as f32]
 }
 
 #[derive(Default)]
