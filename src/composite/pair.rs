@@ -15,7 +15,7 @@ use crate::scalar::sqrt;
 use crate::tracker::Tracker;
 
 /// Pairs of triangles in contact that are remembered.
-const TOUCHES: usize = 32;
+const TOUCHES: usize = 128;
 
 /// Judges pairs of triangles.
 pub(super) struct MeshPair<'a> {
@@ -25,7 +25,7 @@ pub(super) struct MeshPair<'a> {
     /// The distance in question, in the caller's unit, if that is the question.
     pub(super) within: Option<f64>,
     /// Pairs at distance zero, up to rounding.
-    pub(super) touches: [Pair; TOUCHES],
+    pub(super) touching: [Pair; TOUCHES],
     pub(super) touch_count: usize,
     /// Pairs settled by polygons.
     pub(super) settled: u64,
@@ -38,7 +38,7 @@ impl<'a> MeshPair<'a> {
             b,
             pose,
             within: None,
-            touches: [[0; 2]; TOUCHES],
+            touching: [[0; 2]; TOUCHES],
             touch_count: 0,
             settled: 0,
         }
@@ -171,6 +171,13 @@ impl Judge for MeshPair<'_> {
         n.dot(&a).min(n.dot(&b)).min(n.dot(&c))
     }
 
+    fn touches(&mut self, pair: Pair) {
+        if self.touch_count < TOUCHES {
+            self.touching[self.touch_count] = pair;
+            self.touch_count += 1;
+        }
+    }
+
     fn measure(&mut self, frame: &Frame, pair: Pair, known: f64) -> Measured<[Spot; 2]> {
         let p = self.a.corners(pair[0]);
         let local = self.b.corners(pair[1]);
@@ -219,9 +226,8 @@ impl Judge for MeshPair<'_> {
         {
             m = settled;
         }
-        if m.distance <= frame.error && self.touch_count < TOUCHES {
-            self.touches[self.touch_count] = pair;
-            self.touch_count += 1;
+        if m.distance <= frame.error {
+            self.touches(pair);
         }
         self.decide(frame, &mut m);
         m

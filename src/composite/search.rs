@@ -23,6 +23,9 @@ pub(super) trait Judge {
     /// The least `n . y` of an item of B, in B's stored frame.
     fn lowest_in_b(&self, item: u32, n: &Vector3<f64>) -> f64;
 
+    /// Takes note of two items at distance zero, up to rounding.
+    fn touches(&mut self, _: Pair) {}
+
     /// The distance of two items, with bounds that are proven: the lower one at most the frame's `tie` below the lesser of the distance
     /// and `known`, if any arithmetic can.
     fn measure(&mut self, frame: &Frame, pair: Pair, known: f64) -> Measured<Self::Features>;
@@ -309,6 +312,9 @@ impl<'a, J: Judge> Search<'a, J> {
                 let bit = 1 << (4 * x + y);
                 if open.left & bit != 0 && self.passes(gap) {
                     open.left &= !bit;
+                    if gap <= self.frame.tie {
+                        self.judge.touches([i + x, j + y]);
+                    }
                 }
             }
         }
@@ -459,10 +465,10 @@ impl Open {
 /// Items of a node that are few enough to be looked at one by one. Not a matter of soundness.
 const FEW: u32 = 64;
 
-/// The items of a node without a slab, if they are few.
+/// The items of a node, if they are few.
 fn few(tree: &Tree, node: u32) -> Option<(u32, u32)> {
     let (first, last) = tree.range(node);
-    (last - first <= FEW && tree.slab(node).is_none()).then_some((first, last))
+    (last - first <= FEW).then_some((first, last))
 }
 
 /// A vector as a unit one, where it is near one.

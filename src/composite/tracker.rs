@@ -208,7 +208,7 @@ impl MeshTracker {
         let mut search = Search::new((&a.tree, &b.tree), frame, MeshPair::new(a, b, pose), Goal::Least);
         self.kept.closest(&mut search);
         self.kept.work.settled += search.judge.settled;
-        let touches = search.judge.touches[..search.judge.touch_count].to_vec();
+        let touches = search.judge.touching[..search.judge.touch_count].to_vec();
         Found {
             best: search.best,
             lower: search.lower,
@@ -235,7 +235,7 @@ impl MeshTracker {
             point_on_b: b.given(&best.on_b),
             normal: Unit::new_unchecked(best.normal),
         };
-        if best.crosses || outcome.lower <= 0.0 && solid && self.shares_inside(a, b, frame, &found.touches) {
+        if best.crosses || outcome.lower <= 0.0 && solid && self.shares_inside(a, b, frame, found) {
             outcome.share(solid);
         } else if outcome.lower > 0.0 {
             match self.held(a, b, frame, outcome.lower / a.unit()) {
@@ -293,17 +293,21 @@ impl MeshTracker {
         Inside::No
     }
 
-    /// Whether one of the triangles in contact has its middle certainly inside the other solid.
-    fn shares_inside(&mut self, a: &Mesh, b: &Mesh, frame: &Frame, touches: &[Pair]) -> bool {
+    /// Whether one of the triangles in contact has its middle certainly inside the other solid. Middles on their own side of the plane of
+    /// contact are not looked at: in flush contact none is left.
+    fn shares_inside(&mut self, a: &Mesh, b: &Mesh, frame: &Frame, found: &Found) -> bool {
+        let Some(best) = &found.best else { return false };
         let ratio = a.unit() / b.unit();
         let middle = |t: [Vector3<f64>; 3]| (t[0] + t[1] + t[2]) / 3.0;
         let within = |mesh: &Mesh, p: &Vector3<f64>, error: f64| {
             mesh.winding(p).unwrap_or(0) != 0 && mesh.is_clear_of(p, 2.0 * error)
         };
-        touches.iter().any(|&[i, j]| {
+        let height = |p: &Vector3<f64>| best.normal.dot(&(p - best.on_a));
+        found.touches.iter().any(|&[i, j]| {
             let (p, q) = (middle(a.corners(i)), frame.point(&middle(b.corners(j))));
             let back = frame.rotation.tr_mul(&(p - frame.translation)) * ratio;
-            within(a, &q, frame.error) || within(b, &back, frame.error * ratio)
+            height(&q) < -frame.tie && within(a, &q, frame.error)
+                || height(&p) > frame.tie && within(b, &back, frame.error * ratio)
         })
     }
 }

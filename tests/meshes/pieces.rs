@@ -57,7 +57,7 @@ fn pieces_equal_brute_force() {
             q = unit_quat(quat_mul(quat(axis, 0.009), q));
             let pose = Pose {
                 q,
-                t: scale(at, 1.6 + 0.8 * (0.1 * f64::from(frame)).sin()),
+                t: scale(at, 1.1 + 0.6 * (0.16 * f64::from(frame)).sin()),
             };
             let truth = brute::distance(&s, &t, &pose).0;
             let found = tracker.closest(&a, &b, &relative(&pose));
