@@ -12,7 +12,7 @@ use std::hint::black_box;
 use bodies::{Body, Pair, ball};
 use criterion::{BenchmarkGroup, BenchmarkId, Criterion, criterion_group, criterion_main, measurement::WallTime};
 use lab::parry::GjkCached;
-use lin_canny::{RelativePose, Tracker, Watch};
+use lin_canny::{RelativePose, Tracker};
 
 const FRAMES: usize = 500;
 
@@ -45,7 +45,7 @@ fn levels(c: &mut Criterion) {
     let mut group = c.benchmark_group("levels/sphere-0.05deg");
     for n in [8, 512] {
         let pair = Pair::of("sphere", n).expect("a sphere").swinging(0.05, FRAMES);
-        let (a, b, size) = (&pair.a.ours, &pair.b.ours, pair.size(0));
+        let (a, b) = (&pair.a.ours, &pair.b.ours);
         let mut t = Tracker::new();
         each(&mut group, "walk", n, &pair, |p| t.propose(a, b, p));
         let mut t = Tracker::new();
@@ -55,11 +55,6 @@ fn levels(c: &mut Criterion) {
         each(&mut group, "certified-cold", n, &pair, |p| {
             Tracker::new().closest(a, b, p)
         });
-        for k in [2, 4, 8, 14] {
-            let mut w = Watch::new(a, b);
-            let error = 10f64.powi(-k) * size;
-            each(&mut group, &format!("error-1e-{k}"), n, &pair, |p| w.distance(p, error));
-        }
         gjk(&mut group, n, &pair);
     }
 }
@@ -87,12 +82,8 @@ fn asking(c: &mut Criterion) {
         let (a, b) = (&pair.a.ours, &pair.b.ours);
         let mut t = Tracker::new();
         each(&mut group, "overlap", n, &pair, |p| t.intersects(a, b, p));
-        let mut w = Watch::new(a, b);
-        each(&mut group, "overlap-watched", n, &pair, |p| w.intersects(p));
         let mut t = Tracker::new();
         each(&mut group, "within", n, &pair, |p| t.within(a, b, p, 0.1));
-        let mut w = Watch::new(a, b);
-        each(&mut group, "within-watched", n, &pair, |p| w.within(p, 0.1));
         let mut t = Tracker::new();
         each(&mut group, "distance", n, &pair, |p| t.distance(a, b, p));
         let mut t = Tracker::new();

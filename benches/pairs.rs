@@ -11,7 +11,7 @@ use lab::parry::{Climber, GjkCached};
 use lab::rng::Rng;
 use lab::workload;
 use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion};
-use lin_canny::{BoxHint, ConvexPolyhedron, Layer, RelativePose, Tracker};
+use lin_canny::{BoxHint, ConvexPolyhedron, RelativePose, Solver, Tracker};
 
 const FRAMES: usize = 500;
 
@@ -113,7 +113,7 @@ fn fallbacks(c: &mut Criterion) {
             let mut tracker = Tracker::new();
             for f in &frames(&a, &b, None, &mut rng) {
                 let before = tracker.clone();
-                if tracker.closest(&a, &b, &relative(f)).layer == Layer::Fallback {
+                if tracker.closest(&a, &b, &relative(f)).solver == Solver::Fallback {
                     cases.push((before, relative(f)));
                 }
             }

@@ -10,20 +10,21 @@ use std::fs::File;
 use std::io::Write as _;
 use std::time::Instant;
 
+use lab::command::Arguments;
 use lab::suite::{Case, Line, Reader};
 use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion};
 use lin_canny::{Class, ConvexPolyhedron, RelativePose, Tracker};
 
 /// Which level of accuracy answers.
 #[derive(Clone, Copy, PartialEq)]
-enum Level {
+enum Accuracy {
     Walk,
     Certified,
     Exact,
 }
 
 struct Options {
-    level: Level,
+    level: Accuracy,
     mesh: bool,
     cold: bool,
     file: String,
@@ -31,41 +32,44 @@ struct Options {
     start: usize,
 }
 
-const USAGE: &str = "usage: grade [--level walk|certified|exact] [--shapes hull|mesh] [--cold] FILE PART START";
+const USAGE: &str = "\
+usage: grade [--level walk|certified|exact] [--shapes hull|mesh] [--cold] FILE PART START
 
-fn options() -> Option<Options> {
-    let mut words = std::env::args().skip(1);
-    let (mut level, mut mesh, mut cold, mut rest) = (Level::Certified, false, false, vec![]);
-    while let Some(word) = words.next() {
-        match word.as_str() {
-            "--level" => {
-                level = match words.next()?.as_str() {
-                    "walk" => Level::Walk,
-                    "certified" => Level::Certified,
-                    "exact" => Level::Exact,
-                    _ => return None,
-                }
-            }
-            "--shapes" => {
-                mesh = match words.next()?.as_str() {
-                    "hull" => false,
-                    "mesh" => true,
-                    _ => return None,
-                }
-            }
-            "--cold" => cold = true,
-            _ => rest.push(word),
-        }
-    }
-    let [file, part, start] = <[String; 3]>::try_from(rest).ok()?;
-    Some(Options {
+Answers the cases of FILE from number START on and appends a line for each to PART; both formats stand in tests/CASES.md.
+
+  --level    accuracy of the answers (default: certified)
+  --shapes   bodies from the vertices alone, or with the faces given (default: hull)
+  --cold     a new tracker for every case";
+
+fn parse(arguments: Option<Arguments>) -> Result<Option<Options>, String> {
+    let Some(mut arguments) = arguments else {
+        return Ok(None);
+    };
+    let level = match arguments.value("--level")?.as_deref() {
+        Some("walk") => Accuracy::Walk,
+        None | Some("certified") => Accuracy::Certified,
+        Some("exact") => Accuracy::Exact,
+        Some(other) => return Err(format!("{other} is not a level")),
+    };
+    let mesh = match arguments.value("--shapes")?.as_deref() {
+        None | Some("hull") => false,
+        Some("mesh") => true,
+        Some(other) => return Err(format!("shapes are hull or mesh, not {other}")),
+    };
+    let cold = arguments.flag("--cold");
+    let [file, part, start] =
+        <[String; 3]>::try_from(arguments.files(3)?).map_err(|_| "FILE, PART and START are needed")?;
+    let start = start
+        .parse()
+        .map_err(|_| format!("START must be a whole number, not {start}"))?;
+    Ok(Some(Options {
         level,
         mesh,
         cold,
         file,
         part,
-        start: start.parse().ok()?,
-    })
+        start,
+    }))
 }
 
 /// A pose from the numbers of the file: taken as they are where they are a rotation, else divided by the norm.
@@ -94,7 +98,7 @@ fn body(shape: &lab::shapes::Shape, mesh: bool) -> Result<ConvexPolyhedron, Box<
 /// One line of the answer file.
 fn answer(
     tracker: &mut Tracker,
-    level: Level,
+    level: Accuracy,
     a: &ConvexPolyhedron,
     b: &ConvexPolyhedron,
     case: &Case,
@@ -104,7 +108,7 @@ fn answer(
     let began = Instant::now();
     let relative = RelativePose::new(&pa, &pb)?;
     let (class, distance, on_a, on_b, normal, layer) = match level {
-        Level::Walk => {
+        Accuracy::Walk => {
             let p = tracker.propose(a, b, &relative);
             let class = if p.distance == Some(0.0) {
                 Class::Touching
@@ -119,16 +123,16 @@ fn answer(
                 p.point_on_a,
                 p.point_on_b,
                 p.normal,
-                p.layer,
+                p.solver,
             )
         }
-        Level::Certified => {
+        Accuracy::Certified => {
             let o = tracker.closest(a, b, &relative);
-            (o.class, o.distance, o.point_on_a, o.point_on_b, o.normal, o.layer)
+            (o.class, o.distance, o.point_on_a, o.point_on_b, o.normal, o.solver)
         }
-        Level::Exact => {
+        Accuracy::Exact => {
             let o = tracker.closest_exact(a, b, &relative);
-            (o.class, o.distance, o.point_on_a, o.point_on_b, o.normal, o.layer)
+            (o.class, o.distance, o.point_on_a, o.point_on_b, o.normal, o.solver)
         }
     };
     let ns = began.elapsed().as_nanos();
@@ -137,7 +141,7 @@ fn answer(
         Class::Separated => "sep",
         Class::Touching => "touch",
         Class::Overlapping => "pen",
-        Class::Undecided => "none",
+        _ => "none",
     };
     let n = pa.rotation * normal;
     let mut line = format!("{} {word} {distance:e}", case.id);
@@ -186,12 +190,12 @@ impl Layers {
 fn run(o: &Options) -> Result<(), Box<dyn std::error::Error>> {
     let mut part = File::create(&o.part)?;
     let level = match o.level {
-        Level::Walk => "walk",
-        Level::Certified => "certified",
-        Level::Exact => "exact",
+        Accuracy::Walk => "walk",
+        Accuracy::Certified => "certified",
+        Accuracy::Exact => "exact",
     };
     // The walk alone computes no depth.
-    let signed = if o.level == Level::Walk { "no" } else { "yes" };
+    let signed = if o.level == Accuracy::Walk { "no" } else { "yes" };
     writeln!(
         part,
         "# engine lin-canny {level}\n# signed {signed}\n# witness local\n# normal yes\n# distance yes"
@@ -233,15 +237,5 @@ fn run(o: &Options) -> Result<(), Box<dyn std::error::Error>> {
 }
 
 fn main() -> std::process::ExitCode {
-    let Some(o) = options() else {
-        eprintln!("{USAGE}");
-        return std::process::ExitCode::from(2);
-    };
-    match run(&o) {
-        Ok(()) => std::process::ExitCode::SUCCESS,
-        Err(e) => {
-            eprintln!("grade: {e}");
-            std::process::ExitCode::FAILURE
-        }
-    }
+    lab::command::main("grade", USAGE, parse(Arguments::of_process()), run)
 }

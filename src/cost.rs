@@ -1,83 +1,89 @@
-//! What accuracy costs: a page, no code.
+//! The cost of accuracy: a page of measurements, no code.
 //!
-//! Everything here is measured by one command, on your machine and, if you name them, for your own meshes:
+//! Every number here is measured by a single command, on your machine and, if you pass files, for
+//! your own meshes:
 //!
 //! ```text
-//! cargo run --release --example accuracy_cost                             # half a minute: tables, pictures, --csv FILE
+//! # half a minute: tables, pictures, --csv FILE
+//! cargo run --release --example accuracy_cost
 //! cargo run --release --example accuracy_cost -- --mesh A.obj --mesh B.stl
 //! ```
 //!
-//! Errors are against exact arithmetic, and over the size L of the pair (both radii and the distance of the origins). Bodies up to
-//! 16 vertices are solved over the integers; for larger ones exact arithmetic says what a direction proves and how far apart two
-//! points are, and an answer is wrong by what it lies outside of the two (they leave at most `1e-16 L` open). Numbers and
-//! pictures of this page are those of the newest `benches/record/*-accuracy.csv`: one core of a shared AMD EPYC (Zen 5), default flags.
+//! Errors are relative to exact arithmetic, in units of the size L of the pair (both radii plus the
+//! distance of the origins). Bodies of up to 16 vertices are solved over the integers; for larger
+//! bodies, exact arithmetic gives the bound proven by a direction and the distance of two points,
+//! and the error of an answer is its distance from the interval between the two (at most `1e-16 L`
+//! wide). Numbers and pictures of this page are from the newest `benches/record/*-accuracy.csv`: a
+//! core of a shared AMD EPYC (Zen 5), default flags.
 //!
 //! # The levels
 //!
-//! Two random hulls in a sphere of radius 1, B orbiting A and spinning by half a degree a frame; nanoseconds a query, two world poses in,
-//! distance and both witness points out (a [`Watch`](crate::Watch) gives the distance alone):
+//! Two random hulls in a sphere of radius 1, B orbiting A and spinning by half a degree a frame;
+//! nanoseconds a query, from two world poses to distance and both witness points:
 //!
 #![doc = include_str!("../images/cost.md")]
 //!
-//! * **The walk has no accuracy to choose.** It ends on the closest features after a look or two, exact up to rounding, and has
-//!   nothing with bounds to stop at before. An iterative solver is often sold with a tolerance; on polytopes it buys nothing here.
-//! * **The proof is cheap.** [`Tracker::closest`](crate::Tracker::closest) takes one to three nanoseconds more than the walk's word.
-//! * **An allowed error saves little**: [`Watch`](crate::Watch) answers from how far the bodies have moved since the last look, and to find
-//!   that out takes nearly as long as a tracked query. It pays, by up to a sixth, where a frame moves the bodies by much less than the
-//!   error; where it has to look every time it costs a third to half as much again.
-//! * **The last bit is dear**: [`closest_exact`](crate::Tracker) takes microseconds, some hundred times a certified answer.
+//! * **The walk has no accuracy to choose.** The walk ends on the closest features after a step or
+//!   two, exact up to rounding, and has no earlier state with bounds to stop at. An iterative
+//!   solver is often sold with a tolerance; on polytopes a tolerance buys nothing here.
+//! * **The proof is cheap.** [`Tracker::closest`](crate::Tracker::closest) takes one to three
+//!   nanoseconds more than the walk alone.
+//! * **The last bit is expensive**: [`closest_exact`](crate::Tracker) takes microseconds, some
+//!   hundred times a certified answer.
 //!
-//! A slower motion, 0.05 degrees a frame, and 512 vertices, each engine and level a point with its spread (a tracked query is the same
-//! at any error allowed below what a frame moves; parry's `distance` keeps nothing between frames):
+//! A slower motion, 0.05 degrees a frame, and 512 vertices, each engine and level a point with its
+//! spread (parry's `distance` caches nothing between frames):
 //!
 #![doc = include_str!("../images/accuracy.svg")]
 //!
 //! # Motion
 //!
-//! What a frame moves is what a tracked query pays for; from ten degrees on it begins anew instead. A
-//! [`Watch`](crate::Watch) wins a little where a frame moves much less than its error.
+//! The cost of a tracked query grows with the motion of a frame; from ten degrees per frame on, a
+//! query starts from support vertices instead.
 //!
 #![doc = include_str!("../images/motion.svg")]
 //!
 //! # Finer shapes
 //!
-//! A sphere replaced by a hull of n vertices is wrong by some `1/n` of the pair's size. The walk hardly cares how many there are:
-//! it takes some five times as long for 100,000 as for 12.
+//! Replacing a sphere by a hull of n vertices costs an error of some `1/n` of the pair's size. The
+//! walk hardly depends on n: 100,000 vertices take some five times as long as 12.
 //!
 #![doc = include_str!("../images/geometry.svg")]
 //!
 //! # Asking less
 //!
-//! One slow motion of two flat bodies, every question. An inner hull is that of a few vertices, farthest points first; with `a` and `b`
-//! the farthest that a vertex of either body lies from its inner hull, the signed distance of the bodies is that of their inner
-//! hulls or up to `a + b` less. As a tracked query hardly depends on the number of vertices, coarser shapes save memory more
-//! than time.
+//! A slow motion of two flat bodies, with every query. An inner hull is the hull of a few vertices,
+//! farthest points first; with `a` and `b` the greatest distances of a vertex of either body from
+//! its inner hull and `d` the signed distance of the inner hulls, the signed distance of the bodies
+//! is between `d - (a + b)` and `d`. As a tracked query hardly depends on the number of vertices,
+//! coarser shapes save memory more than time.
 //!
 #![doc = include_str!("../images/asking.svg")]
 //!
 //! # Near contact
 //!
-//! Boxes face on face, from a tenth of their size apart to `1e-16` of it:
+//! Boxes face on face, from a tenth of their size apart to `1e-16` of their size:
 //!
 #![doc = include_str!("../images/contact-error.svg")]
 //!
-//! A line on the diagonal says "touching" of bodies that are apart: an error of the whole gap. Here is also where this crate is
-//! slow: below `1e-13 L` a certified answer comes from double-double arithmetic and takes some ten microseconds, an exact one a hundred,
-//! while parry's GJK is done, and wrong, in less than one.
+//! A line on the diagonal reports separated bodies as touching: an error of the whole gap. Here
+//! this crate is slow: below `1e-13 L` a certified answer comes from double-double arithmetic and
+//! takes some ten microseconds, an exact answer a hundred, while parry's GJK finishes, wrong, in
+//! less than one.
 //!
 #![doc = include_str!("../images/contact-time.svg")]
 //!
-//! And ulp by ulp, an edge of a box in the plane of another's face:
+//! And ulp by ulp, an edge of a box in the plane of another box's face:
 //!
 #![doc = include_str!("../images/ulps.svg")]
 //!
-//! The walk's word has no bounds, and at the rounding of coordinates it may call an overlap a distance of `1e-16`; that is what
-//! the certificate is for.
+//! The result of the walk alone has no bounds, and at the rounding of coordinates the walk may
+//! report an overlap as a distance of `1e-16`; the certificate exists to exclude such errors.
 //!
-//! # Where this crate loses
+//! # Cases this crate loses
 //!
-//! * Exact distances: parry's f64 answer for bodies of eight vertices is right to `1e-15 L` and eight times as fast.
+//! * Exact distances: parry's f64 answer for bodies of eight vertices is right to `1e-15 L` and
+//!   eight times as fast.
 //! * Contact below `1e-13 L`, in time (above).
-//! * A [`Watch`](crate::Watch) of bodies that move more than the error in every frame.
-//! * Random poses, where nothing is kept that helps: five times a tracked query on round bodies of 512 vertices, nine times on
-//!   flat ones.
+//! * Random poses, for which no cached state helps: five times a tracked query on round bodies of
+//!   512 vertices, nine times on flat bodies.

@@ -36,7 +36,6 @@
 //! | Where, and which features? | [`Tracker::closest`] | [`Outcome`]: features, witnesses, normal, bounds |
 //! | The same to the last bit? | `Tracker::closest_exact` (feature `exact`) | [`Outcome`] |
 //! | As the walk says, checked elsewhere? | [`Tracker::propose`] | [`Proposal`]: no bounds |
-//! | Give or take an error? The same in many small steps? | [`Watch`] | distance or `bool`, looked for only where the motion leaves it open |
 //! | Which points hold them apart? | [`Tracker::manifold`] | [`Manifold`]: contact points, with names that last |
 //! | What does a motion do to the distance? | [`Outcome::gradient_a`], [`gradient_b`](Outcome::gradient_b) | [`Gradient`] of the signed distance |
 //! | When do they meet? | none yet; a loop over [`Tracker::distance`] | see [`Velocity`] |
@@ -122,7 +121,7 @@
 //! *upper* bound, and for any direction n the gap between the supporting planes across n, least `n . b` minus greatest
 //! `n . a`, is a *lower* bound. At the closest points, with n along them, the two are equal. The walk delivers both; the
 //! crate compares them, adds the error of its own rounding, and returns what is then proven: [`Outcome::lower`] and
-//! [`Outcome::upper`]. Where they do not meet, other solvers take over: [`Layer`] says which one answered.
+//! [`Outcome::upper`]. Where they do not meet, other solvers take over: [`Solver`] says which one answered.
 //!
 //! # Accuracy
 //!
@@ -132,7 +131,6 @@
 //! | level | what it promises |
 //! |---|---|
 //! | [`Tracker::propose`] | the walk's word: no bounds in its type |
-//! | [`Watch::distance`] | the true signed distance lies in `lower..=upper`, off by at most the error allowed |
 //! | [`Tracker::closest`], [`Tracker::distance`] | the true signed distance lies in `lower..=upper`, no wider than `1e-13 L` |
 //! | `Tracker::closest_exact` | the class is exact and the distance within one unit in the last place |
 //! | [`Tracker::intersects`], [`Tracker::within`] | exact with the feature `exact`; without it ties count as within |
@@ -192,9 +190,8 @@
 //! 8. `tracker`: what a caller keeps, and which solver to ask.
 //! 9. `soundness`, `replay`: what debug builds check of every answer, and the text of a query that fails.
 //! 10. [`composite`]: meshes and bodies of pieces, on a tree of boxes and a front kept from frame to frame.
-//! 11. `watch`: one tracker, and how far its bodies have moved.
-//! 12. [`broad`]: boxes and ids alone, for many bodies; it knows nothing of the others.
-//! 13. [`scene`]: where all meets; start with `scene/step.rs`.
+//! 11. [`broad`]: boxes and ids alone, for many bodies; it knows nothing of the others.
+//! 12. [`scene`]: where all meets; start with `scene/step.rs`.
 //!
 //! # From the thesis
 //!
@@ -224,26 +221,27 @@ extern crate alloc;
 extern crate std;
 
 pub mod broad;
-mod certificate;
-mod closest;
 pub mod composite;
 mod contact;
 pub mod cost;
-mod double_double;
-mod lanes;
+mod depth;
+#[cfg(feature = "exact")]
+mod exact;
+mod minimum;
 mod motion;
-mod penetration;
+mod num;
+mod pair;
 pub mod polyhedron;
 mod pose;
 mod replay;
-mod scalar;
 pub mod scene;
+mod solve;
 mod soundness;
 pub mod tolerance;
 mod tracker;
-mod watch;
+mod tuning;
+mod walk;
 
-pub use closest::outcome::{Class, Distance, Layer, Level, Outcome, Proposal, Work};
 pub use composite::audit::FrontFault;
 pub use composite::mesh::{Mesh, MeshError, MeshKind, MeshPart, MeshReport};
 pub use composite::outcome::{MeshFeature, MeshOutcome, MeshSpot};
@@ -253,13 +251,14 @@ pub use composite::tracker::MeshTracker;
 pub use contact::{ContactPoint, Gradient, Manifold, ManifoldOptions};
 pub use motion::Velocity;
 pub use nalgebra;
+pub use pair::outcome::{Accuracy, Class, Distance, Outcome, Proposal, Solver, Work};
+pub use pair::world::WorldWitnesses;
 pub use polyhedron::{
     BoxHint, BuildError, BuildReport, ConvexPolyhedron, EdgeId, FaceId, Feature, FeaturePair, VertexId,
 };
-pub use pose::{PoseError, RelativePose, Which};
+pub use pose::{Operand, PoseError, RelativePose, normalize};
 pub use replay::{Replay, ReplayError};
 pub use tracker::{Totals, Tracker};
-pub use watch::Watch;
 
 /// Runs the README as a test.
 #[doc = include_str!("../README.md")]

@@ -3,12 +3,12 @@
 //! A point x about a centre goes by `shift + (R1 - R0) x` while the centre goes by `shift`, and `R1 - R0` stretches by at most
 //! `2 sin(angle / 2)`. So no point within `radius` of the centre goes farther than `|shift| + 2 radius sin(angle / 2)`, by whatever way
 //! the body goes. Poses in the world are quaternions and bodies many, so [`displacement`] takes the angle from those, a little
-//! too large; a [`Place`] has the matrix of a relative pose at hand, and is as exact as its rounding.
+//! too large; a [`BallAtPose`] has the matrix of a relative pose at hand, and is as exact as its rounding.
 
 use nalgebra::{Isometry3, Matrix3, Quaternion, Translation3, UnitQuaternion, Vector3};
 
-use crate::pose::Which;
-use crate::scalar::sqrt;
+use crate::num::scalar::sqrt;
+use crate::pose::Operand;
 use crate::tolerance::{DISPLACEMENT, FAR, LEAST_SQUARE, NEAR, WAY};
 
 /// The velocity of a rigid body in the world's frame: of its own origin, and about it in radians.
@@ -134,7 +134,7 @@ pub(crate) fn displacement(
 /// A ball fixed to one of two bodies, as seen from the other.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(crate) struct Place {
+pub(crate) struct BallAtPose {
     /// From B to A, whichever body the ball is of.
     rotation: Matrix3<f64>,
     centre: Vector3<f64>,
@@ -143,18 +143,18 @@ pub(crate) struct Place {
     size: f64,
 }
 
-impl Place {
+impl BallAtPose {
     /// Of a ball of the body `of`, in its frame, at a relative pose `a_from_b`.
     #[inline(always)]
     pub(crate) fn new(
-        of: Which,
+        of: Operand,
         (centre, radius): (&Vector3<f64>, f64),
         rotation: &Matrix3<f64>,
         translation: &Vector3<f64>,
     ) -> Self {
         let seen = match of {
-            Which::B => rotation * centre + translation,
-            Which::A => rotation.tr_mul(&(centre - translation)),
+            Operand::B => rotation * centre + translation,
+            Operand::A => rotation.tr_mul(&(centre - translation)),
         };
         Self {
             rotation: *rotation,
@@ -243,18 +243,18 @@ mod tests {
                 ),
             ];
             let (centre, radius) = (Vector3::from(rng.unit()), rng.range(0.1, 2.0));
-            for of in [Which::A, Which::B] {
+            for of in [Operand::A, Operand::B] {
                 let [then, now] = poses.map(|(r, t)| {
                     let matrix = r.to_rotation_matrix().into_inner();
-                    Place::new(of, (&centre, radius), &matrix, &t)
+                    BallAtPose::new(of, (&centre, radius), &matrix, &t)
                 });
                 let bound = now.displacement(&then);
                 let mut most: f64 = 0.0;
                 for _ in 0..60 {
                     let x = centre + Vector3::from(rng.unit()) * radius;
                     let [then, now] = poses.map(|(r, t)| match of {
-                        Which::A => r.inverse() * (x - t),
-                        Which::B => r * x + t,
+                        Operand::A => r.inverse() * (x - t),
+                        Operand::B => r * x + t,
                     });
                     most = most.max((now - then).norm());
                 }
@@ -268,8 +268,8 @@ mod tests {
     #[test]
     fn nothing_is_said_of_places_out_of_range() {
         let place = |t: f64| {
-            Place::new(
-                Which::B,
+            BallAtPose::new(
+                Operand::B,
                 (&Vector3::zeros(), 0.0),
                 &Matrix3::identity(),
                 &Vector3::repeat(t),

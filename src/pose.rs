@@ -3,31 +3,36 @@
 use nalgebra::{Isometry3, Matrix3, Quaternion, Vector3};
 use wide::f64x2;
 
-use crate::lanes::{self, Lanes, Rotation};
+use crate::num::packed::{self, PackedRotation, PackedVec3};
 use crate::tolerance::{POSE_UNIT, REACH};
 
-/// Why a pose is no rigid motion.
+/// Error returned if a pose is no rigid motion.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PoseError {
-    /// A coordinate of the translation is NaN or infinite, or the bodies are so far apart that their distance may leave
-    /// f64: then the body is B and the value its place seen from A's.
+    /// A coordinate of the translation is NaN or infinite, or the bodies are so far apart that
+    /// their distance may overflow f64: then `body` is B and `value` a coordinate of the
+    /// translation from A to B.
     #[error("translation of {body} is out of range: coordinate {axis} is {value}")]
     Translation {
-        /// Which of the two poses.
-        body: Which,
-        /// 0, 1 or 2.
+        /// Body with the refused pose.
+        body: Operand,
+        /// Index of the coordinate: 0, 1 or 2.
         axis: usize,
-        /// The coordinate.
+        /// Value of the coordinate.
         value: f64,
     },
-    /// The rotation is not a unit quaternion: `| |q|^2 - 1 |` must not exceed 1e-12. One from `f32` has to be normalised in `f64`, see
-    /// [`RelativePose`].
-    #[error("rotation of {body} is not a unit quaternion: its squared norm is {norm_squared}")]
+    /// The rotation is not a unit quaternion: `| |q|^2 - 1 |` must not exceed 1e-12.
+    /// [`RelativePose::normalized`] accepts rotations from `f32`, from files and from many
+    /// products.
+    #[error(
+        "rotation of {body} is not a unit quaternion: its squared norm is {norm_squared} (`normalize` the pose, or use \
+         `RelativePose::normalized`)"
+    )]
     Rotation {
-        /// Which of the two poses.
-        body: Which,
-        /// The squared norm, NaN or infinite where a coordinate is.
+        /// Body with the refused pose.
+        body: Operand,
+        /// Squared norm of the quaternion; NaN or infinite if a coordinate is.
         norm_squared: f64,
     },
 }
@@ -35,38 +40,39 @@ pub enum PoseError {
 /// The first or the second body of a query.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum Which {
-    /// The first.
+pub enum Operand {
+    /// First body.
     A,
-    /// The second.
+    /// Second body.
     B,
 }
 
-impl core::fmt::Display for Which {
+impl core::fmt::Display for Operand {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.write_str(if *self == Which::A { "A" } else { "B" })
+        f.write_str(if *self == Operand::A { "A" } else { "B" })
     }
 }
 
-/// Where B stands as seen from A.
+/// Pose of B relative to A.
 ///
-/// A vertex `v` of a body at pose `(q, t)` is at `R(q) v / |q|^2 + t` over the rationals, for the bits of `q` and `t`
-/// as given: that placement, not its rounding, is what every bound of a certified answer speaks of. World offsets
-/// cancel first: the relative translation is formed from `t_b - t_a`, so a common shift that both translations absorb
-/// exactly changes no bit of any answer.
+/// A vertex `v` of a body at pose `(q, t)` is at `R(q) v / |q|^2 + t` over the rationals, for the
+/// bits of `q` and `t` as given: all bounds of a certified outcome refer to the exact placement,
+/// not to its rounding. World offsets cancel first: the relative translation is formed from
+/// `t_b - t_a`, so a common shift that both translations absorb exactly changes no bit of any
+/// outcome.
 ///
-/// A rotation has to be a unit quaternion in `f64`. One that was computed in `f32`, or by many products, is off by more than is
-/// accepted; normalise it first:
+/// A rotation must be a unit quaternion in `f64`. A rotation from `f32`, from a file or from many
+/// products is farther off than [`new`](Self::new) accepts; [`normalized`](Self::normalized)
+/// divides by the norm first:
 ///
 /// ```
-/// use lin_canny::nalgebra::{Isometry3, UnitQuaternion, Vector3};
+/// use lin_canny::nalgebra::{Isometry3, Vector3};
 /// use lin_canny::{PoseError, RelativePose};
 ///
 /// let pose = Isometry3::new(Vector3::new(1.0, 2.0, 3.0), Vector3::new(0.3, 0.2, 0.1)).cast::<f32>();
-/// let mut pose: Isometry3<f64> = pose.cast();
+/// let pose: Isometry3<f64> = pose.cast();
 /// assert!(matches!(RelativePose::from_isometry(&pose), Err(PoseError::Rotation { .. })));
-/// pose.rotation = UnitQuaternion::new_normalize(pose.rotation.into_inner());
-/// let a_from_b = RelativePose::from_isometry(&pose)?;
+/// let a_from_b = RelativePose::normalized(&Isometry3::identity(), &pose)?;
 /// # Ok::<(), PoseError>(())
 /// ```
 ///
@@ -76,21 +82,22 @@ impl core::fmt::Display for Which {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct RelativePose {
-    pub(crate) a: Placement,
-    pub(crate) b: Placement,
+    pub(crate) a: PoseBits,
+    pub(crate) b: PoseBits,
 }
 
-/// One pose as given, in lanes: a query reads it moments after it was stored.
+/// A pose as given by the caller, packed for SIMD: a query reads the pose moments after it was
+/// stored.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(into = "RawPlacement"))]
-pub(crate) struct Placement {
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(into = "RawPose"))]
+pub(crate) struct PoseBits {
     /// Quaternion: vector part, then scalar part.
     q: [f64x2; 2],
-    /// The translation; in the lane to spare, `|q|^2`, rounded.
-    t: Lanes,
+    /// Translation; in the spare lane `|q|^2`, rounded.
+    t: PackedVec3,
 }
 
-impl Placement {
+impl PoseBits {
     #[inline(always)]
     fn new(pose: &Isometry3<f64>) -> Self {
         let (q, t) = (&pose.rotation.coords, &pose.translation.vector);
@@ -103,7 +110,7 @@ impl Placement {
         let [even, odd] = (q[0] * q[0] + q[1] * q[1]).to_array();
         Self {
             q,
-            t: Lanes::carrying(&t.into(), even + odd),
+            t: PackedVec3::with_spare(&t.into(), even + odd),
         }
     }
 
@@ -120,10 +127,10 @@ impl Placement {
 
     #[inline(always)]
     fn norm_squared(&self) -> f64 {
-        self.t.carried()
+        self.t.spare()
     }
 
-    fn check(&self, body: Which) -> Result<(), PoseError> {
+    fn check(&self, body: Operand) -> Result<(), PoseError> {
         let t = self.t();
         if let Some(axis) = (0..3).find(|&k| !t[k].is_finite()) {
             return Err(PoseError::Translation {
@@ -148,28 +155,46 @@ impl Placement {
     }
 }
 
+/// Returns the pose with its quaternion divided by the norm, as [`RelativePose::new`] and a scene
+/// require. A quaternion that is zero or not finite is returned unchanged, and refused there.
+#[must_use]
+pub fn normalize(pose: &Isometry3<f64>) -> Isometry3<f64> {
+    let q = pose.rotation.coords;
+    let largest = q.amax();
+    if !(largest > 0.0 && largest < f64::INFINITY) {
+        return *pose;
+    }
+    // Scaled first: the squares of a very long or short quaternion leave the range of f64.
+    let scaled = q / largest;
+    let unit = scaled / crate::num::scalar::sqrt(scaled.norm_squared());
+    let rotation = nalgebra::UnitQuaternion::new_unchecked(Quaternion::from(unit));
+    Isometry3::from_parts(pose.translation, rotation)
+}
+
 impl RelativePose {
-    /// From the poses of both bodies in one common frame.
+    /// Returns the relative pose of two bodies from their poses in a common frame.
     ///
     /// # Errors
-    /// A translation that is not finite or out of range, or a rotation whose squared norm is off 1 by more than 1e-12.
+    /// A translation that is not finite or out of range, or a rotation whose squared norm differs
+    /// from 1 by more than 1e-12.
     #[inline]
     pub fn new(pose_a: &Isometry3<f64>, pose_b: &Isometry3<f64>) -> Result<Self, PoseError> {
-        let (a, b) = (Placement::new(pose_a), Placement::new(pose_b));
+        let (a, b) = (PoseBits::new(pose_a), PoseBits::new(pose_b));
         let offset = offset(&a, &b);
-        let unit = |p: &Placement| (p.norm_squared() - 1.0).abs() <= POSE_UNIT;
+        let unit = |p: &PoseBits| (p.norm_squared() - 1.0).abs() <= POSE_UNIT;
         // Comparisons with NaN are false.
         let near = offset.one_norm() < REACH;
         if near && unit(&a) && unit(&b) {
             Ok(Self { a, b })
         } else {
-            // From the start again: a pose whose address is taken would be copied whole.
+            // Starts again from the arguments: a pose whose address is taken would be copied whole.
             Err(refusal(pose_a, pose_b))
         }
     }
 
-    /// From the pose of B in A's frame: `pose_a.inverse() * pose_b`, where you have that already. From two poses in the world
-    /// [`RelativePose::new`] is more accurate, as it cancels their offset first.
+    /// Returns the relative pose from the pose of B in A's frame, `pose_a.inverse() * pose_b`, if
+    /// already known. For two world poses [`RelativePose::new`] is more accurate, as their offset
+    /// cancels first.
     ///
     /// # Errors
     /// As [`RelativePose::new`].
@@ -177,83 +202,95 @@ impl RelativePose {
         Self::new(&Isometry3::identity(), a_from_b)
     }
 
-    /// The same pair of poses with A and B exchanged.
+    /// Returns the relative pose of two poses whose rotations are normalised first, see
+    /// [`normalize`]. Bounds then hold for the normalised poses.
+    ///
+    /// # Errors
+    /// A translation that is not finite or out of range, or a quaternion that is zero or not
+    /// finite.
+    pub fn normalized(pose_a: &Isometry3<f64>, pose_b: &Isometry3<f64>) -> Result<Self, PoseError> {
+        Self::new(&normalize(pose_a), &normalize(pose_b))
+    }
+
+    /// Returns the relative pose with A and B exchanged.
     #[must_use]
     pub fn swapped(&self) -> Self {
         Self { a: self.b, b: self.a }
     }
 
-    /// The poses this was made from, bit for bit.
+    /// Returns the two original poses, bit for bit.
     #[must_use]
     pub fn poses(&self) -> (Isometry3<f64>, Isometry3<f64>) {
         (self.a.isometry(), self.b.isometry())
     }
 
-    /// Translation of `a_from_b`.
+    /// Returns the translation of `a_from_b`.
     #[inline]
     pub(crate) fn translation(&self) -> Vector3<f64> {
-        self.shift().vector()
+        self.packed_translation().vector()
     }
 
-    /// The same in lanes.
+    /// Returns the translation of `a_from_b`, packed for SIMD.
     #[inline(always)]
-    pub(crate) fn shift(&self) -> Lanes {
-        self.turned_to_a(offset(&self.a, &self.b))
+    pub(crate) fn packed_translation(&self) -> PackedVec3 {
+        self.rotated_to_a(offset(&self.a, &self.b))
     }
 
-    /// A sixteenth of the translation, whose computation leaves no range that the translation itself does not.
-    pub(crate) fn sixteenth(&self) -> Vector3<f64> {
-        self.turned_to_a(offset(&self.a, &self.b) * (1.0 / 16.0)).vector()
+    /// Returns a sixteenth of the translation: its computation does not overflow unless the
+    /// translation itself does.
+    pub(crate) fn translation_sixteenth(&self) -> Vector3<f64> {
+        self.rotated_to_a(offset(&self.a, &self.b) * (1.0 / 16.0)).vector()
     }
 
-    /// `R_a^T offset`.
+    /// Returns `R_a^T offset`.
     #[inline(always)]
-    fn turned_to_a(&self, offset: Lanes) -> Lanes {
-        let (axis, w) = lanes::parts(&self.a.q);
+    fn rotated_to_a(&self, offset: PackedVec3) -> PackedVec3 {
+        let (axis, w) = packed::parts(&self.a.q);
         let c = offset.cross(axis);
         let s = 2.0 * (2.0 - self.a.norm_squared());
         offset + (c * w + c.cross(axis)) * s
     }
 
-    /// Rotation of `a_from_b`: the matrix of `conj(qa) qb`, divided by its squared norm. The norms are within 1e-12 of
-    /// one, so `2 - n` is `1 / n` to 1e-24.
+    /// Returns the rotation of `a_from_b`: the matrix of `conj(qa) qb`, divided by its squared
+    /// norm. The norms are within 1e-12 of one, so `2 - n` is `1 / n` to 1e-24.
     #[inline]
     pub(crate) fn rotation(&self) -> Matrix3<f64> {
-        self.turn().matrix()
+        self.packed_rotation().matrix()
     }
 
-    /// The same in lanes.
+    /// Returns the rotation of `a_from_b`, packed for SIMD.
     #[inline(always)]
-    pub(crate) fn turn(&self) -> Rotation {
+    pub(crate) fn packed_rotation(&self) -> PackedRotation {
         let s = 2.0 * (2.0 - self.a.norm_squared()) * (2.0 - self.b.norm_squared());
-        Rotation::between(&self.a.q, &self.b.q, s)
+        PackedRotation::between(&self.a.q, &self.b.q, s)
     }
 }
 
-/// What is wrong with one of two poses of which one is.
+/// Returns the error of two poses; at least one of the two, or their offset, must be invalid.
 #[cold]
 fn refusal(pose_a: &Isometry3<f64>, pose_b: &Isometry3<f64>) -> PoseError {
-    let (a, b) = (Placement::new(pose_a), Placement::new(pose_b));
-    if let Err(e) = a.check(Which::A).and(b.check(Which::B)) {
+    let (a, b) = (PoseBits::new(pose_a), PoseBits::new(pose_b));
+    if let Err(e) = a.check(Operand::A).and(b.check(Operand::B)) {
         return e;
     }
     let offset = offset(&a, &b).vector();
-    // Of three coordinates whose sum is too large the largest is a third of it.
+    // If the sum of three absolute coordinates is too large, the largest is at least a third of the
+    // sum.
     let axis = offset.iamax();
     PoseError::Translation {
-        body: Which::B,
+        body: Operand::B,
         axis,
         value: offset[axis],
     }
 }
 
-/// `t_b - t_a`: world offsets end here.
+/// Returns `t_b - t_a`: world offsets cancel here.
 #[inline(always)]
-fn offset(a: &Placement, b: &Placement) -> Lanes {
+fn offset(a: &PoseBits, b: &PoseBits) -> PackedVec3 {
     b.t - a.t
 }
 
-/// The matrix that turns by `q`, for `s = 2 / |q|^2`.
+/// Returns the rotation matrix of `q`, for `s = 2 / |q|^2`.
 #[inline(always)]
 pub(crate) fn rotation_matrix(q: &[f64; 4], s: f64) -> Matrix3<f64> {
     let [x, y, z, w] = *q;
@@ -265,17 +302,17 @@ pub(crate) fn rotation_matrix(q: &[f64; 4], s: f64) -> Matrix3<f64> {
     Matrix3::new(xx, xy - wz, xz + wy, xy + wz, yy, yz - wx, xz - wy, yz + wx, zz)
 }
 
-/// A pose in files.
+/// Serialized form of a pose.
 #[cfg(feature = "serde")]
 #[derive(serde::Serialize, serde::Deserialize)]
-struct RawPlacement {
+struct RawPose {
     q: [f64; 4],
     t: [f64; 3],
 }
 
 #[cfg(feature = "serde")]
-impl From<Placement> for RawPlacement {
-    fn from(p: Placement) -> Self {
+impl From<PoseBits> for RawPose {
+    fn from(p: PoseBits) -> Self {
         Self { q: p.q(), t: p.t() }
     }
 }
@@ -284,12 +321,12 @@ impl From<Placement> for RawPlacement {
 impl<'de> serde::Deserialize<'de> for RelativePose {
     fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         #[derive(serde::Deserialize)]
-        struct Raw {
-            a: RawPlacement,
-            b: RawPlacement,
+        struct RawRelativePose {
+            a: RawPose,
+            b: RawPose,
         }
-        let raw = Raw::deserialize(deserializer)?;
-        let pose = |p: RawPlacement| Placement::of(p.q, p.t).isometry();
+        let raw = RawRelativePose::deserialize(deserializer)?;
+        let pose = |p: RawPose| PoseBits::of(p.q, p.t).isometry();
         Self::new(&pose(raw.a), &pose(raw.b)).map_err(serde::de::Error::custom)
     }
 }
@@ -311,13 +348,13 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_pose_is_refused_by_name() {
+    fn invalid_poses_are_refused_by_name() {
         let one = Isometry3::identity();
         let nan = Isometry3::from_parts(Translation3::new(0.0, f64::NAN, 0.0), UnitQuaternion::identity());
         assert!(matches!(
             RelativePose::new(&one, &nan),
             Err(PoseError::Translation {
-                body: Which::B,
+                body: Operand::B,
                 axis: 1,
                 ..
             })
@@ -326,7 +363,7 @@ mod tests {
         let long = Isometry3::from_parts(Translation3::identity(), long);
         assert!(matches!(
             RelativePose::new(&long, &one),
-            Err(PoseError::Rotation { body: Which::A, .. })
+            Err(PoseError::Rotation { body: Operand::A, .. })
         ));
         let far = |x| Isometry3::translation(x, 0.0, 0.0);
         assert!(RelativePose::new(&far(-1.7e308), &far(1.7e308)).is_err());

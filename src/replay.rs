@@ -1,23 +1,25 @@
-//! A query as a text that rebuilds it bit for bit: for a report, a corpus, a debugger.
+//! A query as a text that reproduces it bit for bit: for a report, a corpus, a debugger.
 //!
 //! ```text
 //! lin-canny replay 1
 //! level certified                           walk, certified or exact
-//! body A 8                                  and its count of vertices
+//! body A 8                                  and its number of vertices
 //! vertex bff0000000000000 0000000000000000 3fe0000000000000    # -1 0 0.5
-//! ...                                       in the order of their ids
-//! polygon 0 2 1 3                           only for a polygon: the vertices round its first side
+//! ...                                       in the order of the vertex ids
+//! polygon 0 2 1 3                           only for a polygon: the vertices of its first side
 //! body B
 //! ...
-//! pose A 0000000000000000 ... (seven numbers: quaternion x y z w, translation)    # the same in decimal
+//! pose A 0000000000000000 ... (seven numbers: quaternion x y z w, translation)    # in decimal
 //! pose B ...
 //! start v3 e12                              or: start cold
-//! facet v3 f5                               only after an overlap: its deepest facet, what held the witnesses where that
-//! stand e1 e7                               did not, and the surface kept: the count it was
-//! surface 2 3-5 0-1 2-2 0 1 2 1 1 1 ...     built with, vertices of A and B, three corners and neighbours a triangle
+//! facet v3 f5                               only after an overlap: the deepest facet, the features
+//! stand e1 e7                               of the witnesses if different, and the cached surface:
+//! surface 2 3-5 0-1 2-2 0 1 2 1 1 1 ...     its initial number of triangles, vertices of A and B
+//!                                           of each point, and per triangle three point indices
+//!                                           and three adjacent triangles
 //! ```
 //!
-//! Numbers are the bits of an f64 in hexadecimal. What follows `#` and empty lines are passed over.
+//! Numbers are the bits of an f64 in hexadecimal. Text after `#` and empty lines are ignored.
 
 use alloc::vec::Vec;
 use core::fmt;
@@ -25,83 +27,85 @@ use core::str::FromStr;
 
 use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion};
 
-use crate::closest::outcome::Level;
-use crate::penetration::{Memory, Raw};
+use crate::depth::{Memory, RawMemory};
+use crate::pair::outcome::Accuracy;
 use crate::polyhedron::{BuildError, ConvexPolyhedron, EdgeId, FaceId, Feature, FeaturePair, VertexId};
-use crate::pose::{PoseError, RelativePose, Which};
+use crate::pose::{Operand, PoseError, RelativePose};
 
 const TITLE: &str = "lin-canny replay 1";
 
-/// One query: both bodies, their poses, where the walk starts, and how exact the answer is to be.
+/// A reproducible query: both bodies, their poses, the cached state of the tracker, and the
+/// accuracy.
 ///
-/// `Display` writes the text, `FromStr` reads it; the bodies that come back have the same vertices under the same ids
-/// and answer the same bits. The caller's own indices and the build reports are not kept.
+/// `Display` writes the text, `FromStr` parses it. The parsed bodies have the original vertices
+/// under their original ids and give bit-identical outcomes. The caller's own vertex indices and
+/// the build reports are not included.
 ///
 /// ```
 /// use lin_canny::nalgebra::Isometry3;
-/// use lin_canny::{Level, RelativePose, Replay, Tracker, polyhedron::solids};
+/// use lin_canny::{Accuracy, RelativePose, Replay, Tracker, polyhedron::solids};
 ///
 /// let (a, b) = (solids::octahedron(0.1)?, solids::icosahedron(0.3)?);
 /// let pose = RelativePose::from_isometry(&Isometry3::translation(0.4, 0.5, 0.6))?;
 /// let mut pair = Tracker::new();
-/// let text = pair.replay(&a, &b, &pose, Level::Certified).to_string();
+/// let text = pair.replay(&a, &b, &pose, Accuracy::Certified).to_string();
 /// let again: Replay = text.parse()?;
 /// assert_eq!(again.tracker().closest(&again.a, &again.b, &again.pose), pair.closest(&a, &b, &pose));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Replay {
-    /// The first body.
+    /// First body.
     pub a: ConvexPolyhedron,
-    /// The second body.
+    /// Second body.
     pub b: ConvexPolyhedron,
-    /// Both poses.
+    /// Relative pose of both bodies.
     pub pose: RelativePose,
-    /// The features the tracker held; `None` for a cold start.
+    /// Features cached by the tracker; `None` for a cold start.
     pub start: Option<FeaturePair>,
-    /// The surface of an overlap that the tracker held.
+    /// Surface of an overlap cached by the tracker.
     pub(crate) surface: Memory,
-    /// The level asked for.
-    pub level: Level,
+    /// Requested accuracy.
+    pub level: Accuracy,
 }
 
-/// Why a text is no replay. Lines are counted from 1.
+/// Error returned if a text is no replay. Lines are counted from 1.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ReplayError {
-    /// The text does not begin with the title of this format and version.
+    /// The first line is not the title of this format and version.
     #[error("the first line is not \"lin-canny replay 1\"")]
     Title,
-    /// A line is not what has to stand there; line 0 is the end of the text.
+    /// A line differs from the expected content; line 0 is the end of the text.
     #[error("line {line}: {expected} expected")]
     Line {
-        /// The line.
+        /// Line number.
         line: usize,
-        /// What should stand there.
+        /// Expected content.
         expected: &'static str,
     },
-    /// The vertices make no body.
+    /// The vertices do not form a body.
     #[error("body {which}: {error}")]
     Body {
-        /// Which of the two.
-        which: Which,
-        /// Why.
+        /// Invalid body.
+        which: Operand,
+        /// Error of the build.
         error: BuildError,
     },
-    /// The poses are none.
+    /// A pose is invalid.
     #[error(transparent)]
     Pose(#[from] PoseError),
-    /// The start names features that the bodies do not have.
+    /// The start names features missing from the bodies.
     #[error("the start {0} is no pair of features of these bodies")]
     Start(FeaturePair),
 }
 
-impl fmt::Display for Level {
+impl fmt::Display for Accuracy {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
-            Level::Walk => "walk",
-            Level::Certified => "certified",
-            Level::Exact => "exact",
+            Accuracy::Walk => "walk",
+            Accuracy::Certified => "certified",
+            Accuracy::Exact => "exact",
         })
     }
 }
@@ -109,7 +113,7 @@ impl fmt::Display for Level {
 impl fmt::Display for Replay {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "{TITLE}\nlevel {}", self.level)?;
-        for (which, body) in [(Which::A, &self.a), (Which::B, &self.b)] {
+        for (which, body) in [(Operand::A, &self.a), (Operand::B, &self.b)] {
             writeln!(f, "body {which} {}", body.vertex_count())?;
             for p in body.vertex_points() {
                 numbers(f, "vertex", &[p.x, p.y, p.z])?;
@@ -129,12 +133,12 @@ impl fmt::Display for Replay {
             Some(pair) => writeln!(f, "start {} {}", pair.a, pair.b)?,
             None => writeln!(f, "start cold")?,
         }
-        let Some((facet, stand, built, points, triangles)) = self.surface.parts() else {
+        let Some((facet, witness_features, built, points, triangles)) = self.surface.parts() else {
             return Ok(());
         };
         writeln!(f, "facet {} {}", facet.a, facet.b)?;
-        if let Some(stand) = stand {
-            writeln!(f, "stand {} {}", stand.a, stand.b)?;
+        if let Some(pair) = witness_features {
+            writeln!(f, "stand {} {}", pair.a, pair.b)?;
         }
         write!(f, "surface {built}")?;
         points.iter().try_for_each(|[a, b]| write!(f, " {a}-{b}"))?;
@@ -144,7 +148,7 @@ impl fmt::Display for Replay {
     }
 }
 
-/// A word, the bits of some numbers, and the numbers for people.
+/// Writes a word, the bits of some numbers, and the numbers in decimal.
 fn numbers(f: &mut fmt::Formatter<'_>, word: &str, values: &[f64]) -> fmt::Result {
     f.write_str(word)?;
     values.iter().try_for_each(|x| write!(f, " {:016x}", x.to_bits()))?;
@@ -163,12 +167,12 @@ impl FromStr for Replay {
         }
         lines.take();
         let level = match lines.word("level", "a level")? {
-            (_, "walk") => Level::Walk,
-            (_, "certified") => Level::Certified,
-            (_, "exact") => Level::Exact,
+            (_, "walk") => Accuracy::Walk,
+            (_, "certified") => Accuracy::Certified,
+            (_, "exact") => Accuracy::Exact,
             (line, _) => return Err(expected(line, "walk, certified or exact")),
         };
-        let (a, b) = (lines.body(Which::A)?, lines.body(Which::B)?);
+        let (a, b) = (lines.body(Operand::A)?, lines.body(Operand::B)?);
         let pose = RelativePose::new(&lines.pose("pose A")?, &lines.pose("pose B")?)?;
         let start = match lines.word("start", "a start")? {
             (_, "cold") => None,
@@ -195,7 +199,7 @@ impl FromStr for Replay {
     }
 }
 
-/// The lines that say something, with their numbers.
+/// Lines with content, with their line numbers.
 struct Lines<'a> {
     rest: Vec<(usize, &'a str)>,
     next: usize,
@@ -221,13 +225,13 @@ impl<'a> Lines<'a> {
         line
     }
 
-    /// What follows `word` in the next line, which must begin with it.
-    fn word(&mut self, word: &str, what: &'static str) -> Result<(usize, &'a str), ReplayError> {
+    /// Returns the rest of the next line, which must begin with `word`.
+    fn word(&mut self, word: &str, content: &'static str) -> Result<(usize, &'a str), ReplayError> {
         let at = self.peek().map_or(0, |(line, _)| line);
-        self.word_if_there(word).ok_or(expected(at, what))
+        self.word_if_there(word).ok_or(expected(at, content))
     }
 
-    /// The same of a line that may be missing.
+    /// Returns the rest of the next line if the line begins with `word`.
     fn word_if_there(&mut self, word: &str) -> Option<(usize, &'a str)> {
         let (line, text) = self.peek()?;
         let rest = text.strip_prefix(word).filter(|r| r.starts_with(' ') || r.is_empty())?;
@@ -235,8 +239,8 @@ impl<'a> Lines<'a> {
         Some((line, rest.trim()))
     }
 
-    fn body(&mut self, which: Which) -> Result<ConvexPolyhedron, ReplayError> {
-        let title = if which == Which::A { "body A" } else { "body B" };
+    fn body(&mut self, which: Operand) -> Result<ConvexPolyhedron, ReplayError> {
+        let title = if which == Operand::A { "body A" } else { "body B" };
         let (line, count) = self.word(title, "a body")?;
         let mut points = Vec::new();
         while let Some((line, text)) = self.word_if_there("vertex") {
@@ -254,15 +258,16 @@ impl<'a> Lines<'a> {
         ConvexPolyhedron::rebuilt(&points, &side).map_err(|error| ReplayError::Body { which, error })
     }
 
-    /// The lines of an overlap, where they are; nothing where they are no surface.
+    /// Parses the optional lines of an overlap; returns an empty cache if the data is no closed
+    /// surface.
     fn surface(&mut self) -> Result<Memory, ReplayError> {
         let Some((line, text)) = self.word_if_there("facet") else {
             return Ok(Memory::default());
         };
         let facet = Some(features(text).ok_or(expected(line, "two features, as v3 f5"))?);
-        let mut stand = None;
+        let mut witness_features = None;
         if let Some((line, text)) = self.word_if_there("stand") {
-            stand = Some(features(text).ok_or(expected(line, "two features, as v3 f5"))?);
+            witness_features = Some(features(text).ok_or(expected(line, "two features, as v3 f5"))?);
         }
         let (line, text) = self.word("surface", "a surface")?;
         let wrong = || expected(line, "pairs of vertices, and six numbers a triangle");
@@ -278,11 +283,11 @@ impl<'a> Lines<'a> {
         let (triangles, []) = rest.as_chunks::<6>() else {
             return Err(wrong());
         };
-        Ok(Memory::from(Raw {
+        Ok(Memory::from(RawMemory {
             points,
             triangles: triangles.to_vec(),
             facet,
-            stand,
+            witness_features,
             built: *built,
         }))
     }
@@ -299,7 +304,7 @@ fn expected(line: usize, expected: &'static str) -> ReplayError {
     ReplayError::Line { line, expected }
 }
 
-/// `N` numbers by their bits.
+/// Parses `N` numbers from their bits.
 fn bits<const N: usize>(line: usize, text: &str) -> Result<[f64; N], ReplayError> {
     let wrong = expected(line, "numbers of sixteen hexadecimal digits");
     let word = |w: &str| (w.len() == 16).then(|| u64::from_str_radix(w, 16).ok().map(f64::from_bits))?;
@@ -307,7 +312,7 @@ fn bits<const N: usize>(line: usize, text: &str) -> Result<[f64; N], ReplayError
     numbers.and_then(|n| n.try_into().ok()).ok_or(wrong)
 }
 
-/// Two features by their names, as `v3 e12`.
+/// Parses two feature names, such as `v3 e12`.
 fn features(text: &str) -> Option<FeaturePair> {
     let feature = |word: &str| {
         let id = word.get(1..)?.parse().ok()?;

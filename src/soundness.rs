@@ -1,20 +1,21 @@
-//! What is true of every certified answer, checked in debug builds.
+//! Invariants of every certified outcome, checked in debug builds.
 
 use nalgebra::Vector3;
 
-use crate::closest::outcome::{Class, Layer, Outcome};
+use crate::pair::outcome::{Class, Outcome, Solver};
 use crate::polyhedron::ConvexPolyhedron;
 use crate::pose::RelativePose;
-use crate::tolerance::UNIT;
+use crate::tolerance::{UNIT_LENGTH, WITNESS_CHECK};
 
-/// What is wrong with an answer, if anything is: its bounds, its normal, or its witnesses.
+/// Returns a description of the first violated invariant: bounds, normal, or witnesses; `None` if
+/// the outcome is sound.
 pub(crate) fn fault(
     a: &ConvexPolyhedron,
     b: &ConvexPolyhedron,
     pose: &RelativePose,
     o: &Outcome,
 ) -> Option<&'static str> {
-    // Each comparison is written so that NaN is a fault.
+    // NaN violates every comparison.
     if !(o.lower <= o.distance && o.distance <= o.upper) {
         return Some("the distance is not between its bounds");
     }
@@ -22,8 +23,8 @@ pub(crate) fn fault(
         return Some("the distance or its upper bound is not finite");
     }
     let classed = match o.class {
-        // Where f64 ends, exact arithmetic may know more than a bound can say.
-        Class::Separated => o.lower > 0.0 || o.lower == 0.0 && o.layer >= Layer::Exact,
+        // If the distance underflows, exact arithmetic may know more than a bound can express.
+        Class::Separated => o.lower > 0.0 || o.lower == 0.0 && o.solver >= Solver::Exact,
         Class::Overlapping => o.upper <= 0.0,
         Class::Touching => o.lower <= 0.0 && o.upper >= 0.0,
         Class::Undecided => true,
@@ -31,43 +32,44 @@ pub(crate) fn fault(
     if !classed {
         return Some("the bounds contradict the class");
     }
-    if !((o.normal.norm() - 1.0).abs() <= 16.0 * UNIT) {
+    if !((o.normal.norm() - 1.0).abs() <= UNIT_LENGTH) {
         return Some("the normal is not of unit length");
     }
-    // Of bodies too far apart or too near for squares the witnesses are what they are.
-    if o.layer == Layer::Far || witnesses_agree(a, b, pose, o) {
+    // Witnesses are unchecked if the bodies are too far apart or too near for squares.
+    if o.solver == Solver::Far || witnesses_agree(a, b, pose, o) {
         None
     } else {
         Some("the witnesses contradict the bounds")
     }
 }
 
-/// Whether the witnesses, placed in f64, are as far apart as the bounds say, and along the normal. The slack is that of
-/// witnesses rounded in the caller's coordinates, which may be far from the body.
+/// Returns whether the witnesses, placed in f64, are as far apart as the bounds require, and along
+/// the normal. The slack covers witnesses rounded in the caller's coordinates, possibly far from
+/// the body.
 fn witnesses_agree(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &RelativePose, o: &Outcome) -> bool {
     let (p, q) = (o.point_on_a.coords, o.point_on_b.coords);
     let between = pose.rotation() * q + pose.translation() - p;
     let apart = length(&between);
     let origins = length(&a.origin) + length(&b.origin);
     let size = a.radius * a.unit() + b.radius * b.unit() + length(&pose.translation()) + 2.0 * origins;
-    let slack = 1024.0 * UNIT * size;
+    let slack = WITNESS_CHECK * size;
     if o.class == Class::Undecided {
         return apart.is_finite();
     }
     let along = o.normal.dot(&between);
     match o.class {
-        // The witness on B lies behind that on A by the depth.
+        // The witness on B lies behind the witness on A by the depth.
         Class::Overlapping => apart <= -o.lower + slack && apart >= -o.upper - slack && -along >= -o.upper - slack,
         Class::Separated => apart <= o.upper + slack && apart >= o.lower - slack && along >= o.lower - slack,
         _ => apart <= o.upper + slack,
     }
 }
 
-/// The length of a vector whose squares may leave the range.
+/// Returns the length of a vector whose squares may overflow or underflow.
 fn length(v: &Vector3<f64>) -> f64 {
     let largest = v.amax();
     if largest > 0.0 {
-        largest * crate::scalar::sqrt((v / largest).norm_squared())
+        largest * crate::num::scalar::sqrt((v / largest).norm_squared())
     } else {
         largest
     }

@@ -1,24 +1,42 @@
-//! Every constant of the crate, each with its derivation.
+//! Bounds of rounding errors and limits of range, each with its derivation. Thresholds that only steer
+//! work are in `tuning`.
+//!
+//! Derivations count relative roundings, as they are of normal numbers. What underflow adds is absolute, and one of these cases:
+//!
+//! * **S, stored lengths** (the rule, where a derivation names no case). Bodies are stored with a radius of `2^-105` or more
+//!   ([`EXPONENT_FREE`]), and pairs of L up to [`NEAR`], which only two points are, go to `solve::out_of_range`. A sum or product loses at most
+//!   `2^-1075`, a product of three lengths at most `2^-1070`, the root of a sum of squares at most `2^-536`. The least error terms,
+//!   `UNIT_DOUBLE_DOUBLE` times L, L^2 and L^3, are above `2^-402`, `2^-702` and `2^-1002`: far more, and each derivation has room for it.
+//!   Translations are read in the caller's unit, which is at most `2^420` stored ones: what they lose is below `2^-652`, and L of bodies
+//!   so small is `2^-105` or more.
+//! * **P, poses**: products of coordinates of a quaternion lose at most `2^-1075` beside a norm of one.
+//! * **D, directions** of length one and edges: stored coordinates are multiples of `2^-357` ([`FLUSH_EXPONENT`]), directions are of
+//!   length one or longer than [`ON_BOUNDARY`] times L. Where the product of the direction's largest coordinate with the edge is not zero, it
+//!   is above `2^-513`, and underflow of the others is nothing; where it is zero, two products are left, and as rounding is monotone
+//!   the sign of their sum is never the opposite one.
+//! * **G, guarded**: numbers of the caller of any size. Squares are guarded by [`LEAST_SQUARE`], or numbers are scaled first.
+//! * **U, the caller's unit**: bounds leave the stored unit in one place, `tracker::to_user_units`, which rounds them outward.
 
 /// Unit roundoff of f64: the largest relative error of one rounded operation.
 pub const UNIT: f64 = f64::EPSILON / 2.0;
 
-/// Bound of the relative error of one double-double operation (Joldes, Muller, Popescu 2017, "Tight and rigorous error
-/// bounds for basic building blocks of double-word arithmetic": at most 15 UNIT^2 for the division used here, 10 UNIT^2
-/// and less for the others).
+/// Bound of the relative error of one double-double operation: at most 10 UNIT^2 for sum and product (Joldes, Muller, Popescu 2017,
+/// "Tight and rigorous error bounds for basic building blocks of double-word arithmetic"), 5 UNIT^2 for the quotient (derived at
+/// `double_double`). Underflow: a low part below the least f64 is lost; case S.
 pub const UNIT_DOUBLE_DOUBLE: f64 = 16.0 * UNIT * UNIT;
 
 /// The sign of `n . e` is certain above this times the sum of the absolute terms: one rounding for each coordinate of
 /// `e` (a difference of stored points), one for each product and two additions, to first order `(1 + 1 + 2) UNIT`; 8
-/// leaves room for a direction that is rounded itself, for the second order and for the rounding of the bound.
+/// leaves room for a direction that is rounded itself, for the second order and for the rounding of the bound. Underflow: case D.
 pub const EDGE_SIGN: f64 = 8.0 * UNIT;
 
 /// The sign of `(n . e) (m . f) - (n . f) (m . e)` is certain above this times the sum of the products of the sums of the absolute terms:
-/// each dot errs by 5 UNIT as above, each product by two of them and one more, the difference by one: 12; 16 leaves room.
+/// each dot errs by 5 UNIT as above, each product by two of them and one more, the difference by one: 12; 16 leaves room. Underflow: the
+/// least normal number is added to the bound.
 pub const STEEPER: f64 = 16.0 * UNIT;
 
 /// How far the squared norm of a pose's quaternion may be off 1: what repeated composition of f64 rotations
-/// accumulates over thousands of products. Placement divides by the squared norm, so the value does not limit accuracy.
+/// accumulates over thousands of products. A relative pose divides by the squared norm, so the value does not limit accuracy.
 pub const POSE_UNIT: f64 = 1e-12;
 
 /// The sum of the coordinates of the relative translation stays below this, so that no distance leaves f64, nor its
@@ -108,7 +126,7 @@ pub const COPLANAR: f64 = 1.0 / (1u64 << 46) as f64;
 /// the tangent, at most `64 ACROSS L`. Not a matter of soundness.
 pub const STEEP: f64 = 1.0 / 64.0;
 
-/// The radius of the disc that a facet must hold to stand in for weak triangles (`penetration::cover`) is raised by this factor. Its
+/// The radius of the disc that a facet must hold to stand in for weak triangles (`depth::facet_disc`) is raised by this factor. Its
 /// products, quotient and roots err by 10 UNIT relatively; the difference of squares by `3 UNIT r^2`, which is less than the
 /// `2 CERTIFICATE UNIT L` taken off each height `p` adds to it.
 pub(crate) const DISC: f64 = 1.0 + 1.0 / 1024.0;
@@ -177,6 +195,7 @@ pub const CERTIFICATE: f64 = 128.0;
 /// rotation errs by `71 u` in norm, so the Frobenius norm of the difference of two by `2 sqrt(3) 71 u`, over the root of 2
 /// `174 u r`; the placed middle at each pose by `77 u |c| + 106 u |t|` at most; the norms and their sum by 4 u of what they
 /// come to, at most `2 (r + |c|)` and both `|t|`. Together at most `182 u r + 162 u |c| + 110 u |t|`.
+/// Underflow: asked only of sizes above [`NEAR`], whose part of this is above `2^-345`; roots lose less than `2^-536`.
 pub const DISPLACEMENT: f64 = 256.0 * UNIT;
 
 /// Least extent (longest side of the bounding box) of a body, in the caller's unit: cubes of lengths, as volumes are,
@@ -202,7 +221,7 @@ pub(crate) const FLUSH_EXPONENT: i32 = 200;
 /// Error of `n . (p - a)`, `n = (b - a) x (c - a)`, all rounded, relative to the sum over k of
 /// `(|u_i v_j| + |u_j v_i|) |p_k - a_k|`, `u` and `v` the edges: each of the eight roundings a term passes (two
 /// differences, product and difference in n; difference, product and two sums after) adds UNIT to first order, so 8
-/// UNIT; the ninth covers the second order.
+/// UNIT; the ninth covers the second order. Underflow: the hull adds the least normal number to its bound.
 pub(crate) const SIDE_ERROR: f64 = 9.0 * UNIT;
 
 /// Where a cross product is below `2^-40` of the products it is the difference of, double-double has lost too much
@@ -224,7 +243,8 @@ pub const PLANARITY: f64 = 64.0 * UNIT;
 pub(crate) const NEAR_PLANE: f64 = 16.0 * UNIT;
 
 /// Whether a direction `v` of the other body's frame rises along a unit normal is uncertain below this times `|v|_1`: it is turned by a
-/// matrix of error 40 UNIT (see [`CERTIFICATE`]) and rounded twice; the product adds 3 UNIT.
+/// matrix that errs by 71 UNIT (see [`CERTIFICATE`]), by a product with the matrix that errs by 6 and two roundings; the product with the normal
+/// adds 3: 82 in all. Underflow: case S, and a direction too short to tell is uncertain.
 pub const EXACT_FILTER: f64 = 128.0 * UNIT;
 
 /// From beyond `2^60` radii a body's closest point depends on the direction only, to `2^-60` of its size: below
@@ -257,7 +277,8 @@ pub(crate) const FLANK: f64 = 512.0 * UNIT;
 pub(crate) const PIVOT: f64 = 4096.0 * UNIT;
 
 /// How far a box is rounded outward when it is climbed to, in units of the radius and of the distance of its middle: the
-/// matrix errs by at most 20 UNIT a row, a product with it by 3 and the sum by one.
+/// matrix errs by at most 20 UNIT a row, a product with it by 3 and the sum by one. Underflow: cases P and S in stored units; in the
+/// caller's, a box is rounded outward to f32, whose least number is far above what is lost.
 pub const BOX: f64 = 32.0 * UNIT;
 
 /// The same when it is scanned in f32, in units of the radius: one rounding of each coordinate and of the matrix, three
@@ -276,19 +297,22 @@ pub const LEAST_START: f64 = 1e-6;
 
 /// A step of an odometer is taken this much too large, relatively. Poses may be off unit norm by [`POSE_UNIT`] in the square, so
 /// rotations are farther apart than their quaternions by half as much, to first order; the difference of two quaternions and the
-/// sums and roots on it err by some 8 UNIT, far less.
+/// sums and roots on it err by some 8 UNIT, far less. Underflow: case G.
 pub const WAY: f64 = 2.0 * POSE_UNIT;
 
-/// Added to squares of displacements before the root, so that none vanishes: a part of a square below the least f64 is lost.
+/// More than a sum of three squares, or a product of two numbers, can lose below the normal numbers (2^-1072), by a factor of 2^82: added
+/// to squares of displacements before the root, so that none vanishes, and to the side of a comparison of squares that must not win by
+/// what was lost. Case G.
 pub const LEAST_SQUARE: f64 = f64::MIN_POSITIVE * (1u64 << 32) as f64;
 
 /// The placed centre of a body's ball, `R c + t`, errs by less than this times `|c|_1 + |t|_1`: the matrix by 20 UNIT an entry (see
-/// [`BOX`]), the product and the sum by 4 more. Nothing where c is zero.
+/// [`BOX`]), the product and the sum by 4 more. Nothing where c is zero. Underflow: c is that of a body, so of `1e-100` or more beside
+/// a loss of `2^-1073`.
 pub const CENTRE: f64 = 32.0 * UNIT;
 
 /// A sum of odometers, or the sum at which a pair wakes, is off by less than this times itself: one rounding for the sum of two,
 /// one for a budget added, one for each later sum, and each odometer is rounded up at every step ([`WAY`] covers the
-/// step, 4 UNIT the sum). Eight cover them.
+/// step, 4 UNIT the sum). Eight cover them. Underflow: sums lose nothing, and each way is `2^-495` or more (case G).
 pub const ODOMETER: f64 = 8.0 * UNIT;
 
 /// Coordinates, radii and ranges of a scene stay below this, so that boxes grown by a range stay below 1e38, where `f32` boxes
@@ -333,3 +357,55 @@ pub(crate) const TURNED: f64 = 256.0 * UNIT;
 /// contact are all equally far, up to rounding, and none could be passed by. With [`CERTIFICATE`] above and below, the bounds
 /// are no wider than `512 + 2 * 128 = 768` UNIT L, less than `1e-13 L`, 900.
 pub(crate) const SHORT_OF: f64 = 512.0 * UNIT;
+
+/// Factor that rounds up a length made by a root of three squares, or a sum or product of two
+/// numbers that are not negative: three squares and two sums err by 3 UNIT, half as much under the
+/// root, and the root by one, a sum or product by one; this product adds one. Less than 4 in all.
+pub(crate) const ROUND_UP: f64 = 1.0 + 4.0 * UNIT;
+
+/// Factor that rounds down the distance of two centres: differences, squares, sums and root err by
+/// 3.5 UNIT. The roundings of this product and of a subtraction after it are not counted.
+pub(crate) const ROUND_DOWN: f64 = 1.0 - 4.0 * UNIT;
+
+/// Factor that rounds up the largest distance of a vertex from a centre, and scales it: a difference
+/// or a quotient by a scale errs by UNIT, three squares, two sums and a root by 2.5, the scale and
+/// this product by one each. Sum: 5.5.
+pub(crate) const RADIUS_UP: f64 = 1.0 + 8.0 * UNIT;
+
+/// Factor that rounds down the distance of two boxes, below which no body in them is nearer: a
+/// difference errs by UNIT, squares, sums and root by 2.5, this product by one. Sum: 4.5.
+pub(crate) const BOX_DISTANCE_DOWN: f64 = 1.0 - 8.0 * UNIT;
+
+/// Factor of the distance `radius + |a|` in the offset of a plane: the stored normal is off by
+/// [`NORMAL_ERROR`], raised by 4 units in the last place for the roundings of that distance, and the
+/// product `n . a` in double-double errs by 4 [`UNIT_DOUBLE_DOUBLE`].
+pub(crate) const PLANE_OFFSET: f64 = NORMAL_ERROR * (1.0 + f64::EPSILON * 4.0) + 4.0 * UNIT_DOUBLE_DOUBLE;
+
+/// The length of an answer's normal differs from one by less than this: a normal is divided by its
+/// length, which errs by 2.5 UNIT, the quotient and the length measured again by 3.5 more; a turn
+/// into another frame and room make 16. A check in debug builds, no bound of an answer.
+pub(crate) const UNIT_LENGTH: f64 = 16.0 * UNIT;
+
+/// Witnesses placed in f64 agree with the bounds within this times the size of the pair with its
+/// origins counted twice: [`CERTIFICATE`] UNIT for the bounds and for each of the placed witnesses,
+/// and room for their rounding in the caller's coordinates, which may be far from the body. A check
+/// in debug builds, no bound of an answer.
+pub(crate) const WITNESS_CHECK: f64 = 1024.0 * UNIT;
+
+/// Columns of the broad phase, in `f32`: a rounded sum of two bounds errs by less than this times the
+/// magnitudes, which is four units in the last place.
+pub(crate) const COLUMN_SUM: f32 = 4.0 * f32::EPSILON;
+
+/// Columns of the broad phase, in `f32`: above the rounding of a difference of bounds, of a sum of
+/// two moves and of the product with this factor itself, half a unit in the last place each.
+pub(crate) const COLUMN_MOVE: f32 = 1.0 + 8.0 * f32::EPSILON;
+
+/// Columns of the broad phase, in `f32`: a search along the swept axis begins and ends this much
+/// farther out, times the magnitude of its bounds. The difference or sum that makes the end errs by
+/// half a unit in the last place of numbers up to that magnitude and the longest box.
+pub(crate) const COLUMN_SEARCH: f32 = 8.0 * f32::EPSILON;
+
+/// Columns of the broad phase, in `f32`: the longest box and the farthest move, differences rounded
+/// to half a unit in the last place, are raised by this factor before a search; 84 units, far more
+/// than the difference and this product need.
+pub(crate) const COLUMN_REACH: f32 = 1.000_01;

@@ -6,16 +6,19 @@ use alloc::vec::Vec;
 
 use nalgebra::Unit;
 
-use crate::closest::ahead::ahead;
-use crate::closest::hold::Hold;
-use crate::closest::outcome::{Class, Distance, Level, Outcome, Proposal};
-use crate::closest::placed::Placed;
-use crate::closest::trace::trace;
-use crate::closest::{self, far};
-use crate::penetration::{self, Memory};
+use crate::depth::{self, Memory};
+use crate::minimum::overlap_proof::OverlapProof;
+use crate::pair::outcome::{Accuracy, Ask, Class, Distance, Outcome, Proposal, Until};
+use crate::pair::posed::PosedPair;
 use crate::polyhedron::{ConvexPolyhedron, FeaturePair};
-use crate::pose::{RelativePose, Which};
+use crate::pose::{Operand, RelativePose};
 use crate::replay::Replay;
+use crate::solve::{self, out_of_range};
+use crate::tolerance::LEAST_SQUARE;
+use crate::tuning::tracker::STEADY;
+use crate::walk::rings::predict::predict;
+use crate::walk::seed;
+use crate::walk::trace::trace;
 
 mod counts;
 mod look;
@@ -58,11 +61,8 @@ pub struct Tracker {
     memory: Memory,
     /// The proof of the last answer, where that was an overlap without its depth.
     #[cfg_attr(feature = "serde", serde(default))]
-    hold: Option<Hold>,
+    overlap_proof: Option<OverlapProof>,
 }
-
-/// A walk of so many steps was near its end where it began.
-const STEADY: u32 = 3;
 
 impl Tracker {
     /// A tracker without a start: the first query begins at the support vertices along the line of centres.
@@ -81,7 +81,7 @@ impl Tracker {
             starts: Starts::default(),
             totals: Totals::default(),
             memory: Memory::default(),
-            hold: None,
+            overlap_proof: None,
         }
     }
 
@@ -107,15 +107,21 @@ impl Tracker {
         b: &ConvexPolyhedron,
         a_from_b: &RelativePose,
     ) -> (Vec<FeaturePair>, bool) {
-        match Placed::new(a, b, a_from_b) {
-            Ok(placed) => trace(&placed, self.start(a, b)),
+        match PosedPair::new(a, b, a_from_b) {
+            Ok(posed) => trace(&posed, self.start(a, b)),
             Err(_) => (Vec::new(), false),
         }
     }
 
     /// The query as a text that rebuilds it bit for bit: ask for it before the query, or the start is the answer's.
     #[must_use]
-    pub fn replay(&self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose, level: Level) -> Replay {
+    pub fn replay(
+        &self,
+        a: &ConvexPolyhedron,
+        b: &ConvexPolyhedron,
+        a_from_b: &RelativePose,
+        level: Accuracy,
+    ) -> Replay {
         replay(a, b, a_from_b, (self.start(a, b), self.memory.clone()), level)
     }
 
@@ -141,8 +147,8 @@ impl Tracker {
     #[inline]
     pub fn closest(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Outcome {
         let before = self.before(a, b);
-        let outcome = self.answer(a, b, a_from_b, Level::Certified, true);
-        debug_check(a, b, a_from_b, &before, Level::Certified, &outcome);
+        let outcome = self.answer(a, b, a_from_b, Ask::certified(Until::Depth));
+        debug_check(a, b, a_from_b, &before, Accuracy::Certified, &outcome);
         outcome
     }
 
@@ -151,14 +157,23 @@ impl Tracker {
     #[cfg(feature = "exact")]
     pub fn closest_exact(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Outcome {
         let before = self.before(a, b);
-        let mut outcome = self.answer(a, b, a_from_b, Level::Exact, true);
-        // The second: a distance that only f64 in the caller's own unit can hold.
-        if outcome.layer == crate::closest::outcome::Layer::Far
-            || outcome.class == Class::Separated && outcome.lower <= 0.0
+        let mut outcome = self.answer(
+            a,
+            b,
+            a_from_b,
+            Ask {
+                accuracy: Accuracy::Exact,
+                until: Until::Depth,
+            },
+        );
+        // The second: a distance that f64 holds in the caller's unit only, below the normal numbers in
+        // the stored unit.
+        if outcome.solver == crate::pair::outcome::Solver::Far
+            || outcome.class == Class::Separated && !outcome.is_tight()
         {
-            outcome = far::exactly(a, b, a_from_b, outcome);
+            outcome = out_of_range::exactly(a, b, a_from_b, outcome);
         }
-        debug_check(a, b, a_from_b, &before, Level::Exact, &outcome);
+        debug_check(a, b, a_from_b, &before, Accuracy::Exact, &outcome);
         outcome
     }
 
@@ -169,26 +184,34 @@ impl Tracker {
         b: &ConvexPolyhedron,
         a_from_b: &RelativePose,
     ) -> Outcome {
-        self.answer(a, b, a_from_b, Level::Certified, false)
+        self.answer(a, b, a_from_b, Ask::certified(Until::Class))
     }
 
     /// The distance and its bounds without the witnesses.
     pub fn distance(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Distance {
-        self.bounds(a, b, a_from_b, true)
+        self.bounds(a, b, a_from_b, Until::Depth)
     }
 
     /// The closest features as the walk proposes them, without bounds. Where the walk does not end, the minimum-norm
     /// solver in f64 stands in.
     #[inline]
     pub fn propose(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Proposal {
-        let o = self.answer(a, b, a_from_b, Level::Walk, false);
+        let o = self.answer(
+            a,
+            b,
+            a_from_b,
+            Ask {
+                accuracy: Accuracy::Walk,
+                until: Until::Class,
+            },
+        );
         Proposal {
             distance: (o.class != Class::Overlapping).then_some(o.distance),
             features: o.features,
             point_on_a: o.point_on_a,
             point_on_b: o.point_on_b,
             normal: o.normal,
-            layer: o.layer,
+            solver: o.solver,
             work: o.work,
         }
     }
@@ -196,16 +219,9 @@ impl Tracker {
     /// Answers at one level, an overlap with its depth if `deep`. The outcome is written where it is returned: copied whole, it would wait for its parts to
     /// leave the store queue.
     #[inline(always)]
-    fn answer(
-        &mut self,
-        a: &ConvexPolyhedron,
-        b: &ConvexPolyhedron,
-        a_from_b: &RelativePose,
-        level: Level,
-        deep: bool,
-    ) -> Outcome {
-        let mut outcome = Outcome::open(FeaturePair::vertices(Which::A, 0, 0));
-        self.solve(a, b, a_from_b, (level, deep), &mut outcome);
+    fn answer(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose, ask: Ask) -> Outcome {
+        let mut outcome = Outcome::starting_at(FeaturePair::vertices(Operand::A, 0, 0));
+        self.solve(a, b, a_from_b, ask, &mut outcome);
         outcome
     }
 
@@ -215,28 +231,31 @@ impl Tracker {
         a: &ConvexPolyhedron,
         b: &ConvexPolyhedron,
         a_from_b: &RelativePose,
-        (level, deep): (Level, bool),
+        ask: Ask,
         outcome: &mut Outcome,
     ) {
         if a.exponent != b.exponent && has_the_unit(b, a) {
-            self.solve_in_units_of_b(a, b, a_from_b, (level, deep), outcome);
-        } else if let Ok(placed) = Placed::new(a, b, a_from_b) {
-            if deep && !self.memory.is_empty() && self.resume(&placed, outcome) {
+            self.solve_in_units_of_b(a, b, a_from_b, ask, outcome);
+        } else if let Ok(posed) = PosedPair::new(a, b, a_from_b) {
+            if ask.until == Until::Depth && !self.memory.is_empty() && self.resume(&posed, outcome) {
                 return;
             }
-            if !deep && level == Level::Certified && self.hold.is_some() && self.still_overlaps(&placed, outcome) {
+            if ask == Ask::certified(Until::Class)
+                && self.overlap_proof.is_some()
+                && self.still_overlaps(&posed, outcome)
+            {
                 return;
             }
             let warm = self.start(a, b);
             match warm {
                 Some(pair) => outcome.features = pair,
-                None => outcome.features = closest::seed::cold(&placed, &mut outcome.work),
+                None => outcome.features = seed::cold(&posed, &mut outcome.work),
             }
-            closest::solve(level, &placed, warm.is_some(), outcome);
-            self.deepen(deep, &placed, outcome);
+            solve::solve(ask.accuracy, &posed, warm.is_some(), outcome);
+            self.deepen(ask.until, &posed, outcome);
             self.count(warm.is_some(), a, b, outcome);
-            if !(a.as_given && b.as_given) {
-                give_back(a, b, outcome);
+            if !(a.is_unscaled && b.is_unscaled) {
+                to_user_units(a, b, outcome);
             }
         } else {
             self.solve_far(a, b, a_from_b, outcome);
@@ -245,33 +264,30 @@ impl Tracker {
 
     /// The depth of an overlap, where it is asked for; where not, the next query begins with the expectation of another.
     #[inline(always)]
-    fn deepen(&mut self, deep: bool, placed: &Placed, outcome: &mut Outcome) {
+    fn deepen(&mut self, until: Until, posed: &PosedPair, outcome: &mut Outcome) {
         if outcome.class == Class::Overlapping {
-            self.hold = (!deep).then(Hold::default);
-            if deep {
-                penetration::deepen(placed, &mut self.memory, outcome);
+            self.overlap_proof = (until == Until::Class).then(OverlapProof::default);
+            if until == Until::Depth {
+                depth::penetration_depth(posed, &mut self.memory, outcome);
             }
         }
     }
 
     /// The answer from the surface of the last one. What is no longer of use is forgotten.
     #[inline(never)]
-    fn resume(&mut self, placed: &Placed, outcome: &mut Outcome) -> bool {
+    fn resume(&mut self, posed: &PosedPair, outcome: &mut Outcome) -> bool {
         let first = *outcome;
-        if !penetration::resume(placed, &mut self.memory, outcome) {
+        if !depth::resume(posed, &mut self.memory, outcome) {
             self.memory.clear();
-            let grown = outcome.work.grown;
+            let grown = outcome.work.points_added;
             *outcome = first;
-            outcome.work.grown = grown;
+            outcome.work.points_added = grown;
             return false;
         }
-        self.totals.queries += 1;
-        self.totals.warm += 1;
-        self.totals.depths += u64::from(outcome.work.depths);
-        self.totals.answered[outcome.layer as usize] += 1;
+        self.totals.note(true, outcome.solver, &outcome.work);
         self.stay(outcome.features);
-        if !(placed.a.as_given && placed.b.as_given) {
-            give_back(placed.a, placed.b, outcome);
+        if !(posed.a.is_unscaled && posed.b.is_unscaled) {
+            to_user_units(posed.a, posed.b, outcome);
         }
         true
     }
@@ -282,26 +298,26 @@ impl Tracker {
         a: &ConvexPolyhedron,
         b: &ConvexPolyhedron,
         a_from_b: &RelativePose,
-        (level, deep): (Level, bool),
+        ask: Ask,
         outcome: &mut Outcome,
     ) {
         let b_from_a = a_from_b.swapped();
-        let Ok(placed) = Placed::new(b, a, &b_from_a) else {
+        let Ok(posed) = PosedPair::new(b, a, &b_from_a) else {
             return self.solve_far(a, b, a_from_b, outcome);
         };
         let warm = self.start(a, b).map(FeaturePair::swapped);
-        outcome.features = warm.unwrap_or_else(|| closest::seed::cold(&placed, &mut outcome.work));
-        closest::solve(level, &placed, warm.is_some(), outcome);
-        self.deepen(deep, &placed, outcome);
+        outcome.features = warm.unwrap_or_else(|| seed::cold(&posed, &mut outcome.work));
+        solve::solve(ask.accuracy, &posed, warm.is_some(), outcome);
+        self.deepen(ask.until, &posed, outcome);
         // Their names are those of the bodies exchanged.
         self.memory.clear();
-        self.hold = None;
+        self.overlap_proof = None;
         outcome.features = outcome.features.swapped();
         core::mem::swap(&mut outcome.point_on_a, &mut outcome.point_on_b);
         let normal = -b_from_a.rotation().tr_mul(&outcome.normal);
         outcome.normal = Unit::new_normalize(normal);
         self.count(warm.is_some(), a, b, outcome);
-        give_back(a, b, outcome);
+        to_user_units(a, b, outcome);
     }
 
     #[cold]
@@ -312,7 +328,7 @@ impl Tracker {
         a_from_b: &RelativePose,
         outcome: &mut Outcome,
     ) {
-        *outcome = far::answer(a, b, a_from_b);
+        *outcome = out_of_range::answer(a, b, a_from_b);
         self.count(false, a, b, outcome);
     }
 
@@ -331,16 +347,12 @@ impl Tracker {
 
     #[inline(always)]
     fn count(&mut self, warm: bool, a: &ConvexPolyhedron, b: &ConvexPolyhedron, outcome: &Outcome) {
-        self.totals.queries += 1;
-        self.totals.warm += u64::from(warm);
         self.starts.learn(warm, &outcome.work);
-        self.totals.answered[outcome.layer as usize] += 1;
-        self.totals.steps += u64::from(outcome.work.steps);
-        self.totals.depths += u64::from(outcome.work.depths);
+        self.totals.note(warm, outcome.solver, &outcome.work);
         // Longer walks, and those that began where features were to go: on long rims and round large fans.
         if (a.has_bands | b.has_bands) && (outcome.work.steps > STEADY || self.next != self.last) {
             let now = outcome.features;
-            let next = self.last.map_or(now, |before| ahead(a, b, before, now));
+            let next = self.last.map_or(now, |before| predict(a, b, before, now));
             (self.last, self.next) = (Some(now), Some(next));
         } else {
             self.stay(outcome.features);
@@ -359,7 +371,7 @@ fn replay(
     b: &ConvexPolyhedron,
     pose: &RelativePose,
     (start, surface): (Option<FeaturePair>, Memory),
-    level: Level,
+    level: Accuracy,
 ) -> Replay {
     Replay {
         a: a.clone(),
@@ -378,7 +390,7 @@ fn debug_check(
     b: &ConvexPolyhedron,
     pose: &RelativePose,
     before: &Option<(Option<FeaturePair>, Memory)>,
-    level: Level,
+    level: Accuracy,
     outcome: &Outcome,
 ) {
     if let Some(before) = before
@@ -403,12 +415,13 @@ impl Replay {
 /// Whether the bounding balls alone prove the bodies more than `d` apart.
 #[inline]
 pub(crate) fn clear_of(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &RelativePose, d: f64) -> bool {
-    if !a.as_given || !b.as_given {
+    if !a.is_unscaled || !b.is_unscaled {
         return false;
     }
     let reach = a.radius + b.radius + d;
-    // One part in 2^20 is far more than the rounding of both sides.
-    pose.translation().norm_squared() > reach * reach * (1.0 + 1.0 / 1_048_576.0)
+    // One part in 2^20 is far more than the rounding of both sides, and LEAST_SQUARE more than what squares lose below the normal
+    // numbers.
+    pose.translation().norm_squared() > reach * reach * (1.0 + 1.0 / 1_048_576.0) + LEAST_SQUARE
 }
 
 /// Whether a pair of different units is asked in those of `x`: they are the larger, or `y` is a point, which has no size of its own.
@@ -417,13 +430,21 @@ fn has_the_unit(x: &ConvexPolyhedron, y: &ConvexPolyhedron) -> bool {
     y.radius == 0.0 || x.exponent > y.exponent && x.radius > 0.0
 }
 
-/// From stored units and frames to the caller's.
+/// Takes an outcome from stored units and frames to the caller's: the one place where bounds change their unit. A unit is a power of two,
+/// so only what leaves the normal numbers is rounded; bounds are rounded outward.
 #[cold]
-fn give_back(a: &ConvexPolyhedron, b: &ConvexPolyhedron, outcome: &mut Outcome) {
+fn to_user_units(a: &ConvexPolyhedron, b: &ConvexPolyhedron, outcome: &mut Outcome) {
     let unit = if has_the_unit(b, a) { b.unit() } else { a.unit() };
+    outcome.lower = scaled_down(outcome.lower, unit);
+    outcome.upper = -scaled_down(-outcome.upper, unit);
     outcome.distance *= unit;
-    outcome.lower *= unit;
-    outcome.upper *= unit;
-    outcome.point_on_a = a.given(&outcome.point_on_a.coords);
-    outcome.point_on_b = b.given(&outcome.point_on_b.coords);
+    outcome.point_on_a = a.to_user(&outcome.point_on_a.coords);
+    outcome.point_on_b = b.to_user(&outcome.point_on_b.coords);
+}
+
+/// Returns the largest f64 that is no greater than `x` times a power of two.
+fn scaled_down(x: f64, unit: f64) -> f64 {
+    let y = x * unit;
+    // The way back is exact, or it overflows as the way there did.
+    if y / unit > x { y.next_down() } else { y }
 }

@@ -8,7 +8,7 @@ use std::alloc::System;
 use lab::rng::Rng;
 use lab::shapes;
 use lin_canny::nalgebra::{Isometry3, Vector3};
-use lin_canny::{Class, Layer, Manifold, ManifoldOptions, RelativePose, Tracker};
+use lin_canny::{Class, Manifold, ManifoldOptions, RelativePose, Solver, Tracker};
 use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
 use support::body;
 
@@ -46,7 +46,7 @@ fn queries_below_the_exact_rung_allocate_nothing() {
     let near = RelativePose::from_isometry(&Isometry3::translation(2.0 + 2e-14, 0.3, 0.2)).unwrap();
     let mut answer = None;
     let count = allocations(|| answer = Some(Tracker::new().closest(&bodies[0], &bodies[0], &near)));
-    assert_eq!((count, answer.map(|o| o.layer)), (0, Some(Layer::DoubleDouble)));
+    assert_eq!((count, answer.map(|o| o.solver)), (0, Some(Solver::DoubleDouble)));
     for (a, b) in bodies.iter().flat_map(|a| bodies.iter().map(move |b| (a, b))) {
         let mut pair = Tracker::new();
         pair.reserve();
@@ -92,10 +92,10 @@ fn queries_below_the_exact_rung_allocate_nothing() {
             pair.closest(a, b, &pose);
             // The first surface has four triangles, each point adds two; what is kept of it grows from query to query.
             let is_plain = o.work.exacts == 0 && (o.class != Class::Overlapping || o.work.double_doubles == 0);
-            let is_small = kept_points + o.work.grown <= (256 - 4) / 2;
-            kept_points = match o.layer {
-                Layer::Surface => kept_points + o.work.grown,
-                _ => o.work.grown,
+            let is_small = kept_points + o.work.points_added <= (256 - 4) / 2;
+            kept_points = match o.solver {
+                Solver::Surface => kept_points + o.work.points_added,
+                _ => o.work.points_added,
             };
             if is_plain && is_small {
                 assert_eq!((count, lean), (0, 0), "{o:?}");
@@ -104,7 +104,7 @@ fn queries_below_the_exact_rung_allocate_nothing() {
                 assert!(manifolds[0].points().is_empty() || kept == 0, "{o:?}");
                 separated += u32::from(o.class == Class::Separated);
                 overlapping += u32::from(o.class == Class::Overlapping);
-                tracked += u32::from(o.layer == Layer::Surface);
+                tracked += u32::from(o.solver == Solver::Surface);
                 fallbacks += o.work.fallbacks;
             }
         }

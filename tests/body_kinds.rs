@@ -375,3 +375,33 @@ fn stored_bodies_come_back_bit_for_bit() {
         );
     }
 }
+
+/// A face that is exactly planar is so at the bound zero too, though its normal is rounded; one off by a last bit is not.
+#[test]
+fn exactly_planar_faces_need_no_room() {
+    let mut rng = lab::rng::Rng::new(909);
+    let (mut polygons, mut refused) = (0, 0);
+    for _ in 0..200 {
+        let points: Vec<_> = (0..30)
+            .map(|_| Point3::from([0; 3].map(|_| rng.below(5) as f64)))
+            .collect();
+        let Ok(body) = ConvexPolyhedron::from_points(&points) else {
+            continue;
+        };
+        let (vertices, faces) = lab::contacts::plain(&body);
+        let mut vertices: Vec<_> = vertices.into_iter().map(Point3::from).collect();
+        let again = ConvexPolyhedron::from_faces_within(&vertices, &faces, 0.0).unwrap();
+        assert_eq!(
+            (again.face_count(), again.report().non_planarity),
+            (body.face_count(), 0.0)
+        );
+        let Some(large) = faces.iter().find(|f| f.len() > 3) else {
+            continue;
+        };
+        polygons += 1;
+        let corner = &mut vertices[large[0] as usize];
+        *corner = corner.map(|x| x * (1.0 + 3.0 * f64::EPSILON) + f64::EPSILON);
+        refused += usize::from(ConvexPolyhedron::from_faces_within(&vertices, &faces, 0.0).is_err());
+    }
+    assert!(polygons > 100 && refused > polygons / 2, "{polygons} {refused}");
+}

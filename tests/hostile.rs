@@ -7,8 +7,14 @@ mod bytes;
 
 use lab::rng::Rng;
 use lab::shapes;
+use lin_canny::broad::{Aabb, BroadPhase, PencilSweep, SortedAxes};
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
-use lin_canny::{ConvexPolyhedron, RelativePose, Tracker};
+use lin_canny::polyhedron::solids;
+use lin_canny::scene::{Body, BodyId, Effects, Group, Scene};
+use lin_canny::{ConvexPolyhedron, Manifold, ManifoldOptions, RelativePose, Tracker};
+use serde::de::DeserializeOwned;
+use serde_json::{Value, json};
+use std::sync::Arc;
 
 /// One to four bytes of a text changed to others that JSON knows.
 fn tampered(text: &str, rng: &mut Rng) -> String {
@@ -47,4 +53,243 @@ fn tampered_files_do_no_harm() {
         bytes::query(&a, &body, &moved.unwrap_or(pose), &mut tracker.unwrap_or_default(), 0.5);
     }
     assert!(read.iter().chain(&refused).all(|&n| n > 20), "{read:?} {refused:?}");
+}
+
+/// The numbers of a text, each by the way to it.
+fn numbers(value: &Value, way: &str, found: &mut Vec<String>) {
+    match value {
+        Value::Number(_) => found.push(way.into()),
+        Value::Array(list) => list
+            .iter()
+            .enumerate()
+            .for_each(|(k, v)| numbers(v, &format!("{way}/{k}"), found)),
+        Value::Object(map) => map.iter().for_each(|(k, v)| numbers(v, &format!("{way}/{k}"), found)),
+        _ => {}
+    }
+}
+
+/// One or two numbers of a text changed to others of their kind: the ends of the types, neighbours, and numbers from elsewhere.
+fn mutated(text: &Value, ways: &[String], rng: &mut Rng) -> Value {
+    let mut text = text.clone();
+    for _ in 0..1 + rng.below(2) {
+        let other = text.pointer(&ways[rng.below(ways.len())]).cloned().unwrap();
+        let number = text.pointer_mut(&ways[rng.below(ways.len())]).unwrap();
+        *number = match number.as_u64() {
+            Some(n) => {
+                let ends = [
+                    0,
+                    1,
+                    31,
+                    32,
+                    0x7fff_ffff,
+                    0xffff_fffe,
+                    0xffff_ffff,
+                    u64::MAX - 1,
+                    u64::MAX,
+                ];
+                let near = [n.wrapping_add(1), n.wrapping_sub(1), n ^ 1 << rng.below(33)];
+                if rng.below(3) == 0 {
+                    other
+                } else if rng.below(3) == 0 {
+                    json!(*rng.pick(&near))
+                } else {
+                    json!(*rng.pick(&ends))
+                }
+            }
+            None => json!(*rng.pick(&[0.0, -0.0, -1.0, 1e-320, 1e-160, 1e37, 1e160, f64::MAX, f64::MIN, 0.5])),
+        };
+    }
+    text
+}
+
+/// Changes numbers of what a value is in a file and uses what can be read: how many could.
+fn survives<T: serde::Serialize + DeserializeOwned>(
+    value: &T,
+    rounds: usize,
+    seed: u64,
+    mut ask: impl FnMut(T, &str),
+) -> usize {
+    let mut rng = Rng::new(seed);
+    let text = serde_json::to_value(value).unwrap();
+    let mut ways = Vec::new();
+    numbers(&text, "", &mut ways);
+    let mut read = 0;
+    for _ in 0..rounds {
+        let changed = mutated(&text, &ways, &mut rng).to_string();
+        if let Ok(value) = serde_json::from_str(&changed) {
+            ask(value, &changed);
+            read += 1;
+        }
+    }
+    read
+}
+
+/// Two groups, of which one has no boxes as its range is infinite.
+fn small_scene() -> (Scene, Vec<BodyId>) {
+    let group = |k| Group::new(k).unwrap();
+    let none = Effects::none();
+    let mut scene = Scene::new();
+    let near = Effects {
+        overlap: true,
+        distance: Some(0.5),
+        features: true,
+        ..none
+    };
+    let contacts = Effects {
+        manifold: Some(ManifoldOptions::within(0.1)),
+        within: Some(0.2),
+        ..none
+    };
+    scene.call_for(group(0), group(0), near).unwrap();
+    scene.call_for(group(0), group(1), contacts).unwrap();
+    scene
+        .call_for(
+            group(2),
+            group(2),
+            Effects {
+                distance: Some(f64::INFINITY),
+                ..none
+            },
+        )
+        .unwrap();
+    let cube = Arc::new(solids::cuboid(Vector3::repeat(0.5)).unwrap());
+    let at = |k: usize| Isometry3::translation(0.9 * k as f64, 0.1 * k as f64, 0.0);
+    let ids = (0..7)
+        .map(|k| {
+            scene
+                .insert(Body::moving(cube.clone()).group(group(k as u8 % 3)), at(k))
+                .unwrap()
+        })
+        .collect::<Vec<_>>();
+    scene.step();
+    scene.remove(ids[2]).unwrap();
+    scene.step();
+    (scene, ids)
+}
+
+/// Everything that a step may come to: moves, removals, arrivals, other groups, questions.
+fn use_scene(mut scene: Scene) {
+    let shape = Arc::new(solids::octahedron(0.6).unwrap());
+    let mut sum = *scene.report();
+    for round in 0..2 {
+        let ids: Vec<BodyId> = scene.bodies().collect();
+        for (k, &id) in ids.iter().enumerate() {
+            let _ = match (k + round) % 4 {
+                0 => scene.remove(id),
+                1 => scene.set_group(id, Group::new(k as u8 % 3).unwrap()),
+                _ => scene.set_pose(id, Isometry3::translation(0.3 * k as f64, 0.0, 0.2)),
+            };
+        }
+        let _ = scene.insert(Body::moving(shape.clone()), Isometry3::translation(0.1, 0.2, 0.3));
+        sum += *scene.step();
+        assert!(scene.pairs().all(|p| p.a != p.b));
+        let _ = sum.times.total();
+    }
+}
+
+#[test]
+fn numbers_changed_in_a_file_do_no_harm() {
+    let checks = std::panic::catch_unwind(|| std::hint::black_box(u8::MAX) + std::hint::black_box(1));
+    assert!(checks.is_err(), "this test is worth little without overflow checks");
+    let (a, b) = (solids::icosahedron(1.0).unwrap(), solids::cone(7, 0.3, 1.1).unwrap());
+    let (apart, deep) = ([2.0, 0.5, -1.0], [0.1, 0.2, 0.3]);
+    let pose = |[x, y, z]: [f64; 3]| RelativePose::from_isometry(&Isometry3::translation(x, y, z)).unwrap();
+    for (t, seed) in [(apart, 82), (deep, 83)] {
+        let mut pair = Tracker::new();
+        pair.closest(&a, &b, &pose(t));
+        pair.intersects(&a, &b, &pose(t));
+        let read = survives(&pair, 1500, seed, |mut pair, _| {
+            bytes::query(&a, &b, &pose(t), &mut pair, 0.5);
+            let mut sum = pair.totals();
+            sum += pair.totals();
+        });
+        assert!(read > 500, "{read}");
+    }
+    let (mut pair, mut manifold) = (Tracker::new(), Manifold::new());
+    let (cube, flush, options) = (
+        solids::cuboid(Vector3::repeat(0.5)).unwrap(),
+        pose([0.3, 0.2, 0.99]),
+        ManifoldOptions::within(0.1),
+    );
+    pair.manifold(&cube, &cube, &flush, &options, &mut manifold);
+    let read = survives(&manifold, 2000, 84, |mut manifold, _| {
+        pair.manifold(&cube, &cube, &flush, &options, &mut manifold);
+        pair.manifold(&cube, &cube, &pose([0.3, 0.21, 0.99]), &options, &mut manifold);
+    });
+    assert!(read > 200, "{read}");
+    let (scene, _) = small_scene();
+    let read = survives(&scene, 4000, 85, |scene, _| use_scene(scene));
+    assert!(read > 400, "{read}");
+}
+
+fn use_broad(mut broad: impl BroadPhase) {
+    let at = |x: f64| Aabb::from_center(Point3::new(x, 0.0, 0.0), Vector3::repeat(0.5));
+    for round in 0..2 {
+        let ids: Vec<_> = broad.bodies().collect();
+        for (k, id) in ids.into_iter().enumerate() {
+            let _ = if (k + round) % 3 == 0 {
+                broad.remove(id)
+            } else {
+                broad.set_box(id, &at(0.2 * k as f64))
+            };
+        }
+        let _ = broad.insert(&at(0.1), lin_canny::broad::Body::moving());
+        broad.step();
+    }
+}
+
+#[test]
+fn numbers_changed_in_the_file_of_a_broad_phase_do_no_harm() {
+    fn filled<B: BroadPhase>(mut broad: B) -> B {
+        for k in 0..6 {
+            let aabb = Aabb::from_center(Point3::new(0.7 * f64::from(k), 0.0, 0.0), Vector3::repeat(0.5));
+            broad.insert(&aabb, lin_canny::broad::Body::moving()).unwrap();
+        }
+        broad.step();
+        broad
+    }
+    let read = survives(&filled(PencilSweep::new()), 1500, 86, |broad, _| use_broad(broad));
+    assert!(read > 100, "{read}");
+    let read = survives(&filled(SortedAxes::new()), 1500, 87, |broad, _| use_broad(broad));
+    assert!(read > 100, "{read}");
+}
+
+/// Counters at their end stay there; generations at theirs, and boxes that contradict the effects, are refused.
+#[test]
+fn counters_and_generations_at_their_end_do_no_harm() {
+    let (a, pose) = (
+        solids::icosahedron(1.0).unwrap(),
+        RelativePose::from_isometry(&Isometry3::translation(0.1, 0.2, 0.3)).unwrap(),
+    );
+    let mut pair = Tracker::new();
+    pair.closest(&a, &a, &pose);
+    let text = serde_json::to_value(&pair).unwrap();
+    for way in ["queries", "warm", "steps", "depths", "answered"] {
+        let mut text = text.clone();
+        text["totals"][way] = if way == "answered" {
+            json!(vec![u64::MAX; 7])
+        } else {
+            json!(u64::MAX)
+        };
+        let mut pair: Tracker = serde_json::from_value(text).unwrap();
+        for _ in 0..2 {
+            pair.closest(&a, &a, &pose);
+            pair.intersects(&a, &a, &pose);
+            pair.intersects(&a, &a, &pose);
+        }
+        assert!(way != "queries" || pair.totals().queries == u64::MAX);
+    }
+    let text = serde_json::to_value(small_scene().0).unwrap();
+    assert!(serde_json::from_value::<Scene>(text.clone()).is_ok());
+    let changed = |way: &str, to: Value| {
+        let mut text = text.clone();
+        *text.pointer_mut(way).unwrap() = to;
+        serde_json::from_value::<Scene>(text)
+    };
+    assert!(changed("/rows/1/generation", json!(u32::MAX)).is_err());
+    assert!(changed("/rows/2/generation", json!(u32::MAX - 1)).is_err());
+    assert!(changed("/rows/1/solid/group", json!(2)).is_err());
+    assert!(changed("/rows/1/solid/boxed", json!(false)).is_err());
+    assert!(changed("/growths/0", json!(f64::MAX)).is_err());
+    assert!(changed("/partners/0", json!(0)).is_err());
 }

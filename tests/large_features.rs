@@ -7,7 +7,7 @@ use lab::rng::Rng;
 use lab::workload;
 use lab::{Point, Pose};
 use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
-use lin_canny::{Class, ConvexPolyhedron, Layer, Manifold, ManifoldOptions, Outcome, RelativePose, Tracker};
+use lin_canny::{Class, ConvexPolyhedron, Manifold, ManifoldOptions, Outcome, RelativePose, Solver, Tracker};
 use std::f64::consts::TAU;
 use support::relative;
 
@@ -115,7 +115,7 @@ fn no_query_takes_steps_in_proportion_to_the_corners() {
                     .iter()
                     .map(|f| pair.closest(&a, &b, &relative(f)).work.steps)
                     .collect();
-                let fallbacks = pair.totals().answered_by(Layer::Fallback);
+                let fallbacks = pair.totals().answered_by(Solver::Fallback);
                 assert!(fallbacks <= 6, "{x} and {y}, {n}: {fallbacks} fallbacks");
                 steps.iter().sum::<u32>() as f64 / steps.len() as f64
             };

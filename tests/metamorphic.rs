@@ -107,7 +107,7 @@ proptest! {
         let (x, y) = (ask(&a, &b, &relative(&frame)), ask(&scaled(&a, unit), &scaled(&b, unit), &relative(&big)));
         for (x, y) in x.iter().zip(&y) {
             prop_assert_eq!(bits(x, unit), bits(y, 1.0), "{:?} {:?}", x, y);
-            prop_assert_eq!((x.class, x.layer, x.features), (y.class, y.layer, y.features));
+            prop_assert_eq!((x.class, x.solver, x.features), (y.class, y.solver, y.features));
         }
     }
 

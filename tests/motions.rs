@@ -10,7 +10,7 @@ use lab::rng::Rng;
 use lab::shapes::Shape;
 use lin_canny::nalgebra::{Point3, Vector3};
 use lin_canny::polyhedron::solids;
-use lin_canny::{Class, ConvexPolyhedron, Layer, Outcome, Tracker};
+use lin_canny::{Class, ConvexPolyhedron, Outcome, Solver, Tracker};
 use support::{plain, relative};
 
 /// Two answers to one question: the same class, and bounds and distances that agree.
@@ -122,7 +122,7 @@ fn steps_are_few_along_smooth_motions() {
         );
         // A tracker may try the other start now and then, to know what it costs.
         assert!(totals.queries == 4000 && totals.warm >= 3900, "{totals:?}");
-        assert!(totals.answered_by(Layer::Walk) >= 3998, "{totals:?}");
+        assert!(totals.answered_by(Solver::Walk) >= 3998, "{totals:?}");
     }
 }
 

@@ -12,7 +12,7 @@ use lab::pose::{quat, unit};
 use lab::rng::Rng;
 use lab::shapes::{self, Shape};
 use lab::{Pose, exact};
-use lin_canny::{Class, ConvexPolyhedron, Layer, Outcome, Totals, Tracker};
+use lin_canny::{Class, ConvexPolyhedron, Outcome, Solver, Totals, Tracker};
 use support::{assert_right, between, body};
 
 /// Upper bound of the width of a certified answer, in units of L.
@@ -25,7 +25,7 @@ fn certified(o: &Outcome, size: f64, what: &str) {
 }
 
 fn share(totals: &Totals) -> f64 {
-    let walked = totals.answered_by(Layer::Walk) + totals.answered_by(Layer::Restart);
+    let walked = totals.answered_by(Solver::Walk) + totals.answered_by(Solver::Restart);
     1.0 - walked as f64 / totals.queries as f64
 }
 

@@ -4,7 +4,7 @@ use lab::rng::Rng;
 use lab::shapes;
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::polyhedron::solids;
-use lin_canny::{ConvexPolyhedron, Level, RelativePose, Replay, ReplayError, Tracker, Which};
+use lin_canny::{Accuracy, ConvexPolyhedron, Operand, RelativePose, Replay, ReplayError, Tracker};
 
 fn bodies() -> Vec<ConvexPolyhedron> {
     let point = |x, y, z| Point3::new(x, y, z);
@@ -37,7 +37,7 @@ fn a_query_comes_back_bit_for_bit() {
             let mut pair = Tracker::new();
             for _ in 0..3 {
                 let pose = RelativePose::new(&to(&mut rng), &to(&mut rng)).unwrap();
-                let replay = pair.replay(a, b, &pose, Level::Exact);
+                let replay = pair.replay(a, b, &pose, Accuracy::Exact);
                 let again: Replay = replay.to_string().parse().unwrap();
                 assert_eq!(again, replay);
                 warm += usize::from(again.start.is_some());
@@ -59,7 +59,7 @@ fn a_query_comes_back_bit_for_bit() {
 fn with(line: usize, text: &str) -> Result<Replay, ReplayError> {
     let a = solids::cuboid(Vector3::new(1.0, 1.0, 1.0)).unwrap();
     let pose = RelativePose::from_isometry(&Isometry3::translation(3.0, 0.0, 0.0)).unwrap();
-    let replay = Tracker::new().replay(&a, &a, &pose, Level::Certified).to_string();
+    let replay = Tracker::new().replay(&a, &a, &pose, Accuracy::Certified).to_string();
     let mut lines: Vec<&str> = replay.lines().collect();
     lines[line - 1] = text;
     lines.join("\n").parse()
@@ -84,7 +84,7 @@ fn what_is_no_replay_is_refused_by_line() {
 #[test]
 fn what_makes_no_query_is_refused_by_name() {
     let nan = "vertex 7ff8000000000000 3ff0000000000000 3ff0000000000000";
-    assert!(matches!(with(4, nan), Err(ReplayError::Body { which: Which::A, .. })));
+    assert!(matches!(with(4, nan), Err(ReplayError::Body { which: Operand::A, .. })));
     let long = "pose A 4000000000000000 0000000000000000 0000000000000000 0000000000000000 \
                 0000000000000000 0000000000000000 0000000000000000";
     assert!(

@@ -50,7 +50,7 @@ fn is_scaled(x: &Outcome, y: &Outcome, by: f64) {
             points,
             o.normal,
             o.features,
-            o.layer,
+            o.solver,
         )
     };
     assert_eq!(at(x, 1.0), at(y, by), "scaled by {by:e}");

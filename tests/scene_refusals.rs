@@ -90,7 +90,7 @@ fn poses_and_shapes_that_are_no_bodies_of_a_scene_are_refused() {
     let long = UnitQuaternion::new_unchecked(Quaternion::new(1.1, 0.0, 0.0, 0.0));
     let refused = scene.set_pose(moving, Isometry3::from_parts(Translation3::identity(), long));
     let error = PoseError::Rotation {
-        body: lin_canny::Which::A,
+        body: lin_canny::Operand::A,
         norm_squared: 1.1 * 1.1,
     };
     assert_eq!(

@@ -5,7 +5,7 @@ mod support;
 use lab::rng::Rng;
 use lab::shapes::{self, Shape};
 use lab::{Pose, exact};
-use lin_canny::{Class, Layer, Tracker};
+use lin_canny::{Class, Solver, Tracker};
 use support::{assert_right, between, body, pairs};
 
 /// A corner of a thin plate: faces that come to a point of `angle` radians.
@@ -73,7 +73,7 @@ fn every_pair_of_features_leads_to_the_same_answer() {
                         &truth,
                         &format!("{} beside {}, pose {k}, from {pair}", sa.name, sb.name),
                     );
-                    walked += u64::from(matches!(o.layer, Layer::Walk) && o.class == Class::Separated);
+                    walked += u64::from(matches!(o.solver, Solver::Walk) && o.class == Class::Separated);
                     asked += u64::from(o.class == Class::Separated);
                 }
             }

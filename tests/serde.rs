@@ -5,7 +5,7 @@ mod support;
 
 use lin_canny::polyhedron::solids;
 use lin_canny::{
-    Class, ConvexPolyhedron, Distance, Layer, Manifold, ManifoldOptions, Outcome, Proposal, RelativePose, Tracker,
+    Class, ConvexPolyhedron, Distance, Manifold, ManifoldOptions, Outcome, Proposal, RelativePose, Solver, Tracker,
 };
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -39,12 +39,12 @@ fn answers_come_back() {
     round_trip(&distance);
     round_trip(&proposal);
     for layer in [
-        Layer::Walk,
-        Layer::Restart,
-        Layer::Fallback,
-        Layer::DoubleDouble,
-        Layer::Exact,
-        Layer::Far,
+        Solver::Walk,
+        Solver::Restart,
+        Solver::Fallback,
+        Solver::DoubleDouble,
+        Solver::Exact,
+        Solver::Far,
     ] {
         round_trip(&layer);
     }

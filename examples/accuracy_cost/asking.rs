@@ -10,7 +10,7 @@ use lab::pose::{norm, sub};
 use lab::progress::Progress;
 use lab::record::{Row, spread};
 use lin_canny::nalgebra::{Isometry3, Point3};
-use lin_canny::{ConvexPolyhedron, Manifold, ManifoldOptions, RelativePose, Tracker, Watch};
+use lin_canny::{ConvexPolyhedron, Manifold, ManifoldOptions, RelativePose, Tracker};
 
 use crate::bodies::{self, Body, Pair};
 use crate::engines::clocked;
@@ -66,10 +66,7 @@ impl Detail {
 /// The questions: what is kept, and how it is asked; the distance where there is one.
 enum Ask<'a> {
     Overlap(Tracker),
-    OverlapWatched(Watch<'a>),
     Within(Tracker),
-    WithinWatched(Watch<'a>),
-    Roughly(Watch<'a>, f64),
     Distance(Tracker),
     Walk(Tracker),
     Certified(Tracker),
@@ -89,11 +86,7 @@ fn yes_no(yes: bool) -> f64 {
 
 impl Ask<'_> {
     fn has_error(&self) -> bool {
-        use Ask::{Overlap, OverlapWatched, ParryOverlap, Within, WithinWatched};
-        !matches!(
-            self,
-            Overlap(_) | OverlapWatched(_) | Within(_) | WithinWatched(_) | ParryOverlap
-        )
+        !matches!(self, Ask::Overlap(_) | Ask::Within(_) | Ask::ParryOverlap)
     }
 
     /// One question of one frame: a distance, or 1 for yes.
@@ -105,10 +98,7 @@ impl Ask<'_> {
         let relative = || RelativePose::new(pa, pb).expect("poses of a motion");
         match self {
             Ask::Overlap(t) => yes_no(t.intersects(a, b, &relative())),
-            Ask::OverlapWatched(w) => yes_no(w.intersects(&relative())),
             Ask::Within(t) => yes_no(t.within(a, b, &relative(), NEAR)),
-            Ask::WithinWatched(w) => yes_no(w.within(&relative(), NEAR)),
-            Ask::Roughly(w, error) => w.distance(&relative(), *error).value,
             Ask::Distance(t) => t.distance(a, b, &relative()).value,
             Ask::Walk(t) => t.propose(a, b, &relative()).distance.unwrap_or(0.0),
             Ask::Certified(t) => t.closest(a, b, &relative()).distance,
@@ -131,28 +121,11 @@ impl Ask<'_> {
 }
 
 /// Every question, anew.
-fn questions<'a>(pair: &'a Pair, details: &'a [[Detail; 2]]) -> Vec<(Question, Box<dyn Fn() -> Ask<'a> + 'a>)> {
-    let watch = || Watch::new(&pair.a.ours, &pair.b.ours);
-    let size = pair.size(0);
+fn questions<'a>(details: &'a [[Detail; 2]]) -> Vec<(Question, Box<dyn Fn() -> Ask<'a> + 'a>)> {
     let mut all: Vec<(Question, Box<dyn Fn() -> Ask<'a> + 'a>)> = vec![
         (("ours", "overlap?".into()), Box::new(|| Ask::Overlap(Tracker::new()))),
-        (
-            ("ours", "overlap? (watch)".into()),
-            Box::new(move || Ask::OverlapWatched(watch())),
-        ),
         (("ours", "within 0.1?".into()), Box::new(|| Ask::Within(Tracker::new()))),
-        (
-            ("ours", "within 0.1? (watch)".into()),
-            Box::new(move || Ask::WithinWatched(watch())),
-        ),
     ];
-    for k in 1..4 {
-        let error = 10f64.powi(-k) * size;
-        all.push((
-            ("ours", format!("to 1e-{k} L (watch)")),
-            Box::new(move || Ask::Roughly(watch(), error)),
-        ));
-    }
     all.extend([
         (
             ("ours", "distance".into()),
@@ -224,7 +197,7 @@ pub(crate) fn run(options: &Options, rows: &mut Vec<Row>, progress: &Progress) -
 
 fn one(pair: &Pair, details: &[[Detail; 2]], (family, n): (&str, usize), options: &Options, rows: &mut Vec<Row>) {
     let truth = Sampled::new(pair, options.sampled());
-    let list = questions(pair, details);
+    let list = questions(details);
     let mut times = vec![Vec::new(); list.len()];
     for _ in 0..options.passes() {
         for ((_, fresh), times) in list.iter().zip(&mut times) {
@@ -256,7 +229,6 @@ fn proven(ask: &Ask, pair: &Pair) -> String {
     let size = pair.size(0);
     match ask {
         Ask::Walk(_) | Ask::ParryDistance | Ask::ParryOverlap => "nothing".into(),
-        Ask::Roughly(_, error) => format!("{:.0e}", error / size),
         Ask::Inner([a, b], _) => format!("{:.1e}", 0.5 * (a.bound + b.bound) / size),
         Ask::Distance(_) | Ask::Certified(_) | Ask::Manifold(..) => "1e-13".into(),
         Ask::Exact(_) => "one unit in the last place".into(),

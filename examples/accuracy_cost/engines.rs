@@ -7,7 +7,7 @@ use std::time::Duration;
 use cpu_time::ThreadTime;
 use lab::Point;
 use lab::parry::GjkCached;
-use lin_canny::{RelativePose, Totals, Tracker, Watch};
+use lin_canny::{RelativePose, Totals, Tracker};
 
 use crate::bodies::{Body, Pair};
 
@@ -16,15 +16,13 @@ const WARM_UP: Duration = Duration::from_millis(2);
 
 /// What is asked of whom.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub(crate) enum Level {
+pub(crate) enum Accuracy {
     /// `Tracker::propose`.
     Walk,
     /// `Tracker::closest`.
     Certified,
     /// `Tracker::closest_exact`.
     Exact,
-    /// `Watch::distance` to within `10^-k L`.
-    Within(i32),
     /// parry's GJK over a support map that climbs, the simplex kept.
     Gjk,
     /// parry's closest points, in f64 and in f32.
@@ -35,25 +33,25 @@ pub(crate) enum Level {
 /// A level, from the features of the frame before or from nothing.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(crate) struct Case {
-    pub(crate) level: Level,
+    pub(crate) level: Accuracy,
     pub(crate) cold: bool,
 }
 
 impl Case {
-    pub(crate) const fn warm(level: Level) -> Self {
+    pub(crate) const fn warm(level: Accuracy) -> Self {
         Self { level, cold: false }
     }
 
-    pub(crate) const fn cold(level: Level) -> Self {
+    pub(crate) const fn cold(level: Accuracy) -> Self {
         Self { level, cold: true }
     }
 
     pub(crate) fn engine(self) -> &'static str {
         match (self.level, self.cold) {
-            (Level::Gjk, false) => "gjk-cached",
-            (Level::Gjk, true) => "gjk-cold",
-            (Level::Parry, _) => "parry-f64",
-            (Level::ParryF32, _) => "parry-f32",
+            (Accuracy::Gjk, false) => "gjk-cached",
+            (Accuracy::Gjk, true) => "gjk-cold",
+            (Accuracy::Parry, _) => "parry-f64",
+            (Accuracy::ParryF32, _) => "parry-f32",
             (_, false) => "ours",
             (_, true) => "ours-cold",
         }
@@ -61,20 +59,19 @@ impl Case {
 
     pub(crate) fn name(self) -> String {
         match self.level {
-            Level::Walk => "walk".into(),
-            Level::Certified => "certified".into(),
-            Level::Exact => "exact".into(),
-            Level::Within(k) => format!("1e-{k}"),
-            Level::Gjk => "closest".into(),
-            Level::Parry | Level::ParryF32 => "distance".into(),
+            Accuracy::Walk => "walk".into(),
+            Accuracy::Certified => "certified".into(),
+            Accuracy::Exact => "exact".into(),
+            Accuracy::Gjk => "closest".into(),
+            Accuracy::Parry | Accuracy::ParryF32 => "distance".into(),
         }
     }
 
     /// Whether the engine could make the bodies.
     pub(crate) fn takes(self, pair: &Pair) -> bool {
         let has = |b: &Body| match self.level {
-            Level::Parry => b.parry.is_some(),
-            Level::ParryF32 => b.parry_f32.is_some(),
+            Accuracy::Parry => b.parry.is_some(),
+            Accuracy::ParryF32 => b.parry_f32.is_some(),
             _ => true,
         };
         has(&pair.a) && has(&pair.b)
@@ -86,42 +83,11 @@ pub(crate) type Answer = (f64, Point, Point);
 
 const NONE: Answer = (f64::NAN, [0.0; 3], [0.0; 3]);
 
-/// What a case keeps for its pair.
-pub(crate) struct State<'a> {
+/// The state that a case keeps for its pair.
+#[derive(Default)]
+pub(crate) struct State {
     tracker: Tracker,
-    watch: Watch<'a>,
     gjk: GjkCached,
-    error: f64,
-}
-
-impl<'a> State<'a> {
-    pub(crate) fn new(pair: &'a Pair, case: Case) -> Self {
-        let error = match case.level {
-            Level::Within(k) => 10f64.powi(-k) * pair.size(0),
-            _ => 0.0,
-        };
-        Self {
-            tracker: Tracker::new(),
-            watch: Watch::new(&pair.a.ours, &pair.b.ours),
-            gjk: GjkCached::default(),
-            error,
-        }
-    }
-
-    pub(crate) fn tracker(&self, case: Case) -> &Tracker {
-        match case.level {
-            Level::Within(_) => self.watch.tracker(),
-            _ => &self.tracker,
-        }
-    }
-
-    /// Queries, and of these those that looked at a vertex.
-    pub(crate) fn looked(&self, case: Case) -> (u64, u64) {
-        match case.level {
-            Level::Within(_) => (self.watch.asked(), self.watch.looked()),
-            _ => (self.tracker.totals().queries, self.tracker.totals().queries),
-        }
-    }
 }
 
 /// One query of one case.
@@ -137,12 +103,12 @@ pub(crate) fn ask(case: Case, pair: &Pair, frame: usize, state: &mut State) -> A
     let witnesses =
         |w: Option<lab::parry::Witnesses>| w.map_or((0.0, [0.0; 3], [0.0; 3]), |w| (w.distance, w.on_a, w.on_b));
     match case.level {
-        Level::Gjk => witnesses(state.gjk.closest(&pair.a.climber, &f.a, &pair.b.climber, &f.b)),
-        Level::Parry => match (&pair.a.parry, &pair.b.parry) {
+        Accuracy::Gjk => witnesses(state.gjk.closest(&pair.a.climber, &f.a, &pair.b.climber, &f.b)),
+        Accuracy::Parry => match (&pair.a.parry, &pair.b.parry) {
             (Some(a), Some(b)) => witnesses(lab::parry::closest_points(a, &f.a, b, &f.b)),
             _ => NONE,
         },
-        Level::ParryF32 => match (&pair.a.parry_f32, &pair.b.parry_f32) {
+        Accuracy::ParryF32 => match (&pair.a.parry_f32, &pair.b.parry_f32) {
             (Some(a), Some(b)) => witnesses(lab::parry_f32::closest_points(a, &f.a, b, &f.b)),
             _ => NONE,
         },
@@ -151,13 +117,12 @@ pub(crate) fn ask(case: Case, pair: &Pair, frame: usize, state: &mut State) -> A
                 return NONE;
             };
             let o = match ours {
-                Level::Within(_) => return (state.watch.distance(&relative, state.error).value, [0.0; 3], [0.0; 3]),
-                Level::Walk => {
+                Accuracy::Walk => {
                     let p = state.tracker.propose(a, b, &relative);
                     let d = p.distance.unwrap_or(0.0);
                     return (d, (pa * p.point_on_a).into(), (pb * p.point_on_b).into());
                 }
-                Level::Exact => state.tracker.closest_exact(a, b, &relative),
+                Accuracy::Exact => state.tracker.closest_exact(a, b, &relative),
                 _ => state.tracker.closest(a, b, &relative),
             };
             (o.distance, (pa * o.point_on_a).into(), (pb * o.point_on_b).into())
@@ -166,20 +131,20 @@ pub(crate) fn ask(case: Case, pair: &Pair, frame: usize, state: &mut State) -> A
 }
 
 /// The answers of a whole motion, and what the trackers counted.
-pub(crate) fn answers(case: Case, pair: &Pair) -> (Vec<Answer>, Totals, (u64, u64)) {
-    let mut state = State::new(pair, case);
+pub(crate) fn answers(case: Case, pair: &Pair) -> (Vec<Answer>, Totals) {
+    let mut state = State::default();
     let list = (0..pair.frames.len()).map(|f| ask(case, pair, f, &mut state)).collect();
-    (list, state.tracker(case).totals(), state.looked(case))
+    (list, state.tracker.totals())
 }
 
 /// Nanoseconds a query over the first frames of a motion, as many as fit into some milliseconds.
 pub(crate) fn time(case: Case, pair: &Pair) -> f64 {
     // Each level a loop of its own.
     match case.level {
-        Level::Walk => pass(case, pair, |p, f, s| {
+        Accuracy::Walk => pass(pair, |p, f, s| {
             ask(
                 Case {
-                    level: Level::Walk,
+                    level: Accuracy::Walk,
                     ..case
                 },
                 p,
@@ -187,10 +152,10 @@ pub(crate) fn time(case: Case, pair: &Pair) -> f64 {
                 s,
             )
         }),
-        Level::Certified => pass(case, pair, |p, f, s| {
+        Accuracy::Certified => pass(pair, |p, f, s| {
             ask(
                 Case {
-                    level: Level::Certified,
+                    level: Accuracy::Certified,
                     ..case
                 },
                 p,
@@ -198,10 +163,10 @@ pub(crate) fn time(case: Case, pair: &Pair) -> f64 {
                 s,
             )
         }),
-        Level::Exact => pass(case, pair, |p, f, s| {
+        Accuracy::Exact => pass(pair, |p, f, s| {
             ask(
                 Case {
-                    level: Level::Exact,
+                    level: Accuracy::Exact,
                     ..case
                 },
                 p,
@@ -209,10 +174,10 @@ pub(crate) fn time(case: Case, pair: &Pair) -> f64 {
                 s,
             )
         }),
-        Level::Within(_) => pass(case, pair, |p, f, s| {
+        Accuracy::Gjk => pass(pair, |p, f, s| {
             ask(
                 Case {
-                    level: Level::Within(0),
+                    level: Accuracy::Gjk,
                     ..case
                 },
                 p,
@@ -220,10 +185,10 @@ pub(crate) fn time(case: Case, pair: &Pair) -> f64 {
                 s,
             )
         }),
-        Level::Gjk => pass(case, pair, |p, f, s| {
+        Accuracy::Parry => pass(pair, |p, f, s| {
             ask(
                 Case {
-                    level: Level::Gjk,
+                    level: Accuracy::Parry,
                     ..case
                 },
                 p,
@@ -231,21 +196,10 @@ pub(crate) fn time(case: Case, pair: &Pair) -> f64 {
                 s,
             )
         }),
-        Level::Parry => pass(case, pair, |p, f, s| {
+        Accuracy::ParryF32 => pass(pair, |p, f, s| {
             ask(
                 Case {
-                    level: Level::Parry,
-                    ..case
-                },
-                p,
-                f,
-                s,
-            )
-        }),
-        Level::ParryF32 => pass(case, pair, |p, f, s| {
-            ask(
-                Case {
-                    level: Level::ParryF32,
+                    level: Accuracy::ParryF32,
                     ..case
                 },
                 p,
@@ -257,8 +211,8 @@ pub(crate) fn time(case: Case, pair: &Pair) -> f64 {
 }
 
 #[inline(always)]
-fn pass(case: Case, pair: &Pair, ask: impl Fn(&Pair, usize, &mut State) -> Answer) -> f64 {
-    clocked(pair.frames.len(), || State::new(pair, case), |f, s| ask(pair, f, s))
+fn pass(pair: &Pair, ask: impl Fn(&Pair, usize, &mut State) -> Answer) -> f64 {
+    clocked(pair.frames.len(), State::default, |f, s| ask(pair, f, s))
 }
 
 /// Nanoseconds of processor time a query: the first passes find the caches and branch tables of another engine, the last is the one that counts.

@@ -7,7 +7,7 @@ use lab::progress::Progress;
 use lab::record::Row;
 
 use crate::bodies::{Body, Pair, ball};
-use crate::engines::{Case, Level};
+use crate::engines::{Accuracy, Case};
 use crate::measure::{self, Seen};
 use crate::options::Options;
 use crate::truth::Truth;
@@ -15,10 +15,10 @@ use crate::truth::Truth;
 const SIZES: [usize; 9] = [12, 40, 120, 400, 1200, 4000, 12_000, 40_000, 100_000];
 
 const CASES: [Case; 4] = [
-    Case::warm(Level::Certified),
-    Case::warm(Level::Exact),
-    Case::warm(Level::Gjk),
-    Case::cold(Level::Parry),
+    Case::warm(Accuracy::Certified),
+    Case::warm(Accuracy::Exact),
+    Case::warm(Accuracy::Gjk),
+    Case::cold(Accuracy::Parry),
 ];
 
 pub(crate) fn count(options: &Options) -> u64 {

@@ -2,7 +2,7 @@
 
 use lab::progress::Progress;
 use lab::record::{Row, spread};
-use lin_canny::{Layer, Totals};
+use lin_canny::{Solver, Totals};
 
 use crate::bodies::Pair;
 use crate::engines::{self, Case};
@@ -15,8 +15,6 @@ pub(crate) struct Seen {
     pub(crate) ns: Vec<f64>,
     pub(crate) err: Vec<f64>,
     pub(crate) totals: Totals,
-    /// Queries, and those that looked at a vertex.
-    pub(crate) looked: (u64, u64),
 }
 
 /// All cases on one pair, with their errors, and what is open of the truth they are judged by.
@@ -24,9 +22,9 @@ fn judged(pair: &Pair, cases: &[Case], options: &Options) -> (Vec<Seen>, f64) {
     let truth = Sampled::new(pair, options.sampled());
     let mut all = timed(pair, cases, options);
     for seen in &mut all {
-        let (answers, totals, looked) = engines::answers(seen.case, pair);
+        let (answers, totals) = engines::answers(seen.case, pair);
         seen.err = truth.errors(options.passes(), |f| answers[f].0);
-        (seen.totals, seen.looked) = (totals, looked);
+        seen.totals = totals;
     }
     (all, truth.width())
 }
@@ -38,7 +36,6 @@ pub(crate) fn timed(pair: &Pair, cases: &[Case], options: &Options) -> Vec<Seen>
         ns: Vec::new(),
         err: Vec::new(),
         totals: Totals::default(),
-        looked: (0, 0),
     };
     let mut all: Vec<Seen> = cases.iter().filter(|c| c.takes(pair)).map(open).collect();
     for _ in 0..options.passes() {
@@ -67,25 +64,25 @@ pub(crate) fn record(rows: &mut Vec<Row>, seen: &[Seen], family: &str, n: usize)
 pub(crate) fn head(title: &str) {
     println!("\n{title}");
     println!(
-        "{:<18} {:>6}  {:<11} {:<10} {:>9} {:>17}  {:>9} {:>9}  {:>7} {:>7} {:>8}",
-        "family", "n", "engine", "level", "ns", "from .. to", "error", "least", "steps", "looked", "no walk"
+        "{:<18} {:>6}  {:<11} {:<10} {:>9} {:>17}  {:>9} {:>9}  {:>7} {:>8}",
+        "family", "n", "engine", "level", "ns", "from .. to", "error", "least", "steps", "no walk"
     );
 }
 
 /// A line for each case: the middle time and its spread, the greatest error and the least of its stretches, steps a query,
-/// the share of queries that looked at a vertex, and of those the share that something else than a walk answered.
+/// and the share of queries that a solver other than the walk answered.
 pub(crate) fn table(seen: &[Seen], family: &str, n: usize) {
     for s in seen {
         let (ns, err) = (spread(s.ns.iter().copied()), spread(s.err.iter().copied()));
         let tracked = s.totals.queries > 0;
         let number = |x: f64, unit: &str| if tracked { format!("{x:.2}{unit}") } else { "-".into() };
-        let walked = [Layer::Walk, Layer::Restart]
+        let walked = [Solver::Walk, Solver::Restart]
             .map(|l| s.totals.answered_by(l))
             .iter()
             .sum::<u64>();
         let queries = s.totals.queries.max(1) as f64;
         println!(
-            "{family:<18} {n:>6}  {:<11} {:<10} {:>9.1} {:>8.1} {:>8.1}  {:>9.1e} {:>9.1e}  {:>7} {:>7} {:>8}",
+            "{family:<18} {n:>6}  {:<11} {:<10} {:>9.1} {:>8.1} {:>8.1}  {:>9.1e} {:>9.1e}  {:>7} {:>8}",
             s.case.engine(),
             s.case.name(),
             ns[1],
@@ -93,8 +90,7 @@ pub(crate) fn table(seen: &[Seen], family: &str, n: usize) {
             ns[2],
             err[2],
             err[0],
-            number(s.totals.steps as f64 / s.looked.0.max(1) as f64, ""),
-            number(100.0 * s.looked.1 as f64 / s.looked.0.max(1) as f64, "%"),
+            number(s.totals.steps as f64 / queries, ""),
             number(100.0 * (1.0 - walked as f64 / queries), "%"),
         );
     }

@@ -3,44 +3,36 @@
 use lab::plot::Chart;
 use lab::progress::Progress;
 use lab::record::Row;
-use lin_canny::Layer;
+use lin_canny::Solver;
 
 use crate::bodies::{self, Pair};
-use crate::engines::{Case, Level};
+use crate::engines::{Accuracy, Case};
 use crate::measure::{self, Seen};
 use crate::options::Options;
 
 type Trouble = Box<dyn std::error::Error>;
 
 /// Every level, warm and cold.
-pub(crate) const ALL: [Case; 16] = [
-    Case::warm(Level::Walk),
-    Case::warm(Level::Certified),
-    Case::warm(Level::Exact),
-    Case::warm(Level::Within(2)),
-    Case::warm(Level::Within(4)),
-    Case::warm(Level::Within(6)),
-    Case::warm(Level::Within(8)),
-    Case::warm(Level::Within(10)),
-    Case::warm(Level::Within(12)),
-    Case::warm(Level::Within(14)),
-    Case::cold(Level::Certified),
-    Case::cold(Level::Exact),
-    Case::warm(Level::Gjk),
-    Case::cold(Level::Gjk),
-    Case::cold(Level::Parry),
-    Case::cold(Level::ParryF32),
+pub(crate) const ALL: [Case; 9] = [
+    Case::warm(Accuracy::Walk),
+    Case::warm(Accuracy::Certified),
+    Case::warm(Accuracy::Exact),
+    Case::cold(Accuracy::Certified),
+    Case::cold(Accuracy::Exact),
+    Case::warm(Accuracy::Gjk),
+    Case::cold(Accuracy::Gjk),
+    Case::cold(Accuracy::Parry),
+    Case::cold(Accuracy::ParryF32),
 ];
 
 /// Those that motion and gap are shown for.
-const SOME: [Case; 7] = [
-    Case::warm(Level::Walk),
-    Case::warm(Level::Certified),
-    Case::warm(Level::Exact),
-    Case::warm(Level::Within(2)),
-    Case::warm(Level::Gjk),
-    Case::cold(Level::Parry),
-    Case::cold(Level::ParryF32),
+const SOME: [Case; 6] = [
+    Case::warm(Accuracy::Walk),
+    Case::warm(Accuracy::Certified),
+    Case::warm(Accuracy::Exact),
+    Case::warm(Accuracy::Gjk),
+    Case::cold(Accuracy::Parry),
+    Case::cold(Accuracy::ParryF32),
 ];
 
 /// Families, numbers of vertices and degrees a frame of the first part.
@@ -167,11 +159,11 @@ fn gap_of(
     progress: &Progress,
 ) -> Result<(usize, Chart), Trouble> {
     let layers = [
-        (Layer::Walk, "walk"),
-        (Layer::Restart, "walk, started afresh"),
-        (Layer::Fallback, "minimum norm, f64"),
-        (Layer::DoubleDouble, "minimum norm, double-double"),
-        (Layer::Exact, "exact integers"),
+        (Solver::Walk, "walk"),
+        (Solver::Restart, "walk, started afresh"),
+        (Solver::Fallback, "minimum norm, f64"),
+        (Solver::DoubleDouble, "minimum norm, double-double"),
+        (Solver::Exact, "exact integers"),
     ];
     let (mut size, mut shares) = (0, vec![Vec::new(); layers.len()]);
     for k in GAPS {
@@ -194,7 +186,7 @@ fn gap_of(
             rows,
             progress,
         );
-        let certified = |s: &&Seen| s.case == Case::warm(Level::Certified);
+        let certified = |s: &&Seen| s.case == Case::warm(Accuracy::Certified);
         if let Some(s) = seen.iter().find(certified) {
             for (share, (layer, _)) in shares.iter_mut().zip(layers) {
                 let part = s.totals.answered_by(layer) as f64 / s.totals.queries as f64;

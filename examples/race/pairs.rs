@@ -17,7 +17,7 @@ use lab::progress::Progress;
 use lab::rng::Rng;
 use lab::workload::{self, SIZES};
 use lin_canny::nalgebra::{Isometry3, Point3};
-use lin_canny::{ConvexPolyhedron, Layer, RelativePose, Totals, Tracker};
+use lin_canny::{ConvexPolyhedron, RelativePose, Solver, Totals, Tracker};
 
 use crate::common::{Options, Rows, WARM_UP, median};
 
@@ -274,7 +274,7 @@ fn race(scene: &'static str, shape: &'static str, n: usize, pairs: &[Pair], quic
 fn print(row: &Row) {
     let at = |k: usize| row.ns.get(&k).copied().unwrap_or(f64::NAN);
     let q = row.totals.queries as f64;
-    let other: u64 = [Layer::Restart, Layer::Fallback, Layer::DoubleDouble, Layer::Exact]
+    let other: u64 = [Solver::Restart, Solver::Fallback, Solver::DoubleDouble, Solver::Exact]
         .iter()
         .map(|&l| row.totals.answered_by(l))
         .sum();

@@ -304,7 +304,7 @@ fn contradiction(o: &Outcome) -> Option<&'static str> {
         Class::Separated => o.lower >= 0.0,
         Class::Overlapping => o.upper <= 0.0,
         Class::Touching => o.lower <= 0.0 && o.upper >= 0.0,
-        Class::Undecided => false,
+        _ => false,
     };
     let told = [
         (finite, "a number is not finite"),

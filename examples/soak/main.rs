@@ -5,11 +5,14 @@
 //! cargo run --release --example soak -- --minutes 60 [--seed S] [--threads N] [--out DIR] [--trial K]
 //! ```
 //!
-//! What fails is written to DIR (`soak-failures`) as a text that `cargo run --example replay` answers; the run goes on and
+//! What fails is written to DIR (`target/soak-failures`) as a text that `cargo run --example replay` answers; the run goes on and
 //! ends with exit code 1. A trial is named by seed and number: `--trial K` runs that one alone.
 
 mod draw;
 mod judge;
+#[path = "../../tests/support/lattice.rs"]
+#[allow(unreachable_pub)]
+mod lattice;
 #[path = "../../tests/support/mod.rs"]
 mod support;
 mod tally;
@@ -23,10 +26,12 @@ use std::time::{Duration, Instant};
 
 use draw::Trial;
 use judge::Judge;
+use lab::command::Arguments;
 use lab::motion::Frame;
 use lab::progress::Progress;
 use lab::rng::Rng;
-use lin_canny::{Class, Level, Outcome, RelativePose, Tracker};
+use lin_canny::broad::PencilSweep;
+use lin_canny::{Accuracy, Class, Outcome, RelativePose, Tracker};
 use tally::Tally;
 
 struct Options {
@@ -37,29 +42,37 @@ struct Options {
     trial: Option<u64>,
 }
 
-const USAGE: &str = "usage: soak [--minutes M] [--seed S] [--threads N] [--out DIR] [--trial K]";
+const USAGE: &str = "\
+usage: soak [--minutes M] [--seed S] [--threads N] [--out DIR] [--trial K]
 
-fn options() -> Option<Options> {
-    let mut o = Options {
-        minutes: 1.0,
-        seed: 1,
-        threads: 1,
-        out: "soak-failures".into(),
-        trial: None,
+Random bodies of every hard family in random motions, and worlds of boxes, every frame judged by arithmetic of its own. Failures
+are written to DIR as texts for the example replay, and end the program with status 1.
+
+  --minutes M   how long (default: 1)
+  --seed S      names the run (default: 1)
+  --threads N   threads (default: 1)
+  --out DIR     where failures go (default: target/soak-failures)
+  --trial K     this trial alone";
+
+fn parse(arguments: Option<Arguments>) -> Result<Option<Options>, String> {
+    let Some(mut arguments) = arguments else {
+        return Ok(None);
     };
-    let mut words = std::env::args().skip(1);
-    while let Some(word) = words.next() {
-        let value = words.next()?;
-        match word.as_str() {
-            "--minutes" => o.minutes = value.parse().ok()?,
-            "--seed" => o.seed = value.parse().ok()?,
-            "--threads" => o.threads = value.parse().ok()?,
-            "--out" => o.out = value.into(),
-            "--trial" => o.trial = Some(value.parse().ok()?),
-            _ => return None,
-        }
-    }
-    Some(o)
+    let options = Options {
+        minutes: arguments.number("--minutes", 0.0, 1.0)?,
+        seed: arguments.number("--seed", 0, 1)?,
+        threads: arguments.number("--threads", 1, 1)?,
+        out: arguments
+            .value("--out")?
+            .unwrap_or("target/soak-failures".into())
+            .into(),
+        trial: match arguments.number("--trial", -1, -1_i64)? {
+            -1 => None,
+            trial => Some(trial as u64),
+        },
+    };
+    arguments.files(0)?;
+    Ok(Some(options))
 }
 
 /// One motion with all that is kept along it.
@@ -84,7 +97,7 @@ impl Run<'_> {
             self.options.seed, self.number, a.family, a.shape.name, b.family, b.shape.name, self.trial.motion
         );
         eprintln!("{head}\n");
-        let replay = before.replay(&a.body, &b.body, pose, Level::Certified);
+        let replay = before.replay(&a.body, &b.body, pose, Accuracy::Certified);
         let text: String = head.lines().map(|l| format!("# {l}\n")).collect();
         let name = format!("{}-{}-{frame}.txt", self.options.seed, self.number);
         let file = self.options.out.join(name);
@@ -194,10 +207,33 @@ fn run(options: &Options, number: u64) -> Tally {
             options.seed
         );
     }
+    worlds(options, number, &mut run.tally);
     let frames = run.tally.frames;
     run.tally.body(trial.a.family, frames);
     run.tally.body(trial.b.family, frames);
     run.tally
+}
+
+/// Worlds of equal boxes a trial.
+const WORLDS: u64 = 16;
+
+/// The broad phase on lattices, bricks and stacks, each step against brute force. The soak used to draw pairs of bodies alone,
+/// and nowhere were equal bounds, an index used again and slow motion drawn together.
+fn worlds(options: &Options, number: u64, tally: &mut Tally) {
+    for k in 0..WORLDS {
+        let seed = Rng::of_case(options.seed ^ 0x1a77, number * WORLDS + k).bits();
+        let played = catch_unwind(|| lattice::sequence(seed, PencilSweep::new()));
+        let what = match played {
+            Ok(Ok(mix)) => {
+                tally.worlds.add(&mix);
+                continue;
+            }
+            Ok(Err(what)) => what,
+            Err(_) => "a panic".to_owned(),
+        };
+        tally.failures += 1;
+        eprintln!("seed {} trial {number}: world {seed}: {what}", options.seed);
+    }
 }
 
 /// Trials until the time is over.
@@ -226,16 +262,20 @@ fn soak(options: &Options) -> (Tally, f64) {
 }
 
 fn main() -> ExitCode {
-    let Some(options) = options() else {
-        eprintln!("{USAGE}");
-        return ExitCode::from(2);
-    };
+    lab::command::main("soak", USAGE, parse(Arguments::of_process()), judge_all)
+}
+
+fn judge_all(options: &Options) -> Result<(), String> {
+    println!("failures go to {}", options.out.display());
     let began = Instant::now();
     let (tally, seconds) = match options.trial {
-        Some(number) => (run(&options, number), began.elapsed().as_secs_f64()),
-        None => soak(&options),
+        Some(number) => (run(options, number), began.elapsed().as_secs_f64()),
+        None => soak(options),
     };
     println!("seed {}, {} threads", options.seed, options.threads);
     tally.print(seconds);
-    ExitCode::from(u8::from(tally.failures > 0))
+    match tally.failures {
+        0 => Ok(()),
+        n => Err(format!("{n} failures")),
+    }
 }

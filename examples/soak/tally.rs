@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use crate::lattice::Mix;
 use lin_canny::Outcome;
 
 const CLASSES: [&str; 4] = ["separated", "touching", "overlapping", "undecided"];
@@ -27,6 +28,8 @@ pub(crate) struct Tally {
     /// Frames whose truth the oracle told.
     pub(crate) truths: u64,
     pub(crate) failures: u64,
+    /// Worlds of equal boxes.
+    pub(crate) worlds: Mix,
     /// Nanoseconds of the slowest query, and its trial.
     pub(crate) slowest: (u128, u64),
     classes: [u64; 4],
@@ -40,7 +43,7 @@ impl Tally {
     pub(crate) fn frame(&mut self, motion: &'static str, o: &Outcome) {
         self.frames += 1;
         self.classes[o.class as usize] += 1;
-        self.layers[o.layer as usize] += 1;
+        self.layers[o.solver as usize] += 1;
         self.motions.entry(motion).or_default()[o.class as usize] += 1;
     }
 
@@ -55,6 +58,7 @@ impl Tally {
         self.exactly += o.exactly;
         self.truths += o.truths;
         self.failures += o.failures;
+        self.worlds.add(&o.worlds);
         self.slowest = self.slowest.max(o.slowest);
         self.classes.iter_mut().zip(o.classes).for_each(|(s, n)| *s += n);
         self.layers.iter_mut().zip(o.layers).for_each(|(s, n)| *s += n);
@@ -77,6 +81,7 @@ impl Tally {
             seconds,
             self.queries as f64 / seconds
         );
+        println!("worlds of equal boxes: {:?}", self.worlds);
         println!(
             "{} frames of {} motions: {}",
             self.frames,

@@ -16,7 +16,7 @@ use std::time::{Duration, Instant};
 use lab::plot::{Chart, save_stack};
 use lab::progress::Progress;
 use lin_canny::nalgebra::Isometry3;
-use lin_canny::{Class, ConvexPolyhedron, Layer, Outcome, RelativePose, Tracker};
+use lin_canny::{Class, ConvexPolyhedron, Outcome, RelativePose, Solver, Tracker};
 use load::Loaded;
 use options::Options;
 
@@ -127,7 +127,7 @@ fn table(a: &Loaded, b: &Loaded, run: &Run) {
 /// The class where it is not the ordinary one, else the layer that answered.
 fn word(outcome: &Outcome) -> String {
     match outcome.class {
-        Class::Separated => format!("{:?}", outcome.layer).to_lowercase(),
+        Class::Separated => format!("{:?}", outcome.solver).to_lowercase(),
         class => format!("{class:?}").to_lowercase(),
     }
 }
@@ -146,12 +146,12 @@ fn summary(run: &Run) {
         );
     }
     let layers = [
-        (Layer::Walk, "walk"),
-        (Layer::Restart, "restarted walk"),
-        (Layer::Fallback, "fallback"),
-        (Layer::DoubleDouble, "double-double"),
-        (Layer::Exact, "exact"),
-        (Layer::Far, "far"),
+        (Solver::Walk, "walk"),
+        (Solver::Restart, "restarted walk"),
+        (Solver::Fallback, "fallback"),
+        (Solver::DoubleDouble, "double-double"),
+        (Solver::Exact, "exact"),
+        (Solver::Far, "far"),
     ];
     let answered = layers
         .iter()

@@ -11,7 +11,7 @@ bounds and the steps of each frame, and draws distance and steps over time.
 
   A B           meshes in OBJ or STL files (default: examples/meshes/gem.obj examples/meshes/nut.stl)
   --frames N    frames of the motion, 2 to 1000000 (default: 720)
-  --out FILE    where to draw (default: track.svg)
+  --out FILE    where to draw (default: target/track.svg)
 
 With --poses the meshes are taken as they are, convex or not, and nothing is drawn:
 
@@ -31,7 +31,7 @@ pub(crate) struct Options {
 
 /// The options, or what to tell the user: `Ok(None)` when asked for help.
 pub(crate) fn parse(mut words: impl Iterator<Item = String>) -> Result<Option<Options>, String> {
-    let (mut meshes, mut frames, mut out) = (vec![], 720, PathBuf::from("track.svg"));
+    let (mut meshes, mut frames, mut out) = (vec![], 720, PathBuf::from("target/track.svg"));
     let (mut poses, mut csv) = (None, None);
     while let Some(word) = words.next() {
         let mut value = || words.next().ok_or(format!("{word} needs a value"));

@@ -21,11 +21,10 @@ const ENGINES: [(&str, &str); 6] = [
 ];
 
 /// The lines of a picture of times: engine, level, legend.
-const LINES: [(&str, &str, &str); 7] = [
+const LINES: [(&str, &str, &str); 6] = [
     ("ours", "certified", "ours, certified"),
     ("ours", "walk", "ours, the walk alone"),
     ("ours", "exact", "ours, exact"),
-    ("ours", "1e-2", "ours, error up to 1e-2 L"),
     ("gjk-cached", "closest", "parry's GJK f64, simplex kept"),
     ("parry-f64", "distance", "parry f64"),
     ("parry-f32", "distance", "parry f32"),
@@ -74,24 +73,6 @@ fn told(family: &str) -> String {
     }
 }
 
-/// The word beside a level that is an error allowed.
-const ALLOWED: &str = "error to ";
-
-/// Whether both are errors allowed, `1e-4` say, and lie in one place.
-fn alike(x: &Spread, y: &Spread) -> bool {
-    let near = |x: f64, y: f64, factor: f64| x.max(y) <= factor * x.min(y);
-    let allowed = |s: &Spread| s.word.starts_with(ALLOWED);
-    allowed(x) && allowed(y) && near(x.x[1], y.x[1], 1.2) && near(x.y[1], y.y[1], 10.0)
-}
-
-/// Makes one point of two.
-fn join(x: &mut Spread, y: &Spread) {
-    (x.x[0], x.x[2]) = (x.x[0].min(y.x[0]), x.x[2].max(y.x[2]));
-    (x.y[0], x.y[2]) = (x.y[0].min(y.y[0]), x.y[2].max(y.y[2]));
-    let first = x.word.split(" .. ").next().unwrap_or_default();
-    x.word = format!("{first} .. {}", y.word.trim_start_matches(ALLOWED));
-}
-
 /// Error against time: one point for each engine and level, with its spread.
 pub fn error_and_time(rows: &[Row], family: &str, n: usize) -> Chart {
     let mut chart = Chart::new(format!(
@@ -112,20 +93,15 @@ pub fn error_and_time(rows: &[Row], family: &str, n: usize) -> Chart {
             let Some(c) = cell(rows, engine, &level, family, n) else {
                 continue;
             };
-            let word = match (engine.starts_with("ours"), level.starts_with("1e-")) {
-                (true, true) => format!("{ALLOWED}{level}"),
-                (true, false) => level,
-                _ => String::new(),
-            };
-            let point = Spread {
+            points.push(Spread {
                 x: c.ns,
                 y: c.err.map(|e| e.max(FLOOR)),
-                word,
-            };
-            match points.last_mut() {
-                Some(last) if alike(last, &point) => join(last, &point),
-                _ => points.push(point),
-            }
+                word: if engine.starts_with("ours") {
+                    level
+                } else {
+                    String::new()
+                },
+            });
         }
         if !points.is_empty() {
             chart = chart.spreads(name, points);
@@ -135,11 +111,9 @@ pub fn error_and_time(rows: &[Row], family: &str, n: usize) -> Chart {
 }
 
 /// The rows of the table: engine, level, words.
-const TABLE: [(&str, &str, &str); 9] = [
+const TABLE: [(&str, &str, &str); 7] = [
     ("ours", "walk", "`propose`, tracked"),
     ("ours", "certified", "`closest`, tracked"),
-    ("ours", "1e-2", "`Watch::distance`, error up to 1e-2 L"),
-    ("ours", "1e-4", "`Watch::distance`, error up to 1e-4 L"),
     ("ours", "exact", "`closest_exact`, tracked"),
     ("ours-cold", "certified", "`closest`, a new tracker every time"),
     ("gjk-cached", "closest", "parry's GJK f64, simplex kept"),

@@ -51,7 +51,7 @@ pub struct Case {
     pub id: u64,
     /// Family of cases.
     pub family: String,
-    /// Level within the family.
+    /// Accuracy within the family.
     pub level: String,
     /// The motion this is a frame of; none when the case stands alone.
     pub sequence: Option<u64>,

@@ -16,7 +16,7 @@ use super::{Aabb, Body, Groups};
 use alloc::vec::Vec;
 use core::fmt;
 use nalgebra::Point3;
-use place::{Context, LEAP, checked, fraction, grown};
+use place::{Context, checked, fraction, grown};
 use record::{LOOSE, NOTED};
 
 pub(crate) use record::{FIXED, JUMPS, MIGRATES, Record, UNBOUNDED};
@@ -306,12 +306,11 @@ impl Bodies {
 
     /// Decides for every noted body how it takes part in its columns this step.
     pub(crate) fn classify(&mut self) {
-        let leap = self.grid.width * LEAP;
         let (step, grid) = (self.step, &self.grid);
         for &index in &self.marks.noted {
             let record = &mut self.records[index as usize];
             let stays = record.present() && record.present_before(step);
-            let jumps = stays && any_above(record.before(step).displacement(&record.now()), leap);
+            let jumps = stays && any_above(record.before(step).displacement(&record.now()), grid.leap);
             let migrates = record.range_before(step, grid) != record.range();
             record.lower(MIGRATES | JUMPS);
             record.raise(if jumps { JUMPS } else { 0 } | if migrates { MIGRATES } else { 0 });

@@ -83,10 +83,10 @@ impl Bounds {
     }
 }
 
-/// Whether any axis exceeds the bound.
+/// Whether any axis exceeds its bound.
 #[inline(always)]
-pub(crate) fn any_above(v: f32x4, bound: f32) -> bool {
-    v.simd_gt(f32x4::splat(bound)).to_bitmask() & AXES != 0
+pub(crate) fn any_above(v: f32x4, bounds: f32x4) -> bool {
+    v.simd_gt(bounds).to_bitmask() & AXES != 0
 }
 
 /// The largest of the three axes.

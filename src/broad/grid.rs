@@ -70,7 +70,12 @@ pub(crate) struct Grid {
     /// Columns along the two axes.
     pub(crate) size: [u16; 2],
     last: [f32; 4],
+    /// A move longer than this on some axis is a jump; lane 3 is anything.
+    pub(crate) leap: f32x4,
 }
+
+/// A move across columns longer than this part of their width is a jump.
+const LEAP: f32 = 0.25;
 
 impl Grid {
     /// One column that holds everything, swept along `axis`.
@@ -90,7 +95,15 @@ impl Grid {
             inverse: 1.0 / width,
             size,
             last,
+            leap: f32x4::splat(width * LEAP),
         }
+    }
+
+    /// With moves along the swept axis taken as jumps beyond this length: what does not jump widens the windows of its
+    /// whole column.
+    pub(crate) fn leaping(mut self, length: f32) -> Self {
+        self.leap.as_mut_array()[0] = length;
+        self
     }
 
     pub(crate) fn corner(&self) -> [f32; 2] {

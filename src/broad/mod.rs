@@ -49,6 +49,7 @@ mod ahead;
 mod body;
 mod bounds;
 mod change;
+mod check;
 mod error;
 mod grid;
 mod ledger;
@@ -63,6 +64,7 @@ mod pencil;
 mod snapshot;
 mod sorted_axes;
 
+use alloc::string::String;
 use alloc::vec::Vec;
 
 pub use aabb::{Aabb, BoxFault, StoredBox};
@@ -237,4 +239,12 @@ pub trait BroadPhase: HasLedger {
 
     /// Bytes reserved for bodies and pairs, by the structure itself and for scratch.
     fn bytes(&self) -> usize;
+
+    /// The first contradiction between lists, bodies and pairs, if there is one: what tests and fuzzing ask after each step.
+    /// It looks at everything, so it costs far more than a step.
+    ///
+    /// # Errors
+    /// What contradicts what. It is a defect of the crate, whatever was called.
+    #[doc(hidden)]
+    fn check(&self) -> Result<(), String>;
 }

@@ -6,6 +6,8 @@ use super::change::{Changes, overlap};
 use super::ledger::{HasLedger, Ledger};
 use super::parallel::Threads;
 use super::{BodyId, BroadPhase, Events, Settings, StoredBox};
+use alloc::format;
+use alloc::string::String;
 use alloc::vec::Vec;
 
 /// Sweep and prune on three sorted axes, as the thesis has it; the reference.
@@ -186,6 +188,26 @@ impl BroadPhase for SortedAxes {
         };
         self.ledger.take_over(filter, partners, Threads::ONE);
         self.ledger.pairs.events(&self.ledger.bodies)
+    }
+
+    fn check(&self) -> Result<(), String> {
+        self.ledger.check()?;
+        let bodies = &self.ledger.bodies;
+        for (k, axis) in self.axes.iter().enumerate() {
+            if !axis.is_sorted_by(|a, b| a < b) {
+                return Err(format!("axis {k} is out of order"));
+            }
+            let there = bodies.records.iter().filter(|r| r.present_before(bodies.step)).count();
+            let own = |end: &End| {
+                let i = index_of(*end);
+                let record = bodies.records.get(i as usize).filter(|r| r.present_before(bodies.step));
+                record.is_some_and(|r| ends(i, &r.before(bodies.step).to_box(), k).contains(end))
+            };
+            if axis.len() != 2 * there || !axis.iter().all(own) {
+                return Err(format!("axis {k} does not list the {there} boxes there are"));
+            }
+        }
+        Ok(())
     }
 
     fn bytes(&self) -> usize {

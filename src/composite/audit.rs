@@ -8,7 +8,7 @@ use super::frame::Frame;
 use super::front::{Front, Pair};
 use super::mesh::Mesh;
 use super::search::split_pair;
-use crate::scalar::sqrt;
+use crate::num::scalar::sqrt;
 
 /// What is wrong with a front.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]

@@ -4,9 +4,9 @@ use nalgebra::{Matrix3, Vector3};
 use wide::f32x8;
 
 use super::tree::{Tree, up};
+use crate::num::scalar::sqrt;
 use crate::polyhedron::power_of_two;
 use crate::pose::RelativePose;
-use crate::scalar::sqrt;
 use crate::tolerance::{BOXES, CERTIFICATE, FAR, NEAR, SHORT_OF, UNIT};
 
 /// A body as its tree sees it.
@@ -127,7 +127,7 @@ impl Single {
 
 /// The distance of two bodies' origins in the caller's unit, by how much that of the bodies may differ, and the direction.
 pub(super) fn far(a: Side, b: Side, pose: &RelativePose) -> (f64, f64, Vector3<f64>) {
-    let sixteenth = pose.sixteenth();
+    let sixteenth = pose.translation_sixteenth();
     let length = sixteenth.amax();
     let n = if length > 0.0 { sixteenth / length } else { Vector3::x() };
     let norm = sqrt(n.norm_squared());

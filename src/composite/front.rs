@@ -12,7 +12,7 @@ use wide::f32x8;
 
 use super::frame::{Frame, Single};
 use super::tree::OrientedBox;
-use crate::scalar::sqrt;
+use crate::num::scalar::sqrt;
 use crate::tolerance::{REBASED, TURNED};
 
 /// A node of A and a node of B.

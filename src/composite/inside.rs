@@ -11,7 +11,8 @@ use nalgebra::Vector3;
 
 use super::mesh::Mesh;
 use super::tree::{Below, OrientedBox, Tree};
-use crate::polyhedron::{exponent_of, power_of_two, sign};
+use crate::num::sign;
+use crate::polyhedron::{exponent_of, power_of_two};
 use crate::tolerance::{FLUSH_EXPONENT, UNIT_SINGLE};
 
 /// Segments tried. A first zero is rare already, and the ends are in general position against anything made of round numbers.

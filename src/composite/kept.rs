@@ -6,7 +6,7 @@ use nalgebra::{Matrix3, Vector3};
 use super::frame::Frame;
 use super::front::{Front, Pair};
 use super::search::{Judge, MeshWork, Search};
-use crate::scalar::sqrt;
+use crate::num::scalar::sqrt;
 
 /// Motions up to this, as the norm of the difference of rotations and as a part of L, are worth a front: some 2.4 degrees. Not a
 /// matter of soundness.

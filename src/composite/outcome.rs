@@ -2,7 +2,7 @@
 
 use nalgebra::{Point3, Unit, Vector3};
 
-use crate::closest::outcome::{Class, Distance};
+use crate::pair::outcome::{Class, Distance};
 
 /// A feature of a mesh by the caller's indices of its points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -8,10 +8,10 @@ use super::mesh::Mesh;
 use super::outcome::{MeshFeature, MeshSpot};
 use super::search::{Judge, Measured};
 use super::triangle::{self, Closest, Spot, Triangle, certainly_cross};
-use crate::closest::outcome::Outcome;
+use crate::num::scalar::sqrt;
+use crate::pair::outcome::Outcome;
 use crate::polyhedron::ConvexPolyhedron;
 use crate::pose::RelativePose;
-use crate::scalar::sqrt;
 use crate::tracker::Tracker;
 
 /// Pairs of triangles in contact that are remembered.

@@ -7,7 +7,7 @@ use super::bounds::{Bounds, bounds};
 use super::frame::Frame;
 use super::front::{Front, Pair};
 use super::tree::{Below, LEAF, Tree};
-use crate::scalar::sqrt;
+use crate::num::scalar::sqrt;
 
 /// What two leaves hold: triangles or convex pieces, by the number of the tree's items.
 pub(super) trait Judge {

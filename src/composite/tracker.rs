@@ -12,9 +12,9 @@ use super::outcome::MeshOutcome;
 use super::pair::{MeshPair, side};
 use super::search::{Goal, Measured, MeshWork, Search};
 use super::triangle::Spot;
-use crate::closest::outcome::{Class, Distance};
-use crate::motion::Place;
-use crate::pose::{RelativePose, Which};
+use crate::motion::BallAtPose;
+use crate::pair::outcome::{Class, Distance};
+use crate::pose::{Operand, RelativePose};
 
 /// The front of the last answer for one pair of meshes, from which the next query starts, and counters.
 ///
@@ -41,7 +41,7 @@ pub struct MeshTracker {
     fingerprints: [u64; 2],
     pub(super) kept: Kept,
     /// The last answer that proved surfaces and insides apart: how far, and where B was.
-    free: Option<(f64, Place)>,
+    free: Option<(f64, BallAtPose)>,
 }
 
 /// Whether one body is inside the other.
@@ -313,10 +313,10 @@ impl MeshTracker {
 }
 
 /// The ball of B about its tree's origin, as seen from A, in A's stored units.
-fn place(b: &Mesh, frame: &Frame) -> Place {
+fn place(b: &Mesh, frame: &Frame) -> BallAtPose {
     let radius = f64::from(b.tree.reach) * b.tree.unit() * frame.scale;
-    Place::new(
-        Which::B,
+    BallAtPose::new(
+        Operand::B,
         (&(b.tree.centre * frame.scale), radius),
         &frame.rotation,
         &frame.translation,

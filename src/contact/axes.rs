@@ -1,49 +1,52 @@
-//! Places across the normal, heights along it, and how a face leans.
+//! Local coordinates of a contact: plane coordinates perpendicular to the normal, and heights along
+//! it.
 
 use nalgebra::Vector3;
 
 use crate::polyhedron::ConvexPolyhedron;
 
-/// Two directions across the normal and the normal, in one body's stored frame, about that body's witness.
+/// Contact axes in a body's stored frame: two directions perpendicular to the normal, the normal,
+/// and the body's witness as the origin.
 pub(super) struct Axes {
-    pub(super) across: [Vector3<f64>; 2],
+    pub(super) tangents: [Vector3<f64>; 2],
     pub(super) normal: Vector3<f64>,
     pub(super) witness: Vector3<f64>,
 }
 
 impl Axes {
-    /// Place and height of a stored point.
+    /// Returns plane coordinates and height of a stored point.
     #[inline(always)]
-    pub(super) fn see(&self, p: &Vector3<f64>) -> [f64; 3] {
+    pub(super) fn to_local(&self, p: &Vector3<f64>) -> [f64; 3] {
         let d = p - self.witness;
-        [self.across[0].dot(&d), self.across[1].dot(&d), self.normal.dot(&d)]
+        [self.tangents[0].dot(&d), self.tangents[1].dot(&d), self.normal.dot(&d)]
     }
 
-    /// The stored point at a place and a height.
+    /// Returns the stored point at given plane coordinates and height.
     #[inline(always)]
     pub(super) fn point(&self, [x, y]: [f64; 2], height: f64) -> Vector3<f64> {
-        self.witness + self.across[0] * x + self.across[1] * y + self.normal * height
+        self.witness + self.tangents[0] * x + self.tangents[1] * y + self.normal * height
     }
 }
 
-/// Heights on a face: at the witness, and how they fall across.
+/// Plane of a face as a height field over the contact plane: height at the witness, and the descent
+/// along both axes.
 #[derive(Clone, Copy, Default)]
-pub(super) struct Lean {
+pub(super) struct FacePlane2 {
     level: f64,
     fall: [f64; 2],
 }
 
-impl Lean {
-    /// Those of a face, which is not upright.
+impl FacePlane2 {
+    /// Returns the plane of a face; the face must not be parallel to the normal.
     #[inline(always)]
     pub(super) fn new(body: &ConvexPolyhedron, f: u32, axes: &Axes) -> Self {
         let t = &body.topology;
         let m = &body.planes[f as usize].normal;
-        let corner = body.points[t.half_edge(t.rim_start(f)).to as usize];
+        let vertex = body.points[t.half_edge(t.rim_start(f)).to as usize];
         let up = 1.0 / m.dot(&axes.normal);
         Self {
-            level: m.dot(&(corner - axes.witness)) * up,
-            fall: axes.across.map(|e| m.dot(&e) * up),
+            level: m.dot(&(vertex - axes.witness)) * up,
+            fall: axes.tangents.map(|e| m.dot(&e) * up),
         }
     }
 

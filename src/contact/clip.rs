@@ -1,31 +1,41 @@
-//! What two features of few corners share, seen along the normal: the corners of a polygon, the ends of a segment, or a point.
+//! Overlap of two projected features with few vertices: the vertices of a polygon, the ends of a
+//! segment, or a point.
 //!
-//! A corner is a corner of one feature inside the other, or a crossing of two edges. Both kinds are found from two tables of
-//! signs, in which A and B play the same part; corners on the border within rounding belong to both.
+//! ```text
+//!    A +-----------+
+//!      |       v---c-----+ B     v: vertex of either feature inside the opposite feature
+//!      |       |   |     |       c: crossing of an edge of A with an edge of B
+//!      +-------c---v     |
+//!              +---------+
+//! ```
+//!
+//! Both kinds of candidates are found from two tables of signs, in which A and B play equal parts;
+//! vertices on the boundary within rounding belong to both features.
 
 use wide::f64x4;
 
-use super::corners::{Corners, On};
-use super::shadow::Shadow;
-use crate::polyhedron::topology::LARGE;
+use super::candidates::{Candidates, Location};
+use super::projection::ProjectedFeature;
+use crate::tuning::polyhedron::LARGE;
 
-/// For each edge of one shadow, which corners of the other lie outside it, a bit each.
-struct Sides {
+/// For each edge of a projected feature, a bit mask of the opposite feature's vertices outside the
+/// edge.
+struct OutsideTable {
     outside: [u32; LARGE],
-    /// Outside any edge, or past the last corner, beyond rounding.
+    /// Vertices outside any edge, or past the extremes of the coordinates, beyond rounding.
     beyond: u32,
 }
 
-impl Sides {
+impl OutsideTable {
     #[inline(always)]
-    fn new(of: &Shadow, corners: &Shadow, noise: f64) -> Self {
-        let mut sides = Self {
+    fn new(of: &ProjectedFeature, vertices: &ProjectedFeature, noise: f64) -> Self {
+        let mut table = Self {
             outside: [0; LARGE],
             beyond: 0,
         };
-        let fours = corners.count.div_ceil(4);
-        let xs = || corners.x.as_chunks::<4>().0[..fours].iter();
-        let ys = || corners.y.as_chunks::<4>().0[..fours].iter();
+        let fours = vertices.count.div_ceil(4);
+        let xs = || vertices.x.as_chunks::<4>().0[..fours].iter();
+        let ys = || vertices.y.as_chunks::<4>().0[..fours].iter();
         for j in 0..of.count {
             let next = of.next(j);
             let u = [of.x[next] - of.x[j], of.y[next] - of.y[j]];
@@ -38,8 +48,8 @@ impl Sides {
                 outside |= side.simd_lt(line).to_bitmask() << (4 * k);
                 beyond |= side.simd_lt(margin).to_bitmask() << (4 * k);
             }
-            sides.outside[j] = outside;
-            sides.beyond |= beyond;
+            table.outside[j] = outside;
+            table.beyond |= beyond;
         }
         let [[left, right], [low, high]] = of.span();
         let (left, right) = (f64x4::splat(left - noise), f64x4::splat(right + noise));
@@ -47,16 +57,17 @@ impl Sides {
         for (k, (x, y)) in xs().zip(ys()).enumerate() {
             let (x, y) = (f64x4::new(*x), f64x4::new(*y));
             let past = x.simd_lt(left) | x.simd_gt(right) | y.simd_lt(low) | y.simd_gt(high);
-            sides.beyond |= past.to_bitmask() << (4 * k);
+            table.beyond |= past.to_bitmask() << (4 * k);
         }
-        sides
+        table
     }
 
-    /// The edges of the other shadow whose ends are on both sides of the line of edge `j`, a bit each.
+    /// Returns a bit mask of the other feature's edges with ends on both sides of the line of edge
+    /// `j`.
     #[inline(always)]
-    fn parted(&self, j: usize, other: &Shadow) -> u32 {
-        let here = self.outside[j] & all(other);
-        // An edge has two corners and is one edge.
+    fn straddling(&self, j: usize, other: &ProjectedFeature) -> u32 {
+        let here = self.outside[j] & all_bits(other);
+        // A projected edge has two vertices but is a single edge.
         if other.is_edge() {
             return (here ^ here >> 1) & 1;
         }
@@ -65,64 +76,73 @@ impl Sides {
     }
 }
 
-/// A bit for each corner.
+/// Returns a mask with a bit for each vertex.
 #[inline(always)]
-fn all(s: &Shadow) -> u32 {
+fn all_bits(s: &ProjectedFeature) -> u32 {
     (1 << s.count) - 1
 }
 
-/// The numbers of the bits set.
+/// Calls `f` with the index of each set bit.
 #[inline(always)]
-fn each(mut bits: u32, mut f: impl FnMut(usize)) {
+fn for_each_bit(mut bits: u32, mut f: impl FnMut(usize)) {
     while bits != 0 {
         f(bits.trailing_zeros() as usize);
         bits &= bits - 1;
     }
 }
 
-/// The corners of what two features share, `noise` the rounding of a place.
+/// Adds the vertices of the overlap of two features; `noise` is the rounding of a plane coordinate.
 #[inline(always)]
-pub(super) fn clip(a: &Shadow, b: &Shadow, noise: f64, corners: &mut Corners) {
-    let of_b = Sides::new(b, a, noise);
-    // An edge has no inside; its two sides would be a line.
-    let inside_b = if b.is_edge() { 0 } else { all(a) & !of_b.beyond };
-    each(inside_b, |i| {
+pub(super) fn clip(a: &ProjectedFeature, b: &ProjectedFeature, noise: f64, candidates: &mut Candidates) {
+    let of_b = OutsideTable::new(b, a, noise);
+    // An edge has no interior; its two sides would be a line.
+    let inside_b = if b.is_edge() { 0 } else { all_bits(a) & !of_b.beyond };
+    for_each_bit(inside_b, |i| {
         let at = [a.x[i], a.y[i]];
-        corners.push(at, [a.corner(i)[2], b.height_on_face(at)], [On::corner(i), On::WHOLE]);
+        candidates.push(
+            at,
+            [a.vertex(i)[2], b.height_on_face(at)],
+            [Location::vertex(i), Location::WHOLE],
+        );
     });
-    let of_a = Sides::new(a, b, noise);
-    let inside_a = if a.is_edge() { 0 } else { all(b) & !of_a.beyond };
-    each(inside_a, |j| {
+    let of_a = OutsideTable::new(a, b, noise);
+    let inside_a = if a.is_edge() { 0 } else { all_bits(b) & !of_a.beyond };
+    for_each_bit(inside_a, |j| {
         let at = [b.x[j], b.y[j]];
-        corners.push(at, [a.height_on_face(at), b.corner(j)[2]], [On::WHOLE, On::corner(j)]);
+        candidates.push(
+            at,
+            [a.height_on_face(at), b.vertex(j)[2]],
+            [Location::WHOLE, Location::vertex(j)],
+        );
     });
     let edges = if b.is_edge() { 1 } else { b.count };
     for j in 0..edges {
-        each(of_b.parted(j, a), |i| {
-            if of_a.parted(i, b) >> j & 1 == 1 {
-                crossing(a, b, i, j, corners);
+        for_each_bit(of_b.straddling(j, a), |i| {
+            if of_a.straddling(i, b) >> j & 1 == 1 {
+                push_crossing(a, b, i, j, candidates);
             }
         });
     }
 }
 
-/// Place and height of the end of an edge.
-pub(super) type End = [f64; 3];
+/// Plane coordinates and height of the end of an edge.
+pub(super) type LocalPoint = [f64; 3];
 
-/// Where two edges cross: the place, how far along each it is, and the heights there.
+/// Crossing of two edges: plane coordinates, parameter along each edge, and height on each edge.
 pub(super) struct Crossing {
     pub(super) at: [f64; 2],
     pub(super) along: [f64; 2],
     pub(super) heights: [f64; 2],
 }
 
-/// Where an edge of A meets an edge of B, the line of which parts its ends.
+/// Returns the crossing of an edge of A with an edge of B, whose line separates the ends of A's
+/// edge.
 #[inline(always)]
-pub(super) fn meet([p, q]: &[End; 2], [r, s]: &[End; 2]) -> Crossing {
+pub(super) fn intersection([p, q]: &[LocalPoint; 2], [r, s]: &[LocalPoint; 2]) -> Crossing {
     let (u, v) = ([q[0] - p[0], q[1] - p[1]], [s[0] - r[0], s[1] - r[1]]);
-    let side = |x: &End| v[0] * (x[1] - r[1]) - v[1] * (x[0] - r[0]);
+    let side = |x: &LocalPoint| v[0] * (x[1] - r[1]) - v[1] * (x[0] - r[0]);
     let (from, to) = (side(p), side(q));
-    // One of the two is negative and the other is not; a place that rounding hides is the middle.
+    // Exactly one of the two values is negative; if rounding hides the parameter, take the middle.
     let t = from / (from - to);
     let t = if (0.0..=1.0).contains(&t) { t } else { 0.5 };
     let at = [p[0] + t * u[0], p[1] + t * u[1]];
@@ -135,24 +155,31 @@ pub(super) fn meet([p, q]: &[End; 2], [r, s]: &[End; 2]) -> Crossing {
     }
 }
 
-/// Whether two edges cross: each parts the ends of the other.
+/// Returns whether two edges cross: each line separates the ends of the opposite edge.
 #[inline(always)]
-pub(super) fn cross([p, q]: &[End; 2], [r, s]: &[End; 2]) -> bool {
-    let left = |p: &End, q: &End, x: &End| (q[0] - p[0]) * (x[1] - p[1]) >= (q[1] - p[1]) * (x[0] - p[0]);
+pub(super) fn do_cross([p, q]: &[LocalPoint; 2], [r, s]: &[LocalPoint; 2]) -> bool {
+    let left =
+        |p: &LocalPoint, q: &LocalPoint, x: &LocalPoint| (q[0] - p[0]) * (x[1] - p[1]) >= (q[1] - p[1]) * (x[0] - p[0]);
     left(r, s, p) != left(r, s, q) && left(p, q, r) != left(p, q, s)
 }
 
-/// Edge `i` of A's shadow and edge `j` of B's, the line of which parts the ends of the other.
+/// Adds the crossing of edge `i` of A and edge `j` of B, whose lines separate each other's ends.
 #[inline(always)]
-pub(super) fn crossing(a: &Shadow, b: &Shadow, i: usize, j: usize, corners: &mut Corners) -> bool {
-    let Crossing { at, heights, .. } = meet(&a.ends(i), &b.ends(j));
-    corners.push(at, heights, [On::edge(i), On::edge(j)])
+pub(super) fn push_crossing(
+    a: &ProjectedFeature,
+    b: &ProjectedFeature,
+    i: usize,
+    j: usize,
+    candidates: &mut Candidates,
+) -> bool {
+    let Crossing { at, heights, .. } = intersection(&a.ends(i), &b.ends(j));
+    candidates.push(at, heights, [Location::edge(i), Location::edge(j)])
 }
 
-/// The ends of what two nearly parallel edges share, each end across from its foot on the other edge. Nothing for edges that
-/// are not: then they cross at the witnesses.
-pub(super) fn beside(a: &Shadow, b: &Shadow, sine: f64, corners: &mut Corners) {
-    let direction = |s: &Shadow| [s.x[1] - s.x[0], s.y[1] - s.y[0]];
+/// Adds the ends of the overlap of two nearly parallel edges, each end opposite its foot on the
+/// other edge. Adds nothing if the edges are not nearly parallel: they then cross at the witnesses.
+pub(super) fn overlap_edges(a: &ProjectedFeature, b: &ProjectedFeature, sine: f64, candidates: &mut Candidates) {
+    let direction = |s: &ProjectedFeature| [s.x[1] - s.x[0], s.y[1] - s.y[0]];
     let (u, v) = (direction(a), direction(b));
     let squared = |d: [f64; 2]| d[0] * d[0] + d[1] * d[1];
     let turn = u[0] * v[1] - u[1] * v[0];
@@ -166,9 +193,9 @@ pub(super) fn beside(a: &Shadow, b: &Shadow, sine: f64, corners: &mut Corners) {
             if t > 0.0 && t < 1.0 {
                 let foot = to.height_on_edge(0, at);
                 if is_a {
-                    corners.push(at, [of.corner(k)[2], foot], [On::corner(k), On::WHOLE]);
+                    candidates.push(at, [of.vertex(k)[2], foot], [Location::vertex(k), Location::WHOLE]);
                 } else {
-                    corners.push(at, [foot, of.corner(k)[2]], [On::WHOLE, On::corner(k)]);
+                    candidates.push(at, [foot, of.vertex(k)[2]], [Location::WHOLE, Location::vertex(k)]);
                 }
             }
         }

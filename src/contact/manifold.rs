@@ -1,32 +1,33 @@
-//! The contacts of a pair over frames.
+//! The contact manifold of a pair, persistent over frames.
 
 use nalgebra::{Point3, Unit, Vector3};
 
-use crate::closest::outcome::Outcome;
-use crate::motion::Place;
+use crate::motion::BallAtPose;
+use crate::pair::outcome::Outcome;
 use crate::polyhedron::FeaturePair;
-use crate::pose::Which;
+use crate::pose::Operand;
 
-use super::corners::{Corner, On};
+use super::candidates::{ContactCandidate, Location};
 use super::query::Query;
 use super::rims::{NO_RAYS, Rays};
-use super::{Answer, Contacts, MOST_POINTS, ManifoldOptions};
+use super::{Contacts, MOST_POINTS, ManifoldOptions, PosedOutcome};
 
-/// A point of each body, across from each other along the normal.
+/// A point of each body, opposite each other along the normal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct ContactPoint {
-    /// The point on A, in A's frame.
+    /// Point on A, in A's frame.
     pub point_on_a: Point3<f64>,
-    /// The point on B, in B's frame.
+    /// Point on B, in B's frame.
     pub point_on_b: Point3<f64>,
-    /// From the point on A to that on B along the normal: negative where the bodies overlap.
+    /// Signed distance from the point on A to the point on B along the normal, in the caller's
+    /// unit: negative if the bodies overlap.
     pub separation: f64,
-    /// On what the points lie: a vertex and a face, two edges, or what the closest features are.
+    /// Features that contain the points: a vertex and a face, two edges, or the closest features.
     pub features: FeaturePair,
-    /// The name of the contact as long as it lasts: the features by which it was first seen. No two points of a manifold have the
-    /// same.
+    /// Contact id, constant for the contact's lifetime: the features of its first appearance. No
+    /// two points of a manifold share an id.
     pub id: FeaturePair,
 }
 
@@ -42,16 +43,18 @@ impl ContactPoint {
     }
 }
 
-/// The contact points of one pair of bodies: keep one for each pair and pass it to [`Tracker::manifold`] every frame.
+/// The contact points of a pair of bodies: keep a manifold for each pair and pass it to
+/// [`Tracker::manifold`] every frame.
 ///
-/// The features of the certified answer are promoted to the faces or edges within a small angle of its normal; both are seen along
-/// that normal, and the corners of what they share are the contacts, of which the deepest and those that span the most area are kept
-/// (after Gregorius 2013, "The separating axis test between convex polyhedra", GDC; here both faces play the same part,
-/// whichever body is named first).
+/// The features of the certified outcome are promoted to the faces or edges within a small angle of
+/// the normal; both are projected along the normal, and the vertices of their overlap are the
+/// contact candidates, of which the deepest and the points that span the most area are kept (after
+/// Gregorius 2013, "The separating axis test between convex polyhedra", GDC; here both faces play
+/// equal parts, whichever body is named first).
 ///
-/// Holds at most eight points, and nothing on the heap. A manifold of other bodies, or of other options, is made anew. One that
-/// comes from a file (feature `serde`) goes on where it was, and its points are taken at the file's word until they are chosen
-/// anew.
+/// Holds at most eight points, and nothing on the heap. If the bodies or the options change, the
+/// manifold is computed from scratch. A deserialized manifold (feature `serde`) resumes in its
+/// saved state, and its points are trusted until they are chosen again.
 ///
 /// [`Tracker::manifold`]: crate::Tracker::manifold
 #[doc(alias = "contact points")]
@@ -63,42 +66,43 @@ pub struct Manifold {
     #[cfg_attr(feature = "serde", serde(deserialize_with = "at_most_all"))]
     count: usize,
     normal: Unit<Vector3<f64>>,
-    #[cfg_attr(feature = "serde", serde(with = "crate::scalar::infinite"))]
+    #[cfg_attr(feature = "serde", serde(with = "crate::num::scalar::infinite"))]
     lower: f64,
-    #[cfg_attr(feature = "serde", serde(with = "crate::scalar::infinite"))]
+    #[cfg_attr(feature = "serde", serde(with = "crate::num::scalar::infinite"))]
     upper: f64,
     made: Option<Made>,
     fresh: bool,
-    /// On what of the features the points are.
-    on: [[On; 2]; MOST_POINTS],
-    /// How far corners were inside the other face when they were chosen, in the caller's unit.
+    /// Location of each point on both features.
+    on: [[Location; 2]; MOST_POINTS],
+    /// Lower bound of each vertex's distance to the boundary of the opposite face when chosen, in
+    /// the caller's unit.
     margins: [f64; MOST_POINTS],
     pub(super) rays: Rays,
 }
 
-/// How a manifold was made, by which it can tell how far it is from now.
+/// Circumstances of the last computation, by which later motion is measured.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Made {
     bodies: [u64; 2],
     options: ManifoldOptions,
-    /// Of the smaller body.
-    place: Place,
+    /// Bounding ball of the smaller body at its pose.
+    ball: BallAtPose,
     features: FeaturePair,
-    reference: Which,
-    /// In the frame of the reference.
+    reference: Operand,
+    /// Normal in the frame of the reference body.
     normal: Vector3<f64>,
-    #[cfg_attr(feature = "serde", serde(with = "crate::scalar::infinite"))]
+    #[cfg_attr(feature = "serde", serde(with = "crate::num::scalar::infinite"))]
     lower: f64,
     upper: f64,
-    /// How far the bodies may move from there.
-    #[cfg_attr(feature = "serde", serde(with = "crate::scalar::infinite"))]
+    /// How far the bodies may move from `ball`.
+    #[cfg_attr(feature = "serde", serde(with = "crate::num::scalar::infinite"))]
     budget: f64,
-    /// How far they had moved since the points were chosen.
+    /// How far the bodies had moved since the points were chosen.
     since: f64,
 }
 
-/// A number of points, from a file: there is room for no more than so many.
+/// Deserializes the number of points; refuses more than the manifold can hold.
 #[cfg(feature = "serde")]
 fn at_most_all<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<usize, D::Error> {
     let count: usize = serde::Deserialize::deserialize(deserializer)?;
@@ -115,8 +119,8 @@ impl Default for Manifold {
             point_on_a: Point3::origin(),
             point_on_b: Point3::origin(),
             separation: 0.0,
-            features: FeaturePair::vertices(Which::A, 0, 0),
-            id: FeaturePair::vertices(Which::A, 0, 0),
+            features: FeaturePair::vertices(Operand::A, 0, 0),
+            id: FeaturePair::vertices(Operand::A, 0, 0),
         };
         Self {
             points: [none; MOST_POINTS],
@@ -126,7 +130,7 @@ impl Default for Manifold {
             upper: f64::INFINITY,
             made: None,
             fresh: false,
-            on: [Corner::WITNESS; MOST_POINTS],
+            on: [ContactCandidate::WITNESS; MOST_POINTS],
             margins: [0.0; MOST_POINTS],
             rays: NO_RAYS,
         }
@@ -134,68 +138,72 @@ impl Default for Manifold {
 }
 
 impl Manifold {
-    /// One without contacts, to begin with.
+    /// Returns a manifold without contacts.
     #[must_use]
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// The contacts: those that were there before in their old order, then the new ones. Empty where the bodies are further apart
-    /// than the prediction.
+    /// Returns the contacts: persistent contacts first, in their old order, then new contacts.
+    /// Empty if the bodies are further apart than the prediction.
     #[inline]
     #[must_use]
     pub fn points(&self) -> &[ContactPoint] {
-        // What comes from a file may say more.
+        // A deserialized count may be larger.
         &self.points[..self.count.min(MOST_POINTS)]
     }
 
-    /// The deepest of them.
+    /// Returns the deepest contact.
     #[must_use]
     pub fn deepest(&self) -> Option<&ContactPoint> {
         let deeper = |x: &&ContactPoint, y: &&ContactPoint| x.separation.total_cmp(&y.separation);
         self.points().iter().min_by(deeper)
     }
 
-    /// Unit direction from A to B, in A's frame: that of the answer the manifold was made from, turned with the reference since. It is
-    /// that of the last query also where there are no contacts, and x before the first.
+    /// Returns the unit direction from A to B, in A's frame: the normal of the outcome the manifold
+    /// was computed from, rotated with the reference body since. Without contacts, the normal
+    /// of the last query; x before the first query.
     #[must_use]
     pub fn normal(&self) -> Unit<Vector3<f64>> {
         self.normal
     }
 
-    /// The features that bear the contact: of each body a face or an edge across the normal, or what is closest. `None`
-    /// before the first query.
+    /// Returns the features that bear the contact: of each body a face or an edge nearly
+    /// perpendicular to the normal, or the closest feature. `None` before the first query.
     #[must_use]
     pub fn features(&self) -> Option<FeaturePair> {
         self.made.as_ref().map(|m| m.features)
     }
 
-    /// The body whose feature gives the normal: with a face against an edge or a vertex, that of the face. In doubt the one it was
-    /// before, or else A.
+    /// Returns the body whose feature determines the normal: the body of the face if a face meets
+    /// an edge or a vertex. In doubt the previous reference, initially A.
     #[must_use]
-    pub fn reference(&self) -> Which {
-        self.made.as_ref().map_or(Which::A, |m| m.reference)
+    pub fn reference(&self) -> Operand {
+        self.made.as_ref().map_or(Operand::A, |m| m.reference)
     }
 
-    /// No greater than the signed distance, contacts or not; minus infinity before the first query.
+    /// Returns a lower bound of the signed distance, with or without contacts; minus infinity
+    /// before the first query.
     #[must_use]
     pub fn lower(&self) -> f64 {
         self.lower
     }
 
-    /// No less than the signed distance, contacts or not; infinity before the first query.
+    /// Returns an upper bound of the signed distance, with or without contacts; infinity before the
+    /// first query.
     #[must_use]
     pub fn upper(&self) -> f64 {
         self.upper
     }
 
-    /// Whether the points are those of an answer to this very query; otherwise they are old ones with new separations.
+    /// Returns whether the points were computed by the last query; otherwise they are old points
+    /// with new separations.
     #[must_use]
     pub fn is_fresh(&self) -> bool {
         self.fresh
     }
 
-    pub(super) fn on(&self) -> &[[On; 2]] {
+    pub(super) fn on(&self) -> &[[Location; 2]] {
         &self.on[..self.count]
     }
 
@@ -203,28 +211,28 @@ impl Manifold {
         &self.margins[..self.count]
     }
 
-    /// The middle of the points on A.
+    /// Returns the mean of the points on A.
     pub(super) fn middle(&self) -> Option<Point3<f64>> {
         let points = self.points();
         let sum = points.iter().fold(Vector3::zeros(), |s, p| s + p.point_on_a.coords);
         (!points.is_empty()).then(|| Point3::from(sum / points.len() as f64))
     }
 
-    /// Measures anew what is there, if the bodies have moved so little since it was made that it will do; otherwise says how far they
-    /// have moved.
+    /// Measures the old points again if the bodies have moved little enough; otherwise returns how
+    /// far the bodies have moved.
     #[inline(always)]
     pub(crate) fn refresh(&mut self, query: &Query) -> Result<(), f64> {
         let Some(made) = &self.made else { return Err(0.0) };
-        let moved = query.place.displacement(&made.place);
-        // Written so that NaN asks anew.
+        let moved = query.ball.displacement(&made.ball);
+        // NaN computes the manifold again.
         if !(made.is_of(query) && moved <= made.budget) {
             return Err(moved);
         }
         self.fresh = false;
         (self.lower, self.upper) = (made.lower - moved, made.upper + moved);
         let n = match made.reference {
-            Which::A => made.normal,
-            Which::B => query.rotation * made.normal,
+            Operand::A => made.normal,
+            Operand::B => query.rotation * made.normal,
         };
         self.normal = Unit::new_unchecked(n);
         for p in &mut self.points[..self.count] {
@@ -234,7 +242,8 @@ impl Manifold {
         Ok(())
     }
 
-    /// The contacts of an answer, with the names of those that were there before the bodies `moved`.
+    /// Computes the contacts of an outcome, with the ids of matching contacts from before the
+    /// bodies `moved`.
     pub(crate) fn renew(&mut self, query: &Query, outcome: &Outcome, moved: f64) {
         (self.normal, self.lower, self.upper, self.fresh) = (outcome.normal, outcome.lower, outcome.upper, true);
         let (features, since) = if outcome.lower <= query.options.prediction {
@@ -248,12 +257,12 @@ impl Manifold {
         self.made = Some(Made {
             bodies: query.bodies(),
             options: *query.options,
-            place: query.place,
+            ball: query.ball,
             features,
             reference,
             normal: match reference {
-                Which::A => normal,
-                Which::B => query.rotation.tr_mul(&normal),
+                Operand::A => normal,
+                Operand::B => query.rotation.tr_mul(&normal),
             },
             lower: outcome.lower,
             upper: outcome.upper,
@@ -262,10 +271,11 @@ impl Manifold {
         });
     }
 
-    /// The points of an answer; the features that bear them, and how far the bodies have moved since their corners were chosen.
+    /// Computes the points of an outcome; returns the features that bear them, and how far the
+    /// bodies have moved since the candidates were chosen.
     fn renew_points(&mut self, query: &Query, outcome: &Outcome, moved: f64) -> (FeaturePair, f64) {
         let Query { a, b, options, .. } = *query;
-        let answer = Answer {
+        let posed = PosedOutcome {
             a,
             b,
             rotation: &query.rotation,
@@ -274,22 +284,22 @@ impl Manifold {
         };
         let least = query.least_radius();
         let travelled = self.made.as_ref().filter(|m| m.is_of(query)).map(|m| m.since + moved);
-        let lasts = travelled.filter(|&t| t <= options.choice * least);
-        let contacts = answer.contacts(options, self, lasts);
+        let since_choice = travelled.filter(|&t| t <= options.choice * least);
+        let contacts = posed.contacts(options, self, since_choice);
         self.rays = contacts.rays;
         if !contacts.same {
-            self.adopt(&contacts, 2.0 * moved + options.drift * least);
+            self.replace_points(&contacts, 2.0 * moved + options.drift * least);
             return (contacts.features, 0.0);
         }
         for (old, new) in self.points.iter_mut().zip(&contacts.points[..contacts.count]) {
             *old = ContactPoint { id: old.id, ..*new };
         }
-        (contacts.features, lasts.unwrap_or(0.0))
+        (contacts.features, since_choice.unwrap_or(0.0))
     }
 
-    /// Takes new points in the place of the old ones: names and order stay with those of the same features, and of the others
-    /// with those no further than `reach` away on one of the bodies.
-    fn adopt(&mut self, contacts: &Contacts, reach: f64) {
+    /// Replaces the old points by new points. A new point takes id and order from the old point
+    /// with equal features, else from the nearest old point at most `reach` away on either body.
+    fn replace_points(&mut self, contacts: &Contacts, reach: f64) {
         let new = &contacts.points[..contacts.count];
         let old = self.points();
         let mut origin = [usize::MAX; MOST_POINTS];
@@ -313,23 +323,24 @@ impl Manifold {
         self.reorder(contacts, &origin);
     }
 
-    /// `origin`: the numbers of the old points whose names and order the new ones take, beyond them all for those that are new.
+    /// Stores the new points in order. `origin` holds the index of the old point whose id and order
+    /// each new point takes, or an index past the end if there is none.
     fn reorder(&mut self, contacts: &Contacts, origin: &[usize; MOST_POINTS]) {
         let new = &contacts.points[..contacts.count];
         let old = self.points().len();
-        // Names first: the old points are overwritten in their order.
-        let names = origin.map(|k| self.points[k.min(MOST_POINTS - 1)].id);
+        // Ids are read first: the old points are overwritten in order.
+        let ids = origin.map(|k| self.points[k.min(MOST_POINTS - 1)].id);
         self.count = 0;
         for k in 0..old {
             if let Some(i) = origin[..new.len()].iter().position(|&o| o == k) {
-                self.points[self.count] = ContactPoint { id: names[i], ..new[i] };
+                self.points[self.count] = ContactPoint { id: ids[i], ..new[i] };
                 (self.on[self.count], self.margins[self.count]) = (contacts.on[i], contacts.margins[i]);
                 self.count += 1;
             }
         }
         for (i, p) in new.iter().enumerate() {
             if origin[i] == usize::MAX {
-                let id = self.free_name(p.features);
+                let id = self.free_id(p.features);
                 self.points[self.count] = ContactPoint { id, ..*p };
                 (self.on[self.count], self.margins[self.count]) = (contacts.on[i], contacts.margins[i]);
                 self.count += 1;
@@ -337,32 +348,33 @@ impl Manifold {
         }
     }
 
-    /// The name by these features; where a contact that is elsewhere now has kept it, the one that that contact would have.
-    fn free_name(&self, features: FeaturePair) -> FeaturePair {
-        let mut name = features;
+    /// Returns a free contact id for this feature pair. If a contact at different features owns the
+    /// id, follows the chain of displaced ids to a free id.
+    fn free_id(&self, features: FeaturePair) -> FeaturePair {
+        let mut id = features;
         for _ in 0..self.count {
-            match self.points().iter().find(|p| p.id == name) {
-                Some(p) => name = p.features,
+            match self.points().iter().find(|p| p.id == id) {
+                Some(p) => id = p.features,
                 None => break,
             }
         }
-        name
+        id
     }
 }
 
 impl Made {
-    /// Whether bodies and options are the same.
+    /// Returns whether bodies and options are unchanged.
     #[inline(always)]
     fn is_of(&self, query: &Query) -> bool {
         self.bodies == query.bodies() && self.options == *query.options
     }
 }
 
-/// The body of the larger feature.
-fn reference(features: FeaturePair) -> Option<Which> {
+/// Returns the body of the higher-dimensional feature; `None` if the dimensions are equal.
+fn reference(features: FeaturePair) -> Option<Operand> {
     match features.a.dimension().cmp(&features.b.dimension()) {
-        core::cmp::Ordering::Greater => Some(Which::A),
-        core::cmp::Ordering::Less => Some(Which::B),
+        core::cmp::Ordering::Greater => Some(Operand::A),
+        core::cmp::Ordering::Less => Some(Operand::B),
         core::cmp::Ordering::Equal => None,
     }
 }

@@ -1,74 +1,76 @@
-//! Contact manifolds: the few points by which two bodies hold each other apart, kept from frame to frame; and what a motion does to
-//! the signed distance.
+//! Contact manifolds: the few points at which two bodies hold each other apart, kept from frame to
+//! frame; and gradients of the signed distance.
 //!
-//! A manifold begins with a certified answer: its normal, its features, its witnesses. The features are promoted to the faces (or
-//! edges) within a small angle of the normal ([`promote`]), both are seen along it ([`shadow`]), and the corners of what they
-//! share ([`clip`], and [`rims`] for faces of many corners) are the contacts. A few of them are kept ([`mod@reduce`]): the
-//! deepest, and those that span the most area. [`manifold`] keeps them over frames.
+//! A manifold starts from a certified outcome: normal, features, witnesses. The features are
+//! promoted to the faces (or edges) within a small angle of the normal ([`promote`]), both are
+//! projected along the normal ([`projection`]), and the vertices of their overlap ([`clip`], and
+//! [`rims`] for faces of many vertices) are the contact candidates. A few candidates are kept
+//! ([`mod@reduce`]): the deepest, and the points that span the most area. [`manifold`] keeps the
+//! contacts over frames.
 //!
-//! Every pair of points (a of A, b of B) fulfils `n . b - n . a >= lower`, the bound of the answer, so the deepest contact is the
-//! answer's own; no other can be deeper.
+//! Every pair of points (a of A, b of B) satisfies `n . b - n . a >= lower`, the bound of the
+//! outcome, so the deepest contact is the outcome's own; no contact can be deeper.
 //!
-//! Source: the clipping of a reference and an incident face (Gregorius 2013, "The separating axis test between convex
-//! polyhedra", GDC). Departures:
-//! 1. Both faces are seen along the certified normal, and play the same part: points on A and on B are across from each other along the
-//!    normal, whichever body is named first.
-//! 2. The reference says with which body the normal turns between two answers, no more.
-//! 3. What is old is kept by how far the bodies can have moved, not by distances of points.
+//! Source: the clipping of a reference and an incident face (Gregorius 2013, "The separating axis
+//! test between convex polyhedra", GDC). Departures:
+//! 1. Both faces are projected along the certified normal, and play equal parts: points on A and on
+//!    B lie opposite each other along the normal, whichever body is named first.
+//! 2. The reference only determines the body with which the normal rotates between two outcomes.
+//! 3. Old contacts are matched by a bound on the motion of the bodies, not by distances of points.
 
 mod axes;
+mod candidates;
 mod clip;
-mod corners;
 mod gradient;
 mod keep;
 mod manifold;
 mod options;
+mod projection;
 mod promote;
 mod query;
 mod reduce;
 mod rims;
-mod shadow;
 
 use nalgebra::{Matrix3, Point3, Vector3};
 
-use crate::closest::outcome::{Layer, Outcome};
+use crate::num::scalar::sqrt;
+use crate::pair::outcome::{Outcome, Solver};
 use crate::polyhedron::{ConvexPolyhedron, Feature, FeaturePair};
-use crate::scalar::sqrt;
 use crate::tolerance::{ACROSS, AGREE, STEEP};
 use axes::Axes;
-use corners::{Corner, Corners, On};
-use keep::Shadows;
+use candidates::{Candidates, ContactCandidate, Location};
+use keep::Projections;
+use projection::{LazyProjection, ProjectedFeature};
 use promote::Promotion;
 use reduce::reduce;
 use rims::Rays;
-use shadow::{Lazy, Shadow};
 
 pub use gradient::Gradient;
 pub use manifold::{ContactPoint, Manifold};
 pub use options::ManifoldOptions;
 pub(crate) use query::Query;
 
-/// The most points a manifold holds.
+/// Most points of a manifold.
 pub(crate) const MOST_POINTS: usize = 8;
 
-/// The contacts of one answer.
+/// The contacts of an outcome.
 struct Contacts {
     points: [ContactPoint; MOST_POINTS],
     count: usize,
-    /// What bears them.
+    /// Features that bear the contacts.
     features: FeaturePair,
-    /// On what of the features they are.
-    on: [[On; 2]; MOST_POINTS],
-    /// How far corners are inside the other face.
+    /// Location of each contact on both features.
+    on: [[Location; 2]; MOST_POINTS],
+    /// Lower bound of each vertex's distance to the boundary of the opposite face.
     margins: [f64; MOST_POINTS],
-    /// Whether they are the corners that the manifold before had, in its order.
+    /// Whether the contacts are the previous manifold's, in the previous order.
     same: bool,
     rays: Rays,
 }
 
-/// Two bodies, the rotation of `a_from_b`, and how they lie.
+/// Two bodies, the rotation of `a_from_b`, and the certified outcome.
 #[derive(Clone, Copy)]
-struct Answer<'a> {
+struct PosedOutcome<'a> {
     a: &'a ConvexPolyhedron,
     b: &'a ConvexPolyhedron,
     rotation: &'a Matrix3<f64>,
@@ -77,97 +79,99 @@ struct Answer<'a> {
     outcome: &'a Outcome,
 }
 
-impl Answer<'_> {
-    /// The contacts of an answer whose lower bound is within the prediction. `lasts`: how far the bodies have moved since corners were chosen,
-    /// where that choice may stay.
-    fn contacts(self, options: &ManifoldOptions, before: &Manifold, lasts: Option<f64>) -> Contacts {
+impl PosedOutcome<'_> {
+    /// Returns the contacts of an outcome whose lower bound is within the prediction.
+    /// `since_choice` is the motion of the bodies since the candidates were chosen, if the choice
+    /// may be kept.
+    fn contacts(self, options: &ManifoldOptions, before: &Manifold, since_choice: Option<f64>) -> Contacts {
         let outcome = self.outcome;
         let mut contacts = Contacts {
             points: [ContactPoint::witness(outcome); MOST_POINTS],
             count: 1,
             features: outcome.features,
-            on: [Corner::WITNESS; MOST_POINTS],
+            on: [ContactCandidate::WITNESS; MOST_POINTS],
             margins: [0.0; MOST_POINTS],
             same: false,
             rays: before.rays,
         };
-        // Of bodies so far apart, or so different in size, the witnesses are all there is to say.
-        if self.a.exponent != self.b.exponent || outcome.layer == Layer::Far {
+        // If the bodies are very far apart or very different in size, the witnesses are the only
+        // contact.
+        if self.a.exponent != self.b.exponent || outcome.solver == Solver::Far {
             return contacts;
         }
         let axes = self.axes();
         let features = self.promoted(&axes, options, before.features());
         contacts.features = features;
-        if features.a.dimension() > 0 && features.b.dimension() > 0 && self.bears(&axes, features) {
-            self.share(&axes, options, before, lasts, &mut contacts);
+        if features.a.dimension() > 0 && features.b.dimension() > 0 && self.has_no_upright_face(&axes, features) {
+            self.clip_features(&axes, options, before, since_choice, &mut contacts);
         }
         contacts
     }
 
-    /// The contacts of two features that both have a shadow.
-    // Not inlined: most contacts of round bodies are a vertex's, and need none of the room.
+    /// Computes the contacts of two features, each an edge or a face.
+    // Not inlined: most contacts of round bodies involve a vertex and need none of the stack space.
     #[inline(never)]
-    fn share(
+    fn clip_features(
         self,
         axes: &[Axes; 2],
         options: &ManifoldOptions,
         before: &Manifold,
-        lasts: Option<f64>,
+        since_choice: Option<f64>,
         contacts: &mut Contacts,
     ) {
         let features = contacts.features;
-        let mut shadows = Shadows {
-            a: Lazy::new(self.a, features.a, &axes[0], false),
-            b: Lazy::new(self.b, features.b, &axes[1], true),
+        let mut projections = Projections {
+            a: LazyProjection::new(self.a, features.a, &axes[0], false),
+            b: LazyProjection::new(self.b, features.b, &axes[1], true),
         };
-        let lasts = lasts.filter(|_| before.features() == Some(features));
-        if lasts.is_some_and(|moved| shadows.keep(&self, options, before, moved, contacts)) {
+        let since_choice = since_choice.filter(|_| before.features() == Some(features));
+        if since_choice.is_some_and(|moved| projections.keep(&self, options, before, moved, contacts)) {
             return;
         }
-        let seen = Seen {
-            answer: self,
-            a: shadows.a.seen(),
-            b: shadows.b.seen(),
+        let pair = ProjectedPair {
+            posed: self,
+            a: projections.a.get(),
+            b: projections.b.get(),
             unit: self.a.unit(),
         };
-        seen.choose(options, before, contacts);
+        pair.choose(options, before, contacts);
     }
 
-    /// The normal and what is across, in each body's stored frame, about its witness.
+    /// Returns the contact axes in each body's stored frame, about the body's witness.
     #[inline(always)]
     fn axes(&self) -> [Axes; 2] {
         let normal = self.outcome.normal.into_inner();
-        let across = across(&normal);
+        let tangents = tangents_of(&normal);
         [
             Axes {
-                across,
+                tangents,
                 normal,
-                witness: self.a.stored(&self.outcome.point_on_a),
+                witness: self.a.to_stored(&self.outcome.point_on_a),
             },
             Axes {
-                across: across.map(|v| self.rotation.tr_mul(&v)),
+                tangents: tangents.map(|v| self.rotation.tr_mul(&v)),
                 normal: self.rotation.tr_mul(&normal),
-                witness: self.b.stored(&self.outcome.point_on_b),
+                witness: self.b.to_stored(&self.outcome.point_on_b),
             },
         ]
     }
 
-    /// The rounding of a place, in stored units.
+    /// Returns the rounding of a plane coordinate, in stored units.
     fn noise(&self) -> f64 {
         ACROSS * self.size / self.a.unit()
     }
 
-    /// The features that bear the contact.
+    /// Returns the features that bear the contact.
     #[inline(always)]
     fn promoted(&self, axes: &[Axes; 2], options: &ManifoldOptions, before: Option<FeaturePair>) -> FeaturePair {
-        let promote = |body, outward, feature, kept| {
+        let promote = |body, outward, feature, previous| {
             let promotion = Promotion {
                 body,
                 outward,
                 sine: options.sine,
-                kept,
+                previous,
             };
-            promotion.of(feature)
+            promotion.promote(feature)
         };
         let closest = self.outcome.features;
         FeaturePair {
@@ -176,108 +180,111 @@ impl Answer<'_> {
         }
     }
 
-    /// Whether no face of them is upright, as the closest may be where a facet of the difference is smaller than rounding.
+    /// Returns whether no promoted face is upright, as a closest face may be if a facet of A - B is
+    /// smaller than rounding.
     #[inline(always)]
-    fn bears(&self, axes: &[Axes; 2], features: FeaturePair) -> bool {
-        let is_across = |body: &ConvexPolyhedron, feature: Feature, outward: Vector3<f64>| match feature {
+    fn has_no_upright_face(&self, axes: &[Axes; 2], features: FeaturePair) -> bool {
+        let is_not_upright = |body: &ConvexPolyhedron, feature: Feature, outward: Vector3<f64>| match feature {
             Feature::Face(f) => body.planes[f.index()].normal.dot(&outward) > STEEP,
             _ => true,
         };
-        is_across(self.a, features.a, axes[0].normal) && is_across(self.b, features.b, -axes[1].normal)
+        is_not_upright(self.a, features.a, axes[0].normal) && is_not_upright(self.b, features.b, -axes[1].normal)
     }
 }
 
-/// Two features seen along the normal.
-struct Seen<'a> {
-    answer: Answer<'a>,
-    a: &'a Shadow<'a>,
-    b: &'a Shadow<'a>,
-    /// One stored unit in the caller's.
+/// Two features projected along the normal.
+struct ProjectedPair<'a> {
+    posed: PosedOutcome<'a>,
+    a: &'a ProjectedFeature<'a>,
+    b: &'a ProjectedFeature<'a>,
+    /// Length of a stored unit in the caller's unit.
     unit: f64,
 }
 
-impl Seen<'_> {
-    /// The corners within the prediction, and the witnesses where no corner is as deep.
+impl ProjectedPair<'_> {
+    /// Adds the candidates within the prediction, and the witnesses if no candidate is as deep.
     #[inline(always)]
-    fn corners(
+    fn add_candidates(
         &self,
         options: &ManifoldOptions,
         noise: f64,
         before: &Manifold,
         rays: &mut Rays,
-        corners: &mut Corners,
+        candidates: &mut Candidates,
     ) {
         let (a, b) = (self.a, self.b);
         if a.is_edge() && b.is_edge() {
-            clip::beside(a, b, options.sine, corners);
+            clip::overlap_edges(a, b, options.sine, candidates);
         } else if a.is_large() || b.is_large() {
-            let middle = |p: &Point3<f64>| a.place_of(&self.answer.a.stored(p));
+            let middle = |p: &Point3<f64>| a.position_of(&self.posed.a.to_stored(p));
             let hint = before.middle().as_ref().map(middle);
-            rims::clip([a, b], noise, hint, options.most(), rays, corners);
+            rims::clip([a, b], noise, hint, options.most(), rays, candidates);
         } else {
-            clip::clip(a, b, noise, corners);
+            clip::clip(a, b, noise, candidates);
         }
-        if !self.has_deepest(corners) {
-            corners.push([0.0; 2], [0.0; 2], Corner::WITNESS);
+        if !self.has_deepest(candidates) {
+            candidates.push([0.0; 2], [0.0; 2], ContactCandidate::WITNESS);
         }
     }
 
-    /// Whether a corner is as deep as the answer says.
+    /// Returns whether a candidate is as deep as the outcome.
     #[inline(always)]
-    fn has_deepest(&self, corners: &Corners) -> bool {
-        let deep = (self.answer.outcome.upper + AGREE * self.answer.size) / self.unit;
-        corners.all().iter().any(|c| c.separation <= deep)
+    fn has_deepest(&self, candidates: &Candidates) -> bool {
+        let deep = (self.posed.outcome.upper + AGREE * self.posed.size) / self.unit;
+        candidates.all().iter().any(|c| c.separation <= deep)
     }
 
     #[inline(always)]
-    fn none(&self, options: &ManifoldOptions) -> Corners {
-        Corners::new(self.answer.outcome.distance / self.unit, options.prediction / self.unit)
+    fn no_candidates(&self, options: &ManifoldOptions) -> Candidates {
+        Candidates::new(self.posed.outcome.distance / self.unit, options.prediction / self.unit)
     }
 
     #[inline(always)]
     fn choose(&self, options: &ManifoldOptions, before: &Manifold, contacts: &mut Contacts) {
-        let Answer { a, b, outcome, .. } = self.answer;
-        let (mut corners, noise) = (self.none(options), self.answer.noise());
-        self.corners(options, noise, before, &mut contacts.rays, &mut corners);
+        let PosedOutcome { a, b, outcome, .. } = self.posed;
+        let (mut candidates, noise) = (self.no_candidates(options), self.posed.noise());
+        self.add_candidates(options, noise, before, &mut contacts.rays, &mut candidates);
         let merge = noise.max(options.drift * a.radius.min(b.radius));
-        let kept = self.kept(corners.all(), options, before);
-        let chosen = reduce(corners.all(), kept, options.most(), merge, noise);
+        let kept = self.kept(candidates.all(), options, before);
+        let chosen = reduce(candidates.all(), kept, options.most(), merge, noise);
         contacts.count = 0;
         for &k in chosen.all() {
-            let corner = &corners.all()[k];
-            let point = if corner.on == Corner::WITNESS {
+            let candidate = &candidates.all()[k];
+            let point = if candidate.on == ContactCandidate::WITNESS {
                 ContactPoint::witness(outcome)
             } else {
-                self.contact(corner, self.name(corner))
+                self.contact(candidate, self.features_of(candidate))
             };
-            // Where rounding has split a feature, the answer may name the witnesses like a corner beside them.
+            // If rounding has split a feature, the witnesses may have the features of a nearby
+            // candidate.
             let before = &contacts.points[..contacts.count];
             if before.iter().all(|p| p.features != point.features) {
                 contacts.points[contacts.count] = point;
-                contacts.on[contacts.count] = corner.on;
-                contacts.margins[contacts.count] = self.margin(corner, options);
+                contacts.on[contacts.count] = candidate.on;
+                contacts.margins[contacts.count] = self.margin(candidate, options);
                 contacts.count += 1;
             }
         }
     }
 
-    /// How far a corner of one face is inside the other.
-    fn margin(&self, corner: &Corner, options: &ManifoldOptions) -> f64 {
-        let inside = match corner.on.map(On::as_corner) {
-            [Some(_), _] => self.b.inside_by(corner.at),
-            [_, Some(_)] => self.a.inside_by(corner.at),
+    /// Lower bound of a candidate vertex's distance to the boundary of the opposite face.
+    fn margin(&self, candidate: &ContactCandidate, options: &ManifoldOptions) -> f64 {
+        let inside = match candidate.on.map(Location::as_vertex) {
+            [Some(_), _] => self.b.inside_by(candidate.at),
+            [_, Some(_)] => self.a.inside_by(candidate.at),
             _ => 0.0,
         };
-        keep::margin(inside * self.unit, corner.separation * self.unit, options)
+        keep::margin(inside * self.unit, candidate.separation * self.unit, options)
     }
 
-    /// A bit for each corner that the manifold before had, where there is a choice.
-    fn kept(&self, corners: &[Corner], options: &ManifoldOptions, before: &Manifold) -> u64 {
-        if corners.len() <= options.most() || before.features() != Some(self.features()) {
+    /// Returns a bit mask of the candidates that the previous manifold contained; zero if all
+    /// candidates fit or the features changed.
+    fn kept(&self, candidates: &[ContactCandidate], options: &ManifoldOptions, before: &Manifold) -> u64 {
+        if candidates.len() <= options.most() || before.features() != Some(self.features()) {
             return 0;
         }
-        let bit = |(k, c): (usize, &Corner)| u64::from(before.on().contains(&c.on)) << k;
-        corners.iter().enumerate().map(bit).fold(0, |bits, bit| bits | bit)
+        let bit = |(k, c): (usize, &ContactCandidate)| u64::from(before.on().contains(&c.on)) << k;
+        candidates.iter().enumerate().map(bit).fold(0, |bits, bit| bits | bit)
     }
 
     fn features(&self) -> FeaturePair {
@@ -287,23 +294,23 @@ impl Seen<'_> {
         }
     }
 
-    fn name(&self, corner: &Corner) -> FeaturePair {
-        if corner.on == Corner::WITNESS {
-            return self.answer.outcome.features;
+    fn features_of(&self, candidate: &ContactCandidate) -> FeaturePair {
+        if candidate.on == ContactCandidate::WITNESS {
+            return self.posed.outcome.features;
         }
-        let [a, b] = corner.on;
+        let [a, b] = candidate.on;
         FeaturePair {
-            a: self.a.name(a),
-            b: self.b.name(b),
+            a: self.a.feature_at(a),
+            b: self.b.feature_at(b),
         }
     }
 
-    fn contact(&self, corner: &Corner, features: FeaturePair) -> ContactPoint {
-        let [on_a, on_b] = corner.on;
+    fn contact(&self, candidate: &ContactCandidate, features: FeaturePair) -> ContactPoint {
+        let [on_a, on_b] = candidate.on;
         ContactPoint {
-            point_on_a: self.answer.a.given(&self.a.point(on_a, corner.at)),
-            point_on_b: self.answer.b.given(&self.b.point(on_b, corner.at)),
-            separation: corner.separation * self.unit,
+            point_on_a: self.posed.a.to_user(&self.a.point(on_a, candidate.at)),
+            point_on_b: self.posed.b.to_user(&self.b.point(on_b, candidate.at)),
+            separation: candidate.separation * self.unit,
             features,
             id: features,
         }
@@ -311,18 +318,19 @@ impl Seen<'_> {
 }
 
 impl ConvexPolyhedron {
-    /// A point in the caller's coordinates, in stored ones.
-    fn stored(&self, given: &Point3<f64>) -> Vector3<f64> {
-        if self.as_given {
-            given.coords
+    /// Converts a point from the caller's coordinates to stored coordinates.
+    fn to_stored(&self, p: &Point3<f64>) -> Vector3<f64> {
+        if self.is_unscaled {
+            p.coords
         } else {
-            (given.coords - self.origin) / self.unit()
+            (p.coords - self.origin) / self.unit()
         }
     }
 }
 
-/// Two unit directions at right angles to a unit direction and to each other, right-handed with it.
-fn across(n: &Vector3<f64>) -> [Vector3<f64>; 2] {
+/// Returns two unit directions perpendicular to a unit direction and to each other, right-handed
+/// with `n`.
+fn tangents_of(n: &Vector3<f64>) -> [Vector3<f64>; 2] {
     let other = if n.x.abs() < 0.6 {
         Vector3::new(0.0, -n.z, n.y)
     } else {

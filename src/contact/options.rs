@@ -1,31 +1,36 @@
-//! What a caller may ask of a manifold.
+//! Options of a contact manifold.
 
 use super::MOST_POINTS;
 
-/// What is asked of a manifold. Numbers that are none (NaN) ask for nothing.
+/// Options of a contact manifold. A NaN option requests nothing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct ManifoldOptions {
-    /// Contacts up to this separation are wanted, in the caller's unit. Zero: those that touch or overlap.
-    #[cfg_attr(feature = "serde", serde(with = "crate::scalar::infinite"))]
+    /// Largest separation of a contact, in the caller's unit. Zero: only touching or overlapping
+    /// contacts.
+    #[cfg_attr(feature = "serde", serde(with = "crate::num::scalar::infinite"))]
     pub prediction: f64,
-    /// How many points at most, 1 to 8. Default 4. Of faces of more than 24 corners not all corners of what they share are looked at: in
-    /// random poses of one upon another eight points span 60 % of it in all but some in a thousand, and where it is long and narrow now
-    /// and then much less.
+    /// Largest number of points, 1 to 8. Default 4. If a face has more than 24 vertices, not all
+    /// vertices of the overlap are examined: in random poses of a large face on another, eight
+    /// points span 60 % of the overlap in all but some in a thousand poses; in long and narrow
+    /// overlaps now and then much less.
     pub max_points: usize,
-    /// The sine of the largest angle between the normal and a face that bears the contact. Default 1/64, a little less than one degree.
-    /// A face within one degree of upright bears none, whatever is asked.
-    #[cfg_attr(feature = "serde", serde(with = "crate::scalar::infinite"))]
+    /// Sine of the largest angle between the normal and a face that bears the contact. Default
+    /// 1/64, a little less than one degree. A face within one degree of upright (parallel to the
+    /// normal) never bears the contact, at any setting.
+    #[cfg_attr(feature = "serde", serde(with = "crate::num::scalar::infinite"))]
     pub sine: f64,
-    /// How far the bodies may move before a manifold is made anew, in radii of the smaller one; till then its points stay
-    /// where they are on the bodies, with new separations. Contacts nearer to each other than this are one. Default 1/1024; zero: every
-    /// motion asks anew.
-    #[cfg_attr(feature = "serde", serde(with = "crate::scalar::infinite"))]
+    /// Largest motion of the bodies before a manifold is computed again, in radii of the smaller
+    /// body; until then the points stay fixed on the bodies and only separations change. Contacts
+    /// nearer to each other than `drift` are merged. Default 1/1024; zero: every motion computes
+    /// the manifold again.
+    #[cfg_attr(feature = "serde", serde(with = "crate::num::scalar::infinite"))]
     pub drift: f64,
-    /// How far the bodies may move, in radii of the smaller one, before the choice among the corners of what two faces share is made
-    /// anew; till then the same corners are kept, as long as they are corners and the deepest is among them. Default 1/16.
-    #[cfg_attr(feature = "serde", serde(with = "crate::scalar::infinite"))]
+    /// Largest motion of the bodies, in radii of the smaller body, before points are chosen again
+    /// from the vertices of the overlap of two faces; until then the chosen vertices are kept, as
+    /// long as they stay in the overlap and include the deepest. Default 1/16.
+    #[cfg_attr(feature = "serde", serde(with = "crate::num::scalar::infinite"))]
     pub choice: f64,
 }
 
@@ -36,7 +41,7 @@ impl Default for ManifoldOptions {
 }
 
 impl ManifoldOptions {
-    /// The default with a prediction distance.
+    /// Returns the default options with a prediction distance.
     #[must_use]
     pub const fn within(prediction: f64) -> Self {
         Self {

@@ -1,31 +1,33 @@
-//! From the closest features to those that bear the contact: the face, or else the edge, that is nearly at right angles to the normal.
+//! Promotion of the closest features to the features that bear the contact: the face, or else the
+//! edge, most nearly perpendicular to the normal.
 
 use core::ops::Range;
 
 use nalgebra::Vector3;
 
-use crate::polyhedron::fans::top_of_ring;
-use crate::polyhedron::topology::MANY;
+use crate::polyhedron::unimodal::top_of_ring;
 use crate::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, Feature};
 use crate::tolerance::{STAY, STEEP};
+use crate::tuning::polyhedron::MANY;
 
-/// A body's outward direction of contact and how far off it a face may be.
+/// A body's outward contact direction, and the largest angle of a face or edge from it.
 pub(super) struct Promotion<'a> {
     pub(super) body: &'a ConvexPolyhedron,
-    /// Unit, away from the body, in its own frame.
+    /// Unit direction away from the body, in the body's own frame.
     pub(super) outward: Vector3<f64>,
-    /// The sine of the largest angle.
+    /// Sine of the largest angle.
     pub(super) sine: f64,
-    /// What bore the contact before: it may be off by a quarter more.
-    pub(super) kept: Option<Feature>,
+    /// Feature that bore the contact before: it may be a quarter further off.
+    pub(super) previous: Option<Feature>,
 }
 
 impl Promotion<'_> {
-    /// The face at `feature` most at right angles to the normal, if one is within the angle; else the edge; else the feature.
+    /// Returns the face at `feature` most nearly perpendicular to the normal if any is within the
+    /// angle; else the edge; else `feature`.
     ///
-    /// Looks at the faces at the feature: two of an edge, all of the fan of a vertex, or of one of many those about the
-    /// outermost, found by bisection.
-    pub(super) fn of(&self, feature: Feature) -> Feature {
+    /// Tests the faces at the feature: the two faces of an edge, or the faces of a vertex's whole
+    /// fan; in a large fan only the neighbourhood of the outermost face, found by bisection.
+    pub(super) fn promote(&self, feature: Feature) -> Feature {
         let t = &self.body.topology;
         match feature {
             Feature::Face(f) => self.face([f.0]).unwrap_or(feature),
@@ -36,15 +38,16 @@ impl Promotion<'_> {
             Feature::Vertex(v) => {
                 let face = |h: u32| t.half_edge(h).face;
                 let outward = |h: u32| self.body.planes[face(h) as usize].normal.dot(&self.outward);
-                let faces = self.some_of(t.fan(v.0), outward).map(face);
-                let edges = || self.some_of(t.fan(v.0), |h| -self.rise(h));
+                let faces = self.sample_fan(t.fan(v.0), outward).map(face);
+                let edges = || self.sample_fan(t.fan(v.0), |h| -self.rise(h));
                 self.face(faces).or_else(|| self.edge(edges())).unwrap_or(feature)
             }
         }
     }
 
-    /// The half-edges of a fan, or of one of many three about that of the greatest measure.
-    fn some_of<M: Fn(u32) -> f64>(&self, fan: Range<u32>, measure: M) -> impl Iterator<Item = u32> + use<M> {
+    /// Returns the half-edges of a fan; of a large fan, the half-edge of greatest measure and its
+    /// two neighbours.
+    fn sample_fan<M: Fn(u32) -> f64>(&self, fan: Range<u32>, measure: M) -> impl Iterator<Item = u32> + use<M> {
         let m = fan.len();
         let (first, count) = if m <= MANY {
             (0, m)
@@ -54,7 +57,8 @@ impl Promotion<'_> {
         (first..first + count).map(move |k| fan.start + (if k < m { k } else { k - m }) as u32)
     }
 
-    /// The squared sine of the angle by which an edge is off the plane across the outward direction.
+    /// Returns the squared sine of the angle between an edge and the plane perpendicular to the
+    /// outward direction.
     fn rise(&self, h: u32) -> f64 {
         let t = &self.body.topology;
         let u = self.body.points[t.half_edge(h).to as usize] - self.body.points[t.from(h) as usize];
@@ -62,9 +66,9 @@ impl Promotion<'_> {
         rise * rise / u.norm_squared()
     }
 
-    /// The squared sine a feature may be off by.
-    fn most(&self, feature: Feature) -> f64 {
-        let sine = if self.kept == Some(feature) {
+    /// Returns the largest squared sine accepted for a feature.
+    fn max_squared_sine(&self, feature: Feature) -> f64 {
+        let sine = if self.previous == Some(feature) {
             STAY * self.sine
         } else {
             self.sine
@@ -79,7 +83,10 @@ impl Promotion<'_> {
             let off = n.cross(&self.outward).norm_squared();
             let feature = Feature::Face(FaceId(f));
             // The null face of a segment has no normal.
-            if n.dot(&self.outward) > STEEP && off <= self.most(feature) && best.is_none_or(|(least, _)| off < least) {
+            if n.dot(&self.outward) > STEEP
+                && off <= self.max_squared_sine(feature)
+                && best.is_none_or(|(least, _)| off < least)
+            {
                 best = Some((off, feature));
             }
         }
@@ -91,7 +98,7 @@ impl Promotion<'_> {
         for h in fan {
             let off = self.rise(h);
             let feature = Feature::Edge(EdgeId(self.body.topology.edge(h)));
-            if off <= self.most(feature) && best.is_none_or(|(least, _)| off < least) {
+            if off <= self.max_squared_sine(feature) && best.is_none_or(|(least, _)| off < least) {
                 best = Some((off, feature));
             }
         }

@@ -1,23 +1,23 @@
-//! What is asked of the contacts of two bodies.
+//! A query for the contacts of two bodies.
 
 use nalgebra::{Matrix3, Vector3};
 
-use crate::motion::Place;
+use crate::motion::BallAtPose;
+use crate::num::scalar::sqrt;
 use crate::polyhedron::ConvexPolyhedron;
-use crate::pose::{RelativePose, Which};
-use crate::scalar::sqrt;
+use crate::pose::{Operand, RelativePose};
 
 use super::ManifoldOptions;
 
-/// Two bodies, where they are, and what is asked of their contacts.
+/// Two bodies, their relative pose, and the options of their contacts.
 pub(crate) struct Query<'a> {
     pub(super) a: &'a ConvexPolyhedron,
     pub(super) b: &'a ConvexPolyhedron,
-    /// Of `a_from_b`.
+    /// Rotation of `a_from_b`.
     pub(super) rotation: Matrix3<f64>,
     pub(super) translation: Vector3<f64>,
-    /// Of the smaller body, as seen from the other.
-    pub(super) place: Place,
+    /// Bounding ball of the smaller body at its pose relative to the larger body.
+    pub(super) ball: BallAtPose,
     pub(super) options: &'a ManifoldOptions,
 }
 
@@ -32,34 +32,36 @@ impl<'a> Query<'a> {
         let (rotation, translation) = (pose.rotation(), pose.translation());
         let (ra, rb) = (radius(a), radius(b));
         let (moving, ball) = if rb <= ra {
-            (Which::B, (&b.origin, rb))
+            (Operand::B, (&b.origin, rb))
         } else {
-            (Which::A, (&a.origin, ra))
+            (Operand::A, (&a.origin, ra))
         };
-        let place = Place::new(moving, ball, &rotation, &translation);
+        let ball = BallAtPose::new(moving, ball, &rotation, &translation);
         Self {
             a,
             b,
             rotation,
             translation,
-            place,
+            ball,
             options,
         }
     }
 
     pub(super) fn bodies(&self) -> [u64; 2] {
-        [self.a.print, self.b.print]
+        [self.a.fingerprint, self.b.fingerprint]
     }
 
-    /// The radius of the smaller body.
+    /// Returns the radius of the smaller body.
     pub(super) fn least_radius(&self) -> f64 {
         radius(self.a).min(radius(self.b))
     }
 
-    /// How far the bodies may move before the contacts of an answer with this lower bound are made anew.
+    /// Returns how far the bodies may move before the contacts are computed again, for an outcome
+    /// with this lower bound.
     pub(super) fn budget(&self, lower: f64) -> f64 {
-        if !(self.a.as_given && self.b.as_given) {
-            // Where stored coordinates are not the given ones, old places would be measured more coarsely than new ones.
+        if !(self.a.is_unscaled && self.b.is_unscaled) {
+            // If stored coordinates are rescaled, old points would be measured more coarsely than
+            // new points.
             -1.0
         } else if lower <= self.options.prediction {
             self.options.drift * self.least_radius()
@@ -68,7 +70,7 @@ impl<'a> Query<'a> {
         }
     }
 
-    /// The pair's size L.
+    /// Returns the pair's size L.
     #[inline(always)]
     pub(super) fn size(&self) -> f64 {
         let apart = self.rotation * self.b.origin + self.translation - self.a.origin;
@@ -76,10 +78,10 @@ impl<'a> Query<'a> {
     }
 }
 
-/// The radius about the origin of the stored coordinates, in the caller's unit.
+/// Returns the radius about the origin of the stored coordinates, in the caller's unit.
 #[inline(always)]
 fn radius(body: &ConvexPolyhedron) -> f64 {
-    if body.as_given {
+    if body.is_unscaled {
         body.radius
     } else {
         body.radius * body.unit()

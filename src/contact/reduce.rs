@@ -1,10 +1,10 @@
-//! A few of many points: the deepest, and those that keep the most area.
+//! Reduction of many candidates to a few: the deepest, and the points that span the most area.
 
 use super::MOST_POINTS;
-use super::corners::Corner;
+use super::candidates::ContactCandidate;
 use crate::tolerance::STAY;
 
-/// The chosen ones by number.
+/// Indices of the chosen candidates.
 #[derive(Debug, Default)]
 pub(super) struct Chosen {
     list: [usize; MOST_POINTS],
@@ -16,17 +16,20 @@ impl Chosen {
         &self.list[..self.count]
     }
 
-    fn insert(&mut self, place: usize, choice: usize) {
-        self.list[place..=self.count].rotate_right(1);
-        self.list[place] = choice;
+    fn insert(&mut self, index: usize, choice: usize) {
+        self.list[index..=self.count].rotate_right(1);
+        self.list[index] = choice;
         self.count += 1;
     }
 }
 
-/// At most `most` of the points, of which there is at least one: the deepest, the farthest from it, and then, one by one, the
-/// point that adds the largest triangle to the polygon of those chosen. None is within `merge` of another, or of a side. Depths
-/// are equal within `tie`; there and in size, those with a bit in `kept` have the preference.
-pub(super) fn reduce(choices: &[Corner], kept: u64, most: usize, merge: f64, tie: f64) -> Chosen {
+/// Chooses at most `most` candidates; `choices` must not be empty.
+///
+/// The first is the deepest, the second the farthest from the first, and each further point adds
+/// the largest triangle to the polygon of the chosen points. No chosen point is within `merge` of
+/// another, or of a side. Depths within `tie` count as equal; among equals, and within a factor in
+/// size, candidates with a bit in `kept` are preferred.
+pub(super) fn reduce(choices: &[ContactCandidate], kept: u64, most: usize, merge: f64, tie: f64) -> Chosen {
     let mut chosen = Chosen::default();
     let first = deepest(choices, kept, tie);
     chosen.insert(0, first);
@@ -39,7 +42,7 @@ pub(super) fn reduce(choices: &[Corner], kept: u64, most: usize, merge: f64, tie
         }
         return chosen;
     }
-    let far = |c: &Corner| {
+    let far = |c: &ContactCandidate| {
         let squared = squared(between(&choices[first], c));
         (squared > merge * merge).then_some(squared)
     };
@@ -50,26 +53,30 @@ pub(super) fn reduce(choices: &[Corner], kept: u64, most: usize, merge: f64, tie
     }
     while chosen.count > 1 && chosen.count < most {
         match widest(choices, kept, &chosen, merge) {
-            Some((place, k)) => chosen.insert(place, k),
+            Some((index, k)) => chosen.insert(index, k),
             None => break,
         }
     }
     chosen
 }
 
-fn deepest(choices: &[Corner], kept: u64, tie: f64) -> usize {
+fn deepest(choices: &[ContactCandidate], kept: u64, tie: f64) -> usize {
     let least = choices.iter().fold(f64::INFINITY, |m, c| m.min(c.separation));
-    let deep = |c: &Corner| c.separation <= least + tie;
-    let old = (0..choices.len()).find(|&k| is(kept, k) && deep(&choices[k]));
+    let deep = |c: &ContactCandidate| c.separation <= least + tie;
+    let old = (0..choices.len()).find(|&k| has_bit(kept, k) && deep(&choices[k]));
     old.or_else(|| choices.iter().position(deep)).unwrap_or(0)
 }
 
-/// The point of the greatest measure.
-fn largest(choices: &[Corner], kept: u64, measure: impl Fn(&Corner) -> Option<f64>) -> Option<usize> {
+/// Returns the candidate of greatest measure.
+fn largest(
+    choices: &[ContactCandidate],
+    kept: u64,
+    measure: impl Fn(&ContactCandidate) -> Option<f64>,
+) -> Option<usize> {
     let mut best: Option<(f64, usize)> = None;
     for (k, c) in choices.iter().enumerate() {
         if let Some(m) = measure(c) {
-            let m = if is(kept, k) { STAY * m } else { m };
+            let m = if has_bit(kept, k) { STAY * m } else { m };
             if best.is_none_or(|(most, _)| m > most) {
                 best = Some((m, k));
             }
@@ -78,34 +85,35 @@ fn largest(choices: &[Corner], kept: u64, measure: impl Fn(&Corner) -> Option<f6
     best.map(|(_, k)| k)
 }
 
-/// The point that adds most beyond a side of the counter-clockwise polygon of those chosen, and its place there.
-fn widest(choices: &[Corner], kept: u64, chosen: &Chosen, merge: f64) -> Option<(usize, usize)> {
+/// Returns the candidate that adds the most area beyond a side of the counter-clockwise polygon of
+/// chosen points, and its index in the polygon.
+fn widest(choices: &[ContactCandidate], kept: u64, chosen: &Chosen, merge: f64) -> Option<(usize, usize)> {
     let mut best: Option<(f64, usize, usize)> = None;
     for side in 0..chosen.count {
         let (p, q) = (chosen.list[side], chosen.list[(side + 1) % chosen.count]);
         let u = between(&choices[p], &choices[q]);
         let noise = merge * merge * squared(u);
-        let beyond = |c: &Corner| {
+        let beyond = |c: &ContactCandidate| {
             let v = between(&choices[p], c);
             let area = u[1] * v[0] - u[0] * v[1];
             (area > 0.0 && area * area > noise).then_some(area)
         };
         if let Some(k) = largest(choices, kept, beyond) {
-            let area = beyond(&choices[k]).unwrap_or(0.0) * if is(kept, k) { STAY } else { 1.0 };
+            let area = beyond(&choices[k]).unwrap_or(0.0) * if has_bit(kept, k) { STAY } else { 1.0 };
             if best.is_none_or(|(most, ..)| area > most) {
                 best = Some((area, side + 1, k));
             }
         }
     }
-    best.map(|(_, place, k)| (place, k))
+    best.map(|(_, index, k)| (index, k))
 }
 
-/// Whether bit `k` is set.
-fn is(bits: u64, k: usize) -> bool {
+/// Returns whether bit `k` is set.
+fn has_bit(bits: u64, k: usize) -> bool {
     bits >> k & 1 == 1
 }
 
-fn between(p: &Corner, q: &Corner) -> [f64; 2] {
+fn between(p: &ContactCandidate, q: &ContactCandidate) -> [f64; 2] {
     [q.at[0] - p.at[0], q.at[1] - p.at[1]]
 }
 
@@ -117,15 +125,15 @@ fn squared(v: [f64; 2]) -> f64 {
 mod tests {
     use super::*;
 
-    fn at(x: f64, y: f64, separation: f64) -> Corner {
-        Corner {
+    fn at(x: f64, y: f64, separation: f64) -> ContactCandidate {
+        ContactCandidate {
             at: [x, y],
             separation,
-            on: Corner::WITNESS,
+            on: ContactCandidate::WITNESS,
         }
     }
 
-    fn ring(n: usize) -> Vec<Corner> {
+    fn ring(n: usize) -> Vec<ContactCandidate> {
         let angle = |k: usize| core::f64::consts::TAU * k as f64 / n as f64;
         (0..n).map(|k| at(angle(k).cos(), angle(k).sin(), k as f64)).collect()
     }
@@ -138,9 +146,9 @@ mod tests {
         for n in 5..40 {
             let chosen = reduce(&ring(n), 0, 4, 1e-9, 1e-12);
             assert_eq!((chosen.all().len(), chosen.all()[0]), (4, 0));
-            let corners: Vec<_> = chosen.all().iter().map(|&k| ring(n)[k].at).collect();
+            let vertices: Vec<_> = chosen.all().iter().map(|&k| ring(n)[k].at).collect();
             let area: f64 = (0..4)
-                .map(|k| corners[k][0] * corners[(k + 1) % 4][1] - corners[k][1] * corners[(k + 1) % 4][0])
+                .map(|k| vertices[k][0] * vertices[(k + 1) % 4][1] - vertices[k][1] * vertices[(k + 1) % 4][0])
                 .sum::<f64>();
             assert!(area / 2.0 > 1.4, "{n}: {}", area / 2.0);
         }

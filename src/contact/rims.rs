@@ -1,67 +1,77 @@
-//! What two faces share where one has many corners: found by rays from a point inside, without a look at most of the corners.
+//! Overlap of two faces, either with many vertices: found by rays from an interior point, without
+//! visiting most vertices.
 //!
-//! A ray leaves each face by an edge found by bisection; the nearer of the two is a border of what they share, and the end
-//! of that edge, or where it crosses the other rim, is a corner. Four rays are shot crosswise, some between them, and then some out of
-//! the longest sides of what is known. So of two discs of `m` corners `log m` are looked at for each
-//! ray, and not all corners of what they share are found: more than are wanted, spread over it.
+//! ```text
+//!       .-----.
+//!     /    A .-+----.        m: a point inside both faces
+//!    |      /   \     \      i: the edge by which the ray leaves A, before leaving B
+//!    |     |  m--i->   |     The left end of i is a candidate if it lies in B; otherwise the
+//!     \     \   /   B /      crossing of i with the boundary of B is.
+//!       '----+'-----'
+//! ```
+//!
+//! Each face is left by an edge found by bisection; the nearer exit is on the boundary of the
+//! overlap, and the end of the edge, or its crossing with the opposite boundary, is a candidate.
+//! Four rays are cast crosswise, some between them, and then some out of the longest sides found so
+//! far. So for two discs of `m` vertices each ray visits `log m` of them. Not all vertices of the
+//! overlap are found, but more than requested, spread over the overlap.
 
 use core::cmp::Ordering;
 
 use super::MOST_POINTS;
-use super::clip::crossing;
-use super::corners::{Corners, On};
-use super::shadow::Shadow;
-use crate::scalar::sqrt;
+use super::candidates::{Candidates, Location};
+use super::clip::push_crossing;
+use super::projection::ProjectedFeature;
+use crate::num::scalar::sqrt;
+use crate::tuning::contact::MAX_LOCAL_STEPS;
 
-/// So many corners beside a hint are looked at before all are.
-const NEAR: usize = 4;
-
-/// Where the rays of the last frame left the faces of A and of B: the next ones leave nearby.
+/// Exit edges of the previous frame's rays on the faces of A and of B: the next rays exit nearby.
 pub(super) type Rays = [[u32; 2]; 12];
 
-/// A ray that has none before it.
+/// Exit edges of rays never cast before.
 pub(super) const NO_RAYS: Rays = [[u32::MAX; 2]; 12];
 
-type Place = [f64; 2];
+type Point2 = [f64; 2];
 
-fn minus(p: Place, q: Place) -> Place {
+fn minus(p: Point2, q: Point2) -> Point2 {
     [p[0] - q[0], p[1] - q[1]]
 }
 
-fn turn(u: Place, v: Place) -> f64 {
+fn turn(u: Point2, v: Point2) -> f64 {
     u[0] * v[1] - u[1] * v[0]
 }
 
-fn dot(u: Place, v: Place) -> f64 {
+fn dot(u: Point2, v: Point2) -> f64 {
     u[0] * v[0] + u[1] * v[1]
 }
 
-impl Shadow<'_> {
-    /// A point inside the face.
-    pub(super) fn middle(&self) -> Place {
-        let [p, q, r] = [0, self.count / 3, 2 * self.count / 3].map(|k| self.place(k));
+impl ProjectedFeature<'_> {
+    /// Returns a point inside the face.
+    pub(super) fn middle(&self) -> Point2 {
+        let [p, q, r] = [0, self.count / 3, 2 * self.count / 3].map(|k| self.position(k));
         [0, 1].map(|k| (p[k] + q[k] + r[k]) / 3.0)
     }
 
-    /// Whether the face is no wider than `noise`, so that rounding decides where rays leave it. Of a large one a triangle in it tells.
+    /// Returns whether the face is no wider than `noise`, so that rounding decides the exits of
+    /// rays. A large face is judged by an inscribed triangle.
     fn is_sliver(&self, noise: f64) -> bool {
         let count = if self.is_large() { 3 } else { self.count };
-        let seen = |k: usize| minus(self.place(k * self.count / count), self.place(0));
+        let relative = |k: usize| minus(self.position(k * self.count / count), self.position(0));
         let (mut area, mut reach) = (0.0, 0.0f64);
         for k in 2..count {
-            let (p, q) = (seen(k - 1), seen(k));
+            let (p, q) = (relative(k - 1), relative(k));
             area += turn(p, q);
             reach = reach.max(dot(p, p)).max(dot(q, q));
         }
-        // Written so that NaN is one.
+        // NaN counts as a sliver.
         !self.is_edge() && !(area.abs() > noise * sqrt(reach))
     }
 
-    /// Where the ray from `from`, inside the face, leaves it: by which edge, and after how many times `way`. A ray that leaves by
-    /// the edge `hint` or one beside it is soon told.
-    fn exit(&self, from: Place, way: Place, hint: usize) -> (f64, usize) {
-        let seen = |k: usize| minus(self.place(k), from);
-        let leave = |k: usize, p: Place, q: Place| {
+    /// Returns the exit of a ray from `from`, inside the face: the ray parameter in multiples of
+    /// `way`, and the exit edge. Fast if the exit edge is `hint` or near it.
+    fn exit(&self, from: Point2, way: Point2, hint: usize) -> (f64, usize) {
+        let relative = |k: usize| minus(self.position(k), from);
+        let exit_at = |k: usize, p: Point2, q: Point2| {
             let (right, left) = (turn(way, p), turn(way, q));
             let s = if left > right {
                 (-right / (left - right)).clamp(0.0, 1.0)
@@ -71,49 +81,49 @@ impl Shadow<'_> {
             let x = [p[0] + s * (q[0] - p[0]), p[1] + s * (q[1] - p[1])];
             (dot(x, way) / dot(way, way), k)
         };
-        // Right of the ray at one end, left of it at the other, and seen from inside.
-        let hit = |p: Place, q: Place| {
+        // Right of the ray at the start, left of the ray at the end, and seen from inside.
+        let hit = |p: Point2, q: Point2| {
             turn(way, p) <= 0.0 && turn(way, q) >= 0.0 && turn(p, q) > 0.0 && dot(way, q) + dot(way, p) > 0.0
         };
-        let near = if hint < self.count { NEAR } else { 0 };
+        let near = if hint < self.count { MAX_LOCAL_STEPS } else { 0 };
         let mut k = hint.min(self.count - 1);
-        let mut p = seen(k);
+        let mut p = relative(k);
         let forward = turn(way, p) <= 0.0;
         for _ in 0..near {
-            let beside = if forward {
+            let adjacent = if forward {
                 self.next(k)
             } else if k == 0 {
                 self.count - 1
             } else {
                 k - 1
             };
-            let q = seen(beside);
+            let q = relative(adjacent);
             if forward && hit(p, q) {
-                return leave(k, p, q);
+                return exit_at(k, p, q);
             }
             if !forward && hit(q, p) {
-                return leave(beside, q, p);
+                return exit_at(adjacent, q, p);
             }
-            (k, p) = (beside, q);
+            (k, p) = (adjacent, q);
         }
         let k = self.bisect(from, way);
-        leave(k, seen(k), seen(self.next(k)))
+        exit_at(k, relative(k), relative(self.next(k)))
     }
 
-    /// The edge by which a ray leaves.
-    fn bisect(&self, from: Place, way: Place) -> usize {
-        let seen = |k: usize| minus(self.place(k), from);
-        let first = seen(0);
+    /// Returns the edge by which a ray exits, found by bisection.
+    fn bisect(&self, from: Point2, way: Point2) -> usize {
+        let relative = |k: usize| minus(self.position(k), from);
+        let first = relative(0);
         let ahead = turn(first, way) >= 0.0;
-        // Whether, counter-clockwise from the first corner, another comes before the ray.
-        let before = |v: Place| {
+        // Returns whether `v` comes before the ray, counter-clockwise from the first vertex.
+        let before = |v: Point2| {
             let (half, short) = (turn(first, v) >= 0.0, turn(v, way) >= 0.0);
             if ahead { half && short } else { half || short }
         };
         let (mut low, mut high) = (0, self.count);
         while high - low > 1 {
             let middle = (low + high) / 2;
-            if before(seen(middle)) {
+            if before(relative(middle)) {
                 low = middle;
             } else {
                 high = middle;
@@ -122,26 +132,27 @@ impl Shadow<'_> {
         low
     }
 
-    /// Whether a place is in the face, seen from one that is; NaN is in.
-    pub(super) fn holds(&self, middle: Place, at: Place) -> bool {
+    /// Returns whether a point is in the face, as seen from the interior point `middle`; true for
+    /// NaN.
+    pub(super) fn contains(&self, middle: Point2, at: Point2) -> bool {
         !(self.exit(middle, minus(at, middle), usize::MAX).0 < 1.0)
     }
 }
 
-/// A point well inside both faces: the hint, or one from the witnesses, which are at zero: towards the middle of a face, or away
-/// from both borders.
-fn inside(a: &Shadow, b: &Shadow, hint: Option<Place>) -> Option<Place> {
+/// Returns a point well inside both faces: the hint, or a point offset from the witnesses (the
+/// origin of the plane) towards the middle of a face, or away from both boundaries.
+fn common_point(a: &ProjectedFeature, b: &ProjectedFeature, hint: Option<Point2>) -> Option<Point2> {
     let (of_a, of_b) = (a.middle(), b.middle());
-    let both = |p: &Place| a.holds(of_a, *p) && b.holds(of_b, *p);
+    let both = |p: &Point2| a.contains(of_a, *p) && b.contains(of_b, *p);
     if let Some(hint) = hint.filter(both) {
         return Some(hint);
     }
     if let Some(p) = [of_a, of_b].map(|w| [w[0] * 0.5, w[1] * 0.5]).into_iter().find(both) {
         return Some(p);
     }
-    let inward = |s: &Shadow, middle: Place| {
+    let inward = |s: &ProjectedFeature, middle: Point2| {
         let (_, k) = s.exit(middle, [-middle[0], -middle[1]], usize::MAX);
-        let u = minus(s.place(s.next(k)), s.place(k));
+        let u = minus(s.position(s.next(k)), s.position(k));
         let length = sqrt(dot(u, u));
         [-u[1] / length, u[0] / length]
     };
@@ -159,71 +170,76 @@ fn inside(a: &Shadow, b: &Shadow, hint: Option<Place>) -> Option<Place> {
     None
 }
 
-/// Two faces, and how many rays were shot at them.
-pub(super) struct Rims<'a> {
-    a: &'a Shadow<'a>,
-    b: &'a Shadow<'a>,
+/// Two faces, and the number of rays cast so far.
+pub(super) struct RayCaster<'a> {
+    a: &'a ProjectedFeature<'a>,
+    b: &'a ProjectedFeature<'a>,
     rays: &'a mut Rays,
     count: usize,
 }
 
-/// Corners of what two faces share, enough to choose `most` from; none of slivers no wider than `noise`. `hint`: a place that may be in
-/// the middle of it.
+/// Adds candidates on the boundary of the overlap of two faces, enough to choose `most` from; none
+/// if a face is a sliver no wider than `noise`. `hint` may be near the middle of the overlap.
 pub(super) fn clip(
-    [a, b]: [&Shadow; 2],
+    [a, b]: [&ProjectedFeature; 2],
     noise: f64,
-    hint: Option<Place>,
+    hint: Option<Point2>,
     most: usize,
     rays: &mut Rays,
-    corners: &mut Corners,
+    candidates: &mut Candidates,
 ) {
     if a.is_sliver(noise) || b.is_sliver(noise) {
         return;
     }
-    let Some(mut centre) = inside(a, b, hint) else { return };
-    let mut rims = Rims { a, b, rays, count: 0 };
-    let first = corners.all().len();
+    let Some(mut centre) = common_point(a, b, hint) else {
+        return;
+    };
+    let mut caster = RayCaster { a, b, rays, count: 0 };
+    let first = candidates.all().len();
     let mut half = [0.0; 2];
     for k in 0..2 {
         let mut ray = |way: f64| {
             let mut axis = [0.0; 2];
             axis[k] = way;
-            rims.shoot(centre, axis, corners)
+            caster.cast_ray(centre, axis, candidates)
         };
         let (ahead, back) = (ray(1.0), ray(-1.0));
         half[k] = (ahead + back) * 0.5;
         centre[k] += (ahead - back) * 0.5;
     }
-    // Between the axes a round or square outline is met before the sum of both; a long one beyond it, and then on both ends.
+    // Between the axes a round or square outline is hit before the sum of both half axes; a long
+    // outline beyond the sum, and then on both ends.
     for [x, y] in [half, [-half[0], half[1]]] {
-        if rims.shoot(centre, [x, y], corners) > 1.0 {
-            rims.shoot(centre, [-x, -y], corners);
+        if caster.cast_ray(centre, [x, y], candidates) > 1.0 {
+            caster.cast_ray(centre, [-x, -y], candidates);
         }
     }
     let mut tried = [[f64::NAN; 2]; MOST_POINTS / 2];
     for k in 0..most / 2 {
-        if corners.all().len() < first + 3 {
+        if candidates.all().len() < first + 3 {
             return;
         }
-        tried[k] = rims.widen(first, &tried[..k], corners);
+        tried[k] = caster.widen(first, &tried[..k], candidates);
     }
 }
 
-impl Rims<'_> {
-    /// One ray more, out of the middle of the longest side of the corners found that was not `tried` yet; which is told.
-    fn widen(&mut self, first: usize, tried: &[Place], corners: &mut Corners) -> Place {
-        let found = &mut corners.all_mut()[first..];
+impl RayCaster<'_> {
+    /// Casts a further ray from the middle of the longest untried side of the candidates found;
+    /// returns the middle.
+    fn widen(&mut self, first: usize, tried: &[Point2], candidates: &mut Candidates) -> Point2 {
+        let found = &mut candidates.all_mut()[first..];
         let count = found.len();
         let sum = found.iter().fold([0.0; 2], |s, c| [s[0] + c.at[0], s[1] + c.at[1]]);
         let middle = [sum[0] / count as f64, sum[1] / count as f64];
-        // Counter-clockwise from the first.
+        // Sorts counter-clockwise from the first candidate.
         let start = minus(found[0].at, middle);
-        let half = |p: Place| turn(start, p) < 0.0 || turn(start, p) == 0.0 && dot(start, p) < 0.0;
-        let order = |p: Place, q: Place| {
+        let half = |p: Point2| turn(start, p) < 0.0 || turn(start, p) == 0.0 && dot(start, p) < 0.0;
+        let order = |p: Point2, q: Point2| {
             let (u, v) = (minus(p, middle), minus(q, middle));
             half(u).cmp(&half(v)).then(turn(v, u).total_cmp(&turn(u, v)))
         };
-        // By hand: to rounding this is no order, which the sorts of the library may end by a panic.
+        // Sorted by hand: under rounding the comparison is no total order, and library sorts may
+        // panic.
         for end in 2..count {
             let mut k = end;
             while k > 1 && order(found[k].at, found[k - 1].at) == Ordering::Less {
@@ -242,14 +258,14 @@ impl Rims<'_> {
         }
         let (length, from, way) = longest;
         if length > 0.0 {
-            self.shoot(from, way, corners);
+            self.cast_ray(from, way, candidates);
         }
         from
     }
 
-    /// The corner at the left end of the border that a ray from inside hits, and that at its right end where the border is one of a
-    /// few; after how many times `way` the ray hits it is told.
-    fn shoot(&mut self, from: Place, way: Place, corners: &mut Corners) -> f64 {
+    /// Casts a ray from an interior point and adds the left end (for small faces also the right
+    /// end) of the boundary edge it hits. Returns the ray parameter in multiples of `way`.
+    fn cast_ray(&mut self, from: Point2, way: Point2, candidates: &mut Candidates) -> f64 {
         let (a, b) = (self.a, self.b);
         let before = self.rays.get(self.count).copied().unwrap_or([u32::MAX; 2]);
         let ((far_a, i), (far_b, j)) = (
@@ -261,27 +277,27 @@ impl Rims<'_> {
         }
         self.count += 1;
         if far_a <= far_b {
-            for end in ends(a, i) {
-                let at = a.place(end);
-                match crossed((a, i, end), (b, j), from) {
-                    None => corners.push(
+            for end in tested_ends(a, i) {
+                let at = a.position(end);
+                match crossing_edge((a, i, end), (b, j), from) {
+                    None => candidates.push(
                         at,
-                        [a.corner(end)[2], b.height_on_face(at)],
-                        [On::corner(end), On::WHOLE],
+                        [a.vertex(end)[2], b.height_on_face(at)],
+                        [Location::vertex(end), Location::WHOLE],
                     ),
-                    Some(j) => crossing(a, b, i, j, corners),
+                    Some(j) => push_crossing(a, b, i, j, candidates),
                 };
             }
         } else {
-            for end in ends(b, j) {
-                let at = b.place(end);
-                match crossed((b, j, end), (a, i), from) {
-                    None => corners.push(
+            for end in tested_ends(b, j) {
+                let at = b.position(end);
+                match crossing_edge((b, j, end), (a, i), from) {
+                    None => candidates.push(
                         at,
-                        [a.height_on_face(at), b.corner(end)[2]],
-                        [On::WHOLE, On::corner(end)],
+                        [a.height_on_face(at), b.vertex(end)[2]],
+                        [Location::WHOLE, Location::vertex(end)],
                     ),
-                    Some(i) => crossing(a, b, i, j, corners),
+                    Some(i) => push_crossing(a, b, i, j, candidates),
                 };
             }
         }
@@ -289,28 +305,34 @@ impl Rims<'_> {
     }
 }
 
-/// The ends of edge `k` that are worth a look.
-fn ends(of: &Shadow, k: usize) -> impl Iterator<Item = usize> {
+/// Returns the ends of edge `k` to be tested.
+fn tested_ends(of: &ProjectedFeature, k: usize) -> impl Iterator<Item = usize> {
     let right = (!of.is_large()).then_some(k);
     core::iter::once(of.next(k)).chain(right)
 }
 
-/// The edge of the outer face's rim that crosses edge `k` of the inner one between the ray, which leaves the outer face by `start`,
-/// and one end of the edge; `None` where that end is in the outer face.
-fn crossed((inner, k, end): (&Shadow, usize, usize), (outer, start): (&Shadow, usize), from: Place) -> Option<usize> {
-    let (far, last) = outer.exit(from, minus(inner.place(end), from), start);
+/// Returns the outer face's boundary edge that crosses edge `k` of the inner face between the ray,
+/// which exits the outer face by `start`, and an end of edge `k`; `None` if the end is in the outer
+/// face.
+fn crossing_edge(
+    (inner, k, end): (&ProjectedFeature, usize, usize),
+    (outer, start): (&ProjectedFeature, usize),
+    from: Point2,
+) -> Option<usize> {
+    let (far, last) = outer.exit(from, minus(inner.position(end), from), start);
     if !(far < 1.0) {
         return None;
     }
-    let p = inner.place(k);
-    let u = minus(inner.place(inner.next(k)), p);
+    let p = inner.position(k);
+    let u = minus(inner.position(inner.next(k)), p);
     let m = outer.count;
-    // Edge 0 leaves by the ray, the last one by the end; their corners are outside the inner edge, then inside.
+    // The ray exits by edge 0, the segment to the end by the last edge; the vertices between are
+    // first outside the inner edge, then inside.
     let left = end != k;
     let edge = |n: usize| if left { (start + n) % m } else { (start + m - n) % m };
     let inside = |n: usize| {
-        let corner = if left { outer.next(edge(n)) } else { edge(n) };
-        turn(u, minus(outer.place(corner), p)) >= 0.0
+        let vertex = if left { outer.next(edge(n)) } else { edge(n) };
+        turn(u, minus(outer.position(vertex), p)) >= 0.0
     };
     let (mut low, mut high) = (
         0,

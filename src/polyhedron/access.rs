@@ -1,29 +1,30 @@
-//! What a body tells about itself: its features, their neighbours and places, its box and ball.
+//! Read access to a body: features, their neighbours and coordinates, bounding box and bounding
+//! ball.
 
 use nalgebra::{Point3, Unit, Vector3};
 
-use super::{BuildReport, ConvexPolyhedron, EdgeId, FaceId, VertexId};
-use crate::scalar::sqrt;
-use crate::tolerance::UNIT;
+use crate::num::scalar::sqrt;
+use crate::polyhedron::{BuildReport, ConvexPolyhedron, EdgeId, FaceId, VertexId};
+use crate::tolerance::RADIUS_UP;
 
-/// Ids are checked: one that names no feature of this body, such as one of a larger body, gives `None` or an empty
-/// iterator.
+/// Ids are checked: an id that names no feature of this body, such as an id of a larger body, gives
+/// `None` or an empty iterator.
 impl ConvexPolyhedron {
-    /// How many vertices the body has: all are extreme points.
+    /// Returns the number of vertices; all are extreme points.
     #[inline]
     #[must_use]
     pub fn vertex_count(&self) -> usize {
         self.points.len()
     }
 
-    /// How many edges the body has.
+    /// Returns the number of edges.
     #[inline]
     #[must_use]
     pub fn edge_count(&self) -> usize {
         self.topology.half_edge_count() / 2
     }
 
-    /// How many faces the body has: two for a polygon (its sides), none for a segment or a point.
+    /// Returns the number of faces: two for a polygon (its sides), none for a segment or a point.
     #[inline]
     #[must_use]
     pub fn face_count(&self) -> usize {
@@ -34,43 +35,44 @@ impl ConvexPolyhedron {
         }
     }
 
-    /// All vertices, in rising order.
+    /// Returns the ids of all vertices, in rising order.
     pub fn vertices(&self) -> impl ExactSizeIterator<Item = VertexId> + Clone + use<> {
         (0..self.vertex_count() as u32).map(VertexId)
     }
 
-    /// All edges, in rising order.
+    /// Returns the ids of all edges, in rising order.
     pub fn edges(&self) -> impl Iterator<Item = EdgeId> + Clone + '_ {
         let half_edges = 0..self.topology.half_edge_count() as u32;
         half_edges.filter(|&h| h < self.topology.half_edge(h).twin).map(EdgeId)
     }
 
-    /// All faces, in rising order.
+    /// Returns the ids of all faces, in rising order.
     pub fn faces(&self) -> impl ExactSizeIterator<Item = FaceId> + Clone + use<> {
         (0..self.face_count() as u32).map(FaceId)
     }
 
-    /// The place of a vertex: exactly the point the caller gave, but for coordinates the report counts as flushed.
+    /// Returns the position of a vertex: exactly the point the caller gave, but for coordinates the
+    /// report counts as flushed.
     #[must_use]
     pub fn vertex(&self, vertex: VertexId) -> Option<Point3<f64>> {
-        self.points.get(vertex.index()).map(|p| self.given(p))
+        self.points.get(vertex.index()).map(|p| self.to_user(p))
     }
 
-    /// The places of all vertices, in the order of their ids.
+    /// Returns the positions of all vertices, in the order of their ids.
     #[must_use]
     pub fn vertex_points(&self) -> impl ExactSizeIterator<Item = Point3<f64>> + Clone + '_ {
-        self.points.iter().map(|p| self.given(p))
+        self.points.iter().map(|p| self.to_user(p))
     }
 
-    /// The ends of an edge.
+    /// Returns the two end vertices of an edge.
     #[must_use]
     pub fn edge_vertices(&self, edge: EdgeId) -> Option<[VertexId; 2]> {
         self.has_edge(edge)
             .then(|| [self.topology.from(edge.0), self.topology.half_edge(edge.0).to].map(VertexId))
     }
 
-    /// The faces on the left and on the right of an edge, looking from its first end to its second from outside; `None`
-    /// also for the edge of a segment.
+    /// Returns the faces on the left and on the right of an edge, as seen from outside and looking
+    /// from the first end to the second; `None` also for the edge of a segment.
     #[must_use]
     pub fn edge_faces(&self, edge: EdgeId) -> Option<[FaceId; 2]> {
         let known = self.has_edge(edge) && self.face_count() > 0;
@@ -80,18 +82,19 @@ impl ConvexPolyhedron {
         })
     }
 
-    /// The vertices round a face, counter-clockwise seen from outside.
+    /// Returns the vertices of a face, counter-clockwise seen from outside.
     pub fn face_vertices(&self, face: FaceId) -> impl Iterator<Item = VertexId> + '_ {
         self.face_rim(face).map(|h| VertexId(self.topology.from(h)))
     }
 
-    /// The edges round a face, counter-clockwise seen from outside; the first leaves the first of
-    /// [`face_vertices`](Self::face_vertices).
+    /// Returns the edges of a face, counter-clockwise seen from outside, beginning with the edge
+    /// that leaves the first of [`face_vertices`](Self::face_vertices).
     pub fn face_edges(&self, face: FaceId) -> impl Iterator<Item = EdgeId> + '_ {
         self.face_rim(face).map(|h| EdgeId(self.topology.edge(h)))
     }
 
-    /// The outward unit normal of a face and its offset along it, `normal . x = offset` on the face up to rounding.
+    /// Returns the outward unit normal of a face and the offset of its plane: `normal . x = offset`
+    /// on the face up to rounding.
     #[must_use]
     pub fn face_plane(&self, face: FaceId) -> Option<(Unit<Vector3<f64>>, f64)> {
         let plane = self.planes.get(face.index()).filter(|_| self.has_face(face))?;
@@ -99,37 +102,37 @@ impl ConvexPolyhedron {
         Some((Unit::new_unchecked(plane.normal), offset))
     }
 
-    /// The vertices joined to a vertex by an edge, counter-clockwise seen from outside.
+    /// Returns the vertices adjacent to a vertex, counter-clockwise seen from outside.
     pub fn vertex_neighbours(&self, vertex: VertexId) -> impl Iterator<Item = VertexId> + '_ {
         self.vertex_fan(vertex).map(|h| VertexId(self.topology.half_edge(h).to))
     }
 
-    /// The edges at a vertex, counter-clockwise seen from outside.
+    /// Returns the edges at a vertex, counter-clockwise seen from outside.
     pub fn vertex_edges(&self, vertex: VertexId) -> impl Iterator<Item = EdgeId> + '_ {
         self.vertex_fan(vertex).map(|h| EdgeId(self.topology.edge(h)))
     }
 
-    /// The faces at a vertex, counter-clockwise seen from outside.
+    /// Returns the faces at a vertex, counter-clockwise seen from outside.
     pub fn vertex_faces(&self, vertex: VertexId) -> impl Iterator<Item = FaceId> + '_ {
         let fan = self.vertex_fan(vertex).filter(|_| self.face_count() > 0);
         fan.map(|h| FaceId(self.topology.half_edge(h).face))
     }
 
-    /// The caller's index of a vertex, the lowest among equal points.
+    /// Returns the caller's index of a vertex, the lowest among equal points.
     #[must_use]
     pub fn source_vertex(&self, vertex: VertexId) -> Option<usize> {
         self.source.get(vertex.index()).map(|&i| i as usize)
     }
 
-    /// The caller's face that holds a face of the body. Where the caller had cut one flat face into pieces it is one of
-    /// them; `None` for bodies that were not made from faces.
+    /// Returns the caller's face that holds a face of the body; any piece if the caller had cut a
+    /// flat face into pieces. `None` for bodies not made from faces.
     #[must_use]
     pub fn source_face(&self, face: FaceId) -> Option<usize> {
         self.source_faces.get(face.index()).map(|&i| i as usize)
     }
 
-    /// Bytes this body takes, its lists included but not its report: with some hundred vertices or more some 155 a vertex, beyond 10,922
-    /// vertices some 200 (links of 16 and of 32 bits).
+    /// Returns the bytes this body takes, with its lists but without its report: some 155 a vertex
+    /// from some hundred vertices on, some 200 beyond 10,922 vertices (links of 16 and of 32 bits).
     #[must_use]
     pub fn size_in_bytes(&self) -> usize {
         let lists = size_of_val(&self.points[..])
@@ -144,35 +147,37 @@ impl ConvexPolyhedron {
             + self.scan.heap_bytes()
     }
 
-    /// What building this body kept, merged and dropped.
+    /// Returns the report of the build: points and facets kept, merged and dropped.
     #[must_use]
     pub fn report(&self) -> &BuildReport {
         &self.report
     }
 
-    /// The corners of the smallest box that holds the body, exactly.
+    /// Returns the least and greatest corner of the smallest axis-aligned box that holds the body,
+    /// exactly.
     #[must_use]
     pub fn aabb(&self) -> (Point3<f64>, Point3<f64>) {
-        (self.given(&self.low), self.given(&self.high))
+        (self.to_user(&self.low), self.to_user(&self.high))
     }
 
-    /// A ball that holds the body: the centre of its box and the largest distance of a vertex from there, rounded up.
+    /// Returns centre and radius of a ball that holds the body: the centre of the bounding box and
+    /// the largest distance of a vertex from there, rounded up.
     #[must_use]
     pub fn bounding_ball(&self) -> (Point3<f64>, f64) {
         let (low, high) = self.aabb();
         let centre = Point3::from(low.coords * 0.5 + high.coords * 0.5);
         let scale = 1.0 / self.unit();
-        // Distances are taken from the centre as rounded, in stored units so that squares stay in range.
-        let far = self
-            .points
-            .iter()
-            .fold(0.0f64, |r, p| r.max(((self.given(p) - centre) * scale).norm_squared()));
-        (centre, sqrt(far) * (1.0 + 8.0 * UNIT) * self.unit())
+        // Distances are taken from the rounded centre, in stored units so that squares stay in
+        // range.
+        let far = self.points.iter().fold(0.0f64, |r, p| {
+            r.max(((self.to_user(p) - centre) * scale).norm_squared())
+        });
+        (centre, sqrt(far) * RADIUS_UP * self.unit())
     }
 
-    /// A stored point in the caller's coordinates.
+    /// Converts a stored point to the caller's coordinates.
     #[inline]
-    pub(crate) fn given(&self, stored: &Vector3<f64>) -> Point3<f64> {
+    pub(crate) fn to_user(&self, stored: &Vector3<f64>) -> Point3<f64> {
         Point3::from(stored * self.unit() + self.origin)
     }
 
@@ -202,10 +207,19 @@ impl ConvexPolyhedron {
     }
 }
 
-/// Two bodies are equal if they have the same vertices by number, and with them all else but the caller's indices and the report.
+/// Two bodies are equal if they have equal vertices in equal order; everything else follows but the
+/// caller's indices and the report.
 impl PartialEq for ConvexPolyhedron {
     fn eq(&self, other: &Self) -> bool {
         let place = |b: &Self| (b.exponent, b.origin);
         place(self) == place(other) && self.points == other.points && self.topology == other.topology
+    }
+}
+
+impl ConvexPolyhedron {
+    /// Returns the centre of the bounding box, in stored coordinates.
+    #[inline]
+    pub(crate) fn center(&self) -> Vector3<f64> {
+        (self.low + self.high) * 0.5
     }
 }

@@ -1,35 +1,36 @@
-//! Boxes of a placed body, for a broad phase.
+//! Axis-aligned boxes of a posed body, for a broad phase.
 //!
-//! Small bodies are scanned, four vertices at a time in `f32`; of larger ones the six extreme vertices are kept by the
-//! caller and climbed from (Cohen, Lin, Manocha and Ponamgi 1995, section 4.2, the dynamic box). Both are rounded outward
-//! by a bound of all their rounding, so the box holds the body as placed: at most `1e-6 r` too large on a side when
-//! scanned, `1e-14 (r + |t|)` when climbed.
+//! The vertices of a small body are scanned, four at a time in `f32` (SIMD). For a larger body the
+//! caller keeps the six extreme vertices as hints, and hill climbing starts there (Cohen, Lin,
+//! Manocha and Ponamgi 1995, section 4.2, the dynamic box). Both results are rounded outward by a
+//! bound of all rounding, so the box holds the posed body: at most `1e-6 r` too large on a side if
+//! scanned, `1e-14 (r + |t|)` if climbed.
 
 use alloc::vec::Vec;
 
 use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
 use wide::f32x4;
 
-use super::ConvexPolyhedron;
+use crate::polyhedron::ConvexPolyhedron;
 use crate::pose::rotation_matrix;
 use crate::tolerance::{BOX, BOX_SCANNED, POSE_UNIT};
+use crate::tuning::polyhedron::SCANNED;
 
-/// Bodies up to this many vertices are scanned.
-const SCANNED: usize = 64;
-
-/// The extreme vertices of one body at its last pose: what [`ConvexPolyhedron::aabb_at`] starts from.
+/// The extreme vertices of one body at its last pose, from which [`ConvexPolyhedron::aabb_at`]
+/// starts.
 ///
-/// Of another body, or out of date, it costs time and never a box that is too small.
+/// A hint that is out of date or belongs to another body costs time, but never makes a box too
+/// small.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct BoxHint([u32; 6]);
 
-/// Vertex coordinates in `f32`, axis by axis, four by four; the last group repeats a vertex.
+/// Vertex coordinates in `f32`, axis by axis, in groups of four; the last group repeats a vertex.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Scan(Vec<[f32x4; 3]>);
 
 impl Scan {
-    /// Of a body small enough to be scanned; empty for others.
+    /// Packs the vertices of a body small enough to be scanned; empty for larger bodies.
     pub(crate) fn new(points: &[Vector3<f64>]) -> Self {
         if points.len() > SCANNED {
             return Self::default();
@@ -40,12 +41,12 @@ impl Scan {
         Self(points.chunks(4).map(group).collect())
     }
 
-    /// Bytes on the heap.
+    /// Returns the bytes on the heap.
     pub(crate) fn heap_bytes(&self) -> usize {
         size_of_val(&self.0[..])
     }
 
-    /// Least and greatest coordinates of the turned vertices, not yet rounded outward.
+    /// Returns the least and greatest coordinates of the turned vertices, not yet rounded outward.
     #[inline]
     fn span(&self, matrix: &Matrix3<f64>) -> (Vector3<f64>, Vector3<f64>) {
         let rows: [[f32x4; 3]; 3] =
@@ -66,7 +67,7 @@ impl Scan {
     }
 }
 
-/// One number for each of three vectors: the fold of its four lanes, all three side by side.
+/// Folds the four lanes of each of three vectors to one number, all three vectors in parallel.
 #[inline(always)]
 fn across([x, y, z]: [f32x4; 3], fold: impl Fn(f32x4, f32x4) -> f32x4) -> Vector3<f64> {
     let [a, b, c, d] = f32x4::transpose([x, y, z, z]);
@@ -75,10 +76,12 @@ fn across([x, y, z]: [f32x4; 3], fold: impl Fn(f32x4, f32x4) -> f32x4) -> Vector
 }
 
 impl ConvexPolyhedron {
-    /// The axis-aligned box of the body at a pose, rounded outward: least and greatest corner, in the frame the pose leads
-    /// to. `hint` remembers the extreme vertices from one frame to the next.
+    /// Returns the axis-aligned box of the body at a pose, rounded outward: least and greatest
+    /// corner, in the frame the pose leads to. `hint` keeps the extreme vertices from one frame to
+    /// the next.
     ///
-    /// A pose that is not finite gives a box that is not, which a broad phase refuses by name.
+    /// A pose that is not finite gives a box that is not finite, which a broad phase refuses by
+    /// name.
     #[doc(alias = "compute_aabb")]
     pub fn aabb_at(&self, pose: &Isometry3<f64>, hint: &mut BoxHint) -> (Point3<f64>, Point3<f64>) {
         let matrix = matrix(pose);
@@ -96,7 +99,7 @@ impl ConvexPolyhedron {
                 Point3::from(center + high + margin),
             )
         };
-        if self.as_given {
+        if self.is_unscaled {
             return around(t, low, high, (t.abs() * BOX).add_scalar(error));
         }
         let (center, far) = self.origin_at(&matrix, &t);
@@ -104,9 +107,9 @@ impl ConvexPolyhedron {
         around(center, low * unit, high * unit, far.add_scalar(error * unit))
     }
 
-    /// A cube that holds the body however it is turned, about its own origin or, for a body far from that, about its
-    /// middle: the fixed box of Cohen et al. 1995. Cheaper than [`aabb_at`](Self::aabb_at) and larger, so more pairs have
-    /// to be looked at.
+    /// Returns a cube that holds the body in every orientation, about its own origin or, for a body
+    /// far from its origin, about its middle: the fixed box of Cohen et al. 1995. Cheaper than
+    /// [`aabb_at`](Self::aabb_at) and larger, so more pairs have to be tested.
     #[must_use]
     pub fn cube_at(&self, pose: &Isometry3<f64>) -> (Point3<f64>, Point3<f64>) {
         let matrix = matrix(pose);
@@ -115,14 +118,16 @@ impl ConvexPolyhedron {
         (Point3::from(center - half), Point3::from(center + half))
     }
 
-    /// Where the stored origin is, and how far off that may be: an entry of the matrix is off by the same however small it is.
+    /// Returns the posed stored origin and a bound of its error by axis. An entry of the matrix has
+    /// an absolute error, however small the entry is.
     #[cold]
     fn origin_at(&self, matrix: &Matrix3<f64>, t: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
         let far = t.abs().add_scalar(self.origin.abs().sum()) * BOX;
         (matrix * self.origin + t, far)
     }
 
-    /// Climbs to the least and greatest vertex along each axis. Apart from the scan, which needs fewer registers saved.
+    /// Climbs to the least and greatest vertex along each axis. Not inlined: the scan needs fewer
+    /// saved registers.
     #[inline(never)]
     fn climbed_span(&self, matrix: &Matrix3<f64>, hint: &mut BoxHint) -> (Vector3<f64>, Vector3<f64>) {
         let (mut low, mut high) = (Vector3::zeros(), Vector3::zeros());
@@ -131,10 +136,10 @@ impl ConvexPolyhedron {
             for (slot, n, end) in [(2 * k, -up, &mut low[k]), (2 * k + 1, up, &mut high[k])] {
                 let known = hint.0[slot];
                 let start = if (known as usize) < self.points.len() { known } else { 0 };
-                let top = if self.is_summit(&n, start) {
+                let top = if self.is_local_maximum(&n, start) {
                     start
                 } else {
-                    self.climb(&n, start)
+                    self.support_climb(&n, start)
                 };
                 hint.0[slot] = top;
                 *end = up.dot(&self.points[top as usize]);
@@ -144,12 +149,12 @@ impl ConvexPolyhedron {
     }
 }
 
-/// `R(q) / |q|^2`.
+/// Returns the rotation matrix `R(q) / |q|^2` of a pose.
 #[inline]
 fn matrix(pose: &Isometry3<f64>) -> Matrix3<f64> {
     let q = pose.rotation.coords;
     let n = q.norm_squared();
-    // Of a unit quaternion `2 - n` is `1 / n` to 1e-24, and nobody waits for a division.
+    // For a unit quaternion `2 - n` is `1 / n` to 1e-24, and nothing waits for a division.
     let inverse = if (n - 1.0).abs() <= POSE_UNIT { 2.0 - n } else { 1.0 / n };
     rotation_matrix(&[q.x, q.y, q.z, q.w], 2.0 * inverse)
 }

@@ -1,4 +1,4 @@
-//! Names of the features of a body (vertices, edges, faces) and of pairs of them.
+//! Ids of the features of a body (vertices, edges, faces) and pairs of features.
 
 use alloc::format;
 use core::fmt;
@@ -11,7 +11,7 @@ macro_rules! id {
         pub struct $name(pub(crate) u32);
 
         impl $name {
-            /// The position of this feature among those of its kind and body.
+            /// Returns the index of this feature among the features of its kind and body.
             #[inline]
             pub fn index(self) -> usize {
                 self.0 as usize
@@ -27,14 +27,16 @@ macro_rules! id {
 }
 
 id!(
-    /// A vertex of one body. [`ConvexPolyhedron::source_vertex`] leads back to the caller's own index.
+    /// A vertex of one body. [`ConvexPolyhedron::source_vertex`] leads back to the caller's own
+    /// index.
     ///
     /// [`ConvexPolyhedron::source_vertex`]: crate::ConvexPolyhedron::source_vertex
     VertexId,
     "v"
 );
 id!(
-    /// An undirected edge of one body, named by the lower of the numbers of its two half-edges (so the numbers have gaps).
+    /// An undirected edge of one body, named by the lower of the numbers of its two half-edges (so
+    /// the numbers have gaps).
     EdgeId,
     "e"
 );
@@ -50,14 +52,14 @@ id!(
 pub enum Feature {
     /// A vertex.
     Vertex(VertexId),
-    /// An edge, its ends left out.
+    /// An edge without its ends.
     Edge(EdgeId),
-    /// A face, its rim left out.
+    /// A face without its boundary.
     Face(FaceId),
 }
 
 impl Feature {
-    /// 0 for a vertex, 1 for an edge, 2 for a face.
+    /// Returns 0 for a vertex, 1 for an edge, 2 for a face.
     #[must_use]
     pub fn dimension(self) -> usize {
         match self {
@@ -89,7 +91,7 @@ pub struct FeaturePair {
 }
 
 impl FeaturePair {
-    /// The same pair seen with A and B exchanged.
+    /// Returns the pair with A and B exchanged.
     #[must_use]
     pub fn swapped(self) -> Self {
         Self { a: self.b, b: self.a }

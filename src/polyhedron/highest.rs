@@ -1,193 +1,23 @@
-//! The highest vertex along a direction, exactly, by a look at a few: also of faces and fans of thousands that are level but for
-//! rounding, or level altogether.
+//! Exact support vertex. Examines few vertices even if thousands tie exactly or within rounding
+//! because the direction is normal to a large face or fan.
 //!
-//! A body is the exact hull of its stored points, and its faces are exactly flat. So with exact signs these hold without exception:
-//! a vertex that no neighbour exceeds is a highest one; heights round a face rise to one place and fall from it, and so do
-//! the slopes of the edges of a fan (see `fans`); and what is level with a highest vertex is that vertex, an edge or a face. Climbing
-//! and bisection on them need no proof. Signs are those of f64 where it is certain of them, and else those of double-double and
-//! of exact sums, or of integers at the exact level ([`Upward`]).
+//! A body is the exact hull of its stored points, and its faces are exactly flat. With exact signs
+//! the following therefore holds without exception: a vertex that no adjacent vertex exceeds is a
+//! support vertex; heights round a face are unimodal, and so are the slopes of the edges of a fan
+//! (see `fans`); the points level with a support vertex are the vertex itself, an edge or a face.
+//! Hill climbing and bisection need no further proof. Signs are exact (see `heights`).
 
-use core::cmp::Ordering;
+use crate::polyhedron::ConvexPolyhedron;
+use crate::polyhedron::axis::Axis;
+use crate::polyhedron::fans::Fans;
+use crate::polyhedron::heights::{Height, Slope, Upward};
+use crate::polyhedron::topology::Topology;
+use crate::polyhedron::unimodal::top_of_ring;
+use crate::tuning::polyhedron::MANY;
 
-use nalgebra::Vector3;
-
-use super::ConvexPolyhedron;
-use super::cloud::{exponent_of, power_of_two};
-use super::fans::{Axis, Fans, top_of_ring};
-use super::support::edge_sign;
-use super::topology::{MANY, Topology};
-use crate::double_double::{DoubleDouble, Expansion};
-use crate::scalar::Scalar;
-use crate::tolerance::{EDGE_SIGN, STEEPER, UNIT};
-
-/// A direction `n` along which the vertices of a body have an exact order.
-pub(crate) trait Upward {
-    /// The sign of `n . (q - p)` of two vertices.
-    fn rise(&self, p: u32, q: u32) -> i32;
-    /// The sign of `(n . e) (m . f) - (n . f) (m . e)`, for the edges `e` and `f` from `p` to `q` and `r`: which of the two rises more
-    /// along `n` for its rise along `m`, if both rise along that.
-    fn steeper(&self, m: &Axis, p: u32, q: u32, r: u32) -> i32;
-}
-
-/// A direction in double-double: `n + rest`, which round to `n`.
-pub(crate) struct Direction<'a> {
-    points: &'a [Vector3<f64>],
-    n: Vector3<f64>,
-    rest: Vector3<f64>,
-}
-
-impl<'a> Direction<'a> {
-    /// In the frame of the points.
-    #[inline]
-    pub(crate) fn new(points: &'a [Vector3<f64>], n: &Vector3<f64>, rest: &Vector3<f64>) -> Self {
-        let (n, rest) = (*n, *rest);
-        Self { points, n, rest }
-    }
-
-    /// Times the power of two that brings it to about one.
-    fn fine(&self) -> [DoubleDouble; 3] {
-        let scale = power_of_two(-exponent_of(self.n.amax()));
-        [0, 1, 2].map(|k| DoubleDouble {
-            hi: self.n[k] * scale,
-            lo: self.rest[k] * scale,
-        })
-    }
-
-    /// The edge between two vertices, rounded.
-    fn edge(&self, p: u32, q: u32) -> Vector3<f64> {
-        self.points[q as usize] - self.points[p as usize]
-    }
-
-    fn fine_edge(&self, p: u32, q: u32) -> [DoubleDouble; 3] {
-        let (p, q) = (&self.points[p as usize], &self.points[q as usize]);
-        [0, 1, 2].map(|k| DoubleDouble::sum(q[k], -p[k]))
-    }
-
-    #[cold]
-    fn rise_finely(&self, p: u32, q: u32) -> i32 {
-        let fine = self.fine();
-        let (value, size) = sum(&fine, &self.fine_edge(p, q));
-        let bound = EDGE_SIGN / UNIT * DoubleDouble::UNIT * size;
-        if size == 0.0 || value.value().abs() > bound {
-            return sign(value.value());
-        }
-        let (p, q) = (&self.points[p as usize], &self.points[q as usize]);
-        exact::<2, 24>(&fine.map(|n| [n.hi, n.lo]), p, q).sign()
-    }
-
-    #[cold]
-    fn steeper_finely(&self, m: &Axis, p: u32, q: u32, r: u32) -> i32 {
-        let (fine, e, f) = (self.fine(), self.fine_edge(p, q), self.fine_edge(p, r));
-        if let Some(sign) = certain(&fine, &m.doubled(), &e, &f) {
-            return sign;
-        }
-        let [p, q, r] = [p, q, r].map(|v| &self.points[v as usize]);
-        let up = fine.map(|n| [n.hi, n.lo]);
-        let rises = |q| (exact::<2, 24>(&up, p, q), m.rise(p, q));
-        let ((n_e, m_e), (n_f, m_f)) = (rises(q), rises(r));
-        let mut sum = Expansion::<4608>::new();
-        for (x, y, sign) in [(&n_e, &m_f, 1.0), (&n_f, &m_e, -1.0)] {
-            for &x in x.parts() {
-                y.parts().iter().for_each(|y| sum.add_product(x, sign * y));
-            }
-        }
-        sum.sign()
-    }
-}
-
-impl Upward for Direction<'_> {
-    #[inline]
-    fn rise(&self, p: u32, q: u32) -> i32 {
-        match edge_sign(&self.n, &self.edge(p, q)) {
-            0 => self.rise_finely(p, q),
-            sign => sign,
-        }
-    }
-
-    #[inline]
-    fn steeper(&self, m: &Axis, p: u32, q: u32, r: u32) -> i32 {
-        steeper(&self.n, &m.rounded(), &self.edge(p, q), &self.edge(p, r))
-            .unwrap_or_else(|| self.steeper_finely(m, p, q, r))
-    }
-}
-
-fn sign(x: f64) -> i32 {
-    i32::from(x > 0.0) - i32::from(x < 0.0)
-}
-
-/// `n . e` and the sum of the magnitudes of its terms.
-#[inline]
-fn sum<T: Scalar>(n: &[T; 3], e: &[T; 3]) -> (T, f64) {
-    let terms = [n[0] * e[0], n[1] * e[1], n[2] * e[2]];
-    let size = terms.iter().fold(0.0, |s, x| s + x.value().abs());
-    (terms[0] + terms[1] + terms[2], size)
-}
-
-/// The sign of `(n . e) (m . f) - (n . f) (m . e)`, where the arithmetic is certain of it.
-#[inline]
-fn certain<T: Scalar>(n: &[T; 3], m: &[T; 3], e: &[T; 3], f: &[T; 3]) -> Option<i32> {
-    let ((ne, s_ne), (mf, s_mf)) = (sum(n, e), sum(m, f));
-    let ((nf, s_nf), (me, s_me)) = (sum(n, f), sum(m, e));
-    let (value, size) = ((ne * mf - nf * me).value(), s_ne * s_mf + s_nf * s_me);
-    (size == 0.0 || value.abs() > STEEPER / UNIT * T::UNIT * size).then(|| sign(value))
-}
-
-/// The same in f64, `n` rounded and `e` and `f` rounded differences of stored points.
-#[inline]
-pub(crate) fn steeper(n: &Vector3<f64>, m: &Vector3<f64>, e: &Vector3<f64>, f: &Vector3<f64>) -> Option<i32> {
-    let [n, m, e, f] = [n, m, e, f].map(|v| <[f64; 3]>::from(*v));
-    certain(&n, &m, &e, &f)
-}
-
-/// `n . (q - p)` without rounding, for a direction in `K` parts a coordinate; `N` is `12 K`.
-pub(super) fn exact<const K: usize, const N: usize>(
-    n: &[[f64; K]; 3],
-    p: &Vector3<f64>,
-    q: &Vector3<f64>,
-) -> Expansion<N> {
-    let mut sum = Expansion::new();
-    for k in 0..3 {
-        for &part in &n[k] {
-            sum.add_product(part, q[k]);
-            sum.add_product(-part, p[k]);
-        }
-    }
-    sum
-}
-
-/// A vertex that compares by its height.
-struct Height<'a, U>(&'a U, u32);
-
-impl<U: Upward> PartialEq for Height<'_, U> {
-    fn eq(&self, other: &Self) -> bool {
-        self.partial_cmp(other) == Some(Ordering::Equal)
-    }
-}
-
-impl<U: Upward> PartialOrd for Height<'_, U> {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.0.rise(other.1, self.1).cmp(&0))
-    }
-}
-
-/// An edge from the first vertex to the second that compares by its rise for that along the axis `m`.
-pub(super) struct Slope<'a, U>(pub(super) &'a U, pub(super) &'a Axis, pub(super) u32, pub(super) u32);
-
-impl<U: Upward> PartialEq for Slope<'_, U> {
-    fn eq(&self, other: &Self) -> bool {
-        self.partial_cmp(other) == Some(Ordering::Equal)
-    }
-}
-
-impl<U: Upward> PartialOrd for Slope<'_, U> {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.0.steeper(self.1, self.2, self.3, other.3).cmp(&0))
-    }
-}
-
-/// From a vertex of a large face, or beside one of a large fan, to the highest one of that face or a high one beside that vertex; the
-/// vertex itself where none is higher.
-pub(super) fn leap<U: Upward>(t: &Topology, fans: &Fans, n: &U, v: u32) -> u32 {
+/// Returns the highest vertex of the large faces at `v`, or a high vertex of the large fans
+/// adjacent to `v`; `v` itself if none is higher.
+pub(super) fn jump<U: Upward>(t: &Topology, fans: &Fans, n: &U, v: u32) -> u32 {
     if !t.has_large_faces() && fans.is_empty() || t.fan(v).len() > MANY {
         return v;
     }
@@ -204,7 +34,7 @@ pub(super) fn leap<U: Upward>(t: &Topology, fans: &Fans, n: &U, v: u32) -> u32 {
             take(vertex(top_of_ring(ring.len(), |k| Height(n, vertex(k)))));
         }
         if fans.axis(t, e.to).is_some() {
-            // Where the neighbours lie in one plane this is the highest of them.
+            // If the adjacent vertices lie in one plane, this is the highest of them.
             let fan = t.fan(e.to);
             let vertex = |k: usize| t.half_edge(fan.start + k as u32).to;
             take(vertex(top_of_ring(fan.len(), |k| Height(n, vertex(k)))));
@@ -214,25 +44,27 @@ pub(super) fn leap<U: Upward>(t: &Topology, fans: &Fans, n: &U, v: u32) -> u32 {
 }
 
 impl ConvexPolyhedron {
-    /// The vertex highest along `n`, the lowest number among equals, climbing from `start`.
+    /// Returns the support vertex along `n`, the lowest id among equal vertices, climbing from
+    /// `start`.
     #[inline(never)]
-    pub(crate) fn highest<U: Upward>(&self, n: &U, start: u32) -> u32 {
+    pub(crate) fn support_exact<U: Upward>(&self, n: &U, start: u32) -> u32 {
         let mut v = start;
-        // Each vertex is higher than the one before.
+        // Each vertex is higher than the previous vertex.
         for _ in 0..self.points.len() {
-            match self.above(n, v) {
-                Ok(higher) => v = leap(&self.topology, &self.fans, n, higher),
+            match self.higher_vertex(n, v) {
+                Ok(higher) => v = jump(&self.topology, &self.fans, n, higher),
                 Err(first) => return first,
             }
         }
         v
     }
 
-    /// A neighbour of `v` that is higher; where there is none, the lowest number of what is level with it.
-    fn above<U: Upward>(&self, n: &U, v: u32) -> Result<u32, u32> {
+    /// Returns an adjacent vertex higher than `v`, or, as an error, the lowest id among the
+    /// vertices level with `v` if none is higher.
+    fn higher_vertex<U: Upward>(&self, n: &U, v: u32) -> Result<u32, u32> {
         let t = &self.topology;
         let to = |h: u32| t.half_edge(h).to;
-        let (fan, (first, count)) = (t.fan(v), self.outermost(n, v));
+        let (fan, (first, count)) = (t.fan(v), self.candidate_edges(n, v));
         let next = |h: u32| if h + 1 == fan.end { fan.start } else { h + 1 };
         let (mut best, mut level, mut h) = (v, [None; 2], first);
         for _ in 0..count {
@@ -248,7 +80,7 @@ impl ConvexPolyhedron {
         match level {
             _ if best != v => Ok(best),
             [Some(g), Some(h)] => {
-                // Level edges are neighbours, a face between them.
+                // Two level edges are adjacent in the fan, with a face between them.
                 let h = if next(g) == h { g } else { h };
                 Err(t.from(t.rim_start(t.half_edge(h).face)))
             }
@@ -257,9 +89,9 @@ impl ConvexPolyhedron {
         }
     }
 
-    /// The edges of `v` that may rise or be level if any is: the first and how many from there. All of a fan; of a large one the steepest
-    /// and those beside it.
-    fn outermost<U: Upward>(&self, n: &U, v: u32) -> (u32, usize) {
+    /// Returns a run of edges of `v`, first and count, including a rising or level edge if there is
+    /// any: the whole fan, or the steepest edge of a large fan and the edges next to it.
+    fn candidate_edges<U: Upward>(&self, n: &U, v: u32) -> (u32, usize) {
         let (t, fan) = (&self.topology, self.topology.fan(v));
         let Some(m) = self.fans.axis(t, v) else {
             return (fan.start, fan.len());
@@ -268,13 +100,15 @@ impl ConvexPolyhedron {
         (fan.start + before(self.steepest(n, v, m)) as u32, 3)
     }
 
-    /// Where in the large fan of `v`, along whose axis `m` all its edges rise, the edge is that rises most for that.
+    /// Returns the index in the large fan of `v`, whose axis is `m`, of the edge with the greatest
+    /// slope along `n`.
     fn steepest<U: Upward>(&self, n: &U, v: u32, m: &Axis) -> usize {
         let (t, fan) = (&self.topology, self.topology.fan(v));
         top_of_ring(fan.len(), |k| Slope(n, m, v, t.half_edge(fan.start + k as u32).to))
     }
 
-    /// An edge of `v` that rises along `n`, if one does, or else one that is level, if one is, or else any; none of a point.
+    /// Returns a rising edge of `v` along `n`, if there is any, else a level edge, else any edge;
+    /// `None` for a point.
     #[cfg(feature = "exact")]
     pub(crate) fn rising<U: Upward>(&self, n: &U, v: u32) -> Option<u32> {
         let (t, fan) = (&self.topology, self.topology.fan(v));
@@ -289,13 +123,16 @@ impl ConvexPolyhedron {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::num::sign::exact_dot;
+    use crate::polyhedron::heights::Direction;
     use alloc::vec::Vec;
     use core::cell::Cell;
     use core::f64::consts::TAU;
     use lab::rng::Rng;
-    use nalgebra::{Point3, UnitQuaternion};
+    use nalgebra::{Point3, UnitQuaternion, Vector3};
 
-    /// Prisms, turned so that rounding breaks their lids into thousands of faces or not, cones and a face that bulges by rounding.
+    /// Prisms, turned or not (rounding breaks the lids of a turned prism into thousands of faces),
+    /// cones and a face that bulges by rounding.
     fn body(kind: &str, n: usize, rng: &mut Rng) -> ConvexPolyhedron {
         let angle = |k| {
             if kind.starts_with("odd") {
@@ -351,7 +188,8 @@ mod tests {
         "octahedron",
     ];
 
-    /// Across faces, edges and nothing, off by rounding and less: a direction and the rest of it.
+    /// Directions perpendicular to faces, to edges and to nothing, off by rounding and less: each
+    /// direction and its rest.
     fn directions(body: &ConvexPolyhedron, count: usize, rng: &mut Rng) -> Vec<[Vector3<f64>; 2]> {
         let pick = |m: usize, rng: &mut Rng| (rng.range(0.0, m as f64) as usize).min(m - 1);
         let largest = (0..body.planes.len() as u32).max_by_key(|&f| body.topology.rim(f).count());
@@ -378,17 +216,21 @@ mod tests {
                 let body = body(kind, n, &mut rng);
                 for [n, rest] in directions(&body, 126, &mut rng) {
                     let parts = [0, 1, 2].map(|k| [n[k], rest[k]]);
-                    // Without any filter.
+                    // Exact, without a floating-point filter.
                     let rise = |p: u32, q: u32| {
-                        exact::<2, 24>(&parts, &body.points[p as usize], &body.points[q as usize]).sign()
+                        exact_dot::<2, 24>(&parts, &body.points[p as usize], &body.points[q as usize]).sign()
                     };
                     let all = 0..body.points.len() as u32;
                     let top = all.clone().fold(0, |top, v| if rise(top, v) > 0 { v } else { top });
                     let level = all.filter(|&v| rise(top, v) == 0).count();
                     ties[level.min(4) - 1] += 1;
                     let direction = Direction::new(&body.points, &n, &rest);
-                    for start in [top, 0, body.points.len() as u32 / 2, body.climb(&n, 1)] {
-                        assert_eq!(body.highest(&direction, start), top, "{kind} {n} {rest}: {level} level");
+                    for start in [top, 0, body.points.len() as u32 / 2, body.support_climb(&n, 1)] {
+                        assert_eq!(
+                            body.support_exact(&direction, start),
+                            top,
+                            "{kind} {n} {rest}: {level} level"
+                        );
                     }
                 }
             }
@@ -423,7 +265,7 @@ mod tests {
                 let list = directions(&body, 210, &mut rng);
                 let counts = list.iter().map(|[n, rest]| {
                     let direction = Counted(Direction::new(&body.points, n, rest), Cell::new(0));
-                    body.highest(&direction, body.climb(n, 0));
+                    body.support_exact(&direction, body.support_climb(n, 0));
                     direction.1.get()
                 });
                 counts.max().unwrap_or(0)
@@ -431,51 +273,5 @@ mod tests {
             let (few, many) = (most(500), most(16_000));
             assert!(many <= 3 * few + 60 && many < 1000, "{kind}: {few} and {many}");
         }
-    }
-
-    #[test]
-    fn slopes_compare_exactly() {
-        let mut rng = Rng::new(11);
-        let whole = |rng: &mut Rng| Vector3::from_fn(|_, _| rng.range(-4.0, 4.0).round());
-        let mut level = 0;
-        for _ in 0..20_000 {
-            let (n, m, p, e, f) = (
-                whole(&mut rng),
-                whole(&mut rng),
-                whole(&mut rng),
-                whole(&mut rng),
-                whole(&mut rng),
-            );
-            let truth = sign(n.dot(&e) * m.dot(&f) - n.dot(&f) * m.dot(&e));
-            let points = [p, p + e, p + f];
-            let direction = Direction::new(&points, &n, &Vector3::zeros());
-            let axis = Axis::new([0, 1, 2].map(|k| [m[k], 0.0, 0.0, 0.0]));
-            assert_eq!(direction.steeper(&axis, 0, 1, 2), truth);
-            assert_eq!(direction.steeper_finely(&axis, 0, 1, 2), truth);
-            assert_eq!(direction.rise(0, 1), sign(n.dot(&e)));
-            if truth == 0 && n.z == 0.0 {
-                // Off by what only an exact sum sees.
-                let n = n + Vector3::new(0.0, 0.0, 2f64.powi(-140));
-                let direction = Direction::new(&points, &n, &Vector3::zeros());
-                let truth = sign(e.z * m.dot(&f) - f.z * m.dot(&e));
-                assert_eq!(direction.steeper(&axis, 0, 1, 2), truth);
-                level += 1;
-                // The same of the axis, whose last part alone tells.
-                let off = whole(&mut rng);
-                let n = Vector3::new(n.x, n.y, 0.0);
-                let truth = sign(n.dot(&e) * off.dot(&f) - n.dot(&f) * off.dot(&e));
-                let axis = Axis::new([0, 1, 2].map(|k| {
-                    let off = off[k] * 2f64.powi(-160);
-                    if m[k] == 0.0 {
-                        [off, 0.0, 0.0, 0.0]
-                    } else {
-                        [m[k], off, 0.0, 0.0]
-                    }
-                }));
-                let direction = Direction::new(&points, &n, &Vector3::zeros());
-                assert_eq!(direction.steeper(&axis, 0, 1, 2), truth);
-            }
-        }
-        assert!(level > 20, "{level}");
     }
 }

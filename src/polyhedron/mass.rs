@@ -1,35 +1,37 @@
 //! Volume, centroid and inertia at unit density.
 //!
-//! The body is cut into tetrahedra between its box centre and triangles of its faces; their moments are polynomials of
-//! the corners (Tonon 2004). All is summed in double-double from exact differences, so that thin, far-off and round
-//! bodies lose nothing to cancellation; only slivers thinner than rounding (1e-16 of their extent) lose digits.
+//! The body is cut into tetrahedra between the centre of its box and triangles of its faces; the
+//! moments of a tetrahedron are polynomials of its vertices (Tonon 2004). All sums are in
+//! double-double from exact differences, so that thin, far-off and round bodies lose nothing to
+//! cancellation; only slivers thinner than rounding (1e-16 of their extent) lose digits.
 
 use nalgebra::{Matrix3, Point3, Vector3};
 
-use super::ConvexPolyhedron;
-use crate::double_double::DoubleDouble;
-use crate::scalar::Scalar;
+use crate::num::double_double::DoubleDouble;
+use crate::num::scalar::Scalar;
+use crate::polyhedron::ConvexPolyhedron;
 
-/// Sums over the body about its box centre, in stored units: six times the volume, 24 times the first moments, 120
-/// times the second.
+/// Sums over the body about its box centre, in stored units: six times the volume, 24 times the
+/// first moments, 120 times the second moments.
 struct Moments {
     volume: DoubleDouble,
     first: [DoubleDouble; 3],
-    /// xx, yy, zz, xy, yz, zx.
+    /// Second moments in the order xx, yy, zz, xy, yz, zx.
     second: [DoubleDouble; 6],
 }
 
 const PAIRS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0)];
 
 impl ConvexPolyhedron {
-    /// The volume, in the caller's unit cubed; 0 for polygons, segments and points.
+    /// Returns the volume, in the caller's unit cubed; 0 for polygons, segments and points.
     #[must_use]
     pub fn volume(&self) -> f64 {
         let unit = self.unit();
         self.moments(false).volume.value() / 6.0 * unit * unit * unit
     }
 
-    /// The centre of mass: of the volume, or of a polygon's area, a segment's length, or the point itself.
+    /// Returns the centre of mass: of the volume, or of a polygon's area, a segment's length, or
+    /// the point itself.
     #[doc(alias = "center_of_mass")]
     #[must_use]
     pub fn centroid(&self) -> Point3<f64> {
@@ -43,12 +45,12 @@ impl ConvexPolyhedron {
         } else {
             middle
         };
-        self.given(&centroid)
+        self.to_user(&centroid)
     }
 
-    /// The inertia tensor about the centroid at unit density, in the caller's axes and unit to the fifth power; zero for
-    /// bodies without volume. Overflows to infinity and underflows to zero where f64 does: extents beyond about 1e60
-    /// and below 1e-60.
+    /// Returns the inertia tensor about the centroid at unit density, in the caller's axes and unit
+    /// to the fifth power; zero for bodies without volume. Overflows to infinity and underflows to
+    /// zero as f64 does: at extents beyond about 1e60 and below 1e-60.
     #[doc(alias = "moment_of_inertia")]
     #[must_use]
     pub fn inertia(&self) -> Matrix3<f64> {
@@ -57,7 +59,8 @@ impl ConvexPolyhedron {
             return Matrix3::zeros();
         }
         let of = DoubleDouble::from;
-        // Steiner's theorem: 120 times the second moments about the centroid, volume = m.volume / 6.
+        // Steiner's theorem: 120 times the second moments about the centroid, volume = m.volume /
+        // 6.
         let central: [f64; 6] = core::array::from_fn(|i| {
             let (j, k) = PAIRS[i];
             let shift = m.first[j] * m.first[k] / m.volume * of(120.0 / (24.0 * 4.0));
@@ -69,7 +72,7 @@ impl ConvexPolyhedron {
         tensor * unit * unit * unit * unit * unit
     }
 
-    /// The centre of the box, in stored coordinates.
+    /// Returns the centre of the bounding box, in stored coordinates.
     fn middle(&self) -> Vector3<f64> {
         self.low * 0.5 + self.high * 0.5
     }
@@ -104,7 +107,7 @@ impl ConvexPolyhedron {
         sum
     }
 
-    /// The centroid of the area of a polygon, in stored coordinates.
+    /// Returns the centroid of the area of a polygon, in stored coordinates.
     fn polygon_centroid(&self) -> Vector3<f64> {
         let normal = self.planes[0].normal;
         let rim = || {
@@ -128,7 +131,7 @@ impl ConvexPolyhedron {
 }
 
 impl Moments {
-    /// Adds the tetrahedron between the centre and a triangle given relative to it.
+    /// Adds the tetrahedron between the box centre and a triangle given relative to that centre.
     fn add(&mut self, a: &[DoubleDouble; 3], b: &[DoubleDouble; 3], c: &[DoubleDouble; 3], second: bool) {
         let minor = |j: usize, k: usize| b[j] * c[k] - b[k] * c[j];
         let six_volumes = a[0] * minor(1, 2) + a[1] * minor(2, 0) + a[2] * minor(0, 1);

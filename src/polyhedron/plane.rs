@@ -1,21 +1,23 @@
-//! Supporting planes of faces: a unit normal right to the last bit or so, and an offset that provably bounds the body.
+//! Supporting planes of faces: a unit normal right to the last bit or so, and an offset that
+//! provably bounds the body.
 
 use nalgebra::Vector3;
 
-use super::Plane;
-use super::cloud::{exponent_of, power_of_two};
-use crate::double_double::{DoubleDouble, Expansion, two_sum};
-use crate::scalar::{Scalar, sqrt};
-use crate::tolerance::{CROSS_CANCELLED, NORMAL_ERROR, UNIT_DOUBLE_DOUBLE};
+use crate::num::double_double::{DoubleDouble, Expansion, two_sum};
+use crate::num::scalar::{Scalar, sqrt};
+use crate::polyhedron::Plane;
+use crate::polyhedron::build::cloud::{exponent_of, power_of_two};
+use crate::tolerance::{CROSS_CANCELLED, PLANE_OFFSET};
 
-/// Three corners of a face far from collinear: all triples of an exactly planar face span the same plane.
+/// Returns three vertices of a face far from collinear: all triples of an exactly planar face span
+/// one plane.
 pub(crate) fn widest_corners(points: &[Vector3<f64>], rim: &[u32]) -> [u32; 3] {
     let at = |v: u32| points[v as usize];
     if let [a, b, c] = *rim {
         return [a, b, c];
     }
     let a = rim[0];
-    // Largest coordinates, not squares: those of the smallest faces would underflow.
+    // Largest coordinates, not squares: squares of the smallest faces would underflow.
     let b = most(&rim[1..], |v| (at(v) - at(a)).amax());
     let chord = at(b) - at(a);
     let c = most(&rim[1..], |v| chord.cross(&(at(v) - at(a))).amax());
@@ -23,7 +25,7 @@ pub(crate) fn widest_corners(points: &[Vector3<f64>], rim: &[u32]) -> [u32; 3] {
     if place(b) < place(c) { [a, b, c] } else { [a, c, b] }
 }
 
-/// The first vertex of the largest measure.
+/// Returns the first vertex of the largest measure.
 fn most(rim: &[u32], measure: impl Fn(u32) -> f64) -> u32 {
     let better = |best: (u32, f64), v: u32| {
         let m = measure(v);
@@ -32,11 +34,12 @@ fn most(rim: &[u32], measure: impl Fn(u32) -> f64) -> u32 {
     rim.iter().copied().fold((0, f64::NEG_INFINITY), better).0
 }
 
-/// The plane through three points of a body whose vertices lie within `radius` of the stored origin and exactly below
-/// the plane, and twice the area of the triangle.
+/// Returns the plane through three points of a body, and twice the area of the triangle. All
+/// vertices of the body must lie within `radius` of the stored origin and exactly below the plane.
 ///
-/// For a vertex x and the true normal N, `N . (x - a) <= 0` exactly; the stored one differs by at most `NORMAL_ERROR`,
-/// so `n . x <= n . a + NORMAL_ERROR |x - a|`, and `|x - a| <= radius + |a|`. Nothing needs to be searched.
+/// For a vertex x and the true normal N, `N . (x - a) <= 0` exactly; the stored normal n differs by
+/// at most `NORMAL_ERROR`, so `n . x <= n . a + NORMAL_ERROR |x - a|`, and
+/// `|x - a| <= radius + |a|`. No search is needed.
 pub(crate) fn plane(a: &Vector3<f64>, b: &Vector3<f64>, c: &Vector3<f64>, radius: f64) -> (Plane, f64) {
     let (cross, exponent) = cross(a, b, c);
     let squares = cross[0] * cross[0] + cross[1] * cross[1] + cross[2] * cross[2];
@@ -70,7 +73,7 @@ pub(crate) fn plane(a: &Vector3<f64>, b: &Vector3<f64>, c: &Vector3<f64>, radius
         );
     }
     let reach = radius + a.norm();
-    let slack = reach * (NORMAL_ERROR * (1.0 + f64::EPSILON * 4.0) + 4.0 * UNIT_DOUBLE_DOUBLE);
+    let slack = reach * PLANE_OFFSET;
     let at = |k: usize| DoubleDouble::product(normal[k], a[k]);
     let offset = at(0) + at(1) + at(2) + DoubleDouble::from(slack);
     (
@@ -82,16 +85,17 @@ pub(crate) fn plane(a: &Vector3<f64>, b: &Vector3<f64>, c: &Vector3<f64>, radius
     )
 }
 
-/// `1 / sqrt(x)` in double-double: a Newton step past the f64 value.
+/// Returns `1 / sqrt(x)` in double-double: a Newton step past the f64 value.
 fn inverse_root(x: DoubleDouble) -> DoubleDouble {
     let y = 1.0 / sqrt(x.value());
     let rest = DoubleDouble::from(1.0) - x * DoubleDouble::product(y, y);
     DoubleDouble::sum(y, 0.5 * y * rest.value())
 }
 
-/// `(b - a) x (c - a)` times a power of two, in double-double, and the exponent that undoes the power.
+/// Returns `(b - a) x (c - a)` times a power of two, in double-double, and the exponent that undoes
+/// the power.
 ///
-/// Cut at the corner opposite the longest edge, which keeps the products small.
+/// The product is taken at the vertex opposite the longest edge, which keeps the terms small.
 fn cross(a: &Vector3<f64>, b: &Vector3<f64>, c: &Vector3<f64>) -> ([DoubleDouble; 3], i32) {
     let (ab, bc, ca) = ((b - a).norm_squared(), (c - b).norm_squared(), (a - c).norm_squared());
     let (a, b, c) = if ab >= bc && ab >= ca {
@@ -128,7 +132,7 @@ fn cross(a: &Vector3<f64>, b: &Vector3<f64>, c: &Vector3<f64>) -> ([DoubleDouble
     (cross, exponent)
 }
 
-/// `b - a` exactly, times the power of two that brings its largest coordinate into [1, 2).
+/// Returns `b - a` exactly, times the power of two that brings the largest coordinate into [1, 2).
 fn edge(a: &Vector3<f64>, b: &Vector3<f64>) -> ([DoubleDouble; 3], i32) {
     let k = exponent_of((b - a).amax());
     let scale = power_of_two(-k);
@@ -142,7 +146,7 @@ fn edge(a: &Vector3<f64>, b: &Vector3<f64>) -> ([DoubleDouble; 3], i32) {
     ([part(0), part(1), part(2)], k)
 }
 
-/// `a b - c d` with one rounding to double-double.
+/// Returns `a b - c d` with one rounding to double-double.
 fn exact_difference(a: DoubleDouble, b: DoubleDouble, c: DoubleDouble, d: DoubleDouble) -> DoubleDouble {
     let mut sum = Expansion::<16>::new();
     for (x, y) in [(a, b), (-c, d)] {
@@ -156,8 +160,8 @@ fn exact_difference(a: DoubleDouble, b: DoubleDouble, c: DoubleDouble, d: Double
 
 #[cfg(test)]
 mod tests {
-    use super::super::solids;
     use super::*;
+    use crate::polyhedron::solids;
     use crate::tolerance::UNIT;
     use alloc::vec::Vec;
 
@@ -185,7 +189,7 @@ mod tests {
         assert_eq!((p.normal, p.offset), (Vector3::new(0.0, 0.0, -1.0), 0.0));
     }
 
-    /// `n . x - offset`, exactly, to the nearest f64.
+    /// Returns `n . x - offset`, exactly, to the nearest f64.
     fn excess(plane: &Plane, x: &Vector3<f64>) -> f64 {
         let mut sum = Expansion::<7>::new();
         for k in 0..3 {

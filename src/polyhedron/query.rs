@@ -1,16 +1,17 @@
-//! Questions to one body: extreme vertex, containment, closest point.
+//! Queries on one body: extreme vertex, containment, closest point.
 
 use nalgebra::{Point3, Vector3};
 
-use super::cloud::flush_below;
-use super::sign::{projection, turn};
-use super::{ConvexPolyhedron, VertexId};
-use crate::scalar::sqrt;
+use crate::num::scalar::sqrt;
+use crate::num::sign::{projection, turn};
+use crate::polyhedron::build::cloud::flush_below;
+use crate::polyhedron::{ConvexPolyhedron, VertexId};
 use crate::tolerance::{FAR_POINT, FOOT, NEAR_PLANE};
 
 impl ConvexPolyhedron {
-    /// A vertex farthest along a direction of any length, proven so up to the rounding of `direction . vertex`; among
-    /// equals the lowest. Vertex 0 for a direction that is zero or not finite. Looks at a few vertices only.
+    /// Returns a vertex farthest along a direction of any length, proven up to the rounding of
+    /// `direction . vertex`; the lowest id among equal vertices. Returns vertex 0 for a direction
+    /// that is zero or not finite. Examines a few vertices only.
     #[doc(alias = "support")]
     #[must_use]
     pub fn extreme_vertex(&self, direction: &Vector3<f64>) -> VertexId {
@@ -19,17 +20,19 @@ impl ConvexPolyhedron {
             return VertexId(0);
         }
         let direction = direction / size;
-        VertexId(self.extreme(&direction, self.lookup.cell(&direction)).vertex)
+        VertexId(self.support_certified(&direction, self.lookup.cell(&direction)).vertex)
     }
 
-    /// Whether the closed body holds a point: points on the surface belong to it. The answer is exact for the body as
-    /// stored (coordinates of the point below 2^-200 of the body's radius count as zero, as those of the vertices do).
-    /// `false` for a point that is not finite. Looks at face after face until one excludes the point, so time is linear in the faces.
+    /// Returns whether the closed body, surface included, holds a point. The answer is exact for
+    /// the stored body (coordinates of the point below 2^-200 of the body's radius count as zero,
+    /// as for the vertices). `false` for a point that is not finite. Tests face after face until
+    /// one excludes the point, so time is linear in the faces.
     #[must_use]
     pub fn contains(&self, point: &Point3<f64>) -> bool {
         let flush = flush_below(sqrt(((self.high - self.low) * 0.5).norm_squared()));
-        // Within the box of a shifted body the shift is exact (Sterbenz), as it was for the vertices; a point that is not
-        // shifted exactly is at least half the shift away, farther than the body reaches.
+        // Within the box of a shifted body the shift is exact (Sterbenz), as for the vertices; a
+        // point that is not shifted exactly is at least half the shift away, farther than the body
+        // reaches.
         let p = ((point.coords - self.origin) / self.unit()).map(|x| if x.abs() < flush { 0.0 } else { x });
         if !(0..3).all(|k| self.low[k] <= p[k] && p[k] <= self.high[k]) {
             return false; // also where a coordinate is not a number
@@ -39,7 +42,7 @@ impl ConvexPolyhedron {
             1 => projection(&self.points[0], &self.points[1], &p).is_none(),
             2 => self.polygon_contains(&p),
             _ => {
-                // Stored planes decide what is clear, exact signs the rest.
+                // Stored planes decide the clear cases, exact signs the rest.
                 let clear = NEAR_PLANE * (self.radius + p.norm());
                 self.planes.iter().zip(0u32..).all(|(plane, f)| {
                     let height = plane.normal.dot(&p) - plane.offset;
@@ -49,7 +52,7 @@ impl ConvexPolyhedron {
         }
     }
 
-    /// Whether an exactly flat polygon holds a point.
+    /// Returns whether an exactly flat polygon holds a point.
     fn polygon_contains(&self, p: &Vector3<f64>) -> bool {
         let at = |h: u32| &self.points[self.topology.from(h) as usize];
         let start = self.topology.rim_start(0);
@@ -67,10 +70,10 @@ impl ConvexPolyhedron {
             })
     }
 
-    /// The point of the closed body closest to a point: the point itself if the body holds it. `None` for a point that
-    /// is not finite.
+    /// Returns the point of the closed body closest to a point: the point itself if the body holds
+    /// it. `None` for a point that is not finite.
     ///
-    /// Looks at every face and edge, so time is linear in the size of the body.
+    /// Examines every face and edge, so time is linear in the size of the body.
     #[must_use]
     pub fn closest_point(&self, point: &Point3<f64>) -> Option<Point3<f64>> {
         if !point.iter().all(|x| x.is_finite()) {
@@ -100,10 +103,11 @@ impl ConvexPolyhedron {
                 propose(foot);
             }
         }
-        Some(self.given(&best.1))
+        Some(self.to_user(&best.1))
     }
 
-    /// The point in stored coordinates; one beyond 2^60 radii is drawn in along its ray, where it sees the same.
+    /// Returns the point in stored coordinates. A point beyond 2^60 radii is moved in along its
+    /// ray; the closest point stays the same.
     fn nearby(&self, point: &Point3<f64>) -> Vector3<f64> {
         let far = FAR_POINT * self.radius.max(f64::MIN_POSITIVE);
         // Halves keep the difference finite.
@@ -115,9 +119,11 @@ impl ConvexPolyhedron {
         half / half.amax() * far
     }
 
-    /// The foot of the perpendicular from `p` to a face, where it falls within the rim beyond rounding: nearer to an edge than that the
-    /// edge is as good, and of a face that is little more than a line every side is rounding. Seen from behind the foot is a point of the
-    /// body too, and the closest one where rounding misjudges the side.
+    /// Returns the foot of the perpendicular from `p` to a face, if the foot lies inside the face
+    /// boundary beyond rounding. If the foot is nearer to an edge, the edge gives as good a point,
+    /// and every side of a face that is little more than a line is rounding. If `p` is behind the
+    /// face, the foot is a point of the body too, and the closest point if rounding misjudges the
+    /// side.
     fn foot_on_face(&self, f: u32, p: &Vector3<f64>) -> Option<Vector3<f64>> {
         let n = self.planes[f as usize].normal;
         let a = self.points[self.topology.from(self.topology.rim_start(f)) as usize];

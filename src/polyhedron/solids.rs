@@ -1,19 +1,19 @@
-//! Common solids, centred on the origin unless said otherwise.
+//! Common solids, centred on the origin unless their documentation states another position.
 //!
-//! Sines and cosines come from `libm`, so that every target builds the same bits.
+//! Sines and cosines come from `libm`, so that every target builds identical bits.
 
 use alloc::vec::Vec;
 use core::f64::consts::TAU;
 use nalgebra::{Point3, Vector3};
 
-use super::{BuildError, ConvexPolyhedron};
-use crate::scalar::sqrt;
+use crate::num::scalar::sqrt;
+use crate::polyhedron::{BuildError, ConvexPolyhedron};
 use crate::tolerance::{EXTENT_MAX, EXTENT_MIN};
 
-/// Most corners of a prism or cone, and most points of a random hull.
+/// Largest number of vertices round a prism or cone, and of points of a random hull.
 const COUNT_MAX: usize = 1 << 24;
 
-/// Most subdivisions of a geodesic sphere: 2.6 million vertices.
+/// Largest number of subdivisions of a geodesic sphere: 2.6 million vertices.
 const SUBDIVISIONS_MAX: u32 = 9;
 
 fn size(what: &'static str, value: f64) -> Result<f64, BuildError> {
@@ -35,11 +35,11 @@ fn count(what: &'static str, value: usize, least: usize) -> Result<usize, BuildE
     }
 }
 
-/// A box with faces across the axes.
+/// Returns a box with faces perpendicular to the axes.
 ///
 /// # Errors
 ///
-/// A half extent that is not between 1e-100 and 1e100.
+/// A half extent outside 1e-100..1e100.
 #[doc(alias = "box")]
 pub fn cuboid(half_extents: Vector3<f64>) -> Result<ConvexPolyhedron, BuildError> {
     for x in half_extents.iter() {
@@ -59,11 +59,12 @@ fn circle(n: usize, radius: f64, z: f64) -> impl Iterator<Item = Point3<f64>> {
     })
 }
 
-/// A prism along z over a regular polygon of `n` corners at distance `radius` from the axis, the first on the x axis.
+/// Returns a prism along z over a regular polygon of `n` vertices at distance `radius` from the
+/// axis, the first on the x axis.
 ///
 /// # Errors
 ///
-/// Fewer than three corners, or a size that is not between 1e-100 and 1e100.
+/// Fewer than three vertices, or a size outside 1e-100..1e100.
 #[doc(alias = "cylinder")]
 pub fn prism(n: usize, radius: f64, half_height: f64) -> Result<ConvexPolyhedron, BuildError> {
     count("number of corners", n, 3)?;
@@ -74,11 +75,12 @@ pub fn prism(n: usize, radius: f64, half_height: f64) -> Result<ConvexPolyhedron
     ConvexPolyhedron::from_points(&points)
 }
 
-/// A pyramid over a regular polygon of `n` corners in the plane z = 0, its apex at z = `height`.
+/// Returns a pyramid over a regular polygon of `n` vertices in the plane z = 0, with its apex at z
+/// = `height`.
 ///
 /// # Errors
 ///
-/// Fewer than three corners, or a size that is not between 1e-100 and 1e100.
+/// Fewer than three vertices, or a size outside 1e-100..1e100.
 #[doc(alias = "pyramid")]
 pub fn cone(n: usize, radius: f64, height: f64) -> Result<ConvexPolyhedron, BuildError> {
     count("number of corners", n, 3)?;
@@ -87,22 +89,23 @@ pub fn cone(n: usize, radius: f64, height: f64) -> Result<ConvexPolyhedron, Buil
     ConvexPolyhedron::from_points(&points)
 }
 
-/// A regular tetrahedron with its vertices at distance `radius`, in alternate corners of a cube.
+/// Returns a regular tetrahedron with its vertices at distance `radius`, in alternate corners of a
+/// cube.
 ///
 /// # Errors
 ///
-/// A radius that is not between 1e-100 and 1e100.
+/// A radius outside 1e-100..1e100.
 pub fn tetrahedron(radius: f64) -> Result<ConvexPolyhedron, BuildError> {
     let s = size("radius", radius)? / sqrt(3.0);
     let signs = [[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]];
     ConvexPolyhedron::from_points(&signs.map(|[x, y, z]| Point3::new(s * x, s * y, s * z)))
 }
 
-/// A regular octahedron with its vertices on the axes at distance `radius`.
+/// Returns a regular octahedron with its vertices on the axes at distance `radius`.
 ///
 /// # Errors
 ///
-/// A radius that is not between 1e-100 and 1e100.
+/// A radius outside 1e-100..1e100.
 pub fn octahedron(radius: f64) -> Result<ConvexPolyhedron, BuildError> {
     let r = size("radius", radius)?;
     let points: Vec<_> = (0..6)
@@ -111,7 +114,7 @@ pub fn octahedron(radius: f64) -> Result<ConvexPolyhedron, BuildError> {
     ConvexPolyhedron::from_points(&points)
 }
 
-/// The twelve points `(0, +-a, +-b)` and their cyclic shifts.
+/// Returns the twelve points `(0, +-a, +-b)` and their cyclic shifts.
 fn golden_rectangles(a: f64, b: f64) -> impl Iterator<Item = Point3<f64>> {
     (0..12).map(move |k| {
         let (y, z) = (if k & 1 == 0 { a } else { -a }, if k & 2 == 0 { b } else { -b });
@@ -123,11 +126,11 @@ fn golden_rectangles(a: f64, b: f64) -> impl Iterator<Item = Point3<f64>> {
     })
 }
 
-/// A regular icosahedron with its vertices at distance `radius`.
+/// Returns a regular icosahedron with its vertices at distance `radius`.
 ///
 /// # Errors
 ///
-/// A radius that is not between 1e-100 and 1e100.
+/// A radius outside 1e-100..1e100.
 pub fn icosahedron(radius: f64) -> Result<ConvexPolyhedron, BuildError> {
     ConvexPolyhedron::from_points(&icosahedron_points(size("radius", radius)?))
 }
@@ -138,16 +141,18 @@ fn icosahedron_points(radius: f64) -> Vec<Point3<f64>> {
     golden_rectangles(s, s * golden).collect()
 }
 
-/// A dodecahedron of twelve exactly planar pentagons with its vertices at distance `radius`.
+/// Returns a dodecahedron of twelve exactly planar pentagons with its vertices at distance
+/// `radius`.
 ///
-/// No regular one has coordinates in f64; rounding them would break the pentagons into triangles. For any ratio h the
-/// points `(+-1, +-1, +-1)` and the cyclic shifts of `(0, +-(1 + h), +-(1 - h^2))` are planar by fives. Here h is a ratio
-/// of Fibonacci numbers, 1e-8 from the golden one, and the scale has so few digits that no coordinate is rounded: all
-/// vertices lie within 3e-8 `radius` of their regular places.
+/// No regular dodecahedron has coordinates in f64; rounding would break the pentagons into
+/// triangles. For any ratio h the points `(+-1, +-1, +-1)` and the cyclic shifts of
+/// `(0, +-(1 + h), +-(1 - h^2))` are planar by fives. Here h is a ratio of Fibonacci numbers, 1e-8
+/// from the golden ratio, and the scale has so few digits that no coordinate is rounded: all
+/// vertices lie within 3e-8 `radius` of their regular positions.
 ///
 /// # Errors
 ///
-/// A radius that is not between 1e-100 and 1e100.
+/// A radius outside 1e-100..1e100.
 pub fn dodecahedron(radius: f64) -> Result<ConvexPolyhedron, BuildError> {
     let radius = size("radius", radius)?;
     let (p, q) = (4181.0, 6765.0);
@@ -168,12 +173,12 @@ pub fn dodecahedron(radius: f64) -> Result<ConvexPolyhedron, BuildError> {
     ConvexPolyhedron::from_points(&cube.chain(rest).collect::<Vec<_>>())
 }
 
-/// An icosahedron whose triangles are divided into four `subdivisions` times, all vertices at distance `radius`:
-/// `10 * 4^subdivisions + 2` vertices.
+/// Returns an icosahedron whose triangles are divided into four `subdivisions` times, with all
+/// vertices at distance `radius`: `10 * 4^subdivisions + 2` vertices.
 ///
 /// # Errors
 ///
-/// More than 9 subdivisions, or a radius that is not between 1e-100 and 1e100.
+/// More than 9 subdivisions, or a radius outside 1e-100..1e100.
 #[doc(alias = "icosphere")]
 pub fn geodesic_sphere(subdivisions: u32, radius: f64) -> Result<ConvexPolyhedron, BuildError> {
     let radius = size("radius", radius)?;
@@ -199,7 +204,7 @@ pub fn geodesic_sphere(subdivisions: u32, radius: f64) -> Result<ConvexPolyhedro
     ConvexPolyhedron::from_points(&points.iter().map(|p| Point3::from(p * radius)).collect::<Vec<_>>())
 }
 
-/// Cuts each triangle into four at the middles of its edges, which move out to the unit sphere.
+/// Divides each triangle into four at the midpoints of its edges, moved out to the unit sphere.
 fn divide(triangles: &[[u32; 3]], points: &mut Vec<Vector3<f64>>) -> Vec<[u32; 3]> {
     let edges_of = |t: &[u32; 3]| [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])].map(|(a, b)| (a.min(b), a.max(b)));
     let mut edges: Vec<(u32, u32)> = triangles.iter().flat_map(edges_of).collect();
@@ -218,12 +223,12 @@ fn divide(triangles: &[[u32; 3]], points: &mut Vec<Vector3<f64>>) -> Vec<[u32; 3
     divided.collect()
 }
 
-/// The hull of `n` random points on an ellipsoid: uniform directions on the unit sphere, stretched by `semi_axes`. The
-/// same seed gives the same bits on every target.
+/// Returns the hull of `n` random points on an ellipsoid: uniform directions on the unit sphere,
+/// scaled by `semi_axes`. Equal seeds give identical bits on every target.
 ///
 /// # Errors
 ///
-/// Fewer than four points, or a semi-axis that is not between 1e-100 and 1e100.
+/// Fewer than four points, or a semi-axis outside 1e-100..1e100.
 pub fn random_hull(n: usize, semi_axes: Vector3<f64>, seed: u64) -> Result<ConvexPolyhedron, BuildError> {
     count("number of points", n, 4)?;
     for x in semi_axes.iter() {
@@ -242,7 +247,7 @@ pub fn random_hull(n: usize, semi_axes: Vector3<f64>, seed: u64) -> Result<Conve
     ConvexPolyhedron::from_points(&points)
 }
 
-/// The next number of SplitMix64 (Steele, Lea, Flood 2014), as a fraction in [0, 1).
+/// Returns the next number of SplitMix64 (Steele, Lea, Flood 2014), as a fraction in [0, 1).
 fn uniform(state: &mut u64) -> f64 {
     *state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
     let z = (*state ^ *state >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);

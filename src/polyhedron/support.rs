@@ -1,122 +1,121 @@
-//! Extreme vertices: hill climbing from a hint, and a cube map of directions for cold starts.
+//! Support vertices: hill climbing from a hint, and a cube map of directions for cold starts.
 //!
-//! Every non-optimal vertex of a convex body has a strictly better neighbour, so climbing ends at the extreme vertex.
-//! Rounding breaks that argument only where the sign of `n . e` along an edge `e` is uncertain; there the climb goes on with exact
-//! signs (`highest`). Signs are taken on edge vectors, never as the difference of two large products: on a chamfer of 1e-9 no
-//! neighbour compares higher while a far vertex is.
+//! Every non-optimal vertex of a convex body has a strictly better adjacent vertex, so climbing
+//! ends at the support vertex. Rounding breaks this argument only if the sign of `n . e` along an
+//! edge `e` is uncertain; the climb then goes on with exact signs (`highest`). Signs are taken of
+//! edge vectors, never of the difference of two large products: on a chamfer of 1e-9 no adjacent
+//! vertex compares higher while a far vertex is.
 //!
-//! Sources: Cameron 1997 (hill climbing with cached vertices); the cube map follows the directional lookup of Ehmann
-//! and Lin 2000, section 4.2, with cells on a cube instead of a sphere, so that no trigonometry is needed.
+//! Sources: Cameron 1997 (hill climbing with cached vertices); the cube map follows the directional
+//! lookup of Ehmann and Lin 2000, section 4.2, with cells on a cube instead of a sphere, so that no
+//! trigonometry is needed.
 
 use alloc::vec;
 use alloc::vec::Vec;
 use nalgebra::Vector3;
 
-use super::ConvexPolyhedron;
-use super::fans::{Fans, steepest};
-use super::highest::{self, Direction};
-use super::topology::Topology;
-use crate::lanes::Lanes;
+use crate::num::packed::PackedVec3;
+use crate::num::sign::edge_sign;
+use crate::polyhedron::ConvexPolyhedron;
+use crate::polyhedron::fans::{Fans, steepest};
+use crate::polyhedron::heights::Direction;
+use crate::polyhedron::highest;
+use crate::polyhedron::topology::Topology;
 use crate::tolerance::EDGE_SIGN;
+use crate::tuning::polyhedron::{FLATTEST, LEAP};
 
-/// The cube map takes no body for flatter than this.
-const FLATTEST: f64 = 1.0 / 1024.0;
-
-/// Steps of a climb between two looks for a large face to leap over.
-const LEAP: u32 = 4;
-
-/// The sign of `n . e` where rounding leaves no doubt, else 0. `e` is a rounded difference of two stored points.
+/// Climbs from `start` to a vertex with no adjacent vertex certainly higher along `n`.
 #[inline]
-pub(crate) fn edge_sign(n: &Vector3<f64>, e: &Vector3<f64>) -> i32 {
-    let (x, y, z) = (n.x * e.x, n.y * e.y, n.z * e.z);
-    let (value, bound) = (x + y + z, EDGE_SIGN * (x.abs() + y.abs() + z.abs()));
-    i32::from(value > bound) - i32::from(value < -bound)
-}
-
-/// Climbs from `start` to a vertex with no neighbour certainly higher along `n`.
-#[inline]
-pub(crate) fn climb(topology: &Topology, points: &[Vector3<f64>], fans: &Fans, n: Lanes, start: u32) -> u32 {
+pub(crate) fn support_climb(
+    topology: &Topology,
+    points: &[Vector3<f64>],
+    fans: &Fans,
+    n: PackedVec3,
+    start: u32,
+) -> u32 {
     let mut v = start;
     let mut steps = 0;
     loop {
-        let p = Lanes::new(&points[v as usize]);
+        let p = PackedVec3::new(&points[v as usize]);
         let (mut best, mut rise) = (v, 0.0);
         if let Some(m) = fans.axis(topology, v) {
             best = topology.half_edge(steepest(topology, points, v, m, &n.vector())).to;
         } else {
             topology.each_leaving(v, |_, to| {
-                let c = n.dot(Lanes::new(&points[to as usize]) - p);
+                let c = n.dot(PackedVec3::new(&points[to as usize]) - p);
                 if c > rise {
                     (best, rise) = (to, c);
                 }
             });
         }
-        // Only a certain rise is a move: that is what ends the loop among tied vertices.
+        // Only a certain rise is a move, so the loop ends among tied vertices.
         if best == v || edge_sign(&n.vector(), &(points[best as usize] - points[v as usize])) <= 0 {
             return v;
         }
         steps += 1;
         v = if steps % LEAP == 0 {
-            leap(topology, points, fans, &n.vector(), best)
+            jump(topology, points, fans, &n.vector(), best)
         } else {
             best
         };
     }
 }
 
-/// A leap to the top of a large face or of what is round a large fan, of bodies that have such.
+/// Jumps to the highest vertex of a large face, or to a high vertex of a large fan, if the body has
+/// such.
 #[inline]
-fn leap(topology: &Topology, points: &[Vector3<f64>], fans: &Fans, n: &Vector3<f64>, v: u32) -> u32 {
+fn jump(topology: &Topology, points: &[Vector3<f64>], fans: &Fans, n: &Vector3<f64>, v: u32) -> u32 {
     if !topology.has_large_faces() && fans.is_empty() {
         return v;
     }
-    highest::leap(topology, fans, &Direction::new(points, n, &Vector3::zeros()), v)
+    highest::jump(topology, fans, &Direction::new(points, n, &Vector3::zeros()), v)
 }
 
-/// The extreme vertex along a direction, with proof.
+/// The support vertex along a direction, with proof.
 pub(crate) struct Extreme {
-    /// A vertex no other vertex exceeds by more than rounding.
+    /// A vertex that no vertex exceeds by more than rounding.
     pub(crate) vertex: u32,
-    /// The largest rounded `n . x` over a set of vertices that is proven to hold the extreme one.
+    /// The largest rounded `n . x` over a set of vertices that is proven to hold the exact support
+    /// vertex.
     pub(crate) value: f64,
 }
 
-/// What is seen from a vertex along a direction.
-struct Ring {
+/// The heights of the vertices adjacent to a vertex, relative to the vertex, along a direction.
+struct Surroundings {
     vertex: u32,
-    /// The highest neighbour, if it is certainly higher.
+    /// The highest adjacent vertex, if certainly higher.
     higher: Option<u32>,
-    /// Neighbours that are not certainly lower, and the last of them.
+    /// Number of adjacent vertices not certainly lower; `tie` is the last of them.
     ties: u32,
     tie: u32,
 }
 
 impl ConvexPolyhedron {
-    /// The highest vertex along `n` (stored frame), starting from `hint`.
+    /// Returns the support vertex along `n` (stored frame) up to rounding, climbing from `hint`.
     #[inline]
-    pub(crate) fn climb(&self, n: &Vector3<f64>, hint: u32) -> u32 {
-        climb(&self.topology, &self.points, &self.fans, Lanes::new(n), hint)
+    pub(crate) fn support_climb(&self, n: &Vector3<f64>, hint: u32) -> u32 {
+        support_climb(&self.topology, &self.points, &self.fans, PackedVec3::new(n), hint)
     }
 
-    /// Whether a climb along `n` would end at `v` at once, as far as that is cheap to tell: up to eight edges are looked at
-    /// side by side, without a branch to mispredict.
+    /// Returns whether a climb along `n` would end at `v` at once, as far as a cheap test can
+    /// decide: up to eight edges in parallel, without a branch to mispredict.
     #[inline(always)]
-    pub(crate) fn is_summit(&self, n: &Vector3<f64>, v: u32) -> bool {
+    pub(crate) fn is_local_maximum(&self, n: &Vector3<f64>, v: u32) -> bool {
         let p = self.points[v as usize];
         let rises = |w: u32| n.dot(&(self.points[w as usize] - p)) > 0.0;
-        let beside = self.topology.up_to_eight(v);
-        beside.is_some_and(|beside| !beside.map(rises).into_iter().fold(false, |any, one| any | one))
+        let adjacent = self.topology.up_to_eight(v);
+        adjacent.is_some_and(|adjacent| !adjacent.map(rises).into_iter().fold(false, |any, one| any | one))
     }
 
-    /// The highest vertex along `n` without a hint.
+    /// Returns the support vertex along `n` up to rounding, without a hint.
     #[inline]
-    pub(crate) fn climb_cold(&self, n: &Vector3<f64>) -> u32 {
-        self.climb(n, self.lookup.cell(n))
+    pub(crate) fn support_cold(&self, n: &Vector3<f64>) -> u32 {
+        self.support_climb(n, self.lookup.cell(n))
     }
 
-    /// The higher along `n` of `hint` and the vertex of the cube map: a start for a climb.
+    /// Returns a start for a climb along `n`: the higher of `hint` and the vertex of the cube map.
     #[inline]
-    pub(crate) fn higher(&self, n: &Vector3<f64>, hint: u32) -> u32 {
+    pub(crate) fn start_vertex(&self, n: &Vector3<f64>, hint: u32) -> u32 {
         let cell = self.lookup.cell(n);
         if n.dot(&self.points[hint as usize]) >= n.dot(&self.points[cell as usize]) {
             hint
@@ -125,15 +124,17 @@ impl ConvexPolyhedron {
         }
     }
 
-    /// The extreme vertex along `n`, proven: where others may tie with the one climbed to, exact signs decide.
-    pub(crate) fn extreme(&self, n: &Vector3<f64>, hint: u32) -> Extreme {
-        let summit = self.summit(n, hint);
-        let (v, w) = (summit.vertex, summit.tie);
+    /// Returns the proven support vertex along `n`: if other vertices may tie with the end of the
+    /// climb, exact signs decide.
+    pub(crate) fn support_certified(&self, n: &Vector3<f64>, hint: u32) -> Extreme {
+        let top = self.climb_with_ties(n, hint);
+        let (v, w) = (top.vertex, top.tie);
         let (at_v, at_w) = (n.dot(&self.points[v as usize]), n.dot(&self.points[w as usize]));
-        // All around one or two vertices are certainly lower: no other is in reach of a path that does not fall.
-        match summit.ties {
+        // All vertices adjacent to the one or two tied vertices are certainly lower, so no path
+        // that never falls reaches another vertex.
+        match top.ties {
             0 => Extreme { vertex: v, value: at_v },
-            1 if self.ring(n, w, v).ties == 0 => {
+            1 if self.surroundings(n, w, v).ties == 0 => {
                 let first = at_v > at_w || (at_v == at_w && v < w);
                 let (vertex, value) = if first { (v, at_v) } else { (w, at_w) };
                 Extreme { vertex, value }
@@ -144,35 +145,35 @@ impl ConvexPolyhedron {
 
     #[inline(never)]
     fn extreme_of_many(&self, n: &Vector3<f64>, start: u32) -> Extreme {
-        let vertex = self.highest(&Direction::new(&self.points, n, &Vector3::zeros()), start);
+        let vertex = self.support_exact(&Direction::new(&self.points, n, &Vector3::zeros()), start);
         Extreme {
             vertex,
             value: n.dot(&self.points[vertex as usize]),
         }
     }
 
-    /// Climbs along `n` as [`climb`] does, looking out for ties on the way.
+    /// Climbs along `n` as [`support_climb`] does, and counts ties on the way.
     #[inline]
-    fn summit(&self, n: &Vector3<f64>, start: u32) -> Ring {
+    fn climb_with_ties(&self, n: &Vector3<f64>, start: u32) -> Surroundings {
         let mut v = start;
         let mut steps = 0;
         loop {
-            let ring = self.ring(n, v, v);
+            let ring = self.surroundings(n, v, v);
             let Some(w) = ring.higher else { return ring };
             steps += 1;
             v = if steps % LEAP == 0 {
-                leap(&self.topology, &self.points, &self.fans, n, w)
+                jump(&self.topology, &self.points, &self.fans, n, w)
             } else {
                 w
             };
         }
     }
 
-    /// Looks round at the neighbours of `v`, `except` one.
+    /// Compares `v` with its adjacent vertices, `except` one.
     #[inline]
-    fn ring(&self, n: &Vector3<f64>, v: u32, except: u32) -> Ring {
+    fn surroundings(&self, n: &Vector3<f64>, v: u32, except: u32) -> Surroundings {
         let p = self.points[v as usize];
-        let mut ring = Ring {
+        let mut ring = Surroundings {
             vertex: v,
             higher: None,
             ties: 0,
@@ -186,7 +187,7 @@ impl ConvexPolyhedron {
                 .to;
             let rises = edge_sign(n, &(self.points[w as usize] - p)) > 0;
             // Ties of a large fan are not counted: two stand for any number.
-            return Ring {
+            return Surroundings {
                 higher: rises.then_some(w),
                 ties: 2,
                 ..ring
@@ -208,24 +209,26 @@ impl ConvexPolyhedron {
     }
 }
 
-/// The extreme vertex of a grid of directions on the faces of a cube.
+/// The support vertex for each of a grid of directions on the faces of a cube.
 ///
-/// Directions are stretched by the body's extents before they are looked up: the normals of a flat body crowd round its
-/// axis, and so do the cells.
+/// Directions are scaled by the body's extents before the look-up: the normals of a flat body crowd
+/// round its axis, and so do the cells.
 #[derive(Clone, Debug)]
 pub(crate) struct CubeMap {
-    /// Half extents of the body, none less than a thousandth of the greatest.
+    /// Half extents of the body, none below [`FLATTEST`] times the greatest.
     stretch: Vector3<f64>,
     /// Cells along an edge of the cube.
     side: u32,
-    /// Face by face, row by row.
+    /// One vertex for each cell, face by face, row by row.
     cells: Vec<u32>,
 }
 
 impl CubeMap {
-    /// Looks up the middle of every cell, climbing from the vertex of the cell before.
+    /// Finds the support vertex of the centre of every cell, climbing from the vertex of the
+    /// previous cell.
     pub(crate) fn new(topology: &Topology, points: &[Vector3<f64>], fans: &Fans) -> Self {
-        // Measured: with 4, 8 and 16 cells a climb visits 2-6 vertices up to 128, 1024 and 8192 vertices.
+        // Measured: with 4, 8 and 16 cells a climb visits 2-6 vertices up to 128, 1024 and 8192
+        // vertices.
         let side: u32 = match points.len() {
             0..=12 => 2,
             13..=128 => 4,
@@ -238,14 +241,20 @@ impl CubeMap {
         for face in 0..6 {
             for row in 0..side {
                 for k in 0..side {
-                    // Boustrophedon, so that each cell borders the one before.
+                    // Boustrophedon, so that each cell borders the previous cell.
                     let column = if row % 2 == 0 { k } else { side - 1 - k };
                     let middle = |i: u32| (2 * i + 1) as f64 / side as f64 - 1.0;
                     let mut n = Vector3::repeat(if face % 2 == 0 { 1.0 } else { -1.0 });
                     let axis = face as usize / 2;
                     n[(axis + 1) % 3] = middle(row);
                     n[(axis + 2) % 3] = middle(column);
-                    hint = climb(topology, points, fans, Lanes::new(&n.component_div(&stretch)), hint);
+                    hint = support_climb(
+                        topology,
+                        points,
+                        fans,
+                        PackedVec3::new(&n.component_div(&stretch)),
+                        hint,
+                    );
                     cells[((face * side + row) * side + column) as usize] = hint;
                 }
             }
@@ -253,12 +262,12 @@ impl CubeMap {
         Self { stretch, side, cells }
     }
 
-    /// Bytes on the heap.
+    /// Returns the bytes on the heap.
     pub(crate) fn heap_bytes(&self) -> usize {
         4 * self.cells.capacity()
     }
 
-    /// The vertex stored for the cell that holds `n`; any vertex where `n` is zero.
+    /// Returns the vertex stored for the cell that holds `n`; any vertex if `n` is zero.
     #[inline]
     pub(crate) fn cell(&self, n: &Vector3<f64>) -> u32 {
         let n = n.component_mul(&self.stretch);
@@ -266,7 +275,7 @@ impl CubeMap {
         let axis = if x >= y && x >= z { 0 } else { 1 + usize::from(z > y) };
         let largest = n[axis].abs();
         let half = 0.5 * self.side as f64;
-        // A zero or NaN direction gives NaN here, and the cast sends it to cell 0.
+        // A zero or NaN direction gives NaN here, which the cast turns into cell 0.
         let index = |c: f64| ((c / largest * half + half) as u32).min(self.side - 1);
         let (row, column) = (index(n[(axis + 1) % 3]), index(n[(axis + 2) % 3]));
         let face = 2 * axis as u32 + u32::from(n[axis] < 0.0);
@@ -274,7 +283,7 @@ impl CubeMap {
     }
 }
 
-/// Half extents of the bounding box, kept off zero.
+/// Returns the half extents of the bounding box, kept off zero.
 fn stretch(points: &[Vector3<f64>]) -> Vector3<f64> {
     let (mut low, mut high) = (points[0], points[0]);
     for p in points {

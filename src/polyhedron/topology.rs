@@ -1,7 +1,9 @@
-//! Who is beside whom: half-edges by number, without a single coordinate.
+//! Adjacency of vertices, edges and faces: half-edges by number, without a single coordinate.
 //!
-//! The half-edges that leave a vertex are contiguous and counter-clockwise seen from outside (its *fan*); those
-//! round a face are linked by `next`, counter-clockwise too (its *rim*).
+//! The half-edges that leave a vertex are contiguous and counter-clockwise seen from outside (the
+//! *fan* of the vertex); the half-edges round a face are linked by `next`, counter-clockwise too
+//! (the *rim* of the face, its face loop). The rim of a large face is also kept as a list in order,
+//! its *ring*, for bisection.
 //!
 //! ```text
 //!            to
@@ -15,52 +17,55 @@
 use alloc::vec;
 use alloc::vec::Vec;
 
-/// One of the two directions of an edge.
+use crate::tuning::polyhedron::LARGE;
+
+/// A half-edge: an edge with a direction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct HalfEdge {
-    /// The vertex it points to.
+    /// The vertex at the end.
     pub(crate) to: u32,
-    /// The same edge the other way.
+    /// The half-edge of the opposite direction.
     pub(crate) twin: u32,
-    /// The half-edge that follows round `face`.
+    /// The following half-edge round `face`.
     pub(crate) next: u32,
     /// The face on the left.
     pub(crate) face: u32,
 }
 
-/// Half-edges in memory: numbers of 16 bits where they suffice, which halves what a query touches.
+/// Half-edges in memory: numbers of 16 bits if they suffice, which halves the memory a query
+/// touches.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-enum Links {
+enum HalfEdges {
     Short(Vec<[u16; 4]>),
     Long(Vec<[u32; 4]>),
 }
 
-impl Links {
+impl HalfEdges {
     fn new(half_edges: &[HalfEdge]) -> Self {
         let numbers = half_edges.iter().map(|e| [e.to, e.twin, e.next, e.face]);
-        // Of all numbers of a body, those of its half-edges are the largest.
+        // Half-edges have the largest numbers of all features of a body.
         if half_edges.len() <= usize::from(u16::MAX) {
-            Links::Short(numbers.map(|e| e.map(|x| x as u16)).collect())
+            HalfEdges::Short(numbers.map(|e| e.map(|x| x as u16)).collect())
         } else {
-            Links::Long(numbers.collect())
+            HalfEdges::Long(numbers.collect())
         }
     }
 
     #[inline(always)]
     fn len(&self) -> usize {
         match self {
-            Links::Short(l) => l.len(),
-            Links::Long(l) => l.len(),
+            HalfEdges::Short(l) => l.len(),
+            HalfEdges::Long(l) => l.len(),
         }
     }
 
     #[inline(always)]
     fn get(&self, h: u32) -> HalfEdge {
         let [to, twin, next, face] = match self {
-            Links::Short(l) => l[h as usize].map(u32::from),
-            Links::Long(l) => l[h as usize],
+            HalfEdges::Short(l) => l[h as usize].map(u32::from),
+            HalfEdges::Long(l) => l[h as usize],
         };
         HalfEdge { to, twin, next, face }
     }
@@ -68,33 +73,30 @@ impl Links {
 
 /// The vertices, half-edges and faces of one body by number.
 ///
-/// A point has one vertex and an empty fan; a segment has one face of two half-edges, its *null face*, whose plane
-/// has a zero normal; a polygon has two faces, one for each side.
+/// A point has one vertex and an empty fan; a segment has one face of two half-edges, its *null
+/// face*, whose plane has a zero normal; a polygon has two faces, one for each side.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Topology {
-    /// Where the fan of each vertex begins, and one entry more for the end of the last.
+    /// Start of the fan of each vertex, and one more entry for the end of the last fan.
     first: Vec<u32>,
-    links: Links,
+    links: HalfEdges,
     /// One half-edge of each face.
     rim: Vec<u32>,
-    /// Where the ring of each large face begins, by face.
+    /// `(face, start)` of each large face, `start` being the index in `ring` of the first
+    /// half-edge.
     rings: Vec<(u32, u32)>,
     /// The half-edges of large faces in order, face after face.
     ring: Vec<u32>,
-    /// Where there are large faces: by vertex, the place in `ring` of a half-edge of one of them that leaves it.
+    /// For each vertex the index in `ring` of a half-edge that leaves the vertex along a large
+    /// face; empty if there are no large faces.
     places: Vec<u32>,
 }
 
-/// Rims longer than this are kept as rings too.
-pub(crate) const LARGE: usize = 24;
-
-/// Fans of more edges than this are searched; up to here a look at each is as cheap.
-pub(crate) const MANY: usize = 128;
-
 impl Topology {
-    /// From the vertex loops of the faces, counter-clockwise from outside. `None` where the loops are not a closed
-    /// surface in which every directed edge occurs once beside its reverse and every vertex has one fan.
+    /// Builds the topology from the vertex loops of the faces, counter-clockwise from outside.
+    /// `None` if the loops are not a closed surface in which every directed edge occurs once, its
+    /// reverse once, and every vertex has one fan.
     pub(crate) fn from_loops(vertices: usize, loops: &[Vec<u32>]) -> Option<Self> {
         // Provisional half-edges in loop order: (from, to, next, face).
         let mut raw: Vec<[u32; 4]> = Vec::new();
@@ -150,7 +152,7 @@ impl Topology {
         }
         let mut topology = Self {
             first,
-            links: Links::new(&half_edges),
+            links: HalfEdges::new(&half_edges),
             rim,
             rings: Vec::new(),
             ring: Vec::new(),
@@ -176,24 +178,26 @@ impl Topology {
         }
     }
 
-    /// The rim of a large face that a vertex is on, as a ring, and the place of the half-edge that leaves it.
+    /// Returns the ring of a large face at vertex `v`, and the index there of the half-edge that
+    /// leaves `v`.
     pub(crate) fn long_rim(&self, v: u32) -> Option<(&[u32], usize)> {
         let place = *self.places.get(v as usize)?;
         let next = self.rings.partition_point(|r| r.1 <= place);
         let start = self.rings.get(next.checked_sub(1)?)?.1;
         let end = self.rings.get(next).map_or(self.ring.len(), |r| r.1 as usize);
-        // The place of a vertex on none is beyond all.
+        // A vertex on no large face has an index beyond all rings.
         let ring = self.ring.get(start as usize..end)?;
         (place < end as u32).then_some((ring, (place - start) as usize))
     }
 
-    /// Whether any face is kept as a ring.
+    /// Returns whether any face is kept as a ring.
     #[inline(always)]
     pub(crate) fn has_large_faces(&self) -> bool {
         !self.rings.is_empty()
     }
 
-    /// The half-edges of a large face in order; `None` for the others, whose rims are soon walked round.
+    /// Returns the half-edges of a large face in order; `None` for small faces, whose rims are
+    /// short to walk.
     #[inline(always)]
     pub(crate) fn ring(&self, f: u32) -> Option<&[u32]> {
         if self.rings.is_empty() {
@@ -229,7 +233,7 @@ impl Topology {
         self.links.get(h)
     }
 
-    /// The numbers of the half-edges that leave `v`.
+    /// Returns the numbers of the half-edges that leave `v`.
     #[inline]
     pub(crate) fn fan(&self, v: u32) -> core::ops::Range<u32> {
         self.first[v as usize]..self.first[v as usize + 1]
@@ -241,12 +245,12 @@ impl Topology {
         let fan = self.fan(v);
         let (start, span) = (fan.start, fan.start as usize..fan.end as usize);
         match &self.links {
-            Links::Short(l) => {
+            HalfEdges::Short(l) => {
                 for (k, e) in l[span].iter().enumerate() {
                     f(start + k as u32, u32::from(e[0]));
                 }
             }
-            Links::Long(l) => {
+            HalfEdges::Long(l) => {
                 for (k, e) in l[span].iter().enumerate() {
                     f(start + k as u32, e[0]);
                 }
@@ -254,13 +258,13 @@ impl Topology {
         }
     }
 
-    /// The vertices beside `v`, counter-clockwise from outside.
+    /// Returns the vertices adjacent to `v`, counter-clockwise from outside.
     pub(crate) fn neighbours(&self, v: u32) -> impl Iterator<Item = u32> + '_ {
         self.fan(v).map(|h| self.links.get(h).to)
     }
 
-    /// The vertices beside `v` where there are one to eight, the last of them repeated: without a loop whose end is
-    /// hard to foretell.
+    /// Returns the vertices adjacent to `v`, the last one repeated, if there are one to eight:
+    /// without a loop whose end is hard to predict.
     #[inline(always)]
     pub(crate) fn up_to_eight(&self, v: u32) -> Option<[u32; 8]> {
         fn taken<E>(fan: &[E], to: impl Fn(&E) -> u32) -> Option<[u32; 8]> {
@@ -270,16 +274,16 @@ impl Topology {
         }
         let fan = self.first[v as usize] as usize..self.first[v as usize + 1] as usize;
         match &self.links {
-            Links::Short(l) => taken(&l[fan], |e| u32::from(e[0])),
-            Links::Long(l) => taken(&l[fan], |e| e[0]),
+            HalfEdges::Short(l) => taken(&l[fan], |e| u32::from(e[0])),
+            HalfEdges::Long(l) => taken(&l[fan], |e| e[0]),
         }
     }
 
-    /// Bytes on the heap.
+    /// Returns the bytes on the heap.
     pub(crate) fn heap_bytes(&self) -> usize {
         let links = match &self.links {
-            Links::Short(l) => l.capacity() * 8,
-            Links::Long(l) => l.capacity() * 16,
+            HalfEdges::Short(l) => l.capacity() * 8,
+            HalfEdges::Long(l) => l.capacity() * 16,
         };
         links
             + 4 * (self.first.capacity() + self.rim.capacity() + self.ring.capacity())
@@ -287,19 +291,19 @@ impl Topology {
             + 8 * self.rings.capacity()
     }
 
-    /// The vertex `h` leaves.
+    /// Returns the vertex that `h` leaves.
     #[inline]
     pub(crate) fn from(&self, h: u32) -> u32 {
         self.links.get(self.links.get(h).twin).to
     }
 
-    /// One half-edge of the rim of `f`.
+    /// Returns one half-edge of the rim of `f`.
     #[inline]
     pub(crate) fn rim_start(&self, f: u32) -> u32 {
         self.rim[f as usize]
     }
 
-    /// The half-edges round `f`, counter-clockwise from outside.
+    /// Returns the half-edges round `f`, counter-clockwise from outside.
     pub(crate) fn rim(&self, f: u32) -> impl Iterator<Item = u32> + '_ {
         let start = self.rim[f as usize];
         let mut next = Some(start);
@@ -311,15 +315,15 @@ impl Topology {
         })
     }
 
-    /// The lower of `h` and its twin: the name of the edge.
+    /// Returns the lower of `h` and its twin: the name of the edge.
     #[inline]
     pub(crate) fn edge(&self, h: u32) -> u32 {
         h.min(self.links.get(h).twin)
     }
 }
 
-/// The provisional half-edges by (from, to), and where those that leave each vertex begin: a counting sort, as most
-/// vertices have few.
+/// Sorts the provisional half-edges by (from, to) and returns the start of each vertex's half-edges
+/// and the order: a counting sort, as most vertices have few.
 fn sort_by_ends(vertices: usize, raw: &[[u32; 4]]) -> (Vec<u32>, Vec<u32>) {
     let mut start = vec![0u32; vertices + 1];
     for h in raw {
@@ -340,8 +344,9 @@ fn sort_by_ends(vertices: usize, raw: &[[u32; 4]]) -> (Vec<u32>, Vec<u32>) {
     (start, order)
 }
 
-/// Numbers the half-edges so that each fan is contiguous and counter-clockwise: the fan starts and the new number of
-/// each old half-edge. `None` where a vertex has no fan (unless it is the only one) or more than one.
+/// Numbers the half-edges so that each fan is contiguous and counter-clockwise. Returns the start
+/// of each fan and the new number of each old half-edge; `None` if a vertex has no fan (unless the
+/// body is a point) or several fans.
 fn fans(vertices: usize, raw: &[[u32; 4]], order: &[u32], left: impl Fn(u32) -> u32) -> Option<(Vec<u32>, Vec<u32>)> {
     let mut first = Vec::with_capacity(vertices + 1);
     let mut number = vec![u32::MAX; raw.len()];

@@ -6,8 +6,8 @@ use super::effects::NEVER;
 use super::step::owners;
 use super::{BodyId, PairId, Scene, SceneError};
 use crate::broad::{self, Aabb, BroadPhase};
-use crate::closest::outcome::{Distance, Outcome};
 use crate::contact::Manifold;
+use crate::pair::outcome::{Distance, Outcome};
 
 /// What was found of one pair: of each effect that is called for its answer, and `None` for the others.
 ///

@@ -2,9 +2,9 @@
 
 use nalgebra::{Isometry3, Point3, Vector3};
 
+use crate::num::scalar::sqrt;
 use crate::polyhedron::ConvexPolyhedron;
-use crate::scalar::sqrt;
-use crate::tolerance::{CENTRE, UNIT};
+use crate::tolerance::{CENTRE, LEAST_SQUARE, RADIUS_UP, ROUND_DOWN, ROUND_UP};
 
 /// A ball about a body, in one frame: centre and radius.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,7 +27,7 @@ impl Ball {
         // Scaled, so that squares stay in range.
         let size = shape.vertex_points().fold(0.0, |m: f64, p| m.max(p.coords.amax()));
         let square = |p: Point3<f64>| (p.coords / size).norm_squared();
-        let own = size * sqrt(shape.vertex_points().map(square).fold(0.0, f64::max)) * (1.0 + 8.0 * UNIT);
+        let own = size * sqrt(shape.vertex_points().map(square).fold(0.0, f64::max)) * RADIUS_UP;
         if own <= 1.25 * radius || size == 0.0 {
             return Self {
                 centre: Vector3::zeros(),
@@ -71,6 +71,7 @@ impl Ball {
 #[inline]
 pub(super) fn least_distance(a: &Ball, b: &Ball) -> f64 {
     let between = b.centre - a.centre;
-    // The difference, its square and the root err by less than 4 UNIT; the sum of the radii by one.
-    sqrt(between.norm_squared()) * (1.0 - 4.0 * UNIT) - (a.radius + b.radius) * (1.0 + 4.0 * UNIT)
+    // Squares lose less than LEAST_SQUARE below the normal numbers.
+    let squared = (between.norm_squared() - LEAST_SQUARE).max(0.0);
+    sqrt(squared) * ROUND_DOWN - (a.radius + b.radius) * ROUND_UP
 }

@@ -13,7 +13,10 @@ use crate::broad::{self, Aabb};
 use crate::motion::{Velocity, displacement};
 use crate::polyhedron::{BoxHint, ConvexPolyhedron};
 use crate::pose::{PoseError, RelativePose};
-use crate::tolerance::{SCENE_REACH, UNIT};
+use crate::tolerance::{ROUND_UP, SCENE_REACH};
+
+/// From this generation on an index is not used again.
+pub(super) const RETIRED: u32 = u32::MAX - 1;
 
 /// A body to insert: a shape, which may be shared by many, and how it takes part.
 #[derive(Clone, Debug)]
@@ -269,7 +272,7 @@ impl Bodies {
         for index in self.leaving.drain(..) {
             self.solids[index as usize] = None;
             // An index whose generations are used up is retired.
-            if self.generations[index as usize] < u32::MAX - 1 {
+            if self.generations[index as usize] < RETIRED {
                 self.free.push(index);
             }
         }
@@ -310,15 +313,15 @@ pub(super) fn checked(pose: &Isometry3<f64>, body: Option<BodyId>) -> Result<(),
 
 /// A pose stood as B's beside the identity; of one body it is A's.
 fn as_only(error: PoseError) -> PoseError {
-    use crate::pose::Which;
+    use crate::pose::Operand;
     match error {
         PoseError::Translation { axis, value, .. } => PoseError::Translation {
-            body: Which::A,
+            body: Operand::A,
             axis,
             value,
         },
         PoseError::Rotation { norm_squared, .. } => PoseError::Rotation {
-            body: Which::A,
+            body: Operand::A,
             norm_squared,
         },
     }
@@ -329,5 +332,5 @@ fn as_only(error: PoseError) -> PoseError {
 pub(super) fn box_of(shape: &ConvexPolyhedron, pose: &Isometry3<f64>, growth: f64, hint: &mut BoxHint) -> Aabb {
     let (min, max) = shape.aabb_at(pose, hint);
     // Rounded up, so that the halves of a pair reach together at least as far as they should.
-    Aabb::new(min, max).grown(growth * (1.0 + 4.0 * UNIT))
+    Aabb::new(min, max).grown(growth * ROUND_UP)
 }

@@ -25,7 +25,7 @@
 //! Sources: Schwarzer, Saha, Latombe 2005 bound motions likewise for the edges of a roadmap; Mirtich 1996 and Lin 1993
 //! (section 5.1) wake pairs by velocity and time instead, which is tighter where velocities are known.
 
-use crate::tolerance::{ODOMETER, UNIT};
+use crate::tolerance::{ODOMETER, ROUND_UP};
 
 /// How far a body has come, and when it last moved.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -51,7 +51,7 @@ impl Travel {
     /// Adds a way, rounded up.
     #[inline]
     pub(super) fn go(&mut self, way: f64, step: u32) {
-        self.odometer = (self.odometer + way) * (1.0 + 4.0 * UNIT);
+        self.odometer = (self.odometer + way) * ROUND_UP;
         self.moved = step;
     }
 

@@ -4,6 +4,7 @@ use alloc::boxed::Box;
 
 use super::SceneError;
 use crate::contact::ManifoldOptions;
+use crate::pair::outcome::Until;
 use crate::tolerance::SCENE_REACH;
 
 /// One of 32 groups. Every body is in one; what is done for a pair is called for by the groups of its bodies.
@@ -165,7 +166,7 @@ impl Effects {
             overlap: self.overlap,
             within,
             range,
-            deep: self.depth || self.manifold.is_some(),
+            until: Until::depth_if(self.depth || self.manifold.is_some()),
             manifold: self.manifold,
             reach: least.max(within).max(range),
         }
@@ -197,7 +198,7 @@ pub(super) struct Plan {
     /// How far distances are taken, or [`NEVER`].
     pub(super) range: f64,
     /// Whether overlaps get their depth.
-    pub(super) deep: bool,
+    pub(super) until: Until,
     /// The contact points that are called for.
     pub(super) manifold: Option<ManifoldOptions>,
     /// Beyond this there is nothing to say: the largest of the thresholds.

@@ -2,10 +2,10 @@
 
 use alloc::boxed::Box;
 
-use crate::closest::outcome::{Distance, Outcome};
 use crate::contact::Manifold;
+use crate::pair::outcome::{Distance, Outcome};
 use crate::polyhedron::FeaturePair;
-use crate::pose::Which;
+use crate::pose::Operand;
 
 /// What a lane keeps of an outcome.
 pub(super) trait Answer: Clone + Send + Sync {
@@ -56,7 +56,7 @@ impl Answer for Outcome {
         Self {
             // Finite, since not every format of files can hold what is not.
             upper: f64::MAX,
-            ..Self::open(FeaturePair::vertices(Which::A, 0, 0))
+            ..Self::starting_at(FeaturePair::vertices(Operand::A, 0, 0))
         }
     }
     #[inline]

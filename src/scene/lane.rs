@@ -7,8 +7,8 @@ use alloc::vec::Vec;
 use super::effects::{Class, NEVER, Plan, Rung};
 use super::kept::{Answer, Contact};
 use crate::broad::PairId;
-use crate::closest::outcome::{Distance, Outcome};
 use crate::contact::Manifold;
+use crate::pair::outcome::{Distance, Outcome, Until};
 use crate::tracker::Tracker;
 
 /// What the stages before a query read of a pair.
@@ -93,27 +93,28 @@ impl<A: Answer> Lane<A> {
     }
 }
 
-/// Where the pair of a slot sits: the lane in the three upper bits, below them whether its boxes were told of, and the seat.
+/// Where the pair of a slot sits: the lane in the three upper bits, below them whether its boxes were told of, and the seat in
+/// the lower half. There are fewer pairs than 2^32 at once, so every seat has room.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Seat(u32);
+struct Seat(u64);
 
-const LANE: u32 = 29;
-const TOLD: u32 = 1 << 28;
+const LANE: u32 = 61;
+const TOLD: u64 = 1 << 60;
 
 impl Seat {
     /// Of a pair of boxes alone, and of a slot without a pair.
     const NONE: Self = Self(7 << LANE);
 
     fn of(lane: u32, seat: u32) -> Self {
-        Self(lane << LANE | seat)
+        Self(u64::from(lane) << LANE | u64::from(seat))
     }
 
     fn lane(self) -> u32 {
-        self.0 >> LANE
+        (self.0 >> LANE) as u32
     }
 
     fn seat(self) -> u32 {
-        self.0 & (TOLD - 1)
+        self.0 as u32
     }
 
     fn is_told(self) -> bool {
@@ -161,7 +162,7 @@ impl Lanes {
         };
         let head = Head { state, ..head };
         let mut tracker = luggage.tracker;
-        if !plan.deep {
+        if plan.until == Until::Class {
             tracker.shed();
         }
         let seat = match plan.rung {
@@ -265,7 +266,7 @@ impl Lanes {
             .into_iter()
             .enumerate()
         {
-            for (head, seat) in heads.iter().zip(0..TOLD) {
+            for (head, seat) in heads.iter().zip(0u32..) {
                 let place = seats.get_mut(head.pair.slot as usize)?;
                 if *place != Seat::NONE {
                     return None;
@@ -298,6 +299,24 @@ impl Lanes {
             + self.distances.bytes()
             + self.features.bytes()
             + self.contacts.bytes()
-            + self.seats.capacity() * 4
+            + self.seats.capacity() * size_of::<Seat>()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn seats_keep_lane_number_and_flag_apart() {
+        for lane in [0, 3] {
+            for seat in [0, 1, (1 << 28) - 1, 1 << 28, (1 << 29) + 5, u32::MAX] {
+                for told in [0, TOLD] {
+                    let place = Seat(Seat::of(lane, seat).0 | told);
+                    assert_eq!((place.lane(), place.seat(), place.is_told()), (lane, seat, told != 0));
+                    assert_ne!(place, Seat::NONE);
+                }
+            }
+        }
     }
 }

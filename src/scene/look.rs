@@ -11,8 +11,8 @@ use super::events::{Change, Happened};
 use super::kept::Answer;
 use super::lane::{Head, Lane, State};
 use super::report::Counts;
-use crate::closest::outcome::{Class, Outcome};
 use crate::contact::{Manifold, Query};
+use crate::pair::outcome::{Class, Outcome};
 use crate::pose::RelativePose;
 use crate::tracker::Tracker;
 
@@ -115,7 +115,7 @@ impl Context<'_> {
             return;
         };
         let (shape_a, shape_b) = (&*solid_a.shape, &*solid_b.shape);
-        let outcome = tracker.look(shape_a, shape_b, &pose, plan.deep);
+        let outcome = tracker.measure(shape_a, shape_b, &pose, plan.until);
         counts.note(&outcome, tracker.facets());
         let within = |t: f64| t != NEVER && tracker.decides_within(shape_a, shape_b, &pose, &outcome, t);
         head.state = State {

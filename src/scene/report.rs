@@ -4,7 +4,8 @@ use core::fmt;
 use core::ops::AddAssign;
 use core::time::Duration;
 
-use crate::closest::outcome::{Layer, Outcome};
+use crate::pair::outcome::{Outcome, Solver};
+use crate::pair::world::AnsweredBy;
 
 /// Work done by a step, or summed over many, stage by stage. The same calls give the same counts on every machine, with any
 /// number of threads.
@@ -34,8 +35,8 @@ pub struct Counts {
     pub balls: u64,
     /// Called pairs whose tracker was asked: calls of the narrow phase.
     pub queries: u64,
-    /// Queries by the layer that answered, in the order of [`Layer`].
-    pub answered: [u64; 7],
+    /// Queries by the solver that answered, in the order of [`Solver`].
+    pub(crate) answered: [u64; Solver::COUNT],
     /// Queries that found the bodies apart.
     pub separated: u64,
     /// Feature pairs looked at by walks, and facets of the surfaces that answered without one.
@@ -61,18 +62,18 @@ pub struct Counts {
 }
 
 impl Counts {
-    /// How many queries `layer` answered.
+    /// How many queries `solver` answered.
     #[must_use]
-    pub fn answered_by(&self, layer: Layer) -> u64 {
-        self.answered[layer as usize]
+    pub fn answered_by(&self, solver: Solver) -> u64 {
+        self.answered[solver as usize]
     }
 
     /// One query more.
     #[inline]
     pub(super) fn note(&mut self, outcome: &Outcome, facets: usize) {
-        let surface = outcome.layer == Layer::Surface;
+        let surface = outcome.solver == Solver::Surface;
         self.queries += 1;
-        self.answered[outcome.layer as usize] += 1;
+        self.answered[outcome.solver as usize] += 1;
         self.separated += u64::from(outcome.lower > 0.0);
         self.walked += u64::from(outcome.work.steps) + if surface { facets as u64 } else { 0 };
         self.certificates += u64::from(outcome.work.certificates) + u64::from(surface);
@@ -82,31 +83,32 @@ impl Counts {
 
 impl AddAssign for Counts {
     /// Sums; of `pairs` and `called` too, so that a sum over steps divided by `steps` is their mean.
+    /// Sums stay at their end.
     fn add_assign(&mut self, o: Self) {
-        self.steps += o.steps;
-        self.boxes += o.boxes;
-        self.swaps += o.swaps;
-        self.began += o.began;
-        self.ended += o.ended;
-        self.pairs += o.pairs;
-        self.called += o.called;
-        self.resting += o.resting;
-        self.skipped += o.skipped;
-        self.balls += o.balls;
-        self.queries += o.queries;
-        self.separated += o.separated;
-        self.walked += o.walked;
-        self.certificates += o.certificates;
-        self.depths += o.depths;
-        self.overlaps += o.overlaps;
-        self.withins += o.withins;
-        self.distances += o.distances;
-        self.features += o.features;
-        self.manifolds += o.manifolds;
-        self.renewed += o.renewed;
-        self.events += o.events;
+        self.steps = self.steps.saturating_add(o.steps);
+        self.boxes = self.boxes.saturating_add(o.boxes);
+        self.swaps = self.swaps.saturating_add(o.swaps);
+        self.began = self.began.saturating_add(o.began);
+        self.ended = self.ended.saturating_add(o.ended);
+        self.pairs = self.pairs.saturating_add(o.pairs);
+        self.called = self.called.saturating_add(o.called);
+        self.resting = self.resting.saturating_add(o.resting);
+        self.skipped = self.skipped.saturating_add(o.skipped);
+        self.balls = self.balls.saturating_add(o.balls);
+        self.queries = self.queries.saturating_add(o.queries);
+        self.separated = self.separated.saturating_add(o.separated);
+        self.walked = self.walked.saturating_add(o.walked);
+        self.certificates = self.certificates.saturating_add(o.certificates);
+        self.depths = self.depths.saturating_add(o.depths);
+        self.overlaps = self.overlaps.saturating_add(o.overlaps);
+        self.withins = self.withins.saturating_add(o.withins);
+        self.distances = self.distances.saturating_add(o.distances);
+        self.features = self.features.saturating_add(o.features);
+        self.manifolds = self.manifolds.saturating_add(o.manifolds);
+        self.renewed = self.renewed.saturating_add(o.renewed);
+        self.events = self.events.saturating_add(o.events);
         for (mine, theirs) in self.answered.iter_mut().zip(o.answered) {
-            *mine += theirs;
+            *mine = mine.saturating_add(theirs);
         }
     }
 }
@@ -130,16 +132,17 @@ impl Times {
     /// All stages.
     #[must_use]
     pub fn total(&self) -> Duration {
-        self.boxes + self.pairs + self.look + self.events
+        let stages = [self.pairs, self.look, self.events];
+        stages.into_iter().fold(self.boxes, Duration::saturating_add)
     }
 }
 
 impl AddAssign for Times {
     fn add_assign(&mut self, o: Self) {
-        self.boxes += o.boxes;
-        self.pairs += o.pairs;
-        self.look += o.look;
-        self.events += o.events;
+        self.boxes = self.boxes.saturating_add(o.boxes);
+        self.pairs = self.pairs.saturating_add(o.pairs);
+        self.look = self.look.saturating_add(o.look);
+        self.events = self.events.saturating_add(o.events);
     }
 }
 
@@ -187,7 +190,7 @@ impl fmt::Display for Report {
         )?;
         writeln!(
             f,
-            "                      {} overlaps, {} withins, {} distances, {} features, {} depths, {} manifolds; {} steps, {} certificates; answered by walk {}, restart {}, fallback {}, double-double {}, exact {}, far {}, surface {}",
+            "                      {} overlaps, {} withins, {} distances, {} features, {} depths, {} manifolds; {} steps, {} certificates; {}",
             c.overlaps,
             c.withins,
             c.distances,
@@ -196,13 +199,7 @@ impl fmt::Display for Report {
             c.manifolds,
             c.walked,
             c.certificates,
-            c.answered[0],
-            c.answered[1],
-            c.answered[2],
-            c.answered[3],
-            c.answered[4],
-            c.answered[5],
-            c.answered[6]
+            AnsweredBy(&c.answered)
         )?;
         write!(f, "events  {:>9.1} us  {}", us(t.events), c.events)
     }

@@ -10,10 +10,10 @@ use super::body::box_of;
 use super::effects::{Group, Rung, class_of};
 use super::{BodyId, Scene, SceneError};
 use crate::broad::{Aabb, BroadPhase};
-use crate::closest::outcome::Outcome;
+use crate::pair::outcome::{Outcome, Until};
 use crate::polyhedron::{BoxHint, ConvexPolyhedron};
 use crate::pose::RelativePose;
-use crate::tolerance::{SCENE_REACH, UNIT};
+use crate::tolerance::{BOX_DISTANCE_DOWN, SCENE_REACH};
 use crate::tracker::Tracker;
 
 /// A pair and its closest features.
@@ -97,7 +97,7 @@ impl Scene {
             found.sort_by(|x, y| x.outcome.distance.total_cmp(&y.outcome.distance).then(x.b.cmp(&y.b)));
             found.truncate(count);
             // Boxes that were not listed are no nearer than the last; bodies are no nearer than their boxes.
-            let covered = boxes.last().map_or(0.0, |n| n.distance * (1.0 - 8.0 * UNIT));
+            let covered = boxes.last().map_or(0.0, |n| n.distance * BOX_DISTANCE_DOWN);
             let settled = found.len() == count && found.last().is_none_or(|n| n.outcome.upper <= covered);
             if settled || boxes.len() < asked {
                 return Ok(found);
@@ -164,7 +164,7 @@ impl Scene {
             return None;
         }
         let outcome = self.tracked(a, b, |tracker, x, y, pose| {
-            let outcome = tracker.look(x, y, pose, false);
+            let outcome = tracker.measure(x, y, pose, Until::Class);
             tracker.decides_within(x, y, pose, &outcome, d).then_some(outcome)
         });
         outcome.flatten().map(|outcome| Near {

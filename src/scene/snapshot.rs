@@ -9,17 +9,17 @@ use alloc::vec::Vec;
 use nalgebra::Isometry3;
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
 
-use super::body::{Bodies, Body, Solid, checked};
+use super::body::{Bodies, Body, RETIRED, Solid, checked};
 use super::budget::Travel;
 use super::effects::{Effects, GROUPS, Group, Table};
 use super::kept::{Answer, Contact};
 use super::lane::{Head, Lane, Lanes};
 use super::report::Report;
-use super::step::owners;
+use super::step::{group, owners};
 use super::{Event, Scene, Settings};
 use crate::broad::{self, BroadPhase, PencilSweep};
-use crate::closest::outcome::{Distance, Outcome};
 use crate::motion::Velocity;
+use crate::pair::outcome::{Distance, Outcome};
 use crate::polyhedron::{BoxHint, ConvexPolyhedron};
 use crate::tracker::Tracker;
 
@@ -166,6 +166,17 @@ impl Snapshot {
         let shapes: Vec<_> = self.shapes.into_iter().map(Arc::new).collect();
         let lists = [self.free, self.leaving, self.owners, self.due];
         let bodies = restored_bodies(self.rows, &shapes, lists, self.velocities, self.step)?;
+        let planned = |g: usize| self.replanned & 1 << g != 0;
+        for g in (0..GROUPS).filter(|&g| !planned(g)) {
+            let group = group(g);
+            if growths[g] != table.growth(group) || self.partners[g] != table.partners(group) {
+                return Err("the boxes of a group of the scene are not what its effects call for".into());
+            }
+        }
+        let fits = |s: &Solid| planned(s.group.index()) || s.boxed == (growths[s.group.index()] < f64::INFINITY);
+        if !bodies.solids.iter().flatten().all(fits) {
+            return Err("a body of the scene has a box where it should have none, or none where it should".into());
+        }
         check_houses(&bodies, &self.broad)?;
         let slots = self.broad.pairs().map(|p| p.id.slot as usize + 1).max().unwrap_or(0);
         let (predicates, distances, features) = (lane(self.predicates), lane(self.distances), lane(self.features));
@@ -234,11 +245,16 @@ fn restored_bodies(
     let living = rows.iter().filter(|r| r.generation % 2 == 1).count();
     let mut gone: Vec<u32> = free.iter().chain(&leaving).copied().collect();
     gone.sort_unstable();
-    let dead = |i: &u32| rows.get(*i as usize).is_some_and(|r| r.generation % 2 == 0);
+    let generation = |i: &u32| rows.get(*i as usize).map_or(u32::MAX, |r| r.generation);
+    let dead = |i: &u32| generation(i) % 2 == 0;
     let known = |i: &u32| *i == u32::MAX || (*i as usize) < n;
     let here = |i: &u32| (*i as usize) < n;
     if !gone.is_sorted_by(|a, b| a < b) || !gone.iter().all(dead) || gone.len() + living != n {
         return Err("a list of removed bodies contradicts the scene".into());
+    }
+    // An index is retired before its generations end, so that no id comes twice.
+    if rows.iter().any(|r| r.generation == u32::MAX) || free.iter().any(|i| generation(i) >= RETIRED) {
+        return Err("an index of the scene has no generation left".into());
     }
     if !owners.iter().all(known) || !due.iter().all(here) || !(velocities.is_empty() || velocities.len() == n) {
         return Err("a list of the scene names a body that is not there".into());

@@ -203,7 +203,7 @@ impl Scene {
     }
 }
 
-fn group(number: usize) -> Group {
+pub(super) fn group(number: usize) -> Group {
     Group::new(number as u8).unwrap_or_default()
 }
 

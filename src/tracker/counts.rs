@@ -1,6 +1,8 @@
 //! What a tracker counts: for itself, which start is the cheaper one; for the caller, what was done.
 
-use crate::closest::outcome::{Layer, Work};
+use crate::pair::outcome::{Solver, Work};
+use crate::pair::world::AnsweredBy;
+use crate::tuning::tracker::{CLIMBS, ELLIPSOIDS};
 
 /// What the two ways to start have cost lately, in steps of the walk: which of them a query takes.
 ///
@@ -16,11 +18,6 @@ pub(super) struct Starts {
 }
 
 impl Starts {
-    /// Two cube-map look-ups and climbs cost as much as this many steps.
-    const CLIMBS: u32 = 4;
-    /// The direction of two ellipsoids costs as much as this many.
-    const ELLIPSOIDS: u32 = 2;
-
     #[inline(always)]
     pub(super) fn prefer_warm(self) -> bool {
         self.warm <= self.cold
@@ -29,8 +26,8 @@ impl Starts {
     /// Takes the cost of the way taken into its mean; what is known of the other fades, so that it is tried again.
     #[inline(always)]
     pub(super) fn learn(&mut self, warm: bool, work: &Work) {
-        let steps = work.steps + Self::ELLIPSOIDS * work.ellipsoids;
-        let cost = 16 * (steps + if warm { 0 } else { Self::CLIMBS }).min(1000) as u16;
+        let steps = work.steps + ELLIPSOIDS * work.ellipsoids;
+        let cost = 16 * (steps + if warm { 0 } else { CLIMBS }).min(1000) as u16;
         let (taken, other) = if warm {
             (&mut self.warm, &mut self.cold)
         } else {
@@ -55,8 +52,8 @@ pub struct Totals {
     pub queries: u64,
     /// Of these, how many started from the features of the answer before.
     pub warm: u64,
-    /// Queries by the layer that answered, in the order of [`Layer`].
-    pub answered: [u64; 7],
+    /// Queries by the solver that answered, in the order of [`Solver`].
+    pub(crate) answered: [u64; Solver::COUNT],
     /// Feature pairs looked at.
     pub steps: u64,
     /// Overlaps whose depth was searched for.
@@ -64,21 +61,51 @@ pub struct Totals {
 }
 
 impl Totals {
-    /// How many queries `layer` answered.
+    /// How many queries `solver` answered.
     #[must_use]
-    pub fn answered_by(&self, layer: Layer) -> u64 {
-        self.answered[layer as usize]
+    pub fn answered_by(&self, solver: Solver) -> u64 {
+        self.answered[solver as usize]
+    }
+}
+
+/// Queries, the share of warm starts, steps and depths, and the solvers that answered.
+impl core::fmt::Display for Totals {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        write!(
+            f,
+            "{} queries, {} warm, {} steps, {} depths; {}",
+            self.queries,
+            self.warm,
+            self.steps,
+            self.depths,
+            AnsweredBy(&self.answered)
+        )
+    }
+}
+
+impl Totals {
+    /// Counts a query and its work. A counter stays at its end: a file may have put it there.
+    #[inline(always)]
+    pub(super) fn note(&mut self, warm: bool, solver: Solver, work: &Work) {
+        let add = |counter: &mut u64, by: u64| *counter = counter.saturating_add(by);
+        add(&mut self.queries, 1);
+        add(&mut self.warm, u64::from(warm));
+        add(&mut self.answered[solver as usize], 1);
+        add(&mut self.steps, u64::from(work.steps));
+        add(&mut self.depths, u64::from(work.depths));
     }
 }
 
 impl core::ops::AddAssign for Totals {
+    /// Sums that stay at their end.
     fn add_assign(&mut self, o: Self) {
-        self.queries += o.queries;
-        self.warm += o.warm;
-        self.steps += o.steps;
-        self.depths += o.depths;
+        let add = |counter: &mut u64, by: u64| *counter = counter.saturating_add(by);
+        add(&mut self.queries, o.queries);
+        add(&mut self.warm, o.warm);
+        add(&mut self.steps, o.steps);
+        add(&mut self.depths, o.depths);
         for (mine, theirs) in self.answered.iter_mut().zip(o.answered) {
-            *mine += theirs;
+            add(mine, theirs);
         }
     }
 }

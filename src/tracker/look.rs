@@ -1,10 +1,10 @@
-//! A query that stops at the class of an overlap, and what is decided from its outcome: what predicates and scenes ask.
+//! Queries that may stop at the class of an overlap, and predicates decided from their outcomes.
 
-use super::{Tracker, clear_of, give_back};
-use crate::closest::hold;
-use crate::closest::outcome::{Class, Distance, Level, Outcome};
-use crate::closest::placed::Placed;
-use crate::penetration::Memory;
+use super::{Tracker, clear_of, to_user_units};
+use crate::depth::Memory;
+use crate::minimum::overlap_proof;
+use crate::pair::outcome::{Ask, Class, Distance, Outcome, Until};
+use crate::pair::posed::PosedPair;
 use crate::polyhedron::ConvexPolyhedron;
 use crate::pose::RelativePose;
 
@@ -25,32 +25,34 @@ impl Tracker {
         if !(d >= 0.0) || clear_of(a, b, a_from_b, d) {
             return false;
         }
-        let outcome = self.look(a, b, a_from_b, false);
+        let outcome = self.measure(a, b, a_from_b, Until::Class);
         self.decides_within(a, b, a_from_b, &outcome, d)
     }
 
-    /// As [`distance`](Self::distance); of an overlap only that it is one, unless `deep`.
+    /// Returns the signed distance and its bounds; the depth of an overlap stays open if `until` is
+    /// [`Until::Class`].
     #[inline]
     pub(crate) fn bounds(
         &mut self,
         a: &ConvexPolyhedron,
         b: &ConvexPolyhedron,
         a_from_b: &RelativePose,
-        deep: bool,
+        until: Until,
     ) -> Distance {
-        Distance::from(&self.answer(a, b, a_from_b, Level::Certified, deep))
+        Distance::from(&self.answer(a, b, a_from_b, Ask::certified(until)))
     }
 
-    /// As [`closest`](Self::closest), but an overlap gets its depth only if `deep`: else it is known as such and no more.
+    /// Returns the certified outcome; the depth of an overlap stays open if `until` is
+    /// [`Until::Class`].
     #[inline]
-    pub(crate) fn look(
+    pub(crate) fn measure(
         &mut self,
         a: &ConvexPolyhedron,
         b: &ConvexPolyhedron,
         a_from_b: &RelativePose,
-        deep: bool,
+        until: Until,
     ) -> Outcome {
-        self.answer(a, b, a_from_b, Level::Certified, deep)
+        self.answer(a, b, a_from_b, Ask::certified(until))
     }
 
     /// What [`within`](Self::within) answers for a `d` that is not negative, from the outcome of the last query.
@@ -74,7 +76,11 @@ impl Tracker {
 
     /// Triangles of what is kept of an overlap.
     pub(crate) fn facets(&self) -> usize {
-        if self.hold.is_some() { 4 } else { self.memory.facets() }
+        if self.overlap_proof.is_some() {
+            4
+        } else {
+            self.memory.facets()
+        }
     }
 
     /// Gives up the surface kept of an overlap, and its room.
@@ -89,25 +95,23 @@ impl Tracker {
 
     /// The class alone from the proof of the last answer, or from the solver that found it.
     #[inline(never)]
-    pub(super) fn still_overlaps(&mut self, placed: &Placed, outcome: &mut Outcome) -> bool {
+    pub(super) fn still_overlaps(&mut self, posed: &PosedPair, outcome: &mut Outcome) -> bool {
         let first = *outcome;
-        let Some((hold, features)) = self.hold.zip(self.last.filter(|f| f.is_of(placed.a, placed.b))) else {
+        let Some((hold, features)) = self.overlap_proof.zip(self.last.filter(|f| f.is_of(posed.a, posed.b))) else {
             return false;
         };
         outcome.features = features;
-        if !hold.proves(placed, outcome) {
-            self.hold = hold::regain(placed, features, outcome);
-            if self.hold.is_none() {
+        if !hold.proves(posed, outcome) {
+            self.overlap_proof = overlap_proof::solve_overlap(posed, features, outcome);
+            if self.overlap_proof.is_none() {
                 let work = outcome.work;
                 *outcome = Outcome { work, ..first };
                 return false;
             }
         }
-        self.totals.queries += 1;
-        self.totals.warm += 1;
-        self.totals.answered[outcome.layer as usize] += 1;
-        if !(placed.a.as_given && placed.b.as_given) {
-            give_back(placed.a, placed.b, outcome);
+        self.totals.note(true, outcome.solver, &outcome.work);
+        if !(posed.a.is_unscaled && posed.b.is_unscaled) {
+            to_user_units(posed.a, posed.b, outcome);
         }
         true
     }
@@ -116,7 +120,7 @@ impl Tracker {
     #[cold]
     fn decide_within(&self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose, d: f64) -> bool {
         let hint = self.last.map_or((0, 0), |s| s.vertices_of(a, b));
-        crate::closest::exact::within(a, b, a_from_b, hint, d)
+        crate::exact::within(a, b, a_from_b, hint, d)
     }
 
     #[cfg(not(feature = "exact"))]

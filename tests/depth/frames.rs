@@ -9,7 +9,7 @@ use lab::shapes;
 use lab::{Pose, workload};
 use lin_canny::nalgebra::Vector3;
 use lin_canny::polyhedron::solids;
-use lin_canny::{Class, ConvexPolyhedron, Layer, Outcome, Replay, Tracker};
+use lin_canny::{Class, ConvexPolyhedron, Outcome, Replay, Solver, Tracker};
 
 /// The signed distance changes no faster than the bodies move, on both sides of contact and across it.
 #[test]
@@ -72,16 +72,16 @@ fn warm_and_cold_agree_and_come_back() {
         let mut pair = Tracker::new();
         for frame in motion::pass_through(&mut rng, 200, (ra, rb), 0.3) {
             let pose = support::relative(&frame);
-            let replay = pair.replay(&a, &b, &pose, lin_canny::Level::Certified);
+            let replay = pair.replay(&a, &b, &pose, lin_canny::Accuracy::Certified);
             let (warm, cold) = (pair.closest(&a, &b, &pose), closest(&a, &b, &frame));
             assert_eq!(warm.class, cold.class, "{warm:?} {cold:?}");
             if warm.class != Class::Overlapping {
                 continue;
             }
             frames += 1;
-            kept += u32::from(warm.layer == Layer::Surface);
-            work[0] += warm.work.grown;
-            work[1] += cold.work.grown;
+            kept += u32::from(warm.solver == Solver::Surface);
+            work[0] += warm.work.points_added;
+            work[1] += cold.work.points_added;
             let size = support::size(&a, &b, &frame);
             assert!(
                 (warm.distance - cold.distance).abs() <= 1e-14 * size && warm.upper - warm.lower <= 1e-13 * size,
@@ -132,7 +132,7 @@ fn faces_that_tremble_on_faces() {
             assert!((warm.distance - cold.distance).abs() <= 1e-14 * size, "{told}");
             assert!(warm.lower <= cold.upper && cold.lower <= warm.upper, "{told}");
             frames += 1;
-            grown += u32::from(warm.work.grown > 0 || warm.layer != Layer::Surface);
+            grown += u32::from(warm.work.points_added > 0 || warm.solver != Solver::Surface);
             open += u32::from(warm.upper - warm.lower > 1e-13 * size);
         }
     }
@@ -201,7 +201,7 @@ fn bodies_without_faces_keep_their_depth_over_frames() {
                     let cold = closest(body, small, &frame);
                     assert!((o.distance - cold.distance).abs() <= 1e-14, "{o:?} {cold:?}");
                     assert!((p.distance - cold.distance).abs() <= 1e-14, "{p:?} {cold:?}");
-                    surface += usize::from(o.layer == Layer::Surface);
+                    surface += usize::from(o.solver == Solver::Surface);
                 }
             }
         }

@@ -7,7 +7,7 @@ use lab::rng::Rng;
 use lab::shapes;
 use lin_canny::nalgebra::Vector3;
 use lin_canny::polyhedron::solids;
-use lin_canny::{Class, ConvexPolyhedron, Layer, Replay};
+use lin_canny::{Class, ConvexPolyhedron, Replay, Solver};
 
 /// A plate, and at a corner of it a speck a billionth as large and a million times thinner still: the volumes that prove the
 /// overlap are far below rounding of the plate's.
@@ -80,7 +80,7 @@ fn bodies_thinner_than_rounding_have_a_depth() {
         let o = closest(&a, &b, &frame);
         if o.class == Class::Overlapping {
             judge_both(&a, &b, &frame, "needles");
-            exact += usize::from(o.layer == Layer::Exact);
+            exact += usize::from(o.solver == Solver::Exact);
         }
     }
     assert!(exact > 50, "{exact}");
@@ -170,7 +170,7 @@ fn witnesses_of_far_bodies_are_as_good_as_their_coordinates() {
             continue;
         }
         deep += 1;
-        doubled += usize::from(o.layer == Layer::DoubleDouble);
+        doubled += usize::from(o.solver == Solver::DoubleDouble);
         let between = lab::bound::witness_distance(o.point_on_a.into(), &frame.a, o.point_on_b.into(), &frame.b);
         // The coordinates of the one on B end with 2^-27.
         let off = (between + o.distance).abs();
@@ -184,7 +184,7 @@ fn witnesses_of_far_bodies_are_as_good_as_their_coordinates() {
 fn witnesses_among_needles_are_behind_each_other() {
     let replay: Replay = include_str!("../replays/needles.txt").parse().expect("a replay");
     let o = replay.tracker().closest(&replay.a, &replay.b, &replay.pose);
-    assert_eq!((o.class, o.layer), (Class::Overlapping, Layer::Surface));
+    assert_eq!((o.class, o.solver), (Class::Overlapping, Solver::Surface));
     let (pa, pb) = replay.pose.poses();
     let (n, between) = (pa * o.normal.into_inner(), pb * o.point_on_b - pa * o.point_on_a);
     let aside = (between - n * n.dot(&between)).norm();

@@ -4,7 +4,7 @@ use crate::support;
 use lab::Point;
 use lab::motion::Frame;
 use lab::pose::{cross, dot, norm, scale, sub, unit};
-use lin_canny::{ConvexPolyhedron, FaceId, Feature, Layer, Manifold, ManifoldOptions, Outcome, Tracker};
+use lin_canny::{ConvexPolyhedron, FaceId, Feature, Manifold, ManifoldOptions, Outcome, Solver, Tracker};
 
 /// How far a point is off a feature of its body.
 fn off(body: &ConvexPolyhedron, feature: Feature, p: Point) -> f64 {
@@ -74,7 +74,7 @@ pub(crate) fn judge(
         assert!(support::are_of(p.features, a, b), "{}", told());
         let (from_a, from_b) = (off(a, p.features.a, on_a), off(b, p.features.b, on_b));
         // Where rounding has split faces, the features a solver names need not hold its witnesses.
-        let of_answer = p.features == outcome.features && outcome.layer >= Layer::Fallback;
+        let of_answer = p.features == outcome.features && outcome.solver >= Solver::Fallback;
         assert!(
             of_answer || from_a.max(from_b) <= 1e-13 * size,
             "{from_a:e} {from_b:e} {p:?}\n{}",

@@ -3,9 +3,9 @@
 use crate::tree::Tree;
 use lab::Pose;
 use lab::crowd::Crowd;
-use lin_canny::ManifoldOptions;
 use lin_canny::nalgebra::Isometry3;
 use lin_canny::scene::{Body, BodyId, Effects, Group, Report, Scene};
+use lin_canny::{ManifoldOptions, Solver};
 use parry3d::bounding_volume::Aabb;
 use parry3d::query;
 use rapier3d::prelude as rapier;
@@ -109,9 +109,9 @@ impl Engine for Ours {
             c.skipped as f64 / steps,
             c.balls as f64 / steps,
             c.queries as f64 / steps,
-            c.answered[0] as f64 / steps,
-            c.answered[6] as f64 / steps,
-            (c.queries - c.answered[0] - c.answered[6]) as f64 / steps,
+            c.answered_by(Solver::Walk) as f64 / steps,
+            c.answered_by(Solver::Surface) as f64 / steps,
+            (c.queries - c.answered_by(Solver::Walk) - c.answered_by(Solver::Surface)) as f64 / steps,
             (bytes.bodies + bytes.broad + bytes.scratch) / n,
             bytes.pairs as f64 / pairs,
         )

@@ -6,9 +6,7 @@ use crate::broad::aabb::{Aabb, BoxFault, FARTHEST, StoredBox};
 use crate::broad::bounds::{Bounds, any_above};
 use crate::broad::grid::Grid;
 use nalgebra::Point3;
-
-/// A move longer than this part of a column's width is a jump.
-pub(super) const LEAP: f32 = 0.25;
+use wide::f32x4;
 
 /// What placing a box needs besides the record.
 pub(super) struct Context<'a> {
@@ -30,7 +28,7 @@ impl Context<'_> {
             bounds = self.loosened(record, index, given);
         }
         let by = present.displacement(&bounds);
-        if !any_above(by, 0.0) {
+        if !any_above(by, f32x4::ZERO) {
             return;
         }
         record.touch(index, self.step, &mut marks.moved);
@@ -39,7 +37,7 @@ impl Context<'_> {
             return;
         }
         let range = self.grid.range(&bounds);
-        let far = any_above(by, self.grid.width * LEAP);
+        let far = any_above(by, self.grid.leap);
         if (range != record.range()) | far {
             record.set_range(range);
             if record.flags() & NOTED == 0 {

@@ -79,6 +79,11 @@ impl Links {
         }
     }
 
+    /// Number of links.
+    pub(super) fn len(&self) -> usize {
+        self.blocks.iter().map(|block| block.live).sum()
+    }
+
     /// Bytes reserved.
     pub(super) fn bytes(&self) -> usize {
         let links: usize = self.blocks.iter().map(|block| block.places.capacity()).sum();

@@ -1,5 +1,6 @@
 //! The overlapping pairs in slots that stay put from a pair's beginning to its end.
 
+mod check;
 mod links;
 #[cfg(feature = "serde")]
 mod state;

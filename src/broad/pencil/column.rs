@@ -5,8 +5,9 @@ use crate::broad::ahead::read_ahead;
 use crate::broad::body::{Bodies, JUMPS, MIGRATES, Record, UNBOUNDED};
 use alloc::vec::Vec;
 
-/// Marks an entry that stands for the new box only: the body came into the column this step.
-pub(super) const ARRIVING: u32 = 1 << 31;
+/// Marks an entry that stands for the new box only: the body came into the column this step. The lowest bit, below the index,
+/// so that entries stay in order when it is cleared: no two of them differ in it alone once those of old boxes are gone.
+pub(super) const ARRIVING: u32 = 1;
 
 /// Which of its two boxes an entry stands for in its column this step.
 ///
@@ -27,7 +28,7 @@ impl Part {
         self != if new { Self::Old } else { Self::New }
     }
 
-    /// The part of the entry `who` (an index, perhaps with `ARRIVING`) in the column.
+    /// The part of the entry of `who` in the column.
     #[inline(always)]
     pub(super) fn of(who: u32, record: &Record, column: [u16; 2]) -> Self {
         if who & ARRIVING != 0 {
@@ -42,8 +43,14 @@ impl Part {
     }
 }
 
-/// An entry: the sort key of the lower bound in the upper half, index and `ARRIVING` in the lower. Ties fall by index.
+/// An entry: the sort key of the lower bound in the upper half, in the lower one who it is. Ties fall by index.
 pub(super) type Entry = u64;
+
+/// The lower half of an entry: index of a body, and `ARRIVING` or 0.
+#[inline(always)]
+pub(super) fn who(index: u32, arriving: u32) -> u32 {
+    index << 1 | arriving
+}
 
 #[inline(always)]
 pub(super) fn entry(lower: f32, who: u32) -> Entry {
@@ -52,7 +59,7 @@ pub(super) fn entry(lower: f32, who: u32) -> Entry {
 
 #[inline(always)]
 pub(super) fn index_of(entry: Entry) -> usize {
-    (entry as u32 & !ARRIVING) as usize
+    (entry as u32 >> 1) as usize
 }
 
 /// Between steps: sorted, one entry a body, no flags, keys of the bodies' last boxes.
@@ -72,7 +79,7 @@ impl Column {
         let mut out = Self::default();
         for (i, record) in bodies.records.iter().enumerate().filter(|(_, r)| listed(r)) {
             let old = record.before(bodies.step).to_box();
-            out.entries.push(entry(old.lo[0], i as u32));
+            out.entries.push(entry(old.lo[0], who(i as u32, 0)));
             out.longest = max(out.longest, old.hi[0] - old.lo[0]);
         }
         out.entries.sort_unstable();
@@ -80,8 +87,9 @@ impl Column {
         out
     }
 
+    /// Lists the new box of a body, out of order: [`reorder`](Self::reorder) puts it in its place.
     pub(super) fn arrive(&mut self, index: u32) {
-        self.entries.push(u64::from(index | ARRIVING));
+        self.entries.push(u64::from(who(index, ARRIVING)));
     }
 
     /// Gives every entry the key of its box of this step and restores the order: insertion sort for those that stayed,

@@ -1,5 +1,6 @@
 //! Sweep and prune over pencils: the world cut into columns along the swept axis, each a sorted list of its own.
 
+mod check;
 mod column;
 mod query;
 mod repair;
@@ -13,8 +14,9 @@ use super::grid::Grid;
 use super::ledger::{HasLedger, Ledger};
 use super::parallel::{Threads, join};
 use super::{Aabb, BatchError, BodyId, BroadPhase, Events, Settings, StoredBox};
+use alloc::string::String;
 use alloc::vec::Vec;
-use column::{ARRIVING, Column};
+use column::{Column, who};
 pub use query::Pencil;
 use repair::Touch;
 use scan::Worker;
@@ -60,6 +62,8 @@ pub struct PencilSweep {
     entries: usize,
     /// Places that entries moved by in the last step.
     swaps: u64,
+    /// Entries inside the windows of the last step.
+    scanned: u64,
     pub(super) parallel_from: usize,
 }
 
@@ -90,6 +94,7 @@ impl PencilSweep {
             tuning: Tuning::new(),
             entries: 0,
             swaps: 0,
+            scanned: 0,
             parallel_from,
         }
     }
@@ -98,6 +103,12 @@ impl PencilSweep {
     #[must_use]
     pub fn swaps(&self) -> u64 {
         self.swaps
+    }
+
+    /// How many entries lay inside the windows of the last step, which were compared with the entry whose window it was.
+    #[must_use]
+    pub fn scanned(&self) -> u64 {
+        self.scanned
     }
 
     fn threads(&self) -> Threads {
@@ -136,7 +147,9 @@ impl PencilSweep {
             }
             let old = record.range_before(bodies.step, &bodies.grid);
             for cell in old.columns() {
-                self.columns[bodies.grid.index(cell)].entries.push(i as u64);
+                self.columns[bodies.grid.index(cell)]
+                    .entries
+                    .push(u64::from(who(i as u32, 0)));
             }
         }
         self.list_arrivals();
@@ -150,9 +163,7 @@ impl PencilSweep {
             let old = record.range_before(bodies.step, &bodies.grid);
             let jumps = record.flags() & JUMPS != 0;
             for cell in record.range().columns().filter(|cell| jumps || !old.contains(*cell)) {
-                self.columns[bodies.grid.index(cell)]
-                    .entries
-                    .push(u64::from(index | ARRIVING));
+                self.columns[bodies.grid.index(cell)].arrive(index);
             }
         }
     }
@@ -200,11 +211,12 @@ impl PencilSweep {
         for worker in &mut self.workers {
             self.ledger.changes.append(&mut worker.changes);
             self.swaps += core::mem::take(&mut worker.swaps);
+            self.scanned += core::mem::take(&mut worker.scanned);
         }
     }
 
     fn find_changes(&mut self) {
-        self.swaps = 0;
+        (self.swaps, self.scanned) = (0, 0);
         self.ledger.changes.clear();
         self.ledger.bodies.classify();
         let entries = self.entries_to_be();
@@ -327,6 +339,11 @@ impl BroadPhase for PencilSweep {
         };
         self.ledger.take_over(filter, partners, threads);
         self.ledger.pairs.events(&self.ledger.bodies)
+    }
+
+    fn check(&self) -> Result<(), String> {
+        self.ledger.check()?;
+        self.check_columns()
     }
 
     fn bytes(&self) -> usize {

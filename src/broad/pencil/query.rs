@@ -5,6 +5,7 @@ use super::column::{Column, index_of};
 use crate::broad::aabb::{StoredBox, max, order_key};
 use crate::broad::body::{Bodies, Record};
 use crate::broad::bounds::Bounds;
+use crate::tolerance::COLUMN_SEARCH;
 
 /// Visits every body once whose box overlaps `asked`; `place` picks the box of a record the columns are sorted by.
 pub(super) fn overlapping(
@@ -22,7 +23,7 @@ pub(super) fn overlapping(
         let Some(column) = columns.get(bodies.grid.index(cell)) else {
             continue;
         };
-        let slack = 8.0 * f32::EPSILON * max(start.abs(), column.longest);
+        let slack = COLUMN_SEARCH * max(start.abs(), column.longest);
         let first = order_key(start - column.longest - slack);
         let last = order_key(end);
         let from = column.entries.partition_point(|e| ((e >> 32) as u32) < first);

@@ -1,15 +1,22 @@
 //! Local repair: when few boxes changed, only their entries move and only their windows are looked at.
 
-use super::column::{ARRIVING, Column, Part, entry, index_of};
+use super::column::{ARRIVING, Column, Part, entry, index_of, who};
 use super::scan::{Worker, decide};
 use crate::broad::aabb::{max, order_key};
 use crate::broad::body::{Bodies, JUMPS, MIGRATES, Record};
 use crate::broad::bounds::{Bounds, largest};
 use crate::broad::change::overlap;
+use crate::tolerance::{COLUMN_REACH, COLUMN_SEARCH};
 use alloc::vec::Vec;
 
 /// A column is swept whole when this many times its changed entries exceed its entries.
 const SWEEP_SHARE: usize = 6;
+
+/// A column is swept whole when more bodies come into it, leave it or jump: each moves the entries behind it.
+const MOST_PARTED: usize = 32;
+
+/// A column is swept whole after all when the windows of its changed entries hold this many times its entries.
+const MOST_SCANNED: u64 = 4;
 
 /// A column number and the index of a body whose old or new box touches it.
 pub(super) type Touch = (u32, u32);
@@ -35,7 +42,9 @@ impl Worker {
     pub(super) fn repair(&mut self, column: &mut Column, touched: &[Touch], bodies: &Bodies) {
         let Some(&(index, _)) = touched.first() else { return };
         let cell = bodies.grid.column(index as usize);
-        if touched.len() * SWEEP_SHARE > column.entries.len() {
+        let parts = |touch: &&Touch| bodies.records[touch.1 as usize].flags() & (MIGRATES | JUMPS) != 0;
+        let parted = touched.iter().filter(parts).count();
+        if touched.len() * SWEEP_SHARE > column.entries.len() || parted > MOST_PARTED {
             for &(_, who) in touched {
                 if roles(&bodies.records[who as usize], cell, bodies).1 {
                     column.arrive(who);
@@ -43,30 +52,52 @@ impl Worker {
             }
             return self.sweep(index as usize, column, bodies);
         }
-        let parted = self.move_entries(column, touched, cell, bodies);
+        self.move_entries(column, touched, cell, bodies);
+        column.settled = column.entries.len();
+        let most = self.scanned + MOST_SCANNED * column.entries.len() as u64;
         for k in 0..self.active.len() {
-            self.scan_one(column, self.active[k], cell, bodies, true);
+            self.scan_one(column, self.active[k], cell, bodies);
+            if self.scanned > most {
+                // Changes found so far are found again and counted once.
+                return self.sweep(index as usize, column, bodies);
+            }
         }
-        if parted {
-            column.settle(cell, &bodies.records);
+        if parted > 0 {
+            self.settle_active(column, cell, bodies);
+        }
+    }
+
+    /// What [`Column::settle`] does, for the few entries of one box. Of a body that has two, the old one is listed last.
+    fn settle_active(&self, column: &mut Column, cell: [u16; 2], bodies: &Bodies) {
+        for &e in self.active.iter().rev() {
+            let part = Part::of(e as u32, &bodies.records[index_of(e)], cell);
+            if part == Part::Both {
+                continue;
+            }
+            let Ok(place) = column.entries.binary_search(&e) else {
+                debug_assert!(false, "a column lost the entry {e:#x}");
+                continue;
+            };
+            if part == Part::Old {
+                column.entries.remove(place);
+            } else {
+                column.entries[place] &= !u64::from(ARRIVING);
+            }
         }
         column.settled = column.entries.len();
     }
 
-    /// Puts the entries of the touched bodies in their places and lists them in `active`. True if some stand for one
-    /// box only.
-    fn move_entries(&mut self, column: &mut Column, touched: &[Touch], cell: [u16; 2], bodies: &Bodies) -> bool {
+    /// Puts the entries of the touched bodies in their places and lists them in `active`.
+    fn move_entries(&mut self, column: &mut Column, touched: &[Touch], cell: [u16; 2], bodies: &Bodies) {
         self.active.clear();
         self.reach = 0.0;
-        let mut parted = false;
-        for &(_, who) in touched {
-            let record = &bodies.records[who as usize];
+        for &(_, index) in touched {
+            let record = &bodies.records[index as usize];
             let (stays, comes) = roles(record, cell, bodies);
             let (old, new) = (record.before(bodies.step), record.now());
             let (old_start, new_start) = (old.to_box().lo[0], new.to_box().lo[0]);
-            parted |= comes;
             if comes {
-                let item = entry(new_start, who | ARRIVING);
+                let item = entry(new_start, who(index, ARRIVING));
                 let place = column.entries.partition_point(|e| *e < item);
                 column.entries.insert(place, item);
                 column.longest = max(column.longest, length(&new));
@@ -75,37 +106,35 @@ impl Worker {
             if !stays {
                 continue;
             }
-            let mut item = entry(old_start, who);
-            if Part::of(who, record, cell) == Part::Both {
-                let moved = entry(new_start, who);
+            let mut item = entry(old_start, who(index, 0));
+            if Part::of(item as u32, record, cell) == Part::Both {
+                let moved = entry(new_start, who(index, 0));
                 self.swaps += shift(&mut column.entries, item, moved);
                 item = moved;
                 column.longest = max(column.longest, length(&old.united(&new)));
                 self.reach = max(self.reach, largest(old.displacement(&new)));
-            } else {
-                parted = true;
             }
             self.active.push(item);
         }
-        parted
     }
 
-    /// Notes the changes of one entry with all entries that may meet it. Two entries looked at in this way meet twice;
-    /// the one with the lower index speaks. `all`: every body that moved is looked at, not only entries of one box.
-    pub(super) fn scan_one(&mut self, column: &Column, active: u64, cell: [u16; 2], bodies: &Bodies, all: bool) {
+    /// Notes the changes of one entry with all entries that may meet it. Every body that moved is looked at in this way, so two
+    /// such entries meet twice; the one with the lower index speaks.
+    fn scan_one(&mut self, column: &Column, active: u64, cell: [u16; 2], bodies: &Bodies) {
         let who = active as u32;
         let record = &bodies.records[index_of(active)];
         let step = bodies.step;
         let cover = box_of(who, record, cell, step);
         let union = cover.to_box();
-        let slack = 8.0 * f32::EPSILON * max(union.lo[0].abs(), union.hi[0].abs());
-        let first = order_key(union.lo[0] - column.longest * 1.000_01 - slack);
-        let last = order_key(union.hi[0] + self.reach * 1.000_01 + slack);
+        let slack = COLUMN_SEARCH * max(union.lo[0].abs(), union.hi[0].abs());
+        let first = order_key(union.lo[0] - column.longest * COLUMN_REACH - slack);
+        let last = order_key(union.hi[0] + self.reach * COLUMN_REACH + slack);
         let place = column.entries.partition_point(|e| ((e >> 32) as u32) < first);
         for &e in &column.entries[place..] {
             if (e >> 32) as u32 > last {
                 break;
             }
+            self.scanned += 1;
             let other = &bodies.records[index_of(e)];
             if index_of(e) == index_of(active) {
                 continue; // itself, or the other entry of a body that jumps
@@ -119,12 +148,7 @@ impl Worker {
             if was == is {
                 continue;
             }
-            let looked_at = if all {
-                other.moved(step)
-            } else {
-                Part::of(e as u32, other, cell) != Part::Both
-            };
-            let twice = looked_at && index_of(e) < index_of(active);
+            let twice = other.moved(step) && index_of(e) < index_of(active);
             if !twice {
                 decide(who, e as u32, is, cell, bodies, &mut self.changes);
             }
@@ -159,6 +183,7 @@ fn length(bounds: &Bounds) -> f32 {
 /// Replaces an entry by another and keeps the order. Returns how many places it moved by.
 fn shift(entries: &mut [u64], from: u64, to: u64) -> u64 {
     let Ok(place) = entries.binary_search(&from) else {
+        debug_assert!(false, "a column lost the entry {from:#x}");
         return 0;
     };
     let mut target = place;

@@ -7,22 +7,17 @@
 //! Unchanged pairs cost a few lanes of arithmetic and no memory.
 //!
 //! Entries are sorted by the lower bound of the new box, and an entry is compared with those that start before its own end
-//! and the farthest move. Bodies that come, leave or jump have one box only in the column; these few are left out of
-//! the sweep and looked at one by one, as a repair does.
+//! and the farthest move. Bodies that come, leave or jump have entries of one box. For these, overlap itself is a change, so
+//! whatever is no farther apart than the other has moved is looked at; a column without any is spared the difference.
 
 use super::column::{ARRIVING, Column, Entry, Part, index_of};
 use super::tune::Counts;
 use crate::broad::aabb::{StoredBox, max};
 use crate::broad::body::{Bodies, JUMPS, MIGRATES, Record};
 use crate::broad::change::{Changes, overlap};
+use crate::tolerance::{COLUMN_MOVE, COLUMN_SUM};
 use alloc::vec::Vec;
 use wide::f32x4;
-
-/// Four units in the last place: more than one rounded sum of two bounds can err.
-const SLACK: f32 = 4.0 * f32::EPSILON;
-
-/// Above the rounding of a difference of bounds, of a sum of two moves and of this product itself.
-const ROUNDED_UP: f32 = 1.0 + 8.0 * f32::EPSILON;
 
 /// Entries copied at once.
 const FOUR: usize = 4;
@@ -40,9 +35,11 @@ struct Lanes {
     hi_u: Vec<f32>,
     lo_v: Vec<f32>,
     hi_v: Vec<f32>,
-    /// The farthest that any face of the box moved in this step, rounded up; NaN, to which nothing compares, where there is
-    /// nothing to compare: in the padding and in entries looked at one by one.
+    /// The farthest that any face of the box moved in this step, rounded up; 0 for an entry of one box; NaN, to which nothing
+    /// compares, in the padding.
     moved: Vec<f32>,
+    /// How deep an overlap may be that has changed: as `moved`, without limit for an entry of one box. Only where there are any.
+    depth: Vec<f32>,
 }
 
 impl Lanes {
@@ -56,15 +53,26 @@ impl Lanes {
             lo_v,
             hi_v,
             moved,
+            depth,
         } = self;
-        for bounds in [start, end, lo_u, hi_u, lo_v, hi_v, moved] {
+        for bounds in [start, end, lo_u, hi_u, lo_v, hi_v, moved, depth] {
             bounds.resize(n + LANES, 0.0);
         }
     }
 
-    /// Leaves nothing to compare in a lane but where it starts.
-    fn empty(&mut self, k: usize, start: f32) {
-        (self.start[k], self.end[k], self.moved[k]) = (start, f32::MIN, f32::NAN);
+    /// The only box of an entry.
+    fn put_alone(&mut self, k: usize, only: &StoredBox) {
+        (
+            [self.start[k], self.lo_u[k], self.lo_v[k]],
+            [self.end[k], self.hi_u[k], self.hi_v[k]],
+        ) = (only.lo, only.hi);
+        self.moved[k] = 0.0;
+    }
+
+    /// Depths of a column in which the entries at these places have one box.
+    fn deepen(&mut self, alone: &[u32]) {
+        self.depth.copy_from_slice(&self.moved);
+        alone.iter().for_each(|k| self.depth[*k as usize] = f32::INFINITY);
     }
 
     /// Ends the entries.
@@ -81,7 +89,7 @@ impl Lanes {
         let [start, lo_u, lo_v, _] = f32x4::transpose(records.map(|record| record.now().lo));
         let [end, hi_u, hi_v, _] = f32x4::transpose(records.map(|record| record.now().hi));
         let [by_x, by_u, by_v, _] = f32x4::transpose(by);
-        let moved = by_x.fast_max(by_u).fast_max(by_v) * f32x4::splat(ROUNDED_UP);
+        let moved = by_x.fast_max(by_u).fast_max(by_v) * f32x4::splat(COLUMN_MOVE);
         let put = |lanes: &mut Vec<f32>, four: f32x4| lanes[k..k + FOUR].copy_from_slice(&four.to_array());
         put(&mut self.start, start);
         put(&mut self.end, end);
@@ -102,9 +110,14 @@ pub(super) struct Worker {
     /// What the sweep hit and did not yet look at.
     pending: Vec<Hits>,
     pub(super) changes: Changes,
-    /// Entries to look at one by one, and how far the start of an entry may lie behind its lower bound.
+    /// Places of entries that have one box.
+    alone: Vec<u32>,
+    /// Entries to look at one by one, in a repair.
     pub(super) active: Vec<u64>,
+    /// How far the start of an entry may lie behind its lower bound.
     pub(super) reach: f32,
+    /// Entries inside all windows.
+    pub(super) scanned: u64,
     /// What tuning goes by, if `counting`.
     pub(super) counting: bool,
     pub(super) counts: Counts,
@@ -119,25 +132,26 @@ impl Worker {
         self.swaps += column.reorder(cell, &bodies.records, bodies.step);
         let moved = self.gather(cell, column, bodies);
         if moved {
-            self.scan(column, cell, bodies);
-            for k in 0..self.active.len() {
-                self.scan_one(column, self.active[k], cell, bodies, false);
+            if self.alone.is_empty() {
+                self.scan::<false>(column, cell, bodies);
+            } else {
+                self.lanes.deepen(&self.alone);
+                self.scan::<true>(column, cell, bodies);
             }
             if self.counting {
                 self.count(column, bodies);
             }
         }
-        if !self.active.is_empty() {
+        if !self.alone.is_empty() {
             column.settle(cell, &bodies.records);
         }
         column.settled = column.entries.len();
     }
 
-    /// Copies the boxes of the column; lists entries of one box in `active` and leaves their lanes empty. True if
-    /// anything moved.
+    /// Copies the boxes of the column and lists entries of one box in `alone`. True if anything moved.
     fn gather(&mut self, cell: [u16; 2], column: &mut Column, bodies: &Bodies) -> bool {
         let n = column.entries.len();
-        self.active.clear();
+        self.alone.clear();
         self.lanes.make_room(n);
         let (mut farthest, mut longest) = (f32x4::ZERO, f32x4::ZERO);
         for (k, entries) in column.entries.chunks(FOUR).enumerate() {
@@ -152,8 +166,8 @@ impl Worker {
                     if let Some(only) = only_box(four[i], records[i], cell, bodies.step) {
                         moved.as_mut_array()[i] = 0.0;
                         length.as_mut_array()[i] = only.hi[0] - only.lo[0];
-                        self.lanes.empty(FOUR * k + i, only.lo[0]);
-                        self.active.extend(entries.get(i));
+                        self.lanes.put_alone(FOUR * k + i, &only);
+                        self.alone.extend((i < entries.len()).then_some((FOUR * k + i) as u32));
                     }
                 }
             }
@@ -163,11 +177,11 @@ impl Worker {
         self.lanes.pad(n);
         let most = |v: f32x4| v.to_array().into_iter().fold(0.0, max);
         (column.longest, self.reach) = (most(longest), most(farthest));
-        self.reach > 0.0 || !self.active.is_empty()
+        self.reach > 0.0 || !self.alone.is_empty()
     }
 
     /// Compares every entry with those that start before it ends.
-    fn scan(&mut self, column: &Column, cell: [u16; 2], bodies: &Bodies) {
+    fn scan<const ALONE: bool>(&mut self, column: &Column, cell: [u16; 2], bodies: &Bodies) {
         let n = column.entries.len();
         let padded = n + LANES;
         // Slices of one known length spare bounds checks.
@@ -179,8 +193,9 @@ impl Worker {
             lo_v,
             hi_v,
             moved,
+            depth,
         } = &self.lanes;
-        let (start, end, moved) = (&start[..padded], &end[..padded], &moved[..padded]);
+        let (start, end, moved, depth) = (&start[..padded], &end[..padded], &moved[..padded], &depth[..padded]);
         let (lo_u, hi_u, lo_v, hi_v) = (&lo_u[..padded], &hi_u[..padded], &lo_v[..padded], &hi_v[..padded]);
         // Room for the windows of one entry more, so that none has to wait for another to be settled.
         self.pending.resize(PENDING + padded / LANES + 1, (0, 0, 0));
@@ -188,17 +203,21 @@ impl Worker {
         let mut waiting = 0;
         // A little more, so that the rounding of the sum errs to the safe side; no bound is farther from zero than these are together.
         let farthest = start[0].abs() + start[n - 1].abs() + column.longest;
-        let beyond = 2.0 * self.reach + farthest * SLACK;
+        let beyond = 2.0 * self.reach + farthest * COLUMN_SUM;
         for i in 0..n {
             let reach = end[i] + beyond;
             let [x0, x1] = [start[i], end[i]].map(f32x4::splat);
             let [u0, u1, v0, v1] = [lo_u[i], hi_u[i], lo_v[i], hi_v[i]].map(f32x4::splat);
-            let by = f32x4::splat(moved[i]);
+            let [by, deep] = [moved[i], depth[i]].map(f32x4::splat);
             let hits_of_four = |j: usize| {
                 let apart_x = (four(start, j) - x1).fast_max(x0 - four(end, j));
                 let apart_u = (four(lo_u, j) - u1).fast_max(u0 - four(hi_u, j));
                 let apart_v = (four(lo_v, j) - v1).fast_max(v0 - four(hi_v, j));
                 let apart = apart_x.fast_max(apart_u).fast_max(apart_v);
+                if ALONE {
+                    let near = apart.simd_le(by + four(moved, j)) & (-apart).simd_le(deep + four(depth, j));
+                    return near.to_bitmask();
+                }
                 apart.abs().simd_le(by + four(moved, j)).to_bitmask()
             };
             let mut j = i + 1;
@@ -212,6 +231,7 @@ impl Worker {
                 }
                 j += LANES;
             }
+            self.scanned += (j - i) as u64;
             if waiting >= PENDING {
                 settle(&mut pending[..waiting], column, cell, bodies, &mut self.changes);
                 waiting = 0;
@@ -235,8 +255,10 @@ impl Worker {
 
     /// Bytes reserved.
     pub(super) fn bytes(&self) -> usize {
-        let lanes = self.lanes.start.capacity() * 7 * 4 + self.pending.capacity() * size_of::<Hits>();
-        lanes + (self.changes.began.capacity() + self.changes.ended.capacity() + self.active.capacity()) * 8
+        let lanes = self.lanes.start.capacity() * 8 * 4 + self.pending.capacity() * size_of::<Hits>();
+        lanes
+            + (self.changes.began.capacity() + self.changes.ended.capacity() + self.active.capacity()) * 8
+            + self.alone.capacity() * 4
     }
 }
 
@@ -293,7 +315,7 @@ fn four(bounds: &[f32], from: usize) -> f32x4 {
 
 /// Reports a changed pair if the column owns it: a beginning by the new boxes, an end by the old ones.
 pub(super) fn decide(a: u32, b: u32, began: bool, cell: [u16; 2], bodies: &Bodies, changes: &mut Changes) {
-    let (i, j) = (a & !ARRIVING, b & !ARRIVING);
+    let (i, j) = (a >> 1, b >> 1);
     let (first, second) = (&bodies.records[i as usize], &bodies.records[j as usize]);
     let (part_a, part_b) = (Part::of(a, first, cell), Part::of(b, second, cell));
     // No branch foretells which it is.

@@ -163,6 +163,14 @@ impl Survey {
         best
     }
 
+    /// How far a body may move along the swept axis and not jump: a mean length, or the mean distance to the next entry of
+    /// its column if that is more. Windows widened by two such moves hold about two entries more or are three times as long,
+    /// and a jump costs about as much as two entries: whatever moves how far, a sweep costs a few times what it costs at rest.
+    fn leap(&self, width: f64, columns: f64) -> f32 {
+        let listed = (self.count * self.entries(width) / columns).max(1.0);
+        self.mean[0].max(self.extent(0) / listed) as f32
+    }
+
     fn grid(&self, axis: usize, width: f64) -> Grid {
         let most = (2.0 * self.count).max(64.0);
         let mut width = width.max(LEAST_WIDTH);
@@ -174,7 +182,8 @@ impl Survey {
                     [self.lo[1] as f32, self.lo[2] as f32],
                     width as f32,
                     size.map(|n| n as u16),
-                );
+                )
+                .leaping(self.leap(width, size[0] * size[1]));
             }
             width *= 1.25;
         }

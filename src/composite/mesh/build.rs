@@ -7,8 +7,9 @@ use nalgebra::{Point3, Vector3};
 use super::weld::{MOST, Welded, mix, stir, weld};
 use super::{Mesh, MeshError, MeshKind, MeshReport, edges};
 use crate::composite::tree::{LEAF, Tree};
-use crate::polyhedron::{ConvexPolyhedron, bounding_box, sign};
-use crate::scalar::sqrt;
+use crate::num::scalar::sqrt;
+use crate::num::sign;
+use crate::polyhedron::{ConvexPolyhedron, bounding_box};
 use crate::tolerance::{SIDE_ERROR, UNIT};
 
 impl Mesh {

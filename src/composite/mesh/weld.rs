@@ -4,8 +4,8 @@ use alloc::vec::Vec;
 use nalgebra::{Point3, Vector3};
 
 use super::MeshError;
+use crate::num::scalar::sqrt;
 use crate::polyhedron::{bounding_box, exponent_of, power_of_two};
-use crate::scalar::sqrt;
 use crate::tolerance::{EXPONENT_FREE, EXTENT_MAX, EXTENT_MIN, FLUSH_EXPONENT, PLACE_MAX};
 
 /// Most points and triangles: an id of a triangle shares its 32 bits with a mark and a count.

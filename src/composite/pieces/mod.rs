@@ -11,8 +11,8 @@ pub use tracker::{CompositeOutcome, CompositeTracker};
 
 use super::mesh::{Mesh, MeshError};
 use super::tree::Tree;
+use crate::num::scalar::sqrt;
 use crate::polyhedron::{ConvexPolyhedron, bounding_box, exponent_of, power_of_two};
-use crate::scalar::sqrt;
 use crate::tolerance::{CERTIFICATE, EXPONENT_FREE, PLACE_MAX, UNIT};
 
 /// A convex piece of a [`Composite`]: a shape, its pose in the body's frame, and a name.
@@ -144,7 +144,7 @@ impl Composite {
         let (low, high) = bounding_box(&points);
         let print = |h: u64, p: &Piece| {
             let pose = p.pose.rotation.coords.iter().chain(p.pose.translation.vector.iter());
-            pose.fold(stir(h ^ p.shape.print), |h, x| stir(h ^ x.to_bits()))
+            pose.fold(stir(h ^ p.shape.fingerprint), |h, x| stir(h ^ x.to_bits()))
         };
         Self {
             fingerprint: pieces.iter().fold(stir(pieces.len() as u64), print),

@@ -4,10 +4,10 @@ use alloc::collections::BTreeMap;
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
 use super::{Composite, Piece};
-use crate::closest::outcome::{Class, Outcome};
 use crate::composite::frame::{Frame, Side};
 use crate::composite::front::Pair;
 use crate::composite::search::{Judge, Measured};
+use crate::pair::outcome::{Class, Outcome};
 use crate::polyhedron::FeaturePair;
 use crate::pose::RelativePose;
 use crate::tracker::Tracker;

@@ -5,11 +5,11 @@ use nalgebra::{Point3, Unit, Vector3};
 
 use super::Composite;
 use super::pair::{PiecePair, side};
-use crate::closest::outcome::{Class, Distance};
 use crate::composite::frame::Frame;
 use crate::composite::front::Pair;
 use crate::composite::kept::Kept;
 use crate::composite::search::{Goal, MeshWork, Search};
+use crate::pair::outcome::{Class, Distance};
 use crate::polyhedron::FeaturePair;
 use crate::pose::RelativePose;
 use crate::tracker::Tracker;
@@ -182,7 +182,7 @@ fn far(a: &Composite, b: &Composite, pose: &RelativePose) -> CompositeOutcome {
         lower,
         upper: distance + slack,
         pieces: [0; 2],
-        features: FeaturePair::vertices(crate::pose::Which::A, 0, 0),
+        features: FeaturePair::vertices(crate::pose::Operand::A, 0, 0),
         point_on_a: a.pieces[0].pose * a.pieces[0].shape.centroid(),
         point_on_b: b.pieces[0].pose * b.pieces[0].shape.centroid(),
         normal: Unit::new_unchecked(normal),

@@ -5,7 +5,7 @@ use alloc::vec::Vec;
 use nalgebra::Vector3;
 
 use super::{Below, OrientedBox, Slab, Tree};
-use crate::scalar::sqrt;
+use crate::num::scalar::sqrt;
 use crate::tolerance::{BOX_EXTENT, UNIT};
 
 /// A node thinner than this part of the tree's size gets a slab: about as thin as single precision can say.

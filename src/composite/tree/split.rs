@@ -6,8 +6,8 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::eigen::axes;
 use super::{COUNT_SHIFT, LEAF_MARK, OrientedBox, Tree};
+use crate::num::scalar::sqrt;
 use crate::polyhedron::{bounding_box, exponent_of, power_of_two};
-use crate::scalar::sqrt;
 
 /// A leaf of several triangles is no thicker than this part of its length: coarse bodies have thin leaves of one triangle, fine ones save
 /// two thirds of the boxes.

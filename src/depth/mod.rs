@@ -1,0 +1,136 @@
+//! Penetration depth: the shortest translation that separates two overlapping bodies, with a proof.
+//!
+//! With P = A - B and h(n) the support of P along the unit vector n, the depth is the minimum of
+//! h(n) over all n: the radius of the largest ball about the origin inside P. Any n gives an upper
+//! bound. A closed surface of triangles on points of P with winding number one about the origin
+//! ([`surface`]) gives a lower bound, the least distance of a triangle. The search grows the
+//! surface at the nearest triangle until both bounds agree; the depth is then proven globally. An
+//! open result in f64 is repeated in double-double, and a result still open there is resolved in
+//! exact arithmetic, facet by facet ([`exhaustive`]).
+//!
+//! Source: van den Bergen 2001, "Proximity queries and penetration depth computation on 3D game
+//! objects", the expanding polytope algorithm. Departures:
+//! 1. The proof is the winding number, preserved by every step, not convexity: a surface folded by
+//!    rounding costs time and never the answer.
+//! 2. The bound of a triangle is the least of three heights along a unit vector, and any unit
+//!    vector will do (the normal, the direction of the nearest point, the normal of the best
+//!    facet): slivers weaken a bound and falsify none.
+//! 3. Heights are taken along the normals of the bodies' own features ([`facet`]), not of rounded
+//!    points.
+//! 4. A tracker caches the surface as vertex pairs ([`memory`]) and starts the next search from the
+//!    cached surface ([`mod@resume`]).
+//! 5. If faces lie flush on each other, the deepest facet itself covers for triangles slightly
+//!    beneath the boundary of P ([`facet_disc`]).
+//! 6. If the origin lies on the boundary of the first tetrahedron (lattices, concentric and equal
+//!    bodies), the surface is grown about a point close to the origin until the ball about the
+//!    shifted point contains the origin too.
+
+mod deepest;
+mod direction;
+#[cfg(feature = "exact")]
+mod exhaustive;
+mod facet;
+mod facet_disc;
+mod foot;
+mod memory;
+mod queue;
+mod result;
+mod resume;
+mod search;
+mod surface;
+mod verify_surface;
+
+use crate::num::double_double::DoubleDouble;
+use crate::num::scalar::Scalar;
+use crate::pair::answer::{round_outward, unit, walk_state};
+use crate::pair::outcome::Outcome;
+use crate::pair::posed::PosedPair;
+use crate::pair::transform::Transform;
+#[cfg(feature = "exact")]
+use crate::tolerance::{AGREE_DEPTH, AGREE_WITNESS};
+use crate::tolerance::{CERTIFICATE, SHIFTS};
+use crate::tuning::depth::SHIFTS_PLAIN;
+use nalgebra::Vector3;
+use result::{SearchEnd, SearchResult};
+use search::search;
+use surface::EnclosingSurface;
+
+pub(crate) use memory::{Memory, RawMemory};
+pub(crate) use resume::resume;
+
+/// Computes depth, normal, witnesses and features of two bodies already proven to overlap.
+#[cold]
+pub(crate) fn penetration_depth(posed: &PosedPair, memory: &mut Memory, outcome: &mut Outcome) {
+    memory.clear();
+    outcome.work.depths += 1;
+    outcome.lower = f64::NEG_INFINITY;
+    let shifts = &SHIFTS[..SHIFTS_PLAIN];
+    let is_done = memory.with_scratch(|memory, scratch| {
+        let surface = &mut scratch.surface;
+        let Some(found) = search(posed, &Transform::of(posed), outcome.features, shifts, surface) else {
+            return false;
+        };
+        write_result(posed, &found, outcome);
+        if found.end == SearchEnd::Closed {
+            memory.keep(surface, outcome.features, None);
+        }
+        found.end != SearchEnd::Stuck
+    });
+    if !is_done {
+        penetration_depth_in_double_double(posed, outcome);
+    }
+}
+
+/// Computes depth, normal, witnesses and features in double-double, and exactly if still open.
+#[cold]
+#[inline(never)]
+fn penetration_depth_in_double_double(posed: &PosedPair, outcome: &mut Outcome) {
+    outcome.work.double_doubles += 1;
+    let Some(frame) = Transform::<DoubleDouble>::new(posed.a, posed.b, posed.pose) else {
+        return;
+    };
+    if let Some(found) = search(posed, &frame, outcome.features, &SHIFTS, &mut EnclosingSurface::new()) {
+        write_result(posed, &found, outcome);
+    }
+    #[cfg(feature = "exact")]
+    if !has_close_bounds(posed, outcome) || outcome.distance == 0.0 || !has_witnesses(posed, outcome) {
+        exhaustive::resolve_exactly(posed, &frame, outcome);
+    }
+}
+
+/// Returns whether the bounds agree as closely as a proven depth requires; false for NaN.
+#[cfg(feature = "exact")]
+fn has_close_bounds(posed: &PosedPair, outcome: &Outcome) -> bool {
+    outcome.upper - outcome.lower <= AGREE_DEPTH * posed.size()
+}
+
+/// Returns whether the witnesses differ by the depth along the normal: a surface that failed to
+/// close may have no such witnesses.
+#[cfg(feature = "exact")]
+fn has_witnesses(posed: &PosedPair, outcome: &Outcome) -> bool {
+    let between = posed.point_in_a(&outcome.point_on_b.coords) - outcome.point_on_a.coords;
+    let rest = between - outcome.normal.into_inner() * outcome.distance;
+    rest.norm_squared() <= (AGREE_WITNESS * posed.size()) * (AGREE_WITNESS * posed.size())
+}
+
+/// Writes the search result to the outcome if the bounds of the result are narrower.
+fn write_result<T: Scalar>(posed: &PosedPair, found: &SearchResult<T>, outcome: &mut Outcome) {
+    let term = CERTIFICATE * T::UNIT * posed.error_scale::<T>().total();
+    outcome.work.points_added += found.points_added;
+    let lower = -round_outward(found.height, term);
+    let upper = (-round_outward(found.radius, -term)).min(0.0);
+    if outcome.lower.is_finite() && !(upper - lower < outcome.upper - outcome.lower) {
+        return;
+    }
+    (outcome.lower, outcome.upper) = (lower.min(0.0), upper.max(lower.min(0.0)));
+    outcome.distance = (-found.height.value()).clamp(outcome.lower, outcome.upper);
+    let n = &found.normal;
+    outcome.normal = unit(&Vector3::new(n[0].value(), n[1].value(), n[2].value()));
+    if let Some(witnesses) = found.witnesses {
+        (outcome.point_on_a, outcome.point_on_b) = witnesses;
+    }
+    outcome.features = found.features.unwrap_or_else(|| {
+        let (a, b) = (found.vertices.map(|c| c.a), found.vertices.map(|c| c.b));
+        walk_state(posed, &a, &b)
+    });
+}

@@ -1,0 +1,50 @@
+//! The result of a search.
+
+use crate::num::scalar::{Scalar, Vec3};
+use crate::pair::difference::MinkowskiPoint;
+use crate::polyhedron::FeaturePair;
+
+use crate::depth::foot::WitnessPoints;
+
+/// Why a search ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum SearchEnd {
+    /// Both bounds agree.
+    Closed,
+    /// Rounding hides the next step.
+    Stuck,
+    /// The surface reached its triangle limit.
+    Full,
+}
+
+/// Proven bounds and final state of a search.
+pub(super) struct SearchResult<T> {
+    pub(super) end: SearchEnd,
+    /// Best unit direction and the support of A - B along the direction.
+    pub(super) normal: Vec3<T>,
+    pub(super) height: T,
+    /// Every point outside A - B is at least this far from the origin; zero if nothing is known.
+    pub(super) radius: T,
+    /// Triangle that contains the deepest point, or a triangle of the facet.
+    pub(super) vertices: [MinkowskiPoint<T>; 3],
+    /// Deepest points of A and of B in their stored frames.
+    pub(super) witnesses: Option<WitnessPoints>,
+    pub(super) features: Option<FeaturePair>,
+    /// Number of points added to the surface.
+    pub(super) points_added: u32,
+}
+
+/// A direction, the support along the direction, and the features it comes from.
+#[derive(Clone, Copy)]
+pub(super) struct Best<T> {
+    pub(super) normal: Vec3<T>,
+    pub(super) height: T,
+    pub(super) features: Option<FeaturePair>,
+}
+
+impl<T: Scalar> Best<T> {
+    /// Returns normal and height rounded to f64.
+    pub(super) fn rounded(&self) -> (Vec3<f64>, f64) {
+        (self.normal.map(Scalar::value), self.height.value())
+    }
+}

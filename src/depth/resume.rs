@@ -1,0 +1,289 @@
+//! Resumes the depth from the surface of the previous answer.
+//!
+//! A cached surface remains a valid certificate at a new pose if the surface still encloses the
+//! origin. A closed surface does if the origin lies behind every triangle, since every ray from the
+//! origin then crosses the surface outward only. If every triangle is beyond the facet, the depth
+//! is proven in a single pass; if the facet covers the triangles below target, by the facet itself
+//! ([`facet_disc`](super::facet_disc)); else the surface grows. A folded surface is dropped.
+
+use crate::num::scalar::{Vec3, sub};
+use crate::pair::difference::MinkowskiPoint;
+use crate::pair::outcome::{Class, Outcome, Solver};
+use crate::pair::posed::PosedPair;
+use crate::pair::transform::Transform;
+use crate::polyhedron::FeaturePair;
+use crate::tolerance::{AGREE_DEPTH, SHIFTS};
+use crate::tuning::depth::{FEW_POINTS, FEW_TRIANGLES};
+
+use crate::depth::facet::{facets, height_of};
+use crate::depth::facet_disc::{disc_radius, holds_disc, pierced_facet};
+use crate::depth::foot::{WitnessPoints, flush, foot};
+use crate::depth::memory::{MAX_POINTS, Memory, Scratch};
+use crate::depth::result::{Best, SearchEnd, SearchResult};
+use crate::depth::search::{Search, search};
+use crate::depth::verify_surface::{SurfaceState, verify_surface};
+use crate::depth::write_result;
+
+/// Resumes the depth from the cached surface. Returns false, with no statement about the bodies, if
+/// the surface no longer proves an overlap.
+pub(crate) fn resume(posed: &PosedPair, memory: &mut Memory, outcome: &mut Outcome) -> bool {
+    let Some(facet) = memory.facet.filter(|f| f.is_of(posed.a, posed.b)) else {
+        return false;
+    };
+    let frame = Transform::of(posed);
+    let Some((normal, height)) = height_of(posed, &frame, facet) else {
+        return false;
+    };
+    let best = Best {
+        normal,
+        height,
+        features: Some(facet),
+    };
+    memory.with_scratch(|memory, scratch| {
+        if memory.triangles.is_empty() {
+            restart(posed, &frame, memory, scratch, outcome)
+        } else if memory.points.len() <= FEW_POINTS {
+            resume_with::<FEW_POINTS>(posed, &frame, (memory, scratch), best, outcome)
+        } else {
+            resume_with::<MAX_POINTS>(posed, &frame, (memory, scratch), best, outcome)
+        }
+    })
+}
+
+/// Resumes from a cached surface of at most `N` points.
+fn resume_with<const N: usize>(
+    posed: &PosedPair,
+    frame: &Transform<f64>,
+    (memory, scratch): (&mut Memory, &mut Scratch),
+    mut best: Best<f64>,
+    outcome: &mut Outcome,
+) -> bool {
+    let mut positions = [[0.0; 3]; N];
+    for (position, &[a, b]) in positions.iter_mut().zip(&memory.points) {
+        let (Some(p), Some(q)) = (posed.a.points.get(a as usize), posed.b.points.get(b as usize)) else {
+            return false;
+        };
+        *position = sub(&[p.x, p.y, p.z], &frame.point(q));
+    }
+    let size = posed.size();
+    let mut state = verify_surface(&memory.triangles, &positions, &best, size, &mut scratch.below_target);
+    let positions = &positions[..memory.points.len()];
+    if let SurfaceState::Encloses = state {
+        if let Some(witnesses) = memory.prove_by_disc(posed, frame, (&scratch.below_target, positions), &mut best) {
+            (memory.facet, memory.witness_features) = (best.features, None);
+            write_overlap(posed, &proven(&best, witnesses, size), outcome);
+            return true;
+        }
+        if memory.try_facets_of(posed, frame, &scratch.below_target, &mut best) {
+            state = verify_surface(&memory.triangles, positions, &best, size, &mut scratch.below_target);
+        }
+    }
+    let start = (positions, best);
+    match state {
+        SurfaceState::Folded => restart(posed, frame, memory, scratch, outcome),
+        SurfaceState::Proven => {
+            let found = finish(posed, frame, (memory, scratch), start);
+            write_overlap(posed, &found, outcome);
+            true
+        }
+        SurfaceState::Encloses => grow(posed, frame, (memory, scratch), start, outcome),
+    }
+}
+
+/// Returns the result if every triangle is beyond the facet.
+#[inline(always)]
+fn finish(
+    posed: &PosedPair,
+    frame: &Transform<f64>,
+    (memory, scratch): (&mut Memory, &mut Scratch),
+    (positions, best): (&[Vec3<f64>], Best<f64>),
+) -> SearchResult<f64> {
+    let size = posed.size();
+    match memory.find_witnesses(posed, &best) {
+        Some((features, witnesses)) => SearchResult {
+            features: Some(features),
+            ..proven(&best, witnesses, size)
+        },
+        None => {
+            let radius = best.height - AGREE_DEPTH * size;
+            memory.recall(scratch, positions, radius);
+            Search::resumed(posed, frame, &mut scratch.surface, best).proven(radius)
+        }
+    }
+}
+
+/// Grows the surface at the triangles below target; returns whether the search closed.
+fn grow(
+    posed: &PosedPair,
+    frame: &Transform<f64>,
+    (memory, scratch): (&mut Memory, &mut Scratch),
+    (positions, best): (&[Vec3<f64>], Best<f64>),
+    outcome: &mut Outcome,
+) -> bool {
+    memory.recall(scratch, positions, best.height - AGREE_DEPTH * posed.size());
+    let found = Search::resumed(posed, frame, &mut scratch.surface, best).run(frame, 0.0);
+    if found.end != SearchEnd::Closed {
+        outcome.work.points_added += found.points_added;
+        return false;
+    }
+    write_overlap(posed, &found, outcome);
+    if found.points_added > 0 {
+        memory.keep(&scratch.surface, outcome.features, Some(memory.built));
+    } else {
+        memory.facet = Some(outcome.features);
+    }
+    true
+}
+
+/// Searches again from the features of the facet, instead of from a folded surface.
+fn restart(
+    posed: &PosedPair,
+    frame: &Transform<f64>,
+    memory: &mut Memory,
+    scratch: &mut Scratch,
+    outcome: &mut Outcome,
+) -> bool {
+    let Some(facet) = memory.facet else { return false };
+    match search(posed, frame, facet, &SHIFTS[..1], &mut scratch.surface) {
+        Some(found) if found.end == SearchEnd::Closed => {
+            write_overlap(posed, &found, outcome);
+            memory.keep(&scratch.surface, outcome.features, None);
+            true
+        }
+        _ => false,
+    }
+}
+
+/// Returns the result if every triangle is beyond the facet and the facet has witnesses.
+fn proven(best: &Best<f64>, witnesses: WitnessPoints, size: f64) -> SearchResult<f64> {
+    SearchResult {
+        end: SearchEnd::Closed,
+        normal: best.normal,
+        height: best.height,
+        radius: best.height - AGREE_DEPTH * size,
+        vertices: [MinkowskiPoint::default(); 3],
+        witnesses: Some(witnesses),
+        features: best.features,
+        points_added: 0,
+    }
+}
+
+fn write_overlap(posed: &PosedPair, found: &SearchResult<f64>, outcome: &mut Outcome) {
+    outcome.class = Class::Overlapping;
+    outcome.solver = Solver::Surface;
+    outcome.lower = f64::NEG_INFINITY;
+    outcome.work.depths += 1;
+    write_result(posed, found, outcome);
+}
+
+impl Best<f64> {
+    /// Tries the facets that may contain triangles, each given by three vertices of A and of B;
+    /// returns whether the support along a facet normal is lower.
+    fn try_facets(
+        &mut self,
+        posed: &PosedPair,
+        frame: &Transform<f64>,
+        triangles: impl Iterator<Item = [[u32; 3]; 2]>,
+    ) -> bool {
+        let before = self.height;
+        for [on_a, on_b] in triangles {
+            for facet in facets(posed, &on_a, &on_b).into_iter().flatten() {
+                if let Some((normal, height)) = height_of(posed, frame, facet)
+                    && height < self.height
+                {
+                    (self.normal, self.height, self.features) = (normal, height, Some(facet));
+                }
+            }
+        }
+        self.height < before
+    }
+}
+
+impl Memory {
+    /// Tries the facets of the triangles below target if there are few; returns whether the support
+    /// along a facet normal is lower.
+    fn try_facets_of(
+        &self,
+        posed: &PosedPair,
+        frame: &Transform<f64>,
+        below_target: &[u32],
+        best: &mut Best<f64>,
+    ) -> bool {
+        let vertices = below_target.iter().map(|t| self.vertices(*t));
+        let vertex_pairs = vertices.map(|at| [0, 1].map(|side| at.map(|k| self.points[k][side])));
+        below_target.len() <= FEW_TRIANGLES && best.try_facets(posed, frame, vertex_pairs)
+    }
+
+    /// Returns the radius of the disc that covers for the triangles below target, if worth a try.
+    fn disc(&self, below_target: &[u32], positions: &[Vec3<f64>], best: &Best<f64>, size: f64) -> Option<f64> {
+        let triangles = below_target.iter().map(|t| self.vertices(*t).map(|k| positions[k]));
+        disc_radius(triangles, best, size)
+    }
+
+    /// Makes the facet over the triangles below target the best if its support is lower. Returns
+    /// the witnesses on the best facet if the facet covers for the triangles below target. A
+    /// triangle beyond the old height is beyond a lower height, so no further triangle matters.
+    fn prove_by_disc(
+        &self,
+        posed: &PosedPair,
+        frame: &Transform<f64>,
+        (below_target, positions): (&[u32], &[Vec3<f64>]),
+        best: &mut Best<f64>,
+    ) -> Option<WitnessPoints> {
+        self.disc(below_target, positions, best, posed.size())?;
+        let vertex = |k: usize| {
+            let [a, b] = self.points[k];
+            MinkowskiPoint { a, b, w: positions[k] }
+        };
+        let known = (0..positions.len()).map(vertex);
+        let axis = best.normal;
+        let found = below_target
+            .iter()
+            .find_map(|t| pierced_facet(posed, frame, &axis, known.clone(), self.vertices(*t).map(vertex)));
+        let vertex_pairs = found.map(|c| [c.map(|c| c.a), c.map(|c| c.b)]);
+        best.try_facets(posed, frame, vertex_pairs.into_iter());
+        let rho = self.disc(below_target, positions, best, posed.size())?;
+        let (facet, at) = (best.features?, best.rounded());
+        let witnesses = foot(posed, facet, &at)?;
+        holds_disc(posed, facet, &witnesses, &at, rho).then_some(witnesses)
+    }
+
+    /// Makes the deepest facet the current facet and returns features with witnesses: mostly the
+    /// facet's own.
+    #[inline(always)]
+    fn find_witnesses(&mut self, posed: &PosedPair, best: &Best<f64>) -> Option<(FeaturePair, WitnessPoints)> {
+        let (facet, at) = (best.features?, best.rounded());
+        self.facet = Some(facet);
+        if self.witness_features.is_none()
+            && let Some(witnesses) = foot(posed, facet, &at)
+        {
+            return Some((facet, witnesses));
+        }
+        self.find_other_witnesses(posed, facet, &at)
+    }
+
+    /// Returns witnesses on the features of the previous answer, on the facet's own or, if faces
+    /// lie flush, on another feature pair.
+    #[cold]
+    #[inline(never)]
+    fn find_other_witnesses(
+        &mut self,
+        posed: &PosedPair,
+        facet: FeaturePair,
+        at: &(Vec3<f64>, f64),
+    ) -> Option<(FeaturePair, WitnessPoints)> {
+        let old = self.witness_features.take().filter(|f| f.is_of(posed.a, posed.b));
+        let held = |f: FeaturePair| Some((f, foot(posed, f, at)?));
+        let own = || held(facet).or_else(|| flush(posed, facet, at));
+        let (features, witnesses) = old.and_then(held).or_else(own)?;
+        let face = |f: &FeaturePair| [f.a, f.b].into_iter().find(|x| x.dimension() == 2);
+        let is_same = face(&features).is_some() && face(&features) == face(&facet);
+        // A different vertex on the same face names the same facet.
+        if is_same && (features.a.dimension() == 2) == (facet.a.dimension() == 2) {
+            self.facet = Some(features);
+        } else {
+            self.witness_features = Some(features);
+        }
+        Some((features, witnesses))
+    }
+}

@@ -1,0 +1,138 @@
+//! Exact depth: the deepest facet of a list known to contain it.
+
+use dashu_base::Signed;
+use dashu_base::UnsignedAbs;
+use dashu_int::IBig;
+
+use crate::exact::integer::{Big3, cross, direction, dot, is_zero, neg, root, sub};
+use crate::exact::simplex::{ExactPoint, minimize, sign};
+use crate::exact::{Pair, Turned, witnesses};
+use crate::pair::answer::{unit, walk_state};
+use crate::pair::outcome::{Class, Outcome, Solver};
+use crate::pair::posed::PosedPair;
+use crate::polyhedron::{Feature, FeaturePair};
+
+/// A facet of A - B: a normal, and the height along the normal times the normal's length.
+struct ExactFacet {
+    normal: Big3,
+    height: IBig,
+    hint: (u32, u32),
+}
+
+impl ExactFacet {
+    fn is_lower(&self, o: &Self) -> bool {
+        let squared = |f: &Self| (&f.height * &f.height, dot(&f.normal, &f.normal));
+        let ((h, n), (g, m)) = (squared(self), squared(o));
+        h * m < g * n
+    }
+}
+
+impl Turned<'_> {
+    /// Returns an outward normal of a face, of any length; `None` if the face's vertices are not
+    /// coplanar.
+    fn normal(&self, face: u32, exponent: i32) -> Option<Big3> {
+        let t = &self.body.topology;
+        let vertex = |h: u32| self.to_user(t.from(h), exponent);
+        let base = vertex(t.rim_start(face));
+        let from_base = |h: u32| sub(&vertex(h), &base);
+        let side = t.rim(face).map(from_base).find(|u| !is_zero(u))?;
+        let n = t.rim(face).map(|h| cross(&side, &from_base(h))).find(|n| !is_zero(n))?;
+        let is_flat = t.rim(face).all(|h| sign(&dot(&n, &from_base(h))) == 0);
+        is_flat.then(|| self.vector(&n))
+    }
+
+    /// Returns the vector along an edge.
+    fn edge(&self, edge: u32, exponent: i32) -> Big3 {
+        let t = &self.body.topology;
+        sub(
+            &self.point(t.half_edge(edge).to, exponent),
+            &self.point(t.from(edge), exponent),
+        )
+    }
+}
+
+impl Pair<'_> {
+    /// Returns the facet spanned by a feature pair: `Ok(None)` if the facet is not lower than the
+    /// best, `Err` if the true facets are unknown.
+    fn facet(
+        &self,
+        posed: &PosedPair,
+        features: FeaturePair,
+        best: Option<&ExactFacet>,
+    ) -> Result<Option<ExactFacet>, NotFlat> {
+        let hint = features.vertices_of(posed.a, posed.b);
+        let normal = match (features.a, features.b) {
+            (Feature::Face(f), _) => self.a.normal(f.0, self.exponent).ok_or(NotFlat)?,
+            (_, Feature::Face(f)) => neg(&self.b.normal(f.0, self.exponent).ok_or(NotFlat)?),
+            (Feature::Edge(e), Feature::Edge(f)) => {
+                let n = cross(&self.a.edge(e.0, self.exponent), &self.b.edge(f.0, self.exponent));
+                // The origin is inside, so the facet is ahead of the origin.
+                let ahead = dot(&n, &self.corner(hint.0, hint.1).w);
+                let (normal, height) = match sign(&ahead) {
+                    0 => return Ok(None),
+                    1 => (n, ahead),
+                    _ => (neg(&n), -ahead),
+                };
+                // If the pair spans a facet, `ahead` is the facet's height.
+                let facet = ExactFacet { normal, height, hint };
+                if best.is_some_and(|best| !facet.is_lower(best)) {
+                    return Ok(None);
+                }
+                facet.normal
+            }
+            _ => return Ok(None),
+        };
+        let height = dot(&normal, &self.support_exact(&normal, hint).w);
+        Ok((height.is_positive() && !height.is_zero()).then_some(ExactFacet { normal, height, hint }))
+    }
+}
+
+/// A face with vertices that are not coplanar: it stands for several unlisted faces.
+struct NotFlat;
+
+/// Computes the depth from the deepest facet among the candidate pairs, for bodies with
+/// intersecting interiors; returns whether the depth was resolved. The depth is correct to less
+/// than one unit in the last place of the stored unit, with bounds one such unit on either side.
+pub(crate) fn deepest(posed: &PosedPair, facets: &[FeaturePair], outcome: &mut Outcome) -> bool {
+    let pair = Pair::new(posed.a, posed.b, posed.pose);
+    let mut best: Option<ExactFacet> = None;
+    for &features in facets {
+        match pair.facet(posed, features, best.as_ref()) {
+            Err(NotFlat) => return false,
+            Ok(Some(facet)) if best.as_ref().is_none_or(|b| facet.is_lower(b)) => best = Some(facet),
+            Ok(_) => {}
+        }
+    }
+    best.is_some_and(|facet| write_facet(posed, &pair, &facet, outcome))
+}
+
+/// Writes the depth, normal, features and witnesses of a facet to the outcome. The foot of the
+/// origin on the facet, `n height / n . n`, is a point of A - B: its vertices give the witnesses.
+fn write_facet(posed: &PosedPair, pair: &Pair, facet: &ExactFacet, outcome: &mut Outcome) -> bool {
+    let ExactFacet { normal, height, hint } = facet;
+    let squared = dot(normal, normal);
+    let from_foot = |c: ExactPoint| ExactPoint {
+        w: [0, 1, 2].map(|k| &c.w[k] * &squared - &normal[k] * height),
+        ..c
+    };
+    let lowest = |n: &Big3| from_foot(pair.support_exact(&neg(n), *hint));
+    let Some(at) = minimize([from_foot(pair.support_exact(normal, *hint))].into(), &lowest) else {
+        return false;
+    };
+    let (mut a, mut b) = ([0; 4], [0; 4]);
+    for (k, c) in at.kept.iter().enumerate().take(4) {
+        (a[k], b[k]) = (c.a, c.b);
+    }
+    let den = squared * &pair.denominator * &pair.denominator;
+    let exponent = pair.exponent - posed.a.exponent;
+    let depth = root(&(height * height).unsigned_abs(), &den.unsigned_abs(), exponent);
+    outcome.class = Class::Overlapping;
+    outcome.solver = Solver::Exact;
+    outcome.features = walk_state(posed, &a[..at.kept.len()], &b[..at.kept.len()]);
+    (outcome.point_on_a, outcome.point_on_b) = witnesses(pair, &at);
+    outcome.normal = unit(&pair.a.rounded.tr_mul(&direction(normal)));
+    outcome.distance = -depth;
+    // The upper bound stays nonpositive if the depth underflows.
+    (outcome.lower, outcome.upper) = (-depth.next_up(), (-depth.next_down()).min(0.0));
+    true
+}

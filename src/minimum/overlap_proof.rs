@@ -1,0 +1,67 @@
+//! Cached proof of overlap: four points of the Minkowski difference around the origin.
+//!
+//! A point of the difference is a vertex pair, and stays a point of the difference at any pose.
+//! After most small motions the tetrahedron of the four points at the new pose still contains the
+//! origin, which four signed volumes prove; if not, the solver starts from the last features. Only
+//! for answers without a depth: an answer with a depth keeps a whole surface.
+
+use crate::minimum::gjk::{Minimum, solve};
+use crate::minimum::simplex::Simplex;
+use crate::minimum::witnesses::witnesses;
+use crate::pair::answer::{is_proven, set_overlapping};
+use crate::pair::difference::difference_point;
+use crate::pair::outcome::{Outcome, Solver};
+use crate::pair::posed::PosedPair;
+use crate::pair::transform::Transform;
+use crate::polyhedron::FeaturePair;
+
+/// Four vertex pairs (a tetrahedron of A - B). The default, four equal pairs, is never a valid
+/// proof; it marks that the previous query overlapped.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct OverlapProof([[u32; 2]; 4]);
+
+impl OverlapProof {
+    fn from_simplex(simplex: &Simplex<f64>) -> Option<Self> {
+        let kept: &[_; 4] = simplex.points().try_into().ok()?;
+        Some(Self(kept.map(|c| [c.a, c.b])))
+    }
+
+    /// Returns whether the four points prove an overlap at this pose, and writes the answer, which
+    /// is as good as the solver's.
+    #[inline]
+    pub(crate) fn proves(&self, posed: &PosedPair, outcome: &mut Outcome) -> bool {
+        let (a, b) = (posed.a.points.len(), posed.b.points.len());
+        // State from a file, or of different bodies, may name vertices that do not exist.
+        if !self.0.iter().all(|[x, y]| (*x as usize) < a && (*y as usize) < b) {
+            return false;
+        }
+        let frame = Transform::of(posed);
+        let points = self.0.map(|[x, y]| difference_point(posed, &frame, x, y));
+        let Some(simplex) = Simplex::around_origin(points, posed.error_scale::<f64>()) else {
+            return false;
+        };
+        outcome.solver = Solver::Surface;
+        write_overlap(posed, &simplex, outcome)
+    }
+}
+
+/// Solves at once for an overlap, because the last answer was an overlap. Returns the proof if the
+/// bodies still overlap.
+#[cold]
+pub(crate) fn solve_overlap(posed: &PosedPair, from: FeaturePair, outcome: &mut Outcome) -> Option<OverlapProof> {
+    outcome.work.fallbacks += 1;
+    let Minimum::Inside { simplex } = solve(posed, &Transform::of(posed), from) else {
+        return None;
+    };
+    outcome.solver = Solver::Fallback;
+    write_overlap(posed, &simplex, outcome).then(|| OverlapProof::from_simplex(&simplex))?
+}
+
+/// Writes the overlap and the witnesses of a tetrahedron around the origin; features stay as in the
+/// last answer. Returns whether the overlap is settled.
+fn write_overlap(posed: &PosedPair, simplex: &Simplex<f64>, outcome: &mut Outcome) -> bool {
+    (outcome.point_on_a, outcome.point_on_b) = witnesses(posed, simplex);
+    set_overlapping(outcome);
+    is_proven(posed, outcome)
+}

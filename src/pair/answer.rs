@@ -1,0 +1,89 @@
+//! Parts of an outcome that several solvers write: directions, rounded bounds, features of vertex
+//! lists, and the test of a finished answer.
+
+use nalgebra::{Unit, Vector3};
+
+use crate::num::scalar::Scalar;
+use crate::pair::outcome::{Class, Outcome};
+use crate::pair::posed::PosedPair;
+use crate::polyhedron::{Feature, FeaturePair};
+use crate::pose::Operand;
+use crate::tolerance::{AGREE, CERTIFICATE, UNIT};
+
+/// Returns the unit vector along `v`, or any unit vector if `v` has no direction.
+#[inline]
+pub(crate) fn unit(v: &Vector3<f64>) -> Unit<Vector3<f64>> {
+    let largest = v.amax();
+    if largest > 0.0 && largest < f64::INFINITY {
+        let scaled = v / largest;
+        Unit::new_unchecked(scaled / crate::num::scalar::sqrt(scaled.norm_squared()))
+    } else {
+        Vector3::x_axis()
+    }
+}
+
+/// Returns `x + by` in f64, rounded away from `x` by the last place.
+pub(crate) fn round_outward<T: Scalar>(x: T, by: f64) -> f64 {
+    let sum = (x + T::from(by)).value();
+    if by < 0.0 { sum.next_down() } else { sum.next_up() }
+}
+
+/// Marks an outcome as overlapping. Depth and normal are unknown here (they are the work of
+/// `depth`); the normal has no meaning yet, but is a unit vector.
+pub(crate) fn set_overlapping(outcome: &mut Outcome) {
+    outcome.class = Class::Overlapping;
+    outcome.distance = 0.0;
+    outcome.normal = Vector3::x_axis();
+    (outcome.lower, outcome.upper) = (f64::NEG_INFINITY, 0.0);
+}
+
+/// Leaves a pair undecided, out of the range of the finer arithmetic, with the upper bound that any
+/// two vertices prove.
+pub(crate) fn set_undecided(posed: &PosedPair, outcome: &mut Outcome) {
+    let (a, b) = outcome.features.vertices_of(posed.a, posed.b);
+    let (p, q) = (posed.a.points[a as usize], posed.b.points[b as usize]);
+    (outcome.point_on_a, outcome.point_on_b) = (p.into(), q.into());
+    let between = posed.point_in_a(&q) - p;
+    outcome.normal = unit(&between);
+    outcome.distance = crate::num::scalar::sqrt(between.norm_squared());
+    outcome.upper = outcome.distance + CERTIFICATE * UNIT * posed.size();
+    outcome.lower = f64::NEG_INFINITY;
+    outcome.class = Class::Undecided;
+}
+
+/// Returns the smallest features that contain one to four vertices of each body, as a state of the
+/// walk.
+pub(crate) fn walk_state(posed: &PosedPair, a: &[u32], b: &[u32]) -> FeaturePair {
+    let (fa, fb) = (posed.a.feature_of(a), posed.b.feature_of(b));
+    let features = FeaturePair { a: fa, b: fb };
+    if fa.dimension() + fb.dimension() <= 2 {
+        return features;
+    }
+    // An edge over a face, or two faces: parallel features, so a vertex with the face is closest
+    // too.
+    match (fa, fb) {
+        (Feature::Face(f), _) => FeaturePair::vertex_face(Operand::B, b[0], f.0),
+        (_, Feature::Face(f)) => FeaturePair::vertex_face(Operand::A, a[0], f.0),
+        _ => features,
+    }
+}
+
+/// Returns whether class and distance are settled: separated with bounds no wider than they should
+/// be, or overlapping with witnesses that coincide up to rounding (the weights of a flat
+/// tetrahedron around the origin may be wrong in every digit while the signs of the volumes are
+/// certain).
+pub(crate) fn is_proven(posed: &PosedPair, outcome: &Outcome) -> bool {
+    match outcome.class {
+        Class::Overlapping => {
+            let between = posed.point_in_a(&outcome.point_on_b.coords) - outcome.point_on_a.coords;
+            crate::num::scalar::sqrt(between.norm_squared()) <= AGREE * posed.size()
+        }
+        Class::Separated => is_narrow(posed, outcome),
+        Class::Touching | Class::Undecided => false,
+    }
+}
+
+/// Returns whether the bounds are as close as the bounds of a certified answer must be.
+pub(crate) fn is_narrow(posed: &PosedPair, outcome: &Outcome) -> bool {
+    outcome.upper - outcome.lower <= (AGREE + 2.0 * CERTIFICATE * UNIT) * posed.size()
+}

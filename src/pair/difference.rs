@@ -1,0 +1,70 @@
+//! The Minkowski difference A - B: its points by vertex pairs, and its support points.
+//!
+//! Points of the difference are made nowhere else, except in exact arithmetic, which has integers
+//! of its own.
+
+use nalgebra::Vector3;
+
+use crate::num::scalar::{Scalar, Vec3, neg, sub};
+use crate::pair::posed::PosedPair;
+use crate::pair::transform::Transform;
+use crate::polyhedron::ConvexPolyhedron;
+use crate::polyhedron::heights::Direction;
+use crate::tolerance::UNIT;
+use crate::tuning::pair::SMALL;
+
+/// A point of the Minkowski difference A - B: a vertex of each body.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct MinkowskiPoint<T> {
+    pub(crate) a: u32,
+    pub(crate) b: u32,
+    /// The difference `a - b`, in A's frame.
+    pub(crate) w: Vec3<T>,
+}
+
+/// Returns the point of A - B for a vertex of A and a vertex of B.
+pub(crate) fn difference_point<T: Scalar>(
+    posed: &PosedPair,
+    frame: &Transform<T>,
+    a: u32,
+    b: u32,
+) -> MinkowskiPoint<T> {
+    let p = posed.a.points[a as usize];
+    let w = sub(
+        &[T::from(p.x), T::from(p.y), T::from(p.z)],
+        &frame.point(&posed.b.points[b as usize]),
+    );
+    MinkowskiPoint { a, b, w }
+}
+
+/// Returns the support vertex along `n` in the arithmetic of the solver; the lowest index among
+/// ties.
+pub(crate) fn support_vertex<T: Scalar>(body: &ConvexPolyhedron, n: &Vec3<T>, hint: u32) -> u32 {
+    let rounded = Vector3::new(n[0].value(), n[1].value(), n[2].value());
+    if T::UNIT == UNIT {
+        let start = if body.points.len() > SMALL {
+            body.start_vertex(&rounded, hint)
+        } else {
+            hint
+        };
+        return body.support_certified(&rounded, start).vertex;
+    }
+    let rest = Vector3::from_fn(|k, _| (n[k] - T::from(rounded[k])).value());
+    let direction = Direction::new(&body.points, &rounded, &rest);
+    body.support_exact(
+        &direction,
+        body.support_climb(&rounded, body.start_vertex(&rounded, hint)),
+    )
+}
+
+/// Returns the support point of A - B along a direction.
+pub(crate) fn support<T: Scalar>(
+    posed: &PosedPair,
+    frame: &Transform<T>,
+    n: &Vec3<T>,
+    hint: &MinkowskiPoint<T>,
+) -> MinkowskiPoint<T> {
+    let a = support_vertex(posed.a, n, hint.a);
+    let b = support_vertex(posed.b, &neg(&frame.direction(n)), hint.b);
+    difference_point(posed, frame, a, b)
+}

@@ -1,0 +1,15 @@
+//! Two posed shapes: their relative transform, their Minkowski difference, and the outcome of a
+//! query with its certificate.
+//!
+//! Every solver builds on this module; the module knows no solver.
+
+pub(crate) mod answer;
+pub(crate) mod certificate;
+pub(crate) mod difference;
+pub(crate) mod edge;
+pub(crate) mod face;
+pub(crate) mod outcome;
+pub(crate) mod posed;
+pub(crate) mod star;
+pub(crate) mod transform;
+pub(crate) mod world;

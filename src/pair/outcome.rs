@@ -1,0 +1,311 @@
+//! Outcome of a query, and the work that led to the outcome.
+
+use nalgebra::{Point3, Unit, Vector3};
+
+use crate::polyhedron::FeaturePair;
+
+/// Whether two bodies are apart, touch or overlap.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub enum Class {
+    /// Proven apart: the lower bound is positive (or zero if exact arithmetic finds a distance too
+    /// small for f64).
+    Separated,
+    /// Proven to touch; or the bounds straddle zero, and no finer arithmetic was able, or was
+    /// asked, to decide.
+    Touching,
+    /// Proven to share an interior point.
+    Overlapping,
+    /// The bounds are wider than the requested accuracy, whether they straddle zero or not.
+    /// Possible only without the feature `exact`.
+    Undecided,
+}
+
+impl core::fmt::Display for Class {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.pad(match self {
+            Self::Separated => "separated",
+            Self::Touching => "touching",
+            Self::Overlapping => "overlapping",
+            Self::Undecided => "undecided",
+        })
+    }
+}
+
+/// Accuracy requested of an answer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub enum Accuracy {
+    /// The proposal of the walk, or of the f64 solver if the walk does not end, without bounds:
+    /// [`Tracker::propose`](crate::Tracker::propose).
+    Walk,
+    /// Proven bounds: [`Tracker::closest`](crate::Tracker::closest).
+    #[default]
+    Certified,
+    /// Within one unit in the last place if the bodies are apart: `Tracker::closest_exact` (feature
+    /// `exact`).
+    Exact,
+}
+
+/// Request of a query: the accuracy of the answer, and whether an overlap needs a depth.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Ask {
+    pub(crate) accuracy: Accuracy,
+    pub(crate) until: Until,
+}
+
+impl Ask {
+    /// Returns a request for proven bounds, with or without the depth of an overlap.
+    pub(crate) const fn certified(until: Until) -> Self {
+        Self {
+            accuracy: Accuracy::Certified,
+            until,
+        }
+    }
+}
+
+/// The point at which a query may stop.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Until {
+    /// An overlap is proven; the penetration depth stays open.
+    Class,
+    /// The penetration depth of an overlap is bounded as well.
+    Depth,
+}
+
+impl Until {
+    /// Returns [`Until::Depth`] if the depth of overlaps is called for.
+    pub(crate) fn depth_if(depth: bool) -> Self {
+        if depth { Self::Depth } else { Self::Class }
+    }
+}
+
+/// Solver that gave an answer. Each is tried if the certificate refuses the one before.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub enum Solver {
+    /// The walk over Voronoi regions, from the cached features or a cold start.
+    #[default]
+    Walk,
+    /// The walk, restarted from the support vertices.
+    Restart,
+    /// The minimum-norm solver in f64.
+    Fallback,
+    /// The minimum-norm solver in double-double.
+    DoubleDouble,
+    /// Exact integers (feature `exact`). The class is exact, and the distance is right to one unit
+    /// in the last place. So is the depth of an overlap if at most 65,536 pairs of features may be
+    /// the deepest; if more, the depth keeps the bounds of double-double, which may be farther
+    /// apart than `1e-13 L`, as of two prisms of 100 sides thinner than rounding.
+    Exact,
+    /// Bodies so far apart that only their separation counts.
+    Far,
+    /// A surface around the origin of the Minkowski difference, kept from the last answer or begun
+    /// at the deepest facet of the last answer: overlap and depth at once. If no depth is
+    /// requested: four points kept from the last answer.
+    Surface,
+}
+
+impl Solver {
+    /// All solvers, in the order of their declaration.
+    pub const ALL: &'static [Self] = &[
+        Self::Walk,
+        Self::Restart,
+        Self::Fallback,
+        Self::DoubleDouble,
+        Self::Exact,
+        Self::Far,
+        Self::Surface,
+    ];
+
+    /// Number of solvers: the length of a table with one entry for each.
+    pub(crate) const COUNT: usize = Self::ALL.len();
+}
+
+impl core::fmt::Display for Solver {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.pad(match self {
+            Self::Walk => "walk",
+            Self::Restart => "restart",
+            Self::Fallback => "fallback",
+            Self::DoubleDouble => "double-double",
+            Self::Exact => "exact",
+            Self::Far => "far",
+            Self::Surface => "surface",
+        })
+    }
+}
+
+/// Work done by one query, or summed over many.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct Work {
+    /// Feature pairs evaluated by the walk.
+    pub steps: u32,
+    /// Certificates evaluated.
+    pub certificates: u32,
+    /// Walks restarted from support vertices.
+    pub restarts: u32,
+    /// Cold starts along the normal of two touching ellipsoids (flat bodies) instead of the line of
+    /// centres.
+    pub ellipsoids: u32,
+    /// Minimum-norm solves in f64.
+    pub fallbacks: u32,
+    /// Minimum-norm solves in double-double.
+    pub double_doubles: u32,
+    /// Exact solves.
+    pub exacts: u32,
+    /// Searches for the depth of an overlap.
+    pub depths: u32,
+    /// Points added to the surfaces of depth searches.
+    pub points_added: u32,
+}
+
+impl core::ops::AddAssign for Work {
+    /// Adds with saturation.
+    fn add_assign(&mut self, o: Self) {
+        self.steps = self.steps.saturating_add(o.steps);
+        self.certificates = self.certificates.saturating_add(o.certificates);
+        self.restarts = self.restarts.saturating_add(o.restarts);
+        self.ellipsoids = self.ellipsoids.saturating_add(o.ellipsoids);
+        self.fallbacks = self.fallbacks.saturating_add(o.fallbacks);
+        self.double_doubles = self.double_doubles.saturating_add(o.double_doubles);
+        self.exacts = self.exacts.saturating_add(o.exacts);
+        self.depths = self.depths.saturating_add(o.depths);
+        self.points_added = self.points_added.saturating_add(o.points_added);
+    }
+}
+
+/// Closest features of two bodies, with proven bounds of the distance.
+///
+/// The signed distance is positive for separated bodies, and minus the penetration depth for
+/// overlapping bodies: the length of the shortest translation that separates them. `lower` and
+/// `upper` bound the signed distance for the given pose, rounding included.
+///
+/// Points are in the frames of their bodies. The poses given to
+/// [`RelativePose::new`](crate::RelativePose::new) map them to the world:
+///
+/// ```
+/// use lin_canny::nalgebra::{Isometry3, Vector3};
+/// use lin_canny::{RelativePose, Tracker, polyhedron::solids};
+///
+/// let (a, b) = (solids::cuboid(Vector3::new(1.0, 1.0, 1.0))?, solids::octahedron(0.5)?);
+/// let pose_a = Isometry3::rotation(Vector3::z());
+/// let pose_b = Isometry3::translation(3.0, 2.0, 1.0);
+/// let c = Tracker::new().closest(&a, &b, &RelativePose::new(&pose_a, &pose_b)?);
+/// let (on_a, on_b, normal) = (pose_a * c.point_on_a, pose_b * c.point_on_b, pose_a * c.normal);
+/// assert!((on_a + c.distance * *normal - on_b).norm() < 1e-14);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[doc(alias = "witness")]
+#[doc(alias = "closest points")]
+#[doc(alias = "penetration")]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct Outcome {
+    /// Whether the bodies are apart, touch or overlap.
+    pub class: Class,
+    /// Best estimate of the signed distance, between the bounds; for an overlap, minus the depth.
+    pub distance: f64,
+    /// Lower bound of the signed distance; minus infinity if nothing is known.
+    #[cfg_attr(feature = "serde", serde(with = "crate::num::scalar::infinite"))]
+    pub lower: f64,
+    /// Upper bound of the signed distance.
+    pub upper: f64,
+    /// Closest features; for an overlap, the features of the deepest facet: a face and a vertex, or
+    /// two edges.
+    pub features: FeaturePair,
+    /// Witness on A, in A's frame; for an overlap, A's deepest point in B along the normal.
+    pub point_on_a: Point3<f64>,
+    /// Witness on B, in B's frame; for an overlap, B's deepest point in A, at the depth behind the
+    /// witness on A.
+    pub point_on_b: Point3<f64>,
+    /// Unit direction from A to B, in A's frame: the direction of the witnesses and of the proof.
+    /// Moving B along the normal by the depth ends an overlap.
+    pub normal: Unit<Vector3<f64>>,
+    /// Solver that gave the answer.
+    pub solver: Solver,
+    /// Work done for the answer.
+    pub work: Work,
+}
+
+impl Outcome {
+    /// Returns an outcome that holds nothing yet but the start of a solver.
+    #[inline(always)]
+    pub(crate) fn starting_at(pair: FeaturePair) -> Self {
+        Self {
+            class: Class::Undecided,
+            distance: 0.0,
+            lower: f64::NEG_INFINITY,
+            upper: f64::INFINITY,
+            features: pair,
+            point_on_a: Point3::origin(),
+            point_on_b: Point3::origin(),
+            normal: Vector3::x_axis(),
+            solver: Solver::Walk,
+            work: Work::default(),
+        }
+    }
+}
+
+/// Closest features proposed by the walk, without bounds: for callers who verify the answer
+/// elsewhere.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct Proposal {
+    /// Proposed distance; `None` if the bodies seem to overlap.
+    pub distance: Option<f64>,
+    /// Closest features.
+    pub features: FeaturePair,
+    /// Witness on A, in A's frame.
+    pub point_on_a: Point3<f64>,
+    /// Witness on B, in B's frame.
+    pub point_on_b: Point3<f64>,
+    /// Unit direction from A to B, in A's frame.
+    pub normal: Unit<Vector3<f64>>,
+    /// [`Solver::Walk`], or the solver that stood in if the walk did not end.
+    pub solver: Solver,
+    /// Work done for the answer.
+    pub work: Work,
+}
+
+/// Distance alone, with proven bounds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct Distance {
+    /// Whether the bodies are apart, touch or overlap.
+    pub class: Class,
+    /// Best estimate of the signed distance; for an overlap, minus the depth.
+    pub value: f64,
+    /// Lower bound of the signed distance.
+    #[cfg_attr(feature = "serde", serde(with = "crate::num::scalar::infinite"))]
+    pub lower: f64,
+    /// Upper bound of the signed distance.
+    pub upper: f64,
+}
+
+impl Outcome {
+    /// Whether the distance is within one unit in the last place of the truth, as the bounds prove.
+    #[cfg(feature = "exact")]
+    pub(crate) fn is_tight(&self) -> bool {
+        self.lower > 0.0 && self.lower >= self.distance.next_down() && self.upper <= self.distance.next_up()
+    }
+}
+
+impl From<&Outcome> for Distance {
+    fn from(outcome: &Outcome) -> Self {
+        Self {
+            class: outcome.class,
+            value: outcome.distance,
+            lower: outcome.lower,
+            upper: outcome.upper,
+        }
+    }
+}

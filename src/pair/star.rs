@@ -1,0 +1,130 @@
+//! Tests on the star of a feature: the fan of edges at a vertex, the two faces adjacent to an edge.
+
+use nalgebra::Vector3;
+
+use crate::num::packed::PackedVec3;
+use crate::polyhedron::axis::Axis;
+use crate::polyhedron::fans::steepest;
+use crate::polyhedron::{ConvexPolyhedron, Plane};
+use crate::tolerance::{EDGE_BOUND, EDGE_SIGN, FLANK};
+
+/// Returns the sum of absolute coordinates: a norm without a root.
+#[inline]
+pub(crate) fn one_norm(v: &Vector3<f64>) -> f64 {
+    v.x.abs() + v.y.abs() + v.z.abs()
+}
+
+/// Returns whether a direction perpendicular to an edge certainly falls into both adjacent faces,
+/// which proves the edge extreme along the direction.
+///
+/// The first argument holds the weights of the direction over the planes of the faces
+/// ([`Edge::weights`](super::edge::Edge::weights)). The weights are as long as the opposite edge,
+/// whose squared length is `squared`.
+///
+/// From a point of the edge, every point of the body is reached along the edge, then along the
+/// inward directions of the two faces by non-negative lengths, because the faces are exactly plane.
+/// Signs are enough: nothing divides by the sine between the faces.
+#[inline(always)]
+pub(crate) fn falls_into_both_faces((alpha, beta): (f64, f64), squared: f64) -> bool {
+    let least = FLANK * FLANK * squared;
+    // Written so that NaN proves nothing.
+    alpha * alpha.abs() > least && beta * beta.abs() > least
+}
+
+/// The edge of a vertex fan along which a direction rises least.
+pub(crate) struct FanMinimum {
+    /// Smallest `n . e` over the fan; plus infinity for an empty fan.
+    pub(crate) value: f64,
+    /// The half-edge with the smallest value.
+    pub(crate) half_edge: u32,
+}
+
+impl ConvexPolyhedron {
+    /// Finds the edge of the fan of `v` that falls most along `n`.
+    #[inline(always)]
+    pub(crate) fn fan_minimum(&self, v: u32, n: &Vector3<f64>) -> FanMinimum {
+        if let Some(m) = self.fans.axis(&self.topology, v) {
+            return self.large_fan_minimum(v, m, n);
+        }
+        let p = self.points[v as usize];
+        let mut fan = FanMinimum {
+            value: f64::INFINITY,
+            half_edge: 0,
+        };
+        self.topology.each_leaving(v, |half_edge, to| {
+            let c = n.dot(&(self.points[to as usize] - p));
+            if c < fan.value {
+                fan = FanMinimum { value: c, half_edge };
+            }
+        });
+        fan
+    }
+
+    /// Approximates the minimum of a large fan by a search over the slopes `n . e / m . e`. Not
+    /// every edge is examined, so the result is clamped to at most zero and never certifies.
+    #[cold]
+    #[inline(never)]
+    fn large_fan_minimum(&self, v: u32, m: &Axis, n: &Vector3<f64>) -> FanMinimum {
+        let (t, points) = (&self.topology, &self.points);
+        let along = |h: u32| n.dot(&(points[t.half_edge(h).to as usize] - points[v as usize]));
+        let half_edge = steepest(t, points, v, m, &-n);
+        if along(half_edge) >= 0.0 {
+            return FanMinimum { value: 0.0, half_edge };
+        }
+        let half_edge = self.nearest_rib(v, &-n);
+        FanMinimum {
+            value: along(half_edge).min(0.0),
+            half_edge,
+        }
+    }
+
+    /// Returns whether a fan minimum proves the vertex to be the lowest of the body along `n`:
+    /// every edge certainly rises.
+    #[inline(always)]
+    pub(crate) fn proves_lowest(&self, fan: &FanMinimum, n: &Vector3<f64>) -> bool {
+        fan.value > 2.0 * EDGE_SIGN * self.radius * one_norm(n)
+    }
+
+    /// Returns the edge on which to leave the vertex: the edge that falls most, if the fall exceeds
+    /// the uncertainty `noise` of the direction.
+    #[inline(always)]
+    pub(crate) fn descending_edge(&self, v: u32, fan: &FanMinimum, noise: f64) -> Option<u32> {
+        if fan.value >= 0.0 {
+            return None;
+        }
+        let to = self.topology.half_edge(fan.half_edge).to;
+        let e = self.points[to as usize] - self.points[v as usize];
+        (fan.value < -noise * one_norm(&e)).then_some(fan.half_edge)
+    }
+
+    /// Upper bound of `n . x` over the body from the planes of two faces (or one plane twice), by
+    /// linear programming duality. For any non-negative weights and `m = alpha nL + beta nR`,
+    ///
+    /// `n . x = s m . x + (n - s m) . x <= s (alpha oL + beta oR) + |n - s m| r`  for every `s >=
+    /// 0`,
+    ///
+    /// here with `s = n . n / m . n`, the least rest if `m` is parallel to `n`. The caller passes
+    /// `squared = n . n`.
+    ///
+    /// The rest `n - s m` is evaluated, never assumed small, so the bound holds for any weights. If
+    /// `m` cancels (thin bodies), the rounding of `m` and of the sum of the offsets grows with the
+    /// weights; the last term covers both.
+    #[inline(always)]
+    pub(crate) fn edge_bound(
+        &self,
+        n: PackedVec3,
+        left: &Plane,
+        right: &Plane,
+        (alpha, beta): (f64, f64),
+        squared: f64,
+    ) -> f64 {
+        let (alpha, beta) = (alpha.max(0.0), beta.max(0.0));
+        let m = PackedVec3::new(&left.normal) * alpha + PackedVec3::new(&right.normal) * beta;
+        let s = squared / m.dot(n);
+        let rest = n - m * s;
+        let weights = s * (alpha + beta) * EDGE_BOUND;
+        let bound = s * (alpha * left.offset + beta * right.offset) + (rest.one_norm() + weights) * self.radius;
+        // A zero m or a negative s proves nothing; the comparison is false for NaN.
+        if s >= 0.0 { bound } else { f64::INFINITY }
+    }
+}

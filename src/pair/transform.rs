@@ -1,0 +1,114 @@
+//! The relative pose in the arithmetic of a solver, and the lengths that scale rounding errors.
+
+use nalgebra::Vector3;
+
+use crate::num::double_double::DoubleDouble;
+use crate::num::scalar::Scalar;
+use crate::pair::posed::PosedPair;
+use crate::polyhedron::{ConvexPolyhedron, power_of_two};
+use crate::pose::RelativePose;
+use crate::tolerance::FAR;
+
+/// Lengths that scale the rounding errors of Minkowski points.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ErrorScale {
+    /// Length of Minkowski points; scales the error of each point on its own.
+    pub(crate) size: f64,
+    /// Scales the additional error that all points share: an error of the translation between the
+    /// bodies.
+    pub(crate) shared: f64,
+}
+
+impl ErrorScale {
+    /// Returns the length that scales the total error of a position.
+    pub(crate) fn total(self) -> f64 {
+        self.size + self.shared
+    }
+}
+
+/// The transform `a_from_b` between stored frames, in the arithmetic of a solver.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Transform<T> {
+    pub(crate) matrix: [[T; 3]; 3],
+    pub(crate) translation: [T; 3],
+}
+
+impl Transform<f64> {
+    /// Returns the transform of a posed pair, as rounded to f64.
+    pub(crate) fn of(posed: &PosedPair) -> Self {
+        let matrix = posed.rotation.matrix();
+        Self {
+            matrix: core::array::from_fn(|r| core::array::from_fn(|c| matrix[(r, c)])),
+            translation: posed.translation.vector().into(),
+        }
+    }
+}
+
+impl Transform<DoubleDouble> {
+    /// Returns the transform from the unrounded poses. `None` if the translation is out of range
+    /// for the products below.
+    pub(crate) fn new(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &RelativePose) -> Option<Self> {
+        // The bodies' own offsets are at most 1e116 and cannot leave the range alone.
+        if pose.translation().amax() > FAR * power_of_two(a.exponent) {
+            return None;
+        }
+        let (ra, rb) = (rotation(&pose.a.q()), rotation(&pose.b.q()));
+        let at_b = apply(&rb, &b.origin.map(DoubleDouble::from).into());
+        let offset = core::array::from_fn(|k| at_b[k] + DoubleDouble::sum(pose.b.t()[k], -pose.a.t()[k]));
+        let ra = transposed(&ra);
+        let unit = DoubleDouble::from(power_of_two(-a.exponent));
+        let in_a = apply(&ra, &offset);
+        let translation = core::array::from_fn(|k| (in_a[k] - DoubleDouble::from(a.origin[k])) * unit);
+        let scale = DoubleDouble::from(power_of_two(b.exponent - a.exponent));
+        let columns: [[DoubleDouble; 3]; 3] =
+            core::array::from_fn(|c| apply(&ra, &core::array::from_fn(|r| rb[r][c] * scale)));
+        Some(Self {
+            matrix: transposed(&columns),
+            translation,
+        })
+    }
+}
+
+impl<T: Scalar> Transform<T> {
+    /// Maps a stored point of B to A's stored frame.
+    #[inline(always)]
+    pub(crate) fn point(&self, p: &Vector3<f64>) -> [T; 3] {
+        let p = [T::from(p.x), T::from(p.y), T::from(p.z)];
+        let r = apply(&self.matrix, &p);
+        core::array::from_fn(|k| r[k] + self.translation[k])
+    }
+
+    /// Maps a vector from B's stored frame to A's.
+    pub(crate) fn vector(&self, v: &[T; 3]) -> [T; 3] {
+        apply(&self.matrix, v)
+    }
+
+    /// Maps a normal from A's stored frame to B's: B's points rise along the result as they rise
+    /// along `n`.
+    #[inline(always)]
+    pub(crate) fn direction(&self, n: &[T; 3]) -> [T; 3] {
+        core::array::from_fn(|c| self.matrix[0][c] * n[0] + self.matrix[1][c] * n[1] + self.matrix[2][c] * n[2])
+    }
+}
+
+/// Returns the rotation matrix of the quaternion `q`, divided by `|q|^2`.
+fn rotation(q: &[f64; 4]) -> [[DoubleDouble; 3]; 3] {
+    let [x, y, z, w] = q.map(DoubleDouble::from);
+    let two = DoubleDouble::from(2.0);
+    let one = DoubleDouble::from(1.0);
+    let s = two / (x * x + y * y + z * z + w * w);
+    [
+        [one - (y * y + z * z) * s, (x * y - w * z) * s, (x * z + w * y) * s],
+        [(x * y + w * z) * s, one - (x * x + z * z) * s, (y * z - w * x) * s],
+        [(x * z - w * y) * s, (y * z + w * x) * s, one - (x * x + y * y) * s],
+    ]
+}
+
+#[inline]
+fn apply<T: Scalar>(m: &[[T; 3]; 3], v: &[T; 3]) -> [T; 3] {
+    core::array::from_fn(|r| m[r][0] * v[0] + m[r][1] * v[1] + m[r][2] * v[2])
+}
+
+fn transposed<T: Copy>(m: &[[T; 3]; 3]) -> [[T; 3]; 3] {
+    core::array::from_fn(|r| core::array::from_fn(|c| m[c][r]))
+}

@@ -1,0 +1,18 @@
+//! Record of a walk for diagnosis: the walk of a query, with every tested pair listed.
+
+use alloc::vec::Vec;
+
+use crate::pair::outcome::{Outcome, Work};
+use crate::pair::posed::PosedPair;
+use crate::polyhedron::FeaturePair;
+use crate::walk::seed;
+use crate::walk::walk_observed;
+
+/// Returns the feature pairs tested by the walk from `start` (from a cold start if `None`), and
+/// whether the walk accepted the last pair rather than giving up there.
+pub(crate) fn trace(posed: &PosedPair, start: Option<FeaturePair>) -> (Vec<FeaturePair>, bool) {
+    let mut path = Vec::new();
+    let mut outcome = Outcome::starting_at(start.unwrap_or_else(|| seed::cold(posed, &mut Work::default())));
+    let ended = posed.same_scale() && walk_observed::<true>(posed, &mut outcome, |pair| path.push(pair));
+    (path, ended)
+}
