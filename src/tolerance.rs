@@ -366,6 +366,44 @@ pub(crate) const BALLS: f64 = 1.0 / (1u64 << 40) as f64;
 /// A number of ticks is taken this much too small, relatively, `2^-30`: a quotient errs by UNIT, and a clock that adds up ticks by
 /// UNIT a tick, of which there are fewer than `2^20` in any bound worth having.
 pub(crate) const TICK: f64 = 1.0 / (1u64 << 30) as f64;
+/// Unit roundoff of f32.
+pub const UNIT_SINGLE: f64 = f32::EPSILON as f64 / 2.0;
+
+/// How far the half extents of a box of a composite are raised before they are rounded up to f32, in units of the tree's size (2 at most,
+/// counted in) and of the farthest coordinate over it: a vertex shifted to the tree's origin errs by UNIT of that coordinate; its
+/// difference from the centre by UNIT; a dual axis, of stored axes that are orthonormal within 8 UNIT_SINGLE, by 8 UNIT (a cross product
+/// 3, a determinant 4, a quotient 1), and the product with it by 3: all of lengths up to 4. Sum: below 4 (1 + 8 + 3) + 2.
+pub(crate) const BOX_EXTENT: f64 = 64.0 * UNIT;
+
+/// Error of a gap of two boxes of a composite in f32, in units of their pair's size: what both trees reach and the distance of their
+/// origins, L. With v = UNIT_SINGLE, `r` a box's reach, `h` its half extents (`|h| <= sqrt(3) r`):
+///
+/// 1. The matrix and the shift are rounded once: 1.8 v of lengths of B, v of the shift. A product with the matrix adds `3 sqrt(3)` v:
+///    axes of B err by 7 v, its centre by 7 v r; two sums more, so the difference of the centres by 10 v L.
+/// 2. Along the line of centres: its length errs by 10 v L and 4 v of itself; `h . |a . d|` by the 10 v of the difference, 3 of the product,
+///    3 of the sum and 2 of the quotient, times `h` of A; the same and 7 for the axes of B. The direction as rounded is longer than one by 4 v
+///    at most. Sum: below 14 L + 18 sqrt(3) rA + 25 sqrt(3) rB, where rA + rB <= L: below 58 v L.
+/// 3. Along an excess vector e: products of axes err by 10 v each, by `30 v` as a matrix; `e . d` by 16 v L |e|; the box's own part by 7 v h
+///    for axes that are orthonormal within 2 v, and 4 more; the other's by 33 v h; the root and the quotient by 5 v. Sum: below
+///    16 L + 11 sqrt(3) rA + 33 sqrt(3) rB + 5 L, below 79 v L.
+/// 4. An entry of a front: the placed centre errs by 10 v L, its product with n by 4 v L; the radius times the turning, at most 3 r, by
+///    7 v L with its sum; base and sum are below 6 L: together below 33 v L where it is made and as much where it is tested.
+///
+/// 80 would do for 2 and 3, and 66 for 4.
+pub(crate) const BOXES: f64 = 96.0 * UNIT_SINGLE;
+
+/// What an entry of a front is lowered by when the turning is taken into it, in units of its front's error, 96 v L: a product and two
+/// differences of numbers below 6 L, 18 v L, and room.
+pub(crate) const REBASED: f32 = 0.25;
+
+/// Error of the turning between two poses: both matrices err by `71 UNIT` in norm (see [`CERTIFICATE`]), their difference by `174 UNIT`
+/// over the root of 2 (see [`DISPLACEMENT`]), and 8 UNIT of itself; f32 rounds the sum by 2^-24 of at most 3, which `BOXES` counts.
+pub(crate) const TURNED: f64 = 256.0 * UNIT;
+
+/// How far below the distance a gap in f64 may be, in units of L, that lets a pair of nodes or triangles of a composite pass: pairs in flush
+/// contact are all equally far, up to rounding, and none could be passed by. With [`CERTIFICATE`] above and below, the bounds
+/// are no wider than `512 + 2 * 128 = 768` UNIT L, less than `1e-13 L`, 900.
+pub(crate) const SHORT_OF: f64 = 512.0 * UNIT;
 
 /// Factor that rounds up a length made by a root of three squares, or a sum or product of two
 /// numbers that are not negative: three squares and two sums err by 3 UNIT, half as much under the

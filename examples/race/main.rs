@@ -1,7 +1,7 @@
 //! Races against other libraries on the same motions.
 //!
 //! ```text
-//! cargo run --release --example race -- pairs|contact|boxes|scene|impact [--csv FILE] [--quick] [--only SCENE] [--upto N]
+//! cargo run --release --example race -- pairs|contact|boxes|scene|impact|meshes [--csv FILE] [--quick] [--only SCENE] [--upto N]
 //! ```
 
 mod boxes;
@@ -9,6 +9,7 @@ mod common;
 mod contact;
 mod hulls;
 mod impact;
+mod meshes;
 mod pairs;
 mod scene;
 mod tree;
@@ -18,10 +19,10 @@ use lab::boxes::Kind;
 use std::process::ExitCode;
 
 const USAGE: &str = "\
-usage: race pairs|contact|boxes|scene|impact [--csv FILE] [--quick] [--only SCENE] [--upto N]
+usage: race pairs|contact|boxes|scene|impact|meshes [--csv FILE] [--quick] [--only SCENE] [--upto N]
 
 Ours against other libraries: closest points of two bodies, their contacts, boxes of many bodies, whole scenes,
-casts of moving bodies.
+casts of moving bodies, meshes.
 
   --csv FILE     one row a result: scene,shape,n,engine,ns
   --quick        pairs, contact and impact: fewer frames and passes; boxes and scene: a thousand bodies
@@ -40,6 +41,7 @@ fn race((name, options): &(String, Options)) -> Result<(), String> {
         "boxes" => (boxes::RACED.map(Kind::name).into(), boxes::run),
         "scene" => (scene::SCENES.map(|s| s.0).into(), scene::run),
         "impact" => (impact::SCENES.map(|s| s.0).into(), impact::run),
+        "meshes" => (meshes::SCENES.into(), meshes::run),
         _ => return Err(format!("{name} is no race")),
     };
     options.check(&scenes)?;

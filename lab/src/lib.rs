@@ -12,6 +12,7 @@
 //! | [`boxes`], [`crowd`] | scenes of moving boxes, and of moving hulls |
 //! | [`contacts`] | scenes of two bodies in contact |
 //! | [`casts`] | bodies thrown at each other, and conservative advancement |
+//! | [`soups`], [`brute`] | meshes that are not convex, and their naive oracle |
 //! | [`exact`] | the naive oracle: exact class and distance of two small bodies |
 //! | [`brute_hull`] | exact faces of a few points |
 //! | [`bound`] | exact checks of an answer for bodies of any size |
@@ -29,6 +30,7 @@ pub mod accuracy;
 pub mod body;
 pub mod bound;
 pub mod boxes;
+pub mod brute;
 pub mod brute_hull;
 pub mod casts;
 pub mod command;
@@ -47,6 +49,7 @@ pub mod rational;
 pub mod record;
 pub mod rng;
 pub mod shapes;
+pub mod soups;
 pub mod suite;
 pub mod verdict;
 pub mod workload;
