@@ -233,6 +233,9 @@ mod pose;
 mod replay;
 mod scalar;
 pub mod scene;
+pub mod shape;
+mod shape_tracker;
+mod smooth;
 mod soundness;
 pub mod tolerance;
 mod tracker;
@@ -247,6 +250,8 @@ pub use polyhedron::{
 };
 pub use pose::{PoseError, RelativePose, Which};
 pub use replay::{Replay, ReplayError};
+pub use shape::{Shape, ShapeError};
+pub use shape_tracker::ShapeTracker;
 pub use tracker::{Totals, Tracker};
 pub use watch::Watch;
 

@@ -19,6 +19,7 @@ use crate::replay::Replay;
 
 mod counts;
 mod look;
+mod reach;
 
 use counts::Starts;
 pub use counts::Totals;

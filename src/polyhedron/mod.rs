@@ -41,7 +41,7 @@ use alloc::vec::Vec;
 use nalgebra::{Matrix3, Vector3};
 
 pub use bounds::BoxHint;
-pub(crate) use cloud::power_of_two;
+pub(crate) use cloud::{exponent_of, power_of_two};
 #[cfg(feature = "exact")]
 pub(crate) use cloud::{lowest_bit, odd_part};
 pub use error::BuildError;

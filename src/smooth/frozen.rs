@@ -1,0 +1,100 @@
+//! The solver behind the main one: GJK on the support points as they were found, whatever their curvature.
+//!
+//! Gilbert, Johnson and Keerthi 1988. It converges slowly on curved cores, but from anywhere; every few steps the main solver tries to
+//! finish from its simplex. It is also what proves an overlap: four points of the difference around the origin.
+
+use super::bent::{End, Run};
+use super::best::{Best, Set};
+use super::posed::{Piece, Posed, unit};
+use crate::closest::simplex::{Corner, Reach, Simplex};
+use crate::scalar::{Scalar, Vec3, neg};
+use crate::shape::Support;
+
+/// Support points one solve may take.
+const POINTS: usize = 96;
+
+/// Steps between two attempts to finish.
+const ATTEMPT: usize = 4;
+
+/// Steps of a first approach.
+const APPROACH: usize = 6;
+
+/// How far a solve is to go.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Goal {
+    /// Until the direction is right to some 60 degrees: a start for the main solver.
+    Approach,
+    /// Until the bounds agree.
+    Close,
+}
+
+/// Where a solve ended.
+pub(super) enum Frozen<T> {
+    Closed,
+    Open,
+    /// Proven to overlap: four points of the difference hold the origin.
+    Inside([Piece<T>; 4]),
+}
+
+/// Solves from a direction. The set of the best answer becomes that of the simplex.
+pub(super) fn solve<A: Support, B: Support, T: Scalar>(
+    posed: &Posed<A, B, T>,
+    n: Vec3<T>,
+    goal: Goal,
+    best: &mut Best<T>,
+) -> Frozen<T> {
+    let reach = Reach {
+        size: posed.size,
+        shared: 0.0,
+    };
+    let toward = posed.toward(n);
+    let first = posed.support(&toward, [0; 2]);
+    best.prove(&toward, &first);
+    best.witness(posed, core::iter::once((first, T::from(1.0))));
+    let mut points = [first; POINTS];
+    let corner = |k: usize, piece: &Piece<T>| Corner {
+        a: k as u32,
+        b: 0,
+        w: neg(&piece.w),
+    };
+    let mut simplex = Simplex::vertex(corner(0, &first));
+    for k in 1..if goal == Goal::Approach { APPROACH } else { POINTS } {
+        let Some(n) = unit(&neg(&simplex.direction())) else {
+            return Frozen::Open;
+        };
+        let toward = posed.toward(n);
+        let piece = posed.support(&toward, points[k - 1].of);
+        let height = best.prove(&toward, &piece);
+        points[k] = piece;
+        let gains = simplex.add(corner(k, &piece), reach);
+        if simplex.len() == 4 {
+            let mut held = [piece; 4];
+            for (held, c) in held.iter_mut().zip(simplex.kept()) {
+                *held = points[c.a as usize];
+            }
+            return Frozen::Inside(held);
+        }
+        let kept = simplex.kept().iter().zip(simplex.weights());
+        best.witness(posed, kept.map(|(c, &weight)| (points[c.a as usize], weight)));
+        if best.closes(posed) {
+            return Frozen::Closed;
+        }
+        let near = goal == Goal::Approach && height + height > simplex.reach();
+        if near || !gains || goal == Goal::Close && k % ATTEMPT == 0 {
+            let mut set = Set::default();
+            simplex.kept().iter().for_each(|c| set.add(points[c.a as usize].of));
+            if goal == Goal::Approach {
+                best.set = set;
+                return Frozen::Open;
+            }
+            let n = unit(&neg(&simplex.direction())).unwrap_or(n);
+            if (Run { posed, best, deep: false }).run(n, &set) == End::Closed {
+                return Frozen::Closed;
+            }
+            if !gains {
+                return Frozen::Open;
+            }
+        }
+    }
+    Frozen::Open
+}

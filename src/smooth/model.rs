@@ -1,0 +1,112 @@
+//! The model of the height near a direction, and its maximum.
+//!
+//! With the direction turned by `d` in the tangent plane, piece `i` has height `c_i + g_i . d` less the bend
+//! `d . M d / 2`, where `M` is the weighted sum of the second derivatives of all pieces and `mu` times the identity.
+//! The model is the least over the pieces. Its greatest value over `d` is, by duality, the least over the weights `l`
+//! (not negative, of sum one) of `l . c + |sum of l_i y_i|^2 / 2`, with `y_i = L^-1 g_i` and `M = L L^T`: a least-norm
+//! problem in the plane, in which at most three weights are positive.
+
+use super::posed::Tangent;
+use crate::scalar::{Scalar, root};
+
+/// Most pieces of a model.
+pub(super) const MOST: usize = 4;
+
+/// One piece as the model sees it.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Plane<T> {
+    /// Height along the direction.
+    pub(super) c: T,
+    /// Its slope in the tangent plane.
+    pub(super) g: Tangent<T>,
+    /// Its second derivative: entries 00, 01, 11.
+    pub(super) bend: [T; 3],
+}
+
+/// The maximum of the model.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Top<T> {
+    pub(super) weights: [T; MOST],
+    pub(super) step: Tangent<T>,
+}
+
+/// The lower triangle of the root of `M`: entries 00, 10, 11.
+fn factor<T: Scalar>(m: &[T; 3]) -> Option<[T; 3]> {
+    let zero = T::from(0.0);
+    if !(m[0] > zero) {
+        return None;
+    }
+    let l = root(m[0]);
+    let k = m[1] / l;
+    let rest = m[2] - k * k;
+    // Not rounding alone.
+    (rest.value() > crate::tolerance::PIVOT * m[2].value()).then(|| [l, k, root(rest)])
+}
+
+/// The maximum, of `M` from the weights `prior`; none if `M` is not positive.
+pub(super) fn top<T: Scalar>(planes: &[Plane<T>], prior: &[T; MOST], mu: T) -> Option<Top<T>> {
+    let zero = T::from(0.0);
+    let mut m = [mu, zero, mu];
+    for (plane, &weight) in planes.iter().zip(prior) {
+        for (entry, &bend) in m.iter_mut().zip(&plane.bend) {
+            *entry = *entry + bend * weight;
+        }
+    }
+    let l = factor(&m)?;
+    let mut y = [[zero; 2]; MOST];
+    for (y, plane) in y.iter_mut().zip(planes) {
+        let first = plane.g[0] / l[0];
+        *y = [first, (plane.g[1] - l[1] * first) / l[2]];
+    }
+    let (weights, at) = least_norm(planes, &y);
+    let second = at[1] / l[2];
+    let step = [(at[0] - l[1] * second) / l[0], second];
+    Some(Top { weights, step })
+}
+
+/// The weights of least `l . c + |sum of l_i y_i|^2 / 2`, and that sum.
+fn least_norm<T: Scalar>(planes: &[Plane<T>], y: &[Tangent<T>; MOST]) -> ([T; MOST], Tangent<T>) {
+    let (zero, one) = (T::from(0.0), T::from(1.0));
+    let base = planes[0].c;
+    let c = |i: usize| planes[i].c - base;
+    let dot = |a: &Tangent<T>, b: &Tangent<T>| a[0] * b[0] + a[1] * b[1];
+    let sub = |a: &Tangent<T>, b: &Tangent<T>| [a[0] - b[0], a[1] - b[1]];
+    let mut best = (T::from(f64::INFINITY), [zero; MOST], [zero; 2]);
+    let mut take = |parts: &[(usize, T)]| {
+        let (mut value, mut at, mut weights) = (zero, [zero; 2], [zero; MOST]);
+        for &(i, weight) in parts {
+            value = value + c(i) * weight;
+            at = [at[0] + y[i][0] * weight, at[1] + y[i][1] * weight];
+            weights[i] = weight;
+        }
+        let value = value + dot(&at, &at) * T::from(0.5);
+        if value < best.0 {
+            best = (value, weights, at);
+        }
+    };
+    for i in 0..planes.len() {
+        take(&[(i, one)]);
+        for j in 0..i {
+            let d = sub(&y[i], &y[j]);
+            let share = (c(j) - c(i) - dot(&y[j], &d)) / dot(&d, &d);
+            if share > zero && share < one {
+                take(&[(i, share), (j, one - share)]);
+            }
+            for k in 0..j {
+                let (u, v) = (sub(&y[i], &y[k]), sub(&y[j], &y[k]));
+                let area = u[0] * v[1] - u[1] * v[0];
+                // The place where all three are equally high, from y . u and y . v.
+                let (p, q) = (c(k) - c(i), c(k) - c(j));
+                let at = [(p * v[1] - q * u[1]) / area, (q * u[0] - p * v[0]) / area];
+                let off = sub(&at, &y[k]);
+                let first = (off[0] * v[1] - off[1] * v[0]) / area;
+                let second = (u[0] * off[1] - u[1] * off[0]) / area;
+                let third = one - first - second;
+                if first > zero && second > zero && third > zero {
+                    take(&[(i, first), (j, second), (k, third)]);
+                }
+            }
+        }
+    }
+    (best.1, best.2)
+}

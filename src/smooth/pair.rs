@@ -1,0 +1,355 @@
+//! One pair of cores: layer after layer until the bounds agree, and the outcome.
+
+use nalgebra::{Unit, Vector3};
+
+use super::any::{Any, Kind};
+use super::bent::{End, Run};
+use super::best::{Best, Set};
+use super::depth;
+use super::frozen::{self, Frozen, Goal};
+use super::polyhedral::Hull;
+use super::posed::{Piece, Posed, unit};
+use super::origin;
+use crate::closest::outcome::{Class, Layer, Outcome};
+use crate::closest::placed::Frame;
+use crate::closest::refine::outward;
+use crate::double_double::DoubleDouble;
+use crate::polyhedron::{FeaturePair, exponent_of, power_of_two};
+use crate::pose::{RelativePose, Which};
+use crate::scalar::{Scalar, Vec3, sqrt};
+use crate::shape::{Core, Support};
+use crate::tolerance::{AGREE_CURVED, CERTIFICATE, SMALL_PAIR, SPECK, UNIT, UNIT_DOUBLE_DOUBLE};
+
+/// Where the last answer of a pair was found.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct Memory {
+    start: Option<(Vec3<f64>, Set)>,
+}
+
+impl Memory {
+    /// A direction and branches to begin with; what comes from a file may be no direction.
+    fn start(&self) -> Option<(Vec3<f64>, Set)> {
+        let (n, set) = self.start?;
+        let is_small = n.iter().all(|x| x.abs() <= 2.0);
+        is_small.then(|| unit(&n)).flatten().map(|n| (n, set))
+    }
+}
+
+/// What the poses and sizes of a pair ask for.
+#[derive(Clone, Copy)]
+pub(super) struct Setting<'p> {
+    pose: &'p RelativePose,
+    /// Whether both cores are stored as given, and of an ordinary size.
+    pub(super) plain: bool,
+    /// Where the points of A and of B are stored about.
+    a: Vector3<f64>,
+    b: Vector3<f64>,
+    /// The radii, in the caller's unit.
+    radii: [f64; 2],
+    /// Lengths of the solvers times `2^exponent` are the caller's.
+    exponent: i32,
+    /// How far the stored origins are from the cores' own, in the unit of the solvers.
+    offsets: f64,
+}
+
+fn radius(core: &Core) -> f64 {
+    match core {
+        Core::Polyhedron(body) => body.radius * body.unit(),
+        Core::Ellipsoid(core) => core.radius(),
+        Core::Cylinder(core) => core.radius(),
+        Core::Cone(core) => core.radius(),
+        Core::Superquadric(core) => core.radius(),
+    }
+}
+
+impl<'p> Setting<'p> {
+    pub(super) fn new(a: &Core, b: &Core, pose: &'p RelativePose) -> Self {
+        let given = |core: &Core| !matches!(core, Core::Polyhedron(body) if !body.as_given);
+        let radii = [radius(a), radius(b)];
+        let t = pose.sixteenth().amax();
+        let size = radii[0].max(radii[1]).max(t);
+        let least = radii[0].min(radii[1]);
+        let ordinary = size < 1.0 / SMALL_PAIR && size > SMALL_PAIR && least > SPECK * size;
+        let plain = given(a) && given(b) && ordinary;
+        Self {
+            pose,
+            plain,
+            radii,
+            a: origin(a),
+            b: origin(b),
+            exponent: 0,
+            offsets: 0.0,
+        }
+    }
+
+    fn frame(&self) -> Option<Frame<f64>> {
+        if self.plain {
+            let (matrix, t) = (self.pose.rotation(), self.pose.translation());
+            return Some(Frame {
+                matrix: core::array::from_fn(|r| core::array::from_fn(|c| matrix[(r, c)])),
+                translation: t.into(),
+            });
+        }
+        let fine = self.fine_frame()?;
+        Some(Frame {
+            matrix: fine.matrix.map(|row| row.map(Scalar::value)),
+            translation: fine.translation.map(Scalar::value),
+        })
+    }
+
+    fn fine_frame(&self) -> Option<Frame<DoubleDouble>> {
+        Frame::between((&self.a, self.exponent), (&self.b, self.exponent), self.pose)
+    }
+}
+
+/// Where the layers of one arithmetic ended.
+enum Ended<T> {
+    Closed,
+    Open,
+    /// The cores seem to overlap, or are proven to by four points.
+    Inside(Option<[Piece<T>; 4]>),
+}
+
+/// The main solver from the last answer, from a first approach, and from points behind which it finished before.
+#[inline(always)]
+fn separate<A: Support, B: Support, T: Scalar>(
+    posed: &Posed<A, B, T>,
+    start: Option<(Vec3<T>, Set)>,
+    best: &mut Best<T>,
+    layer: &mut Layer,
+) -> Ended<T> {
+    let deep = false;
+    if let Some((n, set)) = start {
+        match (Run { posed, best, deep }).run(n, &set) {
+            End::Closed => return Ended::Closed,
+            End::Inside => return Ended::Inside(None),
+            End::Open => *layer = Layer::Restart,
+        }
+    }
+    cold(posed, best, layer)
+}
+
+#[inline(never)]
+fn cold<A: Support, B: Support, T: Scalar>(posed: &Posed<A, B, T>, best: &mut Best<T>, layer: &mut Layer) -> Ended<T> {
+    let deep = false;
+    let axis = [T::from(1.0), T::from(0.0), T::from(0.0)];
+    let n = unit(&posed.frame.translation).unwrap_or(axis);
+    match frozen::solve(posed, n, Goal::Approach, best) {
+        Frozen::Closed => return Ended::Closed,
+        Frozen::Inside(corners) => return Ended::Inside(Some(corners)),
+        Frozen::Open => {}
+    }
+    let (n, set) = (toward_witness(posed, best), best.set);
+    match (Run { posed, best, deep }).run(n, &set) {
+        End::Closed => return Ended::Closed,
+        End::Inside => return Ended::Inside(None),
+        End::Open => *layer = Layer::Fallback,
+    }
+    match frozen::solve(posed, toward_witness(posed, best), Goal::Close, best) {
+        Frozen::Closed => Ended::Closed,
+        Frozen::Inside(corners) => Ended::Inside(Some(corners)),
+        Frozen::Open => Ended::Open,
+    }
+}
+
+/// The direction between the nearest points known.
+fn toward_witness<A: Support, B: Support, T: Scalar>(posed: &Posed<A, B, T>, best: &Best<T>) -> Vec3<T> {
+    unit(&posed.piece([0; 2], best.on_a, best.on_b).w).unwrap_or(best.n)
+}
+
+/// The outcome of a pair whose kinds are known, in the unit of the solvers.
+pub(super) fn closest_of<A: Kind, B: Kind>(a: &A, b: &B, setting: &Setting, memory: &mut Memory) -> Outcome {
+    let mut outcome = Outcome::open(FeaturePair::vertices(Which::A, 0, 0));
+    let Some(frame) = setting.frame() else { return outcome };
+    let t = Vector3::from(frame.translation);
+    let size = a.radius() + b.radius() + sqrt(t.norm_squared()) + UNIT_DOUBLE_DOUBLE / UNIT * setting.offsets;
+    let noise = a.noise() + b.noise();
+    let posed = Posed { a, b, frame, size, noise };
+    let mut best = Best::new();
+    let ended = separate(&posed, memory.start(), &mut best, &mut outcome.layer);
+    outcome.work.steps += best.evaluations;
+    let term = (CERTIFICATE + noise) * UNIT * size;
+    let closed = match ended {
+        Ended::Closed => {
+            take(&posed, &best, term, &mut outcome);
+            true
+        }
+        Ended::Inside(corners) => deepen(&posed, &best, corners, &mut outcome),
+        Ended::Open => false,
+    };
+    if !closed {
+        finer(&posed, setting, &best, &mut outcome);
+    }
+    memory.start = Some(((*outcome.normal).into(), best.set));
+    outcome
+}
+
+/// The depth of cores that seem to overlap; whether they do, or touch.
+#[inline(never)]
+fn deepen<A: Kind, B: Kind>(
+    posed: &Posed<A, B, f64>,
+    known: &Best<f64>,
+    corners: Option<[Piece<f64>; 4]>,
+    outcome: &mut Outcome,
+) -> bool {
+    let term = (CERTIFICATE + posed.noise) * UNIT * posed.size;
+    outcome.work.depths += 1;
+    let deep = depth::deepen(posed, known, corners);
+    outcome.work.steps += deep.best.evaluations - known.evaluations;
+    take(posed, &deep.best, term, outcome);
+    if deep.grown {
+        outcome.layer = Layer::Surface;
+    }
+    if deep.inside {
+        outcome.class = Class::Overlapping;
+        outcome.upper = outcome.upper.min(0.0);
+        outcome.distance = outcome.distance.min(outcome.upper);
+    }
+    deep.inside || deep.best.closes(posed)
+}
+
+/// The same layers in double-double.
+#[cold]
+#[inline(never)]
+fn finer<A: Kind, B: Kind>(
+    posed: &Posed<A, B, f64>,
+    setting: &Setting,
+    best: &Best<f64>,
+    outcome: &mut Outcome,
+) {
+    outcome.work.double_doubles += 1;
+    outcome.layer = Layer::DoubleDouble;
+    take(posed, best, (CERTIFICATE + posed.noise) * UNIT * posed.size, outcome);
+    let (a, b) = (posed.a.any(), posed.b.any());
+    let Some(frame) = setting.fine_frame() else { return };
+    let (a, b, size, noise) = (&a, &b, posed.size, posed.noise);
+    let fine = Posed { a, b, frame, size, noise };
+    let mut found = Best::<DoubleDouble>::new();
+    let mut layer = Layer::DoubleDouble;
+    let start = best.n.map(DoubleDouble::from);
+    let ended = separate(&fine, unit(&start).map(|n| (n, best.set)), &mut found, &mut layer);
+    outcome.work.steps += found.evaluations;
+    if let Ended::Inside(corners) = ended {
+        let rough = Best {
+            lower: f64::NEG_INFINITY,
+            upper: f64::INFINITY,
+            n: found.n.map(Scalar::value),
+            ..*best
+        };
+        let corners = corners.map(|c| c.map(|p| posed.piece(p.of, p.on_a.map(Scalar::value), p.on_b.map(Scalar::value))));
+        let inside = corners.is_some();
+        deepen(posed, &rough, corners, outcome);
+        outcome.layer = Layer::DoubleDouble;
+        if inside {
+            return;
+        }
+    }
+    let offsets = if setting.plain { 0.0 } else { setting.offsets };
+    let term = (CERTIFICATE + noise) * UNIT_DOUBLE_DOUBLE * (size + offsets);
+    take(&fine, &found, term, outcome);
+}
+
+/// Takes over what a solver proves.
+#[inline(always)]
+fn take<A: Support, B: Support, T: Scalar>(posed: &Posed<A, B, T>, best: &Best<T>, term: f64, outcome: &mut Outcome) {
+    outcome.lower = outward(best.lower, -term);
+    outcome.upper = outward(best.upper, term).min(f64::MAX);
+    let estimate = if outcome.lower > 0.0 { best.upper } else { best.lower };
+    outcome.distance = estimate.value().clamp(outcome.lower.max(-f64::MAX).min(outcome.upper), outcome.upper);
+    outcome.normal = Unit::new_unchecked(best.n.map(Scalar::value).into());
+    outcome.point_on_a = best.on_a.map(Scalar::value).into();
+    outcome.point_on_b = best.on_b.map(Scalar::value).into();
+    outcome.class = if outcome.lower > 0.0 {
+        Class::Separated
+    } else if outcome.upper < 0.0 {
+        Class::Overlapping
+    } else if outcome.upper - outcome.lower <= (AGREE_CURVED + 2.0 * (CERTIFICATE + posed.noise) * UNIT) * posed.size {
+        Class::Touching
+    } else {
+        Class::Undecided
+    };
+    let (mut a, mut b, mut len) = ([0; 3], [0; 3], 0);
+    for of in best.set.branches() {
+        (a[len], b[len]) = (of[0], of[1]);
+        len += 1;
+    }
+    outcome.features = FeaturePair {
+        a: posed.a.feature(&a[..len], &outcome.point_on_a.coords),
+        b: posed.b.feature(&b[..len], &outcome.point_on_b.coords),
+    };
+}
+
+/// A pair of extreme sizes or places: in its own unit, a core too small to matter as a point.
+#[cold]
+pub(super) fn extreme(a: &Core, b: &Core, setting: &Setting, memory: &mut Memory) -> Outcome {
+    let [ra, rb] = setting.radii;
+    let (oa, ob) = (setting.a, setting.b);
+    let t = setting.pose.sixteenth() + setting.pose.rotation() * ob / 16.0 - oa / 16.0;
+    let largest = t.amax();
+    let apart = if largest > 0.0 { largest * (t / largest).norm() } else { 0.0 };
+    let offsets = oa.abs().sum() + ob.abs().sum();
+    if !(SPECK * apart <= ra + rb) {
+        return far(setting, &t, apart, offsets);
+    }
+    let exponent = exponent_of(ra.max(rb).max(apart));
+    let unit = power_of_two(-exponent);
+    let setting = Setting {
+        plain: false,
+        exponent,
+        offsets: offsets * unit,
+        ..*setting
+    };
+    let size = (ra + rb + apart) * unit;
+    let (speck_a, speck_b) = (ra * unit < SPECK * size, rb * unit < SPECK * size);
+    let a = if speck_a { Any::Point } else { scaled(a, exponent) };
+    let b = if speck_b { Any::Point } else { scaled(b, exponent) };
+    let mut outcome = closest_of(&a, &b, &setting, memory);
+    let lost = |speck: bool, r: f64| if speck { 2.0 * r * unit } else { 0.0 };
+    let (less, back) = (lost(speck_a, ra) + lost(speck_b, rb), power_of_two(exponent));
+    outcome.lower = ((outcome.lower - less) * back).next_down();
+    outcome.upper = ((outcome.upper + less) * back).next_up().min(f64::MAX);
+    outcome.distance = (outcome.distance * back).clamp(outcome.lower, outcome.upper);
+    outcome.point_on_a = (outcome.point_on_a.coords * back + oa).into();
+    outcome.point_on_b = (outcome.point_on_b.coords * back + ob).into();
+    if less > 0.0 {
+        outcome.class = match outcome.class {
+            Class::Separated if outcome.lower > 0.0 => Class::Separated,
+            Class::Overlapping if outcome.upper < 0.0 => Class::Overlapping,
+            Class::Undecided => Class::Undecided,
+            _ => Class::Touching,
+        };
+    }
+    outcome
+}
+
+/// A core in the unit of the solvers.
+fn scaled(core: &Core, exponent: i32) -> Any<'_> {
+    let by = power_of_two(-exponent);
+    match core {
+        Core::Polyhedron(body) => Any::Hull(Hull {
+            body,
+            unit: power_of_two(body.exponent - exponent),
+        }),
+        Core::Ellipsoid(core) => Any::Ellipsoid(core.scaled(by)),
+        Core::Cylinder(core) => Any::Cylinder(core.scaled(by)),
+        Core::Cone(core) => Any::Cone(core.scaled(by)),
+        Core::Superquadric(core) => Any::Superquadric(core.scaled(by)),
+    }
+}
+
+/// Cores so far apart that their sizes are below the rounding of their distance; `t` and `apart` in sixteenths.
+fn far(setting: &Setting, t: &Vector3<f64>, apart: f64, offsets: f64) -> Outcome {
+    let mut outcome = Outcome::open(FeaturePair::vertices(Which::A, 0, 0));
+    let radii = setting.radii[0] + setting.radii[1];
+    let distance = 16.0 * apart;
+    let slack = CERTIFICATE * UNIT * (distance + radii + offsets) + 2.0 * radii;
+    outcome.lower = distance - slack;
+    outcome.upper = (distance + slack).min(f64::MAX);
+    outcome.distance = distance.clamp(outcome.lower, outcome.upper);
+    outcome.normal = crate::closest::refine::unit(t);
+    outcome.class = if outcome.lower > 0.0 { Class::Separated } else { Class::Undecided };
+    outcome.layer = Layer::Far;
+    (outcome.point_on_a, outcome.point_on_b) = (setting.a.into(), setting.b.into());
+    outcome
+}
