@@ -44,6 +44,7 @@
 //! | Only the pairs of boxes? | [`broad::PencilSweep`] | pairs, events, stable ids |
 //! | Which pairs would the walk look at? | [`Tracker::trace`] | the way, pair by pair |
 //! | How do I report this query? | [`Tracker::replay`] | [`Replay`]: a text that rebuilds it bit for bit |
+//! | Balls, capsules, cylinders, cones, ellipsoids, anything rounded? | [`ShapeTracker`] on [`Shape`] | the same questions, [`Outcome`] |
 //! | Where does B stand? | [`RelativePose::new`] | a checked pose, or a [`PoseError`] |
 //! | A body of points, of faces? | [`ConvexPolyhedron::from_points`], [`from_faces`](ConvexPolyhedron::from_faces) | a body with its [`BuildReport`], or a [`BuildError`] |
 //! | A common solid? | [`polyhedron::solids`] | a body |
@@ -164,7 +165,9 @@
 //!   question, are to be looked at. Else its bounds stay open, and are returned as they are.
 //! * Coordinates below 2^-200 of a body's radius are stored as zero, and the build report counts them: answers are those of the body so
 //!   stored.
-//! * Times of impact (a loop that finds them: [`Velocity`]), dynamics, non-convex or curved bodies are not there yet.
+//! * Curved shapes ([`shape`]) have the same bounds; class and predicates are exact for polyhedra, rounded or not, and within
+//!   `3e-14 L` of contact undecided for others, whose closest points are algebraic numbers: there `intersects` and `within` say yes.
+//! * Times of impact (a loop that finds them: [`Velocity`]), dynamics and non-convex bodies are not there yet.
 //!
 //! # Cargo features
 //!
@@ -187,10 +190,11 @@
 //! 6. `penetration`: how deep bodies overlap, by a surface around the origin of their difference.
 //! 7. `contact`: the points by which bodies hold each other apart, over frames; gradients of the signed distance.
 //! 8. `tracker`: what a caller keeps, and which solver to ask.
-//! 9. `soundness`, `replay`: what debug builds check of every answer, and the text of a query that fails.
-//! 10. `watch`: one tracker, and how far its bodies have moved.
-//! 11. [`broad`]: boxes and ids alone, for many bodies; it knows nothing of the others.
-//! 12. [`scene`]: where all meets; start with `scene/step.rs`.
+//! 9. [`shape`], `smooth`, `shape_tracker`: rounded and curved shapes, the solver for curved cores, what a caller keeps of a pair.
+//! 10. `soundness`, `replay`: what debug builds check of every answer, and the text of a query that fails.
+//! 11. `watch`: one tracker, and how far its bodies have moved.
+//! 12. [`broad`]: boxes and ids alone, for many bodies; it knows nothing of the others.
+//! 13. [`scene`]: where all meets; start with `scene/step.rs`.
 //!
 //! # From the thesis
 //!
@@ -200,7 +204,8 @@
 //! | thesis | here |
 //! |---|---|
 //! | chapter 3, incremental distance computation | `closest`, [`polyhedron`], [`Tracker`] |
-//! | chapter 4, non-convex and curved bodies | not yet |
+//! | chapter 4, curved bodies | [`shape`], `smooth`, [`ShapeTracker`] |
+//! | chapter 4, non-convex bodies | not yet |
 //! | chapter 5, many moving bodies | [`broad`], [`scene`]; scheduling by time not yet |
 //! | chapter 6, path planning | not yet |
 //!

@@ -129,7 +129,7 @@ fn functions_are_short() {
 }
 
 /// What the code of a folder may name of the crate.
-const MAY_USE: [(&str, &[&str]); 14] = [
+const MAY_USE: [(&str, &[&str]); 17] = [
     ("tolerance", &[]),
     ("scalar", &["tolerance"]),
     ("double_double", &["scalar", "tolerance"]),
@@ -175,6 +175,35 @@ const MAY_USE: [(&str, &[&str]); 14] = [
     (
         "contact",
         &["closest", "motion", "polyhedron", "pose", "scalar", "tolerance"],
+    ),
+    // Geometry alone: cores, radii, supports.
+    ("shape", &["shape", "polyhedron", "pose", "scalar", "tolerance"]),
+    // Solvers for curved cores, with the simplices and frames of the minimum-norm solver.
+    (
+        "smooth",
+        &[
+            "smooth",
+            "shape",
+            "closest",
+            "polyhedron",
+            "pose",
+            "scalar",
+            "double_double",
+            "tolerance",
+        ],
+    ),
+    // What a caller keeps of a pair of shapes: a tracker of cores, or the state of the curved solver.
+    (
+        "shape_tracker",
+        &[
+            "shape",
+            "smooth",
+            "tracker",
+            "closest",
+            "polyhedron",
+            "pose",
+            "double_double",
+        ],
     ),
     // What a caller keeps of a pair; the report of a fault is below it.
     (

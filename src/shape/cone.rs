@@ -41,7 +41,7 @@ impl Cone {
 
 /// Its side is a generator between the apex (branch 0) and a point of the rim (branch 1).
 impl Support for Cone {
-    fn radius(&self) -> f64 {
+    fn reach(&self) -> f64 {
         sqrt(self.radius * self.radius + self.half_height * self.half_height) * (1.0 + 4.0 * UNIT)
     }
 

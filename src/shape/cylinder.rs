@@ -64,7 +64,7 @@ pub(super) fn circle_bent<T: Scalar>(radius: f64, n: &Vec3<T>, d: &Vec3<T>) -> V
 
 /// A rim has two branches: the upper one (0) and the lower one (1). Its side is a generator between points of both.
 impl Support for Cylinder {
-    fn radius(&self) -> f64 {
+    fn reach(&self) -> f64 {
         sqrt(self.radius * self.radius + self.half_height * self.half_height) * (1.0 + 4.0 * UNIT)
     }
 

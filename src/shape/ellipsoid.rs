@@ -33,7 +33,7 @@ impl Ellipsoid {
 
 /// With `P` the diagonal matrix of the squared semi-axes, `h(n) = sqrt(n . P n)` and the support point is `P n / h`.
 impl Support for Ellipsoid {
-    fn radius(&self) -> f64 {
+    fn reach(&self) -> f64 {
         self.semi_axes.max()
     }
 

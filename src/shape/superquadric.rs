@@ -106,7 +106,7 @@ fn curvature<T: Scalar>(x: T, y: T, q: T) -> T {
 }
 
 impl Support for Superquadric {
-    fn radius(&self) -> f64 {
+    fn reach(&self) -> f64 {
         // It lies in its box.
         sqrt(self.semi_axes.norm_squared()) * (1.0 + 4.0 * UNIT)
     }

@@ -31,7 +31,7 @@ impl Disc {
 /// double-double.
 pub(crate) trait Support {
     /// Largest distance of a point of the core from its origin, rounded up.
-    fn radius(&self) -> f64;
+    fn reach(&self) -> f64;
 
     /// By how many UNIT times the radius a height errs more than [`CERTIFICATE`](crate::tolerance::CERTIFICATE) counts.
     fn noise(&self) -> f64 {

@@ -57,8 +57,8 @@ macro_rules! each {
 }
 
 impl Support for Any<'_> {
-    fn radius(&self) -> f64 {
-        each!(self, core => core.radius(), 0.0)
+    fn reach(&self) -> f64 {
+        each!(self, core => core.reach(), 0.0)
     }
 
     fn noise(&self) -> f64 {

@@ -101,7 +101,7 @@ impl<A: Support, B: Support, T: Scalar> Run<'_, '_, A, B, T> {
             }
             if self.deep {
                 self.try_balls(&centre);
-            } else if self.seems_inside(&centre) {
+            } else if self.seems_inside(&centre, &step) {
                 return End::Inside;
             }
             if !self.deep && self.try_flush(&centre.toward, &step, &mut flush) {
@@ -173,8 +173,9 @@ impl<A: Support, B: Support, T: Scalar> Run<'_, '_, A, B, T> {
     }
 
     /// Whether the closest points of the pieces lie behind each other along the direction.
-    fn seems_inside(&self, centre: &Centre<T>) -> bool {
-        if centre.height > T::from(0.0) {
+    fn seems_inside(&self, centre: &Centre<T>, step: &Tangent<T>) -> bool {
+        let far = (step[0] * step[0] + step[1] * step[1]).value() > 0.0625;
+        if far || centre.height > T::from(0.0) {
             return false;
         }
         let v = centre.between();
@@ -199,11 +200,15 @@ impl<A: Support, B: Support, T: Scalar> Run<'_, '_, A, B, T> {
             }
         }
         let mut step = *step;
+        let floor = match kept_back {
+            Some((before, _)) if before.height > centre.height => before.height,
+            _ => centre.height,
+        };
         for _ in 0..CUTS {
             let n = unit(&add(&centre.toward.n, &tangent(&centre.toward, &step)))?;
             let mut trial = self.evaluate(n, &of[..len], of[0]);
             self.carry(centre, &mut trial);
-            let rises = trial.height >= centre.height - slack;
+            let rises = trial.height >= floor - slack;
             if rises {
                 *kept_back = None;
                 return Some(trial);
@@ -287,7 +292,7 @@ impl<A: Support, B: Support, T: Scalar> Run<'_, '_, A, B, T> {
         let values = |v: &Vec3<T>| v.map(Scalar::value);
         let meets = |v: [f64; 3], d: [f64; 3]| {
             let (off, turn) = (v[0] * v[0] + v[1] * v[1], v[0] * d[0] + v[1] * d[1]);
-            off < NEAR_AXIS || off < 0.5 && off + turn < 0.0
+            off < NEAR_AXIS || off + turn < 0.0
         };
         let n = values(&toward.n);
         if !tried[0]

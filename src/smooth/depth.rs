@@ -7,7 +7,6 @@
 
 use super::bent::Run;
 use super::best::{Best, Set};
-use super::frozen::{self, Frozen, Goal};
 use super::posed::{Piece, Posed};
 use super::surface;
 use crate::shape::Support;
@@ -21,7 +20,7 @@ pub(super) struct Deep {
     pub(super) grown: bool,
 }
 
-/// Looks for the depth from a direction and the branches there.
+/// Looks for the depth from a direction and the branches there; by a surface only from `corners` that hold the origin.
 pub(super) fn deepen<A: Support, B: Support>(
     posed: &Posed<A, B, f64>,
     known: &Best<f64>,
@@ -37,15 +36,8 @@ pub(super) fn deepen<A: Support, B: Support>(
         inside: corners.is_some(),
         grown: false,
     };
-    if best.closes(posed) {
-        return deep;
-    }
-    let corners = corners.or_else(|| match frozen::solve(posed, known.n, Goal::Close, &mut Best::new()) {
-        Frozen::Inside(corners) => Some(corners),
-        _ => None,
-    });
-    let Some(corners) = corners else { return deep };
-    (deep.inside, deep.grown) = (true, true);
+    let Some(corners) = corners.filter(|_| !best.closes(posed)) else { return deep };
+    deep.grown = true;
     let best = &mut deep.best;
     best.upper = best.upper.min(0.0);
     let Some(found) = surface::deepen(posed, corners, best) else {

@@ -7,7 +7,7 @@
 //! problem in the plane, in which at most three weights are positive.
 
 use super::posed::Tangent;
-use crate::scalar::{Scalar, root};
+use crate::scalar::Scalar;
 
 /// Most pieces of a model.
 pub(super) const MOST: usize = 4;
@@ -30,17 +30,18 @@ pub(super) struct Top<T> {
     pub(super) step: Tangent<T>,
 }
 
-/// The lower triangle of the root of `M`: entries 00, 10, 11.
-fn factor<T: Scalar>(m: &[T; 3]) -> Option<[T; 3]> {
+/// `M = L D L^T`: the entry of `L` below its unit diagonal, and the inverse of `D`. No root is taken, so that lengths scaled by a
+/// power of two scale all results.
+fn factor<T: Scalar>(m: &[T; 3]) -> Option<(T, [T; 2])> {
     let zero = T::from(0.0);
     if !(m[0] > zero) {
         return None;
     }
-    let l = root(m[0]);
-    let k = m[1] / l;
-    let rest = m[2] - k * k;
+    let l = m[1] / m[0];
+    let rest = m[2] - l * m[1];
+    let one = T::from(1.0);
     // Not rounding alone.
-    (rest.value() > crate::tolerance::PIVOT * m[2].value()).then(|| [l, k, root(rest)])
+    (rest.value() > crate::tolerance::PIVOT * m[2].value()).then(|| (l, [one / m[0], one / rest]))
 }
 
 /// The maximum, of `M` from the weights `prior`; none if `M` is not positive.
@@ -52,24 +53,23 @@ pub(super) fn top<T: Scalar>(planes: &[Plane<T>], prior: &[T; MOST], mu: T) -> O
             *entry = *entry + bend * weight;
         }
     }
-    let l = factor(&m)?;
+    let (l, inverse) = factor(&m)?;
     let mut y = [[zero; 2]; MOST];
     for (y, plane) in y.iter_mut().zip(planes) {
-        let first = plane.g[0] / l[0];
-        *y = [first, (plane.g[1] - l[1] * first) / l[2]];
+        *y = [plane.g[0], plane.g[1] - l * plane.g[0]];
     }
-    let (weights, at) = least_norm(planes, &y);
-    let second = at[1] / l[2];
-    let step = [(at[0] - l[1] * second) / l[0], second];
+    let (weights, at) = least_norm(planes, &y, &inverse);
+    let second = at[1] * inverse[1];
+    let step = [at[0] * inverse[0] - l * second, second];
     Some(Top { weights, step })
 }
 
-/// The weights of least `l . c + |sum of l_i y_i|^2 / 2`, and that sum.
-fn least_norm<T: Scalar>(planes: &[Plane<T>], y: &[Tangent<T>; MOST]) -> ([T; MOST], Tangent<T>) {
+/// The weights of least `l . c + y . D^-1 y / 2`, `y` the weighted sum, and that sum.
+fn least_norm<T: Scalar>(planes: &[Plane<T>], y: &[Tangent<T>; MOST], d: &[T; 2]) -> ([T; MOST], Tangent<T>) {
     let (zero, one) = (T::from(0.0), T::from(1.0));
     let base = planes[0].c;
     let c = |i: usize| planes[i].c - base;
-    let dot = |a: &Tangent<T>, b: &Tangent<T>| a[0] * b[0] + a[1] * b[1];
+    let dot = |a: &Tangent<T>, b: &Tangent<T>| a[0] * b[0] * d[0] + a[1] * b[1] * d[1];
     let sub = |a: &Tangent<T>, b: &Tangent<T>| [a[0] - b[0], a[1] - b[1]];
     let mut best = (T::from(f64::INFINITY), [zero; MOST], [zero; 2]);
     let mut take = |parts: &[(usize, T)]| {
@@ -87,17 +87,17 @@ fn least_norm<T: Scalar>(planes: &[Plane<T>], y: &[Tangent<T>; MOST]) -> ([T; MO
     for i in 0..planes.len() {
         take(&[(i, one)]);
         for j in 0..i {
-            let d = sub(&y[i], &y[j]);
-            let share = (c(j) - c(i) - dot(&y[j], &d)) / dot(&d, &d);
+            let e = sub(&y[i], &y[j]);
+            let share = (c(j) - c(i) - dot(&y[j], &e)) / dot(&e, &e);
             if share > zero && share < one {
                 take(&[(i, share), (j, one - share)]);
             }
             for k in 0..j {
                 let (u, v) = (sub(&y[i], &y[k]), sub(&y[j], &y[k]));
                 let area = u[0] * v[1] - u[1] * v[0];
-                // The place where all three are equally high, from y . u and y . v.
+                // The place where all three are equally high, from its products with u and v.
                 let (p, q) = (c(k) - c(i), c(k) - c(j));
-                let at = [(p * v[1] - q * u[1]) / area, (q * u[0] - p * v[0]) / area];
+                let at = [(p * v[1] - q * u[1]) / (area * d[0]), (q * u[0] - p * v[0]) / (area * d[1])];
                 let off = sub(&at, &y[k]);
                 let first = (off[0] * v[1] - off[1] * v[0]) / area;
                 let second = (u[0] * off[1] - u[1] * off[0]) / area;

@@ -8,7 +8,7 @@ use super::best::{Best, Set};
 use super::depth;
 use super::frozen::{self, Frozen, Goal};
 use super::polyhedral::Hull;
-use super::posed::{Piece, Posed, unit};
+use super::posed::{Piece, Posed, add, unit};
 use super::origin;
 use crate::closest::outcome::{Class, Layer, Outcome};
 use crate::closest::placed::Frame;
@@ -16,15 +16,20 @@ use crate::closest::refine::outward;
 use crate::double_double::DoubleDouble;
 use crate::polyhedron::{FeaturePair, exponent_of, power_of_two};
 use crate::pose::{RelativePose, Which};
-use crate::scalar::{Scalar, Vec3, sqrt};
+use crate::scalar::{Scalar, Vec3, sqrt, sub};
 use crate::shape::{Core, Support};
 use crate::tolerance::{AGREE_CURVED, CERTIFICATE, SMALL_PAIR, SPECK, UNIT, UNIT_DOUBLE_DOUBLE};
+
+/// A direction that turned by less goes on turning.
+const SLIGHT: f64 = 0.25;
 
 /// Where the last answer of a pair was found.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Memory {
     start: Option<(Vec3<f64>, Set)>,
+    /// How the direction turned from the answer before to the last one.
+    turn: Vec3<f64>,
 }
 
 impl Memory {
@@ -32,7 +37,16 @@ impl Memory {
     fn start(&self) -> Option<(Vec3<f64>, Set)> {
         let (n, set) = self.start?;
         let is_small = n.iter().all(|x| x.abs() <= 2.0);
-        is_small.then(|| unit(&n)).flatten().map(|n| (n, set))
+        // As far beyond the last direction as that came in a step.
+        let turned = self.turn.iter().all(|x| x.abs() < SLIGHT);
+        let ahead = if turned { add(&n, &self.turn) } else { n };
+        is_small.then(|| unit(&ahead)).flatten().map(|n| (n, set))
+    }
+
+    /// Remembers an answer.
+    fn keep(&mut self, n: Vec3<f64>, set: Set) {
+        self.turn = self.start.map_or([0.0; 3], |(before, _)| sub(&n, &before));
+        self.start = Some((n, set));
     }
 }
 
@@ -56,10 +70,10 @@ pub(super) struct Setting<'p> {
 fn radius(core: &Core) -> f64 {
     match core {
         Core::Polyhedron(body) => body.radius * body.unit(),
-        Core::Ellipsoid(core) => core.radius(),
-        Core::Cylinder(core) => core.radius(),
-        Core::Cone(core) => core.radius(),
-        Core::Superquadric(core) => core.radius(),
+        Core::Ellipsoid(core) => core.reach(),
+        Core::Cylinder(core) => core.reach(),
+        Core::Cone(core) => core.reach(),
+        Core::Superquadric(core) => core.reach(),
     }
 }
 
@@ -104,52 +118,66 @@ impl<'p> Setting<'p> {
 }
 
 /// Where the layers of one arithmetic ended.
-enum Ended<T> {
+#[derive(PartialEq)]
+enum Ended {
+    /// The bounds agree.
     Closed,
     Open,
-    /// The cores seem to overlap, or are proven to by four points.
-    Inside(Option<[Piece<T>; 4]>),
+    /// An overlap, proven.
+    Deep,
 }
 
-/// The main solver from the last answer, from a first approach, and from points behind which it finished before.
+/// The main solver from the last answer, from a first approach, and from points behind which it finished before. `deep` proves an
+/// overlap: of cores that seem to overlap, or whose difference holds the origin between four points.
 #[inline(always)]
 fn separate<A: Support, B: Support, T: Scalar>(
     posed: &Posed<A, B, T>,
     start: Option<(Vec3<T>, Set)>,
     best: &mut Best<T>,
     layer: &mut Layer,
-) -> Ended<T> {
-    let deep = false;
+    mut deep: impl FnMut(&Best<T>, Option<[Piece<T>; 4]>) -> bool,
+) -> Ended {
     if let Some((n, set)) = start {
-        match (Run { posed, best, deep }).run(n, &set) {
+        let end = Run { posed, best, deep: false }.run(n, &set);
+        match end {
             End::Closed => return Ended::Closed,
-            End::Inside => return Ended::Inside(None),
-            End::Open => *layer = Layer::Restart,
+            End::Inside if deep(&ahead(best, &set), None) => return Ended::Deep,
+            _ => *layer = Layer::Restart,
         }
     }
-    cold(posed, best, layer)
+    cold(posed, best, layer, deep)
+}
+
+/// What is known where a run ended that began with a set.
+fn ahead<T: Scalar>(best: &Best<T>, set: &Set) -> Best<T> {
+    Best { set: *set, ..*best }
 }
 
 #[inline(never)]
-fn cold<A: Support, B: Support, T: Scalar>(posed: &Posed<A, B, T>, best: &mut Best<T>, layer: &mut Layer) -> Ended<T> {
-    let deep = false;
+fn cold<A: Support, B: Support, T: Scalar>(
+    posed: &Posed<A, B, T>,
+    best: &mut Best<T>,
+    layer: &mut Layer,
+    mut deep: impl FnMut(&Best<T>, Option<[Piece<T>; 4]>) -> bool,
+) -> Ended {
     let axis = [T::from(1.0), T::from(0.0), T::from(0.0)];
     let n = unit(&posed.frame.translation).unwrap_or(axis);
     match frozen::solve(posed, n, Goal::Approach, best) {
         Frozen::Closed => return Ended::Closed,
-        Frozen::Inside(corners) => return Ended::Inside(Some(corners)),
-        Frozen::Open => {}
+        Frozen::Inside(corners) if deep(best, Some(corners)) => return Ended::Deep,
+        _ => {}
     }
     let (n, set) = (toward_witness(posed, best), best.set);
-    match (Run { posed, best, deep }).run(n, &set) {
+    let end = Run { posed, best, deep: false }.run(n, &set);
+    match end {
         End::Closed => return Ended::Closed,
-        End::Inside => return Ended::Inside(None),
-        End::Open => *layer = Layer::Fallback,
+        End::Inside if deep(best, None) => return Ended::Deep,
+        _ => *layer = Layer::Fallback,
     }
     match frozen::solve(posed, toward_witness(posed, best), Goal::Close, best) {
         Frozen::Closed => Ended::Closed,
-        Frozen::Inside(corners) => Ended::Inside(Some(corners)),
-        Frozen::Open => Ended::Open,
+        Frozen::Inside(corners) if deep(best, Some(corners)) => Ended::Deep,
+        _ => Ended::Open,
     }
 }
 
@@ -163,36 +191,37 @@ pub(super) fn closest_of<A: Kind, B: Kind>(a: &A, b: &B, setting: &Setting, memo
     let mut outcome = Outcome::open(FeaturePair::vertices(Which::A, 0, 0));
     let Some(frame) = setting.frame() else { return outcome };
     let t = Vector3::from(frame.translation);
-    let size = a.radius() + b.radius() + sqrt(t.norm_squared()) + UNIT_DOUBLE_DOUBLE / UNIT * setting.offsets;
+    let size = a.reach() + b.reach() + sqrt(t.norm_squared()) + UNIT_DOUBLE_DOUBLE / UNIT * setting.offsets;
     let noise = a.noise() + b.noise();
     let posed = Posed { a, b, frame, size, noise };
     let mut best = Best::new();
-    let ended = separate(&posed, memory.start(), &mut best, &mut outcome.layer);
+    let (mut layer, mut set) = (Layer::Walk, None);
+    let ended = separate(&posed, memory.start(), &mut best, &mut layer, |known, corners| {
+        let proven = deepen(&posed, known, corners, &mut outcome);
+        set = proven.or(set);
+        proven.is_some()
+    });
     outcome.work.steps += best.evaluations;
-    let term = (CERTIFICATE + noise) * UNIT * size;
-    let closed = match ended {
-        Ended::Closed => {
-            take(&posed, &best, term, &mut outcome);
-            true
-        }
-        Ended::Inside(corners) => deepen(&posed, &best, corners, &mut outcome),
-        Ended::Open => false,
-    };
-    if !closed {
-        finer(&posed, setting, &best, &mut outcome);
+    if outcome.layer == Layer::Walk {
+        outcome.layer = layer;
     }
-    memory.start = Some(((*outcome.normal).into(), best.set));
+    match ended {
+        Ended::Closed => take(&posed, &best, (CERTIFICATE + noise) * UNIT * size, &mut outcome),
+        Ended::Open => finer(&posed, setting, &best, &mut outcome),
+        Ended::Deep => best.set = set.unwrap_or(best.set),
+    }
+    memory.keep((*outcome.normal).into(), best.set);
     outcome
 }
 
-/// The depth of cores that seem to overlap; whether they do, or touch.
+/// The depth of cores that seem to overlap; where it was found, if they do or touch.
 #[inline(never)]
 fn deepen<A: Kind, B: Kind>(
     posed: &Posed<A, B, f64>,
     known: &Best<f64>,
     corners: Option<[Piece<f64>; 4]>,
     outcome: &mut Outcome,
-) -> bool {
+) -> Option<Set> {
     let term = (CERTIFICATE + posed.noise) * UNIT * posed.size;
     outcome.work.depths += 1;
     let deep = depth::deepen(posed, known, corners);
@@ -206,7 +235,7 @@ fn deepen<A: Kind, B: Kind>(
         outcome.upper = outcome.upper.min(0.0);
         outcome.distance = outcome.distance.min(outcome.upper);
     }
-    deep.inside || deep.best.closes(posed)
+    (deep.inside || deep.best.closes(posed)).then_some(deep.best.set)
 }
 
 /// The same layers in double-double.
@@ -228,22 +257,19 @@ fn finer<A: Kind, B: Kind>(
     let mut found = Best::<DoubleDouble>::new();
     let mut layer = Layer::DoubleDouble;
     let start = best.n.map(DoubleDouble::from);
-    let ended = separate(&fine, unit(&start).map(|n| (n, best.set)), &mut found, &mut layer);
-    outcome.work.steps += found.evaluations;
-    if let Ended::Inside(corners) = ended {
-        let rough = Best {
-            lower: f64::NEG_INFINITY,
-            upper: f64::INFINITY,
-            n: found.n.map(Scalar::value),
-            ..*best
+    let start = unit(&start).map(|n| (n, best.set));
+    let ended = separate(&fine, start, &mut found, &mut layer, |known, corners| {
+        let known = Best {
+            n: known.n.map(Scalar::value),
+            ..Best::new()
         };
-        let corners = corners.map(|c| c.map(|p| posed.piece(p.of, p.on_a.map(Scalar::value), p.on_b.map(Scalar::value))));
-        let inside = corners.is_some();
-        deepen(posed, &rough, corners, outcome);
-        outcome.layer = Layer::DoubleDouble;
-        if inside {
-            return;
-        }
+        let rounded = |p: Piece<DoubleDouble>| posed.piece(p.of, p.on_a.map(Scalar::value), p.on_b.map(Scalar::value));
+        corners.is_some_and(|c| deepen(posed, &known, Some(c.map(rounded)), outcome).is_some())
+    });
+    outcome.work.steps += found.evaluations;
+    outcome.layer = Layer::DoubleDouble;
+    if ended == Ended::Deep {
+        return;
     }
     let offsets = if setting.plain { 0.0 } else { setting.offsets };
     let term = (CERTIFICATE + noise) * UNIT_DOUBLE_DOUBLE * (size + offsets);

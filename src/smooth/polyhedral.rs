@@ -16,7 +16,7 @@ pub(super) struct Hull<'a> {
 
 /// A branch is a vertex.
 impl Support for Hull<'_> {
-    fn radius(&self) -> f64 {
+    fn reach(&self) -> f64 {
         self.body.radius * self.unit
     }
 

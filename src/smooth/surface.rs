@@ -123,15 +123,15 @@ impl<A: Support, B: Support> Surface<'_, '_, A, B> {
         let weight = |x: &Vec3<f64>, y: &Vec3<f64>| dot(&facet.normal, &cross(x, y)).max(0.0);
         let weights = [weight(&q, &r), weight(&r, &p), weight(&p, &q)];
         let sum = weights[0] + weights[1] + weights[2];
-        let mix = |of: &dyn Fn(&Piece<f64>) -> Vec3<f64>| {
+        let mix = |of: fn(&Piece<f64>) -> Vec3<f64>| {
             let parts = pieces.each_ref().map(of);
             [0, 1, 2].map(|c| (parts[0][c] * weights[0] + parts[1][c] * weights[1] + parts[2][c] * weights[2]) / sum)
         };
         Depth {
             least: facet.distance,
             n: facet.normal,
-            on_a: mix(&|p| p.on_a),
-            on_b: mix(&|p| p.on_b),
+            on_a: mix(|p| p.on_a),
+            on_b: mix(|p| p.on_b),
             of: pieces.map(|p| p.of),
         }
     }

@@ -12,9 +12,8 @@ pub(crate) enum Kind {
     Ellipsoid([f64; 3]),
     Cylinder(f64, f64),
     Cone(f64, f64),
+    Superquadric([f64; 3], [f64; 2]),
 }
-
-pub(crate) const NAMES: [&str; 5] = ["segment", "hull", "ellipsoid", "cylinder", "cone"];
 
 impl Kind {
     /// One of a name, of a size about one and of an aspect up to `aspect`.
@@ -35,6 +34,10 @@ impl Kind {
                     [0, 1, 2].map(|k| u[k] * scale[k])
                 };
                 Self::Hull((0..n).map(|_| point(rng)).collect())
+            }
+            "superquadric" => {
+                let axes = [size(), 1.0, size()];
+                Self::Superquadric(axes, [rng.range(0.2, 1.8), rng.range(0.2, 1.8)])
             }
             "ellipsoid" => Self::Ellipsoid([size(), 1.0, size()]),
             "cylinder" => {
@@ -62,6 +65,9 @@ impl Kind {
             Self::Ellipsoid(a) => Shape::ellipsoid(Vector3::from(*a)).expect("an ellipsoid"),
             Self::Cylinder(h, r) => Shape::cylinder(*h, *r).expect("a cylinder"),
             Self::Cone(h, r) => Shape::cone(*h, *r).expect("a cone"),
+            Self::Superquadric(a, [e, f]) => {
+                Shape::superquadric(Vector3::from(*a), *e, *f).expect("a superquadric")
+            }
         }
     }
 
@@ -70,6 +76,7 @@ impl Kind {
             Self::Hull(points) => lab::pose::radius(points),
             Self::Ellipsoid(a) => a.iter().fold(0.0, |r, x| x.max(r)),
             Self::Cylinder(h, r) | Self::Cone(h, r) => h.hypot(*r),
+            Self::Superquadric(a, _) => lab::pose::norm(*a),
         }
     }
 
@@ -89,6 +96,11 @@ impl Kind {
             }
             Self::Cylinder(h, r) => rim(*r) + of(*h) * n[2].max(-n[2]),
             Self::Cone(h, r) => (of(*h) * n[2]).max(rim(*r) - of(*h) * n[2]),
+            Self::Superquadric(a, e) => {
+                let [x, y, z] = [0, 1, 2].map(|k| (n[k].0 * a[k]).abs());
+                let [p, q] = e.map(|e| 2.0 / (2.0 - e));
+                of(nested([x, y, z], p, q))
+            }
         }
     }
 
@@ -108,7 +120,20 @@ impl Kind {
                 let side = flat * of(2.0 * h) - of(*r) * (of(*h) - p[2]);
                 (side / of(r.hypot(2.0 * h))).max(-p[2] - of(*h))
             }
+            Self::Superquadric(a, e) => {
+                let x = [0, 1, 2].map(|k| (p[k].0 / a[k]).abs());
+                (of(nested(x, 2.0 / e[0], 2.0 / e[1])) - of(1.0)) * of(size)
+            }
         };
         excess.0.max(0.0)
     }
+}
+
+/// `((x^q + y^q)^(p/q) + z^p)^(1/p)`, to some 1e-15: the judge of superquadrics is no finer than f64.
+fn nested([x, y, z]: [f64; 3], p: f64, q: f64) -> f64 {
+    let norm = |x: f64, y: f64, q: f64| {
+        let large = x.max(y);
+        if large == 0.0 { 0.0 } else { large * ((x / large).powf(q) + (y / large).powf(q)).powf(1.0 / q) }
+    };
+    norm(norm(x, y, q), z, p)
 }
