@@ -37,7 +37,10 @@ fn signed_distances_are_those_of_the_cores_less_the_radii() {
     let (mut rng, mut classes) = (Rng::new(1601), [0; 3]);
     for _ in 0..1500 {
         let cores = [core(&mut rng, 4), core(&mut rng, 1)];
-        let radii = [rng.log_range(1e-3, 1.0), if rng.chance(0.2) { 0.0 } else { rng.log_range(1e-3, 1.0) }];
+        let radii = [
+            rng.log_range(1e-3, 1.0),
+            if rng.chance(0.2) { 0.0 } else { rng.log_range(1e-3, 1.0) },
+        ];
         let pose_b = Pose {
             q: rng.quat(),
             t: lab::pose::scale(rng.unit(), rng.range(0.0, 4.0)),
@@ -96,11 +99,19 @@ fn classes_and_predicates_are_exact() {
     assert!(!pair.within(&x, &y, &pose, -1.0) && !pair.within(&x, &y, &pose, f64::NAN));
     // A capsule beside a rounded box, touching along a segment.
     let pill = Shape::capsule(1.0, 0.25).expect("a capsule");
-    let die = Shape::cuboid(Vector3::new(1.0, 1.0, 1.0)).and_then(|s| s.rounded(0.5)).expect("a box");
+    let die = Shape::cuboid(Vector3::new(1.0, 1.0, 1.0))
+        .and_then(|s| s.rounded(0.5))
+        .expect("a box");
     let beside = |x: f64| RelativePose::from_isometry(&Isometry3::translation(x, 0.0, 0.0)).expect("a pose");
     assert_eq!(pair.closest(&die, &pill, &beside(1.75)).class, Class::Touching);
-    assert_eq!(pair.closest(&die, &pill, &beside(1.75f64.next_up())).class, Class::Separated);
-    assert_eq!(pair.closest(&die, &pill, &beside(1.75f64.next_down())).class, Class::Overlapping);
+    assert_eq!(
+        pair.closest(&die, &pill, &beside(1.75f64.next_up())).class,
+        Class::Separated
+    );
+    assert_eq!(
+        pair.closest(&die, &pill, &beside(1.75f64.next_down())).class,
+        Class::Overlapping
+    );
     assert_eq!(pair.closest(&die, &pill, &beside(0.0)).class, Class::Overlapping);
 }
 
@@ -112,7 +123,10 @@ fn bad_parameters_are_refused_by_name() {
     };
     refused(Shape::ball(-1.0), "radius");
     refused(Shape::ball(f64::NAN), "radius");
-    refused(Shape::ball(1.0).and_then(|s| s.rounded(f64::INFINITY)), "rounding radius");
+    refused(
+        Shape::ball(1.0).and_then(|s| s.rounded(f64::INFINITY)),
+        "rounding radius",
+    );
     refused(Shape::capsule(0.0, 1.0), "half length");
     refused(Shape::cuboid(Vector3::new(1.0, 0.0, 1.0)), "half extent");
     refused(Shape::cylinder(1.0, 0.0), "radius");
@@ -147,7 +161,11 @@ fn mass_box_and_ball_agree_with_containment() {
     let mut rng = Rng::new(1602);
     for shape in kinds() {
         let (_, radius) = shape.bounding_ball();
-        let turned = Pose { q: rng.quat(), t: rng.in_ball() }.isometry();
+        let turned = Pose {
+            q: rng.quat(),
+            t: rng.in_ball(),
+        }
+        .isometry();
         let (low, high) = shape.aabb_at(&turned, &mut Default::default());
         let (n, mut inside, mut far) = (if shape.mass().is_some() { 200_000 } else { 20_000 }, 0, [f64::MAX; 6]);
         let (mut first, mut second) = (Vector3::zeros(), Matrix3::zeros());
@@ -165,11 +183,19 @@ fn mass_box_and_ball_agree_with_containment() {
                 far[3 + k] = far[3 + k].min(high[k] - w[k]);
             }
         }
-        assert!(far.iter().all(|&d| d < 0.2 * radius), "a loose box: {far:?} of {shape:?}");
+        assert!(
+            far.iter().all(|&d| d < 0.2 * radius),
+            "a loose box: {far:?} of {shape:?}"
+        );
         let Some(mass) = shape.mass() else { continue };
         let share = f64::from(inside) / f64::from(n);
         let cube = 8.0 * radius.powi(3);
-        assert!((mass.volume / cube - share).abs() < 0.006, "{} {} {shape:?}", mass.volume, share * cube);
+        assert!(
+            (mass.volume / cube - share).abs() < 0.006,
+            "{} {} {shape:?}",
+            mass.volume,
+            share * cube
+        );
         let mean = first / f64::from(inside);
         assert!((mass.centroid.coords - mean).norm() < 0.02, "{shape:?}");
         let spread = second / f64::from(inside) - mean * mean.transpose();
@@ -191,7 +217,10 @@ fn heights_hold_the_shape() {
             let turn = UnitQuaternion::rotation_between(&n, &Vector3::x()).unwrap_or_default();
             let turned = Isometry3::from_parts(Default::default(), turn);
             let (low, high) = shape.aabb_at(&turned, &mut Default::default());
-            assert!((high.x - up).abs() < 1e-6 * radius && (low.x + down).abs() < 1e-6 * radius, "{shape:?}");
+            assert!(
+                (high.x - up).abs() < 1e-6 * radius && (low.x + down).abs() < 1e-6 * radius,
+                "{shape:?}"
+            );
             let p = Point3::from(Vector3::from(rng.in_ball()) * radius);
             assert!(!shape.contains(&p) || n.dot(&p.coords) <= up, "{shape:?} {p}");
         }

@@ -49,7 +49,11 @@ impl SupportMap for Map {
                 p / p.dot(n).sqrt()
             }
         };
-        if self.round > 0.0 { core + n * (self.round / n.length()) } else { core }
+        if self.round > 0.0 {
+            core + n * (self.round / n.length())
+        } else {
+            core
+        }
     }
 }
 
@@ -63,14 +67,22 @@ fn body(kind: &str) -> Body {
     let (core, round, shape) = match kind {
         "ball" => (Core::Segment(0.0), 0.7, Shape::ball(0.7)),
         "capsule" => (Core::Segment(0.6), 0.3, Shape::capsule(0.6, 0.3)),
-        "box" => (Core::Box([0.8, 0.5, 0.6]), 0.0, Shape::cuboid(Vector3::new(0.8, 0.5, 0.6))),
+        "box" => (
+            Core::Box([0.8, 0.5, 0.6]),
+            0.0,
+            Shape::cuboid(Vector3::new(0.8, 0.5, 0.6)),
+        ),
         "round-box" => {
             let shape = Shape::cuboid(Vector3::new(0.7, 0.4, 0.5)).and_then(|s| s.rounded(0.1));
             (Core::Box([0.7, 0.4, 0.5]), 0.1, shape)
         }
         "cylinder" => (Core::Cylinder(0.7, 0.5), 0.0, Shape::cylinder(0.7, 0.5)),
         "cone" => (Core::Cone(0.7, 0.6), 0.0, Shape::cone(0.7, 0.6)),
-        _ => (Core::Ellipsoid([0.9, 0.6, 0.4]), 0.0, Shape::ellipsoid(Vector3::new(0.9, 0.6, 0.4))),
+        _ => (
+            Core::Ellipsoid([0.9, 0.6, 0.4]),
+            0.0,
+            Shape::ellipsoid(Vector3::new(0.9, 0.6, 0.4)),
+        ),
     };
     let shape = shape.expect("a shape");
     let core_alone = match shape.core() {
@@ -87,7 +99,9 @@ fn body(kind: &str) -> Body {
 type Poses = (Isometry3<f64>, Isometry3<f64>);
 
 fn ours(pair: &mut ShapeTracker, a: &Shape, b: &Shape, poses: &Poses) -> f64 {
-    let Ok(relative) = RelativePose::new(&poses.0, &poses.1) else { return f64::NAN };
+    let Ok(relative) = RelativePose::new(&poses.0, &poses.1) else {
+        return f64::NAN;
+    };
     let o = pair.closest(a, b, &relative);
     black_box((poses.0 * o.point_on_a, poses.1 * o.point_on_b));
     o.distance
@@ -131,7 +145,10 @@ pub(crate) fn run(options: &Options) -> Rows {
     let mut rows = Rows::new();
     let kinds = ["ball", "capsule", "box", "round-box", "cylinder", "cone", "ellipsoid"];
     let count = if options.quick { 400 } else { 4000 };
-    println!("{:22} {:>8} {:>8} {:>9} {:>7} {:>6} {:>8} {:>10} {:>10}", "pair", "ours", "core", "parry", "ratio", "steps", "beyond", "parry p99", "parry max");
+    println!(
+        "{:22} {:>8} {:>8} {:>9} {:>7} {:>6} {:>8} {:>10} {:>10}",
+        "pair", "ours", "core", "parry", "ratio", "steps", "beyond", "parry p99", "parry max"
+    );
     for (i, first) in kinds.iter().enumerate() {
         for second in &kinds[i..] {
             let (a, b) = (body(first), body(second));

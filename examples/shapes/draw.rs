@@ -23,7 +23,10 @@ fn kinds() -> Result<Vec<(&'static str, Shape)>, lin_canny::ShapeError> {
         ("cylinder", Shape::cylinder(0.6, 0.5)?),
         ("cone", Shape::cone(0.7, 0.6)?),
         ("ellipsoid", Shape::ellipsoid(Vector3::new(0.9, 0.6, 0.35))?),
-        ("superquadric", Shape::superquadric(Vector3::new(0.7, 0.6, 0.5), 0.4, 0.6)?),
+        (
+            "superquadric",
+            Shape::superquadric(Vector3::new(0.7, 0.6, 0.5), 0.4, 0.6)?,
+        ),
     ])
 }
 
@@ -74,7 +77,11 @@ fn cell(svg: &mut String, (a, b): (&Shape, &Shape), pose: &Isometry3<f64>, o: &O
     let centre = (p.coords + q.coords) / 2.0;
     let at = |[x, y]: [f64; 2]| [middle[0] + 28.0 * (x - centre.x), middle[1] - 28.0 * (y - centre.y)];
     for (shape, pose, class) in [(a, view, "a"), (b, view * pose, "b")] {
-        let _ = writeln!(svg, r#"<polygon class="{class}" points="{}"/>"#, path(&outline(shape, &pose), at));
+        let _ = writeln!(
+            svg,
+            r#"<polygon class="{class}" points="{}"/>"#,
+            path(&outline(shape, &pose), at)
+        );
     }
     let (p, q) = (at([p.x, p.y]), at([q.x, q.y]));
     let _ = writeln!(
@@ -94,10 +101,17 @@ pub fn all() -> Result<(), String> {
 <rect width="100%" height="100%" fill="white"/>
 "#
     );
-    println!("{:13} {:13} {:>22}  {:11} {:>9}  features", "A", "B", "signed distance", "class", "width");
+    println!(
+        "{:13} {:13} {:>22}  {:11} {:>9}  features",
+        "A", "B", "signed distance", "class", "width"
+    );
     for (i, (name_a, a)) in kinds.iter().enumerate() {
         let middle = |k: usize| MARGIN + CELL * (k as f64 + 0.5);
-        let _ = writeln!(svg, r#"<text x="{:.0}" y="60" text-anchor="middle">{name_a}</text>"#, middle(i));
+        let _ = writeln!(
+            svg,
+            r#"<text x="{:.0}" y="60" text-anchor="middle">{name_a}</text>"#,
+            middle(i)
+        );
         let _ = writeln!(svg, r#"<text x="6" y="{:.0}">{name_a}</text>"#, middle(i));
         for (k, (name_b, b)) in kinds.iter().enumerate() {
             let goal = if k <= i { 0.5 } else { -0.15 };

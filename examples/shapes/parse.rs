@@ -47,23 +47,33 @@ fn shape(text: &str) -> Result<Shape, String> {
         ("superquadric", &[a, b, c, e1, e2]) => Shape::superquadric(Vector3::new(a, b, c), e1, e2),
         _ => return Err(format!("`{}` is no shape", text.trim())),
     };
-    let [round] = round[..] else { return Err(format!("`{}` has no radius", text.trim())) };
+    let [round] = round[..] else {
+        return Err(format!("`{}` has no radius", text.trim()));
+    };
     shape.and_then(|s| s.rounded(round)).map_err(|e| e.to_string())
 }
 
 /// B in the frame of A. A quaternion that is off unit length by more than rounding is normalised.
 fn pose(text: &str) -> Result<RelativePose, String> {
-    let [x, y, z, qx, qy, qz, qw] = numbers(text)?[..] else { return Err("a pose is seven numbers".into()) };
+    let [x, y, z, qx, qy, qz, qw] = numbers(text)?[..] else {
+        return Err("a pose is seven numbers".into());
+    };
     let q = Quaternion::new(qw, qx, qy, qz);
     let unit = (q.norm_squared() - 1.0).abs() <= 1e-12;
-    let q = if unit { UnitQuaternion::new_unchecked(q) } else { UnitQuaternion::new_normalize(q) };
+    let q = if unit {
+        UnitQuaternion::new_unchecked(q)
+    } else {
+        UnitQuaternion::new_normalize(q)
+    };
     RelativePose::from_isometry(&Isometry3::from_parts(Translation3::new(x, y, z), q)).map_err(|e| e.to_string())
 }
 
 /// One line.
 pub fn pair(line: &str) -> Result<Pair, String> {
     let parts: Vec<&str> = line.split(';').collect();
-    let [a, b, p] = parts[..] else { return Err("a line is two shapes and a pose, with `;` between".into()) };
+    let [a, b, p] = parts[..] else {
+        return Err("a line is two shapes and a pose, with `;` between".into());
+    };
     Ok(Pair {
         a: shape(a)?,
         b: shape(b)?,

@@ -76,7 +76,11 @@ impl Support for Cylinder {
 
     #[inline(always)]
     fn of_branch<T: Scalar>(&self, branch: u32, n: &Vec3<T>) -> Vec3<T> {
-        let z = if branch == 0 { self.half_height } else { -self.half_height };
+        let z = if branch == 0 {
+            self.half_height
+        } else {
+            -self.half_height
+        };
         of_circle(self.radius, z, n)
     }
 
@@ -87,7 +91,11 @@ impl Support for Cylinder {
 
     #[inline(always)]
     fn onto<T: Scalar>(&self, branch: u32, place: &Vec3<T>) -> Vec3<T> {
-        let z = if branch == 0 { self.half_height } else { -self.half_height };
+        let z = if branch == 0 {
+            self.half_height
+        } else {
+            -self.half_height
+        };
         of_circle(self.radius, z, place)
     }
 
@@ -95,7 +103,11 @@ impl Support for Cylinder {
     fn inner_ball(&self, p: &Vector3<f64>, n: &Vector3<f64>) -> (Vector3<f64>, f64) {
         let (r, h) = (self.radius, self.half_height);
         let off = |p: &Vector3<f64>| sqrt(p.x * p.x + p.y * p.y);
-        let room = if n.z * n.z > 0.5 { h.min(r - off(p)) } else { r.min(h - p.z.abs()) };
+        let room = if n.z * n.z > 0.5 {
+            h.min(r - off(p))
+        } else {
+            r.min(h - p.z.abs())
+        };
         let centre = p - n * room.max(0.0);
         (centre, (h - centre.z.abs()).min(r - off(&centre)).max(0.0))
     }

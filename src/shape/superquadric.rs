@@ -66,7 +66,13 @@ impl Superquadric {
         let (two, zero) = (T::from(2.0), T::from(0.0));
         // p / (p - 1) of p = 2 / e.
         let q = self.exponents.map(|e| two / (two - T::from(e)));
-        let axes = [0, 1, 2].map(|k| T::from(if n[k] < zero { -self.semi_axes[k] } else { self.semi_axes[k] }));
+        let axes = [0, 1, 2].map(|k| {
+            T::from(if n[k] < zero {
+                -self.semi_axes[k]
+            } else {
+                self.semi_axes[k]
+            })
+        });
         let [x, y, z] = [0, 1, 2].map(|k| axes[k] * n[k]);
         let inner = norm(x, y, q[1]);
         let height = norm(inner, z, q[0]);

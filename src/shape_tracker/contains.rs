@@ -13,7 +13,10 @@ impl Shape {
     #[must_use]
     pub fn contains(&self, point: &Point3<f64>) -> bool {
         if let Core::Polyhedron(body) = self.core() {
-            let near = || body.closest_point(point).is_some_and(|p| (p - point).norm() <= self.round());
+            let near = || {
+                body.closest_point(point)
+                    .is_some_and(|p| (p - point).norm() <= self.round())
+            };
             return body.contains(point) || self.round() > 0.0 && near();
         }
         if self.round() > 0.0 {

@@ -43,12 +43,7 @@ pub(super) fn grow(
 
 #[cfg(feature = "exact")]
 #[cold]
-fn settle(
-    (a, b): (&ConvexPolyhedron, &ConvexPolyhedron),
-    pose: &RelativePose,
-    radii: [f64; 2],
-    outcome: &mut Outcome,
-) {
+fn settle((a, b): (&ConvexPolyhedron, &ConvexPolyhedron), pose: &RelativePose, radii: [f64; 2], outcome: &mut Outcome) {
     use crate::closest::outcome::Layer;
     use core::cmp::Ordering;
     let hint = outcome.features.vertices_of(a, b);

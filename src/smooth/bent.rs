@@ -104,8 +104,19 @@ impl<A: Support, B: Support, T: Scalar> Run<'_, '_, A, B, T> {
             } else if self.seems_inside(&centre, &step) {
                 return End::Inside;
             }
-            if !self.deep && self.try_flush(&centre.toward, &step, &mut flush) {
-                return End::Closed;
+            if !self.deep
+                && let Some(piece) = self.try_flush(&centre.toward, &step, &mut flush)
+            {
+                if self.best.closes(self.posed) {
+                    return End::Closed;
+                }
+                if let Some(n) = unit(&piece.w) {
+                    // Beside the face: on from the direction of its nearest point.
+                    centre = self.evaluate(n, &[piece.of], piece.of);
+                    let share = T::from(1.0) / T::from(centre.len as f64);
+                    (centre.weights, kept_back) = ([share; MOST], None);
+                    continue;
+                }
             }
             let Some(trial) = self.follow(&mut centre, &step, slack, &mut kept_back) else {
                 return End::Open;
@@ -149,7 +160,11 @@ impl<A: Support, B: Support, T: Scalar> Run<'_, '_, A, B, T> {
         }
         let v = centre.between();
         let half = root(dot(&v, &v)) * T::from(0.5);
-        let mu = if self.deep || centre.height > half { centre.height } else { half };
+        let mu = if self.deep || centre.height > half {
+            centre.height
+        } else {
+            half
+        };
         let planes = &planes[..centre.len];
         // A height below zero makes the model concave only where the bend outweighs it.
         let top = top(planes, &centre.weights, mu).or_else(|| top(planes, &centre.weights, half))?;
@@ -267,7 +282,8 @@ impl<A: Support, B: Support, T: Scalar> Run<'_, '_, A, B, T> {
             (self.best.on_a, self.best.on_b) = (on_a.map(T::from), on_b.map(T::from));
             self.best.set = Set::default();
             let kept = centre.pieces().iter().zip(&centre.weights);
-            kept.filter(|(_, weight)| **weight > T::from(0.0)).for_each(|(p, _)| self.best.set.add(p.of));
+            kept.filter(|(_, weight)| **weight > T::from(0.0))
+                .for_each(|(p, _)| self.best.set.add(p.of));
         }
     }
 
@@ -285,14 +301,19 @@ impl<A: Support, B: Support, T: Scalar> Run<'_, '_, A, B, T> {
     }
 
     /// Tries the axes of flat round faces that the direction is close to, or crosses in a step: with the support point of the other core
-    /// over the face, they close the bounds.
-    fn try_flush(&mut self, toward: &Toward<T>, step: &Tangent<T>, tried: &mut [bool; 2]) -> bool {
+    /// over the face, they close the bounds. Returns the nearest points found if they are nearer than those known.
+    fn try_flush(&mut self, toward: &Toward<T>, step: &Tangent<T>, tried: &mut [bool; 2]) -> Option<Piece<T>> {
         let d = tangent(toward, step);
         let posed = self.posed;
         let values = |v: &Vec3<T>| v.map(Scalar::value);
         let meets = |v: [f64; 3], d: [f64; 3]| {
             let (off, turn) = (v[0] * v[0] + v[1] * v[1], v[0] * d[0] + v[1] * d[1]);
             off < NEAR_AXIS || off + turn < 0.0
+        };
+        let (known, mut found) = (self.best.upper, None);
+        let mut take = |best: &mut Best<T>, piece: Piece<T>| {
+            best.witness(posed, core::iter::once((piece, T::from(1.0))));
+            found = Some(piece).filter(|_| best.upper < known);
         };
         let n = values(&toward.n);
         if !tried[0]
@@ -304,8 +325,7 @@ impl<A: Support, B: Support, T: Scalar> Run<'_, '_, A, B, T> {
             let piece = posed.support(&toward, [0; 2]);
             self.best.prove(&toward, &piece);
             let on_a = disc.foot(&posed.at(&piece.on_b));
-            let piece = posed.piece(piece.of, on_a, piece.on_b);
-            self.best.witness(posed, core::iter::once((piece, T::from(1.0))));
+            take(self.best, posed.piece(piece.of, on_a, piece.on_b));
         }
         let m = values(&toward.m);
         if !tried[1]
@@ -320,9 +340,8 @@ impl<A: Support, B: Support, T: Scalar> Run<'_, '_, A, B, T> {
             let t = posed.frame.translation;
             let off = [0, 1, 2].map(|k| piece.on_a[k] - t[k]);
             let on_b = disc.foot(&posed.frame.direction(&off));
-            let piece = posed.piece(piece.of, piece.on_a, on_b);
-            self.best.witness(posed, core::iter::once((piece, T::from(1.0))));
+            take(self.best, posed.piece(piece.of, piece.on_a, on_b));
         }
-        self.best.closes(posed)
+        found
     }
 }

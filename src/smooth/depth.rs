@@ -36,7 +36,9 @@ pub(super) fn deepen<A: Support, B: Support>(
         inside: corners.is_some(),
         grown: false,
     };
-    let Some(corners) = corners.filter(|_| !best.closes(posed)) else { return deep };
+    let Some(corners) = corners.filter(|_| !best.closes(posed)) else {
+        return deep;
+    };
     deep.grown = true;
     let best = &mut deep.best;
     best.upper = best.upper.min(0.0);

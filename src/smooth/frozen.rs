@@ -88,7 +88,14 @@ pub(super) fn solve<A: Support, B: Support, T: Scalar>(
                 return Frozen::Open;
             }
             let n = unit(&neg(&simplex.direction())).unwrap_or(n);
-            if (Run { posed, best, deep: false }).run(n, &set) == End::Closed {
+            if (Run {
+                posed,
+                best,
+                deep: false,
+            })
+            .run(n, &set)
+                == End::Closed
+            {
                 return Frozen::Closed;
             }
             if !gains {

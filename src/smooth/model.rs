@@ -61,7 +61,45 @@ pub(super) fn top<T: Scalar>(planes: &[Plane<T>], prior: &[T; MOST], mu: T) -> O
     let (weights, at) = least_norm(planes, &y, &inverse);
     let second = at[1] * inverse[1];
     let step = [at[0] * inverse[0] - l * second, second];
-    Some(Top { weights, step })
+    Some(kink(planes, &m, &weights).unwrap_or(Top { weights, step }))
+}
+
+/// Step and weights of two or three pieces from the kink where they are equally high. The sum of the `y` loses what they have
+/// opposite to each other, over a `mu` that vanishes with the height; the kink does not.
+fn kink<T: Scalar>(planes: &[Plane<T>], m: &[T; 3], kept: &[T; MOST]) -> Option<Top<T>> {
+    let (zero, one) = (T::from(0.0), T::from(1.0));
+    let mut positive = (0..planes.len()).filter(|&k| kept[k] > zero);
+    let (i, j, k) = (positive.next()?, positive.next()?, positive.next());
+    let dot = |a: &Tangent<T>, b: &Tangent<T>| a[0] * b[0] + a[1] * b[1];
+    let sub = |a: &Tangent<T>, b: &Tangent<T>| [a[0] - b[0], a[1] - b[1]];
+    let bent = |d: &Tangent<T>| [m[0] * d[0] + m[1] * d[1], m[1] * d[0] + m[2] * d[1]];
+    let clamp = |x: T| if x > zero { x } else { zero };
+    let mut weights = [zero; MOST];
+    let step;
+    if let Some(k) = k {
+        let (u, v) = (sub(&planes[i].g, &planes[k].g), sub(&planes[j].g, &planes[k].g));
+        let area = u[0] * v[1] - u[1] * v[0];
+        let (p, q) = (planes[k].c - planes[i].c, planes[k].c - planes[j].c);
+        step = [(p * v[1] - q * u[1]) / area, (q * u[0] - p * v[0]) / area];
+        let off = sub(&bent(&step), &planes[k].g);
+        weights[i] = clamp((off[0] * v[1] - off[1] * v[0]) / area);
+        weights[j] = clamp((u[0] * off[1] - u[1] * off[0]) / area);
+        weights[k] = clamp(one - weights[i] - weights[j]);
+        let sum = weights[i] + weights[j] + weights[k];
+        weights = weights.map(|weight| weight / sum);
+    } else {
+        let (g, h) = (&planes[i].g, &planes[j].g);
+        let e = sub(g, h);
+        let (squared, along) = (dot(&e, &e), [-e[1], e[0]]);
+        let share = (planes[j].c - planes[i].c) / squared;
+        let start = [e[0] * share, e[1] * share];
+        let by = (dot(&along, g) - dot(&along, &bent(&start))) / dot(&along, &bent(&along));
+        step = [start[0] + along[0] * by, start[1] + along[1] * by];
+        let weight = clamp(dot(&sub(&bent(&step), h), &e) / squared);
+        weights[i] = if weight < one { weight } else { one };
+        weights[j] = one - weights[i];
+    }
+    step.iter().all(|x| x.value().is_finite()).then_some(Top { weights, step })
 }
 
 /// The weights of least `l . c + y . D^-1 y / 2`, `y` the weighted sum, and that sum.
@@ -97,7 +135,10 @@ fn least_norm<T: Scalar>(planes: &[Plane<T>], y: &[Tangent<T>; MOST], d: &[T; 2]
                 let area = u[0] * v[1] - u[1] * v[0];
                 // The place where all three are equally high, from its products with u and v.
                 let (p, q) = (c(k) - c(i), c(k) - c(j));
-                let at = [(p * v[1] - q * u[1]) / (area * d[0]), (q * u[0] - p * v[0]) / (area * d[1])];
+                let at = [
+                    (p * v[1] - q * u[1]) / (area * d[0]),
+                    (q * u[0] - p * v[0]) / (area * d[1]),
+                ];
                 let off = sub(&at, &y[k]);
                 let first = (off[0] * v[1] - off[1] * v[0]) / area;
                 let second = (u[0] * off[1] - u[1] * off[0]) / area;

@@ -7,9 +7,9 @@ use super::bent::{End, Run};
 use super::best::{Best, Set};
 use super::depth;
 use super::frozen::{self, Frozen, Goal};
+use super::origin;
 use super::polyhedral::Hull;
 use super::posed::{Piece, Posed, add, unit};
-use super::origin;
 use crate::closest::outcome::{Class, Layer, Outcome};
 use crate::closest::placed::Frame;
 use crate::closest::refine::outward;
@@ -138,7 +138,12 @@ fn separate<A: Support, B: Support, T: Scalar>(
     mut deep: impl FnMut(&Best<T>, Option<[Piece<T>; 4]>) -> bool,
 ) -> Ended {
     if let Some((n, set)) = start {
-        let end = Run { posed, best, deep: false }.run(n, &set);
+        let end = Run {
+            posed,
+            best,
+            deep: false,
+        }
+        .run(n, &set);
         match end {
             End::Closed => return Ended::Closed,
             End::Inside if deep(&ahead(best, &set), None) => return Ended::Deep,
@@ -168,7 +173,12 @@ fn cold<A: Support, B: Support, T: Scalar>(
         _ => {}
     }
     let (n, set) = (toward_witness(posed, best), best.set);
-    let end = Run { posed, best, deep: false }.run(n, &set);
+    let end = Run {
+        posed,
+        best,
+        deep: false,
+    }
+    .run(n, &set);
     match end {
         End::Closed => return Ended::Closed,
         End::Inside if deep(best, None) => return Ended::Deep,
@@ -193,7 +203,13 @@ pub(super) fn closest_of<A: Kind, B: Kind>(a: &A, b: &B, setting: &Setting, memo
     let t = Vector3::from(frame.translation);
     let size = a.reach() + b.reach() + sqrt(t.norm_squared()) + UNIT_DOUBLE_DOUBLE / UNIT * setting.offsets;
     let noise = a.noise() + b.noise();
-    let posed = Posed { a, b, frame, size, noise };
+    let posed = Posed {
+        a,
+        b,
+        frame,
+        size,
+        noise,
+    };
     let mut best = Best::new();
     let (mut layer, mut set) = (Layer::Walk, None);
     let ended = separate(&posed, memory.start(), &mut best, &mut layer, |known, corners| {
@@ -241,19 +257,20 @@ fn deepen<A: Kind, B: Kind>(
 /// The same layers in double-double.
 #[cold]
 #[inline(never)]
-fn finer<A: Kind, B: Kind>(
-    posed: &Posed<A, B, f64>,
-    setting: &Setting,
-    best: &Best<f64>,
-    outcome: &mut Outcome,
-) {
+fn finer<A: Kind, B: Kind>(posed: &Posed<A, B, f64>, setting: &Setting, best: &Best<f64>, outcome: &mut Outcome) {
     outcome.work.double_doubles += 1;
     outcome.layer = Layer::DoubleDouble;
     take(posed, best, (CERTIFICATE + posed.noise) * UNIT * posed.size, outcome);
     let (a, b) = (posed.a.any(), posed.b.any());
     let Some(frame) = setting.fine_frame() else { return };
     let (a, b, size, noise) = (&a, &b, posed.size, posed.noise);
-    let fine = Posed { a, b, frame, size, noise };
+    let fine = Posed {
+        a,
+        b,
+        frame,
+        size,
+        noise,
+    };
     let mut found = Best::<DoubleDouble>::new();
     let mut layer = Layer::DoubleDouble;
     let start = best.n.map(DoubleDouble::from);
@@ -282,7 +299,9 @@ fn take<A: Support, B: Support, T: Scalar>(posed: &Posed<A, B, T>, best: &Best<T
     outcome.lower = outward(best.lower, -term);
     outcome.upper = outward(best.upper, term).min(f64::MAX);
     let estimate = if outcome.lower > 0.0 { best.upper } else { best.lower };
-    outcome.distance = estimate.value().clamp(outcome.lower.max(-f64::MAX).min(outcome.upper), outcome.upper);
+    outcome.distance = estimate
+        .value()
+        .clamp(outcome.lower.max(-f64::MAX).min(outcome.upper), outcome.upper);
     outcome.normal = Unit::new_unchecked(best.n.map(Scalar::value).into());
     outcome.point_on_a = best.on_a.map(Scalar::value).into();
     outcome.point_on_b = best.on_b.map(Scalar::value).into();
@@ -313,7 +332,11 @@ pub(super) fn extreme(a: &Core, b: &Core, setting: &Setting, memory: &mut Memory
     let (oa, ob) = (setting.a, setting.b);
     let t = setting.pose.sixteenth() + setting.pose.rotation() * ob / 16.0 - oa / 16.0;
     let largest = t.amax();
-    let apart = if largest > 0.0 { largest * (t / largest).norm() } else { 0.0 };
+    let apart = if largest > 0.0 {
+        largest * (t / largest).norm()
+    } else {
+        0.0
+    };
     let offsets = oa.abs().sum() + ob.abs().sum();
     if !(SPECK * apart <= ra + rb) {
         return far(setting, &t, apart, offsets);
@@ -374,7 +397,11 @@ fn far(setting: &Setting, t: &Vector3<f64>, apart: f64, offsets: f64) -> Outcome
     outcome.upper = (distance + slack).min(f64::MAX);
     outcome.distance = distance.clamp(outcome.lower, outcome.upper);
     outcome.normal = crate::closest::refine::unit(t);
-    outcome.class = if outcome.lower > 0.0 { Class::Separated } else { Class::Undecided };
+    outcome.class = if outcome.lower > 0.0 {
+        Class::Separated
+    } else {
+        Class::Undecided
+    };
     outcome.layer = Layer::Far;
     (outcome.point_on_a, outcome.point_on_b) = (setting.a.into(), setting.b.into());
     outcome

@@ -22,7 +22,11 @@ impl Support for Hull<'_> {
 
     #[inline(always)]
     fn support<T: Scalar>(&self, n: &Vec3<T>, hint: u32) -> (u32, Vec3<T>) {
-        let hint = if (hint as usize) < self.body.points.len() { hint } else { 0 };
+        let hint = if (hint as usize) < self.body.points.len() {
+            hint
+        } else {
+            0
+        };
         let branch = extreme(self.body, n, hint);
         (branch, self.of_branch(branch, n))
     }

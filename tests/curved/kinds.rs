@@ -57,7 +57,8 @@ impl Kind {
                 Shape::from(lin_canny::ConvexPolyhedron::point(Point3::from(points[0])).expect("a point"))
             }
             Self::Hull(points) if points.len() == 2 => Shape::from(
-                lin_canny::ConvexPolyhedron::segment(Point3::from(points[0]), Point3::from(points[1])).expect("a segment"),
+                lin_canny::ConvexPolyhedron::segment(Point3::from(points[0]), Point3::from(points[1]))
+                    .expect("a segment"),
             ),
             Self::Hull(points) => {
                 Shape::hull(&points.iter().map(|&p| Point3::from(p)).collect::<Vec<_>>()).expect("a hull")
@@ -65,9 +66,7 @@ impl Kind {
             Self::Ellipsoid(a) => Shape::ellipsoid(Vector3::from(*a)).expect("an ellipsoid"),
             Self::Cylinder(h, r) => Shape::cylinder(*h, *r).expect("a cylinder"),
             Self::Cone(h, r) => Shape::cone(*h, *r).expect("a cone"),
-            Self::Superquadric(a, [e, f]) => {
-                Shape::superquadric(Vector3::from(*a), *e, *f).expect("a superquadric")
-            }
+            Self::Superquadric(a, [e, f]) => Shape::superquadric(Vector3::from(*a), *e, *f).expect("a superquadric"),
         }
     }
 
@@ -133,7 +132,11 @@ impl Kind {
 fn nested([x, y, z]: [f64; 3], p: f64, q: f64) -> f64 {
     let norm = |x: f64, y: f64, q: f64| {
         let large = x.max(y);
-        if large == 0.0 { 0.0 } else { large * ((x / large).powf(q) + (y / large).powf(q)).powf(1.0 / q) }
+        if large == 0.0 {
+            0.0
+        } else {
+            large * ((x / large).powf(q) + (y / large).powf(q)).powf(1.0 / q)
+        }
     };
     norm(norm(x, y, q), z, p)
 }

@@ -76,23 +76,38 @@ impl Mix {
         // The judge of superquadrics is no finer than f64.
         let rough = [a, b].iter().any(|k| matches!(k, Kind::Superquadric(..)));
         let slack = if fine || rough { 8.0 * f64::EPSILON * size } else { 0.0 };
-        assert!((Wide::from(o.lower) - upper).0 <= slack, "the lower bound is too high: {}", told());
-        assert!((lower - Wide::from(o.upper)).0 <= slack, "the upper bound is too low: {}", told());
+        assert!(
+            (Wide::from(o.lower) - upper).0 <= slack,
+            "the lower bound is too high: {}",
+            told()
+        );
+        assert!(
+            (lower - Wide::from(o.upper)).0 <= slack,
+            "the upper bound is too low: {}",
+            told()
+        );
         assert!((o.normal.norm() - 1.0).abs() < 1e-15, "{}", told());
         self.classes[o.class as usize] += 1;
         self.layers[o.layer as usize] += 1;
         self.widest = self.widest.max((o.upper - o.lower) / size);
         self.evaluations += u64::from(o.work.steps);
         if o.layer != Layer::Walk {
-            *self.hard.entry(format!("{}", o.features).replace(char::is_numeric, "")).or_default() += 1;
+            *self
+                .hard
+                .entry(format!("{}", o.features).replace(char::is_numeric, ""))
+                .or_default() += 1;
         }
         if o.layer == Layer::DoubleDouble {
             return;
         }
         // Without their error term of 128 UNIT L.
         let term = 128.0 * f64::EPSILON / 2.0 * size;
-        self.low = self.low.max((Wide::from(o.lower + term) - upper).0 / size / f64::EPSILON * 2.0);
-        self.high = self.high.max((lower - Wide::from(o.upper - term)).0 / size / f64::EPSILON * 2.0);
+        self.low = self
+            .low
+            .max((Wide::from(o.lower + term) - upper).0 / size / f64::EPSILON * 2.0);
+        self.high = self
+            .high
+            .max((lower - Wide::from(o.upper - term)).0 / size / f64::EPSILON * 2.0);
     }
 
     fn print(&self, first: &str, second: &str) {
@@ -135,10 +150,21 @@ fn at_gap(a: &Kind, b: &Kind, rng: &mut Rng, gap: f64) -> Place {
 
 /// Poses of each pair of kinds; LIN_CANNY_CURVED sets another number.
 fn count() -> u32 {
-    std::env::var("LIN_CANNY_CURVED").ok().and_then(|n| n.parse().ok()).unwrap_or(300)
+    std::env::var("LIN_CANNY_CURVED")
+        .ok()
+        .and_then(|n| n.parse().ok())
+        .unwrap_or(300)
 }
 
-const KINDS: [&str; 7] = ["segment", "box", "hull", "ellipsoid", "cylinder", "cone", "superquadric"];
+const KINDS: [&str; 7] = [
+    "segment",
+    "box",
+    "hull",
+    "ellipsoid",
+    "cylinder",
+    "cone",
+    "superquadric",
+];
 
 /// Each pair of kinds of which one is curved.
 fn pairs() -> impl Iterator<Item = (&'static str, &'static str)> {
@@ -153,7 +179,10 @@ fn random_poses_of_all_pairs_of_kinds() {
         let (mut rng, mut cold) = (Rng::new(2100 + k as u64), Mix::default());
         for _ in 0..count() {
             let aspect = rng.log_range(1.0, 30.0);
-            let (a, b) = (Kind::random(first, &mut rng, aspect), Kind::random(second, &mut rng, aspect));
+            let (a, b) = (
+                Kind::random(first, &mut rng, aspect),
+                Kind::random(second, &mut rng, aspect),
+            );
             let gap = rng.log_range(1e-9, 10.0);
             let place = at_gap(&a, &b, &mut rng, gap);
             let (x, y, pose) = (a.shape(), b.shape(), place.pose());
@@ -162,7 +191,10 @@ fn random_poses_of_all_pairs_of_kinds() {
             assert_eq!(o.class, Class::Separated, "{a:?} {b:?} {place:?} {o:?}");
             let swapped = ShapeTracker::new().closest(&y, &x, &pose.swapped());
             assert_eq!(swapped.class, o.class);
-            assert!(swapped.lower <= o.upper && o.lower <= swapped.upper, "{o:?} {swapped:?}");
+            assert!(
+                swapped.lower <= o.upper && o.lower <= swapped.upper,
+                "{o:?} {swapped:?}"
+            );
         }
         cold.print(first, second);
         all += cold.count();
@@ -171,6 +203,9 @@ fn random_poses_of_all_pairs_of_kinds() {
             failed += &format!("{first} {second} ");
         }
     }
-    println!("{all} poses, {:.2} % beyond the first layer", 100.0 * beyond / f64::from(all));
+    println!(
+        "{all} poses, {:.2} % beyond the first layer",
+        100.0 * beyond / f64::from(all)
+    );
     assert!(failed.is_empty(), "too wide: {failed}");
 }

@@ -48,7 +48,11 @@ fn overlaps_have_sound_depths() {
             let o = closest(&a.shape(), &b.shape(), &place);
             let size = place.size(&a, &b);
             let told = || format!("{a:?}\n{b:?}\n{place:?}\n{push} {o:?}");
-            assert!(o.lower <= o.distance && o.distance <= o.upper && o.upper.is_finite(), "{}", told());
+            assert!(
+                o.lower <= o.distance && o.distance <= o.upper && o.upper.is_finite(),
+                "{}",
+                told()
+            );
             // Any direction is a lower bound of the truth; the one returned proves the lower bound.
             let s = sampled(&a, &b, &place, &mut rng);
             assert!(s <= o.upper + 1e-15 * size, "the depth is overstated: {s} {}", told());
@@ -64,7 +68,10 @@ fn overlaps_have_sound_depths() {
                 _ => open += 1,
             }
             if o.class == Class::Overlapping && o.upper - o.lower > 4e-6 * size {
-                println!("wide: {:.1e} {first} {second} push {push:.1e}", (o.upper - o.lower) / size);
+                println!(
+                    "wide: {:.1e} {first} {second} push {push:.1e}",
+                    (o.upper - o.lower) / size
+                );
             }
             // A translation along the normal by the depth and a little parts them.
             let mut parted = place;
@@ -100,7 +107,10 @@ fn a_ball_is_an_ellipsoid_and_rounding_is_free() {
         meet(&o, &p, "a ball");
         let grown = other.rounded(0.25).expect("a radius");
         let q = closest(&round, &grown, &place);
-        assert!(q.lower <= p.upper - 0.25 + 1e-13 && p.lower - 0.25 <= q.upper + 1e-13, "{p:?} {q:?}");
+        assert!(
+            q.lower <= p.upper - 0.25 + 1e-13 && p.lower - 0.25 <= q.upper + 1e-13,
+            "{p:?} {q:?}"
+        );
     }
 }
 
@@ -129,7 +139,11 @@ fn a_cylinder_lies_between_its_prisms() {
 fn flush_and_extreme_pairs_close() {
     let mut rng = Rng::new(2193);
     let tilts = [0.0, 1e-16, 1e-14, 1e-12, 1e-10, 1e-8, 1e-6, 1e-4];
-    let plate = Kind::Hull((0..8).map(|k| [0, 1, 2].map(|a| if k >> a & 1 == 1 { 2.0 } else { -2.0 })).collect());
+    let plate = Kind::Hull(
+        (0..8)
+            .map(|k| [0, 1, 2].map(|a| if k >> a & 1 == 1 { 2.0 } else { -2.0 }))
+            .collect(),
+    );
     let (can, hat) = (Kind::Cylinder(0.5, 1.0), Kind::Cone(0.75, 0.5));
     let right = (0.5f64).sqrt();
     let mut mix = Mix::default();
@@ -145,7 +159,11 @@ fn flush_and_extreme_pairs_close() {
         for tilt in tilts {
             for gap in [1e-9, 1e-6, 1e-3, 0.1] {
                 let axis = rng.unit();
-                let up = if lying { [right, 0.0, 0.0, right] } else { [0.0, 0.0, 0.0, 1.0] };
+                let up = if lying {
+                    [right, 0.0, 0.0, right]
+                } else {
+                    [0.0, 0.0, 0.0, 1.0]
+                };
                 let place = Place {
                     q: lab::pose::unit_quat(lab::pose::quat_mul(lab::pose::quat(axis, tilt), up)),
                     t: [rng.range(-0.8, 0.8), rng.range(-0.8, 0.8), height + gap + 3.0 * tilt],
@@ -223,7 +241,11 @@ fn scales_are_no_matter() {
                 ..place
             };
             let p = closest(&shape(s), &solid(s), &far);
-            assert_eq!((p.distance, p.lower, p.upper), (o.distance * s, o.lower * s, o.upper * s), "{e}");
+            assert_eq!(
+                (p.distance, p.lower, p.upper),
+                (o.distance * s, o.lower * s, o.upper * s),
+                "{e}"
+            );
         }
         for s in [1e-90, 1e-60, 1e60, 1e90] {
             let far = Place {
@@ -232,12 +254,22 @@ fn scales_are_no_matter() {
             };
             let p = closest(&shape(s), &solid(s), &far);
             let off = (p.distance / s - o.distance).abs();
-            assert!(off < 1e-13 && p.class == o.class && p.upper - p.lower <= 1e-12 * s, "{s} {o:?} {p:?}");
+            assert!(
+                off < 1e-13 && p.class == o.class && p.upper - p.lower <= 1e-12 * s,
+                "{s} {o:?} {p:?}"
+            );
             // A speck beside a shape of ordinary size, and shapes far from each other.
             for (a, b) in [(shape(s), solid(1.0)), (solid(s), shape(1.0)), (shape(s), shape(1.0))] {
                 let q = closest(&a, &b, &place);
-                assert!(q.lower <= q.distance && q.distance <= q.upper && q.upper.is_finite(), "{s} {q:?}");
-                assert_eq!(q.class, if s < 1.0 { Class::Separated } else { Class::Overlapping }, "{s} {q:?}");
+                assert!(
+                    q.lower <= q.distance && q.distance <= q.upper && q.upper.is_finite(),
+                    "{s} {q:?}"
+                );
+                assert_eq!(
+                    q.class,
+                    if s < 1.0 { Class::Separated } else { Class::Overlapping },
+                    "{s} {q:?}"
+                );
             }
             let q = closest(&shape(1.0), &solid(1.0), &far);
             assert!(q.lower <= q.upper && q.upper.is_finite(), "{s} {q:?}");
