@@ -7,7 +7,8 @@
 
 use super::bent::Run;
 use super::best::{Best, Set};
-use super::posed::{Piece, Posed};
+use super::frozen::Around;
+use super::posed::Posed;
 use super::surface;
 use crate::shape::Support;
 
@@ -24,7 +25,7 @@ pub(super) struct Deep {
 pub(super) fn deepen<A: Support, B: Support>(
     posed: &Posed<A, B, f64>,
     known: &Best<f64>,
-    corners: Option<[Piece<f64>; 4]>,
+    corners: Option<Around<f64>>,
 ) -> Deep {
     let mut best = Best {
         upper: f64::INFINITY,
@@ -33,7 +34,7 @@ pub(super) fn deepen<A: Support, B: Support>(
     local(posed, known.n, &known.set, &mut best);
     let mut deep = Deep {
         best,
-        inside: corners.is_some(),
+        inside: corners.is_some_and(|c| c.points().len() == 4),
         grown: false,
     };
     let Some(corners) = corners.filter(|_| !best.closes(posed)) else {
@@ -41,10 +42,10 @@ pub(super) fn deepen<A: Support, B: Support>(
     };
     deep.grown = true;
     let best = &mut deep.best;
-    best.upper = best.upper.min(0.0);
-    let Some(found) = surface::deepen(posed, corners, best) else {
+    let Some(found) = surface::deepen(posed, corners.points(), best) else {
         return deep;
     };
+    deep.inside = true;
     let mut set = Set::default();
     found.of.into_iter().for_each(|of| set.add(of));
     local(posed, found.n, &set, best);

@@ -28,12 +28,44 @@ pub(super) enum Goal {
     Close,
 }
 
+/// Points of the difference between which the origin lies.
+#[derive(Clone, Copy)]
+pub(super) struct Around<T> {
+    points: [Piece<T>; 6],
+    len: usize,
+}
+
+impl<T: Scalar> Around<T> {
+    /// Four of them, proven; or six, up and down three axes, which have still to prove it.
+    pub(super) fn points(&self) -> &[Piece<T>] {
+        &self.points[..self.len]
+    }
+
+    pub(super) fn map<U: Scalar>(&self, of: impl Fn(Piece<T>) -> Piece<U>) -> Around<U> {
+        Around {
+            points: self.points.map(of),
+            len: self.len,
+        }
+    }
+
+    /// The support points up and down the axes of a direction.
+    fn six<A: Support, B: Support>(posed: &Posed<A, B, T>, n: Vec3<T>) -> Self {
+        let toward = posed.toward(n);
+        let [d, e] = toward.tangents;
+        let at = |n: Vec3<T>| posed.support(&posed.toward(n), [0; 2]);
+        Self {
+            points: [n, neg(&n), d, neg(&d), e, neg(&e)].map(at),
+            len: 6,
+        }
+    }
+}
+
 /// Where a solve ended.
 pub(super) enum Frozen<T> {
     Closed,
     Open,
-    /// Proven to overlap: four points of the difference hold the origin.
-    Inside([Piece<T>; 4]),
+    /// The difference holds the origin, or seems to.
+    Inside(Around<T>),
 }
 
 /// Solves from a direction. The set of the best answer becomes that of the simplex.
@@ -68,11 +100,11 @@ pub(super) fn solve<A: Support, B: Support, T: Scalar>(
         points[k] = piece;
         let gains = simplex.add(corner(k, &piece), reach);
         if simplex.len() == 4 {
-            let mut held = [piece; 4];
+            let mut held = [piece; 6];
             for (held, c) in held.iter_mut().zip(simplex.kept()) {
                 *held = points[c.a as usize];
             }
-            return Frozen::Inside(held);
+            return Frozen::Inside(Around { points: held, len: 4 });
         }
         let kept = simplex.kept().iter().zip(simplex.weights());
         best.witness(posed, kept.map(|(c, &weight)| (points[c.a as usize], weight)));
@@ -99,7 +131,9 @@ pub(super) fn solve<A: Support, B: Support, T: Scalar>(
                 return Frozen::Closed;
             }
             if !gains {
-                return Frozen::Open;
+                // Where the origin lies on a triangle of support points, others hold it.
+                let inside = best.lower < T::from(0.0);
+                return if inside { Frozen::Inside(Around::six(posed, n)) } else { Frozen::Open };
             }
         }
     }

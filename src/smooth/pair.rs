@@ -6,7 +6,7 @@ use super::any::{Any, Kind};
 use super::bent::{End, Run};
 use super::best::{Best, Set};
 use super::depth;
-use super::frozen::{self, Frozen, Goal};
+use super::frozen::{self, Around, Frozen, Goal};
 use super::origin;
 use super::polyhedral::Hull;
 use super::posed::{Piece, Posed, add, unit};
@@ -135,7 +135,7 @@ fn separate<A: Support, B: Support, T: Scalar>(
     start: Option<(Vec3<T>, Set)>,
     best: &mut Best<T>,
     layer: &mut Layer,
-    mut deep: impl FnMut(&Best<T>, Option<[Piece<T>; 4]>) -> bool,
+    mut deep: impl FnMut(&Best<T>, Option<Around<T>>) -> bool,
 ) -> Ended {
     if let Some((n, set)) = start {
         let end = Run {
@@ -163,7 +163,7 @@ fn cold<A: Support, B: Support, T: Scalar>(
     posed: &Posed<A, B, T>,
     best: &mut Best<T>,
     layer: &mut Layer,
-    mut deep: impl FnMut(&Best<T>, Option<[Piece<T>; 4]>) -> bool,
+    mut deep: impl FnMut(&Best<T>, Option<Around<T>>) -> bool,
 ) -> Ended {
     let axis = [T::from(1.0), T::from(0.0), T::from(0.0)];
     let n = unit(&posed.frame.translation).unwrap_or(axis);
@@ -235,7 +235,7 @@ pub(super) fn closest_of<A: Kind, B: Kind>(a: &A, b: &B, setting: &Setting, memo
 fn deepen<A: Kind, B: Kind>(
     posed: &Posed<A, B, f64>,
     known: &Best<f64>,
-    corners: Option<[Piece<f64>; 4]>,
+    corners: Option<Around<f64>>,
     outcome: &mut Outcome,
 ) -> Option<Set> {
     let term = (CERTIFICATE + posed.noise) * UNIT * posed.size;

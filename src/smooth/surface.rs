@@ -140,7 +140,7 @@ impl<A: Support, B: Support> Surface<'_, '_, A, B> {
 /// Grows a surface from four points around the origin until the bounds agree, or the points are used up.
 pub(super) fn deepen<A: Support, B: Support>(
     posed: &Posed<A, B, f64>,
-    corners: [Piece<f64>; 4],
+    corners: &[Piece<f64>],
     best: &mut Best<f64>,
 ) -> Option<Depth> {
     let mut surface = Surface {
@@ -148,11 +148,22 @@ pub(super) fn deepen<A: Support, B: Support>(
         points: corners.to_vec(),
         facets: Vec::new(),
     };
-    // One of the two orders is right for all four.
-    let order = [[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]];
-    let turned = order.map(|[p, q, r]| [p, r, q]);
-    for order in [order, turned] {
-        let facets: Option<Vec<Facet>> = order.iter().map(|&f| surface.facet(f)).collect();
+    // A tetrahedron, or an octahedron of points up and down three axes; one of the two orders is right for all.
+    let tetrahedron = [[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]];
+    let octahedron = [
+        [0, 2, 4],
+        [0, 4, 3],
+        [0, 3, 5],
+        [0, 5, 2],
+        [1, 4, 2],
+        [1, 3, 4],
+        [1, 5, 3],
+        [1, 2, 5],
+    ];
+    let order: &[[u16; 3]] = if corners.len() == 4 { &tetrahedron } else { &octahedron };
+    for turned in [false, true] {
+        let turn = |[p, q, r]: [u16; 3]| if turned { [p, r, q] } else { [p, q, r] };
+        let facets: Option<Vec<Facet>> = order.iter().map(|&f| surface.facet(turn(f))).collect();
         if let Some(facets) = facets {
             surface.facets = facets;
         }

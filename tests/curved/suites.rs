@@ -39,7 +39,7 @@ fn overlaps_have_sound_depths() {
     let (mut closed, mut wide_ones, mut open) = (0, 0, 0);
     for (k, (first, second)) in pairs().enumerate() {
         let mut rng = Rng::new(2150 + k as u64);
-        for _ in 0..count() / 10 {
+        for _ in 0..count() / 30 {
             let (a, b) = (Kind::random(first, &mut rng, 3.0), Kind::random(second, &mut rng, 3.0));
             let mut place = at_gap(&a, &b, &mut rng, 0.01);
             let o = closest(&a.shape(), &b.shape(), &place);
