@@ -96,7 +96,7 @@ impl Shape {
 fn superquadric(core: &Superquadric) -> Mass {
     let ([e1, e2], a) = (core.exponents(), core.semi_axes());
     let beta = |x: f64, y: f64| libm::tgamma(x) * libm::tgamma(y) / libm::tgamma(x + y);
-    let volume = 2.0 * a.x * a.y * a.z * e1 * e2 * beta(e1 / 2.0 + 1.0, e1) * beta(e2 / 2.0, e2 / 2.0 + 1.0);
+    let volume = 2.0 * a.x * a.y * a.z * e1 * e2 * beta(e1 / 2.0 + 1.0, e1) * beta(e2 / 2.0, e2 / 2.0);
     let crosswise = 0.5 * a.x * a.y * a.z * e1 * e2 * beta(1.5 * e2, 0.5 * e2) * beta(0.5 * e1, 2.0 * e1 + 1.0);
     let lengthwise = 2.0 * a.x * a.y * a.z * e1 * e2 * beta(0.5 * e2, 0.5 * e2 + 1.0) * beta(1.5 * e1, e1 + 1.0);
     let mean = Vector3::new(crosswise, crosswise, lengthwise).component_mul(&a.component_mul(&a)) / volume;

@@ -3,11 +3,11 @@
 //! One solver for all pairs: GJK whose direction step knows the curvature (`bent`, on the model of `model`).
 //! Behind it GJK on frozen support points (`frozen`), then both in double-double; overlaps are the work of `depth` and
 //! `surface`. A core is its support map, the branches of that map and their second derivatives
-//! ([`Support`]); there is no table of pairs of kinds.
+//! ([`Support`](crate::shape::Support)); there is no table of pairs of kinds.
 //!
 //! For any unit direction the height of the difference is a lower bound of the signed distance, the distance of
 //! any two points an upper one; both are taken at every step, and their error terms are those of
-//! [`CERTIFICATE`].
+//! [`CERTIFICATE`](crate::tolerance::CERTIFICATE).
 //!
 //! Sources: Gilbert, Johnson and Keerthi 1988; Newton's method on the dual as in Lin 1993, chapter 4, and Montaut et al. 2022
 //! for the acceleration of GJK. Departures:

