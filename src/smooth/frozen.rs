@@ -133,7 +133,11 @@ pub(super) fn solve<A: Support, B: Support, T: Scalar>(
             if !gains {
                 // Where the origin lies on a triangle of support points, others hold it.
                 let inside = best.lower < T::from(0.0);
-                return if inside { Frozen::Inside(Around::six(posed, n)) } else { Frozen::Open };
+                return if inside {
+                    Frozen::Inside(Around::six(posed, n))
+                } else {
+                    Frozen::Open
+                };
             }
         }
     }

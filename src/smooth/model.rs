@@ -99,7 +99,9 @@ fn kink<T: Scalar>(planes: &[Plane<T>], m: &[T; 3], kept: &[T; MOST]) -> Option<
         weights[i] = if weight < one { weight } else { one };
         weights[j] = one - weights[i];
     }
-    step.iter().all(|x| x.value().is_finite()).then_some(Top { weights, step })
+    step.iter()
+        .all(|x| x.value().is_finite())
+        .then_some(Top { weights, step })
 }
 
 /// The weights of least `l . c + y . D^-1 y / 2`, `y` the weighted sum, and that sum.

@@ -15,19 +15,19 @@ fn closest(a: &Shape, b: &Shape, place: &Place) -> Outcome {
 /// The greatest height over many directions, climbed from the best few: never above the truth.
 fn sampled(a: &Kind, b: &Kind, place: &Place, rng: &mut Rng) -> f64 {
     let height = |n: [f64; 3]| place.height(a, b, &wide(n)).0;
-    let mut best: Vec<(f64, [f64; 3])> = (0..400).map(|_| rng.unit()).map(|n| (height(n), n)).collect();
+    let mut best: Vec<(f64, [f64; 3])> = (0..100).map(|_| rng.unit()).map(|n| (height(n), n)).collect();
     best.sort_by(|x, y| y.0.total_cmp(&x.0));
-    best.truncate(3);
+    best.truncate(2);
     for (h, n) in &mut best {
         let mut step = 0.3;
-        while step > 1e-10 {
+        while step > 1e-7 {
             let d = rng.unit();
             let trial = lab::pose::unit([0, 1, 2].map(|k| n[k] + step * d[k]));
             let g = height(trial);
             if g > *h {
                 (*h, *n, step) = (g, trial, step * 1.5);
             } else {
-                step *= 0.85;
+                step *= 0.8;
             }
         }
     }
