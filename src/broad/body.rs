@@ -7,11 +7,11 @@ mod record;
 mod state;
 
 use super::aabb::StoredBox;
-use super::ahead::read_ahead;
 use super::bounds::{Bounds, any_above};
+use super::compact_vec::{push, trim};
 use super::error::BroadPhaseError;
 use super::grid::{Grid, Range};
-use super::lists::{push, trim};
+use super::prefetch::read_ahead;
 use super::{Aabb, Body, Groups};
 use alloc::vec::Vec;
 use core::fmt;

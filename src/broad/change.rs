@@ -4,7 +4,7 @@
 //! `was` and `is` are the overlaps of the old and of the new boxes, and a pair is reported when they differ.
 
 use super::body::{Bodies, Record};
-use super::lists::trim;
+use super::compact_vec::trim;
 use alloc::vec::Vec;
 
 /// Two body indices in one number, the lower index in the upper half, so that numbers sort like pairs.

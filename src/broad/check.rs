@@ -1,11 +1,11 @@
 //! Consistency of bodies and pairs, the part of [`BroadPhase::check`](super::BroadPhase::check) that every structure shares.
 
 use super::body::{Bodies, UNBOUNDED};
-use super::ledger::Ledger;
+use super::state::BroadPhaseState;
 use alloc::format;
 use alloc::string::String;
 
-impl Ledger {
+impl BroadPhaseState {
     /// The first contradiction among bodies and pairs. Between steps only.
     pub(super) fn check(&self) -> Result<(), String> {
         let Self { bodies, pairs, .. } = self;

@@ -9,7 +9,7 @@ fn cube(x: f64) -> Aabb {
 }
 
 fn body_without_index(mut broad: impl BroadPhase) {
-    broad.ledger_mut().bodies.most = 2;
+    broad.state_mut().bodies.most = 2;
     let [a, b] = [0.0, 0.5].map(|x| broad.insert(&cube(x), Body::moving()).expect("there is room for two"));
     for _ in 0..2 {
         assert_eq!(
@@ -41,7 +41,7 @@ fn a_body_without_an_index_is_refused_and_changes_nothing() {
 }
 
 fn pairs_without_slot(mut broad: impl BroadPhase) {
-    broad.ledger_mut().pairs.most = Most(2);
+    broad.state_mut().pairs.most = Most(2);
     let ids: [BodyId; 4] = [0.0, 0.1, 0.2, 9.0].map(|x| broad.insert(&cube(x), Body::moving()).expect("a sound box"));
     let [a, b, c, d] = ids;
     let told = broad.step();
@@ -82,7 +82,7 @@ fn last_generation(mut broad: impl BroadPhase) {
         generation: u32::MAX - 2,
         ..first
     };
-    broad.ledger_mut().bodies.generations[first.index as usize] = last.generation;
+    broad.state_mut().bodies.generations[first.index as usize] = last.generation;
     broad.remove(last).expect("it is there");
     broad.step();
     let next = broad.insert(&cube(0.0), Body::moving()).expect("there is room");
@@ -103,7 +103,7 @@ fn last_step(mut broad: impl BroadPhase) {
     }
     let mover = broad.insert(&cube(20.0), Body::moving()).expect("there is room");
     assert_eq!(broad.step().began.len(), 1);
-    broad.ledger_mut().bodies.step = u32::MAX;
+    broad.state_mut().bodies.step = u32::MAX;
     for x in [21.0, 22.0, 9.1, 22.0] {
         broad.set_box(mover, &cube(x)).expect("it is there");
         let meets = usize::from(x < 10.0);

@@ -45,24 +45,24 @@
 //! [`SortedAxes`], then `grid` and [`PencilSweep`].
 
 mod aabb;
-mod ahead;
 mod body;
 mod bounds;
 mod change;
 mod check;
+mod compact_vec;
 mod error;
 mod grid;
-mod ledger;
 #[cfg(test)]
 mod limits;
-mod lists;
 mod options;
 mod pairs;
 mod parallel;
 mod pencil;
+mod prefetch;
 #[cfg(feature = "serde")]
 mod snapshot;
 mod sorted_axes;
+mod state;
 
 use alloc::string::String;
 use alloc::vec::Vec;
@@ -71,18 +71,18 @@ pub use aabb::{Aabb, BoxFault, StoredBox};
 use body::Bodies;
 pub use body::BodyId;
 pub use error::{BatchError, BroadPhaseError};
-pub use ledger::Nearest;
-use ledger::{HasLedger, Ledger};
 pub use options::{Body, Groups, Settings};
 pub use pairs::{Events, Pair, PairId};
 use parallel::Threads;
 pub use pencil::{Pencil, PencilSweep};
 pub use sorted_axes::SortedAxes;
+pub use state::Nearest;
+use state::{BroadPhaseState, HasState};
 
 /// A broad phase. The two implementations differ in cost only.
 #[doc(alias = "sap")]
 #[doc(alias = "bvh")]
-pub trait BroadPhase: HasLedger {
+pub trait BroadPhase: HasState {
     /// Takes over all calls since the last step and tells which pairs began and ended. `filter` is asked once for
     /// each pair whose boxes begin to overlap and whose groups meet; a pair it refuses is asked again only after the
     /// boxes parted or after [`regroup`](Self::regroup).
@@ -93,7 +93,7 @@ pub trait BroadPhase: HasLedger {
     /// # Errors
     /// When a bound of the box is NaN or the box is inverted. It may be infinite.
     fn overlapping(&self, aabb: &Aabb, found: &mut Vec<BodyId>) -> Result<(), BroadPhaseError> {
-        let asked = self.ledger().asked(aabb)?;
+        let asked = self.state().asked(aabb)?;
         self.overlapping_stored(&asked, found);
         Ok(())
     }
@@ -108,7 +108,7 @@ pub trait BroadPhase: HasLedger {
     /// # Errors
     /// When the box, a margin or the origin of the structure is unusable, or there are too many bodies.
     fn insert(&mut self, aabb: &Aabb, body: Body) -> Result<BodyId, BroadPhaseError> {
-        self.ledger_mut().insert(aabb, body, false)
+        self.state_mut().insert(aabb, body, false)
     }
 
     /// Adds a body whose box may reach to infinity: a half-space, the ground, a world-wide sensor. It is compared with
@@ -117,7 +117,7 @@ pub trait BroadPhase: HasLedger {
     /// # Errors
     /// When a bound is NaN, the box is inverted, the origin of the structure is unusable, or there are too many bodies.
     fn insert_unbounded(&mut self, aabb: &Aabb, body: Body) -> Result<BodyId, BroadPhaseError> {
-        self.ledger_mut().insert(
+        self.state_mut().insert(
             aabb,
             Body {
                 margin: 0.0,
@@ -133,7 +133,7 @@ pub trait BroadPhase: HasLedger {
     /// # Errors
     /// When the id is stale.
     fn remove(&mut self, id: BodyId) -> Result<(), BroadPhaseError> {
-        self.ledger_mut().bodies.remove(id)
+        self.state_mut().bodies.remove(id)
     }
 
     /// Moves a body, however far.
@@ -142,7 +142,7 @@ pub trait BroadPhase: HasLedger {
     /// When the id is stale or the box unusable; the body keeps its box and its pairs.
     #[doc(alias = "teleport")]
     fn set_box(&mut self, id: BodyId, aabb: &Aabb) -> Result<(), BroadPhaseError> {
-        self.ledger_mut().bodies.set_box(id, aabb)
+        self.state_mut().bodies.set_box(id, aabb)
     }
 
     /// Moves many bodies. Every sound entry is applied, whatever becomes of the others. Fastest when the entries are
@@ -151,7 +151,7 @@ pub trait BroadPhase: HasLedger {
     /// # Errors
     /// When any entry was refused: which was the first, why, and how many there were.
     fn set_boxes(&mut self, batch: &[(BodyId, Aabb)]) -> Result<(), BatchError> {
-        self.ledger_mut().bodies.set_boxes(batch, Threads::ONE)
+        self.state_mut().bodies.set_boxes(batch, Threads::ONE)
     }
 
     /// Puts a body into other groups and asks all its pairs again in the next step.
@@ -159,7 +159,7 @@ pub trait BroadPhase: HasLedger {
     /// # Errors
     /// When the id is stale.
     fn set_groups(&mut self, id: BodyId, groups: Groups) -> Result<(), BroadPhaseError> {
-        self.ledger_mut().bodies.set_groups(id, Some(groups))
+        self.state_mut().bodies.set_groups(id, Some(groups))
     }
 
     /// Asks groups and filter again for all pairs of a body in the next step.
@@ -167,61 +167,61 @@ pub trait BroadPhase: HasLedger {
     /// # Errors
     /// When the id is stale.
     fn regroup(&mut self, id: BodyId) -> Result<(), BroadPhaseError> {
-        self.ledger_mut().bodies.set_groups(id, None)
+        self.state_mut().bodies.set_groups(id, None)
     }
 
     /// Number of bodies.
     fn body_count(&self) -> usize {
-        self.ledger().bodies.len()
+        self.state().bodies.len()
     }
 
     /// All bodies in ascending order.
     fn bodies(&self) -> impl Iterator<Item = BodyId> + '_ {
-        self.ledger().bodies.ids()
+        self.state().bodies.ids()
     }
 
     /// Whether the id names a body.
     fn contains(&self, id: BodyId) -> bool {
-        self.ledger().bodies.index_of(id).is_ok()
+        self.state().bodies.index_of(id).is_ok()
     }
 
     /// The options of a body; margins as they are kept, in `f32`.
     fn body(&self, id: BodyId) -> Option<Body> {
-        let bodies = &self.ledger().bodies;
+        let bodies = &self.state().bodies;
         bodies.index_of(id).ok().map(|_| bodies.body(id.index))
     }
 
     /// The box of a body as the next step will see it, margins included.
     fn stored_box(&self, id: BodyId) -> Option<StoredBox> {
-        let bodies = &self.ledger().bodies;
+        let bodies = &self.state().bodies;
         let record = &bodies.records[bodies.index_of(id).ok()?];
         Some(record.now().to_box().rotated(3 - bodies.grid.axis))
     }
 
     /// The pairs of the last step, in the order of their slots.
     fn pairs(&self) -> impl Iterator<Item = Pair> + '_ {
-        let Ledger { bodies, pairs, .. } = self.ledger();
+        let BroadPhaseState { bodies, pairs, .. } = self.state();
         pairs.iter(bodies)
     }
 
     /// Number of pairs of the last step.
     fn pair_count(&self) -> usize {
-        self.ledger().pairs.len()
+        self.state().pairs.len()
     }
 
     /// The pair of two bodies, in either order, if there is one.
     fn pair(&self, a: BodyId, b: BodyId) -> Option<Pair> {
-        self.ledger().pair(a, b)
+        self.state().pair(a, b)
     }
 
     /// The pair of this name, if it has not ended.
     fn pair_of(&self, id: PairId) -> Option<Pair> {
-        self.ledger().pair_of(id)
+        self.state().pair_of(id)
     }
 
     /// The pairs of one member of any group of `these` with one member of any group of `those`.
     fn pairs_between(&self, these: u32, those: u32) -> impl Iterator<Item = Pair> + '_ {
-        let bodies = &self.ledger().bodies;
+        let bodies = &self.state().bodies;
         self.pairs().filter(move |pair| {
             let [a, b] = [pair.a, pair.b].map(|id| bodies.body(id.index).groups.member_of);
             (a & these != 0 && b & those != 0) || (b & these != 0 && a & those != 0)
@@ -234,7 +234,7 @@ pub trait BroadPhase: HasLedger {
     /// # Errors
     /// When a bound of the box is NaN or infinite, or the box is inverted.
     fn nearest(&self, aabb: &Aabb, count: usize, farthest: f64) -> Result<Vec<Nearest>, BroadPhaseError> {
-        ledger::nearest(self, aabb, count, farthest)
+        state::nearest(self, aabb, count, farthest)
     }
 
     /// Bytes reserved for bodies and pairs, by the structure itself and for scratch.

@@ -3,8 +3,8 @@
 use super::aabb::order_key;
 use super::body::{Bodies, Record};
 use super::change::{Changes, overlap};
-use super::ledger::{HasLedger, Ledger};
 use super::parallel::Threads;
+use super::state::{BroadPhaseState, HasState};
 use super::{BodyId, BroadPhase, Events, Settings, StoredBox};
 use alloc::format;
 use alloc::string::String;
@@ -31,7 +31,7 @@ use alloc::vec::Vec;
 /// worse, which is why [`PencilSweep`](super::PencilSweep) is the one to use.
 #[derive(Clone, Debug)]
 pub struct SortedAxes {
-    pub(super) ledger: Ledger,
+    pub(super) state: BroadPhaseState,
     axes: [Vec<End>; 3],
 }
 
@@ -60,12 +60,12 @@ impl SortedAxes {
     /// An empty broad phase with settings of its own.
     #[must_use]
     pub fn with_settings(settings: Settings) -> Self {
-        Self::from_ledger(Ledger::new(settings.origin))
+        Self::from_state(BroadPhaseState::new(settings.origin))
     }
 
     /// Bodies and pairs as they are; the lists get every body that was there in the last step.
-    pub(super) fn from_ledger(ledger: Ledger) -> Self {
-        let bodies = &ledger.bodies;
+    pub(super) fn from_state(state: BroadPhaseState) -> Self {
+        let bodies = &state.bodies;
         let there = bodies
             .records
             .iter()
@@ -77,11 +77,11 @@ impl SortedAxes {
             (0..3).for_each(|k| axes[k].extend(ends(i as u32, &old, k)));
         }
         axes.iter_mut().for_each(|axis| axis.sort_unstable());
-        Self { ledger, axes }
+        Self { state, axes }
     }
 
     fn find_changes(&mut self) {
-        let Ledger { bodies, changes, .. } = &mut self.ledger;
+        let BroadPhaseState { bodies, changes, .. } = &mut self.state;
         changes.clear();
         // Every body of the lists was there in the last step; the others that are there now come.
         let listed = self.axes[0].len() / 2;
@@ -160,17 +160,17 @@ impl Default for SortedAxes {
     }
 }
 
-impl HasLedger for SortedAxes {
-    fn ledger(&self) -> &Ledger {
-        &self.ledger
+impl HasState for SortedAxes {
+    fn state(&self) -> &BroadPhaseState {
+        &self.state
     }
 
-    fn ledger_mut(&mut self) -> &mut Ledger {
-        &mut self.ledger
+    fn state_mut(&mut self) -> &mut BroadPhaseState {
+        &mut self.state
     }
 
     fn overlapping_stored(&self, asked: &StoredBox, found: &mut Vec<BodyId>) {
-        self.ledger.overlapping_of_all(asked, found);
+        self.state.overlapping_of_all(asked, found);
     }
 }
 
@@ -186,13 +186,13 @@ impl BroadPhase for SortedAxes {
                 .filter(|(_, r)| r.now().overlaps(&stored));
             found.extend(hits.map(|(i, _)| i as u32));
         };
-        self.ledger.take_over(filter, partners, Threads::ONE);
-        self.ledger.pairs.events(&self.ledger.bodies)
+        self.state.take_over(filter, partners, Threads::ONE);
+        self.state.pairs.events(&self.state.bodies)
     }
 
     fn check(&self) -> Result<(), String> {
-        self.ledger.check()?;
-        let bodies = &self.ledger.bodies;
+        self.state.check()?;
+        let bodies = &self.state.bodies;
         for (k, axis) in self.axes.iter().enumerate() {
             if !axis.is_sorted_by(|a, b| a < b) {
                 return Err(format!("axis {k} is out of order"));
@@ -211,6 +211,6 @@ impl BroadPhase for SortedAxes {
     }
 
     fn bytes(&self) -> usize {
-        self.ledger.bytes() + self.axes.iter().map(|a| a.capacity() * 8).sum::<usize>()
+        self.state.bytes() + self.axes.iter().map(|a| a.capacity() * 8).sum::<usize>()
     }
 }

@@ -3,7 +3,7 @@
 use alloc::vec::Vec;
 
 use super::effects::NEVER;
-use super::step::owners;
+use super::step::bodies_of;
 use super::{BodyId, PairId, Scene, SceneError};
 use crate::broad::{self, Aabb, BroadPhase};
 use crate::contact::Manifold;
@@ -43,8 +43,8 @@ impl Scene {
     /// The pair of two bodies, in either order: `None` where their boxes, grown by the distances called for, do not overlap.
     #[must_use]
     pub fn pair(&self, a: BodyId, b: BodyId) -> Option<PairAnswer<'_>> {
-        let housed = |id| Some(self.bodies.housed[self.bodies.index_of(id).ok()?]);
-        Some(self.answer(&self.broad.pair(housed(a)?, housed(b)?)?))
+        let proxy = |id| Some(self.bodies.proxies[self.bodies.index_of(id).ok()?]);
+        Some(self.answer(&self.broad.pair(proxy(a)?, proxy(b)?)?))
     }
 
     /// The pairs of one body, in ascending order of the others.
@@ -53,17 +53,17 @@ impl Scene {
     /// When the id is stale.
     pub fn pairs_of(&self, id: BodyId) -> Result<Vec<PairAnswer<'_>>, SceneError> {
         let i = self.bodies.index_of(id)?;
-        let housed = self.bodies.housed[i];
+        let proxy = self.bodies.proxies[i];
         let mut near = Vec::new();
         // The stored box, from f32 to f64 about the origin, holds itself.
-        if let Some(stored) = self.broad.stored_box(housed) {
+        if let Some(stored) = self.broad.stored_box(proxy) {
             let corner = |v: [f32; 3]| self.settings.origin + nalgebra::Vector3::from(v.map(f64::from));
             let around = Aabb::new(corner(stored.lo), corner(stored.hi));
             let _ = self.broad.overlapping(&around, &mut near);
         }
         let mut found: Vec<_> = near
             .into_iter()
-            .filter_map(|other| Some(self.answer(&self.broad.pair(housed, other)?)))
+            .filter_map(|other| Some(self.answer(&self.broad.pair(proxy, other)?)))
             .collect();
         found.sort_unstable_by_key(|p| (p.a, p.b));
         Ok(found)
@@ -76,7 +76,7 @@ impl Scene {
     }
 
     fn answer(&self, pair: &broad::Pair) -> PairAnswer<'_> {
-        let (a, b) = owners(&self.bodies, pair);
+        let (a, b) = bodies_of(&self.bodies, pair);
         let mut answer = PairAnswer {
             a: self.bodies.id(a),
             b: self.bodies.id(b),
@@ -87,10 +87,10 @@ impl Scene {
             outcome: None,
             manifold: None,
         };
-        if let Some(seen) = self.lanes.get(pair.id.slot) {
-            let plan = self.table.plan(seen.head.class);
-            answer.overlaps = (plan.overlap && seen.head.state.known).then_some(seen.head.state.overlaps);
-            answer.within = (plan.within != NEVER && seen.head.state.known).then_some(seen.head.state.within);
+        if let Some(seen) = self.pair_tables.get(pair.id.slot) {
+            let plan = self.table.plan(seen.header.class);
+            answer.overlaps = (plan.overlap && seen.header.state.known).then_some(seen.header.state.overlaps);
+            answer.within = (plan.within != NEVER && seen.header.state.known).then_some(seen.header.state.within);
             (answer.distance, answer.outcome, answer.manifold) = (seen.distance, seen.outcome, seen.manifold);
         }
         answer

@@ -98,8 +98,8 @@ pub(super) struct Bodies {
     pub(super) travels: Vec<Travel>,
     pub(super) hints: Vec<BoxHint>,
     /// The body's name in the broad phase, and the other way round by its index there.
-    pub(super) housed: Vec<broad::BodyId>,
-    pub(super) owners: Vec<u32>,
+    pub(super) proxies: Vec<broad::BodyId>,
+    pub(super) body_of_proxy: Vec<u32>,
     /// Empty until a first velocity is set.
     pub(super) velocities: Vec<Velocity>,
     /// Bodies whose boxes are to be renewed, each once.
@@ -151,13 +151,7 @@ impl Bodies {
     }
 
     /// Appends a body that the broad phase has taken.
-    pub(super) fn insert(
-        &mut self,
-        solid: Solid,
-        pose: Isometry3<f64>,
-        housed: broad::BodyId,
-        hint: BoxHint,
-    ) -> BodyId {
+    pub(super) fn insert(&mut self, solid: Solid, pose: Isometry3<f64>, proxy: broad::BodyId, hint: BoxHint) -> BodyId {
         let index = self.free.pop().unwrap_or(self.generations.len() as u32);
         let i = index as usize;
         if i == self.generations.len() {
@@ -168,7 +162,7 @@ impl Bodies {
             self.balls.push(solid.ball);
             self.travels.push(Travel::default());
             self.hints.push(hint);
-            self.housed.push(housed);
+            self.proxies.push(proxy);
             if !self.velocities.is_empty() {
                 self.velocities.push(Velocity::default());
             }
@@ -182,7 +176,7 @@ impl Bodies {
             *velocity = Velocity::default();
         }
         self.solids[i] = Some(solid);
-        self.house(index, housed);
+        self.set_proxy(index, proxy);
         self.id(index)
     }
 
@@ -195,7 +189,7 @@ impl Bodies {
         pose: Isometry3<f64>,
         travel: Travel,
         hint: BoxHint,
-        housed: broad::BodyId,
+        proxy: broad::BodyId,
     ) {
         self.generations.push(generation);
         self.balls.push(solid.as_ref().map_or(Ball::NONE, |s| s.ball.at(&pose)));
@@ -203,7 +197,7 @@ impl Bodies {
         self.poses.push(pose);
         self.travels.push(travel);
         self.hints.push(hint);
-        self.housed.push(housed);
+        self.proxies.push(proxy);
     }
 
     /// Lists grow by an eighth, not by doubling: they are most of the memory of a scene.
@@ -216,18 +210,18 @@ impl Bodies {
             self.balls.reserve_exact(more);
             self.travels.reserve_exact(more);
             self.hints.reserve_exact(more);
-            self.housed.reserve_exact(more);
+            self.proxies.reserve_exact(more);
         }
     }
 
     /// Notes under which name the broad phase knows a body.
-    pub(super) fn house(&mut self, index: u32, housed: broad::BodyId) {
-        let place = housed.index as usize;
-        if place >= self.owners.len() {
-            self.owners.resize(place + 1, u32::MAX);
+    pub(super) fn set_proxy(&mut self, index: u32, proxy: broad::BodyId) {
+        let place = proxy.index as usize;
+        if place >= self.body_of_proxy.len() {
+            self.body_of_proxy.resize(place + 1, u32::MAX);
         }
-        self.owners[place] = index;
-        self.housed[index as usize] = housed;
+        self.body_of_proxy[place] = index;
+        self.proxies[index as usize] = proxy;
     }
 
     /// From now on the id is stale; the index is kept until the step is over.
@@ -253,16 +247,16 @@ impl Bodies {
         let way = displacement(&shift, own, &old.rotation, &new.rotation)
             + solid.ball.error(&old.translation.vector)
             + solid.ball.error(&new.translation.vector);
-        self.travels[i].go(way, self.step);
+        self.travels[i].add(way, self.step);
         self.balls[i] = to;
         self.poses[i] = *pose;
-        self.call(i);
+        self.mark_due(i);
     }
 
     /// Has the box of a body renewed in the next step.
     #[inline]
-    pub(super) fn call(&mut self, i: usize) {
-        if self.travels[i].called(self.step) {
+    pub(super) fn mark_due(&mut self, i: usize) {
+        if self.travels[i].mark_due(self.step) {
             self.due.push(i as u32);
         }
     }
@@ -282,14 +276,20 @@ impl Bodies {
 
     /// Bytes reserved, shapes not counted: they belong to whoever shares them.
     pub(super) fn bytes(&self) -> usize {
-        let words = [&self.generations, &self.free, &self.leaving, &self.owners, &self.due];
+        let words = [
+            &self.generations,
+            &self.free,
+            &self.leaving,
+            &self.body_of_proxy,
+            &self.due,
+        ];
         words.iter().map(|list| list.capacity() * 4).sum::<usize>()
             + self.solids.capacity() * size_of::<Option<Solid>>()
             + self.poses.capacity() * size_of::<Isometry3<f64>>()
             + self.balls.capacity() * size_of::<Ball>()
             + self.travels.capacity() * size_of::<Travel>()
             + self.hints.capacity() * size_of::<BoxHint>()
-            + self.housed.capacity() * size_of::<broad::BodyId>()
+            + self.proxies.capacity() * size_of::<broad::BodyId>()
             + self.velocities.capacity() * size_of::<Velocity>()
     }
 }

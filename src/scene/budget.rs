@@ -50,14 +50,14 @@ impl Travel {
 
     /// Adds a way, rounded up.
     #[inline]
-    pub(super) fn go(&mut self, way: f64, step: u32) {
+    pub(super) fn add(&mut self, way: f64, step: u32) {
         self.odometer = (self.odometer + way) * ROUND_UP;
         self.moved = step;
     }
 
     /// Whether this is the first call of the step.
     #[inline]
-    pub(super) fn called(&mut self, step: u32) -> bool {
+    pub(super) fn mark_due(&mut self, step: u32) -> bool {
         let first = self.due != step;
         self.due = step;
         first

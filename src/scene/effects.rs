@@ -150,18 +150,18 @@ impl Effects {
         let within = self.within.unwrap_or(NEVER);
         let predicates = self.overlap || self.within.is_some();
         let least = if self.overlap { 0.0 } else { NEVER };
-        let rung = match (self.features, measured, predicates, self.boxes) {
-            _ if self.manifold.is_some() => Rung::Manifold,
-            (true, ..) => Rung::Features,
-            (_, true, ..) => Rung::Distance,
-            (_, _, true, _) => Rung::Predicates,
-            (.., true) => Rung::Boxes,
-            _ => Rung::Nothing,
+        let detail = match (self.features, measured, predicates, self.boxes) {
+            _ if self.manifold.is_some() => Detail::Manifold,
+            (true, ..) => Detail::Features,
+            (_, true, ..) => Detail::Distance,
+            (_, _, true, _) => Detail::Predicates,
+            (.., true) => Detail::Boxes,
+            _ => Detail::Nothing,
         };
         let prediction = self.manifold.map_or(NEVER, |m| m.prediction);
         let range = range.unwrap_or(NEVER).max(prediction);
         Plan {
-            rung,
+            detail,
             boxes: self.boxes,
             overlap: self.overlap,
             within,
@@ -178,7 +178,7 @@ pub(super) const NEVER: f64 = f64::NEG_INFINITY;
 
 /// The lowest stage of the pipeline that answers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Rung {
+pub(super) enum Detail {
     Nothing,
     Boxes,
     Predicates,
@@ -190,7 +190,7 @@ pub(super) enum Rung {
 /// Effects as a step reads them.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Plan {
-    pub(super) rung: Rung,
+    pub(super) detail: Detail,
     pub(super) boxes: bool,
     pub(super) overlap: bool,
     /// The distance of `within`, or [`NEVER`].
@@ -206,10 +206,10 @@ pub(super) struct Plan {
 }
 
 /// Names the unordered pair of two groups.
-pub(super) type Class = u16;
+pub(super) type GroupPair = u16;
 
 /// The class of two groups.
-pub(super) fn class_of(g: Group, h: Group) -> Class {
+pub(super) fn group_pair_of(g: Group, h: Group) -> GroupPair {
     u16::from(g.0.min(h.0)) * GROUPS as u16 + u16::from(g.0.max(h.0))
 }
 
@@ -233,30 +233,30 @@ impl Default for Table {
 impl Table {
     pub(super) fn call_for(&mut self, g: Group, h: Group, effects: Effects) -> Result<(), SceneError> {
         effects.check()?;
-        let class = usize::from(class_of(g, h));
+        let class = usize::from(group_pair_of(g, h));
         self.effects[class] = effects;
         self.plans[class] = effects.resolved();
         Ok(())
     }
 
     pub(super) fn effects(&self, g: Group, h: Group) -> Effects {
-        self.effects[usize::from(class_of(g, h))]
+        self.effects[usize::from(group_pair_of(g, h))]
     }
 
     #[inline]
-    pub(super) fn plan(&self, class: Class) -> &Plan {
+    pub(super) fn plan(&self, class: GroupPair) -> &Plan {
         &self.plans[usize::from(class)]
     }
 
     /// The groups with which something is called for, as bits.
     pub(super) fn partners(&self, g: Group) -> u32 {
-        let pairs = |h: &u8| self.plan(class_of(g, Group(*h))).rung > Rung::Nothing;
+        let pairs = |h: &u8| self.plan(group_pair_of(g, Group(*h))).detail > Detail::Nothing;
         (0..GROUPS as u8).filter(pairs).fold(0, |mask, h| mask | 1 << h)
     }
 
     /// How far boxes of a group are grown: half the largest reach, the partner grows by the other half.
     pub(super) fn growth(&self, g: Group) -> f64 {
-        let reach = |h: u8| self.plan(class_of(g, Group(h))).reach;
+        let reach = |h: u8| self.plan(group_pair_of(g, Group(h))).reach;
         0.5 * (0..GROUPS as u8).map(reach).fold(0.0, f64::max)
     }
 

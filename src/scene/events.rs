@@ -53,7 +53,7 @@ pub struct Event {
 
 /// A change before it has its names.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Happened {
+pub(super) struct PairChange {
     pub(super) id: PairId,
     pub(super) pair: (u32, u32),
     pub(super) change: Change,

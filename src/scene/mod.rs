@@ -109,9 +109,8 @@ pub mod budget;
 mod effects;
 mod error;
 mod events;
-mod kept;
-mod lane;
-mod look;
+mod narrow_phase;
+mod pair_table;
 #[cfg(feature = "parallel")]
 mod parallel;
 mod report;
@@ -119,6 +118,7 @@ mod search;
 #[cfg(feature = "serde")]
 mod snapshot;
 mod step;
+mod stored_answer;
 mod velocity;
 
 use alloc::vec::Vec;
@@ -136,7 +136,7 @@ pub use effects::{Effects, Group};
 use effects::{GROUPS, Table};
 pub use error::SceneError;
 pub use events::{Change, Event};
-use lane::Lanes;
+use pair_table::PairTables;
 pub use report::{Bytes, Counts, Report, Times};
 pub use search::Near;
 
@@ -149,7 +149,7 @@ pub struct Scene {
     bodies: Bodies,
     table: Table,
     broad: PencilSweep,
-    lanes: Lanes,
+    pair_tables: PairTables,
     events: Vec<Event>,
     report: Report,
     /// Groups whose effects changed since the last step, as bits.
@@ -200,7 +200,7 @@ impl Scene {
             bodies,
             table: Table::default(),
             broad: PencilSweep::with_settings(settings),
-            lanes: Lanes::default(),
+            pair_tables: PairTables::default(),
             events: Vec::new(),
             report: Report::default(),
             replanned: 0,
@@ -248,13 +248,13 @@ impl Scene {
         checked(&pose, None)?;
         let mut solid = Solid::new(body)?;
         let mut hint = BoxHint::default();
-        let housed = self.house(&mut solid, &pose, &mut hint)?;
+        let proxy = self.create_proxy(&mut solid, &pose, &mut hint)?;
         self.changed = true;
-        Ok(self.bodies.insert(solid, pose, housed, hint))
+        Ok(self.bodies.insert(solid, pose, proxy, hint))
     }
 
     /// Gives a body its box in the broad phase.
-    fn house(
+    fn create_proxy(
         &mut self,
         solid: &mut Solid,
         pose: &Isometry3<f64>,
@@ -289,7 +289,7 @@ impl Scene {
     /// When the id is stale.
     pub fn remove(&mut self, id: BodyId) -> Result<(), SceneError> {
         let i = self.bodies.index_of(id)?;
-        self.broad.remove(self.bodies.housed[i])?;
+        self.broad.remove(self.bodies.proxies[i])?;
         self.bodies.remove(i);
         self.changed = true;
         Ok(())
@@ -369,7 +369,7 @@ impl Scene {
         Bytes {
             bodies: self.bodies.bytes(),
             broad: self.broad.bytes(),
-            pairs: self.lanes.bytes(),
+            pairs: self.pair_tables.bytes(),
             scratch: self.batch.capacity() * size_of::<(broad::BodyId, broad::Aabb)>()
                 + self.events.capacity() * size_of::<Event>(),
         }

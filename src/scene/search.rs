@@ -7,7 +7,7 @@ use alloc::vec::Vec;
 
 use super::ball::least_distance;
 use super::body::box_of;
-use super::effects::{Group, Rung, class_of};
+use super::effects::{Detail, Group, group_pair_of};
 use super::{BodyId, Scene, SceneError};
 use crate::broad::{Aabb, BroadPhase};
 use crate::pair::outcome::{Outcome, Until};
@@ -89,7 +89,7 @@ impl Scene {
         loop {
             asked = asked.saturating_mul(2);
             let boxes = self.broad.nearest(&around, asked, farthest)?;
-            let others = boxes.iter().map(|n| self.bodies.owners[n.body.index as usize]);
+            let others = boxes.iter().map(|n| self.bodies.body_of_proxy[n.body.index as usize]);
             let mut found: Vec<Near> = others
                 .filter(|&other| self.may_pair(id.index, other))
                 .filter_map(|other| self.near_within(id.index, other, farthest))
@@ -116,7 +116,7 @@ impl Scene {
         if self.is_due() {
             return Err(SceneError::StepDue);
         }
-        if self.table.plan(class_of(these, those)).rung == Rung::Nothing {
+        if self.table.plan(group_pair_of(these, those)).detail == Detail::Nothing {
             return Err(SceneError::NotCalledFor { these, those });
         }
         let mut near = Vec::new();
@@ -130,7 +130,7 @@ impl Scene {
             self.broad
                 .overlapping(&self.box_around(id.index as usize, d), &mut near)?;
             others.clear();
-            others.extend(near.iter().map(|other| self.bodies.owners[other.index as usize]));
+            others.extend(near.iter().map(|other| self.bodies.body_of_proxy[other.index as usize]));
             others.sort_unstable();
             for &other in &others {
                 let twice = these == those && other < id.index;
@@ -154,7 +154,7 @@ impl Scene {
     fn may_pair(&self, a: u32, b: u32) -> bool {
         let [x, y] = [a, b].map(|i| self.bodies.solids[i as usize].as_ref());
         let (Some(x), Some(y)) = (x, y) else { return false };
-        a != b && !(x.fixed && y.fixed) && self.table.plan(class_of(x.group, y.group)).rung > Rung::Nothing
+        a != b && !(x.fixed && y.fixed) && self.table.plan(group_pair_of(x.group, y.group)).detail > Detail::Nothing
     }
 
     /// The pair, if it is at most `d` apart.
@@ -187,9 +187,9 @@ impl Scene {
             &*self.bodies.solids[j].as_ref()?.shape,
         );
         let pose = RelativePose::new(&self.bodies.poses[i], &self.bodies.poses[j]).ok()?;
-        let pair = self.broad.pair(self.bodies.housed[i], self.bodies.housed[j]);
+        let pair = self.broad.pair(self.bodies.proxies[i], self.bodies.proxies[j]);
         let known = pair
-            .and_then(|pair| self.lanes.get(pair.id.slot))
+            .and_then(|pair| self.pair_tables.get(pair.id.slot))
             .and_then(|seen| seen.tracker.features())
             .map(|features| if a < b { features } else { features.swapped() });
         let mut tracker = known.map_or_else(Tracker::new, |features| Tracker::starting_from(features, x, y));

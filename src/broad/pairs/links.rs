@@ -5,11 +5,11 @@
 
 mod block;
 
-use crate::broad::ahead::{AHEAD, read_ahead};
 use crate::broad::body::Bodies;
 use crate::broad::change::{PairKey, pair_key};
 use crate::broad::pairs::{NOWHERE, Pair, Slot, named};
 use crate::broad::parallel::join;
+use crate::broad::prefetch::{AHEAD, read_ahead};
 use alloc::vec::Vec;
 use block::{Block, Link};
 

@@ -5,10 +5,10 @@ mod links;
 #[cfg(feature = "serde")]
 mod state;
 
-use super::ahead::{AHEAD, read_ahead};
 use super::change::{Changes, PairKey, pair_key, pair_of};
-use super::lists::trim;
+use super::compact_vec::trim;
 use super::parallel::{Threads, join};
+use super::prefetch::{AHEAD, read_ahead};
 use super::{Bodies, BodyId, BroadPhaseError};
 use alloc::vec::Vec;
 use links::Links;

@@ -9,7 +9,7 @@ use alloc::string::String;
 impl PencilSweep {
     /// The first contradiction between columns and bodies. Between steps only.
     pub(super) fn check_columns(&self) -> Result<(), String> {
-        let bodies = &self.ledger.bodies;
+        let bodies = &self.state.bodies;
         if self.columns.len() != bodies.grid.column_count() {
             return Err(format!("{} columns for {:?}", self.columns.len(), bodies.grid.size));
         }

@@ -1,8 +1,8 @@
 //! One column: its bodies in the order of their lower bound on the swept axis.
 
 use crate::broad::aabb::{max, order_key};
-use crate::broad::ahead::read_ahead;
 use crate::broad::body::{Bodies, JUMPS, MIGRATES, Record, UNBOUNDED};
+use crate::broad::prefetch::read_ahead;
 use alloc::vec::Vec;
 
 /// Marks an entry that stands for the new box only: the body came into the column this step. The lowest bit, below the index,

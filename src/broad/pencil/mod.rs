@@ -11,8 +11,8 @@ use super::body::{Bodies, JUMPS, Record, UNBOUNDED};
 use super::bounds::Bounds;
 use super::change::note_unbounded;
 use super::grid::Grid;
-use super::ledger::{HasLedger, Ledger};
 use super::parallel::{Threads, join};
+use super::state::{BroadPhaseState, HasState};
 use super::{Aabb, BatchError, BodyId, BroadPhase, Events, Settings, StoredBox};
 use alloc::string::String;
 use alloc::vec::Vec;
@@ -53,7 +53,7 @@ use tune::{Counts, Tuning};
 #[doc(alias = "sweep and prune")]
 #[derive(Clone, Debug)]
 pub struct PencilSweep {
-    pub(super) ledger: Ledger,
+    pub(super) state: BroadPhaseState,
     columns: Vec<Column>,
     workers: Vec<Worker>,
     touched: Vec<Touch>,
@@ -80,14 +80,14 @@ impl PencilSweep {
     /// An empty broad phase with settings of its own.
     #[must_use]
     pub fn with_settings(settings: Settings) -> Self {
-        Self::from_ledger(Ledger::new(settings.origin), settings.parallel_from)
+        Self::from_state(BroadPhaseState::new(settings.origin), settings.parallel_from)
     }
 
     /// Bodies and pairs as they are, all in one column until the first step.
-    pub(super) fn from_ledger(ledger: Ledger, parallel_from: usize) -> Self {
-        let first = Column::of_all(&ledger.bodies);
+    pub(super) fn from_state(state: BroadPhaseState, parallel_from: usize) -> Self {
+        let first = Column::of_all(&state.bodies);
         Self {
-            ledger,
+            state,
             columns: Vec::from([first]),
             workers: Vec::from([Worker::default()]),
             touched: Vec::new(),
@@ -112,7 +112,7 @@ impl PencilSweep {
     }
 
     fn threads(&self) -> Threads {
-        if self.ledger.bodies.len() >= self.parallel_from {
+        if self.state.bodies.len() >= self.parallel_from {
             Threads::from(self.parallel_from)
         } else {
             Threads::ONE
@@ -129,8 +129,8 @@ impl PencilSweep {
 
     /// Cuts new columns and lists every body in them as this step needs it.
     fn rebuild(&mut self, grid: Grid) {
-        self.ledger.bodies.set_grid(grid);
-        self.ledger.bodies.classify();
+        self.state.bodies.set_grid(grid);
+        self.state.bodies.classify();
         self.columns.iter_mut().for_each(|c| {
             *c = Column {
                 entries: core::mem::take(&mut c.entries),
@@ -139,8 +139,8 @@ impl PencilSweep {
         });
         self.columns.iter_mut().for_each(|c| c.entries.clear());
         self.columns
-            .resize_with(self.ledger.bodies.grid.column_count(), Column::default);
-        let bodies = &self.ledger.bodies;
+            .resize_with(self.state.bodies.grid.column_count(), Column::default);
+        let bodies = &self.state.bodies;
         for (i, record) in bodies.records.iter().enumerate() {
             if record.flags() & UNBOUNDED != 0 {
                 continue;
@@ -157,7 +157,7 @@ impl PencilSweep {
 
     /// Lists noted bodies in the columns they come into.
     fn list_arrivals(&mut self) {
-        let bodies = &self.ledger.bodies;
+        let bodies = &self.state.bodies;
         for &index in &bodies.marks.noted {
             let record = &bodies.records[index as usize];
             let old = record.range_before(bodies.step, &bodies.grid);
@@ -170,9 +170,9 @@ impl PencilSweep {
 
     /// Entries of all columns if the noted bodies were listed where they come into.
     fn entries_to_be(&self) -> usize {
-        let records = &self.ledger.bodies.records;
+        let records = &self.state.bodies.records;
         let coming: usize = self
-            .ledger
+            .state
             .bodies
             .marks
             .noted
@@ -188,28 +188,28 @@ impl PencilSweep {
         let threads = self.engage(total);
         let counting = self.tuning.wants_counts();
         self.workers.iter_mut().for_each(|w| w.counting = counting);
-        let bodies = &self.ledger.bodies;
+        let bodies = &self.state.bodies;
         sweep_columns(&mut self.workers[..threads], &mut self.columns, 0, total, bodies);
         let mut counts = Counts::default();
         for worker in &mut self.workers {
             counts.add(core::mem::take(&mut worker.counts));
         }
         self.collect();
-        self.tuning.observe(&self.ledger.bodies, counts);
+        self.tuning.observe(&self.state.bodies, counts);
     }
 
     fn repair_touched(&mut self) {
-        repair::list_touched(&self.ledger.bodies, &mut self.touched);
+        repair::list_touched(&self.state.bodies, &mut self.touched);
         let threads = self.engage(self.touched.len());
         self.workers.iter_mut().for_each(|w| w.counting = false);
         let workers = &mut self.workers[..threads];
-        repair_columns(workers, &mut self.columns, 0, &self.touched, &self.ledger.bodies);
+        repair_columns(workers, &mut self.columns, 0, &self.touched, &self.state.bodies);
         self.collect();
     }
 
     fn collect(&mut self) {
         for worker in &mut self.workers {
-            self.ledger.changes.append(&mut worker.changes);
+            self.state.changes.append(&mut worker.changes);
             self.swaps += core::mem::take(&mut worker.swaps);
             self.scanned += core::mem::take(&mut worker.scanned);
         }
@@ -217,19 +217,19 @@ impl PencilSweep {
 
     fn find_changes(&mut self) {
         (self.swaps, self.scanned) = (0, 0);
-        self.ledger.changes.clear();
-        self.ledger.bodies.classify();
+        self.state.changes.clear();
+        self.state.bodies.classify();
         let entries = self.entries_to_be();
-        if let Some(grid) = self.tuning.due(&self.ledger.bodies, entries) {
+        if let Some(grid) = self.tuning.due(&self.state.bodies, entries) {
             self.rebuild(grid);
             self.sweep_all();
-        } else if self.ledger.bodies.marks.moved.len() * SWEEP_SHARE > self.ledger.bodies.len() {
+        } else if self.state.bodies.marks.moved.len() * SWEEP_SHARE > self.state.bodies.len() {
             self.list_arrivals();
             self.sweep_all();
         } else {
             self.repair_touched();
         }
-        note_unbounded(&self.ledger.bodies, &mut self.ledger.changes);
+        note_unbounded(&self.state.bodies, &mut self.state.changes);
     }
 }
 
@@ -291,17 +291,17 @@ impl Default for PencilSweep {
     }
 }
 
-impl HasLedger for PencilSweep {
-    fn ledger(&self) -> &Ledger {
-        &self.ledger
+impl HasState for PencilSweep {
+    fn state(&self) -> &BroadPhaseState {
+        &self.state
     }
 
-    fn ledger_mut(&mut self) -> &mut Ledger {
-        &mut self.ledger
+    fn state_mut(&mut self) -> &mut BroadPhaseState {
+        &mut self.state
     }
 
     fn overlapping_stored(&self, asked: &StoredBox, found: &mut Vec<BodyId>) {
-        let bodies = &self.ledger.bodies;
+        let bodies = &self.state.bodies;
         let first = found.len();
         query::overlapping(
             bodies,
@@ -317,7 +317,7 @@ impl HasLedger for PencilSweep {
 impl BroadPhase for PencilSweep {
     fn set_boxes(&mut self, batch: &[(BodyId, Aabb)]) -> Result<(), BatchError> {
         let threads = self.threads();
-        self.ledger.bodies.set_boxes(batch, threads)
+        self.state.bodies.set_boxes(batch, threads)
     }
 
     fn step_with(&mut self, filter: &mut dyn FnMut(BodyId, BodyId) -> bool) -> Events<'_> {
@@ -337,12 +337,12 @@ impl BroadPhase for PencilSweep {
                 query::overlapping(bodies, columns, &record.now(), Record::now, |i| found.push(i));
             }
         };
-        self.ledger.take_over(filter, partners, threads);
-        self.ledger.pairs.events(&self.ledger.bodies)
+        self.state.take_over(filter, partners, threads);
+        self.state.pairs.events(&self.state.bodies)
     }
 
     fn check(&self) -> Result<(), String> {
-        self.ledger.check()?;
+        self.state.check()?;
         self.check_columns()
     }
 
@@ -350,6 +350,6 @@ impl BroadPhase for PencilSweep {
         let columns: usize = self.columns.iter().map(|c| c.entries.capacity() * 8).sum();
         let scratch: usize = self.workers.iter().map(Worker::bytes).sum();
         let touched = self.touched.capacity() * size_of::<Touch>();
-        self.ledger.bytes() + self.columns.capacity() * size_of::<Column>() + columns + scratch + touched
+        self.state.bytes() + self.columns.capacity() * size_of::<Column>() + columns + scratch + touched
     }
 }

@@ -45,7 +45,7 @@ impl PencilSweep {
     /// The columns as pictures and statistics want them: for each column that holds a body its lower corner and upper
     /// corner on the two axes that are not swept, and how many bodies it lists.
     pub fn pencils(&self) -> impl Iterator<Item = Pencil> + '_ {
-        let grid = &self.ledger.bodies.grid;
+        let grid = &self.state.bodies.grid;
         let held = self
             .columns
             .iter()

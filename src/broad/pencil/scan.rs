@@ -27,7 +27,7 @@ const LANES: usize = 8;
 
 /// The new boxes of one column, by axis, and moves. Padded by entries that are apart from all others.
 #[derive(Clone, Debug, Default)]
-struct Lanes {
+struct BoxColumns {
     /// Lower bounds on the swept axis: what the column is sorted by.
     start: Vec<f32>,
     end: Vec<f32>,
@@ -42,7 +42,7 @@ struct Lanes {
     depth: Vec<f32>,
 }
 
-impl Lanes {
+impl BoxColumns {
     /// Room for `n` entries and the padding; what it holds is to be overwritten.
     fn make_room(&mut self, n: usize) {
         let Self {
@@ -90,7 +90,7 @@ impl Lanes {
         let [end, hi_u, hi_v, _] = f32x4::transpose(records.map(|record| record.now().hi));
         let [by_x, by_u, by_v, _] = f32x4::transpose(by);
         let moved = by_x.fast_max(by_u).fast_max(by_v) * f32x4::splat(COLUMN_MOVE);
-        let put = |lanes: &mut Vec<f32>, four: f32x4| lanes[k..k + FOUR].copy_from_slice(&four.to_array());
+        let put = |boxes: &mut Vec<f32>, four: f32x4| boxes[k..k + FOUR].copy_from_slice(&four.to_array());
         put(&mut self.start, start);
         put(&mut self.end, end);
         put(&mut self.lo_u, lo_u);
@@ -106,7 +106,7 @@ impl Lanes {
 #[derive(Clone, Debug, Default)]
 #[repr(align(128))] // as `Marks` are
 pub(super) struct Worker {
-    lanes: Lanes,
+    boxes: BoxColumns,
     /// What the sweep hit and did not yet look at.
     pending: Vec<Hits>,
     pub(super) changes: Changes,
@@ -135,7 +135,7 @@ impl Worker {
             if self.alone.is_empty() {
                 self.scan::<false>(column, cell, bodies);
             } else {
-                self.lanes.deepen(&self.alone);
+                self.boxes.deepen(&self.alone);
                 self.scan::<true>(column, cell, bodies);
             }
             if self.counting {
@@ -152,13 +152,13 @@ impl Worker {
     fn gather(&mut self, cell: [u16; 2], column: &mut Column, bodies: &Bodies) -> bool {
         let n = column.entries.len();
         self.alone.clear();
-        self.lanes.make_room(n);
+        self.boxes.make_room(n);
         let (mut farthest, mut longest) = (f32x4::ZERO, f32x4::ZERO);
         for (k, entries) in column.entries.chunks(FOUR).enumerate() {
             // The last four may be fewer; the lanes behind them are padding, which is written last.
             let four: [Entry; FOUR] = core::array::from_fn(|i| entries[i.min(entries.len() - 1)]);
             let records = four.map(|e| &bodies.records[index_of(e)]);
-            let (mut moved, mut length) = self.lanes.copy(FOUR * k, &records, bodies.step);
+            let (mut moved, mut length) = self.boxes.copy(FOUR * k, &records, bodies.step);
             let flags = records.iter().fold(0, |flags, record| flags | record.flags());
             let arriving = four.iter().fold(0, |all, e| all | *e as u32) & ARRIVING;
             if (flags & (MIGRATES | JUMPS) != 0) | (arriving != 0) {
@@ -166,7 +166,7 @@ impl Worker {
                     if let Some(only) = only_box(four[i], records[i], cell, bodies.step) {
                         moved.as_mut_array()[i] = 0.0;
                         length.as_mut_array()[i] = only.hi[0] - only.lo[0];
-                        self.lanes.put_alone(FOUR * k + i, &only);
+                        self.boxes.put_alone(FOUR * k + i, &only);
                         self.alone.extend((i < entries.len()).then_some((FOUR * k + i) as u32));
                     }
                 }
@@ -174,7 +174,7 @@ impl Worker {
             farthest = farthest.fast_max(moved);
             longest = longest.fast_max(length);
         }
-        self.lanes.pad(n);
+        self.boxes.pad(n);
         let most = |v: f32x4| v.to_array().into_iter().fold(0.0, max);
         (column.longest, self.reach) = (most(longest), most(farthest));
         self.reach > 0.0 || !self.alone.is_empty()
@@ -185,7 +185,7 @@ impl Worker {
         let n = column.entries.len();
         let padded = n + LANES;
         // Slices of one known length spare bounds checks.
-        let Lanes {
+        let BoxColumns {
             start,
             end,
             lo_u,
@@ -194,7 +194,7 @@ impl Worker {
             hi_v,
             moved,
             depth,
-        } = &self.lanes;
+        } = &self.boxes;
         let (start, end, moved, depth) = (&start[..padded], &end[..padded], &moved[..padded], &depth[..padded]);
         let (lo_u, hi_u, lo_v, hi_v) = (&lo_u[..padded], &hi_u[..padded], &lo_v[..padded], &hi_v[..padded]);
         // Room for the windows of one entry more, so that none has to wait for another to be settled.
@@ -243,7 +243,7 @@ impl Worker {
     /// Counts the entries inside the windows of a sample of the column.
     fn count(&mut self, column: &Column, bodies: &Bodies) {
         let n = column.entries.len();
-        let start = &self.lanes.start[..n];
+        let start = &self.boxes.start[..n];
         for i in (0..n).step_by(4) {
             let end = bodies.records[index_of(column.entries[i])].now().to_box().hi[0];
             self.counts.tests += start[i + 1..].partition_point(|s| *s <= end) as u64;
@@ -255,8 +255,8 @@ impl Worker {
 
     /// Bytes reserved.
     pub(super) fn bytes(&self) -> usize {
-        let lanes = self.lanes.start.capacity() * 8 * 4 + self.pending.capacity() * size_of::<Hits>();
-        lanes
+        let boxes = self.boxes.start.capacity() * 8 * 4 + self.pending.capacity() * size_of::<Hits>();
+        boxes
             + (self.changes.began.capacity() + self.changes.ended.capacity() + self.active.capacity()) * 8
             + self.alone.capacity() * 4
     }

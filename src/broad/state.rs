@@ -13,7 +13,7 @@ use nalgebra::Point3;
 /// elsewhere and rely on half of it.
 #[derive(Clone, Debug)]
 #[allow(unreachable_pub)]
-pub struct Ledger {
+pub struct BroadPhaseState {
     pub(super) bodies: Bodies,
     pub(super) pairs: PairTable,
     pub(super) changes: Changes,
@@ -21,11 +21,11 @@ pub struct Ledger {
 
 /// Seals [`BroadPhase`].
 #[allow(unreachable_pub)]
-pub trait HasLedger {
+pub trait HasState {
     #[doc(hidden)]
-    fn ledger(&self) -> &Ledger;
+    fn state(&self) -> &BroadPhaseState;
     #[doc(hidden)]
-    fn ledger_mut(&mut self) -> &mut Ledger;
+    fn state_mut(&mut self) -> &mut BroadPhaseState;
     /// Appends the bodies whose boxes overlapped a stored box in the last step, in ascending order.
     #[doc(hidden)]
     fn overlapping_stored(&self, asked: &StoredBox, found: &mut Vec<BodyId>);
@@ -41,7 +41,7 @@ pub struct Nearest {
     pub distance: f64,
 }
 
-impl Ledger {
+impl BroadPhaseState {
     pub(super) fn new(origin: Point3<f64>) -> Self {
         Self {
             bodies: Bodies::new(origin),
@@ -142,7 +142,7 @@ pub(super) fn nearest<B: BroadPhase + ?Sized>(
     count: usize,
     farthest: f64,
 ) -> Result<Vec<Nearest>, BroadPhaseError> {
-    let bodies = &broad.ledger().bodies;
+    let bodies = &broad.state().bodies;
     let asked = bodies.stored(aabb, 0)?;
     let back = 3 - bodies.grid.axis;
     let mut out: Vec<Nearest> = Vec::new();

@@ -6,11 +6,11 @@ use alloc::vec::Vec;
 use super::ball::least_distance;
 use super::body::Bodies;
 use super::budget::{slack, wake};
-use super::effects::{NEVER, Plan, Rung, Table};
-use super::events::{Change, Happened};
-use super::kept::Answer;
-use super::lane::{Head, Lane, State};
+use super::effects::{Detail, NEVER, Plan, Table};
+use super::events::{Change, PairChange};
+use super::pair_table::{PairFlags, PairHeader, PairTable};
 use super::report::Counts;
+use super::stored_answer::StoredAnswer;
 use crate::contact::{Manifold, Query};
 use crate::pair::outcome::{Class, Outcome};
 use crate::pose::RelativePose;
@@ -27,45 +27,51 @@ pub(super) struct Context<'a> {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Tally {
     pub(super) counts: Counts,
-    pub(super) happened: Vec<Happened>,
+    pub(super) changes: Vec<PairChange>,
 }
 
 /// Looks at all pairs of a lane.
-pub(super) fn look_at_lane<A: Answer>(lane: &mut Lane<A>, context: &Context<'_>, tally: &mut Tally) {
-    look_at_run(&mut lane.heads, &mut lane.trackers, &mut lane.answers, context, tally);
+pub(super) fn test_table<A: StoredAnswer>(pair_table: &mut PairTable<A>, context: &Context<'_>, tally: &mut Tally) {
+    test_run(
+        &mut pair_table.headers,
+        &mut pair_table.trackers,
+        &mut pair_table.answers,
+        context,
+        tally,
+    );
 }
 
 /// Looks at the pairs of one run of seats.
-pub(super) fn look_at_run<A: Answer>(
-    heads: &mut [Head],
+pub(super) fn test_run<A: StoredAnswer>(
+    headers: &mut [PairHeader],
     trackers: &mut [Tracker],
     answers: &mut [A],
     context: &Context<'_>,
     tally: &mut Tally,
 ) {
-    tally.counts.called += heads.len() as u64;
-    for ((head, tracker), answer) in heads.iter_mut().zip(trackers).zip(answers) {
-        if context.is_answered(head, &mut tally.counts) {
+    tally.counts.called += headers.len() as u64;
+    for ((header, tracker), answer) in headers.iter_mut().zip(trackers).zip(answers) {
+        if context.is_answered(header, &mut tally.counts) {
             continue;
         }
-        let before = head.state;
-        context.look(head, tracker, answer, &mut tally.counts);
-        tell(before, head, &mut tally.happened);
+        let before = header.state;
+        context.test(header, tracker, answer, &mut tally.counts);
+        note_changes(before, header, &mut tally.changes);
     }
 }
 
 impl Context<'_> {
-    fn sum(&self, head: &Head) -> f64 {
+    fn sum(&self, header: &PairHeader) -> f64 {
         let travels = &self.bodies.travels;
-        travels[head.a as usize].odometer + travels[head.b as usize].odometer
+        travels[header.a as usize].odometer + travels[header.b as usize].odometer
     }
 
     /// Whether the answer of the last look stands: neither body moved, or the budget is not used up.
     #[inline]
-    fn is_answered(&self, head: &Head, counts: &mut Counts) -> bool {
-        let [a, b] = [head.a, head.b].map(|i| &self.bodies.travels[i as usize]);
+    fn is_answered(&self, header: &PairHeader, counts: &mut Counts) -> bool {
+        let [a, b] = [header.a, header.b].map(|i| &self.bodies.travels[i as usize]);
         let step = self.bodies.step;
-        if !head.state.known {
+        if !header.state.known {
             return false;
         }
         if a.moved != step && b.moved != step {
@@ -73,7 +79,7 @@ impl Context<'_> {
             return true;
         }
         // NaN looks.
-        if self.budget && a.odometer + b.odometer < head.wake {
+        if self.budget && a.odometer + b.odometer < header.wake {
             counts.skipped += 1;
             return true;
         }
@@ -82,31 +88,37 @@ impl Context<'_> {
 
     /// Whether two balls are so far apart that nothing called for can be true.
     #[inline]
-    fn is_clear(&self, head: &mut Head, reach: f64, counts: &mut Counts) -> bool {
-        let [a, b] = [head.a, head.b].map(|i| &self.bodies.balls[i as usize]);
+    fn is_clear(&self, header: &mut PairHeader, reach: f64, counts: &mut Counts) -> bool {
+        let [a, b] = [header.a, header.b].map(|i| &self.bodies.balls[i as usize]);
         let apart = least_distance(a, b);
         if !(apart > reach) {
             return false;
         }
         counts.balls += 1;
-        head.state = State {
+        header.state = PairFlags {
             known: true,
-            ..State::default()
+            ..PairFlags::default()
         };
-        head.wake = wake(self.sum(head), apart - reach);
+        header.wake = wake(self.sum(header), apart - reach);
         true
     }
 
     #[inline]
-    fn look<A: Answer>(&self, head: &mut Head, tracker: &mut Tracker, answer: &mut A, counts: &mut Counts) {
-        let plan = self.table.plan(head.class);
-        if self.is_clear(head, plan.reach, counts) {
-            if let Some(kept) = answer.manifold() {
-                *kept = None;
+    fn test<A: StoredAnswer>(
+        &self,
+        header: &mut PairHeader,
+        tracker: &mut Tracker,
+        answer: &mut A,
+        counts: &mut Counts,
+    ) {
+        let plan = self.table.plan(header.class);
+        if self.is_clear(header, plan.reach, counts) {
+            if let Some(stored) = answer.manifold() {
+                *stored = None;
             }
             return;
         }
-        let (a, b) = (head.a as usize, head.b as usize);
+        let (a, b) = (header.a as usize, header.b as usize);
         let (Some(solid_a), Some(solid_b)) = (&self.bodies.solids[a], &self.bodies.solids[b]) else {
             return;
         };
@@ -118,7 +130,7 @@ impl Context<'_> {
         let outcome = tracker.measure(shape_a, shape_b, &pose, plan.until);
         counts.note(&outcome, tracker.facets());
         let within = |t: f64| t != NEVER && tracker.decides_within(shape_a, shape_b, &pose, &outcome, t);
-        head.state = State {
+        header.state = PairFlags {
             known: true,
             overlaps: plan.overlap && within(0.0),
             within: within(plan.within),
@@ -126,19 +138,19 @@ impl Context<'_> {
         };
         counts.overlaps += u64::from(plan.overlap);
         counts.withins += u64::from(plan.within != NEVER);
-        if head.state.measured {
+        if header.state.measured {
             counts.distances += 1;
-            counts.features += u64::from(plan.rung >= Rung::Features);
-            answer.take(&outcome);
-            head.wake = 0.0;
+            counts.features += u64::from(plan.detail >= Detail::Features);
+            answer.store(&outcome);
+            header.wake = 0.0;
         } else {
-            head.wake = wake(self.sum(head), slack_of(plan, &outcome));
+            header.wake = wake(self.sum(header), slack_of(plan, &outcome));
         }
-        if let (Some(kept), Some(options)) = (answer.manifold(), &plan.manifold) {
+        if let (Some(stored), Some(options)) = (answer.manifold(), &plan.manifold) {
             if within(options.prediction) {
-                hold(kept, &Query::new(shape_a, shape_b, &pose, options), &outcome, counts);
+                update_manifold(stored, &Query::new(shape_a, shape_b, &pose, options), &outcome, counts);
             } else {
-                *kept = None;
+                *stored = None;
             }
         }
     }
@@ -146,8 +158,8 @@ impl Context<'_> {
 
 /// Keeps the contact points up: where the bodies have hardly moved since they were made, they are measured anew, else they are
 /// made of the outcome.
-fn hold(kept: &mut Option<Box<Manifold>>, query: &Query<'_>, outcome: &Outcome, counts: &mut Counts) {
-    let manifold = kept.get_or_insert_default();
+fn update_manifold(stored: &mut Option<Box<Manifold>>, query: &Query<'_>, outcome: &Outcome, counts: &mut Counts) {
+    let manifold = stored.get_or_insert_default();
     counts.manifolds += 1;
     if let Err(moved) = manifold.refresh(query) {
         manifold.renew(query, outcome, moved);
@@ -169,13 +181,13 @@ fn slack_of(plan: &Plan, outcome: &Outcome) -> f64 {
     called.fold(f64::INFINITY, |s, t| s.min(slack(*t, outcome.lower, upper)))
 }
 
-fn tell(before: State, head: &Head, happened: &mut Vec<Happened>) {
-    let now = head.state;
+fn note_changes(before: PairFlags, header: &PairHeader, changes: &mut Vec<PairChange>) {
+    let now = header.state;
     let mut note = |was: bool, is: bool, began: Change, ended: Change| {
         if was != is {
-            happened.push(Happened {
-                id: head.pair,
-                pair: (head.a, head.b),
+            changes.push(PairChange {
+                id: header.pair,
+                pair: (header.a, header.b),
                 change: if is { began } else { ended },
             });
         }

@@ -8,11 +8,11 @@ use crate::polyhedron::FeaturePair;
 use crate::pose::Operand;
 
 /// What a lane keeps of an outcome.
-pub(super) trait Answer: Clone + Send + Sync {
+pub(super) trait StoredAnswer: Clone + Send + Sync {
     /// Before the first outcome.
     fn blank() -> Self;
     /// Takes over what it keeps.
-    fn take(&mut self, outcome: &Outcome);
+    fn store(&mut self, outcome: &Outcome);
     fn distance(&self) -> Option<Distance>;
     fn outcome(&self) -> Option<&Outcome>;
     /// Where contact points are kept, in the lane that has them.
@@ -24,9 +24,9 @@ pub(super) trait Answer: Clone + Send + Sync {
     }
 }
 
-impl Answer for () {
+impl StoredAnswer for () {
     fn blank() {}
-    fn take(&mut self, _: &Outcome) {}
+    fn store(&mut self, _: &Outcome) {}
     fn distance(&self) -> Option<Distance> {
         None
     }
@@ -35,12 +35,12 @@ impl Answer for () {
     }
 }
 
-impl Answer for Distance {
+impl StoredAnswer for Distance {
     fn blank() -> Self {
-        Self::from(&<Outcome as Answer>::blank())
+        Self::from(&<Outcome as StoredAnswer>::blank())
     }
     #[inline]
-    fn take(&mut self, outcome: &Outcome) {
+    fn store(&mut self, outcome: &Outcome) {
         *self = Self::from(outcome);
     }
     fn distance(&self) -> Option<Distance> {
@@ -51,7 +51,7 @@ impl Answer for Distance {
     }
 }
 
-impl Answer for Outcome {
+impl StoredAnswer for Outcome {
     fn blank() -> Self {
         Self {
             // Finite, since not every format of files can hold what is not.
@@ -60,7 +60,7 @@ impl Answer for Outcome {
         }
     }
     #[inline]
-    fn take(&mut self, outcome: &Outcome) {
+    fn store(&mut self, outcome: &Outcome) {
         *self = *outcome;
     }
     fn distance(&self) -> Option<Distance> {
@@ -74,20 +74,20 @@ impl Answer for Outcome {
 /// An outcome, and the contact points while the bodies are near enough for them.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(super) struct Contact {
+pub(super) struct StoredContact {
     pub(super) outcome: Outcome,
     pub(super) manifold: Option<Box<Manifold>>,
 }
 
-impl Answer for Contact {
+impl StoredAnswer for StoredContact {
     fn blank() -> Self {
         Self {
-            outcome: <Outcome as Answer>::blank(),
+            outcome: <Outcome as StoredAnswer>::blank(),
             manifold: None,
         }
     }
     #[inline]
-    fn take(&mut self, outcome: &Outcome) {
+    fn store(&mut self, outcome: &Outcome) {
         self.outcome = *outcome;
     }
     fn distance(&self) -> Option<Distance> {
