@@ -1,4 +1,4 @@
-//! What the last step found, by pair and by body.
+//! Answers of the last step, by pair and by body.
 
 use alloc::vec::Vec;
 
@@ -9,53 +9,55 @@ use crate::broad::{self, Aabb, BroadPhase};
 use crate::contact::Manifold;
 use crate::pair::outcome::{Distance, Outcome};
 
-/// What was found of one pair: of each effect that is called for its answer, and `None` for the others.
+/// Answers for one pair: `Some` for each effect that is called for, and `None` otherwise.
 ///
-/// Witnesses, contact points and normals are in the frames of the bodies: `point_on_a` and `normal` in that of `a`, `point_on_b` in that
-/// of `b`. [`Scene::pose`] leads to the world.
+/// Witnesses, contact points and normals are in the frames of the bodies: `point_on_a` and `normal`
+/// in the frame of `a`, `point_on_b` in the frame of `b`. [`Scene::pose`] leads to the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct PairAnswer<'a> {
-    /// The body with the lower index: A of all that is said here.
+    /// The body with the lower index: operand A of all answers.
     pub a: BodyId,
-    /// The body with the higher index.
+    /// The body with the higher index: operand B of all answers.
     pub b: BodyId,
-    /// The pair's name from the meeting of the boxes to their parting.
+    /// Id of the pair, from the meeting of the boxes to their parting.
     pub pair: PairId,
     /// Whether the bodies share a point.
     pub overlaps: Option<bool>,
-    /// Whether they are within the distance called for.
+    /// Whether the bodies are within the distance called for.
     pub within: Option<bool>,
-    /// Their signed distance; `None` also for bodies farther apart than it is called for.
+    /// Signed distance; `None` also for bodies farther apart than the range called for.
     pub distance: Option<Distance>,
-    /// Features, witnesses and normal; `None` also for bodies farther apart than they are called for.
+    /// Features, witnesses and normal; `None` also for bodies farther apart than the range called
+    /// for.
     pub outcome: Option<&'a Outcome>,
-    /// Contact points; `None` also for bodies farther apart than their prediction.
+    /// Contact points; `None` also for bodies farther apart than the prediction.
     pub manifold: Option<&'a Manifold>,
 }
 
 impl Scene {
-    /// All pairs whose boxes overlap, in the order of their slots, with what was found of them.
+    /// Iterates over all pairs whose boxes overlap, in the order of the slots, with the answers.
     pub fn pairs(&self) -> impl Iterator<Item = PairAnswer<'_>> + '_ {
         self.broad.pairs().map(|pair| self.answer(&pair))
     }
 
-    /// The pair of two bodies, in either order: `None` where their boxes, grown by the distances called for, do not overlap.
+    /// Returns the pair of two bodies, in either order: `None` if the boxes, grown by the distances
+    /// called for, do not overlap.
     #[must_use]
     pub fn pair(&self, a: BodyId, b: BodyId) -> Option<PairAnswer<'_>> {
         let proxy = |id| Some(self.bodies.proxies[self.bodies.index_of(id).ok()?]);
         Some(self.answer(&self.broad.pair(proxy(a)?, proxy(b)?)?))
     }
 
-    /// The pairs of one body, in ascending order of the others.
+    /// Returns the pairs of one body, in ascending order of the partner.
     ///
     /// # Errors
-    /// When the id is stale.
+    /// If the id is stale.
     pub fn pairs_of(&self, id: BodyId) -> Result<Vec<PairAnswer<'_>>, SceneError> {
         let i = self.bodies.index_of(id)?;
         let proxy = self.bodies.proxies[i];
         let mut near = Vec::new();
-        // The stored box, from f32 to f64 about the origin, holds itself.
+        // The stored box, from f32 to f64 about the origin, contains itself.
         if let Some(stored) = self.broad.stored_box(proxy) {
             let corner = |v: [f32; 3]| self.settings.origin + nalgebra::Vector3::from(v.map(f64::from));
             let around = Aabb::new(corner(stored.lo), corner(stored.hi));
@@ -69,7 +71,7 @@ impl Scene {
         Ok(found)
     }
 
-    /// Number of pairs whose boxes overlap.
+    /// Returns the number of pairs whose boxes overlap.
     #[must_use]
     pub fn pair_count(&self) -> usize {
         self.broad.pair_count()

@@ -1,4 +1,5 @@
-//! One pair in a step: what already answers, from the cheapest on, and the tracker where nothing does.
+//! Narrow phase of one pair in a step: tests from the cheapest on, and the tracker if no cheaper
+//! test answers.
 
 use alloc::boxed::Box;
 use alloc::vec::Vec;
@@ -16,21 +17,21 @@ use crate::pair::outcome::{Class, Outcome};
 use crate::pose::RelativePose;
 use crate::tracker::Tracker;
 
-/// What looking at a pair reads of its scene.
+/// The parts of a scene that the narrow phase reads.
 pub(super) struct Context<'a> {
     pub(super) bodies: &'a Bodies,
     pub(super) table: &'a Table,
     pub(super) budget: bool,
 }
 
-/// What looking at pairs gives besides their answers.
+/// Counts and changes of the narrow phase, besides the answers.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Tally {
     pub(super) counts: Counts,
     pub(super) changes: Vec<PairChange>,
 }
 
-/// Looks at all pairs of a lane.
+/// Tests all pairs of a table.
 pub(super) fn test_table<A: StoredAnswer>(pair_table: &mut PairTable<A>, context: &Context<'_>, tally: &mut Tally) {
     test_run(
         &mut pair_table.headers,
@@ -41,7 +42,7 @@ pub(super) fn test_table<A: StoredAnswer>(pair_table: &mut PairTable<A>, context
     );
 }
 
-/// Looks at the pairs of one run of seats.
+/// Tests the pairs of a run of rows.
 pub(super) fn test_run<A: StoredAnswer>(
     headers: &mut [PairHeader],
     trackers: &mut [Tracker],
@@ -66,7 +67,7 @@ impl Context<'_> {
         travels[header.a as usize].odometer + travels[header.b as usize].odometer
     }
 
-    /// Whether the answer of the last look stands: neither body moved, or the budget is not used up.
+    /// Whether the last answer remains valid: neither body moved, or the budget is not used up.
     #[inline]
     fn is_answered(&self, header: &PairHeader, counts: &mut Counts) -> bool {
         let [a, b] = [header.a, header.b].map(|i| &self.bodies.travels[i as usize]);
@@ -78,7 +79,7 @@ impl Context<'_> {
             counts.resting += 1;
             return true;
         }
-        // NaN looks.
+        // Written so that NaN leads to a test.
         if self.budget && a.odometer + b.odometer < header.wake {
             counts.skipped += 1;
             return true;
@@ -86,7 +87,7 @@ impl Context<'_> {
         false
     }
 
-    /// Whether two balls are so far apart that nothing called for can be true.
+    /// Whether two balls are so far apart that no effect called for can apply.
     #[inline]
     fn is_clear(&self, header: &mut PairHeader, reach: f64, counts: &mut Counts) -> bool {
         let [a, b] = [header.a, header.b].map(|i| &self.bodies.balls[i as usize]);
@@ -122,7 +123,7 @@ impl Context<'_> {
         let (Some(solid_a), Some(solid_b)) = (&self.bodies.solids[a], &self.bodies.solids[b]) else {
             return;
         };
-        // Poses within a scene's reach have a relative pose.
+        // Poses within the reach of a scene always have a relative pose.
         let Ok(pose) = RelativePose::new(&self.bodies.poses[a], &self.bodies.poses[b]) else {
             return;
         };
@@ -156,8 +157,8 @@ impl Context<'_> {
     }
 }
 
-/// Keeps the contact points up: where the bodies have hardly moved since they were made, they are measured anew, else they are
-/// made of the outcome.
+/// Updates the contact points: if the bodies have hardly moved since the manifold was made, the
+/// points are measured again, else the manifold is rebuilt from the outcome.
 fn update_manifold(stored: &mut Option<Box<Manifold>>, query: &Query<'_>, outcome: &Outcome, counts: &mut Counts) {
     let manifold = stored.get_or_insert_default();
     counts.manifolds += 1;
@@ -167,9 +168,10 @@ fn update_manifold(stored: &mut Option<Box<Manifold>>, query: &Query<'_>, outcom
     }
 }
 
-/// How much the distance of a pair without a measured one may change before an answer does.
+/// Returns how much the distance of a pair without a measured distance may change before an answer
+/// changes.
 fn slack_of(plan: &Plan, outcome: &Outcome) -> f64 {
-    // An overlap without its depth is at most 0.
+    // The upper bound of an overlap without depth is 0.
     let upper = if outcome.class == Class::Overlapping {
         0.0
     } else {

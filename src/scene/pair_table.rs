@@ -1,6 +1,15 @@
-//! Pairs in lanes: one lane for each kind of answer, so that a pair takes room for what is called for and no more.
+//! Tables of pairs: one table for each level of detail, so that a pair takes memory only for the
+//! effects called for.
 //!
-//! A lane is three lists side by side; a pair has the same seat in all. Lists have no gaps: who leaves gives the seat to the last.
+//! ```text
+//!              headers    trackers   answers
+//! row 0        | a, b |   | .... |   | .... |
+//! row 1        | a, b |   | .... |   | .... |     PairTable: three parallel lists
+//! row n - 1    | a, b |   | .... |   | .... |     rows[slot of the pair] = (table, row)
+//! ```
+//!
+//! The three lists of a table are parallel: a pair has one row number in all three. Lists have no
+//! gaps: the last pair moves to a row that becomes free.
 
 use alloc::vec::Vec;
 
@@ -11,34 +20,34 @@ use crate::contact::Manifold;
 use crate::pair::outcome::{Distance, Outcome, Until};
 use crate::tracker::Tracker;
 
-/// What the stages before a query read of a pair.
+/// The part of a pair that is read before a query.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct PairHeader {
     /// Indices of the bodies, `a < b`.
     pub(super) a: u32,
     pub(super) b: u32,
-    /// The pair's name in the broad phase.
+    /// Id of the pair in the broad phase.
     pub(super) pair: PairId,
     pub(super) class: GroupPair,
     pub(super) state: PairFlags,
-    /// The sum of odometers from which on the pair is looked at again.
+    /// Sum of the odometers from which on the pair is tested again.
     pub(super) wake: f64,
 }
 
-/// What was last found of a pair.
+/// Predicates of a pair as of the last test.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct PairFlags {
-    /// Looked at since its plan last changed; the rest is of then.
+    /// Whether the pair was tested since its plan last changed; if not, the other flags are older.
     pub(super) known: bool,
     pub(super) overlaps: bool,
     pub(super) within: bool,
-    /// The distance is within the range it was called for, so the lane has an answer.
+    /// Whether the distance is within the range called for, so that the table holds an answer.
     pub(super) measured: bool,
 }
 
-/// Pairs that keep the same kind of answer.
+/// Pairs that store one kind of answer.
 #[derive(Clone, Debug)]
 pub(super) struct PairTable<A> {
     pub(super) headers: Vec<PairHeader>,
@@ -64,7 +73,8 @@ impl<A: StoredAnswer> PairTable<A> {
         (self.headers.len() - 1) as u32
     }
 
-    /// Frees a seat; the last pair of the lane takes it, if it was not its own.
+    /// Frees a row and moves the last pair of the table there. Returns the removed pair and the
+    /// slot of the moved pair, if any.
     fn remove(&mut self, row: u32) -> (PairHeader, Tracker, Option<u32>) {
         let i = row as usize;
         let header = self.headers.swap_remove(i);
@@ -83,7 +93,7 @@ impl<A: StoredAnswer> PairTable<A> {
             + surfaces
     }
 
-    /// Gives room back where most of it is empty.
+    /// Releases memory if most of the capacity is unused.
     fn trim(&mut self) {
         if self.headers.capacity() > 4 * self.headers.len() + 64 {
             self.headers.shrink_to(2 * self.headers.len());
@@ -93,8 +103,9 @@ impl<A: StoredAnswer> PairTable<A> {
     }
 }
 
-/// Where the pair of a slot sits: the lane in the three upper bits, below them whether its boxes were told of, and the seat in
-/// the lower half. There are fewer pairs than 2^32 at once, so every seat has room.
+/// Location of the pair of a slot: the table in the three upper bits, below them whether the event
+/// of its boxes was sent, and the row in the lower half. There are fewer pairs than 2^32 at once,
+/// so every row number fits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct TableRow(u64);
 
@@ -102,7 +113,7 @@ const TABLE: u32 = 61;
 const BOX_EVENT_SENT: u64 = 1 << 60;
 
 impl TableRow {
-    /// Of a pair of boxes alone, and of a slot without a pair.
+    /// Entry of a pair of boxes alone, and of a slot without a pair.
     const NONE: Self = Self(7 << TABLE);
 
     fn of(table: u32, row: u32) -> Self {
@@ -122,16 +133,16 @@ impl TableRow {
     }
 }
 
-/// What a pair takes along from one seat to the next.
+/// State of a pair that moves from one table to another.
 #[derive(Debug, Default)]
 pub(super) struct PairState {
     pub(super) state: PairFlags,
     pub(super) tracker: Tracker,
-    /// Whether it was told that the boxes met.
+    /// Whether the event that the boxes met was sent.
     pub(super) box_event_sent: bool,
 }
 
-/// A pair's part in the lanes, as queries see it.
+/// Read-only view of a pair for queries.
 pub(super) struct PairView<'a> {
     pub(super) header: &'a PairHeader,
     pub(super) tracker: &'a Tracker,
@@ -140,7 +151,7 @@ pub(super) struct PairView<'a> {
     pub(super) manifold: Option<&'a Manifold>,
 }
 
-/// All lanes, and the seats by slot.
+/// All tables, and the row of each slot.
 #[derive(Clone, Debug, Default)]
 pub(super) struct PairTables {
     pub(super) predicates: PairTable<()>,
@@ -151,8 +162,9 @@ pub(super) struct PairTables {
 }
 
 impl PairTables {
-    /// Seats a pair in the lane of its rung, with what of its luggage is still called for; pairs of boxes alone have no seat.
-    /// The pair is looked at in this step, whatever was known of it.
+    /// Inserts a pair into the table of its level of detail, keeping the state that is still called
+    /// for; pairs of boxes alone are not stored. The pair is tested in this step, whatever was
+    /// known before.
     pub(super) fn insert(&mut self, plan: &Plan, header: PairHeader, pair_state: PairState) {
         let slot = header.pair.slot as usize;
         let state = PairFlags {
@@ -178,7 +190,7 @@ impl PairTables {
         self.rows[slot] = TableRow(row.0 | if plan.boxes { BOX_EVENT_SENT } else { 0 });
     }
 
-    /// Takes the pair of a slot out of its lane, if it sits in one.
+    /// Removes the pair of a slot from its table, if stored.
     pub(super) fn remove(&mut self, slot: u32) -> PairState {
         let Some(entry) = self.rows.get_mut(slot as usize) else {
             return PairState::default();
@@ -199,7 +211,7 @@ impl PairTables {
             };
         };
         if let Some(moved) = moved {
-            // The last of the lane took the seat; what was told of it stays.
+            // The last pair of the table moved to this row; its own box event flag stays.
             let entry = &mut self.rows[moved as usize];
             *entry = TableRow(freed.0 & !BOX_EVENT_SENT | entry.0 & BOX_EVENT_SENT);
         }
@@ -210,7 +222,7 @@ impl PairTables {
         }
     }
 
-    /// The pair of a slot, if it sits in a lane.
+    /// Returns the pair of a slot, if stored in a table.
     pub(super) fn get(&self, slot: u32) -> Option<PairView<'_>> {
         fn seen<A: StoredAnswer>(pair_table: &PairTable<A>, row: u32) -> Option<PairView<'_>> {
             let (header, answer) = (pair_table.headers.get(row as usize)?, &pair_table.answers[row as usize]);
@@ -232,14 +244,14 @@ impl PairTables {
         }
     }
 
-    /// Slots whose boxes were told of.
+    /// Iterates over the slots whose box event was sent.
     #[cfg(feature = "serde")]
     pub(super) fn slots_with_box_event(&self) -> impl Iterator<Item = u32> + '_ {
         let rows = self.rows.iter().zip(0u32..);
         rows.filter(|(row, _)| row.is_box_event_sent()).map(|(_, slot)| slot)
     }
 
-    /// The pairs of all lanes.
+    /// Iterates over the pairs of all tables.
     #[cfg(feature = "serde")]
     pub(super) fn headers(&self) -> impl Iterator<Item = &PairHeader> {
         let pair_tables = [
@@ -251,7 +263,8 @@ impl PairTables {
         pair_tables.into_iter().flatten()
     }
 
-    /// Lanes with their seats found anew; `None` where two pairs have one slot. Slots are those of a broad phase.
+    /// Rebuilds the rows of restored tables; returns `None` if two pairs have one slot. Slots are
+    /// from the broad phase.
     #[cfg(feature = "serde")]
     pub(super) fn restored(
         predicates: PairTable<()>,

@@ -1,5 +1,6 @@
-//! Feature `parallel`: the two stages in which bodies and pairs are independent of each other, dealt out to threads in runs. Runs
-//! are joined in order and sums do not depend on it, so that any number of threads gives the same bits.
+//! Feature `parallel`: the two stages in which bodies and pairs are independent of each other,
+//! distributed to threads in runs. Runs are joined in order and sums do not depend on the order, so
+//! that any number of threads gives equal bits.
 
 use alloc::vec::Vec;
 
@@ -35,7 +36,7 @@ pub(super) fn make_boxes(
     }
 }
 
-/// Looks at all pairs of a lane.
+/// Tests all pairs of a table.
 pub(super) fn test_table<A: StoredAnswer>(pair_table: &mut PairTable<A>, context: &Context<'_>, tally: &mut Tally) {
     let headers = pair_table.headers.par_chunks_mut(RUN);
     let rows = headers

@@ -1,5 +1,6 @@
-//! Feature `serde`: what of a scene has to be kept so that it goes on as if nothing had happened. What is read is checked, so that
-//! no text makes a scene that could panic; an answer that a text falsifies stays false until its pair is looked at again.
+//! Feature `serde`: the complete state of a scene, so that a restored scene continues as if never
+//! interrupted. All input is checked, so that no text makes a scene that could panic; an answer
+//! that a text falsifies stays false until the pair is tested again.
 
 use alloc::collections::BTreeMap;
 use alloc::string::String;
@@ -23,11 +24,11 @@ use crate::pair::outcome::{Distance, Outcome};
 use crate::polyhedron::{BoxHint, ConvexPolyhedron};
 use crate::tracker::Tracker;
 
-/// One index of the tables of bodies.
+/// The values of one index in the tables of bodies.
 #[derive(Serialize, Deserialize)]
 struct Row {
     generation: u32,
-    /// `None` where no body is, nor leaves.
+    /// `None` if the index holds no body, nor a body that is leaving.
     solid: Option<SolidRow>,
     pose: Isometry3<f64>,
     travel: Travel,
@@ -44,10 +45,10 @@ struct SolidRow {
     boxed: bool,
 }
 
-/// Pairs of a lane, one after the other.
+/// Pairs of a table, row by row.
 type PairRows<A> = Vec<(PairHeader, Tracker, A)>;
 
-/// The serialized form.
+/// The serialized form of a scene.
 #[derive(Serialize, Deserialize)]
 struct Snapshot {
     settings: Settings,
@@ -62,7 +63,7 @@ struct Snapshot {
     due: Vec<u32>,
     step: u32,
     effects: Vec<(Group, Group, Effects)>,
-    /// Infinity as the largest number.
+    /// Growths by group, infinity as the largest number.
     growths: Vec<f64>,
     partners: [u32; GROUPS],
     broad: PencilSweep,
@@ -70,7 +71,7 @@ struct Snapshot {
     distances: PairRows<Distance>,
     features: PairRows<Outcome>,
     contacts: PairRows<StoredContact>,
-    /// Slots whose boxes were told of.
+    /// Slots whose box event was sent.
     #[serde(rename = "told")]
     box_event_sent: Vec<u32>,
     events: Vec<Event>,
@@ -213,7 +214,7 @@ impl Snapshot {
     }
 }
 
-/// Whether every body has its place in the broad phase, and every box there its body.
+/// Checks that every body has a proxy in the broad phase, and every proxy a body.
 fn check_proxies(bodies: &Bodies, broad: &PencilSweep) -> Result<(), String> {
     let n = bodies.generations.len();
     let is_kept = |i: usize| broad.contains(bodies.proxies[i]);
@@ -236,7 +237,7 @@ fn check_proxies(bodies: &Bodies, broad: &PencilSweep) -> Result<(), String> {
     Ok(())
 }
 
-/// Whether every seat is that of a pair of the broad phase.
+/// Checks that every row holds a pair of the broad phase.
 fn check_rows(pair_tables: &PairTables, bodies: &Bodies, broad: &PencilSweep) -> Result<(), String> {
     let sound = |header: &PairHeader| {
         let pair = broad.pair_of(header.pair).map(|pair| bodies_of(bodies, &pair));
@@ -249,7 +250,7 @@ fn check_rows(pair_tables: &PairTables, bodies: &Bodies, broad: &PencilSweep) ->
     Ok(())
 }
 
-/// The tables of bodies, if every list names what is there.
+/// Returns the tables of bodies, if every list names valid bodies.
 fn restored_bodies(
     rows: Vec<Row>,
     shapes: &[Arc<ConvexPolyhedron>],
@@ -268,7 +269,7 @@ fn restored_bodies(
     if !gone.is_sorted_by(|a, b| a < b) || !gone.iter().all(dead) || gone.len() + living != n {
         return Err("a list of removed bodies contradicts the scene".into());
     }
-    // An index is retired before its generations end, so that no id comes twice.
+    // An index is retired before the generations end, so that no id comes twice.
     if rows.iter().any(|r| r.generation == u32::MAX) || free.iter().any(|i| generation(i) >= RETIRED) {
         return Err("an index of the scene has no generation left".into());
     }

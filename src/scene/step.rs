@@ -13,7 +13,8 @@ use crate::broad::{self, Aabb, BroadPhase, PairId};
 use crate::polyhedron::BoxHint;
 
 impl Scene {
-    /// Takes over all calls since the last step and computes what is called for. Nothing is done if there were none.
+    /// Applies all calls since the last step and computes the effects called for. Does nothing if
+    /// there were no calls.
     pub fn step(&mut self) -> &Report {
         self.report = Report::default();
         self.report.counts.steps = 1;
@@ -41,8 +42,8 @@ impl Scene {
         self.changed || self.replanned != 0 || !self.bodies.due.is_empty()
     }
 
-    /// Brings the bodies of groups whose effects changed in line: whom they pair with, and how far their boxes grow. True if some
-    /// had to leave the broad phase and come back.
+    /// Updates the bodies of groups whose effects changed: the groups to pair with, and the growth
+    /// of the boxes. Returns true if some proxies had to be recreated.
     fn replan(&mut self) -> bool {
         if self.replanned == 0 {
             return false;
@@ -59,7 +60,7 @@ impl Scene {
             }
             if solid.boxed == (self.growths[solid.group.index()] < f64::INFINITY) {
                 let groups = self.groups_of(solid.group);
-                // The id of a living body is not stale.
+                // The id of a living body is never stale.
                 let _ = self.broad.set_groups(self.bodies.proxies[i], groups);
                 self.bodies.mark_due(i);
             } else {
@@ -69,7 +70,7 @@ impl Scene {
         recreated
     }
 
-    /// Takes a body out of the broad phase and puts it in again, with a box or without.
+    /// Removes a body from the broad phase and inserts the body again, with a box or unbounded.
     fn recreate_proxy(&mut self, i: usize) -> bool {
         let Some(mut solid) = self.bodies.solids[i].take() else {
             return false;
@@ -84,7 +85,8 @@ impl Scene {
         true
     }
 
-    /// Makes the boxes that are due and hands them over. Bodies that nothing is called for have none to keep.
+    /// Makes the boxes that are due and passes them to the broad phase. Bodies without any effect
+    /// need no box.
     fn make_boxes(&mut self) {
         let Self { bodies, batch, .. } = self;
         batch.clear();
@@ -107,13 +109,13 @@ impl Scene {
         boxes.make(0, &mut hints, &bodies.due, batch);
         bodies.hints = hints;
         self.report.counts.boxes = batch.len() as u64;
-        // Boxes of checked shapes at checked poses are sound, and the ids are of living bodies.
+        // Boxes of checked shapes at checked poses are valid, and the ids are of living bodies.
         let taken = self.broad.set_boxes(batch);
         debug_assert_eq!(taken, Ok(()));
     }
 
-    /// Lets the broad phase find what began and ended; pairs take seats and leave them. A pair of a body that came back to the broad
-    /// phase ends and begins in one step: it takes along what is known of it.
+    /// Lets the broad phase find new and ended pairs, and updates the rows of the tables. A pair of
+    /// a body with a recreated proxy ends and begins in one step, and keeps its state.
     fn find_pairs(&mut self, recreated: bool) -> Vec<PairChange> {
         let events = self.broad.step();
         let (bodies, pair_tables) = (&self.bodies, &mut self.pair_tables);
@@ -155,7 +157,7 @@ impl Scene {
         changes
     }
 
-    /// Pairs whose effects changed move to the lane that is theirs now.
+    /// Moves pairs whose effects changed to the table of their new level of detail.
     fn move_pairs(&mut self, changes: &mut Vec<PairChange>) {
         let (bodies, pair_tables) = (&self.bodies, &mut self.pair_tables);
         let replanned = |i: u32| bodies.group(i).is_some_and(|g| self.replanned & 1 << g.number() != 0);
@@ -203,7 +205,7 @@ impl Scene {
         (self.report.counts, *changes) = (tally.counts, tally.changes);
     }
 
-    /// Puts events in order and gives them their names.
+    /// Sorts the changes and writes them as events with ids.
     fn write_events(&mut self, changes: &mut [PairChange]) {
         changes.sort_unstable_by_key(|h| (h.pair, h.change));
         let bodies = &self.bodies;
@@ -221,13 +223,13 @@ pub(super) fn group(number: usize) -> Group {
     Group::new(number as u8).unwrap_or_default()
 }
 
-/// The bodies of a pair, the lower index first.
+/// Returns the indices of the two bodies of a pair, the lower index first.
 pub(super) fn bodies_of(bodies: &Bodies, pair: &broad::Pair) -> (u32, u32) {
     let [a, b] = [pair.a, pair.b].map(|id| bodies.body_of_proxy[id.index as usize]);
     (a.min(b), a.max(b))
 }
 
-/// A pair ends, and with it what was told of it.
+/// Ends a pair, and with the pair every event that began.
 fn end(pair_state: &PairState, pair: (u32, u32), id: PairId, changes: &mut Vec<PairChange>) {
     let ends = [
         (pair_state.state.within, Change::LeftWithin),
@@ -238,7 +240,7 @@ fn end(pair_state: &PairState, pair: (u32, u32), id: PairId, changes: &mut Vec<P
     changes.extend(sent.map(|(_, change)| PairChange { id, pair, change }));
 }
 
-/// A pair begins, or changes its lane.
+/// Begins a pair, or moves a pair to another table.
 fn begin(
     pair_tables: &mut PairTables,
     table: &Table,
@@ -270,16 +272,16 @@ fn begin(
     pair_tables.insert(plan, header, pair_state);
 }
 
-/// What making boxes reads.
+/// Read-only input of box making.
 pub(super) struct Boxes<'a> {
     bodies: &'a Bodies,
-    /// By group: whom it pairs with, and what its boxes grow by.
+    /// By group: the groups to pair with as bits, and the growth of the boxes.
     partners: &'a [u32; GROUPS],
     growths: &'a [f64; GROUPS],
 }
 
 impl Boxes<'_> {
-    /// Makes the boxes of `due` bodies, whose hints are those of a run of bodies from `first` on.
+    /// Makes the boxes of `due` bodies; `hints` are those of a run of bodies from `first` on.
     pub(super) fn make(&self, first: u32, hints: &mut [BoxHint], due: &[u32], batch: &mut Vec<(broad::BodyId, Aabb)>) {
         for &index in due {
             let i = index as usize;

@@ -1,4 +1,5 @@
-//! What is kept of an outcome, by what is called for: nothing, the distance, all of it, or contact points besides.
+//! The stored part of an outcome, by level of detail: nothing, the distance, the whole outcome, or
+//! the outcome with contact points.
 
 use alloc::boxed::Box;
 
@@ -7,15 +8,15 @@ use crate::pair::outcome::{Distance, Outcome};
 use crate::polyhedron::FeaturePair;
 use crate::pose::Operand;
 
-/// What a lane keeps of an outcome.
+/// The part of an outcome that a table stores.
 pub(super) trait StoredAnswer: Clone + Send + Sync {
-    /// Before the first outcome.
+    /// Returns the answer before the first outcome.
     fn blank() -> Self;
-    /// Takes over what it keeps.
+    /// Stores the part of `outcome` that this table keeps.
     fn store(&mut self, outcome: &Outcome);
     fn distance(&self) -> Option<Distance>;
     fn outcome(&self) -> Option<&Outcome>;
-    /// Where contact points are kept, in the lane that has them.
+    /// Returns the stored contact points, in the table that has them.
     fn manifold(&mut self) -> Option<&mut Option<Box<Manifold>>> {
         None
     }
@@ -54,7 +55,7 @@ impl StoredAnswer for Distance {
 impl StoredAnswer for Outcome {
     fn blank() -> Self {
         Self {
-            // Finite, since not every format of files can hold what is not.
+            // Finite, since not every file format can hold infinity.
             upper: f64::MAX,
             ..Self::starting_at(FeaturePair::vertices(Operand::A, 0, 0))
         }
@@ -71,7 +72,7 @@ impl StoredAnswer for Outcome {
     }
 }
 
-/// An outcome, and the contact points while the bodies are near enough for them.
+/// An outcome, and the contact points while the bodies are within the prediction.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct StoredContact {
