@@ -1,4 +1,4 @@
-//! What happens when indices, generations or steps run out, with few of them.
+//! Tests with few indices, generations or steps, so that each of these runs out.
 
 use super::pairs::Most;
 use super::{Aabb, Body, BodyId, BroadPhase, BroadPhaseError, PencilSweep, SortedAxes};
@@ -24,7 +24,7 @@ fn body_without_index(mut broad: impl BroadPhase) {
         assert!(broad.bodies().eq([a, b]) && broad.pair_count() == 1, "nothing changed");
     }
     broad.remove(b).expect("it is there");
-    // The index is free once the step has told that the pairs of its body ended.
+    // The index is free once the step has reported that the pairs of its body ended.
     assert_eq!(
         broad.insert(&cube(0.2), Body::moving()),
         Err(BroadPhaseError::TooManyBodies)
@@ -51,14 +51,15 @@ fn pairs_without_slot(mut broad: impl BroadPhase) {
     assert_eq!(told.refused, Some(error));
     assert_eq!(broad.pair_count(), 2);
     assert!(broad.pair(b, c).is_none());
-    // Not refused twice; what ends makes room, and a pair that has to wait is met when it begins anew.
+    // Not refused twice; an ended pair makes room, and a pair that has to wait begins when the
+    // boxes meet again.
     assert_eq!(broad.step().refused, None);
     broad.set_box(a, &cube(-9.0)).expect("a sound box");
     let told = broad.step();
     assert_eq!((told.ended.len(), told.began.len(), told.refused), (2, 0, None));
     broad.regroup(c).expect("it is there");
     assert_eq!(named(broad.step().began), [(b, c)]);
-    // The refused pair ends without a word.
+    // The refused pair ends without an event.
     broad.set_box(d, &cube(0.0)).expect("a sound box");
     let told = broad.step();
     assert_eq!(
@@ -96,7 +97,8 @@ fn an_index_of_the_last_generation_is_not_given_again() {
     last_generation(SortedAxes::new());
 }
 
-/// What moved in a step long ago has not moved in the one that has its number again.
+/// A body that moved in a step long ago has not moved in the step whose number is equal after
+/// wrap-around.
 fn last_step(mut broad: impl BroadPhase) {
     for x in [0.0, 0.1, 9.0] {
         broad.insert(&cube(x), Body::moving()).expect("there is room");

@@ -3,7 +3,7 @@
 use super::body::{Bodies, UNBOUNDED};
 use super::bounds::Bounds;
 use super::change::{Changes, pair_key};
-use super::pairs::PairTable;
+use super::pairs::PairSlots;
 use super::parallel::Threads;
 use super::{Aabb, Body, BodyId, BroadPhase, BroadPhaseError, Pair, PairId, StoredBox};
 use alloc::vec::Vec;
@@ -15,7 +15,7 @@ use nalgebra::Point3;
 #[allow(unreachable_pub)]
 pub struct BroadPhaseState {
     pub(super) bodies: Bodies,
-    pub(super) pairs: PairTable,
+    pub(super) pairs: PairSlots,
     pub(super) changes: Changes,
 }
 
@@ -45,7 +45,7 @@ impl BroadPhaseState {
     pub(super) fn new(origin: Point3<f64>) -> Self {
         Self {
             bodies: Bodies::new(origin),
-            pairs: PairTable::default(),
+            pairs: PairSlots::default(),
             changes: Changes::default(),
         }
     }

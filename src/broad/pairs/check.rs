@@ -1,11 +1,11 @@
 //! Consistency of slots and links.
 
-use super::{PairTable, VACANT};
+use super::{PairSlots, VACANT};
 use alloc::format;
 use alloc::string::String;
 use alloc::vec;
 
-impl PairTable {
+impl PairSlots {
     /// The first contradiction between slots, links and the lists of vacant slots.
     pub(crate) fn check(&self) -> Result<(), String> {
         let mut vacant = vec![false; self.slots.len()];

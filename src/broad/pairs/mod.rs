@@ -92,7 +92,7 @@ impl Default for Most {
 
 /// Slots, and links from two bodies to their slot. Touched by events and look-ups only.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct PairTable {
+pub(crate) struct PairSlots {
     slots: Vec<Slot>,
     free: Vec<u32>,
     /// Slots of pairs that ended in the last step; free from the next step on.
@@ -106,7 +106,7 @@ pub(crate) struct PairTable {
     pub(super) most: Most,
 }
 
-impl PairTable {
+impl PairSlots {
     pub(crate) fn len(&self) -> usize {
         self.live
     }
