@@ -103,7 +103,7 @@ pub trait BroadPhase: HasState {
         Ok(())
     }
 
-    /// Makes a step [`with`](Self::step_with) a filter that lets every pair pass.
+    /// Calls [`step_with`](Self::step_with) with a filter that lets every pair pass.
     fn step(&mut self) -> Events<'_> {
         self.step_with(&mut |_, _| true)
     }

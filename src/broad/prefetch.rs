@@ -1,13 +1,13 @@
-//! Reading ahead: what a loop is going to need from all over memory.
+//! Prefetching: reads the scattered memory that a loop is going to need.
 
-/// So many items are read ahead at once.
+/// Number of items prefetched at once.
 pub(super) const AHEAD: usize = 32;
 
-/// Tables of so many items stay in near caches from step to step and need not be read ahead.
+/// Tables up to this many items stay in near caches from step to step and need no prefetching.
 const NEAR: usize = 1 << 14;
 
-/// Reads all values, which lie in a table of `count` items. A loop that searches and decides waits for its reads one
-/// after the other; asked for without a branch between, they arrive together.
+/// Reads all values, which lie in a table of `count` items. A loop that searches and decides waits
+/// for its reads one after another; requested without a branch between, the values arrive together.
 #[inline(always)]
 pub(super) fn read_ahead(count: usize, values: impl Iterator<Item = u32>) {
     if count > NEAR {

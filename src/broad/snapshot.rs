@@ -1,7 +1,8 @@
-//! Feature `serde`: what of a structure has to be kept so that it goes on as if nothing had happened.
+//! Feature `serde`: the complete state of a structure, so that a restored structure continues as if
+//! never interrupted.
 //!
-//! Events depend on boxes and ids alone, so bodies and pair slots are all there is to keep; columns and sorted lists are
-//! made anew. What is read is checked, so that no text makes a structure that could panic.
+//! Events depend on boxes and ids alone, so bodies and pair slots suffice; columns and sorted lists
+//! are rebuilt. All input is checked, so that no text makes a structure that could panic.
 
 use super::body::BodiesState;
 use super::pairs::PairsState;

@@ -10,7 +10,8 @@
 //! const CELL: Group = Group::new(1).unwrap();
 //! const ROBOT: Group = Group::new(2).unwrap();
 //!
-//! let block = Arc::new(solids::cuboid(Vector3::new(0.5, 0.5, 0.5))?); // shared by all bodies of that shape
+//! // Shared by all bodies of this shape.
+//! let block = Arc::new(solids::cuboid(Vector3::new(0.5, 0.5, 0.5))?);
 //! let mut scene = Scene::new();
 //! scene.call_for(ROBOT, CELL, Effects { within: Some(0.05), ..Effects::none() })?;
 //! scene.insert(Body::fixed(block.clone()).group(CELL), Isometry3::translation(3.005, 0.0, 0.0))?;
@@ -61,15 +62,19 @@
 //! const ROBOT: Group = Group::new(2).unwrap();
 //!
 //! let mut scene = Scene::new();
-//! scene.call_for(ROBOT, CELL, Effects { distance: Some(0.5), features: true, depth: true, ..Effects::none() })?;
+//! let effects = Effects { distance: Some(0.5), features: true, depth: true, ..Effects::none() };
+//! scene.call_for(ROBOT, CELL, effects)?;
 //! let post = solids::prism(24, 0.1, 1.0)?;
 //! scene.insert(Body::fixed(post).group(CELL), Isometry3::translation(1.0, 0.0, 0.0))?;
 //! let link = solids::cuboid(Vector3::new(0.3, 0.05, 0.05))?;
-//! let link = scene.insert(Body::moving(link).group(ROBOT), Isometry3::translation(0.4, 0.0, 0.2))?;
+//! let pose = Isometry3::translation(0.4, 0.0, 0.2);
+//! let link = scene.insert(Body::moving(link).group(ROBOT), pose)?;
 //! scene.step();
 //!
 //! let answers = scene.pairs().filter_map(|pair| Some((pair, pair.outcome?)));
-//! let (pair, nearest) = answers.min_by(|x, y| x.1.distance.total_cmp(&y.1.distance)).expect("no farther apart than 0.5");
+//! let (pair, nearest) = answers
+//!     .min_by(|x, y| x.1.distance.total_cmp(&y.1.distance))
+//!     .expect("no farther apart than 0.5");
 //! assert!((nearest.distance - 0.2).abs() < 1e-3);
 //! let on_link = if pair.a == link { nearest.point_on_a } else { nearest.point_on_b };
 //! let in_world = scene.pose(link).unwrap() * on_link;

@@ -100,8 +100,7 @@ impl Record {
         self.stamp() == step
     }
 
-    /// Whether the body is present in the step being prepared; the next function returns whether
-    /// the body was present in the last step.
+    /// Whether the body is present in the step being prepared.
     pub(crate) fn present(&self) -> bool {
         is_present(&self.new)
     }

@@ -6,7 +6,7 @@ use alloc::string::String;
 use alloc::vec;
 
 impl PairSlots {
-    /// The first contradiction between slots, links and the lists of vacant slots.
+    /// Returns the first contradiction between slots, links and the lists of vacant slots.
     pub(crate) fn check(&self) -> Result<(), String> {
         let mut vacant = vec![false; self.slots.len()];
         for &slot in self.free.iter().chain(&self.resting) {

@@ -4,7 +4,7 @@ use super::{Links, MOST_PAIRS, PairSlots, Slot, VACANT};
 use crate::broad::change::{PairKey, pair_of};
 use alloc::vec::Vec;
 
-/// The slots; links are made anew.
+/// The serialized slots; links are rebuilt.
 #[derive(serde::Serialize, serde::Deserialize)]
 pub(crate) struct PairsState {
     slots: Vec<Slot>,
@@ -23,7 +23,8 @@ impl PairSlots {
 }
 
 impl PairsState {
-    /// The table again, if every slot names bodies below `bodies` and every vacant slot is listed once.
+    /// Returns the restored table, if every slot names bodies below `bodies` and every vacant slot
+    /// is listed once.
     pub(crate) fn restored(self, bodies: usize) -> Result<PairSlots, alloc::string::String> {
         let Self { slots, free, resting } = self;
         let mut vacant: Vec<u32> = free.iter().chain(&resting).copied().collect();
