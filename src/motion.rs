@@ -1,9 +1,11 @@
-//! Rigid motion: velocities, and how far a motion can have carried any point of a body.
+//! Rigid motion: velocities, and upper bounds of the displacement of any point of a body.
 //!
-//! A point x about a centre goes by `shift + (R1 - R0) x` while the centre goes by `shift`, and `R1 - R0` stretches by at most
-//! `2 sin(angle / 2)`. So no point within `radius` of the centre goes farther than `|shift| + 2 radius sin(angle / 2)`, by whatever way
-//! the body goes. Poses in the world are quaternions and bodies many, so [`displacement`] takes the angle from those, a little
-//! too large; a [`BallAtPose`] has the matrix of a relative pose at hand, and is as exact as its rounding.
+//! A point x relative to a centre moves by `shift + (R1 - R0) x` while the centre moves by `shift`,
+//! and `R1 - R0` stretches by at most `2 sin(angle / 2)`. So no point within `radius` of the centre
+//! moves farther than `|shift| + 2 radius sin(angle / 2)`, whatever path the body takes. Poses in
+//! the world are quaternions and bodies many, so [`displacement`] takes the angle from the
+//! quaternions, a little too large; a [`BallAtPose`] has the matrix of a relative pose at hand, and
+//! is exact up to rounding.
 
 use nalgebra::{Isometry3, Matrix3, Quaternion, Translation3, UnitQuaternion, Vector3};
 
@@ -11,13 +13,15 @@ use crate::num::scalar::sqrt;
 use crate::pose::Operand;
 use crate::tolerance::{DISPLACEMENT, FAR, LEAST_SQUARE, NEAR, WAY};
 
-/// The velocity of a rigid body in the world's frame: of its own origin, and about it in radians.
+/// The velocity of a rigid body in the world's frame: linear velocity of the body's own origin, and
+/// angular velocity about this origin in radians.
 ///
 /// # Time of impact
 ///
-/// No query answers it yet. Until one does: no two points of the bodies near each other faster than the sum of their speeds, so the
-/// bodies cannot meet within the lower bound of their distance over this sum (conservative advancement, Mirtich 1996). For constant
-/// velocities:
+/// No query answers the time of impact yet. Until then: no two points of the bodies approach each
+/// other faster than the sum of the speeds of the bodies, so the bodies cannot meet within the
+/// lower bound of their distance over this sum (conservative advancement, Mirtich 1996). For
+/// constant velocities:
 ///
 /// ```
 /// use lin_canny::nalgebra::{Isometry3, Vector3};
@@ -28,15 +32,20 @@ use crate::tolerance::{DISPLACEMENT, FAR, LEAST_SQUARE, NEAR, WAY};
 /// let (rest, flight) = (Velocity::default(), Velocity::new(-Vector3::x(), 0.3 * Vector3::x()));
 ///
 /// // How far a body reaches from its own origin.
-/// let reach = |body: &ConvexPolyhedron| { let (centre, radius) = body.bounding_ball(); centre.coords.norm() + radius };
-/// let speed = (rest.linear - flight.linear).norm() + rest.angular.norm() * reach(&a) + flight.angular.norm() * reach(&b);
+/// let reach = |body: &ConvexPolyhedron| {
+///     let (centre, radius) = body.bounding_ball();
+///     centre.coords.norm() + radius
+/// };
+/// let turning = rest.angular.norm() * reach(&a) + flight.angular.norm() * reach(&b);
+/// let speed = (rest.linear - flight.linear).norm() + turning;
 /// let (mut pair, mut time, latest, gap) = (Tracker::new(), 0.0, 10.0, 1e-9);
 /// let impact = loop {
 ///     let at = |velocity: &Velocity, pose| velocity.applied(pose, time);
-///     let d = pair.distance(&a, &b, &RelativePose::new(&at(&rest, &pose_a), &at(&flight, &pose_b))?);
+///     let a_from_b = RelativePose::new(&at(&rest, &pose_a), &at(&flight, &pose_b))?;
+///     let d = pair.distance(&a, &b, &a_from_b);
 ///     if d.lower <= gap { break Some(time) } // so near that it counts as contact
 ///     time += d.lower / speed;
-///     if !(time <= latest) { break None } // never, where the speed is zero
+///     if !(time <= latest) { break None } // never, if the speed is zero
 /// };
 /// assert!((impact.unwrap() - 3.0).abs() < 2e-9);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -48,9 +57,10 @@ use crate::tolerance::{DISPLACEMENT, FAR, LEAST_SQUARE, NEAR, WAY};
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Velocity {
-    /// Length a unit of time, of the body's own origin.
+    /// Linear velocity of the body's own origin: length a unit of time.
     pub linear: Vector3<f64>,
-    /// Axis of rotation, through the body's own origin, times radians a unit of time.
+    /// Angular velocity: axis of rotation, through the body's own origin, times radians a unit of
+    /// time.
     pub angular: Vector3<f64>,
 }
 
@@ -61,13 +71,14 @@ impl Default for Velocity {
 }
 
 impl Velocity {
-    /// From its two parts.
+    /// Returns the velocity with these two parts.
     #[must_use]
     pub const fn new(linear: Vector3<f64>, angular: Vector3<f64>) -> Self {
         Self { linear, angular }
     }
 
-    /// Where a body at `pose` is after `time` at this velocity: it turns by exactly `angular * time`, up to rounding.
+    /// Returns the pose of a body at `pose` after `time` at this velocity: the body turns by
+    /// exactly `angular * time`, up to rounding.
     ///
     /// ```
     /// use lin_canny::Velocity;
@@ -87,12 +98,13 @@ impl Velocity {
     }
 }
 
-/// Angles are halved until the half angle squared is below this; then this many terms of the series of sine and cosine leave
-/// an error below `16^-7 / 14!`, less than UNIT.
+/// Angles are halved until the half angle squared is below this; then this many terms of the series
+/// of sine and cosine leave an error below `16^-7 / 14!`, less than UNIT.
 const SMALL: f64 = 1.0 / 16.0;
 const TERMS: u32 = 7;
 
-/// The quaternion of a rotation vector: series about zero and squaring, so that its bits agree on every target.
+/// Returns the quaternion of a rotation vector: series about zero and squaring, so that the bits
+/// agree on every target.
 fn rotation(vector: &Vector3<f64>) -> Quaternion<f64> {
     let (mut half, mut squarings) = (vector * 0.5, 0);
     while half.norm_squared() > SMALL && half.norm_squared() < f64::INFINITY {
@@ -114,11 +126,16 @@ fn rotation(vector: &Vector3<f64>) -> Quaternion<f64> {
     q
 }
 
-/// No point within `radius` of a centre goes farther while the centre goes by `shift` and the body turns from one rotation to
-/// another. Rounded up.
+/// Upper bound of the displacement of any point within `radius` of a centre, while the centre moves
+/// by `shift` and the body turns from one rotation to another. Rounded up.
 ///
-/// Of two unit quaternions, of which opposite ones are one rotation, the nearer ones are `c = 2 sin(angle / 4)` apart, and
-/// `2 sin(angle / 2) <= 2 c`.
+/// ```text
+///    q0, q1: unit quaternions, -q the rotation of q       |q1 - q0| = c = 2 sin(angle / 4)
+///    a point at distance r from the centre turns by a chord of 2 r sin(angle / 2) <= 2 r c
+/// ```
+///
+/// Two unit quaternions of opposite sign are one rotation; the nearer of the two is `c = 2
+/// sin(angle / 4)` away, and `2 sin(angle / 2) <= 2 c`.
 pub(crate) fn displacement(
     shift: &Vector3<f64>,
     radius: f64,
@@ -131,20 +148,21 @@ pub(crate) fn displacement(
     gone * (1.0 + WAY)
 }
 
-/// A ball fixed to one of two bodies, as seen from the other.
+/// A ball fixed to one of two bodies, in the frame of the partner.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct BallAtPose {
-    /// From B to A, whichever body the ball is of.
+    /// Rotation from B to A, whichever body the ball belongs to.
     rotation: Matrix3<f64>,
     centre: Vector3<f64>,
     radius: f64,
-    /// What the rounding of rotation and centre is relative to.
+    /// Size that scales the rounding errors of rotation and centre.
     size: f64,
 }
 
 impl BallAtPose {
-    /// Of a ball of the body `of`, in its frame, at a relative pose `a_from_b`.
+    /// Returns the posed ball of the body `of`, given in the frame of `of`, at a relative pose
+    /// `a_from_b`.
     #[inline(always)]
     pub(crate) fn new(
         of: Operand,
@@ -164,7 +182,8 @@ impl BallAtPose {
         }
     }
 
-    /// No point of the ball is farther from where it was `then`: rounded up, and infinite where squares of lengths leave the range.
+    /// Upper bound of the displacement of any point of the ball since `then`: rounded up, and
+    /// infinite if squares of lengths leave the range.
     #[inline(always)]
     pub(crate) fn displacement(&self, then: &Self) -> f64 {
         let size = self.size + then.size;
@@ -173,7 +192,7 @@ impl BallAtPose {
             return f64::INFINITY;
         }
         let shift = sqrt((self.centre - then.centre).norm_squared());
-        // A difference of rotations stretches two directions alike and one not at all.
+        // A difference of rotations stretches two directions equally and the third not at all.
         let stretch = sqrt(0.5 * (self.rotation - then.rotation).norm_squared());
         shift + stretch * self.radius + DISPLACEMENT * size
     }
@@ -223,7 +242,7 @@ mod tests {
         assert!(tight > 1000, "{tight}");
     }
 
-    /// Points of a ball of either body, seen from the other at two relative poses.
+    /// Samples points of a ball of either body, seen from the partner at two relative poses.
     #[test]
     fn no_point_of_a_ball_goes_farther_than_its_places_are_apart() {
         let mut rng = Rng::new(93);

@@ -77,7 +77,7 @@ impl From<Group> for u8 {
 /// | predicates | `overlap`, `within` | an exact yes or no, or the budget | a tracker |
 /// | distance | `distance`, `depth` | the signed distance and its bounds | the distance as well |
 /// | features | `features` | features, witnesses and normal as well | the outcome as well |
-/// | manifold | `manifold` | contact points as well | a manifold as well, if within its prediction |
+/// | manifold | `manifold` | contact points as well | a manifold as well, within its prediction |
 ///
 /// A level includes the levels above in the table as far as called for: events of overlaps need no
 /// further query if a distance is computed anyway. `depth` is a property of the last two levels:
