@@ -6,6 +6,7 @@
 //! Own meshes are taken by their convex hulls: up to six links, in the frames of their joints (a link reaches along z), and any
 //! number of bodies of the cell, in the frame of the world.
 
+use lab::command::Arguments;
 use lab::meshes;
 use lab::plot::Chart;
 use lab::progress::Progress;
@@ -14,6 +15,8 @@ use lin_canny::polyhedron::solids;
 use lin_canny::scene::{Body, BodyId, Effects, Group, Report, Scene};
 use lin_canny::{ConvexPolyhedron, Outcome};
 use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
 
 type Trouble = Box<dyn std::error::Error>;
 
@@ -27,36 +30,51 @@ struct Options {
     links: Vec<String>,
     cell: Vec<String>,
     frames: usize,
-    out: String,
+    out: PathBuf,
 }
 
-fn options() -> Result<Options, Trouble> {
+const USAGE: &str = "\
+usage: clearance [--links A.stl .. F.stl] [--cell X.obj ..] [--frames N] [--out FILE.svg]
+
+A six-joint arm of convex links moves through a cell: the least distance per frame, and of which pair.
+
+  --links FILES  up to six meshes instead of the built-in links, by their hulls, in the frames of the joints (a link reaches along z)
+  --cell FILES   meshes instead of the built-in cell, by their hulls, in the frame of the world
+  --frames N     frames of the motion (default: 1200)
+  --out FILE     where to draw (default: target/clearance.svg)";
+
+fn parse(arguments: Option<Arguments>) -> Result<Option<Options>, String> {
+    let Some(mut arguments) = arguments else {
+        return Ok(None);
+    };
     let mut options = Options {
         links: vec![],
         cell: vec![],
-        frames: 1200,
-        out: "clearance.svg".into(),
+        frames: arguments.number("--frames", 1, 1200)?,
+        out: arguments
+            .value("--out")?
+            .unwrap_or("target/clearance.svg".into())
+            .into(),
     };
-    let (mut arguments, mut list) = (std::env::args().skip(1), "");
-    while let Some(argument) = arguments.next() {
-        match argument.as_str() {
-            "--links" => list = "links",
-            "--cell" => list = "cell",
-            "--frames" => options.frames = arguments.next().ok_or("--frames needs a number")?.parse()?,
-            "--out" => options.out = arguments.next().ok_or("--out needs a file")?,
-            file if list == "links" => options.links.push(file.into()),
-            file if list == "cell" => options.cell.push(file.into()),
-            other => return Err(format!("what is {other}? (see the head of examples/clearance.rs)").into()),
+    let mut list = None;
+    for word in arguments.rest() {
+        match (word.as_str(), &mut list) {
+            ("--links", _) => list = Some(true),
+            ("--cell", _) => list = Some(false),
+            (word, _) if word.starts_with('-') => return Err(format!("{word} is not an option")),
+            (_, Some(true)) => options.links.push(word),
+            (_, Some(false)) => options.cell.push(word),
+            (word, None) => return Err(format!("{word}: is it one of the --links or of the --cell?")),
         }
     }
     if options.links.len() > LENGTHS.len() {
         return Err("the arm has six links".into());
     }
-    Ok(options)
+    Ok(Some(options))
 }
 
 fn hull(file: &str) -> Result<ConvexPolyhedron, Trouble> {
-    let mesh = meshes::load(file)?;
+    let mesh = meshes::load(file).map_err(|e| e.to_string())?;
     let points: Vec<_> = mesh.points.iter().copied().map(Point3::from).collect();
     ConvexPolyhedron::from_points(&points).map_err(|e| format!("{file}: {e}").into())
 }
@@ -185,7 +203,7 @@ fn tell(frame: usize, name: &str, outcome: &Outcome) {
 }
 
 /// The least distance over time, and where it was that of the pairs most often nearest.
-fn draw(nearest: &[(f64, String)], out: &str) -> Result<(), Trouble> {
+fn draw(nearest: &[(f64, String)], out: &Path) -> Result<(), Trouble> {
     let curve = |pick: &dyn Fn(&str) -> bool| {
         let of = nearest.iter().enumerate().filter(|(_, (_, name))| pick(name));
         of.map(|(k, (d, _))| (k as f64, *d)).collect::<Vec<_>>()
@@ -204,13 +222,16 @@ fn draw(nearest: &[(f64, String)], out: &str) -> Result<(), Trouble> {
         chart = chart.dots(*name, curve(&|n| n == *name));
     }
     chart.save(out)?;
-    println!("drawn: {out}");
     Ok(())
 }
 
-fn main() -> Result<(), Trouble> {
-    let options = options()?;
-    let mut stage = Stage::new(&options)?;
+fn main() -> ExitCode {
+    lab::command::main("clearance", USAGE, parse(Arguments::of_process()), run)
+}
+
+fn run(options: &Options) -> Result<(), Trouble> {
+    println!("drawing to {}", options.out.display());
+    let mut stage = Stage::new(options)?;
     let progress = Progress::new("frames", options.frames as u64);
     let mut nearest: Vec<(f64, String)> = Vec::new();
     let mut report = Report::default();

@@ -17,7 +17,9 @@ mod support;
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
+use std::process::ExitCode;
 
+use lab::command::Arguments;
 use lab::corpus::{self, Case};
 use lab::parry;
 use lab::shapes::Shape;
@@ -257,17 +259,49 @@ fn print(table: &Table) {
     line("all", &sum);
 }
 
-fn main() {
-    let word = std::env::args().nth(1);
+const USAGE: &str = "\
+usage: corpus [--list | --truth]
+
+Grades every named hard case of tests/corpus, answered by the crate at each level and by parry.
+
+  --list    every failure by name as well
+  --truth   the exact values of the small cases instead";
+
+#[derive(PartialEq)]
+enum Mode {
+    Table,
+    List,
+    Truth,
+}
+
+fn parse(arguments: Option<Arguments>) -> Result<Option<Mode>, String> {
+    let Some(mut arguments) = arguments else {
+        return Ok(None);
+    };
+    let mode = match (arguments.flag("--list"), arguments.flag("--truth")) {
+        (_, true) => Mode::Truth,
+        (true, false) => Mode::List,
+        _ => Mode::Table,
+    };
+    arguments.files(0)?;
+    Ok(Some(mode))
+}
+
+fn main() -> ExitCode {
+    lab::command::main("corpus", USAGE, parse(Arguments::of_process()), run)
+}
+
+fn run(mode: &Mode) -> Result<(), String> {
     let cases = corpus::load(&Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/corpus"));
-    if word.as_deref() == Some("--truth") {
+    if *mode == Mode::Truth {
         for c in cases.iter().filter(|c| c.is_small(42)) {
             let t = c.truth();
             println!("{} {} {:?}", c.name, t.class, t.distance);
         }
-        return;
+        return Ok(());
     }
-    // What panics is counted; it need not be read.
+    // Panics are counted as failures; their messages need not be read.
     std::panic::set_hook(Box::new(|_| ()));
-    print(&table(&cases, word.as_deref() == Some("--list")));
+    print(&table(&cases, *mode == Mode::List));
+    Ok(())
 }

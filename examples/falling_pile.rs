@@ -6,6 +6,7 @@
 //! The motion is scripted, so every set sees the same poses. Printed is the report of a step in the middle of the pile; the file
 //! has a line for each set with its counts and times, and the picture the time of a step over the fall.
 
+use lab::command::Arguments;
 use lab::crowd::{Crowd, Kind};
 use lab::plot::{Chart, save_stack};
 use lab::progress::Progress;
@@ -13,9 +14,28 @@ use lin_canny::nalgebra::Isometry3;
 use lin_canny::scene::{Body, Change, Effects, Event, Group, Report, Scene};
 use lin_canny::{ConvexPolyhedron, ManifoldOptions};
 use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
 use std::sync::Arc;
 
 type Trouble = Box<dyn std::error::Error>;
+
+const USAGE: &str = "\
+usage: falling_pile [--csv FILE] [--out FILE.svg] [--bodies N] [--quick]
+
+What the effects of a scene cost: hulls fall into a pile, the same motion for growing sets of effects.
+
+  --csv FILE    counts and times of each set
+  --out FILE    where to draw (default: target/falling_pile.svg)
+  --bodies N    hulls in the pile (default: 1000)
+  --quick       one run of each set instead of five";
+
+struct Options {
+    bodies: usize,
+    repeats: usize,
+    csv: Option<PathBuf>,
+    out: PathBuf,
+}
 
 /// Steps of a run, a sixtieth of a second each; the last body lies still long before the end.
 const STEPS: usize = 240;
@@ -184,28 +204,38 @@ fn fastest(
     Ok(best.into_iter().flatten().collect())
 }
 
-fn main() -> Result<(), Trouble> {
-    let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let option = |name: &str| {
-        let at = arguments.iter().position(|a| a == name)?;
-        arguments.get(at + 1).cloned()
+fn parse(arguments: Option<Arguments>) -> Result<Option<Options>, String> {
+    let Some(mut arguments) = arguments else {
+        return Ok(None);
     };
-    let bodies: usize = option("--bodies").map_or(Ok(1000), |n| n.parse())?;
-    let repeats = if arguments.iter().any(|a| a == "--quick") { 1 } else { 5 };
-    let mut crowd = Crowd::new(Kind::Pile, bodies, 32);
+    let options = Options {
+        bodies: arguments.number("--bodies", 2, 1000)?,
+        repeats: if arguments.flag("--quick") { 1 } else { 5 },
+        csv: arguments.value("--csv")?.map(PathBuf::from),
+        out: arguments
+            .value("--out")?
+            .unwrap_or("target/falling_pile.svg".into())
+            .into(),
+    };
+    arguments.files(0)?;
+    Ok(Some(options))
+}
+
+fn main() -> ExitCode {
+    lab::command::main("falling_pile", USAGE, parse(Arguments::of_process()), compare)
+}
+
+fn compare(o: &Options) -> Result<(), Trouble> {
+    println!("drawing to {}", o.out.display());
+    let mut crowd = Crowd::new(Kind::Pile, o.bodies, 32);
     let shapes = crowd.hulls();
     let motion = motion(&mut crowd);
-
-    let runs = fastest(&shapes, &crowd, &motion, repeats)?;
-    show(bodies, &runs);
-    if let Some(file) = option("--csv") {
-        std::fs::write(&file, table(&runs))?;
-        println!("written: {file}");
+    let runs = fastest(&shapes, &crowd, &motion, o.repeats)?;
+    show(o.bodies, &runs);
+    if let Some(file) = &o.csv {
+        lab::command::write(file, &table(&runs))?;
     }
-    let out = option("--out").unwrap_or("falling_pile.svg".into());
-    draw(&runs, bodies, &out)?;
-    println!("drawn: {out}");
-    Ok(())
+    draw(&runs, o.bodies, &o.out)
 }
 
 fn total(steps: &[Step]) -> Step {
@@ -290,7 +320,7 @@ fn table(runs: &[Vec<Step>]) -> String {
     csv
 }
 
-fn draw(runs: &[Vec<Step>], bodies: usize, out: &str) -> Result<(), Trouble> {
+fn draw(runs: &[Vec<Step>], bodies: usize, out: &Path) -> Result<(), Trouble> {
     let curve = |steps: &[Step], value: &dyn Fn(&Report) -> f64| {
         let mean = |(k, part): (usize, &[Step])| {
             let sum: f64 = part.iter().map(|s| value(&s.report)).sum();

@@ -10,6 +10,7 @@ use std::fs::File;
 use std::io::Write as _;
 use std::time::Instant;
 
+use lab::command::Arguments;
 use lab::suite::{Case, Line, Reader};
 use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion};
 use lin_canny::{Class, ConvexPolyhedron, RelativePose, Tracker};
@@ -31,41 +32,44 @@ struct Options {
     start: usize,
 }
 
-const USAGE: &str = "usage: grade [--level walk|certified|exact] [--shapes hull|mesh] [--cold] FILE PART START";
+const USAGE: &str = "\
+usage: grade [--level walk|certified|exact] [--shapes hull|mesh] [--cold] FILE PART START
 
-fn options() -> Option<Options> {
-    let mut words = std::env::args().skip(1);
-    let (mut level, mut mesh, mut cold, mut rest) = (Accuracy::Certified, false, false, vec![]);
-    while let Some(word) = words.next() {
-        match word.as_str() {
-            "--level" => {
-                level = match words.next()?.as_str() {
-                    "walk" => Accuracy::Walk,
-                    "certified" => Accuracy::Certified,
-                    "exact" => Accuracy::Exact,
-                    _ => return None,
-                }
-            }
-            "--shapes" => {
-                mesh = match words.next()?.as_str() {
-                    "hull" => false,
-                    "mesh" => true,
-                    _ => return None,
-                }
-            }
-            "--cold" => cold = true,
-            _ => rest.push(word),
-        }
-    }
-    let [file, part, start] = <[String; 3]>::try_from(rest).ok()?;
-    Some(Options {
+Answers the cases of FILE from number START on and appends a line for each to PART; both formats stand in tests/CASES.md.
+
+  --level    accuracy of the answers (default: certified)
+  --shapes   bodies from the vertices alone, or with the faces given (default: hull)
+  --cold     a new tracker for every case";
+
+fn parse(arguments: Option<Arguments>) -> Result<Option<Options>, String> {
+    let Some(mut arguments) = arguments else {
+        return Ok(None);
+    };
+    let level = match arguments.value("--level")?.as_deref() {
+        Some("walk") => Accuracy::Walk,
+        None | Some("certified") => Accuracy::Certified,
+        Some("exact") => Accuracy::Exact,
+        Some(other) => return Err(format!("{other} is not a level")),
+    };
+    let mesh = match arguments.value("--shapes")?.as_deref() {
+        None | Some("hull") => false,
+        Some("mesh") => true,
+        Some(other) => return Err(format!("shapes are hull or mesh, not {other}")),
+    };
+    let cold = arguments.flag("--cold");
+    let [file, part, start] =
+        <[String; 3]>::try_from(arguments.files(3)?).map_err(|_| "FILE, PART and START are needed")?;
+    let start = start
+        .parse()
+        .map_err(|_| format!("START must be a whole number, not {start}"))?;
+    Ok(Some(Options {
         level,
         mesh,
         cold,
         file,
         part,
-        start: start.parse().ok()?,
-    })
+        start,
+    }))
 }
 
 /// A pose from the numbers of the file: taken as they are where they are a rotation, else divided by the norm.
@@ -233,15 +237,5 @@ fn run(o: &Options) -> Result<(), Box<dyn std::error::Error>> {
 }
 
 fn main() -> std::process::ExitCode {
-    let Some(o) = options() else {
-        eprintln!("{USAGE}");
-        return std::process::ExitCode::from(2);
-    };
-    match run(&o) {
-        Ok(()) => std::process::ExitCode::SUCCESS,
-        Err(e) => {
-            eprintln!("grade: {e}");
-            std::process::ExitCode::FAILURE
-        }
-    }
+    lab::command::main("grade", USAGE, parse(Arguments::of_process()), run)
 }

@@ -1,15 +1,35 @@
-//! Draws the columns, the sweep and the pairs of a small scene: `cargo run --example pencils -- pencils.svg`.
+//! Draws the columns, the sweep and the pairs of a small scene: `cargo run --example pencils -- [FILE.svg]`.
 //!
 //! Above: the columns seen from the side, shaded by how many bodies they list, and the pairs. Below: the busiest column,
 //! its boxes in sorted order, each from start to end; pairs are joined by lines.
 
 use lab::boxes::{Kind, Scene};
+use lab::command::Arguments;
 use lin_canny::broad::{Body, BodyId, BroadPhase, Pencil, PencilSweep, StoredBox};
 use std::fmt::Write as _;
+use std::path::PathBuf;
+use std::process::ExitCode;
 
 const SCALE: f32 = 9.0;
 
-fn main() -> Result<(), Box<dyn std::error::Error>> {
+const USAGE: &str = "\
+usage: pencils [FILE.svg]
+
+Draws the columns of the broad phase, the sweep of the busiest column and the pairs of a small scene (default: target/pencils.svg).";
+
+fn parse(arguments: Option<Arguments>) -> Result<Option<PathBuf>, String> {
+    let Some(arguments) = arguments else {
+        return Ok(None);
+    };
+    let file = arguments.files(1)?.into_iter().next();
+    Ok(Some(file.unwrap_or("target/pencils.svg".into()).into()))
+}
+
+fn main() -> ExitCode {
+    lab::command::main("pencils", USAGE, parse(Arguments::of_process()), run)
+}
+
+fn run(file: &PathBuf) -> Result<(), Box<dyn std::error::Error>> {
     let mut scene = Scene::new(Kind::Floor, 1200);
     let mut broad = PencilSweep::new();
     let ids = scene
@@ -24,13 +44,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         broad.set_boxes(&batch)?;
     }
     broad.step();
-    let file = std::env::args().nth(1).unwrap_or_else(|| "pencils.svg".into());
-    std::fs::write(&file, picture(&broad))?;
+    lab::command::write(file, &picture(&broad))?;
     println!(
-        "{} bodies in {} columns, {} pairs: {file}",
+        "{} bodies in {} columns, {} pairs: {}",
         ids.len(),
         broad.pencils().count(),
-        broad.pair_count()
+        broad.pair_count(),
+        file.display()
     );
     Ok(())
 }

@@ -4,29 +4,52 @@
 //! passed over, so the message of a panic can be given as it is.
 
 use std::io::{IsTerminal, Read};
+use std::process::ExitCode;
+
+use lab::command::Arguments;
 
 use lin_canny::{RelativePose, Replay, ReplayError, Solver, Tracker};
 
-fn read(file: Option<String>) -> std::io::Result<String> {
-    match file {
-        Some(file) => std::fs::read_to_string(file),
-        None => {
-            let mut text = String::new();
-            std::io::stdin().read_to_string(&mut text)?;
-            Ok(text)
-        }
-    }
+fn read(file: Option<&str>) -> Result<String, String> {
+    let Some(file) = file else {
+        let mut text = String::new();
+        let read = std::io::stdin().read_to_string(&mut text);
+        return read.map(|_| text).map_err(|e| format!("standard input: {e}"));
+    };
+    std::fs::read_to_string(file).map_err(|e| format!("{file}: {e}"))
 }
 
-fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let (flags, files): (Vec<String>, Vec<String>) = std::env::args().skip(1).partition(|w| w.starts_with("--"));
-    let nothing_to_read = files.is_empty() && std::io::stdin().is_terminal();
-    if nothing_to_read || files.len() > 1 || flags.iter().any(|f| f != "--trace") {
-        return Err(
-            "usage: replay [--trace] [FILE], FILE as written by Tracker::replay (some are in tests/replays)".into(),
-        );
+const USAGE: &str = "\
+usage: replay [--trace] [FILE]
+
+Answers a query recorded by Tracker::replay, or printed by a failed debug assertion, at every level of accuracy. Without FILE
+the text is read from the standard input. Some recorded queries are in tests/replays.
+
+  --trace   the feature pairs of the walk, one a line";
+
+struct Options {
+    trace: bool,
+    file: Option<String>,
+}
+
+fn parse(arguments: Option<Arguments>) -> Result<Option<Options>, String> {
+    let Some(mut arguments) = arguments else {
+        return Ok(None);
+    };
+    let trace = arguments.flag("--trace");
+    let file = arguments.files(1)?.into_iter().next();
+    if file.is_none() && std::io::stdin().is_terminal() {
+        return Err("a file is needed, or a text on the standard input".into());
     }
-    let text = read(files.into_iter().next())?;
+    Ok(Some(Options { trace, file }))
+}
+
+fn main() -> ExitCode {
+    lab::command::main("replay", USAGE, parse(Arguments::of_process()), run)
+}
+
+fn run(o: &Options) -> Result<(), String> {
+    let text = read(o.file.as_deref())?;
     let start = text.find("lin-canny replay").unwrap_or(0);
     let query: Replay = text[start..].parse().map_err(|e: ReplayError| e.to_string())?;
     println!(
@@ -38,7 +61,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         query.level,
         query.start.map_or("cold".to_owned(), |f| f.to_string()),
     );
-    if !flags.is_empty() {
+    if o.trace {
         trace(&query);
     }
     for (name, start) in [

@@ -171,14 +171,14 @@ fn draw(o: &Options, tallies: &[(f64, Tally)]) -> Result<(), String> {
     if let Some(folder) = o.out.parent() {
         std::fs::create_dir_all(folder).map_err(|e| format!("{}: {e}", folder.display()))?;
     }
-    Chart::new("overlapping hulls of 24 points: wrong answers by size of the part")
+    Chart::new("overlapping hulls of 24 points: depths wrong by over 1 % of the size, and overlaps missed")
         .axes("diameter of the part in mm", "percent of overlaps")
         .log_x()
         .from_zero()
         .size(860, 400)
         .legend_beside()
-        .curve("parry f32: depth off by more than 1 % of the size", share(|t| t.wrong))
+        .curve("parry f32: depth wrong", share(|t| t.wrong))
         .curve("parry f32: no contact", share(|t| t.missed))
-        .curve("lin-canny: not proven to 1e-12 of the size", share(|t| t.open))
+        .curve("lin-canny: not proven", share(|t| t.open))
         .save(&o.out)
 }

@@ -34,7 +34,7 @@ usage: walkthrough [--out FILE.svg] [--bodies N] [--frames N]
 
 A probe flies through a field of fixed bodies. Prints what it took to know when it is too near to one, and draws its way.
 
-  --out FILE    where to draw (default: walkthrough.svg)
+  --out FILE    where to draw (default: target/walkthrough.svg)
   --bodies N    bodies of the field (default: 10000)
   --frames N    frames of the flight (default: 6000)";
 
@@ -47,7 +47,7 @@ struct Options {
 /// The options, or what to tell the user: `Ok(None)` when asked for help.
 fn parse(mut words: impl Iterator<Item = String>) -> Result<Option<Options>, String> {
     let mut o = Options {
-        out: "walkthrough.svg".into(),
+        out: "target/walkthrough.svg".into(),
         bodies: 10_000,
         frames: 6_000,
     };

@@ -39,6 +39,8 @@
 //! | Which points hold them apart? | [`Tracker::manifold`] | [`Manifold`]: contact points, with names that last |
 //! | What does a motion do to the distance? | [`Outcome::gradient_a`], [`gradient_b`](Outcome::gradient_b) | [`Gradient`] of the signed distance |
 //! | When do they meet? | none yet; a loop over [`Tracker::distance`] | see [`Velocity`] |
+//! | The same of meshes that are not convex? | [`MeshTracker`] on [`Mesh`]es | the same questions, [`MeshOutcome`]; inside a solid is an overlap |
+//! | The same of bodies made of convex pieces? | [`CompositeTracker`] on [`Composite`]s | [`CompositeOutcome`] |
 //! | Many moving bodies? | [`scene::Scene`] | events and answers for the effects called for |
 //! | Only the pairs of boxes? | [`broad::PencilSweep`] | pairs, events, stable ids |
 //! | Which pairs would the walk look at? | [`Tracker::trace`] | the way, pair by pair |
@@ -132,6 +134,7 @@
 //! | [`Tracker::closest`], [`Tracker::distance`] | the true signed distance lies in `lower..=upper`, no wider than `1e-13 L` |
 //! | `Tracker::closest_exact` | the class is exact and the distance within one unit in the last place |
 //! | [`Tracker::intersects`], [`Tracker::within`] | exact with the feature `exact`; without it ties count as within |
+//! | [`impact::cast`] | a bracket of the first contact of two motions, or a miss, proven for every instant |
 //!
 //! What each of these costs, and where the crate loses: [`cost`].
 //!
@@ -162,7 +165,8 @@
 //!   question, are to be looked at. Else its bounds stay open, and are returned as they are.
 //! * Coordinates below 2^-200 of a body's radius are stored as zero, and the build report counts them: answers are those of the body so
 //!   stored.
-//! * Times of impact (a loop that finds them: [`Velocity`]), dynamics, non-convex or curved bodies are not there yet.
+//! * Meshes and bodies of pieces have no depth, contacts or place in scenes yet; scenes do not request times of
+//!   impact yet. There is no dynamics: see rapier.
 //!
 //! # Cargo features
 //!
@@ -179,7 +183,7 @@
 //!
 //! 1. [`tolerance`]: every constant; `scalar`, `double_double`: the arithmetic.
 //! 2. [`polyhedron`]: names of features, half-edges without coordinates, hulls, planes, supports, solids, mass.
-//! 3. `pose`: the one place where a pose is refused; `motion`: velocities, and how far a motion carries a point.
+//! 3. `pose`: the one place where a pose is refused; [`motion`]: velocities, motions, and how far a motion carries a point.
 //! 4. `closest`: the walk, one file for each pair of feature kinds, starts, the solvers behind it, outcomes.
 //! 5. `certificate`: what any direction proves.
 //! 6. `penetration`: how deep bodies overlap, by a surface around the origin of their difference.
@@ -187,7 +191,9 @@
 //! 8. `tracker`: what a caller keeps, and which solver to ask.
 //! 9. `soundness`, `replay`: what debug builds check of every answer, and the text of a query that fails.
 //! 10. [`broad`]: boxes and ids alone, for many bodies; it knows nothing of the others.
-//! 11. [`scene`]: where all meets; start with `scene/step.rs`.
+//! 11. [`separation`]: a pair of any shapes over time; [`impact`]: when it first meets; [`schedule`]: when to look at it.
+//! 10. [`composite`]: meshes and bodies of pieces, on a tree of boxes and a front kept from frame to frame.
+//! 12. [`scene`]: where all meets; start with `scene/step.rs`.
 //!
 //! # From the thesis
 //!
@@ -197,8 +203,8 @@
 //! | thesis | here |
 //! |---|---|
 //! | chapter 3, incremental distance computation | `closest`, [`polyhedron`], [`Tracker`] |
-//! | chapter 4, non-convex and curved bodies | not yet |
-//! | chapter 5, many moving bodies | [`broad`], [`scene`]; scheduling by time not yet |
+//! | chapter 4, non-convex and curved bodies | [`composite`]; curved bodies not yet |
+//! | chapter 5, many moving bodies | [`broad`], [`scene`]; scheduling by time: [`impact`], [`schedule`] |
 //! | chapter 6, path planning | not yet |
 //!
 //! Departures:
@@ -217,19 +223,23 @@ extern crate alloc;
 extern crate std;
 
 pub mod broad;
+pub mod composite;
 mod contact;
 pub mod cost;
 mod depth;
 #[cfg(feature = "exact")]
 mod exact;
+pub mod impact;
 mod minimum;
-mod motion;
+pub mod motion;
 mod num;
 mod pair;
 pub mod polyhedron;
 mod pose;
 mod replay;
 pub mod scene;
+pub mod schedule;
+pub mod separation;
 mod solve;
 mod soundness;
 pub mod tolerance;
@@ -237,6 +247,12 @@ mod tracker;
 mod tuning;
 mod walk;
 
+pub use composite::audit::FrontFault;
+pub use composite::mesh::{Mesh, MeshError, MeshKind, MeshPart, MeshReport};
+pub use composite::outcome::{MeshFeature, MeshOutcome, MeshSpot};
+pub use composite::pieces::{Composite, CompositeError, CompositeOutcome, CompositeTracker, Piece};
+pub use composite::search::MeshWork;
+pub use composite::tracker::MeshTracker;
 pub use contact::{ContactPoint, Gradient, Manifold, ManifoldOptions};
 pub use motion::Velocity;
 pub use nalgebra;

@@ -25,8 +25,15 @@
 //! * **U, the caller's unit**: bounds leave the stored unit in one function,
 //!   `tracker::to_user_units`, and are rounded outward there.
 
+mod motions;
+
+pub(crate) use motions::*;
+
 /// Unit roundoff of f64: the largest relative error of one rounded operation.
 pub const UNIT: f64 = f64::EPSILON / 2.0;
+
+/// Unit roundoff of f32.
+pub const UNIT_SINGLE: f64 = f32::EPSILON as f64 / 2.0;
 
 /// Bound of the relative error of one double-double operation: at most 10 UNIT^2 for sum and
 /// product (Joldes, Muller, Popescu 2017, "Tight and rigorous error bounds for basic building

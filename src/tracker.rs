@@ -188,6 +188,16 @@ impl Tracker {
         outcome
     }
 
+    /// Returns the closest points of bodies apart, and of an overlap the class without its depth.
+    pub(crate) fn closest_or_class(
+        &mut self,
+        a: &ConvexPolyhedron,
+        b: &ConvexPolyhedron,
+        a_from_b: &RelativePose,
+    ) -> Outcome {
+        self.answer(a, b, a_from_b, Ask::certified(Until::Class))
+    }
+
     /// Returns the distance and its bounds without the witnesses.
     pub fn distance(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Distance {
         self.bounds(a, b, a_from_b, Until::Depth)

@@ -1,5 +1,5 @@
 //! Draws every picture of the README and the documentation, from runs of the crate and from the records of its measurements:
-//! `cargo run --release --example figures`.
+//! `cargo run --release --example figures -- [FOLDER]`.
 
 mod contact;
 mod hero;
@@ -8,12 +8,34 @@ mod records;
 mod svg;
 mod ulps;
 
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use lab::command::Arguments;
+
 type Trouble = Box<dyn std::error::Error>;
 
-fn main() -> Result<(), Trouble> {
-    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
-    let folder = root.join("images");
-    std::fs::create_dir_all(&folder)?;
+const USAGE: &str = "\
+usage: figures [FOLDER]
+
+Draws the pictures of the README and the documentation into FOLDER (default: target/figures; `figures images` in a checkout
+replaces the pictures there).";
+
+fn parse(arguments: Option<Arguments>) -> Result<Option<PathBuf>, String> {
+    let Some(arguments) = arguments else {
+        return Ok(None);
+    };
+    let folder = arguments.files(1)?.into_iter().next();
+    Ok(Some(folder.unwrap_or("target/figures".into()).into()))
+}
+
+fn main() -> ExitCode {
+    lab::command::main("figures", USAGE, parse(Arguments::of_process()), run)
+}
+
+fn run(folder: &PathBuf) -> Result<(), Trouble> {
+    println!("drawing to {}", folder.display());
+    let records = Path::new(env!("CARGO_MANIFEST_DIR")).join("benches/record");
     let mut pictures = vec![
         ("hero.svg", hero::picture()?),
         ("manifold.svg", contact::picture()?),
@@ -21,10 +43,10 @@ fn main() -> Result<(), Trouble> {
         ("walk.svg", plane::walk()?),
         ("ulps.svg", ulps::picture()?),
     ];
-    pictures.extend(records::pictures(&root.join("benches/record"))?);
+    pictures.extend(records::pictures(&records)?);
     for (name, text) in pictures {
-        std::fs::write(folder.join(name), &text)?;
-        println!("images/{name}: {} bytes", text.len());
+        lab::command::write(&folder.join(name), &text)?;
+        println!("{name}: {} bytes", text.len());
     }
     Ok(())
 }

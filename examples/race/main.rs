@@ -1,13 +1,15 @@
 //! Races against other libraries on the same motions.
 //!
 //! ```text
-//! cargo run --release --example race -- pairs|contact|boxes|scene [--csv FILE] [--quick] [--only SCENE] [--upto N]
+//! cargo run --release --example race -- pairs|contact|boxes|scene|impact|meshes [--csv FILE] [--quick] [--only SCENE] [--upto N]
 //! ```
 
 mod boxes;
 mod common;
 mod contact;
 mod hulls;
+mod impact;
+mod meshes;
 mod pairs;
 mod scene;
 mod tree;
@@ -17,12 +19,13 @@ use lab::boxes::Kind;
 use std::process::ExitCode;
 
 const USAGE: &str = "\
-usage: race pairs|contact|boxes|scene [--csv FILE] [--quick] [--only SCENE] [--upto N]
+usage: race pairs|contact|boxes|scene|impact|meshes [--csv FILE] [--quick] [--only SCENE] [--upto N]
 
-Ours against other libraries: closest points of two bodies, their contacts, boxes of many bodies, whole scenes.
+Ours against other libraries: closest points of two bodies, their contacts, boxes of many bodies, whole scenes,
+casts of moving bodies, meshes.
 
   --csv FILE     one row a result: scene,shape,n,engine,ns
-  --quick        pairs and contact: fewer frames and passes; boxes and scene: a thousand bodies
+  --quick        pairs, contact and impact: fewer frames and passes; boxes and scene: a thousand bodies
   --only SCENE   one scene of the race
   --upto N       boxes and scene: no more bodies than these";
 
@@ -37,6 +40,8 @@ fn race((name, options): &(String, Options)) -> Result<(), String> {
         "contact" => (lab::contacts::SCENES.into(), contact::run),
         "boxes" => (boxes::RACED.map(Kind::name).into(), boxes::run),
         "scene" => (scene::SCENES.map(|s| s.0).into(), scene::run),
+        "impact" => (impact::SCENES.map(|s| s.0).into(), impact::run),
+        "meshes" => (meshes::SCENES.into(), meshes::run),
         _ => return Err(format!("{name} is no race")),
     };
     options.check(&scenes)?;

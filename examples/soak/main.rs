@@ -5,7 +5,7 @@
 //! cargo run --release --example soak -- --minutes 60 [--seed S] [--threads N] [--out DIR] [--trial K]
 //! ```
 //!
-//! What fails is written to DIR (`soak-failures`) as a text that `cargo run --example replay` answers; the run goes on and
+//! What fails is written to DIR (`target/soak-failures`) as a text that `cargo run --example replay` answers; the run goes on and
 //! ends with exit code 1. A trial is named by seed and number: `--trial K` runs that one alone.
 
 mod draw;
@@ -26,6 +26,7 @@ use std::time::{Duration, Instant};
 
 use draw::Trial;
 use judge::Judge;
+use lab::command::Arguments;
 use lab::motion::Frame;
 use lab::progress::Progress;
 use lab::rng::Rng;
@@ -41,29 +42,37 @@ struct Options {
     trial: Option<u64>,
 }
 
-const USAGE: &str = "usage: soak [--minutes M] [--seed S] [--threads N] [--out DIR] [--trial K]";
+const USAGE: &str = "\
+usage: soak [--minutes M] [--seed S] [--threads N] [--out DIR] [--trial K]
 
-fn options() -> Option<Options> {
-    let mut o = Options {
-        minutes: 1.0,
-        seed: 1,
-        threads: 1,
-        out: "soak-failures".into(),
-        trial: None,
+Random bodies of every hard family in random motions, and worlds of boxes, every frame judged by arithmetic of its own. Failures
+are written to DIR as texts for the example replay, and end the program with status 1.
+
+  --minutes M   how long (default: 1)
+  --seed S      names the run (default: 1)
+  --threads N   threads (default: 1)
+  --out DIR     where failures go (default: target/soak-failures)
+  --trial K     this trial alone";
+
+fn parse(arguments: Option<Arguments>) -> Result<Option<Options>, String> {
+    let Some(mut arguments) = arguments else {
+        return Ok(None);
     };
-    let mut words = std::env::args().skip(1);
-    while let Some(word) = words.next() {
-        let value = words.next()?;
-        match word.as_str() {
-            "--minutes" => o.minutes = value.parse().ok()?,
-            "--seed" => o.seed = value.parse().ok()?,
-            "--threads" => o.threads = value.parse().ok()?,
-            "--out" => o.out = value.into(),
-            "--trial" => o.trial = Some(value.parse().ok()?),
-            _ => return None,
-        }
-    }
-    Some(o)
+    let options = Options {
+        minutes: arguments.number("--minutes", 0.0, 1.0)?,
+        seed: arguments.number("--seed", 0, 1)?,
+        threads: arguments.number("--threads", 1, 1)?,
+        out: arguments
+            .value("--out")?
+            .unwrap_or("target/soak-failures".into())
+            .into(),
+        trial: match arguments.number("--trial", -1, -1_i64)? {
+            -1 => None,
+            trial => Some(trial as u64),
+        },
+    };
+    arguments.files(0)?;
+    Ok(Some(options))
 }
 
 /// One motion with all that is kept along it.
@@ -253,16 +262,20 @@ fn soak(options: &Options) -> (Tally, f64) {
 }
 
 fn main() -> ExitCode {
-    let Some(options) = options() else {
-        eprintln!("{USAGE}");
-        return ExitCode::from(2);
-    };
+    lab::command::main("soak", USAGE, parse(Arguments::of_process()), judge_all)
+}
+
+fn judge_all(options: &Options) -> Result<(), String> {
+    println!("failures go to {}", options.out.display());
     let began = Instant::now();
     let (tally, seconds) = match options.trial {
-        Some(number) => (run(&options, number), began.elapsed().as_secs_f64()),
-        None => soak(&options),
+        Some(number) => (run(options, number), began.elapsed().as_secs_f64()),
+        None => soak(options),
     };
     println!("seed {}, {} threads", options.seed, options.threads);
     tally.print(seconds);
-    ExitCode::from(u8::from(tally.failures > 0))
+    match tally.failures {
+        0 => Ok(()),
+        n => Err(format!("{n} failures")),
+    }
 }

@@ -1,7 +1,11 @@
 //! Two meshes tumble past each other while one tracker follows their closest features.
 //!
 //! `cargo run --release --example track -- [A.obj|stl B.obj|stl] [--frames N] [--out track.svg]`
+//!
+//! With poses from a file the meshes are taken as they are, convex or not:
+//! `cargo run --release --example track -- A.stl B.stl --poses FILE --csv OUT`
 
+mod given;
 mod load;
 mod motion;
 mod options;
@@ -46,6 +50,9 @@ fn main() -> ExitCode {
 
 fn track(options: &Options) -> Result<(), Trouble> {
     let [a, b] = &options.meshes;
+    if let Some((poses, csv)) = &options.given {
+        return given::answer([a, b], poses, csv);
+    }
     let (a, b) = (load::load('A', a)?, load::load('B', b)?);
     let poses = motion::poses(&a.body, &b.body, options.frames);
     let run = follow(&a.body, &b.body, &poses)?;

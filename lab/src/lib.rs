@@ -2,7 +2,7 @@
 //!
 //! Everything here works on plain data: a point is `[f64; 3]`, a face is a list of point indices counter-clockwise
 //! from outside, a pose is [`Pose`]. So a judge never borrows the code it judges;
-//! only [`boxes`], [`crowd`] and [`contacts`] speak the crate's own types.
+//! only [`boxes`], [`casts`], [`crowd`] and [`contacts`] speak the crate's own types.
 //!
 //! | module | what it gives |
 //! |---|---|
@@ -11,6 +11,8 @@
 //! | [`motion`], [`workload`] | seeded motions of a pair, and those that engines are timed on |
 //! | [`boxes`], [`crowd`] | scenes of moving boxes, and of moving hulls |
 //! | [`contacts`] | scenes of two bodies in contact |
+//! | [`casts`] | bodies thrown at each other, and conservative advancement |
+//! | [`soups`], [`brute`] | meshes that are not convex, and their naive oracle |
 //! | [`exact`] | the naive oracle: exact class and distance of two small bodies |
 //! | [`brute_hull`] | exact faces of a few points |
 //! | [`bound`] | exact checks of an answer for bodies of any size |
@@ -28,7 +30,9 @@ pub mod accuracy;
 pub mod body;
 pub mod bound;
 pub mod boxes;
+pub mod brute;
 pub mod brute_hull;
+pub mod casts;
 pub mod command;
 pub mod contacts;
 pub mod corpus;
@@ -45,6 +49,7 @@ pub mod rational;
 pub mod record;
 pub mod rng;
 pub mod shapes;
+pub mod soups;
 pub mod suite;
 pub mod verdict;
 pub mod workload;

@@ -8,6 +8,7 @@
 //! user who cares would build from parry's public parts: its GJK, fed with the simplex of the last frame, over a support
 //! map that climbs along edges from the last frame's vertex.
 
+pub mod casts;
 mod climber;
 
 use crate::shapes::triangles;

@@ -240,7 +240,7 @@ pub fn stack(charts: &[&Chart]) -> Result<String, String> {
 /// What kept the file from being written, with its name.
 pub fn save_stack(charts: &[&Chart], path: impl AsRef<Path>) -> Result<(), String> {
     let path = path.as_ref();
-    std::fs::write(path, stack(charts)?).map_err(|e| format!("{}: {e}", path.display()))
+    crate::command::write(path, &stack(charts)?)
 }
 
 #[cfg(test)]

@@ -36,7 +36,7 @@ use alloc::vec::Vec;
 use nalgebra::{Matrix3, Vector3};
 
 pub use bounds::BoxHint;
-pub(crate) use build::cloud::power_of_two;
+pub(crate) use build::cloud::{bounding_box, exponent_of, power_of_two};
 #[cfg(feature = "exact")]
 pub(crate) use build::cloud::{lowest_bit, odd_part};
 pub use build::error::BuildError;

@@ -2,7 +2,7 @@
 
 use super::{Tracker, clear_of, to_user_units};
 use crate::depth::Memory;
-use crate::minimum::overlap_proof;
+use crate::minimum::overlap_proof::{self, OverlapProof};
 use crate::pair::outcome::{Ask, Class, Distance, Outcome, Until};
 use crate::pair::posed::PosedPair;
 use crate::polyhedron::ConvexPolyhedron;
@@ -74,6 +74,12 @@ impl Tracker {
         } else {
             self.decide_within(a, b, a_from_b, d)
         }
+    }
+
+    /// Makes the next query without depth begin with the expectation of an overlap, from this
+    /// proof.
+    pub(crate) fn expect(&mut self, proof: OverlapProof) {
+        self.overlap_proof = Some(proof);
     }
 
     /// Returns the number of triangles of the cached surface of an overlap.

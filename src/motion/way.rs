@@ -1,4 +1,4 @@
-//! Rigid motion: velocities, and upper bounds of the displacement of any point of a body.
+//! Upper bounds of the displacement of any point of a body between two poses.
 //!
 //! A point x relative to a centre moves by `shift + (R1 - R0) x` while the centre moves by `shift`,
 //! and `R1 - R0` stretches by at most `2 sin(angle / 2)`. So no point within `radius` of the centre
@@ -7,124 +7,11 @@
 //! quaternions, a little too large; a [`BallAtPose`] has the matrix of a relative pose at hand, and
 //! is exact up to rounding.
 
-use nalgebra::{Isometry3, Matrix3, Quaternion, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
 use crate::num::scalar::sqrt;
 use crate::pose::Operand;
 use crate::tolerance::{DISPLACEMENT, FAR, LEAST_SQUARE, NEAR, WAY};
-
-/// The velocity of a rigid body in the world's frame: linear velocity of the body's own origin, and
-/// angular velocity about this origin in radians.
-///
-/// # Time of impact
-///
-/// No query answers the time of impact yet. Until then: no two points of the bodies approach each
-/// other faster than the sum of the speeds of the bodies, so the bodies cannot meet within the
-/// lower bound of their distance over this sum (conservative advancement, Mirtich 1996). For
-/// constant velocities:
-///
-/// ```
-/// use lin_canny::nalgebra::{Isometry3, Vector3};
-/// use lin_canny::{ConvexPolyhedron, RelativePose, Tracker, Velocity, polyhedron::solids};
-///
-/// let (a, b) = (solids::cuboid(Vector3::new(0.5, 0.5, 0.5))?, solids::octahedron(0.5)?);
-/// let (pose_a, pose_b) = (Isometry3::identity(), Isometry3::translation(4.0, 0.0, 0.0));
-/// let (rest, flight) = (Velocity::default(), Velocity::new(-Vector3::x(), 0.3 * Vector3::x()));
-///
-/// // How far a body reaches from its own origin.
-/// let reach = |body: &ConvexPolyhedron| {
-///     let (centre, radius) = body.bounding_ball();
-///     centre.coords.norm() + radius
-/// };
-/// let turning = rest.angular.norm() * reach(&a) + flight.angular.norm() * reach(&b);
-/// let speed = (rest.linear - flight.linear).norm() + turning;
-/// let (mut pair, mut time, latest, gap) = (Tracker::new(), 0.0, 10.0, 1e-9);
-/// let impact = loop {
-///     let at = |velocity: &Velocity, pose| velocity.applied(pose, time);
-///     let a_from_b = RelativePose::new(&at(&rest, &pose_a), &at(&flight, &pose_b))?;
-///     let d = pair.distance(&a, &b, &a_from_b);
-///     if d.lower <= gap { break Some(time) } // so near that it counts as contact
-///     time += d.lower / speed;
-///     if !(time <= latest) { break None } // never, if the speed is zero
-/// };
-/// assert!((impact.unwrap() - 3.0).abs() < 2e-9);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-#[doc(alias = "toi")]
-#[doc(alias = "ccd")]
-#[doc(alias = "time of impact")]
-#[doc(alias = "twist")]
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Velocity {
-    /// Linear velocity of the body's own origin: length a unit of time.
-    pub linear: Vector3<f64>,
-    /// Angular velocity: axis of rotation, through the body's own origin, times radians a unit of
-    /// time.
-    pub angular: Vector3<f64>,
-}
-
-impl Default for Velocity {
-    fn default() -> Self {
-        Self::new(Vector3::zeros(), Vector3::zeros())
-    }
-}
-
-impl Velocity {
-    /// Returns the velocity with these two parts.
-    #[must_use]
-    pub const fn new(linear: Vector3<f64>, angular: Vector3<f64>) -> Self {
-        Self { linear, angular }
-    }
-
-    /// Returns the pose of a body at `pose` after `time` at this velocity: the body turns by
-    /// exactly `angular * time`, up to rounding.
-    ///
-    /// ```
-    /// use lin_canny::Velocity;
-    /// use lin_canny::nalgebra::{Isometry3, Vector3};
-    ///
-    /// let spin = Velocity::new(Vector3::x(), Vector3::z() * std::f64::consts::PI);
-    /// let pose = spin.applied(&Isometry3::identity(), 0.5);
-    /// assert!((pose * Vector3::x() - Vector3::y()).norm() < 1e-15);
-    /// assert_eq!(pose.translation.vector, Vector3::x() * 0.5);
-    /// ```
-    #[must_use]
-    pub fn applied(&self, pose: &Isometry3<f64>, time: f64) -> Isometry3<f64> {
-        let at = pose.translation.vector + self.linear * time;
-        let turned = rotation(&(self.angular * time)) * pose.rotation.into_inner();
-        let rotation = turned / sqrt(turned.norm_squared());
-        Isometry3::from_parts(Translation3::from(at), UnitQuaternion::new_unchecked(rotation))
-    }
-}
-
-/// Angles are halved until the half angle squared is below this; then this many terms of the series
-/// of sine and cosine leave an error below `16^-7 / 14!`, less than UNIT.
-const SMALL: f64 = 1.0 / 16.0;
-const TERMS: u32 = 7;
-
-/// Returns the quaternion of a rotation vector: series about zero and squaring, so that the bits
-/// agree on every target.
-fn rotation(vector: &Vector3<f64>) -> Quaternion<f64> {
-    let (mut half, mut squarings) = (vector * 0.5, 0);
-    while half.norm_squared() > SMALL && half.norm_squared() < f64::INFINITY {
-        half *= 0.5;
-        squarings += 1;
-    }
-    let x = half.norm_squared();
-    let (mut sine, mut cosine) = (1.0, 1.0);
-    // Horner's scheme of sin(h) / h and cos(h) in h^2.
-    for k in (1..=TERMS).rev().map(f64::from) {
-        sine = 1.0 - x / (2.0 * k * (2.0 * k + 1.0)) * sine;
-        cosine = 1.0 - x / (2.0 * k * (2.0 * k - 1.0)) * cosine;
-    }
-    let mut q = Quaternion::from_parts(cosine, half * sine);
-    for _ in 0..squarings {
-        q *= q;
-        q /= sqrt(q.norm_squared());
-    }
-    q
-}
 
 /// Upper bound of the displacement of any point within `radius` of a centre, while the centre moves
 /// by `shift` and the body turns from one rotation to another. Rounded up.
@@ -203,18 +90,6 @@ mod tests {
     extern crate std;
     use super::*;
     use lab::rng::Rng;
-
-    #[test]
-    fn rotations_are_those_of_sine_and_cosine() {
-        for k in 0..400 {
-            let angle = 1e-9 * 1.07f64.powi(k);
-            let axis = Vector3::new(0.6, -0.64, 0.48);
-            let expected = UnitQuaternion::from_scaled_axis(axis * angle).into_inner();
-            let error = (rotation(&(axis * angle)) - expected).norm();
-            assert!(error < 1e-15 * angle.max(1.0) * 4.0, "{angle}: {error:e}");
-        }
-        assert_eq!(rotation(&Vector3::zeros()), Quaternion::identity());
-    }
 
     #[test]
     fn no_point_goes_farther_than_its_bound() {

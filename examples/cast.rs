@@ -1,0 +1,105 @@
+//! Casts of a file: one case a line, one answer a line.
+//!
+//! ```text
+//! cargo run --release --example cast -- FILE
+//! ```
+//!
+//! Each line holds `A-points; B-points; A-start A-linear A-angular; B-start B-linear B-angular; t_end; tolerance`: points are `x y z`,
+//! separated by commas; a start is `x y z qx qy qz qw`, separated by a comma from the velocity of the body's origin, and that by a comma
+//! from its angular velocity. The answer is `hit SAFE HIT`, `miss`, `near SAFE`, `start` or `unknown SAFE`.
+
+use lin_canny::impact::{Impact, Tolerance, cast};
+use lin_canny::motion::Steady;
+use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, UnitQuaternion, Vector3};
+use lin_canny::separation::PolyhedronPair;
+use lin_canny::{ConvexPolyhedron, Velocity};
+use std::process::ExitCode;
+
+type Trouble = Box<dyn std::error::Error>;
+
+fn main() -> ExitCode {
+    let Some(file) = std::env::args().nth(1).filter(|f| !f.starts_with('-')) else {
+        eprintln!("usage: cast FILE (the head of examples/cast.rs says what a line holds)");
+        return ExitCode::FAILURE;
+    };
+    let text = match std::fs::read_to_string(&file) {
+        Ok(text) => text,
+        Err(e) => {
+            eprintln!("{file}: {e}");
+            return ExitCode::FAILURE;
+        }
+    };
+    for (k, line) in text.lines().enumerate().filter(|(_, l)| !l.trim().is_empty()) {
+        match answer(line) {
+            Ok(answer) => println!("{answer}"),
+            Err(e) => {
+                eprintln!("{file}:{}: {e}", k + 1);
+                return ExitCode::FAILURE;
+            }
+        }
+    }
+    ExitCode::SUCCESS
+}
+
+/// The numbers of a text, which spaces and commas separate.
+fn numbers(text: &str) -> Result<Vec<f64>, Trouble> {
+    let words = text
+        .split(|c: char| c == ',' || c.is_whitespace())
+        .filter(|w| !w.is_empty());
+    words
+        .map(|w| w.parse().map_err(|_| format!("{w} is no number").into()))
+        .collect()
+}
+
+/// A hull or, of points that have none, a polygon, a segment or a point.
+fn body(text: &str) -> Result<ConvexPolyhedron, Trouble> {
+    let list = numbers(text)?;
+    if list.is_empty() || list.len() % 3 != 0 {
+        return Err("points have three coordinates each".into());
+    }
+    let points: Vec<_> = list.chunks(3).map(|p| Point3::new(p[0], p[1], p[2])).collect();
+    Ok(match *points {
+        [p] => ConvexPolyhedron::point(p)?,
+        [p, q] => ConvexPolyhedron::segment(p, q)?,
+        _ => ConvexPolyhedron::from_points(&points).or_else(|_| ConvexPolyhedron::polygon(&points))?,
+    })
+}
+
+fn motion(text: &str) -> Result<Steady, Trouble> {
+    let list = numbers(text)?;
+    let [x, y, z, qx, qy, qz, qw, vx, vy, vz, wx, wy, wz] = list[..] else {
+        return Err(format!("a motion has 13 numbers, not {}", list.len()).into());
+    };
+    let turn = UnitQuaternion::new_normalize(Quaternion::new(qw, qx, qy, qz));
+    let start = Isometry3::from_parts(Vector3::new(x, y, z).into(), turn);
+    Ok(Steady::new(
+        &start,
+        Velocity::new(Vector3::new(vx, vy, vz), Vector3::new(wx, wy, wz)),
+    )?)
+}
+
+fn answer(line: &str) -> Result<String, Trouble> {
+    let parts: Vec<&str> = line.split(';').collect();
+    let [a, b, motion_a, motion_b, end, tolerance] = parts[..] else {
+        return Err(format!("a line has six parts, not {}", parts.len()).into());
+    };
+    let (a, b) = (body(a)?, body(b)?);
+    let (motion_a, motion_b) = (motion(motion_a)?, motion(motion_b)?);
+    let (end, tolerance): (f64, f64) = (end.trim().parse()?, tolerance.trim().parse()?);
+    let mut pair = PolyhedronPair::new(&a, &b);
+    let found = cast(
+        &mut pair,
+        &motion_a,
+        &motion_b,
+        (0.0, end),
+        Tolerance::Distance(tolerance),
+    )?;
+    Ok(match found.impact {
+        Impact::Hit { safe, hit, .. } => format!("hit {safe:.17e} {hit:.17e}"),
+        Impact::Miss => "miss".into(),
+        Impact::Near { safe, .. } => format!("near {safe:.17e}"),
+        Impact::Start { .. } => "start".into(),
+        Impact::Unknown { safe } => format!("unknown {safe:.17e}"),
+        other => format!("{other:?}"),
+    })
+}

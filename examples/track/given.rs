@@ -1,0 +1,68 @@
+//! Poses from a file, answers to a file: meshes as they are, convex or not.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion};
+use lin_canny::{Class, Mesh, MeshTracker, RelativePose};
+
+use crate::Trouble;
+
+/// Squared norms of quaternions nearer one than this are taken as they are.
+const UNIT: f64 = 1e-12;
+
+/// Answers every pose of the file, in order, with one tracker.
+pub(crate) fn answer(meshes: [&Path; 2], poses: &Path, csv: &Path) -> Result<(), Trouble> {
+    let (a, b) = (load('A', meshes[0])?, load('B', meshes[1])?);
+    let text = std::fs::read_to_string(poses).map_err(|e| format!("{}: {e}", poses.display()))?;
+    let mut rows = String::from("distance,lower,upper,ax,ay,az,bx,by,bz\n");
+    let (mut tracker, mut frames, mut shared) = (MeshTracker::new(), 0, 0);
+    let began = std::time::Instant::now();
+    for (line, number) in text.lines().zip(1..) {
+        if line.trim().is_empty() {
+            continue;
+        }
+        let pose = pose(line).ok_or_else(|| format!("{}:{number}: not `x y z qx qy qz qw`", poses.display()))?;
+        let found = tracker.closest(&a, &b, &RelativePose::from_isometry(&pose)?);
+        let (p, q) = (found.point_on_a, pose * found.point_on_b);
+        let numbers = [found.distance, found.lower, found.upper, p.x, p.y, p.z, q.x, q.y, q.z];
+        let words: Vec<String> = numbers.iter().map(|x| format!("{x:.16e}")).collect();
+        writeln!(rows, "{}", words.join(","))?;
+        frames += 1;
+        shared += usize::from(found.class != Class::Separated);
+    }
+    let each = began.elapsed().as_micros() as f64 / f64::from(frames.max(1));
+    std::fs::write(csv, rows).map_err(|e| format!("{}: {e}", csv.display()))?;
+    println!("{frames} poses, {shared} of them in contact; {each:.1} us a pose with reading and writing");
+    println!("{:?}", tracker.work());
+    println!("written: {}", csv.display());
+    Ok(())
+}
+
+/// Reads a mesh; polygons are cut into triangles from their first corner.
+fn load(letter: char, path: &Path) -> Result<Mesh, Trouble> {
+    let read = lab::meshes::load(path)?;
+    let points: Vec<_> = read.points.iter().map(|p| Point3::from(*p)).collect();
+    let fan = |f: &lab::Face| f[1..].windows(2).map(|w| [f[0], w[0], w[1]]).collect::<Vec<_>>();
+    let triangles: Vec<[u32; 3]> = read.faces.iter().flat_map(fan).collect();
+    let mesh = Mesh::new(&points, &triangles).map_err(|e| format!("{}: {e}", path.display()))?;
+    println!("{letter}: {}: {}", path.display(), mesh.report());
+    Ok(mesh)
+}
+
+/// A pose from seven numbers. A quaternion that was rounded to few digits is normalised.
+fn pose(line: &str) -> Option<Isometry3<f64>> {
+    let numbers: Result<Vec<f64>, _> = line
+        .split([' ', '\t', ','])
+        .filter(|w| !w.is_empty())
+        .map(str::parse)
+        .collect();
+    let [x, y, z, i, j, k, w] = numbers.ok()?.try_into().ok()?;
+    let q = Quaternion::new(w, i, j, k);
+    let rotation = if (q.norm_squared() - 1.0).abs() <= UNIT {
+        UnitQuaternion::new_unchecked(q)
+    } else {
+        UnitQuaternion::new_normalize(q)
+    };
+    Some(Isometry3::from_parts(Translation3::new(x, y, z), rotation))
+}

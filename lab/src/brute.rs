@@ -1,0 +1,124 @@
+//! The naive oracle of meshes: all pairs of triangles, in f64 by other formulas than the crate's, and in exact arithmetic.
+
+use crate::pose::{add, cross, dot, norm, scale, sub};
+use crate::soups::Soup;
+use crate::{Point, Pose};
+
+/// A triangle.
+pub type Triangle = [Point; 3];
+
+/// The closest point of a segment to a point.
+fn on_segment(p: Point, a: Point, b: Point) -> Point {
+    let u = sub(b, a);
+    let s = dot(sub(p, a), u) / dot(u, u);
+    add(a, scale(u, s.clamp(0.0, 1.0)))
+}
+
+/// The distance of a point from a triangle: over the inside, or from the sides.
+fn point_triangle(p: Point, t: &Triangle) -> f64 {
+    let n = cross(sub(t[1], t[0]), sub(t[2], t[0]));
+    let over = (0..3).all(|i| dot(cross(sub(t[(i + 1) % 3], t[i]), sub(p, t[i])), n) >= 0.0);
+    let sides = (0..3).map(|i| norm(sub(p, on_segment(p, t[i], t[(i + 1) % 3]))));
+    let least = sides.fold(f64::INFINITY, f64::min);
+    if over {
+        least.min((dot(sub(p, t[0]), n) / norm(n)).abs())
+    } else {
+        least
+    }
+}
+
+/// The distance of two segments: the ends, or the inside of both.
+fn segments(a: Point, b: Point, c: Point, d: Point) -> f64 {
+    let ends = [
+        norm(sub(a, on_segment(a, c, d))),
+        norm(sub(b, on_segment(b, c, d))),
+        norm(sub(c, on_segment(c, a, b))),
+        norm(sub(d, on_segment(d, a, b))),
+    ];
+    let least = ends.into_iter().fold(f64::INFINITY, f64::min);
+    let (u, v, w) = (sub(b, a), sub(d, c), sub(c, a));
+    let n = cross(u, v);
+    let nn = dot(n, n);
+    let (s, t) = (dot(cross(w, v), n) / nn, dot(cross(w, u), n) / nn);
+    if (0.0..=1.0).contains(&s) && (0.0..=1.0).contains(&t) {
+        // From the points themselves: for nearly parallel segments the height along a bad normal is too small.
+        least.min(norm(sub(add(a, scale(u, s)), add(c, scale(v, t)))))
+    } else {
+        least
+    }
+}
+
+/// Whether a segment passes through a triangle (Moeller and Trumbore 1997).
+fn passes(a: Point, b: Point, t: &Triangle) -> bool {
+    let (e, f, d) = (sub(t[1], t[0]), sub(t[2], t[0]), sub(b, a));
+    let h = cross(d, f);
+    let det = dot(e, h);
+    if det == 0.0 {
+        return false;
+    }
+    let s = sub(a, t[0]);
+    let u = dot(s, h) / det;
+    let q = cross(s, e);
+    let v = dot(d, q) / det;
+    let at = dot(f, q) / det;
+    u >= 0.0 && v >= 0.0 && u + v <= 1.0 && (0.0..=1.0).contains(&at)
+}
+
+/// The distance of two triangles.
+pub fn triangles(p: &Triangle, q: &Triangle) -> f64 {
+    let side = |t: &Triangle, i: usize| (t[i], t[(i + 1) % 3]);
+    for i in 0..3 {
+        let ((a, b), (c, d)) = (side(p, i), side(q, i));
+        if passes(a, b, q) || passes(c, d, p) {
+            return 0.0;
+        }
+    }
+    let corners = p
+        .iter()
+        .map(|x| point_triangle(*x, q))
+        .chain(q.iter().map(|x| point_triangle(*x, p)));
+    let edges = (0..9).map(|k| {
+        let ((a, b), (c, d)) = (side(p, k / 3), side(q, k % 3));
+        segments(a, b, c, d)
+    });
+    corners.chain(edges).fold(f64::INFINITY, f64::min)
+}
+
+/// The least distance over all pairs of triangles, and its pair. Pairs whose balls are farther are passed over.
+pub fn distance(a: &Soup, b: &Soup, a_from_b: &Pose) -> (f64, [usize; 2]) {
+    let ball = |t: &Triangle| {
+        let c = scale(add(add(t[0], t[1]), t[2]), 1.0 / 3.0);
+        (c, t.iter().map(|x| norm(sub(*x, c))).fold(0.0, f64::max))
+    };
+    let balls = |all: &[Triangle]| all.iter().map(ball).collect::<Vec<_>>();
+    let p: Vec<Triangle> = (0..a.triangles.len()).map(|t| a.corners(t)).collect();
+    let q: Vec<Triangle> = (0..b.triangles.len())
+        .map(|t| b.corners(t).map(|x| a_from_b.apply(x)))
+        .collect();
+    let (of_p, of_q) = (balls(&p), balls(&q));
+    let mut best = (f64::INFINITY, [0, 0]);
+    for (i, (c, r)) in of_p.iter().enumerate() {
+        for (j, (d, s)) in of_q.iter().enumerate() {
+            if norm(sub(*d, *c)) - r - s > best.0 * (1.0 + 1e-9) + 1e-12 {
+                continue;
+            }
+            let found = triangles(&p[i], &q[j]);
+            if found < best.0 {
+                best = (found, [i, j]);
+            }
+        }
+    }
+    best
+}
+
+/// The winding number about a point: the sum of solid angles (van Oosterom and Strackee 1983) over the sphere.
+pub fn winding(soup: &Soup, p: Point) -> f64 {
+    let angle = |t: [Point; 3]| {
+        let [a, b, c] = t.map(|x| sub(x, p));
+        let (x, y, z) = (norm(a), norm(b), norm(c));
+        let above = dot(a, cross(b, c));
+        let below = x * y * z + dot(a, b) * z + dot(b, c) * x + dot(c, a) * y;
+        2.0 * above.atan2(below)
+    };
+    (0..soup.triangles.len()).map(|t| angle(soup.corners(t))).sum::<f64>() / (4.0 * std::f64::consts::PI)
+}

@@ -1,0 +1,143 @@
+//! A check of what a tracker keeps, for debugging: every claim of the front against all corners below it, and that it covers all pairs.
+
+use alloc::collections::BTreeMap;
+
+use nalgebra::Vector3;
+
+use super::frame::Frame;
+use super::front::{Front, Pair};
+use super::mesh::Mesh;
+use super::search::split_pair;
+use crate::num::scalar::sqrt;
+
+/// What is wrong with a front.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum FrontFault {
+    /// An entry claims a gap along its direction that some corners do not have.
+    #[error("nodes {} and {} are claimed {claimed} apart and are {gap} apart", pair[0], pair[1])]
+    Claim {
+        /// A node of A's tree and one of B's.
+        pair: [u32; 2],
+        /// The gap claimed, in A's stored units.
+        claimed: f64,
+        /// The gap of all corners along the entry's direction.
+        gap: f64,
+    },
+    /// A pair of leaves under no entry, or an entry twice or under another.
+    #[error("nodes {} and {} are not covered exactly once", pair[0], pair[1])]
+    Cover {
+        /// A node of A's tree and one of B's.
+        pair: [u32; 2],
+    },
+}
+
+/// Checks a front at the pose of its last test.
+pub(super) fn audit(front: &Front, a: &Mesh, b: &Mesh, frame: &Frame) -> Result<(), FrontFault> {
+    let mut entries = BTreeMap::new();
+    let mut fault = None;
+    let mut at = 0;
+    front.gaps(&frame.single, |pair, gap| {
+        if entries.insert(pair, ()).is_some() {
+            fault = Some(FrontFault::Cover { pair });
+        }
+        let n = Vector3::from(front.normal(at).map(f64::from));
+        let claimed = f64::from(gap) * frame.single.unit;
+        let gap = true_gap(a, b, frame, pair, &n);
+        if claimed > gap {
+            fault = Some(FrontFault::Claim { pair, claimed, gap });
+        }
+        at += 1;
+    });
+    if let Some(fault) = fault {
+        return Err(fault);
+    }
+    let mut stack = alloc::vec![[0, 0]];
+    let mut seen = 0;
+    while let Some(pair) = stack.pop() {
+        if entries.contains_key(&pair) {
+            seen += 1;
+            continue;
+        }
+        match split_pair((&a.tree, &b.tree), frame, pair) {
+            Some(two) => stack.extend(two),
+            None => return Err(FrontFault::Cover { pair }),
+        }
+    }
+    let first = entries.keys().next().copied().unwrap_or_default();
+    if seen == entries.len() {
+        Ok(())
+    } else {
+        Err(FrontFault::Cover { pair: first })
+    }
+}
+
+/// The gap of all corners below two nodes along a direction that is nearly unit. A claim whose direction is all zero is none.
+fn true_gap(a: &Mesh, b: &Mesh, frame: &Frame, [x, y]: Pair, n: &Vector3<f64>) -> f64 {
+    let length = sqrt(n.norm_squared());
+    if length == 0.0 {
+        return 0.0;
+    }
+    let n = n / length;
+    let corners = |mesh: &Mesh, node: u32| {
+        let (first, last) = mesh.tree.range(node);
+        (first..last)
+            .flat_map(|t| mesh.corners(t))
+            .collect::<alloc::vec::Vec<_>>()
+    };
+    let high = corners(a, x).iter().map(|p| n.dot(p)).fold(f64::NEG_INFINITY, f64::max);
+    let low = corners(b, y)
+        .iter()
+        .map(|p| n.dot(&frame.point(p)))
+        .fold(f64::INFINITY, f64::min);
+    low - high
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use std::vec::Vec;
+
+    use lab::pose::{Pose, quat, quat_mul, unit_quat};
+    use lab::soups;
+    use nalgebra::Point3;
+
+    use super::*;
+    use crate::MeshTracker;
+    use crate::pose::RelativePose;
+
+    fn mesh(soup: &soups::Soup) -> Mesh {
+        let points: Vec<_> = soup.points.iter().map(|p| Point3::from(*p)).collect();
+        Mesh::new(&points, &soup.triangles).unwrap()
+    }
+
+    #[test]
+    fn fronts_hold_what_they_claim_and_a_spoiled_one_is_found() {
+        let (a, b) = (mesh(&soups::torus(40, 20, 0.3)), mesh(&soups::rock(3, 2)));
+        let mut tracker = MeshTracker::new();
+        let mut q = [0.0, 0.0, 0.0, 1.0];
+        let (mut entries, mut spoiled) = (0, 0);
+        for k in 0..400 {
+            q = unit_quat(quat_mul(quat([0.6, 0.0, 0.8], 0.009), q));
+            let swing = 0.2 * (0.01 * f64::from(k)).sin();
+            let pose = Pose {
+                q,
+                t: [2.4 + swing, 0.3, 0.2],
+            };
+            let pose = RelativePose::from_isometry(&pose.isometry()).unwrap();
+            tracker.closest(&a, &b, &pose);
+            if k % 10 != 9 {
+                continue;
+            }
+            assert_eq!(tracker.audit(&a, &b, &pose), Ok(()), "{k}");
+            entries += tracker.front_len();
+            let mut worse = tracker.clone();
+            worse.spoil(k as usize, 0.5);
+            spoiled += u32::from(matches!(worse.audit(&a, &b, &pose), Err(FrontFault::Claim { .. })));
+            worse = tracker.clone();
+            worse.drop_entry(k as usize);
+            assert!(matches!(worse.audit(&a, &b, &pose), Err(FrontFault::Cover { .. })));
+        }
+        assert!(entries > 2000 && spoiled == 40, "{entries} {spoiled}");
+    }
+}

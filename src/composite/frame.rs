@@ -1,0 +1,137 @@
+//! A pair of trees at one relative pose: the maps between the frames, in both precisions, with the errors of each.
+
+use nalgebra::{Matrix3, Vector3};
+use wide::f32x8;
+
+use super::tree::{Tree, up};
+use crate::num::scalar::sqrt;
+use crate::polyhedron::power_of_two;
+use crate::pose::RelativePose;
+use crate::tolerance::{BOXES, CERTIFICATE, FAR, NEAR, SHORT_OF, UNIT};
+
+/// A body as its tree sees it.
+#[derive(Clone, Copy)]
+pub(super) struct Side<'a> {
+    pub(super) tree: &'a Tree,
+    /// Stored lengths times `2^exponent` are the caller's.
+    pub(super) exponent: i32,
+    /// Largest distance of a point from the body's origin, in stored units.
+    pub(super) radius: f64,
+}
+
+/// Sizes beyond this, in the unit of single precision, are left to double precision. Squares stay far inside the range of f32.
+const SINGLE_MOST: f32 = (1u64 << 30) as f32;
+
+/// Lengths that vanish in the products of single precision are below this.
+const LEAST: f32 = 1.0 / (1u64 << 60) as f32;
+
+/// `a_from_b` between stored frames, and between the frames of the trees.
+pub(super) struct Frame {
+    /// A rotation times the unit of B's stored frame in A's.
+    pub(super) matrix: Matrix3<f64>,
+    pub(super) translation: Vector3<f64>,
+    /// The rotation alone.
+    pub(super) rotation: Matrix3<f64>,
+    /// One unit of B's stored frame in A's.
+    pub(super) scale: f64,
+    /// L in A's stored units.
+    pub(super) size: f64,
+    /// Error of a distance and of a height in double precision.
+    pub(super) error: f64,
+    /// How far below the distance a proven gap may be that lets a pair pass.
+    pub(super) tie: f64,
+    pub(super) single: Single,
+}
+
+/// The frame in single precision, in a unit in which the larger tree has a size of about one.
+pub(super) struct Single {
+    /// The unit in A's stored units.
+    pub(super) unit: f64,
+    pub(super) rotation: [f32x8; 9],
+    pub(super) translation: [f32x8; 3],
+    pub(super) scale_a: f32,
+    pub(super) scale_b: f32,
+    /// Error of a gap; infinite where single precision cannot help.
+    pub(super) error: f32,
+}
+
+impl Frame {
+    /// `None` where the bodies are so far apart, or so small, that squares of lengths leave the range of f64.
+    pub(super) fn new(a: Side, b: Side, pose: &RelativePose) -> Option<Self> {
+        let scale = power_of_two((b.exponent - a.exponent).clamp(-1000, 1000));
+        let rotation = pose.rotation();
+        let translation = pose.translation() * power_of_two(-a.exponent);
+        let size = a.radius + scale * b.radius + sqrt(translation.norm_squared());
+        // Written so that NaN goes the safe way.
+        if !(size > NEAR && size < FAR) {
+            return None;
+        }
+        let matrix = rotation * scale;
+        Some(Self {
+            matrix,
+            translation,
+            rotation,
+            scale,
+            size,
+            error: CERTIFICATE * UNIT * size,
+            tie: SHORT_OF * size,
+            single: Single::new((a, b, scale), &matrix, &translation, &rotation, size),
+        })
+    }
+
+    /// Where a stored point of B is in A's stored frame.
+    #[inline(always)]
+    pub(super) fn point(&self, p: &Vector3<f64>) -> Vector3<f64> {
+        self.matrix * p + self.translation
+    }
+
+    /// The direction of B's stored frame along which points rise as they do along `n` in A's.
+    #[inline(always)]
+    pub(super) fn direction_in_b(&self, n: &Vector3<f64>) -> Vector3<f64> {
+        self.matrix.tr_mul(n)
+    }
+
+    /// Lengths in A's stored units in the unit of single precision, rounded up.
+    #[inline(always)]
+    pub(super) fn single_up(&self, length: f64) -> f32 {
+        up(length / self.single.unit)
+    }
+}
+
+impl Single {
+    fn new(
+        (a, b, scale): (Side, Side, f64),
+        matrix: &Matrix3<f64>,
+        translation: &Vector3<f64>,
+        rotation: &Matrix3<f64>,
+        size: f64,
+    ) -> Self {
+        let (of_a, of_b) = (a.tree.unit(), b.tree.unit() * scale);
+        let unit = of_a.max(of_b);
+        let (scale_a, scale_b) = ((of_a / unit) as f32, (of_b / unit) as f32);
+        let shift = (matrix * b.tree.centre + translation - a.tree.centre) / unit;
+        let (near, r) = (shift.map(|x| x as f32), rotation.map(|x| x as f32));
+        let reach = a.tree.reach * scale_a + b.tree.reach * scale_b + sqrt(shift.norm_squared()) as f32;
+        // The second: the shift's own error where bodies are far from their origins, and scales that vanish.
+        let error = BOXES as f32 * reach + (2.0 * CERTIFICATE * UNIT * size / unit) as f32 + LEAST;
+        Self {
+            unit,
+            rotation: core::array::from_fn(|k| f32x8::splat(r[(k / 3, k % 3)])),
+            translation: [near.x, near.y, near.z].map(f32x8::splat),
+            scale_a,
+            scale_b,
+            error: if reach < SINGLE_MOST { error } else { f32::INFINITY },
+        }
+    }
+}
+
+/// The distance of two bodies' origins in the caller's unit, by how much that of the bodies may differ, and the direction.
+pub(super) fn far(a: Side, b: Side, pose: &RelativePose) -> (f64, f64, Vector3<f64>) {
+    let sixteenth = pose.translation_sixteenth();
+    let length = sixteenth.amax();
+    let n = if length > 0.0 { sixteenth / length } else { Vector3::x() };
+    let norm = sqrt(n.norm_squared());
+    let distance = length * norm * 16.0;
+    let reach = a.radius * power_of_two(a.exponent) + b.radius * power_of_two(b.exponent);
+    (distance, distance * CERTIFICATE * UNIT + reach, n / norm)
+}

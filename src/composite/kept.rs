@@ -1,0 +1,154 @@
+//! What a tracker keeps between queries, whatever the leaves hold.
+
+use alloc::vec::Vec;
+use nalgebra::{Matrix3, Vector3};
+
+use super::frame::Frame;
+use super::front::{Front, Pair};
+use super::search::{Judge, MeshWork, Search};
+use crate::num::scalar::sqrt;
+
+/// Motions up to this, as the norm of the difference of rotations and as a part of L, are worth a front: some 2.4 degrees. Not a
+/// matter of soundness.
+const NEAR: f64 = 1.0 / 24.0;
+
+/// Motions beyond this begin anew. Not a matter of soundness.
+const JUMP: f64 = 1.0 / 12.0;
+
+/// Front, last pairs and buffers.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Kept {
+    pub(super) front: Front,
+    /// The two closest pairs of items of the last answers.
+    last: [Option<Pair>; 2],
+    pose: Option<(Matrix3<f64>, Vector3<f64>)>,
+    stack: Vec<Pair>,
+    failed: Vec<u32>,
+    pub(super) work: MeshWork,
+}
+
+impl Kept {
+    pub(super) fn heap_bytes(&self) -> usize {
+        self.front.heap_bytes() + self.stack.capacity() * size_of::<Pair>() + 4 * self.failed.capacity()
+    }
+
+    /// Finds the closest pair of items, by the front where there is one.
+    pub(super) fn closest<J: Judge>(&mut self, search: &mut Search<J>) {
+        let motion = self.motion(search.frame);
+        self.pose = Some((search.frame.rotation, search.frame.translation));
+        if motion < JUMP {
+            for pair in self.last.into_iter().flatten() {
+                search.measure(pair);
+            }
+        }
+        if !search.is_over() {
+            if motion < NEAR && !self.front.is_empty() {
+                self.renew(search);
+            } else {
+                self.begin(search, motion);
+            }
+        }
+        if search.is_over() {
+            self.front.clear();
+        } else if motion < NEAR && (self.front.is_empty() || self.front.len() > 2 * self.front.cut) {
+            self.cut(search);
+        }
+        self.conclude(search);
+    }
+
+    /// Whether any pair of items is within the distance that the search asks for.
+    pub(super) fn is_within<J: Judge>(&mut self, search: &mut Search<J>) -> bool {
+        for pair in self.last.into_iter().flatten() {
+            search.measure(pair);
+        }
+        if !search.is_over() {
+            search.start(&mut self.stack, None);
+            search.descend(&mut self.stack, None);
+        }
+        self.conclude(search);
+        search.is_over()
+    }
+
+    fn conclude<J: Judge>(&mut self, search: &Search<J>) {
+        self.work += search.work;
+        if let Some(best) = &search.best {
+            self.remember(best.pair);
+        }
+    }
+
+    fn remember(&mut self, pair: Pair) {
+        if self.last[0] != Some(pair) {
+            self.last = [Some(pair), self.last[0]];
+        }
+    }
+
+    /// How far the pose is from that of the last query: the norm of the difference of rotations, the shift as a part of L.
+    fn motion(&self, frame: &Frame) -> f64 {
+        self.pose.as_ref().map_or(f64::INFINITY, |(r, t)| {
+            let turn = sqrt(0.5 * (frame.rotation - r).norm_squared());
+            turn + sqrt((frame.translation - t).norm_squared()) / frame.size
+        })
+    }
+
+    /// A search without a front.
+    fn begin<J: Judge>(&mut self, search: &mut Search<J>, motion: f64) {
+        self.front.clear();
+        if !(motion < JUMP) {
+            search.seed();
+        }
+        if !search.is_over() {
+            search.start(&mut self.stack, None);
+            search.descend(&mut self.stack, None);
+        }
+    }
+
+    /// Proves the front again; what its directions do not prove gets new ones, or is split.
+    fn renew<J: Judge>(&mut self, search: &mut Search<J>) {
+        self.front.turn_to(search.frame);
+        self.failed.clear();
+        let (failed, level) = (&mut self.failed, search.frame.single_up(search.level()));
+        self.front.test(&search.frame.single, level, |k| failed.push(k as u32));
+        search.work.entries += self.front.len() as u64;
+        search.work.failed += self.failed.len() as u64;
+        if 2 * self.failed.len() > self.front.len() && self.front.len() > 16 {
+            return self.begin(search, 0.0);
+        }
+        self.stack.clear();
+        for batch in self.failed.rchunks(8) {
+            if search.is_over() {
+                return;
+            }
+            let mut pairs = [[0; 2]; 8];
+            (0..batch.len()).for_each(|k| pairs[k] = self.front.pair(batch[k] as usize));
+            let found = search.bound(&pairs[..batch.len()]);
+            for k in (0..batch.len()).rev() {
+                let (at, pair) = (batch[k] as usize, pairs[k]);
+                let normal = [0, 1, 2].map(|c| found.normal[c][k]);
+                match search.settle(pair, found.gap[k], normal) {
+                    Some((n, gap)) => {
+                        let ball = &search.b.boxes[pair[1] as usize];
+                        self.front.set(&search.frame.single, at, ball, n, gap);
+                    }
+                    None => {
+                        self.front.remove(at);
+                        self.stack.push(pair);
+                    }
+                }
+            }
+        }
+        search.descend(&mut self.stack, Some(&mut self.front));
+    }
+
+    /// Cuts a new front, with the distance known.
+    fn cut<J: Judge>(&mut self, search: &mut Search<J>) {
+        search.work.cuts += 1;
+        self.front.clear();
+        self.front.turn_to(search.frame);
+        search.start(&mut self.stack, Some(&mut self.front));
+        search.descend(&mut self.stack, Some(&mut self.front));
+        self.front.cut = self.front.len();
+        if search.is_over() {
+            self.front.clear();
+        }
+    }
+}

@@ -1,0 +1,215 @@
+//! From points and triangles to a mesh.
+
+use alloc::vec;
+use alloc::vec::Vec;
+use nalgebra::{Point3, Vector3};
+
+use super::weld::{MOST, Welded, mix, stir, weld};
+use super::{Mesh, MeshError, MeshKind, MeshReport, edges};
+use crate::composite::tree::{LEAF, Tree};
+use crate::num::scalar::sqrt;
+use crate::num::sign;
+use crate::polyhedron::{ConvexPolyhedron, bounding_box};
+use crate::tolerance::{SIDE_ERROR, UNIT};
+
+impl Mesh {
+    /// Builds a mesh of points and triangles.
+    ///
+    /// Points with equal coordinates are welded, triangles without area and repeated ones are dropped, and the [report](Self::report)
+    /// names them; nothing else is changed. Takes `n log n` time.
+    ///
+    /// # Errors
+    ///
+    /// A coordinate that is not finite, an index of a point that does not exist, more than 2^27 points or triangles, no triangle left, or
+    /// an extent outside 1e-100..1e100.
+    pub fn new(points: &[Point3<f64>], triangles: &[[u32; 3]]) -> Result<Self, MeshError> {
+        if triangles.len() > MOST {
+            return Err(MeshError::TooMany { count: triangles.len() });
+        }
+        let missing = |t: &[u32; 3]| t.iter().copied().find(|&v| v as usize >= points.len());
+        if let Some((triangle, index)) = triangles.iter().enumerate().find_map(|(k, t)| Some((k, missing(t)?))) {
+            let index = index as usize;
+            return Err(MeshError::IndexOutOfRange { triangle, index });
+        }
+        let welded = weld(points)?;
+        let sieved = sieve(&welded, triangles);
+        if sieved.kept.is_empty() {
+            return Err(MeshError::Empty { given: triangles.len() });
+        }
+        Ok(assemble(welded, sieved, triangles.len()))
+    }
+
+    /// Builds the surface of a convex body as a solid mesh. A triangle is named by its number in the order of the body's faces, a point by
+    /// the index of the body's vertex.
+    ///
+    /// # Errors
+    ///
+    /// A body without faces, as a segment or a point ([`MeshError::Empty`]).
+    pub fn from_convex(body: &ConvexPolyhedron) -> Result<Self, MeshError> {
+        let points: Vec<_> = body.vertex_points().collect();
+        let mut triangles = Vec::new();
+        for face in body.faces() {
+            let rim: Vec<u32> = body.face_vertices(face).map(|v| v.index() as u32).collect();
+            triangles.extend(rim.windows(2).skip(1).map(|w| [rim[0], w[0], w[1]]));
+        }
+        Self::new(&points, &triangles)
+    }
+}
+
+/// Triangles that are kept, over welded points, and the caller's numbers of the rest.
+struct Sieved {
+    kept: Vec<[u32; 3]>,
+    source: Vec<u32>,
+    degenerate: Vec<u32>,
+    repeated: Vec<(u32, u32)>,
+}
+
+/// Drops triangles without area and repeated ones.
+fn sieve(welded: &Welded, triangles: &[[u32; 3]]) -> Sieved {
+    let mut sieved = Sieved {
+        kept: Vec::with_capacity(triangles.len()),
+        source: Vec::with_capacity(triangles.len()),
+        degenerate: Vec::new(),
+        repeated: Vec::new(),
+    };
+    for (k, t) in (0u32..).zip(triangles) {
+        let t = t.map(|v| welded.same_as[v as usize]);
+        let corners = t.map(|v| &welded.points[v as usize]);
+        if t[0] == t[1] || t[1] == t[2] || t[2] == t[0] || is_collinear(corners) {
+            sieved.degenerate.push(k);
+        } else {
+            sieved.kept.push(t);
+            sieved.source.push(k);
+        }
+    }
+    drop_repeated(&mut sieved);
+    sieved
+}
+
+/// Whether three points are exactly collinear: by a cross product that is certain, else by exact predicates.
+fn is_collinear([a, b, c]: [&Vector3<f64>; 3]) -> bool {
+    let (u, v) = (b - a, c - a);
+    let certain = SIDE_ERROR * u.amax() * v.amax();
+    u.cross(&v).amax() <= 2.0 * certain && sign::projection(a, b, c).is_none()
+}
+
+/// Finds triangles with the same corners in the same sense.
+fn drop_repeated(sieved: &mut Sieved) {
+    let turned = |t: &[u32; 3]| {
+        let low = (0..3).min_by_key(|&k| t[k]).unwrap_or(0);
+        [t[low], t[(low + 1) % 3], t[(low + 2) % 3]]
+    };
+    let key = |t: &[u32; 3]| turned(t).iter().fold(0, |h, &v| stir(h ^ u64::from(v)));
+    let mut keys: Vec<(u64, u32)> = sieved.kept.iter().map(key).zip(0..).collect();
+    keys.sort_unstable();
+    let mut gone = vec![false; sieved.kept.len()];
+    for run in keys.chunk_by(|a, b| a.0 == b.0).filter(|run| run.len() > 1) {
+        for (i, later) in run.iter().enumerate() {
+            let same = |k: &&(u64, u32)| turned(&sieved.kept[k.1 as usize]) == turned(&sieved.kept[later.1 as usize]);
+            if let Some(first) = run[..i].iter().find(same) {
+                gone[later.1 as usize] = true;
+                let names = [later.1, first.1].map(|k| sieved.source[k as usize]);
+                sieved.repeated.push((names[0], names[1]));
+            }
+        }
+    }
+    if !sieved.repeated.is_empty() {
+        sieved.repeated.sort_unstable();
+        let stays = |k: &usize| !gone[*k];
+        let each = || (0..gone.len()).filter(stays);
+        (sieved.kept, sieved.source) = (
+            each().map(|k| sieved.kept[k]).collect(),
+            each().map(|k| sieved.source[k]).collect(),
+        );
+    }
+}
+
+/// Judges the edges, builds the tree and puts everything in its order.
+fn assemble(welded: Welded, sieved: Sieved, given: usize) -> Mesh {
+    let found = edges::judge(&sieved.kept);
+    let (mut parts, part_vertices) = edges::parts(&welded.points, &sieved.kept, found.closed);
+    parts
+        .iter_mut()
+        .for_each(|p| p.triangle = sieved.source[p.triangle as usize]);
+    let (mut tree, order) = Tree::split(&welded.points, &sieved.kept, LEAF);
+    let mut ordered = Ordered::new(welded.points.len());
+    ordered.triangles = order
+        .iter()
+        .map(|&k| sieved.kept[k as usize].map(|v| ordered.vertex(v)))
+        .collect();
+    let points: Vec<_> = ordered.source.iter().map(|&v| welded.points[v as usize]).collect();
+    tree.fit(&points, &ordered.triangles, 0.0);
+    let (low, high) = bounding_box(&points);
+    let unit = crate::polyhedron::power_of_two(welded.exponent);
+    parts.iter_mut().for_each(|p| p.volume *= unit * unit * unit);
+    let kind = if found.closed {
+        MeshKind::Solid
+    } else {
+        MeshKind::Surface
+    };
+    let welded_away = (0u32..).zip(&welded.same_as).filter(|(k, v)| k != *v).count();
+    let square = points.iter().fold(0.0, |r: f64, p| r.max(p.norm_squared()));
+    Mesh {
+        report: MeshReport {
+            kind,
+            input_points: welded.points.len(),
+            input_triangles: given,
+            vertices: points.len(),
+            triangles: order.len(),
+            welded: welded_away,
+            unused: welded.points.len() - welded_away - points.len(),
+            degenerate: sieved.degenerate,
+            repeated: sieved.repeated,
+            boundary_edges: found.boundary,
+            non_manifold_edges: found.non_manifold,
+            misoriented_edges: found.misoriented,
+            parts,
+            flushed_coordinates: welded.flushed,
+        },
+        fingerprint: fingerprint(&points, &ordered.triangles, welded.exponent),
+        part_vertices: part_vertices.into_iter().map(|v| ordered.number[v as usize]).collect(),
+        source_triangles: order.iter().map(|&k| sieved.source[k as usize]).collect(),
+        source_points: ordered.source,
+        triangles: ordered.triangles,
+        exponent: welded.exponent,
+        radius: sqrt(square) * (1.0 + 4.0 * UNIT),
+        points,
+        tree,
+        low,
+        high,
+    }
+}
+
+/// Vertices in the order in which triangles use them.
+struct Ordered {
+    triangles: Vec<[u32; 3]>,
+    /// The new number of each welded point.
+    number: Vec<u32>,
+    source: Vec<u32>,
+}
+
+impl Ordered {
+    fn new(points: usize) -> Self {
+        Self {
+            triangles: Vec::new(),
+            number: vec![u32::MAX; points],
+            source: Vec::new(),
+        }
+    }
+
+    fn vertex(&mut self, v: u32) -> u32 {
+        let number = &mut self.number[v as usize];
+        if *number == u32::MAX {
+            *number = self.source.len() as u32;
+            self.source.push(v);
+        }
+        *number
+    }
+}
+
+fn fingerprint(points: &[Vector3<f64>], triangles: &[[u32; 3]], exponent: i32) -> u64 {
+    let start = stir(exponent as u64 ^ (points.len() as u64) << 32);
+    let places = points.iter().fold(start, |h, p| stir(h ^ mix(p)));
+    let corner = |h, t: &[u32; 3]| stir(h ^ (u64::from(t[0]) << 42 ^ u64::from(t[1]) << 21 ^ u64::from(t[2])));
+    triangles.iter().fold(places, corner)
+}

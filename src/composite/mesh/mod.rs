@@ -1,0 +1,143 @@
+//! Meshes of triangles: checked, welded and put in the order of their tree.
+
+mod build;
+mod edges;
+mod mass;
+#[cfg(feature = "serde")]
+mod persist;
+mod report;
+mod weld;
+
+use alloc::vec::Vec;
+use nalgebra::{Point3, Vector3};
+
+pub use report::{MeshError, MeshKind, MeshPart, MeshReport};
+
+use super::tree::Tree;
+pub(super) use weld::stir;
+
+/// A body made of triangles: the mesh as the caller brought it, not a decomposition.
+///
+/// A closed mesh is a solid, any other a surface ([`kind`](Self::kind)). Immutable, `Send + Sync`, cheap to share by reference or `Arc`.
+/// Coordinates are those of the caller, in the body's own frame, in any unit; triangles run counter-clockwise seen from outside.
+///
+/// ```
+/// use lin_canny::nalgebra::Point3;
+/// use lin_canny::{Mesh, MeshKind};
+///
+/// let points = [[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [0., 0., 1.]].map(Point3::from);
+/// let wedge = Mesh::new(&points, &[[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])?;
+/// assert_eq!(wedge.kind(), MeshKind::Solid);
+/// let open = Mesh::new(&points, &[[0, 2, 1], [0, 1, 3]])?;
+/// assert_eq!(open.kind(), MeshKind::Surface);
+/// assert_eq!(open.report().boundary_edges.len(), 4);
+/// # Ok::<(), lin_canny::MeshError>(())
+/// ```
+#[doc(alias = "trimesh")]
+#[doc(alias = "triangle soup")]
+#[derive(Clone, Debug)]
+pub struct Mesh {
+    /// Given coordinates times `2^-exponent`, in the order in which the triangles use them.
+    pub(crate) points: Vec<Vector3<f64>>,
+    /// Vertices of each triangle, in the order of the tree's leaves.
+    pub(crate) triangles: Vec<[u32; 3]>,
+    /// The caller's index of each vertex, the lowest among equal ones.
+    pub(crate) source_points: Vec<u32>,
+    /// The caller's index of each triangle.
+    pub(crate) source_triangles: Vec<u32>,
+    /// One vertex of each connected part.
+    pub(crate) part_vertices: Vec<u32>,
+    pub(crate) tree: Tree,
+    /// Stored lengths times `2^exponent` are the caller's; zero for ordinary sizes.
+    pub(crate) exponent: i32,
+    /// Largest distance of a vertex from the origin, rounded up, in stored units.
+    pub(crate) radius: f64,
+    /// Corners of the bounding box, in stored coordinates.
+    pub(crate) low: Vector3<f64>,
+    pub(crate) high: Vector3<f64>,
+    /// A number made of vertices and triangles, by which a tracker recognises the mesh.
+    pub(crate) fingerprint: u64,
+    report: MeshReport,
+}
+
+impl Mesh {
+    /// Returns whether the mesh bounds a volume.
+    #[must_use]
+    pub fn kind(&self) -> MeshKind {
+        self.report.kind
+    }
+
+    /// Returns what building the mesh kept, dropped and found.
+    #[must_use]
+    pub fn report(&self) -> &MeshReport {
+        &self.report
+    }
+
+    /// Returns the number of triangles.
+    #[must_use]
+    pub fn triangle_count(&self) -> usize {
+        self.triangles.len()
+    }
+
+    /// Returns the number of vertices.
+    #[must_use]
+    pub fn vertex_count(&self) -> usize {
+        self.points.len()
+    }
+
+    /// Returns the corners of the bounding box in the body's own frame.
+    #[must_use]
+    pub fn aabb(&self) -> (Point3<f64>, Point3<f64>) {
+        (self.given(&self.low), self.given(&self.high))
+    }
+
+    /// Returns the bytes that the mesh holds on the heap, without its report.
+    #[must_use]
+    pub fn heap_bytes(&self) -> usize {
+        let numbers = self.source_points.len() + self.source_triangles.len() + self.part_vertices.len();
+        size_of_val(&self.points[..]) + size_of_val(&self.triangles[..]) + 4 * numbers + self.tree.heap_bytes()
+    }
+
+    /// Returns the corners of every triangle with its index as the caller gave it, in the order of the tree.
+    pub fn triangles(&self) -> impl Iterator<Item = (u32, [Point3<f64>; 3])> + '_ {
+        let each = self.triangles.iter().zip(&self.source_triangles);
+        each.map(|(t, &source)| (source, t.map(|v| self.given(&self.points[v as usize]))))
+    }
+
+    /// Returns the corners of the box of a node of the mesh's tree, to be drawn: corner k is at the far end of axis i if bit i of k is set.
+    /// The box as it is compared is in single precision, right within a millionth of the mesh.
+    #[must_use]
+    pub fn node_box(&self, node: u32) -> Option<[Point3<f64>; 8]> {
+        let b = self.tree.boxes.get(node as usize)?;
+        let (centre, half) = (b.centre(), b.half());
+        Some(core::array::from_fn(|k| {
+            let end = |i: usize| b.axis(i) * if k >> i & 1 == 1 { half[i] } else { -half[i] };
+            let place = centre + end(0) + end(1) + end(2);
+            self.given(&(place * self.tree.unit() + self.tree.centre))
+        }))
+    }
+
+    pub(crate) fn is_solid(&self) -> bool {
+        self.report.kind == MeshKind::Solid
+    }
+
+    /// A stored point in the caller's coordinates.
+    pub(crate) fn given(&self, stored: &Vector3<f64>) -> Point3<f64> {
+        Point3::from(if self.exponent == 0 {
+            *stored
+        } else {
+            stored * self.unit()
+        })
+    }
+
+    /// One stored unit in the caller's.
+    pub(crate) fn unit(&self) -> f64 {
+        crate::polyhedron::power_of_two(self.exponent)
+    }
+
+    /// The corners of a triangle in stored coordinates.
+    #[inline(always)]
+    pub(crate) fn corners(&self, triangle: u32) -> [Vector3<f64>; 3] {
+        self.triangles[triangle as usize].map(|v| self.points[v as usize])
+    }
+}

@@ -1,0 +1,148 @@
+//! Why a mesh was refused, and what building a mesh kept, dropped and found.
+
+use alloc::vec::Vec;
+use core::fmt;
+
+/// Reason why points and triangles make no mesh. Indices are the caller's, lengths in the caller's unit.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum MeshError {
+    /// A coordinate is infinite or not a number.
+    #[error("point {index} has a coordinate that is not finite")]
+    NotFinite {
+        /// The first such point.
+        index: usize,
+    },
+    /// A triangle names a point that does not exist.
+    #[error("triangle {triangle} names point {index}, which does not exist")]
+    IndexOutOfRange {
+        /// The triangle.
+        triangle: usize,
+        /// The index named.
+        index: usize,
+    },
+    /// More points or triangles than ids of 27 bits can name.
+    #[error("{count} points or triangles are more than ids can name")]
+    TooMany {
+        /// Points or triangles given.
+        count: usize,
+    },
+    /// No triangle is left: none was given, or all are degenerate.
+    #[error("no triangle is left of {given}")]
+    Empty {
+        /// Triangles given.
+        given: usize,
+    },
+    /// The longest side of the bounding box is below 1e-100 or above 1e100, or a coordinate is above 1e116.
+    #[error("the extent {extent:e} lies outside 1e-100..1e100, or a coordinate is above 1e116")]
+    OutOfRange {
+        /// The longest side of the bounding box.
+        extent: f64,
+    },
+    /// Data of a stored mesh that do not describe one.
+    #[error("the stored mesh is damaged: {what}")]
+    Damaged {
+        /// What does not fit.
+        what: &'static str,
+    },
+}
+
+/// Whether a mesh bounds a volume.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum MeshKind {
+    /// Closed: along every edge as many triangles run one way as the other. Points with a winding number other than zero are inside and
+    /// belong to the body.
+    Solid,
+    /// Not closed: the body is the triangles alone and has no inside.
+    Surface,
+}
+
+impl fmt::Display for MeshKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(match self {
+            Self::Solid => "solid",
+            Self::Surface => "surface",
+        })
+    }
+}
+
+/// A connected part of a mesh: triangles that share vertices.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct MeshPart {
+    /// One triangle of the part, by the caller's index.
+    pub triangle: u32,
+    /// Number of triangles.
+    pub triangles: u32,
+    /// Signed volume if the mesh is a solid, in the caller's unit cubed: negative if the triangles run clockwise seen from outside, as
+    /// those of a cavity do.
+    pub volume: f64,
+}
+
+/// What building a mesh kept, dropped and found. Indices are the caller's.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct MeshReport {
+    /// Whether the mesh is closed.
+    pub kind: MeshKind,
+    /// Points given.
+    pub input_points: usize,
+    /// Triangles given.
+    pub input_triangles: usize,
+    /// Vertices of the mesh.
+    pub vertices: usize,
+    /// Triangles of the mesh.
+    pub triangles: usize,
+    /// Points that were welded to an earlier point with the same coordinates.
+    pub welded: usize,
+    /// Points that no triangle kept uses.
+    pub unused: usize,
+    /// Triangles dropped because their corners are collinear or equal.
+    pub degenerate: Vec<u32>,
+    /// `(dropped, kept)`: triangles with the same corners in the same sense.
+    pub repeated: Vec<(u32, u32)>,
+    /// Edges of one triangle.
+    pub boundary_edges: Vec<[u32; 2]>,
+    /// Edges of more than two triangles.
+    pub non_manifold_edges: Vec<[u32; 2]>,
+    /// Edges of two triangles that run along it in the same sense: one of them is turned over.
+    pub misoriented_edges: Vec<[u32; 2]>,
+    /// Connected parts, by their first triangle.
+    pub parts: Vec<MeshPart>,
+    /// Coordinates replaced by zero: below `2^-200` of the extent, where exact predicates would run out of range.
+    pub flushed_coordinates: usize,
+}
+
+impl fmt::Display for MeshReport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "{} of {} vertices and {} triangles in {} parts",
+            self.kind,
+            self.vertices,
+            self.triangles,
+            self.parts.len()
+        )?;
+        let found = [
+            (self.welded, "points welded"),
+            (self.unused, "points unused"),
+            (self.degenerate.len(), "degenerate triangles dropped"),
+            (self.repeated.len(), "repeated triangles dropped"),
+            (self.boundary_edges.len(), "boundary edges"),
+            (self.non_manifold_edges.len(), "non-manifold edges"),
+            (self.misoriented_edges.len(), "edges of triangles turned over"),
+            (self.flushed_coordinates, "coordinates flushed to zero"),
+        ];
+        for (count, what) in found.into_iter().filter(|x| x.0 > 0) {
+            write!(f, ", {count} {what}")?;
+        }
+        let inward = self.parts.iter().filter(|p| p.volume < 0.0).count();
+        if inward > 0 {
+            write!(f, ", {inward} parts facing inward")?;
+        }
+        Ok(())
+    }
+}

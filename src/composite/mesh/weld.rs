@@ -1,0 +1,89 @@
+//! From the caller's points to stored ones: checked, scaled by a power of two, equal points made one.
+
+use alloc::vec::Vec;
+use nalgebra::{Point3, Vector3};
+
+use super::MeshError;
+use crate::num::scalar::sqrt;
+use crate::polyhedron::{bounding_box, exponent_of, power_of_two};
+use crate::tolerance::{EXPONENT_FREE, EXTENT_MAX, EXTENT_MIN, FLUSH_EXPONENT, PLACE_MAX};
+
+/// Most points and triangles: an id of a triangle shares its 32 bits with a mark and a count.
+pub(super) const MOST: usize = 1 << 27;
+
+/// The points in stored units, and for each of them the first with the same coordinates.
+pub(super) struct Welded {
+    pub(super) points: Vec<Vector3<f64>>,
+    pub(super) same_as: Vec<u32>,
+    pub(super) exponent: i32,
+    pub(super) flushed: usize,
+}
+
+/// Checks, scales and welds.
+pub(super) fn weld(given: &[Point3<f64>]) -> Result<Welded, MeshError> {
+    if given.len() > MOST {
+        return Err(MeshError::TooMany { count: given.len() });
+    }
+    if let Some(index) = given.iter().position(|p| !p.iter().all(|x| x.is_finite())) {
+        return Err(MeshError::NotFinite { index });
+    }
+    let (low, high) = bounding_box(given.iter().map(|p| &p.coords));
+    let sides = high - low;
+    let extent = if given.is_empty() { 0.0 } else { sides.max() };
+    let far = given.iter().any(|p| p.coords.amax() > PLACE_MAX);
+    if far || !given.is_empty() && !(EXTENT_MIN..=EXTENT_MAX).contains(&extent) {
+        return Err(MeshError::OutOfRange { extent });
+    }
+    let size = exponent_of(sqrt((sides * 0.5).norm_squared()));
+    let window = 2 * EXPONENT_FREE;
+    let exponent = (size + EXPONENT_FREE).div_euclid(window) * window;
+    let (scale, flush) = (power_of_two(-exponent), power_of_two(size - exponent - FLUSH_EXPONENT));
+    let mut flushed = 0;
+    let points: Vec<Vector3<f64>> = given
+        .iter()
+        .map(|p| {
+            (p.coords * scale).map(|x| {
+                let vanishes = x.abs() < flush;
+                flushed += usize::from(vanishes && x != 0.0);
+                if vanishes { 0.0 } else { x }
+            })
+        })
+        .collect();
+    let same_as = first_equal(&points);
+    Ok(Welded {
+        points,
+        same_as,
+        exponent,
+        flushed,
+    })
+}
+
+/// For each point the first with the same coordinates. Points are sorted by a mix of their bits, so that long runs of equal first
+/// coordinates cost nothing; among equal mixes the coordinates decide.
+fn first_equal(points: &[Vector3<f64>]) -> Vec<u32> {
+    let mut keys: Vec<(u64, u32)> = points.iter().map(mix).zip(0..).collect();
+    keys.sort_unstable();
+    let mut same_as: Vec<u32> = (0..points.len() as u32).collect();
+    for run in keys.chunk_by_mut(|a, b| a.0 == b.0).filter(|run| run.len() > 1) {
+        run.sort_unstable_by(|a, b| order(&points[a.1 as usize], &points[b.1 as usize]).then(a.1.cmp(&b.1)));
+        for equal in run.chunk_by(|a, b| points[a.1 as usize] == points[b.1 as usize]) {
+            equal.iter().for_each(|k| same_as[k.1 as usize] = equal[0].1);
+        }
+    }
+    same_as
+}
+
+fn order(a: &Vector3<f64>, b: &Vector3<f64>) -> core::cmp::Ordering {
+    a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)).then(a.z.total_cmp(&b.z))
+}
+
+/// 64 bits of which equal points have equal ones; no coordinate is a negative zero.
+pub(super) fn mix(p: &Vector3<f64>) -> u64 {
+    p.iter().fold(0, |h, x| stir(h ^ x.to_bits()))
+}
+
+/// One round of multiply and shift, a bijection.
+pub(in crate::composite) fn stir(x: u64) -> u64 {
+    let x = (x ^ x >> 32).wrapping_mul(0xd6e8_feb8_6659_fd93);
+    (x ^ x >> 29).wrapping_mul(0xff51_afd7_ed55_8ccd)
+}

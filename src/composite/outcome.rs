@@ -1,0 +1,85 @@
+//! What a query of two meshes returns.
+
+use nalgebra::{Point3, Unit, Vector3};
+
+use crate::pair::outcome::{Class, Distance};
+
+/// A feature of a mesh by the caller's indices of its points.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum MeshFeature {
+    /// A vertex.
+    Vertex(u32),
+    /// The edge between two vertices, in the sense in which the triangle runs.
+    Edge([u32; 2]),
+    /// The inside of the triangle.
+    Face,
+}
+
+/// A triangle by the caller's index, and the feature of it on which a point lies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct MeshSpot {
+    /// The triangle.
+    pub triangle: u32,
+    /// Its feature.
+    pub feature: MeshFeature,
+}
+
+impl core::fmt::Display for MeshSpot {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self.feature {
+            MeshFeature::Vertex(v) => write!(f, "v{v} of t{}", self.triangle),
+            MeshFeature::Edge([a, b]) => write!(f, "e{a}-{b} of t{}", self.triangle),
+            MeshFeature::Face => write!(f, "t{}", self.triangle),
+        }
+    }
+}
+
+/// The closest points of two bodies, with proof.
+///
+/// The distance is that of the bodies as sets of points: zero if they share one. A solid holds its inside, so a body within a solid is
+/// at distance zero. No depth is returned here.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct MeshOutcome {
+    /// Which side of contact. Surfaces have no inside, so a pair with one is never [`Class::Overlapping`]; [`Class::Undecided`] if no
+    /// segment from a vertex to the outside avoids all edges of the other mesh.
+    pub class: Class,
+    /// The distance, between the bounds; zero for bodies that share a point.
+    pub distance: f64,
+    /// No greater than the distance.
+    pub lower: f64,
+    /// No less than the distance.
+    pub upper: f64,
+    /// The triangle of A and its feature on which the witness lies.
+    pub on_a: MeshSpot,
+    /// The triangle of B and its feature on which the witness lies.
+    pub on_b: MeshSpot,
+    /// The witness on A, in A's frame. If one body is inside the other: a vertex of the inner one.
+    pub point_on_a: Point3<f64>,
+    /// The witness on B, in B's frame.
+    pub point_on_b: Point3<f64>,
+    /// Unit direction from A to B, in A's frame, along which the closest triangles are proven apart.
+    pub normal: Unit<Vector3<f64>>,
+}
+
+impl MeshOutcome {
+    /// The bodies share points; only solids share inner ones.
+    pub(super) fn share(&mut self, solids: bool) {
+        self.class = if solids { Class::Overlapping } else { Class::Touching };
+        (self.distance, self.lower, self.upper) = (0.0, 0.0, 0.0);
+    }
+}
+
+impl From<&MeshOutcome> for Distance {
+    fn from(outcome: &MeshOutcome) -> Self {
+        Self {
+            class: outcome.class,
+            value: outcome.distance,
+            lower: outcome.lower,
+            upper: outcome.upper,
+        }
+    }
+}

@@ -1,0 +1,235 @@
+//! Two meshes at a pose: what a search asks of their triangles.
+
+use nalgebra::{Point3, Vector3};
+
+use super::frame::{Frame, Side};
+use super::front::Pair;
+use super::mesh::Mesh;
+use super::outcome::{MeshFeature, MeshSpot};
+use super::search::{Judge, Measured};
+use super::triangle::{self, Closest, Spot, Triangle, certainly_cross};
+use crate::num::scalar::sqrt;
+use crate::pair::outcome::Outcome;
+use crate::polyhedron::ConvexPolyhedron;
+use crate::pose::RelativePose;
+use crate::tracker::Tracker;
+
+/// Pairs of triangles in contact that are remembered.
+const TOUCHES: usize = 128;
+
+/// Judges pairs of triangles.
+pub(super) struct MeshPair<'a> {
+    pub(super) a: &'a Mesh,
+    pub(super) b: &'a Mesh,
+    pub(super) pose: &'a RelativePose,
+    /// The distance in question, in the caller's unit, if that is the question.
+    pub(super) within: Option<f64>,
+    /// Pairs at distance zero, up to rounding.
+    pub(super) touching: [Pair; TOUCHES],
+    pub(super) touch_count: usize,
+    /// Pairs settled by polygons.
+    pub(super) settled: u64,
+}
+
+impl<'a> MeshPair<'a> {
+    pub(super) fn new(a: &'a Mesh, b: &'a Mesh, pose: &'a RelativePose) -> Self {
+        Self {
+            a,
+            b,
+            pose,
+            within: None,
+            touching: [[0; 2]; TOUCHES],
+            touch_count: 0,
+            settled: 0,
+        }
+    }
+
+    pub(super) fn spots(&self, [i, j]: Pair, spots: [Spot; 2]) -> (MeshSpot, MeshSpot) {
+        (spot(self.a, i, spots[0]), spot(self.b, j, spots[1]))
+    }
+
+    /// Two triangles as polygons, and the answer of the certified query for them, in A's stored units.
+    #[cold]
+    fn settle(&mut self, frame: &Frame, pair: Pair, found: &Closest) -> Option<Measured<[Spot; 2]>> {
+        self.settled += 1;
+        let (p, q) = self.polygons(pair)?;
+        let o: Outcome = Tracker::new().closest(&p, &q, self.pose);
+        let unit = 1.0 / self.a.unit();
+        let distance = (o.distance * unit).max(0.0);
+        Some(Measured {
+            pair,
+            distance,
+            lower: (o.lower * unit).max(0.0).min(distance),
+            upper: (o.upper * unit).max(distance),
+            normal: *o.normal,
+            on_a: o.point_on_a.coords * unit,
+            on_b: o.point_on_b.coords / self.b.unit(),
+            features: found.spots,
+            crosses: false,
+        })
+        .filter(|m| m.lower >= m.distance - frame.tie)
+    }
+
+    fn polygons(&self, [i, j]: Pair) -> Option<(ConvexPolyhedron, ConvexPolyhedron)> {
+        let polygon = |mesh: &Mesh, t: u32| {
+            let corners: [Point3<f64>; 3] = mesh.corners(t).map(|p| mesh.given(&p));
+            ConvexPolyhedron::polygon(&corners).ok()
+        };
+        Some((polygon(self.a, i)?, polygon(self.b, j)?))
+    }
+
+    /// Decides exactly (feature `exact`) whether two triangles are within the distance in question, where the bounds do not.
+    fn decide(&mut self, frame: &Frame, m: &mut Measured<[Spot; 2]>) {
+        let Some(d) = self.within else { return };
+        let stored = d / self.a.unit();
+        if m.lower > stored || m.upper <= stored {
+            return;
+        }
+        self.settled += 1;
+        let is_within = self
+            .polygons(m.pair)
+            .is_none_or(|(p, q)| Tracker::new().within(&p, &q, self.pose, d));
+        if is_within {
+            m.upper = m.upper.min(stored);
+            m.distance = m.distance.min(stored);
+            m.lower = m.lower.min(stored);
+        } else {
+            m.lower = stored.next_up();
+            m.distance = m.distance.max(m.lower);
+            m.upper = m.upper.max(m.lower) + frame.error;
+        }
+    }
+}
+
+/// The body as its tree sees it.
+pub(super) fn side(mesh: &Mesh) -> Side<'_> {
+    Side {
+        tree: &mesh.tree,
+        exponent: mesh.exponent,
+        radius: mesh.radius,
+    }
+}
+
+fn spot(mesh: &Mesh, triangle: u32, spot: Spot) -> MeshSpot {
+    let corners = mesh.triangles[triangle as usize].map(|v| mesh.source_points[v as usize]);
+    let at = |k: u8| corners[k as usize % 3];
+    MeshSpot {
+        triangle: mesh.source_triangles[triangle as usize],
+        feature: match spot {
+            Spot::Vertex(k) => MeshFeature::Vertex(at(k)),
+            Spot::Edge(k) => MeshFeature::Edge([at(k), at(k + 1)]),
+            Spot::Inside => MeshFeature::Face,
+        },
+    }
+}
+
+/// The gap of two placed triangles along a direction.
+#[inline(always)]
+fn gap(p: &Triangle, q: &Triangle, n: &Vector3<f64>) -> f64 {
+    let high = p.iter().map(|x| n.dot(x)).fold(f64::NEG_INFINITY, f64::max);
+    let low = q.iter().map(|x| n.dot(x)).fold(f64::INFINITY, f64::min);
+    low - high
+}
+
+/// Directions that the triangles themselves give, the likelier first: outward from either, as flush triangles have them; perpendicular to
+/// both features.
+fn candidates(p: &Triangle, q: &Triangle, found: &Closest) -> [Vector3<f64>; 4] {
+    let edge = |t: &Triangle, k: u8| t[(k as usize + 1) % 3] - t[k as usize % 3];
+    let (of_p, of_q) = (triangle::normal(p), triangle::normal(q));
+    let across = match found.spots {
+        [Spot::Edge(i), Spot::Edge(j)] => edge(p, i).cross(&edge(q, j)),
+        // A vertex at an edge: perpendicular to the edge, in the plane of its triangle.
+        [Spot::Edge(i), _] => edge(p, i).cross(&of_p),
+        [_, Spot::Edge(j)] => of_q.cross(&edge(q, j)),
+        [Spot::Inside, _] => -of_p,
+        _ => of_q,
+    };
+    [of_p, -of_q, across, -across]
+}
+
+/// The unit vector of a direction; `None` for one that is zero or not finite.
+fn unit(v: &Vector3<f64>) -> Option<Vector3<f64>> {
+    let n = v / sqrt(v.norm_squared());
+    // Written so that NaN is none.
+    (n.norm_squared() > 0.5).then_some(n)
+}
+
+impl Judge for MeshPair<'_> {
+    type Features = [Spot; 2];
+
+    const HAS_HEIGHTS: bool = true;
+
+    #[inline(always)]
+    fn highest_in_a(&self, item: u32, n: &Vector3<f64>) -> f64 {
+        let [a, b, c] = self.a.corners(item);
+        n.dot(&a).max(n.dot(&b)).max(n.dot(&c))
+    }
+
+    #[inline(always)]
+    fn lowest_in_b(&self, item: u32, n: &Vector3<f64>) -> f64 {
+        let [a, b, c] = self.b.corners(item);
+        n.dot(&a).min(n.dot(&b)).min(n.dot(&c))
+    }
+
+    fn touches(&mut self, pair: Pair) {
+        if self.touch_count < TOUCHES {
+            self.touching[self.touch_count] = pair;
+            self.touch_count += 1;
+        }
+    }
+
+    fn measure(&mut self, frame: &Frame, pair: Pair, known: f64) -> Measured<[Spot; 2]> {
+        let p = self.a.corners(pair[0]);
+        let local = self.b.corners(pair[1]);
+        let q = local.map(|x| frame.point(&x));
+        let found = triangle::closest(&p, &q);
+        let distance = sqrt(found.square);
+        let crosses = found.pierces && certainly_cross(&p, &q, frame.error);
+        // Witnesses nearer than rounding have no direction.
+        let between = if distance > frame.error {
+            unit(&(found.on_q - found.on_p))
+        } else {
+            None
+        };
+        let mut best = between.map_or(f64::NEG_INFINITY, |n| gap(&p, &q, &n));
+        let mut normal = between.unwrap_or_else(Vector3::x);
+        // Of the question whether they are within a distance the bound must lie beyond it.
+        let known = if self.within.is_some() {
+            known + frame.tie + frame.error
+        } else {
+            known
+        };
+        let enough = distance.min(known) - frame.tie + frame.error;
+        if !(best >= enough) {
+            for n in candidates(&p, &q, &found).iter().filter_map(unit) {
+                let along = gap(&p, &q, &n);
+                if along > best + frame.error {
+                    (best, normal) = (along, n);
+                }
+            }
+        }
+        let mut m = Measured {
+            pair,
+            distance,
+            lower: (best - frame.error).max(0.0),
+            upper: distance + frame.error,
+            normal,
+            on_a: found.on_p,
+            on_b: frame.rotation.tr_mul(&(found.on_q - frame.translation)) * (self.a.unit() / self.b.unit()),
+            features: found.spots,
+            crosses,
+        };
+        if crosses {
+            (m.lower, m.upper) = (0.0, 0.0);
+        } else if !(best >= enough)
+            && let Some(settled) = self.settle(frame, pair, &found)
+        {
+            m = settled;
+        }
+        if m.distance <= frame.error {
+            self.touches(pair);
+        }
+        self.decide(frame, &mut m);
+        m
+    }
+}

@@ -1,0 +1,498 @@
+//! Down both trees to the closest pair, with everything else proven farther.
+
+use alloc::vec::Vec;
+use nalgebra::Vector3;
+
+use super::bounds::{Bounds, bounds};
+use super::frame::Frame;
+use super::front::{Front, Pair};
+use super::tree::{Below, LEAF, Tree};
+use crate::num::scalar::sqrt;
+
+/// What two leaves hold: triangles or convex pieces, by the number of the tree's items.
+pub(super) trait Judge {
+    /// What is told of a pair beside points and bounds.
+    type Features: Copy;
+
+    /// Whether the heights of an item along a direction cost little beside a measurement.
+    const HAS_HEIGHTS: bool;
+
+    /// The greatest `n . x` of an item of A, in A's stored frame.
+    fn highest_in_a(&self, item: u32, n: &Vector3<f64>) -> f64;
+
+    /// The least `n . y` of an item of B, in B's stored frame.
+    fn lowest_in_b(&self, item: u32, n: &Vector3<f64>) -> f64;
+
+    /// Takes note of two items at distance zero, up to rounding.
+    fn touches(&mut self, _: Pair) {}
+
+    /// The distance of two items, with bounds that are proven: the lower one at most the frame's `tie` below the lesser of the distance
+    /// and `known`, if any arithmetic can.
+    fn measure(&mut self, frame: &Frame, pair: Pair, known: f64) -> Measured<Self::Features>;
+}
+
+/// Two items and how far they are apart, in A's stored units.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Measured<F> {
+    pub(super) pair: Pair,
+    /// The distance as computed.
+    pub(super) distance: f64,
+    pub(super) lower: f64,
+    pub(super) upper: f64,
+    /// Unit direction from A to B, in A's frame.
+    pub(super) normal: Vector3<f64>,
+    /// In A's and B's stored frames.
+    pub(super) on_a: Vector3<f64>,
+    pub(super) on_b: Vector3<f64>,
+    pub(super) features: F,
+    /// Whether the items certainly share inner points.
+    pub(super) crosses: bool,
+}
+
+/// Work done by queries.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct MeshWork {
+    /// Queries.
+    pub queries: u64,
+    /// Entries of the front that were proven again, or not, by their direction.
+    pub entries: u64,
+    /// Entries whose direction no longer proved them.
+    pub failed: u64,
+    /// Pairs of boxes bounded anew.
+    pub bounds: u64,
+    /// Pairs of boxes bounded in double precision.
+    pub looks: u64,
+    /// Pairs of leaves judged.
+    pub leaves: u64,
+    /// Pairs of triangles or pieces measured.
+    pub measured: u64,
+    /// Pairs settled by a certified query of two polygons.
+    pub settled: u64,
+    /// Fronts cut.
+    pub cuts: u64,
+    /// Winding numbers taken.
+    pub windings: u64,
+}
+
+impl core::ops::AddAssign for MeshWork {
+    fn add_assign(&mut self, o: Self) {
+        self.queries += o.queries;
+        self.entries += o.entries;
+        self.failed += o.failed;
+        self.bounds += o.bounds;
+        self.looks += o.looks;
+        self.leaves += o.leaves;
+        self.measured += o.measured;
+        self.settled += o.settled;
+        self.cuts += o.cuts;
+        self.windings += o.windings;
+    }
+}
+
+/// What is asked.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Goal {
+    /// The least distance.
+    Least,
+    /// Whether any pair is at most this far apart, in A's stored units.
+    Within(f64),
+}
+
+/// A search in progress.
+pub(super) struct Search<'a, J: Judge> {
+    pub(super) a: &'a Tree,
+    pub(super) b: &'a Tree,
+    pub(super) frame: &'a Frame,
+    pub(super) judge: J,
+    pub(super) goal: Goal,
+    /// The closest pair so far.
+    pub(super) best: Option<Measured<J::Features>>,
+    /// The least proven gap of all that was passed by below the distance.
+    pub(super) lower: f64,
+    /// The direction of the best pair, which most others are proven by.
+    pub(super) direction: Option<Vector3<f64>>,
+    pub(super) work: MeshWork,
+}
+
+/// A direction and a gap along it that are proven, in single precision.
+type Proof = ([f32; 3], f32);
+
+/// Pairs taken off the stack at once: both halves of each make eight.
+const AT_ONCE: usize = 4;
+
+impl<'a, J: Judge> Search<'a, J> {
+    pub(super) fn new((a, b): (&'a Tree, &'a Tree), frame: &'a Frame, judge: J, goal: Goal) -> Self {
+        Self {
+            a,
+            b,
+            frame,
+            judge,
+            goal,
+            best: None,
+            lower: f64::INFINITY,
+            direction: None,
+            work: MeshWork::default(),
+        }
+    }
+
+    /// What a pair must exceed to be passed by, in A's stored units.
+    pub(super) fn level(&self) -> f64 {
+        match self.goal {
+            Goal::Within(d) => d,
+            Goal::Least => self.best.as_ref().map_or(f64::INFINITY, |b| b.distance),
+        }
+    }
+
+    /// The same in single precision, rounded up; beyond it where equality is not enough.
+    fn single_level(&self) -> f32 {
+        let level = self.frame.single_up(self.level());
+        match self.goal {
+            Goal::Least => level,
+            Goal::Within(_) => level.next_up(),
+        }
+    }
+
+    /// Whether the answer is known already.
+    pub(super) fn is_over(&self) -> bool {
+        let Some(best) = &self.best else { return false };
+        match self.goal {
+            Goal::Least => best.crosses,
+            Goal::Within(d) => best.upper <= d,
+        }
+    }
+
+    /// Measures a pair of items and keeps it if it is closer than any before.
+    pub(super) fn measure(&mut self, pair: Pair) -> (Vector3<f64>, f64) {
+        self.work.measured += 1;
+        let found = self.judge.measure(self.frame, pair, self.level());
+        let result = (found.normal, found.lower);
+        let closer = self
+            .best
+            .as_ref()
+            .is_none_or(|b| found.distance < b.distance || found.crosses && !b.crosses);
+        if closer {
+            self.direction = Some(found.normal);
+            let before = self.best.replace(found);
+            self.lower = self.lower.min(before.map_or(f64::INFINITY, |b| b.lower));
+        } else {
+            self.lower = self.lower.min(found.lower);
+        }
+        result
+    }
+
+    /// Whether a gap in double precision, error taken off, lets a pair pass; if so, it is remembered.
+    #[inline(always)]
+    fn passes(&mut self, gap: f64) -> bool {
+        let passes = match self.goal {
+            Goal::Least => gap >= self.level() - self.frame.tie,
+            Goal::Within(d) => gap > d,
+        };
+        if passes {
+            self.lower = self.lower.min(gap);
+        }
+        passes
+    }
+
+    /// Bounds up to eight pairs of boxes.
+    pub(super) fn bound(&mut self, pairs: &[Pair]) -> Bounds {
+        self.work.bounds += pairs.len() as u64;
+        if !self.frame.single.error.is_finite() {
+            return Bounds {
+                gap: [-f32::MAX; 8],
+                normal: [[0.0; 8]; 3],
+            };
+        }
+        let at = |k: usize| pairs[k.min(pairs.len() - 1)];
+        let of_a = [0, 1, 2, 3, 4, 5, 6, 7].map(|k| &self.a.boxes[at(k)[0] as usize]);
+        let of_b = [0, 1, 2, 3, 4, 5, 6, 7].map(|k| &self.b.boxes[at(k)[1] as usize]);
+        bounds(&self.frame.single, of_a, of_b)
+    }
+
+    /// Tries to prove a pair: by its gap, in double precision where that is close, or item by item.
+    pub(super) fn settle(&mut self, pair: Pair, gap: f32, normal: [f32; 3]) -> Option<Proof> {
+        let error = self.frame.single.error;
+        let level = self.single_level();
+        if gap - error >= level {
+            return Some((normal, gap - error));
+        }
+        let is_close = gap + 3.0 * error >= level || level < 8.0 * error;
+        if is_close && let Some(n) = self.direction {
+            let gap = self.look(pair, &n);
+            if self.passes(gap) {
+                return Some(self.proof(&n, gap));
+            }
+        }
+        if self.a.is_leaf(pair[0]) && self.b.is_leaf(pair[1]) {
+            return Some(self.judge_leaves(pair, normal));
+        }
+        None
+    }
+
+    /// A direction and a gap in double precision, as an entry of the front keeps them.
+    fn proof(&self, n: &Vector3<f64>, gap: f64) -> Proof {
+        // Rounding the direction moves heights by v L, the gap by v of itself: the error of single precision is far more.
+        let gap = (gap / self.frame.single.unit) as f32 - self.frame.single.error;
+        ([n.x as f32, n.y as f32, n.z as f32], gap)
+    }
+
+    /// The gap of two nodes along a direction in double precision, error taken off: by boxes and slabs, and where that is short by no more
+    /// than single precision can hide, by the corners of small nodes themselves.
+    fn look(&mut self, [x, y]: Pair, n: &Vector3<f64>) -> f64 {
+        self.work.looks += 1;
+        let in_b = self.frame.direction_in_b(n);
+        let lift = n.dot(&self.frame.translation) - 2.0 * self.frame.error;
+        let (mut low, mut high) = (-height(self.b, y, &-in_b), height(self.a, x, n));
+        let hidden = f64::from(self.frame.single.error) * self.frame.single.unit;
+        let level = self.level() - self.frame.tie;
+        let is_short = |gap: f64| gap < level && gap + hidden >= level;
+        if J::HAS_HEIGHTS && is_short(low + lift - high) {
+            if let Some((first, last)) = few(self.b, y) {
+                low = (first..last)
+                    .map(|k| self.judge.lowest_in_b(k, &in_b))
+                    .fold(f64::INFINITY, f64::min);
+            }
+            if is_short(low + lift - high)
+                && let Some((first, last)) = few(self.a, x)
+            {
+                high = (first..last)
+                    .map(|k| self.judge.highest_in_a(k, n))
+                    .fold(f64::NEG_INFINITY, f64::max);
+            }
+        }
+        low + lift - high
+    }
+
+    /// Judges all items of two leaves: along the best direction so far, along the boxes' own, by measuring. The proof returned is the
+    /// best single direction, whether it proves the pair far enough or not.
+    fn judge_leaves(&mut self, pair: Pair, normal: [f32; 3]) -> Proof {
+        self.work.leaves += 1;
+        let (Below::Leaf(i, m), Below::Leaf(j, n)) = (self.a.below(pair[0]), self.b.below(pair[1])) else {
+            return (normal, -f32::MAX);
+        };
+        if !J::HAS_HEIGHTS {
+            let (n, gap) = self.measure([i, j]);
+            return self.proof(&n, gap);
+        }
+        let mut open = Open::new((i, m), (j, n));
+        let own = unit(&Vector3::from(normal.map(f64::from)));
+        for n in [self.direction, own].into_iter().flatten() {
+            self.along(&mut open, &n);
+            if open.left == 0 {
+                break;
+            }
+        }
+        while open.left != 0 && !self.is_over() {
+            let bit = open.left.trailing_zeros();
+            open.left &= open.left - 1;
+            let (n, _) = self.measure([i + bit / 4, j + bit % 4]);
+            self.along(&mut open, &n);
+        }
+        match open.best {
+            Some((n, gap)) => self.proof(&n, gap),
+            None => (normal, -f32::MAX),
+        }
+    }
+
+    /// Passes by the pairs of items that a direction proves.
+    #[inline(always)]
+    fn along(&mut self, open: &mut Open, n: &Vector3<f64>) {
+        let ((i, m), (j, k)) = (open.of_a, open.of_b);
+        let in_b = self.frame.direction_in_b(n);
+        let lift = n.dot(&self.frame.translation) - self.frame.error;
+        let (mut high, mut low) = ([0.0; LEAF], [0.0; LEAF]);
+        (0..m).for_each(|x| high[x as usize] = self.judge.highest_in_a(i + x, n));
+        (0..k).for_each(|y| low[y as usize] = self.judge.lowest_in_b(j + y, &in_b) + lift);
+        let mut least = f64::INFINITY;
+        for x in 0..m {
+            for y in 0..k {
+                let gap = low[y as usize] - high[x as usize];
+                least = least.min(gap);
+                let bit = 1 << (4 * x + y);
+                if open.left & bit != 0 && self.passes(gap) {
+                    open.left &= !bit;
+                    if gap <= self.frame.tie {
+                        self.judge.touches([i + x, j + y]);
+                    }
+                }
+            }
+        }
+        if open.best.is_none_or(|b| b.1 < least) {
+            open.best = Some((*n, least));
+        }
+    }
+
+    /// Splits the pairs on the stack until each is proven, nearest first. Proven pairs go to the front, if one is kept.
+    pub(super) fn descend(&mut self, stack: &mut Vec<Pair>, mut front: Option<&mut Front>) {
+        while !stack.is_empty() && !self.is_over() {
+            let mut halves = [[0; 2]; 2 * AT_ONCE];
+            let mut count = 0;
+            while count < 2 * AT_ONCE
+                && let Some(pair) = stack.pop()
+            {
+                if let Some(two) = split_pair((self.a, self.b), self.frame, pair) {
+                    halves[count..count + 2].copy_from_slice(&two);
+                    count += 2;
+                }
+            }
+            let halves = &mut halves[..count];
+            if halves.is_empty() {
+                continue;
+            }
+            let found = self.bound(halves);
+            let mut open = [(0.0, [0; 2]); 2 * AT_ONCE];
+            let mut left = 0;
+            for (k, &pair) in halves.iter().enumerate() {
+                let normal = [0, 1, 2].map(|c| found.normal[c][k]);
+                match self.settle(pair, found.gap[k], normal) {
+                    Some((n, gap)) => {
+                        if let Some(front) = front.as_deref_mut() {
+                            front.push(&self.frame.single, pair, &self.b.boxes[pair[1] as usize], n, gap);
+                        }
+                    }
+                    None => {
+                        open[left] = (found.gap[k], pair);
+                        left += 1;
+                    }
+                }
+            }
+            let open = &mut open[..left];
+            open.sort_unstable_by(|p, q| q.0.total_cmp(&p.0));
+            stack.extend(open.iter().map(|p| p.1));
+        }
+    }
+
+    /// Both roots, settled or on the stack.
+    pub(super) fn start(&mut self, stack: &mut Vec<Pair>, front: Option<&mut Front>) {
+        stack.clear();
+        let root = [0, 0];
+        let found = self.bound(&[root]);
+        let normal = [0, 1, 2].map(|c| found.normal[c][0]);
+        match self.settle(root, found.gap[0], normal) {
+            Some((n, gap)) => {
+                if let Some(front) = front {
+                    front.push(&self.frame.single, root, &self.b.boxes[0], n, gap);
+                }
+            }
+            None => stack.push(root),
+        }
+    }
+
+    /// Finds a close pair of items: the few most promising pairs of nodes, level by level.
+    pub(super) fn seed(&mut self) {
+        let mut beam = [[0u32; 2]; AT_ONCE];
+        let mut width = 1;
+        let mut leaves = [(f32::INFINITY, [0u32; 2], [0.0f32; 3]); AT_ONCE];
+        while width > 0 {
+            let mut halves = [[0; 2]; 2 * AT_ONCE];
+            let mut count = 0;
+            for &pair in &beam[..width] {
+                match split_pair((self.a, self.b), self.frame, pair) {
+                    Some(two) => {
+                        halves[count..count + 2].copy_from_slice(&two);
+                        count += 2;
+                    }
+                    None => keep(&mut leaves, (-f32::MAX, pair, [0.0; 3])),
+                }
+            }
+            if count == 0 {
+                break;
+            }
+            let found = self.bound(&halves[..count]);
+            let mut next = [(f32::INFINITY, [0u32; 2], [0.0f32; 3]); AT_ONCE];
+            for (k, &pair) in halves[..count].iter().enumerate() {
+                let normal = [0, 1, 2].map(|c| found.normal[c][k]);
+                let is_leaf = self.a.is_leaf(pair[0]) && self.b.is_leaf(pair[1]);
+                keep(
+                    if is_leaf { &mut leaves } else { &mut next },
+                    (found.gap[k], pair, normal),
+                );
+            }
+            width = next.iter().filter(|x| x.0 < f32::INFINITY).count();
+            (0..width).for_each(|k| beam[k] = next[k].1);
+        }
+        for (_, pair, normal) in leaves.into_iter().filter(|x| x.0 < f32::INFINITY).take(2) {
+            self.judge_leaves(pair, normal);
+        }
+    }
+}
+
+/// The two halves of a pair: of the larger box, unless that is a leaf.
+pub(super) fn split_pair((a, b): (&Tree, &Tree), frame: &Frame, [x, y]: Pair) -> Option<[Pair; 2]> {
+    let of_a = a.boxes[x as usize].radius() * frame.single.scale_a;
+    let of_b = b.boxes[y as usize].radius() * frame.single.scale_b;
+    match (a.below(x), b.below(y)) {
+        (Below::Children(c), Below::Leaf(..)) => Some([[c, y], [c + 1, y]]),
+        (Below::Leaf(..), Below::Children(c)) => Some([[x, c], [x, c + 1]]),
+        (Below::Children(c), Below::Children(_)) if of_a >= of_b => Some([[c, y], [c + 1, y]]),
+        (_, Below::Children(c)) => Some([[x, c], [x, c + 1]]),
+        _ => None,
+    }
+}
+
+/// Puts a pair into a list sorted by gap; the last one falls out.
+fn keep(list: &mut [(f32, Pair, [f32; 3]); AT_ONCE], new: (f32, Pair, [f32; 3])) {
+    if new.0 < list[AT_ONCE - 1].0 {
+        list[AT_ONCE - 1] = new;
+        list.sort_by(|p, q| p.0.total_cmp(&q.0));
+    }
+}
+
+/// Pairs of items of two leaves that are not proven yet.
+struct Open {
+    of_a: (u32, u32),
+    of_b: (u32, u32),
+    /// A bit for each pair, four to an item of A.
+    left: u32,
+    /// The direction with the greatest least gap.
+    best: Option<(Vector3<f64>, f64)>,
+}
+
+impl Open {
+    fn new(of_a: (u32, u32), of_b: (u32, u32)) -> Self {
+        let row = (1 << of_b.1) - 1;
+        let left = (0..of_a.1).fold(0, |bits, x| bits | row << (4 * x));
+        Self {
+            of_a,
+            of_b,
+            left,
+            best: None,
+        }
+    }
+}
+
+/// Items of a node that are few enough to be looked at one by one. Not a matter of soundness.
+const FEW: u32 = 64;
+
+/// The items of a node, if they are few.
+fn few(tree: &Tree, node: u32) -> Option<(u32, u32)> {
+    let (first, last) = tree.range(node);
+    (last - first <= FEW).then_some((first, last))
+}
+
+/// A vector as a unit one, where it is near one.
+fn unit(v: &Vector3<f64>) -> Option<Vector3<f64>> {
+    let square = v.norm_squared();
+    (square > 0.5 && square < 2.0).then(|| v / sqrt(square))
+}
+
+/// No point below a node is higher along `n` than this, in stored units of the body.
+fn height(tree: &Tree, node: u32, n: &Vector3<f64>) -> f64 {
+    let b = &tree.boxes[node as usize];
+    let (unit, half) = (tree.unit(), b.half());
+    let centre = tree.centre + b.centre() * unit;
+    let of_box = |n: &Vector3<f64>| {
+        let [x, y, z] = [0, 1, 2].map(|k| (b.axis(k).dot(n) * half[k]).abs());
+        n.dot(&centre) + (x + y + z) * unit
+    };
+    match tree.slab(node) {
+        // n = s m + rest: the slab bounds what m contributes, the box the rest, which is next to nothing where n is m.
+        Some(slab) => {
+            let s = n.dot(&slab.normal);
+            let end = if s > 0.0 { slab.high } else { slab.low };
+            s * end + of_box(&(n - slab.normal * s))
+        }
+        None => of_box(n),
+    }
+}

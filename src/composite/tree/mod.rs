@@ -1,0 +1,134 @@
+//! A tree of oriented boxes over triangles or convex pieces.
+//!
+//! Oriented boxes, because a box in the body's axes is as thick as its piece of surface is long where that is oblique, an oriented one
+//! only as thick as the surface is curved: near contact the first cost pairs in proportion to size over gap, the second its logarithm.
+
+mod eigen;
+mod fit;
+pub(super) use fit::up;
+mod split;
+
+use alloc::vec::Vec;
+use nalgebra::Vector3;
+
+/// A box in single precision: every point below the node is `centre + sum of s_k axis_k` with `|s_k| <= half_k`, exactly, for the
+/// numbers as stored. Coordinates are those of the tree ([`Tree::centre`], [`Tree::exponent`]).
+///
+/// Sixteen numbers, so that eight boxes are read by two transpositions: three axes, the centre, the half extents, the radius.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub(crate) struct OrientedBox {
+    pub(crate) rows: [[f32; 8]; 2],
+}
+
+impl OrientedBox {
+    pub(crate) fn axis(&self, k: usize) -> Vector3<f64> {
+        let at = |i: usize| f64::from(self.rows[i / 8][i % 8]);
+        Vector3::new(at(3 * k), at(3 * k + 1), at(3 * k + 2))
+    }
+
+    pub(crate) fn centre(&self) -> Vector3<f64> {
+        let [_, x, y, z, ..] = self.rows[1].map(f64::from);
+        Vector3::new(x, y, z)
+    }
+
+    pub(crate) fn half(&self) -> Vector3<f64> {
+        let [_, _, _, _, x, y, z, _] = self.rows[1].map(f64::from);
+        Vector3::new(x, y, z)
+    }
+
+    /// No point below the node is farther than this from the centre.
+    #[inline(always)]
+    pub(crate) fn radius(&self) -> f32 {
+        self.rows[1][7]
+    }
+}
+
+/// The slab of a nearly flat node in double precision, which single precision cannot hold: `low <= normal . x <= high` for every point
+/// below the node, in stored coordinates of the body.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Slab {
+    node: u32,
+    pub(crate) normal: Vector3<f64>,
+    pub(crate) low: f64,
+    pub(crate) high: f64,
+}
+
+/// The children of a node, or the triangles of a leaf.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Below {
+    /// The first of two children; the second follows.
+    Children(u32),
+    /// First and count of triangles.
+    Leaf(u32, u32),
+}
+
+/// Most triangles of a leaf.
+pub(crate) const LEAF: usize = 4;
+
+/// The mark of a leaf in [`Tree::links`], and where its count stands.
+const LEAF_MARK: u32 = 1 << 31;
+const COUNT_SHIFT: u32 = 28;
+
+/// A tree of boxes; the root is node 0.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub(crate) struct Tree {
+    pub(crate) boxes: Vec<OrientedBox>,
+    links: Vec<u32>,
+    /// Slabs of nearly flat nodes, by rising node.
+    slabs: Vec<Slab>,
+    /// Where the tree's origin is in stored coordinates of the body.
+    pub(crate) centre: Vector3<f64>,
+    /// The tree's lengths times `2^exponent` are stored lengths of the body: the tree's radius is about one.
+    pub(crate) exponent: i32,
+    /// No corner of a box is farther than this from the tree's origin.
+    pub(crate) reach: f32,
+}
+
+impl Tree {
+    #[inline(always)]
+    pub(crate) fn below(&self, node: u32) -> Below {
+        let link = self.links[node as usize];
+        if link & LEAF_MARK == 0 {
+            Below::Children(link)
+        } else {
+            let first = link & ((1 << COUNT_SHIFT) - 1);
+            Below::Leaf(first, (link >> COUNT_SHIFT & 7) + 1)
+        }
+    }
+
+    #[inline(always)]
+    pub(crate) fn is_leaf(&self, node: u32) -> bool {
+        self.links[node as usize] & LEAF_MARK != 0
+    }
+
+    /// First item below a node, and the one after the last.
+    pub(crate) fn range(&self, node: u32) -> (u32, u32) {
+        let (mut left, mut right) = (node, node);
+        let first = loop {
+            match self.below(left) {
+                Below::Children(c) => left = c,
+                Below::Leaf(first, _) => break first,
+            }
+        };
+        loop {
+            match self.below(right) {
+                Below::Children(c) => right = c + 1,
+                Below::Leaf(last, count) => break (first, last + count),
+            }
+        }
+    }
+
+    pub(crate) fn slab(&self, node: u32) -> Option<&Slab> {
+        let at = self.slabs.binary_search_by_key(&node, |s| s.node).ok()?;
+        Some(&self.slabs[at])
+    }
+
+    /// One length of the tree in stored lengths of the body.
+    pub(crate) fn unit(&self) -> f64 {
+        crate::polyhedron::power_of_two(self.exponent)
+    }
+
+    pub(crate) fn heap_bytes(&self) -> usize {
+        size_of_val(&self.boxes[..]) + size_of_val(&self.links[..]) + size_of_val(&self.slabs[..])
+    }
+}

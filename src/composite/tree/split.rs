@@ -1,0 +1,236 @@
+//! Which triangles or pieces belong together: cut at the mean across the longest axis of their spread, at the median where that is lopsided.
+
+use alloc::vec;
+use alloc::vec::Vec;
+use nalgebra::{Matrix3, Vector3};
+
+use super::eigen::axes;
+use super::{COUNT_SHIFT, LEAF_MARK, OrientedBox, Tree};
+use crate::num::scalar::sqrt;
+use crate::polyhedron::{bounding_box, exponent_of, power_of_two};
+
+/// A leaf of several triangles is no thicker than this part of its length: coarse bodies have thin leaves of one triangle, fine ones save
+/// two thirds of the boxes.
+const THIN: f64 = 1.0 / 16.0;
+
+/// A cut leaves at least one part in this many on each side, so that the depth is a logarithm.
+const LOPSIDED: usize = 8;
+
+/// Middles whose heights differ by less than this part of the tree's size are level: the rounding of single precision.
+const LEVEL: f32 = 8.0 * f32::EPSILON;
+
+/// From so few triangles on the corners count, not the middles: a few middles have no spread of their own.
+const FEW: usize = 16;
+
+/// A triangle or a piece while it is sorted, in the tree's coordinates.
+#[derive(Clone, Copy)]
+struct Item {
+    middle: [f32; 3],
+    weight: f32,
+    number: u32,
+}
+
+/// Items still to be divided: the node, the first and the number of its items.
+type Task = (u32, usize, usize);
+
+impl Tree {
+    /// Divides triangles or pieces, given by their corners, until they are leaves of at most `most`: the tree with axes and without
+    /// extents, and the order of the items.
+    pub(crate) fn split<I: AsRef<[u32]>>(points: &[Vector3<f64>], given: &[I], most: usize) -> (Self, Vec<u32>) {
+        let used = given.iter().flat_map(|i| i.as_ref()).map(|&v| &points[v as usize]);
+        let (low, high) = bounding_box(used);
+        let centre = low * 0.5 + high * 0.5;
+        let exponent = exponent_of(sqrt(((high - low) * 0.5).norm_squared()));
+        let mut splitter = Splitter {
+            points,
+            given,
+            most,
+            centre,
+            scale: power_of_two(-exponent),
+            items: Vec::with_capacity(given.len()),
+            tree: Self {
+                centre,
+                exponent,
+                boxes: Vec::with_capacity(given.len()),
+                links: Vec::with_capacity(given.len()),
+                ..Self::default()
+            },
+        };
+        splitter.collect();
+        splitter.run();
+        let order = splitter.items.iter().map(|i| i.number).collect();
+        splitter.tree.boxes.shrink_to_fit();
+        splitter.tree.links.shrink_to_fit();
+        (splitter.tree, order)
+    }
+}
+
+struct Splitter<'a, I> {
+    points: &'a [Vector3<f64>],
+    given: &'a [I],
+    most: usize,
+    centre: Vector3<f64>,
+    scale: f64,
+    items: Vec<Item>,
+    tree: Tree,
+}
+
+impl<I: AsRef<[u32]>> Splitter<'_, I> {
+    fn corners(&self, item: u32) -> impl Iterator<Item = Vector3<f64>> + Clone + '_ {
+        let place = |v: &u32| (self.points[*v as usize] - self.centre) * self.scale;
+        self.given[item as usize].as_ref().iter().map(place)
+    }
+
+    fn collect(&mut self) {
+        for number in 0..self.given.len() as u32 {
+            let corners = self.corners(number);
+            let count = self.given[number as usize].as_ref().len().max(1) as f64;
+            let middle = corners.clone().sum::<Vector3<f64>>() / count;
+            // Weighs as its area does, up to its shape.
+            let spread: f64 = corners.map(|c| (c - middle).norm_squared()).sum();
+            self.items.push(Item {
+                middle: [middle.x as f32, middle.y as f32, middle.z as f32],
+                weight: (spread as f32).max(f32::MIN_POSITIVE),
+                number,
+            });
+        }
+    }
+
+    fn run(&mut self) {
+        self.push_node();
+        let mut tasks: Vec<Task> = vec![(0, 0, self.items.len())];
+        while let Some((node, first, count)) = tasks.pop() {
+            let (rows, mean, values) = self.spread(first, count);
+            self.store_axes(node, &rows);
+            let thin = values[2] <= THIN * THIN * values[0];
+            if count == 1 || count <= self.most && thin {
+                self.tree.links[node as usize] = LEAF_MARK | (count as u32 - 1) << COUNT_SHIFT | first as u32;
+                continue;
+            }
+            let left = match self.cut_plane(first, count, &rows[2]) {
+                0 => self.cut(first, count, &rows[0], &mean),
+                left => left,
+            };
+            let child = self.push_node();
+            self.push_node();
+            self.tree.links[node as usize] = child;
+            tasks.push((child + 1, first + left, count - left));
+            tasks.push((child, first, left));
+        }
+    }
+
+    fn push_node(&mut self) -> u32 {
+        self.tree.boxes.push(OrientedBox::default());
+        self.tree.links.push(0);
+        self.tree.boxes.len() as u32 - 1
+    }
+
+    fn store_axes(&mut self, node: u32, rows: &[Vector3<f64>; 3]) {
+        let flat = &mut self.tree.boxes[node as usize].rows;
+        for (k, x) in rows.iter().flat_map(|r| r.iter()).enumerate() {
+            flat[k / 8][k % 8] = *x as f32;
+        }
+    }
+
+    /// Axes of the spread, its mean and its eigenvalues.
+    fn spread(&self, first: usize, count: usize) -> ([Vector3<f64>; 3], Vector3<f64>, [f64; 3]) {
+        let mut sum = Moments::default();
+        for item in &self.items[first..first + count] {
+            let (weight, middle) = (f64::from(item.weight), Vector3::from(item.middle.map(f64::from)));
+            if count > FEW {
+                sum.add(weight, &middle);
+            } else {
+                for corner in self.corners(item.number) {
+                    sum.add(weight, &corner);
+                }
+            }
+        }
+        let mean = sum.first / sum.weight;
+        let matrix = sum.second / sum.weight - mean * mean.transpose();
+        let (rows, values) = axes(&matrix);
+        (rows, mean, values)
+    }
+
+    /// Puts the items in the plane of the highest or lowest one along the shortest axis first and returns their number: zero if they are
+    /// few. What lies in one plane has a box without thickness, which proves all of a flush contact at once.
+    fn cut_plane(&mut self, first: usize, count: usize, axis: &Vector3<f64>) -> usize {
+        let items = &self.items[first..first + count];
+        let along =
+            |axis: [f32; 3]| move |i: &Item| axis[0] * i.middle[0] + axis[1] * i.middle[1] + axis[2] * i.middle[2];
+        let height = along(single(axis));
+        let by_height = |a: &&Item, b: &&Item| height(a).total_cmp(&height(b));
+        let ends = [items.iter().max_by(by_height), items.iter().min_by(by_height)].map(|e| e.copied());
+        for end in ends.into_iter().flatten() {
+            // Of the item, not of the spread, which the way a plane is cut into triangles tilts a little.
+            let height = along(single(&self.normal(end.number)));
+            let level = height(&end);
+            let is_level = |i: &Item| (height(i) - level).abs() <= LEVEL;
+            let items = &mut self.items[first..first + count];
+            let left = items.iter().filter(|i| is_level(i)).count();
+            if left > 1 && left * LOPSIDED >= count && left < count {
+                let mut at = 0;
+                for k in 0..count {
+                    if is_level(&items[k]) {
+                        items.swap(k, at);
+                        at += 1;
+                    }
+                }
+                return left;
+            }
+        }
+        0
+    }
+
+    /// The unit normal of an item's first three corners; zero if they are collinear.
+    fn normal(&self, item: u32) -> Vector3<f64> {
+        let mut corners = self.corners(item);
+        let (Some(a), Some(b), Some(c)) = (corners.next(), corners.next(), corners.next()) else {
+            return Vector3::zeros();
+        };
+        let n = (b - a).cross(&(c - a));
+        let length = sqrt(n.norm_squared());
+        if length > 0.0 { n / length } else { Vector3::zeros() }
+    }
+
+    /// Puts the items on the lower side of the cut first and returns their number: at least one, at most all but one.
+    fn cut(&mut self, first: usize, count: usize, axis: &Vector3<f64>, mean: &Vector3<f64>) -> usize {
+        let axis = [axis.x as f32, axis.y as f32, axis.z as f32];
+        let height = |i: &Item| axis[0] * i.middle[0] + axis[1] * i.middle[1] + axis[2] * i.middle[2];
+        let level = axis[0] * mean.x as f32 + axis[1] * mean.y as f32 + axis[2] * mean.z as f32;
+        let items = &mut self.items[first..first + count];
+        let mut left = 0;
+        for k in 0..count {
+            if height(&items[k]) < level {
+                items.swap(k, left);
+                left += 1;
+            }
+        }
+        if left * LOPSIDED >= count && (count - left) * LOPSIDED >= count && left > 0 && left < count {
+            return left;
+        }
+        items.select_nth_unstable_by(count / 2, |a, b| {
+            height(a).total_cmp(&height(b)).then(a.number.cmp(&b.number))
+        });
+        count / 2
+    }
+}
+
+fn single(v: &Vector3<f64>) -> [f32; 3] {
+    [v.x as f32, v.y as f32, v.z as f32]
+}
+
+#[derive(Default)]
+struct Moments {
+    weight: f64,
+    first: Vector3<f64>,
+    second: Matrix3<f64>,
+}
+
+impl Moments {
+    fn add(&mut self, weight: f64, p: &Vector3<f64>) {
+        let q = p * weight;
+        self.weight += weight;
+        self.first += q;
+        self.second += q * p.transpose();
+    }
+}

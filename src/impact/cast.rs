@@ -1,0 +1,218 @@
+//! The search of a cast: look, step, prove.
+
+use nalgebra::Isometry3;
+
+use super::{Impact, Tolerance};
+use crate::motion::Motion;
+use crate::pair::outcome::Class;
+use crate::pose::{PoseError, RelativePose};
+use crate::separation::{Flight, Measure, Separation};
+use crate::tolerance::ROOT;
+
+/// Looks that a cast may take. Seen: at most 21 up to a turn, thousands where gears turn a hundred times a hair apart.
+const LOOKS: u32 = 20_000;
+
+/// The part of the tolerance that looks aim at as a gap, and the proof behind it as a depth.
+const AIM: f64 = 0.3;
+
+/// The part of both radii that balls must be apart for a jump along them.
+const CLEAR: f64 = 0.1;
+
+/// A tolerance is no smaller than this times what rounding may make of a distance.
+const LEAST: f64 = 8.0;
+
+/// How much smaller a tolerance becomes that no overlap was proven with.
+const SHRINK: f64 = 1.0 / 16.0;
+
+/// Doublings of the step behind contact where the tolerance cannot shrink.
+const DOUBLINGS: u32 = 6;
+
+/// A cast in the making.
+pub(super) struct Search<'a, S: ?Sized, A: ?Sized, B: ?Sized> {
+    pub(super) pair: &'a mut S,
+    pub(super) motion_a: &'a A,
+    pub(super) motion_b: &'a B,
+    pub(super) until: f64,
+    pub(super) tolerance: Tolerance,
+    pub(super) distance: f64,
+    pub(super) queries: u32,
+    pub(super) proofs: u32,
+}
+
+/// Where a search goes from a look.
+enum Next {
+    /// Free up to there.
+    Go(f64),
+    Found(Impact),
+}
+
+impl<S: Separation + ?Sized, A: Motion + ?Sized, B: Motion + ?Sized> Search<'_, S, A, B> {
+    pub(super) fn run(&mut self, from: f64) -> Result<Impact, PoseError> {
+        let mut time = from;
+        // How much the tolerance has shrunk while the pair is nearer than that.
+        let mut shrunk = 1.0;
+        for look in 0..LOOKS {
+            let (relative, flight) = flight(self.motion_a, self.motion_b, time, self.until, self.distance)?;
+            let apart = flight.apart(self.pair);
+            if apart.span >= flight.span && apart.span > 0.0 {
+                return Ok(Impact::Miss);
+            }
+            if apart.gap > CLEAR * apart.reach {
+                let next = later(time, apart.span);
+                if next > time {
+                    time = next;
+                    continue;
+                }
+            }
+            let seen = self.pair.measure(&relative);
+            self.queries += 1;
+            if self.is_met(&seen) {
+                // Steps are proven, so a pair can meet only where the interval begins.
+                return Ok(if time == from {
+                    Impact::Start { seen }
+                } else {
+                    debug_assert!(false, "a pair proven apart meets at {time}, look {look}: {seen:?}");
+                    Impact::Near {
+                        safe: time,
+                        distance: seen.upper,
+                    }
+                });
+            }
+            match self.step(time, &seen, flight, apart.noise, &mut shrunk)? {
+                Next::Go(next) => time = next,
+                Next::Found(impact) => return Ok(impact),
+            }
+        }
+        Ok(Impact::Unknown { safe: time })
+    }
+
+    fn is_met(&self, seen: &Measure) -> bool {
+        if self.distance > 0.0 {
+            seen.upper <= self.distance
+        } else {
+            matches!(seen.class, Class::Touching | Class::Overlapping)
+        }
+    }
+
+    /// One look: a hit if the pair is near enough for a proof, else a step as far as a plane proves it.
+    fn step(
+        &mut self,
+        time: f64,
+        seen: &Measure,
+        mut flight: Flight,
+        noise: f64,
+        shrunk: &mut f64,
+    ) -> Result<Next, PoseError> {
+        let gap = seen.upper - self.distance;
+        let least = LEAST * noise;
+        let whole = self.allowed(seen, &flight).max(least);
+        if gap > whole {
+            *shrunk = 1.0;
+        }
+        loop {
+            let allowed = (whole * *shrunk).max(least);
+            if gap <= allowed {
+                let last = allowed == least;
+                if let Some(hit) = self.hit(time, seen, &flight, gap + AIM * allowed, last)? {
+                    let seen = *seen;
+                    return Ok(Next::Found(Impact::Hit { safe: time, hit, seen }));
+                }
+                if !last {
+                    *shrunk *= SHRINK;
+                    continue;
+                }
+            }
+            let aim = if gap <= allowed { 0.0 } else { AIM * allowed };
+            flight.keep = self.distance + aim;
+            let free = self.pair.free_for(seen, &flight);
+            if free.span >= flight.span {
+                return Ok(Next::Found(Impact::Miss));
+            }
+            let next = later(time, free.span);
+            if next > time {
+                return Ok(Next::Go(next.min(self.until)));
+            }
+            if allowed == least {
+                let distance = seen.upper;
+                return Ok(Next::Found(Impact::Near { safe: time, distance }));
+            }
+            *shrunk *= SHRINK;
+        }
+    }
+
+    /// The tolerance as a length.
+    fn allowed(&self, seen: &Measure, flight: &Flight) -> f64 {
+        match self.tolerance {
+            Tolerance::Distance(length) => length,
+            // The way that the witnesses come nearer in half that time, at the pace of the way that is left.
+            Tolerance::Time(width) => {
+                let gap = seen.upper - self.distance;
+                flight
+                    .forecast(&*self.pair, seen, gap)
+                    .map_or(0.0, |time| if time > 0.0 { 0.5 * width * gap / time } else { 0.0 })
+            }
+        }
+    }
+
+    /// A time at which the pair is proven to meet, `way` nearer than now.
+    fn hit(
+        &mut self,
+        time: f64,
+        seen: &Measure,
+        flight: &Flight,
+        way: f64,
+        last: bool,
+    ) -> Result<Option<f64>, PoseError> {
+        let Some(mut ahead) = flight.forecast(&*self.pair, seen, way) else {
+            return Ok(None);
+        };
+        for _ in 0..if last { DOUBLINGS } else { 1 } {
+            let at = (time + ahead).next_up().min(self.until);
+            if at <= time {
+                return Ok(None);
+            }
+            self.proofs += 1;
+            let relative = RelativePose::new(&self.motion_a.pose(at), &self.motion_b.pose(at))?;
+            if self.pair.meets(&relative, self.distance, seen) {
+                return Ok(Some(at));
+            }
+            if at == self.until {
+                return Ok(None);
+            }
+            ahead *= 2.0;
+        }
+        Ok(None)
+    }
+}
+
+/// Both motions from a time on, to the end of an interval.
+pub(super) fn flight<A: Motion + ?Sized, B: Motion + ?Sized>(
+    motion_a: &A,
+    motion_b: &B,
+    time: f64,
+    until: f64,
+    keep: f64,
+) -> Result<(RelativePose, Flight), PoseError> {
+    let (pose_a, pose_b): (Isometry3<f64>, Isometry3<f64>) = (motion_a.pose(time), motion_b.pose(time));
+    let relative = RelativePose::new(&pose_a, &pose_b)?;
+    // Rounded up, so that what is proven for the span is proven to the end.
+    let span = if until > time { (until - time).next_up() } else { 0.0 };
+    let flight = Flight {
+        pose_a,
+        pose_b,
+        course_a: motion_a.course(time, span),
+        course_b: motion_b.course(time, span),
+        span,
+        keep,
+    };
+    Ok((relative, flight))
+}
+
+/// The time after a span, never beyond it.
+pub(super) fn later(time: f64, span: f64) -> f64 {
+    if span > 0.0 {
+        (time + span * (1.0 - ROOT)).next_down()
+    } else {
+        time
+    }
+}

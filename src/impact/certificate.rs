@@ -1,0 +1,151 @@
+//! One look, as a certificate that anyone can check.
+
+use nalgebra::{Isometry3, UnitQuaternion, Vector3};
+
+use super::cast::{flight, later};
+use super::{ImpactError, check};
+use crate::motion::Motion;
+use crate::pair::outcome::Class;
+use crate::pose::Operand;
+use crate::separation::{Proof, Separation};
+
+/// A proof that two shapes stay apart from one time until another.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct Certificate {
+    /// When it begins.
+    pub from: f64,
+    /// Until when it holds: `from` if nothing is proven, the end of the interval if all of it is.
+    pub until: f64,
+    /// The distance that the shapes stay beyond.
+    pub distance: f64,
+    /// What proves it.
+    pub proof: Proof,
+}
+
+impl Certificate {
+    /// Returns the normal of the plane at a time, in the world, from A to B; `None` if no plane proves the certificate.
+    ///
+    /// All of A is below all of B along it, by more than [`distance`](Self::distance), from `from` until `until`: which is
+    /// checked by looking at every vertex.
+    #[must_use]
+    pub fn normal(&self, time: f64) -> Option<Vector3<f64>> {
+        let Proof::Plane { normal, spin } = self.proof else {
+            return None;
+        };
+        Some(UnitQuaternion::from_scaled_axis(spin * (time - self.from)) * normal)
+    }
+
+    /// Returns the gap of the shapes along the plane at a time, by the support points of the pair; `None` if no plane proves the
+    /// certificate.
+    pub fn gap<S, A, B>(&self, pair: &mut S, motion_a: &A, motion_b: &B, time: f64) -> Option<f64>
+    where
+        S: Separation + ?Sized,
+        A: Motion + ?Sized,
+        B: Motion + ?Sized,
+    {
+        let normal = self.normal(time)?;
+        let (pose_a, pose_b) = (motion_a.pose(time), motion_b.pose(time));
+        let mut height = |of: Operand, pose: &Isometry3<f64>, n: &Vector3<f64>| {
+            let (centre, _) = pair.ball(of);
+            n.dot(&(pose.rotation * centre.coords)) + pair.support(of, &(pose.rotation.conjugate() * n)).height
+        };
+        let (high_a, high_b) = (
+            height(Operand::A, &pose_a, &normal),
+            height(Operand::B, &pose_b, &-normal),
+        );
+        let offset = pose_b.translation.vector - pose_a.translation.vector;
+        Some(normal.dot(&offset) - high_a - high_b)
+    }
+}
+
+/// Looks once, and returns for how long two shapes are proven to stay more than `distance` apart.
+///
+/// The certificate ends where it begins if the shapes are not apart by more than that.
+///
+/// # Errors
+/// An interval or a distance that is none, or a motion that leaves the range of poses.
+pub fn free_until<S, A, B>(
+    pair: &mut S,
+    motion_a: &A,
+    motion_b: &B,
+    interval: (f64, f64),
+    distance: f64,
+) -> Result<Certificate, ImpactError>
+where
+    S: Separation + ?Sized,
+    A: Motion + ?Sized,
+    B: Motion + ?Sized,
+{
+    check(interval)?;
+    if !(0.0..f64::INFINITY).contains(&distance) {
+        let what = "distance";
+        return Err(ImpactError::Size { what, value: distance });
+    }
+    let (from, end) = interval;
+    let (relative, flight) = flight(motion_a, motion_b, from, end, distance)?;
+    let certificate = |span: f64, proof: Proof| Certificate {
+        from,
+        until: if span >= flight.span {
+            end
+        } else {
+            later(from, span).clamp(from, end)
+        },
+        distance,
+        proof,
+    };
+    let apart = flight.apart(pair);
+    if apart.span > 0.0 && apart.span >= flight.span {
+        return Ok(certificate(apart.span, Proof::Balls));
+    }
+    let seen = pair.measure(&relative);
+    if seen.class != Class::Separated || !(seen.lower > distance) {
+        return Ok(Certificate {
+            until: from,
+            ..certificate(0.0, Proof::Own)
+        });
+    }
+    let free = pair.free_for(&seen, &flight);
+    Ok(if apart.span > free.span {
+        certificate(apart.span, Proof::Balls)
+    } else {
+        certificate(free.span, free.proof)
+    })
+}
+
+/// Returns until when shapes that overlap now, at least `depth` deep, are proven to overlap still: the begin of the interval if
+/// nothing is proven.
+///
+/// A motion that moves no point of one shape, seen from the other, by more than `m` changes the depth by at most `m`.
+///
+/// # Errors
+/// An interval or a depth that is none, or a motion that leaves the range of poses.
+pub fn held_until<S, A, B>(
+    pair: &S,
+    motion_a: &A,
+    motion_b: &B,
+    interval: (f64, f64),
+    depth: f64,
+) -> Result<f64, ImpactError>
+where
+    S: Separation + ?Sized,
+    A: Motion + ?Sized,
+    B: Motion + ?Sized,
+{
+    check(interval)?;
+    if !(0.0..f64::INFINITY).contains(&depth) {
+        return Err(ImpactError::Size {
+            what: "depth",
+            value: depth,
+        });
+    }
+    let (from, end) = interval;
+    let (_, flight) = flight(motion_a, motion_b, from, end, 0.0)?;
+    let span = flight.held(pair, depth);
+    Ok(if span >= flight.span {
+        end
+    } else {
+        later(from, span).clamp(from, end)
+    })
+}

@@ -1,0 +1,283 @@
+//! Two convex polyhedra and their tracker.
+
+use nalgebra::{Point3, Vector3};
+
+use super::{Measure, Separation, Support, Tangent};
+use crate::minimum::overlap_proof::OverlapProof;
+use crate::num::scalar::sqrt;
+use crate::pair::outcome::Until;
+use crate::polyhedron::support::Extreme;
+use crate::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, Feature};
+use crate::pose::{Operand, RelativePose};
+use crate::tolerance::{HEIGHT, UNIT};
+use crate::tracker::Tracker;
+
+/// Faces of more edges are not cut into triangles to guess at an overlap.
+const RIM: usize = 64;
+
+/// The smaller ball is taken if it is smaller by this factor: the other one needs no arm.
+const SMALLER: f64 = 0.8;
+
+/// Two convex polyhedra that can be measured over time.
+///
+/// ```
+/// use lin_canny::nalgebra::{Isometry3, Vector3};
+/// use lin_canny::separation::{PolyhedronPair, Separation};
+/// use lin_canny::{RelativePose, polyhedron::solids};
+///
+/// let (a, b) = (solids::cuboid(Vector3::new(1.0, 1.0, 1.0))?, solids::octahedron(0.5)?);
+/// let mut pair = PolyhedronPair::new(&a, &b);
+/// let seen = pair.measure(&RelativePose::from_isometry(&Isometry3::translation(3.0, 0.0, 0.0))?);
+/// assert!(seen.lower <= 1.5 && 1.5 <= seen.upper);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct PolyhedronPair<'a> {
+    a: Body<'a>,
+    b: Body<'a>,
+    tracker: Tracker,
+}
+
+/// Bodies of so few vertices are scanned whole: that needs no proof, and no time for ties.
+const FEW: usize = 24;
+
+/// A direction nearer to the normal of a face than this, as a 1-norm, has the height of the face's plane and what the difference
+/// makes of it. Not a matter of soundness.
+const FLUSH: f64 = 1.0 / (1u64 << 40) as f64;
+
+/// A body, a ball about it, and the vertex of the last support.
+#[derive(Clone, Debug)]
+struct Body<'a> {
+    shape: &'a ConvexPolyhedron,
+    /// The centre of the ball in stored coordinates.
+    middle: Vector3<f64>,
+    centre: Point3<f64>,
+    radius: f64,
+    hint: u32,
+    /// The face of the last measure.
+    face: Option<u32>,
+}
+
+impl<'a> Body<'a> {
+    fn new(shape: &'a ConvexPolyhedron) -> Self {
+        let half = (shape.high - shape.low) * 0.5;
+        let diagonal = sqrt(half.norm_squared()) * (1.0 + 8.0 * UNIT);
+        // Of a body that is stored about an origin of its own, only that has no rounding.
+        let (middle, radius) = if shape.origin == Vector3::zeros() && diagonal < SMALLER * shape.radius {
+            (shape.low + half, diagonal + 2.0 * UNIT * shape.radius)
+        } else {
+            (Vector3::zeros(), shape.radius)
+        };
+        Self {
+            shape,
+            middle,
+            centre: Point3::from(middle * shape.unit() + shape.origin),
+            radius: radius * shape.unit(),
+            hint: 0,
+            face: None,
+        }
+    }
+
+    #[inline]
+    fn support(&mut self, direction: &Vector3<f64>) -> Support {
+        let highest = self.highest(direction);
+        self.hint = highest.vertex;
+        let length = one_norm(direction);
+        let height = highest.value - direction.dot(&self.middle) + HEIGHT * length * self.shape.radius;
+        let unit = self.shape.unit();
+        Support {
+            height: height * unit,
+            point: (self.shape.points[highest.vertex as usize] - self.middle) * unit,
+        }
+    }
+
+    /// The highest vertex in stored coordinates, and a height that no vertex exceeds but for rounding.
+    #[inline]
+    fn highest(&self, direction: &Vector3<f64>) -> Extreme {
+        let points = &self.shape.points;
+        if points.len() <= FEW {
+            let first = Extreme {
+                vertex: 0,
+                value: f64::NEG_INFINITY,
+            };
+            return (0..).zip(points).fold(first, |best, (vertex, p)| {
+                let value = direction.dot(p);
+                if value > best.value {
+                    Extreme { vertex, value }
+                } else {
+                    best
+                }
+            });
+        }
+        if let Some(face) = self.face {
+            let plane = &self.shape.planes[face as usize];
+            let off = one_norm(&(direction - plane.normal));
+            if off < FLUSH {
+                return Extreme {
+                    vertex: self.hint,
+                    value: plane.offset + off * self.shape.radius,
+                };
+            }
+        }
+        self.shape.support_certified(direction, self.hint)
+    }
+
+    /// Takes note of the feature that was measured, and a vertex of it.
+    fn note(&mut self, feature: Feature, vertex: u32) {
+        self.hint = vertex;
+        self.face = match feature {
+            Feature::Face(face) => Some(face.0),
+            _ => None,
+        };
+    }
+
+    fn edge(&self, edge: EdgeId) -> [u32; 2] {
+        let t = &self.shape.topology;
+        [t.from(edge.0), t.half_edge(edge.0).to]
+    }
+
+    fn direction(&self, edge: EdgeId) -> Vector3<f64> {
+        let [from, to] = self.edge(edge).map(|v| self.shape.points[v as usize]);
+        to - from
+    }
+
+    /// The triangle of a fan of a face whose least side is farthest from a point: it holds the point if the face does.
+    fn triangle(&self, face: FaceId, point: &Vector3<f64>) -> Option<[u32; 3]> {
+        let t = &self.shape.topology;
+        let normal = self.shape.planes[face.index()].normal;
+        let corner = |h: u32| self.shape.points[t.from(h) as usize];
+        let side = |p: Vector3<f64>, q: Vector3<f64>| normal.dot(&(q - p).cross(&(point - p)));
+        let mut rim = t.rim(face.0);
+        let first = rim.next()?;
+        let mut before = rim.next()?;
+        let mut best = (f64::NEG_INFINITY, None);
+        for (k, h) in rim.enumerate() {
+            if k > RIM {
+                return None;
+            }
+            let [p, q, r] = [first, before, h].map(corner);
+            let least = side(p, q).min(side(q, r)).min(side(r, p));
+            if least > best.0 {
+                best = (least, Some([first, before, h].map(|h| t.from(h))));
+            }
+            before = h;
+        }
+        best.1
+    }
+}
+
+impl<'a> PolyhedronPair<'a> {
+    /// Returns the pair with a new tracker.
+    #[must_use]
+    pub fn new(a: &'a ConvexPolyhedron, b: &'a ConvexPolyhedron) -> Self {
+        Self::with_tracker(a, b, Tracker::new())
+    }
+
+    /// Returns the pair with a tracker that has followed it before.
+    #[must_use]
+    pub fn with_tracker(a: &'a ConvexPolyhedron, b: &'a ConvexPolyhedron, tracker: Tracker) -> Self {
+        Self {
+            a: Body::new(a),
+            b: Body::new(b),
+            tracker,
+        }
+    }
+
+    /// Returns the tracker, to be kept.
+    #[must_use]
+    pub fn into_tracker(self) -> Tracker {
+        self.tracker
+    }
+
+    /// The tracker, for its counters.
+    #[must_use]
+    pub fn tracker(&self) -> &Tracker {
+        &self.tracker
+    }
+
+    fn tangent(&self, a: Feature, b: Feature) -> Tangent {
+        match (a, b) {
+            (Feature::Face(_), _) | (Feature::Edge(_), Feature::Vertex(_)) => Tangent::WithA,
+            (_, Feature::Face(_)) | (Feature::Vertex(_), Feature::Edge(_)) => Tangent::WithB,
+            (Feature::Edge(a), Feature::Edge(b)) => Tangent::Edges(self.a.direction(a), self.b.direction(b)),
+            (Feature::Vertex(_), Feature::Vertex(_)) => Tangent::Free,
+        }
+    }
+
+    /// Four points of the Minkowski difference that should hold the origin just behind the facet of the closest features: the triangle of
+    /// that facet which holds the witnesses, and the point farthest behind it.
+    fn behind(&self, a_from_b: &RelativePose, seen: &Measure) -> Option<OverlapProof> {
+        if !(self.a.shape.is_unscaled && self.b.shape.is_unscaled) {
+            return None;
+        }
+        let features = seen.features?;
+        let (on_a, on_b) = (&seen.point_on_a.coords, &seen.point_on_b.coords);
+        let facet = match (features.a, features.b) {
+            (Feature::Face(f), Feature::Vertex(v)) => self.a.triangle(f, on_a)?.map(|u| [u, v.0]),
+            (Feature::Vertex(u), Feature::Face(f)) => self.b.triangle(f, on_b)?.map(|v| [u.0, v]),
+            (Feature::Edge(e), Feature::Edge(f)) => {
+                let ([p, q], [r, s]) = (self.a.edge(e), self.b.edge(f));
+                let along = |body: &Body, edge: EdgeId, from: u32, at: &Vector3<f64>| {
+                    let way = body.direction(edge);
+                    (at - body.shape.points[from as usize]).dot(&way) / way.norm_squared()
+                };
+                if along(&self.a, e, p, on_a) + along(&self.b, f, r, on_b) < 1.0 {
+                    [[p, r], [q, r], [p, s]]
+                } else {
+                    [[q, s], [q, r], [p, s]]
+                }
+            }
+            _ => return None,
+        };
+        let normal = seen.normal.into_inner();
+        let normal_in_b = a_from_b.rotation().tr_mul(&normal);
+        let deep = [
+            self.a.shape.support_cold(&-normal),
+            self.b.shape.support_cold(&normal_in_b),
+        ];
+        Some(OverlapProof::guess([facet[0], facet[1], facet[2], deep]))
+    }
+}
+
+impl Separation for PolyhedronPair<'_> {
+    #[inline]
+    fn ball(&self, of: Operand) -> (Point3<f64>, f64) {
+        let body = if of == Operand::A { &self.a } else { &self.b };
+        (body.centre, body.radius)
+    }
+
+    #[inline]
+    fn measure(&mut self, a_from_b: &RelativePose) -> Measure {
+        let outcome = self.tracker.measure(self.a.shape, self.b.shape, a_from_b, Until::Class);
+        let (on_a, on_b) = outcome.features.vertices_of(self.a.shape, self.b.shape);
+        self.a.note(outcome.features.a, on_a);
+        self.b.note(outcome.features.b, on_b);
+        let mut seen = Measure::new(&outcome, self.tangent(outcome.features.a, outcome.features.b));
+        // Of bodies that are stored in other units the normal was turned once more.
+        seen.by_plane &= self.a.shape.exponent == self.b.shape.exponent;
+        seen
+    }
+
+    /// By [`Tracker::intersects`] and [`Tracker::within`]: without the feature `exact`, ties count as met.
+    fn meets(&mut self, a_from_b: &RelativePose, distance: f64, seen: &Measure) -> bool {
+        let (a, b) = (self.a.shape, self.b.shape);
+        if distance > 0.0 {
+            return self.tracker.within(a, b, a_from_b, distance);
+        }
+        if let Some(hold) = self.behind(a_from_b, seen) {
+            self.tracker.expect(hold);
+        }
+        self.tracker.intersects(a, b, a_from_b)
+    }
+
+    #[inline]
+    fn support(&mut self, of: Operand, direction: &Vector3<f64>) -> Support {
+        let body = if of == Operand::A { &mut self.a } else { &mut self.b };
+        body.support(direction)
+    }
+}
+
+/// The sum of the absolute coordinates: no less than the length.
+fn one_norm(v: &Vector3<f64>) -> f64 {
+    v.x.abs() + v.y.abs() + v.z.abs()
+}

@@ -1,0 +1,111 @@
+//! Inside and outside: nested, linked, hollow and multi-part meshes, jumps through walls, flush boxes that overlap.
+
+use super::{mesh, relative};
+use lab::pose::{quat, scale};
+use lab::rng::Rng;
+use lab::soups::{self, Soup};
+use lab::{Pose, brute};
+use lin_canny::{Class, MeshKind, MeshTracker};
+
+#[test]
+fn windings_decide_over_jumps() {
+    // A hollow ball; a ball that two overlapping parts make; a part in a part.
+    let two = soups::sphere(2).with(&soups::sphere(2).map(|p| [p[0] + 0.7, p[1], p[2]]));
+    let nested = soups::sphere(2).with(&soups::sphere(2).map(|p| scale(p, 0.5)));
+    let solids = [
+        soups::cave(3, 0.7),
+        two,
+        nested,
+        soups::torus(40, 20, 0.3),
+        soups::bracket(),
+    ];
+    let pebble = soups::sphere(1).map(|p| scale(p, 0.05));
+    let small = mesh(&pebble);
+    let mut rng = Rng::new(21);
+    let (mut inside, mut outside) = (0, 0);
+    for (k, solid) in solids.iter().enumerate() {
+        let m = mesh(solid);
+        assert_eq!(m.kind(), MeshKind::Solid);
+        let (mut forward, mut backward) = (MeshTracker::new(), MeshTracker::new());
+        for i in 0..500 {
+            let pose = Pose {
+                q: rng.quat(),
+                t: scale(rng.in_ball(), 1.5),
+            };
+            let truth = brute::distance(solid, &pebble, &pose).0;
+            if truth < 1e-9 {
+                continue;
+            }
+            let contained = brute::winding(solid, pose.apply(pebble.points[0])).abs() > 0.5;
+            let class = if contained {
+                Class::Overlapping
+            } else {
+                Class::Separated
+            };
+            let found = forward.closest(&m, &small, &relative(&pose));
+            assert_eq!(found.class, class, "{k} {i} {found:?} {truth}");
+            assert_eq!(backward.closest(&small, &m, &relative(&pose).swapped()).class, class);
+            assert_eq!(forward.intersects(&m, &small, &relative(&pose)), contained);
+            *if contained { &mut inside } else { &mut outside } += 1;
+        }
+    }
+    assert!(inside > 200 && outside > 500, "{inside} {outside}");
+}
+
+#[test]
+fn an_open_mesh_holds_nothing_and_may_be_held() {
+    let mut open = soups::sphere(2);
+    open.triangles.pop();
+    let bowl = mesh(&open);
+    assert_eq!(bowl.kind(), MeshKind::Surface);
+    let pebble = mesh(&soups::sphere(1).map(|p| scale(p, 0.05)));
+    let found = MeshTracker::new().closest(&bowl, &pebble, &relative(&Pose::IDENTITY));
+    assert_eq!(found.class, Class::Separated);
+    // A surface in a solid shares points with it.
+    let ball = mesh(&soups::sphere(2).map(|p| scale(p, 3.0)));
+    let found = MeshTracker::new().closest(&ball, &bowl, &relative(&Pose::IDENTITY));
+    assert_eq!((found.class, found.distance), (Class::Touching, 0.0));
+}
+
+#[test]
+fn linked_rings_are_apart() {
+    let ring = soups::torus(40, 20, 0.2);
+    let m = mesh(&ring);
+    let mut tracker = MeshTracker::new();
+    for k in 0..100 {
+        let angle = 0.05 * f64::from(k);
+        let q = lab::pose::quat_mul(quat([0.0, 0.0, 1.0], 0.1 * angle.sin()), quat([1.0, 0.0, 0.0], 1.5));
+        let pose = Pose {
+            q,
+            t: [1.0 + 0.2 * angle.cos(), 0.0, 0.1 * angle.sin()],
+        };
+        assert_eq!(
+            super::judge(&mut tracker, (&ring, &ring), (&m, &m), &pose),
+            Class::Separated
+        );
+    }
+}
+
+#[test]
+fn boxes_with_coplanar_faces_overlap() {
+    let cube = |n| soups::plate(n, [0.5, 0.5, 0.5]);
+    for n in [1, 2, 3] {
+        let (a, b): (Soup, Soup) = (cube(n), cube(n));
+        let (m, k) = (mesh(&a), mesh(&b));
+        for t in [[0.5, 0.0, 0.0], [0.25, 0.25, 0.0], [0.0, 0.0, 0.75]] {
+            let found = MeshTracker::new().closest(&m, &k, &relative(&Pose::shift(t)));
+            assert_eq!(found.class, Class::Overlapping, "{n} {t:?}");
+        }
+        for t in [[1.0, 0.0, 0.0], [1.0, 0.5, 0.0], [1.0, 1.0, 0.25], [1.0, 1.0, 1.0]] {
+            let mut tracker = MeshTracker::new();
+            let found = tracker.closest(&m, &k, &relative(&Pose::shift(t)));
+            assert_eq!((found.class, found.distance), (Class::Touching, 0.0), "{n} {t:?}");
+            assert!(tracker.intersects(&m, &k, &relative(&Pose::shift(t))));
+            let beyond = t.map(|x| if x == 1.0 { 1.0 + 1e-15 } else { x });
+            assert!(
+                !MeshTracker::new().intersects(&m, &k, &relative(&Pose::shift(beyond))),
+                "{n} {t:?}"
+            );
+        }
+    }
+}

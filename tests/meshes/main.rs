@@ -1,0 +1,119 @@
+//! Promise: queries of meshes equal brute force over all pairs of triangles, whatever the tracker has seen before.
+
+mod contain;
+mod frames;
+mod hard;
+mod pieces;
+
+use lab::rng::Rng;
+use lab::soups::{self, Soup};
+use lab::{Pose, brute};
+use lin_canny::nalgebra::Point3;
+use lin_canny::{Class, Mesh, MeshKind, MeshTracker, RelativePose};
+
+pub(crate) fn mesh(soup: &Soup) -> Mesh {
+    let points: Vec<Point3<f64>> = soup.points.iter().map(|p| Point3::from(*p)).collect();
+    Mesh::new(&points, &soup.triangles).unwrap()
+}
+
+pub(crate) fn relative(pose: &Pose) -> RelativePose {
+    RelativePose::from_isometry(&pose.isometry()).unwrap()
+}
+
+/// L of a pair.
+pub(crate) fn size(a: &Soup, b: &Soup, pose: &Pose) -> f64 {
+    a.radius() + b.radius() + lab::pose::norm(pose.t)
+}
+
+/// Closed meshes of a few hundred triangles.
+pub(crate) fn shapes() -> Vec<Soup> {
+    vec![
+        soups::torus(24, 12, 0.3),
+        soups::knot(60, 8, 0.12),
+        soups::rock(3, 1),
+        soups::gear(12),
+        soups::bracket(),
+        soups::screw(4, 24),
+        soups::plate(3, [1.0, 0.5, 0.1]),
+    ]
+}
+
+/// Compares a query with brute force; returns its class.
+pub(crate) fn judge(tracker: &mut MeshTracker, (a, b): (&Soup, &Soup), (m, n): (&Mesh, &Mesh), pose: &Pose) -> Class {
+    let truth = brute::distance(a, b, pose).0;
+    let found = tracker.closest(m, n, &relative(pose));
+    let noise = 1e-14 * size(a, b, pose);
+    match found.class {
+        Class::Separated => {
+            assert!((found.distance - truth).abs() < noise, "{found:?} {truth}");
+            assert!(
+                found.lower <= truth + noise && truth <= found.upper + noise,
+                "{found:?} {truth}"
+            );
+            assert!(found.upper - found.lower < 1e-13 * size(a, b, pose), "{found:?}");
+            let on_b = pose.apply(found.point_on_b.into());
+            let apart = lab::pose::norm(lab::pose::sub(on_b, found.point_on_a.into()));
+            assert!((apart - truth).abs() < noise, "{found:?} {apart}");
+        }
+        Class::Touching => assert!(found.lower == 0.0 && truth < noise, "{found:?} {truth}"),
+        Class::Overlapping => {
+            let inside = |s: &Soup, p| brute::winding(s, p).abs() > 0.5;
+            let contained = inside(a, pose.apply(b.points[0])) || inside(b, pose.apply_inverse(a.points[0]));
+            assert!(
+                found.distance == 0.0 && (truth == 0.0 || contained),
+                "{found:?} {truth}"
+            );
+        }
+        _ => panic!("{found:?}"),
+    }
+    if truth > noise {
+        let separated = found.class == Class::Separated;
+        assert_eq!(tracker.intersects(m, n, &relative(pose)), !separated);
+        if separated {
+            assert!(tracker.within(m, n, &relative(pose), found.upper));
+            assert!(!tracker.within(m, n, &relative(pose), truth * (1.0 - 1e-9) - noise));
+            let bound = tracker.lower_bound(m, n, &relative(pose));
+            assert!(bound <= truth + noise, "{bound} {truth}");
+        }
+    }
+    found.class
+}
+
+#[test]
+fn made_meshes_are_solids() {
+    for (k, soup) in shapes().iter().enumerate() {
+        let m = mesh(soup);
+        assert_eq!(m.kind(), MeshKind::Solid, "{k}: {}", m.report());
+        assert!(m.report().parts.iter().all(|p| p.volume > 0.0), "{k}: {}", m.report());
+        let n = mesh(&soup.unwelded());
+        assert_eq!((n.vertex_count(), n.kind()), (m.vertex_count(), MeshKind::Solid));
+    }
+}
+
+#[test]
+fn random_poses_equal_brute_force() {
+    let shapes = shapes();
+    let meshes: Vec<Mesh> = shapes.iter().map(mesh).collect();
+    let mut rng = Rng::new(5);
+    let mut tally = [0; 2];
+    for k in 0..2000 {
+        let (i, j) = (rng.below(7), rng.below(7));
+        let pose = Pose {
+            q: rng.quat(),
+            t: rng.unit().map(|x| x * rng.range(0.1, 3.0)),
+        };
+        let class = judge(
+            &mut MeshTracker::new(),
+            (&shapes[i], &shapes[j]),
+            (&meshes[i], &meshes[j]),
+            &pose,
+        );
+        tally[usize::from(class == Class::Separated)] += 1;
+        if k % 4 == 0 {
+            // B to A: the same class, and the same distance within the bounds.
+            let back = MeshTracker::new().closest(&meshes[j], &meshes[i], &relative(&pose).swapped());
+            assert_eq!(back.class, class);
+        }
+    }
+    assert!(tally.iter().all(|t| *t > 400), "{tally:?}");
+}

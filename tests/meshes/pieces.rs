@@ -1,0 +1,113 @@
+//! Bodies of convex pieces: against all pairs of pieces, in place and with poses of their own, tracked and cold.
+
+use super::{mesh, relative};
+use lab::pose::{quat, quat_mul, scale, unit_quat};
+use lab::rng::Rng;
+use lab::soups::Soup;
+use lab::{Pose, brute};
+use lin_canny::nalgebra::Vector3;
+use lin_canny::polyhedron::solids;
+use lin_canny::{Class, Composite, CompositeError, CompositeTracker, MeshTracker, Piece};
+
+/// Boxes and hulls strung along a path.
+fn chain(count: usize, in_place: bool, seed: u64) -> Composite {
+    let mut rng = Rng::new(seed);
+    let pieces = (0..count).map(|k| {
+        let at = scale(rng.in_ball(), 1.0);
+        let size = Vector3::new(rng.range(0.05, 0.3), rng.range(0.05, 0.3), rng.range(0.05, 0.3));
+        let shape = solids::random_hull(12, size, seed + k as u64).unwrap();
+        let pose = Pose { q: rng.quat(), t: at };
+        let mut piece = if in_place {
+            let points: Vec<_> = shape.vertex_points().map(|p| pose.isometry() * p).collect();
+            Piece::new(lin_canny::ConvexPolyhedron::from_points(&points).unwrap())
+        } else {
+            Piece {
+                pose: pose.isometry(),
+                ..Piece::new(shape)
+            }
+        };
+        piece.name = format!("piece {k}");
+        piece
+    });
+    Composite::new(pieces.collect()).unwrap()
+}
+
+fn soup(body: &Composite) -> Soup {
+    let mut soup = Soup::default();
+    for (_, corners) in body.to_mesh().unwrap().triangles() {
+        let base = soup.points.len() as u32;
+        soup.points.extend(corners.map(|p| [p.x, p.y, p.z]));
+        soup.triangles.push([base, base + 1, base + 2]);
+    }
+    soup
+}
+
+#[test]
+fn pieces_equal_brute_force() {
+    let mut rng = Rng::new(31);
+    let mut tally = [0; 2];
+    for k in 0..40u64 {
+        let (a, b) = (chain(9, k % 2 == 0, k), chain(7, k % 4 < 2, 100 + k));
+        let (s, t) = (soup(&a), soup(&b));
+        let (m, n) = (mesh(&s), mesh(&t));
+        let (mut tracker, mut meshes, mut back) =
+            (CompositeTracker::new(), MeshTracker::new(), CompositeTracker::new());
+        let (mut q, axis, at) = (rng.quat(), rng.unit(), rng.unit());
+        for frame in 0..40 {
+            q = unit_quat(quat_mul(quat(axis, 0.009), q));
+            let pose = Pose {
+                q,
+                t: scale(at, 1.1 + 0.6 * (0.16 * f64::from(frame)).sin()),
+            };
+            let truth = brute::distance(&s, &t, &pose).0;
+            let found = tracker.closest(&a, &b, &relative(&pose));
+            let other = meshes.closest(&m, &n, &relative(&pose));
+            assert_eq!(found.class, other.class, "{k} {frame} {found:?} {other:?}");
+            assert_eq!(back.closest(&b, &a, &relative(&pose).swapped()).class, found.class);
+            if found.class == Class::Separated {
+                assert!((found.distance - truth).abs() < 1e-13, "{k} {frame} {found:?} {truth}");
+                assert!(
+                    found.lower <= truth + 1e-15 && truth <= found.upper + 1e-15,
+                    "{found:?} {truth}"
+                );
+                assert!(!tracker.within(&a, &b, &relative(&pose), truth - 1e-12));
+                assert!(tracker.within(&a, &b, &relative(&pose), truth + 1e-12));
+                let on_b = pose.apply(found.point_on_b.into());
+                let apart = lab::pose::norm(lab::pose::sub(on_b, found.point_on_a.into()));
+                assert!((apart - truth).abs() < 1e-13);
+            }
+            assert_eq!(
+                tracker.intersects(&a, &b, &relative(&pose)),
+                found.class != Class::Separated
+            );
+            tally[usize::from(found.class == Class::Separated)] += 1;
+        }
+        let w = tracker.work();
+        assert!(w.measured < 40 * w.queries, "{w:?}");
+    }
+    assert!(tally.iter().all(|t| *t > 200), "{tally:?}");
+}
+
+#[test]
+fn mass_of_pieces_is_that_of_their_mesh() {
+    let one = solids::cuboid(Vector3::new(1.0, 0.5, 0.25)).unwrap();
+    let pose = Pose {
+        q: Rng::new(4).quat(),
+        t: [3.0, -1.0, 0.5],
+    };
+    let far = Piece {
+        pose: pose.isometry(),
+        ..Piece::new(one.clone())
+    };
+    let body = Composite::new(vec![Piece::new(one), far]).unwrap();
+    let m = body.to_mesh().unwrap();
+    assert!((body.volume() - 2.0).abs() < 1e-14 && (m.volume() - 2.0).abs() < 1e-13);
+    assert!((body.centroid() - m.centroid()).norm() < 1e-13);
+    assert!(
+        (body.inertia() - m.inertia()).norm() < 1e-12,
+        "{} {}",
+        body.inertia(),
+        m.inertia()
+    );
+    assert_eq!(Composite::new(vec![]).unwrap_err(), CompositeError::Count { count: 0 });
+}

@@ -1,0 +1,227 @@
+//! Promise: a body on a motion is nowhere farther from the model of its course than the drift says, poses as rounded.
+
+use lab::rng::Rng;
+use lin_canny::Velocity;
+use lin_canny::motion::{Course, Motion, MotionError, Nlerp, Steady};
+use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
+
+fn vector(rng: &mut Rng, size: f64) -> Vector3<f64> {
+    Vector3::from(rng.in_ball()) * size
+}
+
+fn pose(rng: &mut Rng) -> Isometry3<f64> {
+    let [x, y, z, w] = rng.quat();
+    let rotation = UnitQuaternion::new_normalize(Quaternion::new(w, x, y, z));
+    Isometry3::from_parts(Translation3::from(vector(rng, 3.0)), rotation)
+}
+
+/// Where the model of a course has a point `s` after it was at `pose`.
+fn model(course: &Course, pose: &Isometry3<f64>, p: &Point3<f64>, s: f64) -> Vector3<f64> {
+    let centre = (pose * course.pivot).coords + course.linear * s + course.acceleration * (0.5 * s * s);
+    let turn = UnitQuaternion::from_scaled_axis(course.angular * s);
+    centre + turn * (pose.rotation * (p - course.pivot))
+}
+
+/// What was seen: the largest part of the drift that is used, with and without what rounding is given.
+#[derive(Default, Debug)]
+struct Used {
+    rounding: f64,
+    whole: f64,
+    way: f64,
+}
+
+/// `truth` places the motion that is meant, `motion` the one that is followed.
+fn check(rng: &mut Rng, motion: &impl Motion, truth: &impl Motion, latest: f64, used: &mut Used) {
+    let from = rng.range(0.0, latest);
+    let span = rng.range(0.0, latest - from);
+    let course = motion.course(from, span);
+    let start = motion.pose(from);
+    let radius = rng.log_range(0.01, 10.0);
+    for k in 0..20 {
+        let s = if k == 0 { span } else { rng.range(0.0, span) };
+        let s = (from + s) - from;
+        if s > span {
+            continue;
+        }
+        let p = course.pivot + Vector3::from(rng.unit()) * radius;
+        let off = (truth.pose(from + s) * p).coords - model(&course, &start, &p, s);
+        let bound = course.shift.at(s) + radius * course.turn.at(s);
+        let constant = course.shift.0[0] + radius * course.turn.0[0];
+        // What the model here is rounded by itself.
+        let own = 1e-15 * radius * (1.0 + course.angular.norm() * s);
+        assert!(
+            off.norm() <= bound + own,
+            "{} exceeds {bound:e} after {s}: {course:?}",
+            off.norm()
+        );
+        if bound < 2.0 * constant {
+            used.rounding = used.rounding.max(off.norm() / (bound + own));
+        } else {
+            used.whole = used.whole.max(off.norm() / bound);
+        }
+        let way = (truth.pose(from + s) * p - start * p).norm();
+        let most = course.displacement(radius, span);
+        assert!(way <= most, "{way} {most}");
+        used.way = used.way.max(way / most);
+    }
+}
+
+#[test]
+fn steady_motions_keep_to_their_courses() {
+    let mut rng = Rng::new(1901);
+    let mut used = Used::default();
+    for k in 0..3000 {
+        let spin = rng.log_range(1e-3, 600.0);
+        let velocity = Velocity::new(vector(&mut rng, 5.0), Vector3::from(rng.unit()) * spin);
+        let pivot = if k % 2 == 0 {
+            Point3::origin()
+        } else {
+            vector(&mut rng, 4.0).into()
+        };
+        let mut motion = Steady::about(&pose(&mut rng), pivot, velocity).expect("a motion");
+        if k % 3 == 0 {
+            motion = motion.accelerated(vector(&mut rng, 9.8)).expect("an acceleration");
+        }
+        check(&mut rng, &motion, &motion, 1.0, &mut used);
+    }
+    // The bound of rounding is used to a good part, and never left.
+    assert!((0.05..=1.0).contains(&used.rounding) && used.way > 0.9, "{used:?}");
+}
+
+/// Motions whose accelerations differ from what is known by as much as is allowed.
+#[test]
+fn open_motions_keep_to_their_courses() {
+    let mut rng = Rng::new(1902);
+    let mut used = Used::default();
+    for _ in 0..3000 {
+        let spin = rng.range(-3.0, 3.0);
+        let axis = Vector3::from(rng.unit());
+        let start = pose(&mut rng);
+        let nominal = Steady::new(&start, Velocity::new(vector(&mut rng, 5.0), axis * spin)).expect("a motion");
+        let (push, twist) = (vector(&mut rng, 1.0).normalize() * 4.0, rng.range(-2.0, 2.0));
+        let open = nominal.within(4.0, 2.0).expect("bounds");
+        let truth = Pushed {
+            nominal,
+            axis,
+            start,
+            push,
+            twist,
+        };
+        check(&mut rng, &open, &truth, 1.0, &mut used);
+    }
+    assert!(used.whole > 0.9 && used.whole <= 1.0, "{used:?}");
+}
+
+/// Constant accelerations on top of a steady motion.
+struct Pushed {
+    nominal: Steady,
+    axis: Vector3<f64>,
+    start: Isometry3<f64>,
+    push: Vector3<f64>,
+    twist: f64,
+}
+
+impl Motion for Pushed {
+    fn pose(&self, time: f64) -> Isometry3<f64> {
+        let mut pose = self.start;
+        let velocity = self.nominal.velocity();
+        pose.translation.vector += velocity.linear * time + self.push * (0.5 * time * time);
+        let angle = velocity.angular.dot(&self.axis) * time + 0.5 * self.twist * time * time;
+        pose.rotation = UnitQuaternion::from_scaled_axis(self.axis * angle) * pose.rotation;
+        pose
+    }
+
+    fn course(&self, time: f64, span: f64) -> Course {
+        self.nominal.course(time, span)
+    }
+}
+
+#[test]
+fn sweeps_keep_to_their_courses_and_ends() {
+    let mut rng = Rng::new(1903);
+    let (mut lerps, mut slerps) = (Used::default(), Used::default());
+    for _ in 0..3000 {
+        let (from, to) = (pose(&mut rng), pose(&mut rng));
+        let duration = rng.log_range(0.1, 10.0);
+        let pivot = Point3::from(vector(&mut rng, 1.0));
+        let slerp = Steady::between(&from, &to, duration, pivot).expect("a motion");
+        let nlerp = Nlerp::new(&from, &to, duration, pivot).expect("a motion");
+        check(&mut rng, &slerp, &slerp, duration, &mut slerps);
+        check(&mut rng, &nlerp, &nlerp, duration, &mut lerps);
+        for (time, end) in [(0.0, from), (duration, to)] {
+            for at in [slerp.pose(time), nlerp.pose(time)] {
+                assert!((at.translation.vector - end.translation.vector).norm() < 1e-14);
+                assert!(at.rotation.angle_to(&end.rotation) < 1e-7);
+            }
+        }
+        // Both are the same half way.
+        let (p, q) = (slerp.pose(0.5 * duration), nlerp.pose(0.5 * duration));
+        assert!(
+            (p.rotation.coords - q.rotation.coords)
+                .norm()
+                .min((p.rotation.coords + q.rotation.coords).norm())
+                < 1e-14
+        );
+    }
+    assert!(
+        lerps.whole > 0.3 && lerps.way > 0.9 && slerps.way > 0.9,
+        "{lerps:?} {slerps:?}"
+    );
+}
+
+#[test]
+fn a_screw_stays_on_its_line() {
+    let mut rng = Rng::new(1904);
+    for _ in 0..300 {
+        let (start, point) = (pose(&mut rng), Point3::from(vector(&mut rng, 2.0)));
+        let axis = vector(&mut rng, 2.0);
+        let screw = Steady::screw(&start, &point, &axis, 2.5, 0.3).expect("a motion");
+        let u = axis.normalize();
+        let turn = UnitQuaternion::from_scaled_axis(u * 2.5 * 0.7);
+        for _ in 0..5 {
+            let p = Point3::from(vector(&mut rng, 1.0));
+            let expected = point + turn * (start * p - point) + u * (0.3 * 0.7);
+            assert!((screw.pose(0.7) * p - expected).norm() < 2e-14);
+        }
+    }
+}
+
+#[test]
+fn numbers_that_are_no_motion_are_refused() {
+    let one = Isometry3::identity();
+    let nan = Velocity::new(Vector3::new(0.0, f64::NAN, 0.0), Vector3::zeros());
+    assert!(matches!(
+        Steady::new(&one, nan),
+        Err(MotionError::Value {
+            what: "linear velocity",
+            ..
+        })
+    ));
+    let far = Velocity::new(Vector3::zeros(), Vector3::x() * 1e101);
+    assert!(matches!(
+        Steady::new(&one, far),
+        Err(MotionError::Value {
+            what: "angular velocity",
+            ..
+        })
+    ));
+    assert!(matches!(
+        Nlerp::new(&one, &one, 0.0, Point3::origin()),
+        Err(MotionError::Size { .. })
+    ));
+    assert!(matches!(
+        Steady::between(&one, &one, -1.0, Point3::origin()),
+        Err(MotionError::Size { .. })
+    ));
+    assert!(Steady::screw(&one, &Point3::origin(), &Vector3::zeros(), 1.0, 1.0).is_err());
+    let rest = Steady::new(&one, Velocity::default()).expect("rest is a motion");
+    assert!(rest.within(-1.0, 0.0).is_err() && rest.accelerated(Vector3::repeat(f64::INFINITY)).is_err());
+    let long = Isometry3::from_parts(
+        Translation3::identity(),
+        UnitQuaternion::new_unchecked(Quaternion::new(1.1, 0.0, 0.0, 0.0)),
+    );
+    assert!(matches!(
+        Steady::new(&long, Velocity::default()),
+        Err(MotionError::Pose(_))
+    ));
+}
