@@ -45,6 +45,7 @@
 //! | Only the pairs of boxes? | [`broad::PencilSweep`] | pairs, events, stable ids |
 //! | Which pairs would the walk look at? | [`Tracker::trace`] | the way, pair by pair |
 //! | How do I report this query? | [`Tracker::replay`] | [`Replay`]: a text that rebuilds it bit for bit |
+//! | Balls, capsules, cylinders, cones, ellipsoids, anything rounded? | [`ShapeTracker`] on [`Shape`] | the same questions, [`Outcome`] |
 //! | Where does B stand? | [`RelativePose::new`] | a checked pose, or a [`PoseError`] |
 //! | A body of points, of faces? | [`ConvexPolyhedron::from_points`], [`from_faces`](ConvexPolyhedron::from_faces) | a body with its [`BuildReport`], or a [`BuildError`] |
 //! | A common solid? | [`polyhedron::solids`] | a body |
@@ -167,6 +168,8 @@
 //!   stored.
 //! * Meshes and bodies of pieces have no depth, contacts or place in scenes yet; scenes do not request times of
 //!   impact yet. There is no dynamics: see rapier.
+//! * Curved shapes ([`shape`]) have the same bounds; class and predicates are exact for polyhedra, rounded or not, and within
+//!   `3e-14 L` of contact undecided for others, whose closest points are algebraic numbers: there `intersects` and `within` say yes.
 //!
 //! # Cargo features
 //!
@@ -189,11 +192,12 @@
 //! 6. `penetration`: how deep bodies overlap, by a surface around the origin of their difference.
 //! 7. `contact`: the points by which bodies hold each other apart, over frames; gradients of the signed distance.
 //! 8. `tracker`: what a caller keeps, and which solver to ask.
-//! 9. `soundness`, `replay`: what debug builds check of every answer, and the text of a query that fails.
-//! 10. [`broad`]: boxes and ids alone, for many bodies; it knows nothing of the others.
-//! 11. [`separation`]: a pair of any shapes over time; [`impact`]: when it first meets; [`schedule`]: when to look at it.
-//! 10. [`composite`]: meshes and bodies of pieces, on a tree of boxes and a front kept from frame to frame.
-//! 12. [`scene`]: where all meets; start with `scene/step.rs`.
+//! 9. [`shape`], `smooth`, `shape_tracker`: rounded and curved shapes, the solver for curved cores, the state of one pair.
+//! 10. `soundness`, `replay`: the checks of debug builds, and the text of a query that fails.
+//! 11. [`separation`]: a pair of any shapes over time; [`impact`]: when it first meets; [`schedule`]: when to measure it.
+//! 12. [`composite`]: meshes and bodies of pieces, on a tree of boxes and a front kept from frame to frame.
+//! 13. [`broad`]: boxes and ids alone, for many bodies.
+//! 14. [`scene`]: where all meets; start with `scene/step.rs`.
 //!
 //! # From the thesis
 //!
@@ -203,7 +207,8 @@
 //! | thesis | here |
 //! |---|---|
 //! | chapter 3, incremental distance computation | `closest`, [`polyhedron`], [`Tracker`] |
-//! | chapter 4, non-convex and curved bodies | [`composite`]; curved bodies not yet |
+//! | chapter 4, curved bodies | [`shape`], `smooth`, [`ShapeTracker`] |
+//! | chapter 4, non-convex bodies | [`composite`] |
 //! | chapter 5, many moving bodies | [`broad`], [`scene`]; scheduling by time: [`impact`], [`schedule`] |
 //! | chapter 6, path planning | not yet |
 //!
@@ -240,6 +245,9 @@ mod replay;
 pub mod scene;
 pub mod schedule;
 pub mod separation;
+pub mod shape;
+mod shape_tracker;
+mod smooth;
 mod solve;
 mod soundness;
 pub mod tolerance;
@@ -263,6 +271,8 @@ pub use polyhedron::{
 };
 pub use pose::{Operand, PoseError, RelativePose, normalize};
 pub use replay::{Replay, ReplayError};
+pub use shape::{Shape, ShapeError};
+pub use shape_tracker::ShapeTracker;
 pub use tracker::{Totals, Tracker};
 
 /// Runs the README as a test.

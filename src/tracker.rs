@@ -23,6 +23,7 @@ use crate::walk::trace::trace;
 
 mod counts;
 mod look;
+mod reach;
 
 use counts::Starts;
 pub use counts::Totals;

@@ -200,6 +200,27 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("soundness", &["pair", "polyhedron", "pose", "num", "tolerance"]),
     ("replay", &["depth", "pair", "polyhedron", "pose", "num", "tolerance"]),
     // The state of one pair between queries, and the choice of the solver.
+    // Geometry alone: cores, radii, supports.
+    ("shape", &["shape", "polyhedron", "pose", "num", "tolerance"]),
+    // Solvers for curved cores, with the simplices and transforms of the minimum-norm solver.
+    (
+        "smooth",
+        &[
+            "smooth",
+            "shape",
+            "minimum",
+            "pair",
+            "polyhedron",
+            "pose",
+            "num",
+            "tolerance",
+        ],
+    ),
+    // The state of a pair of shapes between queries: a tracker of cores, or the state of the curved solver.
+    (
+        "shape_tracker",
+        &["shape", "smooth", "tracker", "pair", "polyhedron", "pose", "num"],
+    ),
     (
         "tracker",
         &[

@@ -1,12 +1,13 @@
 //! Races against other libraries on the same motions.
 //!
 //! ```text
-//! cargo run --release --example race -- pairs|contact|boxes|scene|impact|meshes [--csv FILE] [--quick] [--only SCENE] [--upto N]
+//! cargo run --release --example race -- pairs|curved|contact|boxes|scene|impact|meshes [--csv FILE] [--quick] [--only SCENE] [--upto N]
 //! ```
 
 mod boxes;
 mod common;
 mod contact;
+mod curved;
 mod hulls;
 mod impact;
 mod meshes;
@@ -19,10 +20,10 @@ use lab::boxes::Kind;
 use std::process::ExitCode;
 
 const USAGE: &str = "\
-usage: race pairs|contact|boxes|scene|impact|meshes [--csv FILE] [--quick] [--only SCENE] [--upto N]
+usage: race pairs|curved|contact|boxes|scene|impact|meshes [--csv FILE] [--quick] [--only SCENE] [--upto N]
 
-Ours against other libraries: closest points of two bodies, their contacts, boxes of many bodies, whole scenes,
-casts of moving bodies, meshes.
+Ours against other libraries: closest points of two bodies, of two curved shapes, their contacts, boxes of many bodies,
+whole scenes, casts of moving bodies, meshes.
 
   --csv FILE     one row a result: scene,shape,n,engine,ns
   --quick        pairs, contact and impact: fewer frames and passes; boxes and scene: a thousand bodies
@@ -37,6 +38,7 @@ fn main() -> ExitCode {
 fn race((name, options): &(String, Options)) -> Result<(), String> {
     let (scenes, run): (Vec<&str>, fn(&Options) -> Rows) = match name.as_str() {
         "pairs" => (pairs::SCENES.into(), pairs::run),
+        "curved" => (curved::SCENES.into(), curved::run),
         "contact" => (lab::contacts::SCENES.into(), contact::run),
         "boxes" => (boxes::RACED.map(Kind::name).into(), boxes::run),
         "scene" => (scene::SCENES.map(|s| s.0).into(), scene::run),

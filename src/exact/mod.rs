@@ -13,6 +13,7 @@ mod origin;
 mod simplex;
 
 use alloc::vec;
+use core::cmp::Ordering;
 
 use dashu_base::UnsignedAbs;
 use dashu_int::IBig;
@@ -323,15 +324,29 @@ pub(crate) fn within(
     hint: (u32, u32),
     d: f64,
 ) -> bool {
+    d == f64::INFINITY || compare(a, b, pose, hint, &[d]).is_le()
+}
+
+/// The distance of the closed bodies against a sum of finite numbers that are not negative, exactly.
+pub(crate) fn compare(
+    a: &ConvexPolyhedron,
+    b: &ConvexPolyhedron,
+    pose: &RelativePose,
+    hint: (u32, u32),
+    sum: &[f64],
+) -> Ordering {
+    let e = lowest_bit(sum.iter().copied());
     let pair = Pair::new(a, b, pose);
-    let Some(at) = pair.nearest(hint) else { return true };
-    if is_zero(&at.direction) || d == f64::INFINITY {
-        return true;
-    }
-    let Some(e) = lowest_bit([d]) else { return false };
+    let nearest = pair.nearest(hint).filter(|at| !is_zero(&at.direction));
+    let (at, e) = match (nearest, e) {
+        (Some(at), Some(e)) => (at, e),
+        (Some(_), None) => return Ordering::Greater,
+        (None, Some(_)) => return Ordering::Less,
+        (None, None) => return Ordering::Equal,
+    };
     // Compares s^2 = num / (den D^2) 4^exponent with d^2 = m^2 4^e.
     let (num, den) = at.squared();
-    let m = integer(d, e);
+    let m = sum.iter().map(|&x| integer(x, e)).sum::<IBig>();
     let (mut left, mut right) = (num, den * &pair.denominator * &pair.denominator * &m * &m);
     let shift = 2 * (i64::from(pair.exponent) - i64::from(e));
     if shift >= 0 {
@@ -339,5 +354,5 @@ pub(crate) fn within(
     } else {
         right <<= (-shift) as usize;
     }
-    left <= right
+    left.cmp(&right)
 }

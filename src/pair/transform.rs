@@ -48,18 +48,24 @@ impl Transform<DoubleDouble> {
     /// Returns the transform from the unrounded poses. `None` if the translation is out of range
     /// for the products below.
     pub(crate) fn new(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &RelativePose) -> Option<Self> {
+        Self::between((&a.origin, a.exponent), (&b.origin, b.exponent), pose)
+    }
+
+    /// Returns the transform between two stored frames, each given by its origin and by the
+    /// exponent of its unit, a power of two. `None` as for [`new`](Self::new).
+    pub(crate) fn between(a: (&Vector3<f64>, i32), b: (&Vector3<f64>, i32), pose: &RelativePose) -> Option<Self> {
         // The bodies' own offsets are at most 1e116 and cannot leave the range alone.
-        if pose.translation().amax() > FAR * power_of_two(a.exponent) {
+        if pose.translation().amax() > FAR * power_of_two(a.1) {
             return None;
         }
         let (ra, rb) = (rotation(&pose.a.q()), rotation(&pose.b.q()));
-        let at_b = apply(&rb, &b.origin.map(DoubleDouble::from).into());
+        let at_b = apply(&rb, &b.0.map(DoubleDouble::from).into());
         let offset = core::array::from_fn(|k| at_b[k] + DoubleDouble::sum(pose.b.t()[k], -pose.a.t()[k]));
         let ra = transposed(&ra);
-        let unit = DoubleDouble::from(power_of_two(-a.exponent));
+        let unit = DoubleDouble::from(power_of_two(-a.1));
         let in_a = apply(&ra, &offset);
-        let translation = core::array::from_fn(|k| (in_a[k] - DoubleDouble::from(a.origin[k])) * unit);
-        let scale = DoubleDouble::from(power_of_two(b.exponent - a.exponent));
+        let translation = core::array::from_fn(|k| (in_a[k] - DoubleDouble::from(a.0[k])) * unit);
+        let scale = DoubleDouble::from(power_of_two(b.1 - a.1));
         let columns: [[DoubleDouble; 3]; 3] =
             core::array::from_fn(|c| apply(&ra, &core::array::from_fn(|r| rb[r][c] * scale)));
         Some(Self {

@@ -1,0 +1,112 @@
+//! Circular cones.
+
+use nalgebra::Vector3;
+
+use super::cylinder::{circle_bent, of_circle, on_circle};
+use super::support::{Disc, Support};
+use crate::num::scalar::{Scalar, Vec3, root, sqrt};
+use crate::polyhedron::{EdgeId, FaceId, Feature, VertexId};
+use crate::tolerance::UNIT;
+
+/// A circular cone along z, its apex up, the origin half-way between apex and base.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cone {
+    pub(super) radius: f64,
+    pub(super) half_height: f64,
+}
+
+/// The branch of the apex; the rim of the base is the other one.
+const APEX: u32 = 0;
+
+impl Cone {
+    /// The radius of the base.
+    #[must_use]
+    pub fn radius(&self) -> f64 {
+        self.radius
+    }
+
+    /// Half the distance between apex and base.
+    #[must_use]
+    pub fn half_height(&self) -> f64 {
+        self.half_height
+    }
+
+    pub(crate) fn scaled(&self, by: f64) -> Self {
+        Self {
+            radius: self.radius * by,
+            half_height: self.half_height * by,
+        }
+    }
+}
+
+/// Its side is a generator between the apex (branch 0) and a point of the rim (branch 1).
+impl Support for Cone {
+    fn reach(&self) -> f64 {
+        sqrt(self.radius * self.radius + self.half_height * self.half_height) * (1.0 + 4.0 * UNIT)
+    }
+
+    #[inline(always)]
+    fn support<T: Scalar>(&self, n: &Vec3<T>, _: u32) -> (u32, Vec3<T>) {
+        let (r, h) = (T::from(self.radius), T::from(self.half_height));
+        let rim = r * root(n[0] * n[0] + n[1] * n[1]) - h * n[2];
+        let branch = if h * n[2] >= rim { APEX } else { 1 };
+        (branch, self.of_branch(branch, n))
+    }
+
+    #[inline(always)]
+    fn of_branch<T: Scalar>(&self, branch: u32, n: &Vec3<T>) -> Vec3<T> {
+        if branch == APEX {
+            return [T::from(0.0), T::from(0.0), T::from(self.half_height)];
+        }
+        of_circle(self.radius, -self.half_height, n)
+    }
+
+    #[inline(always)]
+    fn bent<T: Scalar>(&self, branch: u32, _: &Vec3<T>, n: &Vec3<T>, d: &Vec3<T>) -> Vec3<T> {
+        if branch == APEX {
+            return [T::from(0.0); 3];
+        }
+        circle_bent(self.radius, n, d)
+    }
+
+    #[inline(always)]
+    fn onto<T: Scalar>(&self, branch: u32, place: &Vec3<T>) -> Vec3<T> {
+        if branch == APEX {
+            return self.of_branch(branch, place);
+        }
+        of_circle(self.radius, -self.half_height, place)
+    }
+
+    /// Over the base or behind the side, whichever faces along `n` more: as large as the other leaves room for.
+    fn inner_ball(&self, p: &Vector3<f64>, n: &Vector3<f64>) -> (Vector3<f64>, f64) {
+        let (r, h, height) = (self.radius, self.half_height, 2.0 * self.half_height);
+        let slant = sqrt(r * r + height * height);
+        let off = |p: &Vector3<f64>| sqrt(p.x * p.x + p.y * p.y);
+        let to_side = |p: &Vector3<f64>| ((h - p.z) * r - off(p) * height) / slant;
+        let room = if n.z < 0.0 {
+            to_side(p) * slant / (slant + r)
+        } else {
+            (off(p) * slant / height).min((p.z + h) * slant / (slant + r))
+        };
+        let centre = p - n * room.max(0.0);
+        (centre, to_side(&centre).min(centre.z + h).max(0.0))
+    }
+
+    fn disc(&self, n: &Vector3<f64>) -> Option<Disc> {
+        (n.z < 0.0).then_some(Disc {
+            z: -self.half_height,
+            side: -1.0,
+            radius: self.radius,
+        })
+    }
+
+    /// The base is face 0, the side face 1; the apex is vertex 0 and the rim edge 0.
+    fn feature(&self, branches: &[u32], p: &Vector3<f64>) -> Feature {
+        match branches {
+            [first, rest @ ..] if rest.iter().any(|b| b != first) => Feature::Face(FaceId(1)),
+            [APEX, ..] => Feature::Vertex(VertexId(0)),
+            _ if !on_circle(self.radius, p) => Feature::Face(FaceId(0)),
+            _ => Feature::Edge(EdgeId(0)),
+        }
+    }
+}

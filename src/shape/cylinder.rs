@@ -1,0 +1,132 @@
+//! Circular cylinders.
+
+use nalgebra::Vector3;
+
+use super::support::{Disc, Support};
+use crate::num::scalar::{Scalar, Vec3, root, sqrt};
+use crate::polyhedron::{EdgeId, FaceId, Feature};
+use crate::tolerance::{PIVOT, UNIT};
+
+/// A circular cylinder along z about the origin.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cylinder {
+    pub(super) radius: f64,
+    pub(super) half_height: f64,
+}
+
+impl Cylinder {
+    /// The radius of the discs.
+    #[must_use]
+    pub fn radius(&self) -> f64 {
+        self.radius
+    }
+
+    /// Half the distance between the discs.
+    #[must_use]
+    pub fn half_height(&self) -> f64 {
+        self.half_height
+    }
+
+    pub(crate) fn scaled(&self, by: f64) -> Self {
+        Self {
+            radius: self.radius * by,
+            half_height: self.half_height * by,
+        }
+    }
+}
+
+/// Whether a point of a disc about the z axis lies on its rim, up to rounding.
+pub(super) fn on_circle(radius: f64, p: &Vector3<f64>) -> bool {
+    p.x * p.x + p.y * p.y >= radius * radius * (1.0 - PIVOT)
+}
+
+/// The point of a horizontal circle about the z axis along `n`; on the x axis if `n` is vertical.
+#[inline(always)]
+pub(super) fn of_circle<T: Scalar>(radius: f64, z: f64, n: &Vec3<T>) -> Vec3<T> {
+    let length = root(n[0] * n[0] + n[1] * n[1]);
+    if !(length > T::from(0.0)) {
+        return [T::from(radius), T::from(0.0), T::from(z)];
+    }
+    let s = T::from(radius) / length;
+    [n[0] * s, n[1] * s, T::from(z)]
+}
+
+/// `r / |n_xy| tau (tau . d)` with `tau` the tangent of the circle.
+#[inline(always)]
+pub(super) fn circle_bent<T: Scalar>(radius: f64, n: &Vec3<T>, d: &Vec3<T>) -> Vec3<T> {
+    let (zero, squared) = (T::from(0.0), n[0] * n[0] + n[1] * n[1]);
+    if !(squared > zero) {
+        return [zero; 3];
+    }
+    let along = T::from(radius) * (n[0] * d[1] - n[1] * d[0]) / (squared * root(squared));
+    [-n[1] * along, n[0] * along, zero]
+}
+
+/// A rim has two branches: the upper one (0) and the lower one (1). Its side is a generator between points of both.
+impl Support for Cylinder {
+    fn reach(&self) -> f64 {
+        sqrt(self.radius * self.radius + self.half_height * self.half_height) * (1.0 + 4.0 * UNIT)
+    }
+
+    #[inline(always)]
+    fn support<T: Scalar>(&self, n: &Vec3<T>, _: u32) -> (u32, Vec3<T>) {
+        let branch = u32::from(n[2] < T::from(0.0));
+        (branch, self.of_branch(branch, n))
+    }
+
+    #[inline(always)]
+    fn of_branch<T: Scalar>(&self, branch: u32, n: &Vec3<T>) -> Vec3<T> {
+        let z = if branch == 0 {
+            self.half_height
+        } else {
+            -self.half_height
+        };
+        of_circle(self.radius, z, n)
+    }
+
+    #[inline(always)]
+    fn bent<T: Scalar>(&self, _: u32, _: &Vec3<T>, n: &Vec3<T>, d: &Vec3<T>) -> Vec3<T> {
+        circle_bent(self.radius, n, d)
+    }
+
+    #[inline(always)]
+    fn onto<T: Scalar>(&self, branch: u32, place: &Vec3<T>) -> Vec3<T> {
+        let z = if branch == 0 {
+            self.half_height
+        } else {
+            -self.half_height
+        };
+        of_circle(self.radius, z, place)
+    }
+
+    /// Under a cap or behind the side, whichever faces along `n` more.
+    fn inner_ball(&self, p: &Vector3<f64>, n: &Vector3<f64>) -> (Vector3<f64>, f64) {
+        let (r, h) = (self.radius, self.half_height);
+        let off = |p: &Vector3<f64>| sqrt(p.x * p.x + p.y * p.y);
+        let room = if n.z * n.z > 0.5 {
+            h.min(r - off(p))
+        } else {
+            r.min(h - p.z.abs())
+        };
+        let centre = p - n * room.max(0.0);
+        (centre, (h - centre.z.abs()).min(r - off(&centre)).max(0.0))
+    }
+
+    fn disc(&self, n: &Vector3<f64>) -> Option<Disc> {
+        let side = if n.z < 0.0 { -1.0 } else { 1.0 };
+        Some(Disc {
+            z: side * self.half_height,
+            side,
+            radius: self.radius,
+        })
+    }
+
+    /// Caps are faces 0 (upper) and 1, the side is face 2; the rims are edges 0 (upper) and 1.
+    fn feature(&self, branches: &[u32], p: &Vector3<f64>) -> Feature {
+        match branches {
+            [first, rest @ ..] if rest.iter().any(|b| b != first) => Feature::Face(FaceId(2)),
+            [first, ..] if !on_circle(self.radius, p) => Feature::Face(FaceId(*first)),
+            _ => Feature::Edge(EdgeId(branches.first().copied().unwrap_or(0))),
+        }
+    }
+}

@@ -1,0 +1,93 @@
+//! Where a shape is: ball, box at a pose, points inside.
+
+use nalgebra::{Isometry3, Point3, Vector3};
+
+use super::{Core, Shape, Support};
+use crate::num::scalar::{dot, sqrt};
+use crate::polyhedron::BoxHint;
+use crate::pose::rotation_matrix;
+use crate::tolerance::{BOX, UNIT};
+
+impl Shape {
+    /// A ball that holds the shape: centre and radius, rounded up.
+    #[must_use]
+    pub fn bounding_ball(&self) -> (Point3<f64>, f64) {
+        let (centre, radius) = match &self.core {
+            Core::Polyhedron(body) => body.bounding_ball(),
+            Core::Ellipsoid(core) => (Point3::origin(), core.reach()),
+            Core::Cylinder(core) => (Point3::origin(), core.reach()),
+            Core::Cone(core) => (Point3::origin(), core.reach()),
+            Core::Superquadric(core) => (Point3::origin(), core.reach()),
+        };
+        (centre, (radius + self.round) * (1.0 + 2.0 * UNIT))
+    }
+
+    /// Upper bound of `direction . x` over the shape, at most `1e-14` times its size and the length of the direction too
+    /// large. `direction` is of any length, in the shape's frame; zero for one that is zero or not finite.
+    #[doc(alias = "support")]
+    #[must_use]
+    pub fn support_height(&self, direction: &Vector3<f64>) -> f64 {
+        let size = direction.amax();
+        if !(size > 0.0 && size.is_finite()) {
+            return 0.0;
+        }
+        let length = size * sqrt((direction / size).norm_squared());
+        let n = direction / length;
+        let of = |height: f64, reach: f64, noise: f64| height + (BOX + noise * UNIT) * reach;
+        let height = match &self.core {
+            Core::Polyhedron(body) => {
+                let v = body.vertex(body.extreme_vertex(&n)).unwrap_or_else(Point3::origin);
+                of(n.dot(&v.coords), body.radius * body.unit() + v.coords.abs().sum(), 0.0)
+            }
+            Core::Ellipsoid(core) => of(height(core, &n), core.reach(), 0.0),
+            Core::Cylinder(core) => of(height(core, &n), core.reach(), 0.0),
+            Core::Cone(core) => of(height(core, &n), core.reach(), 0.0),
+            Core::Superquadric(core) => of(height(core, &n), core.reach(), core.noise()),
+        };
+        (height + self.round * (1.0 + BOX)) * length
+    }
+
+    /// The axis-aligned box of the shape at a pose, rounded outward: least and greatest corner, in the frame that the
+    /// pose leads to. `hint` remembers the extreme vertices of a polyhedron from one frame to the next.
+    ///
+    /// A pose that is not finite gives a box that is not.
+    #[doc(alias = "compute_aabb")]
+    #[must_use]
+    pub fn aabb_at(&self, pose: &Isometry3<f64>, hint: &mut BoxHint) -> (Point3<f64>, Point3<f64>) {
+        let (low, high) = match &self.core {
+            Core::Polyhedron(body) => body.aabb_at(pose, hint),
+            Core::Ellipsoid(core) => box_at(core, pose),
+            Core::Cylinder(core) => box_at(core, pose),
+            Core::Cone(core) => box_at(core, pose),
+            Core::Superquadric(core) => box_at(core, pose),
+        };
+        if self.round == 0.0 {
+            return (low, high);
+        }
+        let out = |x: f64, by: f64| x + by + (x.abs() + by.abs()) * UNIT * by.signum();
+        (low.map(|x| out(x, -self.round)), high.map(|x| out(x, self.round)))
+    }
+}
+
+/// The greatest `n . x`, up to rounding.
+fn height<C: Support>(core: &C, n: &Vector3<f64>) -> f64 {
+    let n = [n.x, n.y, n.z];
+    dot(&n, &core.support(&n, 0).1)
+}
+
+/// Six support points, rounded outward.
+fn box_at<C: Support>(core: &C, pose: &Isometry3<f64>) -> (Point3<f64>, Point3<f64>) {
+    let q = pose.rotation.coords;
+    let matrix = rotation_matrix(&[q.x, q.y, q.z, q.w], 2.0 / q.norm_squared());
+    let t = pose.translation.vector;
+    let (mut low, mut high) = (t, t);
+    for k in 0..3 {
+        let row = [matrix[(k, 0)], matrix[(k, 1)], matrix[(k, 2)]];
+        let norm = sqrt(dot(&row, &row));
+        let up = Vector3::from(row.map(|x| x / norm));
+        let margin = (BOX + core.noise() * UNIT) * (core.reach() + t[k].abs());
+        high[k] += height(core, &up) + margin;
+        low[k] -= height(core, &-up) + margin;
+    }
+    (Point3::from(low), Point3::from(high))
+}

@@ -1,0 +1,57 @@
+//! Powers in the arithmetic of a solver.
+
+use crate::num::scalar::Scalar;
+
+/// Terms of the series of the exponential, of an argument below 2^-9: the rest is below 2^-110.
+const TERMS: u32 = 10;
+
+/// Halvings of the argument.
+const HALVINGS: i32 = 8;
+
+/// `ln 2` in two parts.
+const LN2: [f64; 2] = [core::f64::consts::LN_2, crate::tolerance::LN2_REST];
+
+/// `x^p` of an `x` that is not negative; zero for zero and a positive `p`.
+pub(super) fn power<T: Scalar>(x: T, p: T) -> T {
+    let rough = libm::pow(x.value(), p.value());
+    if T::UNIT == f64::UNIT || !(rough > 0.0 && rough.is_finite() && x.value() > 0.0) {
+        return T::from(rough);
+    }
+    // One step of Newton's method for the logarithm, squared by that for the power.
+    let l = T::from(libm::log(x.value()));
+    let l = l + (x * exponential(-l) - T::from(1.0));
+    exponential(p * l)
+}
+
+/// `e^x`.
+fn exponential<T: Scalar>(x: T) -> T {
+    let k = libm::round(x.value() / LN2[0]);
+    let r = x - T::from(k) * T::from(LN2[0]) - T::from(k * LN2[1]);
+    let small = r * T::from(1.0 / f64::from(1 << HALVINGS));
+    let (mut sum, one) = (T::from(1.0), T::from(1.0));
+    for n in (1..=TERMS).rev() {
+        sum = one + sum * small / T::from(f64::from(n));
+    }
+    for _ in 0..HALVINGS {
+        sum = sum * sum;
+    }
+    sum * T::from(libm::exp2(k))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::num::double_double::DoubleDouble;
+
+    #[test]
+    fn powers_keep_the_digits_of_their_arithmetic() {
+        let of = DoubleDouble::from;
+        for (x, n) in [(1.25, 3), (0.3, 5), (7.0, 2), (0.01, 7)] {
+            let product = (0..n).fold(of(1.0), |y, _| y * of(x));
+            let error = (power(of(x), of(f64::from(n))) / product - of(1.0)).value();
+            assert!(error.abs() < 1e-28, "{x} {n} {error}");
+        }
+        let root = power(of(2.0), of(0.5));
+        assert!((root * root - of(2.0)).value().abs() < 1e-28);
+    }
+}

@@ -1,0 +1,111 @@
+//! The state that a caller keeps per pair of shapes.
+
+mod contains;
+mod round;
+
+use crate::pair::outcome::{Distance, Outcome};
+use crate::pose::RelativePose;
+use crate::shape::{Core, Shape};
+use crate::smooth;
+use crate::tracker::{Totals, Tracker};
+
+/// Closest features of the last answer of one pair of shapes, from which the next query starts.
+///
+/// The counterpart of [`Tracker`] for every kind of [`Shape`]. Owns no shape. A tracker that comes from another pair, or
+/// is out of date, costs time and never an answer.
+///
+/// ```
+/// use lin_canny::nalgebra::{Isometry3, Vector3};
+/// use lin_canny::{RelativePose, Shape, ShapeTracker};
+///
+/// let (ball, die) = (Shape::ball(0.5)?, Shape::cuboid(Vector3::new(1.0, 1.0, 1.0))?.rounded(0.25)?);
+/// let mut pair = ShapeTracker::new();
+/// let c = pair.closest(&ball, &die, &RelativePose::from_isometry(&Isometry3::translation(3.0, 0.0, 0.0))?);
+/// assert!(c.lower <= 1.25 && 1.25 <= c.upper);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct ShapeTracker {
+    polyhedral: Tracker,
+    curved: smooth::Memory,
+    totals: Totals,
+}
+
+impl ShapeTracker {
+    /// Returns a tracker without a start.
+    #[must_use]
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Returns the closest points of two shapes, their signed distance and its bounds.
+    ///
+    /// Witnesses lie on the rounded surfaces; features are those of the cores.
+    pub fn closest(&mut self, a: &Shape, b: &Shape, a_from_b: &RelativePose) -> Outcome {
+        match (a.core(), b.core()) {
+            (Core::Polyhedron(x), Core::Polyhedron(y)) => {
+                let mut outcome = self.polyhedral.closest(x, y, a_from_b);
+                let radii = [a.round(), b.round()];
+                if radii != [0.0; 2] {
+                    round::grow((x, y), a_from_b, radii, &mut outcome);
+                }
+                outcome
+            }
+            (x, y) => {
+                let mut outcome = smooth::closest(x, y, a_from_b, &mut self.curved);
+                self.count(&outcome);
+                let radii = [a.round(), b.round()];
+                if radii != [0.0; 2] {
+                    round::shift(a_from_b, radii, &mut outcome);
+                }
+                outcome
+            }
+        }
+    }
+
+    /// Returns the signed distance and its bounds without the witnesses.
+    pub fn distance(&mut self, a: &Shape, b: &Shape, a_from_b: &RelativePose) -> Distance {
+        Distance::from(&self.closest(a, b, a_from_b))
+    }
+
+    /// Returns whether the closed shapes share a point: touching is intersecting.
+    ///
+    /// Exact for rounded polyhedra with the feature `exact`, see [`within`](Self::within).
+    pub fn intersects(&mut self, a: &Shape, b: &Shape, a_from_b: &RelativePose) -> bool {
+        self.within(a, b, a_from_b, 0.0)
+    }
+
+    /// Returns whether the closed shapes are at most `d` apart, `d` in the caller's unit; false if `d` is negative or NaN.
+    ///
+    /// For polyhedra, rounded or not, the answer is that of exact arithmetic on the poses, the radii and the `d` given
+    /// (with the feature `exact`). For other shapes, a distance that the bounds cannot tell from `d` counts as within.
+    pub fn within(&mut self, a: &Shape, b: &Shape, a_from_b: &RelativePose, d: f64) -> bool {
+        match (a.core(), b.core()) {
+            (Core::Polyhedron(x), Core::Polyhedron(y)) => {
+                self.polyhedral.within_reach(x, y, a_from_b, [d, a.round(), b.round()])
+            }
+            _ => d >= 0.0 && self.closest(a, b, a_from_b).lower <= d,
+        }
+    }
+
+    /// Returns what has been done so far.
+    #[must_use]
+    pub fn totals(&self) -> Totals {
+        let mut totals = self.totals;
+        totals += self.polyhedral.totals();
+        totals
+    }
+
+    fn count(&mut self, outcome: &Outcome) {
+        self.totals.queries += 1;
+        self.totals.steps += u64::from(outcome.work.steps);
+        self.totals.depths += u64::from(outcome.work.depths);
+        self.totals.answered[outcome.solver as usize] += 1;
+    }
+
+    /// Forgets features and counters.
+    pub fn reset(&mut self) {
+        *self = Self::default();
+    }
+}

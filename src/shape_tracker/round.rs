@@ -1,0 +1,70 @@
+//! From the answer of two cores to that of the rounded shapes.
+//!
+//! `s = s_core - rA - rB` on both sides of contact, and the witnesses move along the normal.
+
+use crate::num::double_double::two_sum;
+use crate::pair::outcome::{Class, Outcome};
+use crate::polyhedron::ConvexPolyhedron;
+use crate::pose::RelativePose;
+
+/// Moves distance, bounds and witnesses of cores out by both radii; whether the bounds leave the class open.
+#[inline]
+pub(super) fn shift(pose: &RelativePose, radii: [f64; 2], outcome: &mut Outcome) -> bool {
+    let (high, low) = two_sum(radii[0], radii[1]);
+    let less = |s: f64| (s - high) - low;
+    outcome.distance = less(outcome.distance);
+    // Both differences round to nearest: by two units in the last place together.
+    outcome.lower = less(outcome.lower).next_down().next_down();
+    outcome.upper = less(outcome.upper).next_up().next_up();
+    let n = *outcome.normal;
+    outcome.point_on_a += n * radii[0];
+    outcome.point_on_b -= pose.rotation().tr_mul(&n) * radii[1];
+    outcome.class = match outcome.class {
+        _ if outcome.lower > 0.0 => Class::Separated,
+        _ if outcome.upper < 0.0 => Class::Overlapping,
+        Class::Undecided => Class::Undecided,
+        _ => Class::Touching,
+    };
+    outcome.lower <= 0.0 && 0.0 <= outcome.upper
+}
+
+/// [`shift`], and the class of rounded polyhedra by exact arithmetic if the bounds leave it open.
+#[inline]
+pub(super) fn grow(
+    cores: (&ConvexPolyhedron, &ConvexPolyhedron),
+    pose: &RelativePose,
+    radii: [f64; 2],
+    outcome: &mut Outcome,
+) {
+    if shift(pose, radii, outcome) {
+        settle(cores, pose, radii, outcome);
+    }
+}
+
+#[cfg(feature = "exact")]
+#[cold]
+fn settle((a, b): (&ConvexPolyhedron, &ConvexPolyhedron), pose: &RelativePose, radii: [f64; 2], outcome: &mut Outcome) {
+    use crate::pair::outcome::Solver;
+    use core::cmp::Ordering;
+    let hint = outcome.features.vertices_of(a, b);
+    outcome.work.exacts += 1;
+    outcome.solver = Solver::Exact;
+    match crate::exact::compare(a, b, pose, hint, &radii) {
+        Ordering::Greater => {
+            outcome.class = Class::Separated;
+            outcome.lower = outcome.lower.max(0.0);
+        }
+        Ordering::Equal => {
+            outcome.class = Class::Touching;
+            (outcome.lower, outcome.upper) = (0.0, 0.0);
+        }
+        Ordering::Less => {
+            outcome.class = Class::Overlapping;
+            outcome.upper = outcome.upper.min(0.0);
+        }
+    }
+    outcome.distance = outcome.distance.clamp(outcome.lower, outcome.upper);
+}
+
+#[cfg(not(feature = "exact"))]
+fn settle(_: (&ConvexPolyhedron, &ConvexPolyhedron), _: &RelativePose, _: [f64; 2], _: &mut Outcome) {}

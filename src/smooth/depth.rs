@@ -1,0 +1,63 @@
+//! Overlaps: how deep.
+//!
+//! From the best direction known, the main solver goes on to the nearest least depth. Balls inside both cores which touch
+//! the surfaces at the deepest points prove it the least of all as long as they are larger than the depth:
+//! if A holds a ball of radius `rA` about `cA` and B one of radius `rB` about `cB`, the depth is at least
+//! `rA + rB - |cB - cA|`. Where they do not, a surface around the origin gives an interval.
+
+use super::bent::Run;
+use super::best::{Best, Set};
+use super::frozen::Around;
+use super::posed::Posed;
+use super::surface;
+use crate::shape::Support;
+
+/// What is proven of an overlap, or of cores that seem to overlap.
+pub(super) struct Deep {
+    pub(super) best: Best<f64>,
+    /// Whether four points of the difference were proven to hold the origin.
+    pub(super) inside: bool,
+    /// Whether a surface was grown.
+    pub(super) grown: bool,
+}
+
+/// Looks for the depth from a direction and the branches there; by a surface only from `corners` that hold the origin.
+pub(super) fn deepen<A: Support, B: Support>(
+    posed: &Posed<A, B, f64>,
+    known: &Best<f64>,
+    corners: Option<Around<f64>>,
+) -> Deep {
+    let mut best = Best {
+        upper: f64::INFINITY,
+        ..*known
+    };
+    local(posed, known.n, &known.set, &mut best);
+    let mut deep = Deep {
+        best,
+        inside: corners.is_some_and(|c| c.points().len() == 4),
+        grown: false,
+    };
+    let Some(corners) = corners.filter(|_| !best.closes(posed)) else {
+        return deep;
+    };
+    deep.grown = true;
+    let best = &mut deep.best;
+    let Some(found) = surface::deepen(posed, corners.points(), best) else {
+        return deep;
+    };
+    deep.inside = true;
+    let mut set = Set::default();
+    found.of.into_iter().for_each(|of| set.add(of));
+    local(posed, found.n, &set, best);
+    if best.upper > -found.least {
+        best.upper = -found.least;
+        (best.on_a, best.on_b, best.set) = (found.on_a, found.on_b, set);
+    }
+    deep
+}
+
+/// The main solver from one direction.
+fn local<A: Support, B: Support>(posed: &Posed<A, B, f64>, n: [f64; 3], set: &Set, best: &mut Best<f64>) {
+    let deep = true;
+    Run { posed, best, deep }.run(n, set);
+}

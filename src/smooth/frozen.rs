@@ -1,0 +1,147 @@
+//! The solver behind the main one: GJK on the support points as they were found, whatever their curvature.
+//!
+//! Gilbert, Johnson and Keerthi 1988. It converges slowly on curved cores, but from anywhere; every few steps the main solver tries to
+//! finish from its simplex. It is also what proves an overlap: four points of the difference around the origin.
+
+use super::bent::{End, Run};
+use super::best::{Best, Set};
+use super::posed::{Piece, Posed, unit};
+use crate::minimum::simplex::Simplex;
+use crate::num::scalar::{Scalar, Vec3, neg};
+use crate::pair::difference::MinkowskiPoint;
+use crate::pair::transform::ErrorScale;
+use crate::shape::Support;
+
+/// Support points one solve may take.
+const POINTS: usize = 96;
+
+/// Steps between two attempts to finish.
+const ATTEMPT: usize = 4;
+
+/// Steps of a first approach.
+const APPROACH: usize = 6;
+
+/// How far a solve is to go.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Goal {
+    /// Until the direction is right to some 60 degrees: a start for the main solver.
+    Approach,
+    /// Until the bounds agree.
+    Close,
+}
+
+/// Points of the difference between which the origin lies.
+#[derive(Clone, Copy)]
+pub(super) struct Around<T> {
+    points: [Piece<T>; 6],
+    len: usize,
+}
+
+impl<T: Scalar> Around<T> {
+    /// Four of them, proven; or six, up and down three axes, which have still to prove it.
+    pub(super) fn points(&self) -> &[Piece<T>] {
+        &self.points[..self.len]
+    }
+
+    pub(super) fn map<U: Scalar>(&self, of: impl Fn(Piece<T>) -> Piece<U>) -> Around<U> {
+        Around {
+            points: self.points.map(of),
+            len: self.len,
+        }
+    }
+
+    /// The support points up and down the axes of a direction.
+    fn six<A: Support, B: Support>(posed: &Posed<A, B, T>, n: Vec3<T>) -> Self {
+        let toward = posed.toward(n);
+        let [d, e] = toward.tangents;
+        let at = |n: Vec3<T>| posed.support(&posed.toward(n), [0; 2]);
+        Self {
+            points: [n, neg(&n), d, neg(&d), e, neg(&e)].map(at),
+            len: 6,
+        }
+    }
+}
+
+/// Where a solve ended.
+pub(super) enum Frozen<T> {
+    Closed,
+    Open,
+    /// The difference holds the origin, or seems to.
+    Inside(Around<T>),
+}
+
+/// Solves from a direction. The set of the best answer becomes that of the simplex.
+pub(super) fn solve<A: Support, B: Support, T: Scalar>(
+    posed: &Posed<A, B, T>,
+    n: Vec3<T>,
+    goal: Goal,
+    best: &mut Best<T>,
+) -> Frozen<T> {
+    let reach = ErrorScale {
+        size: posed.size,
+        shared: 0.0,
+    };
+    let toward = posed.toward(n);
+    let first = posed.support(&toward, [0; 2]);
+    best.prove(&toward, &first);
+    best.witness(posed, core::iter::once((first, T::from(1.0))));
+    let mut points = [first; POINTS];
+    let corner = |k: usize, piece: &Piece<T>| MinkowskiPoint {
+        a: k as u32,
+        b: 0,
+        w: neg(&piece.w),
+    };
+    let mut simplex = Simplex::vertex(corner(0, &first));
+    for k in 1..if goal == Goal::Approach { APPROACH } else { POINTS } {
+        let Some(n) = unit(&neg(&simplex.direction())) else {
+            return Frozen::Open;
+        };
+        let toward = posed.toward(n);
+        let piece = posed.support(&toward, points[k - 1].of);
+        let height = best.prove(&toward, &piece);
+        points[k] = piece;
+        let gains = simplex.add(corner(k, &piece), reach);
+        if simplex.len() == 4 {
+            let mut held = [piece; 6];
+            for (held, c) in held.iter_mut().zip(simplex.points()) {
+                *held = points[c.a as usize];
+            }
+            return Frozen::Inside(Around { points: held, len: 4 });
+        }
+        let kept = simplex.points().iter().zip(simplex.weights());
+        best.witness(posed, kept.map(|(c, &weight)| (points[c.a as usize], weight)));
+        if best.closes(posed) {
+            return Frozen::Closed;
+        }
+        let near = goal == Goal::Approach && height + height > simplex.witness_distance();
+        if near || !gains || goal == Goal::Close && k % ATTEMPT == 0 {
+            let mut set = Set::default();
+            simplex.points().iter().for_each(|c| set.add(points[c.a as usize].of));
+            if goal == Goal::Approach {
+                best.set = set;
+                return Frozen::Open;
+            }
+            let n = unit(&neg(&simplex.direction())).unwrap_or(n);
+            if (Run {
+                posed,
+                best,
+                deep: false,
+            })
+            .run(n, &set)
+                == End::Closed
+            {
+                return Frozen::Closed;
+            }
+            if !gains {
+                // Where the origin lies on a triangle of support points, others hold it.
+                let inside = best.lower < T::from(0.0);
+                return if inside {
+                    Frozen::Inside(Around::six(posed, n))
+                } else {
+                    Frozen::Open
+                };
+            }
+        }
+    }
+    Frozen::Open
+}

@@ -1,0 +1,408 @@
+//! One pair of cores: solver after solver until the bounds agree, and the outcome.
+
+use nalgebra::{Unit, Vector3};
+
+use super::any::{Any, Kind};
+use super::bent::{End, Run};
+use super::best::{Best, Set};
+use super::depth;
+use super::frozen::{self, Around, Frozen, Goal};
+use super::origin;
+use super::polyhedral::Hull;
+use super::posed::{Piece, Posed, add, unit};
+use crate::num::double_double::DoubleDouble;
+use crate::num::scalar::{Scalar, Vec3, sqrt, sub};
+use crate::pair::answer::round_outward;
+use crate::pair::outcome::{Class, Outcome, Solver};
+use crate::pair::transform::Transform;
+use crate::polyhedron::{FeaturePair, exponent_of, power_of_two};
+use crate::pose::{Operand, RelativePose};
+use crate::shape::{Core, Support};
+use crate::tolerance::{AGREE_CURVED, CERTIFICATE, SMALL_PAIR, SPECK, UNIT, UNIT_DOUBLE_DOUBLE};
+
+/// A direction that turned by less goes on turning.
+const SLIGHT: f64 = 0.25;
+
+/// Where the last answer of a pair was found.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct Memory {
+    start: Option<(Vec3<f64>, Set)>,
+    /// How the direction turned from the answer before to the last one.
+    turn: Vec3<f64>,
+}
+
+impl Memory {
+    /// A direction and branches to begin with; what comes from a file may be no direction.
+    fn start(&self) -> Option<(Vec3<f64>, Set)> {
+        let (n, set) = self.start?;
+        let is_small = n.iter().all(|x| x.abs() <= 2.0);
+        // As far beyond the last direction as that came in a step.
+        let turned = self.turn.iter().all(|x| x.abs() < SLIGHT);
+        let ahead = if turned { add(&n, &self.turn) } else { n };
+        is_small.then(|| unit(&ahead)).flatten().map(|n| (n, set))
+    }
+
+    /// Remembers an answer.
+    fn keep(&mut self, n: Vec3<f64>, set: Set) {
+        self.turn = self.start.map_or([0.0; 3], |(before, _)| sub(&n, &before));
+        self.start = Some((n, set));
+    }
+}
+
+/// What the poses and sizes of a pair ask for.
+#[derive(Clone, Copy)]
+pub(super) struct Setting<'p> {
+    pose: &'p RelativePose,
+    /// Whether both cores are stored as given, and of an ordinary size.
+    pub(super) plain: bool,
+    /// Where the points of A and of B are stored about.
+    a: Vector3<f64>,
+    b: Vector3<f64>,
+    /// The radii, in the caller's unit.
+    radii: [f64; 2],
+    /// Lengths of the solvers times `2^exponent` are the caller's.
+    exponent: i32,
+    /// How far the stored origins are from the cores' own, in the unit of the solvers.
+    offsets: f64,
+}
+
+fn radius(core: &Core) -> f64 {
+    match core {
+        Core::Polyhedron(body) => body.radius * body.unit(),
+        Core::Ellipsoid(core) => core.reach(),
+        Core::Cylinder(core) => core.reach(),
+        Core::Cone(core) => core.reach(),
+        Core::Superquadric(core) => core.reach(),
+    }
+}
+
+impl<'p> Setting<'p> {
+    pub(super) fn new(a: &Core, b: &Core, pose: &'p RelativePose) -> Self {
+        let given = |core: &Core| !matches!(core, Core::Polyhedron(body) if !body.is_unscaled);
+        let radii = [radius(a), radius(b)];
+        let t = pose.translation_sixteenth().amax();
+        let size = radii[0].max(radii[1]).max(t);
+        let least = radii[0].min(radii[1]);
+        let ordinary = size < 1.0 / SMALL_PAIR && size > SMALL_PAIR && least > SPECK * size;
+        let plain = given(a) && given(b) && ordinary;
+        Self {
+            pose,
+            plain,
+            radii,
+            a: origin(a),
+            b: origin(b),
+            exponent: 0,
+            offsets: 0.0,
+        }
+    }
+
+    fn frame(&self) -> Option<Transform<f64>> {
+        if self.plain {
+            let (matrix, t) = (self.pose.rotation(), self.pose.translation());
+            return Some(Transform {
+                matrix: core::array::from_fn(|r| core::array::from_fn(|c| matrix[(r, c)])),
+                translation: t.into(),
+            });
+        }
+        let fine = self.fine_frame()?;
+        Some(Transform {
+            matrix: fine.matrix.map(|row| row.map(Scalar::value)),
+            translation: fine.translation.map(Scalar::value),
+        })
+    }
+
+    fn fine_frame(&self) -> Option<Transform<DoubleDouble>> {
+        Transform::between((&self.a, self.exponent), (&self.b, self.exponent), self.pose)
+    }
+}
+
+/// Where the layers of one arithmetic ended.
+#[derive(PartialEq)]
+enum Ended {
+    /// The bounds agree.
+    Closed,
+    Open,
+    /// An overlap, proven.
+    Deep,
+}
+
+/// The main solver from the last answer, from a first approach, and from points behind which it finished before. `deep` proves an
+/// overlap: of cores that seem to overlap, or whose difference holds the origin between four points.
+#[inline(always)]
+fn separate<A: Support, B: Support, T: Scalar>(
+    posed: &Posed<A, B, T>,
+    start: Option<(Vec3<T>, Set)>,
+    best: &mut Best<T>,
+    solver: &mut Solver,
+    mut deep: impl FnMut(&Best<T>, Option<Around<T>>) -> bool,
+) -> Ended {
+    if let Some((n, set)) = start {
+        let end = Run {
+            posed,
+            best,
+            deep: false,
+        }
+        .run(n, &set);
+        match end {
+            End::Closed => return Ended::Closed,
+            End::Inside if deep(&ahead(best, &set), None) => return Ended::Deep,
+            _ => *solver = Solver::Restart,
+        }
+    }
+    cold(posed, best, solver, deep)
+}
+
+/// What is known where a run ended that began with a set.
+fn ahead<T: Scalar>(best: &Best<T>, set: &Set) -> Best<T> {
+    Best { set: *set, ..*best }
+}
+
+#[inline(never)]
+fn cold<A: Support, B: Support, T: Scalar>(
+    posed: &Posed<A, B, T>,
+    best: &mut Best<T>,
+    solver: &mut Solver,
+    mut deep: impl FnMut(&Best<T>, Option<Around<T>>) -> bool,
+) -> Ended {
+    let axis = [T::from(1.0), T::from(0.0), T::from(0.0)];
+    let n = unit(&posed.frame.translation).unwrap_or(axis);
+    match frozen::solve(posed, n, Goal::Approach, best) {
+        Frozen::Closed => return Ended::Closed,
+        Frozen::Inside(corners) if deep(best, Some(corners)) => return Ended::Deep,
+        _ => {}
+    }
+    let (n, set) = (toward_witness(posed, best), best.set);
+    let end = Run {
+        posed,
+        best,
+        deep: false,
+    }
+    .run(n, &set);
+    match end {
+        End::Closed => return Ended::Closed,
+        End::Inside if deep(best, None) => return Ended::Deep,
+        _ => *solver = Solver::Fallback,
+    }
+    match frozen::solve(posed, toward_witness(posed, best), Goal::Close, best) {
+        Frozen::Closed => Ended::Closed,
+        Frozen::Inside(corners) if deep(best, Some(corners)) => Ended::Deep,
+        _ => Ended::Open,
+    }
+}
+
+/// The direction between the nearest points known.
+fn toward_witness<A: Support, B: Support, T: Scalar>(posed: &Posed<A, B, T>, best: &Best<T>) -> Vec3<T> {
+    unit(&posed.piece([0; 2], best.on_a, best.on_b).w).unwrap_or(best.n)
+}
+
+/// The outcome of a pair whose kinds are known, in the unit of the solvers.
+pub(super) fn closest_of<A: Kind, B: Kind>(a: &A, b: &B, setting: &Setting, memory: &mut Memory) -> Outcome {
+    let mut outcome = Outcome::starting_at(FeaturePair::vertices(Operand::A, 0, 0));
+    let Some(frame) = setting.frame() else { return outcome };
+    let t = Vector3::from(frame.translation);
+    let size = a.reach() + b.reach() + sqrt(t.norm_squared()) + UNIT_DOUBLE_DOUBLE / UNIT * setting.offsets;
+    let noise = a.noise() + b.noise();
+    let posed = Posed {
+        a,
+        b,
+        frame,
+        size,
+        noise,
+    };
+    let mut best = Best::new();
+    let (mut solver, mut set) = (Solver::Walk, None);
+    let ended = separate(&posed, memory.start(), &mut best, &mut solver, |known, corners| {
+        let proven = deepen(&posed, known, corners, &mut outcome);
+        set = proven.or(set);
+        proven.is_some()
+    });
+    outcome.work.steps += best.evaluations;
+    if outcome.solver == Solver::Walk {
+        outcome.solver = solver;
+    }
+    match ended {
+        Ended::Closed => take(&posed, &best, (CERTIFICATE + noise) * UNIT * size, &mut outcome),
+        Ended::Open => finer(&posed, setting, &best, &mut outcome),
+        Ended::Deep => best.set = set.unwrap_or(best.set),
+    }
+    memory.keep((*outcome.normal).into(), best.set);
+    outcome
+}
+
+/// The depth of cores that seem to overlap; where it was found, if they do or touch.
+#[inline(never)]
+fn deepen<A: Kind, B: Kind>(
+    posed: &Posed<A, B, f64>,
+    known: &Best<f64>,
+    corners: Option<Around<f64>>,
+    outcome: &mut Outcome,
+) -> Option<Set> {
+    let term = (CERTIFICATE + posed.noise) * UNIT * posed.size;
+    outcome.work.depths += 1;
+    let deep = depth::deepen(posed, known, corners);
+    outcome.work.steps += deep.best.evaluations - known.evaluations;
+    take(posed, &deep.best, term, outcome);
+    if deep.grown {
+        outcome.solver = Solver::Surface;
+    }
+    if deep.inside {
+        outcome.class = Class::Overlapping;
+        outcome.upper = outcome.upper.min(0.0);
+        outcome.distance = outcome.distance.min(outcome.upper);
+    }
+    (deep.inside || deep.best.closes(posed)).then_some(deep.best.set)
+}
+
+/// The same layers in double-double.
+#[cold]
+#[inline(never)]
+fn finer<A: Kind, B: Kind>(posed: &Posed<A, B, f64>, setting: &Setting, best: &Best<f64>, outcome: &mut Outcome) {
+    outcome.work.double_doubles += 1;
+    outcome.solver = Solver::DoubleDouble;
+    take(posed, best, (CERTIFICATE + posed.noise) * UNIT * posed.size, outcome);
+    let (a, b) = (posed.a.any(), posed.b.any());
+    let Some(frame) = setting.fine_frame() else { return };
+    let (a, b, size, noise) = (&a, &b, posed.size, posed.noise);
+    let fine = Posed {
+        a,
+        b,
+        frame,
+        size,
+        noise,
+    };
+    let mut found = Best::<DoubleDouble>::new();
+    let mut solver = Solver::DoubleDouble;
+    let start = best.n.map(DoubleDouble::from);
+    let start = unit(&start).map(|n| (n, best.set));
+    let ended = separate(&fine, start, &mut found, &mut solver, |known, corners| {
+        let known = Best {
+            n: known.n.map(Scalar::value),
+            ..Best::new()
+        };
+        let rounded = |p: Piece<DoubleDouble>| posed.piece(p.of, p.on_a.map(Scalar::value), p.on_b.map(Scalar::value));
+        corners.is_some_and(|c| deepen(posed, &known, Some(c.map(rounded)), outcome).is_some())
+    });
+    outcome.work.steps += found.evaluations;
+    outcome.solver = Solver::DoubleDouble;
+    if ended == Ended::Deep {
+        return;
+    }
+    let offsets = if setting.plain { 0.0 } else { setting.offsets };
+    let term = (CERTIFICATE + noise) * UNIT_DOUBLE_DOUBLE * (size + offsets);
+    take(&fine, &found, term, outcome);
+}
+
+/// Takes over what a solver proves.
+#[inline(always)]
+fn take<A: Support, B: Support, T: Scalar>(posed: &Posed<A, B, T>, best: &Best<T>, term: f64, outcome: &mut Outcome) {
+    outcome.lower = round_outward(best.lower, -term);
+    outcome.upper = round_outward(best.upper, term).min(f64::MAX);
+    let estimate = if outcome.lower > 0.0 { best.upper } else { best.lower };
+    outcome.distance = estimate
+        .value()
+        .clamp(outcome.lower.max(-f64::MAX).min(outcome.upper), outcome.upper);
+    outcome.normal = Unit::new_unchecked(best.n.map(Scalar::value).into());
+    outcome.point_on_a = best.on_a.map(Scalar::value).into();
+    outcome.point_on_b = best.on_b.map(Scalar::value).into();
+    outcome.class = if outcome.lower > 0.0 {
+        Class::Separated
+    } else if outcome.upper < 0.0 {
+        Class::Overlapping
+    } else if outcome.upper - outcome.lower <= (AGREE_CURVED + 2.0 * (CERTIFICATE + posed.noise) * UNIT) * posed.size {
+        Class::Touching
+    } else {
+        Class::Undecided
+    };
+    let (mut a, mut b, mut len) = ([0; 3], [0; 3], 0);
+    for of in best.set.branches() {
+        (a[len], b[len]) = (of[0], of[1]);
+        len += 1;
+    }
+    outcome.features = FeaturePair {
+        a: posed.a.feature(&a[..len], &outcome.point_on_a.coords),
+        b: posed.b.feature(&b[..len], &outcome.point_on_b.coords),
+    };
+}
+
+/// A pair of extreme sizes or places: in its own unit, a core too small to matter as a point.
+#[cold]
+pub(super) fn extreme(a: &Core, b: &Core, setting: &Setting, memory: &mut Memory) -> Outcome {
+    let [ra, rb] = setting.radii;
+    let (oa, ob) = (setting.a, setting.b);
+    let t = setting.pose.translation_sixteenth() + setting.pose.rotation() * ob / 16.0 - oa / 16.0;
+    let largest = t.amax();
+    let apart = if largest > 0.0 {
+        largest * (t / largest).norm()
+    } else {
+        0.0
+    };
+    let offsets = oa.abs().sum() + ob.abs().sum();
+    if !(SPECK * apart <= ra + rb) {
+        return far(setting, &t, apart, offsets);
+    }
+    let exponent = exponent_of(ra.max(rb).max(apart));
+    let unit = power_of_two(-exponent);
+    let setting = Setting {
+        plain: false,
+        exponent,
+        offsets: offsets * unit,
+        ..*setting
+    };
+    let size = (ra + rb + apart) * unit;
+    let (speck_a, speck_b) = (ra * unit < SPECK * size, rb * unit < SPECK * size);
+    let a = if speck_a { Any::Point } else { scaled(a, exponent) };
+    let b = if speck_b { Any::Point } else { scaled(b, exponent) };
+    let mut outcome = closest_of(&a, &b, &setting, memory);
+    let lost = |speck: bool, r: f64| if speck { 2.0 * r * unit } else { 0.0 };
+    let (less, back) = (lost(speck_a, ra) + lost(speck_b, rb), power_of_two(exponent));
+    outcome.lower = ((outcome.lower - less) * back).next_down();
+    outcome.upper = ((outcome.upper + less) * back).next_up().min(f64::MAX);
+    outcome.distance = (outcome.distance * back).clamp(outcome.lower, outcome.upper);
+    outcome.point_on_a = (outcome.point_on_a.coords * back + oa).into();
+    outcome.point_on_b = (outcome.point_on_b.coords * back + ob).into();
+    if less > 0.0 {
+        outcome.class = match outcome.class {
+            Class::Separated if outcome.lower > 0.0 => Class::Separated,
+            Class::Overlapping if outcome.upper < 0.0 => Class::Overlapping,
+            Class::Undecided => Class::Undecided,
+            _ => Class::Touching,
+        };
+    }
+    outcome
+}
+
+/// A core in the unit of the solvers.
+fn scaled(core: &Core, exponent: i32) -> Any<'_> {
+    let by = power_of_two(-exponent);
+    match core {
+        Core::Polyhedron(body) => Any::Hull(Hull {
+            body,
+            unit: power_of_two(body.exponent - exponent),
+        }),
+        Core::Ellipsoid(core) => Any::Ellipsoid(core.scaled(by)),
+        Core::Cylinder(core) => Any::Cylinder(core.scaled(by)),
+        Core::Cone(core) => Any::Cone(core.scaled(by)),
+        Core::Superquadric(core) => Any::Superquadric(core.scaled(by)),
+    }
+}
+
+/// Cores so far apart that their sizes are below the rounding of their distance; `t` and `apart` in sixteenths.
+fn far(setting: &Setting, t: &Vector3<f64>, apart: f64, offsets: f64) -> Outcome {
+    let mut outcome = Outcome::starting_at(FeaturePair::vertices(Operand::A, 0, 0));
+    let radii = setting.radii[0] + setting.radii[1];
+    let distance = 16.0 * apart;
+    let slack = CERTIFICATE * UNIT * (distance + radii + offsets) + 2.0 * radii;
+    outcome.lower = distance - slack;
+    outcome.upper = (distance + slack).min(f64::MAX);
+    outcome.distance = distance.clamp(outcome.lower, outcome.upper);
+    outcome.normal = crate::pair::answer::unit(t);
+    outcome.class = if outcome.lower > 0.0 {
+        Class::Separated
+    } else {
+        Class::Undecided
+    };
+    outcome.solver = Solver::Far;
+    (outcome.point_on_a, outcome.point_on_b) = (setting.a.into(), setting.b.into());
+    outcome
+}

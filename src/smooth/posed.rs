@@ -1,0 +1,139 @@
+//! Two cores at a relative pose, in the arithmetic of a solver: the Minkowski difference `B - A`, piece by piece.
+
+use crate::num::scalar::{Scalar, Vec3, dot, neg, root, scaled, sub};
+use crate::pair::transform::Transform;
+use crate::shape::Support;
+
+/// Two cores at a relative pose.
+pub(super) struct Posed<'a, A, B, T> {
+    pub(super) a: &'a A,
+    pub(super) b: &'a B,
+    pub(super) frame: Transform<T>,
+    /// L: both radii and the distance of the origins.
+    pub(super) size: f64,
+    /// What heights err by beyond the common term, in UNIT L.
+    pub(super) noise: f64,
+}
+
+/// A point of each core.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Piece<T> {
+    /// The branches of A and of B.
+    pub(super) of: [u32; 2],
+    /// In the frame of A.
+    pub(super) on_a: Vec3<T>,
+    /// In the frame of B.
+    pub(super) on_b: Vec3<T>,
+    /// From the point of A to that of B, in the frame of A.
+    pub(super) w: Vec3<T>,
+}
+
+/// A unit direction from A to B, with two perpendicular unit tangents, in both frames.
+#[derive(Clone, Copy)]
+pub(super) struct Toward<T> {
+    pub(super) n: Vec3<T>,
+    /// The direction along which B has its support point, in the frame of B.
+    pub(super) m: Vec3<T>,
+    pub(super) tangents: [Vec3<T>; 2],
+}
+
+/// Weights of up to four pieces, and a step within the tangent plane.
+pub(super) type Tangent<T> = [T; 2];
+
+impl<T: Scalar, A: Support, B: Support> Posed<'_, A, B, T> {
+    /// The tangents are those of Duff et al. 2017, "Building an orthonormal basis, revisited".
+    #[inline(always)]
+    pub(super) fn toward(&self, n: Vec3<T>) -> Toward<T> {
+        let one = T::from(1.0);
+        let sign = if n[2] < T::from(0.0) { -one } else { one };
+        let a = -one / (sign + n[2]);
+        let b = n[0] * n[1] * a;
+        let tangents = [
+            [one + sign * n[0] * n[0] * a, sign * b, -sign * n[0]],
+            [b, sign + n[1] * n[1] * a, -n[1]],
+        ];
+        let m = neg(&self.frame.direction(&n));
+        Toward { n, m, tangents }
+    }
+
+    #[inline(always)]
+    pub(super) fn piece(&self, of: [u32; 2], on_a: Vec3<T>, on_b: Vec3<T>) -> Piece<T> {
+        let w = sub(&self.at(&on_b), &on_a);
+        Piece { of, on_a, on_b, w }
+    }
+
+    /// A point of B in the frame of A.
+    #[inline(always)]
+    pub(super) fn at(&self, on_b: &Vec3<T>) -> Vec3<T> {
+        let (turned, t) = (self.frame.vector(on_b), self.frame.translation);
+        [turned[0] + t[0], turned[1] + t[1], turned[2] + t[2]]
+    }
+
+    /// The support points of both cores: `n . w` is the least over the difference.
+    #[inline(always)]
+    pub(super) fn support(&self, toward: &Toward<T>, hint: [u32; 2]) -> Piece<T> {
+        let (a, on_a) = self.a.support(&toward.n, hint[0]);
+        let (b, on_b) = self.b.support(&toward.m, hint[1]);
+        self.piece([a, b], on_a, on_b)
+    }
+
+    /// The points of two branches; those that one of the `known` pieces has already are taken from there.
+    #[inline(always)]
+    pub(super) fn of_branches(&self, of: [u32; 2], toward: &Toward<T>, known: &[Piece<T>]) -> Piece<T> {
+        let on_a = match known.iter().find(|p| p.of[0] == of[0]) {
+            Some(p) => p.on_a,
+            None => self.a.of_branch(of[0], &toward.n),
+        };
+        let on_b = match known.iter().find(|p| p.of[1] == of[1]) {
+            Some(p) => p.on_b,
+            None => self.b.of_branch(of[1], &toward.m),
+        };
+        self.piece(of, on_a, on_b)
+    }
+
+    /// The second derivative of the height of a piece in the tangent plane: entries 00, 01, 11.
+    #[inline(always)]
+    pub(super) fn bend(&self, piece: &Piece<T>, toward: &Toward<T>) -> [T; 3] {
+        let [d, e] = &toward.tangents;
+        let a = |d: &Vec3<T>| self.a.bent(piece.of[0], &piece.on_a, &toward.n, d);
+        let (ad, ae) = (a(d), a(e));
+        let [d_in_b, e_in_b] = [self.frame.direction(d), self.frame.direction(e)];
+        let b = |d: &Vec3<T>| self.b.bent(piece.of[1], &piece.on_b, &toward.m, d);
+        let (bd, be) = (b(&d_in_b), b(&e_in_b));
+        [
+            dot(d, &ad) + dot(&d_in_b, &bd),
+            dot(d, &ae) + dot(&d_in_b, &be),
+            dot(e, &ae) + dot(&e_in_b, &be),
+        ]
+    }
+
+    /// The points of a piece, moved along their surfaces as the direction turns by a step in the tangent plane.
+    pub(super) fn slid(&self, piece: &Piece<T>, toward: &Toward<T>, step: &Tangent<T>) -> Piece<T> {
+        let d = tangent(toward, step);
+        let by = self.a.bent(piece.of[0], &piece.on_a, &toward.n, &d);
+        let on_a = self.a.onto(piece.of[0], &add(&piece.on_a, &by));
+        let d_in_b = neg(&self.frame.direction(&d));
+        let by = self.b.bent(piece.of[1], &piece.on_b, &toward.m, &d_in_b);
+        let on_b = self.b.onto(piece.of[1], &add(&piece.on_b, &by));
+        self.piece(piece.of, on_a, on_b)
+    }
+}
+
+#[inline(always)]
+pub(super) fn add<T: Scalar>(a: &Vec3<T>, b: &Vec3<T>) -> Vec3<T> {
+    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
+}
+
+/// A step of the tangent plane as a vector.
+#[inline(always)]
+pub(super) fn tangent<T: Scalar>(toward: &Toward<T>, step: &Tangent<T>) -> Vec3<T> {
+    let [d, e] = &toward.tangents;
+    add(&scaled(d, step[0]), &scaled(e, step[1]))
+}
+
+/// The unit vector along `v`, if it has a direction.
+#[inline(always)]
+pub(super) fn unit<T: Scalar>(v: &Vec3<T>) -> Option<Vec3<T>> {
+    let length = root(dot(v, v));
+    (length.value() > 0.0 && length.value().is_finite()).then(|| scaled(v, T::from(1.0) / length))
+}

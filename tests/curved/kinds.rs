@@ -1,0 +1,142 @@
+//! Shapes as the judge knows them: parameters, support heights and how far a point is outside.
+
+use super::wide::{Triple, Wide, dot, wide};
+use lab::rng::Rng;
+use lin_canny::Shape;
+use lin_canny::nalgebra::{Point3, Vector3};
+
+/// The parameters of a core, and its rounding.
+#[derive(Clone, Debug)]
+pub(crate) enum Kind {
+    Hull(Vec<[f64; 3]>),
+    Ellipsoid([f64; 3]),
+    Cylinder(f64, f64),
+    Cone(f64, f64),
+    Superquadric([f64; 3], [f64; 2]),
+}
+
+impl Kind {
+    /// One of a name, of a size about one and of an aspect up to `aspect`.
+    pub(crate) fn random(name: &str, rng: &mut Rng, aspect: f64) -> Self {
+        let mut size = || rng.log_range(1.0 / aspect, 1.0);
+        match name {
+            "segment" => Self::Hull(vec![[0.0, 0.0, -size()], [0.0, 0.0, 1.0]]),
+            "box" => {
+                let half = [size(), size(), 1.0];
+                let corner = |k: usize| [0, 1, 2].map(|a| if k >> a & 1 == 1 { half[a] } else { -half[a] });
+                Self::Hull((0..8).map(corner).collect())
+            }
+            "hull" => {
+                let scale = [size(), size(), 1.0];
+                let n = *rng.pick(&[8, 20, 100]);
+                let point = |rng: &mut Rng| {
+                    let u = rng.unit();
+                    [0, 1, 2].map(|k| u[k] * scale[k])
+                };
+                Self::Hull((0..n).map(|_| point(rng)).collect())
+            }
+            "superquadric" => {
+                let axes = [size(), 1.0, size()];
+                Self::Superquadric(axes, [rng.range(0.2, 1.8), rng.range(0.2, 1.8)])
+            }
+            "ellipsoid" => Self::Ellipsoid([size(), 1.0, size()]),
+            "cylinder" => {
+                let (r, h) = (size(), size());
+                Self::Cylinder(h / r.max(h), r / r.max(h))
+            }
+            _ => {
+                let (r, h) = (size(), size());
+                Self::Cone(h / r.max(h), r / r.max(h))
+            }
+        }
+    }
+
+    pub(crate) fn shape(&self) -> Shape {
+        match self {
+            Self::Hull(points) if points.len() == 1 => {
+                Shape::from(lin_canny::ConvexPolyhedron::point(Point3::from(points[0])).expect("a point"))
+            }
+            Self::Hull(points) if points.len() == 2 => Shape::from(
+                lin_canny::ConvexPolyhedron::segment(Point3::from(points[0]), Point3::from(points[1]))
+                    .expect("a segment"),
+            ),
+            Self::Hull(points) => {
+                Shape::hull(&points.iter().map(|&p| Point3::from(p)).collect::<Vec<_>>()).expect("a hull")
+            }
+            Self::Ellipsoid(a) => Shape::ellipsoid(Vector3::from(*a)).expect("an ellipsoid"),
+            Self::Cylinder(h, r) => Shape::cylinder(*h, *r).expect("a cylinder"),
+            Self::Cone(h, r) => Shape::cone(*h, *r).expect("a cone"),
+            Self::Superquadric(a, [e, f]) => Shape::superquadric(Vector3::from(*a), *e, *f).expect("a superquadric"),
+        }
+    }
+
+    pub(crate) fn radius(&self) -> f64 {
+        match self {
+            Self::Hull(points) => lab::pose::radius(points),
+            Self::Ellipsoid(a) => a.iter().fold(0.0, |r, x| x.max(r)),
+            Self::Cylinder(h, r) | Self::Cone(h, r) => h.hypot(*r),
+            Self::Superquadric(a, _) => lab::pose::norm(*a),
+        }
+    }
+
+    /// The greatest `n . x`.
+    pub(crate) fn height(&self, n: &Triple) -> Wide {
+        let of = Wide::from;
+        let flat = (n[0] * n[0] + n[1] * n[1]).root();
+        let rim = |r: f64| of(r) * flat;
+        match self {
+            Self::Hull(points) => {
+                let heights = points.iter().map(|&p| dot(n, &wide(p)));
+                heights.reduce(Wide::max).expect("a point")
+            }
+            Self::Ellipsoid(a) => {
+                let turned = [0, 1, 2].map(|k| of(a[k]) * n[k]);
+                dot(&turned, &turned).root()
+            }
+            Self::Cylinder(h, r) => rim(*r) + of(*h) * n[2].max(-n[2]),
+            Self::Cone(h, r) => (of(*h) * n[2]).max(rim(*r) - of(*h) * n[2]),
+            Self::Superquadric(a, e) => {
+                let [x, y, z] = [0, 1, 2].map(|k| (n[k].0 * a[k]).abs());
+                let [p, q] = e.map(|e| 2.0 / (2.0 - e));
+                of(nested([x, y, z], p, q))
+            }
+        }
+    }
+
+    /// How far a point is outside, at most by rounding too little; of hulls not asked.
+    pub(crate) fn outside(&self, p: &Triple) -> f64 {
+        let of = Wide::from;
+        let flat = (p[0] * p[0] + p[1] * p[1]).root();
+        let size = (dot(p, p)).root().0;
+        let excess = match self {
+            Self::Hull(_) => of(0.0),
+            Self::Ellipsoid(a) => {
+                let unit = [0, 1, 2].map(|k| p[k] / of(a[k]));
+                (dot(&unit, &unit).root() - of(1.0)) * of(size)
+            }
+            Self::Cylinder(h, r) => (flat - of(*r)).max(p[2].max(-p[2]) - of(*h)),
+            Self::Cone(h, r) => {
+                let side = flat * of(2.0 * h) - of(*r) * (of(*h) - p[2]);
+                (side / of(r.hypot(2.0 * h))).max(-p[2] - of(*h))
+            }
+            Self::Superquadric(a, e) => {
+                let x = [0, 1, 2].map(|k| (p[k].0 / a[k]).abs());
+                (of(nested(x, 2.0 / e[0], 2.0 / e[1])) - of(1.0)) * of(size)
+            }
+        };
+        excess.0.max(0.0)
+    }
+}
+
+/// `((x^q + y^q)^(p/q) + z^p)^(1/p)`, to some 1e-15: the judge of superquadrics is no finer than f64.
+fn nested([x, y, z]: [f64; 3], p: f64, q: f64) -> f64 {
+    let norm = |x: f64, y: f64, q: f64| {
+        let large = x.max(y);
+        if large == 0.0 {
+            0.0
+        } else {
+            large * ((x / large).powf(q) + (y / large).powf(q)).powf(1.0 / q)
+        }
+    };
+    norm(norm(x, y, q), z, p)
+}

@@ -1,0 +1,211 @@
+//! Promise: bounds of curved pairs hold the truth and are no wider than 1e-13 L, warm and cold, A to B and B to A.
+//!
+//! The judge is the duality gap in double-double, with arithmetic, supports and memberships of its own: the height of the
+//! difference along the normal returned is a lower bound of the truth, the distance of the witnesses and how far they are outside their shapes
+//! an upper one.
+
+mod kinds;
+mod suites;
+mod wide;
+
+use kinds::Kind;
+use lab::rng::Rng;
+use lin_canny::nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
+use lin_canny::{Class, Outcome, RelativePose, ShapeTracker, Solver};
+use wide::{Triple, Wide, dot, matrix, norm, turned, turned_back, wide};
+
+/// B in the frame of A.
+#[derive(Clone, Copy, Debug)]
+struct Place {
+    q: [f64; 4],
+    t: [f64; 3],
+}
+
+impl Place {
+    fn isometry(&self) -> Isometry3<f64> {
+        let [x, y, z, w] = self.q;
+        let q = UnitQuaternion::new_unchecked(Quaternion::new(w, x, y, z));
+        Isometry3::from_parts(Translation3::from(self.t), q)
+    }
+
+    fn pose(&self) -> RelativePose {
+        RelativePose::from_isometry(&self.isometry()).expect("a pose")
+    }
+
+    /// `n . b - n . a`, the least of it over both shapes, over the length of `n`.
+    fn height(&self, a: &Kind, b: &Kind, n: &Triple) -> Wide {
+        let m = turned_back(&matrix(self.q), n).map(|x| -x);
+        (dot(n, &wide(self.t)) - a.height(n) - b.height(&m)) / norm(n)
+    }
+
+    fn size(&self, a: &Kind, b: &Kind) -> f64 {
+        a.radius() + b.radius() + lab::pose::norm(self.t)
+    }
+
+    /// Bounds of the truth from a normal and two witnesses.
+    fn truth(&self, a: &Kind, b: &Kind, o: &Outcome) -> (Wide, Wide) {
+        let lower = self.height(a, b, &wide((*o.normal).into()));
+        let (p, q) = (wide(o.point_on_a.coords.into()), wide(o.point_on_b.coords.into()));
+        let (t, r) = (wide(self.t), turned(&matrix(self.q), &q));
+        let w = [0, 1, 2].map(|k| r[k] + t[k] - p[k]);
+        (lower, norm(&w) + Wide::from(a.outside(&p)) + Wide::from(b.outside(&q)))
+    }
+}
+
+/// What a suite met.
+#[derive(Default, Debug)]
+struct Mix {
+    classes: [u32; 4],
+    layers: [u32; 7],
+    widest: f64,
+    low: f64,
+    high: f64,
+    evaluations: u64,
+    hard: std::collections::BTreeMap<String, u32>,
+}
+
+impl Mix {
+    /// Takes an answer for shapes apart.
+    fn judge(&mut self, a: &Kind, b: &Kind, place: &Place, o: &Outcome) {
+        let (lower, upper) = place.truth(a, b, o);
+        let size = place.size(a, b);
+        let told = || format!("{a:?} {b:?} {place:?}\n{o:?}\n{lower:?} {upper:?}");
+        assert!(o.lower <= o.distance && o.distance <= o.upper, "{}", told());
+        // Bounds of the finer arithmetic are closer than witnesses in f64 can say.
+        let fine = o.solver == Solver::DoubleDouble;
+        // The judge of superquadrics is no finer than f64.
+        let rough = [a, b].iter().any(|k| matches!(k, Kind::Superquadric(..)));
+        let slack = if fine || rough { 8.0 * f64::EPSILON * size } else { 0.0 };
+        assert!(
+            (Wide::from(o.lower) - upper).0 <= slack,
+            "the lower bound is too high: {}",
+            told()
+        );
+        assert!(
+            (lower - Wide::from(o.upper)).0 <= slack,
+            "the upper bound is too low: {}",
+            told()
+        );
+        assert!((o.normal.norm() - 1.0).abs() < 1e-15, "{}", told());
+        self.classes[o.class as usize] += 1;
+        self.layers[o.solver as usize] += 1;
+        self.widest = self.widest.max((o.upper - o.lower) / size);
+        self.evaluations += u64::from(o.work.steps);
+        if o.solver != Solver::Walk {
+            *self
+                .hard
+                .entry(format!("{}", o.features).replace(char::is_numeric, ""))
+                .or_default() += 1;
+        }
+        if o.solver == Solver::DoubleDouble {
+            return;
+        }
+        // Without their error term of 128 UNIT L.
+        let term = 128.0 * f64::EPSILON / 2.0 * size;
+        self.low = self
+            .low
+            .max((Wide::from(o.lower + term) - upper).0 / size / f64::EPSILON * 2.0);
+        self.high = self
+            .high
+            .max((lower - Wide::from(o.upper - term)).0 / size / f64::EPSILON * 2.0);
+    }
+
+    fn print(&self, first: &str, second: &str) {
+        println!(
+            "{first:12} {second:12} beyond {:.2} % {:?} widest {:.1e} low {:.1} high {:.1} evaluations {:.1} {:?}",
+            100.0 * self.beyond(),
+            self.layers,
+            self.widest,
+            self.low,
+            self.high,
+            self.evaluations as f64 / f64::from(self.count()),
+            self.hard
+        );
+    }
+
+    fn count(&self) -> u32 {
+        self.classes.iter().sum()
+    }
+
+    fn beyond(&self) -> f64 {
+        f64::from(self.count() - self.layers[Solver::Walk as usize]) / f64::from(self.count())
+    }
+}
+
+/// A pose at which two shapes are `gap` apart, found by moving B along the normal.
+fn at_gap(a: &Kind, b: &Kind, rng: &mut Rng, gap: f64) -> Place {
+    let far = 3.0 * (a.radius() + b.radius());
+    let mut place = Place {
+        q: rng.quat(),
+        t: lab::pose::scale(rng.unit(), far),
+    };
+    let (x, y) = (a.shape(), b.shape());
+    for _ in 0..2 {
+        let o = ShapeTracker::new().closest(&x, &y, &place.pose());
+        let t = Vector3::from(place.t) - *o.normal * (o.distance - gap);
+        place.t = t.into();
+    }
+    place
+}
+
+/// Poses of each pair of kinds; LIN_CANNY_CURVED sets another number.
+fn count() -> u32 {
+    std::env::var("LIN_CANNY_CURVED")
+        .ok()
+        .and_then(|n| n.parse().ok())
+        .unwrap_or(300)
+}
+
+const KINDS: [&str; 7] = [
+    "segment",
+    "box",
+    "hull",
+    "ellipsoid",
+    "cylinder",
+    "cone",
+    "superquadric",
+];
+
+/// Each pair of kinds of which one is curved.
+fn pairs() -> impl Iterator<Item = (&'static str, &'static str)> {
+    let all = (0..KINDS.len()).flat_map(|i| (i.max(3)..KINDS.len()).map(move |k| (KINDS[i], KINDS[k])));
+    all
+}
+
+#[test]
+fn random_poses_of_all_pairs_of_kinds() {
+    let (mut failed, mut all, mut beyond) = (String::new(), 0, 0.0);
+    for (k, (first, second)) in pairs().enumerate() {
+        let (mut rng, mut cold) = (Rng::new(2100 + k as u64), Mix::default());
+        for _ in 0..count() {
+            let aspect = rng.log_range(1.0, 30.0);
+            let (a, b) = (
+                Kind::random(first, &mut rng, aspect),
+                Kind::random(second, &mut rng, aspect),
+            );
+            let gap = rng.log_range(1e-9, 10.0);
+            let place = at_gap(&a, &b, &mut rng, gap);
+            let (x, y, pose) = (a.shape(), b.shape(), place.pose());
+            let o = ShapeTracker::new().closest(&x, &y, &pose);
+            cold.judge(&a, &b, &place, &o);
+            assert_eq!(o.class, Class::Separated, "{a:?} {b:?} {place:?} {o:?}");
+            let swapped = ShapeTracker::new().closest(&y, &x, &pose.swapped());
+            assert_eq!(swapped.class, o.class);
+            assert!(
+                swapped.lower <= o.upper && o.lower <= swapped.upper,
+                "{o:?} {swapped:?}"
+            );
+        }
+        cold.print(first, second);
+        all += cold.count();
+        beyond += cold.beyond() * f64::from(cold.count());
+        if cold.widest > 1e-13 {
+            failed += &format!("{first} {second} ");
+        }
+    }
+    println!(
+        "{all} poses, {:.2} % beyond the first layer",
+        100.0 * beyond / f64::from(all)
+    );
+    assert!(failed.is_empty(), "too wide: {failed}");
+}
