@@ -441,27 +441,31 @@ pub(crate) const COLUMN_SEARCH: f32 = 8.0 * f32::EPSILON;
 /// to half a unit in the last place, are raised by this factor before a search; 84 units, far more
 /// than the difference and this product need.
 pub(crate) const COLUMN_REACH: f32 = 1.000_01;
-/// An inner tangent ball of an ellipsoid is taken this much smaller than its formula: `c^2 / (n . s)` has three roundings and a dot
-/// that errs by 11 UNIT (see [`CERTIFICATE`]); the support point lies off the surface by as much relative to itself, and the normal
-/// there off `n` by 8 UNIT relative to each coordinate, which counts by its square.
+/// An inner tangent ball of an ellipsoid is taken this much smaller than its formula: `c^2 / (n .
+/// s)` has three roundings and a dot that errs by 11 UNIT (see [`CERTIFICATE`]); the support point
+/// lies off the surface by as much relative to itself, and the normal there off `n` by 8 UNIT
+/// relative to each coordinate, which counts by its square.
 pub const INNER: f64 = 1.0 - 64.0 * UNIT;
 
-/// Bounds of a curved pair agree where they are within this times L before their error terms: the largest violation of either
-/// that was measured is 3.6 UNIT L, and a direction in f64 closes them to a few UNIT L unless a core is flat or the direction is that of a rim.
+/// Bounds of a curved pair agree if apart by at most this times L before their error terms: the
+/// largest measured violation of either bound is 3.6 UNIT L, and a direction in f64 closes the
+/// bounds to a few UNIT L unless a core is flat or the direction is the direction of a rim.
 pub const AGREE_CURVED: f64 = 16.0 * UNIT;
 
-/// What a product of shares on a superquadric is taken for at least: where it vanishes the surface is flat or a tip. Not a matter of
-/// soundness.
+/// Least value of a product of shares on a superquadric: if the product vanishes, the surface is
+/// flat or an apex. Not a matter of soundness.
 pub(crate) const TIP: f64 = 1e-60;
 
 /// `ln 2` less its nearest f64.
 pub(crate) const LN2_REST: f64 = 2.319_046_813_846_299_6e-17;
 
-/// The depth of curved cores that no inner balls prove is looked for to this times L, `2^-20`, in each bound.
+/// A depth of curved cores without a proof by inner balls is searched to this times L, `2^-20`, in
+/// each bound.
 pub const DEPTH_GOAL: f64 = 1.0 / (1u64 << 20) as f64;
 
 /// A core smaller than this times the size of its pair, `2^-60`, is a point but for its radius.
 pub(crate) const SPECK: f64 = 1.0 / (1u64 << 60) as f64;
 
-/// Pairs of a size from this, `2^-200`, to its inverse are solved in the caller's unit; others in their own.
+/// Pairs of a size from this, `2^-200`, to its inverse are solved in the caller's unit; all further
+/// pairs in their own unit.
 pub(crate) const SMALL_PAIR: f64 = f64::from_bits((1023 - 200) << 52);
