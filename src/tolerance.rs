@@ -1,147 +1,188 @@
-//! Bounds of rounding errors and limits of range, each with its derivation. Thresholds that only steer
-//! work are in `tuning`.
+//! Bounds of rounding errors and limits of range, each with its derivation. Thresholds that only
+//! steer work are in `tuning`.
 //!
-//! Derivations count relative roundings, as they are of normal numbers. What underflow adds is absolute, and one of these cases:
+//! Derivations count relative roundings, as they are of normal numbers. Errors by underflow are
+//! absolute, and fall under one of five cases:
 //!
-//! * **S, stored lengths** (the rule, where a derivation names no case). Bodies are stored with a radius of `2^-105` or more
-//!   ([`EXPONENT_FREE`]), and pairs of L up to [`NEAR`], which only two points are, go to `solve::out_of_range`. A sum or product loses at most
-//!   `2^-1075`, a product of three lengths at most `2^-1070`, the root of a sum of squares at most `2^-536`. The least error terms,
-//!   `UNIT_DOUBLE_DOUBLE` times L, L^2 and L^3, are above `2^-402`, `2^-702` and `2^-1002`: far more, and each derivation has room for it.
-//!   Translations are read in the caller's unit, which is at most `2^420` stored ones: what they lose is below `2^-652`, and L of bodies
-//!   so small is `2^-105` or more.
-//! * **P, poses**: products of coordinates of a quaternion lose at most `2^-1075` beside a norm of one.
-//! * **D, directions** of length one and edges: stored coordinates are multiples of `2^-357` ([`FLUSH_EXPONENT`]), directions are of
-//!   length one or longer than [`ON_BOUNDARY`] times L. Where the product of the direction's largest coordinate with the edge is not zero, it
-//!   is above `2^-513`, and underflow of the others is nothing; where it is zero, two products are left, and as rounding is monotone
-//!   the sign of their sum is never the opposite one.
-//! * **G, guarded**: numbers of the caller of any size. Squares are guarded by [`LEAST_SQUARE`], or numbers are scaled first.
-//! * **U, the caller's unit**: bounds leave the stored unit in one place, `tracker::to_user_units`, which rounds them outward.
+//! * **S, stored lengths** (the rule, if a derivation names no case). Bodies are stored with a
+//!   radius of `2^-105` or more ([`EXPONENT_FREE`]), and pairs of L up to [`NEAR`], possible for
+//!   two points only, go to `solve::out_of_range`. A sum or product loses at most `2^-1075`, a
+//!   product of three lengths at most `2^-1070`, the root of a sum of squares at most `2^-536`. The
+//!   least error terms, `UNIT_DOUBLE_DOUBLE` times L, L^2 and L^3, are above `2^-402`, `2^-702` and
+//!   `2^-1002`: far more, and each derivation has room for it. Translations are read in the
+//!   caller's unit, which is at most `2^420` stored ones: translations lose less than `2^-652`, and
+//!   L of bodies so small is `2^-105` or more.
+//! * **P, poses**: products of coordinates of a quaternion lose at most `2^-1075` beside a norm of
+//!   one.
+//! * **D, directions** of length one and edges: stored coordinates are multiples of `2^-357`
+//!   ([`FLUSH_EXPONENT`]), directions are of length one or longer than [`ON_BOUNDARY`] times L. If
+//!   the product of the direction's largest coordinate with the edge is not zero, this product is
+//!   above `2^-513`, and underflow of the remaining products is negligible; if the product is zero,
+//!   two products are left, and as rounding is monotone the sign of their sum is never the opposite
+//!   one.
+//! * **G, guarded**: numbers of the caller of any size. Squares are guarded by [`LEAST_SQUARE`], or
+//!   numbers are scaled first.
+//! * **U, the caller's unit**: bounds leave the stored unit in one function,
+//!   `tracker::to_user_units`, and are rounded outward there.
+
+mod motions;
+
+pub(crate) use motions::*;
 
 /// Unit roundoff of f64: the largest relative error of one rounded operation.
 pub const UNIT: f64 = f64::EPSILON / 2.0;
 
-/// Bound of the relative error of one double-double operation: at most 10 UNIT^2 for sum and product (Joldes, Muller, Popescu 2017,
-/// "Tight and rigorous error bounds for basic building blocks of double-word arithmetic"), 5 UNIT^2 for the quotient (derived at
-/// `double_double`). Underflow: a low part below the least f64 is lost; case S.
+/// Unit roundoff of f32.
+pub const UNIT_SINGLE: f64 = f32::EPSILON as f64 / 2.0;
+
+/// Bound of the relative error of one double-double operation: at most 10 UNIT^2 for sum and
+/// product (Joldes, Muller, Popescu 2017, "Tight and rigorous error bounds for basic building
+/// blocks of double-word arithmetic"), 5 UNIT^2 for the quotient (derived at `double_double`).
+/// Underflow: a low part below the least f64 is lost; case S.
 pub const UNIT_DOUBLE_DOUBLE: f64 = 16.0 * UNIT * UNIT;
 
-/// The sign of `n . e` is certain above this times the sum of the absolute terms: one rounding for each coordinate of
-/// `e` (a difference of stored points), one for each product and two additions, to first order `(1 + 1 + 2) UNIT`; 8
-/// leaves room for a direction that is rounded itself, for the second order and for the rounding of the bound. Underflow: case D.
+/// The sign of `n . e` is certain above this times the sum of the absolute terms: one rounding for
+/// each coordinate of `e` (a difference of stored points), one for each product and two additions,
+/// to first order `(1 + 1 + 2) UNIT`; 8 leaves room for a direction that is rounded itself, for the
+/// second order and for the rounding of the bound. Underflow: case D.
 pub const EDGE_SIGN: f64 = 8.0 * UNIT;
 
-/// The sign of `(n . e) (m . f) - (n . f) (m . e)` is certain above this times the sum of the products of the sums of the absolute terms:
-/// each dot errs by 5 UNIT as above, each product by two of them and one more, the difference by one: 12; 16 leaves room. Underflow: the
-/// least normal number is added to the bound.
+/// The sign of `(n . e) (m . f) - (n . f) (m . e)` is certain above this times the sum of the
+/// products of the sums of the absolute terms: each dot errs by 5 UNIT as above, each product by
+/// two dots and one rounding more, the difference by one: 12; 16 leaves room. Underflow: the least
+/// normal number is added to the bound.
 pub const STEEPER: f64 = 16.0 * UNIT;
 
-/// How far the squared norm of a pose's quaternion may be off 1: what repeated composition of f64 rotations
-/// accumulates over thousands of products. A relative pose divides by the squared norm, so the value does not limit accuracy.
+/// Largest deviation of the squared norm of a pose's quaternion from 1: the error that repeated
+/// composition of f64 rotations accumulates over thousands of products. A relative pose divides by
+/// the squared norm, so the value does not limit accuracy.
 pub const POSE_UNIT: f64 = 1e-12;
 
-/// The sum of the coordinates of the relative translation stays below this, so that no distance leaves f64, nor its
-/// upper bound: bodies themselves reach to 1e116 at most.
+/// The sum of the coordinates of the relative translation stays below this, so that neither a
+/// distance nor an upper bound leaves f64: bodies themselves reach to 1e116 at most.
 pub const REACH: f64 = f64::MAX * (1.0 - 1.0 / (1u64 << 40) as f64);
 
-/// Pairs whose size L (in the stored units of the larger body) is beyond this are answered by their separation alone:
-/// their radii are below the rounding of L, and cubes of lengths (determinants of a simplex) would leave the range.
+/// Pairs whose size L (in the stored units of the larger body) is beyond this are answered by their
+/// separation alone: their radii are below the rounding of L, and cubes of lengths (determinants of
+/// a simplex) would leave the range.
 pub const FAR: f64 = f64::from_bits((1023 + 300) << 52);
 
-/// The same at the small end; only two points can be so close, as every other body is stored at radius 2^-105 or more.
+/// Pairs whose size L is below this are answered by their separation alone, as beyond [`FAR`]; only
+/// two points can be so close, as every body with an extent is stored at radius 2^-105 or more.
 pub const NEAR: f64 = f64::from_bits((1023 - 300) << 52);
 
-/// Noise of a difference of two placed points, in units of the pair's size L: each coordinate of a placed point carries
-/// a few roundings of numbers up to L. A direction made from such a difference leaves a vertex or a plane only where
-/// more than this says so; what it hides is left to the certificate. Not a matter of soundness.
+/// Noise of a difference of two posed points, in units of the pair's size L: each coordinate of a
+/// posed point carries a few roundings of numbers up to L. A direction made from such a difference
+/// leaves a vertex or a plane only if the descent exceeds this noise; a smaller descent is left to
+/// the certificate. Not a matter of soundness.
 pub const DIFFERENCE: f64 = 8.0 * UNIT;
 
-/// The same for a direction of unit length that is no difference of points (a face normal, an edge turned by a pose).
+/// Noise, times L, of a height along a direction of unit length that is not a difference of points
+/// (a face normal, an edge turned by a pose).
 pub const DIRECTION: f64 = 16.0 * UNIT;
 
-/// A point over the plane of a face has its foot in the face where it is inside every side plane by more than this times
-/// L. For an edge `u` of the rim the side `(n x u) . (x - to)`, over `|u|`, errs by `5.1 UNIT` (the stored normal 1.1, the
-/// edge 1, the cross product 3), `UNIT` (the difference) and `3 UNIT` (the product), all times `|x - to| <= L`; the foot
-/// itself, `x - n h`, by `4 UNIT L` within the plane. Sum: 13.1.
+/// A point over the plane of a face has its foot in the face if the point is inside every side
+/// plane by more than this times L. For an edge `u` of the face boundary the side `(n x u) . (x -
+/// to)`, over `|u|`, errs by `5.1 UNIT` (the stored normal 1.1, the edge 1, the cross product 3),
+/// `UNIT` (the difference) and `3 UNIT` (the product), all times `|x - to| <= L`; the foot itself,
+/// `x - n h`, by `4 UNIT L` within the plane. Sum: 13.1.
 pub const FOOT: f64 = 16.0 * UNIT;
 
-/// Witnesses closer than this times L are no ground for a direction; the finer layers take over. Not a matter of
-/// soundness.
+/// Witnesses closer than this times L are no ground for a direction; the more precise solvers take
+/// over. Not a matter of soundness.
 pub const ON_BOUNDARY: f64 = 16.0 * UNIT;
 
-/// Two edges with a squared sine below this have their cross product orthogonalised once more before use: its error
-/// across is `UNIT / sine`.
+/// Two edges with a squared sine below this have their cross product orthogonalised once more
+/// before use: the error perpendicular to the cross product is `UNIT / sine`.
 pub const NEARLY_PARALLEL: f64 = 1.0 / 16.0;
 
-/// Two edges with a squared sine below this are taken as parallel: their cross product is rounding alone.
+/// Two edges with a squared sine below this are taken as parallel: the cross product is rounding
+/// alone.
 pub const PARALLEL: f64 = 256.0 * UNIT * UNIT;
 
-/// The walk's answer stands where witnesses and supporting planes agree within this times L: the error of its distance, should the
-/// pair be a wrong one, is below `1e-14 L`, 90 UNIT. Measured on right answers: at most 11 UNIT L by the supports, and some tens by
-/// the planes of two faces where those of a sharp edge stand in.
+/// The walk's answer is accepted if witnesses and supporting planes agree within this times L: the
+/// error of the distance, should the pair be wrong, is below `1e-14 L`, 90 UNIT. Measured on right
+/// answers: at most 11 UNIT L by the supports, and some tens by the planes of two faces if the two
+/// planes of a sharp edge are used instead.
 pub const AGREE: f64 = 64.0 * UNIT;
 
-/// Four signed volumes of corners up to L prove the origin inside when each exceeds this times UNIT L^3 (UNIT of the
-/// arithmetic): a determinant of three vectors up to L has an error of at most 14 UNIT L^3, and corners displaced by
-/// the [`CERTIFICATE`] error of placement change it by three times that: 398 in all. Of corners of very different lengths less is
-/// enough. Displaced by D, the determinant changes by D times the sum of the three products of two lengths, three
-/// times D^2 L, and D^3; its rounding is below 14 UNIT L times any of the products. With D = 128 UNIT L all this is below the sum of
-/// the products times 512 UNIT L and L (512 UNIT L)^2. A displacement that all three share, as the origins of the bodies
-/// add one in double-double (128 UNIT times those), changes it by no more than its product with the triangle's normal
-/// `u x v`, whose own displacement is below twice D times the edges and D.
+/// Four signed volumes of vertices up to L prove the origin inside if each exceeds this times UNIT
+/// L^3 (UNIT of the arithmetic): a determinant of three vectors up to L has an error of at most 14
+/// UNIT L^3, and vertices displaced by the [`CERTIFICATE`] error of the pose change the determinant
+/// by three times this error: 398 in all. For vertices of very different lengths less is enough.
+/// Displaced by D, the determinant changes by D times the sum of the three products of two lengths,
+/// three times D^2 L, and D^3; the rounding is below 14 UNIT L times any of the products. With D =
+/// 128 UNIT L the total is below the sum of the products times 512 UNIT L and L (512 UNIT L)^2. A
+/// displacement common to all three vertices, as the origins of the bodies add in double-double
+/// (128 UNIT times the origins), changes the determinant by no more than the product of this
+/// displacement with the triangle's normal `u x v`, whose own displacement is below twice D times
+/// the edges and D.
 pub const VOLUME: f64 = 512.0;
 
-/// A depth is proven where the height along the best normal and the nearest triangle agree within this times L: the
-/// rounding of both is a few UNIT L each (see [`CERTIFICATE`]), what the planes of two faces prove of the height of an edge may be
-/// half of it above the edge, and what is left must stay below `1e-14 L`, 90 UNIT.
+/// A depth is proven if the height along the best normal and the nearest triangle agree within this
+/// times L: the rounding of both is a few UNIT L each (see [`CERTIFICATE`]), the height of an edge
+/// proven by the planes of two faces may be half of this tolerance above the edge, and the rest
+/// must stay below `1e-14 L`, 90 UNIT.
 pub const AGREE_DEPTH: f64 = 32.0 * UNIT;
 
-/// Deepest points that are off the place they should be by more than this times L are looked for again in double-double: well below the
-/// `1e-13 L` to which an answer is bounded.
+/// Deepest points that are off their expected position by more than this times L are searched again
+/// in double-double: well below the `1e-13 L` to which an answer is bounded.
 pub const AGREE_WITNESS: f64 = 512.0 * UNIT;
 
-/// A triangle `w0 w1 w2` of the Minkowski difference is counter-clockwise from outside, certainly, where every `n . w` exceeds this
-/// times `|e1| |e2| L`, `n = e1 x e2` rounded: the edges err by UNIT, the cross product by 2.5 UNIT more, and the dot by 3. Taken off
-/// one `n . w`, with `|e1|^2 + |e2|^2` for the product, it leaves less than any corner has, and room for the rounding of `|n|`.
+/// A triangle `w0 w1 w2` of the Minkowski difference is certainly counter-clockwise from outside if
+/// every `n . w` exceeds this times `|e1| |e2| L`, `n = e1 x e2` rounded: the edges err by UNIT,
+/// the cross product by 2.5 UNIT more, and the dot by 3. Taken off one `n . w`, with `|e1|^2 +
+/// |e2|^2` for the product, this bound leaves less than the `n . w` of any vertex, and room for the
+/// rounding of `|n|`.
 pub const ORIENTATION: f64 = 16.0 * UNIT;
 
-/// Squared lengths from this to its inverse are normalised as they are; a product of two of them, and each coordinate's square
-/// that counts beside the others, is far inside the range of f64.
+/// Squared lengths from this to the inverse of this are normalised without scaling; a product of
+/// two such squares, and the square of each coordinate that is not negligible, is far inside the
+/// range of f64.
 pub(crate) const SQUARE_MIN: f64 = 1e-200;
 
-/// A triangle of the Minkowski difference that its support exceeds by less than this times L, `2^-16`, may lie in the border:
-/// the normals of the bodies' features are tried. Not a matter of soundness.
+/// A triangle of the Minkowski difference that its support exceeds by less than this times L,
+/// `2^-16`, may lie in the boundary: the normals of the bodies' features are tried. Not a matter of
+/// soundness.
 pub const ALMOST_FLAT: f64 = 1.0 / 65_536.0;
 
-/// Noise of a place across the normal of a contact, times L: a vertex in its frame less the witness, 2 UNIT of each coordinate, two
-/// products with axes that are right within [`DIRECTION`], and the witness itself within as much. What two faces share is
-/// closed: corners this far outside belong to it. Not a matter of soundness.
+/// Noise of a position perpendicular to the normal of a contact, times L: a vertex in the body's
+/// frame less the witness, 2 UNIT of each coordinate, two products with axes that are right within
+/// [`DIRECTION`], and the witness itself within as much. The common region of two faces is closed:
+/// vertices this far outside belong to the region. Not a matter of soundness.
 pub const ACROSS: f64 = 64.0 * UNIT;
 
-/// Faces whose normals differ by less than this, `2^-46`, bear a contact as one: a flat face whose corners were rounded
-/// comes as several, with normals a few UNIT times its size over their width apart. A point taken for one of the other is off by no
+/// Faces whose normals differ by less than this, `2^-46`, bear a contact as a single face: a flat
+/// face whose vertices were rounded comes as several, with normals apart by a few UNIT times the
+/// size of the face over the width of the parts. A point attributed to the wrong part is off by no
 /// more than this times L.
 pub const COPLANAR: f64 = 1.0 / (1u64 << 46) as f64;
 
-/// A face bears no contact where the cosine of its angle to the normal is below this: heights over a place are the place's noise times
-/// the tangent, at most `64 ACROSS L`. Not a matter of soundness.
+/// A face bears no contact if the cosine of its angle to the normal is below this: heights over a
+/// position err by the position's noise times the tangent, at most `64 ACROSS L`. Not a matter of
+/// soundness.
 pub const STEEP: f64 = 1.0 / 64.0;
 
-/// The radius of the disc that a facet must hold to stand in for weak triangles (`depth::facet_disc`) is raised by this factor. Its
-/// products, quotient and roots err by 10 UNIT relatively; the difference of squares by `3 UNIT r^2`, which is less than the
-/// `2 CERTIFICATE UNIT L` taken off each height `p` adds to it.
+/// The radius of the disc that a facet must contain to replace triangles below the target
+/// (`depth::facet_disc`) is raised by this factor. The products, quotient and roots err by 10 UNIT
+/// relatively; the difference of squares by `3 UNIT r^2`, which is less than the `2 CERTIFICATE
+/// UNIT L` taken off each height `p` adds to the difference.
 pub(crate) const DISC: f64 = 1.0 + 1.0 / 1024.0;
 
-/// A larger disc than this part of the height is not tried: no matter of faces upon faces. The proof has room for a half.
+/// A larger disc than this part of the height is not tried: a disc so large is no matter of faces
+/// upon faces. The proof has room for a half.
 pub(crate) const DISC_MOST: f64 = 1.0 / 4.0;
 
-/// What a manifold holds already stays while it is no worse than this times what would come in its place. Not a matter of
-/// soundness.
+/// A contact of a manifold stays while the contact is no worse than this times its replacement. Not
+/// a matter of soundness.
 pub const STAY: f64 = 1.25;
 
-/// Where the origin lies on the border of the tetrahedron that a search for the depth would begin with, it begins about a
-/// point this many L beside it: the search succeeds for depths of more than twice as much, so the shifts shrink to the
-/// rounding of double-double. The least are tried on both sides: where the origin is nearer to the border than that, one of them
-/// lies outside, and the direction to the border from there gives a height below the shift.
+/// If the origin lies on the boundary of the tetrahedron that a search for the depth would begin
+/// with, the search begins about a point shifted by this many L: the search succeeds for depths of
+/// more than twice as much, so the shifts shrink to the rounding of double-double. The least shifts
+/// are tried on both sides: if the origin is nearer to the boundary than the shift, one of the two
+/// points lies outside, and the direction to the boundary from this point gives a height below the
+/// shift.
 pub const SHIFTS: [f64; 8] = [
     0.0,
     1.0 / (1u64 << 10) as f64,
@@ -153,257 +194,201 @@ pub const SHIFTS: [f64; 8] = [
     -1.0 / (1u128 << 80) as f64,
 ];
 
-/// The direction of the shift: off the planes and axes of lattices, and no longer than one (0.98).
+/// The direction of the shift: off the planes and axes of lattices, and of length at most 1 (0.98).
 pub const ASIDE: [f64; 3] = [0.613, -0.365, 0.677];
 
-/// Heights along a direction `n` that are within this times `|n|_1 L` of each other may be the same: three roundings of each of two dot
-/// products and of the direction itself.
+/// Heights along a direction `n` that are within this times `|n|_1 L` of each other may be equal:
+/// three roundings of each of two dot products and of the direction itself.
 pub const PLATEAU: f64 = 16.0 * UNIT;
 
-/// Error term of both bounds, in units of UNIT L, derived line by line (u = UNIT, norms are Euclidean, `t` the relative
-/// translation; a cross product errs by `2.5 u |a| |b|`, a product with a rotation matrix by `6 u`):
+/// Error term of both bounds, in units of UNIT L, derived line by line (u = UNIT, norms are
+/// Euclidean, `t` the relative translation; a cross product errs by `2.5 u |a| |b|`, a product with
+/// a rotation matrix by `6 u`):
 ///
-/// 1. The relative quaternion: four products a coordinate, error at most 4 u each, 8 u as a vector. Across itself such
-///    an error turns by twice as much; along itself it scales what the matrix adds to the identity, a matrix of norm 2,
-///    by twice as much: together at most `8 u sqrt(4 + 16)`, 36 u. The squared norms of both poses err by 4 u each and
-///    scale it too: 16 u.
-/// 2. Its matrix: 5 u relative to the absolute sums of its entries, whose Frobenius norm is below 3.8, and the last
-///    rounding of each entry: 19 u wherever the factor's own roundings, 3 u, are counted in. With 1, a vertex of B is
-///    turned wrong by at most 71 u rB.
-/// 3. The relative translation: the difference of the translations, `u |t|`; the two cross products and their sum, 6.5 u,
-///    doubled; the factor `2 / |q|^2`, 6 u, doubled; the last sum: together at most 28 u |t|.
-/// 4. A vertex of B in A's frame: 71 u rB + 28 u |t|, and 6 u rB for the product. A vertex of A in B's: 71 u and 6 u of
-///    `|t| + rA`, the difference from the translation and its own error, 29 u |t|: 77 u rA + 106 u |t|. Sums: u L.
-/// 5. A direction taken into the other frame: 6 u, which may put another vertex lowest: 12 u of that body's radius.
-///    Heights along a direction: 3 u of rA, rB and |t|, once more where the highest of several is taken; their sums, 2 u L.
-///    Of two edges each extreme across the other (`FLANK`): no direction is taken into another frame and no highest of several,
-///    but `n` is off their right angle by `3.5 u / sine` on A, where the sine is at least 1/4 or the angle is made right (6 u),
-///    and by 6 u more on B, for the turned edge: 28 u of rA, 40 u of rB. Of an edge beside a vertex, the direction is made right
-///    within 8 u: 17 u of its body's radius.
-/// 6. The witnesses, made as `p + s u` with `s` in 0..1, or as a sum of corners whose weights sum to one within 4 u: 8 u
-///    of rA and of rB, in the upper bound instead of 5. The norm, or that of a normal: 3 u L.
+/// 1. The relative quaternion: four products a coordinate, error at most 4 u each, 8 u as a vector.
+///    Perpendicular to the quaternion such an error turns by twice as much; along the quaternion
+///    the error scales the difference of matrix and identity, a matrix of norm 2, by twice as much:
+///    together at most `8 u sqrt(4 + 16)`, 36 u. The squared norms of both poses err by 4 u each
+///    and scale this difference too: 16 u.
+/// 2. Its matrix: 5 u relative to the absolute sums of its entries, whose Frobenius norm is below
+///    3.8, and the last rounding of each entry: 19 u with the factor's own roundings, 3 u, counted
+///    in. With 1, a vertex of B is turned wrong by at most 71 u rB.
+/// 3. The relative translation: the difference of the translations, `u |t|`; the two cross products
+///    and their sum, 6.5 u, doubled; the factor `2 / |q|^2`, 6 u, doubled; the last sum: together
+///    at most 28 u |t|.
+/// 4. A vertex of B in A's frame: 71 u rB + 28 u |t|, and 6 u rB for the product. A vertex of A in
+///    B's: 71 u and 6 u of `|t| + rA`, the difference from the translation and its own error, 29 u
+///    |t|: 77 u rA + 106 u |t|. Sums: u L.
+/// 5. A direction taken into the other frame: 6 u, which may put another vertex lowest: 12 u of
+///    that body's radius. Heights along a direction: 3 u of rA, rB and |t|, once more if the
+///    maximum of several is taken; the sums, 2 u L. Of two edges each extreme perpendicular to the
+///    other (`FLANK`): no direction is taken into another frame and no maximum of several, but `n`
+///    is off the right angle to the edges by `3.5 u / sine` on A, as the sine is at least 1/4 or
+///    the angle is made right (6 u), and by 6 u more on B, for the turned edge: 28 u of rA, 40 u of
+///    rB. Of an edge paired with a vertex, the direction is made right within 8 u: 17 u of its
+///    body's radius.
+/// 6. The witnesses, made as `p + s u` with `s` in 0..1, or as a sum of vertices whose weights sum
+///    to 1 within 4 u: 8 u of rA and of rB, in the upper bound instead of 5. The norm, or the norm
+///    of a normal: 3 u L.
 ///
-/// Sum, with u L counted for every summand: at most 77 + 12 + 6 + 6 = 101 u for the radius of the body that is placed,
-/// 106 + 3 + 6 = 115 u for |t|, 40 u for the other radius; for two edges 77 + 40 + 3 + 6 = 126 u, 115 u and 68 u. Second-order terms are below 1 u. In double-double the same
-/// holds with two matrices of 40 for one, 16 for their product, and 2 times 46 for the translation with the origins of the
-/// bodies added to L; its sums and products err by 10 UNIT^2 at most, so all is below 100 [`UNIT_DOUBLE_DOUBLE`]. The
-/// largest violation of the bounds without their term that was ever seen is 11 u L.
+/// Sum, with u L counted for every summand: at most 77 + 12 + 6 + 6 = 101 u for the radius of the
+/// body that is posed, 106 + 3 + 6 = 115 u for |t|, 40 u for the other radius; for two edges 77 +
+/// 40 + 3 + 6 = 126 u, 115 u and 68 u. Second-order terms are below 1 u. In double-double the sum
+/// holds with two matrices of 40 instead of a single matrix, 16 for their product, and 2 times 46
+/// for the translation with the origins of the bodies added to L; sums and products err by 10
+/// UNIT^2 at most, so all is below 100 [`UNIT_DOUBLE_DOUBLE`]. The largest violation ever seen of
+/// the bounds without their error term is 11 u L.
 pub const CERTIFICATE: f64 = 128.0;
 
-/// Error of the displacement of a body between two poses, in units of its radius `r`, of the distance `|c|` of its ball's
-/// middle from its own origin, and of that of the origins `|t|` at either pose (u = UNIT, errors as in [`CERTIFICATE`]): a
-/// rotation errs by `71 u` in norm, so the Frobenius norm of the difference of two by `2 sqrt(3) 71 u`, over the root of 2
-/// `174 u r`; the placed middle at each pose by `77 u |c| + 106 u |t|` at most; the norms and their sum by 4 u of what they
-/// come to, at most `2 (r + |c|)` and both `|t|`. Together at most `182 u r + 162 u |c| + 110 u |t|`.
-/// Underflow: asked only of sizes above [`NEAR`], whose part of this is above `2^-345`; roots lose less than `2^-536`.
+/// Error of the displacement of a body between two poses, in units of its radius `r`, of the
+/// distance `|c|` of its ball's middle from its own origin, and of the distance of the origins
+/// `|t|` at either pose (u = UNIT, errors as in [`CERTIFICATE`]): a rotation errs by `71 u` in
+/// norm, so the Frobenius norm of the difference of two by `2 sqrt(3) 71 u`, over the root of 2
+/// `174 u r`; the posed middle at each pose by `77 u |c| + 106 u |t|` at most; the norms and their
+/// sum by 4 u of their value, at most `2 (r + |c|)` and both `|t|`. Together at most `182 u r + 162
+/// u |c| + 110 u |t|`. Underflow: used only for sizes above [`NEAR`], whose share of the error is
+/// above `2^-345`; roots lose less than `2^-536`.
 pub const DISPLACEMENT: f64 = 256.0 * UNIT;
 
-/// Least extent (longest side of the bounding box) of a body, in the caller's unit: cubes of lengths, as volumes are,
-/// stay above the least f64.
+/// Least extent (longest side of the bounding box) of a body, in the caller's unit: cubes of
+/// lengths, as volumes are, stay above the least f64.
 pub const EXTENT_MIN: f64 = 1e-100;
 
 /// Largest extent of a body: cubes of lengths stay finite.
 pub const EXTENT_MAX: f64 = 1e100;
 
-/// Largest coordinate of a vertex: no body of an extent up to [`EXTENT_MAX`] has a larger one and a neighbouring double
-/// within its extent; a point is held to the same.
+/// Largest coordinate of a vertex: no body of an extent up to [`EXTENT_MAX`] has a larger
+/// coordinate and a neighbouring double within its extent; points have the equal limit.
 pub const PLACE_MAX: f64 = 1e116;
 
-/// Bodies are stored with a radius from `2^-105` to `2^105`, scaled by a multiple of `2^210` where they need it: most are
-/// as given, and bodies of like size share a unit.
+/// Bodies are stored with a radius from `2^-105` to `2^105`, scaled by a multiple of `2^210` if
+/// needed: most bodies are stored as given, and bodies of similar size share a unit.
 pub(crate) const EXPONENT_FREE: i32 = 105;
 
-/// Stored coordinates below `2^-200` of the radius become zero. Radii are at least `2^-105`, so the last bit of any kept
-/// coordinate is worth `2^(-105 - 200 - 52)` or more and a product of three differences `2^-1071`: above the least
-/// f64, `2^-1074`, hence the expansions of the orientation predicates are exact.
+/// Stored coordinates below `2^-200` of the radius become zero. Radii are at least `2^-105`, so the
+/// last bit of any kept coordinate is worth `2^(-105 - 200 - 52)` or more and a product of three
+/// differences `2^-1071`: above the least f64, `2^-1074`, hence the expansions of the orientation
+/// predicates are exact.
 pub(crate) const FLUSH_EXPONENT: i32 = 200;
 
 /// Error of `n . (p - a)`, `n = (b - a) x (c - a)`, all rounded, relative to the sum over k of
-/// `(|u_i v_j| + |u_j v_i|) |p_k - a_k|`, `u` and `v` the edges: each of the eight roundings a term passes (two
-/// differences, product and difference in n; difference, product and two sums after) adds UNIT to first order, so 8
-/// UNIT; the ninth covers the second order. Underflow: the hull adds the least normal number to its bound.
+/// `(|u_i v_j| + |u_j v_i|) |p_k - a_k|`, `u` and `v` the edges: each of the eight roundings a term
+/// passes (two differences, product and difference in n; difference, product and two sums after)
+/// adds UNIT to first order, so 8 UNIT; the ninth covers the second order. Underflow: the hull adds
+/// the least normal number to its bound.
 pub(crate) const SIDE_ERROR: f64 = 9.0 * UNIT;
 
-/// Where a cross product is below `2^-40` of the products it is the difference of, double-double has lost too much
-/// and expansions take over. Above it the direction errs by less than `3 * 2 * 16 UNIT^2 * 2^40 < UNIT / 64`.
+/// If a cross product is below `2^-40` of the two products whose difference the cross product is,
+/// double-double has lost too much and expansions take over. Above this limit the direction errs by
+/// less than `3 * 2 * 16 UNIT^2 * 2^40 < UNIT / 64`.
 pub(crate) const CROSS_CANCELLED: f64 = 1.0 / (1u64 << 40) as f64;
 
-/// Largest distance between the stored and the true unit normal of a face: rounding a unit vector moves it by at most
-/// UNIT, the computation in double-double before by less than UNIT / 32 (`CROSS_CANCELLED` and a root).
+/// Largest distance between the stored and the true unit normal of a face: rounding moves a unit
+/// vector by at most UNIT, the computation in double-double before by less than UNIT / 32
+/// (`CROSS_CANCELLED` and a root).
 pub(crate) const NORMAL_ERROR: f64 = 1.0625 * UNIT;
 
-/// Faces given by the caller may leave their plane by this times the diagonal of the body's box: the corners of a polygon
-/// computed by a rotation and a shift err by a few UNIT each, and the plane through three of them, extrapolated, by
-/// some tens.
+/// Faces given by the caller may leave their plane by this times the diagonal of the body's box:
+/// the vertices of a polygon computed by a rotation and a shift err by a few UNIT each, and the
+/// plane through three vertices, extrapolated, by some tens.
 pub const PLANARITY: f64 = 64.0 * UNIT;
 
-/// A point of the body exactly in the plane of a face satisfies `n . p >= offset - NEAR_PLANE radius` in rounded
-/// arithmetic: `n . p` errs by 4 UNIT radius at most, the tilt of the stored normal by 3 and the rounding up of the
-/// offset by 5.
+/// A point of the body exactly in the plane of a face satisfies `n . p >= offset - NEAR_PLANE
+/// radius` in rounded arithmetic: `n . p` errs by 4 UNIT radius at most, the tilt of the stored
+/// normal by 3 and the rounding up of the offset by 5.
 pub(crate) const NEAR_PLANE: f64 = 16.0 * UNIT;
 
-/// Whether a direction `v` of the other body's frame rises along a unit normal is uncertain below this times `|v|_1`: it is turned by a
-/// matrix that errs by 71 UNIT (see [`CERTIFICATE`]), by a product with the matrix that errs by 6 and two roundings; the product with the normal
-/// adds 3: 82 in all. Underflow: case S, and a direction too short to tell is uncertain.
+/// Whether a direction `v` of the other body's frame rises along a unit normal is uncertain below
+/// this times `|v|_1`: the direction is turned by a matrix that errs by 71 UNIT (see
+/// [`CERTIFICATE`]), by a product with the matrix that errs by 6 and two roundings; the product
+/// with the normal adds 3: 82 in all. Underflow: case S, and a direction too short to decide is
+/// uncertain.
 pub const EXACT_FILTER: f64 = 128.0 * UNIT;
 
-/// From beyond `2^60` radii a body's closest point depends on the direction only, to `2^-60` of its size: below
-/// rounding.
+/// From beyond `2^60` radii a body's closest point depends on the direction only, to `2^-60` of its
+/// size: below rounding.
 pub(crate) const FAR_POINT: f64 = (1u64 << 60) as f64;
 
-/// Error of a bound by two faces, in units of their weights times the radius: `m = alpha nL + beta nR` has two
-/// roundings a coordinate relative to `alpha + beta` (3.5 UNIT as a vector), `s m` one more, and the weighted sum of the
-/// offsets three, each at most the radius.
+/// Error of a bound by two faces, in units of their weights times the radius: `m = alpha nL + beta
+/// nR` has two roundings a coordinate relative to `alpha + beta` (3.5 UNIT as a vector), `s m` one
+/// more, and the weighted sum of the offsets three, each at most the radius.
 pub const EDGE_BOUND: f64 = 8.0 * UNIT;
 
-/// The signs of the weights of `n = u x w` over the faces beside two edges, `w . n'` and `u' . n'` for face normals `n'` and the edges
-/// turned by a pose, are certain above this times the turned edge: then `n` falls, certainly, along the inward direction `n' x e` of each
-/// face, `e` its edge. With norms of one for all four vectors:
+/// The signs of the weights of `n = u x w` over the faces adjacent to two edges, `w . n'` and `u' .
+/// n'` for face normals `n'` and the edges turned by a pose, are certain above this times the
+/// turned edge: then `n` falls, certainly, along the inward direction `n' x e` of each face, `e`
+/// its edge. With norms of 1 for all four vectors:
 ///
-/// 1. On A: `(u x w) . (n' x u) = -(w . n') (u . u)`. The edge, a rounded difference, errs by UNIT, which makes `u . n'` no
-///    more; the cross product by 2.5, and 4 where it is orthogonalised; the dot by 3 and `n'` by `NORMAL_ERROR`. Sum: below 13.
-/// 2. On B, whose inward direction is `n' x w` in its own frame: a matrix that errs by 71 (see [`CERTIFICATE`]) turns a cross product
-///    into that of the turned vectors within 213, and keeps the right angle between `w` and `n'` within 142; the turned edges err by 7
+/// 1. On A: `(u x w) . (n' x u) = -(w . n') (u . u)`. The edge, a rounded difference, errs by UNIT,
+///    and `u . n'` is no more; the cross product by 2.5, and 4 if orthogonalised; the dot by 3 and
+///    `n'` by `NORMAL_ERROR`. Sum: below 13.
+/// 2. On B, whose inward direction is `n' x w` in its own frame: a matrix that errs by 71 (see
+///    [`CERTIFICATE`]) turns a cross product into the cross product of the turned vectors within
+///    213, and keeps the right angle between `w` and `n'` within 142; the turned edges err by 7
 ///    each; cross product and dot as on A. Sum: below 390.
 ///
-/// A vertex beside an edge has one frame and no matrix: the direction `d` from the edge to it and `u x d` for `w` leave
-/// `(2.5 + 3 + 1.1 + 1) UNIT |u| |d|`, below `DIFFERENCE L` times the 1-norm of `u`.
+/// A vertex paired with an edge has one frame and no matrix: the direction `d` from the edge to the
+/// vertex and `u x d` for `w` leave `(2.5 + 3 + 1.1 + 1) UNIT |u| |d|`, below `DIFFERENCE L` times
+/// the 1-norm of `u`.
 ///
-/// What `n` has along the edges themselves is rounding, times up to `2 r`; [`CERTIFICATE`] counts it.
+/// The part of `n` along the edges themselves is rounding, times up to `2 r`; [`CERTIFICATE`]
+/// counts this part.
 pub(crate) const FLANK: f64 = 512.0 * UNIT;
 
-/// A pivot of a small system below this times its diagonal may be rounding alone: products and sums of up to four terms, and room.
-/// Not a matter of soundness.
+/// A pivot of a small system below this times its diagonal may be rounding alone: products and sums
+/// of up to four terms, and room. Not a matter of soundness.
 pub(crate) const PIVOT: f64 = 4096.0 * UNIT;
 
-/// How far a box is rounded outward when it is climbed to, in units of the radius and of the distance of its middle: the
-/// matrix errs by at most 20 UNIT a row, a product with it by 3 and the sum by one. Underflow: cases P and S in stored units; in the
-/// caller's, a box is rounded outward to f32, whose least number is far above what is lost.
+/// Outward rounding of a box found by support climbs, in units of the radius and of the distance of
+/// its middle: the matrix errs by at most 20 UNIT a row, a product with the matrix by 3 and the sum
+/// by 1. Underflow: cases P and S in stored units; in the caller's, a box is rounded outward to
+/// f32, whose least number is far above the loss.
 pub const BOX: f64 = 32.0 * UNIT;
 
-/// The same when it is scanned in f32, in units of the radius: one rounding of each coordinate and of the matrix, three
-/// of their products and sums, of numbers whose absolute sum is at most the radius.
+/// Outward rounding of a box found by a scan in f32, in units of the radius: one rounding of each
+/// coordinate and of the matrix, three of their products and sums, of numbers whose absolute sum is
+/// at most the radius.
 pub const BOX_SCANNED: f64 = 8.0 / 16_777_216.0;
 
-/// Columns of the broad phase: a mean box is taken for no smaller than this part of the world, so that spreads in units
-/// of it stay finite where all boxes are points. Costs time only.
+/// Columns of the broad phase: a mean box is taken for no smaller than this part of the world, so
+/// that spreads in units of the mean box stay finite if all boxes are points. Costs time only.
 pub const LEAST_MEAN: f64 = 1e-9;
 
-/// Columns are no narrower than this: the world over it stays finite. Costs time only.
+/// Columns are no narrower than this: the quotient of the world and the width stays finite. Costs
+/// time only.
 pub const LEAST_WIDTH: f64 = 1e-30;
 
-/// The search for a width starts at no less than this part of the world, for boxes that are points. Costs time only.
+/// The search for a width starts at no less than this part of the world, for boxes that are points.
+/// Costs time only.
 pub const LEAST_START: f64 = 1e-6;
 
-/// A step of an odometer is taken this much too large, relatively. Poses may be off unit norm by [`POSE_UNIT`] in the square, so
-/// rotations are farther apart than their quaternions by half as much, to first order; the difference of two quaternions and the
-/// sums and roots on it err by some 8 UNIT, far less. Underflow: case G.
+/// Relative excess of a step of an odometer. Poses may be off unit norm by [`POSE_UNIT`] in the
+/// square, so rotations are farther apart than their quaternions by half as much, to first order;
+/// the difference of two quaternions and the sums and roots of the difference err by some 8 UNIT,
+/// far less. Underflow: case G.
 pub const WAY: f64 = 2.0 * POSE_UNIT;
 
-/// More than a sum of three squares, or a product of two numbers, can lose below the normal numbers (2^-1072), by a factor of 2^82: added
-/// to squares of displacements before the root, so that none vanishes, and to the side of a comparison of squares that must not win by
-/// what was lost. Case G.
+/// More than a sum of three squares, or a product of two numbers, can lose below the normal numbers
+/// (2^-1072), by a factor of 2^82: added to squares of displacements before the root, so that no
+/// displacement vanishes, and to the side of a comparison of squares that must not win by the loss.
+/// Case G.
 pub const LEAST_SQUARE: f64 = f64::MIN_POSITIVE * (1u64 << 32) as f64;
 
-/// The placed centre of a body's ball, `R c + t`, errs by less than this times `|c|_1 + |t|_1`: the matrix by 20 UNIT an entry (see
-/// [`BOX`]), the product and the sum by 4 more. Nothing where c is zero. Underflow: c is that of a body, so of `1e-100` or more beside
-/// a loss of `2^-1073`.
+/// Error of the posed centre `R c + t` of a body's ball: less than this times `|c|_1 +
+/// |t|_1`: the matrix by 20 UNIT an entry (see [`BOX`]), the product and the sum by 4 more. No
+/// error if c is zero. Underflow: c is the centre of a body, so of `1e-100` or more against a loss
+/// of `2^-1073`.
 pub const CENTRE: f64 = 32.0 * UNIT;
 
-/// A sum of odometers, or the sum at which a pair wakes, is off by less than this times itself: one rounding for the sum of two,
-/// one for a budget added, one for each later sum, and each odometer is rounded up at every step ([`WAY`] covers the
-/// step, 4 UNIT the sum). Eight cover them. Underflow: sums lose nothing, and each way is `2^-495` or more (case G).
+/// A sum of odometers, or the sum at which a pair wakes, has a relative error below this: one
+/// rounding for the sum of two odometers, one for a budget added, one for each later sum, and each
+/// odometer is rounded up at every step ([`WAY`] covers the step, 4 UNIT the sum). Eight cover
+/// them. Underflow: sums lose nothing, and each way is `2^-495` or more (case G).
 pub const ODOMETER: f64 = 8.0 * UNIT;
 
-/// Coordinates, radii and ranges of a scene stay below this, so that boxes grown by a range stay below 1e38, where `f32` boxes
-/// are clamped, and no distance or odometer leaves f64.
+/// Coordinates, radii and ranges of a scene stay below this, so that boxes grown by a range stay
+/// below 1e38, the clamp of `f32` boxes, and no distance or odometer leaves f64.
 pub const SCENE_REACH: f64 = 1e37;
-
-/// How far the pivot of a body on a motion may be placed off, twice (once where a bound begins, once where it ends), in units of the
-/// 1-norms of the pivot's place at time zero, and of the ways that velocity and acceleration make of it until then: `v t` has one
-/// rounding, `a t^2 / 2` three, their sums two, the last difference one, and the velocity at a later time two more times the way: 6 UNIT.
-pub(crate) const PLACED_CENTRE: f64 = 16.0 * UNIT;
-
-/// The same in units of the distance of the pivot from the body's own origin: a product with a quaternion whose square is off one by
-/// 26 UNIT is off by twice that, and rounded by 24; the difference adds one. Twice 77.
-pub(crate) const PLACED_PIVOT: f64 = 192.0 * UNIT;
-
-/// By which angle a body on a motion may be placed off, twice. The quaternion of a turn: sine and cosine err by less than one in the
-/// last place, UNIT; the correction for what the half angle left over, UNIT; the axis by 2 UNIT and its product by one: 5.4 UNIT as a
-/// vector. The product with the first rotation: 4 UNIT a coordinate, 8 as a vector. An error of a quaternion turns by twice as much:
-/// 27 UNIT. A normalised sum of two quaternions: 3 UNIT a coordinate of numbers up to one, over a norm of at least `1 / sqrt 2`: 9 UNIT
-/// and, for the part of the way itself, one more: 20 UNIT.
-pub(crate) const TURN: f64 = 64.0 * UNIT;
-
-/// Error of the coefficients of a plane's gap (`separation::plane`), times `(1 + q)^2` with q the angle that a direction turns by as a
-/// shape sees it, in units of both reaches, the ways of the pivots, the difference of the translations, and twice the distances of
-/// the pivots from the origins (u = UNIT):
-///
-/// 1. Directions: derivatives are sums of at most three cross products, 8 u of `(|eta| + |w|)^2`, and the control points two sums and
-///    products more: 12 u. Into the body: the matrix of one quaternion 27 u (19 for its entries, 8 for the square of its norm), the
-///    product 6 u. Heights over the arm of a pivot 3 u. Together 48 u of the reach.
-/// 2. The pivots: a product with that matrix 33 u, two sums 2 u; the difference of the translations u. Products with the normal and with
-///    its derivatives 9 u.
-/// 3. Sums of at most five terms, and from square to cube, 8 u; the length of the normal, 3 u, times the distance to keep.
-pub(crate) const PLANE: f64 = 64.0 * UNIT;
-
-/// Error of the coefficients of a cubic that is cut four times: each cut is three rounds of two products and a sum, 3 UNIT each, so
-/// 36 UNIT of the largest.
-pub(crate) const BERNSTEIN: f64 = 64.0 * UNIT;
-
-/// A place between two coefficients errs by at most 8 UNIT of itself, a place put together of four parts by as much again; and a time that
-/// is put together of a start and such a part of an interval, by less than the rest.
-pub(crate) const ROOT: f64 = 32.0 * UNIT;
-
-/// How far the height of a polyhedron may be off, in units of the 1-norm of the direction and of its radius: the product with a vertex errs
-/// by 3 UNIT, that with the centre of the ball by as much, their difference by one.
-pub(crate) const HEIGHT: f64 = 8.0 * UNIT;
-
-/// Squares and products of the flight of two balls err by at most 10 UNIT of the squares of their distance and of the sum of their
-/// radii; this much, `2^-40`, is counted to the square of the radii, and settles the signs and the root that follow.
-pub(crate) const BALLS: f64 = 1.0 / (1u64 << 40) as f64;
-
-/// A number of ticks is taken this much too small, relatively, `2^-30`: a quotient errs by UNIT, and a clock that adds up ticks by
-/// UNIT a tick, of which there are fewer than `2^20` in any bound worth having.
-pub(crate) const TICK: f64 = 1.0 / (1u64 << 30) as f64;
-/// Unit roundoff of f32.
-pub const UNIT_SINGLE: f64 = f32::EPSILON as f64 / 2.0;
-
-/// How far the half extents of a box of a composite are raised before they are rounded up to f32, in units of the tree's size (2 at most,
-/// counted in) and of the farthest coordinate over it: a vertex shifted to the tree's origin errs by UNIT of that coordinate; its
-/// difference from the centre by UNIT; a dual axis, of stored axes that are orthonormal within 8 UNIT_SINGLE, by 8 UNIT (a cross product
-/// 3, a determinant 4, a quotient 1), and the product with it by 3: all of lengths up to 4. Sum: below 4 (1 + 8 + 3) + 2.
-pub(crate) const BOX_EXTENT: f64 = 64.0 * UNIT;
-
-/// Error of a gap of two boxes of a composite in f32, in units of their pair's size: what both trees reach and the distance of their
-/// origins, L. With v = UNIT_SINGLE, `r` a box's reach, `h` its half extents (`|h| <= sqrt(3) r`):
-///
-/// 1. The matrix and the shift are rounded once: 1.8 v of lengths of B, v of the shift. A product with the matrix adds `3 sqrt(3)` v:
-///    axes of B err by 7 v, its centre by 7 v r; two sums more, so the difference of the centres by 10 v L.
-/// 2. Along the line of centres: its length errs by 10 v L and 4 v of itself; `h . |a . d|` by the 10 v of the difference, 3 of the product,
-///    3 of the sum and 2 of the quotient, times `h` of A; the same and 7 for the axes of B. The direction as rounded is longer than one by 4 v
-///    at most. Sum: below 14 L + 18 sqrt(3) rA + 25 sqrt(3) rB, where rA + rB <= L: below 58 v L.
-/// 3. Along an excess vector e: products of axes err by 10 v each, by `30 v` as a matrix; `e . d` by 16 v L |e|; the box's own part by 7 v h
-///    for axes that are orthonormal within 2 v, and 4 more; the other's by 33 v h; the root and the quotient by 5 v. Sum: below
-///    16 L + 11 sqrt(3) rA + 33 sqrt(3) rB + 5 L, below 79 v L.
-/// 4. An entry of a front: the placed centre errs by 10 v L, its product with n by 4 v L; the radius times the turning, at most 3 r, by
-///    7 v L with its sum; base and sum are below 6 L: together below 33 v L where it is made and as much where it is tested.
-///
-/// 80 would do for 2 and 3, and 66 for 4.
-pub(crate) const BOXES: f64 = 96.0 * UNIT_SINGLE;
-
-/// What an entry of a front is lowered by when the turning is taken into it, in units of its front's error, 96 v L: a product and two
-/// differences of numbers below 6 L, 18 v L, and room.
-pub(crate) const REBASED: f32 = 0.25;
-
-/// Error of the turning between two poses: both matrices err by `71 UNIT` in norm (see [`CERTIFICATE`]), their difference by `174 UNIT`
-/// over the root of 2 (see [`DISPLACEMENT`]), and 8 UNIT of itself; f32 rounds the sum by 2^-24 of at most 3, which `BOXES` counts.
-pub(crate) const TURNED: f64 = 256.0 * UNIT;
-
-/// How far below the distance a gap in f64 may be, in units of L, that lets a pair of nodes or triangles of a composite pass: pairs in flush
-/// contact are all equally far, up to rounding, and none could be passed by. With [`CERTIFICATE`] above and below, the bounds
-/// are no wider than `512 + 2 * 128 = 768` UNIT L, less than `1e-13 L`, 900.
-pub(crate) const SHORT_OF: f64 = 512.0 * UNIT;
 
 /// Factor that rounds up a length made by a root of three squares, or a sum or product of two
 /// numbers that are not negative: three squares and two sums err by 3 UNIT, half as much under the
@@ -414,9 +399,9 @@ pub(crate) const ROUND_UP: f64 = 1.0 + 4.0 * UNIT;
 /// 3.5 UNIT. The roundings of this product and of a subtraction after it are not counted.
 pub(crate) const ROUND_DOWN: f64 = 1.0 - 4.0 * UNIT;
 
-/// Factor that rounds up the largest distance of a vertex from a centre, and scales it: a difference
-/// or a quotient by a scale errs by UNIT, three squares, two sums and a root by 2.5, the scale and
-/// this product by one each. Sum: 5.5.
+/// Factor that rounds up the largest distance of a vertex from a centre, and scales it: a
+/// difference or a quotient by a scale errs by UNIT, three squares, two sums and a root by 2.5, the
+/// scale and this product by one each. Sum: 5.5.
 pub(crate) const RADIUS_UP: f64 = 1.0 + 8.0 * UNIT;
 
 /// Factor that rounds down the distance of two boxes, below which no body in them is nearer: a
@@ -424,8 +409,8 @@ pub(crate) const RADIUS_UP: f64 = 1.0 + 8.0 * UNIT;
 pub(crate) const BOX_DISTANCE_DOWN: f64 = 1.0 - 8.0 * UNIT;
 
 /// Factor of the distance `radius + |a|` in the offset of a plane: the stored normal is off by
-/// [`NORMAL_ERROR`], raised by 4 units in the last place for the roundings of that distance, and the
-/// product `n . a` in double-double errs by 4 [`UNIT_DOUBLE_DOUBLE`].
+/// [`NORMAL_ERROR`], raised by 4 units in the last place for the roundings of this distance, and
+/// the product `n . a` in double-double errs by 4 [`UNIT_DOUBLE_DOUBLE`].
 pub(crate) const PLANE_OFFSET: f64 = NORMAL_ERROR * (1.0 + f64::EPSILON * 4.0) + 4.0 * UNIT_DOUBLE_DOUBLE;
 
 /// The length of an answer's normal differs from one by less than this: a normal is divided by its
@@ -439,8 +424,8 @@ pub(crate) const UNIT_LENGTH: f64 = 16.0 * UNIT;
 /// in debug builds, no bound of an answer.
 pub(crate) const WITNESS_CHECK: f64 = 1024.0 * UNIT;
 
-/// Columns of the broad phase, in `f32`: a rounded sum of two bounds errs by less than this times the
-/// magnitudes, which is four units in the last place.
+/// Columns of the broad phase, in `f32`: a rounded sum of two bounds errs by less than this times
+/// the magnitudes, which is four units in the last place.
 pub(crate) const COLUMN_SUM: f32 = 4.0 * f32::EPSILON;
 
 /// Columns of the broad phase, in `f32`: above the rounding of a difference of bounds, of a sum of
@@ -456,27 +441,31 @@ pub(crate) const COLUMN_SEARCH: f32 = 8.0 * f32::EPSILON;
 /// to half a unit in the last place, are raised by this factor before a search; 84 units, far more
 /// than the difference and this product need.
 pub(crate) const COLUMN_REACH: f32 = 1.000_01;
-/// An inner tangent ball of an ellipsoid is taken this much smaller than its formula: `c^2 / (n . s)` has three roundings and a dot
-/// that errs by 11 UNIT (see [`CERTIFICATE`]); the support point lies off the surface by as much relative to itself, and the normal
-/// there off `n` by 8 UNIT relative to each coordinate, which counts by its square.
+/// An inner tangent ball of an ellipsoid is taken this much smaller than its formula: `c^2 / (n .
+/// s)` has three roundings and a dot that errs by 11 UNIT (see [`CERTIFICATE`]); the support point
+/// lies off the surface by as much relative to itself, and the normal there off `n` by 8 UNIT
+/// relative to each coordinate, which counts by its square.
 pub const INNER: f64 = 1.0 - 64.0 * UNIT;
 
-/// Bounds of a curved pair agree where they are within this times L before their error terms: the largest violation of either
-/// that was measured is 3.6 UNIT L, and a direction in f64 closes them to a few UNIT L unless a core is flat or the direction is that of a rim.
+/// Bounds of a curved pair agree if apart by at most this times L before their error terms: the
+/// largest measured violation of either bound is 3.6 UNIT L, and a direction in f64 closes the
+/// bounds to a few UNIT L unless a core is flat or the direction is the direction of a rim.
 pub const AGREE_CURVED: f64 = 16.0 * UNIT;
 
-/// What a product of shares on a superquadric is taken for at least: where it vanishes the surface is flat or a tip. Not a matter of
-/// soundness.
+/// Least value of a product of shares on a superquadric: if the product vanishes, the surface is
+/// flat or an apex. Not a matter of soundness.
 pub(crate) const TIP: f64 = 1e-60;
 
 /// `ln 2` less its nearest f64.
 pub(crate) const LN2_REST: f64 = 2.319_046_813_846_299_6e-17;
 
-/// The depth of curved cores that no inner balls prove is looked for to this times L, `2^-20`, in each bound.
+/// A depth of curved cores without a proof by inner balls is searched to this times L, `2^-20`, in
+/// each bound.
 pub const DEPTH_GOAL: f64 = 1.0 / (1u64 << 20) as f64;
 
 /// A core smaller than this times the size of its pair, `2^-60`, is a point but for its radius.
 pub(crate) const SPECK: f64 = 1.0 / (1u64 << 60) as f64;
 
-/// Pairs of a size from this, `2^-200`, to its inverse are solved in the caller's unit; others in their own.
+/// Pairs of a size from this, `2^-200`, to its inverse are solved in the caller's unit; all further
+/// pairs in their own unit.
 pub(crate) const SMALL_PAIR: f64 = f64::from_bits((1023 - 200) << 52);

@@ -1,4 +1,5 @@
-//! The state a user keeps per pair: where the last answer was found.
+//! The state a user keeps per pair: the features of the last answer, from which the next query
+//! starts.
 
 mod contacts;
 
@@ -27,11 +28,11 @@ mod reach;
 use counts::Starts;
 pub use counts::Totals;
 
-/// The features of the last answer of one pair, from which the next walk starts, and counters.
+/// The features of the last answer of a pair, from which the next walk starts, and counters.
 ///
-/// Owns no body. A tracker that comes from another pair, or is out of date, costs time and never an answer:
-/// classification and predicates are the same warm and cold, and distances agree within their bounds. Only among exact
-/// ties may features, witnesses and normal follow history.
+/// Owns no body. A tracker that comes from another pair, or is out of date, costs time and never an
+/// answer: classification and predicates are equal warm and cold, and distances agree within their
+/// bounds. Only among exact ties may features, witnesses and normal depend on the history.
 ///
 /// ```
 /// use lin_canny::nalgebra::{Isometry3, Vector3};
@@ -40,7 +41,8 @@ pub use counts::Totals;
 /// let (a, b) = (solids::cuboid(Vector3::new(1.0, 1.0, 1.0))?, solids::octahedron(0.5)?);
 /// let mut pair = Tracker::default();
 /// for k in 0..10 {
-///     let a_from_b = RelativePose::from_isometry(&Isometry3::translation(3.0, 0.1 * k as f64, 0.0))?;
+///     let at = Isometry3::translation(3.0, 0.1 * k as f64, 0.0);
+///     let a_from_b = RelativePose::from_isometry(&at)?;
 ///     let c = pair.closest(&a, &b, &a_from_b);
 ///     assert!(c.lower <= 1.5 && 1.5 <= c.upper);
 /// }
@@ -52,27 +54,29 @@ pub use counts::Totals;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Tracker {
     last: Option<FeaturePair>,
-    /// Where the next walk starts: there, or as far beyond as they came in a step.
+    /// Start of the next walk: the last features, or features extrapolated by the motion of a step.
     #[cfg_attr(feature = "serde", serde(default))]
     next: Option<FeaturePair>,
     starts: Starts,
     totals: Totals,
-    /// The surface of the last answer, where that was an overlap.
+    /// The surface of the last answer, if the last answer was an overlap.
     #[cfg_attr(feature = "serde", serde(default))]
     memory: Memory,
-    /// The proof of the last answer, where that was an overlap without its depth.
+    /// The proof of the last answer, if the last answer was an overlap without depth.
     #[cfg_attr(feature = "serde", serde(default))]
     overlap_proof: Option<OverlapProof>,
 }
 
 impl Tracker {
-    /// A tracker without a start: the first query begins at the support vertices along the line of centres.
+    /// Returns a tracker without a start: the first query begins at the support vertices along the
+    /// line of centres.
     #[must_use]
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// A tracker that starts from the given features; those that are not the bodies' own are ignored.
+    /// Returns a tracker that starts from the given features; features that the bodies do not have
+    /// are ignored.
     #[must_use]
     pub fn starting_from(features: FeaturePair, a: &ConvexPolyhedron, b: &ConvexPolyhedron) -> Self {
         let features = features.is_of(a, b).then(|| features.to_stand_on(a, b));
@@ -86,21 +90,23 @@ impl Tracker {
         }
     }
 
-    /// Takes all the memory now that overlaps may need later (some 50 kB): no query for which the walk or its solvers in f64 suffice
-    /// allocates then, as long as surfaces have no more than 256 triangles. Only round bodies deep in each other need more.
+    /// Allocates all the memory that overlaps may need later (some 50 kB): afterwards no query
+    /// allocates if the walk or its solvers in f64 suffice, as long as surfaces have no more than
+    /// 256 triangles. Only round bodies deep in each other need more.
     pub fn reserve(&mut self) {
         self.memory.reserve();
     }
 
-    /// The features of the last answer.
+    /// Returns the features of the last answer.
     #[must_use]
     pub fn features(&self) -> Option<FeaturePair> {
         self.last
     }
 
-    /// The pairs of features that the walk of the next query would look at, in order, and whether it ends on the last
-    /// of them rather than handing over there. Nothing is changed or counted. Empty for bodies that no walk is tried on:
-    /// too far apart, or of sizes too different.
+    /// Returns the pairs of features that the walk of the next query would test, in order, and
+    /// whether the walk ends on the last pair rather than handing over there. Nothing is changed or
+    /// counted. Empty for bodies on which no walk is tried: too far apart, or of sizes too
+    /// different.
     #[must_use]
     pub fn trace(
         &self,
@@ -114,7 +120,8 @@ impl Tracker {
         }
     }
 
-    /// The query as a text that rebuilds it bit for bit: ask for it before the query, or the start is the answer's.
+    /// Returns the query as a text that rebuilds the query bit for bit: call this before the query,
+    /// or the recorded start is the start of the next query.
     #[must_use]
     pub fn replay(
         &self,
@@ -126,7 +133,7 @@ impl Tracker {
         replay(a, b, a_from_b, (self.start(a, b), self.memory.clone()), level)
     }
 
-    /// What has been done so far.
+    /// Returns the counters since the tracker was made or reset.
     #[must_use]
     pub fn totals(&self) -> Totals {
         self.totals
@@ -137,14 +144,17 @@ impl Tracker {
         *self = Self::default();
     }
 
-    /// The closest features, their witnesses and bounds of the distance, certified: separated bodies get bounds no
-    /// wider than `1e-13 L`, with `L` the sum of both radii and the distance of the bodies. Overlapping bodies get
-    /// their depth as a negative distance, bounded as well. Bodies apart allocate nothing, as long as the exact rung is not needed;
-    /// the depth of an overlap takes memory that the tracker keeps, or has taken before ([`reserve`](Self::reserve)).
+    /// Returns the closest features, their witnesses and bounds of the distance, certified:
+    /// separated bodies get bounds no wider than `1e-13 L`, with `L` the sum of both radii and the
+    /// distance of the bodies. Overlapping bodies get their depth as a negative distance, bounded
+    /// as well. Queries of separated bodies allocate nothing, unless exact arithmetic is needed;
+    /// the depth of an overlap takes memory that the tracker keeps, or has allocated before
+    /// ([`reserve`](Self::reserve)).
     ///
-    /// A query looks at a few vertices, also where faces or fans of thousands of edges lie flush. One thing takes time in proportion to
-    /// those: the depth of an overlap whose centre is equally deep under all of them, as of two cones tip in tip on one axis. Each may be
-    /// the deepest, and is looked at, in some 3 to 7 us.
+    /// A query tests a few vertices, even if faces or fans of thousands of edges lie flush. Only
+    /// one query takes time in proportion to the number of such edges: the depth of an overlap
+    /// whose centre is equally deep under all of them, as of two cones with coaxial apexes. Each
+    /// may be the deepest, and is tested, in some 3 to 7 us.
     #[inline]
     pub fn closest(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Outcome {
         let before = self.before(a, b);
@@ -153,8 +163,9 @@ impl Tracker {
         outcome
     }
 
-    /// As [`closest`](Self::closest), with the distance of separated bodies within one unit in the last place of the
-    /// truth. Costs microseconds: every answer is taken again in double-double arithmetic, some in exact integers.
+    /// Returns the closest features as [`closest`](Self::closest) does, with the distance of
+    /// separated bodies within one unit in the last place of the truth. Costs microseconds: every
+    /// answer is computed again in double-double arithmetic, some answers in exact integers.
     #[cfg(feature = "exact")]
     pub fn closest_exact(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Outcome {
         let before = self.before(a, b);
@@ -167,8 +178,8 @@ impl Tracker {
                 until: Until::Depth,
             },
         );
-        // The second: a distance that f64 holds in the caller's unit only, below the normal numbers in
-        // the stored unit.
+        // Second case: a distance that f64 holds in the caller's unit only, below the normal
+        // numbers in the stored unit.
         if outcome.solver == crate::pair::outcome::Solver::Far
             || outcome.class == Class::Separated && !outcome.is_tight()
         {
@@ -188,13 +199,13 @@ impl Tracker {
         self.answer(a, b, a_from_b, Ask::certified(Until::Class))
     }
 
-    /// The distance and its bounds without the witnesses.
+    /// Returns the distance and its bounds without the witnesses.
     pub fn distance(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Distance {
         self.bounds(a, b, a_from_b, Until::Depth)
     }
 
-    /// The closest features as the walk proposes them, without bounds. Where the walk does not end, the minimum-norm
-    /// solver in f64 stands in.
+    /// Returns the closest features as the walk proposes, without bounds. If the walk does not end,
+    /// the minimum-norm solver in f64 is used.
     #[inline]
     pub fn propose(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Proposal {
         let o = self.answer(
@@ -217,8 +228,8 @@ impl Tracker {
         }
     }
 
-    /// Answers at one level, an overlap with its depth if `deep`. The outcome is written where it is returned: copied whole, it would wait for its parts to
-    /// leave the store queue.
+    /// Answers at one accuracy, an overlap with its depth if `deep`. The outcome is written in
+    /// place: copied whole, the outcome would wait for its parts to leave the store queue.
     #[inline(always)]
     fn answer(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose, ask: Ask) -> Outcome {
         let mut outcome = Outcome::starting_at(FeaturePair::vertices(Operand::A, 0, 0));
@@ -263,7 +274,8 @@ impl Tracker {
         }
     }
 
-    /// The depth of an overlap, where it is asked for; where not, the next query begins with the expectation of another.
+    /// Computes the depth of an overlap, if requested; if not, the next query begins with the
+    /// expectation of another overlap.
     #[inline(always)]
     fn deepen(&mut self, until: Until, posed: &PosedPair, outcome: &mut Outcome) {
         if outcome.class == Class::Overlapping {
@@ -274,7 +286,7 @@ impl Tracker {
         }
     }
 
-    /// The answer from the surface of the last one. What is no longer of use is forgotten.
+    /// Answers from the surface of the last answer. State of no further use is dropped.
     #[inline(never)]
     fn resume(&mut self, posed: &PosedPair, outcome: &mut Outcome) -> bool {
         let first = *outcome;
@@ -310,7 +322,7 @@ impl Tracker {
         outcome.features = warm.unwrap_or_else(|| seed::cold(&posed, &mut outcome.work));
         solve::solve(ask.accuracy, &posed, warm.is_some(), outcome);
         self.deepen(ask.until, &posed, outcome);
-        // Their names are those of the bodies exchanged.
+        // The names of the surface are the names of the bodies exchanged.
         self.memory.clear();
         self.overlap_proof = None;
         outcome.features = outcome.features.swapped();
@@ -333,14 +345,15 @@ impl Tracker {
         self.count(false, a, b, outcome);
     }
 
-    /// Where the next query starts: the cached pair, where it names features of these bodies and has been the cheaper
-    /// start of late. The only thing a tracker adds to an answer, and hence what a replay records.
+    /// Returns the start of the next query: the cached pair, if its features belong to these bodies
+    /// and the cached pair has been the cheaper start of late. The start is the only influence of a
+    /// tracker on an answer, and hence all that a replay records.
     #[inline(always)]
     fn start(&self, a: &ConvexPolyhedron, b: &ConvexPolyhedron) -> Option<FeaturePair> {
         self.next.filter(|pair| self.starts.prefer_warm() && pair.is_of(a, b))
     }
 
-    /// What a fault is reported with, in builds that look for one.
+    /// Captures the data a fault is reported with, in builds that check for faults.
     #[inline(always)]
     fn before(&self, a: &ConvexPolyhedron, b: &ConvexPolyhedron) -> Option<(Option<FeaturePair>, Memory)> {
         cfg!(debug_assertions).then(|| (self.start(a, b), self.memory.clone()))
@@ -350,7 +363,8 @@ impl Tracker {
     fn count(&mut self, warm: bool, a: &ConvexPolyhedron, b: &ConvexPolyhedron, outcome: &Outcome) {
         self.starts.learn(warm, &outcome.work);
         self.totals.note(warm, outcome.solver, &outcome.work);
-        // Longer walks, and those that began where features were to go: on long rims and round large fans.
+        // Longer walks, and walks that began at extrapolated features: on long face boundaries and
+        // around large fans.
         if (a.has_bands | b.has_bands) && (outcome.work.steps > STEADY || self.next != self.last) {
             let now = outcome.features;
             let next = self.last.map_or(now, |before| predict(a, b, before, now));
@@ -360,7 +374,7 @@ impl Tracker {
         }
     }
 
-    /// The next walk starts where this one ended.
+    /// Starts the next walk at the end of this walk.
     #[inline(always)]
     fn stay(&mut self, features: FeaturePair) {
         (self.last, self.next) = (Some(features), Some(features));
@@ -384,7 +398,8 @@ fn replay(
     }
 }
 
-/// In debug builds: an answer that contradicts itself ends the program with the text that replays the query.
+/// In debug builds: an answer that contradicts itself ends the program with the text that replays
+/// the query.
 #[inline(always)]
 fn debug_check(
     a: &ConvexPolyhedron,
@@ -402,7 +417,7 @@ fn debug_check(
 }
 
 impl Replay {
-    /// A tracker that starts where the recorded one did.
+    /// Returns a tracker with the recorded start.
     #[must_use]
     pub fn tracker(&self) -> Tracker {
         let start = self.start.map(|pair| Tracker::starting_from(pair, &self.a, &self.b));
@@ -420,19 +435,21 @@ pub(crate) fn clear_of(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &Relati
         return false;
     }
     let reach = a.radius + b.radius + d;
-    // One part in 2^20 is far more than the rounding of both sides, and LEAST_SQUARE more than what squares lose below the normal
-    // numbers.
+    // One part in 2^20 is far more than the rounding of both sides, and LEAST_SQUARE more than the
+    // loss of squares below the normal numbers.
     pose.translation().norm_squared() > reach * reach * (1.0 + 1.0 / 1_048_576.0) + LEAST_SQUARE
 }
 
-/// Whether a pair of different units is asked in those of `x`: they are the larger, or `y` is a point, which has no size of its own.
+/// Whether a pair of different units is computed in the unit of `x`: true if `x` has the larger
+/// unit, or `y` is a point, which has no size of its own.
 #[cold]
 fn has_the_unit(x: &ConvexPolyhedron, y: &ConvexPolyhedron) -> bool {
     y.radius == 0.0 || x.exponent > y.exponent && x.radius > 0.0
 }
 
-/// Takes an outcome from stored units and frames to the caller's: the one place where bounds change their unit. A unit is a power of two,
-/// so only what leaves the normal numbers is rounded; bounds are rounded outward.
+/// Converts an outcome from stored units and frames to the caller's: the only place at which bounds
+/// change their unit. A unit is a power of two, so only numbers that leave the normal range are
+/// rounded; bounds are rounded outward.
 #[cold]
 fn to_user_units(a: &ConvexPolyhedron, b: &ConvexPolyhedron, outcome: &mut Outcome) {
     let unit = if has_the_unit(b, a) { b.unit() } else { a.unit() };
@@ -446,6 +463,6 @@ fn to_user_units(a: &ConvexPolyhedron, b: &ConvexPolyhedron, outcome: &mut Outco
 /// Returns the largest f64 that is no greater than `x` times a power of two.
 fn scaled_down(x: f64, unit: f64) -> f64 {
     let y = x * unit;
-    // The way back is exact, or it overflows as the way there did.
+    // The way back is exact, or overflows as the way there did.
     if y / unit > x { y.next_down() } else { y }
 }

@@ -1,11 +1,13 @@
-//! Axis-aligned boxes: as callers give them (`f64`) and as the broad phase keeps them (`f32`, rounded outward).
+//! Axis-aligned boxes: as given by callers (`f64`) and as stored by the broad phase (`f32`, rounded
+//! outward).
 
 use nalgebra::{Point3, Vector3};
 
-/// An axis-aligned box with `f64` corners, as a caller gives it. Closed: its faces belong to it.
+/// An axis-aligned box with `f64` corners, as given by a caller. Closed: the faces belong to the
+/// box.
 ///
-/// The fields are plain numbers, so a box may hold nonsense; [`Aabb::fault`] says which, and every call of a broad
-/// phase refuses such a box by an error that names the body.
+/// The fields are plain numbers, so a box may be invalid; [`Aabb::fault`] returns the first fault,
+/// and every call of a broad phase refuses such a box by an error that names the body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Aabb {
@@ -15,7 +17,7 @@ pub struct Aabb {
     pub max: Point3<f64>,
 }
 
-/// What makes a box unusable.
+/// Fault that makes a box unusable.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum BoxFault {
@@ -33,7 +35,7 @@ pub enum BoxFault {
     },
 }
 
-/// From the least and the greatest corner, taken as they are.
+/// Returns the box with the least and the greatest corner, unchecked.
 ///
 /// ```
 /// use lin_canny::broad::Aabb;
@@ -52,13 +54,13 @@ impl From<(Point3<f64>, Point3<f64>)> for Aabb {
 }
 
 impl Aabb {
-    /// The box between two corners, taken as they are.
+    /// Returns the box between two corners, unchecked.
     #[must_use]
     pub fn new(min: Point3<f64>, max: Point3<f64>) -> Self {
         Self { min, max }
     }
 
-    /// The box with this centre that reaches `half` to each side.
+    /// Returns the box with this centre that reaches `half` to each side.
     #[must_use]
     pub fn from_center(center: Point3<f64>, half: Vector3<f64>) -> Self {
         Self {
@@ -67,7 +69,8 @@ impl Aabb {
         }
     }
 
-    /// The whole of space; for [`insert_unbounded`](super::BroadPhase::insert_unbounded) only.
+    /// Returns the whole of space; for [`insert_unbounded`](super::BroadPhase::insert_unbounded)
+    /// only.
     #[must_use]
     pub fn everything() -> Self {
         let far = Vector3::repeat(f64::INFINITY);
@@ -77,7 +80,7 @@ impl Aabb {
         }
     }
 
-    /// The box grown by `margin` on every side.
+    /// Returns the box grown by `margin` on every side.
     #[must_use]
     pub fn grown(&self, margin: f64) -> Self {
         let by = Vector3::repeat(margin);
@@ -87,7 +90,8 @@ impl Aabb {
         }
     }
 
-    /// The box that covers this one on its whole way along `motion` (a straight line; a turn needs its own bound).
+    /// Returns the box that covers this box during the whole translation by `motion` (a straight
+    /// line; a rotation needs its own bound).
     #[doc(alias = "sweep")]
     #[must_use]
     pub fn swept(&self, motion: &Vector3<f64>) -> Self {
@@ -98,7 +102,7 @@ impl Aabb {
         }
     }
 
-    /// The least box that covers both.
+    /// Returns the least box that covers both boxes.
     #[must_use]
     pub fn united(&self, other: &Self) -> Self {
         Self {
@@ -119,7 +123,7 @@ impl Aabb {
         (0..3).all(|k| self.min[k] <= other.min[k] && other.max[k] <= self.max[k])
     }
 
-    /// The first fault of a box meant to be finite.
+    /// Returns the first fault of a box meant to be finite.
     #[must_use]
     pub fn fault(&self) -> Option<BoxFault> {
         if self.is_sound() {
@@ -129,7 +133,7 @@ impl Aabb {
         }
     }
 
-    /// The first fault of a box that may reach to infinity: NaN and inversion stay faults.
+    /// Returns the first fault of a box that may reach to infinity: NaN and inversion stay faults.
     #[must_use]
     pub fn fault_unbounded(&self) -> Option<BoxFault> {
         (0..3).find_map(|axis| self.fault_of_axis(axis, |v| !v.is_nan()))
@@ -146,7 +150,8 @@ impl Aabb {
         }
     }
 
-    /// One pass without branches; every comparison is false for NaN, so NaN lands on the slow side.
+    /// Checks all axes without branches; every comparison is false for NaN, so NaN takes the slow
+    /// path.
     #[inline(always)]
     fn is_sound(&self) -> bool {
         let mut sound = true;
@@ -159,14 +164,16 @@ impl Aabb {
     }
 }
 
-/// Coordinates of a [`StoredBox`] are clamped to this. Clamping is monotone, so it may add pairs but loses none; it
-/// leaves room above for the corners of [`StoredBox::EMPTY`].
+/// Largest coordinate of a [`StoredBox`]; larger coordinates are clamped. Clamping is monotone, so
+/// pairs may be added but none lost; the corners of [`StoredBox::EMPTY`] lie above.
 pub(crate) const FARTHEST: f32 = 1e38;
 
-/// A box as the broad phase keeps it: `f32`, relative to the structure's origin, every bound rounded outward.
+/// A box as stored by the broad phase: `f32`, relative to the structure's origin, every bound
+/// rounded outward.
 ///
-/// Pairs are decided on these boxes. Rounding is monotone, so boxes that overlap in `f64` overlap here too; boxes nearer
-/// than about one part in 2^23 of their distance from the origin may be a pair without overlapping in `f64`.
+/// Pairs are decided on stored boxes. Rounding is monotone, so boxes that overlap in `f64` overlap
+/// here too; boxes nearer than about one part in 2^23 of their distance from the origin may be a
+/// pair without overlapping in `f64`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[repr(C)]
@@ -178,14 +185,15 @@ pub struct StoredBox {
 }
 
 impl StoredBox {
-    /// Overlaps nothing, itself included. A body not yet inserted was empty, a removed one will be. Finite on purpose:
-    /// differences of bounds never become NaN, and every serde format can hold it.
+    /// The box that overlaps nothing, not even itself. A body not yet inserted was empty, a removed
+    /// body will be empty. Finite on purpose: differences of bounds never become NaN, and every
+    /// serde format can hold the bounds.
     pub(crate) const EMPTY: Self = Self {
         lo: [3e38; 3],
         hi: [-3e38; 3],
     };
 
-    /// The stored form of a box without faults.
+    /// Returns the stored form of a box without faults.
     #[must_use]
     pub fn outward(aabb: &Aabb, origin: &Point3<f64>) -> Self {
         // Adding zero turns -0 into +0, so that equal bounds have equal bits and sort keys.
@@ -219,7 +227,7 @@ impl StoredBox {
         all
     }
 
-    /// The coordinates in the cyclic order that starts `by` axes later.
+    /// Returns the coordinates in the cyclic order that starts `by` axes later.
     pub(crate) fn rotated(&self, by: usize) -> Self {
         let turn = |v: &[f32; 3]| [v[by % 3], v[(by + 1) % 3], v[(by + 2) % 3]];
         Self {
@@ -228,7 +236,8 @@ impl StoredBox {
         }
     }
 
-    /// A box that every box at most `by` away from this one overlaps: the differences of bounds are rounded, so a little more.
+    /// Returns a box that overlaps every box at most `by` away from this box: a little larger, as
+    /// differences of bounds are rounded.
     pub(crate) fn grown(&self, by: f64) -> Self {
         let by = by.next_up();
         Self {
@@ -237,7 +246,7 @@ impl StoredBox {
         }
     }
 
-    /// Squared distance between the boxes in `f64`, zero when they overlap.
+    /// Returns the squared distance between the boxes in `f64`, zero if the boxes overlap.
     pub(crate) fn distance_squared(&self, other: &Self) -> f64 {
         let gap = |k: usize| {
             let before = f64::from(other.lo[k]) - f64::from(self.hi[k]);
@@ -248,26 +257,28 @@ impl StoredBox {
     }
 }
 
-/// Plain comparison: the core's `f32::max` has NaN rules that cost instructions, and no NaN gets here.
+/// Maximum by plain comparison: the core's `f32::max` has NaN rules that cost instructions, and no
+/// NaN gets here.
 #[inline(always)]
 pub(crate) fn max(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }
 }
 
-/// The largest `f32` at or below `v`, clamped to `FARTHEST`; exact where `v` is an `f32`.
+/// Returns the largest `f32` at or below `v`, clamped to `FARTHEST`; exact if `v` is an `f32`.
 fn rounded_down(v: f64) -> f32 {
     let limit = FARTHEST as f64;
     let v = if v < -limit { -limit } else { v };
     let v = if v > limit { limit } else { v };
     let nearest = v as f32;
     let step = i32::from(f64::from(nearest) > v);
-    // Bit patterns of floats, read as sign and magnitude, count up with the value.
+    // Bit patterns of floats, read as sign and magnitude, increase with the value.
     let bits = nearest.to_bits() as i32;
     let rank = (bits ^ (((bits >> 31) as u32) >> 1) as i32) - step;
     f32::from_bits((rank ^ (((rank >> 31) as u32) >> 1) as i32) as u32)
 }
 
-/// An integer that orders like the float. Equal floats have equal keys (there is no -0 in a stored box).
+/// Returns an integer that orders like the float. Equal floats have equal keys (a stored box has no
+/// -0).
 #[inline(always)]
 pub(crate) fn order_key(v: f32) -> u32 {
     let bits = v.to_bits();

@@ -1,4 +1,5 @@
-//! The table of bodies: ids with generations, the stored boxes of this step and the last, and who moved.
+//! The table of bodies: ids with generations, the stored boxes of this step and the last, and the
+//! lists of moved bodies.
 
 mod batch;
 mod place;
@@ -7,11 +8,11 @@ mod record;
 mod state;
 
 use super::aabb::StoredBox;
-use super::ahead::read_ahead;
 use super::bounds::{Bounds, any_above};
+use super::compact_vec::{push, trim};
 use super::error::BroadPhaseError;
 use super::grid::{Grid, Range};
-use super::lists::{push, trim};
+use super::prefetch::read_ahead;
 use super::{Aabb, Body, Groups};
 use alloc::vec::Vec;
 use core::fmt;
@@ -23,11 +24,11 @@ pub(crate) use record::{FIXED, JUMPS, MIGRATES, Record, UNBOUNDED};
 #[cfg(feature = "serde")]
 pub(crate) use state::BodiesState;
 
-/// Names a body of one broad phase. The index is reused after a removal, the generation then differs.
+/// Id of a body in one broad phase. The index is reused after a removal, with another generation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct BodyId {
-    /// Place in tables; less than 2^31.
+    /// Index in tables; less than 2^31.
     pub index: u32,
     /// Odd for every body that ever lived.
     pub generation: u32,
@@ -42,7 +43,7 @@ impl fmt::Display for BodyId {
 /// Largest number of bodies: one bit of a 32-bit index serves as a flag inside columns.
 const MOST_BODIES: usize = (1 << 31) - 1;
 
-/// What only events and refreshed margins read.
+/// Options and margins of a body, read only by events and by renewed boxes.
 #[derive(Clone, Copy, Debug)]
 struct Detail {
     groups: Groups,
@@ -73,18 +74,18 @@ impl Detail {
     }
 }
 
-/// Who changed since the last step.
+/// Bodies that changed since the last step.
 #[derive(Clone, Debug, Default)]
 #[repr(align(128))] // threads write into neighbours: none shall share cache lines
 pub(crate) struct Marks {
-    /// Bodies whose stored box differs from the last step's, in the order of the calls.
+    /// Bodies whose stored box differs from the box of the last step, in the order of the calls.
     pub(crate) moved: Vec<u32>,
-    /// Those among them that may have changed columns.
+    /// Moved bodies that may have changed columns.
     pub(crate) noted: Vec<u32>,
 }
 
 impl Marks {
-    /// Takes over those of `other`, which keeps its memory.
+    /// Moves all entries of `other` here; `other` keeps its memory.
     fn append(&mut self, other: &mut Self) {
         trim(&mut other.moved);
         trim(&mut other.noted);
@@ -98,22 +99,22 @@ impl Marks {
 pub(crate) struct Bodies {
     pub(crate) records: Vec<Record>,
     details: Vec<Detail>,
-    /// Odd while the body lives, one more after.
+    /// Odd while the body lives, larger by 1 after the removal.
     pub(super) generations: Vec<u32>,
     free: Vec<u32>,
     /// Removed bodies whose pairs end with the next step.
     pub(crate) leaving: Vec<u32>,
-    /// Bodies whose groups changed: their pairs are asked again.
+    /// Bodies whose groups changed: groups and filter are asked again for their pairs.
     pub(crate) regrouped: Vec<u32>,
     pub(crate) unbounded: Vec<u32>,
     pub(crate) marks: Marks,
-    /// What single threads mark; empty between calls.
+    /// Marks made by single threads; empty between calls.
     shares: Vec<Marks>,
     /// Number of the step being prepared; never 0.
     pub(crate) step: u32,
     pub(crate) origin: Point3<f64>,
     pub(crate) grid: Grid,
-    /// Most bodies; less in tests.
+    /// Largest number of bodies; less in tests.
     pub(super) most: usize,
 }
 
@@ -136,7 +137,7 @@ impl Bodies {
         }
     }
 
-    /// Living bodies.
+    /// Returns the number of living bodies.
     pub(crate) fn len(&self) -> usize {
         self.records.len() - self.free.len() - self.leaving.len()
     }
@@ -150,7 +151,7 @@ impl Bodies {
         self.details[i] = Detail::new(body);
         let is_loose = body.margin > 0.0 || body.lookahead > 0.0;
         let kind = if is_loose { LOOSE } else { 0 } | if body.fixed { FIXED } else { 0 };
-        // Loose boxes born together would otherwise expire together, in waves.
+        // Loose boxes inserted together would otherwise all be renewed together, in waves.
         let stored = if is_loose {
             grown(&stored, body.margin as f32 * fraction(index))
         } else {
@@ -170,7 +171,7 @@ impl Bodies {
         Ok(BodyId { index, generation })
     }
 
-    /// An index for a body that has none, if there is room.
+    /// Returns a free index for a new body, if there is room.
     fn vacant(&mut self) -> Result<u32, BroadPhaseError> {
         if let Some(index) = self.free.pop() {
             return Ok(index);
@@ -184,7 +185,8 @@ impl Bodies {
         Ok((self.records.len() - 1) as u32)
     }
 
-    /// From now on the id is stale. The box becomes empty, so that the next step sees every pair of the body end.
+    /// Removes a body: the id is stale at once. The box becomes empty, so that the next step sees
+    /// every pair of the body end.
     pub(crate) fn remove(&mut self, id: BodyId) -> Result<(), BroadPhaseError> {
         let i = self.index_of(id)?;
         self.generations[i] = id.generation.wrapping_add(1);
@@ -215,7 +217,8 @@ impl Bodies {
         Ok(())
     }
 
-    /// The stored form of a box that is none of a body's yet; of a finite one unless the flags say otherwise.
+    /// Returns the stored form of a box that no body has yet; the box must be finite unless the
+    /// flags allow infinity.
     pub(crate) fn stored(&self, aabb: &Aabb, flags: u32) -> Result<StoredBox, BroadPhaseError> {
         checked(aabb, &self.origin, &self.grid, flags).map_err(|fault| BroadPhaseError::from_fault(fault, None))
     }
@@ -230,7 +233,7 @@ impl Bodies {
         }
     }
 
-    /// The id under which the body at `index` lives, or last lived until the next step.
+    /// Returns the id under which the body at `index` lives, or last lived until the next step.
     pub(crate) fn id(&self, index: u32) -> BodyId {
         let generation = self
             .generations
@@ -243,7 +246,7 @@ impl Bodies {
         self.generations.get(index as usize).is_some_and(|g| g % 2 == 1)
     }
 
-    /// The options of a body.
+    /// Returns the options of a body.
     pub(crate) fn body(&self, index: u32) -> Body {
         self.details[index as usize].body()
     }
@@ -257,14 +260,15 @@ impl Bodies {
         Ok(())
     }
 
-    /// Whether options let the two bodies pair.
+    /// Whether the options of two bodies allow a pair.
     #[inline]
     pub(crate) fn may_pair(&self, a: u32, b: u32) -> bool {
         let [a, b] = [a, b].map(|i| &self.details[i as usize]);
         !(a.fixed && b.fixed) && a.groups.meet(b.groups)
     }
 
-    /// Reads what [`may_pair`](Self::may_pair) and [`id`](Self::id) will want of these bodies.
+    /// Prefetches the data that [`may_pair`](Self::may_pair) and [`id`](Self::id) read of these
+    /// bodies.
     pub(crate) fn read_ahead(&self, indices: impl Iterator<Item = u32>) {
         read_ahead(
             self.details.len(),
@@ -272,7 +276,7 @@ impl Bodies {
         );
     }
 
-    /// Ids of all living bodies.
+    /// Iterates over the ids of all living bodies.
     pub(crate) fn ids(&self) -> impl Iterator<Item = BodyId> {
         let living = self.generations.iter().enumerate().filter(|(_, g)| **g % 2 == 1);
         living.map(|(i, g)| BodyId {
@@ -281,7 +285,8 @@ impl Bodies {
         })
     }
 
-    /// Gives every body its columns of another grid, and finds anew who changes columns.
+    /// Computes the columns of every body in another grid, and lists all bodies that change
+    /// columns.
     pub(crate) fn set_grid(&mut self, grid: Grid) {
         let turn = (3 + grid.axis - self.grid.axis) % 3;
         self.marks.noted.clear();
@@ -304,7 +309,7 @@ impl Bodies {
         self.grid = grid;
     }
 
-    /// Decides for every noted body how it takes part in its columns this step.
+    /// Decides for every noted body how the body takes part in its columns this step.
     pub(crate) fn classify(&mut self) {
         let (step, grid) = (self.step, &self.grid);
         for &index in &self.marks.noted {
@@ -346,7 +351,7 @@ impl Bodies {
         };
     }
 
-    /// Bytes reserved for bodies.
+    /// Returns the bytes reserved for bodies.
     pub(crate) fn bytes(&self) -> usize {
         let lists = [&self.free, &self.leaving, &self.regrouped, &self.unbounded];
         let marks = self.shares.iter().chain([&self.marks]);

@@ -1,22 +1,23 @@
-//! A stored box in two vector registers: what all hot loops compute with.
+//! A stored box in two SIMD registers: the form in which all hot loops compute.
 
 use super::aabb::{Aabb, FARTHEST, StoredBox};
 use nalgebra::Point3;
 use wide::{f32x4, f64x4, i32x4};
 
-/// Lower and upper bounds in lanes 0 to 2; lane 3 is anything, and every test leaves it out.
+/// Lower and upper bounds in lanes 0 to 2; lane 3 is arbitrary, and every test ignores lane 3.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Bounds {
     pub(crate) lo: f32x4,
     pub(crate) hi: f32x4,
 }
 
-/// The lanes that count, as a mask of `to_bitmask`.
+/// The three lanes of the axes, as a mask of `to_bitmask`.
 const AXES: u32 = 0b111;
 
 impl Bounds {
-    /// The stored form of a box, with the coordinates in the cyclic order that starts at axis `FIRST`; `None` if the
-    /// box may be at fault or out of the range of `f32`, which is for the slow path to find out.
+    /// Returns the stored form of a box, with the coordinates in the cyclic order that starts at
+    /// axis `FIRST`; `None` if the box may be faulty or out of the range of `f32`, which the slow
+    /// path decides.
     #[inline(always)]
     pub(crate) fn outward<const FIRST: usize>(aabb: &Aabb, origin: &Point3<f64>) -> Option<Self> {
         let axes = [FIRST, (FIRST + 1) % 3, (FIRST + 2) % 3];
@@ -67,7 +68,7 @@ impl Bounds {
         within.to_bitmask() & AXES == AXES
     }
 
-    /// The least box that covers both; the empty box is neutral.
+    /// Returns the least box that covers both boxes; the empty box is neutral.
     #[inline(always)]
     pub(crate) fn united(&self, other: &Self) -> Self {
         Self {
@@ -76,7 +77,7 @@ impl Bounds {
         }
     }
 
-    /// How far the faces moved between the two boxes: by axis, the larger of the two.
+    /// Returns the displacement of the faces between the two boxes: by axis, the larger of the two.
     #[inline(always)]
     pub(crate) fn displacement(&self, other: &Self) -> f32x4 {
         (self.lo - other.lo).abs().fast_max((self.hi - other.hi).abs())
@@ -89,14 +90,14 @@ pub(crate) fn any_above(v: f32x4, bounds: f32x4) -> bool {
     v.simd_gt(bounds).to_bitmask() & AXES != 0
 }
 
-/// The largest of the three axes.
+/// Returns the largest of the three axes.
 #[inline(always)]
 pub(crate) fn largest(v: f32x4) -> f32 {
     let [a, b, c, _] = v.to_array();
     super::aabb::max(a, super::aabb::max(b, c))
 }
 
-/// The largest `f32` at or below each lane; exact where a lane is an `f32`. No branches.
+/// Returns the largest `f32` at or below each lane; exact if a lane is an `f32`. No branches.
 #[inline(always)]
 fn rounded_down(v: f64x4) -> f32x4 {
     let [a, b, c, d] = v.to_array();
@@ -104,8 +105,9 @@ fn rounded_down(v: f64x4) -> f32x4 {
     let [a, b, c, d] = nearest;
     let back = f64x4::from([f64::from(a), f64::from(b), f64::from(c), f64::from(d)]);
     let [a, b, c, d] = back.simd_gt(v).to_array().map(|mask| mask.to_bits() as i32);
-    // -1 in lanes that were rounded up. One down is one less in the bits of a positive float, one more in those of a
-    // negative one, which a sign of -1 makes of it: (x ^ -1) + 1 = -x.
+    // -1 in lanes that were rounded up. The next float below has bits less by 1 for a positive
+    // float, and greater by 1 for a negative float; a sign of -1 yields the latter: (x ^ -1) + 1 =
+    // -x.
     let above = i32x4::from([a, b, c, d]);
     let bits: i32x4 = i32x4::from(nearest.map(|v| v.to_bits() as i32));
     let sign: i32x4 = bits >> 31;

@@ -1,13 +1,16 @@
-//! What a step finds: pairs that began and pairs that ended, decided from old and new boxes alone.
+//! The changes that a step finds: pairs that began and pairs that ended, decided from old and new
+//! boxes alone.
 //!
-//! Nothing is remembered of a pair to find out that it began or ended, and a pair that stays costs no table look-up:
-//! `was` and `is` are the overlaps of the old and of the new boxes, and a pair is reported when they differ.
+//! No state of a pair is needed to find that the pair began or ended, and a pair that stays costs
+//! no table look-up: `was` and `is` are the overlaps of the old and of the new boxes, and a pair is
+//! reported if the two differ.
 
 use super::body::{Bodies, Record};
-use super::lists::trim;
+use super::compact_vec::trim;
 use alloc::vec::Vec;
 
-/// Two body indices in one number, the lower index in the upper half, so that numbers sort like pairs.
+/// Two body indices in one number, the lower index in the upper half, so that numbers sort like
+/// pairs.
 pub(crate) type PairKey = u64;
 
 #[inline(always)]
@@ -21,7 +24,7 @@ pub(crate) fn pair_of(key: PairKey) -> (u32, u32) {
     ((key >> 32) as u32, key as u32)
 }
 
-/// Pairs whose overlap changed, groups not yet asked.
+/// Pairs whose overlap changed, before groups are asked.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Changes {
     pub(crate) began: Vec<PairKey>,
@@ -36,7 +39,7 @@ impl Changes {
         }
     }
 
-    /// Takes over all of `other`, which keeps memory for as many.
+    /// Moves all changes of `other` here; `other` keeps memory for as many.
     pub(crate) fn append(&mut self, other: &mut Self) {
         for (all, part) in [(&mut self.began, &mut other.began), (&mut self.ended, &mut other.ended)] {
             trim(part);
@@ -48,14 +51,14 @@ impl Changes {
         }
     }
 
-    /// The changes one thread found, in order, so that [`settle`](Self::settle) has but to merge.
+    /// Sorts the changes that one thread found, so that [`settle`](Self::settle) only has to merge.
     pub(crate) fn sort(&mut self) {
         self.began.sort_unstable();
         self.ended.sort_unstable();
     }
 
-    /// One order for every structure, mode and thread count, by the two indices; each pair once. The library's stable sort
-    /// takes sorted runs as they are.
+    /// Sorts the changes by the two indices, each pair once: one order for every structure, mode
+    /// and thread count. The library's stable sort takes sorted runs as they are.
     pub(crate) fn settle(&mut self) {
         for keys in [&mut self.began, &mut self.ended] {
             keys.sort();
@@ -63,7 +66,7 @@ impl Changes {
         }
     }
 
-    /// Notes a change of the pair, if it is one.
+    /// Notes the pair if its overlap changed.
     #[inline(always)]
     pub(crate) fn note(&mut self, a: u32, b: u32, was: bool, is: bool) {
         if was != is {
@@ -73,14 +76,15 @@ impl Changes {
     }
 }
 
-/// Whether the pair overlapped in the last step, and whether it does now.
+/// Returns whether the pair overlapped in the last step, and whether the pair overlaps now.
 #[inline(always)]
 pub(crate) fn overlap(a: &Record, b: &Record, step: u32) -> (bool, bool) {
     (a.before(step).overlaps(&b.before(step)), a.now().overlaps(&b.now()))
 }
 
-/// Compares the unbounded bodies, which are in no column, with all others: those that moved, or everything if the
-/// unbounded body itself did. A pair of two moved bodies is noted from the one with the lower index.
+/// Compares the unbounded bodies, which are in no column, with all moved bodies, or with every body
+/// if the unbounded body itself moved. A pair of two moved bodies is noted from the body with the
+/// lower index.
 pub(crate) fn note_unbounded(bodies: &Bodies, changes: &mut Changes) {
     let step = bodies.step;
     for &w in &bodies.unbounded {

@@ -1,12 +1,13 @@
-//! Consistency of bodies and pairs, the part of [`BroadPhase::check`](super::BroadPhase::check) that every structure shares.
+//! Consistency of bodies and pairs, the part of [`BroadPhase::check`](super::BroadPhase::check)
+//! that every structure shares.
 
 use super::body::{Bodies, UNBOUNDED};
-use super::ledger::Ledger;
+use super::state::BroadPhaseState;
 use alloc::format;
 use alloc::string::String;
 
-impl Ledger {
-    /// The first contradiction among bodies and pairs. Between steps only.
+impl BroadPhaseState {
+    /// Returns the first contradiction among bodies and pairs. Between steps only.
     pub(super) fn check(&self) -> Result<(), String> {
         let Self { bodies, pairs, .. } = self;
         check_bodies(bodies)?;
@@ -24,7 +25,7 @@ impl Ledger {
     }
 }
 
-/// Columns of the records, and the list of who moved.
+/// Checks the columns of the records, and the list of moved bodies.
 fn check_bodies(bodies: &Bodies) -> Result<(), String> {
     let mut moved = 0;
     for (i, record) in bodies.records.iter().enumerate() {

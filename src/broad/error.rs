@@ -1,16 +1,16 @@
-//! What a broad phase refuses, and how it says so.
+//! Refused calls of a broad phase, and their messages.
 
 use super::{BodyId, BoxFault};
 use thiserror::Error;
 
-/// A refused call. The body keeps the box, the pairs and the options it had; nothing else changed either.
+/// A refused call. The body keeps its box, pairs and options; nothing else changed either.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum BroadPhaseError {
     /// A bound is NaN or infinite. Boxes that reach to infinity enter by `insert_unbounded` only.
     #[error("the box of {} has a bound on axis {axis} that is not finite", Name(*.body))]
     NonFinite {
-        /// The body whose box was refused; `None` for one that was to be inserted.
+        /// The body whose box was refused; `None` for a body to be inserted.
         body: Option<BodyId>,
         /// 0, 1, 2 for x, y, z.
         axis: usize,
@@ -18,12 +18,13 @@ pub enum BroadPhaseError {
     /// The minimum of a box exceeds its maximum.
     #[error("the box of {} is inverted on axis {axis}", Name(*.body))]
     Inverted {
-        /// The body whose box was refused; `None` for one that was to be inserted.
+        /// The body whose box was refused; `None` for a body to be inserted.
         body: Option<BodyId>,
         /// 0, 1, 2 for x, y, z.
         axis: usize,
     },
-    /// The origin of the structure's [`Settings`](super::Settings) is NaN or infinite: it can hold no box.
+    /// The origin of the structure's [`Settings`](super::Settings) is NaN or infinite: the
+    /// structure can hold no box.
     #[error("the origin of the broad phase is not finite on axis {axis}")]
     Origin {
         /// 0, 1, 2 for x, y, z.
@@ -32,24 +33,24 @@ pub enum BroadPhaseError {
     /// A margin is NaN, infinite or negative.
     #[error("the margin of a body must be finite and not negative")]
     Margin,
-    /// The id was never given out by this structure, or its body was removed.
+    /// The id is not of this structure, or its body was removed.
     #[error("{body} is not, or no longer, in this broad phase")]
     StaleId {
-        /// The id as it was given.
+        /// The id as given.
         body: BodyId,
     },
     /// No more indices: a structure holds at most 2^31 - 1 bodies.
     #[error("a broad phase holds at most 2147483647 bodies")]
     TooManyBodies,
-    /// No more slots: a structure names at most 2^32 - 1 pairs at once. Told by a step, see
+    /// No more slots: a structure holds at most 2^32 - 1 pairs at once. Reported by a step, see
     /// [`Events::refused`](super::Events::refused).
     #[error("the pair of {a} and {b} and {} more found no place: a broad phase names at most 4294967295 pairs", .refused - 1)]
     TooManyPairs {
-        /// A member of the first pair that found no place.
+        /// The lower member of the first refused pair.
         a: BodyId,
-        /// The other.
+        /// The higher member of the first refused pair.
         b: BodyId,
-        /// How many pairs found none.
+        /// Number of refused pairs.
         refused: usize,
     },
 }
@@ -63,21 +64,21 @@ impl BroadPhaseError {
     }
 }
 
-/// What a batch refused. Every other entry of the batch was applied.
+/// Refused entries of a batch. Every valid entry of the batch was applied.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 #[error("entry {index} of the batch and {} more were refused: {first}", .refused - 1)]
 #[non_exhaustive]
 pub struct BatchError {
-    /// The place in the batch of the first refused entry.
+    /// Index in the batch of the first refused entry.
     pub index: usize,
-    /// How many entries were refused in all.
+    /// Number of refused entries.
     pub refused: usize,
-    /// Why the first was refused.
+    /// Fault of the first refused entry.
     pub first: BroadPhaseError,
 }
 
 impl BatchError {
-    /// The report on two parts of one batch, the second starting at `offset`.
+    /// Joins the errors of two parts of one batch, the second starting at `offset`.
     pub(crate) fn joined(first: Option<Self>, second: Option<Self>) -> Option<Self> {
         match (first, second) {
             (Some(a), Some(b)) => Some(Self {

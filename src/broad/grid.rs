@@ -1,13 +1,14 @@
-//! Which columns a box touches: a regular grid over the two axes that are not swept.
+//! Columns of a box: a regular grid over the two axes that are not swept.
 //!
-//! Column numbers of a box are found by monotone arithmetic (subtract, multiply, clamp, truncate), and that is all
-//! correctness needs: boxes that overlap share a column, and `cell(max(a, b)) = max(cell(a), cell(b))`. Boxes beyond the
-//! grid are clamped into its border columns, where they are found as well as anywhere, only slower.
+//! Column numbers of a box are found by monotone arithmetic (subtract, multiply, clamp, truncate),
+//! and correctness needs no more: boxes that overlap share a column, and `cell(max(a, b)) =
+//! max(cell(a), cell(b))`. Boxes beyond the grid are clamped into the border columns: just as
+//! correct there, only slower.
 
 use super::bounds::Bounds;
 use wide::f32x4;
 
-/// Most columns along one axis; column coordinates are 16 bits wide.
+/// Largest number of columns along one axis; column coordinates are 16 bits wide.
 pub(crate) const MOST_COLUMNS_OF_AXIS: usize = 4096;
 
 /// The columns of a box: least and greatest coordinate along both axes of the grid, inclusive.
@@ -18,7 +19,7 @@ pub(crate) struct Range {
 }
 
 impl Range {
-    /// Both coordinates of a corner in one number.
+    /// Packs both coordinates of a corner into one number.
     #[inline(always)]
     pub(crate) fn pack(corner: [u16; 2]) -> u32 {
         u32::from(corner[0]) | u32::from(corner[1]) << 16
@@ -29,7 +30,8 @@ impl Range {
         [packed as u16, (packed >> 16) as u16]
     }
 
-    /// No column at all: bodies that are not there, and unbounded ones, which are kept apart.
+    /// The range without columns: for bodies that are not present, and for unbounded bodies, which
+    /// are kept apart.
     pub(crate) const NONE: Self = Self {
         least: [u16::MAX; 2],
         most: [0; 2],
@@ -43,21 +45,22 @@ impl Range {
             & (column[1] <= self.most[1])
     }
 
-    /// How many columns the range holds.
+    /// Returns the number of columns in the range.
     pub(crate) fn count(&self) -> usize {
         (0..2)
             .map(|k| (usize::from(self.most[k]) + 1).saturating_sub(usize::from(self.least[k])))
             .product()
     }
 
-    /// All columns of the range, row by row.
+    /// Iterates over all columns of the range, row by row.
     pub(crate) fn columns(self) -> impl Iterator<Item = [u16; 2]> {
         (self.least[0]..=self.most[0]).flat_map(move |u| (self.least[1]..=self.most[1]).map(move |v| [u, v]))
     }
 }
 
-/// A regular grid of columns along axis `axis`; stored boxes carry their coordinates in the cyclic order that starts
-/// at that axis, so "axis 0" of a stored box is the swept one and 1 and 2 are those of the grid.
+/// A regular grid of columns along axis `axis`; stored boxes carry their coordinates in the cyclic
+/// order that starts at the swept axis, so "axis 0" of a stored box is the swept axis, and 1 and 2
+/// are the axes of the grid.
 #[derive(Clone, Debug)]
 pub(crate) struct Grid {
     /// The swept axis: 0, 1, 2 for x, y, z.
@@ -67,23 +70,23 @@ pub(crate) struct Grid {
     /// Side of a column.
     pub(crate) width: f32,
     inverse: f32,
-    /// Columns along the two axes.
+    /// Number of columns along the two axes.
     pub(crate) size: [u16; 2],
     last: [f32; 4],
-    /// A move longer than this on some axis is a jump; lane 3 is anything.
+    /// A move longer than this on some axis is a jump; lane 3 is arbitrary.
     pub(crate) leap: f32x4,
 }
 
-/// A move across columns longer than this part of their width is a jump.
+/// A move across columns longer than this part of the column width is a jump.
 const LEAP: f32 = 0.25;
 
 impl Grid {
-    /// One column that holds everything, swept along `axis`.
+    /// Returns the grid of one column that holds everything, swept along `axis`.
     pub(crate) fn single(axis: usize) -> Self {
         Self::new(axis, [0.0; 2], 1.0, [1, 1])
     }
 
-    /// `width` must be positive and finite and `size` at least 1 by 1.
+    /// Returns a grid; `width` must be positive and finite and `size` at least 1 by 1.
     pub(crate) fn new(axis: usize, corner: [f32; 2], width: f32, size: [u16; 2]) -> Self {
         let [u, v] = corner;
         let [last_u, last_v] = size.map(|n| f32::from(n.max(1) - 1));
@@ -99,8 +102,8 @@ impl Grid {
         }
     }
 
-    /// With moves along the swept axis taken as jumps beyond this length: what does not jump widens the windows of its
-    /// whole column.
+    /// Returns the grid with moves along the swept axis treated as jumps beyond this length: a move
+    /// that is no jump widens the windows of the whole column.
     pub(crate) fn leaping(mut self, length: f32) -> Self {
         self.leap.as_mut_array()[0] = length;
         self
@@ -124,7 +127,7 @@ impl Grid {
         [(index / row) as u16, (index % row) as u16]
     }
 
-    /// The four column coordinates of a box, computed side by side.
+    /// Computes the four column coordinates of a box, in parallel lanes.
     #[inline(always)]
     pub(crate) fn range(&self, bounds: &Bounds) -> Range {
         let ([_, a, b, _], [_, c, d, _]) = (bounds.lo.to_array(), bounds.hi.to_array());
@@ -137,7 +140,8 @@ impl Grid {
         }
     }
 
-    /// The one column that owns the pair: the one of the lower corner of the intersection. Both boxes touch it.
+    /// Returns the column that owns the pair: the column of the lower corner of the intersection.
+    /// Both boxes touch this column.
     #[inline(always)]
     pub(crate) fn owner(&self, a: &Bounds, b: &Bounds) -> [u16; 2] {
         let lower = Bounds {

@@ -1,4 +1,4 @@
-//! What happens when indices, generations or steps run out, with few of them.
+//! Tests with few indices, generations or steps, so that each of these runs out.
 
 use super::pairs::Most;
 use super::{Aabb, Body, BodyId, BroadPhase, BroadPhaseError, PencilSweep, SortedAxes};
@@ -9,7 +9,7 @@ fn cube(x: f64) -> Aabb {
 }
 
 fn body_without_index(mut broad: impl BroadPhase) {
-    broad.ledger_mut().bodies.most = 2;
+    broad.state_mut().bodies.most = 2;
     let [a, b] = [0.0, 0.5].map(|x| broad.insert(&cube(x), Body::moving()).expect("there is room for two"));
     for _ in 0..2 {
         assert_eq!(
@@ -24,7 +24,7 @@ fn body_without_index(mut broad: impl BroadPhase) {
         assert!(broad.bodies().eq([a, b]) && broad.pair_count() == 1, "nothing changed");
     }
     broad.remove(b).expect("it is there");
-    // The index is free once the step has told that the pairs of its body ended.
+    // The index is free once the step has reported that the pairs of its body ended.
     assert_eq!(
         broad.insert(&cube(0.2), Body::moving()),
         Err(BroadPhaseError::TooManyBodies)
@@ -41,7 +41,7 @@ fn a_body_without_an_index_is_refused_and_changes_nothing() {
 }
 
 fn pairs_without_slot(mut broad: impl BroadPhase) {
-    broad.ledger_mut().pairs.most = Most(2);
+    broad.state_mut().pairs.most = Most(2);
     let ids: [BodyId; 4] = [0.0, 0.1, 0.2, 9.0].map(|x| broad.insert(&cube(x), Body::moving()).expect("a sound box"));
     let [a, b, c, d] = ids;
     let told = broad.step();
@@ -51,14 +51,15 @@ fn pairs_without_slot(mut broad: impl BroadPhase) {
     assert_eq!(told.refused, Some(error));
     assert_eq!(broad.pair_count(), 2);
     assert!(broad.pair(b, c).is_none());
-    // Not refused twice; what ends makes room, and a pair that has to wait is met when it begins anew.
+    // Not refused twice; an ended pair makes room, and a pair that has to wait begins when the
+    // boxes meet again.
     assert_eq!(broad.step().refused, None);
     broad.set_box(a, &cube(-9.0)).expect("a sound box");
     let told = broad.step();
     assert_eq!((told.ended.len(), told.began.len(), told.refused), (2, 0, None));
     broad.regroup(c).expect("it is there");
     assert_eq!(named(broad.step().began), [(b, c)]);
-    // The refused pair ends without a word.
+    // The refused pair ends without an event.
     broad.set_box(d, &cube(0.0)).expect("a sound box");
     let told = broad.step();
     assert_eq!(
@@ -82,7 +83,7 @@ fn last_generation(mut broad: impl BroadPhase) {
         generation: u32::MAX - 2,
         ..first
     };
-    broad.ledger_mut().bodies.generations[first.index as usize] = last.generation;
+    broad.state_mut().bodies.generations[first.index as usize] = last.generation;
     broad.remove(last).expect("it is there");
     broad.step();
     let next = broad.insert(&cube(0.0), Body::moving()).expect("there is room");
@@ -96,14 +97,15 @@ fn an_index_of_the_last_generation_is_not_given_again() {
     last_generation(SortedAxes::new());
 }
 
-/// What moved in a step long ago has not moved in the one that has its number again.
+/// A body that moved in a step long ago has not moved in the step whose number is equal after
+/// wrap-around.
 fn last_step(mut broad: impl BroadPhase) {
     for x in [0.0, 0.1, 9.0] {
         broad.insert(&cube(x), Body::moving()).expect("there is room");
     }
     let mover = broad.insert(&cube(20.0), Body::moving()).expect("there is room");
     assert_eq!(broad.step().began.len(), 1);
-    broad.ledger_mut().bodies.step = u32::MAX;
+    broad.state_mut().bodies.step = u32::MAX;
     for x in [21.0, 22.0, 9.1, 22.0] {
         broad.set_box(mover, &cube(x)).expect("it is there");
         let meets = usize::from(x < 10.0);

@@ -1,4 +1,5 @@
-//! Which boxes overlap: a broad phase on boxes and ids alone, usable without the rest of the crate.
+//! Broad phase: finds overlapping boxes from boxes and ids alone, usable without the rest of the
+//! crate.
 //!
 //! ```
 //! use lin_canny::broad::{Aabb, Body, BroadPhase, PencilSweep};
@@ -16,9 +17,10 @@
 //! # Ok::<(), lin_canny::broad::BroadPhaseError>(())
 //! ```
 //!
-//! Calls between two steps are gathered: [`insert`](BroadPhase::insert), [`remove`](BroadPhase::remove),
-//! [`set_box`](BroadPhase::set_box) (moves and teleports alike). [`step`](BroadPhase::step) takes them over at once and
-//! tells which pairs began and ended. [`pairs`](BroadPhase::pairs) and all queries speak of the last step.
+//! Calls between two steps are gathered: [`insert`](BroadPhase::insert),
+//! [`remove`](BroadPhase::remove), [`set_box`](BroadPhase::set_box) (moves and teleports alike).
+//! [`step`](BroadPhase::step) applies all calls at once and returns the pairs that began and ended.
+//! [`pairs`](BroadPhase::pairs) and all queries describe the last step.
 //!
 //! # Which structure
 //!
@@ -26,43 +28,45 @@
 //! |---|---|---|
 //! | idea | columns along one axis, each swept | Baraff's and Lin's three sorted axes |
 //! | a step, all moving, constant density | about linear in n | grows as n^(5/3) |
-//! | a step, few moving | what moved | all endpoints are looked at |
-//! | use it | always | to read, and to check the other |
+//! | a step, few moving | reads the moved boxes | reads all endpoints |
+//! | use | always | as reference, and to check `PencilSweep` |
 //!
-//! Both give the same pairs, the same events in the same order and the same [`PairId`]s on the same calls.
+//! Both return equal pairs, equal events in equal order and equal [`PairId`]s for equal calls.
 //!
 //! # Promises
 //!
-//! - The pairs are exactly those of all pairs of stored boxes ([`BroadPhase::stored_box`]), less what groups, filters
-//!   and fixedness rule out. Boxes are closed: touching is overlapping.
-//! - Stored boxes hold the given ones ([`StoredBox`]; beyond 1e38 they are clamped), so no pair of given boxes is
-//!   missed.
-//! - A refused call changes nothing and names the body. Nothing panics. Far boxes are right, only slower. What finds no
-//!   place, beyond 2^31 - 1 bodies or 2^32 - 1 pairs, is refused as well ([`BroadPhaseError`]).
+//! - The pairs are exactly the overlapping pairs among all pairs of stored boxes
+//!   ([`BroadPhase::stored_box`]), less the pairs that groups, filters and fixedness rule out.
+//!   Boxes are closed: touching is overlapping.
+//! - Stored boxes contain the given boxes ([`StoredBox`]; beyond 1e38 bounds are clamped), so no
+//!   pair of given boxes is missed.
+//! - A refused call changes nothing and names the body. Nothing panics. Far boxes are handled
+//!   correctly, only slower. Bodies beyond 2^31 - 1 and pairs beyond 2^32 - 1 are refused as well
+//!   ([`BroadPhaseError`]).
 //! - Memory grows with bodies and overlapping pairs.
 //!
-//! Reading order: [`Aabb`] and [`StoredBox`], the table of bodies, `change` (what is looked for), `pairs`,
-//! [`SortedAxes`], then `grid` and [`PencilSweep`].
+//! Reading order: [`Aabb`] and [`StoredBox`], the table of bodies, `change` (the changes of a
+//! step), `pairs`, [`SortedAxes`], then `grid` and [`PencilSweep`].
 
 mod aabb;
-mod ahead;
 mod body;
 mod bounds;
 mod change;
 mod check;
+mod compact_vec;
 mod error;
 mod grid;
-mod ledger;
 #[cfg(test)]
 mod limits;
-mod lists;
 mod options;
 mod pairs;
 mod parallel;
 mod pencil;
+mod prefetch;
 #[cfg(feature = "serde")]
 mod snapshot;
 mod sorted_axes;
+mod state;
 
 use alloc::string::String;
 use alloc::vec::Vec;
@@ -71,34 +75,35 @@ pub use aabb::{Aabb, BoxFault, StoredBox};
 use body::Bodies;
 pub use body::BodyId;
 pub use error::{BatchError, BroadPhaseError};
-pub use ledger::Nearest;
-use ledger::{HasLedger, Ledger};
 pub use options::{Body, Groups, Settings};
 pub use pairs::{Events, Pair, PairId};
 use parallel::Threads;
 pub use pencil::{Pencil, PencilSweep};
 pub use sorted_axes::SortedAxes;
+pub use state::Nearest;
+use state::{BroadPhaseState, HasState};
 
-/// A broad phase. The two implementations differ in cost only.
+/// A broad phase: finds overlapping boxes. The two implementations differ in cost only.
 #[doc(alias = "sap")]
 #[doc(alias = "bvh")]
-pub trait BroadPhase: HasLedger {
-    /// Takes over all calls since the last step and tells which pairs began and ended. `filter` is asked once for
-    /// each pair whose boxes begin to overlap and whose groups meet; a pair it refuses is asked again only after the
-    /// boxes parted or after [`regroup`](Self::regroup).
+pub trait BroadPhase: HasState {
+    /// Applies all calls since the last step and returns the pairs that began and ended. `filter`
+    /// is called once for each pair whose boxes begin to overlap and whose groups match; a pair
+    /// refused by the filter is tried again only after the boxes parted or after
+    /// [`regroup`](Self::regroup).
     fn step_with(&mut self, filter: &mut dyn FnMut(BodyId, BodyId) -> bool) -> Events<'_>;
 
-    /// Bodies whose boxes overlapped `aabb` in the last step, appended in ascending order.
+    /// Appends the bodies whose boxes overlapped `aabb` in the last step, in ascending order.
     ///
     /// # Errors
-    /// When a bound of the box is NaN or the box is inverted. It may be infinite.
+    /// If a bound of the box is NaN or the box is inverted. The box may be infinite.
     fn overlapping(&self, aabb: &Aabb, found: &mut Vec<BodyId>) -> Result<(), BroadPhaseError> {
-        let asked = self.ledger().asked(aabb)?;
+        let asked = self.state().asked(aabb)?;
         self.overlapping_stored(&asked, found);
         Ok(())
     }
 
-    /// [`step_with`](Self::step_with) a filter that lets every pair pass.
+    /// Calls [`step_with`](Self::step_with) with a filter that lets every pair pass.
     fn step(&mut self) -> Events<'_> {
         self.step_with(&mut |_, _| true)
     }
@@ -106,18 +111,21 @@ pub trait BroadPhase: HasLedger {
     /// Adds a body; its pairs begin with the next step.
     ///
     /// # Errors
-    /// When the box, a margin or the origin of the structure is unusable, or there are too many bodies.
+    /// If the box, a margin or the origin of the structure is unusable, or there are too many
+    /// bodies.
     fn insert(&mut self, aabb: &Aabb, body: Body) -> Result<BodyId, BroadPhaseError> {
-        self.ledger_mut().insert(aabb, body, false)
+        self.state_mut().insert(aabb, body, false)
     }
 
-    /// Adds a body whose box may reach to infinity: a half-space, the ground, a world-wide sensor. It is compared with
-    /// every body that moves, so keep these few. Margins do not apply.
+    /// Adds a body whose box may reach to infinity: a half-space, the ground, a world-wide sensor.
+    /// An unbounded body is compared with every body that moves, so keep unbounded bodies few.
+    /// Margins do not apply.
     ///
     /// # Errors
-    /// When a bound is NaN, the box is inverted, the origin of the structure is unusable, or there are too many bodies.
+    /// If a bound is NaN, the box is inverted, the origin of the structure is unusable, or there
+    /// are too many bodies.
     fn insert_unbounded(&mut self, aabb: &Aabb, body: Body) -> Result<BodyId, BroadPhaseError> {
-        self.ledger_mut().insert(
+        self.state_mut().insert(
             aabb,
             Body {
                 margin: 0.0,
@@ -131,120 +139,125 @@ pub trait BroadPhase: HasLedger {
     /// Removes a body: its id is stale at once, its pairs end with the next step.
     ///
     /// # Errors
-    /// When the id is stale.
+    /// If the id is stale.
     fn remove(&mut self, id: BodyId) -> Result<(), BroadPhaseError> {
-        self.ledger_mut().bodies.remove(id)
+        self.state_mut().bodies.remove(id)
     }
 
     /// Moves a body, however far.
     ///
     /// # Errors
-    /// When the id is stale or the box unusable; the body keeps its box and its pairs.
+    /// If the id is stale or the box unusable; the body keeps its box and its pairs.
     #[doc(alias = "teleport")]
     fn set_box(&mut self, id: BodyId, aabb: &Aabb) -> Result<(), BroadPhaseError> {
-        self.ledger_mut().bodies.set_box(id, aabb)
+        self.state_mut().bodies.set_box(id, aabb)
     }
 
-    /// Moves many bodies. Every sound entry is applied, whatever becomes of the others. Fastest when the entries are
-    /// in ascending order of their ids.
+    /// Moves many bodies. Every valid entry is applied, even if another entry is refused. Fastest
+    /// if the entries are in ascending order of their ids.
     ///
     /// # Errors
-    /// When any entry was refused: which was the first, why, and how many there were.
+    /// If any entry was refused: index and fault of the first refused entry, and the number of
+    /// refused entries.
     fn set_boxes(&mut self, batch: &[(BodyId, Aabb)]) -> Result<(), BatchError> {
-        self.ledger_mut().bodies.set_boxes(batch, Threads::ONE)
+        self.state_mut().bodies.set_boxes(batch, Threads::ONE)
     }
 
-    /// Puts a body into other groups and asks all its pairs again in the next step.
+    /// Puts a body into another set of groups; groups and filter are asked again for all its pairs
+    /// in the next step.
     ///
     /// # Errors
-    /// When the id is stale.
+    /// If the id is stale.
     fn set_groups(&mut self, id: BodyId, groups: Groups) -> Result<(), BroadPhaseError> {
-        self.ledger_mut().bodies.set_groups(id, Some(groups))
+        self.state_mut().bodies.set_groups(id, Some(groups))
     }
 
     /// Asks groups and filter again for all pairs of a body in the next step.
     ///
     /// # Errors
-    /// When the id is stale.
+    /// If the id is stale.
     fn regroup(&mut self, id: BodyId) -> Result<(), BroadPhaseError> {
-        self.ledger_mut().bodies.set_groups(id, None)
+        self.state_mut().bodies.set_groups(id, None)
     }
 
-    /// Number of bodies.
+    /// Returns the number of bodies.
     fn body_count(&self) -> usize {
-        self.ledger().bodies.len()
+        self.state().bodies.len()
     }
 
-    /// All bodies in ascending order.
+    /// Iterates over all bodies in ascending order.
     fn bodies(&self) -> impl Iterator<Item = BodyId> + '_ {
-        self.ledger().bodies.ids()
+        self.state().bodies.ids()
     }
 
     /// Whether the id names a body.
     fn contains(&self, id: BodyId) -> bool {
-        self.ledger().bodies.index_of(id).is_ok()
+        self.state().bodies.index_of(id).is_ok()
     }
 
-    /// The options of a body; margins as they are kept, in `f32`.
+    /// Returns the options of a body; margins as stored, in `f32`.
     fn body(&self, id: BodyId) -> Option<Body> {
-        let bodies = &self.ledger().bodies;
+        let bodies = &self.state().bodies;
         bodies.index_of(id).ok().map(|_| bodies.body(id.index))
     }
 
-    /// The box of a body as the next step will see it, margins included.
+    /// Returns the box of a body as the next step will see the box, margins included.
     fn stored_box(&self, id: BodyId) -> Option<StoredBox> {
-        let bodies = &self.ledger().bodies;
+        let bodies = &self.state().bodies;
         let record = &bodies.records[bodies.index_of(id).ok()?];
         Some(record.now().to_box().rotated(3 - bodies.grid.axis))
     }
 
-    /// The pairs of the last step, in the order of their slots.
+    /// Iterates over the pairs of the last step, in the order of their slots.
     fn pairs(&self) -> impl Iterator<Item = Pair> + '_ {
-        let Ledger { bodies, pairs, .. } = self.ledger();
+        let BroadPhaseState { bodies, pairs, .. } = self.state();
         pairs.iter(bodies)
     }
 
-    /// Number of pairs of the last step.
+    /// Returns the number of pairs of the last step.
     fn pair_count(&self) -> usize {
-        self.ledger().pairs.len()
+        self.state().pairs.len()
     }
 
-    /// The pair of two bodies, in either order, if there is one.
+    /// Returns the pair of two bodies, in either order, if the boxes overlapped in the last step.
     fn pair(&self, a: BodyId, b: BodyId) -> Option<Pair> {
-        self.ledger().pair(a, b)
+        self.state().pair(a, b)
     }
 
-    /// The pair of this name, if it has not ended.
+    /// Returns the pair with this id, if the pair has not ended.
     fn pair_of(&self, id: PairId) -> Option<Pair> {
-        self.ledger().pair_of(id)
+        self.state().pair_of(id)
     }
 
-    /// The pairs of one member of any group of `these` with one member of any group of `those`.
+    /// Iterates over the pairs of a member of any group of `these` with a member of any group of
+    /// `those`.
     fn pairs_between(&self, these: u32, those: u32) -> impl Iterator<Item = Pair> + '_ {
-        let bodies = &self.ledger().bodies;
+        let bodies = &self.state().bodies;
         self.pairs().filter(move |pair| {
             let [a, b] = [pair.a, pair.b].map(|id| bodies.body(id.index).groups.member_of);
             (a & these != 0 && b & those != 0) || (b & these != 0 && a & those != 0)
         })
     }
 
-    /// At most `count` bodies whose boxes are nearest to `aabb` and no farther than `farthest`, nearest first, ties in
-    /// ascending order of ids. Distances are between stored boxes, 0 when they overlap.
+    /// Returns at most `count` bodies whose boxes are nearest to `aabb` and no farther than
+    /// `farthest`, nearest first, ties in ascending order of ids. Distances are between stored
+    /// boxes, 0 if the boxes overlap.
     ///
     /// # Errors
-    /// When a bound of the box is NaN or infinite, or the box is inverted.
+    /// If a bound of the box is NaN or infinite, or the box is inverted.
     fn nearest(&self, aabb: &Aabb, count: usize, farthest: f64) -> Result<Vec<Nearest>, BroadPhaseError> {
-        ledger::nearest(self, aabb, count, farthest)
+        state::nearest(self, aabb, count, farthest)
     }
 
-    /// Bytes reserved for bodies and pairs, by the structure itself and for scratch.
+    /// Returns the bytes reserved for bodies and pairs, by the structure itself and for scratch.
     fn bytes(&self) -> usize;
 
-    /// The first contradiction between lists, bodies and pairs, if there is one: what tests and fuzzing ask after each step.
-    /// It looks at everything, so it costs far more than a step.
+    /// Returns the first contradiction between lists, bodies and pairs, if any: used by tests and
+    /// fuzzing after each step. The check reads everything, so the cost is far more than the cost
+    /// of a step.
     ///
     /// # Errors
-    /// What contradicts what. It is a defect of the crate, whatever was called.
+    /// The contradiction. A contradiction is a defect of the crate, whatever was called.
     #[doc(hidden)]
     fn check(&self) -> Result<(), String>;
 }

@@ -1,15 +1,15 @@
-//! What a caller says of a body and of a structure.
+//! Options of a body and settings of a structure.
 
 use super::BroadPhaseError;
 use nalgebra::Point3;
 
-/// Who pairs with whom: two bodies do if each is a member of a group the other asks for.
+/// Groups of a body: two bodies pair if each is a member of a group that the partner pairs with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Groups {
     /// Groups the body belongs to, one bit each.
     pub member_of: u32,
-    /// Groups it pairs with.
+    /// Groups the body pairs with, one bit each.
     pub pairs_with: u32,
 }
 
@@ -34,17 +34,19 @@ impl Groups {
 pub struct Body {
     /// Groups for pairing.
     pub groups: Groups,
-    /// Two fixed bodies never pair. A fixed body may be moved; it costs something in the steps it is.
+    /// Two fixed bodies never pair. A fixed body may be moved, at some cost in the steps in which
+    /// the body moves.
     pub fixed: bool,
-    /// How far the stored box reaches beyond the given one when it is renewed; it is renewed when the given box leaves
-    /// it. 0 keeps the stored box tight. A margin saves work where few bodies move or all move slowly, and costs pairs.
+    /// How far a renewed stored box reaches beyond the given box; the stored box is renewed when
+    /// the given box leaves the stored box. 0 keeps the stored box tight. A margin saves work if
+    /// few bodies move or all move slowly, and costs pairs.
     pub margin: f64,
-    /// For how many steps of the body's last motion the renewed box also reaches ahead.
+    /// Number of steps of the body's last motion by which the renewed box also reaches ahead.
     pub lookahead: f64,
 }
 
 impl Body {
-    /// A body that moves, with a tight box, pairing with everything.
+    /// Returns a body that moves, with a tight box, pairing with everything.
     #[must_use]
     pub fn moving() -> Self {
         Self {
@@ -55,7 +57,7 @@ impl Body {
         }
     }
 
-    /// A body that rests, pairing with everything that moves.
+    /// Returns a body at rest, pairing with everything that moves.
     #[must_use]
     pub fn fixed() -> Self {
         Self {
@@ -64,19 +66,19 @@ impl Body {
         }
     }
 
-    /// The same body in these groups.
+    /// Returns the body with other groups.
     #[must_use]
     pub fn groups(self, groups: Groups) -> Self {
         Self { groups, ..self }
     }
 
-    /// The same body with this margin.
+    /// Returns the body with this margin.
     #[must_use]
     pub fn margin(self, margin: f64) -> Self {
         Self { margin, ..self }
     }
 
-    /// The same body reaching this many steps ahead.
+    /// Returns the body with this lookahead, in steps.
     #[must_use]
     pub fn lookahead(self, steps: f64) -> Self {
         Self {
@@ -100,10 +102,11 @@ impl Body {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Settings {
-    /// Stored boxes are relative to this point and finest near it. One that is not finite is refused with the first body.
+    /// Stored boxes are relative to this point and most precise near the point. An origin that is
+    /// not finite is refused with the first body.
     pub origin: Point3<f64>,
-    /// With feature `parallel`: the number of bodies from which on threads are used, each for no less than a sixteenth as many
-    /// bodies or changes. The result is the same.
+    /// With feature `parallel`: the number of bodies from which on threads are used, each for no
+    /// less than a sixteenth as many bodies or changes. The result does not depend on this number.
     pub parallel_from: usize,
 }
 
@@ -117,13 +120,13 @@ impl Default for Settings {
 }
 
 impl Settings {
-    /// The same settings about another origin.
+    /// Returns the settings with another origin.
     #[must_use]
     pub fn origin(self, origin: Point3<f64>) -> Self {
         Self { origin, ..self }
     }
 
-    /// The same settings with threads from this number of bodies on.
+    /// Returns the settings with threads from this number of bodies on.
     #[must_use]
     pub fn parallel_from(self, bodies: usize) -> Self {
         Self {

@@ -1,6 +1,7 @@
-//! Feature `parallel`: work in halves. Without the feature, and with one thread, one after the other.
+//! Feature `parallel`: work split in halves. Without the feature, and with one thread, the halves
+//! run in sequence.
 
-/// How many threads there are, and how little is not worth waking one.
+/// The number of threads, and the least work that is worth waking a thread.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Threads {
     most: usize,
@@ -8,11 +9,11 @@ pub(super) struct Threads {
 }
 
 impl Threads {
-    /// Everything in the caller's thread.
+    /// All work in the caller's thread.
     pub(super) const ONE: Self = Self { most: 1, least: 1 };
 
-    /// Those of the pool for a structure that uses them from so many bodies on: each is woken for no less than a sixteenth of
-    /// that.
+    /// Returns the threads of the pool for a structure that uses threads from so many bodies on:
+    /// each thread is woken for no less than a sixteenth of this number.
     pub(super) fn from(bodies: usize) -> Self {
         #[cfg(feature = "parallel")]
         return Self {
@@ -26,14 +27,15 @@ impl Threads {
         };
     }
 
-    /// How many share work on so many things.
+    /// Returns how many threads share work on so many things.
     pub(super) fn sharing(self, things: usize) -> usize {
         self.most.min(things / self.least).max(1)
     }
 }
 
-/// Both, side by side if there are threads to spare. A thread outside the pool does the first itself: handing both over, it
-/// would sleep while two others are woken, often on one core.
+/// Runs both closures, in parallel if threads are available. A thread outside the pool runs the
+/// first closure itself: handing both over, the thread would sleep while two pool threads are
+/// woken, often on one core.
 pub(super) fn join(a: impl FnOnce() + Send, b: impl FnOnce() + Send) {
     #[cfg(feature = "parallel")]
     if rayon::current_thread_index().is_some() {
@@ -51,7 +53,7 @@ pub(super) fn join(a: impl FnOnce() + Send, b: impl FnOnce() + Send) {
     }
 }
 
-/// Whether `items` ascend by `key`, no two equal.
+/// Whether `items` ascend strictly by `key`.
 pub(super) fn ascends<T: Sync>(items: &[T], key: impl Fn(&T) -> u32 + Sync + Copy, threads: usize) -> bool {
     if threads > 1 && items.len() > 2 {
         // Halves share an item, so that every two neighbours are compared.

@@ -1,42 +1,45 @@
-//! Three sorted axes: sweep and prune as the thesis has it.
+//! Three sorted axes: sweep and prune as in the thesis.
 
 use super::aabb::order_key;
 use super::body::{Bodies, Record};
 use super::change::{Changes, overlap};
-use super::ledger::{HasLedger, Ledger};
 use super::parallel::Threads;
+use super::state::{BroadPhaseState, HasState};
 use super::{BodyId, BroadPhase, Events, Settings, StoredBox};
 use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
 
-/// Sweep and prune on three sorted axes, as the thesis has it; the reference.
+/// Sweep and prune on three sorted axes, as in the thesis; the reference implementation.
 ///
-/// Baraff 1992 (thesis, section 2.3); Lin 1993 (thesis, section 2.4); Cohen, Lin, Manocha, Ponamgi 1995 (I-COLLIDE,
-/// section 4). Both ends of every box stand in one sorted list an axis. Boxes overlap exactly if their intervals do on
-/// all three axes. Between steps the lists are kept by insertion sort, and two boxes can begin or cease to overlap only
-/// where a lower end and an upper end change places:
+/// Baraff 1992 (thesis, section 2.3); Lin 1993 (thesis, section 2.4); Cohen, Lin, Manocha, Ponamgi
+/// 1995 (I-COLLIDE, section 4). Both ends of every box stand in one sorted list an axis. Boxes
+/// overlap exactly if their intervals do on all three axes. Between steps the lists are kept sorted
+/// by insertion sort, and two boxes can begin or cease to overlap only if a lower end and an upper
+/// end change places:
 ///
 /// ```text
 ///    last step   a[-----]  b[----]          ... a] b[ ...
-///    this step   a[-----b[--a]--]           ... b[ a] ...     the exchange that makes a pair to look at
+///    this step   a[-----b[--a]--]           ... b[ a] ...     this exchange gives a pair to test
 /// ```
 ///
 /// Departures:
-/// 1. An exchange does not flip one of three flags a pair, which takes n^2 bits; old and new boxes are compared, and a
-///    pair seen on several axes is counted once.
-/// 2. Many insertions at once sort the lists anew and sweep one axis, instead of inserting each by exchanges.
+/// 1. An exchange does not flip one of three flags a pair, which takes n^2 bits; old and new boxes
+///    are compared, and a pair seen on several axes is counted once.
+/// 2. Many insertions at once sort the lists again and sweep one axis, instead of inserting each by
+///    exchanges.
 ///
-/// Cost of a step: 6 n ends looked at and the exchanges made. At constant density these grow as n^(5/3), on a flat floor
-/// worse, which is why [`PencilSweep`](super::PencilSweep) is the one to use.
+/// Cost of a step: 6 n ends read and the exchanges made. At constant density the exchanges grow as
+/// n^(5/3), on a flat floor faster, so prefer [`PencilSweep`](super::PencilSweep).
 #[derive(Clone, Debug)]
 pub struct SortedAxes {
-    pub(super) ledger: Ledger,
+    pub(super) state: BroadPhaseState,
     axes: [Vec<End>; 3],
 }
 
-/// An end of an interval: sort key of the coordinate, then whether it is an upper end, then the body. So at equal
-/// coordinates lower ends come first, which makes touching intervals overlap.
+/// An end of an interval: sort key of the coordinate, then whether the end is an upper end, then
+/// the body. At equal coordinates lower ends thus come first, which makes touching intervals
+/// overlap.
 type End = u64;
 
 const UPPER: u64 = 1 << 31;
@@ -51,21 +54,22 @@ fn index_of(end: End) -> u32 {
 }
 
 impl SortedAxes {
-    /// An empty broad phase about the origin.
+    /// Returns an empty broad phase about the origin.
     #[must_use]
     pub fn new() -> Self {
         Self::with_settings(Settings::default())
     }
 
-    /// An empty broad phase with settings of its own.
+    /// Returns an empty broad phase with the given settings.
     #[must_use]
     pub fn with_settings(settings: Settings) -> Self {
-        Self::from_ledger(Ledger::new(settings.origin))
+        Self::from_state(BroadPhaseState::new(settings.origin))
     }
 
-    /// Bodies and pairs as they are; the lists get every body that was there in the last step.
-    pub(super) fn from_ledger(ledger: Ledger) -> Self {
-        let bodies = &ledger.bodies;
+    /// Returns a structure with these bodies and pairs; the lists get every body that was present
+    /// in the last step.
+    pub(super) fn from_state(state: BroadPhaseState) -> Self {
+        let bodies = &state.bodies;
         let there = bodies
             .records
             .iter()
@@ -77,13 +81,13 @@ impl SortedAxes {
             (0..3).for_each(|k| axes[k].extend(ends(i as u32, &old, k)));
         }
         axes.iter_mut().for_each(|axis| axis.sort_unstable());
-        Self { ledger, axes }
+        Self { state, axes }
     }
 
     fn find_changes(&mut self) {
-        let Ledger { bodies, changes, .. } = &mut self.ledger;
+        let BroadPhaseState { bodies, changes, .. } = &mut self.state;
         changes.clear();
-        // Every body of the lists was there in the last step; the others that are there now come.
+        // Every body of the lists was present in the last step; all further present bodies are new.
         let listed = self.axes[0].len() / 2;
         let coming: Vec<u32> = (bodies.marks.moved.iter().copied())
             .filter(|&i| !bodies.records[i as usize].present_before(bodies.step))
@@ -111,14 +115,14 @@ impl SortedAxes {
     }
 }
 
-/// The same end with the coordinate of this step.
+/// Returns the end with the coordinate of this step.
 fn renewed(end: End, records: &[Record], axis: usize) -> End {
     let index = index_of(end);
     let [lower, upper] = ends(index, &records[index as usize].now().to_box(), axis);
     if end & UPPER == 0 { lower } else { upper }
 }
 
-/// Insertion sort of one axis; every exchange of a lower with an upper end is a pair to compare.
+/// Sorts one axis by insertion; every exchange of a lower with an upper end is a pair to compare.
 fn exchange(axis: &mut [End], k: usize, bodies: &Bodies, changes: &mut Changes) {
     for place in 0..axis.len() {
         let end = renewed(axis[place], &bodies.records, k);
@@ -141,7 +145,7 @@ fn compare(a: u32, b: u32, bodies: &Bodies, changes: &mut Changes) {
     changes.note(a, b, was, is);
 }
 
-/// One sweep along the first axis over boxes that cover old and new place.
+/// Sweeps once along the first axis, over boxes that cover old and new position.
 fn sweep_one_axis(bodies: &Bodies, changes: &mut Changes) {
     let cover = |(i, record): (usize, &Record)| (record.before(bodies.step).united(&record.now()).to_box(), i as u32);
     let mut boxes: Vec<(StoredBox, u32)> = bodies.records.iter().enumerate().map(cover).collect();
@@ -160,17 +164,17 @@ impl Default for SortedAxes {
     }
 }
 
-impl HasLedger for SortedAxes {
-    fn ledger(&self) -> &Ledger {
-        &self.ledger
+impl HasState for SortedAxes {
+    fn state(&self) -> &BroadPhaseState {
+        &self.state
     }
 
-    fn ledger_mut(&mut self) -> &mut Ledger {
-        &mut self.ledger
+    fn state_mut(&mut self) -> &mut BroadPhaseState {
+        &mut self.state
     }
 
     fn overlapping_stored(&self, asked: &StoredBox, found: &mut Vec<BodyId>) {
-        self.ledger.overlapping_of_all(asked, found);
+        self.state.overlapping_of_all(asked, found);
     }
 }
 
@@ -186,13 +190,13 @@ impl BroadPhase for SortedAxes {
                 .filter(|(_, r)| r.now().overlaps(&stored));
             found.extend(hits.map(|(i, _)| i as u32));
         };
-        self.ledger.take_over(filter, partners, Threads::ONE);
-        self.ledger.pairs.events(&self.ledger.bodies)
+        self.state.take_over(filter, partners, Threads::ONE);
+        self.state.pairs.events(&self.state.bodies)
     }
 
     fn check(&self) -> Result<(), String> {
-        self.ledger.check()?;
-        let bodies = &self.ledger.bodies;
+        self.state.check()?;
+        let bodies = &self.state.bodies;
         for (k, axis) in self.axes.iter().enumerate() {
             if !axis.is_sorted_by(|a, b| a < b) {
                 return Err(format!("axis {k} is out of order"));
@@ -211,6 +215,6 @@ impl BroadPhase for SortedAxes {
     }
 
     fn bytes(&self) -> usize {
-        self.ledger.bytes() + self.axes.iter().map(|a| a.capacity() * 8).sum::<usize>()
+        self.state.bytes() + self.axes.iter().map(|a| a.capacity() * 8).sum::<usize>()
     }
 }

@@ -1,15 +1,17 @@
-//! Why numbers are no motion.
+//! Refused numbers of motions.
 
 use crate::pose::PoseError;
 
-/// Why numbers are no motion.
+/// Fault of the numbers of a motion.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MotionError {
-    /// A pose is no rigid placement. The body named is A for the first pose given, B for the second.
+    /// A pose is no rigid placement. The body named is A for the first pose given, B for the
+    /// second.
     #[error(transparent)]
     Pose(#[from] PoseError),
-    /// A velocity, an acceleration, an axis or a point is NaN or infinite, or its square leaves f64.
+    /// A velocity, an acceleration, an axis or a point is NaN or infinite, or its square leaves
+    /// f64.
     #[error("{what} is out of range: {value}")]
     Value {
         /// The name of the value.

@@ -1,25 +1,28 @@
 //! Motions of a rigid body: where it is at a time, and how it may go on from there.
 //!
-//! A [`Motion`] places its body at any time and gives a [`Course`]: velocities at that time and a proven bound of how far
-//! the body can leave the motion at those velocities. Bounds hold for the motion meant, and for the poses that
-//! [`Motion::pose`] places, rounding included (`PLACED_*` and `TURN` in [`tolerance`](crate::tolerance)).
+//! A [`Motion`] places its body at any time and gives a [`Course`]: velocities at that time and a
+//! proven bound of how far the body can leave the motion at those velocities. Bounds hold for the
+//! motion meant, and for the poses that [`Motion::pose`] places, rounding included (`PLACED_*` and
+//! `TURN` in [`tolerance`](crate::tolerance)).
 //!
 //! | motion | kind |
 //! |---|---|
-//! | constant velocities of a body's origin, or of any other point of it | [`Steady::new`], [`Steady::about`] |
-//! | the same with an acceleration that is known, or bounded | [`Steady::accelerated`], [`Steady::within`] |
+//! | constant velocities of a body's origin, or of any point | [`Steady::new`], [`Steady::about`] |
+//! | with a known or bounded acceleration | [`Steady::accelerated`], [`Steady::within`] |
 //! | from one pose to another at a constant rate about one axis (slerp) | [`Steady::between`] |
 //! | a screw: a turn about a line of the world and a shift along the line | [`Steady::screw`] |
-//! | from one pose to another by normalised quaternions (nlerp), as Box2D, parry and rapier sweep | [`Nlerp`] |
+//! | from one pose to another by nlerp, as Box2D, parry and rapier sweep | [`Nlerp`] |
 //! | any other | the trait [`Motion`] |
 //!
 //! # Bounds
 //!
-//! Let the pivot of a body go at `v` with acceleration `a`, and the body turn at `w`, at a time `t`. The *model* of the motion
-//! is `c + v s + a s^2 / 2` for the pivot and `exp(w s)` for the turn, from the pose that is placed at `t`. Of a motion whose
-//! angular velocity changes at most at a rate `k`, the turn that parts motion and model has a rate of at most `k s`, hence an angle of at
-//! most `k s^2 / 2`, and no point within `r` of the pivot is farther from where the model has it than `r k s^2 / 2`. A
-//! [`Drift`] is a cubic bound of that form, of the pivot's place (a length) and of the turn (an angle).
+//! Let the pivot of a body go at `v` with acceleration `a`, and the body turn at `w`, at a time
+//! `t`. The *model* of the motion is `c + v s + a s^2 / 2` for the pivot and `exp(w s)` for the
+//! turn, from the pose that is placed at `t`. Of a motion whose angular velocity changes at most at
+//! a rate `k`, the turn that parts motion and model has a rate of at most `k s`, hence an angle of
+//! at most `k s^2 / 2`, and no point within `r` of the pivot is farther from where the model has it
+//! than `r k s^2 / 2`. A [`Drift`] is a cubic bound of that form, of the pivot's place (a length)
+//! and of the turn (an angle).
 
 mod error;
 mod nlerp;
@@ -38,16 +41,18 @@ pub use steady::Steady;
 pub use velocity::Velocity;
 pub(crate) use way::{BallAtPose, displacement};
 
-/// A rigid motion: a pose at every time, and bounds of what the body does from there.
+/// A rigid motion: a pose at every time, and bounds of the displacement from there.
 ///
 /// # Contract
 ///
-/// For every `s` in `0..=span` the course at `time` bounds two things: the motion itself at `time + s` and, if `time + s` is an
-/// f64, the pose that [`pose`](Self::pose) returns for it. For every point within `r` of the pivot neither is farther than
-/// `shift(s) + r turn(s)` from where the model of the course has that point, if the model starts from the pose returned for `time`.
-/// Rounding of the poses is part of the bound: drifts begin above zero.
+/// For every `s` in `0..=span` the course at `time` bounds two things: the motion itself at `time +
+/// s` and, if `time + s` is an f64, the pose that [`pose`](Self::pose) returns for `time + s`. For
+/// every point within `r` of the pivot both are within `shift(s) + r turn(s)` of the position in
+/// the model of the course, if the model starts from the pose returned for `time`. Rounding of the
+/// poses is part of the bound: drifts begin above zero.
 ///
-/// A turntable whose rate swings, so that the rate changes by at most 0.6 a unit of time each unit of time:
+/// A turntable whose rate swings, so that the rate changes by at most 0.6 a unit of time each unit
+/// of time:
 ///
 /// ```
 /// use lin_canny::motion::{Course, Drift, Motion};
@@ -57,7 +62,8 @@ pub(crate) use way::{BallAtPose, displacement};
 /// impl Motion for Swing {
 ///     fn pose(&self, time: f64) -> Isometry3<f64> {
 ///         let angle = 0.3 * (1.0 - time.cos()) * 2.0;
-///         Isometry3::from_parts(Vector3::zeros().into(), UnitQuaternion::from_scaled_axis(Vector3::z() * angle))
+///         let turn = UnitQuaternion::from_scaled_axis(Vector3::z() * angle);
+///         Isometry3::from_parts(Vector3::zeros().into(), turn)
 ///     }
 ///     fn course(&self, time: f64, _span: f64) -> Course {
 ///         Course {
@@ -71,14 +77,16 @@ pub(crate) use way::{BallAtPose, displacement};
 ///     }
 /// }
 /// let most = Swing.course(1.0, 0.5).displacement(2.0, 0.5);
-/// let far = |s: f64| (Swing.pose(1.0 + s) * Point3::new(2.0, 0.0, 0.0) - Swing.pose(1.0) * Point3::new(2.0, 0.0, 0.0)).norm();
+/// let x = Point3::new(2.0, 0.0, 0.0);
+/// let far = |s: f64| (Swing.pose(1.0 + s) * x - Swing.pose(1.0) * x).norm();
 /// assert!(far(0.25) <= most && far(0.5) <= most);
 /// ```
 pub trait Motion {
     /// Returns the pose of the body's own frame in the world at a time.
     fn pose(&self, time: f64) -> Isometry3<f64>;
 
-    /// Returns the velocities at a time, and how far the body can leave them within `span` from then on.
+    /// Returns the velocities at a time, and bounds of the deviation from these velocities within
+    /// `span` from then on.
     fn course(&self, time: f64, span: f64) -> Course;
 }
 
@@ -92,11 +100,13 @@ impl<M: Motion + ?Sized> Motion for &M {
     }
 }
 
-/// Velocities of a body at a time, in the world's axes, and what is left open of the motion from then on.
+/// Velocities of a body at a time, in the world's axes, and bounds of the deviation of the motion
+/// from then on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Course {
-    /// The point of the body, in its own frame, whose velocity `linear` is and about which the body turns.
+    /// The point of the body, in the body's own frame, about which the body turns and whose
+    /// velocity is `linear`.
     pub pivot: Point3<f64>,
     /// Velocity of the pivot.
     pub linear: Vector3<f64>,
@@ -104,14 +114,15 @@ pub struct Course {
     pub angular: Vector3<f64>,
     /// Acceleration of the pivot, constant in the model.
     pub acceleration: Vector3<f64>,
-    /// How far the pivot can be from the model: a length.
+    /// Upper bound of the distance of the pivot from the model: a length.
     pub shift: Drift,
-    /// By which angle the body can be turned against the model: radians.
+    /// Upper bound of the angle of the body against the model: radians.
     pub turn: Drift,
 }
 
 impl Course {
-    /// Returns a bound of how far any point within `radius` of the pivot goes within `span`.
+    /// Returns an upper bound of the displacement of any point within `radius` of the pivot within
+    /// `span`.
     #[must_use]
     pub fn displacement(&self, radius: f64, span: f64) -> f64 {
         let straight = span * (self.linear.norm() + 0.5 * span * self.acceleration.norm());
@@ -119,7 +130,8 @@ impl Course {
         (straight + self.shift.at(span) + radius * (turned + self.turn.at(span))) * (1.0 + 16.0 * UNIT)
     }
 
-    /// Returns how far a point within `radius` of the pivot can be from the model.
+    /// Returns an upper bound of the distance of a point within `radius` of the pivot from the
+    /// model.
     #[must_use]
     pub(crate) fn drift(&self, radius: f64) -> Drift {
         let (Drift(p), Drift(q)) = (self.shift, self.turn);
@@ -127,8 +139,8 @@ impl Course {
     }
 }
 
-/// A bound that grows with time: `[d0, d1, d2, d3]` stands for `d0 + d1 s + d2 s^2 / 2 + d3 s^3 / 6` at `s` after the start.
-/// No coefficient is negative.
+/// A bound that grows with time: `[d0, d1, d2, d3]` stands for `d0 + d1 s + d2 s^2 / 2 + d3 s^3 /
+/// 6` at `s` after the start. No coefficient is negative.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Drift(pub [f64; 4]);

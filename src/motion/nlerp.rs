@@ -1,4 +1,4 @@
-//! Between two poses by normalised quaternions.
+//! Motion between two poses by normalised quaternions.
 
 use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
 
@@ -8,12 +8,14 @@ use crate::num::scalar::sqrt;
 use crate::pose::RelativePose;
 use crate::tolerance::{PLACED_CENTRE, PLACED_PIVOT, TURN, UNIT};
 
-/// A motion from one pose to another in a given time: a point of the body goes straight, and the rotation is the normalised sum of
-/// both quaternions, `(1 - x) q0 + x q1`, the shorter way round.
+/// A motion from one pose to another in a given time: a point of the body goes straight, and the
+/// rotation is the normalised sum of both quaternions, `(1 - x) q0 + x q1`, the shorter way round.
 ///
-/// That is how Box2D v3, Box3D, parry's `sweep_toi` and rapier move a body in a step. The axis is fixed and the rate is not: with
-/// `b` half the angle between the poses and `p = 1 - 2 x (1 - x) (1 - cos b)` it is `2 sin b / p` radians for the whole way, between
-/// `2 sin b` at the ends and `4 tan (b / 2)` in the middle. Before and after the given time the motion goes on by the same formula.
+/// That is how Box2D v3, Box3D, parry's `sweep_toi` and rapier move a body in a step. The axis is
+/// fixed and the rate is not: with `b` half the angle between the poses and `p = 1 - 2 x (1 - x) (1
+/// - cos b)` it is `2 sin b / p` radians for the whole way, between `2 sin b` at the ends and `4
+/// tan (b / 2)` in the middle. Before and after the given time the motion goes on by the same
+/// formula.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Nlerp {
@@ -30,7 +32,8 @@ pub struct Nlerp {
 }
 
 impl Nlerp {
-    /// Returns the motion from one pose at time zero to another at `duration`; the point `pivot` of the body goes straight.
+    /// Returns the motion from one pose at time zero to another at `duration`; the point `pivot` of
+    /// the body goes straight.
     ///
     /// # Errors
     /// A pose, a pivot or a duration that is not finite or out of range.
@@ -64,7 +67,8 @@ impl Nlerp {
         })
     }
 
-    /// The square of the norm of the sum of the quaternions, `from_middle` of the whole way before or after the middle.
+    /// Returns the squared norm of the sum of the quaternions, `from_middle` of the whole way
+    /// before or after the middle.
     fn square(&self, from_middle: f64) -> f64 {
         1.0 - 2.0 * (0.25 - from_middle * from_middle) * self.versine
     }
@@ -87,8 +91,8 @@ impl Motion for Nlerp {
         let length = |v: &Vector3<f64>| v.x.abs() + v.y.abs() + v.z.abs();
         let off = PLACED_CENTRE * (length(&self.centre) + latest * length(&self.way));
         let rate = 2.0 / (self.square(x - 0.5) * self.duration);
-        // The second derivative of the angle, `4 sin b (1 - cos b) |1 - 2 x| / p^2`, is at most its greatest numerator over its
-        // least denominator.
+        // The second derivative of the angle, `4 sin b (1 - cos b) |1 - 2 x| / p^2`, is at most its
+        // greatest numerator over its least denominator.
         let (far, near) = (
             (x - 0.5).abs().max((end - 0.5).abs()),
             if (x - 0.5) * (end - 0.5) <= 0.0 {

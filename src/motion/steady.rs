@@ -1,4 +1,5 @@
-//! Constant velocities: straight at a constant speed, or accelerated, and turning evenly about one axis.
+//! Constant velocities: straight at a constant speed, or accelerated, and turning evenly about one
+//! axis.
 
 use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
 
@@ -8,8 +9,9 @@ use crate::num::scalar::sqrt;
 use crate::pose::RelativePose;
 use crate::tolerance::{EXTENT_MAX, PLACED_CENTRE, PLACED_PIVOT, TURN, UNIT};
 
-/// A motion whose pivot, a point of the body, goes straight at a constant velocity (or acceleration) while the body turns about the
-/// pivot at a constant rate about a fixed axis of the world.
+/// A motion whose pivot, a point of the body, goes straight at a constant velocity (or
+/// acceleration) while the body turns about the pivot at a constant rate about a fixed axis of the
+/// world.
 ///
 /// ```
 /// use lin_canny::Velocity;
@@ -18,7 +20,8 @@ use crate::tolerance::{EXTENT_MAX, PLACED_CENTRE, PLACED_PIVOT, TURN, UNIT};
 ///
 /// // A door: it turns about a hinge one to the left of its own origin.
 /// let spin = Velocity::new(Vector3::zeros(), Vector3::z());
-/// let door = Steady::about(&Isometry3::translation(1.0, 0.0, 0.0), Point3::new(-1.0, 0.0, 0.0), spin)?;
+/// let (pose, hinge) = (Isometry3::translation(1.0, 0.0, 0.0), Point3::new(-1.0, 0.0, 0.0));
+/// let door = Steady::about(&pose, hinge, spin)?;
 /// let open = door.pose(std::f64::consts::FRAC_PI_2);
 /// assert!((open.translation.vector - Vector3::y()).norm() < 1e-15);
 /// # Ok::<(), lin_canny::motion::MotionError>(())
@@ -33,12 +36,13 @@ pub struct Steady {
     velocity: Velocity,
     spin: Spin,
     acceleration: Vector3<f64>,
-    /// Bounds of what is not known: acceleration of the pivot, and angular acceleration.
+    /// Bounds of the unknown part: acceleration of the pivot, and angular acceleration.
     open: [f64; 2],
 }
 
 impl Steady {
-    /// Returns the motion of a body that is at `pose` at time zero, its own origin going at the velocity.
+    /// Returns the motion of a body that is at `pose` at time zero, its own origin going at the
+    /// velocity.
     ///
     /// # Errors
     /// A pose or a velocity that is not finite or out of range.
@@ -46,7 +50,8 @@ impl Steady {
         Self::about(pose, Point3::origin(), velocity)
     }
 
-    /// Returns the motion of a body that is at `pose` at time zero, the point `pivot` of its own frame going at the velocity.
+    /// Returns the motion of a body that is at `pose` at time zero, the point `pivot` of its own
+    /// frame going at the velocity.
     ///
     /// # Errors
     /// A pose, a pivot or a velocity that is not finite or out of range.
@@ -67,8 +72,9 @@ impl Steady {
         })
     }
 
-    /// Returns the motion from one pose to another in the given time, at constant velocities: the point `pivot` of the body goes
-    /// straight, and the body turns by at most half a turn about one axis (slerp).
+    /// Returns the motion from one pose to another in the given time, at constant velocities: the
+    /// point `pivot` of the body goes straight, and the body turns by at most half a turn about one
+    /// axis (slerp).
     ///
     /// # Errors
     /// A pose, a pivot or a duration that is not finite or out of range.
@@ -102,8 +108,9 @@ impl Steady {
         Self::about(from, pivot, velocity)
     }
 
-    /// Returns the screw of a body that is at `pose` at time zero: a turn about the line through `point` along `axis`, both in
-    /// the world, of `rate` radians a unit of time, and a shift along the line of `advance` a unit of time.
+    /// Returns the screw of a body that is at `pose` at time zero: a turn about the line through
+    /// `point` along `axis`, both in the world, of `rate` radians a unit of time, and a shift along
+    /// the line of `advance` a unit of time.
     ///
     /// # Errors
     /// A pose, a point or an axis that is not finite or out of range, or an axis of no direction.
@@ -126,7 +133,8 @@ impl Steady {
         Self::about(pose, pivot.into(), velocity)
     }
 
-    /// Returns the same motion with a constant acceleration of the pivot, such as gravity, that counts from time zero.
+    /// Returns this motion with a constant acceleration of the pivot, such as gravity, that counts
+    /// from time zero.
     ///
     /// # Errors
     /// An acceleration that is not finite or out of range.
@@ -135,9 +143,10 @@ impl Steady {
         Ok(Self { acceleration, ..self })
     }
 
-    /// Returns the set of all motions that begin like this one at time zero and whose accelerations differ from its own by at most
-    /// `linear` (of the pivot) and `angular` (radians a unit of time squared). Poses are still those of this motion; what is proven free
-    /// is free for all of the set.
+    /// Returns the set of all motions that begin like this one at time zero and whose accelerations
+    /// differ from its own by at most `linear` (of the pivot) and `angular` (radians a unit of time
+    /// squared). Poses are still those of this motion; what is proven free is free for all of the
+    /// set.
     ///
     /// # Errors
     /// A bound that is negative or not finite.
@@ -197,7 +206,8 @@ impl Motion for Steady {
     }
 }
 
-/// The quaternion over its norm. The square of the norm of a pose's is one to 1e-12.
+/// Returns the quaternion over its norm. The squared norm of the quaternion of a pose is 1 to
+/// 1e-12.
 pub(super) fn normalised(q: &Quaternion<f64>) -> Quaternion<f64> {
     q / sqrt(q.norm_squared())
 }

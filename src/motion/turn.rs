@@ -1,4 +1,4 @@
-//! The rotation that a constant angular velocity comes to after a time.
+//! Rotation by a constant angular velocity over a time.
 
 use nalgebra::{Quaternion, Vector3};
 
@@ -6,14 +6,15 @@ use crate::num::double_double::{DoubleDouble, two_product};
 use crate::num::scalar::sqrt;
 use crate::tolerance::SQUARE_MIN;
 
-/// An angular velocity as axis and rate. The rate and its product with a time are kept in double-double, so that a
-/// body that has turned thousands of times is placed as well as one that has not (`TURN` in [`crate::tolerance`]).
+/// An angular velocity as axis and rate. The rate and its product with a time are kept in
+/// double-double, so that a body that has turned thousands of times is placed as accurately as a
+/// body that has not (`TURN` in [`crate::tolerance`]).
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Spin {
     /// Unit up to rounding; zero for a rate of zero.
     axis: Vector3<f64>,
-    /// Radians a unit of time: the rounded number and what it leaves over.
+    /// Radians a unit of time: the rounded number and the remainder.
     rate: [f64; 2],
 }
 
@@ -44,7 +45,7 @@ impl Spin {
         }
     }
 
-    /// The rotation after a time, as a quaternion.
+    /// Returns the rotation after a time, as a quaternion.
     #[inline]
     pub(super) fn after(&self, time: f64) -> Quaternion<f64> {
         let [rate, rest] = self.rate;
@@ -87,7 +88,8 @@ mod tests {
         }
     }
 
-    /// Rate times time without rounding: sums of angles are angles of sums, to a few units of rounding at ten thousand radians.
+    /// Rate times time without rounding: sums of angles are angles of sums, to a few units of
+    /// rounding at ten thousand radians.
     #[test]
     fn many_turns_lose_nothing() {
         let spin = Spin::new(&Vector3::new(1.1, -0.7, 2.3));

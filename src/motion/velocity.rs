@@ -5,17 +5,19 @@ use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use super::turn::Spin;
 use crate::num::scalar::sqrt;
 
-/// The velocity of a rigid body in the world's frame: of its own origin, and about it in radians.
+/// The velocity of a rigid body in the world's frame: linear velocity of the body's own origin, and
+/// angular velocity about this origin in radians.
 ///
-/// When two bodies that move like this meet: [`impact::cast`](crate::impact::cast), of two
-/// [`Steady`](crate::motion::Steady) motions.
+/// For the time of impact of two bodies with constant velocities see
+/// [`impact::cast`](crate::impact::cast) of two [`Steady`](crate::motion::Steady) motions.
 #[doc(alias = "twist")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Velocity {
-    /// Length a unit of time, of the body's own origin.
+    /// Linear velocity of the body's own origin: length a unit of time.
     pub linear: Vector3<f64>,
-    /// Axis of rotation, through the body's own origin, times radians a unit of time.
+    /// Angular velocity: axis of rotation, through the body's own origin, times radians a unit of
+    /// time.
     pub angular: Vector3<f64>,
 }
 
@@ -26,13 +28,14 @@ impl Default for Velocity {
 }
 
 impl Velocity {
-    /// From its two parts.
+    /// Returns the velocity with these two parts.
     #[must_use]
     pub const fn new(linear: Vector3<f64>, angular: Vector3<f64>) -> Self {
         Self { linear, angular }
     }
 
-    /// Where a body at `pose` is after `time` at this velocity: it turns by exactly `angular * time`, up to rounding.
+    /// Returns the pose of a body at `pose` after `time` at this velocity: the body turns by
+    /// exactly `angular * time`, up to rounding.
     ///
     /// ```
     /// use lin_canny::Velocity;

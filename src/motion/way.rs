@@ -1,9 +1,11 @@
-//! How far a motion can have carried any point of a body between two poses.
+//! Upper bounds of the displacement of any point of a body between two poses.
 //!
-//! A point x about a centre goes by `shift + (R1 - R0) x` while the centre goes by `shift`, and `R1 - R0` stretches by at most
-//! `2 sin(angle / 2)`. So no point within `radius` of the centre goes farther than `|shift| + 2 radius sin(angle / 2)`, by whatever way
-//! the body goes. Poses in the world are quaternions and bodies many, so [`displacement`] takes the angle from those, a little
-//! too large; a [`BallAtPose`] has the matrix of a relative pose at hand, and is as exact as its rounding.
+//! A point x relative to a centre moves by `shift + (R1 - R0) x` while the centre moves by `shift`,
+//! and `R1 - R0` stretches by at most `2 sin(angle / 2)`. So no point within `radius` of the centre
+//! moves farther than `|shift| + 2 radius sin(angle / 2)`, whatever path the body takes. Poses in
+//! the world are quaternions and bodies many, so [`displacement`] takes the angle from the
+//! quaternions, a little too large; a [`BallAtPose`] has the matrix of a relative pose at hand, and
+//! is exact up to rounding.
 
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
@@ -11,11 +13,16 @@ use crate::num::scalar::sqrt;
 use crate::pose::Operand;
 use crate::tolerance::{DISPLACEMENT, FAR, LEAST_SQUARE, NEAR, WAY};
 
-/// No point within `radius` of a centre goes farther while the centre goes by `shift` and the body turns from one rotation to
-/// another. Rounded up.
+/// Upper bound of the displacement of any point within `radius` of a centre, while the centre moves
+/// by `shift` and the body turns from one rotation to another. Rounded up.
 ///
-/// Of two unit quaternions, of which opposite ones are one rotation, the nearer ones are `c = 2 sin(angle / 4)` apart, and
-/// `2 sin(angle / 2) <= 2 c`.
+/// ```text
+///    q0, q1: unit quaternions, -q the rotation of q       |q1 - q0| = c = 2 sin(angle / 4)
+///    a point at distance r from the centre turns by a chord of 2 r sin(angle / 2) <= 2 r c
+/// ```
+///
+/// Two unit quaternions of opposite sign are one rotation; the nearer of the two is `c = 2
+/// sin(angle / 4)` away, and `2 sin(angle / 2) <= 2 c`.
 pub(crate) fn displacement(
     shift: &Vector3<f64>,
     radius: f64,
@@ -28,20 +35,21 @@ pub(crate) fn displacement(
     gone * (1.0 + WAY)
 }
 
-/// A ball fixed to one of two bodies, as seen from the other.
+/// A ball fixed to one of two bodies, in the frame of the partner.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct BallAtPose {
-    /// From B to A, whichever body the ball is of.
+    /// Rotation from B to A, whichever body the ball belongs to.
     rotation: Matrix3<f64>,
     centre: Vector3<f64>,
     radius: f64,
-    /// What the rounding of rotation and centre is relative to.
+    /// Size that scales the rounding errors of rotation and centre.
     size: f64,
 }
 
 impl BallAtPose {
-    /// Of a ball of the body `of`, in its frame, at a relative pose `a_from_b`.
+    /// Returns the posed ball of the body `of`, given in the frame of `of`, at a relative pose
+    /// `a_from_b`.
     #[inline(always)]
     pub(crate) fn new(
         of: Operand,
@@ -61,7 +69,8 @@ impl BallAtPose {
         }
     }
 
-    /// No point of the ball is farther from where it was `then`: rounded up, and infinite where squares of lengths leave the range.
+    /// Upper bound of the displacement of any point of the ball since `then`: rounded up, and
+    /// infinite if squares of lengths leave the range.
     #[inline(always)]
     pub(crate) fn displacement(&self, then: &Self) -> f64 {
         let size = self.size + then.size;
@@ -70,7 +79,7 @@ impl BallAtPose {
             return f64::INFINITY;
         }
         let shift = sqrt((self.centre - then.centre).norm_squared());
-        // A difference of rotations stretches two directions alike and one not at all.
+        // A difference of rotations stretches two directions equally and the third not at all.
         let stretch = sqrt(0.5 * (self.rotation - then.rotation).norm_squared());
         shift + stretch * self.radius + DISPLACEMENT * size
     }
@@ -108,7 +117,7 @@ mod tests {
         assert!(tight > 1000, "{tight}");
     }
 
-    /// Points of a ball of either body, seen from the other at two relative poses.
+    /// Samples points of a ball of either body, seen from the partner at two relative poses.
     #[test]
     fn no_point_of_a_ball_goes_farther_than_its_places_are_apart() {
         let mut rng = Rng::new(93);

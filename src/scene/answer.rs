@@ -1,82 +1,84 @@
-//! What the last step found, by pair and by body.
+//! Answers of the last step, by pair and by body.
 
 use alloc::vec::Vec;
 
 use super::effects::NEVER;
-use super::step::owners;
+use super::step::bodies_of;
 use super::{BodyId, PairId, Scene, SceneError};
 use crate::broad::{self, Aabb, BroadPhase};
 use crate::contact::Manifold;
 use crate::pair::outcome::{Distance, Outcome};
 
-/// What was found of one pair: of each effect that is called for its answer, and `None` for the others.
+/// Answers for one pair: `Some` for each effect that is called for, and `None` otherwise.
 ///
-/// Witnesses, contact points and normals are in the frames of the bodies: `point_on_a` and `normal` in that of `a`, `point_on_b` in that
-/// of `b`. [`Scene::pose`] leads to the world.
+/// Witnesses, contact points and normals are in the frames of the bodies: `point_on_a` and `normal`
+/// in the frame of `a`, `point_on_b` in the frame of `b`. [`Scene::pose`] leads to the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct PairAnswer<'a> {
-    /// The body with the lower index: A of all that is said here.
+    /// The body with the lower index: operand A of all answers.
     pub a: BodyId,
-    /// The body with the higher index.
+    /// The body with the higher index: operand B of all answers.
     pub b: BodyId,
-    /// The pair's name from the meeting of the boxes to their parting.
+    /// Id of the pair, from the meeting of the boxes to their parting.
     pub pair: PairId,
     /// Whether the bodies share a point.
     pub overlaps: Option<bool>,
-    /// Whether they are within the distance called for.
+    /// Whether the bodies are within the distance called for.
     pub within: Option<bool>,
-    /// Their signed distance; `None` also for bodies farther apart than it is called for.
+    /// Signed distance; `None` also for bodies farther apart than the range called for.
     pub distance: Option<Distance>,
-    /// Features, witnesses and normal; `None` also for bodies farther apart than they are called for.
+    /// Features, witnesses and normal; `None` also for bodies farther apart than the range called
+    /// for.
     pub outcome: Option<&'a Outcome>,
-    /// Contact points; `None` also for bodies farther apart than their prediction.
+    /// Contact points; `None` also for bodies farther apart than the prediction.
     pub manifold: Option<&'a Manifold>,
 }
 
 impl Scene {
-    /// All pairs whose boxes overlap, in the order of their slots, with what was found of them.
+    /// Iterates over all pairs whose boxes overlap, in the order of the slots, with the answers.
     pub fn pairs(&self) -> impl Iterator<Item = PairAnswer<'_>> + '_ {
         self.broad.pairs().map(|pair| self.answer(&pair))
     }
 
-    /// The pair of two bodies, in either order: `None` where their boxes, grown by the distances called for, do not overlap.
+    /// Returns the pair of two bodies, in either order: `None` if the boxes, grown by the distances
+    /// called for, do not overlap.
     #[must_use]
     pub fn pair(&self, a: BodyId, b: BodyId) -> Option<PairAnswer<'_>> {
-        let housed = |id| Some(self.bodies.housed[self.bodies.index_of(id).ok()?]);
-        Some(self.answer(&self.broad.pair(housed(a)?, housed(b)?)?))
+        let proxy = |id| Some(self.bodies.proxies[self.bodies.index_of(id).ok()?]);
+        Some(self.answer(&self.broad.pair(proxy(a)?, proxy(b)?)?))
     }
 
-    /// The pairs of one body, in ascending order of the others.
+    /// Returns the pairs of one body, in ascending order of the partner.
     ///
     /// # Errors
-    /// When the id is stale.
+    /// If the id is stale.
     pub fn pairs_of(&self, id: BodyId) -> Result<Vec<PairAnswer<'_>>, SceneError> {
         let i = self.bodies.index_of(id)?;
-        let housed = self.bodies.housed[i];
+        let proxy = self.bodies.proxies[i];
         let mut near = Vec::new();
-        // The stored box, from f32 to f64 about the origin, holds itself.
-        if let Some(stored) = self.broad.stored_box(housed) {
+        // The stored box, from f32 to f64 about the origin, contains itself.
+        if let Some(stored) = self.broad.stored_box(proxy) {
             let corner = |v: [f32; 3]| self.settings.origin + nalgebra::Vector3::from(v.map(f64::from));
             let around = Aabb::new(corner(stored.lo), corner(stored.hi));
             let _ = self.broad.overlapping(&around, &mut near);
         }
         let mut found: Vec<_> = near
             .into_iter()
-            .filter_map(|other| Some(self.answer(&self.broad.pair(housed, other)?)))
+            .filter_map(|other| Some(self.answer(&self.broad.pair(proxy, other)?)))
             .collect();
         found.sort_unstable_by_key(|p| (p.a, p.b));
         Ok(found)
     }
 
-    /// Number of pairs whose boxes overlap.
+    /// Returns the number of pairs whose boxes overlap.
     #[must_use]
     pub fn pair_count(&self) -> usize {
         self.broad.pair_count()
     }
 
     fn answer(&self, pair: &broad::Pair) -> PairAnswer<'_> {
-        let (a, b) = owners(&self.bodies, pair);
+        let (a, b) = bodies_of(&self.bodies, pair);
         let mut answer = PairAnswer {
             a: self.bodies.id(a),
             b: self.bodies.id(b),
@@ -87,10 +89,10 @@ impl Scene {
             outcome: None,
             manifold: None,
         };
-        if let Some(seen) = self.lanes.get(pair.id.slot) {
-            let plan = self.table.plan(seen.head.class);
-            answer.overlaps = (plan.overlap && seen.head.state.known).then_some(seen.head.state.overlaps);
-            answer.within = (plan.within != NEVER && seen.head.state.known).then_some(seen.head.state.within);
+        if let Some(seen) = self.pair_tables.get(pair.id.slot) {
+            let plan = self.table.plan(seen.header.class);
+            answer.overlaps = (plan.overlap && seen.header.state.known).then_some(seen.header.state.overlaps);
+            answer.within = (plan.within != NEVER && seen.header.state.known).then_some(seen.header.state.within);
             (answer.distance, answer.outcome, answer.manifold) = (seen.distance, seen.outcome, seen.manifold);
         }
         answer

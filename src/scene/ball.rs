@@ -1,4 +1,4 @@
-//! Balls about bodies: what is nearer than they may touch is looked at.
+//! Bounding balls of bodies: a lower bound of the distance of two bodies.
 
 use nalgebra::{Isometry3, Point3, Vector3};
 
@@ -6,7 +6,7 @@ use crate::num::scalar::sqrt;
 use crate::polyhedron::ConvexPolyhedron;
 use crate::tolerance::{CENTRE, LEAST_SQUARE, RADIUS_UP, ROUND_DOWN, ROUND_UP};
 
-/// A ball about a body, in one frame: centre and radius.
+/// A ball that contains a body, in one frame: centre and radius.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Ball {
     pub(super) centre: Vector3<f64>,
@@ -14,14 +14,15 @@ pub(super) struct Ball {
 }
 
 impl Ball {
-    /// Where no body is.
+    /// Placeholder of an index without a body.
     #[cfg(feature = "serde")]
     pub(super) const NONE: Self = Self {
         centre: Vector3::new(0.0, 0.0, 0.0),
         radius: 0.0,
     };
 
-    /// A ball about a shape, in its own frame: about its own origin, where that is nearly as good as about the middle of its box.
+    /// Returns a ball that contains a shape, in the frame of the shape: about the frame's origin,
+    /// if this ball is nearly as small as the ball about the middle of the box.
     pub(super) fn about(shape: &ConvexPolyhedron) -> Self {
         let (centre, radius) = shape.bounding_ball();
         // Scaled, so that squares stay in range.
@@ -40,14 +41,15 @@ impl Ball {
         }
     }
 
-    /// The ball of the placed body.
+    /// Returns the ball of the posed body.
     #[inline]
     pub(super) fn at(&self, pose: &Isometry3<f64>) -> Self {
         let t = pose.translation.vector;
         if self.centre == Vector3::zeros() {
             return Self { centre: t, ..*self };
         }
-        // By the norm of the quaternion off one the centre is off by less than by CENTRE times the displacement.
+        // If the norm of the quaternion is not exactly 1, the error of the centre is less than
+        // CENTRE times the displacement.
         let centre = pose.rotation.coords.normalize();
         let turned = nalgebra::UnitQuaternion::new_unchecked(centre.into()) * self.centre;
         Self {
@@ -56,7 +58,7 @@ impl Ball {
         }
     }
 
-    /// How far the placed centre may be off.
+    /// Returns an upper bound of the error of the posed centre.
     pub(super) fn error(&self, t: &Vector3<f64>) -> f64 {
         let sum = |v: &Vector3<f64>| v.x.abs() + v.y.abs() + v.z.abs();
         if self.centre == Vector3::zeros() {
@@ -67,7 +69,7 @@ impl Ball {
     }
 }
 
-/// A lower bound of the distance of what two balls hold; may be negative.
+/// Returns a lower bound of the distance of the contents of two balls; may be negative.
 #[inline]
 pub(super) fn least_distance(a: &Ball, b: &Ball) -> f64 {
     let between = b.centre - a.centre;

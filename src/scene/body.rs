@@ -1,4 +1,5 @@
-//! The bodies of a scene: shapes, poses, groups, and what of them the stages of a step read, table by table.
+//! The bodies of a scene: shapes, poses, groups, and everything about a body that the stages of a
+//! step read, table by table.
 
 use alloc::sync::Arc;
 use alloc::vec::Vec;
@@ -15,23 +16,25 @@ use crate::polyhedron::{BoxHint, ConvexPolyhedron};
 use crate::pose::{PoseError, RelativePose};
 use crate::tolerance::{ROUND_UP, SCENE_REACH};
 
-/// From this generation on an index is not used again.
+/// From this generation on an index is never reused.
 pub(super) const RETIRED: u32 = u32::MAX - 1;
 
-/// A body to insert: a shape, which may be shared by many, and how it takes part.
+/// A body to insert: a shape, which may be shared by many bodies, a group, and whether the body is
+/// fixed.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct Body {
     /// The shape, in the body's own frame.
     pub shape: Arc<ConvexPolyhedron>,
-    /// Its group; group 0 unless said otherwise.
+    /// The group of the body; group 0 by default.
     pub group: Group,
-    /// Two fixed bodies are never paired. A fixed body may be set anew but has no velocity.
+    /// Two fixed bodies are never paired. A fixed body may be set to another pose but has no
+    /// velocity.
     pub fixed: bool,
 }
 
 impl Body {
-    /// A body that moves.
+    /// Returns a body that moves.
     pub fn moving(shape: impl Into<Arc<ConvexPolyhedron>>) -> Self {
         Self {
             shape: shape.into(),
@@ -40,7 +43,7 @@ impl Body {
         }
     }
 
-    /// A body that rests; two of them are never paired.
+    /// Returns a body at rest; two such bodies are never paired.
     pub fn fixed(shape: impl Into<Arc<ConvexPolyhedron>>) -> Self {
         Self {
             fixed: true,
@@ -48,26 +51,26 @@ impl Body {
         }
     }
 
-    /// The same body in this group.
+    /// Returns the body with another group.
     #[must_use]
     pub fn group(self, group: Group) -> Self {
         Self { group, ..self }
     }
 }
 
-/// What is kept of a shape with each body of it.
+/// The shape of a body in a scene, with derived values.
 #[derive(Clone, Debug)]
 pub(super) struct Solid {
     pub(super) shape: Arc<ConvexPolyhedron>,
     ball: Ball,
     pub(super) group: Group,
     pub(super) fixed: bool,
-    /// Whether the broad phase has a box of it: it has none of a body whose range is infinite.
+    /// Whether the broad phase has a box of the body: none if the range of the body is infinite.
     pub(super) boxed: bool,
 }
 
 impl Solid {
-    /// Refuses shapes that no pose puts within a scene.
+    /// Returns the solid of a body. Refuses shapes that no pose puts within a scene.
     pub(super) fn new(body: Body) -> Result<Self, SceneError> {
         let reach = body.shape.vertex_points().fold(0.0, |m: f64, p| m.max(p.coords.amax()));
         if !(reach <= SCENE_REACH) {
@@ -83,26 +86,27 @@ impl Solid {
     }
 }
 
-/// All bodies of one scene. Tables are indexed by `BodyId::index`; an index is used again no earlier than the step after its
-/// body was removed.
+/// All bodies of one scene. Tables are indexed by `BodyId::index`; an index is reused no earlier
+/// than the step after the removal of its body.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Bodies {
     pub(super) generations: Vec<u32>,
     pub(super) free: Vec<u32>,
-    /// Removed since the last step.
+    /// Bodies removed since the last step.
     pub(super) leaving: Vec<u32>,
     pub(super) solids: Vec<Option<Solid>>,
     pub(super) poses: Vec<Isometry3<f64>>,
-    /// Of the placed bodies.
+    /// Bounding balls at the current poses.
     pub(super) balls: Vec<Ball>,
     pub(super) travels: Vec<Travel>,
     pub(super) hints: Vec<BoxHint>,
-    /// The body's name in the broad phase, and the other way round by its index there.
-    pub(super) housed: Vec<broad::BodyId>,
-    pub(super) owners: Vec<u32>,
-    /// Empty until a first velocity is set.
+    /// The id of the body in the broad phase; the next table is the inverse, by the index of the
+    /// proxy.
+    pub(super) proxies: Vec<broad::BodyId>,
+    pub(super) body_of_proxy: Vec<u32>,
+    /// Velocities of the bodies; empty until a first velocity is set.
     pub(super) velocities: Vec<Velocity>,
-    /// Bodies whose boxes are to be renewed, each once.
+    /// Bodies whose boxes must be renewed, each listed once.
     pub(super) due: Vec<u32>,
     /// Number of the step being prepared.
     pub(super) step: u32,
@@ -127,12 +131,12 @@ impl Bodies {
         self.generations[i] % 2 == 1
     }
 
-    /// The group of the body at an index, or of the last one there until the next step.
+    /// Returns the group of the body at an index, or of the last body there until the next step.
     pub(super) fn group(&self, index: u32) -> Option<Group> {
         self.solids[index as usize].as_ref().map(|s| s.group)
     }
 
-    /// The id under which the body at an index lives, or last lived until the next step.
+    /// Returns the id under which the body at an index lives, or last lived until the next step.
     #[inline]
     pub(super) fn id(&self, index: u32) -> BodyId {
         let generation = self.generations[index as usize];
@@ -150,14 +154,8 @@ impl Bodies {
         })
     }
 
-    /// Appends a body that the broad phase has taken.
-    pub(super) fn insert(
-        &mut self,
-        solid: Solid,
-        pose: Isometry3<f64>,
-        housed: broad::BodyId,
-        hint: BoxHint,
-    ) -> BodyId {
+    /// Appends a body that already has a proxy in the broad phase.
+    pub(super) fn insert(&mut self, solid: Solid, pose: Isometry3<f64>, proxy: broad::BodyId, hint: BoxHint) -> BodyId {
         let index = self.free.pop().unwrap_or(self.generations.len() as u32);
         let i = index as usize;
         if i == self.generations.len() {
@@ -168,7 +166,7 @@ impl Bodies {
             self.balls.push(solid.ball);
             self.travels.push(Travel::default());
             self.hints.push(hint);
-            self.housed.push(housed);
+            self.proxies.push(proxy);
             if !self.velocities.is_empty() {
                 self.velocities.push(Velocity::default());
             }
@@ -182,11 +180,11 @@ impl Bodies {
             *velocity = Velocity::default();
         }
         self.solids[i] = Some(solid);
-        self.house(index, housed);
+        self.set_proxy(index, proxy);
         self.id(index)
     }
 
-    /// Appends an index as it was written.
+    /// Appends a row as read from a file.
     #[cfg(feature = "serde")]
     pub(super) fn restore(
         &mut self,
@@ -195,7 +193,7 @@ impl Bodies {
         pose: Isometry3<f64>,
         travel: Travel,
         hint: BoxHint,
-        housed: broad::BodyId,
+        proxy: broad::BodyId,
     ) {
         self.generations.push(generation);
         self.balls.push(solid.as_ref().map_or(Ball::NONE, |s| s.ball.at(&pose)));
@@ -203,10 +201,11 @@ impl Bodies {
         self.poses.push(pose);
         self.travels.push(travel);
         self.hints.push(hint);
-        self.housed.push(housed);
+        self.proxies.push(proxy);
     }
 
-    /// Lists grow by an eighth, not by doubling: they are most of the memory of a scene.
+    /// Reserves memory for an eighth more bodies, instead of doubling: these tables are most of the
+    /// memory of a scene.
     fn make_room(&mut self) {
         let more = self.generations.len() / 8 + 16;
         if self.generations.len() == self.generations.capacity() {
@@ -216,21 +215,21 @@ impl Bodies {
             self.balls.reserve_exact(more);
             self.travels.reserve_exact(more);
             self.hints.reserve_exact(more);
-            self.housed.reserve_exact(more);
+            self.proxies.reserve_exact(more);
         }
     }
 
-    /// Notes under which name the broad phase knows a body.
-    pub(super) fn house(&mut self, index: u32, housed: broad::BodyId) {
-        let place = housed.index as usize;
-        if place >= self.owners.len() {
-            self.owners.resize(place + 1, u32::MAX);
+    /// Links a body and its proxy in the broad phase.
+    pub(super) fn set_proxy(&mut self, index: u32, proxy: broad::BodyId) {
+        let place = proxy.index as usize;
+        if place >= self.body_of_proxy.len() {
+            self.body_of_proxy.resize(place + 1, u32::MAX);
         }
-        self.owners[place] = index;
-        self.housed[index as usize] = housed;
+        self.body_of_proxy[place] = index;
+        self.proxies[index as usize] = proxy;
     }
 
-    /// From now on the id is stale; the index is kept until the step is over.
+    /// Makes the id stale at once; the index is kept until the step is over.
     pub(super) fn remove(&mut self, index: usize) {
         self.generations[index] += 1;
         self.leaving.push(index as u32);
@@ -239,7 +238,7 @@ impl Bodies {
         }
     }
 
-    /// Moves a body; its way is added to its odometer, and its box becomes due.
+    /// Moves a body, adds the displacement to the odometer, and marks the box as due.
     #[inline]
     pub(super) fn place(&mut self, i: usize, pose: &Isometry3<f64>) {
         let Some(solid) = &self.solids[i] else { return };
@@ -253,16 +252,16 @@ impl Bodies {
         let way = displacement(&shift, own, &old.rotation, &new.rotation)
             + solid.ball.error(&old.translation.vector)
             + solid.ball.error(&new.translation.vector);
-        self.travels[i].go(way, self.step);
+        self.travels[i].add(way, self.step);
         self.balls[i] = to;
         self.poses[i] = *pose;
-        self.call(i);
+        self.mark_due(i);
     }
 
-    /// Has the box of a body renewed in the next step.
+    /// Marks the box of a body to be renewed in the next step.
     #[inline]
-    pub(super) fn call(&mut self, i: usize) {
-        if self.travels[i].called(self.step) {
+    pub(super) fn mark_due(&mut self, i: usize) {
+        if self.travels[i].mark_due(self.step) {
             self.due.push(i as u32);
         }
     }
@@ -280,21 +279,27 @@ impl Bodies {
         self.step = self.step.wrapping_add(1);
     }
 
-    /// Bytes reserved, shapes not counted: they belong to whoever shares them.
+    /// Returns the bytes reserved, without the shapes, which may be shared.
     pub(super) fn bytes(&self) -> usize {
-        let words = [&self.generations, &self.free, &self.leaving, &self.owners, &self.due];
+        let words = [
+            &self.generations,
+            &self.free,
+            &self.leaving,
+            &self.body_of_proxy,
+            &self.due,
+        ];
         words.iter().map(|list| list.capacity() * 4).sum::<usize>()
             + self.solids.capacity() * size_of::<Option<Solid>>()
             + self.poses.capacity() * size_of::<Isometry3<f64>>()
             + self.balls.capacity() * size_of::<Ball>()
             + self.travels.capacity() * size_of::<Travel>()
             + self.hints.capacity() * size_of::<BoxHint>()
-            + self.housed.capacity() * size_of::<broad::BodyId>()
+            + self.proxies.capacity() * size_of::<broad::BodyId>()
             + self.velocities.capacity() * size_of::<Velocity>()
     }
 }
 
-/// Refuses what is no rigid motion, or puts a body outside a scene.
+/// Refuses a pose that is not a rigid motion, or that puts a body outside a scene.
 pub(super) fn checked(pose: &Isometry3<f64>, body: Option<BodyId>) -> Result<(), SceneError> {
     RelativePose::from_isometry(pose).map_err(|error| SceneError::Pose {
         body,
@@ -311,7 +316,8 @@ pub(super) fn checked(pose: &Isometry3<f64>, body: Option<BodyId>) -> Result<(),
     }
 }
 
-/// A pose stood as B's beside the identity; of one body it is A's.
+/// Returns the error with operand A: the pose was checked as B's against the identity, but here
+/// only one body is meant.
 fn as_only(error: PoseError) -> PoseError {
     use crate::pose::Operand;
     match error {
@@ -327,10 +333,10 @@ fn as_only(error: PoseError) -> PoseError {
     }
 }
 
-/// The box of a placed body, grown on every side.
+/// Returns the box of a posed body, grown on every side.
 #[inline]
 pub(super) fn box_of(shape: &ConvexPolyhedron, pose: &Isometry3<f64>, growth: f64, hint: &mut BoxHint) -> Aabb {
     let (min, max) = shape.aabb_at(pose, hint);
-    // Rounded up, so that the halves of a pair reach together at least as far as they should.
+    // Rounded up, so that the two growths of a pair add up to at least the reach.
     Aabb::new(min, max).grown(growth * ROUND_UP)
 }

@@ -1,45 +1,51 @@
-//! The displacement budget: a pair is looked at again only when its bodies may have used up its distance.
+//! The displacement budget: a pair is tested again only when its bodies may have used up the
+//! distance between them.
 //!
-//! Every body has an odometer: at each change of its pose it grows by a bound of how far any point of the body went,
-//! `|shift of its centre| + 2 radius sin(turn / 2)`, rounded up. A pair that was looked at when its odometers
-//! stood at a and b, and whose answer holds as long as its distance changes by less than s, sleeps until the sum of its odometers
+//! Every body has an odometer: at each change of its pose the odometer grows by an upper bound of
+//! the displacement of any point of the body, `|shift of its centre| + 2 radius sin(turn / 2)`,
+//! rounded up. If a pair was tested when the odometers stood at a and b, and the answer holds as
+//! long as the distance changes by less than s, the pair sleeps until the sum of the odometers
 //! reaches a + b + s. Velocities need not be known, and jumps are no exception.
 //!
-//! **Proof.** Let d be the distance then and d' now, and let no point of A have gone farther than x, none of B farther than y: both
-//! are at most the growth of the odometers, however many steps it took (a point goes no farther than the sum of its ways). Any
-//! two points are now at least `d - x - y` apart, so `d' >= d - x - y`; the two witness points of then are now at most
-//! `d + x + y` apart, so `d' <= d + x + y`. For bodies that share a point take d = 0 in the second.
+//! **Proof.** Let d be the distance at the test and d' the distance now, and let no point of A have
+//! gone farther than x, none of B farther than y: x and y are at most the growth of the odometers,
+//! however many steps were made (a point goes no farther than the sum of its displacements). Any
+//! two points are now at least `d - x - y` apart, so `d' >= d - x - y`; the two witness points of
+//! the test are now at most `d + x + y` apart, so `d' <= d + x + y`. For bodies that share a point
+//! take d = 0 in the second inequality.
 //!
 //! Hence, with certified bounds `lower <= d <= upper`:
 //! - beyond a threshold t (`lower > t`) the pair stays beyond while x + y < lower - t;
-//! - within it (`upper < t`) it stays within while x + y < t - upper;
-//! - of several thresholds the nearest counts; a distance that is called for and within its range is always taken anew when
-//!   a body has moved.
+//! - within a threshold (`upper < t`) the pair stays within while x + y < t - upper;
+//! - of several thresholds the nearest counts; a distance that is called for and within its range
+//!   is always computed again when a body has moved.
 //!
-//! At contact the budget of an overlap event is zero, so the pair is looked at in every step in which one of its bodies moves.
-//! Sums are rounded towards waking: an odometer is rounded up at each step, and a sleep ends early by
-//! [`ODOMETER`] times the odometers. That is what long ways cost, and never an event.
+//! At contact the budget of an overlap event is zero, so the pair is tested in every step in which
+//! one of the two bodies moves. Sums are rounded towards waking: an odometer is rounded up at each
+//! step, and a sleep ends early by [`ODOMETER`] times the odometers. Long displacements thus cost a
+//! little sleep, but never an event.
 //!
-//! The threshold of a pair that is not called for is none, so the fewer effects, the longer the sleep.
+//! An effect that is not called for sets no threshold, so the fewer effects, the longer the sleep.
 //!
-//! Sources: Schwarzer, Saha, Latombe 2005 bound motions likewise for the edges of a roadmap; Mirtich 1996 and Lin 1993
-//! (section 5.1) wake pairs by velocity and time instead, which is tighter where velocities are known.
+//! Sources: Schwarzer, Saha, Latombe 2005 bound motions likewise for the edges of a roadmap;
+//! Mirtich 1996 and Lin 1993 (section 5.1) wake pairs by velocity and time instead, which is
+//! tighter if velocities are known.
 
 use crate::tolerance::{ODOMETER, ROUND_UP};
 
-/// How far a body has come, and when it last moved.
+/// Distance travelled by a body, and the step of the last move.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Travel {
-    /// Never falls.
+    /// Sum of displacements; never falls.
     pub(super) odometer: f64,
-    /// The step in which it last moved, and in which its box was last called for.
+    /// The step of the last move; below, the step in which the box was last marked as due.
     pub(super) moved: u32,
     due: u32,
 }
 
 impl Travel {
-    /// Of a body that was inserted for this step, with its box.
+    /// Returns the travel of a body that was inserted in this step, together with its box.
     pub(super) fn moved_in(step: u32) -> Self {
         Self {
             odometer: 0.0,
@@ -48,23 +54,23 @@ impl Travel {
         }
     }
 
-    /// Adds a way, rounded up.
+    /// Adds a displacement, rounded up.
     #[inline]
-    pub(super) fn go(&mut self, way: f64, step: u32) {
+    pub(super) fn add(&mut self, way: f64, step: u32) {
         self.odometer = (self.odometer + way) * ROUND_UP;
         self.moved = step;
     }
 
-    /// Whether this is the first call of the step.
+    /// Marks the box as due; returns whether this is the first mark of the step.
     #[inline]
-    pub(super) fn called(&mut self, step: u32) -> bool {
+    pub(super) fn mark_due(&mut self, step: u32) -> bool {
         let first = self.due != step;
         self.due = step;
         first
     }
 }
 
-/// The sum of odometers from which on a pair is looked at again.
+/// Returns the sum of odometers from which on a pair is tested again.
 #[inline]
 pub(super) fn wake(sum: f64, slack: f64) -> f64 {
     if slack > 0.0 {
@@ -75,7 +81,8 @@ pub(super) fn wake(sum: f64, slack: f64) -> f64 {
     }
 }
 
-/// By how much the distance may change before the answer to one threshold does, for a distance in `lower..=upper`.
+/// Returns by how much a distance in `lower..=upper` may change before the answer to one threshold
+/// changes.
 #[inline]
 pub(super) fn slack(threshold: f64, lower: f64, upper: f64) -> f64 {
     if lower > threshold {

@@ -1,4 +1,5 @@
-//! What a scene pays for: effects per pair of groups, resolved to the lowest rung that answers.
+//! The price list of a scene: effects per pair of groups, resolved to the lowest level of detail
+//! that answers.
 
 use alloc::boxed::Box;
 
@@ -7,7 +8,8 @@ use crate::contact::ManifoldOptions;
 use crate::pair::outcome::Until;
 use crate::tolerance::SCENE_REACH;
 
-/// One of 32 groups. Every body is in one; what is done for a pair is called for by the groups of its bodies.
+/// One of 32 groups. Every body is in one group; the groups of two bodies select the effects of the
+/// pair.
 ///
 /// ```
 /// use lin_canny::scene::Group;
@@ -20,11 +22,11 @@ use crate::tolerance::SCENE_REACH;
 #[cfg_attr(feature = "serde", serde(try_from = "u8", into = "u8"))]
 pub struct Group(u8);
 
-/// How many groups there are.
+/// Number of groups.
 pub(super) const GROUPS: usize = 32;
 
 impl Group {
-    /// Group `number` of 0 to 31.
+    /// Returns group `number`, which must be 0 to 31.
     #[must_use]
     pub const fn new(number: u8) -> Option<Self> {
         if (number as usize) < GROUPS {
@@ -34,7 +36,7 @@ impl Group {
         }
     }
 
-    /// Its number.
+    /// Returns the number of the group.
     #[must_use]
     pub const fn number(self) -> u8 {
         self.0
@@ -65,19 +67,21 @@ impl From<Group> for u8 {
     }
 }
 
-/// What is called for, for the pairs of two groups. Everything left out is neither computed nor stored.
+/// Effects called for between the pairs of two groups. Every effect left out is neither computed
+/// nor stored.
 ///
-/// | rung | called for by | what a step does for a pair | what it keeps of it |
+/// | level of detail | called for by | work of a step for a pair | memory of a pair |
 /// |---|---|---|---|
 /// | nothing | [`none`](Self::none) | the bodies are never paired | nothing |
 /// | boxes | `boxes` | boxes begin and cease to overlap | a slot |
-/// | predicates | `overlap`, `within` | one exact yes or no each, while the budget is not answer enough | a tracker |
-/// | distance | `distance`, `depth` | the signed distance and its bounds | and these |
-/// | features | `features` | features, witnesses and normal as well | and these |
-/// | manifold | `manifold` | contact points as well | and, while the bodies are within its prediction, a manifold |
+/// | predicates | `overlap`, `within` | an exact yes or no, or the budget | a tracker |
+/// | distance | `distance`, `depth` | the signed distance and its bounds | the distance as well |
+/// | features | `features` | features, witnesses and normal as well | the outcome as well |
+/// | manifold | `manifold` | contact points as well | a manifold as well, within its prediction |
 ///
-/// A rung includes those above it in the table as far as they are called for: events of overlaps come at no further query where a
-/// distance is taken anyway. `depth` is a property of the two last rungs: without it an overlap is known as such and no more.
+/// A level includes the levels above in the table as far as called for: events of overlaps need no
+/// further query if a distance is computed anyway. `depth` is a property of the last two levels:
+/// without `depth` an overlap is only known to be an overlap.
 ///
 /// ```
 /// use lin_canny::scene::Effects;
@@ -88,29 +92,33 @@ impl From<Group> for u8 {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Effects {
-    /// Events where the boxes of two bodies begin and cease to overlap. The boxes are grown for the distances called for below.
+    /// Events when the boxes of two bodies begin and cease to overlap. The boxes are grown for the
+    /// distances called for below.
     pub boxes: bool,
-    /// Whether two bodies share a point, exactly; events where they begin and cease to. Touching is sharing.
+    /// Whether two bodies share a point, exactly; events when they begin and cease to. Touching is
+    /// sharing.
     pub overlap: bool,
-    /// Whether two bodies are at most this far apart, exactly; events where they come within it and leave it. Boxes grow by it.
+    /// Whether two bodies are at most this far apart, exactly; events when the bodies come within
+    /// this distance and leave it. Boxes grow by this distance.
     pub within: Option<f64>,
-    /// The signed distance, with bounds, of bodies no farther apart than this. Boxes grow by it; infinity means all pairs of
-    /// the two groups, whose number is the product of theirs.
+    /// The signed distance, with bounds, of bodies no farther apart than this. Boxes grow by this
+    /// distance; infinity means all pairs of the two groups, as many as the product of the group
+    /// sizes.
     #[cfg_attr(feature = "serde", serde(with = "range"))]
     pub distance: Option<f64>,
-    /// Features, witness points and normal of the pairs whose distance is taken. Without `distance` that is done up to
-    /// `within`, or, failing that, for bodies that share a point.
+    /// Features, witness points and normal of the pairs with a distance. Without `distance`, pairs
+    /// up to `within` apart are measured, or, if `within` is not set, bodies that share a point.
     pub features: bool,
-    /// The depth of an overlap: without it an overlap has the distance 0 and no lower bound. Without `distance` or `features` it
-    /// is taken of overlaps alone.
+    /// The depth of an overlap: without this effect an overlap has the distance 0 and no lower
+    /// bound. Without `distance` or `features` only overlaps are measured.
     pub depth: bool,
-    /// The contact points of bodies within the prediction of these options, and with them what `features` and `depth` give. Boxes grow
-    /// by the prediction.
+    /// The contact points of bodies within the prediction of these options, including the effects
+    /// of `features` and `depth`. Boxes grow by the prediction.
     pub manifold: Option<ManifoldOptions>,
 }
 
 impl Effects {
-    /// Nothing: the bodies of the two groups are not even paired.
+    /// Returns no effects: the bodies of the two groups are not even paired.
     #[must_use]
     pub const fn none() -> Self {
         Self {
@@ -124,7 +132,7 @@ impl Effects {
         }
     }
 
-    /// Refuses distances that are none, and options of a manifold that are none: a file could not hold them.
+    /// Refuses distances and manifold options that are not numbers: a file could not hold them.
     fn check(&self) -> Result<(), SceneError> {
         let finite = |d: f64| (0.0..=SCENE_REACH).contains(&d);
         let refused = |value: f64| Err(SceneError::Range { value });
@@ -150,18 +158,18 @@ impl Effects {
         let within = self.within.unwrap_or(NEVER);
         let predicates = self.overlap || self.within.is_some();
         let least = if self.overlap { 0.0 } else { NEVER };
-        let rung = match (self.features, measured, predicates, self.boxes) {
-            _ if self.manifold.is_some() => Rung::Manifold,
-            (true, ..) => Rung::Features,
-            (_, true, ..) => Rung::Distance,
-            (_, _, true, _) => Rung::Predicates,
-            (.., true) => Rung::Boxes,
-            _ => Rung::Nothing,
+        let detail = match (self.features, measured, predicates, self.boxes) {
+            _ if self.manifold.is_some() => Detail::Manifold,
+            (true, ..) => Detail::Features,
+            (_, true, ..) => Detail::Distance,
+            (_, _, true, _) => Detail::Predicates,
+            (.., true) => Detail::Boxes,
+            _ => Detail::Nothing,
         };
         let prediction = self.manifold.map_or(NEVER, |m| m.prediction);
         let range = range.unwrap_or(NEVER).max(prediction);
         Plan {
-            rung,
+            detail,
             boxes: self.boxes,
             overlap: self.overlap,
             within,
@@ -173,12 +181,12 @@ impl Effects {
     }
 }
 
-/// A threshold that no distance falls below.
+/// Threshold below every distance: the effect is not called for.
 pub(super) const NEVER: f64 = f64::NEG_INFINITY;
 
-/// The lowest stage of the pipeline that answers.
+/// The last stage of the pipeline that a pair needs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Rung {
+pub(super) enum Detail {
     Nothing,
     Boxes,
     Predicates,
@@ -187,29 +195,29 @@ pub(super) enum Rung {
     Manifold,
 }
 
-/// Effects as a step reads them.
+/// Effects in the form a step reads.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Plan {
-    pub(super) rung: Rung,
+    pub(super) detail: Detail,
     pub(super) boxes: bool,
     pub(super) overlap: bool,
     /// The distance of `within`, or [`NEVER`].
     pub(super) within: f64,
-    /// How far distances are taken, or [`NEVER`].
+    /// The largest distance that is computed, or [`NEVER`].
     pub(super) range: f64,
-    /// Whether overlaps get their depth.
+    /// Whether overlaps get a depth.
     pub(super) until: Until,
-    /// The contact points that are called for.
+    /// Options of the contact points, if called for.
     pub(super) manifold: Option<ManifoldOptions>,
-    /// Beyond this there is nothing to say: the largest of the thresholds.
+    /// The largest of the thresholds: beyond this distance every answer is no.
     pub(super) reach: f64,
 }
 
-/// Names the unordered pair of two groups.
-pub(super) type Class = u16;
+/// Index of an unordered pair of groups.
+pub(super) type GroupPair = u16;
 
-/// The class of two groups.
-pub(super) fn class_of(g: Group, h: Group) -> Class {
+/// Returns the index of the unordered pair of two groups.
+pub(super) fn group_pair_of(g: Group, h: Group) -> GroupPair {
     u16::from(g.0.min(h.0)) * GROUPS as u16 + u16::from(g.0.max(h.0))
 }
 
@@ -233,34 +241,35 @@ impl Default for Table {
 impl Table {
     pub(super) fn call_for(&mut self, g: Group, h: Group, effects: Effects) -> Result<(), SceneError> {
         effects.check()?;
-        let class = usize::from(class_of(g, h));
+        let class = usize::from(group_pair_of(g, h));
         self.effects[class] = effects;
         self.plans[class] = effects.resolved();
         Ok(())
     }
 
     pub(super) fn effects(&self, g: Group, h: Group) -> Effects {
-        self.effects[usize::from(class_of(g, h))]
+        self.effects[usize::from(group_pair_of(g, h))]
     }
 
     #[inline]
-    pub(super) fn plan(&self, class: Class) -> &Plan {
+    pub(super) fn plan(&self, class: GroupPair) -> &Plan {
         &self.plans[usize::from(class)]
     }
 
-    /// The groups with which something is called for, as bits.
+    /// Returns the groups with which any effect is called for, as bits.
     pub(super) fn partners(&self, g: Group) -> u32 {
-        let pairs = |h: &u8| self.plan(class_of(g, Group(*h))).rung > Rung::Nothing;
+        let pairs = |h: &u8| self.plan(group_pair_of(g, Group(*h))).detail > Detail::Nothing;
         (0..GROUPS as u8).filter(pairs).fold(0, |mask, h| mask | 1 << h)
     }
 
-    /// How far boxes of a group are grown: half the largest reach, the partner grows by the other half.
+    /// Returns the growth of the boxes of a group: half the largest reach, as the partner grows by
+    /// the other half.
     pub(super) fn growth(&self, g: Group) -> f64 {
-        let reach = |h: u8| self.plan(class_of(g, Group(h))).reach;
+        let reach = |h: u8| self.plan(group_pair_of(g, Group(h))).reach;
         0.5 * (0..GROUPS as u8).map(reach).fold(0.0, f64::max)
     }
 
-    /// Groups with all effects called for, each pair once.
+    /// Iterates over the pairs of groups with any effect, each pair once.
     #[cfg(feature = "serde")]
     pub(super) fn entries(&self) -> impl Iterator<Item = (Group, Group, Effects)> + '_ {
         let all = (0..GROUPS as u8).flat_map(|g| (g..GROUPS as u8).map(move |h| (Group(g), Group(h))));
@@ -269,7 +278,8 @@ impl Table {
     }
 }
 
-/// A range in files: infinity, which not every format can hold, as the largest number.
+/// Serialization of a range: infinity, which not every format can hold, is written as the largest
+/// number.
 #[cfg(feature = "serde")]
 mod range {
     use serde::{Deserialize, Deserializer, Serialize, Serializer};

@@ -1,31 +1,31 @@
-//! What a scene refuses, and how it says so.
+//! Refused calls of a scene, and their messages.
 
 use super::{BodyId, Group};
 use crate::broad::BroadPhaseError;
 use crate::pose::PoseError;
 
-/// A refused call. It names what was wrong, and the scene is as it was.
+/// A refused call. The error names the fault, and the scene is unchanged.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SceneError {
-    /// The id was never given out by this scene, or its body was removed.
+    /// The id is not of this scene, or its body was removed.
     #[error("{body} is not, or no longer, in this scene")]
     StaleBody {
-        /// The id as it was given.
+        /// The id as given.
         body: BodyId,
     },
-    /// The pose is no rigid motion. Poses of one body are reported as those of A.
+    /// The pose is not a rigid motion. Poses of one body are reported as poses of A.
     #[error("the pose of {} is refused: {}", Name(*.body), OfOne(.error))]
     Pose {
-        /// The body; `None` for one that was to be inserted.
+        /// The body; `None` for a body to be inserted.
         body: Option<BodyId>,
-        /// What is wrong with it.
+        /// The fault of the pose.
         error: PoseError,
     },
     /// The pose would put the body farther from the world's origin than 1e37 on some axis.
     #[error("the pose of {} puts it beyond 1e37: coordinate {axis} is {value:e}", Name(*.body))]
     TooFar {
-        /// The body; `None` for one that was to be inserted.
+        /// The body; `None` for a body to be inserted.
         body: Option<BodyId>,
         /// 0, 1, 2 for x, y, z.
         axis: usize,
@@ -35,10 +35,11 @@ pub enum SceneError {
     /// A vertex of the shape is farther than 1e37 from the shape's own origin.
     #[error("the shape reaches {reach:e} from its origin, beyond 1e37")]
     TooLarge {
-        /// The distance of its farthest vertex.
+        /// The distance of the farthest vertex.
         reach: f64,
     },
-    /// A distance called for is NaN or negative, or beyond 1e37 and not infinite; or `within` is infinite.
+    /// A distance called for is NaN or negative, or beyond 1e37 and not infinite; or `within` is
+    /// infinite.
     #[error("a distance called for is {value}: neither from 0 to 1e37 nor an infinite range")]
     Range {
         /// The distance.
@@ -56,18 +57,21 @@ pub enum SceneError {
         /// The body.
         body: BodyId,
     },
-    /// The question is about the poses of the last step, and bodies were set, inserted or removed since.
+    /// The query is about the poses of the last step, and bodies were moved, inserted or removed
+    /// since.
     #[error("bodies or effects changed since the last step: step first")]
     StepDue,
-    /// The question is about two groups between which nothing is called for, so their boxes are not kept.
+    /// The query is about two groups between which nothing is called for, so their boxes are not
+    /// kept.
     #[error("nothing is called for between {these} and {those}")]
     NotCalledFor {
-        /// One group.
+        /// The first group.
         these: Group,
-        /// The other.
+        /// The second group.
         those: Group,
     },
-    /// The origin of the scene's [`Settings`](crate::broad::Settings) is NaN or infinite: it can hold no body.
+    /// The origin of the scene's [`Settings`](crate::broad::Settings) is NaN or infinite: the scene
+    /// can hold no body.
     #[error("the origin of the scene is not finite on axis {axis}")]
     Origin {
         /// 0, 1, 2 for x, y, z.
@@ -79,7 +83,8 @@ pub enum SceneError {
 }
 
 impl From<BroadPhaseError> for SceneError {
-    /// Boxes come from checked shapes at checked poses, so the origin and the number of bodies are all a broad phase can refuse.
+    /// Boxes come from checked shapes at checked poses, so a broad phase can only refuse the origin
+    /// and the number of bodies.
     fn from(error: BroadPhaseError) -> Self {
         match error {
             BroadPhaseError::Origin { axis } => Self::Origin { axis },
@@ -99,7 +104,7 @@ impl core::fmt::Display for Name {
     }
 }
 
-/// What is wrong with the pose of one body, without the letter that tells two apart.
+/// Displays the fault of the pose of one body, without the letter that distinguishes two bodies.
 struct OfOne<'a>(&'a PoseError);
 
 impl core::fmt::Display for OfOne<'_> {

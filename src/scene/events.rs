@@ -1,9 +1,9 @@
-//! What a step changed, as a list.
+//! List of the changes of a step.
 
 use super::BodyId;
 use crate::broad::PairId;
 
-/// What happened to a pair.
+/// A change of the state of a pair.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
@@ -14,7 +14,7 @@ pub enum Change {
     OverlapBegan,
     /// The bodies came within the distance called for.
     CameWithin,
-    /// The bodies are no longer within it.
+    /// The bodies are no longer within the distance called for.
     LeftWithin,
     /// The bodies ceased to share a point.
     OverlapEnded,
@@ -35,8 +35,8 @@ impl core::fmt::Display for Change {
     }
 }
 
-/// One change of one pair. A change is told where its effect is called for; a pair that ends because a body is removed or because
-/// its groups no longer call for anything ends its overlap as well.
+/// A change of one pair. A change is sent if its effect is called for; a pair that ends because a
+/// body is removed, or because the groups no longer call for any effect, ends its overlap as well.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
@@ -45,15 +45,15 @@ pub struct Event {
     pub a: BodyId,
     /// The body with the higher index.
     pub b: BodyId,
-    /// The pair's name while its boxes overlap.
+    /// Id of the pair while the boxes overlap.
     pub pair: PairId,
-    /// What happened.
+    /// The change of the pair.
     pub change: Change,
 }
 
-/// A change before it has its names.
+/// A change before the ids are known.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Happened {
+pub(super) struct PairChange {
     pub(super) id: PairId,
     pub(super) pair: (u32, u32),
     pub(super) change: Change,

@@ -1,5 +1,5 @@
-//! Many bodies that move: the broad phase finds whose boxes overlap, one tracker follows each such pair, and a step computes what is
-//! called for and nothing else.
+//! Many moving bodies: the broad phase finds overlapping boxes, one tracker follows each pair of
+//! overlapping boxes, and a step computes only the effects called for.
 //!
 //! ```
 //! use std::sync::Arc;
@@ -10,7 +10,8 @@
 //! const CELL: Group = Group::new(1).unwrap();
 //! const ROBOT: Group = Group::new(2).unwrap();
 //!
-//! let block = Arc::new(solids::cuboid(Vector3::new(0.5, 0.5, 0.5))?); // shared by all bodies of that shape
+//! // Shared by all bodies of this shape.
+//! let block = Arc::new(solids::cuboid(Vector3::new(0.5, 0.5, 0.5))?);
 //! let mut scene = Scene::new();
 //! scene.call_for(ROBOT, CELL, Effects { within: Some(0.05), ..Effects::none() })?;
 //! scene.insert(Body::fixed(block.clone()).group(CELL), Isometry3::translation(3.005, 0.0, 0.0))?;
@@ -30,23 +31,27 @@
 //!
 //! # A step
 //!
-//! [`insert`](Scene::insert), [`remove`](Scene::remove), [`set_pose`](Scene::set_pose) and [`call_for`](Scene::call_for) gather;
-//! [`step`](Scene::step) takes them over:
+//! [`insert`](Scene::insert), [`remove`](Scene::remove), [`set_pose`](Scene::set_pose) and
+//! [`call_for`](Scene::call_for) gather changes; [`step`](Scene::step) applies the changes:
 //!
 //! 1. **boxes** of the bodies that moved, grown by half of the distances called for;
-//! 2. **pairs** of boxes: what began gets a tracker if more than boxes is called for, what ended gives it back;
-//! 3. **look** at each such pair, as far as nothing cheaper answers: bodies at rest, the displacement budget, two balls; then the
-//!    tracker, with the depth of an overlap only where it is called for, and contact points where those are;
-//! 4. **events** in one order.
+//! 2. **pairs** of boxes: a new pair gets a tracker if more than boxes is called for, an ended pair
+//!    gives the tracker back;
+//! 3. **look**: the narrow phase of each called pair, unless a cheaper test answers (bodies at
+//!    rest, the displacement budget, two balls); then the tracker, with the depth of an overlap and
+//!    contact points only if called for;
+//! 4. **events** in a fixed order.
 //!
-//! What was found stands in [`pairs`](Scene::pairs), [`pairs_of`](Scene::pairs_of) a body and [`events`](Scene::events); what it took in
-//! [`report`](Scene::report). On top there are questions a step does not answer: [`pairs_within`](Scene::pairs_within),
-//! [`nearest`](Scene::nearest), [`first_contact`](Scene::first_contact).
+//! [`pairs`](Scene::pairs), [`pairs_of`](Scene::pairs_of) a body and [`events`](Scene::events)
+//! return the results, [`report`](Scene::report) returns the cost. Further queries that a step does
+//! not answer: [`pairs_within`](Scene::pairs_within), [`nearest`](Scene::nearest),
+//! [`first_contact`](Scene::first_contact).
 //!
 //! # The nearest pair of a robot and its cell
 //!
-//! A distance is called for up to a range, and the least of what a step found is the clearance. What is said of a pair is in the frames
-//! of its bodies, as in [`Outcome`](crate::Outcome); their poses lead to the world.
+//! A distance is called for up to a range, and the least distance that a step found is the
+//! clearance. The answer for a pair is in the frames of the two bodies, as in
+//! [`Outcome`](crate::Outcome); the poses of the bodies lead to the world.
 //!
 //! ```
 //! use lin_canny::nalgebra::{Isometry3, Vector3};
@@ -57,15 +62,19 @@
 //! const ROBOT: Group = Group::new(2).unwrap();
 //!
 //! let mut scene = Scene::new();
-//! scene.call_for(ROBOT, CELL, Effects { distance: Some(0.5), features: true, depth: true, ..Effects::none() })?;
+//! let effects = Effects { distance: Some(0.5), features: true, depth: true, ..Effects::none() };
+//! scene.call_for(ROBOT, CELL, effects)?;
 //! let post = solids::prism(24, 0.1, 1.0)?;
 //! scene.insert(Body::fixed(post).group(CELL), Isometry3::translation(1.0, 0.0, 0.0))?;
 //! let link = solids::cuboid(Vector3::new(0.3, 0.05, 0.05))?;
-//! let link = scene.insert(Body::moving(link).group(ROBOT), Isometry3::translation(0.4, 0.0, 0.2))?;
+//! let pose = Isometry3::translation(0.4, 0.0, 0.2);
+//! let link = scene.insert(Body::moving(link).group(ROBOT), pose)?;
 //! scene.step();
 //!
 //! let answers = scene.pairs().filter_map(|pair| Some((pair, pair.outcome?)));
-//! let (pair, nearest) = answers.min_by(|x, y| x.1.distance.total_cmp(&y.1.distance)).expect("no farther apart than 0.5");
+//! let (pair, nearest) = answers
+//!     .min_by(|x, y| x.1.distance.total_cmp(&y.1.distance))
+//!     .expect("no farther apart than 0.5");
 //! assert!((nearest.distance - 0.2).abs() < 1e-3);
 //! let on_link = if pair.a == link { nearest.point_on_a } else { nearest.point_on_b };
 //! let in_world = scene.pose(link).unwrap() * on_link;
@@ -73,34 +82,39 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Neighbouring links of an arm touch by design. There is no filter by single pairs: give each link a group of its own and call for
-//! effects between those that are no neighbours.
+//! Neighbouring links of an arm touch by design. There is no filter by single pairs: give each link
+//! a group of its own and call for effects between groups that are not neighbours.
 //!
 //! # What it costs
 //!
-//! [`Effects`] is the price list. A pair that only events of overlaps or of `within` are called for is looked at when its bodies may
-//! have used up their distance, and not before: see [`budget`] for the rule and its proof. A distance called for is taken
-//! whenever a body of the pair has moved. A step in which nothing was set does nothing.
+//! [`Effects`] is the price list. A pair with only events of overlaps or of `within` is tested when
+//! the bodies may have used up the distance between them, and not before: see [`budget`] for the
+//! rule and the proof. A distance called for is computed whenever a body of the pair has moved. A
+//! step without changes does nothing.
 //!
 //! # Promises
 //!
-//! * Events and predicates are exact (feature `exact`) for the poses given: those of brute force over all pairs on every frame, with
-//!   the budget or without. Distances have the bounds of [`Tracker::closest`](crate::Tracker::closest).
-//! * Dropping an effect never raises a counter of the narrow phase on the scenes tested; what is not called for is counted as
-//!   exactly zero, and takes no memory.
-//! * The same calls give the same answers, events and counts bit for bit, with any number of threads (feature `parallel`), and after
-//!   a scene was written and read back (feature `serde`; only [`Counts::swaps`], the work of sorted lists that are then built anew,
-//!   may differ). The format has to keep every bit of an `f64`: with `serde_json` switch on its feature `float_roundtrip`.
-//! * A refused call names what was wrong and changes nothing ([`SceneError`]).
+//! * Events and predicates are exact (feature `exact`) for the poses given: equal to brute force
+//!   over all pairs on every frame, with the budget or without. Distances have the bounds of
+//!   [`Tracker::closest`](crate::Tracker::closest).
+//! * Dropping an effect never raises a counter of the narrow phase on the scenes tested; an effect
+//!   not called for is counted as exactly zero, and takes no memory.
+//! * Equal calls give equal answers, events and counts bit for bit, with any number of threads
+//!   (feature `parallel`), and after a scene was written and read back (feature `serde`; only
+//!   [`Counts::swaps`], the work of sorted lists that are rebuilt then, may differ). The format
+//!   must keep every bit of an `f64`: with `serde_json` switch on the feature `float_roundtrip`.
+//! * A refused call names the fault and changes nothing ([`SceneError`]).
 //!
 //! # Limits
 //!
-//! Coordinates, radii and ranges are at most 1e37. Pairs are found by boxes in `f32` about the origin of
-//! [`Settings`]: scenes far from it pair more bodies than they need. Groups are 32. Bodies are convex.
+//! Coordinates, radii and ranges are at most 1e37. Pairs are found by boxes in `f32` about the
+//! origin of [`Settings`]: scenes far from this origin pair more bodies than they need. Groups are
+//! 32. Bodies are convex.
 //!
-//! Source: Cohen, Lin, Manocha and Ponamgi 1995 (I-COLLIDE) join sweep and prune with one tracker a pair; Lin 1993 (section 5.4) asks
-//! that a simulation pay only for the effects it calls for. Departures: pairs are kept in lanes by what is called for; the wake-up is
-//! bounded by displacement instead of by time.
+//! Source: Cohen, Lin, Manocha and Ponamgi 1995 (I-COLLIDE) join sweep and prune with one tracker a
+//! pair; Lin 1993 (section 5.4) asks that a simulation pay only for the effects called for.
+//! Departures: pairs are kept in one table per level of detail; the wake-up is bounded by
+//! displacement instead of by time.
 
 mod answer;
 mod ball;
@@ -109,9 +123,8 @@ pub mod budget;
 mod effects;
 mod error;
 mod events;
-mod kept;
-mod lane;
-mod look;
+mod narrow_phase;
+mod pair_table;
 #[cfg(feature = "parallel")]
 mod parallel;
 mod report;
@@ -119,6 +132,7 @@ mod search;
 #[cfg(feature = "serde")]
 mod snapshot;
 mod step;
+mod stored_answer;
 mod velocity;
 
 use alloc::vec::Vec;
@@ -136,11 +150,11 @@ pub use effects::{Effects, Group};
 use effects::{GROUPS, Table};
 pub use error::SceneError;
 pub use events::{Change, Event};
-use lane::Lanes;
+use pair_table::PairTables;
 pub use report::{Bytes, Counts, Report, Times};
 pub use search::Near;
 
-/// Bodies, the effects called for, and what the last step found. See the [module page](self).
+/// Bodies, the effects called for, and the results of the last step. See the [module page](self).
 #[doc(alias = "world")]
 #[doc(alias = "collision detection")]
 #[doc(alias = "i-collide")]
@@ -149,23 +163,24 @@ pub struct Scene {
     bodies: Bodies,
     table: Table,
     broad: PencilSweep,
-    lanes: Lanes,
+    pair_tables: PairTables,
     events: Vec<Event>,
     report: Report,
     /// Groups whose effects changed since the last step, as bits.
     replanned: u32,
     /// Whether bodies were inserted, removed or moved to another group since the last step.
     changed: bool,
-    /// What each group's boxes are grown by, and which groups it pairs with, as of the last step that took effects over.
+    /// By group, as of the last step that applied changed effects: the growth of the boxes, and the
+    /// groups to pair with as bits.
     growths: [f64; GROUPS],
     partners: [u32; GROUPS],
     budget: bool,
     settings: Settings,
-    /// Kept for its room.
+    /// Scratch buffer, kept for its capacity.
     batch: Vec<(broad::BodyId, broad::Aabb)>,
 }
 
-/// How much there is; a scene is too large to be printed whole.
+/// Prints sizes only: a scene is too large to be printed whole.
 impl core::fmt::Debug for Scene {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         f.debug_struct("Scene")
@@ -183,13 +198,14 @@ impl Default for Scene {
 }
 
 impl Scene {
-    /// An empty scene about the origin, in which nothing is called for.
+    /// Returns an empty scene about the origin, in which nothing is called for.
     #[must_use]
     pub fn new() -> Self {
         Self::with_settings(Settings::default())
     }
 
-    /// An empty scene with settings of its own: where boxes are finest, and from how many bodies on threads are used.
+    /// Returns an empty scene with the given settings: the origin of the boxes (precision is best
+    /// there), and the number of bodies from which threads are used.
     #[must_use]
     pub fn with_settings(settings: Settings) -> Self {
         let bodies = Bodies {
@@ -200,7 +216,7 @@ impl Scene {
             bodies,
             table: Table::default(),
             broad: PencilSweep::with_settings(settings),
-            lanes: Lanes::default(),
+            pair_tables: PairTables::default(),
             events: Vec::new(),
             report: Report::default(),
             replanned: 0,
@@ -213,12 +229,14 @@ impl Scene {
         }
     }
 
-    /// Calls for effects for the pairs of two groups (or of one group with itself), in place of what was called for before. Takes
-    /// effect with the next step, for pairs that are there as for those to come: what is new is looked at, what was dropped is
-    /// forgotten without an event, unless nothing at all is left.
+    /// Calls for effects for the pairs of two groups (or of one group with itself), replacing the
+    /// effects called for before. Takes effect with the next step, for existing pairs and for pairs
+    /// to come: new effects are computed, dropped effects are forgotten without an event, unless no
+    /// effect at all is left.
     ///
     /// # Errors
-    /// When a distance is NaN, negative or beyond 1e37 (only `distance` may be infinite), or an option of the manifold is NaN.
+    /// If a distance is NaN, negative or beyond 1e37 (only `distance` may be infinite), or an
+    /// option of the manifold is NaN.
     pub fn call_for(&mut self, these: Group, those: Group, effects: Effects) -> Result<(), SceneError> {
         if self.table.effects(these, those) == effects {
             return Ok(());
@@ -228,13 +246,14 @@ impl Scene {
         Ok(())
     }
 
-    /// What is called for.
+    /// Returns the effects called for between two groups.
     #[must_use]
     pub fn effects(&self, these: Group, those: Group) -> Effects {
         self.table.effects(these, those)
     }
 
-    /// Whether pairs sleep while the displacement budget answers for them; on unless switched off. The answers are the same.
+    /// Sets whether pairs sleep while the displacement budget answers for them; on by default. The
+    /// answers do not depend on the setting.
     pub fn set_budget(&mut self, on: bool) {
         self.budget = on;
     }
@@ -242,19 +261,19 @@ impl Scene {
     /// Puts a body into the scene.
     ///
     /// # Errors
-    /// When the pose is no rigid motion or too far out, the shape too large, the origin of the scene's settings not finite, or there are
-    /// too many bodies.
+    /// If the pose is not a rigid motion or too far out, the shape too large, the origin of the
+    /// scene's settings not finite, or there are too many bodies.
     pub fn insert(&mut self, body: Body, pose: Isometry3<f64>) -> Result<BodyId, SceneError> {
         checked(&pose, None)?;
         let mut solid = Solid::new(body)?;
         let mut hint = BoxHint::default();
-        let housed = self.house(&mut solid, &pose, &mut hint)?;
+        let proxy = self.create_proxy(&mut solid, &pose, &mut hint)?;
         self.changed = true;
-        Ok(self.bodies.insert(solid, pose, housed, hint))
+        Ok(self.bodies.insert(solid, pose, proxy, hint))
     }
 
-    /// Gives a body its box in the broad phase.
-    fn house(
+    /// Creates the box of a body in the broad phase.
+    fn create_proxy(
         &mut self,
         solid: &mut Solid,
         pose: &Isometry3<f64>,
@@ -283,22 +302,22 @@ impl Scene {
         }
     }
 
-    /// Takes a body out: its id is stale at once, its pairs end with the next step.
+    /// Removes a body: the id is stale at once, the pairs of the body end with the next step.
     ///
     /// # Errors
-    /// When the id is stale.
+    /// If the id is stale.
     pub fn remove(&mut self, id: BodyId) -> Result<(), SceneError> {
         let i = self.bodies.index_of(id)?;
-        self.broad.remove(self.bodies.housed[i])?;
+        self.broad.remove(self.bodies.proxies[i])?;
         self.bodies.remove(i);
         self.changed = true;
         Ok(())
     }
 
-    /// Moves a body, however far. What was found of it stays that of the last step until the next.
+    /// Moves a body, however far. Until the next step all answers remain those of the last step.
     ///
     /// # Errors
-    /// When the id is stale or the pose refused; the body keeps its pose.
+    /// If the id is stale or the pose refused; the body keeps its pose.
     pub fn set_pose(&mut self, id: BodyId, pose: Isometry3<f64>) -> Result<(), SceneError> {
         let i = self.bodies.index_of(id)?;
         checked(&pose, Some(id))?;
@@ -306,70 +325,71 @@ impl Scene {
         Ok(())
     }
 
-    /// Puts a body into another group; its pairs are asked again in the next step.
+    /// Puts a body into another group; the pairs of the body are tested again in the next step.
     ///
     /// # Errors
-    /// When the id is stale.
+    /// If the id is stale.
     pub fn set_group(&mut self, id: BodyId, group: Group) -> Result<(), SceneError> {
         let i = self.bodies.index_of(id)?;
         let Some(solid) = &mut self.bodies.solids[i] else {
             return Err(SceneError::StaleBody { body: id });
         };
         let old = core::mem::replace(&mut solid.group, group);
-        // Taken up with the effects of both groups.
+        // Applied together with the effects of both groups.
         self.replanned |= 1 << old.number() | 1 << group.number();
         Ok(())
     }
 
-    /// The pose last set.
+    /// Returns the pose last set.
     #[must_use]
     pub fn pose(&self, id: BodyId) -> Option<&Isometry3<f64>> {
         Some(&self.bodies.poses[self.bodies.index_of(id).ok()?])
     }
 
-    /// The shape of a body.
+    /// Returns the shape of a body.
     #[must_use]
     pub fn shape(&self, id: BodyId) -> Option<&ConvexPolyhedron> {
         let solid = self.bodies.solids[self.bodies.index_of(id).ok()?].as_ref()?;
         Some(&solid.shape)
     }
 
-    /// The group of a body.
+    /// Returns the group of a body.
     #[must_use]
     pub fn group(&self, id: BodyId) -> Option<Group> {
         Some(self.bodies.solids[self.bodies.index_of(id).ok()?].as_ref()?.group)
     }
 
-    /// Number of bodies.
+    /// Returns the number of bodies.
     #[must_use]
     pub fn body_count(&self) -> usize {
         self.bodies.len()
     }
 
-    /// All bodies in ascending order.
+    /// Iterates over all bodies in ascending order.
     pub fn bodies(&self) -> impl Iterator<Item = BodyId> + '_ {
         self.bodies.ids()
     }
 
-    /// What the last step changed, in ascending order of the two bodies; of one pair in the order of [`Change`].
+    /// Returns the changes of the last step, in ascending order of the two bodies; for one pair in
+    /// the order of [`Change`].
     #[must_use]
     pub fn events(&self) -> &[Event] {
         &self.events
     }
 
-    /// What the last step did and how long it took.
+    /// Returns the work and the times of the last step.
     #[must_use]
     pub fn report(&self) -> &Report {
         &self.report
     }
 
-    /// Bytes reserved, shapes not counted: they belong to whoever shares them.
+    /// Returns the bytes reserved, without the shapes, which may be shared.
     #[must_use]
     pub fn bytes(&self) -> Bytes {
         Bytes {
             bodies: self.bodies.bytes(),
             broad: self.broad.bytes(),
-            pairs: self.lanes.bytes(),
+            pairs: self.pair_tables.bytes(),
             scratch: self.batch.capacity() * size_of::<(broad::BodyId, broad::Aabb)>()
                 + self.events.capacity() * size_of::<Event>(),
         }

@@ -1,14 +1,15 @@
-//! Feature `parallel`: the two stages in which bodies and pairs are independent of each other, dealt out to threads in runs. Runs
-//! are joined in order and sums do not depend on it, so that any number of threads gives the same bits.
+//! Feature `parallel`: the two stages in which bodies and pairs are independent of each other,
+//! distributed to threads in runs. Runs are joined in order and sums do not depend on the order, so
+//! that any number of threads gives equal bits.
 
 use alloc::vec::Vec;
 
 use rayon::prelude::*;
 
-use super::kept::Answer;
-use super::lane::Lane;
-use super::look::{Context, Tally, look_at_run};
+use super::narrow_phase::{Context, Tally, test_run};
+use super::pair_table::PairTable;
 use super::step::Boxes;
+use super::stored_answer::StoredAnswer;
 use crate::broad::{self, Aabb};
 use crate::polyhedron::BoxHint;
 
@@ -35,19 +36,19 @@ pub(super) fn make_boxes(
     }
 }
 
-/// Looks at all pairs of a lane.
-pub(super) fn look_at_lane<A: Answer>(lane: &mut Lane<A>, context: &Context<'_>, tally: &mut Tally) {
-    let heads = lane.heads.par_chunks_mut(RUN);
-    let seats = heads
-        .zip(lane.trackers.par_chunks_mut(RUN))
-        .zip(lane.answers.par_chunks_mut(RUN));
-    let parts = seats.map(|((heads, trackers), answers)| {
+/// Tests all pairs of a table.
+pub(super) fn test_table<A: StoredAnswer>(pair_table: &mut PairTable<A>, context: &Context<'_>, tally: &mut Tally) {
+    let headers = pair_table.headers.par_chunks_mut(RUN);
+    let rows = headers
+        .zip(pair_table.trackers.par_chunks_mut(RUN))
+        .zip(pair_table.answers.par_chunks_mut(RUN));
+    let parts = rows.map(|((headers, trackers), answers)| {
         let mut part = Tally::default();
-        look_at_run(heads, trackers, answers, context, &mut part);
+        test_run(headers, trackers, answers, context, &mut part);
         part
     });
     for mut part in parts.collect::<Vec<_>>() {
         tally.counts += part.counts;
-        tally.happened.append(&mut part.happened);
+        tally.changes.append(&mut part.changes);
     }
 }

@@ -1,4 +1,4 @@
-//! What a step did, and what it took: as data, and as text.
+//! Work and times of a step: as data, and as text.
 
 use core::fmt;
 use core::ops::AddAssign;
@@ -7,68 +7,68 @@ use core::time::Duration;
 use crate::pair::outcome::{Outcome, Solver};
 use crate::pair::world::AnsweredBy;
 
-/// Work done by a step, or summed over many, stage by stage. The same calls give the same counts on every machine, with any
-/// number of threads.
+/// Work done by a step, or summed over many, stage by stage. Equal calls give equal counts on every
+/// machine, with any number of threads.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Counts {
-    /// Steps.
+    /// Number of steps.
     pub steps: u64,
-    /// Boxes made anew: of bodies that moved, or whose effects changed.
+    /// Boxes computed: of bodies that moved, or whose effects changed.
     pub boxes: u64,
-    /// Places that entries of the broad phase moved by to stay sorted.
+    /// Positions that entries of the broad phase moved by to stay sorted.
     pub swaps: u64,
     /// Pairs of boxes that began to overlap.
     pub began: u64,
-    /// Pairs of boxes that ceased to.
+    /// Pairs of boxes that ceased to overlap.
     pub ended: u64,
     /// Pairs of boxes after the step.
     pub pairs: u64,
-    /// Of these, pairs for which more than boxes is called for.
+    /// Pairs of boxes for which more than boxes is called for, after the step.
     pub called: u64,
-    /// Called pairs whose bodies had not moved: the answer stands.
+    /// Called pairs whose bodies had not moved: the last answer remains valid.
     pub resting: u64,
     /// Called pairs answered by the displacement budget.
     pub skipped: u64,
     /// Called pairs answered by two balls.
     pub balls: u64,
-    /// Called pairs whose tracker was asked: calls of the narrow phase.
+    /// Called pairs whose tracker was queried: calls of the narrow phase.
     pub queries: u64,
     /// Queries by the solver that answered, in the order of [`Solver`].
     pub(crate) answered: [u64; Solver::COUNT],
-    /// Queries that found the bodies apart.
+    /// Queries with the result that the bodies are apart.
     pub separated: u64,
-    /// Feature pairs looked at by walks, and facets of the surfaces that answered without one.
+    /// Feature pairs tested by walks, and facets of the surfaces that answered without a walk.
     pub walked: u64,
-    /// Certificates taken; a surface that answers is one.
+    /// Certificates computed; a surface that answers counts as a certificate.
     pub certificates: u64,
-    /// Overlaps whose depth was searched for.
+    /// Overlaps whose depth was searched.
     pub depths: u64,
-    /// Asked pairs for which `overlap` was decided.
+    /// Queried pairs for which `overlap` was decided.
     pub overlaps: u64,
-    /// Asked pairs for which `within` was decided.
+    /// Queried pairs for which `within` was decided.
     pub withins: u64,
-    /// Distances taken over.
+    /// Distances stored.
     pub distances: u64,
-    /// Of these, with features and witnesses.
+    /// Distances stored together with features and witnesses.
     pub features: u64,
-    /// Manifolds kept up.
+    /// Manifolds updated.
     pub manifolds: u64,
-    /// Of these, made anew: the others were measured where they are.
+    /// Manifolds rebuilt; in all remaining manifolds the points were measured again.
     pub renewed: u64,
-    /// Events told.
+    /// Events sent.
     pub events: u64,
 }
 
 impl Counts {
-    /// How many queries `solver` answered.
+    /// Returns how many queries `solver` answered.
     #[must_use]
     pub fn answered_by(&self, solver: Solver) -> u64 {
         self.answered[solver as usize]
     }
 
-    /// One query more.
+    /// Counts a query.
     #[inline]
     pub(super) fn note(&mut self, outcome: &Outcome, facets: usize) {
         let surface = outcome.solver == Solver::Surface;
@@ -82,8 +82,8 @@ impl Counts {
 }
 
 impl AddAssign for Counts {
-    /// Sums; of `pairs` and `called` too, so that a sum over steps divided by `steps` is their mean.
-    /// Sums stay at their end.
+    /// Adds all counts, `pairs` and `called` too, so that a sum over steps divided by `steps` is
+    /// the mean. Sums saturate.
     fn add_assign(&mut self, o: Self) {
         self.steps = self.steps.saturating_add(o.steps);
         self.boxes = self.boxes.saturating_add(o.boxes);
@@ -113,23 +113,24 @@ impl AddAssign for Counts {
     }
 }
 
-/// Wall time of a step by stage, or summed over many. Zero without the feature `std`, and where the target has no clock.
+/// Wall time of a step by stage, or summed over many. Zero without the feature `std`, and if the
+/// target has no clock.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Times {
-    /// Boxes of moved bodies, and the broad phase taking them over.
+    /// Boxes of moved bodies, and the update of the broad phase with these boxes.
     pub boxes: Duration,
-    /// The broad phase finding what began and ended, and pairs taking and leaving seats.
+    /// The search of new and ended pairs in the broad phase, and the update of the pair tables.
     pub pairs: Duration,
-    /// Called pairs, from the budget to the tracker.
+    /// Narrow phase: called pairs, from the budget to the tracker.
     pub look: Duration,
-    /// Events put in order.
+    /// Sorting of the events.
     pub events: Duration,
 }
 
 impl Times {
-    /// All stages.
+    /// Returns the sum of all stages.
     #[must_use]
     pub fn total(&self) -> Duration {
         let stages = [self.pairs, self.look, self.events];
@@ -146,14 +147,14 @@ impl AddAssign for Times {
     }
 }
 
-/// What a step did and how long its stages took; printed as a table.
+/// Work and times of a step; printed as a table.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Report {
-    /// The work.
+    /// Work by kind.
     pub counts: Counts,
-    /// The times.
+    /// Wall time by stage.
     pub times: Times,
 }
 
@@ -205,7 +206,7 @@ impl fmt::Display for Report {
     }
 }
 
-/// Reads the wall clock between stages, where there is one.
+/// Reads the wall clock between stages, if the target has a clock.
 pub(super) struct Clock {
     #[cfg(feature = "std")]
     last: Option<std::time::Instant>,
@@ -214,13 +215,13 @@ pub(super) struct Clock {
 impl Clock {
     pub(super) fn start() -> Self {
         Self {
-            // Where a target has no clock, reading it panics.
+            // On a target without a clock, reading it panics.
             #[cfg(feature = "std")]
             last: (!cfg!(all(target_family = "wasm", target_os = "unknown"))).then(std::time::Instant::now),
         }
     }
 
-    /// Time since the start or the last lap.
+    /// Returns the time since the start or the last lap.
     pub(super) fn lap(&mut self) -> Duration {
         #[cfg(feature = "std")]
         if let Some(last) = &mut self.last {
@@ -231,22 +232,22 @@ impl Clock {
     }
 }
 
-/// Bytes of a scene by what they are for.
+/// Bytes of a scene by purpose.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Bytes {
     /// Tables of bodies.
     pub bodies: usize,
-    /// The broad phase, its slots of pairs included.
+    /// The broad phase, including its slots of pairs.
     pub broad: usize,
     /// Trackers and answers of pairs.
     pub pairs: usize,
-    /// Lists kept for their room.
+    /// Scratch buffers, kept for their capacity.
     pub scratch: usize,
 }
 
 impl Bytes {
-    /// All of them.
+    /// Returns the sum of all bytes.
     #[must_use]
     pub fn total(&self) -> usize {
         self.bodies + self.broad + self.pairs + self.scratch

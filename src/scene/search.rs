@@ -1,13 +1,15 @@
-//! Questions on top of a step, about the poses of the last one: all pairs within a distance, the nearest bodies, the first contact.
+//! Queries on top of a step, about the poses of the last step: all pairs within a distance, the
+//! nearest bodies, the first contact.
 //!
-//! They use the boxes of the step and are asked of groups that something is called for, be it `boxes` alone. Nothing of them is
-//! kept; where a step follows a pair, its features are the start.
+//! The queries use the boxes of the step and are allowed for groups between which any effect is
+//! called for, be it `boxes` alone. No result is stored; if a step follows a pair, the stored
+//! features are the start of the query.
 
 use alloc::vec::Vec;
 
 use super::ball::least_distance;
 use super::body::box_of;
-use super::effects::{Group, Rung, class_of};
+use super::effects::{Detail, Group, group_pair_of};
 use super::{BodyId, Scene, SceneError};
 use crate::broad::{Aabb, BroadPhase};
 use crate::pair::outcome::{Outcome, Until};
@@ -21,20 +23,22 @@ use crate::tracker::Tracker;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Near {
-    /// The body asked about, or of the first group: A of the outcome.
+    /// The query body, or the body of the first group: A of the outcome.
     pub a: BodyId,
-    /// The other.
+    /// The second body: B of the outcome.
     pub b: BodyId,
-    /// Their distance with bounds, features, witnesses and normal.
+    /// Distance with bounds, features, witnesses and normal.
     pub outcome: Outcome,
 }
 
 impl Scene {
-    /// All pairs of a body of one group and a body of the other that are at most `d` apart, exactly; in ascending order of the bodies.
-    /// Two fixed bodies are no pair. Overlaps have the distance 0; their depth is not taken.
+    /// Returns all pairs of a body of group `these` and a body of group `those` that are at most
+    /// `d` apart, exactly; in ascending order of the bodies. Two fixed bodies are no pair. Overlaps
+    /// have the distance 0; no depth is computed.
     ///
     /// # Errors
-    /// When nothing is called for between the groups, a step is due, or `d` is NaN, negative or beyond 1e37.
+    /// If nothing is called for between the groups, a step is due, or `d` is NaN, negative or
+    /// beyond 1e37.
     pub fn pairs_within(&self, these: Group, those: Group, d: f64) -> Result<Vec<Near>, SceneError> {
         if !(0.0..=SCENE_REACH).contains(&d) {
             return Err(SceneError::Range { value: d });
@@ -47,11 +51,11 @@ impl Scene {
         Ok(found)
     }
 
-    /// The first pair of a body of one group and a body of the other, in ascending order, that shares a point; with its depth. The
-    /// search ends there.
+    /// Returns the first pair of a body of group `these` and a body of group `those`, in ascending
+    /// order, that shares a point; with the depth. The search ends there.
     ///
     /// # Errors
-    /// When nothing is called for between the groups, or a step is due.
+    /// If nothing is called for between the groups, or a step is due.
     #[doc(alias = "early exit")]
     pub fn first_contact(&self, these: Group, those: Group) -> Result<Option<Near>, SceneError> {
         let mut found = None;
@@ -70,11 +74,12 @@ impl Scene {
         }))
     }
 
-    /// The `count` bodies nearest to a body and no farther from it than `farthest`, nearest first, ties in ascending order: of the groups
-    /// that something is called for with its own.
+    /// Returns the `count` bodies nearest to a body and no farther away than `farthest`, nearest
+    /// first, ties in ascending order: only bodies of groups between which and the group of the
+    /// body any effect is called for.
     ///
     /// # Errors
-    /// When the id is stale, a step is due, or `farthest` is NaN or negative.
+    /// If the id is stale, a step is due, or `farthest` is NaN or negative.
     #[doc(alias = "k-nearest")]
     pub fn nearest(&self, id: BodyId, count: usize, farthest: f64) -> Result<Vec<Near>, SceneError> {
         let i = self.bodies.index_of(id)?;
@@ -89,14 +94,15 @@ impl Scene {
         loop {
             asked = asked.saturating_mul(2);
             let boxes = self.broad.nearest(&around, asked, farthest)?;
-            let others = boxes.iter().map(|n| self.bodies.owners[n.body.index as usize]);
+            let others = boxes.iter().map(|n| self.bodies.body_of_proxy[n.body.index as usize]);
             let mut found: Vec<Near> = others
                 .filter(|&other| self.may_pair(id.index, other))
                 .filter_map(|other| self.near_within(id.index, other, farthest))
                 .collect();
             found.sort_by(|x, y| x.outcome.distance.total_cmp(&y.outcome.distance).then(x.b.cmp(&y.b)));
             found.truncate(count);
-            // Boxes that were not listed are no nearer than the last; bodies are no nearer than their boxes.
+            // Boxes that were not listed are no nearer than the last box; bodies are no nearer than
+            // their boxes.
             let covered = boxes.last().map_or(0.0, |n| n.distance * BOX_DISTANCE_DOWN);
             let settled = found.len() == count && found.last().is_none_or(|n| n.outcome.upper <= covered);
             if settled || boxes.len() < asked {
@@ -105,7 +111,8 @@ impl Scene {
         }
     }
 
-    /// Visits pairs whose boxes are at most `d` apart, in ascending order, until `visit` says no.
+    /// Visits pairs whose boxes are at most `d` apart, in ascending order, until `visit` returns
+    /// false.
     fn visit_pairs(
         &self,
         these: Group,
@@ -116,7 +123,7 @@ impl Scene {
         if self.is_due() {
             return Err(SceneError::StepDue);
         }
-        if self.table.plan(class_of(these, those)).rung == Rung::Nothing {
+        if self.table.plan(group_pair_of(these, those)).detail == Detail::Nothing {
             return Err(SceneError::NotCalledFor { these, those });
         }
         let mut near = Vec::new();
@@ -130,7 +137,7 @@ impl Scene {
             self.broad
                 .overlapping(&self.box_around(id.index as usize, d), &mut near)?;
             others.clear();
-            others.extend(near.iter().map(|other| self.bodies.owners[other.index as usize]));
+            others.extend(near.iter().map(|other| self.bodies.body_of_proxy[other.index as usize]));
             others.sort_unstable();
             for &other in &others {
                 let twice = these == those && other < id.index;
@@ -154,10 +161,10 @@ impl Scene {
     fn may_pair(&self, a: u32, b: u32) -> bool {
         let [x, y] = [a, b].map(|i| self.bodies.solids[i as usize].as_ref());
         let (Some(x), Some(y)) = (x, y) else { return false };
-        a != b && !(x.fixed && y.fixed) && self.table.plan(class_of(x.group, y.group)).rung > Rung::Nothing
+        a != b && !(x.fixed && y.fixed) && self.table.plan(group_pair_of(x.group, y.group)).detail > Detail::Nothing
     }
 
-    /// The pair, if it is at most `d` apart.
+    /// Returns the pair, if at most `d` apart.
     fn near_within(&self, a: u32, b: u32, d: f64) -> Option<Near> {
         let [x, y] = [a, b].map(|i| &self.bodies.balls[i as usize]);
         if least_distance(x, y) > d {
@@ -174,7 +181,7 @@ impl Scene {
         })
     }
 
-    /// Asks a tracker that starts where the step's own stands.
+    /// Queries a tracker that starts with the state of the step's own tracker.
     fn tracked<R>(
         &self,
         a: u32,
@@ -187,9 +194,9 @@ impl Scene {
             &*self.bodies.solids[j].as_ref()?.shape,
         );
         let pose = RelativePose::new(&self.bodies.poses[i], &self.bodies.poses[j]).ok()?;
-        let pair = self.broad.pair(self.bodies.housed[i], self.bodies.housed[j]);
+        let pair = self.broad.pair(self.bodies.proxies[i], self.bodies.proxies[j]);
         let known = pair
-            .and_then(|pair| self.lanes.get(pair.id.slot))
+            .and_then(|pair| self.pair_tables.get(pair.id.slot))
             .and_then(|seen| seen.tracker.features())
             .map(|features| if a < b { features } else { features.swapped() });
         let mut tracker = known.map_or_else(Tracker::new, |features| Tracker::starting_from(features, x, y));

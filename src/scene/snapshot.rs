@@ -1,5 +1,6 @@
-//! Feature `serde`: what of a scene has to be kept so that it goes on as if nothing had happened. What is read is checked, so that
-//! no text makes a scene that could panic; an answer that a text falsifies stays false until its pair is looked at again.
+//! Feature `serde`: the complete state of a scene, so that a restored scene continues as if never
+//! interrupted. All input is checked, so that no text makes a scene that could panic; an answer
+//! that a text falsifies stays false until the pair is tested again.
 
 use alloc::collections::BTreeMap;
 use alloc::string::String;
@@ -12,10 +13,10 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
 use super::body::{Bodies, Body, RETIRED, Solid, checked};
 use super::budget::Travel;
 use super::effects::{Effects, GROUPS, Group, Table};
-use super::kept::{Answer, Contact};
-use super::lane::{Head, Lane, Lanes};
+use super::pair_table::{PairHeader, PairTable, PairTables};
 use super::report::Report;
-use super::step::{group, owners};
+use super::step::{bodies_of, group};
+use super::stored_answer::{StoredAnswer, StoredContact};
 use super::{Event, Scene, Settings};
 use crate::broad::{self, BroadPhase, PencilSweep};
 use crate::motion::Velocity;
@@ -23,16 +24,17 @@ use crate::pair::outcome::{Distance, Outcome};
 use crate::polyhedron::{BoxHint, ConvexPolyhedron};
 use crate::tracker::Tracker;
 
-/// One index of the tables of bodies.
+/// The values of one index in the tables of bodies.
 #[derive(Serialize, Deserialize)]
 struct Row {
     generation: u32,
-    /// `None` where no body is, nor leaves.
+    /// `None` if the index holds no body, nor a body that is leaving.
     solid: Option<SolidRow>,
     pose: Isometry3<f64>,
     travel: Travel,
     hint: BoxHint,
-    housed: broad::BodyId,
+    #[serde(rename = "housed")]
+    proxy: broad::BodyId,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -43,10 +45,10 @@ struct SolidRow {
     boxed: bool,
 }
 
-/// Pairs of a lane, one after the other.
-type Seats<A> = Vec<(Head, Tracker, A)>;
+/// Pairs of a table, row by row.
+type PairRows<A> = Vec<(PairHeader, Tracker, A)>;
 
-/// The serialized form.
+/// The serialized form of a scene.
 #[derive(Serialize, Deserialize)]
 struct Snapshot {
     settings: Settings,
@@ -55,21 +57,23 @@ struct Snapshot {
     rows: Vec<Row>,
     free: Vec<u32>,
     leaving: Vec<u32>,
-    owners: Vec<u32>,
+    #[serde(rename = "owners")]
+    body_of_proxy: Vec<u32>,
     velocities: Vec<Velocity>,
     due: Vec<u32>,
     step: u32,
     effects: Vec<(Group, Group, Effects)>,
-    /// Infinity as the largest number.
+    /// Growths by group, infinity as the largest number.
     growths: Vec<f64>,
     partners: [u32; GROUPS],
     broad: PencilSweep,
-    predicates: Seats<()>,
-    distances: Seats<Distance>,
-    features: Seats<Outcome>,
-    contacts: Seats<Contact>,
-    /// Slots whose boxes were told of.
-    told: Vec<u32>,
+    predicates: PairRows<()>,
+    distances: PairRows<Distance>,
+    features: PairRows<Outcome>,
+    contacts: PairRows<StoredContact>,
+    /// Slots whose box event was sent.
+    #[serde(rename = "told")]
+    box_event_sent: Vec<u32>,
     events: Vec<Event>,
     report: Report,
     replanned: u32,
@@ -77,27 +81,31 @@ struct Snapshot {
     budget: bool,
 }
 
-fn seats<A: Answer>(lane: &Lane<A>) -> Seats<A> {
-    let pairs = lane.heads.iter().zip(&lane.trackers).zip(&lane.answers);
-    let seat = |((head, tracker), answer): ((&Head, &Tracker), &A)| {
-        let answer = if head.state.measured {
+fn pair_rows<A: StoredAnswer>(pair_table: &PairTable<A>) -> PairRows<A> {
+    let pairs = pair_table
+        .headers
+        .iter()
+        .zip(&pair_table.trackers)
+        .zip(&pair_table.answers);
+    let pair_row = |((header, tracker), answer): ((&PairHeader, &Tracker), &A)| {
+        let answer = if header.state.measured {
             answer.clone()
         } else {
             A::blank()
         };
-        (*head, tracker.clone(), answer)
+        (*header, tracker.clone(), answer)
     };
-    pairs.map(seat).collect()
+    pairs.map(pair_row).collect()
 }
 
-fn lane<A>(seats: Seats<A>) -> Lane<A> {
-    let mut lane = Lane::default();
-    for (head, tracker, answer) in seats {
-        lane.heads.push(head);
-        lane.trackers.push(tracker);
-        lane.answers.push(answer);
+fn pair_table<A>(pair_rows: PairRows<A>) -> PairTable<A> {
+    let mut pair_table = PairTable::default();
+    for (header, tracker, answer) in pair_rows {
+        pair_table.headers.push(header);
+        pair_table.trackers.push(tracker);
+        pair_table.answers.push(answer);
     }
-    lane
+    pair_table
 }
 
 impl Snapshot {
@@ -122,7 +130,7 @@ impl Snapshot {
             pose: bodies.poses[i],
             travel: bodies.travels[i],
             hint: bodies.hints[i],
-            housed: bodies.housed[i],
+            proxy: bodies.proxies[i],
         };
         let rows = (0..bodies.generations.len()).map(&mut row).collect();
         Self {
@@ -131,7 +139,7 @@ impl Snapshot {
             rows,
             free: bodies.free.clone(),
             leaving: bodies.leaving.clone(),
-            owners: bodies.owners.clone(),
+            body_of_proxy: bodies.body_of_proxy.clone(),
             velocities: bodies.velocities.clone(),
             due: bodies.due.clone(),
             step: bodies.step,
@@ -139,11 +147,11 @@ impl Snapshot {
             growths: scene.growths.iter().map(|g| g.min(f64::MAX)).collect(),
             partners: scene.partners,
             broad: scene.broad.clone(),
-            predicates: seats(&scene.lanes.predicates),
-            distances: seats(&scene.lanes.distances),
-            features: seats(&scene.lanes.features),
-            contacts: seats(&scene.lanes.contacts),
-            told: scene.lanes.told().collect(),
+            predicates: pair_rows(&scene.pair_tables.predicates),
+            distances: pair_rows(&scene.pair_tables.distances),
+            features: pair_rows(&scene.pair_tables.features),
+            contacts: pair_rows(&scene.pair_tables.contacts),
+            box_event_sent: scene.pair_tables.slots_with_box_event().collect(),
             events: scene.events.clone(),
             report: scene.report,
             replanned: scene.replanned,
@@ -164,7 +172,7 @@ impl Snapshot {
             return Err("a box of the scene grows by less than nothing".into());
         }
         let shapes: Vec<_> = self.shapes.into_iter().map(Arc::new).collect();
-        let lists = [self.free, self.leaving, self.owners, self.due];
+        let lists = [self.free, self.leaving, self.body_of_proxy, self.due];
         let bodies = restored_bodies(self.rows, &shapes, lists, self.velocities, self.step)?;
         let planned = |g: usize| self.replanned & 1 << g != 0;
         for g in (0..GROUPS).filter(|&g| !planned(g)) {
@@ -177,18 +185,22 @@ impl Snapshot {
         if !bodies.solids.iter().flatten().all(fits) {
             return Err("a body of the scene has a box where it should have none, or none where it should".into());
         }
-        check_houses(&bodies, &self.broad)?;
+        check_proxies(&bodies, &self.broad)?;
         let slots = self.broad.pairs().map(|p| p.id.slot as usize + 1).max().unwrap_or(0);
-        let (predicates, distances, features) = (lane(self.predicates), lane(self.distances), lane(self.features));
-        let contacts = lane(self.contacts);
-        let lanes = Lanes::restored(predicates, distances, features, contacts, &self.told, slots);
-        let lanes = lanes.ok_or("two pairs of the scene sit in one seat")?;
-        check_seats(&lanes, &bodies, &self.broad)?;
+        let (predicates, distances, features) = (
+            pair_table(self.predicates),
+            pair_table(self.distances),
+            pair_table(self.features),
+        );
+        let contacts = pair_table(self.contacts);
+        let pair_tables = PairTables::restored(predicates, distances, features, contacts, &self.box_event_sent, slots);
+        let pair_tables = pair_tables.ok_or("two pairs of the scene sit in one seat")?;
+        check_rows(&pair_tables, &bodies, &self.broad)?;
         Ok(Scene {
             bodies,
             table,
             broad: self.broad,
-            lanes,
+            pair_tables,
             events: self.events,
             report: self.report,
             replanned: self.replanned,
@@ -202,42 +214,47 @@ impl Snapshot {
     }
 }
 
-/// Whether every body has its place in the broad phase, and every box there its body.
-fn check_houses(bodies: &Bodies, broad: &PencilSweep) -> Result<(), String> {
+/// Checks that every body has a proxy in the broad phase, and every proxy a body.
+fn check_proxies(bodies: &Bodies, broad: &PencilSweep) -> Result<(), String> {
     let n = bodies.generations.len();
-    let housed = |i: usize| broad.contains(bodies.housed[i]);
-    let owned = |i: usize| bodies.owners.get(bodies.housed[i].index as usize) == Some(&(i as u32));
-    if !(0..n).all(|i| !bodies.lives(i) || housed(i) && owned(i)) {
+    let is_kept = |i: usize| broad.contains(bodies.proxies[i]);
+    let is_linked = |i: usize| bodies.body_of_proxy.get(bodies.proxies[i].index as usize) == Some(&(i as u32));
+    if !(0..n).all(|i| !bodies.lives(i) || is_kept(i) && is_linked(i)) {
         return Err("a body of the scene has no place in its broad phase".into());
     }
-    let is_owned = |id: broad::BodyId| bodies.owners.get(id.index as usize).is_some_and(|o| (*o as usize) < n);
-    if !broad.bodies().all(is_owned) {
+    let has_body = |id: broad::BodyId| {
+        bodies
+            .body_of_proxy
+            .get(id.index as usize)
+            .is_some_and(|o| (*o as usize) < n)
+    };
+    if !broad.bodies().all(has_body) {
         return Err("a box of the scene belongs to no body".into());
     }
-    if !broad.pairs().all(|p| is_owned(p.a) && is_owned(p.b)) {
+    if !broad.pairs().all(|p| has_body(p.a) && has_body(p.b)) {
         return Err("a pair of the scene has no bodies".into());
     }
     Ok(())
 }
 
-/// Whether every seat is that of a pair of the broad phase.
-fn check_seats(lanes: &Lanes, bodies: &Bodies, broad: &PencilSweep) -> Result<(), String> {
-    let sound = |head: &Head| {
-        let pair = broad.pair_of(head.pair).map(|pair| owners(bodies, &pair));
-        let class = usize::from(head.class) < GROUPS * GROUPS;
-        class && head.a != head.b && pair == Some((head.a, head.b))
+/// Checks that every row holds a pair of the broad phase.
+fn check_rows(pair_tables: &PairTables, bodies: &Bodies, broad: &PencilSweep) -> Result<(), String> {
+    let sound = |header: &PairHeader| {
+        let pair = broad.pair_of(header.pair).map(|pair| bodies_of(bodies, &pair));
+        let class = usize::from(header.class) < GROUPS * GROUPS;
+        class && header.a != header.b && pair == Some((header.a, header.b))
     };
-    if !lanes.heads().all(sound) {
+    if !pair_tables.headers().all(sound) {
         return Err("a seat of the scene is taken by no pair".into());
     }
     Ok(())
 }
 
-/// The tables of bodies, if every list names what is there.
+/// Returns the tables of bodies, if every list names valid bodies.
 fn restored_bodies(
     rows: Vec<Row>,
     shapes: &[Arc<ConvexPolyhedron>],
-    [free, leaving, owners, due]: [Vec<u32>; 4],
+    [free, leaving, body_of_proxy, due]: [Vec<u32>; 4],
     velocities: Vec<Velocity>,
     step: u32,
 ) -> Result<Bodies, String> {
@@ -252,11 +269,11 @@ fn restored_bodies(
     if !gone.is_sorted_by(|a, b| a < b) || !gone.iter().all(dead) || gone.len() + living != n {
         return Err("a list of removed bodies contradicts the scene".into());
     }
-    // An index is retired before its generations end, so that no id comes twice.
+    // An index is retired before the generations end, so that no id comes twice.
     if rows.iter().any(|r| r.generation == u32::MAX) || free.iter().any(|i| generation(i) >= RETIRED) {
         return Err("an index of the scene has no generation left".into());
     }
-    if !owners.iter().all(known) || !due.iter().all(here) || !(velocities.is_empty() || velocities.len() == n) {
+    if !body_of_proxy.iter().all(known) || !due.iter().all(here) || !(velocities.is_empty() || velocities.len() == n) {
         return Err("a list of the scene names a body that is not there".into());
     }
     let finite = |v: &Velocity| v.linear.iter().chain(v.angular.iter()).all(|x| x.is_finite());
@@ -266,7 +283,7 @@ fn restored_bodies(
     let mut bodies = Bodies {
         free,
         leaving,
-        owners,
+        body_of_proxy,
         velocities,
         due,
         step,
@@ -289,7 +306,7 @@ fn restored_bodies(
         if !(row.travel.odometer >= 0.0) {
             return Err("an odometer of the scene is no number".into());
         }
-        bodies.restore(row.generation, solid, row.pose, row.travel, row.hint, row.housed);
+        bodies.restore(row.generation, solid, row.pose, row.travel, row.hint, row.proxy);
     }
     Ok(bodies)
 }

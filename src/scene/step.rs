@@ -4,30 +4,31 @@ use alloc::vec::Vec;
 
 use super::Scene;
 use super::body::{Bodies, box_of};
-use super::effects::{GROUPS, Group, Table, class_of};
-use super::events::{Change, Event, Happened};
-use super::lane::{Head, Lanes, Luggage, State};
-use super::look::{Context, Tally, look_at_lane};
+use super::effects::{GROUPS, Group, Table, group_pair_of};
+use super::events::{Change, Event, PairChange};
+use super::narrow_phase::{Context, Tally, test_table};
+use super::pair_table::{PairFlags, PairHeader, PairState, PairTables};
 use super::report::{Clock, Report};
 use crate::broad::{self, Aabb, BroadPhase, PairId};
 use crate::polyhedron::BoxHint;
 
 impl Scene {
-    /// Takes over all calls since the last step and computes what is called for. Nothing is done if there were none.
+    /// Applies all calls since the last step and computes the effects called for. Does nothing if
+    /// there were no calls.
     pub fn step(&mut self) -> &Report {
         self.report = Report::default();
         self.report.counts.steps = 1;
         self.events.clear();
         if self.is_due() {
             let mut clock = Clock::start();
-            let rehoused = self.replan();
+            let recreated = self.replan();
             self.make_boxes();
             self.report.times.boxes = clock.lap();
-            let mut happened = self.find_pairs(rehoused);
+            let mut changes = self.find_pairs(recreated);
             self.report.times.pairs = clock.lap();
-            self.look_at_pairs(&mut happened);
+            self.test_pairs(&mut changes);
             self.report.times.look = clock.lap();
-            self.tell_events(&mut happened);
+            self.write_events(&mut changes);
             self.report.times.events = clock.lap();
             self.bodies.end_step();
             (self.changed, self.replanned) = (false, 0);
@@ -41,15 +42,15 @@ impl Scene {
         self.changed || self.replanned != 0 || !self.bodies.due.is_empty()
     }
 
-    /// Brings the bodies of groups whose effects changed in line: whom they pair with, and how far their boxes grow. True if some
-    /// had to leave the broad phase and come back.
+    /// Updates the bodies of groups whose effects changed: the groups to pair with, and the growth
+    /// of the boxes. Returns true if some proxies had to be recreated.
     fn replan(&mut self) -> bool {
         if self.replanned == 0 {
             return false;
         }
         self.growths = core::array::from_fn(|g| self.table.growth(group(g)));
         self.partners = core::array::from_fn(|g| self.table.partners(group(g)));
-        let mut rehoused = false;
+        let mut recreated = false;
         for i in 0..self.bodies.solids.len() {
             let Some(solid) = self.bodies.solids[i].as_ref().filter(|_| self.bodies.lives(i)) else {
                 continue;
@@ -59,32 +60,33 @@ impl Scene {
             }
             if solid.boxed == (self.growths[solid.group.index()] < f64::INFINITY) {
                 let groups = self.groups_of(solid.group);
-                // The id of a living body is not stale.
-                let _ = self.broad.set_groups(self.bodies.housed[i], groups);
-                self.bodies.call(i);
+                // The id of a living body is never stale.
+                let _ = self.broad.set_groups(self.bodies.proxies[i], groups);
+                self.bodies.mark_due(i);
             } else {
-                rehoused |= self.rehouse(i);
+                recreated |= self.recreate_proxy(i);
             }
         }
-        rehoused
+        recreated
     }
 
-    /// Takes a body out of the broad phase and puts it in again, with a box or without.
-    fn rehouse(&mut self, i: usize) -> bool {
+    /// Removes a body from the broad phase and inserts the body again, with a box or unbounded.
+    fn recreate_proxy(&mut self, i: usize) -> bool {
         let Some(mut solid) = self.bodies.solids[i].take() else {
             return false;
         };
         // A broad phase has room for one body more than a scene.
-        let housed = self.house(&mut solid, &self.bodies.poses[i].clone(), &mut BoxHint::default());
-        if let Ok(housed) = housed {
-            let _ = self.broad.remove(self.bodies.housed[i]);
-            self.bodies.house(i as u32, housed);
+        let proxy = self.create_proxy(&mut solid, &self.bodies.poses[i].clone(), &mut BoxHint::default());
+        if let Ok(proxy) = proxy {
+            let _ = self.broad.remove(self.bodies.proxies[i]);
+            self.bodies.set_proxy(i as u32, proxy);
         }
         self.bodies.solids[i] = Some(solid);
         true
     }
 
-    /// Makes the boxes that are due and hands them over. Bodies that nothing is called for have none to keep.
+    /// Makes the boxes that are due and passes them to the broad phase. Bodies without any effect
+    /// need no box.
     fn make_boxes(&mut self) {
         let Self { bodies, batch, .. } = self;
         batch.clear();
@@ -107,62 +109,76 @@ impl Scene {
         boxes.make(0, &mut hints, &bodies.due, batch);
         bodies.hints = hints;
         self.report.counts.boxes = batch.len() as u64;
-        // Boxes of checked shapes at checked poses are sound, and the ids are of living bodies.
+        // Boxes of checked shapes at checked poses are valid, and the ids are of living bodies.
         let taken = self.broad.set_boxes(batch);
         debug_assert_eq!(taken, Ok(()));
     }
 
-    /// Lets the broad phase find what began and ended; pairs take seats and leave them. A pair of a body that came back to the broad
-    /// phase ends and begins in one step: it takes along what is known of it.
-    fn find_pairs(&mut self, rehoused: bool) -> Vec<Happened> {
+    /// Lets the broad phase find new and ended pairs, and updates the rows of the tables. A pair of
+    /// a body with a recreated proxy ends and begins in one step, and keeps its state.
+    fn find_pairs(&mut self, recreated: bool) -> Vec<PairChange> {
         let events = self.broad.step();
-        let (bodies, lanes) = (&self.bodies, &mut self.lanes);
-        let mut happened = Vec::new();
-        let mut leavers = Vec::new();
+        let (bodies, pair_tables) = (&self.bodies, &mut self.pair_tables);
+        let mut changes = Vec::new();
+        let mut removed = Vec::new();
         for pair in events.ended {
-            let members = owners(bodies, pair);
-            let luggage = lanes.leave(pair.id.slot);
-            if rehoused {
-                leavers.push((members, pair.id, luggage));
+            let members = bodies_of(bodies, pair);
+            let pair_state = pair_tables.remove(pair.id.slot);
+            if recreated {
+                removed.push((members, pair.id, pair_state));
             } else {
-                end(&luggage, members, pair.id, &mut happened);
+                end(&pair_state, members, pair.id, &mut changes);
             }
         }
-        leavers.sort_unstable_by_key(|(members, ..)| *members);
+        removed.sort_unstable_by_key(|(members, ..)| *members);
         for pair in events.began {
-            let members = owners(bodies, pair);
-            let found = leavers.binary_search_by_key(&members, |(members, ..)| *members);
-            let luggage = found.map_or_else(|_| Luggage::default(), |k| core::mem::take(&mut leavers[k].2));
-            begin(lanes, &self.table, bodies, (members, pair.id), luggage, &mut happened);
+            let members = bodies_of(bodies, pair);
+            let found = removed.binary_search_by_key(&members, |(members, ..)| *members);
+            let pair_state = found.map_or_else(|_| PairState::default(), |k| core::mem::take(&mut removed[k].2));
+            begin(
+                pair_tables,
+                &self.table,
+                bodies,
+                (members, pair.id),
+                pair_state,
+                &mut changes,
+            );
         }
-        for (members, id, luggage) in leavers {
-            end(&luggage, members, id, &mut happened);
+        for (members, id, pair_state) in removed {
+            end(&pair_state, members, id, &mut changes);
         }
         let counts = &mut self.report.counts;
         (counts.began, counts.ended) = (events.began.len() as u64, events.ended.len() as u64);
         counts.swaps = self.broad.swaps();
         if self.replanned != 0 {
-            self.reseat(&mut happened);
+            self.move_pairs(&mut changes);
         }
-        self.lanes.trim();
-        happened
+        self.pair_tables.trim();
+        changes
     }
 
-    /// Pairs whose effects changed move to the lane that is theirs now.
-    fn reseat(&mut self, happened: &mut Vec<Happened>) {
-        let (bodies, lanes) = (&self.bodies, &mut self.lanes);
+    /// Moves pairs whose effects changed to the table of their new level of detail.
+    fn move_pairs(&mut self, changes: &mut Vec<PairChange>) {
+        let (bodies, pair_tables) = (&self.bodies, &mut self.pair_tables);
         let replanned = |i: u32| bodies.group(i).is_some_and(|g| self.replanned & 1 << g.number() != 0);
         for pair in self.broad.pairs() {
-            let members = owners(bodies, &pair);
+            let members = bodies_of(bodies, &pair);
             if replanned(members.0) || replanned(members.1) {
-                let luggage = lanes.leave(pair.id.slot);
-                begin(lanes, &self.table, bodies, (members, pair.id), luggage, happened);
+                let pair_state = pair_tables.remove(pair.id.slot);
+                begin(
+                    pair_tables,
+                    &self.table,
+                    bodies,
+                    (members, pair.id),
+                    pair_state,
+                    changes,
+                );
             }
         }
     }
 
     /// The narrow phase: budget, balls, tracker.
-    fn look_at_pairs(&mut self, happened: &mut Vec<Happened>) {
+    fn test_pairs(&mut self, changes: &mut Vec<PairChange>) {
         let context = Context {
             bodies: &self.bodies,
             table: &self.table,
@@ -170,30 +186,30 @@ impl Scene {
         };
         let mut tally = Tally {
             counts: self.report.counts,
-            happened: core::mem::take(happened),
+            changes: core::mem::take(changes),
         };
-        let lanes = &mut self.lanes;
+        let pair_tables = &mut self.pair_tables;
         #[cfg(feature = "parallel")]
         if self.bodies.len() >= self.settings.parallel_from {
-            super::parallel::look_at_lane(&mut lanes.predicates, &context, &mut tally);
-            super::parallel::look_at_lane(&mut lanes.distances, &context, &mut tally);
-            super::parallel::look_at_lane(&mut lanes.features, &context, &mut tally);
-            super::parallel::look_at_lane(&mut lanes.contacts, &context, &mut tally);
-            (self.report.counts, *happened) = (tally.counts, tally.happened);
+            super::parallel::test_table(&mut pair_tables.predicates, &context, &mut tally);
+            super::parallel::test_table(&mut pair_tables.distances, &context, &mut tally);
+            super::parallel::test_table(&mut pair_tables.features, &context, &mut tally);
+            super::parallel::test_table(&mut pair_tables.contacts, &context, &mut tally);
+            (self.report.counts, *changes) = (tally.counts, tally.changes);
             return;
         }
-        look_at_lane(&mut lanes.predicates, &context, &mut tally);
-        look_at_lane(&mut lanes.distances, &context, &mut tally);
-        look_at_lane(&mut lanes.features, &context, &mut tally);
-        look_at_lane(&mut lanes.contacts, &context, &mut tally);
-        (self.report.counts, *happened) = (tally.counts, tally.happened);
+        test_table(&mut pair_tables.predicates, &context, &mut tally);
+        test_table(&mut pair_tables.distances, &context, &mut tally);
+        test_table(&mut pair_tables.features, &context, &mut tally);
+        test_table(&mut pair_tables.contacts, &context, &mut tally);
+        (self.report.counts, *changes) = (tally.counts, tally.changes);
     }
 
-    /// Puts events in order and gives them their names.
-    fn tell_events(&mut self, happened: &mut [Happened]) {
-        happened.sort_unstable_by_key(|h| (h.pair, h.change));
+    /// Sorts the changes and writes them as events with ids.
+    fn write_events(&mut self, changes: &mut [PairChange]) {
+        changes.sort_unstable_by_key(|h| (h.pair, h.change));
         let bodies = &self.bodies;
-        self.events.extend(happened.iter().map(|h| Event {
+        self.events.extend(changes.iter().map(|h| Event {
             a: bodies.id(h.pair.0),
             b: bodies.id(h.pair.1),
             pair: h.id,
@@ -207,65 +223,65 @@ pub(super) fn group(number: usize) -> Group {
     Group::new(number as u8).unwrap_or_default()
 }
 
-/// The bodies of a pair, the lower index first.
-pub(super) fn owners(bodies: &Bodies, pair: &broad::Pair) -> (u32, u32) {
-    let [a, b] = [pair.a, pair.b].map(|id| bodies.owners[id.index as usize]);
+/// Returns the indices of the two bodies of a pair, the lower index first.
+pub(super) fn bodies_of(bodies: &Bodies, pair: &broad::Pair) -> (u32, u32) {
+    let [a, b] = [pair.a, pair.b].map(|id| bodies.body_of_proxy[id.index as usize]);
     (a.min(b), a.max(b))
 }
 
-/// A pair ends, and with it what was told of it.
-fn end(luggage: &Luggage, pair: (u32, u32), id: PairId, happened: &mut Vec<Happened>) {
+/// Ends a pair, and with the pair every event that began.
+fn end(pair_state: &PairState, pair: (u32, u32), id: PairId, changes: &mut Vec<PairChange>) {
     let ends = [
-        (luggage.state.within, Change::LeftWithin),
-        (luggage.state.overlaps, Change::OverlapEnded),
-        (luggage.told, Change::BoxesParted),
+        (pair_state.state.within, Change::LeftWithin),
+        (pair_state.state.overlaps, Change::OverlapEnded),
+        (pair_state.box_event_sent, Change::BoxesParted),
     ];
-    let told = ends.into_iter().filter(|(was, _)| *was);
-    happened.extend(told.map(|(_, change)| Happened { id, pair, change }));
+    let sent = ends.into_iter().filter(|(was, _)| *was);
+    changes.extend(sent.map(|(_, change)| PairChange { id, pair, change }));
 }
 
-/// A pair begins, or changes its lane.
+/// Begins a pair, or moves a pair to another table.
 fn begin(
-    lanes: &mut Lanes,
+    pair_tables: &mut PairTables,
     table: &Table,
     bodies: &Bodies,
     ((a, b), id): ((u32, u32), PairId),
-    luggage: Luggage,
-    happened: &mut Vec<Happened>,
+    pair_state: PairState,
+    changes: &mut Vec<PairChange>,
 ) {
     let (Some(g), Some(h)) = (bodies.group(a), bodies.group(b)) else {
         return;
     };
-    let class = class_of(g, h);
+    let class = group_pair_of(g, h);
     let plan = table.plan(class);
-    if plan.boxes && !luggage.told {
-        happened.push(Happened {
+    if plan.boxes && !pair_state.box_event_sent {
+        changes.push(PairChange {
             id,
             pair: (a, b),
             change: Change::BoxesMet,
         });
     }
-    let head = Head {
+    let header = PairHeader {
         a,
         b,
         pair: id,
         class,
-        state: State::default(),
+        state: PairFlags::default(),
         wake: 0.0,
     };
-    lanes.seat(plan, head, luggage);
+    pair_tables.insert(plan, header, pair_state);
 }
 
-/// What making boxes reads.
+/// Read-only input of box making.
 pub(super) struct Boxes<'a> {
     bodies: &'a Bodies,
-    /// By group: whom it pairs with, and what its boxes grow by.
+    /// By group: the groups to pair with as bits, and the growth of the boxes.
     partners: &'a [u32; GROUPS],
     growths: &'a [f64; GROUPS],
 }
 
 impl Boxes<'_> {
-    /// Makes the boxes of `due` bodies, whose hints are those of a run of bodies from `first` on.
+    /// Makes the boxes of `due` bodies; `hints` are those of a run of bodies from `first` on.
     pub(super) fn make(&self, first: u32, hints: &mut [BoxHint], due: &[u32], batch: &mut Vec<(broad::BodyId, Aabb)>) {
         for &index in due {
             let i = index as usize;
@@ -279,7 +295,7 @@ impl Boxes<'_> {
             if self.partners[group] != 0 {
                 let hint = &mut hints[(index - first) as usize];
                 let aabb = box_of(&solid.shape, &self.bodies.poses[i], self.growths[group], hint);
-                batch.push((self.bodies.housed[i], aabb));
+                batch.push((self.bodies.proxies[i], aabb));
             }
         }
     }

@@ -1,4 +1,4 @@
-//! Bodies that move by themselves: velocities, and the time they are moved by.
+//! Bodies with velocities, and the time by which a scene advances these bodies.
 
 use alloc::vec::Vec;
 
@@ -7,10 +7,10 @@ use super::{BodyId, Scene, SceneError};
 use crate::motion::Velocity;
 
 impl Scene {
-    /// Gives a moving body a velocity, which [`advance`](Self::advance) moves it by.
+    /// Gives a moving body a velocity, used by [`advance`](Self::advance).
     ///
     /// # Errors
-    /// When the id is stale, the body fixed, or the velocity not finite.
+    /// If the id is stale, the body fixed, or the velocity not finite.
     pub fn set_velocity(&mut self, id: BodyId, velocity: Velocity) -> Result<(), SceneError> {
         let i = self.bodies.index_of(id)?;
         if self.bodies.solids[i].as_ref().is_some_and(|s| s.fixed) {
@@ -31,17 +31,18 @@ impl Scene {
         Ok(())
     }
 
-    /// The velocity of a body: zero unless set.
+    /// Returns the velocity of a body: zero unless set.
     #[must_use]
     pub fn velocity(&self, id: BodyId) -> Option<Velocity> {
         let i = self.bodies.index_of(id).ok()?;
         Some(self.bodies.velocities.get(i).copied().unwrap_or_default())
     }
 
-    /// Moves every body by its velocity for a time, straight and evenly turning. A time below zero goes back.
+    /// Moves every body by its velocity for a time, straight and evenly turning. A negative time
+    /// goes back.
     ///
     /// # Errors
-    /// When the time is not finite or a body would leave the scene's reach; then no body has moved.
+    /// If the time is not finite or a body would leave the scene's reach; then no body has moved.
     pub fn advance(&mut self, time: f64) -> Result<(), SceneError> {
         if !time.is_finite() {
             return Err(SceneError::Velocity);

@@ -1,4 +1,4 @@
-//! From an answer, or from the manifold before, to the contacts of now.
+//! From an answer, or from the previous manifold, to the present contacts.
 
 use super::Tracker;
 use crate::contact::{Manifold, ManifoldOptions, Query};
@@ -6,22 +6,26 @@ use crate::polyhedron::ConvexPolyhedron;
 use crate::pose::RelativePose;
 
 impl Tracker {
-    /// The contact points of two bodies within `options.prediction`, in `manifold`, which keeps names and order of those that were
-    /// there in the query before: one manifold for each pair, passed in every frame.
+    /// Computes the contact points of two bodies within `options.prediction`, in `manifold`, which
+    /// keeps ids and order of the contacts of the previous query: one manifold for each pair,
+    /// passed in every frame.
     ///
-    /// Where the bodies have moved no more than `options.drift` since it was made, its points stay where they are on the bodies and only
-    /// their separations, the normal and the bounds are measured anew; otherwise it is made from [`closest`](Self::closest), and its
-    /// deepest contact is the answer's.
+    /// If the bodies have moved no more than `options.drift` since the manifold was made, its
+    /// points stay fixed to the bodies and only their separations, the normal and the bounds are
+    /// measured again; otherwise the manifold is rebuilt from [`closest`](Self::closest), and its
+    /// deepest contact is the contact of the answer.
     ///
     /// ```
     /// use lin_canny::nalgebra::{Isometry3, Vector3};
     /// use lin_canny::{Manifold, ManifoldOptions, RelativePose, Tracker, polyhedron::solids};
     ///
-    /// let (floor, part) = (solids::cuboid(Vector3::new(5.0, 5.0, 1.0))?, solids::cuboid(Vector3::new(0.5, 0.5, 0.5))?);
+    /// let floor = solids::cuboid(Vector3::new(5.0, 5.0, 1.0))?;
+    /// let part = solids::cuboid(Vector3::new(0.5, 0.5, 0.5))?;
     /// let (mut pair, mut manifold) = (Tracker::new(), Manifold::new());
     /// let options = ManifoldOptions::within(0.02);
     /// for k in 0..10 {
-    ///     let a_from_b = RelativePose::from_isometry(&Isometry3::translation(0.1 * k as f64, 0.0, 1.49))?;
+    ///     let at = Isometry3::translation(0.1 * k as f64, 0.0, 1.49);
+    ///     let a_from_b = RelativePose::from_isometry(&at)?;
     ///     pair.manifold(&floor, &part, &a_from_b, &options, &mut manifold);
     ///     assert_eq!(manifold.points().len(), 4);
     ///     for contact in manifold.points() {

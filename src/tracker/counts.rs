@@ -1,14 +1,15 @@
-//! What a tracker counts: for itself, which start is the cheaper one; for the caller, what was done.
+//! Counters of a tracker: costs of the two ways to start a walk, and totals for the caller.
 
 use crate::pair::outcome::{Solver, Work};
 use crate::pair::world::AnsweredBy;
 use crate::tuning::tracker::{CLIMBS, ELLIPSOIDS};
 
-/// What the two ways to start have cost lately, in steps of the walk: which of them a query takes.
+/// Mean costs of the two ways to start, in steps of the walk: the cheaper way is the start of the
+/// next query.
 ///
-/// From the features of the last answer a walk takes `1 + 0.085 sqrt(n)` steps a degree turned; from the support
-/// vertices some five on round bodies, whatever happened in between. Counting what it really took needs neither n nor
-/// the motion.
+/// From the features of the last answer a walk takes `1 + 0.085 sqrt(n)` steps a degree turned;
+/// from the support vertices some five on round bodies, whatever happened in between. Counting the
+/// steps actually taken needs neither n nor the motion.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Starts {
@@ -23,7 +24,8 @@ impl Starts {
         self.warm <= self.cold
     }
 
-    /// Takes the cost of the way taken into its mean; what is known of the other fades, so that it is tried again.
+    /// Includes the cost of the way taken in its mean; the mean of the other way fades, so that
+    /// this way is tried again.
     #[inline(always)]
     pub(super) fn learn(&mut self, warm: bool, work: &Work) {
         let steps = work.steps + ELLIPSOIDS * work.ellipsoids;
@@ -43,32 +45,32 @@ impl Starts {
     }
 }
 
-/// What a tracker has done since it was made or reset.
+/// Work of a tracker since the tracker was made or reset.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Totals {
-    /// Queries that came as far as a walk.
+    /// Queries that reached a walk.
     pub queries: u64,
-    /// Of these, how many started from the features of the answer before.
+    /// Queries whose walk started from the features of the previous answer.
     pub warm: u64,
     /// Queries by the solver that answered, in the order of [`Solver`].
     pub(crate) answered: [u64; Solver::COUNT],
-    /// Feature pairs looked at.
+    /// Feature pairs tested.
     pub steps: u64,
-    /// Overlaps whose depth was searched for.
+    /// Overlaps whose depth was searched.
     pub depths: u64,
 }
 
 impl Totals {
-    /// How many queries `solver` answered.
+    /// Returns how many queries `solver` answered.
     #[must_use]
     pub fn answered_by(&self, solver: Solver) -> u64 {
         self.answered[solver as usize]
     }
 }
 
-/// Queries, the share of warm starts, steps and depths, and the solvers that answered.
+/// Prints queries, the share of warm starts, steps and depths, and the solvers that answered.
 impl core::fmt::Display for Totals {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         write!(
@@ -84,7 +86,7 @@ impl core::fmt::Display for Totals {
 }
 
 impl Totals {
-    /// Counts a query and its work. A counter stays at its end: a file may have put it there.
+    /// Counts a query and its work. A counter saturates: a file may hold the largest number.
     #[inline(always)]
     pub(super) fn note(&mut self, warm: bool, solver: Solver, work: &Work) {
         let add = |counter: &mut u64, by: u64| *counter = counter.saturating_add(by);
@@ -97,7 +99,7 @@ impl Totals {
 }
 
 impl core::ops::AddAssign for Totals {
-    /// Sums that stay at their end.
+    /// Adds counters that saturate.
     fn add_assign(&mut self, o: Self) {
         let add = |counter: &mut u64, by: u64| *counter = counter.saturating_add(by);
         add(&mut self.queries, o.queries);

@@ -11,16 +11,17 @@ use crate::pose::RelativePose;
 impl Tracker {
     /// Whether the closed bodies share a point: touching is intersecting.
     ///
-    /// With the feature `exact` the answer is that of exact arithmetic on the poses given. Without it, bodies within
-    /// `1e-27 L` of touching count as intersecting.
+    /// With the feature `exact` the answer equals exact arithmetic on the poses given. Without
+    /// `exact`, bodies within `1e-27 L` of touching count as intersecting.
     pub fn intersects(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> bool {
         self.within(a, b, a_from_b, 0.0)
     }
 
-    /// Whether the closed bodies are at most `d` apart, `d` in the caller's units. Never so for a negative or NaN `d`.
+    /// Whether the closed bodies are at most `d` apart, `d` in the caller's units. Always false for
+    /// a negative or NaN `d`.
     ///
-    /// With the feature `exact` the answer is that of exact arithmetic on the poses and the `d` given. Without it, a
-    /// distance that the bounds cannot tell from `d` counts as within.
+    /// With the feature `exact` the answer equals exact arithmetic on the poses and the `d` given.
+    /// Without `exact`, a distance that the bounds cannot distinguish from `d` counts as within.
     pub fn within(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose, d: f64) -> bool {
         if !(d >= 0.0) || clear_of(a, b, a_from_b, d) {
             return false;
@@ -55,7 +56,8 @@ impl Tracker {
         self.answer(a, b, a_from_b, Ask::certified(until))
     }
 
-    /// What [`within`](Self::within) answers for a `d` that is not negative, from the outcome of the last query.
+    /// Returns the answer of [`within`](Self::within) for a `d` that is not negative, from the
+    /// outcome of the last query.
     #[inline]
     pub(crate) fn decides_within(
         &self,
@@ -74,12 +76,13 @@ impl Tracker {
         }
     }
 
-    /// Lets the next query without depth begin with an expectation of an overlap.
+    /// Makes the next query without depth begin with the expectation of an overlap, from this
+    /// proof.
     pub(crate) fn expect(&mut self, proof: OverlapProof) {
         self.overlap_proof = Some(proof);
     }
 
-    /// Triangles of what is kept of an overlap.
+    /// Returns the number of triangles of the cached surface of an overlap.
     pub(crate) fn facets(&self) -> usize {
         if self.overlap_proof.is_some() {
             4
@@ -88,17 +91,17 @@ impl Tracker {
         }
     }
 
-    /// Gives up the surface kept of an overlap, and its room.
+    /// Drops the cached surface of an overlap, and its memory.
     pub(crate) fn shed(&mut self) {
         self.memory = Memory::default();
     }
 
-    /// Bytes beside the tracker's own.
+    /// Returns the bytes on the heap.
     pub(crate) fn heap_bytes(&self) -> usize {
         self.memory.heap_bytes()
     }
 
-    /// The class alone from the proof of the last answer, or from the solver that found it.
+    /// Computes the class alone from the proof of the last answer, or by the solver of this proof.
     #[inline(never)]
     pub(super) fn still_overlaps(&mut self, posed: &PosedPair, outcome: &mut Outcome) -> bool {
         let first = *outcome;

@@ -6,7 +6,8 @@ use crate::polyhedron::ConvexPolyhedron;
 use crate::pose::RelativePose;
 
 impl Tracker {
-    /// As [`within`](Self::within), for the exact sum of three numbers; false unless all are zero or positive.
+    /// Whether the closed bodies are at most the exact sum of three numbers apart, like
+    /// [`within`](Self::within); false unless all three numbers are zero or positive.
     pub(crate) fn within_reach(
         &mut self,
         a: &ConvexPolyhedron,

@@ -1,4 +1,4 @@
-//! Many boxes at once.
+//! Setting many boxes at once.
 
 use super::place::{Context, checked};
 use super::{Bodies, Marks, Record};
@@ -15,7 +15,7 @@ struct Run<'a> {
 }
 
 impl Bodies {
-    /// Applies every sound entry; the error tells of the others.
+    /// Applies every valid entry; the error reports the refused entries.
     pub(crate) fn set_boxes(&mut self, batch: &[(BodyId, Aabb)], threads: Threads) -> Result<(), BatchError> {
         let threads = threads.sharing(batch.len());
         let error = match self.grid.axis {
@@ -37,7 +37,8 @@ impl Bodies {
             records: &mut self.records,
             generations: &self.generations,
         };
-        // Records can be dealt out to threads only when each part of the batch names a part of the table.
+        // Records can be distributed to threads only if each part of the batch names a part of the
+        // table.
         if threads > 1 && ascends(batch, |entry| entry.0.index, threads) {
             self.shares.resize_with(threads.max(self.shares.len()), Marks::default);
             let shares = &mut self.shares[..threads];
@@ -49,8 +50,8 @@ impl Bodies {
     }
 }
 
-/// Halves batch and table until every thread has a part and marks of its own; these are joined in order, so the result is
-/// that of one thread.
+/// Halves batch and table until every thread has its own part and marks; the marks are joined in
+/// order, so the result equals the result of one thread.
 fn split<const AXIS: usize>(
     context: &Context<'_>,
     run: Run<'_>,
@@ -110,7 +111,7 @@ impl Run<'_> {
             };
             let bounds = match Bounds::outward::<AXIS>(aabb, origin) {
                 Some(bounds) => bounds,
-                // Faulty, unbounded or far: looked at more closely.
+                // Faulty, unbounded or far boxes take the slow path.
                 None => match checked(aabb, origin, context.grid, record.flags()) {
                     Ok(stored) => Bounds::from_box(&stored),
                     Err(fault) => {

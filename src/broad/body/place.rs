@@ -1,4 +1,5 @@
-//! A given box becomes a stored one: checked, grown by the margins of its body, and noted where it changed.
+//! From a given box to a stored box: checked, grown by the margins of the body, and noted if
+//! changed.
 
 use super::record::{LOOSE, NOTED, Record, UNBOUNDED};
 use super::{Detail, Marks};
@@ -8,7 +9,7 @@ use crate::broad::grid::Grid;
 use nalgebra::Point3;
 use wide::f32x4;
 
-/// What placing a box needs besides the record.
+/// The input of placing a box, besides the record.
 pub(super) struct Context<'a> {
     pub(super) grid: &'a Grid,
     pub(super) details: &'a [Detail],
@@ -16,7 +17,7 @@ pub(super) struct Context<'a> {
 }
 
 impl Context<'_> {
-    /// Takes over a new box and notes what changed. The common case touches nothing but the record.
+    /// Stores a new box and notes changes. The common case touches only the record.
     #[inline(always)]
     pub(super) fn place(&self, record: &mut Record, index: u32, given: Bounds, marks: &mut Marks) {
         let present = record.now();
@@ -47,7 +48,7 @@ impl Context<'_> {
         }
     }
 
-    /// The given box with the margins of its body.
+    /// Returns the given box grown by the margins of the body.
     #[inline(never)]
     fn loosened(&self, record: &Record, index: u32, given: Bounds) -> Bounds {
         let Some(detail) = self.details.get(index as usize) else {
@@ -68,7 +69,7 @@ impl Context<'_> {
     }
 }
 
-/// The stored form of a box, or what is wrong with it.
+/// Returns the stored form of a box, or the fault of the box.
 pub(super) fn checked(aabb: &Aabb, origin: &Point3<f64>, grid: &Grid, flags: u32) -> Result<StoredBox, BoxFault> {
     let fault = if flags & UNBOUNDED == 0 {
         aabb.fault()
@@ -90,7 +91,7 @@ pub(super) fn grown(stored: &StoredBox, margin: f32) -> StoredBox {
     out
 }
 
-/// A fixed number in (0, 1] for each index, evenly spread.
+/// Returns a fixed number in (0, 1] for each index, evenly spread.
 pub(super) fn fraction(index: u32) -> f32 {
     (index.wrapping_mul(2_654_435_769) >> 8) as f32 / (1 << 24) as f32
 }

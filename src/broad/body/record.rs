@@ -1,4 +1,4 @@
-//! What a step reads of a body, in one cache line.
+//! The record of a body that a step reads, in one cache line.
 
 use crate::broad::aabb::StoredBox;
 use crate::broad::bounds::Bounds;
@@ -6,32 +6,35 @@ use crate::broad::grid::{Grid, Range};
 use alloc::vec::Vec;
 use wide::f32x4;
 
-/// The body does not move by itself: it never pairs with another fixed one.
+/// Flag: the body does not move by itself and never pairs with another fixed body.
 pub(crate) const FIXED: u32 = 1;
-/// Kept in the list of unbounded bodies, outside all columns.
+/// Flag: the body is in the list of unbounded bodies, outside all columns.
 pub(crate) const UNBOUNDED: u32 = 1 << 1;
-/// The stored box is larger than the given one.
+/// Flag: the stored box is larger than the given box.
 pub(super) const LOOSE: u32 = 1 << 2;
-/// Listed among those that may have changed columns.
+/// Flag: the body is listed among the bodies that may have changed columns.
 pub(super) const NOTED: u32 = 1 << 3;
-/// This step the body changes columns, so its part in a column depends on the column.
+/// Flag: this step the body changes columns, so its part in a column depends on the column.
 pub(crate) const MIGRATES: u32 = 1 << 4;
-/// This step the body jumps: its old and its new box are listed as two entries.
+/// Flag: this step the body jumps: the old and the new box are listed as two entries.
 pub(crate) const JUMPS: u32 = 1 << 5;
 
-/// What a step reads of a body, in one cache line: two boxes in vector registers, whose spare lanes hold the rest as bits.
+/// The record of a body that a step reads, in one cache line: two boxes in SIMD registers, whose
+/// spare lanes hold the remaining fields as bits.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 pub(crate) struct Record {
-    /// The box of the step being prepared; beside the lower corner its least column, beside the upper one the greatest.
+    /// The box of the step being prepared; the spare lane of the lower corner holds the least
+    /// column, the spare lane of the upper corner the greatest.
     new: Bounds,
-    /// The box of the last step; stale, and equal to the new one by definition, unless the stamp is the current step.
-    /// Beside the lower corner the stamp: the step for which the box last changed. Beside the upper one the flags.
+    /// The box of the last step; stale, and equal to the new box by definition, unless the stamp is
+    /// the current step. The spare lane of the lower corner holds the stamp: the step for which the
+    /// box last changed; the spare lane of the upper corner holds the flags.
     old: Bounds,
 }
 
 impl Record {
-    /// A body of this box, in no column and not there before.
+    /// Returns a record with this box, in no column and absent from the last step.
     pub(super) fn new(bounds: &Bounds, stamp: u32, flags: u32) -> Self {
         let mut record = Self {
             new: *bounds,
@@ -47,25 +50,25 @@ impl Record {
         Self::new(&Bounds::from_box(&StoredBox::EMPTY), 0, 0)
     }
 
-    /// The box of the step being prepared.
+    /// Returns the box of the step being prepared.
     #[inline(always)]
     pub(crate) fn now(&self) -> Bounds {
         self.new
     }
 
-    /// The box of the last step.
+    /// Returns the box of the last step.
     #[inline(always)]
     pub(crate) fn before(&self, step: u32) -> Bounds {
         *self.at(false, step)
     }
 
-    /// The box of the step being prepared, or of the last one.
+    /// Returns the box of the step being prepared, or of the last step.
     #[inline(always)]
     pub(crate) fn at(&self, new: bool, step: u32) -> &Bounds {
         if new | !self.moved(step) { &self.new } else { &self.old }
     }
 
-    /// The step for which the box last changed.
+    /// Returns the step for which the box last changed.
     #[inline(always)]
     pub(super) fn stamp(&self) -> u32 {
         spare(&self.old.lo)
@@ -97,7 +100,7 @@ impl Record {
         self.stamp() == step
     }
 
-    /// Whether the body is there in the step being prepared, and whether it was in the last.
+    /// Whether the body is present in the step being prepared.
     pub(crate) fn present(&self) -> bool {
         is_present(&self.new)
     }
@@ -106,7 +109,7 @@ impl Record {
         is_present(&self.before(step))
     }
 
-    /// Columns of the new box.
+    /// Returns the columns of the new box.
     #[inline(always)]
     pub(crate) fn range(&self) -> Range {
         Range {
@@ -115,7 +118,7 @@ impl Record {
         }
     }
 
-    /// Columns of the old box.
+    /// Returns the columns of the old box.
     pub(crate) fn range_before(&self, step: u32, grid: &Grid) -> Range {
         if self.present_before(step) && self.flags() & UNBOUNDED == 0 {
             grid.range(&self.before(step))
@@ -139,14 +142,14 @@ impl Record {
         replace(&mut self.old, bounds);
     }
 
-    /// Boxes with their coordinates in another cyclic order.
+    /// Rotates the coordinates of both boxes to another cyclic order.
     pub(super) fn rotate(&mut self, turn: usize) {
         let [new, old] = [self.new, self.old].map(|bounds| Bounds::from_box(&bounds.to_box().rotated(turn)));
         self.set_new(&new);
         self.set_old(&old);
     }
 
-    /// The first change of a step keeps the box of the last one.
+    /// Replaces the new box; the first change of a step keeps the box of the last step.
     #[inline(always)]
     pub(super) fn touch(&mut self, index: u32, step: u32, moved: &mut Vec<u32>) {
         if !self.moved(step) {
@@ -172,7 +175,7 @@ fn set_spare(lanes: &mut f32x4, bits: u32) {
     lanes.as_mut_array()[3] = f32::from_bits(bits);
 }
 
-/// Another box beside the same bits.
+/// Replaces the box and keeps the spare bits.
 #[inline(always)]
 fn replace(kept: &mut Bounds, by: &Bounds) {
     let (lo, hi) = (spare(&kept.lo), spare(&kept.hi));

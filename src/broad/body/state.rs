@@ -4,7 +4,7 @@ use super::*;
 use crate::broad::aabb::FARTHEST;
 use alloc::string::String;
 
-/// One index of the table.
+/// The serialized values of one index of the table.
 #[derive(serde::Serialize, serde::Deserialize)]
 struct Row {
     generation: u32,
@@ -15,7 +15,7 @@ struct Row {
     flags: u32,
 }
 
-/// All that [`Bodies`] needs to go on. Boxes are in the order x, y, z.
+/// The complete state of [`Bodies`]. Boxes are in the order x, y, z.
 #[derive(serde::Serialize, serde::Deserialize)]
 pub(crate) struct BodiesState {
     origin: Point3<f64>,
@@ -56,7 +56,8 @@ impl Bodies {
 }
 
 impl BodiesState {
-    /// Whether every list names bodies that are there, none twice, and step and origin are sound.
+    /// Checks that every list names existing bodies, none twice, and that step and origin are
+    /// valid.
     fn check(&self) -> Result<(), String> {
         let n = self.rows.len();
         let lists = [&self.free, &self.leaving, &self.regrouped, &self.unbounded, &self.moved];

@@ -1,12 +1,12 @@
 //! Consistency of slots and links.
 
-use super::{PairTable, VACANT};
+use super::{PairSlots, VACANT};
 use alloc::format;
 use alloc::string::String;
 use alloc::vec;
 
-impl PairTable {
-    /// The first contradiction between slots, links and the lists of vacant slots.
+impl PairSlots {
+    /// Returns the first contradiction between slots, links and the lists of vacant slots.
     pub(crate) fn check(&self) -> Result<(), String> {
         let mut vacant = vec![false; self.slots.len()];
         for &slot in self.free.iter().chain(&self.resting) {

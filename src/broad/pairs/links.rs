@@ -1,19 +1,21 @@
-//! From two bodies to the slot of their pair: small hash tables, each of some consecutive lower bodies.
+//! Links from two bodies to the slot of their pair: small hash tables, each for some consecutive
+//! lower bodies.
 //!
-//! Changes come in ascending order, so a step walks the tables in order, stays in the nearest caches, and can be dealt out
-//! to threads.
+//! Changes come in ascending order, so a step walks the tables in order, stays in the nearest
+//! caches, and can be distributed to threads.
 
 mod block;
 
-use crate::broad::ahead::{AHEAD, read_ahead};
 use crate::broad::body::Bodies;
 use crate::broad::change::{PairKey, pair_key};
 use crate::broad::pairs::{NOWHERE, Pair, Slot, named};
 use crate::broad::parallel::join;
+use crate::broad::prefetch::{AHEAD, read_ahead};
 use alloc::vec::Vec;
 use block::{Block, Link};
 
-/// So many consecutive indices share a block, as a power of two: few enough that a block lies in the nearest cache.
+/// Number of consecutive indices that share a block, as a power of two: few enough that a block
+/// fits in the nearest cache.
 const SHIFT: u32 = 6;
 
 fn block_of(key: PairKey) -> usize {
@@ -24,33 +26,34 @@ fn key_of(pair: &Pair) -> PairKey {
     pair_key(pair.a.index, pair.b.index)
 }
 
-/// All links. Blocks behind the last pair's may be missing.
+/// All links. Blocks after the block of the last pair may be missing.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Links {
     blocks: Vec<Block>,
 }
 
 impl Links {
-    /// The slot of a pair.
+    /// Returns the slot of a pair.
     pub(super) fn find(&self, key: PairKey, slots: &[Slot]) -> Option<u32> {
         let block = self.blocks.get(block_of(key))?;
         let place = block.find(key, slots)?;
         Some(block.places[place].slot)
     }
 
-    /// Links a pair that is not linked.
+    /// Links a pair, which must not be linked.
     pub(super) fn insert(&mut self, key: PairKey, slot: u32) {
         self.reach(key);
         self.blocks[block_of(key)].insert(Link::new(key, slot));
     }
 
-    /// Unlinks a pair, if it is linked, and tells its slot.
+    /// Unlinks a pair, if linked, and returns its slot.
     pub(super) fn remove(&mut self, key: PairKey, slots: &[Slot]) -> Option<u32> {
         self.blocks.get_mut(block_of(key))?.remove(key, slots)
     }
 
-    /// Takes over a step's changes, both in ascending order; no pair that begins may be linked. Names in `gone` the pairs
-    /// that ended, without generations; those that were not linked are `NOWHERE`.
+    /// Applies the changes of a step, both lists in ascending order; a pair that begins must not be
+    /// linked. Writes to `gone` the pairs that ended, without generations; a pair that was not
+    /// linked becomes `NOWHERE`.
     pub(super) fn update(
         &mut self,
         ended: &[PairKey],
@@ -79,25 +82,25 @@ impl Links {
         }
     }
 
-    /// Number of links.
+    /// Returns the number of links.
     pub(super) fn len(&self) -> usize {
         self.blocks.iter().map(|block| block.live).sum()
     }
 
-    /// Bytes reserved.
+    /// Returns the bytes reserved.
     pub(super) fn bytes(&self) -> usize {
         let links: usize = self.blocks.iter().map(|block| block.places.capacity()).sum();
         links * size_of::<Link>() + self.blocks.capacity() * size_of::<Block>()
     }
 }
 
-/// Consecutive blocks and the changes that concern them.
+/// Consecutive blocks and the changes of pairs in these blocks.
 struct Part<'a> {
     blocks: &'a mut [Block],
     /// Number of the first block.
     first: usize,
     ended: &'a [PairKey],
-    /// As long as `ended`.
+    /// Pairs that ended, as long as `ended`.
     gone: &'a mut [Pair],
     began: &'a [Pair],
 }
@@ -126,7 +129,7 @@ impl<'a> Part<'a> {
                     .and_then(|block| block.remove(*key, slots));
                 *pair = slot.map_or(NOWHERE, |slot| named(bodies, *key, slot, 0));
             }
-            // What begins follows close behind, while the tables are at hand.
+            // New pairs follow close behind, while the tables are in the cache.
             let reached = keys.last().copied().unwrap_or(0);
             let count = began.iter().take_while(|pair| key_of(pair) < reached).count();
             insert_all(blocks, first, &began[..count], slots.len());
@@ -135,7 +138,7 @@ impl<'a> Part<'a> {
         insert_all(blocks, first, began, slots.len());
     }
 
-    /// Two parts of about equally many changes.
+    /// Splits the part into two parts with about equally many changes.
     fn split(self) -> (Self, Self) {
         let middle = if self.ended.len() > self.began.len() {
             self.ended[self.ended.len() / 2]
@@ -170,7 +173,7 @@ impl<'a> Part<'a> {
     }
 }
 
-/// Links new pairs of a table of `count`.
+/// Links new pairs of a table with `count` pairs.
 fn insert_all(blocks: &mut [Block], first: usize, began: &[Pair], count: usize) {
     let block_of = |pair: &Pair| block_of(key_of(pair)) - first;
     for pairs in began.chunks(AHEAD) {
@@ -193,7 +196,8 @@ mod tests {
     use lab::rng::Rng;
     use nalgebra::Point3;
 
-    /// Pairs of few bodies, so that blocks are crowded and many that are to end are not there.
+    /// Uses pairs of few bodies, so that blocks are crowded and many of the pairs to end are not
+    /// linked.
     fn steps_equal_a_map(lows: usize, threads: usize) {
         let bodies = Bodies::new(Point3::origin());
         let (mut links, mut slots, mut map) = (Links::default(), Vec::<Slot>::new(), BTreeMap::new());

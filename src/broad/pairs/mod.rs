@@ -1,28 +1,28 @@
-//! The overlapping pairs in slots that stay put from a pair's beginning to its end.
+//! The overlapping pairs in slots that stay fixed from the beginning of a pair to its end.
 
 mod check;
 mod links;
 #[cfg(feature = "serde")]
 mod state;
 
-use super::ahead::{AHEAD, read_ahead};
 use super::change::{Changes, PairKey, pair_key, pair_of};
-use super::lists::trim;
+use super::compact_vec::trim;
 use super::parallel::{Threads, join};
+use super::prefetch::{AHEAD, read_ahead};
 use super::{Bodies, BodyId, BroadPhaseError};
 use alloc::vec::Vec;
 use links::Links;
 #[cfg(feature = "serde")]
 pub(crate) use state::PairsState;
 
-/// Names a pair from its beginning to its end. `slot` is small and dense: a caller can keep its own state of a pair,
-/// say a tracker, in a vector at that place.
+/// Id of a pair from its beginning to its end. `slot` is small and dense: a caller can keep state
+/// of a pair, say a tracker, in a vector at this index.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct PairId {
-    /// Place in tables; reused no earlier than the step after the pair's end was reported.
+    /// Index in tables; reused no earlier than the step after the pair's end was reported.
     pub slot: u32,
-    /// Tells apart the pairs that used the slot one after the other.
+    /// Distinguishes the pairs that used the slot one after another.
     pub generation: u32,
 }
 
@@ -36,7 +36,7 @@ impl core::fmt::Display for PairId {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Pair {
-    /// The pair's own name.
+    /// Id of the pair.
     pub id: PairId,
     /// The body with the lower index.
     pub a: BodyId,
@@ -44,8 +44,9 @@ pub struct Pair {
     pub b: BodyId,
 }
 
-/// What the last step changed, each part in ascending order of the two body indices. The order depends on boxes and
-/// ids alone: not on the structure, its tuning, its history or the number of threads.
+/// Changes of the last step, each list in ascending order of the two body indices. The order
+/// depends on boxes and ids alone: not on the structure, its tuning, its history or the number of
+/// threads.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Events<'a> {
@@ -53,16 +54,16 @@ pub struct Events<'a> {
     pub ended: &'a [Pair],
     /// Pairs that began.
     pub began: &'a [Pair],
-    /// [`BroadPhaseError::TooManyPairs`] where pairs found no place. They did not begin, and all others are as they would be
-    /// without them; each is asked again when its boxes have parted and meet anew, or by
-    /// [`regroup`](super::BroadPhase::regroup).
+    /// [`BroadPhaseError::TooManyPairs`] if some pairs found no slot. The refused pairs did not
+    /// begin, and all remaining pairs are unaffected; each refused pair is tried again when its
+    /// boxes have parted and meet again, or by [`regroup`](super::BroadPhase::regroup).
     pub refused: Option<BroadPhaseError>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Slot {
-    /// The two body indices, the lower first; `VACANT` when no pair lives here.
+    /// The two body indices, the lower first; `VACANT` if the slot holds no pair.
     bodies: [u32; 2],
     generation: u32,
 }
@@ -77,10 +78,10 @@ impl Slot {
     }
 }
 
-/// Most pairs at once: slot numbers have 32 bits, and one more than a slot's number is kept.
+/// Largest number of pairs at once: slot numbers have 32 bits, and slot number plus one is stored.
 const MOST_PAIRS: usize = u32::MAX as usize;
 
-/// How many slots a table may have; less in tests.
+/// Largest number of slots of a table; less in tests.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Most(pub(super) usize);
 
@@ -90,9 +91,9 @@ impl Default for Most {
     }
 }
 
-/// Slots, and links from two bodies to their slot. Touched by events and look-ups only.
+/// Slots, and links from two bodies to their slot. Used by events and look-ups only.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct PairTable {
+pub(crate) struct PairSlots {
     slots: Vec<Slot>,
     free: Vec<u32>,
     /// Slots of pairs that ended in the last step; free from the next step on.
@@ -101,12 +102,12 @@ pub(crate) struct PairTable {
     live: usize,
     ended: Vec<Pair>,
     began: Vec<Pair>,
-    /// The first pair of the step that found no place, and how many did not.
+    /// The first pair of the step that found no slot, and the number of such pairs.
     refused: Option<(PairKey, usize)>,
     pub(super) most: Most,
 }
 
-impl PairTable {
+impl PairSlots {
     pub(crate) fn len(&self) -> usize {
         self.live
     }
@@ -124,7 +125,7 @@ impl PairTable {
         }
     }
 
-    /// Pairs in the order of their slots.
+    /// Iterates over the pairs in the order of their slots.
     pub(crate) fn iter<'a>(&'a self, bodies: &'a Bodies) -> impl Iterator<Item = Pair> + 'a {
         let occupied = self.slots.iter().enumerate().filter(|(_, slot)| slot.bodies != VACANT);
         occupied.map(|(i, slot)| named(bodies, slot.key(), i as u32, slot.generation))
@@ -138,15 +139,16 @@ impl PairTable {
         })
     }
 
-    /// The two body indices of a pair that has not ended.
+    /// Returns the two body indices of a pair that has not ended.
     pub(crate) fn members(&self, id: PairId) -> Option<(u32, u32)> {
         let slot = self.slots.get(id.slot as usize)?;
         let same = slot.generation == id.generation && slot.bodies != VACANT;
         same.then(|| pair_of(slot.key()))
     }
 
-    /// Takes over the sorted changes of a step, those that options and filter allow. Slots and filter are for one thread
-    /// after the other; they touch little. What has to be looked up or moved is dealt out to threads.
+    /// Applies the sorted changes of a step that options and filter allow. Slots and filter are
+    /// processed in sequence, since this work touches little memory; look-ups and moves are
+    /// distributed to threads.
     pub(crate) fn apply(
         &mut self,
         changes: &Changes,
@@ -175,7 +177,7 @@ impl PairTable {
         self.vacate();
     }
 
-    /// Gives slots to the proposed pairs that the filter lets pass; the others go.
+    /// Assigns slots to the proposed pairs that the filter accepts, and drops the refused pairs.
     fn admit(&mut self, filter: &mut dyn FnMut(BodyId, BodyId) -> bool) {
         let mut began = core::mem::take(&mut self.began);
         let mut read = 0;
@@ -196,7 +198,7 @@ impl PairTable {
         self.began = began;
     }
 
-    /// A slot for a pair that has none, if there is room.
+    /// Returns a slot for a pair without a slot, if there is room.
     fn occupy(&mut self, key: PairKey) -> Option<PairId> {
         let slot = match self.free.pop() {
             Some(slot) => slot,
@@ -222,7 +224,7 @@ impl PairTable {
         })
     }
 
-    /// Empties the slots of the pairs that ended and completes their names; pairs that never began go.
+    /// Empties the slots of the ended pairs and completes their ids; drops pairs that never began.
     fn vacate(&mut self) {
         let mut ended = core::mem::take(&mut self.ended);
         ended.retain(|pair| pair.id.slot != NOWHERE.id.slot);
@@ -238,7 +240,7 @@ impl PairTable {
         self.ended = ended;
     }
 
-    /// Empties a slot; the generation of the pair that lived there.
+    /// Empties a slot; returns the generation of the pair that used the slot.
     fn release(&mut self, slot: u32) -> u32 {
         let vacated = &mut self.slots[slot as usize];
         let generation = vacated.generation;
@@ -256,7 +258,7 @@ impl PairTable {
         self.began.sort_unstable_by_key(order);
     }
 
-    /// Ends the pair, if the table has it.
+    /// Ends the pair, if present in the table.
     pub(crate) fn end(&mut self, key: PairKey, bodies: &Bodies) {
         if let Some(slot) = self.links.remove(key, &self.slots) {
             let generation = self.release(slot);
@@ -264,7 +266,7 @@ impl PairTable {
         }
     }
 
-    /// Begins the pair, unless the table has it or is full.
+    /// Begins the pair, unless present already or the table is full.
     pub(crate) fn begin(&mut self, key: PairKey, bodies: &Bodies) {
         if self.links.find(key, &self.slots).is_some() {
             return;
@@ -275,7 +277,7 @@ impl PairTable {
         }
     }
 
-    /// Bytes reserved for pairs and events.
+    /// Returns the bytes reserved for pairs and events.
     pub(crate) fn bytes(&self) -> usize {
         self.slots.capacity() * size_of::<Slot>()
             + (self.free.capacity() + self.resting.capacity()) * 4
@@ -284,7 +286,7 @@ impl PairTable {
     }
 }
 
-/// No pair; its slot is none's.
+/// Placeholder for no pair; no pair has this slot.
 const NOWHERE: Pair = {
     let none = BodyId {
         index: u32::MAX,
@@ -306,7 +308,8 @@ fn named(bodies: &Bodies, key: PairKey, slot: u32, generation: u32) -> Pair {
     }
 }
 
-/// Names the bodies of the pairs that options let begin; `out` holds `NOWHERE` before.
+/// Writes the ids of the bodies of all pairs that options let begin; `out` must hold `NOWHERE`
+/// before.
 fn propose(keys: &[PairKey], out: &mut [Pair], bodies: &Bodies, threads: usize) {
     if threads > 1 {
         let half = keys.len() / 2;

@@ -1,10 +1,10 @@
 //! Feature `serde`: the table of pairs as text.
 
-use super::{Links, MOST_PAIRS, PairTable, Slot, VACANT};
+use super::{Links, MOST_PAIRS, PairSlots, Slot, VACANT};
 use crate::broad::change::{PairKey, pair_of};
 use alloc::vec::Vec;
 
-/// The slots; links are made anew.
+/// The serialized slots; links are rebuilt.
 #[derive(serde::Serialize, serde::Deserialize)]
 pub(crate) struct PairsState {
     slots: Vec<Slot>,
@@ -12,7 +12,7 @@ pub(crate) struct PairsState {
     resting: Vec<u32>,
 }
 
-impl PairTable {
+impl PairSlots {
     pub(crate) fn state(&self) -> PairsState {
         PairsState {
             slots: self.slots.clone(),
@@ -23,8 +23,9 @@ impl PairTable {
 }
 
 impl PairsState {
-    /// The table again, if every slot names bodies below `bodies` and every vacant slot is listed once.
-    pub(crate) fn restored(self, bodies: usize) -> Result<PairTable, alloc::string::String> {
+    /// Returns the restored table, if every slot names bodies below `bodies` and every vacant slot
+    /// is listed once.
+    pub(crate) fn restored(self, bodies: usize) -> Result<PairSlots, alloc::string::String> {
         let Self { slots, free, resting } = self;
         let mut vacant: Vec<u32> = free.iter().chain(&resting).copied().collect();
         vacant.sort_unstable();
@@ -46,13 +47,13 @@ impl PairsState {
         }
         let mut links = Links::default();
         pairs.iter().for_each(|(key, slot)| links.insert(*key, *slot));
-        Ok(PairTable {
+        Ok(PairSlots {
             live: pairs.len(),
             links,
             slots,
             free,
             resting,
-            ..PairTable::default()
+            ..PairSlots::default()
         })
     }
 }

@@ -7,9 +7,9 @@ use alloc::format;
 use alloc::string::String;
 
 impl PencilSweep {
-    /// The first contradiction between columns and bodies. Between steps only.
+    /// Returns the first contradiction between columns and bodies. Between steps only.
     pub(super) fn check_columns(&self) -> Result<(), String> {
-        let bodies = &self.ledger.bodies;
+        let bodies = &self.state.bodies;
         if self.columns.len() != bodies.grid.column_count() {
             return Err(format!("{} columns for {:?}", self.columns.len(), bodies.grid.size));
         }
@@ -18,7 +18,8 @@ impl PencilSweep {
                 .check(bodies.grid.column(i), bodies)
                 .map_err(|what| format!("column {i}: {what}"))?;
         }
-        // Each entry is of a body that belongs there and none is there twice, so as many as should be are all of them.
+        // Each entry belongs to a body of this column and no body is listed twice, so an equal
+        // count means that no entry is missing.
         let listed: usize = self.columns.iter().map(|c| c.entries.len()).sum();
         let places = bodies
             .records

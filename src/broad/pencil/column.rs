@@ -1,19 +1,21 @@
-//! One column: its bodies in the order of their lower bound on the swept axis.
+//! A column: its bodies in the order of their lower bound on the swept axis.
 
 use crate::broad::aabb::{max, order_key};
-use crate::broad::ahead::read_ahead;
 use crate::broad::body::{Bodies, JUMPS, MIGRATES, Record, UNBOUNDED};
+use crate::broad::prefetch::read_ahead;
 use alloc::vec::Vec;
 
-/// Marks an entry that stands for the new box only: the body came into the column this step. The lowest bit, below the index,
-/// so that entries stay in order when it is cleared: no two of them differ in it alone once those of old boxes are gone.
+/// Marks an entry that stands for the new box only: the body came into the column this step. The
+/// lowest bit, below the index, so that entries stay in order when the bit is cleared: no two
+/// entries differ in this bit alone once the entries of old boxes are gone.
 pub(super) const ARRIVING: u32 = 1;
 
-/// Which of its two boxes an entry stands for in its column this step.
+/// The box or boxes of a body that an entry stands for in its column this step.
 ///
-/// A body that stays in a column has one entry for both. One that leaves keeps an entry for its old box until the
-/// column is done, so that the ends of its pairs are seen; one that comes gets an entry for its new box. A body that
-/// jumps has both, as two entries, so that the way between costs nothing.
+/// A body that stays in a column has one entry for both boxes. A body that leaves keeps an entry
+/// for the old box until the column is done, so that the ends of its pairs are seen; a body that
+/// comes gets an entry for the new box. A body that jumps has two entries, so that the way between
+/// costs nothing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Part {
     Both,
@@ -22,13 +24,13 @@ pub(super) enum Part {
 }
 
 impl Part {
-    /// Whether it stands for the new box, or for the old one.
+    /// Whether the entry stands for the new box, or for the old box.
     #[inline(always)]
     pub(super) fn has(self, new: bool) -> bool {
         self != if new { Self::Old } else { Self::New }
     }
 
-    /// The part of the entry of `who` in the column.
+    /// Returns the part that the entry of `who` has in the column.
     #[inline(always)]
     pub(super) fn of(who: u32, record: &Record, column: [u16; 2]) -> Self {
         if who & ARRIVING != 0 {
@@ -43,10 +45,11 @@ impl Part {
     }
 }
 
-/// An entry: the sort key of the lower bound in the upper half, in the lower one who it is. Ties fall by index.
+/// An entry: the sort key of the lower bound in the upper half, index and flag in the lower half.
+/// Ties are broken by index.
 pub(super) type Entry = u64;
 
-/// The lower half of an entry: index of a body, and `ARRIVING` or 0.
+/// Returns the lower half of an entry: index of a body, and `ARRIVING` or 0.
 #[inline(always)]
 pub(super) fn who(index: u32, arriving: u32) -> u32 {
     index << 1 | arriving
@@ -62,18 +65,19 @@ pub(super) fn index_of(entry: Entry) -> usize {
     (entry as u32 >> 1) as usize
 }
 
-/// Between steps: sorted, one entry a body, no flags, keys of the bodies' last boxes.
+/// The entries of a column. Between steps: sorted, one entry a body, no flags, keys of the bodies'
+/// last boxes.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Column {
     pub(super) entries: Vec<Entry>,
-    /// Entries before this place were in order after the last step; those behind it arrived since.
+    /// Entries before this index were in order after the last step; the rest arrived since.
     pub(super) settled: usize,
-    /// No box of the column is longer on the swept axis.
+    /// Upper bound of the lengths of the boxes of the column on the swept axis.
     pub(super) longest: f32,
 }
 
 impl Column {
-    /// The only column of a grid that has but one, as the last step left it.
+    /// Returns the only column of a grid with a single column, as the last step left the column.
     pub(super) fn of_all(bodies: &Bodies) -> Self {
         let listed = |r: &Record| r.flags() & UNBOUNDED == 0 && r.present_before(bodies.step);
         let mut out = Self::default();
@@ -87,13 +91,14 @@ impl Column {
         out
     }
 
-    /// Lists the new box of a body, out of order: [`reorder`](Self::reorder) puts it in its place.
+    /// Appends the new box of a body, out of order: [`reorder`](Self::reorder) sorts the entry.
     pub(super) fn arrive(&mut self, index: u32) {
         self.entries.push(u64::from(who(index, ARRIVING)));
     }
 
-    /// Gives every entry the key of its box of this step and restores the order: insertion sort for those that stayed,
-    /// which are nearly in order, then one merge with those that came. Returns how many places entries moved by.
+    /// Gives every entry the key of its box of this step and restores the order: insertion sort for
+    /// the entries that stayed, which are nearly in order, then one merge with the entries that
+    /// came. Returns by how many positions entries moved.
     pub(super) fn reorder(&mut self, column: [u16; 2], records: &[Record], step: u32) -> u64 {
         read_ahead(
             records.len(),
@@ -119,7 +124,7 @@ impl Column {
         swaps
     }
 
-    /// After the step: entries of old boxes go, those of new boxes become ordinary.
+    /// Cleans up after the step: removes entries of old boxes and clears the flags of new entries.
     pub(super) fn settle(&mut self, column: [u16; 2], records: &[Record]) {
         self.entries.retain_mut(|e| {
             let part = Part::of(*e as u32, &records[index_of(*e)], column);
@@ -130,8 +135,9 @@ impl Column {
     }
 }
 
-/// Insertion sort of `items` by `key(item)`, which also replaces them. Linear when nearly in order; when it turns out
-/// that they are not, the rest is left to the library's sort. Returns how many places items moved by before that.
+/// Sorts `items` by `key(item)`, which also replaces each item, by insertion. Linear if nearly in
+/// order; if not, the rest is left to the library's sort. Returns by how many positions items moved
+/// before.
 fn insertion_sort(items: &mut [Entry], key: impl Fn(Entry) -> Entry) -> u64 {
     let most = 8 * items.len() + 64;
     let mut budget = most;

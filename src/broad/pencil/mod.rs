@@ -1,4 +1,5 @@
-//! Sweep and prune over pencils: the world cut into columns along the swept axis, each a sorted list of its own.
+//! Sweep and prune over pencils: the world is cut into columns along the swept axis, each with a
+//! sorted list.
 
 mod check;
 mod column;
@@ -11,8 +12,8 @@ use super::body::{Bodies, JUMPS, Record, UNBOUNDED};
 use super::bounds::Bounds;
 use super::change::note_unbounded;
 use super::grid::Grid;
-use super::ledger::{HasLedger, Ledger};
 use super::parallel::{Threads, join};
+use super::state::{BroadPhaseState, HasState};
 use super::{Aabb, BatchError, BodyId, BroadPhase, Events, Settings, StoredBox};
 use alloc::string::String;
 use alloc::vec::Vec;
@@ -22,11 +23,11 @@ use repair::Touch;
 use scan::Worker;
 use tune::{Counts, Tuning};
 
-/// Sweep and prune over pencils, the broad phase to use: the world cut into columns along the swept axis, each a sorted list of
-/// its own.
+/// Sweep and prune over pencils, the recommended broad phase: the world is cut into columns along
+/// the swept axis, each with a sorted list.
 ///
 /// ```text
-///    v ^   +------+------+------+        a column (pencil) seen end on; the swept axis points at you
+///    v ^   +------+------+------+        a column (pencil) seen end on, along the swept axis
 ///      |   |    +-|--+   |      |        a box is listed in every column it touches
 ///      |   |    | |  |   |      |        a pair belongs to the column that holds the lower corner
 ///      |   +----|-+--|---+------+        of its intersection, so that it is found exactly once
@@ -34,60 +35,63 @@ use tune::{Counts, Tuning};
 ///      |   +------+------+------+--> u
 /// ```
 ///
-/// Baraff 1992 (thesis, section 2.3), Lin 1993 (thesis, section 2.4) and Cohen, Lin, Manocha, Ponamgi 1995 (I-COLLIDE,
-/// section 4) keep boxes sorted by insertion sort along axes, which is cheap since little changes between steps. That
-/// is kept. We depart as follows.
+/// Baraff 1992 (thesis, section 2.3), Lin 1993 (thesis, section 2.4) and Cohen, Lin, Manocha,
+/// Ponamgi 1995 (I-COLLIDE, section 4) keep boxes sorted by insertion sort along axes, which is
+/// cheap since little changes between steps. We keep the insertion sort. We depart as follows.
 ///
-/// 1. One axis is swept, not three, and inside columns (Tracy, Buss, Woods 2009 subdivide likewise). At constant
-///    density the exchanges of a whole sorted axis grow as n^(5/3) over all bodies, and bodies on a flat floor exchange
-///    places on the vertical axis all the time; within a column both stay constant a body.
+/// 1. One axis is swept, not three, and inside columns (Tracy, Buss, Woods 2009 subdivide
+///    likewise). At constant density the exchanges of a whole sorted axis grow as n^(5/3) over all
+///    bodies, and bodies on a flat floor exchange places on the vertical axis all the time; within
+///    a column both stay constant a body.
 /// 2. Sorted are lower bounds only. The upper bound ends a body's window (Terdiman's box pruning).
-/// 3. The window is tested for changes of overlap, not for overlap (`scan`), eight entries at once. No flags a pair, no
-///    set of found pairs: storage grows with bodies and overlapping pairs only.
-/// 4. When few boxes changed, only their entries and windows are looked at (`repair`), column by column; a column is
-///    swept whole or repaired as is cheaper, with the same result.
-/// 5. Column width follows from what the last sweep counted (`tune`).
+/// 3. The window is tested for changes of overlap, not for overlap (`scan`), eight entries at once.
+///    No flags a pair, no set of found pairs: storage grows with bodies and overlapping pairs only.
+/// 4. If few boxes changed, only their entries and windows are scanned (`repair`), column by
+///    column; a column is swept whole or repaired, whichever is cheaper, with equal results.
+/// 5. Column width follows from the counts of the last sweep (`tune`).
 ///
-/// Cost of a step: proportional to the entries when most boxes move, else to the boxes moved and their windows. Worst
-/// case n^2 when all boxes really overlap on all but the pruned axes, as in a stack of wide thin plates swept the wrong way.
+/// Cost of a step: proportional to the entries if most boxes move, else to the boxes moved and
+/// their windows. Worst case n^2 if all boxes really overlap on all but the pruned axes, as in a
+/// stack of wide thin plates swept the wrong way.
 #[doc(alias = "sweep and prune")]
 #[derive(Clone, Debug)]
 pub struct PencilSweep {
-    pub(super) ledger: Ledger,
+    pub(super) state: BroadPhaseState,
     columns: Vec<Column>,
     workers: Vec<Worker>,
     touched: Vec<Touch>,
     tuning: Tuning,
     /// Entries of all columns after the last full sweep.
     entries: usize,
-    /// Places that entries moved by in the last step.
+    /// Positions that entries moved by in the last step.
     swaps: u64,
     /// Entries inside the windows of the last step.
     scanned: u64,
     pub(super) parallel_from: usize,
 }
 
-/// A full sweep is done when this many times the moved bodies exceed all bodies; measured crossover near 9 %.
+/// A full sweep is done if this many times the moved bodies exceed all bodies; measured crossover
+/// near 9 %.
 const SWEEP_SHARE: usize = 10;
 
 impl PencilSweep {
-    /// An empty broad phase about the origin.
+    /// Returns an empty broad phase about the origin.
     #[must_use]
     pub fn new() -> Self {
         Self::with_settings(Settings::default())
     }
 
-    /// An empty broad phase with settings of its own.
+    /// Returns an empty broad phase with the given settings.
     #[must_use]
     pub fn with_settings(settings: Settings) -> Self {
-        Self::from_ledger(Ledger::new(settings.origin), settings.parallel_from)
+        Self::from_state(BroadPhaseState::new(settings.origin), settings.parallel_from)
     }
 
-    /// Bodies and pairs as they are, all in one column until the first step.
-    pub(super) fn from_ledger(ledger: Ledger, parallel_from: usize) -> Self {
-        let first = Column::of_all(&ledger.bodies);
+    /// Returns a structure with these bodies and pairs, all in one column until the first step.
+    pub(super) fn from_state(state: BroadPhaseState, parallel_from: usize) -> Self {
+        let first = Column::of_all(&state.bodies);
         Self {
-            ledger,
+            state,
             columns: Vec::from([first]),
             workers: Vec::from([Worker::default()]),
             touched: Vec::new(),
@@ -99,27 +103,29 @@ impl PencilSweep {
         }
     }
 
-    /// How many places entries of the sorted lists moved by in the last step: the exchanges of the insertion sort.
+    /// Returns by how many positions entries of the sorted lists moved in the last step: the
+    /// exchanges of the insertion sort.
     #[must_use]
     pub fn swaps(&self) -> u64 {
         self.swaps
     }
 
-    /// How many entries lay inside the windows of the last step, which were compared with the entry whose window it was.
+    /// Returns how many entries lay inside the windows of the last step, and were compared with the
+    /// entry of the window.
     #[must_use]
     pub fn scanned(&self) -> u64 {
         self.scanned
     }
 
     fn threads(&self) -> Threads {
-        if self.ledger.bodies.len() >= self.parallel_from {
+        if self.state.bodies.len() >= self.parallel_from {
             Threads::from(self.parallel_from)
         } else {
             Threads::ONE
         }
     }
 
-    /// Workers to share work on so many things.
+    /// Returns the number of workers to share work on so many things.
     fn engage(&mut self, things: usize) -> usize {
         let threads = self.threads().sharing(things);
         self.workers
@@ -127,10 +133,10 @@ impl PencilSweep {
         threads
     }
 
-    /// Cuts new columns and lists every body in them as this step needs it.
+    /// Cuts new columns and lists every body in the columns as this step needs.
     fn rebuild(&mut self, grid: Grid) {
-        self.ledger.bodies.set_grid(grid);
-        self.ledger.bodies.classify();
+        self.state.bodies.set_grid(grid);
+        self.state.bodies.classify();
         self.columns.iter_mut().for_each(|c| {
             *c = Column {
                 entries: core::mem::take(&mut c.entries),
@@ -139,8 +145,8 @@ impl PencilSweep {
         });
         self.columns.iter_mut().for_each(|c| c.entries.clear());
         self.columns
-            .resize_with(self.ledger.bodies.grid.column_count(), Column::default);
-        let bodies = &self.ledger.bodies;
+            .resize_with(self.state.bodies.grid.column_count(), Column::default);
+        let bodies = &self.state.bodies;
         for (i, record) in bodies.records.iter().enumerate() {
             if record.flags() & UNBOUNDED != 0 {
                 continue;
@@ -155,9 +161,9 @@ impl PencilSweep {
         self.list_arrivals();
     }
 
-    /// Lists noted bodies in the columns they come into.
+    /// Lists noted bodies in their new columns.
     fn list_arrivals(&mut self) {
-        let bodies = &self.ledger.bodies;
+        let bodies = &self.state.bodies;
         for &index in &bodies.marks.noted {
             let record = &bodies.records[index as usize];
             let old = record.range_before(bodies.step, &bodies.grid);
@@ -168,11 +174,11 @@ impl PencilSweep {
         }
     }
 
-    /// Entries of all columns if the noted bodies were listed where they come into.
+    /// Returns the entries of all columns if the noted bodies were listed in their new columns.
     fn entries_to_be(&self) -> usize {
-        let records = &self.ledger.bodies.records;
+        let records = &self.state.bodies.records;
         let coming: usize = self
-            .ledger
+            .state
             .bodies
             .marks
             .noted
@@ -188,28 +194,28 @@ impl PencilSweep {
         let threads = self.engage(total);
         let counting = self.tuning.wants_counts();
         self.workers.iter_mut().for_each(|w| w.counting = counting);
-        let bodies = &self.ledger.bodies;
+        let bodies = &self.state.bodies;
         sweep_columns(&mut self.workers[..threads], &mut self.columns, 0, total, bodies);
         let mut counts = Counts::default();
         for worker in &mut self.workers {
             counts.add(core::mem::take(&mut worker.counts));
         }
         self.collect();
-        self.tuning.observe(&self.ledger.bodies, counts);
+        self.tuning.observe(&self.state.bodies, counts);
     }
 
     fn repair_touched(&mut self) {
-        repair::list_touched(&self.ledger.bodies, &mut self.touched);
+        repair::list_touched(&self.state.bodies, &mut self.touched);
         let threads = self.engage(self.touched.len());
         self.workers.iter_mut().for_each(|w| w.counting = false);
         let workers = &mut self.workers[..threads];
-        repair_columns(workers, &mut self.columns, 0, &self.touched, &self.ledger.bodies);
+        repair_columns(workers, &mut self.columns, 0, &self.touched, &self.state.bodies);
         self.collect();
     }
 
     fn collect(&mut self) {
         for worker in &mut self.workers {
-            self.ledger.changes.append(&mut worker.changes);
+            self.state.changes.append(&mut worker.changes);
             self.swaps += core::mem::take(&mut worker.swaps);
             self.scanned += core::mem::take(&mut worker.scanned);
         }
@@ -217,24 +223,25 @@ impl PencilSweep {
 
     fn find_changes(&mut self) {
         (self.swaps, self.scanned) = (0, 0);
-        self.ledger.changes.clear();
-        self.ledger.bodies.classify();
+        self.state.changes.clear();
+        self.state.bodies.classify();
         let entries = self.entries_to_be();
-        if let Some(grid) = self.tuning.due(&self.ledger.bodies, entries) {
+        if let Some(grid) = self.tuning.due(&self.state.bodies, entries) {
             self.rebuild(grid);
             self.sweep_all();
-        } else if self.ledger.bodies.marks.moved.len() * SWEEP_SHARE > self.ledger.bodies.len() {
+        } else if self.state.bodies.marks.moved.len() * SWEEP_SHARE > self.state.bodies.len() {
             self.list_arrivals();
             self.sweep_all();
         } else {
             self.repair_touched();
         }
-        note_unbounded(&self.ledger.bodies, &mut self.ledger.changes);
+        note_unbounded(&self.state.bodies, &mut self.state.changes);
     }
 }
 
-/// Sweeps columns with as many threads as there are workers. Each worker takes a run of columns of about equal work;
-/// the changes are sorted afterwards, so who did what leaves no trace.
+/// Sweeps columns with as many threads as there are workers. Each worker takes a run of columns of
+/// about equal work; the changes are sorted afterwards, so the distribution of work leaves no
+/// trace.
 fn sweep_columns(workers: &mut [Worker], columns: &mut [Column], first: usize, total: usize, bodies: &Bodies) {
     if workers.len() > 1 && columns.len() > 1 {
         let (low, high) = workers.split_at_mut(workers.len() / 2);
@@ -261,7 +268,8 @@ fn sweep_columns(workers: &mut [Worker], columns: &mut [Column], first: usize, t
     worker.changes.sort();
 }
 
-/// Repairs the touched columns, of which the first given has number `first`, shared out as in a sweep.
+/// Repairs the touched columns, of which the first given has number `first`, distributed to workers
+/// as in a sweep.
 fn repair_columns(workers: &mut [Worker], columns: &mut [Column], first: usize, touched: &[Touch], bodies: &Bodies) {
     if workers.len() > 1
         && let Some((middle, _)) = touched.get(touched.len() / 2)
@@ -291,17 +299,17 @@ impl Default for PencilSweep {
     }
 }
 
-impl HasLedger for PencilSweep {
-    fn ledger(&self) -> &Ledger {
-        &self.ledger
+impl HasState for PencilSweep {
+    fn state(&self) -> &BroadPhaseState {
+        &self.state
     }
 
-    fn ledger_mut(&mut self) -> &mut Ledger {
-        &mut self.ledger
+    fn state_mut(&mut self) -> &mut BroadPhaseState {
+        &mut self.state
     }
 
     fn overlapping_stored(&self, asked: &StoredBox, found: &mut Vec<BodyId>) {
-        let bodies = &self.ledger.bodies;
+        let bodies = &self.state.bodies;
         let first = found.len();
         query::overlapping(
             bodies,
@@ -317,7 +325,7 @@ impl HasLedger for PencilSweep {
 impl BroadPhase for PencilSweep {
     fn set_boxes(&mut self, batch: &[(BodyId, Aabb)]) -> Result<(), BatchError> {
         let threads = self.threads();
-        self.ledger.bodies.set_boxes(batch, threads)
+        self.state.bodies.set_boxes(batch, threads)
     }
 
     fn step_with(&mut self, filter: &mut dyn FnMut(BodyId, BodyId) -> bool) -> Events<'_> {
@@ -337,12 +345,12 @@ impl BroadPhase for PencilSweep {
                 query::overlapping(bodies, columns, &record.now(), Record::now, |i| found.push(i));
             }
         };
-        self.ledger.take_over(filter, partners, threads);
-        self.ledger.pairs.events(&self.ledger.bodies)
+        self.state.take_over(filter, partners, threads);
+        self.state.pairs.events(&self.state.bodies)
     }
 
     fn check(&self) -> Result<(), String> {
-        self.ledger.check()?;
+        self.state.check()?;
         self.check_columns()
     }
 
@@ -350,6 +358,6 @@ impl BroadPhase for PencilSweep {
         let columns: usize = self.columns.iter().map(|c| c.entries.capacity() * 8).sum();
         let scratch: usize = self.workers.iter().map(Worker::bytes).sum();
         let touched = self.touched.capacity() * size_of::<Touch>();
-        self.ledger.bytes() + self.columns.capacity() * size_of::<Column>() + columns + scratch + touched
+        self.state.bytes() + self.columns.capacity() * size_of::<Column>() + columns + scratch + touched
     }
 }

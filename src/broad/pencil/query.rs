@@ -1,4 +1,4 @@
-//! Questions about the boxes of the last step.
+//! Queries about the boxes of the last step.
 
 use super::PencilSweep;
 use super::column::{Column, index_of};
@@ -7,7 +7,8 @@ use crate::broad::body::{Bodies, Record};
 use crate::broad::bounds::Bounds;
 use crate::tolerance::COLUMN_SEARCH;
 
-/// Visits every body once whose box overlaps `asked`; `place` picks the box of a record the columns are sorted by.
+/// Visits every body once whose box overlaps `asked`; `place` returns the box of a record by which
+/// the columns are sorted.
 pub(super) fn overlapping(
     bodies: &Bodies,
     columns: &[Column],
@@ -42,10 +43,10 @@ pub(super) fn overlapping(
 }
 
 impl PencilSweep {
-    /// The columns as pictures and statistics want them: for each column that holds a body its lower corner and upper
-    /// corner on the two axes that are not swept, and how many bodies it lists.
+    /// Iterates over the columns that hold a body, for pictures and statistics: lower corner and
+    /// upper corner on the two axes that are not swept, and the number of listed bodies.
     pub fn pencils(&self) -> impl Iterator<Item = Pencil> + '_ {
-        let grid = &self.ledger.bodies.grid;
+        let grid = &self.state.bodies.grid;
         let held = self
             .columns
             .iter()
@@ -64,16 +65,17 @@ impl PencilSweep {
     }
 }
 
-/// A column of [`PencilSweep`]. Columns at the border of the grid also hold whatever lies beyond it.
+/// A column of [`PencilSweep`]. Columns at the border of the grid also hold all bodies beyond the
+/// border.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Pencil {
-    /// The axis it runs along: 0, 1, 2 for x, y, z. The two others follow in cyclic order.
+    /// The axis of the column: 0, 1, 2 for x, y, z. The two remaining axes follow in cyclic order.
     pub swept_axis: usize,
-    /// Lower corner on the two other axes, relative to the origin of the structure.
+    /// Lower corner on the two remaining axes, relative to the origin of the structure.
     pub lo: [f32; 2],
-    /// Upper corner on them.
+    /// Upper corner on the two remaining axes.
     pub hi: [f32; 2],
-    /// How many bodies it lists.
+    /// Number of bodies listed.
     pub listed: usize,
 }

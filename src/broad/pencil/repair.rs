@@ -1,4 +1,4 @@
-//! Local repair: when few boxes changed, only their entries move and only their windows are looked at.
+//! Local repair: if few boxes changed, only their entries move and only their windows are scanned.
 
 use super::column::{ARRIVING, Column, Part, entry, index_of, who};
 use super::scan::{Worker, decide};
@@ -9,13 +9,15 @@ use crate::broad::change::overlap;
 use crate::tolerance::{COLUMN_REACH, COLUMN_SEARCH};
 use alloc::vec::Vec;
 
-/// A column is swept whole when this many times its changed entries exceed its entries.
+/// A column is swept whole if this many times its changed entries exceed its entries.
 const SWEEP_SHARE: usize = 6;
 
-/// A column is swept whole when more bodies come into it, leave it or jump: each moves the entries behind it.
+/// A column is swept whole if more bodies than this come into the column, leave the column or jump:
+/// each shifts the entries behind.
 const MOST_PARTED: usize = 32;
 
-/// A column is swept whole after all when the windows of its changed entries hold this many times its entries.
+/// A column is swept whole after all if the windows of its changed entries hold this many times its
+/// entries.
 const MOST_SCANNED: u64 = 4;
 
 /// A column number and the index of a body whose old or new box touches it.
@@ -38,7 +40,7 @@ pub(super) fn list_touched(bodies: &Bodies, touched: &mut Vec<Touch>) {
 }
 
 impl Worker {
-    /// Brings one column up to date of which the listed bodies changed.
+    /// Updates a column in which only the listed bodies changed.
     pub(super) fn repair(&mut self, column: &mut Column, touched: &[Touch], bodies: &Bodies) {
         let Some(&(index, _)) = touched.first() else { return };
         let cell = bodies.grid.column(index as usize);
@@ -67,7 +69,8 @@ impl Worker {
         }
     }
 
-    /// What [`Column::settle`] does, for the few entries of one box. Of a body that has two, the old one is listed last.
+    /// Cleans up as [`Column::settle`] does, for the few entries of one box. For a body with two
+    /// entries, the old entry is listed last.
     fn settle_active(&self, column: &mut Column, cell: [u16; 2], bodies: &Bodies) {
         for &e in self.active.iter().rev() {
             let part = Part::of(e as u32, &bodies.records[index_of(e)], cell);
@@ -87,7 +90,8 @@ impl Worker {
         column.settled = column.entries.len();
     }
 
-    /// Puts the entries of the touched bodies in their places and lists them in `active`.
+    /// Moves the entries of the touched bodies to their new positions and lists the entries in
+    /// `active`.
     fn move_entries(&mut self, column: &mut Column, touched: &[Touch], cell: [u16; 2], bodies: &Bodies) {
         self.active.clear();
         self.reach = 0.0;
@@ -118,8 +122,9 @@ impl Worker {
         }
     }
 
-    /// Notes the changes of one entry with all entries that may meet it. Every body that moved is looked at in this way, so two
-    /// such entries meet twice; the one with the lower index speaks.
+    /// Notes the changes of one entry with all entries that may meet its boxes. Every moved body is
+    /// scanned in this way, so two such entries meet twice; only the entry with the lower index
+    /// reports.
     fn scan_one(&mut self, column: &Column, active: u64, cell: [u16; 2], bodies: &Bodies) {
         let who = active as u32;
         let record = &bodies.records[index_of(active)];
@@ -156,7 +161,8 @@ impl Worker {
     }
 }
 
-/// Whether the body has an entry in the column from the last step, and whether it needs a new one.
+/// Returns whether the body has an entry in the column from the last step, and whether the body
+/// needs a new entry.
 fn roles(record: &Record, cell: [u16; 2], bodies: &Bodies) -> (bool, bool) {
     let flags = record.flags();
     let in_new = record.range().contains(cell);
@@ -165,7 +171,7 @@ fn roles(record: &Record, cell: [u16; 2], bodies: &Bodies) -> (bool, bool) {
     (stays, in_new && (flags & JUMPS != 0 || !stays))
 }
 
-/// What an entry stands for: the cover of old and new box, or one of them.
+/// Returns the box an entry stands for: the cover of old and new box, or one of the two.
 fn box_of(who: u32, record: &Record, cell: [u16; 2], step: u32) -> Bounds {
     match Part::of(who, record, cell) {
         Part::Both => record.before(step).united(&record.now()),
@@ -174,13 +180,13 @@ fn box_of(who: u32, record: &Record, cell: [u16; 2], step: u32) -> Bounds {
     }
 }
 
-/// Length on the swept axis.
+/// Returns the length on the swept axis.
 fn length(bounds: &Bounds) -> f32 {
     let stored = bounds.to_box();
     stored.hi[0] - stored.lo[0]
 }
 
-/// Replaces an entry by another and keeps the order. Returns how many places it moved by.
+/// Replaces an entry by another and keeps the order. Returns by how many positions the entry moved.
 fn shift(entries: &mut [u64], from: u64, to: u64) -> u64 {
     let Ok(place) = entries.binary_search(&from) else {
         debug_assert!(false, "a column lost the entry {from:#x}");

@@ -1,14 +1,23 @@
-//! The full sweep of one column: a window slides along the sorted entries, eight at a time.
+//! The full sweep of a column: a window slides along the sorted entries, eight at a time.
 //!
-//! What is looked for is not overlap but *change* of overlap, and that is seen from the new boxes alone. Let the separation
-//! of two boxes be the largest, over both sides of all axes, of one's lower bound less the other's upper: not positive
-//! exactly where they overlap. Where no face of box i moved farther than `d_i`, the separation changed by no more than
-//! `d_i + d_j`, so only pairs whose separation is as near to zero as that may have changed: few, however many overlap.
-//! Unchanged pairs cost a few lanes of arithmetic and no memory.
+//! The sweep looks not for overlap but for *change* of overlap, which is seen from the new boxes
+//! alone. Let the separation of two boxes be the largest, over both sides of all axes, of the lower
+//! bound of one box less the upper bound of the other: not positive exactly if the boxes overlap.
+//! If no face of box i moved farther than `d_i`, the separation changed by no more than `d_i +
+//! d_j`, so only pairs whose separation is this near to zero may have changed: few, however many
+//! overlap. Unchanged pairs cost a few SIMD lanes of arithmetic and no memory.
 //!
-//! Entries are sorted by the lower bound of the new box, and an entry is compared with those that start before its own end
-//! and the farthest move. Bodies that come, leave or jump have entries of one box. For these, overlap itself is a change, so
-//! whatever is no farther apart than the other has moved is looked at; a column without any is spared the difference.
+//! ```text
+//!    box i   [-----------]                    start_i, end_i on the swept axis
+//!    box j            [-------]               start_j <= end_i + farthest move: compared
+//!    box k                        [-----]     start_k  > end_i + farthest move: the window ends
+//! ```
+//!
+//! Entries are sorted by the lower bound of the new box, and an entry is compared with the entries
+//! that start before its own end and the farthest move. Bodies that come, leave or jump have
+//! entries of one box. For such an entry, overlap itself is a change, so every box no farther apart
+//! than the other box has moved is compared; a column without such entries is spared the
+//! difference.
 
 use super::column::{ARRIVING, Column, Entry, Part, index_of};
 use super::tune::Counts;
@@ -19,31 +28,33 @@ use crate::tolerance::{COLUMN_MOVE, COLUMN_SUM};
 use alloc::vec::Vec;
 use wide::f32x4;
 
-/// Entries copied at once.
+/// Number of entries copied at once.
 const FOUR: usize = 4;
 
-/// Entries compared at once.
+/// Number of entries compared at once: SIMD lanes.
 const LANES: usize = 8;
 
-/// The new boxes of one column, by axis, and moves. Padded by entries that are apart from all others.
+/// The new boxes of a column, by axis, and their moves (structure of arrays). Padded by entries
+/// that are apart from all boxes.
 #[derive(Clone, Debug, Default)]
-struct Lanes {
-    /// Lower bounds on the swept axis: what the column is sorted by.
+struct BoxColumns {
+    /// Lower bounds on the swept axis: the sort order of the column.
     start: Vec<f32>,
     end: Vec<f32>,
     lo_u: Vec<f32>,
     hi_u: Vec<f32>,
     lo_v: Vec<f32>,
     hi_v: Vec<f32>,
-    /// The farthest that any face of the box moved in this step, rounded up; 0 for an entry of one box; NaN, to which nothing
-    /// compares, in the padding.
+    /// The farthest move of any face of the box in this step, rounded up; 0 for an entry of one
+    /// box; NaN, for which every comparison is false, in the padding.
     moved: Vec<f32>,
-    /// How deep an overlap may be that has changed: as `moved`, without limit for an entry of one box. Only where there are any.
+    /// Largest depth of an overlap that may have changed: equal to `moved`, but without limit for
+    /// an entry of one box. Filled only if there are such entries.
     depth: Vec<f32>,
 }
 
-impl Lanes {
-    /// Room for `n` entries and the padding; what it holds is to be overwritten.
+impl BoxColumns {
+    /// Makes room for `n` entries and the padding; the content must be overwritten.
     fn make_room(&mut self, n: usize) {
         let Self {
             start,
@@ -60,7 +71,7 @@ impl Lanes {
         }
     }
 
-    /// The only box of an entry.
+    /// Writes the only box of an entry.
     fn put_alone(&mut self, k: usize, only: &StoredBox) {
         (
             [self.start[k], self.lo_u[k], self.lo_v[k]],
@@ -69,20 +80,20 @@ impl Lanes {
         self.moved[k] = 0.0;
     }
 
-    /// Depths of a column in which the entries at these places have one box.
+    /// Fills the depths of a column in which the entries at the indices `alone` have one box.
     fn deepen(&mut self, alone: &[u32]) {
         self.depth.copy_from_slice(&self.moved);
         alone.iter().for_each(|k| self.depth[*k as usize] = f32::INFINITY);
     }
 
-    /// Ends the entries.
+    /// Writes the padding after the entries.
     fn pad(&mut self, n: usize) {
         self.start[n..].fill(f32::INFINITY);
         self.moved[n..].fill(f32::NAN);
     }
 
-    /// Copies four boxes to the lanes from `k` on. Returns how far their faces moved, and the lengths on the swept axis of what
-    /// covers the old and the new ones, or a little more.
+    /// Copies four boxes to the indices from `k` on. Returns the moves of their faces, and the
+    /// lengths on the swept axis of the covers of old and new boxes, or a little more.
     #[inline(always)]
     fn copy(&mut self, k: usize, records: &[&Record; FOUR], step: u32) -> (f32x4, f32x4) {
         let by = records.map(|record| record.before(step).displacement(&record.now()));
@@ -90,7 +101,7 @@ impl Lanes {
         let [end, hi_u, hi_v, _] = f32x4::transpose(records.map(|record| record.now().hi));
         let [by_x, by_u, by_v, _] = f32x4::transpose(by);
         let moved = by_x.fast_max(by_u).fast_max(by_v) * f32x4::splat(COLUMN_MOVE);
-        let put = |lanes: &mut Vec<f32>, four: f32x4| lanes[k..k + FOUR].copy_from_slice(&four.to_array());
+        let put = |boxes: &mut Vec<f32>, four: f32x4| boxes[k..k + FOUR].copy_from_slice(&four.to_array());
         put(&mut self.start, start);
         put(&mut self.end, end);
         put(&mut self.lo_u, lo_u);
@@ -102,31 +113,31 @@ impl Lanes {
     }
 }
 
-/// What one thread needs to sweep columns, and what it found.
+/// Scratch memory and results of one thread that sweeps columns.
 #[derive(Clone, Debug, Default)]
 #[repr(align(128))] // as `Marks` are
 pub(super) struct Worker {
-    lanes: Lanes,
-    /// What the sweep hit and did not yet look at.
+    boxes: BoxColumns,
+    /// Hits of the sweep that are not yet tested.
     pending: Vec<Hits>,
     pub(super) changes: Changes,
-    /// Places of entries that have one box.
+    /// Indices of entries with one box.
     alone: Vec<u32>,
-    /// Entries to look at one by one, in a repair.
+    /// Entries to scan one by one, in a repair.
     pub(super) active: Vec<u64>,
-    /// How far the start of an entry may lie behind its lower bound.
+    /// Upper bound of how far the start of an entry lies behind its lower bound.
     pub(super) reach: f32,
-    /// Entries inside all windows.
+    /// Number of entries inside all windows.
     pub(super) scanned: u64,
-    /// What tuning goes by, if `counting`.
+    /// Whether to count for tuning.
     pub(super) counting: bool,
     pub(super) counts: Counts,
-    /// Places that entries moved by to stay sorted.
+    /// Positions that entries moved by to stay sorted.
     pub(super) swaps: u64,
 }
 
 impl Worker {
-    /// Brings the column up to date and notes the changes it owns.
+    /// Updates a column and notes the changes that the column owns.
     pub(super) fn sweep(&mut self, index: usize, column: &mut Column, bodies: &Bodies) {
         let cell = bodies.grid.column(index);
         self.swaps += column.reorder(cell, &bodies.records, bodies.step);
@@ -135,7 +146,7 @@ impl Worker {
             if self.alone.is_empty() {
                 self.scan::<false>(column, cell, bodies);
             } else {
-                self.lanes.deepen(&self.alone);
+                self.boxes.deepen(&self.alone);
                 self.scan::<true>(column, cell, bodies);
             }
             if self.counting {
@@ -148,17 +159,19 @@ impl Worker {
         column.settled = column.entries.len();
     }
 
-    /// Copies the boxes of the column and lists entries of one box in `alone`. True if anything moved.
+    /// Copies the boxes of the column and lists entries of one box in `alone`. Returns true if any
+    /// box moved.
     fn gather(&mut self, cell: [u16; 2], column: &mut Column, bodies: &Bodies) -> bool {
         let n = column.entries.len();
         self.alone.clear();
-        self.lanes.make_room(n);
+        self.boxes.make_room(n);
         let (mut farthest, mut longest) = (f32x4::ZERO, f32x4::ZERO);
         for (k, entries) in column.entries.chunks(FOUR).enumerate() {
-            // The last four may be fewer; the lanes behind them are padding, which is written last.
+            // The last four may be fewer; the lanes behind the end are padding, which is written
+            // last.
             let four: [Entry; FOUR] = core::array::from_fn(|i| entries[i.min(entries.len() - 1)]);
             let records = four.map(|e| &bodies.records[index_of(e)]);
-            let (mut moved, mut length) = self.lanes.copy(FOUR * k, &records, bodies.step);
+            let (mut moved, mut length) = self.boxes.copy(FOUR * k, &records, bodies.step);
             let flags = records.iter().fold(0, |flags, record| flags | record.flags());
             let arriving = four.iter().fold(0, |all, e| all | *e as u32) & ARRIVING;
             if (flags & (MIGRATES | JUMPS) != 0) | (arriving != 0) {
@@ -166,7 +179,7 @@ impl Worker {
                     if let Some(only) = only_box(four[i], records[i], cell, bodies.step) {
                         moved.as_mut_array()[i] = 0.0;
                         length.as_mut_array()[i] = only.hi[0] - only.lo[0];
-                        self.lanes.put_alone(FOUR * k + i, &only);
+                        self.boxes.put_alone(FOUR * k + i, &only);
                         self.alone.extend((i < entries.len()).then_some((FOUR * k + i) as u32));
                     }
                 }
@@ -174,18 +187,18 @@ impl Worker {
             farthest = farthest.fast_max(moved);
             longest = longest.fast_max(length);
         }
-        self.lanes.pad(n);
+        self.boxes.pad(n);
         let most = |v: f32x4| v.to_array().into_iter().fold(0.0, max);
         (column.longest, self.reach) = (most(longest), most(farthest));
         self.reach > 0.0 || !self.alone.is_empty()
     }
 
-    /// Compares every entry with those that start before it ends.
+    /// Compares every entry with the entries that start before its end.
     fn scan<const ALONE: bool>(&mut self, column: &Column, cell: [u16; 2], bodies: &Bodies) {
         let n = column.entries.len();
         let padded = n + LANES;
-        // Slices of one known length spare bounds checks.
-        let Lanes {
+        // Slices of one known length avoid bounds checks.
+        let BoxColumns {
             start,
             end,
             lo_u,
@@ -194,14 +207,16 @@ impl Worker {
             hi_v,
             moved,
             depth,
-        } = &self.lanes;
+        } = &self.boxes;
         let (start, end, moved, depth) = (&start[..padded], &end[..padded], &moved[..padded], &depth[..padded]);
         let (lo_u, hi_u, lo_v, hi_v) = (&lo_u[..padded], &hi_u[..padded], &lo_v[..padded], &hi_v[..padded]);
-        // Room for the windows of one entry more, so that none has to wait for another to be settled.
+        // Room for the windows of one entry more, so that no window has to wait until another is
+        // settled.
         self.pending.resize(PENDING + padded / LANES + 1, (0, 0, 0));
         let pending = &mut self.pending[..];
         let mut waiting = 0;
-        // A little more, so that the rounding of the sum errs to the safe side; no bound is farther from zero than these are together.
+        // A little more, so that the rounding of the sum errs to the safe side; no bound is farther
+        // from zero than these are together.
         let farthest = start[0].abs() + start[n - 1].abs() + column.longest;
         let beyond = 2.0 * self.reach + farthest * COLUMN_SUM;
         for i in 0..n {
@@ -223,7 +238,7 @@ impl Worker {
             let mut j = i + 1;
             while j + LANES <= padded {
                 let hits = hits_of_four(j) | hits_of_four(j + FOUR) << FOUR;
-                // Written always, kept if there are any: no branch to mispredict.
+                // Always written, kept only if there are hits: no branch to mispredict.
                 pending[waiting] = (i as u32, j as u32, hits);
                 waiting += usize::from(hits != 0);
                 if start[j + LANES - 1] > reach {
@@ -243,7 +258,7 @@ impl Worker {
     /// Counts the entries inside the windows of a sample of the column.
     fn count(&mut self, column: &Column, bodies: &Bodies) {
         let n = column.entries.len();
-        let start = &self.lanes.start[..n];
+        let start = &self.boxes.start[..n];
         for i in (0..n).step_by(4) {
             let end = bodies.records[index_of(column.entries[i])].now().to_box().hi[0];
             self.counts.tests += start[i + 1..].partition_point(|s| *s <= end) as u64;
@@ -253,16 +268,16 @@ impl Worker {
         self.counts.columns += 1;
     }
 
-    /// Bytes reserved.
+    /// Returns the bytes reserved.
     pub(super) fn bytes(&self) -> usize {
-        let lanes = self.lanes.start.capacity() * 8 * 4 + self.pending.capacity() * size_of::<Hits>();
-        lanes
+        let boxes = self.boxes.start.capacity() * 8 * 4 + self.pending.capacity() * size_of::<Hits>();
+        boxes
             + (self.changes.began.capacity() + self.changes.ended.capacity() + self.active.capacity()) * 8
             + self.alone.capacity() * 4
     }
 }
 
-/// The box of an entry that stands for one only.
+/// Returns the box of an entry that stands for one box only.
 fn only_box(e: Entry, record: &Record, cell: [u16; 2], step: u32) -> Option<StoredBox> {
     match Part::of(e as u32, record, cell) {
         Part::Both => None,
@@ -271,14 +286,16 @@ fn only_box(e: Entry, record: &Record, cell: [u16; 2], step: u32) -> Option<Stor
     }
 }
 
-/// An entry, the first of eight others, and which of those it hit.
+/// An entry, the first of eight entries compared with the entry, and a mask of the hits among the
+/// eight.
 type Hits = (u32, u32, u32);
 
-/// Hits put off until so many windows had some.
+/// Number of windows with hits to collect before the hits are tested.
 const PENDING: usize = 32;
 
-/// Finds out which of the hits are changes: in each round the first hit of every window, then of those that have more. What
-/// is to be kept is written always and counted if it counts, since no branch foretells it.
+/// Tests which of the hits are changes: in each round the first hit of every window, then of the
+/// windows with more hits. Results are always written and counted only if valid, since no branch
+/// predicts the outcome.
 #[inline(never)]
 fn settle(pending: &mut [Hits], column: &Column, cell: [u16; 2], bodies: &Bodies, changes: &mut Changes) {
     let mut found = [(0, 0, false); PENDING];
@@ -313,12 +330,13 @@ fn four(bounds: &[f32], from: usize) -> f32x4 {
     f32x4::from(out)
 }
 
-/// Reports a changed pair if the column owns it: a beginning by the new boxes, an end by the old ones.
+/// Reports a changed pair if the column owns the pair: a beginning by the new boxes, an end by the
+/// old boxes.
 pub(super) fn decide(a: u32, b: u32, began: bool, cell: [u16; 2], bodies: &Bodies, changes: &mut Changes) {
     let (i, j) = (a >> 1, b >> 1);
     let (first, second) = (&bodies.records[i as usize], &bodies.records[j as usize]);
     let (part_a, part_b) = (Part::of(a, first, cell), Part::of(b, second, cell));
-    // No branch foretells which it is.
+    // Computed without a branch, since the outcome is unpredictable.
     let seen = part_a.has(began) & part_b.has(began);
     let [box_a, box_b] = [first, second].map(|record| record.at(began, bodies.step));
     let owner = bodies.grid.owner(box_a, box_b);

@@ -1,9 +1,10 @@
-//! Which axis to sweep and how wide a column to cut.
+//! Choice of the axis to sweep and of the width of the columns.
 //!
-//! The cost of a sweep is a sum over entries and over tests. Narrow columns list a box often, wide ones compare it with
-//! many. Both are known exactly from the last sweep, and how they change with the width follows from the boxes' sizes,
-//! so the best width is read off a curve; what the curve gets wrong where density varies, the next sweep measures
-//! again. Everything counted is a number of entries, never a time: the same calls give the same columns.
+//! The cost of a sweep is a sum over entries and over tests. Narrow columns list a box often, wide
+//! columns compare a box with many. Both counts are known exactly from the last sweep, and their
+//! change with the width follows from the sizes of the boxes, so the best width is read off a
+//! curve; errors of the curve due to varying density are measured again by the next sweep.
+//! Everything counted is a number of entries, never a time: equal calls give equal columns.
 
 use crate::broad::body::{Bodies, UNBOUNDED};
 use crate::broad::bounds::Bounds;
@@ -11,33 +12,33 @@ use crate::broad::grid::{Grid, MOST_COLUMNS_OF_AXIS};
 use crate::tolerance::{LEAST_MEAN, LEAST_START, LEAST_WIDTH};
 use alloc::vec::Vec;
 
-/// Cost of an entry, of a window of eight tests, of a column that holds bodies and of one that does not, in nanoseconds of
-/// the machine it was measured on; only their ratios matter.
+/// Cost of an entry, of a window of eight tests, of a column that holds bodies and of an empty
+/// column, in nanoseconds of the machine of the measurement; only the ratios matter.
 const ENTRY: f64 = 6.0;
 const WINDOW: f64 = 4.5;
 const COLUMN: f64 = 30.0;
 const EMPTY_COLUMN: f64 = 0.75;
 
-/// Bodies looked at to choose columns.
+/// Number of bodies sampled to choose columns.
 const SAMPLE: usize = 512;
 
-/// Entries a body may take on average; a grid that needs more is too fine.
+/// Largest average number of entries a body; a grid that needs more is too fine.
 const MOST_ENTRIES: usize = 6;
 
-/// Sizes and places of all bounded boxes, in the axes of the stored boxes.
+/// Sizes and positions of all bounded boxes, in the axes of the stored boxes.
 pub(super) struct Survey {
     count: f64,
     /// Mean length along each axis.
     mean: [f64; 3],
-    /// Mean product of the lengths along any two axes, named by the third.
+    /// Mean product of the lengths along any two axes, indexed by the third axis.
     product: [f64; 3],
-    /// Where most centres lie.
+    /// Range of most centres.
     lo: [f64; 3],
     hi: [f64; 3],
 }
 
 impl Survey {
-    /// A sample will do: what it gets wrong costs a little time, never a pair.
+    /// Surveys a sample of the bodies: errors of the sample cost a little time, never a pair.
     pub(super) fn of(bodies: &Bodies) -> Self {
         let mut sample: [Vec<f64>; 3] = Default::default();
         let (mut mean, mut product) = ([0.0; 3], [0.0; 3]);
@@ -67,7 +68,8 @@ impl Survey {
         out
     }
 
-    /// A few far bodies must not make all columns wide: they are clamped into border columns instead.
+    /// Finds the range of most centres. A few far bodies must not make all columns wide: far bodies
+    /// are clamped into border columns instead.
     fn find_extent(&mut self, k: usize, centers: &mut [f64]) {
         let (Some(last), few) = (centers.len().checked_sub(1), centers.len() / 50) else {
             return;
@@ -90,8 +92,8 @@ impl Survey {
         (self.hi[k] - self.lo[k]).max(self.mean[k]).max(f64::MIN_POSITIVE)
     }
 
-    /// The axis along which bodies are farthest spread out, in units of their size. The present one (axis 0) stays
-    /// unless another is clearly better.
+    /// Returns the axis along which bodies are spread farthest, in units of their size. The present
+    /// axis (axis 0) stays unless another is clearly better.
     pub(super) fn best_axis(&self) -> usize {
         let spread = |k: usize| self.extent(k) / self.mean[k].max(LEAST_MEAN * self.extent(k));
         let mut best = 0;
@@ -110,25 +112,26 @@ impl Survey {
         self
     }
 
-    /// Entries a body takes on average in columns of this width.
+    /// Returns the average number of entries of a body in columns of this width.
     fn entries(&self, width: f64) -> f64 {
         1.0 + (self.mean[1] + self.mean[2]) / width + self.product[0] / (width * width)
     }
 
-    /// How the number of tests grows with the width: two boxes share on average this many columns, summed over all
-    /// offsets of the one to the other.
+    /// Returns the growth of the number of tests with the width: two boxes share on average this
+    /// many columns, summed over all offsets of the two boxes.
     fn overlap_of_columns(&self, width: f64) -> f64 {
         let shared = |mean: f64| (width + mean) * (width + mean) / width;
         shared(self.mean[1]) * shared(self.mean[2])
     }
 
-    /// Tests a body if all were spread evenly over the space they take.
+    /// Returns the tests a body if all bodies were spread evenly over their range.
     fn even_tests(&self, width: f64) -> f64 {
         let volume = self.extent(0) * self.extent(1) * self.extent(2);
         self.count / volume * self.mean[0] * self.overlap_of_columns(width)
     }
 
-    /// Cost of a sweep, a body, if columns of this width give so many tests a body and so many columns hold bodies.
+    /// Returns the cost of a sweep, a body, if columns of this width give so many tests a body and
+    /// so many columns hold bodies.
     fn cost(&self, width: f64, tests: f64, held: f64) -> f64 {
         let entries = self.entries(width);
         let window = tests / entries;
@@ -140,13 +143,13 @@ impl Survey {
             + EMPTY_COLUMN * (columns - held)
     }
 
-    /// Columns of a grid of this width.
+    /// Returns the number of columns of a grid of this width.
     fn columns(&self, width: f64) -> f64 {
         (self.extent(1) / width + 1.0) * (self.extent(2) / width + 1.0)
     }
 
-    /// The best width if `tests` a body were counted with columns of width `known`, of which `held` held bodies, and the
-    /// share of the present cost it would take.
+    /// Returns the best width if `tests` a body were counted with columns of width `known`, of
+    /// which `held` held bodies, and the share of the present cost at the best width.
     fn best_width(&self, known: f64, tests: f64, held: f64) -> (f64, f64) {
         let scale = tests / self.overlap_of_columns(known);
         let present = self.cost(known, tests, held);
@@ -163,9 +166,10 @@ impl Survey {
         best
     }
 
-    /// How far a body may move along the swept axis and not jump: a mean length, or the mean distance to the next entry of
-    /// its column if that is more. Windows widened by two such moves hold about two entries more or are three times as long,
-    /// and a jump costs about as much as two entries: whatever moves how far, a sweep costs a few times what it costs at rest.
+    /// Returns how far a body may move along the swept axis without a jump: a mean length, or the
+    /// mean distance to the next entry of its column if larger. Windows widened by two such moves
+    /// hold about two entries more or are three times as long, and a jump costs about as much as
+    /// two entries: however far bodies move, a sweep costs a few times the cost at rest.
     fn leap(&self, width: f64, columns: f64) -> f32 {
         let listed = (self.count * self.entries(width) / columns).max(1.0);
         self.mean[0].max(self.extent(0) / listed) as f32
@@ -190,12 +194,12 @@ impl Survey {
     }
 }
 
-/// What a full sweep counted.
+/// Counts of a full sweep.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Counts {
     /// Entries swept.
     pub(super) entries: u64,
-    /// Entries inside the windows of a sample of them.
+    /// Entries inside the windows of a sample of the entries.
     pub(super) tests: u64,
     pub(super) sampled: u64,
     /// Columns swept that hold bodies.
@@ -211,19 +215,20 @@ impl Counts {
     }
 }
 
-/// When to cut new columns.
+/// Decides when to cut new columns.
 #[derive(Clone, Debug)]
 pub(super) struct Tuning {
-    /// Bodies when the columns were cut.
+    /// Number of bodies when the columns were cut.
     count: usize,
-    /// Steps to wait before the width is looked at again, and how many that was the last time: doubled at each cut.
+    /// Steps to wait before the width is checked again, and the last waiting time: doubled at each
+    /// cut.
     wait: u32,
     patience: u32,
     /// The width that promised to be clearly better, if any.
     wanted: Option<f64>,
 }
 
-/// Longest wait between two looks at the width, in steps.
+/// Longest wait between two checks of the width, in steps.
 const PATIENCE: u32 = 1024;
 /// A new width must promise at most this part of the present cost.
 const GAIN: f64 = 0.85;
@@ -243,7 +248,7 @@ impl Tuning {
         self.wait <= 1
     }
 
-    /// After a full sweep.
+    /// Records the counts of a full sweep.
     pub(super) fn observe(&mut self, bodies: &Bodies, counts: Counts) {
         self.wait = self.wait.saturating_sub(1);
         if self.wait > 0 || counts.entries == 0 || counts.sampled == 0 {
@@ -258,7 +263,7 @@ impl Tuning {
         self.wanted = (share < GAIN).then_some(better);
     }
 
-    /// The grid to cut before this step, if a new one is due.
+    /// Returns the grid to cut before this step, if a new grid is due.
     pub(super) fn due(&mut self, bodies: &Bodies, entries: usize) -> Option<Grid> {
         let count = bodies.len();
         let changed = count > 2 * self.count.max(8) || 4 * count < self.count;
@@ -276,7 +281,7 @@ impl Tuning {
     }
 }
 
-/// The grid for a known good width, or the best guess for bodies never swept.
+/// Returns the grid for a known good width, or the best guess for bodies never swept.
 fn choose(bodies: &Bodies, survey: Survey, width: Option<f64>) -> Grid {
     let turn = if width.is_some() { 0 } else { survey.best_axis() };
     let survey = survey.rotated(turn);
@@ -294,7 +299,7 @@ fn choose(bodies: &Bodies, survey: Survey, width: Option<f64>) -> Grid {
     grid
 }
 
-/// Entries all bodies would take in the grid; counting stops beyond `most`.
+/// Counts the entries all bodies would take in the grid; counting stops beyond `most`.
 fn entries_of(bodies: &Bodies, grid: &Grid, turn: usize, most: usize) -> usize {
     let mut total = 0;
     for record in bodies

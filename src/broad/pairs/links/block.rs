@@ -1,17 +1,19 @@
-//! A small hash table of links: open addressing, linear probing, deletion by backward shift (Knuth, section 6.4).
+//! A small hash table of links: open addressing, linear probing, deletion by backward shift (Knuth,
+//! section 6.4).
 
 use crate::broad::change::PairKey;
 use crate::broad::pairs::{NOWHERE, Slot};
 use alloc::vec::Vec;
 
-/// A hash of the two bodies, and the slot of their pair, which tells whether it is theirs.
+/// A hash of the two bodies, and the slot of their pair; the slot decides whether the link belongs
+/// to a given pair.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Link {
     hash: u32,
     pub(super) slot: u32,
 }
 
-/// A vacant place; no pair has such a slot.
+/// A vacant place; no pair has this slot.
 const VACANT: Link = Link {
     hash: 0,
     slot: NOWHERE.id.slot,
@@ -30,7 +32,7 @@ impl Link {
     }
 }
 
-/// The high half of a product with 2^64 over the golden ratio (Knuth, section 6.4).
+/// Returns the high half of a product with 2^64 over the golden ratio (Knuth, section 6.4).
 #[inline(always)]
 fn hash(key: PairKey) -> u32 {
     (key.wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 32) as u32
@@ -39,13 +41,13 @@ fn hash(key: PairKey) -> u32 {
 /// The links of some consecutive lower bodies.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Block {
-    /// At most 3/8 of them taken: runs are short, which deletion walks.
+    /// Table of links, at most 3/8 full: runs are short, and deletion walks over a run.
     pub(super) places: Vec<Link>,
     pub(super) live: usize,
 }
 
 impl Block {
-    /// Where a hash belongs.
+    /// Returns the home place of a hash.
     #[inline(always)]
     fn home(&self, hash: u32) -> usize {
         ((u64::from(hash) * self.places.len() as u64) >> 32) as usize
@@ -56,7 +58,7 @@ impl Block {
         if place + 1 < self.places.len() { place + 1 } else { 0 }
     }
 
-    /// What is there, for reading ahead.
+    /// Returns the content of the home place, for prefetching.
     #[inline(always)]
     pub(super) fn at_home(&self, key: PairKey) -> Option<u32> {
         self.places.get(self.home(hash(key))).map(|link| link.slot)
@@ -77,7 +79,7 @@ impl Block {
         }
     }
 
-    /// The pair is not in the table.
+    /// Inserts a link; the pair must not be in the table.
     pub(super) fn insert(&mut self, link: Link) {
         if (self.live + 1) * 8 > self.places.len() * 3 {
             self.resize(7 * self.live / 2 + 4);
@@ -111,7 +113,7 @@ impl Block {
         Some(slot)
     }
 
-    /// Steps of probing from one place to another.
+    /// Returns the number of probing steps from one place to another.
     #[inline(always)]
     fn steps(&self, from: usize, to: usize) -> usize {
         if from <= to {
@@ -121,7 +123,7 @@ impl Block {
         }
     }
 
-    /// The same links in so many places.
+    /// Rehashes the links into a table of this many places.
     #[cold]
     fn resize(&mut self, count: usize) {
         let old = core::mem::replace(&mut self.places, alloc::vec![VACANT; count]);

@@ -1,4 +1,5 @@
-//! What is kept of an outcome, by what is called for: nothing, the distance, all of it, or contact points besides.
+//! The stored part of an outcome, by level of detail: nothing, the distance, the whole outcome, or
+//! the outcome with contact points.
 
 use alloc::boxed::Box;
 
@@ -7,15 +8,15 @@ use crate::pair::outcome::{Distance, Outcome};
 use crate::polyhedron::FeaturePair;
 use crate::pose::Operand;
 
-/// What a lane keeps of an outcome.
-pub(super) trait Answer: Clone + Send + Sync {
-    /// Before the first outcome.
+/// The part of an outcome that a table stores.
+pub(super) trait StoredAnswer: Clone + Send + Sync {
+    /// Returns the answer before the first outcome.
     fn blank() -> Self;
-    /// Takes over what it keeps.
-    fn take(&mut self, outcome: &Outcome);
+    /// Stores the part of `outcome` that this table keeps.
+    fn store(&mut self, outcome: &Outcome);
     fn distance(&self) -> Option<Distance>;
     fn outcome(&self) -> Option<&Outcome>;
-    /// Where contact points are kept, in the lane that has them.
+    /// Returns the stored contact points, in the table that has them.
     fn manifold(&mut self) -> Option<&mut Option<Box<Manifold>>> {
         None
     }
@@ -24,9 +25,9 @@ pub(super) trait Answer: Clone + Send + Sync {
     }
 }
 
-impl Answer for () {
+impl StoredAnswer for () {
     fn blank() {}
-    fn take(&mut self, _: &Outcome) {}
+    fn store(&mut self, _: &Outcome) {}
     fn distance(&self) -> Option<Distance> {
         None
     }
@@ -35,12 +36,12 @@ impl Answer for () {
     }
 }
 
-impl Answer for Distance {
+impl StoredAnswer for Distance {
     fn blank() -> Self {
-        Self::from(&<Outcome as Answer>::blank())
+        Self::from(&<Outcome as StoredAnswer>::blank())
     }
     #[inline]
-    fn take(&mut self, outcome: &Outcome) {
+    fn store(&mut self, outcome: &Outcome) {
         *self = Self::from(outcome);
     }
     fn distance(&self) -> Option<Distance> {
@@ -51,16 +52,16 @@ impl Answer for Distance {
     }
 }
 
-impl Answer for Outcome {
+impl StoredAnswer for Outcome {
     fn blank() -> Self {
         Self {
-            // Finite, since not every format of files can hold what is not.
+            // Finite, since not every file format can hold infinity.
             upper: f64::MAX,
             ..Self::starting_at(FeaturePair::vertices(Operand::A, 0, 0))
         }
     }
     #[inline]
-    fn take(&mut self, outcome: &Outcome) {
+    fn store(&mut self, outcome: &Outcome) {
         *self = *outcome;
     }
     fn distance(&self) -> Option<Distance> {
@@ -71,23 +72,23 @@ impl Answer for Outcome {
     }
 }
 
-/// An outcome, and the contact points while the bodies are near enough for them.
+/// An outcome, and the contact points while the bodies are within the prediction.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(super) struct Contact {
+pub(super) struct StoredContact {
     pub(super) outcome: Outcome,
     pub(super) manifold: Option<Box<Manifold>>,
 }
 
-impl Answer for Contact {
+impl StoredAnswer for StoredContact {
     fn blank() -> Self {
         Self {
-            outcome: <Outcome as Answer>::blank(),
+            outcome: <Outcome as StoredAnswer>::blank(),
             manifold: None,
         }
     }
     #[inline]
-    fn take(&mut self, outcome: &Outcome) {
+    fn store(&mut self, outcome: &Outcome) {
         self.outcome = *outcome;
     }
     fn distance(&self) -> Option<Distance> {

@@ -1,51 +1,51 @@
-//! What every structure keeps besides its own lists: bodies and pairs.
+//! State of every structure besides its own lists: bodies and pairs.
 
 use super::body::{Bodies, UNBOUNDED};
 use super::bounds::Bounds;
 use super::change::{Changes, pair_key};
-use super::pairs::PairTable;
+use super::pairs::PairSlots;
 use super::parallel::Threads;
 use super::{Aabb, Body, BodyId, BroadPhase, BroadPhaseError, Pair, PairId, StoredBox};
 use alloc::vec::Vec;
 use nalgebra::Point3;
 
-/// Bodies, pairs and the changes of the step at hand. Public by name only, so that [`BroadPhase`] cannot be implemented
-/// elsewhere and rely on half of it.
+/// Bodies, pairs and the changes of the current step. Public by name only, so that [`BroadPhase`]
+/// cannot be implemented elsewhere and rely on half of the state.
 #[derive(Clone, Debug)]
 #[allow(unreachable_pub)]
-pub struct Ledger {
+pub struct BroadPhaseState {
     pub(super) bodies: Bodies,
-    pub(super) pairs: PairTable,
+    pub(super) pairs: PairSlots,
     pub(super) changes: Changes,
 }
 
 /// Seals [`BroadPhase`].
 #[allow(unreachable_pub)]
-pub trait HasLedger {
+pub trait HasState {
     #[doc(hidden)]
-    fn ledger(&self) -> &Ledger;
+    fn state(&self) -> &BroadPhaseState;
     #[doc(hidden)]
-    fn ledger_mut(&mut self) -> &mut Ledger;
+    fn state_mut(&mut self) -> &mut BroadPhaseState;
     /// Appends the bodies whose boxes overlapped a stored box in the last step, in ascending order.
     #[doc(hidden)]
     fn overlapping_stored(&self, asked: &StoredBox, found: &mut Vec<BodyId>);
 }
 
-/// A body and the distance of its box from the box asked about.
+/// A body and the distance of its box from the query box.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Nearest {
     /// The body.
     pub body: BodyId,
-    /// Distance of the boxes, 0 when they overlap.
+    /// Distance of the boxes, 0 if the boxes overlap.
     pub distance: f64,
 }
 
-impl Ledger {
+impl BroadPhaseState {
     pub(super) fn new(origin: Point3<f64>) -> Self {
         Self {
             bodies: Bodies::new(origin),
-            pairs: PairTable::default(),
+            pairs: PairSlots::default(),
             changes: Changes::default(),
         }
     }
@@ -59,8 +59,9 @@ impl Ledger {
         self.bodies.insert(stored, body, flags)
     }
 
-    /// Takes the changes over into pairs and events, and asks the pairs of regrouped bodies again. `partners` lists
-    /// the bodies whose new boxes overlap that of the body at an index. The result is the same for any number of threads.
+    /// Applies the changes to pairs and events, and asks groups and filter again for the pairs of
+    /// regrouped bodies. `partners` lists the bodies whose new boxes overlap the box of the body at
+    /// an index. The result does not depend on the number of threads.
     pub(super) fn take_over(
         &mut self,
         filter: &mut dyn FnMut(BodyId, BodyId) -> bool,
@@ -110,18 +111,18 @@ impl Ledger {
         })
     }
 
-    /// The stored form of a box asked about.
+    /// Returns the stored form of a query box.
     pub(super) fn asked(&self, aabb: &Aabb) -> Result<StoredBox, BroadPhaseError> {
         self.bodies.stored(aabb, UNBOUNDED)
     }
 
-    /// Bytes reserved.
+    /// Returns the bytes reserved.
     pub(super) fn bytes(&self) -> usize {
         let changes = self.changes.began.capacity() + self.changes.ended.capacity();
         self.bodies.bytes() + self.pairs.bytes() + changes * 8
     }
 
-    /// All bodies at once; the slow way to ask for those that overlap a box.
+    /// Finds the bodies that overlap a box by testing all bodies: the slow way.
     pub(super) fn overlapping_of_all(&self, asked: &StoredBox, found: &mut Vec<BodyId>) {
         let step = self.bodies.step;
         let asked = Bounds::from_box(asked);
@@ -135,14 +136,14 @@ impl Ledger {
     }
 }
 
-/// Asks for ever larger boxes until enough bodies are found within the reach of the box.
+/// Queries ever larger boxes until enough bodies are found within the reach of the box.
 pub(super) fn nearest<B: BroadPhase + ?Sized>(
     broad: &B,
     aabb: &Aabb,
     count: usize,
     farthest: f64,
 ) -> Result<Vec<Nearest>, BroadPhaseError> {
-    let bodies = &broad.ledger().bodies;
+    let bodies = &broad.state().bodies;
     let asked = bodies.stored(aabb, 0)?;
     let back = 3 - bodies.grid.axis;
     let mut out: Vec<Nearest> = Vec::new();
@@ -158,7 +159,8 @@ pub(super) fn nearest<B: BroadPhase + ?Sized>(
             let stored = bodies.records[id.index as usize].before(bodies.step).to_box();
             Nearest {
                 body: *id,
-                // With axes in one order, whichever is swept: the sum is the same to the last bit.
+                // With axes in one order, whichever axis is swept: the sum is equal to the last
+                // bit.
                 distance: libm::sqrt(stored.rotated(back).distance_squared(&asked.rotated(back))),
             }
         };

@@ -1,0 +1,204 @@
+//! Narrow phase of one pair in a step: tests from the cheapest on, and the tracker if no cheaper
+//! test answers.
+
+use alloc::boxed::Box;
+use alloc::vec::Vec;
+
+use super::ball::least_distance;
+use super::body::Bodies;
+use super::budget::{slack, wake};
+use super::effects::{Detail, NEVER, Plan, Table};
+use super::events::{Change, PairChange};
+use super::pair_table::{PairFlags, PairHeader, PairTable};
+use super::report::Counts;
+use super::stored_answer::StoredAnswer;
+use crate::contact::{Manifold, Query};
+use crate::pair::outcome::{Class, Outcome};
+use crate::pose::RelativePose;
+use crate::tracker::Tracker;
+
+/// The parts of a scene that the narrow phase reads.
+pub(super) struct Context<'a> {
+    pub(super) bodies: &'a Bodies,
+    pub(super) table: &'a Table,
+    pub(super) budget: bool,
+}
+
+/// Counts and changes of the narrow phase, besides the answers.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Tally {
+    pub(super) counts: Counts,
+    pub(super) changes: Vec<PairChange>,
+}
+
+/// Tests all pairs of a table.
+pub(super) fn test_table<A: StoredAnswer>(pair_table: &mut PairTable<A>, context: &Context<'_>, tally: &mut Tally) {
+    test_run(
+        &mut pair_table.headers,
+        &mut pair_table.trackers,
+        &mut pair_table.answers,
+        context,
+        tally,
+    );
+}
+
+/// Tests the pairs of a run of rows.
+pub(super) fn test_run<A: StoredAnswer>(
+    headers: &mut [PairHeader],
+    trackers: &mut [Tracker],
+    answers: &mut [A],
+    context: &Context<'_>,
+    tally: &mut Tally,
+) {
+    tally.counts.called += headers.len() as u64;
+    for ((header, tracker), answer) in headers.iter_mut().zip(trackers).zip(answers) {
+        if context.is_answered(header, &mut tally.counts) {
+            continue;
+        }
+        let before = header.state;
+        context.test(header, tracker, answer, &mut tally.counts);
+        note_changes(before, header, &mut tally.changes);
+    }
+}
+
+impl Context<'_> {
+    fn sum(&self, header: &PairHeader) -> f64 {
+        let travels = &self.bodies.travels;
+        travels[header.a as usize].odometer + travels[header.b as usize].odometer
+    }
+
+    /// Whether the last answer remains valid: neither body moved, or the budget is not used up.
+    #[inline]
+    fn is_answered(&self, header: &PairHeader, counts: &mut Counts) -> bool {
+        let [a, b] = [header.a, header.b].map(|i| &self.bodies.travels[i as usize]);
+        let step = self.bodies.step;
+        if !header.state.known {
+            return false;
+        }
+        if a.moved != step && b.moved != step {
+            counts.resting += 1;
+            return true;
+        }
+        // Written so that NaN leads to a test.
+        if self.budget && a.odometer + b.odometer < header.wake {
+            counts.skipped += 1;
+            return true;
+        }
+        false
+    }
+
+    /// Whether two balls are so far apart that no effect called for can apply.
+    #[inline]
+    fn is_clear(&self, header: &mut PairHeader, reach: f64, counts: &mut Counts) -> bool {
+        let [a, b] = [header.a, header.b].map(|i| &self.bodies.balls[i as usize]);
+        let apart = least_distance(a, b);
+        if !(apart > reach) {
+            return false;
+        }
+        counts.balls += 1;
+        header.state = PairFlags {
+            known: true,
+            ..PairFlags::default()
+        };
+        header.wake = wake(self.sum(header), apart - reach);
+        true
+    }
+
+    #[inline]
+    fn test<A: StoredAnswer>(
+        &self,
+        header: &mut PairHeader,
+        tracker: &mut Tracker,
+        answer: &mut A,
+        counts: &mut Counts,
+    ) {
+        let plan = self.table.plan(header.class);
+        if self.is_clear(header, plan.reach, counts) {
+            if let Some(stored) = answer.manifold() {
+                *stored = None;
+            }
+            return;
+        }
+        let (a, b) = (header.a as usize, header.b as usize);
+        let (Some(solid_a), Some(solid_b)) = (&self.bodies.solids[a], &self.bodies.solids[b]) else {
+            return;
+        };
+        // Poses within the reach of a scene always have a relative pose.
+        let Ok(pose) = RelativePose::new(&self.bodies.poses[a], &self.bodies.poses[b]) else {
+            return;
+        };
+        let (shape_a, shape_b) = (&*solid_a.shape, &*solid_b.shape);
+        let outcome = tracker.measure(shape_a, shape_b, &pose, plan.until);
+        counts.note(&outcome, tracker.facets());
+        let within = |t: f64| t != NEVER && tracker.decides_within(shape_a, shape_b, &pose, &outcome, t);
+        header.state = PairFlags {
+            known: true,
+            overlaps: plan.overlap && within(0.0),
+            within: within(plan.within),
+            measured: within(plan.range),
+        };
+        counts.overlaps += u64::from(plan.overlap);
+        counts.withins += u64::from(plan.within != NEVER);
+        if header.state.measured {
+            counts.distances += 1;
+            counts.features += u64::from(plan.detail >= Detail::Features);
+            answer.store(&outcome);
+            header.wake = 0.0;
+        } else {
+            header.wake = wake(self.sum(header), slack_of(plan, &outcome));
+        }
+        if let (Some(stored), Some(options)) = (answer.manifold(), &plan.manifold) {
+            if within(options.prediction) {
+                update_manifold(stored, &Query::new(shape_a, shape_b, &pose, options), &outcome, counts);
+            } else {
+                *stored = None;
+            }
+        }
+    }
+}
+
+/// Updates the contact points: if the bodies have hardly moved since the manifold was made, the
+/// points are measured again, else the manifold is rebuilt from the outcome.
+fn update_manifold(stored: &mut Option<Box<Manifold>>, query: &Query<'_>, outcome: &Outcome, counts: &mut Counts) {
+    let manifold = stored.get_or_insert_default();
+    counts.manifolds += 1;
+    if let Err(moved) = manifold.refresh(query) {
+        manifold.renew(query, outcome, moved);
+        counts.renewed += 1;
+    }
+}
+
+/// Returns how much the distance of a pair without a measured distance may change before an answer
+/// changes.
+fn slack_of(plan: &Plan, outcome: &Outcome) -> f64 {
+    // The upper bound of an overlap without depth is 0.
+    let upper = if outcome.class == Class::Overlapping {
+        0.0
+    } else {
+        outcome.upper
+    };
+    let contact = if plan.overlap { 0.0 } else { NEVER };
+    let thresholds = [contact, plan.within, plan.range];
+    let called = thresholds.iter().filter(|t| **t != NEVER);
+    called.fold(f64::INFINITY, |s, t| s.min(slack(*t, outcome.lower, upper)))
+}
+
+fn note_changes(before: PairFlags, header: &PairHeader, changes: &mut Vec<PairChange>) {
+    let now = header.state;
+    let mut note = |was: bool, is: bool, began: Change, ended: Change| {
+        if was != is {
+            changes.push(PairChange {
+                id: header.pair,
+                pair: (header.a, header.b),
+                change: if is { began } else { ended },
+            });
+        }
+    };
+    note(
+        before.overlaps,
+        now.overlaps,
+        Change::OverlapBegan,
+        Change::OverlapEnded,
+    );
+    note(before.within, now.within, Change::CameWithin, Change::LeftWithin);
+}

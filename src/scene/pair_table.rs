@@ -1,0 +1,343 @@
+//! Tables of pairs: one table for each level of detail, so that a pair takes memory only for the
+//! effects called for.
+//!
+//! ```text
+//!              headers    trackers   answers
+//! row 0        | a, b |   | .... |   | .... |
+//! row 1        | a, b |   | .... |   | .... |     PairTable: three parallel lists
+//! row n - 1    | a, b |   | .... |   | .... |     rows[slot of the pair] = (table, row)
+//! ```
+//!
+//! The three lists of a table are parallel: a pair has one row number in all three. Lists have no
+//! gaps: the last pair moves to a row that becomes free.
+
+use alloc::vec::Vec;
+
+use super::effects::{Detail, GroupPair, NEVER, Plan};
+use super::stored_answer::{StoredAnswer, StoredContact};
+use crate::broad::PairId;
+use crate::contact::Manifold;
+use crate::pair::outcome::{Distance, Outcome, Until};
+use crate::tracker::Tracker;
+
+/// The part of a pair that is read before a query.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct PairHeader {
+    /// Indices of the bodies, `a < b`.
+    pub(super) a: u32,
+    pub(super) b: u32,
+    /// Id of the pair in the broad phase.
+    pub(super) pair: PairId,
+    pub(super) class: GroupPair,
+    pub(super) state: PairFlags,
+    /// Sum of the odometers from which on the pair is tested again.
+    pub(super) wake: f64,
+}
+
+/// Predicates of a pair as of the last test.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct PairFlags {
+    /// Whether the pair was tested since its plan last changed; if not, the other flags are older.
+    pub(super) known: bool,
+    pub(super) overlaps: bool,
+    pub(super) within: bool,
+    /// Whether the distance is within the range called for, so that the table holds an answer.
+    pub(super) measured: bool,
+}
+
+/// Pairs that store one kind of answer.
+#[derive(Clone, Debug)]
+pub(super) struct PairTable<A> {
+    pub(super) headers: Vec<PairHeader>,
+    pub(super) trackers: Vec<Tracker>,
+    pub(super) answers: Vec<A>,
+}
+
+impl<A> Default for PairTable<A> {
+    fn default() -> Self {
+        Self {
+            headers: Vec::new(),
+            trackers: Vec::new(),
+            answers: Vec::new(),
+        }
+    }
+}
+
+impl<A: StoredAnswer> PairTable<A> {
+    fn push(&mut self, header: PairHeader, tracker: Tracker) -> u32 {
+        self.headers.push(header);
+        self.trackers.push(tracker);
+        self.answers.push(A::blank());
+        (self.headers.len() - 1) as u32
+    }
+
+    /// Frees a row and moves the last pair of the table there. Returns the removed pair and the
+    /// slot of the moved pair, if any.
+    fn remove(&mut self, row: u32) -> (PairHeader, Tracker, Option<u32>) {
+        let i = row as usize;
+        let header = self.headers.swap_remove(i);
+        let tracker = self.trackers.swap_remove(i);
+        self.answers.swap_remove(i);
+        (header, tracker, self.headers.get(i).map(|moved| moved.pair.slot))
+    }
+
+    fn bytes(&self) -> usize {
+        let surfaces: usize = self.trackers.iter().map(Tracker::heap_bytes).sum();
+        let manifolds = self.answers.iter().filter(|a| a.contacts().is_some()).count();
+        self.headers.capacity() * size_of::<PairHeader>()
+            + manifolds * size_of::<Manifold>()
+            + self.trackers.capacity() * size_of::<Tracker>()
+            + self.answers.capacity() * size_of::<A>()
+            + surfaces
+    }
+
+    /// Releases memory if most of the capacity is unused.
+    fn trim(&mut self) {
+        if self.headers.capacity() > 4 * self.headers.len() + 64 {
+            self.headers.shrink_to(2 * self.headers.len());
+            self.trackers.shrink_to(2 * self.trackers.len());
+            self.answers.shrink_to(2 * self.answers.len());
+        }
+    }
+}
+
+/// Location of the pair of a slot: the table in the three upper bits, below them whether the event
+/// of its boxes was sent, and the row in the lower half. There are fewer pairs than 2^32 at once,
+/// so every row number fits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct TableRow(u64);
+
+const TABLE: u32 = 61;
+const BOX_EVENT_SENT: u64 = 1 << 60;
+
+impl TableRow {
+    /// Entry of a pair of boxes alone, and of a slot without a pair.
+    const NONE: Self = Self(7 << TABLE);
+
+    fn of(table: u32, row: u32) -> Self {
+        Self(u64::from(table) << TABLE | u64::from(row))
+    }
+
+    fn table(self) -> u32 {
+        (self.0 >> TABLE) as u32
+    }
+
+    fn row(self) -> u32 {
+        self.0 as u32
+    }
+
+    fn is_box_event_sent(self) -> bool {
+        self.0 & BOX_EVENT_SENT != 0
+    }
+}
+
+/// State of a pair that moves from one table to another.
+#[derive(Debug, Default)]
+pub(super) struct PairState {
+    pub(super) state: PairFlags,
+    pub(super) tracker: Tracker,
+    /// Whether the event that the boxes met was sent.
+    pub(super) box_event_sent: bool,
+}
+
+/// Read-only view of a pair for queries.
+pub(super) struct PairView<'a> {
+    pub(super) header: &'a PairHeader,
+    pub(super) tracker: &'a Tracker,
+    pub(super) distance: Option<Distance>,
+    pub(super) outcome: Option<&'a Outcome>,
+    pub(super) manifold: Option<&'a Manifold>,
+}
+
+/// All tables, and the row of each slot.
+#[derive(Clone, Debug, Default)]
+pub(super) struct PairTables {
+    pub(super) predicates: PairTable<()>,
+    pub(super) distances: PairTable<Distance>,
+    pub(super) features: PairTable<Outcome>,
+    pub(super) contacts: PairTable<StoredContact>,
+    rows: Vec<TableRow>,
+}
+
+impl PairTables {
+    /// Inserts a pair into the table of its level of detail, keeping the state that is still called
+    /// for; pairs of boxes alone are not stored. The pair is tested in this step, whatever was
+    /// known before.
+    pub(super) fn insert(&mut self, plan: &Plan, header: PairHeader, pair_state: PairState) {
+        let slot = header.pair.slot as usize;
+        let state = PairFlags {
+            overlaps: plan.overlap && pair_state.state.overlaps,
+            within: plan.within != NEVER && pair_state.state.within,
+            ..PairFlags::default()
+        };
+        let header = PairHeader { state, ..header };
+        let mut tracker = pair_state.tracker;
+        if plan.until == Until::Class {
+            tracker.shed();
+        }
+        let row = match plan.detail {
+            Detail::Nothing | Detail::Boxes => TableRow::NONE,
+            Detail::Predicates => TableRow::of(0, self.predicates.push(header, tracker)),
+            Detail::Distance => TableRow::of(1, self.distances.push(header, tracker)),
+            Detail::Features => TableRow::of(2, self.features.push(header, tracker)),
+            Detail::Manifold => TableRow::of(3, self.contacts.push(header, tracker)),
+        };
+        if slot >= self.rows.len() {
+            self.rows.resize(slot + 1, TableRow::NONE);
+        }
+        self.rows[slot] = TableRow(row.0 | if plan.boxes { BOX_EVENT_SENT } else { 0 });
+    }
+
+    /// Removes the pair of a slot from its table, if stored.
+    pub(super) fn remove(&mut self, slot: u32) -> PairState {
+        let Some(entry) = self.rows.get_mut(slot as usize) else {
+            return PairState::default();
+        };
+        let freed = core::mem::replace(entry, TableRow::NONE);
+        let removed = match freed.table() {
+            0 => Some(self.predicates.remove(freed.row())),
+            1 => Some(self.distances.remove(freed.row())),
+            2 => Some(self.features.remove(freed.row())),
+            3 => Some(self.contacts.remove(freed.row())),
+            _ => None,
+        };
+        let box_event_sent = freed.is_box_event_sent();
+        let Some((header, tracker, moved)) = removed else {
+            return PairState {
+                box_event_sent,
+                ..PairState::default()
+            };
+        };
+        if let Some(moved) = moved {
+            // The last pair of the table moved to this row; its own box event flag stays.
+            let entry = &mut self.rows[moved as usize];
+            *entry = TableRow(freed.0 & !BOX_EVENT_SENT | entry.0 & BOX_EVENT_SENT);
+        }
+        PairState {
+            state: header.state,
+            tracker,
+            box_event_sent,
+        }
+    }
+
+    /// Returns the pair of a slot, if stored in a table.
+    pub(super) fn get(&self, slot: u32) -> Option<PairView<'_>> {
+        fn seen<A: StoredAnswer>(pair_table: &PairTable<A>, row: u32) -> Option<PairView<'_>> {
+            let (header, answer) = (pair_table.headers.get(row as usize)?, &pair_table.answers[row as usize]);
+            Some(PairView {
+                header,
+                tracker: &pair_table.trackers[row as usize],
+                distance: answer.distance().filter(|_| header.state.measured),
+                outcome: answer.outcome().filter(|_| header.state.measured),
+                manifold: answer.contacts().filter(|_| header.state.measured),
+            })
+        }
+        let entry = self.rows.get(slot as usize)?;
+        match entry.table() {
+            0 => seen(&self.predicates, entry.row()),
+            1 => seen(&self.distances, entry.row()),
+            2 => seen(&self.features, entry.row()),
+            3 => seen(&self.contacts, entry.row()),
+            _ => None,
+        }
+    }
+
+    /// Iterates over the slots whose box event was sent.
+    #[cfg(feature = "serde")]
+    pub(super) fn slots_with_box_event(&self) -> impl Iterator<Item = u32> + '_ {
+        let rows = self.rows.iter().zip(0u32..);
+        rows.filter(|(row, _)| row.is_box_event_sent()).map(|(_, slot)| slot)
+    }
+
+    /// Iterates over the pairs of all tables.
+    #[cfg(feature = "serde")]
+    pub(super) fn headers(&self) -> impl Iterator<Item = &PairHeader> {
+        let pair_tables = [
+            &self.predicates.headers,
+            &self.distances.headers,
+            &self.features.headers,
+            &self.contacts.headers,
+        ];
+        pair_tables.into_iter().flatten()
+    }
+
+    /// Rebuilds the rows of restored tables; returns `None` if two pairs have one slot. Slots are
+    /// from the broad phase.
+    #[cfg(feature = "serde")]
+    pub(super) fn restored(
+        predicates: PairTable<()>,
+        distances: PairTable<Distance>,
+        features: PairTable<Outcome>,
+        contacts: PairTable<StoredContact>,
+        box_event_sent: &[u32],
+        slots: usize,
+    ) -> Option<Self> {
+        let mut rows = alloc::vec![TableRow::NONE; slots];
+        for (table, headers) in [
+            &predicates.headers,
+            &distances.headers,
+            &features.headers,
+            &contacts.headers,
+        ]
+        .into_iter()
+        .enumerate()
+        {
+            for (header, row) in headers.iter().zip(0u32..) {
+                let entry = rows.get_mut(header.pair.slot as usize)?;
+                if *entry != TableRow::NONE {
+                    return None;
+                }
+                *entry = TableRow::of(table as u32, row);
+            }
+        }
+        for slot in box_event_sent {
+            let entry = rows.get_mut(*slot as usize)?;
+            *entry = TableRow(entry.0 | BOX_EVENT_SENT);
+        }
+        Some(Self {
+            predicates,
+            distances,
+            features,
+            contacts,
+            rows,
+        })
+    }
+
+    pub(super) fn trim(&mut self) {
+        self.predicates.trim();
+        self.distances.trim();
+        self.features.trim();
+        self.contacts.trim();
+    }
+
+    pub(super) fn bytes(&self) -> usize {
+        self.predicates.bytes()
+            + self.distances.bytes()
+            + self.features.bytes()
+            + self.contacts.bytes()
+            + self.rows.capacity() * size_of::<TableRow>()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_keep_table_number_and_flag_apart() {
+        for table in [0, 3] {
+            for row in [0, 1, (1 << 28) - 1, 1 << 28, (1 << 29) + 5, u32::MAX] {
+                for box_event_sent in [0, BOX_EVENT_SENT] {
+                    let entry = TableRow(TableRow::of(table, row).0 | box_event_sent);
+                    assert_eq!(
+                        (entry.table(), entry.row(), entry.is_box_event_sent()),
+                        (table, row, box_event_sent != 0)
+                    );
+                    assert_ne!(entry, TableRow::NONE);
+                }
+            }
+        }
+    }
+}

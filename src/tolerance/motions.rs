@@ -1,0 +1,108 @@
+//! Bounds of rounding errors of motions, impacts and composites, each with its derivation.
+
+use super::{UNIT, UNIT_SINGLE};
+
+/// Error of the posed pivot of a body on a motion, twice (once at the begin of a bound, once at the
+/// end), in units of the 1-norms of the pivot's position at time zero, and of the displacements by
+/// velocity and acceleration until then: `v t` has one rounding, `a t^2 / 2` three, their sums two,
+/// the last difference one, and the velocity at a later time two more times the displacement: 6
+/// UNIT.
+pub(crate) const PLACED_CENTRE: f64 = 16.0 * UNIT;
+
+/// Error of the posed pivot, twice, in units of the distance of the pivot from the body's own
+/// origin: a product with a quaternion whose square is off 1 by 26 UNIT is off by twice as much,
+/// and rounded by 24; the difference adds 1. Twice 77.
+pub(crate) const PLACED_PIVOT: f64 = 192.0 * UNIT;
+
+/// Error of the angle of a posed body on a motion, twice. The quaternion of a turn: sine and cosine
+/// err by less than one in the last place, UNIT; the correction for the remainder of the half
+/// angle, UNIT; the axis by 2 UNIT and its product by one: 5.4 UNIT as a vector. The product with
+/// the first rotation: 4 UNIT a coordinate, 8 as a vector. An error of a quaternion turns by twice
+/// as much: 27 UNIT. A normalised sum of two quaternions: 3 UNIT a coordinate of numbers up to one,
+/// over a norm of at least `1 / sqrt 2`: 9 UNIT and, for the part of the way itself, one more: 20
+/// UNIT.
+pub(crate) const TURN: f64 = 64.0 * UNIT;
+
+/// Error of the coefficients of a plane's gap (`separation::plane`), times `(1 + q)^2` with q the
+/// angle that a direction turns by as a shape sees it, in units of both reaches, the ways of the
+/// pivots, the difference of the translations, and twice the distances of the pivots from the
+/// origins (u = UNIT):
+///
+/// 1. Directions: derivatives are sums of at most three cross products, 8 u of `(|eta| + |w|)^2`,
+///    and the control points two sums and products more: 12 u. Into the body: the matrix of one
+///    quaternion 27 u (19 for its entries, 8 for the square of its norm), the product 6 u. Heights
+///    over the arm of a pivot 3 u. Together 48 u of the reach.
+/// 2. The pivots: a product with that matrix 33 u, two sums 2 u; the difference of the translations
+///    u. Products with the normal and with its derivatives 9 u.
+/// 3. Sums of at most five terms, and from square to cube, 8 u; the length of the normal, 3 u,
+///    times the distance to keep.
+pub(crate) const PLANE: f64 = 64.0 * UNIT;
+
+/// Error of the coefficients of a cubic that is cut four times: each cut is three rounds of two
+/// products and a sum, 3 UNIT each, so 36 UNIT of the largest.
+pub(crate) const BERNSTEIN: f64 = 64.0 * UNIT;
+
+/// Relative error of a root: a position between two coefficients errs by at most 8 UNIT of itself,
+/// a position composed of four parts by as much again; and a time composed of a start and such a
+/// part of an interval, by less than the rest.
+pub(crate) const ROOT: f64 = 32.0 * UNIT;
+
+/// Error of the height of a polyhedron, in units of the 1-norm of the direction and of its radius:
+/// the product with a vertex errs by 3 UNIT, the product with the centre of the ball by as much,
+/// the difference by 1.
+pub(crate) const HEIGHT: f64 = 8.0 * UNIT;
+
+/// Squares and products of the flight of two balls err by at most 10 UNIT of the squares of their
+/// distance and of the sum of their radii; this much, `2^-40`, is counted to the square of the
+/// radii, and settles the signs and the root that follow.
+pub(crate) const BALLS: f64 = 1.0 / (1u64 << 40) as f64;
+
+/// Relative reduction of a number of ticks, `2^-30`: a quotient errs by UNIT, and a clock that adds
+/// up ticks by UNIT a tick, with fewer than `2^20` ticks in any useful bound.
+pub(crate) const TICK: f64 = 1.0 / (1u64 << 30) as f64;
+
+/// Increase of the half extents of a box of a composite before rounding up to f32, in units of the
+/// tree's size (2 at most, counted in) and of the farthest coordinate over it: a vertex shifted to
+/// the tree's origin errs by UNIT of that coordinate; its difference from the centre by UNIT; a
+/// dual axis, of stored axes that are orthonormal within 8 UNIT_SINGLE, by 8 UNIT (a cross product
+/// 3, a determinant 4, a quotient 1), and the product with it by 3: all of lengths up to 4. Sum:
+/// below 4 (1 + 8 + 3) + 2.
+pub(crate) const BOX_EXTENT: f64 = 64.0 * UNIT;
+
+/// Error of a gap of two boxes of a composite in f32, in units of their pair's size L: the reaches
+/// of both trees and the distance of their origins. With v = UNIT_SINGLE, `r` a box's reach, `h`
+/// its half extents (`|h| <= sqrt(3) r`):
+///
+/// 1. The matrix and the shift are rounded once: 1.8 v of lengths of B, v of the shift. A product
+///    with the matrix adds `3 sqrt(3)` v: axes of B err by 7 v, its centre by 7 v r; two sums more,
+///    so the difference of the centres by 10 v L.
+/// 2. Along the line of centres: the length errs by 10 v L and 4 v of itself; `h . |a . d|` by the
+///    10 v of the difference, 3 of the product, 3 of the sum and 2 of the quotient, times `h` of A;
+///    the same and 7 for the axes of B. The direction as rounded is longer than one by 4 v at most.
+///    Sum: below 14 L + 18 sqrt(3) rA + 25 sqrt(3) rB, with rA + rB <= L: below 58 v L.
+/// 3. Along an excess vector e: products of axes err by 10 v each, by `30 v` as a matrix; `e . d`
+///    by 16 v L |e|; the box's own part by 7 v h for axes that are orthonormal within 2 v, and 4
+///    more; the part of the other box by 33 v h; the root and the quotient by 5 v. Sum: below 16 L
+///    + 11 sqrt(3) rA + 33 sqrt(3) rB + 5 L, below 79 v L.
+/// 4. An entry of a front: the placed centre errs by 10 v L, its product with n by 4 v L; the
+///    radius times the turning, at most 3 r, by 7 v L with its sum; base and sum are below 6 L:
+///    together below 33 v L when the entry is made and as much when the entry is tested.
+///
+/// 80 would do for 2 and 3, and 66 for 4.
+pub(crate) const BOXES: f64 = 96.0 * UNIT_SINGLE;
+
+/// Reduction of an entry of a front if the turning is taken into the entry, in units of the front's
+/// error, 96 v L: a product and two differences of numbers below 6 L, 18 v L, and room.
+pub(crate) const REBASED: f32 = 0.25;
+
+/// Error of the turning between two poses: both matrices err by `71 UNIT` in norm (see
+/// [`CERTIFICATE`](super::CERTIFICATE)), their difference by `174 UNIT` over the root of 2 (see
+/// [`DISPLACEMENT`](super::DISPLACEMENT)), and 8 UNIT of itself; f32 rounds the sum by 2^-24 of at
+/// most 3, which `BOXES` counts.
+pub(crate) const TURNED: f64 = 256.0 * UNIT;
+
+/// Largest shortfall of a gap in f64 below the distance, in units of L, at which a pair of nodes or
+/// triangles of a composite still passes: pairs in flush contact are all equally far, up to
+/// rounding, and no pair could be skipped. With [`CERTIFICATE`](super::CERTIFICATE) above and
+/// below, the bounds are no wider than `512 + 2 * 128 = 768` UNIT L, less than `1e-13 L`, 900.
+pub(crate) const SHORT_OF: f64 = 512.0 * UNIT;
