@@ -246,6 +246,8 @@ const MAY_USE: &[(&str, &[&str])] = &[
         "separation",
         &[
             "separation",
+            "shape",
+            "shape_tracker",
             "tracker",
             "minimum",
             "pair",

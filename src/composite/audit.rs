@@ -1,4 +1,5 @@
-//! A check of what a tracker keeps, for debugging: every claim of the front against all corners below it, and that it covers all pairs.
+//! A check of what a tracker keeps, for debugging: every claim of the front against all corners
+//! below it, and that it covers all pairs.
 
 use alloc::collections::BTreeMap;
 
@@ -72,7 +73,8 @@ pub(super) fn audit(front: &Front, a: &Mesh, b: &Mesh, frame: &Frame) -> Result<
     }
 }
 
-/// The gap of all corners below two nodes along a direction that is nearly unit. A claim whose direction is all zero is none.
+/// The gap of all corners below two nodes along a direction that is nearly unit. A claim whose
+/// direction is all zero is none.
 fn true_gap(a: &Mesh, b: &Mesh, frame: &Frame, [x, y]: Pair, n: &Vector3<f64>) -> f64 {
     let length = sqrt(n.norm_squared());
     if length == 0.0 {

@@ -1,9 +1,11 @@
 //! Lower bounds of the distance of eight pairs of boxes at once.
 //!
-//! Three directions are tried: the line of centres, and the excess vector in the axes of either box, whose coordinates say by how much
-//! the centres are farther apart along an axis than both boxes reach. The best of the three is 5 to 20 % above the least number of pairs
-//! that the exact distance of boxes would leave. The gap along each direction is taken of the axes as stored, so that it is a proof
-//! whether or not they are orthonormal. The error term is [`BOXES`](crate::tolerance::BOXES).
+//! Three directions are tried: the line of centres, and the excess vector in the axes of either
+//! box, whose coordinates say by how much the centres are farther apart along an axis than both
+//! boxes reach. The best of the three is 5 to 20 % above the least number of pairs that the exact
+//! distance of boxes would leave. The gap along each direction is taken of the axes as stored, so
+//! that it is a proof whether or not they are orthonormal. The error term is
+//! [`BOXES`](crate::tolerance::BOXES).
 
 use wide::f32x8;
 
@@ -87,8 +89,9 @@ fn combined(w: [f32x8; 3], v: &[[f32x8; 3]; 3]) -> [f32x8; 3] {
     ]
 }
 
-/// The gap along an excess vector, and its length: coordinates of the centres' difference in the axes of one box, half extents of that
-/// box and of the other, and the products of the axes, by the axis of the first.
+/// The gap along an excess vector, and its length: coordinates of the centres' difference in the
+/// axes of one box, half extents of that box and of the other, and the products of the axes, by the
+/// axis of the first.
 #[inline(always)]
 fn excess(d: [f32x8; 3], h: [f32x8; 3], g: [f32x8; 3], m: &[[f32x8; 3]; 3]) -> (f32x8, f32x8, [f32x8; 3]) {
     let over = [d[0].abs() - h[0], d[1].abs() - h[1], d[2].abs() - h[2]];

@@ -1,4 +1,5 @@
-//! A pair of trees at one relative pose: the maps between the frames, in both precisions, with the errors of each.
+//! A pair of trees at one relative pose: the maps between the frames, in both precisions, with the
+//! errors of each.
 
 use nalgebra::{Matrix3, Vector3};
 use wide::f32x8;
@@ -19,7 +20,8 @@ pub(super) struct Side<'a> {
     pub(super) radius: f64,
 }
 
-/// Sizes beyond this, in the unit of single precision, are left to double precision. Squares stay far inside the range of f32.
+/// Sizes beyond this, in the unit of single precision, are left to double precision. Squares stay
+/// far inside the range of f32.
 const SINGLE_MOST: f32 = (1u64 << 30) as f32;
 
 /// Lengths that vanish in the products of single precision are below this.
@@ -56,7 +58,8 @@ pub(super) struct Single {
 }
 
 impl Frame {
-    /// `None` where the bodies are so far apart, or so small, that squares of lengths leave the range of f64.
+    /// `None` where the bodies are so far apart, or so small, that squares of lengths leave the
+    /// range of f64.
     pub(super) fn new(a: Side, b: Side, pose: &RelativePose) -> Option<Self> {
         let scale = power_of_two((b.exponent - a.exponent).clamp(-1000, 1000));
         let rotation = pose.rotation();
@@ -112,7 +115,8 @@ impl Single {
         let shift = (matrix * b.tree.centre + translation - a.tree.centre) / unit;
         let (near, r) = (shift.map(|x| x as f32), rotation.map(|x| x as f32));
         let reach = a.tree.reach * scale_a + b.tree.reach * scale_b + sqrt(shift.norm_squared()) as f32;
-        // The second: the shift's own error where bodies are far from their origins, and scales that vanish.
+        // The second: the shift's own error where bodies are far from their origins, and scales
+        // that vanish.
         let error = BOXES as f32 * reach + (2.0 * CERTIFICATE * UNIT * size / unit) as f32 + LEAST;
         Self {
             unit,
@@ -125,7 +129,8 @@ impl Single {
     }
 }
 
-/// The distance of two bodies' origins in the caller's unit, by how much that of the bodies may differ, and the direction.
+/// The distance of two bodies' origins in the caller's unit, by how much that of the bodies may
+/// differ, and the direction.
 pub(super) fn far(a: Side, b: Side, pose: &RelativePose) -> (f64, f64, Vector3<f64>) {
     let sixteenth = pose.translation_sixteenth();
     let length = sixteenth.amax();

@@ -1,10 +1,12 @@
 //! The front of the last answer: pairs of nodes, each with the direction that proved it far enough.
 //!
-//! Let the points below B's node lie in the ball of radius rho about c, in B's frame, and let the gap along the unit direction n (A's
-//! frame) be at least g at the pose (R0, t0). Then at (R1, t1) it is at least
-//! `g + n . (R1 c + t1) - n . (R0 c + t0) - rho |R1 - R0|`, because `n . R1 v >= n . R0 v - |R1 - R0| |v|`. Sums of `|R1 - R0|` over frames
-//! bound that norm ([`Front::turn`]). So an entry is eight numbers, and its test 16 products; nothing of A moves, since n is in A's
-//! frame. A budget of path length instead of a direction fails ten times as often.
+//! Let the points below B's node lie in the ball of radius rho about c, in B's frame, and let the
+//! gap along the unit direction n (A's frame) be at least g at the pose (R0, t0). Then at (R1, t1)
+//! it is at least `g + n . (R1 c + t1) - n . (R0 c + t0) - rho |R1 - R0|`, because
+//! `n . R1 v >= n . R0 v - |R1 - R0| |v|`. Sums of `|R1 - R0|` over frames bound that norm
+//! ([`Front::turn`]). So an entry is eight numbers, and its test 16 products; nothing of A moves,
+//! since n is in A's frame. A budget of path length instead of a direction fails ten times as
+//! often.
 
 use alloc::vec::Vec;
 use nalgebra::Matrix3;
@@ -32,7 +34,8 @@ pub(super) struct Front {
     /// The rotation of the last test, and how much the body turned since the entries' common zero.
     rotation: Option<Matrix3<f64>>,
     turn: f64,
-    /// The largest error of single precision since the front was empty: entries carry the rounding of the pose at which they were made.
+    /// The largest error of single precision since the front was empty: entries carry the rounding
+    /// of the pose at which they were made.
     error: f32,
     /// Entries at the last cut.
     pub(super) cut: usize,
@@ -84,7 +87,8 @@ impl Front {
         self.turn = 0.0;
     }
 
-    /// Calls `failed` with the number of every entry that is not proven to be at least `distance` apart, in rising order.
+    /// Calls `failed` with the number of every entry that is not proven to be at least `distance`
+    /// apart, in rising order.
     pub(super) fn test(&self, frame: &Single, distance: f32, mut failed: impl FnMut(usize)) {
         let level = f32x8::splat(distance + self.error);
         let turn = f32x8::splat(self.turn as f32);

@@ -1,10 +1,12 @@
 //! Inside or outside of a closed mesh, by exact winding numbers.
 //!
-//! A segment from the point to a place outside the bounding box crosses the mesh; crossings count +1 outward and -1 inward, which is right
-//! for parts that overlap or lie in each other, where parity and the normal of the nearest triangle are not. Every sign is an exact
-//! predicate; where one is zero, another segment is taken.
+//! A segment from the point to a place outside the bounding box crosses the mesh; crossings count
+//! +1 outward and -1 inward, which is right for parts that overlap or lie in each other, where
+//! parity and the normal of the nearest triangle are not. Every sign is an exact predicate; where
+//! one is zero, another segment is taken.
 //!
-//! Source: the winding number by signed crossings is classical; orientation predicates: Shewchuk 1997.
+//! Source: the winding number by signed crossings is classical; orientation predicates: Shewchuk
+//! 1997.
 
 use alloc::vec;
 use nalgebra::Vector3;
@@ -15,12 +17,13 @@ use crate::num::sign;
 use crate::polyhedron::{exponent_of, power_of_two};
 use crate::tolerance::{FLUSH_EXPONENT, UNIT_SINGLE};
 
-/// Segments tried. A first zero is rare already, and the ends are in general position against anything made of round numbers.
+/// Segments tried. A first zero is rare already, and the ends are in general position against
+/// anything made of round numbers.
 const SEGMENTS: usize = 24;
 
 impl Mesh {
-    /// The winding number about a point in stored coordinates that does not lie on the surface. `None` if every segment met an edge or
-    /// passed through a vertex.
+    /// The winding number about a point in stored coordinates that does not lie on the surface.
+    /// `None` if every segment met an edge or passed through a vertex.
     pub(super) fn winding(&self, point: &Vector3<f64>) -> Option<i32> {
         let flush = power_of_two(exponent_of(self.radius) - FLUSH_EXPONENT);
         let p = point.map(|x| if x.abs() < flush { 0.0 } else { x });
@@ -103,7 +106,8 @@ impl Mesh {
     }
 }
 
-/// +1 if the segment leaves through a triangle, -1 if it enters, 0 if it misses; `None` if it meets an edge or the plane at an end.
+/// +1 if the segment leaves through a triangle, -1 if it enters, 0 if it misses; `None` if it meets
+/// an edge or the plane at an end.
 fn crossing([a, b, c]: &[Vector3<f64>; 3], from: &Vector3<f64>, to: &Vector3<f64>) -> Option<i32> {
     let turns = [
         sign::side(from, to, a, b),
@@ -137,7 +141,8 @@ impl Segment {
         }
     }
 
-    /// Whether the segment certainly misses a box: apart along one of its axes, or along the normal of one and the segment.
+    /// Whether the segment certainly misses a box: apart along one of its axes, or along the normal
+    /// of one and the segment.
     fn misses(&self, b: &OrientedBox) -> bool {
         let offset = self.middle - b.centre();
         let (mut m, mut e) = (Vector3::zeros(), Vector3::zeros());

@@ -8,8 +8,8 @@ use super::front::{Front, Pair};
 use super::search::{Judge, MeshWork, Search};
 use crate::num::scalar::sqrt;
 
-/// Motions up to this, as the norm of the difference of rotations and as a part of L, are worth a front: some 2.4 degrees. Not a
-/// matter of soundness.
+/// Motions up to this, as the norm of the difference of rotations and as a part of L, are worth a
+/// front: some 2.4 degrees. Not a matter of soundness.
 const NEAR: f64 = 1.0 / 24.0;
 
 /// Motions beyond this begin anew. Not a matter of soundness.
@@ -82,7 +82,8 @@ impl Kept {
         }
     }
 
-    /// How far the pose is from that of the last query: the norm of the difference of rotations, the shift as a part of L.
+    /// How far the pose is from that of the last query: the norm of the difference of rotations,
+    /// the shift as a part of L.
     fn motion(&self, frame: &Frame) -> f64 {
         self.pose.as_ref().map_or(f64::INFINITY, |(r, t)| {
             let turn = sqrt(0.5 * (frame.rotation - r).norm_squared());

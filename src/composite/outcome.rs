@@ -38,14 +38,15 @@ impl core::fmt::Display for MeshSpot {
 
 /// The closest points of two bodies, with proof.
 ///
-/// The distance is that of the bodies as sets of points: zero if they share one. A solid holds its inside, so a body within a solid is
-/// at distance zero. No depth is returned here.
+/// The distance is that of the bodies as sets of points: zero if they share one. A solid holds its
+/// inside, so a body within a solid is at distance zero. No depth is returned here.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct MeshOutcome {
-    /// Which side of contact. Surfaces have no inside, so a pair with one is never [`Class::Overlapping`]; [`Class::Undecided`] if no
-    /// segment from a vertex to the outside avoids all edges of the other mesh.
+    /// Which side of contact. Surfaces have no inside, so a pair with one is never
+    /// [`Class::Overlapping`]; [`Class::Undecided`] if no segment from a vertex to the outside
+    /// avoids all edges of the other mesh.
     pub class: Class,
     /// The distance, between the bounds; zero for bodies that share a point.
     pub distance: f64,
@@ -61,7 +62,8 @@ pub struct MeshOutcome {
     pub point_on_a: Point3<f64>,
     /// The witness on B, in B's frame.
     pub point_on_b: Point3<f64>,
-    /// Unit direction from A to B, in A's frame, along which the closest triangles are proven apart.
+    /// Unit direction from A to B, in A's frame, along which the closest triangles are proven
+    /// apart.
     pub normal: Unit<Vector3<f64>>,
 }
 

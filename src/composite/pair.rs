@@ -48,7 +48,8 @@ impl<'a> MeshPair<'a> {
         (spot(self.a, i, spots[0]), spot(self.b, j, spots[1]))
     }
 
-    /// Two triangles as polygons, and the answer of the certified query for them, in A's stored units.
+    /// Two triangles as polygons, and the answer of the certified query for them, in A's stored
+    /// units.
     #[cold]
     fn settle(&mut self, frame: &Frame, pair: Pair, found: &Closest) -> Option<Measured<[Spot; 2]>> {
         self.settled += 1;
@@ -78,7 +79,8 @@ impl<'a> MeshPair<'a> {
         Some((polygon(self.a, i)?, polygon(self.b, j)?))
     }
 
-    /// Decides exactly (feature `exact`) whether two triangles are within the distance in question, where the bounds do not.
+    /// Decides exactly (feature `exact`) whether two triangles are within the distance in question,
+    /// where the bounds do not.
     fn decide(&mut self, frame: &Frame, m: &mut Measured<[Spot; 2]>) {
         let Some(d) = self.within else { return };
         let stored = d / self.a.unit();
@@ -131,8 +133,8 @@ fn gap(p: &Triangle, q: &Triangle, n: &Vector3<f64>) -> f64 {
     low - high
 }
 
-/// Directions that the triangles themselves give, the likelier first: outward from either, as flush triangles have them; perpendicular to
-/// both features.
+/// Directions that the triangles themselves give, the likelier first: outward from either, as flush
+/// triangles have them; perpendicular to both features.
 fn candidates(p: &Triangle, q: &Triangle, found: &Closest) -> [Vector3<f64>; 4] {
     let edge = |t: &Triangle, k: u8| t[(k as usize + 1) % 3] - t[k as usize % 3];
     let (of_p, of_q) = (triangle::normal(p), triangle::normal(q));

@@ -26,8 +26,8 @@ pub(super) trait Judge {
     /// Takes note of two items at distance zero, up to rounding.
     fn touches(&mut self, _: Pair) {}
 
-    /// The distance of two items, with bounds that are proven: the lower one at most the frame's `tie` below the lesser of the distance
-    /// and `known`, if any arithmetic can.
+    /// The distance of two items, with bounds that are proven: the lower one at most the frame's
+    /// `tie` below the lesser of the distance and `known`, if any arithmetic can.
     fn measure(&mut self, frame: &Frame, pair: Pair, known: f64) -> Measured<Self::Features>;
 }
 
@@ -182,7 +182,8 @@ impl<'a, J: Judge> Search<'a, J> {
         result
     }
 
-    /// Whether a gap in double precision, error taken off, lets a pair pass; if so, it is remembered.
+    /// Whether a gap in double precision, error taken off, lets a pair pass; if so, it is
+    /// remembered.
     #[inline(always)]
     fn passes(&mut self, gap: f64) -> bool {
         let passes = match self.goal {
@@ -232,13 +233,15 @@ impl<'a, J: Judge> Search<'a, J> {
 
     /// A direction and a gap in double precision, as an entry of the front keeps them.
     fn proof(&self, n: &Vector3<f64>, gap: f64) -> Proof {
-        // Rounding the direction moves heights by v L, the gap by v of itself: the error of single precision is far more.
+        // Rounding the direction moves heights by v L, the gap by v of itself: the error of single
+        // precision is far more.
         let gap = (gap / self.frame.single.unit) as f32 - self.frame.single.error;
         ([n.x as f32, n.y as f32, n.z as f32], gap)
     }
 
-    /// The gap of two nodes along a direction in double precision, error taken off: by boxes and slabs, and where that is short by no more
-    /// than single precision can hide, by the corners of small nodes themselves.
+    /// The gap of two nodes along a direction in double precision, error taken off: by boxes and
+    /// slabs, and where that is short by no more than single precision can hide, by the corners of
+    /// small nodes themselves.
     fn look(&mut self, [x, y]: Pair, n: &Vector3<f64>) -> f64 {
         self.work.looks += 1;
         let in_b = self.frame.direction_in_b(n);
@@ -264,8 +267,9 @@ impl<'a, J: Judge> Search<'a, J> {
         low + lift - high
     }
 
-    /// Judges all items of two leaves: along the best direction so far, along the boxes' own, by measuring. The proof returned is the
-    /// best single direction, whether it proves the pair far enough or not.
+    /// Judges all items of two leaves: along the best direction so far, along the boxes' own, by
+    /// measuring. The proof returned is the best single direction, whether it proves the pair far
+    /// enough or not.
     fn judge_leaves(&mut self, pair: Pair, normal: [f32; 3]) -> Proof {
         self.work.leaves += 1;
         let (Below::Leaf(i, m), Below::Leaf(j, n)) = (self.a.below(pair[0]), self.b.below(pair[1])) else {
@@ -323,7 +327,8 @@ impl<'a, J: Judge> Search<'a, J> {
         }
     }
 
-    /// Splits the pairs on the stack until each is proven, nearest first. Proven pairs go to the front, if one is kept.
+    /// Splits the pairs on the stack until each is proven, nearest first. Proven pairs go to the
+    /// front, if one is kept.
     pub(super) fn descend(&mut self, stack: &mut Vec<Pair>, mut front: Option<&mut Front>) {
         while !stack.is_empty() && !self.is_over() {
             let mut halves = [[0; 2]; 2 * AT_ONCE];
@@ -487,7 +492,8 @@ fn height(tree: &Tree, node: u32, n: &Vector3<f64>) -> f64 {
         n.dot(&centre) + (x + y + z) * unit
     };
     match tree.slab(node) {
-        // n = s m + rest: the slab bounds what m contributes, the box the rest, which is next to nothing where n is m.
+        // n = s m + rest: the slab bounds what m contributes, the box the rest, which is next to
+        // nothing where n is m.
         Some(slab) => {
             let s = n.dot(&slab.normal);
             let end = if s > 0.0 { slab.high } else { slab.low };

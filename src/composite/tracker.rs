@@ -16,9 +16,11 @@ use crate::motion::BallAtPose;
 use crate::pair::outcome::{Class, Distance};
 use crate::pose::{Operand, RelativePose};
 
-/// The front of the last answer for one pair of meshes, from which the next query starts, and counters.
+/// The front of the last answer for one pair of meshes, from which the next query starts, and
+/// counters.
 ///
-/// Owns no mesh. What is kept changes time, never an answer: a tracker that comes from another pair, or is out of date, is allowed.
+/// Owns no mesh. What is kept changes time, never an answer: a tracker that comes from another
+/// pair, or is out of date, is allowed.
 ///
 /// ```
 /// use lin_canny::nalgebra::{Isometry3, Vector3};
@@ -79,14 +81,15 @@ impl MeshTracker {
         self.kept.front.len()
     }
 
-    /// Returns the front that is kept: pairs of nodes of A's and B's trees that are proven farther apart than the distance, under which every
-    /// pair of triangles lies. [`Mesh::node_box`] returns their boxes.
+    /// Returns the front that is kept: pairs of nodes of A's and B's trees that are proven farther
+    /// apart than the distance, under which every pair of triangles lies. [`Mesh::node_box`]
+    /// returns their boxes.
     pub fn front(&self) -> impl ExactSizeIterator<Item = [u32; 2]> + '_ {
         (0..self.kept.front.len()).map(|k| self.kept.front.pair(k))
     }
 
-    /// Checks the front that is kept against all corners, at the pose of the last [`closest`](Self::closest): for debugging, in time that is
-    /// entries times triangles.
+    /// Checks the front that is kept against all corners, at the pose of the last
+    /// [`closest`](Self::closest): for debugging, in time that is entries times triangles.
     ///
     /// # Errors
     ///
@@ -123,8 +126,9 @@ impl MeshTracker {
         *self = Self::default();
     }
 
-    /// Returns the closest points with bounds of the distance: for bodies apart no wider than `1e-13 L`, with `L` the sum of both radii
-    /// about the bodies' own origins and the distance of these.
+    /// Returns the closest points with bounds of the distance: for bodies apart no wider than
+    /// `1e-13 L`, with `L` the sum of both radii about the bodies' own origins and the distance of
+    /// these.
     pub fn closest(&mut self, a: &Mesh, b: &Mesh, a_from_b: &RelativePose) -> MeshOutcome {
         self.recognise(a, b);
         self.kept.work.queries += 1;
@@ -142,13 +146,14 @@ impl MeshTracker {
         Distance::from(&self.closest(a, b, a_from_b))
     }
 
-    /// Returns whether the bodies share a point; touching counts. Exact with the feature `exact`; without it ties count as touching.
+    /// Returns whether the bodies share a point; touching counts. Exact with the feature `exact`;
+    /// without it ties count as touching.
     pub fn intersects(&mut self, a: &Mesh, b: &Mesh, a_from_b: &RelativePose) -> bool {
         self.within(a, b, a_from_b, 0.0)
     }
 
-    /// Returns whether the bodies are at most `d` apart. Exact with the feature `exact`; without it ties count as within. False for a
-    /// negative `d` and for NaN.
+    /// Returns whether the bodies are at most `d` apart. Exact with the feature `exact`; without it
+    /// ties count as within. False for a negative `d` and for NaN.
     pub fn within(&mut self, a: &Mesh, b: &Mesh, a_from_b: &RelativePose, d: f64) -> bool {
         if !(d >= 0.0) {
             return false;
@@ -172,8 +177,8 @@ impl MeshTracker {
         is_within || !matches!(self.inside(a, b, &frame), Inside::No)
     }
 
-    /// Returns a lower bound of the distance in one pass over what is kept, without looking for the closest pair; zero where nothing
-    /// better is known.
+    /// Returns a lower bound of the distance in one pass over what is kept, without looking for the
+    /// closest pair; zero where nothing better is known.
     pub fn lower_bound(&mut self, a: &Mesh, b: &Mesh, a_from_b: &RelativePose) -> f64 {
         self.recognise(a, b);
         let (Some(frame), false) = (Frame::new(side(a), side(b), a_from_b), self.kept.front.is_empty()) else {
@@ -293,8 +298,9 @@ impl MeshTracker {
         Inside::No
     }
 
-    /// Whether one of the triangles in contact has its middle certainly inside the other solid. Middles on their own side of the plane of
-    /// contact are not looked at: in flush contact none is left.
+    /// Whether one of the triangles in contact has its middle certainly inside the other solid.
+    /// Middles on their own side of the plane of contact are not looked at: in flush contact none
+    /// is left.
     fn shares_inside(&mut self, a: &Mesh, b: &Mesh, frame: &Frame, found: &Found) -> bool {
         let Some(best) = &found.best else { return false };
         let ratio = a.unit() / b.unit();
@@ -323,7 +329,8 @@ fn place(b: &Mesh, frame: &Frame) -> BallAtPose {
     )
 }
 
-/// Bodies so far apart, or so small beside their distance, that only balls about their origins count.
+/// Bodies so far apart, or so small beside their distance, that only balls about their origins
+/// count.
 fn far(a: &Mesh, b: &Mesh, pose: &RelativePose) -> MeshOutcome {
     let (distance, slack, normal) = super::frame::far(side(a), side(b), pose);
     let lower = (distance - slack).max(0.0);

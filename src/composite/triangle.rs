@@ -1,13 +1,15 @@
 //! The distance of two triangles: a proposal by closed formulas, with the features it lies on.
 //!
-//! Two disjoint triangles are closest at two edges, or at a vertex and the inside of the other triangle. In the second case the whole
-//! triangle of the vertex lies beyond the plane through it, so it is the vertex nearest the other plane; of several that are equally
-//! near, an edge is parallel to the plane, and where one of its ends lies over the triangle and the other does not, an edge pair is as
-//! close. What is proposed is judged by the caller along its own directions.
+//! Two disjoint triangles are closest at two edges, or at a vertex and the inside of the other
+//! triangle. In the second case the whole triangle of the vertex lies beyond the plane through it,
+//! so it is the vertex nearest the other plane; of several that are equally near, an edge is
+//! parallel to the plane, and where one of its ends lies over the triangle and the other does not,
+//! an edge pair is as close. What is proposed is judged by the caller along its own directions.
 
 use nalgebra::Vector3;
 
-/// A feature of a triangle by the number of its corner, of its edge (from the corner of that number to the next), or the inside.
+/// A feature of a triangle by the number of its corner, of its edge (from the corner of that number
+/// to the next), or the inside.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Spot {
     Vertex(u8),
@@ -111,7 +113,8 @@ fn spot(edge: usize, s: f64) -> Spot {
     }
 }
 
-/// The foot of the corner of `x` nearest the plane of `y`, where it is closer than what is known and lies in `y`.
+/// The foot of the corner of `x` nearest the plane of `y`, where it is closer than what is known
+/// and lies in `y`.
 #[inline(always)]
 fn foot(x: &Triangle, heights: &[f64; 3], y: &Triangle, n: &Vector3<f64>, swapped: bool, best: &mut Closest) {
     let square = n.norm_squared();
@@ -174,14 +177,16 @@ fn crossing(x: &Triangle, heights: &[f64; 3], y: &Triangle, n: &Vector3<f64>) ->
     })
 }
 
-/// Whether two triangles certainly cross, each of whose corners may be off its place by `error`: an edge of one has its ends on
-/// different sides of the other and passes inside its three edges, each sign beyond doubt.
+/// Whether two triangles certainly cross, each of whose corners may be off its place by `error`: an
+/// edge of one has its ends on different sides of the other and passes inside its three edges, each
+/// sign beyond doubt.
 ///
-/// A determinant of three differences up to `s` of points that are each off by `error` is off by `6 error s^2` to first order, its
-/// rounding by `14 UNIT s^3`; `error` is more than `64 UNIT s`.
+/// A determinant of three differences up to `s` of points that are each off by `error` is off by
+/// `6 error s^2` to first order, its rounding by `14 UNIT s^3`; `error` is more than `64 UNIT s`.
 pub(super) fn certainly_cross(p: &Triangle, q: &Triangle, error: f64) -> bool {
     let s = p.iter().chain(q).fold(0.0, |m: f64, x| m.max((x - p[0]).amax()));
-    // Differences between any two of the six are at most twice the largest from one of them, and 1.8 times their largest coordinate.
+    // Differences between any two of the six are at most twice the largest from one of them, and
+    // 1.8 times their largest coordinate.
     let doubt = 8.0 * error * (4.0 * s) * (4.0 * s);
     let volume =
         |a: &Vector3<f64>, b: &Vector3<f64>, c: &Vector3<f64>, d: &Vector3<f64>| (b - a).cross(&(c - a)).dot(&(d - a));

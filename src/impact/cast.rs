@@ -9,7 +9,8 @@ use crate::pose::{PoseError, RelativePose};
 use crate::separation::{Flight, Measure, Separation};
 use crate::tolerance::ROOT;
 
-/// Looks that a cast may take. Seen: at most 21 up to a turn, thousands where gears turn a hundred times a hair apart.
+/// Looks that a cast may take. Seen: at most 21 up to a turn, thousands where gears turn a hundred
+/// times a hair apart.
 const LOOKS: u32 = 20_000;
 
 /// The part of the tolerance that looks aim at as a gap, and the proof behind it as a depth.
@@ -94,7 +95,8 @@ impl<S: Separation + ?Sized, A: Motion + ?Sized, B: Motion + ?Sized> Search<'_, 
         }
     }
 
-    /// One look: a hit if the pair is near enough for a proof, else a step as far as a plane proves it.
+    /// One look: a hit if the pair is near enough for a proof, else a step as far as a plane proves
+    /// it.
     fn step(
         &mut self,
         time: f64,
@@ -144,7 +146,8 @@ impl<S: Separation + ?Sized, A: Motion + ?Sized, B: Motion + ?Sized> Search<'_, 
     fn allowed(&self, seen: &Measure, flight: &Flight) -> f64 {
         match self.tolerance {
             Tolerance::Distance(length) => length,
-            // The way that the witnesses come nearer in half that time, at the pace of the way that is left.
+            // The way that the witnesses come nearer in half that time, at the pace of the way that
+            // is left.
             Tolerance::Time(width) => {
                 let gap = seen.upper - self.distance;
                 flight

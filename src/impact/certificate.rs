@@ -25,10 +25,11 @@ pub struct Certificate {
 }
 
 impl Certificate {
-    /// Returns the normal of the plane at a time, in the world, from A to B; `None` if no plane proves the certificate.
+    /// Returns the normal of the plane at a time, in the world, from A to B; `None` if no plane
+    /// proves the certificate.
     ///
-    /// All of A is below all of B along it, by more than [`distance`](Self::distance), from `from` until `until`: which is
-    /// checked by looking at every vertex.
+    /// All of A is below all of B along it, by more than [`distance`](Self::distance), from `from`
+    /// until `until`: which is checked by looking at every vertex.
     #[must_use]
     pub fn normal(&self, time: f64) -> Option<Vector3<f64>> {
         let Proof::Plane { normal, spin } = self.proof else {
@@ -37,8 +38,8 @@ impl Certificate {
         Some(UnitQuaternion::from_scaled_axis(spin * (time - self.from)) * normal)
     }
 
-    /// Returns the gap of the shapes along the plane at a time, by the support points of the pair; `None` if no plane proves the
-    /// certificate.
+    /// Returns the gap of the shapes along the plane at a time, by the support points of the pair;
+    /// `None` if no plane proves the certificate.
     pub fn gap<S, A, B>(&self, pair: &mut S, motion_a: &A, motion_b: &B, time: f64) -> Option<f64>
     where
         S: Separation + ?Sized,
@@ -114,10 +115,11 @@ where
     })
 }
 
-/// Returns until when shapes that overlap now, at least `depth` deep, are proven to overlap still: the begin of the interval if
-/// nothing is proven.
+/// Returns until when shapes that overlap now, at least `depth` deep, are proven to overlap still:
+/// the begin of the interval if nothing is proven.
 ///
-/// A motion that moves no point of one shape, seen from the other, by more than `m` changes the depth by at most `m`.
+/// A motion that moves no point of one shape, seen from the other, by more than `m` changes the
+/// depth by at most `m`.
 ///
 /// # Errors
 /// An interval or a depth that is none, or a motion that leaves the range of poses.

@@ -1,7 +1,8 @@
 //! Time of impact: when two moving shapes first meet, proven from both sides.
 //!
-//! A cast returns a bracket, never an estimate: the shapes are apart at every instant up to `safe`, and meet at `hit`. A miss is
-//! proven for every instant of the interval, and what could not be decided has a name ([`Impact::Unknown`], [`Impact::Near`]).
+//! A cast returns a bracket, never an estimate: the shapes are apart at every instant up to `safe`,
+//! and meet at `hit`. A miss is proven for every instant of the interval, and what could not be
+//! decided has a name ([`Impact::Unknown`], [`Impact::Near`]).
 //!
 //! ```
 //! use lin_canny::impact::{self, Impact, Tolerance};
@@ -24,31 +25,39 @@
 //!
 //! # How
 //!
-//! 1. **Balls**: as long as the balls about the pivots are apart no shape is looked at. Most misses end here.
-//! 2. **Planes**: a look measures the pair and bounds how long a separating plane, which turns as the closest features do, stays between
-//!    the shapes ([`separation`](crate::separation)); the next look is at the end of that time. Looks converge quadratically: three to
-//!    five for a hit, whatever the tolerance.
-//! 3. **Proof**: looks aim at a gap of a part of the tolerance, never at contact itself, where a query is ten times as dear. From there
-//!    the cast steps over contact to a depth of as much, and proves that overlap by one predicate.
-//! 4. What grazes is looked at with ever smaller tolerances, until it is proven to hit or to miss, or rounding ends it as `Near`.
+//! 1. **Balls**: as long as the balls about the pivots are apart no shape is looked at. Most misses
+//!    end here.
+//! 2. **Planes**: a look measures the pair and bounds how long a separating plane, which turns as
+//!    the closest features do, stays between the shapes ([`separation`](crate::separation)); the
+//!    next look is at the end of that time. Looks converge quadratically: three to five for a hit,
+//!    whatever the tolerance.
+//! 3. **Proof**: looks aim at a gap of a part of the tolerance, never at contact itself, where a
+//!    query is ten times as dear. From there the cast steps over contact to a depth of as much, and
+//!    proves that overlap by one predicate.
+//! 4. What grazes is looked at with ever smaller tolerances, until it is proven to hit or to miss,
+//!    or rounding ends it as `Near`.
 //!
 //! # What is proven
 //!
-//! *Apart* is meant twice: of the motions themselves, over the reals, and of the poses that [`Motion::pose`] places at any f64 of the
-//! interval up to `safe`. *Meets* is meant of the poses placed at `hit`.
+//! *Apart* is meant twice: of the motions themselves, over the reals, and of the poses that
+//! [`Motion::pose`] places at any f64 of the interval up to `safe`. *Meets* is meant of the poses
+//! placed at `hit`.
 //!
 //! # When not to use it
 //!
-//! A pair whose velocities change at every step for reasons unknown (contact solvers, input) is better served by a distance and a
-//! displacement budget ([`scene`](crate::scene)). A resting contact is a hit at once, at every step: leave it to the solver. Bodies that turn
-//! hundreds of times in the interval take a look every part of a turn: swept balls, or shorter intervals, do as well.
+//! A pair whose velocities change at every step for reasons unknown (contact solvers, input) is
+//! better served by a distance and a displacement budget ([`scene`](crate::scene)). A resting
+//! contact is a hit at once, at every step: leave it to the solver. Bodies that turn hundreds of
+//! times in the interval take a look every part of a turn: swept balls, or shorter intervals, do as
+//! well.
 //!
 //! # Sources
 //!
-//! Mirtich 1996 (conservative advancement); Catto's and Gregorius's planes attached to features (GDC 2013); Schwarzer, Saha and Latombe
-//! 2005 (proofs over an interval). Departures:
+//! Mirtich 1996 (conservative advancement); Catto's and Gregorius's planes attached to features
+//! (GDC 2013); Schwarzer, Saha and Latombe 2005 (proofs over an interval). Departures:
 //!
-//! 1. Bounds are those of a turning plane over all points at once, not of a speed: convergence is quadratic instead of linear.
+//! 1. Bounds are those of a turning plane over all points at once, not of a speed: convergence is
+//!    quadratic instead of linear.
 //! 2. The upper end of the bracket is proven, too.
 //! 3. Limits end as `Unknown` or `Near` with what was proven, never as a miss.
 //! 4. Rounding of motions, poses and planes is part of every bound.
@@ -67,7 +76,8 @@ pub use certificate::{Certificate, free_until, held_until};
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Tolerance {
-    /// The shapes are nearer than this at `safe`, and about a third as deep in each other at `hit`, in the caller's unit of length.
+    /// The shapes are nearer than this at `safe`, and about a third as deep in each other at `hit`,
+    /// in the caller's unit of length.
     Distance(f64),
     /// `hit - safe` is no more than this, unless rounding or a grazing motion makes it wider.
     Time(f64),
@@ -92,7 +102,8 @@ pub enum Impact {
         /// Features, witnesses and normal at `safe`: those that meet.
         seen: Measure,
     },
-    /// The shapes come so near that rounding hides whether they meet, and nothing is known of what comes after.
+    /// The shapes come so near that rounding hides whether they meet, and nothing is known of what
+    /// comes after.
     Near {
         /// The shapes are proven apart up to here.
         safe: f64,
@@ -148,8 +159,8 @@ pub enum ImpactError {
 
 /// Returns when two shapes first meet in an interval of time.
 ///
-/// The bracket of a hit is as wide as the tolerance asks for. The cost hardly depends on it: down to some 1e-13 of the size of the pair
-/// each decade is a fraction of a look.
+/// The bracket of a hit is as wide as the tolerance asks for. The cost hardly depends on it: down
+/// to some 1e-13 of the size of the pair each decade is a fraction of a look.
 ///
 /// # Errors
 /// An interval or a tolerance that is none, or a motion that leaves the range of poses.

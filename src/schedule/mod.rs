@@ -1,8 +1,9 @@
 //! Who must be looked at when: pairs sleep until their certificate runs out.
 //!
-//! A [`Schedule`] knows ids, integer ticks and bounds, and no shape. A pair that was proven free for so long, or proven to stay
-//! as it is, sleeps for the whole ticks of that time ([`ticks`], rounded down); a body whose velocity changes, or that is put
-//! elsewhere, wakes all its pairs. What is due comes in one order, by tick and ids, whatever the order of the calls was.
+//! A [`Schedule`] knows ids, integer ticks and bounds, and no shape. A pair that was proven free
+//! for so long, or proven to stay as it is, sleeps for the whole ticks of that time ([`ticks`],
+//! rounded down); a body whose velocity changes, or that is put elsewhere, wakes all its pairs.
+//! What is due comes in one order, by tick and ids, whatever the order of the calls was.
 //!
 //! ```
 //! use lin_canny::schedule::{Schedule, ticks};
@@ -25,23 +26,28 @@
 //!
 //! # What is sound
 //!
-//! 1. A look at tick k that proves a pair free until the time of tick k + m, that one included, lets it sleep until tick k + m + 1.
-//! 2. A pair that is due and not put to sleep is due again at the next tick: overlap and contact re-arm themselves.
-//! 3. An answer counts only if neither body was disturbed since the pair was due ([`Due`] carries the epochs of both).
+//! 1. A look at tick k that proves a pair free until the time of tick k + m, that one included,
+//!    lets it sleep until tick k + m + 1.
+//! 2. A pair that is due and not put to sleep is due again at the next tick: overlap and contact
+//!    re-arm themselves.
+//! 3. An answer counts only if neither body was disturbed since the pair was due ([`Due`] carries
+//!    the epochs of both).
 //! 4. Ticks are integers: no wake-up is lost to the rounding of a clock.
 //!
 //! # When not to use it
 //!
-//! Where velocities are unknown or change at every tick, a displacement budget ([`scene`](crate::scene)) sleeps longer. Where no
-//! broad phase bounds the pairs, n bodies have n (n - 1) / 2 of them, and a heap of all loses to boxes by an order of magnitude.
+//! Where velocities are unknown or change at every tick, a displacement budget
+//! ([`scene`](crate::scene)) sleeps longer. Where no broad phase bounds the pairs, n bodies have n
+//! (n - 1) / 2 of them, and a heap of all loses to boxes by an order of magnitude.
 //!
 //! # Source
 //!
 //! The heap of wake-up times is that of Lin 1993, section 5.1. Departures:
 //!
-//! 1. Bounds come from the caller and are proven over all points; the thesis takes the speed of the closest points alone,
-//!    which a spinning rod outruns by any factor.
-//! 2. No least time between looks: a pair in contact is looked at at every tick, one that is apart by its bound.
+//! 1. Bounds come from the caller and are proven over all points; the thesis takes the speed of the
+//!    closest points alone, which a spinning rod outruns by any factor.
+//! 2. No least time between looks: a pair in contact is looked at at every tick, one that is apart
+//!    by its bound.
 //! 3. Disturbed bodies bump an epoch, so that no stale wake-up or answer counts.
 
 use alloc::collections::{BTreeMap, BTreeSet, BinaryHeap};
@@ -83,7 +89,8 @@ impl Schedule {
         Self::default()
     }
 
-    /// Adds a pair, due now. Returns false, and changes nothing, if it is there already or is no pair.
+    /// Adds a pair, due now. Returns false, and changes nothing, if it is there already or is no
+    /// pair.
     pub fn insert(&mut self, a: u32, b: u32) -> bool {
         let pair = ordered(a, b);
         if a == b || self.pairs.contains_key(&pair) {
@@ -132,7 +139,8 @@ impl Schedule {
         self.now = self.now.max(tick);
     }
 
-    /// Tells that the velocity of a body changed, or that the body was put elsewhere: its pairs are due now.
+    /// Tells that the velocity of a body changed, or that the body was put elsewhere: its pairs are
+    /// due now.
     pub fn disturb(&mut self, body: u32) {
         *self.epochs.entry(body).or_insert(0) += 1;
         for pair in self.of(body) {
@@ -142,7 +150,8 @@ impl Schedule {
         }
     }
 
-    /// Returns the next pair that is due, if any. It is due again at the next tick, unless it is put to [`sleep`](Self::sleep).
+    /// Returns the next pair that is due, if any. It is due again at the next tick, unless it is
+    /// put to [`sleep`](Self::sleep).
     pub fn due(&mut self) -> Option<Due> {
         while let Some(&Reverse((since, a, b))) = self.heap.peek() {
             if since > self.now {
@@ -162,8 +171,8 @@ impl Schedule {
         None
     }
 
-    /// Lets a pair sleep for so many whole ticks after this one: it is looked at again at the tick after those. Nothing is
-    /// changed if a body of it was disturbed since, or the pair is gone.
+    /// Lets a pair sleep for so many whole ticks after this one: it is looked at again at the tick
+    /// after those. Nothing is changed if a body of it was disturbed since, or the pair is gone.
     pub fn sleep(&mut self, due: &Due, ticks: u64) {
         if ticks > 0 && self.pairs.contains_key(&due.pair) && self.epochs_of(due.pair) == due.epochs {
             self.wake_at(due.pair, self.now.saturating_add(ticks).saturating_add(1));
@@ -201,7 +210,8 @@ impl Schedule {
     }
 }
 
-/// Returns the whole ticks in a span of time, rounded down by more than the rounding of both: none for a span that is no number.
+/// Returns the whole ticks in a span of time, rounded down by more than the rounding of both: none
+/// for a span that is no number.
 #[must_use]
 pub fn ticks(span: f64, tick: f64) -> u64 {
     let whole = span / tick * (1.0 - TICK);

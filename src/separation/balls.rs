@@ -79,7 +79,8 @@ pub(super) fn held<S: Separation + ?Sized>(pair: &S, flight: &Flight, way: f64) 
     let drift = a.drift(radius_a) + b.drift(radius_b);
     let push = (b.acceleration - a.acceleration).norm();
     let pace = (b.linear - a.linear).norm() + radius_a * a.angular.norm() + radius_b * b.angular.norm();
-    // Over the whole span, then over what that left: drifts and pushes grow with the span they are counted for.
+    // Over the whole span, then over what that left: drifts and pushes grow with the span they are
+    // counted for.
     let mut span = flight.span;
     for _ in 0..3 {
         let left = way * (1.0 - PLANE) - drift.at(span) - 0.5 * push * span * span;

@@ -1,14 +1,17 @@
 //! The first root of a cubic, bounded from below by the hull of its Bernstein coefficients.
 //!
-//! A polynomial on [0, 1] lies in the convex hull of the points (k / 3, coefficient k) (Farouki 2012, "The Bernstein
-//! polynomial basis: a centennial retrospective", section 3). So it has no root before the hull of these points reaches zero.
+//! A polynomial on [0, 1] lies in the convex hull of the points (k / 3, coefficient k) (Farouki
+//! 2012, "The Bernstein polynomial basis: a centennial retrospective", section 3). So it has no
+//! root before the hull of these points reaches zero.
 
 use crate::tolerance::{BERNSTEIN, ROOT};
 
-/// How often the rest beyond the bound is cut off and bounded again. The bound converges quadratically.
+/// How often the rest beyond the bound is cut off and bounded again. The bound converges
+/// quadratically.
 const ROUNDS: u32 = 4;
 
-/// Returns a number in 0..=1 such that the cubic is positive before it, rounding included; 1 if the whole of the cubic is.
+/// Returns a number in 0..=1 such that the cubic is positive before it, rounding included; 1 if the
+/// whole of the cubic is.
 #[inline]
 pub(super) fn positive_until(coefficients: [f64; 4]) -> f64 {
     let largest = coefficients.iter().fold(0.0f64, |m, c| m.max(c.abs()));
@@ -32,7 +35,8 @@ pub(super) fn positive_until(coefficients: [f64; 4]) -> f64 {
     from * (1.0 - ROOT)
 }
 
-/// Where the hull of the points reaches zero: the least crossing over all pairs, not only over those with the first point.
+/// Where the hull of the points reaches zero: the least crossing over all pairs, not only over
+/// those with the first point.
 #[inline]
 fn hull_until(c: &[f64; 4]) -> f64 {
     let mut least: f64 = 1.0;
@@ -69,7 +73,8 @@ mod tests {
         rest(c, x)[0]
     }
 
-    /// Against a dense search for the first sign change, on cubics whose middle coefficients dip below the ends.
+    /// Against a dense search for the first sign change, on cubics whose middle coefficients dip
+    /// below the ends.
     #[test]
     fn no_root_comes_before_the_bound() {
         let mut rng = Rng::new(7);

@@ -1,32 +1,41 @@
-//! One look ahead: a separating plane that turns with the closest features, bounded over all points of both shapes at once.
+//! One look ahead: a separating plane that turns with the closest features, bounded over all points
+//! of both shapes at once.
 //!
 //! # Scheme
 //!
-//! At an instant, n points from A to B, `dc`, `dv`, `da` lead from A's pivot to B's, and the shapes turn at `wA`, `wB`. Let the normal turn at
-//! any rate chosen, `n(s) = exp(eta s) n`. With `h_X(m)` the greatest `m . x` over the points x of X about its pivot, in axes that turn
-//! with X, the gap along the normal is
+//! At an instant, n points from A to B, `dc`, `dv`, `da` lead from A's pivot to B's, and the shapes
+//! turn at `wA`, `wB`. Let the normal turn at any rate chosen, `n(s) = exp(eta s) n`. With `h_X(m)`
+//! the greatest `m . x` over the points x of X about its pivot, in axes that turn with X, the gap
+//! along the normal is
 //!
 //! `g(s) = n(s) . (dc + dv s + da s^2 / 2) - h_A(mA(s)) - h_B(-mB(s)),   m_X(s) = exp(-w_X s) exp(eta s) n`,
 //!
-//! and `g > 0` on an interval proves the shapes apart there, whatever eta is. Taylor's theorem with `m' = (eta - w) x n`,
-//! `m'' = eta x (eta x n) - 2 w x (eta x n) + w x (w x n)` and `|m'''| <= |eta - w| (|eta| + |w|)^2 =: M` (m' is a rotated rotation of
-//! `(eta - w) x n`; each further derivative adds a factor of at most `|eta| + |w|`) puts m within `M s^3 / 6` of a parabola, and a
-//! parabola is a Bezier curve: with `D0 = n`, `D1 = n + s1 m' / 2`, `D2 = n + s1 m' + s1^2 m'' / 2` and x = s / s1,
+//! and `g > 0` on an interval proves the shapes apart there, whatever eta is. Taylor's theorem with
+//! `m' = (eta - w) x n`, `m'' = eta x (eta x n) - 2 w x (eta x n) + w x (w x n)` and
+//! `|m'''| <= |eta - w| (|eta| + |w|)^2 =: M` (m' is a rotated rotation of `(eta - w) x n`; each
+//! further derivative adds a factor of at most `|eta| + |w|`) puts m within `M s^3 / 6` of a
+//! parabola, and a parabola is a Bezier curve: with `D0 = n`, `D1 = n + s1 m' / 2`,
+//! `D2 = n + s1 m' + s1^2 m'' / 2` and x = s / s1,
 //!
 //! `h(m(s)) <= (1 - x)^2 h(D0) + 2 x (1 - x) h(D1) + x^2 h(D2) + r M s^3 / 6`,
 //!
-//! since h is sublinear and at most r times its argument's length. Three support points a shape bound all points at all times. The
-//! first term is treated likewise, `|f'''| <= |eta|^3 |dc + dv s + da s^2 / 2| + 3 |eta|^2 |dv + da s| + 3 |eta| |da|`. So g is at least the
-//! cubic of four Bernstein coefficients, less the drifts of both motions, and its first root bounds the time.
+//! since h is sublinear and at most r times its argument's length. Three support points a shape
+//! bound all points at all times. The first term is treated likewise,
+//! `|f'''| <= |eta|^3 |dc + dv s + da s^2 / 2| + 3 |eta|^2 |dv + da s| + 3 |eta| |da|`. So g is at
+//! least the cubic of four Bernstein coefficients, less the drifts of both motions, and its first
+//! root bounds the time.
 //!
-//! # Operand way the plane turns
+//! # Which way the plane turns
 //!
-//! The distance is the greatest gap over all n: a plane that turns as the closest direction does touches it to first order, and a
-//! step to its root converges quadratically. A face carries its normal along (eta = w); two edges keep theirs perpendicular to both.
+//! The distance is the greatest gap over all n: a plane that turns as the closest direction does
+//! touches it to first order, and a step to its root converges quadratically. A face carries its
+//! normal along (eta = w); two edges keep theirs perpendicular to both.
 //!
-//! Sources: a plane attached to features is Gregorius 2013 (continuous collision, GDC) and Box2D's time of impact (Catto), there
-//! without a bound between the ends. Departures: 1. the bound over the interval; 2. the plane of two edges turns with both;
-//! 3. far from contact a plane that does not turn is tried, too; 4. rounding and the drift of motions are part of the bound.
+//! Sources: a plane attached to features is Gregorius 2013 (continuous collision, GDC) and Box2D's
+//! time of impact (Catto), there without a bound between the ends. Departures: 1. the bound over
+//! the interval; 2. the plane of two edges turns with both;
+//! 3. far from contact a plane that does not turn is tried, too; 4. rounding and the drift of
+//!    motions are part of the bound.
 
 use nalgebra::{Isometry3, Matrix3, Vector3};
 
@@ -120,7 +129,8 @@ struct Side {
 /// Heights of both shapes along the normal, and their points.
 type Heights = ((f64, Vector3<f64>), (f64, Vector3<f64>));
 
-/// How the direction turns as a shape sees it: first and second derivative, and a bound of the third.
+/// How the direction turns as a shape sees it: first and second derivative, and a bound of the
+/// third.
 struct Turn {
     /// Whether it does not turn at all.
     rests: bool,
@@ -257,7 +267,8 @@ impl<'a> Setting<'a> {
         plane
     }
 
-    /// For how long shapes that do not turn are apart along a normal along which they are a gap apart now: a parabola, exactly.
+    /// For how long shapes that do not turn are apart along a normal along which they are a gap
+    /// apart now: a parabola, exactly.
     fn shifted(&self, n: &Vector3<f64>, gap: f64) -> f64 {
         let span = self.flight.span;
         let (slope, bend) = (n.dot(&self.velocity), n.dot(&self.acceleration));
@@ -334,7 +345,8 @@ impl Plane<'_> {
         best
     }
 
-    /// What rounding, the distance to keep and the constant part of the drifts take off every coefficient of an interval.
+    /// What rounding, the distance to keep and the constant part of the drifts take off every
+    /// coefficient of an interval.
     fn taken(&self, length: f64) -> f64 {
         let (set, q) = (self.setting, 1.0 + self.rate * length);
         let ways = length * (one_norm(&set.velocity) + length * one_norm(&set.acceleration));
@@ -359,7 +371,8 @@ impl Plane<'_> {
         (of_way + set.a.reach * self.turn_a.third + set.b.reach * self.turn_b.third) * (1.0 + PLANE)
     }
 
-    /// The interval, cut until the remainder of Taylor's theorem is no more than twice the gap; zero for one without end.
+    /// The interval, cut until the remainder of Taylor's theorem is no more than twice the gap;
+    /// zero for one without end.
     fn shortened(&self, length: f64) -> f64 {
         let mut length = if length < f64::INFINITY { length } else { 0.0 };
         while self.third(length) * length * length * length > 12.0 * self.gap {

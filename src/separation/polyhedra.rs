@@ -41,8 +41,8 @@ pub struct PolyhedronPair<'a> {
 /// Bodies of so few vertices are scanned whole: that needs no proof, and no time for ties.
 const FEW: usize = 24;
 
-/// A direction nearer to the normal of a face than this, as a 1-norm, has the height of the face's plane and what the difference
-/// makes of it. Not a matter of soundness.
+/// A direction nearer to the normal of a face than this, as a 1-norm, has the height of the face's
+/// plane and what the difference makes of it. Not a matter of soundness.
 const FLUSH: f64 = 1.0 / (1u64 << 40) as f64;
 
 /// A body, a ball about it, and the vertex of the last support.
@@ -91,7 +91,8 @@ impl<'a> Body<'a> {
         }
     }
 
-    /// The highest vertex in stored coordinates, and a height that no vertex exceeds but for rounding.
+    /// The highest vertex in stored coordinates, and a height that no vertex exceeds but for
+    /// rounding.
     #[inline]
     fn highest(&self, direction: &Vector3<f64>) -> Extreme {
         let points = &self.shape.points;
@@ -141,7 +142,8 @@ impl<'a> Body<'a> {
         to - from
     }
 
-    /// The triangle of a fan of a face whose least side is farthest from a point: it holds the point if the face does.
+    /// The triangle of a fan of a face whose least side is farthest from a point: it holds the
+    /// point if the face does.
     fn triangle(&self, face: FaceId, point: &Vector3<f64>) -> Option<[u32; 3]> {
         let t = &self.shape.topology;
         let normal = self.shape.planes[face.index()].normal;
@@ -204,8 +206,9 @@ impl<'a> PolyhedronPair<'a> {
         }
     }
 
-    /// Four points of the Minkowski difference that should hold the origin just behind the facet of the closest features: the triangle of
-    /// that facet which holds the witnesses, and the point farthest behind it.
+    /// Four points of the Minkowski difference that should hold the origin just behind the facet of
+    /// the closest features: the triangle of that facet which holds the witnesses, and the point
+    /// farthest behind it.
     fn behind(&self, a_from_b: &RelativePose, seen: &Measure) -> Option<OverlapProof> {
         if !(self.a.shape.is_unscaled && self.b.shape.is_unscaled) {
             return None;
@@ -258,7 +261,8 @@ impl Separation for PolyhedronPair<'_> {
         seen
     }
 
-    /// By [`Tracker::intersects`] and [`Tracker::within`]: without the feature `exact`, ties count as met.
+    /// By [`Tracker::intersects`] and [`Tracker::within`]: without the feature `exact`, ties count
+    /// as met.
     fn meets(&mut self, a_from_b: &RelativePose, distance: f64, seen: &Measure) -> bool {
         let (a, b) = (self.a.shape, self.b.shape);
         if distance > 0.0 {

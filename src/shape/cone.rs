@@ -77,7 +77,8 @@ impl Support for Cone {
         of_circle(self.radius, -self.half_height, place)
     }
 
-    /// Over the base or behind the side, whichever faces along `n` more: as large as the other leaves room for.
+    /// Over the base or behind the side, whichever faces along `n` more: as large as the other
+    /// leaves room for.
     fn inner_ball(&self, p: &Vector3<f64>, n: &Vector3<f64>) -> (Vector3<f64>, f64) {
         let (r, h, height) = (self.radius, self.half_height, 2.0 * self.half_height);
         let slant = sqrt(r * r + height * height);

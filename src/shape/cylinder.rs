@@ -62,7 +62,8 @@ pub(super) fn circle_bent<T: Scalar>(radius: f64, n: &Vec3<T>, d: &Vec3<T>) -> V
     [-n[1] * along, n[0] * along, zero]
 }
 
-/// A rim has two branches: the upper one (0) and the lower one (1). Its side is a generator between points of both.
+/// A rim has two branches: the upper one (0) and the lower one (1). Its side is a generator between
+/// points of both.
 impl Support for Cylinder {
     fn reach(&self) -> f64 {
         sqrt(self.radius * self.radius + self.half_height * self.half_height) * (1.0 + 4.0 * UNIT)

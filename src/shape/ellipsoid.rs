@@ -31,7 +31,8 @@ impl Ellipsoid {
     }
 }
 
-/// With `P` the diagonal matrix of the squared semi-axes, `h(n) = sqrt(n . P n)` and the support point is `P n / h`.
+/// With `P` the diagonal matrix of the squared semi-axes, `h(n) = sqrt(n . P n)` and the support
+/// point is `P n / h`.
 impl Support for Ellipsoid {
     fn reach(&self) -> f64 {
         self.semi_axes.max()
@@ -64,8 +65,8 @@ impl Support for Ellipsoid {
         scaled(place, T::from(1.0) / root(dot(&unit, &unit)))
     }
 
-    /// With `c` the least semi-axis, `s` is the nearest point of the surface to `s - rho n` if and only if
-    /// `rho h <= c^2`.
+    /// With `c` the least semi-axis, `s` is the nearest point of the surface to `s - rho n` if and
+    /// only if `rho h <= c^2`.
     fn inner_ball(&self, s: &Vector3<f64>, n: &Vector3<f64>) -> (Vector3<f64>, f64) {
         let c = self.semi_axes.min();
         let rho = c * (c / n.dot(s)) * INNER;

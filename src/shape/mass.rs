@@ -20,7 +20,8 @@ pub struct Mass {
 }
 
 impl Mass {
-    /// Of a body symmetric about three planes through `centroid`, from its volume and its mean squares of coordinates.
+    /// Of a body symmetric about three planes through `centroid`, from its volume and its mean
+    /// squares of coordinates.
     fn symmetric(volume: f64, centroid: Point3<f64>, mean: Vector3<f64>) -> Self {
         let sums = Vector3::new(mean.y + mean.z, mean.z + mean.x, mean.x + mean.y);
         Self {
@@ -32,7 +33,8 @@ impl Mass {
 }
 
 impl Shape {
-    /// Mass properties at unit density, in closed form. `None` for rounded shapes other than balls and capsules.
+    /// Mass properties at unit density, in closed form. `None` for rounded shapes other than balls
+    /// and capsules.
     #[must_use]
     pub fn mass(&self) -> Option<Mass> {
         let origin = Point3::origin();
@@ -92,7 +94,8 @@ impl Shape {
     }
 }
 
-/// By beta functions (Jaklic, Leonardis and Solina 2000, "Segmentation and recovery of superquadrics", section 2.3).
+/// By beta functions (Jaklic, Leonardis and Solina 2000, "Segmentation and recovery of
+/// superquadrics", section 2.3).
 fn superquadric(core: &Superquadric) -> Mass {
     let ([e1, e2], a) = (core.exponents(), core.semi_axes());
     let beta = |x: f64, y: f64| libm::tgamma(x) * libm::tgamma(y) / libm::tgamma(x + y);

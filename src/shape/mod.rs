@@ -3,11 +3,11 @@
 //! `Shape { core, round }` is the set of points at most `round` from the core: a ball is a rounded
 //! point, a capsule a rounded segment. With `P = A - B` the signed distance of two shapes is
 //! `-min over unit n of h_P(n)`, and `h_P` grows by `r` when a shape grows by a ball of radius `r`.
-//! So rounding adds no solver: signed distances of rounded shapes are those of their cores less both
-//! radii, apart as well as overlapping.
+//! So rounding adds no solver: signed distances of rounded shapes are those of their cores less
+//! both radii, apart as well as overlapping.
 //!
-//! Sources: the parallel body of a convex body, Steiner 1840 and Schneider 2014, "Convex Bodies: The
-//! Brunn-Minkowski Theory", section 4.2; the convex radius of the engines (van den Bergen 2003,
+//! Sources: the parallel body of a convex body, Steiner 1840 and Schneider 2014, "Convex Bodies:
+//! The Brunn-Minkowski Theory", section 4.2; the convex radius of the engines (van den Bergen 2003,
 //! section 4.5). Departures:
 //! 1. The radius is no margin that a fast path may use and a slow one ignores: it is a part of the
 //!    shape on both sides of contact.
@@ -165,12 +165,14 @@ impl Shape {
         Ok(Self::sharp(Core::Ellipsoid(Ellipsoid { semi_axes })))
     }
 
-    /// A superquadric about the origin, `((x/a)^(2/e2) + (y/b)^(2/e2))^(e2/e1) + (z/c)^(2/e1) <= 1`: a box towards
-    /// exponents of zero, an ellipsoid at one, an octahedron towards two.
+    /// A superquadric about the origin,
+    /// `((x/a)^(2/e2) + (y/b)^(2/e2))^(e2/e1) + (z/c)^(2/e1) <= 1`: a box towards exponents of
+    /// zero, an ellipsoid at one, an octahedron towards two.
     ///
     /// # Errors
     ///
-    /// A semi-axis that is not between 1e-100 and 1e100, or an exponent that is not between 1/16 and 31/16.
+    /// A semi-axis that is not between 1e-100 and 1e100, or an exponent that is not between 1/16
+    /// and 31/16.
     pub fn superquadric(semi_axes: Vector3<f64>, e1: f64, e2: f64) -> Result<Self, ShapeError> {
         for &x in semi_axes.iter() {
             length("semi-axis", x)?;
@@ -185,7 +187,8 @@ impl Shape {
         Ok(Self::sharp(Core::Superquadric(Superquadric { semi_axes, exponents })))
     }
 
-    /// The shape rounded by a ball of radius `by`: each point moves out by as much along its normal.
+    /// The shape rounded by a ball of radius `by`: each point moves out by as much along its
+    /// normal.
     ///
     /// # Errors
     ///

@@ -22,8 +22,9 @@ impl Shape {
         (centre, (radius + self.round) * (1.0 + 2.0 * UNIT))
     }
 
-    /// Upper bound of `direction . x` over the shape, at most `1e-14` times its size and the length of the direction too
-    /// large. `direction` is of any length, in the shape's frame; zero for one that is zero or not finite.
+    /// Upper bound of `direction . x` over the shape, at most `1e-14` times its size and the length
+    /// of the direction too large. `direction` is of any length, in the shape's frame; zero for one
+    /// that is zero or not finite.
     #[doc(alias = "support")]
     #[must_use]
     pub fn support_height(&self, direction: &Vector3<f64>) -> f64 {
@@ -47,8 +48,9 @@ impl Shape {
         (height + self.round * (1.0 + BOX)) * length
     }
 
-    /// The axis-aligned box of the shape at a pose, rounded outward: least and greatest corner, in the frame that the
-    /// pose leads to. `hint` remembers the extreme vertices of a polyhedron from one frame to the next.
+    /// The axis-aligned box of the shape at a pose, rounded outward: least and greatest corner, in
+    /// the frame that the pose leads to. `hint` remembers the extreme vertices of a polyhedron from
+    /// one frame to the next.
     ///
     /// A pose that is not finite gives a box that is not.
     #[doc(alias = "compute_aabb")]

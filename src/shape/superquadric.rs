@@ -8,10 +8,11 @@ use crate::num::scalar::{Scalar, Vec3, scaled, sqrt};
 use crate::polyhedron::{FaceId, Feature};
 use crate::tolerance::{TIP, UNIT};
 
-/// A superquadric about the origin: `((x/a)^(2/e2) + (y/b)^(2/e2))^(e2/e1) + (z/c)^(2/e1) <= 1` (Barr 1981).
+/// A superquadric about the origin: `((x/a)^(2/e2) + (y/b)^(2/e2))^(e2/e1) + (z/c)^(2/e1) <= 1`
+/// (Barr 1981).
 ///
-/// With `p = 2 / e` its gauge is one norm in another, so its support function is the dual one: exponents `q = p / (p - 1)` on the
-/// direction times the semi-axes.
+/// With `p = 2 / e` its gauge is one norm in another, so its support function is the dual one:
+/// exponents `q = p / (p - 1)` on the direction times the semi-axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Superquadric {
     pub(super) semi_axes: Vector3<f64>,
@@ -24,7 +25,8 @@ struct Dual<T> {
     q: [T; 2],
     /// Signed semi-axes.
     axes: Vec3<T>,
-    /// The coordinates of the direction times the semi-axes, over the inner norm, the inner norm, and the height.
+    /// The coordinates of the direction times the semi-axes, over the inner norm, the inner norm,
+    /// and the height.
     u: T,
     v: T,
     inner: T,

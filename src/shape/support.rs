@@ -26,14 +26,15 @@ impl Disc {
 
 /// A convex core as its support function sees it: `h(n) = max of n . x`, over branches.
 ///
-/// A *branch* is a smooth piece of the map from a direction to its support point: a vertex, a rim, a
-/// whole ellipsoid. Directions are unit vectors in the frame of the core; solvers run in f64 and in
-/// double-double.
+/// A *branch* is a smooth piece of the map from a direction to its support point: a vertex, a rim,
+/// a whole ellipsoid. Directions are unit vectors in the frame of the core; solvers run in f64 and
+/// in double-double.
 pub(crate) trait Support {
     /// Largest distance of a point of the core from its origin, rounded up.
     fn reach(&self) -> f64;
 
-    /// By how many UNIT times the radius a height errs more than [`CERTIFICATE`](crate::tolerance::CERTIFICATE) counts.
+    /// By how many UNIT times the radius a height errs more than
+    /// [`CERTIFICATE`](crate::tolerance::CERTIFICATE) counts.
     fn noise(&self) -> f64 {
         0.0
     }
@@ -52,8 +53,8 @@ pub(crate) trait Support {
     /// A point of the branch close to `place`, a place close to the branch: a point of the core.
     fn onto<T: Scalar>(&self, branch: u32, place: &Vec3<T>) -> Vec3<T>;
 
-    /// A ball inside the core, centre and radius, which reaches to the surface at `point`, a place of
-    /// normal `n`, or almost: the radius is never too large, and zero if no ball is known.
+    /// A ball inside the core, centre and radius, which reaches to the surface at `point`, a place
+    /// of normal `n`, or almost: the radius is never too large, and zero if no ball is known.
     fn inner_ball(&self, point: &Vector3<f64>, n: &Vector3<f64>) -> (Vector3<f64>, f64);
 
     /// The flat round face that faces along `n`, of cores that have one there.

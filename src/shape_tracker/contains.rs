@@ -8,8 +8,8 @@ use crate::pose::RelativePose;
 use crate::shape::{Core, Shape};
 
 impl Shape {
-    /// Whether the closed shape holds a point, up to rounding of `1e-14` times its size; exact for polyhedra that are not
-    /// rounded. `false` for a point that is not finite.
+    /// Whether the closed shape holds a point, up to rounding of `1e-14` times its size; exact for
+    /// polyhedra that are not rounded. `false` for a point that is not finite.
     #[must_use]
     pub fn contains(&self, point: &Point3<f64>) -> bool {
         if let Core::Polyhedron(body) = self.core() {

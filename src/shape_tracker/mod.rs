@@ -11,8 +11,8 @@ use crate::tracker::{Totals, Tracker};
 
 /// Closest features of the last answer of one pair of shapes, from which the next query starts.
 ///
-/// The counterpart of [`Tracker`] for every kind of [`Shape`]. Owns no shape. A tracker that comes from another pair, or
-/// is out of date, costs time and never an answer.
+/// The counterpart of [`Tracker`] for every kind of [`Shape`]. Owns no shape. A tracker that comes
+/// from another pair, or is out of date, costs time and never an answer.
 ///
 /// ```
 /// use lin_canny::nalgebra::{Isometry3, Vector3};
@@ -76,10 +76,12 @@ impl ShapeTracker {
         self.within(a, b, a_from_b, 0.0)
     }
 
-    /// Returns whether the closed shapes are at most `d` apart, `d` in the caller's unit; false if `d` is negative or NaN.
+    /// Returns whether the closed shapes are at most `d` apart, `d` in the caller's unit; false if
+    /// `d` is negative or NaN.
     ///
-    /// For polyhedra, rounded or not, the answer is that of exact arithmetic on the poses, the radii and the `d` given
-    /// (with the feature `exact`). For other shapes, a distance that the bounds cannot tell from `d` counts as within.
+    /// For polyhedra, rounded or not, the answer is that of exact arithmetic on the poses, the
+    /// radii and the `d` given (with the feature `exact`). For other shapes, a distance that the
+    /// bounds cannot tell from `d` counts as within.
     pub fn within(&mut self, a: &Shape, b: &Shape, a_from_b: &RelativePose, d: f64) -> bool {
         match (a.core(), b.core()) {
             (Core::Polyhedron(x), Core::Polyhedron(y)) => {

@@ -7,7 +7,8 @@ use crate::pair::outcome::{Class, Outcome};
 use crate::polyhedron::ConvexPolyhedron;
 use crate::pose::RelativePose;
 
-/// Moves distance, bounds and witnesses of cores out by both radii; whether the bounds leave the class open.
+/// Moves distance, bounds and witnesses of cores out by both radii; whether the bounds leave the
+/// class open.
 #[inline]
 pub(super) fn shift(pose: &RelativePose, radii: [f64; 2], outcome: &mut Outcome) -> bool {
     let (high, low) = two_sum(radii[0], radii[1]);

@@ -1,8 +1,8 @@
 //! The main solver: a step of GJK that knows the curvature.
 //!
-//! From a unit direction the model of `model` gives the next one; with no curvature that is the step of
-//! GJK, with one smooth branch on each core it is Newton's method on the normal. The support taken there
-//! is both the next step and the certificate.
+//! From a unit direction the model of `model` gives the next one; with no curvature that is the
+//! step of GJK, with one smooth branch on each core it is Newton's method on the normal. The
+//! support taken there is both the next step and the certificate.
 
 use super::best::{Best, Set};
 use super::model::{MOST, Plane, top};
@@ -17,7 +17,8 @@ const STEPS: u32 = 24;
 /// Thirds that a step is cut to before the run ends.
 const CUTS: u32 = 6;
 
-/// The axis of a flat round face is tried where the squared sine of its angle to the direction is below this.
+/// The axis of a flat round face is tried where the squared sine of its angle to the direction is
+/// below this.
 const NEAR_AXIS: f64 = 1.0 / 64.0;
 
 /// Where a run ended.
@@ -146,7 +147,8 @@ impl<A: Support, B: Support, T: Scalar> Run<'_, '_, A, B, T> {
         centre
     }
 
-    /// The step of the model at the centre; the points that its weights name are taken as witnesses, as they are and moved by the step.
+    /// The step of the model at the centre; the points that its weights name are taken as
+    /// witnesses, as they are and moved by the step.
     #[inline(always)]
     fn advance(&mut self, centre: &mut Centre<T>) -> Option<Tangent<T>> {
         let (toward, mut planes) = (centre.toward, [Plane::default(); MOST]);
@@ -198,7 +200,8 @@ impl<A: Support, B: Support, T: Scalar> Run<'_, '_, A, B, T> {
         along < T::from(0.0) && along * along > dot(&v, &v) * T::from(0.96)
     }
 
-    /// Takes the step if the height does not fall; what to do if it does is a matter of what is met there.
+    /// Takes the step if the height does not fall; what to do if it does is a matter of what is met
+    /// there.
     #[inline(always)]
     fn follow(
         &mut self,
@@ -236,7 +239,8 @@ impl<A: Support, B: Support, T: Scalar> Run<'_, '_, A, B, T> {
                 return Some(*centre);
             }
             match kept_back.take() {
-                // Along a kink that is bent the height falls by the square of the step, and rises in the next (Maratos).
+                // Along a kink that is bent the height falls by the square of the step, and rises
+                // in the next (Maratos).
                 None if len > 1 => {
                     *kept_back = Some((*centre, step));
                     return Some(trial);
@@ -262,7 +266,8 @@ impl<A: Support, B: Support, T: Scalar> Run<'_, '_, A, B, T> {
         None
     }
 
-    /// Balls inside both cores at the weighted points: their distance is an upper bound of the signed one.
+    /// Balls inside both cores at the weighted points: their distance is an upper bound of the
+    /// signed one.
     fn try_balls(&mut self, centre: &Centre<T>) {
         let (mut on_a, mut on_b) = ([0.0; 3], [0.0; 3]);
         for (piece, weight) in centre.pieces().iter().zip(&centre.weights) {
@@ -300,8 +305,9 @@ impl<A: Support, B: Support, T: Scalar> Run<'_, '_, A, B, T> {
         }
     }
 
-    /// Tries the axes of flat round faces that the direction is close to, or crosses in a step: with the support point of the other core
-    /// over the face, they close the bounds. Returns the nearest points found if they are nearer than those known.
+    /// Tries the axes of flat round faces that the direction is close to, or crosses in a step:
+    /// with the support point of the other core over the face, they close the bounds. Returns the
+    /// nearest points found if they are nearer than those known.
     fn try_flush(&mut self, toward: &Toward<T>, step: &Tangent<T>, tried: &mut [bool; 2]) -> Option<Piece<T>> {
         let d = tangent(toward, step);
         let posed = self.posed;

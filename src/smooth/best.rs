@@ -74,7 +74,8 @@ impl<T: Scalar> Best<T> {
         height
     }
 
-    /// Takes a weighted sum of pieces: a point of each core. Weights are not negative; they are made to sum to one.
+    /// Takes a weighted sum of pieces: a point of each core. Weights are not negative; they are
+    /// made to sum to one.
     #[inline(always)]
     pub(super) fn witness<A: Support, B: Support>(
         &mut self,

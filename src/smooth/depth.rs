@@ -1,9 +1,10 @@
 //! Overlaps: how deep.
 //!
-//! From the best direction known, the main solver goes on to the nearest least depth. Balls inside both cores which touch
-//! the surfaces at the deepest points prove it the least of all as long as they are larger than the depth:
-//! if A holds a ball of radius `rA` about `cA` and B one of radius `rB` about `cB`, the depth is at least
-//! `rA + rB - |cB - cA|`. Where they do not, a surface around the origin gives an interval.
+//! From the best direction known, the main solver goes on to the nearest least depth. Balls inside
+//! both cores which touch the surfaces at the deepest points prove it the least of all as long as
+//! they are larger than the depth: if A holds a ball of radius `rA` about `cA` and B one of radius
+//! `rB` about `cB`, the depth is at least `rA + rB - |cB - cA|`. Where they do not, a surface
+//! around the origin gives an interval.
 
 use super::bent::Run;
 use super::best::{Best, Set};
@@ -21,7 +22,8 @@ pub(super) struct Deep {
     pub(super) grown: bool,
 }
 
-/// Looks for the depth from a direction and the branches there; by a surface only from `corners` that hold the origin.
+/// Looks for the depth from a direction and the branches there; by a surface only from `corners`
+/// that hold the origin.
 pub(super) fn deepen<A: Support, B: Support>(
     posed: &Posed<A, B, f64>,
     known: &Best<f64>,

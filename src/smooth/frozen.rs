@@ -1,7 +1,9 @@
-//! The solver behind the main one: GJK on the support points as they were found, whatever their curvature.
+//! The solver behind the main one: GJK on the support points as they were found, whatever their
+//! curvature.
 //!
-//! Gilbert, Johnson and Keerthi 1988. It converges slowly on curved cores, but from anywhere; every few steps the main solver tries to
-//! finish from its simplex. It is also what proves an overlap: four points of the difference around the origin.
+//! Gilbert, Johnson and Keerthi 1988. It converges slowly on curved cores, but from anywhere; every
+//! few steps the main solver tries to finish from its simplex. It is also what proves an overlap:
+//! four points of the difference around the origin.
 
 use super::bent::{End, Run};
 use super::best::{Best, Set};

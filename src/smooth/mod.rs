@@ -1,18 +1,21 @@
 //! Curved cores: signed distance with proven bounds, tracked.
 //!
-//! One solver for all pairs: GJK whose direction step knows the curvature (`bent`, on the model of `model`).
-//! Behind it GJK on frozen support points (`frozen`), then both in double-double; overlaps are the work of `depth` and
-//! `surface`. A core is its support map, the branches of that map and their second derivatives
-//! ([`Support`](crate::shape::Support)); there is no table of pairs of kinds.
+//! One solver for all pairs: GJK whose direction step knows the curvature (`bent`, on the model of
+//! `model`). Behind it GJK on frozen support points (`frozen`), then both in double-double;
+//! overlaps are the work of `depth` and `surface`. A core is its support map, the branches of that
+//! map and their second derivatives ([`Support`](crate::shape::Support)); there is no table of
+//! pairs of kinds.
 //!
-//! For any unit direction the height of the difference is a lower bound of the signed distance, the distance of
-//! any two points an upper one; both are taken at every step, and their error terms are those of
-//! [`CERTIFICATE`](crate::tolerance::CERTIFICATE).
+//! For any unit direction the height of the difference is a lower bound of the signed distance, the
+//! distance of any two points an upper one; both are taken at every step, and their error terms are
+//! those of [`CERTIFICATE`](crate::tolerance::CERTIFICATE).
 //!
-//! Sources: Gilbert, Johnson and Keerthi 1988; Newton's method on the dual as in Lin 1993, chapter 4, and Montaut et al. 2022
-//! for the acceleration of GJK. Departures:
-//! 1. The step uses the second derivative of the support function, so it is quadratic on smooth cores and that of GJK on flat ones.
-//! 2. Kinks (edges, sides of cylinders, flat faces) are up to three branches with weights: the Voronoi region is theirs.
+//! Sources: Gilbert, Johnson and Keerthi 1988; Newton's method on the dual as in Lin 1993, chapter
+//! 4, and Montaut et al. 2022 for the acceleration of GJK. Departures:
+//! 1. The step uses the second derivative of the support function, so it is quadratic on smooth
+//!    cores and that of GJK on flat ones.
+//! 2. Kinks (edges, sides of cylinders, flat faces) are up to three branches with weights: the
+//!    Voronoi region is theirs.
 //! 3. Every answer carries both bounds, whatever layer it ends in.
 
 mod any;
@@ -52,7 +55,8 @@ fn rank(core: &Core) -> u32 {
 
 /// The closest points of two cores of which one is curved.
 ///
-/// Solved in the order of kinds, so that A-B and B-A are one problem, and matched once: what follows knows both kinds.
+/// Solved in the order of kinds, so that A-B and B-A are one problem, and matched once: what
+/// follows knows both kinds.
 pub(crate) fn closest(a: &Core, b: &Core, pose: &RelativePose, memory: &mut Memory) -> Outcome {
     if rank(a) <= rank(b) {
         return ordered(a, b, pose, memory);

@@ -1,10 +1,11 @@
 //! The model of the height near a direction, and its maximum.
 //!
-//! With the direction turned by `d` in the tangent plane, piece `i` has height `c_i + g_i . d` less the bend
-//! `d . M d / 2`, where `M` is the weighted sum of the second derivatives of all pieces and `mu` times the identity.
-//! The model is the least over the pieces. Its greatest value over `d` is, by duality, the least over the weights `l`
-//! (not negative, of sum one) of `l . c + |sum of l_i y_i|^2 / 2`, with `y_i = L^-1 g_i` and `M = L L^T`: a least-norm
-//! problem in the plane, in which at most three weights are positive.
+//! With the direction turned by `d` in the tangent plane, piece `i` has height `c_i + g_i . d` less
+//! the bend `d . M d / 2`, where `M` is the weighted sum of the second derivatives of all pieces
+//! and `mu` times the identity. The model is the least over the pieces. Its greatest value over `d`
+//! is, by duality, the least over the weights `l` (not negative, of sum one) of
+//! `l . c + |sum of l_i y_i|^2 / 2`, with `y_i = L^-1 g_i` and `M = L L^T`: a least-norm problem in
+//! the plane, in which at most three weights are positive.
 
 use super::posed::Tangent;
 use crate::num::scalar::Scalar;
@@ -30,8 +31,8 @@ pub(super) struct Top<T> {
     pub(super) step: Tangent<T>,
 }
 
-/// `M = L D L^T`: the entry of `L` below its unit diagonal, and the inverse of `D`. No root is taken, so that lengths scaled by a
-/// power of two scale all results.
+/// `M = L D L^T`: the entry of `L` below its unit diagonal, and the inverse of `D`. No root is
+/// taken, so that lengths scaled by a power of two scale all results.
 fn factor<T: Scalar>(m: &[T; 3]) -> Option<(T, [T; 2])> {
     let zero = T::from(0.0);
     if !(m[0] > zero) {
@@ -64,8 +65,9 @@ pub(super) fn top<T: Scalar>(planes: &[Plane<T>], prior: &[T; MOST], mu: T) -> O
     Some(kink(planes, &m, &weights).unwrap_or(Top { weights, step }))
 }
 
-/// Step and weights of two or three pieces from the kink where they are equally high. The sum of the `y` loses what they have
-/// opposite to each other, over a `mu` that vanishes with the height; the kink does not.
+/// Step and weights of two or three pieces from the kink where they are equally high. The sum of
+/// the `y` loses what they have opposite to each other, over a `mu` that vanishes with the height;
+/// the kink does not.
 fn kink<T: Scalar>(planes: &[Plane<T>], m: &[T; 3], kept: &[T; MOST]) -> Option<Top<T>> {
     let (zero, one) = (T::from(0.0), T::from(1.0));
     let mut positive = (0..planes.len()).filter(|&k| kept[k] > zero);

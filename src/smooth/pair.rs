@@ -127,8 +127,9 @@ enum Ended {
     Deep,
 }
 
-/// The main solver from the last answer, from a first approach, and from points behind which it finished before. `deep` proves an
-/// overlap: of cores that seem to overlap, or whose difference holds the origin between four points.
+/// The main solver from the last answer, from a first approach, and from points behind which it
+/// finished before. `deep` proves an overlap: of cores that seem to overlap, or whose difference
+/// holds the origin between four points.
 #[inline(always)]
 fn separate<A: Support, B: Support, T: Scalar>(
     posed: &Posed<A, B, T>,
@@ -387,7 +388,8 @@ fn scaled(core: &Core, exponent: i32) -> Any<'_> {
     }
 }
 
-/// Cores so far apart that their sizes are below the rounding of their distance; `t` and `apart` in sixteenths.
+/// Cores so far apart that their sizes are below the rounding of their distance; `t` and `apart` in
+/// sixteenths.
 fn far(setting: &Setting, t: &Vector3<f64>, apart: f64, offsets: f64) -> Outcome {
     let mut outcome = Outcome::starting_at(FeaturePair::vertices(Operand::A, 0, 0));
     let radii = setting.radii[0] + setting.radii[1];

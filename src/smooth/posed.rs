@@ -1,4 +1,5 @@
-//! Two cores at a relative pose, in the arithmetic of a solver: the Minkowski difference `B - A`, piece by piece.
+//! Two cores at a relative pose, in the arithmetic of a solver: the Minkowski difference `B - A`,
+//! piece by piece.
 
 use crate::num::scalar::{Scalar, Vec3, dot, neg, root, scaled, sub};
 use crate::pair::transform::Transform;
@@ -77,7 +78,8 @@ impl<T: Scalar, A: Support, B: Support> Posed<'_, A, B, T> {
         self.piece([a, b], on_a, on_b)
     }
 
-    /// The points of two branches; those that one of the `known` pieces has already are taken from there.
+    /// The points of two branches; those that one of the `known` pieces has already are taken from
+    /// there.
     #[inline(always)]
     pub(super) fn of_branches(&self, of: [u32; 2], toward: &Toward<T>, known: &[Piece<T>]) -> Piece<T> {
         let on_a = match known.iter().find(|p| p.of[0] == of[0]) {
@@ -107,7 +109,8 @@ impl<T: Scalar, A: Support, B: Support> Posed<'_, A, B, T> {
         ]
     }
 
-    /// The points of a piece, moved along their surfaces as the direction turns by a step in the tangent plane.
+    /// The points of a piece, moved along their surfaces as the direction turns by a step in the
+    /// tangent plane.
     pub(super) fn slid(&self, piece: &Piece<T>, toward: &Toward<T>, step: &Tangent<T>) -> Piece<T> {
         let d = tangent(toward, step);
         let by = self.a.bent(piece.of[0], &piece.on_a, &toward.n, &d);

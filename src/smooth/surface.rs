@@ -1,13 +1,15 @@
 //! The depth of an overlap by a surface around the origin of the Minkowski difference `A - B`.
 //!
-//! A closed surface of triangles whose corners are points of the difference, each counter-clockwise as seen from the
-//! origin's far side, meets every ray from the origin: the difference holds the ball about the origin that the
-//! planes of all triangles leave free. So the least of their distances is a lower bound of the depth, and the support
-//! height along any direction an upper one.
+//! A closed surface of triangles whose corners are points of the difference, each counter-clockwise
+//! as seen from the origin's far side, meets every ray from the origin: the difference holds the
+//! ball about the origin that the planes of all triangles leave free. So the least of their
+//! distances is a lower bound of the depth, and the support height along any direction an upper
+//! one.
 //!
-//! Source: van den Bergen 2001, "Proximity queries and penetration depth computation on 3D game objects". Departures:
-//! 1. The order of the triangles is proven against rounding, each where it is made; a point that would make one in doubt
-//!    is not taken.
+//! Source: van den Bergen 2001, "Proximity queries and penetration depth computation on 3D game
+//! objects". Departures:
+//! 1. The order of the triangles is proven against rounding, each where it is made; a point that
+//!    would make one in doubt is not taken.
 //! 2. Both bounds are returned, wherever it ends.
 
 use alloc::vec::Vec;
@@ -45,7 +47,8 @@ pub(super) struct Depth {
     pub(super) least: f64,
     /// The direction of the facet that is nearest to the origin.
     pub(super) n: Vec3<f64>,
-    /// Points of A and of B whose difference lies in this facet, nearest to the origin of its plane.
+    /// Points of A and of B whose difference lies in this facet, nearest to the origin of its
+    /// plane.
     pub(super) on_a: Vec3<f64>,
     pub(super) on_b: Vec3<f64>,
     /// The branches of its corners.
@@ -137,7 +140,8 @@ impl<A: Support, B: Support> Surface<'_, '_, A, B> {
     }
 }
 
-/// Grows a surface from four points around the origin until the bounds agree, or the points are used up.
+/// Grows a surface from four points around the origin until the bounds agree, or the points are
+/// used up.
 pub(super) fn deepen<A: Support, B: Support>(
     posed: &Posed<A, B, f64>,
     corners: &[Piece<f64>],
@@ -148,7 +152,8 @@ pub(super) fn deepen<A: Support, B: Support>(
         points: corners.to_vec(),
         facets: Vec::new(),
     };
-    // A tetrahedron, or an octahedron of points up and down three axes; one of the two orders is right for all.
+    // A tetrahedron, or an octahedron of points up and down three axes; one of the two orders is
+    // right for all.
     let tetrahedron = [[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]];
     let octahedron = [
         [0, 2, 4],

@@ -4,6 +4,7 @@
 mod hard;
 mod judge;
 mod planes;
+mod shapes;
 
 use judge::{Judge, Tally};
 use lab::casts::{self, SHAPES, Throw};

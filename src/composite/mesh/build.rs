@@ -15,13 +15,14 @@ use crate::tolerance::{SIDE_ERROR, UNIT};
 impl Mesh {
     /// Builds a mesh of points and triangles.
     ///
-    /// Points with equal coordinates are welded, triangles without area and repeated ones are dropped, and the [report](Self::report)
-    /// names them; nothing else is changed. Takes `n log n` time.
+    /// Points with equal coordinates are welded, triangles without area and repeated ones are
+    /// dropped, and the [report](Self::report) names them; nothing else is changed. Takes `n log n`
+    /// time.
     ///
     /// # Errors
     ///
-    /// A coordinate that is not finite, an index of a point that does not exist, more than 2^27 points or triangles, no triangle left, or
-    /// an extent outside 1e-100..1e100.
+    /// A coordinate that is not finite, an index of a point that does not exist, more than 2^27
+    /// points or triangles, no triangle left, or an extent outside 1e-100..1e100.
     pub fn new(points: &[Point3<f64>], triangles: &[[u32; 3]]) -> Result<Self, MeshError> {
         if triangles.len() > MOST {
             return Err(MeshError::TooMany { count: triangles.len() });
@@ -39,8 +40,8 @@ impl Mesh {
         Ok(assemble(welded, sieved, triangles.len()))
     }
 
-    /// Builds the surface of a convex body as a solid mesh. A triangle is named by its number in the order of the body's faces, a point by
-    /// the index of the body's vertex.
+    /// Builds the surface of a convex body as a solid mesh. A triangle is named by its number in
+    /// the order of the body's faces, a point by the index of the body's vertex.
     ///
     /// # Errors
     ///
@@ -86,7 +87,8 @@ fn sieve(welded: &Welded, triangles: &[[u32; 3]]) -> Sieved {
     sieved
 }
 
-/// Whether three points are exactly collinear: by a cross product that is certain, else by exact predicates.
+/// Whether three points are exactly collinear: by a cross product that is certain, else by exact
+/// predicates.
 fn is_collinear([a, b, c]: [&Vector3<f64>; 3]) -> bool {
     let (u, v) = (b - a, c - a);
     let certain = SIDE_ERROR * u.amax() * v.amax();

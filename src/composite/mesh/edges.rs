@@ -12,7 +12,8 @@ pub(super) struct Edges {
     pub(super) boundary: Vec<[u32; 2]>,
     pub(super) non_manifold: Vec<[u32; 2]>,
     pub(super) misoriented: Vec<[u32; 2]>,
-    /// Whether along every edge as many triangles run one way as the other: then every point off the surface has a winding number.
+    /// Whether along every edge as many triangles run one way as the other: then every point off
+    /// the surface has a winding number.
     pub(super) closed: bool,
 }
 
@@ -43,7 +44,8 @@ pub(super) fn judge(triangles: &[[u32; 3]]) -> Edges {
     edges
 }
 
-/// Connected parts by shared vertices, in the order of their first triangle, and one vertex of each.
+/// Connected parts by shared vertices, in the order of their first triangle, and one vertex of
+/// each.
 pub(super) fn parts(points: &[Vector3<f64>], triangles: &[[u32; 3]], closed: bool) -> (Vec<MeshPart>, Vec<u32>) {
     let mut parent: Vec<u32> = (0..points.len() as u32).collect();
     for t in triangles {

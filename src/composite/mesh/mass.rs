@@ -1,13 +1,14 @@
 //! Volume, centroid and inertia of a solid mesh at unit density.
 //!
-//! Sums over tetrahedra between the box centre and each triangle (Tonon 2004). Points with winding number w count w times, as parts
-//! that overlap do in the sum of their masses.
+//! Sums over tetrahedra between the box centre and each triangle (Tonon 2004). Points with winding
+//! number w count w times, as parts that overlap do in the sum of their masses.
 
 use nalgebra::{Matrix3, Point3, Vector3};
 
 use super::Mesh;
 
-/// Six times the volume, 24 times the first moments, 120 times the second, about the box centre, in stored units.
+/// Six times the volume, 24 times the first moments, 120 times the second, about the box centre, in
+/// stored units.
 #[derive(Default)]
 struct Moments {
     volume: f64,
@@ -16,14 +17,16 @@ struct Moments {
 }
 
 impl Mesh {
-    /// Returns the volume in the caller's unit cubed; zero for surfaces, negative if the mesh is inside out.
+    /// Returns the volume in the caller's unit cubed; zero for surfaces, negative if the mesh is
+    /// inside out.
     #[must_use]
     pub fn volume(&self) -> f64 {
         let unit = self.unit();
         self.moments().volume / 6.0 * unit * unit * unit
     }
 
-    /// Returns the centre of mass of the volume; for surfaces and volumes that are not positive the centre of the bounding box.
+    /// Returns the centre of mass of the volume; for surfaces and volumes that are not positive the
+    /// centre of the bounding box.
     #[doc(alias = "center_of_mass")]
     #[must_use]
     pub fn centroid(&self) -> Point3<f64> {
@@ -36,8 +39,8 @@ impl Mesh {
         self.given(&(self.middle() + shift))
     }
 
-    /// Returns the inertia tensor about the centroid, in the caller's axes and unit to the fifth power; zero for surfaces and volumes that
-    /// are not positive.
+    /// Returns the inertia tensor about the centroid, in the caller's axes and unit to the fifth
+    /// power; zero for surfaces and volumes that are not positive.
     #[doc(alias = "moment_of_inertia")]
     #[must_use]
     pub fn inertia(&self) -> Matrix3<f64> {

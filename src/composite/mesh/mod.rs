@@ -18,8 +18,9 @@ pub(super) use weld::stir;
 
 /// A body made of triangles: the mesh as the caller brought it, not a decomposition.
 ///
-/// A closed mesh is a solid, any other a surface ([`kind`](Self::kind)). Immutable, `Send + Sync`, cheap to share by reference or `Arc`.
-/// Coordinates are those of the caller, in the body's own frame, in any unit; triangles run counter-clockwise seen from outside.
+/// A closed mesh is a solid, any other a surface ([`kind`](Self::kind)). Immutable, `Send + Sync`,
+/// cheap to share by reference or `Arc`. Coordinates are those of the caller, in the body's own
+/// frame, in any unit; triangles run counter-clockwise seen from outside.
 ///
 /// ```
 /// use lin_canny::nalgebra::Point3;
@@ -98,14 +99,16 @@ impl Mesh {
         size_of_val(&self.points[..]) + size_of_val(&self.triangles[..]) + 4 * numbers + self.tree.heap_bytes()
     }
 
-    /// Returns the corners of every triangle with its index as the caller gave it, in the order of the tree.
+    /// Returns the corners of every triangle with its index as the caller gave it, in the order of
+    /// the tree.
     pub fn triangles(&self) -> impl Iterator<Item = (u32, [Point3<f64>; 3])> + '_ {
         let each = self.triangles.iter().zip(&self.source_triangles);
         each.map(|(t, &source)| (source, t.map(|v| self.given(&self.points[v as usize]))))
     }
 
-    /// Returns the corners of the box of a node of the mesh's tree, to be drawn: corner k is at the far end of axis i if bit i of k is set.
-    /// The box as it is compared is in single precision, right within a millionth of the mesh.
+    /// Returns the corners of the box of a node of the mesh's tree, to be drawn: corner k is at the
+    /// far end of axis i if bit i of k is set. The box as it is compared is in single precision,
+    /// right within a millionth of the mesh.
     #[must_use]
     pub fn node_box(&self, node: u32) -> Option<[Point3<f64>; 8]> {
         let b = self.tree.boxes.get(node as usize)?;

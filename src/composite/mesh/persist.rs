@@ -1,5 +1,6 @@
-//! Meshes in files (feature `serde`): vertices, triangles and names are written in the caller's order, all else is built again, so that a
-//! hostile file does no harm and the mesh comes back bit for bit.
+//! Meshes in files (feature `serde`): vertices, triangles and names are written in the caller's
+//! order, all else is built again, so that a hostile file does no harm and the mesh comes back bit
+//! for bit.
 
 use alloc::vec::Vec;
 use nalgebra::Point3;

@@ -3,7 +3,8 @@
 use alloc::vec::Vec;
 use core::fmt;
 
-/// Reason why points and triangles make no mesh. Indices are the caller's, lengths in the caller's unit.
+/// Reason why points and triangles make no mesh. Indices are the caller's, lengths in the caller's
+/// unit.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MeshError {
@@ -33,7 +34,8 @@ pub enum MeshError {
         /// Triangles given.
         given: usize,
     },
-    /// The longest side of the bounding box is below 1e-100 or above 1e100, or a coordinate is above 1e116.
+    /// The longest side of the bounding box is below 1e-100 or above 1e100, or a coordinate is
+    /// above 1e116.
     #[error("the extent {extent:e} lies outside 1e-100..1e100, or a coordinate is above 1e116")]
     OutOfRange {
         /// The longest side of the bounding box.
@@ -51,8 +53,8 @@ pub enum MeshError {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum MeshKind {
-    /// Closed: along every edge as many triangles run one way as the other. Points with a winding number other than zero are inside and
-    /// belong to the body.
+    /// Closed: along every edge as many triangles run one way as the other. Points with a winding
+    /// number other than zero are inside and belong to the body.
     Solid,
     /// Not closed: the body is the triangles alone and has no inside.
     Surface,
@@ -76,8 +78,8 @@ pub struct MeshPart {
     pub triangle: u32,
     /// Number of triangles.
     pub triangles: u32,
-    /// Signed volume if the mesh is a solid, in the caller's unit cubed: negative if the triangles run clockwise seen from outside, as
-    /// those of a cavity do.
+    /// Signed volume if the mesh is a solid, in the caller's unit cubed: negative if the triangles
+    /// run clockwise seen from outside, as those of a cavity do.
     pub volume: f64,
 }
 
@@ -112,7 +114,8 @@ pub struct MeshReport {
     pub misoriented_edges: Vec<[u32; 2]>,
     /// Connected parts, by their first triangle.
     pub parts: Vec<MeshPart>,
-    /// Coordinates replaced by zero: below `2^-200` of the extent, where exact predicates would run out of range.
+    /// Coordinates replaced by zero: below `2^-200` of the extent, where exact predicates would run
+    /// out of range.
     pub flushed_coordinates: usize,
 }
 

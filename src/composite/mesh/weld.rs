@@ -1,4 +1,5 @@
-//! From the caller's points to stored ones: checked, scaled by a power of two, equal points made one.
+//! From the caller's points to stored ones: checked, scaled by a power of two, equal points made
+//! one.
 
 use alloc::vec::Vec;
 use nalgebra::{Point3, Vector3};
@@ -58,8 +59,9 @@ pub(super) fn weld(given: &[Point3<f64>]) -> Result<Welded, MeshError> {
     })
 }
 
-/// For each point the first with the same coordinates. Points are sorted by a mix of their bits, so that long runs of equal first
-/// coordinates cost nothing; among equal mixes the coordinates decide.
+/// For each point the first with the same coordinates. Points are sorted by a mix of their bits, so
+/// that long runs of equal first coordinates cost nothing; among equal mixes the coordinates
+/// decide.
 fn first_equal(points: &[Vector3<f64>]) -> Vec<u32> {
     let mut keys: Vec<(u64, u32)> = points.iter().map(mix).zip(0..).collect();
     keys.sort_unstable();

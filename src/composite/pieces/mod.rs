@@ -57,7 +57,8 @@ pub enum CompositeError {
     },
 }
 
-/// A body made of placed convex pieces, which may overlap: the links of URDF and MJCF files, or a decomposition.
+/// A body made of placed convex pieces, which may overlap: the links of URDF and MJCF files, or a
+/// decomposition.
 ///
 /// The body is the union of the pieces, each a solid. Immutable, `Send + Sync`.
 ///
@@ -172,7 +173,8 @@ impl Composite {
         (Point3::from(self.low * unit), Point3::from(self.high * unit))
     }
 
-    /// Returns the surfaces of all pieces as one solid mesh, whose parts may overlap: what queries against meshes take.
+    /// Returns the surfaces of all pieces as one solid mesh, whose parts may overlap: what queries
+    /// against meshes take.
     ///
     /// # Errors
     ///
@@ -200,8 +202,8 @@ impl Composite {
         self.pieces.iter().map(|p| p.shape.volume()).sum()
     }
 
-    /// Returns the centre of mass of the pieces at unit density, the mean of their centroids if none has volume. What pieces share is
-    /// counted as often.
+    /// Returns the centre of mass of the pieces at unit density, the mean of their centroids if
+    /// none has volume. What pieces share is counted as often.
     #[must_use]
     pub fn centroid(&self) -> Point3<f64> {
         let volume = self.volume();
@@ -219,7 +221,8 @@ impl Composite {
         Point3::from(parts.sum::<Vector3<f64>>())
     }
 
-    /// Returns the inertia tensor about the centroid at unit density, in the body's axes. What pieces share is counted as often.
+    /// Returns the inertia tensor about the centroid at unit density, in the body's axes. What
+    /// pieces share is counted as often.
     #[must_use]
     pub fn inertia(&self) -> Matrix3<f64> {
         let centre = self.centroid();

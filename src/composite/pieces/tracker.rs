@@ -52,7 +52,8 @@ impl From<&CompositeOutcome> for Distance {
     }
 }
 
-/// The front of the last answer for one pair of bodies of pieces, and a [`Tracker`] for each pair of pieces that came near.
+/// The front of the last answer for one pair of bodies of pieces, and a [`Tracker`] for each pair
+/// of pieces that came near.
 ///
 /// Owns no body. What is kept changes time, never an answer.
 #[derive(Clone, Debug, Default)]
@@ -89,8 +90,9 @@ impl CompositeTracker {
         *self = Self::default();
     }
 
-    /// Returns the closest points with bounds of the distance: for bodies apart no wider than `1e-13 L`, with `L` the sum of both radii
-    /// about the bodies' own origins and the distance of these; half as much more if pieces have poses of their own.
+    /// Returns the closest points with bounds of the distance: for bodies apart no wider than
+    /// `1e-13 L`, with `L` the sum of both radii about the bodies' own origins and the distance of
+    /// these; half as much more if pieces have poses of their own.
     pub fn closest(&mut self, a: &Composite, b: &Composite, a_from_b: &RelativePose) -> CompositeOutcome {
         self.recognise(a, b);
         self.kept.work.queries += 1;
@@ -128,13 +130,14 @@ impl CompositeTracker {
         Distance::from(&self.closest(a, b, a_from_b))
     }
 
-    /// Returns whether the bodies share a point; touching counts. Exact, with the feature `exact`, if no piece has a pose of its own;
-    /// else ties count as touching.
+    /// Returns whether the bodies share a point; touching counts. Exact, with the feature `exact`,
+    /// if no piece has a pose of its own; else ties count as touching.
     pub fn intersects(&mut self, a: &Composite, b: &Composite, a_from_b: &RelativePose) -> bool {
         self.within(a, b, a_from_b, 0.0)
     }
 
-    /// Returns whether the bodies are at most `d` apart: as exact as [`intersects`](Self::intersects). False for a negative `d` and NaN.
+    /// Returns whether the bodies are at most `d` apart: as exact as
+    /// [`intersects`](Self::intersects). False for a negative `d` and NaN.
     pub fn within(&mut self, a: &Composite, b: &Composite, a_from_b: &RelativePose, d: f64) -> bool {
         if !(d >= 0.0) {
             return false;
@@ -168,7 +171,8 @@ impl CompositeTracker {
     }
 }
 
-/// Bodies so far apart, or so small beside their distance, that only balls about their origins count.
+/// Bodies so far apart, or so small beside their distance, that only balls about their origins
+/// count.
 fn far(a: &Composite, b: &Composite, pose: &RelativePose) -> CompositeOutcome {
     let (distance, slack, normal) = crate::composite::frame::far(side(a), side(b), pose);
     let lower = (distance - slack).max(0.0);

@@ -8,7 +8,8 @@ use super::{Below, OrientedBox, Slab, Tree};
 use crate::num::scalar::sqrt;
 use crate::tolerance::{BOX_EXTENT, UNIT};
 
-/// A node thinner than this part of the tree's size gets a slab: about as thin as single precision can say.
+/// A node thinner than this part of the tree's size gets a slab: about as thin as single precision
+/// can say.
 const SLAB: f64 = 1.0 / 131_072.0;
 
 /// Vertices in the tree's coordinates, by the range of triangles or pieces that use them.
@@ -30,8 +31,8 @@ impl<'a, I: AsRef<[u32]>> Vertices<'a, I> {
         Self { places, items, before }
     }
 
-    /// Calls `visit` with every vertex of the items from `first` to `last`: those that come up there first are consecutive, and
-    /// corners of earlier ones are few.
+    /// Calls `visit` with every vertex of the items from `first` to `last`: those that come up
+    /// there first are consecutive, and corners of earlier ones are few.
     fn visit(&self, (first, last): (usize, usize), mut visit: impl FnMut(&Vector3<f64>)) {
         let (low, high) = (self.before[first], self.before[last]);
         self.places[low as usize..high as usize].iter().for_each(&mut visit);
@@ -44,8 +45,8 @@ impl<'a, I: AsRef<[u32]>> Vertices<'a, I> {
 }
 
 impl Tree {
-    /// Sets the extents of every box. Triangles or pieces are in the tree's order, vertices in the order in which these use them. No vertex
-    /// is off its place by more than `error`.
+    /// Sets the extents of every box. Triangles or pieces are in the tree's order, vertices in the
+    /// order in which these use them. No vertex is off its place by more than `error`.
     pub(crate) fn fit<I: AsRef<[u32]>>(&mut self, points: &[Vector3<f64>], items: &[I], error: f64) {
         let scale = crate::polyhedron::power_of_two(-self.exponent);
         let places: Vec<_> = points.iter().map(|p| (p - self.centre) * scale).collect();
@@ -108,7 +109,8 @@ impl Tree {
     /// The slab in stored coordinates of the body.
     fn push_slab(&mut self, node: u32, normal: &Vector3<f64>, low: f64, high: f64) {
         let (unit, lift) = (self.unit(), normal.dot(&self.centre));
-        // Heights of points up to |centre| + reach: three roundings of products and sums, once more for the lift.
+        // Heights of points up to |centre| + reach: three roundings of products and sums, once more
+        // for the lift.
         let slack = 8.0 * UNIT * (self.centre.abs().sum() + 4.0 * unit);
         self.slabs.push(Slab {
             node,
@@ -118,8 +120,9 @@ impl Tree {
         });
     }
 
-    /// Centre and half extents: the centre is rounded first, then every point's coordinates about it are taken along the dual axes, so
-    /// that the axes as stored, which are not quite orthonormal, span every point.
+    /// Centre and half extents: the centre is rounded first, then every point's coordinates about
+    /// it are taken along the dual axes, so that the axes as stored, which are not quite
+    /// orthonormal, span every point.
     fn store_extents<I: AsRef<[u32]>>(
         &mut self,
         node: usize,

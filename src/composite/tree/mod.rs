@@ -1,7 +1,8 @@
 //! A tree of oriented boxes over triangles or convex pieces.
 //!
-//! Oriented boxes, because a box in the body's axes is as thick as its piece of surface is long where that is oblique, an oriented one
-//! only as thick as the surface is curved: near contact the first cost pairs in proportion to size over gap, the second its logarithm.
+//! Oriented boxes, because a box in the body's axes is as thick as its piece of surface is long
+//! where that is oblique, an oriented one only as thick as the surface is curved: near contact the
+//! first cost pairs in proportion to size over gap, the second its logarithm.
 
 mod eigen;
 mod fit;
@@ -11,10 +12,12 @@ mod split;
 use alloc::vec::Vec;
 use nalgebra::Vector3;
 
-/// A box in single precision: every point below the node is `centre + sum of s_k axis_k` with `|s_k| <= half_k`, exactly, for the
-/// numbers as stored. Coordinates are those of the tree ([`Tree::centre`], [`Tree::exponent`]).
+/// A box in single precision: every point below the node is `centre + sum of s_k axis_k` with
+/// `|s_k| <= half_k`, exactly, for the numbers as stored. Coordinates are those of the tree
+/// ([`Tree::centre`], [`Tree::exponent`]).
 ///
-/// Sixteen numbers, so that eight boxes are read by two transpositions: three axes, the centre, the half extents, the radius.
+/// Sixteen numbers, so that eight boxes are read by two transpositions: three axes, the centre, the
+/// half extents, the radius.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub(crate) struct OrientedBox {
     pub(crate) rows: [[f32; 8]; 2],
@@ -43,8 +46,8 @@ impl OrientedBox {
     }
 }
 
-/// The slab of a nearly flat node in double precision, which single precision cannot hold: `low <= normal . x <= high` for every point
-/// below the node, in stored coordinates of the body.
+/// The slab of a nearly flat node in double precision, which single precision cannot hold:
+/// `low <= normal . x <= high` for every point below the node, in stored coordinates of the body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Slab {
     node: u32,
@@ -78,7 +81,8 @@ pub(crate) struct Tree {
     slabs: Vec<Slab>,
     /// Where the tree's origin is in stored coordinates of the body.
     pub(crate) centre: Vector3<f64>,
-    /// The tree's lengths times `2^exponent` are stored lengths of the body: the tree's radius is about one.
+    /// The tree's lengths times `2^exponent` are stored lengths of the body: the tree's radius is
+    /// about one.
     pub(crate) exponent: i32,
     /// No corner of a box is farther than this from the tree's origin.
     pub(crate) reach: f32,

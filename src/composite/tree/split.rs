@@ -1,4 +1,5 @@
-//! Which triangles or pieces belong together: cut at the mean across the longest axis of their spread, at the median where that is lopsided.
+//! Which triangles or pieces belong together: cut at the mean across the longest axis of their
+//! spread, at the median where that is lopsided.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -9,17 +10,19 @@ use super::{COUNT_SHIFT, LEAF_MARK, OrientedBox, Tree};
 use crate::num::scalar::sqrt;
 use crate::polyhedron::{bounding_box, exponent_of, power_of_two};
 
-/// A leaf of several triangles is no thicker than this part of its length: coarse bodies have thin leaves of one triangle, fine ones save
-/// two thirds of the boxes.
+/// A leaf of several triangles is no thicker than this part of its length: coarse bodies have thin
+/// leaves of one triangle, fine ones save two thirds of the boxes.
 const THIN: f64 = 1.0 / 16.0;
 
 /// A cut leaves at least one part in this many on each side, so that the depth is a logarithm.
 const LOPSIDED: usize = 8;
 
-/// Middles whose heights differ by less than this part of the tree's size are level: the rounding of single precision.
+/// Middles whose heights differ by less than this part of the tree's size are level: the rounding
+/// of single precision.
 const LEVEL: f32 = 8.0 * f32::EPSILON;
 
-/// From so few triangles on the corners count, not the middles: a few middles have no spread of their own.
+/// From so few triangles on the corners count, not the middles: a few middles have no spread of
+/// their own.
 const FEW: usize = 16;
 
 /// A triangle or a piece while it is sorted, in the tree's coordinates.
@@ -34,8 +37,8 @@ struct Item {
 type Task = (u32, usize, usize);
 
 impl Tree {
-    /// Divides triangles or pieces, given by their corners, until they are leaves of at most `most`: the tree with axes and without
-    /// extents, and the order of the items.
+    /// Divides triangles or pieces, given by their corners, until they are leaves of at most
+    /// `most`: the tree with axes and without extents, and the order of the items.
     pub(crate) fn split<I: AsRef<[u32]>>(points: &[Vector3<f64>], given: &[I], most: usize) -> (Self, Vec<u32>) {
         let used = given.iter().flat_map(|i| i.as_ref()).map(|&v| &points[v as usize]);
         let (low, high) = bounding_box(used);
@@ -151,8 +154,9 @@ impl<I: AsRef<[u32]>> Splitter<'_, I> {
         (rows, mean, values)
     }
 
-    /// Puts the items in the plane of the highest or lowest one along the shortest axis first and returns their number: zero if they are
-    /// few. What lies in one plane has a box without thickness, which proves all of a flush contact at once.
+    /// Puts the items in the plane of the highest or lowest one along the shortest axis first and
+    /// returns their number: zero if they are few. What lies in one plane has a box without
+    /// thickness, which proves all of a flush contact at once.
     fn cut_plane(&mut self, first: usize, count: usize, axis: &Vector3<f64>) -> usize {
         let items = &self.items[first..first + count];
         let along =
@@ -161,7 +165,8 @@ impl<I: AsRef<[u32]>> Splitter<'_, I> {
         let by_height = |a: &&Item, b: &&Item| height(a).total_cmp(&height(b));
         let ends = [items.iter().max_by(by_height), items.iter().min_by(by_height)].map(|e| e.copied());
         for end in ends.into_iter().flatten() {
-            // Of the item, not of the spread, which the way a plane is cut into triangles tilts a little.
+            // Of the item, not of the spread, which the way a plane is cut into triangles tilts a
+            // little.
             let height = along(single(&self.normal(end.number)));
             let level = height(&end);
             let is_level = |i: &Item| (height(i) - level).abs() <= LEVEL;
@@ -192,7 +197,8 @@ impl<I: AsRef<[u32]>> Splitter<'_, I> {
         if length > 0.0 { n / length } else { Vector3::zeros() }
     }
 
-    /// Puts the items on the lower side of the cut first and returns their number: at least one, at most all but one.
+    /// Puts the items on the lower side of the cut first and returns their number: at least one, at
+    /// most all but one.
     fn cut(&mut self, first: usize, count: usize, axis: &Vector3<f64>, mean: &Vector3<f64>) -> usize {
         let axis = [axis.x as f32, axis.y as f32, axis.z as f32];
         let height = |i: &Item| axis[0] * i.middle[0] + axis[1] * i.middle[1] + axis[2] * i.middle[2];
