@@ -219,7 +219,16 @@ const MAY_USE: &[(&str, &[&str])] = &[
     // The state of a pair of shapes between queries: a tracker of cores, or the state of the curved solver.
     (
         "shape_tracker",
-        &["shape", "smooth", "tracker", "pair", "polyhedron", "pose", "num"],
+        &[
+            "shape",
+            "smooth",
+            "tracker",
+            "exact",
+            "pair",
+            "polyhedron",
+            "pose",
+            "num",
+        ],
     ),
     (
         "tracker",

@@ -44,5 +44,34 @@ fn commands_of_the_readme_exist() {
             seen += 1;
         }
     }
-    assert!(seen > 8, "{seen}");
+    assert!(seen > 2, "{seen}");
+}
+
+/// Every example of the table of examples exists, and every example stands in the table.
+#[test]
+fn the_table_of_examples_is_complete() {
+    let readme = read("README.md");
+    let table = readme
+        .split("## Examples")
+        .nth(1)
+        .and_then(|rest| rest.split("\n## ").next());
+    let rows = table
+        .expect("a section on examples")
+        .lines()
+        .filter(|l| l.starts_with("| `"));
+    let first = rows.filter_map(|l| l.split('|').nth(1));
+    let mut named: Vec<String> = first
+        .flat_map(|cell| cell.split('`').skip(1).step_by(2))
+        .map(Into::into)
+        .collect();
+    named.sort();
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples");
+    let entries = std::fs::read_dir(folder)
+        .expect("examples")
+        .map(|e| e.expect("an entry").path());
+    let is_example = |p: &std::path::PathBuf| p.extension().is_some_and(|e| e == "rs") || p.join("main.rs").exists();
+    let stem = |p: std::path::PathBuf| p.file_stem().expect("a name").to_string_lossy().into_owned();
+    let mut there: Vec<String> = entries.filter(is_example).map(stem).collect();
+    there.sort();
+    assert_eq!(named, there);
 }

@@ -31,6 +31,7 @@ pub(crate) mod audit;
 mod bounds;
 mod frame;
 mod front;
+mod heights;
 mod inside;
 mod kept;
 pub mod mesh;

@@ -6,8 +6,8 @@ use nalgebra::Vector3;
 use super::bounds::{Bounds, bounds};
 use super::frame::Frame;
 use super::front::{Front, Pair};
+use super::heights::{height, unit};
 use super::tree::{Below, LEAF, Tree};
-use crate::num::scalar::sqrt;
 
 /// What two leaves hold: triangles or convex pieces, by the number of the tree's items.
 pub(super) trait Judge {
@@ -474,31 +474,4 @@ const FEW: u32 = 64;
 fn few(tree: &Tree, node: u32) -> Option<(u32, u32)> {
     let (first, last) = tree.range(node);
     (last - first <= FEW).then_some((first, last))
-}
-
-/// A vector as a unit one, where it is near one.
-fn unit(v: &Vector3<f64>) -> Option<Vector3<f64>> {
-    let square = v.norm_squared();
-    (square > 0.5 && square < 2.0).then(|| v / sqrt(square))
-}
-
-/// No point below a node is higher along `n` than this, in stored units of the body.
-fn height(tree: &Tree, node: u32, n: &Vector3<f64>) -> f64 {
-    let b = &tree.boxes[node as usize];
-    let (unit, half) = (tree.unit(), b.half());
-    let centre = tree.centre + b.centre() * unit;
-    let of_box = |n: &Vector3<f64>| {
-        let [x, y, z] = [0, 1, 2].map(|k| (b.axis(k).dot(n) * half[k]).abs());
-        n.dot(&centre) + (x + y + z) * unit
-    };
-    match tree.slab(node) {
-        // n = s m + rest: the slab bounds what m contributes, the box the rest, which is next to
-        // nothing where n is m.
-        Some(slab) => {
-            let s = n.dot(&slab.normal);
-            let end = if s > 0.0 { slab.high } else { slab.low };
-            s * end + of_box(&(n - slab.normal * s))
-        }
-        None => of_box(n),
-    }
 }

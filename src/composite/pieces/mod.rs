@@ -71,7 +71,7 @@ pub enum CompositeError {
 /// upright.pose = Isometry3::new(Vector3::new(1.0, 0.9, 0.0), Vector3::z() * std::f64::consts::FRAC_PI_2);
 /// let bracket = Composite::new(vec![Piece::new(beam), upright])?;
 /// let mut pair = CompositeTracker::new();
-/// let a_from_b = RelativePose::from_isometry(&Isometry3::translation(0.0, 0.5, 0.0))?;
+/// let a_from_b = RelativePose::from_isometry(&Isometry3::translation(0.0, 0.0, 0.5))?;
 /// let found = pair.closest(&bracket, &bracket, &a_from_b);
 /// assert!((found.distance - 0.3).abs() < 1e-14);
 /// # Ok::<(), Box<dyn std::error::Error>>(())

@@ -1,0 +1,34 @@
+//! Heights of the nodes of a tree along a direction.
+
+use nalgebra::Vector3;
+
+use crate::composite::tree::Tree;
+use crate::num::scalar::sqrt;
+
+/// Returns a vector divided by its length if the length is near one.
+pub(super) fn unit(v: &Vector3<f64>) -> Option<Vector3<f64>> {
+    let square = v.norm_squared();
+    (square > 0.5 && square < 2.0).then(|| v / sqrt(square))
+}
+
+/// Returns an upper bound of the height along `n` of all points below a node, in stored units of the
+/// body.
+pub(super) fn height(tree: &Tree, node: u32, n: &Vector3<f64>) -> f64 {
+    let b = &tree.boxes[node as usize];
+    let (unit, half) = (tree.unit(), b.half());
+    let centre = tree.centre + b.centre() * unit;
+    let of_box = |n: &Vector3<f64>| {
+        let [x, y, z] = [0, 1, 2].map(|k| (b.axis(k).dot(n) * half[k]).abs());
+        n.dot(&centre) + (x + y + z) * unit
+    };
+    match tree.slab(node) {
+        // n = s m + rest: the slab bounds what m contributes, the box the rest, which is next to
+        // nothing where n is m.
+        Some(slab) => {
+            let s = n.dot(&slab.normal);
+            let end = if s > 0.0 { slab.high } else { slab.low };
+            s * end + of_box(&(n - slab.normal * s))
+        }
+        None => of_box(n),
+    }
+}
