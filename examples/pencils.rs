@@ -7,7 +7,7 @@ use lab::boxes::{Kind, Scene};
 use lab::command::Arguments;
 use lin_canny::broad::{Body, BodyId, BroadPhase, Pencil, PencilSweep, StoredBox};
 use std::fmt::Write as _;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 const SCALE: f32 = 9.0;
@@ -26,10 +26,10 @@ fn parse(arguments: Option<Arguments>) -> Result<Option<PathBuf>, String> {
 }
 
 fn main() -> ExitCode {
-    lab::command::main("pencils", USAGE, parse(Arguments::of_process()), run)
+    lab::command::main("pencils", USAGE, parse(Arguments::of_process()), |file| run(file))
 }
 
-fn run(file: &PathBuf) -> Result<(), Box<dyn std::error::Error>> {
+fn run(file: &Path) -> Result<(), Box<dyn std::error::Error>> {
     let mut scene = Scene::new(Kind::Floor, 1200);
     let mut broad = PencilSweep::new();
     let ids = scene

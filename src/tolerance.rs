@@ -5,7 +5,7 @@
 //! absolute, and fall under one of five cases:
 //!
 //! * **S, stored lengths** (the rule, if a derivation names no case). Bodies are stored with a
-//!   radius of `2^-105` or more ([`EXPONENT_FREE`]), and pairs of L up to [`NEAR`], possible for
+//!   radius of `2^-105` or more (`EXPONENT_FREE`), and pairs of L up to [`NEAR`], possible for
 //!   two points only, go to `solve::out_of_range`. A sum or product loses at most `2^-1075`, a
 //!   product of three lengths at most `2^-1070`, the root of a sum of squares at most `2^-536`. The
 //!   least error terms, `UNIT_DOUBLE_DOUBLE` times L, L^2 and L^3, are above `2^-402`, `2^-702` and
@@ -15,7 +15,7 @@
 //! * **P, poses**: products of coordinates of a quaternion lose at most `2^-1075` beside a norm of
 //!   one.
 //! * **D, directions** of length one and edges: stored coordinates are multiples of `2^-357`
-//!   ([`FLUSH_EXPONENT`]), directions are of length one or longer than [`ON_BOUNDARY`] times L. If
+//!   (`FLUSH_EXPONENT`), directions are of length one or longer than [`ON_BOUNDARY`] times L. If
 //!   the product of the direction's largest coordinate with the edge is not zero, this product is
 //!   above `2^-513`, and underflow of the remaining products is negligible; if the product is zero,
 //!   two products are left, and as rounding is monotone the sign of their sum is never the opposite

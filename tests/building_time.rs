@@ -50,7 +50,7 @@ fn on_faces(n: usize, more: impl Fn(&[Vector3<f64>]) -> Vec<Vector3<f64>>) -> Ve
 fn skew_ellipses(n: usize) -> Vec<Point3<f64>> {
     let at = |k: usize| {
         let (s, c) = (std::f64::consts::TAU * (k / 2) as f64 / (n / 2) as f64).sin_cos();
-        if k % 2 == 0 {
+        if k.is_multiple_of(2) {
             Point3::new(c, 0.5 * s, 0.0)
         } else {
             Point3::new(0.5 * c, 0.25 * c, 1.0 + s)

@@ -30,10 +30,10 @@ fn parse(arguments: Option<Arguments>) -> Result<Option<PathBuf>, String> {
 }
 
 fn main() -> ExitCode {
-    lab::command::main("figures", USAGE, parse(Arguments::of_process()), run)
+    lab::command::main("figures", USAGE, parse(Arguments::of_process()), |folder| run(folder))
 }
 
-fn run(folder: &PathBuf) -> Result<(), Trouble> {
+fn run(folder: &Path) -> Result<(), Trouble> {
     println!("drawing to {}", folder.display());
     let records = Path::new(env!("CARGO_MANIFEST_DIR")).join("benches/record");
     let mut pictures = vec![

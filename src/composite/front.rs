@@ -151,7 +151,7 @@ impl Front {
             let moved = self.blocks[last / 8].0[c][last % 8];
             self.blocks[k / 8].0[c][k % 8] = moved;
         }
-        if last % 8 == 0 {
+        if last.is_multiple_of(8) {
             self.blocks.pop();
         }
     }

@@ -12,10 +12,10 @@ use crate::tolerance::{PLACED_CENTRE, PLACED_PIVOT, TURN, UNIT};
 /// rotation is the normalised sum of both quaternions, `(1 - x) q0 + x q1`, the shorter way round.
 ///
 /// That is how Box2D v3, Box3D, parry's `sweep_toi` and rapier move a body in a step. The axis is
-/// fixed and the rate is not: with `b` half the angle between the poses and `p = 1 - 2 x (1 - x) (1
-/// - cos b)` it is `2 sin b / p` radians for the whole way, between `2 sin b` at the ends and `4
-/// tan (b / 2)` in the middle. Before and after the given time the motion goes on by the same
-/// formula.
+/// fixed and the rate is not: with `b` half the angle between the poses and
+/// `p = 1 - 2 x (1 - x) (1 - cos b)`, the rate is `2 sin b / p` radians for the whole way: from
+/// `2 sin b` at the ends to `4 tan (b / 2)` in the middle. Before and after the given time the
+/// motion continues by the same formula.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Nlerp {

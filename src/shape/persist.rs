@@ -19,7 +19,7 @@ pub(super) struct Stored {
 #[derive(Serialize, Deserialize)]
 #[serde(rename = "Core")]
 enum StoredCore {
-    Polyhedron(ConvexPolyhedron),
+    Polyhedron(alloc::boxed::Box<ConvexPolyhedron>),
     Ellipsoid { semi_axes: [f64; 3] },
     Cylinder { half_height: f64, radius: f64 },
     Cone { half_height: f64, radius: f64 },
@@ -29,7 +29,7 @@ enum StoredCore {
 impl From<Shape> for Stored {
     fn from(shape: Shape) -> Self {
         let core = match shape.core {
-            Core::Polyhedron(body) => StoredCore::Polyhedron(Arc::unwrap_or_clone(body)),
+            Core::Polyhedron(body) => StoredCore::Polyhedron(alloc::boxed::Box::new(Arc::unwrap_or_clone(body))),
             Core::Ellipsoid(core) => StoredCore::Ellipsoid {
                 semi_axes: core.semi_axes().into(),
             },
@@ -58,7 +58,7 @@ impl TryFrom<Stored> for Shape {
 
     fn try_from(stored: Stored) -> Result<Self, ShapeError> {
         let shape = match stored.core {
-            StoredCore::Polyhedron(body) => Self::from(body),
+            StoredCore::Polyhedron(body) => Self::from(*body),
             StoredCore::Ellipsoid { semi_axes } => Self::ellipsoid(Vector3::from(semi_axes))?,
             StoredCore::Cylinder { half_height, radius } => Self::cylinder(half_height, radius)?,
             StoredCore::Cone { half_height, radius } => Self::cone(half_height, radius)?,

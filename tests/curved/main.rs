@@ -168,8 +168,7 @@ const KINDS: [&str; 7] = [
 
 /// Each pair of kinds of which one is curved.
 fn pairs() -> impl Iterator<Item = (&'static str, &'static str)> {
-    let all = (0..KINDS.len()).flat_map(|i| (i.max(3)..KINDS.len()).map(move |k| (KINDS[i], KINDS[k])));
-    all
+    (0..KINDS.len()).flat_map(|i| (i.max(3)..KINDS.len()).map(move |k| (KINDS[i], KINDS[k])))
 }
 
 #[test]

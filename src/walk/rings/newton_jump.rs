@@ -85,7 +85,7 @@ impl<'a> Side<'a> {
     }
 
     /// Transforms the side from B's frame to A's.
-    fn to_frame_of_a(&mut self, posed: &PosedPair) {
+    fn turn_to_frame_of_a(&mut self, posed: &PosedPair) {
         let point = |p: &mut Vector3<f64>| *p = posed.point_in_a(p);
         let vector = |v: &mut Vector3<f64>| *v = posed.vector_in_a(v);
         let jet = |[p, d, c]: &mut [Vector3<f64>; 3]| {
@@ -239,7 +239,7 @@ pub(crate) fn newton_jump(posed: &PosedPair, outcome: &mut Outcome) -> bool {
     if !a.is_curved() && !b.is_curved() {
         return false;
     }
-    b.to_frame_of_a(posed);
+    b.turn_to_frame_of_a(posed);
     let jump = NewtonJump { posed, a: &a, b: &b };
     match jump.target() {
         Some(to) => {
