@@ -395,9 +395,10 @@ pub const SCENE_REACH: f64 = 1e37;
 /// root, and the root by one, a sum or product by one; this product adds one. Less than 4 in all.
 pub(crate) const ROUND_UP: f64 = 1.0 + 4.0 * UNIT;
 
-/// Factor that rounds down the distance of two centres: differences, squares, sums and root err by
-/// 3.5 UNIT. The roundings of this product and of a subtraction after it are not counted.
-pub(crate) const ROUND_DOWN: f64 = 1.0 - 4.0 * UNIT;
+/// Factor that rounds down the distance of two centres before the radii are subtracted:
+/// differences, squares, sums and root err by 3.5 UNIT, the guard against underflow by half of one,
+/// this product and the subtraction after it by one each. Sum: 6.
+pub(crate) const ROUND_DOWN: f64 = 1.0 - 8.0 * UNIT;
 
 /// Factor that rounds up the largest distance of a vertex from a centre, and scales it: a
 /// difference or a quotient by a scale errs by UNIT, three squares, two sums and a root by 2.5, the
