@@ -111,7 +111,7 @@ impl Arguments {
 /// The folder or the file cannot be written; the text names which.
 pub fn write(path: &std::path::Path, text: &str) -> Result<(), String> {
     if let Some(folder) = path.parent().filter(|f| !f.as_os_str().is_empty()) {
-        std::fs::create_dir_all(folder).map_err(|e| format!("{}: {e}", folder.display()))?;
+        std::fs::create_dir_all(folder).map_err(|e| format!("{}: {e}", path.display()))?;
     }
     std::fs::write(path, text).map_err(|e| format!("{}: {e}", path.display()))
 }
