@@ -127,12 +127,14 @@ mod tests {
                 t: [2.4 + swing, 0.3, 0.2],
             };
             let pose = RelativePose::from_isometry(&pose.isometry()).unwrap();
-            tracker.closest(&a, &b, &pose);
+            let found = tracker.closest(&a, &b, &pose);
             if k % 10 != 9 {
                 continue;
             }
             assert_eq!(tracker.audit(&a, &b, &pose), Ok(()), "{k}");
             if tracker.front_len() == 0 {
+                // Two triangles that meet prove the class; no front is needed.
+                assert!(found.distance <= 0.0, "{k}: no front at {}", found.distance);
                 continue;
             }
             audited += 1;
