@@ -8,7 +8,7 @@ use nalgebra::{Isometry3, Point3, Vector3};
 use super::kinds::ShapeKind;
 use crate::composite::mesh::Mesh;
 use crate::composite::pieces::Composite;
-use crate::num::scalar::sqrt;
+use crate::composite::separation::ball_about;
 use crate::polyhedron::{BoxHint, ConvexPolyhedron};
 use crate::pose::rotation_matrix;
 use crate::shape::{Core, Shape};
@@ -97,16 +97,11 @@ impl BodyShape {
     /// Returns a ball that contains the shape, in the frame of the shape: centre and radius.
     #[must_use]
     pub fn bounding_ball(&self) -> (Point3<f64>, f64) {
-        let about_middle = |(low, high): (Point3<f64>, Point3<f64>)| {
-            let (centre, half) = (middle(&low, &high), (high - low) * 0.5);
-            let far = centre.coords.abs().sum() + half.sum();
-            (centre, sqrt(half.norm_squared()) + BOX_TURNED * far)
-        };
         match self {
             Self::Polyhedron(body) => body.bounding_ball(),
             Self::Convex(shape) => shape.bounding_ball(),
-            Self::Composite(composite) => about_middle(composite.aabb()),
-            Self::Mesh(mesh) => about_middle(mesh.aabb()),
+            Self::Composite(composite) => ball_about(composite.aabb()),
+            Self::Mesh(mesh) => ball_about(mesh.aabb()),
         }
     }
 
@@ -133,15 +128,12 @@ impl BodyShape {
     }
 }
 
-fn middle(low: &Point3<f64>, high: &Point3<f64>) -> Point3<f64> {
-    low + (high - low) * 0.5
-}
-
 /// Returns the box about a posed box.
 fn turned_box((low, high): (Point3<f64>, Point3<f64>), pose: &Isometry3<f64>) -> (Point3<f64>, Point3<f64>) {
     let q = pose.rotation.coords;
     let matrix = rotation_matrix(&[q.x, q.y, q.z, q.w], 2.0 / q.norm_squared());
-    let (centre, half) = (middle(&low, &high).coords, (high - low) * 0.5);
+    let half = (high - low) * 0.5;
+    let centre = low.coords + half;
     let t = pose.translation.vector;
     let far = centre.abs().sum() + half.sum();
     let half = matrix.abs() * half + (t.abs().add_scalar(far)) * BOX_TURNED;

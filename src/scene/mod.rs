@@ -135,6 +135,7 @@
 //! Departures: pairs are kept in one table per level of detail; the wake-up is bounded by
 //! displacement instead of by time.
 
+mod ahead;
 mod answer;
 mod ball;
 mod body;
@@ -145,6 +146,7 @@ mod error;
 mod events;
 mod kinds;
 mod mixed_tracker;
+mod moving;
 mod narrow_phase;
 mod pair_table;
 mod pair_tracker;
@@ -173,7 +175,7 @@ pub use body_shape::BodyShape;
 pub use effects::{Effects, Group};
 use effects::{GROUPS, Table};
 pub use error::SceneError;
-pub use events::{Change, Event};
+pub use events::{Change, Event, PairImpact};
 use kinds::Census;
 pub use kinds::ShapeKind;
 use pair_table::PairTables;
@@ -192,6 +194,7 @@ pub struct Scene {
     broad: PencilSweep,
     pair_tables: PairTables,
     events: Vec<Event>,
+    impacts: Vec<PairImpact>,
     report: Report,
     /// Groups whose effects changed since the last step, as bits.
     replanned: u32,
@@ -202,6 +205,7 @@ pub struct Scene {
     growths: [f64; GROUPS],
     partners: [u32; GROUPS],
     budget: bool,
+    schedule: bool,
     settings: Settings,
     /// Scratch buffer, kept for its capacity.
     batch: Vec<(broad::BodyId, broad::Aabb)>,
@@ -246,12 +250,14 @@ impl Scene {
             broad: PencilSweep::with_settings(settings),
             pair_tables: PairTables::default(),
             events: Vec::new(),
+            impacts: Vec::new(),
             report: Report::default(),
             replanned: 0,
             changed: false,
             growths: [0.0; GROUPS],
             partners: [0; GROUPS],
             budget: true,
+            schedule: true,
             settings,
             batch: Vec::new(),
         }
@@ -285,6 +291,13 @@ impl Scene {
     /// answers do not depend on the setting.
     pub fn set_budget(&mut self, on: bool) {
         self.budget = on;
+    }
+
+    /// Sets whether pairs of bodies at constant velocities sleep until the proof of their
+    /// separation ends, see [`schedule`](crate::schedule); on by default. The answers do not depend
+    /// on the setting.
+    pub fn set_schedule(&mut self, on: bool) {
+        self.schedule = on;
     }
 
     /// Puts a body into the scene.
@@ -422,6 +435,42 @@ impl Scene {
         &self.events
     }
 
+    /// Returns the impacts of the last step in the order of [`PairImpact::safe`], then of the two
+    /// bodies: each pair with the effect `impact` whose bodies were apart before the tick and are
+    /// not proven to stay apart during it.
+    ///
+    /// ```
+    /// use lin_canny::impact::{Impact, Tolerance};
+    /// use lin_canny::nalgebra::{Isometry3, Vector3};
+    /// use lin_canny::polyhedron::solids;
+    /// use lin_canny::scene::{Body, Effects, Group, Scene};
+    /// use lin_canny::{Shape, Velocity};
+    ///
+    /// let all = Group::default();
+    /// let mut scene = Scene::new();
+    /// scene.call_for(all, all, Effects { impact: Some(Tolerance::Time(1e-9)), ..Effects::none() })?;
+    /// let pane = solids::cuboid(Vector3::new(0.001, 1.0, 1.0))?;
+    /// scene.insert(Body::fixed(pane), Isometry3::translation(2.0, 0.0, 0.0))?;
+    /// let bullet = scene.insert(Body::moving(Shape::ball(0.01)?), Isometry3::identity())?;
+    /// scene.set_velocity(bullet, Velocity::new(Vector3::x() * 800.0, Vector3::zeros()))?;
+    /// scene.advance(1.0 / 60.0)?; // 13 m
+    /// scene.step();
+    /// let [hit] = scene.impacts() else { panic!("through the pane") };
+    /// let Impact::Hit { safe, hit, .. } = hit.impact else { panic!("not proven") };
+    /// let met = (2.0 - 0.001 - 0.01) / 800.0;
+    /// assert!(safe <= met && met <= hit && hit - safe < 2e-9);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// Bodies that share a point before the tick are no impact: `overlap` has those. A body that
+    /// [`set_pose`](Self::set_pose) moves jumps, before or after the tick.
+    #[doc(alias = "ccd")]
+    #[doc(alias = "tunnelling")]
+    #[must_use]
+    pub fn impacts(&self) -> &[PairImpact] {
+        &self.impacts
+    }
+
     /// Returns the work and the times of the last step.
     #[must_use]
     pub fn report(&self) -> &Report {
@@ -436,7 +485,8 @@ impl Scene {
             broad: self.broad.bytes(),
             pairs: self.pair_tables.bytes(),
             scratch: self.batch.capacity() * size_of::<(broad::BodyId, broad::Aabb)>()
-                + self.events.capacity() * size_of::<Event>(),
+                + self.events.capacity() * size_of::<Event>()
+                + self.impacts.capacity() * size_of::<PairImpact>(),
         }
     }
 }

@@ -34,7 +34,8 @@ pub(super) struct PairHeader {
     pub(super) pair: PairId,
     pub(super) class: GroupPair,
     pub(super) state: PairFlags,
-    /// Sum of the odometers from which on the pair is tested again.
+    /// Sum of the odometers from which on the pair is tested again; for a pair that sleeps, the
+    /// number of the tick.
     pub(super) wake: f64,
 }
 
@@ -48,6 +49,8 @@ pub(super) struct PairFlags {
     pub(super) within: bool,
     /// Whether the distance is within the range called for, so that the table holds an answer.
     pub(super) measured: bool,
+    /// Whether the pair is proven apart until a tick.
+    pub(super) sleeps: bool,
 }
 
 /// Pairs that store one kind of answer.
