@@ -160,7 +160,8 @@ fn check_frame(scene: &Scene, known: &[Known], replay: &Replay, effects: &Effect
                 scene.pose(b.id).unwrap() * found.point_on_b,
             );
             let width = found.upper - found.lower + 1e-9;
-            assert!(((on_b - on_a).norm() - found.distance.abs()).abs() < width, "{found:?}");
+            let off = ((on_b - on_a).norm() - found.distance.abs()).abs();
+            assert!(off < width, "{off} {width} {found:?}");
             mix.apart += usize::from(!overlaps);
             mix.depths += usize::from(overlaps);
         }

@@ -25,10 +25,10 @@ use super::pair_table::{PairFlags, PairHeader};
 use super::pair_tracker::PairTracker;
 use super::report::Counts;
 use crate::impact::{self, Impact, Tolerance};
-use crate::motion::{Motion, Steady};
+use crate::motion::{Motion, Steady, Velocity};
 use crate::pair::outcome::Outcome;
 use crate::schedule::ticks;
-use crate::separation::{Flight, Proof};
+use crate::separation::Flight;
 use crate::tuning::scene::TICKS;
 
 impl Context<'_> {
@@ -94,9 +94,9 @@ impl Context<'_> {
         whole > 0
     }
 
-    /// Looks at a pair over the last tick: returns true if the pair is proven farther apart than
-    /// all thresholds, at every instant of the tick and now. Else an impact is noted, if there is
-    /// one.
+    /// Looks at a pair from the begin of the last tick: returns true, and lets the pair sleep, if
+    /// the pair is proven farther apart than all thresholds for a tick at least. Else an impact of
+    /// the tick is noted, if there is one.
     pub(super) fn sweep_pair<T: PairTracker>(
         &self,
         header: &mut PairHeader,
@@ -106,31 +106,38 @@ impl Context<'_> {
     ) -> bool {
         let bodies = self.bodies;
         let length = bodies.ticks.length.abs();
-        let pair = [header.a as usize, header.b as usize];
-        let sweeps = pair.map(|i| bodies.sweep(i));
-        let is_still = |sweep: &Sweep| sweep.velocity == crate::motion::Velocity::default();
+        let sweeps = [header.a, header.b].map(|i| bodies.sweep(i as usize));
+        let is_still = |sweep: &Sweep| sweep.velocity == Velocity::default();
         if !bodies.ticks.is_pending || length == 0.0 || sweeps.iter().all(is_still) {
             return false;
         }
-        let found = match self.motions(&sweeps) {
-            Some(motions) => {
-                if self.stays_apart(header, (tracker, shapes), plan, &motions, &mut tally.counts) {
-                    return true;
-                }
-                tally.counts.casts += 1;
-                let [x, y] = &motions;
-                let cast = tracker.over_time(shapes, None, |separation, _| {
-                    impact::cast(separation, x, y, (0.0, length), tolerance)
-                });
-                cast.and_then(Result::ok)
-            }
-            None => None,
-        };
         // A velocity beyond the range of motions proves nothing.
-        let found = found.map_or(Impact::Unknown { safe: 0.0 }, |cast| {
-            tally.counts.queries += u64::from(cast.queries) + u64::from(cast.proofs);
-            cast.impact
-        });
+        let mut found = Impact::Unknown { safe: 0.0 };
+        if let Some(motions) = self.motions(&sweeps) {
+            let ticks_ahead = if self.is_foreseen(header) { TICKS } else { 1 };
+            let span = length * ticks_ahead as f64;
+            let keep = plan.reach + self.margin(header, &motions, span);
+            let [x, y] = &motions;
+            let ahead = tracker.over_time(shapes, None, |separation, _| {
+                impact::ahead(separation, [x, y], (length, span), keep, tolerance)
+            });
+            if let Some(Ok(ahead)) = ahead {
+                let counts = &mut tally.counts;
+                counts.ahead += 1;
+                counts.queries += u64::from(ahead.queries);
+                match ahead.cast {
+                    None if self.is_foreseen(header) => {
+                        counts.separated += u64::from(ahead.queries);
+                        return self.sleep_from_start(header, ahead.until);
+                    }
+                    None => found = Impact::Miss,
+                    Some(impact) => {
+                        counts.casts += 1;
+                        found = impact;
+                    }
+                }
+            }
+        }
         if !matches!(found, Impact::Start { .. } | Impact::Miss) {
             tally.impacts.push(PairImpact {
                 a: bodies.id(header.a),
@@ -142,44 +149,24 @@ impl Context<'_> {
         false
     }
 
-    /// Looks ahead from the begin of the last tick; returns true, and lets the pair sleep, if the
-    /// pair is proven apart for a tick at least.
-    fn stays_apart<T: PairTracker>(
-        &self,
-        header: &mut PairHeader,
-        (tracker, shapes): (&mut T, T::Shapes<'_>),
-        plan: &Plan,
-        motions: &[Steady; 2],
-        counts: &mut Counts,
-    ) -> bool {
+    /// Whether the motions of the last tick go on: neither body was disturbed after the tick.
+    fn is_foreseen(&self, header: &PairHeader) -> bool {
         let bodies = self.bodies;
-        let length = bodies.ticks.length;
         let is_late = |i: u32| bodies.moving.get(i as usize).is_some_and(|m| m.is_late(bodies.step));
-        if !self.schedule || !(length > 0.0) || is_late(header.a) || is_late(header.b) {
-            return false;
-        }
-        let span = length * TICKS as f64;
-        let keep = plan.reach + self.margin(header, motions, span);
-        let [x, y] = motions;
-        counts.ahead += 1;
-        let certificate = tracker.over_time(shapes, None, |separation, _| {
-            impact::free_until(separation, x, y, (0.0, span), keep)
-        });
-        let Some(Ok(certificate)) = certificate else {
-            return false;
-        };
-        if certificate.proof != Proof::Balls {
-            counts.queries += 1;
-            counts.separated += u64::from(certificate.until > 0.0);
-        }
-        let whole = ticks(certificate.until, length).min(TICKS);
+        self.schedule && bodies.ticks.length > 0.0 && !is_late(header.a) && !is_late(header.b)
+    }
+
+    /// Lets a pair sleep that is proven apart from the begin of the last tick until a time after
+    /// that; returns whether the tick is covered.
+    fn sleep_from_start(&self, header: &mut PairHeader, until: f64) -> bool {
+        let whole = ticks(until, self.bodies.ticks.length).min(TICKS);
         if whole > 0 {
             header.state = PairFlags {
                 known: true,
                 sleeps: true,
                 ..PairFlags::default()
             };
-            header.wake = bodies.ticks.now.saturating_add(whole) as f64;
+            header.wake = self.bodies.ticks.now.saturating_add(whole) as f64;
         }
         whole > 0
     }

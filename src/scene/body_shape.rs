@@ -16,6 +16,25 @@ use crate::tolerance::BOX_TURNED;
 
 /// The shape of a body, shared by all bodies of this shape.
 ///
+/// Each pair of bodies is followed by the tracker of the kinds, and answers all effects but these:
+///
+/// | pair | tracker | refused |
+/// |---|---|---|
+/// | polyhedra | [`Tracker`](crate::Tracker) | none |
+/// | convex shapes | [`ShapeTracker`](crate::ShapeTracker) | `manifold` |
+/// | composite with composite or polyhedron | [`CompositeTracker`] | `depth`, `manifold` |
+/// | mesh with mesh, composite or polyhedron | [`MeshTracker`] | `depth`, `manifold` |
+/// | composite or mesh with rounded or curved shape | none | all but `boxes` |
+/// | mesh with point or segment | none | all but `boxes` |
+///
+/// A call that would make a pair with an effect that the pair cannot answer is refused with
+/// [`SceneError::Unanswered`](super::SceneError::Unanswered): insertion of a body, change of a
+/// group, call for an effect. Against a composite a polyhedron is a composite of one piece, against
+/// a mesh the mesh of the surface: the pair makes that once, when the boxes meet.
+///
+/// [`CompositeTracker`]: crate::CompositeTracker
+/// [`MeshTracker`]: crate::MeshTracker
+///
 /// ```
 /// use lin_canny::nalgebra::{Isometry3, Vector3};
 /// use lin_canny::polyhedron::solids;
@@ -26,7 +45,8 @@ use crate::tolerance::BOX_TURNED;
 /// let mut scene = Scene::new();
 /// scene.call_for(all, all, Effects { distance: Some(10.0), ..Effects::none() })?;
 /// let die = solids::cuboid(Vector3::new(1.0, 1.0, 1.0))?;
-/// let (bracket, part) = (Composite::new(vec![Piece::new(die.clone())])?, Mesh::from_convex(&die)?);
+/// let bracket = Composite::new(vec![Piece::new(die.clone())])?;
+/// let part = Mesh::from_convex(&die)?;
 /// let at = |x: f64| Isometry3::translation(x, 0.0, 0.0);
 /// scene.insert(Body::moving(die), at(0.0))?;
 /// scene.insert(Body::moving(bracket), at(3.0))?;

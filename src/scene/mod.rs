@@ -111,24 +111,11 @@
 //! origin of [`Settings`]: scenes far from this origin pair more bodies than they need. Groups are
 //! 32.
 //!
-//! # Shapes
+//! # Motion
 //!
-//! A body is a convex polyhedron, a rounded or curved [`Shape`](crate::Shape), a
-//! [`Composite`](crate::Composite) or a [`Mesh`](crate::Mesh) ([`BodyShape`]). Each pair is
-//! followed by the tracker of its kinds:
-//!
-//! | pair | tracker | effects that are refused |
-//! |---|---|---|
-//! | two polyhedra | [`Tracker`](crate::Tracker) | none |
-//! | two convex shapes | [`ShapeTracker`](crate::ShapeTracker) | `manifold` |
-//! | a composite and a composite or polyhedron | [`CompositeTracker`](crate::CompositeTracker) | `depth`, `manifold` |
-//! | a mesh and a mesh, composite or polyhedron with faces | [`MeshTracker`](crate::MeshTracker) | `depth`, `manifold` |
-//! | a composite or mesh and a rounded or curved shape; a mesh and a point or segment | none | all but `boxes` |
-//!
-//! A call that would make a pair of bodies with an effect that the pair cannot answer is refused
-//! ([`SceneError::Unanswered`]), be it [`Scene::insert`], [`Scene::set_group`] or
-//! [`Scene::call_for`]. Against a composite a polyhedron is a composite of one piece, against a
-//! mesh the mesh of its surface: the pair makes that once, when the boxes meet.
+//! Bodies with velocities go on by [`advance`](Scene::advance), one tick between two steps. Pairs
+//! then sleep until the proof of their separation ends, and with the effect `impact` a step finds
+//! the [`impacts`](Scene::impacts) within the tick in the order of time.
 //!
 //! Source: Cohen, Lin, Manocha and Ponamgi 1995 (I-COLLIDE) join sweep and prune with one tracker a
 //! pair; Lin 1993 (section 5.4) asks that a simulation pay only for the effects called for.
@@ -269,8 +256,9 @@ impl Scene {
     /// effect at all is left.
     ///
     /// # Errors
-    /// If a distance is NaN, negative or beyond 1e37 (only `distance` may be infinite), an option of
-    /// the manifold is NaN, or bodies of the two groups are of kinds that cannot answer an effect.
+    /// If a distance is NaN, negative or beyond 1e37 (only `distance` may be infinite), an option
+    /// of the manifold is NaN, or bodies of the two groups are of kinds that cannot answer an
+    /// effect.
     pub fn call_for(&mut self, these: Group, those: Group, effects: Effects) -> Result<(), SceneError> {
         if self.table.effects(these, those) == effects {
             return Ok(());
@@ -293,19 +281,12 @@ impl Scene {
         self.budget = on;
     }
 
-    /// Sets whether pairs of bodies at constant velocities sleep until the proof of their
-    /// separation ends, see [`schedule`](crate::schedule); on by default. The answers do not depend
-    /// on the setting.
-    pub fn set_schedule(&mut self, on: bool) {
-        self.schedule = on;
-    }
-
     /// Puts a body into the scene.
     ///
     /// # Errors
-    /// If the pose is not a rigid motion or too far out, the shape too large or of a kind that cannot
-    /// answer an effect called for, the origin of the scene's settings not finite, or there are too
-    /// many bodies.
+    /// If the pose is not a rigid motion or too far out, the shape too large or of a kind that
+    /// cannot answer an effect called for, the origin of the scene's settings not finite, or there
+    /// are too many bodies.
     pub fn insert(&mut self, body: Body, pose: Isometry3<f64>) -> Result<BodyId, SceneError> {
         checked(&pose, None)?;
         let mut solid = Solid::new(body)?;
@@ -433,42 +414,6 @@ impl Scene {
     #[must_use]
     pub fn events(&self) -> &[Event] {
         &self.events
-    }
-
-    /// Returns the impacts of the last step in the order of [`PairImpact::safe`], then of the two
-    /// bodies: each pair with the effect `impact` whose bodies were apart before the tick and are
-    /// not proven to stay apart during it.
-    ///
-    /// ```
-    /// use lin_canny::impact::{Impact, Tolerance};
-    /// use lin_canny::nalgebra::{Isometry3, Vector3};
-    /// use lin_canny::polyhedron::solids;
-    /// use lin_canny::scene::{Body, Effects, Group, Scene};
-    /// use lin_canny::{Shape, Velocity};
-    ///
-    /// let all = Group::default();
-    /// let mut scene = Scene::new();
-    /// scene.call_for(all, all, Effects { impact: Some(Tolerance::Time(1e-9)), ..Effects::none() })?;
-    /// let pane = solids::cuboid(Vector3::new(0.001, 1.0, 1.0))?;
-    /// scene.insert(Body::fixed(pane), Isometry3::translation(2.0, 0.0, 0.0))?;
-    /// let bullet = scene.insert(Body::moving(Shape::ball(0.01)?), Isometry3::identity())?;
-    /// scene.set_velocity(bullet, Velocity::new(Vector3::x() * 800.0, Vector3::zeros()))?;
-    /// scene.advance(1.0 / 60.0)?; // 13 m
-    /// scene.step();
-    /// let [hit] = scene.impacts() else { panic!("through the pane") };
-    /// let Impact::Hit { safe, hit, .. } = hit.impact else { panic!("not proven") };
-    /// let met = (2.0 - 0.001 - 0.01) / 800.0;
-    /// assert!(safe <= met && met <= hit && hit - safe < 2e-9);
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    ///
-    /// Bodies that share a point before the tick are no impact: `overlap` has those. A body that
-    /// [`set_pose`](Self::set_pose) moves jumps, before or after the tick.
-    #[doc(alias = "ccd")]
-    #[doc(alias = "tunnelling")]
-    #[must_use]
-    pub fn impacts(&self) -> &[PairImpact] {
-        &self.impacts
     }
 
     /// Returns the work and the times of the last step.

@@ -9,8 +9,8 @@
 //! ```
 //!
 //! The three lists of a table are parallel: a pair has one row number in all three. Lists have no
-//! gaps: the last pair moves to a row that becomes free. Pairs of two polyhedra have tables of their
-//! own, so that the trackers of other kinds cost these pairs nothing.
+//! gaps: the last pair moves to a row that becomes free. Pairs of two polyhedra have tables of
+//! their own, so that the trackers of other kinds cost these pairs nothing.
 
 use alloc::vec::Vec;
 

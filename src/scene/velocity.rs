@@ -4,7 +4,7 @@ use alloc::vec::Vec;
 
 use super::body::checked;
 use super::moving::Sweep;
-use super::{BodyId, Scene, SceneError};
+use super::{BodyId, PairImpact, Scene, SceneError};
 use crate::motion::Velocity;
 
 impl Scene {
@@ -76,5 +76,49 @@ impl Scene {
             self.bodies.advance(i, pose, sweep);
         }
         Ok(())
+    }
+
+    /// Sets whether pairs of bodies at constant velocities sleep until the proof of their
+    /// separation ends, see [`schedule`](crate::schedule); on by default. The answers do not depend
+    /// on the setting.
+    pub fn set_schedule(&mut self, on: bool) {
+        self.schedule = on;
+    }
+
+    /// Returns the impacts of the last step in the order of [`PairImpact::safe`], then of the two
+    /// bodies: each pair with the effect `impact` whose bodies were apart before the tick and are
+    /// not proven to stay apart during it.
+    ///
+    /// ```
+    /// use lin_canny::impact::{Impact, Tolerance};
+    /// use lin_canny::nalgebra::{Isometry3, Vector3};
+    /// use lin_canny::polyhedron::solids;
+    /// use lin_canny::scene::{Body, Effects, Group, Scene};
+    /// use lin_canny::{Shape, Velocity};
+    ///
+    /// let all = Group::default();
+    /// let mut scene = Scene::new();
+    /// let impact = Some(Tolerance::Time(1e-9));
+    /// scene.call_for(all, all, Effects { impact, ..Effects::none() })?;
+    /// let pane = solids::cuboid(Vector3::new(0.001, 1.0, 1.0))?;
+    /// scene.insert(Body::fixed(pane), Isometry3::translation(2.0, 0.0, 0.0))?;
+    /// let bullet = scene.insert(Body::moving(Shape::ball(0.01)?), Isometry3::identity())?;
+    /// scene.set_velocity(bullet, Velocity::new(Vector3::x() * 800.0, Vector3::zeros()))?;
+    /// scene.advance(1.0 / 60.0)?; // 13 m
+    /// scene.step();
+    /// let [hit] = scene.impacts() else { panic!("through the pane") };
+    /// let Impact::Hit { safe, hit, .. } = hit.impact else { panic!("not proven") };
+    /// let met = (2.0 - 0.001 - 0.01) / 800.0;
+    /// assert!(safe <= met && met <= hit && hit - safe < 2e-9);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// Bodies that share a point before the tick are no impact: `overlap` has those. A body that
+    /// [`set_pose`](Self::set_pose) moves jumps, before or after the tick.
+    #[doc(alias = "ccd")]
+    #[doc(alias = "tunnelling")]
+    #[must_use]
+    pub fn impacts(&self) -> &[PairImpact] {
+        &self.impacts
     }
 }
