@@ -8,7 +8,7 @@ use nalgebra::Isometry3;
 
 use super::ball::Ball;
 use super::budget::Travel;
-use super::effects::Group;
+use super::effects::{GROUPS, Group};
 use super::{BodyId, SceneError};
 use crate::broad::{self, Aabb};
 use crate::motion::{Velocity, displacement};
@@ -31,6 +31,9 @@ pub struct Body {
     /// Two fixed bodies are never paired. A fixed body may be set to another pose but has no
     /// velocity.
     pub fixed: bool,
+    /// A number of the caller's, for instance an index into a table of names; 0 by default. The
+    /// scene stores the number and never reads it.
+    pub user_data: u64,
 }
 
 impl Body {
@@ -40,6 +43,7 @@ impl Body {
             shape: shape.into(),
             group: Group::default(),
             fixed: false,
+            user_data: 0,
         }
     }
 
@@ -56,6 +60,12 @@ impl Body {
     pub fn group(self, group: Group) -> Self {
         Self { group, ..self }
     }
+
+    /// Returns the body with the caller's number.
+    #[must_use]
+    pub fn user_data(self, user_data: u64) -> Self {
+        Self { user_data, ..self }
+    }
 }
 
 /// The shape of a body in a scene, with derived values.
@@ -67,6 +77,7 @@ pub(super) struct Solid {
     pub(super) fixed: bool,
     /// Whether the broad phase has a box of the body: none if the range of the body is infinite.
     pub(super) boxed: bool,
+    pub(super) user_data: u64,
 }
 
 impl Solid {
@@ -82,6 +93,7 @@ impl Solid {
             group: body.group,
             fixed: body.fixed,
             boxed: true,
+            user_data: body.user_data,
         })
     }
 }
@@ -94,6 +106,8 @@ pub(super) struct Bodies {
     pub(super) free: Vec<u32>,
     /// Bodies removed since the last step.
     pub(super) leaving: Vec<u32>,
+    /// Number of bodies by group, without removed bodies.
+    pub(super) members: [u32; GROUPS],
     pub(super) solids: Vec<Option<Solid>>,
     pub(super) poses: Vec<Isometry3<f64>>,
     /// Bounding balls at the current poses.
@@ -179,6 +193,7 @@ impl Bodies {
         if let Some(velocity) = self.velocities.get_mut(i) {
             *velocity = Velocity::default();
         }
+        self.members[solid.group.index()] += 1;
         self.solids[i] = Some(solid);
         self.set_proxy(index, proxy);
         self.id(index)
@@ -195,6 +210,9 @@ impl Bodies {
         hint: BoxHint,
         proxy: broad::BodyId,
     ) {
+        if let Some(solid) = solid.as_ref().filter(|_| generation % 2 == 1) {
+            self.members[solid.group.index()] += 1;
+        }
         self.generations.push(generation);
         self.balls.push(solid.as_ref().map_or(Ball::NONE, |s| s.ball.at(&pose)));
         self.solids.push(solid);
@@ -231,6 +249,9 @@ impl Bodies {
 
     /// Makes the id stale at once; the index is kept until the step is over.
     pub(super) fn remove(&mut self, index: usize) {
+        if let Some(solid) = &self.solids[index] {
+            self.members[solid.group.index()] -= 1;
+        }
         self.generations[index] += 1;
         self.leaving.push(index as u32);
         if let Some(velocity) = self.velocities.get_mut(index) {

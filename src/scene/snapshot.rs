@@ -13,6 +13,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
 use super::body::{Bodies, Body, RETIRED, Solid, checked};
 use super::budget::Travel;
 use super::effects::{Effects, GROUPS, Group, Table};
+use super::filter::Ignored;
 use super::pair_table::{PairHeader, PairTable, PairTables};
 use super::report::Report;
 use super::step::{bodies_of, group};
@@ -43,6 +44,7 @@ struct SolidRow {
     group: Group,
     fixed: bool,
     boxed: bool,
+    user_data: u64,
 }
 
 /// Pairs of a table, row by row.
@@ -67,6 +69,8 @@ struct Snapshot {
     growths: Vec<f64>,
     partners: [u32; GROUPS],
     broad: PencilSweep,
+    /// Ignored pairs by the indices of the bodies, the lower index first.
+    ignored: Vec<(u32, u32)>,
     predicates: PairRows<()>,
     distances: PairRows<Distance>,
     features: PairRows<Outcome>,
@@ -126,6 +130,7 @@ impl Snapshot {
                 group: s.group,
                 fixed: s.fixed,
                 boxed: s.boxed,
+                user_data: s.user_data,
             }),
             pose: bodies.poses[i],
             travel: bodies.travels[i],
@@ -147,6 +152,7 @@ impl Snapshot {
             growths: scene.growths.iter().map(|g| g.min(f64::MAX)).collect(),
             partners: scene.partners,
             broad: scene.broad.clone(),
+            ignored: scene.ignored.iter().collect(),
             predicates: pair_rows(&scene.pair_tables.predicates),
             distances: pair_rows(&scene.pair_tables.distances),
             features: pair_rows(&scene.pair_tables.features),
@@ -186,6 +192,7 @@ impl Snapshot {
             return Err("a body of the scene has a box where it should have none, or none where it should".into());
         }
         check_proxies(&bodies, &self.broad)?;
+        let ignored = restored_filter(&self.ignored, &bodies)?;
         let slots = self.broad.pairs().map(|p| p.id.slot as usize + 1).max().unwrap_or(0);
         let (predicates, distances, features) = (
             pair_table(self.predicates),
@@ -201,6 +208,7 @@ impl Snapshot {
             table,
             broad: self.broad,
             pair_tables,
+            ignored,
             events: self.events,
             report: self.report,
             replanned: self.replanned,
@@ -235,6 +243,18 @@ fn check_proxies(bodies: &Bodies, broad: &PencilSweep) -> Result<(), String> {
         return Err("a pair of the scene has no bodies".into());
     }
     Ok(())
+}
+
+/// Returns the list of ignored pairs, if every pair names two bodies.
+fn restored_filter(pairs: &[(u32, u32)], bodies: &Bodies) -> Result<Ignored, String> {
+    let lives = |i: u32| (i as usize) < bodies.generations.len() && bodies.lives(i as usize);
+    let mut ignored = Ignored::default();
+    for &(a, b) in pairs {
+        if !(a < b && lives(a) && lives(b) && ignored.set(a, b, true)) {
+            return Err("a pair that the scene ignores is not of two bodies".into());
+        }
+    }
+    Ok(ignored)
 }
 
 /// Checks that every row holds a pair of the broad phase.
@@ -293,7 +313,7 @@ fn restored_bodies(
         let solid = match &row.solid {
             Some(s) => {
                 let shape = shapes.get(s.shape).ok_or("a body of the scene has no shape")?;
-                let mut body = Body::moving(shape.clone()).group(s.group);
+                let mut body = Body::moving(shape.clone()).group(s.group).user_data(s.user_data);
                 body.fixed = s.fixed;
                 let mut solid = Solid::new(body).map_err(|e| alloc::format!("{e}"))?;
                 solid.boxed = s.boxed;

@@ -16,7 +16,7 @@ impl Scene {
     /// Applies all calls since the last step and computes the effects called for. Does nothing if
     /// there were no calls.
     pub fn step(&mut self) -> &Report {
-        self.report = Report::default();
+        let last = core::mem::take(&mut self.report).counts.queries;
         self.report.counts.steps = 1;
         self.events.clear();
         if self.is_due() {
@@ -26,7 +26,7 @@ impl Scene {
             self.report.times.boxes = clock.lap();
             let mut changes = self.find_pairs(recreated);
             self.report.times.pairs = clock.lap();
-            self.test_pairs(&mut changes);
+            self.test_pairs(&mut changes, last);
             self.report.times.look = clock.lap();
             self.write_events(&mut changes);
             self.report.times.events = clock.lap();
@@ -34,6 +34,9 @@ impl Scene {
             (self.changed, self.replanned) = (false, 0);
         }
         self.report.counts.pairs = self.broad.pair_count() as u64;
+        let groups = self.bodies.members.iter().zip(&self.partners);
+        let uncovered = groups.filter(|(_, partners)| **partners == 0);
+        self.report.counts.uncovered = uncovered.map(|(members, _)| u64::from(*members)).sum();
         &self.report
     }
 
@@ -117,8 +120,10 @@ impl Scene {
     /// Lets the broad phase find new and ended pairs, and updates the rows of the tables. A pair of
     /// a body with a recreated proxy ends and begins in one step, and keeps its state.
     fn find_pairs(&mut self, recreated: bool) -> Vec<PairChange> {
-        let events = self.broad.step();
-        let (bodies, pair_tables) = (&self.bodies, &mut self.pair_tables);
+        let (bodies, pair_tables, ignored) = (&self.bodies, &mut self.pair_tables, &self.ignored);
+        let body_of = |proxy: broad::BodyId| bodies.body_of_proxy[proxy.index as usize];
+        let mut filter = |x, y| !ignored.contains(body_of(x), body_of(y));
+        let events = self.broad.step_with(&mut filter);
         let mut changes = Vec::new();
         let mut removed = Vec::new();
         for pair in events.ended {
@@ -177,8 +182,9 @@ impl Scene {
         }
     }
 
-    /// The narrow phase: budget, balls, tracker.
-    fn test_pairs(&mut self, changes: &mut Vec<PairChange>) {
+    /// The narrow phase: budget, balls, tracker. `last` is the number of queries of the last step:
+    /// how many this step will need, if bodies move on as before.
+    fn test_pairs(&mut self, changes: &mut Vec<PairChange>, last: u64) {
         let context = Context {
             bodies: &self.bodies,
             table: &self.table,
@@ -188,9 +194,11 @@ impl Scene {
             counts: self.report.counts,
             changes: core::mem::take(changes),
         };
+        #[cfg(not(feature = "parallel"))]
+        let _ = last;
         let pair_tables = &mut self.pair_tables;
         #[cfg(feature = "parallel")]
-        if self.bodies.len() >= self.settings.parallel_from {
+        if is_shared(last.max(self.report.counts.began), self.settings.parallel_from) {
             super::parallel::test_table(&mut pair_tables.predicates, &context, &mut tally);
             super::parallel::test_table(&mut pair_tables.distances, &context, &mut tally);
             super::parallel::test_table(&mut pair_tables.features, &context, &mut tally);
@@ -218,6 +226,18 @@ impl Scene {
         self.report.counts.events = self.events.len() as u64;
     }
 }
+
+/// Whether the queries expected in a step are worth threads, for a scene whose boxes are from
+/// `bodies` bodies on.
+#[cfg(feature = "parallel")]
+fn is_shared(queries: u64, bodies: usize) -> bool {
+    queries.saturating_mul(QUERY_IN_BOXES) >= bodies as u64
+}
+
+/// Work of a query over the work of a box in the broad phase: with the default settings, threads
+/// are used from 625 queries a step on. A query takes 60 ns and more, a task some microseconds.
+#[cfg(feature = "parallel")]
+const QUERY_IN_BOXES: u64 = 32;
 
 pub(super) fn group(number: usize) -> Group {
     Group::new(number as u8).unwrap_or_default()
