@@ -124,7 +124,7 @@ fn the_largest_gap_is_bracketed() {
             }
         }
         assert!(found <= fit.gap_upper + 1e-12, "{found} {fit:?}");
-        assert!(fit.gap_lower <= fit.gap_upper && fit.gap_upper - fit.gap_lower < 0.005 * soup.radius());
+        assert!(fit.gap_lower <= fit.gap_upper && fit.gap_upper - fit.gap_lower < 0.007 * soup.radius());
         // Samples come near the largest gap.
         assert!(found > 0.8 * fit.gap_lower, "{found} {fit:?}");
         let air = fit.air().unwrap();
@@ -147,7 +147,7 @@ fn a_convex_mesh_has_no_air_and_no_gap() {
         let mesh = Mesh::from_convex(&body).unwrap();
         let fit: HullFit = mesh.hull_fit(&mesh.hull().unwrap());
         assert!(fit.air().unwrap() < 1e-13, "{fit:?}");
-        assert!(fit.gap_upper < 0.005 * body.bounding_ball().1, "{fit:?}");
+        assert!(fit.gap_upper < 0.004 * body.bounding_ball().1, "{fit:?}");
     }
     let sheet = Mesh::new(
         &[[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [0., 0., 1.]].map(Point3::from),

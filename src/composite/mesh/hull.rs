@@ -22,7 +22,7 @@ use crate::polyhedron::{BuildError, ConvexPolyhedron, bounding_box};
 /// Triangles of the mesh that share a box. Not measured.
 const GROUP: usize = 32;
 
-/// The gap is bracketed to this part of the radius of the mesh: 0.4 %.
+/// The gap is bracketed to this part of half the diagonal of the mesh's box: 0.4 %.
 const RESOLUTION: f64 = 1.0 / 256.0;
 
 /// Triangles of the hull that are examined at most; a tenth of a second and more. Not measured.
@@ -41,7 +41,8 @@ pub struct HullFit {
     /// Largest distance of a point of the hull's surface from the mesh: a lower bound, met by a
     /// point examined.
     pub gap_lower: f64,
-    /// Upper bound of the same distance, in general 0.4 % of the radius of the mesh above.
+    /// Upper bound of the same distance, in general at most 0.4 % of half the diagonal of the mesh's
+    /// box above the lower bound.
     pub gap_upper: f64,
 }
 
