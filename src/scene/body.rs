@@ -1,18 +1,19 @@
 //! The bodies of a scene: shapes, poses, groups, and everything about a body that the stages of a
 //! step read, table by table.
 
-use alloc::sync::Arc;
 use alloc::vec::Vec;
 
 use nalgebra::Isometry3;
 
 use super::ball::Ball;
+use super::body_shape::BodyShape;
 use super::budget::Travel;
-use super::effects::{GROUPS, Group};
+use super::effects::Group;
+use super::kinds::Member;
 use super::{BodyId, SceneError};
 use crate::broad::{self, Aabb};
 use crate::motion::{Velocity, displacement};
-use crate::polyhedron::{BoxHint, ConvexPolyhedron};
+use crate::polyhedron::BoxHint;
 use crate::pose::{PoseError, RelativePose};
 use crate::tolerance::{ROUND_UP, SCENE_REACH};
 
@@ -25,7 +26,7 @@ pub(super) const RETIRED: u32 = u32::MAX - 1;
 #[non_exhaustive]
 pub struct Body {
     /// The shape, in the body's own frame.
-    pub shape: Arc<ConvexPolyhedron>,
+    pub shape: BodyShape,
     /// The group of the body; group 0 by default.
     pub group: Group,
     /// Two fixed bodies are never paired. A fixed body may be set to another pose but has no
@@ -37,8 +38,10 @@ pub struct Body {
 }
 
 impl Body {
-    /// Returns a body that moves.
-    pub fn moving(shape: impl Into<Arc<ConvexPolyhedron>>) -> Self {
+    /// Returns a body that moves. The shape is a [`ConvexPolyhedron`](crate::ConvexPolyhedron), a
+    /// [`Shape`](crate::Shape), a [`Composite`](crate::Composite), a [`Mesh`](crate::Mesh), or an
+    /// `Arc` of one of these.
+    pub fn moving(shape: impl Into<BodyShape>) -> Self {
         Self {
             shape: shape.into(),
             group: Group::default(),
@@ -48,7 +51,7 @@ impl Body {
     }
 
     /// Returns a body at rest; two such bodies are never paired.
-    pub fn fixed(shape: impl Into<Arc<ConvexPolyhedron>>) -> Self {
+    pub fn fixed(shape: impl Into<BodyShape>) -> Self {
         Self {
             fixed: true,
             ..Self::moving(shape)
@@ -71,7 +74,7 @@ impl Body {
 /// The shape of a body in a scene, with derived values.
 #[derive(Clone, Debug)]
 pub(super) struct Solid {
-    pub(super) shape: Arc<ConvexPolyhedron>,
+    pub(super) shape: BodyShape,
     ball: Ball,
     pub(super) group: Group,
     pub(super) fixed: bool,
@@ -83,7 +86,13 @@ pub(super) struct Solid {
 impl Solid {
     /// Returns the solid of a body. Refuses shapes that no pose puts within a scene.
     pub(super) fn new(body: Body) -> Result<Self, SceneError> {
-        let reach = body.shape.vertex_points().fold(0.0, |m: f64, p| m.max(p.coords.amax()));
+        let reach = match &body.shape {
+            BodyShape::Polyhedron(shape) => shape.vertex_points().fold(0.0, |m: f64, p| m.max(p.coords.amax())),
+            other => {
+                let (centre, radius) = other.bounding_ball();
+                centre.coords.amax() + radius
+            }
+        };
         if !(reach <= SCENE_REACH) {
             return Err(SceneError::TooLarge { reach });
         }
@@ -96,6 +105,11 @@ impl Solid {
             user_data: body.user_data,
         })
     }
+
+    /// Returns the key under which the body is counted.
+    pub(super) fn member(&self) -> Member {
+        (self.group, self.shape.kind(), self.fixed)
+    }
 }
 
 /// All bodies of one scene. Tables are indexed by `BodyId::index`; an index is reused no earlier
@@ -106,8 +120,6 @@ pub(super) struct Bodies {
     pub(super) free: Vec<u32>,
     /// Bodies removed since the last step.
     pub(super) leaving: Vec<u32>,
-    /// Number of bodies by group, without removed bodies.
-    pub(super) members: [u32; GROUPS],
     pub(super) solids: Vec<Option<Solid>>,
     pub(super) poses: Vec<Isometry3<f64>>,
     /// Bounding balls at the current poses.
@@ -193,7 +205,6 @@ impl Bodies {
         if let Some(velocity) = self.velocities.get_mut(i) {
             *velocity = Velocity::default();
         }
-        self.members[solid.group.index()] += 1;
         self.solids[i] = Some(solid);
         self.set_proxy(index, proxy);
         self.id(index)
@@ -210,9 +221,6 @@ impl Bodies {
         hint: BoxHint,
         proxy: broad::BodyId,
     ) {
-        if let Some(solid) = solid.as_ref().filter(|_| generation % 2 == 1) {
-            self.members[solid.group.index()] += 1;
-        }
         self.generations.push(generation);
         self.balls.push(solid.as_ref().map_or(Ball::NONE, |s| s.ball.at(&pose)));
         self.solids.push(solid);
@@ -249,9 +257,6 @@ impl Bodies {
 
     /// Makes the id stale at once; the index is kept until the step is over.
     pub(super) fn remove(&mut self, index: usize) {
-        if let Some(solid) = &self.solids[index] {
-            self.members[solid.group.index()] -= 1;
-        }
         self.generations[index] += 1;
         self.leaving.push(index as u32);
         if let Some(velocity) = self.velocities.get_mut(index) {
@@ -356,7 +361,7 @@ fn as_only(error: PoseError) -> PoseError {
 
 /// Returns the box of a posed body, grown on every side.
 #[inline]
-pub(super) fn box_of(shape: &ConvexPolyhedron, pose: &Isometry3<f64>, growth: f64, hint: &mut BoxHint) -> Aabb {
+pub(super) fn box_of(shape: &BodyShape, pose: &Isometry3<f64>, growth: f64, hint: &mut BoxHint) -> Aabb {
     let (min, max) = shape.aabb_at(pose, hint);
     // Rounded up, so that the two growths of a pair add up to at least the reach.
     Aabb::new(min, max).grown(growth * ROUND_UP)

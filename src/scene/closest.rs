@@ -14,6 +14,7 @@ use super::search::Near;
 use super::{Scene, SceneError};
 use crate::broad::{BroadPhase, StoredBox};
 use crate::num::scalar::sqrt;
+use crate::pair::outcome::Until;
 use crate::tolerance::BOX_DISTANCE_DOWN;
 
 /// A pair to measure: a lower bound of the signed distance, and the bodies of the first and of the
@@ -35,6 +36,9 @@ impl Scene {
     /// distance, however far apart: the closest pair or, if bodies overlap, the deepest overlap.
     /// `None` if there is no pair. Every other pair is at least as far apart, up to the widths of
     /// the bounds of the two pairs; ties go to the first pair in ascending order.
+    ///
+    /// Overlaps of meshes and composites have the distance 0; pairs of kinds that cannot be measured
+    /// are left out.
     ///
     /// Boxes and balls exclude most pairs, so that the cost grows with the pairs about as close as
     /// the closest pair. [`boxes`](super::Effects::boxes) between the groups is enough to ask;
@@ -159,16 +163,18 @@ impl Search<'_> {
     fn measure(&mut self, (_, a, b): Candidate) {
         self.measured += 1;
         let scene = self.scene;
-        let Some(outcome) = scene.tracked(a, b, |tracker, x, y, pose| tracker.closest(x, y, pose)) else {
+        let Some(mut query) = scene.query(a, b) else {
             return;
         };
+        let outcome = query.measure(Until::Depth);
+        let pieces = query.tracker.pieces();
         let [a, b] = [a, b].map(|i| scene.bodies.id(i));
         let is_closer = |best: &Near| {
             let order = outcome.distance.total_cmp(&best.outcome.distance);
             order.then((a, b).cmp(&(best.a, best.b))).is_lt()
         };
         if self.best.as_ref().is_none_or(is_closer) {
-            self.best = Some(Near { a, b, outcome });
+            self.best = Some(Near { a, b, outcome, pieces });
         }
     }
 }

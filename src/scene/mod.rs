@@ -110,7 +110,26 @@
 //!
 //! Coordinates, radii and ranges are at most 1e37. Pairs are found by boxes in `f32` about the
 //! origin of [`Settings`]: scenes far from this origin pair more bodies than they need. Groups are
-//! 32. Bodies are convex.
+//! 32.
+//!
+//! # Shapes
+//!
+//! A body is a convex polyhedron, a rounded or curved [`Shape`](crate::Shape), a
+//! [`Composite`](crate::Composite) or a [`Mesh`](crate::Mesh) ([`BodyShape`]). Each pair is
+//! followed by the tracker of its kinds:
+//!
+//! | pair | tracker | effects that are refused |
+//! |---|---|---|
+//! | two polyhedra | [`Tracker`](crate::Tracker) | none |
+//! | two convex shapes | [`ShapeTracker`](crate::ShapeTracker) | `manifold` |
+//! | a composite and a composite or polyhedron | [`CompositeTracker`](crate::CompositeTracker) | `depth`, `manifold` |
+//! | a mesh and a mesh, composite or polyhedron with faces | [`MeshTracker`](crate::MeshTracker) | `depth`, `manifold` |
+//! | a composite or mesh and a rounded or curved shape; a mesh and a point or segment | none | all but `boxes` |
+//!
+//! A call that would make a pair of bodies with an effect that the pair cannot answer is refused
+//! ([`SceneError::Unanswered`]), be it [`Scene::insert`], [`Scene::set_group`] or
+//! [`Scene::call_for`]. Against a composite a polyhedron is a composite of one piece, against a
+//! mesh the mesh of its surface: the pair makes that once, when the boxes meet.
 //!
 //! Source: Cohen, Lin, Manocha and Ponamgi 1995 (I-COLLIDE) join sweep and prune with one tracker a
 //! pair; Lin 1993 (section 5.4) asks that a simulation pay only for the effects called for.
@@ -120,14 +139,18 @@
 mod answer;
 mod ball;
 mod body;
+mod body_shape;
 pub mod budget;
 mod closest;
 mod effects;
 mod error;
 mod events;
 mod filter;
+mod kinds;
+mod mixed_tracker;
 mod narrow_phase;
 mod pair_table;
+mod pair_tracker;
 #[cfg(feature = "parallel")]
 mod parallel;
 mod report;
@@ -143,17 +166,20 @@ use alloc::vec::Vec;
 use nalgebra::Isometry3;
 
 use crate::broad::{self, BroadPhase, Groups, PencilSweep};
-use crate::polyhedron::{BoxHint, ConvexPolyhedron};
+use crate::polyhedron::BoxHint;
 
 pub use crate::broad::{BodyId, PairId, Settings};
 pub use answer::PairAnswer;
 pub use body::Body;
 use body::{Bodies, Solid, box_of, checked};
+pub use body_shape::BodyShape;
 pub use effects::{Effects, Group};
 use effects::{GROUPS, Table};
 pub use error::SceneError;
 pub use events::{Change, Event};
 use filter::Ignored;
+use kinds::Census;
+pub use kinds::ShapeKind;
 use pair_table::PairTables;
 pub use report::{Bytes, Counts, Report, Times};
 pub use search::Near;
@@ -165,6 +191,7 @@ pub use search::Near;
 #[derive(Clone)]
 pub struct Scene {
     bodies: Bodies,
+    census: Census,
     table: Table,
     broad: PencilSweep,
     pair_tables: PairTables,
@@ -221,6 +248,7 @@ impl Scene {
         };
         Self {
             bodies,
+            census: Census::default(),
             table: Table::default(),
             broad: PencilSweep::with_settings(settings),
             pair_tables: PairTables::default(),
@@ -258,12 +286,13 @@ impl Scene {
     /// effect at all is left.
     ///
     /// # Errors
-    /// If a distance is NaN, negative or beyond 1e37 (only `distance` may be infinite), or an
-    /// option of the manifold is NaN.
+    /// If a distance is NaN, negative or beyond 1e37 (only `distance` may be infinite), an option of
+    /// the manifold is NaN, or bodies of the two groups are of kinds that cannot answer an effect.
     pub fn call_for(&mut self, these: Group, those: Group, effects: Effects) -> Result<(), SceneError> {
         if self.table.effects(these, those) == effects {
             return Ok(());
         }
+        self.census.check_effects(these, those, &effects)?;
         self.table.call_for(these, those, effects)?;
         self.replanned |= 1 << these.number() | 1 << those.number();
         Ok(())
@@ -284,14 +313,18 @@ impl Scene {
     /// Puts a body into the scene.
     ///
     /// # Errors
-    /// If the pose is not a rigid motion or too far out, the shape too large, the origin of the
-    /// scene's settings not finite, or there are too many bodies.
+    /// If the pose is not a rigid motion or too far out, the shape too large or of a kind that cannot
+    /// answer an effect called for, the origin of the scene's settings not finite, or there are too
+    /// many bodies.
     pub fn insert(&mut self, body: Body, pose: Isometry3<f64>) -> Result<BodyId, SceneError> {
         checked(&pose, None)?;
         let mut solid = Solid::new(body)?;
+        self.census
+            .check_body(solid.member(), |other| self.table.effects(solid.group, other))?;
         let mut hint = BoxHint::default();
         let proxy = self.create_proxy(&mut solid, &pose, &mut hint)?;
         self.changed = true;
+        self.census.add(solid.member());
         Ok(self.bodies.insert(solid, pose, proxy, hint))
     }
 
@@ -333,6 +366,9 @@ impl Scene {
         let i = self.bodies.index_of(id)?;
         self.broad.remove(self.bodies.proxies[i])?;
         self.ignored.forget(id.index);
+        if let Some(solid) = &self.bodies.solids[i] {
+            self.census.remove(solid.member());
+        }
         self.bodies.remove(i);
         self.changed = true;
         Ok(())
@@ -352,15 +388,22 @@ impl Scene {
     /// Puts a body into another group; the pairs of the body are tested again in the next step.
     ///
     /// # Errors
-    /// If the id is stale.
+    /// If the id is stale, or the shape of the body is of a kind that cannot answer an effect of
+    /// the group.
     pub fn set_group(&mut self, id: BodyId, group: Group) -> Result<(), SceneError> {
         let i = self.bodies.index_of(id)?;
         let Some(solid) = &mut self.bodies.solids[i] else {
             return Err(SceneError::StaleBody { body: id });
         };
-        let old = core::mem::replace(&mut solid.group, group);
-        self.bodies.members[old.index()] -= 1;
-        self.bodies.members[group.index()] += 1;
+        let (old, kind, is_fixed) = solid.member();
+        self.census.remove((old, kind, is_fixed));
+        let effects = |other| self.table.effects(group, other);
+        let checked = self.census.check_body((group, kind, is_fixed), effects);
+        if checked.is_ok() {
+            solid.group = group;
+        }
+        self.census.add(solid.member());
+        checked?;
         // Applied together with the effects of both groups.
         self.replanned |= 1 << old.number() | 1 << group.number();
         Ok(())
@@ -374,7 +417,7 @@ impl Scene {
 
     /// Returns the shape of a body.
     #[must_use]
-    pub fn shape(&self, id: BodyId) -> Option<&ConvexPolyhedron> {
+    pub fn shape(&self, id: BodyId) -> Option<&BodyShape> {
         let solid = self.bodies.solids[self.bodies.index_of(id).ok()?].as_ref()?;
         Some(&solid.shape)
     }

@@ -1,7 +1,6 @@
 //! Narrow phase of one pair in a step: tests from the cheapest on, and the tracker if no cheaper
 //! test answers.
 
-use alloc::boxed::Box;
 use alloc::vec::Vec;
 
 use super::ball::least_distance;
@@ -10,12 +9,11 @@ use super::budget::{slack, wake};
 use super::effects::{Detail, NEVER, Plan, Table};
 use super::events::{Change, PairChange};
 use super::pair_table::{PairFlags, PairHeader, PairTable};
+use super::pair_tracker::PairTracker;
 use super::report::Counts;
 use super::stored_answer::StoredAnswer;
-use crate::contact::{Manifold, Query};
 use crate::pair::outcome::{Class, Outcome};
 use crate::pose::RelativePose;
-use crate::tracker::Tracker;
 
 /// The parts of a scene that the narrow phase reads.
 pub(super) struct Context<'a> {
@@ -32,7 +30,11 @@ pub(super) struct Tally {
 }
 
 /// Tests all pairs of a table.
-pub(super) fn test_table<A: StoredAnswer>(pair_table: &mut PairTable<A>, context: &Context<'_>, tally: &mut Tally) {
+pub(super) fn test_table<T: PairTracker, A: StoredAnswer>(
+    pair_table: &mut PairTable<T, A>,
+    context: &Context<'_>,
+    tally: &mut Tally,
+) {
     test_run(
         &mut pair_table.headers,
         &mut pair_table.trackers,
@@ -43,9 +45,9 @@ pub(super) fn test_table<A: StoredAnswer>(pair_table: &mut PairTable<A>, context
 }
 
 /// Tests the pairs of a run of rows.
-pub(super) fn test_run<A: StoredAnswer>(
+pub(super) fn test_run<T: PairTracker, A: StoredAnswer>(
     headers: &mut [PairHeader],
-    trackers: &mut [Tracker],
+    trackers: &mut [T],
     answers: &mut [A],
     context: &Context<'_>,
     tally: &mut Tally,
@@ -105,10 +107,10 @@ impl Context<'_> {
     }
 
     #[inline]
-    fn test<A: StoredAnswer>(
+    fn test<T: PairTracker, A: StoredAnswer>(
         &self,
         header: &mut PairHeader,
-        tracker: &mut Tracker,
+        tracker: &mut T,
         answer: &mut A,
         counts: &mut Counts,
     ) {
@@ -127,10 +129,12 @@ impl Context<'_> {
         let Ok(pose) = RelativePose::new(&self.bodies.poses[a], &self.bodies.poses[b]) else {
             return;
         };
-        let (shape_a, shape_b) = (&*solid_a.shape, &*solid_b.shape);
-        let outcome = tracker.measure(shape_a, shape_b, &pose, plan.until);
+        let Some(shapes) = T::shapes(&solid_a.shape, &solid_b.shape) else {
+            return;
+        };
+        let outcome = tracker.measure(shapes, &pose, plan.until);
         counts.note(&outcome, tracker.facets());
-        let within = |t: f64| t != NEVER && tracker.decides_within(shape_a, shape_b, &pose, &outcome, t);
+        let mut within = |t: f64| t != NEVER && tracker.decides_within(shapes, &pose, &outcome, t);
         header.state = PairFlags {
             known: true,
             overlaps: plan.overlap && within(0.0),
@@ -149,22 +153,11 @@ impl Context<'_> {
         }
         if let (Some(stored), Some(options)) = (answer.manifold(), &plan.manifold) {
             if within(options.prediction) {
-                update_manifold(stored, &Query::new(shape_a, shape_b, &pose, options), &outcome, counts);
+                tracker.update_manifold(shapes, &pose, (&outcome, options), stored, counts);
             } else {
                 *stored = None;
             }
         }
-    }
-}
-
-/// Updates the contact points: if the bodies have hardly moved since the manifold was made, the
-/// points are measured again, else the manifold is rebuilt from the outcome.
-fn update_manifold(stored: &mut Option<Box<Manifold>>, query: &Query<'_>, outcome: &Outcome, counts: &mut Counts) {
-    let manifold = stored.get_or_insert_default();
-    counts.manifolds += 1;
-    if let Err(moved) = manifold.refresh(query) {
-        manifold.renew(query, outcome, moved);
-        counts.renewed += 1;
     }
 }
 

@@ -8,6 +8,7 @@ use rayon::prelude::*;
 
 use super::narrow_phase::{Context, Tally, test_run};
 use super::pair_table::PairTable;
+use super::pair_tracker::PairTracker;
 use super::step::Boxes;
 use super::stored_answer::StoredAnswer;
 use crate::broad::{self, Aabb};
@@ -40,7 +41,11 @@ pub(super) fn make_boxes(
 }
 
 /// Tests all pairs of a table.
-pub(super) fn test_table<A: StoredAnswer>(pair_table: &mut PairTable<A>, context: &Context<'_>, tally: &mut Tally) {
+pub(super) fn test_table<T: PairTracker, A: StoredAnswer>(
+    pair_table: &mut PairTable<T, A>,
+    context: &Context<'_>,
+    tally: &mut Tally,
+) {
     let headers = pair_table.headers.par_chunks_mut(PAIRS);
     let rows = headers
         .zip(pair_table.trackers.par_chunks_mut(PAIRS))

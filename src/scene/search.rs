@@ -3,20 +3,21 @@
 //!
 //! The queries use the boxes of the step and are allowed for groups between which any effect is
 //! called for, be it `boxes` alone. No result is stored; if a step follows a pair, the stored
-//! features are the start of the query.
+//! tracker is the start of the query.
 
 use alloc::vec::Vec;
 
 use super::ball::least_distance;
 use super::body::box_of;
+use super::body_shape::BodyShape;
 use super::effects::{Detail, Group, group_pair_of};
+use super::pair_tracker::AnyTracker;
 use super::{BodyId, Scene, SceneError};
 use crate::broad::{Aabb, BroadPhase};
 use crate::pair::outcome::{Outcome, Until};
-use crate::polyhedron::{BoxHint, ConvexPolyhedron};
+use crate::polyhedron::BoxHint;
 use crate::pose::RelativePose;
 use crate::tolerance::{BOX_DISTANCE_DOWN, SCENE_REACH};
-use crate::tracker::Tracker;
 
 /// A pair and its closest features.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,6 +30,9 @@ pub struct Near {
     pub b: BodyId,
     /// Distance with bounds, features, witnesses and normal.
     pub outcome: Outcome,
+    /// The pieces or triangles of the features, as in
+    /// [`PairAnswer::pieces`](super::PairAnswer::pieces).
+    pub pieces: [u32; 2],
 }
 
 impl Scene {
@@ -52,7 +56,7 @@ impl Scene {
     }
 
     /// Returns the first pair of a body of group `these` and a body of group `those`, in ascending
-    /// order, that shares a point; with the depth. The search ends there.
+    /// order, that shares a point; with the depth if both are convex. The search ends there.
     ///
     /// # Errors
     /// If nothing is called for between the groups, or a step is due.
@@ -64,9 +68,9 @@ impl Scene {
             found.is_none()
         })?;
         Ok(found.map(|near| {
-            let outcome = self.tracked(near.a.index, near.b.index, |tracker, a, b, pose| {
-                tracker.closest(a, b, pose)
-            });
+            let outcome = self
+                .query(near.a.index, near.b.index)
+                .map(|mut q| q.measure(Until::Depth));
             Near {
                 outcome: outcome.unwrap_or(near.outcome),
                 ..near
@@ -181,36 +185,48 @@ impl Scene {
         if least_distance(x, y) > d {
             return None;
         }
-        let outcome = self.tracked(a, b, |tracker, x, y, pose| {
-            let outcome = tracker.measure(x, y, pose, Until::Class);
-            tracker.decides_within(x, y, pose, &outcome, d).then_some(outcome)
-        });
-        outcome.flatten().map(|outcome| Near {
+        let mut query = self.query(a, b)?;
+        let outcome = query.measure(Until::Class);
+        query.decides_within(&outcome, d).then(|| Near {
             a: self.bodies.id(a),
             b: self.bodies.id(b),
             outcome,
+            pieces: query.tracker.pieces(),
         })
     }
 
-    /// Queries a tracker that starts with the state of the step's own tracker.
-    pub(super) fn tracked<R>(
-        &self,
-        a: u32,
-        b: u32,
-        ask: impl FnOnce(&mut Tracker, &ConvexPolyhedron, &ConvexPolyhedron, &RelativePose) -> R,
-    ) -> Option<R> {
+    /// Returns a query of two bodies whose tracker begins with the state of the step's own tracker.
+    pub(super) fn query(&self, a: u32, b: u32) -> Option<PairQuery<'_>> {
         let [i, j] = [a as usize, b as usize];
         let (x, y) = (
-            &*self.bodies.solids[i].as_ref()?.shape,
-            &*self.bodies.solids[j].as_ref()?.shape,
+            &self.bodies.solids[i].as_ref()?.shape,
+            &self.bodies.solids[j].as_ref()?.shape,
         );
         let pose = RelativePose::new(&self.bodies.poses[i], &self.bodies.poses[j]).ok()?;
         let pair = self.broad.pair(self.bodies.proxies[i], self.bodies.proxies[j]);
-        let known = pair
-            .and_then(|pair| self.pair_tables.get(pair.id.slot))
-            .and_then(|seen| seen.tracker.features())
-            .map(|features| if a < b { features } else { features.swapped() });
-        let mut tracker = known.map_or_else(Tracker::new, |features| Tracker::starting_from(features, x, y));
-        Some(ask(&mut tracker, x, y, &pose))
+        let seen = pair.and_then(|pair| self.pair_tables.get(pair.id.slot));
+        let known = seen.and_then(|seen| seen.tracker.started(x, y, a < b));
+        Some(PairQuery {
+            tracker: known.or_else(|| AnyTracker::new(x, y))?,
+            shapes: (x, y),
+            pose,
+        })
+    }
+}
+
+/// Two bodies and a tracker.
+pub(super) struct PairQuery<'a> {
+    pub(super) tracker: AnyTracker,
+    shapes: (&'a BodyShape, &'a BodyShape),
+    pose: RelativePose,
+}
+
+impl PairQuery<'_> {
+    pub(super) fn measure(&mut self, until: Until) -> Outcome {
+        self.tracker.measure(self.shapes, &self.pose, until)
+    }
+
+    fn decides_within(&mut self, outcome: &Outcome, d: f64) -> bool {
+        self.tracker.decides_within(self.shapes, &self.pose, outcome, d)
     }
 }

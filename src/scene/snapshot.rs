@@ -4,17 +4,20 @@
 
 use alloc::collections::BTreeMap;
 use alloc::string::String;
-use alloc::sync::Arc;
 use alloc::vec::Vec;
 
 use nalgebra::Isometry3;
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
 
 use super::body::{Bodies, Body, RETIRED, Solid, checked};
+use super::body_shape::BodyShape;
 use super::budget::Travel;
 use super::effects::{Effects, GROUPS, Group, Table};
 use super::filter::Ignored;
-use super::pair_table::{PairHeader, PairTable, PairTables};
+use super::kinds::Census;
+use super::mixed_tracker::{MixedTracker, StoredTracker};
+use super::pair_table::{DetailTables, PairHeader, PairTable, PairTables};
+use super::pair_tracker::PairTracker;
 use super::report::Report;
 use super::step::{bodies_of, group};
 use super::stored_answer::{StoredAnswer, StoredContact};
@@ -22,7 +25,7 @@ use super::{Event, Scene, Settings};
 use crate::broad::{self, BroadPhase, PencilSweep};
 use crate::motion::Velocity;
 use crate::pair::outcome::{Distance, Outcome};
-use crate::polyhedron::{BoxHint, ConvexPolyhedron};
+use crate::polyhedron::BoxHint;
 use crate::tracker::Tracker;
 
 /// The values of one index in the tables of bodies.
@@ -48,14 +51,23 @@ struct SolidRow {
 }
 
 /// Pairs of a table, row by row.
-type PairRows<A> = Vec<(PairHeader, Tracker, A)>;
+type PairRows<T, A> = Vec<(PairHeader, T, A)>;
+
+/// The tables of one type of tracker.
+#[derive(Serialize, Deserialize)]
+struct TableRows<T> {
+    predicates: PairRows<T, ()>,
+    distances: PairRows<T, Distance>,
+    features: PairRows<T, Outcome>,
+    contacts: PairRows<T, StoredContact>,
+}
 
 /// The serialized form of a scene.
 #[derive(Serialize, Deserialize)]
 struct Snapshot {
     settings: Settings,
     /// Distinct shapes, in the order of the bodies.
-    shapes: Vec<ConvexPolyhedron>,
+    shapes: Vec<BodyShape>,
     rows: Vec<Row>,
     free: Vec<u32>,
     leaving: Vec<u32>,
@@ -71,10 +83,8 @@ struct Snapshot {
     broad: PencilSweep,
     /// Ignored pairs by the indices of the bodies, the lower index first.
     ignored: Vec<(u32, u32)>,
-    predicates: PairRows<()>,
-    distances: PairRows<Distance>,
-    features: PairRows<Outcome>,
-    contacts: PairRows<StoredContact>,
+    polyhedra: TableRows<Tracker>,
+    mixed: TableRows<StoredTracker>,
     /// Slots whose box event was sent.
     #[serde(rename = "told")]
     box_event_sent: Vec<u32>,
@@ -85,31 +95,60 @@ struct Snapshot {
     budget: bool,
 }
 
-fn pair_rows<A: StoredAnswer>(pair_table: &PairTable<A>) -> PairRows<A> {
+fn pair_rows<T: PairTracker, A: StoredAnswer, S>(
+    pair_table: &PairTable<T, A>,
+    stored: &impl Fn(&T) -> S,
+) -> PairRows<S, A> {
     let pairs = pair_table
         .headers
         .iter()
         .zip(&pair_table.trackers)
         .zip(&pair_table.answers);
-    let pair_row = |((header, tracker), answer): ((&PairHeader, &Tracker), &A)| {
+    let pair_row = |((header, tracker), answer): ((&PairHeader, &T), &A)| {
         let answer = if header.state.measured {
             answer.clone()
         } else {
             A::blank()
         };
-        (*header, tracker.clone(), answer)
+        (*header, stored(tracker), answer)
     };
     pairs.map(pair_row).collect()
 }
 
-fn pair_table<A>(pair_rows: PairRows<A>) -> PairTable<A> {
+fn table_rows<T: PairTracker, S>(tables: &DetailTables<T>, stored: impl Fn(&T) -> S) -> TableRows<S> {
+    TableRows {
+        predicates: pair_rows(&tables.predicates, &stored),
+        distances: pair_rows(&tables.distances, &stored),
+        features: pair_rows(&tables.features, &stored),
+        contacts: pair_rows(&tables.contacts, &stored),
+    }
+}
+
+/// Rebuilds a table; `restore` returns `None` for a tracker that does not belong to the pair.
+fn pair_table<S, T: PairTracker, A>(
+    pair_rows: PairRows<S, A>,
+    restore: &impl Fn(&PairHeader, S) -> Option<T>,
+) -> Result<PairTable<T, A>, String> {
     let mut pair_table = PairTable::default();
-    for (header, tracker, answer) in pair_rows {
+    for (header, stored, answer) in pair_rows {
+        let tracker = restore(&header, stored).ok_or("a tracker of the scene follows no pair of its kind")?;
         pair_table.headers.push(header);
         pair_table.trackers.push(tracker);
         pair_table.answers.push(answer);
     }
-    pair_table
+    Ok(pair_table)
+}
+
+fn detail_tables<S, T: PairTracker>(
+    rows: TableRows<S>,
+    restore: impl Fn(&PairHeader, S) -> Option<T>,
+) -> Result<DetailTables<T>, String> {
+    Ok(DetailTables {
+        predicates: pair_table(rows.predicates, &restore)?,
+        distances: pair_table(rows.distances, &restore)?,
+        features: pair_table(rows.features, &restore)?,
+        contacts: pair_table(rows.contacts, &restore)?,
+    })
 }
 
 impl Snapshot {
@@ -117,9 +156,9 @@ impl Snapshot {
         let bodies = &scene.bodies;
         let mut shapes = Vec::new();
         let mut known = BTreeMap::new();
-        let mut number = |shape: &Arc<ConvexPolyhedron>| {
-            *known.entry(Arc::as_ptr(shape) as usize).or_insert_with(|| {
-                shapes.push((**shape).clone());
+        let mut number = |shape: &BodyShape| {
+            *known.entry(shape.address()).or_insert_with(|| {
+                shapes.push(shape.clone());
                 shapes.len() - 1
             })
         };
@@ -153,10 +192,8 @@ impl Snapshot {
             partners: scene.partners,
             broad: scene.broad.clone(),
             ignored: scene.ignored.iter().collect(),
-            predicates: pair_rows(&scene.pair_tables.predicates),
-            distances: pair_rows(&scene.pair_tables.distances),
-            features: pair_rows(&scene.pair_tables.features),
-            contacts: pair_rows(&scene.pair_tables.contacts),
+            polyhedra: table_rows(&scene.pair_tables.polyhedra, Tracker::clone),
+            mixed: table_rows(&scene.pair_tables.mixed, MixedTracker::stored),
             box_event_sent: scene.pair_tables.slots_with_box_event().collect(),
             events: scene.events.clone(),
             report: scene.report,
@@ -177,7 +214,7 @@ impl Snapshot {
         if !growths.iter().all(|g| *g >= 0.0) {
             return Err("a box of the scene grows by less than nothing".into());
         }
-        let shapes: Vec<_> = self.shapes.into_iter().map(Arc::new).collect();
+        let shapes = self.shapes;
         let lists = [self.free, self.leaving, self.body_of_proxy, self.due];
         let bodies = restored_bodies(self.rows, &shapes, lists, self.velocities, self.step)?;
         let planned = |g: usize| self.replanned & 1 << g != 0;
@@ -194,17 +231,25 @@ impl Snapshot {
         check_proxies(&bodies, &self.broad)?;
         let ignored = restored_filter(&self.ignored, &bodies)?;
         let slots = self.broad.pairs().map(|p| p.id.slot as usize + 1).max().unwrap_or(0);
-        let (predicates, distances, features) = (
-            pair_table(self.predicates),
-            pair_table(self.distances),
-            pair_table(self.features),
-        );
-        let contacts = pair_table(self.contacts);
-        let pair_tables = PairTables::restored(predicates, distances, features, contacts, &self.box_event_sent, slots);
+        let shapes_of = |header: &PairHeader| {
+            let shape = |i: u32| bodies.solids.get(i as usize)?.as_ref().map(|s| &s.shape);
+            shape(header.a).zip(shape(header.b))
+        };
+        let polyhedra = detail_tables(self.polyhedra, |header, tracker: Tracker| {
+            let (a, b) = shapes_of(header)?;
+            Tracker::shapes(a, b).map(|_| tracker)
+        })?;
+        let mixed = detail_tables(self.mixed, |header, stored: StoredTracker| {
+            let (a, b) = shapes_of(header)?;
+            MixedTracker::restored(stored, a, b)
+        })?;
+        let pair_tables = PairTables::restored(polyhedra, mixed, &self.box_event_sent, slots);
         let pair_tables = pair_tables.ok_or("two pairs of the scene sit in one seat")?;
         check_rows(&pair_tables, &bodies, &self.broad)?;
+        let census = census_of(&bodies, &table)?;
         Ok(Scene {
             bodies,
+            census,
             table,
             broad: self.broad,
             pair_tables,
@@ -220,6 +265,19 @@ impl Snapshot {
             batch: Vec::new(),
         })
     }
+}
+
+/// Counts the bodies, and refuses bodies that cannot answer the effects of their groups.
+fn census_of(bodies: &Bodies, table: &Table) -> Result<Census, String> {
+    let mut census = Census::default();
+    let living = bodies.solids.iter().enumerate().filter(|(i, _)| bodies.lives(*i));
+    for solid in living.filter_map(|(_, solid)| solid.as_ref()) {
+        census
+            .check_body(solid.member(), |other| table.effects(solid.group, other))
+            .map_err(|e| alloc::format!("{e}"))?;
+        census.add(solid.member());
+    }
+    Ok(census)
 }
 
 /// Checks that every body has a proxy in the broad phase, and every proxy a body.
@@ -273,7 +331,7 @@ fn check_rows(pair_tables: &PairTables, bodies: &Bodies, broad: &PencilSweep) ->
 /// Returns the tables of bodies, if every list names valid bodies.
 fn restored_bodies(
     rows: Vec<Row>,
-    shapes: &[Arc<ConvexPolyhedron>],
+    shapes: &[BodyShape],
     [free, leaving, body_of_proxy, due]: [Vec<u32>; 4],
     velocities: Vec<Velocity>,
     step: u32,

@@ -4,10 +4,11 @@ use alloc::vec::Vec;
 
 use super::Scene;
 use super::body::{Bodies, box_of};
-use super::effects::{GROUPS, Group, Table, group_pair_of};
+use super::effects::{Detail, GROUPS, Group, Table, group_pair_of};
 use super::events::{Change, Event, PairChange};
 use super::narrow_phase::{Context, Tally, test_table};
-use super::pair_table::{PairFlags, PairHeader, PairState, PairTables};
+use super::pair_table::{DetailTables, PairFlags, PairHeader, PairState, PairTables};
+use super::pair_tracker::{AnyTracker, PairTracker};
 use super::report::{Clock, Report};
 use crate::broad::{self, Aabb, BroadPhase, PairId};
 use crate::polyhedron::BoxHint;
@@ -34,9 +35,7 @@ impl Scene {
             (self.changed, self.replanned) = (false, 0);
         }
         self.report.counts.pairs = self.broad.pair_count() as u64;
-        let groups = self.bodies.members.iter().zip(&self.partners);
-        let uncovered = groups.filter(|(_, partners)| **partners == 0);
-        self.report.counts.uncovered = uncovered.map(|(members, _)| u64::from(*members)).sum();
+        self.report.counts.uncovered = self.census.count(|group| self.partners[group.index()] == 0);
         &self.report
     }
 
@@ -194,22 +193,12 @@ impl Scene {
             counts: self.report.counts,
             changes: core::mem::take(changes),
         };
-        #[cfg(not(feature = "parallel"))]
-        let _ = last;
-        let pair_tables = &mut self.pair_tables;
         #[cfg(feature = "parallel")]
-        if is_shared(last.max(self.report.counts.began), self.settings.parallel_from) {
-            super::parallel::test_table(&mut pair_tables.predicates, &context, &mut tally);
-            super::parallel::test_table(&mut pair_tables.distances, &context, &mut tally);
-            super::parallel::test_table(&mut pair_tables.features, &context, &mut tally);
-            super::parallel::test_table(&mut pair_tables.contacts, &context, &mut tally);
-            (self.report.counts, *changes) = (tally.counts, tally.changes);
-            return;
-        }
-        test_table(&mut pair_tables.predicates, &context, &mut tally);
-        test_table(&mut pair_tables.distances, &context, &mut tally);
-        test_table(&mut pair_tables.features, &context, &mut tally);
-        test_table(&mut pair_tables.contacts, &context, &mut tally);
+        let is_parallel = is_shared(last.max(self.report.counts.began), self.settings.parallel_from);
+        #[cfg(not(feature = "parallel"))]
+        let (is_parallel, _) = (false, last);
+        test_tables(&mut self.pair_tables.polyhedra, &context, &mut tally, is_parallel);
+        test_tables(&mut self.pair_tables.mixed, &context, &mut tally, is_parallel);
         (self.report.counts, *changes) = (tally.counts, tally.changes);
     }
 
@@ -238,6 +227,28 @@ fn is_shared(queries: u64, bodies: usize) -> bool {
 /// are used from 625 queries a step on. A query takes 60 ns and more, a task some microseconds.
 #[cfg(feature = "parallel")]
 const QUERY_IN_BOXES: u64 = 32;
+
+/// Tests the pairs of all tables of one type of tracker.
+fn test_tables<T: PairTracker>(
+    tables: &mut DetailTables<T>,
+    context: &Context<'_>,
+    tally: &mut Tally,
+    is_parallel: bool,
+) {
+    #[cfg(feature = "parallel")]
+    if is_parallel {
+        super::parallel::test_table(&mut tables.predicates, context, tally);
+        super::parallel::test_table(&mut tables.distances, context, tally);
+        super::parallel::test_table(&mut tables.features, context, tally);
+        super::parallel::test_table(&mut tables.contacts, context, tally);
+        return;
+    }
+    debug_assert!(!is_parallel, "threads need the feature `parallel`");
+    test_table(&mut tables.predicates, context, tally);
+    test_table(&mut tables.distances, context, tally);
+    test_table(&mut tables.features, context, tally);
+    test_table(&mut tables.contacts, context, tally);
+}
 
 pub(super) fn group(number: usize) -> Group {
     Group::new(number as u8).unwrap_or_default()
@@ -289,7 +300,15 @@ fn begin(
         state: PairFlags::default(),
         wake: 0.0,
     };
-    pair_tables.insert(plan, header, pair_state);
+    let tracker = pair_state.tracker.or_else(|| {
+        let shape = |i: u32| bodies.solids[i as usize].as_ref().map(|solid| &solid.shape);
+        if plan.detail > Detail::Boxes {
+            AnyTracker::new(shape(a)?, shape(b)?)
+        } else {
+            None
+        }
+    });
+    pair_tables.insert(plan, header, PairState { tracker, ..pair_state });
 }
 
 /// Read-only input of box making.

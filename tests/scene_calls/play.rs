@@ -178,7 +178,10 @@ impl Play {
             return;
         }
         let effects = self.called(a, b);
-        let (x, y) = (self.scene.shape(a).unwrap(), self.scene.shape(b).unwrap());
+        let (x, y) = (
+            self.scene.shape(a).and_then(|s| s.as_polyhedron()).unwrap(),
+            self.scene.shape(b).and_then(|s| s.as_polyhedron()).unwrap(),
+        );
         let pose = RelativePose::new(self.scene.pose(a).unwrap(), self.scene.pose(b).unwrap()).unwrap();
         let truth = Tracker::new().closest(x, y, &pose);
         let at_most = |d: f64| Tracker::new().within(x, y, &pose, d);
