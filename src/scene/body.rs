@@ -33,6 +33,9 @@ pub struct Body {
     /// Two fixed bodies are never paired. A fixed body may be set to another pose but has no
     /// velocity.
     pub fixed: bool,
+    /// A number of the caller's, for instance an index into a table of names; 0 by default. The
+    /// scene stores the number and never reads it.
+    pub user_data: u64,
 }
 
 impl Body {
@@ -44,6 +47,7 @@ impl Body {
             shape: shape.into(),
             group: Group::default(),
             fixed: false,
+            user_data: 0,
         }
     }
 
@@ -60,6 +64,12 @@ impl Body {
     pub fn group(self, group: Group) -> Self {
         Self { group, ..self }
     }
+
+    /// Returns the body with the caller's number.
+    #[must_use]
+    pub fn user_data(self, user_data: u64) -> Self {
+        Self { user_data, ..self }
+    }
 }
 
 /// The shape of a body in a scene, with derived values.
@@ -71,6 +81,7 @@ pub(super) struct Solid {
     pub(super) fixed: bool,
     /// Whether the broad phase has a box of the body: none if the range of the body is infinite.
     pub(super) boxed: bool,
+    pub(super) user_data: u64,
 }
 
 impl Solid {
@@ -92,6 +103,7 @@ impl Solid {
             group: body.group,
             fixed: body.fixed,
             boxed: true,
+            user_data: body.user_data,
         })
     }
 

@@ -73,12 +73,18 @@ pub enum SceneError {
     StepDue,
     /// The query is about two groups between which nothing is called for, so their boxes are not
     /// kept.
-    #[error("nothing is called for between {these} and {those}")]
+    #[error("nothing is called for between {these} and {those}: see Scene::call_for")]
     NotCalledFor {
         /// The first group.
         these: Group,
         /// The second group.
         those: Group,
+    },
+    /// The query is about a body of a group for which nothing is called for.
+    #[error("nothing is called for between {group} and any group: see Scene::call_for")]
+    GroupNotCalledFor {
+        /// The group of the body.
+        group: Group,
     },
     /// The origin of the scene's [`Settings`](crate::broad::Settings) is NaN or infinite: the scene
     /// can hold no body.

@@ -110,6 +110,12 @@ impl Census {
         }
     }
 
+    /// Returns the number of bodies of the groups that `is_asked` accepts.
+    pub(super) fn count(&self, is_asked: impl Fn(Group) -> bool) -> u64 {
+        let asked = self.0.iter().filter(|(key, _)| is_asked(key.0));
+        asked.map(|(_, count)| u64::from(*count)).sum()
+    }
+
     /// Refuses effects that the bodies of two groups cannot answer.
     pub(super) fn check_effects(&self, these: Group, those: Group, effects: &Effects) -> Result<(), SceneError> {
         let mut all = self.0.keys().filter(|key| key.0 == these);

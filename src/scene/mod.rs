@@ -44,7 +44,8 @@
 //!
 //! [`pairs`](Scene::pairs), [`pairs_of`](Scene::pairs_of) a body and [`events`](Scene::events)
 //! return the results, [`report`](Scene::report) returns the cost. Further queries that a step does
-//! not answer: [`pairs_within`](Scene::pairs_within), [`nearest`](Scene::nearest),
+//! not answer: [`closest_pair`](Scene::closest_pair) of two groups,
+//! [`pairs_within`](Scene::pairs_within), [`nearest`](Scene::nearest),
 //! [`first_contact`](Scene::first_contact).
 //!
 //! # The nearest pair of a robot and its cell
@@ -82,8 +83,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Neighbouring links of an arm touch by design. There is no filter by single pairs: give each link
-//! a group of its own and call for effects between groups that are not neighbours.
+//! Adjacent links of an arm touch by design: [`ignore_pair`](Scene::ignore_pair) excludes single
+//! pairs, any number of them.
 //!
 //! # What it costs
 //!
@@ -128,9 +129,11 @@ mod ball;
 mod body;
 mod body_shape;
 pub mod budget;
+mod closest;
 mod effects;
 mod error;
 mod events;
+mod filter;
 mod kinds;
 mod mixed_tracker;
 mod moving;
@@ -163,6 +166,7 @@ pub use effects::{Effects, Group};
 use effects::{GROUPS, Table};
 pub use error::SceneError;
 pub use events::{Change, Event, PairImpact};
+use filter::Ignored;
 use kinds::Census;
 pub use kinds::ShapeKind;
 use pair_table::PairTables;
@@ -180,6 +184,7 @@ pub struct Scene {
     table: Table,
     broad: PencilSweep,
     pair_tables: PairTables,
+    ignored: Ignored,
     events: Vec<Event>,
     impacts: Vec<PairImpact>,
     report: Report,
@@ -216,14 +221,16 @@ impl Default for Scene {
 }
 
 impl Scene {
-    /// Returns an empty scene about the origin, in which nothing is called for.
+    /// Returns an empty scene about the origin, in which nothing is called for: without
+    /// [`call_for`](Self::call_for) a step does nothing but count the bodies that no effect covers
+    /// ([`Counts::uncovered`]).
     #[must_use]
     pub fn new() -> Self {
         Self::with_settings(Settings::default())
     }
 
     /// Returns an empty scene with the given settings: the origin of the boxes (precision is best
-    /// there), and the number of bodies from which threads are used.
+    /// there), and the size from which on threads are used.
     #[must_use]
     pub fn with_settings(settings: Settings) -> Self {
         let bodies = Bodies {
@@ -236,6 +243,7 @@ impl Scene {
             table: Table::default(),
             broad: PencilSweep::with_settings(settings),
             pair_tables: PairTables::default(),
+            ignored: Ignored::default(),
             events: Vec::new(),
             impacts: Vec::new(),
             report: Report::default(),
@@ -248,6 +256,21 @@ impl Scene {
             settings,
             batch: Vec::new(),
         }
+    }
+
+    /// Returns an empty scene about the origin with the same effects for all pairs of bodies,
+    /// whatever the groups.
+    ///
+    /// # Errors
+    /// The errors of [`call_for`](Self::call_for).
+    pub fn with_effects(effects: Effects) -> Result<Self, SceneError> {
+        let mut scene = Self::new();
+        for g in 0..GROUPS {
+            for h in g..GROUPS {
+                scene.call_for(step::group(g), step::group(h), effects)?;
+            }
+        }
+        Ok(scene)
     }
 
     /// Calls for effects for the pairs of two groups (or of one group with itself), replacing the
@@ -336,6 +359,7 @@ impl Scene {
     pub fn remove(&mut self, id: BodyId) -> Result<(), SceneError> {
         let i = self.bodies.index_of(id)?;
         self.broad.remove(self.bodies.proxies[i])?;
+        self.ignored.forget(id.index);
         if let Some(solid) = &self.bodies.solids[i] {
             self.census.remove(solid.member());
         }
@@ -398,6 +422,24 @@ impl Scene {
         Some(self.bodies.solids[self.bodies.index_of(id).ok()?].as_ref()?.group)
     }
 
+    /// Returns the caller's number of a body: see [`Body::user_data`].
+    #[must_use]
+    pub fn user_data(&self, id: BodyId) -> Option<u64> {
+        Some(self.bodies.solids[self.bodies.index_of(id).ok()?].as_ref()?.user_data)
+    }
+
+    /// Sets the caller's number of a body: see [`Body::user_data`].
+    ///
+    /// # Errors
+    /// If the id is stale.
+    pub fn set_user_data(&mut self, id: BodyId, user_data: u64) -> Result<(), SceneError> {
+        let i = self.bodies.index_of(id)?;
+        if let Some(solid) = &mut self.bodies.solids[i] {
+            solid.user_data = user_data;
+        }
+        Ok(())
+    }
+
     /// Returns the number of bodies.
     #[must_use]
     pub fn body_count(&self) -> usize {
@@ -426,7 +468,7 @@ impl Scene {
     #[must_use]
     pub fn bytes(&self) -> Bytes {
         Bytes {
-            bodies: self.bodies.bytes(),
+            bodies: self.bodies.bytes() + self.ignored.bytes(),
             broad: self.broad.bytes(),
             pairs: self.pair_tables.bytes(),
             scratch: self.batch.capacity() * size_of::<(broad::BodyId, broad::Aabb)>()

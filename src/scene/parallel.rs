@@ -14,8 +14,11 @@ use super::stored_answer::StoredAnswer;
 use crate::broad::{self, Aabb};
 use crate::polyhedron::BoxHint;
 
-/// Bodies or pairs of one run: enough to be worth a task.
+/// Bodies of one run: enough to be worth a task. Not measured.
 const RUN: usize = 1024;
+
+/// Pairs of one run: fewer, as a query takes longer than a box. Not measured.
+const PAIRS: usize = 128;
 
 /// Makes the boxes of all due bodies, which are in ascending order.
 pub(super) fn make_boxes(
@@ -43,10 +46,10 @@ pub(super) fn test_table<T: PairTracker, A: StoredAnswer>(
     context: &Context<'_>,
     tally: &mut Tally,
 ) {
-    let headers = pair_table.headers.par_chunks_mut(RUN);
+    let headers = pair_table.headers.par_chunks_mut(PAIRS);
     let rows = headers
-        .zip(pair_table.trackers.par_chunks_mut(RUN))
-        .zip(pair_table.answers.par_chunks_mut(RUN));
+        .zip(pair_table.trackers.par_chunks_mut(PAIRS))
+        .zip(pair_table.answers.par_chunks_mut(PAIRS));
     let parts = rows.map(|((headers, trackers), answers)| {
         let mut part = Tally::default();
         test_run(headers, trackers, answers, context, &mut part);

@@ -25,6 +25,9 @@ pub struct Counts {
     pub ended: u64,
     /// Pairs of boxes after the step.
     pub pairs: u64,
+    /// Bodies of groups for which no effect at all is called for, after the step: never paired. See
+    /// [`Scene::call_for`](super::Scene::call_for).
+    pub uncovered: u64,
     /// Pairs of boxes for which more than boxes is called for, after the step.
     pub called: u64,
     /// Called pairs whose bodies had not moved: the last answer remains valid.
@@ -91,8 +94,8 @@ impl Counts {
 }
 
 impl AddAssign for Counts {
-    /// Adds all counts, `pairs` and `called` too, so that a sum over steps divided by `steps` is
-    /// the mean. Sums saturate.
+    /// Adds all counts, `pairs`, `uncovered` and `called` too, so that a sum over steps divided by
+    /// `steps` is the mean. Sums saturate.
     fn add_assign(&mut self, o: Self) {
         self.steps = self.steps.saturating_add(o.steps);
         self.boxes = self.boxes.saturating_add(o.boxes);
@@ -100,6 +103,7 @@ impl AddAssign for Counts {
         self.began = self.began.saturating_add(o.began);
         self.ended = self.ended.saturating_add(o.ended);
         self.pairs = self.pairs.saturating_add(o.pairs);
+        self.uncovered = self.uncovered.saturating_add(o.uncovered);
         self.called = self.called.saturating_add(o.called);
         self.resting = self.resting.saturating_add(o.resting);
         self.skipped = self.skipped.saturating_add(o.skipped);
@@ -182,6 +186,13 @@ impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (c, t) = (&self.counts, &self.times);
         let us = |d: Duration| d.as_secs_f64() * 1e6;
+        if c.uncovered > 0 {
+            writeln!(
+                f,
+                "nothing is called for between the groups of {} bodies and any group: see Scene::call_for",
+                c.uncovered / c.steps.max(1)
+            )?;
+        }
         writeln!(f, "boxes   {:>9.1} us  {} made", us(t.boxes), c.boxes)?;
         writeln!(
             f,

@@ -1,5 +1,5 @@
 //! Queries on top of a step, about the poses of the last step: all pairs within a distance, the
-//! nearest bodies, the first contact.
+//! nearest bodies, the first contact. The closest pair of two groups is in `closest`.
 //!
 //! The queries use the boxes of the step and are allowed for groups between which any effect is
 //! called for, be it `boxes` alone. No result is stored; if a step follows a pair, the stored
@@ -80,15 +80,19 @@ impl Scene {
 
     /// Returns the `count` bodies nearest to a body and no farther away than `farthest`, nearest
     /// first, ties in ascending order: only bodies of groups between which and the group of the
-    /// body any effect is called for.
+    /// body any effect is called for. Overlaps have the distance 0; no depth is computed.
     ///
     /// # Errors
-    /// If the id is stale, a step is due, or `farthest` is NaN or negative.
+    /// If the id is stale, a step is due, nothing is called for between the group of the body and
+    /// any group, or `farthest` is NaN or negative.
     #[doc(alias = "k-nearest")]
     pub fn nearest(&self, id: BodyId, count: usize, farthest: f64) -> Result<Vec<Near>, SceneError> {
         let i = self.bodies.index_of(id)?;
         if self.is_due() {
             return Err(SceneError::StepDue);
+        }
+        if let Some(group) = self.bodies.group(id.index).filter(|g| self.table.partners(*g) == 0) {
+            return Err(SceneError::GroupNotCalledFor { group });
         }
         if !(farthest >= 0.0) {
             return Err(SceneError::Range { value: farthest });
@@ -115,6 +119,17 @@ impl Scene {
         }
     }
 
+    /// Refuses a query about two groups whose boxes are not kept, or not of the present poses.
+    pub(super) fn check_query(&self, these: Group, those: Group) -> Result<(), SceneError> {
+        if self.is_due() {
+            return Err(SceneError::StepDue);
+        }
+        if self.table.plan(group_pair_of(these, those)).detail == Detail::Nothing {
+            return Err(SceneError::NotCalledFor { these, those });
+        }
+        Ok(())
+    }
+
     /// Visits pairs whose boxes are at most `d` apart, in ascending order, until `visit` returns
     /// false.
     fn visit_pairs(
@@ -124,12 +139,7 @@ impl Scene {
         d: f64,
         mut visit: impl FnMut(u32, u32) -> bool,
     ) -> Result<(), SceneError> {
-        if self.is_due() {
-            return Err(SceneError::StepDue);
-        }
-        if self.table.plan(group_pair_of(these, those)).detail == Detail::Nothing {
-            return Err(SceneError::NotCalledFor { these, those });
-        }
+        self.check_query(these, those)?;
         let mut near = Vec::new();
         let mut others: Vec<u32> = Vec::new();
         for id in self
@@ -154,7 +164,7 @@ impl Scene {
         Ok(())
     }
 
-    fn box_around(&self, i: usize, d: f64) -> Aabb {
+    pub(super) fn box_around(&self, i: usize, d: f64) -> Aabb {
         let pose = &self.bodies.poses[i];
         match &self.bodies.solids[i] {
             Some(solid) => box_of(&solid.shape, pose, d, &mut BoxHint::default()),
@@ -162,10 +172,11 @@ impl Scene {
         }
     }
 
-    fn may_pair(&self, a: u32, b: u32) -> bool {
+    pub(super) fn may_pair(&self, a: u32, b: u32) -> bool {
         let [x, y] = [a, b].map(|i| self.bodies.solids[i as usize].as_ref());
         let (Some(x), Some(y)) = (x, y) else { return false };
-        a != b && !(x.fixed && y.fixed) && self.table.plan(group_pair_of(x.group, y.group)).detail > Detail::Nothing
+        let pairs = a != b && !(x.fixed && y.fixed) && !self.ignored.contains(a, b);
+        pairs && self.table.plan(group_pair_of(x.group, y.group)).detail > Detail::Nothing
     }
 
     /// Returns the pair, if at most `d` apart.
@@ -185,7 +196,7 @@ impl Scene {
     }
 
     /// Returns a query of two bodies whose tracker begins with the state of the step's own tracker.
-    fn query(&self, a: u32, b: u32) -> Option<PairQuery<'_>> {
+    pub(super) fn query(&self, a: u32, b: u32) -> Option<PairQuery<'_>> {
         let [i, j] = [a as usize, b as usize];
         let (x, y) = (
             &self.bodies.solids[i].as_ref()?.shape,
@@ -204,14 +215,14 @@ impl Scene {
 }
 
 /// Two bodies and a tracker.
-struct PairQuery<'a> {
-    tracker: AnyTracker,
+pub(super) struct PairQuery<'a> {
+    pub(super) tracker: AnyTracker,
     shapes: (&'a BodyShape, &'a BodyShape),
     pose: RelativePose,
 }
 
 impl PairQuery<'_> {
-    fn measure(&mut self, until: Until) -> Outcome {
+    pub(super) fn measure(&mut self, until: Until) -> Outcome {
         self.tracker.measure(self.shapes, &self.pose, until)
     }
 

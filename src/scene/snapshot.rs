@@ -13,6 +13,7 @@ use super::body::{Bodies, Body, RETIRED, Solid, checked};
 use super::body_shape::BodyShape;
 use super::budget::Travel;
 use super::effects::{Effects, GROUPS, Group, Table};
+use super::filter::Ignored;
 use super::kinds::Census;
 use super::mixed_tracker::{MixedTracker, StoredTracker};
 use super::moving::{Moving, Sweep, Ticks};
@@ -47,6 +48,7 @@ struct SolidRow {
     group: Group,
     fixed: bool,
     boxed: bool,
+    user_data: u64,
 }
 
 /// Pairs of a table, row by row.
@@ -83,6 +85,8 @@ struct Snapshot {
     growths: Vec<f64>,
     partners: [u32; GROUPS],
     broad: PencilSweep,
+    /// Ignored pairs by the indices of the bodies, the lower index first.
+    ignored: Vec<(u32, u32)>,
     polyhedra: TableRows<Tracker>,
     mixed: TableRows<StoredTracker>,
     /// Slots whose box event was sent.
@@ -171,6 +175,7 @@ impl Snapshot {
                 group: s.group,
                 fixed: s.fixed,
                 boxed: s.boxed,
+                user_data: s.user_data,
             }),
             pose: bodies.poses[i],
             travel: bodies.travels[i],
@@ -199,6 +204,7 @@ impl Snapshot {
             growths: scene.growths.iter().map(|g| g.min(f64::MAX)).collect(),
             partners: scene.partners,
             broad: scene.broad.clone(),
+            ignored: scene.ignored.iter().collect(),
             polyhedra: table_rows(&scene.pair_tables.polyhedra, Tracker::clone),
             mixed: table_rows(&scene.pair_tables.mixed, MixedTracker::stored),
             box_event_sent: scene.pair_tables.slots_with_box_event().collect(),
@@ -239,6 +245,7 @@ impl Snapshot {
             return Err("a body of the scene has a box where it should have none, or none where it should".into());
         }
         check_proxies(&bodies, &self.broad)?;
+        let ignored = restored_filter(&self.ignored, &bodies)?;
         let slots = self.broad.pairs().map(|p| p.id.slot as usize + 1).max().unwrap_or(0);
         let shapes_of = |header: &PairHeader| {
             let shape = |i: u32| bodies.solids.get(i as usize)?.as_ref().map(|s| &s.shape);
@@ -262,6 +269,7 @@ impl Snapshot {
             table,
             broad: self.broad,
             pair_tables,
+            ignored,
             events: self.events,
             impacts: self.impacts,
             report: self.report,
@@ -311,6 +319,18 @@ fn check_proxies(bodies: &Bodies, broad: &PencilSweep) -> Result<(), String> {
         return Err("a pair of the scene has no bodies".into());
     }
     Ok(())
+}
+
+/// Returns the list of ignored pairs, if every pair names two bodies.
+fn restored_filter(pairs: &[(u32, u32)], bodies: &Bodies) -> Result<Ignored, String> {
+    let lives = |i: u32| (i as usize) < bodies.generations.len() && bodies.lives(i as usize);
+    let mut ignored = Ignored::default();
+    for &(a, b) in pairs {
+        if !(a < b && lives(a) && lives(b) && ignored.set(a, b, true)) {
+            return Err("a pair that the scene ignores is not of two bodies".into());
+        }
+    }
+    Ok(ignored)
 }
 
 /// Checks that every row holds a pair of the broad phase.
@@ -385,7 +405,7 @@ fn restored_bodies(
         let solid = match &row.solid {
             Some(s) => {
                 let shape = shapes.get(s.shape).ok_or("a body of the scene has no shape")?;
-                let mut body = Body::moving(shape.clone()).group(s.group);
+                let mut body = Body::moving(shape.clone()).group(s.group).user_data(s.user_data);
                 body.fixed = s.fixed;
                 let mut solid = Solid::new(body).map_err(|e| alloc::format!("{e}"))?;
                 solid.boxed = s.boxed;

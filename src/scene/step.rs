@@ -17,7 +17,7 @@ impl Scene {
     /// Applies all calls since the last step and computes the effects called for. Does nothing if
     /// there were no calls.
     pub fn step(&mut self) -> &Report {
-        self.report = Report::default();
+        let last = core::mem::take(&mut self.report).counts.queries;
         self.report.counts.steps = 1;
         self.events.clear();
         self.impacts.clear();
@@ -29,7 +29,7 @@ impl Scene {
             self.report.times.boxes = clock.lap();
             let changes = self.find_pairs(recreated);
             self.report.times.pairs = clock.lap();
-            let tally = self.test_pairs(changes);
+            let tally = self.test_pairs(changes, last);
             self.report.times.look = clock.lap();
             self.write_events(tally);
             self.report.times.events = clock.lap();
@@ -37,6 +37,7 @@ impl Scene {
             (self.changed, self.replanned) = (false, 0);
         }
         self.report.counts.pairs = self.broad.pair_count() as u64;
+        self.report.counts.uncovered = self.census.count(|group| self.partners[group.index()] == 0);
         &self.report
     }
 
@@ -121,8 +122,10 @@ impl Scene {
     /// Lets the broad phase find new and ended pairs, and updates the rows of the tables. A pair of
     /// a body with a recreated proxy ends and begins in one step, and keeps its state.
     fn find_pairs(&mut self, recreated: bool) -> Vec<PairChange> {
-        let events = self.broad.step();
-        let (bodies, pair_tables) = (&self.bodies, &mut self.pair_tables);
+        let (bodies, pair_tables, ignored) = (&self.bodies, &mut self.pair_tables, &self.ignored);
+        let body_of = |proxy: broad::BodyId| bodies.body_of_proxy[proxy.index as usize];
+        let mut filter = |x, y| !ignored.contains(body_of(x), body_of(y));
+        let events = self.broad.step_with(&mut filter);
         let mut changes = Vec::new();
         let mut removed = Vec::new();
         for pair in events.ended {
@@ -181,8 +184,9 @@ impl Scene {
         }
     }
 
-    /// The narrow phase: budget, balls, tracker.
-    fn test_pairs(&mut self, changes: Vec<PairChange>) -> Tally {
+    /// The narrow phase: budget, balls, tracker. `last` is the number of queries of the last step:
+    /// how many this step will need, if bodies move on as before.
+    fn test_pairs(&mut self, changes: Vec<PairChange>, last: u64) -> Tally {
         let context = Context {
             bodies: &self.bodies,
             table: &self.table,
@@ -195,9 +199,9 @@ impl Scene {
             impacts: Vec::new(),
         };
         #[cfg(feature = "parallel")]
-        let is_parallel = self.bodies.len() >= self.settings.parallel_from;
+        let is_parallel = is_shared(last.max(self.report.counts.began), self.settings.parallel_from);
         #[cfg(not(feature = "parallel"))]
-        let is_parallel = false;
+        let (is_parallel, _) = (false, last);
         test_tables(&mut self.pair_tables.polyhedra, &context, &mut tally, is_parallel);
         test_tables(&mut self.pair_tables.mixed, &context, &mut tally, is_parallel);
         self.report.counts = tally.counts;
@@ -221,6 +225,18 @@ impl Scene {
         self.report.counts.impacts = self.impacts.len() as u64;
     }
 }
+
+/// Whether the queries expected in a step are worth threads, for a scene whose boxes are from
+/// `bodies` bodies on.
+#[cfg(feature = "parallel")]
+fn is_shared(queries: u64, bodies: usize) -> bool {
+    queries.saturating_mul(QUERY_IN_BOXES) >= bodies as u64
+}
+
+/// Work of a query over the work of a box in the broad phase: with the default settings, threads
+/// are used from 625 queries a step on. A query takes 60 ns and more, a task some microseconds.
+#[cfg(feature = "parallel")]
+const QUERY_IN_BOXES: u64 = 32;
 
 /// Tests the pairs of all tables of one type of tracker.
 fn test_tables<T: PairTracker>(

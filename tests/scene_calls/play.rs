@@ -111,7 +111,12 @@ impl Play {
                 let velocity = Velocity::new(part(&mut self.rng), part(&mut self.rng));
                 self.scene.set_velocity(id, velocity).unwrap();
             }
-            8..12 => self.scene.advance(0.1).unwrap(),
+            8 => {
+                let (other, ignored) = (self.any().unwrap(), self.rng.chance(0.6));
+                let set = if ignored { Scene::ignore_pair } else { Scene::allow_pair };
+                set(&mut self.scene, id, other).unwrap();
+            }
+            9..12 => self.scene.advance(0.1).unwrap(),
             _ => {
                 let small = Isometry3::new(
                     Vector3::from(self.rng.unit()) * 0.05,
@@ -158,6 +163,9 @@ impl Play {
     }
 
     fn called(&self, a: BodyId, b: BodyId) -> Effects {
+        if self.scene.is_ignored(a, b) {
+            return NONE;
+        }
         let [g, h] = [a, b].map(|id| self.scene.group(id).unwrap());
         self.scene.effects(g, h)
     }
