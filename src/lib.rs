@@ -278,10 +278,11 @@ mod tuning;
 mod walk;
 
 pub use composite::audit::FrontFault;
-pub use composite::mesh::{Mesh, MeshError, MeshKind, MeshPart, MeshReport};
+pub use composite::mesh::{HullFit, Mesh, MeshError, MeshKind, MeshPart, MeshReport};
 pub use composite::outcome::{MeshFeature, MeshOutcome, MeshSpot};
 pub use composite::pieces::{Composite, CompositeError, CompositeOutcome, CompositeTracker, Piece};
 pub use composite::search::MeshWork;
+pub use composite::separation::{CompositePair, MeshPair};
 pub use composite::tracker::MeshTracker;
 pub use contact::{ContactPoint, Gradient, Manifold, ManifoldOptions};
 pub use motion::Velocity;

@@ -345,6 +345,12 @@ pub(crate) const PIVOT: f64 = 4096.0 * UNIT;
 /// f32, whose least number is far above the loss.
 pub const BOX: f64 = 32.0 * UNIT;
 
+/// Outward rounding of a posed box about the box of a body, in units of the sum of the body's
+/// farthest coordinates and of the distance of its middle: the matrix errs by at most 20 UNIT a
+/// row, products and sums by 8, and the coordinates of the corners, which may be those of placed
+/// pieces (16 UNIT for a rotation and a sum), are right up to that.
+pub(crate) const BOX_TURNED: f64 = 64.0 * UNIT;
+
 /// Outward rounding of a box found by a scan in f32, in units of the radius: one rounding of each
 /// coordinate and of the matrix, three of their products and sums, of numbers whose absolute sum is
 /// at most the radius.

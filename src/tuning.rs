@@ -178,3 +178,10 @@ pub(crate) mod tracker {
     /// Cost of the direction of two ellipsoids, in steps of the walk. Not measured.
     pub(crate) const ELLIPSOIDS: u32 = 2;
 }
+
+/// Looks ahead in scenes.
+pub(crate) mod scene {
+    /// Ticks that a look ahead may prove at most. Longer proofs save little: the rounding of as
+    /// many ticks is part of each proof, and velocities seldom stay for longer. Not measured.
+    pub(crate) const TICKS: u64 = 64;
+}

@@ -272,6 +272,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
         "composite",
         &[
             "composite",
+            "separation",
             "tracker",
             "pair",
             "motion",
@@ -293,7 +294,14 @@ const MAY_USE: &[(&str, &[&str])] = &[
         "scene",
         &[
             "scene",
+            "composite",
+            "impact",
+            "schedule",
+            "separation",
+            "shape",
+            "shape_tracker",
             "tracker",
+            "tuning",
             "broad",
             "pair",
             "contact",

@@ -20,7 +20,7 @@ fn round_trip<T: Serialize + DeserializeOwned + PartialEq + std::fmt::Debug>(val
 fn query() -> (ConvexPolyhedron, ConvexPolyhedron, RelativePose) {
     let (a, b) = (
         solids::icosahedron(1.0).expect("a body"),
-        solids::cone(7, 0.3, 1.1).expect("a body"),
+        solids::cone(7, 0.3, 0.55).expect("a body"),
     );
     let pose = lab::Pose::turn([0.6, 0.0, 0.8], 0.7, [1.9, 0.3, -0.4]);
     (a, b, RelativePose::from_isometry(&pose.isometry()).expect("a pose"))

@@ -217,8 +217,11 @@ pub struct Outcome {
     pub lower: f64,
     /// Upper bound of the signed distance.
     pub upper: f64,
-    /// Closest features; for an overlap, the features of the deepest facet: a face and a vertex, or
-    /// two edges.
+    /// Closest features. Of separated bodies each witness lies on its feature, up to the bounds.
+    /// For an overlap, the features of the deepest facet of the Minkowski difference: a face and a
+    /// vertex, or two edges. The witnesses of an overlap lie on the supporting planes of the two
+    /// features, but if several facets are equally deep, as between boxes with parallel faces, a
+    /// witness may lie beside the feature: on a face of which the vertex named is a part.
     pub features: FeaturePair,
     /// Witness on A, in A's frame; for an overlap, A's deepest point in B along the normal.
     pub point_on_a: Point3<f64>,

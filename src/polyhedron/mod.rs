@@ -5,7 +5,7 @@
 //! polygon, segment, point: `flat`; `rebuild`, `persist`); support vertices, each file on the files
 //! before: `axis` (of a fan), `heights` (exact comparison), `unimodal` (bisection), `fans`
 //! (vertices of many edges), `highest` (exact), `support` (hill climbing and cube map); `access`,
-//! `bounds`, `query`, `mass`, `feature_pair`, [`solids`].
+//! `bounds`, `query`, `mass`, `transform`, `feature_pair`, [`solids`].
 //!
 //! # Stored coordinates
 //!
@@ -31,6 +31,7 @@ mod query;
 pub mod solids;
 pub(crate) mod support;
 pub(crate) mod topology;
+mod transform;
 pub(crate) mod unimodal;
 
 use alloc::vec::Vec;

@@ -2,6 +2,7 @@
 
 mod build;
 mod edges;
+mod hull;
 mod mass;
 #[cfg(feature = "serde")]
 mod persist;
@@ -11,6 +12,7 @@ mod weld;
 use alloc::vec::Vec;
 use nalgebra::{Point3, Vector3};
 
+pub use hull::HullFit;
 pub use report::{MeshError, MeshKind, MeshPart, MeshReport};
 
 use super::tree::Tree;

@@ -33,7 +33,7 @@ use crate::polyhedron::{ConvexPolyhedron, Plane};
 use crate::tolerance::{COPLANAR, ROUND_UP};
 use crate::tuning::polyhedron::{FEW, FLAT};
 
-/// Number of largest faces for the flatness of the report.
+/// Number of largest faces for the thickness of the report.
 const WIDTHS: usize = 8;
 
 impl ConvexPolyhedron {
@@ -95,7 +95,7 @@ impl ConvexPolyhedron {
         let radius = sqrt(radius) * ROUND_UP;
         let (planes, areas) = planes_of(&points, loops, radius);
         let (low, high) = bounding_box(&points);
-        let flatness = flatness(&points, &planes, &areas, (high - low).max());
+        let thickness_ratio = thickness_ratio(&points, &planes, &areas, (high - low).max());
         let (vertices, edges) = (points.len(), topology.half_edge_count() / 2);
         let faces = if loops.len() == 1 { 0 } else { loops.len() };
         let report = BuildReport {
@@ -105,7 +105,7 @@ impl ConvexPolyhedron {
             faces,
             duplicates: cloud.duplicates.clone(),
             flushed_coordinates: cloud.flushed,
-            flatness,
+            thickness_ratio,
             euler_characteristic: vertices as i64 - edges as i64 + faces as i64,
             ..BuildReport::default()
         };
@@ -228,7 +228,7 @@ pub(crate) fn flat(cloud: &Cloud, span: &Span) -> BuildError {
 
 /// Returns the least width along the axes of the box and the normals of the largest faces, over the
 /// longest side of the box.
-fn flatness(points: &[Vector3<f64>], planes: &[Plane], areas: &[f64], extent: f64) -> f64 {
+fn thickness_ratio(points: &[Vector3<f64>], planes: &[Plane], areas: &[f64], extent: f64) -> f64 {
     if extent <= 0.0 || planes.len() < 3 {
         return 0.0;
     }
