@@ -96,7 +96,8 @@ impl ConvexPolyhedron {
     /// use lin_canny::polyhedron::solids;
     ///
     /// let body = solids::cuboid(Vector3::new(0.5, 0.5, 0.5))?;
-    /// let vertices = body.vertex_points().map(|p| format!("v {} {} {}", p.x, p.y, p.z));
+    /// let vertices = body.vertex_points();
+    /// let vertices = vertices.map(|p| format!("v {} {} {}", p.x, p.y, p.z));
     /// let faces = body.triangles().map(|t| {
     ///     let [a, b, c] = t.map(|v| v.index() + 1);
     ///     format!("f {a} {b} {c}")
