@@ -186,7 +186,9 @@ fn a_point_is_as_exact_far_from_its_own_origin_as_in_it() {
 fn features_are_named_by_kind_and_index() {
     let body = solids::prism(5, 1.0, 0.5).unwrap();
     let all = body.vertices().map(Feature::Vertex);
-    let all = all.chain(body.edges().map(Feature::Edge)).chain(body.faces().map(Feature::Face));
+    let all = all
+        .chain(body.edges().map(Feature::Edge))
+        .chain(body.faces().map(Feature::Face));
     let all: Vec<Feature> = all.collect();
     assert_eq!(all.len(), 10 + 15 + 7);
     for &f in &all {

@@ -72,7 +72,9 @@ pub struct Certified {
 
 impl std::fmt::Debug for Certified {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Certified").field("options", &self.options).finish_non_exhaustive()
+        f.debug_struct("Certified")
+            .field("options", &self.options)
+            .finish_non_exhaustive()
     }
 }
 

@@ -150,7 +150,12 @@ impl Hull {
     #[must_use]
     pub fn mass_properties_at(&self, density: Real) -> MassProperties {
         let density = f64::from(density);
-        let UnitMass { mass, center, principal, frame } = self.mass;
+        let UnitMass {
+            mass,
+            center,
+            principal,
+            frame,
+        } = self.mass;
         // Not by the constructors of parry, for which inertia below 1e-20 is none.
         let inverse = |x: f64| {
             let y = (1.0 / x) as Real;
@@ -229,7 +234,10 @@ fn twin(body: &ConvexPolyhedron) -> Option<shape::ConvexPolyhedron> {
 }
 
 fn conversion(body: &ConvexPolyhedron, has_twin: bool) -> Conversion {
-    let mut report = Conversion { has_twin, ..Conversion::default() };
+    let mut report = Conversion {
+        has_twin,
+        ..Conversion::default()
+    };
     for p in body.vertex_points() {
         let shift = (wide_point(narrow(&p.coords)) - p).norm();
         report.rounded += usize::from(shift != 0.0);

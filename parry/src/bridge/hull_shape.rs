@@ -58,7 +58,12 @@ impl PolygonalFeatureMap for Hull {
         let kept = count.min(4);
         // Positions round the boundary, in its order from the extreme vertex on.
         let place = |k: usize| (first + k * count / kept) % count;
-        for (k, (v, e)) in self.body.face_vertices(face).zip(self.body.face_edges(face)).enumerate() {
+        for (k, (v, e)) in self
+            .body
+            .face_vertices(face)
+            .zip(self.body.face_edges(face))
+            .enumerate()
+        {
             for slot in (0..kept).filter(|&slot| place(slot) == k) {
                 out.vertices[slot] = self.vertex(v);
                 out.vids[slot] = PackedFeatureId::vertex(v.index() as u32);
@@ -148,10 +153,15 @@ impl Hull {
         if inside && solid {
             return (PointProjection::new(true, pt), FeatureId::Unknown);
         }
-        let nearest = self.nearest_face(&p.coords).filter(|_| inside && self.body.face_count() > 2);
+        let nearest = self
+            .nearest_face(&p.coords)
+            .filter(|_| inside && self.body.face_count() > 2);
         if let Some((n, depth, face)) = nearest {
             let foot = p.coords + n * depth;
-            return (PointProjection::new(true, narrow(&foot)), FeatureId::Face(face.index() as u32));
+            return (
+                PointProjection::new(true, narrow(&foot)),
+                FeatureId::Face(face.index() as u32),
+            );
         }
         let foot = self.body.closest_point(&p).unwrap_or(p);
         let top = self.body.extreme_vertex(&(p - foot));
@@ -176,7 +186,11 @@ impl Shape for Hull {
     /// The scaled vertices make a new hull; `None` if they make no body.
     fn scale_dyn(&self, scale: Vector, _: u32) -> Option<Box<dyn Shape>> {
         let scale = wide(scale);
-        let points: Vec<_> = self.body.vertex_points().map(|p| p.coords.component_mul(&scale).into()).collect();
+        let points: Vec<_> = self
+            .body
+            .vertex_points()
+            .map(|p| p.coords.component_mul(&scale).into())
+            .collect();
         let body = match self.body.face_count() {
             0 => return None,
             2 => ConvexPolyhedron::polygon(&points),
@@ -236,7 +250,11 @@ impl Shape for Hull {
         let normal = |f: FaceId| self.body.face_plane(f).map(|(n, _)| n.into_inner());
         let faces: Vec<FaceId> = match feature {
             FeatureId::Face(k) => self.body.faces().nth(k as usize).into_iter().collect(),
-            FeatureId::Vertex(k) => self.body.vertices().nth(k as usize).map(|v| self.body.vertex_faces(v).collect())?,
+            FeatureId::Vertex(k) => self
+                .body
+                .vertices()
+                .nth(k as usize)
+                .map(|v| self.body.vertex_faces(v).collect())?,
             FeatureId::Edge(k) => match self.body.feature(1, k as usize) {
                 Some(lin_canny::Feature::Edge(e)) => self.body.edge_faces(e)?.to_vec(),
                 _ => return None,

@@ -51,7 +51,8 @@ impl<'a> PosedPair<'a> {
         }
         if out.points.is_empty() {
             let (on_a, on_b) = (&outcome.point_on_a, &outcome.point_on_b);
-            out.points.push(self.contact(&outcome, on_a, on_b, outcome.distance, outcome.features));
+            out.points
+                .push(self.contact(&outcome, on_a, on_b, outcome.distance, outcome.features));
         }
         (out.local_n1, out.local_n2) = self.normals(&outcome);
         out.match_contacts(&kept);
