@@ -73,15 +73,18 @@ fn lay(engine: Engine, sides: usize, on_space: bool) -> Lying {
 
 fn draw(coins: &[(Engine, Vec<Lying>)]) -> String {
     let title = "Coins of 4 to 128 sides, laid flat on a half-space, after ten seconds";
-    let mut picture = Picture::new(960, 330, title);
+    let mut picture = Picture::new(960, 350, title);
     picture.word([480.0, 26.0], 17, "middle", title);
     for (row, (engine, coins)) in coins.iter().enumerate() {
-        let base = 120.0 + 125.0 * row as f64;
+        let base = 125.0 + 140.0 * row as f64;
         picture.word(
-            [16.0, base - 52.0],
+            [16.0, base - 56.0],
             15,
             "start",
-            &format!("rapier with {}", engine.name()),
+            match engine {
+                Engine::Parry => "rapier with parry's hulls and contacts",
+                Engine::Ours => "rapier with lin-canny's hulls and contacts",
+            },
         );
         picture.line([20.0, base], [940.0, base]);
         for (k, coin) in coins.iter().enumerate() {
@@ -108,7 +111,7 @@ fn draw(coins: &[(Engine, Vec<Lying>)]) -> String {
                 }],
             );
             picture.word(
-                [center, base + 48.0],
+                [center, base + 74.0],
                 12,
                 "middle",
                 &format!("{} sides, {:.1}°", SIDES[k], coin.tilt),

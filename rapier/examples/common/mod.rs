@@ -114,7 +114,7 @@ impl Scene {
     /// Returns the number of bodies whose centre is outside of a box, or no number.
     pub(crate) fn lost(&self, low: Vector, high: Vector) -> usize {
         let inside = |k: usize| {
-            let p = self.pose(k).translation;
+            let p = self.world.bodies[self.bodies[k]].center_of_mass();
             low.cmple(p).all() && p.cmple(high).all()
         };
         (0..self.bodies.len()).filter(|&k| !inside(k)).count()
