@@ -4,8 +4,8 @@ use nalgebra::{Point3, Unit, Vector3};
 
 use crate::motion::BallAtPose;
 use crate::pair::outcome::Outcome;
-use crate::polyhedron::FeaturePair;
-use crate::pose::Operand;
+use crate::polyhedron::{ConvexPolyhedron, FeaturePair};
+use crate::pose::{Operand, RelativePose};
 
 use super::candidates::{ContactCandidate, Location};
 use super::query::Query;
@@ -142,6 +142,23 @@ impl Manifold {
     #[must_use]
     pub fn new() -> Self {
         Self::default()
+    }
+
+    /// Returns the contacts of an outcome of [`Tracker::closest`](crate::Tracker::closest) for these
+    /// bodies at this pose, with no memory of earlier contacts: for callers who keep their own.
+    /// Without contacts if an id of the outcome names no feature of its body.
+    #[must_use]
+    pub fn of_outcome(
+        (a, b): (&ConvexPolyhedron, &ConvexPolyhedron),
+        a_from_b: &RelativePose,
+        outcome: &Outcome,
+        options: &ManifoldOptions,
+    ) -> Self {
+        let mut manifold = Self::default();
+        if outcome.features.is_of(a, b) {
+            manifold.renew(&Query::new(a, b, a_from_b, options), outcome, 0.0);
+        }
+        manifold
     }
 
     /// Returns the contacts: persistent contacts first, in their old order, then new contacts.
