@@ -1,5 +1,5 @@
-//! A core of any kind behind one match: for the finer arithmetic and for extreme sizes, where a
-//! match costs nothing beside the rest.
+//! A core of any kind behind one match: for the finer arithmetic and for extreme sizes, beside
+//! which a match costs nothing.
 
 use nalgebra::Vector3;
 
