@@ -17,7 +17,7 @@ use super::{Aabb, Body, Groups};
 use alloc::vec::Vec;
 use core::fmt;
 use nalgebra::Point3;
-use place::{Context, checked, fraction, grown};
+use place::{Context, checked, fraction, grown, placed};
 use record::{LOOSE, NOTED};
 
 pub(crate) use record::{FIXED, JUMPS, MIGRATES, Record, UNBOUNDED};
@@ -211,9 +211,13 @@ impl Bodies {
             step: self.step,
         };
         let record = &mut self.records[i];
-        let stored = checked(aabb, &self.origin, &self.grid, record.flags())
-            .map_err(|fault| BroadPhaseError::from_fault(fault, Some(id)))?;
-        context.place(record, id.index, Bounds::from_box(&stored), &mut self.marks);
+        let bounds = match self.grid.axis {
+            0 => placed::<0>(aabb, &self.origin, &self.grid, record.flags()),
+            1 => placed::<1>(aabb, &self.origin, &self.grid, record.flags()),
+            _ => placed::<2>(aabb, &self.origin, &self.grid, record.flags()),
+        };
+        let bounds = bounds.map_err(|fault| BroadPhaseError::from_fault(fault, Some(id)))?;
+        context.place(record, id.index, bounds, &mut self.marks);
         Ok(())
     }
 

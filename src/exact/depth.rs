@@ -8,7 +8,8 @@ use crate::exact::integer::{Big3, cross, direction, dot, is_zero, neg, root, sub
 use crate::exact::simplex::{ExactPoint, minimize, sign};
 use crate::exact::{Pair, Turned, witnesses};
 use crate::pair::answer::{unit, walk_state};
-use crate::pair::outcome::{Class, Outcome, Solver};
+use crate::pair::draft::Draft;
+use crate::pair::outcome::{Class, Solver};
 use crate::pair::posed::PosedPair;
 use crate::polyhedron::{Feature, FeaturePair};
 
@@ -93,7 +94,7 @@ struct NotFlat;
 /// Computes the depth from the deepest facet among the candidate pairs, for bodies with
 /// intersecting interiors; returns whether the depth was resolved. The depth is correct to less
 /// than one unit in the last place of the stored unit, with bounds one such unit on either side.
-pub(crate) fn deepest(posed: &PosedPair, facets: &[FeaturePair], outcome: &mut Outcome) -> bool {
+pub(crate) fn deepest(posed: &PosedPair, facets: &[FeaturePair], draft: &mut Draft) -> bool {
     let pair = Pair::new(posed.a, posed.b, posed.pose);
     let mut best: Option<ExactFacet> = None;
     for &features in facets {
@@ -103,12 +104,12 @@ pub(crate) fn deepest(posed: &PosedPair, facets: &[FeaturePair], outcome: &mut O
             Ok(_) => {}
         }
     }
-    best.is_some_and(|facet| write_facet(posed, &pair, &facet, outcome))
+    best.is_some_and(|facet| write_facet(posed, &pair, &facet, draft))
 }
 
 /// Writes the depth, normal, features and witnesses of a facet to the outcome. The foot of the
 /// origin on the facet, `n height / n . n`, is a point of A - B: its vertices give the witnesses.
-fn write_facet(posed: &PosedPair, pair: &Pair, facet: &ExactFacet, outcome: &mut Outcome) -> bool {
+fn write_facet(posed: &PosedPair, pair: &Pair, facet: &ExactFacet, draft: &mut Draft) -> bool {
     let ExactFacet { normal, height, hint } = facet;
     let squared = dot(normal, normal);
     let from_foot = |c: ExactPoint| ExactPoint {
@@ -126,13 +127,13 @@ fn write_facet(posed: &PosedPair, pair: &Pair, facet: &ExactFacet, outcome: &mut
     let den = squared * &pair.denominator * &pair.denominator;
     let exponent = pair.exponent - posed.a.exponent;
     let depth = root(&(height * height).unsigned_abs(), &den.unsigned_abs(), exponent);
-    outcome.class = Class::Overlapping;
-    outcome.solver = Solver::Exact;
-    outcome.features = walk_state(posed, &a[..at.kept.len()], &b[..at.kept.len()]);
-    (outcome.point_on_a, outcome.point_on_b) = witnesses(pair, &at);
-    outcome.normal = unit(&pair.a.rounded.tr_mul(&direction(normal)));
-    outcome.distance = -depth;
+    draft.class = Class::Overlapping;
+    draft.solver = Solver::Exact;
+    draft.features = walk_state(posed, &a[..at.kept.len()], &b[..at.kept.len()]);
+    (draft.point_on_a, draft.point_on_b) = witnesses(pair, &at);
+    draft.normal = unit(&pair.a.rounded.tr_mul(&direction(normal)));
+    draft.distance = -depth;
     // The upper bound stays nonpositive if the depth underflows.
-    (outcome.lower, outcome.upper) = (-depth.next_up(), (-depth.next_down()).min(0.0));
+    (draft.lower, draft.upper) = (-depth.next_up(), (-depth.next_down()).min(0.0));
     true
 }

@@ -20,7 +20,8 @@ use dashu_int::IBig;
 use nalgebra::{Matrix3, Point3, Vector3};
 
 use crate::num::sign::edge_sign;
-use crate::pair::outcome::{Class, Outcome, Solver};
+use crate::pair::draft::Draft;
+use crate::pair::outcome::{Class, Solver};
 use crate::pair::posed::PosedPair;
 use crate::polyhedron::axis::Axis;
 use crate::polyhedron::heights::{Upward, steeper};
@@ -239,40 +240,40 @@ impl<'a> Pair<'a> {
 }
 
 /// Resolves class and distance exactly, from the vertices of the outcome's features.
-pub(crate) fn resolve_exactly(posed: &PosedPair, outcome: &mut Outcome) {
-    let hint = outcome.features.vertices_of(posed.a, posed.b);
+pub(crate) fn resolve_exactly(posed: &PosedPair, draft: &mut Draft) {
+    let hint = draft.features.vertices_of(posed.a, posed.b);
     let pair = Pair::new(posed.a, posed.b, posed.pose);
     // One to four points always have a nearest point.
     let Some(at) = pair.nearest(hint) else {
-        return crate::pair::answer::set_undecided(posed, outcome);
+        return crate::pair::answer::set_undecided(posed, draft);
     };
     let (mut a, mut b) = ([0; 4], [0; 4]);
     for (k, c) in at.kept.iter().enumerate().take(4) {
         (a[k], b[k]) = (c.a, c.b);
     }
-    outcome.solver = Solver::Exact;
-    outcome.features = crate::pair::answer::walk_state(posed, &a[..at.kept.len()], &b[..at.kept.len()]);
-    (outcome.point_on_a, outcome.point_on_b) = witnesses(&pair, &at);
+    draft.solver = Solver::Exact;
+    draft.features = crate::pair::answer::walk_state(posed, &a[..at.kept.len()], &b[..at.kept.len()]);
+    (draft.point_on_a, draft.point_on_b) = witnesses(&pair, &at);
     let normal = |n: &Big3| crate::pair::answer::unit(&pair.a.rounded.tr_mul(&direction(n)));
     if !is_zero(&at.direction) {
         let d = distance(&pair, &at, posed.a.exponent);
-        outcome.class = Class::Separated;
-        outcome.distance = d;
-        outcome.normal = normal(&neg(&at.direction));
+        draft.class = Class::Separated;
+        draft.distance = d;
+        draft.normal = normal(&neg(&at.direction));
         // Zero if the distance underflows. A single rounding, also of a subnormal, is at most half
         // a unit in the last place.
-        (outcome.lower, outcome.upper) = (d.next_down().max(0.0), d.next_up());
+        (draft.lower, draft.upper) = (d.next_down().max(0.0), d.next_up());
         return;
     }
     match pair.locate(&at, hint) {
         // A - B lies below the normal, A behind and B in front: the normal points from A to B.
         Origin::Boundary(n) => {
-            outcome.class = Class::Touching;
-            outcome.distance = 0.0;
-            outcome.normal = normal(&n);
-            (outcome.lower, outcome.upper) = (0.0, 0.0);
+            draft.class = Class::Touching;
+            draft.distance = 0.0;
+            draft.normal = normal(&n);
+            (draft.lower, draft.upper) = (0.0, 0.0);
         }
-        Origin::Interior => crate::pair::answer::set_overlapping(outcome),
+        Origin::Interior => crate::pair::answer::set_overlapping(draft),
     }
 }
 

@@ -235,7 +235,7 @@ pub struct Outcome {
 }
 
 impl Outcome {
-    /// Returns an outcome that holds nothing yet but the start of a solver.
+    /// Returns an outcome that bounds nothing.
     #[inline(always)]
     pub(crate) fn starting_at(pair: FeaturePair) -> Self {
         Self {

@@ -1,8 +1,7 @@
 //! Setting many boxes at once.
 
-use super::place::{Context, checked};
+use super::place::{Context, placed};
 use super::{Bodies, Marks, Record};
-use crate::broad::bounds::Bounds;
 use crate::broad::parallel::{Threads, ascends, join};
 use crate::broad::{Aabb, BatchError, BodyId, BroadPhaseError};
 use nalgebra::Point3;
@@ -109,17 +108,13 @@ impl Run<'_> {
                 error = BatchError::joined(error, Some(BatchError::one(place, stale)));
                 continue;
             };
-            let bounds = match Bounds::outward::<AXIS>(aabb, origin) {
-                Some(bounds) => bounds,
-                // Faulty, unbounded or far boxes take the slow path.
-                None => match checked(aabb, origin, context.grid, record.flags()) {
-                    Ok(stored) => Bounds::from_box(&stored),
-                    Err(fault) => {
-                        let fault = BroadPhaseError::from_fault(fault, Some(*id));
-                        error = BatchError::joined(error, Some(BatchError::one(place, fault)));
-                        continue;
-                    }
-                },
+            let bounds = match placed::<AXIS>(aabb, origin, context.grid, record.flags()) {
+                Ok(bounds) => bounds,
+                Err(fault) => {
+                    let fault = BroadPhaseError::from_fault(fault, Some(*id));
+                    error = BatchError::joined(error, Some(BatchError::one(place, fault)));
+                    continue;
+                }
             };
             context.place(record, id.index, bounds, marks);
         }

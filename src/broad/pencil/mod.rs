@@ -65,7 +65,7 @@ pub struct PencilSweep {
     entries: usize,
     /// Positions that entries moved by in the last step.
     swaps: u64,
-    /// Entries inside the windows of the last step.
+    /// Entries compared with the entries of windows in the last step.
     scanned: u64,
     pub(super) parallel_from: usize,
 }
@@ -110,8 +110,8 @@ impl PencilSweep {
         self.swaps
     }
 
-    /// Returns how many entries lay inside the windows of the last step, and were compared with the
-    /// entry of the window.
+    /// Returns how many entries were compared with the entries of windows in the last step: a
+    /// measure of the work of the step. A sweep compares, and counts, eight entries at once.
     #[must_use]
     pub fn scanned(&self) -> u64 {
         self.scanned
