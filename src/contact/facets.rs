@@ -54,7 +54,10 @@ pub(super) fn contacts(query: &Query, outcome: &Outcome, facets: [Facet; 2], bef
         b: patches[1].feature,
     };
     let noise = ACROSS * query.size();
-    let mut candidates = Candidates::new(outcome.distance, query.options.prediction);
+    // Of an overlap known to an interval, the witnesses may not be as deep as the outcome.
+    let on_b = query.rotation * outcome.point_on_b.coords + query.translation;
+    let distance = outcome.normal.dot(&(on_b - outcome.point_on_a.coords));
+    let mut candidates = Candidates::new(distance, query.options.prediction);
     clip(&patches, noise, query.options.sine, &mut candidates);
     let is_round = patches.iter().any(|p| p.circle.is_some());
     let tie = if is_round { ROUND * query.least_radius() } else { noise };

@@ -245,8 +245,8 @@ impl Manifold {
         Ok(())
     }
 
-    /// Computes the contacts of an outcome (of the cores, if the bodies are rounded), with the ids of
-    /// matching contacts from before the bodies `moved`.
+    /// Computes the contacts of an outcome (of the cores, if the bodies are rounded), with the ids
+    /// of matching contacts from before the bodies `moved`.
     pub(crate) fn renew(&mut self, query: &Query, outcome: &Outcome, moved: f64) {
         let [lower, upper] = rounding::bounds([outcome.lower, outcome.upper], query.radii);
         (self.normal, self.lower, self.upper, self.fresh) = (outcome.normal, lower, upper, true);

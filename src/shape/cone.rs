@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 
 use super::cylinder::{circle_bent, of_circle, on_circle};
-use super::support::{Disc, Support};
+use super::support::{Disc, Flat, Support};
 use crate::num::scalar::{Scalar, Vec3, root, sqrt};
 use crate::polyhedron::{EdgeId, FaceId, Feature, VertexId};
 use crate::tolerance::UNIT;
@@ -99,6 +99,18 @@ impl Support for Cone {
             side: -1.0,
             radius: self.radius,
         })
+    }
+
+    /// Returns the base or a generator of the side, whichever has the normal closer to `n`.
+    fn flat(&self, n: &Vector3<f64>) -> Option<Flat> {
+        let (r, height) = (self.radius, 2.0 * self.half_height);
+        let slant = sqrt(r * r + height * height);
+        let to_side = (sqrt(n.x * n.x + n.y * n.y) * height + n.z * r) / slant;
+        if -n.z > to_side {
+            return self.disc(n).map(Flat::Disc);
+        }
+        let n = [n.x, n.y, n.z];
+        Some(Flat::Line([0, 1].map(|branch| self.of_branch(branch, &n).into())))
     }
 
     /// Returns the feature: the base is face 0, the side face 1, the apex vertex 0, the rim edge 0.

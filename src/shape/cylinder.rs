@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::support::{Disc, Support};
+use super::support::{Disc, Flat, Support};
 use crate::num::scalar::{Scalar, Vec3, root, sqrt};
 use crate::polyhedron::{EdgeId, FaceId, Feature};
 use crate::tolerance::{PIVOT, UNIT};
@@ -122,6 +122,14 @@ impl Support for Cylinder {
             side,
             radius: self.radius,
         })
+    }
+
+    fn flat(&self, n: &Vector3<f64>) -> Option<Flat> {
+        if n.z * n.z > 0.5 {
+            return self.disc(n).map(Flat::Disc);
+        }
+        let n = [n.x, n.y, n.z];
+        Some(Flat::Line([0, 1].map(|branch| self.of_branch(branch, &n).into())))
     }
 
     /// Returns the feature: caps are faces 0 (upper) and 1, the side is face 2, rims are edges 0

@@ -38,7 +38,7 @@ pub use ellipsoid::Ellipsoid;
 pub use error::ShapeError;
 pub use mass::Mass;
 pub use superquadric::Superquadric;
-pub(crate) use support::{Disc, Support};
+pub(crate) use support::{Disc, Flat, Support};
 
 /// A convex shape: every point at most [`round`](Self::round) from its [`core`](Self::core).
 ///

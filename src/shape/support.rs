@@ -24,6 +24,36 @@ impl Disc {
     }
 }
 
+/// A part of a surface that is flat or straight.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Flat {
+    Disc(Disc),
+    /// A generator of a curved side, by both ends.
+    Line([Vector3<f64>; 2]),
+}
+
+impl Flat {
+    /// Returns the middle of the part.
+    pub(crate) fn middle(&self) -> Vec3<f64> {
+        match self {
+            Self::Disc(disc) => [0.0, 0.0, disc.z],
+            Self::Line([p, q]) => ((p + q) * 0.5).into(),
+        }
+    }
+
+    /// Returns the point of the part nearest to a place.
+    pub(crate) fn foot(&self, place: &Vec3<f64>) -> Vec3<f64> {
+        match self {
+            Self::Disc(disc) => disc.foot(place),
+            Self::Line([p, q]) => {
+                let u = q - p;
+                let t = u.dot(&(Vector3::from(*place) - p)) / u.norm_squared();
+                (p + u * t.clamp(0.0, 1.0)).into()
+            }
+        }
+    }
+}
+
 /// A convex core by its support function `h(n) = max of n . x`, over branches.
 ///
 /// A *branch* is a smooth piece of the map from a direction to its support point: a vertex, a rim,
@@ -61,6 +91,12 @@ pub(crate) trait Support {
 
     /// Returns the flat round face that faces along `n`; `None` if the core has none.
     fn disc(&self, n: &Vector3<f64>) -> Option<Disc>;
+
+    /// Returns the flat or straight part of the surface that faces along `n` most nearly; `None` if
+    /// the core is curved both ways, or a polyhedron.
+    fn flat(&self, n: &Vector3<f64>) -> Option<Flat> {
+        self.disc(n).map(Flat::Disc)
+    }
 
     /// Returns the feature that contains the points of up to three branches, `point` among them.
     fn feature(&self, branches: &[u32], point: &Vector3<f64>) -> Feature;

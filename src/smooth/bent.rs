@@ -4,6 +4,7 @@
 //! of GJK, with one smooth branch on each core Newton's method on the normal. The supports at the
 //! next direction are both the next step and the certificate.
 
+use super::balls;
 use super::best::{Best, Set};
 use super::flush::{self, Flush};
 use super::model::{MOST, Plane, top};
@@ -109,7 +110,12 @@ impl<A: Support, B: Support, T: Scalar> Run<'_, '_, A, B, T> {
                 return End::Closed;
             }
             if self.deep {
-                self.try_balls(&centre);
+                balls::take(
+                    self.posed,
+                    &centre.toward,
+                    (centre.pieces(), &centre.weights),
+                    self.best,
+                );
             } else if self.seems_inside(&centre, &step) {
                 return End::Inside;
             }
@@ -271,32 +277,6 @@ impl<A: Support, B: Support, T: Scalar> Run<'_, '_, A, B, T> {
             }
         }
         None
-    }
-
-    /// Takes balls inside both cores at the weighted points: the signed distance of the balls is an
-    /// upper bound.
-    fn try_balls(&mut self, centre: &Centre<T>) {
-        let (mut on_a, mut on_b) = ([0.0; 3], [0.0; 3]);
-        for (piece, weight) in centre.pieces().iter().zip(&centre.weights) {
-            for k in 0..3 {
-                on_a[k] += piece.on_a[k].value() * weight.value();
-                on_b[k] += piece.on_b[k].value() * weight.value();
-            }
-        }
-        let (n, m) = (centre.toward.n.map(Scalar::value), centre.toward.m.map(Scalar::value));
-        let (ca, ra) = self.posed.a.inner_ball(&on_a.into(), &n.into());
-        let (cb, rb) = self.posed.b.inner_ball(&on_b.into(), &m.into());
-        let lift = |v: [f64; 3]| v.map(T::from);
-        let between = self.posed.piece([0; 2], lift(ca.into()), lift(cb.into())).w;
-        let upper = root(dot(&between, &between)) - T::from(ra) - T::from(rb);
-        if upper < self.best.upper {
-            self.best.upper = upper;
-            (self.best.on_a, self.best.on_b) = (on_a.map(T::from), on_b.map(T::from));
-            self.best.set = Set::default();
-            let kept = centre.pieces().iter().zip(&centre.weights);
-            kept.filter(|(_, weight)| **weight > T::from(0.0))
-                .for_each(|(p, _)| self.best.set.add(p.of));
-        }
     }
 
     /// Copies the weights of pieces that stay.

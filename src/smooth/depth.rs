@@ -12,6 +12,7 @@ use super::frozen::Around;
 use super::posed::Posed;
 use super::surface;
 use crate::shape::Support;
+use crate::tolerance::{CERTIFICATE, DEPTH_GOAL, UNIT};
 
 /// Bounds of the depth of cores that overlap or seem to.
 pub(super) struct Deep {
@@ -39,7 +40,8 @@ pub(super) fn deepen<A: Support, B: Support>(
         inside: corners.is_some_and(|c| c.points().len() == 4),
         grown: false,
     };
-    let Some(corners) = corners.filter(|_| !best.closes(posed)) else {
+    let is_done = best.closes(posed) || is_deep_enough(posed, &best);
+    let Some(corners) = corners.filter(|_| !is_done) else {
         return deep;
     };
     deep.grown = true;
@@ -56,6 +58,12 @@ pub(super) fn deepen<A: Support, B: Support>(
         (best.on_a, best.on_b, best.set) = (found.on_a, found.on_b, set);
     }
     deep
+}
+
+/// Returns whether an overlap is proven, and the depth to the accuracy of a surface.
+pub(super) fn is_deep_enough<A: Support, B: Support>(posed: &Posed<A, B, f64>, best: &Best<f64>) -> bool {
+    let goal = DEPTH_GOAL * posed.size;
+    best.upper < -(CERTIFICATE + posed.noise) * UNIT * posed.size && best.upper - best.lower <= goal
 }
 
 /// Runs the main solver for the depth from one direction.

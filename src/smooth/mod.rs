@@ -19,6 +19,7 @@
 //! 3. Every answer carries both bounds, whatever the solver.
 
 mod any;
+mod balls;
 mod bent;
 mod best;
 mod depth;

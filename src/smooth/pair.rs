@@ -55,8 +55,8 @@ impl Memory {
 #[derive(Clone, Copy)]
 pub(super) struct Setting<'p> {
     pose: &'p RelativePose,
-    /// B in the frame of A, if both cores are stored as given and of an ordinary size.
-    plain: Option<Transform<f64>>,
+    /// Translation of the pose, if both cores are stored as given and of an ordinary size.
+    plain: Option<Vec3<f64>>,
     /// Origins about which the points of A and of B are stored.
     a: Vector3<f64>,
     b: Vector3<f64>,
@@ -82,17 +82,7 @@ impl<'p> Setting<'p> {
         let is_plain = given(a) && given(b) && is_ordinary;
         Self {
             pose,
-            plain: is_plain.then(|| {
-                let m = pose.rotation();
-                Transform {
-                    matrix: [
-                        [m[(0, 0)], m[(0, 1)], m[(0, 2)]],
-                        [m[(1, 0)], m[(1, 1)], m[(1, 2)]],
-                        [m[(2, 0)], m[(2, 1)], m[(2, 2)]],
-                    ],
-                    translation: [t.x, t.y, t.z],
-                }
-            }),
+            plain: is_plain.then_some([t.x, t.y, t.z]),
             radii,
             a: a.origin(),
             b: b.origin(),
@@ -108,7 +98,16 @@ impl<'p> Setting<'p> {
 
     #[inline(always)]
     fn frame(&self) -> Option<Transform<f64>> {
-        self.plain.or_else(|| self.rounded_frame())
+        let Some(translation) = self.plain else {
+            return self.rounded_frame();
+        };
+        let m = self.pose.rotation();
+        let matrix = [
+            [m[(0, 0)], m[(0, 1)], m[(0, 2)]],
+            [m[(1, 0)], m[(1, 1)], m[(1, 2)]],
+            [m[(2, 0)], m[(2, 1)], m[(2, 2)]],
+        ];
+        Some(Transform { matrix, translation })
     }
 
     #[cold]
@@ -271,7 +270,8 @@ fn deepen<A: Kind, B: Kind>(
         outcome.upper = outcome.upper.min(0.0);
         outcome.distance = outcome.distance.min(outcome.upper);
     }
-    (deep.inside || deep.best.closes(posed)).then_some(deep.best.set)
+    let is_done = deep.inside || deep.best.closes(posed) || depth::is_deep_enough(posed, &deep.best);
+    is_done.then_some(deep.best.set)
 }
 
 /// Runs the solvers in double-double.

@@ -19,7 +19,7 @@ use crate::shape::Support;
 const STEPS: u32 = 8;
 
 /// Below this squared angle a step is close to rounding, and points move along their surfaces.
-const SLID: f64 = 1e-12;
+const SLID: f64 = 1.0 / (1u64 << 40) as f64;
 
 /// A squared angle from which a step is no longer one of a warm query.
 const TURN: f64 = 1.0;

@@ -37,13 +37,9 @@ fn judge(kinds: [&Kind; 2], place: &Place, manifold: &Manifold, told: &str) {
     let (at, n) = (place.isometry(), manifold.normal());
     for (k, p) in manifold.points().iter().enumerate() {
         let between = at * p.point_on_b - p.point_on_a;
-        // Points of old contacts stand still on their shapes, and those of a depth known to an interval are as far off.
+        // Witnesses prove a length to `width`, and a direction to its root; points of old contacts stand still.
         let width = manifold.upper() - manifold.lower();
-        let apart = if width > 1e-12 * size {
-            (width * size).sqrt()
-        } else {
-            1e-12 * size
-        };
+        let apart = 1e-12 * size + (4.0 * width * (p.separation.abs() + width)).sqrt();
         let off = if manifold.is_fresh() {
             between - *n * p.separation
         } else {
@@ -51,7 +47,7 @@ fn judge(kinds: [&Kind; 2], place: &Place, manifold: &Manifold, told: &str) {
         };
         assert!(off.norm() <= apart, "not opposite by {:e}: {p:?} {told}", off.norm());
         assert!(
-            (between.dot(&n) - p.separation).abs() <= apart,
+            (between.dot(&n) - p.separation).abs() <= 1e-12 * size + width,
             "not as deep: {p:?} {told}"
         );
         assert!(
