@@ -4,7 +4,7 @@ use alloc::vec::Vec;
 use nalgebra::{Matrix3, Vector3};
 
 use super::frame::Frame;
-use super::front::{Front, Pair};
+use super::front::{Front, Pair, Place};
 use super::search::{Judge, MeshWork, Search};
 use crate::num::scalar::sqrt;
 
@@ -23,13 +23,13 @@ pub(super) struct Kept {
     last: [Option<Pair>; 2],
     pose: Option<(Matrix3<f64>, Vector3<f64>)>,
     stack: Vec<Pair>,
-    failed: Vec<u32>,
+    failed: Vec<Place>,
     pub(super) work: MeshWork,
 }
 
 impl Kept {
     pub(super) fn heap_bytes(&self) -> usize {
-        self.front.heap_bytes() + self.stack.capacity() * size_of::<Pair>() + 4 * self.failed.capacity()
+        self.front.heap_bytes() + self.stack.capacity() * size_of::<Pair>() + self.failed.capacity() * size_of::<Place>()
     }
 
     /// Finds the closest pair of items, by the front where there is one.
@@ -105,10 +105,10 @@ impl Kept {
 
     /// Proves the front again; what its directions do not prove gets new ones, or is split.
     fn renew<J: Judge>(&mut self, search: &mut Search<J>) {
-        self.front.turn_to(search.frame);
+        self.front.meet(&search.frame.single);
         self.failed.clear();
         let (failed, level) = (&mut self.failed, search.frame.single_up(search.level()));
-        self.front.test(&search.frame.single, level, |k| failed.push(k as u32));
+        self.front.test(&search.frame.single, level, |place| failed.push(place));
         search.work.entries += self.front.len() as u64;
         search.work.failed += self.failed.len() as u64;
         if 2 * self.failed.len() > self.front.len() && self.front.len() > 16 {
@@ -120,15 +120,14 @@ impl Kept {
                 return;
             }
             let mut pairs = [[0; 2]; 8];
-            (0..batch.len()).for_each(|k| pairs[k] = self.front.pair(batch[k] as usize));
+            (0..batch.len()).for_each(|k| pairs[k] = self.front.pair(batch[k]));
             let found = search.bound(&pairs[..batch.len()]);
             for k in (0..batch.len()).rev() {
-                let (at, pair) = (batch[k] as usize, pairs[k]);
+                let (at, pair) = (batch[k], pairs[k]);
                 let normal = [0, 1, 2].map(|c| found.normal[c][k]);
                 match search.settle(pair, found.gap[k], normal) {
                     Some((n, gap)) => {
-                        let ball = &search.b.boxes[pair[1] as usize];
-                        self.front.set(&search.frame.single, at, ball, n, gap);
+                        self.front.set(&search.frame.single, (search.a, search.b), at, n, gap);
                     }
                     None => {
                         self.front.remove(at);
@@ -144,7 +143,7 @@ impl Kept {
     fn cut<J: Judge>(&mut self, search: &mut Search<J>) {
         search.work.cuts += 1;
         self.front.clear();
-        self.front.turn_to(search.frame);
+        self.front.meet(&search.frame.single);
         search.start(&mut self.stack, Some(&mut self.front));
         search.descend(&mut self.stack, Some(&mut self.front));
         self.front.cut = self.front.len();

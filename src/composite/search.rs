@@ -353,7 +353,7 @@ impl<'a, J: Judge> Search<'a, J> {
                 match self.settle(pair, found.gap[k], normal) {
                     Some((n, gap)) => {
                         if let Some(front) = front.as_deref_mut() {
-                            front.push(&self.frame.single, pair, &self.b.boxes[pair[1] as usize], n, gap);
+                            front.push(&self.frame.single, (self.a, self.b), pair, n, gap);
                         }
                     }
                     None => {
@@ -377,7 +377,7 @@ impl<'a, J: Judge> Search<'a, J> {
         match self.settle(root, found.gap[0], normal) {
             Some((n, gap)) => {
                 if let Some(front) = front {
-                    front.push(&self.frame.single, root, &self.b.boxes[0], n, gap);
+                    front.push(&self.frame.single, (self.a, self.b), root, n, gap);
                 }
             }
             None => stack.push(root),
