@@ -61,21 +61,27 @@ pub(super) struct Single {
 pub(super) struct Way {
     pub(super) rotation: [f32x8; 9],
     pub(super) translation: [f32x8; 3],
+    /// Both again, for a single point.
+    r: [f32; 9],
+    t: [f32; 3],
 }
 
 impl Way {
     fn new(rotation: &Matrix3<f64>, translation: &Vector3<f64>) -> Self {
-        let (r, t) = (rotation.map(|x| x as f32), translation.map(|x| x as f32));
+        let r = core::array::from_fn(|k| rotation[(k / 3, k % 3)] as f32);
+        let t = [translation.x as f32, translation.y as f32, translation.z as f32];
         Self {
-            rotation: core::array::from_fn(|k| f32x8::splat(r[(k / 3, k % 3)])),
-            translation: [t.x, t.y, t.z].map(f32x8::splat),
+            rotation: r.map(f32x8::splat),
+            translation: t.map(f32x8::splat),
+            r,
+            t,
         }
     }
 
     /// The image of a point.
     #[inline(always)]
     pub(super) fn place(&self, [x, y, z]: [f32; 3]) -> [f32; 3] {
-        let (r, t) = (self.rotation.map(first), self.translation.map(first));
+        let (r, t) = (&self.r, &self.t);
         [
             r[0] * x + r[1] * y + r[2] * z + t[0],
             r[3] * x + r[4] * y + r[5] * z + t[1],
@@ -86,18 +92,13 @@ impl Way {
     /// The direction that the map turns to `n`.
     #[inline(always)]
     pub(super) fn back(&self, [x, y, z]: [f32; 3]) -> [f32; 3] {
-        let r = self.rotation.map(first);
+        let r = &self.r;
         [
             r[0] * x + r[3] * y + r[6] * z,
             r[1] * x + r[4] * y + r[7] * z,
             r[2] * x + r[5] * y + r[8] * z,
         ]
     }
-}
-
-#[inline(always)]
-fn first(x: f32x8) -> f32 {
-    x.to_array()[0]
 }
 
 impl Frame {

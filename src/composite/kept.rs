@@ -7,13 +7,7 @@ use super::frame::Frame;
 use super::front::{Front, Pair, Place};
 use super::search::{Judge, MeshWork, Search};
 use crate::num::scalar::sqrt;
-
-/// Motions up to this, as the norm of the difference of rotations and as a part of L, are worth a
-/// front: some 2.4 degrees. Not a matter of soundness.
-const NEAR: f64 = 1.0 / 24.0;
-
-/// Motions beyond this begin anew. Not a matter of soundness.
-const JUMP: f64 = 1.0 / 12.0;
+use crate::tuning::composite::{FEW_ENTRIES, GROWTH, JUMP, NEAR};
 
 /// Front, last pairs and buffers.
 #[derive(Clone, Debug, Default)]
@@ -29,7 +23,9 @@ pub(super) struct Kept {
 
 impl Kept {
     pub(super) fn heap_bytes(&self) -> usize {
-        self.front.heap_bytes() + self.stack.capacity() * size_of::<Pair>() + self.failed.capacity() * size_of::<Place>()
+        self.front.heap_bytes()
+            + self.stack.capacity() * size_of::<Pair>()
+            + self.failed.capacity() * size_of::<Place>()
     }
 
     /// Finds the closest pair of items, by the front where there is one.
@@ -50,7 +46,7 @@ impl Kept {
         }
         if search.is_over() {
             self.front.clear();
-        } else if motion < NEAR && (self.front.is_empty() || self.front.len() > 2 * self.front.cut) {
+        } else if motion < NEAR && (self.front.is_empty() || self.front.len() > GROWTH * self.front.cut) {
             self.cut(search);
         }
         self.conclude(search);
@@ -71,8 +67,11 @@ impl Kept {
 
     fn conclude<J: Judge>(&mut self, search: &Search<J>) {
         self.work += search.work;
-        if let Some(best) = &search.best {
-            self.remember(best.pair);
+        let Some(best) = &search.best else { return };
+        match search.directions[0] {
+            // Of pairs that are equally close, the one whose direction proves the others.
+            Some((pair, _)) if pair != best.pair => self.last = [Some(pair), Some(best.pair)],
+            _ => self.remember(best.pair),
         }
     }
 
@@ -111,7 +110,7 @@ impl Kept {
         self.front.test(&search.frame.single, level, |place| failed.push(place));
         search.work.entries += self.front.len() as u64;
         search.work.failed += self.failed.len() as u64;
-        if 2 * self.failed.len() > self.front.len() && self.front.len() > 16 {
+        if 2 * self.failed.len() > self.front.len() && self.front.len() > FEW_ENTRIES {
             return self.begin(search, 0.0);
         }
         self.stack.clear();
