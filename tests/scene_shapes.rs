@@ -169,7 +169,10 @@ fn check_frame(scene: &Scene, known: &[Known], replay: &Replay, effects: &Effect
 }
 
 /// Moves bodies about their home and compares every frame.
-fn play(effects: Effects, bodies: Vec<(BodyShape, Vec<(Shape, Isometry3<f64>)>)>, seed: u64) -> Mix {
+/// The convex pieces of a body, placed in the frame of the body.
+type Pieces = Vec<(Shape, Isometry3<f64>)>;
+
+fn play(effects: Effects, bodies: Vec<(BodyShape, Pieces)>, seed: u64) -> Mix {
     let mut rng = Rng::new(seed);
     let mut scene = Scene::new();
     scene.call_for(ALL, ALL, effects).unwrap();
