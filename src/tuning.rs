@@ -133,7 +133,7 @@ pub(crate) mod depth {
     pub(crate) const REPEATS: u32 = 16;
 
     /// Number of perturbations worth a search in f64, the first of
-    /// [`SHIFTS`](crate::tolerance::SHIFTS): the perturbations well above the rounding of f64.
+    /// [`ORIGIN_SHIFTS`](crate::tolerance::ORIGIN_SHIFTS): the perturbations well above the rounding of f64.
     pub(crate) const SHIFTS_PLAIN: usize = 3;
 
     /// Exchanges of a vertex on the way to the facet over the axis, at most. Not measured.
