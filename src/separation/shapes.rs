@@ -19,9 +19,10 @@ use crate::tolerance::HEIGHT;
 /// use lin_canny::{Shape, Velocity};
 ///
 /// let (ball, capsule) = (Shape::ball(0.5)?, Shape::capsule(1.0, 0.25)?);
-/// let still = Steady::new(&Isometry3::identity(), Velocity::new(Vector3::zeros(), Vector3::zeros()))?;
+/// let still = Steady::new(&Isometry3::identity(), Velocity::default())?;
 /// let start = Isometry3::translation(3.0, 0.0, 0.0);
-/// let thrown = Steady::new(&start, Velocity::new(Vector3::new(-4.0, 0.0, 0.0), Vector3::zeros()))?;
+/// let velocity = Velocity::new(Vector3::new(-4.0, 0.0, 0.0), Vector3::zeros());
+/// let thrown = Steady::new(&start, velocity)?;
 /// let mut pair = ShapePair::new(&capsule, &ball);
 /// let found = cast(&mut pair, &still, &thrown, (0.0, 1.0), Tolerance::Distance(1e-9))?;
 /// let Impact::Hit { safe, hit, .. } = found.impact else {
