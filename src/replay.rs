@@ -50,7 +50,8 @@ const TITLE: &str = "lin-canny replay 1";
 /// let mut pair = Tracker::new();
 /// let text = pair.replay(&a, &b, &pose, Accuracy::Certified).to_string();
 /// let again: Replay = text.parse()?;
-/// assert_eq!(again.tracker().closest(&again.a, &again.b, &again.pose), pair.closest(&a, &b, &pose));
+/// let answer = again.tracker().closest(&again.a, &again.b, &again.pose);
+/// assert_eq!(answer, pair.closest(&a, &b, &pose));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]

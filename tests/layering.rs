@@ -224,10 +224,12 @@ const MAY_USE: &[(&str, &[&str])] = &[
             "smooth",
             "tracker",
             "exact",
+            "contact",
             "pair",
             "polyhedron",
             "pose",
             "num",
+            "tolerance",
         ],
     ),
     (

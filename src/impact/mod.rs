@@ -11,13 +11,15 @@
 //! use lin_canny::separation::PolyhedronPair;
 //! use lin_canny::{Velocity, polyhedron::solids};
 //!
-//! let (a, b) = (solids::cuboid(Vector3::new(0.5, 0.5, 0.5))?, solids::octahedron(0.5)?);
+//! let a = solids::cuboid(Vector3::new(0.5, 0.5, 0.5))?;
+//! let b = solids::octahedron(0.5)?;
 //! let rest = Steady::new(&Isometry3::identity(), Velocity::default())?;
 //! let spin = Velocity::new(-Vector3::x(), Vector3::x() * 0.3);
 //! let flight = Steady::new(&Isometry3::translation(4.0, 0.0, 0.0), spin)?;
 //!
 //! let mut pair = PolyhedronPair::new(&a, &b);
-//! let cast = impact::cast(&mut pair, &rest, &flight, (0.0, 10.0), Tolerance::Distance(1e-9))?;
+//! let tolerance = Tolerance::Distance(1e-9);
+//! let cast = impact::cast(&mut pair, &rest, &flight, (0.0, 10.0), tolerance)?;
 //! let Impact::Hit { safe, hit, .. } = cast.impact else { panic!("they meet") };
 //! assert!(safe < 3.0 && 3.0 < hit && hit - safe < 3e-9);
 //! # Ok::<(), Box<dyn std::error::Error>>(())

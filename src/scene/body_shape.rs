@@ -52,9 +52,11 @@ use crate::tolerance::BOX_TURNED;
 /// scene.insert(Body::moving(bracket), at(3.0))?;
 /// scene.insert(Body::moving(part), at(6.0))?;
 /// scene.step();
-/// let apart: Vec<f64> = scene.pairs().map(|pair| pair.distance.unwrap().value).collect();
+/// let distances = scene.pairs().map(|pair| pair.distance.unwrap().value);
+/// let apart: Vec<f64> = distances.collect();
 /// assert_eq!(apart.len(), 3);
-/// assert!(apart.iter().all(|d| (d - 1.0).abs() < 1e-14 || (d - 4.0).abs() < 1e-14));
+/// let is = |d: f64, value: f64| (d - value).abs() < 1e-14;
+/// assert!(apart.iter().all(|d| is(*d, 1.0) || is(*d, 4.0)));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug)]

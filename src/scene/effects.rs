@@ -88,7 +88,8 @@ impl From<Group> for u8 {
 /// use lin_canny::scene::Effects;
 ///
 /// let near = Effects { within: Some(0.05), ..Effects::none() };
-/// let full = Effects { distance: Some(f64::INFINITY), features: true, depth: true, ..near };
+/// let all = Some(f64::INFINITY);
+/// let full = Effects { distance: all, features: true, depth: true, ..near };
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

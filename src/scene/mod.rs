@@ -14,12 +14,15 @@
 //! let block = Arc::new(solids::cuboid(Vector3::new(0.5, 0.5, 0.5))?);
 //! let mut scene = Scene::new();
 //! scene.call_for(ROBOT, CELL, Effects { within: Some(0.05), ..Effects::none() })?;
-//! scene.insert(Body::fixed(block.clone()).group(CELL), Isometry3::translation(3.005, 0.0, 0.0))?;
-//! let arm = scene.insert(Body::moving(block).group(ROBOT), Isometry3::identity())?;
+//! let wall = Body::fixed(block.clone()).group(CELL);
+//! scene.insert(wall, Isometry3::translation(3.005, 0.0, 0.0))?;
+//! let arm = Body::moving(block).group(ROBOT);
+//! let arm = scene.insert(arm, Isometry3::identity())?;
 //!
 //! let mut came = None;
 //! for frame in 0..200 {
-//!     scene.set_pose(arm, Isometry3::translation(0.01 * f64::from(frame), 0.2, 0.0))?;
+//!     let x = 0.01 * f64::from(frame);
+//!     scene.set_pose(arm, Isometry3::translation(x, 0.2, 0.0))?;
 //!     scene.step();
 //!     if scene.events().iter().any(|e| e.change == Change::CameWithin) {
 //!         came = came.or(Some(frame));
@@ -63,10 +66,13 @@
 //! const ROBOT: Group = Group::new(2).unwrap();
 //!
 //! let mut scene = Scene::new();
-//! let effects = Effects { distance: Some(0.5), features: true, depth: true, ..Effects::none() };
+//! let none = Effects::none();
+//! let effects =
+//!     Effects { distance: Some(0.5), features: true, depth: true, ..none };
 //! scene.call_for(ROBOT, CELL, effects)?;
 //! let post = solids::prism(24, 0.1, 1.0)?;
-//! scene.insert(Body::fixed(post).group(CELL), Isometry3::translation(1.0, 0.0, 0.0))?;
+//! let post = Body::fixed(post).group(CELL);
+//! scene.insert(post, Isometry3::translation(1.0, 0.0, 0.0))?;
 //! let link = solids::cuboid(Vector3::new(0.3, 0.05, 0.05))?;
 //! let pose = Isometry3::translation(0.4, 0.0, 0.2);
 //! let link = scene.insert(Body::moving(link).group(ROBOT), pose)?;
@@ -77,7 +83,8 @@
 //!     .min_by(|x, y| x.1.distance.total_cmp(&y.1.distance))
 //!     .expect("no farther apart than 0.5");
 //! assert!((nearest.distance - 0.2).abs() < 1e-3);
-//! let on_link = if pair.a == link { nearest.point_on_a } else { nearest.point_on_b };
+//! let on_link =
+//!     if pair.a == link { nearest.point_on_a } else { nearest.point_on_b };
 //! let in_world = scene.pose(link).unwrap() * on_link;
 //! assert!((in_world.x - 0.7).abs() < 1e-12);
 //! # Ok::<(), Box<dyn std::error::Error>>(())

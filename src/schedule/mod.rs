@@ -17,7 +17,8 @@
 //!     schedule.advance(tick);
 //!     while let Some(due) = schedule.due() {
 //!         looks += 1;
-//!         // Measured here: 3 and 7 are proven free for a quarter of a second, 3 and 9 overlap.
+//!         // Here a query: 3 and 7 are proven free for a quarter of a second,
+//!         // 3 and 9 overlap.
 //!         if due.pair == (3, 7) { schedule.sleep(&due, ticks(0.25, dt)) }
 //!     }
 //! }

@@ -20,9 +20,11 @@ use crate::tuning::separation::{FEW, FLUSH, RIM, SMALLER};
 /// use lin_canny::separation::{PolyhedronPair, Separation};
 /// use lin_canny::{RelativePose, polyhedron::solids};
 ///
-/// let (a, b) = (solids::cuboid(Vector3::new(1.0, 1.0, 1.0))?, solids::octahedron(0.5)?);
+/// let a = solids::cuboid(Vector3::new(1.0, 1.0, 1.0))?;
+/// let b = solids::octahedron(0.5)?;
 /// let mut pair = PolyhedronPair::new(&a, &b);
-/// let seen = pair.measure(&RelativePose::from_isometry(&Isometry3::translation(3.0, 0.0, 0.0))?);
+/// let pose = Isometry3::translation(3.0, 0.0, 0.0);
+/// let seen = pair.measure(&RelativePose::from_isometry(&pose)?);
 /// assert!(seen.lower <= 1.5 && 1.5 <= seen.upper);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```

@@ -19,16 +19,19 @@ use crate::tolerance::HEIGHT;
 /// use lin_canny::{Shape, Velocity};
 ///
 /// let (ball, capsule) = (Shape::ball(0.5)?, Shape::capsule(1.0, 0.25)?);
-/// let still = Steady::new(&Isometry3::identity(), Velocity::default())?;
+/// let still = Velocity::new(Vector3::zeros(), Vector3::zeros());
+/// let still = Steady::new(&Isometry3::identity(), still)?;
 /// let start = Isometry3::translation(3.0, 0.0, 0.0);
-/// let velocity = Velocity::new(Vector3::new(-4.0, 0.0, 0.0), Vector3::zeros());
-/// let thrown = Steady::new(&start, velocity)?;
+/// let speed = Velocity::new(Vector3::new(-4.0, 0.0, 0.0), Vector3::zeros());
+/// let thrown = Steady::new(&start, speed)?;
 /// let mut pair = ShapePair::new(&capsule, &ball);
-/// let found = cast(&mut pair, &still, &thrown, (0.0, 1.0), Tolerance::Distance(1e-9))?;
+/// let tolerance = Tolerance::Distance(1e-9);
+/// let found = cast(&mut pair, &still, &thrown, (0.0, 1.0), tolerance)?;
 /// let Impact::Hit { safe, hit, .. } = found.impact else {
 ///     panic!("{:?}", found.impact);
 /// };
-/// assert!(safe <= 0.5625 && 0.5625 <= hit && hit - safe < 1e-8); // 2.25 of the way at speed 4
+/// // 2.25 of the way at speed 4.
+/// assert!(safe <= 0.5625 && 0.5625 <= hit && hit - safe < 1e-8);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug)]

@@ -116,7 +116,7 @@ impl Mesh {
     /// let fit = mesh.hull_fit(&mesh.hull()?);
     /// assert!((fit.mesh_volume.unwrap() - 7.0).abs() < 1e-12);
     /// assert!((fit.hull_volume - (8.0 - 1.0 / 6.0)).abs() < 1e-12);
-    /// // The middle of the face that closes the notch is 2/3 from the walls of the notch.
+    /// // The middle of the face that closes the notch is 2/3 from its walls.
     /// assert!(fit.gap_lower > 0.66 && fit.gap_upper < 0.68);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```

@@ -46,11 +46,12 @@ impl ConvexPolyhedron {
     ///
     /// ```
     /// use lin_canny::polyhedron::{BuildError, ConvexPolyhedron};
-    /// use nalgebra::Point3;
+    /// use lin_canny::nalgebra::Point3;
     ///
-    /// let corners = [[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [0., 0., 1.], [0.1, 0.1, 0.1]];
+    /// let corners =
+    ///     [[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [0., 0., 1.], [0.1, 0.1, 0.1]];
     /// let body = ConvexPolyhedron::from_points(&corners.map(Point3::from))?;
-    /// assert_eq!((body.vertex_count(), body.edge_count(), body.face_count()), (4, 6, 4));
+    /// assert_eq!((body.vertex_count(), body.face_count()), (4, 4));
     /// assert_eq!(body.report().interior, [4]);
     ///
     /// let flat = [0, 1, 2, 0].map(|i: usize| Point3::from(corners[i]));
@@ -128,7 +129,7 @@ impl ConvexPolyhedron {
             #[cfg(feature = "exact")]
             lowest_bit: lowest_bit(given),
             lookup: CubeMap::new(&topology, &points, &fans),
-            has_bands: topology.has_large_faces() || !fans.is_empty(),
+            has_large_rings: topology.has_large_faces() || !fans.is_empty(),
             fans,
             scan: Scan::new(&points),
             vertex_mean,
