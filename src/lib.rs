@@ -320,6 +320,7 @@ pub use composite::mesh::{HullFit, Mesh, MeshError, MeshKind, MeshPart, MeshRepo
 pub use composite::outcome::{MeshFeature, MeshOutcome, MeshSpot};
 pub use composite::pieces::{Composite, CompositeError, CompositeOutcome, CompositeTracker, Piece};
 pub use composite::search::MeshWork;
+pub use composite::separation::{CompositePair, MeshPair};
 pub use composite::tracker::MeshTracker;
 pub use contact::{ContactPoint, Gradient, Manifold, ManifoldOptions};
 pub use motion::Velocity;

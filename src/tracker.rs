@@ -1,6 +1,7 @@
 //! The state a user keeps per pair: the features of the last answer, from which the next query
 //! starts.
 
+use alloc::string::String;
 use alloc::vec::Vec;
 
 use crate::depth::{self, Memory};
@@ -213,6 +214,14 @@ impl Tracker {
         replay(a, b, a_from_b, (self.start(a, b), self.memory.clone()), level)
     }
 
+    /// Returns the first broken invariant of the cached state: a tool of tests and fuzzing.
+    ///
+    /// # Errors
+    /// A text that names the broken invariant.
+    pub fn check(&self) -> Result<(), String> {
+        self.memory.check()
+    }
+
     /// Returns the counters since the tracker was made or reset.
     #[must_use]
     pub fn totals(&self) -> Totals {
@@ -350,7 +359,7 @@ impl Tracker {
         self.totals.note(warm, draft.solver, &draft.work);
         // Longer walks, and walks that began at extrapolated features: on long face boundaries and
         // around large fans.
-        if (a.has_bands | b.has_bands) && (draft.work.steps > STEADY || self.next != self.last) {
+        if (a.has_large_rings | b.has_large_rings) && (draft.work.steps > STEADY || self.next != self.last) {
             let now = draft.features;
             let next = self.last.map_or(now, |before| predict(a, b, before, now));
             (self.last, self.next) = (Some(now), Some(next));

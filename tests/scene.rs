@@ -162,6 +162,7 @@ fn ladder() -> [Effects; 9] {
             depth: true,
             boxes: true,
             manifold: Some(ManifoldOptions::within(D)),
+            ..NONE
         },
     ]
 }

@@ -37,18 +37,16 @@ pub enum FrontFault {
 pub(super) fn audit(front: &Front, a: &Mesh, b: &Mesh, frame: &Frame) -> Result<(), FrontFault> {
     let mut entries = BTreeMap::new();
     let mut fault = None;
-    let mut at = 0;
-    front.gaps(&frame.single, |pair, gap| {
+    front.gaps(&frame.single, |place, pair, gap| {
         if entries.insert(pair, ()).is_some() {
             fault = Some(FrontFault::Cover { pair });
         }
-        let n = Vector3::from(front.normal(at).map(f64::from));
+        let n = Vector3::from(front.normal(&frame.single, place).map(f64::from));
         let claimed = f64::from(gap) * frame.single.unit;
         let gap = true_gap(a, b, frame, pair, &n);
         if claimed > gap {
             fault = Some(FrontFault::Claim { pair, claimed, gap });
         }
-        at += 1;
     });
     if let Some(fault) = fault {
         return Err(fault);

@@ -36,6 +36,8 @@ pub(super) struct Search<'a, S: ?Sized, A: ?Sized, B: ?Sized> {
     pub(super) until: f64,
     pub(super) tolerance: Tolerance,
     pub(super) distance: f64,
+    /// What is known of the begin of the interval.
+    pub(super) seen: Option<Measure>,
     pub(super) queries: u32,
     pub(super) proofs: u32,
 }
@@ -65,8 +67,11 @@ impl<S: Separation + ?Sized, A: Motion + ?Sized, B: Motion + ?Sized> Search<'_, 
                     continue;
                 }
             }
-            let seen = self.pair.measure(&relative);
-            self.queries += 1;
+            let known = self.seen.take().filter(|_| time == from);
+            let seen = known.unwrap_or_else(|| {
+                self.queries += 1;
+                self.pair.measure(&relative)
+            });
             if self.is_met(&seen) {
                 // Steps are proven, so a pair can meet only where the interval begins.
                 return Ok(if time == from {

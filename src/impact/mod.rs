@@ -68,6 +68,7 @@ mod cast;
 mod certificate;
 
 use crate::motion::Motion;
+use crate::pair::outcome::Class;
 use crate::pose::PoseError;
 use crate::separation::{Measure, Separation};
 
@@ -217,6 +218,7 @@ where
         until: interval.1,
         tolerance,
         distance,
+        seen: None,
         queries: 0,
         proofs: 0,
     };
@@ -225,6 +227,75 @@ where
         impact,
         queries: search.queries,
         proofs: search.proofs,
+    })
+}
+
+/// What a look ahead finds.
+pub(crate) struct Ahead {
+    /// The time until which the shapes are proven to stay beyond the distance asked for.
+    pub(crate) until: f64,
+    /// The first contact before the end of the tick, if the look proves less than the tick.
+    pub(crate) cast: Option<Impact>,
+    /// Distance queries and predicates.
+    pub(crate) queries: u32,
+}
+
+/// Looks ahead from time zero over a `span`; if the look does not prove the shapes to stay more
+/// than `distance` apart for a `tick`, casts the tick from the measure of the look.
+///
+/// # Errors
+/// A motion that leaves the range of poses.
+pub(crate) fn ahead<S, M>(
+    pair: &mut S,
+    [motion_a, motion_b]: [&M; 2],
+    (tick, span): (f64, f64),
+    distance: f64,
+    tolerance: Tolerance,
+) -> Result<Ahead, PoseError>
+where
+    S: Separation + ?Sized,
+    M: Motion + ?Sized,
+{
+    let (relative, flight) = cast::flight(motion_a, motion_b, 0.0, span, distance)?;
+    let until = |free: f64| {
+        if free >= flight.span {
+            span
+        } else {
+            cast::later(0.0, free)
+        }
+    };
+    let proven = |until: f64, queries: u32| Ahead {
+        until,
+        cast: None,
+        queries,
+    };
+    let by_balls = until(flight.apart(pair).span);
+    if by_balls >= tick {
+        return Ok(proven(by_balls, 0));
+    }
+    let seen = pair.measure(&relative);
+    if seen.class == Class::Separated && seen.lower > distance {
+        let by_plane = until(pair.free_for(&seen, &flight).span);
+        if by_plane >= tick {
+            return Ok(proven(by_plane, 1));
+        }
+    }
+    let mut search = Search {
+        pair,
+        motion_a,
+        motion_b,
+        until: tick,
+        tolerance,
+        distance: 0.0,
+        seen: Some(seen),
+        queries: 1,
+        proofs: 0,
+    };
+    let impact = search.run(0.0)?;
+    Ok(Ahead {
+        until: 0.0,
+        cast: Some(impact),
+        queries: search.queries + search.proofs,
     })
 }
 

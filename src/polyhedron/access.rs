@@ -4,7 +4,7 @@
 use nalgebra::{Point3, Unit, Vector3};
 
 use crate::num::scalar::sqrt;
-use crate::polyhedron::{BuildReport, ConvexPolyhedron, EdgeId, FaceId, VertexId};
+use crate::polyhedron::{BuildReport, ConvexPolyhedron, EdgeId, FaceId, Feature, VertexId};
 use crate::tolerance::RADIUS_UP;
 
 /// Ids are checked: an id that names no feature of this body, such as an id of a larger body, gives
@@ -49,6 +49,20 @@ impl ConvexPolyhedron {
     /// Returns the ids of all faces, in rising order.
     pub fn faces(&self) -> impl ExactSizeIterator<Item = FaceId> + Clone + use<> {
         (0..self.face_count() as u32).map(FaceId)
+    }
+
+    /// Returns the feature of a dimension (0 vertex, 1 edge, 2 face) and an index, the inverse of
+    /// [`Feature::dimension`] and [`Feature::index`]; `None` if the body has no such feature.
+    #[must_use]
+    pub fn feature(&self, dimension: usize, index: usize) -> Option<Feature> {
+        let index = u32::try_from(index).ok()?;
+        let feature = match dimension {
+            0 => Feature::Vertex(VertexId(index)),
+            1 => Feature::Edge(EdgeId(index)),
+            2 => Feature::Face(FaceId(index)),
+            _ => return None,
+        };
+        self.has(feature).then_some(feature)
     }
 
     /// Returns the position of a vertex: exactly the point the caller gave, but for coordinates the

@@ -10,6 +10,7 @@ use super::body_shape::BodyShape;
 use super::budget::Travel;
 use super::effects::Group;
 use super::kinds::Member;
+use super::moving::{Moving, Sweep, Ticks};
 use super::{BodyId, SceneError};
 use crate::broad::{self, Aabb};
 use crate::motion::{Velocity, displacement};
@@ -106,6 +107,21 @@ impl Solid {
         })
     }
 
+    /// Returns an upper bound of the distance of any point from the body's own origin.
+    pub(super) fn reach(&self) -> f64 {
+        self.ball.centre.norm() * ROUND_UP + self.ball.radius
+    }
+
+    /// Returns an upper bound of the displacement of any point between two poses; `from` is the
+    /// ball at the first pose.
+    #[inline]
+    fn displacement(&self, from: &Ball, old: &Isometry3<f64>, new: &Isometry3<f64>) -> f64 {
+        let shift = self.ball.at(new).centre - from.centre;
+        displacement(&shift, self.ball.radius, &old.rotation, &new.rotation)
+            + self.ball.error(&old.translation.vector)
+            + self.ball.error(&new.translation.vector)
+    }
+
     /// Returns the key under which the body is counted.
     pub(super) fn member(&self) -> Member {
         (self.group, self.shape.kind(), self.fixed)
@@ -130,8 +146,15 @@ pub(super) struct Bodies {
     /// proxy.
     pub(super) proxies: Vec<broad::BodyId>,
     pub(super) body_of_proxy: Vec<u32>,
-    /// Velocities of the bodies; empty until a first velocity is set.
-    pub(super) velocities: Vec<Velocity>,
+    /// Motions of the bodies; empty until a first velocity is set.
+    pub(super) moving: Vec<Moving>,
+    /// Sweeps of the step being prepared; empty until a scene that calls for impacts is advanced.
+    pub(super) sweeps: Vec<Option<Sweep>>,
+    /// Bodies that have a sweep.
+    pub(super) swept: Vec<u32>,
+    /// Bodies whose boxes hold the sweep of the last step.
+    pub(super) wide: Vec<u32>,
+    pub(super) ticks: Ticks,
     /// Bodies whose boxes must be renewed, each listed once.
     pub(super) due: Vec<u32>,
     /// Number of the step being prepared.
@@ -193,8 +216,11 @@ impl Bodies {
             self.travels.push(Travel::default());
             self.hints.push(hint);
             self.proxies.push(proxy);
-            if !self.velocities.is_empty() {
-                self.velocities.push(Velocity::default());
+            if !self.moving.is_empty() {
+                self.moving.push(Moving::default());
+            }
+            if !self.sweeps.is_empty() {
+                self.sweeps.push(None);
             }
         }
         self.generations[i] += 1;
@@ -202,9 +228,7 @@ impl Bodies {
         self.balls[i] = solid.ball.at(&pose);
         self.travels[i] = Travel::moved_in(self.step);
         self.hints[i] = hint;
-        if let Some(velocity) = self.velocities.get_mut(i) {
-            *velocity = Velocity::default();
-        }
+        self.stop(i);
         self.solids[i] = Some(solid);
         self.set_proxy(index, proxy);
         self.id(index)
@@ -259,8 +283,38 @@ impl Bodies {
     pub(super) fn remove(&mut self, index: usize) {
         self.generations[index] += 1;
         self.leaving.push(index as u32);
-        if let Some(velocity) = self.velocities.get_mut(index) {
-            *velocity = Velocity::default();
+        self.stop(index);
+    }
+
+    /// Returns the velocity of a body: zero unless set.
+    pub(super) fn velocity(&self, i: usize) -> Velocity {
+        self.moving.get(i).map_or_else(Velocity::default, |m| m.velocity)
+    }
+
+    /// Sets the velocity of a body.
+    pub(super) fn set_velocity(&mut self, i: usize, velocity: Velocity) {
+        self.moving.resize(self.generations.len(), Moving::default());
+        if self.moving[i].velocity != velocity {
+            self.moving[i].velocity = velocity;
+            self.disturb(i);
+        }
+    }
+
+    /// Sets the velocity of a body that comes or goes to zero.
+    fn stop(&mut self, i: usize) {
+        if let Some(moving) = self.moving.get_mut(i) {
+            *moving = Moving::default();
+        }
+        self.disturb(i);
+        if let Some(sweep) = self.sweeps.get_mut(i) {
+            *sweep = None;
+        }
+    }
+
+    /// Notes that the motion of a body changes in the step being prepared.
+    fn disturb(&mut self, i: usize) {
+        if let Some(moving) = self.moving.get_mut(i) {
+            moving.disturb(self.step, self.ticks.is_pending);
         }
     }
 
@@ -271,15 +325,45 @@ impl Bodies {
         if self.poses[i] == *pose {
             return;
         }
-        let (from, to) = (self.balls[i], solid.ball.at(pose));
-        let shift = to.centre - from.centre;
-        let (old, new) = (&self.poses[i], pose);
-        let own = solid.ball.radius;
-        let way = displacement(&shift, own, &old.rotation, &new.rotation)
-            + solid.ball.error(&old.translation.vector)
-            + solid.ball.error(&new.translation.vector);
+        let way = solid.displacement(&self.balls[i], &self.poses[i], pose);
+        if !self.moving.is_empty() {
+            self.disturb(i);
+            self.keep_start(i);
+        }
+        self.shift(i, pose, way);
+    }
+
+    /// Moves a body by a tick.
+    pub(super) fn advance(&mut self, i: usize, pose: &Isometry3<f64>, sweep: Option<Sweep>) {
+        let Some(solid) = &self.solids[i] else { return };
+        let way = solid.displacement(&self.balls[i], &self.poses[i], pose);
+        // A point may go out and come back within a sweep.
+        let farthest = sweep.map_or(way, |s| way.max(s.displacement(solid.reach(), self.ticks.length.abs())));
+        if sweep.is_some() {
+            self.sweeps[i] = sweep;
+            self.swept.push(i as u32);
+        }
+        self.shift(i, pose, farthest);
+    }
+
+    /// Notes the pose of a body that is moved after the tick of the step and not by the tick.
+    fn keep_start(&mut self, i: usize) {
+        if self.ticks.is_pending
+            && let Some(sweep @ None) = self.sweeps.get_mut(i)
+        {
+            *sweep = Some(Sweep {
+                from: self.poses[i],
+                velocity: Velocity::default(),
+            });
+            self.swept.push(i as u32);
+        }
+    }
+
+    #[inline]
+    fn shift(&mut self, i: usize, pose: &Isometry3<f64>, way: f64) {
+        let Some(solid) = &self.solids[i] else { return };
         self.travels[i].add(way, self.step);
-        self.balls[i] = to;
+        self.balls[i] = solid.ball.at(pose);
         self.poses[i] = *pose;
         self.mark_due(i);
     }
@@ -303,6 +387,31 @@ impl Bodies {
         }
         self.due.clear();
         self.step = self.step.wrapping_add(1);
+        self.ticks.end_step();
+        self.wide.clear();
+        for index in self.swept.drain(..) {
+            self.sweeps[index as usize] = None;
+            self.wide.push(index);
+        }
+    }
+
+    /// Marks the boxes that hold a sweep of the last step as due.
+    pub(super) fn narrow(&mut self) {
+        for k in 0..self.wide.len() {
+            let i = self.wide[k] as usize;
+            if self.lives(i) {
+                self.mark_due(i);
+            }
+        }
+    }
+
+    /// Returns the motion of a body over the tick of the step being prepared.
+    pub(super) fn sweep(&self, i: usize) -> Sweep {
+        let sweep = self.sweeps.get(i).copied().flatten();
+        sweep.unwrap_or_else(|| Sweep {
+            from: self.poses[i],
+            velocity: Velocity::default(),
+        })
     }
 
     /// Returns the bytes reserved, without the shapes, which may be shared.
@@ -313,6 +422,8 @@ impl Bodies {
             &self.leaving,
             &self.body_of_proxy,
             &self.due,
+            &self.swept,
+            &self.wide,
         ];
         words.iter().map(|list| list.capacity() * 4).sum::<usize>()
             + self.solids.capacity() * size_of::<Option<Solid>>()
@@ -321,7 +432,8 @@ impl Bodies {
             + self.travels.capacity() * size_of::<Travel>()
             + self.hints.capacity() * size_of::<BoxHint>()
             + self.proxies.capacity() * size_of::<broad::BodyId>()
-            + self.velocities.capacity() * size_of::<Velocity>()
+            + self.moving.capacity() * size_of::<Moving>()
+            + self.sweeps.capacity() * size_of::<Option<Sweep>>()
     }
 }
 
@@ -357,6 +469,19 @@ fn as_only(error: PoseError) -> PoseError {
             norm_squared,
         },
     }
+}
+
+/// Returns the box of a body over the tick of the step being prepared, and at the pose after that,
+/// grown on every side.
+pub(super) fn swept_box(bodies: &Bodies, i: usize, sweep: &Sweep, growth: f64, hint: &mut BoxHint) -> Option<Aabb> {
+    let solid = bodies.solids[i].as_ref()?;
+    let time = bodies.ticks.length.abs();
+    let poses = [sweep.from, sweep.velocity.applied(&sweep.from, time), bodies.poses[i]];
+    let [first, second, third] = poses.map(|pose| solid.shape.aabb_at(&pose, hint));
+    let low = first.0.inf(&second.0).inf(&third.0);
+    let high = first.1.sup(&second.1).sup(&third.1);
+    let growth = growth + sweep.bulge(solid.reach(), time);
+    Some(Aabb::new(low, high).grown(growth * ROUND_UP))
 }
 
 /// Returns the box of a posed body, grown on every side.

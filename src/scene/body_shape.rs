@@ -8,13 +8,32 @@ use nalgebra::{Isometry3, Point3, Vector3};
 use super::kinds::ShapeKind;
 use crate::composite::mesh::Mesh;
 use crate::composite::pieces::Composite;
-use crate::num::scalar::sqrt;
+use crate::composite::separation::ball_about;
 use crate::polyhedron::{BoxHint, ConvexPolyhedron};
 use crate::pose::rotation_matrix;
 use crate::shape::{Core, Shape};
 use crate::tolerance::BOX_TURNED;
 
 /// The shape of a body, shared by all bodies of this shape.
+///
+/// Each pair of bodies is followed by the tracker of the kinds, and answers all effects but these:
+///
+/// | pair | tracker | refused |
+/// |---|---|---|
+/// | polyhedra | [`Tracker`](crate::Tracker) | none |
+/// | convex shapes | [`ShapeTracker`](crate::ShapeTracker) | `manifold` |
+/// | composite with composite or polyhedron | [`CompositeTracker`] | `depth`, `manifold` |
+/// | mesh with mesh, composite or polyhedron | [`MeshTracker`] | `depth`, `manifold` |
+/// | composite or mesh with rounded or curved shape | none | all but `boxes` |
+/// | mesh with point or segment | none | all but `boxes` |
+///
+/// A call that would make a pair with an effect that the pair cannot answer is refused with
+/// [`SceneError::Unanswered`](super::SceneError::Unanswered): insertion of a body, change of a
+/// group, call for an effect. Against a composite a polyhedron is a composite of one piece, against
+/// a mesh the mesh of the surface: the pair makes that once, when the boxes meet.
+///
+/// [`CompositeTracker`]: crate::CompositeTracker
+/// [`MeshTracker`]: crate::MeshTracker
 ///
 /// ```
 /// use lin_canny::nalgebra::{Isometry3, Vector3};
@@ -100,16 +119,11 @@ impl BodyShape {
     /// Returns a ball that contains the shape, in the frame of the shape: centre and radius.
     #[must_use]
     pub fn bounding_ball(&self) -> (Point3<f64>, f64) {
-        let about_middle = |(low, high): (Point3<f64>, Point3<f64>)| {
-            let (centre, half) = (middle(&low, &high), (high - low) * 0.5);
-            let far = centre.coords.abs().sum() + half.sum();
-            (centre, sqrt(half.norm_squared()) + BOX_TURNED * far)
-        };
         match self {
             Self::Polyhedron(body) => body.bounding_ball(),
             Self::Convex(shape) => shape.bounding_ball(),
-            Self::Composite(composite) => about_middle(composite.aabb()),
-            Self::Mesh(mesh) => about_middle(mesh.aabb()),
+            Self::Composite(composite) => ball_about(composite.aabb()),
+            Self::Mesh(mesh) => ball_about(mesh.aabb()),
         }
     }
 
@@ -136,15 +150,12 @@ impl BodyShape {
     }
 }
 
-fn middle(low: &Point3<f64>, high: &Point3<f64>) -> Point3<f64> {
-    low + (high - low) * 0.5
-}
-
 /// Returns the box about a posed box.
 fn turned_box((low, high): (Point3<f64>, Point3<f64>), pose: &Isometry3<f64>) -> (Point3<f64>, Point3<f64>) {
     let q = pose.rotation.coords;
     let matrix = rotation_matrix(&[q.x, q.y, q.z, q.w], 2.0 / q.norm_squared());
-    let (centre, half) = (middle(&low, &high).coords, (high - low) * 0.5);
+    let half = (high - low) * 0.5;
+    let centre = low.coords + half;
     let t = pose.translation.vector;
     let far = centre.abs().sum() + half.sum();
     let half = matrix.abs() * half + (t.abs().add_scalar(far)) * BOX_TURNED;

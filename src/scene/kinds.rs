@@ -78,6 +78,7 @@ fn called(effects: &Effects) -> Option<&'static str> {
         (effects.within.is_some(), "within"),
         (effects.distance.is_some(), "distance"),
         (effects.features, "features"),
+        (effects.impact.is_some(), "impact"),
     ];
     names
         .into_iter()

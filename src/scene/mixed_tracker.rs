@@ -7,13 +7,14 @@ use super::body_shape::BodyShape;
 use super::pair_tracker::PairTracker;
 use super::report::Counts;
 use crate::composite::mesh::Mesh;
-use crate::composite::outcome::{MeshFeature, MeshOutcome, MeshSpot};
-use crate::composite::pieces::{Composite, CompositeOutcome, CompositeTracker, Piece};
+use crate::composite::pieces::{Composite, CompositeTracker, Piece};
+use crate::composite::separation::{CompositePair, MeshPair};
 use crate::composite::tracker::MeshTracker;
 use crate::contact::{Manifold, ManifoldOptions};
 use crate::pair::outcome::{Class, Outcome, Until};
-use crate::polyhedron::{EdgeId, FaceId, Feature, FeaturePair, VertexId};
+use crate::polyhedron::FeaturePair;
 use crate::pose::{Operand, RelativePose};
+use crate::separation::{self, Measure, Separation, Tangent};
 use crate::shape_tracker::ShapeTracker;
 
 /// The tracker of a pair that is not of two polyhedra.
@@ -107,34 +108,9 @@ impl Tracked<MeshTracker, Mesh> {
     }
 }
 
-/// Returns the outcome of two composites: features are those of the two pieces.
-fn of_pieces(found: &CompositeOutcome) -> Outcome {
-    Outcome {
-        class: found.class,
-        distance: found.distance,
-        lower: found.lower,
-        upper: found.upper,
-        point_on_a: found.point_on_a,
-        point_on_b: found.point_on_b,
-        normal: found.normal,
-        ..Outcome::starting_at(found.features)
-    }
-}
-
-/// Returns the outcome of two meshes. Features have the caller's numbers: a vertex that of the
-/// point, a face that of the triangle, an edge that of the point at which the edge of the triangle
-/// begins.
-fn of_triangles(found: &MeshOutcome) -> Outcome {
-    let feature = |spot: &MeshSpot| match spot.feature {
-        MeshFeature::Vertex(v) => Feature::Vertex(VertexId(v)),
-        MeshFeature::Edge([v, _]) => Feature::Edge(EdgeId(v)),
-        MeshFeature::Face => Feature::Face(FaceId(spot.triangle)),
-    };
-    let features = FeaturePair {
-        a: feature(&found.on_a),
-        b: feature(&found.on_b),
-        ..FeaturePair::vertices(Operand::A, 0, 0)
-    };
+/// Returns the outcome of composites or meshes.
+fn outcome_of(found: &Measure) -> Outcome {
+    let features = found.features.unwrap_or(FeaturePair::vertices(Operand::A, 0, 0));
     Outcome {
         class: found.class,
         distance: found.distance,
@@ -144,6 +120,14 @@ fn of_triangles(found: &MeshOutcome) -> Outcome {
         point_on_b: found.point_on_b,
         normal: found.normal,
         ..Outcome::starting_at(features)
+    }
+}
+
+/// Returns the measure of an outcome, which proves a distance.
+fn measure_of(found: &Outcome) -> Measure {
+    Measure {
+        by_plane: false,
+        ..Measure::new(found, Tangent::Free)
     }
 }
 
@@ -185,7 +169,7 @@ impl PairTracker for MixedTracker {
                 };
                 let found = tracker.closest(x, y, pose);
                 tracked.pieces = found.pieces;
-                return without_depth(of_pieces(&found));
+                return without_depth(outcome_of(&Measure::from(&found)));
             }
             Self::Triangles(tracked) => {
                 let Some((tracker, [x, y])) = tracked.sides(a, b) else {
@@ -193,7 +177,7 @@ impl PairTracker for MixedTracker {
                 };
                 let found = tracker.closest(x, y, pose);
                 tracked.pieces = [found.on_a.triangle, found.on_b.triangle];
-                return without_depth(of_triangles(&found));
+                return without_depth(outcome_of(&Measure::from(&found)));
             }
         };
         match until {
@@ -216,6 +200,38 @@ impl PairTracker for MixedTracker {
             },
             Self::Pieces(tracked) => tracked.sides(a, b).is_none_or(|(t, [x, y])| t.within(x, y, pose, d)),
             Self::Triangles(tracked) => tracked.sides(a, b).is_none_or(|(t, [x, y])| t.within(x, y, pose, d)),
+        }
+    }
+
+    fn over_time<R>(
+        &mut self,
+        (a, b): Self::Shapes<'_>,
+        seen: Option<&Outcome>,
+        ask: impl FnOnce(&mut dyn Separation, Option<Measure>) -> R,
+    ) -> Option<R> {
+        let seen = seen.map(measure_of);
+        match self {
+            Self::Convex(tracker) => {
+                let (x, y) = (a.as_convex()?, b.as_convex()?);
+                let mut pair = separation::ShapePair::with_tracker(&x, &y, core::mem::take(&mut **tracker));
+                let answer = ask(&mut pair, seen);
+                **tracker = pair.into_tracker();
+                Some(answer)
+            }
+            Self::Pieces(tracked) => {
+                let (tracker, [x, y]) = tracked.sides(a, b)?;
+                let mut pair = CompositePair::with_tracker(x, y, core::mem::take(tracker));
+                let answer = ask(&mut pair, seen);
+                *tracker = pair.into_tracker();
+                Some(answer)
+            }
+            Self::Triangles(tracked) => {
+                let (tracker, [x, y]) = tracked.sides(a, b)?;
+                let mut pair = MeshPair::with_tracker(x, y, core::mem::take(tracker));
+                let answer = ask(&mut pair, seen);
+                *tracker = pair.into_tracker();
+                Some(answer)
+            }
         }
     }
 

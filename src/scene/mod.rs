@@ -119,30 +119,18 @@
 //! origin of [`Settings`]: scenes far from this origin pair more bodies than they need. Groups are
 //! 32.
 //!
-//! # Shapes
+//! # Motion
 //!
-//! A body is a convex polyhedron, a rounded or curved [`Shape`](crate::Shape), a
-//! [`Composite`](crate::Composite) or a [`Mesh`](crate::Mesh) ([`BodyShape`]). Each pair is
-//! followed by the tracker of its kinds:
-//!
-//! | pair | tracker | effects that are refused |
-//! |---|---|---|
-//! | two polyhedra | [`Tracker`](crate::Tracker) | none |
-//! | two convex shapes | [`ShapeTracker`](crate::ShapeTracker) | `manifold` |
-//! | a composite and a composite or polyhedron | [`CompositeTracker`](crate::CompositeTracker) | `depth`, `manifold` |
-//! | a mesh and a mesh, composite or polyhedron with faces | [`MeshTracker`](crate::MeshTracker) | `depth`, `manifold` |
-//! | a composite or mesh and a rounded or curved shape; a mesh and a point or segment | none | all but `boxes` |
-//!
-//! A call that would make a pair of bodies with an effect that the pair cannot answer is refused
-//! ([`SceneError::Unanswered`]), be it [`Scene::insert`], [`Scene::set_group`] or
-//! [`Scene::call_for`]. Against a composite a polyhedron is a composite of one piece, against a
-//! mesh the mesh of its surface: the pair makes that once, when the boxes meet.
+//! Bodies with velocities go on by [`advance`](Scene::advance), one tick between two steps. Pairs
+//! then sleep until the proof of their separation ends, and with the effect `impact` a step finds
+//! the [`impacts`](Scene::impacts) within the tick in the order of time.
 //!
 //! Source: Cohen, Lin, Manocha and Ponamgi 1995 (I-COLLIDE) join sweep and prune with one tracker a
 //! pair; Lin 1993 (section 5.4) asks that a simulation pay only for the effects called for.
 //! Departures: pairs are kept in one table per level of detail; the wake-up is bounded by
 //! displacement instead of by time.
 
+mod ahead;
 mod answer;
 mod ball;
 mod body;
@@ -155,6 +143,7 @@ mod events;
 mod filter;
 mod kinds;
 mod mixed_tracker;
+mod moving;
 mod narrow_phase;
 mod pair_table;
 mod pair_tracker;
@@ -183,7 +172,7 @@ pub use body_shape::BodyShape;
 pub use effects::{Effects, Group};
 use effects::{GROUPS, Table};
 pub use error::SceneError;
-pub use events::{Change, Event};
+pub use events::{Change, Event, PairImpact};
 use filter::Ignored;
 use kinds::Census;
 pub use kinds::ShapeKind;
@@ -204,6 +193,7 @@ pub struct Scene {
     pair_tables: PairTables,
     ignored: Ignored,
     events: Vec<Event>,
+    impacts: Vec<PairImpact>,
     report: Report,
     /// Groups whose effects changed since the last step, as bits.
     replanned: u32,
@@ -214,6 +204,7 @@ pub struct Scene {
     growths: [f64; GROUPS],
     partners: [u32; GROUPS],
     budget: bool,
+    schedule: bool,
     settings: Settings,
     /// Scratch buffer, kept for its capacity.
     batch: Vec<(broad::BodyId, broad::Aabb)>,
@@ -261,12 +252,14 @@ impl Scene {
             pair_tables: PairTables::default(),
             ignored: Ignored::default(),
             events: Vec::new(),
+            impacts: Vec::new(),
             report: Report::default(),
             replanned: 0,
             changed: false,
             growths: [0.0; GROUPS],
             partners: [0; GROUPS],
             budget: true,
+            schedule: true,
             settings,
             batch: Vec::new(),
         }
@@ -293,8 +286,9 @@ impl Scene {
     /// effect at all is left.
     ///
     /// # Errors
-    /// If a distance is NaN, negative or beyond 1e37 (only `distance` may be infinite), an option of
-    /// the manifold is NaN, or bodies of the two groups are of kinds that cannot answer an effect.
+    /// If a distance is NaN, negative or beyond 1e37 (only `distance` may be infinite), an option
+    /// of the manifold is NaN, or bodies of the two groups are of kinds that cannot answer an
+    /// effect.
     pub fn call_for(&mut self, these: Group, those: Group, effects: Effects) -> Result<(), SceneError> {
         if self.table.effects(these, those) == effects {
             return Ok(());
@@ -320,9 +314,9 @@ impl Scene {
     /// Puts a body into the scene.
     ///
     /// # Errors
-    /// If the pose is not a rigid motion or too far out, the shape too large or of a kind that cannot
-    /// answer an effect called for, the origin of the scene's settings not finite, or there are too
-    /// many bodies.
+    /// If the pose is not a rigid motion or too far out, the shape too large or of a kind that
+    /// cannot answer an effect called for, the origin of the scene's settings not finite, or there
+    /// are too many bodies.
     pub fn insert(&mut self, body: Body, pose: Isometry3<f64>) -> Result<BodyId, SceneError> {
         checked(&pose, None)?;
         let mut solid = Solid::new(body)?;
@@ -485,7 +479,8 @@ impl Scene {
             broad: self.broad.bytes(),
             pairs: self.pair_tables.bytes(),
             scratch: self.batch.capacity() * size_of::<(broad::BodyId, broad::Aabb)>()
-                + self.events.capacity() * size_of::<Event>(),
+                + self.events.capacity() * size_of::<Event>()
+                + self.impacts.capacity() * size_of::<PairImpact>(),
         }
     }
 }

@@ -9,8 +9,8 @@
 //! ```
 //!
 //! The three lists of a table are parallel: a pair has one row number in all three. Lists have no
-//! gaps: the last pair moves to a row that becomes free. Pairs of two polyhedra have tables of their
-//! own, so that the trackers of other kinds cost these pairs nothing.
+//! gaps: the last pair moves to a row that becomes free. Pairs of two polyhedra have tables of
+//! their own, so that the trackers of other kinds cost these pairs nothing.
 
 use alloc::vec::Vec;
 
@@ -34,7 +34,8 @@ pub(super) struct PairHeader {
     pub(super) pair: PairId,
     pub(super) class: GroupPair,
     pub(super) state: PairFlags,
-    /// Sum of the odometers from which on the pair is tested again.
+    /// Sum of the odometers from which on the pair is tested again; for a pair that sleeps, the
+    /// number of the tick.
     pub(super) wake: f64,
 }
 
@@ -48,6 +49,8 @@ pub(super) struct PairFlags {
     pub(super) within: bool,
     /// Whether the distance is within the range called for, so that the table holds an answer.
     pub(super) measured: bool,
+    /// Whether the pair is proven apart until a tick.
+    pub(super) sleeps: bool,
 }
 
 /// Pairs that store one kind of answer.

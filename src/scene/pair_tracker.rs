@@ -10,6 +10,7 @@ use crate::contact::{Manifold, ManifoldOptions, Query};
 use crate::pair::outcome::{Outcome, Until};
 use crate::polyhedron::{ConvexPolyhedron, FeaturePair};
 use crate::pose::{Operand, RelativePose};
+use crate::separation::{Measure, PolyhedronPair, Separation};
 use crate::tracker::Tracker;
 
 /// State of a pair between queries. Implemented by two types, so that pairs of polyhedra pay
@@ -27,6 +28,15 @@ pub(super) trait PairTracker: Clone + Send + Sync {
 
     /// Returns whether the shapes are at most `d` apart, from the outcome of the last measurement.
     fn decides_within(&mut self, shapes: Self::Shapes<'_>, pose: &RelativePose, outcome: &Outcome, d: f64) -> bool;
+
+    /// Asks the pair in the form that can be measured over time, with the last outcome as a
+    /// measure.
+    fn over_time<R>(
+        &mut self,
+        shapes: Self::Shapes<'_>,
+        seen: Option<&Outcome>,
+        ask: impl FnOnce(&mut dyn Separation, Option<Measure>) -> R,
+    ) -> Option<R>;
 
     /// Updates the contact points of a pair within the prediction.
     fn update_manifold(
@@ -67,6 +77,19 @@ impl PairTracker for Tracker {
     #[inline]
     fn decides_within(&mut self, (a, b): Self::Shapes<'_>, pose: &RelativePose, outcome: &Outcome, d: f64) -> bool {
         Self::decides_within(self, a, b, pose, outcome, d)
+    }
+
+    fn over_time<R>(
+        &mut self,
+        (a, b): Self::Shapes<'_>,
+        seen: Option<&Outcome>,
+        ask: impl FnOnce(&mut dyn Separation, Option<Measure>) -> R,
+    ) -> Option<R> {
+        let mut pair = PolyhedronPair::with_tracker(a, b, core::mem::take(self));
+        let seen = seen.map(|outcome| pair.seen(outcome));
+        let answer = ask(&mut pair, seen);
+        *self = pair.into_tracker();
+        Some(answer)
     }
 
     /// If the bodies have hardly moved since the manifold was made, the points are measured again,

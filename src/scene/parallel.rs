@@ -58,5 +58,6 @@ pub(super) fn test_table<T: PairTracker, A: StoredAnswer>(
     for mut part in parts.collect::<Vec<_>>() {
         tally.counts += part.counts;
         tally.changes.append(&mut part.changes);
+        tally.impacts.append(&mut part.impacts);
     }
 }

@@ -34,9 +34,18 @@ pub struct Counts {
     pub resting: u64,
     /// Called pairs answered by the displacement budget.
     pub skipped: u64,
+    /// Called pairs asleep: proven apart until a later tick.
+    pub slept: u64,
     /// Called pairs answered by two balls.
     pub balls: u64,
-    /// Called pairs whose tracker was queried: calls of the narrow phase.
+    /// Looks ahead: bounds of the time for which a pair stays apart.
+    pub ahead: u64,
+    /// Casts of pairs over a tick.
+    pub casts: u64,
+    /// Impacts found.
+    pub impacts: u64,
+    /// Queries of trackers: calls of the narrow phase, those of casts and their predicates
+    /// included.
     pub queries: u64,
     /// Queries by the solver that answered, in the order of [`Solver`].
     pub(crate) answered: [u64; Solver::COUNT],
@@ -98,7 +107,11 @@ impl AddAssign for Counts {
         self.called = self.called.saturating_add(o.called);
         self.resting = self.resting.saturating_add(o.resting);
         self.skipped = self.skipped.saturating_add(o.skipped);
+        self.slept = self.slept.saturating_add(o.slept);
         self.balls = self.balls.saturating_add(o.balls);
+        self.ahead = self.ahead.saturating_add(o.ahead);
+        self.casts = self.casts.saturating_add(o.casts);
+        self.impacts = self.impacts.saturating_add(o.impacts);
         self.queries = self.queries.saturating_add(o.queries);
         self.separated = self.separated.saturating_add(o.separated);
         self.walked = self.walked.saturating_add(o.walked);
@@ -192,23 +205,26 @@ impl fmt::Display for Report {
         )?;
         writeln!(
             f,
-            "look    {:>9.1} us  {} called: {} resting, {} skipped by budget, {} apart by balls, {} asked",
+            "look    {:>9.1} us  {} called: {} resting, {} skipped by budget, {} asleep, {} apart by balls, {} asked",
             us(t.look),
             c.called,
             c.resting,
             c.skipped,
+            c.slept,
             c.balls,
             c.queries
         )?;
         writeln!(
             f,
-            "                      {} overlaps, {} withins, {} distances, {} features, {} depths, {} manifolds; {} steps, {} certificates; {}",
+            "                      {} overlaps, {} withins, {} distances, {} features, {} depths, {} manifolds, {} casts, {} impacts; {} steps, {} certificates; {}",
             c.overlaps,
             c.withins,
             c.distances,
             c.features,
             c.depths,
             c.manifolds,
+            c.casts,
+            c.impacts,
             c.walked,
             c.certificates,
             AnsweredBy(&c.answered)

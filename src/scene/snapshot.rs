@@ -16,12 +16,13 @@ use super::effects::{Effects, GROUPS, Group, Table};
 use super::filter::Ignored;
 use super::kinds::Census;
 use super::mixed_tracker::{MixedTracker, StoredTracker};
+use super::moving::{Moving, Sweep, Ticks};
 use super::pair_table::{DetailTables, PairHeader, PairTable, PairTables};
 use super::pair_tracker::PairTracker;
 use super::report::Report;
 use super::step::{bodies_of, group};
 use super::stored_answer::{StoredAnswer, StoredContact};
-use super::{Event, Scene, Settings};
+use super::{Event, PairImpact, Scene, Settings};
 use crate::broad::{self, BroadPhase, PencilSweep};
 use crate::motion::Velocity;
 use crate::pair::outcome::{Distance, Outcome};
@@ -73,7 +74,10 @@ struct Snapshot {
     leaving: Vec<u32>,
     #[serde(rename = "owners")]
     body_of_proxy: Vec<u32>,
-    velocities: Vec<Velocity>,
+    moving: Vec<Moving>,
+    sweeps: Vec<(u32, Sweep)>,
+    wide: Vec<u32>,
+    ticks: Ticks,
     due: Vec<u32>,
     step: u32,
     effects: Vec<(Group, Group, Effects)>,
@@ -89,10 +93,12 @@ struct Snapshot {
     #[serde(rename = "told")]
     box_event_sent: Vec<u32>,
     events: Vec<Event>,
+    impacts: Vec<PairImpact>,
     report: Report,
     replanned: u32,
     changed: bool,
     budget: bool,
+    schedule: bool,
 }
 
 fn pair_rows<T: PairTracker, A: StoredAnswer, S>(
@@ -177,6 +183,10 @@ impl Snapshot {
             proxy: bodies.proxies[i],
         };
         let rows = (0..bodies.generations.len()).map(&mut row).collect();
+        let swept = bodies
+            .swept
+            .iter()
+            .filter_map(|&i| Some((i, bodies.sweeps[i as usize]?)));
         Self {
             settings: scene.settings,
             shapes,
@@ -184,7 +194,10 @@ impl Snapshot {
             free: bodies.free.clone(),
             leaving: bodies.leaving.clone(),
             body_of_proxy: bodies.body_of_proxy.clone(),
-            velocities: bodies.velocities.clone(),
+            moving: bodies.moving.clone(),
+            sweeps: swept.collect(),
+            wide: bodies.wide.clone(),
+            ticks: bodies.ticks,
             due: bodies.due.clone(),
             step: bodies.step,
             effects: scene.table.entries().collect(),
@@ -196,10 +209,12 @@ impl Snapshot {
             mixed: table_rows(&scene.pair_tables.mixed, MixedTracker::stored),
             box_event_sent: scene.pair_tables.slots_with_box_event().collect(),
             events: scene.events.clone(),
+            impacts: scene.impacts.clone(),
             report: scene.report,
             replanned: scene.replanned,
             changed: scene.changed,
             budget: scene.budget,
+            schedule: scene.schedule,
         }
     }
 
@@ -216,7 +231,8 @@ impl Snapshot {
         }
         let shapes = self.shapes;
         let lists = [self.free, self.leaving, self.body_of_proxy, self.due];
-        let bodies = restored_bodies(self.rows, &shapes, lists, self.velocities, self.step)?;
+        let motions = (self.moving, self.sweeps, self.wide, self.ticks);
+        let bodies = restored_bodies(self.rows, &shapes, lists, motions, self.step)?;
         let planned = |g: usize| self.replanned & 1 << g != 0;
         for g in (0..GROUPS).filter(|&g| !planned(g)) {
             let group = group(g);
@@ -255,12 +271,14 @@ impl Snapshot {
             pair_tables,
             ignored,
             events: self.events,
+            impacts: self.impacts,
             report: self.report,
             replanned: self.replanned,
             changed: self.changed,
             growths,
             partners: self.partners,
             budget: self.budget,
+            schedule: self.schedule,
             settings: self.settings,
             batch: Vec::new(),
         })
@@ -328,12 +346,15 @@ fn check_rows(pair_tables: &PairTables, bodies: &Bodies, broad: &PencilSweep) ->
     Ok(())
 }
 
+/// Motions of the bodies, sweeps of the step being prepared, bodies with wide boxes, and ticks.
+type Motions = (Vec<Moving>, Vec<(u32, Sweep)>, Vec<u32>, Ticks);
+
 /// Returns the tables of bodies, if every list names valid bodies.
 fn restored_bodies(
     rows: Vec<Row>,
     shapes: &[BodyShape],
     [free, leaving, body_of_proxy, due]: [Vec<u32>; 4],
-    velocities: Vec<Velocity>,
+    (moving, sweeps, wide, ticks): Motions,
     step: u32,
 ) -> Result<Bodies, String> {
     let n = rows.len();
@@ -351,18 +372,31 @@ fn restored_bodies(
     if rows.iter().any(|r| r.generation == u32::MAX) || free.iter().any(|i| generation(i) >= RETIRED) {
         return Err("an index of the scene has no generation left".into());
     }
-    if !body_of_proxy.iter().all(known) || !due.iter().all(here) || !(velocities.is_empty() || velocities.len() == n) {
+    let swept: Vec<u32> = sweeps.iter().map(|(i, _)| *i).collect();
+    let are_here = due.iter().chain(&wide).chain(&swept).all(here);
+    if !body_of_proxy.iter().all(known) || !are_here || !(moving.is_empty() || moving.len() == n) {
         return Err("a list of the scene names a body that is not there".into());
     }
     let finite = |v: &Velocity| v.linear.iter().chain(v.angular.iter()).all(|x| x.is_finite());
-    if !velocities.iter().all(finite) {
+    if !moving.iter().all(|m| finite(&m.velocity)) || !ticks.length.is_finite() {
         return Err("a velocity of the scene is not finite".into());
+    }
+    let mut table = alloc::vec![None; if sweeps.is_empty() { 0 } else { n }];
+    for (i, sweep) in sweeps {
+        checked(&sweep.from, None).map_err(|e| alloc::format!("{e}"))?;
+        if !finite(&sweep.velocity) || table[i as usize].replace(sweep).is_some() {
+            return Err("a sweep of the scene is not finite, or is there twice".into());
+        }
     }
     let mut bodies = Bodies {
         free,
         leaving,
         body_of_proxy,
-        velocities,
+        moving,
+        sweeps: table,
+        swept,
+        wide,
+        ticks,
         due,
         step,
         ..Bodies::default()

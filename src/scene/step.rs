@@ -3,9 +3,9 @@
 use alloc::vec::Vec;
 
 use super::Scene;
-use super::body::{Bodies, box_of};
+use super::body::{Bodies, box_of, swept_box};
 use super::effects::{Detail, GROUPS, Group, Table, group_pair_of};
-use super::events::{Change, Event, PairChange};
+use super::events::{Change, Event, PairChange, PairImpact};
 use super::narrow_phase::{Context, Tally, test_table};
 use super::pair_table::{DetailTables, PairFlags, PairHeader, PairState, PairTables};
 use super::pair_tracker::{AnyTracker, PairTracker};
@@ -20,16 +20,18 @@ impl Scene {
         let last = core::mem::take(&mut self.report).counts.queries;
         self.report.counts.steps = 1;
         self.events.clear();
+        self.impacts.clear();
         if self.is_due() {
+            self.bodies.narrow();
             let mut clock = Clock::start();
             let recreated = self.replan();
             self.make_boxes();
             self.report.times.boxes = clock.lap();
-            let mut changes = self.find_pairs(recreated);
+            let changes = self.find_pairs(recreated);
             self.report.times.pairs = clock.lap();
-            self.test_pairs(&mut changes, last);
+            let tally = self.test_pairs(changes, last);
             self.report.times.look = clock.lap();
-            self.write_events(&mut changes);
+            self.write_events(tally);
             self.report.times.events = clock.lap();
             self.bodies.end_step();
             (self.changed, self.replanned) = (false, 0);
@@ -100,6 +102,7 @@ impl Scene {
             bodies,
             partners: &self.partners,
             growths: &self.growths,
+            swept_groups: self.table.impact_groups(),
         };
         #[cfg(feature = "parallel")]
         if bodies.due.len() >= self.settings.parallel_from.max(1) {
@@ -183,15 +186,17 @@ impl Scene {
 
     /// The narrow phase: budget, balls, tracker. `last` is the number of queries of the last step:
     /// how many this step will need, if bodies move on as before.
-    fn test_pairs(&mut self, changes: &mut Vec<PairChange>, last: u64) {
+    fn test_pairs(&mut self, changes: Vec<PairChange>, last: u64) -> Tally {
         let context = Context {
             bodies: &self.bodies,
             table: &self.table,
             budget: self.budget,
+            schedule: self.schedule,
         };
         let mut tally = Tally {
             counts: self.report.counts,
-            changes: core::mem::take(changes),
+            changes,
+            impacts: Vec::new(),
         };
         #[cfg(feature = "parallel")]
         let is_parallel = is_shared(last.max(self.report.counts.began), self.settings.parallel_from);
@@ -199,20 +204,25 @@ impl Scene {
         let (is_parallel, _) = (false, last);
         test_tables(&mut self.pair_tables.polyhedra, &context, &mut tally, is_parallel);
         test_tables(&mut self.pair_tables.mixed, &context, &mut tally, is_parallel);
-        (self.report.counts, *changes) = (tally.counts, tally.changes);
+        self.report.counts = tally.counts;
+        tally
     }
 
-    /// Sorts the changes and writes them as events with ids.
-    fn write_events(&mut self, changes: &mut [PairChange]) {
-        changes.sort_unstable_by_key(|h| (h.pair, h.change));
+    /// Sorts changes and impacts, and writes them with ids.
+    fn write_events(&mut self, mut tally: Tally) {
+        tally.changes.sort_unstable_by_key(|h| (h.pair, h.change));
         let bodies = &self.bodies;
-        self.events.extend(changes.iter().map(|h| Event {
+        self.events.extend(tally.changes.iter().map(|h| Event {
             a: bodies.id(h.pair.0),
             b: bodies.id(h.pair.1),
             pair: h.id,
             change: h.change,
         }));
+        self.impacts.append(&mut tally.impacts);
+        let order = |x: &PairImpact, y: &PairImpact| x.safe().total_cmp(&y.safe()).then((x.a, x.b).cmp(&(y.a, y.b)));
+        self.impacts.sort_unstable_by(order);
         self.report.counts.events = self.events.len() as u64;
+        self.report.counts.impacts = self.impacts.len() as u64;
     }
 }
 
@@ -317,6 +327,8 @@ pub(super) struct Boxes<'a> {
     /// By group: the groups to pair with as bits, and the growth of the boxes.
     partners: &'a [u32; GROUPS],
     growths: &'a [f64; GROUPS],
+    /// Groups whose boxes hold sweeps, as bits.
+    swept_groups: u32,
 }
 
 impl Boxes<'_> {
@@ -333,7 +345,11 @@ impl Boxes<'_> {
             let group = solid.group.index();
             if self.partners[group] != 0 {
                 let hint = &mut hints[(index - first) as usize];
-                let aabb = box_of(&solid.shape, &self.bodies.poses[i], self.growths[group], hint);
+                let growth = self.growths[group];
+                let sweep = self.bodies.sweeps.get(i).and_then(Option::as_ref);
+                let sweep = sweep.filter(|_| self.swept_groups & 1 << group != 0);
+                let swept = sweep.and_then(|sweep| swept_box(self.bodies, i, sweep, growth, hint));
+                let aabb = swept.unwrap_or_else(|| box_of(&solid.shape, &self.bodies.poses[i], growth, hint));
                 batch.push((self.bodies.proxies[i], aabb));
             }
         }

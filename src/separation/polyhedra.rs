@@ -5,7 +5,7 @@ use nalgebra::{Point3, Vector3};
 use super::{Measure, Separation, Support, Tangent};
 use crate::minimum::overlap_proof::OverlapProof;
 use crate::num::scalar::sqrt;
-use crate::pair::outcome::Until;
+use crate::pair::outcome::{Outcome, Until};
 use crate::polyhedron::support::Extreme;
 use crate::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, Feature};
 use crate::pose::{Operand, RelativePose};
@@ -193,6 +193,18 @@ impl<'a> PolyhedronPair<'a> {
         self.tracker
     }
 
+    /// Returns an outcome of the tracker as a measure, and takes note of the features.
+    #[inline]
+    pub(crate) fn seen(&mut self, outcome: &Outcome) -> Measure {
+        let (on_a, on_b) = outcome.features.vertices_of(self.a.shape, self.b.shape);
+        self.a.note(outcome.features.a, on_a);
+        self.b.note(outcome.features.b, on_b);
+        let mut seen = Measure::new(outcome, self.tangent(outcome.features.a, outcome.features.b));
+        // Of bodies that are stored in other units the normal was turned once more.
+        seen.by_plane &= self.a.shape.exponent == self.b.shape.exponent;
+        seen
+    }
+
     /// The tracker, for its counters.
     #[must_use]
     pub fn tracker(&self) -> &Tracker {
@@ -254,13 +266,7 @@ impl Separation for PolyhedronPair<'_> {
     #[inline]
     fn measure(&mut self, a_from_b: &RelativePose) -> Measure {
         let outcome = self.tracker.measure(self.a.shape, self.b.shape, a_from_b, Until::Class);
-        let (on_a, on_b) = outcome.features.vertices_of(self.a.shape, self.b.shape);
-        self.a.note(outcome.features.a, on_a);
-        self.b.note(outcome.features.b, on_b);
-        let mut seen = Measure::new(&outcome, self.tangent(outcome.features.a, outcome.features.b));
-        // Of bodies that are stored in other units the normal was turned once more.
-        seen.by_plane &= self.a.shape.exponent == self.b.shape.exponent;
-        seen
+        self.seen(&outcome)
     }
 
     /// By [`Tracker::intersects`] and [`Tracker::within`]: without the feature `exact`, ties count

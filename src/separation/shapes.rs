@@ -3,6 +3,7 @@
 use nalgebra::{Point3, Vector3};
 
 use super::{Measure, Separation, Support, Tangent};
+use crate::pair::outcome::Outcome;
 use crate::pose::{Operand, RelativePose};
 use crate::shape::Shape;
 use crate::shape_tracker::ShapeTracker;
@@ -78,6 +79,15 @@ impl<'a> ShapePair<'a> {
         self.tracker
     }
 
+    /// Returns an outcome of the tracker as a measure.
+    pub(crate) fn seen(outcome: &Outcome) -> Measure {
+        Measure {
+            // A radius moves the lower bound; the height along the normal is taken again.
+            by_plane: false,
+            ..Measure::new(outcome, Tangent::Free)
+        }
+    }
+
     fn of(&self, of: Operand) -> &BalledShape<'a> {
         if of == Operand::A { &self.a } else { &self.b }
     }
@@ -90,11 +100,7 @@ impl Separation for ShapePair<'_> {
     }
 
     fn measure(&mut self, a_from_b: &RelativePose) -> Measure {
-        let outcome = self.tracker.closest(self.a.shape, self.b.shape, a_from_b);
-        let mut seen = Measure::new(&outcome, Tangent::Free);
-        // A radius moves the lower bound; the height along the normal is taken again.
-        seen.by_plane = false;
-        seen
+        Self::seen(&self.tracker.closest(self.a.shape, self.b.shape, a_from_b))
     }
 
     /// Proven by the upper bound of the distance; exact for rounded polyhedra with the feature

@@ -1,6 +1,7 @@
 //! The state that a caller keeps per pair of shapes.
 
 mod contains;
+mod manifold;
 mod round;
 
 use crate::pair::outcome::{Distance, Outcome};

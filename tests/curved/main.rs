@@ -5,6 +5,7 @@
 //! an upper one.
 
 mod kinds;
+mod manifolds;
 mod suites;
 mod wide;
 

@@ -129,7 +129,7 @@ impl ConvexPolyhedron {
             #[cfg(feature = "exact")]
             lowest_bit: lowest_bit(given),
             lookup: CubeMap::new(&topology, &points, &fans),
-            has_bands: topology.has_large_faces() || !fans.is_empty(),
+            has_large_rings: topology.has_large_faces() || !fans.is_empty(),
             fans,
             scan: Scan::new(&points),
             vertex_mean,
