@@ -133,7 +133,9 @@ impl PairTracker for Tracker {
 pub(super) type ShapePair<'a> = (&'a BodyShape, &'a BodyShape);
 
 /// The tracker of a pair of any kinds.
+// The common variant is the large one: boxed, every query of polyhedra would wait for memory.
 #[derive(Clone, Debug)]
+#[allow(clippy::large_enum_variant)]
 pub(super) enum AnyTracker {
     Polyhedra(Tracker),
     Mixed(MixedTracker),

@@ -78,6 +78,7 @@ impl Play {
                 .rng
                 .chance(0.2)
                 .then(|| ManifoldOptions::within(distance(&mut self.rng))),
+            impact: None,
         }
     }
 
