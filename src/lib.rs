@@ -280,7 +280,7 @@
 //! ```
 #![no_std]
 extern crate alloc;
-#[cfg(feature = "std")]
+#[cfg(any(test, feature = "std"))]
 extern crate std;
 
 pub mod broad;
@@ -298,6 +298,10 @@ mod pair;
 pub mod polyhedron;
 mod pose;
 mod replay;
+#[cfg(test)]
+#[allow(dead_code, unreachable_pub)]
+#[path = "../lab/src/rng.rs"]
+mod rng;
 pub mod scene;
 pub mod schedule;
 pub mod separation;

@@ -125,10 +125,10 @@ mod tests {
     use super::*;
     use crate::num::sign::exact_dot;
     use crate::polyhedron::heights::Direction;
+    use crate::rng::Rng;
     use alloc::vec::Vec;
     use core::cell::Cell;
     use core::f64::consts::TAU;
-    use lab::rng::Rng;
     use nalgebra::{Point3, UnitQuaternion, Vector3};
 
     /// Prisms, turned or not (rounding breaks the lids of a turned prism into thousands of faces),

@@ -189,8 +189,8 @@ fn insert_all(blocks: &mut [Block], first: usize, began: &[Pair], count: usize) 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::rng::Rng;
     use alloc::collections::BTreeMap;
-    use lab::rng::Rng;
     use nalgebra::Point3;
 
     /// Uses pairs of few bodies, so that blocks are crowded and many of the pairs to end are not
