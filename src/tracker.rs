@@ -222,14 +222,6 @@ impl Tracker {
         self.memory.check()
     }
 
-    /// Returns the first broken invariant of the cached state: a tool of tests and fuzzing.
-    ///
-    /// # Errors
-    /// A text that names the broken invariant.
-    pub fn check(&self) -> Result<(), String> {
-        self.memory.check()
-    }
-
     /// Returns the counters since the tracker was made or reset.
     #[must_use]
     pub fn totals(&self) -> Totals {
