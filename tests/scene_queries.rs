@@ -52,7 +52,7 @@ fn brute(scene: &Scene, these: Group, those: Group) -> Option<(BodyId, BodyId, O
     for a in of(these) {
         for b in of(those) {
             let twice = these == those && b <= a;
-            if !twice && !(is_fixed(a) && is_fixed(b)) && !scene.is_ignored(a, b) {
+            if !(twice || is_fixed(a) && is_fixed(b) || scene.is_ignored(a, b)) {
                 let pose = RelativePose::new(scene.pose(a).unwrap(), scene.pose(b).unwrap()).unwrap();
                 let [x, y] = [a, b].map(|id| scene.shape(id).unwrap().as_polyhedron().unwrap());
                 pairs.push((a, b, Tracker::new().closest(x, y, &pose)));

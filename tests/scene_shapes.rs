@@ -17,10 +17,13 @@ const ALL: Group = Group::new(0).unwrap();
 const NONE: Effects = Effects::none();
 const D: f64 = 0.2;
 
+/// The convex pieces of a body, placed in the frame of the body.
+type Pieces = Vec<(Shape, Isometry3<f64>)>;
+
 /// A body as a list of placed convex shapes: what brute force looks at.
 struct Known {
     id: BodyId,
-    pieces: Vec<(Shape, Isometry3<f64>)>,
+    pieces: Pieces,
 }
 
 fn pose(rng: &mut Rng, reach: f64) -> Isometry3<f64> {
@@ -55,7 +58,7 @@ fn bracket() -> Composite {
 }
 
 /// A polyhedron, composite or mesh, with its convex pieces.
-fn solid(k: usize, rng: &mut Rng) -> (BodyShape, Vec<(Shape, Isometry3<f64>)>) {
+fn solid(k: usize, rng: &mut Rng) -> (BodyShape, Pieces) {
     let hull = solids::random_hull(12, Vector3::new(0.5, 0.4, rng.range(0.3, 0.6)), k as u64 + 5).unwrap();
     let whole = |hull: &ConvexPolyhedron| vec![(Shape::from(hull.clone()), Isometry3::identity())];
     let parts = |c: &Composite| {
@@ -170,7 +173,7 @@ fn check_frame(scene: &Scene, known: &[Known], replay: &Replay, effects: &Effect
 }
 
 /// Moves bodies about their home and compares every frame.
-fn play(effects: Effects, bodies: Vec<(BodyShape, Vec<(Shape, Isometry3<f64>)>)>, seed: u64) -> Mix {
+fn play(effects: Effects, bodies: Vec<(BodyShape, Pieces)>, seed: u64) -> Mix {
     let mut rng = Rng::new(seed);
     let mut scene = Scene::new();
     scene.call_for(ALL, ALL, effects).unwrap();

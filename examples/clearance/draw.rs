@@ -83,11 +83,10 @@ impl Picture<'_> {
             escaped(&self.caption)
         );
         self.draw(&mut svg);
-        let _ = writeln!(
-            svg,
-            "{}\n</svg>",
-            chart.replacen("<svg ", &format!("<svg y=\"{}\" ", SIZE[1]), 1)
-        );
+        // Inside another picture the chart keeps the size in its attributes: its style is for pages.
+        let chart = chart.replacen("height:auto", "", 1).replacen("max-width:100%;", "", 1);
+        let chart = chart.replacen("<svg ", &format!("<svg y=\"{}\" ", SIZE[1]), 1);
+        let _ = writeln!(svg, "{chart}\n</svg>");
         svg
     }
 
@@ -129,16 +128,17 @@ impl Picture<'_> {
             let path = rim.map(|p| view.place(&(pose * p)));
             let path: Vec<_> = path.map(|[x, y]| format!("{x:.1},{y:.1}")).collect();
             let tone = 62.0 + 22.0 * normal.dot(&light);
+            let edge = tone - 14.0;
             let _ = writeln!(
                 svg,
-                "<polygon points=\"{}\" fill=\"hsl({hue},50%,{tone:.0}%)\" stroke=\"hsl({hue},40%,35%)\" stroke-width=\"0.5\"/>",
+                "<polygon points=\"{}\" fill=\"hsl({hue},50%,{tone:.0}%)\" stroke=\"hsl({hue},45%,{edge:.0}%)\" stroke-width=\"0.6\"/>",
                 path.join(" ")
             );
         }
     }
 
-    /// Bodies from back to front. Of two bodies that are apart, the one on the viewer's side of a separating plane is in
-    /// front; overlapping bodies go by their centres.
+    /// Bodies from back to front. Of two bodies the one on the viewer's side is in front, by the normal of their distance or
+    /// depth. If bodies hide each other in a circle, the one whose centre is farthest away comes first.
     fn order(&self, view: &View) -> Vec<usize> {
         let depth = |k: usize| (self.poses[k] * self.parts[k].shape.centroid()).coords.dot(&view.near);
         let mut left: Vec<usize> = (0..self.parts.len()).collect();
@@ -148,12 +148,7 @@ impl Picture<'_> {
                 return false;
             };
             let found = Tracker::new().closest(&self.parts[i].shape, &self.parts[j].shape, &pose);
-            if found.lower > 0.0 {
-                let normal = self.poses[i] * found.normal.into_inner();
-                normal.dot(&view.near) > 0.0
-            } else {
-                depth(i) < depth(j)
-            }
+            (self.poses[i] * found.normal.into_inner()).dot(&view.near) > 0.0
         };
         let mut order = Vec::new();
         while !left.is_empty() {

@@ -37,7 +37,7 @@ frame of least clearance in three dimensions, and the clearance over time.
   --frames N     frames of the motion (default: 1200)
   --out FILE     where to draw (default: target/clearance.svg)
 
-Links that a joint connects, and pairs that share a point in the first frame, are ignored.";
+Links that one or two joints connect, and pairs that share a point in the first frame, are ignored.";
 
 struct Options {
     urdf: Option<PathBuf>,
@@ -119,13 +119,12 @@ impl Stage {
         Ok(stage)
     }
 
-    /// Ignores pieces of one link, of links that a joint connects, and all pairs that share a point in the first frame.
+    /// Ignores pieces of one link, of links that one or two joints connect, and all pairs that share a point in the first frame.
     fn ignore_what_touches(&mut self) -> Result<(), Trouble> {
-        let adjacent: Vec<_> = self.robot.adjacent().collect();
         for (k, p) in self.parts.iter().enumerate() {
             for q in &self.parts[..k] {
                 let (Some(i), Some(j)) = (p.link, q.link) else { continue };
-                if i == j || adjacent.contains(&(i, j)) || adjacent.contains(&(j, i)) {
+                if i == j || self.robot.are_close(i, j) {
                     self.scene.ignore_pair(p.id, q.id)?;
                 }
             }

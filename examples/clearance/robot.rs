@@ -106,9 +106,13 @@ impl Robot {
         moving.map(|j| j.limits).collect()
     }
 
-    /// Pairs of links that a joint connects.
-    pub(crate) fn adjacent(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
-        self.joints.iter().map(|j| (j.parent, j.child))
+    /// Whether one or two joints connect two links.
+    pub(crate) fn are_close(&self, a: usize, b: usize) -> bool {
+        let connected = |x: usize, y: usize| {
+            let mut joints = self.joints.iter().map(|j| (j.parent, j.child));
+            joints.any(|pair| pair == (x, y) || pair == (y, x))
+        };
+        connected(a, b) || (0..self.links.len()).any(|c| connected(a, c) && connected(c, b))
     }
 
     /// Poses of all links for the values of the joints that move, in the order of [`limits`](Self::limits).

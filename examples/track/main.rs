@@ -195,6 +195,7 @@ fn draw(options: &Options, run: &Run) -> Result<(), Trouble> {
     let steps = Chart::new("steps of the walk, tracked")
         .axes("frame", "steps")
         .from_zero()
+        .counts()
         .size(860, 280)
         .line("steps", most);
     Ok(save_stack(&[&distance, &steps], &options.out)?)

@@ -291,7 +291,7 @@ pub(crate) fn order_key(v: f32) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use lab::rng::Rng;
+    use crate::rng::Rng;
 
     #[test]
     fn rounding_is_outward_tight_and_exact_on_f32() {

@@ -33,14 +33,19 @@ use crate::tolerance::BOX_TURNED;
 ///     piece.pose = Isometry3::translation(x, y, 0.0);
 ///     piece
 /// };
-/// let gate = Composite::new(vec![placed(0.0, 1.5), placed(0.0, -1.5), placed(5.0, 0.0)])?;
+/// let pieces = vec![placed(0.0, 1.5), placed(0.0, -1.5), placed(5.0, 0.0)];
+/// let gate = Composite::new(pieces)?;
 /// let die = Composite::new(vec![Piece::new(solids::cuboid(half)?)])?;
 /// let still = Steady::new(&Isometry3::identity(), Velocity::default())?;
 /// let start = Isometry3::translation(-2.0, 0.0, 0.0);
-/// let flight = Steady::new(&start, Velocity::new(Vector3::x(), Vector3::zeros()))?;
+/// let velocity = Velocity::new(Vector3::x(), Vector3::zeros());
+/// let flight = Steady::new(&start, velocity)?;
 /// let mut pair = CompositePair::new(&gate, &die);
-/// let found = cast(&mut pair, &still, &flight, (0.0, 10.0), Tolerance::Distance(1e-9))?;
-/// let Impact::Hit { safe, hit, .. } = found.impact else { panic!("{:?}", found.impact) };
+/// let tolerance = Tolerance::Distance(1e-9);
+/// let found = cast(&mut pair, &still, &flight, (0.0, 10.0), tolerance)?;
+/// let Impact::Hit { safe, hit, .. } = found.impact else {
+///     panic!("{:?}", found.impact)
+/// };
 /// assert!(safe < 6.8 && 6.8 < hit && hit - safe < 1e-8);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```

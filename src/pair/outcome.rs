@@ -193,11 +193,13 @@ impl core::ops::AddAssign for Work {
 /// use lin_canny::nalgebra::{Isometry3, Vector3};
 /// use lin_canny::{RelativePose, Tracker, polyhedron::solids};
 ///
-/// let (a, b) = (solids::cuboid(Vector3::new(1.0, 1.0, 1.0))?, solids::octahedron(0.5)?);
+/// let a = solids::cuboid(Vector3::new(1.0, 1.0, 1.0))?;
+/// let b = solids::octahedron(0.5)?;
 /// let pose_a = Isometry3::rotation(Vector3::z());
 /// let pose_b = Isometry3::translation(3.0, 2.0, 1.0);
 /// let c = Tracker::new().closest(&a, &b, &RelativePose::new(&pose_a, &pose_b)?);
-/// let (on_a, on_b, normal) = (pose_a * c.point_on_a, pose_b * c.point_on_b, pose_a * c.normal);
+/// let (on_a, on_b) = (pose_a * c.point_on_a, pose_b * c.point_on_b);
+/// let normal = pose_a * c.normal;
 /// assert!((on_a + c.distance * *normal - on_b).norm() < 1e-14);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```

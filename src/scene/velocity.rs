@@ -102,8 +102,10 @@ impl Scene {
     /// scene.call_for(all, all, Effects { impact, ..Effects::none() })?;
     /// let pane = solids::cuboid(Vector3::new(0.001, 1.0, 1.0))?;
     /// scene.insert(Body::fixed(pane), Isometry3::translation(2.0, 0.0, 0.0))?;
-    /// let bullet = scene.insert(Body::moving(Shape::ball(0.01)?), Isometry3::identity())?;
-    /// scene.set_velocity(bullet, Velocity::new(Vector3::x() * 800.0, Vector3::zeros()))?;
+    /// let bullet = Body::moving(Shape::ball(0.01)?);
+    /// let bullet = scene.insert(bullet, Isometry3::identity())?;
+    /// let velocity = Velocity::new(Vector3::x() * 800.0, Vector3::zeros());
+    /// scene.set_velocity(bullet, velocity)?;
     /// scene.advance(1.0 / 60.0)?; // 13 m
     /// scene.step();
     /// let [hit] = scene.impacts() else { panic!("through the pane") };

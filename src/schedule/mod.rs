@@ -230,7 +230,7 @@ fn ordered(a: u32, b: u32) -> (u32, u32) {
 mod tests {
     extern crate std;
     use super::*;
-    use lab::rng::Rng;
+    use crate::rng::Rng;
     use std::collections::BTreeMap;
     use std::vec::Vec;
 

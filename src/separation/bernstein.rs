@@ -64,7 +64,7 @@ fn rest(c: &[f64; 4], x: f64) -> [f64; 4] {
 mod tests {
     extern crate std;
     use super::*;
-    use lab::rng::Rng;
+    use crate::rng::Rng;
 
     fn value(c: &[f64; 4], x: f64) -> f64 {
         rest(c, x)[0]

@@ -7,7 +7,7 @@ extern crate std;
 use alloc::{format, vec, vec::Vec};
 use std::cell::Cell;
 
-use lab::rng::Rng;
+use crate::rng::Rng;
 use nalgebra::{Isometry3, Unit, Vector3};
 
 use crate::num::packed::PackedVec3;
