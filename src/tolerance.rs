@@ -183,7 +183,7 @@ pub const STAY: f64 = 1.25;
 /// are tried on both sides: if the origin is nearer to the boundary than the shift, one of the two
 /// points lies outside, and the direction to the boundary from this point gives a height below the
 /// shift.
-pub const SHIFTS: [f64; 8] = [
+pub const ORIGIN_SHIFTS: [f64; 8] = [
     0.0,
     1.0 / (1u64 << 10) as f64,
     1.0 / (1u64 << 24) as f64,
@@ -195,7 +195,7 @@ pub const SHIFTS: [f64; 8] = [
 ];
 
 /// The direction of the shift: off the planes and axes of lattices, and of length at most 1 (0.98).
-pub const ASIDE: [f64; 3] = [0.613, -0.365, 0.677];
+pub const SHIFT_DIRECTION: [f64; 3] = [0.613, -0.365, 0.677];
 
 /// Heights along a direction `n` that are within this times `|n|_1 L` of each other may be equal:
 /// three roundings of each of two dot products and of the direction itself.

@@ -160,7 +160,7 @@ impl Tracker {
     /// are ignored.
     #[must_use]
     pub fn starting_from(features: FeaturePair, a: &ConvexPolyhedron, b: &ConvexPolyhedron) -> Self {
-        let features = features.is_of(a, b).then(|| features.to_stand_on(a, b));
+        let features = features.is_of(a, b).then(|| features.walkable(a, b));
         Self {
             last: features,
             next: features,
@@ -209,9 +209,9 @@ impl Tracker {
         a: &ConvexPolyhedron,
         b: &ConvexPolyhedron,
         a_from_b: &RelativePose,
-        level: Accuracy,
+        accuracy: Accuracy,
     ) -> Replay {
-        replay(a, b, a_from_b, (self.start(a, b), self.memory.clone()), level)
+        replay(a, b, a_from_b, (self.start(a, b), self.memory.clone()), accuracy)
     }
 
     /// Returns the first broken invariant of the cached state: a tool of tests and fuzzing.
@@ -385,7 +385,7 @@ fn replay(
     b: &ConvexPolyhedron,
     pose: &RelativePose,
     (start, surface): (Option<FeaturePair>, Memory),
-    level: Accuracy,
+    accuracy: Accuracy,
 ) -> Replay {
     Replay {
         a: a.clone(),
@@ -393,7 +393,7 @@ fn replay(
         pose: *pose,
         start,
         surface,
-        level,
+        accuracy,
     }
 }
 
@@ -405,13 +405,13 @@ fn debug_check(
     b: &ConvexPolyhedron,
     pose: &RelativePose,
     before: &Option<(Option<FeaturePair>, Memory)>,
-    level: Accuracy,
+    accuracy: Accuracy,
     outcome: &Outcome,
 ) {
     if let Some(before) = before
         && let Some(fault) = crate::soundness::fault(a, b, pose, outcome)
     {
-        panic!("{fault}: {outcome:?}\n{}", replay(a, b, pose, before.clone(), level));
+        panic!("{fault}: {outcome:?}\n{}", replay(a, b, pose, before.clone(), accuracy));
     }
 }
 

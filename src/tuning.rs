@@ -133,7 +133,7 @@ pub(crate) mod depth {
     pub(crate) const REPEATS: u32 = 16;
 
     /// Number of perturbations worth a search in f64, the first of
-    /// [`SHIFTS`](crate::tolerance::SHIFTS): the perturbations well above the rounding of f64.
+    /// [`ORIGIN_SHIFTS`](crate::tolerance::ORIGIN_SHIFTS): the perturbations well above the rounding of f64.
     pub(crate) const SHIFTS_PLAIN: usize = 3;
 
     /// Exchanges of a vertex on the way to the facet over the axis, at most. Not measured.
@@ -252,4 +252,60 @@ pub(crate) mod composite {
     /// Segments tried for a winding number. A first zero is rare already, and the ends are in
     /// general position against anything made of round numbers.
     pub(crate) const SEGMENTS: usize = 24;
+}
+
+/// The broad phase.
+pub(crate) mod broad {
+    /// A move across columns longer than this part of the column width is a jump. Not measured.
+    pub(crate) const LEAP: f32 = 0.25;
+
+    /// All columns are swept if this many times the moved bodies exceed all bodies: the costs of a
+    /// sweep and of repairs meet near 9 % of the bodies.
+    pub(crate) const WORLD_SHARE: usize = 10;
+
+    /// A column is swept whole if this many times its changed entries exceed its entries. Not
+    /// measured.
+    pub(crate) const COLUMN_SHARE: usize = 6;
+
+    /// A column is swept whole if more bodies than this come into the column, leave the column or
+    /// jump: each shifts the entries behind. Not measured.
+    pub(crate) const MOST_PARTED: usize = 32;
+
+    /// A column is swept whole after all if the windows of its changed entries hold this many times
+    /// its entries. Not measured.
+    pub(crate) const MOST_SCANNED: u64 = 4;
+
+    /// Number of windows with hits to collect before the hits are tested. Not measured.
+    pub(crate) const PENDING: usize = 32;
+
+    /// Cost of an entry, of a window of eight tests, of a column that holds bodies and of an empty
+    /// column, in nanoseconds as fitted to sweeps of 10,000 boxes; only the ratios matter.
+    pub(crate) const ENTRY: f64 = 6.0;
+    pub(crate) const WINDOW: f64 = 4.5;
+    pub(crate) const COLUMN: f64 = 30.0;
+    pub(crate) const EMPTY_COLUMN: f64 = 0.75;
+
+    /// Number of bodies sampled to choose columns. Not measured.
+    pub(crate) const SAMPLE: usize = 512;
+
+    /// Largest average number of entries of a body; a grid that needs more is too fine. Not
+    /// measured.
+    pub(crate) const MOST_ENTRIES: usize = 6;
+
+    /// Longest wait between two checks of the column width, in steps. Not measured.
+    pub(crate) const PATIENCE: u32 = 1024;
+
+    /// A new column width must promise at most this part of the present cost. Not measured.
+    pub(crate) const GAIN: f64 = 0.85;
+
+    /// Number of consecutive indices that share a block of links, as a power of two: few enough
+    /// that a block fits in the nearest cache. Not measured.
+    pub(crate) const SHIFT: u32 = 6;
+
+    /// Number of items prefetched at once. Not measured.
+    pub(crate) const AHEAD: usize = 32;
+
+    /// Tables of up to this many items stay in near caches from step to step and need no
+    /// prefetching. Not measured.
+    pub(crate) const NEAR: usize = 1 << 14;
 }

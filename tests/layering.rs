@@ -141,7 +141,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
     // The box of a posed polyhedron turns by the matrix of a pose.
     ("polyhedron", &["polyhedron", "pose", "num", "tolerance", "tuning"]),
     // Boxes and ids only.
-    ("broad", &["broad", "tolerance"]),
+    ("broad", &["broad", "tolerance", "tuning"]),
     // Two posed shapes, the outcome and the certificate: no solver.
     ("pair", &["pair", "polyhedron", "pose", "num", "tolerance", "tuning"]),
     // The walk knows no solver.

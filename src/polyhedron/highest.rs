@@ -82,7 +82,7 @@ impl ConvexPolyhedron {
             [Some(g), Some(h)] => {
                 // Two level edges are adjacent in the fan, with a face between them.
                 let h = if next(g) == h { g } else { h };
-                Err(t.from(t.rim_start(t.half_edge(h).face)))
+                Err(t.from(t.rim_half_edge(t.half_edge(h).face)))
             }
             [Some(h), _] => Err(v.min(to(h))),
             _ => Err(v),

@@ -51,7 +51,7 @@ fn test_pair<const CERTIFY: bool>(posed: &PosedPair, draft: &mut Draft) -> Step 
         (Vertex(v), Edge(e)) => vertex_edge::test::<CERTIFY, _>(&AFirst(posed), v.0, e.0, draft),
         (Edge(e), Vertex(v)) => vertex_edge::test::<CERTIFY, _>(&BFirst(posed), v.0, e.0, draft),
         (Vertex(v), Vertex(w)) => vertex_vertex::test::<CERTIFY>(posed, v.0, w.0, draft),
-        // Not a state: no step leads here (see `to_stand_on`).
+        // Not a state: no step leads here (see `walkable`).
         (Edge(_), Face(_)) | (Face(_), Edge(_) | Face(_)) => Step::Lost,
     }
 }

@@ -171,7 +171,7 @@ impl ConvexPolyhedron {
     /// Returns an exact sign: positive if a point in stored coordinates is in front of a face, 0 in
     /// its plane.
     pub(crate) fn face_side(&self, face: u32, p: &Vector3<f64>) -> f64 {
-        let h = self.topology.rim_start(face);
+        let h = self.topology.rim_half_edge(face);
         let e = self.topology.half_edge(h);
         let corners = [self.topology.from(h), e.to, self.topology.half_edge(e.next).to];
         let [a, b, c] = corners.map(|v| &self.points[v as usize]);
