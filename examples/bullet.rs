@@ -161,6 +161,7 @@ fn run(options: &Options) -> Result<(), Trouble> {
         "speed", "hits", WAYS[0], WAYS[1], WAYS[2], WAYS[3]
     );
     let mut lines = vec![vec![]; WAYS.len()];
+    let mut totals = [[0; 2]; 4];
     let mut wrong = 0;
     for speed in SPEEDS {
         let (tally, bad) = judge(&bodies, &plate, speed, options.throws)?;
@@ -173,14 +174,20 @@ fn run(options: &Options) -> Result<(), Trouble> {
         for (line, share) in lines.iter_mut().zip(share) {
             line.push((speed, share));
         }
+        for (total, way) in totals.iter_mut().zip(tally) {
+            *total = [total[0] + way[0], total[1] + way[1]];
+        }
     }
     println!("\ninstants that contradict a proven miss: {wrong}");
     let mut chart = Chart::new("Spinning rods and discs at a plate of 2 mm, steps of 1/60 s")
         .axes("speed, metres a second", "hits missed, per cent")
         .log_x()
-        .from_zero();
-    for (name, line) in WAYS.into_iter().zip(lines) {
-        chart = chart.line(name, line);
+        .from_zero()
+        .size(860, 400)
+        .legend_beside();
+    for ((name, line), [missed, of]) in WAYS.into_iter().zip(lines).zip(totals) {
+        // Lines at zero cover each other: the numbers are in the legend.
+        chart = chart.line(format!("{name}: {missed} of {of}"), line);
     }
     if let Some(folder) = options.out.parent() {
         std::fs::create_dir_all(folder)?;

@@ -185,11 +185,97 @@ pub(crate) mod tracker {
     pub(crate) const ELLIPSOIDS: u32 = 2;
 }
 
+/// Looks ahead by a separating plane.
+pub(crate) mod separation {
+    /// Rounds in which the rest beyond the bound of a root is cut off and bounded again. The bound
+    /// converges quadratically, so few rounds reach rounding. Not measured.
+    pub(crate) const ROUNDS: u32 = 4;
+
+    /// Reach of the first try of a plane over the root expected: more room for the bound against a
+    /// wider remainder. Measured with [`TRIES`]: 1.2 planes a look.
+    pub(crate) const AHEAD: f64 = 1.25;
+
+    /// A plane that proved less than this part of the interval tried is tried again with twice the
+    /// part proven: a longer step for another plane. Measured with [`TRIES`].
+    pub(crate) const ENOUGH: f64 = 0.4;
+
+    /// Tries of a plane, at most. Measured: 1.4 on average.
+    pub(crate) const TRIES: u32 = 3;
+
+    /// Gap, over the sum of both radii, beyond which a plane that does not turn is tried as well:
+    /// wins up to 40 % of the steps measured for the time of a second plane.
+    pub(crate) const FAR: f64 = 0.05;
+
+    /// Faces with longer boundaries are not divided into triangles for the guess of an overlap: the
+    /// search takes linear time. Not measured.
+    pub(crate) const RIM: usize = 64;
+
+    /// The ball about the middle of the box replaces the ball about the origin if smaller by this
+    /// factor: tighter, for an arm in every bound. Not measured.
+    pub(crate) const SMALLER: f64 = 0.8;
+
+    /// Support heights of bodies of up to this many vertices come from a scan: no proof of a climb,
+    /// for linear time. Not measured.
+    pub(crate) const FEW: usize = 24;
+
+    /// A direction nearer than this to the normal of a face, as a 1-norm, takes the height of the
+    /// plane of the face and a bound of the difference: no climb along a face, for a height a
+    /// little too large. Not measured.
+    pub(crate) const FLUSH: f64 = 1.0 / (1u64 << 40) as f64;
+}
+
+/// Casts.
+pub(crate) mod impact {
+    /// Looks of a cast, at most. Measured: 21 at most up to a turn, thousands if gears turn a
+    /// hundred times a hair apart.
+    pub(crate) const LOOKS: u32 = 20_000;
+
+    /// Part of the tolerance at which looks aim as a gap, and the proof behind contact as a depth:
+    /// a larger part makes the bracket wider, a smaller part the queries slower. Measured: brackets
+    /// of 0.2 tolerances.
+    pub(crate) const AIM: f64 = 0.3;
+
+    /// Distance of the balls, over the sum of both radii, from which on a cast jumps by balls
+    /// without a query. Not measured.
+    pub(crate) const CLEAR: f64 = 0.1;
+
+    /// A tolerance is at least this times the rounding of a distance: below, proofs fail. Not
+    /// measured.
+    pub(crate) const LEAST: f64 = 8.0;
+
+    /// Factor of a tolerance whose overlap was not proven. Not measured.
+    pub(crate) const SHRINK: f64 = 1.0 / 16.0;
+
+    /// Doublings of the step behind contact if the tolerance cannot shrink. Not measured.
+    pub(crate) const DOUBLINGS: u32 = 6;
+}
+
+/// Schedules.
+pub(crate) mod schedule {
+    /// Entries of the heap above four a pair at which the heap is rebuilt without stale entries.
+    /// Not measured.
+    pub(crate) const SPARE: usize = 64;
+}
+
 /// Looks ahead in scenes.
 pub(crate) mod scene {
     /// Ticks that a look ahead may prove at most. Longer proofs save little: the rounding of as
     /// many ticks is part of each proof, and velocities seldom stay for longer. Not measured.
     pub(crate) const TICKS: u64 = 64;
+
+    /// Bodies of one task: enough to be worth a task. Not measured.
+    #[cfg(feature = "parallel")]
+    pub(crate) const RUN: usize = 1024;
+
+    /// Pairs of one task: fewer, as a query takes longer than a box. Not measured.
+    #[cfg(feature = "parallel")]
+    pub(crate) const PAIRS: usize = 128;
+
+    /// Work of a query over the work of a box in the broad phase: with the default settings,
+    /// threads are used from 625 queries a step on. A query takes 60 ns and more, a task some
+    /// microseconds.
+    #[cfg(feature = "parallel")]
+    pub(crate) const QUERY_IN_BOXES: u64 = 32;
 }
 
 /// Meshes and bodies of pieces.

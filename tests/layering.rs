@@ -267,6 +267,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
             "pose",
             "num",
             "tolerance",
+            "tuning",
         ],
     ),
     // Meshes and bodies of pieces: leaves are asked by trackers.
@@ -285,11 +286,11 @@ const MAY_USE: &[(&str, &[&str])] = &[
         ],
     ),
     // Ids, ticks and bounds only.
-    ("schedule", &["tolerance"]),
+    ("schedule", &["tolerance", "tuning"]),
     // Time of impact: motions and the seam, no shape.
     (
         "impact",
-        &["impact", "separation", "motion", "pair", "pose", "tolerance"],
+        &["impact", "separation", "motion", "pair", "pose", "tolerance", "tuning"],
     ),
     // Where all meets.
     (
@@ -450,18 +451,21 @@ fn small_numbers_are_recognised() {
 const COMMENT: usize = 100;
 
 /// Folders and files of `src` whose comments are wrapped. The list grows until it is every one.
-const WRAPPED: [&str; 17] = [
+const WRAPPED: [&str; 20] = [
     "broad",
     "contact",
     "cost",
     "depth",
     "exact",
+    "impact",
     "minimum",
     "motion",
     "num",
     "pair",
     "polyhedron",
     "scene",
+    "schedule",
+    "separation",
     "solve",
     "soundness",
     "tolerance",

@@ -64,6 +64,7 @@ mod pairs;
 mod parallel;
 mod pencil;
 mod prefetch;
+pub(crate) mod slots;
 #[cfg(feature = "serde")]
 mod snapshot;
 mod sorted_axes;

@@ -12,14 +12,12 @@ use super::effects::Group;
 use super::kinds::Member;
 use super::moving::{Moving, Sweep, Ticks};
 use super::{BodyId, SceneError};
+use crate::broad::slots::Slots;
 use crate::broad::{self, Aabb};
 use crate::motion::{Velocity, displacement};
 use crate::polyhedron::BoxHint;
 use crate::pose::{PoseError, RelativePose};
 use crate::tolerance::{ROUND_UP, SCENE_REACH};
-
-/// From this generation on an index is never reused.
-pub(super) const RETIRED: u32 = u32::MAX - 1;
 
 /// A body to insert: a shape, which may be shared by many bodies, a group, and whether the body is
 /// fixed.
@@ -132,10 +130,7 @@ impl Solid {
 /// than the step after the removal of its body.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Bodies {
-    pub(super) generations: Vec<u32>,
-    pub(super) free: Vec<u32>,
-    /// Bodies removed since the last step.
-    pub(super) leaving: Vec<u32>,
+    pub(super) slots: Slots,
     pub(super) solids: Vec<Option<Solid>>,
     pub(super) poses: Vec<Isometry3<f64>>,
     /// Bounding balls at the current poses.
@@ -163,21 +158,16 @@ pub(super) struct Bodies {
 
 impl Bodies {
     pub(super) fn len(&self) -> usize {
-        self.generations.len() - self.free.len() - self.leaving.len()
+        self.slots.len()
     }
 
     pub(super) fn index_of(&self, id: BodyId) -> Result<usize, SceneError> {
-        let i = id.index as usize;
-        if id.generation % 2 == 1 && self.generations.get(i) == Some(&id.generation) {
-            Ok(i)
-        } else {
-            Err(SceneError::StaleBody { body: id })
-        }
+        self.slots.index_of(id).ok_or(SceneError::StaleBody { body: id })
     }
 
     #[inline]
     pub(super) fn lives(&self, i: usize) -> bool {
-        self.generations[i] % 2 == 1
+        self.slots.lives(i as u32)
     }
 
     /// Returns the group of the body at an index, or of the last body there until the next step.
@@ -188,28 +178,20 @@ impl Bodies {
     /// Returns the id under which the body at an index lives, or last lived until the next step.
     #[inline]
     pub(super) fn id(&self, index: u32) -> BodyId {
-        let generation = self.generations[index as usize];
-        BodyId {
-            index,
-            generation: generation - u32::from(generation.is_multiple_of(2)),
-        }
+        self.slots.id(index)
     }
 
     pub(super) fn ids(&self) -> impl Iterator<Item = BodyId> + '_ {
-        let living = self.generations.iter().enumerate().filter(|(_, g)| **g % 2 == 1);
-        living.map(|(i, g)| BodyId {
-            index: i as u32,
-            generation: *g,
-        })
+        self.slots.ids()
     }
 
     /// Appends a body that already has a proxy in the broad phase.
     pub(super) fn insert(&mut self, solid: Solid, pose: Isometry3<f64>, proxy: broad::BodyId, hint: BoxHint) -> BodyId {
-        let index = self.free.pop().unwrap_or(self.generations.len() as u32);
+        // The broad phase has refused a body beyond the last index.
+        let index = self.slots.vacant(usize::MAX).unwrap_or(u32::MAX);
         let i = index as usize;
-        if i == self.generations.len() {
+        if i == self.poses.len() {
             self.make_room();
-            self.generations.push(0);
             self.solids.push(None);
             self.poses.push(pose);
             self.balls.push(solid.ball);
@@ -223,7 +205,7 @@ impl Bodies {
                 self.sweeps.push(None);
             }
         }
-        self.generations[i] += 1;
+        let id = self.slots.begin(index);
         self.poses[i] = pose;
         self.balls[i] = solid.ball.at(&pose);
         self.travels[i] = Travel::moved_in(self.step);
@@ -231,21 +213,19 @@ impl Bodies {
         self.stop(i);
         self.solids[i] = Some(solid);
         self.set_proxy(index, proxy);
-        self.id(index)
+        id
     }
 
     /// Appends a row as read from a file.
     #[cfg(feature = "serde")]
     pub(super) fn restore(
         &mut self,
-        generation: u32,
         solid: Option<Solid>,
         pose: Isometry3<f64>,
         travel: Travel,
         hint: BoxHint,
         proxy: broad::BodyId,
     ) {
-        self.generations.push(generation);
         self.balls.push(solid.as_ref().map_or(Ball::NONE, |s| s.ball.at(&pose)));
         self.solids.push(solid);
         self.poses.push(pose);
@@ -257,9 +237,8 @@ impl Bodies {
     /// Reserves memory for an eighth more bodies, instead of doubling: these tables are most of the
     /// memory of a scene.
     fn make_room(&mut self) {
-        let more = self.generations.len() / 8 + 16;
-        if self.generations.len() == self.generations.capacity() {
-            self.generations.reserve_exact(more);
+        let more = self.poses.len() / 8 + 16;
+        if self.poses.len() == self.poses.capacity() {
             self.solids.reserve_exact(more);
             self.poses.reserve_exact(more);
             self.balls.reserve_exact(more);
@@ -281,8 +260,7 @@ impl Bodies {
 
     /// Makes the id stale at once; the index is kept until the step is over.
     pub(super) fn remove(&mut self, index: usize) {
-        self.generations[index] += 1;
-        self.leaving.push(index as u32);
+        self.slots.remove(index as u32);
         self.stop(index);
     }
 
@@ -293,7 +271,7 @@ impl Bodies {
 
     /// Sets the velocity of a body.
     pub(super) fn set_velocity(&mut self, i: usize, velocity: Velocity) {
-        self.moving.resize(self.generations.len(), Moving::default());
+        self.moving.resize(self.poses.len(), Moving::default());
         if self.moving[i].velocity != velocity {
             self.moving[i].velocity = velocity;
             self.disturb(i);
@@ -378,13 +356,8 @@ impl Bodies {
 
     /// Ends the step: indices of removed bodies become free.
     pub(super) fn end_step(&mut self) {
-        for index in self.leaving.drain(..) {
-            self.solids[index as usize] = None;
-            // An index whose generations are used up is retired.
-            if self.generations[index as usize] < RETIRED {
-                self.free.push(index);
-            }
-        }
+        let solids = &mut self.solids;
+        self.slots.end_step(|index| solids[index] = None);
         self.due.clear();
         self.step = self.step.wrapping_add(1);
         self.ticks.end_step();
@@ -416,16 +389,9 @@ impl Bodies {
 
     /// Returns the bytes reserved, without the shapes, which may be shared.
     pub(super) fn bytes(&self) -> usize {
-        let words = [
-            &self.generations,
-            &self.free,
-            &self.leaving,
-            &self.body_of_proxy,
-            &self.due,
-            &self.swept,
-            &self.wide,
-        ];
+        let words = [&self.body_of_proxy, &self.due, &self.swept, &self.wide];
         words.iter().map(|list| list.capacity() * 4).sum::<usize>()
+            + self.slots.bytes()
             + self.solids.capacity() * size_of::<Option<Solid>>()
             + self.poses.capacity() * size_of::<Isometry3<f64>>()
             + self.balls.capacity() * size_of::<Ball>()

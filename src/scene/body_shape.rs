@@ -21,7 +21,7 @@ use crate::tolerance::BOX_TURNED;
 /// | pair | tracker | refused |
 /// |---|---|---|
 /// | polyhedra | [`Tracker`](crate::Tracker) | none |
-/// | convex shapes | [`ShapeTracker`](crate::ShapeTracker) | `manifold` |
+/// | convex shapes | [`ShapeTracker`](crate::ShapeTracker) | none |
 /// | composite with composite or polyhedron | [`CompositeTracker`] | `depth`, `manifold` |
 /// | mesh with mesh, composite or polyhedron | [`MeshTracker`] | `depth`, `manifold` |
 /// | composite or mesh with rounded or curved shape | none | all but `boxes` |

@@ -38,11 +38,6 @@ impl core::fmt::Display for ShapeKind {
 }
 
 impl ShapeKind {
-    /// Whether [`Tracker`](crate::Tracker) follows shapes of this kind.
-    fn is_polyhedron(self) -> bool {
-        matches!(self, Self::Polyhedron | Self::Wire)
-    }
-
     fn is_convex(self) -> bool {
         !matches!(self, Self::Composite | Self::Mesh)
     }
@@ -50,14 +45,11 @@ impl ShapeKind {
 
 /// Returns the name of an effect called for that two kinds cannot answer, if there is one.
 fn unanswered(effects: &Effects, a: ShapeKind, b: ShapeKind) -> Option<&'static str> {
-    if a.is_polyhedron() && b.is_polyhedron() {
+    if a.is_convex() && b.is_convex() {
         return None;
     }
     if effects.manifold.is_some() {
         return Some("manifold");
-    }
-    if a.is_convex() && b.is_convex() {
-        return None;
     }
     if effects.depth {
         return Some("depth");

@@ -235,16 +235,23 @@ impl PairTracker for MixedTracker {
         }
     }
 
-    /// Not called: manifolds of these pairs are refused.
+    /// Manifolds of composites and meshes are refused, so only convex shapes have any.
     fn update_manifold(
         &mut self,
-        _: Self::Shapes<'_>,
-        _: &RelativePose,
-        _: (&Outcome, &ManifoldOptions),
+        (a, b): Self::Shapes<'_>,
+        pose: &RelativePose,
+        (_, options): (&Outcome, &ManifoldOptions),
         stored: &mut Option<Box<Manifold>>,
-        _: &mut Counts,
+        counts: &mut Counts,
     ) {
-        *stored = None;
+        let (Self::Convex(tracker), Some(x), Some(y)) = (self, a.as_convex(), b.as_convex()) else {
+            return;
+        };
+        let queries = tracker.totals().queries;
+        tracker.manifold(&x, &y, pose, options, stored.get_or_insert_default());
+        counts.manifolds += 1;
+        // A manifold is rebuilt from a query.
+        counts.renewed += u64::from(tracker.totals().queries > queries);
     }
 
     fn pieces(&self) -> [u32; 2] {

@@ -109,8 +109,10 @@
 //!   not called for is counted as exactly zero, and takes no memory.
 //! * Equal calls give equal answers, events and counts bit for bit, with any number of threads
 //!   (feature `parallel`), and after a scene was written and read back (feature `serde`; only
-//!   [`Counts::swaps`], the work of sorted lists that are rebuilt then, may differ). The format
-//!   must keep every bit of an `f64`: with `serde_json` switch on the feature `float_roundtrip`.
+//!   [`Counts::swaps`], the work of sorted lists that are rebuilt then, may differ). Trackers of
+//!   composites and meshes are not written: distances of such a pair then agree within the bounds.
+//!   The format must keep every bit of an `f64`: with `serde_json` switch on the feature
+//!   `float_roundtrip`.
 //! * A refused call names the fault and changes nothing ([`SceneError`]).
 //!
 //! # Limits

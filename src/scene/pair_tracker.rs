@@ -132,10 +132,10 @@ impl PairTracker for Tracker {
 /// The shapes of A and B.
 pub(super) type ShapePair<'a> = (&'a BodyShape, &'a BodyShape);
 
-/// The tracker of a pair of any kinds.
-// The common variant is the large one: boxed, every query of polyhedra would wait for memory.
+/// The tracker of a pair of any kinds, on the way from one table to another: tables store the
+/// variants apart.
 #[derive(Clone, Debug)]
-#[allow(clippy::large_enum_variant)]
+#[allow(clippy::large_enum_variant, reason = "moved, never stored")]
 pub(super) enum AnyTracker {
     Polyhedra(Tracker),
     Mixed(MixedTracker),

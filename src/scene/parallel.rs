@@ -13,12 +13,7 @@ use super::step::Boxes;
 use super::stored_answer::StoredAnswer;
 use crate::broad::{self, Aabb};
 use crate::polyhedron::BoxHint;
-
-/// Bodies of one run: enough to be worth a task. Not measured.
-const RUN: usize = 1024;
-
-/// Pairs of one run: fewer, as a query takes longer than a box. Not measured.
-const PAIRS: usize = 128;
+use crate::tuning::scene::{PAIRS, RUN};
 
 /// Makes the boxes of all due bodies, which are in ascending order.
 pub(super) fn make_boxes(

@@ -9,7 +9,7 @@ use alloc::vec::Vec;
 use nalgebra::Isometry3;
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
 
-use super::body::{Bodies, Body, RETIRED, Solid, checked};
+use super::body::{Bodies, Body, Solid, checked};
 use super::body_shape::BodyShape;
 use super::budget::Travel;
 use super::effects::{Effects, GROUPS, Group, Table};
@@ -23,6 +23,7 @@ use super::report::Report;
 use super::step::{bodies_of, group};
 use super::stored_answer::{StoredAnswer, StoredContact};
 use super::{Event, PairImpact, Scene, Settings};
+use crate::broad::slots::Slots;
 use crate::broad::{self, BroadPhase, PencilSweep};
 use crate::motion::Velocity;
 use crate::pair::outcome::{Distance, Outcome};
@@ -168,8 +169,10 @@ impl Snapshot {
                 shapes.len() - 1
             })
         };
+        let generations = bodies.slots.generations();
+        let [free, leaving] = bodies.slots.vacancies().map(Vec::clone);
         let mut row = |i: usize| Row {
-            generation: bodies.generations[i],
+            generation: generations[i],
             solid: bodies.solids[i].as_ref().map(|s| SolidRow {
                 shape: number(&s.shape),
                 group: s.group,
@@ -182,7 +185,7 @@ impl Snapshot {
             hint: bodies.hints[i],
             proxy: bodies.proxies[i],
         };
-        let rows = (0..bodies.generations.len()).map(&mut row).collect();
+        let rows = (0..generations.len()).map(&mut row).collect();
         let swept = bodies
             .swept
             .iter()
@@ -191,8 +194,8 @@ impl Snapshot {
             settings: scene.settings,
             shapes,
             rows,
-            free: bodies.free.clone(),
-            leaving: bodies.leaving.clone(),
+            free,
+            leaving,
             body_of_proxy: bodies.body_of_proxy.clone(),
             moving: bodies.moving.clone(),
             sweeps: swept.collect(),
@@ -300,7 +303,7 @@ fn census_of(bodies: &Bodies, table: &Table) -> Result<Census, String> {
 
 /// Checks that every body has a proxy in the broad phase, and every proxy a body.
 fn check_proxies(bodies: &Bodies, broad: &PencilSweep) -> Result<(), String> {
-    let n = bodies.generations.len();
+    let n = bodies.slots.index_count();
     let is_kept = |i: usize| broad.contains(bodies.proxies[i]);
     let is_linked = |i: usize| bodies.body_of_proxy.get(bodies.proxies[i].index as usize) == Some(&(i as u32));
     if !(0..n).all(|i| !bodies.lives(i) || is_kept(i) && is_linked(i)) {
@@ -323,7 +326,7 @@ fn check_proxies(bodies: &Bodies, broad: &PencilSweep) -> Result<(), String> {
 
 /// Returns the list of ignored pairs, if every pair names two bodies.
 fn restored_filter(pairs: &[(u32, u32)], bodies: &Bodies) -> Result<Ignored, String> {
-    let lives = |i: u32| (i as usize) < bodies.generations.len() && bodies.lives(i as usize);
+    let lives = |i: u32| bodies.slots.lives(i);
     let mut ignored = Ignored::default();
     for &(a, b) in pairs {
         if !(a < b && lives(a) && lives(b) && ignored.set(a, b, true)) {
@@ -358,20 +361,11 @@ fn restored_bodies(
     step: u32,
 ) -> Result<Bodies, String> {
     let n = rows.len();
-    let living = rows.iter().filter(|r| r.generation % 2 == 1).count();
-    let mut gone: Vec<u32> = free.iter().chain(&leaving).copied().collect();
-    gone.sort_unstable();
-    let generation = |i: &u32| rows.get(*i as usize).map_or(u32::MAX, |r| r.generation);
-    let dead = |i: &u32| generation(i) % 2 == 0;
+    let generations = rows.iter().map(|row| row.generation).collect();
+    let slots = Slots::restored(generations, free, leaving);
+    let slots = slots.ok_or("the lists of removed bodies contradict the scene")?;
     let known = |i: &u32| *i == u32::MAX || (*i as usize) < n;
     let here = |i: &u32| (*i as usize) < n;
-    if !gone.is_sorted_by(|a, b| a < b) || !gone.iter().all(dead) || gone.len() + living != n {
-        return Err("a list of removed bodies contradicts the scene".into());
-    }
-    // An index is retired before the generations end, so that no id comes twice.
-    if rows.iter().any(|r| r.generation == u32::MAX) || free.iter().any(|i| generation(i) >= RETIRED) {
-        return Err("an index of the scene has no generation left".into());
-    }
     let swept: Vec<u32> = sweeps.iter().map(|(i, _)| *i).collect();
     let are_here = due.iter().chain(&wide).chain(&swept).all(here);
     if !body_of_proxy.iter().all(known) || !are_here || !(moving.is_empty() || moving.len() == n) {
@@ -389,8 +383,7 @@ fn restored_bodies(
         }
     }
     let mut bodies = Bodies {
-        free,
-        leaving,
+        slots,
         body_of_proxy,
         moving,
         sweeps: table,
@@ -418,7 +411,7 @@ fn restored_bodies(
         if !(row.travel.odometer >= 0.0) {
             return Err("an odometer of the scene is no number".into());
         }
-        bodies.restore(row.generation, solid, row.pose, row.travel, row.hint, row.proxy);
+        bodies.restore(solid, row.pose, row.travel, row.hint, row.proxy);
     }
     Ok(bodies)
 }

@@ -12,6 +12,8 @@ use super::pair_tracker::{AnyTracker, PairTracker};
 use super::report::{Clock, Report};
 use crate::broad::{self, Aabb, BroadPhase, PairId};
 use crate::polyhedron::BoxHint;
+#[cfg(feature = "parallel")]
+use crate::tuning::scene::QUERY_IN_BOXES;
 
 impl Scene {
     /// Applies all calls since the last step and computes the effects called for. Does nothing if
@@ -232,11 +234,6 @@ impl Scene {
 fn is_shared(queries: u64, bodies: usize) -> bool {
     queries.saturating_mul(QUERY_IN_BOXES) >= bodies as u64
 }
-
-/// Work of a query over the work of a box in the broad phase: with the default settings, threads
-/// are used from 625 queries a step on. A query takes 60 ns and more, a task some microseconds.
-#[cfg(feature = "parallel")]
-const QUERY_IN_BOXES: u64 = 32;
 
 /// Tests the pairs of all tables of one type of tracker.
 fn test_tables<T: PairTracker>(
