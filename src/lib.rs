@@ -300,7 +300,7 @@ mod pose;
 mod replay;
 #[cfg(test)]
 #[allow(dead_code, unreachable_pub)]
-#[path = "../lab/src/rng.rs"]
+#[path = "../tests/support/rng.rs"]
 mod rng;
 pub mod scene;
 pub mod schedule;
