@@ -63,7 +63,7 @@
 //! | Only the pairs of boxes? | [`broad::PencilSweep`] | pairs, events, stable ids |
 //! | Which feature pairs would the walk test? | [`Tracker::trace`] | the walk, pair by pair |
 //! | How do I report this query? | [`Tracker::replay`] | [`Replay`]: a text that rebuilds it bit for bit |
-//! | Balls, capsules, cylinders, cones, ellipsoids, anything rounded? | [`ShapeTracker`] on [`Shape`] | the same questions, [`Outcome`] |
+//! | Balls, capsules, cylinders, cones, ellipsoids, anything rounded? | [`ShapeTracker`] on [`Shape`] | the same questions, [`Outcome`], [`Manifold`] |
 //! | Where does B stand? | [`RelativePose::new`] | a checked pose, or a [`PoseError`] |
 //! | A body of points, of faces? | [`ConvexPolyhedron::from_points`], [`from_faces`](ConvexPolyhedron::from_faces) | a body with its [`BuildReport`], or a [`BuildError`] |
 //! | How much does the hull of a mesh add? | [`Mesh::hull_fit`] | [`HullFit`]: volumes and the largest gap |

@@ -133,7 +133,8 @@ pub(crate) mod depth {
     pub(crate) const REPEATS: u32 = 16;
 
     /// Number of perturbations worth a search in f64, the first of
-    /// [`ORIGIN_SHIFTS`](crate::tolerance::ORIGIN_SHIFTS): the perturbations well above the rounding of f64.
+    /// [`ORIGIN_SHIFTS`](crate::tolerance::ORIGIN_SHIFTS): the perturbations well above the
+    /// rounding of f64.
     pub(crate) const SHIFTS_PLAIN: usize = 3;
 
     /// Exchanges of a vertex on the way to the facet over the axis, at most. Not measured.
@@ -281,7 +282,8 @@ pub(crate) mod scene {
 /// Meshes and bodies of pieces.
 pub(crate) mod composite {
     /// Motions up to this, as the norm of the difference of rotations and as a part of L, are worth
-    /// a front: some 2.4 degrees. At 2 degrees a frame a front and a new search cost about the same.
+    /// a front: some 2.4 degrees. At 2 degrees per frame a front and a new search cost about the
+    /// same.
     pub(crate) const NEAR: f64 = 1.0 / 24.0;
 
     /// Motions beyond this begin anew: above some 5 degrees the pair that was closest is a bad

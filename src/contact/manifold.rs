@@ -147,8 +147,8 @@ impl Manifold {
         Self::default()
     }
 
-    /// Returns the contacts of an outcome of [`Tracker::closest`](crate::Tracker::closest) for these
-    /// bodies at this pose, with no memory of earlier contacts: for callers who keep their own.
+    /// Returns the contacts of an outcome of [`Tracker::closest`](crate::Tracker::closest) for
+    /// these bodies at this pose, with no memory of earlier contacts: for callers who keep their own.
     /// Without contacts if an id of the outcome names no feature of its body.
     #[must_use]
     pub fn of_outcome(

@@ -94,7 +94,8 @@ pub(super) struct Run<'r, 'p, A, B, T> {
 
 impl<A: Support, B: Support, T: Scalar> Run<'_, '_, A, B, T> {
     /// Runs until the bounds agree.
-    #[inline(always)]
+    // Not inlined: one copy for each pair of kinds.
+    #[inline(never)]
     pub(super) fn run(&mut self, n: Vec3<T>, set: &Set) -> End {
         let mut centre = self.evaluate(n, set.branches(), [0; 2]);
         let share = T::from(1.0) / T::from(centre.len as f64);
@@ -142,7 +143,6 @@ impl<A: Support, B: Support, T: Scalar> Run<'_, '_, A, B, T> {
     }
 
     /// Takes both supports along `n`, and the points of the branches expected there.
-    #[inline(always)]
     fn evaluate(&mut self, n: Vec3<T>, of: &[[u32; 2]], hint: [u32; 2]) -> Centre<T> {
         let toward = self.posed.toward(n);
         let hint = of.first().copied().unwrap_or(hint);
@@ -163,7 +163,6 @@ impl<A: Support, B: Support, T: Scalar> Run<'_, '_, A, B, T> {
 
     /// Returns the step of the model at the centre. The points that carry weight are taken as
     /// witnesses, fixed and moved along their surfaces by the step.
-    #[inline(always)]
     fn advance(&mut self, centre: &mut Centre<T>) -> Option<Tangent<T>> {
         let (toward, mut planes) = (centre.toward, [Plane::default(); MOST]);
         for (plane, piece) in planes.iter_mut().zip(centre.pieces()) {
@@ -215,7 +214,6 @@ impl<A: Support, B: Support, T: Scalar> Run<'_, '_, A, B, T> {
 
     /// Takes the step if the height does not fall. If the height falls, a new branch joins the
     /// pieces, a bent kink is followed for one more step, and any other step is cut.
-    #[inline(always)]
     fn follow(
         &mut self,
         centre: &mut Centre<T>,

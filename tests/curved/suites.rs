@@ -13,7 +13,7 @@ fn closest(a: &Shape, b: &Shape, place: &Place) -> Outcome {
 }
 
 /// The greatest height over many directions, climbed from the best few: never above the truth.
-fn sampled(a: &Kind, b: &Kind, place: &Place, rng: &mut Rng) -> f64 {
+pub(crate) fn sampled(a: &Kind, b: &Kind, place: &Place, rng: &mut Rng) -> f64 {
     let height = |n: [f64; 3]| place.height(a, b, &wide(n)).0;
     let mut best: Vec<(f64, [f64; 3])> = (0..100).map(|_| rng.unit()).map(|n| (height(n), n)).collect();
     best.sort_by(|x, y| y.0.total_cmp(&x.0));
