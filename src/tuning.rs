@@ -282,7 +282,7 @@ pub(crate) mod scene {
 /// Meshes and bodies of pieces.
 pub(crate) mod composite {
     /// Motions up to this, as the norm of the difference of rotations and as a part of L, are worth
-    /// a front: some 2.4 degrees. At 2 degrees per frame a front and a new search cost about the
+    /// a front: some 2.4 degrees. At 2 degrees a frame a front and a new search cost about the
     /// same.
     pub(crate) const NEAR: f64 = 1.0 / 24.0;
 

@@ -148,8 +148,8 @@ impl Manifold {
     }
 
     /// Returns the contacts of an outcome of [`Tracker::closest`](crate::Tracker::closest) for
-    /// these bodies at this pose, with no memory of earlier contacts: for callers who keep their own.
-    /// Without contacts if an id of the outcome names no feature of its body.
+    /// these bodies at this pose, with no memory of earlier contacts: for callers who keep their
+    /// own. Without contacts if an id of the outcome names no feature of its body.
     #[must_use]
     pub fn of_outcome(
         (a, b): (&ConvexPolyhedron, &ConvexPolyhedron),

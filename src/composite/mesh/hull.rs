@@ -41,8 +41,8 @@ pub struct HullFit {
     /// Largest distance of a point of the hull's surface from the mesh: a lower bound, met by a
     /// point examined.
     pub gap_lower: f64,
-    /// Upper bound of the same distance, in general at most 0.4 % of half the diagonal of the mesh's
-    /// box above the lower bound.
+    /// Upper bound of the same distance, in general at most 0.4 % of half the diagonal of the
+    /// mesh's box above the lower bound.
     pub gap_upper: f64,
 }
 
