@@ -231,7 +231,7 @@
 //! |---|---|---|
 //! | `std` | yes | square roots by the machine, `std::error::Error` everywhere; without it the crate is `no_std` with `alloc` |
 //! | `exact` | yes | the rung of exact integers (crate `dashu-int`) behind the filters |
-//! | `serde` | no | bodies, poses, trackers, manifolds, scenes, ids and answers in files |
+//! | `serde` | no | bodies, poses, trackers, manifolds, scenes, ids and answers in files; with `serde_json` its feature `float_roundtrip` keeps every bit |
 //! | `parallel` | no | threads in the broad phase and in the queries of a scene, the same answers bit for bit |
 //!
 //! # Reading the source
@@ -300,7 +300,7 @@ mod pose;
 mod replay;
 #[cfg(test)]
 #[allow(dead_code, unreachable_pub)]
-#[path = "../lab/src/rng.rs"]
+#[path = "../tests/support/rng.rs"]
 mod rng;
 pub mod scene;
 pub mod schedule;

@@ -277,6 +277,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
             "composite",
             "separation",
             "tracker",
+            "tuning",
             "pair",
             "motion",
             "polyhedron",

@@ -47,6 +47,7 @@ pub mod pose;
 pub mod progress;
 pub mod rational;
 pub mod record;
+#[path = "../../tests/support/rng.rs"]
 pub mod rng;
 pub mod shapes;
 pub mod soups;

@@ -134,7 +134,7 @@ mod tests {
         for k in 0..400 {
             q = UnitQuaternion::new_normalize((turn * q).into_inner());
             let swing = 0.2 * (0.01 * f64::from(k)).sin();
-            let place = Vector3::new(2.4 + swing, 0.3, 0.2);
+            let place = Vector3::new(3.0 + swing, 0.3, 0.2);
             let pose = RelativePose::from_isometry(&Isometry3::from_parts(place.into(), q)).unwrap();
             let found = tracker.closest(&a, &b, &pose);
             if k % 10 != 9 {

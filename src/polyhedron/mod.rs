@@ -70,6 +70,9 @@ pub(crate) struct Plane {
 /// keeps the caller's faces; [`from_faces_within`](Self::from_faces_within) does so for rounded
 /// coordinates, as in STL files. Triangles that repeat their vertices (STL) need no welding: equal
 /// points are merged.
+///
+/// A file (feature `serde`) gives the identical body back if the format keeps every bit of an
+/// `f64`: with `serde_json` switch on the feature `float_roundtrip`.
 #[derive(Clone, Debug)]
 pub struct ConvexPolyhedron {
     pub(crate) topology: Topology,

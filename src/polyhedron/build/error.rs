@@ -200,7 +200,7 @@ mod tests {
         assert_eq!(hull(&line[..1]), "the body needs at least 4 points, got 1");
         assert_eq!(hull(&[Point3::origin(); 4]), "all points are equal");
         assert_eq!(hull(&line), "all points lie on the line through points [0, 2]");
-        assert_eq!(hull(&square), "all points lie in the plane through points [0, 1, 2]");
+        assert_eq!(hull(&square), "all points lie in the plane through points [0, 2, 3]");
         assert_eq!(
             solids::cuboid(Vector3::new(1.0, 0.0, 1.0)).unwrap_err().to_string(),
             "the half extent must lie in 1e-100..=1e100, got 0.0"
