@@ -37,7 +37,7 @@ pub(super) fn contacts(query: &Query, outcome: &Outcome, facets: [Facet; 2], bef
     if outcome.solver == Solver::Far {
         return contacts;
     }
-    let axes = axes_of(query, outcome);
+    let (axes, distance) = axes_of(query, outcome);
     let previous = before.features();
     let patch = |side: usize, closest, previous| {
         Patch::new(&facets[side], &axes[side], closest, (query.options, previous), side)
@@ -54,9 +54,6 @@ pub(super) fn contacts(query: &Query, outcome: &Outcome, facets: [Facet; 2], bef
         b: patches[1].feature,
     };
     let noise = ACROSS * query.size();
-    // Of an overlap known to an interval, the witnesses may not be as deep as the outcome.
-    let on_b = query.rotation * outcome.point_on_b.coords + query.translation;
-    let distance = outcome.normal.dot(&(on_b - outcome.point_on_a.coords));
     let mut candidates = Candidates::new(distance, query.options.prediction);
     clip(&patches, noise, query.options.sine, &mut candidates);
     let is_round = patches.iter().any(|p| p.circle.is_some());
@@ -76,22 +73,28 @@ pub(super) fn contacts(query: &Query, outcome: &Outcome, facets: [Facet; 2], bef
     contacts
 }
 
-/// Returns the contact axes in the frame of each shape, about its witness.
-fn axes_of(query: &Query, outcome: &Outcome) -> [Axes; 2] {
+/// Returns the contact axes in the frame of each shape, and the signed distance of their origins
+/// along the normal. The origins are the witness on A and the point opposite, at the height of the
+/// witness on B: witnesses prove a length to rounding, and a direction to its root only.
+fn axes_of(query: &Query, outcome: &Outcome) -> ([Axes; 2], f64) {
     let normal = outcome.normal.into_inner();
+    let (on_a, on_b) = (outcome.point_on_a.coords, outcome.point_on_b.coords);
+    let between = query.rotation * on_b + query.translation - on_a;
+    let distance = normal.dot(&between);
     let tangents = tangents_of(&normal);
-    [
+    let axes = [
         Axes {
             tangents,
             normal,
-            witness: outcome.point_on_a.coords,
+            witness: on_a,
         },
         Axes {
             tangents: tangents.map(|v| query.rotation.tr_mul(&v)),
             normal: query.rotation.tr_mul(&normal),
-            witness: outcome.point_on_b.coords,
+            witness: on_b - query.rotation.tr_mul(&(between - normal * distance)),
         },
-    ]
+    ];
+    (axes, distance)
 }
 
 /// Keeps a few of the candidates, those of the manifold before among equals.

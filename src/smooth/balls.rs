@@ -13,6 +13,7 @@ use crate::num::scalar::{Scalar, Vec3, dot, root, sub};
 use crate::pair::difference::MinkowskiPoint;
 use crate::pair::transform::ErrorScale;
 use crate::shape::Support;
+use crate::tolerance::AGREE_CURVED;
 
 /// Takes balls at the weighted points of the pieces; if the bounds do not agree, also balls in the
 /// middle of the flat or straight parts about the points.
@@ -34,32 +35,32 @@ pub(super) fn take<A: Support, B: Support, T: Scalar>(
             set.add(piece.of);
         }
     }
-    take_at(posed, toward, [on_a, on_b], &set, best);
-    if !best.closes(posed)
+    let mut upper = upper_at(posed, toward, &[on_a, on_b]);
+    if (upper - best.lower).value() > AGREE_CURVED * posed.size
         && let Some(places) = middles(posed, toward, pieces, &[on_a, on_b])
     {
-        take_at(posed, toward, places, &set, best);
+        let moved = upper_at(posed, toward, &places);
+        upper = if moved < upper { moved } else { upper };
+    }
+    // The witnesses are the deepest points, wherever the balls touch.
+    if upper < best.upper {
+        (best.upper, best.set) = (upper, set);
+        (best.on_a, best.on_b) = (on_a.map(T::from), on_b.map(T::from));
     }
 }
 
-/// Takes the balls that touch the surfaces at two points.
-fn take_at<A: Support, B: Support, T: Scalar>(
+/// Returns the upper bound of the balls that touch the surfaces at two points.
+fn upper_at<A: Support, B: Support, T: Scalar>(
     posed: &Posed<A, B, T>,
     toward: &Toward<T>,
-    [on_a, on_b]: [Vec3<f64>; 2],
-    set: &Set,
-    best: &mut Best<T>,
-) {
+    [on_a, on_b]: &[Vec3<f64>; 2],
+) -> T {
     let (n, m) = (values(&toward.n), values(&toward.m));
-    let (ca, ra) = posed.a.inner_ball(&on_a.into(), &n.into());
-    let (cb, rb) = posed.b.inner_ball(&on_b.into(), &m.into());
+    let (ca, ra) = posed.a.inner_ball(&(*on_a).into(), &n.into());
+    let (cb, rb) = posed.b.inner_ball(&(*on_b).into(), &m.into());
     let lift = |v: [f64; 3]| v.map(T::from);
     let between = posed.piece([0; 2], lift(ca.into()), lift(cb.into())).w;
-    let upper = root(dot(&between, &between)) - T::from(ra) - T::from(rb);
-    if upper < best.upper {
-        (best.upper, best.set) = (upper, *set);
-        (best.on_a, best.on_b) = (lift(on_a), lift(on_b));
-    }
+    root(dot(&between, &between)) - T::from(ra) - T::from(rb)
 }
 
 /// Returns points of the flat or straight parts about two points, opposite each other near the
