@@ -1,8 +1,7 @@
 //! The state a user keeps per pair: the features of the last answer, from which the next query
 //! starts.
 
-mod contacts;
-
+use alloc::string::String;
 use alloc::vec::Vec;
 
 use crate::depth::{self, Memory};
@@ -21,8 +20,6 @@ use crate::walk::seed;
 use crate::walk::trace::trace;
 
 mod counts;
-mod look;
-mod reach;
 
 use counts::Starts;
 pub use counts::Totals;
@@ -37,7 +34,8 @@ pub use counts::Totals;
 /// use lin_canny::nalgebra::{Isometry3, Vector3};
 /// use lin_canny::{RelativePose, Tracker, polyhedron::solids};
 ///
-/// let (a, b) = (solids::cuboid(Vector3::new(1.0, 1.0, 1.0))?, solids::octahedron(0.5)?);
+/// let a = solids::cuboid(Vector3::new(1.0, 1.0, 1.0))?;
+/// let b = solids::octahedron(0.5)?;
 /// let mut pair = Tracker::default();
 /// for k in 0..10 {
 ///     let at = Isometry3::translation(3.0, 0.1 * k as f64, 0.0);
@@ -72,75 +70,6 @@ impl Tracker {
     #[must_use]
     pub fn new() -> Self {
         Self::default()
-    }
-
-    /// Returns a tracker that starts from the given features; features that the bodies do not have
-    /// are ignored.
-    #[must_use]
-    pub fn starting_from(features: FeaturePair, a: &ConvexPolyhedron, b: &ConvexPolyhedron) -> Self {
-        let features = features.is_of(a, b).then(|| features.to_stand_on(a, b));
-        Self {
-            last: features,
-            next: features,
-            starts: Starts::default(),
-            totals: Totals::default(),
-            memory: Memory::default(),
-            overlap_proof: None,
-        }
-    }
-
-    /// Allocates all the memory that overlaps may need later (some 50 kB): afterwards no query
-    /// allocates if the walk or its solvers in f64 suffice, as long as surfaces have no more than
-    /// 256 triangles. Only round bodies deep in each other need more.
-    pub fn reserve(&mut self) {
-        self.memory.reserve();
-    }
-
-    /// Returns the features of the last answer.
-    #[must_use]
-    pub fn features(&self) -> Option<FeaturePair> {
-        self.last
-    }
-
-    /// Returns the pairs of features that the walk of the next query would test, in order, and
-    /// whether the walk ends on the last pair rather than handing over there. Nothing is changed or
-    /// counted. Empty for bodies on which no walk is tried: too far apart, or of sizes too
-    /// different.
-    #[must_use]
-    pub fn trace(
-        &self,
-        a: &ConvexPolyhedron,
-        b: &ConvexPolyhedron,
-        a_from_b: &RelativePose,
-    ) -> (Vec<FeaturePair>, bool) {
-        match PosedPair::new(a, b, a_from_b) {
-            Ok(posed) => trace(&posed, self.start(a, b)),
-            Err(_) => (Vec::new(), false),
-        }
-    }
-
-    /// Returns the query as a text that rebuilds the query bit for bit: call this before the query,
-    /// or the recorded start is the start of the next query.
-    #[must_use]
-    pub fn replay(
-        &self,
-        a: &ConvexPolyhedron,
-        b: &ConvexPolyhedron,
-        a_from_b: &RelativePose,
-        level: Accuracy,
-    ) -> Replay {
-        replay(a, b, a_from_b, (self.start(a, b), self.memory.clone()), level)
-    }
-
-    /// Returns the counters since the tracker was made or reset.
-    #[must_use]
-    pub fn totals(&self) -> Totals {
-        self.totals
-    }
-
-    /// Forgets features and counters.
-    pub fn reset(&mut self) {
-        *self = Self::default();
     }
 
     /// Returns the closest features, their witnesses and bounds of the distance, certified:
@@ -225,6 +154,83 @@ impl Tracker {
             solver: o.solver,
             work: o.work,
         }
+    }
+
+    /// Returns a tracker that starts from the given features; features that the bodies do not have
+    /// are ignored.
+    #[must_use]
+    pub fn starting_from(features: FeaturePair, a: &ConvexPolyhedron, b: &ConvexPolyhedron) -> Self {
+        let features = features.is_of(a, b).then(|| features.walkable(a, b));
+        Self {
+            last: features,
+            next: features,
+            starts: Starts::default(),
+            totals: Totals::default(),
+            memory: Memory::default(),
+            overlap_proof: None,
+        }
+    }
+
+    /// Allocates all the memory that overlaps may need later (some 50 kB): afterwards no query
+    /// allocates if the walk or its solvers in f64 suffice, as long as surfaces have no more than
+    /// 256 triangles. Only round bodies deep in each other need more.
+    pub fn reserve(&mut self) {
+        self.memory.reserve();
+    }
+
+    /// Returns the features of the last answer.
+    #[must_use]
+    pub fn features(&self) -> Option<FeaturePair> {
+        self.last
+    }
+
+    /// Returns the pairs of features that the walk of the next query would test, in order, and
+    /// whether the walk ends on the last pair rather than handing over there. Nothing is changed or
+    /// counted. Empty for bodies on which no walk is tried: too far apart, or of sizes too
+    /// different.
+    #[must_use]
+    pub fn trace(
+        &self,
+        a: &ConvexPolyhedron,
+        b: &ConvexPolyhedron,
+        a_from_b: &RelativePose,
+    ) -> (Vec<FeaturePair>, bool) {
+        match PosedPair::new(a, b, a_from_b) {
+            Ok(posed) => trace(&posed, self.start(a, b)),
+            Err(_) => (Vec::new(), false),
+        }
+    }
+
+    /// Returns the query as a text that rebuilds the query bit for bit: call this before the query,
+    /// or the recorded start is the start of the next query.
+    #[must_use]
+    pub fn replay(
+        &self,
+        a: &ConvexPolyhedron,
+        b: &ConvexPolyhedron,
+        a_from_b: &RelativePose,
+        accuracy: Accuracy,
+    ) -> Replay {
+        replay(a, b, a_from_b, (self.start(a, b), self.memory.clone()), accuracy)
+    }
+
+    /// Returns the first broken invariant of the cached state: a tool of tests and fuzzing.
+    ///
+    /// # Errors
+    /// A text that names the broken invariant.
+    pub fn check(&self) -> Result<(), String> {
+        self.memory.check()
+    }
+
+    /// Returns the counters since the tracker was made or reset.
+    #[must_use]
+    pub fn totals(&self) -> Totals {
+        self.totals
+    }
+
+    /// Forgets features and counters.
+    pub fn reset(&mut self) {
+        *self = Self::default();
     }
 
     /// Answers at one accuracy, an overlap with its depth if `deep`. The draft is written in
@@ -353,7 +359,7 @@ impl Tracker {
         self.totals.note(warm, draft.solver, &draft.work);
         // Longer walks, and walks that began at extrapolated features: on long face boundaries and
         // around large fans.
-        if (a.has_bands | b.has_bands) && (draft.work.steps > STEADY || self.next != self.last) {
+        if (a.has_large_rings | b.has_large_rings) && (draft.work.steps > STEADY || self.next != self.last) {
             let now = draft.features;
             let next = self.last.map_or(now, |before| predict(a, b, before, now));
             (self.last, self.next) = (Some(now), Some(next));
@@ -369,12 +375,17 @@ impl Tracker {
     }
 }
 
+// Below the methods above, so that the documentation begins with `new` and `closest`.
+mod contacts;
+mod look;
+mod reach;
+
 fn replay(
     a: &ConvexPolyhedron,
     b: &ConvexPolyhedron,
     pose: &RelativePose,
     (start, surface): (Option<FeaturePair>, Memory),
-    level: Accuracy,
+    accuracy: Accuracy,
 ) -> Replay {
     Replay {
         a: a.clone(),
@@ -382,7 +393,7 @@ fn replay(
         pose: *pose,
         start,
         surface,
-        level,
+        accuracy,
     }
 }
 
@@ -394,13 +405,13 @@ fn debug_check(
     b: &ConvexPolyhedron,
     pose: &RelativePose,
     before: &Option<(Option<FeaturePair>, Memory)>,
-    level: Accuracy,
+    accuracy: Accuracy,
     outcome: &Outcome,
 ) {
     if let Some(before) = before
         && let Some(fault) = crate::soundness::fault(a, b, pose, outcome)
     {
-        panic!("{fault}: {outcome:?}\n{}", replay(a, b, pose, before.clone(), level));
+        panic!("{fault}: {outcome:?}\n{}", replay(a, b, pose, before.clone(), accuracy));
     }
 }
 

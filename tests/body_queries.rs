@@ -51,7 +51,7 @@ fn closest_points_are_optimal() {
     let bodies = [
         solids::cuboid(Vector3::new(0.4, 0.7, 0.2)).unwrap(),
         solids::random_hull(60, Vector3::new(1.0, 0.5, 1e-3), 1).unwrap(),
-        solids::cone(32, 0.5, 1.0).unwrap(),
+        solids::cone(32, 0.5, 0.5).unwrap(),
     ];
     let (mut inside, mut outside) = (0, 0);
     for body in &bodies {

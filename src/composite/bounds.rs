@@ -115,10 +115,10 @@ fn excess(d: [f32x8; 3], h: [f32x8; 3], g: [f32x8; 3], m: &[[f32x8; 3]; 3]) -> (
 #[inline(never)]
 pub(super) fn bounds(frame: &Single, a: [&OrientedBox; 8], b: [&OrientedBox; 8]) -> Bounds {
     let (a, b) = (Eight::new(a, frame.scale_a), Eight::new(b, frame.scale_b));
-    let r = &frame.rotation;
+    let r = &frame.ways[0].rotation;
     let axes = [turned(r, b.axes[0]), turned(r, b.axes[1]), turned(r, b.axes[2])];
     let at = turned(r, b.centre);
-    let t = &frame.translation;
+    let t = &frame.ways[0].translation;
     let d = [
         at[0] + t[0] - a.centre[0],
         at[1] + t[1] - a.centre[1],

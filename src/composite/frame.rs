@@ -49,12 +49,56 @@ pub(super) struct Frame {
 pub(super) struct Single {
     /// The unit in A's stored units.
     pub(super) unit: f64,
-    pub(super) rotation: [f32x8; 9],
-    pub(super) translation: [f32x8; 3],
+    /// From B's tree to A's, and back.
+    pub(super) ways: [Way; 2],
     pub(super) scale_a: f32,
     pub(super) scale_b: f32,
     /// Error of a gap; infinite where single precision cannot help.
     pub(super) error: f32,
+}
+
+/// A map `x -> R x + t` in single precision.
+pub(super) struct Way {
+    pub(super) rotation: [f32x8; 9],
+    pub(super) translation: [f32x8; 3],
+    /// Both again, for a single point.
+    r: [f32; 9],
+    t: [f32; 3],
+}
+
+impl Way {
+    fn new(rotation: &Matrix3<f64>, translation: &Vector3<f64>) -> Self {
+        let r = core::array::from_fn(|k| rotation[(k / 3, k % 3)] as f32);
+        let t = [translation.x as f32, translation.y as f32, translation.z as f32];
+        Self {
+            rotation: r.map(f32x8::splat),
+            translation: t.map(f32x8::splat),
+            r,
+            t,
+        }
+    }
+
+    /// The image of a point.
+    #[inline(always)]
+    pub(super) fn place(&self, [x, y, z]: [f32; 3]) -> [f32; 3] {
+        let (r, t) = (&self.r, &self.t);
+        [
+            r[0] * x + r[1] * y + r[2] * z + t[0],
+            r[3] * x + r[4] * y + r[5] * z + t[1],
+            r[6] * x + r[7] * y + r[8] * z + t[2],
+        ]
+    }
+
+    /// The direction that the map turns to `n`.
+    #[inline(always)]
+    pub(super) fn back(&self, [x, y, z]: [f32; 3]) -> [f32; 3] {
+        let r = &self.r;
+        [
+            r[0] * x + r[3] * y + r[6] * z,
+            r[1] * x + r[4] * y + r[7] * z,
+            r[2] * x + r[5] * y + r[8] * z,
+        ]
+    }
 }
 
 impl Frame {
@@ -113,15 +157,16 @@ impl Single {
         let unit = of_a.max(of_b);
         let (scale_a, scale_b) = ((of_a / unit) as f32, (of_b / unit) as f32);
         let shift = (matrix * b.tree.centre + translation - a.tree.centre) / unit;
-        let (near, r) = (shift.map(|x| x as f32), rotation.map(|x| x as f32));
         let reach = a.tree.reach * scale_a + b.tree.reach * scale_b + sqrt(shift.norm_squared()) as f32;
         // The second: the shift's own error where bodies are far from their origins, and scales
         // that vanish.
         let error = BOXES as f32 * reach + (2.0 * CERTIFICATE * UNIT * size / unit) as f32 + LEAST;
         Self {
             unit,
-            rotation: core::array::from_fn(|k| f32x8::splat(r[(k / 3, k % 3)])),
-            translation: [near.x, near.y, near.z].map(f32x8::splat),
+            ways: [
+                Way::new(rotation, &shift),
+                Way::new(&rotation.transpose(), &-rotation.tr_mul(&shift)),
+            ],
             scale_a,
             scale_b,
             error: if reach < SINGLE_MOST { error } else { f32::INFINITY },

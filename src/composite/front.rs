@@ -1,39 +1,52 @@
-//! The front of the last answer: pairs of nodes, each with the direction that proved it far enough.
+//! The front of the last answer: pairs of nodes, each with the direction that proved the pair far
+//! enough.
 //!
-//! Let the points below B's node lie in the ball of radius rho about c, in B's frame, and let the
-//! gap along the unit direction n (A's frame) be at least g at the pose (R0, t0). Then at (R1, t1)
-//! it is at least `g + n . (R1 c + t1) - n . (R0 c + t0) - rho |R1 - R0|`, because
-//! `n . R1 v >= n . R0 v - |R1 - R0| |v|`. Sums of `|R1 - R0|` over frames bound that norm
-//! ([`Front::turn`]). So an entry is eight numbers, and its test 16 products; nothing of A moves,
-//! since n is in A's frame. A budget of path length instead of a direction fails ten times as
-//! often.
+//! Let Y be the points below one node, in the ball of radius rho about c in the frame of their own
+//! body, and X the points below the other node, `y -> R y + t` the map from the frame of Y to the
+//! frame of X. If the gap along a unit direction n in the frame of X is at least g at the pose
+//! (R0, t0), the gap at (R1, t1) is at least
+//!
+//! `g + n . (R1 c + t1) - n . (R0 c + t0) - rho |R1^T n - R0^T n|`,
+//!
+//! because nothing of X moves in its own frame and `n . (R1 - R0) v >= -|(R1 - R0)^T n| |v|`. So an
+//! entry is the eleven numbers n, `m = R0^T n`, c, rho and `base = g - n . (R0 c + t0)`. The bound
+//! depends on both poses alone, however far and by what way the bodies moved in between, and is not
+//! weakened by a turn about n.
+//!
+//! X is the larger of the two nodes: rho is the radius of the smaller. A budget of path length
+//! instead of a direction fails ten times as often.
 
 use alloc::vec::Vec;
-use nalgebra::Matrix3;
 use wide::f32x8;
 
-use super::frame::{Frame, Single};
-use super::tree::OrientedBox;
-use crate::num::scalar::sqrt;
-use crate::tolerance::{REBASED, TURNED};
+use super::frame::{Single, Way};
+use super::tree::{OrientedBox, Tree};
 
 /// A node of A and a node of B.
 pub(super) type Pair = [u32; 2];
 
-/// Eight entries by component: direction, centre, radius, base.
+/// Eight entries by component: n, m, c, the radius, the base.
 #[derive(Clone, Debug, PartialEq)]
-struct Block([[f32; 8]; 8]);
+struct Block([[f32; 8]; 11]);
 
-/// After so much turning the sums begin anew, so that they stay exact enough.
-const TURN_MOST: f64 = 2.0;
+/// Entries with the larger node on one side.
+#[derive(Clone, Debug, Default, PartialEq)]
+struct Half {
+    blocks: Vec<Block>,
+    pairs: Vec<Pair>,
+}
+
+/// The place of an entry: the half, and the number there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Place {
+    half: u8,
+    at: u32,
+}
 
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Front {
-    blocks: Vec<Block>,
-    pairs: Vec<Pair>,
-    /// The rotation of the last test, and how much the body turned since the entries' common zero.
-    rotation: Option<Matrix3<f64>>,
-    turn: f64,
+    /// Entries with directions in A's frame, then those with directions in B's.
+    halves: [Half; 2],
     /// The largest error of single precision since the front was empty: entries carry the rounding
     /// of the pose at which they were made.
     error: f32,
@@ -43,147 +56,163 @@ pub(super) struct Front {
 
 impl Front {
     pub(super) fn clear(&mut self) {
-        self.blocks.clear();
-        self.pairs.clear();
-        (self.rotation, self.turn, self.error, self.cut) = (None, 0.0, 0.0, 0);
+        for half in &mut self.halves {
+            half.blocks.clear();
+            half.pairs.clear();
+        }
+        (self.error, self.cut) = (0.0, 0);
     }
 
     pub(super) fn len(&self) -> usize {
-        self.pairs.len()
+        self.halves[0].pairs.len() + self.halves[1].pairs.len()
     }
 
     pub(super) fn is_empty(&self) -> bool {
-        self.pairs.is_empty()
+        self.len() == 0
     }
 
-    pub(super) fn pair(&self, k: usize) -> Pair {
-        self.pairs[k]
+    pub(super) fn pairs(&self) -> impl Iterator<Item = Pair> + '_ {
+        self.halves.iter().flat_map(|h| h.pairs.iter().copied())
+    }
+
+    pub(super) fn pair(&self, place: Place) -> Pair {
+        self.halves[place.half as usize].pairs[place.at as usize]
     }
 
     pub(super) fn heap_bytes(&self) -> usize {
-        self.blocks.capacity() * size_of::<Block>() + self.pairs.capacity() * size_of::<Pair>()
+        let of = |h: &Half| h.blocks.capacity() * size_of::<Block>() + h.pairs.capacity() * size_of::<Pair>();
+        self.halves.iter().map(of).sum()
     }
 
-    /// Takes the pose of a query. Must be called before entries are tested or made.
-    pub(super) fn turn_to(&mut self, frame: &Frame) {
-        if let Some(last) = &self.rotation {
-            // A difference of rotations stretches two directions alike and one not at all.
-            self.turn += sqrt(0.5 * (frame.rotation - last).norm_squared()) * (1.0 + TURNED) + TURNED;
-        }
-        self.rotation = Some(frame.rotation);
-        self.error = self.error.max(frame.single.error);
-        if self.turn > TURN_MOST {
-            self.rebase();
-        }
+    /// Takes the error of a pose. Must be called before entries are tested or made.
+    pub(super) fn meet(&mut self, frame: &Single) {
+        self.error = self.error.max(frame.error);
     }
 
-    /// Takes the turning so far into every entry and begins to sum anew.
-    fn rebase(&mut self) {
-        let (turn, lost) = (f32x8::splat(self.turn as f32), f32x8::splat(REBASED * self.error));
-        for block in &mut self.blocks {
-            let [.., radius, base] = &mut block.0;
-            *base = (f32x8::new(*base) - f32x8::new(*radius) * turn - lost).to_array();
-        }
-        self.turn = 0.0;
-    }
-
-    /// Calls `failed` with the number of every entry that is not proven to be at least `distance`
-    /// apart, in rising order.
-    pub(super) fn test(&self, frame: &Single, distance: f32, mut failed: impl FnMut(usize)) {
+    /// Calls `failed` with the place of every entry that is not proven to be at least `distance`
+    /// apart: the places in each half rise.
+    pub(super) fn test(&self, frame: &Single, distance: f32, mut failed: impl FnMut(Place)) {
         let level = f32x8::splat(distance + self.error);
-        let turn = f32x8::splat(self.turn as f32);
-        for (k, block) in self.blocks.iter().enumerate() {
-            let mut open = !block.gaps(frame, turn).simd_ge(level).to_bitmask() & 0xff;
-            while open != 0 {
-                let at = 8 * k + open.trailing_zeros() as usize;
-                if at < self.pairs.len() {
-                    failed(at);
+        for (half, (entries, way)) in (0u8..).zip(self.halves.iter().zip(&frame.ways)) {
+            for (k, block) in (0u32..).zip(&entries.blocks) {
+                let mut open = !block.gaps(way).simd_ge(level).to_bitmask() & 0xff;
+                while open != 0 {
+                    let at = 8 * k + open.trailing_zeros();
+                    if (at as usize) < entries.pairs.len() {
+                        failed(Place { half, at });
+                    }
+                    open &= open - 1;
                 }
-                open &= open - 1;
             }
         }
     }
 
-    /// Calls `each` with every pair and its proven gap at this pose.
-    pub(super) fn gaps(&self, frame: &Single, mut each: impl FnMut(Pair, f32)) {
-        let turn = f32x8::splat(self.turn as f32);
-        for (block, pairs) in self.blocks.iter().zip(self.pairs.chunks(8)) {
-            let gaps = block.gaps(frame, turn).to_array();
-            pairs
-                .iter()
-                .zip(gaps)
-                .for_each(|(pair, gap)| each(*pair, gap - self.error));
+    /// Calls `each` with every entry, its pair and the proven gap at this pose.
+    pub(super) fn gaps(&self, frame: &Single, mut each: impl FnMut(Place, Pair, f32)) {
+        for (half, (entries, way)) in (0u8..).zip(self.halves.iter().zip(&frame.ways)) {
+            for (k, (block, pairs)) in (0u32..).zip(entries.blocks.iter().zip(entries.pairs.chunks(8))) {
+                for (at, (pair, gap)) in (8 * k..).zip(pairs.iter().zip(block.gaps(way).to_array())) {
+                    each(Place { half, at }, *pair, gap - self.error);
+                }
+            }
         }
     }
 
-    /// Adds an entry whose gap along `normal` is at least `gap` at this pose.
-    pub(super) fn push(&mut self, frame: &Single, pair: Pair, ball: &OrientedBox, normal: [f32; 3], gap: f32) {
-        self.pairs.push(pair);
-        if self.pairs.len() > 8 * self.blocks.len() {
-            self.blocks.push(Block([[0.0; 8]; 8]));
+    /// Adds an entry whose gap along `normal`, in A's frame, is at least `gap` at this pose.
+    pub(super) fn push(&mut self, frame: &Single, trees: (&Tree, &Tree), pair: Pair, normal: [f32; 3], gap: f32) {
+        let half = half(frame, trees, pair);
+        let entries = &mut self.halves[half as usize];
+        let at = entries.pairs.len() as u32;
+        entries.pairs.push(pair);
+        if entries.pairs.len() > 8 * entries.blocks.len() {
+            entries.blocks.push(Block([[0.0; 8]; 11]));
         }
-        self.set(frame, self.pairs.len() - 1, ball, normal, gap);
+        self.set(frame, trees, Place { half, at }, normal, gap);
     }
 
-    /// Gives an entry another direction.
-    pub(super) fn set(&mut self, frame: &Single, k: usize, ball: &OrientedBox, [x, y, z]: [f32; 3], gap: f32) {
-        let s = frame.scale_b;
-        let [_, cx, cy, cz, _, _, _, radius] = ball.rows[1].map(|c| c * s);
-        let r = frame.rotation.map(first);
-        let t = frame.translation.map(first);
-        let at = [
-            r[0] * cx + r[1] * cy + r[2] * cz + t[0],
-            r[3] * cx + r[4] * cy + r[5] * cz + t[1],
-            r[6] * cx + r[7] * cy + r[8] * cz + t[2],
-        ];
-        let base = gap - (x * at[0] + y * at[1] + z * at[2]) + radius * self.turn as f32;
-        let block = &mut self.blocks[k / 8].0;
-        for (slot, value) in block.iter_mut().zip([x, y, z, cx, cy, cz, radius, base]) {
-            slot[k % 8] = value;
+    /// Gives an entry another direction, in A's frame.
+    pub(super) fn set(&mut self, frame: &Single, (a, b): (&Tree, &Tree), place: Place, normal: [f32; 3], gap: f32) {
+        let entries = &mut self.halves[place.half as usize];
+        let [x, y] = entries.pairs[place.at as usize];
+        let way = &frame.ways[place.half as usize];
+        let (ball, scale, n) = if place.half == 0 {
+            (&b.boxes[y as usize], frame.scale_b, normal)
+        } else {
+            let n = frame.ways[0].back(normal).map(|x| -x);
+            (&a.boxes[x as usize], frame.scale_a, n)
+        };
+        let [_, cx, cy, cz, _, _, _, radius] = ball.rows[1].map(|c| c * scale);
+        let [x, y, z] = way.place([cx, cy, cz]);
+        let m = way.back(n);
+        let base = gap - (n[0] * x + n[1] * y + n[2] * z);
+        let values = [n[0], n[1], n[2], m[0], m[1], m[2], cx, cy, cz, radius, base];
+        let (block, lane) = (place.at as usize / 8, place.at as usize % 8);
+        for (slot, value) in entries.blocks[block].0.iter_mut().zip(values) {
+            slot[lane] = value;
         }
     }
 
-    /// Removes an entry; the last one takes its place.
-    pub(super) fn remove(&mut self, k: usize) {
-        let last = self.pairs.len() - 1;
-        self.pairs.swap_remove(k);
-        for c in 0..8 {
-            let moved = self.blocks[last / 8].0[c][last % 8];
-            self.blocks[k / 8].0[c][k % 8] = moved;
+    /// Removes an entry; the last one of the half takes its place.
+    pub(super) fn remove(&mut self, place: Place) {
+        let (entries, k) = (&mut self.halves[place.half as usize], place.at as usize);
+        let last = entries.pairs.len() - 1;
+        entries.pairs.swap_remove(k);
+        for c in 0..11 {
+            let moved = entries.blocks[last / 8].0[c][last % 8];
+            entries.blocks[k / 8].0[c][k % 8] = moved;
         }
         if last.is_multiple_of(8) {
-            self.blocks.pop();
+            entries.blocks.pop();
         }
     }
 
     /// Spoils an entry, so that a test can see it found.
     #[cfg(test)]
-    pub(super) fn corrupt(&mut self, k: usize, by: f32) {
-        self.blocks[k / 8].0[7][k % 8] += by;
+    pub(super) fn corrupt(&mut self, place: Place, by: f32) {
+        self.halves[place.half as usize].blocks[place.at as usize / 8].0[10][place.at as usize % 8] += by;
     }
 
-    /// The direction of an entry.
-    pub(super) fn normal(&self, k: usize) -> [f32; 3] {
-        let block = &self.blocks[k / 8].0;
-        [block[0][k % 8], block[1][k % 8], block[2][k % 8]]
+    /// The place of an entry by its number.
+    #[cfg(test)]
+    pub(super) fn place(&self, k: usize) -> Place {
+        let first = self.halves[0].pairs.len();
+        let (half, at) = if k < first { (0, k) } else { (1, k - first) };
+        Place { half, at: at as u32 }
+    }
+
+    /// The direction of an entry at a pose, in A's frame.
+    pub(super) fn normal(&self, frame: &Single, place: Place) -> [f32; 3] {
+        let block = &self.halves[place.half as usize].blocks[place.at as usize / 8].0;
+        let n = [0, 1, 2].map(|c| block[c][place.at as usize % 8]);
+        if place.half == 0 {
+            n
+        } else {
+            frame.ways[1].back(n).map(|x| -x)
+        }
     }
 }
 
-#[inline(always)]
-fn first(x: f32x8) -> f32 {
-    x.to_array()[0]
+/// Where the entry of a pair stands: with the larger node.
+fn half(frame: &Single, (a, b): (&Tree, &Tree), [x, y]: Pair) -> u8 {
+    let radius = |b: &OrientedBox, scale: f32| b.radius() * scale;
+    u8::from(radius(&a.boxes[x as usize], frame.scale_a) < radius(&b.boxes[y as usize], frame.scale_b))
 }
 
 impl Block {
     #[inline(always)]
-    fn gaps(&self, frame: &Single, turn: f32x8) -> f32x8 {
-        let [nx, ny, nz, cx, cy, cz, radius, base] = &self.0;
-        let (r, t) = (&frame.rotation, &frame.translation);
+    fn gaps(&self, way: &Way) -> f32x8 {
+        let [nx, ny, nz, mx, my, mz, cx, cy, cz, radius, base] = &self.0;
+        let (r, t) = (&way.rotation, &way.translation);
         let (cx, cy, cz) = (f32x8::new(*cx), f32x8::new(*cy), f32x8::new(*cz));
+        let (nx, ny, nz) = (f32x8::new(*nx), f32x8::new(*ny), f32x8::new(*nz));
         let x = r[0] * cx + r[1] * cy + r[2] * cz + t[0];
         let y = r[3] * cx + r[4] * cy + r[5] * cz + t[1];
         let z = r[6] * cx + r[7] * cy + r[8] * cz + t[2];
-        let along = f32x8::new(*nx) * x + f32x8::new(*ny) * y + f32x8::new(*nz) * z;
-        f32x8::new(*base) + along - f32x8::new(*radius) * turn
+        let along = nx * x + ny * y + nz * z;
+        let u = r[0] * nx + r[3] * ny + r[6] * nz - f32x8::new(*mx);
+        let v = r[1] * nx + r[4] * ny + r[7] * nz - f32x8::new(*my);
+        let w = r[2] * nx + r[5] * ny + r[8] * nz - f32x8::new(*mz);
+        let turned = (u * u + v * v + w * w).sqrt();
+        f32x8::new(*base) + along - f32x8::new(*radius) * turned
     }
 }

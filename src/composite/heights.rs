@@ -11,8 +11,8 @@ pub(super) fn unit(v: &Vector3<f64>) -> Option<Vector3<f64>> {
     (square > 0.5 && square < 2.0).then(|| v / sqrt(square))
 }
 
-/// Returns an upper bound of the height along `n` of all points below a node, in stored units of the
-/// body.
+/// Returns an upper bound of the height along `n` of all points below a node, in stored units of
+/// the body.
 pub(super) fn height(tree: &Tree, node: u32, n: &Vector3<f64>) -> f64 {
     let b = &tree.boxes[node as usize];
     let (unit, half) = (tree.unit(), b.half());
@@ -21,14 +21,12 @@ pub(super) fn height(tree: &Tree, node: u32, n: &Vector3<f64>) -> f64 {
         let [x, y, z] = [0, 1, 2].map(|k| (b.axis(k).dot(n) * half[k]).abs());
         n.dot(&centre) + (x + y + z) * unit
     };
-    match tree.slab(node) {
-        // n = s m + rest: the slab bounds what m contributes, the box the rest, which is next to
-        // nothing where n is m.
-        Some(slab) => {
-            let s = n.dot(&slab.normal);
-            let end = if s > 0.0 { slab.high } else { slab.low };
-            s * end + of_box(&(n - slab.normal * s))
-        }
-        None => of_box(n),
-    }
+    let Some(slab) = tree.slab(node) else { return of_box(n) };
+    let part = |k: usize, along: f64| along * if along > 0.0 { slab.high[k] } else { slab.low[k] };
+    let [x, y, s] = slab.axes.map(|a| a.dot(n));
+    // n = s m + rest with the normal m: the slab bounds what m contributes, the box the rest, which
+    // is next to nothing if n is m. The slab alone is better for its own node.
+    let top = part(2, s);
+    let rest = of_box(&(n - slab.axes[2] * s));
+    top + rest.min(part(0, x) + part(1, y) + slab.doubt)
 }

@@ -16,10 +16,7 @@ use super::tree::{Below, OrientedBox, Tree};
 use crate::num::sign;
 use crate::polyhedron::{exponent_of, power_of_two};
 use crate::tolerance::{FLUSH_EXPONENT, UNIT_SINGLE};
-
-/// Segments tried. A first zero is rare already, and the ends are in general position against
-/// anything made of round numbers.
-const SEGMENTS: usize = 24;
+use crate::tuning::composite::SEGMENTS;
 
 impl Mesh {
     /// The winding number about a point in stored coordinates that does not lie on the surface.

@@ -4,16 +4,10 @@ use alloc::vec::Vec;
 use nalgebra::{Matrix3, Vector3};
 
 use super::frame::Frame;
-use super::front::{Front, Pair};
+use super::front::{Front, Pair, Place};
 use super::search::{Judge, MeshWork, Search};
 use crate::num::scalar::sqrt;
-
-/// Motions up to this, as the norm of the difference of rotations and as a part of L, are worth a
-/// front: some 2.4 degrees. Not a matter of soundness.
-const NEAR: f64 = 1.0 / 24.0;
-
-/// Motions beyond this begin anew. Not a matter of soundness.
-const JUMP: f64 = 1.0 / 12.0;
+use crate::tuning::composite::{FEW_ENTRIES, GROWTH, JUMP, NEAR};
 
 /// Front, last pairs and buffers.
 #[derive(Clone, Debug, Default)]
@@ -23,13 +17,15 @@ pub(super) struct Kept {
     last: [Option<Pair>; 2],
     pose: Option<(Matrix3<f64>, Vector3<f64>)>,
     stack: Vec<Pair>,
-    failed: Vec<u32>,
+    failed: Vec<Place>,
     pub(super) work: MeshWork,
 }
 
 impl Kept {
     pub(super) fn heap_bytes(&self) -> usize {
-        self.front.heap_bytes() + self.stack.capacity() * size_of::<Pair>() + 4 * self.failed.capacity()
+        self.front.heap_bytes()
+            + self.stack.capacity() * size_of::<Pair>()
+            + self.failed.capacity() * size_of::<Place>()
     }
 
     /// Finds the closest pair of items, by the front where there is one.
@@ -50,7 +46,7 @@ impl Kept {
         }
         if search.is_over() {
             self.front.clear();
-        } else if motion < NEAR && (self.front.is_empty() || self.front.len() > 2 * self.front.cut) {
+        } else if motion < NEAR && (self.front.is_empty() || self.front.len() > GROWTH * self.front.cut) {
             self.cut(search);
         }
         self.conclude(search);
@@ -71,8 +67,11 @@ impl Kept {
 
     fn conclude<J: Judge>(&mut self, search: &Search<J>) {
         self.work += search.work;
-        if let Some(best) = &search.best {
-            self.remember(best.pair);
+        let Some(best) = &search.best else { return };
+        match search.directions[0] {
+            // Of pairs that are equally close, the one whose direction proves the others.
+            Some((pair, _)) if pair != best.pair => self.last = [Some(pair), Some(best.pair)],
+            _ => self.remember(best.pair),
         }
     }
 
@@ -105,13 +104,13 @@ impl Kept {
 
     /// Proves the front again; what its directions do not prove gets new ones, or is split.
     fn renew<J: Judge>(&mut self, search: &mut Search<J>) {
-        self.front.turn_to(search.frame);
+        self.front.meet(&search.frame.single);
         self.failed.clear();
         let (failed, level) = (&mut self.failed, search.frame.single_up(search.level()));
-        self.front.test(&search.frame.single, level, |k| failed.push(k as u32));
+        self.front.test(&search.frame.single, level, |place| failed.push(place));
         search.work.entries += self.front.len() as u64;
         search.work.failed += self.failed.len() as u64;
-        if 2 * self.failed.len() > self.front.len() && self.front.len() > 16 {
+        if 2 * self.failed.len() > self.front.len() && self.front.len() > FEW_ENTRIES {
             return self.begin(search, 0.0);
         }
         self.stack.clear();
@@ -120,15 +119,14 @@ impl Kept {
                 return;
             }
             let mut pairs = [[0; 2]; 8];
-            (0..batch.len()).for_each(|k| pairs[k] = self.front.pair(batch[k] as usize));
+            (0..batch.len()).for_each(|k| pairs[k] = self.front.pair(batch[k]));
             let found = search.bound(&pairs[..batch.len()]);
             for k in (0..batch.len()).rev() {
-                let (at, pair) = (batch[k] as usize, pairs[k]);
+                let (at, pair) = (batch[k], pairs[k]);
                 let normal = [0, 1, 2].map(|c| found.normal[c][k]);
                 match search.settle(pair, found.gap[k], normal) {
                     Some((n, gap)) => {
-                        let ball = &search.b.boxes[pair[1] as usize];
-                        self.front.set(&search.frame.single, at, ball, n, gap);
+                        self.front.set(&search.frame.single, (search.a, search.b), at, n, gap);
                     }
                     None => {
                         self.front.remove(at);
@@ -144,7 +142,7 @@ impl Kept {
     fn cut<J: Judge>(&mut self, search: &mut Search<J>) {
         search.work.cuts += 1;
         self.front.clear();
-        self.front.turn_to(search.frame);
+        self.front.meet(&search.frame.single);
         search.start(&mut self.stack, Some(&mut self.front));
         search.descend(&mut self.stack, Some(&mut self.front));
         self.front.cut = self.front.len();

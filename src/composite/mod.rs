@@ -5,7 +5,7 @@
 //! precision), `frame` (a pair at a pose), `bounds` (eight pairs of boxes at once), `front` (what
 //! is kept of the last answer), `search` (down both trees), `kept` (front and search from frame to
 //! frame), `triangle` (two triangles), `inside` (winding numbers), `tracker` (what a caller keeps
-//! of a pair).
+//! of a pair), `separation` (pairs over time).
 //!
 //! # The proof
 //!
@@ -39,6 +39,7 @@ pub(crate) mod outcome;
 mod pair;
 pub(crate) mod pieces;
 pub(crate) mod search;
+pub(crate) mod separation;
 pub(crate) mod tracker;
 mod tree;
 mod triangle;

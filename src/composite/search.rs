@@ -8,6 +8,7 @@ use super::frame::Frame;
 use super::front::{Front, Pair};
 use super::heights::{height, unit};
 use super::tree::{Below, LEAF, Tree};
+use crate::tuning::composite::{AT_ONCE, FEW_ITEMS};
 
 /// What two leaves hold: triangles or convex pieces, by the number of the tree's items.
 pub(super) trait Judge {
@@ -111,16 +112,14 @@ pub(super) struct Search<'a, J: Judge> {
     pub(super) best: Option<Measured<J::Features>>,
     /// The least proven gap of all that was passed by below the distance.
     pub(super) lower: f64,
-    /// The direction of the best pair, which most others are proven by.
-    pub(super) direction: Option<Vector3<f64>>,
+    /// The direction of the best pair, by which most others are proven. Of several pairs that are
+    /// equally close, as in flush contact, the pairs whose directions proved the most lately.
+    pub(super) directions: [Option<(Pair, Vector3<f64>)>; 2],
     pub(super) work: MeshWork,
 }
 
 /// A direction and a gap along it that are proven, in single precision.
 type Proof = ([f32; 3], f32);
-
-/// Pairs taken off the stack at once: both halves of each make eight.
-const AT_ONCE: usize = 4;
 
 impl<'a, J: Judge> Search<'a, J> {
     pub(super) fn new((a, b): (&'a Tree, &'a Tree), frame: &'a Frame, judge: J, goal: Goal) -> Self {
@@ -132,7 +131,7 @@ impl<'a, J: Judge> Search<'a, J> {
             goal,
             best: None,
             lower: f64::INFINITY,
-            direction: None,
+            directions: [None; 2],
             work: MeshWork::default(),
         }
     }
@@ -168,12 +167,16 @@ impl<'a, J: Judge> Search<'a, J> {
         self.work.measured += 1;
         let found = self.judge.measure(self.frame, pair, self.level());
         let result = (found.normal, found.lower);
-        let closer = self
-            .best
-            .as_ref()
-            .is_none_or(|b| found.distance < b.distance || found.crosses && !b.crosses);
-        if closer {
-            self.direction = Some(found.normal);
+        let level = self.best.as_ref().map_or(f64::INFINITY, |b| b.distance);
+        let is_tie = found.distance <= level + self.frame.tie;
+        let is_closer = found.distance < level || found.crosses && self.best.as_ref().is_some_and(|b| !b.crosses);
+        let own = Some((pair, found.normal));
+        if found.distance < level - self.frame.tie || self.best.is_none() {
+            self.directions = [own, None];
+        } else if is_tie {
+            self.directions[1] = own;
+        }
+        if is_closer || self.best.is_none() {
             let before = self.best.replace(found);
             self.lower = self.lower.min(before.map_or(f64::INFINITY, |b| b.lower));
         } else {
@@ -219,9 +222,11 @@ impl<'a, J: Judge> Search<'a, J> {
             return Some((normal, gap - error));
         }
         let is_close = gap + 3.0 * error >= level || level < 8.0 * error;
-        if is_close && let Some(n) = self.direction {
+        for k in 0..if is_close { 2 } else { 0 } {
+            let Some((_, n)) = self.directions[k] else { break };
             let gap = self.look(pair, &n);
             if self.passes(gap) {
+                self.directions.swap(0, k);
                 return Some(self.proof(&n, gap));
             }
         }
@@ -281,7 +286,8 @@ impl<'a, J: Judge> Search<'a, J> {
         }
         let mut open = Open::new((i, m), (j, n));
         let own = unit(&Vector3::from(normal.map(f64::from)));
-        for n in [self.direction, own].into_iter().flatten() {
+        let [first, second] = self.directions.map(|d| d.map(|d| d.1));
+        for n in [first, second, own].into_iter().flatten() {
             self.along(&mut open, &n);
             if open.left == 0 {
                 break;
@@ -353,7 +359,7 @@ impl<'a, J: Judge> Search<'a, J> {
                 match self.settle(pair, found.gap[k], normal) {
                     Some((n, gap)) => {
                         if let Some(front) = front.as_deref_mut() {
-                            front.push(&self.frame.single, pair, &self.b.boxes[pair[1] as usize], n, gap);
+                            front.push(&self.frame.single, (self.a, self.b), pair, n, gap);
                         }
                     }
                     None => {
@@ -377,7 +383,7 @@ impl<'a, J: Judge> Search<'a, J> {
         match self.settle(root, found.gap[0], normal) {
             Some((n, gap)) => {
                 if let Some(front) = front {
-                    front.push(&self.frame.single, root, &self.b.boxes[0], n, gap);
+                    front.push(&self.frame.single, (self.a, self.b), root, n, gap);
                 }
             }
             None => stack.push(root),
@@ -467,11 +473,8 @@ impl Open {
     }
 }
 
-/// Items of a node that are few enough to be looked at one by one. Not a matter of soundness.
-const FEW: u32 = 64;
-
 /// The items of a node, if they are few.
 fn few(tree: &Tree, node: u32) -> Option<(u32, u32)> {
     let (first, last) = tree.range(node);
-    (last - first <= FEW).then_some((first, last))
+    (last - first <= FEW_ITEMS).then_some((first, last))
 }

@@ -30,11 +30,13 @@ use crate::pose::{Operand, RelativePose};
 /// let b = Mesh::from_convex(&solids::octahedron(0.5)?)?;
 /// let mut pair = MeshTracker::new();
 /// for k in 0..10 {
-///     let a_from_b = RelativePose::from_isometry(&Isometry3::translation(3.0, 0.1 * k as f64, 0.0))?;
+///     let pose = Isometry3::translation(3.0, 0.1 * k as f64, 0.0);
+///     let a_from_b = RelativePose::from_isometry(&pose)?;
 ///     let c = pair.closest(&a, &b, &a_from_b);
 ///     assert!(c.lower <= 1.5 && 1.5 <= c.upper);
 /// }
-/// let inside = RelativePose::from_isometry(&Isometry3::translation(0.1, 0.2, 0.0))?;
+/// let inside = Isometry3::translation(0.1, 0.2, 0.0);
+/// let inside = RelativePose::from_isometry(&inside)?;
 /// assert_eq!(pair.closest(&a, &b, &inside).class, Class::Overlapping);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -84,8 +86,8 @@ impl MeshTracker {
     /// Returns the front that is kept: pairs of nodes of A's and B's trees that are proven farther
     /// apart than the distance, under which every pair of triangles lies. [`Mesh::node_box`]
     /// returns their boxes.
-    pub fn front(&self) -> impl ExactSizeIterator<Item = [u32; 2]> + '_ {
-        (0..self.kept.front.len()).map(|k| self.kept.front.pair(k))
+    pub fn front(&self) -> impl Iterator<Item = [u32; 2]> + '_ {
+        self.kept.front.pairs()
     }
 
     /// Checks the front that is kept against all corners, at the pose of the last
@@ -104,15 +106,15 @@ impl MeshTracker {
     /// Adds to the claim of an entry.
     #[cfg(test)]
     pub(super) fn spoil(&mut self, entry: usize, by: f32) {
-        let entry = entry % self.kept.front.len();
-        self.kept.front.corrupt(entry, by);
+        let place = self.kept.front.place(entry % self.kept.front.len());
+        self.kept.front.corrupt(place, by);
     }
 
     /// Loses an entry.
     #[cfg(test)]
     pub(super) fn drop_entry(&mut self, entry: usize) {
-        let entry = entry % self.kept.front.len();
-        self.kept.front.remove(entry);
+        let place = self.kept.front.place(entry % self.kept.front.len());
+        self.kept.front.remove(place);
     }
 
     /// Returns the bytes kept on the heap.
@@ -188,9 +190,9 @@ impl MeshTracker {
             .free
             .as_ref()
             .map_or(0.0, |(lower, then)| lower - place(b, &frame).displacement(then));
-        self.kept.front.turn_to(&frame);
+        self.kept.front.meet(&frame.single);
         let mut least = f32::INFINITY;
-        self.kept.front.gaps(&frame.single, |_, gap| least = least.min(gap));
+        self.kept.front.gaps(&frame.single, |_, _, gap| least = least.min(gap));
         let mut bound = f64::from(least) * frame.single.unit;
         if bound > 0.0 && !(carried > 0.0) && !matches!(self.inside(a, b, &frame), Inside::No) {
             bound = 0.0;

@@ -89,7 +89,7 @@ fn candidate_facets(posed: &PosedPair, frame: &Transform<DoubleDouble>) -> Optio
 fn has_flat_faces(body: &ConvexPolyhedron) -> bool {
     body.faces().all(|f| {
         let vertex = |h: u32| body.points[body.topology.from(h) as usize];
-        let start = body.topology.rim_start(f.0);
+        let start = body.topology.rim_half_edge(f.0);
         let next = |h: u32| body.topology.half_edge(h).next;
         let [p, q] = [start, next(start)].map(vertex);
         // Tests p and q with both ends of every edge: three collinear vertices prove nothing.

@@ -48,7 +48,7 @@ use crate::pair::posed::PosedPair;
 use crate::pair::transform::Transform;
 #[cfg(feature = "exact")]
 use crate::tolerance::{AGREE_DEPTH, AGREE_WITNESS};
-use crate::tolerance::{CERTIFICATE, SHIFTS};
+use crate::tolerance::{CERTIFICATE, ORIGIN_SHIFTS};
 use crate::tuning::depth::SHIFTS_PLAIN;
 use nalgebra::Vector3;
 use result::{SearchEnd, SearchResult};
@@ -64,7 +64,7 @@ pub(crate) fn penetration_depth(posed: &PosedPair, memory: &mut Memory, draft: &
     memory.clear();
     draft.work.depths += 1;
     draft.lower = f64::NEG_INFINITY;
-    let shifts = &SHIFTS[..SHIFTS_PLAIN];
+    let shifts = &ORIGIN_SHIFTS[..SHIFTS_PLAIN];
     let is_done = memory.with_scratch(|memory, scratch| {
         let surface = &mut scratch.surface;
         let Some(found) = search(posed, &Transform::of(posed), draft.features, shifts, surface) else {
@@ -89,7 +89,13 @@ fn penetration_depth_in_double_double(posed: &PosedPair, draft: &mut Draft) {
     let Some(frame) = Transform::<DoubleDouble>::new(posed.a, posed.b, posed.pose) else {
         return;
     };
-    if let Some(found) = search(posed, &frame, draft.features, &SHIFTS, &mut EnclosingSurface::new()) {
+    if let Some(found) = search(
+        posed,
+        &frame,
+        draft.features,
+        &ORIGIN_SHIFTS,
+        &mut EnclosingSurface::new(),
+    ) {
         write_result(posed, &found, draft);
     }
     #[cfg(feature = "exact")]

@@ -13,7 +13,7 @@ use crate::pair::outcome::{Class, Solver};
 use crate::pair::posed::PosedPair;
 use crate::pair::transform::Transform;
 use crate::polyhedron::FeaturePair;
-use crate::tolerance::{AGREE_DEPTH, SHIFTS};
+use crate::tolerance::{AGREE_DEPTH, ORIGIN_SHIFTS};
 use crate::tuning::depth::{FEW_POINTS, FEW_TRIANGLES};
 
 use crate::depth::facet::{facets, height_of};
@@ -145,7 +145,7 @@ fn restart(
     draft: &mut Draft,
 ) -> bool {
     let Some(facet) = memory.facet else { return false };
-    match search(posed, frame, facet, &SHIFTS[..1], &mut scratch.surface) {
+    match search(posed, frame, facet, &ORIGIN_SHIFTS[..1], &mut scratch.surface) {
         Some(found) if found.end == SearchEnd::Closed => {
             write_overlap(posed, &found, draft);
             memory.keep(&scratch.surface, draft.features, None);

@@ -11,6 +11,7 @@ pub(crate) mod edge;
 pub(crate) mod face;
 pub(crate) mod outcome;
 pub(crate) mod posed;
+pub(crate) mod rounding;
 pub(crate) mod star;
 pub(crate) mod transform;
 pub(crate) mod world;

@@ -101,6 +101,37 @@ impl ConvexPolyhedron {
         self.face_rim(face).map(|h| VertexId(self.topology.from(h)))
     }
 
+    /// Returns triangles that make up the surface, as the ids of their vertices, counter-clockwise
+    /// seen from outside: a fan of each face, face by face. Both sides of a polygon; none for a
+    /// segment or a point. For drawing, and for files of meshes:
+    ///
+    /// ```
+    /// use lin_canny::nalgebra::Vector3;
+    /// use lin_canny::polyhedron::solids;
+    ///
+    /// let body = solids::cuboid(Vector3::new(0.5, 0.5, 0.5))?;
+    /// let vertices = body.vertex_points();
+    /// let vertices = vertices.map(|p| format!("v {} {} {}", p.x, p.y, p.z));
+    /// let faces = body.triangles().map(|t| {
+    ///     let [a, b, c] = t.map(|v| v.index() + 1);
+    ///     format!("f {a} {b} {c}")
+    /// });
+    /// let obj: Vec<String> = vertices.chain(faces).collect();
+    /// assert_eq!(obj.len(), 8 + 12);
+    /// # Ok::<(), lin_canny::BuildError>(())
+    /// ```
+    #[doc(alias = "indices")]
+    #[doc(alias = "trimesh")]
+    pub fn triangles(&self) -> impl Iterator<Item = [VertexId; 3]> + '_ {
+        self.faces().flat_map(|face| {
+            let first = self.face_vertices(face).next();
+            let second = self.face_vertices(face).skip(1);
+            let third = self.face_vertices(face).skip(2);
+            let sides = second.zip(third);
+            sides.filter_map(move |(b, c)| Some([first?, b, c]))
+        })
+    }
+
     /// Returns the edges of a face, counter-clockwise seen from outside, beginning with the edge
     /// that leaves the first of [`face_vertices`](Self::face_vertices).
     pub fn face_edges(&self, face: FaceId) -> impl Iterator<Item = EdgeId> + '_ {

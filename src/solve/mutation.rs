@@ -7,7 +7,7 @@ extern crate std;
 use alloc::{format, vec, vec::Vec};
 use std::cell::Cell;
 
-use lab::rng::Rng;
+use crate::rng::Rng;
 use nalgebra::{Isometry3, Unit, Vector3};
 
 use crate::num::packed::PackedVec3;
@@ -117,7 +117,7 @@ fn bodies() -> Vec<ConvexPolyhedron> {
         solids::cuboid(Vector3::new(1.0, 1.0, 1.0)).unwrap(),
         solids::icosahedron(1.0).unwrap(),
         solids::random_hull(40, Vector3::new(1.0, 0.8, 1e-4), 3).unwrap(),
-        solids::cone(64, 1.0, 0.5).unwrap(),
+        solids::cone(64, 1.0, 0.25).unwrap(),
     ]
 }
 

@@ -84,22 +84,20 @@ pub(crate) const BOX_EXTENT: f64 = 64.0 * UNIT;
 ///    by 16 v L |e|; the box's own part by 7 v h for axes that are orthonormal within 2 v, and 4
 ///    more; the part of the other box by 33 v h; the root and the quotient by 5 v. Sum: below 16 L
 ///    + 11 sqrt(3) rA + 33 sqrt(3) rB + 5 L, below 79 v L.
-/// 4. An entry of a front: the placed centre errs by 10 v L, its product with n by 4 v L; the
-///    radius times the turning, at most 3 r, by 7 v L with its sum; base and sum are below 6 L:
-///    together below 33 v L when the entry is made and as much when the entry is tested.
+/// 4. An entry of a front. Made: the placed centre errs by 10 v L, its product with n by 4 v L, the
+///    base by 4 v L; a direction turned to the other body's frame by 7 v, which moves heights by 7
+///    v L and makes the direction longer than one by as much. Tested: centre and product as before;
+///    the turned directions err by 7 v each, their difference and its length, at most 2, by 8 v: 30
+///    v r with the product by the radius; the sums by 4 v L. Sum: below 82 v L.
 ///
-/// 80 would do for 2 and 3, and 66 for 4.
+/// 82 would do.
 pub(crate) const BOXES: f64 = 96.0 * UNIT_SINGLE;
 
-/// Reduction of an entry of a front if the turning is taken into the entry, in units of the front's
-/// error, 96 v L: a product and two differences of numbers below 6 L, 18 v L, and room.
-pub(crate) const REBASED: f32 = 0.25;
-
-/// Error of the turning between two poses: both matrices err by `71 UNIT` in norm (see
-/// [`CERTIFICATE`](super::CERTIFICATE)), their difference by `174 UNIT` over the root of 2 (see
-/// [`DISPLACEMENT`](super::DISPLACEMENT)), and 8 UNIT of itself; f32 rounds the sum by 2^-24 of at
-/// most 3, which `BOXES` counts.
-pub(crate) const TURNED: f64 = 256.0 * UNIT;
+/// Error of a height of a vertex of a composite along a unit axis, in units of the farthest
+/// vertex's distance from the origin: a sum of three products errs by 3 UNIT, an axis longer than
+/// one by 4 UNIT counts by as much. Twice that is the error of a point put together from its
+/// heights along three axes that are normalised within 4 UNIT and perpendicular within 6.
+pub(crate) const SLAB_HEIGHT: f64 = 12.0 * UNIT;
 
 /// Largest shortfall of a gap in f64 below the distance, in units of L, at which a pair of nodes or
 /// triangles of a composite still passes: pairs in flush contact are all equally far, up to

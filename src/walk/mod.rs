@@ -51,7 +51,7 @@ fn test_pair<const CERTIFY: bool>(posed: &PosedPair, draft: &mut Draft) -> Step 
         (Vertex(v), Edge(e)) => vertex_edge::test::<CERTIFY, _>(&AFirst(posed), v.0, e.0, draft),
         (Edge(e), Vertex(v)) => vertex_edge::test::<CERTIFY, _>(&BFirst(posed), v.0, e.0, draft),
         (Vertex(v), Vertex(w)) => vertex_vertex::test::<CERTIFY>(posed, v.0, w.0, draft),
-        // Not a state: no step leads here (see `to_stand_on`).
+        // Not a state: no step leads here (see `walkable`).
         (Edge(_), Face(_)) | (Face(_), Edge(_) | Face(_)) => Step::Lost,
     }
 }
@@ -71,9 +71,9 @@ pub(crate) fn walk_observed<const CERTIFY: bool>(
     draft: &mut Draft,
     mut observe: impl FnMut(FeaturePair),
 ) -> bool {
-    let has_bands = posed.a.has_bands | posed.b.has_bands;
+    let has_large_rings = posed.a.has_large_rings | posed.b.has_large_rings;
     // Number of steps before the guard first checks.
-    let free = if has_bands { FIRST_NEWTON_JUMP } else { FREE };
+    let free = if has_large_rings { FIRST_NEWTON_JUMP } else { FREE };
     let (mut steps, mut jumps, mut guard) = (0, 0, None);
     loop {
         draft.work.steps += 1;
@@ -110,11 +110,11 @@ struct Guard {
 
 impl Guard {
     fn new(posed: &PosedPair) -> Self {
-        let has_bands = posed.a.has_bands | posed.b.has_bands;
+        let has_large_rings = posed.a.has_large_rings | posed.b.has_large_rings;
         Self {
             newton_jumps: 0,
             last_target: None,
-            next_jump: if has_bands { FIRST_NEWTON_JUMP } else { u32::MAX },
+            next_jump: if has_large_rings { FIRST_NEWTON_JUMP } else { u32::MAX },
             mark: None,
             next_mark: FREE,
             limit: step_limit(posed),
@@ -164,7 +164,7 @@ fn step_limit(posed: &PosedPair) -> u32 {
     let n = posed.a.topology.vertex_count() + posed.b.topology.vertex_count();
     let round = (4.0 * sqrt(n as f64)) as u32 + 16;
     // Newton jumps move a walk along large rings.
-    if posed.a.has_bands | posed.b.has_bands {
+    if posed.a.has_large_rings | posed.b.has_large_rings {
         round.min(LONGEST)
     } else {
         round

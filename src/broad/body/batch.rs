@@ -3,6 +3,7 @@
 use super::place::{Context, placed};
 use super::{Bodies, Marks, Record};
 use crate::broad::parallel::{Threads, ascends, join};
+use crate::broad::slots::is_living;
 use crate::broad::{Aabb, BatchError, BodyId, BroadPhaseError};
 use nalgebra::Point3;
 
@@ -34,7 +35,7 @@ impl Bodies {
         let run = Run {
             first: 0,
             records: &mut self.records,
-            generations: &self.generations,
+            generations: self.slots.generations(),
         };
         // Records can be distributed to threads only if each part of the batch names a part of the
         // table.
@@ -102,8 +103,8 @@ impl Run<'_> {
         let mut error = None;
         for (place, (id, aabb)) in batch.iter().enumerate() {
             let i = id.index.wrapping_sub(self.first) as usize;
-            let alive = self.generations.get(i) == Some(&id.generation) && id.generation % 2 == 1;
-            let Some(record) = self.records.get_mut(i).filter(|_| alive) else {
+            let is_living = is_living(self.generations, i, *id);
+            let Some(record) = self.records.get_mut(i).filter(|_| is_living) else {
                 let stale = BroadPhaseError::StaleId { body: *id };
                 error = BatchError::joined(error, Some(BatchError::one(place, stale)));
                 continue;

@@ -15,6 +15,7 @@ use super::grid::Grid;
 use super::parallel::{Threads, join};
 use super::state::{BroadPhaseState, HasState};
 use super::{Aabb, BatchError, BodyId, BroadPhase, Events, Settings, StoredBox};
+use crate::tuning::broad::WORLD_SHARE;
 use alloc::string::String;
 use alloc::vec::Vec;
 use column::{Column, who};
@@ -69,10 +70,6 @@ pub struct PencilSweep {
     scanned: u64,
     pub(super) parallel_from: usize,
 }
-
-/// A full sweep is done if this many times the moved bodies exceed all bodies; measured crossover
-/// near 9 %.
-const SWEEP_SHARE: usize = 10;
 
 impl PencilSweep {
     /// Returns an empty broad phase about the origin.
@@ -229,7 +226,7 @@ impl PencilSweep {
         if let Some(grid) = self.tuning.due(&self.state.bodies, entries) {
             self.rebuild(grid);
             self.sweep_all();
-        } else if self.state.bodies.marks.moved.len() * SWEEP_SHARE > self.state.bodies.len() {
+        } else if self.state.bodies.marks.moved.len() * WORLD_SHARE > self.state.bodies.len() {
             self.list_arrivals();
             self.sweep_all();
         } else {

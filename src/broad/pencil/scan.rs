@@ -25,6 +25,7 @@ use crate::broad::aabb::{StoredBox, max};
 use crate::broad::body::{Bodies, JUMPS, MIGRATES, Record};
 use crate::broad::change::{Changes, overlap};
 use crate::tolerance::{COLUMN_MOVE, COLUMN_SUM};
+use crate::tuning::broad::PENDING;
 use alloc::vec::Vec;
 use wide::f32x4;
 
@@ -290,9 +291,6 @@ fn only_box(e: Entry, record: &Record, cell: [u16; 2], step: u32) -> Option<Stor
 /// An entry, the first of eight entries compared with the entry, and a mask of the hits among the
 /// eight.
 type Hits = (u32, u32, u32);
-
-/// Number of windows with hits to collect before the hits are tested.
-const PENDING: usize = 32;
 
 /// Tests which of the hits are changes: in each round the first hit of every window, then of the
 /// windows with more hits. Results are always written and counted only if valid, since no branch

@@ -13,6 +13,7 @@ use crate::pair::outcome::{Class, Distance};
 use crate::polyhedron::FeaturePair;
 use crate::pose::RelativePose;
 use crate::tracker::Tracker;
+use crate::tuning::composite::TRACKERS;
 
 /// The closest points of two bodies of pieces, with proof.
 ///
@@ -62,9 +63,6 @@ pub struct CompositeTracker {
     kept: Kept,
     trackers: BTreeMap<Pair, Tracker>,
 }
-
-/// Trackers kept for each entry of the front; more are forgotten. Not a matter of soundness.
-const TRACKERS: usize = 4;
 
 impl CompositeTracker {
     /// Returns a tracker without a start.

@@ -6,41 +6,56 @@ use nalgebra::Vector3;
 
 use super::{Below, OrientedBox, Slab, Tree};
 use crate::num::scalar::sqrt;
-use crate::tolerance::{BOX_EXTENT, UNIT};
-
-/// A node thinner than this part of the tree's size gets a slab: about as thin as single precision
-/// can say.
-const SLAB: f64 = 1.0 / 131_072.0;
+use crate::tolerance::{BOX_EXTENT, SLAB_HEIGHT, UNIT};
+use crate::tuning::composite::{SLAB, SLAB_ITEMS, THINNER};
 
 /// Vertices in the tree's coordinates, by the range of triangles or pieces that use them.
 struct Vertices<'a, I> {
     places: Vec<Vector3<f64>>,
+    /// The same in stored coordinates of the body.
+    stored: &'a [Vector3<f64>],
+    /// By how much a height of a stored vertex may be off.
+    doubt: f64,
     items: &'a [I],
     /// The number of vertices that the items before each use.
     before: Vec<u32>,
 }
 
 impl<'a, I: AsRef<[u32]>> Vertices<'a, I> {
-    fn new(places: Vec<Vector3<f64>>, items: &'a [I]) -> Self {
+    fn new(places: Vec<Vector3<f64>>, stored: &'a [Vector3<f64>], doubt: f64, items: &'a [I]) -> Self {
         let mut most = 0;
         let mut before = vec![0];
         for item in items {
             most = item.as_ref().iter().fold(most, |m, &v| m.max(v + 1));
             before.push(most);
         }
-        Self { places, items, before }
+        Self {
+            places,
+            stored,
+            doubt,
+            items,
+            before,
+        }
     }
 
     /// Calls `visit` with every vertex of the items from `first` to `last`: those that come up
     /// there first are consecutive, and corners of earlier ones are few.
-    fn visit(&self, (first, last): (usize, usize), mut visit: impl FnMut(&Vector3<f64>)) {
+    fn visit(&self, range: (usize, usize), visit: impl FnMut(&Vector3<f64>)) {
+        self.visit_of(&self.places, range, visit);
+    }
+
+    fn visit_stored(&self, range: (usize, usize), visit: impl FnMut(&Vector3<f64>)) {
+        self.visit_of(self.stored, range, visit);
+    }
+
+    fn visit_of(&self, points: &[Vector3<f64>], (first, last): (usize, usize), mut visit: impl FnMut(&Vector3<f64>)) {
         let (low, high) = (self.before[first], self.before[last]);
-        self.places[low as usize..high as usize].iter().for_each(&mut visit);
+        points[low as usize..high as usize].iter().for_each(&mut visit);
         let older = self.items[first..last]
             .iter()
             .flat_map(|i| i.as_ref())
             .filter(|v| **v < low);
-        older.for_each(|&v| visit(&self.places[v as usize]));
+        older.for_each(|&v| visit(&points[v as usize]));
     }
 }
 
@@ -53,11 +68,21 @@ impl Tree {
         // What the shift to the tree's origin has rounded.
         let farthest = points.iter().fold(self.centre.amax(), |m, p| m.max(p.amax()));
         let slack = BOX_EXTENT * (1.0 + farthest * scale) + error * scale;
-        let vertices = Vertices::new(places, items);
+        let farthest = points.iter().fold(0.0, |m: f64, p| m.max(p.norm_squared()));
+        let vertices = Vertices::new(places, points, SLAB_HEIGHT * sqrt(farthest) + error, items);
         let ranges = self.ranges();
+        self.nearest = vec![u32::MAX; ranges.len()];
         for (node, &range) in ranges.iter().enumerate() {
             self.fit_node(node, range, &vertices, slack);
+            if let Below::Children(c) = self.below(node as u32) {
+                let own = self.nearest[node];
+                self.nearest[c as usize..c as usize + 2].fill(own);
+            }
         }
+        if self.slabs.is_empty() {
+            self.nearest = Vec::new();
+        }
+        self.slabs.shrink_to_fit();
         let reach = |b: &OrientedBox| sqrt(b.centre().norm_squared()) + f64::from(b.radius());
         let reach = self.boxes.iter().map(reach).fold(0.0, f64::max);
         self.reach = up(reach * (1.0 + 8.0 * UNIT));
@@ -80,43 +105,69 @@ impl Tree {
         let sides = high - low;
         if sides[2] < sides[0] / 64.0 {
             // Nearly flat: the normal of the largest triangle is as good an axis as there is.
-            if let Some(normal) = largest_normal(range, vertices) {
-                self.turn_to(node, &normal);
+            if let Some(axes) = self.flat_axes(node, range, vertices) {
+                self.turn_to(node, &axes);
                 (low, high) = extents(&self.boxes[node], range, vertices);
-                let (least, most) = heights(&normal, range, vertices);
-                if most - least < SLAB && range.1 - range.0 > 1 {
-                    self.push_slab(node as u32, &normal, least - slack, most + slack);
+                if range.1 - range.0 >= SLAB_ITEMS {
+                    self.push_slab(node, &axes, heights(&axes, range, vertices), vertices.doubt);
                 }
             }
         }
         self.store_extents(node, &low, &high, range, vertices, slack);
     }
 
-    /// Makes `normal` the third axis and the others perpendicular to it.
-    fn turn_to(&mut self, node: usize, normal: &Vector3<f64>) {
-        let first = self.boxes[node].axis(0);
-        let across = first - normal * normal.dot(&first);
-        let long = across / sqrt(across.norm_squared());
-        if !long.iter().all(|x| x.is_finite()) {
-            return;
-        }
-        let rows = [long, normal.cross(&long), *normal];
-        for (k, x) in rows.iter().flat_map(|r| r.iter()).enumerate() {
+    /// The normal of the largest triangle as the third axis; the first is the axis of the spread or
+    /// an edge of that triangle, whichever gives the smallest rectangle.
+    fn flat_axes<I: AsRef<[u32]>>(
+        &self,
+        node: usize,
+        range: (usize, usize),
+        vertices: &Vertices<I>,
+    ) -> Option<[Vector3<f64>; 3]> {
+        let ([a, b, c], normal) = largest_triangle(range, vertices)?;
+        let flat = [self.boxes[node].axis(0), b - a, c - b, a - c].map(|v| {
+            let across = v - normal * normal.dot(&v);
+            let long = across / sqrt(across.norm_squared());
+            [long, normal.cross(&long)]
+        });
+        let (mut low, mut high) = ([[f64::INFINITY; 2]; 4], [[f64::NEG_INFINITY; 2]; 4]);
+        vertices.visit(range, |p| {
+            for ((axes, low), high) in flat.iter().zip(&mut low).zip(&mut high) {
+                for k in 0..2 {
+                    let h = axes[k].dot(p);
+                    (low[k], high[k]) = (low[k].min(h), high[k].max(h));
+                }
+            }
+        });
+        let area = |k: &usize| (high[*k][0] - low[*k][0]) * (high[*k][1] - low[*k][1]);
+        let best = (0..4)
+            .filter(|&k| flat[k][0].iter().all(|x| x.is_finite()))
+            .min_by(|i, j| area(i).total_cmp(&area(j)))?;
+        let [long, wide] = flat[best];
+        Some([long, wide, normal])
+    }
+
+    fn turn_to(&mut self, node: usize, axes: &[Vector3<f64>; 3]) {
+        for (k, x) in axes.iter().flat_map(|r| r.iter()).enumerate() {
             self.boxes[node].rows[k / 8][k % 8] = *x as f32;
         }
     }
 
-    /// The slab in stored coordinates of the body.
-    fn push_slab(&mut self, node: u32, normal: &Vector3<f64>, low: f64, high: f64) {
-        let (unit, lift) = (self.unit(), normal.dot(&self.centre));
-        // Heights of points up to |centre| + reach: three roundings of products and sums, once more
-        // for the lift.
-        let slack = 8.0 * UNIT * (self.centre.abs().sum() + 4.0 * unit);
+    /// Keeps a slab, in stored coordinates of the body, if the node is thin, and much thinner than
+    /// the nearest ancestor with a slab. Heights are off by at most `slack`.
+    fn push_slab(&mut self, node: usize, axes: &[Vector3<f64>; 3], heights: (Vector3<f64>, Vector3<f64>), slack: f64) {
+        let (low, high) = heights;
+        let (unit, thickness) = (self.unit(), high.z - low.z);
+        let above = self.slab(node as u32).map(|s| s.high[2] - s.low[2]);
+        if !(thickness < SLAB * unit && above.is_none_or(|above| thickness < THINNER * above)) {
+            return;
+        }
+        self.nearest[node] = self.slabs.len() as u32;
         self.slabs.push(Slab {
-            node,
-            normal: *normal,
-            low: low * unit + lift - slack,
-            high: high * unit + lift + slack,
+            axes: *axes,
+            low: low.add_scalar(-slack).into(),
+            high: high.add_scalar(slack).into(),
+            doubt: 2.0 * slack,
         });
     }
 
@@ -168,11 +219,16 @@ fn extents<I: AsRef<[u32]>>(
     (low, high)
 }
 
-fn heights<I: AsRef<[u32]>>(normal: &Vector3<f64>, range: (usize, usize), vertices: &Vertices<I>) -> (f64, f64) {
-    let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-    vertices.visit(range, |p| {
-        let h = normal.dot(p);
-        (low, high) = (low.min(h), high.max(h));
+/// Least and greatest heights along three axes, in stored coordinates of the body.
+fn heights<I: AsRef<[u32]>>(
+    axes: &[Vector3<f64>; 3],
+    range: (usize, usize),
+    vertices: &Vertices<I>,
+) -> (Vector3<f64>, Vector3<f64>) {
+    let (mut low, mut high) = (Vector3::repeat(f64::INFINITY), Vector3::repeat(f64::NEG_INFINITY));
+    vertices.visit_stored(range, |p| {
+        let h = Vector3::new(axes[0].dot(p), axes[1].dot(p), axes[2].dot(p));
+        (low, high) = (low.inf(&h), high.sup(&h));
     });
     (low, high)
 }
@@ -184,16 +240,20 @@ fn dual_axes(b: &OrientedBox) -> [Vector3<f64>; 3] {
     [y.cross(&z) / volume, z.cross(&x) / volume, x.cross(&y) / volume]
 }
 
-/// The unit normal of the largest triangle of a range, of a piece's first three corners.
-fn largest_normal<I: AsRef<[u32]>>((first, last): (usize, usize), vertices: &Vertices<I>) -> Option<Vector3<f64>> {
+/// The largest triangle of a range, of a piece's first three corners, and its unit normal.
+fn largest_triangle<I: AsRef<[u32]>>(
+    (first, last): (usize, usize),
+    vertices: &Vertices<I>,
+) -> Option<([Vector3<f64>; 3], Vector3<f64>)> {
     let normal = |item: &I| {
-        let [a, b, c] = item.as_ref().first_chunk::<3>()?.map(|v| vertices.places[v as usize]);
-        Some((b - a).cross(&(c - a)))
+        let corners = item.as_ref().first_chunk::<3>()?.map(|v| vertices.places[v as usize]);
+        let [a, b, c] = corners;
+        Some((corners, (b - a).cross(&(c - a))))
     };
     let all = vertices.items[first..last].iter().filter_map(normal);
-    let largest = all.reduce(|m, n| if n.norm_squared() > m.norm_squared() { n } else { m })?;
+    let (corners, largest) = all.reduce(|m, n| if n.1.norm_squared() > m.1.norm_squared() { n } else { m })?;
     let unit = largest / sqrt(largest.norm_squared());
-    unit.iter().all(|x| x.is_finite()).then_some(unit)
+    unit.iter().all(|x| x.is_finite()).then_some((corners, unit))
 }
 
 /// The least number of single precision that is not below `x`.

@@ -46,14 +46,16 @@ impl OrientedBox {
     }
 }
 
-/// The slab of a nearly flat node in double precision, which single precision cannot hold:
-/// `low <= normal . x <= high` for every point below the node, in stored coordinates of the body.
+/// A box of a nearly flat node in double precision, which single precision cannot hold: the
+/// `heights` of every point below the node along the `axes` lie from `low` to `high`, in stored
+/// coordinates of the body. The third axis is the normal of the node's largest triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Slab {
-    node: u32,
-    pub(crate) normal: Vector3<f64>,
-    pub(crate) low: f64,
-    pub(crate) high: f64,
+    pub(crate) axes: [Vector3<f64>; 3],
+    pub(crate) low: [f64; 3],
+    pub(crate) high: [f64; 3],
+    /// By how much the sum of three heights' parts of a unit vector may be off.
+    pub(crate) doubt: f64,
 }
 
 /// The children of a node, or the triangles of a leaf.
@@ -77,8 +79,10 @@ const COUNT_SHIFT: u32 = 28;
 pub(crate) struct Tree {
     pub(crate) boxes: Vec<OrientedBox>,
     links: Vec<u32>,
-    /// Slabs of nearly flat nodes, by rising node.
+    /// Slabs of nearly flat nodes: of the highest ones, and of nodes that are much thinner still.
     slabs: Vec<Slab>,
+    /// The slab of each node or of its nearest ancestor that has one; empty if there is no slab.
+    nearest: Vec<u32>,
     /// Where the tree's origin is in stored coordinates of the body.
     pub(crate) centre: Vector3<f64>,
     /// The tree's lengths times `2^exponent` are stored lengths of the body: the tree's radius is
@@ -122,9 +126,9 @@ impl Tree {
         }
     }
 
+    /// The slab of a node or of its nearest ancestor that has one.
     pub(crate) fn slab(&self, node: u32) -> Option<&Slab> {
-        let at = self.slabs.binary_search_by_key(&node, |s| s.node).ok()?;
-        Some(&self.slabs[at])
+        self.slabs.get(*self.nearest.get(node as usize)? as usize)
     }
 
     /// One length of the tree in stored lengths of the body.
@@ -133,6 +137,7 @@ impl Tree {
     }
 
     pub(crate) fn heap_bytes(&self) -> usize {
-        size_of_val(&self.boxes[..]) + size_of_val(&self.links[..]) + size_of_val(&self.slabs[..])
+        let slabs = size_of_val(&self.slabs[..]) + size_of_val(&self.nearest[..]);
+        size_of_val(&self.boxes[..]) + size_of_val(&self.links[..]) + slabs
     }
 }

@@ -9,21 +9,7 @@ use super::eigen::axes;
 use super::{COUNT_SHIFT, LEAF_MARK, OrientedBox, Tree};
 use crate::num::scalar::sqrt;
 use crate::polyhedron::{bounding_box, exponent_of, power_of_two};
-
-/// A leaf of several triangles is no thicker than this part of its length: coarse bodies have thin
-/// leaves of one triangle, fine ones save two thirds of the boxes.
-const THIN: f64 = 1.0 / 16.0;
-
-/// A cut leaves at least one part in this many on each side, so that the depth is a logarithm.
-const LOPSIDED: usize = 8;
-
-/// Middles whose heights differ by less than this part of the tree's size are level: the rounding
-/// of single precision.
-const LEVEL: f32 = 8.0 * f32::EPSILON;
-
-/// From so few triangles on the corners count, not the middles: a few middles have no spread of
-/// their own.
-const FEW: usize = 16;
+use crate::tuning::composite::{FEW_CORNERS, LEVEL, LOPSIDED, THIN};
 
 /// A triangle or a piece while it is sorted, in the tree's coordinates.
 #[derive(Clone, Copy)]
@@ -140,7 +126,7 @@ impl<I: AsRef<[u32]>> Splitter<'_, I> {
         let mut sum = Moments::default();
         for item in &self.items[first..first + count] {
             let (weight, middle) = (f64::from(item.weight), Vector3::from(item.middle.map(f64::from)));
-            if count > FEW {
+            if count > FEW_CORNERS {
                 sum.add(weight, &middle);
             } else {
                 for corner in self.corners(item.number) {

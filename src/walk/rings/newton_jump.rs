@@ -69,7 +69,7 @@ impl<'a> Side<'a> {
                 Side::Edge(e.0, [p, q - p])
             }
             (None, Feature::Face(f)) => {
-                let p = at(t.half_edge(t.rim_start(f.0)).to);
+                let p = at(t.half_edge(t.rim_half_edge(f.0)).to);
                 Side::Face(f.0, [p, body.planes[f.index()].normal])
             }
         })
@@ -243,7 +243,7 @@ pub(crate) fn newton_jump(posed: &PosedPair, draft: &mut Draft) -> bool {
     let jump = NewtonJump { posed, a: &a, b: &b };
     match jump.target() {
         Some(to) => {
-            draft.features = to.to_stand_on(posed.a, posed.b);
+            draft.features = to.walkable(posed.a, posed.b);
             true
         }
         None => false,
