@@ -269,6 +269,11 @@ where
         out: &mut Vec<ContactManifold<M, C>>,
         kept: &mut Option<ContactManifoldsWorkspace>,
     ) -> Result<(), Unsupported> {
+        // parry asserts on both inside of composites; the contacts there are left as they are.
+        let prediction = if prediction >= 0.0 { prediction } else { 0.0 };
+        if !pos12.is_finite() && !(is_single(a) && is_single(b)) {
+            return Err(Unsupported);
+        }
         match (compound(a), compound(b)) {
             (Some(c), Some(d)) => {
                 contact_manifolds_composite_shape_composite_shape(self, pos12, c, d, prediction, out, kept);

@@ -66,8 +66,8 @@ fn distances_agree_with_parry_where_parry_is_right() {
     let list = kinds(&mut rng, 1.0);
     let (mut apart, mut together) = (0, 0);
     for _ in 0..40 {
-        for a in &list[..CONVEX] {
-            for b in &list[..CONVEX] {
+        for (k, a) in list[..CONVEX].iter().enumerate() {
+            for (l, b) in list[..CONVEX].iter().enumerate() {
                 let apart_by = rng.range(0.0, 3.0);
                 let pos12 = random_pose(&mut rng, apart_by);
                 let d = ours.distance(&pos12, &**a, &**b).expect("supported").distance;
@@ -87,9 +87,13 @@ fn distances_agree_with_parry_where_parry_is_right() {
                     .contact(&pos12, &**a, &**b, 10.0)
                     .expect("supported")
                     .expect("within");
+                // Closed forms of parry: a ball with a simple shape, two cuboids, two capsules.
+                let is_parrys = matches!((k, l), (2 | 3 | 4, 3) | (3, 2 | 4) | (2, 2) | (4, 4));
                 let witness = (pos12 * contact.point2 - contact.point1).dot(contact.normal1);
-                assert!((witness - contact.dist).abs() < 3e-6, "{witness} {}", contact.dist);
-                assert!((contact.normal1 + pos12.rotation * contact.normal2).length() < 1e-5);
+                let off = (witness - contact.dist).abs();
+                assert!(is_parrys || off < 1e-5, "{witness} {}: {k} {l}", contact.dist);
+                let opposed = (contact.normal1 + pos12.rotation * contact.normal2).length();
+                assert!(is_parrys || opposed < 1e-5, "{opposed}: {k} {l}");
                 let meets = ours
                     .intersection_test(&pos12, &**a, &**b)
                     .expect("supported")
@@ -156,7 +160,7 @@ fn manifolds_have_no_other_memory() {
             let ours = Certified::default();
             let mut kept = Manifolds::new();
             for k in 0..20 {
-                let pos12 = Pose::translation(0.02 * k as Real - 1.6, 0.1, 0.2);
+                let pos12 = Pose::translation(0.08 * k as Real - 1.6, 0.1, 0.2);
                 let mut again = kept.clone();
                 ours.contact_manifolds(&pos12, &**a, &**b, 0.02, &mut kept, &mut None)
                     .expect("supported");
@@ -279,17 +283,6 @@ fn no_query_panics() {
     for a in &list {
         for b in &list {
             for pose in &poses {
-                // What parry refuses by a panic of its own is not ours to answer.
-                let is_plain = |s: &SharedShape| s.compute_local_aabb().half_extents().is_finite();
-                let is_bad = !pose.is_finite() || pose.rotation.length() < 0.5;
-                if is_bad && (a.as_composite_shape().is_some() || b.as_composite_shape().is_some()) {
-                    continue;
-                }
-                if !(is_plain(a) && is_plain(b))
-                    && (a.as_composite_shape().is_some() || b.as_composite_shape().is_some())
-                {
-                    continue;
-                }
                 let mut kept = Manifolds::new();
                 for prediction in [0.02, 0.0, Real::NAN] {
                     let made = ours.contact_manifolds(pose, &**a, &**b, prediction, &mut kept, &mut None);
