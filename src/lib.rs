@@ -43,7 +43,8 @@
 //! | When do they meet? | [`impact::cast`], [`impact::cast_within`] | a proven bracket or a proven miss |
 //! | When must a pair be measured again? | [`schedule::Schedule`] | due pairs, by integer ticks |
 //! | Meshes that are not convex? | [`MeshTracker`] on [`Mesh`]es | the same questions, [`MeshOutcome`]; inside a solid is an overlap |
-//! | Bodies of several convex pieces? | [`CompositeTracker`] on [`Composite`]s | [`CompositeOutcome`] |
+//! | Bodies of several convex pieces, or a convex body and a mesh? | [`CompositeTracker`] on [`Composite`]s and [`Mesh`]es | [`CompositeOutcome`] |
+//! | Which points hold meshes apart? | [`PatchTracker`] on [`ContactPatches`] | [`PatchContacts`]: points by direction, with names that last |
 //! | Many moving bodies? | [`scene::Scene`] | events and answers for the effects called for |
 //! | Only the pairs of boxes? | [`broad::PencilSweep`] | pairs, events, stable ids |
 //! | Which feature pairs would the walk test? | [`Tracker::trace`] | the walk, pair by pair |
@@ -185,8 +186,8 @@
 //!   question, are to be looked at. Else its bounds stay open, and are returned as they are.
 //! * Coordinates below 2^-200 of a body's radius are stored as zero, and the build report counts
 //!   them: answers are those of the body so stored.
-//! * Meshes and bodies of pieces have no depth, contacts or place in scenes yet; scenes do not
-//!   request times of impact yet. There is no dynamics: see rapier.
+//! * Meshes and bodies of pieces have no depth and no place in scenes yet, and contacts only in
+//!   shallow overlap; scenes do not request times of impact yet. There is no dynamics: see rapier.
 //! * Curved shapes ([`shape`]) have the same bounds; class and predicates are exact for polyhedra,
 //!   rounded or not, and within `3e-14 L` of contact undecided for others, whose closest points are
 //!   algebraic numbers: there `intersects` and `within` say yes.
@@ -278,8 +279,10 @@ mod tuning;
 mod walk;
 
 pub use composite::audit::FrontFault;
-pub use composite::mesh::{Mesh, MeshError, MeshKind, MeshPart, MeshReport};
+pub use composite::contact::{ContactPatches, PatchContact, PatchContacts, PatchTracker};
+pub use composite::mesh::{Mesh, MeshError, MeshInspection, MeshKind, MeshPart, MeshReport};
 pub use composite::outcome::{MeshFeature, MeshOutcome, MeshSpot};
+pub use composite::parts::Parts;
 pub use composite::pieces::{Composite, CompositeError, CompositeOutcome, CompositeTracker, Piece};
 pub use composite::search::MeshWork;
 pub use composite::tracker::MeshTracker;

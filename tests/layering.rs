@@ -272,13 +272,17 @@ const MAY_USE: &[(&str, &[&str])] = &[
         "composite",
         &[
             "composite",
+            "shape_tracker",
+            "shape",
             "tracker",
+            "contact",
             "pair",
             "motion",
             "polyhedron",
             "pose",
             "num",
             "tolerance",
+            "tuning",
         ],
     ),
     // Ids, ticks and bounds only.

@@ -85,8 +85,8 @@ pub(crate) const BOX_EXTENT: f64 = 64.0 * UNIT;
 ///    more; the part of the other box by 33 v h; the root and the quotient by 5 v. Sum: below 16 L
 ///    + 11 sqrt(3) rA + 33 sqrt(3) rB + 5 L, below 79 v L.
 /// 4. An entry of a front. Made: the placed centre errs by 10 v L, its product with n by 4 v L, the
-///    base by 4 v L; a direction turned to the other body's frame by 7 v, which moves heights by 7 v
-///    L and makes the direction longer than one by as much. Tested: centre and product as before;
+///    base by 4 v L; a direction turned to the other body's frame by 7 v, which moves heights by 7
+///    v L and makes the direction longer than one by as much. Tested: centre and product as before;
 ///    the turned directions err by 7 v each, their difference and its length, at most 2, by 8 v: 30
 ///    v r with the product by the radius; the sums by 4 v L. Sum: below 82 v L.
 ///
@@ -95,8 +95,8 @@ pub(crate) const BOXES: f64 = 96.0 * UNIT_SINGLE;
 
 /// Error of a height of a vertex of a composite along a unit axis, in units of the farthest
 /// vertex's distance from the origin: a sum of three products errs by 3 UNIT, an axis longer than
-/// one by 4 UNIT counts by as much. Twice that is the error of a point put together from its heights
-/// along three axes that are normalised within 4 UNIT and perpendicular within 6.
+/// one by 4 UNIT counts by as much. Twice that is the error of a point put together from its
+/// heights along three axes that are normalised within 4 UNIT and perpendicular within 6.
 pub(crate) const SLAB_HEIGHT: f64 = 12.0 * UNIT;
 
 /// Largest shortfall of a gap in f64 below the distance, in units of L, at which a pair of nodes or
