@@ -10,6 +10,7 @@
 //! instants of every miss.
 
 use lab::casts::solid;
+use lab::command::Arguments;
 use lab::contacts::plain;
 use lab::parry::casts::{Flight, nonlinear, sweep};
 use lab::parry::{self, ParryPose};
@@ -21,6 +22,8 @@ use lin_canny::motion::{Motion, Nlerp, Steady};
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::separation::PolyhedronPair;
 use lin_canny::{ConvexPolyhedron, RelativePose, Tracker, Velocity};
+use std::path::PathBuf;
+use std::process::ExitCode;
 
 type Trouble = Box<dyn std::error::Error>;
 
@@ -28,25 +31,30 @@ const STEP: f64 = 1.0 / 60.0;
 const SPEEDS: [f64; 7] = [10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0];
 const WAYS: [&str; 4] = ["discrete", "parry sweep", "parry nonlinear", "impact::cast"];
 
+const USAGE: &str = "\
+usage: bullet [--out FILE.svg] [--throws N]
+
+Small spinning bodies fly at a thin plate: which share of the hits each way to look at a step of 1/60 s misses, as a table and
+a picture.
+
+  --out FILE     the picture (default: target/bullet.svg)
+  --throws N     steps per speed (default: 2000)";
+
 struct Options {
-    out: String,
+    out: PathBuf,
     throws: usize,
 }
 
-fn options() -> Result<Options, Trouble> {
-    let mut options = Options {
-        out: "bullet.svg".into(),
-        throws: 2000,
-    };
-    let mut words = std::env::args().skip(1);
-    while let Some(word) = words.next() {
-        match word.as_str() {
-            "--out" => options.out = words.next().ok_or("--out needs a file")?,
-            "--throws" => options.throws = words.next().ok_or("--throws needs a number")?.parse()?,
-            other => return Err(format!("what is {other}? (see the head of examples/bullet.rs)").into()),
-        }
-    }
-    Ok(options)
+fn parse(arguments: Option<Arguments>) -> Result<Option<Options>, String> {
+    let Some(mut words) = arguments else { return Ok(None) };
+    let out = words.value("--out")?.unwrap_or("target/bullet.svg".into()).into();
+    let throws = words.number("--throws", 1, 2000)?;
+    words.files(0)?;
+    Ok(Some(Options { out, throws }))
+}
+
+fn main() -> ExitCode {
+    lab::command::main("bullet", USAGE, parse(Arguments::of_process()), run)
 }
 
 /// A body for both libraries.
@@ -141,8 +149,7 @@ fn judge(bodies: &[Body], plate: &Body, speed: f64, throws: usize) -> Result<([[
     Ok((tally, wrong))
 }
 
-fn main() -> Result<(), Trouble> {
-    let options = options()?;
+fn run(options: &Options) -> Result<(), Trouble> {
     let bodies = [
         body(&shapes::prism(6, 0.005, 0.05).points)?,
         body(&shapes::prism(12, 0.05, 0.004).points)?,
@@ -154,6 +161,7 @@ fn main() -> Result<(), Trouble> {
         "speed", "hits", WAYS[0], WAYS[1], WAYS[2], WAYS[3]
     );
     let mut lines = vec![vec![]; WAYS.len()];
+    let mut totals = [[0; 2]; 4];
     let mut wrong = 0;
     for speed in SPEEDS {
         let (tally, bad) = judge(&bodies, &plate, speed, options.throws)?;
@@ -166,16 +174,25 @@ fn main() -> Result<(), Trouble> {
         for (line, share) in lines.iter_mut().zip(share) {
             line.push((speed, share));
         }
+        for (total, way) in totals.iter_mut().zip(tally) {
+            *total = [total[0] + way[0], total[1] + way[1]];
+        }
     }
     println!("\ninstants that contradict a proven miss: {wrong}");
     let mut chart = Chart::new("Spinning rods and discs at a plate of 2 mm, steps of 1/60 s")
         .axes("speed, metres a second", "hits missed, per cent")
         .log_x()
-        .from_zero();
-    for (name, line) in WAYS.into_iter().zip(lines) {
-        chart = chart.line(name, line);
+        .from_zero()
+        .size(860, 400)
+        .legend_beside();
+    for ((name, line), [missed, of]) in WAYS.into_iter().zip(lines).zip(totals) {
+        // Lines at zero cover each other: the numbers are in the legend.
+        chart = chart.line(format!("{name}: {missed} of {of}"), line);
+    }
+    if let Some(folder) = options.out.parent() {
+        std::fs::create_dir_all(folder)?;
     }
     chart.save(&options.out)?;
-    println!("wrote {}", options.out);
+    println!("wrote {}", options.out.display());
     Ok(())
 }

@@ -4,41 +4,46 @@
 //! cargo run --release --example cast -- FILE
 //! ```
 //!
-//! Each line holds `A-points; B-points; A-start A-linear A-angular; B-start B-linear B-angular; t_end; tolerance`: points are `x y z`,
-//! separated by commas; a start is `x y z qx qy qz qw`, separated by a comma from the velocity of the body's origin, and that by a comma
-//! from its angular velocity. The answer is `hit SAFE HIT`, `miss`, `near SAFE`, `start` or `unknown SAFE`.
+//! `--help` describes a line.
 
+use lab::command::Arguments;
 use lin_canny::impact::{Impact, Tolerance, cast};
 use lin_canny::motion::Steady;
 use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, UnitQuaternion, Vector3};
 use lin_canny::separation::PolyhedronPair;
 use lin_canny::{ConvexPolyhedron, Velocity};
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+
+const USAGE: &str = "\
+usage: cast FILE
+
+Reads one cast a line and prints one answer a line: hit SAFE HIT, miss, near SAFE, start or unknown SAFE.
+
+  A-points; B-points; A-start, A-linear, A-angular; B-start, B-linear, B-angular; t_end; tolerance
+
+Points are `x y z`, separated by commas. A start is `x y z qx qy qz qw`, the pose of the body at time zero; linear is the
+velocity of the body's origin, angular the angular velocity, both `x y z`. The tolerance is a distance.";
 
 type Trouble = Box<dyn std::error::Error>;
 
+fn parse(words: Option<Arguments>) -> Result<Option<PathBuf>, String> {
+    let Some(arguments) = words else { return Ok(None) };
+    let mut files = arguments.files(1)?;
+    files.pop().map(|file| Some(file.into())).ok_or("name a file".into())
+}
+
 fn main() -> ExitCode {
-    let Some(file) = std::env::args().nth(1).filter(|f| !f.starts_with('-')) else {
-        eprintln!("usage: cast FILE (the head of examples/cast.rs says what a line holds)");
-        return ExitCode::FAILURE;
-    };
-    let text = match std::fs::read_to_string(&file) {
-        Ok(text) => text,
-        Err(e) => {
-            eprintln!("{file}: {e}");
-            return ExitCode::FAILURE;
-        }
-    };
+    lab::command::main("cast", USAGE, parse(Arguments::of_process()), |file| run(file))
+}
+
+fn run(file: &Path) -> Result<(), String> {
+    let text = std::fs::read_to_string(file).map_err(|e| format!("{}: {e}", file.display()))?;
     for (k, line) in text.lines().enumerate().filter(|(_, l)| !l.trim().is_empty()) {
-        match answer(line) {
-            Ok(answer) => println!("{answer}"),
-            Err(e) => {
-                eprintln!("{file}:{}: {e}", k + 1);
-                return ExitCode::FAILURE;
-            }
-        }
+        let answer = answer(line).map_err(|e| format!("{}:{}: {e}", file.display(), k + 1))?;
+        println!("{answer}");
     }
-    ExitCode::SUCCESS
+    Ok(())
 }
 
 /// The numbers of a text, which spaces and commas separate.

@@ -53,6 +53,7 @@ const FULL: Effects = Effects {
     features: true,
     depth: true,
     manifold: Some(ManifoldOptions::within(0.02)),
+    ..NONE
 };
 
 /// Growing sets, then the full one less one effect each. A manifold has features and depth, so it goes with either.

@@ -58,7 +58,7 @@ fn run(o: &Options) -> Result<(), String> {
         query.a.face_count(),
         query.b.vertex_count(),
         query.b.face_count(),
-        query.level,
+        query.accuracy,
         query.start.map_or("cold".to_owned(), |f| f.to_string()),
     );
     if o.trace {

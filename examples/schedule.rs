@@ -8,6 +8,7 @@
 //! brute force at every tick: the overlaps that begin and end are the same. The picture has a dot for every look: how long the pair was
 //! let sleep, against how long it truly stayed apart. Dots above the diagonal would be overlaps slept through.
 
+use lab::command::Arguments;
 use lab::plot::Chart;
 use lab::rng::Rng;
 use lin_canny::impact::free_until;
@@ -18,6 +19,8 @@ use lin_canny::schedule::{Schedule, ticks};
 use lin_canny::separation::PolyhedronPair;
 use lin_canny::{ConvexPolyhedron, RelativePose, Tracker, Velocity};
 use std::collections::{BTreeMap, BTreeSet};
+use std::path::PathBuf;
+use std::process::ExitCode;
 
 type Trouble = Box<dyn std::error::Error>;
 
@@ -27,32 +30,38 @@ const AHEAD: f64 = 64.0;
 /// What poses that are moved tick by tick may be off those of one motion, far more than 64 roundings.
 const DRIFT: f64 = 1e-10;
 
+const USAGE: &str = "\
+usage: schedule [--bodies N] [--ticks N] [--rate HZ] [--out FILE.svg]
+
+A swarm of spinning hulls, each pair asleep until its certificate runs out: how many looks that takes, compared with brute
+force at every tick, and a picture of every look.
+
+  --bodies N     hulls of 32 vertices (default: 40)
+  --ticks N      length of the run (default: 600)
+  --rate HZ      ticks per second (default: 60)
+  --out FILE     the picture (default: target/schedule.svg)";
+
 struct Options {
     bodies: usize,
     ticks: u64,
     rate: f64,
-    out: String,
+    out: PathBuf,
 }
 
-fn options() -> Result<Options, Trouble> {
-    let mut options = Options {
-        bodies: 40,
-        ticks: 600,
-        rate: 60.0,
-        out: "schedule.svg".into(),
+fn parse(arguments: Option<Arguments>) -> Result<Option<Options>, String> {
+    let Some(mut words) = arguments else { return Ok(None) };
+    let options = Options {
+        bodies: words.number("--bodies", 2, 40)?,
+        ticks: words.number("--ticks", 1, 600)?,
+        rate: words.number("--rate", 1e-3, 60.0)?,
+        out: words.value("--out")?.unwrap_or("target/schedule.svg".into()).into(),
     };
-    let mut words = std::env::args().skip(1);
-    while let Some(word) = words.next() {
-        let value = words.next().ok_or(format!("{word} needs a value"))?;
-        match word.as_str() {
-            "--bodies" => options.bodies = value.parse()?,
-            "--ticks" => options.ticks = value.parse()?,
-            "--rate" => options.rate = value.parse()?,
-            "--out" => options.out = value,
-            other => return Err(format!("what is {other}? (see the head of examples/schedule.rs)").into()),
-        }
-    }
-    Ok(options)
+    words.files(0)?;
+    Ok(Some(options))
+}
+
+fn main() -> ExitCode {
+    lab::command::main("schedule", USAGE, parse(Arguments::of_process()), run)
 }
 
 struct Swarm {
@@ -122,8 +131,7 @@ impl Swarm {
     }
 }
 
-fn main() -> Result<(), Trouble> {
-    let options = options()?;
+fn run(options: &Options) -> Result<(), Trouble> {
     let dt = 1.0 / options.rate;
     let mut swarm = Swarm::new(options.bodies)?;
     let all = |n: u32| (0..n).flat_map(move |a| (a + 1..n).map(move |b| (a, b)));
@@ -190,6 +198,9 @@ fn main() -> Result<(), Trouble> {
     let late = dots.iter().filter(|(meets, looks)| looks > meets).count();
     println!("overlaps slept through: {late} of {}", dots.len());
     let diagonal = [(1.0, 1.0), (AHEAD, AHEAD)];
+    if let Some(folder) = options.out.parent() {
+        std::fs::create_dir_all(folder)?;
+    }
     Chart::new("Every look at a pair apart: the sleep it earned, and when the pair truly met")
         .axes("ticks until the pair overlaps", "ticks until the next look")
         .log_x()
@@ -197,6 +208,6 @@ fn main() -> Result<(), Trouble> {
         .dots("a look", dots)
         .line("the moment of impact", diagonal)
         .save(&options.out)?;
-    println!("wrote {}", options.out);
+    println!("wrote {}", options.out.display());
     Ok(())
 }

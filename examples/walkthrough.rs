@@ -2,6 +2,7 @@
 //!
 //! `cargo run --release --example walkthrough -- [--out FILE.svg] [--bodies N] [--frames N]`
 
+use lab::command::Arguments;
 use lab::plot::{Chart, save_stack};
 use lab::progress::Progress;
 use lab::rng::Rng;
@@ -44,33 +45,25 @@ struct Options {
     frames: usize,
 }
 
-/// The options, or what to tell the user: `Ok(None)` when asked for help.
-fn parse(mut words: impl Iterator<Item = String>) -> Result<Option<Options>, String> {
-    let mut o = Options {
-        out: "target/walkthrough.svg".into(),
-        bodies: 10_000,
-        frames: 6_000,
+fn parse(arguments: Option<Arguments>) -> Result<Option<Options>, String> {
+    let Some(mut arguments) = arguments else {
+        return Ok(None);
     };
-    let number = |word: &str, value: String| value.parse().map_err(|_| format!("{word} needs a number"));
-    while let Some(word) = words.next() {
-        let mut value = || words.next().ok_or(format!("{word} needs a value"));
-        match word.as_str() {
-            "-h" | "--help" => return Ok(None),
-            "--out" => o.out = value()?,
-            "--bodies" => o.bodies = number(&word, value()?)?,
-            "--frames" => o.frames = number(&word, value()?)?,
-            _ => return Err(format!("{word} is no option")),
-        }
-    }
-    Ok(Some(o))
+    let options = Options {
+        out: arguments.value("--out")?.unwrap_or("target/walkthrough.svg".into()),
+        bodies: arguments.number("--bodies", 1, 10_000)?,
+        frames: arguments.number("--frames", 1, 6_000)?,
+    };
+    arguments.files(0)?;
+    Ok(Some(options))
 }
 
 fn main() -> ExitCode {
-    let parsed = parse(std::env::args().skip(1));
-    lab::command::main("walkthrough", USAGE, parsed, walkthrough)
+    lab::command::main("walkthrough", USAGE, parse(Arguments::of_process()), walkthrough)
 }
 
 fn walkthrough(options: &Options) -> Result<(), Trouble> {
+    println!("drawing to {}", options.out);
     let mut field = Field::new(options.bodies)?;
     let flight = fly(&mut field, options.frames)?;
     tell(options, &flight);
@@ -185,16 +178,16 @@ fn draw(options: &Options, flight: &Flight, slab: &[(BodyId, (f64, f64))]) -> Re
     let (touched, others): (Vec<_>, Vec<_>) = slab.iter().partition(|(id, _)| flight.met.contains(id));
     let places = |list: Vec<&(BodyId, (f64, f64))>| list.into_iter().map(|(_, at)| *at).collect::<Vec<_>>();
     let plan = Chart::new(format!(
-        "way of the probe, and bodies within one unit of its mean height ({} in all)",
+        "path of the probe, and the bodies at its height ({} in all)",
         options.bodies
     ))
     .axes("x", "y")
     .legend_beside()
     .size(860, 620)
-    .line("free", flight.free.iter().copied())
-    .dots("too close", flight.close.iter().copied())
-    .dots("bodies", places(others))
-    .dots("bodies met", places(touched));
+    .backdrop("bodies", places(others))
+    .line("path, farther than 0.25 from all", flight.free.iter().copied())
+    .dots("path, within 0.25 of a body", flight.close.iter().copied())
+    .dots("bodies within 0.25 of the path", places(touched));
     let group = 50;
     let smooth = |value: fn(&Report) -> u64| {
         let mean = |(k, part): (usize, &[Report])| {
@@ -203,15 +196,14 @@ fn draw(options: &Options, flight: &Flight, slab: &[(BodyId, (f64, f64))]) -> Re
         };
         flight.reports.chunks(group).enumerate().map(mean).collect::<Vec<_>>()
     };
-    let work = Chart::new("pairs a frame, mean of fifty")
+    let work = Chart::new("pairs per frame, mean of fifty frames")
         .axes("frame", "pairs")
         .legend_beside()
         .from_zero()
         .size(860, 300)
         .line("pairs of boxes", smooth(|r| r.counts.pairs))
-        .line("asked", smooth(|r| r.counts.queries));
+        .line("pairs queried", smooth(|r| r.counts.queries));
     save_stack(&[&plan, &work], &options.out)?;
-    println!("drawn: {}", options.out);
     Ok(())
 }
 

@@ -1,32 +1,47 @@
 //! Closest features of moving convex polyhedra, tracked from frame to frame, with a proven bound on
 //! every answer.
 //!
+//! Two bodies at a pose have a signed distance: how far apart they are or, if they overlap, minus
+//! the length of the shortest translation that separates them. A [`Tracker`] remembers the closest
+//! features of one pair and finds the features of the next frame in a few steps. Every distance and
+//! depth comes with a lower and an upper bound that hold for the poses given, rounding included.
+//! Curved shapes, meshes, scenes of many bodies and times of impact stand on the same bounds.
+//!
 #![doc = include_str!("../images/hero.svg")]
 //!
 //! *Left: a tracked pair, the Voronoi region of the closest face, and the features met on the way.
-//! Right: the feature pairs looked at in a frame against the motion in it. Pictures of this page:
+//! Right: feature pairs tested per frame against the motion per frame. Pictures of this page:
 //! `cargo run --release --example figures`.*
 //!
 //! # Quick start
 //!
 //! ```
 //! use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
-//! use lin_canny::{ConvexPolyhedron, RelativePose, Tracker, polyhedron::solids};
+//! use lin_canny::{ConvexPolyhedron, RelativePose, Tracker};
+//! use lin_canny::polyhedron::solids;
 //!
 //! let part = solids::cuboid(Vector3::new(0.5, 0.5, 0.5))?;
-//! let corners = [[0., 0., 0.], [2., 0., 0.], [0., 2., 0.], [0., 0., 2.]].map(Point3::from);
-//! let wedge = ConvexPolyhedron::from_points(&corners)?; // an error names the point and what is wrong with it
+//! let corners =
+//!     [[0., 0., 0.], [2., 0., 0.], [0., 2., 0.], [0., 0., 2.]].map(Point3::from);
+//! // An error names the point and what is wrong with it.
+//! let wedge = ConvexPolyhedron::from_points(&corners)?;
 //!
-//! let mut pair = Tracker::new(); // one for each pair: the features of the last answer
+//! let mut pair = Tracker::new(); // one per pair of bodies
 //! for frame in 0..10 {
-//!     let part_pose = Isometry3::translation(4.0 - 0.1 * f64::from(frame), 0.5, 0.5);
-//!     let wedge_from_part = RelativePose::new(&Isometry3::identity(), &part_pose)?;
+//!     let x = 4.0 - 0.1 * f64::from(frame);
+//!     let pose = Isometry3::translation(x, 0.5, 0.5);
+//!     let wedge_from_part = RelativePose::new(&Isometry3::identity(), &pose)?;
 //!     let c = pair.closest(&wedge, &part, &wedge_from_part);
 //!     assert!(c.lower <= c.distance && c.distance <= c.upper);
-//!     println!("{} {:.6} +- {:.0e}", c.features, c.distance, (c.upper - c.lower) / 2.0);
+//!     println!("{} {:.6}", c.features, c.distance);
 //! }
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+//!
+//! **Frames.** Body A sets the frame: [`RelativePose`] maps B's coordinates to A's (`a_from_b`).
+//! `point_on_a` and `normal` are in A's frame, `point_on_b` in B's;
+//! [`in_world`](Outcome::in_world) maps all three to the world. The normal is a unit vector from A
+//! to B. Lengths are in the caller's unit, whatever the unit.
 //!
 //! # Which function?
 //!
@@ -45,37 +60,101 @@
 //! | Meshes that are not convex? | [`MeshTracker`] on [`Mesh`]es | the same questions, [`MeshOutcome`]; inside a solid is an overlap |
 //! | Bodies of several convex pieces, or a convex body and a mesh? | [`CompositeTracker`] on [`Composite`]s and [`Mesh`]es | [`CompositeOutcome`] |
 //! | Which points hold meshes apart? | [`PatchTracker`] on [`ContactPatches`] | [`PatchContacts`]: points by direction, with names that last |
-//! | Many moving bodies? | [`scene::Scene`] | events and answers for the effects called for |
+//! | Many moving bodies? | [`scene::Scene`] | events and answers for the effects called for; [`closest_pair`](scene::Scene::closest_pair) |
 //! | Only the pairs of boxes? | [`broad::PencilSweep`] | pairs, events, stable ids |
 //! | Which feature pairs would the walk test? | [`Tracker::trace`] | the walk, pair by pair |
 //! | How do I report this query? | [`Tracker::replay`] | [`Replay`]: a text that rebuilds it bit for bit |
-//! | Balls, capsules, cylinders, cones, ellipsoids, anything rounded? | [`ShapeTracker`] on [`Shape`] | the same questions, [`Outcome`] |
+//! | Balls, capsules, cylinders, cones, ellipsoids, anything rounded? | [`ShapeTracker`] on [`Shape`] | the same questions, [`Outcome`], [`Manifold`] |
 //! | Where does B stand? | [`RelativePose::new`] | a checked pose, or a [`PoseError`] |
 //! | A body of points, of faces? | [`ConvexPolyhedron::from_points`], [`from_faces`](ConvexPolyhedron::from_faces) | a body with its [`BuildReport`], or a [`BuildError`] |
+//! | How much does the hull of a mesh add? | [`Mesh::hull_fit`] | [`HullFit`]: volumes and the largest gap |
 //! | A common solid? | [`polyhedron::solids`] | a body |
 //! | A flat body? | [`polygon`](ConvexPolyhedron::polygon), [`segment`](ConvexPolyhedron::segment), [`point`](ConvexPolyhedron::point) | a body |
 //! | Is a point inside, what is the nearest one? | [`contains`](ConvexPolyhedron::contains), [`closest_point`](ConvexPolyhedron::closest_point) | one body, one point |
 //!
-//! Bodies that overlap are a negative distance apart: minus the length of the shortest shift that
-//! parts them, B along the normal.
+//! # Guarantees
 //!
-//! A, the first body, sets the frame: [`RelativePose`] maps B's coordinates into A's (`a_from_b`),
-//! `point_on_a` and `normal` are in A's frame, `point_on_b` is in B's: `pose_a * point_on_a` and
-//! `pose_b * point_on_b` are in the world. The normal is a unit vector from A to B. Lengths are in
-//! the caller's unit, whatever it is.
+//! * **Bounds hold.** The true signed distance lies in `lower..=upper`, for the bits given: a
+//!   vertex v at the pose (q, t) is at `R(q) v / |q|^2 + t`, over the rationals. Every constant
+//!   stands with its derivation in [`tolerance`].
+//! * **One decision through contact.** Separated, touching and overlapping are one continuous
+//!   quantity with one normal and the same features; no second algorithm can disagree at contact.
+//! * **State changes time, never the answer.** Class and predicates are the same warm and cold, A
+//!   to B and B to A, and distances agree within their bounds. Only among exact ties may features
+//!   follow the history. A tracker last used with other bodies costs time and nothing else.
+//! * **No absolute tolerance.** A scene scaled by a power of two gives the answer scaled bit for
+//!   bit, unless the scale puts the sizes of two bodies on both sides of 2^105, 2^-105 or another
+//!   border between units of storage: then class and bounds agree.
+//! * **Bad input is refused when a body or a pose is made** ([`BuildError`], [`PoseError`]), with
+//!   its index or value. After that no query panics, loops without bound or returns NaN. (Debug
+//!   builds check every answer and panic, with a text that replays the query, on a defect of the
+//!   crate.)
+//! * Bodies are [`Send`] and [`Sync`] and never change; a tracker belongs to one pair at a time and
+//!   owns no body. The crate contains no `unsafe` code.
 //!
-//! # Bodies and poses of parry and rapier
+//! | level | promise |
+//! |---|---|
+//! | [`Tracker::propose`] | the result of the walk: no bounds in its type |
+//! | [`Tracker::closest`], [`Tracker::distance`] | bounds no wider than `1e-13 L` |
+//! | `Tracker::closest_exact` | the class is exact and the distance within one unit in the last place |
+//! | [`Tracker::intersects`], [`Tracker::within`] | exact with the feature `exact`; without the feature, ties count as within |
+//! | [`impact::cast`] | a bracket of the first contact of two motions, or a miss, proven for every instant |
 //!
-//! The types of this crate are those of [`nalgebra`], in `f64`; parry and rapier have `glam`'s,
-//! rapier mostly in `f32`. What goes over is numbers. A rotation from `f32` has to be normalised in
-//! `f64`, or it is refused ([`PoseError`]).
+//! L is the sum of both radii and the distance between the reference points of the two bodies. The
+//! reference point of a body is its origin; in a coordinate in which the middle of the body's box
+//! is more than two half diagonals from the origin, the middle of the box. For bodies far from
+//! their own origin 2^-49 of that distance is added to L. What each level costs, and where the
+//! crate loses: [`cost`].
+//!
+//! # Limits
+//!
+//! * A body's extent lies between 1e-100 and 1e100; one body may be any number of times larger than
+//!   the other. Coordinates below 2^-200 of a body's radius are stored as zero and counted in the
+//!   build report.
+//! * Of an overlap, the witnesses lie on the supporting planes of the features named, not always on
+//!   the features: see [`Outcome::features`].
+//! * The depth of an overlap takes a microsecond for small motions; more if bodies lie deep or turn
+//!   far; milliseconds for round bodies of thousands of faces about one centre.
+//! * Degenerate depths that no floating-point arithmetic decides (a needle a billionth as thick as
+//!   long laid into its like) are decided facet by facet over integers, with the feature `exact`:
+//!   below a millisecond for boxes, a tenth of a second for twin plates of 59 sides. The faces must
+//!   be flat to the last bit, as the faces of hulls are, and at most four million pairs of edges
+//!   are examined, 65,536 of them exactly. Otherwise the bounds stay open and are returned as they
+//!   are.
+//! * Meshes and bodies of pieces have no depth yet, and contacts ([`PatchTracker`]) in shallow overlap
+//!   alone.
+//! * Curved shapes ([`shape`]) have the same bounds. Class and predicates are exact for polyhedra,
+//!   rounded or not; for other shapes within `3e-14 L` of contact they are undecided, and
+//!   `intersects` and `within` return true.
+//! * There is no dynamics: see rapier.
+//!
+//! # Recipes
+//!
+//! ## Poses from `f32`, files and integration
+//!
+//! [`RelativePose::new`] refuses a rotation whose squared norm differs from 1 by more than 1e-12.
+//! [`RelativePose::normalized`] normalises both rotations first, and [`normalize`] does so for the
+//! poses of a scene.
+//!
+//! ## Another version of nalgebra
+//!
+//! The types of the interface are those of [`lin_canny::nalgebra`](nalgebra). Numbers cross between
+//! versions as arrays: `[[f64; 3]]` for points, `pose.translation.vector` and
+//! `pose.rotation.coords` for poses.
+//!
+//! ## Bodies and poses of parry and rapier
+//!
+//! parry and rapier use `glam`, rapier mostly in `f32`; numbers cross as arrays. A rotation from
+//! `f32` has to be normalised in `f64`.
 //!
 //! ```
-//! use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion};
+//! use lin_canny::nalgebra::{Isometry3, Point3, Translation3};
+//! use lin_canny::nalgebra::{Quaternion, UnitQuaternion};
 //! use lin_canny::{BuildError, ConvexPolyhedron, RelativePose, Tracker};
-//! use parry3d::{math::{Pose, Vector}, shape}; // `rapier3d::parry` and `rapier3d::math` are the same
+//! // `rapier3d::parry` and `rapier3d::math` are the same.
+//! use parry3d::{math::{Pose, Vector}, shape};
 //!
-//! /// The hull of vertices: of `Cuboid::to_trimesh`, `ConvexPolyhedron::points`, `TriMesh::vertices` and so on.
+//! /// The hull of vertices: of `Cuboid::to_trimesh`, `TriMesh::vertices`.
 //! fn body(points: &[Vector]) -> Result<ConvexPolyhedron, BuildError> {
 //!     let wide = |p: &Vector| Point3::from(p.to_array().map(f64::from));
 //!     ConvexPolyhedron::from_points(&points.iter().map(wide).collect::<Vec<_>>())
@@ -83,40 +162,49 @@
 //!
 //! fn pose(pose: &Pose) -> Isometry3<f64> {
 //!     let [i, j, k, w] = pose.rotation.to_array().map(f64::from);
-//!     let translation = Translation3::from(pose.translation.to_array().map(f64::from));
-//!     Isometry3::from_parts(translation, UnitQuaternion::new_normalize(Quaternion::new(w, i, j, k)))
+//!     let rotation = UnitQuaternion::new_normalize(Quaternion::new(w, i, j, k));
+//!     let translation = pose.translation.to_array().map(f64::from);
+//!     Isometry3::from_parts(Translation3::from(translation), rotation)
 //! }
 //!
 //! let a = body(&shape::Cuboid::new(Vector::new(1.0, 2.0, 3.0)).to_trimesh().0)?;
-//! let b = body(shape::ConvexPolyhedron::from_convex_hull(&shape::Ball::new(0.5).to_trimesh(8, 8).0).unwrap().points())?;
+//! let ball = shape::Ball::new(0.5).to_trimesh(8, 8).0;
+//! let ball = shape::ConvexPolyhedron::from_convex_hull(&ball).unwrap();
+//! let b = body(ball.points())?;
 //! let (pose_a, pose_b) = (Pose::identity(), Pose::translation(4.0, 0.1, 0.0));
-//! let c = Tracker::new().closest(&a, &b, &RelativePose::new(&pose(&pose_a), &pose(&pose_b))?);
+//! let a_from_b = RelativePose::new(&pose(&pose_a), &pose(&pose_b))?;
+//! let c = Tracker::new().closest(&a, &b, &a_from_b);
 //! assert!((c.distance - 2.5).abs() < 0.1);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
+//! ## Parts that are not convex
+//!
+//! [`Mesh`] takes the mesh as it is. The [`hull`](Mesh::hull) of a mesh is faster;
+//! [`Mesh::hull_fit`] measures how much the hull adds. A part that was decomposed elsewhere (CoACD,
+//! V-HACD) is a [`Composite`] of the pieces.
+//!
 //! # The idea in five minutes
 //!
 //! A polyhedron is made of **features**: vertices, edges and faces. Two bodies apart are closest at
-//! a pair of points, and each of these lies on one feature of its body: the *closest features*.
-//! There are few kinds of pairs, and for each the closest points are a formula. So the question
-//! "how far apart?" becomes "which features?".
+//! a pair of points, and each point lies on one feature of its body: the *closest features*. There
+//! are few kinds of feature pairs, and for each kind the closest points are a formula. So the
+//! question "how far apart?" becomes "which features?".
 //!
-//! **Voronoi regions.** Cut the space outside a body by the feature that is nearest. The pieces
-//! have plane borders: over a face a prism, at an edge a wedge, at a vertex a cone. Whether a point
-//! lies in the region of a feature is decided by a few signs, one for each neighbour of the
-//! feature.
+//! **Voronoi regions.** The Voronoi region of a feature is the set of points outside the body that
+//! are closer to this feature than to any other. Regions have plane borders: a prism over a face, a
+//! wedge at an edge, a cone at a vertex. Whether a point lies in a region is decided by a few
+//! signs, one per adjacent feature.
 //!
 #![doc = include_str!("../images/regions.svg")]
 //!
 //! **The criterion** (Lin and Canny 1991). Take a feature of each body and the closest points of
-//! these two features. They are the closest points of the bodies if and only if each lies in the
-//! Voronoi region of the other's feature. Two features are enough to know; the rest of the bodies
-//! need not be looked at.
+//! these two features. The points are the closest points of the bodies if and only if each lies in
+//! the Voronoi region of the other feature. The rest of the two bodies need not be examined.
 //!
-//! **The walk.** Where a point lies outside the region, a border was crossed, and behind this
-//! border lies a neighbouring feature that is closer. Step there and look again. The distance
-//! falls, features are finite in number, so the walk ends.
+//! **The walk.** If a point lies outside the region, a border was crossed, and behind this border
+//! lies an adjacent feature that is closer. The walk steps there and tests again. The distance
+//! falls with each step and features are finite in number, so the walk ends.
 //!
 #![doc = include_str!("../images/walk.svg")]
 //!
@@ -124,73 +212,20 @@
 //! closest one: three steps to neighbours lead to the one that is (4).*
 //!
 //! **Coherence.** Between two frames bodies move a little, so the closest features of the last
-//! frame are the right ones or a step away. That is what a [`Tracker`] remembers: the features of
-//! the last answer (and, of an overlap, the surface that proved its depth). The chart on top counts
-//! the pairs looked at: hardly more than one for small motions, whatever the number of vertices.
+//! frame are still closest, or a step away from the closest. A [`Tracker`] remembers the features
+//! of the last answer and, for an overlap, the surface that proved the depth. The chart on top
+//! counts the pairs tested: hardly more than one for small motions, whatever the number of
+//! vertices.
 //!
-//! **The certificate.** All of this holds for real numbers. With rounding, borders blur: nearly
+//! **The certificate.** The criterion holds for real numbers. With rounding, borders blur: nearly
 //! parallel edges have no good formula, regions of nearly coplanar faces are slivers, and a walk
-//! may circle or stop on the wrong pair without a sign. So the walk only proposes. Two facts that
-//! need no history judge it: the distance of any two points of the bodies is an *upper* bound, and
-//! for any direction n the gap between the supporting planes across n, least `n . b` minus greatest
-//! `n . a`, is a *lower* bound. At the closest points, with n along them, the two are equal. The
-//! walk delivers both; the crate compares them, adds the error of its own rounding, and returns
-//! what is then proven: [`Outcome::lower`] and [`Outcome::upper`]. Where they do not meet, other
-//! solvers take over: [`Solver`] says which one answered.
-//!
-//! # Accuracy
-//!
-//! With L the sum of both radii and the distance between the points these are about: the bodies'
-//! own origins or, in each coordinate in which the middle of a body's box is more than two half
-//! diagonals of it from its origin, that middle.
-//!
-//! | level | what it promises |
-//! |---|---|
-//! | [`Tracker::propose`] | the walk's word: no bounds in its type |
-//! | [`Tracker::closest`], [`Tracker::distance`] | the true signed distance lies in `lower..=upper`, no wider than `1e-13 L` |
-//! | `Tracker::closest_exact` | the class is exact and the distance within one unit in the last place |
-//! | [`Tracker::intersects`], [`Tracker::within`] | exact with the feature `exact`; without it ties count as within |
-//! | [`impact::cast`] | a bracket of the first contact of two motions, or a miss, proven for every instant |
-//!
-//! What each of these costs, and where the crate loses: [`cost`].
-//!
-//! To the L of bodies that lie far from their own origin 2^-49 of that distance is added: it
-//! matters where they are of the size of the rounding of their coordinates.
-//!
-//! The truth is that of the bits given: a vertex v at the pose (q, t) is at `R(q) v / |q|^2 + t`,
-//! over the rationals. Every constant stands with its derivation in [`tolerance`].
-//!
-//! # Guarantees and limits
-//!
-//! * Bad input is refused where it enters: a body by [`BuildError`], a pose by [`PoseError`], each
-//!   with index or value. After that no query panics, loops without bound or returns NaN. (Debug
-//!   builds check every answer and panic, with a text that replays the query, on a defect of the
-//!   crate.)
-//! * State changes time, never the answer: classes and predicates are the same warm and cold, A to
-//!   B and B to A, and distances agree within their bounds. Among exact ties features may follow
-//!   history. A tracker of other bodies is allowed.
-//! * There is no absolute tolerance: a scene scaled by a power of two gives the answer scaled bit
-//!   for bit, but where the scale puts the sizes of two bodies on both sides of 2^105, 2^-105 or
-//!   another border between units of storage: there class and bounds agree.
-//! * Bodies are [`Send`] and [`Sync`] and never change; a tracker belongs to one pair at a time and
-//!   owns no body.
-//! * A body's extent lies between 1e-100 and 1e100; one body may be any number of times larger than
-//!   the other.
-//! * The depth of an overlap is tracked: a microsecond for small motions, more where bodies lie
-//!   deep or turn far, and milliseconds for round bodies of thousands of faces about one centre.
-//!   What no floating-point arithmetic settles (a needle a billionth as thick as long laid into its
-//!   like, a speck a trillionth as large as the body on whose edge it sits) is settled facet by
-//!   facet in exact arithmetic, below a millisecond for boxes and in a tenth of a second for twin
-//!   plates of 59 sides: with the feature `exact`, for faces that are flat to the last bit, as
-//!   those of hulls are, and where no more than four million pairs of edges, and 65,536 in
-//!   question, are to be looked at. Else its bounds stay open, and are returned as they are.
-//! * Coordinates below 2^-200 of a body's radius are stored as zero, and the build report counts
-//!   them: answers are those of the body so stored.
-//! * Meshes and bodies of pieces have no depth and no place in scenes yet, and contacts only in
-//!   shallow overlap; scenes do not request times of impact yet. There is no dynamics: see rapier.
-//! * Curved shapes ([`shape`]) have the same bounds; class and predicates are exact for polyhedra,
-//!   rounded or not, and within `3e-14 L` of contact undecided for others, whose closest points are
-//!   algebraic numbers: there `intersects` and `within` say yes.
+//! may circle or stop on the wrong pair. So the walk only proposes. Two bounds that need no history
+//! judge the proposal: the distance of any two points of the bodies is an *upper* bound, and for
+//! any unit vector n the gap between the supporting planes perpendicular to n, least `n . b` minus
+//! greatest `n . a`, is a *lower* bound. At the closest points, with n along the line between them,
+//! the two bounds are equal. The crate computes both, adds the error of its own rounding, and
+//! returns [`Outcome::lower`] and [`Outcome::upper`]. If the bounds do not meet, finer solvers take
+//! over: [`Outcome::solver`] names the solver that answered.
 //!
 //! # Cargo features
 //!
@@ -247,7 +282,7 @@
 //! ```
 #![no_std]
 extern crate alloc;
-#[cfg(feature = "std")]
+#[cfg(any(test, feature = "std"))]
 extern crate std;
 
 pub mod broad;
@@ -265,6 +300,10 @@ mod pair;
 pub mod polyhedron;
 mod pose;
 mod replay;
+#[cfg(test)]
+#[allow(dead_code, unreachable_pub)]
+#[path = "../lab/src/rng.rs"]
+mod rng;
 pub mod scene;
 pub mod schedule;
 pub mod separation;
@@ -280,11 +319,12 @@ mod walk;
 
 pub use composite::audit::FrontFault;
 pub use composite::contact::{ContactPatches, PatchContact, PatchContacts, PatchTracker};
-pub use composite::mesh::{Mesh, MeshError, MeshInspection, MeshKind, MeshPart, MeshReport};
+pub use composite::mesh::{HullFit, Mesh, MeshError, MeshInspection, MeshKind, MeshPart, MeshReport};
 pub use composite::outcome::{MeshFeature, MeshOutcome, MeshSpot};
 pub use composite::parts::Parts;
 pub use composite::pieces::{Composite, CompositeError, CompositeOutcome, CompositeTracker, Piece};
 pub use composite::search::MeshWork;
+pub use composite::separation::{CompositePair, MeshPair};
 pub use composite::tracker::MeshTracker;
 pub use contact::{ContactPoint, Gradient, Manifold, ManifoldOptions};
 pub use motion::Velocity;

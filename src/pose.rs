@@ -69,9 +69,11 @@ impl core::fmt::Display for Operand {
 /// use lin_canny::nalgebra::{Isometry3, Vector3};
 /// use lin_canny::{PoseError, RelativePose};
 ///
-/// let pose = Isometry3::new(Vector3::new(1.0, 2.0, 3.0), Vector3::new(0.3, 0.2, 0.1)).cast::<f32>();
+/// let (shift, turn) = (Vector3::new(1.0, 2.0, 3.0), Vector3::new(0.3, 0.2, 0.1));
+/// let pose = Isometry3::new(shift, turn).cast::<f32>();
 /// let pose: Isometry3<f64> = pose.cast();
-/// assert!(matches!(RelativePose::from_isometry(&pose), Err(PoseError::Rotation { .. })));
+/// let refused = RelativePose::from_isometry(&pose);
+/// assert!(matches!(refused, Err(PoseError::Rotation { .. })));
 /// let a_from_b = RelativePose::normalized(&Isometry3::identity(), &pose)?;
 /// # Ok::<(), PoseError>(())
 /// ```

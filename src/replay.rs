@@ -50,7 +50,8 @@ const TITLE: &str = "lin-canny replay 1";
 /// let mut pair = Tracker::new();
 /// let text = pair.replay(&a, &b, &pose, Accuracy::Certified).to_string();
 /// let again: Replay = text.parse()?;
-/// assert_eq!(again.tracker().closest(&again.a, &again.b, &again.pose), pair.closest(&a, &b, &pose));
+/// let answer = again.tracker().closest(&again.a, &again.b, &again.pose);
+/// assert_eq!(answer, pair.closest(&a, &b, &pose));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
@@ -66,7 +67,7 @@ pub struct Replay {
     /// Surface of an overlap cached by the tracker.
     pub(crate) surface: Memory,
     /// Requested accuracy.
-    pub level: Accuracy,
+    pub accuracy: Accuracy,
 }
 
 /// Error returned if a text is no replay. Lines are counted from 1.
@@ -112,7 +113,7 @@ impl fmt::Display for Accuracy {
 
 impl fmt::Display for Replay {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(f, "{TITLE}\nlevel {}", self.level)?;
+        writeln!(f, "{TITLE}\nlevel {}", self.accuracy)?;
         for (which, body) in [(Operand::A, &self.a), (Operand::B, &self.b)] {
             writeln!(f, "body {which} {}", body.vertex_count())?;
             for p in body.vertex_points() {
@@ -166,7 +167,7 @@ impl FromStr for Replay {
             return Err(ReplayError::Title);
         }
         lines.take();
-        let level = match lines.word("level", "a level")? {
+        let accuracy = match lines.word("level", "a level")? {
             (_, "walk") => Accuracy::Walk,
             (_, "certified") => Accuracy::Certified,
             (_, "exact") => Accuracy::Exact,
@@ -193,7 +194,7 @@ impl FromStr for Replay {
                 pose,
                 start,
                 surface,
-                level,
+                accuracy,
             }),
         }
     }

@@ -183,7 +183,7 @@ pub const STAY: f64 = 1.25;
 /// are tried on both sides: if the origin is nearer to the boundary than the shift, one of the two
 /// points lies outside, and the direction to the boundary from this point gives a height below the
 /// shift.
-pub const SHIFTS: [f64; 8] = [
+pub const ORIGIN_SHIFTS: [f64; 8] = [
     0.0,
     1.0 / (1u64 << 10) as f64,
     1.0 / (1u64 << 24) as f64,
@@ -195,7 +195,7 @@ pub const SHIFTS: [f64; 8] = [
 ];
 
 /// The direction of the shift: off the planes and axes of lattices, and of length at most 1 (0.98).
-pub const ASIDE: [f64; 3] = [0.613, -0.365, 0.677];
+pub const SHIFT_DIRECTION: [f64; 3] = [0.613, -0.365, 0.677];
 
 /// Heights along a direction `n` that are within this times `|n|_1 L` of each other may be equal:
 /// three roundings of each of two dot products and of the direction itself.
@@ -344,6 +344,12 @@ pub(crate) const PIVOT: f64 = 4096.0 * UNIT;
 /// by 1. Underflow: cases P and S in stored units; in the caller's, a box is rounded outward to
 /// f32, whose least number is far above the loss.
 pub const BOX: f64 = 32.0 * UNIT;
+
+/// Outward rounding of a posed box about the box of a body, in units of the sum of the body's
+/// farthest coordinates and of the distance of its middle: the matrix errs by at most 20 UNIT a
+/// row, products and sums by 8, and the coordinates of the corners, which may be those of placed
+/// pieces (16 UNIT for a rotation and a sum), are right up to that.
+pub(crate) const BOX_TURNED: f64 = 64.0 * UNIT;
 
 /// Outward rounding of a box found by a scan in f32, in units of the radius: one rounding of each
 /// coordinate and of the matrix, three of their products and sums, of numbers whose absolute sum is

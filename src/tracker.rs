@@ -1,14 +1,12 @@
 //! The state a user keeps per pair: the features of the last answer, from which the next query
 //! starts.
 
-mod contacts;
-
+use alloc::string::String;
 use alloc::vec::Vec;
-
-use nalgebra::Unit;
 
 use crate::depth::{self, Memory};
 use crate::minimum::overlap_proof::OverlapProof;
+use crate::pair::draft::Draft;
 use crate::pair::outcome::{Accuracy, Ask, Class, Distance, Outcome, Proposal, Until};
 use crate::pair::posed::PosedPair;
 use crate::polyhedron::{ConvexPolyhedron, FeaturePair};
@@ -22,8 +20,6 @@ use crate::walk::seed;
 use crate::walk::trace::trace;
 
 mod counts;
-mod look;
-mod reach;
 
 use counts::Starts;
 pub use counts::Totals;
@@ -38,7 +34,8 @@ pub use counts::Totals;
 /// use lin_canny::nalgebra::{Isometry3, Vector3};
 /// use lin_canny::{RelativePose, Tracker, polyhedron::solids};
 ///
-/// let (a, b) = (solids::cuboid(Vector3::new(1.0, 1.0, 1.0))?, solids::octahedron(0.5)?);
+/// let a = solids::cuboid(Vector3::new(1.0, 1.0, 1.0))?;
+/// let b = solids::octahedron(0.5)?;
 /// let mut pair = Tracker::default();
 /// for k in 0..10 {
 ///     let at = Isometry3::translation(3.0, 0.1 * k as f64, 0.0);
@@ -73,75 +70,6 @@ impl Tracker {
     #[must_use]
     pub fn new() -> Self {
         Self::default()
-    }
-
-    /// Returns a tracker that starts from the given features; features that the bodies do not have
-    /// are ignored.
-    #[must_use]
-    pub fn starting_from(features: FeaturePair, a: &ConvexPolyhedron, b: &ConvexPolyhedron) -> Self {
-        let features = features.is_of(a, b).then(|| features.to_stand_on(a, b));
-        Self {
-            last: features,
-            next: features,
-            starts: Starts::default(),
-            totals: Totals::default(),
-            memory: Memory::default(),
-            overlap_proof: None,
-        }
-    }
-
-    /// Allocates all the memory that overlaps may need later (some 50 kB): afterwards no query
-    /// allocates if the walk or its solvers in f64 suffice, as long as surfaces have no more than
-    /// 256 triangles. Only round bodies deep in each other need more.
-    pub fn reserve(&mut self) {
-        self.memory.reserve();
-    }
-
-    /// Returns the features of the last answer.
-    #[must_use]
-    pub fn features(&self) -> Option<FeaturePair> {
-        self.last
-    }
-
-    /// Returns the pairs of features that the walk of the next query would test, in order, and
-    /// whether the walk ends on the last pair rather than handing over there. Nothing is changed or
-    /// counted. Empty for bodies on which no walk is tried: too far apart, or of sizes too
-    /// different.
-    #[must_use]
-    pub fn trace(
-        &self,
-        a: &ConvexPolyhedron,
-        b: &ConvexPolyhedron,
-        a_from_b: &RelativePose,
-    ) -> (Vec<FeaturePair>, bool) {
-        match PosedPair::new(a, b, a_from_b) {
-            Ok(posed) => trace(&posed, self.start(a, b)),
-            Err(_) => (Vec::new(), false),
-        }
-    }
-
-    /// Returns the query as a text that rebuilds the query bit for bit: call this before the query,
-    /// or the recorded start is the start of the next query.
-    #[must_use]
-    pub fn replay(
-        &self,
-        a: &ConvexPolyhedron,
-        b: &ConvexPolyhedron,
-        a_from_b: &RelativePose,
-        level: Accuracy,
-    ) -> Replay {
-        replay(a, b, a_from_b, (self.start(a, b), self.memory.clone()), level)
-    }
-
-    /// Returns the counters since the tracker was made or reset.
-    #[must_use]
-    pub fn totals(&self) -> Totals {
-        self.totals
-    }
-
-    /// Forgets features and counters.
-    pub fn reset(&mut self) {
-        *self = Self::default();
     }
 
     /// Returns the closest features, their witnesses and bounds of the distance, certified:
@@ -228,13 +156,90 @@ impl Tracker {
         }
     }
 
-    /// Answers at one accuracy, an overlap with its depth if `deep`. The outcome is written in
-    /// place: copied whole, the outcome would wait for its parts to leave the store queue.
+    /// Returns a tracker that starts from the given features; features that the bodies do not have
+    /// are ignored.
+    #[must_use]
+    pub fn starting_from(features: FeaturePair, a: &ConvexPolyhedron, b: &ConvexPolyhedron) -> Self {
+        let features = features.is_of(a, b).then(|| features.walkable(a, b));
+        Self {
+            last: features,
+            next: features,
+            starts: Starts::default(),
+            totals: Totals::default(),
+            memory: Memory::default(),
+            overlap_proof: None,
+        }
+    }
+
+    /// Allocates all the memory that overlaps may need later (some 50 kB): afterwards no query
+    /// allocates if the walk or its solvers in f64 suffice, as long as surfaces have no more than
+    /// 256 triangles. Only round bodies deep in each other need more.
+    pub fn reserve(&mut self) {
+        self.memory.reserve();
+    }
+
+    /// Returns the features of the last answer.
+    #[must_use]
+    pub fn features(&self) -> Option<FeaturePair> {
+        self.last
+    }
+
+    /// Returns the pairs of features that the walk of the next query would test, in order, and
+    /// whether the walk ends on the last pair rather than handing over there. Nothing is changed or
+    /// counted. Empty for bodies on which no walk is tried: too far apart, or of sizes too
+    /// different.
+    #[must_use]
+    pub fn trace(
+        &self,
+        a: &ConvexPolyhedron,
+        b: &ConvexPolyhedron,
+        a_from_b: &RelativePose,
+    ) -> (Vec<FeaturePair>, bool) {
+        match PosedPair::new(a, b, a_from_b) {
+            Ok(posed) => trace(&posed, self.start(a, b)),
+            Err(_) => (Vec::new(), false),
+        }
+    }
+
+    /// Returns the query as a text that rebuilds the query bit for bit: call this before the query,
+    /// or the recorded start is the start of the next query.
+    #[must_use]
+    pub fn replay(
+        &self,
+        a: &ConvexPolyhedron,
+        b: &ConvexPolyhedron,
+        a_from_b: &RelativePose,
+        accuracy: Accuracy,
+    ) -> Replay {
+        replay(a, b, a_from_b, (self.start(a, b), self.memory.clone()), accuracy)
+    }
+
+    /// Returns the first broken invariant of the cached state: a tool of tests and fuzzing.
+    ///
+    /// # Errors
+    /// A text that names the broken invariant.
+    pub fn check(&self) -> Result<(), String> {
+        self.memory.check()
+    }
+
+    /// Returns the counters since the tracker was made or reset.
+    #[must_use]
+    pub fn totals(&self) -> Totals {
+        self.totals
+    }
+
+    /// Forgets features and counters.
+    pub fn reset(&mut self) {
+        *self = Self::default();
+    }
+
+    /// Answers at one accuracy, an overlap with its depth if `deep`. The draft is written in
+    /// place: copied whole, the draft would wait for its parts to leave the store queue.
     #[inline(always)]
     fn answer(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose, ask: Ask) -> Outcome {
-        let mut outcome = Outcome::starting_at(FeaturePair::vertices(Operand::A, 0, 0));
-        self.solve(a, b, a_from_b, ask, &mut outcome);
-        outcome
+        let mut draft = Draft::starting_at(FeaturePair::vertices(Operand::A, 0, 0));
+        self.solve(a, b, a_from_b, ask, &mut draft);
+        draft.into_outcome()
     }
 
     #[inline(never)]
@@ -244,63 +249,61 @@ impl Tracker {
         b: &ConvexPolyhedron,
         a_from_b: &RelativePose,
         ask: Ask,
-        outcome: &mut Outcome,
+        draft: &mut Draft,
     ) {
         if a.exponent != b.exponent && has_the_unit(b, a) {
-            self.solve_in_units_of_b(a, b, a_from_b, ask, outcome);
+            self.solve_in_units_of_b(a, b, a_from_b, ask, draft);
         } else if let Ok(posed) = PosedPair::new(a, b, a_from_b) {
-            if ask.until == Until::Depth && !self.memory.is_empty() && self.resume(&posed, outcome) {
+            if ask.until == Until::Depth && !self.memory.is_empty() && self.resume(&posed, draft) {
                 return;
             }
-            if ask == Ask::certified(Until::Class)
-                && self.overlap_proof.is_some()
-                && self.still_overlaps(&posed, outcome)
+            if ask == Ask::certified(Until::Class) && self.overlap_proof.is_some() && self.still_overlaps(&posed, draft)
             {
                 return;
             }
             let warm = self.start(a, b);
             match warm {
-                Some(pair) => outcome.features = pair,
-                None => outcome.features = seed::cold(&posed, &mut outcome.work),
+                Some(pair) => draft.features = pair,
+                None => draft.features = seed::cold(&posed, &mut draft.work),
             }
-            solve::solve(ask.accuracy, &posed, warm.is_some(), outcome);
-            self.deepen(ask.until, &posed, outcome);
-            self.count(warm.is_some(), a, b, outcome);
+            solve::solve(ask.accuracy, &posed, warm.is_some(), draft);
+            self.deepen(ask.until, &posed, draft);
+            self.count(warm.is_some(), a, b, draft);
             if !(a.is_unscaled && b.is_unscaled) {
-                to_user_units(a, b, outcome);
+                to_user_units(a, b, draft);
             }
         } else {
-            self.solve_far(a, b, a_from_b, outcome);
+            self.solve_far(a, b, a_from_b, draft);
         }
     }
 
     /// Computes the depth of an overlap, if requested; if not, the next query begins with the
     /// expectation of another overlap.
     #[inline(always)]
-    fn deepen(&mut self, until: Until, posed: &PosedPair, outcome: &mut Outcome) {
-        if outcome.class == Class::Overlapping {
+    fn deepen(&mut self, until: Until, posed: &PosedPair, draft: &mut Draft) {
+        if draft.class == Class::Overlapping {
             self.overlap_proof = (until == Until::Class).then(OverlapProof::default);
             if until == Until::Depth {
-                depth::penetration_depth(posed, &mut self.memory, outcome);
+                depth::penetration_depth(posed, &mut self.memory, draft);
             }
         }
     }
 
     /// Answers from the surface of the last answer. State of no further use is dropped.
     #[inline(never)]
-    fn resume(&mut self, posed: &PosedPair, outcome: &mut Outcome) -> bool {
-        let first = *outcome;
-        if !depth::resume(posed, &mut self.memory, outcome) {
+    fn resume(&mut self, posed: &PosedPair, draft: &mut Draft) -> bool {
+        let first = *draft;
+        if !depth::resume(posed, &mut self.memory, draft) {
             self.memory.clear();
-            let grown = outcome.work.points_added;
-            *outcome = first;
-            outcome.work.points_added = grown;
+            let grown = draft.work.points_added;
+            *draft = first;
+            draft.work.points_added = grown;
             return false;
         }
-        self.totals.note(true, outcome.solver, &outcome.work);
-        self.stay(outcome.features);
+        self.totals.note(true, draft.solver, &draft.work);
+        self.stay(draft.features);
         if !(posed.a.is_unscaled && posed.b.is_unscaled) {
-            to_user_units(posed.a, posed.b, outcome);
+            to_user_units(posed.a, posed.b, draft);
         }
         true
     }
@@ -312,37 +315,28 @@ impl Tracker {
         b: &ConvexPolyhedron,
         a_from_b: &RelativePose,
         ask: Ask,
-        outcome: &mut Outcome,
+        draft: &mut Draft,
     ) {
         let b_from_a = a_from_b.swapped();
         let Ok(posed) = PosedPair::new(b, a, &b_from_a) else {
-            return self.solve_far(a, b, a_from_b, outcome);
+            return self.solve_far(a, b, a_from_b, draft);
         };
         let warm = self.start(a, b).map(FeaturePair::swapped);
-        outcome.features = warm.unwrap_or_else(|| seed::cold(&posed, &mut outcome.work));
-        solve::solve(ask.accuracy, &posed, warm.is_some(), outcome);
-        self.deepen(ask.until, &posed, outcome);
+        draft.features = warm.unwrap_or_else(|| seed::cold(&posed, &mut draft.work));
+        solve::solve(ask.accuracy, &posed, warm.is_some(), draft);
+        self.deepen(ask.until, &posed, draft);
         // The names of the surface are the names of the bodies exchanged.
         self.memory.clear();
         self.overlap_proof = None;
-        outcome.features = outcome.features.swapped();
-        core::mem::swap(&mut outcome.point_on_a, &mut outcome.point_on_b);
-        let normal = -b_from_a.rotation().tr_mul(&outcome.normal);
-        outcome.normal = Unit::new_normalize(normal);
-        self.count(warm.is_some(), a, b, outcome);
-        to_user_units(a, b, outcome);
+        draft.swap(&b_from_a);
+        self.count(warm.is_some(), a, b, draft);
+        to_user_units(a, b, draft);
     }
 
     #[cold]
-    fn solve_far(
-        &mut self,
-        a: &ConvexPolyhedron,
-        b: &ConvexPolyhedron,
-        a_from_b: &RelativePose,
-        outcome: &mut Outcome,
-    ) {
-        *outcome = out_of_range::answer(a, b, a_from_b);
-        self.count(false, a, b, outcome);
+    fn solve_far(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose, draft: &mut Draft) {
+        *draft = out_of_range::answer(a, b, a_from_b).into();
+        self.count(false, a, b, draft);
     }
 
     /// Returns the start of the next query: the cached pair, if its features belong to these bodies
@@ -360,17 +354,17 @@ impl Tracker {
     }
 
     #[inline(always)]
-    fn count(&mut self, warm: bool, a: &ConvexPolyhedron, b: &ConvexPolyhedron, outcome: &Outcome) {
-        self.starts.learn(warm, &outcome.work);
-        self.totals.note(warm, outcome.solver, &outcome.work);
+    fn count(&mut self, warm: bool, a: &ConvexPolyhedron, b: &ConvexPolyhedron, draft: &Draft) {
+        self.starts.learn(warm, &draft.work);
+        self.totals.note(warm, draft.solver, &draft.work);
         // Longer walks, and walks that began at extrapolated features: on long face boundaries and
         // around large fans.
-        if (a.has_bands | b.has_bands) && (outcome.work.steps > STEADY || self.next != self.last) {
-            let now = outcome.features;
+        if (a.has_large_rings | b.has_large_rings) && (draft.work.steps > STEADY || self.next != self.last) {
+            let now = draft.features;
             let next = self.last.map_or(now, |before| predict(a, b, before, now));
             (self.last, self.next) = (Some(now), Some(next));
         } else {
-            self.stay(outcome.features);
+            self.stay(draft.features);
         }
     }
 
@@ -381,12 +375,17 @@ impl Tracker {
     }
 }
 
+// Below the methods above, so that the documentation begins with `new` and `closest`.
+mod contacts;
+mod look;
+mod reach;
+
 fn replay(
     a: &ConvexPolyhedron,
     b: &ConvexPolyhedron,
     pose: &RelativePose,
     (start, surface): (Option<FeaturePair>, Memory),
-    level: Accuracy,
+    accuracy: Accuracy,
 ) -> Replay {
     Replay {
         a: a.clone(),
@@ -394,7 +393,7 @@ fn replay(
         pose: *pose,
         start,
         surface,
-        level,
+        accuracy,
     }
 }
 
@@ -406,13 +405,13 @@ fn debug_check(
     b: &ConvexPolyhedron,
     pose: &RelativePose,
     before: &Option<(Option<FeaturePair>, Memory)>,
-    level: Accuracy,
+    accuracy: Accuracy,
     outcome: &Outcome,
 ) {
     if let Some(before) = before
         && let Some(fault) = crate::soundness::fault(a, b, pose, outcome)
     {
-        panic!("{fault}: {outcome:?}\n{}", replay(a, b, pose, before.clone(), level));
+        panic!("{fault}: {outcome:?}\n{}", replay(a, b, pose, before.clone(), accuracy));
     }
 }
 
@@ -447,22 +446,9 @@ fn has_the_unit(x: &ConvexPolyhedron, y: &ConvexPolyhedron) -> bool {
     y.radius == 0.0 || x.exponent > y.exponent && x.radius > 0.0
 }
 
-/// Converts an outcome from stored units and frames to the caller's: the only place at which bounds
-/// change their unit. A unit is a power of two, so only numbers that leave the normal range are
-/// rounded; bounds are rounded outward.
+/// Converts a draft from stored units and frames to the caller's.
 #[cold]
-fn to_user_units(a: &ConvexPolyhedron, b: &ConvexPolyhedron, outcome: &mut Outcome) {
+fn to_user_units(a: &ConvexPolyhedron, b: &ConvexPolyhedron, draft: &mut Draft) {
     let unit = if has_the_unit(b, a) { b.unit() } else { a.unit() };
-    outcome.lower = scaled_down(outcome.lower, unit);
-    outcome.upper = -scaled_down(-outcome.upper, unit);
-    outcome.distance *= unit;
-    outcome.point_on_a = a.to_user(&outcome.point_on_a.coords);
-    outcome.point_on_b = b.to_user(&outcome.point_on_b.coords);
-}
-
-/// Returns the largest f64 that is no greater than `x` times a power of two.
-fn scaled_down(x: f64, unit: f64) -> f64 {
-    let y = x * unit;
-    // The way back is exact, or overflows as the way there did.
-    if y / unit > x { y.next_down() } else { y }
+    draft.scale(unit, a, b);
 }

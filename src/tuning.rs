@@ -133,7 +133,8 @@ pub(crate) mod depth {
     pub(crate) const REPEATS: u32 = 16;
 
     /// Number of perturbations worth a search in f64, the first of
-    /// [`SHIFTS`](crate::tolerance::SHIFTS): the perturbations well above the rounding of f64.
+    /// [`ORIGIN_SHIFTS`](crate::tolerance::ORIGIN_SHIFTS): the perturbations well above the
+    /// rounding of f64.
     pub(crate) const SHIFTS_PLAIN: usize = 3;
 
     /// Exchanges of a vertex on the way to the facet over the axis, at most. Not measured.
@@ -162,6 +163,12 @@ pub(crate) mod depth {
 pub(crate) mod contact {
     /// Vertices of a face boundary tried next to a hint before bisection takes over. Not measured.
     pub(crate) const MAX_LOCAL_STEPS: usize = 4;
+
+    /// Depths of contacts of a flat round face count as equal within this times the radius of the
+    /// smaller shape: contacts that stand still on a shape that trembles, for depth. Tilted by `t`,
+    /// a rim is deepest between two of its eight named points by up to `0.08 t` radii more, so
+    /// contacts stand still up to a tilt of 2e-4. Not measured.
+    pub(crate) const ROUND: f64 = 1.0 / 65_536.0;
 }
 
 /// The choice of a start between queries.
@@ -177,6 +184,99 @@ pub(crate) mod tracker {
 
     /// Cost of the direction of two ellipsoids, in steps of the walk. Not measured.
     pub(crate) const ELLIPSOIDS: u32 = 2;
+}
+
+/// Looks ahead by a separating plane.
+pub(crate) mod separation {
+    /// Rounds in which the rest beyond the bound of a root is cut off and bounded again. The bound
+    /// converges quadratically, so few rounds reach rounding. Not measured.
+    pub(crate) const ROUNDS: u32 = 4;
+
+    /// Reach of the first try of a plane over the root expected: more room for the bound against a
+    /// wider remainder. Measured with [`TRIES`]: 1.2 planes a look.
+    pub(crate) const AHEAD: f64 = 1.25;
+
+    /// A plane that proved less than this part of the interval tried is tried again with twice the
+    /// part proven: a longer step for another plane. Measured with [`TRIES`].
+    pub(crate) const ENOUGH: f64 = 0.4;
+
+    /// Tries of a plane, at most. Measured: 1.4 on average.
+    pub(crate) const TRIES: u32 = 3;
+
+    /// Gap, over the sum of both radii, beyond which a plane that does not turn is tried as well:
+    /// wins up to 40 % of the steps measured for the time of a second plane.
+    pub(crate) const FAR: f64 = 0.05;
+
+    /// Faces with longer boundaries are not divided into triangles for the guess of an overlap: the
+    /// search takes linear time. Not measured.
+    pub(crate) const RIM: usize = 64;
+
+    /// The ball about the middle of the box replaces the ball about the origin if smaller by this
+    /// factor: tighter, for an arm in every bound. Not measured.
+    pub(crate) const SMALLER: f64 = 0.8;
+
+    /// Support heights of bodies of up to this many vertices come from a scan: no proof of a climb,
+    /// for linear time. Not measured.
+    pub(crate) const FEW: usize = 24;
+
+    /// A direction nearer than this to the normal of a face, as a 1-norm, takes the height of the
+    /// plane of the face and a bound of the difference: no climb along a face, for a height a
+    /// little too large. Not measured.
+    pub(crate) const FLUSH: f64 = 1.0 / (1u64 << 40) as f64;
+}
+
+/// Casts.
+pub(crate) mod impact {
+    /// Looks of a cast, at most. Measured: 21 at most up to a turn, thousands if gears turn a
+    /// hundred times a hair apart.
+    pub(crate) const LOOKS: u32 = 20_000;
+
+    /// Part of the tolerance at which looks aim as a gap, and the proof behind contact as a depth:
+    /// a larger part makes the bracket wider, a smaller part the queries slower. Measured: brackets
+    /// of 0.2 tolerances.
+    pub(crate) const AIM: f64 = 0.3;
+
+    /// Distance of the balls, over the sum of both radii, from which on a cast jumps by balls
+    /// without a query. Not measured.
+    pub(crate) const CLEAR: f64 = 0.1;
+
+    /// A tolerance is at least this times the rounding of a distance: below, proofs fail. Not
+    /// measured.
+    pub(crate) const LEAST: f64 = 8.0;
+
+    /// Factor of a tolerance whose overlap was not proven. Not measured.
+    pub(crate) const SHRINK: f64 = 1.0 / 16.0;
+
+    /// Doublings of the step behind contact if the tolerance cannot shrink. Not measured.
+    pub(crate) const DOUBLINGS: u32 = 6;
+}
+
+/// Schedules.
+pub(crate) mod schedule {
+    /// Entries of the heap above four a pair at which the heap is rebuilt without stale entries.
+    /// Not measured.
+    pub(crate) const SPARE: usize = 64;
+}
+
+/// Looks ahead in scenes.
+pub(crate) mod scene {
+    /// Ticks that a look ahead may prove at most. Longer proofs save little: the rounding of as
+    /// many ticks is part of each proof, and velocities seldom stay for longer. Not measured.
+    pub(crate) const TICKS: u64 = 64;
+
+    /// Bodies of one task: enough to be worth a task. Not measured.
+    #[cfg(feature = "parallel")]
+    pub(crate) const RUN: usize = 1024;
+
+    /// Pairs of one task: fewer, as a query takes longer than a box. Not measured.
+    #[cfg(feature = "parallel")]
+    pub(crate) const PAIRS: usize = 128;
+
+    /// Work of a query over the work of a box in the broad phase: with the default settings,
+    /// threads are used from 625 queries a step on. A query takes 60 ns and more, a task some
+    /// microseconds.
+    #[cfg(feature = "parallel")]
+    pub(crate) const QUERY_IN_BOXES: u64 = 32;
 }
 
 /// Meshes and bodies of pieces.
@@ -256,4 +356,60 @@ pub(crate) mod composite {
     /// Most planes of a patch for contacts: larger patches for a build in time that grows with
     /// their square. Not measured.
     pub(crate) const PLANES: usize = 256;
+}
+
+/// The broad phase.
+pub(crate) mod broad {
+    /// A move across columns longer than this part of the column width is a jump. Not measured.
+    pub(crate) const LEAP: f32 = 0.25;
+
+    /// All columns are swept if this many times the moved bodies exceed all bodies: the costs of a
+    /// sweep and of repairs meet near 9 % of the bodies.
+    pub(crate) const WORLD_SHARE: usize = 10;
+
+    /// A column is swept whole if this many times its changed entries exceed its entries. Not
+    /// measured.
+    pub(crate) const COLUMN_SHARE: usize = 6;
+
+    /// A column is swept whole if more bodies than this come into the column, leave the column or
+    /// jump: each shifts the entries behind. Not measured.
+    pub(crate) const MOST_PARTED: usize = 32;
+
+    /// A column is swept whole after all if the windows of its changed entries hold this many times
+    /// its entries. Not measured.
+    pub(crate) const MOST_SCANNED: u64 = 4;
+
+    /// Number of windows with hits to collect before the hits are tested. Not measured.
+    pub(crate) const PENDING: usize = 32;
+
+    /// Cost of an entry, of a window of eight tests, of a column that holds bodies and of an empty
+    /// column, in nanoseconds as fitted to sweeps of 10,000 boxes; only the ratios matter.
+    pub(crate) const ENTRY: f64 = 6.0;
+    pub(crate) const WINDOW: f64 = 4.5;
+    pub(crate) const COLUMN: f64 = 30.0;
+    pub(crate) const EMPTY_COLUMN: f64 = 0.75;
+
+    /// Number of bodies sampled to choose columns. Not measured.
+    pub(crate) const SAMPLE: usize = 512;
+
+    /// Largest average number of entries of a body; a grid that needs more is too fine. Not
+    /// measured.
+    pub(crate) const MOST_ENTRIES: usize = 6;
+
+    /// Longest wait between two checks of the column width, in steps. Not measured.
+    pub(crate) const PATIENCE: u32 = 1024;
+
+    /// A new column width must promise at most this part of the present cost. Not measured.
+    pub(crate) const GAIN: f64 = 0.85;
+
+    /// Number of consecutive indices that share a block of links, as a power of two: few enough
+    /// that a block fits in the nearest cache. Not measured.
+    pub(crate) const SHIFT: u32 = 6;
+
+    /// Number of items prefetched at once. Not measured.
+    pub(crate) const AHEAD: usize = 32;
+
+    /// Tables of up to this many items stay in near caches from step to step and need no
+    /// prefetching. Not measured.
+    pub(crate) const NEAR: usize = 1 << 14;
 }

@@ -137,7 +137,7 @@ fn families() -> Vec<(String, Points)> {
     );
     all.push(("dirty cube".into(), dirty));
     for n in [3usize, 64, 512] {
-        let cone: Points = solids::cone(n, 1.0, 2.0).unwrap().vertex_points().collect();
+        let cone: Points = solids::cone(n, 1.0, 1.0).unwrap().vertex_points().collect();
         all.push((format!("cone {n}"), cone));
         let prism: Points = solids::prism(n, 1.0, 1e-4).unwrap().vertex_points().collect();
         all.push((format!("prism {n}"), prism));
@@ -229,7 +229,7 @@ fn the_report_sorts_what_was_dropped() {
     };
     assert_eq!(sorted(&report.on_edges), [16, 19]);
     assert_eq!(sorted(&report.on_faces), [17, 20]);
-    assert_eq!(report.flatness, 1.0);
+    assert_eq!(report.thickness_ratio, 1.0);
     assert!(report.to_string().contains("8 duplicates dropped"));
 }
 
@@ -347,7 +347,7 @@ fn refused_points_are_named() {
     );
     // one unit in the last place off the plane is a body
     let sliver = [o, [1.0, 0.0, 1.0], [0.0, 1.0, 1.0], [1.0, 1.0, 2.0f64.next_up()]].map(Point3::from);
-    assert!(check(&sliver, "sliver").report().flatness < 1e-15);
+    assert!(check(&sliver, "sliver").report().thickness_ratio < 1e-15);
 }
 
 #[test]

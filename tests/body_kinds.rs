@@ -238,7 +238,7 @@ fn polygons_that_are_none_are_refused() {
         .map(|k| turn * Point3::new((k as f64).cos(), (k as f64).sin(), 0.0))
         .collect();
     let sliver = ConvexPolyhedron::polygon(&hexagon).unwrap();
-    assert!(sliver.vertex_count() == 6 && sliver.report().flatness < 1e-14);
+    assert!(sliver.vertex_count() == 6 && sliver.report().thickness_ratio < 1e-14);
     let mut warped = hexagon.clone();
     warped[3] += Vector3::repeat(1e-9);
     assert!(matches!(
@@ -272,7 +272,7 @@ fn solids_have_their_features_and_sizes() {
         (8, 12, 6)
     );
     assert_eq!(features(&solids::prism(7, 1.0, 2.0).unwrap()), (14, 21, 9));
-    assert_eq!(features(&solids::cone(100, 1.0, 2.0).unwrap()), (101, 200, 101));
+    assert_eq!(features(&solids::cone(100, 1.0, 1.0).unwrap()), (101, 200, 101));
     assert_eq!(
         solids::random_hull(50, Vector3::repeat(1.0), 3).unwrap().vertex_count(),
         50
@@ -290,7 +290,10 @@ fn solids_have_their_features_and_sizes() {
         solids::geodesic_sphere(40, 1.0),
         solids::random_hull(3, Vector3::repeat(1.0), 0),
     ] {
-        assert!(matches!(bad, Err(BuildError::BadSize { .. })));
+        assert!(matches!(
+            bad,
+            Err(BuildError::BadSize { .. } | BuildError::BadCount { .. })
+        ));
     }
 }
 

@@ -1,6 +1,7 @@
 //! What one body tells of itself: mass, closest points, neighbours.
 
 use lab::rng::Rng;
+use lin_canny::Feature;
 use lin_canny::polyhedron::{ConvexPolyhedron, solids};
 use nalgebra::{Matrix3, Point3, Rotation3, Vector3};
 
@@ -50,7 +51,7 @@ fn closest_points_are_optimal() {
     let bodies = [
         solids::cuboid(Vector3::new(0.4, 0.7, 0.2)).unwrap(),
         solids::random_hull(60, Vector3::new(1.0, 0.5, 1e-3), 1).unwrap(),
-        solids::cone(32, 0.5, 1.0).unwrap(),
+        solids::cone(32, 0.5, 0.5).unwrap(),
     ];
     let (mut inside, mut outside) = (0, 0);
     for body in &bodies {
@@ -178,4 +179,23 @@ fn a_point_is_as_exact_far_from_its_own_origin_as_in_it() {
         assert!(low.iter().chain(high.iter()).all(|x| x.is_finite()), "{low} {high}");
         assert!((high - low).amax() <= 1e-13 * far, "{low} {high}");
     }
+}
+
+/// Kind and index lead back to a feature of the body, and to nothing else.
+#[test]
+fn features_are_named_by_kind_and_index() {
+    let body = solids::prism(5, 1.0, 0.5).unwrap();
+    let all = body.vertices().map(Feature::Vertex);
+    let all = all
+        .chain(body.edges().map(Feature::Edge))
+        .chain(body.faces().map(Feature::Face));
+    let all: Vec<Feature> = all.collect();
+    assert_eq!(all.len(), 10 + 15 + 7);
+    for &f in &all {
+        assert_eq!(body.feature(f.dimension(), f.index()), Some(f));
+    }
+    let found = (0..5).flat_map(|d| (0..100).map(move |k| (d, k)));
+    let found = found.filter_map(|(d, k)| body.feature(d, k)).count();
+    assert_eq!(found, all.len());
+    assert_eq!(body.feature(0, usize::MAX), None);
 }

@@ -12,7 +12,7 @@ fn shifted(aabb: &Aabb, by: Vector3<f64>) -> Aabb {
     Aabb::new(aabb.min + by, aabb.max + by)
 }
 
-/// Entries scanned, step by step. `motion` says how body `i` moves in step `s`.
+/// Entries compared, step by step. `motion` says how body `i` moves in step `s`.
 fn scanned(mut boxes: Vec<Aabb>, mut motion: impl FnMut(usize, usize, &Aabb) -> Vector3<f64>) -> Vec<u64> {
     let mut broad = PencilSweep::new();
     let ids: Vec<_> = boxes.iter().map(|b| broad.insert(b, Body::moving()).unwrap()).collect();
@@ -29,21 +29,22 @@ fn scanned(mut boxes: Vec<Aabb>, mut motion: impl FnMut(usize, usize, &Aabb) -> 
     counts
 }
 
-/// No step, the first included, scans more than five times what the median step does and eight entries a body beside.
-fn assert_even(name: &str, n: usize, counts: &[u64]) {
+/// No step, the first included, compares more than `most` times the entries of the median step.
+fn assert_even(name: &str, most: u64, counts: &[u64]) {
     let mut sorted = counts.to_vec();
     sorted.sort_unstable();
-    let most = 5 * sorted[sorted.len() / 2] + 8 * n as u64;
+    let median = sorted[sorted.len() / 2];
     assert!(
-        counts.iter().all(|c| *c <= most),
-        "{name}: at most {most}, but {counts:?}"
+        counts.iter().all(|c| *c <= most * median),
+        "{name}: at most {most} medians, but {counts:?}"
     );
 }
 
-/// Two plates in a hundred boxes, across each axis; all are slow but for one in five hundred, in some steps.
+/// Plates in a hundred boxes, across each axis, all at random places in every step: the columns of
+/// the first steps are cut for other sizes.
 #[test]
 fn plates_among_small_boxes() {
-    let n = 8000;
+    let n = 4000;
     for axis in 0..3 {
         let (mut rng, side) = (Rng::new(1), (16.0 * n as f64).cbrt());
         let boxes = (0..n).map(|i| {
@@ -56,11 +57,10 @@ fn plates_among_small_boxes() {
         });
         let boxes: Vec<_> = boxes.collect();
         let mut rng = Rng::new(2);
-        let counts = scanned(boxes, |s, i, aabb| match (s % 4, i % 500) {
-            (0, 0) => place(&mut rng, side) - Point3::from((aabb.min.coords + aabb.max.coords) * 0.5),
-            _ => Vector3::from(rng.unit()) * 0.01,
+        let counts = scanned(boxes, |_, _, aabb| {
+            place(&mut rng, side) - Point3::from((aabb.min.coords + aabb.max.coords) * 0.5)
         });
-        assert_even("plates", n, &counts);
+        assert_even("plates", 4, &counts);
     }
 }
 
@@ -81,22 +81,22 @@ fn needles_that_wrap() {
         };
         Vector3::x() * if wraps { far } else { 1e-3 * rng.uniform() }
     });
-    assert_even("needles", n, &counts);
+    assert_even("needles", 2, &counts);
 }
 
-/// Pipes along all axes that move slowly, and one body that hops.
+/// Parallel needles of which one in a hundred moves, slowly, and one body that hops: the windows of
+/// the columns that are repaired must not be as wide as the hop.
 #[test]
-fn pipes_and_one_hopping_body() {
+fn a_hop_among_few_movers() {
     let (mut rng, n) = (Rng::new(4), 4000);
-    let boxes = (0..n).map(|_| {
-        let mut half = Vector3::repeat(0.25);
-        half[rng.below(3)] = 5.0;
-        Aabb::from_center(place(&mut rng, 100.0), half)
-    });
-    let boxes: Vec<_> = boxes.collect();
+    let half = Vector3::new(1e-4, 50.0, 1e-4);
+    let boxes: Vec<_> = (0..n)
+        .map(|_| Aabb::from_center(place(&mut rng, 100.0), half))
+        .collect();
     let counts = scanned(boxes, |s, i, _| match (s % 6, i) {
-        (0, 0) => Vector3::repeat(if s % 12 == 0 { 40.0 } else { -40.0 }),
-        _ => Vector3::from(rng.unit()) * 0.01,
+        (0, 0) => Vector3::x() * if s % 12 == 0 { 40.0 } else { -40.0 },
+        (_, i) if i % 100 == 1 => Vector3::from(rng.unit()) * 1e-3,
+        _ => Vector3::zeros(),
     });
-    assert_even("pipes", n, &counts);
+    assert_even("hops", 5, &counts[1..]);
 }

@@ -191,7 +191,7 @@ fn use_scene(mut scene: Scene) {
 fn numbers_changed_in_a_file_do_no_harm() {
     let checks = std::panic::catch_unwind(|| std::hint::black_box(u8::MAX) + std::hint::black_box(1));
     assert!(checks.is_err(), "this test is worth little without overflow checks");
-    let (a, b) = (solids::icosahedron(1.0).unwrap(), solids::cone(7, 0.3, 1.1).unwrap());
+    let (a, b) = (solids::icosahedron(1.0).unwrap(), solids::cone(7, 0.3, 0.55).unwrap());
     let (apart, deep) = ([2.0, 0.5, -1.0], [0.1, 0.2, 0.3]);
     let pose = |[x, y, z]: [f64; 3]| RelativePose::from_isometry(&Isometry3::translation(x, y, z)).unwrap();
     for (t, seed) in [(apart, 82), (deep, 83)] {

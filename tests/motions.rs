@@ -188,7 +188,7 @@ fn flat_bodies_are_bodies() {
     let flat = flat_bodies();
     let solid = [
         solids::cuboid(Vector3::new(0.5, 0.5, 0.5)),
-        solids::cone(9, 0.8, 1.0),
+        solids::cone(9, 0.8, 0.5),
         solids::icosahedron(0.7),
     ];
     let solid = solid.map(|b| b.expect("a solid"));

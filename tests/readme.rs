@@ -75,3 +75,55 @@ fn the_table_of_examples_is_complete() {
     there.sort();
     assert_eq!(named, there);
 }
+
+/// Columns of a line of code that the documentation site shows without a scroll bar.
+const CODE: usize = 80;
+
+/// Lines of Rust in the documentation of a source file: line number and text, without hidden lines.
+fn doc_code(text: &str) -> Vec<(usize, String)> {
+    let (mut is_code, mut is_rust, mut found) = (false, false, vec![]);
+    for (line, number) in text.lines().zip(1..) {
+        let trimmed = line.trim_start();
+        let Some(doc) = trimmed.strip_prefix("///").or(trimmed.strip_prefix("//!")) else {
+            (is_code, is_rust) = (false, false);
+            continue;
+        };
+        let doc = doc.strip_prefix(' ').unwrap_or(doc);
+        if doc.trim_start().starts_with("```") {
+            is_rust = !is_code && ["```", "```no_run", "```rust"].contains(&doc.trim());
+            is_code = !is_code;
+        } else if is_code && is_rust && !doc.trim_start().starts_with("# ") {
+            found.push((number, doc.to_owned()));
+        }
+    }
+    found
+}
+
+fn source_files(folder: &Path, found: &mut Vec<std::path::PathBuf>) {
+    for entry in std::fs::read_dir(folder).expect("a folder") {
+        let path = entry.expect("an entry").path();
+        if path.is_dir() {
+            source_files(&path, found);
+        } else if path.extension().is_some_and(|e| e == "rs") {
+            found.push(path);
+        }
+    }
+}
+
+#[test]
+fn code_of_the_documentation_is_narrow_and_needs_no_other_crate() {
+    let mut files = vec![];
+    source_files(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src"), &mut files);
+    let (mut lines, mut faults) = (0, vec![]);
+    for file in files {
+        let text = std::fs::read_to_string(&file).expect("a source file");
+        for (number, line) in doc_code(&text) {
+            lines += 1;
+            if line.chars().count() > CODE || line.starts_with("use nalgebra::") {
+                faults.push(format!("{}:{number}: {line}", file.display()));
+            }
+        }
+    }
+    assert!(lines > 300, "only {lines} lines of code found");
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
+}

@@ -69,7 +69,10 @@ fn truth(scene: &Scene, d: f64, trackers: &mut BTreeMap<(BodyId, BodyId), Tracke
     for (k, &a) in ids.iter().enumerate() {
         for &b in &ids[k + 1..] {
             let pose = RelativePose::new(scene.pose(a).unwrap(), scene.pose(b).unwrap()).unwrap();
-            let (x, y) = (scene.shape(a).unwrap(), scene.shape(b).unwrap());
+            let (x, y) = (
+                scene.shape(a).and_then(|s| s.as_polyhedron()).unwrap(),
+                scene.shape(b).and_then(|s| s.as_polyhedron()).unwrap(),
+            );
             let tracker = trackers.entry((a, b)).or_default();
             let outcome = tracker.closest(x, y, &pose);
             distances.insert((a, b), (outcome.lower, outcome.upper));
@@ -159,6 +162,7 @@ fn ladder() -> [Effects; 9] {
             depth: true,
             boxes: true,
             manifold: Some(ManifoldOptions::within(D)),
+            ..NONE
         },
     ]
 }

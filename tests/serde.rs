@@ -5,7 +5,8 @@ mod support;
 
 use lin_canny::polyhedron::solids;
 use lin_canny::{
-    Class, ConvexPolyhedron, Distance, Manifold, ManifoldOptions, Outcome, Proposal, RelativePose, Solver, Tracker,
+    Class, ConvexPolyhedron, Distance, Manifold, ManifoldOptions, Outcome, Proposal, RelativePose, Shape, ShapeTracker,
+    Solver, Tracker,
 };
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -20,7 +21,7 @@ fn round_trip<T: Serialize + DeserializeOwned + PartialEq + std::fmt::Debug>(val
 fn query() -> (ConvexPolyhedron, ConvexPolyhedron, RelativePose) {
     let (a, b) = (
         solids::icosahedron(1.0).expect("a body"),
-        solids::cone(7, 0.3, 1.1).expect("a body"),
+        solids::cone(7, 0.3, 0.55).expect("a body"),
     );
     let pose = lab::Pose::turn([0.6, 0.0, 0.8], 0.7, [1.9, 0.3, -0.4]);
     (a, b, RelativePose::from_isometry(&pose.isometry()).expect("a pose"))
@@ -204,6 +205,67 @@ fn a_damaged_surface_does_no_harm() {
                 assert_eq!(o.class, wanted.class);
                 assert!(o.lower <= wanted.upper && wanted.lower <= o.upper, "{o:?}");
             }
+        }
+    }
+}
+
+/// Shapes of every kind, rounded or not; what no constructor would make is refused.
+#[test]
+fn shapes_come_back() {
+    let v = lin_canny::nalgebra::Vector3::new(0.5, 0.25, 0.75);
+    let shapes = [
+        Shape::ball(0.7),
+        Shape::capsule(0.6, 0.3),
+        Shape::cuboid(v).and_then(|s| s.rounded(0.1)),
+        Shape::cylinder(0.7, 0.5),
+        Shape::cone(0.7, 0.6),
+        Shape::ellipsoid(v).and_then(|s| s.rounded(0.1)),
+        Shape::superquadric(v, 0.5, 1.25),
+    ];
+    let shapes = shapes.map(|s| s.expect("a shape"));
+    for a in &shapes {
+        let text = serde_json::to_string(a).expect("serialises");
+        let back: Shape = serde_json::from_str(&text).expect("deserialises");
+        // A polyhedron comes back with another build report; every answer is the same.
+        let pose = support::shifted([1.3, 0.4, 1.5]);
+        for b in &shapes {
+            let answer = |s: &Shape| ShapeTracker::new().closest(s, b, &pose);
+            assert_eq!(answer(a), answer(&back), "{text}");
+        }
+        assert_eq!(serde_json::to_string(&back).expect("serialises"), text);
+        assert!(
+            serde_json::from_str::<Shape>(&text.replace("\"round\":0.", "\"round\":-1.")).is_err(),
+            "{text}"
+        );
+    }
+    for bad in [
+        r#"{"core":{"Cylinder":{"half_height":0.7,"radius":-0.5}},"round":0.0}"#,
+        r#"{"core":{"Cone":{"half_height":1e200,"radius":0.5}},"round":0.0}"#,
+        r#"{"core":{"Ellipsoid":{"semi_axes":[0.5,0.0,0.7]}},"round":0.0}"#,
+        r#"{"core":{"Superquadric":{"semi_axes":[0.5,0.5,0.7],"exponents":[2.0,1.0]}},"round":0.0}"#,
+    ] {
+        assert!(serde_json::from_str::<Shape>(bad).is_err(), "{bad}");
+    }
+}
+
+/// A tracker of shapes goes on where it was, and one that was damaged on its way gives the same answers.
+#[test]
+fn a_tracker_of_shapes_comes_back() {
+    let a = Shape::cylinder(0.7, 0.5).expect("a shape");
+    let b = Shape::cone(0.7, 0.6).expect("a shape");
+    let mut pair = ShapeTracker::new();
+    for k in 0..20 {
+        let pose = support::shifted([1.4, 0.02 * f64::from(k), 0.3]);
+        let o = pair.closest(&a, &b, &pose);
+        pair = round_trip(&pair);
+        let mut text = serde_json::to_value(&pair).expect("serialises");
+        for (place, damage) in [("len", 77), ("flat", 200), ("len", 0)] {
+            text["curved"]["start"][1][place] = serde_json::json!(damage);
+            text["curved"]["start"][1]["of"] = serde_json::json!([[u32::MAX, 7], [9, u32::MAX], [5, 5]]);
+            let mut damaged: ShapeTracker = serde_json::from_value(text.clone()).expect("numbers");
+            let p = damaged.closest(&a, &b, &pose);
+            assert_eq!(p.class, o.class);
+            assert!(p.lower <= o.upper && o.lower <= p.upper, "{o:?} {p:?}");
         }
     }
 }

@@ -76,12 +76,39 @@ fn run(options: &Options) -> Result<(), Trouble> {
         charts.push(("asking-quick.svg", accuracy::asking(&rows, "asking 1deg", n)));
     }
     drop(progress);
+    if let Some(meshes) = &options.meshes {
+        charts = charts
+            .into_iter()
+            .map(|(file, c)| (file, c.titled(|t| own(t, meshes))))
+            .collect();
+    }
     save(&charts, &options.out)?;
     if let Some(file) = &options.csv {
         std::fs::write(file, record::text(&rows)).map_err(|e| format!("{}: {e}", file.display()))?;
         println!("{} rows: {}", rows.len(), file.display());
     }
     Ok(())
+}
+
+/// A title about spheres as a title about the caller's meshes, by the names of their files.
+fn own(title: &str, meshes: &[String; 2]) -> String {
+    let name = |file: &String| {
+        Path::new(file)
+            .file_name()
+            .unwrap_or_default()
+            .to_string_lossy()
+            .into_owned()
+    };
+    let [a, b] = [&meshes[0], &meshes[1]].map(name);
+    let what = title.split(": ").next().unwrap_or(title);
+    let details = title.split_once(": ").map_or("", |(_, rest)| rest);
+    // The shape and the number of vertices are those of our own bodies.
+    let is_detail = |part: &&str| !["sphere", "mesh"].contains(part) && !part.contains("vertices");
+    let details = details.split(", ").filter(is_detail);
+    let all: Vec<String> = std::iter::once(format!("{what}: {a} and {b}"))
+        .chain(details.map(Into::into))
+        .collect();
+    all.join(", ")
 }
 
 fn pictures_of_levels(options: &Options, rows: &[Row]) -> Vec<(&'static str, Chart)> {

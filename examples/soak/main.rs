@@ -128,6 +128,7 @@ impl Run<'_> {
             };
             self.tally.frame(self.trial.motion, &o);
             let (mut fault, exactly) = self.judge.fault(frame, &o, k % 64 == 0);
+            fault = fault.or(self.pair.check().err());
             self.tally.exactly += u64::from(exactly);
             if let Some((old, s)) = last
                 && fault.is_none()

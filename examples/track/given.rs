@@ -43,9 +43,7 @@ pub(crate) fn answer(meshes: [&Path; 2], poses: &Path, csv: &Path) -> Result<(),
 fn load(letter: char, path: &Path) -> Result<Mesh, Trouble> {
     let read = lab::meshes::load(path)?;
     let points: Vec<_> = read.points.iter().map(|p| Point3::from(*p)).collect();
-    let fan = |f: &lab::Face| f[1..].windows(2).map(|w| [f[0], w[0], w[1]]).collect::<Vec<_>>();
-    let triangles: Vec<[u32; 3]> = read.faces.iter().flat_map(fan).collect();
-    let mesh = Mesh::new(&points, &triangles).map_err(|e| format!("{}: {e}", path.display()))?;
+    let mesh = Mesh::new(&points, &read.triangles()).map_err(|e| format!("{}: {e}", path.display()))?;
     println!("{letter}: {}: {}", path.display(), mesh.report());
     Ok(mesh)
 }

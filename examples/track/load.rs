@@ -2,14 +2,13 @@
 
 use std::path::Path;
 
-use lab::meshes::{self, Mesh};
-use lab::pose::{add, cross, dot, sub};
+use lab::meshes;
 use lin_canny::nalgebra::Point3;
 use lin_canny::polyhedron::BuildError;
-use lin_canny::{ConvexPolyhedron, Feature};
+use lin_canny::{ConvexPolyhedron, Feature, Mesh, MeshError, MeshKind};
 
-/// A mesh that encloses the volume of its hull up to this part of it is called convex: single precision files round
-/// flat faces by some 1e-7 of the size.
+/// A mesh is called convex if its hull adds at most this share of air: files in single precision round flat faces by
+/// some 1e-7 of the size.
 const CONVEX_TO: f64 = 1e-4;
 
 /// Corners of a face that are printed.
@@ -56,40 +55,37 @@ pub(crate) fn load(letter: char, path: &Path) -> Result<Loaded, Box<dyn std::err
         other => other.map_err(refused)?,
     };
     println!("{letter}: {}", path.display());
-    println!("   mesh of {} points and {} faces", mesh.points.len(), mesh.faces.len());
+    println!("   mesh: points {}, faces {}", mesh.points.len(), mesh.faces.len());
     println!("   hull: {}", body.report());
-    println!("   {}", convexity(&mesh, &body));
+    let convexity = convexity(&mesh, &body).map_err(|e| format!("{}: {e}", path.display()))?;
+    println!("   {convexity}");
     Ok(Loaded {
         body,
         numbers: mesh.numbers,
     })
 }
 
-/// Whether the mesh is its hull, by volume.
-fn convexity(mesh: &Mesh, body: &ConvexPolyhedron) -> String {
-    let hull = body.volume();
-    if hull == 0.0 {
-        return "the mesh is flat and is taken as a polygon".into();
+/// What the hull makes of the mesh: whether the mesh is closed and convex, and how much the hull adds.
+fn convexity(mesh: &lab::meshes::Mesh, body: &ConvexPolyhedron) -> Result<String, MeshError> {
+    if body.volume() == 0.0 {
+        return Ok("the mesh is flat and is taken as a polygon".into());
     }
-    let part = enclosed(mesh, body.centroid().into()) / hull;
-    if (part.abs() - 1.0).abs() <= CONVEX_TO {
-        "the mesh is convex".into()
-    } else if (0.0..1.0).contains(&part.abs()) {
-        format!(
-            "the mesh is not convex (it encloses {:.1} % of its hull): the hull is used",
-            100.0 * part.abs()
-        )
-    } else {
-        "the mesh is not closed, or its faces cross: the hull of its points is used".into()
+    let points: Vec<_> = mesh.points.iter().map(|&p| Point3::from(p)).collect();
+    let surface = Mesh::new(&points, &mesh.triangles())?;
+    let report = surface.report();
+    if let [[p, q], ..] = report.boundary_edges[..] {
+        let [p, q] = [p, q].map(|i| mesh.numbers[i as usize]);
+        let count = report.boundary_edges.len();
+        return Ok(format!(
+            "the mesh is open: {count} edges have a triangle on one side only (one from v{p} to v{q}); the hull is used"
+        ));
     }
-}
-
-/// Volume that the faces enclose, seen from `from`: the sum of signed tetrahedra.
-fn enclosed(mesh: &Mesh, from: [f64; 3]) -> f64 {
-    let corner = |i: u32| sub(mesh.points[i as usize], from);
-    let cone = |f: &lab::Face| {
-        let fan = f[1..].windows(2).map(|w| cross(corner(w[0]), corner(w[1])));
-        dot(corner(f[0]), fan.fold([0.0; 3], add)) / 6.0
-    };
-    mesh.faces.iter().map(cone).sum()
+    if surface.kind() == MeshKind::Surface {
+        return Ok(format!("the mesh is not a solid ({report}); the hull is used"));
+    }
+    let fit = surface.hull_fit(body);
+    Ok(match fit.air() {
+        Some(air) if air <= CONVEX_TO => "the mesh is convex".into(),
+        _ => format!("the mesh is not convex: {fit}; the hull is used"),
+    })
 }

@@ -13,6 +13,7 @@ mod options;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
+use lab::command::Arguments;
 use lab::plot::{Chart, save_stack};
 use lab::progress::Progress;
 use lin_canny::nalgebra::Isometry3;
@@ -44,7 +45,7 @@ struct Run {
 }
 
 fn main() -> ExitCode {
-    let parsed = options::parse(std::env::args().skip(1));
+    let parsed = options::parse(Arguments::of_process());
     lab::command::main("track", options::USAGE, parsed, track)
 }
 
@@ -53,13 +54,13 @@ fn track(options: &Options) -> Result<(), Trouble> {
     if let Some((poses, csv)) = &options.given {
         return given::answer([a, b], poses, csv);
     }
+    println!("drawing to {}", options.out.display());
     let (a, b) = (load::load('A', a)?, load::load('B', b)?);
     let poses = motion::poses(&a.body, &b.body, options.frames);
     let run = follow(&a.body, &b.body, &poses)?;
     table(&a, &b, &run);
     summary(&run);
     draw(options, &run)?;
-    println!("drawn: {}", options.out.display());
     Ok(())
 }
 
@@ -194,6 +195,7 @@ fn draw(options: &Options, run: &Run) -> Result<(), Trouble> {
     let steps = Chart::new("steps of the walk, tracked")
         .axes("frame", "steps")
         .from_zero()
+        .counts()
         .size(860, 280)
         .line("steps", most);
     Ok(save_stack(&[&distance, &steps], &options.out)?)

@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use lab::command::Arguments;
+
 pub(crate) const USAGE: &str = "\
 usage: track [A.obj|A.stl B.obj|B.stl] [--frames N] [--out FILE.svg]
        track A.obj|A.stl B.obj|B.stl --poses FILE --csv FILE
@@ -29,36 +31,31 @@ pub(crate) struct Options {
     pub(crate) given: Option<(PathBuf, PathBuf)>,
 }
 
-/// The options, or what to tell the user: `Ok(None)` when asked for help.
-pub(crate) fn parse(mut words: impl Iterator<Item = String>) -> Result<Option<Options>, String> {
-    let (mut meshes, mut frames, mut out) = (vec![], 720, PathBuf::from("target/track.svg"));
-    let (mut poses, mut csv) = (None, None);
-    while let Some(word) = words.next() {
-        let mut value = || words.next().ok_or(format!("{word} needs a value"));
-        match word.as_str() {
-            "-h" | "--help" => return Ok(None),
-            "--frames" => frames = frame_count(&value()?)?,
-            "--out" => out = value()?.into(),
-            "--poses" => poses = Some(value()?.into()),
-            "--csv" => csv = Some(value()?.into()),
-            _ if word.starts_with("--") => return Err(format!("{word} is no option")),
-            _ => meshes.push(PathBuf::from(word)),
-        }
+/// The options; `None` if help is asked for.
+pub(crate) fn parse(arguments: Option<Arguments>) -> Result<Option<Options>, String> {
+    let Some(mut arguments) = arguments else {
+        return Ok(None);
+    };
+    let frames = arguments.number("--frames", 2, 720)?;
+    if frames > MOST_FRAMES {
+        return Err(format!("--frames must be at most {MOST_FRAMES}, not {frames}"));
     }
+    let out = arguments.value("--out")?.unwrap_or("target/track.svg".into()).into();
+    let given = match (arguments.value("--poses")?, arguments.value("--csv")?) {
+        (Some(poses), Some(csv)) => Some((poses.into(), csv.into())),
+        (None, None) => None,
+        _ => return Err("--poses and --csv belong together".into()),
+    };
     let ours = |name: &str| {
         PathBuf::from(env!("CARGO_MANIFEST_DIR"))
             .join("examples/meshes")
             .join(name)
     };
+    let meshes: Vec<PathBuf> = arguments.files(2)?.into_iter().map(PathBuf::from).collect();
     let meshes = match <[PathBuf; 2]>::try_from(meshes) {
         Ok(two) => two,
         Err(none) if none.is_empty() => [ours("gem.obj"), ours("nut.stl")],
-        Err(other) => return Err(format!("two meshes are needed, or none; {} given", other.len())),
-    };
-    let given = match (poses, csv) {
-        (Some(poses), Some(csv)) => Some((poses, csv)),
-        (None, None) => None,
-        _ => return Err("--poses and --csv belong together".into()),
+        Err(_) => return Err("two meshes are needed, or none; one is given".into()),
     };
     Ok(Some(Options {
         meshes,
@@ -66,9 +63,4 @@ pub(crate) fn parse(mut words: impl Iterator<Item = String>) -> Result<Option<Op
         out,
         given,
     }))
-}
-
-fn frame_count(word: &str) -> Result<usize, String> {
-    let count = word.parse().ok().filter(|n| (2..=MOST_FRAMES).contains(n));
-    count.ok_or(format!("--frames must be between 2 and {MOST_FRAMES}, not {word}"))
 }

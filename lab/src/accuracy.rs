@@ -67,8 +67,15 @@ fn levels(rows: &[Row], engine: &str, family: &str, n: usize) -> Vec<String> {
 fn told(family: &str) -> String {
     let (what, motion) = family.split_once(' ').unwrap_or((family, ""));
     match motion.strip_suffix("deg") {
-        Some(degrees) if what == "asking" => format!("{degrees} degrees a frame"),
-        Some(degrees) => format!("{what}, {degrees} degrees a frame"),
+        Some(degrees) => {
+            let unit = if degrees == "1" { "degree" } else { "degrees" };
+            let motion = format!("{degrees} {unit} per frame");
+            if what == "asking" {
+                motion
+            } else {
+                format!("{what}, {motion}")
+            }
+        }
         None => family.replacen(' ', ", ", 1),
     }
 }

@@ -20,6 +20,15 @@ pub struct Mesh {
     pub numbers: Vec<u32>,
 }
 
+impl Mesh {
+    /// Returns the faces as triangles: polygons are cut from their first corner.
+    #[must_use]
+    pub fn triangles(&self) -> Vec<[u32; 3]> {
+        let fan = |f: &Face| f[1..].windows(2).map(|w| [f[0], w[0], w[1]]).collect::<Vec<_>>();
+        self.faces.iter().flat_map(fan).collect()
+    }
+}
+
 /// Why a file gives no mesh.
 #[derive(Debug)]
 pub struct MeshError {
@@ -103,7 +112,7 @@ fn parse_obj(bytes: Vec<u8>) -> Result<Mesh, Reason> {
     let plain: String = text.lines().filter(known).flat_map(|l| [l, "\n"]).collect();
     let no_materials = |_: &Path| Ok(Default::default());
     let read = tobj::load_obj_buf(&mut plain.as_bytes(), &tobj::LoadOptions::default(), no_materials);
-    let (models, _) = read.map_err(|e| Reason::Malformed(e.to_string()))?;
+    let (models, _) = read.map_err(|e| Reason::Malformed(format!("{}{e}", bad_line(&text))))?;
     let Some(m) = models.into_iter().next().map(|m| m.mesh) else {
         return Err(Reason::Empty);
     };
@@ -142,6 +151,22 @@ fn numbers(text: &str, points: &[Point]) -> Vec<u32> {
     points.iter().map(|p| of(p).unwrap_or(0)).collect()
 }
 
+/// Returns `line N: ` for the first line of an OBJ whose numbers cannot be read; empty if there is none.
+fn bad_line(text: &str) -> String {
+    let is_number = |w: &str| w.parse::<f64>().is_ok();
+    let is_corner = |w: &str| w.split('/').all(|i| i.is_empty() || i.parse::<i64>().is_ok());
+    let is_bad = |line: &str| {
+        let words: Vec<&str> = line.split_whitespace().collect();
+        match words.split_first() {
+            Some((&"v", place)) => place.len() < 3 || !place.iter().copied().all(is_number),
+            Some((&"f", corners)) => corners.len() < 3 || !corners.iter().copied().all(is_corner),
+            _ => false,
+        }
+    };
+    let line = text.lines().position(is_bad);
+    line.map_or(String::new(), |k| format!("line {}: ", k + 1))
+}
+
 /// An STL file. Many programs begin binary files with the word `solid` too, so the length decides: 80 bytes of header, a
 /// count, and 50 bytes a triangle.
 fn parse_stl(mut bytes: Vec<u8>) -> Result<Mesh, Reason> {
@@ -170,18 +195,19 @@ fn is_text(bytes: &[u8]) -> bool {
     word && !bytes[..bytes.len().min(512)].contains(&0)
 }
 
-/// What the reader expects of text: lower case, `solid` and a space at the beginning, one solid.
+/// What the reader expects of text: lower case, `solid` and a space at the beginning, one solid. Several solids are joined.
 fn tidy_text(bytes: &[u8]) -> Result<Vec<u8>, Reason> {
     let bad = |why: &str| Err(Reason::Malformed(why.into()));
     if !is_text(bytes) {
         return bad("neither text that begins with `solid` nor a binary of the right length");
     }
     let text = String::from_utf8_lossy(bytes).to_ascii_lowercase();
-    let body = text.trim_start().strip_prefix("solid").expect("is text");
-    if body.lines().filter(|l| l.trim_start().starts_with("endsolid")).count() > 1 {
-        return bad("it holds several solids");
-    }
-    Ok(format!("solid {body}").into_bytes())
+    let is_end = |l: &str| l.trim_start().starts_with("endsolid");
+    let is_border = |l: &&str| is_end(l) || l.split_whitespace().next() == Some("solid");
+    let facets: Vec<&str> = text.lines().filter(|l| !is_border(l)).collect();
+    // A file that breaks off has no end: the reader names what is missing.
+    let end = if text.lines().any(is_end) { "endsolid" } else { "" };
+    Ok(format!("solid \n{}\n{end}\n", facets.join("\n")).into_bytes())
 }
 
 #[cfg(test)]

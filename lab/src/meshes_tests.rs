@@ -80,12 +80,17 @@ fn stl_text_and_binary_are_told_apart_by_what_they_hold() {
 }
 
 #[test]
+fn several_solids_of_a_text_are_one_mesh() {
+    let [one, two] = [STL.into(), format!("{STL}\n{STL}").into()].map(|text| parse_stl(text).unwrap());
+    assert_eq!((two.points, two.faces.len()), (one.points, 2 * one.faces.len()));
+}
+
+#[test]
 fn what_is_wrong_is_said() {
-    assert!(reason(parse_obj("v 0 0\nf 1 2 3\n".into())).contains("malformed"));
+    assert!(reason(parse_obj("# a corner\nv 0 0\nf 1 2 3\n".into())).contains("malformed: line 2: "));
     assert!(reason(parse_obj("v 0 0 0\nf 1 2 3\n".into())).contains("out of bounds"));
     assert!(reason(parse_stl(binary(b"short", 2))).contains("neither text"));
     assert!(reason(parse_stl(b"<html>".to_vec())).contains("neither text"));
-    assert!(reason(parse_stl(format!("{STL}{STL}").into())).contains("several solids"));
     assert!(reason(parse_stl(STL[..100].into())).contains("malformed"));
     assert!(
         load("no-such-file.obj")

@@ -15,6 +15,7 @@ enum Mark {
     Dots,
     LineAndDots,
     Spread,
+    Backdrop,
 }
 
 /// A measured point with its ends, and a word beside it (or none).
@@ -50,6 +51,7 @@ pub struct Chart {
     beside: bool,
     low: bool,
     rows: bool,
+    whole: bool,
     series: Vec<Series>,
 }
 
@@ -67,8 +69,15 @@ impl Chart {
             beside: false,
             low: false,
             rows: false,
+            whole: false,
             series: vec![],
         }
+    }
+
+    /// The chart with another title, made of the title it has.
+    pub fn titled(mut self, title: impl FnOnce(&str) -> String) -> Self {
+        self.title = title(&self.title);
+        self
     }
 
     /// Words along the axes.
@@ -111,6 +120,17 @@ impl Chart {
     pub fn rows(mut self) -> Self {
         self.rows = true;
         self
+    }
+
+    /// Numbers of the y axis are counts: fractions are not written.
+    pub fn counts(mut self) -> Self {
+        self.whole = true;
+        self
+    }
+
+    /// Small pale dots behind everything that is added later.
+    pub fn backdrop(self, name: impl Into<String>, points: impl IntoIterator<Item = (f64, f64)>) -> Self {
+        self.add(name, Mark::Backdrop, points)
     }
 
     /// Width and height in pixels.
@@ -231,7 +251,15 @@ pub fn stack(charts: &[&Chart]) -> Result<String, String> {
         };
         inner().map_err(|e| e.to_string())?;
     }
-    Ok(text)
+    // For readers who hear pages, and for pages narrower than the chart.
+    let titles: Vec<String> = charts.iter().map(|c| escaped(&c.title)).collect();
+    let text = text.replacen("<svg ", "<svg role=\"img\" style=\"max-width:100%;height:auto\" ", 1);
+    Ok(text.replacen(">\n", &format!(">\n<title>{}</title>\n", titles.join("; ")), 1))
+}
+
+/// Text as SVG holds it.
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }
 
 /// Writes charts beneath one another to a file: quantities of different units over the same time, say.

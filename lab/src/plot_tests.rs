@@ -42,8 +42,9 @@ fn gaps_zeros_and_emptiness_do_no_harm() {
 #[test]
 fn charts_stack_beneath_one_another() {
     let svg = stack(&[&chart().size(600, 200), &chart().log_y().size(500, 300)]).unwrap();
-    assert!(svg.starts_with("<svg width=\"600\" height=\"500\""));
-    assert_eq!(svg.matches("squares &amp; co").count(), 2);
+    assert!(svg.starts_with("<svg role=\"img\"") && svg.contains("width=\"600\" height=\"500\""));
+    // Two captions, and both in the title of the picture.
+    assert_eq!(svg.matches("squares &amp; co").count(), 4);
 }
 
 #[test]

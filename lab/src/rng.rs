@@ -1,8 +1,7 @@
 //! A seeded generator of random numbers: xoshiro256++ (Blackman and Vigna 2019), its state filled by splitmix64.
 //!
-//! The same seed gives the same bits on every machine, so a failing case is named by its seed.
-
-use crate::pose::{Point, unit_quat};
+//! The same seed gives the same bits on every machine, so a failing case is named by its seed. The unit tests of the
+//! library use this file too, so it names nothing else of this crate.
 
 /// The generator. `Rng::new(seed)`; any seed will do, zero too.
 #[derive(Clone, Debug)]
@@ -87,9 +86,9 @@ impl Rng {
     }
 
     /// A uniform direction, unit up to rounding.
-    pub fn unit(&mut self) -> Point {
+    pub fn unit(&mut self) -> [f64; 3] {
         loop {
-            let p: Point = std::array::from_fn(|_| self.range(-1.0, 1.0));
+            let p: [f64; 3] = std::array::from_fn(|_| self.range(-1.0, 1.0));
             let s: f64 = p.iter().map(|x| x * x).sum();
             if (1e-4..=1.0).contains(&s) {
                 return p.map(|x| x / s.sqrt());
@@ -98,7 +97,7 @@ impl Rng {
     }
 
     /// Uniform in the unit ball.
-    pub fn in_ball(&mut self) -> Point {
+    pub fn in_ball(&mut self) -> [f64; 3] {
         let r = self.uniform().cbrt();
         self.unit().map(|x| x * r)
     }
@@ -107,8 +106,9 @@ impl Rng {
     pub fn quat(&mut self) -> [f64; 4] {
         loop {
             let q: [f64; 4] = std::array::from_fn(|_| self.range(-1.0, 1.0));
-            if (1e-4..=1.0).contains(&q.iter().map(|x| x * x).sum::<f64>()) {
-                return unit_quat(q);
+            let s: f64 = q.iter().map(|x| x * x).sum();
+            if (1e-4..=1.0).contains(&s) {
+                return q.map(|x| x / s.sqrt());
             }
         }
     }
@@ -126,6 +126,7 @@ fn splitmix(s: &mut u64) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::vec::Vec;
 
     #[test]
     fn splitmix_gives_its_published_first_values() {

@@ -42,9 +42,12 @@ pub enum BoxFault {
 /// use lin_canny::nalgebra::{Isometry3, Vector3};
 /// use lin_canny::{BoxHint, polyhedron::solids};
 ///
-/// let (body, mut hint) = (solids::cuboid(Vector3::new(1.0, 2.0, 3.0))?, BoxHint::default());
-/// let aabb = Aabb::from(body.aabb_at(&Isometry3::translation(10.0, 0.0, 0.0), &mut hint));
-/// assert!(aabb.contains(&Aabb::from(([9.0, -2.0, -3.0].into(), [11.0, 2.0, 3.0].into()))));
+/// let body = solids::cuboid(Vector3::new(1.0, 2.0, 3.0))?;
+/// let mut hint = BoxHint::default();
+/// let pose = Isometry3::translation(10.0, 0.0, 0.0);
+/// let aabb = Aabb::from(body.aabb_at(&pose, &mut hint));
+/// let tight = Aabb::from(([9.0, -2.0, -3.0].into(), [11.0, 2.0, 3.0].into()));
+/// assert!(aabb.contains(&tight));
 /// # Ok::<(), lin_canny::BuildError>(())
 /// ```
 impl From<(Point3<f64>, Point3<f64>)> for Aabb {
@@ -288,7 +291,7 @@ pub(crate) fn order_key(v: f32) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use lab::rng::Rng;
+    use crate::rng::Rng;
 
     #[test]
     fn rounding_is_outward_tight_and_exact_on_f32() {

@@ -13,11 +13,12 @@ use super::compact_vec::{push, trim};
 use super::error::BroadPhaseError;
 use super::grid::{Grid, Range};
 use super::prefetch::read_ahead;
+use super::slots::Slots;
 use super::{Aabb, Body, Groups};
 use alloc::vec::Vec;
 use core::fmt;
 use nalgebra::Point3;
-use place::{Context, checked, fraction, grown};
+use place::{Context, checked, fraction, grown, placed};
 use record::{LOOSE, NOTED};
 
 pub(crate) use record::{FIXED, JUMPS, MIGRATES, Record, UNBOUNDED};
@@ -99,11 +100,8 @@ impl Marks {
 pub(crate) struct Bodies {
     pub(crate) records: Vec<Record>,
     details: Vec<Detail>,
-    /// Odd while the body lives, larger by 1 after the removal.
-    pub(super) generations: Vec<u32>,
-    free: Vec<u32>,
-    /// Removed bodies whose pairs end with the next step.
-    pub(crate) leaving: Vec<u32>,
+    /// Ids; the pairs of removed bodies end with the next step.
+    pub(crate) slots: Slots,
     /// Bodies whose groups changed: groups and filter are asked again for their pairs.
     pub(crate) regrouped: Vec<u32>,
     pub(crate) unbounded: Vec<u32>,
@@ -123,9 +121,7 @@ impl Bodies {
         Self {
             records: Vec::new(),
             details: Vec::new(),
-            generations: Vec::new(),
-            free: Vec::new(),
-            leaving: Vec::new(),
+            slots: Slots::default(),
             regrouped: Vec::new(),
             unbounded: Vec::new(),
             marks: Marks::default(),
@@ -139,15 +135,14 @@ impl Bodies {
 
     /// Returns the number of living bodies.
     pub(crate) fn len(&self) -> usize {
-        self.records.len() - self.free.len() - self.leaving.len()
+        self.slots.len()
     }
 
     pub(crate) fn insert(&mut self, stored: StoredBox, body: Body, flags: u32) -> Result<BodyId, BroadPhaseError> {
         body.check()?;
         let index = self.vacant()?;
         let i = index as usize;
-        let generation = self.generations[i] + 1;
-        self.generations[i] = generation;
+        let id = self.slots.begin(index);
         self.details[i] = Detail::new(body);
         let is_loose = body.margin > 0.0 || body.lookahead > 0.0;
         let kind = if is_loose { LOOSE } else { 0 } | if body.fixed { FIXED } else { 0 };
@@ -168,29 +163,24 @@ impl Bodies {
             record.raise(NOTED);
             self.marks.noted.push(index);
         }
-        Ok(BodyId { index, generation })
+        Ok(id)
     }
 
     /// Returns a free index for a new body, if there is room.
     fn vacant(&mut self) -> Result<u32, BroadPhaseError> {
-        if let Some(index) = self.free.pop() {
-            return Ok(index);
+        let index = self.slots.vacant(self.most).ok_or(BroadPhaseError::TooManyBodies)?;
+        if index as usize == self.records.len() {
+            push(&mut self.records, Record::absent());
+            push(&mut self.details, Detail::new(Body::moving()));
         }
-        if self.records.len() >= self.most {
-            return Err(BroadPhaseError::TooManyBodies);
-        }
-        push(&mut self.records, Record::absent());
-        push(&mut self.details, Detail::new(Body::moving()));
-        push(&mut self.generations, 0);
-        Ok((self.records.len() - 1) as u32)
+        Ok(index)
     }
 
     /// Removes a body: the id is stale at once. The box becomes empty, so that the next step sees
     /// every pair of the body end.
     pub(crate) fn remove(&mut self, id: BodyId) -> Result<(), BroadPhaseError> {
         let i = self.index_of(id)?;
-        self.generations[i] = id.generation.wrapping_add(1);
-        self.leaving.push(id.index);
+        self.slots.remove(id.index);
         let step = self.step;
         let record = &mut self.records[i];
         record.touch(id.index, step, &mut self.marks.moved);
@@ -211,9 +201,13 @@ impl Bodies {
             step: self.step,
         };
         let record = &mut self.records[i];
-        let stored = checked(aabb, &self.origin, &self.grid, record.flags())
-            .map_err(|fault| BroadPhaseError::from_fault(fault, Some(id)))?;
-        context.place(record, id.index, Bounds::from_box(&stored), &mut self.marks);
+        let bounds = match self.grid.axis {
+            0 => placed::<0>(aabb, &self.origin, &self.grid, record.flags()),
+            1 => placed::<1>(aabb, &self.origin, &self.grid, record.flags()),
+            _ => placed::<2>(aabb, &self.origin, &self.grid, record.flags()),
+        };
+        let bounds = bounds.map_err(|fault| BroadPhaseError::from_fault(fault, Some(id)))?;
+        context.place(record, id.index, bounds, &mut self.marks);
         Ok(())
     }
 
@@ -224,26 +218,16 @@ impl Bodies {
     }
 
     pub(crate) fn index_of(&self, id: BodyId) -> Result<usize, BroadPhaseError> {
-        let i = id.index as usize;
-        let alive = self.generations.get(i) == Some(&id.generation) && id.generation % 2 == 1;
-        if alive {
-            Ok(i)
-        } else {
-            Err(BroadPhaseError::StaleId { body: id })
-        }
+        self.slots.index_of(id).ok_or(BroadPhaseError::StaleId { body: id })
     }
 
     /// Returns the id under which the body at `index` lives, or last lived until the next step.
     pub(crate) fn id(&self, index: u32) -> BodyId {
-        let generation = self
-            .generations
-            .get(index as usize)
-            .map_or(0, |g| g.wrapping_sub(1) | 1);
-        BodyId { index, generation }
+        self.slots.id(index)
     }
 
     pub(crate) fn lives(&self, index: u32) -> bool {
-        self.generations.get(index as usize).is_some_and(|g| g % 2 == 1)
+        self.slots.lives(index)
     }
 
     /// Returns the options of a body.
@@ -270,19 +254,16 @@ impl Bodies {
     /// Prefetches the data that [`may_pair`](Self::may_pair) and [`id`](Self::id) read of these
     /// bodies.
     pub(crate) fn read_ahead(&self, indices: impl Iterator<Item = u32>) {
+        let generations = self.slots.generations();
         read_ahead(
             self.details.len(),
-            indices.map(|i| self.details[i as usize].groups.member_of ^ self.generations[i as usize]),
+            indices.map(|i| self.details[i as usize].groups.member_of ^ generations[i as usize]),
         );
     }
 
     /// Iterates over the ids of all living bodies.
     pub(crate) fn ids(&self) -> impl Iterator<Item = BodyId> {
-        let living = self.generations.iter().enumerate().filter(|(_, g)| **g % 2 == 1);
-        living.map(|(i, g)| BodyId {
-            index: i as u32,
-            generation: *g,
-        })
+        self.slots.ids()
     }
 
     /// Computes the columns of every body in another grid, and lists all bodies that change
@@ -331,17 +312,11 @@ impl Bodies {
         }
         self.marks.moved.clear();
         self.regrouped.clear();
-        let generations = &self.generations;
-        if !self.leaving.is_empty() {
-            self.unbounded.retain(|&i| generations[i as usize] % 2 == 1);
+        let (slots, records) = (&mut self.slots, &mut self.records);
+        if slots.has_leaving() {
+            self.unbounded.retain(|&i| slots.lives(i));
         }
-        for index in self.leaving.drain(..) {
-            self.records[index as usize] = Record::absent();
-            // An index whose generations are used up is retired.
-            if generations[index as usize] < u32::MAX - 1 {
-                self.free.push(index);
-            }
-        }
+        slots.end_step(|index| records[index] = Record::absent());
         self.step = match self.step.checked_add(1) {
             Some(next) => next,
             None => {
@@ -353,11 +328,11 @@ impl Bodies {
 
     /// Returns the bytes reserved for bodies.
     pub(crate) fn bytes(&self) -> usize {
-        let lists = [&self.free, &self.leaving, &self.regrouped, &self.unbounded];
+        let lists = [&self.regrouped, &self.unbounded];
         let marks = self.shares.iter().chain([&self.marks]);
         self.records.capacity() * size_of::<Record>()
             + self.details.capacity() * size_of::<Detail>()
-            + self.generations.capacity() * 4
+            + self.slots.bytes()
             + lists
                 .into_iter()
                 .chain(marks.flat_map(|m| [&m.moved, &m.noted]))

@@ -6,6 +6,7 @@
 //! correct there, only slower.
 
 use super::bounds::Bounds;
+use crate::tuning::broad::LEAP;
 use wide::f32x4;
 
 /// Largest number of columns along one axis; column coordinates are 16 bits wide.
@@ -76,9 +77,6 @@ pub(crate) struct Grid {
     /// A move longer than this on some axis is a jump; lane 3 is arbitrary.
     pub(crate) leap: f32x4,
 }
-
-/// A move across columns longer than this part of the column width is a jump.
-const LEAP: f32 = 0.25;
 
 impl Grid {
     /// Returns the grid of one column that holds everything, swept along `axis`.

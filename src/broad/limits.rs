@@ -83,7 +83,8 @@ fn last_generation(mut broad: impl BroadPhase) {
         generation: u32::MAX - 2,
         ..first
     };
-    broad.state_mut().bodies.generations[first.index as usize] = last.generation;
+    let slots = &mut broad.state_mut().bodies.slots;
+    slots.set_generation(first.index, last.generation);
     broad.remove(last).expect("it is there");
     broad.step();
     let next = broad.insert(&cube(0.0), Body::moving()).expect("there is room");

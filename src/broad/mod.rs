@@ -3,9 +3,10 @@
 //!
 //! ```
 //! use lin_canny::broad::{Aabb, Body, BroadPhase, PencilSweep};
-//! use nalgebra::{Point3, Vector3};
+//! use lin_canny::nalgebra::{Point3, Vector3};
 //!
-//! let cube = |x: f64| Aabb::from_center(Point3::new(x, 0.0, 0.0), Vector3::repeat(0.5));
+//! let half = Vector3::repeat(0.5);
+//! let cube = |x: f64| Aabb::from_center(Point3::new(x, 0.0, 0.0), half);
 //! let mut broad = PencilSweep::new();
 //! let a = broad.insert(&cube(0.0), Body::moving())?;
 //! let b = broad.insert(&cube(3.0), Body::moving())?;
@@ -63,6 +64,7 @@ mod pairs;
 mod parallel;
 mod pencil;
 mod prefetch;
+pub(crate) mod slots;
 #[cfg(feature = "serde")]
 mod snapshot;
 mod sorted_axes;

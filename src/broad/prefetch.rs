@@ -1,10 +1,6 @@
 //! Prefetching: reads the scattered memory that a loop is going to need.
 
-/// Number of items prefetched at once.
-pub(super) const AHEAD: usize = 32;
-
-/// Tables up to this many items stay in near caches from step to step and need no prefetching.
-const NEAR: usize = 1 << 14;
+use crate::tuning::broad::NEAR;
 
 /// Reads all values, which lie in a table of `count` items. A loop that searches and decides waits
 /// for its reads one after another; requested without a branch between, the values arrive together.

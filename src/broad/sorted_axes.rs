@@ -108,7 +108,7 @@ impl SortedAxes {
             sweep_one_axis(bodies, changes);
         }
         changes.settle();
-        if !bodies.leaving.is_empty() {
+        if bodies.slots.has_leaving() {
             let stays = |end: &End| bodies.records[index_of(*end) as usize].present();
             self.axes.iter_mut().for_each(|axis| axis.retain(stays));
         }

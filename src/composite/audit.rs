@@ -98,33 +98,44 @@ mod tests {
     extern crate std;
     use std::vec::Vec;
 
-    use lab::pose::{Pose, quat, quat_mul, unit_quat};
-    use lab::soups;
-    use nalgebra::Point3;
+    use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 
     use super::*;
     use crate::MeshTracker;
     use crate::pose::RelativePose;
 
-    fn mesh(soup: &soups::Soup) -> Mesh {
-        let points: Vec<_> = soup.points.iter().map(|p| Point3::from(*p)).collect();
-        Mesh::new(&points, &soup.triangles).unwrap()
+    /// A torus of `n` times `m` squares about z, its tube `thick` and wavy by `wave`.
+    fn torus(n: u32, m: u32, thick: f64, wave: f64) -> Mesh {
+        let angle = |k: u32, of: u32| f64::from(k) * core::f64::consts::TAU / f64::from(of);
+        let point = |k: u32| {
+            let (u, v) = (angle(k / m, n), angle(k % m, m));
+            let tube = thick * (1.0 + wave * (7.0 * u).sin() * (3.0 * v).cos());
+            let out = 1.0 + tube * v.cos();
+            Point3::new(out * u.cos(), out * u.sin(), tube * v.sin())
+        };
+        let at = |i: u32, j: u32| (i % n) * m + j % m;
+        let square = |i: u32, j: u32| {
+            let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+            [[a, b, c], [a, c, d]]
+        };
+        let squares = (0..n).flat_map(|i| (0..m).map(move |j| (i, j)));
+        let triangles: Vec<_> = squares.flat_map(|(i, j)| square(i, j)).collect();
+        let points: Vec<_> = (0..n * m).map(point).collect();
+        Mesh::new(&points, &triangles).unwrap()
     }
 
     #[test]
     fn fronts_hold_what_they_claim_and_a_spoiled_one_is_found() {
-        let (a, b) = (mesh(&soups::torus(40, 20, 0.3)), mesh(&soups::rock(3, 2)));
+        let (a, b) = (torus(40, 20, 0.3, 0.0), torus(30, 20, 0.5, 0.2));
         let mut tracker = MeshTracker::new();
-        let mut q = [0.0, 0.0, 0.0, 1.0];
+        let turn = UnitQuaternion::new(Vector3::new(0.6, 0.0, 0.8) * 0.009);
+        let mut q = UnitQuaternion::identity();
         let (mut entries, mut audited, mut spoiled) = (0, 0, 0);
         for k in 0..400 {
-            q = unit_quat(quat_mul(quat([0.6, 0.0, 0.8], 0.009), q));
+            q = UnitQuaternion::new_normalize((turn * q).into_inner());
             let swing = 0.2 * (0.01 * f64::from(k)).sin();
-            let pose = Pose {
-                q,
-                t: [2.4 + swing, 0.3, 0.2],
-            };
-            let pose = RelativePose::from_isometry(&pose.isometry()).unwrap();
+            let place = Vector3::new(2.4 + swing, 0.3, 0.2);
+            let pose = RelativePose::from_isometry(&Isometry3::from_parts(place.into(), q)).unwrap();
             let found = tracker.closest(&a, &b, &pose);
             if k % 10 != 9 {
                 continue;

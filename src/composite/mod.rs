@@ -6,7 +6,8 @@
 //! at a pose), `bounds` (eight pairs of boxes at once), `front` (the proof of the last answer),
 //! `search` (down both trees), `kept` (front and search from frame to frame), `triangle` (two
 //! triangles), `inside` (winding numbers), `state` (the queries), `tracker` (the state of
-//! a pair), `contact` (manifolds of convex patches).
+//! a pair), `contact` (manifolds of convex patches), `separation`
+//! (pairs over time).
 //!
 //! # The proof
 //!
@@ -42,6 +43,7 @@ mod pair;
 pub(crate) mod parts;
 pub(crate) mod pieces;
 pub(crate) mod search;
+pub(crate) mod separation;
 mod state;
 pub(crate) mod tracker;
 mod tree;

@@ -25,11 +25,13 @@ use crate::pose::RelativePose;
 /// let b = Mesh::from_convex(&solids::octahedron(0.5)?)?;
 /// let mut pair = MeshTracker::new();
 /// for k in 0..10 {
-///     let a_from_b = RelativePose::from_isometry(&Isometry3::translation(3.0, 0.1 * k as f64, 0.0))?;
+///     let pose = Isometry3::translation(3.0, 0.1 * k as f64, 0.0);
+///     let a_from_b = RelativePose::from_isometry(&pose)?;
 ///     let c = pair.closest(&a, &b, &a_from_b);
 ///     assert!(c.lower <= 1.5 && 1.5 <= c.upper);
 /// }
-/// let inside = RelativePose::from_isometry(&Isometry3::translation(0.1, 0.2, 0.0))?;
+/// let inside = Isometry3::translation(0.1, 0.2, 0.0);
+/// let inside = RelativePose::from_isometry(&inside)?;
 /// assert_eq!(pair.closest(&a, &b, &inside).class, Class::Overlapping);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```

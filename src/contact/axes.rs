@@ -42,7 +42,7 @@ impl FacePlane2 {
     pub(super) fn new(body: &ConvexPolyhedron, f: u32, axes: &Axes) -> Self {
         let t = &body.topology;
         let m = &body.planes[f as usize].normal;
-        let vertex = body.points[t.half_edge(t.rim_start(f)).to as usize];
+        let vertex = body.points[t.half_edge(t.rim_half_edge(f)).to as usize];
         let up = 1.0 / m.dot(&axes.normal);
         Self {
             level: m.dot(&(vertex - axes.witness)) * up,

@@ -4,10 +4,13 @@ use nalgebra::{Point3, Unit, Vector3};
 
 use crate::motion::BallAtPose;
 use crate::pair::outcome::Outcome;
-use crate::polyhedron::FeaturePair;
-use crate::pose::Operand;
+use crate::pair::rounding;
+use crate::polyhedron::{ConvexPolyhedron, FeaturePair};
+use crate::pose::{Operand, RelativePose};
 
 use super::candidates::{ContactCandidate, Location};
+use super::facet::Facet;
+use super::facets;
 use super::query::Query;
 use super::rims::{NO_RAYS, Rays};
 use super::{Contacts, MOST_POINTS, ManifoldOptions, PosedOutcome};
@@ -144,6 +147,23 @@ impl Manifold {
         Self::default()
     }
 
+    /// Returns the contacts of an outcome of [`Tracker::closest`](crate::Tracker::closest) for
+    /// these bodies at this pose, with no memory of earlier contacts: for callers who keep their
+    /// own. Without contacts if an id of the outcome names no feature of its body.
+    #[must_use]
+    pub fn of_outcome(
+        (a, b): (&ConvexPolyhedron, &ConvexPolyhedron),
+        a_from_b: &RelativePose,
+        outcome: &Outcome,
+        options: &ManifoldOptions,
+    ) -> Self {
+        let mut manifold = Self::default();
+        if outcome.features.is_of(a, b) {
+            manifold.renew(&Query::new(a, b, a_from_b, options), outcome, 0.0);
+        }
+        manifold
+    }
+
     /// Returns the contacts: persistent contacts first, in their old order, then new contacts.
     /// Empty if the bodies are further apart than the prediction.
     #[inline]
@@ -242,10 +262,11 @@ impl Manifold {
         Ok(())
     }
 
-    /// Computes the contacts of an outcome, with the ids of matching contacts from before the
-    /// bodies `moved`.
+    /// Computes the contacts of an outcome (of the cores, if the bodies are rounded), with the ids
+    /// of matching contacts from before the bodies `moved`.
     pub(crate) fn renew(&mut self, query: &Query, outcome: &Outcome, moved: f64) {
-        (self.normal, self.lower, self.upper, self.fresh) = (outcome.normal, outcome.lower, outcome.upper, true);
+        let [lower, upper] = rounding::bounds([outcome.lower, outcome.upper], query.radii);
+        (self.normal, self.lower, self.upper, self.fresh) = (outcome.normal, lower, upper, true);
         let (features, since) = if outcome.lower <= query.options.prediction {
             self.renew_points(query, outcome, moved)
         } else {
@@ -264,8 +285,8 @@ impl Manifold {
                 Operand::A => normal,
                 Operand::B => query.rotation.tr_mul(&normal),
             },
-            lower: outcome.lower,
-            upper: outcome.upper,
+            lower,
+            upper,
             budget: query.budget(outcome.lower),
             since,
         });
@@ -274,18 +295,27 @@ impl Manifold {
     /// Computes the points of an outcome; returns the features that bear them, and how far the
     /// bodies have moved since the candidates were chosen.
     fn renew_points(&mut self, query: &Query, outcome: &Outcome, moved: f64) -> (FeaturePair, f64) {
-        let Query { a, b, options, .. } = *query;
-        let posed = PosedOutcome {
-            a,
-            b,
-            rotation: &query.rotation,
-            size: query.size(),
-            outcome,
-        };
+        let options = query.options;
         let least = query.least_radius();
         let travelled = self.made.as_ref().filter(|m| m.is_of(query)).map(|m| m.since + moved);
         let since_choice = travelled.filter(|&t| t <= options.choice * least);
-        let contacts = posed.contacts(options, self, since_choice);
+        let mut contacts = match query.facets {
+            [Facet::Body(a), Facet::Body(b)] => {
+                let (rotation, size) = (&query.rotation, query.size());
+                let posed = PosedOutcome {
+                    a,
+                    b,
+                    rotation,
+                    size,
+                    outcome,
+                };
+                posed.contacts(options, self, since_choice)
+            }
+            facets => facets::contacts(query, outcome, facets, self),
+        };
+        if query.radii != [0.0; 2] {
+            contacts.grow(query, &outcome.normal);
+        }
         self.rays = contacts.rays;
         if !contacts.same {
             self.replace_points(&contacts, 2.0 * moved + options.drift * least);

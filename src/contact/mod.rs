@@ -16,11 +16,15 @@
 //! 1. Both faces are projected along the certified normal, and play equal parts: points on A and on
 //!    B lie opposite each other along the normal, whichever body is named first.
 //! 2. The reference only determines the body with which the normal rotates between two outcomes.
-//! 3. Old contacts are matched by a bound on the motion of the bodies, not by distances of points.
+//! 3. Curved shapes bear contacts by flat round faces and straight generators ([`facet`]), clipped
+//!    as circles and segments ([`facets`]); rounded shapes by their cores, and the points move out.
+//! 4. Old contacts are matched by a bound on the motion of the bodies, not by distances of points.
 
 mod axes;
 mod candidates;
 mod clip;
+mod facet;
+mod facets;
 mod gradient;
 mod keep;
 mod manifold;
@@ -35,6 +39,7 @@ use nalgebra::{Matrix3, Point3, Vector3};
 
 use crate::num::scalar::sqrt;
 use crate::pair::outcome::{Outcome, Solver};
+use crate::pair::rounding;
 use crate::polyhedron::{ConvexPolyhedron, Feature, FeaturePair};
 use crate::tolerance::{ACROSS, AGREE, STEEP};
 use axes::Axes;
@@ -45,10 +50,11 @@ use promote::Promotion;
 use reduce::reduce;
 use rims::Rays;
 
+pub(crate) use facet::{Facet, RoundFace};
 pub use gradient::Gradient;
 pub use manifold::{ContactPoint, Manifold};
 pub use options::ManifoldOptions;
-pub(crate) use query::Query;
+pub(crate) use query::{Extent, Query};
 
 /// Most points of a manifold.
 pub(crate) const MOST_POINTS: usize = 8;
@@ -66,6 +72,19 @@ struct Contacts {
     /// Whether the contacts are the previous manifold's, in the previous order.
     same: bool,
     rays: Rays,
+}
+
+impl Contacts {
+    /// Moves the contacts of two cores out by the radii of the rounded bodies.
+    #[cold]
+    fn grow(&mut self, query: &Query, normal: &Vector3<f64>) {
+        let [on_a, on_b] = query.radii;
+        for point in &mut self.points[..self.count] {
+            point.point_on_a += normal * on_a;
+            point.point_on_b -= query.rotation.tr_mul(normal) * on_b;
+            point.separation = rounding::less(point.separation, query.radii);
+        }
+    }
 }
 
 /// Two bodies, the rotation of `a_from_b`, and the certified outcome.

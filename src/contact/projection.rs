@@ -113,7 +113,7 @@ impl<'a> ProjectedFeature<'a> {
     #[inline(always)]
     fn outline(&mut self, f: u32) {
         let t = &self.body.topology;
-        let start = t.rim_start(f);
+        let start = t.rim_half_edge(f);
         if !(self.body.has_coplanar_neighbours && self.outline_coplanar(f)) {
             self.walk(start, |_| false);
         }
@@ -141,7 +141,7 @@ impl<'a> ProjectedFeature<'a> {
             m.dot(&n) > 0.0 && m.cross(&n).norm_squared() <= COPLANAR * COPLANAR
         };
         // Rotates about the first vertex, out of the coplanar faces.
-        let mut start = t.rim_start(f);
+        let mut start = t.rim_half_edge(f);
         for _ in 0..t.fan(t.from(start)).len() {
             if !within(start) {
                 return self.walk(start, within) && self.count > 2;

@@ -8,11 +8,39 @@ use crate::polyhedron::ConvexPolyhedron;
 use crate::pose::{Operand, RelativePose};
 
 use super::ManifoldOptions;
+use super::facet::Facet;
+
+/// Identity and size of a body, by which motions are measured.
+#[derive(Clone, Copy)]
+pub(crate) struct Extent {
+    /// Equal for equal bodies only.
+    pub(crate) fingerprint: u64,
+    /// Centre and radius of a ball that contains the body.
+    pub(crate) origin: Vector3<f64>,
+    pub(crate) radius: f64,
+    /// Whether stored coordinates are the caller's.
+    pub(crate) is_unscaled: bool,
+}
+
+impl Extent {
+    #[inline(always)]
+    pub(crate) fn of(body: &ConvexPolyhedron) -> Self {
+        Self {
+            fingerprint: body.fingerprint,
+            origin: body.origin,
+            radius: radius(body),
+            is_unscaled: body.is_unscaled,
+        }
+    }
+}
 
 /// Two bodies, their relative pose, and the options of their contacts.
 pub(crate) struct Query<'a> {
-    pub(super) a: &'a ConvexPolyhedron,
-    pub(super) b: &'a ConvexPolyhedron,
+    extents: [Extent; 2],
+    /// The parts of the surfaces that bear the contact.
+    pub(crate) facets: [Facet<'a>; 2],
+    /// Radii by which the bodies are rounded. Options and outcomes are those of the cores.
+    pub(super) radii: [f64; 2],
     /// Rotation of `a_from_b`.
     pub(super) rotation: Matrix3<f64>,
     pub(super) translation: Vector3<f64>,
@@ -22,6 +50,7 @@ pub(crate) struct Query<'a> {
 }
 
 impl<'a> Query<'a> {
+    /// Returns the query for two polyhedra.
     #[inline(always)]
     pub(crate) fn new(
         a: &'a ConvexPolyhedron,
@@ -29,17 +58,30 @@ impl<'a> Query<'a> {
         pose: &RelativePose,
         options: &'a ManifoldOptions,
     ) -> Self {
+        let facets = [Facet::Body(a), Facet::Body(b)];
+        Self::of([Extent::of(a), Extent::of(b)], facets, pose, options)
+    }
+
+    /// Returns the query for two bodies; their facets are needed for new contacts only.
+    #[inline(always)]
+    pub(crate) fn of(
+        extents: [Extent; 2],
+        facets: [Facet<'a>; 2],
+        pose: &RelativePose,
+        options: &'a ManifoldOptions,
+    ) -> Self {
         let (rotation, translation) = (pose.rotation(), pose.translation());
-        let (ra, rb) = (radius(a), radius(b));
-        let (moving, ball) = if rb <= ra {
-            (Operand::B, (&b.origin, rb))
+        let [a, b] = &extents;
+        let (moving, ball) = if b.radius <= a.radius {
+            (Operand::B, (&b.origin, b.radius))
         } else {
-            (Operand::A, (&a.origin, ra))
+            (Operand::A, (&a.origin, a.radius))
         };
         let ball = BallAtPose::new(moving, ball, &rotation, &translation);
         Self {
-            a,
-            b,
+            extents,
+            facets,
+            radii: [0.0; 2],
             rotation,
             translation,
             ball,
@@ -47,19 +89,32 @@ impl<'a> Query<'a> {
         }
     }
 
+    /// Returns the query for the bodies as cores, rounded by two radii.
+    #[inline]
+    pub(crate) fn rounded(mut self, radii: [f64; 2]) -> Self {
+        for (extent, radius) in self.extents.iter_mut().zip(radii) {
+            // Odd, so that unequal radii stay unequal; zero for zero.
+            let mark = radius.to_bits().wrapping_mul(0x9e37_79b9_7f4a_7c15);
+            extent.fingerprint = extent.fingerprint.rotate_left(1) ^ mark;
+        }
+        self.radii = radii;
+        self
+    }
+
     pub(super) fn bodies(&self) -> [u64; 2] {
-        [self.a.fingerprint, self.b.fingerprint]
+        [self.extents[0].fingerprint, self.extents[1].fingerprint]
     }
 
     /// Returns the radius of the smaller body.
     pub(super) fn least_radius(&self) -> f64 {
-        radius(self.a).min(radius(self.b))
+        let [a, b] = &self.extents;
+        (a.radius + self.radii[0]).min(b.radius + self.radii[1])
     }
 
     /// Returns how far the bodies may move before the contacts are computed again, for an outcome
     /// with this lower bound.
     pub(super) fn budget(&self, lower: f64) -> f64 {
-        if !(self.a.is_unscaled && self.b.is_unscaled) {
+        if !self.extents.iter().all(|extent| extent.is_unscaled) {
             // If stored coordinates are rescaled, old points would be measured more coarsely than
             // new points.
             -1.0
@@ -73,8 +128,9 @@ impl<'a> Query<'a> {
     /// Returns the pair's size L.
     #[inline(always)]
     pub(super) fn size(&self) -> f64 {
-        let apart = self.rotation * self.b.origin + self.translation - self.a.origin;
-        radius(self.a) + radius(self.b) + sqrt(apart.norm_squared())
+        let [a, b] = &self.extents;
+        let apart = self.rotation * b.origin + self.translation - a.origin;
+        a.radius + b.radius + sqrt(apart.norm_squared())
     }
 }
 

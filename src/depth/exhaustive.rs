@@ -16,8 +16,8 @@ use crate::num::double_double::DoubleDouble;
 use crate::num::scalar::{Scalar, Vec3, cross, dot, neg, root};
 use crate::num::sign::side;
 use crate::pair::difference::difference_point;
+use crate::pair::draft::Draft;
 use crate::pair::edge::Edge;
-use crate::pair::outcome::Outcome;
 use crate::pair::posed::PosedPair;
 use crate::pair::transform::Transform;
 use crate::polyhedron::{ConvexPolyhedron, Feature, FeaturePair};
@@ -30,7 +30,7 @@ use crate::pair::difference::support;
 
 /// Resolves the depth of bodies with intersecting interiors; returns whether the depth was
 /// resolved.
-pub(super) fn resolve_exactly(posed: &PosedPair, frame: &Transform<DoubleDouble>, outcome: &mut Outcome) -> bool {
+pub(super) fn resolve_exactly(posed: &PosedPair, frame: &Transform<DoubleDouble>, draft: &mut Draft) -> bool {
     let Some(mut pairs) = candidate_facets(posed, frame) else {
         return false;
     };
@@ -39,8 +39,8 @@ pub(super) fn resolve_exactly(posed: &PosedPair, frame: &Transform<DoubleDouble>
         return false;
     }
     keep_lowest(posed, frame, &mut pairs);
-    outcome.work.exacts += 1;
-    exact::deepest(posed, &pairs, outcome)
+    draft.work.exacts += 1;
+    exact::deepest(posed, &pairs, draft)
 }
 
 /// Keeps the pairs that may have the least height, as far as the arithmetic `T` can decide.
@@ -89,7 +89,7 @@ fn candidate_facets(posed: &PosedPair, frame: &Transform<DoubleDouble>) -> Optio
 fn has_flat_faces(body: &ConvexPolyhedron) -> bool {
     body.faces().all(|f| {
         let vertex = |h: u32| body.points[body.topology.from(h) as usize];
-        let start = body.topology.rim_start(f.0);
+        let start = body.topology.rim_half_edge(f.0);
         let next = |h: u32| body.topology.half_edge(h).next;
         let [p, q] = [start, next(start)].map(vertex);
         // Tests p and q with both ends of every edge: three collinear vertices prove nothing.
@@ -199,18 +199,18 @@ mod tests {
                     let Ok(posed) = PosedPair::new(a, b, &pose) else {
                         panic!("in range")
                     };
-                    let mut outcome = Outcome::starting_at(FeaturePair::vertices(Operand::A, 0, 0));
-                    solve(Accuracy::Certified, &posed, false, &mut outcome);
-                    if outcome.class != Class::Overlapping {
+                    let mut draft = Draft::starting_at(FeaturePair::vertices(Operand::A, 0, 0));
+                    solve(Accuracy::Certified, &posed, false, &mut draft);
+                    if draft.class != Class::Overlapping {
                         continue;
                     }
-                    penetration_depth(&posed, &mut Memory::default(), &mut outcome);
-                    let mut all = outcome;
+                    penetration_depth(&posed, &mut Memory::default(), &mut draft);
+                    let mut all = draft;
                     let frame = Transform::<DoubleDouble>::new(a, b, &pose).expect("in range");
                     assert!(resolve_exactly(&posed, &frame, &mut all), "{all:?}");
                     assert!(
-                        outcome.lower <= all.upper && all.lower <= outcome.upper,
-                        "{outcome:?} {all:?}"
+                        draft.lower <= all.upper && all.lower <= draft.upper,
+                        "{draft:?} {all:?}"
                     );
                     assert!(all.upper - all.lower <= 1e-15 * posed.size(), "{all:?}");
                     let between = posed.point_in_a(&all.point_on_b.coords) - all.point_on_a.coords;

@@ -174,9 +174,9 @@ mod tests {
     use super::*;
     use crate::depth::facet::height_of;
     use crate::depth::foot::foot;
+    use crate::rng::Rng;
     use crate::{Class, RelativePose, Tracker};
     use alloc::vec::Vec;
-    use lab::rng::Rng;
     use nalgebra::{Isometry3, Point3, UnitQuaternion};
 
     /// Random triangles a little beneath a ball: a ray through a triangle leaves the ball no

@@ -4,6 +4,8 @@
 //! points can be resumed at any pose ([`resume`](mod@crate::depth::resume)).
 
 use alloc::boxed::Box;
+use alloc::format;
+use alloc::string::String;
 use alloc::vec::Vec;
 
 use crate::num::scalar::Vec3;
@@ -90,20 +92,25 @@ impl From<RawMemory> for Memory {
 
 impl RawMemory {
     fn is_closed(&self) -> bool {
-        let closed = |(k, t): (usize, &[u32; 6])| {
-            (0..3).all(|i| {
-                let (from, to) = (t[i], t[(i + 1) % 3]);
-                (from as usize) < self.points.len()
-                    && self
-                        .triangles
-                        .get(t[3 + i] as usize)
-                        .is_some_and(|o| (0..3).any(|j| (o[j], o[(j + 1) % 3], o[3 + j]) == (to, from, k as u32)))
-            })
-        };
         self.points.len() <= MAX_POINTS
             && self.triangles.len() <= MAX_TRIANGLES
-            && self.triangles.iter().enumerate().all(closed)
+            && unmatched_edge(self.points.len(), &self.triangles).is_none()
     }
+}
+
+/// Returns the first triangle that is not joined to three others edge by edge, if any: three point
+/// indices, then the triangle across the edge from vertex k to vertex k + 1.
+fn unmatched_edge(points: usize, triangles: &[[u32; 6]]) -> Option<usize> {
+    let is_joined = |(k, t): (usize, &[u32; 6])| {
+        (0..3).all(|i| {
+            let (from, to) = (t[i], t[(i + 1) % 3]);
+            (from as usize) < points
+                && triangles
+                    .get(t[3 + i] as usize)
+                    .is_some_and(|o| (0..3).any(|j| (o[j], o[(j + 1) % 3], o[3 + j]) == (to, from, k as u32)))
+        })
+    };
+    triangles.iter().enumerate().position(|joined| !is_joined(joined))
 }
 
 impl Memory {
@@ -152,6 +159,19 @@ impl Memory {
             })
     }
 
+    /// Returns the first broken invariant of the cached surface: closed, and of few points. Its
+    /// vertices may be of bodies other than those of the next query, which checks them.
+    pub(crate) fn check(&self) -> Result<(), String> {
+        let triangles: Vec<[u32; 6]> = self.triangles.iter().map(|t| t.map(u32::from)).collect();
+        match unmatched_edge(self.points.len(), &triangles) {
+            Some(k) => Err(format!(
+                "triangle {k} of the cached surface is not joined to its neighbours"
+            )),
+            None if self.points.len() > MAX_POINTS => Err("the cached surface has too many points".into()),
+            None => Ok(()),
+        }
+    }
+
     /// Returns whether the cache holds no facet to resume from.
     #[inline(always)]
     pub(crate) fn is_empty(&self) -> bool {
@@ -198,6 +218,7 @@ impl Memory {
         self.facet = Some(facet);
         let count = surface.triangles.len();
         let built = built.unwrap_or(count as u32);
+        // A closed surface of so few triangles uses at most MAX_POINTS points.
         if count > MAX_TRIANGLES || surface.points.len() > MAX_TRIANGLES || count > 2 * built as usize + GAIN {
             return;
         }

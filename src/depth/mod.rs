@@ -43,12 +43,12 @@ mod verify_surface;
 use crate::num::double_double::DoubleDouble;
 use crate::num::scalar::Scalar;
 use crate::pair::answer::{round_outward, unit, walk_state};
-use crate::pair::outcome::Outcome;
+use crate::pair::draft::Draft;
 use crate::pair::posed::PosedPair;
 use crate::pair::transform::Transform;
 #[cfg(feature = "exact")]
 use crate::tolerance::{AGREE_DEPTH, AGREE_WITNESS};
-use crate::tolerance::{CERTIFICATE, SHIFTS};
+use crate::tolerance::{CERTIFICATE, ORIGIN_SHIFTS};
 use crate::tuning::depth::SHIFTS_PLAIN;
 use nalgebra::Vector3;
 use result::{SearchEnd, SearchResult};
@@ -60,76 +60,82 @@ pub(crate) use resume::resume;
 
 /// Computes depth, normal, witnesses and features of two bodies already proven to overlap.
 #[cold]
-pub(crate) fn penetration_depth(posed: &PosedPair, memory: &mut Memory, outcome: &mut Outcome) {
+pub(crate) fn penetration_depth(posed: &PosedPair, memory: &mut Memory, draft: &mut Draft) {
     memory.clear();
-    outcome.work.depths += 1;
-    outcome.lower = f64::NEG_INFINITY;
-    let shifts = &SHIFTS[..SHIFTS_PLAIN];
+    draft.work.depths += 1;
+    draft.lower = f64::NEG_INFINITY;
+    let shifts = &ORIGIN_SHIFTS[..SHIFTS_PLAIN];
     let is_done = memory.with_scratch(|memory, scratch| {
         let surface = &mut scratch.surface;
-        let Some(found) = search(posed, &Transform::of(posed), outcome.features, shifts, surface) else {
+        let Some(found) = search(posed, &Transform::of(posed), draft.features, shifts, surface) else {
             return false;
         };
-        write_result(posed, &found, outcome);
+        write_result(posed, &found, draft);
         if found.end == SearchEnd::Closed {
-            memory.keep(surface, outcome.features, None);
+            memory.keep(surface, draft.features, None);
         }
         found.end != SearchEnd::Stuck
     });
     if !is_done {
-        penetration_depth_in_double_double(posed, outcome);
+        penetration_depth_in_double_double(posed, draft);
     }
 }
 
 /// Computes depth, normal, witnesses and features in double-double, and exactly if still open.
 #[cold]
 #[inline(never)]
-fn penetration_depth_in_double_double(posed: &PosedPair, outcome: &mut Outcome) {
-    outcome.work.double_doubles += 1;
+fn penetration_depth_in_double_double(posed: &PosedPair, draft: &mut Draft) {
+    draft.work.double_doubles += 1;
     let Some(frame) = Transform::<DoubleDouble>::new(posed.a, posed.b, posed.pose) else {
         return;
     };
-    if let Some(found) = search(posed, &frame, outcome.features, &SHIFTS, &mut EnclosingSurface::new()) {
-        write_result(posed, &found, outcome);
+    if let Some(found) = search(
+        posed,
+        &frame,
+        draft.features,
+        &ORIGIN_SHIFTS,
+        &mut EnclosingSurface::new(),
+    ) {
+        write_result(posed, &found, draft);
     }
     #[cfg(feature = "exact")]
-    if !has_close_bounds(posed, outcome) || outcome.distance == 0.0 || !has_witnesses(posed, outcome) {
-        exhaustive::resolve_exactly(posed, &frame, outcome);
+    if !has_close_bounds(posed, draft) || draft.distance == 0.0 || !has_witnesses(posed, draft) {
+        exhaustive::resolve_exactly(posed, &frame, draft);
     }
 }
 
 /// Returns whether the bounds agree as closely as a proven depth requires; false for NaN.
 #[cfg(feature = "exact")]
-fn has_close_bounds(posed: &PosedPair, outcome: &Outcome) -> bool {
-    outcome.upper - outcome.lower <= AGREE_DEPTH * posed.size()
+fn has_close_bounds(posed: &PosedPair, draft: &Draft) -> bool {
+    draft.upper - draft.lower <= AGREE_DEPTH * posed.size()
 }
 
 /// Returns whether the witnesses differ by the depth along the normal: a surface that failed to
 /// close may have no such witnesses.
 #[cfg(feature = "exact")]
-fn has_witnesses(posed: &PosedPair, outcome: &Outcome) -> bool {
-    let between = posed.point_in_a(&outcome.point_on_b.coords) - outcome.point_on_a.coords;
-    let rest = between - outcome.normal.into_inner() * outcome.distance;
+fn has_witnesses(posed: &PosedPair, draft: &Draft) -> bool {
+    let between = posed.point_in_a(&draft.point_on_b.coords) - draft.point_on_a.coords;
+    let rest = between - draft.normal.into_inner() * draft.distance;
     rest.norm_squared() <= (AGREE_WITNESS * posed.size()) * (AGREE_WITNESS * posed.size())
 }
 
 /// Writes the search result to the outcome if the bounds of the result are narrower.
-fn write_result<T: Scalar>(posed: &PosedPair, found: &SearchResult<T>, outcome: &mut Outcome) {
+fn write_result<T: Scalar>(posed: &PosedPair, found: &SearchResult<T>, draft: &mut Draft) {
     let term = CERTIFICATE * T::UNIT * posed.error_scale::<T>().total();
-    outcome.work.points_added += found.points_added;
+    draft.work.points_added += found.points_added;
     let lower = -round_outward(found.height, term);
     let upper = (-round_outward(found.radius, -term)).min(0.0);
-    if outcome.lower.is_finite() && !(upper - lower < outcome.upper - outcome.lower) {
+    if draft.lower.is_finite() && !(upper - lower < draft.upper - draft.lower) {
         return;
     }
-    (outcome.lower, outcome.upper) = (lower.min(0.0), upper.max(lower.min(0.0)));
-    outcome.distance = (-found.height.value()).clamp(outcome.lower, outcome.upper);
+    (draft.lower, draft.upper) = (lower.min(0.0), upper.max(lower.min(0.0)));
+    draft.distance = (-found.height.value()).clamp(draft.lower, draft.upper);
     let n = &found.normal;
-    outcome.normal = unit(&Vector3::new(n[0].value(), n[1].value(), n[2].value()));
+    draft.normal = unit(&Vector3::new(n[0].value(), n[1].value(), n[2].value()));
     if let Some(witnesses) = found.witnesses {
-        (outcome.point_on_a, outcome.point_on_b) = witnesses;
+        (draft.point_on_a, draft.point_on_b) = witnesses;
     }
-    outcome.features = found.features.unwrap_or_else(|| {
+    draft.features = found.features.unwrap_or_else(|| {
         let (a, b) = (found.vertices.map(|c| c.a), found.vertices.map(|c| c.b));
         walk_state(posed, &a, &b)
     });

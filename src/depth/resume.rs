@@ -8,11 +8,12 @@
 
 use crate::num::scalar::{Vec3, sub};
 use crate::pair::difference::MinkowskiPoint;
-use crate::pair::outcome::{Class, Outcome, Solver};
+use crate::pair::draft::Draft;
+use crate::pair::outcome::{Class, Solver};
 use crate::pair::posed::PosedPair;
 use crate::pair::transform::Transform;
 use crate::polyhedron::FeaturePair;
-use crate::tolerance::{AGREE_DEPTH, SHIFTS};
+use crate::tolerance::{AGREE_DEPTH, ORIGIN_SHIFTS};
 use crate::tuning::depth::{FEW_POINTS, FEW_TRIANGLES};
 
 use crate::depth::facet::{facets, height_of};
@@ -26,7 +27,7 @@ use crate::depth::write_result;
 
 /// Resumes the depth from the cached surface. Returns false, with no statement about the bodies, if
 /// the surface no longer proves an overlap.
-pub(crate) fn resume(posed: &PosedPair, memory: &mut Memory, outcome: &mut Outcome) -> bool {
+pub(crate) fn resume(posed: &PosedPair, memory: &mut Memory, draft: &mut Draft) -> bool {
     let Some(facet) = memory.facet.filter(|f| f.is_of(posed.a, posed.b)) else {
         return false;
     };
@@ -41,11 +42,11 @@ pub(crate) fn resume(posed: &PosedPair, memory: &mut Memory, outcome: &mut Outco
     };
     memory.with_scratch(|memory, scratch| {
         if memory.triangles.is_empty() {
-            restart(posed, &frame, memory, scratch, outcome)
+            restart(posed, &frame, memory, scratch, draft)
         } else if memory.points.len() <= FEW_POINTS {
-            resume_with::<FEW_POINTS>(posed, &frame, (memory, scratch), best, outcome)
+            resume_with::<FEW_POINTS>(posed, &frame, (memory, scratch), best, draft)
         } else {
-            resume_with::<MAX_POINTS>(posed, &frame, (memory, scratch), best, outcome)
+            resume_with::<MAX_POINTS>(posed, &frame, (memory, scratch), best, draft)
         }
     })
 }
@@ -56,7 +57,7 @@ fn resume_with<const N: usize>(
     frame: &Transform<f64>,
     (memory, scratch): (&mut Memory, &mut Scratch),
     mut best: Best<f64>,
-    outcome: &mut Outcome,
+    draft: &mut Draft,
 ) -> bool {
     let mut positions = [[0.0; 3]; N];
     for (position, &[a, b]) in positions.iter_mut().zip(&memory.points) {
@@ -71,7 +72,7 @@ fn resume_with<const N: usize>(
     if let SurfaceState::Encloses = state {
         if let Some(witnesses) = memory.prove_by_disc(posed, frame, (&scratch.below_target, positions), &mut best) {
             (memory.facet, memory.witness_features) = (best.features, None);
-            write_overlap(posed, &proven(&best, witnesses, size), outcome);
+            write_overlap(posed, &proven(&best, witnesses, size), draft);
             return true;
         }
         if memory.try_facets_of(posed, frame, &scratch.below_target, &mut best) {
@@ -80,13 +81,13 @@ fn resume_with<const N: usize>(
     }
     let start = (positions, best);
     match state {
-        SurfaceState::Folded => restart(posed, frame, memory, scratch, outcome),
+        SurfaceState::Folded => restart(posed, frame, memory, scratch, draft),
         SurfaceState::Proven => {
             let found = finish(posed, frame, (memory, scratch), start);
-            write_overlap(posed, &found, outcome);
+            write_overlap(posed, &found, draft);
             true
         }
-        SurfaceState::Encloses => grow(posed, frame, (memory, scratch), start, outcome),
+        SurfaceState::Encloses => grow(posed, frame, (memory, scratch), start, draft),
     }
 }
 
@@ -118,19 +119,19 @@ fn grow(
     frame: &Transform<f64>,
     (memory, scratch): (&mut Memory, &mut Scratch),
     (positions, best): (&[Vec3<f64>], Best<f64>),
-    outcome: &mut Outcome,
+    draft: &mut Draft,
 ) -> bool {
     memory.recall(scratch, positions, best.height - AGREE_DEPTH * posed.size());
     let found = Search::resumed(posed, frame, &mut scratch.surface, best).run(frame, 0.0);
     if found.end != SearchEnd::Closed {
-        outcome.work.points_added += found.points_added;
+        draft.work.points_added += found.points_added;
         return false;
     }
-    write_overlap(posed, &found, outcome);
+    write_overlap(posed, &found, draft);
     if found.points_added > 0 {
-        memory.keep(&scratch.surface, outcome.features, Some(memory.built));
+        memory.keep(&scratch.surface, draft.features, Some(memory.built));
     } else {
-        memory.facet = Some(outcome.features);
+        memory.facet = Some(draft.features);
     }
     true
 }
@@ -141,13 +142,13 @@ fn restart(
     frame: &Transform<f64>,
     memory: &mut Memory,
     scratch: &mut Scratch,
-    outcome: &mut Outcome,
+    draft: &mut Draft,
 ) -> bool {
     let Some(facet) = memory.facet else { return false };
-    match search(posed, frame, facet, &SHIFTS[..1], &mut scratch.surface) {
+    match search(posed, frame, facet, &ORIGIN_SHIFTS[..1], &mut scratch.surface) {
         Some(found) if found.end == SearchEnd::Closed => {
-            write_overlap(posed, &found, outcome);
-            memory.keep(&scratch.surface, outcome.features, None);
+            write_overlap(posed, &found, draft);
+            memory.keep(&scratch.surface, draft.features, None);
             true
         }
         _ => false,
@@ -168,12 +169,12 @@ fn proven(best: &Best<f64>, witnesses: WitnessPoints, size: f64) -> SearchResult
     }
 }
 
-fn write_overlap(posed: &PosedPair, found: &SearchResult<f64>, outcome: &mut Outcome) {
-    outcome.class = Class::Overlapping;
-    outcome.solver = Solver::Surface;
-    outcome.lower = f64::NEG_INFINITY;
-    outcome.work.depths += 1;
-    write_result(posed, found, outcome);
+fn write_overlap(posed: &PosedPair, found: &SearchResult<f64>, draft: &mut Draft) {
+    draft.class = Class::Overlapping;
+    draft.solver = Solver::Surface;
+    draft.lower = f64::NEG_INFINITY;
+    draft.work.depths += 1;
+    write_result(posed, found, draft);
 }
 
 impl Best<f64> {

@@ -10,7 +10,7 @@ use crate::pair::difference::{difference_point, support};
 use crate::pair::posed::PosedPair;
 use crate::pair::transform::Transform;
 use crate::polyhedron::FeaturePair;
-use crate::tolerance::{AGREE_DEPTH, ALMOST_FLAT, ASIDE, CERTIFICATE, PLATEAU, UNIT};
+use crate::tolerance::{AGREE_DEPTH, ALMOST_FLAT, CERTIFICATE, PLATEAU, SHIFT_DIRECTION, UNIT};
 use crate::tuning::depth::REPEATS;
 
 use crate::depth::direction::unit;
@@ -101,7 +101,7 @@ impl<'a, T: Scalar> Search<'a, T> {
     ) -> Result<Self, SearchResult<T>> {
         let size = posed.error_scale::<T>().total();
         let mut shifted = *frame;
-        for (t, offset) in shifted.translation.iter_mut().zip(ASIDE) {
+        for (t, offset) in shifted.translation.iter_mut().zip(SHIFT_DIRECTION) {
             *t = *t + T::from(offset * shift * size);
         }
         let simplex = match solve(posed, &shifted, from) {
@@ -173,7 +173,7 @@ impl<'a, T: Scalar> Search<'a, T> {
     /// Grows until the ball about the perturbed point contains the origin, then about the origin.
     pub(super) fn run(&mut self, frame: &Transform<T>, shift: f64) -> SearchResult<T> {
         if shift != 0.0 {
-            // The length of ASIDE is at most one.
+            // The length of SHIFT_DIRECTION is at most one.
             let reached = self.grow(Some(
                 T::from(shift.abs()) * self.size + self.filter.margin + self.filter.margin,
             ));

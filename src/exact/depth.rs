@@ -6,9 +6,10 @@ use dashu_int::IBig;
 
 use crate::exact::integer::{Big3, cross, direction, dot, is_zero, neg, root, sub};
 use crate::exact::simplex::{ExactPoint, minimize, sign};
-use crate::exact::{Pair, Turned, witnesses};
+use crate::exact::{RotatedBody, ScaledPair, witnesses};
 use crate::pair::answer::{unit, walk_state};
-use crate::pair::outcome::{Class, Outcome, Solver};
+use crate::pair::draft::Draft;
+use crate::pair::outcome::{Class, Solver};
 use crate::pair::posed::PosedPair;
 use crate::polyhedron::{Feature, FeaturePair};
 
@@ -27,13 +28,13 @@ impl ExactFacet {
     }
 }
 
-impl Turned<'_> {
+impl RotatedBody<'_> {
     /// Returns an outward normal of a face, of any length; `None` if the face's vertices are not
     /// coplanar.
     fn normal(&self, face: u32, exponent: i32) -> Option<Big3> {
         let t = &self.body.topology;
         let vertex = |h: u32| self.to_user(t.from(h), exponent);
-        let base = vertex(t.rim_start(face));
+        let base = vertex(t.rim_half_edge(face));
         let from_base = |h: u32| sub(&vertex(h), &base);
         let side = t.rim(face).map(from_base).find(|u| !is_zero(u))?;
         let n = t.rim(face).map(|h| cross(&side, &from_base(h))).find(|n| !is_zero(n))?;
@@ -51,7 +52,7 @@ impl Turned<'_> {
     }
 }
 
-impl Pair<'_> {
+impl ScaledPair<'_> {
     /// Returns the facet spanned by a feature pair: `Ok(None)` if the facet is not lower than the
     /// best, `Err` if the true facets are unknown.
     fn facet(
@@ -93,8 +94,8 @@ struct NotFlat;
 /// Computes the depth from the deepest facet among the candidate pairs, for bodies with
 /// intersecting interiors; returns whether the depth was resolved. The depth is correct to less
 /// than one unit in the last place of the stored unit, with bounds one such unit on either side.
-pub(crate) fn deepest(posed: &PosedPair, facets: &[FeaturePair], outcome: &mut Outcome) -> bool {
-    let pair = Pair::new(posed.a, posed.b, posed.pose);
+pub(crate) fn deepest(posed: &PosedPair, facets: &[FeaturePair], draft: &mut Draft) -> bool {
+    let pair = ScaledPair::new(posed.a, posed.b, posed.pose);
     let mut best: Option<ExactFacet> = None;
     for &features in facets {
         match pair.facet(posed, features, best.as_ref()) {
@@ -103,12 +104,12 @@ pub(crate) fn deepest(posed: &PosedPair, facets: &[FeaturePair], outcome: &mut O
             Ok(_) => {}
         }
     }
-    best.is_some_and(|facet| write_facet(posed, &pair, &facet, outcome))
+    best.is_some_and(|facet| write_facet(posed, &pair, &facet, draft))
 }
 
 /// Writes the depth, normal, features and witnesses of a facet to the outcome. The foot of the
 /// origin on the facet, `n height / n . n`, is a point of A - B: its vertices give the witnesses.
-fn write_facet(posed: &PosedPair, pair: &Pair, facet: &ExactFacet, outcome: &mut Outcome) -> bool {
+fn write_facet(posed: &PosedPair, pair: &ScaledPair, facet: &ExactFacet, draft: &mut Draft) -> bool {
     let ExactFacet { normal, height, hint } = facet;
     let squared = dot(normal, normal);
     let from_foot = |c: ExactPoint| ExactPoint {
@@ -126,13 +127,13 @@ fn write_facet(posed: &PosedPair, pair: &Pair, facet: &ExactFacet, outcome: &mut
     let den = squared * &pair.denominator * &pair.denominator;
     let exponent = pair.exponent - posed.a.exponent;
     let depth = root(&(height * height).unsigned_abs(), &den.unsigned_abs(), exponent);
-    outcome.class = Class::Overlapping;
-    outcome.solver = Solver::Exact;
-    outcome.features = walk_state(posed, &a[..at.kept.len()], &b[..at.kept.len()]);
-    (outcome.point_on_a, outcome.point_on_b) = witnesses(pair, &at);
-    outcome.normal = unit(&pair.a.rounded.tr_mul(&direction(normal)));
-    outcome.distance = -depth;
+    draft.class = Class::Overlapping;
+    draft.solver = Solver::Exact;
+    draft.features = walk_state(posed, &a[..at.kept.len()], &b[..at.kept.len()]);
+    (draft.point_on_a, draft.point_on_b) = witnesses(pair, &at);
+    draft.normal = unit(&pair.a.rounded.tr_mul(&direction(normal)));
+    draft.distance = -depth;
     // The upper bound stays nonpositive if the depth underflows.
-    (outcome.lower, outcome.upper) = (-depth.next_up(), (-depth.next_down()).min(0.0));
+    (draft.lower, draft.upper) = (-depth.next_up(), (-depth.next_down()).min(0.0));
     true
 }

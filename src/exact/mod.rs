@@ -20,7 +20,8 @@ use dashu_int::IBig;
 use nalgebra::{Matrix3, Point3, Vector3};
 
 use crate::num::sign::edge_sign;
-use crate::pair::outcome::{Class, Outcome, Solver};
+use crate::pair::draft::Draft;
+use crate::pair::outcome::{Class, Solver};
 use crate::pair::posed::PosedPair;
 use crate::polyhedron::axis::Axis;
 use crate::polyhedron::heights::{Upward, steeper};
@@ -29,10 +30,10 @@ use crate::pose::RelativePose;
 pub(crate) use depth::deepest;
 use integer::{Big3, direction, dot, fraction, integer, is_zero, neg, root, sub};
 use origin::{Origin, Set, locate};
-use simplex::{ExactPoint, Nearest, minimize, sign};
+use simplex::{ExactPoint, NearestPoint, minimize, sign};
 
 /// A body rotated exactly, over the common denominator.
-struct Turned<'a> {
+struct RotatedBody<'a> {
     body: &'a ConvexPolyhedron,
     matrix: [Big3; 3],
     /// The matrix in f64, used transposed only: takes world directions into the body frame.
@@ -40,9 +41,9 @@ struct Turned<'a> {
 }
 
 /// Both bodies over `D 2^-e`.
-struct Pair<'a> {
-    a: Turned<'a>,
-    b: Turned<'a>,
+struct ScaledPair<'a> {
+    a: RotatedBody<'a>,
+    b: RotatedBody<'a>,
     /// Translation from A to B.
     offset: Big3,
     denominator: IBig,
@@ -63,7 +64,7 @@ fn turn(q: &[f64; 4]) -> ([Big3; 3], IBig) {
     (rows, ww + xx + yy + zz)
 }
 
-impl<'a> Turned<'a> {
+impl<'a> RotatedBody<'a> {
     fn new(body: &'a ConvexPolyhedron, q: &[f64; 4], rows: [Big3; 3], factor: &IBig) -> Self {
         let [x, y, z, w] = *q;
         let unit = nalgebra::UnitQuaternion::new_unchecked(nalgebra::Quaternion::new(w, x, y, z));
@@ -123,7 +124,7 @@ impl<'a> Turned<'a> {
 
 /// A direction in the frame of a body's vertices, exact and rounded.
 struct Along<'a> {
-    body: &'a Turned<'a>,
+    body: &'a RotatedBody<'a>,
     n: Big3,
     rounded: Vector3<f64>,
     exponent: i32,
@@ -171,7 +172,7 @@ impl Upward for Along<'_> {
     }
 }
 
-impl<'a> Pair<'a> {
+impl<'a> ScaledPair<'a> {
     fn new(a: &'a ConvexPolyhedron, b: &'a ConvexPolyhedron, pose: &RelativePose) -> Self {
         let ((rows_a, na), (rows_b, nb)) = (turn(&pose.a.q()), turn(&pose.b.q()));
         let translations = lowest_bit(pose.a.t().into_iter().chain(pose.b.t()));
@@ -181,8 +182,8 @@ impl<'a> Pair<'a> {
         let offset =
             [0, 1, 2].map(|k| (integer(pose.b.t()[k], exponent) - integer(pose.a.t()[k], exponent)) * &denominator);
         Self {
-            a: Turned::new(a, &pose.a.q(), rows_a, &nb),
-            b: Turned::new(b, &pose.b.q(), rows_b, &na),
+            a: RotatedBody::new(a, &pose.a.q(), rows_a, &nb),
+            b: RotatedBody::new(b, &pose.b.q(), rows_b, &na),
             offset,
             denominator,
             exponent,
@@ -206,14 +207,14 @@ impl<'a> Pair<'a> {
         self.corner(a, b)
     }
 
-    fn nearest(&self, hint: (u32, u32)) -> Option<Nearest> {
+    fn nearest(&self, hint: (u32, u32)) -> Option<NearestPoint> {
         minimize(vec![self.corner(hint.0, hint.1)], &|n| {
             self.support_exact(&neg(n), hint)
         })
     }
 
     /// Locates the origin in A - B; `at` must be the origin.
-    fn locate(&self, at: &Nearest, hint: (u32, u32)) -> Origin {
+    fn locate(&self, at: &NearestPoint, hint: (u32, u32)) -> Origin {
         let rising = |c: &ExactPoint, n: &Big3| {
             let a = self
                 .a
@@ -239,46 +240,46 @@ impl<'a> Pair<'a> {
 }
 
 /// Resolves class and distance exactly, from the vertices of the outcome's features.
-pub(crate) fn resolve_exactly(posed: &PosedPair, outcome: &mut Outcome) {
-    let hint = outcome.features.vertices_of(posed.a, posed.b);
-    let pair = Pair::new(posed.a, posed.b, posed.pose);
+pub(crate) fn resolve_exactly(posed: &PosedPair, draft: &mut Draft) {
+    let hint = draft.features.vertices_of(posed.a, posed.b);
+    let pair = ScaledPair::new(posed.a, posed.b, posed.pose);
     // One to four points always have a nearest point.
     let Some(at) = pair.nearest(hint) else {
-        return crate::pair::answer::set_undecided(posed, outcome);
+        return crate::pair::answer::set_undecided(posed, draft);
     };
     let (mut a, mut b) = ([0; 4], [0; 4]);
     for (k, c) in at.kept.iter().enumerate().take(4) {
         (a[k], b[k]) = (c.a, c.b);
     }
-    outcome.solver = Solver::Exact;
-    outcome.features = crate::pair::answer::walk_state(posed, &a[..at.kept.len()], &b[..at.kept.len()]);
-    (outcome.point_on_a, outcome.point_on_b) = witnesses(&pair, &at);
+    draft.solver = Solver::Exact;
+    draft.features = crate::pair::answer::walk_state(posed, &a[..at.kept.len()], &b[..at.kept.len()]);
+    (draft.point_on_a, draft.point_on_b) = witnesses(&pair, &at);
     let normal = |n: &Big3| crate::pair::answer::unit(&pair.a.rounded.tr_mul(&direction(n)));
     if !is_zero(&at.direction) {
         let d = distance(&pair, &at, posed.a.exponent);
-        outcome.class = Class::Separated;
-        outcome.distance = d;
-        outcome.normal = normal(&neg(&at.direction));
+        draft.class = Class::Separated;
+        draft.distance = d;
+        draft.normal = normal(&neg(&at.direction));
         // Zero if the distance underflows. A single rounding, also of a subnormal, is at most half
         // a unit in the last place.
-        (outcome.lower, outcome.upper) = (d.next_down().max(0.0), d.next_up());
+        (draft.lower, draft.upper) = (d.next_down().max(0.0), d.next_up());
         return;
     }
     match pair.locate(&at, hint) {
         // A - B lies below the normal, A behind and B in front: the normal points from A to B.
         Origin::Boundary(n) => {
-            outcome.class = Class::Touching;
-            outcome.distance = 0.0;
-            outcome.normal = normal(&n);
-            (outcome.lower, outcome.upper) = (0.0, 0.0);
+            draft.class = Class::Touching;
+            draft.distance = 0.0;
+            draft.normal = normal(&n);
+            (draft.lower, draft.upper) = (0.0, 0.0);
         }
-        Origin::Interior => crate::pair::answer::set_overlapping(outcome),
+        Origin::Interior => crate::pair::answer::set_overlapping(draft),
     }
 }
 
 /// Returns the distance in units of `2^unit` of the caller's, rounded at most twice, to less than
 /// one unit in the last place.
-fn distance(pair: &Pair, at: &Nearest, unit: i32) -> f64 {
+fn distance(pair: &ScaledPair, at: &NearestPoint, unit: i32) -> f64 {
     let (num, den) = at.squared();
     let den = den * &pair.denominator * &pair.denominator;
     root(&num.unsigned_abs(), &den.unsigned_abs(), pair.exponent - unit)
@@ -293,7 +294,7 @@ pub(crate) fn separation(
     pose: &RelativePose,
     hint: (u32, u32),
 ) -> Option<(Class, f64)> {
-    let pair = Pair::new(a, b, pose);
+    let pair = ScaledPair::new(a, b, pose);
     let at = pair.nearest(hint)?;
     if !is_zero(&at.direction) {
         return Some((Class::Separated, distance(&pair, &at, 0)));
@@ -306,7 +307,7 @@ pub(crate) fn separation(
 
 /// Returns the witnesses in stored coordinates: convex combinations of the simplex vertices,
 /// rounded.
-fn witnesses(pair: &Pair, at: &Nearest) -> (Point3<f64>, Point3<f64>) {
+fn witnesses(pair: &ScaledPair, at: &NearestPoint) -> (Point3<f64>, Point3<f64>) {
     let (mut on_a, mut on_b) = (Point3::origin(), Point3::origin());
     for (c, weight) in at.kept.iter().zip(&at.weights) {
         let s = fraction(weight, &at.sum);
@@ -337,7 +338,7 @@ pub(crate) fn compare(
     sum: &[f64],
 ) -> Ordering {
     let e = lowest_bit(sum.iter().copied());
-    let pair = Pair::new(a, b, pose);
+    let pair = ScaledPair::new(a, b, pose);
     let nearest = pair.nearest(hint).filter(|at| !is_zero(&at.direction));
     let (at, e) = match (nearest, e) {
         (Some(at), Some(e)) => (at, e),

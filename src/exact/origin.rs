@@ -12,7 +12,7 @@ use alloc::vec::Vec;
 use dashu_int::IBig;
 
 use crate::exact::integer::{Big3, cross, dot, is_zero, neg};
-use crate::exact::simplex::{ExactPoint, Nearest, nearest, sign};
+use crate::exact::simplex::{ExactPoint, NearestPoint, nearest, sign};
 
 /// Location of the origin in a convex set.
 pub(super) enum Origin {
@@ -33,7 +33,7 @@ pub(super) struct Set<'a> {
 }
 
 /// Locates the origin, which must be `at`, in the relative interior of the kept points.
-pub(super) fn locate(set: &Set, at: &Nearest) -> Origin {
+pub(super) fn locate(set: &Set, at: &NearestPoint) -> Origin {
     let w = |k: usize| &at.kept[k].w;
     match at.kept.len() {
         1 => at_vertex(&|n| (set.rising)(&at.kept[0], n)),

@@ -19,7 +19,7 @@ pub(super) struct ExactPoint {
 
 /// The point of a simplex nearest to the origin.
 #[derive(Clone, Debug)]
-pub(super) struct Nearest {
+pub(super) struct NearestPoint {
     /// Simplex vertices whose hull contains the nearest point in its relative interior.
     pub(super) kept: Vec<ExactPoint>,
     /// Barycentric coordinates of the nearest point, positive, as numerators over `sum`.
@@ -29,7 +29,7 @@ pub(super) struct Nearest {
     pub(super) direction: Big3,
 }
 
-impl Nearest {
+impl NearestPoint {
     /// Returns the squared distance from the origin as a fraction.
     pub(super) fn squared(&self) -> (IBig, IBig) {
         let w = |k: usize| &self.kept[k].w;
@@ -107,7 +107,7 @@ fn inside(s: &[&ExactPoint]) -> Option<(Vec<IBig>, IBig, Big3)> {
 /// A subset is optimal if the nearest point of its affine hull lies in the subset's relative
 /// interior and no point is beyond the plane through the nearest point (the optimality condition of
 /// the minimum-norm point), so the first subset to pass is the answer.
-pub(super) fn nearest(vertices: &[ExactPoint]) -> Option<Nearest> {
+pub(super) fn nearest(vertices: &[ExactPoint]) -> Option<NearestPoint> {
     let n = vertices.len();
     for size in 1..=n.min(4) {
         for mask in (1u32..1 << n).filter(|m| m.count_ones() as usize == size) {
@@ -120,7 +120,7 @@ pub(super) fn nearest(vertices: &[ExactPoint]) -> Option<Nearest> {
             let supports = is_zero(&direction) || (0..n).all(|k| chosen(&k) || dot(&direction, &vertices[k].w) >= base);
             if supports {
                 let kept = subset.into_iter().cloned().collect();
-                return Some(Nearest {
+                return Some(NearestPoint {
                     kept,
                     weights,
                     sum,
@@ -135,7 +135,7 @@ pub(super) fn nearest(vertices: &[ExactPoint]) -> Option<Nearest> {
 /// Returns the point of a convex set nearest to the origin; `lowest(n)` must return an extreme
 /// point least along `n`. Terminates because each round is strictly nearer and the number of
 /// simplices is finite.
-pub(super) fn minimize(start: Vec<ExactPoint>, lowest: &dyn Fn(&Big3) -> ExactPoint) -> Option<Nearest> {
+pub(super) fn minimize(start: Vec<ExactPoint>, lowest: &dyn Fn(&Big3) -> ExactPoint) -> Option<NearestPoint> {
     let mut vertices = start;
     loop {
         let now = nearest(&vertices)?;

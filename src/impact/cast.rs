@@ -8,25 +8,7 @@ use crate::pair::outcome::Class;
 use crate::pose::{PoseError, RelativePose};
 use crate::separation::{Flight, Measure, Separation};
 use crate::tolerance::ROOT;
-
-/// Looks that a cast may take. Seen: at most 21 up to a turn, thousands where gears turn a hundred
-/// times a hair apart.
-const LOOKS: u32 = 20_000;
-
-/// The part of the tolerance that looks aim at as a gap, and the proof behind it as a depth.
-const AIM: f64 = 0.3;
-
-/// The part of both radii that balls must be apart for a jump along them.
-const CLEAR: f64 = 0.1;
-
-/// A tolerance is no smaller than this times what rounding may make of a distance.
-const LEAST: f64 = 8.0;
-
-/// How much smaller a tolerance becomes that no overlap was proven with.
-const SHRINK: f64 = 1.0 / 16.0;
-
-/// Doublings of the step behind contact where the tolerance cannot shrink.
-const DOUBLINGS: u32 = 6;
+use crate::tuning::impact::{AIM, CLEAR, DOUBLINGS, LEAST, LOOKS, SHRINK};
 
 /// A cast in the making.
 pub(super) struct Search<'a, S: ?Sized, A: ?Sized, B: ?Sized> {
@@ -36,13 +18,15 @@ pub(super) struct Search<'a, S: ?Sized, A: ?Sized, B: ?Sized> {
     pub(super) until: f64,
     pub(super) tolerance: Tolerance,
     pub(super) distance: f64,
+    /// What is known of the begin of the interval.
+    pub(super) seen: Option<Measure>,
     pub(super) queries: u32,
     pub(super) proofs: u32,
 }
 
-/// Where a search goes from a look.
+/// The continuation of a search after a look.
 enum Next {
-    /// Free up to there.
+    /// Free up to this time.
     Go(f64),
     Found(Impact),
 }
@@ -50,7 +34,7 @@ enum Next {
 impl<S: Separation + ?Sized, A: Motion + ?Sized, B: Motion + ?Sized> Search<'_, S, A, B> {
     pub(super) fn run(&mut self, from: f64) -> Result<Impact, PoseError> {
         let mut time = from;
-        // How much the tolerance has shrunk while the pair is nearer than that.
+        // Factor by which the tolerance has shrunk while the pair is nearer than the tolerance.
         let mut shrunk = 1.0;
         for look in 0..LOOKS {
             let (relative, flight) = flight(self.motion_a, self.motion_b, time, self.until, self.distance)?;
@@ -65,10 +49,13 @@ impl<S: Separation + ?Sized, A: Motion + ?Sized, B: Motion + ?Sized> Search<'_, 
                     continue;
                 }
             }
-            let seen = self.pair.measure(&relative);
-            self.queries += 1;
+            let known = self.seen.take().filter(|_| time == from);
+            let seen = known.unwrap_or_else(|| {
+                self.queries += 1;
+                self.pair.measure(&relative)
+            });
             if self.is_met(&seen) {
-                // Steps are proven, so a pair can meet only where the interval begins.
+                // Steps are proven, so a pair can meet only at the begin of the interval.
                 return Ok(if time == from {
                     Impact::Start { seen }
                 } else {
@@ -95,8 +82,8 @@ impl<S: Separation + ?Sized, A: Motion + ?Sized, B: Motion + ?Sized> Search<'_, 
         }
     }
 
-    /// One look: a hit if the pair is near enough for a proof, else a step as far as a plane proves
-    /// it.
+    /// One look: a hit if the pair is near enough for a proof, else a step as far as a plane
+    /// proves.
     fn step(
         &mut self,
         time: f64,
@@ -146,8 +133,8 @@ impl<S: Separation + ?Sized, A: Motion + ?Sized, B: Motion + ?Sized> Search<'_, 
     fn allowed(&self, seen: &Measure, flight: &Flight) -> f64 {
         match self.tolerance {
             Tolerance::Distance(length) => length,
-            // The way that the witnesses come nearer in half that time, at the pace of the way that
-            // is left.
+            // The displacement of the witnesses towards each other in half that time, at the pace
+            // of the displacement left.
             Tolerance::Time(width) => {
                 let gap = seen.upper - self.distance;
                 flight
@@ -198,7 +185,7 @@ pub(super) fn flight<A: Motion + ?Sized, B: Motion + ?Sized>(
 ) -> Result<(RelativePose, Flight), PoseError> {
     let (pose_a, pose_b): (Isometry3<f64>, Isometry3<f64>) = (motion_a.pose(time), motion_b.pose(time));
     let relative = RelativePose::new(&pose_a, &pose_b)?;
-    // Rounded up, so that what is proven for the span is proven to the end.
+    // Rounded up, so that a proof for the span is a proof to the end.
     let span = if until > time { (until - time).next_up() } else { 0.0 };
     let flight = Flight {
         pose_a,

@@ -1,4 +1,4 @@
-//! One look, as a certificate that anyone can check.
+//! One look as a certificate that the caller can check.
 
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
@@ -14,13 +14,13 @@ use crate::separation::{Proof, Separation};
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Certificate {
-    /// When it begins.
+    /// The begin of the interval proven.
     pub from: f64,
-    /// Until when it holds: `from` if nothing is proven, the end of the interval if all of it is.
+    /// The end of the interval proven: `from` if nothing is proven.
     pub until: f64,
-    /// The distance that the shapes stay beyond.
+    /// Lower bound of the distance of the shapes from `from` until `until`.
     pub distance: f64,
-    /// What proves it.
+    /// The proof.
     pub proof: Proof,
 }
 
@@ -28,8 +28,9 @@ impl Certificate {
     /// Returns the normal of the plane at a time, in the world, from A to B; `None` if no plane
     /// proves the certificate.
     ///
-    /// All of A is below all of B along it, by more than [`distance`](Self::distance), from `from`
-    /// until `until`: which is checked by looking at every vertex.
+    /// Along the normal all points of A are below all points of B by more than
+    /// [`distance`](Self::distance), from `from` until `until`: a test of every vertex checks the
+    /// certificate.
     #[must_use]
     pub fn normal(&self, time: f64) -> Option<Vector3<f64>> {
         let Proof::Plane { normal, spin } = self.proof else {
@@ -61,12 +62,14 @@ impl Certificate {
     }
 }
 
-/// Looks once, and returns for how long two shapes are proven to stay more than `distance` apart.
+/// Returns the time for which two shapes are proven to stay more than `distance` apart, by one
+/// look.
 ///
-/// The certificate ends where it begins if the shapes are not apart by more than that.
+/// The certificate ends at its begin if the shapes are not more than `distance` apart there.
 ///
 /// # Errors
-/// An interval or a distance that is none, or a motion that leaves the range of poses.
+/// If the interval ends before its begin, the distance is negative or not finite, or a motion
+/// leaves the range of poses.
 pub fn free_until<S, A, B>(
     pair: &mut S,
     motion_a: &A,
@@ -115,14 +118,15 @@ where
     })
 }
 
-/// Returns until when shapes that overlap now, at least `depth` deep, are proven to overlap still:
-/// the begin of the interval if nothing is proven.
+/// Returns the instant until which shapes that overlap at least `depth` deep at the begin of the
+/// interval are proven to overlap: the begin if nothing is proven.
 ///
-/// A motion that moves no point of one shape, seen from the other, by more than `m` changes the
-/// depth by at most `m`.
+/// A motion that moves no point of A, seen from B, by more than `m` changes the depth by at most
+/// `m`.
 ///
 /// # Errors
-/// An interval or a depth that is none, or a motion that leaves the range of poses.
+/// If the interval ends before its begin, the depth is negative or not finite, or a motion leaves
+/// the range of poses.
 pub fn held_until<S, A, B>(
     pair: &S,
     motion_a: &A,

@@ -1,8 +1,8 @@
-//! Time of impact: when two moving shapes first meet, proven from both sides.
+//! Time of impact: the instant at which two moving shapes first meet, bounded from both sides.
 //!
 //! A cast returns a bracket, never an estimate: the shapes are apart at every instant up to `safe`,
-//! and meet at `hit`. A miss is proven for every instant of the interval, and what could not be
-//! decided has a name ([`Impact::Unknown`], [`Impact::Near`]).
+//! and meet at `hit`. A miss is proven for every instant of the interval, and an undecided case has
+//! a name ([`Impact::Unknown`], [`Impact::Near`]).
 //!
 //! ```
 //! use lin_canny::impact::{self, Impact, Tolerance};
@@ -11,45 +11,47 @@
 //! use lin_canny::separation::PolyhedronPair;
 //! use lin_canny::{Velocity, polyhedron::solids};
 //!
-//! let (a, b) = (solids::cuboid(Vector3::new(0.5, 0.5, 0.5))?, solids::octahedron(0.5)?);
+//! let a = solids::cuboid(Vector3::new(0.5, 0.5, 0.5))?;
+//! let b = solids::octahedron(0.5)?;
 //! let rest = Steady::new(&Isometry3::identity(), Velocity::default())?;
 //! let spin = Velocity::new(-Vector3::x(), Vector3::x() * 0.3);
 //! let flight = Steady::new(&Isometry3::translation(4.0, 0.0, 0.0), spin)?;
 //!
 //! let mut pair = PolyhedronPair::new(&a, &b);
-//! let cast = impact::cast(&mut pair, &rest, &flight, (0.0, 10.0), Tolerance::Distance(1e-9))?;
+//! let tolerance = Tolerance::Distance(1e-9);
+//! let cast = impact::cast(&mut pair, &rest, &flight, (0.0, 10.0), tolerance)?;
 //! let Impact::Hit { safe, hit, .. } = cast.impact else { panic!("they meet") };
 //! assert!(safe < 3.0 && 3.0 < hit && hit - safe < 3e-9);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! # How
+//! # Method
 //!
-//! 1. **Balls**: as long as the balls about the pivots are apart no shape is looked at. Most misses
-//!    end here.
-//! 2. **Planes**: a look measures the pair and bounds how long a separating plane, which turns as
-//!    the closest features do, stays between the shapes ([`separation`](crate::separation)); the
-//!    next look is at the end of that time. Looks converge quadratically: three to five for a hit,
-//!    whatever the tolerance.
-//! 3. **Proof**: looks aim at a gap of a part of the tolerance, never at contact itself, where a
-//!    query is ten times as dear. From there the cast steps over contact to a depth of as much, and
-//!    proves that overlap by one predicate.
-//! 4. What grazes is looked at with ever smaller tolerances, until it is proven to hit or to miss,
-//!    or rounding ends it as `Near`.
+//! 1. **Balls**: no shape is measured while the balls about the pivots are apart. Most misses end
+//!    here.
+//! 2. **Planes**: a look measures the pair and bounds the time for which a separating plane that
+//!    turns with the closest features stays between the shapes
+//!    ([`separation`](crate::separation)); the next look is at the end of this time. Looks converge
+//!    quadratically: three to five for a hit, whatever the tolerance.
+//! 3. **Proof**: looks aim at a gap of a part of the tolerance, never at contact itself, since a
+//!    query at contact is ten times as slow. From there the cast steps over contact to an equal
+//!    depth, and proves the overlap by one predicate.
+//! 4. A grazing pair is measured with ever smaller tolerances, until a hit or a miss is proven, or
+//!    rounding ends the cast as `Near`.
 //!
-//! # What is proven
+//! # Guarantees
 //!
-//! *Apart* is meant twice: of the motions themselves, over the reals, and of the poses that
-//! [`Motion::pose`] places at any f64 of the interval up to `safe`. *Meets* is meant of the poses
+//! *Apart* is proven of the motions themselves, over the reals, and of the poses that
+//! [`Motion::pose`] places at any f64 of the interval up to `safe`. *Meets* is proven of the poses
 //! placed at `hit`.
 //!
-//! # When not to use it
+//! # When not to cast
 //!
 //! A pair whose velocities change at every step for reasons unknown (contact solvers, input) is
 //! better served by a distance and a displacement budget ([`scene`](crate::scene)). A resting
-//! contact is a hit at once, at every step: leave it to the solver. Bodies that turn hundreds of
-//! times in the interval take a look every part of a turn: swept balls, or shorter intervals, do as
-//! well.
+//! contact is a hit at once, at every step: leave resting contacts to the solver. Bodies that turn
+//! hundreds of times in the interval need a look every part of a turn: swept balls, or shorter
+//! intervals, do as well.
 //!
 //! # Sources
 //!
@@ -59,38 +61,40 @@
 //! 1. Bounds are those of a turning plane over all points at once, not of a speed: convergence is
 //!    quadratic instead of linear.
 //! 2. The upper end of the bracket is proven, too.
-//! 3. Limits end as `Unknown` or `Near` with what was proven, never as a miss.
+//! 3. Limits end as `Unknown` or `Near` with the part proven, never as a miss.
 //! 4. Rounding of motions, poses and planes is part of every bound.
 
 mod cast;
 mod certificate;
 
 use crate::motion::Motion;
+use crate::pair::outcome::Class;
 use crate::pose::PoseError;
 use crate::separation::{Measure, Separation};
 
 use cast::Search;
 pub use certificate::{Certificate, free_until, held_until};
 
-/// How wide the bracket of a hit may be.
+/// Greatest width of the bracket of a hit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Tolerance {
     /// The shapes are nearer than this at `safe`, and about a third as deep in each other at `hit`,
     /// in the caller's unit of length.
     Distance(f64),
-    /// `hit - safe` is no more than this, unless rounding or a grazing motion makes it wider.
+    /// `hit - safe` is at most this, unless rounding or a grazing motion makes the bracket wider.
     Time(f64),
 }
 
-/// What a cast finds.
+/// The answer of a cast.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum Impact {
-    /// The shapes touch, overlap, or are within the distance asked for, where the interval begins.
+    /// The shapes touch, overlap, or are within the distance asked for, at the begin of the
+    /// interval.
     Start {
-        /// What was measured there; the depth of an overlap is not.
+        /// The measure at the begin, without the depth of an overlap.
         seen: Measure,
     },
     /// The first contact lies after `safe`, and not after `hit`.
@@ -99,15 +103,15 @@ pub enum Impact {
         safe: f64,
         /// The shapes are proven to meet here.
         hit: f64,
-        /// Features, witnesses and normal at `safe`: those that meet.
+        /// Features, witnesses and normal at `safe`: the features that meet.
         seen: Measure,
     },
-    /// The shapes come so near that rounding hides whether they meet, and nothing is known of what
-    /// comes after.
+    /// The shapes come so near that rounding hides whether they meet, and nothing is known of later
+    /// instants.
     Near {
         /// The shapes are proven apart up to here.
         safe: f64,
-        /// Upper bound of their distance there.
+        /// Upper bound of the distance at `safe`.
         distance: f64,
     },
     /// The shapes are proven apart over the whole interval, both ends included.
@@ -119,7 +123,7 @@ pub enum Impact {
     },
 }
 
-/// What a cast finds, and what it took.
+/// The answer of a cast, and the work done.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
@@ -132,16 +136,16 @@ pub struct Cast {
     pub proofs: u32,
 }
 
-/// Why a cast was refused.
+/// Reason why a cast was refused.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ImpactError {
-    /// The interval ends before it begins, or is not finite.
+    /// The interval ends before its begin, or is not finite.
     #[error("no interval: from {from} until {until}")]
     Interval {
-        /// Its begin.
+        /// The begin.
         from: f64,
-        /// Its end.
+        /// The end.
         until: f64,
     },
     /// A tolerance or a distance that is negative or not finite.
@@ -157,13 +161,14 @@ pub enum ImpactError {
     Pose(#[from] PoseError),
 }
 
-/// Returns when two shapes first meet in an interval of time.
+/// Returns the instant at which two shapes first meet in an interval of time, as a bracket.
 ///
-/// The bracket of a hit is as wide as the tolerance asks for. The cost hardly depends on it: down
-/// to some 1e-13 of the size of the pair each decade is a fraction of a look.
+/// The bracket of a hit is as wide as the tolerance asks for. The cost hardly depends on the
+/// tolerance: down to some 1e-13 of the size of the pair each decade is a fraction of a look.
 ///
 /// # Errors
-/// An interval or a tolerance that is none, or a motion that leaves the range of poses.
+/// If the interval ends before its begin, the tolerance is negative or not finite, or a motion
+/// leaves the range of poses.
 #[doc(alias = "toi")]
 #[doc(alias = "ccd")]
 #[doc(alias = "time of impact")]
@@ -184,10 +189,12 @@ where
     cast_within(pair, motion_a, motion_b, interval, tolerance, 0.0)
 }
 
-/// Returns when two shapes first come within a distance of each other in an interval of time.
+/// Returns the instant at which two shapes first come within a distance of each other in an
+/// interval of time, as a bracket.
 ///
 /// # Errors
-/// An interval, a tolerance or a distance that is none, or a motion that leaves the range of poses.
+/// If the interval ends before its begin, the tolerance or the distance is negative or not finite,
+/// or a motion leaves the range of poses.
 pub fn cast_within<S, A, B>(
     pair: &mut S,
     motion_a: &A,
@@ -215,6 +222,7 @@ where
         until: interval.1,
         tolerance,
         distance,
+        seen: None,
         queries: 0,
         proofs: 0,
     };
@@ -226,7 +234,76 @@ where
     })
 }
 
-/// Refuses what is no interval.
+/// The answer of a look ahead.
+pub(crate) struct Ahead {
+    /// The time until which the shapes are proven to stay beyond the distance asked for.
+    pub(crate) until: f64,
+    /// The first contact before the end of the tick, if the look proves less than the tick.
+    pub(crate) cast: Option<Impact>,
+    /// Distance queries and predicates.
+    pub(crate) queries: u32,
+}
+
+/// Looks ahead from time zero over a `span`; if the look does not prove the shapes to stay more
+/// than `distance` apart for a `tick`, casts the tick from the measure of the look.
+///
+/// # Errors
+/// A motion that leaves the range of poses.
+pub(crate) fn ahead<S, M>(
+    pair: &mut S,
+    [motion_a, motion_b]: [&M; 2],
+    (tick, span): (f64, f64),
+    distance: f64,
+    tolerance: Tolerance,
+) -> Result<Ahead, PoseError>
+where
+    S: Separation + ?Sized,
+    M: Motion + ?Sized,
+{
+    let (relative, flight) = cast::flight(motion_a, motion_b, 0.0, span, distance)?;
+    let until = |free: f64| {
+        if free >= flight.span {
+            span
+        } else {
+            cast::later(0.0, free)
+        }
+    };
+    let proven = |until: f64, queries: u32| Ahead {
+        until,
+        cast: None,
+        queries,
+    };
+    let by_balls = until(flight.apart(pair).span);
+    if by_balls >= tick {
+        return Ok(proven(by_balls, 0));
+    }
+    let seen = pair.measure(&relative);
+    if seen.class == Class::Separated && seen.lower > distance {
+        let by_plane = until(pair.free_for(&seen, &flight).span);
+        if by_plane >= tick {
+            return Ok(proven(by_plane, 1));
+        }
+    }
+    let mut search = Search {
+        pair,
+        motion_a,
+        motion_b,
+        until: tick,
+        tolerance,
+        distance: 0.0,
+        seen: Some(seen),
+        queries: 1,
+        proofs: 0,
+    };
+    let impact = search.run(0.0)?;
+    Ok(Ahead {
+        until: 0.0,
+        cast: Some(impact),
+        queries: search.queries + search.proofs,
+    })
+}
+
+/// Refuses an interval that ends before its begin or is not finite.
 fn check((from, until): (f64, f64)) -> Result<(), ImpactError> {
     if from <= until && (until - from) < f64::INFINITY {
         Ok(())

@@ -10,7 +10,8 @@ use crate::minimum::simplex::Simplex;
 use crate::minimum::witnesses::witnesses;
 use crate::pair::answer::{is_proven, set_overlapping};
 use crate::pair::difference::difference_point;
-use crate::pair::outcome::{Outcome, Solver};
+use crate::pair::draft::Draft;
+use crate::pair::outcome::Solver;
 use crate::pair::posed::PosedPair;
 use crate::pair::transform::Transform;
 use crate::polyhedron::FeaturePair;
@@ -36,7 +37,7 @@ impl OverlapProof {
     /// Returns whether the four points prove an overlap at this pose, and writes the answer, which
     /// is as good as the solver's.
     #[inline]
-    pub(crate) fn proves(&self, posed: &PosedPair, outcome: &mut Outcome) -> bool {
+    pub(crate) fn proves(&self, posed: &PosedPair, draft: &mut Draft) -> bool {
         let (a, b) = (posed.a.points.len(), posed.b.points.len());
         // State from a file, or of different bodies, may name vertices that do not exist.
         if !self.0.iter().all(|[x, y]| (*x as usize) < a && (*y as usize) < b) {
@@ -47,27 +48,27 @@ impl OverlapProof {
         let Some(simplex) = Simplex::around_origin(points, posed.error_scale::<f64>()) else {
             return false;
         };
-        outcome.solver = Solver::Surface;
-        write_overlap(posed, &simplex, outcome)
+        draft.solver = Solver::Surface;
+        write_overlap(posed, &simplex, draft)
     }
 }
 
 /// Solves at once for an overlap, because the last answer was an overlap. Returns the proof if the
 /// bodies still overlap.
 #[cold]
-pub(crate) fn solve_overlap(posed: &PosedPair, from: FeaturePair, outcome: &mut Outcome) -> Option<OverlapProof> {
-    outcome.work.fallbacks += 1;
+pub(crate) fn solve_overlap(posed: &PosedPair, from: FeaturePair, draft: &mut Draft) -> Option<OverlapProof> {
+    draft.work.fallbacks += 1;
     let Minimum::Inside { simplex } = solve(posed, &Transform::of(posed), from) else {
         return None;
     };
-    outcome.solver = Solver::Fallback;
-    write_overlap(posed, &simplex, outcome).then(|| OverlapProof::from_simplex(&simplex))?
+    draft.solver = Solver::Fallback;
+    write_overlap(posed, &simplex, draft).then(|| OverlapProof::from_simplex(&simplex))?
 }
 
 /// Writes the overlap and the witnesses of a tetrahedron around the origin; features stay as in the
 /// last answer. Returns whether the overlap is settled.
-fn write_overlap(posed: &PosedPair, simplex: &Simplex<f64>, outcome: &mut Outcome) -> bool {
-    (outcome.point_on_a, outcome.point_on_b) = witnesses(posed, simplex);
-    set_overlapping(outcome);
-    is_proven(posed, outcome)
+fn write_overlap(posed: &PosedPair, simplex: &Simplex<f64>, draft: &mut Draft) -> bool {
+    (draft.point_on_a, draft.point_on_b) = witnesses(posed, simplex);
+    set_overlapping(draft);
+    is_proven(posed, draft)
 }

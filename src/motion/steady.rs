@@ -20,7 +20,8 @@ use crate::tolerance::{EXTENT_MAX, PLACED_CENTRE, PLACED_PIVOT, TURN, UNIT};
 ///
 /// // A door: it turns about a hinge one to the left of its own origin.
 /// let spin = Velocity::new(Vector3::zeros(), Vector3::z());
-/// let (pose, hinge) = (Isometry3::translation(1.0, 0.0, 0.0), Point3::new(-1.0, 0.0, 0.0));
+/// let pose = Isometry3::translation(1.0, 0.0, 0.0);
+/// let hinge = Point3::new(-1.0, 0.0, 0.0);
 /// let door = Steady::about(&pose, hinge, spin)?;
 /// let open = door.pose(std::f64::consts::FRAC_PI_2);
 /// assert!((open.translation.vector - Vector3::y()).norm() < 1e-15);

@@ -54,3 +54,12 @@ impl Velocity {
         Isometry3::from_parts(Translation3::from(at), UnitQuaternion::new_unchecked(rotation))
     }
 }
+
+impl core::ops::Neg for Velocity {
+    type Output = Self;
+
+    /// Returns the velocity of the motion back.
+    fn neg(self) -> Self {
+        Self::new(-self.linear, -self.angular)
+    }
+}

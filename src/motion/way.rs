@@ -89,7 +89,7 @@ impl BallAtPose {
 mod tests {
     extern crate std;
     use super::*;
-    use lab::rng::Rng;
+    use crate::rng::Rng;
 
     #[test]
     fn no_point_goes_farther_than_its_bound() {

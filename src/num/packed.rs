@@ -267,8 +267,8 @@ fn combined(lines: &[f64x2; 3], third: f64x2, last: f64x2, v: PackedVec3) -> Pac
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::rng::Rng;
     use crate::tolerance::UNIT;
-    use lab::rng::Rng;
 
     fn vector(rng: &mut Rng) -> Vector3<f64> {
         Vector3::from(rng.unit()) * 2f64.powi(rng.below(40) as i32 - 20)

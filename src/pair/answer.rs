@@ -4,7 +4,8 @@
 use nalgebra::{Unit, Vector3};
 
 use crate::num::scalar::Scalar;
-use crate::pair::outcome::{Class, Outcome};
+use crate::pair::draft::Draft;
+use crate::pair::outcome::Class;
 use crate::pair::posed::PosedPair;
 use crate::polyhedron::{Feature, FeaturePair};
 use crate::pose::Operand;
@@ -30,25 +31,25 @@ pub(crate) fn round_outward<T: Scalar>(x: T, by: f64) -> f64 {
 
 /// Marks an outcome as overlapping. Depth and normal are unknown here (they are the work of
 /// `depth`); the normal has no meaning yet, but is a unit vector.
-pub(crate) fn set_overlapping(outcome: &mut Outcome) {
-    outcome.class = Class::Overlapping;
-    outcome.distance = 0.0;
-    outcome.normal = Vector3::x_axis();
-    (outcome.lower, outcome.upper) = (f64::NEG_INFINITY, 0.0);
+pub(crate) fn set_overlapping(draft: &mut Draft) {
+    draft.class = Class::Overlapping;
+    draft.distance = 0.0;
+    draft.normal = Vector3::x_axis();
+    (draft.lower, draft.upper) = (f64::NEG_INFINITY, 0.0);
 }
 
 /// Leaves a pair undecided, out of the range of the finer arithmetic, with the upper bound that any
 /// two vertices prove.
-pub(crate) fn set_undecided(posed: &PosedPair, outcome: &mut Outcome) {
-    let (a, b) = outcome.features.vertices_of(posed.a, posed.b);
+pub(crate) fn set_undecided(posed: &PosedPair, draft: &mut Draft) {
+    let (a, b) = draft.features.vertices_of(posed.a, posed.b);
     let (p, q) = (posed.a.points[a as usize], posed.b.points[b as usize]);
-    (outcome.point_on_a, outcome.point_on_b) = (p.into(), q.into());
+    (draft.point_on_a, draft.point_on_b) = (p.into(), q.into());
     let between = posed.point_in_a(&q) - p;
-    outcome.normal = unit(&between);
-    outcome.distance = crate::num::scalar::sqrt(between.norm_squared());
-    outcome.upper = outcome.distance + CERTIFICATE * UNIT * posed.size();
-    outcome.lower = f64::NEG_INFINITY;
-    outcome.class = Class::Undecided;
+    draft.normal = unit(&between);
+    draft.distance = crate::num::scalar::sqrt(between.norm_squared());
+    draft.upper = draft.distance + CERTIFICATE * UNIT * posed.size();
+    draft.lower = f64::NEG_INFINITY;
+    draft.class = Class::Undecided;
 }
 
 /// Returns the smallest features that contain one to four vertices of each body, as a state of the
@@ -72,18 +73,18 @@ pub(crate) fn walk_state(posed: &PosedPair, a: &[u32], b: &[u32]) -> FeaturePair
 /// be, or overlapping with witnesses that coincide up to rounding (the weights of a flat
 /// tetrahedron around the origin may be wrong in every digit while the signs of the volumes are
 /// certain).
-pub(crate) fn is_proven(posed: &PosedPair, outcome: &Outcome) -> bool {
-    match outcome.class {
+pub(crate) fn is_proven(posed: &PosedPair, draft: &Draft) -> bool {
+    match draft.class {
         Class::Overlapping => {
-            let between = posed.point_in_a(&outcome.point_on_b.coords) - outcome.point_on_a.coords;
+            let between = posed.point_in_a(&draft.point_on_b.coords) - draft.point_on_a.coords;
             crate::num::scalar::sqrt(between.norm_squared()) <= AGREE * posed.size()
         }
-        Class::Separated => is_narrow(posed, outcome),
+        Class::Separated => is_narrow(posed, draft),
         Class::Touching | Class::Undecided => false,
     }
 }
 
 /// Returns whether the bounds are as close as the bounds of a certified answer must be.
-pub(crate) fn is_narrow(posed: &PosedPair, outcome: &Outcome) -> bool {
-    outcome.upper - outcome.lower <= (AGREE + 2.0 * CERTIFICATE * UNIT) * posed.size()
+pub(crate) fn is_narrow(posed: &PosedPair, draft: &Draft) -> bool {
+    draft.upper - draft.lower <= (AGREE + 2.0 * CERTIFICATE * UNIT) * posed.size()
 }

@@ -55,7 +55,7 @@ impl Face<'_> {
         let body = self.body;
         // No edge is longer than the diameter, and the 1-norm is less than twice the length.
         let close = 4.0 * FOOT * size * body.radius;
-        let start = body.topology.rim_start(self.face);
+        let start = body.topology.rim_half_edge(self.face);
         let mut from = self.tail(start);
         let (mut location, mut furthest) = (FaceLocation::Inside, f64::INFINITY);
         let mut h = start;
@@ -166,7 +166,7 @@ impl Face<'_> {
     #[inline(always)]
     fn exit_small(&self, start: PackedVec3, displacement: PackedVec3, entry: Option<u32>) -> Option<(f64, u32)> {
         let (body, normal) = (self.body, PackedVec3::new(self.normal));
-        let begin = body.topology.rim_start(self.face);
+        let begin = body.topology.rim_half_edge(self.face);
         let (mut h, mut p) = (begin, PackedVec3::new(&self.tail(begin)));
         let mut first = None;
         loop {

@@ -6,10 +6,12 @@
 pub(crate) mod answer;
 pub(crate) mod certificate;
 pub(crate) mod difference;
+pub(crate) mod draft;
 pub(crate) mod edge;
 pub(crate) mod face;
 pub(crate) mod outcome;
 pub(crate) mod posed;
+pub(crate) mod rounding;
 pub(crate) mod star;
 pub(crate) mod transform;
 pub(crate) mod world;

@@ -193,11 +193,13 @@ impl core::ops::AddAssign for Work {
 /// use lin_canny::nalgebra::{Isometry3, Vector3};
 /// use lin_canny::{RelativePose, Tracker, polyhedron::solids};
 ///
-/// let (a, b) = (solids::cuboid(Vector3::new(1.0, 1.0, 1.0))?, solids::octahedron(0.5)?);
+/// let a = solids::cuboid(Vector3::new(1.0, 1.0, 1.0))?;
+/// let b = solids::octahedron(0.5)?;
 /// let pose_a = Isometry3::rotation(Vector3::z());
 /// let pose_b = Isometry3::translation(3.0, 2.0, 1.0);
 /// let c = Tracker::new().closest(&a, &b, &RelativePose::new(&pose_a, &pose_b)?);
-/// let (on_a, on_b, normal) = (pose_a * c.point_on_a, pose_b * c.point_on_b, pose_a * c.normal);
+/// let (on_a, on_b) = (pose_a * c.point_on_a, pose_b * c.point_on_b);
+/// let normal = pose_a * c.normal;
 /// assert!((on_a + c.distance * *normal - on_b).norm() < 1e-14);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -217,8 +219,11 @@ pub struct Outcome {
     pub lower: f64,
     /// Upper bound of the signed distance.
     pub upper: f64,
-    /// Closest features; for an overlap, the features of the deepest facet: a face and a vertex, or
-    /// two edges.
+    /// Closest features. Of separated bodies each witness lies on its feature, up to the bounds.
+    /// For an overlap, the features of the deepest facet of the Minkowski difference: a face and a
+    /// vertex, or two edges. The witnesses of an overlap lie on the supporting planes of the two
+    /// features, but if several facets are equally deep, as between boxes with parallel faces, a
+    /// witness may lie beside the feature: on a face of which the vertex named is a part.
     pub features: FeaturePair,
     /// Witness on A, in A's frame; for an overlap, A's deepest point in B along the normal.
     pub point_on_a: Point3<f64>,
@@ -235,7 +240,7 @@ pub struct Outcome {
 }
 
 impl Outcome {
-    /// Returns an outcome that holds nothing yet but the start of a solver.
+    /// Returns an outcome that bounds nothing.
     #[inline(always)]
     pub(crate) fn starting_at(pair: FeaturePair) -> Self {
         Self {

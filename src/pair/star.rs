@@ -71,7 +71,7 @@ impl ConvexPolyhedron {
         if along(half_edge) >= 0.0 {
             return FanMinimum { value: 0.0, half_edge };
         }
-        let half_edge = self.nearest_rib(v, &-n);
+        let half_edge = self.nearest_edge(v, &-n);
         FanMinimum {
             value: along(half_edge).min(0.0),
             half_edge,

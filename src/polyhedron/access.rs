@@ -4,7 +4,7 @@
 use nalgebra::{Point3, Unit, Vector3};
 
 use crate::num::scalar::sqrt;
-use crate::polyhedron::{BuildReport, ConvexPolyhedron, EdgeId, FaceId, VertexId};
+use crate::polyhedron::{BuildReport, ConvexPolyhedron, EdgeId, FaceId, Feature, VertexId};
 use crate::tolerance::RADIUS_UP;
 
 /// Ids are checked: an id that names no feature of this body, such as an id of a larger body, gives
@@ -51,6 +51,20 @@ impl ConvexPolyhedron {
         (0..self.face_count() as u32).map(FaceId)
     }
 
+    /// Returns the feature of a dimension (0 vertex, 1 edge, 2 face) and an index, the inverse of
+    /// [`Feature::dimension`] and [`Feature::index`]; `None` if the body has no such feature.
+    #[must_use]
+    pub fn feature(&self, dimension: usize, index: usize) -> Option<Feature> {
+        let index = u32::try_from(index).ok()?;
+        let feature = match dimension {
+            0 => Feature::Vertex(VertexId(index)),
+            1 => Feature::Edge(EdgeId(index)),
+            2 => Feature::Face(FaceId(index)),
+            _ => return None,
+        };
+        self.has(feature).then_some(feature)
+    }
+
     /// Returns the position of a vertex: exactly the point the caller gave, but for coordinates the
     /// report counts as flushed.
     #[must_use]
@@ -85,6 +99,37 @@ impl ConvexPolyhedron {
     /// Returns the vertices of a face, counter-clockwise seen from outside.
     pub fn face_vertices(&self, face: FaceId) -> impl Iterator<Item = VertexId> + '_ {
         self.face_rim(face).map(|h| VertexId(self.topology.from(h)))
+    }
+
+    /// Returns triangles that make up the surface, as the ids of their vertices, counter-clockwise
+    /// seen from outside: a fan of each face, face by face. Both sides of a polygon; none for a
+    /// segment or a point. For drawing, and for files of meshes:
+    ///
+    /// ```
+    /// use lin_canny::nalgebra::Vector3;
+    /// use lin_canny::polyhedron::solids;
+    ///
+    /// let body = solids::cuboid(Vector3::new(0.5, 0.5, 0.5))?;
+    /// let vertices = body.vertex_points();
+    /// let vertices = vertices.map(|p| format!("v {} {} {}", p.x, p.y, p.z));
+    /// let faces = body.triangles().map(|t| {
+    ///     let [a, b, c] = t.map(|v| v.index() + 1);
+    ///     format!("f {a} {b} {c}")
+    /// });
+    /// let obj: Vec<String> = vertices.chain(faces).collect();
+    /// assert_eq!(obj.len(), 8 + 12);
+    /// # Ok::<(), lin_canny::BuildError>(())
+    /// ```
+    #[doc(alias = "indices")]
+    #[doc(alias = "trimesh")]
+    pub fn triangles(&self) -> impl Iterator<Item = [VertexId; 3]> + '_ {
+        self.faces().flat_map(|face| {
+            let first = self.face_vertices(face).next();
+            let second = self.face_vertices(face).skip(1);
+            let third = self.face_vertices(face).skip(2);
+            let sides = second.zip(third);
+            sides.filter_map(move |(b, c)| Some([first?, b, c]))
+        })
     }
 
     /// Returns the edges of a face, counter-clockwise seen from outside, beginning with the edge

@@ -136,10 +136,11 @@ impl ConvexPolyhedron {
             for (slot, n, end) in [(2 * k, -up, &mut low[k]), (2 * k + 1, up, &mut high[k])] {
                 let known = hint.0[slot];
                 let start = if (known as usize) < self.points.len() { known } else { 0 };
+                // An empty or outdated hint climbs from the cube map if that is higher.
                 let top = if self.is_local_maximum(&n, start) {
                     start
                 } else {
-                    self.support_climb(&n, start)
+                    self.support_climb(&n, self.start_vertex(&n, start))
                 };
                 hint.0[slot] = top;
                 *end = up.dot(&self.points[top as usize]);

@@ -120,7 +120,7 @@ impl ConvexPolyhedron {
     /// as in `walk::ray_exit_face`; along the visible faces the angle is unimodal, with a minimum
     /// at an edge.
     #[inline(never)]
-    pub(crate) fn nearest_rib(&self, v: u32, d: &Vector3<f64>) -> u32 {
+    pub(crate) fn nearest_edge(&self, v: u32, d: &Vector3<f64>) -> u32 {
         let (t, fan, p) = (&self.topology, self.topology.fan(v), self.points[v as usize]);
         let m = fan.len();
         let inward = self.vertex_mean - p;

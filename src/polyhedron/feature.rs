@@ -68,6 +68,18 @@ impl Feature {
             Feature::Face(_) => 2,
         }
     }
+
+    /// Returns the index of this feature among the features of its kind and body. Kind
+    /// ([`dimension`](Self::dimension)) and index name the feature in the state of another engine;
+    /// [`ConvexPolyhedron::feature`](crate::ConvexPolyhedron::feature) leads back.
+    #[must_use]
+    pub fn index(self) -> usize {
+        match self {
+            Feature::Vertex(v) => v.index(),
+            Feature::Edge(e) => e.index(),
+            Feature::Face(f) => f.index(),
+        }
+    }
 }
 
 impl fmt::Display for Feature {

@@ -47,7 +47,7 @@ impl FeaturePair {
 
     /// Returns this pair if the walk has a test for it. The walk has no test for an edge and a
     /// face, or for two faces: then returns the pair of one vertex of each.
-    pub(crate) fn to_stand_on(self, a: &ConvexPolyhedron, b: &ConvexPolyhedron) -> Self {
+    pub(crate) fn walkable(self, a: &ConvexPolyhedron, b: &ConvexPolyhedron) -> Self {
         if self.a.dimension() + self.b.dimension() <= 2 {
             return self;
         }
@@ -78,7 +78,7 @@ impl ConvexPolyhedron {
         match feature {
             Feature::Vertex(v) => v.0,
             Feature::Edge(e) => self.topology.half_edge(e.0).to,
-            Feature::Face(f) => self.topology.half_edge(self.topology.rim_start(f.0)).to,
+            Feature::Face(f) => self.topology.half_edge(self.topology.rim_half_edge(f.0)).to,
         }
     }
 }

@@ -163,7 +163,7 @@ impl<U: Upward> PartialOrd for Slope<'_, U> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use lab::rng::Rng;
+    use crate::rng::Rng;
 
     #[test]
     fn slopes_compare_exactly() {

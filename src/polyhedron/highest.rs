@@ -82,7 +82,7 @@ impl ConvexPolyhedron {
             [Some(g), Some(h)] => {
                 // Two level edges are adjacent in the fan, with a face between them.
                 let h = if next(g) == h { g } else { h };
-                Err(t.from(t.rim_start(t.half_edge(h).face)))
+                Err(t.from(t.rim_half_edge(t.half_edge(h).face)))
             }
             [Some(h), _] => Err(v.min(to(h))),
             _ => Err(v),
@@ -125,10 +125,10 @@ mod tests {
     use super::*;
     use crate::num::sign::exact_dot;
     use crate::polyhedron::heights::Direction;
+    use crate::rng::Rng;
     use alloc::vec::Vec;
     use core::cell::Cell;
     use core::f64::consts::TAU;
-    use lab::rng::Rng;
     use nalgebra::{Point3, UnitQuaternion, Vector3};
 
     /// Prisms, turned or not (rounding breaks the lids of a turned prism into thousands of faces),

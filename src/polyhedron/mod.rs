@@ -5,7 +5,7 @@
 //! polygon, segment, point: `flat`; `rebuild`, `persist`); support vertices, each file on the files
 //! before: `axis` (of a fan), `heights` (exact comparison), `unimodal` (bisection), `fans`
 //! (vertices of many edges), `highest` (exact), `support` (hill climbing and cube map); `access`,
-//! `bounds`, `query`, `mass`, `feature_pair`, [`solids`].
+//! `bounds`, `query`, `mass`, `transform`, `feature_pair`, [`solids`].
 //!
 //! # Stored coordinates
 //!
@@ -19,6 +19,7 @@ mod access;
 pub(crate) mod axis;
 mod bounds;
 pub(crate) mod build;
+mod check;
 pub(crate) mod fans;
 pub mod feature;
 mod feature_pair;
@@ -30,6 +31,7 @@ mod query;
 pub mod solids;
 pub(crate) mod support;
 pub(crate) mod topology;
+mod transform;
 pub(crate) mod unimodal;
 
 use alloc::vec::Vec;
@@ -101,7 +103,7 @@ pub struct ConvexPolyhedron {
     /// Whether the ellipsoid of `covariance3` is far from a ball.
     pub(crate) is_flat: bool,
     /// Whether the body has face boundaries or fans so long that walks jump along them.
-    pub(crate) has_bands: bool,
+    pub(crate) has_large_rings: bool,
     /// Least corner of the bounding box, in stored coordinates; `high` is the greatest.
     pub(crate) low: Vector3<f64>,
     pub(crate) high: Vector3<f64>,

@@ -207,7 +207,7 @@ mod tests {
             bodies.push(solids::random_hull(40, Vector3::new(1.0, z, z), seed as u64).unwrap());
         }
         bodies.push(solids::prism(100, 3.0, 0.1).unwrap());
-        bodies.push(solids::cone(64, 1.0, 1e-9).unwrap());
+        bodies.push(solids::cone(64, 1.0, 5e-10).unwrap());
         bodies.push(solids::dodecahedron(2.0).unwrap());
         for body in &bodies {
             for plane in &body.planes {

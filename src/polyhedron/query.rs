@@ -55,7 +55,7 @@ impl ConvexPolyhedron {
     /// Returns whether an exactly flat polygon holds a point.
     fn polygon_contains(&self, p: &Vector3<f64>) -> bool {
         let at = |h: u32| &self.points[self.topology.from(h) as usize];
-        let start = self.topology.rim_start(0);
+        let start = self.topology.rim_half_edge(0);
         let second = self.topology.half_edge(start).next;
         let third = self.topology.half_edge(second).next;
         let corners = [at(start), at(second), at(third)];
@@ -126,7 +126,7 @@ impl ConvexPolyhedron {
     /// side.
     fn foot_on_face(&self, f: u32, p: &Vector3<f64>) -> Option<Vector3<f64>> {
         let n = self.planes[f as usize].normal;
-        let a = self.points[self.topology.from(self.topology.rim_start(f)) as usize];
+        let a = self.points[self.topology.from(self.topology.rim_half_edge(f)) as usize];
         let height = n.dot(&(p - a));
         let inside = self.topology.rim(f).all(|h| {
             let e = self.topology.half_edge(h);

@@ -1,4 +1,5 @@
-//! Common solids, centred on the origin unless their documentation states another position.
+//! Common solids about the origin. Sizes are half sizes throughout: half extents along x, y and z,
+//! half heights along z, and radii. [`Shape`](crate::Shape) has the same convention.
 //!
 //! Sines and cosines come from `libm`, so that every target builds identical bits.
 
@@ -14,7 +15,7 @@ use crate::tolerance::{EXTENT_MAX, EXTENT_MIN};
 const COUNT_MAX: usize = 1 << 24;
 
 /// Largest number of subdivisions of a geodesic sphere: 2.6 million vertices.
-const SUBDIVISIONS_MAX: u32 = 9;
+const SUBDIVISIONS_MAX: usize = 9;
 
 fn size(what: &'static str, value: f64) -> Result<f64, BuildError> {
     if (EXTENT_MIN..=EXTENT_MAX).contains(&value) {
@@ -24,13 +25,15 @@ fn size(what: &'static str, value: f64) -> Result<f64, BuildError> {
     }
 }
 
-fn count(what: &'static str, value: usize, least: usize) -> Result<usize, BuildError> {
-    if (least..=COUNT_MAX).contains(&value) {
-        Ok(value)
+fn check_count(what: &'static str, count: usize, least: usize, most: usize) -> Result<(), BuildError> {
+    if (least..=most).contains(&count) {
+        Ok(())
     } else {
-        Err(BuildError::BadSize {
+        Err(BuildError::BadCount {
             what,
-            value: value as f64,
+            count,
+            least,
+            most,
         })
     }
 }
@@ -59,15 +62,15 @@ fn circle(n: usize, radius: f64, z: f64) -> impl Iterator<Item = Point3<f64>> {
     })
 }
 
-/// Returns a prism along z over a regular polygon of `n` vertices at distance `radius` from the
-/// axis, the first on the x axis.
+/// Returns a prism along z, from `-half_height` to `half_height`, over a regular polygon of `n`
+/// vertices at distance `radius` from the axis, the first in the direction of x.
 ///
 /// # Errors
 ///
 /// Fewer than three vertices, or a size outside 1e-100..1e100.
 #[doc(alias = "cylinder")]
 pub fn prism(n: usize, radius: f64, half_height: f64) -> Result<ConvexPolyhedron, BuildError> {
-    count("number of corners", n, 3)?;
+    check_count("vertices around the axis", n, 3, COUNT_MAX)?;
     let (radius, half_height) = (size("radius", radius)?, size("half height", half_height)?);
     let points: Vec<_> = circle(n, radius, -half_height)
         .chain(circle(n, radius, half_height))
@@ -75,17 +78,18 @@ pub fn prism(n: usize, radius: f64, half_height: f64) -> Result<ConvexPolyhedron
     ConvexPolyhedron::from_points(&points)
 }
 
-/// Returns a pyramid over a regular polygon of `n` vertices in the plane z = 0, with its apex at z
-/// = `height`.
+/// Returns a pyramid over a regular polygon of `n` vertices in the plane `z = -half_height`, with
+/// its apex at `z = half_height`.
 ///
 /// # Errors
 ///
 /// Fewer than three vertices, or a size outside 1e-100..1e100.
 #[doc(alias = "pyramid")]
-pub fn cone(n: usize, radius: f64, height: f64) -> Result<ConvexPolyhedron, BuildError> {
-    count("number of corners", n, 3)?;
-    let (radius, height) = (size("radius", radius)?, size("height", height)?);
-    let points: Vec<_> = circle(n, radius, 0.0).chain([Point3::new(0.0, 0.0, height)]).collect();
+pub fn cone(n: usize, radius: f64, half_height: f64) -> Result<ConvexPolyhedron, BuildError> {
+    check_count("vertices around the axis", n, 3, COUNT_MAX)?;
+    let (radius, half_height) = (size("radius", radius)?, size("half height", half_height)?);
+    let apex = Point3::new(0.0, 0.0, half_height);
+    let points: Vec<_> = circle(n, radius, -half_height).chain([apex]).collect();
     ConvexPolyhedron::from_points(&points)
 }
 
@@ -182,12 +186,7 @@ pub fn dodecahedron(radius: f64) -> Result<ConvexPolyhedron, BuildError> {
 #[doc(alias = "icosphere")]
 pub fn geodesic_sphere(subdivisions: u32, radius: f64) -> Result<ConvexPolyhedron, BuildError> {
     let radius = size("radius", radius)?;
-    if subdivisions > SUBDIVISIONS_MAX {
-        return Err(BuildError::BadSize {
-            what: "number of subdivisions",
-            value: subdivisions as f64,
-        });
-    }
+    check_count("subdivisions", subdivisions as usize, 0, SUBDIVISIONS_MAX)?;
     let mut points: Vec<Vector3<f64>> = icosahedron_points(1.0).iter().map(|p| p.coords).collect();
     let icosahedron = ConvexPolyhedron::from_points(&icosahedron_points(1.0))?;
     let corner = |v| icosahedron.source_vertex(v).unwrap_or(0) as u32;
@@ -230,7 +229,7 @@ fn divide(triangles: &[[u32; 3]], points: &mut Vec<Vector3<f64>>) -> Vec<[u32; 3
 ///
 /// Fewer than four points, or a semi-axis outside 1e-100..1e100.
 pub fn random_hull(n: usize, semi_axes: Vector3<f64>, seed: u64) -> Result<ConvexPolyhedron, BuildError> {
-    count("number of points", n, 4)?;
+    check_count("points", n, 4, COUNT_MAX)?;
     for x in semi_axes.iter() {
         size("semi-axis", *x)?;
     }

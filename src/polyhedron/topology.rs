@@ -299,7 +299,7 @@ impl Topology {
 
     /// Returns one half-edge of the rim of `f`.
     #[inline]
-    pub(crate) fn rim_start(&self, f: u32) -> u32 {
+    pub(crate) fn rim_half_edge(&self, f: u32) -> u32 {
         self.rim[f as usize]
     }
 

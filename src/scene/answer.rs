@@ -29,8 +29,13 @@ pub struct PairAnswer<'a> {
     /// Signed distance; `None` also for bodies farther apart than the range called for.
     pub distance: Option<Distance>,
     /// Features, witnesses and normal; `None` also for bodies farther apart than the range called
-    /// for.
+    /// for. Features of a composite are those of the piece. Features of a mesh have the caller's
+    /// numbers: a vertex that of the point, a face that of the triangle, an edge that of the point
+    /// at which the edge of the triangle begins.
     pub outcome: Option<&'a Outcome>,
+    /// The piece of a composite, or the triangle of a mesh, to which the features of `a` and of `b`
+    /// belong, by the caller's order; zero for a convex shape.
+    pub pieces: Option<[u32; 2]>,
     /// Contact points; `None` also for bodies farther apart than the prediction.
     pub manifold: Option<&'a Manifold>,
 }
@@ -87,6 +92,7 @@ impl Scene {
             within: None,
             distance: None,
             outcome: None,
+            pieces: None,
             manifold: None,
         };
         if let Some(seen) = self.pair_tables.get(pair.id.slot) {
@@ -94,6 +100,7 @@ impl Scene {
             answer.overlaps = (plan.overlap && seen.header.state.known).then_some(seen.header.state.overlaps);
             answer.within = (plan.within != NEVER && seen.header.state.known).then_some(seen.header.state.within);
             (answer.distance, answer.outcome, answer.manifold) = (seen.distance, seen.outcome, seen.manifold);
+            answer.pieces = seen.outcome.map(|_| seen.pieces);
         }
         answer
     }

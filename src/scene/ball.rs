@@ -2,6 +2,7 @@
 
 use nalgebra::{Isometry3, Point3, Vector3};
 
+use super::body_shape::BodyShape;
 use crate::num::scalar::sqrt;
 use crate::polyhedron::ConvexPolyhedron;
 use crate::tolerance::{CENTRE, LEAST_SQUARE, RADIUS_UP, ROUND_DOWN, ROUND_UP};
@@ -23,16 +24,16 @@ impl Ball {
 
     /// Returns a ball that contains a shape, in the frame of the shape: about the frame's origin,
     /// if this ball is nearly as small as the ball about the middle of the box.
-    pub(super) fn about(shape: &ConvexPolyhedron) -> Self {
+    pub(super) fn about(shape: &BodyShape) -> Self {
         let (centre, radius) = shape.bounding_ball();
-        // Scaled, so that squares stay in range.
-        let size = shape.vertex_points().fold(0.0, |m: f64, p| m.max(p.coords.amax()));
-        let square = |p: Point3<f64>| (p.coords / size).norm_squared();
-        let own = size * sqrt(shape.vertex_points().map(square).fold(0.0, f64::max)) * RADIUS_UP;
-        if own <= 1.25 * radius || size == 0.0 {
+        let own = match shape {
+            BodyShape::Polyhedron(body) => about_origin(body),
+            _ => (sqrt(centre.coords.norm_squared()) + radius) * RADIUS_UP,
+        };
+        if own <= 1.25 * radius || own == 0.0 {
             return Self {
                 centre: Vector3::zeros(),
-                radius: if size == 0.0 { 0.0 } else { own },
+                radius: own,
             };
         }
         Self {
@@ -67,6 +68,17 @@ impl Ball {
             CENTRE * (sum(&self.centre) + sum(t))
         }
     }
+}
+
+/// Returns the radius of the ball about the origin that contains a body.
+fn about_origin(body: &ConvexPolyhedron) -> f64 {
+    // Scaled, so that squares stay in range.
+    let size = body.vertex_points().fold(0.0, |m: f64, p| m.max(p.coords.amax()));
+    if size == 0.0 {
+        return 0.0;
+    }
+    let square = |p: Point3<f64>| (p.coords / size).norm_squared();
+    size * sqrt(body.vertex_points().map(square).fold(0.0, f64::max)) * RADIUS_UP
 }
 
 /// Returns a lower bound of the distance of the contents of two balls; may be negative.

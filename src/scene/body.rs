@@ -1,23 +1,23 @@
 //! The bodies of a scene: shapes, poses, groups, and everything about a body that the stages of a
 //! step read, table by table.
 
-use alloc::sync::Arc;
 use alloc::vec::Vec;
 
 use nalgebra::Isometry3;
 
 use super::ball::Ball;
+use super::body_shape::BodyShape;
 use super::budget::Travel;
 use super::effects::Group;
+use super::kinds::Member;
+use super::moving::{Moving, Sweep, Ticks};
 use super::{BodyId, SceneError};
+use crate::broad::slots::Slots;
 use crate::broad::{self, Aabb};
 use crate::motion::{Velocity, displacement};
-use crate::polyhedron::{BoxHint, ConvexPolyhedron};
+use crate::polyhedron::BoxHint;
 use crate::pose::{PoseError, RelativePose};
 use crate::tolerance::{ROUND_UP, SCENE_REACH};
-
-/// From this generation on an index is never reused.
-pub(super) const RETIRED: u32 = u32::MAX - 1;
 
 /// A body to insert: a shape, which may be shared by many bodies, a group, and whether the body is
 /// fixed.
@@ -25,26 +25,32 @@ pub(super) const RETIRED: u32 = u32::MAX - 1;
 #[non_exhaustive]
 pub struct Body {
     /// The shape, in the body's own frame.
-    pub shape: Arc<ConvexPolyhedron>,
+    pub shape: BodyShape,
     /// The group of the body; group 0 by default.
     pub group: Group,
     /// Two fixed bodies are never paired. A fixed body may be set to another pose but has no
     /// velocity.
     pub fixed: bool,
+    /// A number of the caller's, for instance an index into a table of names; 0 by default. The
+    /// scene stores the number and never reads it.
+    pub user_data: u64,
 }
 
 impl Body {
-    /// Returns a body that moves.
-    pub fn moving(shape: impl Into<Arc<ConvexPolyhedron>>) -> Self {
+    /// Returns a body that moves. The shape is a [`ConvexPolyhedron`](crate::ConvexPolyhedron), a
+    /// [`Shape`](crate::Shape), a [`Composite`](crate::Composite), a [`Mesh`](crate::Mesh), or an
+    /// `Arc` of one of these.
+    pub fn moving(shape: impl Into<BodyShape>) -> Self {
         Self {
             shape: shape.into(),
             group: Group::default(),
             fixed: false,
+            user_data: 0,
         }
     }
 
     /// Returns a body at rest; two such bodies are never paired.
-    pub fn fixed(shape: impl Into<Arc<ConvexPolyhedron>>) -> Self {
+    pub fn fixed(shape: impl Into<BodyShape>) -> Self {
         Self {
             fixed: true,
             ..Self::moving(shape)
@@ -56,23 +62,36 @@ impl Body {
     pub fn group(self, group: Group) -> Self {
         Self { group, ..self }
     }
+
+    /// Returns the body with the caller's number.
+    #[must_use]
+    pub fn user_data(self, user_data: u64) -> Self {
+        Self { user_data, ..self }
+    }
 }
 
 /// The shape of a body in a scene, with derived values.
 #[derive(Clone, Debug)]
 pub(super) struct Solid {
-    pub(super) shape: Arc<ConvexPolyhedron>,
+    pub(super) shape: BodyShape,
     ball: Ball,
     pub(super) group: Group,
     pub(super) fixed: bool,
     /// Whether the broad phase has a box of the body: none if the range of the body is infinite.
     pub(super) boxed: bool,
+    pub(super) user_data: u64,
 }
 
 impl Solid {
     /// Returns the solid of a body. Refuses shapes that no pose puts within a scene.
     pub(super) fn new(body: Body) -> Result<Self, SceneError> {
-        let reach = body.shape.vertex_points().fold(0.0, |m: f64, p| m.max(p.coords.amax()));
+        let reach = match &body.shape {
+            BodyShape::Polyhedron(shape) => shape.vertex_points().fold(0.0, |m: f64, p| m.max(p.coords.amax())),
+            other => {
+                let (centre, radius) = other.bounding_ball();
+                centre.coords.amax() + radius
+            }
+        };
         if !(reach <= SCENE_REACH) {
             return Err(SceneError::TooLarge { reach });
         }
@@ -82,7 +101,28 @@ impl Solid {
             group: body.group,
             fixed: body.fixed,
             boxed: true,
+            user_data: body.user_data,
         })
+    }
+
+    /// Returns an upper bound of the distance of any point from the body's own origin.
+    pub(super) fn reach(&self) -> f64 {
+        self.ball.centre.norm() * ROUND_UP + self.ball.radius
+    }
+
+    /// Returns an upper bound of the displacement of any point between two poses; `from` is the
+    /// ball at the first pose.
+    #[inline]
+    fn displacement(&self, from: &Ball, old: &Isometry3<f64>, new: &Isometry3<f64>) -> f64 {
+        let shift = self.ball.at(new).centre - from.centre;
+        displacement(&shift, self.ball.radius, &old.rotation, &new.rotation)
+            + self.ball.error(&old.translation.vector)
+            + self.ball.error(&new.translation.vector)
+    }
+
+    /// Returns the key under which the body is counted.
+    pub(super) fn member(&self) -> Member {
+        (self.group, self.shape.kind(), self.fixed)
     }
 }
 
@@ -90,10 +130,7 @@ impl Solid {
 /// than the step after the removal of its body.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Bodies {
-    pub(super) generations: Vec<u32>,
-    pub(super) free: Vec<u32>,
-    /// Bodies removed since the last step.
-    pub(super) leaving: Vec<u32>,
+    pub(super) slots: Slots,
     pub(super) solids: Vec<Option<Solid>>,
     pub(super) poses: Vec<Isometry3<f64>>,
     /// Bounding balls at the current poses.
@@ -104,8 +141,15 @@ pub(super) struct Bodies {
     /// proxy.
     pub(super) proxies: Vec<broad::BodyId>,
     pub(super) body_of_proxy: Vec<u32>,
-    /// Velocities of the bodies; empty until a first velocity is set.
-    pub(super) velocities: Vec<Velocity>,
+    /// Motions of the bodies; empty until a first velocity is set.
+    pub(super) moving: Vec<Moving>,
+    /// Sweeps of the step being prepared; empty until a scene that calls for impacts is advanced.
+    pub(super) sweeps: Vec<Option<Sweep>>,
+    /// Bodies that have a sweep.
+    pub(super) swept: Vec<u32>,
+    /// Bodies whose boxes hold the sweep of the last step.
+    pub(super) wide: Vec<u32>,
+    pub(super) ticks: Ticks,
     /// Bodies whose boxes must be renewed, each listed once.
     pub(super) due: Vec<u32>,
     /// Number of the step being prepared.
@@ -114,21 +158,16 @@ pub(super) struct Bodies {
 
 impl Bodies {
     pub(super) fn len(&self) -> usize {
-        self.generations.len() - self.free.len() - self.leaving.len()
+        self.slots.len()
     }
 
     pub(super) fn index_of(&self, id: BodyId) -> Result<usize, SceneError> {
-        let i = id.index as usize;
-        if id.generation % 2 == 1 && self.generations.get(i) == Some(&id.generation) {
-            Ok(i)
-        } else {
-            Err(SceneError::StaleBody { body: id })
-        }
+        self.slots.index_of(id).ok_or(SceneError::StaleBody { body: id })
     }
 
     #[inline]
     pub(super) fn lives(&self, i: usize) -> bool {
-        self.generations[i] % 2 == 1
+        self.slots.lives(i as u32)
     }
 
     /// Returns the group of the body at an index, or of the last body there until the next step.
@@ -139,63 +178,54 @@ impl Bodies {
     /// Returns the id under which the body at an index lives, or last lived until the next step.
     #[inline]
     pub(super) fn id(&self, index: u32) -> BodyId {
-        let generation = self.generations[index as usize];
-        BodyId {
-            index,
-            generation: generation - u32::from(generation.is_multiple_of(2)),
-        }
+        self.slots.id(index)
     }
 
     pub(super) fn ids(&self) -> impl Iterator<Item = BodyId> + '_ {
-        let living = self.generations.iter().enumerate().filter(|(_, g)| **g % 2 == 1);
-        living.map(|(i, g)| BodyId {
-            index: i as u32,
-            generation: *g,
-        })
+        self.slots.ids()
     }
 
     /// Appends a body that already has a proxy in the broad phase.
     pub(super) fn insert(&mut self, solid: Solid, pose: Isometry3<f64>, proxy: broad::BodyId, hint: BoxHint) -> BodyId {
-        let index = self.free.pop().unwrap_or(self.generations.len() as u32);
+        // The broad phase has refused a body beyond the last index.
+        let index = self.slots.vacant(usize::MAX).unwrap_or(u32::MAX);
         let i = index as usize;
-        if i == self.generations.len() {
+        if i == self.poses.len() {
             self.make_room();
-            self.generations.push(0);
             self.solids.push(None);
             self.poses.push(pose);
             self.balls.push(solid.ball);
             self.travels.push(Travel::default());
             self.hints.push(hint);
             self.proxies.push(proxy);
-            if !self.velocities.is_empty() {
-                self.velocities.push(Velocity::default());
+            if !self.moving.is_empty() {
+                self.moving.push(Moving::default());
+            }
+            if !self.sweeps.is_empty() {
+                self.sweeps.push(None);
             }
         }
-        self.generations[i] += 1;
+        let id = self.slots.begin(index);
         self.poses[i] = pose;
         self.balls[i] = solid.ball.at(&pose);
         self.travels[i] = Travel::moved_in(self.step);
         self.hints[i] = hint;
-        if let Some(velocity) = self.velocities.get_mut(i) {
-            *velocity = Velocity::default();
-        }
+        self.stop(i);
         self.solids[i] = Some(solid);
         self.set_proxy(index, proxy);
-        self.id(index)
+        id
     }
 
     /// Appends a row as read from a file.
     #[cfg(feature = "serde")]
     pub(super) fn restore(
         &mut self,
-        generation: u32,
         solid: Option<Solid>,
         pose: Isometry3<f64>,
         travel: Travel,
         hint: BoxHint,
         proxy: broad::BodyId,
     ) {
-        self.generations.push(generation);
         self.balls.push(solid.as_ref().map_or(Ball::NONE, |s| s.ball.at(&pose)));
         self.solids.push(solid);
         self.poses.push(pose);
@@ -207,9 +237,8 @@ impl Bodies {
     /// Reserves memory for an eighth more bodies, instead of doubling: these tables are most of the
     /// memory of a scene.
     fn make_room(&mut self) {
-        let more = self.generations.len() / 8 + 16;
-        if self.generations.len() == self.generations.capacity() {
-            self.generations.reserve_exact(more);
+        let more = self.poses.len() / 8 + 16;
+        if self.poses.len() == self.poses.capacity() {
             self.solids.reserve_exact(more);
             self.poses.reserve_exact(more);
             self.balls.reserve_exact(more);
@@ -231,10 +260,39 @@ impl Bodies {
 
     /// Makes the id stale at once; the index is kept until the step is over.
     pub(super) fn remove(&mut self, index: usize) {
-        self.generations[index] += 1;
-        self.leaving.push(index as u32);
-        if let Some(velocity) = self.velocities.get_mut(index) {
-            *velocity = Velocity::default();
+        self.slots.remove(index as u32);
+        self.stop(index);
+    }
+
+    /// Returns the velocity of a body: zero unless set.
+    pub(super) fn velocity(&self, i: usize) -> Velocity {
+        self.moving.get(i).map_or_else(Velocity::default, |m| m.velocity)
+    }
+
+    /// Sets the velocity of a body.
+    pub(super) fn set_velocity(&mut self, i: usize, velocity: Velocity) {
+        self.moving.resize(self.poses.len(), Moving::default());
+        if self.moving[i].velocity != velocity {
+            self.moving[i].velocity = velocity;
+            self.disturb(i);
+        }
+    }
+
+    /// Sets the velocity of a body that comes or goes to zero.
+    fn stop(&mut self, i: usize) {
+        if let Some(moving) = self.moving.get_mut(i) {
+            *moving = Moving::default();
+        }
+        self.disturb(i);
+        if let Some(sweep) = self.sweeps.get_mut(i) {
+            *sweep = None;
+        }
+    }
+
+    /// Notes that the motion of a body changes in the step being prepared.
+    fn disturb(&mut self, i: usize) {
+        if let Some(moving) = self.moving.get_mut(i) {
+            moving.disturb(self.step, self.ticks.is_pending);
         }
     }
 
@@ -245,15 +303,45 @@ impl Bodies {
         if self.poses[i] == *pose {
             return;
         }
-        let (from, to) = (self.balls[i], solid.ball.at(pose));
-        let shift = to.centre - from.centre;
-        let (old, new) = (&self.poses[i], pose);
-        let own = solid.ball.radius;
-        let way = displacement(&shift, own, &old.rotation, &new.rotation)
-            + solid.ball.error(&old.translation.vector)
-            + solid.ball.error(&new.translation.vector);
+        let way = solid.displacement(&self.balls[i], &self.poses[i], pose);
+        if !self.moving.is_empty() {
+            self.disturb(i);
+            self.keep_start(i);
+        }
+        self.shift(i, pose, way);
+    }
+
+    /// Moves a body by a tick.
+    pub(super) fn advance(&mut self, i: usize, pose: &Isometry3<f64>, sweep: Option<Sweep>) {
+        let Some(solid) = &self.solids[i] else { return };
+        let way = solid.displacement(&self.balls[i], &self.poses[i], pose);
+        // A point may go out and come back within a sweep.
+        let farthest = sweep.map_or(way, |s| way.max(s.displacement(solid.reach(), self.ticks.length.abs())));
+        if sweep.is_some() {
+            self.sweeps[i] = sweep;
+            self.swept.push(i as u32);
+        }
+        self.shift(i, pose, farthest);
+    }
+
+    /// Notes the pose of a body that is moved after the tick of the step and not by the tick.
+    fn keep_start(&mut self, i: usize) {
+        if self.ticks.is_pending
+            && let Some(sweep @ None) = self.sweeps.get_mut(i)
+        {
+            *sweep = Some(Sweep {
+                from: self.poses[i],
+                velocity: Velocity::default(),
+            });
+            self.swept.push(i as u32);
+        }
+    }
+
+    #[inline]
+    fn shift(&mut self, i: usize, pose: &Isometry3<f64>, way: f64) {
+        let Some(solid) = &self.solids[i] else { return };
         self.travels[i].add(way, self.step);
-        self.balls[i] = to;
+        self.balls[i] = solid.ball.at(pose);
         self.poses[i] = *pose;
         self.mark_due(i);
     }
@@ -268,34 +356,50 @@ impl Bodies {
 
     /// Ends the step: indices of removed bodies become free.
     pub(super) fn end_step(&mut self) {
-        for index in self.leaving.drain(..) {
-            self.solids[index as usize] = None;
-            // An index whose generations are used up is retired.
-            if self.generations[index as usize] < RETIRED {
-                self.free.push(index);
-            }
-        }
+        let solids = &mut self.solids;
+        self.slots.end_step(|index| solids[index] = None);
         self.due.clear();
         self.step = self.step.wrapping_add(1);
+        self.ticks.end_step();
+        self.wide.clear();
+        for index in self.swept.drain(..) {
+            self.sweeps[index as usize] = None;
+            self.wide.push(index);
+        }
+    }
+
+    /// Marks the boxes that hold a sweep of the last step as due.
+    pub(super) fn narrow(&mut self) {
+        for k in 0..self.wide.len() {
+            let i = self.wide[k] as usize;
+            if self.lives(i) {
+                self.mark_due(i);
+            }
+        }
+    }
+
+    /// Returns the motion of a body over the tick of the step being prepared.
+    pub(super) fn sweep(&self, i: usize) -> Sweep {
+        let sweep = self.sweeps.get(i).copied().flatten();
+        sweep.unwrap_or_else(|| Sweep {
+            from: self.poses[i],
+            velocity: Velocity::default(),
+        })
     }
 
     /// Returns the bytes reserved, without the shapes, which may be shared.
     pub(super) fn bytes(&self) -> usize {
-        let words = [
-            &self.generations,
-            &self.free,
-            &self.leaving,
-            &self.body_of_proxy,
-            &self.due,
-        ];
+        let words = [&self.body_of_proxy, &self.due, &self.swept, &self.wide];
         words.iter().map(|list| list.capacity() * 4).sum::<usize>()
+            + self.slots.bytes()
             + self.solids.capacity() * size_of::<Option<Solid>>()
             + self.poses.capacity() * size_of::<Isometry3<f64>>()
             + self.balls.capacity() * size_of::<Ball>()
             + self.travels.capacity() * size_of::<Travel>()
             + self.hints.capacity() * size_of::<BoxHint>()
             + self.proxies.capacity() * size_of::<broad::BodyId>()
-            + self.velocities.capacity() * size_of::<Velocity>()
+            + self.moving.capacity() * size_of::<Moving>()
+            + self.sweeps.capacity() * size_of::<Option<Sweep>>()
     }
 }
 
@@ -333,9 +437,22 @@ fn as_only(error: PoseError) -> PoseError {
     }
 }
 
+/// Returns the box of a body over the tick of the step being prepared, and at the pose after that,
+/// grown on every side.
+pub(super) fn swept_box(bodies: &Bodies, i: usize, sweep: &Sweep, growth: f64, hint: &mut BoxHint) -> Option<Aabb> {
+    let solid = bodies.solids[i].as_ref()?;
+    let time = bodies.ticks.length.abs();
+    let poses = [sweep.from, sweep.velocity.applied(&sweep.from, time), bodies.poses[i]];
+    let [first, second, third] = poses.map(|pose| solid.shape.aabb_at(&pose, hint));
+    let low = first.0.inf(&second.0).inf(&third.0);
+    let high = first.1.sup(&second.1).sup(&third.1);
+    let growth = growth + sweep.bulge(solid.reach(), time);
+    Some(Aabb::new(low, high).grown(growth * ROUND_UP))
+}
+
 /// Returns the box of a posed body, grown on every side.
 #[inline]
-pub(super) fn box_of(shape: &ConvexPolyhedron, pose: &Isometry3<f64>, growth: f64, hint: &mut BoxHint) -> Aabb {
+pub(super) fn box_of(shape: &BodyShape, pose: &Isometry3<f64>, growth: f64, hint: &mut BoxHint) -> Aabb {
     let (min, max) = shape.aabb_at(pose, hint);
     // Rounded up, so that the two growths of a pair add up to at least the reach.
     Aabb::new(min, max).grown(growth * ROUND_UP)

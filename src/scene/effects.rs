@@ -5,6 +5,7 @@ use alloc::boxed::Box;
 
 use super::SceneError;
 use crate::contact::ManifoldOptions;
+use crate::impact::Tolerance;
 use crate::pair::outcome::Until;
 use crate::tolerance::SCENE_REACH;
 
@@ -74,7 +75,7 @@ impl From<Group> for u8 {
 /// |---|---|---|---|
 /// | nothing | [`none`](Self::none) | the bodies are never paired | nothing |
 /// | boxes | `boxes` | boxes begin and cease to overlap | a slot |
-/// | predicates | `overlap`, `within` | an exact yes or no, or the budget | a tracker |
+/// | predicates | `overlap`, `within`, `impact` | an exact yes or no, or the budget | a tracker |
 /// | distance | `distance`, `depth` | the signed distance and its bounds | the distance as well |
 /// | features | `features` | features, witnesses and normal as well | the outcome as well |
 /// | manifold | `manifold` | contact points as well | a manifold as well, within its prediction |
@@ -87,7 +88,8 @@ impl From<Group> for u8 {
 /// use lin_canny::scene::Effects;
 ///
 /// let near = Effects { within: Some(0.05), ..Effects::none() };
-/// let full = Effects { distance: Some(f64::INFINITY), features: true, depth: true, ..near };
+/// let all = Some(f64::INFINITY);
+/// let full = Effects { distance: all, features: true, depth: true, ..near };
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -115,6 +117,10 @@ pub struct Effects {
     /// The contact points of bodies within the prediction of these options, including the effects
     /// of `features` and `depth`. Boxes grow by the prediction.
     pub manifold: Option<ManifoldOptions>,
+    /// Continuous detection: when two bodies that [`Scene::advance`](super::Scene::advance) moves
+    /// first meet between two steps, however fast and thin they are, in a bracket of this width:
+    /// [`Scene::impacts`](super::Scene::impacts). Boxes of both groups hold the whole sweep.
+    pub impact: Option<Tolerance>,
 }
 
 impl Effects {
@@ -129,6 +135,7 @@ impl Effects {
             features: false,
             depth: false,
             manifold: None,
+            impact: None,
         }
     }
 
@@ -145,6 +152,11 @@ impl Effects {
         {
             return Err(SceneError::ManifoldOptions);
         }
+        if let Some(Tolerance::Distance(size) | Tolerance::Time(size)) = self.impact
+            && !finite(size)
+        {
+            return refused(size);
+        }
         match (self.within, self.distance) {
             (Some(d), _) if !finite(d) => refused(d),
             (_, Some(d)) if !(finite(d) || d == f64::INFINITY) => refused(d),
@@ -156,8 +168,9 @@ impl Effects {
         let measured = self.distance.is_some() || self.features || self.depth;
         let range = self.distance.or_else(|| measured.then(|| self.within.unwrap_or(0.0)));
         let within = self.within.unwrap_or(NEVER);
-        let predicates = self.overlap || self.within.is_some();
-        let least = if self.overlap { 0.0 } else { NEVER };
+        let at_contact = self.overlap || self.impact.is_some();
+        let predicates = at_contact || self.within.is_some();
+        let least = if at_contact { 0.0 } else { NEVER };
         let detail = match (self.features, measured, predicates, self.boxes) {
             _ if self.manifold.is_some() => Detail::Manifold,
             (true, ..) => Detail::Features,
@@ -176,6 +189,7 @@ impl Effects {
             range,
             until: Until::depth_if(self.depth || self.manifold.is_some()),
             manifold: self.manifold,
+            impact: self.impact,
             reach: least.max(within).max(range),
         }
     }
@@ -209,6 +223,8 @@ pub(super) struct Plan {
     pub(super) until: Until,
     /// Options of the contact points, if called for.
     pub(super) manifold: Option<ManifoldOptions>,
+    /// Width of the brackets of impacts, if called for.
+    pub(super) impact: Option<Tolerance>,
     /// The largest of the thresholds: beyond this distance every answer is no.
     pub(super) reach: f64,
 }
@@ -226,6 +242,7 @@ pub(super) fn group_pair_of(g: Group, h: Group) -> GroupPair {
 pub(super) struct Table {
     effects: Box<[Effects]>,
     plans: Box<[Plan]>,
+    impacts: u32,
 }
 
 impl Default for Table {
@@ -234,6 +251,7 @@ impl Default for Table {
         Self {
             effects: alloc::vec![nothing; GROUPS * GROUPS].into(),
             plans: alloc::vec![nothing.resolved(); GROUPS * GROUPS].into(),
+            impacts: 0,
         }
     }
 }
@@ -244,7 +262,14 @@ impl Table {
         let class = usize::from(group_pair_of(g, h));
         self.effects[class] = effects;
         self.plans[class] = effects.resolved();
+        let calls = |g: &u8| (0..GROUPS as u8).any(|h| self.effects(Group(*g), Group(h)).impact.is_some());
+        self.impacts = (0..GROUPS as u8).filter(calls).fold(0, |mask, g| mask | 1 << g);
         Ok(())
+    }
+
+    /// Returns the groups with which an impact is called for, as bits.
+    pub(super) fn impact_groups(&self) -> u32 {
+        self.impacts
     }
 
     pub(super) fn effects(&self, g: Group, h: Group) -> Effects {

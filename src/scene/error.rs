@@ -1,6 +1,6 @@
 //! Refused calls of a scene, and their messages.
 
-use super::{BodyId, Group};
+use super::{BodyId, Group, ShapeKind};
 use crate::broad::BroadPhaseError;
 use crate::pose::PoseError;
 
@@ -48,6 +48,16 @@ pub enum SceneError {
     /// `sine`, `drift` or `choice` of the manifold options is NaN.
     #[error("sine, drift or choice of the manifold options is no number")]
     ManifoldOptions,
+    /// An effect is called for that two bodies of the scene cannot answer.
+    #[error("no {effect} is computed between a {these} and a {those}")]
+    Unanswered {
+        /// The name of the effect.
+        effect: &'static str,
+        /// The kind of the first shape.
+        these: ShapeKind,
+        /// The kind of the second shape.
+        those: ShapeKind,
+    },
     /// A velocity or a time is NaN or infinite.
     #[error("a velocity or a time is not finite")]
     Velocity,
@@ -63,12 +73,18 @@ pub enum SceneError {
     StepDue,
     /// The query is about two groups between which nothing is called for, so their boxes are not
     /// kept.
-    #[error("nothing is called for between {these} and {those}")]
+    #[error("nothing is called for between {these} and {those}: see Scene::call_for")]
     NotCalledFor {
         /// The first group.
         these: Group,
         /// The second group.
         those: Group,
+    },
+    /// The query is about a body of a group for which nothing is called for.
+    #[error("nothing is called for between {group} and any group: see Scene::call_for")]
+    GroupNotCalledFor {
+        /// The group of the body.
+        group: Group,
     },
     /// The origin of the scene's [`Settings`](crate::broad::Settings) is NaN or infinite: the scene
     /// can hold no body.

@@ -2,6 +2,7 @@
 
 use super::BodyId;
 use crate::broad::PairId;
+use crate::impact::Impact;
 
 /// A change of the state of a pair.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -49,6 +50,34 @@ pub struct Event {
     pub pair: PairId,
     /// The change of the pair.
     pub change: Change,
+}
+
+/// When two bodies first met in the last tick.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct PairImpact {
+    /// The body with the lower index: operand A of the impact.
+    pub a: BodyId,
+    /// The body with the higher index: operand B of the impact.
+    pub b: BodyId,
+    /// Id of the pair while the boxes overlap.
+    pub pair: PairId,
+    /// The bracket, in time after the begin of the tick: [`Impact::Hit`], or [`Impact::Near`] and
+    /// [`Impact::Unknown`] if the bodies are not proven to meet, nor to stay apart. The frames are
+    /// those of the bodies.
+    pub impact: Impact,
+}
+
+impl PairImpact {
+    /// Returns the time after the begin of the tick up to which the bodies are proven apart.
+    #[must_use]
+    pub fn safe(&self) -> f64 {
+        match self.impact {
+            Impact::Hit { safe, .. } | Impact::Near { safe, .. } | Impact::Unknown { safe } => safe,
+            _ => 0.0,
+        }
+    }
 }
 
 /// A change before the ids are known.

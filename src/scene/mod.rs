@@ -14,12 +14,15 @@
 //! let block = Arc::new(solids::cuboid(Vector3::new(0.5, 0.5, 0.5))?);
 //! let mut scene = Scene::new();
 //! scene.call_for(ROBOT, CELL, Effects { within: Some(0.05), ..Effects::none() })?;
-//! scene.insert(Body::fixed(block.clone()).group(CELL), Isometry3::translation(3.005, 0.0, 0.0))?;
-//! let arm = scene.insert(Body::moving(block).group(ROBOT), Isometry3::identity())?;
+//! let wall = Body::fixed(block.clone()).group(CELL);
+//! scene.insert(wall, Isometry3::translation(3.005, 0.0, 0.0))?;
+//! let arm = Body::moving(block).group(ROBOT);
+//! let arm = scene.insert(arm, Isometry3::identity())?;
 //!
 //! let mut came = None;
 //! for frame in 0..200 {
-//!     scene.set_pose(arm, Isometry3::translation(0.01 * f64::from(frame), 0.2, 0.0))?;
+//!     let x = 0.01 * f64::from(frame);
+//!     scene.set_pose(arm, Isometry3::translation(x, 0.2, 0.0))?;
 //!     scene.step();
 //!     if scene.events().iter().any(|e| e.change == Change::CameWithin) {
 //!         came = came.or(Some(frame));
@@ -44,7 +47,8 @@
 //!
 //! [`pairs`](Scene::pairs), [`pairs_of`](Scene::pairs_of) a body and [`events`](Scene::events)
 //! return the results, [`report`](Scene::report) returns the cost. Further queries that a step does
-//! not answer: [`pairs_within`](Scene::pairs_within), [`nearest`](Scene::nearest),
+//! not answer: [`closest_pair`](Scene::closest_pair) of two groups,
+//! [`pairs_within`](Scene::pairs_within), [`nearest`](Scene::nearest),
 //! [`first_contact`](Scene::first_contact).
 //!
 //! # The nearest pair of a robot and its cell
@@ -62,10 +66,13 @@
 //! const ROBOT: Group = Group::new(2).unwrap();
 //!
 //! let mut scene = Scene::new();
-//! let effects = Effects { distance: Some(0.5), features: true, depth: true, ..Effects::none() };
+//! let none = Effects::none();
+//! let effects =
+//!     Effects { distance: Some(0.5), features: true, depth: true, ..none };
 //! scene.call_for(ROBOT, CELL, effects)?;
 //! let post = solids::prism(24, 0.1, 1.0)?;
-//! scene.insert(Body::fixed(post).group(CELL), Isometry3::translation(1.0, 0.0, 0.0))?;
+//! let post = Body::fixed(post).group(CELL);
+//! scene.insert(post, Isometry3::translation(1.0, 0.0, 0.0))?;
 //! let link = solids::cuboid(Vector3::new(0.3, 0.05, 0.05))?;
 //! let pose = Isometry3::translation(0.4, 0.0, 0.2);
 //! let link = scene.insert(Body::moving(link).group(ROBOT), pose)?;
@@ -76,14 +83,15 @@
 //!     .min_by(|x, y| x.1.distance.total_cmp(&y.1.distance))
 //!     .expect("no farther apart than 0.5");
 //! assert!((nearest.distance - 0.2).abs() < 1e-3);
-//! let on_link = if pair.a == link { nearest.point_on_a } else { nearest.point_on_b };
+//! let on_link =
+//!     if pair.a == link { nearest.point_on_a } else { nearest.point_on_b };
 //! let in_world = scene.pose(link).unwrap() * on_link;
 //! assert!((in_world.x - 0.7).abs() < 1e-12);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Neighbouring links of an arm touch by design. There is no filter by single pairs: give each link
-//! a group of its own and call for effects between groups that are not neighbours.
+//! Adjacent links of an arm touch by design: [`ignore_pair`](Scene::ignore_pair) excludes single
+//! pairs, any number of them.
 //!
 //! # What it costs
 //!
@@ -101,30 +109,46 @@
 //!   not called for is counted as exactly zero, and takes no memory.
 //! * Equal calls give equal answers, events and counts bit for bit, with any number of threads
 //!   (feature `parallel`), and after a scene was written and read back (feature `serde`; only
-//!   [`Counts::swaps`], the work of sorted lists that are rebuilt then, may differ). The format
-//!   must keep every bit of an `f64`: with `serde_json` switch on the feature `float_roundtrip`.
+//!   [`Counts::swaps`], the work of sorted lists that are rebuilt then, may differ). Trackers of
+//!   composites and meshes are not written: distances of such a pair then agree within the bounds.
+//!   The format must keep every bit of an `f64`: with `serde_json` switch on the feature
+//!   `float_roundtrip`.
 //! * A refused call names the fault and changes nothing ([`SceneError`]).
 //!
 //! # Limits
 //!
 //! Coordinates, radii and ranges are at most 1e37. Pairs are found by boxes in `f32` about the
 //! origin of [`Settings`]: scenes far from this origin pair more bodies than they need. Groups are
-//! 32. Bodies are convex.
+//! 32.
+//!
+//! # Motion
+//!
+//! Bodies with velocities go on by [`advance`](Scene::advance), one tick between two steps. Pairs
+//! then sleep until the proof of their separation ends, and with the effect `impact` a step finds
+//! the [`impacts`](Scene::impacts) within the tick in the order of time.
 //!
 //! Source: Cohen, Lin, Manocha and Ponamgi 1995 (I-COLLIDE) join sweep and prune with one tracker a
 //! pair; Lin 1993 (section 5.4) asks that a simulation pay only for the effects called for.
 //! Departures: pairs are kept in one table per level of detail; the wake-up is bounded by
 //! displacement instead of by time.
 
+mod ahead;
 mod answer;
 mod ball;
 mod body;
+mod body_shape;
 pub mod budget;
+mod closest;
 mod effects;
 mod error;
 mod events;
+mod filter;
+mod kinds;
+mod mixed_tracker;
+mod moving;
 mod narrow_phase;
 mod pair_table;
+mod pair_tracker;
 #[cfg(feature = "parallel")]
 mod parallel;
 mod report;
@@ -140,16 +164,20 @@ use alloc::vec::Vec;
 use nalgebra::Isometry3;
 
 use crate::broad::{self, BroadPhase, Groups, PencilSweep};
-use crate::polyhedron::{BoxHint, ConvexPolyhedron};
+use crate::polyhedron::BoxHint;
 
 pub use crate::broad::{BodyId, PairId, Settings};
 pub use answer::PairAnswer;
 pub use body::Body;
 use body::{Bodies, Solid, box_of, checked};
+pub use body_shape::BodyShape;
 pub use effects::{Effects, Group};
 use effects::{GROUPS, Table};
 pub use error::SceneError;
-pub use events::{Change, Event};
+pub use events::{Change, Event, PairImpact};
+use filter::Ignored;
+use kinds::Census;
+pub use kinds::ShapeKind;
 use pair_table::PairTables;
 pub use report::{Bytes, Counts, Report, Times};
 pub use search::Near;
@@ -161,10 +189,13 @@ pub use search::Near;
 #[derive(Clone)]
 pub struct Scene {
     bodies: Bodies,
+    census: Census,
     table: Table,
     broad: PencilSweep,
     pair_tables: PairTables,
+    ignored: Ignored,
     events: Vec<Event>,
+    impacts: Vec<PairImpact>,
     report: Report,
     /// Groups whose effects changed since the last step, as bits.
     replanned: u32,
@@ -175,6 +206,7 @@ pub struct Scene {
     growths: [f64; GROUPS],
     partners: [u32; GROUPS],
     budget: bool,
+    schedule: bool,
     settings: Settings,
     /// Scratch buffer, kept for its capacity.
     batch: Vec<(broad::BodyId, broad::Aabb)>,
@@ -198,14 +230,16 @@ impl Default for Scene {
 }
 
 impl Scene {
-    /// Returns an empty scene about the origin, in which nothing is called for.
+    /// Returns an empty scene about the origin, in which nothing is called for: without
+    /// [`call_for`](Self::call_for) a step does nothing but count the bodies that no effect covers
+    /// ([`Counts::uncovered`]).
     #[must_use]
     pub fn new() -> Self {
         Self::with_settings(Settings::default())
     }
 
     /// Returns an empty scene with the given settings: the origin of the boxes (precision is best
-    /// there), and the number of bodies from which threads are used.
+    /// there), and the size from which on threads are used.
     #[must_use]
     pub fn with_settings(settings: Settings) -> Self {
         let bodies = Bodies {
@@ -214,19 +248,38 @@ impl Scene {
         };
         Self {
             bodies,
+            census: Census::default(),
             table: Table::default(),
             broad: PencilSweep::with_settings(settings),
             pair_tables: PairTables::default(),
+            ignored: Ignored::default(),
             events: Vec::new(),
+            impacts: Vec::new(),
             report: Report::default(),
             replanned: 0,
             changed: false,
             growths: [0.0; GROUPS],
             partners: [0; GROUPS],
             budget: true,
+            schedule: true,
             settings,
             batch: Vec::new(),
         }
+    }
+
+    /// Returns an empty scene about the origin with the same effects for all pairs of bodies,
+    /// whatever the groups.
+    ///
+    /// # Errors
+    /// The errors of [`call_for`](Self::call_for).
+    pub fn with_effects(effects: Effects) -> Result<Self, SceneError> {
+        let mut scene = Self::new();
+        for g in 0..GROUPS {
+            for h in g..GROUPS {
+                scene.call_for(step::group(g), step::group(h), effects)?;
+            }
+        }
+        Ok(scene)
     }
 
     /// Calls for effects for the pairs of two groups (or of one group with itself), replacing the
@@ -235,12 +288,14 @@ impl Scene {
     /// effect at all is left.
     ///
     /// # Errors
-    /// If a distance is NaN, negative or beyond 1e37 (only `distance` may be infinite), or an
-    /// option of the manifold is NaN.
+    /// If a distance is NaN, negative or beyond 1e37 (only `distance` may be infinite), an option
+    /// of the manifold is NaN, or bodies of the two groups are of kinds that cannot answer an
+    /// effect.
     pub fn call_for(&mut self, these: Group, those: Group, effects: Effects) -> Result<(), SceneError> {
         if self.table.effects(these, those) == effects {
             return Ok(());
         }
+        self.census.check_effects(these, those, &effects)?;
         self.table.call_for(these, those, effects)?;
         self.replanned |= 1 << these.number() | 1 << those.number();
         Ok(())
@@ -261,14 +316,18 @@ impl Scene {
     /// Puts a body into the scene.
     ///
     /// # Errors
-    /// If the pose is not a rigid motion or too far out, the shape too large, the origin of the
-    /// scene's settings not finite, or there are too many bodies.
+    /// If the pose is not a rigid motion or too far out, the shape too large or of a kind that
+    /// cannot answer an effect called for, the origin of the scene's settings not finite, or there
+    /// are too many bodies.
     pub fn insert(&mut self, body: Body, pose: Isometry3<f64>) -> Result<BodyId, SceneError> {
         checked(&pose, None)?;
         let mut solid = Solid::new(body)?;
+        self.census
+            .check_body(solid.member(), |other| self.table.effects(solid.group, other))?;
         let mut hint = BoxHint::default();
         let proxy = self.create_proxy(&mut solid, &pose, &mut hint)?;
         self.changed = true;
+        self.census.add(solid.member());
         Ok(self.bodies.insert(solid, pose, proxy, hint))
     }
 
@@ -309,6 +368,10 @@ impl Scene {
     pub fn remove(&mut self, id: BodyId) -> Result<(), SceneError> {
         let i = self.bodies.index_of(id)?;
         self.broad.remove(self.bodies.proxies[i])?;
+        self.ignored.forget(id.index);
+        if let Some(solid) = &self.bodies.solids[i] {
+            self.census.remove(solid.member());
+        }
         self.bodies.remove(i);
         self.changed = true;
         Ok(())
@@ -328,13 +391,22 @@ impl Scene {
     /// Puts a body into another group; the pairs of the body are tested again in the next step.
     ///
     /// # Errors
-    /// If the id is stale.
+    /// If the id is stale, or the shape of the body is of a kind that cannot answer an effect of
+    /// the group.
     pub fn set_group(&mut self, id: BodyId, group: Group) -> Result<(), SceneError> {
         let i = self.bodies.index_of(id)?;
         let Some(solid) = &mut self.bodies.solids[i] else {
             return Err(SceneError::StaleBody { body: id });
         };
-        let old = core::mem::replace(&mut solid.group, group);
+        let (old, kind, is_fixed) = solid.member();
+        self.census.remove((old, kind, is_fixed));
+        let effects = |other| self.table.effects(group, other);
+        let checked = self.census.check_body((group, kind, is_fixed), effects);
+        if checked.is_ok() {
+            solid.group = group;
+        }
+        self.census.add(solid.member());
+        checked?;
         // Applied together with the effects of both groups.
         self.replanned |= 1 << old.number() | 1 << group.number();
         Ok(())
@@ -348,7 +420,7 @@ impl Scene {
 
     /// Returns the shape of a body.
     #[must_use]
-    pub fn shape(&self, id: BodyId) -> Option<&ConvexPolyhedron> {
+    pub fn shape(&self, id: BodyId) -> Option<&BodyShape> {
         let solid = self.bodies.solids[self.bodies.index_of(id).ok()?].as_ref()?;
         Some(&solid.shape)
     }
@@ -357,6 +429,24 @@ impl Scene {
     #[must_use]
     pub fn group(&self, id: BodyId) -> Option<Group> {
         Some(self.bodies.solids[self.bodies.index_of(id).ok()?].as_ref()?.group)
+    }
+
+    /// Returns the caller's number of a body: see [`Body::user_data`].
+    #[must_use]
+    pub fn user_data(&self, id: BodyId) -> Option<u64> {
+        Some(self.bodies.solids[self.bodies.index_of(id).ok()?].as_ref()?.user_data)
+    }
+
+    /// Sets the caller's number of a body: see [`Body::user_data`].
+    ///
+    /// # Errors
+    /// If the id is stale.
+    pub fn set_user_data(&mut self, id: BodyId, user_data: u64) -> Result<(), SceneError> {
+        let i = self.bodies.index_of(id)?;
+        if let Some(solid) = &mut self.bodies.solids[i] {
+            solid.user_data = user_data;
+        }
+        Ok(())
     }
 
     /// Returns the number of bodies.
@@ -387,11 +477,12 @@ impl Scene {
     #[must_use]
     pub fn bytes(&self) -> Bytes {
         Bytes {
-            bodies: self.bodies.bytes(),
+            bodies: self.bodies.bytes() + self.ignored.bytes(),
             broad: self.broad.bytes(),
             pairs: self.pair_tables.bytes(),
             scratch: self.batch.capacity() * size_of::<(broad::BodyId, broad::Aabb)>()
-                + self.events.capacity() * size_of::<Event>(),
+                + self.events.capacity() * size_of::<Event>()
+                + self.impacts.capacity() * size_of::<PairImpact>(),
         }
     }
 }

@@ -1,27 +1,27 @@
 //! Narrow phase of one pair in a step: tests from the cheapest on, and the tracker if no cheaper
 //! test answers.
 
-use alloc::boxed::Box;
 use alloc::vec::Vec;
 
 use super::ball::least_distance;
 use super::body::Bodies;
 use super::budget::{slack, wake};
 use super::effects::{Detail, NEVER, Plan, Table};
-use super::events::{Change, PairChange};
+use super::events::{Change, PairChange, PairImpact};
 use super::pair_table::{PairFlags, PairHeader, PairTable};
+use super::pair_tracker::PairTracker;
 use super::report::Counts;
 use super::stored_answer::StoredAnswer;
-use crate::contact::{Manifold, Query};
 use crate::pair::outcome::{Class, Outcome};
 use crate::pose::RelativePose;
-use crate::tracker::Tracker;
 
 /// The parts of a scene that the narrow phase reads.
 pub(super) struct Context<'a> {
     pub(super) bodies: &'a Bodies,
     pub(super) table: &'a Table,
     pub(super) budget: bool,
+    /// Whether pairs may sleep until a tick.
+    pub(super) schedule: bool,
 }
 
 /// Counts and changes of the narrow phase, besides the answers.
@@ -29,10 +29,15 @@ pub(super) struct Context<'a> {
 pub(super) struct Tally {
     pub(super) counts: Counts,
     pub(super) changes: Vec<PairChange>,
+    pub(super) impacts: Vec<PairImpact>,
 }
 
 /// Tests all pairs of a table.
-pub(super) fn test_table<A: StoredAnswer>(pair_table: &mut PairTable<A>, context: &Context<'_>, tally: &mut Tally) {
+pub(super) fn test_table<T: PairTracker, A: StoredAnswer>(
+    pair_table: &mut PairTable<T, A>,
+    context: &Context<'_>,
+    tally: &mut Tally,
+) {
     test_run(
         &mut pair_table.headers,
         &mut pair_table.trackers,
@@ -43,9 +48,9 @@ pub(super) fn test_table<A: StoredAnswer>(pair_table: &mut PairTable<A>, context
 }
 
 /// Tests the pairs of a run of rows.
-pub(super) fn test_run<A: StoredAnswer>(
+pub(super) fn test_run<T: PairTracker, A: StoredAnswer>(
     headers: &mut [PairHeader],
-    trackers: &mut [Tracker],
+    trackers: &mut [T],
     answers: &mut [A],
     context: &Context<'_>,
     tally: &mut Tally,
@@ -56,24 +61,31 @@ pub(super) fn test_run<A: StoredAnswer>(
             continue;
         }
         let before = header.state;
-        context.test(header, tracker, answer, &mut tally.counts);
+        context.test(header, tracker, answer, tally);
         note_changes(before, header, &mut tally.changes);
     }
 }
 
 impl Context<'_> {
-    fn sum(&self, header: &PairHeader) -> f64 {
+    pub(super) fn sum(&self, header: &PairHeader) -> f64 {
         let travels = &self.bodies.travels;
         travels[header.a as usize].odometer + travels[header.b as usize].odometer
     }
 
     /// Whether the last answer remains valid: neither body moved, or the budget is not used up.
     #[inline]
-    fn is_answered(&self, header: &PairHeader, counts: &mut Counts) -> bool {
+    fn is_answered(&self, header: &mut PairHeader, counts: &mut Counts) -> bool {
         let [a, b] = [header.a, header.b].map(|i| &self.bodies.travels[i as usize]);
         let step = self.bodies.step;
         if !header.state.known {
             return false;
+        }
+        if header.state.sleeps {
+            if self.is_asleep(header) {
+                counts.slept += 1;
+                return true;
+            }
+            (header.state.sleeps, header.wake) = (false, 0.0);
         }
         if a.moved != step && b.moved != step {
             counts.resting += 1;
@@ -105,38 +117,46 @@ impl Context<'_> {
     }
 
     #[inline]
-    fn test<A: StoredAnswer>(
+    fn test<T: PairTracker, A: StoredAnswer>(
         &self,
         header: &mut PairHeader,
-        tracker: &mut Tracker,
+        tracker: &mut T,
         answer: &mut A,
-        counts: &mut Counts,
+        tally: &mut Tally,
     ) {
         let plan = self.table.plan(header.class);
-        if self.is_clear(header, plan.reach, counts) {
+        let (a, b) = (header.a as usize, header.b as usize);
+        let (Some(solid_a), Some(solid_b)) = (&self.bodies.solids[a], &self.bodies.solids[b]) else {
+            return;
+        };
+        let Some(shapes) = T::shapes(&solid_a.shape, &solid_b.shape) else {
+            return;
+        };
+        let is_apart = plan
+            .impact
+            .is_some_and(|tolerance| self.sweep_pair(header, (tracker, shapes), (plan, tolerance), tally));
+        let counts = &mut tally.counts;
+        if is_apart || self.is_clear(header, plan.reach, counts) {
             if let Some(stored) = answer.manifold() {
                 *stored = None;
             }
             return;
         }
-        let (a, b) = (header.a as usize, header.b as usize);
-        let (Some(solid_a), Some(solid_b)) = (&self.bodies.solids[a], &self.bodies.solids[b]) else {
-            return;
-        };
         // Poses within the reach of a scene always have a relative pose.
         let Ok(pose) = RelativePose::new(&self.bodies.poses[a], &self.bodies.poses[b]) else {
             return;
         };
-        let (shape_a, shape_b) = (&*solid_a.shape, &*solid_b.shape);
-        let outcome = tracker.measure(shape_a, shape_b, &pose, plan.until);
+        let outcome = tracker.measure(shapes, &pose, plan.until);
         counts.note(&outcome, tracker.facets());
-        let within = |t: f64| t != NEVER && tracker.decides_within(shape_a, shape_b, &pose, &outcome, t);
+        let mut within = |t: f64| t != NEVER && tracker.decides_within(shapes, &pose, &outcome, t);
         header.state = PairFlags {
             known: true,
             overlaps: plan.overlap && within(0.0),
             within: within(plan.within),
             measured: within(plan.range),
+            sleeps: false,
         };
+        let is_near = plan.manifold.as_ref().is_some_and(|options| within(options.prediction));
         counts.overlaps += u64::from(plan.overlap);
         counts.withins += u64::from(plan.within != NEVER);
         if header.state.measured {
@@ -144,27 +164,16 @@ impl Context<'_> {
             counts.features += u64::from(plan.detail >= Detail::Features);
             answer.store(&outcome);
             header.wake = 0.0;
-        } else {
+        } else if !self.sleep(header, (tracker, shapes), plan, (&outcome, counts)) {
             header.wake = wake(self.sum(header), slack_of(plan, &outcome));
         }
         if let (Some(stored), Some(options)) = (answer.manifold(), &plan.manifold) {
-            if within(options.prediction) {
-                update_manifold(stored, &Query::new(shape_a, shape_b, &pose, options), &outcome, counts);
+            if is_near {
+                tracker.update_manifold(shapes, &pose, (&outcome, options), stored, counts);
             } else {
                 *stored = None;
             }
         }
-    }
-}
-
-/// Updates the contact points: if the bodies have hardly moved since the manifold was made, the
-/// points are measured again, else the manifold is rebuilt from the outcome.
-fn update_manifold(stored: &mut Option<Box<Manifold>>, query: &Query<'_>, outcome: &Outcome, counts: &mut Counts) {
-    let manifold = stored.get_or_insert_default();
-    counts.manifolds += 1;
-    if let Err(moved) = manifold.refresh(query) {
-        manifold.renew(query, outcome, moved);
-        counts.renewed += 1;
     }
 }
 
@@ -177,7 +186,11 @@ fn slack_of(plan: &Plan, outcome: &Outcome) -> f64 {
     } else {
         outcome.upper
     };
-    let contact = if plan.overlap { 0.0 } else { NEVER };
+    let contact = if plan.overlap || plan.impact.is_some() {
+        0.0
+    } else {
+        NEVER
+    };
     let thresholds = [contact, plan.within, plan.range];
     let called = thresholds.iter().filter(|t| **t != NEVER);
     called.fold(f64::INFINITY, |s, t| s.min(slack(*t, outcome.lower, upper)))

@@ -9,11 +9,14 @@
 //! ```
 //!
 //! The three lists of a table are parallel: a pair has one row number in all three. Lists have no
-//! gaps: the last pair moves to a row that becomes free.
+//! gaps: the last pair moves to a row that becomes free. Pairs of two polyhedra have tables of
+//! their own, so that the trackers of other kinds cost these pairs nothing.
 
 use alloc::vec::Vec;
 
 use super::effects::{Detail, GroupPair, NEVER, Plan};
+use super::mixed_tracker::MixedTracker;
+use super::pair_tracker::{AnyTracker, PairTracker, TrackerRef};
 use super::stored_answer::{StoredAnswer, StoredContact};
 use crate::broad::PairId;
 use crate::contact::Manifold;
@@ -31,7 +34,8 @@ pub(super) struct PairHeader {
     pub(super) pair: PairId,
     pub(super) class: GroupPair,
     pub(super) state: PairFlags,
-    /// Sum of the odometers from which on the pair is tested again.
+    /// Sum of the odometers from which on the pair is tested again; for a pair that sleeps, the
+    /// number of the tick.
     pub(super) wake: f64,
 }
 
@@ -45,17 +49,19 @@ pub(super) struct PairFlags {
     pub(super) within: bool,
     /// Whether the distance is within the range called for, so that the table holds an answer.
     pub(super) measured: bool,
+    /// Whether the pair is proven apart until a tick.
+    pub(super) sleeps: bool,
 }
 
 /// Pairs that store one kind of answer.
 #[derive(Clone, Debug)]
-pub(super) struct PairTable<A> {
+pub(super) struct PairTable<T, A> {
     pub(super) headers: Vec<PairHeader>,
-    pub(super) trackers: Vec<Tracker>,
+    pub(super) trackers: Vec<T>,
     pub(super) answers: Vec<A>,
 }
 
-impl<A> Default for PairTable<A> {
+impl<T, A> Default for PairTable<T, A> {
     fn default() -> Self {
         Self {
             headers: Vec::new(),
@@ -65,8 +71,8 @@ impl<A> Default for PairTable<A> {
     }
 }
 
-impl<A: StoredAnswer> PairTable<A> {
-    fn push(&mut self, header: PairHeader, tracker: Tracker) -> u32 {
+impl<T: PairTracker, A: StoredAnswer> PairTable<T, A> {
+    fn push(&mut self, header: PairHeader, tracker: T) -> u32 {
         self.headers.push(header);
         self.trackers.push(tracker);
         self.answers.push(A::blank());
@@ -75,7 +81,7 @@ impl<A: StoredAnswer> PairTable<A> {
 
     /// Frees a row and moves the last pair of the table there. Returns the removed pair and the
     /// slot of the moved pair, if any.
-    fn remove(&mut self, row: u32) -> (PairHeader, Tracker, Option<u32>) {
+    fn remove(&mut self, row: u32) -> (PairHeader, T, Option<u32>) {
         let i = row as usize;
         let header = self.headers.swap_remove(i);
         let tracker = self.trackers.swap_remove(i);
@@ -83,12 +89,26 @@ impl<A: StoredAnswer> PairTable<A> {
         (header, tracker, self.headers.get(i).map(|moved| moved.pair.slot))
     }
 
+    /// Returns the pair of a row for queries.
+    fn view<'a>(&'a self, row: u32, wrap: fn(&'a T) -> TrackerRef<'a>) -> Option<PairView<'a>> {
+        let row = row as usize;
+        let (header, answer, tracker) = (self.headers.get(row)?, &self.answers[row], &self.trackers[row]);
+        Some(PairView {
+            header,
+            tracker: wrap(tracker),
+            pieces: tracker.pieces(),
+            distance: answer.distance().filter(|_| header.state.measured),
+            outcome: answer.outcome().filter(|_| header.state.measured),
+            manifold: answer.contacts().filter(|_| header.state.measured),
+        })
+    }
+
     fn bytes(&self) -> usize {
-        let surfaces: usize = self.trackers.iter().map(Tracker::heap_bytes).sum();
+        let surfaces: usize = self.trackers.iter().map(T::heap_bytes).sum();
         let manifolds = self.answers.iter().filter(|a| a.contacts().is_some()).count();
         self.headers.capacity() * size_of::<PairHeader>()
             + manifolds * size_of::<Manifold>()
-            + self.trackers.capacity() * size_of::<Tracker>()
+            + self.trackers.capacity() * size_of::<T>()
             + self.answers.capacity() * size_of::<A>()
             + surfaces
     }
@@ -103,18 +123,21 @@ impl<A: StoredAnswer> PairTable<A> {
     }
 }
 
-/// Location of the pair of a slot: the table in the three upper bits, below them whether the event
+/// Location of the pair of a slot: the table in the four upper bits, below them whether the event
 /// of its boxes was sent, and the row in the lower half. There are fewer pairs than 2^32 at once,
 /// so every row number fits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct TableRow(u64);
 
-const TABLE: u32 = 61;
-const BOX_EVENT_SENT: u64 = 1 << 60;
+const TABLE: u32 = 60;
+const BOX_EVENT_SENT: u64 = 1 << 59;
+
+/// Number of the first table of pairs that are not of two polyhedra.
+const MIXED: u32 = 4;
 
 impl TableRow {
     /// Entry of a pair of boxes alone, and of a slot without a pair.
-    const NONE: Self = Self(7 << TABLE);
+    const NONE: Self = Self(15 << TABLE);
 
     fn of(table: u32, row: u32) -> Self {
         Self(u64::from(table) << TABLE | u64::from(row))
@@ -137,7 +160,8 @@ impl TableRow {
 #[derive(Debug, Default)]
 pub(super) struct PairState {
     pub(super) state: PairFlags,
-    pub(super) tracker: Tracker,
+    /// `None` for a pair that no table held.
+    pub(super) tracker: Option<AnyTracker>,
     /// Whether the event that the boxes met was sent.
     pub(super) box_event_sent: bool,
 }
@@ -145,19 +169,98 @@ pub(super) struct PairState {
 /// Read-only view of a pair for queries.
 pub(super) struct PairView<'a> {
     pub(super) header: &'a PairHeader,
-    pub(super) tracker: &'a Tracker,
+    pub(super) tracker: TrackerRef<'a>,
+    pub(super) pieces: [u32; 2],
     pub(super) distance: Option<Distance>,
     pub(super) outcome: Option<&'a Outcome>,
     pub(super) manifold: Option<&'a Manifold>,
 }
 
+/// The tables of the pairs of one type of tracker, one for each level of detail that is stored.
+#[derive(Clone, Debug)]
+pub(super) struct DetailTables<T> {
+    pub(super) predicates: PairTable<T, ()>,
+    pub(super) distances: PairTable<T, Distance>,
+    pub(super) features: PairTable<T, Outcome>,
+    pub(super) contacts: PairTable<T, StoredContact>,
+}
+
+impl<T> Default for DetailTables<T> {
+    fn default() -> Self {
+        Self {
+            predicates: PairTable::default(),
+            distances: PairTable::default(),
+            features: PairTable::default(),
+            contacts: PairTable::default(),
+        }
+    }
+}
+
+impl<T: PairTracker> DetailTables<T> {
+    /// Inserts a pair; returns the number of its table and the row.
+    fn push(&mut self, plan: &Plan, header: PairHeader, mut tracker: T) -> Option<(u32, u32)> {
+        if plan.until == Until::Class {
+            tracker.shed();
+        }
+        Some(match plan.detail {
+            Detail::Nothing | Detail::Boxes => return None,
+            Detail::Predicates => (0, self.predicates.push(header, tracker)),
+            Detail::Distance => (1, self.distances.push(header, tracker)),
+            Detail::Features => (2, self.features.push(header, tracker)),
+            Detail::Manifold => (3, self.contacts.push(header, tracker)),
+        })
+    }
+
+    fn remove(&mut self, table: u32, row: u32) -> Option<(PairHeader, T, Option<u32>)> {
+        match table {
+            0 => Some(self.predicates.remove(row)),
+            1 => Some(self.distances.remove(row)),
+            2 => Some(self.features.remove(row)),
+            3 => Some(self.contacts.remove(row)),
+            _ => None,
+        }
+    }
+
+    fn get<'a>(&'a self, table: u32, row: u32, wrap: fn(&'a T) -> TrackerRef<'a>) -> Option<PairView<'a>> {
+        match table {
+            0 => self.predicates.view(row, wrap),
+            1 => self.distances.view(row, wrap),
+            2 => self.features.view(row, wrap),
+            3 => self.contacts.view(row, wrap),
+            _ => None,
+        }
+    }
+
+    /// Returns the headers of the four tables.
+    #[cfg(feature = "serde")]
+    fn headers(&self) -> [&[PairHeader]; 4] {
+        [
+            &self.predicates.headers,
+            &self.distances.headers,
+            &self.features.headers,
+            &self.contacts.headers,
+        ]
+    }
+
+    fn trim(&mut self) {
+        self.predicates.trim();
+        self.distances.trim();
+        self.features.trim();
+        self.contacts.trim();
+    }
+
+    fn bytes(&self) -> usize {
+        self.predicates.bytes() + self.distances.bytes() + self.features.bytes() + self.contacts.bytes()
+    }
+}
+
 /// All tables, and the row of each slot.
 #[derive(Clone, Debug, Default)]
 pub(super) struct PairTables {
-    pub(super) predicates: PairTable<()>,
-    pub(super) distances: PairTable<Distance>,
-    pub(super) features: PairTable<Outcome>,
-    pub(super) contacts: PairTable<StoredContact>,
+    /// Pairs of two polyhedra.
+    pub(super) polyhedra: DetailTables<Tracker>,
+    /// All other pairs.
+    pub(super) mixed: DetailTables<MixedTracker>,
     rows: Vec<TableRow>,
 }
 
@@ -173,17 +276,15 @@ impl PairTables {
             ..PairFlags::default()
         };
         let header = PairHeader { state, ..header };
-        let mut tracker = pair_state.tracker;
-        if plan.until == Until::Class {
-            tracker.shed();
-        }
-        let row = match plan.detail {
-            Detail::Nothing | Detail::Boxes => TableRow::NONE,
-            Detail::Predicates => TableRow::of(0, self.predicates.push(header, tracker)),
-            Detail::Distance => TableRow::of(1, self.distances.push(header, tracker)),
-            Detail::Features => TableRow::of(2, self.features.push(header, tracker)),
-            Detail::Manifold => TableRow::of(3, self.contacts.push(header, tracker)),
+        let place = match pair_state.tracker {
+            Some(AnyTracker::Polyhedra(tracker)) => self.polyhedra.push(plan, header, tracker),
+            Some(AnyTracker::Mixed(tracker)) => {
+                let place = self.mixed.push(plan, header, tracker);
+                place.map(|(table, row)| (table + MIXED, row))
+            }
+            None => None,
         };
+        let row = place.map_or(TableRow::NONE, |(table, row)| TableRow::of(table, row));
         if slot >= self.rows.len() {
             self.rows.resize(slot + 1, TableRow::NONE);
         }
@@ -196,12 +297,12 @@ impl PairTables {
             return PairState::default();
         };
         let freed = core::mem::replace(entry, TableRow::NONE);
-        let removed = match freed.table() {
-            0 => Some(self.predicates.remove(freed.row())),
-            1 => Some(self.distances.remove(freed.row())),
-            2 => Some(self.features.remove(freed.row())),
-            3 => Some(self.contacts.remove(freed.row())),
-            _ => None,
+        let removed = if freed.table() < MIXED {
+            let removed = self.polyhedra.remove(freed.table(), freed.row());
+            removed.map(|(header, tracker, moved)| (header, AnyTracker::Polyhedra(tracker), moved))
+        } else {
+            let removed = self.mixed.remove(freed.table() - MIXED, freed.row());
+            removed.map(|(header, tracker, moved)| (header, AnyTracker::Mixed(tracker), moved))
         };
         let box_event_sent = freed.is_box_event_sent();
         let Some((header, tracker, moved)) = removed else {
@@ -217,30 +318,19 @@ impl PairTables {
         }
         PairState {
             state: header.state,
-            tracker,
+            tracker: Some(tracker),
             box_event_sent,
         }
     }
 
     /// Returns the pair of a slot, if stored in a table.
     pub(super) fn get(&self, slot: u32) -> Option<PairView<'_>> {
-        fn seen<A: StoredAnswer>(pair_table: &PairTable<A>, row: u32) -> Option<PairView<'_>> {
-            let (header, answer) = (pair_table.headers.get(row as usize)?, &pair_table.answers[row as usize]);
-            Some(PairView {
-                header,
-                tracker: &pair_table.trackers[row as usize],
-                distance: answer.distance().filter(|_| header.state.measured),
-                outcome: answer.outcome().filter(|_| header.state.measured),
-                manifold: answer.contacts().filter(|_| header.state.measured),
-            })
-        }
         let entry = self.rows.get(slot as usize)?;
-        match entry.table() {
-            0 => seen(&self.predicates, entry.row()),
-            1 => seen(&self.distances, entry.row()),
-            2 => seen(&self.features, entry.row()),
-            3 => seen(&self.contacts, entry.row()),
-            _ => None,
+        let (table, row) = (entry.table(), entry.row());
+        if table < MIXED {
+            self.polyhedra.get(table, row, TrackerRef::Polyhedra)
+        } else {
+            self.mixed.get(table - MIXED, row, TrackerRef::Mixed)
         }
     }
 
@@ -254,70 +344,44 @@ impl PairTables {
     /// Iterates over the pairs of all tables.
     #[cfg(feature = "serde")]
     pub(super) fn headers(&self) -> impl Iterator<Item = &PairHeader> {
-        let pair_tables = [
-            &self.predicates.headers,
-            &self.distances.headers,
-            &self.features.headers,
-            &self.contacts.headers,
-        ];
-        pair_tables.into_iter().flatten()
+        let all = self.polyhedra.headers().into_iter().chain(self.mixed.headers());
+        all.flatten()
     }
 
     /// Rebuilds the rows of restored tables; returns `None` if two pairs have one slot. Slots are
     /// from the broad phase.
     #[cfg(feature = "serde")]
     pub(super) fn restored(
-        predicates: PairTable<()>,
-        distances: PairTable<Distance>,
-        features: PairTable<Outcome>,
-        contacts: PairTable<StoredContact>,
+        polyhedra: DetailTables<Tracker>,
+        mixed: DetailTables<MixedTracker>,
         box_event_sent: &[u32],
         slots: usize,
     ) -> Option<Self> {
         let mut rows = alloc::vec![TableRow::NONE; slots];
-        for (table, headers) in [
-            &predicates.headers,
-            &distances.headers,
-            &features.headers,
-            &contacts.headers,
-        ]
-        .into_iter()
-        .enumerate()
-        {
+        let tables = polyhedra.headers().into_iter().chain(mixed.headers());
+        for (table, headers) in (0u32..).zip(tables) {
             for (header, row) in headers.iter().zip(0u32..) {
                 let entry = rows.get_mut(header.pair.slot as usize)?;
                 if *entry != TableRow::NONE {
                     return None;
                 }
-                *entry = TableRow::of(table as u32, row);
+                *entry = TableRow::of(table, row);
             }
         }
         for slot in box_event_sent {
             let entry = rows.get_mut(*slot as usize)?;
             *entry = TableRow(entry.0 | BOX_EVENT_SENT);
         }
-        Some(Self {
-            predicates,
-            distances,
-            features,
-            contacts,
-            rows,
-        })
+        Some(Self { polyhedra, mixed, rows })
     }
 
     pub(super) fn trim(&mut self) {
-        self.predicates.trim();
-        self.distances.trim();
-        self.features.trim();
-        self.contacts.trim();
+        self.polyhedra.trim();
+        self.mixed.trim();
     }
 
     pub(super) fn bytes(&self) -> usize {
-        self.predicates.bytes()
-            + self.distances.bytes()
-            + self.features.bytes()
-            + self.contacts.bytes()
-            + self.rows.capacity() * size_of::<TableRow>()
+        self.polyhedra.bytes() + self.mixed.bytes() + self.rows.capacity() * size_of::<TableRow>()
     }
 }
 
@@ -327,7 +391,7 @@ mod tests {
 
     #[test]
     fn rows_keep_table_number_and_flag_apart() {
-        for table in [0, 3] {
+        for table in [0, 3, 7] {
             for row in [0, 1, (1 << 28) - 1, 1 << 28, (1 << 29) + 5, u32::MAX] {
                 for box_event_sent in [0, BOX_EVENT_SENT] {
                     let entry = TableRow(TableRow::of(table, row).0 | box_event_sent);

@@ -8,13 +8,12 @@ use rayon::prelude::*;
 
 use super::narrow_phase::{Context, Tally, test_run};
 use super::pair_table::PairTable;
+use super::pair_tracker::PairTracker;
 use super::step::Boxes;
 use super::stored_answer::StoredAnswer;
 use crate::broad::{self, Aabb};
 use crate::polyhedron::BoxHint;
-
-/// Bodies or pairs of one run: enough to be worth a task.
-const RUN: usize = 1024;
+use crate::tuning::scene::{PAIRS, RUN};
 
 /// Makes the boxes of all due bodies, which are in ascending order.
 pub(super) fn make_boxes(
@@ -37,11 +36,15 @@ pub(super) fn make_boxes(
 }
 
 /// Tests all pairs of a table.
-pub(super) fn test_table<A: StoredAnswer>(pair_table: &mut PairTable<A>, context: &Context<'_>, tally: &mut Tally) {
-    let headers = pair_table.headers.par_chunks_mut(RUN);
+pub(super) fn test_table<T: PairTracker, A: StoredAnswer>(
+    pair_table: &mut PairTable<T, A>,
+    context: &Context<'_>,
+    tally: &mut Tally,
+) {
+    let headers = pair_table.headers.par_chunks_mut(PAIRS);
     let rows = headers
-        .zip(pair_table.trackers.par_chunks_mut(RUN))
-        .zip(pair_table.answers.par_chunks_mut(RUN));
+        .zip(pair_table.trackers.par_chunks_mut(PAIRS))
+        .zip(pair_table.answers.par_chunks_mut(PAIRS));
     let parts = rows.map(|((headers, trackers), answers)| {
         let mut part = Tally::default();
         test_run(headers, trackers, answers, context, &mut part);
@@ -50,5 +53,6 @@ pub(super) fn test_table<A: StoredAnswer>(pair_table: &mut PairTable<A>, context
     for mut part in parts.collect::<Vec<_>>() {
         tally.counts += part.counts;
         tally.changes.append(&mut part.changes);
+        tally.impacts.append(&mut part.impacts);
     }
 }

@@ -25,15 +25,27 @@ pub struct Counts {
     pub ended: u64,
     /// Pairs of boxes after the step.
     pub pairs: u64,
+    /// Bodies of groups for which no effect at all is called for, after the step: never paired. See
+    /// [`Scene::call_for`](super::Scene::call_for).
+    pub uncovered: u64,
     /// Pairs of boxes for which more than boxes is called for, after the step.
     pub called: u64,
     /// Called pairs whose bodies had not moved: the last answer remains valid.
     pub resting: u64,
     /// Called pairs answered by the displacement budget.
     pub skipped: u64,
+    /// Called pairs asleep: proven apart until a later tick.
+    pub slept: u64,
     /// Called pairs answered by two balls.
     pub balls: u64,
-    /// Called pairs whose tracker was queried: calls of the narrow phase.
+    /// Looks ahead: bounds of the time for which a pair stays apart.
+    pub ahead: u64,
+    /// Casts of pairs over a tick.
+    pub casts: u64,
+    /// Impacts found.
+    pub impacts: u64,
+    /// Queries of trackers: calls of the narrow phase, those of casts and their predicates
+    /// included.
     pub queries: u64,
     /// Queries by the solver that answered, in the order of [`Solver`].
     pub(crate) answered: [u64; Solver::COUNT],
@@ -82,8 +94,8 @@ impl Counts {
 }
 
 impl AddAssign for Counts {
-    /// Adds all counts, `pairs` and `called` too, so that a sum over steps divided by `steps` is
-    /// the mean. Sums saturate.
+    /// Adds all counts, `pairs`, `uncovered` and `called` too, so that a sum over steps divided by
+    /// `steps` is the mean. Sums saturate.
     fn add_assign(&mut self, o: Self) {
         self.steps = self.steps.saturating_add(o.steps);
         self.boxes = self.boxes.saturating_add(o.boxes);
@@ -91,10 +103,15 @@ impl AddAssign for Counts {
         self.began = self.began.saturating_add(o.began);
         self.ended = self.ended.saturating_add(o.ended);
         self.pairs = self.pairs.saturating_add(o.pairs);
+        self.uncovered = self.uncovered.saturating_add(o.uncovered);
         self.called = self.called.saturating_add(o.called);
         self.resting = self.resting.saturating_add(o.resting);
         self.skipped = self.skipped.saturating_add(o.skipped);
+        self.slept = self.slept.saturating_add(o.slept);
         self.balls = self.balls.saturating_add(o.balls);
+        self.ahead = self.ahead.saturating_add(o.ahead);
+        self.casts = self.casts.saturating_add(o.casts);
+        self.impacts = self.impacts.saturating_add(o.impacts);
         self.queries = self.queries.saturating_add(o.queries);
         self.separated = self.separated.saturating_add(o.separated);
         self.walked = self.walked.saturating_add(o.walked);
@@ -169,6 +186,13 @@ impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (c, t) = (&self.counts, &self.times);
         let us = |d: Duration| d.as_secs_f64() * 1e6;
+        if c.uncovered > 0 {
+            writeln!(
+                f,
+                "nothing is called for between the groups of {} bodies and any group: see Scene::call_for",
+                c.uncovered / c.steps.max(1)
+            )?;
+        }
         writeln!(f, "boxes   {:>9.1} us  {} made", us(t.boxes), c.boxes)?;
         writeln!(
             f,
@@ -181,23 +205,26 @@ impl fmt::Display for Report {
         )?;
         writeln!(
             f,
-            "look    {:>9.1} us  {} called: {} resting, {} skipped by budget, {} apart by balls, {} asked",
+            "look    {:>9.1} us  {} called: {} resting, {} skipped by budget, {} asleep, {} apart by balls, {} asked",
             us(t.look),
             c.called,
             c.resting,
             c.skipped,
+            c.slept,
             c.balls,
             c.queries
         )?;
         writeln!(
             f,
-            "                      {} overlaps, {} withins, {} distances, {} features, {} depths, {} manifolds; {} steps, {} certificates; {}",
+            "                      {} overlaps, {} withins, {} distances, {} features, {} depths, {} manifolds, {} casts, {} impacts; {} steps, {} certificates; {}",
             c.overlaps,
             c.withins,
             c.distances,
             c.features,
             c.depths,
             c.manifolds,
+            c.casts,
+            c.impacts,
             c.walked,
             c.certificates,
             AnsweredBy(&c.answered)

@@ -1,22 +1,23 @@
 //! Queries on top of a step, about the poses of the last step: all pairs within a distance, the
-//! nearest bodies, the first contact.
+//! nearest bodies, the first contact. The closest pair of two groups is in `closest`.
 //!
 //! The queries use the boxes of the step and are allowed for groups between which any effect is
 //! called for, be it `boxes` alone. No result is stored; if a step follows a pair, the stored
-//! features are the start of the query.
+//! tracker is the start of the query.
 
 use alloc::vec::Vec;
 
 use super::ball::least_distance;
 use super::body::box_of;
+use super::body_shape::BodyShape;
 use super::effects::{Detail, Group, group_pair_of};
+use super::pair_tracker::AnyTracker;
 use super::{BodyId, Scene, SceneError};
 use crate::broad::{Aabb, BroadPhase};
 use crate::pair::outcome::{Outcome, Until};
-use crate::polyhedron::{BoxHint, ConvexPolyhedron};
+use crate::polyhedron::BoxHint;
 use crate::pose::RelativePose;
 use crate::tolerance::{BOX_DISTANCE_DOWN, SCENE_REACH};
-use crate::tracker::Tracker;
 
 /// A pair and its closest features.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,6 +30,9 @@ pub struct Near {
     pub b: BodyId,
     /// Distance with bounds, features, witnesses and normal.
     pub outcome: Outcome,
+    /// The pieces or triangles of the features, as in
+    /// [`PairAnswer::pieces`](super::PairAnswer::pieces).
+    pub pieces: [u32; 2],
 }
 
 impl Scene {
@@ -52,7 +56,7 @@ impl Scene {
     }
 
     /// Returns the first pair of a body of group `these` and a body of group `those`, in ascending
-    /// order, that shares a point; with the depth. The search ends there.
+    /// order, that shares a point; with the depth if both are convex. The search ends there.
     ///
     /// # Errors
     /// If nothing is called for between the groups, or a step is due.
@@ -64,9 +68,9 @@ impl Scene {
             found.is_none()
         })?;
         Ok(found.map(|near| {
-            let outcome = self.tracked(near.a.index, near.b.index, |tracker, a, b, pose| {
-                tracker.closest(a, b, pose)
-            });
+            let outcome = self
+                .query(near.a.index, near.b.index)
+                .map(|mut q| q.measure(Until::Depth));
             Near {
                 outcome: outcome.unwrap_or(near.outcome),
                 ..near
@@ -76,15 +80,19 @@ impl Scene {
 
     /// Returns the `count` bodies nearest to a body and no farther away than `farthest`, nearest
     /// first, ties in ascending order: only bodies of groups between which and the group of the
-    /// body any effect is called for.
+    /// body any effect is called for. Overlaps have the distance 0; no depth is computed.
     ///
     /// # Errors
-    /// If the id is stale, a step is due, or `farthest` is NaN or negative.
+    /// If the id is stale, a step is due, nothing is called for between the group of the body and
+    /// any group, or `farthest` is NaN or negative.
     #[doc(alias = "k-nearest")]
     pub fn nearest(&self, id: BodyId, count: usize, farthest: f64) -> Result<Vec<Near>, SceneError> {
         let i = self.bodies.index_of(id)?;
         if self.is_due() {
             return Err(SceneError::StepDue);
+        }
+        if let Some(group) = self.bodies.group(id.index).filter(|g| self.table.partners(*g) == 0) {
+            return Err(SceneError::GroupNotCalledFor { group });
         }
         if !(farthest >= 0.0) {
             return Err(SceneError::Range { value: farthest });
@@ -111,6 +119,17 @@ impl Scene {
         }
     }
 
+    /// Refuses a query about two groups whose boxes are not kept, or not of the present poses.
+    pub(super) fn check_query(&self, these: Group, those: Group) -> Result<(), SceneError> {
+        if self.is_due() {
+            return Err(SceneError::StepDue);
+        }
+        if self.table.plan(group_pair_of(these, those)).detail == Detail::Nothing {
+            return Err(SceneError::NotCalledFor { these, those });
+        }
+        Ok(())
+    }
+
     /// Visits pairs whose boxes are at most `d` apart, in ascending order, until `visit` returns
     /// false.
     fn visit_pairs(
@@ -120,12 +139,7 @@ impl Scene {
         d: f64,
         mut visit: impl FnMut(u32, u32) -> bool,
     ) -> Result<(), SceneError> {
-        if self.is_due() {
-            return Err(SceneError::StepDue);
-        }
-        if self.table.plan(group_pair_of(these, those)).detail == Detail::Nothing {
-            return Err(SceneError::NotCalledFor { these, those });
-        }
+        self.check_query(these, those)?;
         let mut near = Vec::new();
         let mut others: Vec<u32> = Vec::new();
         for id in self
@@ -150,7 +164,7 @@ impl Scene {
         Ok(())
     }
 
-    fn box_around(&self, i: usize, d: f64) -> Aabb {
+    pub(super) fn box_around(&self, i: usize, d: f64) -> Aabb {
         let pose = &self.bodies.poses[i];
         match &self.bodies.solids[i] {
             Some(solid) => box_of(&solid.shape, pose, d, &mut BoxHint::default()),
@@ -158,10 +172,11 @@ impl Scene {
         }
     }
 
-    fn may_pair(&self, a: u32, b: u32) -> bool {
+    pub(super) fn may_pair(&self, a: u32, b: u32) -> bool {
         let [x, y] = [a, b].map(|i| self.bodies.solids[i as usize].as_ref());
         let (Some(x), Some(y)) = (x, y) else { return false };
-        a != b && !(x.fixed && y.fixed) && self.table.plan(group_pair_of(x.group, y.group)).detail > Detail::Nothing
+        let pairs = a != b && !(x.fixed && y.fixed) && !self.ignored.contains(a, b);
+        pairs && self.table.plan(group_pair_of(x.group, y.group)).detail > Detail::Nothing
     }
 
     /// Returns the pair, if at most `d` apart.
@@ -170,36 +185,48 @@ impl Scene {
         if least_distance(x, y) > d {
             return None;
         }
-        let outcome = self.tracked(a, b, |tracker, x, y, pose| {
-            let outcome = tracker.measure(x, y, pose, Until::Class);
-            tracker.decides_within(x, y, pose, &outcome, d).then_some(outcome)
-        });
-        outcome.flatten().map(|outcome| Near {
+        let mut query = self.query(a, b)?;
+        let outcome = query.measure(Until::Class);
+        query.decides_within(&outcome, d).then(|| Near {
             a: self.bodies.id(a),
             b: self.bodies.id(b),
             outcome,
+            pieces: query.tracker.pieces(),
         })
     }
 
-    /// Queries a tracker that starts with the state of the step's own tracker.
-    fn tracked<R>(
-        &self,
-        a: u32,
-        b: u32,
-        ask: impl FnOnce(&mut Tracker, &ConvexPolyhedron, &ConvexPolyhedron, &RelativePose) -> R,
-    ) -> Option<R> {
+    /// Returns a query of two bodies whose tracker begins with the state of the step's own tracker.
+    pub(super) fn query(&self, a: u32, b: u32) -> Option<PairQuery<'_>> {
         let [i, j] = [a as usize, b as usize];
         let (x, y) = (
-            &*self.bodies.solids[i].as_ref()?.shape,
-            &*self.bodies.solids[j].as_ref()?.shape,
+            &self.bodies.solids[i].as_ref()?.shape,
+            &self.bodies.solids[j].as_ref()?.shape,
         );
         let pose = RelativePose::new(&self.bodies.poses[i], &self.bodies.poses[j]).ok()?;
         let pair = self.broad.pair(self.bodies.proxies[i], self.bodies.proxies[j]);
-        let known = pair
-            .and_then(|pair| self.pair_tables.get(pair.id.slot))
-            .and_then(|seen| seen.tracker.features())
-            .map(|features| if a < b { features } else { features.swapped() });
-        let mut tracker = known.map_or_else(Tracker::new, |features| Tracker::starting_from(features, x, y));
-        Some(ask(&mut tracker, x, y, &pose))
+        let seen = pair.and_then(|pair| self.pair_tables.get(pair.id.slot));
+        let known = seen.and_then(|seen| seen.tracker.started(x, y, a < b));
+        Some(PairQuery {
+            tracker: known.or_else(|| AnyTracker::new(x, y))?,
+            shapes: (x, y),
+            pose,
+        })
+    }
+}
+
+/// Two bodies and a tracker.
+pub(super) struct PairQuery<'a> {
+    pub(super) tracker: AnyTracker,
+    shapes: (&'a BodyShape, &'a BodyShape),
+    pose: RelativePose,
+}
+
+impl PairQuery<'_> {
+    pub(super) fn measure(&mut self, until: Until) -> Outcome {
+        self.tracker.measure(self.shapes, &self.pose, until)
+    }
+
+    fn decides_within(&mut self, outcome: &Outcome, d: f64) -> bool {
+        self.tracker.decides_within(self.shapes, &self.pose, outcome, d)
     }
 }

@@ -4,24 +4,30 @@
 
 use alloc::collections::BTreeMap;
 use alloc::string::String;
-use alloc::sync::Arc;
 use alloc::vec::Vec;
 
 use nalgebra::Isometry3;
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
 
-use super::body::{Bodies, Body, RETIRED, Solid, checked};
+use super::body::{Bodies, Body, Solid, checked};
+use super::body_shape::BodyShape;
 use super::budget::Travel;
 use super::effects::{Effects, GROUPS, Group, Table};
-use super::pair_table::{PairHeader, PairTable, PairTables};
+use super::filter::Ignored;
+use super::kinds::Census;
+use super::mixed_tracker::{MixedTracker, StoredTracker};
+use super::moving::{Moving, Sweep, Ticks};
+use super::pair_table::{DetailTables, PairHeader, PairTable, PairTables};
+use super::pair_tracker::PairTracker;
 use super::report::Report;
 use super::step::{bodies_of, group};
 use super::stored_answer::{StoredAnswer, StoredContact};
-use super::{Event, Scene, Settings};
+use super::{Event, PairImpact, Scene, Settings};
+use crate::broad::slots::Slots;
 use crate::broad::{self, BroadPhase, PencilSweep};
 use crate::motion::Velocity;
 use crate::pair::outcome::{Distance, Outcome};
-use crate::polyhedron::{BoxHint, ConvexPolyhedron};
+use crate::polyhedron::BoxHint;
 use crate::tracker::Tracker;
 
 /// The values of one index in the tables of bodies.
@@ -43,23 +49,36 @@ struct SolidRow {
     group: Group,
     fixed: bool,
     boxed: bool,
+    user_data: u64,
 }
 
 /// Pairs of a table, row by row.
-type PairRows<A> = Vec<(PairHeader, Tracker, A)>;
+type PairRows<T, A> = Vec<(PairHeader, T, A)>;
+
+/// The tables of one type of tracker.
+#[derive(Serialize, Deserialize)]
+struct TableRows<T> {
+    predicates: PairRows<T, ()>,
+    distances: PairRows<T, Distance>,
+    features: PairRows<T, Outcome>,
+    contacts: PairRows<T, StoredContact>,
+}
 
 /// The serialized form of a scene.
 #[derive(Serialize, Deserialize)]
 struct Snapshot {
     settings: Settings,
     /// Distinct shapes, in the order of the bodies.
-    shapes: Vec<ConvexPolyhedron>,
+    shapes: Vec<BodyShape>,
     rows: Vec<Row>,
     free: Vec<u32>,
     leaving: Vec<u32>,
     #[serde(rename = "owners")]
     body_of_proxy: Vec<u32>,
-    velocities: Vec<Velocity>,
+    moving: Vec<Moving>,
+    sweeps: Vec<(u32, Sweep)>,
+    wide: Vec<u32>,
+    ticks: Ticks,
     due: Vec<u32>,
     step: u32,
     effects: Vec<(Group, Group, Effects)>,
@@ -67,45 +86,76 @@ struct Snapshot {
     growths: Vec<f64>,
     partners: [u32; GROUPS],
     broad: PencilSweep,
-    predicates: PairRows<()>,
-    distances: PairRows<Distance>,
-    features: PairRows<Outcome>,
-    contacts: PairRows<StoredContact>,
+    /// Ignored pairs by the indices of the bodies, the lower index first.
+    ignored: Vec<(u32, u32)>,
+    polyhedra: TableRows<Tracker>,
+    mixed: TableRows<StoredTracker>,
     /// Slots whose box event was sent.
     #[serde(rename = "told")]
     box_event_sent: Vec<u32>,
     events: Vec<Event>,
+    impacts: Vec<PairImpact>,
     report: Report,
     replanned: u32,
     changed: bool,
     budget: bool,
+    schedule: bool,
 }
 
-fn pair_rows<A: StoredAnswer>(pair_table: &PairTable<A>) -> PairRows<A> {
+fn pair_rows<T: PairTracker, A: StoredAnswer, S>(
+    pair_table: &PairTable<T, A>,
+    stored: &impl Fn(&T) -> S,
+) -> PairRows<S, A> {
     let pairs = pair_table
         .headers
         .iter()
         .zip(&pair_table.trackers)
         .zip(&pair_table.answers);
-    let pair_row = |((header, tracker), answer): ((&PairHeader, &Tracker), &A)| {
+    let pair_row = |((header, tracker), answer): ((&PairHeader, &T), &A)| {
         let answer = if header.state.measured {
             answer.clone()
         } else {
             A::blank()
         };
-        (*header, tracker.clone(), answer)
+        (*header, stored(tracker), answer)
     };
     pairs.map(pair_row).collect()
 }
 
-fn pair_table<A>(pair_rows: PairRows<A>) -> PairTable<A> {
+fn table_rows<T: PairTracker, S>(tables: &DetailTables<T>, stored: impl Fn(&T) -> S) -> TableRows<S> {
+    TableRows {
+        predicates: pair_rows(&tables.predicates, &stored),
+        distances: pair_rows(&tables.distances, &stored),
+        features: pair_rows(&tables.features, &stored),
+        contacts: pair_rows(&tables.contacts, &stored),
+    }
+}
+
+/// Rebuilds a table; `restore` returns `None` for a tracker that does not belong to the pair.
+fn pair_table<S, T: PairTracker, A>(
+    pair_rows: PairRows<S, A>,
+    restore: &impl Fn(&PairHeader, S) -> Option<T>,
+) -> Result<PairTable<T, A>, String> {
     let mut pair_table = PairTable::default();
-    for (header, tracker, answer) in pair_rows {
+    for (header, stored, answer) in pair_rows {
+        let tracker = restore(&header, stored).ok_or("a tracker of the scene follows no pair of its kind")?;
         pair_table.headers.push(header);
         pair_table.trackers.push(tracker);
         pair_table.answers.push(answer);
     }
-    pair_table
+    Ok(pair_table)
+}
+
+fn detail_tables<S, T: PairTracker>(
+    rows: TableRows<S>,
+    restore: impl Fn(&PairHeader, S) -> Option<T>,
+) -> Result<DetailTables<T>, String> {
+    Ok(DetailTables {
+        predicates: pair_table(rows.predicates, &restore)?,
+        distances: pair_table(rows.distances, &restore)?,
+        features: pair_table(rows.features, &restore)?,
+        contacts: pair_table(rows.contacts, &restore)?,
+    })
 }
 
 impl Snapshot {
@@ -113,50 +163,61 @@ impl Snapshot {
         let bodies = &scene.bodies;
         let mut shapes = Vec::new();
         let mut known = BTreeMap::new();
-        let mut number = |shape: &Arc<ConvexPolyhedron>| {
-            *known.entry(Arc::as_ptr(shape) as usize).or_insert_with(|| {
-                shapes.push((**shape).clone());
+        let mut number = |shape: &BodyShape| {
+            *known.entry(shape.address()).or_insert_with(|| {
+                shapes.push(shape.clone());
                 shapes.len() - 1
             })
         };
+        let generations = bodies.slots.generations();
+        let [free, leaving] = bodies.slots.vacancies().map(Vec::clone);
         let mut row = |i: usize| Row {
-            generation: bodies.generations[i],
+            generation: generations[i],
             solid: bodies.solids[i].as_ref().map(|s| SolidRow {
                 shape: number(&s.shape),
                 group: s.group,
                 fixed: s.fixed,
                 boxed: s.boxed,
+                user_data: s.user_data,
             }),
             pose: bodies.poses[i],
             travel: bodies.travels[i],
             hint: bodies.hints[i],
             proxy: bodies.proxies[i],
         };
-        let rows = (0..bodies.generations.len()).map(&mut row).collect();
+        let rows = (0..generations.len()).map(&mut row).collect();
+        let swept = bodies
+            .swept
+            .iter()
+            .filter_map(|&i| Some((i, bodies.sweeps[i as usize]?)));
         Self {
             settings: scene.settings,
             shapes,
             rows,
-            free: bodies.free.clone(),
-            leaving: bodies.leaving.clone(),
+            free,
+            leaving,
             body_of_proxy: bodies.body_of_proxy.clone(),
-            velocities: bodies.velocities.clone(),
+            moving: bodies.moving.clone(),
+            sweeps: swept.collect(),
+            wide: bodies.wide.clone(),
+            ticks: bodies.ticks,
             due: bodies.due.clone(),
             step: bodies.step,
             effects: scene.table.entries().collect(),
             growths: scene.growths.iter().map(|g| g.min(f64::MAX)).collect(),
             partners: scene.partners,
             broad: scene.broad.clone(),
-            predicates: pair_rows(&scene.pair_tables.predicates),
-            distances: pair_rows(&scene.pair_tables.distances),
-            features: pair_rows(&scene.pair_tables.features),
-            contacts: pair_rows(&scene.pair_tables.contacts),
+            ignored: scene.ignored.iter().collect(),
+            polyhedra: table_rows(&scene.pair_tables.polyhedra, Tracker::clone),
+            mixed: table_rows(&scene.pair_tables.mixed, MixedTracker::stored),
             box_event_sent: scene.pair_tables.slots_with_box_event().collect(),
             events: scene.events.clone(),
+            impacts: scene.impacts.clone(),
             report: scene.report,
             replanned: scene.replanned,
             changed: scene.changed,
             budget: scene.budget,
+            schedule: scene.schedule,
         }
     }
 
@@ -171,9 +232,10 @@ impl Snapshot {
         if !growths.iter().all(|g| *g >= 0.0) {
             return Err("a box of the scene grows by less than nothing".into());
         }
-        let shapes: Vec<_> = self.shapes.into_iter().map(Arc::new).collect();
+        let shapes = self.shapes;
         let lists = [self.free, self.leaving, self.body_of_proxy, self.due];
-        let bodies = restored_bodies(self.rows, &shapes, lists, self.velocities, self.step)?;
+        let motions = (self.moving, self.sweeps, self.wide, self.ticks);
+        let bodies = restored_bodies(self.rows, &shapes, lists, motions, self.step)?;
         let planned = |g: usize| self.replanned & 1 << g != 0;
         for g in (0..GROUPS).filter(|&g| !planned(g)) {
             let group = group(g);
@@ -186,37 +248,62 @@ impl Snapshot {
             return Err("a body of the scene has a box where it should have none, or none where it should".into());
         }
         check_proxies(&bodies, &self.broad)?;
+        let ignored = restored_filter(&self.ignored, &bodies)?;
         let slots = self.broad.pairs().map(|p| p.id.slot as usize + 1).max().unwrap_or(0);
-        let (predicates, distances, features) = (
-            pair_table(self.predicates),
-            pair_table(self.distances),
-            pair_table(self.features),
-        );
-        let contacts = pair_table(self.contacts);
-        let pair_tables = PairTables::restored(predicates, distances, features, contacts, &self.box_event_sent, slots);
+        let shapes_of = |header: &PairHeader| {
+            let shape = |i: u32| bodies.solids.get(i as usize)?.as_ref().map(|s| &s.shape);
+            shape(header.a).zip(shape(header.b))
+        };
+        let polyhedra = detail_tables(self.polyhedra, |header, tracker: Tracker| {
+            let (a, b) = shapes_of(header)?;
+            Tracker::shapes(a, b).map(|_| tracker)
+        })?;
+        let mixed = detail_tables(self.mixed, |header, stored: StoredTracker| {
+            let (a, b) = shapes_of(header)?;
+            MixedTracker::restored(stored, a, b)
+        })?;
+        let pair_tables = PairTables::restored(polyhedra, mixed, &self.box_event_sent, slots);
         let pair_tables = pair_tables.ok_or("two pairs of the scene sit in one seat")?;
         check_rows(&pair_tables, &bodies, &self.broad)?;
+        let census = census_of(&bodies, &table)?;
         Ok(Scene {
             bodies,
+            census,
             table,
             broad: self.broad,
             pair_tables,
+            ignored,
             events: self.events,
+            impacts: self.impacts,
             report: self.report,
             replanned: self.replanned,
             changed: self.changed,
             growths,
             partners: self.partners,
             budget: self.budget,
+            schedule: self.schedule,
             settings: self.settings,
             batch: Vec::new(),
         })
     }
 }
 
+/// Counts the bodies, and refuses bodies that cannot answer the effects of their groups.
+fn census_of(bodies: &Bodies, table: &Table) -> Result<Census, String> {
+    let mut census = Census::default();
+    let living = bodies.solids.iter().enumerate().filter(|(i, _)| bodies.lives(*i));
+    for solid in living.filter_map(|(_, solid)| solid.as_ref()) {
+        census
+            .check_body(solid.member(), |other| table.effects(solid.group, other))
+            .map_err(|e| alloc::format!("{e}"))?;
+        census.add(solid.member());
+    }
+    Ok(census)
+}
+
 /// Checks that every body has a proxy in the broad phase, and every proxy a body.
 fn check_proxies(bodies: &Bodies, broad: &PencilSweep) -> Result<(), String> {
-    let n = bodies.generations.len();
+    let n = bodies.slots.index_count();
     let is_kept = |i: usize| broad.contains(bodies.proxies[i]);
     let is_linked = |i: usize| bodies.body_of_proxy.get(bodies.proxies[i].index as usize) == Some(&(i as u32));
     if !(0..n).all(|i| !bodies.lives(i) || is_kept(i) && is_linked(i)) {
@@ -237,6 +324,18 @@ fn check_proxies(bodies: &Bodies, broad: &PencilSweep) -> Result<(), String> {
     Ok(())
 }
 
+/// Returns the list of ignored pairs, if every pair names two bodies.
+fn restored_filter(pairs: &[(u32, u32)], bodies: &Bodies) -> Result<Ignored, String> {
+    let lives = |i: u32| bodies.slots.lives(i);
+    let mut ignored = Ignored::default();
+    for &(a, b) in pairs {
+        if !(a < b && lives(a) && lives(b) && ignored.set(a, b, true)) {
+            return Err("a pair that the scene ignores is not of two bodies".into());
+        }
+    }
+    Ok(ignored)
+}
+
 /// Checks that every row holds a pair of the broad phase.
 fn check_rows(pair_tables: &PairTables, bodies: &Bodies, broad: &PencilSweep) -> Result<(), String> {
     let sound = |header: &PairHeader| {
@@ -250,41 +349,47 @@ fn check_rows(pair_tables: &PairTables, bodies: &Bodies, broad: &PencilSweep) ->
     Ok(())
 }
 
+/// Motions of the bodies, sweeps of the step being prepared, bodies with wide boxes, and ticks.
+type Motions = (Vec<Moving>, Vec<(u32, Sweep)>, Vec<u32>, Ticks);
+
 /// Returns the tables of bodies, if every list names valid bodies.
 fn restored_bodies(
     rows: Vec<Row>,
-    shapes: &[Arc<ConvexPolyhedron>],
+    shapes: &[BodyShape],
     [free, leaving, body_of_proxy, due]: [Vec<u32>; 4],
-    velocities: Vec<Velocity>,
+    (moving, sweeps, wide, ticks): Motions,
     step: u32,
 ) -> Result<Bodies, String> {
     let n = rows.len();
-    let living = rows.iter().filter(|r| r.generation % 2 == 1).count();
-    let mut gone: Vec<u32> = free.iter().chain(&leaving).copied().collect();
-    gone.sort_unstable();
-    let generation = |i: &u32| rows.get(*i as usize).map_or(u32::MAX, |r| r.generation);
-    let dead = |i: &u32| generation(i) % 2 == 0;
+    let generations = rows.iter().map(|row| row.generation).collect();
+    let slots = Slots::restored(generations, free, leaving);
+    let slots = slots.ok_or("the lists of removed bodies contradict the scene")?;
     let known = |i: &u32| *i == u32::MAX || (*i as usize) < n;
     let here = |i: &u32| (*i as usize) < n;
-    if !gone.is_sorted_by(|a, b| a < b) || !gone.iter().all(dead) || gone.len() + living != n {
-        return Err("a list of removed bodies contradicts the scene".into());
-    }
-    // An index is retired before the generations end, so that no id comes twice.
-    if rows.iter().any(|r| r.generation == u32::MAX) || free.iter().any(|i| generation(i) >= RETIRED) {
-        return Err("an index of the scene has no generation left".into());
-    }
-    if !body_of_proxy.iter().all(known) || !due.iter().all(here) || !(velocities.is_empty() || velocities.len() == n) {
+    let swept: Vec<u32> = sweeps.iter().map(|(i, _)| *i).collect();
+    let are_here = due.iter().chain(&wide).chain(&swept).all(here);
+    if !body_of_proxy.iter().all(known) || !are_here || !(moving.is_empty() || moving.len() == n) {
         return Err("a list of the scene names a body that is not there".into());
     }
     let finite = |v: &Velocity| v.linear.iter().chain(v.angular.iter()).all(|x| x.is_finite());
-    if !velocities.iter().all(finite) {
+    if !moving.iter().all(|m| finite(&m.velocity)) || !ticks.length.is_finite() {
         return Err("a velocity of the scene is not finite".into());
     }
+    let mut table = alloc::vec![None; if sweeps.is_empty() { 0 } else { n }];
+    for (i, sweep) in sweeps {
+        checked(&sweep.from, None).map_err(|e| alloc::format!("{e}"))?;
+        if !finite(&sweep.velocity) || table[i as usize].replace(sweep).is_some() {
+            return Err("a sweep of the scene is not finite, or is there twice".into());
+        }
+    }
     let mut bodies = Bodies {
-        free,
-        leaving,
+        slots,
         body_of_proxy,
-        velocities,
+        moving,
+        sweeps: table,
+        swept,
+        wide,
+        ticks,
         due,
         step,
         ..Bodies::default()
@@ -293,7 +398,7 @@ fn restored_bodies(
         let solid = match &row.solid {
             Some(s) => {
                 let shape = shapes.get(s.shape).ok_or("a body of the scene has no shape")?;
-                let mut body = Body::moving(shape.clone()).group(s.group);
+                let mut body = Body::moving(shape.clone()).group(s.group).user_data(s.user_data);
                 body.fixed = s.fixed;
                 let mut solid = Solid::new(body).map_err(|e| alloc::format!("{e}"))?;
                 solid.boxed = s.boxed;
@@ -306,7 +411,7 @@ fn restored_bodies(
         if !(row.travel.odometer >= 0.0) {
             return Err("an odometer of the scene is no number".into());
         }
-        bodies.restore(row.generation, solid, row.pose, row.travel, row.hint, row.proxy);
+        bodies.restore(solid, row.pose, row.travel, row.hint, row.proxy);
     }
     Ok(bodies)
 }

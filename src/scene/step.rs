@@ -3,37 +3,43 @@
 use alloc::vec::Vec;
 
 use super::Scene;
-use super::body::{Bodies, box_of};
-use super::effects::{GROUPS, Group, Table, group_pair_of};
-use super::events::{Change, Event, PairChange};
+use super::body::{Bodies, box_of, swept_box};
+use super::effects::{Detail, GROUPS, Group, Table, group_pair_of};
+use super::events::{Change, Event, PairChange, PairImpact};
 use super::narrow_phase::{Context, Tally, test_table};
-use super::pair_table::{PairFlags, PairHeader, PairState, PairTables};
+use super::pair_table::{DetailTables, PairFlags, PairHeader, PairState, PairTables};
+use super::pair_tracker::{AnyTracker, PairTracker};
 use super::report::{Clock, Report};
 use crate::broad::{self, Aabb, BroadPhase, PairId};
 use crate::polyhedron::BoxHint;
+#[cfg(feature = "parallel")]
+use crate::tuning::scene::QUERY_IN_BOXES;
 
 impl Scene {
     /// Applies all calls since the last step and computes the effects called for. Does nothing if
     /// there were no calls.
     pub fn step(&mut self) -> &Report {
-        self.report = Report::default();
+        let last = core::mem::take(&mut self.report).counts.queries;
         self.report.counts.steps = 1;
         self.events.clear();
+        self.impacts.clear();
         if self.is_due() {
+            self.bodies.narrow();
             let mut clock = Clock::start();
             let recreated = self.replan();
             self.make_boxes();
             self.report.times.boxes = clock.lap();
-            let mut changes = self.find_pairs(recreated);
+            let changes = self.find_pairs(recreated);
             self.report.times.pairs = clock.lap();
-            self.test_pairs(&mut changes);
+            let tally = self.test_pairs(changes, last);
             self.report.times.look = clock.lap();
-            self.write_events(&mut changes);
+            self.write_events(tally);
             self.report.times.events = clock.lap();
             self.bodies.end_step();
             (self.changed, self.replanned) = (false, 0);
         }
         self.report.counts.pairs = self.broad.pair_count() as u64;
+        self.report.counts.uncovered = self.census.count(|group| self.partners[group.index()] == 0);
         &self.report
     }
 
@@ -98,6 +104,7 @@ impl Scene {
             bodies,
             partners: &self.partners,
             growths: &self.growths,
+            swept_groups: self.table.impact_groups(),
         };
         #[cfg(feature = "parallel")]
         if bodies.due.len() >= self.settings.parallel_from.max(1) {
@@ -117,8 +124,10 @@ impl Scene {
     /// Lets the broad phase find new and ended pairs, and updates the rows of the tables. A pair of
     /// a body with a recreated proxy ends and begins in one step, and keeps its state.
     fn find_pairs(&mut self, recreated: bool) -> Vec<PairChange> {
-        let events = self.broad.step();
-        let (bodies, pair_tables) = (&self.bodies, &mut self.pair_tables);
+        let (bodies, pair_tables, ignored) = (&self.bodies, &mut self.pair_tables, &self.ignored);
+        let body_of = |proxy: broad::BodyId| bodies.body_of_proxy[proxy.index as usize];
+        let mut filter = |x, y| !ignored.contains(body_of(x), body_of(y));
+        let events = self.broad.step_with(&mut filter);
         let mut changes = Vec::new();
         let mut removed = Vec::new();
         for pair in events.ended {
@@ -177,46 +186,75 @@ impl Scene {
         }
     }
 
-    /// The narrow phase: budget, balls, tracker.
-    fn test_pairs(&mut self, changes: &mut Vec<PairChange>) {
+    /// The narrow phase: budget, balls, tracker. `last` is the number of queries of the last step:
+    /// how many this step will need, if bodies move on as before.
+    fn test_pairs(&mut self, changes: Vec<PairChange>, last: u64) -> Tally {
         let context = Context {
             bodies: &self.bodies,
             table: &self.table,
             budget: self.budget,
+            schedule: self.schedule,
         };
         let mut tally = Tally {
             counts: self.report.counts,
-            changes: core::mem::take(changes),
+            changes,
+            impacts: Vec::new(),
         };
-        let pair_tables = &mut self.pair_tables;
         #[cfg(feature = "parallel")]
-        if self.bodies.len() >= self.settings.parallel_from {
-            super::parallel::test_table(&mut pair_tables.predicates, &context, &mut tally);
-            super::parallel::test_table(&mut pair_tables.distances, &context, &mut tally);
-            super::parallel::test_table(&mut pair_tables.features, &context, &mut tally);
-            super::parallel::test_table(&mut pair_tables.contacts, &context, &mut tally);
-            (self.report.counts, *changes) = (tally.counts, tally.changes);
-            return;
-        }
-        test_table(&mut pair_tables.predicates, &context, &mut tally);
-        test_table(&mut pair_tables.distances, &context, &mut tally);
-        test_table(&mut pair_tables.features, &context, &mut tally);
-        test_table(&mut pair_tables.contacts, &context, &mut tally);
-        (self.report.counts, *changes) = (tally.counts, tally.changes);
+        let is_parallel = is_shared(last.max(self.report.counts.began), self.settings.parallel_from);
+        #[cfg(not(feature = "parallel"))]
+        let (is_parallel, _) = (false, last);
+        test_tables(&mut self.pair_tables.polyhedra, &context, &mut tally, is_parallel);
+        test_tables(&mut self.pair_tables.mixed, &context, &mut tally, is_parallel);
+        self.report.counts = tally.counts;
+        tally
     }
 
-    /// Sorts the changes and writes them as events with ids.
-    fn write_events(&mut self, changes: &mut [PairChange]) {
-        changes.sort_unstable_by_key(|h| (h.pair, h.change));
+    /// Sorts changes and impacts, and writes them with ids.
+    fn write_events(&mut self, mut tally: Tally) {
+        tally.changes.sort_unstable_by_key(|h| (h.pair, h.change));
         let bodies = &self.bodies;
-        self.events.extend(changes.iter().map(|h| Event {
+        self.events.extend(tally.changes.iter().map(|h| Event {
             a: bodies.id(h.pair.0),
             b: bodies.id(h.pair.1),
             pair: h.id,
             change: h.change,
         }));
+        self.impacts.append(&mut tally.impacts);
+        let order = |x: &PairImpact, y: &PairImpact| x.safe().total_cmp(&y.safe()).then((x.a, x.b).cmp(&(y.a, y.b)));
+        self.impacts.sort_unstable_by(order);
         self.report.counts.events = self.events.len() as u64;
+        self.report.counts.impacts = self.impacts.len() as u64;
     }
+}
+
+/// Whether the queries expected in a step are worth threads, for a scene whose boxes are from
+/// `bodies` bodies on.
+#[cfg(feature = "parallel")]
+fn is_shared(queries: u64, bodies: usize) -> bool {
+    queries.saturating_mul(QUERY_IN_BOXES) >= bodies as u64
+}
+
+/// Tests the pairs of all tables of one type of tracker.
+fn test_tables<T: PairTracker>(
+    tables: &mut DetailTables<T>,
+    context: &Context<'_>,
+    tally: &mut Tally,
+    is_parallel: bool,
+) {
+    #[cfg(feature = "parallel")]
+    if is_parallel {
+        super::parallel::test_table(&mut tables.predicates, context, tally);
+        super::parallel::test_table(&mut tables.distances, context, tally);
+        super::parallel::test_table(&mut tables.features, context, tally);
+        super::parallel::test_table(&mut tables.contacts, context, tally);
+        return;
+    }
+    debug_assert!(!is_parallel, "threads need the feature `parallel`");
+    test_table(&mut tables.predicates, context, tally);
+    test_table(&mut tables.distances, context, tally);
+    test_table(&mut tables.features, context, tally);
+    test_table(&mut tables.contacts, context, tally);
 }
 
 pub(super) fn group(number: usize) -> Group {
@@ -269,7 +307,15 @@ fn begin(
         state: PairFlags::default(),
         wake: 0.0,
     };
-    pair_tables.insert(plan, header, pair_state);
+    let tracker = pair_state.tracker.or_else(|| {
+        let shape = |i: u32| bodies.solids[i as usize].as_ref().map(|solid| &solid.shape);
+        if plan.detail > Detail::Boxes {
+            AnyTracker::new(shape(a)?, shape(b)?)
+        } else {
+            None
+        }
+    });
+    pair_tables.insert(plan, header, PairState { tracker, ..pair_state });
 }
 
 /// Read-only input of box making.
@@ -278,6 +324,8 @@ pub(super) struct Boxes<'a> {
     /// By group: the groups to pair with as bits, and the growth of the boxes.
     partners: &'a [u32; GROUPS],
     growths: &'a [f64; GROUPS],
+    /// Groups whose boxes hold sweeps, as bits.
+    swept_groups: u32,
 }
 
 impl Boxes<'_> {
@@ -294,7 +342,11 @@ impl Boxes<'_> {
             let group = solid.group.index();
             if self.partners[group] != 0 {
                 let hint = &mut hints[(index - first) as usize];
-                let aabb = box_of(&solid.shape, &self.bodies.poses[i], self.growths[group], hint);
+                let growth = self.growths[group];
+                let sweep = self.bodies.sweeps.get(i).and_then(Option::as_ref);
+                let sweep = sweep.filter(|_| self.swept_groups & 1 << group != 0);
+                let swept = sweep.and_then(|sweep| swept_box(self.bodies, i, sweep, growth, hint));
+                let aabb = swept.unwrap_or_else(|| box_of(&solid.shape, &self.bodies.poses[i], growth, hint));
                 batch.push((self.bodies.proxies[i], aabb));
             }
         }

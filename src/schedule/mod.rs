@@ -1,9 +1,9 @@
-//! Who must be looked at when: pairs sleep until their certificate runs out.
+//! Due pairs by ids, ticks and bounds: each pair sleeps until the proof of its separation ends.
 //!
-//! A [`Schedule`] knows ids, integer ticks and bounds, and no shape. A pair that was proven free
-//! for so long, or proven to stay as it is, sleeps for the whole ticks of that time ([`ticks`],
-//! rounded down); a body whose velocity changes, or that is put elsewhere, wakes all its pairs.
-//! What is due comes in one order, by tick and ids, whatever the order of the calls was.
+//! A [`Schedule`] knows ids, integer ticks and bounds, and no shape. A pair that is proven free of
+//! contact, or proven to stay in contact, sleeps for the whole ticks of the time proven ([`ticks`],
+//! rounded down); a body whose velocity changes, or that is put elsewhere, wakes all pairs of the
+//! body. Due pairs come in the order of ticks and ids, whatever the order of the calls was.
 //!
 //! ```
 //! use lin_canny::schedule::{Schedule, ticks};
@@ -17,54 +17,56 @@
 //!     schedule.advance(tick);
 //!     while let Some(due) = schedule.due() {
 //!         looks += 1;
-//!         // Here a look: 3 and 7 are proven free for a quarter of a second, 3 and 9 overlap.
+//!         // Here a query: 3 and 7 are proven free for a quarter of a second,
+//!         // 3 and 9 overlap.
 //!         if due.pair == (3, 7) { schedule.sleep(&due, ticks(0.25, dt)) }
 //!     }
 //! }
 //! assert_eq!(looks, 4 + 60);
 //! ```
 //!
-//! # What is sound
+//! # Rules
 //!
-//! 1. A look at tick k that proves a pair free until the time of tick k + m, that one included,
-//!    lets it sleep until tick k + m + 1.
-//! 2. A pair that is due and not put to sleep is due again at the next tick: overlap and contact
-//!    re-arm themselves.
+//! 1. A look at tick k that proves a pair free until the time of tick k + m, tick k + m included,
+//!    lets the pair sleep until tick k + m + 1.
+//! 2. A pair that is due and not put to sleep is due again at the next tick: pairs in contact stay
+//!    due.
 //! 3. An answer counts only if neither body was disturbed since the pair was due ([`Due`] carries
-//!    the epochs of both).
+//!    the epochs of both bodies).
 //! 4. Ticks are integers: no wake-up is lost to the rounding of a clock.
 //!
-//! # When not to use it
+//! # When not to use a schedule
 //!
-//! Where velocities are unknown or change at every tick, a displacement budget
-//! ([`scene`](crate::scene)) sleeps longer. Where no broad phase bounds the pairs, n bodies have n
-//! (n - 1) / 2 of them, and a heap of all loses to boxes by an order of magnitude.
+//! If velocities are unknown or change at every tick, a displacement budget
+//! ([`scene`](crate::scene)) sleeps longer. Without a broad phase, n bodies have n (n - 1) / 2
+//! pairs, and a heap of all pairs is slower than boxes by an order of magnitude. A scene applies
+//! these rules to the pairs of its boxes without a heap: see [`Scene::advance`].
+//!
+//! [`Scene::advance`]: crate::scene::Scene::advance
 //!
 //! # Source
 //!
-//! The heap of wake-up times is that of Lin 1993, section 5.1. Departures:
+//! Lin 1993, section 5.1 (the heap of wake-up times). Departures:
 //!
 //! 1. Bounds come from the caller and are proven over all points; the thesis takes the speed of the
-//!    closest points alone, which a spinning rod outruns by any factor.
-//! 2. No least time between looks: a pair in contact is looked at at every tick, one that is apart
-//!    by its bound.
-//! 3. Disturbed bodies bump an epoch, so that no stale wake-up or answer counts.
+//!    closest points alone, and a spinning rod outruns this speed by any factor.
+//! 2. No least time between looks: a pair in contact is looked at in every tick, a pair apart by
+//!    the bound.
+//! 3. A disturbed body has another epoch, so that no stale wake-up or answer counts.
 
 use alloc::collections::{BTreeMap, BTreeSet, BinaryHeap};
 use core::cmp::Reverse;
 
 use crate::tolerance::TICK;
+use crate::tuning::schedule::SPARE;
 
-/// A heap is made anew when it holds so many entries more than four a pair.
-const SPARE: usize = 64;
-
-/// Pairs of bodies, by the ids of the caller, and when each is to be looked at.
+/// Pairs of bodies, by the ids of the caller, and the tick at which each pair is due.
 #[derive(Clone, Debug, Default)]
 pub struct Schedule {
     now: u64,
     /// The tick at which each pair is due.
     pairs: BTreeMap<(u32, u32), u64>,
-    /// The same pairs, the higher id first.
+    /// All pairs again, the higher id first.
     turned: BTreeSet<(u32, u32)>,
     epochs: BTreeMap<u32, u64>,
     /// Entries that agree with `pairs`, and stale ones.
@@ -74,9 +76,9 @@ pub struct Schedule {
 /// A pair to be looked at now.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Due {
-    /// The ids, the lower one first.
+    /// The ids, the lower id first.
     pub pair: (u32, u32),
-    /// The tick it was due at: now, or before if ticks were left out.
+    /// The tick at which the pair became due: now, or before if ticks were left out.
     pub since: u64,
     /// How often each body was disturbed until now.
     epochs: (u64, u64),
@@ -89,8 +91,8 @@ impl Schedule {
         Self::default()
     }
 
-    /// Adds a pair, due now. Returns false, and changes nothing, if it is there already or is no
-    /// pair.
+    /// Adds a pair, due now. Returns false, and changes nothing, if the pair is there already or
+    /// both ids are equal.
     pub fn insert(&mut self, a: u32, b: u32) -> bool {
         let pair = ordered(a, b);
         if a == b || self.pairs.contains_key(&pair) {
@@ -101,14 +103,14 @@ impl Schedule {
         true
     }
 
-    /// Takes a pair out. Returns false if it was not there.
+    /// Removes a pair. Returns false if the pair was not there.
     pub fn remove(&mut self, a: u32, b: u32) -> bool {
         let pair = ordered(a, b);
         self.turned.remove(&(pair.1, pair.0));
         self.pairs.remove(&pair).is_some()
     }
 
-    /// Takes a body and all its pairs out.
+    /// Removes a body and all pairs of the body.
     pub fn remove_body(&mut self, body: u32) {
         for (a, b) in self.of(body) {
             self.remove(a, b);
@@ -116,7 +118,7 @@ impl Schedule {
         self.epochs.remove(&body);
     }
 
-    /// Returns how many pairs there are.
+    /// Returns the number of pairs.
     #[must_use]
     pub fn len(&self) -> usize {
         self.pairs.len()
@@ -128,19 +130,19 @@ impl Schedule {
         self.pairs.is_empty()
     }
 
-    /// Returns the tick it is.
+    /// Returns the present tick.
     #[must_use]
     pub fn now(&self) -> u64 {
         self.now
     }
 
-    /// Lets it be a later tick. A tick before the present one changes nothing.
+    /// Goes on to a later tick. A tick before the present tick changes nothing.
     pub fn advance(&mut self, tick: u64) {
         self.now = self.now.max(tick);
     }
 
-    /// Tells that the velocity of a body changed, or that the body was put elsewhere: its pairs are
-    /// due now.
+    /// Notes that the velocity of a body changed, or that the body was put elsewhere: all pairs of
+    /// the body are due now.
     pub fn disturb(&mut self, body: u32) {
         *self.epochs.entry(body).or_insert(0) += 1;
         for pair in self.of(body) {
@@ -150,7 +152,7 @@ impl Schedule {
         }
     }
 
-    /// Returns the next pair that is due, if any. It is due again at the next tick, unless it is
+    /// Returns the next pair that is due, if any. The pair is due again at the next tick, unless
     /// put to [`sleep`](Self::sleep).
     pub fn due(&mut self) -> Option<Due> {
         while let Some(&Reverse((since, a, b))) = self.heap.peek() {
@@ -171,15 +173,16 @@ impl Schedule {
         None
     }
 
-    /// Lets a pair sleep for so many whole ticks after this one: it is looked at again at the tick
-    /// after those. Nothing is changed if a body of it was disturbed since, or the pair is gone.
+    /// Lets a pair sleep for a number of whole ticks after the present tick: the pair is due at the
+    /// tick after these. Changes nothing if a body of the pair was disturbed since the pair was
+    /// due, or the pair is gone.
     pub fn sleep(&mut self, due: &Due, ticks: u64) {
         if ticks > 0 && self.pairs.contains_key(&due.pair) && self.epochs_of(due.pair) == due.epochs {
             self.wake_at(due.pair, self.now.saturating_add(ticks).saturating_add(1));
         }
     }
 
-    /// Returns the tick of the next look, if there is a pair.
+    /// Returns the tick at which the next pair is due, if there is a pair.
     #[must_use]
     pub fn next(&self) -> Option<u64> {
         self.pairs.values().copied().min().map(|tick| tick.max(self.now))
@@ -202,7 +205,7 @@ impl Schedule {
         (epoch(a), epoch(b))
     }
 
-    /// The pairs of a body, in the order of their ids.
+    /// Returns the pairs of a body, in the order of ids.
     fn of(&self, body: u32) -> alloc::vec::Vec<(u32, u32)> {
         let lower = self.turned.range((body, 0)..=(body, u32::MAX)).map(|&(b, a)| (a, b));
         let higher = self.pairs.range((body, 0)..=(body, u32::MAX)).map(|(&pair, _)| pair);
@@ -210,12 +213,12 @@ impl Schedule {
     }
 }
 
-/// Returns the whole ticks in a span of time, rounded down by more than the rounding of both: none
-/// for a span that is no number.
+/// Returns the number of whole ticks in a span of time, rounded down by more than the rounding of
+/// the quotient; 0 if the span or the tick is not a positive number.
 #[must_use]
 pub fn ticks(span: f64, tick: f64) -> u64 {
     let whole = span / tick * (1.0 - TICK);
-    // The cast saturates, and sends NaN and what is negative to zero.
+    // The cast saturates, and returns zero for NaN and negative numbers.
     if tick > 0.0 { whole as u64 } else { 0 }
 }
 
@@ -227,7 +230,7 @@ fn ordered(a: u32, b: u32) -> (u32, u32) {
 mod tests {
     extern crate std;
     use super::*;
-    use lab::rng::Rng;
+    use crate::rng::Rng;
     use std::collections::BTreeMap;
     use std::vec::Vec;
 

@@ -1,4 +1,4 @@
-//! Balls about the pivots: they hold their shapes however these turn.
+//! Balls about the pivots, which contain the shapes at every turn.
 
 use nalgebra::{Isometry3, Vector3};
 
@@ -8,15 +8,16 @@ use crate::num::scalar::sqrt;
 use crate::pose::Operand;
 use crate::tolerance::{BALLS, PLANE, ROOT};
 
-/// What the balls say of a flight.
+/// The time for which balls stay apart on a flight.
 pub(crate) struct Apart {
-    /// For how long they are apart; infinite if for ever.
+    /// Time for which the balls are apart; infinite if for ever.
     pub(crate) span: f64,
-    /// The sum of their radii.
+    /// The sum of the radii.
     pub(crate) reach: f64,
-    /// How far they are apart.
+    /// The distance of the balls.
     pub(crate) gap: f64,
-    /// What rounding and the constant drift of both motions may make of a distance.
+    /// Upper bound of the effect of rounding and of the constant drift of both motions on a
+    /// distance.
     pub(crate) noise: f64,
 }
 
@@ -71,7 +72,7 @@ pub(super) fn apart<S: Separation + ?Sized>(pair: &S, flight: &Flight) -> Apart 
     }
 }
 
-/// For how long no point of a shape moves, seen from the other, by as much as `way`.
+/// Returns the time in which no point of A, seen from B, moves by as much as `way`.
 pub(super) fn held<S: Separation + ?Sized>(pair: &S, flight: &Flight, way: f64) -> f64 {
     let (a, b) = (&flight.course_a, &flight.course_b);
     let (radius_a, _) = about(pair, Operand::A, &flight.pose_a, a);
@@ -79,8 +80,8 @@ pub(super) fn held<S: Separation + ?Sized>(pair: &S, flight: &Flight, way: f64) 
     let drift = a.drift(radius_a) + b.drift(radius_b);
     let push = (b.acceleration - a.acceleration).norm();
     let pace = (b.linear - a.linear).norm() + radius_a * a.angular.norm() + radius_b * b.angular.norm();
-    // Over the whole span, then over what that left: drifts and pushes grow with the span they are
-    // counted for.
+    // Over the whole span, then over the rest: drifts and accelerations grow with the span for
+    // which both are counted.
     let mut span = flight.span;
     for _ in 0..3 {
         let left = way * (1.0 - PLANE) - drift.at(span) - 0.5 * push * span * span;

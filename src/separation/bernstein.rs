@@ -5,10 +5,7 @@
 //! root before the hull of these points reaches zero.
 
 use crate::tolerance::{BERNSTEIN, ROOT};
-
-/// How often the rest beyond the bound is cut off and bounded again. The bound converges
-/// quadratically.
-const ROUNDS: u32 = 4;
+use crate::tuning::separation::ROUNDS;
 
 /// Returns a number in 0..=1 such that the cubic is positive before it, rounding included; 1 if the
 /// whole of the cubic is.
@@ -35,8 +32,8 @@ pub(super) fn positive_until(coefficients: [f64; 4]) -> f64 {
     from * (1.0 - ROOT)
 }
 
-/// Where the hull of the points reaches zero: the least crossing over all pairs, not only over
-/// those with the first point.
+/// Returns the place at which the hull of the points reaches zero: the least crossing over all
+/// pairs, not only over the pairs with the first point.
 #[inline]
 fn hull_until(c: &[f64; 4]) -> f64 {
     let mut least: f64 = 1.0;
@@ -67,7 +64,7 @@ fn rest(c: &[f64; 4], x: f64) -> [f64; 4] {
 mod tests {
     extern crate std;
     use super::*;
-    use lab::rng::Rng;
+    use crate::rng::Rng;
 
     fn value(c: &[f64; 4], x: f64) -> f64 {
         rest(c, x)[0]

@@ -1,11 +1,11 @@
-//! The seam between pairs of shapes and what is built on their distance over time.
+//! Pairs of shapes that can be measured at a pose and bounded over time.
 //!
 //! [`Separation`] is a pair of shapes, of any two kinds, that can be measured at a relative pose.
-//! [`impact`](crate::impact) asks for nothing else. A pair of convex shapes implements
+//! [`impact`](crate::impact) needs nothing more. A pair of convex shapes implements
 //! [`ball`](Separation::ball), [`measure`](Separation::measure), [`meets`](Separation::meets) and
 //! [`support`](Separation::support), and gets [`free_for`](Separation::free_for), one look ahead,
-//! from a plane that turns (`separation/plane.rs`). A pair without one plane between its shapes
-//! (meshes, composites) answers `free_for` by means of its own, and needs no `support`.
+//! from a plane that turns (`separation/plane.rs`). A pair of shapes that no plane need separate
+//! (meshes, composites) implements `free_for` by another bound, and needs no `support`.
 //!
 //! [`PolyhedronPair`] is the pair of two [`ConvexPolyhedron`](crate::ConvexPolyhedron)s and a
 //! [`Tracker`](crate::Tracker); [`ShapePair`] is the pair of two [`Shape`](crate::Shape)s, rounded
@@ -30,23 +30,23 @@ pub use shapes::ShapePair;
 /// Two shapes that can be measured against each other, and bounded over time.
 ///
 /// Lengths are in the caller's units, points and directions in the frames of their shapes. Every
-/// bound includes the rounding of its own computation. What a pair caches changes the time of an
-/// answer, never its truth.
+/// bound includes the rounding of the computation. A cache changes the time of an answer, never the
+/// truth.
 pub trait Separation {
-    /// Returns a ball that holds a shape: its centre in the shape's frame, and its radius.
+    /// Returns a ball that contains a shape: centre, in the frame of the shape, and radius.
     fn ball(&self, of: Operand) -> (Point3<f64>, f64);
 
-    /// Returns the closest points at a pose. Of an overlap the class alone counts; its depth need
+    /// Returns the closest points at a pose. Of an overlap only the class counts; the depth need
     /// not be found.
     fn measure(&mut self, a_from_b: &RelativePose) -> Measure;
 
-    /// Returns whether the shapes are proven to be at most `distance` apart at a pose; false if
-    /// that is not proven. `seen` is the last measure, taken nearby.
+    /// Returns whether the shapes are proven to be at most `distance` apart at a pose; false
+    /// without a proof. `seen` is the last measure, taken nearby.
     fn meets(&mut self, a_from_b: &RelativePose, distance: f64, seen: &Measure) -> bool;
 
-    /// Returns the height of a shape along a direction of its frame, of any length: a bound, from
-    /// above, of `direction . (x - c)` over all points `x`, `c` the centre of its
-    /// [`ball`](Self::ball). If not implemented, the height of the ball: sound, and loose.
+    /// Returns the height of a shape along a direction of any length, in the frame of the shape: an
+    /// upper bound of `direction . (x - c)` over all points `x`, with `c` the centre of the
+    /// [`ball`](Self::ball). The default is the height of the ball: sound, and loose.
     fn support(&mut self, of: Operand, direction: &Vector3<f64>) -> Support {
         let (_, radius) = self.ball(of);
         let length = direction.norm();
@@ -61,20 +61,20 @@ pub trait Separation {
         }
     }
 
-    /// Returns for how long the shapes are proven to stay more than `flight.keep` apart: one look
-    /// ahead from the pose at which `seen` was measured. If not implemented, by a separating plane
-    /// that turns as the closest features do, bounded over both shapes by their
+    /// Returns the time for which the shapes are proven to stay more than `flight.keep` apart: one
+    /// look ahead from the pose at which `seen` was measured. The default is a separating plane
+    /// that turns with the closest features, bounded over both shapes by
     /// [`support`](Self::support).
     fn free_for(&mut self, seen: &Measure, flight: &Flight) -> Free {
         plane::free_for(self, seen, flight)
     }
 }
 
-/// What one look at a pair finds.
+/// The closest points of a pair at a pose.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Measure {
-    /// Which side of contact the pair is on.
+    /// Whether the shapes are apart, touch or overlap.
     pub class: Class,
     /// The best estimate of the distance; zero or less if the shapes touch or overlap.
     pub distance: f64,
@@ -83,9 +83,10 @@ pub struct Measure {
     pub lower: f64,
     /// Upper bound of the distance.
     pub upper: f64,
-    /// The closest features, for shapes that name theirs.
+    /// The closest features, for shapes with named features.
     pub features: Option<FeaturePair>,
-    /// Which piece or triangle of either shape they are of; zero for shapes of one piece.
+    /// The piece or triangle of A and of B to which the features belong; zero for shapes of one
+    /// piece.
     pub pieces: (u32, u32),
     /// The witness on A, in A's frame.
     pub point_on_a: Point3<f64>,
@@ -93,37 +94,37 @@ pub struct Measure {
     pub point_on_b: Point3<f64>,
     /// Unit direction from A to B, in A's frame.
     pub normal: Unit<Vector3<f64>>,
-    /// How the direction turns as the shapes move.
+    /// The turn of the direction as the shapes move.
     pub tangent: Tangent,
-    /// Whether the shapes are proven `lower` apart along this very `normal`, as they are by its
-    /// supporting planes.
+    /// Whether the supporting planes perpendicular to this very `normal` prove the shapes `lower`
+    /// apart.
     pub by_plane: bool,
 }
 
-/// How the closest direction of a pair turns with its shapes, to first order. Not a matter of
-/// soundness: a tangent that fits makes a look reach farther.
+/// The turn of the closest direction of a pair as the shapes turn, to first order. Not a matter of
+/// soundness: the right tangent makes a look reach farther.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Tangent {
-    /// It depends on the points more than on the shapes' turns: two vertices, or curved shapes.
+    /// Depends on the points more than on the turns of the shapes: two vertices, or curved shapes.
     #[default]
     Free,
     /// With A: a face of A, or an edge of A and a vertex of B.
     WithA,
     /// With B: a face of B, or a vertex of A and an edge of B.
     WithB,
-    /// Perpendicular to an edge of A and an edge of B, whose directions are given each in its own
-    /// frame.
+    /// Perpendicular to an edge of A and an edge of B: the directions of the edges, each in the
+    /// frame of the shape.
     Edges(Vector3<f64>, Vector3<f64>),
 }
 
-/// A support point and the height that it proves.
+/// A support point and the proven height.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Support {
-    /// Upper bound of the height of the whole shape along the direction, from the centre of its
+    /// Upper bound of the height of the whole shape along the direction, from the centre of the
     /// ball.
     pub height: f64,
-    /// A point of about that height, less the centre of the ball. Not a matter of soundness.
+    /// A point of about this height, less the centre of the ball. Not a matter of soundness.
     pub point: Vector3<f64>,
 }
 
@@ -134,9 +135,9 @@ pub struct Flight {
     pub pose_a: Isometry3<f64>,
     /// Pose of B at the instant.
     pub pose_b: Isometry3<f64>,
-    /// What A does from there on, for at least `span`.
+    /// Velocities and bounds of A from the instant on, for at least `span`.
     pub course_a: Course,
-    /// What B does from there on, for at least `span`.
+    /// Velocities and bounds of B from the instant on, for at least `span`.
     pub course_b: Course,
     /// How far ahead is of interest.
     pub span: f64,
@@ -144,55 +145,55 @@ pub struct Flight {
     pub keep: f64,
 }
 
-/// For how long a pair is free, and why.
+/// The time for which a pair is proven free, and the proof.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Free {
-    /// From the instant of the look on: at most its span.
+    /// Time from the instant of the look on: at most the span of the flight.
     pub span: f64,
-    /// What proves it.
+    /// The proof.
     pub proof: Proof,
 }
 
-/// Why a pair is free of contact over an interval.
+/// Proof that a pair is free of contact over an interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Proof {
-    /// The balls about the pivots, which hold the shapes however they turn, stay apart.
+    /// The balls about the pivots, which contain the shapes at every turn, stay apart.
     Balls,
-    /// A plane stays between the shapes: at `s` after the instant its normal is `normal`, turned by
-    /// `spin * s` (a rotation vector), both in the world.
+    /// A plane stays between the shapes: at `s` after the instant the normal of the plane is
+    /// `normal`, turned by `spin * s` (a rotation vector), both in the world.
     Plane {
         /// Direction from A to B at the instant.
         normal: Vector3<f64>,
         /// Axis times radians a unit of time.
         spin: Vector3<f64>,
     },
-    /// By means of the pair's own.
+    /// Another bound, known to the pair.
     Own,
 }
 
 impl Flight {
-    /// Returns how long the witnesses take to come nearer by `way`, to second order: an
+    /// Returns the time in which the witnesses come nearer by `way`, to second order: an
     /// expectation, no bound. `None` if never.
     #[must_use]
     pub fn forecast<S: Separation + ?Sized>(&self, pair: &S, seen: &Measure, way: f64) -> Option<f64> {
         plane::forecast(pair, seen, self, way)
     }
 
-    /// Returns for how long the balls of a pair stay more than `keep` apart, however the shapes
-    /// turn; with it what rounding may make of a distance here.
+    /// Returns the time for which the balls of a pair stay more than `keep` apart at every turn of
+    /// the shapes, and the effect of rounding on a distance.
     pub(crate) fn apart<S: Separation + ?Sized>(&self, pair: &S) -> balls::Apart {
         balls::apart(pair, self)
     }
 
-    /// Returns for how long no point of a shape moves, seen from the other, by as much as `way`.
+    /// Returns the time in which no point of A, seen from B, moves by as much as `way`.
     pub(crate) fn held<S: Separation + ?Sized>(&self, pair: &S, way: f64) -> f64 {
         balls::held(pair, self, way)
     }
 }
 
 impl Measure {
-    /// Takes over the outcome of a query of two polyhedra.
+    /// Returns the measure of an outcome of two polyhedra.
     pub(crate) fn new(outcome: &Outcome, tangent: Tangent) -> Self {
         Self {
             class: outcome.class,

@@ -8,7 +8,9 @@
 //! the greatest `m . x` over the points x of X about its pivot, in axes that turn with X, the gap
 //! along the normal is
 //!
-//! `g(s) = n(s) . (dc + dv s + da s^2 / 2) - h_A(mA(s)) - h_B(-mB(s)),   m_X(s) = exp(-w_X s) exp(eta s) n`,
+//! `g(s) = n(s) . (dc + dv s + da s^2 / 2) - h_A(mA(s)) - h_B(-mB(s))`,
+//!
+//! `m_X(s) = exp(-w_X s) exp(eta s) n`,
 //!
 //! and `g > 0` on an interval proves the shapes apart there, whatever eta is. Taylor's theorem with
 //! `m' = (eta - w) x n`, `m'' = eta x (eta x n) - 2 w x (eta x n) + w x (w x n)` and
@@ -45,20 +47,9 @@ use crate::motion::{Course, Drift};
 use crate::num::scalar::sqrt;
 use crate::pose::{Operand, rotation_matrix};
 use crate::tolerance::PLANE;
+use crate::tuning::separation::{AHEAD, ENOUGH, FAR, TRIES};
 
-/// Times the root that is expected: how far a first try goes.
-const AHEAD: f64 = 1.25;
-
-/// A try goes on if it proved less than this part of its interval, with twice what was proven.
-const ENOUGH: f64 = 0.4;
-
-/// Tries a plane. Measured: 1.4 on average.
-const TRIES: u32 = 3;
-
-/// The part of both radii beyond which a plane that does not turn is tried, too.
-const FAR: f64 = 0.05;
-
-/// Returns for how long a turning plane proves the shapes more than `flight.keep` apart.
+/// Returns the time for which a turning plane proves the shapes more than `flight.keep` apart.
 pub(super) fn free_for<S: Separation + ?Sized>(pair: &mut S, seen: &Measure, flight: &Flight) -> Free {
     let setting = Setting::new(pair, flight);
     let normal = setting.a.rotation * seen.normal.into_inner();
@@ -84,7 +75,7 @@ pub(super) fn free_for<S: Separation + ?Sized>(pair: &mut S, seen: &Measure, fli
     }
 }
 
-/// Returns how long the witnesses take to come nearer by `way`, to second order; `None` if never.
+/// Returns the time in which the witnesses come nearer by `way`, to second order; `None` if never.
 pub(super) fn forecast<S: Separation + ?Sized>(pair: &S, seen: &Measure, flight: &Flight, way: f64) -> Option<f64> {
     let set = Setting::new(pair, flight);
     let normal = set.a.rotation * seen.normal.into_inner();
@@ -129,10 +120,10 @@ struct Side {
 /// Heights of both shapes along the normal, and their points.
 type Heights = ((f64, Vector3<f64>), (f64, Vector3<f64>));
 
-/// How the direction turns as a shape sees it: first and second derivative, and a bound of the
+/// Turn of the direction as seen from a shape: first and second derivative, and a bound of the
 /// third.
 struct Turn {
-    /// Whether it does not turn at all.
+    /// Whether the direction does not turn at all.
     rests: bool,
     first: Vector3<f64>,
     second: Vector3<f64>,
@@ -154,7 +145,7 @@ impl Side {
         }
     }
 
-    /// Height about the pivot along a direction of the world, and the point that has it.
+    /// Returns the height about the pivot along a direction of the world, and the support point.
     fn height<S: Separation + ?Sized>(&self, pair: &mut S, direction: &Vector3<f64>) -> (f64, Vector3<f64>) {
         let own = self.rotation.tr_mul(direction);
         let support = pair.support(self.which, &own);
@@ -195,7 +186,7 @@ struct Setting<'a> {
     velocity: Vector3<f64>,
     acceleration: Vector3<f64>,
     drift: Drift,
-    /// What rounding is relative to, beside the ways of the pivots.
+    /// Lengths to which rounding is relative, without the displacements of the pivots.
     size: f64,
 }
 
@@ -221,7 +212,7 @@ impl<'a> Setting<'a> {
         }
     }
 
-    /// The rate at which the plane turns, as the features do.
+    /// Returns the rate at which the plane turns with the features.
     fn spin(&self, n: &Vector3<f64>, tangent: &Tangent) -> Vector3<f64> {
         match tangent {
             Tangent::Free => Vector3::zeros(),
@@ -244,7 +235,7 @@ impl<'a> Setting<'a> {
         }
     }
 
-    /// The plane that turns at a rate, and how far ahead of it is worth a try.
+    /// Returns the plane that turns at a rate, and the interval of the first try.
     fn plane<'b>(&'b self, n: &'b Vector3<f64>, spin: &Vector3<f64>, at: &'b Heights) -> Plane<'b> {
         let spin_rate = spin.norm();
         let mut plane = Plane {
@@ -267,8 +258,8 @@ impl<'a> Setting<'a> {
         plane
     }
 
-    /// For how long shapes that do not turn are apart along a normal along which they are a gap
-    /// apart now: a parabola, exactly.
+    /// Returns the time for which shapes that do not turn are apart along a normal, from the gap
+    /// along the normal now: a parabola, exactly.
     fn shifted(&self, n: &Vector3<f64>, gap: f64) -> f64 {
         let span = self.flight.span;
         let (slope, bend) = (n.dot(&self.velocity), n.dot(&self.acceleration));
@@ -318,7 +309,7 @@ struct Plane<'a> {
     way: [f64; 3],
     at_a: &'a (f64, Vector3<f64>),
     at_b: &'a (f64, Vector3<f64>),
-    /// The gap at the instant, less what is taken off it.
+    /// The gap at the instant, less the margin.
     gap: f64,
     /// The interval of the first try; zero if there is no gap.
     ahead: f64,
@@ -345,15 +336,16 @@ impl Plane<'_> {
         best
     }
 
-    /// What rounding, the distance to keep and the constant part of the drifts take off every
-    /// coefficient of an interval.
+    /// Returns the margin that rounding, the distance to keep and the constant part of the drifts
+    /// take off every coefficient of an interval.
     fn taken(&self, length: f64) -> f64 {
         let (set, q) = (self.setting, 1.0 + self.rate * length);
         let ways = length * (one_norm(&set.velocity) + length * one_norm(&set.acceleration));
         PLANE * q * q * (set.size + ways) + set.flight.keep + set.drift.0[0]
     }
 
-    /// When the present support points would meet the plane from both sides; infinite if never.
+    /// Returns the time at which the present support points would meet the plane from both sides;
+    /// infinite if never.
     fn expected(&self) -> f64 {
         let (a, b) = (&self.at_a.1, &self.at_b.1);
         let slope = self.way[1] - self.turn_a.first.dot(a) + self.turn_b.first.dot(b);
@@ -371,8 +363,8 @@ impl Plane<'_> {
         (of_way + set.a.reach * self.turn_a.third + set.b.reach * self.turn_b.third) * (1.0 + PLANE)
     }
 
-    /// The interval, cut until the remainder of Taylor's theorem is no more than twice the gap;
-    /// zero for one without end.
+    /// Returns the interval, cut until the remainder of Taylor's theorem is at most twice the gap;
+    /// zero for an interval without end.
     fn shortened(&self, length: f64) -> f64 {
         let mut length = if length < f64::INFINITY { length } else { 0.0 };
         while self.third(length) * length * length * length > 12.0 * self.gap {

@@ -5,18 +5,13 @@ use nalgebra::{Point3, Vector3};
 use super::{Measure, Separation, Support, Tangent};
 use crate::minimum::overlap_proof::OverlapProof;
 use crate::num::scalar::sqrt;
-use crate::pair::outcome::Until;
+use crate::pair::outcome::{Outcome, Until};
 use crate::polyhedron::support::Extreme;
 use crate::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, Feature};
 use crate::pose::{Operand, RelativePose};
 use crate::tolerance::{HEIGHT, UNIT};
 use crate::tracker::Tracker;
-
-/// Faces of more edges are not cut into triangles to guess at an overlap.
-const RIM: usize = 64;
-
-/// The smaller ball is taken if it is smaller by this factor: the other one needs no arm.
-const SMALLER: f64 = 0.8;
+use crate::tuning::separation::{FEW, FLUSH, RIM, SMALLER};
 
 /// Two convex polyhedra that can be measured over time.
 ///
@@ -25,9 +20,11 @@ const SMALLER: f64 = 0.8;
 /// use lin_canny::separation::{PolyhedronPair, Separation};
 /// use lin_canny::{RelativePose, polyhedron::solids};
 ///
-/// let (a, b) = (solids::cuboid(Vector3::new(1.0, 1.0, 1.0))?, solids::octahedron(0.5)?);
+/// let a = solids::cuboid(Vector3::new(1.0, 1.0, 1.0))?;
+/// let b = solids::octahedron(0.5)?;
 /// let mut pair = PolyhedronPair::new(&a, &b);
-/// let seen = pair.measure(&RelativePose::from_isometry(&Isometry3::translation(3.0, 0.0, 0.0))?);
+/// let pose = Isometry3::translation(3.0, 0.0, 0.0);
+/// let seen = pair.measure(&RelativePose::from_isometry(&pose)?);
 /// assert!(seen.lower <= 1.5 && 1.5 <= seen.upper);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -37,13 +34,6 @@ pub struct PolyhedronPair<'a> {
     b: Body<'a>,
     tracker: Tracker,
 }
-
-/// Bodies of so few vertices are scanned whole: that needs no proof, and no time for ties.
-const FEW: usize = 24;
-
-/// A direction nearer to the normal of a face than this, as a 1-norm, has the height of the face's
-/// plane and what the difference makes of it. Not a matter of soundness.
-const FLUSH: f64 = 1.0 / (1u64 << 40) as f64;
 
 /// A body, a ball about it, and the vertex of the last support.
 #[derive(Clone, Debug)]
@@ -142,8 +132,8 @@ impl<'a> Body<'a> {
         to - from
     }
 
-    /// The triangle of a fan of a face whose least side is farthest from a point: it holds the
-    /// point if the face does.
+    /// Returns the triangle of a fan of a face whose least side is farthest from a point: the
+    /// triangle contains the point if the face does.
     fn triangle(&self, face: FaceId, point: &Vector3<f64>) -> Option<[u32; 3]> {
         let t = &self.shape.topology;
         let normal = self.shape.planes[face.index()].normal;
@@ -175,7 +165,7 @@ impl<'a> PolyhedronPair<'a> {
         Self::with_tracker(a, b, Tracker::new())
     }
 
-    /// Returns the pair with a tracker that has followed it before.
+    /// Returns the pair with a tracker that has followed the pair before.
     #[must_use]
     pub fn with_tracker(a: &'a ConvexPolyhedron, b: &'a ConvexPolyhedron, tracker: Tracker) -> Self {
         Self {
@@ -191,7 +181,19 @@ impl<'a> PolyhedronPair<'a> {
         self.tracker
     }
 
-    /// The tracker, for its counters.
+    /// Returns an outcome of the tracker as a measure, and takes note of the features.
+    #[inline]
+    pub(crate) fn seen(&mut self, outcome: &Outcome) -> Measure {
+        let (on_a, on_b) = outcome.features.vertices_of(self.a.shape, self.b.shape);
+        self.a.note(outcome.features.a, on_a);
+        self.b.note(outcome.features.b, on_b);
+        let mut seen = Measure::new(outcome, self.tangent(outcome.features.a, outcome.features.b));
+        // Of bodies that are stored in other units the normal was turned once more.
+        seen.by_plane &= self.a.shape.exponent == self.b.shape.exponent;
+        seen
+    }
+
+    /// Returns the tracker, for the counters.
     #[must_use]
     pub fn tracker(&self) -> &Tracker {
         &self.tracker
@@ -206,9 +208,9 @@ impl<'a> PolyhedronPair<'a> {
         }
     }
 
-    /// Four points of the Minkowski difference that should hold the origin just behind the facet of
-    /// the closest features: the triangle of that facet which holds the witnesses, and the point
-    /// farthest behind it.
+    /// Returns four points of the Minkowski difference that are expected to contain the origin just
+    /// behind the facet of the closest features: the triangle of the facet with the witnesses, and
+    /// the point farthest behind the facet.
     fn behind(&self, a_from_b: &RelativePose, seen: &Measure) -> Option<OverlapProof> {
         if !(self.a.shape.is_unscaled && self.b.shape.is_unscaled) {
             return None;
@@ -252,13 +254,7 @@ impl Separation for PolyhedronPair<'_> {
     #[inline]
     fn measure(&mut self, a_from_b: &RelativePose) -> Measure {
         let outcome = self.tracker.measure(self.a.shape, self.b.shape, a_from_b, Until::Class);
-        let (on_a, on_b) = outcome.features.vertices_of(self.a.shape, self.b.shape);
-        self.a.note(outcome.features.a, on_a);
-        self.b.note(outcome.features.b, on_b);
-        let mut seen = Measure::new(&outcome, self.tangent(outcome.features.a, outcome.features.b));
-        // Of bodies that are stored in other units the normal was turned once more.
-        seen.by_plane &= self.a.shape.exponent == self.b.shape.exponent;
-        seen
+        self.seen(&outcome)
     }
 
     /// By [`Tracker::intersects`] and [`Tracker::within`]: without the feature `exact`, ties count

@@ -3,6 +3,7 @@
 use nalgebra::{Point3, Vector3};
 
 use super::{Measure, Separation, Support, Tangent};
+use crate::pair::outcome::Outcome;
 use crate::pose::{Operand, RelativePose};
 use crate::shape::Shape;
 use crate::shape_tracker::ShapeTracker;
@@ -18,15 +19,19 @@ use crate::tolerance::HEIGHT;
 /// use lin_canny::{Shape, Velocity};
 ///
 /// let (ball, capsule) = (Shape::ball(0.5)?, Shape::capsule(1.0, 0.25)?);
-/// let still = Steady::new(&Isometry3::identity(), Velocity::new(Vector3::zeros(), Vector3::zeros()))?;
+/// let still = Velocity::new(Vector3::zeros(), Vector3::zeros());
+/// let still = Steady::new(&Isometry3::identity(), still)?;
 /// let start = Isometry3::translation(3.0, 0.0, 0.0);
-/// let thrown = Steady::new(&start, Velocity::new(Vector3::new(-4.0, 0.0, 0.0), Vector3::zeros()))?;
+/// let speed = Velocity::new(Vector3::new(-4.0, 0.0, 0.0), Vector3::zeros());
+/// let thrown = Steady::new(&start, speed)?;
 /// let mut pair = ShapePair::new(&capsule, &ball);
-/// let found = cast(&mut pair, &still, &thrown, (0.0, 1.0), Tolerance::Distance(1e-9))?;
+/// let tolerance = Tolerance::Distance(1e-9);
+/// let found = cast(&mut pair, &still, &thrown, (0.0, 1.0), tolerance)?;
 /// let Impact::Hit { safe, hit, .. } = found.impact else {
 ///     panic!("{:?}", found.impact);
 /// };
-/// assert!(safe <= 0.5625 && 0.5625 <= hit && hit - safe < 1e-8); // 2.25 of the way at speed 4
+/// // 2.25 of the way at speed 4.
+/// assert!(safe <= 0.5625 && 0.5625 <= hit && hit - safe < 1e-8);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug)]
@@ -74,6 +79,15 @@ impl<'a> ShapePair<'a> {
         self.tracker
     }
 
+    /// Returns an outcome of the tracker as a measure.
+    pub(crate) fn seen(outcome: &Outcome) -> Measure {
+        Measure {
+            // A radius moves the lower bound; the height along the normal is taken again.
+            by_plane: false,
+            ..Measure::new(outcome, Tangent::Free)
+        }
+    }
+
     fn of(&self, of: Operand) -> &BalledShape<'a> {
         if of == Operand::A { &self.a } else { &self.b }
     }
@@ -86,11 +100,7 @@ impl Separation for ShapePair<'_> {
     }
 
     fn measure(&mut self, a_from_b: &RelativePose) -> Measure {
-        let outcome = self.tracker.closest(self.a.shape, self.b.shape, a_from_b);
-        let mut seen = Measure::new(&outcome, Tangent::Free);
-        // A radius moves the lower bound; the height along the normal is taken again.
-        seen.by_plane = false;
-        seen
+        Self::seen(&self.tracker.closest(self.a.shape, self.b.shape, a_from_b))
     }
 
     /// Proven by the upper bound of the distance; exact for rounded polyhedra with the feature

@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 
 use super::cylinder::{circle_bent, of_circle, on_circle};
-use super::support::{Disc, Support};
+use super::support::{Disc, Flat, Support};
 use crate::num::scalar::{Scalar, Vec3, root, sqrt};
 use crate::polyhedron::{EdgeId, FaceId, Feature, VertexId};
 use crate::tolerance::UNIT;
@@ -15,17 +15,17 @@ pub struct Cone {
     pub(super) half_height: f64,
 }
 
-/// The branch of the apex; the rim of the base is the other one.
+/// Branch of the apex; branch 1 is the rim of the base.
 const APEX: u32 = 0;
 
 impl Cone {
-    /// The radius of the base.
+    /// Returns the radius of the base.
     #[must_use]
     pub fn radius(&self) -> f64 {
         self.radius
     }
 
-    /// Half the distance between apex and base.
+    /// Returns half the distance between apex and base.
     #[must_use]
     pub fn half_height(&self) -> f64 {
         self.half_height
@@ -39,7 +39,7 @@ impl Cone {
     }
 }
 
-/// Its side is a generator between the apex (branch 0) and a point of the rim (branch 1).
+/// The side of a cone is a generator between the apex (branch 0) and a point of the rim (branch 1).
 impl Support for Cone {
     fn reach(&self) -> f64 {
         sqrt(self.radius * self.radius + self.half_height * self.half_height) * (1.0 + 4.0 * UNIT)
@@ -77,8 +77,8 @@ impl Support for Cone {
         of_circle(self.radius, -self.half_height, place)
     }
 
-    /// Over the base or behind the side, whichever faces along `n` more: as large as the other
-    /// leaves room for.
+    /// Returns a ball that touches the base or the side, whichever faces along `n` more, and is
+    /// limited by the other.
     fn inner_ball(&self, p: &Vector3<f64>, n: &Vector3<f64>) -> (Vector3<f64>, f64) {
         let (r, h, height) = (self.radius, self.half_height, 2.0 * self.half_height);
         let slant = sqrt(r * r + height * height);
@@ -101,7 +101,19 @@ impl Support for Cone {
         })
     }
 
-    /// The base is face 0, the side face 1; the apex is vertex 0 and the rim edge 0.
+    /// Returns the base or a generator of the side, whichever has the normal closer to `n`.
+    fn flat(&self, n: &Vector3<f64>) -> Option<Flat> {
+        let (r, height) = (self.radius, 2.0 * self.half_height);
+        let slant = sqrt(r * r + height * height);
+        let to_side = (sqrt(n.x * n.x + n.y * n.y) * height + n.z * r) / slant;
+        if -n.z > to_side {
+            return self.disc(n).map(Flat::Disc);
+        }
+        let n = [n.x, n.y, n.z];
+        Some(Flat::Line([0, 1].map(|branch| self.of_branch(branch, &n).into())))
+    }
+
+    /// Returns the feature: the base is face 0, the side face 1, the apex vertex 0, the rim edge 0.
     fn feature(&self, branches: &[u32], p: &Vector3<f64>) -> Feature {
         match branches {
             [first, rest @ ..] if rest.iter().any(|b| b != first) => Feature::Face(FaceId(1)),

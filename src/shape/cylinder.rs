@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::support::{Disc, Support};
+use super::support::{Disc, Flat, Support};
 use crate::num::scalar::{Scalar, Vec3, root, sqrt};
 use crate::polyhedron::{EdgeId, FaceId, Feature};
 use crate::tolerance::{PIVOT, UNIT};
@@ -15,13 +15,13 @@ pub struct Cylinder {
 }
 
 impl Cylinder {
-    /// The radius of the discs.
+    /// Returns the radius of the discs.
     #[must_use]
     pub fn radius(&self) -> f64 {
         self.radius
     }
 
-    /// Half the distance between the discs.
+    /// Returns half the distance between the discs.
     #[must_use]
     pub fn half_height(&self) -> f64 {
         self.half_height
@@ -35,12 +35,13 @@ impl Cylinder {
     }
 }
 
-/// Whether a point of a disc about the z axis lies on its rim, up to rounding.
+/// Returns whether a point of a disc about the z axis lies on the rim, up to rounding.
 pub(super) fn on_circle(radius: f64, p: &Vector3<f64>) -> bool {
     p.x * p.x + p.y * p.y >= radius * radius * (1.0 - PIVOT)
 }
 
-/// The point of a horizontal circle about the z axis along `n`; on the x axis if `n` is vertical.
+/// Returns the support point of a horizontal circle about the z axis; if `n` is vertical, the point
+/// on the x axis.
 #[inline(always)]
 pub(super) fn of_circle<T: Scalar>(radius: f64, z: f64, n: &Vec3<T>) -> Vec3<T> {
     let length = root(n[0] * n[0] + n[1] * n[1]);
@@ -51,7 +52,8 @@ pub(super) fn of_circle<T: Scalar>(radius: f64, z: f64, n: &Vec3<T>) -> Vec3<T> 
     [n[0] * s, n[1] * s, T::from(z)]
 }
 
-/// `r / |n_xy| tau (tau . d)` with `tau` the tangent of the circle.
+/// Returns `r / |n_xy| tau (tau . d)` with `tau` the tangent of the circle: the second derivative
+/// of the support function of a circle, applied to `d`.
 #[inline(always)]
 pub(super) fn circle_bent<T: Scalar>(radius: f64, n: &Vec3<T>, d: &Vec3<T>) -> Vec3<T> {
     let (zero, squared) = (T::from(0.0), n[0] * n[0] + n[1] * n[1]);
@@ -62,8 +64,8 @@ pub(super) fn circle_bent<T: Scalar>(radius: f64, n: &Vec3<T>, d: &Vec3<T>) -> V
     [-n[1] * along, n[0] * along, zero]
 }
 
-/// A rim has two branches: the upper one (0) and the lower one (1). Its side is a generator between
-/// points of both.
+/// The branches are the upper rim (0) and the lower rim (1). The side of a cylinder is a generator
+/// between a point of each.
 impl Support for Cylinder {
     fn reach(&self) -> f64 {
         sqrt(self.radius * self.radius + self.half_height * self.half_height) * (1.0 + 4.0 * UNIT)
@@ -100,7 +102,7 @@ impl Support for Cylinder {
         of_circle(self.radius, z, place)
     }
 
-    /// Under a cap or behind the side, whichever faces along `n` more.
+    /// Returns a ball that touches a cap or the side, whichever faces along `n` more.
     fn inner_ball(&self, p: &Vector3<f64>, n: &Vector3<f64>) -> (Vector3<f64>, f64) {
         let (r, h) = (self.radius, self.half_height);
         let off = |p: &Vector3<f64>| sqrt(p.x * p.x + p.y * p.y);
@@ -122,7 +124,16 @@ impl Support for Cylinder {
         })
     }
 
-    /// Caps are faces 0 (upper) and 1, the side is face 2; the rims are edges 0 (upper) and 1.
+    fn flat(&self, n: &Vector3<f64>) -> Option<Flat> {
+        if n.z * n.z > 0.5 {
+            return self.disc(n).map(Flat::Disc);
+        }
+        let n = [n.x, n.y, n.z];
+        Some(Flat::Line([0, 1].map(|branch| self.of_branch(branch, &n).into())))
+    }
+
+    /// Returns the feature: caps are faces 0 (upper) and 1, the side is face 2, rims are edges 0
+    /// (upper) and 1.
     fn feature(&self, branches: &[u32], p: &Vector3<f64>) -> Feature {
         match branches {
             [first, rest @ ..] if rest.iter().any(|b| b != first) => Feature::Face(FaceId(2)),

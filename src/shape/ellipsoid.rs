@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 
 use super::support::{Disc, Support};
-use crate::num::scalar::{Scalar, Vec3, dot, root, scaled};
+use crate::num::scalar::{Scalar, Vec3, dot, root, scaled, sub};
 use crate::polyhedron::{FaceId, Feature};
 use crate::tolerance::INNER;
 
@@ -14,7 +14,7 @@ pub struct Ellipsoid {
 }
 
 impl Ellipsoid {
-    /// The semi-axes along x, y and z.
+    /// Returns the semi-axes along x, y and z.
     #[must_use]
     pub fn semi_axes(&self) -> Vector3<f64> {
         self.semi_axes
@@ -26,13 +26,21 @@ impl Ellipsoid {
         }
     }
 
+    #[inline(always)]
     fn axes<T: Scalar>(&self) -> Vec3<T> {
-        [0, 1, 2].map(|k| T::from(self.semi_axes[k]))
+        let a = &self.semi_axes;
+        [T::from(a.x), T::from(a.y), T::from(a.z)]
     }
 }
 
-/// With `P` the diagonal matrix of the squared semi-axes, `h(n) = sqrt(n . P n)` and the support
-/// point is `P n / h`.
+/// Returns the products of coordinates.
+#[inline(always)]
+fn times<T: Scalar>(a: &Vec3<T>, b: &Vec3<T>) -> Vec3<T> {
+    [a[0] * b[0], a[1] * b[1], a[2] * b[2]]
+}
+
+/// An ellipsoid has one branch. With `P` the diagonal matrix of the squared semi-axes, the support
+/// function is `h(n) = sqrt(n . P n)` and the support point is `P n / h`.
 impl Support for Ellipsoid {
     fn reach(&self) -> f64 {
         self.semi_axes.max()
@@ -46,16 +54,15 @@ impl Support for Ellipsoid {
     #[inline(always)]
     fn of_branch<T: Scalar>(&self, _: u32, n: &Vec3<T>) -> Vec3<T> {
         let a: Vec3<T> = self.axes();
-        let turned = [0, 1, 2].map(|k| a[k] * n[k]);
-        let inverse = T::from(1.0) / root(dot(&turned, &turned));
-        [0, 1, 2].map(|k| a[k] * turned[k] * inverse)
+        let turned = times(&a, n);
+        scaled(&times(&a, &turned), T::from(1.0) / root(dot(&turned, &turned)))
     }
 
-    /// `(P d - s (s . d)) / h`.
+    /// Returns `(P d - s (s . d)) / h`.
     #[inline(always)]
     fn bent<T: Scalar>(&self, _: u32, s: &Vec3<T>, n: &Vec3<T>, d: &Vec3<T>) -> Vec3<T> {
         let (a, along, inverse): (Vec3<T>, T, T) = (self.axes(), dot(s, d), T::from(1.0) / dot(n, s));
-        [0, 1, 2].map(|k| (a[k] * a[k] * d[k] - s[k] * along) * inverse)
+        scaled(&sub(&times(&times(&a, &a), d), &scaled(s, along)), inverse)
     }
 
     #[inline(always)]
@@ -65,8 +72,8 @@ impl Support for Ellipsoid {
         scaled(place, T::from(1.0) / root(dot(&unit, &unit)))
     }
 
-    /// With `c` the least semi-axis, `s` is the nearest point of the surface to `s - rho n` if and
-    /// only if `rho h <= c^2`.
+    /// Returns the ball of radius `rho = c^2 / h` about `s - rho n`, with `c` the least semi-axis:
+    /// `s` is the nearest point of the surface to `s - rho n` if and only if `rho h <= c^2`.
     fn inner_ball(&self, s: &Vector3<f64>, n: &Vector3<f64>) -> (Vector3<f64>, f64) {
         let c = self.semi_axes.min();
         let rho = c * (c / n.dot(s)) * INNER;

@@ -1,17 +1,17 @@
-//! Why a shape was refused.
+//! Error returned if parameters make no shape.
 
 use crate::polyhedron::BuildError;
 
-/// Why parameters make no shape.
+/// Error returned if parameters make no shape.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ShapeError {
-    /// A parameter is not finite, or outside the range that its constructor names.
+    /// A parameter is not finite, or outside the range that the constructor names.
     #[error("{value:e} is no {what} of a shape")]
     BadParameter {
-        /// Which parameter.
+        /// Name of the parameter.
         what: &'static str,
-        /// Its value.
+        /// Value of the parameter.
         value: f64,
     },
     /// The points of a core make no body.

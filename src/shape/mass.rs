@@ -11,17 +11,17 @@ use super::{Core, Shape, Superquadric};
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Mass {
-    /// The volume.
+    /// Volume.
     pub volume: f64,
-    /// The centre of mass.
+    /// Centre of mass.
     pub centroid: Point3<f64>,
-    /// The inertia tensor about the centre of mass.
+    /// Inertia tensor about the centre of mass.
     pub inertia: Matrix3<f64>,
 }
 
 impl Mass {
-    /// Of a body symmetric about three planes through `centroid`, from its volume and its mean
-    /// squares of coordinates.
+    /// Returns the mass of a body symmetric about three planes through `centroid`, from the volume
+    /// and the mean squares of coordinates.
     fn symmetric(volume: f64, centroid: Point3<f64>, mean: Vector3<f64>) -> Self {
         let sums = Vector3::new(mean.y + mean.z, mean.z + mean.x, mean.x + mean.y);
         Self {
@@ -33,8 +33,8 @@ impl Mass {
 }
 
 impl Shape {
-    /// Mass properties at unit density, in closed form. `None` for rounded shapes other than balls
-    /// and capsules.
+    /// Returns the mass properties at unit density, in closed form; `None` for rounded shapes other
+    /// than balls and capsules.
     #[must_use]
     pub fn mass(&self) -> Option<Mass> {
         let origin = Point3::origin();
@@ -62,7 +62,7 @@ impl Shape {
             }
             Core::Cone(core) => {
                 let (r, h) = (core.radius(), core.half_height());
-                // A quarter of the height over the base; mean squares about there.
+                // Mean squares about the centroid, a quarter of the height over the base.
                 let mean = Vector3::new(r * r * 3.0 / 20.0, r * r * 3.0 / 20.0, h * h * 3.0 / 20.0);
                 let centroid = Point3::new(0.0, 0.0, -h / 2.0);
                 Some(Mass::symmetric(PI * r * r * 2.0 * h / 3.0, centroid, mean))
@@ -71,7 +71,7 @@ impl Shape {
         }
     }
 
-    /// A cylinder between two half balls.
+    /// Returns the mass of a cylinder between two half balls.
     fn capsule_mass(&self, segment: &crate::polyhedron::ConvexPolyhedron) -> Mass {
         let mut ends = segment.vertex_points();
         let along = match (ends.next(), ends.next()) {
@@ -94,8 +94,8 @@ impl Shape {
     }
 }
 
-/// By beta functions (Jaklic, Leonardis and Solina 2000, "Segmentation and recovery of
-/// superquadrics", section 2.3).
+/// Returns the mass of a superquadric by beta functions (Jaklic, Leonardis and Solina 2000,
+/// "Segmentation and recovery of superquadrics", section 2.3).
 fn superquadric(core: &Superquadric) -> Mass {
     let ([e1, e2], a) = (core.exponents(), core.semi_axes());
     let beta = |x: f64, y: f64| libm::tgamma(x) * libm::tgamma(y) / libm::tgamma(x + y);

@@ -38,7 +38,7 @@ pub use ellipsoid::Ellipsoid;
 pub use error::ShapeError;
 pub use mass::Mass;
 pub use superquadric::Superquadric;
-pub(crate) use support::{Disc, Support};
+pub(crate) use support::{Disc, Flat, Support};
 
 /// A convex shape: every point at most [`round`](Self::round) from its [`core`](Self::core).
 ///
@@ -62,23 +62,23 @@ pub struct Shape {
     round: f64,
 }
 
-/// The shape before it is rounded.
+/// Core of a shape: the shape before rounding.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Core {
     /// A convex polyhedron, polygon, segment or point.
     Polyhedron(Arc<ConvexPolyhedron>),
-    /// An ellipsoid about the origin, its axes those of the frame.
+    /// An ellipsoid about the origin with axes along x, y and z.
     Ellipsoid(Ellipsoid),
     /// A circular cylinder along z about the origin.
     Cylinder(Cylinder),
-    /// A circular cone along z, its apex up, the origin half-way between apex and base.
+    /// A circular cone along z, apex up, the origin half-way between apex and base.
     Cone(Cone),
-    /// A superquadric about the origin, its axes those of the frame.
+    /// A superquadric about the origin with axes along x, y and z.
     Superquadric(Superquadric),
 }
 
-/// A length that is accepted: between 1e-100 and 1e100.
+/// Returns a length between 1e-100 and 1e100; refuses any other.
 fn length(what: &'static str, value: f64) -> Result<f64, ShapeError> {
     if (EXTENT_MIN..=EXTENT_MAX).contains(&value) {
         Ok(value)
@@ -88,7 +88,7 @@ fn length(what: &'static str, value: f64) -> Result<f64, ShapeError> {
 }
 
 impl Shape {
-    /// A ball about the origin.
+    /// Returns a ball about the origin.
     ///
     /// # Errors
     ///
@@ -99,8 +99,8 @@ impl Shape {
         Self::from(core).rounded(length("radius", radius)?)
     }
 
-    /// A capsule along z about the origin: every point at most `radius` from the segment of
-    /// `2 half_length`.
+    /// Returns a capsule along z about the origin: every point at most `radius` from a segment of
+    /// length `2 half_length`.
     ///
     /// # Errors
     ///
@@ -111,7 +111,7 @@ impl Shape {
         Self::from(core).rounded(length("radius", radius)?)
     }
 
-    /// A box about the origin with faces perpendicular to the axes.
+    /// Returns a box about the origin with faces perpendicular to the axes.
     ///
     /// # Errors
     ///
@@ -124,7 +124,7 @@ impl Shape {
         Ok(Self::from(solids::cuboid(half_extents)?))
     }
 
-    /// The convex hull of points.
+    /// Returns the convex hull of points.
     ///
     /// # Errors
     ///
@@ -133,7 +133,7 @@ impl Shape {
         Ok(Self::from(ConvexPolyhedron::from_points(points)?))
     }
 
-    /// A circular cylinder along z about the origin, `2 half_height` high.
+    /// Returns a circular cylinder along z about the origin, `2 half_height` high.
     ///
     /// # Errors
     ///
@@ -143,7 +143,8 @@ impl Shape {
         Ok(Self::sharp(Core::Cylinder(Cylinder { radius, half_height })))
     }
 
-    /// A circular cone along z, its apex at `z = half_height` and its base at `z = -half_height`.
+    /// Returns a circular cone along z with the apex at `z = half_height` and the base at
+    /// `z = -half_height`.
     ///
     /// # Errors
     ///
@@ -153,7 +154,7 @@ impl Shape {
         Ok(Self::sharp(Core::Cone(Cone { radius, half_height })))
     }
 
-    /// An ellipsoid about the origin, its axes those of the frame.
+    /// Returns an ellipsoid about the origin with axes along x, y and z.
     ///
     /// # Errors
     ///
@@ -165,7 +166,7 @@ impl Shape {
         Ok(Self::sharp(Core::Ellipsoid(Ellipsoid { semi_axes })))
     }
 
-    /// A superquadric about the origin,
+    /// Returns a superquadric about the origin,
     /// `((x/a)^(2/e2) + (y/b)^(2/e2))^(e2/e1) + (z/c)^(2/e1) <= 1`: a box towards exponents of
     /// zero, an ellipsoid at one, an octahedron towards two.
     ///
@@ -187,12 +188,11 @@ impl Shape {
         Ok(Self::sharp(Core::Superquadric(Superquadric { semi_axes, exponents })))
     }
 
-    /// The shape rounded by a ball of radius `by`: each point moves out by as much along its
-    /// normal.
+    /// Returns the shape rounded by a ball of radius `by`: every point at most `by` from the shape.
     ///
     /// # Errors
     ///
-    /// A radius that is negative or, with what the shape is rounded by already, above 1e100.
+    /// A radius that is negative, or that makes the sum of all roundings exceed 1e100.
     pub fn rounded(mut self, by: f64) -> Result<Self, ShapeError> {
         let round = self.round + by;
         if !(by >= 0.0 && round <= EXTENT_MAX) || by > 0.0 && by < EXTENT_MIN {
@@ -205,13 +205,13 @@ impl Shape {
         Ok(self)
     }
 
-    /// The shape before it is rounded.
+    /// Returns the core: the shape before rounding.
     #[must_use]
     pub fn core(&self) -> &Core {
         &self.core
     }
 
-    /// The radius by which the core is rounded; zero for a shape that is its core.
+    /// Returns the radius by which the core is rounded; zero for a shape without rounding.
     #[must_use]
     pub fn round(&self) -> f64 {
         self.round

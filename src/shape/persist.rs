@@ -1,4 +1,4 @@
-//! Shapes in files (feature `serde`): parameters are written, and checked when they are read.
+//! Serialized form of a shape (feature `serde`): the parameters, checked on deserialization.
 
 use alloc::sync::Arc;
 
@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::{Core, Shape, ShapeError};
 use crate::polyhedron::ConvexPolyhedron;
 
-/// A shape as it is written.
+/// Serialized form of a shape.
 #[derive(Serialize, Deserialize)]
 #[serde(rename = "Shape")]
 pub(super) struct Stored {

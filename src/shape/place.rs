@@ -1,4 +1,4 @@
-//! Where a shape is: ball, box at a pose, points inside.
+//! Bounds of a shape: bounding ball, support heights, box at a pose.
 
 use nalgebra::{Isometry3, Point3, Vector3};
 
@@ -8,8 +8,49 @@ use crate::polyhedron::BoxHint;
 use crate::pose::rotation_matrix;
 use crate::tolerance::{BOX, UNIT};
 
+impl Core {
+    /// Returns the largest distance of a point from [`origin`](Self::origin), rounded up.
+    pub(crate) fn radius(&self) -> f64 {
+        match self {
+            Self::Polyhedron(body) => body.radius * body.unit(),
+            Self::Ellipsoid(core) => core.reach(),
+            Self::Cylinder(core) => core.reach(),
+            Self::Cone(core) => core.reach(),
+            Self::Superquadric(core) => core.reach(),
+        }
+    }
+
+    /// Returns the point about which the core is stored.
+    pub(crate) fn origin(&self) -> Vector3<f64> {
+        match self {
+            Self::Polyhedron(body) => body.origin,
+            _ => Vector3::zeros(),
+        }
+    }
+
+    /// Returns a fingerprint of kind and parameters: cores of equal fingerprint are identical for
+    /// all practical purposes.
+    pub(crate) fn fingerprint(&self) -> u64 {
+        let (kind, parameters) = match self {
+            Self::Polyhedron(body) => return body.fingerprint,
+            Self::Ellipsoid(core) => (1, [core.semi_axes.x, core.semi_axes.y, core.semi_axes.z, 0.0, 0.0]),
+            Self::Cylinder(core) => (2, [core.radius, core.half_height, 0.0, 0.0, 0.0]),
+            Self::Cone(core) => (3, [core.radius, core.half_height, 0.0, 0.0, 0.0]),
+            Self::Superquadric(core) => {
+                let ([x, y, z], [e, f]) = (core.semi_axes.into(), core.exponents);
+                (4, [x, y, z, e, f])
+            }
+        };
+        // A step of splitmix64 (Steele, Lea and Flood 2014) for each parameter.
+        parameters.iter().fold(kind, |hash: u64, x| {
+            let mixed = (hash ^ x.to_bits()).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+            (mixed ^ (mixed >> 29)).wrapping_mul(0x94d0_49bb_1331_11eb)
+        })
+    }
+}
+
 impl Shape {
-    /// A ball that holds the shape: centre and radius, rounded up.
+    /// Returns centre and radius of a ball that contains the shape, the radius rounded up.
     #[must_use]
     pub fn bounding_ball(&self) -> (Point3<f64>, f64) {
         let (centre, radius) = match &self.core {
@@ -48,11 +89,11 @@ impl Shape {
         (height + self.round * (1.0 + BOX)) * length
     }
 
-    /// The axis-aligned box of the shape at a pose, rounded outward: least and greatest corner, in
-    /// the frame that the pose leads to. `hint` remembers the extreme vertices of a polyhedron from
-    /// one frame to the next.
+    /// Returns the axis-aligned box of the shape at a pose, rounded outward: least and greatest
+    /// corner, in the frame that the pose leads to. `hint` caches the extreme vertices of a
+    /// polyhedron from one frame to the next.
     ///
-    /// A pose that is not finite gives a box that is not.
+    /// The box of a pose that is not finite is not finite either.
     #[doc(alias = "compute_aabb")]
     #[must_use]
     pub fn aabb_at(&self, pose: &Isometry3<f64>, hint: &mut BoxHint) -> (Point3<f64>, Point3<f64>) {
@@ -71,13 +112,13 @@ impl Shape {
     }
 }
 
-/// The greatest `n . x`, up to rounding.
+/// Returns the greatest `n . x` over a core, up to rounding.
 fn height<C: Support>(core: &C, n: &Vector3<f64>) -> f64 {
     let n = [n.x, n.y, n.z];
     dot(&n, &core.support(&n, 0).1)
 }
 
-/// Six support points, rounded outward.
+/// Returns the box of six support points, rounded outward.
 fn box_at<C: Support>(core: &C, pose: &Isometry3<f64>) -> (Point3<f64>, Point3<f64>) {
     let q = pose.rotation.coords;
     let matrix = rotation_matrix(&[q.x, q.y, q.z, q.w], 2.0 / q.norm_squared());

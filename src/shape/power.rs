@@ -2,7 +2,7 @@
 
 use crate::num::scalar::Scalar;
 
-/// Terms of the series of the exponential, of an argument below 2^-9: the rest is below 2^-110.
+/// Terms of the series of the exponential: the rest is below 2^-110 for arguments below 2^-9.
 const TERMS: u32 = 10;
 
 /// Halvings of the argument.
@@ -11,19 +11,19 @@ const HALVINGS: i32 = 8;
 /// `ln 2` in two parts.
 const LN2: [f64; 2] = [core::f64::consts::LN_2, crate::tolerance::LN2_REST];
 
-/// `x^p` of an `x` that is not negative; zero for zero and a positive `p`.
+/// Returns `x^p` for an `x` that is not negative; zero if `x` is zero and `p` positive.
 pub(super) fn power<T: Scalar>(x: T, p: T) -> T {
     let rough = libm::pow(x.value(), p.value());
     if T::UNIT == f64::UNIT || !(rough > 0.0 && rough.is_finite() && x.value() > 0.0) {
         return T::from(rough);
     }
-    // One step of Newton's method for the logarithm, squared by that for the power.
+    // One step of Newton's method doubles the digits of the logarithm.
     let l = T::from(libm::log(x.value()));
     let l = l + (x * exponential(-l) - T::from(1.0));
     exponential(p * l)
 }
 
-/// `e^x`.
+/// Returns `e^x`.
 fn exponential<T: Scalar>(x: T) -> T {
     let k = libm::round(x.value() / LN2[0]);
     let r = x - T::from(k) * T::from(LN2[0]) - T::from(k * LN2[1]);

@@ -11,22 +11,22 @@ use crate::tolerance::{TIP, UNIT};
 /// A superquadric about the origin: `((x/a)^(2/e2) + (y/b)^(2/e2))^(e2/e1) + (z/c)^(2/e1) <= 1`
 /// (Barr 1981).
 ///
-/// With `p = 2 / e` its gauge is one norm in another, so its support function is the dual one:
-/// exponents `q = p / (p - 1)` on the direction times the semi-axes.
+/// With `p = 2 / e` the gauge is a norm of a norm. The support function is the dual norm of the
+/// direction times the semi-axes, with exponents `q = p / (p - 1)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Superquadric {
     pub(super) semi_axes: Vector3<f64>,
     pub(super) exponents: [f64; 2],
 }
 
-/// The dual norm of a direction, part by part.
+/// Dual norm of a direction, part by part.
 struct Dual<T> {
-    /// The exponents of the outer and of the inner norm.
+    /// Exponents of the outer and of the inner norm.
     q: [T; 2],
     /// Signed semi-axes.
     axes: Vec3<T>,
-    /// The coordinates of the direction times the semi-axes, over the inner norm, the inner norm,
-    /// and the height.
+    /// First coordinate of the direction times the semi-axis, over the inner norm; `v` is the
+    /// second, `inner` the inner norm, `height` the outer norm.
     u: T,
     v: T,
     inner: T,
@@ -37,13 +37,13 @@ struct Dual<T> {
 }
 
 impl Superquadric {
-    /// The semi-axes along x, y and z.
+    /// Returns the semi-axes along x, y and z.
     #[must_use]
     pub fn semi_axes(&self) -> Vector3<f64> {
         self.semi_axes
     }
 
-    /// The exponents `e1` (north to south) and `e2` (east to west).
+    /// Returns the exponents `e1` (north to south) and `e2` (east to west).
     #[must_use]
     pub fn exponents(&self) -> [f64; 2] {
         self.exponents
@@ -56,7 +56,7 @@ impl Superquadric {
         }
     }
 
-    /// The gauge: at most one inside.
+    /// Returns the gauge of a place: at most one inside.
     pub(crate) fn gauge<T: Scalar>(&self, place: &Vec3<T>) -> T {
         let x = [0, 1, 2].map(|k| absolute(place[k]) / T::from(self.semi_axes[k]));
         let [p, q] = self.exponents.map(|e| T::from(2.0) / T::from(e));
@@ -96,7 +96,7 @@ fn absolute<T: Scalar>(x: T) -> T {
     if x < T::from(0.0) { -x } else { x }
 }
 
-/// `(x^q + y^q)^(1/q)` of numbers that are not negative.
+/// Returns `(x^q + y^q)^(1/q)` for numbers that are not negative.
 fn norm<T: Scalar>(x: T, y: T, q: T) -> T {
     let (large, small) = if x > y { (x, y) } else { (y, x) };
     if !(large > T::from(0.0)) {
@@ -106,7 +106,8 @@ fn norm<T: Scalar>(x: T, y: T, q: T) -> T {
     large * power(one + power(small / large, q), one / q)
 }
 
-/// `(q - 1) (x y)^(q - 2)`, of shares that may vanish: a flat place or a tip is almost one.
+/// Returns `(q - 1) (x y)^(q - 2)` for shares that may vanish: at flat places and tips they count
+/// as [`TIP`].
 fn curvature<T: Scalar>(x: T, y: T, q: T) -> T {
     let product = x * y;
     let product = if product.value() > TIP { product } else { T::from(TIP) };
@@ -115,7 +116,7 @@ fn curvature<T: Scalar>(x: T, y: T, q: T) -> T {
 
 impl Support for Superquadric {
     fn reach(&self) -> f64 {
-        // It lies in its box.
+        // A superquadric lies in the box of its semi-axes.
         sqrt(self.semi_axes.norm_squared()) * (1.0 + 4.0 * UNIT)
     }
 

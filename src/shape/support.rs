@@ -8,14 +8,14 @@ use crate::polyhedron::Feature;
 /// A flat round face.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Disc {
-    /// Its centre is at `(0, 0, z)`, its outward normal along z with the sign of `side`.
+    /// The centre is at `(0, 0, z)`; the outward normal is along z, with the sign of `side`.
     pub(crate) z: f64,
     pub(crate) side: f64,
     pub(crate) radius: f64,
 }
 
 impl Disc {
-    /// The point of the disc nearest to a place.
+    /// Returns the point of the disc nearest to a place.
     pub(crate) fn foot<T: Scalar>(&self, place: &Vec3<T>) -> Vec3<T> {
         let off = root(place[0] * place[0] + place[1] * place[1]);
         let r = T::from(self.radius);
@@ -24,42 +24,80 @@ impl Disc {
     }
 }
 
-/// A convex core as its support function sees it: `h(n) = max of n . x`, over branches.
+/// A part of a surface that is flat or straight.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Flat {
+    Disc(Disc),
+    /// A generator of a curved side, by both ends.
+    Line([Vector3<f64>; 2]),
+}
+
+impl Flat {
+    /// Returns the middle of the part.
+    pub(crate) fn middle(&self) -> Vec3<f64> {
+        match self {
+            Self::Disc(disc) => [0.0, 0.0, disc.z],
+            Self::Line([p, q]) => ((p + q) * 0.5).into(),
+        }
+    }
+
+    /// Returns the point of the part nearest to a place.
+    pub(crate) fn foot(&self, place: &Vec3<f64>) -> Vec3<f64> {
+        match self {
+            Self::Disc(disc) => disc.foot(place),
+            Self::Line([p, q]) => {
+                let u = q - p;
+                let t = u.dot(&(Vector3::from(*place) - p)) / u.norm_squared();
+                (p + u * t.clamp(0.0, 1.0)).into()
+            }
+        }
+    }
+}
+
+/// A convex core by its support function `h(n) = max of n . x`, over branches.
 ///
 /// A *branch* is a smooth piece of the map from a direction to its support point: a vertex, a rim,
 /// a whole ellipsoid. Directions are unit vectors in the frame of the core; solvers run in f64 and
 /// in double-double.
 pub(crate) trait Support {
-    /// Largest distance of a point of the core from its origin, rounded up.
+    /// Returns the largest distance of a point of the core from the origin, rounded up.
     fn reach(&self) -> f64;
 
-    /// By how many UNIT times the radius a height errs more than
-    /// [`CERTIFICATE`](crate::tolerance::CERTIFICATE) counts.
+    /// Returns the error of a height beyond that of [`CERTIFICATE`](crate::tolerance::CERTIFICATE),
+    /// in UNIT times the radius.
     fn noise(&self) -> f64 {
         0.0
     }
 
-    /// Branch and support point along `n`, `hint` a branch to begin with.
+    /// Returns branch and support point along `n`, a direction of any length; `hint` is a branch to
+    /// begin with.
     fn support<T: Scalar>(&self, n: &Vec3<T>, hint: u32) -> (u32, Vec3<T>);
 
-    /// The point of a branch along `n`: a point of the core, and its support point if the branch is
-    /// the highest there.
+    /// Returns the point of a branch along `n`: a point of the core, and the support point if the
+    /// branch is the highest along `n`.
     fn of_branch<T: Scalar>(&self, branch: u32, n: &Vec3<T>) -> Vec3<T>;
 
-    /// How the `point` of a branch along `n` moves when `n` turns by the tangent `d`: the second
-    /// derivative of the support function, applied to `d`.
+    /// Returns the motion of the `point` of a branch along `n` when `n` turns by the tangent `d`:
+    /// the second derivative of the support function, applied to `d`.
     fn bent<T: Scalar>(&self, branch: u32, point: &Vec3<T>, n: &Vec3<T>, d: &Vec3<T>) -> Vec3<T>;
 
-    /// A point of the branch close to `place`, a place close to the branch: a point of the core.
+    /// Returns a point of the core on the branch, close to `place`, which must be close to the
+    /// branch.
     fn onto<T: Scalar>(&self, branch: u32, place: &Vec3<T>) -> Vec3<T>;
 
-    /// A ball inside the core, centre and radius, which reaches to the surface at `point`, a place
-    /// of normal `n`, or almost: the radius is never too large, and zero if no ball is known.
+    /// Returns centre and radius of a ball inside the core that touches the surface, or almost, at
+    /// `point`, a point of normal `n`. The radius is never too large, and zero if no ball is known.
     fn inner_ball(&self, point: &Vector3<f64>, n: &Vector3<f64>) -> (Vector3<f64>, f64);
 
-    /// The flat round face that faces along `n`, of cores that have one there.
+    /// Returns the flat round face that faces along `n`; `None` if the core has none.
     fn disc(&self, n: &Vector3<f64>) -> Option<Disc>;
 
-    /// The feature that holds the points of up to three branches, `point` among them.
+    /// Returns the flat or straight part of the surface that faces along `n` most nearly; `None` if
+    /// the core is curved both ways, or a polyhedron.
+    fn flat(&self, n: &Vector3<f64>) -> Option<Flat> {
+        self.disc(n).map(Flat::Disc)
+    }
+
+    /// Returns the feature that contains the points of up to three branches, `point` among them.
     fn feature(&self, branches: &[u32], point: &Vector3<f64>) -> Feature;
 }

@@ -1,4 +1,4 @@
-//! Points inside a shape.
+//! Containment of points in a shape.
 
 use nalgebra::{Isometry3, Point3};
 
@@ -8,8 +8,9 @@ use crate::pose::RelativePose;
 use crate::shape::{Core, Shape};
 
 impl Shape {
-    /// Whether the closed shape holds a point, up to rounding of `1e-14` times its size; exact for
-    /// polyhedra that are not rounded. `false` for a point that is not finite.
+    /// Returns whether the closed shape contains a point, up to rounding of `1e-14` times the size
+    /// of the shape; exact for polyhedra that are not rounded. `false` for a point that is not
+    /// finite.
     #[must_use]
     pub fn contains(&self, point: &Point3<f64>) -> bool {
         if let Core::Polyhedron(body) = self.core() {
@@ -35,7 +36,7 @@ impl Shape {
         }
     }
 
-    /// Whether a rounded shape holds a point: by its distance.
+    /// Returns whether a rounded shape contains a point, by the distance of the point.
     fn is_near(&self, point: &Point3<f64>) -> Option<bool> {
         let point = Self::from(ConvexPolyhedron::point(*point).ok()?);
         let pose = RelativePose::from_isometry(&Isometry3::identity()).ok()?;

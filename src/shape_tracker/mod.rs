@@ -1,6 +1,7 @@
 //! The state that a caller keeps per pair of shapes.
 
 mod contains;
+mod manifold;
 mod round;
 
 use crate::pair::outcome::{Distance, Outcome};
@@ -18,9 +19,11 @@ use crate::tracker::{Totals, Tracker};
 /// use lin_canny::nalgebra::{Isometry3, Vector3};
 /// use lin_canny::{RelativePose, Shape, ShapeTracker};
 ///
-/// let (ball, die) = (Shape::ball(0.5)?, Shape::cuboid(Vector3::new(1.0, 1.0, 1.0))?.rounded(0.25)?);
+/// let ball = Shape::ball(0.5)?;
+/// let die = Shape::cuboid(Vector3::new(1.0, 1.0, 1.0))?.rounded(0.25)?;
 /// let mut pair = ShapeTracker::new();
-/// let c = pair.closest(&ball, &die, &RelativePose::from_isometry(&Isometry3::translation(3.0, 0.0, 0.0))?);
+/// let pose = Isometry3::translation(3.0, 0.0, 0.0);
+/// let c = pair.closest(&ball, &die, &RelativePose::from_isometry(&pose)?);
 /// assert!(c.lower <= 1.25 && 1.25 <= c.upper);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```

@@ -1,25 +1,22 @@
-//! From the answer of two cores to that of the rounded shapes.
-//!
-//! `s = s_core - rA - rB` on both sides of contact, and the witnesses move along the normal.
+//! From the answer of two cores to that of the rounded shapes: bounds lose both radii, witnesses
+//! move along the normal.
 
-use crate::num::double_double::two_sum;
+use crate::num::packed::PackedVec3;
 use crate::pair::outcome::{Class, Outcome};
+use crate::pair::rounding;
 use crate::polyhedron::ConvexPolyhedron;
 use crate::pose::RelativePose;
 
-/// Moves distance, bounds and witnesses of cores out by both radii; whether the bounds leave the
-/// class open.
+/// Moves distance, bounds and witnesses of cores out by both radii; returns whether the bounds
+/// leave the class open.
 #[inline]
 pub(super) fn shift(pose: &RelativePose, radii: [f64; 2], outcome: &mut Outcome) -> bool {
-    let (high, low) = two_sum(radii[0], radii[1]);
-    let less = |s: f64| (s - high) - low;
-    outcome.distance = less(outcome.distance);
-    // Both differences round to nearest: by two units in the last place together.
-    outcome.lower = less(outcome.lower).next_down().next_down();
-    outcome.upper = less(outcome.upper).next_up().next_up();
+    outcome.distance = rounding::less(outcome.distance, radii);
+    [outcome.lower, outcome.upper] = rounding::bounds([outcome.lower, outcome.upper], radii);
     let n = *outcome.normal;
     outcome.point_on_a += n * radii[0];
-    outcome.point_on_b -= pose.rotation().tr_mul(&n) * radii[1];
+    let in_b = pose.packed_rotation().transposed_times(PackedVec3::new(&n));
+    outcome.point_on_b -= in_b.vector() * radii[1];
     outcome.class = match outcome.class {
         _ if outcome.lower > 0.0 => Class::Separated,
         _ if outcome.upper < 0.0 => Class::Overlapping,
@@ -29,7 +26,8 @@ pub(super) fn shift(pose: &RelativePose, radii: [f64; 2], outcome: &mut Outcome)
     outcome.lower <= 0.0 && 0.0 <= outcome.upper
 }
 
-/// [`shift`], and the class of rounded polyhedra by exact arithmetic if the bounds leave it open.
+/// Moves the outcome of two polyhedra out by both radii. If the bounds leave the class open, exact
+/// arithmetic decides the class.
 #[inline]
 pub(super) fn grow(
     cores: (&ConvexPolyhedron, &ConvexPolyhedron),

@@ -1,12 +1,12 @@
-//! A core of any kind behind one match: for the finer arithmetic and for extreme sizes, where a
-//! match costs nothing beside the rest.
+//! A core of any kind behind one match: for the finer arithmetic and for extreme sizes, beside
+//! which a match costs nothing.
 
 use nalgebra::Vector3;
 
 use super::polyhedral::Hull;
 use crate::num::scalar::{Scalar, Vec3};
 use crate::polyhedron::{Feature, VertexId};
-use crate::shape::{Cone, Cylinder, Disc, Ellipsoid, Superquadric, Support};
+use crate::shape::{Cone, Cylinder, Disc, Ellipsoid, Flat, Superquadric, Support};
 
 /// A core of any kind.
 #[derive(Clone, Copy)]
@@ -87,6 +87,10 @@ impl Support for Any<'_> {
 
     fn disc(&self, n: &Vector3<f64>) -> Option<Disc> {
         each!(self, core => core.disc(n), None)
+    }
+
+    fn flat(&self, n: &Vector3<f64>) -> Option<Flat> {
+        each!(self, core => core.flat(n), None)
     }
 
     fn feature(&self, branches: &[u32], point: &Vector3<f64>) -> Feature {

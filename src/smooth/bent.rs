@@ -1,35 +1,44 @@
-//! The main solver: a step of GJK that knows the curvature.
+//! Main solver: GJK whose direction step knows the curvature.
 //!
-//! From a unit direction the model of `model` gives the next one; with no curvature that is the
-//! step of GJK, with one smooth branch on each core it is Newton's method on the normal. The
-//! support taken there is both the next step and the certificate.
+//! From a unit direction the model of `model` gives the next direction: without curvature the step
+//! of GJK, with one smooth branch on each core Newton's method on the normal. The supports at the
+//! next direction are both the next step and the certificate.
 
+use super::balls;
 use super::best::{Best, Set};
+use super::flush::{self, Flush};
 use super::model::{MOST, Plane, top};
 use super::posed::{Piece, Posed, Tangent, Toward, add, tangent, unit};
-use crate::num::scalar::{Scalar, Vec3, dot, neg, root};
+use crate::num::scalar::{Scalar, Vec3, dot, root};
 use crate::shape::Support;
 use crate::tolerance::{AGREE_CURVED, UNIT};
 
-/// Directions one run may take.
+/// Directions that a run may take: a heuristic.
 const STEPS: u32 = 24;
 
-/// Thirds that a step is cut to before the run ends.
+/// Cuts of a step, to a third each, before the run ends: a heuristic.
 const CUTS: u32 = 6;
 
-/// The axis of a flat round face is tried where the squared sine of its angle to the direction is
-/// below this.
+/// The axis of a flat round face is tried if the squared sine of the angle between axis and
+/// direction is below this: a heuristic.
 const NEAR_AXIS: f64 = 1.0 / 64.0;
 
-/// Where a run ended.
+/// End of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum End {
     /// The bounds agree.
     Closed,
-    /// The cores seem to overlap: the best direction is close to a least depth.
+    /// The cores seem to overlap: the best direction is close to a local minimum of the depth.
     Inside,
-    /// Neither.
+    /// The bounds are apart.
     Open,
+}
+
+/// Returns whether the points that a vector joins lie behind each other, from the part of the
+/// vector along the direction and the length of the vector.
+#[inline(always)]
+pub(super) fn far_behind<T: Scalar>(along: &T, length: &T) -> bool {
+    *along < T::from(0.0) && *along < *length * T::from(-0.98)
 }
 
 /// A direction and the pieces known there.
@@ -51,7 +60,7 @@ impl<T: Scalar> Centre<T> {
         self.pieces().iter().any(|p| p.of == of)
     }
 
-    /// Adds a piece without weight, in the place of another such if there is no room.
+    /// Adds a piece without weight; if there is no room, in place of another piece without weight.
     fn add(&mut self, piece: Piece<T>) {
         let zero = T::from(0.0);
         if self.len < MOST {
@@ -63,7 +72,7 @@ impl<T: Scalar> Centre<T> {
         }
     }
 
-    /// The weighted sum of the pieces.
+    /// Returns the weighted sum of the pieces.
     fn between(&self) -> Vec3<T> {
         let mut v = [T::from(0.0); 3];
         for (piece, &weight) in self.pieces().iter().zip(&self.weights) {
@@ -79,18 +88,19 @@ impl<T: Scalar> Centre<T> {
 pub(super) struct Run<'r, 'p, A, B, T> {
     pub(super) posed: &'r Posed<'p, A, B, T>,
     pub(super) best: &'r mut Best<T>,
-    /// Whether the least depth is looked for, of cores that overlap.
+    /// Whether the run searches the depth of cores that overlap.
     pub(super) deep: bool,
 }
 
 impl<A: Support, B: Support, T: Scalar> Run<'_, '_, A, B, T> {
     /// Runs until the bounds agree.
-    #[inline(always)]
+    // Not inlined: one copy for each pair of kinds.
+    #[inline(never)]
     pub(super) fn run(&mut self, n: Vec3<T>, set: &Set) -> End {
         let mut centre = self.evaluate(n, set.branches(), [0; 2]);
         let share = T::from(1.0) / T::from(centre.len as f64);
         centre.weights = [share; MOST];
-        let (mut flush, mut kept_back) = ([false; 2], None);
+        let (mut flush, mut kept_back) = (Flush::new(), None);
         let slack = T::from(AGREE_CURVED / 4.0 * self.posed.size);
         let last = self.best.evaluations + STEPS;
         while self.best.evaluations < last {
@@ -101,18 +111,23 @@ impl<A: Support, B: Support, T: Scalar> Run<'_, '_, A, B, T> {
                 return End::Closed;
             }
             if self.deep {
-                self.try_balls(&centre);
+                balls::take(
+                    self.posed,
+                    &centre.toward,
+                    (centre.pieces(), &centre.weights),
+                    self.best,
+                );
             } else if self.seems_inside(&centre, &step) {
                 return End::Inside;
             }
             if !self.deep
-                && let Some(piece) = self.try_flush(&centre.toward, &step, &mut flush)
+                && let Some(piece) = flush::near(self.posed, self.best, &centre.toward, &step, &mut flush, NEAR_AXIS)
             {
                 if self.best.closes(self.posed) {
                     return End::Closed;
                 }
                 if let Some(n) = unit(&piece.w) {
-                    // Beside the face: on from the direction of its nearest point.
+                    // Next to the face: on from the direction of the nearest point.
                     centre = self.evaluate(n, &[piece.of], piece.of);
                     let share = T::from(1.0) / T::from(centre.len as f64);
                     (centre.weights, kept_back) = ([share; MOST], None);
@@ -127,8 +142,7 @@ impl<A: Support, B: Support, T: Scalar> Run<'_, '_, A, B, T> {
         End::Open
     }
 
-    /// Both supports along `n`, and the branches expected there.
-    #[inline(always)]
+    /// Takes both supports along `n`, and the points of the branches expected there.
     fn evaluate(&mut self, n: Vec3<T>, of: &[[u32; 2]], hint: [u32; 2]) -> Centre<T> {
         let toward = self.posed.toward(n);
         let hint = of.first().copied().unwrap_or(hint);
@@ -147,9 +161,8 @@ impl<A: Support, B: Support, T: Scalar> Run<'_, '_, A, B, T> {
         centre
     }
 
-    /// The step of the model at the centre; the points that its weights name are taken as
-    /// witnesses, as they are and moved by the step.
-    #[inline(always)]
+    /// Returns the step of the model at the centre. The points that carry weight are taken as
+    /// witnesses, fixed and moved along their surfaces by the step.
     fn advance(&mut self, centre: &mut Centre<T>) -> Option<Tangent<T>> {
         let (toward, mut planes) = (centre.toward, [Plane::default(); MOST]);
         for (plane, piece) in planes.iter_mut().zip(centre.pieces()) {
@@ -168,13 +181,13 @@ impl<A: Support, B: Support, T: Scalar> Run<'_, '_, A, B, T> {
             half
         };
         let planes = &planes[..centre.len];
-        // A height below zero makes the model concave only where the bend outweighs it.
+        // With a height below zero the model is concave only if the bend outweighs the height.
         let top = top(planes, &centre.weights, mu).or_else(|| top(planes, &centre.weights, half))?;
         centre.weights = top.weights;
         let weighted = centre.pieces.into_iter().zip(centre.weights);
         let kept = weighted.filter(|(_, weight)| *weight > T::from(0.0));
         if !self.deep {
-            self.best.witness(self.posed, kept.clone());
+            self.best.mixture(self.posed, centre.pieces(), &centre.weights);
         }
         let size = top.step[0].value() * top.step[0].value() + top.step[1].value() * top.step[1].value();
         if !self.deep && size < 0.0625 && !self.best.closes(self.posed) {
@@ -189,20 +202,18 @@ impl<A: Support, B: Support, T: Scalar> Run<'_, '_, A, B, T> {
         Some(top.step)
     }
 
-    /// Whether the closest points of the pieces lie behind each other along the direction.
+    /// Returns whether the closest points of the pieces lie behind each other along the direction.
     fn seems_inside(&self, centre: &Centre<T>, step: &Tangent<T>) -> bool {
         let far = (step[0] * step[0] + step[1] * step[1]).value() > 0.0625;
         if far || centre.height > T::from(0.0) {
             return false;
         }
         let v = centre.between();
-        let along = dot(&v, &centre.toward.n);
-        along < T::from(0.0) && along * along > dot(&v, &v) * T::from(0.96)
+        far_behind(&dot(&v, &centre.toward.n), &root(dot(&v, &v)))
     }
 
-    /// Takes the step if the height does not fall; what to do if it does is a matter of what is met
-    /// there.
-    #[inline(always)]
+    /// Takes the step if the height does not fall. If the height falls, a new branch joins the
+    /// pieces, a bent kink is followed for one more step, and any other step is cut.
     fn follow(
         &mut self,
         centre: &mut Centre<T>,
@@ -233,14 +244,14 @@ impl<A: Support, B: Support, T: Scalar> Run<'_, '_, A, B, T> {
             }
             let new = trial.pieces[0].of;
             if !centre.knows(new) {
-                // The model did not know this piece: solve again with it.
+                // The model did not know this piece: solve again with the piece.
                 let piece = self.posed.of_branches(new, &centre.toward, centre.pieces());
                 centre.add(piece);
                 return Some(*centre);
             }
             match kept_back.take() {
-                // Along a kink that is bent the height falls by the square of the step, and rises
-                // in the next (Maratos).
+                // Along a bent kink the height falls by the square of the step, and rises in the
+                // next step (Maratos effect).
                 None if len > 1 => {
                     *kept_back = Some((*centre, step));
                     return Some(trial);
@@ -266,33 +277,7 @@ impl<A: Support, B: Support, T: Scalar> Run<'_, '_, A, B, T> {
         None
     }
 
-    /// Balls inside both cores at the weighted points: their distance is an upper bound of the
-    /// signed one.
-    fn try_balls(&mut self, centre: &Centre<T>) {
-        let (mut on_a, mut on_b) = ([0.0; 3], [0.0; 3]);
-        for (piece, weight) in centre.pieces().iter().zip(&centre.weights) {
-            for k in 0..3 {
-                on_a[k] += piece.on_a[k].value() * weight.value();
-                on_b[k] += piece.on_b[k].value() * weight.value();
-            }
-        }
-        let (n, m) = (centre.toward.n.map(Scalar::value), centre.toward.m.map(Scalar::value));
-        let (ca, ra) = self.posed.a.inner_ball(&on_a.into(), &n.into());
-        let (cb, rb) = self.posed.b.inner_ball(&on_b.into(), &m.into());
-        let lift = |v: [f64; 3]| v.map(T::from);
-        let between = self.posed.piece([0; 2], lift(ca.into()), lift(cb.into())).w;
-        let upper = root(dot(&between, &between)) - T::from(ra) - T::from(rb);
-        if upper < self.best.upper {
-            self.best.upper = upper;
-            (self.best.on_a, self.best.on_b) = (on_a.map(T::from), on_b.map(T::from));
-            self.best.set = Set::default();
-            let kept = centre.pieces().iter().zip(&centre.weights);
-            kept.filter(|(_, weight)| **weight > T::from(0.0))
-                .for_each(|(p, _)| self.best.set.add(p.of));
-        }
-    }
-
-    /// Weights of pieces that stay.
+    /// Copies the weights of pieces that stay.
     fn carry(&self, from: &Centre<T>, to: &mut Centre<T>) {
         let mut any = false;
         for k in 0..to.len {
@@ -303,51 +288,5 @@ impl<A: Support, B: Support, T: Scalar> Run<'_, '_, A, B, T> {
         if !any {
             to.weights[0] = T::from(1.0);
         }
-    }
-
-    /// Tries the axes of flat round faces that the direction is close to, or crosses in a step:
-    /// with the support point of the other core over the face, they close the bounds. Returns the
-    /// nearest points found if they are nearer than those known.
-    fn try_flush(&mut self, toward: &Toward<T>, step: &Tangent<T>, tried: &mut [bool; 2]) -> Option<Piece<T>> {
-        let d = tangent(toward, step);
-        let posed = self.posed;
-        let values = |v: &Vec3<T>| v.map(Scalar::value);
-        let meets = |v: [f64; 3], d: [f64; 3]| {
-            let (off, turn) = (v[0] * v[0] + v[1] * v[1], v[0] * d[0] + v[1] * d[1]);
-            off < NEAR_AXIS || off + turn < 0.0
-        };
-        let (known, mut found) = (self.best.upper, None);
-        let mut take = |best: &mut Best<T>, piece: Piece<T>| {
-            best.witness(posed, core::iter::once((piece, T::from(1.0))));
-            found = Some(piece).filter(|_| best.upper < known);
-        };
-        let n = values(&toward.n);
-        if !tried[0]
-            && meets(n, values(&d))
-            && let Some(disc) = posed.a.disc(&n.into())
-        {
-            tried[0] = true;
-            let toward = posed.toward([T::from(0.0), T::from(0.0), T::from(disc.side)]);
-            let piece = posed.support(&toward, [0; 2]);
-            self.best.prove(&toward, &piece);
-            let on_a = disc.foot(&posed.at(&piece.on_b));
-            take(self.best, posed.piece(piece.of, on_a, piece.on_b));
-        }
-        let m = values(&toward.m);
-        if !tried[1]
-            && meets(m, values(&neg(&posed.frame.direction(&d))))
-            && let Some(disc) = posed.b.disc(&m.into())
-        {
-            tried[1] = true;
-            let axis = posed.frame.vector(&[T::from(0.0), T::from(0.0), T::from(-disc.side)]);
-            let toward = posed.toward(axis);
-            let piece = posed.support(&toward, [0; 2]);
-            self.best.prove(&toward, &piece);
-            let t = posed.frame.translation;
-            let off = [0, 1, 2].map(|k| piece.on_a[k] - t[k]);
-            let on_b = disc.foot(&posed.frame.direction(&off));
-            take(self.best, posed.piece(piece.of, piece.on_a, on_b));
-        }
-        found
     }
 }

@@ -1,10 +1,10 @@
-//! Overlaps: how deep.
+//! Depth of an overlap.
 //!
-//! From the best direction known, the main solver goes on to the nearest least depth. Balls inside
-//! both cores which touch the surfaces at the deepest points prove it the least of all as long as
-//! they are larger than the depth: if A holds a ball of radius `rA` about `cA` and B one of radius
-//! `rB` about `cB`, the depth is at least `rA + rB - |cB - cA|`. Where they do not, a surface
-//! around the origin gives an interval.
+//! From the best direction known, the main solver descends to the nearest local minimum of the
+//! depth. Balls inside both cores that touch the surfaces at the deepest points prove a global
+//! minimum if the balls are larger than the depth: if A contains a ball of radius `rA` about `cA`
+//! and B a ball of radius `rB` about `cB`, the depth is at least `rA + rB - |cB - cA|`. Otherwise a
+//! surface around the origin gives an interval.
 
 use super::bent::Run;
 use super::best::{Best, Set};
@@ -12,18 +12,19 @@ use super::frozen::Around;
 use super::posed::Posed;
 use super::surface;
 use crate::shape::Support;
+use crate::tolerance::{CERTIFICATE, DEPTH_GOAL, UNIT};
 
-/// What is proven of an overlap, or of cores that seem to overlap.
+/// Bounds of the depth of cores that overlap or seem to.
 pub(super) struct Deep {
     pub(super) best: Best<f64>,
-    /// Whether four points of the difference were proven to hold the origin.
+    /// Whether four points of the difference are proven to contain the origin.
     pub(super) inside: bool,
     /// Whether a surface was grown.
     pub(super) grown: bool,
 }
 
-/// Looks for the depth from a direction and the branches there; by a surface only from `corners`
-/// that hold the origin.
+/// Searches the depth from a direction and branches; by a surface only from `corners` that contain
+/// the origin.
 pub(super) fn deepen<A: Support, B: Support>(
     posed: &Posed<A, B, f64>,
     known: &Best<f64>,
@@ -39,7 +40,8 @@ pub(super) fn deepen<A: Support, B: Support>(
         inside: corners.is_some_and(|c| c.points().len() == 4),
         grown: false,
     };
-    let Some(corners) = corners.filter(|_| !best.closes(posed)) else {
+    let is_done = best.closes(posed) || is_deep_enough(posed, &best);
+    let Some(corners) = corners.filter(|_| !is_done) else {
         return deep;
     };
     deep.grown = true;
@@ -58,7 +60,13 @@ pub(super) fn deepen<A: Support, B: Support>(
     deep
 }
 
-/// The main solver from one direction.
+/// Returns whether an overlap is proven, and the depth to the accuracy of a surface.
+pub(super) fn is_deep_enough<A: Support, B: Support>(posed: &Posed<A, B, f64>, best: &Best<f64>) -> bool {
+    let goal = DEPTH_GOAL * posed.size;
+    best.upper < -(CERTIFICATE + posed.noise) * UNIT * posed.size && best.upper - best.lower <= goal
+}
+
+/// Runs the main solver for the depth from one direction.
 fn local<A: Support, B: Support>(posed: &Posed<A, B, f64>, n: [f64; 3], set: &Set, best: &mut Best<f64>) {
     let deep = true;
     Run { posed, best, deep }.run(n, set);

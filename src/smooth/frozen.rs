@@ -1,9 +1,9 @@
-//! The solver behind the main one: GJK on the support points as they were found, whatever their
-//! curvature.
+//! Solver behind the main one: GJK on fixed support points, curvature ignored (Gilbert, Johnson and
+//! Keerthi 1988).
 //!
-//! Gilbert, Johnson and Keerthi 1988. It converges slowly on curved cores, but from anywhere; every
-//! few steps the main solver tries to finish from its simplex. It is also what proves an overlap:
-//! four points of the difference around the origin.
+//! On curved cores GJK converges slowly, but from anywhere. Every few steps the main solver tries
+//! to finish from the simplex. GJK also proves overlaps: by four points of the difference around
+//! the origin.
 
 use super::bent::{End, Run};
 use super::best::{Best, Set};
@@ -23,16 +23,16 @@ const ATTEMPT: usize = 4;
 /// Steps of a first approach.
 const APPROACH: usize = 6;
 
-/// How far a solve is to go.
+/// Goal of a solve.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Goal {
-    /// Until the direction is right to some 60 degrees: a start for the main solver.
+    /// A direction right to some 60 degrees: a start for the main solver.
     Approach,
-    /// Until the bounds agree.
+    /// Bounds that agree.
     Close,
 }
 
-/// Points of the difference between which the origin lies.
+/// Points of the difference around the origin.
 #[derive(Clone, Copy)]
 pub(super) struct Around<T> {
     points: [Piece<T>; 6],
@@ -40,7 +40,8 @@ pub(super) struct Around<T> {
 }
 
 impl<T: Scalar> Around<T> {
-    /// Four of them, proven; or six, up and down three axes, which have still to prove it.
+    /// Returns four points, proven to contain the origin; or six, up and down three axes, not yet
+    /// proven.
     pub(super) fn points(&self) -> &[Piece<T>] {
         &self.points[..self.len]
     }
@@ -52,7 +53,7 @@ impl<T: Scalar> Around<T> {
         }
     }
 
-    /// The support points up and down the axes of a direction.
+    /// Returns the support points up and down the axes of a direction.
     fn six<A: Support, B: Support>(posed: &Posed<A, B, T>, n: Vec3<T>) -> Self {
         let toward = posed.toward(n);
         let [d, e] = toward.tangents;
@@ -64,15 +65,15 @@ impl<T: Scalar> Around<T> {
     }
 }
 
-/// Where a solve ended.
+/// End of a solve.
 pub(super) enum Frozen<T> {
     Closed,
     Open,
-    /// The difference holds the origin, or seems to.
+    /// The difference contains the origin, or seems to.
     Inside(Around<T>),
 }
 
-/// Solves from a direction. The set of the best answer becomes that of the simplex.
+/// Solves from a direction. The branches of the simplex become the set of the best answer.
 pub(super) fn solve<A: Support, B: Support, T: Scalar>(
     posed: &Posed<A, B, T>,
     n: Vec3<T>,
@@ -86,7 +87,7 @@ pub(super) fn solve<A: Support, B: Support, T: Scalar>(
     let toward = posed.toward(n);
     let first = posed.support(&toward, [0; 2]);
     best.prove(&toward, &first);
-    best.witness(posed, core::iter::once((first, T::from(1.0))));
+    best.point(&first);
     let mut points = [first; POINTS];
     let corner = |k: usize, piece: &Piece<T>| MinkowskiPoint {
         a: k as u32,
@@ -110,8 +111,11 @@ pub(super) fn solve<A: Support, B: Support, T: Scalar>(
             }
             return Frozen::Inside(Around { points: held, len: 4 });
         }
-        let kept = simplex.points().iter().zip(simplex.weights());
-        best.witness(posed, kept.map(|(c, &weight)| (points[c.a as usize], weight)));
+        let mut kept = [piece; 4];
+        for (kept, c) in kept.iter_mut().zip(simplex.points()) {
+            *kept = points[c.a as usize];
+        }
+        best.mixture(posed, &kept[..simplex.len().min(4)], simplex.weights());
         if best.closes(posed) {
             return Frozen::Closed;
         }
@@ -135,7 +139,7 @@ pub(super) fn solve<A: Support, B: Support, T: Scalar>(
                 return Frozen::Closed;
             }
             if !gains {
-                // Where the origin lies on a triangle of support points, others hold it.
+                // If the origin lies on a triangle of support points, other points contain it.
                 let inside = best.lower < T::from(0.0);
                 return if inside {
                     Frozen::Inside(Around::six(posed, n))

@@ -1,37 +1,38 @@
 //! Curved cores: signed distance with proven bounds, tracked.
 //!
 //! One solver for all pairs: GJK whose direction step knows the curvature (`bent`, on the model of
-//! `model`). Behind it GJK on frozen support points (`frozen`), then both in double-double;
-//! overlaps are the work of `depth` and `surface`. A core is its support map, the branches of that
-//! map and their second derivatives ([`Support`](crate::shape::Support)); there is no table of
-//! pairs of kinds.
+//! `model`). Before it, the pieces of the last answer are proved again (`warm`); behind it stand
+//! GJK on fixed support points (`frozen`), then both in double-double. Overlaps are the work of
+//! `depth` and `surface`. A core is a support map with branches and second derivatives
+//! ([`Support`](crate::shape::Support)); there is no table of pairs of kinds.
 //!
 //! For any unit direction the height of the difference is a lower bound of the signed distance, the
-//! distance of any two points an upper one; both are taken at every step, and their error terms are
-//! those of [`CERTIFICATE`](crate::tolerance::CERTIFICATE).
+//! distance of any two points an upper bound; both are taken at every step, with the error terms of
+//! [`CERTIFICATE`](crate::tolerance::CERTIFICATE).
 //!
 //! Sources: Gilbert, Johnson and Keerthi 1988; Newton's method on the dual as in Lin 1993, chapter
 //! 4, and Montaut et al. 2022 for the acceleration of GJK. Departures:
 //! 1. The step uses the second derivative of the support function, so it is quadratic on smooth
 //!    cores and that of GJK on flat ones.
-//! 2. Kinks (edges, sides of cylinders, flat faces) are up to three branches with weights: the
-//!    Voronoi region is theirs.
-//! 3. Every answer carries both bounds, whatever layer it ends in.
+//! 2. Kinks (edges, sides of cylinders, flat faces) are up to three branches with weights, as a
+//!    face of a simplex.
+//! 3. Every answer carries both bounds, whatever the solver.
 
 mod any;
+mod balls;
 mod bent;
 mod best;
 mod depth;
+mod flush;
 mod frozen;
 mod model;
 mod pair;
 mod polyhedral;
 mod posed;
 mod surface;
+mod warm;
 
 use alloc::sync::Arc;
-
-use nalgebra::Vector3;
 
 pub(crate) use pair::Memory;
 use pair::{Setting, closest_of};
@@ -42,7 +43,7 @@ use crate::polyhedron::ConvexPolyhedron;
 use crate::pose::RelativePose;
 use crate::shape::Core;
 
-/// The place of a kind in the order in which a pair is solved.
+/// Returns the place of a kind in the order in which a pair is solved.
 fn rank(core: &Core) -> u32 {
     match core {
         Core::Polyhedron(_) => 0,
@@ -53,10 +54,11 @@ fn rank(core: &Core) -> u32 {
     }
 }
 
-/// The closest points of two cores of which one is curved.
+/// Returns the closest points of two cores, at least one of them curved.
 ///
-/// Solved in the order of kinds, so that A-B and B-A are one problem, and matched once: what
-/// follows knows both kinds.
+/// The cores are solved in the order of kinds, so that A-B and B-A are one problem, and matched
+/// once: all further code knows both kinds.
+#[inline]
 pub(crate) fn closest(a: &Core, b: &Core, pose: &RelativePose, memory: &mut Memory) -> Outcome {
     if rank(a) <= rank(b) {
         return ordered(a, b, pose, memory);
@@ -73,9 +75,10 @@ fn hull(body: &Arc<ConvexPolyhedron>) -> Hull<'_> {
     Hull { body, unit: 1.0 }
 }
 
+#[inline(always)]
 fn ordered(a: &Core, b: &Core, pose: &RelativePose, memory: &mut Memory) -> Outcome {
     let setting = Setting::new(a, b, pose);
-    if !setting.plain {
+    if !setting.is_plain() {
         return pair::extreme(a, b, &setting, memory);
     }
     match (a, b) {
@@ -94,13 +97,5 @@ fn ordered(a: &Core, b: &Core, pose: &RelativePose, memory: &mut Memory) -> Outc
         (Core::Cone(x), Core::Superquadric(y)) => closest_of(x, y, &setting, memory),
         (Core::Superquadric(x), Core::Superquadric(y)) => closest_of(x, y, &setting, memory),
         _ => pair::extreme(a, b, &setting, memory),
-    }
-}
-
-/// The origin about which the points of a core are stored.
-fn origin(core: &Core) -> Vector3<f64> {
-    match core {
-        Core::Polyhedron(body) => body.origin,
-        _ => Vector3::zeros(),
     }
 }

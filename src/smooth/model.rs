@@ -1,4 +1,4 @@
-//! The model of the height near a direction, and its maximum.
+//! Model of the height near a direction, and the maximum of the model.
 //!
 //! With the direction turned by `d` in the tangent plane, piece `i` has height `c_i + g_i . d` less
 //! the bend `d . M d / 2`, where `M` is the weighted sum of the second derivatives of all pieces
@@ -13,26 +13,26 @@ use crate::num::scalar::Scalar;
 /// Most pieces of a model.
 pub(super) const MOST: usize = 4;
 
-/// One piece as the model sees it.
+/// One piece of the model.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Plane<T> {
     /// Height along the direction.
     pub(super) c: T,
-    /// Its slope in the tangent plane.
+    /// Slope of the height in the tangent plane.
     pub(super) g: Tangent<T>,
-    /// Its second derivative: entries 00, 01, 11.
+    /// Second derivative: entries 00, 01, 11.
     pub(super) bend: [T; 3],
 }
 
-/// The maximum of the model.
+/// Maximum of the model.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Top<T> {
     pub(super) weights: [T; MOST],
     pub(super) step: Tangent<T>,
 }
 
-/// `M = L D L^T`: the entry of `L` below its unit diagonal, and the inverse of `D`. No root is
-/// taken, so that lengths scaled by a power of two scale all results.
+/// Factors `M = L D L^T`; returns the entry of `L` below the unit diagonal and the inverse of `D`.
+/// Without a square root, so that lengths scaled by a power of two scale all results.
 fn factor<T: Scalar>(m: &[T; 3]) -> Option<(T, [T; 2])> {
     let zero = T::from(0.0);
     if !(m[0] > zero) {
@@ -41,19 +41,51 @@ fn factor<T: Scalar>(m: &[T; 3]) -> Option<(T, [T; 2])> {
     let l = m[1] / m[0];
     let rest = m[2] - l * m[1];
     let one = T::from(1.0);
-    // Not rounding alone.
+    // More than rounding.
     (rest.value() > crate::tolerance::PIVOT * m[2].value()).then(|| (l, [one / m[0], one / rest]))
 }
 
-/// The maximum, of `M` from the weights `prior`; none if `M` is not positive.
-pub(super) fn top<T: Scalar>(planes: &[Plane<T>], prior: &[T; MOST], mu: T) -> Option<Top<T>> {
-    let zero = T::from(0.0);
-    let mut m = [mu, zero, mu];
+/// Returns the weighted sum of the second derivatives and `mu` times the identity.
+#[inline(always)]
+fn matrix<T: Scalar>(planes: &[Plane<T>], prior: &[T], mu: T) -> [T; 3] {
+    let mut m = [mu, T::from(0.0), mu];
     for (plane, &weight) in planes.iter().zip(prior) {
         for (entry, &bend) in m.iter_mut().zip(&plane.bend) {
             *entry = *entry + bend * weight;
         }
     }
+    m
+}
+
+/// Returns the step of Newton's method for one piece. If `M` is not positive, the step is not
+/// finite or leads to a minimum.
+#[inline(always)]
+pub(super) fn newton<T: Scalar>(plane: &Plane<T>, mu: T) -> Tangent<T> {
+    let ([b, off, e], g) = (plane.bend, &plane.g);
+    let (b, e) = (b + mu, e + mu);
+    let inverse = T::from(1.0) / (b * e - off * off);
+    [(e * g[0] - off * g[1]) * inverse, (b * g[1] - off * g[0]) * inverse]
+}
+
+/// Returns the maximum of two or three pieces; `None` unless all have weight there.
+#[inline(always)]
+pub(super) fn kink<T: Scalar>(planes: &[Plane<T>], prior: &[T], mu: T) -> Option<Top<T>> {
+    let (zero, m) = (T::from(0.0), matrix(planes, prior, mu));
+    let mut weights = [zero; MOST];
+    let (step, found) = match planes {
+        [p, q] => between_two([p, q], &m),
+        [p, q, r] => between_three([p, q, r], &m),
+        _ => return None,
+    };
+    weights[..planes.len()].copy_from_slice(&found[..planes.len()]);
+    let is_inside = weights[..planes.len()].iter().all(|weight| *weight > zero);
+    is_inside.then_some(Top { weights, step })
+}
+
+/// Returns the maximum, with `M` from the weights `prior`; `None` if `M` is not positive.
+pub(super) fn top<T: Scalar>(planes: &[Plane<T>], prior: &[T; MOST], mu: T) -> Option<Top<T>> {
+    let zero = T::from(0.0);
+    let m = matrix(planes, prior, mu);
     let (l, inverse) = factor(&m)?;
     let mut y = [[zero; 2]; MOST];
     for (y, plane) in y.iter_mut().zip(planes) {
@@ -62,57 +94,81 @@ pub(super) fn top<T: Scalar>(planes: &[Plane<T>], prior: &[T; MOST], mu: T) -> O
     let (weights, at) = least_norm(planes, &y, &inverse);
     let second = at[1] * inverse[1];
     let step = [at[0] * inverse[0] - l * second, second];
-    Some(kink(planes, &m, &weights).unwrap_or(Top { weights, step }))
+    Some(at_kink(planes, &m, &weights).unwrap_or(Top { weights, step }))
 }
 
-/// Step and weights of two or three pieces from the kink where they are equally high. The sum of
-/// the `y` loses what they have opposite to each other, over a `mu` that vanishes with the height;
-/// the kink does not.
-fn kink<T: Scalar>(planes: &[Plane<T>], m: &[T; 3], kept: &[T; MOST]) -> Option<Top<T>> {
-    let (zero, one) = (T::from(0.0), T::from(1.0));
+/// Returns step and weights of the two or three pieces that carry weight, from the kink at which
+/// the pieces are equally high. The sum of the `y` cancels, over a `mu` that vanishes with the
+/// height; the kink does not.
+fn at_kink<T: Scalar>(planes: &[Plane<T>], m: &[T; 3], kept: &[T; MOST]) -> Option<Top<T>> {
+    let zero = T::from(0.0);
     let mut positive = (0..planes.len()).filter(|&k| kept[k] > zero);
     let (i, j, k) = (positive.next()?, positive.next()?, positive.next());
-    let dot = |a: &Tangent<T>, b: &Tangent<T>| a[0] * b[0] + a[1] * b[1];
-    let sub = |a: &Tangent<T>, b: &Tangent<T>| [a[0] - b[0], a[1] - b[1]];
-    let bent = |d: &Tangent<T>| [m[0] * d[0] + m[1] * d[1], m[1] * d[0] + m[2] * d[1]];
-    let clamp = |x: T| if x > zero { x } else { zero };
-    let mut weights = [zero; MOST];
-    let step;
-    if let Some(k) = k {
-        let (u, v) = (sub(&planes[i].g, &planes[k].g), sub(&planes[j].g, &planes[k].g));
-        let area = u[0] * v[1] - u[1] * v[0];
-        let (p, q) = (planes[k].c - planes[i].c, planes[k].c - planes[j].c);
-        step = [(p * v[1] - q * u[1]) / area, (q * u[0] - p * v[0]) / area];
-        let off = sub(&bent(&step), &planes[k].g);
-        weights[i] = clamp((off[0] * v[1] - off[1] * v[0]) / area);
-        weights[j] = clamp((u[0] * off[1] - u[1] * off[0]) / area);
-        weights[k] = clamp(one - weights[i] - weights[j]);
-        let sum = weights[i] + weights[j] + weights[k];
-        weights = weights.map(|weight| weight / sum);
-    } else {
-        let (g, h) = (&planes[i].g, &planes[j].g);
-        let e = sub(g, h);
-        let (squared, along) = (dot(&e, &e), [-e[1], e[0]]);
-        let share = (planes[j].c - planes[i].c) / squared;
-        let start = [e[0] * share, e[1] * share];
-        let by = (dot(&along, g) - dot(&along, &bent(&start))) / dot(&along, &bent(&along));
-        step = [start[0] + along[0] * by, start[1] + along[1] * by];
-        let weight = clamp(dot(&sub(&bent(&step), h), &e) / squared);
-        weights[i] = if weight < one { weight } else { one };
-        weights[j] = one - weights[i];
+    let (step, found) = match k {
+        Some(k) => between_three([&planes[i], &planes[j], &planes[k]], m),
+        None => between_two([&planes[i], &planes[j]], m),
+    };
+    let found = found.map(|x| if x > zero { x } else { zero });
+    let (mut weights, sum) = ([zero; MOST], found[0] + found[1] + found[2]);
+    for (at, weight) in [Some(i), Some(j), k].into_iter().zip(found) {
+        if let Some(at) = at {
+            weights[at] = weight / sum;
+        }
     }
     step.iter()
         .all(|x| x.value().is_finite())
         .then_some(Top { weights, step })
 }
 
-/// The weights of least `l . c + y . D^-1 y / 2`, `y` the weighted sum, and that sum.
+#[inline(always)]
+fn plane_dot<T: Scalar>(a: &Tangent<T>, b: &Tangent<T>) -> T {
+    a[0] * b[0] + a[1] * b[1]
+}
+
+#[inline(always)]
+fn plane_sub<T: Scalar>(a: &Tangent<T>, b: &Tangent<T>) -> Tangent<T> {
+    [a[0] - b[0], a[1] - b[1]]
+}
+
+#[inline(always)]
+fn bent<T: Scalar>(m: &[T; 3], d: &Tangent<T>) -> Tangent<T> {
+    [m[0] * d[0] + m[1] * d[1], m[1] * d[0] + m[2] * d[1]]
+}
+
+/// Returns the highest point of the kink of two pieces, and weights of sum one.
+#[inline(always)]
+fn between_two<T: Scalar>([p, q]: [&Plane<T>; 2], m: &[T; 3]) -> (Tangent<T>, [T; 3]) {
+    let (g, h) = (&p.g, &q.g);
+    let e = plane_sub(g, h);
+    let (inverse, along) = (T::from(1.0) / plane_dot(&e, &e), [-e[1], e[0]]);
+    let share = (q.c - p.c) * inverse;
+    let start = [e[0] * share, e[1] * share];
+    let by = (plane_dot(&along, g) - plane_dot(&along, &bent(m, &start))) / plane_dot(&along, &bent(m, &along));
+    let step = [start[0] + along[0] * by, start[1] + along[1] * by];
+    let weight = plane_dot(&plane_sub(&bent(m, &step), h), &e) * inverse;
+    (step, [weight, T::from(1.0) - weight, T::from(0.0)])
+}
+
+/// Returns the point at which three pieces are equally high, and weights of sum one.
+#[inline(always)]
+fn between_three<T: Scalar>([p, q, r]: [&Plane<T>; 3], m: &[T; 3]) -> (Tangent<T>, [T; 3]) {
+    let (u, v) = (plane_sub(&p.g, &r.g), plane_sub(&q.g, &r.g));
+    let inverse = T::from(1.0) / (u[0] * v[1] - u[1] * v[0]);
+    let (s, t) = (r.c - p.c, r.c - q.c);
+    let step = [(s * v[1] - t * u[1]) * inverse, (t * u[0] - s * v[0]) * inverse];
+    let off = plane_sub(&bent(m, &step), &r.g);
+    let first = (off[0] * v[1] - off[1] * v[0]) * inverse;
+    let second = (u[0] * off[1] - u[1] * off[0]) * inverse;
+    (step, [first, second, T::from(1.0) - first - second])
+}
+
+/// Returns the weights of least `l . c + y . D^-1 y / 2`, with `y` the weighted sum, and `y`.
 fn least_norm<T: Scalar>(planes: &[Plane<T>], y: &[Tangent<T>; MOST], d: &[T; 2]) -> ([T; MOST], Tangent<T>) {
     let (zero, one) = (T::from(0.0), T::from(1.0));
     let base = planes[0].c;
     let c = |i: usize| planes[i].c - base;
     let dot = |a: &Tangent<T>, b: &Tangent<T>| a[0] * b[0] * d[0] + a[1] * b[1] * d[1];
-    let sub = |a: &Tangent<T>, b: &Tangent<T>| [a[0] - b[0], a[1] - b[1]];
+    let sub = plane_sub;
     let mut best = (T::from(f64::INFINITY), [zero; MOST], [zero; 2]);
     let mut take = |parts: &[(usize, T)]| {
         let (mut value, mut at, mut weights) = (zero, [zero; 2], [zero; MOST]);
@@ -137,7 +193,7 @@ fn least_norm<T: Scalar>(planes: &[Plane<T>], y: &[Tangent<T>; MOST], d: &[T; 2]
             for k in 0..j {
                 let (u, v) = (sub(&y[i], &y[k]), sub(&y[j], &y[k]));
                 let area = u[0] * v[1] - u[1] * v[0];
-                // The place where all three are equally high, from its products with u and v.
+                // The point at which all three are equally high, from the products with u and v.
                 let (p, q) = (c(k) - c(i), c(k) - c(j));
                 let at = [
                     (p * v[1] - q * u[1]) / (area * d[0]),

@@ -7,9 +7,9 @@ use super::bent::{End, Run};
 use super::best::{Best, Set};
 use super::depth;
 use super::frozen::{self, Around, Frozen, Goal};
-use super::origin;
 use super::polyhedral::Hull;
-use super::posed::{Piece, Posed, add, unit};
+use super::posed::{Piece, Posed, add, unit, values};
+use super::warm;
 use crate::num::double_double::DoubleDouble;
 use crate::num::scalar::{Scalar, Vec3, sqrt, sub};
 use crate::pair::answer::round_outward;
@@ -20,27 +20,28 @@ use crate::pose::{Operand, RelativePose};
 use crate::shape::{Core, Support};
 use crate::tolerance::{AGREE_CURVED, CERTIFICATE, SMALL_PAIR, SPECK, UNIT, UNIT_DOUBLE_DOUBLE};
 
-/// A direction that turned by less goes on turning.
+/// A direction that turned by less in each coordinate is extrapolated: a heuristic.
 const SLIGHT: f64 = 0.25;
 
-/// Where the last answer of a pair was found.
+/// State of a pair between queries.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Memory {
     start: Option<(Vec3<f64>, Set)>,
-    /// How the direction turned from the answer before to the last one.
+    /// Turn of the direction from the answer before to the last answer.
     turn: Vec3<f64>,
 }
 
 impl Memory {
-    /// A direction and branches to begin with; what comes from a file may be no direction.
+    /// Returns a direction to begin with, of a length close to one, and branches. A deserialized
+    /// state may contain no direction.
     fn start(&self) -> Option<(Vec3<f64>, Set)> {
         let (n, set) = self.start?;
         let is_small = n.iter().all(|x| x.abs() <= 2.0);
-        // As far beyond the last direction as that came in a step.
+        // Linear extrapolation.
         let turned = self.turn.iter().all(|x| x.abs() < SLIGHT);
         let ahead = if turned { add(&n, &self.turn) } else { n };
-        is_small.then(|| unit(&ahead)).flatten().map(|n| (n, set))
+        is_small.then_some((ahead, set))
     }
 
     /// Remembers an answer.
@@ -50,61 +51,67 @@ impl Memory {
     }
 }
 
-/// What the poses and sizes of a pair ask for.
+/// Frame and unit in which a pair is solved.
 #[derive(Clone, Copy)]
 pub(super) struct Setting<'p> {
     pose: &'p RelativePose,
-    /// Whether both cores are stored as given, and of an ordinary size.
-    pub(super) plain: bool,
-    /// Where the points of A and of B are stored about.
+    /// Translation of the pose, if both cores are stored as given and of an ordinary size.
+    plain: Option<Vec3<f64>>,
+    /// Origins about which the points of A and of B are stored.
     a: Vector3<f64>,
     b: Vector3<f64>,
-    /// The radii, in the caller's unit.
+    /// Radii of both cores, in the caller's unit.
     radii: [f64; 2],
     /// Lengths of the solvers times `2^exponent` are the caller's.
     exponent: i32,
-    /// How far the stored origins are from the cores' own, in the unit of the solvers.
+    /// Distance of the stored origins from the origins of the frames, in the unit of the solvers.
     offsets: f64,
 }
 
-fn radius(core: &Core) -> f64 {
-    match core {
-        Core::Polyhedron(body) => body.radius * body.unit(),
-        Core::Ellipsoid(core) => core.reach(),
-        Core::Cylinder(core) => core.reach(),
-        Core::Cone(core) => core.reach(),
-        Core::Superquadric(core) => core.reach(),
-    }
-}
-
 impl<'p> Setting<'p> {
+    #[inline(always)]
     pub(super) fn new(a: &Core, b: &Core, pose: &'p RelativePose) -> Self {
         let given = |core: &Core| !matches!(core, Core::Polyhedron(body) if !body.is_unscaled);
-        let radii = [radius(a), radius(b)];
-        let t = pose.translation_sixteenth().amax();
-        let size = radii[0].max(radii[1]).max(t);
-        let least = radii[0].min(radii[1]);
-        let ordinary = size < 1.0 / SMALL_PAIR && size > SMALL_PAIR && least > SPECK * size;
-        let plain = given(a) && given(b) && ordinary;
+        let radii = [a.radius(), b.radius()];
+        let t = pose.translation();
+        let size = radii[0].max(radii[1]).max(t.amax());
+        // NaN is not near.
+        let is_near = t.iter().all(|x| x.abs() < 1.0 / SMALL_PAIR);
+        let is_seen = radii.iter().all(|&r| r > SPECK * size || r == 0.0);
+        let is_ordinary = is_near && size < 1.0 / SMALL_PAIR && size > SMALL_PAIR && is_seen;
+        let is_plain = given(a) && given(b) && is_ordinary;
         Self {
             pose,
-            plain,
+            plain: is_plain.then_some([t.x, t.y, t.z]),
             radii,
-            a: origin(a),
-            b: origin(b),
+            a: a.origin(),
+            b: b.origin(),
             exponent: 0,
             offsets: 0.0,
         }
     }
 
+    #[inline(always)]
+    pub(super) fn is_plain(&self) -> bool {
+        self.plain.is_some()
+    }
+
+    #[inline(always)]
     fn frame(&self) -> Option<Transform<f64>> {
-        if self.plain {
-            let (matrix, t) = (self.pose.rotation(), self.pose.translation());
-            return Some(Transform {
-                matrix: core::array::from_fn(|r| core::array::from_fn(|c| matrix[(r, c)])),
-                translation: t.into(),
-            });
-        }
+        let Some(translation) = self.plain else {
+            return self.rounded_frame();
+        };
+        let m = self.pose.rotation();
+        let matrix = [
+            [m[(0, 0)], m[(0, 1)], m[(0, 2)]],
+            [m[(1, 0)], m[(1, 1)], m[(1, 2)]],
+            [m[(2, 0)], m[(2, 1)], m[(2, 2)]],
+        ];
+        Some(Transform { matrix, translation })
+    }
+
+    #[cold]
+    fn rounded_frame(&self) -> Option<Transform<f64>> {
         let fine = self.fine_frame()?;
         Some(Transform {
             matrix: fine.matrix.map(|row| row.map(Scalar::value)),
@@ -117,19 +124,18 @@ impl<'p> Setting<'p> {
     }
 }
 
-/// Where the layers of one arithmetic ended.
+/// End of the solvers of one arithmetic.
 #[derive(PartialEq)]
 enum Ended {
     /// The bounds agree.
     Closed,
     Open,
-    /// An overlap, proven.
+    /// An overlap is proven.
     Deep,
 }
 
-/// The main solver from the last answer, from a first approach, and from points behind which it
-/// finished before. `deep` proves an overlap: of cores that seem to overlap, or whose difference
-/// holds the origin between four points.
+/// Runs solver after solver until the bounds agree. `deep` proves an overlap: of cores that seem to
+/// overlap, or whose difference contains the origin between four points.
 #[inline(always)]
 fn separate<A: Support, B: Support, T: Scalar>(
     posed: &Posed<A, B, T>,
@@ -139,33 +145,30 @@ fn separate<A: Support, B: Support, T: Scalar>(
     mut deep: impl FnMut(&Best<T>, Option<Around<T>>) -> bool,
 ) -> Ended {
     if let Some((n, set)) = start {
-        let end = Run {
-            posed,
-            best,
-            deep: false,
-        }
-        .run(n, &set);
-        match end {
-            End::Closed => return Ended::Closed,
-            End::Inside if deep(&ahead(best, &set), None) => return Ended::Deep,
-            _ => *solver = Solver::Restart,
+        match warm::track(posed, n, &set, best) {
+            Err(End::Closed) => return Ended::Closed,
+            Err(End::Inside) if deep(&Best { set, ..*best }, None) => return Ended::Deep,
+            _ => {}
         }
     }
-    cold(posed, best, solver, deep)
+    search(posed, start.is_some(), best, solver, deep)
 }
 
-/// What is known where a run ended that began with a set.
-fn ahead<T: Scalar>(best: &Best<T>, set: &Set) -> Best<T> {
-    Best { set: *set, ..*best }
-}
-
+/// Runs the solvers behind the first one of a warm query.
 #[inline(never)]
-fn cold<A: Support, B: Support, T: Scalar>(
+fn search<A: Support, B: Support, T: Scalar>(
     posed: &Posed<A, B, T>,
+    is_warm: bool,
     best: &mut Best<T>,
     solver: &mut Solver,
     mut deep: impl FnMut(&Best<T>, Option<Around<T>>) -> bool,
 ) -> Ended {
+    if is_warm {
+        if let Some(ended) = bend(posed, best.n, best, &mut deep) {
+            return ended;
+        }
+        *solver = Solver::Restart;
+    }
     let axis = [T::from(1.0), T::from(0.0), T::from(0.0)];
     let n = unit(&posed.frame.translation).unwrap_or(axis);
     match frozen::solve(posed, n, Goal::Approach, best) {
@@ -173,18 +176,10 @@ fn cold<A: Support, B: Support, T: Scalar>(
         Frozen::Inside(corners) if deep(best, Some(corners)) => return Ended::Deep,
         _ => {}
     }
-    let (n, set) = (toward_witness(posed, best), best.set);
-    let end = Run {
-        posed,
-        best,
-        deep: false,
+    if let Some(ended) = bend(posed, toward_witness(posed, best), best, &mut deep) {
+        return ended;
     }
-    .run(n, &set);
-    match end {
-        End::Closed => return Ended::Closed,
-        End::Inside if deep(best, None) => return Ended::Deep,
-        _ => *solver = Solver::Fallback,
-    }
+    *solver = Solver::Fallback;
     match frozen::solve(posed, toward_witness(posed, best), Goal::Close, best) {
         Frozen::Closed => Ended::Closed,
         Frozen::Inside(corners) if deep(best, Some(corners)) => Ended::Deep,
@@ -192,12 +187,34 @@ fn cold<A: Support, B: Support, T: Scalar>(
     }
 }
 
-/// The direction between the nearest points known.
+/// Runs the main solver from a direction and the best pieces; returns `None` if the bounds stay
+/// open.
+fn bend<A: Support, B: Support, T: Scalar>(
+    posed: &Posed<A, B, T>,
+    n: Vec3<T>,
+    best: &mut Best<T>,
+    deep: &mut impl FnMut(&Best<T>, Option<Around<T>>) -> bool,
+) -> Option<Ended> {
+    let (set, is_deep) = (best.set, false);
+    let mut run = Run {
+        posed,
+        best,
+        deep: is_deep,
+    };
+    match run.run(n, &set) {
+        End::Closed => Some(Ended::Closed),
+        End::Inside if deep(best, None) => Some(Ended::Deep),
+        _ => None,
+    }
+}
+
+/// Returns the direction between the nearest points known.
 fn toward_witness<A: Support, B: Support, T: Scalar>(posed: &Posed<A, B, T>, best: &Best<T>) -> Vec3<T> {
     unit(&posed.piece([0; 2], best.on_a, best.on_b).w).unwrap_or(best.n)
 }
 
-/// The outcome of a pair whose kinds are known, in the unit of the solvers.
+/// Returns the outcome of a pair of known kinds, in the unit of the solvers.
+#[inline(never)]
 pub(super) fn closest_of<A: Kind, B: Kind>(a: &A, b: &B, setting: &Setting, memory: &mut Memory) -> Outcome {
     let mut outcome = Outcome::starting_at(FeaturePair::vertices(Operand::A, 0, 0));
     let Some(frame) = setting.frame() else { return outcome };
@@ -231,7 +248,8 @@ pub(super) fn closest_of<A: Kind, B: Kind>(a: &A, b: &B, setting: &Setting, memo
     outcome
 }
 
-/// The depth of cores that seem to overlap; where it was found, if they do or touch.
+/// Searches the depth of cores that seem to overlap; returns the branches of the deepest points if
+/// the cores overlap or touch.
 #[inline(never)]
 fn deepen<A: Kind, B: Kind>(
     posed: &Posed<A, B, f64>,
@@ -252,10 +270,11 @@ fn deepen<A: Kind, B: Kind>(
         outcome.upper = outcome.upper.min(0.0);
         outcome.distance = outcome.distance.min(outcome.upper);
     }
-    (deep.inside || deep.best.closes(posed)).then_some(deep.best.set)
+    let is_done = deep.inside || deep.best.closes(posed) || depth::is_deep_enough(posed, &deep.best);
+    is_done.then_some(deep.best.set)
 }
 
-/// The same layers in double-double.
+/// Runs the solvers in double-double.
 #[cold]
 #[inline(never)]
 fn finer<A: Kind, B: Kind>(posed: &Posed<A, B, f64>, setting: &Setting, best: &Best<f64>, outcome: &mut Outcome) {
@@ -289,12 +308,12 @@ fn finer<A: Kind, B: Kind>(posed: &Posed<A, B, f64>, setting: &Setting, best: &B
     if ended == Ended::Deep {
         return;
     }
-    let offsets = if setting.plain { 0.0 } else { setting.offsets };
+    let offsets = if setting.is_plain() { 0.0 } else { setting.offsets };
     let term = (CERTIFICATE + noise) * UNIT_DOUBLE_DOUBLE * (size + offsets);
     take(&fine, &found, term, outcome);
 }
 
-/// Takes over what a solver proves.
+/// Copies the bounds and witnesses of a solver to the outcome.
 #[inline(always)]
 fn take<A: Support, B: Support, T: Scalar>(posed: &Posed<A, B, T>, best: &Best<T>, term: f64, outcome: &mut Outcome) {
     outcome.lower = round_outward(best.lower, -term);
@@ -303,9 +322,9 @@ fn take<A: Support, B: Support, T: Scalar>(posed: &Posed<A, B, T>, best: &Best<T
     outcome.distance = estimate
         .value()
         .clamp(outcome.lower.max(-f64::MAX).min(outcome.upper), outcome.upper);
-    outcome.normal = Unit::new_unchecked(best.n.map(Scalar::value).into());
-    outcome.point_on_a = best.on_a.map(Scalar::value).into();
-    outcome.point_on_b = best.on_b.map(Scalar::value).into();
+    outcome.normal = Unit::new_unchecked(values(&best.n).into());
+    outcome.point_on_a = values(&best.on_a).into();
+    outcome.point_on_b = values(&best.on_b).into();
     outcome.class = if outcome.lower > 0.0 {
         Class::Separated
     } else if outcome.upper < 0.0 {
@@ -326,7 +345,8 @@ fn take<A: Support, B: Support, T: Scalar>(posed: &Posed<A, B, T>, best: &Best<T
     };
 }
 
-/// A pair of extreme sizes or places: in its own unit, a core too small to matter as a point.
+/// Returns the outcome of a pair of extreme sizes or places, solved in a unit of the pair; a core
+/// too small to matter counts as a point.
 #[cold]
 pub(super) fn extreme(a: &Core, b: &Core, setting: &Setting, memory: &mut Memory) -> Outcome {
     let [ra, rb] = setting.radii;
@@ -345,7 +365,7 @@ pub(super) fn extreme(a: &Core, b: &Core, setting: &Setting, memory: &mut Memory
     let exponent = exponent_of(ra.max(rb).max(apart));
     let unit = power_of_two(-exponent);
     let setting = Setting {
-        plain: false,
+        plain: None,
         exponent,
         offsets: offsets * unit,
         ..*setting
@@ -373,7 +393,7 @@ pub(super) fn extreme(a: &Core, b: &Core, setting: &Setting, memory: &mut Memory
     outcome
 }
 
-/// A core in the unit of the solvers.
+/// Returns a core in the unit of the solvers.
 fn scaled(core: &Core, exponent: i32) -> Any<'_> {
     let by = power_of_two(-exponent);
     match core {
@@ -388,8 +408,8 @@ fn scaled(core: &Core, exponent: i32) -> Any<'_> {
     }
 }
 
-/// Cores so far apart that their sizes are below the rounding of their distance; `t` and `apart` in
-/// sixteenths.
+/// Returns the outcome of cores so far apart that the sizes are below the rounding of the distance;
+/// `t` and `apart` are in sixteenths.
 fn far(setting: &Setting, t: &Vector3<f64>, apart: f64, offsets: f64) -> Outcome {
     let mut outcome = Outcome::starting_at(FeaturePair::vertices(Operand::A, 0, 0));
     let radii = setting.radii[0] + setting.radii[1];

@@ -1,4 +1,4 @@
-//! Polyhedra as solvers of curved pairs see them.
+//! Polyhedra as cores of curved pairs.
 
 use nalgebra::Vector3;
 
@@ -14,7 +14,7 @@ pub(super) struct Hull<'a> {
     pub(super) unit: f64,
 }
 
-/// A branch is a vertex.
+/// Branches are the vertices.
 impl Support for Hull<'_> {
     fn reach(&self) -> f64 {
         self.body.radius * self.unit

@@ -10,9 +10,9 @@ pub(super) struct Posed<'a, A, B, T> {
     pub(super) a: &'a A,
     pub(super) b: &'a B,
     pub(super) frame: Transform<T>,
-    /// L: both radii and the distance of the origins.
+    /// Size L: both radii and the distance of the origins.
     pub(super) size: f64,
-    /// What heights err by beyond the common term, in UNIT L.
+    /// Error of heights beyond the common term, in UNIT L.
     pub(super) noise: f64,
 }
 
@@ -29,11 +29,11 @@ pub(super) struct Piece<T> {
     pub(super) w: Vec3<T>,
 }
 
-/// A unit direction from A to B, with two perpendicular unit tangents, in both frames.
+/// A unit direction from A to B with two perpendicular unit tangents.
 #[derive(Clone, Copy)]
 pub(super) struct Toward<T> {
     pub(super) n: Vec3<T>,
-    /// The direction along which B has its support point, in the frame of B.
+    /// Direction of the support point of B, in the frame of B.
     pub(super) m: Vec3<T>,
     pub(super) tangents: [Vec3<T>; 2],
 }
@@ -42,7 +42,8 @@ pub(super) struct Toward<T> {
 pub(super) type Tangent<T> = [T; 2];
 
 impl<T: Scalar, A: Support, B: Support> Posed<'_, A, B, T> {
-    /// The tangents are those of Duff et al. 2017, "Building an orthonormal basis, revisited".
+    /// Returns a unit direction with the tangents of Duff et al. 2017, "Building an orthonormal
+    /// basis, revisited".
     #[inline(always)]
     pub(super) fn toward(&self, n: Vec3<T>) -> Toward<T> {
         let one = T::from(1.0);
@@ -63,14 +64,14 @@ impl<T: Scalar, A: Support, B: Support> Posed<'_, A, B, T> {
         Piece { of, on_a, on_b, w }
     }
 
-    /// A point of B in the frame of A.
+    /// Returns a point of B in the frame of A.
     #[inline(always)]
     pub(super) fn at(&self, on_b: &Vec3<T>) -> Vec3<T> {
         let (turned, t) = (self.frame.vector(on_b), self.frame.translation);
         [turned[0] + t[0], turned[1] + t[1], turned[2] + t[2]]
     }
 
-    /// The support points of both cores: `n . w` is the least over the difference.
+    /// Returns the support points of both cores: `n . w` is the least over the difference.
     #[inline(always)]
     pub(super) fn support(&self, toward: &Toward<T>, hint: [u32; 2]) -> Piece<T> {
         let (a, on_a) = self.a.support(&toward.n, hint[0]);
@@ -78,8 +79,16 @@ impl<T: Scalar, A: Support, B: Support> Posed<'_, A, B, T> {
         self.piece([a, b], on_a, on_b)
     }
 
-    /// The points of two branches; those that one of the `known` pieces has already are taken from
-    /// there.
+    /// Returns the support points of both cores along a direction of any length.
+    #[inline(always)]
+    pub(super) fn support_along(&self, along: &Vec3<T>, hint: [u32; 2]) -> Piece<T> {
+        let (a, on_a) = self.a.support(along, hint[0]);
+        let (b, on_b) = self.b.support(&neg(&self.frame.direction(along)), hint[1]);
+        self.piece([a, b], on_a, on_b)
+    }
+
+    /// Returns the points of two branches; points of branches that a `known` piece shares are
+    /// copied from there.
     #[inline(always)]
     pub(super) fn of_branches(&self, of: [u32; 2], toward: &Toward<T>, known: &[Piece<T>]) -> Piece<T> {
         let on_a = match known.iter().find(|p| p.of[0] == of[0]) {
@@ -93,24 +102,62 @@ impl<T: Scalar, A: Support, B: Support> Posed<'_, A, B, T> {
         self.piece(of, on_a, on_b)
     }
 
-    /// The second derivative of the height of a piece in the tangent plane: entries 00, 01, 11.
+    /// Returns the second derivative of the height of a piece in the tangent plane: entries 00, 01,
+    /// 11.
     #[inline(always)]
     pub(super) fn bend(&self, piece: &Piece<T>, toward: &Toward<T>) -> [T; 3] {
-        let [d, e] = &toward.tangents;
-        let a = |d: &Vec3<T>| self.a.bent(piece.of[0], &piece.on_a, &toward.n, d);
-        let (ad, ae) = (a(d), a(e));
-        let [d_in_b, e_in_b] = [self.frame.direction(d), self.frame.direction(e)];
-        let b = |d: &Vec3<T>| self.b.bent(piece.of[1], &piece.on_b, &toward.m, d);
-        let (bd, be) = (b(&d_in_b), b(&e_in_b));
-        [
-            dot(d, &ad) + dot(&d_in_b, &bd),
-            dot(d, &ae) + dot(&d_in_b, &be),
-            dot(e, &ae) + dot(&e_in_b, &be),
-        ]
+        let [a, b] = self.bends(piece, toward);
+        [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
     }
 
-    /// The points of a piece, moved along their surfaces as the direction turns by a step in the
-    /// tangent plane.
+    /// Returns the parts of A and of B in the second derivative of the height of a piece.
+    #[inline(always)]
+    pub(super) fn bends(&self, piece: &Piece<T>, toward: &Toward<T>) -> [[T; 3]; 2] {
+        [self.bend_of_a(piece, toward), self.bend_of_b(piece, toward)]
+    }
+
+    /// Returns the second derivative of the height of a piece; the parts of branches shared with
+    /// another piece are `known`.
+    #[inline(always)]
+    pub(super) fn bend_beside(
+        &self,
+        piece: &Piece<T>,
+        other: &Piece<T>,
+        known: &[[T; 3]; 2],
+        toward: &Toward<T>,
+    ) -> [T; 3] {
+        let a = if piece.of[0] == other.of[0] {
+            known[0]
+        } else {
+            self.bend_of_a(piece, toward)
+        };
+        let b = if piece.of[1] == other.of[1] {
+            known[1]
+        } else {
+            self.bend_of_b(piece, toward)
+        };
+        [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
+    }
+
+    #[inline(always)]
+    fn bend_of_a(&self, piece: &Piece<T>, toward: &Toward<T>) -> [T; 3] {
+        let [d, e] = &toward.tangents;
+        let bent = |d: &Vec3<T>| self.a.bent(piece.of[0], &piece.on_a, &toward.n, d);
+        form(d, e, &bent(d), &bent(e))
+    }
+
+    #[inline(always)]
+    fn bend_of_b(&self, piece: &Piece<T>, toward: &Toward<T>) -> [T; 3] {
+        let [d, e] = [
+            self.frame.direction(&toward.tangents[0]),
+            self.frame.direction(&toward.tangents[1]),
+        ];
+        let bent = |d: &Vec3<T>| self.b.bent(piece.of[1], &piece.on_b, &toward.m, d);
+        form(&d, &e, &bent(&d), &bent(&e))
+    }
+
+    /// Returns the points of a piece after the direction has turned by a step in the tangent plane:
+    /// each moves along the surface of the core.
     pub(super) fn slid(&self, piece: &Piece<T>, toward: &Toward<T>, step: &Tangent<T>) -> Piece<T> {
         let d = tangent(toward, step);
         let by = self.a.bent(piece.of[0], &piece.on_a, &toward.n, &d);
@@ -122,19 +169,31 @@ impl<T: Scalar, A: Support, B: Support> Posed<'_, A, B, T> {
     }
 }
 
+/// Returns entries 00, 01, 11 of a symmetric form on two tangents, from the images of the tangents.
+#[inline(always)]
+fn form<T: Scalar>(d: &Vec3<T>, e: &Vec3<T>, of_d: &Vec3<T>, of_e: &Vec3<T>) -> [T; 3] {
+    [dot(d, of_d), dot(d, of_e), dot(e, of_e)]
+}
+
+/// Returns a vector rounded to f64.
+#[inline(always)]
+pub(super) fn values<T: Scalar>(v: &Vec3<T>) -> Vec3<f64> {
+    [v[0].value(), v[1].value(), v[2].value()]
+}
+
 #[inline(always)]
 pub(super) fn add<T: Scalar>(a: &Vec3<T>, b: &Vec3<T>) -> Vec3<T> {
     [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
 }
 
-/// A step of the tangent plane as a vector.
+/// Returns a step of the tangent plane as a vector.
 #[inline(always)]
 pub(super) fn tangent<T: Scalar>(toward: &Toward<T>, step: &Tangent<T>) -> Vec3<T> {
     let [d, e] = &toward.tangents;
     add(&scaled(d, step[0]), &scaled(e, step[1]))
 }
 
-/// The unit vector along `v`, if it has a direction.
+/// Returns the unit vector along `v`, if `v` has a direction.
 #[inline(always)]
 pub(super) fn unit<T: Scalar>(v: &Vec3<T>) -> Option<Vec3<T>> {
     let length = root(dot(v, v));

@@ -1,16 +1,15 @@
-//! The depth of an overlap by a surface around the origin of the Minkowski difference `A - B`.
+//! Depth of an overlap by a surface around the origin of the Minkowski difference `A - B`.
 //!
 //! A closed surface of triangles whose corners are points of the difference, each counter-clockwise
-//! as seen from the origin's far side, meets every ray from the origin: the difference holds the
-//! ball about the origin that the planes of all triangles leave free. So the least of their
-//! distances is a lower bound of the depth, and the support height along any direction an upper
-//! one.
+//! as seen from the far side of the origin, meets every ray from the origin: the difference
+//! contains the ball about the origin that touches the nearest of the planes. The distance of that
+//! plane is a lower bound of the depth, the support height along any direction an upper bound.
 //!
 //! Source: van den Bergen 2001, "Proximity queries and penetration depth computation on 3D game
 //! objects". Departures:
-//! 1. The order of the triangles is proven against rounding, each where it is made; a point that
-//!    would make one in doubt is not taken.
-//! 2. Both bounds are returned, wherever it ends.
+//! 1. The orientation of each triangle is proven against rounding when the triangle is made; a
+//!    point with a triangle in doubt is not taken.
+//! 2. Both bounds are returned, whatever the end of the search.
 
 use alloc::vec::Vec;
 
@@ -20,7 +19,7 @@ use crate::num::scalar::{Vec3, cross, dot, neg, root, sub};
 use crate::shape::Support;
 use crate::tolerance::{DEPTH_GOAL, ORIENTATION};
 
-/// Points a surface may have.
+/// Points that a surface may have: a heuristic.
 const POINTS: usize = 256;
 
 /// A triangle of the surface.
@@ -28,9 +27,9 @@ struct Facet {
     corners: [u16; 3],
     /// Unit up to rounding, away from the origin.
     normal: Vec3<f64>,
-    /// Of the plane from the origin, rounded down.
+    /// Distance of the plane from the origin, rounded down.
     distance: f64,
-    /// Whether no point is to be taken over it any more.
+    /// Whether no further point is taken over the facet.
     done: bool,
 }
 
@@ -41,27 +40,26 @@ struct Surface<'s, 'p, A, B> {
     facets: Vec<Facet>,
 }
 
-/// What a surface proves.
+/// Bounds and witnesses that a surface proves.
 pub(super) struct Depth {
-    /// The depth is no less.
+    /// Lower bound of the depth.
     pub(super) least: f64,
-    /// The direction of the facet that is nearest to the origin.
+    /// Normal of the facet nearest to the origin.
     pub(super) n: Vec3<f64>,
-    /// Points of A and of B whose difference lies in this facet, nearest to the origin of its
-    /// plane.
+    /// Points of A and of B whose difference is the point of the facet nearest to the origin.
     pub(super) on_a: Vec3<f64>,
     pub(super) on_b: Vec3<f64>,
-    /// The branches of its corners.
+    /// Branches of the corners of the facet.
     pub(super) of: [[u32; 2]; 3],
 }
 
 impl<A: Support, B: Support> Surface<'_, '_, A, B> {
-    /// A point of `A - B`.
+    /// Returns a point of `A - B`.
     fn place(&self, k: u16) -> Vec3<f64> {
         neg(&self.points[usize::from(k)].w)
     }
 
-    /// The triangle, if it is certainly counter-clockwise.
+    /// Returns the triangle if certainly counter-clockwise.
     fn facet(&self, corners: [u16; 3]) -> Option<Facet> {
         let [p, q, r] = corners.map(|k| self.place(k));
         let (u, v) = (sub(&q, &p), sub(&r, &p));
@@ -77,14 +75,14 @@ impl<A: Support, B: Support> Surface<'_, '_, A, B> {
         })
     }
 
-    /// The facet nearest to the origin, of all or of those to which points may be added.
+    /// Returns the facet nearest to the origin, among all or among the facets that still grow.
     fn nearest(&self, open: bool) -> Option<usize> {
         let of = |k: &usize| self.facets[*k].distance;
         let all = (0..self.facets.len()).filter(|&k| !(open && self.facets[k].done));
         all.min_by(|i, j| of(i).total_cmp(&of(j)))
     }
 
-    /// Takes a point over one facet; whether all new triangles are certain.
+    /// Takes a point over one facet; returns whether all new triangles are certain.
     fn grow(&mut self, piece: Piece<f64>) -> bool {
         let top = self.points.len() as u16;
         let place = neg(&piece.w);
@@ -118,7 +116,7 @@ impl<A: Support, B: Support> Surface<'_, '_, A, B> {
         }
     }
 
-    /// Where the origin's foot in the plane of a facet is, as points of both cores.
+    /// Returns the foot of the origin in the plane of a facet, as points of both cores.
     fn result(&self, k: usize) -> Depth {
         let facet = &self.facets[k];
         let pieces = facet.corners.map(|k| self.points[usize::from(k)]);

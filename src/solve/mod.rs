@@ -19,7 +19,8 @@ mod mutation;
 pub(crate) mod out_of_range;
 
 use crate::pair::certificate;
-use crate::pair::outcome::{Accuracy, Class, Outcome};
+use crate::pair::draft::Draft;
+use crate::pair::outcome::{Accuracy, Class};
 use crate::pair::posed::PosedPair;
 use crate::tolerance::{AGREE, CERTIFICATE, UNIT};
 use crate::walk;
@@ -27,56 +28,56 @@ use crate::walk;
 /// Walks from the features of `outcome` and tests the certificate. Returns whether the answer is
 /// proven; if not, `outcome` holds the state at the refusal.
 #[inline(always)]
-pub(crate) fn certified_walk(posed: &PosedPair, outcome: &mut Outcome) -> bool {
-    outcome.work.certificates += 1;
-    let ended = walk::walk::<true>(posed, outcome);
+pub(crate) fn certified_walk(posed: &PosedPair, draft: &mut Draft) -> bool {
+    draft.work.certificates += 1;
+    let ended = walk::walk::<true>(posed, draft);
     #[cfg(test)]
-    let ended = mutation::falsify(posed, outcome, ended);
+    let ended = mutation::falsify(posed, draft, ended);
     // Comparisons are written so that NaN refuses.
-    ended && (bounds_agree(posed, outcome) || supports_agree(posed, outcome)) && proves_separated(posed, outcome)
+    ended && (bounds_agree(posed, draft) || supports_agree(posed, draft)) && proves_separated(posed, draft)
 }
 
 /// Returns whether witnesses and supporting planes agree. Planes further apart than the witnesses
 /// do not agree either: then one of the two is wrong.
 #[inline(always)]
-fn bounds_agree(posed: &PosedPair, outcome: &Outcome) -> bool {
-    (outcome.distance - outcome.lower).abs() <= AGREE * posed.size()
+fn bounds_agree(posed: &PosedPair, draft: &Draft) -> bool {
+    (draft.distance - draft.lower).abs() <= AGREE * posed.size()
 }
 
 /// Returns whether witnesses and supporting planes agree after a search for both supports along the
 /// normal.
 #[cold]
-fn supports_agree(posed: &PosedPair, outcome: &mut Outcome) -> bool {
-    let (a, b) = outcome.features.vertices_of(posed.a, posed.b);
-    outcome.lower = certificate::support_distance(posed, &outcome.normal, a, b);
-    bounds_agree(posed, outcome)
+fn supports_agree(posed: &PosedPair, draft: &mut Draft) -> bool {
+    let (a, b) = draft.features.vertices_of(posed.a, posed.b);
+    draft.lower = certificate::support_distance(posed, &draft.normal, a, b);
+    bounds_agree(posed, draft)
 }
 
 /// Widens the bounds by the error terms and returns whether the lower bound remains positive.
 #[inline(always)]
-fn proves_separated(posed: &PosedPair, outcome: &mut Outcome) -> bool {
+fn proves_separated(posed: &PosedPair, draft: &mut Draft) -> bool {
     let term = CERTIFICATE * UNIT * posed.size();
-    outcome.lower -= term;
-    outcome.upper = outcome.distance + term;
-    outcome.class = Class::Separated;
-    outcome.lower > 0.0
+    draft.lower -= term;
+    draft.upper = draft.distance + term;
+    draft.class = Class::Separated;
+    draft.lower > 0.0
 }
 
 /// Answers from the features of `outcome`; `warm` if the features come from the cache.
 #[inline(always)]
-pub(crate) fn solve(accuracy: Accuracy, posed: &PosedPair, warm: bool, outcome: &mut Outcome) {
+pub(crate) fn solve(accuracy: Accuracy, posed: &PosedPair, warm: bool, draft: &mut Draft) {
     if accuracy == Accuracy::Walk {
-        outcome.class = Class::Separated;
-        if !(posed.same_scale() && walk::walk::<false>(posed, outcome)) {
-            ladder::gjk_unchecked(posed, outcome);
+        draft.class = Class::Separated;
+        if !(posed.same_scale() && walk::walk::<false>(posed, draft)) {
+            ladder::gjk_unchecked(posed, draft);
         }
         return;
     }
-    if !(posed.same_scale() && certified_walk(posed, outcome)) {
-        ladder::refine(posed, warm, outcome);
+    if !(posed.same_scale() && certified_walk(posed, draft)) {
+        ladder::refine(posed, warm, draft);
     }
     #[cfg(feature = "exact")]
     if accuracy == Accuracy::Exact {
-        ladder::sharpen(posed, outcome);
+        ladder::sharpen(posed, draft);
     }
 }

@@ -7,12 +7,13 @@ extern crate std;
 use alloc::{format, vec, vec::Vec};
 use std::cell::Cell;
 
-use lab::rng::Rng;
+use crate::rng::Rng;
 use nalgebra::{Isometry3, Unit, Vector3};
 
 use crate::num::packed::PackedVec3;
+use crate::pair::draft::Draft;
 use crate::pair::edge::Edge;
-use crate::pair::outcome::{Accuracy, Class, Outcome, Solver, Work};
+use crate::pair::outcome::{Accuracy, Class, Solver, Work};
 use crate::pair::posed::PosedPair;
 use crate::pair::star::falls_into_both_faces;
 use crate::polyhedron::{ConvexPolyhedron, FeaturePair, solids};
@@ -47,33 +48,33 @@ std::thread_local! {
 
 /// Falsifies the result of a walk by the error set for this thread; with no error set, returns the
 /// truth.
-pub(super) fn falsify(posed: &PosedPair, outcome: &mut Outcome, ended: bool) -> bool {
+pub(super) fn falsify(posed: &PosedPair, draft: &mut Draft, ended: bool) -> bool {
     let Some(fault) = FAULT.get() else { return ended };
-    let vertices = |outcome: &mut Outcome, seed: u64| {
+    let vertices = |draft: &mut Draft, seed: u64| {
         let (a, b) = (
             seed % posed.a.points.len() as u64,
             seed / 7 % posed.b.points.len() as u64,
         );
-        outcome.features = FeaturePair::vertices(Operand::A, a as u32, b as u32);
+        draft.features = FeaturePair::vertices(Operand::A, a as u32, b as u32);
         let (p, q) = (posed.a.points[a as usize], posed.b.points[b as usize]);
         let between = posed.point_in_a(&q) - p;
-        outcome.distance = between.norm();
-        outcome.normal = Unit::new_normalize(between);
-        (outcome.point_on_a, outcome.point_on_b) = (p.into(), q.into());
-        outcome.lower = f64::NEG_INFINITY;
+        draft.distance = between.norm();
+        draft.normal = Unit::new_normalize(between);
+        (draft.point_on_a, draft.point_on_b) = (p.into(), q.into());
+        draft.lower = f64::NEG_INFINITY;
     };
     match fault {
-        Fault::RandomVertices(seed) => vertices(outcome, seed),
+        Fault::RandomVertices(seed) => vertices(draft, seed),
         Fault::WrongNormal(seed) => {
-            vertices(outcome, seed);
-            outcome.normal = Unit::new_normalize(Vector3::new(seed as f64, 1.0, -(seed as f64) / 2.0));
+            vertices(draft, seed);
+            draft.normal = Unit::new_normalize(Vector3::new(seed as f64, 1.0, -(seed as f64) / 2.0));
         }
-        Fault::ScaledDistance(by) => outcome.distance *= by,
-        Fault::ShiftedPlanes(by) => outcome.lower += by * posed.size(),
-        Fault::NothingComputed => *outcome = Outcome::starting_at(outcome.features),
+        Fault::ScaledDistance(by) => draft.distance *= by,
+        Fault::ShiftedPlanes(by) => draft.lower += by * posed.size(),
+        Fault::NothingComputed => *draft = Draft::starting_at(draft.features),
         Fault::NotANumber => {
-            outcome.distance = f64::NAN;
-            outcome.lower = f64::NAN;
+            draft.distance = f64::NAN;
+            draft.lower = f64::NAN;
         }
         Fault::NoEnd => return false,
     }
@@ -83,12 +84,12 @@ pub(super) fn falsify(posed: &PosedPair, outcome: &mut Outcome, ended: bool) -> 
     }
 }
 
-fn ask(posed: &PosedPair, fault: Option<Fault>, start: Option<FeaturePair>) -> Outcome {
+fn ask(posed: &PosedPair, fault: Option<Fault>, start: Option<FeaturePair>) -> Draft {
     FAULT.set(fault);
-    let mut outcome = Outcome::starting_at(start.unwrap_or_else(|| seed::cold(posed, &mut Work::default())));
-    solve(Accuracy::Certified, posed, start.is_some(), &mut outcome);
+    let mut draft = Draft::starting_at(start.unwrap_or_else(|| seed::cold(posed, &mut Work::default())));
+    solve(Accuracy::Certified, posed, start.is_some(), &mut draft);
     FAULT.set(None);
-    outcome
+    draft
 }
 
 fn faults() -> Vec<Fault> {
@@ -116,7 +117,7 @@ fn bodies() -> Vec<ConvexPolyhedron> {
         solids::cuboid(Vector3::new(1.0, 1.0, 1.0)).unwrap(),
         solids::icosahedron(1.0).unwrap(),
         solids::random_hull(40, Vector3::new(1.0, 0.8, 1e-4), 3).unwrap(),
-        solids::cone(64, 1.0, 0.5).unwrap(),
+        solids::cone(64, 1.0, 0.25).unwrap(),
     ]
 }
 

@@ -17,7 +17,8 @@ impl Tracker {
     ///
     /// ```
     /// use lin_canny::nalgebra::{Isometry3, Vector3};
-    /// use lin_canny::{Manifold, ManifoldOptions, RelativePose, Tracker, polyhedron::solids};
+    /// use lin_canny::polyhedron::solids;
+    /// use lin_canny::{Manifold, ManifoldOptions, RelativePose, Tracker};
     ///
     /// let floor = solids::cuboid(Vector3::new(5.0, 5.0, 1.0))?;
     /// let part = solids::cuboid(Vector3::new(0.5, 0.5, 0.5))?;
@@ -29,7 +30,8 @@ impl Tracker {
     ///     pair.manifold(&floor, &part, &a_from_b, &options, &mut manifold);
     ///     assert_eq!(manifold.points().len(), 4);
     ///     for contact in manifold.points() {
-    ///         println!("{}: {:.3} at {}", contact.id, contact.separation, contact.point_on_a);
+    ///         let (id, point) = (contact.id, contact.point_on_a);
+    ///         println!("{id}: {:.3} at {point}", contact.separation);
     ///     }
     /// }
     /// # Ok::<(), Box<dyn std::error::Error>>(())

@@ -3,6 +3,7 @@
 use super::{Tracker, clear_of, to_user_units};
 use crate::depth::Memory;
 use crate::minimum::overlap_proof::{self, OverlapProof};
+use crate::pair::draft::Draft;
 use crate::pair::outcome::{Ask, Class, Distance, Outcome, Until};
 use crate::pair::posed::PosedPair;
 use crate::polyhedron::ConvexPolyhedron;
@@ -103,23 +104,24 @@ impl Tracker {
 
     /// Computes the class alone from the proof of the last answer, or by the solver of this proof.
     #[inline(never)]
-    pub(super) fn still_overlaps(&mut self, posed: &PosedPair, outcome: &mut Outcome) -> bool {
-        let first = *outcome;
+    pub(super) fn still_overlaps(&mut self, posed: &PosedPair, draft: &mut Draft) -> bool {
+        let first = *draft;
         let Some((hold, features)) = self.overlap_proof.zip(self.last.filter(|f| f.is_of(posed.a, posed.b))) else {
             return false;
         };
-        outcome.features = features;
-        if !hold.proves(posed, outcome) {
-            self.overlap_proof = overlap_proof::solve_overlap(posed, features, outcome);
+        draft.features = features;
+        if !hold.proves(posed, draft) {
+            self.overlap_proof = overlap_proof::solve_overlap(posed, features, draft);
             if self.overlap_proof.is_none() {
-                let work = outcome.work;
-                *outcome = Outcome { work, ..first };
+                let work = draft.work;
+                *draft = first;
+                draft.work = work;
                 return false;
             }
         }
-        self.totals.note(true, outcome.solver, &outcome.work);
+        self.totals.note(true, draft.solver, &draft.work);
         if !(posed.a.is_unscaled && posed.b.is_unscaled) {
-            to_user_units(posed.a, posed.b, outcome);
+            to_user_units(posed.a, posed.b, draft);
         }
         true
     }

@@ -22,8 +22,8 @@ use nalgebra::Vector3;
 
 use crate::num::packed::PackedVec3;
 use crate::num::scalar::sqrt;
+use crate::pair::draft::Draft;
 use crate::pair::edge::Edge;
-use crate::pair::outcome::Outcome;
 use crate::pair::posed::{AFirst, BFirst, PosedPair};
 use crate::pair::star::falls_into_both_faces;
 use crate::polyhedron::{ConvexPolyhedron, FeaturePair};
@@ -36,7 +36,7 @@ use crate::walk::step::Step;
 // Not inlined: otherwise the loop of the walk would hoist the loads of every kind of pair and spill
 // them.
 #[inline(never)]
-pub(crate) fn test<const CERTIFY: bool>(posed: &PosedPair, a: u32, b: u32, outcome: &mut Outcome) -> Step {
+pub(crate) fn test<const CERTIFY: bool>(posed: &PosedPair, a: u32, b: u32, draft: &mut Draft) -> Step {
     let (ea, eb) = (Edge::new(posed.a, a), Edge::new(posed.b, b));
     let (p1, p2_in_b) = (PackedVec3::new(&ea.p), PackedVec3::new(&eb.p));
     let (u, w_in_b) = (PackedVec3::new(&ea.q) - p1, PackedVec3::new(&eb.q) - p2_in_b);
@@ -50,7 +50,7 @@ pub(crate) fn test<const CERTIFY: bool>(posed: &PosedPair, a: u32, b: u32, outco
         n = n - u * (n.dot(u) / uu);
         nn = n.norm_squared();
         if nn <= PARALLEL * uu * ww {
-            return closest_with_endpoint(posed, a, b, outcome);
+            return closest_with_endpoint(posed, a, b, draft);
         }
     }
     let per_square = 1.0 / nn;
@@ -58,7 +58,7 @@ pub(crate) fn test<const CERTIFY: bool>(posed: &PosedPair, a: u32, b: u32, outco
     if s < 0.0 || t < 0.0 || s > 1.0 || t > 1.0 {
         let off = |s: f64, squared: f64| (s - s.clamp(0.0, 1.0)).abs() * sqrt(squared) > DIFFERENCE * posed.size();
         if off(s, uu) || off(t, ww) {
-            return closest_with_endpoint(posed, a, b, outcome);
+            return closest_with_endpoint(posed, a, b, draft);
         }
     }
     let along = r.dot(n);
@@ -78,10 +78,10 @@ pub(crate) fn test<const CERTIFY: bool>(posed: &PosedPair, a: u32, b: u32, outco
         };
         let (out_a, out_b) = (sine(on_a.0.min(on_a.1), w), sine(on_b.0.min(on_b.1), u_in_b));
         if out_a < 0.0 && out_a <= out_b {
-            return slide_over_face_of_a(posed, a, b, on_a.0 < on_a.1, t, outcome);
+            return slide_over_face_of_a(posed, a, b, on_a.0 < on_a.1, t, draft);
         }
         if out_b < 0.0 {
-            return slide_over_face_of_b(posed, a, b, on_b.0 < on_b.1, s, outcome);
+            return slide_over_face_of_b(posed, a, b, on_b.0 < on_b.1, s, draft);
         }
     }
     let (point_a, point_b) = (p1 + u * s, p2_in_b + w_in_b * t);
@@ -100,7 +100,7 @@ pub(crate) fn test<const CERTIFY: bool>(posed: &PosedPair, a: u32, b: u32, outco
     } else {
         bound_by_planes(posed, (a, b), normal, on_a, on_b)
     };
-    outcome.accept(normal.vector(), (point_a.vector(), point_b.vector()), distance, lower)
+    draft.accept(normal.vector(), (point_a.vector(), point_b.vector()), distance, lower)
 }
 
 /// Lower bound of the distance along a unit `normal` from the planes of the adjacent faces, if
@@ -123,7 +123,7 @@ fn bound_by_planes(
 
 /// Slides the edge of B over the right or left face of the edge of A, descending from `t`.
 #[inline(never)]
-fn slide_over_face_of_a(posed: &PosedPair, a: u32, b: u32, right: bool, t: f64, outcome: &mut Outcome) -> Step {
+fn slide_over_face_of_a(posed: &PosedPair, a: u32, b: u32, right: bool, t: f64, draft: &mut Draft) -> Step {
     let eb = Edge::new(posed.b, b);
     let start = posed.point_in_a(&(eb.p + (eb.q - eb.p) * t));
     let along = posed.vector_in_a(&(eb.q - eb.p));
@@ -136,13 +136,13 @@ fn slide_over_face_of_a(posed: &PosedPair, a: u32, b: u32, right: bool, t: f64, 
             face,
             entry_edge: Some(a),
         },
-        outcome,
+        draft,
     )
 }
 
 /// Slides the edge of A over the right or left face of the edge of B, descending from `s`.
 #[inline(never)]
-fn slide_over_face_of_b(posed: &PosedPair, a: u32, b: u32, right: bool, s: f64, outcome: &mut Outcome) -> Step {
+fn slide_over_face_of_b(posed: &PosedPair, a: u32, b: u32, right: bool, s: f64, draft: &mut Draft) -> Step {
     let ea = Edge::new(posed.a, a);
     let start = posed.point_in_b(&(ea.p + (ea.q - ea.p) * s));
     let along = posed.vector_in_b(&(ea.q - ea.p));
@@ -155,7 +155,7 @@ fn slide_over_face_of_b(posed: &PosedPair, a: u32, b: u32, right: bool, s: f64, 
             face,
             entry_edge: Some(b),
         },
-        outcome,
+        draft,
     )
 }
 
@@ -189,7 +189,7 @@ fn descending_half_edge(
 /// Moves to the closest points of the two segments with at least one endpoint among them: each
 /// endpoint is projected on the opposite segment, and the best of the four pairs is taken.
 #[cold]
-fn closest_with_endpoint(posed: &PosedPair, a: u32, b: u32, outcome: &mut Outcome) -> Step {
+fn closest_with_endpoint(posed: &PosedPair, a: u32, b: u32, draft: &mut Draft) -> Step {
     let (ea, eb) = (Edge::new(posed.a, a), Edge::new(posed.b, b));
     let (u, w) = (ea.q - ea.p, posed.vector_in_a(&(eb.q - eb.p)));
     let r = posed.point_in_a(&eb.p) - ea.p;
@@ -214,7 +214,7 @@ fn closest_with_endpoint(posed: &PosedPair, a: u32, b: u32, outcome: &mut Outcom
             None
         }
     };
-    outcome.move_to(match (end(&ea, best.0), end(&eb, best.1)) {
+    draft.move_to(match (end(&ea, best.0), end(&eb, best.1)) {
         (Some(v), Some(w)) => FeaturePair::vertices(Operand::A, v, w),
         (Some(v), None) => FeaturePair::vertex_edge(Operand::A, v, b),
         (None, Some(v)) => FeaturePair::vertex_edge(Operand::B, v, a),

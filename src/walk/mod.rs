@@ -33,7 +33,7 @@ mod vertex_face;
 mod vertex_vertex;
 
 use crate::num::scalar::sqrt;
-use crate::pair::outcome::Outcome;
+use crate::pair::draft::Draft;
 use crate::pair::posed::{AFirst, BFirst, PosedPair};
 use crate::polyhedron::{Feature, FeaturePair};
 use crate::tuning::walk::{FIRST_NEWTON_JUMP, FREE, JUMPS, LONGEST, NEWTON_JUMPS};
@@ -42,16 +42,16 @@ use crate::walk::step::Step;
 
 /// Tests the current feature pair of `outcome` and moves to the next pair or accepts the pair.
 #[inline(always)]
-fn test_pair<const CERTIFY: bool>(posed: &PosedPair, outcome: &mut Outcome) -> Step {
+fn test_pair<const CERTIFY: bool>(posed: &PosedPair, draft: &mut Draft) -> Step {
     use Feature::{Edge, Face, Vertex};
-    match (outcome.features.a, outcome.features.b) {
-        (Edge(e), Edge(g)) => edge_edge::test::<CERTIFY>(posed, e.0, g.0, outcome),
-        (Vertex(v), Face(f)) => vertex_face::test::<CERTIFY, _>(&AFirst(posed), v.0, f.0, outcome),
-        (Face(f), Vertex(v)) => vertex_face::test::<CERTIFY, _>(&BFirst(posed), v.0, f.0, outcome),
-        (Vertex(v), Edge(e)) => vertex_edge::test::<CERTIFY, _>(&AFirst(posed), v.0, e.0, outcome),
-        (Edge(e), Vertex(v)) => vertex_edge::test::<CERTIFY, _>(&BFirst(posed), v.0, e.0, outcome),
-        (Vertex(v), Vertex(w)) => vertex_vertex::test::<CERTIFY>(posed, v.0, w.0, outcome),
-        // Not a state: no step leads here (see `to_stand_on`).
+    match (draft.features.a, draft.features.b) {
+        (Edge(e), Edge(g)) => edge_edge::test::<CERTIFY>(posed, e.0, g.0, draft),
+        (Vertex(v), Face(f)) => vertex_face::test::<CERTIFY, _>(&AFirst(posed), v.0, f.0, draft),
+        (Face(f), Vertex(v)) => vertex_face::test::<CERTIFY, _>(&BFirst(posed), v.0, f.0, draft),
+        (Vertex(v), Edge(e)) => vertex_edge::test::<CERTIFY, _>(&AFirst(posed), v.0, e.0, draft),
+        (Edge(e), Vertex(v)) => vertex_edge::test::<CERTIFY, _>(&BFirst(posed), v.0, e.0, draft),
+        (Vertex(v), Vertex(w)) => vertex_vertex::test::<CERTIFY>(posed, v.0, w.0, draft),
+        // Not a state: no step leads here (see `walkable`).
         (Edge(_), Face(_)) | (Face(_), Edge(_) | Face(_)) => Step::Lost,
     }
 }
@@ -60,25 +60,25 @@ fn test_pair<const CERTIFY: bool>(posed: &PosedPair, outcome: &mut Outcome) -> S
 /// `CERTIFY`, an accepted pair has a lower bound of the distance, if the tests prove one. A walk
 /// takes at most `4 sqrt(nA + nB) + 16` steps, and at most 128 on bodies with large rings.
 #[inline(always)]
-pub(crate) fn walk<const CERTIFY: bool>(posed: &PosedPair, outcome: &mut Outcome) -> bool {
-    walk_observed::<CERTIFY>(posed, outcome, |_| {})
+pub(crate) fn walk<const CERTIFY: bool>(posed: &PosedPair, draft: &mut Draft) -> bool {
+    walk_observed::<CERTIFY>(posed, draft, |_| {})
 }
 
 /// Walks as [`walk`] does, and passes each tested pair to `observe`.
 #[inline(always)]
 pub(crate) fn walk_observed<const CERTIFY: bool>(
     posed: &PosedPair,
-    outcome: &mut Outcome,
+    draft: &mut Draft,
     mut observe: impl FnMut(FeaturePair),
 ) -> bool {
-    let has_bands = posed.a.has_bands | posed.b.has_bands;
+    let has_large_rings = posed.a.has_large_rings | posed.b.has_large_rings;
     // Number of steps before the guard first checks.
-    let free = if has_bands { FIRST_NEWTON_JUMP } else { FREE };
+    let free = if has_large_rings { FIRST_NEWTON_JUMP } else { FREE };
     let (mut steps, mut jumps, mut guard) = (0, 0, None);
     loop {
-        outcome.work.steps += 1;
-        observe(outcome.features);
-        let step = test_pair::<CERTIFY>(posed, outcome);
+        draft.work.steps += 1;
+        observe(draft.features);
+        let step = test_pair::<CERTIFY>(posed, draft);
         // First, because most walks begin and end with this step.
         if step == Step::Found {
             return true;
@@ -88,7 +88,7 @@ pub(crate) fn walk_observed<const CERTIFY: bool>(
         }
         jumps += u32::from(step == Step::Jump);
         steps += 1;
-        if jumps > JUMPS || steps >= free && Guard::stops(&mut guard, steps, posed, outcome) {
+        if jumps > JUMPS || steps >= free && Guard::stops(&mut guard, steps, posed, draft) {
             return false;
         }
     }
@@ -110,11 +110,11 @@ struct Guard {
 
 impl Guard {
     fn new(posed: &PosedPair) -> Self {
-        let has_bands = posed.a.has_bands | posed.b.has_bands;
+        let has_large_rings = posed.a.has_large_rings | posed.b.has_large_rings;
         Self {
             newton_jumps: 0,
             last_target: None,
-            next_jump: if has_bands { FIRST_NEWTON_JUMP } else { u32::MAX },
+            next_jump: if has_large_rings { FIRST_NEWTON_JUMP } else { u32::MAX },
             mark: None,
             next_mark: FREE,
             limit: step_limit(posed),
@@ -124,12 +124,12 @@ impl Guard {
     /// Returns whether the walk must end after `steps` steps. From the first step that is not free,
     /// the walk must call the guard after every step.
     #[cold]
-    fn stops(guard: &mut Option<Self>, steps: u32, posed: &PosedPair, outcome: &mut Outcome) -> bool {
+    fn stops(guard: &mut Option<Self>, steps: u32, posed: &PosedPair, draft: &mut Draft) -> bool {
         let guard = guard.get_or_insert_with(|| Self::new(posed));
         if steps == guard.next_jump {
-            guard.newton_jump(steps, posed, outcome);
+            guard.newton_jump(steps, posed, draft);
         }
-        let next = Some(outcome.features);
+        let next = Some(draft.features);
         if steps > FREE && (next == guard.mark || steps >= guard.limit) {
             return true;
         }
@@ -139,17 +139,17 @@ impl Guard {
         false
     }
 
-    fn newton_jump(&mut self, steps: u32, posed: &PosedPair, outcome: &mut Outcome) {
+    fn newton_jump(&mut self, steps: u32, posed: &PosedPair, draft: &mut Draft) {
         // Whether the jump helped or not, another is tried later: jumps are few, so the walk still
         // ends.
-        let jumped = newton_jump(posed, outcome);
+        let jumped = newton_jump(posed, draft);
         let later = if jumped {
             FIRST_NEWTON_JUMP
         } else {
             steps.max(FIRST_NEWTON_JUMP)
         };
         self.newton_jumps += 1;
-        let target = Some(outcome.features);
+        let target = Some(draft.features);
         // A second jump to the target of the last adds nothing to the steps in between.
         let ends = self.newton_jumps == NEWTON_JUMPS || (jumped && target == self.last_target);
         self.next_jump = if ends { u32::MAX } else { steps + later };
@@ -164,7 +164,7 @@ fn step_limit(posed: &PosedPair) -> u32 {
     let n = posed.a.topology.vertex_count() + posed.b.topology.vertex_count();
     let round = (4.0 * sqrt(n as f64)) as u32 + 16;
     // Newton jumps move a walk along large rings.
-    if posed.a.has_bands | posed.b.has_bands {
+    if posed.a.has_large_rings | posed.b.has_large_rings {
         round.min(LONGEST)
     } else {
         round

@@ -8,7 +8,7 @@
 
 use nalgebra::Vector3;
 
-use crate::pair::outcome::Outcome;
+use crate::pair::draft::Draft;
 use crate::pair::posed::OrderedPair;
 use crate::polyhedron::unimodal::top_of_ring;
 use crate::polyhedron::{ConvexPolyhedron, FeaturePair};
@@ -76,11 +76,11 @@ pub(crate) fn jump_to_exit_face<S: OrderedPair>(
     vertex: u32,
     face: u32,
     x: &Vector3<f64>,
-    outcome: &mut Outcome,
+    draft: &mut Draft,
 ) -> Step {
     match exit_face(pair.second(), x, ON_BOUNDARY * pair.size()) {
         Some(exit) if exit != face => {
-            outcome.features = FeaturePair::vertex_face(S::FIRST, vertex, exit);
+            draft.features = FeaturePair::vertex_face(S::FIRST, vertex, exit);
             Step::Jump
         }
         _ => Step::Lost,

@@ -12,8 +12,8 @@
 //! ```
 
 use crate::num::packed::PackedVec3;
+use crate::pair::draft::Draft;
 use crate::pair::face::Face;
-use crate::pair::outcome::Outcome;
 use crate::pair::posed::OrderedPair;
 use crate::polyhedron::FeaturePair;
 use crate::walk::ray_exit_face::jump_to_exit_face;
@@ -33,7 +33,7 @@ pub(crate) struct Slide {
 
 /// Follows the edge to the first of: a side plane of the face (edge-edge), the end of the edge
 /// (vertex-face), the plane of the face (the bodies meet).
-pub(crate) fn slide<S: OrderedPair>(pair: &S, s: &Slide, outcome: &mut Outcome) -> Step {
+pub(crate) fn slide<S: OrderedPair>(pair: &S, s: &Slide, draft: &mut Draft) -> Step {
     let (body, other) = (pair.first(), pair.second());
     let topology = &body.topology;
     let end = topology.half_edge(s.half_edge).to;
@@ -51,11 +51,11 @@ pub(crate) fn slide<S: OrderedPair>(pair: &S, s: &Slide, outcome: &mut Outcome) 
     let normal = PackedVec3::new(&plane.normal);
     let (height, fall) = (normal.dot(s.start) - plane.offset, normal.dot(displacement));
     if height <= 0.0 {
-        return jump_to_exit_face(pair, end, s.face, &s.start.vector(), outcome);
+        return jump_to_exit_face(pair, end, s.face, &s.start.vector(), draft);
     }
     if height + fraction * fall <= 0.0 {
         Step::Lost
     } else {
-        outcome.move_to(next)
+        draft.move_to(next)
     }
 }

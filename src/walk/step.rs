@@ -2,7 +2,7 @@
 
 use nalgebra::{Unit, Vector3};
 
-use crate::pair::outcome::Outcome;
+use crate::pair::draft::Draft;
 use crate::pair::posed::WitnessPair;
 use crate::polyhedron::FeaturePair;
 
@@ -21,7 +21,7 @@ pub(crate) enum Step {
     Lost,
 }
 
-impl Outcome {
+impl Draft {
     /// Moves to a closer pair.
     #[inline(always)]
     pub(crate) fn move_to(&mut self, pair: FeaturePair) -> Step {

@@ -2,7 +2,8 @@
 
 use alloc::vec::Vec;
 
-use crate::pair::outcome::{Outcome, Work};
+use crate::pair::draft::Draft;
+use crate::pair::outcome::Work;
 use crate::pair::posed::PosedPair;
 use crate::polyhedron::FeaturePair;
 use crate::walk::seed;
@@ -12,7 +13,7 @@ use crate::walk::walk_observed;
 /// whether the walk accepted the last pair rather than giving up there.
 pub(crate) fn trace(posed: &PosedPair, start: Option<FeaturePair>) -> (Vec<FeaturePair>, bool) {
     let mut path = Vec::new();
-    let mut outcome = Outcome::starting_at(start.unwrap_or_else(|| seed::cold(posed, &mut Work::default())));
-    let ended = posed.same_scale() && walk_observed::<true>(posed, &mut outcome, |pair| path.push(pair));
+    let mut draft = Draft::starting_at(start.unwrap_or_else(|| seed::cold(posed, &mut Work::default())));
+    let ended = posed.same_scale() && walk_observed::<true>(posed, &mut draft, |pair| path.push(pair));
     (path, ended)
 }

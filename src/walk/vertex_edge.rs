@@ -13,8 +13,8 @@ use nalgebra::Vector3;
 
 use crate::num::packed::PackedVec3;
 use crate::num::scalar::sqrt;
+use crate::pair::draft::Draft;
 use crate::pair::edge::Edge;
-use crate::pair::outcome::Outcome;
 use crate::pair::posed::OrderedPair;
 use crate::pair::star::one_norm;
 use crate::polyhedron::{ConvexPolyhedron, FeaturePair};
@@ -25,12 +25,7 @@ use crate::walk::step::Step;
 // Not inlined: otherwise the loop of the walk would hoist the loads of every kind of pair and spill
 // them.
 #[inline(never)]
-pub(crate) fn test<const CERTIFY: bool, S: OrderedPair>(
-    pair: &S,
-    vertex: u32,
-    edge: u32,
-    outcome: &mut Outcome,
-) -> Step {
+pub(crate) fn test<const CERTIFY: bool, S: OrderedPair>(pair: &S, vertex: u32, edge: u32, draft: &mut Draft) -> Step {
     let (body, other) = (pair.first(), pair.second());
     let e = other.topology.half_edge(edge);
     let twin = other.topology.half_edge(e.twin);
@@ -43,10 +38,10 @@ pub(crate) fn test<const CERTIFY: bool, S: OrderedPair>(
     let slack = noise * one_norm(&u);
     // Voronoi planes of the endpoints: V(p), V(q).
     if along < -slack {
-        return outcome.move_to(FeaturePair::vertices(S::FIRST, vertex, twin.to));
+        return draft.move_to(FeaturePair::vertices(S::FIRST, vertex, twin.to));
     }
     if along > uu + slack {
-        return outcome.move_to(FeaturePair::vertices(S::FIRST, vertex, e.to));
+        return draft.move_to(FeaturePair::vertices(S::FIRST, vertex, e.to));
     }
     let inverse = 1.0 / uu;
     let s = along * inverse;
@@ -59,12 +54,12 @@ pub(crate) fn test<const CERTIFY: bool, S: OrderedPair>(
     let (alpha, beta) = (right.normal.dot(&w), -left.normal.dot(&w));
     if alpha < -slack || beta < -slack {
         let face = if alpha < beta { twin.face } else { e.face };
-        return outcome.move_to(FeaturePair::vertex_face(S::FIRST, vertex, face));
+        return draft.move_to(FeaturePair::vertex_face(S::FIRST, vertex, face));
     }
     let n = pair.direction_in_first(&d);
     let fan = body.fan_minimum(vertex, &n);
     if let Some(h) = body.descending_edge(vertex, &fan, noise) {
-        return outcome.move_to(FeaturePair::edges(S::FIRST, body.topology.edge(h), edge));
+        return draft.move_to(FeaturePair::edges(S::FIRST, body.topology.edge(h), edge));
     }
     // The distance is between points of the bodies: an endpoint if rounding puts the foot beyond
     // the edge.
@@ -89,7 +84,7 @@ pub(crate) fn test<const CERTIFY: bool, S: OrderedPair>(
         height_over_planes(other, edge, &d, &x, (alpha, beta)) * per_length
     };
     let normal = pair.normal(&(d * per_length));
-    outcome.accept(normal, S::witnesses(vertex_point, foot), distance, lower)
+    draft.accept(normal, S::witnesses(vertex_point, foot), distance, lower)
 }
 
 /// Lower bound of the height of `x` above the body of an edge, in units of `d`, from the planes of

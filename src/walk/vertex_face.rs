@@ -13,8 +13,8 @@ use nalgebra::Vector3;
 
 use crate::num::packed::PackedVec3;
 use crate::num::scalar::sqrt;
+use crate::pair::draft::Draft;
 use crate::pair::face::{Face, FaceLocation};
-use crate::pair::outcome::Outcome;
 use crate::pair::posed::OrderedPair;
 use crate::polyhedron::{ConvexPolyhedron, FeaturePair};
 use crate::tolerance::{DIRECTION, ON_BOUNDARY};
@@ -26,12 +26,7 @@ use crate::walk::step::Step;
 // Not inlined: otherwise the loop of the walk would hoist the loads of every kind of pair and spill
 // them.
 #[inline(never)]
-pub(crate) fn test<const CERTIFY: bool, S: OrderedPair>(
-    pair: &S,
-    vertex: u32,
-    face: u32,
-    outcome: &mut Outcome,
-) -> Step {
+pub(crate) fn test<const CERTIFY: bool, S: OrderedPair>(pair: &S, vertex: u32, face: u32, draft: &mut Draft) -> Step {
     let (body, other) = (pair.first(), pair.second());
     let vertex_point = body.points[vertex as usize];
     let x = pair.point_in_second(&vertex_point);
@@ -44,11 +39,11 @@ pub(crate) fn test<const CERTIFY: bool, S: OrderedPair>(
     }
     .locate(&x, size);
     if let FaceLocation::Outside(edge) = location {
-        return outcome.move_to(FeaturePair::vertex_edge(S::FIRST, vertex, edge));
+        return draft.move_to(FeaturePair::vertex_edge(S::FIRST, vertex, edge));
     }
     let height = plane.normal.dot(&(x - corner));
     if height <= ON_BOUNDARY * size {
-        return jump_to_exit_face(pair, vertex, face, &x, outcome);
+        return jump_to_exit_face(pair, vertex, face, &x, draft);
     }
     let n = pair.direction_in_first(&plane.normal);
     let fan = body.fan_minimum(vertex, &n);
@@ -61,7 +56,7 @@ pub(crate) fn test<const CERTIFY: bool, S: OrderedPair>(
                 face,
                 entry_edge: None,
             },
-            outcome,
+            draft,
         );
     }
     let lower = if CERTIFY && body.proves_lowest(&fan, &n) {
@@ -74,7 +69,7 @@ pub(crate) fn test<const CERTIFY: bool, S: OrderedPair>(
         _ => (x - plane.normal * height, height),
     };
     let normal = pair.normal(&plane.normal);
-    outcome.accept(normal, S::witnesses(vertex_point, foot), height, lower)
+    draft.accept(normal, S::witnesses(vertex_point, foot), height, lower)
 }
 
 /// Returns the point of an edge closest to `x`, and the distance. If `x` grazes the face boundary,

@@ -2,7 +2,7 @@
 //! vertex.
 
 use crate::num::scalar::sqrt;
-use crate::pair::outcome::Outcome;
+use crate::pair::draft::Draft;
 use crate::pair::posed::PosedPair;
 use crate::polyhedron::FeaturePair;
 use crate::pose::Operand;
@@ -13,7 +13,7 @@ use crate::walk::step::Step;
 // Not inlined: otherwise the loop of the walk would hoist the loads of every kind of pair and spill
 // them.
 #[inline(never)]
-pub(crate) fn test<const CERTIFY: bool>(posed: &PosedPair, a: u32, b: u32, outcome: &mut Outcome) -> Step {
+pub(crate) fn test<const CERTIFY: bool>(posed: &PosedPair, a: u32, b: u32, draft: &mut Draft) -> Step {
     let (p, q) = (posed.a.points[a as usize], posed.b.points[b as usize]);
     let to_b = posed.point_in_a(&q) - p;
     let noise = DIFFERENCE * posed.size();
@@ -21,13 +21,13 @@ pub(crate) fn test<const CERTIFY: bool>(posed: &PosedPair, a: u32, b: u32, outco
     let fan_a = posed.a.fan_minimum(a, &from_b);
     if let Some(h) = posed.a.descending_edge(a, &fan_a, noise) {
         let edge = posed.a.topology.edge(h);
-        return outcome.move_to(FeaturePair::vertex_edge(Operand::B, b, edge));
+        return draft.move_to(FeaturePair::vertex_edge(Operand::B, b, edge));
     }
     let to_b_in_b = posed.direction_in_b(&to_b);
     let fan_b = posed.b.fan_minimum(b, &to_b_in_b);
     if let Some(h) = posed.b.descending_edge(b, &fan_b, noise) {
         let edge = posed.b.topology.edge(h);
-        return outcome.move_to(FeaturePair::vertex_edge(Operand::A, a, edge));
+        return draft.move_to(FeaturePair::vertex_edge(Operand::A, a, edge));
     }
     let distance = sqrt(to_b.norm_squared());
     if distance <= ON_BOUNDARY * posed.size() {
@@ -37,5 +37,5 @@ pub(crate) fn test<const CERTIFY: bool>(posed: &PosedPair, a: u32, b: u32, outco
     // Both vertices are extreme along the line between them, so the supporting planes are as far
     // apart as the vertices.
     let lower = if proven { distance } else { f64::NEG_INFINITY };
-    outcome.accept(to_b / distance, (p, q), distance, lower)
+    draft.accept(to_b / distance, (p, q), distance, lower)
 }

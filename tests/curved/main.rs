@@ -4,7 +4,9 @@
 //! difference along the normal returned is a lower bound of the truth, the distance of the witnesses and how far they are outside their shapes
 //! an upper one.
 
+mod corpus;
 mod kinds;
+mod manifolds;
 mod suites;
 mod wide;
 

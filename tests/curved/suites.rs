@@ -13,7 +13,7 @@ fn closest(a: &Shape, b: &Shape, place: &Place) -> Outcome {
 }
 
 /// The greatest height over many directions, climbed from the best few: never above the truth.
-fn sampled(a: &Kind, b: &Kind, place: &Place, rng: &mut Rng) -> f64 {
+pub(crate) fn sampled(a: &Kind, b: &Kind, place: &Place, rng: &mut Rng) -> f64 {
     let height = |n: [f64; 3]| place.height(a, b, &wide(n)).0;
     let mut best: Vec<(f64, [f64; 3])> = (0..100).map(|_| rng.unit()).map(|n| (height(n), n)).collect();
     best.sort_by(|x, y| y.0.total_cmp(&x.0));
@@ -279,4 +279,41 @@ fn scales_are_no_matter() {
             assert!(q.lower <= q.upper && q.upper.is_finite(), "{s} {q:?}");
         }
     }
+}
+
+/// Linear maps keep gaps open: an ellipsoid and a hull, mapped so that the ellipsoid is a ball. A direction of one pair is
+/// a direction of the other, and so each normal proves a lower bound of the other distance.
+#[test]
+fn affine_images_of_a_ball_are_ellipsoids() {
+    let (mut rng, mut apart, mut together) = (Rng::new(2196), 0, 0);
+    for _ in 0..2000 {
+        let axes = [0, 1, 2].map(|_| rng.log_range(0.1, 1.0));
+        let centre = lab::pose::scale(rng.unit(), rng.range(0.5, 2.5));
+        let points: Vec<[f64; 3]> = (0..rng.below(8) + 4)
+            .map(|_| rng.in_ball())
+            .map(|p| [0, 1, 2].map(|k| p[k] + centre[k]))
+            .collect();
+        let ball = Shape::ball(1.0).expect("a ball");
+        let mapped = Kind::Hull(points.iter().map(|p| [0, 1, 2].map(|k| p[k] / axes[k])).collect());
+        let (kind, ellipsoid) = (Kind::Hull(points), Kind::Ellipsoid(axes));
+        let at = Place {
+            q: [0.0, 0.0, 0.0, 1.0],
+            t: [0.0; 3],
+        };
+        let o = closest(&ellipsoid.shape(), &kind.shape(), &at);
+        let p = closest(&ball, &mapped.shape(), &at);
+        // Of a unit normal n of the mapped pair, the ellipsoid's is n over the semi-axes.
+        let back = Vector3::from([0, 1, 2].map(|k| p.normal[k] / axes[k]));
+        let there = Vector3::from([0, 1, 2].map(|k| o.normal[k] * axes[k]));
+        let slack = 1e-13 * (1.0 / axes.iter().fold(1.0f64, |m, x| m.min(*x)));
+        if p.class == Class::Separated || o.class == Class::Separated {
+            assert!(p.lower / back.norm() <= o.upper + slack, "{axes:?} {o:?} {p:?}");
+            assert!(o.lower / there.norm() <= p.upper + slack, "{axes:?} {o:?} {p:?}");
+            assert_eq!(o.class, p.class, "{axes:?} {o:?} {p:?}");
+            apart += 1;
+        } else {
+            together += 1;
+        }
+    }
+    assert!(apart > 500 && together > 300, "{apart} {together}");
 }

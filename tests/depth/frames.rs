@@ -31,6 +31,7 @@ fn motions_through_contact_are_continuous() {
         let mut last: Option<(Frame, Outcome)> = None;
         for frame in frames {
             let o = pair.closest(&a, &b, &support::relative(&frame));
+            assert_eq!(pair.check(), Ok(()));
             classes[o.class as usize] += 1;
             if let Some((before, old)) = last {
                 let moved = |p: &Pose, q: &Pose, r: f64| {

@@ -40,7 +40,9 @@ fn thousands_of_equal_depths_about_an_apex() {
     let needle = ConvexPolyhedron::segment(corner([0.0; 3]), corner([0.5, 0.25, 1.0])).unwrap();
     let here = both(Pose::IDENTITY, Pose::IDENTITY);
     for (n, limit) in [(40, 2.0), (300, 2.0), (6000, 4.0)] {
-        let cone = solids::cone(n, 1.0, 1.0).unwrap();
+        // Its base in the plane z = 0.
+        let up = lin_canny::nalgebra::Isometry3::translation(0.0, 0.0, 0.5);
+        let cone = solids::cone(n, 1.0, 0.5).unwrap().transformed(&up).unwrap();
         for body in [&wedge, &needle] {
             let began = std::time::Instant::now();
             let o = judge(&cone, body, &here, &format!("cone {n}"));

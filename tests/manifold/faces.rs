@@ -2,7 +2,7 @@
 
 use crate::judge::judge;
 use crate::planar::spanned;
-use crate::{exact, manifold, support};
+use crate::{exact, flush, manifold, support};
 use lab::contacts::widest_face;
 use lab::motion::Frame;
 use lab::pose::{add, cross, quat, quat_mul, scale, unit, unit_quat};
@@ -44,7 +44,8 @@ fn faces_on_faces_are_spanned() {
         let distance = [-1e-3, 0.0, 1e-3, -1e-9][k % 4];
         let tilt = [0.0, 1e-9, 1e-4][k % 3];
         let frame = laid(a, b, distance, tilt, &mut rng);
-        let options = exact(0.1, 8);
+        // Faces that lie on each other: of steep ones the far vertices are beyond the prediction.
+        let options = flush(0.1, 8);
         let m = manifold(a, b, &frame, &options);
         judge(a, b, &frame, &m, &options, "laid");
         let Some((points, shared, corners)) = spanned(a, b, &frame, &m) else {
@@ -60,7 +61,7 @@ fn faces_on_faces_are_spanned() {
             assert!(points >= 0.7 * shared, "{points} of {shared}");
             part += 1;
         }
-        let options = exact(0.1, 4);
+        let options = flush(0.1, 4);
         let m = manifold(a, b, &frame, &options);
         judge(a, b, &frame, &m, &options, "laid, four points");
         if let Some((points, shared, _)) = spanned(a, b, &frame, &m) {

@@ -1,7 +1,7 @@
 //! Bodies and poses that are hard on purpose.
 
 use crate::judge::judge;
-use crate::{exact, manifold, support};
+use crate::{exact, flush, manifold, support};
 use lab::motion::Frame;
 use lab::pose::{add, dot, norm, quat, quat_mul, radius, scale, unit_quat};
 use lab::rng::Rng;
@@ -156,7 +156,7 @@ fn a_tip_of_thousands_of_faces_is_promoted_to_the_right_one() {
                     t: add([0.0, 0.0, 0.1 + 1e-6], scale(tip, -1.0)),
                 },
             };
-            let m = manifold(&plate, &cone, &frame, &exact(0.05, 4));
+            let m = manifold(&plate, &cone, &frame, &flush(0.05, 4));
             let Some(f) = m.features() else { continue };
             let n: Point = m.normal().into_inner().into();
             let off = |f: FaceId| {

@@ -22,6 +22,13 @@ fn exact(prediction: f64, max_points: usize) -> ManifoldOptions {
     o
 }
 
+/// Options under which only faces within a degree of the normal bear contacts.
+fn flush(prediction: f64, max_points: usize) -> ManifoldOptions {
+    let mut o = exact(prediction, max_points);
+    o.sine = 1.0 / 64.0;
+    o
+}
+
 fn manifold(a: &ConvexPolyhedron, b: &ConvexPolyhedron, frame: &Frame, options: &ManifoldOptions) -> Manifold {
     let mut m = Manifold::new();
     Tracker::new().manifold(a, b, &support::relative(frame), options, &mut m);
@@ -101,4 +108,36 @@ fn edges_and_corners_make_contacts() {
     let m = manifold(&cube, &cube, &corner, &options);
     let o = judge(&cube, &cube, &corner, &m, &options, "corner on face");
     assert_eq!((m.points().len(), o.class), (1, Class::Overlapping));
+}
+
+/// The contacts of an outcome are those of a tracker that has seen nothing before, and a foreign outcome makes none.
+#[test]
+fn an_outcome_gives_the_contacts_of_a_first_query() {
+    let mut rng = lab::rng::Rng::new(611);
+    let bodies = [
+        shapes::cube(),
+        shapes::sphere(&mut rng, 40),
+        shapes::prism(30, 1.0, 0.2),
+    ];
+    let bodies = bodies.map(|s| support::body(&s));
+    let mut points = [0; 9];
+    for k in 0..600 {
+        let (a, b) = (&bodies[k % 3], &bodies[k / 3 % 3]);
+        let frame = Frame {
+            a: Pose::IDENTITY,
+            b: Pose {
+                q: rng.quat(),
+                t: lab::pose::scale(rng.unit(), rng.range(0.3, 2.4)),
+            },
+        };
+        let (pose, options) = (support::relative(&frame), ManifoldOptions::within(0.1));
+        let outcome = Tracker::new().closest(a, b, &pose);
+        let m = Manifold::of_outcome((a, b), &pose, &outcome, &options);
+        assert_eq!(m, manifold(a, b, &frame, &options));
+        points[m.points().len()] += 1;
+        let point = ConvexPolyhedron::point(lin_canny::nalgebra::Point3::origin()).expect("a point");
+        let m = Manifold::of_outcome((&point, &point), &pose, &outcome, &options);
+        assert!(m.points().len() <= 1, "features of other bodies");
+    }
+    assert!(points[0] > 50 && points[1] > 5 && points[4] > 50, "{points:?}");
 }

@@ -63,7 +63,11 @@ fn questions_on_top_equal_brute_force() {
     let fixed = |id: BodyId| id.index.is_multiple_of(3);
     let measure = |a: BodyId, b: BodyId| {
         let pose = RelativePose::new(scene.pose(a).unwrap(), scene.pose(b).unwrap()).unwrap();
-        Tracker::new().closest(scene.shape(a).unwrap(), scene.shape(b).unwrap(), &pose)
+        Tracker::new().closest(
+            scene.shape(a).and_then(|s| s.as_polyhedron()).unwrap(),
+            scene.shape(b).and_then(|s| s.as_polyhedron()).unwrap(),
+            &pose,
+        )
     };
     let pairs = |of: Group, with: Group| {
         let one = |a: &BodyId| scene.group(*a) == Some(of);
@@ -142,7 +146,11 @@ fn odd_scales_and_places_lose_nothing() {
             scene.set_pose(b, at(x)).unwrap();
             scene.step();
             let pose = RelativePose::new(&at(0.0), scene.pose(b).unwrap()).unwrap();
-            let overlaps = Tracker::new().intersects(scene.shape(b).unwrap(), scene.shape(b).unwrap(), &pose);
+            let overlaps = Tracker::new().intersects(
+                scene.shape(b).and_then(|s| s.as_polyhedron()).unwrap(),
+                scene.shape(b).and_then(|s| s.as_polyhedron()).unwrap(),
+                &pose,
+            );
             for e in scene.events() {
                 events.push(e.change);
             }

@@ -4,8 +4,9 @@ use crate::support::body;
 use crate::{NONE, group};
 use lab::rng::Rng;
 use lab::shapes;
+use lin_canny::impact::Tolerance;
 use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
-use lin_canny::scene::{Body, BodyId, Change, Effects, Scene};
+use lin_canny::scene::{Body, BodyId, Change, Effects, Scene, SceneError};
 use lin_canny::{Class, ConvexPolyhedron, ManifoldOptions, RelativePose, Tracker, Velocity};
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -78,6 +79,7 @@ impl Play {
                 .rng
                 .chance(0.2)
                 .then(|| ManifoldOptions::within(distance(&mut self.rng))),
+            impact: self.rng.chance(0.2).then_some(Tolerance::Distance(1e-6)),
         }
     }
 
@@ -111,7 +113,16 @@ impl Play {
                 let velocity = Velocity::new(part(&mut self.rng), part(&mut self.rng));
                 self.scene.set_velocity(id, velocity).unwrap();
             }
-            8..12 => self.scene.advance(0.1).unwrap(),
+            8 => {
+                let (other, ignored) = (self.any().unwrap(), self.rng.chance(0.6));
+                let set = if ignored { Scene::ignore_pair } else { Scene::allow_pair };
+                set(&mut self.scene, id, other).unwrap();
+            }
+            9..12 => match self.scene.advance(0.1) {
+                // A step sees one tick if impacts are called for.
+                Ok(()) | Err(SceneError::StepDue) => {}
+                Err(e) => panic!("{e}"),
+            },
             _ => {
                 let small = Isometry3::new(
                     Vector3::from(self.rng.unit()) * 0.05,
@@ -158,6 +169,9 @@ impl Play {
     }
 
     fn called(&self, a: BodyId, b: BodyId) -> Effects {
+        if self.scene.is_ignored(a, b) {
+            return NONE;
+        }
         let [g, h] = [a, b].map(|id| self.scene.group(id).unwrap());
         self.scene.effects(g, h)
     }
@@ -170,7 +184,10 @@ impl Play {
             return;
         }
         let effects = self.called(a, b);
-        let (x, y) = (self.scene.shape(a).unwrap(), self.scene.shape(b).unwrap());
+        let (x, y) = (
+            self.scene.shape(a).and_then(|s| s.as_polyhedron()).unwrap(),
+            self.scene.shape(b).and_then(|s| s.as_polyhedron()).unwrap(),
+        );
         let pose = RelativePose::new(self.scene.pose(a).unwrap(), self.scene.pose(b).unwrap()).unwrap();
         let truth = Tracker::new().closest(x, y, &pose);
         let at_most = |d: f64| Tracker::new().within(x, y, &pose, d);

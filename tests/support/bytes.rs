@@ -76,6 +76,7 @@ pub fn drive(bytes: &[u8]) -> Tally {
     let bodies: Vec<_> = (0..3).map(|_| bytes.body()).collect();
     for body in &bodies {
         tally.bodies[usize::from(body.is_none())] += 1;
+        assert_eq!(body.as_ref().map_or(Ok(()), ConvexPolyhedron::check), Ok(()));
     }
     let bodies: Vec<_> = bodies.into_iter().flatten().collect();
     // One tracker for all pairs: its features are foreign to most.
@@ -109,6 +110,7 @@ pub fn query(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &RelativePose, st
     let within = stray.within(a, b, pose, d);
     assert!(within == Tracker::new().within(a, b, pose, d) && (d >= 0.0 || !within));
     assert_eq!(stray.distance(a, b, pose).class, exact.class);
+    assert_eq!(stray.check(), Ok(()));
     exact.class
 }
 

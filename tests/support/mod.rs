@@ -62,8 +62,8 @@ pub(crate) fn shipped() -> Vec<ConvexPolyhedron> {
         solids::dodecahedron(1.0),
         solids::prism(3, 0.8, 0.5),
         solids::prism(16, 0.8, 0.4),
-        solids::cone(5, 0.7, 1.0),
-        solids::cone(24, 0.9, 0.6),
+        solids::cone(5, 0.7, 0.5),
+        solids::cone(24, 0.9, 0.3),
         solids::geodesic_sphere(1, 1.0),
     ];
     all.into_iter().map(|b| b.expect("a shipped solid")).collect()

@@ -18,6 +18,9 @@ const COLOURS: [RGBColor; 8] = [
     RGBColor(170, 170, 170),
 ];
 
+/// Colour of a backdrop.
+const PALE: RGBColor = RGBColor(200, 205, 200);
+
 /// Dark grey of text and axes.
 const INK: RGBColor = RGBColor(40, 40, 40);
 
@@ -76,7 +79,7 @@ impl Chart {
             .bold_line_style(INK.mix(0.15))
             .light_line_style(INK.mix(0.04));
         if self.rows {
-            mesh.disable_y_mesh();
+            mesh.disable_y_mesh().set_tick_mark_size(LabelAreaPosition::Left, 0);
         }
         // Stepping along an axis misses zero by rounding; a logarithmic one has no zero.
         let largest = |at: fn(&(f64, f64)) -> f64| {
@@ -89,7 +92,7 @@ impl Chart {
         };
         let (wide, high) = (largest(|p| p.0), largest(|p| p.1));
         let number = |v: &f64| {
-            if self.rows {
+            if self.rows || self.whole && (v - v.round()).abs() > 1e-9 * high {
                 String::new()
             } else {
                 tick(*v, self.log.1, high)
@@ -99,7 +102,7 @@ impl Chart {
             .y_label_formatter(&number)
             .draw()?;
         for (i, s) in self.series.iter().enumerate() {
-            self.draw_series(&mut chart, s, COLOURS[i % COLOURS.len()])?;
+            self.draw_series(&mut chart, s, colour(i, s))?;
         }
         let pixel = |p: &(f64, f64)| chart.backend_coord(p);
         self.write_words(area, pixel)?;
@@ -139,7 +142,7 @@ impl Chart {
         X: Ranged<ValueType = f64>,
         Y: Ranged<ValueType = f64>,
     {
-        if matches!(s.mark, Mark::Line | Mark::LineAndDots) {
+        if s.has_line() {
             for run in s.points.split(|&p| !self.shows(p)).filter(|run| !run.is_empty()) {
                 chart.draw_series(LineSeries::new(run.iter().copied(), colour.stroke_width(2)))?;
             }
@@ -156,11 +159,14 @@ impl Chart {
         let dots = if s.mark == Mark::Line { &[][..] } else { &s.points[..] };
         let shown = dots.iter().step_by(if is_spread { 3 } else { 1 }).copied();
         let shown = shown.filter(|&p| self.shows(p));
-        let key = move |(x, y)| Rectangle::new([(x, y - 2), (x + 18, y + 2)], colour.filled());
-        chart
-            .draw_series(shown.map(|p| Circle::new(p, 3, colour.filled())))?
-            .label(&s.name)
-            .legend(key);
+        let radius = if s.mark == Mark::Backdrop { 2 } else { 3 };
+        let drawn = chart.draw_series(shown.map(|p| Circle::new(p, radius, colour.filled())))?;
+        let annotated = drawn.label(&s.name);
+        if s.has_line() {
+            annotated.legend(move |(x, y)| Rectangle::new([(x, y - 2), (x + 18, y + 2)], colour.filled()));
+        } else {
+            annotated.legend(move |(x, y)| Circle::new((x + 9, y), 4, colour.filled()));
+        }
         Ok(())
     }
 
@@ -201,15 +207,31 @@ impl Chart {
         let left = area.dim_in_pixel().0 as i32 - BESIDE + 14;
         for (i, s) in self.series.iter().enumerate() {
             let top = 52 + 22 * i as i32;
-            let colour = COLOURS[i % COLOURS.len()];
-            area.draw(&Rectangle::new(
-                [(left, top + 5), (left + 18, top + 9)],
-                colour.filled(),
-            ))?;
+            let colour = colour(i, s).filled();
+            if s.has_line() {
+                area.draw(&Rectangle::new([(left, top + 5), (left + 18, top + 9)], colour))?;
+            } else {
+                area.draw(&Circle::new((left + 9, top + 7), 4, colour))?;
+            }
             let style = ("sans-serif", 14).into_font().color(&INK);
             area.draw(&Text::new(s.name.clone(), (left + 26, top), style))?;
         }
         Ok(())
+    }
+}
+
+/// The colour of a series by its number: the backdrop is pale.
+fn colour(number: usize, series: &Series) -> RGBColor {
+    if series.mark == Mark::Backdrop {
+        PALE
+    } else {
+        COLOURS[number % COLOURS.len()]
+    }
+}
+
+impl Series {
+    fn has_line(&self) -> bool {
+        matches!(self.mark, Mark::Line | Mark::LineAndDots)
     }
 }
 

@@ -1,9 +1,9 @@
 //! Setting many boxes at once.
 
-use super::place::{Context, checked};
+use super::place::{Context, placed};
 use super::{Bodies, Marks, Record};
-use crate::broad::bounds::Bounds;
 use crate::broad::parallel::{Threads, ascends, join};
+use crate::broad::slots::is_living;
 use crate::broad::{Aabb, BatchError, BodyId, BroadPhaseError};
 use nalgebra::Point3;
 
@@ -35,7 +35,7 @@ impl Bodies {
         let run = Run {
             first: 0,
             records: &mut self.records,
-            generations: &self.generations,
+            generations: self.slots.generations(),
         };
         // Records can be distributed to threads only if each part of the batch names a part of the
         // table.
@@ -103,23 +103,19 @@ impl Run<'_> {
         let mut error = None;
         for (place, (id, aabb)) in batch.iter().enumerate() {
             let i = id.index.wrapping_sub(self.first) as usize;
-            let alive = self.generations.get(i) == Some(&id.generation) && id.generation % 2 == 1;
-            let Some(record) = self.records.get_mut(i).filter(|_| alive) else {
+            let is_living = is_living(self.generations, i, *id);
+            let Some(record) = self.records.get_mut(i).filter(|_| is_living) else {
                 let stale = BroadPhaseError::StaleId { body: *id };
                 error = BatchError::joined(error, Some(BatchError::one(place, stale)));
                 continue;
             };
-            let bounds = match Bounds::outward::<AXIS>(aabb, origin) {
-                Some(bounds) => bounds,
-                // Faulty, unbounded or far boxes take the slow path.
-                None => match checked(aabb, origin, context.grid, record.flags()) {
-                    Ok(stored) => Bounds::from_box(&stored),
-                    Err(fault) => {
-                        let fault = BroadPhaseError::from_fault(fault, Some(*id));
-                        error = BatchError::joined(error, Some(BatchError::one(place, fault)));
-                        continue;
-                    }
-                },
+            let bounds = match placed::<AXIS>(aabb, origin, context.grid, record.flags()) {
+                Ok(bounds) => bounds,
+                Err(fault) => {
+                    let fault = BroadPhaseError::from_fault(fault, Some(*id));
+                    error = BatchError::joined(error, Some(BatchError::one(place, fault)));
+                    continue;
+                }
             };
             context.place(record, id.index, bounds, marks);
         }

@@ -69,7 +69,24 @@ impl Context<'_> {
     }
 }
 
+/// Returns the bounds of a box in the axes of the grid, or the fault of the box. `AXIS` must be the
+/// swept axis of the grid.
+#[inline(always)]
+pub(super) fn placed<const AXIS: usize>(
+    aabb: &Aabb,
+    origin: &Point3<f64>,
+    grid: &Grid,
+    flags: u32,
+) -> Result<Bounds, BoxFault> {
+    match Bounds::outward::<AXIS>(aabb, origin) {
+        Some(bounds) => Ok(bounds),
+        // Faulty, unbounded or far boxes take the slow path.
+        None => checked(aabb, origin, grid, flags).map(|stored| Bounds::from_box(&stored)),
+    }
+}
+
 /// Returns the stored form of a box, or the fault of the box.
+#[inline(never)]
 pub(super) fn checked(aabb: &Aabb, origin: &Point3<f64>, grid: &Grid, flags: u32) -> Result<StoredBox, BoxFault> {
     let fault = if flags & UNBOUNDED == 0 {
         aabb.fault()

@@ -34,8 +34,10 @@ const LASTING: u32 = FIXED | UNBOUNDED | LOOSE;
 impl Bodies {
     pub(crate) fn state(&self) -> BodiesState {
         let back = 3 - self.grid.axis;
+        let generations = self.slots.generations();
+        let [free, leaving] = self.slots.vacancies().map(Vec::clone);
         let row = |(i, record): (usize, &Record)| Row {
-            generation: self.generations[i],
+            generation: generations[i],
             body: self.details[i].body(),
             new: record.now().to_box().rotated(back),
             old: record.before(self.step).to_box().rotated(back),
@@ -46,8 +48,8 @@ impl Bodies {
             origin: self.origin,
             step: self.step,
             rows: self.records.iter().enumerate().map(row).collect(),
-            free: self.free.clone(),
-            leaving: self.leaving.clone(),
+            free,
+            leaving,
             regrouped: self.regrouped.clone(),
             unbounded: self.unbounded.clone(),
             moved: self.marks.moved.clone(),
@@ -60,7 +62,7 @@ impl BodiesState {
     /// valid.
     fn check(&self) -> Result<(), String> {
         let n = self.rows.len();
-        let lists = [&self.free, &self.leaving, &self.regrouped, &self.unbounded, &self.moved];
+        let lists = [&self.regrouped, &self.unbounded, &self.moved];
         let is_known = |list: &&Vec<u32>| list.len() <= n && list.iter().all(|i| (*i as usize) < n);
         if n > MOST_BODIES || !lists.iter().all(is_known) {
             return Err("a list of the broad phase names a body that is not there".into());
@@ -70,16 +72,11 @@ impl BodiesState {
             sorted.sort_unstable();
             sorted.is_sorted_by(|a, b| a < b)
         };
-        let removed: Vec<u32> = self.free.iter().chain(&self.leaving).copied().collect();
-        if !once(&removed) || !once(&self.unbounded) || !once(&self.moved) {
+        if !once(&self.unbounded) || !once(&self.moved) {
             return Err("a list of the broad phase names a body twice".into());
         }
         if self.step == 0 || !self.origin.iter().all(|v| v.is_finite()) {
             return Err("the broad phase has no sound step or origin".into());
-        }
-        let is_dead = |i: &u32| self.rows[*i as usize].generation.is_multiple_of(2);
-        if !removed.iter().all(is_dead) {
-            return Err("a living body of the broad phase is listed as removed".into());
         }
         Ok(())
     }
@@ -87,6 +84,9 @@ impl BodiesState {
     pub(crate) fn restored(self) -> Result<Bodies, String> {
         self.check()?;
         let mut bodies = Bodies::new(self.origin);
+        let generations = self.rows.iter().map(|row| row.generation).collect();
+        let slots = Slots::restored(generations, self.free, self.leaving);
+        bodies.slots = slots.ok_or("the lists of removed bodies contradict the broad phase")?;
         bodies.step = self.step;
         for row in &self.rows {
             let sound = |b: &StoredBox| {
@@ -100,10 +100,9 @@ impl BodiesState {
             record.set_old(&Bounds::from_box(&row.old));
             bodies.records.push(record);
             bodies.details.push(Detail::new(row.body));
-            bodies.generations.push(row.generation);
         }
-        (bodies.free, bodies.leaving, bodies.regrouped) = (self.free, self.leaving, self.regrouped);
-        (bodies.unbounded, bodies.marks.moved) = (self.unbounded, self.moved);
+        (bodies.regrouped, bodies.unbounded) = (self.regrouped, self.unbounded);
+        bodies.marks.moved = self.moved;
         bodies.set_grid(Grid::single(0));
         Ok(bodies)
     }

@@ -10,13 +10,10 @@ use crate::broad::body::Bodies;
 use crate::broad::change::{PairKey, pair_key};
 use crate::broad::pairs::{NOWHERE, Pair, Slot, named};
 use crate::broad::parallel::join;
-use crate::broad::prefetch::{AHEAD, read_ahead};
+use crate::broad::prefetch::read_ahead;
+use crate::tuning::broad::{AHEAD, SHIFT};
 use alloc::vec::Vec;
 use block::{Block, Link};
-
-/// Number of consecutive indices that share a block, as a power of two: few enough that a block
-/// fits in the nearest cache.
-const SHIFT: u32 = 6;
 
 fn block_of(key: PairKey) -> usize {
     (key >> (32 + SHIFT)) as usize
@@ -192,8 +189,8 @@ fn insert_all(blocks: &mut [Block], first: usize, began: &[Pair], count: usize) 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::rng::Rng;
     use alloc::collections::BTreeMap;
-    use lab::rng::Rng;
     use nalgebra::Point3;
 
     /// Uses pairs of few bodies, so that blocks are crowded and many of the pairs to end are not

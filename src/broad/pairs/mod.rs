@@ -8,8 +8,9 @@ mod state;
 use super::change::{Changes, PairKey, pair_key, pair_of};
 use super::compact_vec::trim;
 use super::parallel::{Threads, join};
-use super::prefetch::{AHEAD, read_ahead};
+use super::prefetch::read_ahead;
 use super::{Bodies, BodyId, BroadPhaseError};
+use crate::tuning::broad::AHEAD;
 use alloc::vec::Vec;
 use links::Links;
 #[cfg(feature = "serde")]

@@ -15,6 +15,7 @@ use super::grid::Grid;
 use super::parallel::{Threads, join};
 use super::state::{BroadPhaseState, HasState};
 use super::{Aabb, BatchError, BodyId, BroadPhase, Events, Settings, StoredBox};
+use crate::tuning::broad::WORLD_SHARE;
 use alloc::string::String;
 use alloc::vec::Vec;
 use column::{Column, who};
@@ -65,14 +66,10 @@ pub struct PencilSweep {
     entries: usize,
     /// Positions that entries moved by in the last step.
     swaps: u64,
-    /// Entries inside the windows of the last step.
+    /// Entries compared with the entries of windows in the last step.
     scanned: u64,
     pub(super) parallel_from: usize,
 }
-
-/// A full sweep is done if this many times the moved bodies exceed all bodies; measured crossover
-/// near 9 %.
-const SWEEP_SHARE: usize = 10;
 
 impl PencilSweep {
     /// Returns an empty broad phase about the origin.
@@ -110,8 +107,8 @@ impl PencilSweep {
         self.swaps
     }
 
-    /// Returns how many entries lay inside the windows of the last step, and were compared with the
-    /// entry of the window.
+    /// Returns how many entries were compared with the entries of windows in the last step: a
+    /// measure of the work of the step. A sweep compares, and counts, eight entries at once.
     #[must_use]
     pub fn scanned(&self) -> u64 {
         self.scanned
@@ -229,7 +226,7 @@ impl PencilSweep {
         if let Some(grid) = self.tuning.due(&self.state.bodies, entries) {
             self.rebuild(grid);
             self.sweep_all();
-        } else if self.state.bodies.marks.moved.len() * SWEEP_SHARE > self.state.bodies.len() {
+        } else if self.state.bodies.marks.moved.len() * WORLD_SHARE > self.state.bodies.len() {
             self.list_arrivals();
             self.sweep_all();
         } else {

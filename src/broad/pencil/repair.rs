@@ -7,18 +7,8 @@ use crate::broad::body::{Bodies, JUMPS, MIGRATES, Record};
 use crate::broad::bounds::{Bounds, largest};
 use crate::broad::change::overlap;
 use crate::tolerance::{COLUMN_REACH, COLUMN_SEARCH};
+use crate::tuning::broad::{COLUMN_SHARE, MOST_PARTED, MOST_SCANNED};
 use alloc::vec::Vec;
-
-/// A column is swept whole if this many times its changed entries exceed its entries.
-const SWEEP_SHARE: usize = 6;
-
-/// A column is swept whole if more bodies than this come into the column, leave the column or jump:
-/// each shifts the entries behind.
-const MOST_PARTED: usize = 32;
-
-/// A column is swept whole after all if the windows of its changed entries hold this many times its
-/// entries.
-const MOST_SCANNED: u64 = 4;
 
 /// A column number and the index of a body whose old or new box touches it.
 pub(super) type Touch = (u32, u32);
@@ -46,7 +36,7 @@ impl Worker {
         let cell = bodies.grid.column(index as usize);
         let parts = |touch: &&Touch| bodies.records[touch.1 as usize].flags() & (MIGRATES | JUMPS) != 0;
         let parted = touched.iter().filter(parts).count();
-        if touched.len() * SWEEP_SHARE > column.entries.len() || parted > MOST_PARTED {
+        if touched.len() * COLUMN_SHARE > column.entries.len() || parted > MOST_PARTED {
             for &(_, who) in touched {
                 if roles(&bodies.records[who as usize], cell, bodies).1 {
                     column.arrive(who);

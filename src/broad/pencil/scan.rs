@@ -25,6 +25,7 @@ use crate::broad::aabb::{StoredBox, max};
 use crate::broad::body::{Bodies, JUMPS, MIGRATES, Record};
 use crate::broad::change::{Changes, overlap};
 use crate::tolerance::{COLUMN_MOVE, COLUMN_SUM};
+use crate::tuning::broad::PENDING;
 use alloc::vec::Vec;
 use wide::f32x4;
 
@@ -48,9 +49,10 @@ struct BoxColumns {
     /// The farthest move of any face of the box in this step, rounded up; 0 for an entry of one
     /// box; NaN, for which every comparison is false, in the padding.
     moved: Vec<f32>,
-    /// Largest depth of an overlap that may have changed: equal to `moved`, but without limit for
-    /// an entry of one box. Filled only if there are such entries.
-    depth: Vec<f32>,
+    /// Least separation that is told apart: 0 for an entry of one box, for which every depth of an
+    /// overlap is a change, and without limit for the others. Filled only if there are entries of
+    /// one box.
+    floor: Vec<f32>,
 }
 
 impl BoxColumns {
@@ -64,9 +66,9 @@ impl BoxColumns {
             lo_v,
             hi_v,
             moved,
-            depth,
+            floor,
         } = self;
-        for bounds in [start, end, lo_u, hi_u, lo_v, hi_v, moved, depth] {
+        for bounds in [start, end, lo_u, hi_u, lo_v, hi_v, moved, floor] {
             bounds.resize(n + LANES, 0.0);
         }
     }
@@ -80,10 +82,10 @@ impl BoxColumns {
         self.moved[k] = 0.0;
     }
 
-    /// Fills the depths of a column in which the entries at the indices `alone` have one box.
-    fn deepen(&mut self, alone: &[u32]) {
-        self.depth.copy_from_slice(&self.moved);
-        alone.iter().for_each(|k| self.depth[*k as usize] = f32::INFINITY);
+    /// Fills the floors of a column in which the entries at the indices `alone` have one box.
+    fn lay_floors(&mut self, alone: &[u32]) {
+        self.floor.fill(f32::NEG_INFINITY);
+        alone.iter().for_each(|k| self.floor[*k as usize] = 0.0);
     }
 
     /// Writes the padding after the entries.
@@ -127,7 +129,7 @@ pub(super) struct Worker {
     pub(super) active: Vec<u64>,
     /// Upper bound of how far the start of an entry lies behind its lower bound.
     pub(super) reach: f32,
-    /// Number of entries inside all windows.
+    /// Number of entries compared with the entries of windows; a sweep counts whole blocks.
     pub(super) scanned: u64,
     /// Whether to count for tuning.
     pub(super) counting: bool,
@@ -146,7 +148,7 @@ impl Worker {
             if self.alone.is_empty() {
                 self.scan::<false>(column, cell, bodies);
             } else {
-                self.boxes.deepen(&self.alone);
+                self.boxes.lay_floors(&self.alone);
                 self.scan::<true>(column, cell, bodies);
             }
             if self.counting {
@@ -206,15 +208,15 @@ impl Worker {
             lo_v,
             hi_v,
             moved,
-            depth,
+            floor,
         } = &self.boxes;
-        let (start, end, moved, depth) = (&start[..padded], &end[..padded], &moved[..padded], &depth[..padded]);
+        let (start, end, moved, floor) = (&start[..padded], &end[..padded], &moved[..padded], &floor[..padded]);
         let (lo_u, hi_u, lo_v, hi_v) = (&lo_u[..padded], &hi_u[..padded], &lo_v[..padded], &hi_v[..padded]);
         // Room for the windows of one entry more, so that no window has to wait until another is
         // settled.
         self.pending.resize(PENDING + padded / LANES + 1, (0, 0, 0));
         let pending = &mut self.pending[..];
-        let mut waiting = 0;
+        let (mut waiting, mut scanned) = (0, 0);
         // A little more, so that the rounding of the sum errs to the safe side; no bound is farther
         // from zero than these are together.
         let farthest = start[0].abs() + start[n - 1].abs() + column.longest;
@@ -223,20 +225,20 @@ impl Worker {
             let reach = end[i] + beyond;
             let [x0, x1] = [start[i], end[i]].map(f32x4::splat);
             let [u0, u1, v0, v1] = [lo_u[i], hi_u[i], lo_v[i], hi_v[i]].map(f32x4::splat);
-            let [by, deep] = [moved[i], depth[i]].map(f32x4::splat);
+            let [by, least] = [moved[i], floor[i]].map(f32x4::splat);
             let hits_of_four = |j: usize| {
                 let apart_x = (four(start, j) - x1).fast_max(x0 - four(end, j));
                 let apart_u = (four(lo_u, j) - u1).fast_max(u0 - four(hi_u, j));
                 let apart_v = (four(lo_v, j) - v1).fast_max(v0 - four(hi_v, j));
-                let apart = apart_x.fast_max(apart_u).fast_max(apart_v);
+                let mut apart = apart_x.fast_max(apart_u).fast_max(apart_v);
                 if ALONE {
-                    let near = apart.simd_le(by + four(moved, j)) & (-apart).simd_le(deep + four(depth, j));
-                    return near.to_bitmask();
+                    apart = apart.fast_max(least.fast_max(four(floor, j)));
                 }
                 apart.abs().simd_le(by + four(moved, j)).to_bitmask()
             };
             let mut j = i + 1;
             while j + LANES <= padded {
+                scanned += LANES;
                 let hits = hits_of_four(j) | hits_of_four(j + FOUR) << FOUR;
                 // Always written, kept only if there are hits: no branch to mispredict.
                 pending[waiting] = (i as u32, j as u32, hits);
@@ -246,13 +248,13 @@ impl Worker {
                 }
                 j += LANES;
             }
-            self.scanned += (j - i) as u64;
             if waiting >= PENDING {
                 settle(&mut pending[..waiting], column, cell, bodies, &mut self.changes);
                 waiting = 0;
             }
         }
         settle(&mut pending[..waiting], column, cell, bodies, &mut self.changes);
+        self.scanned += scanned as u64;
     }
 
     /// Counts the entries inside the windows of a sample of the column.
@@ -289,9 +291,6 @@ fn only_box(e: Entry, record: &Record, cell: [u16; 2], step: u32) -> Option<Stor
 /// An entry, the first of eight entries compared with the entry, and a mask of the hits among the
 /// eight.
 type Hits = (u32, u32, u32);
-
-/// Number of windows with hits to collect before the hits are tested.
-const PENDING: usize = 32;
 
 /// Tests which of the hits are changes: in each round the first hit of every window, then of the
 /// windows with more hits. Results are always written and counted only if valid, since no branch

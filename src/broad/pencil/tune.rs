@@ -10,20 +10,8 @@ use crate::broad::body::{Bodies, UNBOUNDED};
 use crate::broad::bounds::Bounds;
 use crate::broad::grid::{Grid, MOST_COLUMNS_OF_AXIS};
 use crate::tolerance::{LEAST_MEAN, LEAST_START, LEAST_WIDTH};
+use crate::tuning::broad::{COLUMN, EMPTY_COLUMN, ENTRY, GAIN, MOST_ENTRIES, PATIENCE, SAMPLE, WINDOW};
 use alloc::vec::Vec;
-
-/// Cost of an entry, of a window of eight tests, of a column that holds bodies and of an empty
-/// column, in nanoseconds of the machine of the measurement; only the ratios matter.
-const ENTRY: f64 = 6.0;
-const WINDOW: f64 = 4.5;
-const COLUMN: f64 = 30.0;
-const EMPTY_COLUMN: f64 = 0.75;
-
-/// Number of bodies sampled to choose columns.
-const SAMPLE: usize = 512;
-
-/// Largest average number of entries a body; a grid that needs more is too fine.
-const MOST_ENTRIES: usize = 6;
 
 /// Sizes and positions of all bounded boxes, in the axes of the stored boxes.
 pub(super) struct Survey {
@@ -227,11 +215,6 @@ pub(super) struct Tuning {
     /// The width that promised to be clearly better, if any.
     wanted: Option<f64>,
 }
-
-/// Longest wait between two checks of the width, in steps.
-const PATIENCE: u32 = 1024;
-/// A new width must promise at most this part of the present cost.
-const GAIN: f64 = 0.85;
 
 impl Tuning {
     pub(super) fn new() -> Self {

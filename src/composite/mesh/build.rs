@@ -48,11 +48,7 @@ impl Mesh {
     /// A body without faces, as a segment or a point ([`MeshError::Empty`]).
     pub fn from_convex(body: &ConvexPolyhedron) -> Result<Self, MeshError> {
         let points: Vec<_> = body.vertex_points().collect();
-        let mut triangles = Vec::new();
-        for face in body.faces() {
-            let rim: Vec<u32> = body.face_vertices(face).map(|v| v.index() as u32).collect();
-            triangles.extend(rim.windows(2).skip(1).map(|w| [rim[0], w[0], w[1]]));
-        }
+        let triangles: Vec<_> = body.triangles().map(|t| t.map(|v| v.index() as u32)).collect();
         Self::new(&points, &triangles)
     }
 }

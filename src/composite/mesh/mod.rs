@@ -2,6 +2,7 @@
 
 mod build;
 mod edges;
+mod hull;
 mod inspect;
 mod mass;
 #[cfg(feature = "serde")]
@@ -12,6 +13,7 @@ mod weld;
 use alloc::vec::Vec;
 use nalgebra::{Point3, Vector3};
 
+pub use hull::HullFit;
 pub use inspect::MeshInspection;
 pub use report::{MeshError, MeshKind, MeshPart, MeshReport};
 
@@ -28,7 +30,8 @@ pub(super) use weld::stir;
 /// use lin_canny::nalgebra::Point3;
 /// use lin_canny::{Mesh, MeshKind};
 ///
-/// let points = [[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [0., 0., 1.]].map(Point3::from);
+/// let points =
+///     [[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [0., 0., 1.]].map(Point3::from);
 /// let wedge = Mesh::new(&points, &[[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])?;
 /// assert_eq!(wedge.kind(), MeshKind::Solid);
 /// let open = Mesh::new(&points, &[[0, 2, 1], [0, 1, 3]])?;

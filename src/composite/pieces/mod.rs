@@ -69,14 +69,17 @@ pub enum CompositeError {
 ///
 /// ```
 /// use lin_canny::nalgebra::{Isometry3, Vector3};
-/// use lin_canny::{Composite, CompositeTracker, Piece, RelativePose, polyhedron::solids};
+/// use lin_canny::polyhedron::solids;
+/// use lin_canny::{Composite, CompositeTracker, Piece, RelativePose};
 ///
 /// let beam = solids::cuboid(Vector3::new(1.0, 0.1, 0.1))?;
 /// let mut upright = Piece::new(beam.clone());
-/// upright.pose = Isometry3::new(Vector3::new(1.0, 0.9, 0.0), Vector3::z() * std::f64::consts::FRAC_PI_2);
+/// let quarter = Vector3::z() * std::f64::consts::FRAC_PI_2;
+/// upright.pose = Isometry3::new(Vector3::new(1.0, 0.9, 0.0), quarter);
 /// let bracket = Composite::new(vec![Piece::new(beam), upright])?;
 /// let mut pair = CompositeTracker::new();
-/// let a_from_b = RelativePose::from_isometry(&Isometry3::translation(0.0, 0.0, 0.5))?;
+/// let pose = Isometry3::translation(0.0, 0.0, 0.5);
+/// let a_from_b = RelativePose::from_isometry(&pose)?;
 /// let found = pair.closest(&bracket, &bracket, &a_from_b);
 /// assert!((found.distance - 0.3).abs() < 1e-14);
 /// # Ok::<(), Box<dyn std::error::Error>>(())

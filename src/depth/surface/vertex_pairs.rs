@@ -62,8 +62,8 @@ impl VertexPairs {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::rng::Rng;
     use alloc::collections::BTreeSet;
-    use lab::rng::Rng;
 
     #[test]
     fn vertex_pairs_are_a_set() {

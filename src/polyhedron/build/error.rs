@@ -1,6 +1,7 @@
 //! Errors of building a body.
 
 use alloc::vec::Vec;
+use core::fmt;
 
 /// The reason for which points or faces make no body. Indices are the caller's, lengths in the
 /// caller's unit.
@@ -14,7 +15,7 @@ pub enum BuildError {
         index: usize,
     },
     /// Fewer points than the body needs.
-    #[error("{count} points are too few, {needed} are needed")]
+    #[error("the body needs at least {needed} points, got {count}")]
     TooFewPoints {
         /// Points given.
         count: usize,
@@ -22,7 +23,7 @@ pub enum BuildError {
         needed: usize,
     },
     /// More points, faces or vertices of faces than 32-bit ids can name.
-    #[error("{count} points or corners of faces are more than ids can name")]
+    #[error("{count} points or vertices of faces are more than ids can name")]
     TooMany {
         /// Number of points, faces or vertices of faces.
         count: usize,
@@ -37,7 +38,7 @@ pub enum BuildError {
         extent: f64,
     },
     /// All points are exactly coplanar (dimension 2), collinear (1) or equal (0).
-    #[error("the points are flat: they span only {dimension} dimensions (points {span:?})")]
+    #[error("{}", Flat(*dimension, span))]
     Flat {
         /// Dimension of the affine hull.
         dimension: usize,
@@ -63,7 +64,7 @@ pub enum BuildError {
         index: usize,
     },
     /// A face has fewer than three vertices.
-    #[error("face {face} has fewer than three corners")]
+    #[error("face {face} has fewer than three vertices")]
     FaceTooSmall {
         /// The face.
         face: usize,
@@ -77,7 +78,7 @@ pub enum BuildError {
         vertex: usize,
     },
     /// All vertices of a face are collinear.
-    #[error("the corners of face {face} are collinear")]
+    #[error("the vertices of face {face} are collinear")]
     FaceWithoutArea {
         /// The face.
         face: usize,
@@ -132,12 +133,30 @@ pub enum BuildError {
         /// The bound given.
         value: f64,
     },
-    /// A size or count of a solid that makes no body.
-    #[error("{value} is no {what} for this solid")]
+    /// A size of a solid outside 1e-100..1e100.
+    #[error("the {what} must lie in 1e-100..=1e100, got {value:?}")]
     BadSize {
         /// The parameter.
         what: &'static str,
         /// The value given.
+        value: f64,
+    },
+    /// A count that makes no solid, or too large a solid.
+    #[error("the number of {what} must lie in {least}..={most}, got {count}")]
+    BadCount {
+        /// The things counted.
+        what: &'static str,
+        /// The number given.
+        count: usize,
+        /// The least number accepted.
+        least: usize,
+        /// The greatest number accepted.
+        most: usize,
+    },
+    /// A scale factor that is not a positive finite number.
+    #[error("the scale factor must be positive and finite, got {value:?}")]
+    BadFactor {
+        /// The factor given.
         value: f64,
     },
     /// Data of a stored body that describe no body.
@@ -150,4 +169,50 @@ pub enum BuildError {
     /// defect of this crate.
     #[error("the hull found is not a polyhedron; please report these points")]
     Inconsistent,
+}
+
+/// Displays why points of a dimension below three, spanned by some of them, are no body.
+struct Flat<'a>(usize, &'a [usize]);
+
+impl fmt::Display for Flat<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self(dimension, span) = self;
+        match dimension {
+            0 => f.write_str("all points are equal"),
+            1 => write!(f, "all points lie on the line through points {span:?}"),
+            _ => write!(f, "all points lie in the plane through points {span:?}"),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use alloc::string::ToString;
+    use nalgebra::{Point3, Vector3};
+
+    use crate::polyhedron::{ConvexPolyhedron, solids};
+
+    #[test]
+    fn refusals_are_sentences() {
+        let line = [0.0, 1.0, 3.0, 2.0].map(|x| Point3::new(x, 0.0, 0.0));
+        let square = [[0., 0.], [1., 0.], [1., 1.], [0., 1.]].map(|[x, y]| Point3::new(x, y, 0.0));
+        let hull = |points: &[Point3<f64>]| ConvexPolyhedron::from_points(points).unwrap_err().to_string();
+        assert_eq!(hull(&line[..1]), "the body needs at least 4 points, got 1");
+        assert_eq!(hull(&[Point3::origin(); 4]), "all points are equal");
+        assert_eq!(hull(&line), "all points lie on the line through points [0, 2]");
+        assert_eq!(hull(&square), "all points lie in the plane through points [0, 1, 2]");
+        assert_eq!(
+            solids::cuboid(Vector3::new(1.0, 0.0, 1.0)).unwrap_err().to_string(),
+            "the half extent must lie in 1e-100..=1e100, got 0.0"
+        );
+        assert_eq!(
+            solids::prism(2, 1.0, 1.0).unwrap_err().to_string(),
+            "the number of vertices around the axis must lie in 3..=16777216, got 2"
+        );
+        let cube = solids::cuboid(Vector3::new(1.0, 1.0, 1.0)).unwrap();
+        assert_eq!(
+            cube.scaled(-1.0).unwrap_err().to_string(),
+            "the scale factor must be positive and finite, got -1.0"
+        );
+    }
 }

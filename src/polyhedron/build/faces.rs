@@ -31,9 +31,10 @@ impl ConvexPolyhedron {
     ///
     /// ```
     /// use lin_canny::polyhedron::{BuildError, ConvexPolyhedron};
-    /// use nalgebra::Point3;
+    /// use lin_canny::nalgebra::Point3;
     ///
-    /// let corners = [[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [0., 0., 1.]].map(Point3::from);
+    /// let corners =
+    ///     [[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [0., 0., 1.]].map(Point3::from);
     /// let mut faces = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
     /// let body = ConvexPolyhedron::from_faces(&corners, &faces)?;
     /// assert!(body.faces().all(|f| body.source_face(f).is_some()));
@@ -71,7 +72,8 @@ impl ConvexPolyhedron {
     /// let rounded = |i| (turn * Point3::from(corner(i))).cast::<f32>().cast::<f64>();
     /// let points = [0, 1, 2, 3, 4, 5, 6, 7].map(rounded);
     /// let faces =
-    ///     [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    ///     [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4],
+    ///         [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
     /// assert!(ConvexPolyhedron::from_faces(&points, &faces).is_err());
     /// let body = ConvexPolyhedron::from_faces_within(&points, &faces, 1e-6)?;
     /// assert!(body.face_count() > 6 && body.report().non_planarity < 1e-6);

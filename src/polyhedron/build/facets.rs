@@ -198,7 +198,7 @@ fn rim(triangles: &[HullTriangle], group: &[u32], number: &[u32], start: u32, k:
 mod tests {
     use super::*;
     use crate::polyhedron::ConvexPolyhedron;
-    use lab::rng::Rng;
+    use crate::rng::Rng;
     use nalgebra::Point3;
 
     /// A polygon on a parabola, with vertices `(k, k^2)`, doubled so that midpoints of edges are

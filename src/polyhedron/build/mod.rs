@@ -33,7 +33,7 @@ use crate::polyhedron::{ConvexPolyhedron, Plane};
 use crate::tolerance::{COPLANAR, ROUND_UP};
 use crate::tuning::polyhedron::{FEW, FLAT};
 
-/// Number of largest faces for the flatness of the report.
+/// Number of largest faces for the thickness of the report.
 const WIDTHS: usize = 8;
 
 impl ConvexPolyhedron {
@@ -46,11 +46,12 @@ impl ConvexPolyhedron {
     ///
     /// ```
     /// use lin_canny::polyhedron::{BuildError, ConvexPolyhedron};
-    /// use nalgebra::Point3;
+    /// use lin_canny::nalgebra::Point3;
     ///
-    /// let corners = [[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [0., 0., 1.], [0.1, 0.1, 0.1]];
+    /// let corners =
+    ///     [[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [0., 0., 1.], [0.1, 0.1, 0.1]];
     /// let body = ConvexPolyhedron::from_points(&corners.map(Point3::from))?;
-    /// assert_eq!((body.vertex_count(), body.edge_count(), body.face_count()), (4, 6, 4));
+    /// assert_eq!((body.vertex_count(), body.face_count()), (4, 4));
     /// assert_eq!(body.report().interior, [4]);
     ///
     /// let flat = [0, 1, 2, 0].map(|i: usize| Point3::from(corners[i]));
@@ -95,7 +96,7 @@ impl ConvexPolyhedron {
         let radius = sqrt(radius) * ROUND_UP;
         let (planes, areas) = planes_of(&points, loops, radius);
         let (low, high) = bounding_box(&points);
-        let flatness = flatness(&points, &planes, &areas, (high - low).max());
+        let thickness_ratio = thickness_ratio(&points, &planes, &areas, (high - low).max());
         let (vertices, edges) = (points.len(), topology.half_edge_count() / 2);
         let faces = if loops.len() == 1 { 0 } else { loops.len() };
         let report = BuildReport {
@@ -105,7 +106,7 @@ impl ConvexPolyhedron {
             faces,
             duplicates: cloud.duplicates.clone(),
             flushed_coordinates: cloud.flushed,
-            flatness,
+            thickness_ratio,
             euler_characteristic: vertices as i64 - edges as i64 + faces as i64,
             ..BuildReport::default()
         };
@@ -128,7 +129,7 @@ impl ConvexPolyhedron {
             #[cfg(feature = "exact")]
             lowest_bit: lowest_bit(given),
             lookup: CubeMap::new(&topology, &points, &fans),
-            has_bands: topology.has_large_faces() || !fans.is_empty(),
+            has_large_rings: topology.has_large_faces() || !fans.is_empty(),
             fans,
             scan: Scan::new(&points),
             vertex_mean,
@@ -170,7 +171,7 @@ impl ConvexPolyhedron {
     /// Returns an exact sign: positive if a point in stored coordinates is in front of a face, 0 in
     /// its plane.
     pub(crate) fn face_side(&self, face: u32, p: &Vector3<f64>) -> f64 {
-        let h = self.topology.rim_start(face);
+        let h = self.topology.rim_half_edge(face);
         let e = self.topology.half_edge(h);
         let corners = [self.topology.from(h), e.to, self.topology.half_edge(e.next).to];
         let [a, b, c] = corners.map(|v| &self.points[v as usize]);
@@ -228,7 +229,7 @@ pub(crate) fn flat(cloud: &Cloud, span: &Span) -> BuildError {
 
 /// Returns the least width along the axes of the box and the normals of the largest faces, over the
 /// longest side of the box.
-fn flatness(points: &[Vector3<f64>], planes: &[Plane], areas: &[f64], extent: f64) -> f64 {
+fn thickness_ratio(points: &[Vector3<f64>], planes: &[Plane], areas: &[f64], extent: f64) -> f64 {
     if extent <= 0.0 || planes.len() < 3 {
         return 0.0;
     }

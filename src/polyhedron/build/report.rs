@@ -31,10 +31,11 @@ pub struct BuildReport {
     /// Number of coordinates replaced by zero: below `2^-200` of the extent, at which exact
     /// arithmetic would run out of range.
     pub flushed_coordinates: usize,
-    /// Thickness over the longest side of the box, at most 1, and 0 for flat bodies: the least
-    /// width perpendicular to the box's sides and to the eight largest faces, an upper estimate of
-    /// the least width in any direction.
-    pub flatness: f64,
+    /// Thickness over length: 1 for a cube, small for sheets and needles, 0 for polygons, segments
+    /// and points. The thickness is the least width along the axes of the box and the normals of
+    /// the eight largest faces, an upper estimate of the least width in any direction; the length
+    /// is the longest side of the box.
+    pub thickness_ratio: f64,
     /// Largest distance of a vertex from the plane of its given face (bodies from faces).
     pub non_planarity: f64,
     /// Vertices - edges + faces: 2 for every body with faces.
@@ -67,6 +68,6 @@ impl fmt::Display for BuildReport {
         if self.non_planarity > 0.0 {
             write!(f, ", faces planar to {:.1e}", self.non_planarity)?;
         }
-        write!(f, ", flatness {:.1e}", self.flatness)
+        write!(f, ", thickness {:.1e} of the length", self.thickness_ratio)
     }
 }

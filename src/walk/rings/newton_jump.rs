@@ -13,8 +13,8 @@
 
 use nalgebra::Vector3;
 
+use crate::pair::draft::Draft;
 use crate::pair::face::{Face, FaceLocation};
-use crate::pair::outcome::Outcome;
 use crate::pair::posed::PosedPair;
 use crate::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, Feature, FeaturePair, VertexId};
 use crate::tuning::walk::{BISECTIONS, CLOSE, DAMPING, REACH, STEPS, TRIES};
@@ -69,7 +69,7 @@ impl<'a> Side<'a> {
                 Side::Edge(e.0, [p, q - p])
             }
             (None, Feature::Face(f)) => {
-                let p = at(t.half_edge(t.rim_start(f.0)).to);
+                let p = at(t.half_edge(t.rim_half_edge(f.0)).to);
                 Side::Face(f.0, [p, body.planes[f.index()].normal])
             }
         })
@@ -231,8 +231,8 @@ impl<'a> Side<'a> {
 /// leads elsewhere.
 #[cold]
 #[inline(never)]
-pub(crate) fn newton_jump(posed: &PosedPair, outcome: &mut Outcome) -> bool {
-    let pair = outcome.features;
+pub(crate) fn newton_jump(posed: &PosedPair, draft: &mut Draft) -> bool {
+    let pair = draft.features;
     let (Some(a), Some(mut b)) = (Side::of(posed.a, pair.a), Side::of(posed.b, pair.b)) else {
         return false;
     };
@@ -243,7 +243,7 @@ pub(crate) fn newton_jump(posed: &PosedPair, outcome: &mut Outcome) -> bool {
     let jump = NewtonJump { posed, a: &a, b: &b };
     match jump.target() {
         Some(to) => {
-            outcome.features = to.to_stand_on(posed.a, posed.b);
+            draft.features = to.walkable(posed.a, posed.b);
             true
         }
         None => false,

@@ -18,7 +18,7 @@ pub(crate) fn predict(
     now: FeaturePair,
 ) -> FeaturePair {
     let next = |body: &ConvexPolyhedron, before: Feature, now: Feature| {
-        let moves = body.has_bands && before != now && body.has(before);
+        let moves = body.has_large_rings && before != now && body.has(before);
         moves
             .then(|| body.extrapolate_feature(before, now))
             .flatten()

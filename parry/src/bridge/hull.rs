@@ -1,0 +1,278 @@
+//! A convex polyhedron of [`lin_canny`] with what parry asks of a shape.
+
+use std::sync::Arc;
+
+use lin_canny::nalgebra::{Matrix3, Point3, Rotation3, SymmetricEigen, UnitQuaternion, Vector3};
+use lin_canny::{BuildError, ConvexPolyhedron};
+
+use super::number::{down, narrow, up, wide_point};
+use super::parry::bounding_volume::{Aabb, BoundingSphere};
+use super::parry::mass_properties::MassProperties;
+use super::parry::math::{Real, Rotation, Vector};
+use super::parry::shape::{self, SharedShape};
+
+/// A convex body for parry, with everything parry asks of it computed once.
+///
+/// Cheap to clone: the body is shared. `SharedShape::from(hull)` makes a shape of it for a collider.
+///
+/// ```
+/// use lin_canny_parry::single::{Hull, parry};
+/// use parry::math::Vector;
+/// use parry::shape::{Shape, SharedShape};
+///
+/// let tip = [[0., 0., 0.], [1e-3, 0., 0.], [0., 1e-3, 0.], [0., 0., 1e-3]].map(Vector::from);
+/// let hull = Hull::from_points(&tip)?;
+/// assert_eq!(hull.body().vertex_count(), 4);
+/// assert!(hull.conversion().is_exact());
+/// let shape = SharedShape::from(hull);
+/// assert!((shape.mass_properties(6000.0).mass() - 1e-6).abs() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone)]
+pub struct Hull {
+    pub(super) body: Arc<ConvexPolyhedron>,
+    /// The body as parry stores it, for snapshots, exact sweeps and debug renderers.
+    pub(super) twin: Option<Arc<shape::ConvexPolyhedron>>,
+    pub(super) aabb: Aabb,
+    pub(super) ball: BoundingSphere,
+    mass: UnitMass,
+    conversion: Conversion,
+}
+
+/// What became of a body on its way into parry.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub struct Conversion {
+    /// Vertices with a coordinate that the engine's precision does not hold. Contacts are computed
+    /// of the unrounded body; support points and snapshots have the rounded vertices.
+    pub rounded: usize,
+    /// Largest distance, in the caller's unit, by which a vertex was rounded.
+    pub shift: f64,
+    /// Whether parry has a convex polyhedron of the same vertices: if not, the shape is no part of
+    /// a snapshot, and sweeps of fast bodies take the slower nonlinear cast.
+    pub has_twin: bool,
+}
+
+impl Conversion {
+    /// Returns whether no vertex was rounded and the shape can be part of a snapshot.
+    #[must_use]
+    pub fn is_exact(&self) -> bool {
+        self.rounded == 0 && self.has_twin
+    }
+}
+
+/// Reason for which a shape of parry has no [`Hull`].
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum HullError {
+    /// The points make no body; the error names the point.
+    Build(BuildError),
+    /// The shape is neither a convex polyhedron, a cuboid, a triangle, a segment nor a tetrahedron.
+    Kind,
+}
+
+impl std::fmt::Display for HullError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Build(e) => e.fmt(f),
+            Self::Kind => f.pad("the shape has no vertices: not a convex polyhedron, cuboid, triangle or segment"),
+        }
+    }
+}
+
+impl std::error::Error for HullError {}
+
+impl From<BuildError> for HullError {
+    fn from(e: BuildError) -> Self {
+        Self::Build(e)
+    }
+}
+
+/// Mass properties at density 1.
+#[derive(Clone, Copy)]
+struct UnitMass {
+    mass: f64,
+    center: Vector,
+    principal: Vector3<f64>,
+    frame: Rotation,
+}
+
+impl Hull {
+    /// Returns the convex hull of points, which must span a volume.
+    ///
+    /// # Errors
+    /// If a point is not finite or the points span no volume.
+    pub fn from_points(points: &[Vector]) -> Result<Self, BuildError> {
+        let points: Vec<_> = points.iter().map(|&p| wide_point(p)).collect();
+        Ok(Self::new(ConvexPolyhedron::from_points(&points)?))
+    }
+
+    /// Returns the hull of a body that shares its memory with other users of the body.
+    pub fn new(body: impl Into<Arc<ConvexPolyhedron>>) -> Self {
+        let body = body.into();
+        let twin = twin(&body).map(Arc::new);
+        let (low, high) = body.aabb();
+        let (center, radius) = body.bounding_ball();
+        let middle = narrow(&center.coords);
+        let moved = (wide_point(middle) - center).norm();
+        Self {
+            aabb: Aabb::new(outward(&low, down), outward(&high, up)),
+            ball: BoundingSphere::new(middle, up((radius + moved) * (1.0 + 4.0 * f64::EPSILON))),
+            mass: UnitMass::of(&body),
+            conversion: conversion(&body, twin.is_some()),
+            body,
+            twin,
+        }
+    }
+
+    /// Returns the body.
+    #[must_use]
+    pub fn body(&self) -> &Arc<ConvexPolyhedron> {
+        &self.body
+    }
+
+    /// Returns the report on the way into parry. The report on the build of the body is
+    /// [`ConvexPolyhedron::report`].
+    #[must_use]
+    pub fn conversion(&self) -> Conversion {
+        self.conversion
+    }
+
+    /// Returns the same body as a convex polyhedron of parry, vertices and order kept; `None` for
+    /// flat bodies and for faces that parry merges into nothing.
+    #[must_use]
+    pub fn to_parry(&self) -> Option<&shape::ConvexPolyhedron> {
+        self.twin.as_deref()
+    }
+
+    /// Returns the mass properties at a density, in mass a unit of volume. The principal axes come
+    /// from a decomposition in `f64` that knows no absolute tolerance.
+    #[must_use]
+    pub fn mass_properties_at(&self, density: Real) -> MassProperties {
+        let density = f64::from(density);
+        let UnitMass {
+            mass,
+            center,
+            principal,
+            frame,
+        } = self.mass;
+        // Not by the constructors of parry, for which inertia below 1e-20 is none.
+        let inverse = |x: f64| {
+            let y = (1.0 / x) as Real;
+            if x > 0.0 && y.is_finite() { y } else { 0.0 }
+        };
+        let inertia = principal * density;
+        MassProperties {
+            local_com: center,
+            inv_mass: inverse(mass * density),
+            inv_principal_inertia: Vector::new(inverse(inertia.x), inverse(inertia.y), inverse(inertia.z)),
+            principal_inertia_local_frame: frame,
+        }
+    }
+}
+
+impl From<ConvexPolyhedron> for Hull {
+    fn from(body: ConvexPolyhedron) -> Self {
+        Self::new(body)
+    }
+}
+
+impl From<Hull> for SharedShape {
+    fn from(hull: Hull) -> Self {
+        SharedShape(Arc::new(hull))
+    }
+}
+
+/// The body of a shape's vertices: of a convex polyhedron, a cuboid, a triangle, a segment, or of a
+/// `Hull` itself.
+impl TryFrom<&dyn shape::Shape> for Hull {
+    type Error = HullError;
+
+    fn try_from(shape: &dyn shape::Shape) -> Result<Self, HullError> {
+        if let Some(hull) = shape.as_shape::<Self>() {
+            Ok(hull.clone())
+        } else if let Some(polyhedron) = shape.as_convex_polyhedron() {
+            Ok(Self::from_points(polyhedron.points())?)
+        } else if let Some(cuboid) = shape.as_cuboid() {
+            Ok(Self::from_points(&corners(cuboid.half_extents))?)
+        } else if let Some(triangle) = shape.as_triangle() {
+            let points = triangle.vertices().map(wide_point);
+            Ok(Self::new(ConvexPolyhedron::polygon(&points)?))
+        } else if let Some(segment) = shape.as_segment() {
+            let (start, end) = (wide_point(segment.a), wide_point(segment.b));
+            Ok(Self::new(ConvexPolyhedron::segment(start, end)?))
+        } else {
+            Err(HullError::Kind)
+        }
+    }
+}
+
+/// Returns the eight vertices of a cuboid.
+pub(super) fn corners(half: Vector) -> [Vector; 8] {
+    let side = |k: usize, bit: usize, x: Real| if k & bit == 0 { -x } else { x };
+    std::array::from_fn(|k| Vector::new(side(k, 1, half.x), side(k, 2, half.y), side(k, 4, half.z)))
+}
+
+fn outward(p: &Point3<f64>, round: impl Fn(f64) -> Real) -> Vector {
+    Vector::new(round(p.x), round(p.y), round(p.z))
+}
+
+/// Returns the polyhedron of the rounded vertices, in the body's order, and of its faces as fans.
+fn twin(body: &ConvexPolyhedron) -> Option<shape::ConvexPolyhedron> {
+    let points: Vec<Vector> = body.vertex_points().map(|p| narrow(&p.coords)).collect();
+    let mut triangles = Vec::new();
+    for face in body.faces() {
+        let rim: Vec<u32> = body.face_vertices(face).map(|v| v.index() as u32).collect();
+        triangles.extend((2..rim.len()).map(|k| [rim[0], rim[k - 1], rim[k]]));
+    }
+    // Two sides of a polygon are no polyhedron to parry.
+    if body.face_count() < 4 || !points.iter().all(|p| p.is_finite()) {
+        return None;
+    }
+    let twin = shape::ConvexPolyhedron::from_convex_mesh(points, &triangles)?;
+    (!twin.faces().is_empty()).then_some(twin)
+}
+
+fn conversion(body: &ConvexPolyhedron, has_twin: bool) -> Conversion {
+    let mut report = Conversion {
+        has_twin,
+        ..Conversion::default()
+    };
+    for p in body.vertex_points() {
+        let shift = (wide_point(narrow(&p.coords)) - p).norm();
+        report.rounded += usize::from(shift != 0.0);
+        report.shift = report.shift.max(shift);
+    }
+    report
+}
+
+impl UnitMass {
+    fn of(body: &ConvexPolyhedron) -> Self {
+        let inertia = body.inertia();
+        let size = inertia.amax();
+        let (principal, frame) = if size > 0.0 && size.is_finite() {
+            principal_axes(&(inertia / size))
+        } else {
+            (Vector3::zeros(), UnitQuaternion::identity())
+        };
+        let [i, j, k, w] = frame.coords.data.0[0].map(|x| x as Real);
+        Self {
+            mass: body.volume(),
+            center: narrow(&body.centroid().coords),
+            principal: principal * size,
+            frame: Rotation::from_xyzw(i, j, k, w).normalize(),
+        }
+    }
+}
+
+/// Returns the eigenvalues, none negative, and the rotation to their axes.
+fn principal_axes(inertia: &Matrix3<f64>) -> (Vector3<f64>, UnitQuaternion<f64>) {
+    let eigen = SymmetricEigen::new(*inertia);
+    let mut axes = eigen.eigenvectors;
+    if axes.determinant() < 0.0 {
+        let flipped = -axes.column(2);
+        axes.set_column(2, &flipped);
+    }
+    let frame = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(axes));
+    (eigen.eigenvalues.map(|x| x.max(0.0)), frame)
+}

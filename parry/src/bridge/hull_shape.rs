@@ -1,0 +1,267 @@
+//! What parry asks of a [`Hull`].
+
+use std::sync::Arc;
+
+use lin_canny::nalgebra::Vector3;
+use lin_canny::{BoxHint, ConvexPolyhedron, FaceId, VertexId};
+
+use super::hull::Hull;
+use super::number::{down, isometry, narrow, up, wide, wide_point};
+use super::parry::bounding_volume::{Aabb, BoundingSphere};
+use super::parry::mass_properties::MassProperties;
+use super::parry::math::{Pose, Real, Vector};
+use super::parry::query::{PointProjection, PointQuery, Ray, RayCast, RayIntersection};
+use super::parry::shape::{
+    FeatureId, PackedFeatureId, PolygonalFeature, PolygonalFeatureMap, Shape, ShapeType, SubShapeId, SupportMap,
+    TypedShape,
+};
+
+impl Hull {
+    fn vertex(&self, vertex: VertexId) -> Vector {
+        self.body.vertex(vertex).map_or(Vector::ZERO, |p| narrow(&p.coords))
+    }
+
+    /// Returns the face at the extreme vertex along `dir` most nearly perpendicular to `dir`, and
+    /// the extreme vertex.
+    fn support_face(&self, dir: &Vector3<f64>) -> (VertexId, Option<FaceId>) {
+        let top = self.body.extreme_vertex(dir);
+        let along = |f: &FaceId| self.body.face_plane(*f).map_or(f64::NEG_INFINITY, |(n, _)| n.dot(dir));
+        let faces = self.body.vertex_faces(top);
+        (top, faces.max_by(|f, g| along(f).total_cmp(&along(g))))
+    }
+
+    /// Returns the face whose plane is nearest to a point inside the body, and the distance.
+    fn nearest_face(&self, p: &Vector3<f64>) -> Option<(Vector3<f64>, f64, FaceId)> {
+        let planes = self.body.faces().filter_map(|f| {
+            let (n, offset) = self.body.face_plane(f)?;
+            Some((n.into_inner(), offset - n.dot(p), f))
+        });
+        planes.min_by(|x, y| x.1.total_cmp(&y.1))
+    }
+}
+
+impl SupportMap for Hull {
+    fn local_support_point(&self, dir: Vector) -> Vector {
+        self.vertex(self.body.extreme_vertex(&wide(dir)))
+    }
+}
+
+/// Four vertices spread round the boundary of the support face, the extreme vertex among them.
+impl PolygonalFeatureMap for Hull {
+    fn local_support_feature(&self, dir: Vector, out: &mut PolygonalFeature) {
+        let (top, face) = self.support_face(&wide(dir));
+        let Some(face) = face else {
+            return support_of_flat(self, top, out);
+        };
+        let count = self.body.face_vertices(face).count();
+        let first = self.body.face_vertices(face).position(|v| v == top).unwrap_or(0);
+        let kept = count.min(4);
+        // Positions round the boundary, in its order from the extreme vertex on.
+        let place = |k: usize| (first + k * count / kept) % count;
+        for (k, (v, e)) in self
+            .body
+            .face_vertices(face)
+            .zip(self.body.face_edges(face))
+            .enumerate()
+        {
+            for slot in (0..kept).filter(|&slot| place(slot) == k) {
+                out.vertices[slot] = self.vertex(v);
+                out.vids[slot] = PackedFeatureId::vertex(v.index() as u32);
+                out.eids[slot] = PackedFeatureId::edge(e.index() as u32);
+            }
+        }
+        out.fid = PackedFeatureId::face(face.index() as u32);
+        out.num_vertices = kept;
+    }
+
+    fn is_convex_polyhedron(&self) -> bool {
+        true
+    }
+}
+
+/// Writes the support feature of a segment or point.
+fn support_of_flat(hull: &Hull, top: VertexId, out: &mut PolygonalFeature) {
+    let ids: Vec<VertexId> = hull.body.vertices().take(2).collect();
+    for slot in 0..4 {
+        let v = ids.get(slot).copied().unwrap_or(top);
+        out.vertices[slot] = hull.vertex(v);
+        out.vids[slot] = PackedFeatureId::vertex(v.index() as u32);
+        out.eids[slot] = PackedFeatureId::edge(0);
+    }
+    out.fid = PackedFeatureId::face(0);
+    out.num_vertices = ids.len();
+}
+
+impl RayCast for Hull {
+    /// Clips the ray by the planes of all faces. A flat body is hit by no ray.
+    fn cast_local_ray_and_get_normal(&self, ray: &Ray, max: Real, solid: bool) -> Option<RayIntersection> {
+        let (origin, dir) = (wide(ray.origin), wide(ray.dir));
+        let (mut enter, mut leave) = ((0.0, None), (f64::INFINITY, None));
+        for face in self.body.faces() {
+            let (n, offset) = self.body.face_plane(face)?;
+            let (rise, height) = (n.dot(&dir), n.dot(&origin) - offset);
+            // Comparisons are written so that NaN misses.
+            if rise < 0.0 {
+                let t = -height / rise;
+                if t > enter.0 || (t == enter.0 && enter.1.is_none()) {
+                    enter = (t, Some((face, n)));
+                }
+            } else if rise > 0.0 {
+                let t = -height / rise;
+                if t < leave.0 {
+                    leave = (t, Some((face, n)));
+                }
+            } else if !(height <= 0.0) {
+                return None;
+            }
+        }
+        if !(enter.0 <= leave.0) || self.body.face_count() < 3 {
+            return None;
+        }
+        let hit = |t: f64, normal: Vector3<f64>, feature| {
+            (t <= f64::from(max)).then(|| RayIntersection::new(t as Real, narrow(&normal), feature))
+        };
+        let feature = |f: FaceId| FeatureId::Face(f.index() as u32);
+        match (enter.1, leave.1) {
+            (Some((f, n)), _) => hit(enter.0, n.into_inner(), feature(f)),
+            (None, _) if solid => hit(0.0, Vector3::zeros(), FeatureId::Unknown),
+            (None, Some((f, n))) => hit(leave.0, -n.into_inner(), feature(f)),
+            (None, None) => None,
+        }
+    }
+}
+
+impl PointQuery for Hull {
+    /// Containment is exact for the stored body and the point given.
+    fn project_local_point(&self, pt: Vector, solid: bool) -> PointProjection {
+        self.projection(pt, solid).0
+    }
+
+    fn project_local_point_and_get_feature(&self, pt: Vector) -> (PointProjection, FeatureId) {
+        self.projection(pt, false)
+    }
+
+    fn contains_local_point(&self, pt: Vector) -> bool {
+        self.body.contains(&wide_point(pt))
+    }
+}
+
+impl Hull {
+    fn projection(&self, pt: Vector, solid: bool) -> (PointProjection, FeatureId) {
+        let p = wide_point(pt);
+        let inside = self.body.contains(&p);
+        if inside && solid {
+            return (PointProjection::new(true, pt), FeatureId::Unknown);
+        }
+        let nearest = self
+            .nearest_face(&p.coords)
+            .filter(|_| inside && self.body.face_count() > 2);
+        if let Some((n, depth, face)) = nearest {
+            let foot = p.coords + n * depth;
+            return (
+                PointProjection::new(true, narrow(&foot)),
+                FeatureId::Face(face.index() as u32),
+            );
+        }
+        let foot = self.body.closest_point(&p).unwrap_or(p);
+        let top = self.body.extreme_vertex(&(p - foot));
+        let feature = FeatureId::Vertex(top.index() as u32);
+        (PointProjection::new(inside, narrow(&foot.coords)), feature)
+    }
+}
+
+impl Shape for Hull {
+    fn compute_local_aabb(&self) -> Aabb {
+        self.aabb
+    }
+
+    fn compute_local_bounding_sphere(&self) -> BoundingSphere {
+        self.ball
+    }
+
+    fn clone_dyn(&self) -> Box<dyn Shape> {
+        Box::new(self.clone())
+    }
+
+    /// The scaled vertices make a new hull; `None` if they make no body.
+    fn scale_dyn(&self, scale: Vector, _: u32) -> Option<Box<dyn Shape>> {
+        let scale = wide(scale);
+        let points: Vec<_> = self
+            .body
+            .vertex_points()
+            .map(|p| p.coords.component_mul(&scale).into())
+            .collect();
+        let body = match self.body.face_count() {
+            0 => return None,
+            2 => ConvexPolyhedron::polygon(&points),
+            _ => ConvexPolyhedron::from_points(&points),
+        };
+        Some(Box::new(Hull::new(Arc::new(body.ok()?))))
+    }
+
+    fn compute_aabb(&self, pose: &Pose) -> Aabb {
+        let (low, high) = self.body.aabb_at(&isometry(pose), &mut BoxHint::default());
+        let (low, high): ([f64; 3], [f64; 3]) = (low.into(), high.into());
+        Aabb::new(Vector::from(low.map(down)), Vector::from(high.map(up)))
+    }
+
+    fn compute_bounding_sphere(&self, pose: &Pose) -> BoundingSphere {
+        BoundingSphere::new(pose * self.ball.center, self.ball.radius)
+    }
+
+    fn mass_properties(&self, density: Real) -> MassProperties {
+        self.mass_properties_at(density)
+    }
+
+    fn is_convex(&self) -> bool {
+        true
+    }
+
+    fn shape_type(&self) -> ShapeType {
+        ShapeType::Custom
+    }
+
+    /// A convex polyhedron of parry, by which snapshots are written, fast bodies get the exact
+    /// sweep, and debug renderers draw.
+    fn as_typed_shape(&self) -> TypedShape<'_> {
+        match &self.twin {
+            Some(twin) => TypedShape::ConvexPolyhedron(twin),
+            None => TypedShape::Custom(self),
+        }
+    }
+
+    fn ccd_thickness(&self) -> Real {
+        self.aabb.half_extents().min_element()
+    }
+
+    fn ccd_angular_thickness(&self) -> Real {
+        std::f64::consts::FRAC_PI_4 as Real
+    }
+
+    fn as_support_map(&self) -> Option<&dyn SupportMap> {
+        Some(self)
+    }
+
+    fn as_polygonal_feature_map(&self) -> Option<(&dyn PolygonalFeatureMap, Real)> {
+        Some((self, 0.0))
+    }
+
+    fn feature_normal_at_point(&self, _: SubShapeId, feature: FeatureId, _: Vector) -> Option<Vector> {
+        let normal = |f: FaceId| self.body.face_plane(f).map(|(n, _)| n.into_inner());
+        let faces: Vec<FaceId> = match feature {
+            FeatureId::Face(k) => self.body.faces().nth(k as usize).into_iter().collect(),
+            FeatureId::Vertex(k) => self
+                .body
+                .vertices()
+                .nth(k as usize)
+                .map(|v| self.body.vertex_faces(v).collect())?,
+            FeatureId::Edge(k) => match self.body.feature(1, k as usize) {
+                Some(lin_canny::Feature::Edge(e)) => self.body.edge_faces(e)?.to_vec(),
+                _ => return None,
+            },
+            FeatureId::Unknown => return None,
+        };
+        let sum: Vector3<f64> = faces.into_iter().filter_map(normal).sum();
+        sum.try_normalize(0.0).map(|n| narrow(&n))
+    }
+}

@@ -1,0 +1,112 @@
+//! Contacts as a function of the relative pose and of the contacts that the engine kept.
+
+use lin_canny::nalgebra::{Point3, UnitQuaternion};
+use lin_canny::{Feature, FeaturePair, Manifold, ManifoldOptions, Outcome, RelativePose, Tracker};
+
+use super::dispatcher::ContactOptions;
+use super::number::{isometry, narrow};
+use super::parry::math::{Pose, Real, Vector};
+use super::parry::query::{ContactManifold, TrackedContact};
+use super::parry::shape::{FeatureId, PackedFeatureId};
+use super::part::Part;
+
+/// A pair of rounded polyhedra at a pose.
+pub(super) struct PosedPair<'a> {
+    a: &'a Part<'a>,
+    b: &'a Part<'a>,
+    pose: RelativePose,
+    turn: UnitQuaternion<f64>,
+}
+
+impl<'a> PosedPair<'a> {
+    /// Returns `None` for a pose that is not finite.
+    pub(super) fn new((a, b): &'a (Part<'a>, Part<'a>), pos12: &Pose) -> Option<Self> {
+        let isometry = isometry(pos12);
+        let pose = RelativePose::from_isometry(&isometry).ok()?;
+        let turn = isometry.rotation;
+        Some(Self { a, b, pose, turn })
+    }
+
+    /// Writes the contacts within the prediction, or one true contact beyond it: the closest points,
+    /// by whose features the next query starts.
+    pub(super) fn write<M, C: Default + Copy>(
+        &self,
+        prediction: Real,
+        options: &ContactOptions,
+        out: &mut ContactManifold<M, C>,
+    ) {
+        let outcome = self.closest(&out.points);
+        let radii = self.a.radius + self.b.radius;
+        let prediction = f64::from(prediction) * f64::from(options.reach) + radii;
+        let kept = core::mem::take(&mut out.points);
+        if outcome.lower <= prediction {
+            let bodies = (self.a.body(), self.b.body());
+            let mut chosen = ManifoldOptions::within(prediction);
+            (chosen.sine, chosen.max_points) = (f64::from(options.sine), options.max_points);
+            let manifold = Manifold::of_outcome(bodies, &self.pose, &outcome, &chosen);
+            for p in manifold.points() {
+                let contact = self.contact(&outcome, &p.point_on_a, &p.point_on_b, p.separation, p.features);
+                out.points.push(contact);
+            }
+        }
+        if out.points.is_empty() {
+            let (on_a, on_b) = (&outcome.point_on_a, &outcome.point_on_b);
+            out.points
+                .push(self.contact(&outcome, on_a, on_b, outcome.distance, outcome.features));
+        }
+        (out.local_n1, out.local_n2) = self.normals(&outcome);
+        out.match_contacts(&kept);
+    }
+
+    /// Returns the closest points of the cores, from the features of the deepest contact.
+    fn closest<C>(&self, points: &[TrackedContact<C>]) -> Outcome {
+        let (a, b) = (self.a.body(), self.b.body());
+        let deepest = points.iter().min_by(|p, q| p.dist.total_cmp(&q.dist));
+        let feature = |body: &lin_canny::ConvexPolyhedron, id: PackedFeatureId| match id.unpack() {
+            FeatureId::Vertex(k) => body.feature(0, k as usize),
+            FeatureId::Edge(k) => body.feature(1, k as usize),
+            FeatureId::Face(k) => body.feature(2, k as usize),
+            FeatureId::Unknown => None,
+        };
+        let start = deepest.and_then(|p| {
+            let (a, b) = (feature(a, p.fid1)?, feature(b, p.fid2)?);
+            Some(FeaturePair { a, b })
+        });
+        let mut tracker = start.map_or_else(Tracker::new, |pair| Tracker::starting_from(pair, a, b));
+        tracker.closest(a, b, &self.pose)
+    }
+
+    /// Returns a contact of the rounded shapes from a contact of their cores.
+    fn contact<C: Default + Copy>(
+        &self,
+        outcome: &Outcome,
+        on_a: &Point3<f64>,
+        on_b: &Point3<f64>,
+        separation: f64,
+        features: FeaturePair,
+    ) -> TrackedContact<C> {
+        let n = outcome.normal.into_inner();
+        let on_a = on_a.coords + n * self.a.radius;
+        let on_b = on_b.coords - self.turn.inverse_transform_vector(&n) * self.b.radius;
+        let apart = (separation - self.a.radius) - self.b.radius;
+        let (id_a, id_b) = (packed(features.a), packed(features.b));
+        TrackedContact::new(narrow(&on_a), narrow(&on_b), id_a, id_b, apart as Real)
+    }
+
+    /// Returns the normals out of both shapes, each in the frame of its shape.
+    fn normals(&self, outcome: &Outcome) -> (Vector, Vector) {
+        let n = outcome.normal.into_inner();
+        (narrow(&n), narrow(&-self.turn.inverse_transform_vector(&n)))
+    }
+}
+
+fn packed(feature: Feature) -> PackedFeatureId {
+    let k = feature.index() as u32;
+    match feature {
+        // Ids of parry have 30 bits; a start that is not remembered costs time only.
+        _ if k >= 1 << 30 => PackedFeatureId::UNKNOWN,
+        Feature::Vertex(_) => PackedFeatureId::vertex(k),
+        Feature::Edge(_) => PackedFeatureId::edge(k),
+        Feature::Face(_) => PackedFeatureId::face(k),
+    }
+}

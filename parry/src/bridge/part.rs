@@ -1,0 +1,163 @@
+//! What the dispatcher reads in a shape of parry: a core and a radius.
+
+use std::ops::Deref;
+use std::sync::Arc;
+
+use lin_canny::nalgebra::{Isometry3, UnitQuaternion, Vector3};
+use lin_canny::{ConvexPolyhedron, Shape};
+
+use super::hull::{Hull, corners};
+use super::known::Known;
+use super::parry::math::{Real, Vector};
+use super::parry::shape;
+
+/// A rounded polyhedron, polygon, segment or point: all points at most `radius` from the core.
+pub(super) struct Part<'a> {
+    pub(super) core: Core<'a>,
+    pub(super) radius: f64,
+}
+
+/// A hull of the caller, or one made for a shape of parry.
+pub(super) enum Core<'a> {
+    Given(&'a Hull),
+    Made(Arc<Hull>),
+}
+
+impl Deref for Core<'_> {
+    type Target = Hull;
+
+    fn deref(&self) -> &Hull {
+        match self {
+            Self::Given(hull) => hull,
+            Self::Made(hull) => hull,
+        }
+    }
+}
+
+/// The kinds among which parry's closed forms are right and faster.
+#[derive(Clone, Copy, PartialEq)]
+enum Kind {
+    Ball,
+    Capsule,
+    Cuboid,
+    /// Every other rounded polyhedron.
+    Polyhedron,
+}
+
+/// Returns whether parry has a closed form for a pair of kinds.
+fn is_closed_form(a: Kind, b: Kind) -> bool {
+    match (a, b) {
+        (Kind::Polyhedron, _) | (_, Kind::Polyhedron) => false,
+        (Kind::Ball, _) | (_, Kind::Ball) => true,
+        (a, b) => a == b,
+    }
+}
+
+fn kind(shape: &dyn shape::Shape) -> Option<Kind> {
+    use shape::ShapeType::{Ball, Capsule, ConvexPolyhedron, Cuboid, Custom, RoundConvexPolyhedron, RoundCuboid};
+    match shape.shape_type() {
+        Ball => Some(Kind::Ball),
+        Capsule => Some(Kind::Capsule),
+        Cuboid => Some(Kind::Cuboid),
+        ConvexPolyhedron | RoundConvexPolyhedron | RoundCuboid => Some(Kind::Polyhedron),
+        Custom => shape.as_shape::<Hull>().map(|_| Kind::Polyhedron),
+        _ => None,
+    }
+}
+
+/// Returns the two shapes as rounded polyhedra; `None` if one is none or parry has a closed form.
+pub(super) fn pair<'a>(
+    known: &Known,
+    a: &'a dyn shape::Shape,
+    b: &'a dyn shape::Shape,
+) -> Option<(Part<'a>, Part<'a>)> {
+    let (k, l) = (kind(a)?, kind(b)?);
+    if is_closed_form(k, l) {
+        return None;
+    }
+    Some((part(known, a)?, part(known, b)?))
+}
+
+/// Returns a shape as a rounded polyhedron.
+fn part<'a>(known: &Known, shape: &'a dyn shape::Shape) -> Option<Part<'a>> {
+    if let Some(hull) = shape.as_shape::<Hull>() {
+        let core = Core::Given(hull);
+        return Some(Part { core, radius: 0.0 });
+    }
+    let made = |points: &[Vector], radius: Real| {
+        let core = Core::Made(known.hull(points)?);
+        let radius = f64::from(radius);
+        (radius >= 0.0).then_some(Part { core, radius })
+    };
+    if let Some(polyhedron) = shape.as_convex_polyhedron() {
+        made(polyhedron.points(), 0.0)
+    } else if let Some(cuboid) = shape.as_cuboid() {
+        made(&corners(cuboid.half_extents), 0.0)
+    } else if let Some(ball) = shape.as_ball() {
+        made(&[Vector::ZERO], ball.radius)
+    } else if let Some(capsule) = shape.as_capsule() {
+        made(&[capsule.segment.a, capsule.segment.b], capsule.radius)
+    } else if let Some(round) = shape.as_round_cuboid() {
+        made(&corners(round.inner_shape.half_extents), round.border_radius)
+    } else if let Some(round) = shape.as_round_convex_polyhedron() {
+        made(round.inner_shape.points(), round.border_radius)
+    } else {
+        None
+    }
+}
+
+/// A shape of [`lin_canny`] at its place in the frame of the shape of parry.
+pub(super) struct Placed {
+    pub(super) shape: Shape,
+    pub(super) at: Isometry3<f64>,
+}
+
+impl Part<'_> {
+    pub(super) fn body(&self) -> &ConvexPolyhedron {
+        &self.core.body
+    }
+
+    fn placed(&self) -> Option<Placed> {
+        let shape = Shape::from(self.core.body.clone()).rounded(self.radius).ok()?;
+        let at = Isometry3::identity();
+        Some(Placed { shape, at })
+    }
+}
+
+/// Returns two shapes as shapes of [`lin_canny`], if that has both kinds; `None` too if parry has a
+/// closed form for the pair.
+pub(super) fn placed(known: &Known, a: &dyn shape::Shape, b: &dyn shape::Shape) -> Option<(Placed, Placed)> {
+    if kind(a).zip(kind(b)).is_some_and(|(k, l)| is_closed_form(k, l)) {
+        return None;
+    }
+    let one = |shape: &dyn shape::Shape| match curved(shape) {
+        Some(placed) => Some(placed),
+        None => part(known, shape)?.placed(),
+    };
+    Some((one(a)?, one(b)?))
+}
+
+/// Returns a cylinder or cone, whose axis is y in parry and z in [`lin_canny`].
+fn curved(shape: &dyn shape::Shape) -> Option<Placed> {
+    let shape = if let Some(c) = shape.as_cylinder() {
+        Shape::cylinder(f64::from(c.half_height), f64::from(c.radius))
+    } else if let Some(c) = shape.as_round_cylinder() {
+        let (core, by) = (&c.inner_shape, f64::from(c.border_radius));
+        Shape::cylinder(f64::from(core.half_height), f64::from(core.radius)).and_then(|s| s.rounded(by))
+    } else if let Some(c) = shape.as_cone() {
+        Shape::cone(f64::from(c.half_height), f64::from(c.radius))
+    } else if let Some(c) = shape.as_round_cone() {
+        let (core, by) = (&c.inner_shape, f64::from(c.border_radius));
+        Shape::cone(f64::from(core.half_height), f64::from(core.radius)).and_then(|s| s.rounded(by))
+    } else {
+        return None;
+    };
+    let turn = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), -std::f64::consts::FRAC_PI_2);
+    let at = Isometry3::from_parts(Vector3::zeros().into(), turn);
+    Some(Placed { shape: shape.ok()?, at })
+}
+
+/// Returns the hull of a plain convex polyhedron of parry.
+pub(super) fn hull_of_polyhedron(known: &Known, shape: &dyn shape::Shape) -> Option<Arc<Hull>> {
+    known.hull(shape.as_convex_polyhedron()?.points())
+}

@@ -1,0 +1,95 @@
+//! Certified contacts of [`lin_canny`] inside parry: a hull shape and a query dispatcher.
+//!
+//! Module [`single`](crate::single) is for `parry3d` (feature `f32`, on by default), module
+//! [`double`](crate::double) for `parry3d-f64` (feature `f64`). Both have the same items, and both
+//! features may be on. rapier and bevy_rapier take the dispatcher as it is; `lin-canny-rapier` has
+//! whole simulations.
+//!
+//! ```
+//! use lin_canny_parry::single::{Certified, Hull, parry};
+//! use parry::math::{Pose, Vector};
+//! use parry::query::{ContactManifold, PersistentQueryDispatcher, QueryDispatcher};
+//! use parry::shape::Cuboid;
+//!
+//! // A pin of a millimetre, in metres: parry's own hull code takes it for a point.
+//! let points: Vec<Vector> = (0..24)
+//!     .map(|k| (std::f32::consts::TAU / 12.0 * k as f32, if k < 12 { 5e-4 } else { -5e-4 }))
+//!     .map(|(angle, y)| Vector::new(5e-5 * angle.cos(), y, 5e-5 * angle.sin()))
+//!     .collect();
+//! let pin = Hull::from_points(&points)?;
+//! let table = Cuboid::new(Vector::new(0.1, 0.01, 0.1));
+//!
+//! let dispatcher = Certified::default();
+//! let pose = Pose::translation(0.0, 0.0105, 0.0);
+//! let distance = dispatcher.distance(&pose, &table, &pin).unwrap().distance;
+//! assert!(distance.abs() < 1e-9);
+//!
+//! let mut manifolds: Vec<ContactManifold<(), ()>> = Vec::new();
+//! dispatcher.contact_manifolds(&pose, &table, &pin, 1e-5, &mut manifolds, &mut None).unwrap();
+//! assert!(manifolds[0].points.len() >= 4);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # What it gives
+//!
+//! * **The shape** [`Hull`](crate::single::Hull) carries a [`ConvexPolyhedron`] into parry: support
+//!   points, boxes and mass properties that do not scan the vertices, support faces spread over four
+//!   vertices that include the deepest one, exact point containment. It works under parry's own
+//!   dispatcher too: a coin laid flat on a half-space stays flat.
+//! * **The dispatcher** [`Certified`](crate::single::Certified) answers pairs of hulls, cuboids,
+//!   balls, capsules and their rounded and compound forms by [`lin_canny`], in `f64`, without an
+//!   absolute tolerance, and hands all other pairs to parry. Distances, tests and contacts of
+//!   cylinders and cones are answered as well; their manifolds are parry's.
+//! * **No state.** A manifold is a function of the relative pose and of the contacts that the
+//!   engine itself kept: the closest features of the last query stand in the feature ids of the
+//!   contacts. Snapshots go on bit for bit, any number of threads gives the same bits, and a
+//!   dropped pair leaves nothing behind. Only bodies made of cuboids, balls, capsules and plain
+//!   polyhedra are remembered, by their points (at most 4096 of them).
+//!
+//! # Which pairs are answered by whom
+//!
+//! | pair | distance, contact, test, closest points | manifold |
+//! |---|---|---|
+//! | a hull, convex polyhedron or rounded one, and one of these, a cuboid, ball or capsule | here | here |
+//! | rounded cuboid, and any of these; cuboid and capsule | here | here |
+//! | two cuboids; balls with balls, cuboids and capsules; two capsules | parry (closed forms) | parry |
+//! | cylinder, cone, and any of the shapes above | here | parry |
+//! | half-space, and a convex polyhedron | parry, on the [`Hull`](crate::single::Hull) | parry, on the `Hull` |
+//! | compounds | part by part | part by part |
+//! | triangles, meshes, height fields, voxels, custom shapes | parry | parry |
+//!
+//! Casts are parry's: a `Hull` shows itself to them as a parry convex polyhedron. parry's `f32`
+//! tolerances are absolute, so **small parts on a mesh or height field floor are not cured**: build
+//! such floors of hulls or cuboids, or scale the scene.
+//!
+//! # Limits
+//!
+//! * A pose that is not finite goes to parry's dispatcher, as does a pair of sizes beyond those of
+//!   [`lin_canny`]. No query panics.
+//! * Serialized, a `Hull` is a parry `ConvexPolyhedron` with the vertices of the hull; read back,
+//!   the dispatcher makes a body of these vertices again, which costs a hash of all vertices in
+//!   each query ([`Hull::try_from`](crate::single::Hull) saves that). After reading a snapshot the
+//!   dispatcher must be set again: engines do not serialize it.
+//! * Flat and needle-like bodies for which parry has no convex polyhedron are no part of a snapshot.
+//!
+//! # Defects of parry 0.31.1 and glamx 0.3.1 that are worked round
+//!
+//! * glamx `symmetric_eigen`: any symmetric matrix with entries below about 1e-5 gets the unit axes.
+//!   `MassProperties::with_inertia_matrix` is wrong by 11 % for a hull of 24 vertices of 10 cm at
+//!   density 1, and by 100 % for a needle. `Hull` brings mass properties of its own.
+//! * `ConvexPolyhedron::local_support_feature` returns the first four vertices of the best-aligned
+//!   face, which need not hold the deepest vertex: prisms of 6 and more sides tip on a half-space.
+//! * The distance, contact and manifold code tests lengths against 1e-3 and areas against 1e-3
+//!   (`f32`) in absolute units: bodies of a centimetre are reported as intersecting from a gap of
+//!   a tenth of their size.
+//!
+//! All three were reproduced with these versions.
+
+#[cfg(feature = "f64")]
+pub mod double;
+#[cfg(feature = "f32")]
+pub mod single;
+
+pub use lin_canny;
+#[cfg(doc)]
+use lin_canny::ConvexPolyhedron;

@@ -1,0 +1,22 @@
+//! Shape and dispatcher for `parry3d`, in `f32`.
+
+pub use parry3d as parry;
+
+#[path = "bridge/dispatcher.rs"]
+mod dispatcher;
+#[path = "bridge/hull.rs"]
+mod hull;
+#[path = "bridge/hull_shape.rs"]
+mod hull_shape;
+#[path = "bridge/known.rs"]
+mod known;
+#[path = "bridge/manifold.rs"]
+mod manifold;
+#[path = "bridge/number.rs"]
+mod number;
+#[path = "bridge/part.rs"]
+mod part;
+
+pub use dispatcher::{Certified, ContactOptions};
+pub use hull::{Conversion, Hull, HullError};
+pub use number::{isometry, pose};

@@ -1,0 +1,8 @@
+//! The promises on `lin_canny_parry::double`.
+
+use lin_canny_parry::double as engine;
+
+#[path = "dispatch.rs"]
+mod dispatch;
+#[path = "hulls.rs"]
+mod hulls;

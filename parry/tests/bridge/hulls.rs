@@ -1,0 +1,217 @@
+//! The shape: mass, boxes, support faces, rays, points, conversions.
+
+use std::f64::consts::TAU;
+
+use lab::rng::Rng;
+use lin_canny_parry::lin_canny::nalgebra::{Matrix3, Point3, Vector3};
+use lin_canny_parry::lin_canny::polyhedron::solids;
+use lin_canny_parry::lin_canny::{ConvexPolyhedron, Tracker};
+
+use super::engine::parry::math::{Pose, Real, Rotation, Vector};
+use super::engine::parry::query::{PointQuery, Ray, RayCast};
+use super::engine::parry::shape::{
+    Ball, Cuboid, FeatureId, PolygonalFeature, PolygonalFeatureMap, Segment, Shape, SupportMap, Triangle, TypedShape,
+};
+use super::engine::{Hull, HullError, isometry, pose};
+
+fn vector(p: [f64; 3]) -> Vector {
+    Vector::from(p.map(|x| x as Real))
+}
+
+fn wide(v: Vector) -> Vector3<f64> {
+    Vector3::from(v.to_array().map(f64::from))
+}
+
+/// Round, flat and long hulls of a size.
+fn hulls(size: f64) -> Vec<Hull> {
+    let mut rng = Rng::new(3);
+    let mut list: Vec<Vec<Vector>> = [[1.0, 0.8, 0.6], [1.0, 0.9, 0.05], [1.0, 0.03, 0.02]]
+        .into_iter()
+        .flat_map(|axes| [24, 200].map(|n| (axes, n)))
+        .map(|(axes, n)| lab::shapes::ellipsoid(&mut rng, n, axes).points)
+        .map(|points| points.into_iter().map(|p| vector(p.map(|x| x * size))).collect())
+        .collect();
+    list.push(
+        (0..8)
+            .map(|k| vector([k & 1, k >> 1 & 1, k >> 2].map(|b| size * (b as f64 - 0.5))))
+            .collect(),
+    );
+    list.iter()
+        .map(|points| Hull::from_points(points).expect("a solid"))
+        .collect()
+}
+
+/// Principal inertia and axes, put together in `f64`, are the tensor of the body, at any size.
+#[test]
+fn mass_properties_are_right_at_any_size() {
+    for size in [1.0, 0.1, 0.01, 1e-3] {
+        for hull in hulls(size) {
+            let mass = hull.mass_properties(800.0);
+            let [i, j, k, w] = mass.principal_inertia_local_frame.to_array().map(f64::from);
+            let turn = lab::Pose {
+                q: lab::pose::unit_quat([i, j, k, w]),
+                t: [0.0; 3],
+            }
+            .isometry()
+            .rotation;
+            let turn = turn.to_rotation_matrix().into_inner();
+            let principal = wide(mass.inv_principal_inertia).map(|x| 1.0 / x);
+            let tensor = turn * Matrix3::from_diagonal(&principal) * turn.transpose();
+            let truth = hull.body().inertia() * 800.0;
+            let off = (tensor - truth).norm() / truth.norm();
+            assert!(
+                off < 2e-6,
+                "size {size}, {} vertices: {off:e}",
+                hull.body().vertex_count()
+            );
+            let off = 1.0 / f64::from(mass.inv_mass) / (hull.body().volume() * 800.0) - 1.0;
+            assert!(off.abs() < 1e-6, "{off:e}");
+        }
+    }
+    let still = hulls(1.0)[0].mass_properties(0.0);
+    assert_eq!((still.inv_mass, still.inv_principal_inertia), (0.0, Vector::ZERO));
+}
+
+#[test]
+fn boxes_and_balls_hold_the_vertices() {
+    let mut rng = Rng::new(4);
+    for hull in hulls(0.5) {
+        for _ in 0..30 {
+            let [x, y, z, w] = rng.quat().map(|x| x as Real);
+            let at = vector(rng.unit().map(|x| 20.0 * x));
+            let at = Pose::from_parts(at, Rotation::from_xyzw(x, y, z, w).normalize());
+            let (aabb, local) = (hull.compute_aabb(&at), hull.compute_local_aabb());
+            let ball = hull.compute_local_bounding_sphere();
+            for p in hull.body().vertex_points() {
+                let posed = isometry(&at) * p;
+                for k in 0..3 {
+                    assert!(f64::from(aabb.mins[k]) <= posed[k] && posed[k] <= f64::from(aabb.maxs[k]));
+                    assert!(f64::from(local.mins[k]) <= p[k] && p[k] <= f64::from(local.maxs[k]));
+                }
+                assert!((p.coords - wide(ball.center)).norm() <= f64::from(ball.radius));
+            }
+            let tight = aabb.half_extents().max_element();
+            assert!(f64::from(tight) <= 1.001 * hull.body().bounding_ball().1 + 1e-4);
+        }
+    }
+}
+
+/// The deepest vertex is in the support face, and four vertices of a large face span it.
+#[test]
+fn support_faces_hold_the_deepest_vertex_and_are_spread() {
+    for sides in [3, 4, 6, 7, 16, 100] {
+        let hull = Hull::new(solids::prism(sides, 1.0, 0.2).expect("a solid"));
+        for k in 0..200 {
+            let lean = 0.02 * f64::from(k % 5);
+            let (s, c) = (TAU * f64::from(k) / 200.0).sin_cos();
+            let dir = vector([lean * c, lean * s, -1.0]);
+            let mut face = PolygonalFeature::default();
+            hull.local_support_feature(dir, &mut face);
+            assert_eq!(face.num_vertices, sides.min(4));
+            let used = &face.vertices[..face.num_vertices];
+            let most = used
+                .iter()
+                .map(|v| wide(*v).dot(&wide(dir)))
+                .fold(f64::NEG_INFINITY, f64::max);
+            let top = wide(hull.local_support_point(dir)).dot(&wide(dir));
+            assert!((most - top).abs() < 1e-6, "{sides} sides: {most} {top}");
+            let middle: Vector3<f64> = used.iter().map(|v| wide(*v)).sum::<Vector3<f64>>() / used.len() as f64;
+            assert!(middle.xy().norm() < 0.3, "{sides} sides: {middle}");
+        }
+    }
+}
+
+#[test]
+fn rays_and_points_meet_the_surface() {
+    let mut rng = Rng::new(5);
+    let (mut hits, mut inside) = (0, 0);
+    for hull in hulls(1.0) {
+        let body = hull.body();
+        for _ in 0..300 {
+            let origin = rng.unit().map(|x| 2.0 * x);
+            let target = rng.unit().map(|x| 0.7 * x);
+            let dir: [f64; 3] = std::array::from_fn(|k| target[k] - origin[k]);
+            let ray = Ray::new(vector(origin), vector(dir));
+            let hit = hull.cast_local_ray_and_get_normal(&ray, 10.0, true);
+            let at = |t: f64| Point3::from(wide(ray.origin) + wide(ray.dir) * t);
+            let steps = (0..400).map(|k| at(f64::from(k) * 0.005));
+            match hit {
+                Some(hit) => {
+                    let p = at(f64::from(hit.time_of_impact));
+                    let q = body.closest_point(&p).expect("a point");
+                    assert!((p - q).norm() < 1e-5 && wide(hit.normal).dot(&wide(ray.dir)) < 0.0);
+                    hits += 1;
+                }
+                None => assert!(steps.filter(|p| body.contains(p)).count() == 0),
+            }
+            let p = vector(target.map(|x| 0.6 * x));
+            let projection = hull.project_local_point(p, false);
+            assert_eq!(projection.is_inside, body.contains(&Point3::from(wide(p))));
+            let foot = Point3::from(wide(projection.point));
+            let off = |f| {
+                let (n, offset) = body.face_plane(f).expect("a face");
+                n.dot(&foot.coords) - offset
+            };
+            let surface = body.faces().map(off).fold(f64::NEG_INFINITY, f64::max);
+            assert!(surface.abs() < 1e-5, "{surface:e}");
+            inside += usize::from(projection.is_inside);
+            let solid = hull.project_local_point(p, true);
+            assert!(!projection.is_inside || solid.point == p);
+        }
+    }
+    assert!(hits > 500 && inside > 300, "{hits} {inside}");
+    let cube = &hulls(1.0)[6];
+    let out = Ray::new(Vector::ZERO, Vector::X);
+    let from_inside = cube
+        .cast_local_ray_and_get_normal(&out, 10.0, false)
+        .expect("the far side");
+    assert!((from_inside.time_of_impact - 0.5).abs() < 1e-6 && from_inside.normal.x < -0.9);
+    assert_eq!(cube.cast_local_ray(&out, 10.0, true), Some(0.0));
+    assert_eq!(
+        cube.cast_local_ray(&Ray::new(Vector::X * 2.0, Vector::Y), 10.0, true),
+        None
+    );
+    let nothing = Ray::new(Vector::splat(Real::NAN), Vector::X);
+    assert!(cube.cast_local_ray(&nothing, 10.0, true).is_none());
+    let (_, feature) = cube.project_local_point_and_get_feature(Vector::X * 0.4);
+    assert!(matches!(feature, FeatureId::Face(_)));
+}
+
+#[test]
+fn conversions_report_what_they_change() {
+    let exact = Hull::new(solids::cuboid(Vector3::new(0.5, 0.25, 2.0)).expect("a solid"));
+    assert!(exact.conversion().is_exact() && exact.conversion().shift == 0.0);
+    let thirds = Hull::new(solids::cuboid(Vector3::new(1.0 / 3.0, 0.25, 2.0)).expect("a solid"));
+    let is_single = size_of::<Real>() == 4;
+    assert_eq!(thirds.conversion().rounded, if is_single { 8 } else { 0 });
+    assert!(thirds.conversion().shift < 2e-8 && thirds.conversion().has_twin);
+    // There and back: vertices in the same order.
+    for hull in hulls(0.3) {
+        let TypedShape::ConvexPolyhedron(twin) = hull.as_typed_shape() else {
+            panic!("a solid is a convex polyhedron to parry");
+        };
+        let again = Hull::try_from(twin as &dyn Shape).expect("a solid");
+        assert!(again.body().vertex_points().eq(hull.body().vertex_points()));
+        let pose = lin_canny_parry::lin_canny::RelativePose::from_isometry(&isometry(&Pose::identity()));
+        let d = Tracker::new().distance(hull.body(), again.body(), &pose.expect("a pose"));
+        assert!(d.value < 0.0);
+    }
+    let try_from = |s: &dyn Shape| Hull::try_from(s).map(|h| h.body().vertex_count());
+    assert_eq!(try_from(&Cuboid::new(Vector::new(1.0, 2.0, 3.0))), Ok(8));
+    assert_eq!(try_from(&Triangle::new(Vector::X, Vector::Y, Vector::Z)), Ok(3));
+    assert_eq!(try_from(&Segment::new(Vector::X, Vector::Y)), Ok(2));
+    assert_eq!(try_from(&exact), Ok(8));
+    assert_eq!(try_from(&Ball::new(1.0)), Err(HullError::Kind));
+    assert!(matches!(
+        try_from(&Cuboid::new(Vector::splat(Real::NAN))),
+        Err(HullError::Build(_))
+    ));
+    let flat = Hull::new(
+        ConvexPolyhedron::polygon(&[[0., 0., 0.], [1., 0., 0.], [0., 1., 0.]].map(Point3::from)).expect("a polygon"),
+    );
+    assert!(!flat.conversion().has_twin && flat.to_parry().is_none());
+    let half = isometry(&pose(&isometry(&Pose::translation(0.5, 0.0, 0.0))));
+    assert_eq!(half.translation.vector, Vector3::x() * 0.5);
+    let scaled = exact.scale_dyn(Vector::splat(2.0), 0).expect("a solid");
+    assert!((f64::from(scaled.mass_properties(1.0).mass()) - 8.0 * exact.body().volume()).abs() < 1e-4);
+}

@@ -1,0 +1,8 @@
+//! The promises on `lin_canny_parry::single`.
+
+use lin_canny_parry::single as engine;
+
+#[path = "dispatch.rs"]
+mod dispatch;
+#[path = "hulls.rs"]
+mod hulls;

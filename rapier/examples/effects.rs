@@ -1,0 +1,200 @@
+//! One scene, effects added one by one: what each costs.
+//!
+//! `cargo run --release -p lin-canny-rapier --example effects -- [--csv FILE] [--out FILE.svg] [--bodies N] [--steps N]`
+//!
+//! Hulls are thrown into a bin. Times are thread CPU time of a whole step, the least of three runs for each step.
+
+mod common;
+
+use std::fmt::Write as _;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use common::{bin, pebble, turn};
+use cpu_time::ThreadTime;
+use lab::command::{Arguments, write};
+use lab::rng::Rng;
+use lin_canny_rapier::lin_canny_parry::lin_canny::nalgebra::{Isometry3, Vector3};
+use lin_canny_rapier::lin_canny_parry::lin_canny::polyhedron::solids;
+use lin_canny_rapier::lin_canny_parry::lin_canny::{ManifoldOptions, Velocity, scene};
+use lin_canny_rapier::lin_canny_parry::single::isometry;
+use lin_canny_rapier::single::rapier::prelude::Pose;
+use lin_canny_rapier::single::{Hull, Simulation};
+use lin_canny_rapier::{Body, Continuous, Effects, FrictionModel, Report, Settings};
+
+type Trouble = Box<dyn std::error::Error>;
+
+const USAGE: &str = "\
+usage: effects [--csv FILE] [--out FILE.svg] [--bodies N] [--steps N]
+
+What the effects of a simulation cost, added one by one.
+
+  --csv FILE    time of a step and what it did, for each set of effects
+  --out FILE    where to draw (default: target/effects.svg)
+  --bodies N    hulls of 64 vertices (default: 300)
+  --steps N     steps of a sixtieth of a second (default: 300)";
+
+struct Options {
+    bodies: usize,
+    steps: usize,
+    csv: Option<PathBuf>,
+    out: PathBuf,
+}
+
+const NOTHING: scene::Effects = scene::Effects::none();
+
+/// The sets of effects, each with one more than the one before.
+fn sets() -> Vec<(&'static str, Effects, scene::Effects)> {
+    let near = ManifoldOptions::within(0.02);
+    let overlap = scene::Effects {
+        overlap: true,
+        ..NOTHING
+    };
+    let contacts = scene::Effects {
+        manifold: Some(near),
+        ..overlap
+    };
+    let mut e = Effects::none();
+    let mut list = vec![("motion on lines", e, NOTHING)];
+    e.rotation = true;
+    list.push(("+ rotation", e, NOTHING));
+    e.gravity = Some(Vector3::y() * -9.81);
+    list.push(("+ gravity", e, NOTHING));
+    list.push(("+ overlaps told", e, overlap));
+    list.push(("+ contact points", e, contacts));
+    (e.response, e.iterations) = (true, 1);
+    list.push(("response, 1 iteration", e, NOTHING));
+    e.iterations = 4;
+    list.push(("+ 4 iterations", e, NOTHING));
+    e.friction = Some(0.5);
+    list.push(("+ friction", e, NOTHING));
+    e.restitution = Some(0.3);
+    list.push(("+ restitution", e, NOTHING));
+    e.sleeping = true;
+    list.push(("+ sleeping", e, NOTHING));
+    e.continuous = Continuous::AgainstFixed;
+    list.push(("+ swept against fixed", e, NOTHING));
+    e.continuous = Continuous::AgainstAll;
+    list.push(("+ swept against all", e, NOTHING));
+    e.friction_model = FrictionModel::Coulomb;
+    list.push(("+ Coulomb friction", e, NOTHING));
+    list
+}
+
+fn simulation(effects: Effects, observe: scene::Effects, bodies: usize) -> Result<Simulation, Trouble> {
+    let settings = Settings {
+        observe,
+        ..Settings::default()
+    };
+    let mut simulation = Simulation::new(effects, settings)?;
+    for (half, center) in bin(4.0, 12.0) {
+        let wide = |v: [f32; 3]| Vector3::from(v.map(f64::from));
+        let wall = Hull::new(solids::cuboid(wide(half.to_array()))?);
+        let pose = Isometry3::from_parts(wide(center.to_array()).into(), Default::default());
+        simulation.insert(&wall, Body::fixed(pose))?;
+    }
+    let mut rng = Rng::new(5);
+    for k in 0..bodies {
+        let hull = Hull::from_points(&pebble(&mut rng, 64, 0.3, 0.5))?;
+        let at = |j: usize| (j as f32 - 3.0) * 1.05;
+        let place = [at(k % 7), 1.0 + 1.05 * (k / 49) as f32, at(k / 7 % 7)];
+        let pose = isometry(&Pose::from_parts(place.into(), turn(&mut rng)));
+        let throw = |rng: &mut Rng| Vector3::from(rng.unit());
+        let velocity = Velocity::new(throw(&mut rng), throw(&mut rng) * 2.0);
+        simulation.insert(&hull, Body::moving(pose, 1.0).velocity(velocity))?;
+    }
+    Ok(simulation)
+}
+
+/// Returns the time of a step in microseconds, and the report of the last step.
+fn cost(effects: Effects, observe: scene::Effects, options: &Options) -> Result<(f64, Report), Trouble> {
+    let mut least = vec![f64::INFINITY; options.steps];
+    let mut report = Report::default();
+    for _ in 0..3 {
+        let mut simulation = simulation(effects, observe, options.bodies)?;
+        for least in &mut least {
+            let start = ThreadTime::now();
+            simulation.step()?;
+            *least = least.min(start.elapsed().as_secs_f64());
+        }
+        report = simulation.report();
+    }
+    Ok((1e6 * least.iter().sum::<f64>() / options.steps as f64, report))
+}
+
+/// Bars, one for each set.
+fn draw(rows: &[(&str, f64)], bodies: usize) -> String {
+    let title = format!("A step of {bodies} hulls of 64 vertices, effects added one by one (microseconds)");
+    let height = 60 + 26 * rows.len();
+    let mut text = format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 860 {height}\" width=\"860\" height=\"{height}\" \
+         style=\"max-width:100%\" font-family=\"sans-serif\" role=\"img\">\n<title>{title}</title>\n\
+         <rect width=\"860\" height=\"{height}\" rx=\"8\" fill=\"#ffffff\"/>\n\
+         <text x=\"430\" y=\"28\" font-size=\"16\" text-anchor=\"middle\" fill=\"#282828\">{title}</text>\n"
+    );
+    let most = rows.iter().map(|r| r.1).fold(1.0, f64::max);
+    for (k, (name, time)) in rows.iter().enumerate() {
+        let (y, width) = (46 + 26 * k, 540.0 * time / most);
+        let color = if k < 5 { "#56b4e9" } else { "#005aa0" };
+        let _ = writeln!(
+            text,
+            "<text x=\"190\" y=\"{}\" font-size=\"13\" text-anchor=\"end\" fill=\"#282828\">{name}</text>\
+             <rect x=\"200\" y=\"{y}\" width=\"{width:.1}\" height=\"18\" fill=\"{color}\"/>\
+             <text x=\"{:.1}\" y=\"{}\" font-size=\"12\" fill=\"#282828\">{time:.0}</text>",
+            y + 14,
+            206.0 + width,
+            y + 14
+        );
+    }
+    text + "</svg>\n"
+}
+
+fn run(options: &Options) -> Result<(), Trouble> {
+    let mut csv = String::from("effects,us_step,moved,asleep,touching,iterations,swept\n");
+    let mut rows = Vec::new();
+    println!(
+        "{:24} {:>8}  last step: moved asleep touching swept",
+        "effects", "us/step"
+    );
+    for (name, effects, observe) in sets() {
+        let (time, r) = cost(effects, observe, options)?;
+        println!(
+            "{name:24} {time:8.0} {:17} {:6} {:8} {:5}",
+            r.moved, r.asleep, r.touching, r.swept
+        );
+        let Report {
+            moved,
+            asleep,
+            touching,
+            iterations,
+            swept,
+        } = r;
+        let _ = writeln!(csv, "{name},{time:.1},{moved},{asleep},{touching},{iterations},{swept}");
+        rows.push((name, time));
+    }
+    write(&options.out, &draw(&rows, options.bodies))?;
+    if let Some(path) = &options.csv {
+        write(path, &csv)?;
+    }
+    Ok(())
+}
+
+fn parse() -> Result<Option<Options>, String> {
+    let Some(mut a) = Arguments::of_process() else {
+        return Ok(None);
+    };
+    let options = Options {
+        bodies: a.number("--bodies", 1, 300)?,
+        steps: a.number("--steps", 1, 300)?,
+        csv: a.value("--csv")?.map(PathBuf::from),
+        out: a
+            .value("--out")?
+            .map_or_else(|| "target/effects.svg".into(), PathBuf::from),
+    };
+    a.files(0)?;
+    Ok(Some(options))
+}
+
+fn main() -> ExitCode {
+    lab::command::main("effects", USAGE, parse(), run)
+}

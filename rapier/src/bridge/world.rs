@@ -1,0 +1,142 @@
+//! The engine with response: a rapier world under the certified dispatcher.
+
+use lin_canny::Velocity;
+use lin_canny::nalgebra::{Isometry3, Vector3};
+
+use super::rapier::dynamics::{RigidBody, RigidBodyBuilder, RigidBodyHandle};
+use super::rapier::geometry::{ColliderBuilder, NarrowPhase, SharedShape};
+use super::rapier::math::{Real, Vector};
+use super::rapier::pipeline::PhysicsWorld;
+use super::rapier::{self};
+use super::{Certified, Hull, engine};
+use crate::{Body, BodyId, Continuous, Effects, FrictionModel, Report, Settings, SimulationError};
+
+/// Returns an empty rapier world without gravity, under a dispatcher, with the length unit and the
+/// contact stiffness that bodies of about `size` and steps of `time_step` need.
+///
+/// For users of rapier itself; [`Simulation`](super::Simulation) is built on it.
+#[must_use]
+pub fn certified_world(dispatcher: Certified, size: Real, time_step: Real) -> PhysicsWorld {
+    let mut world = PhysicsWorld::new();
+    world.gravity = Vector::ZERO;
+    world.narrow_phase = NarrowPhase::with_query_dispatcher(dispatcher);
+    let parameters = &mut world.integration_parameters;
+    parameters.dt = time_step;
+    parameters.min_ccd_dt = time_step / 100.0;
+    parameters.length_unit = size;
+    let stiffer = 1.0 / (60.0 * time_step);
+    parameters.contact_softness.natural_frequency *= stiffer;
+    parameters.static_contact_softness.natural_frequency *= stiffer;
+    world
+}
+
+/// Bodies in a rapier world.
+pub(super) struct World {
+    pub(super) world: PhysicsWorld,
+    bodies: Vec<Option<RigidBodyHandle>>,
+    effects: Effects,
+}
+
+impl World {
+    pub(super) fn new(effects: Effects, settings: &Settings) -> Self {
+        let (size, step) = (settings.size as Real, settings.time_step as Real);
+        let mut world = certified_world(Certified::default(), size, step);
+        world.gravity = narrow(&effects.gravity.unwrap_or_else(Vector3::zeros));
+        let parameters = &mut world.integration_parameters;
+        parameters.num_solver_iterations = effects.iterations;
+        parameters.friction_model = match effects.friction_model {
+            FrictionModel::Simplified => rapier::dynamics::FrictionModel::Simplified,
+            FrictionModel::Coulomb => rapier::dynamics::FrictionModel::Coulomb,
+        };
+        if effects.continuous == Continuous::Off {
+            parameters.max_ccd_substeps = 0;
+        }
+        Self {
+            world,
+            bodies: Vec::new(),
+            effects,
+        }
+    }
+
+    pub(super) fn insert(&mut self, shape: &Hull, body: &Body) -> BodyId {
+        let effects = &self.effects;
+        let turning = if effects.rotation {
+            body.velocity.angular
+        } else {
+            Vector3::zeros()
+        };
+        let builder = match body.density {
+            None => RigidBodyBuilder::fixed(),
+            Some(_) => RigidBodyBuilder::dynamic()
+                .can_sleep(effects.sleeping)
+                .ccd_enabled(effects.continuous == Continuous::AgainstAll)
+                .linvel(narrow(&body.velocity.linear))
+                .angvel(narrow(&turning)),
+        };
+        let builder = if effects.rotation {
+            builder
+        } else {
+            builder.lock_rotations()
+        };
+        let collider = ColliderBuilder::new(SharedShape::from(shape.clone()))
+            .density(body.density.unwrap_or(1.0) as Real)
+            .friction(effects.friction.unwrap_or(0.0) as Real)
+            .restitution(effects.restitution.unwrap_or(0.0) as Real);
+        let (handle, _) = self.world.insert(builder.pose(engine::pose(&body.pose)), collider);
+        let id = BodyId(self.bodies.len() as u32);
+        self.bodies.push(Some(handle));
+        id
+    }
+
+    pub(super) fn remove(&mut self, body: BodyId) -> Result<(), SimulationError> {
+        let slot = self.bodies.get_mut(body.index()).and_then(Option::take);
+        let handle = slot.ok_or(SimulationError::NoBody { body })?;
+        self.world.remove_body(handle);
+        Ok(())
+    }
+
+    pub(super) fn handle(&self, body: BodyId) -> Option<RigidBodyHandle> {
+        *self.bodies.get(body.index())?
+    }
+
+    fn body(&self, body: BodyId) -> Option<&RigidBody> {
+        self.world.bodies.get(self.handle(body)?)
+    }
+
+    pub(super) fn pose(&self, body: BodyId) -> Option<Isometry3<f64>> {
+        Some(engine::isometry(self.body(body)?.position()))
+    }
+
+    pub(super) fn velocity(&self, body: BodyId) -> Option<Velocity> {
+        let body = self.body(body)?;
+        Some(Velocity::new(wide(body.linvel()), wide(body.angvel())))
+    }
+
+    pub(super) fn report(&self) -> Report {
+        let world = &self.world;
+        let moving = || world.bodies.iter().map(|(_, b)| b).filter(|b| b.is_dynamic());
+        let awake = moving().filter(|b| !b.is_sleeping()).count();
+        Report {
+            moved: awake,
+            asleep: moving().count() - awake,
+            touching: world
+                .narrow_phase
+                .contact_pairs()
+                .filter(|p| p.has_any_active_contact())
+                .count(),
+            iterations: world.integration_parameters.num_solver_iterations,
+            swept: match self.effects.continuous {
+                Continuous::Off => 0,
+                _ => moving().filter(|b| b.is_ccd_active()).count(),
+            },
+        }
+    }
+}
+
+fn narrow(v: &Vector3<f64>) -> Vector {
+    Vector::new(v.x as Real, v.y as Real, v.z as Real)
+}
+
+fn wide(v: Vector) -> Vector3<f64> {
+    Vector3::from(v.to_array().map(f64::from))
+}

@@ -1,0 +1,13 @@
+//! Simulation on `rapier3d_f64`, in `f64`.
+
+pub use rapier3d_f64 as rapier;
+
+#[path = "bridge/simulation.rs"]
+mod simulation;
+#[path = "bridge/world.rs"]
+mod world;
+
+use lin_canny_parry::double as engine;
+pub use lin_canny_parry::double::{Certified, ContactOptions, Hull};
+pub use simulation::Simulation;
+pub use world::certified_world;

@@ -1,0 +1,233 @@
+//! What a simulation is asked for, and what it did.
+
+use lin_canny::nalgebra::{Isometry3, Vector3};
+use lin_canny::{Velocity, scene};
+
+use crate::SimulationError;
+
+/// The effects a simulation computes. An effect left out is not computed; see the table on the
+/// [page of the crate](crate) for what that saves.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Effects {
+    /// Acceleration of all moving bodies, in lengths a square of time.
+    pub gravity: Option<Vector3<f64>>,
+    /// Whether bodies push each other. Without response no physics engine is built, and the effects
+    /// below except `rotation` are refused.
+    pub response: bool,
+    /// Coefficient of friction of all contacts.
+    pub friction: Option<f64>,
+    /// Coefficient of restitution of all contacts, 0 to 1.
+    pub restitution: Option<f64>,
+    /// Whether bodies rotate.
+    pub rotation: bool,
+    /// Whether bodies at rest are put to sleep.
+    pub sleeping: bool,
+    /// Which fast bodies are swept, so that they do not pass through others between steps.
+    pub continuous: Continuous,
+    /// Model of friction.
+    pub friction_model: FrictionModel,
+    /// Iterations of the solver a step; rapier's default is 4.
+    pub iterations: usize,
+}
+
+/// Which bodies are swept between steps.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Continuous {
+    /// No body is swept.
+    #[default]
+    Off,
+    /// Fast bodies are swept against fixed bodies, as rapier does by default.
+    AgainstFixed,
+    /// All bodies are swept against all.
+    AgainstAll,
+}
+
+/// Model of friction in the solver.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum FrictionModel {
+    /// One friction block for each manifold, a third cheaper in the solver.
+    #[default]
+    Simplified,
+    /// A friction cone at each contact.
+    Coulomb,
+}
+
+impl Effects {
+    /// Returns no effects but the motion along straight lines.
+    #[must_use]
+    pub const fn none() -> Self {
+        Self {
+            gravity: None,
+            response: false,
+            friction: None,
+            restitution: None,
+            rotation: false,
+            sleeping: false,
+            continuous: Continuous::Off,
+            friction_model: FrictionModel::Simplified,
+            iterations: 0,
+        }
+    }
+
+    /// Returns response with rotation, sleeping, motion swept against fixed bodies and four
+    /// iterations: rapier's defaults, without gravity, friction and restitution.
+    #[must_use]
+    pub const fn response() -> Self {
+        Self {
+            response: true,
+            rotation: true,
+            sleeping: true,
+            continuous: Continuous::AgainstFixed,
+            iterations: 4,
+            ..Self::none()
+        }
+    }
+
+    /// Refuses numbers that are none, and effects that need response.
+    pub(crate) fn check(&self) -> Result<(), SimulationError> {
+        let number = |what, x: Option<f64>| match x {
+            Some(value) if !(0.0..=1e6).contains(&value) => Err(SimulationError::Number { what, value }),
+            _ => Ok(()),
+        };
+        number("friction", self.friction)?;
+        number("restitution", self.restitution)?;
+        if let Some(&value) = self.gravity.iter().flat_map(|g| g.iter()).find(|x| !x.is_finite()) {
+            return Err(SimulationError::Number { what: "gravity", value });
+        }
+        if self.response {
+            return match self.iterations {
+                1..=1000 => Ok(()),
+                n => Err(SimulationError::Number {
+                    what: "iterations",
+                    value: n as f64,
+                }),
+            };
+        }
+        let needs = [
+            ("friction", self.friction.is_some()),
+            ("restitution", self.restitution.is_some()),
+            ("sleeping", self.sleeping),
+            ("continuous", self.continuous != Continuous::Off),
+            ("friction_model", self.friction_model != FrictionModel::default()),
+            ("iterations", self.iterations > 0),
+        ];
+        match needs.iter().find(|(_, called)| *called) {
+            Some((effect, _)) => Err(SimulationError::NeedsResponse { effect }),
+            None => Ok(()),
+        }
+    }
+}
+
+/// Settings of a simulation that are no effects.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settings {
+    /// Time of a step. Default 1/60.
+    pub time_step: f64,
+    /// Size of an ordinary body: rapier's `length_unit`, to which its prediction, slop and
+    /// thresholds of sleep are relative. Default 1. Millimetre parts in metres need 0.001, and
+    /// short steps: a body falls 2.7 mm in a sixtieth of a second.
+    pub size: f64,
+    /// What a scene without response answers about pairs of bodies; refused with response.
+    pub observe: scene::Effects,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            time_step: 1.0 / 60.0,
+            size: 1.0,
+            observe: scene::Effects::none(),
+        }
+    }
+}
+
+impl Settings {
+    pub(crate) fn check(&self) -> Result<(), SimulationError> {
+        let positive = |what, value: f64| match value > 0.0 && value.is_finite() {
+            true => Ok(()),
+            false => Err(SimulationError::Number { what, value }),
+        };
+        positive("time_step", self.time_step)?;
+        positive("size", self.size)
+    }
+}
+
+/// A body to be inserted: how it moves, from where.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Body {
+    /// Pose of the body's frame in the world.
+    pub pose: Isometry3<f64>,
+    /// Mass a unit of volume; `None` for a body that never moves.
+    pub density: Option<f64>,
+    /// Velocity of the centre of mass, and angular velocity.
+    pub velocity: Velocity,
+}
+
+impl Body {
+    /// Returns a body that never moves.
+    #[must_use]
+    pub fn fixed(pose: Isometry3<f64>) -> Self {
+        Self {
+            pose,
+            density: None,
+            velocity: Velocity::default(),
+        }
+    }
+
+    /// Returns a body that moves, at rest.
+    #[must_use]
+    pub fn moving(pose: Isometry3<f64>, density: f64) -> Self {
+        Self {
+            density: Some(density),
+            ..Self::fixed(pose)
+        }
+    }
+
+    /// Returns the body with a velocity of its centre of mass and an angular velocity.
+    #[must_use]
+    pub fn velocity(self, velocity: Velocity) -> Self {
+        Self { velocity, ..self }
+    }
+
+    pub(crate) fn check(&self) -> Result<(), SimulationError> {
+        lin_canny::RelativePose::from_isometry(&self.pose)?;
+        if let Some(value) = self.density.filter(|d| !(*d > 0.0 && d.is_finite())) {
+            return Err(SimulationError::Number { what: "density", value });
+        }
+        let parts = self.velocity.linear.iter().chain(self.velocity.angular.iter());
+        match parts.copied().find(|x| !x.is_finite()) {
+            Some(value) => Err(SimulationError::Number {
+                what: "velocity",
+                value,
+            }),
+            None => Ok(()),
+        }
+    }
+}
+
+/// Id of a body of one simulation, never used again after the body is removed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct BodyId(pub(crate) u32);
+
+impl BodyId {
+    /// Returns the number of bodies inserted before this one.
+    #[must_use]
+    pub fn index(self) -> usize {
+        self.0 as usize
+    }
+}
+
+/// What the last step did. The counters of effects left out are zero.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Report {
+    /// Moving bodies whose velocity was integrated.
+    pub moved: usize,
+    /// Moving bodies that sleep.
+    pub asleep: usize,
+    /// Pairs of bodies that share a contact point or are as near as the prediction.
+    pub touching: usize,
+    /// Iterations of the solver.
+    pub iterations: usize,
+    /// Bodies fast enough to be swept.
+    pub swept: usize,
+}

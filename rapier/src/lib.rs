@@ -1,0 +1,109 @@
+//! Dynamics by the effects a scene calls for: rapier under the certified contacts of
+//! [`lin_canny`], and no engine at all if nothing calls for one.
+//!
+//! Module [`single`](crate::single) is for `rapier3d` (feature `f32`, on by default), module
+//! [`double`](crate::double) for `rapier3d-f64` (feature `f64`).
+//!
+//! ```
+//! use lin_canny_rapier::single::{Hull, Simulation};
+//! use lin_canny_rapier::{Body, Effects, Settings};
+//! use lin_canny::nalgebra::{Isometry3, Vector3};
+//! use lin_canny::polyhedron::solids;
+//!
+//! let effects = Effects { gravity: Some(Vector3::y() * -9.81), friction: Some(0.5), ..Effects::response() };
+//! // A coin of 2 cm, laid on a table.
+//! let mut simulation = Simulation::new(effects, Settings { size: 0.02, ..Settings::default() })?;
+//! let table = Hull::new(solids::cuboid(Vector3::new(1.0, 0.1, 1.0))?);
+//! simulation.insert(&table, Body::fixed(Isometry3::translation(0.0, -0.1, 0.0)))?;
+//! let coin = Hull::new(solids::prism(32, 0.01, 0.001)?);
+//! let lying = Isometry3::rotation(Vector3::x() * std::f64::consts::FRAC_PI_2);
+//! let pose = Isometry3::translation(0.0, 0.001, 0.0) * lying;
+//! let id = simulation.insert(&coin, Body::moving(pose, 8000.0))?;
+//! for _ in 0..60 {
+//!     simulation.step()?;
+//! }
+//! assert!(simulation.pose(id).unwrap().rotation.angle_to(&lying.rotation) < 0.01);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # Two engines
+//!
+//! Without [`response`](Effects::response), bodies pass through each other. Then no physics engine
+//! is built: velocities are integrated here, and a [`Scene`](lin_canny::scene::Scene) of
+//! [`lin_canny`] answers what is called for about the pairs ([`Settings::observe`]). With response,
+//! a rapier world runs under the dispatcher of [`lin_canny_parry`]. A simulation has one of the two
+//! engines for its lifetime.
+//!
+//! # What each effect is in rapier, and what it costs
+//!
+//! Milliseconds a step of a pile of 500 hulls of 64 vertices, `f32`, 300 steps, measured before
+//! the release with a prototype (rapier 0.36.1); `cargo run --release -p lin-canny-rapier --example
+//! effects` measures a scene of its own.
+//!
+//! | effect | switch of rapier | with | without |
+//! |---|---|---|---|
+//! | response | another engine | 1.41 | 0.19 (overlaps told), 0.42 (distances), 1.00 (contact points) |
+//! | gravity | `gravity` | 1.41 | 0.02: nothing moves, everything sleeps |
+//! | rotation | `lock_rotations` | 1.41 | 0.63 |
+//! | sleeping | `can_sleep` | 1.41 | 1.57: leaving it out costs |
+//! | continuous motion against fixed bodies | `max_ccd_substeps` | 1.41 | 1.24 |
+//! | continuous motion of all bodies | `ccd_enabled` | 1.55 | 1.41 |
+//! | friction | friction 0 | 1.41 | 3.96: rows are built anyway, and the pile never rests |
+//! | Coulomb friction instead of the simplified model | `friction_model` | 1.81 | 1.41 |
+//! | restitution | restitution 0 | 1.46 | 1.41: within the noise |
+//! | 1, 4, 8 iterations | `num_solver_iterations` | 1.32, 1.41, 2.11 | |
+//!
+//! **Leaving out friction or restitution saves nothing in rapier.**
+//!
+//! # What a simulation sets besides
+//!
+//! rapier's prediction, slop and recycling distances are multiples of `length_unit`, which is the
+//! [`size`](Settings::size) of the settings. The softness of its contacts is a frequency of 30 Hz
+//! (60 Hz on fixed bodies) whatever the step is, so that bodies sag by g / (2 pi 30)^2 = 0.28 mm:
+//! here both frequencies are multiplied by `1 / (60 time_step)`, which makes shorter steps stiffer.
+//!
+//! # bevy_rapier and avian
+//!
+//! bevy_rapier (0.37.0, read, not built here) has
+//! `RapierContextSimulation::with_query_dispatcher` and `set_query_dispatcher`; set the dispatcher
+//! in a `Startup` system, as setting it empties the narrow phase, and make colliders of hulls:
+//!
+//! ```ignore
+//! fn certify(mut context: WriteRapierContext) {
+//!     context.single_mut()?.simulation.set_query_dispatcher(Certified::default());
+//! }
+//! let collider = Collider::from(SharedShape::from(Hull::from_points(&points)?));
+//! ```
+//!
+//! avian (0.8.0, read, not built here) calls `AnyCollider::contact_manifolds_with_context(&self,
+//! other, .., prediction, manifolds, context)` with the manifolds of the last frame and their
+//! feature ids: [`Certified`](lin_canny_parry::single::Certified) fits as it is, since its contacts
+//! depend on pose and kept contacts alone. avian asks parry without any start in every frame, so
+//! its gain is larger than rapier's. Its swept motion and spatial queries need parry's colliders.
+//! Its broad phase, contact graph, constraint graph and islands are public.
+//!
+//! rapier's solver cannot be fed from outside: `NarrowPhase::register_pairs`, `compute_contacts`
+//! and the island solver are private to rapier 0.36.1. The dispatcher is the way in.
+//!
+//! # Defects of rapier 0.36.1 that are worked round
+//!
+//! * Continuous motion asks every fast shape for `mass_properties(1.0)` in every step: a
+//!   [`Hull`](lin_canny_parry::single::Hull) computes them once.
+//! * `utils::inv` is 0 below 1e-20: the inertia of bodies below 0.1 mm at density 1 would be
+//!   infinite. Hulls invert in `f64`.
+//! * Inertia tensors of bodies of 10 cm and less at density 1 are wrong by 11 % to 100 %: see
+//!   [`lin_canny_parry`].
+//! * Snapshots do not hold the dispatcher: set it again after reading one.
+
+mod effects;
+mod error;
+mod free;
+
+#[cfg(feature = "f64")]
+pub mod double;
+#[cfg(feature = "f32")]
+pub mod single;
+
+pub use effects::{Body, BodyId, Continuous, Effects, FrictionModel, Report, Settings};
+pub use error::SimulationError;
+pub use lin_canny_parry;

@@ -1,0 +1,13 @@
+//! Simulation on `rapier3d`, in `f32`.
+
+pub use rapier3d as rapier;
+
+#[path = "bridge/simulation.rs"]
+mod simulation;
+#[path = "bridge/world.rs"]
+mod world;
+
+use lin_canny_parry::single as engine;
+pub use lin_canny_parry::single::{Certified, ContactOptions, Hull};
+pub use simulation::Simulation;
+pub use world::certified_world;

@@ -1,0 +1,8 @@
+//! The promises on `lin_canny_rapier::double`.
+
+use lin_canny_rapier::double as engine;
+
+#[path = "effects.rs"]
+mod effects;
+#[path = "piles.rs"]
+mod piles;

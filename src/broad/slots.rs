@@ -1,0 +1,161 @@
+//! Ids of bodies: an index into tables, and a generation that distinguishes the bodies that live at
+//! the index one after the other.
+//!
+//! The generation of an index is odd while a body lives there. A removed body is stale at once; the
+//! index becomes free with the end of the step, so that within a step no index has two bodies. An
+//! index whose generations are used up is *retired* and never used again.
+
+use super::BodyId;
+use super::compact_vec::push;
+use alloc::vec::Vec;
+
+/// From this generation on an index is never used again.
+const RETIRED: u32 = u32::MAX - 1;
+
+/// Generations of the indices of one table, and the indices without a body.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Slots {
+    generations: Vec<u32>,
+    free: Vec<u32>,
+    /// Indices of the bodies removed since the last step.
+    leaving: Vec<u32>,
+    /// Number of living bodies.
+    living: usize,
+}
+
+impl Slots {
+    /// Returns the slots with the given generations and lists of indices without a body; `None` if
+    /// these contradict each other.
+    #[cfg(feature = "serde")]
+    pub(crate) fn restored(generations: Vec<u32>, free: Vec<u32>, leaving: Vec<u32>) -> Option<Self> {
+        let mut is_listed = alloc::vec![false; generations.len()];
+        for (list, most) in [(&free, RETIRED), (&leaving, u32::MAX)] {
+            for &index in list {
+                let generation = *generations.get(index as usize)?;
+                let is_twice = core::mem::replace(&mut is_listed[index as usize], true);
+                if is_twice || generation % 2 == 1 || generation >= most {
+                    return None;
+                }
+            }
+        }
+        // Generation u32::MAX would have no successor.
+        let sound = |(g, listed): (&u32, &bool)| *g < u32::MAX && (g % 2 == 1 || *listed || *g >= RETIRED);
+        let all_sound = generations.iter().zip(&is_listed).all(sound);
+        all_sound.then(|| Self {
+            living: generations.iter().filter(|g| **g % 2 == 1).count(),
+            generations,
+            free,
+            leaving,
+        })
+    }
+
+    /// Returns the number of indices, of living bodies and others.
+    pub(crate) fn index_count(&self) -> usize {
+        self.generations.len()
+    }
+
+    /// Returns the number of living bodies.
+    pub(crate) fn len(&self) -> usize {
+        self.living
+    }
+
+    /// Returns the index of a living body.
+    #[inline]
+    pub(crate) fn index_of(&self, id: BodyId) -> Option<usize> {
+        is_living(&self.generations, id.index as usize, id).then_some(id.index as usize)
+    }
+
+    /// Returns the id under which the body at an index lives, or last lived until the next step.
+    #[inline]
+    pub(crate) fn id(&self, index: u32) -> BodyId {
+        let generation = self.generations.get(index as usize);
+        BodyId {
+            index,
+            generation: generation.map_or(0, |g| g.wrapping_sub(1) | 1),
+        }
+    }
+
+    /// Whether a body lives at an index.
+    #[inline]
+    pub(crate) fn lives(&self, index: u32) -> bool {
+        self.generations.get(index as usize).is_some_and(|g| g % 2 == 1)
+    }
+
+    /// Iterates over the ids of all living bodies in ascending order.
+    pub(crate) fn ids(&self) -> impl Iterator<Item = BodyId> + '_ {
+        let living = self.generations.iter().enumerate().filter(|(_, g)| **g % 2 == 1);
+        living.map(|(i, g)| BodyId {
+            index: i as u32,
+            generation: *g,
+        })
+    }
+
+    /// Returns the generations by index.
+    pub(crate) fn generations(&self) -> &[u32] {
+        &self.generations
+    }
+
+    /// Returns a free index, or a new index if no index is free and there are fewer than `most`.
+    pub(crate) fn vacant(&mut self, most: usize) -> Option<u32> {
+        if let Some(index) = self.free.pop() {
+            return Some(index);
+        }
+        if self.generations.len() >= most {
+            return None;
+        }
+        push(&mut self.generations, 0);
+        Some((self.generations.len() - 1) as u32)
+    }
+
+    /// Begins the life of a body at a vacant index.
+    pub(crate) fn begin(&mut self, index: u32) -> BodyId {
+        self.generations[index as usize] += 1;
+        self.living += 1;
+        self.id(index)
+    }
+
+    /// Makes the id of the body at an index stale; the index is kept until the step is over.
+    pub(crate) fn remove(&mut self, index: u32) {
+        self.generations[index as usize] += 1;
+        self.living -= 1;
+        self.leaving.push(index);
+    }
+
+    /// Returns the indices that are free, and those of the bodies removed since the last step.
+    #[cfg(feature = "serde")]
+    pub(crate) fn vacancies(&self) -> [&Vec<u32>; 2] {
+        [&self.free, &self.leaving]
+    }
+
+    /// Whether bodies were removed since the last step.
+    pub(crate) fn has_leaving(&self) -> bool {
+        !self.leaving.is_empty()
+    }
+
+    /// Ends the step: the indices of removed bodies, passed to `freed`, become free.
+    pub(crate) fn end_step(&mut self, mut freed: impl FnMut(usize)) {
+        for index in self.leaving.drain(..) {
+            freed(index as usize);
+            if self.generations[index as usize] < RETIRED {
+                self.free.push(index);
+            }
+        }
+    }
+
+    /// Returns the bytes reserved.
+    pub(crate) fn bytes(&self) -> usize {
+        4 * (self.generations.capacity() + self.free.capacity() + self.leaving.capacity())
+    }
+
+    /// Sets the generation of an index.
+    #[cfg(test)]
+    pub(crate) fn set_generation(&mut self, index: u32, generation: u32) {
+        self.generations[index as usize] = generation;
+    }
+}
+
+/// Whether an id is that of the body that lives at place `i` of these generations.
+#[inline]
+pub(crate) fn is_living(generations: &[u32], i: usize, id: BodyId) -> bool {
+    id.generation % 2 == 1 && generations.get(i) == Some(&id.generation)
+}

@@ -1,0 +1,206 @@
+//! Pairs of composites and of meshes over time.
+//!
+//! No plane separates bodies that reach into each other's hollows, so a look ahead bounds the
+//! displacement of all points instead: bodies that are `d` apart stay apart until their points,
+//! seen from each other, may have moved by `d` (Mirtich 1996, conservative advancement). Looks
+//! converge linearly.
+
+use nalgebra::{Point3, Vector3};
+
+use super::mesh::Mesh;
+use super::outcome::{MeshFeature, MeshOutcome, MeshSpot};
+use super::pieces::{Composite, CompositeOutcome, CompositeTracker};
+use super::tracker::MeshTracker;
+use crate::num::scalar::sqrt;
+use crate::polyhedron::{EdgeId, FaceId, Feature, FeaturePair, VertexId};
+use crate::pose::{Operand, RelativePose};
+use crate::separation::{Flight, Free, Measure, Proof, Separation, Tangent};
+use crate::tolerance::BOX_TURNED;
+
+/// Two composites that can be measured over time.
+///
+/// ```
+/// use lin_canny::impact::{Impact, Tolerance, cast};
+/// use lin_canny::motion::Steady;
+/// use lin_canny::nalgebra::{Isometry3, Vector3};
+/// use lin_canny::polyhedron::solids;
+/// use lin_canny::{Composite, CompositePair, Piece, Velocity};
+///
+/// // A gate of two posts; a die flies through the gate into a wall.
+/// let half = Vector3::new(0.1, 0.5, 0.5);
+/// let placed = |x: f64, y: f64| {
+///     let mut piece = Piece::new(solids::cuboid(half).expect("a box"));
+///     piece.pose = Isometry3::translation(x, y, 0.0);
+///     piece
+/// };
+/// let pieces = vec![placed(0.0, 1.5), placed(0.0, -1.5), placed(5.0, 0.0)];
+/// let gate = Composite::new(pieces)?;
+/// let die = Composite::new(vec![Piece::new(solids::cuboid(half)?)])?;
+/// let still = Steady::new(&Isometry3::identity(), Velocity::default())?;
+/// let start = Isometry3::translation(-2.0, 0.0, 0.0);
+/// let velocity = Velocity::new(Vector3::x(), Vector3::zeros());
+/// let flight = Steady::new(&start, velocity)?;
+/// let mut pair = CompositePair::new(&gate, &die);
+/// let tolerance = Tolerance::Distance(1e-9);
+/// let found = cast(&mut pair, &still, &flight, (0.0, 10.0), tolerance)?;
+/// let Impact::Hit { safe, hit, .. } = found.impact else {
+///     panic!("{:?}", found.impact)
+/// };
+/// assert!(safe < 6.8 && 6.8 < hit && hit - safe < 1e-8);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct CompositePair<'a> {
+    a: &'a Composite,
+    b: &'a Composite,
+    tracker: CompositeTracker,
+}
+
+impl<'a> CompositePair<'a> {
+    /// Returns the pair with a new tracker.
+    #[must_use]
+    pub fn new(a: &'a Composite, b: &'a Composite) -> Self {
+        Self::with_tracker(a, b, CompositeTracker::new())
+    }
+
+    /// Returns the pair with a tracker that has followed the pair before.
+    #[must_use]
+    pub fn with_tracker(a: &'a Composite, b: &'a Composite, tracker: CompositeTracker) -> Self {
+        Self { a, b, tracker }
+    }
+
+    /// Returns the tracker, to be kept.
+    #[must_use]
+    pub fn into_tracker(self) -> CompositeTracker {
+        self.tracker
+    }
+}
+
+/// Two meshes that can be measured over time.
+#[derive(Clone, Debug)]
+pub struct MeshPair<'a> {
+    a: &'a Mesh,
+    b: &'a Mesh,
+    tracker: MeshTracker,
+}
+
+impl<'a> MeshPair<'a> {
+    /// Returns the pair with a new tracker.
+    #[must_use]
+    pub fn new(a: &'a Mesh, b: &'a Mesh) -> Self {
+        Self::with_tracker(a, b, MeshTracker::new())
+    }
+
+    /// Returns the pair with a tracker that has followed the pair before.
+    #[must_use]
+    pub fn with_tracker(a: &'a Mesh, b: &'a Mesh, tracker: MeshTracker) -> Self {
+        Self { a, b, tracker }
+    }
+
+    /// Returns the tracker, to be kept.
+    #[must_use]
+    pub fn into_tracker(self) -> MeshTracker {
+        self.tracker
+    }
+}
+
+/// Returns the ball about a bounding box that is right up to rounding.
+pub(crate) fn ball_about((low, high): (Point3<f64>, Point3<f64>)) -> (Point3<f64>, f64) {
+    let half: Vector3<f64> = (high - low) * 0.5;
+    let centre = low + half;
+    let far = centre.coords.abs().sum() + half.sum();
+    (centre, sqrt(half.norm_squared()) + BOX_TURNED * far)
+}
+
+/// Returns how long the lower bound of a distance lasts.
+fn held<S: Separation>(pair: &S, seen: &Measure, flight: &Flight) -> Free {
+    let way = seen.lower - flight.keep - flight.apart(pair).noise;
+    Free {
+        span: flight.held(pair, way),
+        proof: Proof::Own,
+    }
+}
+
+impl From<&CompositeOutcome> for Measure {
+    fn from(found: &CompositeOutcome) -> Self {
+        Self {
+            class: found.class,
+            distance: found.distance,
+            lower: found.lower,
+            upper: found.upper,
+            features: Some(found.features),
+            pieces: (found.pieces[0], found.pieces[1]),
+            point_on_a: found.point_on_a,
+            point_on_b: found.point_on_b,
+            normal: found.normal,
+            tangent: Tangent::Free,
+            by_plane: false,
+        }
+    }
+}
+
+impl From<&MeshOutcome> for Measure {
+    /// Features have the caller's numbers: a vertex that of the point, a face that of the triangle,
+    /// an edge that of the point at which the edge of the triangle begins.
+    fn from(found: &MeshOutcome) -> Self {
+        let feature = |spot: &MeshSpot| match spot.feature {
+            MeshFeature::Vertex(v) => Feature::Vertex(VertexId(v)),
+            MeshFeature::Edge([v, _]) => Feature::Edge(EdgeId(v)),
+            MeshFeature::Face => Feature::Face(FaceId(spot.triangle)),
+        };
+        Self {
+            class: found.class,
+            distance: found.distance,
+            lower: found.lower,
+            upper: found.upper,
+            features: Some(FeaturePair {
+                a: feature(&found.on_a),
+                b: feature(&found.on_b),
+            }),
+            pieces: (found.on_a.triangle, found.on_b.triangle),
+            point_on_a: found.point_on_a,
+            point_on_b: found.point_on_b,
+            normal: found.normal,
+            tangent: Tangent::Free,
+            by_plane: false,
+        }
+    }
+}
+
+impl Separation for CompositePair<'_> {
+    fn ball(&self, of: Operand) -> (Point3<f64>, f64) {
+        ball_about(if of == Operand::A { self.a } else { self.b }.aabb())
+    }
+
+    fn measure(&mut self, a_from_b: &RelativePose) -> Measure {
+        Measure::from(&self.tracker.closest(self.a, self.b, a_from_b))
+    }
+
+    /// By [`CompositeTracker::within`]: ties count as met.
+    fn meets(&mut self, a_from_b: &RelativePose, distance: f64, _: &Measure) -> bool {
+        self.tracker.within(self.a, self.b, a_from_b, distance)
+    }
+
+    fn free_for(&mut self, seen: &Measure, flight: &Flight) -> Free {
+        held(self, seen, flight)
+    }
+}
+
+impl Separation for MeshPair<'_> {
+    fn ball(&self, of: Operand) -> (Point3<f64>, f64) {
+        ball_about(if of == Operand::A { self.a } else { self.b }.aabb())
+    }
+
+    fn measure(&mut self, a_from_b: &RelativePose) -> Measure {
+        Measure::from(&self.tracker.closest(self.a, self.b, a_from_b))
+    }
+
+    /// By [`MeshTracker::within`]: ties count as met.
+    fn meets(&mut self, a_from_b: &RelativePose, distance: f64, _: &Measure) -> bool {
+        self.tracker.within(self.a, self.b, a_from_b, distance)
+    }
+
+    fn free_for(&mut self, seen: &Measure, flight: &Flight) -> Free {
+        held(self, seen, flight)
+    }
+}

@@ -1,0 +1,30 @@
+//! From the signed distance of two cores to that of the rounded bodies: `s = s_core - rA - rB` on
+//! both sides of contact.
+
+use crate::num::double_double::two_sum;
+use crate::tolerance::UNIT;
+
+/// Returns a signed distance less both radii, rounded twice to nearest.
+#[inline]
+pub(crate) fn less(s: f64, radii: [f64; 2]) -> f64 {
+    let (high, low) = two_sum(radii[0], radii[1]);
+    (s - high) - low
+}
+
+/// Returns bounds less both radii, rounded outward; bounds of bodies that are not rounded stay.
+///
+/// Each of the two differences errs by at most `UNIT` times its own magnitude, and so does each
+/// operation here; a difference that is subnormal is exact, and so is zero.
+#[inline]
+pub(crate) fn bounds([lower, upper]: [f64; 2], radii: [f64; 2]) -> [f64; 2] {
+    if radii == [0.0; 2] {
+        return [lower, upper];
+    }
+    let (high, low) = two_sum(radii[0], radii[1]);
+    let out = |s: f64| {
+        let (first, last) = (s - high, (s - high) - low);
+        (last, (first.abs() + last.abs()) * (4.0 * UNIT))
+    };
+    let ((lower, below), (upper, above)) = (out(lower), out(upper));
+    [lower - below, upper + above]
+}

@@ -1,0 +1,145 @@
+//! Invariants of a body, checked whole: for tests and fuzzing.
+
+use alloc::format;
+use alloc::string::String;
+
+use super::ConvexPolyhedron;
+use super::topology::Topology;
+use crate::tolerance::NEAR_PLANE;
+use crate::tuning::polyhedron::LARGE;
+
+/// Returns an error with the text if the condition is false.
+fn ensure(holds: bool, text: impl FnOnce() -> String) -> Result<(), String> {
+    if holds { Ok(()) } else { Err(text()) }
+}
+
+impl Topology {
+    /// Returns the first broken invariant of half-edges, fans, rims or rings.
+    pub(crate) fn check(&self) -> Result<(), String> {
+        let (vertices, half_edges, faces) = (self.vertex_count(), self.half_edge_count(), self.face_count());
+        for h in 0..half_edges as u32 {
+            let e = self.half_edge(h);
+            let in_range = (e.to as usize) < vertices
+                && (e.twin as usize) < half_edges
+                && (e.next as usize) < half_edges
+                && (e.face as usize) < faces;
+            ensure(in_range, || format!("half-edge {h} names a number out of range"))?;
+            let twin = self.half_edge(e.twin);
+            ensure(twin.twin == h && e.twin != h, || {
+                format!("half-edge {h} is not the twin of its twin")
+            })?;
+            let from = self.from(h);
+            ensure(self.fan(from).contains(&h), || {
+                format!("half-edge {h} is not in the fan of vertex {from}")
+            })?;
+            let next = self.half_edge(e.next);
+            ensure(self.from(e.next) == e.to && next.face == e.face, || {
+                format!("half-edge {h} is not followed along its face")
+            })?;
+        }
+        (0..vertices as u32).try_for_each(|v| self.check_fan(v))?;
+        (0..faces as u32).try_for_each(|f| self.check_rim(f))
+    }
+
+    /// Half-edges of a fan turn left: the face on the left of each is on the right of the next.
+    fn check_fan(&self, v: u32) -> Result<(), String> {
+        let fan = self.fan(v);
+        ensure(
+            fan.start <= fan.end && fan.end as usize <= self.half_edge_count(),
+            || format!("the fan of vertex {v} is out of range"),
+        )?;
+        for h in fan.clone() {
+            let left = if h + 1 == fan.end { fan.start } else { h + 1 };
+            let right_face = self.half_edge(self.half_edge(left).twin).face;
+            ensure(self.half_edge(h).face == right_face, || {
+                format!("the fan of vertex {v} is not in order at half-edge {h}")
+            })?;
+        }
+        Ok(())
+    }
+
+    /// A rim is one loop of its face; the rim of a large face, and no other, is kept as a ring.
+    fn check_rim(&self, f: u32) -> Result<(), String> {
+        let count = self.rim(f).take(self.half_edge_count() + 1).count();
+        ensure(count <= self.half_edge_count(), || {
+            format!("the rim of face {f} does not close")
+        })?;
+        ensure(self.rim(f).all(|h| self.half_edge(h).face == f), || {
+            format!("the rim of face {f} leaves the face")
+        })?;
+        match self.ring(f) {
+            None => ensure(count <= LARGE, || format!("large face {f} has no ring")),
+            Some(ring) => ensure(count > LARGE && self.rim(f).eq(ring.iter().copied()), || {
+                format!("the ring of face {f} is not its rim")
+            }),
+        }
+    }
+}
+
+impl ConvexPolyhedron {
+    /// Returns the first broken invariant of the body: of the links between vertices, edges and
+    /// faces, or of the supporting planes, below which all vertices lie.
+    ///
+    /// A body that was built keeps all invariants, so this is a tool of tests and fuzzing. Takes
+    /// time in proportion to the edges, and to faces times vertices for the planes of bodies of
+    /// fewer than 256 faces; of larger bodies the vertices of adjacent faces are checked.
+    ///
+    /// # Errors
+    /// A text that names the broken invariant.
+    pub fn check(&self) -> Result<(), String> {
+        let t = &self.topology;
+        t.check()?;
+        ensure(t.vertex_count() == self.points.len(), || {
+            "vertices and points differ in number".into()
+        })?;
+        ensure(t.face_count() == self.planes.len(), || {
+            "faces and planes differ in number".into()
+        })?;
+        ensure(self.points.iter().all(|p| p.norm() <= self.radius), || {
+            "a vertex is farther out than the radius".into()
+        })?;
+        (0..t.face_count() as u32).try_for_each(|f| self.check_plane(f))
+    }
+
+    /// All vertices lie below the plane of the face, by more than the rounding of this test at
+    /// most.
+    fn check_plane(&self, f: u32) -> Result<(), String> {
+        let (t, plane) = (&self.topology, &self.planes[f as usize]);
+        let below = |v: u32| {
+            let height = plane.normal.dot(&self.points[v as usize]) - plane.offset;
+            let rounding = NEAR_PLANE * self.radius;
+            ensure(height <= rounding, || format!("vertex {v} is above face {f}"))
+        };
+        if t.face_count() < 256 {
+            return (0..t.vertex_count() as u32).try_for_each(below);
+        }
+        let across = |h: u32| t.half_edge(t.half_edge(t.half_edge(h).twin).next).to;
+        t.rim(f).try_for_each(|h| below(across(h)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::polyhedron::solids;
+    use nalgebra::Vector3;
+
+    #[test]
+    fn broken_bodies_are_found() {
+        let sound = || solids::icosahedron(1.0).unwrap();
+        assert_eq!(sound().check(), Ok(()));
+        let mut lowered = sound();
+        lowered.planes[3].offset -= 1e-9;
+        assert!(lowered.check().unwrap_err().contains("above face 3"));
+        let mut far = sound();
+        far.points[5] *= 2.0;
+        assert!(far.check().is_err());
+        let mut another = sound();
+        another.topology = solids::octahedron(1.0).unwrap().topology;
+        assert!(another.check().unwrap_err().contains("differ in number"));
+        let prism = solids::prism(60, 1.0, 1.0);
+        assert_eq!(prism.map(|p| p.check()), Ok(Ok(())));
+        let point = ConvexPolyhedron::point(Vector3::new(1.0, 2.0, 3.0).into());
+        assert_eq!(point.map(|p| p.check()), Ok(Ok(())));
+    }
+}

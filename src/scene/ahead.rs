@@ -1,0 +1,187 @@
+//! Looks ahead: how long a pair stays apart at the velocities of the bodies, and impacts within a
+//! tick.
+//!
+//! A look bounds the time for which a turning plane stays between the bodies
+//! ([`separation`](crate::separation)); the pair then sleeps for the whole ticks of that time, by
+//! the rules of [`schedule`](crate::schedule). A pair proven apart until tick m, that one included,
+//! is looked at again at tick m + 1. Three events end a sleep early: a body of the pair is
+//! disturbed, a tick has another length, or the effects change. Every step visits every header, so
+//! a disturbance of the step is seen in the step, and no epoch need be stored with the pair.
+//!
+//! **Rounding.** A look proves the motion itself. Poses are placed tick by tick, each from the last
+//! pose, so after k ticks a pose is off the motion by at most k times the error of one tick, which
+//! is below the drift of [`Steady`] over all these ticks; an error of the turn moves no point by
+//! more than as much later on, since bodies turn about their own origins. With at most
+//! [`TICKS`] ticks that many drifts are added to the distance that the look must prove.
+//!
+//! For impacts the look begins at the start of the tick and covers the instants between; if it
+//! proves less than the tick, the tick is cast ([`impact::cast`]).
+
+use super::effects::Plan;
+use super::events::PairImpact;
+use super::moving::Sweep;
+use super::narrow_phase::{Context, Tally};
+use super::pair_table::{PairFlags, PairHeader};
+use super::pair_tracker::PairTracker;
+use super::report::Counts;
+use crate::impact::{self, Impact, Tolerance};
+use crate::motion::{Motion, Steady, Velocity};
+use crate::pair::outcome::Outcome;
+use crate::schedule::ticks;
+use crate::separation::Flight;
+use crate::tuning::scene::TICKS;
+
+impl Context<'_> {
+    /// Whether a sleeping pair still sleeps.
+    #[inline]
+    pub(super) fn is_asleep(&self, header: &PairHeader) -> bool {
+        let bodies = self.bodies;
+        let is_disturbed = |i: u32| {
+            let moving = bodies.moving.get(i as usize);
+            moving.is_some_and(|m| m.is_disturbed(bodies.step))
+        };
+        self.schedule
+            && !bodies.ticks.is_changed
+            && !is_disturbed(header.a)
+            && !is_disturbed(header.b)
+            && (bodies.ticks.now as f64) < header.wake
+    }
+
+    /// Lets a pair sleep that is proven apart from here on; returns whether the pair sleeps.
+    pub(super) fn sleep<T: PairTracker>(
+        &self,
+        header: &mut PairHeader,
+        (tracker, shapes): (&mut T, T::Shapes<'_>),
+        plan: &Plan,
+        (outcome, counts): (&Outcome, &mut Counts),
+    ) -> bool {
+        let (bodies, length) = (self.bodies, self.bodies.ticks.length);
+        let pair = [header.a as usize, header.b as usize];
+        let is_steered = |i: &usize| bodies.moving.get(*i).is_some_and(|m| m.is_steered(bodies.step));
+        let is_called = self.schedule && bodies.ticks.is_pending && length > 0.0;
+        if !is_called || !(outcome.lower > plan.reach) || pair.iter().any(is_steered) {
+            return false;
+        }
+        let sweeps = pair.map(|i| Sweep {
+            from: bodies.poses[i],
+            velocity: bodies.velocity(i),
+        });
+        let Some(motions) = self.motions(&sweeps) else {
+            return false;
+        };
+        let span = length * TICKS as f64;
+        let keep = plan.reach + self.margin(header, &motions, span);
+        let [x, y] = &motions;
+        let flight = Flight {
+            pose_a: x.pose(0.0),
+            pose_b: y.pose(0.0),
+            course_a: x.course(0.0, span),
+            course_b: y.course(0.0, span),
+            span,
+            keep,
+        };
+        counts.ahead += 1;
+        let free = tracker.over_time(shapes, Some(outcome), |separation, seen| {
+            let apart = flight.apart(separation).span;
+            let by_plane = seen.map_or(0.0, |seen| separation.free_for(&seen, &flight).span);
+            apart.max(by_plane)
+        });
+        let whole = ticks(free.unwrap_or(0.0), length).min(TICKS);
+        if whole > 0 {
+            header.state.sleeps = true;
+            header.wake = bodies.ticks.now.saturating_add(whole + 1) as f64;
+        }
+        whole > 0
+    }
+
+    /// Looks at a pair from the begin of the last tick: returns true, and lets the pair sleep, if
+    /// the pair is proven farther apart than all thresholds for a tick at least. Else an impact of
+    /// the tick is noted, if there is one.
+    pub(super) fn sweep_pair<T: PairTracker>(
+        &self,
+        header: &mut PairHeader,
+        (tracker, shapes): (&mut T, T::Shapes<'_>),
+        (plan, tolerance): (&Plan, Tolerance),
+        tally: &mut Tally,
+    ) -> bool {
+        let bodies = self.bodies;
+        let length = bodies.ticks.length.abs();
+        let sweeps = [header.a, header.b].map(|i| bodies.sweep(i as usize));
+        let is_still = |sweep: &Sweep| sweep.velocity == Velocity::default();
+        if !bodies.ticks.is_pending || length == 0.0 || sweeps.iter().all(is_still) {
+            return false;
+        }
+        // A velocity beyond the range of motions proves nothing.
+        let mut found = Impact::Unknown { safe: 0.0 };
+        if let Some(motions) = self.motions(&sweeps) {
+            let ticks_ahead = if self.is_foreseen(header) { TICKS } else { 1 };
+            let span = length * ticks_ahead as f64;
+            let keep = plan.reach + self.margin(header, &motions, span);
+            let [x, y] = &motions;
+            let ahead = tracker.over_time(shapes, None, |separation, _| {
+                impact::ahead(separation, [x, y], (length, span), keep, tolerance)
+            });
+            if let Some(Ok(ahead)) = ahead {
+                let counts = &mut tally.counts;
+                counts.ahead += 1;
+                counts.queries += u64::from(ahead.queries);
+                match ahead.cast {
+                    None if self.is_foreseen(header) => {
+                        counts.separated += u64::from(ahead.queries);
+                        return self.sleep_from_start(header, ahead.until);
+                    }
+                    None => found = Impact::Miss,
+                    Some(impact) => {
+                        counts.casts += 1;
+                        found = impact;
+                    }
+                }
+            }
+        }
+        if !matches!(found, Impact::Start { .. } | Impact::Miss) {
+            tally.impacts.push(PairImpact {
+                a: bodies.id(header.a),
+                b: bodies.id(header.b),
+                pair: header.pair,
+                impact: found,
+            });
+        }
+        false
+    }
+
+    /// Whether the motions of the last tick go on: neither body was disturbed after the tick.
+    fn is_foreseen(&self, header: &PairHeader) -> bool {
+        let bodies = self.bodies;
+        let is_late = |i: u32| bodies.moving.get(i as usize).is_some_and(|m| m.is_late(bodies.step));
+        self.schedule && bodies.ticks.length > 0.0 && !is_late(header.a) && !is_late(header.b)
+    }
+
+    /// Lets a pair sleep that is proven apart from the begin of the last tick until a time after
+    /// that; returns whether the tick is covered.
+    fn sleep_from_start(&self, header: &mut PairHeader, until: f64) -> bool {
+        let whole = ticks(until, self.bodies.ticks.length).min(TICKS);
+        if whole > 0 {
+            header.state = PairFlags {
+                known: true,
+                sleeps: true,
+                ..PairFlags::default()
+            };
+            header.wake = self.bodies.ticks.now.saturating_add(whole) as f64;
+        }
+        whole > 0
+    }
+
+    fn motions(&self, sweeps: &[Sweep; 2]) -> Option<[Steady; 2]> {
+        Some([sweeps[0].motion()?, sweeps[1].motion()?])
+    }
+
+    /// Returns an upper bound of the distance of the poses of both bodies from their motions after
+    /// as many ticks as a pair may sleep.
+    fn margin(&self, header: &PairHeader, motions: &[Steady; 2], span: f64) -> f64 {
+        let drift = |i: u32, motion: &Steady| {
+            let reach = self.bodies.solids[i as usize].as_ref().map_or(0.0, |s| s.reach());
+            motion.course(0.0, span).drift(reach).at(span)
+        };
+        TICKS as f64 * (drift(header.a, &motions[0]) + drift(header.b, &motions[1]))
+    }
+}

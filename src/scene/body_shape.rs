@@ -1,0 +1,255 @@
+//! The shape of a body in a scene: every kind of shape there is.
+
+use alloc::borrow::Cow;
+use alloc::sync::Arc;
+
+use nalgebra::{Isometry3, Point3, Vector3};
+
+use super::kinds::ShapeKind;
+use crate::composite::mesh::Mesh;
+use crate::composite::pieces::Composite;
+use crate::composite::separation::ball_about;
+use crate::polyhedron::{BoxHint, ConvexPolyhedron};
+use crate::pose::rotation_matrix;
+use crate::shape::{Core, Shape};
+use crate::tolerance::BOX_TURNED;
+
+/// The shape of a body, shared by all bodies of this shape.
+///
+/// Each pair of bodies is followed by the tracker of the kinds, and answers all effects but these:
+///
+/// | pair | tracker | refused |
+/// |---|---|---|
+/// | polyhedra | [`Tracker`](crate::Tracker) | none |
+/// | convex shapes | [`ShapeTracker`](crate::ShapeTracker) | none |
+/// | composite with composite or polyhedron | [`CompositeTracker`] | `depth`, `manifold` |
+/// | mesh with mesh, composite or polyhedron | [`MeshTracker`] | `depth`, `manifold` |
+/// | composite or mesh with rounded or curved shape | none | all but `boxes` |
+/// | mesh with point or segment | none | all but `boxes` |
+///
+/// A call that would make a pair with an effect that the pair cannot answer is refused with
+/// [`SceneError::Unanswered`](super::SceneError::Unanswered): insertion of a body, change of a
+/// group, call for an effect. Against a composite a polyhedron is a composite of one piece, against
+/// a mesh the mesh of the surface: the pair makes that once, when the boxes meet.
+///
+/// [`CompositeTracker`]: crate::CompositeTracker
+/// [`MeshTracker`]: crate::MeshTracker
+///
+/// ```
+/// use lin_canny::nalgebra::{Isometry3, Vector3};
+/// use lin_canny::polyhedron::solids;
+/// use lin_canny::scene::{Body, Effects, Group, Scene};
+/// use lin_canny::{Composite, Mesh, Piece, Shape};
+///
+/// let all = Group::default();
+/// let mut scene = Scene::new();
+/// scene.call_for(all, all, Effects { distance: Some(10.0), ..Effects::none() })?;
+/// let die = solids::cuboid(Vector3::new(1.0, 1.0, 1.0))?;
+/// let bracket = Composite::new(vec![Piece::new(die.clone())])?;
+/// let part = Mesh::from_convex(&die)?;
+/// let at = |x: f64| Isometry3::translation(x, 0.0, 0.0);
+/// scene.insert(Body::moving(die), at(0.0))?;
+/// scene.insert(Body::moving(bracket), at(3.0))?;
+/// scene.insert(Body::moving(part), at(6.0))?;
+/// scene.step();
+/// let distances = scene.pairs().map(|pair| pair.distance.unwrap().value);
+/// let apart: Vec<f64> = distances.collect();
+/// assert_eq!(apart.len(), 3);
+/// let is = |d: f64, value: f64| (d - value).abs() < 1e-14;
+/// assert!(apart.iter().all(|d| is(*d, 1.0) || is(*d, 4.0)));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(from = "Stored", into = "Stored"))]
+#[non_exhaustive]
+pub enum BodyShape {
+    /// A convex polyhedron, polygon, segment or point.
+    Polyhedron(Arc<ConvexPolyhedron>),
+    /// A convex shape that is rounded or curved.
+    Convex(Arc<Shape>),
+    /// A union of placed convex pieces.
+    Composite(Arc<Composite>),
+    /// A mesh of triangles.
+    Mesh(Arc<Mesh>),
+}
+
+impl BodyShape {
+    /// Returns the polyhedron of a body that is a polyhedron.
+    #[must_use]
+    pub fn as_polyhedron(&self) -> Option<&ConvexPolyhedron> {
+        match self {
+            Self::Polyhedron(body) => Some(body),
+            _ => None,
+        }
+    }
+
+    /// Returns the body as a convex shape, unless the body is a composite or a mesh.
+    #[must_use]
+    pub fn as_convex(&self) -> Option<Cow<'_, Shape>> {
+        match self {
+            Self::Polyhedron(body) => Some(Cow::Owned(Shape::from(body.clone()))),
+            Self::Convex(shape) => Some(Cow::Borrowed(shape)),
+            Self::Composite(_) | Self::Mesh(_) => None,
+        }
+    }
+
+    /// Returns the kind of the shape.
+    #[must_use]
+    pub fn kind(&self) -> ShapeKind {
+        let polyhedral = |body: &ConvexPolyhedron| {
+            if body.face_count() == 0 {
+                ShapeKind::Wire
+            } else {
+                ShapeKind::Polyhedron
+            }
+        };
+        match self {
+            Self::Polyhedron(body) => polyhedral(body),
+            Self::Convex(shape) => match shape.core() {
+                Core::Polyhedron(body) if shape.round() == 0.0 => polyhedral(body),
+                Core::Polyhedron(_) => ShapeKind::Rounded,
+                _ => ShapeKind::Curved,
+            },
+            Self::Composite(_) => ShapeKind::Composite,
+            Self::Mesh(_) => ShapeKind::Mesh,
+        }
+    }
+
+    /// Returns a ball that contains the shape, in the frame of the shape: centre and radius.
+    #[must_use]
+    pub fn bounding_ball(&self) -> (Point3<f64>, f64) {
+        match self {
+            Self::Polyhedron(body) => body.bounding_ball(),
+            Self::Convex(shape) => shape.bounding_ball(),
+            Self::Composite(composite) => ball_about(composite.aabb()),
+            Self::Mesh(mesh) => ball_about(mesh.aabb()),
+        }
+    }
+
+    /// Returns the axis-aligned box of the shape at a pose, rounded outward: least and greatest
+    /// corner. The box of a composite or a mesh is that of its turned bounding box.
+    pub(super) fn aabb_at(&self, pose: &Isometry3<f64>, hint: &mut BoxHint) -> (Point3<f64>, Point3<f64>) {
+        match self {
+            Self::Polyhedron(body) => body.aabb_at(pose, hint),
+            Self::Convex(shape) => shape.aabb_at(pose, hint),
+            Self::Composite(composite) => turned_box(composite.aabb(), pose),
+            Self::Mesh(mesh) => turned_box(mesh.aabb(), pose),
+        }
+    }
+
+    /// Returns the address of the shared shape, equal for bodies that share the shape.
+    #[cfg(feature = "serde")]
+    pub(super) fn address(&self) -> usize {
+        match self {
+            Self::Polyhedron(body) => Arc::as_ptr(body) as usize,
+            Self::Convex(shape) => Arc::as_ptr(shape) as usize,
+            Self::Composite(composite) => Arc::as_ptr(composite) as usize,
+            Self::Mesh(mesh) => Arc::as_ptr(mesh) as usize,
+        }
+    }
+}
+
+/// Returns the box about a posed box.
+fn turned_box((low, high): (Point3<f64>, Point3<f64>), pose: &Isometry3<f64>) -> (Point3<f64>, Point3<f64>) {
+    let q = pose.rotation.coords;
+    let matrix = rotation_matrix(&[q.x, q.y, q.z, q.w], 2.0 / q.norm_squared());
+    let half = (high - low) * 0.5;
+    let centre = low.coords + half;
+    let t = pose.translation.vector;
+    let far = centre.abs().sum() + half.sum();
+    let half = matrix.abs() * half + (t.abs().add_scalar(far)) * BOX_TURNED;
+    let centre: Vector3<f64> = matrix * centre + t;
+    (Point3::from(centre - half), Point3::from(centre + half))
+}
+
+impl From<ConvexPolyhedron> for BodyShape {
+    fn from(body: ConvexPolyhedron) -> Self {
+        Self::from(Arc::new(body))
+    }
+}
+
+impl From<Arc<ConvexPolyhedron>> for BodyShape {
+    fn from(body: Arc<ConvexPolyhedron>) -> Self {
+        Self::Polyhedron(body)
+    }
+}
+
+impl From<Shape> for BodyShape {
+    /// A shape that is a polyhedron and not rounded becomes a polyhedron.
+    fn from(shape: Shape) -> Self {
+        match shape.core() {
+            Core::Polyhedron(body) if shape.round() == 0.0 => Self::Polyhedron(body.clone()),
+            _ => Self::Convex(Arc::new(shape)),
+        }
+    }
+}
+
+impl From<Arc<Shape>> for BodyShape {
+    fn from(shape: Arc<Shape>) -> Self {
+        match shape.core() {
+            Core::Polyhedron(body) if shape.round() == 0.0 => Self::Polyhedron(body.clone()),
+            _ => Self::Convex(shape),
+        }
+    }
+}
+
+impl From<Composite> for BodyShape {
+    fn from(composite: Composite) -> Self {
+        Self::Composite(Arc::new(composite))
+    }
+}
+
+impl From<Arc<Composite>> for BodyShape {
+    fn from(composite: Arc<Composite>) -> Self {
+        Self::Composite(composite)
+    }
+}
+
+impl From<Mesh> for BodyShape {
+    fn from(mesh: Mesh) -> Self {
+        Self::Mesh(Arc::new(mesh))
+    }
+}
+
+impl From<Arc<Mesh>> for BodyShape {
+    fn from(mesh: Arc<Mesh>) -> Self {
+        Self::Mesh(mesh)
+    }
+}
+
+/// The serialized form of a shape.
+#[cfg(feature = "serde")]
+#[derive(serde::Serialize, serde::Deserialize)]
+#[serde(rename = "BodyShape")]
+enum Stored {
+    Polyhedron(alloc::boxed::Box<ConvexPolyhedron>),
+    Convex(Shape),
+    Composite(alloc::boxed::Box<Composite>),
+    Mesh(alloc::boxed::Box<Mesh>),
+}
+
+#[cfg(feature = "serde")]
+impl From<Stored> for BodyShape {
+    fn from(stored: Stored) -> Self {
+        match stored {
+            Stored::Polyhedron(body) => Self::from(*body),
+            Stored::Convex(shape) => Self::Convex(Arc::new(shape)),
+            Stored::Composite(composite) => Self::from(*composite),
+            Stored::Mesh(mesh) => Self::from(*mesh),
+        }
+    }
+}
+
+#[cfg(feature = "serde")]
+impl From<BodyShape> for Stored {
+    fn from(shape: BodyShape) -> Self {
+        use alloc::boxed::Box;
+        match shape {
+            BodyShape::Polyhedron(body) => Self::Polyhedron(Box::new(Arc::unwrap_or_clone(body))),
+            BodyShape::Convex(shape) => Self::Convex(Arc::unwrap_or_clone(shape)),
+            BodyShape::Composite(composite) => Self::Composite(Box::new(Arc::unwrap_or_clone(composite))),
+            BodyShape::Mesh(mesh) => Self::Mesh(Box::new(Arc::unwrap_or_clone(mesh))),
+        }
+    }
+}

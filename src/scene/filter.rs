@@ -1,0 +1,120 @@
+//! Pairs of bodies that a scene ignores: adjacent links, a gripped part.
+
+use alloc::collections::BTreeSet;
+
+use super::{BodyId, Scene, SceneError};
+use crate::broad::BroadPhase;
+
+/// Ignored pairs by the indices of the bodies. Every pair is listed in both orders, so that the
+/// partners of one body are a range.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Ignored(BTreeSet<(u32, u32)>);
+
+impl Ignored {
+    #[inline]
+    pub(super) fn contains(&self, a: u32, b: u32) -> bool {
+        self.0.contains(&(a, b))
+    }
+
+    /// Adds or removes a pair; returns whether the list changed.
+    pub(super) fn set(&mut self, a: u32, b: u32, ignored: bool) -> bool {
+        for pair in [(a, b), (b, a)] {
+            let changed = if ignored {
+                self.0.insert(pair)
+            } else {
+                self.0.remove(&pair)
+            };
+            if !changed {
+                return false;
+            }
+        }
+        true
+    }
+
+    /// Removes all pairs of a body.
+    pub(super) fn forget(&mut self, a: u32) {
+        while let Some(&(_, b)) = self.0.range((a, 0)..=(a, u32::MAX)).next() {
+            self.set(a, b, false);
+        }
+    }
+
+    /// Iterates over the pairs, the lower index first.
+    pub(super) fn iter(&self) -> impl Iterator<Item = (u32, u32)> + '_ {
+        self.0.iter().copied().filter(|(a, b)| a < b)
+    }
+
+    /// Returns an estimate of the bytes of the list.
+    pub(super) fn bytes(&self) -> usize {
+        2 * self.0.len() * size_of::<(u32, u32)>()
+    }
+}
+
+impl Scene {
+    /// Excludes one pair of bodies, in either order, from everything the scene computes: adjacent
+    /// links of an arm, a part and the gripper that holds the part. Takes effect with the next
+    /// step; what the pair had begun ends then, with events. The number of ignored pairs is not
+    /// limited, and a pair is forgotten when one of the two bodies is removed.
+    ///
+    /// ```
+    /// use lin_canny::nalgebra::{Isometry3, Vector3};
+    /// use lin_canny::polyhedron::solids;
+    /// use lin_canny::scene::{Body, Effects, Scene};
+    ///
+    /// let overlaps = Effects { overlap: true, ..Effects::none() };
+    /// let mut scene = Scene::with_effects(overlaps)?;
+    /// let link = solids::cuboid(Vector3::new(0.1, 0.1, 0.5))?;
+    /// let mut links = Vec::new();
+    /// for k in 0..6 {
+    ///     let pose = Isometry3::translation(0.0, 0.0, 0.9 * f64::from(k));
+    ///     links.push(scene.insert(Body::moving(link.clone()), pose)?);
+    /// }
+    /// scene.step();
+    /// assert_eq!(scene.pair_count(), 5); // every link overlaps the next one
+    /// for adjacent in links.windows(2) {
+    ///     scene.ignore_pair(adjacent[0], adjacent[1])?;
+    /// }
+    /// scene.step();
+    /// assert_eq!(scene.pair_count(), 0);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// If an id is stale.
+    #[doc(alias = "filter")]
+    #[doc(alias = "collision matrix")]
+    pub fn ignore_pair(&mut self, a: BodyId, b: BodyId) -> Result<(), SceneError> {
+        self.set_ignored(a, b, true)
+    }
+
+    /// Reverses [`ignore_pair`](Self::ignore_pair) with the next step. Does nothing for a pair that
+    /// is not ignored.
+    ///
+    /// # Errors
+    /// If an id is stale.
+    pub fn allow_pair(&mut self, a: BodyId, b: BodyId) -> Result<(), SceneError> {
+        self.set_ignored(a, b, false)
+    }
+
+    /// Returns whether a pair of bodies is ignored; false if an id is stale.
+    #[must_use]
+    pub fn is_ignored(&self, a: BodyId, b: BodyId) -> bool {
+        let index = |id| self.bodies.index_of(id).ok();
+        index(a).is_some_and(|_| index(b).is_some() && self.ignored.contains(a.index, b.index))
+    }
+
+    /// Iterates over the ignored pairs, the body with the lower index first.
+    pub fn ignored_pairs(&self) -> impl Iterator<Item = (BodyId, BodyId)> + '_ {
+        self.ignored.iter().map(|(a, b)| (self.bodies.id(a), self.bodies.id(b)))
+    }
+
+    fn set_ignored(&mut self, a: BodyId, b: BodyId, ignored: bool) -> Result<(), SceneError> {
+        let i = self.bodies.index_of(a)?;
+        self.bodies.index_of(b)?;
+        if a != b && self.ignored.set(a.index, b.index, ignored) {
+            // The broad phase asks the filter again for all pairs of A; the id is not stale.
+            let _ = self.broad.regroup(self.bodies.proxies[i]);
+            self.changed = true;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,142 @@
+//! Kinds of shapes, and the effects that pairs of kinds can answer.
+
+use alloc::collections::BTreeMap;
+
+use super::SceneError;
+use super::effects::{Effects, Group};
+
+/// The kind of a body's shape.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub enum ShapeKind {
+    /// A convex polyhedron or polygon.
+    Polyhedron,
+    /// A point or a segment: a polyhedron without faces.
+    Wire,
+    /// A rounded polyhedron: ball, capsule, rounded box or hull.
+    Rounded,
+    /// A cylinder, cone, ellipsoid or superquadric, rounded or not.
+    Curved,
+    /// A union of convex pieces.
+    Composite,
+    /// A mesh of triangles.
+    Mesh,
+}
+
+impl core::fmt::Display for ShapeKind {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.pad(match self {
+            Self::Polyhedron => "polyhedron",
+            Self::Wire => "point or segment",
+            Self::Rounded => "rounded polyhedron",
+            Self::Curved => "curved shape",
+            Self::Composite => "composite",
+            Self::Mesh => "mesh",
+        })
+    }
+}
+
+impl ShapeKind {
+    fn is_convex(self) -> bool {
+        !matches!(self, Self::Composite | Self::Mesh)
+    }
+}
+
+/// Returns the name of an effect called for that two kinds cannot answer, if there is one.
+fn unanswered(effects: &Effects, a: ShapeKind, b: ShapeKind) -> Option<&'static str> {
+    if a.is_convex() && b.is_convex() {
+        return None;
+    }
+    if effects.manifold.is_some() {
+        return Some("manifold");
+    }
+    if effects.depth {
+        return Some("depth");
+    }
+    let is_rounded = |kind| matches!(kind, ShapeKind::Rounded | ShapeKind::Curved);
+    let has_mesh = a == ShapeKind::Mesh || b == ShapeKind::Mesh;
+    let has_wire = a == ShapeKind::Wire || b == ShapeKind::Wire;
+    if is_rounded(a) || is_rounded(b) || has_mesh && has_wire {
+        return called(effects);
+    }
+    None
+}
+
+/// Returns the name of the lowest effect called for beyond boxes.
+fn called(effects: &Effects) -> Option<&'static str> {
+    let names = [
+        (effects.overlap, "overlap"),
+        (effects.within.is_some(), "within"),
+        (effects.distance.is_some(), "distance"),
+        (effects.features, "features"),
+        (effects.impact.is_some(), "impact"),
+    ];
+    names
+        .into_iter()
+        .find(|(is_called, _)| *is_called)
+        .map(|(_, name)| name)
+}
+
+/// The number of bodies by group and kind. Two fixed bodies make no pair, so fixed bodies are
+/// counted apart.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Census(BTreeMap<Member, u32>);
+
+/// Group and kind of a body, and whether the body is fixed.
+pub(super) type Member = (Group, ShapeKind, bool);
+
+impl Census {
+    /// Counts one body more.
+    pub(super) fn add(&mut self, member: Member) {
+        *self.0.entry(member).or_insert(0) += 1;
+    }
+
+    /// Counts one body less.
+    pub(super) fn remove(&mut self, member: Member) {
+        if let Some(count) = self.0.get_mut(&member) {
+            *count -= 1;
+            if *count == 0 {
+                self.0.remove(&member);
+            }
+        }
+    }
+
+    /// Returns the number of bodies of the groups that `is_asked` accepts.
+    pub(super) fn count(&self, is_asked: impl Fn(Group) -> bool) -> u64 {
+        let asked = self.0.iter().filter(|(key, _)| is_asked(key.0));
+        asked.map(|(_, count)| u64::from(*count)).sum()
+    }
+
+    /// Refuses effects that the bodies of two groups cannot answer.
+    pub(super) fn check_effects(&self, these: Group, those: Group, effects: &Effects) -> Result<(), SceneError> {
+        let mut all = self.0.keys().filter(|key| key.0 == these);
+        all.try_for_each(|key| self.check_pairs(*key, 2, |other| (other == those).then_some(*effects)))
+    }
+
+    /// Refuses a body to come whose pairs with the bodies there are cannot answer the effects of
+    /// their groups.
+    pub(super) fn check_body(&self, key: Member, effects: impl Fn(Group) -> Effects) -> Result<(), SceneError> {
+        self.check_pairs(key, 1, |other| Some(effects(other)))
+    }
+
+    /// Checks the pairs of bodies of one key; with bodies of the same key if there are `least`.
+    fn check_pairs(
+        &self,
+        key: Member,
+        least: u32,
+        effects: impl Fn(Group) -> Option<Effects>,
+    ) -> Result<(), SceneError> {
+        let (_, these, is_fixed) = key;
+        for (other, count) in &self.0 {
+            if is_fixed && other.2 || key == *other && *count < least {
+                continue;
+            }
+            if let Some(effect) = effects(other.0).and_then(|e| unanswered(&e, these, other.1)) {
+                let those = other.1;
+                return Err(SceneError::Unanswered { effect, these, those });
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,312 @@
+//! The tracker of a pair that is not of two polyhedra: convex shapes, composites, meshes.
+
+use alloc::boxed::Box;
+use alloc::sync::Arc;
+
+use super::body_shape::BodyShape;
+use super::pair_tracker::PairTracker;
+use super::report::Counts;
+use crate::composite::mesh::Mesh;
+use crate::composite::pieces::{Composite, CompositeTracker, Piece};
+use crate::composite::separation::{CompositePair, MeshPair};
+use crate::composite::tracker::MeshTracker;
+use crate::contact::{Manifold, ManifoldOptions};
+use crate::pair::outcome::{Class, Outcome, Until};
+use crate::polyhedron::FeaturePair;
+use crate::pose::{Operand, RelativePose};
+use crate::separation::{self, Measure, Separation, Tangent};
+use crate::shape_tracker::ShapeTracker;
+
+/// The tracker of a pair that is not of two polyhedra.
+#[derive(Clone, Debug)]
+pub(super) enum MixedTracker {
+    /// Two convex shapes.
+    Convex(Box<ShapeTracker>),
+    /// Two composites, or a composite and a polyhedron.
+    Pieces(Box<Tracked<CompositeTracker, Composite>>),
+    /// Two meshes, or a mesh and a body that has a surface.
+    Triangles(Box<Tracked<MeshTracker, Mesh>>),
+}
+
+/// A tracker of two bodies of many pieces.
+#[derive(Clone, Debug)]
+pub(super) struct Tracked<T, S> {
+    tracker: T,
+    /// The body in the form in which the tracker takes it, for a body of another kind.
+    stand_ins: [Option<Arc<S>>; 2],
+    pieces: [u32; 2],
+}
+
+impl<T: Default, S> Tracked<T, S> {
+    fn new(stand_ins: [Option<Arc<S>>; 2]) -> Box<Self> {
+        Box::new(Self {
+            tracker: T::default(),
+            stand_ins,
+            pieces: [0; 2],
+        })
+    }
+}
+
+impl MixedTracker {
+    /// Returns a tracker without a start; `None` for kinds that no tracker takes together.
+    pub(super) fn new(a: &BodyShape, b: &BodyShape) -> Option<Self> {
+        use BodyShape::{Composite as C, Mesh as M};
+        Some(match (a, b) {
+            (M(_), _) | (_, M(_)) => Self::Triangles(Tracked::new([as_mesh(a)?, as_mesh(b)?])),
+            (C(_), _) | (_, C(_)) => Self::Pieces(Tracked::new([as_composite(a)?, as_composite(b)?])),
+            _ => Self::Convex(Box::default()),
+        })
+    }
+}
+
+/// Returns the composite that stands for a body: `Some(None)` for the body itself.
+fn as_composite(shape: &BodyShape) -> Option<Option<Arc<Composite>>> {
+    match shape {
+        BodyShape::Composite(_) => Some(None),
+        BodyShape::Polyhedron(body) => {
+            let only = Composite::new(alloc::vec![Piece::new((**body).clone())]);
+            only.ok().map(|c| Some(Arc::new(c)))
+        }
+        BodyShape::Convex(_) | BodyShape::Mesh(_) => None,
+    }
+}
+
+/// Returns the mesh that stands for a body: `Some(None)` for the body itself.
+fn as_mesh(shape: &BodyShape) -> Option<Option<Arc<Mesh>>> {
+    let surface = match shape {
+        BodyShape::Mesh(_) => return Some(None),
+        BodyShape::Composite(composite) => composite.to_mesh(),
+        BodyShape::Polyhedron(body) => Mesh::from_convex(body),
+        BodyShape::Convex(_) => return None,
+    };
+    surface.ok().map(|mesh| Some(Arc::new(mesh)))
+}
+
+impl Tracked<CompositeTracker, Composite> {
+    fn sides<'a>(
+        &'a mut self,
+        a: &'a BodyShape,
+        b: &'a BodyShape,
+    ) -> Option<(&'a mut CompositeTracker, [&'a Composite; 2])> {
+        let [x, y] = &self.stand_ins;
+        let side = |own: &'a BodyShape, stand_in: &'a Option<Arc<Composite>>| match own {
+            BodyShape::Composite(composite) => Some(&**composite),
+            _ => stand_in.as_deref(),
+        };
+        Some((&mut self.tracker, [side(a, x)?, side(b, y)?]))
+    }
+}
+
+impl Tracked<MeshTracker, Mesh> {
+    fn sides<'a>(&'a mut self, a: &'a BodyShape, b: &'a BodyShape) -> Option<(&'a mut MeshTracker, [&'a Mesh; 2])> {
+        let [x, y] = &self.stand_ins;
+        let side = |own: &'a BodyShape, stand_in: &'a Option<Arc<Mesh>>| match own {
+            BodyShape::Mesh(mesh) => Some(&**mesh),
+            _ => stand_in.as_deref(),
+        };
+        Some((&mut self.tracker, [side(a, x)?, side(b, y)?]))
+    }
+}
+
+/// Returns the outcome of composites or meshes.
+fn outcome_of(found: &Measure) -> Outcome {
+    let features = found.features.unwrap_or(FeaturePair::vertices(Operand::A, 0, 0));
+    Outcome {
+        class: found.class,
+        distance: found.distance,
+        lower: found.lower,
+        upper: found.upper,
+        point_on_a: found.point_on_a,
+        point_on_b: found.point_on_b,
+        normal: found.normal,
+        ..Outcome::starting_at(features)
+    }
+}
+
+/// Returns the measure of an outcome, which proves a distance.
+fn measure_of(found: &Outcome) -> Measure {
+    Measure {
+        by_plane: false,
+        ..Measure::new(found, Tangent::Free)
+    }
+}
+
+/// Returns the outcome with an overlap of unknown depth.
+fn without_depth(outcome: Outcome) -> Outcome {
+    if outcome.class == Class::Overlapping {
+        let (distance, lower, upper) = (0.0, f64::NEG_INFINITY, 0.0);
+        Outcome {
+            distance,
+            lower,
+            upper,
+            ..outcome
+        }
+    } else {
+        outcome
+    }
+}
+
+impl PairTracker for MixedTracker {
+    type Shapes<'a> = (&'a BodyShape, &'a BodyShape);
+
+    fn shapes<'a>(a: &'a BodyShape, b: &'a BodyShape) -> Option<Self::Shapes<'a>> {
+        Some((a, b))
+    }
+
+    fn measure(&mut self, (a, b): Self::Shapes<'_>, pose: &RelativePose, until: Until) -> Outcome {
+        let unknown = || Outcome {
+            upper: f64::MAX,
+            ..Outcome::starting_at(FeaturePair::vertices(Operand::A, 0, 0))
+        };
+        let outcome = match self {
+            Self::Convex(tracker) => match (a.as_convex(), b.as_convex()) {
+                (Some(x), Some(y)) => tracker.closest(&x, &y, pose),
+                _ => unknown(),
+            },
+            Self::Pieces(tracked) => {
+                let Some((tracker, [x, y])) = tracked.sides(a, b) else {
+                    return unknown();
+                };
+                let found = tracker.closest(x, y, pose);
+                tracked.pieces = found.pieces;
+                return without_depth(outcome_of(&Measure::from(&found)));
+            }
+            Self::Triangles(tracked) => {
+                let Some((tracker, [x, y])) = tracked.sides(a, b) else {
+                    return unknown();
+                };
+                let found = tracker.closest(x, y, pose);
+                tracked.pieces = [found.on_a.triangle, found.on_b.triangle];
+                return without_depth(outcome_of(&Measure::from(&found)));
+            }
+        };
+        match until {
+            Until::Depth => outcome,
+            Until::Class => without_depth(outcome),
+        }
+    }
+
+    fn decides_within(&mut self, (a, b): Self::Shapes<'_>, pose: &RelativePose, outcome: &Outcome, d: f64) -> bool {
+        if outcome.class == Class::Overlapping || outcome.upper <= d {
+            return true;
+        }
+        if outcome.lower > d {
+            return false;
+        }
+        match self {
+            Self::Convex(tracker) => match (a.as_convex(), b.as_convex()) {
+                (Some(x), Some(y)) => tracker.within(&x, &y, pose, d),
+                _ => true,
+            },
+            Self::Pieces(tracked) => tracked.sides(a, b).is_none_or(|(t, [x, y])| t.within(x, y, pose, d)),
+            Self::Triangles(tracked) => tracked.sides(a, b).is_none_or(|(t, [x, y])| t.within(x, y, pose, d)),
+        }
+    }
+
+    fn over_time<R>(
+        &mut self,
+        (a, b): Self::Shapes<'_>,
+        seen: Option<&Outcome>,
+        ask: impl FnOnce(&mut dyn Separation, Option<Measure>) -> R,
+    ) -> Option<R> {
+        let seen = seen.map(measure_of);
+        match self {
+            Self::Convex(tracker) => {
+                let (x, y) = (a.as_convex()?, b.as_convex()?);
+                let mut pair = separation::ShapePair::with_tracker(&x, &y, core::mem::take(&mut **tracker));
+                let answer = ask(&mut pair, seen);
+                **tracker = pair.into_tracker();
+                Some(answer)
+            }
+            Self::Pieces(tracked) => {
+                let (tracker, [x, y]) = tracked.sides(a, b)?;
+                let mut pair = CompositePair::with_tracker(x, y, core::mem::take(tracker));
+                let answer = ask(&mut pair, seen);
+                *tracker = pair.into_tracker();
+                Some(answer)
+            }
+            Self::Triangles(tracked) => {
+                let (tracker, [x, y]) = tracked.sides(a, b)?;
+                let mut pair = MeshPair::with_tracker(x, y, core::mem::take(tracker));
+                let answer = ask(&mut pair, seen);
+                *tracker = pair.into_tracker();
+                Some(answer)
+            }
+        }
+    }
+
+    /// Manifolds of composites and meshes are refused, so only convex shapes have any.
+    fn update_manifold(
+        &mut self,
+        (a, b): Self::Shapes<'_>,
+        pose: &RelativePose,
+        (_, options): (&Outcome, &ManifoldOptions),
+        stored: &mut Option<Box<Manifold>>,
+        counts: &mut Counts,
+    ) {
+        let (Self::Convex(tracker), Some(x), Some(y)) = (self, a.as_convex(), b.as_convex()) else {
+            return;
+        };
+        let queries = tracker.totals().queries;
+        tracker.manifold(&x, &y, pose, options, stored.get_or_insert_default());
+        counts.manifolds += 1;
+        // A manifold is rebuilt from a query.
+        counts.renewed += u64::from(tracker.totals().queries > queries);
+    }
+
+    fn pieces(&self) -> [u32; 2] {
+        match self {
+            Self::Convex(_) => [0; 2],
+            Self::Pieces(tracked) => tracked.pieces,
+            Self::Triangles(tracked) => tracked.pieces,
+        }
+    }
+
+    fn facets(&self) -> usize {
+        0
+    }
+
+    fn shed(&mut self) {}
+
+    fn heap_bytes(&self) -> usize {
+        match self {
+            Self::Convex(_) => size_of::<ShapeTracker>(),
+            Self::Pieces(_) => size_of::<Tracked<CompositeTracker, Composite>>(),
+            Self::Triangles(tracked) => size_of::<Tracked<MeshTracker, Mesh>>() + tracked.tracker.heap_bytes(),
+        }
+    }
+}
+
+/// The serialized form of a tracker. Fronts of composites and meshes are not written: these
+/// trackers begin anew.
+#[cfg(feature = "serde")]
+#[derive(serde::Serialize, serde::Deserialize)]
+pub(super) enum StoredTracker {
+    Convex(Box<ShapeTracker>),
+    Pieces([u32; 2]),
+    Triangles([u32; 2]),
+}
+
+#[cfg(feature = "serde")]
+impl MixedTracker {
+    /// Returns the part of the tracker that is written.
+    pub(super) fn stored(&self) -> StoredTracker {
+        match self {
+            Self::Convex(tracker) => StoredTracker::Convex(tracker.clone()),
+            Self::Pieces(tracked) => StoredTracker::Pieces(tracked.pieces),
+            Self::Triangles(tracked) => StoredTracker::Triangles(tracked.pieces),
+        }
+    }
+
+    /// Returns the tracker of two bodies as written; `None` if the tracker is of other kinds.
+    pub(super) fn restored(stored: StoredTracker, a: &BodyShape, b: &BodyShape) -> Option<Self> {
+        let mut tracker = Self::new(a, b)?;
+        match (&mut tracker, stored) {
+            (Self::Convex(tracker), StoredTracker::Convex(known)) => *tracker = known,
+            (Self::Pieces(tracked), StoredTracker::Pieces(pieces)) => tracked.pieces = pieces,
+            (Self::Triangles(tracked), StoredTracker::Triangles(pieces)) => tracked.pieces = pieces,
+            _ => return None,
+        }
+        Some(tracker)
+    }
+}

@@ -1,0 +1,114 @@
+//! Motions of bodies as calls set them: velocities, ticks, and the sweeps of the step being
+//! prepared.
+//!
+//! A *tick* is one call of [`Scene::advance`](super::Scene::advance). While all ticks are equally
+//! long and a body is moved by ticks alone, at one velocity, the motion of the body is known ahead.
+//! A body is *disturbed* in a step if a call gave the body another velocity or another pose.
+
+use nalgebra::Isometry3;
+
+use crate::motion::{Motion, Steady, Velocity};
+
+/// Velocity of a body, and the steps in which the motion last changed.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct Moving {
+    pub(super) velocity: Velocity,
+    /// The last two steps in which the body was disturbed, the later first.
+    disturbed: [u32; 2],
+    /// The last step in which the body was disturbed after a tick of that step.
+    late: u32,
+}
+
+impl Moving {
+    /// Notes that the motion of the body changes in a step, before or after the tick.
+    pub(super) fn disturb(&mut self, step: u32, is_late: bool) {
+        if self.disturbed[0] != step {
+            self.disturbed = [step, self.disturbed[0]];
+        }
+        if is_late {
+            self.late = step;
+        }
+    }
+
+    pub(super) fn is_disturbed(&self, step: u32) -> bool {
+        self.disturbed[0] == step
+    }
+
+    pub(super) fn is_late(&self, step: u32) -> bool {
+        self.late == step
+    }
+
+    /// Whether the body was disturbed in this step and in the step before, as by a solver that
+    /// changes velocities in every step: then a look ahead is wasted.
+    pub(super) fn is_steered(&self, step: u32) -> bool {
+        self.disturbed == [step, step.wrapping_sub(1)]
+    }
+}
+
+/// The motion of a body over the tick of the step being prepared.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct Sweep {
+    /// The pose before the tick.
+    pub(super) from: Isometry3<f64>,
+    /// The velocity during the tick; zero for a body that was moved after the tick alone.
+    pub(super) velocity: Velocity,
+}
+
+impl Sweep {
+    /// Returns the motion; `None` if a velocity is beyond the range of motions.
+    pub(super) fn motion(&self) -> Option<Steady> {
+        Steady::new(&self.from, self.velocity).ok()
+    }
+
+    /// Returns the growth of the box about both ends of a sweep that holds the body at every
+    /// instant between. The body's own origin goes straight, and no point is farther than `radius`
+    /// from the origin: the second derivative of its place is at most `radius w^2`, hence the
+    /// distance from the chord of both ends at most `radius (w t)^2 / 8`, and at most the diameter.
+    /// The drift of the motion is the rounding of the poses.
+    pub(super) fn bulge(&self, radius: f64, time: f64) -> f64 {
+        let angle = self.velocity.angular.norm() * time;
+        let chord = (0.125 * radius * angle * angle).min(2.0 * radius);
+        let drift = self
+            .motion()
+            .map_or(0.0, |motion| motion.course(0.0, time).drift(radius).at(time));
+        chord + drift
+    }
+
+    /// Returns an upper bound of the displacement of any point of the body from its start, at every
+    /// instant of the sweep.
+    pub(super) fn displacement(&self, radius: f64, time: f64) -> f64 {
+        self.motion().map_or(f64::INFINITY, |motion| {
+            motion.course(0.0, time).displacement(radius, time)
+        })
+    }
+}
+
+/// The ticks of a scene.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct Ticks {
+    /// Number of the last tick.
+    pub(super) now: u64,
+    /// Length of the last tick.
+    pub(super) length: f64,
+    /// Whether a tick came since the last step.
+    pub(super) is_pending: bool,
+    /// Whether the length of a tick changed since the last step.
+    pub(super) is_changed: bool,
+}
+
+impl Ticks {
+    /// Begins a tick.
+    pub(super) fn begin(&mut self, length: f64) {
+        self.is_changed |= self.length != length;
+        self.length = length;
+        self.is_pending = true;
+        self.now += 1;
+    }
+
+    pub(super) fn end_step(&mut self) {
+        (self.is_pending, self.is_changed) = (false, false);
+    }
+}

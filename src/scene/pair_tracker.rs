@@ -1,0 +1,210 @@
+//! The tracker of a pair of bodies: [`Tracker`] for two polyhedra, [`MixedTracker`] for every other
+//! pair of kinds.
+
+use alloc::boxed::Box;
+
+use super::body_shape::BodyShape;
+use super::mixed_tracker::MixedTracker;
+use super::report::Counts;
+use crate::contact::{Manifold, ManifoldOptions, Query};
+use crate::pair::outcome::{Outcome, Until};
+use crate::polyhedron::{ConvexPolyhedron, FeaturePair};
+use crate::pose::{Operand, RelativePose};
+use crate::separation::{Measure, PolyhedronPair, Separation};
+use crate::tracker::Tracker;
+
+/// State of a pair between queries. Implemented by two types, so that pairs of polyhedra pay
+/// nothing for the other kinds.
+pub(super) trait PairTracker: Clone + Send + Sync {
+    /// The two shapes in the form in which the tracker takes them.
+    type Shapes<'a>: Copy;
+
+    /// Returns the shapes of a pair of this tracker; `None` for another pair.
+    fn shapes<'a>(a: &'a BodyShape, b: &'a BodyShape) -> Option<Self::Shapes<'a>>;
+
+    /// Returns the signed distance with bounds and features; an overlap without a depth if `until`
+    /// is [`Until::Class`].
+    fn measure(&mut self, shapes: Self::Shapes<'_>, pose: &RelativePose, until: Until) -> Outcome;
+
+    /// Returns whether the shapes are at most `d` apart, from the outcome of the last measurement.
+    fn decides_within(&mut self, shapes: Self::Shapes<'_>, pose: &RelativePose, outcome: &Outcome, d: f64) -> bool;
+
+    /// Asks the pair in the form that can be measured over time, with the last outcome as a
+    /// measure.
+    fn over_time<R>(
+        &mut self,
+        shapes: Self::Shapes<'_>,
+        seen: Option<&Outcome>,
+        ask: impl FnOnce(&mut dyn Separation, Option<Measure>) -> R,
+    ) -> Option<R>;
+
+    /// Updates the contact points of a pair within the prediction.
+    fn update_manifold(
+        &mut self,
+        shapes: Self::Shapes<'_>,
+        pose: &RelativePose,
+        found: (&Outcome, &ManifoldOptions),
+        stored: &mut Option<Box<Manifold>>,
+        counts: &mut Counts,
+    );
+
+    /// Returns the pieces or triangles of the last measurement; zero for shapes of one piece.
+    fn pieces(&self) -> [u32; 2];
+
+    /// Returns the number of triangles of the cached surface of an overlap.
+    fn facets(&self) -> usize;
+
+    /// Drops the cached surface of an overlap.
+    fn shed(&mut self);
+
+    /// Returns the bytes on the heap.
+    fn heap_bytes(&self) -> usize;
+}
+
+impl PairTracker for Tracker {
+    type Shapes<'a> = (&'a ConvexPolyhedron, &'a ConvexPolyhedron);
+
+    #[inline]
+    fn shapes<'a>(a: &'a BodyShape, b: &'a BodyShape) -> Option<Self::Shapes<'a>> {
+        a.as_polyhedron().zip(b.as_polyhedron())
+    }
+
+    #[inline]
+    fn measure(&mut self, (a, b): Self::Shapes<'_>, pose: &RelativePose, until: Until) -> Outcome {
+        Self::measure(self, a, b, pose, until)
+    }
+
+    #[inline]
+    fn decides_within(&mut self, (a, b): Self::Shapes<'_>, pose: &RelativePose, outcome: &Outcome, d: f64) -> bool {
+        Self::decides_within(self, a, b, pose, outcome, d)
+    }
+
+    fn over_time<R>(
+        &mut self,
+        (a, b): Self::Shapes<'_>,
+        seen: Option<&Outcome>,
+        ask: impl FnOnce(&mut dyn Separation, Option<Measure>) -> R,
+    ) -> Option<R> {
+        let mut pair = PolyhedronPair::with_tracker(a, b, core::mem::take(self));
+        let seen = seen.map(|outcome| pair.seen(outcome));
+        let answer = ask(&mut pair, seen);
+        *self = pair.into_tracker();
+        Some(answer)
+    }
+
+    /// If the bodies have hardly moved since the manifold was made, the points are measured again,
+    /// else the manifold is rebuilt from the outcome.
+    fn update_manifold(
+        &mut self,
+        (a, b): Self::Shapes<'_>,
+        pose: &RelativePose,
+        (outcome, options): (&Outcome, &ManifoldOptions),
+        stored: &mut Option<Box<Manifold>>,
+        counts: &mut Counts,
+    ) {
+        let query = Query::new(a, b, pose, options);
+        let manifold = stored.get_or_insert_default();
+        counts.manifolds += 1;
+        if let Err(moved) = manifold.refresh(&query) {
+            manifold.renew(&query, outcome, moved);
+            counts.renewed += 1;
+        }
+    }
+
+    fn pieces(&self) -> [u32; 2] {
+        [0; 2]
+    }
+
+    #[inline]
+    fn facets(&self) -> usize {
+        Self::facets(self)
+    }
+
+    fn shed(&mut self) {
+        Self::shed(self);
+    }
+
+    fn heap_bytes(&self) -> usize {
+        Self::heap_bytes(self)
+    }
+}
+
+/// The shapes of A and B.
+pub(super) type ShapePair<'a> = (&'a BodyShape, &'a BodyShape);
+
+/// The tracker of a pair of any kinds, on the way from one table to another: tables store the
+/// variants apart.
+#[derive(Clone, Debug)]
+#[allow(clippy::large_enum_variant, reason = "moved, never stored")]
+pub(super) enum AnyTracker {
+    Polyhedra(Tracker),
+    Mixed(MixedTracker),
+}
+
+impl AnyTracker {
+    /// Returns a tracker without a start; `None` for kinds that no tracker takes together.
+    pub(super) fn new(a: &BodyShape, b: &BodyShape) -> Option<Self> {
+        match (a, b) {
+            (BodyShape::Polyhedron(_), BodyShape::Polyhedron(_)) => Some(Self::Polyhedra(Tracker::new())),
+            _ => MixedTracker::new(a, b).map(Self::Mixed),
+        }
+    }
+
+    /// Returns the signed distance with bounds and features of the shapes for which the tracker was
+    /// made.
+    pub(super) fn measure(&mut self, (a, b): ShapePair<'_>, pose: &RelativePose, until: Until) -> Outcome {
+        match self {
+            Self::Polyhedra(tracker) => match Tracker::shapes(a, b) {
+                Some(shapes) => PairTracker::measure(tracker, shapes, pose, until),
+                None => Outcome::starting_at(FeaturePair::vertices(Operand::A, 0, 0)),
+            },
+            Self::Mixed(tracker) => tracker.measure((a, b), pose, until),
+        }
+    }
+
+    /// Returns whether the shapes are at most `d` apart, from the outcome of the last measurement.
+    pub(super) fn decides_within(
+        &mut self,
+        (a, b): ShapePair<'_>,
+        pose: &RelativePose,
+        outcome: &Outcome,
+        d: f64,
+    ) -> bool {
+        match self {
+            Self::Polyhedra(tracker) => Tracker::shapes(a, b)
+                .is_some_and(|shapes| PairTracker::decides_within(tracker, shapes, pose, outcome, d)),
+            Self::Mixed(tracker) => tracker.decides_within((a, b), pose, outcome, d),
+        }
+    }
+
+    /// Returns the pieces or triangles of the last measurement.
+    pub(super) fn pieces(&self) -> [u32; 2] {
+        match self {
+            Self::Polyhedra(_) => [0; 2],
+            Self::Mixed(tracker) => tracker.pieces(),
+        }
+    }
+}
+
+/// The stored tracker of a pair.
+#[derive(Clone, Copy)]
+pub(super) enum TrackerRef<'a> {
+    Polyhedra(&'a Tracker),
+    Mixed(&'a MixedTracker),
+}
+
+impl TrackerRef<'_> {
+    /// Returns a tracker that begins with the state of this one, for the two bodies in the order of
+    /// the pair or in the other.
+    pub(super) fn started(self, a: &BodyShape, b: &BodyShape, is_in_order: bool) -> Option<AnyTracker> {
+        match self {
+            Self::Polyhedra(tracker) => {
+                let features = tracker.features()?;
+                let features = if is_in_order { features } else { features.swapped() };
+                let (a, b) = Tracker::shapes(a, b)?;
+                Some(AnyTracker::Polyhedra(Tracker::starting_from(features, a, b)))
+            }
+            Self::Mixed(tracker) => is_in_order.then(|| AnyTracker::Mixed(tracker.clone())),
+        }
+    }
+}

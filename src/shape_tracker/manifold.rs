@@ -1,0 +1,178 @@
+//! Contact manifolds of shapes.
+
+use nalgebra::Vector3;
+
+use super::ShapeTracker;
+use crate::contact::{Extent, Facet, Manifold, ManifoldOptions, Query, RoundFace};
+use crate::num::scalar::sqrt;
+use crate::polyhedron::{EdgeId, FaceId, Feature, VertexId};
+use crate::pose::RelativePose;
+use crate::shape::{Cone, Core, Cylinder, Shape};
+use crate::smooth;
+use crate::tolerance::STAY;
+
+impl ShapeTracker {
+    /// Computes the contact points of two shapes within `options.prediction`, in `manifold`, which
+    /// keeps ids and order of the contacts of the previous query: one manifold for each pair,
+    /// passed in every frame.
+    ///
+    /// The counterpart of [`Tracker::manifold`](crate::Tracker::manifold) for every kind of shape.
+    /// Rounded polyhedra have the contacts of their cores, moved out by the radii along the normal.
+    /// Curved shapes bear contacts by their flat round faces and straight generators within
+    /// `options.sine` of the normal; an ellipsoid, a superquadric, or a rim or apex without such a
+    /// face has one contact, the witnesses.
+    ///
+    /// Contacts of a flat round face are eight points of its rim at multiples of 45 degrees, as far
+    /// as they are over the other shape, and the crossings of the rim with the boundary of the
+    /// other face. They stand still on a shape that trembles: if the shapes are tilted by less than
+    /// some 2e-4, the deepest contact may be shallower than [`closest`](Self::closest) by `2^-16`
+    /// times the radius of the smaller shape. As features, the points of the upper rim of a
+    /// cylinder are vertices 0 to 7, of the lower rim 8 to 15, and of the rim of a cone 1 to 8; the
+    /// second crossing of an edge with a rim is named by the face instead of the rim.
+    ///
+    /// ```
+    /// use lin_canny::nalgebra::{Isometry3, Vector3};
+    /// use lin_canny::{Manifold, ManifoldOptions, RelativePose, Shape, ShapeTracker};
+    ///
+    /// let floor = Shape::cuboid(Vector3::new(5.0, 5.0, 1.0))?;
+    /// let can = Shape::cylinder(0.5, 0.25)?;
+    /// let at = RelativePose::from_isometry(&Isometry3::translation(1.0, 2.0, 1.51))?;
+    /// let (mut pair, mut manifold) = (ShapeTracker::new(), Manifold::new());
+    /// pair.manifold(&floor, &can, &at, &ManifoldOptions::within(0.02), &mut manifold);
+    /// assert_eq!(manifold.points().len(), 4);
+    /// assert!(manifold.points().iter().all(|p| (p.separation - 0.01).abs() < 1e-12));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn manifold(
+        &mut self,
+        a: &Shape,
+        b: &Shape,
+        a_from_b: &RelativePose,
+        options: &ManifoldOptions,
+        manifold: &mut Manifold,
+    ) {
+        let radii = [a.round(), b.round()];
+        // The cores are farther apart by the radii.
+        let of_cores = ManifoldOptions {
+            prediction: options.prediction + radii[0] + radii[1],
+            ..*options
+        };
+        if let (Core::Polyhedron(x), Core::Polyhedron(y)) = (a.core(), b.core()) {
+            let query = Query::new(x, y, a_from_b, &of_cores).rounded(radii);
+            if let Err(moved) = manifold.refresh(&query) {
+                let outcome = self.polyhedral.closest(x, y, a_from_b);
+                manifold.renew(&query, &outcome, moved);
+            }
+            return;
+        }
+        let extents = [extent(a.core()), extent(b.core())];
+        let mut query = Query::of(extents, [Facet::Point; 2], a_from_b, &of_cores).rounded(radii);
+        if let Err(moved) = manifold.refresh(&query) {
+            let outcome = smooth::closest(a.core(), b.core(), a_from_b, &mut self.curved);
+            self.count(&outcome);
+            let normal = outcome.normal.into_inner();
+            let bears = |previous: Option<Feature>| Bearing {
+                sine: options.sine,
+                previous,
+            };
+            let previous = manifold.features();
+            query.facets = [
+                bears(previous.map(|f| f.a)).facet(a.core(), &normal),
+                bears(previous.map(|f| f.b)).facet(b.core(), &-a_from_b.rotation().tr_mul(&normal)),
+            ];
+            manifold.renew(&query, &outcome, moved);
+        }
+    }
+}
+
+fn extent(core: &Core) -> Extent {
+    if let Core::Polyhedron(body) = core {
+        return Extent::of(body);
+    }
+    Extent {
+        fingerprint: core.fingerprint(),
+        origin: core.origin(),
+        radius: core.radius(),
+        is_unscaled: true,
+    }
+}
+
+/// How close to perpendicular to the normal a facet must be.
+struct Bearing {
+    /// Sine of the largest angle.
+    sine: f64,
+    /// The feature that bore the contact before: it may be a quarter further off.
+    previous: Option<Feature>,
+}
+
+impl Bearing {
+    fn accepts(&self, feature: Feature, sine: f64) -> bool {
+        let stay = if self.previous == Some(feature) { STAY } else { 1.0 };
+        sine.abs() <= stay * self.sine
+    }
+
+    /// Returns the facet of a core which bears a contact with an outward normal.
+    fn facet<'a>(&self, core: &'a Core, n: &Vector3<f64>) -> Facet<'a> {
+        match core {
+            Core::Polyhedron(body) => Facet::Body(body),
+            Core::Cylinder(core) => self.of_cylinder(core, n),
+            Core::Cone(core) => self.of_cone(core, n),
+            Core::Ellipsoid(_) | Core::Superquadric(_) => Facet::Point,
+        }
+    }
+
+    fn of_cylinder(&self, core: &Cylinder, n: &Vector3<f64>) -> Facet<'static> {
+        let (r, h) = (core.radius(), core.half_height());
+        let flat = sqrt(n.x * n.x + n.y * n.y);
+        let lower = u32::from(n.z < 0.0);
+        let (face, side) = (Feature::Face(FaceId(lower)), Feature::Face(FaceId(2)));
+        let [upper_rim, lower_rim] = [0, 1].map(|k| Feature::Edge(EdgeId(k)));
+        if self.accepts(face, flat) {
+            let is_lower = lower == 1;
+            return Facet::Round(RoundFace {
+                z: if is_lower { -h } else { h },
+                radius: r,
+                face,
+                rim: if is_lower { lower_rim } else { upper_rim },
+                first: 8 * lower,
+            });
+        }
+        if !self.accepts(side, n.z) {
+            return Facet::Point;
+        }
+        let out = Vector3::new(n.x, n.y, 0.0) * (r / flat);
+        Facet::Straight {
+            ends: [out + Vector3::z() * h, out - Vector3::z() * h],
+            names: [upper_rim, lower_rim],
+            side,
+        }
+    }
+
+    fn of_cone(&self, core: &Cone, n: &Vector3<f64>) -> Facet<'static> {
+        let (r, h, height) = (core.radius(), core.half_height(), 2.0 * core.half_height());
+        let flat = sqrt(n.x * n.x + n.y * n.y);
+        let [face, side] = [0, 1].map(|k| Feature::Face(FaceId(k)));
+        let rim = Feature::Edge(EdgeId(0));
+        if n.z < 0.0 && self.accepts(face, flat) {
+            return Facet::Round(RoundFace {
+                z: -h,
+                radius: r,
+                face,
+                rim,
+                first: 1,
+            });
+        }
+        // The normal of the side is (height, r) over the slant.
+        let slant = sqrt(r * r + height * height);
+        let is_outward = flat * height + n.z * r > 0.0;
+        if !(is_outward && self.accepts(side, (flat * r - n.z * height) / slant) && flat > 0.0) {
+            return Facet::Point;
+        }
+        let end = Vector3::new(n.x * (r / flat), n.y * (r / flat), -h);
+        Facet::Straight {
+            ends: [Vector3::z() * h, end],
+            names: [Feature::Vertex(VertexId(0)), rim],
+            side,
+        }
+    }
+}

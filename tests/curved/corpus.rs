@@ -1,0 +1,89 @@
+//! Every line of `corpus.txt`, cold and warm, A to B and B to A.
+
+#[path = "../../examples/shapes/parse.rs"]
+#[allow(unreachable_pub)]
+mod parse;
+
+use super::kinds::Kind;
+use super::suites::sampled;
+use super::{Mix, Place};
+use lab::rng::Rng;
+use lin_canny::shape::Core;
+use lin_canny::{Class, Outcome, RelativePose, Shape, ShapeTracker};
+
+/// A shape without its rounding, as ours and as the judge's.
+fn core(shape: &Shape) -> (Shape, Kind) {
+    let kind = match shape.core() {
+        Core::Polyhedron(body) => Kind::Hull(body.vertex_points().map(|p| p.coords.into()).collect()),
+        Core::Ellipsoid(core) => Kind::Ellipsoid(core.semi_axes().into()),
+        Core::Cylinder(core) => Kind::Cylinder(core.half_height(), core.radius()),
+        Core::Cone(core) => Kind::Cone(core.half_height(), core.radius()),
+        Core::Superquadric(core) => Kind::Superquadric(core.semi_axes().into(), core.exponents()),
+        other => panic!("{other:?} is new"),
+    };
+    (kind.shape(), kind)
+}
+
+fn place(pose: &RelativePose) -> Place {
+    let (_, b) = pose.poses();
+    let q = b.rotation.coords;
+    Place {
+        q: [q.x, q.y, q.z, q.w],
+        t: b.translation.vector.into(),
+    }
+}
+
+fn meet(o: &Outcome, p: &Outcome, line: &str) {
+    let slack = 1e-13 * (o.distance.abs() + p.distance.abs());
+    assert!(
+        o.lower <= p.upper + slack && p.lower <= o.upper + slack,
+        "{line}\n{o:?}\n{p:?}"
+    );
+}
+
+#[test]
+fn every_line_is_answered() {
+    let text = include_str!("corpus.txt");
+    let lines = text.lines().filter(|l| !l.is_empty() && !l.starts_with('#'));
+    let (mut mix, mut rng, mut classes) = (Mix::default(), Rng::new(2170), [0; 4]);
+    for line in lines {
+        let pair = parse::pair(line).expect(line);
+        let ((a, first), (b, second)) = (core(&pair.a), core(&pair.b));
+        let at = place(&pair.pose);
+        let o = ShapeTracker::new().closest(&a, &b, &pair.pose);
+        let size = at.size(&first, &second);
+        assert_ne!(o.class, Class::Undecided, "{line} {o:?}");
+        if matches!((a.core(), b.core()), (Core::Polyhedron(_), Core::Polyhedron(_))) {
+            // The judge of two polyhedra is elsewhere.
+        } else if o.class == Class::Separated {
+            mix.judge(&first, &second, &at, &o);
+        } else {
+            let s = sampled(&first, &second, &at, &mut rng);
+            assert!(s <= o.upper + 1e-14 * size, "{line}: {s} {o:?}");
+            assert!(o.upper - o.lower <= 3e-6 * size, "{line}: {o:?}");
+        }
+        classes[o.class as usize] += 1;
+        // Rounded: both radii less; warm, swapped, and after another pair.
+        let mut tracker = ShapeTracker::new();
+        let rounded = tracker.closest(&pair.a, &pair.b, &pair.pose);
+        let radii = pair.a.round() + pair.b.round();
+        let slack = 1e-15 * (size + radii);
+        assert!(
+            rounded.lower <= o.upper - radii + slack && o.lower - radii <= rounded.upper + slack,
+            "{line} {o:?} {rounded:?}"
+        );
+        let again = tracker.closest(&pair.a, &pair.b, &pair.pose);
+        let swapped = tracker.closest(&pair.b, &pair.a, &pair.pose.swapped());
+        for other in [again, swapped] {
+            assert_eq!(other.class, rounded.class, "{line} {rounded:?} {other:?}");
+            meet(&other, &rounded, line);
+        }
+    }
+    mix.print("corpus", "");
+    println!("classes {classes:?}");
+    assert!(mix.widest <= 1e-13, "{}", mix.widest);
+    assert!(
+        classes[Class::Separated as usize] > 30 && classes[Class::Overlapping as usize] > 3,
+        "{classes:?}"
+    );
+}

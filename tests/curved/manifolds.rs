@@ -1,0 +1,274 @@
+//! Promise: contacts of shapes lie on both surfaces, opposite each other along the normal, never deeper than the outcome;
+//! and those of a shape at rest stand still.
+
+use super::kinds::Kind;
+use super::wide::wide;
+use super::{KINDS, Place, at_gap};
+use lab::rng::Rng;
+use lin_canny::nalgebra::{Point3, Vector3};
+use lin_canny::{Class, ContactPoint, Manifold, ManifoldOptions, Shape, ShapeTracker, Tracker};
+
+const R: f64 = 0.5;
+
+fn plate() -> Kind {
+    let half = [3.0, 3.0, 0.5];
+    let corner = |k: usize| [0, 1, 2].map(|a| if k >> a & 1 == 1 { half[a] } else { -half[a] });
+    Kind::Hull((0..8).map(corner).collect())
+}
+
+/// A quarter turn about x: the axis lies along -y.
+fn lying() -> [f64; 4] {
+    let s = 0.5f64.sqrt();
+    [s, 0.0, 0.0, s]
+}
+
+/// `place` with a tremble of `size`, in translation and rotation.
+fn trembled(place: &Place, size: f64, rng: &mut Rng) -> Place {
+    let (turn, shift) = (lab::pose::quat(rng.unit(), size * rng.range(0.0, 1.0)), rng.in_ball());
+    Place {
+        q: lab::pose::unit_quat(lab::pose::quat_mul(turn, place.q)),
+        t: [0, 1, 2].map(|k| place.t[k] + size * shift[k]),
+    }
+}
+
+/// Everything that holds for any contact.
+fn judge(kinds: [&Kind; 2], place: &Place, manifold: &Manifold, told: &str) {
+    let size = place.size(kinds[0], kinds[1]);
+    let (at, n) = (place.isometry(), manifold.normal());
+    for (k, p) in manifold.points().iter().enumerate() {
+        let between = at * p.point_on_b - p.point_on_a;
+        // Witnesses prove a length to `width`, and a direction to its root; points of old contacts stand still.
+        let width = manifold.upper() - manifold.lower();
+        let apart = 1e-12 * size + (4.0 * width * (p.separation.abs() + width)).sqrt();
+        let off = if manifold.is_fresh() {
+            between - *n * p.separation
+        } else {
+            Vector3::zeros()
+        };
+        assert!(off.norm() <= apart, "not opposite by {:e}: {p:?} {told}", off.norm());
+        assert!(
+            (between.dot(&n) - p.separation).abs() <= 1e-12 * size + width,
+            "not as deep: {p:?} {told}"
+        );
+        assert!(
+            p.separation >= manifold.lower() - 1e-12 * size,
+            "too deep: {p:?} {told}"
+        );
+        for (kind, point) in [(kinds[0], p.point_on_a), (kinds[1], p.point_on_b)] {
+            let outside = kind.outside(&wide(point.coords.into()));
+            assert!(outside <= 1e-12 * size, "outside by {outside:e}: {p:?} {told}");
+        }
+        let twin = |q: &ContactPoint| q.id == p.id;
+        assert!(!manifold.points()[..k].iter().any(twin), "two of one id: {told}");
+    }
+}
+
+/// Cylinder and cone at rest on a plate, trembling by 1e-7 of the radius: 1,000 frames, apart and overlapping, with contacts
+/// computed every frame (no drift) or as by default.
+#[test]
+fn contacts_at_rest_stand_still() {
+    let (can, hat, floor) = (Kind::Cylinder(1.0, R), Kind::Cone(1.0, R), plate());
+    let (up, over) = ([0.0, 0.0, 0.0, 1.0], [1.0, 0.0, 0.0, 0.0]);
+    let cases = [
+        (&can, up, 1.0, 4),
+        (&can, over, 1.0, 4),
+        (&can, lying(), R, 2),
+        (&hat, up, 1.0, 4),
+    ];
+    let mut rng = Rng::new(2160);
+    for (kind, q, height, points) in cases {
+        for (gap, drift) in [
+            (1e-3, 0.0),
+            (1e-3, 1.0 / 1024.0),
+            (-1e-4, 0.0),
+            (-1e-4, 1.0 / 1024.0),
+            (1e-9, 0.0),
+        ] {
+            // Yawed, so that no axis of the shape is one of the plate.
+            let yaw = lab::pose::quat([0.0, 0.0, 1.0], 0.3);
+            let rest = Place {
+                q: lab::pose::unit_quat(lab::pose::quat_mul(yaw, q)),
+                t: [0.2, -0.3, 0.5 + height + gap],
+            };
+            let mut options = ManifoldOptions::within(0.01);
+            options.drift = drift;
+            let (a, b) = (floor.shape(), kind.shape());
+            let (mut pair, mut manifold) = (ShapeTracker::new(), Manifold::new());
+            let mut first: Vec<ContactPoint> = Vec::new();
+            let mut moved = 0.0f64;
+            for frame in 0..1000 {
+                let place = trembled(&rest, 1e-7 * R, &mut rng);
+                pair.manifold(&a, &b, &place.pose(), &options, &mut manifold);
+                let told = format!("{kind:?} gap {gap} drift {drift} frame {frame} {place:?}");
+                judge([&floor, kind], &place, &manifold, &told);
+                assert_eq!(manifold.points().len(), points, "{told} {:?}", manifold.points());
+                if frame == 0 {
+                    first = manifold.points().to_vec();
+                }
+                for (p, f) in manifold.points().iter().zip(&first) {
+                    assert_eq!(p.id, f.id, "{told}");
+                    let on_a = (p.point_on_a - f.point_on_a).norm();
+                    moved = moved.max(on_a.max((p.point_on_b - f.point_on_b).norm()));
+                }
+            }
+            assert!(
+                moved <= 1e-6 * R,
+                "{kind:?} gap {gap} drift {drift}: contacts wander by {moved:e}"
+            );
+        }
+    }
+}
+
+/// A cylinder at the edge and at the corner of a plate, and upon another cylinder: the crossings of rim and edges.
+#[test]
+fn caps_are_clipped_by_edges_and_by_caps() {
+    let (can, floor) = (Kind::Cylinder(1.0, R), plate());
+    let mut options = ManifoldOptions::within(0.01);
+    options.max_points = 8;
+    let contacts = |a: &Kind, t: [f64; 3]| {
+        let q = lab::pose::quat([0.0, 0.0, 1.0], 0.1);
+        let place = Place { q, t };
+        let mut manifold = Manifold::new();
+        ShapeTracker::new().manifold(&a.shape(), &can.shape(), &place.pose(), &options, &mut manifold);
+        judge([a, &can], &place, &manifold, &format!("{a:?} {t:?}"));
+        manifold
+    };
+    let has = |m: &Manifold, p: [f64; 2]| {
+        let near = |c: &ContactPoint| (c.point_on_a.xy() - Point3::from([p[0], p[1], 0.0]).xy()).norm() < 1e-12;
+        assert!(m.points().iter().any(near), "{p:?} is missing: {:?}", m.points());
+    };
+    // Half over the edge x = 3.
+    let m = contacts(&floor, [3.0, 0.0, 1.501]);
+    has(&m, [3.0, R]);
+    has(&m, [3.0, -R]);
+    // Over the corner: the corner itself and a crossing on each edge.
+    let m = contacts(&floor, [3.0, 3.0, 1.501]);
+    has(&m, [3.0, 3.0]);
+    has(&m, [3.0, 3.0 - R]);
+    has(&m, [3.0 - R, 3.0]);
+    // Two caps whose rims cross.
+    let d = R;
+    let m = contacts(&can, [d, 0.0, 2.001]);
+    let across = (R * R - d * d / 4.0).sqrt();
+    has(&m, [d / 2.0, across]);
+    has(&m, [d / 2.0, -across]);
+    // A plate smaller than the cap: all its corners.
+    let small = Kind::Hull(
+        (0..8)
+            .map(|k| [0, 1, 2].map(|a| if k >> a & 1 == 1 { 0.2 } else { -0.2 }))
+            .collect(),
+    );
+    let m = contacts(&small, [0.0, 0.0, 1.201]);
+    for p in [[0.2, 0.2], [-0.2, 0.2], [-0.2, -0.2], [0.2, -0.2]] {
+        has(&m, p);
+    }
+    assert_eq!(m.points().len(), 4);
+}
+
+/// All pairs of kinds, near contact and tilted by 0 to 1 degree from flush.
+#[test]
+fn contacts_of_all_pairs_are_sound() {
+    let (mut rng, mut counts, mut overlapping) = (Rng::new(2161), [0; 9], 0);
+    let options = ManifoldOptions::within(0.02);
+    for k in 0..2000 {
+        let kinds = [0, 1].map(|_| Kind::random(KINDS[rng.below(KINDS.len())], &mut rng, 4.0));
+        if matches!(kinds, [Kind::Hull(_), Kind::Hull(_)]) {
+            continue;
+        }
+        let mut place = at_gap(&kinds[0], &kinds[1], &mut rng, 1e-3);
+        if k % 2 == 0 {
+            // Axes up, or one of them over: caps and bases nearly flush.
+            let (q, tilt) = (
+                *rng.pick(&[[0.0, 0.0, 0.0, 1.0], [1.0, 0.0, 0.0, 0.0], lying()]),
+                rng.log_range(1e-9, 0.02),
+            );
+            let turn = lab::pose::quat(rng.unit(), if rng.chance(0.2) { 0.0 } else { tilt });
+            place.q = lab::pose::unit_quat(lab::pose::quat_mul(turn, q));
+            place.t = [rng.range(-0.5, 0.5), rng.range(-0.5, 0.5), 4.0];
+            let o = ShapeTracker::new().closest(&kinds[0].shape(), &kinds[1].shape(), &place.pose());
+            let gap = if rng.chance(0.3) { -1e-3 } else { 1e-3 };
+            place.t = (Vector3::from(place.t) - Vector3::z() * (o.distance / o.normal.z - gap)).into();
+        }
+        let (mut pair, mut manifold) = (ShapeTracker::new(), Manifold::new());
+        let (a, b) = (kinds[0].shape(), kinds[1].shape());
+        for _ in 0..3 {
+            let o = ShapeTracker::new().closest(&a, &b, &place.pose());
+            pair.manifold(&a, &b, &place.pose(), &options, &mut manifold);
+            let told = format!("{kinds:?} {place:?} {o:?}");
+            if manifold.is_fresh() {
+                judge([&kinds[0], &kinds[1]], &place, &manifold, &told);
+                let size = place.size(&kinds[0], &kinds[1]);
+                if let Some(p) = manifold.deepest() {
+                    let slack = o.upper - o.lower + 2e-5 * size;
+                    assert!(p.separation <= o.distance + slack, "too shallow {p:?} {told}");
+                }
+                assert_eq!(manifold.points().is_empty(), o.lower > options.prediction, "{told}");
+            }
+            counts[manifold.points().len()] += 1;
+            overlapping += u32::from(o.class == Class::Overlapping);
+            place = trembled(&place, 1e-3, &mut rng);
+        }
+    }
+    println!("contacts: {counts:?}, overlapping {overlapping}");
+    assert!(
+        counts[1] > 500 && counts[2] > 50 && counts[4] > 50 && overlapping > 100,
+        "{counts:?} {overlapping}"
+    );
+}
+
+/// A rounded box has the contacts of its core, moved out along the normal; over frames, with the ids of the core.
+#[test]
+fn rounded_polyhedra_have_the_contacts_of_their_cores() {
+    let mut rng = Rng::new(2162);
+    let (half, other) = (Vector3::new(0.5, 0.4, 0.3), Vector3::new(3.0, 3.0, 0.5));
+    let [core, floor] = [half, other].map(|h| lin_canny::polyhedron::solids::cuboid(h).expect("a box"));
+    let radii = [0.25, 0.125];
+    let a = Shape::from(floor.clone()).rounded(radii[0]).expect("a radius");
+    let b = Shape::from(core.clone()).rounded(radii[1]).expect("a radius");
+    let (mut pair, mut cores) = (ShapeTracker::new(), Tracker::new());
+    let (mut manifold, mut of_cores) = (Manifold::new(), Manifold::new());
+    let mut seen = 0;
+    for k in 0..400 {
+        let place = Place {
+            q: lab::pose::quat(rng.unit(), rng.log_range(1e-6, 0.02)),
+            t: [0.003 * f64::from(k), 0.1, 0.8 + 0.375 + rng.range(-0.01, 0.02)],
+        };
+        let pose = place.pose();
+        pair.manifold(&a, &b, &pose, &ManifoldOptions::within(0.01), &mut manifold);
+        cores.manifold(&floor, &core, &pose, &ManifoldOptions::within(0.385), &mut of_cores);
+        assert_eq!(manifold.points().len(), of_cores.points().len());
+        let n = manifold.normal();
+        for (p, q) in manifold.points().iter().zip(of_cores.points()) {
+            assert_eq!((p.id, p.features), (q.id, q.features));
+            assert!((p.separation - (q.separation - 0.375)).abs() < 1e-12, "{p:?} {q:?}");
+            assert!(
+                (p.point_on_a - (q.point_on_a + *n * radii[0])).norm() < 1e-5,
+                "{p:?} {q:?}"
+            );
+            let between = place.isometry() * p.point_on_b - p.point_on_a;
+            assert!((between.dot(&n) - p.separation).abs() < 1e-12, "{p:?}");
+            seen += 1;
+        }
+        let o = pair.closest(&a, &b, &pose);
+        if manifold.is_fresh() && !manifold.points().is_empty() {
+            let deepest = manifold.deepest().expect("a contact").separation;
+            assert!((deepest - o.distance).abs() < 1e-12, "{deepest} {o:?}");
+        }
+        assert!(manifold.lower() <= o.upper && o.lower <= manifold.upper());
+    }
+    assert!(seen > 800, "{seen}");
+    // Two capsules side by side: both ends of the overlap.
+    let pill = Shape::capsule(1.0, 0.25).expect("a capsule");
+    let at = Place {
+        q: [0.0, 0.0, 0.0, 1.0],
+        t: [0.505, 0.0, 0.5],
+    };
+    pair.manifold(&pill, &pill, &at.pose(), &ManifoldOptions::within(0.01), &mut manifold);
+    assert_eq!(manifold.points().len(), 2);
+    for p in manifold.points() {
+        assert!(
+            (p.separation - 0.005).abs() < 1e-14 && (p.point_on_a.x - 0.25).abs() < 1e-14,
+            "{p:?}"
+        );
+    }
+}

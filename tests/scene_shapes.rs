@@ -1,0 +1,451 @@
+//! Promise: a scene of bodies of every kind finds what brute force over all pairs finds, on every frame; and effects that a
+//! pair of kinds cannot answer are refused by name.
+
+use lab::rng::Rng;
+use lin_canny::nalgebra::{Isometry3, Vector3};
+use lin_canny::polyhedron::solids;
+use lin_canny::scene::{Body, BodyId, BodyShape, Change, Effects, Group, Scene, SceneError, ShapeKind};
+use lin_canny::{
+    Class, Composite, ConvexPolyhedron, Manifold, ManifoldOptions, Mesh, Piece, RelativePose, Shape, ShapeTracker,
+    Tracker, Velocity,
+};
+use std::collections::BTreeSet;
+
+type Keys = BTreeSet<(BodyId, BodyId)>;
+
+const ALL: Group = Group::new(0).unwrap();
+const NONE: Effects = Effects::none();
+const D: f64 = 0.2;
+
+/// The convex pieces of a body, placed in the frame of the body.
+type Pieces = Vec<(Shape, Isometry3<f64>)>;
+
+/// A body as a list of placed convex shapes: what brute force looks at.
+struct Known {
+    id: BodyId,
+    pieces: Pieces,
+}
+
+fn pose(rng: &mut Rng, reach: f64) -> Isometry3<f64> {
+    Isometry3::new(
+        Vector3::from(rng.in_ball()) * reach,
+        Vector3::from(rng.unit()) * rng.range(0.0, 3.0),
+    )
+}
+
+/// Every kind of convex shape.
+fn convex(k: usize, rng: &mut Rng) -> Shape {
+    let axes = Vector3::new(rng.range(0.3, 0.6), rng.range(0.3, 0.6), rng.range(0.3, 0.6));
+    let made = match k % 9 {
+        0 => Shape::ball(rng.range(0.3, 0.5)),
+        1 => Shape::capsule(0.4, 0.2),
+        2 => Shape::cuboid(axes).and_then(|s| s.rounded(0.1)),
+        3 => Shape::cylinder(0.4, 0.3),
+        4 => Shape::cone(0.4, 0.4),
+        5 => Shape::ellipsoid(axes),
+        6 => Shape::superquadric(axes, 0.5, 0.8),
+        7 => Shape::cylinder(0.3, 0.3).and_then(|s| s.rounded(0.05)),
+        _ => Ok(Shape::from(solids::random_hull(20, axes, k as u64 + 1).unwrap())),
+    };
+    made.unwrap()
+}
+
+fn bracket() -> Composite {
+    let beam = solids::cuboid(Vector3::new(0.6, 0.12, 0.12)).unwrap();
+    let mut upright = Piece::new(beam.clone());
+    upright.pose = Isometry3::new(Vector3::new(0.6, 0.5, 0.0), Vector3::z() * std::f64::consts::FRAC_PI_2);
+    Composite::new(vec![Piece::new(beam), upright]).unwrap()
+}
+
+/// A polyhedron, composite or mesh, with its convex pieces.
+fn solid(k: usize, rng: &mut Rng) -> (BodyShape, Pieces) {
+    let hull = solids::random_hull(12, Vector3::new(0.5, 0.4, rng.range(0.3, 0.6)), k as u64 + 5).unwrap();
+    let whole = |hull: &ConvexPolyhedron| vec![(Shape::from(hull.clone()), Isometry3::identity())];
+    let parts = |c: &Composite| {
+        c.pieces()
+            .iter()
+            .map(|p| (Shape::from(p.shape.clone()), p.pose))
+            .collect()
+    };
+    match k % 4 {
+        0 => (hull.clone().into(), whole(&hull)),
+        1 => (Mesh::from_convex(&hull).unwrap().into(), whole(&hull)),
+        2 => (bracket().into(), parts(&bracket())),
+        _ => (bracket().to_mesh().unwrap().into(), parts(&bracket())),
+    }
+}
+
+/// The least bounds of the signed distance over all pairs of pieces, and whether two share a point or are within `D`.
+fn brute(scene: &Scene, a: &Known, b: &Known) -> (f64, f64, bool, bool) {
+    let (at_a, at_b) = (scene.pose(a.id).unwrap(), scene.pose(b.id).unwrap());
+    let (mut lower, mut upper, mut overlaps, mut within) = (f64::INFINITY, f64::INFINITY, false, false);
+    for (x, on_a) in &a.pieces {
+        for (y, on_b) in &b.pieces {
+            let pose = RelativePose::new(&(at_a * on_a), &(at_b * on_b)).unwrap();
+            let found = ShapeTracker::new().distance(x, y, &pose);
+            (lower, upper) = (lower.min(found.lower), upper.min(found.upper));
+            overlaps |= ShapeTracker::new().intersects(x, y, &pose);
+            within |= ShapeTracker::new().within(x, y, &pose, D);
+        }
+    }
+    (lower, upper, overlaps, within)
+}
+
+/// Pairs as events tell them.
+#[derive(Default)]
+struct Replay {
+    overlapping: Keys,
+    within: Keys,
+}
+
+impl Replay {
+    fn apply(&mut self, scene: &Scene) {
+        for e in scene.events() {
+            let key = (e.a, e.b);
+            assert!(match e.change {
+                Change::OverlapBegan => self.overlapping.insert(key),
+                Change::OverlapEnded => self.overlapping.remove(&key),
+                Change::CameWithin => self.within.insert(key),
+                Change::LeftWithin => self.within.remove(&key),
+                _ => true,
+            });
+        }
+    }
+}
+
+/// What was seen: pairs apart, overlapping, within, measured, depths.
+#[derive(Debug, Default)]
+struct Mix {
+    apart: usize,
+    overlapping: usize,
+    within: usize,
+    depths: usize,
+    skipped: u64,
+}
+
+/// Bounds of the two agree, up to the poses of pieces, which brute force composes in f64.
+const AGREE: f64 = 1e-12;
+
+fn check_frame(scene: &Scene, known: &[Known], replay: &Replay, effects: &Effects, mix: &mut Mix) {
+    for (k, x) in known.iter().enumerate() {
+        for y in &known[k + 1..] {
+            let (a, b) = if x.id < y.id { (x, y) } else { (y, x) };
+            let (lower, upper, overlaps, within) = brute(scene, a, b);
+            let key = (a.id, b.id);
+            // A tie within rounding may go either way where pieces have poses of their own.
+            if lower.abs() > AGREE {
+                assert_eq!(replay.overlapping.contains(&key), overlaps, "{key:?}");
+            }
+            if (lower - D).abs() > AGREE {
+                assert_eq!(replay.within.contains(&key), within, "{key:?}");
+            }
+            mix.overlapping += usize::from(overlaps);
+            mix.within += usize::from(within);
+            let answer = scene.pair(a.id, b.id).and_then(|p| p.outcome);
+            if !effects.features || lower > 0.3 - AGREE {
+                assert!(answer.is_none() || upper <= 0.3 + AGREE, "{key:?}");
+                continue;
+            }
+            let found = answer.expect("a pair within the range is measured");
+            if overlaps && !effects.depth {
+                assert_eq!(
+                    (found.class, found.distance, found.lower),
+                    (Class::Overlapping, 0.0, f64::NEG_INFINITY)
+                );
+                continue;
+            }
+            assert!(
+                found.lower <= upper + AGREE && lower <= found.upper + AGREE,
+                "{found:?} {lower} {upper}"
+            );
+            let (on_a, on_b) = (
+                scene.pose(a.id).unwrap() * found.point_on_a,
+                scene.pose(b.id).unwrap() * found.point_on_b,
+            );
+            let width = found.upper - found.lower + 1e-9;
+            let off = ((on_b - on_a).norm() - found.distance.abs()).abs();
+            assert!(off < width, "{off} {width} {found:?}");
+            mix.apart += usize::from(!overlaps);
+            mix.depths += usize::from(overlaps);
+        }
+    }
+}
+
+/// Moves bodies about their home and compares every frame.
+fn play(effects: Effects, bodies: Vec<(BodyShape, Pieces)>, seed: u64) -> Mix {
+    let mut rng = Rng::new(seed);
+    let mut scene = Scene::new();
+    scene.call_for(ALL, ALL, effects).unwrap();
+    let reach = 1.6;
+    let known: Vec<Known> = bodies
+        .into_iter()
+        .map(|(shape, pieces)| {
+            let id = scene.insert(Body::moving(shape), pose(&mut rng, reach)).unwrap();
+            Known { id, pieces }
+        })
+        .collect();
+    let (mut replay, mut mix) = (Replay::default(), Mix::default());
+    for frame in 0..40 {
+        if frame == 20 {
+            scene = through_text(&scene);
+        }
+        scene.step();
+        mix.skipped += scene.report().counts.skipped;
+        replay.apply(&scene);
+        check_frame(&scene, &known, &replay, &effects, &mut mix);
+        for body in &known {
+            let at = *scene.pose(body.id).unwrap();
+            let home = -at.translation.vector * 0.01;
+            let drift = Velocity::new(
+                home + Vector3::from(rng.unit()) * 0.03,
+                Vector3::from(rng.unit()) * 0.05,
+            );
+            let at = if rng.chance(0.02) {
+                pose(&mut rng, reach)
+            } else {
+                drift.applied(&at, 1.0)
+            };
+            scene.set_pose(body.id, at).unwrap();
+        }
+    }
+    mix
+}
+
+/// The scene as written and read back.
+#[cfg(feature = "serde")]
+fn through_text(scene: &Scene) -> Scene {
+    serde_json::from_str(&serde_json::to_string(scene).unwrap()).unwrap()
+}
+
+#[cfg(not(feature = "serde"))]
+fn through_text(scene: &Scene) -> Scene {
+    scene.clone()
+}
+
+fn predicates() -> Effects {
+    Effects {
+        overlap: true,
+        within: Some(D),
+        ..NONE
+    }
+}
+
+fn measured() -> Effects {
+    Effects {
+        distance: Some(0.3),
+        features: true,
+        ..predicates()
+    }
+}
+
+#[test]
+fn convex_shapes_of_every_kind_equal_brute_force() {
+    for (seed, effects) in [
+        (1, predicates()),
+        (2, measured()),
+        (
+            3,
+            Effects {
+                depth: true,
+                ..measured()
+            },
+        ),
+    ] {
+        let mut rng = Rng::new(100 + seed);
+        let bodies = (0..18).map(|k| {
+            let shape = convex(k, &mut rng);
+            (shape.clone().into(), vec![(shape, Isometry3::identity())])
+        });
+        let mix = play(effects, bodies.collect(), seed);
+        println!("{mix:?}");
+        assert!(mix.overlapping > 300 && mix.within > mix.overlapping + 100, "{mix:?}");
+        assert!(!effects.features || mix.apart > 100, "{mix:?}");
+        assert!(!effects.depth || mix.depths > 300, "{mix:?}");
+        assert!(effects.features || mix.skipped > 100, "{mix:?}");
+    }
+}
+
+#[test]
+fn composites_and_meshes_equal_brute_force() {
+    for (seed, effects) in [(4, predicates()), (5, measured())] {
+        let mut rng = Rng::new(200 + seed);
+        let mix = play(effects, (0..12).map(|k| solid(k, &mut rng)).collect(), seed);
+        println!("{mix:?}");
+        assert!(mix.overlapping > 300 && mix.within > mix.overlapping + 100, "{mix:?}");
+        assert!(!effects.features || mix.apart > 100, "{mix:?}");
+        assert!(effects.features || mix.skipped > 50, "{mix:?}");
+    }
+}
+
+#[test]
+fn a_pair_of_polyhedra_is_as_the_tracker_has_it_whatever_else_is_there() {
+    let mut scene = Scene::new();
+    scene.call_for(ALL, ALL, measured()).unwrap();
+    let (x, y) = (solids::dodecahedron(0.5).unwrap(), solids::octahedron(0.5).unwrap());
+    let at = |k: u32| {
+        Isometry3::new(
+            Vector3::new(1.1, 0.001 * f64::from(k), 0.0),
+            Vector3::z() * (0.01 * f64::from(k)),
+        )
+    };
+    let a = scene.insert(Body::moving(x.clone()), Isometry3::identity()).unwrap();
+    let b = scene.insert(Body::moving(y.clone()), at(0)).unwrap();
+    scene
+        .insert(
+            Body::moving(Shape::ball(0.5).unwrap()),
+            Isometry3::translation(0.0, 1.0, 0.0),
+        )
+        .unwrap();
+    let mut tracker = Tracker::new();
+    for k in 0..50 {
+        scene.set_pose(b, at(k)).unwrap();
+        scene.step();
+        let mine = tracker.closest(&x, &y, &RelativePose::from_isometry(&at(k)).unwrap());
+        let found = scene.pair(a, b).unwrap();
+        assert_eq!(found.outcome, Some(&mine));
+        assert_eq!(found.pieces, Some([0; 2]));
+    }
+}
+
+/// A cylinder, a ball and a rounded box tremble on a plate.
+#[test]
+fn manifolds_of_convex_shapes_are_those_of_their_tracker() {
+    let options = ManifoldOptions::within(0.01);
+    let effects = Effects {
+        manifold: Some(options),
+        ..NONE
+    };
+    let mut scene = Scene::new();
+    scene.call_for(ALL, ALL, effects).unwrap();
+    let plate = Shape::cuboid(Vector3::new(9.0, 9.0, 0.5)).unwrap();
+    let tops = [
+        Shape::cylinder(0.5, 0.4),
+        Shape::ball(0.5),
+        Shape::cuboid(Vector3::repeat(0.4)).and_then(|s| s.rounded(0.1)),
+    ];
+    let tops = tops.map(Result::unwrap);
+    let below = scene
+        .insert(Body::fixed(plate.clone()), Isometry3::translation(0.0, 0.0, -0.5))
+        .unwrap();
+    let ids: Vec<BodyId> = (0..3)
+        .map(|k| {
+            let at = Isometry3::translation(3.0 * k as f64, 0.0, 0.5);
+            scene.insert(Body::moving(tops[k].clone()), at).unwrap()
+        })
+        .collect();
+    let mut own: Vec<_> = tops.iter().map(|_| (ShapeTracker::new(), Manifold::new())).collect();
+    let (mut rng, mut points) = (Rng::new(3), [0; 3]);
+    for _ in 0..100 {
+        for &id in &ids {
+            let at = *scene.pose(id).unwrap();
+            let shake = Vector3::new(rng.range(-1e-3, 1e-3), rng.range(-1e-3, 1e-3), 0.0);
+            let lift = 0.5 + rng.range(-1e-3, 1e-3) - at.translation.vector.z;
+            let tremble = Isometry3::translation(shake.x, shake.y, lift);
+            scene.set_pose(id, tremble * at).unwrap();
+        }
+        scene.step();
+        for (k, (tracker, manifold)) in own.iter_mut().enumerate() {
+            let pair = scene.pair(below, ids[k]).unwrap();
+            let pose = RelativePose::new(scene.pose(below).unwrap(), scene.pose(ids[k]).unwrap()).unwrap();
+            let mine = tracker.closest(&plate, &tops[k], &pose);
+            tracker.manifold(&plate, &tops[k], &pose, &options, manifold);
+            assert_eq!(pair.outcome, Some(&mine));
+            assert_eq!(pair.manifold, Some(&*manifold));
+            points[k] += manifold.points().len();
+        }
+    }
+    let counts = scene.report().counts;
+    assert_eq!((counts.manifolds, counts.pairs), (3, 3));
+    assert!(points[0] >= 300 && points[1] == 100 && points[2] == 400, "{points:?}");
+}
+
+#[test]
+fn pieces_and_features_are_named() {
+    let mut scene = Scene::new();
+    scene
+        .call_for(
+            ALL,
+            ALL,
+            Effects {
+                distance: Some(5.0),
+                features: true,
+                ..NONE
+            },
+        )
+        .unwrap();
+    let a = scene.insert(Body::fixed(bracket()), Isometry3::identity()).unwrap();
+    let ball = solids::octahedron(0.1).unwrap();
+    let b = scene
+        .insert(Body::moving(ball), Isometry3::translation(0.6, 1.5, 0.0))
+        .unwrap();
+    scene.step();
+    let found = scene.pair(a, b).unwrap();
+    assert_eq!(found.pieces, Some([1, 0]), "the upright is nearest");
+    let near = scene.nearest(b, 1, 10.0).unwrap();
+    assert_eq!((near[0].b, near[0].pieces), (a, [0, 1]));
+    assert!((near[0].outcome.distance - found.distance.unwrap().value).abs() < 1e-14);
+}
+
+#[test]
+fn effects_that_kinds_cannot_answer_are_refused_by_name() {
+    let other = Group::new(1).unwrap();
+    let near = Effects {
+        within: Some(0.1),
+        ..NONE
+    };
+    let mesh = || Mesh::from_convex(&solids::octahedron(1.0).unwrap()).unwrap();
+    let refusal = |effect: &'static str, these, those| SceneError::Unanswered { effect, these, those };
+    let at = Isometry3::identity();
+
+    // When the body comes.
+    let mut scene = Scene::new();
+    scene.call_for(ALL, other, Effects { depth: true, ..near }).unwrap();
+    scene.insert(Body::moving(mesh()).group(other), at).unwrap();
+    let refused = scene.insert(Body::moving(bracket()), at).unwrap_err();
+    assert_eq!(refused, refusal("depth", ShapeKind::Composite, ShapeKind::Mesh));
+    assert_eq!(
+        refused.to_string(),
+        "no depth is computed between a composite and a mesh"
+    );
+    assert_eq!(scene.body_count(), 1);
+
+    // When the effect comes; pairs within a group need two bodies that are not fixed.
+    let cylinder = || Shape::cylinder(1.0, 1.0).unwrap();
+    let mut scene = Scene::new();
+    let contacts = Effects {
+        manifold: Some(ManifoldOptions::within(0.1)),
+        ..NONE
+    };
+    let id = scene.insert(Body::moving(mesh()), at).unwrap();
+    scene.call_for(ALL, ALL, contacts).unwrap();
+    let refused = scene.insert(Body::moving(mesh()), at).unwrap_err();
+    assert_eq!(refused, refusal("manifold", ShapeKind::Mesh, ShapeKind::Mesh));
+    scene.insert(Body::moving(cylinder()).group(other), at).unwrap();
+    let refused = scene.call_for(ALL, other, near).unwrap_err();
+    assert_eq!(refused, refusal("within", ShapeKind::Mesh, ShapeKind::Curved));
+    assert_eq!(scene.effects(ALL, other), NONE, "a refused call changes nothing");
+    scene.call_for(ALL, other, Effects { boxes: true, ..NONE }).unwrap();
+
+    // When the group changes; the body keeps its group.
+    let third = Group::new(2).unwrap();
+    scene.call_for(other, third, near).unwrap();
+    let refused = scene.set_group(id, third).unwrap_err();
+    assert_eq!(refused, refusal("within", ShapeKind::Mesh, ShapeKind::Curved));
+    assert_eq!(scene.group(id), Some(ALL));
+    scene.set_group(id, ALL).unwrap();
+
+    // A body that is gone is no reason.
+    scene.remove(id).unwrap();
+    scene.call_for(ALL, other, near).unwrap();
+
+    // Fixed bodies make no pair.
+    let mut scene = Scene::new();
+    scene.call_for(ALL, ALL, contacts).unwrap();
+    scene.insert(Body::fixed(mesh()), at).unwrap();
+    scene.insert(Body::fixed(mesh()), at).unwrap();
+    assert!(scene.insert(Body::moving(cylinder()), at).is_err());
+    let wire = ConvexPolyhedron::point([0.0; 3].into()).unwrap();
+    scene.call_for(ALL, ALL, near).unwrap();
+    let refused = scene.insert(Body::moving(wire), at).unwrap_err();
+    assert_eq!(refused, refusal("within", ShapeKind::Wire, ShapeKind::Mesh));
+}
