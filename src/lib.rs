@@ -121,8 +121,8 @@
 //!   be flat to the last bit, as the faces of hulls are, and at most four million pairs of edges
 //!   are examined, 65,536 of them exactly. Otherwise the bounds stay open and are returned as they
 //!   are.
-//! * Meshes and bodies of pieces have no depth yet, and contacts ([`PatchTracker`]) in shallow overlap
-//!   alone.
+//! * Meshes and bodies of pieces have no depth yet, and contacts ([`PatchTracker`]) in shallow
+//!   overlap alone.
 //! * Curved shapes ([`shape`]) have the same bounds. Class and predicates are exact for polyhedra,
 //!   rounded or not; for other shapes within `3e-14 L` of contact they are undecided, and
 //!   `intersects` and `within` return true.

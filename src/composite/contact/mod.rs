@@ -56,7 +56,8 @@ pub struct PatchContacts {
 ///
 /// ```
 /// use lin_canny::nalgebra::{Isometry3, Vector3};
-/// use lin_canny::{ContactPatches, ManifoldOptions, Mesh, PatchTracker, RelativePose, polyhedron::solids};
+/// use lin_canny::polyhedron::solids;
+/// use lin_canny::{ContactPatches, ManifoldOptions, Mesh, PatchTracker, RelativePose};
 ///
 /// let floor = Mesh::from_convex(&solids::cuboid(Vector3::new(5.0, 5.0, 1.0))?)?;
 /// let part = Mesh::from_convex(&solids::cuboid(Vector3::new(0.5, 0.5, 0.5))?)?;
