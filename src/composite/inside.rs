@@ -96,8 +96,8 @@ impl Mesh {
                 Below::Children(c) => stack.extend([c, c + 1]),
                 Below::Leaf(first, count) => {
                     let near = |t| {
-                        let found = super::triangle::closest(&[*point; 3], &self.corners(t));
-                        !(found.square > 4.0 * error * error)
+                        let (square, _) = super::triangle::nearest(point, &self.corners(t));
+                        !(square > 4.0 * error * error)
                     };
                     if (first..first + count).any(near) {
                         return false;

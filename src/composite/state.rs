@@ -161,7 +161,6 @@ impl State {
         posed: &Posed<A, B>,
         judge: J,
     ) -> Answer<J::Features> {
-        self.kept.work.queries += 1;
         let mut search = posed.search(judge, Goal::Least);
         self.kept.closest(&mut search);
         let Some(best) = search.best else {
@@ -233,7 +232,6 @@ impl State {
 
     /// Whether the bodies are at most `d` apart, in A's stored units; the judge knows `d`.
     pub(super) fn within<A: Parted, B: Parted, J: Judge>(&mut self, posed: &Posed<A, B>, judge: J, d: f64) -> bool {
-        self.kept.work.queries += 1;
         if let Some((lower, then)) = &self.free
             && lower - posed.place().displacement(then) > d
         {

@@ -110,6 +110,7 @@ impl MeshTracker {
     /// the origins.
     pub fn closest(&mut self, a: &Mesh, b: &Mesh, a_from_b: &RelativePose) -> MeshOutcome {
         self.state.recognise(a, b);
+        self.state.kept.work.queries += 1;
         let answer = match Posed::new(a, b, a_from_b) {
             Some(posed) => self.state.closest(&posed, MeshPair::new(a, b, a_from_b, None)),
             None => Posed::far(a, b, a_from_b),
@@ -135,6 +136,7 @@ impl MeshTracker {
             return false;
         }
         self.state.recognise(a, b);
+        self.state.kept.work.queries += 1;
         match Posed::new(a, b, a_from_b) {
             Some(posed) => {
                 let judge = MeshPair::new(a, b, a_from_b, Some(d));

@@ -64,6 +64,25 @@ pub(super) fn closest(p: &Triangle, q: &Triangle) -> Closest {
     best
 }
 
+/// The squared distance of a point from a triangle, and the nearest feature.
+pub(super) fn nearest(point: &Vector3<f64>, y: &Triangle) -> (f64, Spot) {
+    let mut best = Closest {
+        square: f64::INFINITY,
+        on_p: *point,
+        on_q: y[0],
+        spots: [Spot::Vertex(0); 2],
+        pierces: false,
+    };
+    edges(&[*point; 3], y, &mut best);
+    let n = normal(y);
+    let (square, height) = (n.norm_squared(), n.dot(&(point - y[0])));
+    if height * height < best.square * square && is_over(point, y, &n) {
+        (height * height / square, Spot::Inside)
+    } else {
+        (best.square, best.spots[1])
+    }
+}
+
 /// The closest points of the nine pairs of edges.
 #[inline(always)]
 fn edges(p: &Triangle, q: &Triangle, best: &mut Closest) {

@@ -150,10 +150,14 @@ impl<'a> Growing<'a> {
         }
         let fits = |&v: &u32| self.planes.iter().all(|&t| skin.side(t, v) <= 0.0);
         let holds = || self.vertices.iter().all(|&v| skin.side(next, v) <= 0.0);
-        if !triangle.iter().all(fits) || !is_coplanar && (self.planes.len() >= PLANES || !holds()) {
+        if !triangle.iter().all(fits) || !is_coplanar && !holds() {
             return false;
         }
-        if !is_coplanar {
+        let lies_in = |&t: &u32| triangle.iter().all(|&v| skin.side(t, v) == 0.0);
+        if !is_coplanar && !self.planes.iter().any(lies_in) {
+            if self.planes.len() >= PLANES {
+                return false;
+            }
             self.planes.push(next);
         }
         self.triangles.push(next);

@@ -105,9 +105,8 @@ impl Skin {
     /// at the point, or in the cone of normals of the vertex or edge.
     pub(super) fn bears(&self, patch: u32, point: &Vector3<f64>, n: &Vector3<f64>, sine: f64, slack: f64) -> bool {
         self.patch(patch).iter().any(|&t| {
-            let found = triangle::closest(&[*point; 3], &self.corners(t));
-            let is_on = found.square <= slack * slack;
-            is_on && (self.faces(t, n, sine) || self.is_in_cone(t, found.spots[1], n, sine))
+            let (square, spot) = triangle::nearest(point, &self.corners(t));
+            square <= slack * slack && (self.faces(t, n, sine) || self.is_in_cone(t, spot, n, sine))
         })
     }
 

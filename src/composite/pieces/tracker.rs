@@ -111,6 +111,7 @@ impl CompositeTracker {
     /// width of their own bounds.
     pub fn closest<A: Parts, B: Parts>(&mut self, a: &A, b: &B, a_from_b: &RelativePose) -> CompositeOutcome {
         self.recognise(a, b);
+        self.state.kept.work.queries += 1;
         let answer = match Posed::new(a, b, a_from_b) {
             Some(posed) => {
                 let judge = PartPair::new((a, b), a_from_b, None, &mut self.near);
@@ -141,6 +142,7 @@ impl CompositeTracker {
             return false;
         }
         self.recognise(a, b);
+        self.state.kept.work.queries += 1;
         let Some(posed) = Posed::new(a, b, a_from_b) else {
             return Posed::far::<()>(a, b, a_from_b).lower <= d;
         };
