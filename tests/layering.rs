@@ -276,14 +276,18 @@ const MAY_USE: &[(&str, &[&str])] = &[
         &[
             "composite",
             "separation",
+            "shape_tracker",
+            "shape",
             "tracker",
             "tuning",
+            "contact",
             "pair",
             "motion",
             "polyhedron",
             "pose",
             "num",
             "tolerance",
+            "tuning",
         ],
     ),
     // Ids, ticks and bounds only.

@@ -1,5 +1,5 @@
-//! A check of what a tracker keeps, for debugging: every claim of the front against all corners
-//! below it, and that it covers all pairs.
+//! A check of a tracker's front for debugging: compares every claim of the front with all
+//! vertices below the entry's nodes, and checks that the front covers all pairs.
 
 use alloc::collections::BTreeMap;
 
@@ -15,14 +15,14 @@ use crate::num::scalar::sqrt;
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum FrontFault {
-    /// An entry claims a gap along its direction that some corners do not have.
+    /// An entry claims a gap along its direction that some vertices do not have.
     #[error("nodes {} and {} are claimed {claimed} apart and are {gap} apart", pair[0], pair[1])]
     Claim {
         /// A node of A's tree and one of B's.
         pair: [u32; 2],
         /// The gap claimed, in A's stored units.
         claimed: f64,
-        /// The gap of all corners along the entry's direction.
+        /// The gap of all vertices along the entry's direction.
         gap: f64,
     },
     /// A pair of leaves under no entry, or an entry twice or under another.
@@ -71,8 +71,8 @@ pub(super) fn audit(front: &Front, a: &Mesh, b: &Mesh, frame: &Frame) -> Result<
     }
 }
 
-/// The gap of all corners below two nodes along a direction that is nearly unit. A claim whose
-/// direction is all zero is none.
+/// Returns the gap of all vertices below two nodes along a direction that is nearly unit. A claim
+/// with a zero direction claims nothing.
 fn true_gap(a: &Mesh, b: &Mesh, frame: &Frame, [x, y]: Pair, n: &Vector3<f64>) -> f64 {
     let length = sqrt(n.norm_squared());
     if length == 0.0 {

@@ -1,10 +1,10 @@
 //! Lower bounds of the distance of eight pairs of boxes at once.
 //!
 //! Three directions are tried: the line of centres, and the excess vector in the axes of either
-//! box, whose coordinates say by how much the centres are farther apart along an axis than both
+//! box, with the amounts by which the centres are farther apart along each axis than both
 //! boxes reach. The best of the three is 5 to 20 % above the least number of pairs that the exact
 //! distance of boxes would leave. The gap along each direction is taken of the axes as stored, so
-//! that it is a proof whether or not they are orthonormal. The error term is
+//! that the gap is a proof whether or not the axes are orthonormal. The error term is
 //! [`BOXES`](crate::tolerance::BOXES).
 
 use wide::f32x8;

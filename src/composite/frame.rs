@@ -12,7 +12,7 @@ use crate::tolerance::{BOXES, CERTIFICATE, FAR, NEAR, SHORT_OF, UNIT};
 
 /// A body as its tree sees it.
 #[derive(Clone, Copy)]
-pub(super) struct Side<'a> {
+pub struct Side<'a> {
     pub(super) tree: &'a Tree,
     /// Stored lengths times `2^exponent` are the caller's.
     pub(super) exponent: i32,
@@ -53,7 +53,7 @@ pub(super) struct Single {
     pub(super) ways: [Way; 2],
     pub(super) scale_a: f32,
     pub(super) scale_b: f32,
-    /// Error of a gap; infinite where single precision cannot help.
+    /// Error of a gap; infinite if single precision cannot help.
     pub(super) error: f32,
 }
 
@@ -102,7 +102,7 @@ impl Way {
 }
 
 impl Frame {
-    /// `None` where the bodies are so far apart, or so small, that squares of lengths leave the
+    /// `None` if the bodies are so far apart, or so small, that squares of lengths leave the
     /// range of f64.
     pub(super) fn new(a: Side, b: Side, pose: &RelativePose) -> Option<Self> {
         let scale = power_of_two((b.exponent - a.exponent).clamp(-1000, 1000));
@@ -126,13 +126,13 @@ impl Frame {
         })
     }
 
-    /// Where a stored point of B is in A's stored frame.
+    /// Returns the place of a stored point of B in A's stored frame.
     #[inline(always)]
     pub(super) fn point(&self, p: &Vector3<f64>) -> Vector3<f64> {
         self.matrix * p + self.translation
     }
 
-    /// The direction of B's stored frame along which points rise as they do along `n` in A's.
+    /// Returns the direction of B's stored frame along which points rise as along `n` in A's.
     #[inline(always)]
     pub(super) fn direction_in_b(&self, n: &Vector3<f64>) -> Vector3<f64> {
         self.matrix.tr_mul(n)
@@ -174,8 +174,8 @@ impl Single {
     }
 }
 
-/// The distance of two bodies' origins in the caller's unit, by how much that of the bodies may
-/// differ, and the direction.
+/// The distance of two bodies' origins in the caller's unit, by how much the distance of the bodies
+/// may differ, and the direction.
 pub(super) fn far(a: Side, b: Side, pose: &RelativePose) -> (f64, f64, Vector3<f64>) {
     let sixteenth = pose.translation_sixteenth();
     let length = sixteenth.amax();

@@ -1,9 +1,9 @@
 //! Inside or outside of a closed mesh, by exact winding numbers.
 //!
 //! A segment from the point to a place outside the bounding box crosses the mesh; crossings count
-//! +1 outward and -1 inward, which is right for parts that overlap or lie in each other, where
-//! parity and the normal of the nearest triangle are not. Every sign is an exact predicate; where
-//! one is zero, another segment is taken.
+//! +1 outward and -1 inward, right for parts that overlap or lie in each other, for which
+//! parity and the normal of the nearest triangle are wrong. Every sign is an exact predicate; if
+//! a sign is zero, another segment is taken.
 //!
 //! Source: the winding number by signed crossings is classical; orientation predicates: Shewchuk
 //! 1997.
@@ -22,12 +22,18 @@ impl Mesh {
     /// The winding number about a point in stored coordinates that does not lie on the surface.
     /// `None` if every segment met an edge or passed through a vertex.
     pub(super) fn winding(&self, point: &Vector3<f64>) -> Option<i32> {
+        self.winding_of(point, |_| true)
+    }
+
+    /// The winding number of some of the triangles, which close a surface on which the point does
+    /// not lie.
+    pub(super) fn winding_of(&self, point: &Vector3<f64>, counts: impl Fn(u32) -> bool) -> Option<i32> {
         let flush = power_of_two(exponent_of(self.radius) - FLUSH_EXPONENT);
         let p = point.map(|x| if x.abs() < flush { 0.0 } else { x });
         if (0..3).any(|k| !(p[k] >= self.low[k] && p[k] <= self.high[k])) {
             return Some(0);
         }
-        (0..SEGMENTS).find_map(|k| self.crossings(&p, &self.outside(&p, k)))
+        (0..SEGMENTS).find_map(|k| self.crossings(&p, &self.outside(&p, k), &counts))
     }
 
     /// A place outside the bounding box, near the side that is nearest.
@@ -55,7 +61,7 @@ impl Mesh {
     }
 
     /// Signed crossings of a segment with the mesh; `None` if a sign is zero.
-    fn crossings(&self, from: &Vector3<f64>, to: &Vector3<f64>) -> Option<i32> {
+    fn crossings(&self, from: &Vector3<f64>, to: &Vector3<f64>, counts: impl Fn(u32) -> bool) -> Option<i32> {
         let segment = Segment::new(&self.tree, from, to);
         let (mut stack, mut sum) = (vec![0], 0);
         while let Some(node) = stack.pop() {
@@ -65,7 +71,7 @@ impl Mesh {
             match self.tree.below(node) {
                 Below::Children(c) => stack.extend([c, c + 1]),
                 Below::Leaf(first, count) => {
-                    for t in first..first + count {
+                    for t in (first..first + count).filter(|&t| counts(t)) {
                         sum += crossing(&self.corners(t), from, to)?;
                     }
                 }
@@ -90,8 +96,8 @@ impl Mesh {
                 Below::Children(c) => stack.extend([c, c + 1]),
                 Below::Leaf(first, count) => {
                     let near = |t| {
-                        let found = super::triangle::closest(&[*point; 3], &self.corners(t));
-                        !(found.square > 4.0 * error * error)
+                        let (square, _) = super::triangle::nearest(point, &self.corners(t));
+                        !(square > 4.0 * error * error)
                     };
                     if (first..first + count).any(near) {
                         return false;

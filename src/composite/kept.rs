@@ -1,4 +1,4 @@
-//! What a tracker keeps between queries, whatever the leaves hold.
+//! The state between queries, for every kind of leaves.
 
 use alloc::vec::Vec;
 use nalgebra::{Matrix3, Vector3};
@@ -11,12 +11,18 @@ use crate::tuning::composite::{FEW_ENTRIES, GROWTH, JUMP, NEAR};
 
 /// Front, last pairs and buffers.
 #[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Kept {
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub(super) front: Front,
     /// The two closest pairs of items of the last answers.
+    #[cfg_attr(feature = "serde", serde(skip))]
     last: [Option<Pair>; 2],
+    #[cfg_attr(feature = "serde", serde(skip))]
     pose: Option<(Matrix3<f64>, Vector3<f64>)>,
+    #[cfg_attr(feature = "serde", serde(skip))]
     stack: Vec<Pair>,
+    #[cfg_attr(feature = "serde", serde(skip))]
     failed: Vec<Place>,
     pub(super) work: MeshWork,
 }
@@ -28,7 +34,7 @@ impl Kept {
             + self.failed.capacity() * size_of::<Place>()
     }
 
-    /// Finds the closest pair of items, by the front where there is one.
+    /// Finds the closest pair of items, by the front if there is one.
     pub(super) fn closest<J: Judge>(&mut self, search: &mut Search<J>) {
         let motion = self.motion(search.frame);
         self.pose = Some((search.frame.rotation, search.frame.translation));
@@ -67,6 +73,7 @@ impl Kept {
 
     fn conclude<J: Judge>(&mut self, search: &Search<J>) {
         self.work += search.work;
+        self.work.settled += search.judge.settled();
         let Some(best) = &search.best else { return };
         match search.directions[0] {
             // Of pairs that are equally close, the one whose direction proves the others.
@@ -102,7 +109,8 @@ impl Kept {
         }
     }
 
-    /// Proves the front again; what its directions do not prove gets new ones, or is split.
+    /// Proves the front again; entries that their directions do not prove get new ones, or are
+    /// split.
     fn renew<J: Judge>(&mut self, search: &mut Search<J>) {
         self.front.meet(&search.frame.single);
         self.failed.clear();

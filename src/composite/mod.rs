@@ -1,11 +1,13 @@
 //! Bodies that are not convex: meshes of triangles as the user brought them, and bodies of placed
 //! convex pieces.
 //!
-//! Reading order: [`mesh`] (triangles to a checked mesh), `tree` (oriented boxes in single
-//! precision), `frame` (a pair at a pose), `bounds` (eight pairs of boxes at once), `front` (what
-//! is kept of the last answer), `search` (down both trees), `kept` (front and search from frame to
-//! frame), `triangle` (two triangles), `inside` (winding numbers), `tracker` (what a caller keeps
-//! of a pair), `separation` (pairs over time).
+//! Reading order: [`mesh`] (triangles to a checked mesh), `pieces` (placed shapes to a body),
+//! `parts` (both as convex parts), `tree` (oriented boxes in single precision), `frame` (a pair
+//! at a pose), `bounds` (eight pairs of boxes at once), `front` (the proof of the last answer),
+//! `search` (down both trees), `kept` (front and search from frame to frame), `triangle` (two
+//! triangles), `inside` (winding numbers), `state` (the queries), `tracker` (the state of
+//! a pair), `contact` (manifolds of convex patches), `separation`
+//! (pairs over time).
 //!
 //! # The proof
 //!
@@ -13,7 +15,7 @@
 //! distance of the sets X and Y, and the distance of two points is an upper bound. A *front* is a
 //! set of pairs of tree nodes under which every pair of triangles lies exactly once. If every pair
 //! on a front is proven at least d apart and d is the distance of one pair of triangles, d is the
-//! distance: whatever the front looks like. So what a tracker keeps can make a query slow, never
+//! distance: whatever the front looks like. So the state of a tracker can make a query slow, never
 //! wrong.
 //!
 //! Source: M. C. Lin 1993, chapter 4 (the subpart hierarchical tree); oriented boxes: Gottschalk,
@@ -29,6 +31,7 @@
 
 pub(crate) mod audit;
 mod bounds;
+pub(crate) mod contact;
 mod frame;
 mod front;
 mod heights;
@@ -37,9 +40,11 @@ mod kept;
 pub mod mesh;
 pub(crate) mod outcome;
 mod pair;
+pub(crate) mod parts;
 pub(crate) mod pieces;
 pub(crate) mod search;
 pub(crate) mod separation;
+mod state;
 pub(crate) mod tracker;
 mod tree;
 mod triangle;

@@ -1,4 +1,4 @@
-//! What a query of two meshes returns.
+//! The outcome of a query of two meshes.
 
 use nalgebra::{Point3, Unit, Vector3};
 
@@ -10,13 +10,13 @@ use crate::pair::outcome::{Class, Distance};
 pub enum MeshFeature {
     /// A vertex.
     Vertex(u32),
-    /// The edge between two vertices, in the sense in which the triangle runs.
+    /// The edge between two vertices, in the sense of the triangle.
     Edge([u32; 2]),
     /// The inside of the triangle.
     Face,
 }
 
-/// A triangle by the caller's index, and the feature of it on which a point lies.
+/// A triangle by the caller's index, and the feature that holds a point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct MeshSpot {
@@ -38,25 +38,25 @@ impl core::fmt::Display for MeshSpot {
 
 /// The closest points of two bodies, with proof.
 ///
-/// The distance is that of the bodies as sets of points: zero if they share one. A solid holds its
-/// inside, so a body within a solid is at distance zero. No depth is returned here.
+/// The distance is the distance of the bodies as sets of points: zero if they share a point. A
+/// solid holds its inside, so a body within a solid is at distance zero. No depth is returned here.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct MeshOutcome {
-    /// Which side of contact. Surfaces have no inside, so a pair with one is never
+    /// The side of contact. Surfaces have no inside, so a pair with one is never
     /// [`Class::Overlapping`]; [`Class::Undecided`] if no segment from a vertex to the outside
     /// avoids all edges of the other mesh.
     pub class: Class,
     /// The distance, between the bounds; zero for bodies that share a point.
     pub distance: f64,
-    /// No greater than the distance.
+    /// Lower bound of the distance.
     pub lower: f64,
-    /// No less than the distance.
+    /// Upper bound of the distance.
     pub upper: f64,
-    /// The triangle of A and its feature on which the witness lies.
+    /// The triangle and the feature of A that hold the witness.
     pub on_a: MeshSpot,
-    /// The triangle of B and its feature on which the witness lies.
+    /// The triangle and the feature of B that hold the witness.
     pub on_b: MeshSpot,
     /// The witness on A, in A's frame. If one body is inside the other: a vertex of the inner one.
     pub point_on_a: Point3<f64>,
@@ -65,14 +65,6 @@ pub struct MeshOutcome {
     /// Unit direction from A to B, in A's frame, along which the closest triangles are proven
     /// apart.
     pub normal: Unit<Vector3<f64>>,
-}
-
-impl MeshOutcome {
-    /// The bodies share points; only solids share inner ones.
-    pub(super) fn share(&mut self, solids: bool) {
-        self.class = if solids { Class::Overlapping } else { Class::Touching };
-        (self.distance, self.lower, self.upper) = (0.0, 0.0, 0.0);
-    }
 }
 
 impl From<&MeshOutcome> for Distance {

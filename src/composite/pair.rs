@@ -1,11 +1,12 @@
-//! Two meshes at a pose: what a search asks of their triangles.
+//! Two meshes at a pose: the questions that a search asks about triangles.
 
 use nalgebra::{Point3, Vector3};
 
-use super::frame::{Frame, Side};
+use super::frame::Frame;
 use super::front::Pair;
 use super::mesh::Mesh;
 use super::outcome::{MeshFeature, MeshSpot};
+use super::parts::Parted;
 use super::search::{Judge, Measured};
 use super::triangle::{self, Closest, Spot, Triangle, certainly_cross};
 use crate::num::scalar::sqrt;
@@ -13,39 +14,33 @@ use crate::pair::outcome::Outcome;
 use crate::polyhedron::ConvexPolyhedron;
 use crate::pose::RelativePose;
 use crate::tracker::Tracker;
-
-/// Pairs of triangles in contact that are remembered.
-const TOUCHES: usize = 128;
+use crate::tuning::composite::{SHARP, TOUCHES};
 
 /// Judges pairs of triangles.
 pub(super) struct MeshPair<'a> {
-    pub(super) a: &'a Mesh,
-    pub(super) b: &'a Mesh,
-    pub(super) pose: &'a RelativePose,
+    a: &'a Mesh,
+    b: &'a Mesh,
+    pose: &'a RelativePose,
     /// The distance in question, in the caller's unit, if that is the question.
-    pub(super) within: Option<f64>,
+    within: Option<f64>,
     /// Pairs at distance zero, up to rounding.
-    pub(super) touching: [Pair; TOUCHES],
-    pub(super) touch_count: usize,
+    touching: [Pair; TOUCHES],
+    touch_count: usize,
     /// Pairs settled by polygons.
-    pub(super) settled: u64,
+    settled: u64,
 }
 
 impl<'a> MeshPair<'a> {
-    pub(super) fn new(a: &'a Mesh, b: &'a Mesh, pose: &'a RelativePose) -> Self {
+    pub(super) fn new(a: &'a Mesh, b: &'a Mesh, pose: &'a RelativePose, within: Option<f64>) -> Self {
         Self {
             a,
             b,
             pose,
-            within: None,
+            within,
             touching: [[0; 2]; TOUCHES],
             touch_count: 0,
             settled: 0,
         }
-    }
-
-    pub(super) fn spots(&self, [i, j]: Pair, spots: [Spot; 2]) -> (MeshSpot, MeshSpot) {
-        (spot(self.a, i, spots[0]), spot(self.b, j, spots[1]))
     }
 
     /// Two triangles as polygons, and the answer of the certified query for them, in A's stored
@@ -80,7 +75,7 @@ impl<'a> MeshPair<'a> {
     }
 
     /// Decides exactly (feature `exact`) whether two triangles are within the distance in question,
-    /// where the bounds do not.
+    /// if the bounds do not.
     fn decide(&mut self, frame: &Frame, m: &mut Measured<[Spot; 2]>) {
         let Some(d) = self.within else { return };
         let stored = d / self.a.unit();
@@ -103,13 +98,9 @@ impl<'a> MeshPair<'a> {
     }
 }
 
-/// The body as its tree sees it.
-pub(super) fn side(mesh: &Mesh) -> Side<'_> {
-    Side {
-        tree: &mesh.tree,
-        exponent: mesh.exponent,
-        radius: mesh.radius,
-    }
+/// The triangles of a pair of items, and their features.
+pub(super) fn spots(a: &Mesh, b: &Mesh, [i, j]: Pair, spots: [Spot; 2]) -> (MeshSpot, MeshSpot) {
+    (spot(a, i, spots[0]), spot(b, j, spots[1]))
 }
 
 fn spot(mesh: &Mesh, triangle: u32, spot: Spot) -> MeshSpot {
@@ -133,8 +124,8 @@ fn gap(p: &Triangle, q: &Triangle, n: &Vector3<f64>) -> f64 {
     low - high
 }
 
-/// Directions that the triangles themselves give, the likelier first: outward from either, as flush
-/// triangles have them; perpendicular to both features.
+/// Directions of the triangles themselves, the likelier first: outward from either, for flush
+/// triangles; perpendicular to both features.
 fn candidates(p: &Triangle, q: &Triangle, found: &Closest) -> [Vector3<f64>; 4] {
     let edge = |t: &Triangle, k: u8| t[(k as usize + 1) % 3] - t[k as usize % 3];
     let (of_p, of_q) = (triangle::normal(p), triangle::normal(q));
@@ -149,7 +140,7 @@ fn candidates(p: &Triangle, q: &Triangle, found: &Closest) -> [Vector3<f64>; 4] 
     [of_p, -of_q, across, -across]
 }
 
-/// The unit vector of a direction; `None` for one that is zero or not finite.
+/// The unit vector of a direction; `None` for a zero direction and for NaN.
 fn unit(v: &Vector3<f64>) -> Option<Vector3<f64>> {
     let n = v / sqrt(v.norm_squared());
     // Written so that NaN is none.
@@ -159,18 +150,34 @@ fn unit(v: &Vector3<f64>) -> Option<Vector3<f64>> {
 impl Judge for MeshPair<'_> {
     type Features = [Spot; 2];
 
-    const HAS_HEIGHTS: bool = true;
-
     #[inline(always)]
     fn highest_in_a(&self, item: u32, n: &Vector3<f64>) -> f64 {
-        let [a, b, c] = self.a.corners(item);
-        n.dot(&a).max(n.dot(&b)).max(n.dot(&c))
+        self.a.highest(item, n)
     }
 
     #[inline(always)]
     fn lowest_in_b(&self, item: u32, n: &Vector3<f64>) -> f64 {
         let [a, b, c] = self.b.corners(item);
         n.dot(&a).min(n.dot(&b)).min(n.dot(&c))
+    }
+
+    fn settled(&self) -> u64 {
+        self.settled
+    }
+
+    /// Whether one of the triangles in contact has its middle certainly inside the other solid.
+    /// Middles on their own side of the plane of contact are not looked at: in flush contact none
+    /// is left.
+    fn shares_inside(&self, frame: &Frame, best: &Measured<[Spot; 2]>) -> bool {
+        let ratio = self.a.unit() / self.b.unit();
+        let middle = |t: [Vector3<f64>; 3]| (t[0] + t[1] + t[2]) / 3.0;
+        let height = |p: &Vector3<f64>| best.normal.dot(&(p - best.on_a));
+        self.touching[..self.touch_count].iter().any(|&[i, j]| {
+            let (p, q) = (middle(self.a.corners(i)), frame.point(&middle(self.b.corners(j))));
+            let back = frame.rotation.tr_mul(&(p - frame.translation)) * ratio;
+            height(&q) < -frame.tie && self.a.holds(&q, 2.0 * frame.error) == Some(true)
+                || height(&p) > frame.tie && self.b.holds(&back, 2.0 * frame.error * ratio) == Some(true)
+        })
     }
 
     fn touches(&mut self, pair: Pair) {
@@ -202,7 +209,15 @@ impl Judge for MeshPair<'_> {
             known
         };
         let enough = distance.min(known) - frame.tie + frame.error;
-        if !(best >= enough) {
+        if best >= enough {
+            // Witnesses so near have a direction that errs by rounding over their distance, which
+            // long triangles and whole plates in flush contact show.
+            let level = enough.max(best - frame.error);
+            let sharp = |n: &Vector3<f64>| distance < SHARP * frame.size && gap(&p, &q, n) >= level;
+            if let Some(n) = candidates(&p, &q, &found).iter().filter_map(unit).find(sharp) {
+                (best, normal) = (gap(&p, &q, &n), n);
+            }
+        } else {
             for n in candidates(&p, &q, &found).iter().filter_map(unit) {
                 let along = gap(&p, &q, &n);
                 if along > best + frame.error {

@@ -10,13 +10,10 @@ use super::heights::{height, unit};
 use super::tree::{Below, LEAF, Tree};
 use crate::tuning::composite::{AT_ONCE, FEW_ITEMS};
 
-/// What two leaves hold: triangles or convex pieces, by the number of the tree's items.
+/// The contents of two leaves: triangles or convex pieces, by the number of the tree's items.
 pub(super) trait Judge {
-    /// What is told of a pair beside points and bounds.
+    /// The features of a pair, told with points and bounds.
     type Features: Copy;
-
-    /// Whether the heights of an item along a direction cost little beside a measurement.
-    const HAS_HEIGHTS: bool;
 
     /// The greatest `n . x` of an item of A, in A's stored frame.
     fn highest_in_a(&self, item: u32, n: &Vector3<f64>) -> f64;
@@ -26,6 +23,14 @@ pub(super) trait Judge {
 
     /// Takes note of two items at distance zero, up to rounding.
     fn touches(&mut self, _: Pair) {}
+
+    /// Returns how many pairs needed a certified query of two polygons.
+    fn settled(&self) -> u64 {
+        0
+    }
+
+    /// Whether bodies whose parts touch and do not cross certainly share inner points.
+    fn shares_inside(&self, frame: &Frame, best: &Measured<Self::Features>) -> bool;
 
     /// The distance of two items, with bounds that are proven: the lower one at most the frame's
     /// `tie` below the lesser of the distance and `known`, if any arithmetic can.
@@ -92,7 +97,7 @@ impl core::ops::AddAssign for MeshWork {
     }
 }
 
-/// What is asked.
+/// The question.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Goal {
     /// The least distance.
@@ -136,7 +141,7 @@ impl<'a, J: Judge> Search<'a, J> {
         }
     }
 
-    /// What a pair must exceed to be passed by, in A's stored units.
+    /// The gap that a pair must exceed to be passed by, in A's stored units.
     pub(super) fn level(&self) -> f64 {
         match self.goal {
             Goal::Within(d) => d,
@@ -144,7 +149,7 @@ impl<'a, J: Judge> Search<'a, J> {
         }
     }
 
-    /// The same in single precision, rounded up; beyond it where equality is not enough.
+    /// The same in single precision, rounded up; beyond it if equality is not enough.
     fn single_level(&self) -> f32 {
         let level = self.frame.single_up(self.level());
         match self.goal {
@@ -214,7 +219,7 @@ impl<'a, J: Judge> Search<'a, J> {
         bounds(&self.frame.single, of_a, of_b)
     }
 
-    /// Tries to prove a pair: by its gap, in double precision where that is close, or item by item.
+    /// Tries to prove a pair: by its gap, in double precision if the gap is close, or item by item.
     pub(super) fn settle(&mut self, pair: Pair, gap: f32, normal: [f32; 3]) -> Option<Proof> {
         let error = self.frame.single.error;
         let level = self.single_level();
@@ -245,8 +250,8 @@ impl<'a, J: Judge> Search<'a, J> {
     }
 
     /// The gap of two nodes along a direction in double precision, error taken off: by boxes and
-    /// slabs, and where that is short by no more than single precision can hide, by the corners of
-    /// small nodes themselves.
+    /// slabs, and if the gap is short by no more than single precision can hide, by the vertices of
+    /// small nodes.
     fn look(&mut self, [x, y]: Pair, n: &Vector3<f64>) -> f64 {
         self.work.looks += 1;
         let in_b = self.frame.direction_in_b(n);
@@ -255,7 +260,7 @@ impl<'a, J: Judge> Search<'a, J> {
         let hidden = f64::from(self.frame.single.error) * self.frame.single.unit;
         let level = self.level() - self.frame.tie;
         let is_short = |gap: f64| gap < level && gap + hidden >= level;
-        if J::HAS_HEIGHTS && is_short(low + lift - high) {
+        if is_short(low + lift - high) {
             if let Some((first, last)) = few(self.b, y) {
                 low = (first..last)
                     .map(|k| self.judge.lowest_in_b(k, &in_b))
@@ -280,10 +285,6 @@ impl<'a, J: Judge> Search<'a, J> {
         let (Below::Leaf(i, m), Below::Leaf(j, n)) = (self.a.below(pair[0]), self.b.below(pair[1])) else {
             return (normal, -f32::MAX);
         };
-        if !J::HAS_HEIGHTS {
-            let (n, gap) = self.measure([i, j]);
-            return self.proof(&n, gap);
-        }
         let mut open = Open::new((i, m), (j, n));
         let own = unit(&Vector3::from(normal.map(f64::from)));
         let [first, second] = self.directions.map(|d| d.map(|d| d.1));

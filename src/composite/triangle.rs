@@ -3,12 +3,12 @@
 //! Two disjoint triangles are closest at two edges, or at a vertex and the inside of the other
 //! triangle. In the second case the whole triangle of the vertex lies beyond the plane through it,
 //! so it is the vertex nearest the other plane; of several that are equally near, an edge is
-//! parallel to the plane, and where one of its ends lies over the triangle and the other does not,
-//! an edge pair is as close. What is proposed is judged by the caller along its own directions.
+//! parallel to the plane, and if one of its ends lies over the triangle and the other does not,
+//! an edge pair is as close. The caller judges the proposal along its own directions.
 
 use nalgebra::Vector3;
 
-/// A feature of a triangle by the number of its corner, of its edge (from the corner of that number
+/// A feature of a triangle by the number of its vertex, of its edge (from the vertex of that number
 /// to the next), or the inside.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Spot {
@@ -64,6 +64,25 @@ pub(super) fn closest(p: &Triangle, q: &Triangle) -> Closest {
     best
 }
 
+/// The squared distance of a point from a triangle, and the nearest feature.
+pub(super) fn nearest(point: &Vector3<f64>, y: &Triangle) -> (f64, Spot) {
+    let mut best = Closest {
+        square: f64::INFINITY,
+        on_p: *point,
+        on_q: y[0],
+        spots: [Spot::Vertex(0); 2],
+        pierces: false,
+    };
+    edges(&[*point; 3], y, &mut best);
+    let n = normal(y);
+    let (square, height) = (n.norm_squared(), n.dot(&(point - y[0])));
+    if height * height < best.square * square && is_over(point, y, &n) {
+        (height * height / square, Spot::Inside)
+    } else {
+        (best.square, best.spots[1])
+    }
+}
+
 /// The closest points of the nine pairs of edges.
 #[inline(always)]
 fn edges(p: &Triangle, q: &Triangle, best: &mut Closest) {
@@ -113,7 +132,7 @@ fn spot(edge: usize, s: f64) -> Spot {
     }
 }
 
-/// The foot of the corner of `x` nearest the plane of `y`, where it is closer than what is known
+/// The foot of the vertex of `x` nearest the plane of `y`, if it is closer than the best so far
 /// and lies in `y`.
 #[inline(always)]
 fn foot(x: &Triangle, heights: &[f64; 3], y: &Triangle, n: &Vector3<f64>, swapped: bool, best: &mut Closest) {
@@ -166,7 +185,7 @@ fn pierce(
     }
 }
 
-/// Where an edge of `x`, whose corners have these heights, passes through `y`.
+/// The point at which an edge of `x`, whose vertices have these heights, passes through `y`.
 fn crossing(x: &Triangle, heights: &[f64; 3], y: &Triangle, n: &Vector3<f64>) -> Option<(Vector3<f64>, u8)> {
     (0..3).find_map(|i| {
         let j = (i + 1) % 3;
@@ -177,9 +196,9 @@ fn crossing(x: &Triangle, heights: &[f64; 3], y: &Triangle, n: &Vector3<f64>) ->
     })
 }
 
-/// Whether two triangles certainly cross, each of whose corners may be off its place by `error`: an
-/// edge of one has its ends on different sides of the other and passes inside its three edges, each
-/// sign beyond doubt.
+/// Whether two triangles certainly cross, each of whose vertices may be off its place by `error`:
+/// an edge of one has its ends on different sides of the other and passes inside its three edges,
+/// each sign beyond doubt.
 ///
 /// A determinant of three differences up to `s` of points that are each off by `error` is off by
 /// `6 error s^2` to first order, its rounding by `14 UNIT s^3`; `error` is more than `64 UNIT s`.

@@ -67,6 +67,16 @@ impl ShapeTracker {
         }
     }
 
+    /// Returns the closest points, of overlapping polyhedra the class without the depth.
+    pub(crate) fn closest_or_class(&mut self, a: &Shape, b: &Shape, a_from_b: &RelativePose) -> Outcome {
+        match (a.core(), b.core()) {
+            (Core::Polyhedron(x), Core::Polyhedron(y)) if a.round() == 0.0 && b.round() == 0.0 => {
+                self.polyhedral.closest_or_class(x, y, a_from_b)
+            }
+            _ => self.closest(a, b, a_from_b),
+        }
+    }
+
     /// Returns the signed distance and its bounds without the witnesses.
     pub fn distance(&mut self, a: &Shape, b: &Shape, a_from_b: &RelativePose) -> Distance {
         Distance::from(&self.closest(a, b, a_from_b))

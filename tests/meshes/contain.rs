@@ -109,3 +109,34 @@ fn boxes_with_coplanar_faces_overlap() {
         }
     }
 }
+
+#[test]
+fn crossings_and_nested_parts_are_named() {
+    let ball = soups::sphere(2);
+    assert!(mesh(&ball).inspect(10).crossings.is_empty());
+    assert!(mesh(&soups::torus(40, 20, 0.3)).inspect(10).inner_parts.is_empty());
+    let two = ball
+        .clone()
+        .with(&ball.clone().map(|p| [p[0] + 0.7, p[1] + 0.01, p[2] + 0.02]));
+    let found = mesh(&two).inspect(10_000);
+    // Every pair of triangles, by its own.
+    let mut pairs = Vec::new();
+    let half = ball.triangles.len();
+    for i in 0..half {
+        for j in half..2 * half {
+            let (p, q) = (two.corners(i), two.corners(j));
+            let one = |t: [lab::Point; 3]| Soup {
+                points: t.to_vec(),
+                triangles: vec![[0, 1, 2]],
+            };
+            if brute::distance(&one(p), &one(q), &Pose::IDENTITY).0 == 0.0 {
+                pairs.push([i as u32, j as u32]);
+            }
+        }
+    }
+    assert!(pairs.len() > 30 && found.is_complete);
+    assert_eq!(found.crossings, pairs);
+    assert!(!mesh(&two).inspect(5).is_complete);
+    let nested = ball.clone().with(&ball.clone().map(|p| scale(p, 0.5)));
+    assert_eq!(mesh(&nested).inspect(10).inner_parts, [(1, 1)]);
+}

@@ -1,9 +1,12 @@
 //! Promise: queries of meshes equal brute force over all pairs of triangles, whatever the tracker has seen before.
 
+mod contacts;
 mod contain;
 mod frames;
 mod hard;
+mod many;
 mod pieces;
+mod shapes;
 
 use lab::rng::Rng;
 use lab::soups::{self, Soup};

@@ -165,7 +165,10 @@ fn assemble(welded: Welded, sieved: Sieved, given: usize) -> Mesh {
             flushed_coordinates: welded.flushed,
         },
         fingerprint: fingerprint(&points, &ordered.triangles, welded.exponent),
-        part_vertices: part_vertices.into_iter().map(|v| ordered.number[v as usize]).collect(),
+        part_vertices: part_vertices
+            .into_iter()
+            .map(|two| two.map(|v| ordered.number[v as usize]))
+            .collect(),
         source_triangles: order.iter().map(|&k| sieved.source[k as usize]).collect(),
         source_points: ordered.source,
         triangles: ordered.triangles,

@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 
 use super::MeshPart;
 
-/// What the edges of a mesh say.
+/// The edges of a mesh that are not between two triangles of opposite sense.
 #[derive(Default)]
 pub(super) struct Edges {
     pub(super) boundary: Vec<[u32; 2]>,
@@ -44,9 +44,9 @@ pub(super) fn judge(triangles: &[[u32; 3]]) -> Edges {
     edges
 }
 
-/// Connected parts by shared vertices, in the order of their first triangle, and one vertex of
-/// each.
-pub(super) fn parts(points: &[Vector3<f64>], triangles: &[[u32; 3]], closed: bool) -> (Vec<MeshPart>, Vec<u32>) {
+/// Connected parts by shared vertices, in the order of their first triangle, and of each a vertex
+/// and the vertex that is farthest from it.
+pub(super) fn parts(points: &[Vector3<f64>], triangles: &[[u32; 3]], closed: bool) -> (Vec<MeshPart>, Vec<[u32; 2]>) {
     let mut parent: Vec<u32> = (0..points.len() as u32).collect();
     for t in triangles {
         for &v in &t[1..] {
@@ -66,13 +66,18 @@ pub(super) fn parts(points: &[Vector3<f64>], triangles: &[[u32; 3]], closed: boo
                 triangles: 0,
                 volume: 0.0,
             });
-            vertices.push(t[0]);
+            vertices.push([t[0]; 2]);
         }
         let part = number[root] as usize;
         parts[part].triangles += 1;
+        let [first, far] = &mut vertices[part];
+        // About a vertex of the part, so that its place does not matter.
+        let base = points[*first as usize];
+        let away = |v: u32| (points[v as usize] - base).norm_squared();
+        if away(t[0]) > away(*far) {
+            *far = t[0];
+        }
         if closed {
-            // About a vertex of the part, so that its place does not matter.
-            let base = points[vertices[part] as usize];
             let [a, b, c] = t.map(|v| points[v as usize] - base);
             parts[part].volume += a.dot(&b.cross(&c)) / 6.0;
         }
@@ -81,7 +86,7 @@ pub(super) fn parts(points: &[Vector3<f64>], triangles: &[[u32; 3]], closed: boo
 }
 
 /// The root of a vertex; the path to it is halved on the way.
-fn find(parent: &mut [u32], mut v: u32) -> u32 {
+pub(super) fn find(parent: &mut [u32], mut v: u32) -> u32 {
     while parent[v as usize] != v {
         let above = parent[parent[v as usize] as usize];
         parent[v as usize] = above;

@@ -3,6 +3,7 @@
 mod build;
 mod edges;
 mod hull;
+mod inspect;
 mod mass;
 #[cfg(feature = "serde")]
 mod persist;
@@ -13,6 +14,7 @@ use alloc::vec::Vec;
 use nalgebra::{Point3, Vector3};
 
 pub use hull::HullFit;
+pub use inspect::MeshInspection;
 pub use report::{MeshError, MeshKind, MeshPart, MeshReport};
 
 use super::tree::Tree;
@@ -49,8 +51,8 @@ pub struct Mesh {
     pub(crate) source_points: Vec<u32>,
     /// The caller's index of each triangle.
     pub(crate) source_triangles: Vec<u32>,
-    /// One vertex of each connected part.
-    pub(crate) part_vertices: Vec<u32>,
+    /// Two vertices of each connected part, far from each other.
+    pub(crate) part_vertices: Vec<[u32; 2]>,
     pub(crate) tree: Tree,
     /// Stored lengths times `2^exponent` are the caller's; zero for ordinary sizes.
     pub(crate) exponent: i32,
@@ -98,7 +100,7 @@ impl Mesh {
     /// Returns the bytes that the mesh holds on the heap, without its report.
     #[must_use]
     pub fn heap_bytes(&self) -> usize {
-        let numbers = self.source_points.len() + self.source_triangles.len() + self.part_vertices.len();
+        let numbers = self.source_points.len() + self.source_triangles.len() + 2 * self.part_vertices.len();
         size_of_val(&self.points[..]) + size_of_val(&self.triangles[..]) + 4 * numbers + self.tree.heap_bytes()
     }
 

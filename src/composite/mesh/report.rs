@@ -1,4 +1,4 @@
-//! Why a mesh was refused, and what building a mesh kept, dropped and found.
+//! Reasons to refuse a mesh, and the report of a build: kept, dropped, found.
 
 use alloc::vec::Vec;
 use core::fmt;
@@ -41,10 +41,16 @@ pub enum MeshError {
         /// The longest side of the bounding box.
         extent: f64,
     },
+    /// A piece of a composite that is rounded or curved, and has no triangles.
+    #[error("piece {piece} is rounded or curved")]
+    Curved {
+        /// The piece.
+        piece: usize,
+    },
     /// Data of a stored mesh that do not describe one.
     #[error("the stored mesh is damaged: {what}")]
     Damaged {
-        /// What does not fit.
+        /// The data that do not fit.
         what: &'static str,
     },
 }
@@ -79,7 +85,7 @@ pub struct MeshPart {
     /// Number of triangles.
     pub triangles: u32,
     /// Signed volume if the mesh is a solid, in the caller's unit cubed: negative if the triangles
-    /// run clockwise seen from outside, as those of a cavity do.
+    /// run clockwise seen from outside, as the triangles of a cavity do.
     pub volume: f64,
 }
 
@@ -114,8 +120,8 @@ pub struct MeshReport {
     pub misoriented_edges: Vec<[u32; 2]>,
     /// Connected parts, by their first triangle.
     pub parts: Vec<MeshPart>,
-    /// Coordinates replaced by zero: below `2^-200` of the extent, where exact predicates would run
-    /// out of range.
+    /// Coordinates replaced by zero: below `2^-200` of the extent, below which exact predicates
+    /// would run out of range.
     pub flushed_coordinates: usize,
 }
 

@@ -9,20 +9,24 @@ use nalgebra::{Isometry3, Matrix3, Point3, UnitQuaternion, Vector3};
 
 pub use tracker::{CompositeOutcome, CompositeTracker};
 
-use super::mesh::{Mesh, MeshError};
+use super::frame::Side;
+use super::mesh::{Mesh, MeshError, stir};
+use super::parts::Parted;
 use super::tree::Tree;
 use crate::num::scalar::sqrt;
-use crate::polyhedron::{ConvexPolyhedron, bounding_box, exponent_of, power_of_two};
+use crate::polyhedron::{BoxHint, bounding_box, exponent_of, power_of_two};
+use crate::shape::{Core, Mass, Shape};
 use crate::tolerance::{CERTIFICATE, EXPONENT_FREE, PLACE_MAX, UNIT};
 
-/// A convex piece of a [`Composite`]: a shape, its pose in the body's frame, and a name.
+/// A convex piece of a [`Composite`]: a shape of any kind, its pose in the body's frame, and a
+/// name.
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Piece {
     /// The caller's name; names may repeat.
     pub name: String,
     /// The shape in its own frame.
-    pub shape: ConvexPolyhedron,
+    pub shape: Shape,
     /// From the shape's frame to the body's. The rotation is normalised when the body is built.
     pub pose: Isometry3<f64>,
 }
@@ -30,10 +34,10 @@ pub struct Piece {
 impl Piece {
     /// Returns a piece whose frame is the body's, without a name.
     #[must_use]
-    pub fn new(shape: ConvexPolyhedron) -> Self {
+    pub fn new(shape: impl Into<Shape>) -> Self {
         Self {
             name: String::new(),
-            shape,
+            shape: shape.into(),
             pose: Isometry3::identity(),
         }
     }
@@ -57,8 +61,9 @@ pub enum CompositeError {
     },
 }
 
-/// A body made of placed convex pieces, which may overlap: the links of URDF and MJCF files, or a
-/// decomposition.
+/// A body made of placed convex pieces of every kind of [`Shape`], which may overlap: the links of
+/// URDF and MJCF files, or a decomposition. A body of one piece is a convex body against meshes and
+/// composites.
 ///
 /// The body is the union of the pieces, each a solid. Immutable, `Send + Sync`.
 ///
@@ -93,6 +98,8 @@ pub struct Composite {
     radius: f64,
     low: Vector3<f64>,
     high: Vector3<f64>,
+    /// An inner point of each piece and another of its points, in stored units.
+    probes: Vec<[Vector3<f64>; 2]>,
     fingerprint: u64,
 }
 
@@ -110,14 +117,17 @@ impl Composite {
         let mut corners: Vec<Vec<u32>> = Vec::new();
         for (k, piece) in pieces.iter_mut().enumerate() {
             piece.pose.rotation = UnitQuaternion::new_normalize(piece.pose.rotation.into_inner());
-            let first = points.len() as u32;
-            points.extend(piece.shape.vertex_points().map(|p| (piece.pose * p).coords));
-            let placed = &points[first as usize..];
+            let first = points.len();
+            extend_by_hull(&mut points, &piece.shape);
+            let placed = &mut points[first..];
+            placed
+                .iter_mut()
+                .for_each(|p| *p = (piece.pose * Point3::from(*p)).coords);
             // Written so that NaN is refused.
             if !placed.iter().all(|p: &Vector3<f64>| p.amax() < PLACE_MAX) {
                 return Err(CompositeError::Pose { piece: k });
             }
-            corners.push((first..points.len() as u32).collect());
+            corners.push((first as u32..points.len() as u32).collect());
         }
         Ok(Self::assemble(pieces, &points, &corners))
     }
@@ -148,12 +158,13 @@ impl Composite {
         let (low, high) = bounding_box(&points);
         let print = |h: u64, p: &Piece| {
             let pose = p.pose.rotation.coords.iter().chain(p.pose.translation.vector.iter());
-            pose.fold(stir(h ^ p.shape.fingerprint), |h, x| stir(h ^ x.to_bits()))
+            pose.fold(stir(h ^ fingerprint(&p.shape)), |h, x| stir(h ^ x.to_bits()))
         };
         Self {
             fingerprint: pieces.iter().fold(stir(pieces.len() as u64), print),
             in_place: pieces.iter().all(|p| p.pose == Isometry3::identity()),
             radius: farthest * (1.0 + 64.0 * UNIT),
+            probes: pieces.iter().map(|p| probe(p).map(|x| x * scale)).collect(),
             pieces,
             order,
             tree,
@@ -176,66 +187,56 @@ impl Composite {
         (Point3::from(self.low * unit), Point3::from(self.high * unit))
     }
 
-    /// Returns the surfaces of all pieces as one solid mesh, whose parts may overlap: what queries
-    /// against meshes take.
+    /// Returns the surfaces of all pieces as one solid mesh, whose parts may overlap.
     ///
     /// # Errors
     ///
-    /// Pieces without faces only, as segments and points.
+    /// A piece that is rounded or curved ([`MeshError::Curved`]); pieces without faces only, as
+    /// segments and points.
     pub fn to_mesh(&self) -> Result<Mesh, MeshError> {
         let (mut points, mut triangles) = (Vec::new(), Vec::new());
-        for piece in &self.pieces {
+        for (k, piece) in self.pieces.iter().enumerate() {
+            let (Core::Polyhedron(shape), 0.0) = (piece.shape.core(), piece.shape.round()) else {
+                return Err(MeshError::Curved { piece: k });
+            };
             let base = points.len() as u32;
-            points.extend(piece.shape.vertex_points().map(|p| piece.pose * p));
-            for face in piece.shape.faces() {
-                let rim: Vec<u32> = piece
-                    .shape
-                    .face_vertices(face)
-                    .map(|v| base + v.index() as u32)
-                    .collect();
+            points.extend(shape.vertex_points().map(|p| piece.pose * p));
+            for face in shape.faces() {
+                let rim: Vec<u32> = shape.face_vertices(face).map(|v| base + v.index() as u32).collect();
                 triangles.extend(rim.windows(2).skip(1).map(|w| [rim[0], w[0], w[1]]));
             }
         }
         Mesh::new(&points, &triangles)
     }
 
-    /// Returns the sum of the pieces' volumes: what pieces share is counted as often.
+    /// Returns volume, centre of mass and inertia at unit density, in the body's frame: what pieces
+    /// share is counted as often, and bodies without volume have the mean of the pieces' centres.
+    /// `None` if the mass of a piece has no closed form ([`Shape::mass`]).
     #[must_use]
-    pub fn volume(&self) -> f64 {
-        self.pieces.iter().map(|p| p.shape.volume()).sum()
-    }
-
-    /// Returns the centre of mass of the pieces at unit density, the mean of their centroids if
-    /// none has volume. What pieces share is counted as often.
-    #[must_use]
-    pub fn centroid(&self) -> Point3<f64> {
-        let volume = self.volume();
-        let weight = |p: &Piece| {
+    pub fn mass(&self) -> Option<Mass> {
+        let own: Vec<Mass> = self.pieces.iter().map(|p| p.shape.mass()).collect::<Option<_>>()?;
+        let placed = || self.pieces.iter().zip(&own);
+        let volume: f64 = own.iter().map(|m| m.volume).sum();
+        let weight = |m: &Mass| {
             if volume > 0.0 {
-                p.shape.volume() / volume
+                m.volume / volume
             } else {
-                1.0 / self.pieces.len() as f64
+                1.0 / own.len() as f64
             }
         };
-        let parts = self
-            .pieces
-            .iter()
-            .map(|p| (p.pose * p.shape.centroid()).coords * weight(p));
-        Point3::from(parts.sum::<Vector3<f64>>())
-    }
-
-    /// Returns the inertia tensor about the centroid at unit density, in the body's axes. What
-    /// pieces share is counted as often.
-    #[must_use]
-    pub fn inertia(&self) -> Matrix3<f64> {
-        let centre = self.centroid();
-        let part = |p: &Piece| {
+        let parts = placed().map(|(p, m)| (p.pose * m.centroid).coords * weight(m));
+        let centroid = Point3::from(parts.sum::<Vector3<f64>>());
+        let inertia = placed().map(|(p, m)| {
             let turn = p.pose.rotation.to_rotation_matrix().into_inner();
-            let d = p.pose * p.shape.centroid() - centre;
+            let d = p.pose * m.centroid - centroid;
             let shift = Matrix3::identity() * d.norm_squared() - d * d.transpose();
-            turn * p.shape.inertia() * turn.transpose() + shift * p.shape.volume()
-        };
-        self.pieces.iter().map(part).sum()
+            turn * m.inertia * turn.transpose() + shift * m.volume
+        });
+        Some(Mass {
+            volume,
+            centroid,
+            inertia: inertia.sum(),
+        })
     }
 
     fn unit(&self) -> f64 {
@@ -243,9 +244,124 @@ impl Composite {
     }
 }
 
-/// One round of multiply and shift, a bijection.
-fn stir(x: u64) -> u64 {
-    super::mesh::stir(x)
+impl From<Shape> for Composite {
+    /// Returns a body of one piece in its own frame.
+    fn from(shape: Shape) -> Self {
+        let mut points = Vec::new();
+        extend_by_hull(&mut points, &shape);
+        let corners = [(0..points.len() as u32).collect()];
+        Self::assemble(alloc::vec![Piece::new(shape)], &points, &corners)
+    }
+}
+
+impl Parted for Composite {
+    fn side(&self) -> Side<'_> {
+        Side {
+            tree: &self.tree,
+            exponent: self.exponent,
+            radius: self.radius,
+        }
+    }
+
+    fn fingerprint(&self) -> u64 {
+        self.fingerprint
+    }
+
+    fn stored_unit(&self) -> f64 {
+        self.unit()
+    }
+
+    fn is_in_place(&self) -> bool {
+        self.in_place
+    }
+
+    fn highest(&self, item: u32, n: &Vector3<f64>) -> f64 {
+        let piece = &self.pieces[self.order[item as usize] as usize];
+        let scale = power_of_two(-self.exponent);
+        if self.in_place {
+            return piece.shape.support_height(n) * scale;
+        }
+        let pose = &piece.pose;
+        let local = pose.rotation.inverse_transform_vector(n);
+        let height = pose.translation.vector.dot(n) + piece.shape.support_height(&local);
+        height * scale + CERTIFICATE * UNIT * self.radius * (n.x.abs() + n.y.abs() + n.z.abs())
+    }
+
+    fn number(&self, item: u32) -> u32 {
+        self.order[item as usize]
+    }
+
+    fn part(&self, item: u32) -> Option<(Shape, Isometry3<f64>)> {
+        let piece = &self.pieces[self.order[item as usize] as usize];
+        Some((piece.shape.clone(), piece.pose))
+    }
+
+    fn is_solid(&self) -> bool {
+        true
+    }
+
+    fn may_hold(&self) -> bool {
+        false
+    }
+
+    fn probe_count(&self) -> usize {
+        self.probes.len()
+    }
+
+    fn probe(&self, k: usize) -> [Vector3<f64>; 2] {
+        self.probes[k]
+    }
+
+    fn has_inner_probes(&self) -> bool {
+        true
+    }
+
+    fn holds(&self, _: &Vector3<f64>, _: f64) -> Option<bool> {
+        Some(false)
+    }
+}
+
+/// An inner point of a piece and another of its points, in the caller's unit and the body's frame.
+fn probe(piece: &Piece) -> [Vector3<f64>; 2] {
+    let two = match piece.shape.core() {
+        Core::Polyhedron(body) => [Some(body.centroid()), body.vertex_points().next()],
+        _ => [None; 2],
+    };
+    two.map(|p| (piece.pose * p.unwrap_or_else(Point3::origin)).coords)
+}
+
+/// Adds points in whose hull a shape lies: the vertices of a polyhedron, the corners of a box of
+/// any other shape.
+fn extend_by_hull(points: &mut Vec<Vector3<f64>>, shape: &Shape) {
+    match (shape.core(), shape.round()) {
+        (Core::Polyhedron(body), 0.0) => points.extend(body.vertex_points().map(|p| p.coords)),
+        _ => {
+            let (low, high) = shape.aabb_at(&Isometry3::identity(), &mut BoxHint::default());
+            let end = |k: usize, i: usize| if k >> i & 1 == 1 { high[i] } else { low[i] };
+            points.extend((0..8).map(|k| Vector3::new(end(k, 0), end(k, 1), end(k, 2))));
+        }
+    }
+}
+
+/// A number made of the parameters of a shape.
+fn fingerprint(shape: &Shape) -> u64 {
+    let (kind, numbers) = match shape.core() {
+        Core::Polyhedron(body) => (body.fingerprint, [0.0; 5]),
+        Core::Ellipsoid(e) => (1, five(&e.semi_axes(), [0.0; 2])),
+        Core::Cylinder(c) => (2, [c.radius(), c.half_height(), 0.0, 0.0, 0.0]),
+        Core::Cone(c) => (3, [c.radius(), c.half_height(), 0.0, 0.0, 0.0]),
+        Core::Superquadric(s) => (4, five(&s.semi_axes(), s.exponents())),
+    };
+    let all = numbers
+        .iter()
+        .chain([shape.round()].iter())
+        .copied()
+        .collect::<Vec<f64>>();
+    all.iter().fold(stir(kind), |h, x| stir(h ^ x.to_bits()))
+}
+
+fn five(v: &Vector3<f64>, [d, e]: [f64; 2]) -> [f64; 5] {
+    [v.x, v.y, v.z, d, e]
 }
 
 #[cfg(feature = "serde")]

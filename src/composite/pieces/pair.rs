@@ -1,46 +1,45 @@
-//! Two bodies of pieces at a pose: pairs of pieces are asked by trackers that are kept.
+//! Two bodies of convex parts at a pose: pairs of parts are asked by trackers that are kept.
 
 use alloc::collections::BTreeMap;
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
-use super::{Composite, Piece};
-use crate::composite::frame::{Frame, Side};
+use crate::composite::frame::Frame;
 use crate::composite::front::Pair;
+use crate::composite::parts::Parted;
 use crate::composite::search::{Judge, Measured};
 use crate::pair::outcome::{Class, Outcome};
 use crate::polyhedron::FeaturePair;
-use crate::pose::RelativePose;
-use crate::tracker::Tracker;
+use crate::pose::{Operand, RelativePose};
+use crate::shape::Shape;
+use crate::shape_tracker::ShapeTracker;
 
-/// The body as its tree sees it.
-pub(super) fn side(body: &Composite) -> Side<'_> {
-    Side {
-        tree: &body.tree,
-        exponent: body.exponent,
-        radius: body.radius,
-    }
+/// Two parts that came near.
+#[derive(Clone, Debug)]
+pub(super) struct Near {
+    parts: [(Shape, Isometry3<f64>); 2],
+    pub(super) tracker: ShapeTracker,
 }
 
-/// Judges pairs of pieces.
-pub(super) struct PiecePair<'a> {
-    pub(super) a: &'a Composite,
-    pub(super) b: &'a Composite,
-    pub(super) pose: &'a RelativePose,
+/// Judges pairs of parts.
+pub(super) struct PartPair<'a, A, B> {
+    a: &'a A,
+    b: &'a B,
+    pose: &'a RelativePose,
     /// B in A's frame, if poses have to be composed.
     composed: Option<Isometry3<f64>>,
     /// The distance in question, in the caller's unit, if that is the question.
-    pub(super) within: Option<f64>,
-    pub(super) trackers: &'a mut BTreeMap<Pair, Tracker>,
+    within: Option<f64>,
+    near: &'a mut BTreeMap<Pair, Near>,
 }
 
-impl<'a> PiecePair<'a> {
+impl<'a, A: Parted, B: Parted> PartPair<'a, A, B> {
     pub(super) fn new(
-        a: &'a Composite,
-        b: &'a Composite,
+        (a, b): (&'a A, &'a B),
         pose: &'a RelativePose,
-        trackers: &'a mut BTreeMap<Pair, Tracker>,
+        within: Option<f64>,
+        near: &'a mut BTreeMap<Pair, Near>,
     ) -> Self {
-        let composed = (!(a.in_place && b.in_place)).then(|| {
+        let composed = (!(a.is_in_place() && b.is_in_place())).then(|| {
             let (pose_a, pose_b) = pose.poses();
             let unit = |q: UnitQuaternion<f64>| UnitQuaternion::new_normalize(q.into_inner());
             let rotation = unit(unit(pose_a.rotation).inverse() * unit(pose_b.rotation));
@@ -51,51 +50,92 @@ impl<'a> PiecePair<'a> {
             b,
             pose,
             composed,
-            within: None,
-            trackers,
+            within,
+            near,
         }
     }
 
-    fn pieces(&self, [i, j]: Pair) -> (&'a Piece, &'a Piece) {
-        let at = |body: &'a Composite, k: u32| &body.pieces[body.order[k as usize] as usize];
-        (at(self.a, i), at(self.b, j))
-    }
-
-    /// The relative pose of two pieces, and whether it is the bodies' own without rounding.
-    fn pose_of(&self, p: &Piece, q: &Piece) -> (RelativePose, bool) {
-        let Some(composed) = &self.composed else {
-            return (*self.pose, true);
-        };
-        let mut placed = composed * q.pose;
-        placed.rotation = UnitQuaternion::new_normalize(placed.rotation.into_inner());
-        RelativePose::new(&p.pose, &placed).map_or((*self.pose, false), |pose| (pose, false))
+    /// The bounds of two parts about which nothing is known.
+    fn unknown(&self, frame: &Frame, pair: Pair) -> Measured<FeaturePair> {
+        let (on_a, on_b) = (self.a.side().tree.centre, self.b.side().tree.centre);
+        Measured {
+            pair,
+            distance: frame.size,
+            lower: 0.0,
+            upper: frame.size,
+            normal: Vector3::x(),
+            on_a,
+            on_b,
+            features: FeaturePair::vertices(Operand::A, 0, 0),
+            crosses: false,
+        }
     }
 }
 
-impl Judge for PiecePair<'_> {
+/// The relative pose of two parts, and whether it is the bodies' own without rounding.
+fn pose_of(
+    pose: &RelativePose,
+    composed: Option<&Isometry3<f64>>,
+    p: &Isometry3<f64>,
+    q: &Isometry3<f64>,
+) -> (RelativePose, bool) {
+    let Some(composed) = composed else {
+        return (*pose, true);
+    };
+    let mut placed = composed * q;
+    placed.rotation = UnitQuaternion::new_normalize(placed.rotation.into_inner());
+    RelativePose::new(p, &placed).map_or((*pose, false), |pose| (pose, false))
+}
+
+impl<A: Parted, B: Parted> Judge for PartPair<'_, A, B> {
     type Features = FeaturePair;
 
-    const HAS_HEIGHTS: bool = false;
-
-    fn highest_in_a(&self, _: u32, _: &Vector3<f64>) -> f64 {
-        f64::INFINITY
+    fn highest_in_a(&self, item: u32, n: &Vector3<f64>) -> f64 {
+        self.a.highest(item, n)
     }
 
-    fn lowest_in_b(&self, _: u32, _: &Vector3<f64>) -> f64 {
-        f64::NEG_INFINITY
+    fn lowest_in_b(&self, item: u32, n: &Vector3<f64>) -> f64 {
+        -self.b.highest(item, &-n)
+    }
+
+    /// Parts are solids, so inner points are shared if a part crosses another, or if a part's inner
+    /// point is inside a mesh.
+    fn shares_inside(&self, frame: &Frame, _: &Measured<FeaturePair>) -> bool {
+        let ratio = self.a.stored_unit() / self.b.stored_unit();
+        let doubt = 2.0 * frame.error;
+        let in_a = |k| self.a.holds(&frame.point(&self.b.probe(k)[0]), doubt) == Some(true);
+        let in_b = |k: usize| {
+            let place = frame.rotation.tr_mul(&(self.a.probe(k)[0] - frame.translation)) * ratio;
+            self.b.holds(&place, doubt * ratio) == Some(true)
+        };
+        self.a.may_hold() && self.b.has_inner_probes() && (0..self.b.probe_count()).any(in_a)
+            || self.b.may_hold() && self.a.has_inner_probes() && (0..self.a.probe_count()).any(in_b)
     }
 
     fn measure(&mut self, frame: &Frame, pair: Pair, _: f64) -> Measured<FeaturePair> {
-        let (p, q) = self.pieces(pair);
-        let (pose, exact) = self.pose_of(p, q);
-        let tracker = self.trackers.entry(pair).or_default();
-        let mut o: Outcome = tracker.closest_or_class(&p.shape, &q.shape, &pose);
+        let (a, b) = (self.a, self.b);
+        if !self.near.contains_key(&pair) {
+            let (Some(p), Some(q)) = (a.part(pair[0]), b.part(pair[1])) else {
+                return self.unknown(frame, pair);
+            };
+            let near = Near {
+                parts: [p, q],
+                tracker: ShapeTracker::new(),
+            };
+            self.near.insert(pair, near);
+        }
+        let Some(Near { parts, tracker }) = self.near.get_mut(&pair) else {
+            return self.unknown(frame, pair);
+        };
+        let [(p, at_p), (q, at_q)] = parts;
+        let (pose, exact) = pose_of(self.pose, self.composed.as_ref(), at_p, at_q);
+        let mut o: Outcome = tracker.closest_or_class(p, q, &pose);
         if !exact && o.class == Class::Overlapping {
             // Only a depth beyond the rounding of composed poses proves an overlap.
-            o = tracker.closest(&p.shape, &q.shape, &pose);
+            o = tracker.closest(p, q, &pose);
         }
-        let unit = 1.0 / self.a.unit();
-        // What composing poses has rounded: two products of rotations and two sums.
+        let unit = 1.0 / a.stored_unit();
+        // The rounding of composed poses: two products of rotations and two sums.
         let error = if exact { 0.0 } else { 2.0 * frame.error };
         let meets = o.class == Class::Overlapping;
         let distance = if meets { 0.0 } else { (o.distance * unit).max(0.0) };
@@ -108,16 +148,16 @@ impl Judge for PiecePair<'_> {
             } else {
                 (o.upper * unit).max(distance) + error
             },
-            normal: p.pose.rotation * *o.normal,
-            on_a: (p.pose * o.point_on_a).coords * unit,
-            on_b: (q.pose * o.point_on_b).coords / self.b.unit(),
+            normal: at_p.rotation * *o.normal,
+            on_a: (*at_p * o.point_on_a).coords * unit,
+            on_b: (*at_q * o.point_on_b).coords / b.stored_unit(),
             features: o.features,
             crosses: meets && (exact || o.upper * unit < -error),
         };
         let Some(d) = self.within else { return m };
         let stored = d * unit;
         if !(m.lower > stored || m.upper <= stored) {
-            if !exact || tracker.within(&p.shape, &q.shape, &pose, d) {
+            if !exact || tracker.within(p, q, &pose, d) {
                 (m.lower, m.distance, m.upper) = (m.lower.min(stored), m.distance.min(stored), m.upper.min(stored));
             } else {
                 m.lower = stored.next_up();

@@ -1,40 +1,38 @@
-//! What a caller keeps of a pair of bodies of pieces, and the queries.
+//! The state of a pair of bodies of convex parts, and the queries.
 
 use alloc::collections::BTreeMap;
 use nalgebra::{Point3, Unit, Vector3};
 
-use super::Composite;
-use super::pair::{PiecePair, side};
-use crate::composite::frame::Frame;
+use super::pair::{Near, PartPair};
 use crate::composite::front::Pair;
-use crate::composite::kept::Kept;
-use crate::composite::search::{Goal, MeshWork, Search};
+use crate::composite::parts::Parts;
+use crate::composite::search::MeshWork;
+use crate::composite::state::{Answer, Posed, State};
 use crate::pair::outcome::{Class, Distance};
 use crate::polyhedron::FeaturePair;
-use crate::pose::RelativePose;
-use crate::tracker::Tracker;
+use crate::pose::{Operand, RelativePose};
 use crate::tuning::composite::TRACKERS;
 
-/// The closest points of two bodies of pieces, with proof.
+/// The closest points of two bodies of convex parts, with proof.
 ///
-/// The distance is that of the bodies as sets of points: zero if they share one.
+/// The distance is the distance of the bodies as sets of points: zero if they share a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct CompositeOutcome {
-    /// Which side of contact.
+    /// The side of contact. A pair with an open mesh is never [`Class::Overlapping`].
     pub class: Class,
     /// The distance, between the bounds; zero for bodies that share a point.
     pub distance: f64,
-    /// No greater than the distance.
+    /// Lower bound of the distance.
     pub lower: f64,
-    /// No less than the distance.
+    /// Upper bound of the distance.
     pub upper: f64,
-    /// The closest piece of A and of B, by the caller's order.
+    /// The closest piece or triangle of A and of B, by the caller's order.
     pub pieces: [u32; 2],
-    /// The closest features of these two.
+    /// The closest features of both. A triangle is a polygon of three vertices.
     pub features: FeaturePair,
-    /// The witness on A, in A's frame.
+    /// The witness on A, in A's frame. If one body is inside the other: a point of the inner body.
     pub point_on_a: Point3<f64>,
     /// The witness on B, in B's frame.
     pub point_on_b: Point3<f64>,
@@ -53,15 +51,34 @@ impl From<&CompositeOutcome> for Distance {
     }
 }
 
-/// The front of the last answer for one pair of bodies of pieces, and a [`Tracker`] for each pair
-/// of pieces that came near.
+/// The front of the last answer for one pair of bodies of convex parts, and a
+/// [`ShapeTracker`](crate::ShapeTracker) for each pair of parts that came near.
 ///
-/// Owns no body. What is kept changes time, never an answer.
+/// Either body is a [`Composite`](crate::Composite) or a [`Mesh`](crate::Mesh); a
+/// [`MeshTracker`](crate::MeshTracker) is faster for two meshes. A convex body against a mesh is a
+/// composite of one piece, which is one leaf with its own support points.
+///
+/// ```
+/// use lin_canny::nalgebra::{Isometry3, Vector3};
+/// use lin_canny::{Composite, CompositeTracker, Mesh, RelativePose, Shape, polyhedron::solids};
+///
+/// let table = Mesh::from_convex(&solids::cuboid(Vector3::new(1.0, 1.0, 0.1))?)?;
+/// let pill = Composite::from(Shape::capsule(0.5, 0.2)?);
+/// let mut pair = CompositeTracker::new();
+/// let above = RelativePose::from_isometry(&Isometry3::translation(0.3, 0.0, 1.0))?;
+/// let found = pair.closest(&table, &pill, &above);
+/// assert!((found.distance - 0.2).abs() < 1e-14);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// Owns no body. State changes time, never an answer. Saving a tracker (feature `serde`)
+/// keeps its counters alone.
 #[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct CompositeTracker {
-    fingerprints: [u64; 2],
-    kept: Kept,
-    trackers: BTreeMap<Pair, Tracker>,
+    state: State,
+    #[cfg_attr(feature = "serde", serde(skip))]
+    near: BTreeMap<Pair, Near>,
 }
 
 impl CompositeTracker {
@@ -71,16 +88,16 @@ impl CompositeTracker {
         Self::default()
     }
 
-    /// Returns the work of all queries so far; `measured` counts queries of two pieces.
+    /// Returns the work of all queries so far; `measured` counts queries of two parts.
     #[must_use]
     pub fn work(&self) -> MeshWork {
-        self.kept.work
+        self.state.kept.work
     }
 
     /// Returns the number of entries of the front that is kept.
     #[must_use]
     pub fn front_len(&self) -> usize {
-        self.kept.front.len()
+        self.state.kept.front.len()
     }
 
     /// Forgets everything that is kept, counters too.
@@ -88,105 +105,84 @@ impl CompositeTracker {
         *self = Self::default();
     }
 
-    /// Returns the closest points with bounds of the distance: for bodies apart no wider than
+    /// Returns the closest points with bounds of the distance: for polyhedra apart no wider than
     /// `1e-13 L`, with `L` the sum of both radii about the bodies' own origins and the distance of
-    /// these; half as much more if pieces have poses of their own.
-    pub fn closest(&mut self, a: &Composite, b: &Composite, a_from_b: &RelativePose) -> CompositeOutcome {
+    /// the origins; half as much more if pieces have poses of their own. Curved pieces add the
+    /// width of their own bounds.
+    pub fn closest<A: Parts, B: Parts>(&mut self, a: &A, b: &B, a_from_b: &RelativePose) -> CompositeOutcome {
         self.recognise(a, b);
-        self.kept.work.queries += 1;
-        let Some(frame) = Frame::new(side(a), side(b), a_from_b) else {
-            return far(a, b, a_from_b);
+        self.state.kept.work.queries += 1;
+        let answer = match Posed::new(a, b, a_from_b) {
+            Some(posed) => {
+                let judge = PartPair::new((a, b), a_from_b, None, &mut self.near);
+                self.state.closest(&posed, judge)
+            }
+            None => Posed::far(a, b, a_from_b),
         };
-        let judge = PiecePair::new(a, b, a_from_b, &mut self.trackers);
-        let mut search = Search::new((&a.tree, &b.tree), &frame, judge, Goal::Least);
-        self.kept.closest(&mut search);
-        let (best, lower) = (search.best, search.lower);
         self.forget_some();
-        let Some(best) = best else { return far(a, b, a_from_b) };
-        let unit = a.unit();
-        let lower = lower.min(best.lower).max(0.0) * unit;
-        let class = match best.crosses {
-            true => Class::Overlapping,
-            false if lower > 0.0 => Class::Separated,
-            false => Class::Touching,
-        };
-        CompositeOutcome {
-            class,
-            distance: best.distance * unit,
-            lower,
-            upper: best.upper * unit,
-            pieces: [a.order[best.pair[0] as usize], b.order[best.pair[1] as usize]],
-            features: best.features,
-            point_on_a: Point3::from(best.on_a * unit),
-            point_on_b: Point3::from(best.on_b * b.unit()),
-            normal: Unit::new_unchecked(best.normal),
-        }
+        outcome(a, b, &answer)
     }
 
     /// Returns the distance and its bounds without the witnesses.
-    pub fn distance(&mut self, a: &Composite, b: &Composite, a_from_b: &RelativePose) -> Distance {
+    pub fn distance<A: Parts, B: Parts>(&mut self, a: &A, b: &B, a_from_b: &RelativePose) -> Distance {
         Distance::from(&self.closest(a, b, a_from_b))
     }
 
     /// Returns whether the bodies share a point; touching counts. Exact, with the feature `exact`,
-    /// if no piece has a pose of its own; else ties count as touching.
-    pub fn intersects(&mut self, a: &Composite, b: &Composite, a_from_b: &RelativePose) -> bool {
+    /// for polyhedra, rounded or not, if no piece has a pose of its own; else ties count as
+    /// touching.
+    pub fn intersects<A: Parts, B: Parts>(&mut self, a: &A, b: &B, a_from_b: &RelativePose) -> bool {
         self.within(a, b, a_from_b, 0.0)
     }
 
     /// Returns whether the bodies are at most `d` apart: as exact as
     /// [`intersects`](Self::intersects). False for a negative `d` and NaN.
-    pub fn within(&mut self, a: &Composite, b: &Composite, a_from_b: &RelativePose, d: f64) -> bool {
+    pub fn within<A: Parts, B: Parts>(&mut self, a: &A, b: &B, a_from_b: &RelativePose, d: f64) -> bool {
         if !(d >= 0.0) {
             return false;
         }
         self.recognise(a, b);
-        self.kept.work.queries += 1;
-        let Some(frame) = Frame::new(side(a), side(b), a_from_b) else {
-            return far(a, b, a_from_b).lower <= d;
+        self.state.kept.work.queries += 1;
+        let Some(posed) = Posed::new(a, b, a_from_b) else {
+            return Posed::far::<()>(a, b, a_from_b).lower <= d;
         };
-        let mut judge = PiecePair::new(a, b, a_from_b, &mut self.trackers);
-        judge.within = Some(d);
-        let mut search = Search::new((&a.tree, &b.tree), &frame, judge, Goal::Within(d / a.unit()));
-        let is_within = self.kept.is_within(&mut search);
+        let judge = PartPair::new((a, b), a_from_b, Some(d), &mut self.near);
+        let is_within = self.state.within(&posed, judge, d / a.stored_unit());
         self.forget_some();
         is_within
     }
 
-    fn recognise(&mut self, a: &Composite, b: &Composite) {
-        let fingerprints = [a.fingerprint, b.fingerprint];
-        if self.fingerprints != fingerprints {
-            let work = self.kept.work;
-            self.reset();
-            (self.fingerprints, self.kept.work) = (fingerprints, work);
+    /// Returns a lower bound of the distance in one pass over the front, without looking for the
+    /// closest pair; zero if nothing better is known.
+    pub fn lower_bound<A: Parts, B: Parts>(&mut self, a: &A, b: &B, a_from_b: &RelativePose) -> f64 {
+        self.recognise(a, b);
+        Posed::new(a, b, a_from_b).map_or(0.0, |posed| self.state.lower_bound(&posed))
+    }
+
+    fn recognise<A: Parts, B: Parts>(&mut self, a: &A, b: &B) {
+        if self.state.recognise(a, b) {
+            self.near.clear();
         }
     }
 
     fn forget_some(&mut self) {
-        if self.trackers.len() > TRACKERS * self.kept.front.len() + 64 {
-            self.trackers.clear();
+        if self.near.len() > TRACKERS * self.state.kept.front.len() + 64 {
+            self.near.clear();
         }
     }
 }
 
-/// Bodies so far apart, or so small beside their distance, that only balls about their origins
-/// count.
-fn far(a: &Composite, b: &Composite, pose: &RelativePose) -> CompositeOutcome {
-    let (distance, slack, normal) = crate::composite::frame::far(side(a), side(b), pose);
-    let lower = (distance - slack).max(0.0);
+fn outcome<A: Parts, B: Parts>(a: &A, b: &B, answer: &Answer<FeaturePair>) -> CompositeOutcome {
+    let ([i, j], features) = answer.of.unwrap_or(([0, 0], FeaturePair::vertices(Operand::A, 0, 0)));
     CompositeOutcome {
-        class: if lower > 0.0 {
-            Class::Separated
-        } else {
-            Class::Undecided
-        },
-        distance,
-        lower,
-        upper: distance + slack,
-        pieces: [0; 2],
-        features: FeaturePair::vertices(crate::pose::Operand::A, 0, 0),
-        point_on_a: a.pieces[0].pose * a.pieces[0].shape.centroid(),
-        point_on_b: b.pieces[0].pose * b.pieces[0].shape.centroid(),
-        normal: Unit::new_unchecked(normal),
+        class: answer.class,
+        distance: answer.distance,
+        lower: answer.lower,
+        upper: answer.upper,
+        pieces: [a.number(i), b.number(j)],
+        features,
+        point_on_a: answer.point_on_a,
+        point_on_b: answer.point_on_b,
+        normal: answer.normal,
     }
 }

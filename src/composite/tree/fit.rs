@@ -65,7 +65,7 @@ impl Tree {
     pub(crate) fn fit<I: AsRef<[u32]>>(&mut self, points: &[Vector3<f64>], items: &[I], error: f64) {
         let scale = crate::polyhedron::power_of_two(-self.exponent);
         let places: Vec<_> = points.iter().map(|p| (p - self.centre) * scale).collect();
-        // What the shift to the tree's origin has rounded.
+        // The rounding of the shift to the tree's origin.
         let farthest = points.iter().fold(self.centre.amax(), |m, p| m.max(p.amax()));
         let slack = BOX_EXTENT * (1.0 + farthest * scale) + error * scale;
         let farthest = points.iter().fold(0.0, |m: f64, p| m.max(p.norm_squared()));

@@ -1,7 +1,7 @@
 //! A tree of oriented boxes over triangles or convex pieces.
 //!
-//! Oriented boxes, because a box in the body's axes is as thick as its piece of surface is long
-//! where that is oblique, an oriented one only as thick as the surface is curved: near contact the
+//! Oriented boxes, because a box in the body's axes is as thick as its piece of surface is long if
+//! the surface is oblique, an oriented one only as thick as the surface is curved: near contact the
 //! first cost pairs in proportion to size over gap, the second its logarithm.
 
 mod eigen;

@@ -1,5 +1,5 @@
-//! Which triangles or pieces belong together: cut at the mean across the longest axis of their
-//! spread, at the median where that is lopsided.
+//! The order of triangles or pieces: cut at the mean, perpendicular to the longest axis of their
+//! spread, at the median if that is lopsided.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -141,7 +141,7 @@ impl<I: AsRef<[u32]>> Splitter<'_, I> {
     }
 
     /// Puts the items in the plane of the highest or lowest one along the shortest axis first and
-    /// returns their number: zero if they are few. What lies in one plane has a box without
+    /// returns their number: zero if they are few. Items in one plane have a box without
     /// thickness, which proves all of a flush contact at once.
     fn cut_plane(&mut self, first: usize, count: usize, axis: &Vector3<f64>) -> usize {
         let items = &self.items[first..first + count];

@@ -1,0 +1,269 @@
+//! The queries of two bodies of parts, for every kind of parts.
+
+use nalgebra::{Point3, Unit, Vector3};
+
+use super::frame::{Frame, Side};
+use super::front::Pair;
+use super::kept::Kept;
+use super::parts::Parted;
+use super::search::{Goal, Judge, Measured, Search};
+use crate::motion::BallAtPose;
+use crate::pair::outcome::Class;
+use crate::pose::{Operand, RelativePose};
+
+/// The state of a tracker between queries. Saving a state (feature `serde`) keeps the counters
+/// alone: claims in a file prove nothing.
+#[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct State {
+    fingerprints: [u64; 2],
+    pub(super) kept: Kept,
+    /// The last answer that proved surfaces and insides apart: how far, and where B was.
+    #[cfg_attr(feature = "serde", serde(skip))]
+    free: Option<(f64, BallAtPose)>,
+}
+
+/// Two bodies at a pose.
+pub(super) struct Posed<'a, A, B> {
+    pub(super) a: &'a A,
+    pub(super) b: &'a B,
+    pub(super) pose: &'a RelativePose,
+    pub(super) frame: Frame,
+}
+
+/// The closest points, in the caller's units and the bodies' own frames.
+pub(super) struct Answer<F> {
+    pub(super) class: Class,
+    pub(super) distance: f64,
+    pub(super) lower: f64,
+    pub(super) upper: f64,
+    /// The closest items and their features; `None` for bodies too far apart to look at.
+    pub(super) of: Option<(Pair, F)>,
+    pub(super) point_on_a: Point3<f64>,
+    pub(super) point_on_b: Point3<f64>,
+    pub(super) normal: Unit<Vector3<f64>>,
+}
+
+/// Whether one body is inside the other.
+enum Inside {
+    No,
+    /// At a point of the inner one, in A's frame and in B's.
+    At(Vector3<f64>, Vector3<f64>),
+    /// The points looked at are too near a surface, or every segment met an edge.
+    Unclear,
+}
+
+impl<'a, A: Parted, B: Parted> Posed<'a, A, B> {
+    /// `None` if the bodies are so far apart, or so small, that squares of lengths leave the range
+    /// of f64.
+    pub(super) fn new(a: &'a A, b: &'a B, pose: &'a RelativePose) -> Option<Self> {
+        let frame = Frame::new(a.side(), b.side(), pose)?;
+        Some(Self { a, b, pose, frame })
+    }
+
+    fn search<J: Judge>(&self, judge: J, goal: Goal) -> Search<'_, J> {
+        Search::new((self.a.side().tree, self.b.side().tree), &self.frame, judge, goal)
+    }
+
+    /// The ball of B about its tree's origin, as seen from A, in A's stored units.
+    fn place(&self) -> BallAtPose {
+        let (tree, frame) = (self.b.side().tree, &self.frame);
+        let radius = f64::from(tree.reach) * tree.unit() * frame.scale;
+        let centre = tree.centre * frame.scale;
+        BallAtPose::new(Operand::B, (&centre, radius), &frame.rotation, &frame.translation)
+    }
+
+    /// A point of A in B's stored frame.
+    pub(super) fn back(&self, p: &Vector3<f64>) -> Vector3<f64> {
+        let ratio = self.a.stored_unit() / self.b.stored_unit();
+        self.frame.rotation.tr_mul(&(p - self.frame.translation)) * ratio
+    }
+
+    /// Whether a part of one body is inside the other, whose surfaces are proven to be `lower`
+    /// apart; and the winding numbers taken.
+    fn inside(&self, lower: f64) -> (Inside, u64) {
+        // A point moved to the other frame is off its place by the error of the frame: on its side
+        // of a surface that is farther.
+        let error = self.frame.error;
+        let doubt = if lower > 2.0 * error { 0.0 } else { 2.0 * error };
+        let ratio = self.a.stored_unit() / self.b.stored_unit();
+        let mut windings = 0;
+        if self.a.may_hold() {
+            for two in (0..self.b.probe_count()).map(|k| self.b.probe(k)) {
+                windings += 1;
+                let at = |local: Vector3<f64>| {
+                    let place = self.frame.point(&local);
+                    Some((self.a.holds(&place, doubt)?, place, local))
+                };
+                match at(two[0]).or_else(|| at(two[1])) {
+                    Some((false, ..)) => {}
+                    Some((true, place, local)) => return (Inside::At(place, local), windings),
+                    None => return (Inside::Unclear, windings),
+                }
+            }
+        }
+        if self.b.may_hold() {
+            for two in (0..self.a.probe_count()).map(|k| self.a.probe(k)) {
+                windings += 1;
+                let at = |local: Vector3<f64>| {
+                    let place = self.back(&local);
+                    Some((self.b.holds(&place, doubt * ratio)?, local, place))
+                };
+                match at(two[0]).or_else(|| at(two[1])) {
+                    Some((false, ..)) => {}
+                    Some((true, local, place)) => return (Inside::At(local, place), windings),
+                    None => return (Inside::Unclear, windings),
+                }
+            }
+        }
+        (Inside::No, windings)
+    }
+
+    /// Bodies so far apart, or so small beside their distance, that only balls about their origins
+    /// count.
+    pub(super) fn far<F>(a: &A, b: &B, pose: &RelativePose) -> Answer<F> {
+        let (distance, slack, normal) = super::frame::far(a.side(), b.side(), pose);
+        let lower = (distance - slack).max(0.0);
+        let middle = |side: Side, unit: f64| Point3::from(side.tree.centre * unit);
+        Answer {
+            class: if lower > 0.0 {
+                Class::Separated
+            } else {
+                Class::Undecided
+            },
+            distance,
+            lower,
+            upper: distance + slack,
+            of: None,
+            point_on_a: middle(a.side(), a.stored_unit()),
+            point_on_b: middle(b.side(), b.stored_unit()),
+            normal: Unit::new_unchecked(normal),
+        }
+    }
+}
+
+impl State {
+    /// Forgets the state of other bodies; returns whether anything was forgotten.
+    pub(super) fn recognise<A: Parted, B: Parted>(&mut self, a: &A, b: &B) -> bool {
+        let fingerprints = [a.fingerprint(), b.fingerprint()];
+        let is_new = self.fingerprints != fingerprints;
+        if is_new {
+            let work = self.kept.work;
+            *self = Self::default();
+            (self.fingerprints, self.kept.work) = (fingerprints, work);
+        }
+        is_new
+    }
+
+    /// The closest points, by the front if there is one.
+    pub(super) fn closest<A: Parted, B: Parted, J: Judge>(
+        &mut self,
+        posed: &Posed<A, B>,
+        judge: J,
+    ) -> Answer<J::Features> {
+        let mut search = posed.search(judge, Goal::Least);
+        self.kept.closest(&mut search);
+        let Some(best) = search.best else {
+            return Posed::far(posed.a, posed.b, posed.pose);
+        };
+        let unit = posed.a.stored_unit();
+        let mut answer = Answer {
+            class: Class::Touching,
+            distance: best.distance * unit,
+            lower: search.lower.min(best.lower).max(0.0) * unit,
+            upper: best.upper * unit,
+            of: Some((best.pair, best.features)),
+            point_on_a: Point3::from(best.on_a * unit),
+            point_on_b: Point3::from(best.on_b * posed.b.stored_unit()),
+            normal: Unit::new_unchecked(best.normal),
+        };
+        if best.crosses {
+            answer.share(posed.a.is_solid() && posed.b.is_solid());
+        } else {
+            self.conclude(posed, &search.judge, &best, &mut answer);
+        }
+        answer
+    }
+
+    /// From the closest parts of bodies that do not cross to the class of the bodies.
+    fn conclude<A: Parted, B: Parted, J: Judge>(
+        &mut self,
+        posed: &Posed<A, B>,
+        judge: &J,
+        best: &Measured<J::Features>,
+        answer: &mut Answer<J::Features>,
+    ) {
+        let (unit_a, unit_b) = (posed.a.stored_unit(), posed.b.stored_unit());
+        let are_solid = posed.a.is_solid() && posed.b.is_solid();
+        if answer.lower > 0.0 {
+            match self.held(posed, answer.lower / unit_a) {
+                Inside::No => answer.class = Class::Separated,
+                Inside::At(on_a, on_b) => {
+                    (answer.point_on_a, answer.point_on_b) = ((on_a * unit_a).into(), (on_b * unit_b).into());
+                    answer.share(are_solid);
+                }
+                Inside::Unclear => (answer.class, answer.lower) = (Class::Undecided, 0.0),
+            }
+        } else if are_solid && judge.shares_inside(&posed.frame, best) {
+            answer.share(true);
+        } else if best.upper > 2.0 * posed.frame.tie {
+            answer.class = Class::Undecided;
+        }
+    }
+
+    /// Whether one body is inside the other, whose surfaces are proven to be `lower` apart.
+    fn held<A: Parted, B: Parted>(&mut self, posed: &Posed<A, B>, lower: f64) -> Inside {
+        let now = posed.place();
+        // Surfaces that were proven apart cannot have met on the way if no point went as far.
+        let carried = self
+            .free
+            .as_ref()
+            .is_some_and(|(before, then)| now.displacement(then) < *before);
+        let inside = if carried { Inside::No } else { self.inside(posed, lower) };
+        self.free = matches!(inside, Inside::No).then_some((lower, now));
+        inside
+    }
+
+    fn inside<A: Parted, B: Parted>(&mut self, posed: &Posed<A, B>, lower: f64) -> Inside {
+        let (inside, windings) = posed.inside(lower);
+        self.kept.work.windings += windings;
+        inside
+    }
+
+    /// Whether the bodies are at most `d` apart, in A's stored units; the judge knows `d`.
+    pub(super) fn within<A: Parted, B: Parted, J: Judge>(&mut self, posed: &Posed<A, B>, judge: J, d: f64) -> bool {
+        if let Some((lower, then)) = &self.free
+            && lower - posed.place().displacement(then) > d
+        {
+            return false;
+        }
+        let mut search = posed.search(judge, Goal::Within(d));
+        self.kept.is_within(&mut search) || !matches!(self.inside(posed, 0.0), Inside::No)
+    }
+
+    /// A lower bound of the distance in the caller's unit, by the state alone.
+    pub(super) fn lower_bound<A: Parted, B: Parted>(&mut self, posed: &Posed<A, B>) -> f64 {
+        if self.kept.front.is_empty() {
+            return 0.0;
+        }
+        let moved = |(lower, then): &(f64, BallAtPose)| lower - posed.place().displacement(then);
+        let carried = self.free.as_ref().map_or(0.0, moved);
+        let single = &posed.frame.single;
+        self.kept.front.meet(single);
+        let mut least = f32::INFINITY;
+        self.kept.front.gaps(single, |_, _, gap| least = least.min(gap));
+        let mut bound = f64::from(least) * single.unit;
+        if bound > 0.0 && !(carried > 0.0) && !matches!(self.inside(posed, 0.0), Inside::No) {
+            bound = 0.0;
+        }
+        bound.max(carried).max(0.0) * posed.a.stored_unit()
+    }
+}
+
+impl<F> Answer<F> {
+    /// The bodies share points; only solids share inner ones.
+    fn share(&mut self, are_solid: bool) {
+        self.class = if are_solid { Class::Overlapping } else { Class::Touching };
+        (self.distance, self.lower, self.upper) = (0.0, 0.0, 0.0);
+    }
+}

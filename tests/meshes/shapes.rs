@@ -1,0 +1,152 @@
+//! Shapes of every kind against meshes and in bodies of pieces: against all pairs of parts, in both orders, warm and cold.
+
+use super::{mesh, relative};
+use lab::pose::{quat, quat_mul, scale, unit_quat};
+use lab::rng::Rng;
+use lab::soups::{self, Soup};
+use lab::{Pose, brute};
+use lin_canny::nalgebra::{Point3, Vector3};
+use lin_canny::polyhedron::solids;
+use lin_canny::{
+    Class, Composite, CompositeTracker, ConvexPolyhedron, Mesh, MeshError, Piece, RelativePose, Shape, ShapeTracker,
+};
+
+fn kinds() -> Vec<Shape> {
+    vec![
+        Shape::ball(0.3).unwrap(),
+        Shape::capsule(0.4, 0.15).unwrap(),
+        Shape::cuboid(Vector3::new(0.3, 0.2, 0.25)).unwrap(),
+        Shape::cuboid(Vector3::new(0.2, 0.2, 0.25))
+            .unwrap()
+            .rounded(0.05)
+            .unwrap(),
+        Shape::cylinder(0.3, 0.2).unwrap(),
+        Shape::cone(0.3, 0.25).unwrap(),
+        Shape::ellipsoid(Vector3::new(0.4, 0.2, 0.3)).unwrap(),
+        Shape::from(solids::random_hull(60, Vector3::new(0.4, 0.3, 0.3), 5).unwrap()),
+    ]
+}
+
+/// The least distance of any triangle and any piece, each pair asked alone.
+fn all_pairs(soup: &Soup, body: &Composite, pose: &Pose) -> f64 {
+    let mut least = f64::INFINITY;
+    for t in 0..soup.triangles.len() {
+        let triangle = Shape::from(ConvexPolyhedron::polygon(&soup.corners(t).map(Point3::from)).unwrap());
+        for piece in body.pieces() {
+            let placed = RelativePose::from_isometry(&(pose.isometry() * piece.pose)).unwrap();
+            least = least.min(ShapeTracker::new().distance(&triangle, &piece.shape, &placed).value);
+        }
+    }
+    least.max(0.0)
+}
+
+/// A mesh and a body over frames of a tumbling motion; counts classes.
+fn tumble((soup, m): (&Soup, &Mesh), body: &Composite, seed: u64, tally: &mut [usize; 2]) {
+    let mut rng = Rng::new(seed);
+    let (mut q, axis, at) = (rng.quat(), rng.unit(), rng.unit());
+    let (mut warm, mut back) = (CompositeTracker::new(), CompositeTracker::new());
+    for frame in 0..30 {
+        q = unit_quat(quat_mul(quat(axis, 0.02), q));
+        let t = scale(at, 0.9 + 0.8 * (0.25 * f64::from(frame)).sin());
+        let pose = Pose { q, t };
+        let at = relative(&pose);
+        let found = warm.closest(m, body, &at);
+        let cold = CompositeTracker::new().closest(m, body, &at);
+        let other = back.closest(body, m, &at.swapped());
+        assert_eq!((cold.class, other.class), (found.class, found.class), "{seed} {frame}");
+        let truth = all_pairs(soup, body, &pose);
+        let inside = brute::winding(soup, t).abs() > 0.5;
+        if found.class == Class::Separated {
+            for o in [&found, &cold, &other] {
+                assert!((o.distance - truth).abs() < 1e-9, "{seed} {frame} {o:?} {truth}");
+                assert!(o.lower <= truth + 1e-12 && truth <= o.upper + 1e-9, "{o:?} {truth}");
+            }
+            assert!(!inside, "{seed} {frame} {found:?}");
+            let on_b = pose.apply(found.point_on_b.into());
+            let apart = lab::pose::norm(lab::pose::sub(on_b, found.point_on_a.into()));
+            assert!((apart - truth).abs() < 1e-9, "{seed} {frame} {apart} {truth}");
+            assert!(warm.lower_bound(m, body, &at) <= truth + 1e-12);
+            assert!(warm.within(m, body, &at, truth + 1e-9) && !warm.within(m, body, &at, truth - 1e-9));
+        } else {
+            assert!(inside || truth < 1e-9, "{seed} {frame} {found:?} {truth}");
+            assert!(warm.intersects(m, body, &at));
+        }
+        tally[usize::from(found.class == Class::Separated)] += 1;
+    }
+}
+
+#[test]
+fn shapes_against_meshes_equal_all_pairs() {
+    let mut tally = [0; 2];
+    for (k, soup) in [soups::torus(16, 8, 0.3), soups::rock(2, 3), soups::bracket()]
+        .iter()
+        .enumerate()
+    {
+        let m = mesh(soup);
+        for (i, shape) in kinds().into_iter().enumerate() {
+            tumble((soup, &m), &Composite::from(shape), (10 * k + i) as u64, &mut tally);
+        }
+    }
+    assert!(tally.iter().all(|t| *t > 150), "{tally:?}");
+}
+
+#[test]
+fn bodies_of_all_kinds_against_meshes_equal_all_pairs() {
+    let mut tally = [0; 2];
+    let soup = soups::torus(16, 8, 0.3);
+    let m = mesh(&soup);
+    for seed in 0..6 {
+        let mut rng = Rng::new(100 + seed);
+        let place = |shape: Shape| {
+            let pose = Pose {
+                q: rng.quat(),
+                t: scale(rng.in_ball(), 0.5),
+            };
+            Piece {
+                pose: pose.isometry(),
+                ..Piece::new(shape)
+            }
+        };
+        let body = Composite::new(kinds().into_iter().map(place).collect()).unwrap();
+        assert_eq!(body.to_mesh().unwrap_err(), MeshError::Curved { piece: 0 });
+        tumble((&soup, &m), &body, 200 + seed, &mut tally);
+    }
+    assert!(tally.iter().all(|t| *t > 15), "{tally:?}");
+}
+
+#[test]
+fn a_shape_inside_a_solid_overlaps_and_inside_a_surface_does_not() {
+    let ball = soups::sphere(2);
+    let solid = mesh(&ball);
+    let mut open = ball.clone();
+    open.triangles.pop();
+    let surface = mesh(&open);
+    for shape in kinds() {
+        let body = Composite::from(shape);
+        let at = relative(&Pose::shift([0.1, 0.0, 0.2]));
+        let found = CompositeTracker::new().closest(&solid, &body, &at);
+        assert_eq!((found.class, found.distance), (Class::Overlapping, 0.0));
+        assert!(CompositeTracker::new().intersects(&body, &solid, &at.swapped()));
+        let found = CompositeTracker::new().closest(&surface, &body, &at);
+        assert_eq!(found.class, Class::Separated);
+    }
+}
+
+#[test]
+fn a_box_in_a_box_of_the_same_size_overlaps_and_beside_it_touches() {
+    let cube = soups::plate(2, [0.5, 0.5, 0.5]);
+    let (m, body) = (
+        mesh(&cube),
+        Composite::from(Shape::cuboid(Vector3::repeat(0.5)).unwrap()),
+    );
+    for (t, class) in [
+        ([0.0, 0.0, 0.0], Class::Overlapping),
+        ([0.5, 0.0, 0.0], Class::Overlapping),
+        ([1.0, 0.0, 0.0], Class::Touching),
+        ([1.0, 0.5, 0.0], Class::Touching),
+        ([1.0, 1.0, 1.0], Class::Touching),
+    ] {
+        let found = CompositeTracker::new().closest(&m, &body, &relative(&Pose::shift(t)));
+        assert_eq!((found.class, found.distance), (class, 0.0), "{t:?}");
+    }
+}
