@@ -279,7 +279,6 @@ const MAY_USE: &[(&str, &[&str])] = &[
             "shape_tracker",
             "shape",
             "tracker",
-            "contact",
             "pair",
             "motion",
             "polyhedron",
