@@ -59,7 +59,6 @@
 //! | When must a pair be measured again? | [`schedule::Schedule`] | due pairs, by integer ticks |
 //! | Meshes that are not convex? | [`MeshTracker`] on [`Mesh`]es | the same questions, [`MeshOutcome`]; inside a solid is an overlap |
 //! | Bodies of several convex pieces, or a convex body and a mesh? | [`CompositeTracker`] on [`Composite`]s and [`Mesh`]es | [`CompositeOutcome`] |
-//! | Which points hold meshes apart? | [`PatchTracker`] on [`ContactPatches`] | [`PatchContacts`]: points by direction, with names that last |
 //! | Many moving bodies? | [`scene::Scene`] | events and answers for the effects called for; [`closest_pair`](scene::Scene::closest_pair) |
 //! | Only the pairs of boxes? | [`broad::PencilSweep`] | pairs, events, stable ids |
 //! | Which feature pairs would the walk test? | [`Tracker::trace`] | the walk, pair by pair |
@@ -121,8 +120,7 @@
 //!   be flat to the last bit, as the faces of hulls are, and at most four million pairs of edges
 //!   are examined, 65,536 of them exactly. Otherwise the bounds stay open and are returned as they
 //!   are.
-//! * Meshes and bodies of pieces have no depth yet, and contacts ([`PatchTracker`]) in shallow
-//!   overlap alone.
+//! * Meshes and bodies of pieces have no depth and no contacts yet.
 //! * Curved shapes ([`shape`]) have the same bounds. Class and predicates are exact for polyhedra,
 //!   rounded or not; for other shapes within `3e-14 L` of contact they are undecided, and
 //!   `intersects` and `within` return true.
@@ -318,7 +316,6 @@ mod tuning;
 mod walk;
 
 pub use composite::audit::FrontFault;
-pub use composite::contact::{ContactPatches, PatchContact, PatchContacts, PatchTracker};
 pub use composite::mesh::{HullFit, Mesh, MeshError, MeshInspection, MeshKind, MeshPart, MeshReport};
 pub use composite::outcome::{MeshFeature, MeshOutcome, MeshSpot};
 pub use composite::parts::Parts;

@@ -348,14 +348,6 @@ pub(crate) mod composite {
     /// proves as much as the direction of the witnesses: two more gaps for directions that prove
     /// flush neighbours. Plates of 3,000 triangles at a gap of 1e-3: 300 bounds a query without.
     pub(crate) const SHARP: f64 = 1.0 / 256.0;
-
-    /// The depth of a flat patch for contacts, in its radius: deeper overlaps for a hull that
-    /// leaves thin walls. Not measured.
-    pub(crate) const DEPTH: f64 = 0.25;
-
-    /// Most planes of a patch for contacts: larger patches for a build in time that grows with
-    /// their square. Not measured.
-    pub(crate) const PLANES: usize = 256;
 }
 
 /// The broad phase.

@@ -6,8 +6,7 @@
 //! at a pose), `bounds` (eight pairs of boxes at once), `front` (the proof of the last answer),
 //! `search` (down both trees), `kept` (front and search from frame to frame), `triangle` (two
 //! triangles), `inside` (winding numbers), `state` (the queries), `tracker` (the state of
-//! a pair), `contact` (manifolds of convex patches), `separation`
-//! (pairs over time).
+//! a pair), `separation` (pairs over time).
 //!
 //! # The proof
 //!
@@ -31,7 +30,6 @@
 
 pub(crate) mod audit;
 mod bounds;
-pub(crate) mod contact;
 mod frame;
 mod front;
 mod heights;

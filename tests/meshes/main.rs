@@ -1,6 +1,5 @@
 //! Promise: queries of meshes equal brute force over all pairs of triangles, whatever the tracker has seen before.
 
-mod contacts;
 mod contain;
 mod frames;
 mod hard;
