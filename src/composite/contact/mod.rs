@@ -57,11 +57,13 @@ pub struct PatchContacts {
 /// ```
 /// use lin_canny::nalgebra::{Isometry3, Vector3};
 /// use lin_canny::polyhedron::solids;
-/// use lin_canny::{ContactPatches, ManifoldOptions, Mesh, PatchTracker, RelativePose};
+/// use lin_canny::{ContactPatches, ManifoldOptions, Mesh};
+/// use lin_canny::{PatchTracker, RelativePose};
 ///
 /// let floor = Mesh::from_convex(&solids::cuboid(Vector3::new(5.0, 5.0, 1.0))?)?;
 /// let part = Mesh::from_convex(&solids::cuboid(Vector3::new(0.5, 0.5, 0.5))?)?;
-/// let (floor, part) = (ContactPatches::of_mesh(&floor)?, ContactPatches::of_mesh(&part)?);
+/// let floor = ContactPatches::of_mesh(&floor)?;
+/// let part = ContactPatches::of_mesh(&part)?;
 /// let mut pair = PatchTracker::new();
 /// let at = RelativePose::from_isometry(&Isometry3::translation(0.1, 0.0, 1.49))?;
 /// let found = pair.contacts(&floor, &part, &at, &ManifoldOptions::within(0.02));
