@@ -279,8 +279,6 @@ const MAY_USE: &[(&str, &[&str])] = &[
             "shape_tracker",
             "shape",
             "tracker",
-            "tuning",
-            "contact",
             "pair",
             "motion",
             "polyhedron",

@@ -60,12 +60,14 @@ impl From<&CompositeOutcome> for Distance {
 ///
 /// ```
 /// use lin_canny::nalgebra::{Isometry3, Vector3};
-/// use lin_canny::{Composite, CompositeTracker, Mesh, RelativePose, Shape, polyhedron::solids};
+/// use lin_canny::polyhedron::solids;
+/// use lin_canny::{Composite, CompositeTracker, Mesh, RelativePose, Shape};
 ///
 /// let table = Mesh::from_convex(&solids::cuboid(Vector3::new(1.0, 1.0, 0.1))?)?;
 /// let pill = Composite::from(Shape::capsule(0.5, 0.2)?);
 /// let mut pair = CompositeTracker::new();
-/// let above = RelativePose::from_isometry(&Isometry3::translation(0.3, 0.0, 1.0))?;
+/// let above = Isometry3::translation(0.3, 0.0, 1.0);
+/// let above = RelativePose::from_isometry(&above)?;
 /// let found = pair.closest(&table, &pill, &above);
 /// assert!((found.distance - 0.2).abs() < 1e-14);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
