@@ -64,7 +64,7 @@ fn solid(k: usize, rng: &mut Rng) -> (BodyShape, Pieces) {
     let parts = |c: &Composite| {
         c.pieces()
             .iter()
-            .map(|p| (Shape::from(p.shape.clone()), p.pose))
+            .map(|p| (p.shape.clone(), p.pose))
             .collect()
     };
     match k % 4 {

@@ -188,7 +188,7 @@ fn pieces_of(shape: &BodyShape, composite: &Composite) -> Vec<(Shape, Isometry3<
         None => composite
             .pieces()
             .iter()
-            .map(|p| (Shape::from(p.shape.clone()), p.pose))
+            .map(|p| (p.shape.clone(), p.pose))
             .collect(),
     }
 }

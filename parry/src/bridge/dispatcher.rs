@@ -30,7 +30,8 @@ pub struct ContactOptions {
     /// at 1/64 piles of round hulls penetrate 1.3 times as deep.
     pub sine: Real,
     /// Prediction of a manifold over the prediction asked for. Default 4: an engine drops the
-    /// contacts that do not close within a step, and piles of hulls penetrate half as deep as with 1.
+    /// contacts that do not close within a step, and piles of hulls penetrate half as deep as with
+    /// 1.
     pub reach: Real,
     /// Largest number of points of a manifold, 1 to 8. Default 8; rapier reduces to 4 by itself.
     pub max_points: usize,
@@ -94,8 +95,8 @@ impl Certified {
         self.options
     }
 
-    /// Returns two shapes that [`lin_canny`] has at their pose; `None` for a pose that is not finite
-    /// and for pairs with a closed form.
+    /// Returns two shapes that [`lin_canny`] has at their pose; `None` for a pose that is not
+    /// finite and for pairs with a closed form.
     fn posed(&self, pos12: &Pose, a: &dyn Shape, b: &dyn Shape) -> Option<PosedShapes> {
         let (a, b) = part::placed(&self.known, a, b)?;
         let isometry = isometry(pos12);

@@ -13,7 +13,8 @@ use super::parry::shape::{self, SharedShape};
 
 /// A convex body for parry, with everything parry asks of it computed once.
 ///
-/// Cheap to clone: the body is shared. `SharedShape::from(hull)` makes a shape of it for a collider.
+/// Cheap to clone: the body is shared. `SharedShape::from(hull)` makes a shape of it for a
+/// collider.
 ///
 /// ```
 /// use lin_canny_parry::single::{Hull, parry};

@@ -27,8 +27,8 @@ impl<'a> PosedPair<'a> {
         Some(Self { a, b, pose, turn })
     }
 
-    /// Writes the contacts within the prediction, or one true contact beyond it: the closest points,
-    /// by whose features the next query starts.
+    /// Writes the contacts within the prediction, or one true contact beyond it: the closest
+    /// points, by whose features the next query starts.
     pub(super) fn write<M, C: Default + Copy>(
         &self,
         prediction: Real,
