@@ -50,6 +50,7 @@ impl Slots {
     }
 
     /// Returns the number of indices, of living bodies and others.
+    #[cfg(feature = "serde")]
     pub(crate) fn index_count(&self) -> usize {
         self.generations.len()
     }
