@@ -99,6 +99,7 @@ pub(crate) fn all() -> Result<(), String> {
         r#"<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {side} {side}" font-family="sans-serif" font-size="12">
 <style>.a{{fill:#4477aa55;stroke:#4477aa}}.b{{fill:#ee667755;stroke:#ee6677}}.w{{stroke:#222;stroke-width:1.5}}text{{fill:#222}}</style>
 <rect width="100%" height="100%" fill="white"/>
+<text x="6" y="24">On and below the diagonal 0.5 apart, above it 0.15 deep; each pair is seen perpendicular to its normal, which runs to the right.</text>
 "#
     );
     println!(

@@ -38,6 +38,8 @@ pub(super) fn contacts(query: &Query, outcome: &Outcome, facets: [Facet; 2], bef
         return contacts;
     }
     let (axes, distance) = axes_of(query, outcome);
+    // The witnesses of an overlap known to an interval may be less deep than the outcome.
+    contacts.points[0].separation = distance;
     let previous = before.features();
     let patch = |side: usize, closest, previous| {
         Patch::new(&facets[side], &axes[side], closest, (query.options, previous), side)
@@ -119,7 +121,10 @@ fn choose(
     for &k in reduce(all, kept, query.options.most(), merge, tie).all() {
         let candidate = &all[k];
         let point = if candidate.on == ContactCandidate::WITNESS {
-            ContactPoint::witness(outcome)
+            ContactPoint {
+                separation: candidate.separation,
+                ..ContactPoint::witness(outcome)
+            }
         } else {
             contact(candidate, axes, patches)
         };

@@ -35,16 +35,19 @@ pub(super) fn take<A: Support, B: Support, T: Scalar>(
             set.add(piece.of);
         }
     }
-    let mut upper = upper_at(posed, toward, &[on_a, on_b]);
+    let mut witnesses = [on_a, on_b];
+    let mut upper = upper_at(posed, toward, &witnesses);
     if (upper - best.lower).value() > AGREE_CURVED * posed.size
         && let Some(places) = middles(posed, toward, pieces, &[on_a, on_b])
     {
         let moved = upper_at(posed, toward, &places);
-        upper = if moved < upper { moved } else { upper };
+        if moved < upper {
+            (upper, witnesses) = (moved, places);
+        }
     }
-    // The witnesses are the deepest points, wherever the balls touch.
     if upper < best.upper {
         (best.upper, best.set) = (upper, set);
+        let [on_a, on_b] = witnesses;
         (best.on_a, best.on_b) = (on_a.map(T::from), on_b.map(T::from));
     }
 }

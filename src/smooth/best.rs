@@ -122,7 +122,7 @@ impl<T: Scalar> Best<T> {
 
     /// Takes a weighted sum of pieces, a point of each core, and returns the vector between them.
     /// Weights are not negative; they are made to sum to one. Zero if they are all zero.
-    #[inline]
+    #[inline(always)]
     pub(super) fn mixture<A: Support, B: Support>(
         &mut self,
         posed: &Posed<A, B, T>,
