@@ -61,12 +61,7 @@ fn bracket() -> Composite {
 fn solid(k: usize, rng: &mut Rng) -> (BodyShape, Pieces) {
     let hull = solids::random_hull(12, Vector3::new(0.5, 0.4, rng.range(0.3, 0.6)), k as u64 + 5).unwrap();
     let whole = |hull: &ConvexPolyhedron| vec![(Shape::from(hull.clone()), Isometry3::identity())];
-    let parts = |c: &Composite| {
-        c.pieces()
-            .iter()
-            .map(|p| (p.shape.clone(), p.pose))
-            .collect()
-    };
+    let parts = |c: &Composite| c.pieces().iter().map(|p| (p.shape.clone(), p.pose)).collect();
     match k % 4 {
         0 => (hull.clone().into(), whole(&hull)),
         1 => (Mesh::from_convex(&hull).unwrap().into(), whole(&hull)),

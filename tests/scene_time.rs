@@ -185,11 +185,7 @@ struct Flyer {
 fn pieces_of(shape: &BodyShape, composite: &Composite) -> Vec<(Shape, Isometry3<f64>)> {
     match shape.as_convex() {
         Some(shape) => vec![(shape.into_owned(), Isometry3::identity())],
-        None => composite
-            .pieces()
-            .iter()
-            .map(|p| (p.shape.clone(), p.pose))
-            .collect(),
+        None => composite.pieces().iter().map(|p| (p.shape.clone(), p.pose)).collect(),
     }
 }
 

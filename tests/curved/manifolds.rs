@@ -46,7 +46,11 @@ fn judge(kinds: [&Kind; 2], place: &Place, manifold: &Manifold, told: &str) {
             Vector3::zeros()
         };
         // Witnesses of an overlap known to an interval need not be opposite.
-        assert!(off.norm() <= apart || width > 1e-12 * size, "not opposite by {:e}: {p:?} {told}", off.norm());
+        assert!(
+            off.norm() <= apart || width > 1e-12 * size,
+            "not opposite by {:e}: {p:?} {told}",
+            off.norm()
+        );
         assert!(
             (between.dot(&n) - p.separation).abs() <= 1e-12 * size + width,
             "not as deep: {p:?} {told}"
