@@ -365,6 +365,7 @@ fn nothing_passes_through_unseen() {
 /// The same random calls to scenes with different policies.
 #[test]
 fn schedules_survive_every_kind_of_disturbance() {
+    let (mut events, mut slept) = (0, 0);
     for seed in 0..30 {
         let mut rng = Rng::new(seed);
         let shape = Arc::new(solids::random_hull(16, Vector3::new(1.0, 0.6, 0.3), seed + 1).unwrap());
@@ -380,7 +381,7 @@ fn schedules_survive_every_kind_of_disturbance() {
             scene.set_budget(k != 0);
         }
         let mut ids: Vec<BodyId> = Vec::new();
-        let (mut events, mut slept, mut tick) = (0, 0, 1.0 / 60.0);
+        let mut tick = 1.0 / 60.0;
         for round in 0..200 {
             let (pick, call) = (rng.below(12), rng.below(40));
             let at = Isometry3::new(Vector3::from(rng.in_ball()) * 4.0, Vector3::from(rng.unit()));
@@ -434,8 +435,8 @@ fn schedules_survive_every_kind_of_disturbance() {
                 scenes[2] = serde_json::from_str(&serde_json::to_string(&scenes[2]).unwrap()).unwrap();
             }
         }
-        assert!(events > 10 && slept > 40, "seed {seed}: {events} events, {slept} slept");
     }
+    assert!(events > 300 && slept > 1500, "{events} events, {slept} slept");
 }
 
 #[test]

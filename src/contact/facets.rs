@@ -57,7 +57,8 @@ pub(super) fn contacts(query: &Query, outcome: &Outcome, facets: [Facet; 2], bef
     };
     let noise = ACROSS * query.size();
     let mut candidates = Candidates::new(distance, query.options.prediction);
-    clip(&patches, noise, query.options.sine, &mut candidates);
+    let beside = noise * query.least_radius();
+    clip(&patches, noise, (query.options.sine, beside), &mut candidates);
     let is_round = patches.iter().any(|p| p.circle.is_some());
     let tie = if is_round { ROUND * query.least_radius() } else { noise };
     let deep = outcome.upper + AGREE * query.size() + tie;
@@ -158,10 +159,10 @@ fn contact(candidate: &ContactCandidate, axes: &[Axes; 2], patches: &[Patch; 2])
 }
 
 /// Adds the vertices of the common part of two facets.
-fn clip(patches: &[Patch; 2], noise: f64, sine: f64, candidates: &mut Candidates) {
+fn clip(patches: &[Patch; 2], noise: f64, parallel: (f64, f64), candidates: &mut Candidates) {
     let [a, b] = patches;
     if a.is_segment() && b.is_segment() {
-        overlap(patches, sine, candidates);
+        overlap(patches, parallel, candidates);
         return;
     }
     for (side, (of, over)) in [(a, b), (b, a)].into_iter().enumerate() {
@@ -269,8 +270,9 @@ fn cross_rims(a: &Patch, b: &Patch, mut take: impl FnMut([f64; 2], usize)) {
 }
 
 /// Adds the ends of the overlap of two nearly parallel segments; of others nothing, as they cross
-/// at the witnesses.
-fn overlap([a, b]: &[Patch; 2], sine: f64, candidates: &mut Candidates) {
+/// at the witnesses. Ends whose squared distance beside the other segment exceeds `beside` are left
+/// out: the surface about a generator has sagged below the generator by more than rounding there.
+fn overlap([a, b]: &[Patch; 2], (sine, beside): (f64, f64), candidates: &mut Candidates) {
     let direction = |patch: &Patch| {
         let [p, q] = patch.ends(0);
         [q[0] - p[0], q[1] - p[1]]
@@ -286,7 +288,9 @@ fn overlap([a, b]: &[Patch; 2], sine: f64, candidates: &mut Candidates) {
         for (side, (of, to)) in [(a, b), (b, a)].into_iter().enumerate() {
             let [x, y, height] = of.points[k];
             let t = to.along([x, y]);
-            if t > 0.0 && t < 1.0 {
+            let [p, q] = to.ends(0);
+            let off = [0, 1].map(|i| p[i] + t * (q[i] - p[i]) - of.points[k][i]);
+            if t > 0.0 && t < 1.0 && squared(off) <= beside {
                 let (mut heights, mut on) = ([height, to.height([x, y])], [Location::vertex(k), Location::WHOLE]);
                 if side == 1 {
                     heights.reverse();

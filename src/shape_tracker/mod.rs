@@ -44,7 +44,9 @@ impl ShapeTracker {
 
     /// Returns the closest points of two shapes, their signed distance and its bounds.
     ///
-    /// Witnesses lie on the rounded surfaces; features are those of the cores.
+    /// Witnesses lie on the rounded surfaces; features are those of the cores. If a cylinder, cone,
+    /// ellipsoid or superquadric overlaps, the witnesses are deepest points of either shape, but
+    /// need not lie opposite each other: on a flat part many points are equally deep.
     pub fn closest(&mut self, a: &Shape, b: &Shape, a_from_b: &RelativePose) -> Outcome {
         match (a.core(), b.core()) {
             (Core::Polyhedron(x), Core::Polyhedron(y)) => {

