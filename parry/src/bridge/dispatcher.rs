@@ -172,7 +172,7 @@ impl QueryDispatcher for Certified {
         match (compound(a), compound(b)) {
             (Some(c), _) => Ok(intersection_test_composite_shape_shape(self, pos12, c, b)),
             (_, Some(c)) => Ok(intersection_test_shape_composite_shape(self, pos12, a, c)),
-            _ => DefaultQueryDispatcher.intersection_test(pos12, a, b),
+            _ => parrys(pos12, a, b)?.intersection_test(pos12, a, b),
         }
     }
 
@@ -183,7 +183,7 @@ impl QueryDispatcher for Certified {
         match (compound(a), compound(b)) {
             (Some(c), _) => Ok(distance_composite_shape_shape(self, pos12, c, b)),
             (_, Some(c)) => Ok(distance_shape_composite_shape(self, pos12, a, c)),
-            _ => DefaultQueryDispatcher.distance(pos12, a, b),
+            _ => parrys(pos12, a, b)?.distance(pos12, a, b),
         }
     }
 
@@ -202,7 +202,7 @@ impl QueryDispatcher for Certified {
         match (compound(a), compound(b)) {
             (Some(c), _) => Ok(contact_composite_shape_shape(self, pos12, c, b, prediction)),
             (_, Some(c)) => Ok(contact_shape_composite_shape(self, pos12, a, c, prediction)),
-            _ => DefaultQueryDispatcher.contact(pos12, a, b, prediction),
+            _ => parrys(pos12, a, b)?.contact(pos12, a, b, prediction),
         }
     }
 
@@ -227,7 +227,7 @@ impl QueryDispatcher for Certified {
         match (compound(a), compound(b)) {
             (Some(c), _) => Ok(closest_points_composite_shape_shape(self, pos12, c, b, max_dist)),
             (_, Some(c)) => Ok(closest_points_shape_composite_shape(self, pos12, a, c, max_dist)),
-            _ => DefaultQueryDispatcher.closest_points(pos12, a, b, max_dist),
+            _ => parrys(pos12, a, b)?.closest_points(pos12, a, b, max_dist),
         }
     }
 
@@ -315,21 +315,20 @@ where
             posed.write(prediction, &self.options, out);
             return Ok(());
         }
-        // parry asserts on both for two cuboids.
-        if !(pos12.is_finite() && has_size(a) && has_size(b)) {
-            return Err(Unsupported);
-        }
+        let parrys = parrys(pos12, a, b)?;
         self.with_hulls(a, b, |a, b| {
-            DefaultQueryDispatcher.contact_manifold_convex_convex(
-                pos12,
-                a,
-                b,
-                constraints1,
-                constraints2,
-                prediction,
-                out,
-            )
+            parrys.contact_manifold_convex_convex(pos12, a, b, constraints1, constraints2, prediction, out)
         })
+    }
+}
+
+/// Returns parry's dispatcher for a pair that it can answer: for two cuboids, parry asserts that the
+/// pose is finite and that the cuboids have a size.
+fn parrys(pos12: &Pose, a: &dyn Shape, b: &dyn Shape) -> Result<DefaultQueryDispatcher, Unsupported> {
+    if pos12.is_finite() && has_size(a) && has_size(b) {
+        Ok(DefaultQueryDispatcher)
+    } else {
+        Err(Unsupported)
     }
 }
 

@@ -56,6 +56,7 @@ fn pile(count: usize, scale: Real, dispatcher: Certified) -> (PhysicsWorld, Vec<
 }
 
 /// All bits of the poses and velocities.
+#[cfg(any(feature = "serde", feature = "parallel"))]
 fn bits(world: &PhysicsWorld, bodies: &[(RigidBodyHandle, Hull)]) -> Vec<u64> {
     let of = |(handle, _): &(RigidBodyHandle, Hull)| {
         let b = &world.bodies[*handle];
