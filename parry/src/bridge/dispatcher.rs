@@ -272,7 +272,7 @@ where
     ) -> Result<(), Unsupported> {
         // parry asserts on both inside of composites; the contacts there are left as they are.
         let prediction = if prediction >= 0.0 { prediction } else { 0.0 };
-        if !pos12.is_finite() && !(is_single(a) && is_single(b)) {
+        if !(pos12.is_finite() || is_single(a) && is_single(b)) {
             return Err(Unsupported);
         }
         match (compound(a), compound(b)) {

@@ -85,7 +85,7 @@ fn distances_agree_with_parry_where_parry_is_right() {
                     .expect("supported")
                     .expect("within");
                 // Closed forms of parry: a ball with a simple shape, two cuboids, two capsules.
-                let is_parrys = matches!((k, l), (2 | 3 | 4, 3) | (3, 2 | 4) | (2, 2) | (4, 4));
+                let is_parrys = matches!((k, l), (2..=4, 3) | (3, 2 | 4) | (2, 2) | (4, 4));
                 let witness = (pos12 * contact.point2 - contact.point1).dot(contact.normal1);
                 let off = (witness - contact.dist).abs();
                 // Deepest points of an overlap of a cylinder or cone need not be opposite.
