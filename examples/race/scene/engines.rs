@@ -7,11 +7,12 @@ use lin_canny::nalgebra::Isometry3;
 use lin_canny::scene::{Body, BodyId, Effects, Group, Report, Scene};
 use lin_canny::{ManifoldOptions, Solver};
 use parry3d::bounding_volume::Aabb;
+use parry3d::math::{Pose as Pose32, Rotation, Vector};
 use parry3d::query;
-use rapier3d::prelude as rapier;
+use parry3d::shape::SharedShape;
 use std::time::Duration;
 
-/// How far distances are taken; rapier's prediction distance.
+/// How far distances are taken; the prediction distance of rapier.
 pub(crate) const RANGE: f64 = 0.02;
 
 /// An engine that is fed a crowd.
@@ -119,14 +120,14 @@ impl Engine for Ours {
 }
 
 /// The pose in the types of parry and rapier.
-fn pose32(pose: &Pose) -> rapier::Pose {
+pub(crate) fn pose32(pose: &Pose) -> Pose32 {
     let ([x, y, z], [i, j, k, w]) = (pose.t.map(|v| v as f32), pose.q.map(|v| v as f32));
-    rapier::Pose::from_parts(rapier::Vector::new(x, y, z), rapier::Rotation::from_xyzw(i, j, k, w))
+    Pose32::from_parts(Vector::new(x, y, z), Rotation::from_xyzw(i, j, k, w))
 }
 
-fn hulls32(crowd: &Crowd) -> Vec<rapier::SharedShape> {
-    let vector = |p: &[f64; 3]| rapier::Vector::new(p[0] as f32, p[1] as f32, p[2] as f32);
-    let hull = |points: Vec<_>| rapier::SharedShape::convex_hull(&points).expect("points of a crowd are a hull");
+pub(crate) fn hulls32(crowd: &Crowd) -> Vec<SharedShape> {
+    let vector = |p: &[f64; 3]| Vector::new(p[0] as f32, p[1] as f32, p[2] as f32);
+    let hull = |points: Vec<_>| SharedShape::convex_hull(&points).expect("points of a crowd are a hull");
     crowd
         .shapes
         .iter()
@@ -136,8 +137,8 @@ fn hulls32(crowd: &Crowd) -> Vec<rapier::SharedShape> {
 
 /// The parts of parry that a scene needs, put together as its documentation has it.
 struct Parry {
-    shapes: Vec<rapier::SharedShape>,
-    poses: Vec<rapier::Pose>,
+    shapes: Vec<SharedShape>,
+    poses: Vec<Pose32>,
     tree: Tree,
     near: usize,
 }
@@ -184,85 +185,12 @@ impl Engine for Parry {
     }
 }
 
-/// rapier without dynamics: colliders that belong to no body.
-struct Rapier {
-    pipeline: rapier::CollisionPipeline,
-    islands: rapier::IslandManager,
-    broad: rapier::BroadPhaseBvh,
-    narrow: rapier::NarrowPhase,
-    bodies: rapier::RigidBodySet,
-    colliders: rapier::ColliderSet,
-    handles: Vec<rapier::ColliderHandle>,
-    poses: Vec<rapier::Pose>,
-}
+/// Makes an engine for a crowd.
+pub(crate) type Make = fn(&Crowd) -> Box<dyn Engine>;
 
-impl Rapier {
-    fn new(crowd: &Crowd) -> Self {
-        let distinct = hulls32(crowd);
-        let mut colliders = rapier::ColliderSet::new();
-        let insert = |(shape, pose): (&usize, &Pose)| {
-            // Two colliders without a body are no pair unless asked for.
-            let collider = rapier::ColliderBuilder::new(distinct[*shape].clone())
-                .position(pose32(pose))
-                .active_collision_types(rapier::ActiveCollisionTypes::all());
-            colliders.insert(collider)
-        };
-        let handles = crowd.shape_of.iter().zip(&crowd.poses).map(insert).collect();
-        Self {
-            pipeline: rapier::CollisionPipeline::new(),
-            islands: rapier::IslandManager::new(),
-            broad: rapier::BroadPhaseBvh::new(),
-            narrow: rapier::NarrowPhase::new(),
-            bodies: rapier::RigidBodySet::new(),
-            colliders,
-            handles,
-            poses: Vec::new(),
-        }
-    }
-}
-
-impl Engine for Rapier {
-    fn name(&self) -> &'static str {
-        "rapier-collision"
-    }
-
-    fn prepare(&mut self, poses: &[Pose]) {
-        self.poses.clear();
-        self.poses.extend(poses.iter().map(pose32));
-    }
-
-    fn step(&mut self) {
-        for (handle, pose) in self.handles.iter().zip(&self.poses) {
-            if let Some(collider) = self.colliders.get_mut(*handle) {
-                collider.set_position(*pose);
-            }
-        }
-        self.pipeline.step(
-            RANGE as f32,
-            &mut self.islands,
-            &mut self.broad,
-            &mut self.narrow,
-            &mut self.bodies,
-            &mut self.colliders,
-            &(),
-            &(),
-        );
-    }
-
-    fn pairs(&self) -> usize {
-        let touching = |p: &&rapier::ContactPair| p.manifolds().iter().any(|m| !m.points.is_empty());
-        self.narrow.contact_pairs().filter(touching).count()
-    }
-}
-
-pub(crate) const ENGINES: [&str; 5] = ["ours", "ours-depth", "ours-manifold", "parry-parts", "rapier-collision"];
-
-pub(crate) fn engine(name: &str, crowd: &Crowd) -> Box<dyn Engine> {
-    match name {
-        "ours" => Box::new(Ours::new("ours", crowd)),
-        "ours-depth" => Box::new(Ours::new("ours-depth", crowd)),
-        "ours-manifold" => Box::new(Ours::new("ours-manifold", crowd)),
-        "parry-parts" => Box::new(Parry::new(crowd)),
-        _ => Box::new(Rapier::new(crowd)),
-    }
-}
+pub(crate) const ENGINES: [(&str, Make); 4] = [
+    ("ours", |crowd| Box::new(Ours::new("ours", crowd))),
+    ("ours-depth", |crowd| Box::new(Ours::new("ours-depth", crowd))),
+    ("ours-manifold", |crowd| Box::new(Ours::new("ours-manifold", crowd))),
+    ("parry-parts", |crowd| Box::new(Parry::new(crowd))),
+];

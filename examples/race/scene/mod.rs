@@ -8,15 +8,17 @@
 //! - `ours-manifold`: the same, and contact manifolds within 0.02: all that rapier does, and more.
 //! - `parry-parts`: what one builds from parry's public parts: its box of each hull, its tree, and its `distance` for each pair of
 //!   boxes, cold; no events, no features, overlaps by class.
-//! - `rapier-collision`: rapier's `CollisionPipeline`: events, contact manifolds within 0.02, approximate depth.
+//!
+//! The race with rapier's `CollisionPipeline` is example `race_rapier` of `lin-canny-rapier`.
 //!
 //! parry and rapier compute in `f32`, ours in `f64`. Sparse: 16 cubic units a body of about one; pile: four layers of them.
 
-mod engines;
+pub(crate) mod engines;
 
 use crate::common::{Options, Rows};
 use cpu_time::ThreadTime;
-use engines::{ENGINES, Engine, RANGE, engine};
+use engines::ENGINES;
+use engines::{Engine, Make, RANGE};
 use lab::crowd::{Crowd, Kind};
 use lab::progress::Progress;
 use std::time::{Duration, Instant};
@@ -62,14 +64,14 @@ pub(crate) const SCENES: [(&str, Kind, usize); 4] = [
 ];
 
 /// All engines on one crowd.
-fn race(scene: &str, n: usize, crowd: &Crowd, csv: &mut Rows) {
+fn race(scene: &str, n: usize, crowd: &Crowd, engines: &[(&str, Make)], csv: &mut Rows) {
     let mut ours = f64::NAN;
-    for name in ENGINES {
+    for (name, make) in engines {
         let progress = Progress::new(&format!("{scene} {n} {name}"), (WARM + STEPS) as u64);
-        let mut racer = engine(name, crowd);
+        let mut racer = make(crowd);
         let (ns, near) = measure(racer.as_mut(), crowd.clone(), &progress);
         drop(progress);
-        if name == "ours" {
+        if *name == "ours" {
             ours = ns;
         }
         println!(
@@ -87,8 +89,10 @@ fn race(scene: &str, n: usize, crowd: &Crowd, csv: &mut Rows) {
     }
 }
 
-pub(crate) fn run(o: &Options) -> Rows {
+/// Races our engines and parry's parts with `rivals`.
+pub(crate) fn run(o: &Options, rivals: &[(&str, Make)]) -> Rows {
     let mut csv = Rows::new();
+    let engines = [&ENGINES[..], rivals].concat();
     println!("us a step of n hulls, thread CPU time; near: pairs within {RANGE} as the engine sees them\n");
     println!(
         "{:<12}{:>7} {:<17}{:>12}{:>10}{:>8}{:>8}",
@@ -96,7 +100,7 @@ pub(crate) fn run(o: &Options) -> Rows {
     );
     for (scene, kind, vertices) in SCENES.into_iter().filter(|s| o.wants(s.0)) {
         for n in o.sizes([1_000, 10_000]) {
-            race(scene, n, &Crowd::new(kind, n, vertices), &mut csv);
+            race(scene, n, &Crowd::new(kind, n, vertices), &engines, &mut csv);
         }
     }
     csv

@@ -1,15 +1,17 @@
 //! `race boxes`: broad phases on moving boxes, in nanoseconds of thread CPU time a body and step.
 //!
-//! What is timed: taking over the new boxes of a step and knowing the pairs afterwards. `ours` and `rapier` report
-//! what began and ended; `parry-bvh` lists all pairs and remembers nothing, which is less. Boxes are tight, but for the
-//! scenes where most boxes rest or crawl, where `ours` takes the margin rapier always has (0.04).
+//! What is timed: taking over the new boxes of a step and knowing the pairs afterwards. `ours` reports what began and
+//! ended; `parry-bvh` lists all pairs and remembers nothing, which is less. Boxes are tight, but for the scenes in which
+//! most boxes rest or crawl: there `ours` takes the margin that rapier always has (0.04). The race with rapier's own broad
+//! phase is example `race_rapier` of `lin-canny-rapier`.
 
-mod engines;
+pub(crate) mod engines;
 
 use crate::common::{Options, Rows};
 use crate::hulls;
 use cpu_time::ThreadTime;
-use engines::{ENGINES, Engine, engine};
+use engines::ENGINES;
+use engines::{Engine, Make};
 use lab::boxes::{Kind, Scene};
 use std::time::{Duration, Instant};
 
@@ -113,15 +115,15 @@ fn print_row(scene: &str, n: usize, engine: &str, row: &Row, ours: f64) {
 }
 
 /// All engines on one scene; means by engine.
-fn race(kind: Kind, n: usize, csv: &mut Rows) -> Vec<(String, f64)> {
+fn race(kind: Kind, n: usize, engines: &[(&str, Make)], csv: &mut Rows) -> Vec<(String, f64)> {
     let scene = Scene::new(kind, n);
     let (steps, warm) = steps(n);
     let (mut ours, mut means) = (f64::NAN, Vec::new());
-    for name in ENGINES.into_iter().filter(|name| !skipped(name, kind, n)) {
-        let mut racer = engine(name, &scene);
-        let limit = Duration::from_secs(if name == "ours" { 30 } else { 5 });
+    for (name, make) in engines.iter().filter(|(name, _)| !skipped(name, kind, n)) {
+        let mut racer = make(&scene);
+        let limit = Duration::from_secs(if *name == "ours" { 30 } else { 5 });
         let row = measure(racer.as_mut(), scene.clone(), steps, warm, limit);
-        if name == "ours" {
+        if *name == "ours" {
             ours = row.mean;
         }
         print_row(kind.name(), n, racer.name(), &row, ours);
@@ -153,7 +155,7 @@ fn race_overlaps() {
     let mut points = Vec::new();
     for factor in [1.0, 1.5, 2.0, 3.0] {
         let scene = Scene::new(Kind::Uniform, n).grown(factor);
-        let mut racer = engine("ours", &scene);
+        let mut racer = ENGINES[0].1(&scene);
         let row = measure(racer.as_mut(), scene, 60, 30, Duration::from_secs(10));
         print_row(&format!("boxes x {factor}"), n, racer.name(), &row, row.mean);
         points.push((row.pairs.unwrap_or(0) as f64 / n as f64, row.mean));
@@ -163,12 +165,14 @@ fn race_overlaps() {
     println!("a pair more costs {each:.1} ns a step");
 }
 
-pub(crate) fn run(o: &Options) -> Rows {
+/// Races our engines and parry's tree with `rivals`.
+pub(crate) fn run(o: &Options, rivals: &[(&str, Make)]) -> Rows {
     let mut csv = Rows::new();
+    let engines = [&ENGINES[..], rivals].concat();
     println!("ns a body and step, thread CPU time; p99 and median over the steps; bytes a body and a pair\n\n{HEAD}");
     for kind in RACED.into_iter().filter(|kind| o.wants(kind.name())) {
         let sizes = o.sizes([1_000, 10_000, 100_000, 1_000_000]);
-        let raced: Vec<_> = sizes.map(|n| (n, race(kind, n, &mut csv))).collect();
+        let raced: Vec<_> = sizes.map(|n| (n, race(kind, n, &engines, &mut csv))).collect();
         let at = |n: usize| raced.iter().find(|r| r.0 == n).map(|(n, means)| (*n, &means[..]));
         if let (Some(low), Some(high)) = (at(1_000), at(100_000)) {
             print_growth(kind, low, high);
