@@ -10,8 +10,7 @@ pub(crate) mod engines;
 use crate::common::{Options, Rows};
 use crate::hulls;
 use cpu_time::ThreadTime;
-use engines::ENGINES;
-use engines::{Engine, Make};
+use engines::{ENGINES, Engine, Make};
 use lab::boxes::{Kind, Scene};
 use std::time::{Duration, Instant};
 

@@ -17,8 +17,7 @@ pub(crate) mod engines;
 
 use crate::common::{Options, Rows};
 use cpu_time::ThreadTime;
-use engines::ENGINES;
-use engines::{Engine, Make, RANGE};
+use engines::{ENGINES, Engine, Make, RANGE};
 use lab::crowd::{Crowd, Kind};
 use lab::progress::Progress;
 use std::time::{Duration, Instant};
