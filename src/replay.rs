@@ -7,6 +7,7 @@
 //! vertex bff0000000000000 0000000000000000 3fe0000000000000    # -1 0 0.5
 //! ...                                       in the order of the vertex ids
 //! polygon 0 2 1 3                           only for a polygon: the vertices of its first side
+//! round 3fb999999999999a    # 0.1           only for a rounded body: the radius
 //! body B
 //! ...
 //! pose A 0000000000000000 ... (seven numbers: quaternion x y z w, translation)    # in decimal
@@ -31,6 +32,7 @@ use crate::depth::{Memory, RawMemory};
 use crate::pair::outcome::Accuracy;
 use crate::polyhedron::{BuildError, ConvexPolyhedron, EdgeId, FaceId, Feature, FeaturePair, VertexId};
 use crate::pose::{Operand, PoseError, RelativePose};
+use crate::shape::{Shape, is_rounding};
 
 const TITLE: &str = "lin-canny replay 1";
 
@@ -60,6 +62,9 @@ pub struct Replay {
     pub a: ConvexPolyhedron,
     /// Second body.
     pub b: ConvexPolyhedron,
+    /// Radii by which the bodies are rounded, in the caller's unit; zero for the query of a
+    /// [`Tracker`](crate::Tracker).
+    pub round: [f64; 2],
     /// Relative pose of both bodies.
     pub pose: RelativePose,
     /// Features cached by the tracker; `None` for a cold start.
@@ -68,6 +73,18 @@ pub struct Replay {
     pub(crate) surface: Memory,
     /// Requested accuracy.
     pub accuracy: Accuracy,
+}
+
+impl Replay {
+    /// Returns the bodies as shapes, rounded by the recorded radii; a radius that no shape can have
+    /// counts as zero.
+    #[must_use]
+    pub fn shapes(&self) -> [Shape; 2] {
+        [(&self.a, self.round[0]), (&self.b, self.round[1])].map(|(body, round)| {
+            let sharp = Shape::from(body.clone());
+            sharp.clone().rounded(round).unwrap_or(sharp)
+        })
+    }
 }
 
 /// Error returned if a text is no replay. Lines are counted from 1.
@@ -114,7 +131,8 @@ impl fmt::Display for Accuracy {
 impl fmt::Display for Replay {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "{TITLE}\nlevel {}", self.accuracy)?;
-        for (which, body) in [(Operand::A, &self.a), (Operand::B, &self.b)] {
+        let [round_a, round_b] = self.round;
+        for (which, body, round) in [(Operand::A, &self.a, round_a), (Operand::B, &self.b, round_b)] {
             writeln!(f, "body {which} {}", body.vertex_count())?;
             for p in body.vertex_points() {
                 numbers(f, "vertex", &[p.x, p.y, p.z])?;
@@ -124,6 +142,9 @@ impl fmt::Display for Replay {
                 f.write_str("polygon")?;
                 side.iter().try_for_each(|v| write!(f, " {v}"))?;
                 writeln!(f)?;
+            }
+            if round != 0.0 {
+                numbers(f, "round", &[round])?;
             }
         }
         for (word, p) in [("pose A", &self.pose.a), ("pose B", &self.pose.b)] {
@@ -173,7 +194,7 @@ impl FromStr for Replay {
             (_, "exact") => Accuracy::Exact,
             (line, _) => return Err(expected(line, "walk, certified or exact")),
         };
-        let (a, b) = (lines.body(Operand::A)?, lines.body(Operand::B)?);
+        let ((a, round_a), (b, round_b)) = (lines.body(Operand::A)?, lines.body(Operand::B)?);
         let pose = RelativePose::new(&lines.pose("pose A")?, &lines.pose("pose B")?)?;
         let start = match lines.word("start", "a start")? {
             (_, "cold") => None,
@@ -191,6 +212,7 @@ impl FromStr for Replay {
             None => Ok(Self {
                 a,
                 b,
+                round: [round_a, round_b],
                 pose,
                 start,
                 surface,
@@ -240,7 +262,8 @@ impl<'a> Lines<'a> {
         Some((line, rest.trim()))
     }
 
-    fn body(&mut self, which: Operand) -> Result<ConvexPolyhedron, ReplayError> {
+    /// Parses a body and the radius by which the body is rounded.
+    fn body(&mut self, which: Operand) -> Result<(ConvexPolyhedron, f64), ReplayError> {
         let title = if which == Operand::A { "body A" } else { "body B" };
         let (line, count) = self.word(title, "a body")?;
         let mut points = Vec::new();
@@ -256,7 +279,14 @@ impl<'a> Lines<'a> {
                 side.push(word.parse().map_err(|_| expected(line, "the number of a vertex"))?);
             }
         }
-        ConvexPolyhedron::rebuilt(&points, &side).map_err(|error| ReplayError::Body { which, error })
+        let body = ConvexPolyhedron::rebuilt(&points, &side).map_err(|error| ReplayError::Body { which, error })?;
+        let Some((line, text)) = self.word_if_there("round") else {
+            return Ok((body, 0.0));
+        };
+        match bits::<1>(line, text)? {
+            [round] if is_rounding(round) => Ok((body, round)),
+            _ => Err(expected(line, "a radius of zero, or between 1e-100 and 1e100")),
+        }
     }
 
     /// Parses the optional lines of an overlap; returns an empty cache if the data is no closed

@@ -390,6 +390,7 @@ fn replay(
     Replay {
         a: a.clone(),
         b: b.clone(),
+        round: [0.0; 2],
         pose: *pose,
         start,
         surface,

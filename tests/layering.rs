@@ -198,7 +198,10 @@ const MAY_USE: &[(&str, &[&str])] = &[
         ],
     ),
     ("soundness", &["pair", "polyhedron", "pose", "num", "tolerance"]),
-    ("replay", &["depth", "pair", "polyhedron", "pose", "num", "tolerance"]),
+    (
+        "replay",
+        &["depth", "shape", "pair", "polyhedron", "pose", "num", "tolerance"],
+    ),
     // The state of one pair between queries, and the choice of the solver.
     // Geometry alone: cores, radii, supports.
     ("shape", &["shape", "polyhedron", "pose", "num", "tolerance"]),
@@ -220,6 +223,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
     (
         "shape_tracker",
         &[
+            "replay",
             "shape",
             "smooth",
             "tracker",

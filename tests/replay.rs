@@ -4,7 +4,7 @@ use lab::rng::Rng;
 use lab::shapes;
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::polyhedron::solids;
-use lin_canny::{Accuracy, ConvexPolyhedron, Operand, RelativePose, Replay, ReplayError, Tracker};
+use lin_canny::{Accuracy, ConvexPolyhedron, Operand, RelativePose, Replay, ReplayError, Shape, ShapeTracker, Tracker};
 
 fn bodies() -> Vec<ConvexPolyhedron> {
     let point = |x, y, z| Point3::new(x, y, z);
@@ -55,6 +55,41 @@ fn a_query_comes_back_bit_for_bit() {
     assert!(warm > bodies.len());
 }
 
+#[test]
+fn a_query_of_rounded_bodies_comes_back_bit_for_bit() {
+    let mut rng = Rng::new(7);
+    let (mut warm, mut overlaps) = (0, 0);
+    for (k, a) in bodies().into_iter().enumerate() {
+        let b = solids::icosahedron(1.0).unwrap();
+        let round = [0.25, 0.0, 1e-9][k % 3];
+        let [a, b] = [
+            Shape::from(a).rounded(round).unwrap(),
+            Shape::from(b).rounded(0.5).unwrap(),
+        ];
+        let mut pair = ShapeTracker::new();
+        for _ in 0..4 {
+            let pose = Isometry3::new(Vector3::from(rng.unit()) * 2.0, Vector3::from(rng.unit()));
+            let pose = RelativePose::from_isometry(&pose).unwrap();
+            let replay = pair.replay(&a, &b, &pose).expect("polyhedral cores");
+            let again: Replay = replay.to_string().parse().unwrap();
+            assert_eq!(again, replay);
+            assert_eq!(again.shapes().map(|s| s.round()), [round, 0.5]);
+            warm += usize::from(again.start.is_some());
+            let [c, d] = again.shapes();
+            let (mine, theirs) = (
+                pair.closest(&a, &b, &pose),
+                again.shape_tracker().closest(&c, &d, &again.pose),
+            );
+            overlaps += usize::from(mine.upper < 0.0);
+            assert_eq!(format!("{mine:?}"), format!("{theirs:?}"));
+        }
+    }
+    assert!(warm > 20 && overlaps > 3, "{warm} {overlaps}");
+    let ball = Shape::ellipsoid(Vector3::new(1.0, 2.0, 3.0)).unwrap();
+    let pose = RelativePose::from_isometry(&Isometry3::identity()).unwrap();
+    assert_eq!(ShapeTracker::new().replay(&ball, &ball, &pose), None);
+}
+
 /// The replay of two boxes with one line changed.
 fn with(line: usize, text: &str) -> Result<Replay, ReplayError> {
     let a = solids::cuboid(Vector3::new(1.0, 1.0, 1.0)).unwrap();
@@ -79,6 +114,9 @@ fn what_is_no_replay_is_refused_by_line() {
     assert_eq!(line(with(4, "vertex 3ff0000000000000 3ff0000000000000")), 4);
     assert_eq!(line(with(4, "")), 3, "seven vertices are a body, but another one");
     assert_eq!(line(with(23, "start v0")), 23);
+    assert_eq!(line(with(12, "round bff0000000000000\nbody B 8")), 12);
+    let rounded = with(12, "round 3ff0000000000000\nbody B 8").unwrap();
+    assert_eq!(rounded.round, [1.0, 0.0]);
 }
 
 #[test]

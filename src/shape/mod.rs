@@ -78,6 +78,12 @@ pub enum Core {
     Superquadric(Superquadric),
 }
 
+/// Returns whether a shape may be rounded by a ball of this radius: zero, or between 1e-100 and
+/// 1e100.
+pub(crate) fn is_rounding(radius: f64) -> bool {
+    radius == 0.0 || (EXTENT_MIN..=EXTENT_MAX).contains(&radius)
+}
+
 /// Returns a length between 1e-100 and 1e100; refuses any other.
 fn length(what: &'static str, value: f64) -> Result<f64, ShapeError> {
     if (EXTENT_MIN..=EXTENT_MAX).contains(&value) {
@@ -195,7 +201,7 @@ impl Shape {
     /// A radius that is negative, or that makes the sum of all roundings exceed 1e100.
     pub fn rounded(mut self, by: f64) -> Result<Self, ShapeError> {
         let round = self.round + by;
-        if !(by >= 0.0 && round <= EXTENT_MAX) || by > 0.0 && by < EXTENT_MIN {
+        if !is_rounding(by) || round > EXTENT_MAX {
             return Err(ShapeError::BadParameter {
                 what: "rounding radius",
                 value: by,

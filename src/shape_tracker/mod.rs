@@ -4,8 +4,9 @@ mod contains;
 mod manifold;
 mod round;
 
-use crate::pair::outcome::{Distance, Outcome};
+use crate::pair::outcome::{Accuracy, Distance, Outcome};
 use crate::pose::RelativePose;
+use crate::replay::Replay;
 use crate::shape::{Core, Shape};
 use crate::smooth;
 use crate::tracker::{Totals, Tracker};
@@ -106,6 +107,19 @@ impl ShapeTracker {
         }
     }
 
+    /// Returns the query as a text that rebuilds the query bit for bit, as [`Tracker::replay`];
+    /// `None` unless both cores are polyhedra.
+    #[must_use]
+    pub fn replay(&self, a: &Shape, b: &Shape, a_from_b: &RelativePose) -> Option<Replay> {
+        let (Core::Polyhedron(x), Core::Polyhedron(y)) = (a.core(), b.core()) else {
+            return None;
+        };
+        Some(Replay {
+            round: [a.round(), b.round()],
+            ..self.polyhedral.replay(x, y, a_from_b, Accuracy::Certified)
+        })
+    }
+
     /// Returns what has been done so far.
     #[must_use]
     pub fn totals(&self) -> Totals {
@@ -124,5 +138,16 @@ impl ShapeTracker {
     /// Forgets features and counters.
     pub fn reset(&mut self) {
         *self = Self::default();
+    }
+}
+
+impl Replay {
+    /// Returns a tracker of [`shapes`](Self::shapes) with the recorded start.
+    #[must_use]
+    pub fn shape_tracker(&self) -> ShapeTracker {
+        ShapeTracker {
+            polyhedral: self.tracker(),
+            ..ShapeTracker::default()
+        }
     }
 }
