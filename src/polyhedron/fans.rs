@@ -81,17 +81,16 @@ pub(crate) fn steepest(
     n: &Vector3<f64>,
 ) -> HalfEdgeId {
     let (fan, p, m) = (t.fan(v), points[v.index()], axis.rounded());
-    let to = |k: usize| t.half_edge(fan.at(k)).to;
-    let steepest = if axis.is_plain {
-        top_of_ring(fan.len(), |k| {
-            let e = points[to(k).index()] - p;
+    let to = |h| t.half_edge(h).to;
+    if axis.is_plain {
+        fan.top(|h| {
+            let e = points[to(h).index()] - p;
             n.dot(&e) / m.dot(&e)
         })
     } else {
         let n = Direction::new(points, n, &Vector3::zeros());
-        top_of_ring(fan.len(), |k| Slope(&n, axis, v, to(k)))
-    };
-    fan.at(steepest)
+        fan.top(|h| Slope(&n, axis, v, to(h)))
+    }
 }
 
 impl ConvexPolyhedron {
