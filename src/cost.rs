@@ -80,6 +80,16 @@
 //! The result of the walk alone has no bounds, and at the rounding of coordinates the walk may
 //! report an overlap as a distance of `1e-16`; the certificate exists to exclude such errors.
 //!
+//! # Time of impact
+//!
+//! A cast ([`impact`](crate::impact)) returns a bracket about the first contact, proven on both
+//! sides. Each query proves a separating plane that turns with the closest features, and the planes
+//! converge quadratically: a tolerance of `1e-12` takes one or two queries more than one of `0.1`.
+//! Conservative advancement, which steps by the distance over a bound of the speed, pays for every
+//! digit:
+//!
+#![doc = include_str!("../images/casts.svg")]
+//!
 //! # Cases this crate loses
 //!
 //! * Exact distances: parry's f64 answer for bodies of eight vertices is right to `1e-15 L` and

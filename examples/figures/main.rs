@@ -1,6 +1,7 @@
 //! Draws every picture of the README and the documentation, from runs of the crate and from the records of its measurements:
 //! `cargo run --release --example figures -- [FOLDER]`.
 
+mod casts;
 mod contact;
 mod hero;
 mod plane;
@@ -38,6 +39,7 @@ fn run(folder: &Path) -> Result<(), Trouble> {
     let records = Path::new(env!("CARGO_MANIFEST_DIR")).join("benches/record");
     let mut pictures = vec![
         ("hero.svg", hero::picture()?),
+        ("casts.svg", casts::picture()?),
         ("manifold.svg", contact::picture()?),
         ("regions.svg", plane::regions()?),
         ("walk.svg", plane::walk()?),

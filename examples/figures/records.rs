@@ -21,7 +21,7 @@ fn newest(folder: &Path) -> Result<PathBuf, Trouble> {
 }
 
 /// A chart as text that can stand in documentation: without blank lines, and no wider than the page.
-fn text(chart: &Chart) -> Result<String, Trouble> {
+pub(crate) fn text(chart: &Chart) -> Result<String, Trouble> {
     let svg = chart.svg()?;
     let lines = svg.lines().filter(|l| !l.trim().is_empty());
     Ok(lines.flat_map(|l| [l, "\n"]).collect())
