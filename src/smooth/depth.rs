@@ -54,8 +54,7 @@ pub(super) fn deepen<A: Support, B: Support>(
     found.of.into_iter().for_each(|of| set.add(of));
     local(posed, found.n, &set, best);
     if best.upper > -found.least {
-        best.upper = -found.least;
-        (best.on_a, best.on_b, best.set) = (found.on_a, found.on_b, set);
+        (best.upper, best.set) = (-found.least, set);
     }
     deep
 }

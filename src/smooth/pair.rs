@@ -3,13 +3,13 @@
 use nalgebra::{Unit, Vector3};
 
 use super::any::{Any, Kind};
-use super::bent::{End, Run};
 use super::best::{Best, Set};
 use super::depth;
-use super::frozen::{self, Around, Frozen, Goal};
+use super::frozen::Around;
+use super::layers::{Ended, separate};
+use super::opposite;
 use super::polyhedral::Hull;
 use super::posed::{Piece, Posed, add, unit, values};
-use super::warm;
 use crate::num::double_double::DoubleDouble;
 use crate::num::scalar::{Scalar, Vec3, sqrt, sub};
 use crate::pair::answer::round_outward;
@@ -124,95 +124,6 @@ impl<'p> Setting<'p> {
     }
 }
 
-/// End of the solvers of one arithmetic.
-#[derive(PartialEq)]
-enum Ended {
-    /// The bounds agree.
-    Closed,
-    Open,
-    /// An overlap is proven.
-    Deep,
-}
-
-/// Runs solver after solver until the bounds agree. `deep` proves an overlap: of cores that seem to
-/// overlap, or whose difference contains the origin between four points.
-#[inline(always)]
-fn separate<A: Support, B: Support, T: Scalar>(
-    posed: &Posed<A, B, T>,
-    start: Option<(Vec3<T>, Set)>,
-    best: &mut Best<T>,
-    solver: &mut Solver,
-    mut deep: impl FnMut(&Best<T>, Option<Around<T>>) -> bool,
-) -> Ended {
-    if let Some((n, set)) = start {
-        match warm::track(posed, n, &set, best) {
-            Err(End::Closed) => return Ended::Closed,
-            Err(End::Inside) if deep(&Best { set, ..*best }, None) => return Ended::Deep,
-            _ => {}
-        }
-    }
-    search(posed, start.is_some(), best, solver, deep)
-}
-
-/// Runs the solvers behind the first one of a warm query.
-#[inline(never)]
-fn search<A: Support, B: Support, T: Scalar>(
-    posed: &Posed<A, B, T>,
-    is_warm: bool,
-    best: &mut Best<T>,
-    solver: &mut Solver,
-    mut deep: impl FnMut(&Best<T>, Option<Around<T>>) -> bool,
-) -> Ended {
-    if is_warm {
-        if let Some(ended) = bend(posed, best.n, best, &mut deep) {
-            return ended;
-        }
-        *solver = Solver::Restart;
-    }
-    let axis = [T::from(1.0), T::from(0.0), T::from(0.0)];
-    let n = unit(&posed.frame.translation).unwrap_or(axis);
-    match frozen::solve(posed, n, Goal::Approach, best) {
-        Frozen::Closed => return Ended::Closed,
-        Frozen::Inside(corners) if deep(best, Some(corners)) => return Ended::Deep,
-        _ => {}
-    }
-    if let Some(ended) = bend(posed, toward_witness(posed, best), best, &mut deep) {
-        return ended;
-    }
-    *solver = Solver::Fallback;
-    match frozen::solve(posed, toward_witness(posed, best), Goal::Close, best) {
-        Frozen::Closed => Ended::Closed,
-        Frozen::Inside(corners) if deep(best, Some(corners)) => Ended::Deep,
-        _ => Ended::Open,
-    }
-}
-
-/// Runs the main solver from a direction and the best pieces; returns `None` if the bounds stay
-/// open.
-fn bend<A: Support, B: Support, T: Scalar>(
-    posed: &Posed<A, B, T>,
-    n: Vec3<T>,
-    best: &mut Best<T>,
-    deep: &mut impl FnMut(&Best<T>, Option<Around<T>>) -> bool,
-) -> Option<Ended> {
-    let (set, is_deep) = (best.set, false);
-    let mut run = Run {
-        posed,
-        best,
-        deep: is_deep,
-    };
-    match run.run(n, &set) {
-        End::Closed => Some(Ended::Closed),
-        End::Inside if deep(best, None) => Some(Ended::Deep),
-        _ => None,
-    }
-}
-
-/// Returns the direction between the nearest points known.
-fn toward_witness<A: Support, B: Support, T: Scalar>(posed: &Posed<A, B, T>, best: &Best<T>) -> Vec3<T> {
-    unit(&posed.piece([0; 2], best.on_a, best.on_b).w).unwrap_or(best.n)
-}
-
 /// Returns the outcome of a pair of known kinds, in the unit of the solvers.
 #[inline(never)]
 pub(super) fn closest_of<A: Kind, B: Kind>(a: &A, b: &B, setting: &Setting, memory: &mut Memory) -> Outcome {
@@ -260,8 +171,16 @@ fn deepen<A: Kind, B: Kind>(
     let term = (CERTIFICATE + posed.noise) * UNIT * posed.size;
     outcome.work.depths += 1;
     let deep = depth::deepen(posed, known, corners);
+    let is_done = deep.inside || deep.best.closes(posed) || depth::is_deep_enough(posed, &deep.best);
     outcome.work.steps += deep.best.evaluations - known.evaluations;
-    take(posed, &deep.best, term, outcome);
+    if !is_done {
+        return None;
+    }
+    let found = opposite::witnesses(posed, &deep.best);
+    outcome.work.steps += found.evaluations;
+    let (on_a, on_b) = (found.on_a, found.on_b);
+    let set = found.set;
+    take(posed, &Best { on_a, on_b, set, ..deep.best }, term, outcome);
     if deep.grown {
         outcome.solver = Solver::Surface;
     }
@@ -270,8 +189,7 @@ fn deepen<A: Kind, B: Kind>(
         outcome.upper = outcome.upper.min(0.0);
         outcome.distance = outcome.distance.min(outcome.upper);
     }
-    let is_done = deep.inside || deep.best.closes(posed) || depth::is_deep_enough(posed, &deep.best);
-    is_done.then_some(deep.best.set)
+    Some(deep.best.set)
 }
 
 /// Runs the solvers in double-double.

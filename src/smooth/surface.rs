@@ -40,15 +40,12 @@ struct Surface<'s, 'p, A, B> {
     facets: Vec<Facet>,
 }
 
-/// Bounds and witnesses that a surface proves.
+/// Bound that a surface proves, and the facet nearest to the origin.
 pub(super) struct Depth {
     /// Lower bound of the depth.
     pub(super) least: f64,
     /// Normal of the facet nearest to the origin.
     pub(super) n: Vec3<f64>,
-    /// Points of A and of B whose difference is the point of the facet nearest to the origin.
-    pub(super) on_a: Vec3<f64>,
-    pub(super) on_b: Vec3<f64>,
     /// Branches of the corners of the facet.
     pub(super) of: [[u32; 2]; 3],
 }
@@ -116,24 +113,12 @@ impl<A: Support, B: Support> Surface<'_, '_, A, B> {
         }
     }
 
-    /// Returns the foot of the origin in the plane of a facet, as points of both cores.
     fn result(&self, k: usize) -> Depth {
         let facet = &self.facets[k];
-        let pieces = facet.corners.map(|k| self.points[usize::from(k)]);
-        let [p, q, r] = facet.corners.map(|k| self.place(k));
-        let weight = |x: &Vec3<f64>, y: &Vec3<f64>| dot(&facet.normal, &cross(x, y)).max(0.0);
-        let weights = [weight(&q, &r), weight(&r, &p), weight(&p, &q)];
-        let sum = weights[0] + weights[1] + weights[2];
-        let mix = |of: fn(&Piece<f64>) -> Vec3<f64>| {
-            let parts = pieces.each_ref().map(of);
-            [0, 1, 2].map(|c| (parts[0][c] * weights[0] + parts[1][c] * weights[1] + parts[2][c] * weights[2]) / sum)
-        };
         Depth {
             least: facet.distance,
             n: facet.normal,
-            on_a: mix(|p| p.on_a),
-            on_b: mix(|p| p.on_b),
-            of: pieces.map(|p| p.of),
+            of: facet.corners.map(|k| self.points[usize::from(k)].of),
         }
     }
 }
