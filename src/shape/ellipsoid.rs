@@ -66,6 +66,11 @@ impl Support for Ellipsoid {
     }
 
     #[inline(always)]
+    fn ridge<T: Scalar>(&self, _: [u32; 2]) -> Option<(Vec3<T>, T)> {
+        None
+    }
+
+    #[inline(always)]
     fn onto<T: Scalar>(&self, _: u32, place: &Vec3<T>) -> Vec3<T> {
         let a: Vec3<T> = self.axes();
         let unit = [0, 1, 2].map(|k| place[k] / a[k]);

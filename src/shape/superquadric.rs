@@ -158,6 +158,11 @@ impl Support for Superquadric {
         ]
     }
 
+    #[inline(always)]
+    fn ridge<T: Scalar>(&self, _: [u32; 2]) -> Option<(Vec3<T>, T)> {
+        None
+    }
+
     fn onto<T: Scalar>(&self, _: u32, place: &Vec3<T>) -> Vec3<T> {
         scaled(place, T::from(1.0) / self.gauge(place))
     }

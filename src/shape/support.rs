@@ -81,6 +81,10 @@ pub(crate) trait Support {
     /// the second derivative of the support function, applied to `d`.
     fn bent<T: Scalar>(&self, branch: u32, point: &Vec3<T>, n: &Vec3<T>, d: &Vec3<T>) -> Vec3<T>;
 
+    /// Returns the unit axis `u` and the level `c` of the circle of unit directions, `n . u = c`,
+    /// along which two branches are equally high; `None` if no circle is known.
+    fn ridge<T: Scalar>(&self, of: [u32; 2]) -> Option<(Vec3<T>, T)>;
+
     /// Returns a point of the core on the branch, close to `place`, which must be close to the
     /// branch.
     fn onto<T: Scalar>(&self, branch: u32, place: &Vec3<T>) -> Vec3<T>;

@@ -97,7 +97,7 @@ pub(super) fn solve<A: Support, B: Support, T: Scalar>(
     let mut simplex = Simplex::vertex(corner(0, &first));
     for k in 1..if goal == Goal::Approach { APPROACH } else { POINTS } {
         let Some(n) = unit(&neg(&simplex.direction())) else {
-            return Frozen::Open;
+            return inside(posed, n, best);
         };
         let toward = posed.toward(n);
         let piece = posed.support(&toward, points[k - 1].of);
@@ -139,15 +139,18 @@ pub(super) fn solve<A: Support, B: Support, T: Scalar>(
                 return Frozen::Closed;
             }
             if !gains {
-                // If the origin lies on a triangle of support points, other points contain it.
-                let inside = best.lower < T::from(0.0);
-                return if inside {
-                    Frozen::Inside(Around::six(posed, n))
-                } else {
-                    Frozen::Open
-                };
+                return inside(posed, n, best);
             }
         }
     }
     Frozen::Open
+}
+
+/// Ends a solve that the origin ends on a simplex of support points: other points contain it.
+fn inside<A: Support, B: Support, T: Scalar>(posed: &Posed<A, B, T>, n: Vec3<T>, best: &Best<T>) -> Frozen<T> {
+    if best.lower < T::from(0.0) {
+        Frozen::Inside(Around::six(posed, n))
+    } else {
+        Frozen::Open
+    }
 }

@@ -29,14 +29,26 @@ pub(super) fn separate<A: Support, B: Support, T: Scalar>(
     solver: &mut Solver,
     mut deep: impl FnMut(&Best<T>, Option<Around<T>>) -> bool,
 ) -> Ended {
-    if let Some((n, set)) = start {
-        match warm::track(posed, n, &set, best) {
-            Err(End::Closed) => return Ended::Closed,
-            Err(End::Inside) if deep(&Best { set, ..*best }, None) => return Ended::Deep,
-            _ => {}
+    let (mut start, mut closed) = (start, None);
+    loop {
+        if let Some((n, set)) = start {
+            match warm::track(posed, n, &set, best) {
+                Err(End::Closed) => return Ended::Closed,
+                Err(End::Inside) if closed.is_none() && deep(&Best { set, ..*best }, None) => return Ended::Deep,
+                _ => {}
+            }
         }
+        if let Some(closed) = closed {
+            *best = closed;
+            return Ended::Closed;
+        }
+        let ended = search(posed, start.is_some(), best, solver, &mut deep);
+        if ended != Ended::Closed || best.is_opposite(posed) {
+            return ended;
+        }
+        // Bounds that agree leave the direction open to the root of the tolerance.
+        (start, closed) = (Some((best.n, best.set)), Some(*best));
     }
-    search(posed, start.is_some(), best, solver, deep)
 }
 
 /// Runs the solvers behind the first one of a warm query.

@@ -29,10 +29,37 @@ use crate::shape::Support;
 /// rounding of the normal between the moved cores. A heuristic.
 const GAP: f64 = 1.0 / (1u64 << 20) as f64;
 
-/// Returns the closest points of the cores, with B moved out along the best direction.
+/// Distances of the moved cores that exceed the gap by less than this times L are the gap itself.
+/// Not a matter of soundness.
+const NEAR: f64 = 1.0 / (1u64 << 34) as f64;
+
+/// Directions that are tried: a heuristic.
+const TRIES: u32 = 16;
+
+/// Returns the closest points of the cores, with B moved out along the best direction. If the moved
+/// cores are further apart than the gap, the direction between them is less deep, and the next one
+/// that is tried.
 #[inline(never)]
-pub(super) fn witnesses<A: Support, B: Support>(posed: &Posed<A, B, f64>, deep: &Best<f64>) -> Best<f64> {
-    let out = scaled(&deep.n, GAP * posed.size - deep.lower);
+pub(super) fn witnesses<A: Support, B: Support>(posed: &Posed<A, B, f64>, deep: &mut Best<f64>) -> Best<f64> {
+    let gap = GAP * posed.size;
+    let mut found = moved_apart(posed, deep, gap);
+    for _ in 1..TRIES {
+        if found.upper - gap <= NEAR * posed.size {
+            break;
+        }
+        let (before, toward) = (deep.lower, posed.toward(found.n));
+        deep.prove(&toward, &posed.support(&toward, found.set.first()));
+        if deep.lower <= before {
+            break;
+        }
+        found = moved_apart(posed, deep, gap);
+    }
+    found
+}
+
+/// Returns the closest points of the cores, with B moved out along the best direction to a gap.
+fn moved_apart<A: Support, B: Support>(posed: &Posed<A, B, f64>, deep: &mut Best<f64>, gap: f64) -> Best<f64> {
+    let out = scaled(&deep.n, gap - deep.lower);
     let moved = Posed {
         frame: Transform {
             translation: add(&posed.frame.translation, &out),
@@ -43,5 +70,6 @@ pub(super) fn witnesses<A: Support, B: Support>(posed: &Posed<A, B, f64>, deep: 
     let mut found = Best::new();
     (found.n, found.set) = (deep.n, deep.set);
     search(&moved, true, &mut found, &mut Solver::default(), |_, _| false);
+    deep.evaluations += found.evaluations;
     found
 }

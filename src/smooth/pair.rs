@@ -23,13 +23,18 @@ use crate::tolerance::{AGREE_CURVED, CERTIFICATE, SMALL_PAIR, SPECK, UNIT, UNIT_
 /// A direction that turned by less in each coordinate is extrapolated: a heuristic.
 const SLIGHT: f64 = 0.25;
 
+/// A turn that changed by less than this share is extrapolated with its change: a heuristic.
+const STEADY: f64 = 0.25;
+
 /// State of a pair between queries.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Memory {
     start: Option<(Vec3<f64>, Set)>,
-    /// Turn of the direction from the answer before to the last answer.
+    /// Turn of the direction from the answer before to the last answer, and the turn before.
     turn: Vec3<f64>,
+    #[cfg_attr(feature = "serde", serde(default))]
+    before: Vec3<f64>,
 }
 
 impl Memory {
@@ -38,14 +43,25 @@ impl Memory {
     fn start(&self) -> Option<(Vec3<f64>, Set)> {
         let (n, set) = self.start?;
         let is_small = n.iter().all(|x| x.abs() <= 2.0);
-        // Linear extrapolation.
-        let turned = self.turn.iter().all(|x| x.abs() < SLIGHT);
-        let ahead = if turned { add(&n, &self.turn) } else { n };
-        is_small.then_some((ahead, set))
+        is_small.then(|| (self.ahead(n), set))
+    }
+
+    /// Extrapolates the direction: by the turn, and by the change of the turn if that is small.
+    #[inline(always)]
+    fn ahead(&self, n: Vec3<f64>) -> Vec3<f64> {
+        let most = |v: &Vec3<f64>| v[0].abs().max(v[1].abs()).max(v[2].abs());
+        let (change, size) = (sub(&self.turn, &self.before), most(&self.turn));
+        // NaN is not small.
+        if !(size < SLIGHT) {
+            return n;
+        }
+        let n = add(&n, &self.turn);
+        if most(&change) < size * STEADY { add(&n, &change) } else { n }
     }
 
     /// Remembers an answer.
     fn keep(&mut self, n: Vec3<f64>, set: Set) {
+        self.before = self.turn;
         self.turn = self.start.map_or([0.0; 3], |(before, _)| sub(&n, &before));
         self.start = Some((n, set));
     }
@@ -55,13 +71,9 @@ impl Memory {
 #[derive(Clone, Copy)]
 pub(super) struct Setting<'p> {
     pose: &'p RelativePose,
+    cores: [&'p Core; 2],
     /// Translation of the pose, if both cores are stored as given and of an ordinary size.
     plain: Option<Vec3<f64>>,
-    /// Origins about which the points of A and of B are stored.
-    a: Vector3<f64>,
-    b: Vector3<f64>,
-    /// Radii of both cores, in the caller's unit.
-    radii: [f64; 2],
     /// Lengths of the solvers times `2^exponent` are the caller's.
     exponent: i32,
     /// Distance of the stored origins from the origins of the frames, in the unit of the solvers.
@@ -70,7 +82,7 @@ pub(super) struct Setting<'p> {
 
 impl<'p> Setting<'p> {
     #[inline(always)]
-    pub(super) fn new(a: &Core, b: &Core, pose: &'p RelativePose) -> Self {
+    pub(super) fn new(a: &'p Core, b: &'p Core, pose: &'p RelativePose) -> Self {
         let given = |core: &Core| !matches!(core, Core::Polyhedron(body) if !body.is_unscaled);
         let radii = [a.radius(), b.radius()];
         let t = pose.translation();
@@ -82,13 +94,21 @@ impl<'p> Setting<'p> {
         let is_plain = given(a) && given(b) && is_ordinary;
         Self {
             pose,
+            cores: [a, b],
             plain: is_plain.then_some([t.x, t.y, t.z]),
-            radii,
-            a: a.origin(),
-            b: b.origin(),
             exponent: 0,
             offsets: 0.0,
         }
+    }
+
+    /// Returns the radii of both cores, in the caller's unit.
+    fn radii(&self) -> [f64; 2] {
+        self.cores.map(Core::radius)
+    }
+
+    /// Returns the origins about which the points of A and of B are stored.
+    fn origins(&self) -> [Vector3<f64>; 2] {
+        self.cores.map(Core::origin)
     }
 
     #[inline(always)]
@@ -120,7 +140,8 @@ impl<'p> Setting<'p> {
     }
 
     fn fine_frame(&self) -> Option<Transform<DoubleDouble>> {
-        Transform::between((&self.a, self.exponent), (&self.b, self.exponent), self.pose)
+        let [a, b] = self.origins();
+        Transform::between((&a, self.exponent), (&b, self.exponent), self.pose)
     }
 }
 
@@ -170,16 +191,11 @@ fn deepen<A: Kind, B: Kind>(
 ) -> Option<Set> {
     let term = (CERTIFICATE + posed.noise) * UNIT * posed.size;
     outcome.work.depths += 1;
-    let deep = depth::deepen(posed, known, corners);
+    let mut deep = depth::deepen(posed, known, corners);
     let is_done = deep.inside || deep.best.closes(posed) || depth::is_deep_enough(posed, &deep.best);
+    let found = is_done.then(|| opposite::witnesses(posed, &mut deep.best));
     outcome.work.steps += deep.best.evaluations - known.evaluations;
-    if !is_done {
-        return None;
-    }
-    let found = opposite::witnesses(posed, &deep.best);
-    outcome.work.steps += found.evaluations;
-    let (on_a, on_b) = (found.on_a, found.on_b);
-    let set = found.set;
+    let Best { on_a, on_b, set, .. } = found?;
     take(posed, &Best { on_a, on_b, set, ..deep.best }, term, outcome);
     if deep.grown {
         outcome.solver = Solver::Surface;
@@ -267,8 +283,8 @@ fn take<A: Support, B: Support, T: Scalar>(posed: &Posed<A, B, T>, best: &Best<T
 /// too small to matter counts as a point.
 #[cold]
 pub(super) fn extreme(a: &Core, b: &Core, setting: &Setting, memory: &mut Memory) -> Outcome {
-    let [ra, rb] = setting.radii;
-    let (oa, ob) = (setting.a, setting.b);
+    let [ra, rb] = setting.radii();
+    let [oa, ob] = setting.origins();
     let t = setting.pose.translation_sixteenth() + setting.pose.rotation() * ob / 16.0 - oa / 16.0;
     let largest = t.amax();
     let apart = if largest > 0.0 {
@@ -330,7 +346,7 @@ fn scaled(core: &Core, exponent: i32) -> Any<'_> {
 /// `t` and `apart` are in sixteenths.
 fn far(setting: &Setting, t: &Vector3<f64>, apart: f64, offsets: f64) -> Outcome {
     let mut outcome = Outcome::starting_at(FeaturePair::vertices(Operand::A, 0, 0));
-    let radii = setting.radii[0] + setting.radii[1];
+    let radii: f64 = setting.radii().iter().sum();
     let distance = 16.0 * apart;
     let slack = CERTIFICATE * UNIT * (distance + radii + offsets) + 2.0 * radii;
     outcome.lower = distance - slack;
@@ -343,6 +359,6 @@ fn far(setting: &Setting, t: &Vector3<f64>, apart: f64, offsets: f64) -> Outcome
         Class::Undecided
     };
     outcome.solver = Solver::Far;
-    (outcome.point_on_a, outcome.point_on_b) = (setting.a.into(), setting.b.into());
+    [outcome.point_on_a, outcome.point_on_b] = setting.origins().map(Into::into);
     outcome
 }

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use crate::num::scalar::{Scalar, Vec3};
+use crate::num::scalar::{Scalar, Vec3, dot, root, scaled, sub};
 use crate::pair::difference::support_vertex;
 use crate::polyhedron::{ConvexPolyhedron, Feature, VertexId};
 use crate::shape::{Disc, Support};
@@ -41,6 +41,15 @@ impl Support for Hull<'_> {
     #[inline(always)]
     fn bent<T: Scalar>(&self, _: u32, _: &Vec3<T>, _: &Vec3<T>, _: &Vec3<T>) -> Vec3<T> {
         [T::from(0.0); 3]
+    }
+
+    #[inline(always)]
+    fn ridge<T: Scalar>(&self, [one, other]: [u32; 2]) -> Option<(Vec3<T>, T)> {
+        let zero = T::from(0.0);
+        let n = [zero; 3];
+        let along = sub(&self.of_branch(one, &n), &self.of_branch(other, &n));
+        let squared = dot(&along, &along);
+        (squared > zero).then(|| (scaled(&along, T::from(1.0) / root(squared)), zero))
     }
 
     #[inline(always)]

@@ -79,14 +79,6 @@ impl<T: Scalar, A: Support, B: Support> Posed<'_, A, B, T> {
         self.piece([a, b], on_a, on_b)
     }
 
-    /// Returns the support points of both cores along a direction of any length.
-    #[inline(always)]
-    pub(super) fn support_along(&self, along: &Vec3<T>, hint: [u32; 2]) -> Piece<T> {
-        let (a, on_a) = self.a.support(along, hint[0]);
-        let (b, on_b) = self.b.support(&neg(&self.frame.direction(along)), hint[1]);
-        self.piece([a, b], on_a, on_b)
-    }
-
     /// Returns the points of two branches; points of branches that a `known` piece shares are
     /// copied from there.
     #[inline(always)]
@@ -106,36 +98,7 @@ impl<T: Scalar, A: Support, B: Support> Posed<'_, A, B, T> {
     /// 11.
     #[inline(always)]
     pub(super) fn bend(&self, piece: &Piece<T>, toward: &Toward<T>) -> [T; 3] {
-        let [a, b] = self.bends(piece, toward);
-        [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
-    }
-
-    /// Returns the parts of A and of B in the second derivative of the height of a piece.
-    #[inline(always)]
-    pub(super) fn bends(&self, piece: &Piece<T>, toward: &Toward<T>) -> [[T; 3]; 2] {
-        [self.bend_of_a(piece, toward), self.bend_of_b(piece, toward)]
-    }
-
-    /// Returns the second derivative of the height of a piece; the parts of branches shared with
-    /// another piece are `known`.
-    #[inline(always)]
-    pub(super) fn bend_beside(
-        &self,
-        piece: &Piece<T>,
-        other: &Piece<T>,
-        known: &[[T; 3]; 2],
-        toward: &Toward<T>,
-    ) -> [T; 3] {
-        let a = if piece.of[0] == other.of[0] {
-            known[0]
-        } else {
-            self.bend_of_a(piece, toward)
-        };
-        let b = if piece.of[1] == other.of[1] {
-            known[1]
-        } else {
-            self.bend_of_b(piece, toward)
-        };
+        let (a, b) = (self.bend_of_a(piece, toward), self.bend_of_b(piece, toward));
         [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
     }
 

@@ -3,10 +3,10 @@
 
 use super::kinds::Kind;
 use super::wide::{turned_back, wide};
-use super::{KINDS, Place, at_gap, pairs};
+use super::{Place, at_gap, pairs};
 use lab::rng::Rng;
 use lin_canny::nalgebra::Vector3;
-use lin_canny::{Class, Outcome, Shape, ShapeTracker};
+use lin_canny::{Class, Outcome, ShapeTracker};
 
 /// Largest error, times L, of witnesses whose distance is known to 1e-13 L, and of all others.
 const CLOSED: f64 = 1e-9;
@@ -34,6 +34,7 @@ pub(crate) fn off(kinds: [&Kind; 2], radii: [f64; 2], place: &Place, o: &Outcome
 /// Errors of closed and of open answers.
 #[derive(Default, Debug)]
 struct Worst {
+    apart: [f64; 2],
     closed: [f64; 2],
     open: [f64; 2],
     classes: [u32; 4],
@@ -50,10 +51,14 @@ impl Worst {
         self.classes[o.class as usize] += 1;
         let off = off(kinds, radii, place, &o);
         let is_closed = o.upper - o.lower <= 1e-13 * place.size(kinds[0], kinds[1]);
-        let (list, most) = if is_closed { (&mut self.closed, CLOSED) } else { (&mut self.open, OPEN) };
+        let (list, most) = match o.class {
+            Class::Separated => (&mut self.apart, CLOSED),
+            _ if is_closed => (&mut self.closed, CLOSED),
+            _ => (&mut self.open, OPEN),
+        };
         if off.iter().any(|&x| !(x <= most)) {
             self.bad += 1;
-            if self.bad <= 3 {
+            if self.bad <= 1 || off.iter().any(|&x| x > 1e-5) {
                 println!("{off:?} {radii:?} {kinds:?}\n{place:?}\n{o:?}");
             }
         }
