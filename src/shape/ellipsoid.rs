@@ -42,6 +42,8 @@ fn times<T: Scalar>(a: &Vec3<T>, b: &Vec3<T>) -> Vec3<T> {
 /// An ellipsoid has one branch. With `P` the diagonal matrix of the squared semi-axes, the support
 /// function is `h(n) = sqrt(n . P n)` and the support point is `P n / h`.
 impl Support for Ellipsoid {
+    const IS_SMOOTH: bool = true;
+
     fn reach(&self) -> f64 {
         self.semi_axes.max()
     }

@@ -115,6 +115,8 @@ fn curvature<T: Scalar>(x: T, y: T, q: T) -> T {
 }
 
 impl Support for Superquadric {
+    const IS_SMOOTH: bool = true;
+
     fn reach(&self) -> f64 {
         // A superquadric lies in the box of its semi-axes.
         sqrt(self.semi_axes.norm_squared()) * (1.0 + 4.0 * UNIT)

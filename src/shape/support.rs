@@ -60,6 +60,9 @@ impl Flat {
 /// a whole ellipsoid. Directions are unit vectors in the frame of the core; solvers run in f64 and
 /// in double-double.
 pub(crate) trait Support {
+    /// Whether the core has one branch alone.
+    const IS_SMOOTH: bool = false;
+
     /// Returns the largest distance of a point of the core from the origin, rounded up.
     fn reach(&self) -> f64;
 

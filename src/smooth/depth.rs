@@ -66,7 +66,7 @@ pub(super) fn is_deep_enough<A: Support, B: Support>(posed: &Posed<A, B, f64>, b
 }
 
 /// Runs the main solver for the depth from one direction.
-fn local<A: Support, B: Support>(posed: &Posed<A, B, f64>, n: [f64; 3], set: &Set, best: &mut Best<f64>) {
+pub(super) fn local<A: Support, B: Support>(posed: &Posed<A, B, f64>, n: [f64; 3], set: &Set, best: &mut Best<f64>) {
     let deep = true;
     Run { posed, best, deep }.run(n, set);
 }

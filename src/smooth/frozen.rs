@@ -7,7 +7,7 @@
 
 use super::bent::{End, Run};
 use super::best::{Best, Set};
-use super::posed::{Piece, Posed, unit};
+use super::posed::{Piece, Posed, askew, tangents, unit};
 use crate::minimum::simplex::Simplex;
 use crate::num::scalar::{Scalar, Vec3, neg};
 use crate::pair::difference::MinkowskiPoint;
@@ -53,10 +53,11 @@ impl<T: Scalar> Around<T> {
         }
     }
 
-    /// Returns the support points up and down the axes of a direction.
+    /// Returns the support points up and down three axes, off the symmetries of the cores: along an
+    /// axis of symmetry many points are equally high, and the six may lie in one plane.
     fn six<A: Support, B: Support>(posed: &Posed<A, B, T>, n: Vec3<T>) -> Self {
-        let toward = posed.toward(n);
-        let [d, e] = toward.tangents;
+        let n = askew(&n);
+        let [d, e] = tangents(&n);
         let at = |n: Vec3<T>| posed.support(&posed.toward(n), [0; 2]);
         Self {
             points: [n, neg(&n), d, neg(&d), e, neg(&e)].map(at),

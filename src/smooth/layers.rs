@@ -3,11 +3,12 @@
 use super::bent::{End, Run};
 use super::best::{Best, Set};
 use super::frozen::{self, Around, Frozen, Goal};
-use super::posed::{Posed, unit};
+use super::posed::{Posed, askew, unit};
 use super::warm;
-use crate::num::scalar::{Scalar, Vec3};
+use crate::num::scalar::{Scalar, Vec3, dot};
 use crate::pair::outcome::Solver;
 use crate::shape::Support;
+use crate::tolerance::AGREE_CURVED;
 
 /// End of the solvers of one arithmetic.
 #[derive(PartialEq)]
@@ -105,7 +106,12 @@ fn bend<A: Support, B: Support, T: Scalar>(
     }
 }
 
-/// Returns the direction between the nearest points known.
+/// Returns the direction between the nearest points known; if the points coincide, a direction off
+/// the symmetries that put them there.
 fn toward_witness<A: Support, B: Support, T: Scalar>(posed: &Posed<A, B, T>, best: &Best<T>) -> Vec3<T> {
-    unit(&posed.piece([0; 2], best.on_a, best.on_b).w).unwrap_or(best.n)
+    let w = posed.piece([0; 2], best.on_a, best.on_b).w;
+    let least = T::from(AGREE_CURVED * posed.size);
+    unit(&w)
+        .filter(|_| dot(&w, &w) > least * least)
+        .unwrap_or_else(|| askew(&best.n))
 }

@@ -18,6 +18,7 @@
 //! on different sides of a core.
 
 use super::best::Best;
+use super::depth;
 use super::layers::search;
 use super::posed::{Posed, add};
 use crate::num::scalar::scaled;
@@ -37,8 +38,8 @@ const NEAR: f64 = 1.0 / (1u64 << 34) as f64;
 const TRIES: u32 = 16;
 
 /// Returns the closest points of the cores, with B moved out along the best direction. If the moved
-/// cores are further apart than the gap, the direction between them is less deep, and the next one
-/// that is tried.
+/// cores are further apart than the gap, the direction between them is less deep: the local minimum
+/// of the depth from there is the next direction.
 #[inline(never)]
 pub(super) fn witnesses<A: Support, B: Support>(posed: &Posed<A, B, f64>, deep: &mut Best<f64>) -> Best<f64> {
     let gap = GAP * posed.size;
@@ -47,8 +48,8 @@ pub(super) fn witnesses<A: Support, B: Support>(posed: &Posed<A, B, f64>, deep: 
         if found.upper - gap <= NEAR * posed.size {
             break;
         }
-        let (before, toward) = (deep.lower, posed.toward(found.n));
-        deep.prove(&toward, &posed.support(&toward, found.set.first()));
+        let before = deep.lower;
+        depth::local(posed, found.n, &found.set, deep);
         if deep.lower <= before {
             break;
         }

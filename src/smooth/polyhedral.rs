@@ -66,8 +66,14 @@ impl Support for Hull<'_> {
     }
 
     fn feature(&self, branches: &[u32], _: &Vector3<f64>) -> Feature {
-        if branches.is_empty() || branches.iter().any(|&v| v as usize >= self.body.points.len()) {
+        let Some((&first, rest)) = branches.split_first() else {
             return Feature::Vertex(VertexId(0));
+        };
+        if branches.iter().any(|&v| v as usize >= self.body.points.len()) {
+            return Feature::Vertex(VertexId(0));
+        }
+        if rest.iter().all(|&v| v == first) {
+            return Feature::Vertex(VertexId(first));
         }
         self.body.feature_of(branches)
     }

@@ -42,19 +42,11 @@ pub(super) struct Toward<T> {
 pub(super) type Tangent<T> = [T; 2];
 
 impl<T: Scalar, A: Support, B: Support> Posed<'_, A, B, T> {
-    /// Returns a unit direction with the tangents of Duff et al. 2017, "Building an orthonormal
-    /// basis, revisited".
+    /// Returns a unit direction in both frames, with two tangents.
     #[inline(always)]
     pub(super) fn toward(&self, n: Vec3<T>) -> Toward<T> {
-        let one = T::from(1.0);
-        let sign = if n[2] < T::from(0.0) { -one } else { one };
-        let a = -one / (sign + n[2]);
-        let b = n[0] * n[1] * a;
-        let tangents = [
-            [one + sign * n[0] * n[0] * a, sign * b, -sign * n[0]],
-            [b, sign + n[1] * n[1] * a, -n[1]],
-        ];
         let m = neg(&self.frame.direction(&n));
+        let tangents = tangents(&n);
         Toward { n, m, tangents }
     }
 
@@ -130,6 +122,27 @@ impl<T: Scalar, A: Support, B: Support> Posed<'_, A, B, T> {
         let on_b = self.b.onto(piece.of[1], &add(&piece.on_b, &by));
         self.piece(piece.of, on_a, on_b)
     }
+}
+
+/// Returns two tangents of a unit direction, those of Duff et al. 2017, "Building an orthonormal
+/// basis, revisited".
+#[inline(always)]
+pub(super) fn tangents<T: Scalar>(n: &Vec3<T>) -> [Vec3<T>; 2] {
+    let one = T::from(1.0);
+    let sign = if n[2] < T::from(0.0) { -one } else { one };
+    let a = -one / (sign + n[2]);
+    let b = n[0] * n[1] * a;
+    [
+        [one + sign * n[0] * n[0] * a, sign * b, -sign * n[0]],
+        [b, sign + n[1] * n[1] * a, -n[1]],
+    ]
+}
+
+/// Returns a unit direction off all planes of symmetry that contain a unit direction.
+pub(super) fn askew<T: Scalar>(n: &Vec3<T>) -> Vec3<T> {
+    let [d, e] = tangents(n);
+    let off = add(&scaled(&d, T::from(0.37)), &scaled(&e, T::from(0.61)));
+    unit(&add(n, &off)).unwrap_or(*n)
 }
 
 /// Returns entries 00, 01, 11 of a symmetric form on two tangents, from the images of the tangents.

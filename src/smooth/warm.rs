@@ -24,7 +24,7 @@ use super::bent::{End, far_behind};
 use super::best::{Best, Part, Set};
 use super::flush::{self, Flush};
 use super::model::{Plane, newton};
-use super::posed::{Piece, Posed, Toward, add, tangent, unit};
+use super::posed::{Piece, Posed, Toward, add, tangent, tangents, unit};
 use crate::num::scalar::{Scalar, Vec3, cross, dot, neg, root, scaled, sub};
 use crate::shape::Support;
 use crate::tolerance::ASIDE;
@@ -37,6 +37,9 @@ const SLID: f64 = 1.0 / (1u64 << 62) as f64;
 
 /// A squared angle from which a step is no longer one of a warm query.
 const TURN: f64 = 1.0;
+
+/// Further steps until the points lie along the direction: a heuristic.
+const LATE: u32 = 3;
 
 /// Squared lengths of directions are from this to its inverse; two circles whose axes have a
 /// smaller squared sine are solved by `bent`.
@@ -52,8 +55,8 @@ struct Warm<'r, 'p, A, B, T> {
     flush: Flush,
     /// Bounds agree if apart by at most this.
     agree: T,
-    /// Whether the distance agreed with the height at a direction not yet that of the points.
-    is_late: bool,
+    /// Directions at which the distance agreed with the height, not yet those of the points.
+    late: u32,
 }
 
 /// A unit direction in both frames, with the height of the parts.
@@ -61,6 +64,8 @@ struct At<T> {
     n: Vec3<T>,
     m: Vec3<T>,
     height: T,
+    /// The direction as the points were taken, of any length, in both frames.
+    along: [Vec3<T>; 2],
 }
 
 /// Proves the parts of the last answer again, from a direction close to the normal; returns how the
@@ -78,7 +83,7 @@ pub(super) fn track<A: Support, B: Support, T: Scalar>(
         best,
         parts: set.parts(),
         flush: Flush::new(),
-        is_late: false,
+        late: 0,
     };
     if let Some(side) = set.flat() {
         n = warm.try_flat(&n, side)?;
@@ -115,7 +120,12 @@ impl<A: Support, B: Support, T: Scalar> Warm<'_, '_, A, B, T> {
     fn at(&mut self, n: Vec3<T>) -> At<T> {
         self.best.evaluations += 1;
         let m = neg(&self.posed.frame.direction(&n));
-        At { n, m, height: T::from(0.0) }
+        At {
+            n,
+            m,
+            height: T::from(0.0),
+            along: [n, m],
+        }
     }
 
     /// Takes points of both cores, `w` apart, at a direction along which the parts have the height
@@ -134,8 +144,8 @@ impl<A: Support, B: Support, T: Scalar> Warm<'_, '_, A, B, T> {
         if length - at.height <= self.agree {
             let aside = sub(w, &scaled(&at.n, at.height));
             let most = T::from(ASIDE * self.posed.size);
-            if can_turn && !self.is_late && dot(&aside, &aside) > most * most {
-                self.is_late = true;
+            if can_turn && self.late < LATE && dot(&aside, &aside) > most * most {
+                self.late += 1;
                 return Ok(Some(length));
             }
             return self.certify(at, points, length);
@@ -149,9 +159,23 @@ impl<A: Support, B: Support, T: Scalar> Warm<'_, '_, A, B, T> {
     /// Compares the distance with the height of the supports.
     #[inline(always)]
     fn certify(&mut self, at: &At<T>, points: [&Vec3<T>; 2], length: T) -> Result<Option<T>, End> {
-        let (a, on_a) = self.posed.a.support(&at.n, self.parts[0].first());
-        let (b, on_b) = self.posed.b.support(&at.m, self.parts[1].first());
-        let height = dot(&at.n, &sub(&self.posed.at(&on_b), &on_a));
+        let of = [self.parts[0].first(), self.parts[1].first()];
+        // The point of a smooth core is the support.
+        let (a, on_a) = if A::IS_SMOOTH {
+            (of[0], *points[0])
+        } else {
+            self.posed.a.support(&at.along[0], of[0])
+        };
+        let (b, on_b) = if B::IS_SMOOTH {
+            (of[1], *points[1])
+        } else {
+            self.posed.b.support(&at.along[1], of[1])
+        };
+        let height = if A::IS_SMOOTH && B::IS_SMOOTH {
+            at.height
+        } else {
+            dot(&at.n, &sub(&self.posed.at(&on_b), &on_a))
+        };
         if length - height <= self.agree {
             (self.best.lower, self.best.n, self.best.upper) = (height, at.n, length);
             (self.best.on_a, self.best.on_b) = (*points[0], *points[1]);
@@ -192,6 +216,7 @@ impl<A: Support, B: Support, T: Scalar> Warm<'_, '_, A, B, T> {
             n: scaled(along, inverse),
             m: scaled(&along_b, inverse),
             height: dot(along, &piece.w) * inverse,
+            along: [*along, along_b],
         };
         match self.between(&at, [&on_a, &on_b], &piece.w, true)? {
             Some(length) => self.turn(&at, &piece, length),
@@ -203,7 +228,9 @@ impl<A: Support, B: Support, T: Scalar> Warm<'_, '_, A, B, T> {
     /// After a step close to rounding, the points move along their surfaces as well.
     #[inline(always)]
     fn turn(&mut self, at: &At<T>, piece: &Piece<T>, length: T) -> Result<Vec3<T>, End> {
-        let toward = self.posed.toward(at.n);
+        let (n, m) = (at.n, at.m);
+        let tangents = tangents(&n);
+        let toward = Toward { n, m, tangents };
         let [d, e] = &toward.tangents;
         let plane = Plane {
             c: at.height,
@@ -212,7 +239,7 @@ impl<A: Support, B: Support, T: Scalar> Warm<'_, '_, A, B, T> {
         };
         let step = newton(&plane, floor(plane.c, length));
         let squared = step[0].value() * step[0].value() + step[1].value() * step[1].value();
-        if squared < SLID && !self.is_late {
+        if squared < SLID && self.late == 0 {
             self.slide(&toward, piece, &step)?;
         }
         // NaN is no step.
