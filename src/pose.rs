@@ -253,16 +253,14 @@ impl RelativePose {
         offset + (c * w + c.cross(axis)) * s
     }
 
-    /// Returns a vector of the frame of A in the frame of B, to some 40 UNIT: cheaper for one vector
-    /// than a matrix.
+    /// Returns a vector of the frame of A in the frame of B, to some 40 UNIT: for one vector cheaper
+    /// than by a matrix.
     #[inline(always)]
     pub(crate) fn vector_in_b(&self, v: PackedVec3) -> PackedVec3 {
-        let (axis, w) = packed::parts(&self.a.q);
-        let c = axis.cross(v);
-        let world = v + (c * w + axis.cross(c)) * (2.0 * (2.0 - self.a.norm_squared()));
-        let (axis, w) = packed::parts(&self.b.q);
-        let c = world.cross(axis);
-        world + (c * w + c.cross(axis)) * (2.0 * (2.0 - self.b.norm_squared()))
+        let (axis, w) = packed::parts(&packed::quotient(&self.a.q, &self.b.q));
+        let c = v.cross(axis);
+        let s = 2.0 * (2.0 - self.a.norm_squared()) * (2.0 - self.b.norm_squared());
+        v + (c * w + c.cross(axis)) * s
     }
 
     /// Returns the rotation of `a_from_b`: the matrix of `conj(qa) qb`, divided by its squared

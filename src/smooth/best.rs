@@ -142,7 +142,10 @@ impl Part {
     /// Removes one of three branches.
     pub(super) fn drop(&mut self, k: usize) {
         let [first, second] = [1, 2].map(|by| self.of[(k + by) % KEPT]);
-        *self = Self { of: [first, second, second], len: 2 };
+        *self = Self {
+            of: [first, second, second],
+            len: 2,
+        };
     }
 }
 

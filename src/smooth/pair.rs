@@ -56,7 +56,11 @@ impl Memory {
             return n;
         }
         let n = add(&n, &self.turn);
-        if most(&change) < size * STEADY { add(&n, &change) } else { n }
+        if most(&change) < size * STEADY {
+            add(&n, &change)
+        } else {
+            n
+        }
     }
 
     /// Remembers an answer.
@@ -196,7 +200,17 @@ fn deepen<A: Kind, B: Kind>(
     let found = is_done.then(|| opposite::witnesses(posed, &mut deep.best));
     outcome.work.steps += deep.best.evaluations - known.evaluations;
     let Best { on_a, on_b, set, .. } = found?;
-    take(posed, &Best { on_a, on_b, set, ..deep.best }, term, outcome);
+    take(
+        posed,
+        &Best {
+            on_a,
+            on_b,
+            set,
+            ..deep.best
+        },
+        term,
+        outcome,
+    );
     if deep.grown {
         outcome.solver = Solver::Surface;
     }

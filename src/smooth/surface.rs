@@ -38,6 +38,8 @@ struct Surface<'s, 'p, A, B> {
     posed: &'s Posed<'p, A, B, f64>,
     points: Vec<Piece<f64>>,
     facets: Vec<Facet>,
+    /// The point that the surface is around: the origin, but for a surface still to reach it.
+    about: Vec3<f64>,
 }
 
 /// Bound that a surface proves, and the facet nearest to the origin.
@@ -51,9 +53,9 @@ pub(super) struct Depth {
 }
 
 impl<A: Support, B: Support> Surface<'_, '_, A, B> {
-    /// Returns a point of `A - B`.
+    /// Returns a point of `A - B`, from the point that the surface is around.
     fn place(&self, k: u16) -> Vec3<f64> {
-        neg(&self.points[usize::from(k)].w)
+        sub(&neg(&self.points[usize::from(k)].w), &self.about)
     }
 
     /// Returns the triangle if certainly counter-clockwise.
@@ -82,8 +84,8 @@ impl<A: Support, B: Support> Surface<'_, '_, A, B> {
     /// Takes a point over one facet; returns whether all new triangles are certain.
     fn grow(&mut self, piece: Piece<f64>) -> bool {
         let top = self.points.len() as u16;
-        let place = neg(&piece.w);
         self.points.push(piece);
+        let place = self.place(top);
         let sees = |f: &Facet, s: &Self| dot(&f.normal, &place) > dot(&f.normal, &s.place(f.corners[0]));
         let visible: Vec<bool> = self.facets.iter().map(|f| sees(f, self)).collect();
         let mut rim: Vec<[u16; 2]> = Vec::new();
@@ -113,6 +115,63 @@ impl<A: Support, B: Support> Surface<'_, '_, A, B> {
         }
     }
 
+    /// Makes the facets of a tetrahedron, or of an octahedron of points up and down three axes, if
+    /// certainly around the point; one of the two orders is right for all.
+    fn begin(&mut self) -> bool {
+        let tetrahedron = [[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]];
+        let octahedron = [
+            [0, 2, 4],
+            [0, 4, 3],
+            [0, 3, 5],
+            [0, 5, 2],
+            [1, 4, 2],
+            [1, 3, 4],
+            [1, 5, 3],
+            [1, 2, 5],
+        ];
+        let is_four = self.points.len() == 4;
+        let order: &[[u16; 3]] = if is_four { &tetrahedron } else { &octahedron };
+        [false, true].into_iter().any(|turned| {
+            let turn = |[p, q, r]: [u16; 3]| if turned { [p, r, q] } else { [p, q, r] };
+            let facets: Option<Vec<Facet>> = order.iter().map(|&f| self.facet(turn(f))).collect();
+            self.facets = facets.unwrap_or_default();
+            !self.facets.is_empty()
+        })
+    }
+
+    /// Makes the facets around the middle of the points.
+    fn begin_inside(&mut self) -> bool {
+        let share = 1.0 / self.points.len() as f64;
+        let sum = |sum: Vec3<f64>, p: &Piece<f64>| sub(&sum, &p.w);
+        self.about = self.points.iter().fold([0.0; 3], sum).map(|x| x * share);
+        self.begin()
+    }
+
+    /// Takes points over the facets that the origin lies over, until the surface is certainly
+    /// around the origin.
+    fn reach_origin(&mut self) -> bool {
+        let about = self.about;
+        while self.points.len() < POINTS {
+            let height = |f: &Facet| f.distance + dot(&f.normal, &about);
+            let lowest = self.facets.iter().min_by(|f, g| height(f).total_cmp(&height(g)));
+            let Some(lowest) = lowest else { return false };
+            if height(lowest) > 0.0 {
+                self.about = [0.0; 3];
+                let again: Option<Vec<Facet>> = self.facets.iter().map(|f| self.facet(f.corners)).collect();
+                self.facets = again.unwrap_or_default();
+                return !self.facets.is_empty();
+            }
+            let Some(n) = unit(&lowest.normal) else { return false };
+            let hint = self.points[usize::from(lowest.corners[0])].of;
+            let piece = self.posed.support(&self.posed.toward(n), hint);
+            if !self.grow(piece) {
+                return false;
+            }
+        }
+        false
+    }
+
+    /// Returns the bound that the nearest facet proves.
     fn result(&self, k: usize) -> Depth {
         let facet = &self.facets[k];
         Depth {
@@ -134,27 +193,10 @@ pub(super) fn deepen<A: Support, B: Support>(
         posed,
         points: corners.to_vec(),
         facets: Vec::new(),
+        about: [0.0; 3],
     };
-    // A tetrahedron, or an octahedron of points up and down three axes; one of the two orders is
-    // right for all.
-    let tetrahedron = [[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]];
-    let octahedron = [
-        [0, 2, 4],
-        [0, 4, 3],
-        [0, 3, 5],
-        [0, 5, 2],
-        [1, 4, 2],
-        [1, 3, 4],
-        [1, 5, 3],
-        [1, 2, 5],
-    ];
-    let order: &[[u16; 3]] = if corners.len() == 4 { &tetrahedron } else { &octahedron };
-    for turned in [false, true] {
-        let turn = |[p, q, r]: [u16; 3]| if turned { [p, r, q] } else { [p, q, r] };
-        let facets: Option<Vec<Facet>> = order.iter().map(|&f| surface.facet(turn(f))).collect();
-        if let Some(facets) = facets {
-            surface.facets = facets;
-        }
+    if !(surface.begin() || surface.begin_inside() && surface.reach_origin()) {
+        return None;
     }
     let goal = DEPTH_GOAL * posed.size;
     while surface.points.len() < POINTS {
