@@ -253,8 +253,8 @@ impl RelativePose {
         offset + (c * w + c.cross(axis)) * s
     }
 
-    /// Returns a vector of the frame of A in the frame of B, to some 40 UNIT: for one vector cheaper
-    /// than by a matrix.
+    /// Returns a vector of A's frame in B's frame, to some 40 UNIT: for one vector cheaper than a
+    /// matrix.
     #[inline(always)]
     pub(crate) fn vector_in_b(&self, v: PackedVec3) -> PackedVec3 {
         let (axis, w) = packed::parts(&packed::quotient(&self.a.q, &self.b.q));

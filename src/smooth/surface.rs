@@ -139,30 +139,49 @@ impl<A: Support, B: Support> Surface<'_, '_, A, B> {
         })
     }
 
-    /// Makes the facets around the middle of the points.
+    /// Begins again with a tetrahedron around its own middle: three of the points far apart, and
+    /// the support over or under their plane.
     fn begin_inside(&mut self) -> bool {
-        let share = 1.0 / self.points.len() as f64;
+        let all = core::mem::take(&mut self.points);
+        let from_first = |p: &Piece<f64>| sub(&all[0].w, &p.w);
+        let squared = |v: &Vec3<f64>| dot(v, v);
+        let farthest = |of: fn(&Vec3<f64>, &Vec3<f64>) -> Vec3<f64>, u: &Vec3<f64>| {
+            let far = |p: &&Piece<f64>| squared(&of(u, &from_first(p)));
+            all.iter().max_by(|p, q| far(p).total_cmp(&far(q))).copied()
+        };
+        let second = farthest(|_, v| *v, &[0.0; 3]).unwrap_or(all[0]);
+        let u = from_first(&second);
+        let third = farthest(cross, &u).unwrap_or(all[0]);
+        let Some(n) = unit(&cross(&u, &from_first(&third))) else {
+            return false;
+        };
+        let [up, down] = [n, neg(&n)].map(|n| self.posed.support(&self.posed.toward(n), all[0].of));
+        let height = |p: &Piece<f64>| dot(&n, &from_first(p)).abs();
+        let fourth = if height(&up) > height(&down) { up } else { down };
+        self.points = [all[0], second, third, fourth].to_vec();
         let sum = |sum: Vec3<f64>, p: &Piece<f64>| sub(&sum, &p.w);
-        self.about = self.points.iter().fold([0.0; 3], sum).map(|x| x * share);
+        self.about = self.points.iter().fold([0.0; 3], sum).map(|x| x / 4.0);
         self.begin()
     }
 
-    /// Takes points over the facets that the origin lies over, until the surface is certainly
+    /// Takes points over the facets that the origin lies over or on, until the surface is certainly
     /// around the origin.
     fn reach_origin(&mut self) -> bool {
         let about = self.about;
         while self.points.len() < POINTS {
-            let height = |f: &Facet| f.distance + dot(&f.normal, &about);
-            let lowest = self.facets.iter().min_by(|f, g| height(f).total_cmp(&height(g)));
-            let Some(lowest) = lowest else { return false };
-            if height(lowest) > 0.0 {
-                self.about = [0.0; 3];
-                let again: Option<Vec<Facet>> = self.facets.iter().map(|f| self.facet(f.corners)).collect();
-                self.facets = again.unwrap_or_default();
-                return !self.facets.is_empty();
+            self.about = [0.0; 3];
+            let facets: Option<Vec<Facet>> = self.facets.iter().map(|f| self.facet(f.corners)).collect();
+            if let Some(facets) = facets {
+                self.facets = facets;
+                return true;
             }
-            let Some(n) = unit(&lowest.normal) else { return false };
-            let hint = self.points[usize::from(lowest.corners[0])].of;
+            self.about = about;
+            let height = |f: &&Facet| f.distance + dot(&f.normal, &about);
+            let lowest = self.facets.iter().min_by(|f, g| height(f).total_cmp(&height(g)));
+            let Some((n, corners)) = lowest.and_then(|f| Some((unit(&f.normal)?, f.corners))) else {
+                return false;
+            };
+            let hint = self.points[usize::from(corners[0])].of;
             let piece = self.posed.support(&self.posed.toward(n), hint);
             if !self.grow(piece) {
                 return false;

@@ -8,11 +8,9 @@ use lab::rng::Rng;
 use lin_canny::nalgebra::Vector3;
 use lin_canny::{Class, Outcome, ShapeTracker};
 
-/// Largest error of witnesses, times L; of those of a depth known to an interval, added to its width.
+/// Largest error of witnesses, times L; of a depth known to an interval, the width is added, as far as to `WIDE`.
 const OFF: f64 = 1e-9;
-
-/// Widest interval of a depth, times L.
-const WIDE: f64 = 1e-4;
+const WIDE: f64 = 1e-6;
 
 /// How far the witnesses are from opposite, and from the surfaces, over L.
 pub(crate) fn off(kinds: [&Kind; 2], radii: [f64; 2], place: &Place, o: &Outcome) -> [f64; 2] {
@@ -62,9 +60,9 @@ impl Worst {
         let (list, most) = match o.class {
             Class::Separated => (&mut self.apart, OFF),
             _ if width <= 1e-13 => (&mut self.closed, OFF),
-            _ => (&mut self.open, OFF + width),
+            _ => (&mut self.open, OFF + width.min(WIDE)),
         };
-        if off.iter().any(|&x| !(x <= most)) || !(width <= WIDE) || o.class == Class::Undecided {
+        if off.iter().any(|&x| !(x <= most)) || o.class == Class::Undecided {
             self.bad += 1;
             if self.bad <= 1 || off.iter().any(|&x| x > 1e-5) {
                 println!("{off:?} {radii:?} {kinds:?}\n{place:?}\n{o:?}");
