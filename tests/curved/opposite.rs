@@ -8,8 +8,10 @@ use lab::rng::Rng;
 use lin_canny::nalgebra::Vector3;
 use lin_canny::{Class, Outcome, ShapeTracker};
 
-/// Largest error of witnesses, times L; of a depth known to an interval, the width is added, as far as to `WIDE`.
+/// Largest error of witnesses, times L, and of those of superquadrics, whose heights are less exact; of a depth known to an
+/// interval, the width is added, as far as to `WIDE`.
 const OFF: f64 = 1e-9;
+const ROUGH: f64 = 1e-8;
 const WIDE: f64 = 1e-6;
 
 /// How far the witnesses are from opposite, and from the surfaces, over L.
@@ -57,10 +59,12 @@ impl Worst {
         self.classes[o.class as usize] += 1;
         let off = off(kinds, radii, place, &o);
         let width = (o.upper - o.lower) / place.size(kinds[0], kinds[1]);
+        let is_rough = kinds.iter().any(|k| matches!(k, Kind::Superquadric(..)));
+        let most = if is_rough { ROUGH } else { OFF };
         let (list, most) = match o.class {
-            Class::Separated => (&mut self.apart, OFF),
-            _ if width <= 1e-13 => (&mut self.closed, OFF),
-            _ => (&mut self.open, OFF + width.min(WIDE)),
+            Class::Separated => (&mut self.apart, most),
+            _ if width <= 1e-13 => (&mut self.closed, most),
+            _ => (&mut self.open, most + width.min(WIDE)),
         };
         if off.iter().any(|&x| !(x <= most)) || o.class == Class::Undecided {
             self.bad += 1;
