@@ -253,6 +253,16 @@ impl RelativePose {
         offset + (c * w + c.cross(axis)) * s
     }
 
+    /// Returns a vector of A's frame in B's frame, to some 40 UNIT: for one vector cheaper than a
+    /// matrix.
+    #[inline(always)]
+    pub(crate) fn vector_in_b(&self, v: PackedVec3) -> PackedVec3 {
+        let (axis, w) = packed::parts(&packed::quotient(&self.a.q, &self.b.q));
+        let c = v.cross(axis);
+        let s = 2.0 * (2.0 - self.a.norm_squared()) * (2.0 - self.b.norm_squared());
+        v + (c * w + c.cross(axis)) * s
+    }
+
     /// Returns the rotation of `a_from_b`: the matrix of `conj(qa) qb`, divided by its squared
     /// norm. The norms are within 1e-12 of one, so `2 - n` is `1 / n` to 1e-24.
     #[inline]
@@ -347,6 +357,16 @@ mod tests {
         assert!((pose.translation() - expected.translation.vector).norm() < 1e-14);
         assert!((pose.rotation() - expected.rotation.to_rotation_matrix().matrix()).norm() < 1e-14);
         assert_eq!(pose.poses(), (a, b));
+    }
+
+    #[test]
+    fn a_vector_turns_as_by_the_matrix() {
+        let a = Isometry3::new(Vector3::new(1.0, -2.0, 3.0), Vector3::new(0.3, 0.4, -0.9));
+        let b = Isometry3::new(Vector3::new(-4.0, 0.5, 2.0), Vector3::new(-1.3, 0.2, 0.7));
+        let pose = RelativePose::new(&a, &b).unwrap();
+        let v = Vector3::new(0.6, -0.3, 0.8);
+        let turned = pose.vector_in_b(PackedVec3::new(&v)).vector();
+        assert!((turned - pose.rotation().tr_mul(&v)).norm() < 1e-15);
     }
 
     #[test]

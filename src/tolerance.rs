@@ -459,6 +459,11 @@ pub const INNER: f64 = 1.0 - 64.0 * UNIT;
 /// bounds to a few UNIT L unless a core is flat or the direction is the direction of a rim.
 pub const AGREE_CURVED: f64 = 16.0 * UNIT;
 
+/// Witnesses of bodies apart are opposite each other if their vector is off the normal by at most
+/// this times L, `2^-31`: bounds that agree leave the square root of twice [`AGREE_CURVED`] times
+/// the distance. Not a matter of soundness.
+pub(crate) const ASIDE: f64 = 1.0 / (1u64 << 31) as f64;
+
 /// Least value of a product of shares on a superquadric: if the product vanishes, the surface is
 /// flat or an apex. Not a matter of soundness.
 pub(crate) const TIP: f64 = 1e-60;

@@ -157,11 +157,8 @@ fn check_frame(scene: &Scene, known: &[Known], replay: &Replay, effects: &Effect
                 scene.pose(a.id).unwrap() * found.point_on_a,
                 scene.pose(b.id).unwrap() * found.point_on_b,
             );
-            // Deepest points of an overlap need not be opposite: `ShapeTracker::closest` says so.
-            if !overlaps {
-                let off = ((on_b - on_a).norm() - found.distance.abs()).abs();
-                assert!(off < 1e-9, "{off} {found:?}");
-            }
+            let off = ((on_b - on_a).norm() - found.distance.abs()).abs();
+            assert!(off < 1e-9, "{off} {found:?}");
             mix.apart += usize::from(!overlaps);
             mix.depths += usize::from(overlaps);
         }

@@ -62,6 +62,17 @@ pub(crate) fn parts([xy, zw]: &[f64x2; 2]) -> (PackedVec3, f64) {
     (PackedVec3 { xy: *xy, z: *zw }, first(duplicated(*zw).1))
 }
 
+/// Returns `conj(a) b`.
+#[inline(always)]
+pub(crate) fn quotient(a: &[f64x2; 2], b: &[f64x2; 2]) -> [f64x2; 2] {
+    let ([a_xy, a_zw], [b_xy, b_zw]) = (*a, *b);
+    let ((az, aw), (bx, by), (bz, bw)) = (duplicated(a_zw), duplicated(b_xy), duplicated(b_zw));
+    let swapped = swapped(a_xy);
+    let xy = (aw * b_xy - bw * a_xy) + (bz * mirrored(swapped) - az * quarter_turn(b_xy));
+    let zw = (aw * b_zw + az * quarter_turn(b_zw)) + (bx * swapped + by * mirrored(a_xy));
+    [xy, zw]
+}
+
 impl PackedVec3 {
     #[inline(always)]
     pub(crate) fn new(v: &Vector3<f64>) -> Self {
@@ -195,11 +206,7 @@ impl PackedRotation {
     /// for `s` equal to two over the squares of both norms.
     #[inline(always)]
     pub(crate) fn between(a: &[f64x2; 2], b: &[f64x2; 2], s: f64) -> Self {
-        let ([a_xy, a_zw], [b_xy, b_zw]) = (*a, *b);
-        let ((az, aw), (bx, by), (bz, bw)) = (duplicated(a_zw), duplicated(b_xy), duplicated(b_zw));
-        let swapped = swapped(a_xy);
-        let xy = (aw * b_xy - bw * a_xy) + (bz * mirrored(swapped) - az * quarter_turn(b_xy));
-        let zw = (aw * b_zw + az * quarter_turn(b_zw)) + (bx * swapped + by * mirrored(a_xy));
+        let [xy, zw] = quotient(a, b);
         Self::of(xy, zw, s)
     }
 

@@ -69,6 +69,14 @@ impl Support for Cone {
         circle_bent(self.radius, n, d)
     }
 
+    /// Returns the circle of the normals of the side.
+    #[inline(always)]
+    fn ridge<T: Scalar>(&self, _: [u32; 2]) -> Option<(Vec3<T>, T)> {
+        let (r, height) = (T::from(self.radius), T::from(2.0 * self.half_height));
+        let level = r / root(r * r + height * height);
+        Some(([T::from(0.0), T::from(0.0), T::from(1.0)], level))
+    }
+
     #[inline(always)]
     fn onto<T: Scalar>(&self, branch: u32, place: &Vec3<T>) -> Vec3<T> {
         if branch == APEX {

@@ -93,6 +93,11 @@ impl Support for Cylinder {
     }
 
     #[inline(always)]
+    fn ridge<T: Scalar>(&self, _: [u32; 2]) -> Option<(Vec3<T>, T)> {
+        Some(([T::from(0.0), T::from(0.0), T::from(1.0)], T::from(0.0)))
+    }
+
+    #[inline(always)]
     fn onto<T: Scalar>(&self, branch: u32, place: &Vec3<T>) -> Vec3<T> {
         let z = if branch == 0 {
             self.half_height

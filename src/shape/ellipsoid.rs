@@ -42,6 +42,8 @@ fn times<T: Scalar>(a: &Vec3<T>, b: &Vec3<T>) -> Vec3<T> {
 /// An ellipsoid has one branch. With `P` the diagonal matrix of the squared semi-axes, the support
 /// function is `h(n) = sqrt(n . P n)` and the support point is `P n / h`.
 impl Support for Ellipsoid {
+    const IS_SMOOTH: bool = true;
+
     fn reach(&self) -> f64 {
         self.semi_axes.max()
     }
@@ -63,6 +65,11 @@ impl Support for Ellipsoid {
     fn bent<T: Scalar>(&self, _: u32, s: &Vec3<T>, n: &Vec3<T>, d: &Vec3<T>) -> Vec3<T> {
         let (a, along, inverse): (Vec3<T>, T, T) = (self.axes(), dot(s, d), T::from(1.0) / dot(n, s));
         scaled(&sub(&times(&times(&a, &a), d), &scaled(s, along)), inverse)
+    }
+
+    #[inline(always)]
+    fn ridge<T: Scalar>(&self, _: [u32; 2]) -> Option<(Vec3<T>, T)> {
+        None
     }
 
     #[inline(always)]

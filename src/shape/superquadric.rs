@@ -115,6 +115,8 @@ fn curvature<T: Scalar>(x: T, y: T, q: T) -> T {
 }
 
 impl Support for Superquadric {
+    const IS_SMOOTH: bool = true;
+
     fn reach(&self) -> f64 {
         // A superquadric lies in the box of its semi-axes.
         sqrt(self.semi_axes.norm_squared()) * (1.0 + 4.0 * UNIT)
@@ -156,6 +158,11 @@ impl Support for Superquadric {
             dual.axes[1] * (outer * dual.w * fv - inner * dual.u),
             -dual.axes[2] * outer * dual.f,
         ]
+    }
+
+    #[inline(always)]
+    fn ridge<T: Scalar>(&self, _: [u32; 2]) -> Option<(Vec3<T>, T)> {
+        None
     }
 
     fn onto<T: Scalar>(&self, _: u32, place: &Vec3<T>) -> Vec3<T> {

@@ -60,6 +60,9 @@ impl Flat {
 /// a whole ellipsoid. Directions are unit vectors in the frame of the core; solvers run in f64 and
 /// in double-double.
 pub(crate) trait Support {
+    /// Whether the core has one branch alone.
+    const IS_SMOOTH: bool = false;
+
     /// Returns the largest distance of a point of the core from the origin, rounded up.
     fn reach(&self) -> f64;
 
@@ -80,6 +83,10 @@ pub(crate) trait Support {
     /// Returns the motion of the `point` of a branch along `n` when `n` turns by the tangent `d`:
     /// the second derivative of the support function, applied to `d`.
     fn bent<T: Scalar>(&self, branch: u32, point: &Vec3<T>, n: &Vec3<T>, d: &Vec3<T>) -> Vec3<T>;
+
+    /// Returns the unit axis `u` and the level `c` of the circle of unit directions, `n . u = c`,
+    /// along which two branches are equally high; `None` if no circle is known.
+    fn ridge<T: Scalar>(&self, of: [u32; 2]) -> Option<(Vec3<T>, T)>;
 
     /// Returns a point of the core on the branch, close to `place`, which must be close to the
     /// branch.

@@ -20,9 +20,7 @@ impl ShapeTracker {
     /// Rounded polyhedra have the contacts of their cores, moved out by the radii along the normal.
     /// Curved shapes bear contacts by their flat round faces and straight generators within
     /// `options.sine` of the normal; an ellipsoid, a superquadric, or a rim or apex without such a
-    /// face has one contact, the witnesses. Witnesses of an overlap whose depth is known to an
-    /// interval need not lie opposite each other; the separation is that of the points along the
-    /// normal.
+    /// face has one contact, the witnesses.
     ///
     /// Contacts of a flat round face are eight points of its rim at multiples of 45 degrees, as far
     /// as they are over the other shape, and the crossings of the rim with the boundary of the

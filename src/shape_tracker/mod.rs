@@ -45,9 +45,10 @@ impl ShapeTracker {
 
     /// Returns the closest points of two shapes, their signed distance and its bounds.
     ///
-    /// Witnesses lie on the rounded surfaces; features are those of the cores. If a cylinder, cone,
-    /// ellipsoid or superquadric overlaps, the witnesses are deepest points of either shape, but
-    /// need not lie opposite each other: on a flat part many points are equally deep.
+    /// Witnesses lie on the rounded surfaces, opposite each other along the normal at the distance
+    /// returned, whether the shapes are apart, touch or overlap. If one of them is a cylinder, cone
+    /// or ellipsoid, to 1e-9 times the size of the pair, or a superquadric, 1e-8; if only an
+    /// interval of the depth is known, to 1e-6. Features are those of the cores.
     pub fn closest(&mut self, a: &Shape, b: &Shape, a_from_b: &RelativePose) -> Outcome {
         match (a.core(), b.core()) {
             (Core::Polyhedron(x), Core::Polyhedron(y)) => {

@@ -15,8 +15,9 @@ pub(super) fn shift(pose: &RelativePose, radii: [f64; 2], outcome: &mut Outcome)
     [outcome.lower, outcome.upper] = rounding::bounds([outcome.lower, outcome.upper], radii);
     let n = *outcome.normal;
     outcome.point_on_a += n * radii[0];
-    let in_b = pose.packed_rotation().transposed_times(PackedVec3::new(&n));
-    outcome.point_on_b -= in_b.vector() * radii[1];
+    if radii[1] > 0.0 {
+        outcome.point_on_b -= pose.vector_in_b(PackedVec3::new(&n)).vector() * radii[1];
+    }
     outcome.class = match outcome.class {
         _ if outcome.lower > 0.0 => Class::Separated,
         _ if outcome.upper < 0.0 => Class::Overlapping,

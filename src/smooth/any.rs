@@ -77,6 +77,10 @@ impl Support for Any<'_> {
         each!(self, core => core.bent(branch, point, n, d), [T::from(0.0); 3])
     }
 
+    fn ridge<T: Scalar>(&self, of: [u32; 2]) -> Option<(Vec3<T>, T)> {
+        each!(self, core => core.ridge(of), None)
+    }
+
     fn onto<T: Scalar>(&self, branch: u32, place: &Vec3<T>) -> Vec3<T> {
         each!(self, core => core.onto(branch, place), [T::from(0.0); 3])
     }

@@ -17,7 +17,8 @@ use crate::shape::Support;
 use crate::tolerance::AGREE_CURVED;
 
 /// Takes balls at the weighted points of the pieces; if the bounds do not agree, also balls in the
-/// middle of the flat or straight parts about the points.
+/// middle of the flat or straight parts about the points. The points prove the bound alone: equal
+/// balls may touch the surfaces on different sides, so witnesses are the work of `opposite`.
 pub(super) fn take<A: Support, B: Support, T: Scalar>(
     posed: &Posed<A, B, T>,
     toward: &Toward<T>,
@@ -36,20 +37,16 @@ pub(super) fn take<A: Support, B: Support, T: Scalar>(
             set.add(piece.of);
         }
     }
-    let mut witnesses = [on_a, on_b];
-    let mut upper = upper_at(posed, toward, &witnesses);
+    let points = [on_a, on_b];
+    let mut upper = upper_at(posed, toward, &points);
     if (upper - best.lower).value() > AGREE_CURVED * posed.size
-        && let Some(places) = middles(posed, toward, pieces, &[on_a, on_b])
+        && let Some(places) = middles(posed, toward, pieces, &points)
     {
         let moved = upper_at(posed, toward, &places);
-        if moved < upper {
-            (upper, witnesses) = (moved, places);
-        }
+        upper = if moved < upper { moved } else { upper };
     }
     if upper < best.upper {
         (best.upper, best.set) = (upper, set);
-        let [on_a, on_b] = witnesses;
-        (best.on_a, best.on_b) = (on_a.map(T::from), on_b.map(T::from));
     }
 }
 

@@ -2,12 +2,12 @@
 
 use super::posed::{Piece, Posed, Toward};
 use crate::minimum::simplex::Simplex;
-use crate::num::scalar::{Scalar, Vec3, dot, root, scaled};
+use crate::num::scalar::{Scalar, Vec3, dot, root, scaled, sub};
 use crate::pair::difference::MinkowskiPoint;
 use crate::pair::transform::ErrorScale;
 use crate::polyhedron::VertexId;
 use crate::shape::Support;
-use crate::tolerance::{AGREE_CURVED, UNIT};
+use crate::tolerance::{AGREE_CURVED, ASIDE, UNIT};
 
 /// Most pieces that hold the closest points: one for a vertex of the difference, two for an edge,
 /// three for a face.
@@ -34,12 +34,6 @@ impl Set {
         self.of[0]
     }
 
-    /// Returns whether the set is one pair of branches alone.
-    #[inline(always)]
-    pub(super) fn is_only(&self, of: [u32; 2]) -> bool {
-        self.len == 1 && self.of[0] == of
-    }
-
     /// Returns the core (0 for A, 1 for B) whose point lies inside a flat round face.
     pub(super) fn flat(&self) -> Option<usize> {
         usize::from(self.flat).checked_sub(1).filter(|&side| side < 2)
@@ -50,13 +44,109 @@ impl Set {
         self.flat = side as u8 + 1;
     }
 
+    /// Returns the branches of each core.
+    #[inline(always)]
+    pub(super) fn parts(&self) -> [Part; 2] {
+        let [a, b] = self.of[0];
+        let mut parts = [Part::only(a), Part::only(b)];
+        for of in self.branches().iter().skip(1) {
+            parts[0].add(of[0]);
+            parts[1].add(of[1]);
+        }
+        parts
+    }
+
+    /// Returns the pairs of the branches of two parts, as many as are needed to name all branches.
+    #[inline(always)]
+    pub(super) fn of_parts([a, b]: &[Part; 2]) -> Self {
+        let mut set = Self {
+            of: [[a.first(), b.first()]; KEPT],
+            len: 1,
+            flat: 0,
+        };
+        a.branches().iter().skip(1).for_each(|&of| set.push([of, b.first()]));
+        b.branches().iter().skip(1).for_each(|&of| set.push([a.first(), of]));
+        set
+    }
+
     /// Adds a pair of branches, unless the pair is in the set or the set is full.
     pub(super) fn add(&mut self, of: [u32; 2]) {
-        let len = usize::from(self.len);
-        if len < KEPT && !self.of[..len].contains(&of) {
-            self.of[len] = of;
+        if !self.branches().contains(&of) {
+            self.push(of);
+        }
+    }
+
+    #[inline(always)]
+    fn push(&mut self, of: [u32; 2]) {
+        if let Some(place) = self.of.get_mut(usize::from(self.len)) {
+            *place = of;
             self.len += 1;
         }
+    }
+}
+
+/// Branches of one core that are equally high: one for a point, two for a ridge, three for a face.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Part {
+    of: [u32; KEPT],
+    len: u8,
+}
+
+impl Part {
+    #[inline(always)]
+    pub(super) fn only(of: u32) -> Self {
+        Self { of: [of; KEPT], len: 1 }
+    }
+
+    #[inline(always)]
+    pub(super) fn len(&self) -> u8 {
+        self.len
+    }
+
+    #[inline(always)]
+    pub(super) fn first(&self) -> u32 {
+        self.of[0]
+    }
+
+    /// Returns the first `N` branches; there must be as many.
+    #[inline(always)]
+    pub(super) fn all<const N: usize>(&self) -> [u32; N] {
+        let mut all = [0; N];
+        all.copy_from_slice(&self.of[..N]);
+        all
+    }
+
+    fn branches(&self) -> &[u32] {
+        &self.of[..usize::from(self.len).min(KEPT)]
+    }
+
+    /// Adds a branch; returns whether the part holds it.
+    #[inline(always)]
+    pub(super) fn add(&mut self, of: u32) -> bool {
+        if self.branches().contains(&of) {
+            return true;
+        }
+        let place = self.of.get_mut(usize::from(self.len));
+        if let Some(place) = place {
+            *place = of;
+            self.len += 1;
+            return true;
+        }
+        false
+    }
+
+    /// Keeps one branch alone.
+    pub(super) fn keep(&mut self, k: usize) {
+        *self = Self::only(self.of[k % KEPT]);
+    }
+
+    /// Removes one of three branches.
+    pub(super) fn drop(&mut self, k: usize) {
+        let [first, second] = [1, 2].map(|by| self.of[(k + by) % KEPT]);
+        *self = Self {
+            of: [first, second, second],
+            len: 2,
+        };
     }
 }
 
@@ -179,12 +269,25 @@ impl<T: Scalar> Best<T> {
         self.mixture(posed, pieces, &weights);
     }
 
+    /// Returns whether the points lie opposite each other along the direction.
+    pub(super) fn is_opposite<A: Support, B: Support>(&self, posed: &Posed<A, B, T>) -> bool {
+        let w = posed.piece([0; 2], self.on_a, self.on_b).w;
+        let aside = sub(&w, &scaled(&self.n, dot(&self.n, &w)));
+        let most = ASIDE * posed.size;
+        dot(&aside, &aside).value() <= most * most
+    }
+
+    /// Returns how far apart bounds that agree may be.
+    #[inline(always)]
+    pub(super) fn agreement<A, B>(posed: &Posed<A, B, T>) -> T {
+        // In finer arithmetic well below what is added for f64.
+        let share = if T::UNIT == UNIT { 1.0 } else { 1.0 / 64.0 };
+        T::from((AGREE_CURVED * share + 0.5 * posed.noise * T::UNIT) * posed.size)
+    }
+
     /// Returns whether the bounds agree.
     #[inline(always)]
     pub(super) fn closes<A, B>(&self, posed: &Posed<A, B, T>) -> bool {
-        // In finer arithmetic well below what is added for f64.
-        let share = if T::UNIT == UNIT { 1.0 } else { 1.0 / 64.0 };
-        let agree = AGREE_CURVED * share + 0.5 * posed.noise * T::UNIT;
-        self.upper - self.lower <= T::from(agree * posed.size)
+        self.upper - self.lower <= Self::agreement(posed)
     }
 }

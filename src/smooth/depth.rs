@@ -54,8 +54,7 @@ pub(super) fn deepen<A: Support, B: Support>(
     found.of.into_iter().for_each(|of| set.add(of));
     local(posed, found.n, &set, best);
     if best.upper > -found.least {
-        best.upper = -found.least;
-        (best.on_a, best.on_b, best.set) = (found.on_a, found.on_b, set);
+        (best.upper, best.set) = (-found.least, set);
     }
     deep
 }
@@ -67,7 +66,7 @@ pub(super) fn is_deep_enough<A: Support, B: Support>(posed: &Posed<A, B, f64>, b
 }
 
 /// Runs the main solver for the depth from one direction.
-fn local<A: Support, B: Support>(posed: &Posed<A, B, f64>, n: [f64; 3], set: &Set, best: &mut Best<f64>) {
+pub(super) fn local<A: Support, B: Support>(posed: &Posed<A, B, f64>, n: [f64; 3], set: &Set, best: &mut Best<f64>) {
     let deep = true;
     Run { posed, best, deep }.run(n, set);
 }

@@ -7,7 +7,7 @@
 
 use super::bent::{End, Run};
 use super::best::{Best, Set};
-use super::posed::{Piece, Posed, unit};
+use super::posed::{Piece, Posed, askew, tangents, unit};
 use crate::minimum::simplex::Simplex;
 use crate::num::scalar::{Scalar, Vec3, neg};
 use crate::pair::difference::MinkowskiPoint;
@@ -54,10 +54,11 @@ impl<T: Scalar> Around<T> {
         }
     }
 
-    /// Returns the support points up and down the axes of a direction.
+    /// Returns the support points up and down three axes, off the symmetries of the cores: along an
+    /// axis of symmetry many points are equally high, and the six may lie in one plane.
     fn six<A: Support, B: Support>(posed: &Posed<A, B, T>, n: Vec3<T>) -> Self {
-        let toward = posed.toward(n);
-        let [d, e] = toward.tangents;
+        let n = askew(&n);
+        let [d, e] = tangents(&n);
         let at = |n: Vec3<T>| posed.support(&posed.toward(n), [0; 2]);
         Self {
             points: [n, neg(&n), d, neg(&d), e, neg(&e)].map(at),
@@ -98,7 +99,7 @@ pub(super) fn solve<A: Support, B: Support, T: Scalar>(
     let mut simplex = Simplex::vertex(corner(0, &first));
     for k in 1..if goal == Goal::Approach { APPROACH } else { POINTS } {
         let Some(n) = unit(&neg(&simplex.direction())) else {
-            return Frozen::Open;
+            return inside(posed, n, best);
         };
         let toward = posed.toward(n);
         let piece = posed.support(&toward, points[k - 1].of);
@@ -140,15 +141,18 @@ pub(super) fn solve<A: Support, B: Support, T: Scalar>(
                 return Frozen::Closed;
             }
             if !gains {
-                // If the origin lies on a triangle of support points, other points contain it.
-                let inside = best.lower < T::from(0.0);
-                return if inside {
-                    Frozen::Inside(Around::six(posed, n))
-                } else {
-                    Frozen::Open
-                };
+                return inside(posed, n, best);
             }
         }
     }
     Frozen::Open
+}
+
+/// Ends a solve that the origin ends on a simplex of support points: other points contain it.
+fn inside<A: Support, B: Support, T: Scalar>(posed: &Posed<A, B, T>, n: Vec3<T>, best: &Best<T>) -> Frozen<T> {
+    if best.lower < T::from(0.0) {
+        Frozen::Inside(Around::six(posed, n))
+    } else {
+        Frozen::Open
+    }
 }

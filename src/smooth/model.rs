@@ -67,21 +67,6 @@ pub(super) fn newton<T: Scalar>(plane: &Plane<T>, mu: T) -> Tangent<T> {
     [(e * g[0] - off * g[1]) * inverse, (b * g[1] - off * g[0]) * inverse]
 }
 
-/// Returns the maximum of two or three pieces; `None` unless all have weight there.
-#[inline(always)]
-pub(super) fn kink<T: Scalar>(planes: &[Plane<T>], prior: &[T], mu: T) -> Option<Top<T>> {
-    let (zero, m) = (T::from(0.0), matrix(planes, prior, mu));
-    let mut weights = [zero; MOST];
-    let (step, found) = match planes {
-        [p, q] => between_two([p, q], &m),
-        [p, q, r] => between_three([p, q, r], &m),
-        _ => return None,
-    };
-    weights[..planes.len()].copy_from_slice(&found[..planes.len()]);
-    let is_inside = weights[..planes.len()].iter().all(|weight| *weight > zero);
-    is_inside.then_some(Top { weights, step })
-}
-
 /// Returns the maximum, with `M` from the weights `prior`; `None` if `M` is not positive.
 pub(super) fn top<T: Scalar>(planes: &[Plane<T>], prior: &[T; MOST], mu: T) -> Option<Top<T>> {
     let zero = T::from(0.0);

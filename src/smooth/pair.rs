@@ -3,13 +3,13 @@
 use nalgebra::{Unit, Vector3};
 
 use super::any::{Any, Kind};
-use super::bent::{End, Run};
 use super::best::{Best, Set};
 use super::depth;
-use super::frozen::{self, Around, Frozen, Goal};
+use super::frozen::Around;
+use super::layers::{Ended, separate};
+use super::opposite;
 use super::polyhedral::Hull;
 use super::posed::{Piece, Posed, add, unit, values};
-use super::warm;
 use crate::num::double_double::DoubleDouble;
 use crate::num::scalar::{Scalar, Vec3, sqrt, sub};
 use crate::pair::answer::round_outward;
@@ -23,13 +23,18 @@ use crate::tolerance::{AGREE_CURVED, CERTIFICATE, SMALL_PAIR, SPECK, UNIT, UNIT_
 /// A direction that turned by less in each coordinate is extrapolated: a heuristic.
 const SLIGHT: f64 = 0.25;
 
+/// A turn that changed by less than this share is extrapolated with its change: a heuristic.
+const STEADY: f64 = 0.25;
+
 /// State of a pair between queries.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Memory {
     start: Option<(Vec3<f64>, Set)>,
-    /// Turn of the direction from the answer before to the last answer.
+    /// Turn of the direction from the answer before to the last answer, and the turn before.
     turn: Vec3<f64>,
+    #[cfg_attr(feature = "serde", serde(default))]
+    before: Vec3<f64>,
 }
 
 impl Memory {
@@ -38,14 +43,29 @@ impl Memory {
     fn start(&self) -> Option<(Vec3<f64>, Set)> {
         let (n, set) = self.start?;
         let is_small = n.iter().all(|x| x.abs() <= 2.0);
-        // Linear extrapolation.
-        let turned = self.turn.iter().all(|x| x.abs() < SLIGHT);
-        let ahead = if turned { add(&n, &self.turn) } else { n };
-        is_small.then_some((ahead, set))
+        is_small.then(|| (self.ahead(n), set))
+    }
+
+    /// Extrapolates the direction: by the turn, and by the change of the turn if that is small.
+    #[inline(always)]
+    fn ahead(&self, n: Vec3<f64>) -> Vec3<f64> {
+        let most = |v: &Vec3<f64>| v[0].abs().max(v[1].abs()).max(v[2].abs());
+        let (change, size) = (sub(&self.turn, &self.before), most(&self.turn));
+        // NaN is not small.
+        if !(size < SLIGHT) {
+            return n;
+        }
+        let n = add(&n, &self.turn);
+        if most(&change) < size * STEADY {
+            add(&n, &change)
+        } else {
+            n
+        }
     }
 
     /// Remembers an answer.
     fn keep(&mut self, n: Vec3<f64>, set: Set) {
+        self.before = self.turn;
         self.turn = self.start.map_or([0.0; 3], |(before, _)| sub(&n, &before));
         self.start = Some((n, set));
     }
@@ -55,13 +75,9 @@ impl Memory {
 #[derive(Clone, Copy)]
 pub(super) struct Setting<'p> {
     pose: &'p RelativePose,
+    cores: [&'p Core; 2],
     /// Translation of the pose, if both cores are stored as given and of an ordinary size.
     plain: Option<Vec3<f64>>,
-    /// Origins about which the points of A and of B are stored.
-    a: Vector3<f64>,
-    b: Vector3<f64>,
-    /// Radii of both cores, in the caller's unit.
-    radii: [f64; 2],
     /// Lengths of the solvers times `2^exponent` are the caller's.
     exponent: i32,
     /// Distance of the stored origins from the origins of the frames, in the unit of the solvers.
@@ -70,7 +86,7 @@ pub(super) struct Setting<'p> {
 
 impl<'p> Setting<'p> {
     #[inline(always)]
-    pub(super) fn new(a: &Core, b: &Core, pose: &'p RelativePose) -> Self {
+    pub(super) fn new(a: &'p Core, b: &'p Core, pose: &'p RelativePose) -> Self {
         let given = |core: &Core| !matches!(core, Core::Polyhedron(body) if !body.is_unscaled);
         let radii = [a.radius(), b.radius()];
         let t = pose.translation();
@@ -82,13 +98,21 @@ impl<'p> Setting<'p> {
         let is_plain = given(a) && given(b) && is_ordinary;
         Self {
             pose,
+            cores: [a, b],
             plain: is_plain.then_some([t.x, t.y, t.z]),
-            radii,
-            a: a.origin(),
-            b: b.origin(),
             exponent: 0,
             offsets: 0.0,
         }
+    }
+
+    /// Returns the radii of both cores, in the caller's unit.
+    fn radii(&self) -> [f64; 2] {
+        self.cores.map(Core::radius)
+    }
+
+    /// Returns the origins about which the points of A and of B are stored.
+    fn origins(&self) -> [Vector3<f64>; 2] {
+        self.cores.map(Core::origin)
     }
 
     #[inline(always)]
@@ -120,97 +144,9 @@ impl<'p> Setting<'p> {
     }
 
     fn fine_frame(&self) -> Option<Transform<DoubleDouble>> {
-        Transform::between((&self.a, self.exponent), (&self.b, self.exponent), self.pose)
+        let [a, b] = self.origins();
+        Transform::between((&a, self.exponent), (&b, self.exponent), self.pose)
     }
-}
-
-/// End of the solvers of one arithmetic.
-#[derive(PartialEq)]
-enum Ended {
-    /// The bounds agree.
-    Closed,
-    Open,
-    /// An overlap is proven.
-    Deep,
-}
-
-/// Runs solver after solver until the bounds agree. `deep` proves an overlap: of cores that seem to
-/// overlap, or whose difference contains the origin between four points.
-#[inline(always)]
-fn separate<A: Support, B: Support, T: Scalar>(
-    posed: &Posed<A, B, T>,
-    start: Option<(Vec3<T>, Set)>,
-    best: &mut Best<T>,
-    solver: &mut Solver,
-    mut deep: impl FnMut(&Best<T>, Option<Around<T>>) -> bool,
-) -> Ended {
-    if let Some((n, set)) = start {
-        match warm::track(posed, n, &set, best) {
-            Err(End::Closed) => return Ended::Closed,
-            Err(End::Inside) if deep(&Best { set, ..*best }, None) => return Ended::Deep,
-            _ => {}
-        }
-    }
-    search(posed, start.is_some(), best, solver, deep)
-}
-
-/// Runs the solvers behind the first one of a warm query.
-#[inline(never)]
-fn search<A: Support, B: Support, T: Scalar>(
-    posed: &Posed<A, B, T>,
-    is_warm: bool,
-    best: &mut Best<T>,
-    solver: &mut Solver,
-    mut deep: impl FnMut(&Best<T>, Option<Around<T>>) -> bool,
-) -> Ended {
-    if is_warm {
-        if let Some(ended) = bend(posed, best.n, best, &mut deep) {
-            return ended;
-        }
-        *solver = Solver::Restart;
-    }
-    let axis = [T::from(1.0), T::from(0.0), T::from(0.0)];
-    let n = unit(&posed.frame.translation).unwrap_or(axis);
-    match frozen::solve(posed, n, Goal::Approach, best) {
-        Frozen::Closed => return Ended::Closed,
-        Frozen::Inside(corners) if deep(best, Some(corners)) => return Ended::Deep,
-        _ => {}
-    }
-    if let Some(ended) = bend(posed, toward_witness(posed, best), best, &mut deep) {
-        return ended;
-    }
-    *solver = Solver::Fallback;
-    match frozen::solve(posed, toward_witness(posed, best), Goal::Close, best) {
-        Frozen::Closed => Ended::Closed,
-        Frozen::Inside(corners) if deep(best, Some(corners)) => Ended::Deep,
-        _ => Ended::Open,
-    }
-}
-
-/// Runs the main solver from a direction and the best pieces; returns `None` if the bounds stay
-/// open.
-fn bend<A: Support, B: Support, T: Scalar>(
-    posed: &Posed<A, B, T>,
-    n: Vec3<T>,
-    best: &mut Best<T>,
-    deep: &mut impl FnMut(&Best<T>, Option<Around<T>>) -> bool,
-) -> Option<Ended> {
-    let (set, is_deep) = (best.set, false);
-    let mut run = Run {
-        posed,
-        best,
-        deep: is_deep,
-    };
-    match run.run(n, &set) {
-        End::Closed => Some(Ended::Closed),
-        End::Inside if deep(best, None) => Some(Ended::Deep),
-        _ => None,
-    }
-}
-
-/// Returns the direction between the nearest points known.
-fn toward_witness<A: Support, B: Support, T: Scalar>(posed: &Posed<A, B, T>, best: &Best<T>) -> Vec3<T> {
-    unit(&posed.piece([0; 2], best.on_a, best.on_b).w).unwrap_or(best.n)
 }
 
 /// Returns the outcome of a pair of known kinds, in the unit of the solvers.
@@ -259,9 +195,22 @@ fn deepen<A: Kind, B: Kind>(
 ) -> Option<Set> {
     let term = (CERTIFICATE + posed.noise) * UNIT * posed.size;
     outcome.work.depths += 1;
-    let deep = depth::deepen(posed, known, corners);
+    let mut deep = depth::deepen(posed, known, corners);
+    let is_done = deep.inside || deep.best.closes(posed) || depth::is_deep_enough(posed, &deep.best);
+    let found = is_done.then(|| opposite::witnesses(posed, &mut deep.best));
     outcome.work.steps += deep.best.evaluations - known.evaluations;
-    take(posed, &deep.best, term, outcome);
+    let Best { on_a, on_b, set, .. } = found?;
+    take(
+        posed,
+        &Best {
+            on_a,
+            on_b,
+            set,
+            ..deep.best
+        },
+        term,
+        outcome,
+    );
     if deep.grown {
         outcome.solver = Solver::Surface;
     }
@@ -270,8 +219,7 @@ fn deepen<A: Kind, B: Kind>(
         outcome.upper = outcome.upper.min(0.0);
         outcome.distance = outcome.distance.min(outcome.upper);
     }
-    let is_done = deep.inside || deep.best.closes(posed) || depth::is_deep_enough(posed, &deep.best);
-    is_done.then_some(deep.best.set)
+    Some(deep.best.set)
 }
 
 /// Runs the solvers in double-double.
@@ -349,8 +297,8 @@ fn take<A: Support, B: Support, T: Scalar>(posed: &Posed<A, B, T>, best: &Best<T
 /// too small to matter counts as a point.
 #[cold]
 pub(super) fn extreme(a: &Core, b: &Core, setting: &Setting, memory: &mut Memory) -> Outcome {
-    let [ra, rb] = setting.radii;
-    let (oa, ob) = (setting.a, setting.b);
+    let [ra, rb] = setting.radii();
+    let [oa, ob] = setting.origins();
     let t = setting.pose.translation_sixteenth() + setting.pose.rotation() * ob / 16.0 - oa / 16.0;
     let largest = t.amax();
     let apart = if largest > 0.0 {
@@ -412,7 +360,7 @@ fn scaled(core: &Core, exponent: i32) -> Any<'_> {
 /// `t` and `apart` are in sixteenths.
 fn far(setting: &Setting, t: &Vector3<f64>, apart: f64, offsets: f64) -> Outcome {
     let mut outcome = Outcome::starting_at(FeaturePair::FIRST);
-    let radii = setting.radii[0] + setting.radii[1];
+    let radii: f64 = setting.radii().iter().sum();
     let distance = 16.0 * apart;
     let slack = CERTIFICATE * UNIT * (distance + radii + offsets) + 2.0 * radii;
     outcome.lower = distance - slack;
@@ -425,6 +373,6 @@ fn far(setting: &Setting, t: &Vector3<f64>, apart: f64, offsets: f64) -> Outcome
         Class::Undecided
     };
     outcome.solver = Solver::Far;
-    (outcome.point_on_a, outcome.point_on_b) = (setting.a.into(), setting.b.into());
+    [outcome.point_on_a, outcome.point_on_b] = setting.origins().map(Into::into);
     outcome
 }

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use crate::num::scalar::{Scalar, Vec3};
+use crate::num::scalar::{Scalar, Vec3, dot, root, scaled, sub};
 use crate::pair::difference::support_vertex;
 use crate::polyhedron::{ConvexPolyhedron, Feature, VertexId};
 use crate::shape::{Disc, Support};
@@ -44,6 +44,15 @@ impl Support for Hull<'_> {
     }
 
     #[inline(always)]
+    fn ridge<T: Scalar>(&self, [one, other]: [u32; 2]) -> Option<(Vec3<T>, T)> {
+        let zero = T::from(0.0);
+        let n = [zero; 3];
+        let along = sub(&self.of_branch(one, &n), &self.of_branch(other, &n));
+        let squared = dot(&along, &along);
+        (squared > zero).then(|| (scaled(&along, T::from(1.0) / root(squared)), zero))
+    }
+
+    #[inline(always)]
     fn onto<T: Scalar>(&self, branch: u32, place: &Vec3<T>) -> Vec3<T> {
         self.of_branch(branch, place)
     }
@@ -57,12 +66,16 @@ impl Support for Hull<'_> {
     }
 
     fn feature(&self, branches: &[u32], _: &Vector3<f64>) -> Feature {
-        let mut vertices = [VertexId(branches.first().copied().unwrap_or(0)); 3];
+        let first = VertexId(branches.first().copied().unwrap_or(0));
+        let mut vertices = [first; 3];
         for (vertex, &branch) in vertices.iter_mut().zip(branches) {
             *vertex = VertexId(branch);
         }
         if vertices.iter().any(|v| v.index() >= self.body.points.len()) {
             return Feature::Vertex(VertexId(0));
+        }
+        if vertices == [first; 3] {
+            return Feature::Vertex(first);
         }
         self.body.feature_of(&vertices)
     }

@@ -42,19 +42,11 @@ pub(super) struct Toward<T> {
 pub(super) type Tangent<T> = [T; 2];
 
 impl<T: Scalar, A: Support, B: Support> Posed<'_, A, B, T> {
-    /// Returns a unit direction with the tangents of Duff et al. 2017, "Building an orthonormal
-    /// basis, revisited".
+    /// Returns a unit direction in both frames, with two tangents.
     #[inline(always)]
     pub(super) fn toward(&self, n: Vec3<T>) -> Toward<T> {
-        let one = T::from(1.0);
-        let sign = if n[2] < T::from(0.0) { -one } else { one };
-        let a = -one / (sign + n[2]);
-        let b = n[0] * n[1] * a;
-        let tangents = [
-            [one + sign * n[0] * n[0] * a, sign * b, -sign * n[0]],
-            [b, sign + n[1] * n[1] * a, -n[1]],
-        ];
         let m = neg(&self.frame.direction(&n));
+        let tangents = tangents(&n);
         Toward { n, m, tangents }
     }
 
@@ -79,14 +71,6 @@ impl<T: Scalar, A: Support, B: Support> Posed<'_, A, B, T> {
         self.piece([a, b], on_a, on_b)
     }
 
-    /// Returns the support points of both cores along a direction of any length.
-    #[inline(always)]
-    pub(super) fn support_along(&self, along: &Vec3<T>, hint: [u32; 2]) -> Piece<T> {
-        let (a, on_a) = self.a.support(along, hint[0]);
-        let (b, on_b) = self.b.support(&neg(&self.frame.direction(along)), hint[1]);
-        self.piece([a, b], on_a, on_b)
-    }
-
     /// Returns the points of two branches; points of branches that a `known` piece shares are
     /// copied from there.
     #[inline(always)]
@@ -106,36 +90,7 @@ impl<T: Scalar, A: Support, B: Support> Posed<'_, A, B, T> {
     /// 11.
     #[inline(always)]
     pub(super) fn bend(&self, piece: &Piece<T>, toward: &Toward<T>) -> [T; 3] {
-        let [a, b] = self.bends(piece, toward);
-        [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
-    }
-
-    /// Returns the parts of A and of B in the second derivative of the height of a piece.
-    #[inline(always)]
-    pub(super) fn bends(&self, piece: &Piece<T>, toward: &Toward<T>) -> [[T; 3]; 2] {
-        [self.bend_of_a(piece, toward), self.bend_of_b(piece, toward)]
-    }
-
-    /// Returns the second derivative of the height of a piece; the parts of branches shared with
-    /// another piece are `known`.
-    #[inline(always)]
-    pub(super) fn bend_beside(
-        &self,
-        piece: &Piece<T>,
-        other: &Piece<T>,
-        known: &[[T; 3]; 2],
-        toward: &Toward<T>,
-    ) -> [T; 3] {
-        let a = if piece.of[0] == other.of[0] {
-            known[0]
-        } else {
-            self.bend_of_a(piece, toward)
-        };
-        let b = if piece.of[1] == other.of[1] {
-            known[1]
-        } else {
-            self.bend_of_b(piece, toward)
-        };
+        let (a, b) = (self.bend_of_a(piece, toward), self.bend_of_b(piece, toward));
         [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
     }
 
@@ -167,6 +122,27 @@ impl<T: Scalar, A: Support, B: Support> Posed<'_, A, B, T> {
         let on_b = self.b.onto(piece.of[1], &add(&piece.on_b, &by));
         self.piece(piece.of, on_a, on_b)
     }
+}
+
+/// Returns two tangents of a unit direction, those of Duff et al. 2017, "Building an orthonormal
+/// basis, revisited".
+#[inline(always)]
+pub(super) fn tangents<T: Scalar>(n: &Vec3<T>) -> [Vec3<T>; 2] {
+    let one = T::from(1.0);
+    let sign = if n[2] < T::from(0.0) { -one } else { one };
+    let a = -one / (sign + n[2]);
+    let b = n[0] * n[1] * a;
+    [
+        [one + sign * n[0] * n[0] * a, sign * b, -sign * n[0]],
+        [b, sign + n[1] * n[1] * a, -n[1]],
+    ]
+}
+
+/// Returns a unit direction off all planes of symmetry that contain a unit direction.
+pub(super) fn askew<T: Scalar>(n: &Vec3<T>) -> Vec3<T> {
+    let [d, e] = tangents(n);
+    let off = add(&scaled(&d, T::from(0.37)), &scaled(&e, T::from(0.61)));
+    unit(&add(n, &off)).unwrap_or(*n)
 }
 
 /// Returns entries 00, 01, 11 of a symmetric form on two tangents, from the images of the tangents.

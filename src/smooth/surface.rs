@@ -38,25 +38,24 @@ struct Surface<'s, 'p, A, B> {
     posed: &'s Posed<'p, A, B, f64>,
     points: Vec<Piece<f64>>,
     facets: Vec<Facet>,
+    /// The point that the surface is around: the origin, but for a surface still to reach it.
+    about: Vec3<f64>,
 }
 
-/// Bounds and witnesses that a surface proves.
+/// Bound that a surface proves, and the facet nearest to the origin.
 pub(super) struct Depth {
     /// Lower bound of the depth.
     pub(super) least: f64,
     /// Normal of the facet nearest to the origin.
     pub(super) n: Vec3<f64>,
-    /// Points of A and of B whose difference is the point of the facet nearest to the origin.
-    pub(super) on_a: Vec3<f64>,
-    pub(super) on_b: Vec3<f64>,
     /// Branches of the corners of the facet.
     pub(super) of: [[u32; 2]; 3],
 }
 
 impl<A: Support, B: Support> Surface<'_, '_, A, B> {
-    /// Returns a point of `A - B`.
+    /// Returns a point of `A - B`, from the point that the surface is around.
     fn place(&self, k: u16) -> Vec3<f64> {
-        neg(&self.points[usize::from(k)].w)
+        sub(&neg(&self.points[usize::from(k)].w), &self.about)
     }
 
     /// Returns the triangle if certainly counter-clockwise.
@@ -85,8 +84,8 @@ impl<A: Support, B: Support> Surface<'_, '_, A, B> {
     /// Takes a point over one facet; returns whether all new triangles are certain.
     fn grow(&mut self, piece: Piece<f64>) -> bool {
         let top = self.points.len() as u16;
-        let place = neg(&piece.w);
         self.points.push(piece);
+        let place = self.place(top);
         let sees = |f: &Facet, s: &Self| dot(&f.normal, &place) > dot(&f.normal, &s.place(f.corners[0]));
         let visible: Vec<bool> = self.facets.iter().map(|f| sees(f, self)).collect();
         let mut rim: Vec<[u16; 2]> = Vec::new();
@@ -116,24 +115,88 @@ impl<A: Support, B: Support> Surface<'_, '_, A, B> {
         }
     }
 
-    /// Returns the foot of the origin in the plane of a facet, as points of both cores.
+    /// Makes the facets of a tetrahedron, or of an octahedron of points up and down three axes, if
+    /// certainly around the point; one of the two orders is right for all.
+    fn begin(&mut self) -> bool {
+        let tetrahedron = [[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]];
+        let octahedron = [
+            [0, 2, 4],
+            [0, 4, 3],
+            [0, 3, 5],
+            [0, 5, 2],
+            [1, 4, 2],
+            [1, 3, 4],
+            [1, 5, 3],
+            [1, 2, 5],
+        ];
+        let is_four = self.points.len() == 4;
+        let order: &[[u16; 3]] = if is_four { &tetrahedron } else { &octahedron };
+        [false, true].into_iter().any(|turned| {
+            let turn = |[p, q, r]: [u16; 3]| if turned { [p, r, q] } else { [p, q, r] };
+            let facets: Option<Vec<Facet>> = order.iter().map(|&f| self.facet(turn(f))).collect();
+            self.facets = facets.unwrap_or_default();
+            !self.facets.is_empty()
+        })
+    }
+
+    /// Begins again with a tetrahedron around its own middle: three of the points far apart, and
+    /// the support over or under their plane.
+    fn begin_inside(&mut self) -> bool {
+        let all = core::mem::take(&mut self.points);
+        let from_first = |p: &Piece<f64>| sub(&all[0].w, &p.w);
+        let squared = |v: &Vec3<f64>| dot(v, v);
+        let farthest = |of: fn(&Vec3<f64>, &Vec3<f64>) -> Vec3<f64>, u: &Vec3<f64>| {
+            let far = |p: &&Piece<f64>| squared(&of(u, &from_first(p)));
+            all.iter().max_by(|p, q| far(p).total_cmp(&far(q))).copied()
+        };
+        let second = farthest(|_, v| *v, &[0.0; 3]).unwrap_or(all[0]);
+        let u = from_first(&second);
+        let third = farthest(cross, &u).unwrap_or(all[0]);
+        let Some(n) = unit(&cross(&u, &from_first(&third))) else {
+            return false;
+        };
+        let [up, down] = [n, neg(&n)].map(|n| self.posed.support(&self.posed.toward(n), all[0].of));
+        let height = |p: &Piece<f64>| dot(&n, &from_first(p)).abs();
+        let fourth = if height(&up) > height(&down) { up } else { down };
+        self.points = [all[0], second, third, fourth].to_vec();
+        let sum = |sum: Vec3<f64>, p: &Piece<f64>| sub(&sum, &p.w);
+        self.about = self.points.iter().fold([0.0; 3], sum).map(|x| x / 4.0);
+        self.begin()
+    }
+
+    /// Takes points over the facets that the origin lies over or on, until the surface is certainly
+    /// around the origin.
+    fn reach_origin(&mut self) -> bool {
+        let about = self.about;
+        while self.points.len() < POINTS {
+            self.about = [0.0; 3];
+            let facets: Option<Vec<Facet>> = self.facets.iter().map(|f| self.facet(f.corners)).collect();
+            if let Some(facets) = facets {
+                self.facets = facets;
+                return true;
+            }
+            self.about = about;
+            let height = |f: &&Facet| f.distance + dot(&f.normal, &about);
+            let lowest = self.facets.iter().min_by(|f, g| height(f).total_cmp(&height(g)));
+            let Some((n, corners)) = lowest.and_then(|f| Some((unit(&f.normal)?, f.corners))) else {
+                return false;
+            };
+            let hint = self.points[usize::from(corners[0])].of;
+            let piece = self.posed.support(&self.posed.toward(n), hint);
+            if !self.grow(piece) {
+                return false;
+            }
+        }
+        false
+    }
+
+    /// Returns the bound that the nearest facet proves.
     fn result(&self, k: usize) -> Depth {
         let facet = &self.facets[k];
-        let pieces = facet.corners.map(|k| self.points[usize::from(k)]);
-        let [p, q, r] = facet.corners.map(|k| self.place(k));
-        let weight = |x: &Vec3<f64>, y: &Vec3<f64>| dot(&facet.normal, &cross(x, y)).max(0.0);
-        let weights = [weight(&q, &r), weight(&r, &p), weight(&p, &q)];
-        let sum = weights[0] + weights[1] + weights[2];
-        let mix = |of: fn(&Piece<f64>) -> Vec3<f64>| {
-            let parts = pieces.each_ref().map(of);
-            [0, 1, 2].map(|c| (parts[0][c] * weights[0] + parts[1][c] * weights[1] + parts[2][c] * weights[2]) / sum)
-        };
         Depth {
             least: facet.distance,
             n: facet.normal,
-            on_a: mix(|p| p.on_a),
-            on_b: mix(|p| p.on_b),
-            of: pieces.map(|p| p.of),
+            of: facet.corners.map(|k| self.points[usize::from(k)].of),
         }
     }
 }
@@ -149,27 +212,10 @@ pub(super) fn deepen<A: Support, B: Support>(
         posed,
         points: corners.to_vec(),
         facets: Vec::new(),
+        about: [0.0; 3],
     };
-    // A tetrahedron, or an octahedron of points up and down three axes; one of the two orders is
-    // right for all.
-    let tetrahedron = [[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]];
-    let octahedron = [
-        [0, 2, 4],
-        [0, 4, 3],
-        [0, 3, 5],
-        [0, 5, 2],
-        [1, 4, 2],
-        [1, 3, 4],
-        [1, 5, 3],
-        [1, 2, 5],
-    ];
-    let order: &[[u16; 3]] = if corners.len() == 4 { &tetrahedron } else { &octahedron };
-    for turned in [false, true] {
-        let turn = |[p, q, r]: [u16; 3]| if turned { [p, r, q] } else { [p, q, r] };
-        let facets: Option<Vec<Facet>> = order.iter().map(|&f| surface.facet(turn(f))).collect();
-        if let Some(facets) = facets {
-            surface.facets = facets;
-        }
+    if !(surface.begin() || surface.begin_inside() && surface.reach_origin()) {
+        return None;
     }
     let goal = DEPTH_GOAL * posed.size;
     while surface.points.len() < POINTS {

@@ -7,6 +7,7 @@
 mod corpus;
 mod kinds;
 mod manifolds;
+mod opposite;
 mod suites;
 mod wide;
 

@@ -1,0 +1,177 @@
+//! Promise: witnesses of every outcome (apart, touching, overlapping) lie on both surfaces, opposite each other along the
+//! normal at the distance returned.
+
+use super::kinds::Kind;
+use super::wide::{turned_back, wide};
+use super::{Place, at_gap, pairs};
+use lab::rng::Rng;
+use lin_canny::nalgebra::Vector3;
+use lin_canny::{Class, Outcome, ShapeTracker};
+
+/// Largest error of witnesses, times L, and of those of superquadrics, whose heights are less exact; of a depth known to an
+/// interval, the width is added, as far as to `WIDE`.
+const OFF: f64 = 1e-9;
+const ROUGH: f64 = 1e-8;
+const WIDE: f64 = 1e-6;
+
+/// How far the witnesses are from opposite, and from the surfaces, over L.
+pub(crate) fn off(kinds: [&Kind; 2], radii: [f64; 2], place: &Place, o: &Outcome) -> [f64; 2] {
+    let (at, n) = (place.isometry(), *o.normal);
+    let between = at * o.point_on_b - o.point_on_a;
+    let size = place.size(kinds[0], kinds[1]);
+    let m: Vector3<f64> = turned_back(&super::matrix(place.q), &wide(n.into()))
+        .map(|x| -x.0)
+        .into();
+    let mut beside = 0.0f64;
+    for (kind, p, n, r) in [
+        (kinds[0], o.point_on_a.coords, n, radii[0]),
+        (kinds[1], o.point_on_b.coords, m, radii[1]),
+    ] {
+        // On the supporting plane, and not outside of the core less the radius.
+        let below = kind.height(&wide(n.into())).0 + r - n.dot(&p);
+        let outside = kind.outside(&wide((p - n * r).into()));
+        beside = beside.max(below.abs()).max(outside);
+    }
+    [(between - n * o.distance).norm() / size, beside / size]
+}
+
+/// Errors of closed and of open answers.
+#[derive(Default, Debug)]
+struct Worst {
+    apart: [f64; 2],
+    closed: [f64; 2],
+    open: [f64; 2],
+    classes: [u32; 4],
+    bad: u32,
+}
+
+impl Worst {
+    fn take(&mut self, kinds: [&Kind; 2], radii: [f64; 2], place: &Place, pair: &mut ShapeTracker) {
+        let shape = |k: usize| {
+            let sharp = kinds[k].shape();
+            if radii[k] > 0.0 {
+                sharp.rounded(radii[k]).expect("a radius")
+            } else {
+                sharp
+            }
+        };
+        let o = pair.closest(&shape(0), &shape(1), &place.pose());
+        self.classes[o.class as usize] += 1;
+        let off = off(kinds, radii, place, &o);
+        let width = (o.upper - o.lower) / place.size(kinds[0], kinds[1]);
+        let is_rough = kinds.iter().any(|k| matches!(k, Kind::Superquadric(..)));
+        let most = if is_rough { ROUGH } else { OFF };
+        let (list, most) = match o.class {
+            Class::Separated => (&mut self.apart, most),
+            _ if width <= 1e-13 => (&mut self.closed, most),
+            _ => (&mut self.open, most + width.min(WIDE)),
+        };
+        if off.iter().any(|&x| !(x <= most)) || o.class == Class::Undecided {
+            self.bad += 1;
+            if self.bad <= 1 || off.iter().any(|&x| x > 1e-5) {
+                println!("{off:?} {radii:?} {kinds:?}\n{place:?}\n{o:?}");
+            }
+        }
+        for (worst, off) in list.iter_mut().zip(off) {
+            *worst = worst.max(off);
+        }
+    }
+}
+
+/// Rotations: as given, upside down, lying along y, and any, tilted a little or not at all.
+fn turn(rng: &mut Rng) -> [f64; 4] {
+    let s = 0.5f64.sqrt();
+    let any = rng.quat();
+    let base = *rng.pick(&[[0.0, 0.0, 0.0, 1.0], [1.0, 0.0, 0.0, 0.0], [s, 0.0, 0.0, s], any]);
+    let tilt = *rng.pick(&[0.0, 1e-14, 1e-10, 1e-7, 1e-4, 1e-2]);
+    lab::pose::unit_quat(lab::pose::quat_mul(lab::pose::quat(rng.unit(), tilt), base))
+}
+
+/// Places from contact to the common centre: along an axis, beside it by a little, and along any direction.
+fn shift(kinds: [&Kind; 2], rng: &mut Rng) -> [f64; 3] {
+    let reach = kinds[0].radius().min(kinds[1].radius());
+    let any = rng.unit();
+    let along = *rng.pick(&[[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], any]);
+    let by = reach * *rng.pick(&[0.0, 1e-9, 1e-3, 0.009, 0.1, 0.3, 0.6]);
+    let (aside, beside) = (rng.unit(), reach * *rng.pick(&[0.0, 0.0, 1e-12, 1e-6, 0.009]));
+    [0, 1, 2].map(|k| along[k] * by + aside[k] * beside)
+}
+
+#[test]
+fn witnesses_of_overlaps_are_opposite() {
+    let mut failed = String::new();
+    for (k, (first, second)) in pairs().enumerate() {
+        let (mut rng, mut worst) = (Rng::new(2300 + k as u64), Worst::default());
+        for i in 0..super::count() {
+            let aspect = *rng.pick(&[1.0, 2.0, 8.0]);
+            let kinds = [
+                Kind::random(first, &mut rng, aspect),
+                Kind::random(second, &mut rng, aspect),
+            ];
+            let kinds = [&kinds[i as usize % 2], &kinds[1 - i as usize % 2]];
+            let radii = *rng.pick(&[[0.0, 0.0], [0.0, 0.3], [0.2, 0.05]]);
+            let place = Place {
+                q: turn(&mut rng),
+                t: shift(kinds, &mut rng),
+            };
+            worst.take(kinds, radii, &place, &mut ShapeTracker::new());
+        }
+        println!("{first:12} {second:12} {worst:?}");
+        if worst.bad > 0 {
+            failed += &format!("{first} {second} {}, ", worst.bad);
+        }
+    }
+    assert!(failed.is_empty(), "not opposite: {failed}");
+}
+
+/// A segment all but coaxial with a cylinder: balls on both sides of the axis are equally large.
+#[test]
+fn witnesses_of_a_capsule_along_the_axis_of_a_cylinder_are_opposite() {
+    let (can, pill) = (
+        Kind::Cylinder(0.5, 0.4),
+        Kind::Hull(vec![[0.0, 0.0, -0.5], [0.0, 0.0, 0.5]]),
+    );
+    let mut rng = Rng::new(2340);
+    let mut worst = Worst::default();
+    for _ in 0..2000 {
+        let aside = lab::pose::scale(rng.unit(), rng.log_range(1e-9, 0.3));
+        let place = Place {
+            q: turn(&mut rng),
+            t: aside,
+        };
+        for (kinds, radii) in [([&can, &pill], [0.0, 0.3]), ([&pill, &can], [0.3, 0.0])] {
+            worst.take(kinds, radii, &place, &mut ShapeTracker::new());
+        }
+    }
+    println!("{worst:?}");
+    assert!(
+        worst.bad == 0 && worst.classes[Class::Overlapping as usize] > 3000,
+        "{worst:?}"
+    );
+}
+
+/// Along a motion through contact, warm: apart, touching and overlapping answers are all opposite.
+#[test]
+fn witnesses_stay_opposite_through_contact() {
+    let mut failed = String::new();
+    for (k, (first, second)) in pairs().enumerate() {
+        let (mut rng, mut worst) = (Rng::new(2350 + k as u64), Worst::default());
+        for _ in 0..super::count() / 30 {
+            let kinds = [first, second].map(|name| Kind::random(name, &mut rng, 4.0));
+            let (mut place, axis) = (at_gap(&kinds[0], &kinds[1], &mut rng, 0.2), rng.unit());
+            let o = ShapeTracker::new().closest(&kinds[0].shape(), &kinds[1].shape(), &place.pose());
+            let mut pair = ShapeTracker::new();
+            for _ in 0..30 {
+                worst.take([&kinds[0], &kinds[1]], [0.0; 2], &place, &mut pair);
+                place.t = (Vector3::from(place.t) - *o.normal * 0.01).into();
+                let turned = lab::pose::quat_mul(lab::pose::quat(axis, 0.5f64.to_radians()), place.q);
+                place.q = lab::pose::unit_quat(turned);
+            }
+        }
+        println!("{first:12} {second:12} {worst:?}");
+        if worst.bad > 0 {
+            failed += &format!("{first} {second} {}, ", worst.bad);
+        }
+    }
+    assert!(failed.is_empty(), "not opposite: {failed}");
+}
