@@ -4,7 +4,7 @@
 use alloc::string::String;
 use alloc::vec::Vec;
 
-use crate::depth::{self, Memory};
+use crate::depth::{self, Memory, Nearest};
 use crate::minimum::overlap_proof::OverlapProof;
 use crate::pair::draft::Draft;
 use crate::pair::outcome::{Accuracy, Ask, Class, Distance, Outcome, Proposal, Until};
@@ -171,6 +171,35 @@ impl Tracker {
         }
     }
 
+    /// Returns a tracker that starts as after an answer of this class at these features: for callers
+    /// who keep features and class in state of their own, and no tracker. After an overlap, the next
+    /// query for a depth begins at the facet of the features; after any other class the tracker is
+    /// that of [`starting_from`](Self::starting_from). A wrong hint costs time and never an answer.
+    ///
+    /// ```
+    /// use lin_canny::nalgebra::{Isometry3, Vector3};
+    /// use lin_canny::{RelativePose, Tracker, polyhedron::solids};
+    ///
+    /// let a = solids::cuboid(Vector3::new(1.0, 1.0, 1.0))?;
+    /// let b = solids::octahedron(0.5)?;
+    /// let pose = |x| RelativePose::from_isometry(&Isometry3::translation(x, 0.2, 0.1));
+    /// let before = Tracker::new().closest(&a, &b, &pose(1.48)?);
+    ///
+    /// // In the next frame, from what the caller kept:
+    /// let mut pair = Tracker::resuming(before.features, before.class, &a, &b);
+    /// let now = pair.closest(&a, &b, &pose(1.49)?);
+    /// assert!((now.distance + 0.01).abs() < 1e-12);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn resuming(features: FeaturePair, class: Class, a: &ConvexPolyhedron, b: &ConvexPolyhedron) -> Self {
+        let mut tracker = Self::starting_from(features, a, b);
+        if class == Class::Overlapping && features.is_of(a, b) {
+            tracker.memory = Memory::after(features);
+        }
+        tracker
+    }
+
     /// Allocates all the memory that overlaps may need later (some 50 kB): afterwards no query
     /// allocates if the walk or its solvers in f64 suffice, as long as surfaces have no more than
     /// 256 triangles. Only round bodies deep in each other need more.
@@ -266,7 +295,10 @@ impl Tracker {
                 Some(pair) => draft.features = pair,
                 None => draft.features = seed::cold(&posed, &mut draft.work),
             }
-            solve::solve(ask.accuracy, &posed, warm.is_some(), draft);
+            let memory = &mut self.memory;
+            solve::solve(ask.accuracy, &posed, warm.is_some(), draft, |draft| {
+                ask.until == Until::Depth && enters_overlap(&posed, memory, draft)
+            });
             self.deepen(ask.until, &posed, draft);
             self.count(warm.is_some(), a, b, draft);
             if !(a.is_unscaled && b.is_unscaled) {
@@ -283,17 +315,27 @@ impl Tracker {
     fn deepen(&mut self, until: Until, posed: &PosedPair, draft: &mut Draft) {
         if draft.class == Class::Overlapping {
             self.overlap_proof = (until == Until::Class).then(OverlapProof::default);
-            if until == Until::Depth {
+            if until == Until::Depth && draft.lower == f64::NEG_INFINITY {
                 depth::penetration_depth(posed, &mut self.memory, draft);
             }
         }
     }
 
-    /// Answers from the surface of the last answer. State of no further use is dropped.
+    /// Answers from the deepest facet or the surface of the last answer. State of no further use is
+    /// dropped.
     #[inline(never)]
     fn resume(&mut self, posed: &PosedPair, draft: &mut Draft) -> bool {
         let first = *draft;
-        if !depth::resume(posed, &mut self.memory, draft) {
+        let facet = self.memory.facet().filter(|f| f.is_of(posed.a, posed.b));
+        let nearest = facet.map_or(Nearest::Open, |f| {
+            depth::nearest_facet(posed, f, &mut self.memory, draft)
+        });
+        if let Nearest::Apart(start) = nearest {
+            self.memory.clear();
+            self.stay(start);
+            return false;
+        }
+        if nearest == Nearest::Open && !depth::resume(posed, &mut self.memory, draft) {
             self.memory.clear();
             let grown = draft.work.points_added;
             *draft = first;
@@ -323,7 +365,7 @@ impl Tracker {
         };
         let warm = self.start(a, b).map(FeaturePair::swapped);
         draft.features = warm.unwrap_or_else(|| seed::cold(&posed, &mut draft.work));
-        solve::solve(ask.accuracy, &posed, warm.is_some(), draft);
+        solve::solve(ask.accuracy, &posed, warm.is_some(), draft, |_| false);
         self.deepen(ask.until, &posed, draft);
         // The names of the surface are the names of the bodies exchanged.
         self.memory.clear();
@@ -444,6 +486,14 @@ pub(crate) fn clear_of(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &Relati
 #[cold]
 fn has_the_unit(x: &ConvexPolyhedron, y: &ConvexPolyhedron) -> bool {
     y.radius == 0.0 || x.exponent > y.exponent && x.radius > 0.0
+}
+
+/// Answers an overlap from the features at which a walk was refused.
+#[cold]
+#[inline(never)]
+fn enters_overlap(posed: &PosedPair, memory: &mut Memory, draft: &mut Draft) -> bool {
+    let from = draft.features;
+    from.is_of(posed.a, posed.b) && depth::nearest_facet(posed, from, memory, draft) == Nearest::Proven
 }
 
 /// Converts a draft from stored units and frames to the caller's.

@@ -137,6 +137,13 @@ pub(crate) mod depth {
     /// rounding of f64.
     pub(crate) const SHIFTS_PLAIN: usize = 3;
 
+    /// Facets of a descent, at most: descents are short after small motions, and a surface is a
+    /// better start for the others.
+    pub(crate) const DESCENTS: usize = 12;
+
+    /// Fans of more edges end a descent. Not measured.
+    pub(crate) const FAN: usize = 64;
+
     /// Exchanges of a vertex on the way to the facet over the axis, at most. Not measured.
     pub(crate) const MAX_EXCHANGES: usize = 48;
 

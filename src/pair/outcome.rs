@@ -107,6 +107,10 @@ pub enum Solver {
     /// at the deepest facet of the last answer: overlap and depth at once. If no depth is
     /// requested: four points kept from the last answer.
     Surface,
+    /// The deepest facet alone: a disc of the facet about its deepest point, and one point deep in
+    /// the Minkowski difference, prove that no other facet is nearer. Answers overlaps that are
+    /// shallow beside their facets, at the price of a walk.
+    Facet,
 }
 
 impl Solver {
@@ -119,6 +123,7 @@ impl Solver {
         Self::Exact,
         Self::Far,
         Self::Surface,
+        Self::Facet,
     ];
 
     /// Number of solvers: the length of a table with one entry for each.
@@ -135,6 +140,7 @@ impl core::fmt::Display for Solver {
             Self::Exact => "exact",
             Self::Far => "far",
             Self::Surface => "surface",
+            Self::Facet => "facet",
         })
     }
 }
