@@ -173,11 +173,6 @@ pub(crate) const DISC: f64 = 1.0 + 1.0 / 1024.0;
 /// upon faces. The proof has room for a half.
 pub(crate) const DISC_MOST: f64 = 1.0 / 4.0;
 
-/// The depth is proven by a facet and a point (`depth::cone`) if one less the product of the tangents
-/// of half of two angles is above this, `2^-10`: the product errs by some 20 UNIT, so the radius of
-/// the disc by `2^-38` relatively, and [`DISC`] covers this and the roundings of the quotient.
-pub(crate) const CONE_LEAST: f64 = 1.0 / 1024.0;
-
 /// A contact of a manifold stays while the contact is no worse than this times its replacement. Not
 /// a matter of soundness.
 pub const STAY: f64 = 1.25;

@@ -327,15 +327,19 @@ impl Tracker {
     fn resume(&mut self, posed: &PosedPair, draft: &mut Draft) -> bool {
         let first = *draft;
         let facet = self.memory.facet().filter(|f| f.is_of(posed.a, posed.b));
-        let nearest = facet.map_or(Nearest::Open, |f| {
+        let nearest = facet.map_or(Nearest::Open(None), |f| {
             depth::nearest_facet(posed, f, &mut self.memory, draft)
         });
-        if let Nearest::Apart(start) = nearest {
-            self.memory.clear();
-            self.stay(start);
-            return false;
-        }
-        if nearest == Nearest::Open && !depth::resume(posed, &mut self.memory, draft) {
+        let is_done = match nearest {
+            Nearest::Proven => true,
+            Nearest::Open(_) => depth::resume(posed, &mut self.memory, draft),
+            Nearest::Apart(start) => {
+                self.memory.clear();
+                self.stay(start);
+                return false;
+            }
+        };
+        if !is_done {
             self.memory.clear();
             let grown = draft.work.points_added;
             *draft = first;
@@ -493,7 +497,14 @@ fn has_the_unit(x: &ConvexPolyhedron, y: &ConvexPolyhedron) -> bool {
 #[inline(never)]
 fn enters_overlap(posed: &PosedPair, memory: &mut Memory, draft: &mut Draft) -> bool {
     let from = draft.features;
-    from.is_of(posed.a, posed.b) && depth::nearest_facet(posed, from, memory, draft) == Nearest::Proven
+    if !from.is_of(posed.a, posed.b) {
+        return false;
+    }
+    match depth::nearest_facet(posed, from, memory, draft) {
+        Nearest::Proven => true,
+        Nearest::Open(Some(facet)) => depth::depth_from(posed, facet, memory, draft),
+        Nearest::Open(None) | Nearest::Apart(_) => false,
+    }
 }
 
 /// Converts a draft from stored units and frames to the caller's.

@@ -151,7 +151,7 @@ impl Memory {
     }
 
     /// Makes another facet the deepest. The surface stays: a surface is checked before use.
-    pub(super) fn move_to(&mut self, facet: FeaturePair) {
+    pub(crate) fn move_to(&mut self, facet: FeaturePair) {
         (self.facet, self.witness_features) = (Some(facet), None);
     }
 

@@ -22,12 +22,11 @@
 //! 5. If faces lie flush on each other, the deepest facet itself covers for triangles slightly
 //!    beneath the boundary of P ([`facet_disc`]).
 //! 6. A shallow overlap needs no surface: a facet found by a walk over facets ([`descent`]) and one
-//!    point deep in P prove the depth ([`cone`]), at the price of a walk ([`nearest`]).
+//!    point deep in P prove the depth ([`pyramid`]), at the price of a walk ([`nearest`]).
 //! 7. If the origin lies on the boundary of the first tetrahedron (lattices, concentric and equal
 //!    bodies), the surface is grown about a point close to the origin until the ball about the
 //!    shifted point contains the origin too.
 
-mod cone;
 mod deepest;
 mod descent;
 mod direction;
@@ -38,10 +37,12 @@ mod facet_disc;
 mod foot;
 mod memory;
 mod nearest;
+mod pyramid;
 mod queue;
 mod result;
 mod resume;
 mod search;
+mod seed;
 mod surface;
 mod verify_surface;
 
@@ -62,7 +63,7 @@ use search::search;
 use surface::EnclosingSurface;
 
 pub(crate) use memory::{Memory, RawMemory};
-pub(crate) use nearest::{Nearest, nearest_facet};
+pub(crate) use nearest::{Nearest, depth_from, nearest_facet};
 pub(crate) use resume::resume;
 
 /// Computes depth, normal, witnesses and features of two bodies already proven to overlap.

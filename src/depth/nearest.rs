@@ -1,23 +1,22 @@
-//! The depth from the nearest facet alone: descent, then the proof by a cone.
+//! The depth from the nearest facet alone: descent, then the proof by a pyramid.
 //!
 //! Costs as much as a walk, and answers most overlaps that are shallow beside the facets of the
 //! bodies. A surface answers the others: deep overlaps, feet near the rim of a facet, facets that
 //! are nearest only in their neighbourhood.
 
-use crate::depth::cone::disc_that_proves;
 use crate::depth::descent::{Descent, descend};
 use crate::depth::facet::height_of;
-use crate::depth::facet_disc::holds_disc;
 use crate::depth::foot::foot;
 use crate::depth::memory::Memory;
+use crate::depth::pyramid::proves;
 use crate::depth::result::{Best, SearchResult};
+use crate::depth::seed::search_from;
 use crate::depth::write_overlap;
 use crate::pair::draft::Draft;
 use crate::pair::outcome::Solver;
 use crate::pair::posed::PosedPair;
 use crate::pair::transform::Transform;
 use crate::polyhedron::FeaturePair;
-use crate::tolerance::{AGREE_DEPTH, CERTIFICATE, UNIT};
 
 /// What the nearest facet says.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,42 +25,55 @@ pub(crate) enum Nearest {
     Proven,
     /// The bodies seem to be apart; the features are a start for the walk.
     Apart(FeaturePair),
-    /// Nothing.
-    Open,
+    /// Neither; the facet on which the descent ended, if any, is a start for a search.
+    Open(Option<FeaturePair>),
 }
 
 /// Searches for the nearest facet from the features `from`, and writes the depth if proven.
 pub(crate) fn nearest_facet(posed: &PosedPair, from: FeaturePair, memory: &mut Memory, draft: &mut Draft) -> Nearest {
     if !posed.same_scale() {
-        return Nearest::Open;
+        return Nearest::Open(None);
     }
     let facet = match descend(posed, from) {
         Descent::Facet(facet) => facet,
         Descent::Outside(facet) => return Nearest::Apart(facet),
-        Descent::Lost => return Nearest::Open,
+        Descent::Lost => return Nearest::Open(None),
     };
     let Some(found) = prove(posed, facet) else {
-        return Nearest::Open;
+        if !memory.is_empty() {
+            memory.move_to(facet);
+        }
+        return Nearest::Open(Some(facet));
     };
     memory.move_to(facet);
     write_overlap(posed, &found, Solver::Facet, draft);
     Nearest::Proven
 }
 
+/// Searches for the depth of bodies not yet known to overlap, from a facet; returns false, with no
+/// statement about the bodies, if the search does not close.
+#[cold]
+pub(crate) fn depth_from(posed: &PosedPair, facet: FeaturePair, memory: &mut Memory, draft: &mut Draft) -> bool {
+    let frame = Transform::of(posed);
+    memory.with_scratch(|memory, scratch| {
+        let Some(found) = search_from(posed, &frame, facet, &mut scratch.surface) else {
+            return false;
+        };
+        write_overlap(posed, &found, Solver::Surface, draft);
+        memory.keep(&scratch.surface, draft.features, None);
+        true
+    })
+}
+
 /// Returns the depth if the facet proves the depth.
 fn prove(posed: &PosedPair, facet: FeaturePair) -> Option<SearchResult<f64>> {
     let size = posed.size();
     let at = height_of(posed, &Transform::of(posed), facet)?;
-    // Less the rest that the facet may lie beneath its height, the depth must certainly be positive.
-    if !(at.1 > (AGREE_DEPTH + 4.0 * CERTIFICATE * UNIT) * size) {
-        return None;
-    }
-    let rho = disc_that_proves(posed, &at)?;
-    let witnesses = foot(posed, facet, &at)?;
     let best = Best {
         normal: at.0,
         height: at.1,
         features: Some(facet),
     };
-    holds_disc(posed, facet, &witnesses, &at, rho).then(|| SearchResult::proven(&best, witnesses, size))
+    let witnesses = foot(posed, facet, &at)?;
+    proves(posed, facet, &best).then(|| SearchResult::proven(&best, witnesses, size))
 }

@@ -22,6 +22,7 @@ use crate::depth::foot::{WitnessPoints, flush, foot};
 use crate::depth::memory::{MAX_POINTS, Memory, Scratch};
 use crate::depth::result::{Best, SearchEnd, SearchResult};
 use crate::depth::search::{Search, search};
+use crate::depth::seed::search_from;
 use crate::depth::verify_surface::{SurfaceState, verify_surface};
 use crate::depth::write_overlap;
 
@@ -145,7 +146,9 @@ fn restart(
     draft: &mut Draft,
 ) -> bool {
     let Some(facet) = memory.facet else { return false };
-    match search(posed, frame, facet, &ORIGIN_SHIFTS[..1], &mut scratch.surface) {
+    let surface = &mut scratch.surface;
+    let seeded = search_from(posed, frame, facet, surface);
+    match seeded.or_else(|| search(posed, frame, facet, &ORIGIN_SHIFTS[..1], surface)) {
         Some(found) if found.end == SearchEnd::Closed => {
             write_overlap(posed, &found, Solver::Surface, draft);
             memory.keep(&scratch.surface, draft.features, None);
