@@ -22,18 +22,28 @@
 use nalgebra::Vector3;
 
 use crate::num::packed::PackedVec3;
+use crate::num::scalar::{Vec3, sqrt};
 use crate::pair::edge::Edge;
 use crate::pair::face::{Face, FaceLocation};
 use crate::pair::posed::{AFirst, BFirst, OrderedPair, PosedPair};
+use crate::pair::star::falls_into_both_faces;
 use crate::polyhedron::{ConvexPolyhedron, Feature, FeaturePair};
 use crate::pose::Operand;
-use crate::tolerance::{FOOT, PARALLEL};
+use crate::tolerance::{FOOT, NEARLY_PARALLEL, PARALLEL};
 use crate::tuning::depth::{DESCENTS, FAN};
+
+/// A facet that holds the foot of the origin, up to rounding.
+pub(super) struct LowFacet {
+    pub(super) features: FeaturePair,
+    /// Outward unit normal and proven support of the difference along the normal, if a proof came
+    /// with the look.
+    pub(super) support: Option<(Vec3<f64>, f64)>,
+}
 
 /// Where a descent ended.
 pub(super) enum Descent {
-    /// At a facet that holds the foot of the origin, up to rounding.
-    Facet(FeaturePair),
+    /// At a facet that holds the foot of the origin.
+    Facet(LowFacet),
     /// At a facet with the origin outside: the bodies seem to be apart.
     Outside(FeaturePair),
     /// Nowhere: too many facets, long fans, parallel edges, or no facets at all.
@@ -43,7 +53,7 @@ pub(super) enum Descent {
 /// Result of a look at a facet.
 enum Look {
     /// The foot of the origin lies in this facet.
-    Holds(FeaturePair),
+    Holds(LowFacet),
     /// The origin lies outside this facet.
     Outside(FeaturePair),
     /// A facet that is no higher.
@@ -101,11 +111,7 @@ fn look_at_face<S: OrderedPair>(pair: &S, vertex: u32, face: u32) -> Option<Look
     let (body, other) = (pair.first(), pair.second());
     let plane = &other.planes[face as usize];
     let n = pair.direction_in_first(&plane.normal);
-    let vertex = if body.is_local_maximum(&-n, vertex) {
-        vertex
-    } else {
-        body.support_climb(&-n, vertex)
-    };
+    let vertex = body.support_certified(&-n, vertex).vertex;
     let facet = FeaturePair::vertex_face(S::FIRST, vertex, face);
     let x = pair.point_in_second(&body.points[vertex as usize]);
     let height = plane.offset - plane.normal.dot(&x);
@@ -121,7 +127,9 @@ fn look_at_face<S: OrderedPair>(pair: &S, vertex: u32, face: u32) -> Option<Look
     }
     .locate(&foot, pair.size());
     let FaceLocation::Outside(edge) = location else {
-        return Some(Look::Holds(facet));
+        // A degenerate face has no normal.
+        let support = (plane.normal.norm_squared() > 0.5).then(|| (pair.normal(&plane.normal).into(), height));
+        return Some(Look::Holds(LowFacet { features: facet, support }));
     };
     let e = other.topology.half_edge(edge);
     let across = if e.face == face {
@@ -228,12 +236,24 @@ impl<'a, 'b> EdgeFacet<'a, 'b> {
         let (off_a, off_b) = (off(s, self.u), off(t, self.w));
         let close = FOOT * self.posed.size();
         if off_a.max(off_b) <= close * close {
-            Some(Look::Holds(facet))
+            let support = self.support();
+            Some(Look::Holds(LowFacet { features: facet, support }))
         } else if off_a >= off_b {
             self.past_end_of_a(s > 0.5).map(Look::Lower)
         } else {
             self.past_end_of_b(t > 0.5).map(Look::Lower)
         }
+    }
+
+    /// Returns the normal and the support along the normal, if signs prove both edges extreme.
+    #[inline]
+    fn support(&self) -> Option<(Vec3<f64>, f64)> {
+        let (uu, ww, nn) = (self.u.norm_squared(), self.w.norm_squared(), self.normal.norm_squared());
+        let is_proven = falls_into_both_faces(self.weights[0], ww) && falls_into_both_faces(self.weights[1], uu);
+        (is_proven && nn >= NEARLY_PARALLEL * uu * ww).then(|| {
+            let n = self.normal * (1.0 / sqrt(nn));
+            (n.vector().into(), -n.dot(self.between))
+        })
     }
 
     /// Returns a facet of a face beyond which the normal lies, if the two edges span no facet.
@@ -290,7 +310,7 @@ impl<'a, 'b> EdgeFacet<'a, 'b> {
 
     fn unit_normal(&self) -> Vector3<f64> {
         let n = self.normal;
-        (n * (1.0 / crate::num::scalar::sqrt(n.norm_squared()))).vector()
+        (n * (1.0 / sqrt(n.norm_squared()))).vector()
     }
 }
 

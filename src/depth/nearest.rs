@@ -4,7 +4,7 @@
 //! bodies. A surface answers the others: deep overlaps, feet near the rim of a facet, facets that
 //! are nearest only in their neighbourhood.
 
-use crate::depth::descent::{Descent, descend};
+use crate::depth::descent::{Descent, LowFacet, descend};
 use crate::depth::facet::height_of;
 use crate::depth::foot::foot;
 use crate::depth::memory::Memory;
@@ -39,13 +39,13 @@ pub(crate) fn nearest_facet(posed: &PosedPair, from: FeaturePair, memory: &mut M
         Descent::Outside(facet) => return Nearest::Apart(facet),
         Descent::Lost => return Nearest::Open(None),
     };
-    let Some(found) = prove(posed, facet) else {
+    let Some(found) = prove(posed, &facet) else {
         if !memory.is_empty() {
-            memory.move_to(facet);
+            memory.move_to(facet.features);
         }
-        return Nearest::Open(Some(facet));
+        return Nearest::Open(Some(facet.features));
     };
-    memory.move_to(facet);
+    memory.move_to(facet.features);
     write_overlap(posed, &found, Solver::Facet, draft);
     Nearest::Proven
 }
@@ -66,14 +66,19 @@ pub(crate) fn depth_from(posed: &PosedPair, facet: FeaturePair, memory: &mut Mem
 }
 
 /// Returns the depth if the facet proves the depth.
-fn prove(posed: &PosedPair, facet: FeaturePair) -> Option<SearchResult<f64>> {
-    let size = posed.size();
-    let at = height_of(posed, &Transform::of(posed), facet)?;
+fn prove(posed: &PosedPair, facet: &LowFacet) -> Option<SearchResult<f64>> {
+    let features = facet.features;
+    let at = facet
+        .support
+        .or_else(|| height_of(posed, &Transform::of(posed), features))?;
     let best = Best {
         normal: at.0,
         height: at.1,
-        features: Some(facet),
+        features: Some(features),
     };
-    let witnesses = foot(posed, facet, &at)?;
-    proves(posed, facet, &best).then(|| SearchResult::proven(&best, witnesses, size))
+    if !proves(posed, features, &best) {
+        return None;
+    }
+    let witnesses = foot(posed, features, &at)?;
+    Some(SearchResult::proven(&best, witnesses, posed.size()))
 }

@@ -21,13 +21,14 @@
 
 use nalgebra::Vector3;
 
-use crate::depth::foot::sample_rim;
 use crate::depth::result::Best;
 use crate::depth::verify_surface::Target;
 use crate::num::scalar::{Vec3, neg};
+use crate::pair::edge::Edge;
 use crate::pair::posed::PosedPair;
 use crate::polyhedron::{ConvexPolyhedron, Feature, FeaturePair};
 use crate::tolerance::AGREE_DEPTH;
+use crate::tuning::polyhedron::LARGE;
 
 /// Returns whether the pyramid over a facet proves the height of the facet to be the depth.
 pub(super) fn proves(posed: &PosedPair, facet: FeaturePair, best: &Best<f64>) -> bool {
@@ -41,29 +42,28 @@ pub(super) fn proves(posed: &PosedPair, facet: FeaturePair, best: &Best<f64>) ->
         target,
         apex: apex.into(),
     };
+    let slack = 0.25 * AGREE_DEPTH * posed.size();
     match (facet.a, facet.b) {
         (Feature::Face(f), Feature::Vertex(v)) => {
             let q = posed.point_in_a(&posed.b.points[v.index()]);
-            is_flat(posed.a, f.0, posed.size()) && sides.are_far(rim(posed.a, f.0).map(|p| p - q))
+            let place = |p: &Vector3<f64>| p - q;
+            sides.of_face(posed.a, f.0, slack, place)
         }
         (Feature::Vertex(v), Feature::Face(f)) => {
+            // The reflected facet is turned like the face.
             let p = posed.a.points[v.index()];
-            // The reflection of a face turns the other way.
-            let sides = sides.reflected();
-            is_flat(posed.b, f.0, posed.size()) && sides.are_far(rim(posed.b, f.0).map(|q| posed.point_in_a(&q) - p))
+            let place = |q: &Vector3<f64>| posed.point_in_a(q) - p;
+            sides.reflected().of_face(posed.b, f.0, slack, place)
         }
         (Feature::Edge(e), Feature::Edge(g)) => {
-            let ends = |body: &ConvexPolyhedron, h: u32| {
-                let t = &body.topology;
-                [t.from(h), t.half_edge(h).to].map(|v| body.points[v as usize])
-            };
-            let ([p, q], [x, y]) = (ends(posed.a, e.0), ends(posed.b, g.0).map(|q| posed.point_in_a(&q)));
+            let (a, b) = (Edge::new(posed.a, e.0), Edge::new(posed.b, g.0));
+            let (x, y) = (posed.point_in_a(&b.p), posed.point_in_a(&b.q));
             let n = Vector3::from(best.normal);
+            let is_left = n.dot(&(a.q - a.p).cross(&(x - y))) > 0.0;
+            let (p, q) = if is_left { (a.p, a.q) } else { (a.q, a.p) };
             let corners = [p - x, q - x, q - y, p - y];
-            let is_left = n.dot(&(q - p).cross(&(x - y))) > 0.0;
             let low = corners.iter().fold(f64::INFINITY, |low, w| low.min(n.dot(w)));
-            let order = |k: usize| corners[if is_left { k } else { 3 - k }];
-            low >= best.height - 0.5 * AGREE_DEPTH * posed.size() && sides.are_far((0..4).map(order))
+            low >= best.height - 2.0 * slack && (0..4).all(|k| sides.is_far(&corners[k], &corners[(k + 1) % 4]))
         }
         _ => false,
     }
@@ -84,28 +84,49 @@ impl Sides {
         }
     }
 
-    /// Returns whether all sides over a polygon, counter-clockwise seen from outside, are beyond
-    /// the target.
-    fn are_far(&self, mut corners: impl Iterator<Item = Vector3<f64>>) -> bool {
-        let Some(first) = corners.next() else { return false };
-        let mut from = first;
-        let mut is_far = |to: Vector3<f64>| {
-            let side = [to.into(), from.into(), self.apex];
-            from = to;
-            self.target.judge(&side) == Some(true)
-        };
-        corners.all(&mut is_far) && is_far(first)
+    /// Returns whether the side over an edge of the facet, which runs counter-clockwise seen from
+    /// outside, is beyond the target.
+    #[inline(always)]
+    fn is_far(&self, from: &Vector3<f64>, to: &Vector3<f64>) -> bool {
+        let side = [(*to).into(), (*from).into(), self.apex];
+        self.target.judge(&side) == Some(true)
     }
-}
 
-/// Returns the corners of a face; of a large face, of a sample.
-fn rim(body: &ConvexPolyhedron, f: u32) -> impl Iterator<Item = Vector3<f64>> + '_ {
-    sample_rim(body, f).map(|h| body.points[body.topology.from(h) as usize])
-}
-
-/// Returns whether the corners of a face lie in the plane of the face, up to the rounding that the
-/// depth leaves.
-fn is_flat(body: &ConvexPolyhedron, f: u32, size: f64) -> bool {
-    let plane = &body.planes[f as usize];
-    rim(body, f).all(|p| plane.normal.dot(&p) >= plane.offset - 0.25 * AGREE_DEPTH * size)
+    /// Returns whether the sides over a face, placed by `place`, are beyond the target, and the
+    /// corners in the plane of the face up to `slack`. A sample stands for a large face.
+    #[inline(always)]
+    fn of_face(
+        &self,
+        body: &ConvexPolyhedron,
+        face: u32,
+        slack: f64,
+        place: impl Fn(&Vector3<f64>) -> Vector3<f64>,
+    ) -> bool {
+        let (t, plane) = (&body.topology, &body.planes[face as usize]);
+        let start = t.rim_half_edge(face);
+        let (ring, step) = t.ring(face).map_or((None, 1), |r| (Some(r), r.len().div_ceil(LARGE)));
+        let last = ring.map_or(t.from(start), |r| t.from(r[(r.len() - 1) / step * step]));
+        let mut from = place(&body.points[last as usize]);
+        let mut is_far = |v: u32| {
+            let corner = &body.points[v as usize];
+            let to = place(corner);
+            let is_far = plane.normal.dot(corner) >= plane.offset - slack && self.is_far(&from, &to);
+            from = to;
+            is_far
+        };
+        if let Some(ring) = ring {
+            return ring.iter().step_by(step).all(|&h| is_far(t.from(h)));
+        }
+        let mut h = start;
+        loop {
+            let e = t.half_edge(h);
+            if !is_far(e.to) {
+                return false;
+            }
+            h = e.next;
+            if h == start {
+                return true;
+            }
+        }
+    }
 }
