@@ -341,9 +341,9 @@ impl Tracker {
         };
         if !is_done {
             self.memory.clear();
-            let grown = draft.work.points_added;
+            let (grown, visited) = (draft.work.points_added, draft.work.facets);
             *draft = first;
-            draft.work.points_added = grown;
+            (draft.work.points_added, draft.work.facets) = (grown, visited);
             return false;
         }
         self.totals.note(true, draft.solver, &draft.work);

@@ -61,12 +61,13 @@ enum Look {
 }
 
 /// Walks from the facet that `from` names, or from a facet at the vertices of `from`. The bodies
-/// must have one stored unit.
-pub(super) fn descend(posed: &PosedPair, from: FeaturePair) -> Descent {
+/// must have one stored unit. Counts the facets visited.
+pub(super) fn descend(posed: &PosedPair, from: FeaturePair, visited: &mut u32) -> Descent {
     let Some(mut at) = first_facet(posed, from) else {
         return Descent::Lost;
     };
     for _ in 0..DESCENTS {
+        *visited += 1;
         let look = match (at.a, at.b) {
             (Feature::Edge(e), Feature::Edge(g)) => EdgeFacet::new(posed, e.0, g.0).and_then(|f| f.look()),
             (Feature::Vertex(v), Feature::Face(f)) => look_at_face(&AFirst(posed), v.0, f.0),
@@ -94,9 +95,7 @@ fn first_facet(posed: &PosedPair, from: FeaturePair) -> Option<FeaturePair> {
     let lowest = |body: &ConvexPolyhedron, at: u32, x: Vector3<f64>| {
         let faces = body.topology.fan(at).take(FAN).map(|h| body.topology.half_edge(h).face);
         let height = |f: u32| body.planes[f as usize].offset - body.planes[f as usize].normal.dot(&x);
-        faces
-            .map(|f| (height(f), f))
-            .min_by(|x, y| x.0.total_cmp(&y.0))
+        faces.map(|f| (height(f), f)).min_by(|x, y| x.0.total_cmp(&y.0))
     };
     let of_a = lowest(posed.a, v, posed.point_in_a(&q)).map(|(h, f)| (h, FeaturePair::vertex_face(Operand::B, w, f)));
     let of_b = lowest(posed.b, w, posed.point_in_b(&p)).map(|(h, f)| (h, FeaturePair::vertex_face(Operand::A, v, f)));
@@ -129,7 +128,10 @@ fn look_at_face<S: OrderedPair>(pair: &S, vertex: u32, face: u32) -> Option<Look
     let FaceLocation::Outside(edge) = location else {
         // A degenerate face has no normal.
         let support = (plane.normal.norm_squared() > 0.5).then(|| (pair.normal(&plane.normal).into(), height));
-        return Some(Look::Holds(LowFacet { features: facet, support }));
+        return Some(Look::Holds(LowFacet {
+            features: facet,
+            support,
+        }));
     };
     let e = other.topology.half_edge(edge);
     let across = if e.face == face {
@@ -237,7 +239,10 @@ impl<'a, 'b> EdgeFacet<'a, 'b> {
         let close = FOOT * self.posed.size();
         if off_a.max(off_b) <= close * close {
             let support = self.support();
-            Some(Look::Holds(LowFacet { features: facet, support }))
+            Some(Look::Holds(LowFacet {
+                features: facet,
+                support,
+            }))
         } else if off_a >= off_b {
             self.past_end_of_a(s > 0.5).map(Look::Lower)
         } else {
@@ -296,7 +301,9 @@ impl<'a, 'b> EdgeFacet<'a, 'b> {
         let (ea, eb) = &self.edges;
         let (vertex, outward) = if head { (eb.head, 1.0) } else { (eb.tail, -1.0) };
         let is_left = -self.w.dot(PackedVec3::new(&ea.left.normal)) * outward > 0.0;
-        let end = -self.posed.direction_in_b(&if is_left { ea.left } else { ea.right }.normal);
+        let end = -self
+            .posed
+            .direction_in_b(&if is_left { ea.left } else { ea.right }.normal);
         let start = -self.posed.direction_in_b(&self.unit_normal());
         let met = leaving_edge(self.posed.b, vertex, &start, &end)?;
         Some(match met {

@@ -127,10 +127,10 @@ fn has_witnesses(posed: &PosedPair, draft: &Draft) -> bool {
     rest.norm_squared() <= (AGREE_WITNESS * posed.size()) * (AGREE_WITNESS * posed.size())
 }
 
-/// Writes the result of a search for a depth that `solver` has proven.
-fn write_overlap(posed: &PosedPair, found: &SearchResult<f64>, solver: Solver, draft: &mut Draft) {
+/// Writes a depth that a surface proves, and the overlap with it.
+fn write_overlap(posed: &PosedPair, found: &SearchResult<f64>, draft: &mut Draft) {
     draft.class = Class::Overlapping;
-    draft.solver = solver;
+    draft.solver = Solver::Surface;
     draft.lower = f64::NEG_INFINITY;
     draft.work.depths += 1;
     write_result(posed, found, draft);

@@ -13,7 +13,6 @@ use crate::depth::result::{Best, SearchResult};
 use crate::depth::seed::search_from;
 use crate::depth::write_overlap;
 use crate::pair::draft::Draft;
-use crate::pair::outcome::Solver;
 use crate::pair::posed::PosedPair;
 use crate::pair::transform::Transform;
 use crate::polyhedron::FeaturePair;
@@ -34,7 +33,7 @@ pub(crate) fn nearest_facet(posed: &PosedPair, from: FeaturePair, memory: &mut M
     if !posed.same_scale() {
         return Nearest::Open(None);
     }
-    let facet = match descend(posed, from) {
+    let facet = match descend(posed, from, &mut draft.work.facets) {
         Descent::Facet(facet) => facet,
         Descent::Outside(facet) => return Nearest::Apart(facet),
         Descent::Lost => return Nearest::Open(None),
@@ -46,7 +45,7 @@ pub(crate) fn nearest_facet(posed: &PosedPair, from: FeaturePair, memory: &mut M
         return Nearest::Open(Some(facet.features));
     };
     memory.move_to(facet.features);
-    write_overlap(posed, &found, Solver::Facet, draft);
+    write_overlap(posed, &found, draft);
     Nearest::Proven
 }
 
@@ -59,7 +58,7 @@ pub(crate) fn depth_from(posed: &PosedPair, facet: FeaturePair, memory: &mut Mem
         let Some(found) = search_from(posed, &frame, facet, &mut scratch.surface) else {
             return false;
         };
-        write_overlap(posed, &found, Solver::Surface, draft);
+        write_overlap(posed, &found, draft);
         memory.keep(&scratch.surface, draft.features, None);
         true
     })

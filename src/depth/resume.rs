@@ -9,7 +9,6 @@
 use crate::num::scalar::{Vec3, sub};
 use crate::pair::difference::MinkowskiPoint;
 use crate::pair::draft::Draft;
-use crate::pair::outcome::Solver;
 use crate::pair::posed::PosedPair;
 use crate::pair::transform::Transform;
 use crate::polyhedron::FeaturePair;
@@ -73,7 +72,7 @@ fn resume_with<const N: usize>(
     if let SurfaceState::Encloses = state {
         if let Some(witnesses) = memory.prove_by_disc(posed, frame, (&scratch.below_target, positions), &mut best) {
             (memory.facet, memory.witness_features) = (best.features, None);
-            write_overlap(posed, &SearchResult::proven(&best, witnesses, size), Solver::Surface, draft);
+            write_overlap(posed, &SearchResult::proven(&best, witnesses, size), draft);
             return true;
         }
         if memory.try_facets_of(posed, frame, &scratch.below_target, &mut best) {
@@ -85,7 +84,7 @@ fn resume_with<const N: usize>(
         SurfaceState::Folded => restart(posed, frame, memory, scratch, draft),
         SurfaceState::Proven => {
             let found = finish(posed, frame, (memory, scratch), start);
-            write_overlap(posed, &found, Solver::Surface, draft);
+            write_overlap(posed, &found, draft);
             true
         }
         SurfaceState::Encloses => grow(posed, frame, (memory, scratch), start, draft),
@@ -128,7 +127,7 @@ fn grow(
         draft.work.points_added += found.points_added;
         return false;
     }
-    write_overlap(posed, &found, Solver::Surface, draft);
+    write_overlap(posed, &found, draft);
     if found.points_added > 0 {
         memory.keep(&scratch.surface, draft.features, Some(memory.built));
     } else {
@@ -150,7 +149,7 @@ fn restart(
     let seeded = search_from(posed, frame, facet, surface);
     match seeded.or_else(|| search(posed, frame, facet, &ORIGIN_SHIFTS[..1], surface)) {
         Some(found) if found.end == SearchEnd::Closed => {
-            write_overlap(posed, &found, Solver::Surface, draft);
+            write_overlap(posed, &found, draft);
             memory.keep(&scratch.surface, draft.features, None);
             true
         }

@@ -62,7 +62,11 @@ fn pierced(
             let ((p, q), (x, y)) = ((t.from(e.0), t.half_edge(e.0).to), (u.from(g.0), u.half_edge(g.0).to));
             let c = [(p, x), (q, x), (q, y), (p, y)].map(point);
             let n = cross(&sub(&c[1].w, &c[0].w), &sub(&c[3].w, &c[0].w));
-            let [p, q, r, s] = if dot(&n, normal) > 0.0 { c } else { [c[3], c[2], c[1], c[0]] };
+            let [p, q, r, s] = if dot(&n, normal) > 0.0 {
+                c
+            } else {
+                [c[3], c[2], c[1], c[0]]
+            };
             return Some(if is_left(&p, &r) { [p, r, s] } else { [p, q, r] });
         }
         (Feature::Face(f), Feature::Vertex(v)) => ((0, v.0), sample_rim(posed.a, f.0)),

@@ -103,14 +103,11 @@ pub enum Solver {
     Exact,
     /// Bodies so far apart that only their separation counts.
     Far,
-    /// A surface around the origin of the Minkowski difference, kept from the last answer or begun
-    /// at the deepest facet of the last answer: overlap and depth at once. If no depth is
-    /// requested: four points kept from the last answer.
+    /// A surface around the origin of the Minkowski difference: overlap and depth at once. For most
+    /// shallow overlaps a pyramid over the nearest facet, found from the last features by a walk
+    /// over facets; else a surface kept from the last answer, or begun at the nearest facet. If no
+    /// depth is requested: four points kept from the last answer.
     Surface,
-    /// The deepest facet alone: a disc of the facet about its deepest point, and one point deep in
-    /// the Minkowski difference, prove that no other facet is nearer. Answers overlaps that are
-    /// shallow beside their facets, at the price of a walk.
-    Facet,
 }
 
 impl Solver {
@@ -123,7 +120,6 @@ impl Solver {
         Self::Exact,
         Self::Far,
         Self::Surface,
-        Self::Facet,
     ];
 
     /// Number of solvers: the length of a table with one entry for each.
@@ -140,7 +136,6 @@ impl core::fmt::Display for Solver {
             Self::Exact => "exact",
             Self::Far => "far",
             Self::Surface => "surface",
-            Self::Facet => "facet",
         })
     }
 }
@@ -169,6 +164,9 @@ pub struct Work {
     pub depths: u32,
     /// Points added to the surfaces of depth searches.
     pub points_added: u32,
+    /// Facets of the Minkowski difference visited on the way to the nearest.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub facets: u32,
 }
 
 impl core::ops::AddAssign for Work {
@@ -183,6 +181,7 @@ impl core::ops::AddAssign for Work {
         self.exacts = self.exacts.saturating_add(o.exacts);
         self.depths = self.depths.saturating_add(o.depths);
         self.points_added = self.points_added.saturating_add(o.points_added);
+        self.facets = self.facets.saturating_add(o.facets);
     }
 }
 
