@@ -168,6 +168,10 @@ pub(crate) mod depth {
 
 /// Contact manifolds.
 pub(crate) mod contact {
+    /// Corners of a face on a half-space that are contact candidates, at most: of more, every
+    /// second, third and so on. Not measured.
+    pub(crate) const SAMPLE: usize = 48;
+
     /// Vertices of a face boundary tried next to a hint before bisection takes over. Not measured.
     pub(crate) const MAX_LOCAL_STEPS: usize = 4;
 
