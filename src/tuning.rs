@@ -141,6 +141,9 @@ pub(crate) mod depth {
     /// better start for the others.
     pub(crate) const DESCENTS: usize = 12;
 
+    /// Support points that one pyramid may take in beside its apex. Not measured.
+    pub(crate) const SUPPORTS: u32 = 6;
+
     /// Fans of more edges end a descent. Not measured.
     pub(crate) const FAN: usize = 64;
 

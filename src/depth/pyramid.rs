@@ -14,20 +14,25 @@
 //! The pyramid lies in P. If the origin lies in the pyramid, and every side is at least as far from
 //! the origin as F, then P contains the ball of radius `r` about the origin, and the depth is `r`:
 //! F lies in a supporting plane. Shallow overlaps are proven like this; of all others nothing is
-//! said.
+//! said. If the foot of the origin is near an edge of F, the side there is too near, and a support
+//! point of P beyond the side replaces the side by three triangles.
 //!
 //! The sides are judged as the triangles of a surface are
 //! ([`verify_surface`](super::verify_surface)).
 
+use core::cell::Cell;
+
 use nalgebra::Vector3;
 
+use crate::depth::direction::unit;
 use crate::depth::result::Best;
 use crate::depth::verify_surface::Target;
-use crate::num::scalar::{Vec3, neg};
+use crate::num::scalar::{Vec3, cross, dot, neg, sub};
 use crate::pair::edge::Edge;
 use crate::pair::posed::PosedPair;
 use crate::polyhedron::{ConvexPolyhedron, Feature, FeaturePair};
-use crate::tolerance::AGREE_DEPTH;
+use crate::tolerance::{AGREE_DEPTH, ALMOST_FLAT};
+use crate::tuning::depth::SUPPORTS;
 use crate::tuning::polyhedron::LARGE;
 
 /// Returns whether the pyramid over a facet proves the height of the facet to be the depth.
@@ -36,11 +41,15 @@ pub(super) fn proves(posed: &PosedPair, facet: FeaturePair, best: &Best<f64>) ->
     if !target.is_deep() {
         return false;
     }
-    // The means of the vertices lie in the bodies, and off the surface of solid bodies.
+    // The means of the vertices lie in the bodies up to rounding, which the error term of the depth
+    // covers like that of a vertex, and off the surface of solid bodies.
     let apex = posed.a.vertex_mean - posed.point_in_a(&posed.b.vertex_mean);
     let sides = Sides {
+        posed,
         target,
         apex: apex.into(),
+        is_reflected: false,
+        supports: Cell::new(SUPPORTS),
     };
     let slack = 0.25 * AGREE_DEPTH * posed.size();
     match (facet.a, facet.b) {
@@ -70,17 +79,24 @@ pub(super) fn proves(posed: &PosedPair, facet: FeaturePair, best: &Best<f64>) ->
 }
 
 /// The sides of a pyramid.
-struct Sides {
+struct Sides<'a, 'b> {
+    posed: &'a PosedPair<'b>,
     target: Target,
     apex: Vec3<f64>,
+    /// Whether all points are those of B - A.
+    is_reflected: bool,
+    /// Support points that may still be added.
+    supports: Cell<u32>,
 }
 
-impl Sides {
+impl Sides<'_, '_> {
     /// Returns the sides of the pyramid reflected in the origin.
     fn reflected(self) -> Self {
         Self {
             target: self.target.reflected(),
             apex: neg(&self.apex),
+            is_reflected: true,
+            ..self
         }
     }
 
@@ -89,7 +105,41 @@ impl Sides {
     #[inline(always)]
     fn is_far(&self, from: &Vector3<f64>, to: &Vector3<f64>) -> bool {
         let side = [(*to).into(), (*from).into(), self.apex];
-        self.target.judge(&side) == Some(true)
+        match self.target.judge(&side) {
+            Some(false) => self.is_far_beyond(&side),
+            judged => judged == Some(true),
+        }
+    }
+
+    /// Returns whether three triangles over a side that is not, which join its edges to the support
+    /// point along its normal, are beyond the target: if the foot of the origin is near an edge of
+    /// the facet. The origin lies behind them, so the surface still encloses the origin.
+    #[cold]
+    fn is_far_beyond(&self, side: &[Vec3<f64>; 3]) -> bool {
+        let Some(left) = self.supports.get().checked_sub(1) else {
+            return false;
+        };
+        self.supports.set(left);
+        let normal = unit(&cross(&sub(&side[1], &side[0]), &sub(&side[2], &side[0])));
+        let tip = self.support(&normal);
+        // No point outside: the side is a facet, and nearer than the target.
+        dot(&normal, &tip) > dot(&normal, &side[0]) + ALMOST_FLAT * self.posed.size()
+            && (0..3).all(|k| {
+                let part = [side[k], side[(k + 1) % 3], tip];
+                match self.target.judge(&part) {
+                    Some(false) => self.is_far_beyond(&part),
+                    judged => judged == Some(true),
+                }
+            })
+    }
+
+    /// Returns the support point along a unit direction.
+    fn support(&self, normal: &Vec3<f64>) -> Vec3<f64> {
+        let along = if self.is_reflected { neg(normal) } else { *normal };
+        let (a, b) = (Vector3::from(along), -self.posed.direction_in_b(&along.into()));
+        let (p, q) = (self.posed.a.support_cold(&a), self.posed.b.support_cold(&b));
+        let tip = self.posed.a.points[p as usize] - self.posed.point_in_a(&self.posed.b.points[q as usize]);
+        if self.is_reflected { (-tip).into() } else { tip.into() }
     }
 
     /// Returns whether the sides over a face, placed by `place`, are beyond the target, and the
