@@ -115,7 +115,7 @@ impl HalfSpace {
     /// A normal without a direction, or a plane farther than `1e116` from the origin.
     pub fn new(normal: Vector3<f64>, offset: f64) -> Result<Self, HalfSpaceError> {
         let largest = normal.amax();
-        if !(largest > 0.0 && largest < f64::INFINITY) {
+        if !(largest > 0.0 && normal.iter().all(|x| x.is_finite())) {
             return Err(HalfSpaceError::Normal(normal.into()));
         }
         let scaled = normal / largest;
@@ -274,8 +274,8 @@ impl<'a> Placed<'a> {
         let faces = t.fan(self.lowest).map(|h| t.half_edge(h).face);
         let face = faces.max_by(|f, g| along(*f).total_cmp(&along(*g)))?;
         // The null face of a segment has no normal.
-        let least = (1.0 - sine * sine).max(STEEP * STEEP);
-        (along(face) > 0.0 && along(face) * along(face) >= least).then_some(face)
+        let cosine = along(face);
+        (cosine > STEEP && cosine * cosine >= 1.0 - sine * sine).then_some(face)
     }
 
     /// Returns the other end of the edge at the lowest vertex most nearly parallel to the plane, if

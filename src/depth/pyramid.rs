@@ -20,8 +20,6 @@
 //! The sides are judged as the triangles of a surface are
 //! ([`verify_surface`](super::verify_surface)).
 
-use core::cell::Cell;
-
 use nalgebra::Vector3;
 
 use crate::depth::direction::unit;
@@ -44,12 +42,12 @@ pub(super) fn proves(posed: &PosedPair, facet: FeaturePair, best: &Best<f64>) ->
     // The means of the vertices lie in the bodies up to rounding, which the error term of the depth
     // covers like that of a vertex, and off the surface of solid bodies.
     let apex = posed.a.vertex_mean - posed.point_in_a(&posed.b.vertex_mean);
-    let sides = Sides {
+    let mut sides = Sides {
         posed,
         target,
         apex: apex.into(),
         is_reflected: false,
-        supports: Cell::new(SUPPORTS),
+        supports: SUPPORTS,
     };
     let slack = 0.25 * AGREE_DEPTH * posed.size();
     match (facet.a, facet.b) {
@@ -86,7 +84,7 @@ struct Sides<'a, 'b> {
     /// Whether all points are those of B - A.
     is_reflected: bool,
     /// Support points that may still be added.
-    supports: Cell<u32>,
+    supports: u32,
 }
 
 impl Sides<'_, '_> {
@@ -103,7 +101,7 @@ impl Sides<'_, '_> {
     /// Returns whether the side over an edge of the facet, which runs counter-clockwise seen from
     /// outside, is beyond the target.
     #[inline(always)]
-    fn is_far(&self, from: &Vector3<f64>, to: &Vector3<f64>) -> bool {
+    fn is_far(&mut self, from: &Vector3<f64>, to: &Vector3<f64>) -> bool {
         let side = [(*to).into(), (*from).into(), self.apex];
         match self.target.judge(&side) {
             Some(false) => self.is_far_beyond(&side),
@@ -115,11 +113,11 @@ impl Sides<'_, '_> {
     /// point along its normal, are beyond the target: if the foot of the origin is near an edge of
     /// the facet. The origin lies behind them, so the surface still encloses the origin.
     #[cold]
-    fn is_far_beyond(&self, side: &[Vec3<f64>; 3]) -> bool {
-        let Some(left) = self.supports.get().checked_sub(1) else {
+    fn is_far_beyond(&mut self, side: &[Vec3<f64>; 3]) -> bool {
+        let Some(left) = self.supports.checked_sub(1) else {
             return false;
         };
-        self.supports.set(left);
+        self.supports = left;
         let normal = unit(&cross(&sub(&side[1], &side[0]), &sub(&side[2], &side[0])));
         let tip = self.support(&normal);
         // No point outside: the side is a facet, and nearer than the target.
@@ -146,7 +144,7 @@ impl Sides<'_, '_> {
     /// corners in the plane of the face up to `slack`. A sample stands for a large face.
     #[inline(always)]
     fn of_face(
-        &self,
+        &mut self,
         body: &ConvexPolyhedron,
         face: u32,
         slack: f64,
