@@ -323,7 +323,9 @@ pub use composite::pieces::{Composite, CompositeError, CompositeOutcome, Composi
 pub use composite::search::MeshWork;
 pub use composite::separation::{CompositePair, MeshPair};
 pub use composite::tracker::MeshTracker;
-pub use contact::{ContactPoint, Gradient, Manifold, ManifoldOptions};
+pub use contact::{
+    ContactPoint, Gradient, HalfSpace, HalfSpaceContact, HalfSpaceContacts, HalfSpaceError, Manifold, ManifoldOptions,
+};
 pub use motion::Velocity;
 pub use nalgebra;
 pub use pair::outcome::{Accuracy, Class, Distance, Outcome, Proposal, Solver, Work};

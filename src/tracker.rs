@@ -266,7 +266,10 @@ impl Tracker {
                 Some(pair) => draft.features = pair,
                 None => draft.features = seed::cold(&posed, &mut draft.work),
             }
-            solve::solve(ask.accuracy, &posed, warm.is_some(), draft);
+            let memory = &mut self.memory;
+            solve::solve(ask.accuracy, &posed, warm.is_some(), draft, |draft| {
+                ask.until == Until::Depth && enters_overlap(&posed, memory, draft)
+            });
             self.deepen(ask.until, &posed, draft);
             self.count(warm.is_some(), a, b, draft);
             if !(a.is_unscaled && b.is_unscaled) {
@@ -283,29 +286,10 @@ impl Tracker {
     fn deepen(&mut self, until: Until, posed: &PosedPair, draft: &mut Draft) {
         if draft.class == Class::Overlapping {
             self.overlap_proof = (until == Until::Class).then(OverlapProof::default);
-            if until == Until::Depth {
+            if until == Until::Depth && draft.lower == f64::NEG_INFINITY {
                 depth::penetration_depth(posed, &mut self.memory, draft);
             }
         }
-    }
-
-    /// Answers from the surface of the last answer. State of no further use is dropped.
-    #[inline(never)]
-    fn resume(&mut self, posed: &PosedPair, draft: &mut Draft) -> bool {
-        let first = *draft;
-        if !depth::resume(posed, &mut self.memory, draft) {
-            self.memory.clear();
-            let grown = draft.work.points_added;
-            *draft = first;
-            draft.work.points_added = grown;
-            return false;
-        }
-        self.totals.note(true, draft.solver, &draft.work);
-        self.stay(draft.features);
-        if !(posed.a.is_unscaled && posed.b.is_unscaled) {
-            to_user_units(posed.a, posed.b, draft);
-        }
-        true
     }
 
     #[cold]
@@ -323,7 +307,7 @@ impl Tracker {
         };
         let warm = self.start(a, b).map(FeaturePair::swapped);
         draft.features = warm.unwrap_or_else(|| seed::cold(&posed, &mut draft.work));
-        solve::solve(ask.accuracy, &posed, warm.is_some(), draft);
+        solve::solve(ask.accuracy, &posed, warm.is_some(), draft, |_| false);
         self.deepen(ask.until, &posed, draft);
         // The names of the surface are the names of the bodies exchanged.
         self.memory.clear();
@@ -379,6 +363,9 @@ impl Tracker {
 mod contacts;
 mod look;
 mod reach;
+mod resume;
+
+use resume::enters_overlap;
 
 fn replay(
     a: &ConvexPolyhedron,

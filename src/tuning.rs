@@ -137,6 +137,16 @@ pub(crate) mod depth {
     /// rounding of f64.
     pub(crate) const SHIFTS_PLAIN: usize = 3;
 
+    /// Facets of a descent, at most: descents are short after small motions, and a surface is a
+    /// better start for the others.
+    pub(crate) const DESCENTS: usize = 12;
+
+    /// Support points that one pyramid may take in beside its apex. Not measured.
+    pub(crate) const SUPPORTS: u32 = 6;
+
+    /// Fans of more edges end a descent. Not measured.
+    pub(crate) const FAN: usize = 64;
+
     /// Exchanges of a vertex on the way to the facet over the axis, at most. Not measured.
     pub(crate) const MAX_EXCHANGES: usize = 48;
 
@@ -161,6 +171,10 @@ pub(crate) mod depth {
 
 /// Contact manifolds.
 pub(crate) mod contact {
+    /// Corners of a face on a half-space that are contact candidates, at most: of more, every
+    /// second, third and so on. Not measured.
+    pub(crate) const SAMPLE: usize = 48;
+
     /// Vertices of a face boundary tried next to a hint before bisection takes over. Not measured.
     pub(crate) const MAX_LOCAL_STEPS: usize = 4;
 

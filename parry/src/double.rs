@@ -4,6 +4,8 @@ pub use parry3d_f64 as parry;
 
 #[path = "bridge/dispatcher.rs"]
 mod dispatcher;
+#[path = "bridge/half_space.rs"]
+mod half_space;
 #[path = "bridge/hull.rs"]
 mod hull;
 #[path = "bridge/hull_shape.rs"]

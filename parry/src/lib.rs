@@ -54,7 +54,7 @@
 //! | rounded cuboid, and any of these; cuboid and capsule | here | here |
 //! | two cuboids; balls with balls, cuboids and capsules; two capsules | parry (closed forms) | parry |
 //! | cylinder, cone, and any of the shapes above | here | parry |
-//! | half-space, and a convex polyhedron | parry, on the [`Hull`](crate::single::Hull) | parry, on the `Hull` |
+//! | half-space, and a hull, convex polyhedron or rounded one | parry | here |
 //! | compounds | part by part | part by part |
 //! | triangles, meshes, height fields, voxels, custom shapes | parry | parry |
 //!

@@ -26,6 +26,7 @@ mod clip;
 mod facet;
 mod facets;
 mod gradient;
+mod half_space;
 mod keep;
 mod manifold;
 mod options;
@@ -52,6 +53,7 @@ use rims::Rays;
 
 pub(crate) use facet::{Facet, RoundFace};
 pub use gradient::Gradient;
+pub use half_space::{HalfSpace, HalfSpaceContact, HalfSpaceContacts, HalfSpaceError};
 pub use manifold::{ContactPoint, Manifold};
 pub use options::ManifoldOptions;
 pub(crate) use query::{Extent, Query};

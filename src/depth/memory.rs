@@ -143,6 +143,24 @@ impl Memory {
         result
     }
 
+    /// Returns a cache without a surface, after an overlap whose deepest facet was this one.
+    pub(crate) fn after(facet: FeaturePair) -> Self {
+        Self {
+            facet: Some(facet),
+            ..Self::default()
+        }
+    }
+
+    /// Returns the deepest facet of the last answer, if the last answer was an overlap.
+    pub(crate) fn facet(&self) -> Option<FeaturePair> {
+        self.facet
+    }
+
+    /// Makes another facet the deepest. The surface stays: a surface is checked before use.
+    pub(crate) fn move_to(&mut self, facet: FeaturePair) {
+        (self.facet, self.witness_features) = (Some(facet), None);
+    }
+
     /// Forgets the surface and keeps the allocations.
     pub(crate) fn clear(&mut self) {
         self.points.clear();

@@ -21,11 +21,14 @@
 //!    cached surface ([`mod@resume`]).
 //! 5. If faces lie flush on each other, the deepest facet itself covers for triangles slightly
 //!    beneath the boundary of P ([`facet_disc`]).
-//! 6. If the origin lies on the boundary of the first tetrahedron (lattices, concentric and equal
+//! 6. A shallow overlap needs no surface: a facet found by a walk over facets ([`descent`]) and one
+//!    point deep in P prove the depth ([`pyramid`]), at the price of a walk ([`nearest`]).
+//! 7. If the origin lies on the boundary of the first tetrahedron (lattices, concentric and equal
 //!    bodies), the surface is grown about a point close to the origin until the ball about the
 //!    shifted point contains the origin too.
 
 mod deepest;
+mod descent;
 mod direction;
 #[cfg(feature = "exact")]
 mod exhaustive;
@@ -33,10 +36,13 @@ mod facet;
 mod facet_disc;
 mod foot;
 mod memory;
+mod nearest;
+mod pyramid;
 mod queue;
 mod result;
 mod resume;
 mod search;
+mod seed;
 mod surface;
 mod verify_surface;
 
@@ -44,6 +50,7 @@ use crate::num::double_double::DoubleDouble;
 use crate::num::scalar::Scalar;
 use crate::pair::answer::{round_outward, unit, walk_state};
 use crate::pair::draft::Draft;
+use crate::pair::outcome::{Class, Solver};
 use crate::pair::posed::PosedPair;
 use crate::pair::transform::Transform;
 #[cfg(feature = "exact")]
@@ -56,6 +63,7 @@ use search::search;
 use surface::EnclosingSurface;
 
 pub(crate) use memory::{Memory, RawMemory};
+pub(crate) use nearest::{Nearest, depth_from, nearest_facet};
 pub(crate) use resume::resume;
 
 /// Computes depth, normal, witnesses and features of two bodies already proven to overlap.
@@ -117,6 +125,15 @@ fn has_witnesses(posed: &PosedPair, draft: &Draft) -> bool {
     let between = posed.point_in_a(&draft.point_on_b.coords) - draft.point_on_a.coords;
     let rest = between - draft.normal.into_inner() * draft.distance;
     rest.norm_squared() <= (AGREE_WITNESS * posed.size()) * (AGREE_WITNESS * posed.size())
+}
+
+/// Writes a depth that a surface proves, and the overlap with it.
+fn write_overlap(posed: &PosedPair, found: &SearchResult<f64>, draft: &mut Draft) {
+    draft.class = Class::Overlapping;
+    draft.solver = Solver::Surface;
+    draft.lower = f64::NEG_INFINITY;
+    draft.work.depths += 1;
+    write_result(posed, found, draft);
 }
 
 /// Writes the search result to the outcome if the bounds of the result are narrower.

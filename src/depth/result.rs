@@ -3,6 +3,7 @@
 use crate::num::scalar::{Scalar, Vec3};
 use crate::pair::difference::MinkowskiPoint;
 use crate::polyhedron::FeaturePair;
+use crate::tolerance::AGREE_DEPTH;
 
 use crate::depth::foot::WitnessPoints;
 
@@ -32,6 +33,23 @@ pub(super) struct SearchResult<T> {
     pub(super) features: Option<FeaturePair>,
     /// Number of points added to the surface.
     pub(super) points_added: u32,
+}
+
+impl SearchResult<f64> {
+    /// Returns the result if the difference contains the ball up to the best facet, which has
+    /// witnesses.
+    pub(super) fn proven(best: &Best<f64>, witnesses: WitnessPoints, size: f64) -> Self {
+        Self {
+            end: SearchEnd::Closed,
+            normal: best.normal,
+            height: best.height,
+            radius: best.height - AGREE_DEPTH * size,
+            vertices: [MinkowskiPoint::default(); 3],
+            witnesses: Some(witnesses),
+            features: best.features,
+            points_added: 0,
+        }
+    }
 }
 
 /// A direction, the support along the direction, and the features it comes from.

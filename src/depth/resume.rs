@@ -9,7 +9,6 @@
 use crate::num::scalar::{Vec3, sub};
 use crate::pair::difference::MinkowskiPoint;
 use crate::pair::draft::Draft;
-use crate::pair::outcome::{Class, Solver};
 use crate::pair::posed::PosedPair;
 use crate::pair::transform::Transform;
 use crate::polyhedron::{FeaturePair, VertexId};
@@ -22,8 +21,9 @@ use crate::depth::foot::{WitnessPoints, flush, foot};
 use crate::depth::memory::{MAX_POINTS, Memory, Scratch};
 use crate::depth::result::{Best, SearchEnd, SearchResult};
 use crate::depth::search::{Search, search};
+use crate::depth::seed::search_from;
 use crate::depth::verify_surface::{SurfaceState, verify_surface};
-use crate::depth::write_result;
+use crate::depth::write_overlap;
 
 /// Resumes the depth from the cached surface. Returns false, with no statement about the bodies, if
 /// the surface no longer proves an overlap.
@@ -72,7 +72,7 @@ fn resume_with<const N: usize>(
     if let SurfaceState::Encloses = state {
         if let Some(witnesses) = memory.prove_by_disc(posed, frame, (&scratch.below_target, positions), &mut best) {
             (memory.facet, memory.witness_features) = (best.features, None);
-            write_overlap(posed, &proven(&best, witnesses, size), draft);
+            write_overlap(posed, &SearchResult::proven(&best, witnesses, size), draft);
             return true;
         }
         if memory.try_facets_of(posed, frame, &scratch.below_target, &mut best) {
@@ -103,7 +103,7 @@ fn finish(
     match memory.find_witnesses(posed, &best) {
         Some((features, witnesses)) => SearchResult {
             features: Some(features),
-            ..proven(&best, witnesses, size)
+            ..SearchResult::proven(&best, witnesses, size)
         },
         None => {
             let radius = best.height - AGREE_DEPTH * size;
@@ -145,7 +145,9 @@ fn restart(
     draft: &mut Draft,
 ) -> bool {
     let Some(facet) = memory.facet else { return false };
-    match search(posed, frame, facet, &ORIGIN_SHIFTS[..1], &mut scratch.surface) {
+    let surface = &mut scratch.surface;
+    let seeded = search_from(posed, frame, facet, surface);
+    match seeded.or_else(|| search(posed, frame, facet, &ORIGIN_SHIFTS[..1], surface)) {
         Some(found) if found.end == SearchEnd::Closed => {
             write_overlap(posed, &found, draft);
             memory.keep(&scratch.surface, draft.features, None);
@@ -153,28 +155,6 @@ fn restart(
         }
         _ => false,
     }
-}
-
-/// Returns the result if every triangle is beyond the facet and the facet has witnesses.
-fn proven(best: &Best<f64>, witnesses: WitnessPoints, size: f64) -> SearchResult<f64> {
-    SearchResult {
-        end: SearchEnd::Closed,
-        normal: best.normal,
-        height: best.height,
-        radius: best.height - AGREE_DEPTH * size,
-        vertices: [MinkowskiPoint::default(); 3],
-        witnesses: Some(witnesses),
-        features: best.features,
-        points_added: 0,
-    }
-}
-
-fn write_overlap(posed: &PosedPair, found: &SearchResult<f64>, draft: &mut Draft) {
-    draft.class = Class::Overlapping;
-    draft.solver = Solver::Surface;
-    draft.lower = f64::NEG_INFINITY;
-    draft.work.depths += 1;
-    write_result(posed, found, draft);
 }
 
 impl Best<f64> {

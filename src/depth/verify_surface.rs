@@ -7,7 +7,7 @@ use wide::f64x2;
 use crate::depth::direction::min_height;
 use crate::depth::result::Best;
 use crate::minimum::simplex::Simplex;
-use crate::num::scalar::{Vec3, cross, dot, sub};
+use crate::num::scalar::{Vec3, cross, dot, neg, sub};
 use crate::pair::difference::MinkowskiPoint;
 use crate::tolerance::{AGREE_DEPTH, CERTIFICATE, ORIENTATION, UNIT};
 
@@ -22,8 +22,9 @@ pub(super) enum SurfaceState {
 }
 
 /// Requirements on a triangle.
-struct Target<'a> {
-    best: &'a Best<f64>,
+pub(super) struct Target {
+    /// Normal of the best facet.
+    normal: Vec3<f64>,
     /// Required distance of a triangle from the origin.
     height: f64,
     /// Heights above `margin` are certainly positive.
@@ -39,13 +40,8 @@ pub(super) fn verify_surface(
     size: f64,
     below_target: &mut Vec<u32>,
 ) -> SurfaceState {
-    let target = Target {
-        best,
-        height: best.height - AGREE_DEPTH * size,
-        margin: 2.0 * CERTIFICATE * UNIT * size,
-        noise: ORIENTATION * size,
-    };
-    let is_deep = target.height > target.margin;
+    let target = Target::new(best, size);
+    let is_deep = target.is_deep();
     let (zero, noise) = (f64x2::splat(0.0), f64x2::splat(target.noise));
     let squared_target = f64x2::splat(target.height * target.height);
     below_target.clear();
@@ -96,7 +92,32 @@ fn dot_pair(u: &Vec3<f64x2>, v: &Vec3<f64x2>) -> f64x2 {
     u[0] * v[0] + u[1] * v[1] + u[2] * v[2]
 }
 
-impl Target<'_> {
+impl Target {
+    /// Returns the requirements on triangles of a pair of this size, beside the best facet.
+    #[inline(always)]
+    pub(super) fn new(best: &Best<f64>, size: f64) -> Self {
+        Self {
+            normal: best.normal,
+            height: best.height - AGREE_DEPTH * size,
+            margin: 2.0 * CERTIFICATE * UNIT * size,
+            noise: ORIENTATION * size,
+        }
+    }
+
+    /// Returns the same requirements reflected in the origin.
+    pub(super) fn reflected(self) -> Self {
+        Self {
+            normal: neg(&self.normal),
+            ..self
+        }
+    }
+
+    /// Returns whether the required distance is certainly positive.
+    #[inline(always)]
+    pub(super) fn is_deep(&self) -> bool {
+        self.height > self.margin
+    }
+
     /// Returns whether a triangle is beyond the facet though its plane is not: the triangle lies
     /// entirely beyond its nearest point.
     fn is_far(&self, w: &[Vec3<f64>; 3]) -> bool {
@@ -111,7 +132,7 @@ impl Target<'_> {
 
     /// Returns whether a triangle is beyond the facet; `None` unless the origin is certainly behind
     /// the triangle and clear of it.
-    fn judge(&self, w: &[Vec3<f64>; 3]) -> Option<bool> {
+    pub(super) fn judge(&self, w: &[Vec3<f64>; 3]) -> Option<bool> {
         let (u, v) = (sub(&w[1], &w[0]), sub(&w[2], &w[0]));
         let n = cross(&u, &v);
         let (low, squared) = (min_height(&n, w), dot(&n, &n));
@@ -121,7 +142,7 @@ impl Target<'_> {
             return None;
         }
         let is_beyond = low * low >= self.height * self.height * squared
-            || min_height(&self.best.normal, w) >= self.height
+            || min_height(&self.normal, w) >= self.height
             || self.is_far(w);
         Some(self.height > self.margin && is_beyond)
     }

@@ -103,9 +103,10 @@ pub enum Solver {
     Exact,
     /// Bodies so far apart that only their separation counts.
     Far,
-    /// A surface around the origin of the Minkowski difference, kept from the last answer or begun
-    /// at the deepest facet of the last answer: overlap and depth at once. If no depth is
-    /// requested: four points kept from the last answer.
+    /// A surface around the origin of the Minkowski difference: overlap and depth at once. For most
+    /// shallow overlaps a pyramid over the nearest facet, found from the last features by a walk
+    /// over facets; else a surface kept from the last answer, or begun at the nearest facet. If no
+    /// depth is requested: four points kept from the last answer.
     Surface,
 }
 
@@ -163,6 +164,9 @@ pub struct Work {
     pub depths: u32,
     /// Points added to the surfaces of depth searches.
     pub points_added: u32,
+    /// Facets of the Minkowski difference visited on the way to the nearest.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub facets: u32,
 }
 
 impl core::ops::AddAssign for Work {
@@ -177,6 +181,7 @@ impl core::ops::AddAssign for Work {
         self.exacts = self.exacts.saturating_add(o.exacts);
         self.depths = self.depths.saturating_add(o.depths);
         self.points_added = self.points_added.saturating_add(o.points_added);
+        self.facets = self.facets.saturating_add(o.facets);
     }
 }
 

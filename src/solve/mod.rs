@@ -63,9 +63,16 @@ fn proves_separated(posed: &PosedPair, draft: &mut Draft) -> bool {
     draft.lower > 0.0
 }
 
-/// Answers from the features of `outcome`; `warm` if the features come from the cache.
+/// Answers from the features of `outcome`; `warm` if the features come from the cache. `overlap` is
+/// asked first if the walk is refused, and returns whether the bodies overlap, proven.
 #[inline(always)]
-pub(crate) fn solve(accuracy: Accuracy, posed: &PosedPair, warm: bool, draft: &mut Draft) {
+pub(crate) fn solve(
+    accuracy: Accuracy,
+    posed: &PosedPair,
+    warm: bool,
+    draft: &mut Draft,
+    overlap: impl FnOnce(&mut Draft) -> bool,
+) {
     if accuracy == Accuracy::Walk {
         draft.class = Class::Separated;
         if !(posed.same_scale() && walk::walk::<false>(posed, draft)) {
@@ -73,7 +80,7 @@ pub(crate) fn solve(accuracy: Accuracy, posed: &PosedPair, warm: bool, draft: &m
         }
         return;
     }
-    if !(posed.same_scale() && certified_walk(posed, draft)) {
+    if !(posed.same_scale() && (certified_walk(posed, draft) || overlap(draft))) {
         ladder::refine(posed, warm, draft);
     }
     #[cfg(feature = "exact")]

@@ -2,6 +2,7 @@
 
 mod frames;
 mod hard;
+mod nearest;
 #[path = "../support/mod.rs"]
 mod support;
 

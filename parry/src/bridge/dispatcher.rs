@@ -5,6 +5,7 @@ use std::sync::Arc;
 use lin_canny::nalgebra::{Point3, UnitQuaternion};
 use lin_canny::{Class, Outcome, RelativePose, ShapeTracker};
 
+use super::half_space;
 use super::known::Known;
 use super::manifold::PosedPair;
 use super::number::{isometry, narrow};
@@ -103,21 +104,6 @@ impl Certified {
         let pose = RelativePose::new(&a.at, &(isometry * b.at)).ok()?;
         let turn = isometry.rotation;
         Some(PosedShapes { a, b, pose, turn })
-    }
-
-    /// Calls `ask` with two shapes, of which a plain convex polyhedron beside a half-space is
-    /// replaced by its [`Hull`](super::Hull), whose support face holds the deepest vertex.
-    fn with_hulls<T>(&self, a: &dyn Shape, b: &dyn Shape, ask: impl FnOnce(&dyn Shape, &dyn Shape) -> T) -> T {
-        let is_space = |s: &dyn Shape| s.shape_type() == ShapeType::HalfSpace;
-        let (c, d) = (
-            is_space(b).then(|| part::hull_of_polyhedron(&self.known, a)).flatten(),
-            is_space(a).then(|| part::hull_of_polyhedron(&self.known, b)).flatten(),
-        );
-        match (&c, &d) {
-            (Some(hull), _) => ask(&**hull, b),
-            (_, Some(hull)) => ask(a, &**hull),
-            _ => ask(a, b),
-        }
     }
 }
 
@@ -315,10 +301,10 @@ where
             posed.write(prediction, &self.options, out);
             return Ok(());
         }
-        let parrys = parrys(pos12, a, b)?;
-        self.with_hulls(a, b, |a, b| {
-            parrys.contact_manifold_convex_convex(pos12, a, b, constraints1, constraints2, prediction, out)
-        })
+        if is_free && half_space::write(&self.known, pos12, (a, b), prediction, &self.options, out) {
+            return Ok(());
+        }
+        parrys(pos12, a, b)?.contact_manifold_convex_convex(pos12, a, b, constraints1, constraints2, prediction, out)
     }
 }
 

@@ -1,7 +1,7 @@
 //! Contacts as a function of the relative pose and of the contacts that the engine kept.
 
 use lin_canny::nalgebra::{Point3, UnitQuaternion};
-use lin_canny::{Feature, FeaturePair, Manifold, ManifoldOptions, Outcome, RelativePose, Tracker};
+use lin_canny::{Class, Feature, FeaturePair, Manifold, ManifoldOptions, Outcome, RelativePose, Tracker};
 
 use super::dispatcher::ContactOptions;
 use super::number::{isometry, narrow};
@@ -58,7 +58,8 @@ impl<'a> PosedPair<'a> {
         out.match_contacts(&kept);
     }
 
-    /// Returns the closest points of the cores, from the features of the deepest contact.
+    /// Returns the closest points of the cores, from the features of the deepest contact, and from
+    /// whether the cores overlapped.
     fn closest<C>(&self, points: &[TrackedContact<C>]) -> Outcome {
         let (a, b) = (self.a.body(), self.b.body());
         let deepest = points.iter().min_by(|p, q| p.dist.total_cmp(&q.dist));
@@ -70,9 +71,16 @@ impl<'a> PosedPair<'a> {
         };
         let start = deepest.and_then(|p| {
             let (a, b) = (feature(a, p.fid1)?, feature(b, p.fid2)?);
-            Some(FeaturePair { a, b })
+            // Contacts are those of the rounded shapes, and the features those of the cores.
+            let is_overlap = f64::from(p.dist) + self.a.radius + self.b.radius < 0.0;
+            let class = if is_overlap {
+                Class::Overlapping
+            } else {
+                Class::Separated
+            };
+            Some((FeaturePair { a, b }, class))
         });
-        let mut tracker = start.map_or_else(Tracker::new, |pair| Tracker::starting_from(pair, a, b));
+        let mut tracker = start.map_or_else(Tracker::new, |(pair, class)| Tracker::resuming(pair, class, a, b));
         tracker.closest(a, b, &self.pose)
     }
 

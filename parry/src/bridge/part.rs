@@ -157,7 +157,7 @@ fn curved(shape: &dyn shape::Shape) -> Option<Placed> {
     Some(Placed { shape: shape.ok()?, at })
 }
 
-/// Returns the hull of a plain convex polyhedron of parry.
-pub(super) fn hull_of_polyhedron(known: &Known, shape: &dyn shape::Shape) -> Option<Arc<Hull>> {
-    known.hull(shape.as_convex_polyhedron()?.points())
+/// Returns a hull, convex polyhedron or rounded one; `None` for other shapes.
+pub(super) fn polyhedron<'a>(known: &Known, shape: &'a dyn shape::Shape) -> Option<Part<'a>> {
+    (kind(shape)? == Kind::Polyhedron).then(|| part(known, shape))?
 }

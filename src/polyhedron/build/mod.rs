@@ -15,7 +15,8 @@ mod source_faces;
 use alloc::vec::Vec;
 use nalgebra::{Matrix3, Point3, Vector3};
 
-use crate::num::scalar::sqrt;
+use crate::num::double_double::DoubleDouble;
+use crate::num::scalar::{Scalar, sqrt};
 use crate::num::sign::side;
 use crate::polyhedron::bounds::Scan;
 #[cfg(feature = "exact")]
@@ -113,7 +114,14 @@ impl ConvexPolyhedron {
         if loops.len() > 1 && report.euler_characteristic != 2 {
             return Err(BuildError::Inconsistent);
         }
-        let vertex_mean = points.iter().sum::<Vector3<f64>>() / points.len() as f64;
+        // Summed in double-double: however many vertices, the mean is off the body by no more than a
+        // few units of rounding, as the proof of a depth requires (`depth::pyramid`).
+        let sum = |k: usize| {
+            points
+                .iter()
+                .fold(DoubleDouble::default(), |sum, p| sum + DoubleDouble::from(p[k]))
+        };
+        let vertex_mean = Vector3::from_fn(|k, _| sum(k).value() / points.len() as f64);
         let squares = points.iter().map(|p| (p - vertex_mean) * (p - vertex_mean).transpose());
         let covariance3 = squares.sum::<Matrix3<f64>>() * (3.0 / points.len() as f64);
         let mean = covariance3.trace() / 3.0;

@@ -1,0 +1,83 @@
+//! The depth from the nearest facet alone: descent, then the proof by a pyramid.
+//!
+//! Costs as much as a walk, and answers most overlaps that are shallow beside the facets of the
+//! bodies. A surface answers the others: deep overlaps, feet near the rim of a facet, facets that
+//! are nearest only in their neighbourhood.
+
+use crate::depth::descent::{Descent, LowFacet, descend};
+use crate::depth::facet::height_of;
+use crate::depth::foot::foot;
+use crate::depth::memory::Memory;
+use crate::depth::pyramid::proves;
+use crate::depth::result::{Best, SearchResult};
+use crate::depth::seed::search_from;
+use crate::depth::write_overlap;
+use crate::pair::draft::Draft;
+use crate::pair::posed::PosedPair;
+use crate::pair::transform::Transform;
+use crate::polyhedron::FeaturePair;
+
+/// What the nearest facet says.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Nearest {
+    /// The depth is proven and written.
+    Proven,
+    /// The bodies seem to be apart; the features are a start for the walk.
+    Apart(FeaturePair),
+    /// Neither; the facet on which the descent ended, if any, is a start for a search.
+    Open(Option<FeaturePair>),
+}
+
+/// Searches for the nearest facet from the features `from`, and writes the depth if proven.
+pub(crate) fn nearest_facet(posed: &PosedPair, from: FeaturePair, memory: &mut Memory, draft: &mut Draft) -> Nearest {
+    if !posed.same_scale() {
+        return Nearest::Open(None);
+    }
+    let facet = match descend(posed, from, &mut draft.work.facets) {
+        Descent::Facet(facet) => facet,
+        Descent::Outside(facet) => return Nearest::Apart(facet),
+        Descent::Lost => return Nearest::Open(None),
+    };
+    let Some(found) = prove(posed, &facet) else {
+        if !memory.is_empty() {
+            memory.move_to(facet.features);
+        }
+        return Nearest::Open(Some(facet.features));
+    };
+    memory.move_to(facet.features);
+    write_overlap(posed, &found, draft);
+    Nearest::Proven
+}
+
+/// Searches for the depth of bodies not yet known to overlap, from a facet; returns false, with no
+/// statement about the bodies, if the search does not close.
+#[cold]
+pub(crate) fn depth_from(posed: &PosedPair, facet: FeaturePair, memory: &mut Memory, draft: &mut Draft) -> bool {
+    let frame = Transform::of(posed);
+    memory.with_scratch(|memory, scratch| {
+        let Some(found) = search_from(posed, &frame, facet, &mut scratch.surface) else {
+            return false;
+        };
+        write_overlap(posed, &found, draft);
+        memory.keep(&scratch.surface, draft.features, None);
+        true
+    })
+}
+
+/// Returns the depth if the facet proves the depth.
+fn prove(posed: &PosedPair, facet: &LowFacet) -> Option<SearchResult<f64>> {
+    let features = facet.features;
+    let at = facet
+        .support
+        .or_else(|| height_of(posed, &Transform::of(posed), features))?;
+    let best = Best {
+        normal: at.0,
+        height: at.1,
+        features: Some(features),
+    };
+    if !proves(posed, features, &best) {
+        return None;
+    }
+    let witnesses = foot(posed, features, &at)?;
+    Some(SearchResult::proven(&best, witnesses, posed.size()))
+}

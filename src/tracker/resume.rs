@@ -1,0 +1,87 @@
+//! Depths from the last answer: the deepest facet, and the surface, of the query before.
+
+use super::{Tracker, to_user_units};
+use crate::depth::{self, Memory, Nearest};
+use crate::pair::draft::Draft;
+use crate::pair::outcome::Class;
+use crate::pair::posed::PosedPair;
+use crate::polyhedron::{ConvexPolyhedron, FeaturePair};
+
+impl Tracker {
+    /// Returns a tracker that starts as after an answer of this class at these features: for callers
+    /// who keep features and class in state of their own, and no tracker. After an overlap, the next
+    /// query for a depth begins at the facet of the features; after any other class the tracker is
+    /// that of [`starting_from`](Self::starting_from). A wrong hint costs time and never an answer.
+    ///
+    /// ```
+    /// use lin_canny::nalgebra::{Isometry3, Vector3};
+    /// use lin_canny::{RelativePose, Tracker, polyhedron::solids};
+    ///
+    /// let a = solids::cuboid(Vector3::new(1.0, 1.0, 1.0))?;
+    /// let b = solids::octahedron(0.5)?;
+    /// let pose = |x| RelativePose::from_isometry(&Isometry3::translation(x, 0.2, 0.1));
+    /// let before = Tracker::new().closest(&a, &b, &pose(1.48)?);
+    ///
+    /// // In the next frame, from what the caller kept:
+    /// let mut pair = Tracker::resuming(before.features, before.class, &a, &b);
+    /// let now = pair.closest(&a, &b, &pose(1.49)?);
+    /// assert!((now.distance + 0.01).abs() < 1e-12);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn resuming(features: FeaturePair, class: Class, a: &ConvexPolyhedron, b: &ConvexPolyhedron) -> Self {
+        let mut tracker = Self::starting_from(features, a, b);
+        if class == Class::Overlapping && features.is_of(a, b) {
+            tracker.memory = Memory::after(features);
+        }
+        tracker
+    }
+
+    /// Answers from the deepest facet or the surface of the last answer. State of no further use is
+    /// dropped.
+    #[inline(never)]
+    pub(super) fn resume(&mut self, posed: &PosedPair, draft: &mut Draft) -> bool {
+        let first = *draft;
+        let facet = self.memory.facet().filter(|f| f.is_of(posed.a, posed.b));
+        let nearest = facet.map_or(Nearest::Open(None), |f| {
+            depth::nearest_facet(posed, f, &mut self.memory, draft)
+        });
+        let is_done = match nearest {
+            Nearest::Proven => true,
+            Nearest::Open(_) => depth::resume(posed, &mut self.memory, draft),
+            Nearest::Apart(start) => {
+                self.memory.clear();
+                self.stay(start);
+                return false;
+            }
+        };
+        if !is_done {
+            self.memory.clear();
+            let (grown, visited) = (draft.work.points_added, draft.work.facets);
+            *draft = first;
+            (draft.work.points_added, draft.work.facets) = (grown, visited);
+            return false;
+        }
+        self.totals.note(true, draft.solver, &draft.work);
+        self.stay(draft.features);
+        if !(posed.a.is_unscaled && posed.b.is_unscaled) {
+            to_user_units(posed.a, posed.b, draft);
+        }
+        true
+    }
+}
+
+/// Answers an overlap from the features at which a walk was refused.
+#[cold]
+#[inline(never)]
+pub(super) fn enters_overlap(posed: &PosedPair, memory: &mut Memory, draft: &mut Draft) -> bool {
+    let from = draft.features;
+    if !from.is_of(posed.a, posed.b) {
+        return false;
+    }
+    match depth::nearest_facet(posed, from, memory, draft) {
+        Nearest::Proven => true,
+        Nearest::Open(Some(facet)) => depth::depth_from(posed, facet, memory, draft),
+        Nearest::Open(None) | Nearest::Apart(_) => false,
+    }
+}
