@@ -295,6 +295,7 @@ mod minimum;
 pub mod motion;
 mod num;
 mod pair;
+pub mod plan;
 pub mod polyhedron;
 mod pose;
 mod replay;

@@ -1,0 +1,380 @@
+//! The opportunistic global path planner of Canny and Lin.
+
+use alloc::string::ToString;
+use alloc::vec::Vec;
+
+use super::ascent::{Place, Slice};
+use super::checker::{CheckWork, Checker};
+use super::error::PlanError;
+use super::freeway::FreewayEnd;
+use super::path::Path;
+use super::random::Random;
+use super::roadmap::{EdgeKind, Freeway, Roadmap};
+use super::space::ConfigurationSpace;
+use crate::tuning::plan::{DEPTH, LINKS, LONGEST, NEAR_ENDS, SHORTEST, SPREAD, TRIES_A_FREEWAY};
+
+/// The budget of a search, and its seed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlanOptions {
+    /// The seed of the random slices: the same seed gives the same answer.
+    pub seed: u64,
+    /// Random slices, at most.
+    pub slices: u64,
+    /// Distance queries, at most; looked at between freeways.
+    pub queries: u64,
+    /// The clearance beyond which no configuration is better: ascents end there. `None` for an
+    /// eighth of the largest extent of the bounds.
+    pub enough: Option<f64>,
+}
+
+impl Default for PlanOptions {
+    fn default() -> Self {
+        Self {
+            seed: 0,
+            slices: 10_000,
+            queries: u64::MAX,
+            enough: None,
+        }
+    }
+}
+
+/// The work of a search.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct PlanWork {
+    /// Random slices.
+    pub slices: u64,
+    /// Freeways traced, those in slices not counted.
+    pub freeways: u64,
+    /// Freeways traced within slices: bridges.
+    pub bridges: u64,
+    /// Straight segments tried between parts of the roadmap, and those proven free.
+    pub links: [u64; 2],
+    /// The work of the checker.
+    pub checks: CheckWork,
+}
+
+/// The answer of a search.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plan {
+    /// The path from start to goal, every segment proven free; `None` if the budget ended first.
+    /// No answer says that there is no path.
+    pub path: Option<Path>,
+    /// What was found.
+    pub roadmap: Roadmap,
+    /// The work done.
+    pub work: PlanWork,
+}
+
+impl<C: ConfigurationSpace> Checker<C> {
+    /// Searches a path from one configuration to another: see the [module](super).
+    ///
+    /// # Errors
+    /// A configuration that is not of the space or not clear of contact by the margin, or options
+    /// out of range.
+    pub fn plan(&mut self, start: &[f64], goal: &[f64], options: &PlanOptions) -> Result<Plan, PlanError> {
+        self.plan_until(start, goal, options, &mut || false)
+    }
+
+    /// Searches a path until `stop` returns true, which is asked between freeways: for limits of
+    /// time.
+    ///
+    /// # Errors
+    /// As [`plan`](Self::plan).
+    pub fn plan_until(
+        &mut self,
+        start: &[f64],
+        goal: &[f64],
+        options: &PlanOptions,
+        stop: &mut dyn FnMut() -> bool,
+    ) -> Result<Plan, PlanError> {
+        for (q, end) in [(start, "start"), (goal, "goal")] {
+            if let Some(near) = self.clearance(q)?.filter(|near| !(near.lower > self.margin())) {
+                let (a, b) = (self.name(near.pair.a).to_string(), self.name(near.pair.b).to_string());
+                return Err(PlanError::Contact { end, a, b });
+            }
+        }
+        let lengths = self.lengths(options)?;
+        let before = self.work;
+        let mut search = Search {
+            checker: self,
+            roadmap: Roadmap::default(),
+            work: PlanWork::default(),
+            random: Random::new(options.seed),
+            lengths,
+            ends: Vec::new(),
+            queries: options.queries,
+            before,
+            stop,
+        };
+        search.run(start, goal, options.slices)?;
+        let path = search.path();
+        let (roadmap, mut work) = (search.roadmap, search.work);
+        work.checks = self.work.since(&before);
+        Ok(Plan { path, roadmap, work })
+    }
+
+    /// Lengths of steps, from the extent of the bounds.
+    fn lengths(&self, options: &PlanOptions) -> Result<Slice, PlanError> {
+        let bounds = self.space.bounds().iter().zip(self.space.scales());
+        let extents = bounds.map(|([low, high], scale)| (high - low) * scale);
+        let extent = extents.fold(0.0, f64::max);
+        if !(extent > 0.0) {
+            let what = "extent of the bounds";
+            return Err(PlanError::Value { what, value: extent });
+        }
+        let enough = options.enough.unwrap_or(0.125 * extent);
+        if !(enough > 0.0) {
+            let what = "clearance that is enough";
+            return Err(PlanError::Value { what, value: enough });
+        }
+        Ok(Slice {
+            fixed: alloc::vec![false; self.space.freedom()],
+            longest: LONGEST * extent,
+            shortest: SHORTEST * extent,
+            enough: enough + self.margin(),
+        })
+    }
+}
+
+impl CheckWork {
+    fn since(&self, before: &Self) -> Self {
+        Self {
+            segments: self.segments - before.segments,
+            free: self.free - before.free,
+            pairs: self.pairs - before.pairs,
+            queries: self.queries - before.queries,
+            configurations: self.configurations - before.configurations,
+            measures: self.measures - before.measures,
+        }
+    }
+}
+
+/// A search in the making.
+struct Search<'a, C> {
+    checker: &'a mut Checker<C>,
+    roadmap: Roadmap,
+    work: PlanWork,
+    random: Random,
+    /// No component fixed.
+    lengths: Slice,
+    /// Nodes at which freeways closed or turned: candidates of critical points.
+    ends: Vec<usize>,
+    queries: u64,
+    before: CheckWork,
+    stop: &'a mut dyn FnMut() -> bool,
+}
+
+const START: usize = 0;
+const GOAL: usize = 1;
+
+impl<C: ConfigurationSpace> Search<'_, C> {
+    fn run(&mut self, start: &[f64], goal: &[f64], slices: u64) -> Result<(), PlanError> {
+        self.roadmap.add(start.into());
+        self.roadmap.add(goal.into());
+        if self.tried(START, GOAL)? {
+            return Ok(());
+        }
+        for node in [START, GOAL] {
+            for coordinate in 0..self.checker.space.bounds().len() {
+                let slice = self.lengths.clone();
+                self.explore(node, coordinate, &slice, 0)?;
+                if self.is_over() {
+                    return Ok(());
+                }
+            }
+        }
+        while self.work.slices < slices && !self.is_over() {
+            self.work.slices += 1;
+            self.random_slice()?;
+        }
+        Ok(())
+    }
+
+    fn is_solved(&self) -> bool {
+        self.roadmap.component(START) == self.roadmap.component(GOAL)
+    }
+
+    fn is_over(&mut self) -> bool {
+        let spent = self.checker.work.since(&self.before);
+        self.is_solved() || spent.queries + spent.measures >= self.queries || (self.stop)()
+    }
+
+    fn path(&self) -> Option<Path> {
+        let space = &self.checker.space;
+        let way = self.roadmap.way(START, GOAL, |a, b| space.distance(a, b))?;
+        Some(way.into_iter().map(|k| self.roadmap.nodes[k].clone()).collect())
+    }
+
+    /// Ascends from a random configuration, uniform or about an end of a freeway, within its slice
+    /// of a random sweep coordinate, and explores from there.
+    fn random_slice(&mut self) -> Result<(), PlanError> {
+        let sample = self.sample();
+        let coordinate = self.random.below(self.checker.space.bounds().len());
+        let mut slice = self.lengths.clone();
+        slice.fixed[coordinate] = true;
+        let mut passed = self.checker.ascend(sample, &slice)?;
+        let margin = self.checker.margin();
+        passed.retain(|place| place.distance > margin);
+        let mut places = passed.into_iter();
+        let Some(first) = places.next() else {
+            return Ok(());
+        };
+        let node = self.roadmap.add(first.q);
+        let last = self.chain(node, &places.collect::<Vec<_>>(), EdgeKind::Ascent)?;
+        self.link(&[node, last])?;
+        if !self.is_solved() {
+            let slice = self.lengths.clone();
+            self.explore(last, coordinate, &slice, 0)?;
+        }
+        Ok(())
+    }
+
+    fn sample(&mut self) -> Vec<f64> {
+        let random = &mut self.random;
+        let uniform = self.checker.space.sample(&mut || random.uniform());
+        if self.ends.is_empty() || random.uniform() >= NEAR_ENDS {
+            return uniform;
+        }
+        let end = &self.roadmap.nodes[self.ends[random.below(self.ends.len())]];
+        // A part of the way to a uniform configuration: small parts are as likely as large ones.
+        let part = SPREAD * random.uniform() * random.uniform();
+        self.checker.space.between(end, &uniform, part)
+    }
+
+    /// Climbs from a node to the freeway of its slice, follows it both ways, links what is new to
+    /// the rest, and does the same within the slices of its ends, with one dimension less.
+    fn explore(&mut self, node: usize, coordinate: usize, outer: &Slice, depth: usize) -> Result<(), PlanError> {
+        let mut slice = outer.clone();
+        slice.fixed[coordinate] = true;
+        let mut passed = self.checker.ascend(self.roadmap.nodes[node].clone(), &slice)?;
+        let Some(top) = passed.last().cloned() else {
+            return Ok(());
+        };
+        let foot = self.chain(node, &passed.split_off(1.min(passed.len())), EdgeKind::Ascent)?;
+        if self.roadmap.nodes[foot] != top.q {
+            return Ok(());
+        }
+        let (down, lower) = self.checker.trace(&top, coordinate, -1.0, &slice)?;
+        let (up, upper) = self.checker.trace(&top, coordinate, 1.0, &slice)?;
+        let kind = if depth == 0 { EdgeKind::Freeway } else { EdgeKind::Bridge };
+        let mut nodes = self.strung(foot, down, kind);
+        nodes.reverse();
+        nodes.push(foot);
+        nodes.extend(self.strung(foot, up, kind));
+        *if depth == 0 { &mut self.work.freeways } else { &mut self.work.bridges } += 1;
+        let tips = [nodes[0], nodes[nodes.len() - 1]];
+        self.link(&spaced(&nodes))?;
+        self.roadmap.freeways.push(Freeway {
+            coordinate,
+            depth,
+            nodes,
+            ends: [lower, upper],
+        });
+        for (tip, end) in tips.into_iter().zip([lower, upper]) {
+            if end == FreewayEnd::Inflection || end == FreewayEnd::Closed {
+                self.ends.push(tip);
+                self.bridge(tip, &slice, depth)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Explores the slice of an end of a freeway, swept along another coordinate.
+    fn bridge(&mut self, node: usize, slice: &Slice, depth: usize) -> Result<(), PlanError> {
+        let bounds = self.checker.space.bounds().len();
+        let open: Vec<usize> = (0..bounds).filter(|&k| !slice.fixed[k]).collect();
+        if depth >= DEPTH || open.is_empty() || self.is_over() {
+            return Ok(());
+        }
+        let coordinate = open[self.random.below(open.len())];
+        self.explore(node, coordinate, slice, depth + 1)
+    }
+
+    /// Adds the places of a trace behind a node; every step was proven free when it was traced.
+    fn strung(&mut self, node: usize, places: Vec<Place>, kind: EdgeKind) -> Vec<usize> {
+        let mut last = node;
+        let each = places.into_iter().map(|place| {
+            let next = self.roadmap.add(place.q);
+            self.roadmap.join(last, next, kind);
+            last = next;
+            next
+        });
+        each.collect()
+    }
+
+    /// Joins a node with the last of some places: straight, else from place to place as far as
+    /// segments are proven free. Returns the node reached.
+    fn chain(&mut self, node: usize, places: &[Place], kind: EdgeKind) -> Result<usize, PlanError> {
+        let Some(last) = places.last() else {
+            return Ok(node);
+        };
+        let from = self.roadmap.nodes[node].clone();
+        if self.checker.is_free(&from, &last.q)? {
+            let next = self.roadmap.add(last.q.clone());
+            self.roadmap.join(node, next, kind);
+            return Ok(next);
+        }
+        let (mut at, mut here) = (node, from);
+        for place in places {
+            if !self.checker.is_free(&here, &place.q)? {
+                break;
+            }
+            let next = self.roadmap.add(place.q.clone());
+            self.roadmap.join(at, next, kind);
+            (at, here) = (next, place.q.clone());
+        }
+        Ok(at)
+    }
+
+    /// Tries straight segments from some nodes to the nearest nodes of other components.
+    fn link(&mut self, nodes: &[usize]) -> Result<(), PlanError> {
+        for &node in nodes {
+            let mut seen = alloc::vec![self.roadmap.component(node)];
+            for (_, other) in self.strangers(node) {
+                let component = self.roadmap.component(other);
+                if seen.contains(&component) {
+                    continue;
+                }
+                seen.push(component);
+                if self.tried(node, other)? && self.is_solved() {
+                    return Ok(());
+                }
+                if seen.len() > LINKS {
+                    break;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The nodes of other components, the nearest first.
+    fn strangers(&self, node: usize) -> Vec<(f64, usize)> {
+        let (roadmap, space) = (&self.roadmap, &self.checker.space);
+        let own = roadmap.component(node);
+        let others = (0..roadmap.nodes.len()).filter(|&k| roadmap.component(k) != own);
+        let mut far: Vec<_> = others
+            .map(|k| (space.distance(&roadmap.nodes[node], &roadmap.nodes[k]), k))
+            .collect();
+        far.sort_unstable_by(|x, y| x.0.total_cmp(&y.0).then(x.1.cmp(&y.1)));
+        far
+    }
+
+    /// Tries the straight segment between two nodes.
+    fn tried(&mut self, a: usize, b: usize) -> Result<bool, PlanError> {
+        self.work.links[0] += 1;
+        let is_free = self.checker.is_free(&self.roadmap.nodes[a], &self.roadmap.nodes[b])?;
+        if is_free {
+            self.work.links[1] += 1;
+            self.roadmap.join(a, b, EdgeKind::Link);
+        }
+        Ok(is_free)
+    }
+}
+
+/// A few nodes of a freeway, both ends among them.
+fn spaced(nodes: &[usize]) -> Vec<usize> {
+    let last = nodes.len() - 1;
+    let mut some: Vec<usize> = (0..=TRIES_A_FREEWAY).map(|k| nodes[k * last / TRIES_A_FREEWAY]).collect();
+    some.dedup();
+    some
+}
