@@ -321,10 +321,21 @@ pub(crate) mod plan {
     pub(crate) const LONGEST: f64 = 1.0 / 16.0;
     pub(crate) const SHORTEST: f64 = 1.0 / 32_768.0;
 
-    /// Part of the random configurations that are taken about ends of freeways, and the largest
-    /// part of the way from there to a uniform one. Not measured.
-    pub(crate) const NEAR_ENDS: f64 = 0.5;
-    pub(crate) const SPREAD: f64 = 0.5;
+    /// Feelers before a slice begins at a uniform configuration: a feeler costs a few queries, an
+    /// ascent some hundred. Not measured.
+    pub(crate) const FEELERS: usize = 16;
+
+    /// Random nodes of which the nearest is taken: no search over all nodes. Not measured.
+    pub(crate) const FEW: usize = 64;
+
+    /// Cosine of gradients that count as opposite. Not measured.
+    pub(crate) const OPPOSITE: f64 = 0.25;
+
+    /// Part of the way to a contact that is left out. Not measured.
+    pub(crate) const SHORT: f64 = 1.0 / 64.0;
+
+    /// Clearances within which a place of a freeway counts as known. Not measured.
+    pub(crate) const KNOWN: f64 = 1.0;
 
     /// Components to which straight segments from one node are tried, at most. Not measured.
     pub(crate) const LINKS: usize = 4;

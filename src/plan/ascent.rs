@@ -137,7 +137,7 @@ fn planes_at(place: &Place, mu: f64) -> Vec<Plane> {
         .collect()
 }
 
-fn dot(a: &[f64], b: &[f64]) -> f64 {
+pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(x, y)| x * y).sum()
 }
 
@@ -149,37 +149,40 @@ fn maximum(planes: &[Plane], mu: f64, fixed: &[bool]) -> (Vec<f64>, f64) {
         parts.map(|(x, is_fixed)| if *is_fixed { 0.0 } else { *x }).collect()
     };
     let gradients: Vec<Vec<f64>> = planes.iter().map(|p| free(&p.gradient)).collect();
-    let mut weights = alloc::vec![0.0; planes.len()];
-    let mut z = alloc::vec![0.0; fixed.len()];
     let lowest = (0..planes.len()).min_by(|&i, &j| planes[i].value.total_cmp(&planes[j].value));
     let Some(first) = lowest else {
-        return (z, f64::INFINITY);
+        return (alloc::vec![0.0; fixed.len()], f64::INFINITY);
     };
+    // Products of the gradients, so that an exchange costs no more than the number of planes.
+    let products: Vec<Vec<f64>> = gradients
+        .iter()
+        .map(|g| gradients.iter().map(|h| dot(g, h)).collect())
+        .collect();
+    let mut weights = alloc::vec![0.0; planes.len()];
     weights[first] = 1.0;
-    z.iter_mut().zip(&gradients[first]).for_each(|(x, g)| *x = mu * g);
+    let of_first = planes.iter().zip(&products[first]);
+    let mut values: Vec<f64> = of_first.map(|(p, product)| p.value + mu * product).collect();
     for _ in 0..EXCHANGES {
-        let values: Vec<f64> = (0..planes.len())
-            .map(|k| planes[k].value + dot(&gradients[k], &z))
-            .collect();
         let by_value = |i: &usize, j: &usize| values[*i].total_cmp(&values[*j]);
-        let low = (0..planes.len()).min_by(by_value).unwrap_or(first);
-        let high = (0..planes.len())
-            .filter(|&k| weights[k] > 0.0)
-            .max_by(by_value)
-            .unwrap_or(first);
+        let low = (0..values.len()).min_by(by_value).unwrap_or(first);
+        let weighty = (0..values.len()).filter(|&k| weights[k] > 0.0);
+        let high = weighty.max_by(by_value).unwrap_or(first);
         let gap = values[high] - values[low];
-        let way: Vec<f64> = gradients[low].iter().zip(&gradients[high]).map(|(x, y)| x - y).collect();
-        let square = dot(&way, &way);
-        if !(gap > FLAT * FLAT * mu) || square == 0.0 {
+        let square = products[low][low] - 2.0 * products[low][high] + products[high][high];
+        if !(gap > FLAT * FLAT * mu && square > 0.0) {
             break;
         }
         let part = (gap / (mu * square)).min(weights[high]);
         weights[high] -= part;
         weights[low] += part;
-        z.iter_mut().zip(&way).for_each(|(x, w)| *x += mu * part * w);
+        for (k, value) in values.iter_mut().enumerate() {
+            *value += mu * part * (products[low][k] - products[high][k]);
+        }
     }
-    let values = (0..planes.len()).map(|k| planes[k].value + dot(&gradients[k], &z));
-    let least = values.fold(f64::INFINITY, f64::min);
+    let of = |k: usize| gradients.iter().zip(&weights).map(move |(g, w)| mu * w * g[k]).sum();
+    let z: Vec<f64> = (0..fixed.len()).map(of).collect();
+    let least = planes.iter().zip(&gradients).map(|(p, g)| p.value + dot(g, &z));
+    let least = least.fold(f64::INFINITY, f64::min);
     (z, least)
 }
 

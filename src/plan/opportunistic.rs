@@ -3,15 +3,18 @@
 use alloc::string::ToString;
 use alloc::vec::Vec;
 
-use super::ascent::{Place, Slice};
+use super::ascent::{Place, Slice, dot};
 use super::checker::{CheckWork, Checker};
+use super::clearance::Near;
 use super::error::PlanError;
 use super::freeway::FreewayEnd;
 use super::path::Path;
 use super::random::Random;
 use super::roadmap::{EdgeKind, Freeway, Roadmap};
 use super::space::ConfigurationSpace;
-use crate::tuning::plan::{DEPTH, LINKS, LONGEST, NEAR_ENDS, SHORTEST, SPREAD, TRIES_A_FREEWAY};
+use crate::tuning::plan::{
+    DEPTH, FEELERS, FEW, KNOWN, LINKS, LONGEST, OPPOSITE, SHORT, SHORTEST, TRIES_A_FREEWAY,
+};
 
 /// The budget of a search, and its seed.
 #[derive(Clone, Debug, PartialEq)]
@@ -101,7 +104,6 @@ impl<C: ConfigurationSpace> Checker<C> {
             work: PlanWork::default(),
             random: Random::new(options.seed),
             lengths,
-            ends: Vec::new(),
             queries: options.queries,
             before,
             stop,
@@ -157,8 +159,6 @@ struct Search<'a, C> {
     random: Random,
     /// No component fixed.
     lengths: Slice,
-    /// Nodes at which freeways closed or turned: candidates of critical points.
-    ends: Vec<usize>,
     queries: u64,
     before: CheckWork,
     stop: &'a mut dyn FnMut() -> bool,
@@ -205,40 +205,108 @@ impl<C: ConfigurationSpace> Search<'_, C> {
         Some(way.into_iter().map(|k| self.roadmap.nodes[k].clone()).collect())
     }
 
-    /// Ascends from a random configuration, uniform or about an end of a freeway, within its slice
-    /// of a random sweep coordinate, and explores from there.
+    /// Begins a slice between two obstacles that a few feelers find, else at a random
+    /// configuration.
     fn random_slice(&mut self) -> Result<(), PlanError> {
-        let sample = self.sample();
+        for _ in 0..FEELERS {
+            if let Some((node, coordinate)) = self.feeler()? {
+                let outer = self.lengths.clone();
+                return self.explore(node, coordinate, &outer, 0);
+            }
+            if self.is_solved() {
+                return Ok(());
+            }
+        }
         let coordinate = self.random.below(self.checker.space.bounds().len());
         let mut slice = self.lengths.clone();
         slice.fixed[coordinate] = true;
-        let mut passed = self.checker.ascend(sample, &slice)?;
+        match self.uniform(&slice)? {
+            Some(node) if !self.is_solved() => {
+                let outer = self.lengths.clone();
+                self.explore(node, coordinate, &outer, 0)
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Ascends within a slice from a configuration that is uniform, in contact or not.
+    fn uniform(&mut self, slice: &Slice) -> Result<Option<usize>, PlanError> {
+        let random = &mut self.random;
+        let sample = self.checker.space.sample(&mut || random.uniform());
+        let mut passed = self.checker.ascend(sample, slice)?;
         let margin = self.checker.margin();
         passed.retain(|place| place.distance > margin);
         let mut places = passed.into_iter();
         let Some(first) = places.next() else {
-            return Ok(());
+            return Ok(None);
         };
         let node = self.roadmap.add(first.q);
         let last = self.chain(node, &places.collect::<Vec<_>>(), EdgeKind::Ascent)?;
         self.link(&[node, last])?;
-        if !self.is_solved() {
-            let slice = self.lengths.clone();
-            self.explore(last, coordinate, &slice, 0)?;
-        }
-        Ok(())
+        Ok(Some(last))
     }
 
-    fn sample(&mut self) -> Vec<f64> {
+    /// Goes from a near node straight towards a uniform configuration as far as the way is proven
+    /// free, adds the place reached, and tries to link the place to another component. Returns the
+    /// place, and the sweep coordinate along the channel, if the place lies between obstacles on
+    /// opposite sides: where channels split and join.
+    fn feeler(&mut self) -> Result<Option<(usize, usize)>, PlanError> {
         let random = &mut self.random;
-        let uniform = self.checker.space.sample(&mut || random.uniform());
-        if self.ends.is_empty() || random.uniform() >= NEAR_ENDS {
-            return uniform;
+        let goal = self.checker.space.sample(&mut || random.uniform());
+        let Some(node) = self.near_one(&goal, None) else {
+            return Ok(None);
+        };
+        let from = self.roadmap.nodes[node].clone();
+        let safe = self.checker.certify(&from, &goal)?.safe();
+        let part = if safe < 1.0 { safe * (1.0 - SHORT) } else { 1.0 };
+        let reached = self.checker.space.between(&from, &goal, part);
+        let is_short = self.checker.space.distance(&from, &reached) < 16.0 * self.lengths.shortest;
+        if is_short || !self.checker.is_free(&from, &reached)? {
+            return Ok(None);
         }
-        let end = &self.roadmap.nodes[self.ends[random.below(self.ends.len())]];
-        // A part of the way to a uniform configuration: small parts are as likely as large ones.
-        let part = SPREAD * random.uniform() * random.uniform();
-        self.checker.space.between(end, &uniform, part)
+        let next = self.roadmap.add(reached.clone());
+        self.roadmap.join(node, next, EdgeKind::Link);
+        if let Some(other) = self.near_one(&reached, Some(next)) {
+            self.tried(next, other)?;
+        }
+        if safe >= 1.0 || self.is_solved() {
+            return Ok(None);
+        }
+        let near = self.checker.nearest(&reached, self.lengths.enough)?;
+        Ok(self.channel(&near).map(|coordinate| (next, coordinate)))
+    }
+
+    /// The nearest to a configuration of a few random nodes, of those of other components than a
+    /// node's if one is given.
+    fn near_one(&mut self, q: &[f64], apart_from: Option<usize>) -> Option<usize> {
+        let own = apart_from.map(|node| self.roadmap.component(node));
+        let mut best = (f64::INFINITY, None);
+        for _ in 0..FEW {
+            let node = self.random.below(self.roadmap.nodes.len());
+            let other = &self.roadmap.nodes[node];
+            if own.is_some_and(|own| self.roadmap.component(node) == own) || self.apart(q, other) >= best.0 {
+                continue;
+            }
+            let far = self.checker.space.distance(q, other);
+            if far < best.0 {
+                best = (far, Some(node));
+            }
+        }
+        best.1
+    }
+
+    /// Returns the sweep coordinate that changes the distances of two opposite pairs least; `None`
+    /// if no two pairs are opposite: a step away from one is a step towards the other.
+    fn channel(&self, near: &[Near]) -> Option<usize> {
+        let norm = |g: &[f64]| crate::num::scalar::sqrt(dot(g, g));
+        let opposite = near.iter().enumerate().find_map(|(k, x)| {
+            let is_opposite =
+                |y: &&Near| dot(&x.gradient, &y.gradient) < -OPPOSITE * norm(&x.gradient) * norm(&y.gradient);
+            near[..k].iter().find(is_opposite).map(|y| (x, y))
+        });
+        let (x, y) = opposite?;
+        let change = |k: &usize| x.gradient[*k].abs() + y.gradient[*k].abs();
+        (0..self.checker.space.bounds().len()).min_by(|i, j| change(i).total_cmp(&change(j)))
     }
 
     /// Climbs from a node to the freeway of its slice, follows it both ways, links what is new to
@@ -250,6 +318,9 @@ impl<C: ConfigurationSpace> Search<'_, C> {
         let Some(top) = passed.last().cloned() else {
             return Ok(());
         };
+        if self.is_known(&top) {
+            return Ok(());
+        }
         let foot = self.chain(node, &passed.split_off(1.min(passed.len())), EdgeKind::Ascent)?;
         if self.roadmap.nodes[foot] != top.q {
             return Ok(());
@@ -272,7 +343,6 @@ impl<C: ConfigurationSpace> Search<'_, C> {
         });
         for (tip, end) in tips.into_iter().zip([lower, upper]) {
             if end == FreewayEnd::Inflection || end == FreewayEnd::Closed {
-                self.ends.push(tip);
                 self.bridge(tip, &slice, depth)?;
             }
         }
@@ -326,37 +396,64 @@ impl<C: ConfigurationSpace> Search<'_, C> {
         Ok(at)
     }
 
+    /// Returns whether a place lies so near a place of a freeway that the balls of their clearance
+    /// say that nothing new is there.
+    fn is_known(&self, top: &Place) -> bool {
+        let (roadmap, space) = (&self.roadmap, &self.checker.space);
+        let near = KNOWN * top.distance;
+        let freeways = roadmap.freeways.iter().flat_map(|f| &f.nodes);
+        let mut close = freeways.map(|&k| &roadmap.nodes[k]).filter(|q| self.apart(&top.q, q) < near);
+        close.any(|q| space.distance(&top.q, q) < near)
+    }
+
+    /// Lower bound of the distance of two configurations, by their sweep coordinates alone.
+    fn apart(&self, a: &[f64], b: &[f64]) -> f64 {
+        let space = &self.checker.space;
+        let each = a.iter().zip(b).zip(space.scales()).take(space.bounds().len());
+        each.map(|((x, y), s)| ((x - y) * s).abs()).fold(0.0, f64::max)
+    }
+
     /// Tries straight segments from some nodes to the nearest nodes of other components.
     fn link(&mut self, nodes: &[usize]) -> Result<(), PlanError> {
         for &node in nodes {
-            let mut seen = alloc::vec![self.roadmap.component(node)];
-            for (_, other) in self.strangers(node) {
-                let component = self.roadmap.component(other);
-                if seen.contains(&component) {
-                    continue;
-                }
-                seen.push(component);
-                if self.tried(node, other)? && self.is_solved() {
+            for (_, _, other) in self.strangers(node) {
+                let is_joined = self.roadmap.component(other) == self.roadmap.component(node);
+                if !is_joined && self.tried(node, other)? && self.is_solved() {
                     return Ok(());
-                }
-                if seen.len() > LINKS {
-                    break;
                 }
             }
         }
         Ok(())
     }
 
-    /// The nodes of other components, the nearest first.
-    fn strangers(&self, node: usize) -> Vec<(f64, usize)> {
+    /// The nearest node of each of the nearest other components: distance, component, node.
+    fn strangers(&self, node: usize) -> Vec<(f64, usize, usize)> {
         let (roadmap, space) = (&self.roadmap, &self.checker.space);
-        let own = roadmap.component(node);
-        let others = (0..roadmap.nodes.len()).filter(|&k| roadmap.component(k) != own);
-        let mut far: Vec<_> = others
-            .map(|k| (space.distance(&roadmap.nodes[node], &roadmap.nodes[k]), k))
-            .collect();
-        far.sort_unstable_by(|x, y| x.0.total_cmp(&y.0).then(x.1.cmp(&y.1)));
-        far
+        let components = roadmap.components();
+        let q = &roadmap.nodes[node];
+        let mut best: Vec<(f64, usize, usize)> = Vec::new();
+        for (k, other) in roadmap.nodes.iter().enumerate() {
+            let component = components[k];
+            let of_component = best.iter().position(|b| b.1 == component);
+            let farthest = match of_component {
+                Some(at) => best[at].0,
+                None if best.len() < LINKS => f64::INFINITY,
+                None => best[LINKS - 1].0,
+            };
+            if component == components[node] || self.apart(q, other) >= farthest {
+                continue;
+            }
+            let far = space.distance(q, other);
+            if far < farthest {
+                if let Some(at) = of_component {
+                    best.remove(at);
+                }
+                let at = best.partition_point(|b| b.0 <= far);
+                best.insert(at, (far, component, k));
+                best.truncate(LINKS);
+            }
+        }
+        best
     }
 
     /// Tries the straight segment between two nodes.

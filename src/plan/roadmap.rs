@@ -82,6 +82,15 @@ impl Roadmap {
         root
     }
 
+    /// Returns the component of every node. A parent never has the higher number.
+    pub(super) fn components(&self) -> Vec<usize> {
+        let mut components: Vec<usize> = Vec::with_capacity(self.parents.len());
+        for (node, &parent) in self.parents.iter().enumerate() {
+            components.push(if parent == node { node } else { components[parent] });
+        }
+        components
+    }
+
     /// Returns the nodes of a shortest way between two nodes by the lengths of segments.
     pub(super) fn way(&self, from: usize, to: usize, length: impl Fn(&[f64], &[f64]) -> f64) -> Option<Vec<usize>> {
         let mut beside: Vec<Vec<usize>> = alloc::vec![Vec::new(); self.nodes.len()];
