@@ -86,7 +86,11 @@ fn job(file: &Value, out: PathBuf) -> Result<Job, String> {
         world.obstacle(format!("obstacles[{k}]"), BodyShape::from(hull), Isometry3::identity());
     }
     let [low, high] = bounds(&file["bounds"])?;
-    let space = RigidSpace::new([0, 1, 2].map(|k| [low[k], high[k]]), radius.max(f64::MIN_POSITIVE), bodies);
+    let space = RigidSpace::new(
+        [0, 1, 2].map(|k| [low[k], high[k]]),
+        radius.max(f64::MIN_POSITIVE),
+        bodies,
+    );
     let job = Job {
         world,
         space: space.map_err(|e| format!("bounds: {e}"))?,
@@ -116,7 +120,10 @@ fn check(job: &Job) -> Result<(), String> {
 /// A list of hulls, or the points of a single one.
 fn hulls(value: &Value, name: &str) -> Result<Vec<ConvexPolyhedron>, String> {
     let list = value.as_array().ok_or(format!("{name} is no list"))?;
-    let is_point = |v: &Value| v.as_array().is_some_and(|p| p.iter().all(Value::is_number) && !p.is_empty());
+    let is_point = |v: &Value| {
+        v.as_array()
+            .is_some_and(|p| p.iter().all(Value::is_number) && !p.is_empty())
+    };
     if list.first().is_some_and(is_point) {
         return Ok(vec![hull(value, name)?]);
     }
@@ -144,7 +151,8 @@ fn numbers<const N: usize>(value: &Value, name: &str) -> Result<[f64; N], String
     let all: Option<Vec<f64>> = list.iter().map(Value::as_f64).collect();
     let all = all.ok_or(format!("{name} holds something that is no number"))?;
     let count = all.len();
-    all.try_into().map_err(|_| format!("{name} has {count} numbers, not {N}"))
+    all.try_into()
+        .map_err(|_| format!("{name} has {count} numbers, not {N}"))
 }
 
 fn number(value: &Value, name: &str, default: f64) -> Result<f64, String> {
@@ -172,7 +180,10 @@ fn pose(value: &Value, name: &str) -> Result<Vec<f64>, String> {
         return Err(format!("{name}: the quaternion has length {}", q.norm()));
     }
     let turn = UnitQuaternion::new_normalize(q);
-    Ok(RigidSpace::configuration(&Isometry3::from_parts(Vector3::new(x, y, z).into(), turn)))
+    Ok(RigidSpace::configuration(&Isometry3::from_parts(
+        Vector3::new(x, y, z).into(),
+        turn,
+    )))
 }
 
 /// Searches, shortens and writes; false if no path was found.

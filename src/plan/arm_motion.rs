@@ -208,7 +208,12 @@ impl Link {
             linear: self.linear,
             angular: self.angular,
             acceleration: self.acceleration,
-            shift: Drift([2.0 * b.place, 2.0 * error * b.speed, 4.0 * error * b.push, b.jerk * growth]),
+            shift: Drift([
+                2.0 * b.place,
+                2.0 * error * b.speed,
+                4.0 * error * b.push,
+                b.jerk * growth,
+            ]),
             turn: Drift([2.0 * b.turn, error * b.rate, b.bend * growth, 0.0]),
         }
     }

@@ -312,7 +312,11 @@ impl<C: ConfigurationSpace> Checker<C> {
         &mut self,
         index: usize,
         segment: &C::Segment,
-        ask: impl FnOnce(&mut dyn Separation, &BodyMotion<'_, C::Segment>, &PartMotion<'_, C::Segment>) -> Result<R, ImpactError>,
+        ask: impl FnOnce(
+            &mut dyn Separation,
+            &BodyMotion<'_, C::Segment>,
+            &PartMotion<'_, C::Segment>,
+        ) -> Result<R, ImpactError>,
     ) -> Result<R, ImpactError> {
         let Pairs { all, resting, .. } = &mut self.pairs;
         let tracked = &mut all[index];

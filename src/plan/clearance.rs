@@ -73,7 +73,9 @@ impl<C: ConfigurationSpace> Checker<C> {
 
     fn measured(&mut self, q: &[f64], poses: &[Isometry3<f64>], slack: f64) -> Result<Vec<Near>, PlanError> {
         self.work.configurations += 1;
-        let mut order: Vec<(f64, usize)> = (0..self.pairs.all.len()).map(|k| (self.ball_gap(k, poses), k)).collect();
+        let mut order: Vec<(f64, usize)> = (0..self.pairs.all.len())
+            .map(|k| (self.ball_gap(k, poses), k))
+            .collect();
         order.sort_unstable_by(|x, y| x.0.total_cmp(&y.0).then(x.1.cmp(&y.1)));
         let mut found: Vec<Near> = Vec::new();
         let mut least = f64::INFINITY;

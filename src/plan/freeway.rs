@@ -55,7 +55,9 @@ impl<C: ConfigurationSpace> Checker<C> {
             }
             match self.corrected(&here.q.clone(), ahead, way, slice)? {
                 Tried::Kept(place) => {
-                    way = (1.5 * way).min(slice.longest).min(4.0 * place.distance.max(slice.shortest));
+                    way = (1.5 * way)
+                        .min(slice.longest)
+                        .min(4.0 * place.distance.max(slice.shortest));
                     places.push(place);
                 }
                 Tried::Lost(end) => {

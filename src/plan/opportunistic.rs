@@ -12,9 +12,7 @@ use super::path::Path;
 use super::random::Random;
 use super::roadmap::{EdgeKind, Freeway, Roadmap};
 use super::space::ConfigurationSpace;
-use crate::tuning::plan::{
-    DEPTH, FEELERS, FEW, KNOWN, LINKS, LONGEST, OPPOSITE, SHORT, SHORTEST, TRIES_A_FREEWAY,
-};
+use crate::tuning::plan::{DEPTH, FEELERS, FEW, KNOWN, LINKS, LONGEST, OPPOSITE, SHORT, SHORTEST, TRIES_A_FREEWAY};
 
 /// The budget of a search, and its seed.
 #[derive(Clone, Debug, PartialEq)]
@@ -327,12 +325,20 @@ impl<C: ConfigurationSpace> Search<'_, C> {
         }
         let (down, lower) = self.checker.trace(&top, coordinate, -1.0, &slice)?;
         let (up, upper) = self.checker.trace(&top, coordinate, 1.0, &slice)?;
-        let kind = if depth == 0 { EdgeKind::Freeway } else { EdgeKind::Bridge };
+        let kind = if depth == 0 {
+            EdgeKind::Freeway
+        } else {
+            EdgeKind::Bridge
+        };
         let mut nodes = self.strung(foot, down, kind);
         nodes.reverse();
         nodes.push(foot);
         nodes.extend(self.strung(foot, up, kind));
-        *if depth == 0 { &mut self.work.freeways } else { &mut self.work.bridges } += 1;
+        *if depth == 0 {
+            &mut self.work.freeways
+        } else {
+            &mut self.work.bridges
+        } += 1;
         let tips = [nodes[0], nodes[nodes.len() - 1]];
         self.link(&spaced(&nodes))?;
         self.roadmap.freeways.push(Freeway {
@@ -402,7 +408,9 @@ impl<C: ConfigurationSpace> Search<'_, C> {
         let (roadmap, space) = (&self.roadmap, &self.checker.space);
         let near = KNOWN * top.distance;
         let freeways = roadmap.freeways.iter().flat_map(|f| &f.nodes);
-        let mut close = freeways.map(|&k| &roadmap.nodes[k]).filter(|q| self.apart(&top.q, q) < near);
+        let mut close = freeways
+            .map(|&k| &roadmap.nodes[k])
+            .filter(|q| self.apart(&top.q, q) < near);
         close.any(|q| space.distance(&top.q, q) < near)
     }
 
@@ -471,7 +479,9 @@ impl<C: ConfigurationSpace> Search<'_, C> {
 /// A few nodes of a freeway, both ends among them.
 fn spaced(nodes: &[usize]) -> Vec<usize> {
     let last = nodes.len() - 1;
-    let mut some: Vec<usize> = (0..=TRIES_A_FREEWAY).map(|k| nodes[k * last / TRIES_A_FREEWAY]).collect();
+    let mut some: Vec<usize> = (0..=TRIES_A_FREEWAY)
+        .map(|k| nodes[k * last / TRIES_A_FREEWAY])
+        .collect();
     some.dedup();
     some
 }

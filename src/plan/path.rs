@@ -87,13 +87,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     ///
     /// # Errors
     /// A configuration that is not of the space, or a length that is not positive.
-    pub fn widen(
-        &mut self,
-        path: &[Vec<f64>],
-        clearance: f64,
-        longest: f64,
-        rounds: usize,
-    ) -> Result<Path, PlanError> {
+    pub fn widen(&mut self, path: &[Vec<f64>], clearance: f64, longest: f64, rounds: usize) -> Result<Path, PlanError> {
         if !(longest > 0.0) {
             return Err(PlanError::Value {
                 what: "longest segment",

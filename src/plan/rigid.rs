@@ -205,10 +205,7 @@ impl ConfigurationSpace for TranslationSpace {
     }
     fn segment(&self, from: &[f64], to: &[f64]) -> Result<Steady, PlanError> {
         let linear = Vector3::new(to[0] - from[0], to[1] - from[1], to[2] - from[2]);
-        Ok(Steady::new(
-            &self.pose(from),
-            Velocity::new(linear, Vector3::zeros()),
-        )?)
+        Ok(Steady::new(&self.pose(from), Velocity::new(linear, Vector3::zeros()))?)
     }
     fn difference(&self, from: &[f64], to: &[f64]) -> Vec<f64> {
         from.iter().zip(to).map(|(a, b)| b - a).collect()

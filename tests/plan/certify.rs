@@ -50,7 +50,10 @@ fn judge(n: usize, segments: u64, steps: usize) -> Tally {
                 // At the pose that the segment places, not at nalgebra's.
                 let motion = lin_canny::motion::Steady::between(&from, &to, 1.0, Point3::origin()).expect("a motion");
                 let body = (room.robot.clone(), lin_canny::motion::Motion::pose(&motion, t));
-                assert!(meet(&mut Tracker::new(), &body, &room.hulls[obstacle]), "segment {k}: {verdict:?}");
+                assert!(
+                    meet(&mut Tracker::new(), &body, &room.hulls[obstacle]),
+                    "segment {k}: {verdict:?}"
+                );
                 if safe > 0.0 {
                     let contact = first_contact(&robot, &room.hulls, ends, safe * (1.0 - 1e-9), steps / 4);
                     assert_eq!(contact, None, "segment {k} of {n} hulls: {verdict:?}");
@@ -80,7 +83,10 @@ fn ten_thousand_segments_are_judged_right() {
     for n in [40, 150] {
         let tally = judge(n, 10_000, 1000);
         println!("{n} hulls: {tally:?}");
-        assert!(tally.unknown == 0 && tally.queries <= 7 * u64::from(tally.free), "{tally:?}");
+        assert!(
+            tally.unknown == 0 && tally.queries <= 7 * u64::from(tally.free),
+            "{tally:?}"
+        );
     }
 }
 
@@ -104,7 +110,10 @@ fn fixed_steps_miss_what_certificates_find() {
             *missed += u32::from(first_contact(&robot, &room.hulls, [&from, &to], 1.0, steps).is_none());
         }
     }
-    println!("of {blocked} blocked segments, steps of 0.2 miss {}, of 0.05 {}", missed[0], missed[1]);
+    println!(
+        "of {blocked} blocked segments, steps of 0.2 miss {}, of 0.05 {}",
+        missed[0], missed[1]
+    );
     assert!(missed[0] > 0 && missed[0] > missed[1], "{missed:?} of {blocked}");
 }
 
@@ -124,11 +133,18 @@ fn margins_are_kept() {
     let ends = [vec![1.25, -1.0, 0.0], vec![1.25, 1.0, 0.0]];
     for (margin, is_free) in [(0.0, true), (0.249, true), (0.251, false)] {
         checker.set_margin(margin).expect("a margin");
-        assert_eq!(checker.is_free(&ends[0], &ends[1]).expect("a segment"), is_free, "{margin}");
+        assert_eq!(
+            checker.is_free(&ends[0], &ends[1]).expect("a segment"),
+            is_free,
+            "{margin}"
+        );
     }
     checker.set_margin(0.0).expect("a margin");
     let found = checker.clearance_along(&ends[0], &ends[1], 0.01).expect("a segment");
-    assert!(found.lower <= 0.25 && found.lower > 0.247 && (found.upper - 0.25).abs() < 1e-12, "{found:?}");
+    assert!(
+        found.lower <= 0.25 && found.lower > 0.247 && (found.upper - 0.25).abs() < 1e-12,
+        "{found:?}"
+    );
     // Towards the wall, past the middle: contact at x = 1.5.
     let verdict = checker.certify(&[-1.0, 0.0, 0.0], &[4.0, 0.0, 0.0]).expect("a segment");
     let Verdict::Blocked { safe, t, witnesses, .. } = verdict else {
@@ -150,7 +166,9 @@ fn a_turn_is_more_than_its_ends() {
     let mut checker = Checker::new(space, world).expect("a world");
     let at = |angle: f64| RigidSpace::configuration(&Isometry3::rotation(Vector3::z() * angle));
     let verdict = checker.certify(&at(0.0), &at(1.57)).expect("a segment");
-    let Verdict::Blocked { t, .. } = verdict else { panic!("{verdict:?}") };
+    let Verdict::Blocked { t, .. } = verdict else {
+        panic!("{verdict:?}")
+    };
     assert!((t - 0.49).abs() < 0.02, "{t}");
     assert!(checker.is_free(&at(0.0), &at(0.7)).expect("a segment"));
 }
@@ -163,7 +181,10 @@ fn obstacles_of_every_kind() {
         ("polyhedron", die().into()),
         ("ball", Shape::ball(0.5).expect("a ball").into()),
         ("cone", Shape::cone(0.5, 0.5).expect("a cone").into()),
-        ("composite", Composite::new(vec![Piece::new(die())]).expect("a piece").into()),
+        (
+            "composite",
+            Composite::new(vec![Piece::new(die())]).expect("a piece").into(),
+        ),
         ("mesh", Mesh::from_convex(&die()).expect("a mesh").into()),
     ];
     for (name, shape) in kinds {
@@ -177,8 +198,14 @@ fn obstacles_of_every_kind() {
         let Verdict::Blocked { safe, t, .. } = verdict else {
             panic!("{name}: {verdict:?}")
         };
-        assert!((1.9 / 6.0..2.1 / 6.0).contains(&safe) && t - safe < 1e-3, "{name}: {verdict:?}");
-        assert!(checker.is_free(&at(-3.0, 1.01), &at(3.0, 1.01)).expect("a segment"), "{name}");
+        assert!(
+            (1.9 / 6.0..2.1 / 6.0).contains(&safe) && t - safe < 1e-3,
+            "{name}: {verdict:?}"
+        );
+        assert!(
+            checker.is_free(&at(-3.0, 1.01), &at(3.0, 1.01)).expect("a segment"),
+            "{name}"
+        );
     }
 }
 
@@ -201,13 +228,27 @@ fn bad_input_is_named() {
     assert!(RigidSpace::new([[0.0, f64::INFINITY]; 3], 1.0, 1).is_err());
     assert!(RigidSpace::new([[0.0, 1.0]; 3], 0.0, 1).is_err());
     let two = RigidSpace::new([[0.0, 1.0]; 3], 1.0, 2).expect("a space");
-    assert!(matches!(Checker::new(two, room.world()).err(), Some(PlanError::Bodies { space: 2, world: 1 })));
+    assert!(matches!(
+        Checker::new(two, room.world()).err(),
+        Some(PlanError::Bodies { space: 2, world: 1 })
+    ));
     let mut world = room.world();
-    assert_eq!(world.exclude("robot", "nobody"), Err(PlanError::Unnamed("nobody".into())));
-    world.obstacle("bead", Mesh::from_convex(&room.robot).expect("a mesh"), Isometry3::identity());
+    assert_eq!(
+        world.exclude("robot", "nobody"),
+        Err(PlanError::Unnamed("nobody".into()))
+    );
+    world.obstacle(
+        "bead",
+        Mesh::from_convex(&room.robot).expect("a mesh"),
+        Isometry3::identity(),
+    );
     let mut round = World::new();
     round.robot_body("ball", Shape::ball(1.0).expect("a ball"));
-    round.obstacle("bead", Mesh::from_convex(&room.robot).expect("a mesh"), Isometry3::identity());
+    round.obstacle(
+        "bead",
+        Mesh::from_convex(&room.robot).expect("a mesh"),
+        Isometry3::identity(),
+    );
     let refused = Checker::new(room.space(), round).err();
     assert!(matches!(refused, Some(PlanError::Unanswered { .. })), "{refused:?}");
 }

@@ -35,23 +35,26 @@ pub(crate) fn first_contact(
     steps: usize,
 ) -> Option<f64> {
     let mut trackers = vec![Tracker::new(); robot.len() * obstacles.len()];
-    (0..=steps)
-        .map(|k| until * k as f64 / steps as f64)
-        .find(|&t| {
-            let pose = between(from, to, t);
-            robot.iter().enumerate().any(|(i, hull)| {
-                let body = (hull.clone(), pose);
-                obstacles
-                    .iter()
-                    .enumerate()
-                    .any(|(k, obstacle)| meet(&mut trackers[i * obstacles.len() + k], &body, obstacle))
-            })
+    (0..=steps).map(|k| until * k as f64 / steps as f64).find(|&t| {
+        let pose = between(from, to, t);
+        robot.iter().enumerate().any(|(i, hull)| {
+            let body = (hull.clone(), pose);
+            obstacles
+                .iter()
+                .enumerate()
+                .any(|(k, obstacle)| meet(&mut trackers[i * obstacles.len() + k], &body, obstacle))
         })
+    })
 }
 
 /// Replays the certificates of a segment of one rigid hull: they follow one another from 0 to 1, and at sampled times every
 /// vertex lies on its side of the plane, or the balls are apart.
-pub(crate) fn replay(proofs: &[PairProof], robot: &ConvexPolyhedron, obstacles: &[Placed], [from, to]: [&Isometry3<f64>; 2]) {
+pub(crate) fn replay(
+    proofs: &[PairProof],
+    robot: &ConvexPolyhedron,
+    obstacles: &[Placed],
+    [from, to]: [&Isometry3<f64>; 2],
+) {
     assert_eq!(proofs.len(), obstacles.len());
     let motion = Steady::between(from, to, 1.0, Point3::origin()).expect("a segment");
     for proof in proofs {
@@ -79,16 +82,28 @@ fn holds(certificate: &Certificate, [(a, pose_a), (b, pose_b)]: [(&ConvexPolyhed
         Proof::Plane { .. } => {
             let n = certificate.normal(time).expect("a plane has a normal");
             let along = |p: Point3<f64>| n.dot(&p.coords);
-            let high = a.vertex_points().map(|p| along(pose_a * p)).fold(f64::NEG_INFINITY, f64::max);
-            let low = b.vertex_points().map(|p| along(pose_b * p)).fold(f64::INFINITY, f64::min);
-            assert!(low - high > certificate.distance, "{certificate:?} at {time}: {low} {high}");
+            let high = a
+                .vertex_points()
+                .map(|p| along(pose_a * p))
+                .fold(f64::NEG_INFINITY, f64::max);
+            let low = b
+                .vertex_points()
+                .map(|p| along(pose_b * p))
+                .fold(f64::INFINITY, f64::min);
+            assert!(
+                low - high > certificate.distance,
+                "{certificate:?} at {time}: {low} {high}"
+            );
         }
         Proof::Balls => {
             // The balls of the pair contain the vertices; that of the robot turns about the pivot, the origin.
             let pair = PolyhedronPair::new(a, b);
             let [(p, r), (q, s)] = [Operand::A, Operand::B].map(|of| pair.ball(of));
             for (body, centre, radius) in [(a, p, r), (b, q, s)] {
-                assert!(body.vertex_points().all(|x| (x - centre).norm() <= radius * (1.0 + 1e-15)));
+                assert!(
+                    body.vertex_points()
+                        .all(|x| (x - centre).norm() <= radius * (1.0 + 1e-15))
+                );
             }
             let gap = (pose_b * q - Point3::from(pose_a.translation.vector)).norm() - p.coords.norm() - r - s;
             assert!(gap > certificate.distance, "{certificate:?} at {time}: {gap}");

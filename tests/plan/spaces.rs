@@ -52,8 +52,15 @@ fn contract<C: ConfigurationSpace>(space: &C, rng: &mut Rng, rounds: usize, exac
             let bound = course.shift.at(s) + arm.norm() * course.turn.at(s);
             let off = (now * x - model).norm();
             // The comparison itself rounds.
-            let slack = if exact { 4e-15 * (1.0 + model.coords.norm()) } else { 0.0 };
-            assert!(off <= bound + slack, "{off:e} {bound:e} at {time} + {s} of {from:?} {to:?}");
+            let slack = if exact {
+                4e-15 * (1.0 + model.coords.norm())
+            } else {
+                0.0
+            };
+            assert!(
+                off <= bound + slack,
+                "{off:e} {bound:e} at {time} + {s} of {from:?} {to:?}"
+            );
             tight += u32::from(off > 0.2 * bound);
         }
     }
@@ -96,7 +103,10 @@ fn segments_lead_from_end_to_end() {
                 for (body, pose) in poses.iter().enumerate() {
                     let other = segment.pose(body, t);
                     let off = (other.translation.vector - pose.translation.vector).norm();
-                    assert!(off < 1e-13 && other.rotation.angle_to(&pose.rotation) < 1e-7, "{t} {off:e}");
+                    assert!(
+                        off < 1e-13 && other.rotation.angle_to(&pose.rotation) < 1e-7,
+                        "{t} {off:e}"
+                    );
                 }
             }
             assert!((space.distance(&from, &to) - space.distance(&to, &from)).abs() < 1e-12);
