@@ -321,9 +321,9 @@ pub(crate) mod plan {
     pub(crate) const LONGEST: f64 = 1.0 / 16.0;
     pub(crate) const SHORTEST: f64 = 1.0 / 32_768.0;
 
-    /// Feelers before a slice begins at a uniform configuration: a feeler costs a few queries, an
-    /// ascent some hundred. Not measured.
-    pub(crate) const FEELERS: usize = 16;
+    /// Feelers before a slice begins at a uniform configuration: a feeler costs a few queries, a
+    /// slice some hundred. Not measured.
+    pub(crate) const FEELERS: usize = 64;
 
     /// Random nodes of which the nearest is taken: no search over all nodes. Not measured.
     pub(crate) const FEW: usize = 64;

@@ -53,9 +53,9 @@
 //!
 //! # Spaces
 //!
-//! [`PlanarSpace`] (x, y, angle), [`TranslationSpace`], [`RigidSpace`] (position and quaternion) and
-//! [`SerialArm`] (revolute and prismatic joints, any number of bodies on a link). Any other robot
-//! implements [`ConfigurationSpace`].
+//! [`PlanarSpace`] (x, y, angle), [`TranslationSpace`], [`RigidSpace`] (position and quaternion)
+//! and [`SerialArm`] (revolute and prismatic joints, any number of bodies on a link). Any other
+//! robot implements [`ConfigurationSpace`].
 //!
 //! # The opportunistic planner
 //!

@@ -47,13 +47,35 @@ impl<C: ConfigurationSpace> Checker<C> {
     pub fn shorten(&mut self, path: &[Vec<f64>], tries: usize, seed: u64) -> Result<Path, PlanError> {
         let mut random = Random::new(seed);
         let mut path: Path = path.into();
+        self.thin(&mut path)?;
         for _ in 0..tries {
             if path.len() < 3 {
                 break;
             }
             self.cut(&mut path, &mut random)?;
         }
+        self.thin(&mut path)?;
         Ok(path)
+    }
+
+    /// Leaves out corners whose neighbours are joined by a segment proven free, as long as there
+    /// are any.
+    fn thin(&mut self, path: &mut Path) -> Result<(), PlanError> {
+        let mut before = path.len() + 1;
+        while path.len() < before {
+            before = path.len();
+            let mut k = 1;
+            while k + 1 < path.len() {
+                let way = self.path_length(&path[k - 1..=k + 1]);
+                let is_shorter = self.space.distance(&path[k - 1], &path[k + 1]) <= way;
+                if is_shorter && self.is_free(&path[k - 1], &path[k + 1])? {
+                    path.remove(k);
+                } else {
+                    k += 1;
+                }
+            }
+        }
+        Ok(())
     }
 
     /// Tries one shortcut between two places of a path.

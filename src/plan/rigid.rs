@@ -39,8 +39,8 @@ fn check_radius(value: f64) -> Result<(), PlanError> {
 /// A rigid body in the plane z = 0: configurations are x, y and the angle about z in radians.
 ///
 /// Along a segment the body's own origin goes straight and the body turns the shorter way round at
-/// a constant rate. The angle may be anything up to 1024; angles that differ by a whole turn are one
-/// configuration.
+/// a constant rate. The angle may be anything up to 1024; angles that differ by a whole turn are
+/// one configuration.
 #[doc(alias = "SE2")]
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlanarSpace {
