@@ -9,7 +9,7 @@ mod svg;
 use lab::command::Arguments;
 use lin_canny::ConvexPolyhedron;
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
-use lin_canny::plan::{Checker, ConfigurationSpace, EdgeKind, Plan, PlanOptions, PlanarSpace, World};
+use lin_canny::plan::{Checker, ConfigurationSpace, EdgeKind, FreewayEnd, Plan, PlanOptions, PlanarSpace, World};
 use lin_canny::polyhedron::solids;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -22,7 +22,7 @@ usage: piano [--door WIDTH] [--seed N] [--seconds S] [--out FILE.svg]
 An L, 0.9 by 0.5, goes through a door in a wall. Searches a path with the opportunistic planner, shortens it, and draws
 freeways (by sweep coordinate), bridges, links and the path in the plane of the positions.
 
-  --door WIDTH   width of the door (default: 0.45)
+  --door WIDTH   width of the door (default: 0.36)
   --seed N       seed of the random slices (default: 1)
   --seconds S    limit of the search (default: 10)
   --out FILE     where to draw (default: target/piano.svg)";
@@ -39,7 +39,7 @@ struct Options {
 fn parse(words: Option<Arguments>) -> Result<Option<Options>, String> {
     let Some(mut words) = words else { return Ok(None) };
     let options = Options {
-        door: words.number("--door", 0.0, 0.45)?,
+        door: words.number("--door", 0.0, 0.36)?,
         seed: words.number("--seed", 0, 1)?,
         limit: Duration::try_from_secs_f64(words.number("--seconds", 0.0, 10.0)?).map_err(|e| e.to_string())?,
         out: words.value("--out")?.unwrap_or("target/piano.svg".into()).into(),
@@ -140,7 +140,7 @@ fn run(options: &Options) -> Result<(), Trouble> {
 const SCALE: f64 = 190.0;
 
 fn at(x: f64, y: f64) -> Place {
-    [430.0 + SCALE * x, 290.0 - SCALE * y]
+    [430.0 + SCALE * x, 318.0 - SCALE * y]
 }
 
 fn corners(([x, y], [a, b]): Flat, q: &[f64]) -> Vec<Place> {
@@ -156,7 +156,7 @@ fn corners(([x, y], [a, b]): Flat, q: &[f64]) -> Vec<Place> {
 
 fn draw(checker: &Checker<PlanarSpace>, walls: &[Flat], plan: &Plan, path: &[Vec<f64>]) -> String {
     let title = "An L through a door: freeways, bridges and the path";
-    let mut svg = Svg::new(860, 600, title);
+    let mut svg = Svg::new(860, 640, title);
     for flat in walls {
         svg.polygon(
             &corners(*flat, &[0.0; 3]),
@@ -174,6 +174,7 @@ fn draw(checker: &Checker<PlanarSpace>, walls: &[Flat], plan: &Plan, path: &[Vec
         let style = format!("stroke=\"{GREY}\" stroke-width=\"0.5\" stroke-opacity=\"0.5\"");
         svg.line(place(edge.ends[0]), place(edge.ends[1]), &style);
     }
+    slices(&mut svg, plan);
     for freeway in &roadmap.freeways {
         let colour = match (freeway.depth, freeway.coordinate) {
             (0, 0) => BLUE,
@@ -195,11 +196,11 @@ fn draw(checker: &Checker<PlanarSpace>, walls: &[Flat], plan: &Plan, path: &[Vec
         let [x, y] = at(q[0], q[1]);
         svg.words([x, y + 20.0], 13, "middle", name);
     }
-    svg.words([40.0, 28.0], 15, "start", title);
+    svg.words([40.0, 30.0], 15, "start", title);
     let keys = [
         ("freeway in x", BLUE),
         ("freeway in y", SKY),
-        ("bridge", ORANGE),
+        ("bridge in its slice", ORANGE),
         ("ascent, link", GREY),
         ("path", GREEN),
     ];
@@ -210,9 +211,30 @@ fn draw(checker: &Checker<PlanarSpace>, walls: &[Flat], plan: &Plan, path: &[Vec
             [x + 26.0, 580.0],
             &format!("stroke=\"{colour}\" stroke-width=\"3\""),
         );
-        svg.words([x + 34.0, 585.0], 13, "start", name);
+        svg.words([x + 34.0, 619.0], 13, "start", name);
     }
     svg.finish()
+}
+
+/// The slices in which bridges were searched: those of the ends of freeways that are no bounds.
+fn slices(svg: &mut Svg, plan: &Plan) {
+    let roadmap = &plan.roadmap;
+    for freeway in roadmap.freeways.iter().filter(|f| f.depth == 0) {
+        let tips = [freeway.nodes[0], freeway.nodes[freeway.nodes.len() - 1]];
+        for (tip, end) in tips.into_iter().zip(freeway.ends) {
+            if !matches!(end, FreewayEnd::Closed | FreewayEnd::Inflection) {
+                continue;
+            }
+            let q = &roadmap.nodes[tip];
+            let [x, y] = ROOM;
+            let line = match freeway.coordinate {
+                0 => [at(q[0], -y), at(q[0], y)],
+                _ => [at(-x, q[1]), at(x, q[1])],
+            };
+            let style = format!("stroke=\"{ORANGE}\" stroke-width=\"0.5\" stroke-dasharray=\"2 4\"");
+            svg.line(line[0], line[1], &style);
+        }
+    }
 }
 
 /// The L at places along the path, evenly in length.

@@ -322,8 +322,9 @@ pub(crate) mod plan {
     pub(crate) const SHORTEST: f64 = 1.0 / 32_768.0;
 
     /// Feelers before a slice begins at a uniform configuration: a feeler costs a few queries, a
-    /// slice some hundred. Not measured.
-    pub(crate) const FEELERS: usize = 64;
+    /// slice some hundred. Measured, a plank of 0.2 through a hole of 0.6, 20 seeds: 16 are as fast in
+    /// the median as 64, and faster in the worst case.
+    pub(crate) const FEELERS: usize = 16;
 
     /// Random nodes of which the nearest is taken: no search over all nodes. Not measured.
     pub(crate) const FEW: usize = 64;

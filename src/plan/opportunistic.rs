@@ -316,7 +316,7 @@ impl<C: ConfigurationSpace> Search<'_, C> {
         let Some(top) = passed.last().cloned() else {
             return Ok(());
         };
-        if self.is_known(&top) {
+        if self.is_known(&top, depth) {
             return Ok(());
         }
         let foot = self.chain(node, &passed.split_off(1.min(passed.len())), EdgeKind::Ascent)?;
@@ -402,12 +402,13 @@ impl<C: ConfigurationSpace> Search<'_, C> {
         Ok(at)
     }
 
-    /// Returns whether a place lies so near a place of a freeway that the balls of their clearance
-    /// say that nothing new is there.
-    fn is_known(&self, top: &Place) -> bool {
+    /// Returns whether a place lies so near a place of a freeway, or for a place in a slice of a
+    /// bridge, that the ball of its clearance holds nothing new.
+    fn is_known(&self, top: &Place, depth: usize) -> bool {
         let (roadmap, space) = (&self.roadmap, &self.checker.space);
         let near = KNOWN * top.distance;
-        let freeways = roadmap.freeways.iter().flat_map(|f| &f.nodes);
+        let freeways = roadmap.freeways.iter().filter(|f| f.depth == depth);
+        let freeways = freeways.flat_map(|f| &f.nodes);
         let mut close = freeways
             .map(|&k| &roadmap.nodes[k])
             .filter(|q| self.apart(&top.q, q) < near);
