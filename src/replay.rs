@@ -142,7 +142,7 @@ impl fmt::Display for Replay {
             writeln!(f, "stand {} {}", pair.a, pair.b)?;
         }
         write!(f, "surface {built}")?;
-        points.iter().try_for_each(|[a, b]| write!(f, " {a}-{b}"))?;
+        points.iter().try_for_each(|[a, b]| write!(f, " {}-{}", a.0, b.0))?;
         let mut triangles = triangles.iter().flatten();
         triangles.try_for_each(|k| write!(f, " {k}"))?;
         writeln!(f)
@@ -276,7 +276,7 @@ impl<'a> Lines<'a> {
         let (mut points, mut rest) = (Vec::new(), Vec::new());
         for word in text.split_whitespace() {
             match word.split_once('-') {
-                Some((a, b)) => points.push([number(a)?, number(b)?]),
+                Some((a, b)) => points.push([VertexId(number(a)?), VertexId(number(b)?)]),
                 None => rest.push(number(word)?),
             }
         }

@@ -10,7 +10,7 @@ use crate::pair::draft::Draft;
 use crate::pair::outcome::{Accuracy, Ask, Class, Distance, Outcome, Proposal, Until};
 use crate::pair::posed::PosedPair;
 use crate::polyhedron::{ConvexPolyhedron, FeaturePair};
-use crate::pose::{Operand, RelativePose};
+use crate::pose::RelativePose;
 use crate::replay::Replay;
 use crate::solve::{self, out_of_range};
 use crate::tolerance::LEAST_SQUARE;
@@ -237,7 +237,7 @@ impl Tracker {
     /// place: copied whole, the draft would wait for its parts to leave the store queue.
     #[inline(always)]
     fn answer(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose, ask: Ask) -> Outcome {
-        let mut draft = Draft::starting_at(FeaturePair::vertices(Operand::A, 0, 0));
+        let mut draft = Draft::starting_at(FeaturePair::FIRST);
         self.solve(a, b, a_from_b, ask, &mut draft);
         draft.into_outcome()
     }

@@ -3,7 +3,7 @@
 
 use nalgebra::Vector3;
 
-use crate::polyhedron::ConvexPolyhedron;
+use crate::polyhedron::{ConvexPolyhedron, FaceId};
 
 /// Contact axes in a body's stored frame: two directions perpendicular to the normal, the normal,
 /// and the body's witness as the origin.
@@ -39,10 +39,10 @@ pub(super) struct FacePlane2 {
 impl FacePlane2 {
     /// Returns the plane of a face; the face must not be parallel to the normal.
     #[inline(always)]
-    pub(super) fn new(body: &ConvexPolyhedron, f: u32, axes: &Axes) -> Self {
+    pub(super) fn new(body: &ConvexPolyhedron, f: FaceId, axes: &Axes) -> Self {
         let t = &body.topology;
-        let m = &body.planes[f as usize].normal;
-        let vertex = body.points[t.half_edge(t.rim_half_edge(f)).to as usize];
+        let m = &body.planes[f.index()].normal;
+        let vertex = body.points[t.half_edge(t.rim_half_edge(f)).to.index()];
         let up = 1.0 / m.dot(&axes.normal);
         Self {
             level: m.dot(&(vertex - axes.witness)) * up,

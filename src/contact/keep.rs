@@ -11,7 +11,7 @@ use super::candidates::Location;
 use super::clip::{self, LocalPoint};
 use super::projection::LazyProjection;
 use super::{ContactPoint, Contacts, Manifold, ManifoldOptions, PosedOutcome};
-use crate::polyhedron::{ConvexPolyhedron, Feature, FeaturePair};
+use crate::polyhedron::{ConvexPolyhedron, EdgeId, Feature, FeaturePair};
 use crate::tolerance::{AGREE, STAY};
 
 /// Lower bound of a vertex's distance to the boundary of the opposite face, for every normal within
@@ -64,8 +64,8 @@ impl Projections<'_> {
             return false;
         };
         let planes = [
-            FacePlane2::new(self.a.body, f.0, self.a.axes),
-            FacePlane2::new(self.b.body, g.0, self.b.axes),
+            FacePlane2::new(self.a.body, f, self.a.axes),
+            FacePlane2::new(self.b.body, g, self.b.axes),
         ];
         let (unit, distance) = (posed.a.unit(), posed.outcome.distance);
         let (old, on, margins) = (before.points(), before.on(), before.margins());
@@ -137,7 +137,7 @@ impl Projections<'_> {
                 })
             }
             (Feature::Edge(e), Feature::Edge(g)) if on[0].as_edge().is_some() => {
-                let ((p, local_p), (q, local_q)) = (ends(a, e.0, ours)?, ends(b, g.0, theirs)?);
+                let ((p, local_p), (q, local_q)) = (ends(a, e, ours)?, ends(b, g, theirs)?);
                 let crossing = clip::do_cross(&local_p, &local_q).then(|| clip::intersection(&local_p, &local_q))?;
                 let along = |[from, to]: &[Vector3<f64>; 2], t: f64| from + (to - from) * t;
                 Some(MeasuredContact {
@@ -153,11 +153,11 @@ impl Projections<'_> {
 
 /// Returns the ends of an edge, as stored and in contact coordinates.
 #[inline(always)]
-fn ends(body: &ConvexPolyhedron, edge: u32, axes: &Axes) -> Option<([Vector3<f64>; 2], [LocalPoint; 2])> {
+fn ends(body: &ConvexPolyhedron, edge: EdgeId, axes: &Axes) -> Option<([Vector3<f64>; 2], [LocalPoint; 2])> {
     let t = &body.topology;
-    if edge as usize >= t.half_edge_count() {
+    if edge.index() >= t.half_edge_count() {
         return None;
     }
-    let ends = [t.from(edge), t.half_edge(edge).to].map(|v| body.points[v as usize]);
+    let ends = [t.from(edge.half_edge()), t.half_edge(edge.half_edge()).to].map(|v| body.points[v.index()]);
     Some((ends, ends.map(|p| axes.to_local(&p))))
 }

@@ -122,8 +122,8 @@ impl Default for Manifold {
             point_on_a: Point3::origin(),
             point_on_b: Point3::origin(),
             separation: 0.0,
-            features: FeaturePair::vertices(Operand::A, 0, 0),
-            id: FeaturePair::vertices(Operand::A, 0, 0),
+            features: FeaturePair::FIRST,
+            id: FeaturePair::FIRST,
         };
         Self {
             points: [none; MOST_POINTS],

@@ -6,7 +6,7 @@ use wide::f64x4;
 
 use super::axes::{Axes, FacePlane2};
 use super::candidates::Location;
-use crate::polyhedron::{ConvexPolyhedron, EdgeId, Feature, VertexId};
+use crate::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, Feature, HalfEdgeId, VertexId};
 use crate::tolerance::COPLANAR;
 use crate::tuning::polyhedron::LARGE;
 
@@ -57,11 +57,11 @@ pub(super) struct ProjectedFeature<'a> {
     /// Plane coordinates; after the last vertex of a small face the first vertex is repeated.
     pub(super) x: [f64; SLOTS],
     pub(super) y: [f64; SLOTS],
-    vertices: [u32; LARGE],
+    vertices: [VertexId; LARGE],
     /// Edge from each vertex to the next.
-    edges: [u32; LARGE],
+    edges: [EdgeId; LARGE],
     /// Half-edges of a large face, to be read in reverse order if `backward`.
-    ring: Option<&'a [u32]>,
+    ring: Option<&'a [HalfEdgeId]>,
     backward: bool,
     plane: FacePlane2,
 }
@@ -76,8 +76,8 @@ impl<'a> ProjectedFeature<'a> {
             count: 0,
             x: [0.0; SLOTS],
             y: [0.0; SLOTS],
-            vertices: [0; LARGE],
-            edges: [0; LARGE],
+            vertices: [VertexId(0); LARGE],
+            edges: [EdgeId(0); LARGE],
             ring: None,
             backward,
             plane: FacePlane2::default(),
@@ -91,18 +91,21 @@ impl<'a> ProjectedFeature<'a> {
         match self.feature {
             Feature::Vertex(_) => {}
             Feature::Edge(e) => {
-                for (k, v) in [t.from(e.0), t.half_edge(e.0).to].into_iter().enumerate() {
-                    [self.x[k], self.y[k]] = self.position_of(&self.body.points[v as usize]);
-                    (self.vertices[k], self.edges[k]) = (v, e.0);
+                for (k, v) in [t.from(e.half_edge()), t.half_edge(e.half_edge()).to]
+                    .into_iter()
+                    .enumerate()
+                {
+                    [self.x[k], self.y[k]] = self.position_of(&self.body.points[v.index()]);
+                    (self.vertices[k], self.edges[k]) = (v, e);
                 }
                 self.count = 2;
             }
             Feature::Face(f) => {
-                self.plane = FacePlane2::new(self.body, f.0, self.axes);
-                self.ring = t.ring(f.0);
+                self.plane = FacePlane2::new(self.body, f, self.axes);
+                self.ring = t.ring(f);
                 match self.ring {
                     Some(ring) => self.count = ring.len(),
-                    None => self.outline(f.0),
+                    None => self.outline(f),
                 }
             }
         }
@@ -111,7 +114,7 @@ impl<'a> ProjectedFeature<'a> {
     /// Collects the vertices of a face together with adjacent faces coplanar up to rounding:
     /// together they are the intended face.
     #[inline(always)]
-    fn outline(&mut self, f: u32) {
+    fn outline(&mut self, f: FaceId) {
         let t = &self.body.topology;
         let start = t.rim_half_edge(f);
         if !(self.body.has_coplanar_neighbours && self.outline_coplanar(f)) {
@@ -124,7 +127,7 @@ impl<'a> ProjectedFeature<'a> {
             self.edges[..n - 1].reverse();
         }
         for k in 0..n {
-            let p = &self.body.points[self.vertices[k] as usize];
+            let p = &self.body.points[self.vertices[k].index()];
             [self.x[k], self.y[k]] = self.position_of(p);
         }
         (self.x[n], self.y[n]) = (self.x[0], self.y[0]);
@@ -133,11 +136,11 @@ impl<'a> ProjectedFeature<'a> {
     /// Collects the outline of several coplanar faces; returns whether an outline was found, of at
     /// most [`LARGE`] vertices.
     #[cold]
-    fn outline_coplanar(&mut self, f: u32) -> bool {
+    fn outline_coplanar(&mut self, f: FaceId) -> bool {
         let (t, planes) = (&self.body.topology, &self.body.planes);
-        let n = planes[f as usize].normal;
-        let within = |h: u32| {
-            let m = &planes[t.half_edge(t.half_edge(h).twin).face as usize].normal;
+        let n = planes[f.index()].normal;
+        let within = |h: HalfEdgeId| {
+            let m = &planes[t.half_edge(t.half_edge(h).twin).face.index()].normal;
             m.dot(&n) > 0.0 && m.cross(&n).norm_squared() <= COPLANAR * COPLANAR
         };
         // Rotates about the first vertex, out of the coplanar faces.
@@ -154,13 +157,13 @@ impl<'a> ProjectedFeature<'a> {
     /// Collects the vertices along a face boundary from a half-edge on, skipping edges `within` the
     /// merged face; returns whether the boundary closed within the capacity.
     #[inline(always)]
-    fn walk(&mut self, start: u32, within: impl Fn(u32) -> bool) -> bool {
+    fn walk(&mut self, start: HalfEdgeId, within: impl Fn(HalfEdgeId) -> bool) -> bool {
         let t = &self.body.topology;
         self.count = 0;
         let (mut h, mut v) = (start, t.from(start));
         while self.count < LARGE {
             let e = t.half_edge(h);
-            (self.vertices[self.count], self.edges[self.count]) = (v, h.min(e.twin));
+            (self.vertices[self.count], self.edges[self.count]) = (v, EdgeId::of(h, e.twin));
             self.count += 1;
             (v, h) = (e.to, e.next);
             let mut turns = 0;
@@ -190,7 +193,7 @@ impl<'a> ProjectedFeature<'a> {
 
     /// Returns the id of a vertex.
     #[inline(always)]
-    fn vertex_id(&self, k: usize) -> u32 {
+    fn vertex_id(&self, k: usize) -> VertexId {
         let Some(ring) = self.ring else {
             return self.vertices[k];
         };
@@ -206,7 +209,7 @@ impl<'a> ProjectedFeature<'a> {
     /// Returns the feature that contains a location.
     pub(super) fn feature_at(&self, on: Location) -> Feature {
         match (on.as_vertex(), on.as_edge()) {
-            (Some(k), _) => Feature::Vertex(VertexId(self.vertex_id(k))),
+            (Some(k), _) => Feature::Vertex(self.vertex_id(k)),
             (_, Some(k)) => self.edge(k),
             _ => self.feature,
         }
@@ -221,13 +224,13 @@ impl<'a> ProjectedFeature<'a> {
                 self.body.topology.edge(h)
             }
         };
-        Feature::Edge(EdgeId(edge))
+        Feature::Edge(edge)
     }
 
     /// Returns plane coordinates and height of a vertex.
     #[inline(always)]
     pub(super) fn vertex(&self, k: usize) -> [f64; 3] {
-        self.axes.to_local(&self.body.points[self.vertex_id(k) as usize])
+        self.axes.to_local(&self.body.points[self.vertex_id(k).index()])
     }
 
     /// Returns plane coordinates and height of both ends of an edge.
@@ -242,7 +245,7 @@ impl<'a> ProjectedFeature<'a> {
         if self.ring.is_none() {
             return [self.x[k], self.y[k]];
         }
-        self.position_of(&self.body.points[self.vertex_id(k) as usize])
+        self.position_of(&self.body.points[self.vertex_id(k).index()])
     }
 
     /// Returns the plane coordinates of a stored point.
@@ -322,7 +325,7 @@ impl<'a> ProjectedFeature<'a> {
 
     /// Returns the stored point at plane coordinates, on the given location.
     pub(super) fn point(&self, on: Location, at: [f64; 2]) -> Vector3<f64> {
-        let vertex = |k: usize| self.body.points[self.vertex_id(k) as usize];
+        let vertex = |k: usize| self.body.points[self.vertex_id(k).index()];
         let on_edge = |k: usize| {
             let (p, q) = (vertex(k), vertex(self.next(k)));
             p + (q - p) * self.along(k, at)

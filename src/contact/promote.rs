@@ -1,12 +1,10 @@
 //! Promotion of the closest features to the features that bear the contact: the face, or else the
 //! edge, most nearly perpendicular to the normal.
 
-use core::ops::Range;
-
 use nalgebra::Vector3;
 
-use crate::polyhedron::unimodal::top_of_ring;
-use crate::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, Feature};
+use crate::polyhedron::cycle::{Cycle, Fan};
+use crate::polyhedron::{ConvexPolyhedron, FaceId, Feature, HalfEdgeId};
 use crate::tolerance::{STAY, STEEP};
 use crate::tuning::polyhedron::MANY;
 
@@ -30,16 +28,16 @@ impl Promotion<'_> {
     pub(super) fn promote(&self, feature: Feature) -> Feature {
         let t = &self.body.topology;
         match feature {
-            Feature::Face(f) => self.face([f.0]).unwrap_or(feature),
+            Feature::Face(f) => self.face([f]).unwrap_or(feature),
             Feature::Edge(e) => {
-                let h = t.half_edge(e.0);
+                let h = t.half_edge(e.half_edge());
                 self.face([h.face, t.half_edge(h.twin).face]).unwrap_or(feature)
             }
             Feature::Vertex(v) => {
-                let face = |h: u32| t.half_edge(h).face;
-                let outward = |h: u32| self.body.planes[face(h) as usize].normal.dot(&self.outward);
-                let faces = self.sample_fan(t.fan(v.0), outward).map(face);
-                let edges = || self.sample_fan(t.fan(v.0), |h| -self.rise(h));
+                let face = |h: HalfEdgeId| t.half_edge(h).face;
+                let outward = |h: HalfEdgeId| self.body.planes[face(h).index()].normal.dot(&self.outward);
+                let faces = self.sample_fan(t.fan(v), outward).map(face);
+                let edges = || self.sample_fan(t.fan(v), |h| -self.rise(h));
                 self.face(faces).or_else(|| self.edge(edges())).unwrap_or(feature)
             }
         }
@@ -47,21 +45,21 @@ impl Promotion<'_> {
 
     /// Returns the half-edges of a fan; of a large fan, the half-edge of greatest measure and its
     /// two neighbours.
-    fn sample_fan<M: Fn(u32) -> f64>(&self, fan: Range<u32>, measure: M) -> impl Iterator<Item = u32> + use<M> {
+    fn sample_fan<M: Fn(HalfEdgeId) -> f64>(&self, fan: Fan, measure: M) -> impl Iterator<Item = HalfEdgeId> + use<M> {
         let m = fan.len();
         let (first, count) = if m <= MANY {
             (0, m)
         } else {
-            ((top_of_ring(m, |k| measure(fan.start + k as u32)) + m - 1) % m, 3)
+            (fan.top_index(measure) + m - 1, 3)
         };
-        (first..first + count).map(move |k| fan.start + (if k < m { k } else { k - m }) as u32)
+        (first..first + count).map(move |k| fan.wrapped(k))
     }
 
     /// Returns the squared sine of the angle between an edge and the plane perpendicular to the
     /// outward direction.
-    fn rise(&self, h: u32) -> f64 {
+    fn rise(&self, h: HalfEdgeId) -> f64 {
         let t = &self.body.topology;
-        let u = self.body.points[t.half_edge(h).to as usize] - self.body.points[t.from(h) as usize];
+        let u = self.body.points[t.half_edge(h).to.index()] - self.body.points[t.from(h).index()];
         let rise = u.dot(&self.outward);
         rise * rise / u.norm_squared()
     }
@@ -76,12 +74,12 @@ impl Promotion<'_> {
         sine * sine
     }
 
-    fn face(&self, faces: impl IntoIterator<Item = u32>) -> Option<Feature> {
+    fn face(&self, faces: impl IntoIterator<Item = FaceId>) -> Option<Feature> {
         let mut best: Option<(f64, Feature)> = None;
         for f in faces {
-            let n = &self.body.planes[f as usize].normal;
+            let n = &self.body.planes[f.index()].normal;
             let off = n.cross(&self.outward).norm_squared();
-            let feature = Feature::Face(FaceId(f));
+            let feature = Feature::Face(f);
             // The null face of a segment has no normal.
             if n.dot(&self.outward) > STEEP
                 && off <= self.max_squared_sine(feature)
@@ -93,11 +91,11 @@ impl Promotion<'_> {
         best.map(|(_, f)| f)
     }
 
-    fn edge(&self, fan: impl Iterator<Item = u32>) -> Option<Feature> {
+    fn edge(&self, fan: impl Iterator<Item = HalfEdgeId>) -> Option<Feature> {
         let mut best: Option<(f64, Feature)> = None;
         for h in fan {
             let off = self.rise(h);
-            let feature = Feature::Edge(EdgeId(self.body.topology.edge(h)));
+            let feature = Feature::Edge(self.body.topology.edge(h));
             if off <= self.max_squared_sine(feature) && best.is_none_or(|(least, _)| off < least) {
                 best = Some((off, feature));
             }

@@ -20,7 +20,7 @@ use crate::pair::draft::Draft;
 use crate::pair::edge::Edge;
 use crate::pair::posed::PosedPair;
 use crate::pair::transform::Transform;
-use crate::polyhedron::{ConvexPolyhedron, Feature, FeaturePair};
+use crate::polyhedron::{ConvexPolyhedron, EdgeId, Feature, FeaturePair, HalfEdgeId, VertexId};
 use crate::pose::Operand;
 use crate::tolerance::{CERTIFICATE, EXACT_FILTER, NORMAL_ERROR};
 use crate::tuning::depth::{MAX_EDGE_PAIRS, MAX_EVALUATIONS, MAX_MEASURED};
@@ -56,17 +56,17 @@ fn keep_lowest<T: Scalar>(posed: &PosedPair, frame: &Transform<T>, pairs: &mut V
 /// face stands for several unlisted faces.
 fn candidate_facets(posed: &PosedPair, frame: &Transform<DoubleDouble>) -> Option<Vec<FeaturePair>> {
     let (a, b) = (posed.a, posed.b);
-    let of_a = a.faces().map(|f| FeaturePair::vertex_face(Operand::B, 0, f.0));
-    let of_b = b.faces().map(|f| FeaturePair::vertex_face(Operand::A, 0, f.0));
+    let of_a = a.faces().map(|f| FeaturePair::vertex_face(Operand::B, VertexId(0), f));
+    let of_b = b.faces().map(|f| FeaturePair::vertex_face(Operand::A, VertexId(0), f));
     let mut pairs: Vec<FeaturePair> = of_a.chain(of_b).collect();
-    let on_b: Vec<_> = b.edges().map(|g| (g, Edge::new(b, g.0))).collect();
+    let on_b: Vec<_> = b.edges().map(|g| (g, Edge::new(b, g))).collect();
     let too_many = pairs.len() > MAX_MEASURED || a.edges().count() * on_b.len() > MAX_EDGE_PAIRS;
     if too_many || ![a, b].into_iter().all(has_flat_faces) {
         return None;
     }
     let mut doubtful = 0;
     for e in a.edges() {
-        let on_a = Edge::new(a, e.0);
+        let on_a = Edge::new(a, e);
         let along_a = posed.vector_in_b(&(on_a.q - on_a.p));
         for (g, on_b) in &on_b {
             let along_b = posed.vector_in_a(&(on_b.q - on_b.p));
@@ -77,8 +77,8 @@ fn candidate_facets(posed: &PosedPair, frame: &Transform<DoubleDouble>) -> Optio
             if doubtful > MAX_MEASURED {
                 return None;
             }
-            if may_share_normal(posed, frame, e.0, g.0) {
-                pairs.push(FeaturePair::edges(Operand::A, e.0, g.0));
+            if may_share_normal(posed, frame, e, *g) {
+                pairs.push(FeaturePair::edges(Operand::A, e, *g));
             }
         }
     }
@@ -88,29 +88,29 @@ fn candidate_facets(posed: &PosedPair, frame: &Transform<DoubleDouble>) -> Optio
 /// Returns whether the vertices of each face lie exactly in a common plane.
 fn has_flat_faces(body: &ConvexPolyhedron) -> bool {
     body.faces().all(|f| {
-        let vertex = |h: u32| body.points[body.topology.from(h) as usize];
-        let start = body.topology.rim_half_edge(f.0);
-        let next = |h: u32| body.topology.half_edge(h).next;
+        let vertex = |h: HalfEdgeId| body.points[body.topology.from(h).index()];
+        let start = body.topology.rim_half_edge(f);
+        let next = |h: HalfEdgeId| body.topology.half_edge(h).next;
         let [p, q] = [start, next(start)].map(vertex);
         // Tests p and q with both ends of every edge: three collinear vertices prove nothing.
         body.topology
-            .rim(f.0)
+            .rim(f)
             .all(|h| side(&p, &q, &vertex(h), &vertex(next(h))) == 0.0)
     })
 }
 
 /// Returns whether two edges may share a normal, tested in double-double: along the common
 /// perpendicular of both edges, all adjacent faces must descend.
-fn may_share_normal(posed: &PosedPair, frame: &Transform<DoubleDouble>, e: u32, g: u32) -> bool {
+fn may_share_normal(posed: &PosedPair, frame: &Transform<DoubleDouble>, e: EdgeId, g: EdgeId) -> bool {
     let n = cross(&edge(posed.a, e), &frame.vector(&edge(posed.b, g)));
     let noise = 2.0 * CERTIFICATE * DoubleDouble::UNIT;
     // Returns whether a face adjacent to the edge certainly descends along `n`, and whether a face
     // certainly rises, both judged by the face's vertex after the edge.
-    let slopes = |body: &ConvexPolyhedron, h: u32, n: &Vec3<DoubleDouble>| {
-        let t = &body.topology;
-        let from = body.points[t.from(h) as usize];
+    let slopes = |body: &ConvexPolyhedron, e: EdgeId, n: &Vec3<DoubleDouble>| {
+        let (t, h) = (&body.topology, e.half_edge());
+        let from = body.points[t.from(h).index()];
         let adjacent = [h, t.half_edge(h).twin].map(|h| {
-            let vertex = body.points[t.half_edge(t.half_edge(h).next).to as usize];
+            let vertex = body.points[t.half_edge(t.half_edge(h).next).to.index()];
             let u = [0, 1, 2].map(|k| DoubleDouble::sum(vertex[k], -from[k]));
             (dot(n, &u).value(), noise * (vertex - from).abs().sum())
         });
@@ -146,7 +146,7 @@ fn height_bounds<T: Scalar>(posed: &PosedPair, frame: &Transform<T>, pair: Featu
     let rounding = 2.0 * CERTIFICATE * T::UNIT;
     let off = match (pair.a, pair.b) {
         (Feature::Edge(e), Feature::Edge(g)) => {
-            let perpendicular = cross(&edge(posed.a, e.0), &frame.vector(&edge(posed.b, g.0)));
+            let perpendicular = cross(&edge(posed.a, e), &frame.vector(&edge(posed.b, g)));
             rounding / root(dot(&perpendicular, &perpendicular)).value()
         }
         _ => 2.0 * NORMAL_ERROR,
@@ -199,7 +199,7 @@ mod tests {
                     let Ok(posed) = PosedPair::new(a, b, &pose) else {
                         panic!("in range")
                     };
-                    let mut draft = Draft::starting_at(FeaturePair::vertices(Operand::A, 0, 0));
+                    let mut draft = Draft::starting_at(FeaturePair::FIRST);
                     solve(Accuracy::Certified, &posed, false, &mut draft);
                     if draft.class != Class::Overlapping {
                         continue;

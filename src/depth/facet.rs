@@ -13,7 +13,7 @@ use crate::pair::difference::difference_point;
 use crate::pair::edge::Edge;
 use crate::pair::posed::PosedPair;
 use crate::pair::transform::Transform;
-use crate::polyhedron::{ConvexPolyhedron, Feature, FeaturePair};
+use crate::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, Feature, FeaturePair, VertexId};
 use crate::pose::Operand;
 use crate::tolerance::{AGREE_DEPTH, NEARLY_PARALLEL};
 
@@ -21,18 +21,18 @@ use crate::depth::direction::unit;
 use crate::pair::difference::support;
 
 /// Returns the facets that may contain three points of A - B, given by vertices of A and of B.
-pub(super) fn facets(posed: &PosedPair, on_a: &[u32; 3], on_b: &[u32; 3]) -> [Option<FeaturePair>; 3] {
+pub(super) fn facets(posed: &PosedPair, on_a: &[VertexId; 3], on_b: &[VertexId; 3]) -> [Option<FeaturePair>; 3] {
     let (fa, fb) = (posed.a.feature_of(on_a), posed.b.feature_of(on_b));
     let of_a = match fa {
-        Feature::Face(f) => Some(FeaturePair::vertex_face(Operand::B, on_b[0], f.0)),
+        Feature::Face(f) => Some(FeaturePair::vertex_face(Operand::B, on_b[0], f)),
         _ => None,
     };
     let of_b = match fb {
-        Feature::Face(f) => Some(FeaturePair::vertex_face(Operand::A, on_a[0], f.0)),
+        Feature::Face(f) => Some(FeaturePair::vertex_face(Operand::A, on_a[0], f)),
         _ => None,
     };
     let of_edges = match (fa, fb) {
-        (Feature::Edge(e), Feature::Edge(f)) => Some(FeaturePair::edges(Operand::A, e.0, f.0)),
+        (Feature::Edge(e), Feature::Edge(f)) => Some(FeaturePair::edges(Operand::A, e, f)),
         _ => None,
     };
     [of_a, of_b, of_edges]
@@ -47,15 +47,15 @@ pub(super) fn height_of(posed: &PosedPair, frame: &Transform<f64>, facet: Featur
             let plane = &posed.a.planes[f.index()];
             let b = posed
                 .b
-                .support_certified(&-posed.direction_in_b(&plane.normal), v.0)
+                .support_certified(&-posed.direction_in_b(&plane.normal), v)
                 .vertex;
-            let at = posed.point_in_a(&posed.b.points[b as usize]);
+            let at = posed.point_in_a(&posed.b.points[b.index()]);
             (plane.normal, plane.offset - plane.normal.dot(&at))
         }
         (Feature::Vertex(v), Feature::Face(f)) if posed.same_scale() => {
             let plane = &posed.b.planes[f.index()];
             let n = -posed.vector_in_a(&plane.normal);
-            let a = posed.a.support_certified(&n, v.0);
+            let a = posed.a.support_certified(&n, v);
             (n, a.value + (plane.offset - posed.height_of_b_origin(&n)))
         }
         _ => {
@@ -79,7 +79,7 @@ fn height_of_edges(posed: &PosedPair, facet: FeaturePair) -> Option<(Vector3<f64
     let (Feature::Edge(e), Feature::Edge(g), true) = (facet.a, facet.b, posed.same_scale()) else {
         return None;
     };
-    let (a, b) = (Edge::new(posed.a, e.0), Edge::new(posed.b, g.0));
+    let (a, b) = (Edge::new(posed.a, e), Edge::new(posed.b, g));
     let u = a.q - a.p;
     let (v, at_b) = (posed.vector_in_a(&(b.q - b.p)), posed.point_in_a(&b.p));
     let n = u.cross(&v);
@@ -111,10 +111,10 @@ pub(super) fn normal_of<T: Scalar>(
     on: &MinkowskiPoint<T>,
 ) -> Option<Vec3<T>> {
     let n = match (facet.a, facet.b) {
-        (Feature::Face(f), _) => unit(&face(posed.a, f.0)),
-        (_, Feature::Face(f)) => unit(&neg(&frame.vector(&face(posed.b, f.0)))),
+        (Feature::Face(f), _) => unit(&face(posed.a, f)),
+        (_, Feature::Face(f)) => unit(&neg(&frame.vector(&face(posed.b, f)))),
         (Feature::Edge(e), Feature::Edge(f)) => {
-            let n = unit(&cross(&edge(posed.a, e.0), &unit(&frame.vector(&edge(posed.b, f.0)))));
+            let n = unit(&cross(&edge(posed.a, e), &unit(&frame.vector(&edge(posed.b, f)))));
             if dot(&n, &on.w) > T::from(0.0) { n } else { neg(&n) }
         }
         _ => return None,
@@ -123,14 +123,14 @@ pub(super) fn normal_of<T: Scalar>(
 }
 
 /// Returns the stored normal of a face.
-fn face<T: Scalar>(body: &ConvexPolyhedron, f: u32) -> Vec3<T> {
-    let n = body.planes[f as usize].normal;
+fn face<T: Scalar>(body: &ConvexPolyhedron, f: FaceId) -> Vec3<T> {
+    let n = body.planes[f.index()].normal;
     [T::from(n.x), T::from(n.y), T::from(n.z)]
 }
 
 /// Returns the unit direction of an edge.
-pub(super) fn edge<T: Scalar>(body: &ConvexPolyhedron, h: u32) -> Vec3<T> {
-    let t = &body.topology;
-    let (from, to) = (body.points[t.from(h) as usize], body.points[t.half_edge(h).to as usize]);
+pub(super) fn edge<T: Scalar>(body: &ConvexPolyhedron, e: EdgeId) -> Vec3<T> {
+    let (t, h) = (&body.topology, e.half_edge());
+    let (from, to) = (body.points[t.from(h).index()], body.points[t.half_edge(h).to.index()]);
     unit(&[0, 1, 2].map(|k| T::from(to[k]) - T::from(from[k])))
 }

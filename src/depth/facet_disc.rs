@@ -33,7 +33,7 @@ use crate::num::scalar::{Vec3, cross, dot, sqrt, sub};
 use crate::pair::difference::MinkowskiPoint;
 use crate::pair::posed::PosedPair;
 use crate::pair::transform::Transform;
-use crate::polyhedron::{ConvexPolyhedron, Feature, FeaturePair};
+use crate::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, Feature, FeaturePair, HalfEdgeId};
 use crate::tolerance::{AGREE_DEPTH, CERTIFICATE, DISC, DISC_MOST, UNIT};
 use crate::tuning::depth::MAX_EXCHANGES;
 
@@ -127,14 +127,14 @@ pub(super) fn holds_disc(
 ) -> bool {
     let (p, q, n) = (p.coords, q.coords, Vector3::from(*normal));
     match (facet.a, facet.b) {
-        (Feature::Face(f), Feature::Vertex(_)) => face_holds(posed.a, f.0, &p, rho, slack(posed)),
-        (Feature::Vertex(_), Feature::Face(f)) => face_holds(posed.b, f.0, &q, rho, slack(posed)),
+        (Feature::Face(f), Feature::Vertex(_)) => face_holds(posed.a, f, &p, rho, slack(posed)),
+        (Feature::Vertex(_), Feature::Face(f)) => face_holds(posed.b, f, &q, rho, slack(posed)),
         (Feature::Edge(e), Feature::Edge(g)) => {
-            let ends = |body: &ConvexPolyhedron, h: u32| {
-                let t = &body.topology;
-                [t.from(h), t.half_edge(h).to].map(|v| body.points[v as usize])
+            let ends = |body: &ConvexPolyhedron, e: EdgeId| {
+                let (t, h) = (&body.topology, e.half_edge());
+                [t.from(h), t.half_edge(h).to].map(|v| body.points[v.index()])
             };
-            let ([p0, p1], of_b) = (ends(posed.a, e.0), ends(posed.b, g.0));
+            let ([p0, p1], of_b) = (ends(posed.a, e), ends(posed.b, g));
             let ([q0, q1], q) = (of_b.map(|q| posed.point_in_a(&q)), posed.point_in_a(&q));
             let lowest = n.dot(&p0).min(n.dot(&p1)) - n.dot(&q0).max(n.dot(&q1));
             let (perpendicular_a, perpendicular_b) = (n.cross(&(p1 - p0)), n.cross(&(q1 - q0)));
@@ -154,9 +154,9 @@ pub(super) fn holds_disc(
 
 /// Returns whether a face contains a disc about a point in its plane, tested against all face
 /// vertices or, if the face is large, against a sample.
-fn face_holds(body: &ConvexPolyhedron, f: u32, x: &Vector3<f64>, rho: f64, slack: f64) -> bool {
-    let (t, plane) = (&body.topology, &body.planes[f as usize]);
-    let vertex = |h: u32| body.points[t.from(h) as usize];
+fn face_holds(body: &ConvexPolyhedron, f: FaceId, x: &Vector3<f64>, rho: f64, slack: f64) -> bool {
+    let (t, plane) = (&body.topology, &body.planes[f.index()]);
+    let vertex = |h: HalfEdgeId| body.points[t.from(h).index()];
     let mut vertices = sample_rim(body, f).map(vertex);
     let Some(first) = vertices.next() else { return false };
     let mut from = first;

@@ -9,7 +9,7 @@ use crate::num::scalar::Vec3;
 use crate::pair::face::{Face, FaceLocation};
 use crate::pair::posed::PosedPair;
 use crate::polyhedron::topology::Topology;
-use crate::polyhedron::{ConvexPolyhedron, Feature, FeaturePair};
+use crate::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, Feature, FeaturePair, HalfEdgeId, VertexId};
 use crate::pose::Operand;
 use crate::tolerance::{AGREE_DEPTH, FOOT};
 use crate::tuning::depth::SMALL;
@@ -30,14 +30,14 @@ pub(super) fn foot(
         (Feature::Face(f), Feature::Vertex(v)) => {
             let q = posed.b.points[v.index()];
             let p = posed.point_in_a(&q) + ahead;
-            (is_on(posed.a, f.0, &p, close).then_some(p)?, q)
+            (is_on(posed.a, f, &p, close).then_some(p)?, q)
         }
         (Feature::Vertex(v), Feature::Face(f)) if posed.same_scale() => {
             let p = posed.a.points[v.index()];
             let q = posed.point_in_b(&(p - ahead));
-            (p, is_on(posed.b, f.0, &q, close).then_some(q)?)
+            (p, is_on(posed.b, f, &q, close).then_some(q)?)
         }
-        (Feature::Edge(e), Feature::Edge(g)) => crossing(posed, e.0, g.0, &ahead, close)?,
+        (Feature::Edge(e), Feature::Edge(g)) => crossing(posed, e, g, &ahead, close)?,
         _ => return None,
     };
     Some((p.into(), q.into()))
@@ -54,8 +54,8 @@ pub(super) fn flush(
 ) -> Option<(FeaturePair, WitnessPoints)> {
     let n = Vector3::from(best.0);
     let (f, g) = match (facet.a, facet.b) {
-        (Feature::Face(f), Feature::Vertex(v)) => (f.0, face_towards(posed.b, v.0, &-posed.direction_in_b(&n))?),
-        (Feature::Vertex(v), Feature::Face(g)) => (face_towards(posed.a, v.0, &n)?, g.0),
+        (Feature::Face(f), Feature::Vertex(v)) => (f, face_towards(posed.b, v, &-posed.direction_in_b(&n))?),
+        (Feature::Vertex(v), Feature::Face(g)) => (face_towards(posed.a, v, &n)?, g),
         _ => return None,
     };
     let with_witnesses = |pair: FeaturePair| Some((pair, foot(posed, pair, best)?));
@@ -65,7 +65,7 @@ pub(super) fn flush(
     if let Some(found) = of_b().chain(of_a()).find_map(with_witnesses) {
         return Some(found);
     }
-    let is_small = |t: &Topology, face: u32| t.rim(face).nth(SMALL).is_none();
+    let is_small = |t: &Topology, face: FaceId| t.rim(face).nth(SMALL).is_none();
     if !(is_small(t[0], f) && is_small(t[1], g)) {
         return None;
     }
@@ -76,12 +76,12 @@ pub(super) fn flush(
 
 /// Returns the face at a vertex whose normal is closest to `outward`; `None` if the body has no
 /// faces.
-fn face_towards(body: &ConvexPolyhedron, v: u32, outward: &Vector3<f64>) -> Option<u32> {
+fn face_towards(body: &ConvexPolyhedron, v: VertexId, outward: &Vector3<f64>) -> Option<FaceId> {
     let t = &body.topology;
     let mut best = (0.0, None);
-    for h in t.fan(v).take(LARGE) {
+    for h in t.fan(v).iter().take(LARGE) {
         let f = t.half_edge(h).face;
-        let along = body.planes[f as usize].normal.dot(outward);
+        let along = body.planes[f.index()].normal.dot(outward);
         if along > best.0 {
             best = (along, Some(f));
         }
@@ -90,7 +90,7 @@ fn face_towards(body: &ConvexPolyhedron, v: u32, outward: &Vector3<f64>) -> Opti
 }
 
 /// Returns the half-edges of a face; of a large face, an evenly spaced sample.
-pub(super) fn sample_rim(body: &ConvexPolyhedron, f: u32) -> impl Iterator<Item = u32> + '_ {
+pub(super) fn sample_rim(body: &ConvexPolyhedron, f: FaceId) -> impl Iterator<Item = HalfEdgeId> + '_ {
     let t = &body.topology;
     let ring = t.ring(f);
     let sampled = ring
@@ -101,10 +101,10 @@ pub(super) fn sample_rim(body: &ConvexPolyhedron, f: u32) -> impl Iterator<Item 
 }
 
 /// Returns whether a point lies on a face, or at most `close` off the face.
-fn is_on(body: &ConvexPolyhedron, f: u32, x: &Vector3<f64>, close: f64) -> bool {
-    let (t, plane) = (&body.topology, &body.planes[f as usize]);
-    let inside = |h: u32| {
-        let (from, to) = (body.points[t.from(h) as usize], body.points[t.half_edge(h).to as usize]);
+fn is_on(body: &ConvexPolyhedron, f: FaceId, x: &Vector3<f64>, close: f64) -> bool {
+    let (t, plane) = (&body.topology, &body.planes[f.index()]);
+    let inside = |h: HalfEdgeId| {
+        let (from, to) = (body.points[t.from(h).index()], body.points[t.half_edge(h).to.index()]);
         let u = to - from;
         plane.normal.cross(&u).dot(&(x - from)) >= -close * u.abs().sum()
     };
@@ -128,14 +128,14 @@ fn is_on(body: &ConvexPolyhedron, f: u32, x: &Vector3<f64>, close: f64) -> bool 
 /// Returns the points of two edges that differ by `ahead`.
 fn crossing(
     posed: &PosedPair,
-    e: u32,
-    g: u32,
+    e: EdgeId,
+    g: EdgeId,
     ahead: &Vector3<f64>,
     close: f64,
 ) -> Option<(Vector3<f64>, Vector3<f64>)> {
-    let ends = |body: &ConvexPolyhedron, h: u32| {
-        let t = &body.topology;
-        (body.points[t.from(h) as usize], body.points[t.half_edge(h).to as usize])
+    let ends = |body: &ConvexPolyhedron, e: EdgeId| {
+        let (t, h) = (&body.topology, e.half_edge());
+        (body.points[t.from(h).index()], body.points[t.half_edge(h).to.index()])
     };
     let ((p0, p1), (q0, q1)) = (ends(posed.a, e), ends(posed.b, g));
     let (u, v) = (p1 - p0, posed.vector_in_a(&(q1 - q0)));

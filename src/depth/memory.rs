@@ -10,7 +10,7 @@ use alloc::vec::Vec;
 
 use crate::num::scalar::Vec3;
 use crate::pair::difference::MinkowskiPoint;
-use crate::polyhedron::FeaturePair;
+use crate::polyhedron::{FeaturePair, VertexId};
 use crate::tuning::depth::{GAIN, MAX_TRIANGLES};
 
 use crate::depth::surface::EnclosingSurface;
@@ -28,7 +28,7 @@ pub(super) const MAX_POINTS: usize = MAX_TRIANGLES / 2 + 2;
 )]
 pub(crate) struct Memory {
     /// Vertex of A and vertex of B of each point.
-    pub(super) points: Vec<[u32; 2]>,
+    pub(super) points: Vec<[VertexId; 2]>,
     /// Three point indices, then the triangle across the edge from vertex k to vertex k + 1.
     pub(super) triangles: Vec<[u8; 6]>,
     /// Features of the deepest facet.
@@ -44,7 +44,13 @@ pub(crate) struct Memory {
 
 /// Features of the deepest facet, features of the witnesses, initial number of triangles, points,
 /// and triangles.
-type Parts<'a> = (FeaturePair, Option<FeaturePair>, u32, &'a [[u32; 2]], &'a [[u8; 6]]);
+type Parts<'a> = (
+    FeaturePair,
+    Option<FeaturePair>,
+    u32,
+    &'a [[VertexId; 2]],
+    &'a [[u8; 6]],
+);
 
 /// Buffers that keep their allocation between queries.
 #[derive(Clone, Debug)]
@@ -64,7 +70,7 @@ impl PartialEq for Memory {
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize))]
 pub(crate) struct RawMemory {
-    pub(crate) points: Vec<[u32; 2]>,
+    pub(crate) points: Vec<[VertexId; 2]>,
     pub(crate) triangles: Vec<[u32; 6]>,
     pub(crate) facet: Option<FeaturePair>,
     #[cfg_attr(feature = "serde", serde(default))]
@@ -152,7 +158,7 @@ impl Memory {
 
     /// Returns the allocated bytes on the heap.
     pub(crate) fn heap_bytes(&self) -> usize {
-        self.points.capacity() * size_of::<[u32; 2]>()
+        self.points.capacity() * size_of::<[VertexId; 2]>()
             + self.triangles.capacity() * size_of::<[u8; 6]>()
             + self.scratch.as_ref().map_or(0, |r| {
                 size_of::<Scratch>() + r.below_target.capacity() * size_of::<u32>() + r.surface.heap_bytes()

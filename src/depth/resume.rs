@@ -12,7 +12,7 @@ use crate::pair::draft::Draft;
 use crate::pair::outcome::{Class, Solver};
 use crate::pair::posed::PosedPair;
 use crate::pair::transform::Transform;
-use crate::polyhedron::FeaturePair;
+use crate::polyhedron::{FeaturePair, VertexId};
 use crate::tolerance::{AGREE_DEPTH, ORIGIN_SHIFTS};
 use crate::tuning::depth::{FEW_POINTS, FEW_TRIANGLES};
 
@@ -61,7 +61,7 @@ fn resume_with<const N: usize>(
 ) -> bool {
     let mut positions = [[0.0; 3]; N];
     for (position, &[a, b]) in positions.iter_mut().zip(&memory.points) {
-        let (Some(p), Some(q)) = (posed.a.points.get(a as usize), posed.b.points.get(b as usize)) else {
+        let (Some(p), Some(q)) = (posed.a.points.get(a.index()), posed.b.points.get(b.index())) else {
             return false;
         };
         *position = sub(&[p.x, p.y, p.z], &frame.point(q));
@@ -184,7 +184,7 @@ impl Best<f64> {
         &mut self,
         posed: &PosedPair,
         frame: &Transform<f64>,
-        triangles: impl Iterator<Item = [[u32; 3]; 2]>,
+        triangles: impl Iterator<Item = [[VertexId; 3]; 2]>,
     ) -> bool {
         let before = self.height;
         for [on_a, on_b] in triangles {

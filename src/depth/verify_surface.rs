@@ -100,7 +100,11 @@ impl Target<'_> {
     /// Returns whether a triangle is beyond the facet though its plane is not: the triangle lies
     /// entirely beyond its nearest point.
     fn is_far(&self, w: &[Vec3<f64>; 3]) -> bool {
-        let nearest = Simplex::triangle(w.map(|w| MinkowskiPoint { a: 0, b: 0, w })).direction();
+        let nearest = Simplex::triangle(w.map(|w| MinkowskiPoint {
+            w,
+            ..MinkowskiPoint::default()
+        }))
+        .direction();
         let low = min_height(&nearest, w);
         low > 0.0 && low * low >= self.height * self.height * dot(&nearest, &nearest)
     }

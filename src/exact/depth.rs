@@ -11,13 +11,13 @@ use crate::pair::answer::{unit, walk_state};
 use crate::pair::draft::Draft;
 use crate::pair::outcome::{Class, Solver};
 use crate::pair::posed::PosedPair;
-use crate::polyhedron::{Feature, FeaturePair};
+use crate::polyhedron::{EdgeId, FaceId, Feature, FeaturePair, HalfEdgeId, VertexId};
 
 /// A facet of A - B: a normal, and the height along the normal times the normal's length.
 struct ExactFacet {
     normal: Big3,
     height: IBig,
-    hint: (u32, u32),
+    hint: (VertexId, VertexId),
 }
 
 impl ExactFacet {
@@ -31,11 +31,11 @@ impl ExactFacet {
 impl RotatedBody<'_> {
     /// Returns an outward normal of a face, of any length; `None` if the face's vertices are not
     /// coplanar.
-    fn normal(&self, face: u32, exponent: i32) -> Option<Big3> {
+    fn normal(&self, face: FaceId, exponent: i32) -> Option<Big3> {
         let t = &self.body.topology;
-        let vertex = |h: u32| self.to_user(t.from(h), exponent);
+        let vertex = |h: HalfEdgeId| self.to_user(t.from(h), exponent);
         let base = vertex(t.rim_half_edge(face));
-        let from_base = |h: u32| sub(&vertex(h), &base);
+        let from_base = |h: HalfEdgeId| sub(&vertex(h), &base);
         let side = t.rim(face).map(from_base).find(|u| !is_zero(u))?;
         let n = t.rim(face).map(|h| cross(&side, &from_base(h))).find(|n| !is_zero(n))?;
         let is_flat = t.rim(face).all(|h| sign(&dot(&n, &from_base(h))) == 0);
@@ -43,11 +43,11 @@ impl RotatedBody<'_> {
     }
 
     /// Returns the vector along an edge.
-    fn edge(&self, edge: u32, exponent: i32) -> Big3 {
+    fn edge(&self, edge: EdgeId, exponent: i32) -> Big3 {
         let t = &self.body.topology;
         sub(
-            &self.point(t.half_edge(edge).to, exponent),
-            &self.point(t.from(edge), exponent),
+            &self.point(t.half_edge(edge.half_edge()).to, exponent),
+            &self.point(t.from(edge.half_edge()), exponent),
         )
     }
 }
@@ -63,10 +63,10 @@ impl ScaledPair<'_> {
     ) -> Result<Option<ExactFacet>, NotFlat> {
         let hint = features.vertices_of(posed.a, posed.b);
         let normal = match (features.a, features.b) {
-            (Feature::Face(f), _) => self.a.normal(f.0, self.exponent).ok_or(NotFlat)?,
-            (_, Feature::Face(f)) => neg(&self.b.normal(f.0, self.exponent).ok_or(NotFlat)?),
+            (Feature::Face(f), _) => self.a.normal(f, self.exponent).ok_or(NotFlat)?,
+            (_, Feature::Face(f)) => neg(&self.b.normal(f, self.exponent).ok_or(NotFlat)?),
             (Feature::Edge(e), Feature::Edge(f)) => {
-                let n = cross(&self.a.edge(e.0, self.exponent), &self.b.edge(f.0, self.exponent));
+                let n = cross(&self.a.edge(e, self.exponent), &self.b.edge(f, self.exponent));
                 // The origin is inside, so the facet is ahead of the origin.
                 let ahead = dot(&n, &self.corner(hint.0, hint.1).w);
                 let (normal, height) = match sign(&ahead) {
@@ -120,7 +120,7 @@ fn write_facet(posed: &PosedPair, pair: &ScaledPair, facet: &ExactFacet, draft: 
     let Some(at) = minimize([from_foot(pair.support_exact(normal, *hint))].into(), &lowest) else {
         return false;
     };
-    let (mut a, mut b) = ([0; 4], [0; 4]);
+    let (mut a, mut b) = ([VertexId(0); 4], [VertexId(0); 4]);
     for (k, c) in at.kept.iter().enumerate().take(4) {
         (a[k], b[k]) = (c.a, c.b);
     }

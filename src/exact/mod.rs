@@ -25,7 +25,7 @@ use crate::pair::outcome::{Class, Solver};
 use crate::pair::posed::PosedPair;
 use crate::polyhedron::axis::Axis;
 use crate::polyhedron::heights::{Upward, steeper};
-use crate::polyhedron::{ConvexPolyhedron, lowest_bit};
+use crate::polyhedron::{ConvexPolyhedron, VertexId, lowest_bit};
 use crate::pose::RelativePose;
 pub(crate) use depth::deepest;
 use integer::{Big3, direction, dot, fraction, integer, is_zero, neg, root, sub};
@@ -84,13 +84,13 @@ impl<'a> RotatedBody<'a> {
         ]
     }
 
-    fn to_user(&self, v: u32, exponent: i32) -> Big3 {
-        let p = self.body.to_user(&self.body.points[v as usize]);
+    fn to_user(&self, v: VertexId, exponent: i32) -> Big3 {
+        let p = self.body.to_user(&self.body.points[v.index()]);
         [p.x, p.y, p.z].map(|c| integer(c, exponent))
     }
 
     /// Returns vertex `v`, rotated.
-    fn point(&self, v: u32, exponent: i32) -> Big3 {
+    fn point(&self, v: VertexId, exponent: i32) -> Big3 {
         self.vector(&self.to_user(v, exponent))
     }
 
@@ -107,7 +107,7 @@ impl<'a> RotatedBody<'a> {
     }
 
     /// Returns the support vertex along `n`; among exact ties the lowest number.
-    fn support_exact(&self, n: &Big3, hint: u32, exponent: i32) -> u32 {
+    fn support_exact(&self, n: &Big3, hint: VertexId, exponent: i32) -> VertexId {
         let (body, along) = (self.body, self.along(n, exponent));
         let start = body.support_climb(&along.rounded, body.start_vertex(&along.rounded, hint));
         body.support_exact(&along, start)
@@ -115,7 +115,7 @@ impl<'a> RotatedBody<'a> {
 
     /// Returns an edge at `v`, rotated, and its end vertex: an edge that rises along `n` if there
     /// is any, else a level edge if there is any.
-    fn rising(&self, n: &Big3, v: u32, exponent: i32) -> Option<(u32, Big3)> {
+    fn rising(&self, n: &Big3, v: VertexId, exponent: i32) -> Option<(VertexId, Big3)> {
         let h = self.body.rising(&self.along(n, exponent), v)?;
         let to = self.body.topology.half_edge(h).to;
         Some((to, sub(&self.point(to, exponent), &self.point(v, exponent))))
@@ -132,13 +132,13 @@ struct Along<'a> {
 
 impl Along<'_> {
     /// Returns the edge between two vertices, in stored units.
-    fn rounded_edge(&self, p: u32, q: u32) -> Vector3<f64> {
+    fn rounded_edge(&self, p: VertexId, q: VertexId) -> Vector3<f64> {
         let points = &self.body.body.points;
-        points[q as usize] - points[p as usize]
+        points[q.index()] - points[p.index()]
     }
 
     /// Returns an exact multiple of the edge between two vertices.
-    fn edge(&self, p: u32, q: u32) -> Big3 {
+    fn edge(&self, p: VertexId, q: VertexId) -> Big3 {
         sub(
             &self.body.to_user(q, self.exponent),
             &self.body.to_user(p, self.exponent),
@@ -147,14 +147,14 @@ impl Along<'_> {
 }
 
 impl Upward for Along<'_> {
-    fn rise(&self, p: u32, q: u32) -> i32 {
+    fn rise(&self, p: VertexId, q: VertexId) -> i32 {
         match edge_sign(&self.rounded, &self.rounded_edge(p, q)) {
             0 => sign(&dot(&self.n, &self.edge(p, q))),
             sign => sign,
         }
     }
 
-    fn steeper(&self, m: &Axis, p: u32, q: u32, r: u32) -> i32 {
+    fn steeper(&self, m: &Axis, p: VertexId, q: VertexId, r: VertexId) -> i32 {
         let certain = steeper(
             &self.rounded,
             &m.rounded(),
@@ -191,7 +191,7 @@ impl<'a> ScaledPair<'a> {
     }
 
     /// Returns the point `a - b` of A - B.
-    fn corner(&self, a: u32, b: u32) -> ExactPoint {
+    fn corner(&self, a: VertexId, b: VertexId) -> ExactPoint {
         let (p, q) = (self.a.point(a, self.exponent), self.b.point(b, self.exponent));
         ExactPoint {
             a,
@@ -201,20 +201,20 @@ impl<'a> ScaledPair<'a> {
     }
 
     /// Returns the support point of A - B along `n`.
-    fn support_exact(&self, n: &Big3, hint: (u32, u32)) -> ExactPoint {
+    fn support_exact(&self, n: &Big3, hint: (VertexId, VertexId)) -> ExactPoint {
         let a = self.a.support_exact(n, hint.0, self.exponent);
         let b = self.b.support_exact(&neg(n), hint.1, self.exponent);
         self.corner(a, b)
     }
 
-    fn nearest(&self, hint: (u32, u32)) -> Option<NearestPoint> {
+    fn nearest(&self, hint: (VertexId, VertexId)) -> Option<NearestPoint> {
         minimize(vec![self.corner(hint.0, hint.1)], &|n| {
             self.support_exact(&neg(n), hint)
         })
     }
 
     /// Locates the origin in A - B; `at` must be the origin.
-    fn locate(&self, at: &NearestPoint, hint: (u32, u32)) -> Origin {
+    fn locate(&self, at: &NearestPoint, hint: (VertexId, VertexId)) -> Origin {
         let rising = |c: &ExactPoint, n: &Big3| {
             let a = self
                 .a
@@ -247,7 +247,7 @@ pub(crate) fn resolve_exactly(posed: &PosedPair, draft: &mut Draft) {
     let Some(at) = pair.nearest(hint) else {
         return crate::pair::answer::set_undecided(posed, draft);
     };
-    let (mut a, mut b) = ([0; 4], [0; 4]);
+    let (mut a, mut b) = ([VertexId(0); 4], [VertexId(0); 4]);
     for (k, c) in at.kept.iter().enumerate().take(4) {
         (a[k], b[k]) = (c.a, c.b);
     }
@@ -292,7 +292,7 @@ pub(crate) fn separation(
     a: &ConvexPolyhedron,
     b: &ConvexPolyhedron,
     pose: &RelativePose,
-    hint: (u32, u32),
+    hint: (VertexId, VertexId),
 ) -> Option<(Class, f64)> {
     let pair = ScaledPair::new(a, b, pose);
     let at = pair.nearest(hint)?;
@@ -311,8 +311,8 @@ fn witnesses(pair: &ScaledPair, at: &NearestPoint) -> (Point3<f64>, Point3<f64>)
     let (mut on_a, mut on_b) = (Point3::origin(), Point3::origin());
     for (c, weight) in at.kept.iter().zip(&at.weights) {
         let s = fraction(weight, &at.sum);
-        on_a += pair.a.body.points[c.a as usize] * s;
-        on_b += pair.b.body.points[c.b as usize] * s;
+        on_a += pair.a.body.points[c.a.index()] * s;
+        on_b += pair.b.body.points[c.b.index()] * s;
     }
     (on_a, on_b)
 }
@@ -322,7 +322,7 @@ pub(crate) fn within(
     a: &ConvexPolyhedron,
     b: &ConvexPolyhedron,
     pose: &RelativePose,
-    hint: (u32, u32),
+    hint: (VertexId, VertexId),
     d: f64,
 ) -> bool {
     d == f64::INFINITY || compare(a, b, pose, hint, &[d]).is_le()
@@ -334,7 +334,7 @@ pub(crate) fn compare(
     a: &ConvexPolyhedron,
     b: &ConvexPolyhedron,
     pose: &RelativePose,
-    hint: (u32, u32),
+    hint: (VertexId, VertexId),
     sum: &[f64],
 ) -> Ordering {
     let e = lowest_bit(sum.iter().copied());

@@ -8,12 +8,13 @@ use dashu_base::Signed;
 use dashu_int::IBig;
 
 use crate::exact::integer::{Big3, cross, dot, is_zero, neg, sub};
+use crate::polyhedron::VertexId;
 
 /// A point of the searched set: vertex numbers and position.
 #[derive(Clone, Debug)]
 pub(super) struct ExactPoint {
-    pub(super) a: u32,
-    pub(super) b: u32,
+    pub(super) a: VertexId,
+    pub(super) b: VertexId,
     pub(super) w: Big3,
 }
 

@@ -14,13 +14,19 @@ use crate::pair::draft::Draft;
 use crate::pair::outcome::Solver;
 use crate::pair::posed::PosedPair;
 use crate::pair::transform::Transform;
-use crate::polyhedron::FeaturePair;
+use crate::polyhedron::{FeaturePair, VertexId};
 
 /// Four vertex pairs (a tetrahedron of A - B). The default, four equal pairs, is never a valid
 /// proof; it marks that the previous query overlapped.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(crate) struct OverlapProof([[u32; 2]; 4]);
+pub(crate) struct OverlapProof([[VertexId; 2]; 4]);
+
+impl Default for OverlapProof {
+    fn default() -> Self {
+        Self([[VertexId(0); 2]; 4])
+    }
+}
 
 impl OverlapProof {
     fn from_simplex(simplex: &Simplex<f64>) -> Option<Self> {
@@ -30,7 +36,7 @@ impl OverlapProof {
 
     /// Returns a guess: four pairs of vertices, of A and of B, whose differences may contain the
     /// origin.
-    pub(crate) fn guess(points: [[u32; 2]; 4]) -> Self {
+    pub(crate) fn guess(points: [[VertexId; 2]; 4]) -> Self {
         Self(points)
     }
 
@@ -40,7 +46,7 @@ impl OverlapProof {
     pub(crate) fn proves(&self, posed: &PosedPair, draft: &mut Draft) -> bool {
         let (a, b) = (posed.a.points.len(), posed.b.points.len());
         // State from a file, or of different bodies, may name vertices that do not exist.
-        if !self.0.iter().all(|[x, y]| (*x as usize) < a && (*y as usize) < b) {
+        if !self.0.iter().all(|[x, y]| x.index() < a && y.index() < b) {
             return false;
         }
         let frame = Transform::of(posed);

@@ -7,6 +7,7 @@
 use crate::num::scalar::{Scalar, Vec3, cross, dot, neg, root, scaled, sub};
 use crate::pair::difference::MinkowskiPoint;
 use crate::pair::transform::ErrorScale;
+use crate::polyhedron::VertexId;
 use crate::tolerance::VOLUME;
 
 /// Up to four Minkowski points, and the point of their convex hull closest to the origin.
@@ -236,7 +237,7 @@ impl<T: Scalar> Simplex<T> {
     }
 
     /// Returns whether the simplex contains the point of two vertices.
-    pub(crate) fn contains(&self, a: u32, b: u32) -> bool {
+    pub(crate) fn contains(&self, a: VertexId, b: VertexId) -> bool {
         self.points().iter().any(|c| (c.a, c.b) == (a, b))
     }
 }

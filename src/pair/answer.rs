@@ -7,7 +7,7 @@ use crate::num::scalar::Scalar;
 use crate::pair::draft::Draft;
 use crate::pair::outcome::Class;
 use crate::pair::posed::PosedPair;
-use crate::polyhedron::{Feature, FeaturePair};
+use crate::polyhedron::{Feature, FeaturePair, VertexId};
 use crate::pose::Operand;
 use crate::tolerance::{AGREE, CERTIFICATE, UNIT};
 
@@ -42,7 +42,7 @@ pub(crate) fn set_overlapping(draft: &mut Draft) {
 /// two vertices prove.
 pub(crate) fn set_undecided(posed: &PosedPair, draft: &mut Draft) {
     let (a, b) = draft.features.vertices_of(posed.a, posed.b);
-    let (p, q) = (posed.a.points[a as usize], posed.b.points[b as usize]);
+    let (p, q) = (posed.a.points[a.index()], posed.b.points[b.index()]);
     (draft.point_on_a, draft.point_on_b) = (p.into(), q.into());
     let between = posed.point_in_a(&q) - p;
     draft.normal = unit(&between);
@@ -54,7 +54,7 @@ pub(crate) fn set_undecided(posed: &PosedPair, draft: &mut Draft) {
 
 /// Returns the smallest features that contain one to four vertices of each body, as a state of the
 /// walk.
-pub(crate) fn walk_state(posed: &PosedPair, a: &[u32], b: &[u32]) -> FeaturePair {
+pub(crate) fn walk_state(posed: &PosedPair, a: &[VertexId], b: &[VertexId]) -> FeaturePair {
     let (fa, fb) = (posed.a.feature_of(a), posed.b.feature_of(b));
     let features = FeaturePair { a: fa, b: fb };
     if fa.dimension() + fb.dimension() <= 2 {
@@ -63,8 +63,8 @@ pub(crate) fn walk_state(posed: &PosedPair, a: &[u32], b: &[u32]) -> FeaturePair
     // An edge over a face, or two faces: parallel features, so a vertex with the face is closest
     // too.
     match (fa, fb) {
-        (Feature::Face(f), _) => FeaturePair::vertex_face(Operand::B, b[0], f.0),
-        (_, Feature::Face(f)) => FeaturePair::vertex_face(Operand::A, a[0], f.0),
+        (Feature::Face(f), _) => FeaturePair::vertex_face(Operand::B, b[0], f),
+        (_, Feature::Face(f)) => FeaturePair::vertex_face(Operand::A, a[0], f),
         _ => features,
     }
 }

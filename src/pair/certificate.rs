@@ -30,6 +30,7 @@
 //! Source: the duality gap of Gilbert, Johnson and Keerthi 1988; the use as an acceptance test of a
 //! feature walk is ours.
 
+use crate::polyhedron::VertexId;
 use nalgebra::Vector3;
 
 use crate::pair::posed::PosedPair;
@@ -37,7 +38,7 @@ use crate::pair::posed::PosedPair;
 /// Returns the distance of the supporting planes perpendicular to `normal` (in A's stored frame, of
 /// any length): a lower bound of the distance, before the error term.
 #[cold]
-pub(crate) fn support_distance(posed: &PosedPair, normal: &Vector3<f64>, hint_a: u32, hint_b: u32) -> f64 {
+pub(crate) fn support_distance(posed: &PosedPair, normal: &Vector3<f64>, hint_a: VertexId, hint_b: VertexId) -> f64 {
     let norm = crate::num::scalar::sqrt(normal.norm_squared());
     if !(norm > 0.0) {
         return f64::NEG_INFINITY;

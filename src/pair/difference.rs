@@ -8,38 +8,48 @@ use nalgebra::Vector3;
 use crate::num::scalar::{Scalar, Vec3, neg, sub};
 use crate::pair::posed::PosedPair;
 use crate::pair::transform::Transform;
-use crate::polyhedron::ConvexPolyhedron;
 use crate::polyhedron::heights::Direction;
+use crate::polyhedron::{ConvexPolyhedron, VertexId};
 use crate::tolerance::UNIT;
 use crate::tuning::pair::SMALL;
 
 /// A point of the Minkowski difference A - B: a vertex of each body.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct MinkowskiPoint<T> {
-    pub(crate) a: u32,
-    pub(crate) b: u32,
+    pub(crate) a: VertexId,
+    pub(crate) b: VertexId,
     /// The difference `a - b`, in A's frame.
     pub(crate) w: Vec3<T>,
+}
+
+impl<T: Scalar> Default for MinkowskiPoint<T> {
+    fn default() -> Self {
+        Self {
+            a: VertexId(0),
+            b: VertexId(0),
+            w: [T::from(0.0); 3],
+        }
+    }
 }
 
 /// Returns the point of A - B for a vertex of A and a vertex of B.
 pub(crate) fn difference_point<T: Scalar>(
     posed: &PosedPair,
     frame: &Transform<T>,
-    a: u32,
-    b: u32,
+    a: VertexId,
+    b: VertexId,
 ) -> MinkowskiPoint<T> {
-    let p = posed.a.points[a as usize];
+    let p = posed.a.points[a.index()];
     let w = sub(
         &[T::from(p.x), T::from(p.y), T::from(p.z)],
-        &frame.point(&posed.b.points[b as usize]),
+        &frame.point(&posed.b.points[b.index()]),
     );
     MinkowskiPoint { a, b, w }
 }
 
 /// Returns the support vertex along `n` in the arithmetic of the solver; the lowest index among
 /// ties.
-pub(crate) fn support_vertex<T: Scalar>(body: &ConvexPolyhedron, n: &Vec3<T>, hint: u32) -> u32 {
+pub(crate) fn support_vertex<T: Scalar>(body: &ConvexPolyhedron, n: &Vec3<T>, hint: VertexId) -> VertexId {
     let rounded = Vector3::new(n[0].value(), n[1].value(), n[2].value());
     if T::UNIT == UNIT {
         let start = if body.points.len() > SMALL {

@@ -3,13 +3,13 @@
 use nalgebra::Vector3;
 
 use crate::num::packed::PackedVec3;
-use crate::polyhedron::{ConvexPolyhedron, Plane};
+use crate::polyhedron::{ConvexPolyhedron, EdgeId, Plane, VertexId};
 
 /// Endpoints of an edge and the planes of the adjacent faces.
 #[derive(Clone, Copy)]
 pub(crate) struct Edge<'a> {
-    pub(crate) tail: u32,
-    pub(crate) head: u32,
+    pub(crate) tail: VertexId,
+    pub(crate) head: VertexId,
     pub(crate) p: Vector3<f64>,
     pub(crate) q: Vector3<f64>,
     pub(crate) left: &'a Plane,
@@ -18,16 +18,16 @@ pub(crate) struct Edge<'a> {
 
 impl<'a> Edge<'a> {
     #[inline(always)]
-    pub(crate) fn new(body: &'a ConvexPolyhedron, edge: u32) -> Self {
-        let e = body.topology.half_edge(edge);
+    pub(crate) fn new(body: &'a ConvexPolyhedron, edge: EdgeId) -> Self {
+        let e = body.topology.half_edge(edge.half_edge());
         let twin = body.topology.half_edge(e.twin);
         Self {
             tail: twin.to,
             head: e.to,
-            p: body.points[twin.to as usize],
-            q: body.points[e.to as usize],
-            left: &body.planes[e.face as usize],
-            right: &body.planes[twin.face as usize],
+            p: body.points[twin.to.index()],
+            q: body.points[e.to.index()],
+            left: &body.planes[e.face.index()],
+            right: &body.planes[twin.face.index()],
         }
     }
 

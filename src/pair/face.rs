@@ -9,8 +9,8 @@ use nalgebra::Vector3;
 
 use crate::num::packed::PackedVec3;
 use crate::pair::star::one_norm;
-use crate::polyhedron::ConvexPolyhedron;
 use crate::polyhedron::unimodal::top_of_ring;
+use crate::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, HalfEdgeId};
 use crate::tolerance::{DIFFERENCE, FOOT};
 
 /// Location of a point relative to the side planes of a face.
@@ -18,15 +18,15 @@ pub(crate) enum FaceLocation {
     /// Inside all side planes, beyond rounding.
     Inside,
     /// Within rounding of the side plane of this edge.
-    Grazes(u32),
+    Grazes(EdgeId),
     /// Outside the side plane of this edge, beyond rounding.
-    Outside(u32),
+    Outside(EdgeId),
 }
 
 /// A face of a body, with the normal of the plane.
 pub(crate) struct Face<'a> {
     pub(crate) body: &'a ConvexPolyhedron,
-    pub(crate) face: u32,
+    pub(crate) face: FaceId,
     pub(crate) normal: &'a Vector3<f64>,
 }
 
@@ -61,11 +61,11 @@ impl Face<'_> {
         let mut h = start;
         loop {
             let e = body.topology.half_edge(h);
-            let to = body.points[e.to as usize];
+            let to = body.points[e.to.index()];
             let u = to - from;
             let side = self.normal.cross(&u).dot(&(x - to));
             if side < close {
-                let edge_side = classify(h.min(e.twin), side, &u, size);
+                let edge_side = classify(EdgeId::of(h, e.twin), side, &u, size);
                 if edge_side.signed < furthest && !matches!(edge_side.location, FaceLocation::Inside) {
                     (location, furthest) = (edge_side.location, edge_side.signed);
                 }
@@ -91,7 +91,7 @@ impl Face<'_> {
     /// chord between the two outer vertices: the three vertices then prove `x` inside the face,
     /// except for the edges next to them, which are tested.
     #[inline(never)]
-    pub(crate) fn locate_large(&self, ring: &[u32], x: &Vector3<f64>, size: f64) -> FaceLocation {
+    pub(crate) fn locate_large(&self, ring: &[HalfEdgeId], x: &Vector3<f64>, size: f64) -> FaceLocation {
         let m = ring.len();
         let root = self.tail(ring[0]);
         let left_of = |k: usize| self.normal.cross(&(self.tail(ring[k]) - root)).dot(&(x - root)) >= 0.0;
@@ -128,7 +128,7 @@ impl Face<'_> {
     /// Finds the edge closest to `x` by a gallop from the edge `at` along the edges visible from
     /// `x` (`x` is outside their side planes): along them the distance falls up to the closest edge
     /// and rises after.
-    fn nearest_visible(&self, ring: &[u32], at: usize, x: &Vector3<f64>) -> usize {
+    fn nearest_visible(&self, ring: &[HalfEdgeId], at: usize, x: &Vector3<f64>) -> usize {
         let m = ring.len();
         let ends = |k: usize| (self.tail(ring[k % m]), self.head(ring[k % m]));
         let is_visible = |k: usize| {
@@ -155,7 +155,12 @@ impl Face<'_> {
     /// `start + displacement`: the fraction of `displacement`, and the edge. The line may enter
     /// over the edge `entry` and never exits there.
     #[inline(always)]
-    pub(crate) fn exit(&self, start: PackedVec3, displacement: PackedVec3, entry: Option<u32>) -> Option<(f64, u32)> {
+    pub(crate) fn exit(
+        &self,
+        start: PackedVec3,
+        displacement: PackedVec3,
+        entry: Option<EdgeId>,
+    ) -> Option<(f64, EdgeId)> {
         match self.body.topology.ring(self.face) {
             None => self.exit_small(start, displacement, entry),
             Some(ring) => self.exit_large(ring, &start.vector(), &displacement.vector(), entry),
@@ -164,15 +169,15 @@ impl Face<'_> {
 
     /// Finds the exit by a scan.
     #[inline(always)]
-    fn exit_small(&self, start: PackedVec3, displacement: PackedVec3, entry: Option<u32>) -> Option<(f64, u32)> {
+    fn exit_small(&self, start: PackedVec3, displacement: PackedVec3, entry: Option<EdgeId>) -> Option<(f64, EdgeId)> {
         let (body, normal) = (self.body, PackedVec3::new(self.normal));
         let begin = body.topology.rim_half_edge(self.face);
         let (mut h, mut p) = (begin, PackedVec3::new(&self.tail(begin)));
         let mut first = None;
         loop {
             let e = body.topology.half_edge(h);
-            let q = PackedVec3::new(&body.points[e.to as usize]);
-            let (edge, inward) = (h.min(e.twin), normal.cross(q - p));
+            let q = PackedVec3::new(&body.points[e.to.index()]);
+            let (edge, inward) = (EdgeId::of(h, e.twin), normal.cross(q - p));
             let speed = inward.dot(displacement);
             if speed < 0.0 && entry != Some(edge) {
                 let when = -inward.dot(start - p) / speed;
@@ -192,11 +197,11 @@ impl Face<'_> {
     #[inline(never)]
     fn exit_large(
         &self,
-        ring: &[u32],
+        ring: &[HalfEdgeId],
         start: &Vector3<f64>,
         displacement: &Vector3<f64>,
-        entry: Option<u32>,
-    ) -> Option<(f64, u32)> {
+        entry: Option<EdgeId>,
+    ) -> Option<(f64, EdgeId)> {
         if matches!(
             self.locate_large(ring, &(start + displacement), 0.0),
             FaceLocation::Inside
@@ -204,7 +209,7 @@ impl Face<'_> {
             return None;
         }
         let mut first = None;
-        let mut try_edge = |h: u32| {
+        let mut try_edge = |h: HalfEdgeId| {
             let edge = self.edge(h);
             let (p, q) = (self.tail(h), self.head(h));
             let inward = self.normal.cross(&(q - p));
@@ -228,7 +233,7 @@ impl Face<'_> {
     /// large boundary: the edge from the vertices right of the line to the vertices left of the
     /// line.
     #[inline(never)]
-    fn exit_edge(&self, ring: &[u32], start: &Vector3<f64>, displacement: &Vector3<f64>) -> usize {
+    fn exit_edge(&self, ring: &[HalfEdgeId], start: &Vector3<f64>, displacement: &Vector3<f64>) -> usize {
         let m = ring.len();
         let left = self.normal.cross(displacement);
         let height = |k: usize| left.dot(&(self.tail(ring[k % m]) - start));
@@ -247,30 +252,30 @@ impl Face<'_> {
         (low + right) % m
     }
 
-    fn edge_side(&self, h: u32, x: &Vector3<f64>, size: f64) -> EdgeSide {
+    fn edge_side(&self, h: HalfEdgeId, x: &Vector3<f64>, size: f64) -> EdgeSide {
         let (p, q) = (self.tail(h), self.head(h));
         let side = self.normal.cross(&(q - p)).dot(&(x - q));
         classify(self.edge(h), side, &(q - p), size)
     }
 
-    fn edge(&self, h: u32) -> u32 {
+    fn edge(&self, h: HalfEdgeId) -> EdgeId {
         self.body.topology.edge(h)
     }
 
     #[inline(always)]
-    fn tail(&self, h: u32) -> Vector3<f64> {
-        self.body.points[self.body.topology.from(h) as usize]
+    fn tail(&self, h: HalfEdgeId) -> Vector3<f64> {
+        self.body.points[self.body.topology.from(h).index()]
     }
 
     #[inline(always)]
-    fn head(&self, h: u32) -> Vector3<f64> {
-        self.body.points[self.body.topology.half_edge(h).to as usize]
+    fn head(&self, h: HalfEdgeId) -> Vector3<f64> {
+        self.body.points[self.body.topology.half_edge(h).to.index()]
     }
 }
 
 /// Classifies a point by the product `side` with the unnormalised inward direction of an edge `u`.
 #[inline(always)]
-fn classify(edge: u32, side: f64, u: &Vector3<f64>, size: f64) -> EdgeSide {
+fn classify(edge: EdgeId, side: f64, u: &Vector3<f64>, size: f64) -> EdgeSide {
     let length = one_norm(u);
     let location = if side < -DIFFERENCE * size * length {
         FaceLocation::Outside(edge)

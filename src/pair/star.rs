@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use crate::num::packed::PackedVec3;
 use crate::polyhedron::axis::Axis;
 use crate::polyhedron::fans::steepest;
-use crate::polyhedron::{ConvexPolyhedron, Plane};
+use crate::polyhedron::{ConvexPolyhedron, HalfEdgeId, Plane, VertexId};
 use crate::tolerance::{EDGE_BOUND, EDGE_SIGN, FLANK};
 
 /// Returns the sum of absolute coordinates: a norm without a root.
@@ -36,23 +36,23 @@ pub(crate) struct FanMinimum {
     /// Smallest `n . e` over the fan; plus infinity for an empty fan.
     pub(crate) value: f64,
     /// The half-edge with the smallest value.
-    pub(crate) half_edge: u32,
+    pub(crate) half_edge: HalfEdgeId,
 }
 
 impl ConvexPolyhedron {
     /// Finds the edge of the fan of `v` that falls most along `n`.
     #[inline(always)]
-    pub(crate) fn fan_minimum(&self, v: u32, n: &Vector3<f64>) -> FanMinimum {
+    pub(crate) fn fan_minimum(&self, v: VertexId, n: &Vector3<f64>) -> FanMinimum {
         if let Some(m) = self.fans.axis(&self.topology, v) {
             return self.large_fan_minimum(v, m, n);
         }
-        let p = self.points[v as usize];
+        let p = self.points[v.index()];
         let mut fan = FanMinimum {
             value: f64::INFINITY,
-            half_edge: 0,
+            half_edge: HalfEdgeId(0),
         };
         self.topology.each_leaving(v, |half_edge, to| {
-            let c = n.dot(&(self.points[to as usize] - p));
+            let c = n.dot(&(self.points[to.index()] - p));
             if c < fan.value {
                 fan = FanMinimum { value: c, half_edge };
             }
@@ -64,9 +64,9 @@ impl ConvexPolyhedron {
     /// every edge is examined, so the result is clamped to at most zero and never certifies.
     #[cold]
     #[inline(never)]
-    fn large_fan_minimum(&self, v: u32, m: &Axis, n: &Vector3<f64>) -> FanMinimum {
+    fn large_fan_minimum(&self, v: VertexId, m: &Axis, n: &Vector3<f64>) -> FanMinimum {
         let (t, points) = (&self.topology, &self.points);
-        let along = |h: u32| n.dot(&(points[t.half_edge(h).to as usize] - points[v as usize]));
+        let along = |h: HalfEdgeId| n.dot(&(points[t.half_edge(h).to.index()] - points[v.index()]));
         let half_edge = steepest(t, points, v, m, &-n);
         if along(half_edge) >= 0.0 {
             return FanMinimum { value: 0.0, half_edge };
@@ -88,12 +88,12 @@ impl ConvexPolyhedron {
     /// Returns the edge on which to leave the vertex: the edge that falls most, if the fall exceeds
     /// the uncertainty `noise` of the direction.
     #[inline(always)]
-    pub(crate) fn descending_edge(&self, v: u32, fan: &FanMinimum, noise: f64) -> Option<u32> {
+    pub(crate) fn descending_edge(&self, v: VertexId, fan: &FanMinimum, noise: f64) -> Option<HalfEdgeId> {
         if fan.value >= 0.0 {
             return None;
         }
         let to = self.topology.half_edge(fan.half_edge).to;
-        let e = self.points[to as usize] - self.points[v as usize];
+        let e = self.points[to.index()] - self.points[v.index()];
         (fan.value < -noise * one_norm(&e)).then_some(fan.half_edge)
     }
 

@@ -4,7 +4,7 @@
 use nalgebra::{Point3, Unit, Vector3};
 
 use crate::num::scalar::sqrt;
-use crate::polyhedron::{BuildReport, ConvexPolyhedron, EdgeId, FaceId, Feature, VertexId};
+use crate::polyhedron::{BuildReport, ConvexPolyhedron, EdgeId, FaceId, Feature, HalfEdgeId, VertexId};
 use crate::tolerance::RADIUS_UP;
 
 /// Ids are checked: an id that names no feature of this body, such as an id of a larger body, gives
@@ -37,18 +37,20 @@ impl ConvexPolyhedron {
 
     /// Returns the ids of all vertices, in rising order.
     pub fn vertices(&self) -> impl ExactSizeIterator<Item = VertexId> + Clone + use<> {
-        (0..self.vertex_count() as u32).map(VertexId)
+        VertexId::all(self.vertex_count())
     }
 
     /// Returns the ids of all edges, in rising order.
     pub fn edges(&self) -> impl Iterator<Item = EdgeId> + Clone + '_ {
-        let half_edges = 0..self.topology.half_edge_count() as u32;
-        half_edges.filter(|&h| h < self.topology.half_edge(h).twin).map(EdgeId)
+        let half_edges = HalfEdgeId::all(self.topology.half_edge_count());
+        half_edges
+            .filter(|&h| h < self.topology.half_edge(h).twin)
+            .map(|h| self.topology.edge(h))
     }
 
     /// Returns the ids of all faces, in rising order.
     pub fn faces(&self) -> impl ExactSizeIterator<Item = FaceId> + Clone + use<> {
-        (0..self.face_count() as u32).map(FaceId)
+        FaceId::all(self.face_count())
     }
 
     /// Returns the feature of a dimension (0 vertex, 1 edge, 2 face) and an index, the inverse of
@@ -81,8 +83,12 @@ impl ConvexPolyhedron {
     /// Returns the two end vertices of an edge.
     #[must_use]
     pub fn edge_vertices(&self, edge: EdgeId) -> Option<[VertexId; 2]> {
-        self.has_edge(edge)
-            .then(|| [self.topology.from(edge.0), self.topology.half_edge(edge.0).to].map(VertexId))
+        self.has_edge(edge).then(|| {
+            [
+                self.topology.from(edge.half_edge()),
+                self.topology.half_edge(edge.half_edge()).to,
+            ]
+        })
     }
 
     /// Returns the faces on the left and on the right of an edge, as seen from outside and looking
@@ -91,14 +97,14 @@ impl ConvexPolyhedron {
     pub fn edge_faces(&self, edge: EdgeId) -> Option<[FaceId; 2]> {
         let known = self.has_edge(edge) && self.face_count() > 0;
         known.then(|| {
-            let e = self.topology.half_edge(edge.0);
-            [e.face, self.topology.half_edge(e.twin).face].map(FaceId)
+            let e = self.topology.half_edge(edge.half_edge());
+            [e.face, self.topology.half_edge(e.twin).face]
         })
     }
 
     /// Returns the vertices of a face, counter-clockwise seen from outside.
     pub fn face_vertices(&self, face: FaceId) -> impl Iterator<Item = VertexId> + '_ {
-        self.face_rim(face).map(|h| VertexId(self.topology.from(h)))
+        self.face_rim(face).map(|h| self.topology.from(h))
     }
 
     /// Returns triangles that make up the surface, as the ids of their vertices, counter-clockwise
@@ -135,7 +141,7 @@ impl ConvexPolyhedron {
     /// Returns the edges of a face, counter-clockwise seen from outside, beginning with the edge
     /// that leaves the first of [`face_vertices`](Self::face_vertices).
     pub fn face_edges(&self, face: FaceId) -> impl Iterator<Item = EdgeId> + '_ {
-        self.face_rim(face).map(|h| EdgeId(self.topology.edge(h)))
+        self.face_rim(face).map(|h| self.topology.edge(h))
     }
 
     /// Returns the outward unit normal of a face and the offset of its plane: `normal . x = offset`
@@ -149,18 +155,18 @@ impl ConvexPolyhedron {
 
     /// Returns the vertices adjacent to a vertex, counter-clockwise seen from outside.
     pub fn vertex_neighbours(&self, vertex: VertexId) -> impl Iterator<Item = VertexId> + '_ {
-        self.vertex_fan(vertex).map(|h| VertexId(self.topology.half_edge(h).to))
+        self.vertex_fan(vertex).map(|h| self.topology.half_edge(h).to)
     }
 
     /// Returns the edges at a vertex, counter-clockwise seen from outside.
     pub fn vertex_edges(&self, vertex: VertexId) -> impl Iterator<Item = EdgeId> + '_ {
-        self.vertex_fan(vertex).map(|h| EdgeId(self.topology.edge(h)))
+        self.vertex_fan(vertex).map(|h| self.topology.edge(h))
     }
 
     /// Returns the faces at a vertex, counter-clockwise seen from outside.
     pub fn vertex_faces(&self, vertex: VertexId) -> impl Iterator<Item = FaceId> + '_ {
         let fan = self.vertex_fan(vertex).filter(|_| self.face_count() > 0);
-        fan.map(|h| FaceId(self.topology.half_edge(h).face))
+        fan.map(|h| self.topology.half_edge(h).face)
     }
 
     /// Returns the caller's index of a vertex, the lowest among equal points.
@@ -228,7 +234,7 @@ impl ConvexPolyhedron {
 
     #[inline]
     pub(crate) fn has_edge(&self, edge: EdgeId) -> bool {
-        edge.index() < self.topology.half_edge_count() && self.topology.edge(edge.0) == edge.0
+        edge.index() < self.topology.half_edge_count() && self.topology.edge(edge.half_edge()) == edge
     }
 
     #[inline]
@@ -236,19 +242,18 @@ impl ConvexPolyhedron {
         face.index() < self.face_count()
     }
 
-    fn face_rim(&self, face: FaceId) -> impl Iterator<Item = u32> + '_ {
+    fn face_rim(&self, face: FaceId) -> impl Iterator<Item = HalfEdgeId> + '_ {
         self.has_face(face)
-            .then(|| self.topology.rim(face.0))
+            .then(|| self.topology.rim(face))
             .into_iter()
             .flatten()
     }
 
-    fn vertex_fan(&self, vertex: VertexId) -> core::ops::Range<u32> {
-        if vertex.index() < self.vertex_count() {
-            self.topology.fan(vertex.0)
-        } else {
-            0..0
-        }
+    fn vertex_fan(&self, vertex: VertexId) -> impl Iterator<Item = HalfEdgeId> + use<> {
+        (vertex.index() < self.vertex_count())
+            .then(|| self.topology.fan(vertex).iter())
+            .into_iter()
+            .flatten()
     }
 }
 

@@ -4,8 +4,9 @@ use nalgebra::Vector3;
 
 use crate::num::double_double::{DoubleDouble, Expansion};
 use crate::num::sign::{edge_sign, exact_dot};
-use crate::polyhedron::Plane;
+use crate::polyhedron::cycle::Cycle;
 use crate::polyhedron::topology::Topology;
+use crate::polyhedron::{HalfEdgeId, Plane, VertexId};
 
 /// The axis `m` of a fan: a direction along which all its edges rise, each coordinate a sum of
 /// parts of falling magnitude.
@@ -29,20 +30,20 @@ impl Axis {
 
     /// Returns minus the mean normal of the faces at `v`, if f64 is certain that all edges of `v`
     /// rise along it.
-    pub(super) fn from_normals(t: &Topology, points: &[Vector3<f64>], planes: &[Plane], v: u32) -> Option<Self> {
-        let normals = t.fan(v).map(|h| planes[t.half_edge(h).face as usize].normal);
+    pub(super) fn from_normals(t: &Topology, points: &[Vector3<f64>], planes: &[Plane], v: VertexId) -> Option<Self> {
+        let normals = t.fan(v).iter().map(|h| planes[t.half_edge(h).face.index()].normal);
         let m = -normals.sum::<Vector3<f64>>() / t.fan(v).len() as f64;
-        let rises = |w: u32| edge_sign(&m, &(points[w as usize] - points[v as usize])) > 0;
+        let rises = |w: VertexId| edge_sign(&m, &(points[w.index()] - points[v.index()])) > 0;
         let parts = [0, 1, 2].map(|k| core::array::from_fn(|part| if part == 0 { m[k] } else { 0.0 }));
         t.neighbours(v).all(rises).then_some(Self { parts, is_plain: true })
     }
 
     /// Returns minus the sum of the exact normals of two faces at `v` without a common edge: all
     /// edges of `v` rise along this sum. `None` if the sum has too many parts.
-    pub(super) fn from_exact_normals(t: &Topology, points: &[Vector3<f64>], v: u32) -> Option<Self> {
-        let (fan, p) = (t.fan(v), points[v as usize]);
-        let to = |h: u32| points[t.half_edge(h).to as usize];
-        let faces = [fan.start, fan.start + fan.len() as u32 / 2].map(|h| [to(h), to(h + 1)]);
+    pub(super) fn from_exact_normals(t: &Topology, points: &[Vector3<f64>], v: VertexId) -> Option<Self> {
+        let (fan, p) = (t.fan(v), points[v.index()]);
+        let to = |h: HalfEdgeId| points[t.half_edge(h).to.index()];
+        let faces = [0, fan.len() / 2].map(|k| [k, k + 1].map(|k| to(fan.at(k))));
         let coordinate = |k: usize| {
             let (i, j) = ((k + 1) % 3, (k + 2) % 3);
             let mut sum = Expansion::<{ 24 + Self::PARTS }>::new();
@@ -57,7 +58,7 @@ impl Axis {
         };
         let (parts, is_plain) = ([0, 1, 2].map(coordinate), false);
         let axis = Self { parts, is_plain };
-        let rises = |w: u32| axis.rise(&p, &points[w as usize]).sign() > 0;
+        let rises = |w: VertexId| axis.rise(&p, &points[w.index()]).sign() > 0;
         t.neighbours(v).all(rises).then_some(axis)
     }
 

@@ -11,7 +11,7 @@ use alloc::vec::Vec;
 use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
 use wide::f32x4;
 
-use crate::polyhedron::ConvexPolyhedron;
+use crate::polyhedron::{ConvexPolyhedron, VertexId};
 use crate::pose::rotation_matrix;
 use crate::tolerance::{BOX, BOX_SCANNED, POSE_UNIT};
 use crate::tuning::polyhedron::SCANNED;
@@ -21,9 +21,15 @@ use crate::tuning::polyhedron::SCANNED;
 ///
 /// A hint that is out of date or belongs to another body costs time, but never makes a box too
 /// small.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct BoxHint([u32; 6]);
+pub struct BoxHint([VertexId; 6]);
+
+impl Default for BoxHint {
+    fn default() -> Self {
+        Self([VertexId(0); 6])
+    }
+}
 
 /// Vertex coordinates in `f32`, axis by axis, in groups of four; the last group repeats a vertex.
 #[derive(Clone, Debug, Default)]
@@ -135,7 +141,11 @@ impl ConvexPolyhedron {
             let up = Vector3::new(matrix[(k, 0)], matrix[(k, 1)], matrix[(k, 2)]);
             for (slot, n, end) in [(2 * k, -up, &mut low[k]), (2 * k + 1, up, &mut high[k])] {
                 let known = hint.0[slot];
-                let start = if (known as usize) < self.points.len() { known } else { 0 };
+                let start = if known.index() < self.points.len() {
+                    known
+                } else {
+                    VertexId(0)
+                };
                 // An empty or outdated hint climbs from the cube map if that is higher.
                 let top = if self.is_local_maximum(&n, start) {
                     start
@@ -143,7 +153,7 @@ impl ConvexPolyhedron {
                     self.support_climb(&n, self.start_vertex(&n, start))
                 };
                 hint.0[slot] = top;
-                *end = up.dot(&self.points[top as usize]);
+                *end = up.dot(&self.points[top.index()]);
             }
         }
         (low, high)

@@ -1,5 +1,6 @@
 //! Invariants of a body, checked whole: for tests and fuzzing.
 
+use crate::polyhedron::{FaceId, HalfEdgeId, VertexId};
 use alloc::format;
 use alloc::string::String;
 
@@ -17,60 +18,59 @@ impl Topology {
     /// Returns the first broken invariant of half-edges, fans, rims or rings.
     pub(crate) fn check(&self) -> Result<(), String> {
         let (vertices, half_edges, faces) = (self.vertex_count(), self.half_edge_count(), self.face_count());
-        for h in 0..half_edges as u32 {
+        for h in HalfEdgeId::all(half_edges) {
             let e = self.half_edge(h);
-            let in_range = (e.to as usize) < vertices
-                && (e.twin as usize) < half_edges
-                && (e.next as usize) < half_edges
-                && (e.face as usize) < faces;
-            ensure(in_range, || format!("half-edge {h} names a number out of range"))?;
+            let in_range = e.to.index() < vertices
+                && e.twin.index() < half_edges
+                && e.next.index() < half_edges
+                && e.face.index() < faces;
+            ensure(in_range, || format!("{h} names a number out of range"))?;
             let twin = self.half_edge(e.twin);
             ensure(twin.twin == h && e.twin != h, || {
-                format!("half-edge {h} is not the twin of its twin")
+                format!("{h} is not the twin of its twin")
             })?;
             let from = self.from(h);
-            ensure(self.fan(from).contains(&h), || {
-                format!("half-edge {h} is not in the fan of vertex {from}")
+            ensure(self.fan(from).iter().any(|g| g == h), || {
+                format!("{h} is not in the fan of {from}")
             })?;
             let next = self.half_edge(e.next);
             ensure(self.from(e.next) == e.to && next.face == e.face, || {
-                format!("half-edge {h} is not followed along its face")
+                format!("{h} is not followed along its face")
             })?;
         }
-        (0..vertices as u32).try_for_each(|v| self.check_fan(v))?;
-        (0..faces as u32).try_for_each(|f| self.check_rim(f))
+        VertexId::all(vertices).try_for_each(|v| self.check_fan(v))?;
+        FaceId::all(faces).try_for_each(|f| self.check_rim(f))
     }
 
     /// Half-edges of a fan turn left: the face on the left of each is on the right of the next.
-    fn check_fan(&self, v: u32) -> Result<(), String> {
+    fn check_fan(&self, v: VertexId) -> Result<(), String> {
         let fan = self.fan(v);
         ensure(
             fan.start <= fan.end && fan.end as usize <= self.half_edge_count(),
-            || format!("the fan of vertex {v} is out of range"),
+            || format!("the fan of {v} is out of range"),
         )?;
-        for h in fan.clone() {
-            let left = if h + 1 == fan.end { fan.start } else { h + 1 };
-            let right_face = self.half_edge(self.half_edge(left).twin).face;
+        for h in fan.iter() {
+            let right_face = self.half_edge(self.half_edge(fan.after(h)).twin).face;
             ensure(self.half_edge(h).face == right_face, || {
-                format!("the fan of vertex {v} is not in order at half-edge {h}")
+                format!("the fan of {v} is not in order at {h}")
             })?;
         }
         Ok(())
     }
 
     /// A rim is one loop of its face; the rim of a large face, and no other, is kept as a ring.
-    fn check_rim(&self, f: u32) -> Result<(), String> {
+    fn check_rim(&self, f: FaceId) -> Result<(), String> {
         let count = self.rim(f).take(self.half_edge_count() + 1).count();
         ensure(count <= self.half_edge_count(), || {
-            format!("the rim of face {f} does not close")
+            format!("the rim of {f} does not close")
         })?;
         ensure(self.rim(f).all(|h| self.half_edge(h).face == f), || {
-            format!("the rim of face {f} leaves the face")
+            format!("the rim of {f} leaves the face")
         })?;
         match self.ring(f) {
-            None => ensure(count <= LARGE, || format!("large face {f} has no ring")),
+            None => ensure(count <= LARGE, || format!("the large face {f} has no ring")),
             Some(ring) => ensure(count > LARGE && self.rim(f).eq(ring.iter().copied()), || {
-                format!("the ring of face {f} is not its rim")
+                format!("the ring of {f} is not its rim")
             }),
         }
     }
@@ -98,22 +98,22 @@ impl ConvexPolyhedron {
         ensure(self.points.iter().all(|p| p.norm() <= self.radius), || {
             "a vertex is farther out than the radius".into()
         })?;
-        (0..t.face_count() as u32).try_for_each(|f| self.check_plane(f))
+        FaceId::all(t.face_count()).try_for_each(|f| self.check_plane(f))
     }
 
     /// All vertices lie below the plane of the face, by more than the rounding of this test at
     /// most.
-    fn check_plane(&self, f: u32) -> Result<(), String> {
-        let (t, plane) = (&self.topology, &self.planes[f as usize]);
-        let below = |v: u32| {
-            let height = plane.normal.dot(&self.points[v as usize]) - plane.offset;
+    fn check_plane(&self, f: FaceId) -> Result<(), String> {
+        let (t, plane) = (&self.topology, &self.planes[f.index()]);
+        let below = |v: VertexId| {
+            let height = plane.normal.dot(&self.points[v.index()]) - plane.offset;
             let rounding = NEAR_PLANE * self.radius;
-            ensure(height <= rounding, || format!("vertex {v} is above face {f}"))
+            ensure(height <= rounding, || format!("{v} is above {f}"))
         };
         if t.face_count() < 256 {
-            return (0..t.vertex_count() as u32).try_for_each(below);
+            return VertexId::all(t.vertex_count()).try_for_each(below);
         }
-        let across = |h: u32| t.half_edge(t.half_edge(t.half_edge(h).twin).next).to;
+        let across = |h: HalfEdgeId| t.half_edge(t.half_edge(t.half_edge(h).twin).next).to;
         t.rim(f).try_for_each(|h| below(across(h)))
     }
 }
@@ -130,7 +130,7 @@ mod tests {
         assert_eq!(sound().check(), Ok(()));
         let mut lowered = sound();
         lowered.planes[3].offset -= 1e-9;
-        assert!(lowered.check().unwrap_err().contains("above face 3"));
+        assert!(lowered.check().unwrap_err().contains("above f3"));
         let mut far = sound();
         far.points[5] *= 2.0;
         assert!(far.check().is_err());

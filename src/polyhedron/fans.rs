@@ -19,15 +19,16 @@ use nalgebra::Vector3;
 
 use crate::num::sign::side;
 use crate::polyhedron::axis::Axis;
+use crate::polyhedron::cycle::Cycle;
 use crate::polyhedron::heights::{Direction, Slope};
 use crate::polyhedron::topology::Topology;
 use crate::polyhedron::unimodal::{top_from, top_of_ring};
-use crate::polyhedron::{ConvexPolyhedron, Plane};
+use crate::polyhedron::{ConvexPolyhedron, HalfEdgeId, Plane, VertexId};
 use crate::tuning::polyhedron::{LARGE, MANY};
 
 /// The large fans of a body: their vertices in rising order, each with its axis.
 #[derive(Clone, Debug)]
-pub(crate) struct Fans(Vec<(u32, Axis)>);
+pub(crate) struct Fans(Vec<(VertexId, Axis)>);
 
 impl Fans {
     /// Computes the axes of all fans of more than [`LARGE`] edges; fans without an axis are left
@@ -36,7 +37,7 @@ impl Fans {
         let axis = |v| {
             Axis::from_normals(topology, points, planes, v).or_else(|| Axis::from_exact_normals(topology, points, v))
         };
-        let large = (0..topology.vertex_count() as u32).filter(|&v| topology.fan(v).len() > LARGE);
+        let large = VertexId::all(topology.vertex_count()).filter(|&v| topology.fan(v).len() > LARGE);
         Self(large.filter_map(|v| Some((v, axis(v)?))).collect())
     }
 
@@ -48,13 +49,13 @@ impl Fans {
 
     /// Returns the bytes on the heap.
     pub(crate) fn heap_bytes(&self) -> usize {
-        self.0.capacity() * size_of::<(u32, Axis)>()
+        self.0.capacity() * size_of::<(VertexId, Axis)>()
     }
 
     /// Returns the axis of the fan of `v`; `None` for fans of up to [`MANY`] edges, which are
     /// examined edge by edge.
     #[inline(always)]
-    pub(crate) fn axis(&self, topology: &Topology, v: u32) -> Option<&Axis> {
+    pub(crate) fn axis(&self, topology: &Topology, v: VertexId) -> Option<&Axis> {
         if topology.fan(v).len() <= MANY {
             None
         } else {
@@ -63,7 +64,7 @@ impl Fans {
     }
 
     #[cold]
-    fn find(&self, v: u32) -> Option<&Axis> {
+    fn find(&self, v: VertexId) -> Option<&Axis> {
         let k = self.0.binary_search_by_key(&v, |f| f.0).ok()?;
         Some(&self.0[k].1)
     }
@@ -72,33 +73,39 @@ impl Fans {
 /// Returns the half-edge of the large fan of `v` with the greatest `n . e / (m . e)`, in f64 as far
 /// as the axis allows.
 #[inline(never)]
-pub(crate) fn steepest(t: &Topology, points: &[Vector3<f64>], v: u32, axis: &Axis, n: &Vector3<f64>) -> u32 {
-    let (fan, p, m) = (t.fan(v), points[v as usize], axis.rounded());
-    let to = |k: usize| t.half_edge(fan.start + k as u32).to;
+pub(crate) fn steepest(
+    t: &Topology,
+    points: &[Vector3<f64>],
+    v: VertexId,
+    axis: &Axis,
+    n: &Vector3<f64>,
+) -> HalfEdgeId {
+    let (fan, p, m) = (t.fan(v), points[v.index()], axis.rounded());
+    let to = |k: usize| t.half_edge(fan.at(k)).to;
     let steepest = if axis.is_plain {
         top_of_ring(fan.len(), |k| {
-            let e = points[to(k) as usize] - p;
+            let e = points[to(k).index()] - p;
             n.dot(&e) / m.dot(&e)
         })
     } else {
         let n = Direction::new(points, n, &Vector3::zeros());
         top_of_ring(fan.len(), |k| Slope(&n, axis, v, to(k)))
     };
-    fan.start + steepest as u32
+    fan.at(steepest)
 }
 
 impl ConvexPolyhedron {
     /// Returns half-edges of `v` among which are all half-edges whose edge or left face also holds
     /// vertex `w`: the whole fan, or three half-edges of a large fan.
-    pub(crate) fn toward(&self, v: u32, w: u32) -> impl Iterator<Item = u32> + Clone + use<> {
+    pub(crate) fn toward(&self, v: VertexId, w: VertexId) -> impl Iterator<Item = HalfEdgeId> + Clone + use<> {
         let (t, fan) = (&self.topology, self.topology.fan(v));
         let m = fan.len();
         let (mut first, mut count) = (0, m);
         if m > MANY {
             // Seen along the first edge from `v`, all edges turn counter-clockwise by less than
             // half a turn, and `w` lies among them.
-            let to = |k: usize| &self.points[t.half_edge(fan.start + k as u32).to as usize];
-            let (p, q, at) = (&self.points[v as usize], to(0), &self.points[w as usize]);
+            let to = |k: usize| &self.points[t.half_edge(fan.at(k)).to.index()];
+            let (p, q, at) = (&self.points[v.index()], to(0), &self.points[w.index()]);
             let (mut low, mut high) = (1, m);
             while low < high {
                 let k = low.midpoint(high);
@@ -112,7 +119,7 @@ impl ConvexPolyhedron {
             // then also on the face before that edge.
             (first, count) = (low + m - 2, 3);
         }
-        (first..first + count).map(move |k| fan.start + (k % m) as u32)
+        (first..first + count).map(move |k| fan.wrapped(k))
     }
 
     /// Returns the half-edge of the large fan of `v` with the least angle to `d`, which must lead
@@ -120,14 +127,14 @@ impl ConvexPolyhedron {
     /// as in `walk::ray_exit_face`; along the visible faces the angle is unimodal, with a minimum
     /// at an edge.
     #[inline(never)]
-    pub(crate) fn nearest_edge(&self, v: u32, d: &Vector3<f64>) -> u32 {
-        let (t, fan, p) = (&self.topology, self.topology.fan(v), self.points[v as usize]);
+    pub(crate) fn nearest_edge(&self, v: VertexId, d: &Vector3<f64>) -> HalfEdgeId {
+        let (t, fan, p) = (&self.topology, self.topology.fan(v), self.points[v.index()]);
         let m = fan.len();
         let inward = self.vertex_mean - p;
-        let normal = |k: usize| &self.planes[t.half_edge(fan.start + (k % m) as u32).face as usize].normal;
+        let normal = |k: usize| &self.planes[t.half_edge(fan.wrapped(k)).face.index()].normal;
         let seen = top_of_ring(m, |k| -normal(k).dot(d) / normal(k).dot(&inward));
         let fall = |k: usize| {
-            let e = self.points[t.half_edge(fan.start + k as u32).to as usize] - p;
+            let e = self.points[t.half_edge(fan.at(k)).to.index()] - p;
             let c = d.dot(&e);
             if normal(k).dot(d) > 0.0 || normal(k + m - 1).dot(d) > 0.0 {
                 c * c.abs() / e.norm_squared()
@@ -135,7 +142,7 @@ impl ConvexPolyhedron {
                 f64::NEG_INFINITY
             }
         };
-        fan.start + top_from(m, seen, m.div_ceil(8), fall) as u32
+        fan.at(top_from(m, seen, m.div_ceil(8), fall))
     }
 }
 
@@ -177,7 +184,7 @@ mod tests {
             ("diagonal", 1e-45),
         ] {
             let body = double_cone(plane, height);
-            let tips: Vec<u32> = (0..body.points.len() as u32)
+            let tips: Vec<_> = VertexId::all(body.points.len())
                 .filter(|&v| body.topology.fan(v).len() > MANY)
                 .collect();
             assert!(
@@ -187,7 +194,7 @@ mod tests {
             );
             for &v in &tips {
                 let axis = body.fans.axis(&body.topology, v).expect("an axis");
-                let at = |v: u32| &body.points[v as usize];
+                let at = |v: VertexId| &body.points[v.index()];
                 assert!(body.topology.neighbours(v).all(|w| axis.rise(at(v), at(w)).sign() > 0));
             }
         }
@@ -202,13 +209,13 @@ mod tests {
         let tent = ConvexPolyhedron::from_points(&rim.chain(apexes).collect::<Vec<_>>()).expect("a solid");
         for body in [tent, double_cone("level", 0.5), double_cone("turned", 4.0 * UNIT)] {
             let t = &body.topology;
-            let all = 0..t.vertex_count() as u32;
+            let all = VertexId::all(t.vertex_count());
             let tips = all.clone().filter(|&v| t.fan(v).len() > MANY);
             let (mut edges, mut faces) = (0, 0);
             for (v, w) in tips.flat_map(|v| all.clone().filter(move |&w| w != v).map(move |w| (v, w))) {
-                let near: Vec<u32> = body.toward(v, w).collect();
+                let near: Vec<HalfEdgeId> = body.toward(v, w).collect();
                 assert_eq!(near.len(), 3);
-                for h in t.fan(v) {
+                for h in t.fan(v).iter() {
                     let e = t.half_edge(h);
                     let edge = e.to == w;
                     let face = t.rim(e.face).any(|g| t.from(g) == w);

@@ -46,6 +46,40 @@ id!(
     "f"
 );
 
+id!(
+    /// A half-edge of one body: an edge with a direction.
+    HalfEdgeId,
+    "h"
+);
+
+macro_rules! numbered {
+    ($($name:ident),*) => {
+        $(impl $name {
+            /// Returns the first `count` ids.
+            pub(crate) fn all(count: usize) -> impl ExactSizeIterator<Item = Self> + Clone + use<> {
+                (0..count as u32).map(Self)
+            }
+        })*
+    };
+}
+
+// The ids of edges have gaps.
+numbered!(VertexId, HalfEdgeId, FaceId);
+
+impl EdgeId {
+    /// Returns the edge of a half-edge and its twin.
+    #[inline(always)]
+    pub(crate) fn of(half_edge: HalfEdgeId, twin: HalfEdgeId) -> Self {
+        Self(half_edge.0.min(twin.0))
+    }
+
+    /// Returns the half-edge that names the edge.
+    #[inline(always)]
+    pub(crate) fn half_edge(self) -> HalfEdgeId {
+        HalfEdgeId(self.0)
+    }
+}
+
 /// A vertex, an edge or a face of one body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

@@ -14,29 +14,34 @@ fn pair(of: Operand, x: Feature, y: Feature) -> FeaturePair {
 }
 
 impl FeaturePair {
+    /// The first vertex of each body.
+    pub(crate) const FIRST: Self = Self {
+        a: Feature::Vertex(VertexId(0)),
+        b: Feature::Vertex(VertexId(0)),
+    };
+
     /// Returns the pair of a vertex of `of` and a vertex of the other body.
     #[inline]
-    pub(crate) fn vertices(of: Operand, vertex: u32, other: u32) -> Self {
-        pair(of, Feature::Vertex(VertexId(vertex)), Feature::Vertex(VertexId(other)))
+    pub(crate) fn vertices(of: Operand, vertex: VertexId, other: VertexId) -> Self {
+        pair(of, Feature::Vertex(vertex), Feature::Vertex(other))
     }
 
-    /// Returns the pair of a vertex of `of` and an edge of the other body, named by the lower of
-    /// its half-edges.
+    /// Returns the pair of a vertex of `of` and an edge of the other body.
     #[inline]
-    pub(crate) fn vertex_edge(of: Operand, vertex: u32, edge: u32) -> Self {
-        pair(of, Feature::Vertex(VertexId(vertex)), Feature::Edge(EdgeId(edge)))
+    pub(crate) fn vertex_edge(of: Operand, vertex: VertexId, edge: EdgeId) -> Self {
+        pair(of, Feature::Vertex(vertex), Feature::Edge(edge))
     }
 
     /// Returns the pair of a vertex of `of` and a face of the other body.
     #[inline]
-    pub(crate) fn vertex_face(of: Operand, vertex: u32, face: u32) -> Self {
-        pair(of, Feature::Vertex(VertexId(vertex)), Feature::Face(FaceId(face)))
+    pub(crate) fn vertex_face(of: Operand, vertex: VertexId, face: FaceId) -> Self {
+        pair(of, Feature::Vertex(vertex), Feature::Face(face))
     }
 
     /// Returns the pair of an edge of `of` and an edge of the other body.
     #[inline]
-    pub(crate) fn edges(of: Operand, edge: u32, other: u32) -> Self {
-        pair(of, Feature::Edge(EdgeId(edge)), Feature::Edge(EdgeId(other)))
+    pub(crate) fn edges(of: Operand, edge: EdgeId, other: EdgeId) -> Self {
+        pair(of, Feature::Edge(edge), Feature::Edge(other))
     }
 
     /// Returns whether both ids name features of the given bodies.
@@ -56,7 +61,7 @@ impl FeaturePair {
     }
 
     /// Returns one vertex of each body's feature.
-    pub(crate) fn vertices_of(self, a: &ConvexPolyhedron, b: &ConvexPolyhedron) -> (u32, u32) {
+    pub(crate) fn vertices_of(self, a: &ConvexPolyhedron, b: &ConvexPolyhedron) -> (VertexId, VertexId) {
         (a.first_vertex(self.a), b.first_vertex(self.b))
     }
 }
@@ -74,11 +79,11 @@ impl ConvexPolyhedron {
     }
 
     /// Returns one vertex of a feature, which must be a feature of this body.
-    pub(crate) fn first_vertex(&self, feature: Feature) -> u32 {
+    pub(crate) fn first_vertex(&self, feature: Feature) -> VertexId {
         match feature {
-            Feature::Vertex(v) => v.0,
-            Feature::Edge(e) => self.topology.half_edge(e.0).to,
-            Feature::Face(f) => self.topology.half_edge(self.topology.rim_half_edge(f.0)).to,
+            Feature::Vertex(v) => v,
+            Feature::Edge(e) => self.topology.half_edge(e.half_edge()).to,
+            Feature::Face(f) => self.topology.half_edge(self.topology.rim_half_edge(f)).to,
         }
     }
 }
@@ -89,32 +94,32 @@ impl ConvexPolyhedron {
     ///
     /// The candidates are the features at the vertex of fewest edges, in the direction of another
     /// vertex.
-    pub(crate) fn feature_of(&self, vertices: &[u32]) -> Feature {
+    pub(crate) fn feature_of(&self, vertices: &[VertexId]) -> Feature {
         let t = &self.topology;
         let first = vertices[0];
         let v = vertices
             .iter()
             .fold(first, |v, &x| if t.fan(x).len() < t.fan(v).len() { x } else { v });
         let Some(&w) = vertices.iter().find(|&&w| w != v) else {
-            return Feature::Vertex(VertexId(v));
+            return Feature::Vertex(v);
         };
         if vertices.iter().all(|&x| x == v || x == w)
             && let Some(h) = self.toward(v, w).find(|&h| t.half_edge(h).to == w)
         {
-            return Feature::Edge(EdgeId(t.edge(h)));
+            return Feature::Edge(t.edge(h));
         }
         // At a vertex of many faces the exact plane of the face decides.
-        let is_at = |x: u32, f: u32| {
+        let is_at = |x: VertexId, f: FaceId| {
             if t.fan(x).len() > MANY {
-                self.face_side(f, &self.points[x as usize]) == 0.0
+                self.face_side(f, &self.points[x.index()]) == 0.0
             } else {
-                t.fan(x).any(|h| t.half_edge(h).face == f)
+                t.fan(x).iter().any(|h| t.half_edge(h).face == f)
             }
         };
-        let holds = |f: u32| vertices.iter().all(|&x| x == v || is_at(x, f));
+        let holds = |f: FaceId| vertices.iter().all(|&x| x == v || is_at(x, f));
         match self.toward(v, w).map(|h| t.half_edge(h).face).find(|&f| holds(f)) {
-            Some(f) => Feature::Face(FaceId(f)),
-            None => Feature::Vertex(VertexId(first)),
+            Some(f) => Feature::Face(f),
+            None => Feature::Vertex(first),
         }
     }
 }

@@ -3,6 +3,7 @@
 //! Signs are f64 signs if f64 is certain, else signs in double-double, then of exact sums, or of
 //! integers at the exact level ([`Upward`]).
 
+use crate::polyhedron::VertexId;
 use core::cmp::Ordering;
 
 use nalgebra::Vector3;
@@ -17,11 +18,11 @@ use crate::tolerance::{EDGE_SIGN, STEEPER, UNIT};
 /// A direction `n` along which the vertices of a body have an exact order.
 pub(crate) trait Upward {
     /// Returns the sign of `n . (q - p)` for vertices `p` and `q`.
-    fn rise(&self, p: u32, q: u32) -> i32;
+    fn rise(&self, p: VertexId, q: VertexId) -> i32;
     /// Returns the sign of `(n . e) (m . f) - (n . f) (m . e)`, with `e` and `f` the edges from `p`
     /// to `q` and `r`: which edge has the greater slope `n . e / m . e`, if both rise along the
     /// axis `m`.
-    fn steeper(&self, m: &Axis, p: u32, q: u32, r: u32) -> i32;
+    fn steeper(&self, m: &Axis, p: VertexId, q: VertexId, r: VertexId) -> i32;
 }
 
 /// A direction in double-double, `n + rest`, which rounds to `n`.
@@ -49,29 +50,29 @@ impl<'a> Direction<'a> {
     }
 
     /// Returns the edge from `p` to `q`, rounded.
-    fn edge(&self, p: u32, q: u32) -> Vector3<f64> {
-        self.points[q as usize] - self.points[p as usize]
+    fn edge(&self, p: VertexId, q: VertexId) -> Vector3<f64> {
+        self.points[q.index()] - self.points[p.index()]
     }
 
-    fn edge_in_double_double(&self, p: u32, q: u32) -> [DoubleDouble; 3] {
-        let (p, q) = (&self.points[p as usize], &self.points[q as usize]);
+    fn edge_in_double_double(&self, p: VertexId, q: VertexId) -> [DoubleDouble; 3] {
+        let (p, q) = (&self.points[p.index()], &self.points[q.index()]);
         [0, 1, 2].map(|k| DoubleDouble::sum(q[k], -p[k]))
     }
 
     #[cold]
-    fn rise_exact(&self, p: u32, q: u32) -> i32 {
+    fn rise_exact(&self, p: VertexId, q: VertexId) -> i32 {
         let fine = self.in_double_double();
         let (value, size) = dot_and_size(&fine, &self.edge_in_double_double(p, q));
         let bound = EDGE_SIGN / UNIT * DoubleDouble::UNIT * size;
         if size == 0.0 || value.value().abs() > bound {
             return sign(value.value());
         }
-        let (p, q) = (&self.points[p as usize], &self.points[q as usize]);
+        let (p, q) = (&self.points[p.index()], &self.points[q.index()]);
         exact_dot::<2, 24>(&fine.map(|n| [n.hi, n.lo]), p, q).sign()
     }
 
     #[cold]
-    fn steeper_exact(&self, m: &Axis, p: u32, q: u32, r: u32) -> i32 {
+    fn steeper_exact(&self, m: &Axis, p: VertexId, q: VertexId, r: VertexId) -> i32 {
         let (fine, e, f) = (
             self.in_double_double(),
             self.edge_in_double_double(p, q),
@@ -80,7 +81,7 @@ impl<'a> Direction<'a> {
         if let Some(sign) = certain(&fine, &m.doubled(), &e, &f) {
             return sign;
         }
-        let [p, q, r] = [p, q, r].map(|v| &self.points[v as usize]);
+        let [p, q, r] = [p, q, r].map(|v| &self.points[v.index()]);
         let up = fine.map(|n| [n.hi, n.lo]);
         let rises = |q| (exact_dot::<2, 24>(&up, p, q), m.rise(p, q));
         let ((n_e, m_e), (n_f, m_f)) = (rises(q), rises(r));
@@ -96,7 +97,7 @@ impl<'a> Direction<'a> {
 
 impl Upward for Direction<'_> {
     #[inline]
-    fn rise(&self, p: u32, q: u32) -> i32 {
+    fn rise(&self, p: VertexId, q: VertexId) -> i32 {
         match edge_sign(&self.n, &self.edge(p, q)) {
             0 => self.rise_exact(p, q),
             sign => sign,
@@ -104,7 +105,7 @@ impl Upward for Direction<'_> {
     }
 
     #[inline]
-    fn steeper(&self, m: &Axis, p: u32, q: u32, r: u32) -> i32 {
+    fn steeper(&self, m: &Axis, p: VertexId, q: VertexId, r: VertexId) -> i32 {
         steeper(&self.n, &m.rounded(), &self.edge(p, q), &self.edge(p, r))
             .unwrap_or_else(|| self.steeper_exact(m, p, q, r))
     }
@@ -130,7 +131,7 @@ pub(crate) fn steeper(n: &Vector3<f64>, m: &Vector3<f64>, e: &Vector3<f64>, f: &
 }
 
 /// A vertex, compared by height along a direction.
-pub(super) struct Height<'a, U>(pub(super) &'a U, pub(super) u32);
+pub(super) struct Height<'a, U>(pub(super) &'a U, pub(super) VertexId);
 
 impl<U: Upward> PartialEq for Height<'_, U> {
     fn eq(&self, other: &Self) -> bool {
@@ -146,7 +147,12 @@ impl<U: Upward> PartialOrd for Height<'_, U> {
 
 /// An edge from the first vertex to the second, compared by slope: the rise along the direction
 /// over the rise along the axis `m`.
-pub(super) struct Slope<'a, U>(pub(super) &'a U, pub(super) &'a Axis, pub(super) u32, pub(super) u32);
+pub(super) struct Slope<'a, U>(
+    pub(super) &'a U,
+    pub(super) &'a Axis,
+    pub(super) VertexId,
+    pub(super) VertexId,
+);
 
 impl<U: Upward> PartialEq for Slope<'_, U> {
     fn eq(&self, other: &Self) -> bool {
@@ -179,18 +185,18 @@ mod tests {
                 whole(&mut rng),
             );
             let truth = sign(n.dot(&e) * m.dot(&f) - n.dot(&f) * m.dot(&e));
-            let points = [p, p + e, p + f];
+            let (points, [o, a, b]) = ([p, p + e, p + f], [0, 1, 2].map(VertexId));
             let direction = Direction::new(&points, &n, &Vector3::zeros());
             let axis = Axis::new([0, 1, 2].map(|k| [m[k], 0.0, 0.0, 0.0]));
-            assert_eq!(direction.steeper(&axis, 0, 1, 2), truth);
-            assert_eq!(direction.steeper_exact(&axis, 0, 1, 2), truth);
-            assert_eq!(direction.rise(0, 1), sign(n.dot(&e)));
+            assert_eq!(direction.steeper(&axis, o, a, b), truth);
+            assert_eq!(direction.steeper_exact(&axis, o, a, b), truth);
+            assert_eq!(direction.rise(o, a), sign(n.dot(&e)));
             if truth == 0 && n.z == 0.0 {
                 // Off by an amount that only an exact sum resolves.
                 let n = n + Vector3::new(0.0, 0.0, 2f64.powi(-140));
                 let direction = Direction::new(&points, &n, &Vector3::zeros());
                 let truth = sign(e.z * m.dot(&f) - f.z * m.dot(&e));
-                assert_eq!(direction.steeper(&axis, 0, 1, 2), truth);
+                assert_eq!(direction.steeper(&axis, o, a, b), truth);
                 level += 1;
                 // An axis off by such an amount, visible in its last part alone.
                 let off = whole(&mut rng);
@@ -205,7 +211,7 @@ mod tests {
                     }
                 }));
                 let direction = Direction::new(&points, &n, &Vector3::zeros());
-                assert_eq!(direction.steeper(&axis, 0, 1, 2), truth);
+                assert_eq!(direction.steeper(&axis, o, a, b), truth);
             }
         }
         assert!(level > 20, "{level}");

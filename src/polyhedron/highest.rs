@@ -7,37 +7,35 @@
 //! (see `fans`); the points level with a support vertex are the vertex itself, an edge or a face.
 //! Hill climbing and bisection need no further proof. Signs are exact (see `heights`).
 
-use crate::polyhedron::ConvexPolyhedron;
 use crate::polyhedron::axis::Axis;
+use crate::polyhedron::cycle::Cycle;
 use crate::polyhedron::fans::Fans;
 use crate::polyhedron::heights::{Height, Slope, Upward};
 use crate::polyhedron::topology::Topology;
-use crate::polyhedron::unimodal::top_of_ring;
+use crate::polyhedron::{ConvexPolyhedron, HalfEdgeId, VertexId};
 use crate::tuning::polyhedron::MANY;
 
 /// Returns the highest vertex of the large faces at `v`, or a high vertex of the large fans
 /// adjacent to `v`; `v` itself if none is higher.
-pub(super) fn jump<U: Upward>(t: &Topology, fans: &Fans, n: &U, v: u32) -> u32 {
+pub(super) fn jump<U: Upward>(t: &Topology, fans: &Fans, n: &U, v: VertexId) -> VertexId {
     if !t.has_large_faces() && fans.is_empty() || t.fan(v).len() > MANY {
         return v;
     }
     let mut best = v;
-    let mut take = |w: u32| {
+    let mut take = |w: VertexId| {
         if n.rise(best, w) > 0 {
             best = w;
         }
     };
-    for h in t.fan(v) {
+    for h in t.fan(v).iter() {
         let e = t.half_edge(h);
         if let Some(ring) = t.ring(e.face) {
-            let vertex = |k: usize| t.from(ring[k]);
-            take(vertex(top_of_ring(ring.len(), |k| Height(n, vertex(k)))));
+            take(t.from(ring.top(|h| Height(n, t.from(h)))));
         }
         if fans.axis(t, e.to).is_some() {
             // If the adjacent vertices lie in one plane, this is the highest of them.
-            let fan = t.fan(e.to);
-            let vertex = |k: usize| t.half_edge(fan.start + k as u32).to;
-            take(vertex(top_of_ring(fan.len(), |k| Height(n, vertex(k)))));
+            let to = |h| t.half_edge(h).to;
+            take(to(t.fan(e.to).top(|h| Height(n, to(h)))));
         }
     }
     best
@@ -47,7 +45,7 @@ impl ConvexPolyhedron {
     /// Returns the support vertex along `n`, the lowest id among equal vertices, climbing from
     /// `start`.
     #[inline(never)]
-    pub(crate) fn support_exact<U: Upward>(&self, n: &U, start: u32) -> u32 {
+    pub(crate) fn support_exact<U: Upward>(&self, n: &U, start: VertexId) -> VertexId {
         let mut v = start;
         // Each vertex is higher than the previous vertex.
         for _ in 0..self.points.len() {
@@ -61,11 +59,11 @@ impl ConvexPolyhedron {
 
     /// Returns an adjacent vertex higher than `v`, or, as an error, the lowest id among the
     /// vertices level with `v` if none is higher.
-    fn higher_vertex<U: Upward>(&self, n: &U, v: u32) -> Result<u32, u32> {
+    fn higher_vertex<U: Upward>(&self, n: &U, v: VertexId) -> Result<VertexId, VertexId> {
         let t = &self.topology;
-        let to = |h: u32| t.half_edge(h).to;
+        let to = |h: HalfEdgeId| t.half_edge(h).to;
         let (fan, (first, count)) = (t.fan(v), self.candidate_edges(n, v));
-        let next = |h: u32| if h + 1 == fan.end { fan.start } else { h + 1 };
+        let next = |h| fan.after(h);
         let (mut best, mut level, mut h) = (v, [None; 2], first);
         for _ in 0..count {
             let w = to(h);
@@ -91,32 +89,32 @@ impl ConvexPolyhedron {
 
     /// Returns a run of edges of `v`, first and count, including a rising or level edge if there is
     /// any: the whole fan, or the steepest edge of a large fan and the edges next to it.
-    fn candidate_edges<U: Upward>(&self, n: &U, v: u32) -> (u32, usize) {
+    fn candidate_edges<U: Upward>(&self, n: &U, v: VertexId) -> (HalfEdgeId, usize) {
         let (t, fan) = (&self.topology, self.topology.fan(v));
         let Some(m) = self.fans.axis(t, v) else {
-            return (fan.start, fan.len());
+            return (fan.at(0), fan.len());
         };
-        let before = |k: usize| (k + fan.len() - 1) % fan.len();
-        (fan.start + before(self.steepest(n, v, m)) as u32, 3)
+        (fan.wrapped(self.steepest(n, v, m) + fan.len() - 1), 3)
     }
 
     /// Returns the index in the large fan of `v`, whose axis is `m`, of the edge with the greatest
     /// slope along `n`.
-    fn steepest<U: Upward>(&self, n: &U, v: u32, m: &Axis) -> usize {
+    fn steepest<U: Upward>(&self, n: &U, v: VertexId, m: &Axis) -> usize {
         let (t, fan) = (&self.topology, self.topology.fan(v));
-        top_of_ring(fan.len(), |k| Slope(n, m, v, t.half_edge(fan.start + k as u32).to))
+        fan.top_index(|h| Slope(n, m, v, t.half_edge(h).to))
     }
 
     /// Returns a rising edge of `v` along `n`, if there is any, else a level edge, else any edge;
     /// `None` for a point.
     #[cfg(feature = "exact")]
-    pub(crate) fn rising<U: Upward>(&self, n: &U, v: u32) -> Option<u32> {
+    pub(crate) fn rising<U: Upward>(&self, n: &U, v: VertexId) -> Option<HalfEdgeId> {
         let (t, fan) = (&self.topology, self.topology.fan(v));
         if let Some(m) = self.fans.axis(t, v) {
-            return Some(fan.start + self.steepest(n, v, m) as u32);
+            return Some(fan.at(self.steepest(n, v, m)));
         }
-        let to = |h: u32| t.half_edge(h).to;
-        fan.reduce(|best, h| if n.rise(to(best), to(h)) > 0 { h } else { best })
+        let to = |h: HalfEdgeId| t.half_edge(h).to;
+        fan.iter()
+            .reduce(|best, h| if n.rise(to(best), to(h)) > 0 { h } else { best })
     }
 }
 
@@ -124,6 +122,7 @@ impl ConvexPolyhedron {
 mod tests {
     use super::*;
     use crate::num::sign::exact_dot;
+    use crate::polyhedron::FaceId;
     use crate::polyhedron::heights::Direction;
     use crate::rng::Rng;
     use alloc::vec::Vec;
@@ -192,12 +191,12 @@ mod tests {
     /// direction and its rest.
     fn directions(body: &ConvexPolyhedron, count: usize, rng: &mut Rng) -> Vec<[Vector3<f64>; 2]> {
         let pick = |m: usize, rng: &mut Rng| (rng.range(0.0, m as f64) as usize).min(m - 1);
-        let largest = (0..body.planes.len() as u32).max_by_key(|&f| body.topology.rim(f).count());
+        let largest = FaceId::all(body.planes.len()).max_by_key(|&f| body.topology.rim(f).count());
         let aside = |off: f64, rng: &mut Rng| Vector3::from(rng.unit()) * off;
         let one = |k: usize, rng: &mut Rng| {
             let face = match k % 3 {
                 0 => pick(body.planes.len(), rng),
-                _ => largest.unwrap_or(0) as usize,
+                _ => largest.map_or(0, FaceId::index),
             };
             let off = [0.0, 1e-17, 1e-16, 1e-15, 1e-12, 1e-6, 1.0][k / 3 % 7];
             let n = body.planes[face].normal * 0.7 + aside(off, rng);
@@ -217,15 +216,18 @@ mod tests {
                 for [n, rest] in directions(&body, 126, &mut rng) {
                     let parts = [0, 1, 2].map(|k| [n[k], rest[k]]);
                     // Exact, without a floating-point filter.
-                    let rise = |p: u32, q: u32| {
-                        exact_dot::<2, 24>(&parts, &body.points[p as usize], &body.points[q as usize]).sign()
+                    let rise = |p: VertexId, q: VertexId| {
+                        exact_dot::<2, 24>(&parts, &body.points[p.index()], &body.points[q.index()]).sign()
                     };
-                    let all = 0..body.points.len() as u32;
-                    let top = all.clone().fold(0, |top, v| if rise(top, v) > 0 { v } else { top });
+                    let all = VertexId::all(body.points.len());
+                    let top = all
+                        .clone()
+                        .fold(VertexId(0), |top, v| if rise(top, v) > 0 { v } else { top });
                     let level = all.filter(|&v| rise(top, v) == 0).count();
                     ties[level.min(4) - 1] += 1;
                     let direction = Direction::new(&body.points, &n, &rest);
-                    for start in [top, 0, body.points.len() as u32 / 2, body.support_climb(&n, 1)] {
+                    let middle = VertexId(body.points.len() as u32 / 2);
+                    for start in [top, VertexId(0), middle, body.support_climb(&n, VertexId(1))] {
                         assert_eq!(
                             body.support_exact(&direction, start),
                             top,
@@ -246,11 +248,11 @@ mod tests {
     struct Counted<U>(U, Cell<u32>);
 
     impl<U: Upward> Upward for Counted<U> {
-        fn rise(&self, p: u32, q: u32) -> i32 {
+        fn rise(&self, p: VertexId, q: VertexId) -> i32 {
             self.1.set(self.1.get() + 1);
             self.0.rise(p, q)
         }
-        fn steeper(&self, m: &Axis, p: u32, q: u32, r: u32) -> i32 {
+        fn steeper(&self, m: &Axis, p: VertexId, q: VertexId, r: VertexId) -> i32 {
             self.1.set(self.1.get() + 1);
             self.0.steeper(m, p, q, r)
         }
@@ -265,7 +267,7 @@ mod tests {
                 let list = directions(&body, 210, &mut rng);
                 let counts = list.iter().map(|[n, rest]| {
                     let direction = Counted(Direction::new(&body.points, n, rest), Cell::new(0));
-                    body.support_exact(&direction, body.support_climb(n, 0));
+                    body.support_exact(&direction, body.support_climb(n, VertexId(0)));
                     direction.1.get()
                 });
                 counts.max().unwrap_or(0)

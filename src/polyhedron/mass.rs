@@ -9,7 +9,7 @@ use nalgebra::{Matrix3, Point3, Vector3};
 
 use crate::num::double_double::DoubleDouble;
 use crate::num::scalar::Scalar;
-use crate::polyhedron::ConvexPolyhedron;
+use crate::polyhedron::{ConvexPolyhedron, FaceId, VertexId};
 
 /// Sums over the body about its box centre, in stored units: six times the volume, 24 times the
 /// first moments, 120 times the second moments.
@@ -85,14 +85,14 @@ impl ConvexPolyhedron {
             second: [zero; 6],
         };
         let middle = self.middle();
-        let at = |v: u32| {
-            let p = &self.points[v as usize];
+        let at = |v: VertexId| {
+            let p = &self.points[v.index()];
             core::array::from_fn(|k| DoubleDouble::sum(p[k], -middle[k]))
         };
         if self.face_count() < 3 {
             return sum;
         }
-        for f in 0..self.topology.face_count() as u32 {
+        for f in FaceId::all(self.topology.face_count()) {
             let mut rim = self.topology.rim(f).map(|h| self.topology.from(h));
             let (Some(a), Some(b)) = (rim.next(), rim.next()) else {
                 continue;
@@ -112,8 +112,8 @@ impl ConvexPolyhedron {
         let normal = self.planes[0].normal;
         let rim = || {
             self.topology
-                .rim(0)
-                .map(|h| self.points[self.topology.from(h) as usize])
+                .rim(FaceId(0))
+                .map(|h| self.points[self.topology.from(h).index()])
         };
         let Some(a) = rim().next() else { return self.middle() };
         let (mut area, mut first) = (0.0, Vector3::zeros());

@@ -5,7 +5,7 @@ use nalgebra::{Point3, Vector3};
 use crate::num::scalar::sqrt;
 use crate::num::sign::{projection, turn};
 use crate::polyhedron::build::cloud::flush_below;
-use crate::polyhedron::{ConvexPolyhedron, VertexId};
+use crate::polyhedron::{ConvexPolyhedron, FaceId, HalfEdgeId, VertexId};
 use crate::tolerance::{FAR_POINT, FOOT, NEAR_PLANE};
 
 impl ConvexPolyhedron {
@@ -20,7 +20,7 @@ impl ConvexPolyhedron {
             return VertexId(0);
         }
         let direction = direction / size;
-        VertexId(self.support_certified(&direction, self.lookup.cell(&direction)).vertex)
+        self.support_certified(&direction, self.lookup.cell(&direction)).vertex
     }
 
     /// Returns whether the closed body, surface included, holds a point. The answer is exact for
@@ -44,7 +44,7 @@ impl ConvexPolyhedron {
             _ => {
                 // Stored planes decide the clear cases, exact signs the rest.
                 let clear = NEAR_PLANE * (self.radius + p.norm());
-                self.planes.iter().zip(0u32..).all(|(plane, f)| {
+                self.planes.iter().zip(self.faces()).all(|(plane, f)| {
                     let height = plane.normal.dot(&p) - plane.offset;
                     height < -clear || height <= clear && self.face_side(f, &p) <= 0.0
                 })
@@ -54,8 +54,9 @@ impl ConvexPolyhedron {
 
     /// Returns whether an exactly flat polygon holds a point.
     fn polygon_contains(&self, p: &Vector3<f64>) -> bool {
-        let at = |h: u32| &self.points[self.topology.from(h) as usize];
-        let start = self.topology.rim_half_edge(0);
+        let at = |h: HalfEdgeId| &self.points[self.topology.from(h).index()];
+        let first = FaceId(0);
+        let start = self.topology.rim_half_edge(first);
         let second = self.topology.half_edge(start).next;
         let third = self.topology.half_edge(second).next;
         let corners = [at(start), at(second), at(third)];
@@ -63,8 +64,8 @@ impl ConvexPolyhedron {
             return false;
         };
         let forward = turn(axis, corners[0], corners[1], corners[2]) > 0.0;
-        self.face_side(0, p) == 0.0
-            && self.topology.rim(0).all(|h| {
+        self.face_side(first, p) == 0.0
+            && self.topology.rim(first).all(|h| {
                 let t = turn(axis, at(h), at(self.topology.half_edge(h).next), p);
                 if forward { t >= 0.0 } else { t <= 0.0 }
             })
@@ -93,13 +94,13 @@ impl ConvexPolyhedron {
         self.points.iter().for_each(|v| propose(*v));
         for e in self.edges() {
             let (a, b) = (
-                self.points[self.topology.from(e.0) as usize],
-                self.points[self.topology.half_edge(e.0).to as usize],
+                self.points[self.topology.from(e.half_edge()).index()],
+                self.points[self.topology.half_edge(e.half_edge()).to.index()],
             );
             propose(on_segment(&a, &b, &p));
         }
         for f in self.faces() {
-            if let Some(foot) = self.foot_on_face(f.0, &p) {
+            if let Some(foot) = self.foot_on_face(f, &p) {
                 propose(foot);
             }
         }
@@ -124,14 +125,14 @@ impl ConvexPolyhedron {
     /// and every side of a face that is little more than a line is rounding. If `p` is behind the
     /// face, the foot is a point of the body too, and the closest point if rounding misjudges the
     /// side.
-    fn foot_on_face(&self, f: u32, p: &Vector3<f64>) -> Option<Vector3<f64>> {
-        let n = self.planes[f as usize].normal;
-        let a = self.points[self.topology.from(self.topology.rim_half_edge(f)) as usize];
+    fn foot_on_face(&self, f: FaceId, p: &Vector3<f64>) -> Option<Vector3<f64>> {
+        let n = self.planes[f.index()].normal;
+        let a = self.points[self.topology.from(self.topology.rim_half_edge(f)).index()];
         let height = n.dot(&(p - a));
         let inside = self.topology.rim(f).all(|h| {
             let e = self.topology.half_edge(h);
-            let from = self.points[self.topology.from(h) as usize];
-            let (edge, to) = (self.points[e.to as usize] - from, p - from);
+            let from = self.points[self.topology.from(h).index()];
+            let (edge, to) = (self.points[e.to.index()] - from, p - from);
             edge.cross(&to).dot(&n) > FOOT * sqrt(edge.norm_squared() * to.norm_squared())
         });
         inside.then(|| p - n * height)

@@ -16,11 +16,11 @@ use nalgebra::Vector3;
 
 use crate::num::packed::PackedVec3;
 use crate::num::sign::edge_sign;
-use crate::polyhedron::ConvexPolyhedron;
 use crate::polyhedron::fans::{Fans, steepest};
 use crate::polyhedron::heights::Direction;
 use crate::polyhedron::highest;
 use crate::polyhedron::topology::Topology;
+use crate::polyhedron::{ConvexPolyhedron, VertexId};
 use crate::tolerance::EDGE_SIGN;
 use crate::tuning::polyhedron::{FLATTEST, LEAP};
 
@@ -31,25 +31,25 @@ pub(crate) fn support_climb(
     points: &[Vector3<f64>],
     fans: &Fans,
     n: PackedVec3,
-    start: u32,
-) -> u32 {
+    start: VertexId,
+) -> VertexId {
     let mut v = start;
     let mut steps = 0;
     loop {
-        let p = PackedVec3::new(&points[v as usize]);
+        let p = PackedVec3::new(&points[v.index()]);
         let (mut best, mut rise) = (v, 0.0);
         if let Some(m) = fans.axis(topology, v) {
             best = topology.half_edge(steepest(topology, points, v, m, &n.vector())).to;
         } else {
             topology.each_leaving(v, |_, to| {
-                let c = n.dot(PackedVec3::new(&points[to as usize]) - p);
+                let c = n.dot(PackedVec3::new(&points[to.index()]) - p);
                 if c > rise {
                     (best, rise) = (to, c);
                 }
             });
         }
         // Only a certain rise is a move, so the loop ends among tied vertices.
-        if best == v || edge_sign(&n.vector(), &(points[best as usize] - points[v as usize])) <= 0 {
+        if best == v || edge_sign(&n.vector(), &(points[best.index()] - points[v.index()])) <= 0 {
             return v;
         }
         steps += 1;
@@ -64,7 +64,7 @@ pub(crate) fn support_climb(
 /// Jumps to the highest vertex of a large face, or to a high vertex of a large fan, if the body has
 /// such.
 #[inline]
-fn jump(topology: &Topology, points: &[Vector3<f64>], fans: &Fans, n: &Vector3<f64>, v: u32) -> u32 {
+fn jump(topology: &Topology, points: &[Vector3<f64>], fans: &Fans, n: &Vector3<f64>, v: VertexId) -> VertexId {
     if !topology.has_large_faces() && fans.is_empty() {
         return v;
     }
@@ -74,7 +74,7 @@ fn jump(topology: &Topology, points: &[Vector3<f64>], fans: &Fans, n: &Vector3<f
 /// The support vertex along a direction, with proof.
 pub(crate) struct Extreme {
     /// A vertex that no vertex exceeds by more than rounding.
-    pub(crate) vertex: u32,
+    pub(crate) vertex: VertexId,
     /// The largest rounded `n . x` over a set of vertices that is proven to hold the exact support
     /// vertex.
     pub(crate) value: f64,
@@ -82,42 +82,42 @@ pub(crate) struct Extreme {
 
 /// The heights of the vertices adjacent to a vertex, relative to the vertex, along a direction.
 struct Surroundings {
-    vertex: u32,
+    vertex: VertexId,
     /// The highest adjacent vertex, if certainly higher.
-    higher: Option<u32>,
+    higher: Option<VertexId>,
     /// Number of adjacent vertices not certainly lower; `tie` is the last of them.
     ties: u32,
-    tie: u32,
+    tie: VertexId,
 }
 
 impl ConvexPolyhedron {
     /// Returns the support vertex along `n` (stored frame) up to rounding, climbing from `hint`.
     #[inline]
-    pub(crate) fn support_climb(&self, n: &Vector3<f64>, hint: u32) -> u32 {
+    pub(crate) fn support_climb(&self, n: &Vector3<f64>, hint: VertexId) -> VertexId {
         support_climb(&self.topology, &self.points, &self.fans, PackedVec3::new(n), hint)
     }
 
     /// Returns whether a climb along `n` would end at `v` at once, as far as a cheap test can
     /// decide: up to eight edges in parallel, without a branch to mispredict.
     #[inline(always)]
-    pub(crate) fn is_local_maximum(&self, n: &Vector3<f64>, v: u32) -> bool {
-        let p = self.points[v as usize];
-        let rises = |w: u32| n.dot(&(self.points[w as usize] - p)) > 0.0;
+    pub(crate) fn is_local_maximum(&self, n: &Vector3<f64>, v: VertexId) -> bool {
+        let p = self.points[v.index()];
+        let rises = |w: VertexId| n.dot(&(self.points[w.index()] - p)) > 0.0;
         let adjacent = self.topology.up_to_eight(v);
         adjacent.is_some_and(|adjacent| !adjacent.map(rises).into_iter().fold(false, |any, one| any | one))
     }
 
     /// Returns the support vertex along `n` up to rounding, without a hint.
     #[inline]
-    pub(crate) fn support_cold(&self, n: &Vector3<f64>) -> u32 {
+    pub(crate) fn support_cold(&self, n: &Vector3<f64>) -> VertexId {
         self.support_climb(n, self.lookup.cell(n))
     }
 
     /// Returns a start for a climb along `n`: the higher of `hint` and the vertex of the cube map.
     #[inline]
-    pub(crate) fn start_vertex(&self, n: &Vector3<f64>, hint: u32) -> u32 {
+    pub(crate) fn start_vertex(&self, n: &Vector3<f64>, hint: VertexId) -> VertexId {
         let cell = self.lookup.cell(n);
-        if n.dot(&self.points[hint as usize]) >= n.dot(&self.points[cell as usize]) {
+        if n.dot(&self.points[hint.index()]) >= n.dot(&self.points[cell.index()]) {
             hint
         } else {
             cell
@@ -126,10 +126,10 @@ impl ConvexPolyhedron {
 
     /// Returns the proven support vertex along `n`: if other vertices may tie with the end of the
     /// climb, exact signs decide.
-    pub(crate) fn support_certified(&self, n: &Vector3<f64>, hint: u32) -> Extreme {
+    pub(crate) fn support_certified(&self, n: &Vector3<f64>, hint: VertexId) -> Extreme {
         let top = self.climb_with_ties(n, hint);
         let (v, w) = (top.vertex, top.tie);
-        let (at_v, at_w) = (n.dot(&self.points[v as usize]), n.dot(&self.points[w as usize]));
+        let (at_v, at_w) = (n.dot(&self.points[v.index()]), n.dot(&self.points[w.index()]));
         // All vertices adjacent to the one or two tied vertices are certainly lower, so no path
         // that never falls reaches another vertex.
         match top.ties {
@@ -144,17 +144,17 @@ impl ConvexPolyhedron {
     }
 
     #[inline(never)]
-    fn extreme_of_many(&self, n: &Vector3<f64>, start: u32) -> Extreme {
+    fn extreme_of_many(&self, n: &Vector3<f64>, start: VertexId) -> Extreme {
         let vertex = self.support_exact(&Direction::new(&self.points, n, &Vector3::zeros()), start);
         Extreme {
             vertex,
-            value: n.dot(&self.points[vertex as usize]),
+            value: n.dot(&self.points[vertex.index()]),
         }
     }
 
     /// Climbs along `n` as [`support_climb`] does, and counts ties on the way.
     #[inline]
-    fn climb_with_ties(&self, n: &Vector3<f64>, start: u32) -> Surroundings {
+    fn climb_with_ties(&self, n: &Vector3<f64>, start: VertexId) -> Surroundings {
         let mut v = start;
         let mut steps = 0;
         loop {
@@ -171,8 +171,8 @@ impl ConvexPolyhedron {
 
     /// Compares `v` with its adjacent vertices, `except` one.
     #[inline]
-    fn surroundings(&self, n: &Vector3<f64>, v: u32, except: u32) -> Surroundings {
-        let p = self.points[v as usize];
+    fn surroundings(&self, n: &Vector3<f64>, v: VertexId, except: VertexId) -> Surroundings {
+        let p = self.points[v.index()];
         let mut ring = Surroundings {
             vertex: v,
             higher: None,
@@ -185,7 +185,7 @@ impl ConvexPolyhedron {
                 .topology
                 .half_edge(steepest(&self.topology, &self.points, v, m, n))
                 .to;
-            let rises = edge_sign(n, &(self.points[w as usize] - p)) > 0;
+            let rises = edge_sign(n, &(self.points[w.index()] - p)) > 0;
             // Ties of a large fan are not counted: two stand for any number.
             return Surroundings {
                 higher: rises.then_some(w),
@@ -194,7 +194,7 @@ impl ConvexPolyhedron {
             };
         }
         self.topology.each_leaving(v, |_, w| {
-            let e = self.points[w as usize] - p;
+            let e = self.points[w.index()] - p;
             let (x, y, z) = (n.x * e.x, n.y * e.y, n.z * e.z);
             let (value, bound) = (x + y + z, EDGE_SIGN * (x.abs() + y.abs() + z.abs()));
             if value >= -bound && w != except {
@@ -220,7 +220,7 @@ pub(crate) struct CubeMap {
     /// Cells along an edge of the cube.
     side: u32,
     /// One vertex for each cell, face by face, row by row.
-    cells: Vec<u32>,
+    cells: Vec<VertexId>,
 }
 
 impl CubeMap {
@@ -236,8 +236,8 @@ impl CubeMap {
             _ => 16,
         };
         let stretch = stretch(points);
-        let mut cells = vec![0; (6 * side * side) as usize];
-        let mut hint = 0;
+        let mut cells = vec![VertexId(0); (6 * side * side) as usize];
+        let mut hint = VertexId(0);
         for face in 0..6 {
             for row in 0..side {
                 for k in 0..side {
@@ -269,7 +269,7 @@ impl CubeMap {
 
     /// Returns the vertex stored for the cell that holds `n`; any vertex if `n` is zero.
     #[inline]
-    pub(crate) fn cell(&self, n: &Vector3<f64>) -> u32 {
+    pub(crate) fn cell(&self, n: &Vector3<f64>) -> VertexId {
         let n = n.component_mul(&self.stretch);
         let (x, y, z) = (n.x.abs(), n.y.abs(), n.z.abs());
         let axis = if x >= y && x >= z { 0 } else { 1 + usize::from(z > y) };

@@ -17,20 +17,21 @@
 use alloc::vec;
 use alloc::vec::Vec;
 
+use crate::polyhedron::cycle::Fan;
+use crate::polyhedron::feature::{EdgeId, FaceId, HalfEdgeId, VertexId};
 use crate::tuning::polyhedron::LARGE;
 
 /// A half-edge: an edge with a direction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct HalfEdge {
     /// The vertex at the end.
-    pub(crate) to: u32,
+    pub(crate) to: VertexId,
     /// The half-edge of the opposite direction.
-    pub(crate) twin: u32,
+    pub(crate) twin: HalfEdgeId,
     /// The following half-edge round `face`.
-    pub(crate) next: u32,
+    pub(crate) next: HalfEdgeId,
     /// The face on the left.
-    pub(crate) face: u32,
+    pub(crate) face: FaceId,
 }
 
 /// Half-edges in memory: numbers of 16 bits if they suffice, which halves the memory a query
@@ -43,13 +44,13 @@ enum HalfEdges {
 }
 
 impl HalfEdges {
-    fn new(half_edges: &[HalfEdge]) -> Self {
-        let numbers = half_edges.iter().map(|e| [e.to, e.twin, e.next, e.face]);
+    /// Stores `[to, twin, next, face]` of each half-edge.
+    fn new(half_edges: Vec<[u32; 4]>) -> Self {
         // Half-edges have the largest numbers of all features of a body.
         if half_edges.len() <= usize::from(u16::MAX) {
-            HalfEdges::Short(numbers.map(|e| e.map(|x| x as u16)).collect())
+            HalfEdges::Short(half_edges.iter().map(|e| e.map(|x| x as u16)).collect())
         } else {
-            HalfEdges::Long(numbers.collect())
+            HalfEdges::Long(half_edges)
         }
     }
 
@@ -62,12 +63,17 @@ impl HalfEdges {
     }
 
     #[inline(always)]
-    fn get(&self, h: u32) -> HalfEdge {
+    fn get(&self, h: HalfEdgeId) -> HalfEdge {
         let [to, twin, next, face] = match self {
-            HalfEdges::Short(l) => l[h as usize].map(u32::from),
-            HalfEdges::Long(l) => l[h as usize],
+            HalfEdges::Short(l) => l[h.index()].map(u32::from),
+            HalfEdges::Long(l) => l[h.index()],
         };
-        HalfEdge { to, twin, next, face }
+        HalfEdge {
+            to: VertexId(to),
+            twin: HalfEdgeId(twin),
+            next: HalfEdgeId(next),
+            face: FaceId(face),
+        }
     }
 }
 
@@ -85,9 +91,9 @@ pub(crate) struct Topology {
     rim: Vec<u32>,
     /// `(face, start)` of each large face, `start` being the index in `ring` of the first
     /// half-edge.
-    rings: Vec<(u32, u32)>,
+    rings: Vec<(FaceId, u32)>,
     /// The half-edges of large faces in order, face after face.
-    ring: Vec<u32>,
+    ring: Vec<HalfEdgeId>,
     /// For each vertex the index in `ring` of a half-edge that leaves the vertex along a large
     /// face; empty if there are no large faces.
     places: Vec<u32>,
@@ -125,26 +131,14 @@ impl Topology {
             previous[r[2] as usize] = h as u32;
         }
         let (first, number) = fans(vertices, &raw, &order, |h| twin[previous[h as usize] as usize])?;
-        let mut half_edges = vec![
-            HalfEdge {
-                to: 0,
-                twin: 0,
-                next: 0,
-                face: 0
-            };
-            raw.len()
-        ];
-        for (h, r) in raw.iter().enumerate() {
-            half_edges[number[h] as usize] = HalfEdge {
-                to: r[1],
-                twin: number[twin[h] as usize],
-                next: number[r[2] as usize],
-                face: r[3],
-            };
+        let mut half_edges = vec![[0; 4]; raw.len()];
+        for (h, &[_, to, next, face]) in raw.iter().enumerate() {
+            let (twin, next) = (number[twin[h] as usize], number[next as usize]);
+            half_edges[number[h] as usize] = [to, twin, next, face];
         }
         let mut rim = vec![u32::MAX; loops.len()];
-        for (h, e) in half_edges.iter().enumerate() {
-            let slot = &mut rim[e.face as usize];
+        for (h, &[.., face]) in half_edges.iter().enumerate() {
+            let slot = &mut rim[face as usize];
             *slot = (*slot).min(h as u32);
         }
         if rim.contains(&u32::MAX) {
@@ -152,7 +146,7 @@ impl Topology {
         }
         let mut topology = Self {
             first,
-            links: HalfEdges::new(&half_edges),
+            links: HalfEdges::new(half_edges),
             rim,
             rings: Vec::new(),
             ring: Vec::new(),
@@ -163,14 +157,14 @@ impl Topology {
     }
 
     fn keep_rings(&mut self) {
-        for f in 0..self.rim.len() as u32 {
+        for f in FaceId::all(self.rim.len()) {
             if self.rim(f).nth(LARGE).is_some() {
-                let ring: Vec<u32> = self.rim(f).collect();
+                let ring: Vec<HalfEdgeId> = self.rim(f).collect();
                 let start = self.ring.len() as u32;
                 self.places.resize(self.vertex_count(), u32::MAX);
                 for (&h, place) in ring.iter().zip(start..) {
-                    let v = self.from(h) as usize;
-                    self.places[v] = place;
+                    let v = self.from(h);
+                    self.places[v.index()] = place;
                 }
                 self.rings.push((f, start));
                 self.ring.extend(ring);
@@ -180,8 +174,8 @@ impl Topology {
 
     /// Returns the ring of a large face at vertex `v`, and the index there of the half-edge that
     /// leaves `v`.
-    pub(crate) fn long_rim(&self, v: u32) -> Option<(&[u32], usize)> {
-        let place = *self.places.get(v as usize)?;
+    pub(crate) fn long_rim(&self, v: VertexId) -> Option<(&[HalfEdgeId], usize)> {
+        let place = *self.places.get(v.index())?;
         let next = self.rings.partition_point(|r| r.1 <= place);
         let start = self.rings.get(next.checked_sub(1)?)?.1;
         let end = self.rings.get(next).map_or(self.ring.len(), |r| r.1 as usize);
@@ -199,7 +193,7 @@ impl Topology {
     /// Returns the half-edges of a large face in order; `None` for small faces, whose rims are
     /// short to walk.
     #[inline(always)]
-    pub(crate) fn ring(&self, f: u32) -> Option<&[u32]> {
+    pub(crate) fn ring(&self, f: FaceId) -> Option<&[HalfEdgeId]> {
         if self.rings.is_empty() {
             None
         } else {
@@ -207,7 +201,7 @@ impl Topology {
         }
     }
 
-    fn large_ring(&self, f: u32) -> Option<&[u32]> {
+    fn large_ring(&self, f: FaceId) -> Option<&[HalfEdgeId]> {
         let k = self.rings.binary_search_by_key(&f, |r| r.0).ok()?;
         let end = self.rings.get(k + 1).map_or(self.ring.len(), |next| next.1 as usize);
         self.ring.get(self.rings[k].1 as usize..end)
@@ -229,50 +223,53 @@ impl Topology {
     }
 
     #[inline]
-    pub(crate) fn half_edge(&self, h: u32) -> HalfEdge {
+    pub(crate) fn half_edge(&self, h: HalfEdgeId) -> HalfEdge {
         self.links.get(h)
     }
 
-    /// Returns the numbers of the half-edges that leave `v`.
+    /// Returns the half-edges that leave `v`, counter-clockwise from outside.
     #[inline]
-    pub(crate) fn fan(&self, v: u32) -> core::ops::Range<u32> {
-        self.first[v as usize]..self.first[v as usize + 1]
+    pub(crate) fn fan(&self, v: VertexId) -> Fan {
+        Fan {
+            start: self.first[v.index()],
+            end: self.first[v.index() + 1],
+        }
     }
 
     /// Calls `f(half_edge, to)` for the fan of `v`, counter-clockwise from outside.
     #[inline(always)]
-    pub(crate) fn each_leaving(&self, v: u32, mut f: impl FnMut(u32, u32)) {
-        let fan = self.fan(v);
-        let (start, span) = (fan.start, fan.start as usize..fan.end as usize);
+    pub(crate) fn each_leaving(&self, v: VertexId, mut f: impl FnMut(HalfEdgeId, VertexId)) {
+        let Fan { start, end } = self.fan(v);
+        let span = start as usize..end as usize;
         match &self.links {
             HalfEdges::Short(l) => {
                 for (k, e) in l[span].iter().enumerate() {
-                    f(start + k as u32, u32::from(e[0]));
+                    f(HalfEdgeId(start + k as u32), VertexId(u32::from(e[0])));
                 }
             }
             HalfEdges::Long(l) => {
                 for (k, e) in l[span].iter().enumerate() {
-                    f(start + k as u32, e[0]);
+                    f(HalfEdgeId(start + k as u32), VertexId(e[0]));
                 }
             }
         }
     }
 
     /// Returns the vertices adjacent to `v`, counter-clockwise from outside.
-    pub(crate) fn neighbours(&self, v: u32) -> impl Iterator<Item = u32> + '_ {
-        self.fan(v).map(|h| self.links.get(h).to)
+    pub(crate) fn neighbours(&self, v: VertexId) -> impl Iterator<Item = VertexId> + '_ {
+        self.fan(v).iter().map(|h| self.links.get(h).to)
     }
 
     /// Returns the vertices adjacent to `v`, the last one repeated, if there are one to eight:
     /// without a loop whose end is hard to predict.
     #[inline(always)]
-    pub(crate) fn up_to_eight(&self, v: u32) -> Option<[u32; 8]> {
-        fn taken<E>(fan: &[E], to: impl Fn(&E) -> u32) -> Option<[u32; 8]> {
+    pub(crate) fn up_to_eight(&self, v: VertexId) -> Option<[VertexId; 8]> {
+        fn taken<E>(fan: &[E], to: impl Fn(&E) -> u32) -> Option<[VertexId; 8]> {
             (1..=8)
                 .contains(&fan.len())
-                .then(|| core::array::from_fn(|k| to(&fan[k.min(fan.len() - 1)])))
+                .then(|| core::array::from_fn(|k| VertexId(to(&fan[k.min(fan.len() - 1)]))))
         }
-        let fan = self.first[v as usize] as usize..self.first[v as usize + 1] as usize;
+        let fan = self.first[v.index()] as usize..self.first[v.index() + 1] as usize;
         match &self.links {
             HalfEdges::Short(l) => taken(&l[fan], |e| u32::from(e[0])),
             HalfEdges::Long(l) => taken(&l[fan], |e| e[0]),
@@ -293,19 +290,19 @@ impl Topology {
 
     /// Returns the vertex that `h` leaves.
     #[inline]
-    pub(crate) fn from(&self, h: u32) -> u32 {
+    pub(crate) fn from(&self, h: HalfEdgeId) -> VertexId {
         self.links.get(self.links.get(h).twin).to
     }
 
     /// Returns one half-edge of the rim of `f`.
     #[inline]
-    pub(crate) fn rim_half_edge(&self, f: u32) -> u32 {
-        self.rim[f as usize]
+    pub(crate) fn rim_half_edge(&self, f: FaceId) -> HalfEdgeId {
+        HalfEdgeId(self.rim[f.index()])
     }
 
     /// Returns the half-edges round `f`, counter-clockwise from outside.
-    pub(crate) fn rim(&self, f: u32) -> impl Iterator<Item = u32> + '_ {
-        let start = self.rim[f as usize];
+    pub(crate) fn rim(&self, f: FaceId) -> impl Iterator<Item = HalfEdgeId> + '_ {
+        let start = self.rim_half_edge(f);
         let mut next = Some(start);
         core::iter::from_fn(move || {
             let h = next?;
@@ -315,10 +312,10 @@ impl Topology {
         })
     }
 
-    /// Returns the lower of `h` and its twin: the name of the edge.
+    /// Returns the edge of a half-edge.
     #[inline]
-    pub(crate) fn edge(&self, h: u32) -> u32 {
-        h.min(self.links.get(h).twin)
+    pub(crate) fn edge(&self, h: HalfEdgeId) -> EdgeId {
+        EdgeId::of(h, self.links.get(h).twin)
     }
 }
 
@@ -396,20 +393,19 @@ mod tests {
     fn links_of_a_tetrahedron_agree_with_each_other() {
         let t = Topology::from_loops(4, &tetrahedron()).unwrap();
         assert_eq!((t.vertex_count(), t.half_edge_count(), t.face_count()), (4, 12, 4));
-        for v in 0..4 {
-            for h in t.fan(v) {
+        for v in VertexId::all(4) {
+            for h in t.fan(v).iter() {
                 let e = t.half_edge(h);
                 assert_eq!(t.from(h), v);
                 assert_eq!(t.half_edge(e.twin).twin, h);
                 assert_eq!(t.from(e.next), e.to);
                 assert_eq!(t.half_edge(e.next).face, e.face);
                 // turning left about v crosses the face on the left
-                let fan = t.fan(v);
-                let left = if h + 1 == fan.end { fan.start } else { h + 1 };
+                let left = t.fan(v).after(h);
                 assert_eq!(t.half_edge(t.half_edge(left).twin).face, e.face);
             }
         }
-        for f in 0..4 {
+        for f in FaceId::all(4) {
             assert_eq!(t.rim(f).count(), 3);
             assert!(t.rim(f).all(|h| t.half_edge(h).face == f));
         }
@@ -419,7 +415,8 @@ mod tests {
     fn flat_bodies_have_a_topology() {
         assert_eq!(Topology::from_loops(1, &[]).unwrap().half_edge_count(), 0);
         let segment = Topology::from_loops(2, &[vec![0, 1]]).unwrap();
-        assert_eq!((segment.half_edge(0).twin, segment.half_edge(1).twin), (1, 0));
+        let [h, g] = [0, 1].map(HalfEdgeId);
+        assert_eq!((segment.half_edge(h).twin, segment.half_edge(g).twin), (g, h));
         let polygon = Topology::from_loops(4, &[vec![0, 1, 2, 3], vec![3, 2, 1, 0]]).unwrap();
         assert_eq!((polygon.face_count(), polygon.half_edge_count()), (2, 8));
     }

@@ -13,7 +13,7 @@ use crate::composite::tracker::MeshTracker;
 use crate::contact::{Manifold, ManifoldOptions};
 use crate::pair::outcome::{Class, Outcome, Until};
 use crate::polyhedron::FeaturePair;
-use crate::pose::{Operand, RelativePose};
+use crate::pose::RelativePose;
 use crate::separation::{self, Measure, Separation, Tangent};
 use crate::shape_tracker::ShapeTracker;
 
@@ -110,7 +110,7 @@ impl Tracked<MeshTracker, Mesh> {
 
 /// Returns the outcome of composites or meshes.
 fn outcome_of(found: &Measure) -> Outcome {
-    let features = found.features.unwrap_or(FeaturePair::vertices(Operand::A, 0, 0));
+    let features = found.features.unwrap_or(FeaturePair::FIRST);
     Outcome {
         class: found.class,
         distance: found.distance,
@@ -156,7 +156,7 @@ impl PairTracker for MixedTracker {
     fn measure(&mut self, (a, b): Self::Shapes<'_>, pose: &RelativePose, until: Until) -> Outcome {
         let unknown = || Outcome {
             upper: f64::MAX,
-            ..Outcome::starting_at(FeaturePair::vertices(Operand::A, 0, 0))
+            ..Outcome::starting_at(FeaturePair::FIRST)
         };
         let outcome = match self {
             Self::Convex(tracker) => match (a.as_convex(), b.as_convex()) {

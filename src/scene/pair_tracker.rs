@@ -9,7 +9,7 @@ use super::report::Counts;
 use crate::contact::{Manifold, ManifoldOptions, Query};
 use crate::pair::outcome::{Outcome, Until};
 use crate::polyhedron::{ConvexPolyhedron, FeaturePair};
-use crate::pose::{Operand, RelativePose};
+use crate::pose::RelativePose;
 use crate::separation::{Measure, PolyhedronPair, Separation};
 use crate::tracker::Tracker;
 
@@ -156,7 +156,7 @@ impl AnyTracker {
         match self {
             Self::Polyhedra(tracker) => match Tracker::shapes(a, b) {
                 Some(shapes) => PairTracker::measure(tracker, shapes, pose, until),
-                None => Outcome::starting_at(FeaturePair::vertices(Operand::A, 0, 0)),
+                None => Outcome::starting_at(FeaturePair::FIRST),
             },
             Self::Mixed(tracker) => tracker.measure((a, b), pose, until),
         }

@@ -6,7 +6,6 @@ use alloc::boxed::Box;
 use crate::contact::Manifold;
 use crate::pair::outcome::{Distance, Outcome};
 use crate::polyhedron::FeaturePair;
-use crate::pose::Operand;
 
 /// The part of an outcome that a table stores.
 pub(super) trait StoredAnswer: Clone + Send + Sync {
@@ -57,7 +56,7 @@ impl StoredAnswer for Outcome {
         Self {
             // Finite, since not every file format can hold infinity.
             upper: f64::MAX,
-            ..Self::starting_at(FeaturePair::vertices(Operand::A, 0, 0))
+            ..Self::starting_at(FeaturePair::FIRST)
         }
     }
     #[inline]

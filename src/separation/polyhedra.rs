@@ -7,7 +7,7 @@ use crate::minimum::overlap_proof::OverlapProof;
 use crate::num::scalar::sqrt;
 use crate::pair::outcome::{Outcome, Until};
 use crate::polyhedron::support::Extreme;
-use crate::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, Feature};
+use crate::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, Feature, HalfEdgeId, VertexId};
 use crate::pose::{Operand, RelativePose};
 use crate::tolerance::{HEIGHT, UNIT};
 use crate::tracker::Tracker;
@@ -43,9 +43,9 @@ struct Body<'a> {
     middle: Vector3<f64>,
     centre: Point3<f64>,
     radius: f64,
-    hint: u32,
+    hint: VertexId,
     /// The face of the last measure.
-    face: Option<u32>,
+    face: Option<FaceId>,
 }
 
 impl<'a> Body<'a> {
@@ -63,7 +63,7 @@ impl<'a> Body<'a> {
             middle,
             centre: Point3::from(middle * shape.unit() + shape.origin),
             radius: radius * shape.unit(),
-            hint: 0,
+            hint: VertexId(0),
             face: None,
         }
     }
@@ -77,7 +77,7 @@ impl<'a> Body<'a> {
         let unit = self.shape.unit();
         Support {
             height: height * unit,
-            point: (self.shape.points[highest.vertex as usize] - self.middle) * unit,
+            point: (self.shape.points[highest.vertex.index()] - self.middle) * unit,
         }
     }
 
@@ -88,10 +88,10 @@ impl<'a> Body<'a> {
         let points = &self.shape.points;
         if points.len() <= FEW {
             let first = Extreme {
-                vertex: 0,
+                vertex: VertexId(0),
                 value: f64::NEG_INFINITY,
             };
-            return (0..).zip(points).fold(first, |best, (vertex, p)| {
+            return self.shape.vertices().zip(points).fold(first, |best, (vertex, p)| {
                 let value = direction.dot(p);
                 if value > best.value {
                     Extreme { vertex, value }
@@ -101,7 +101,7 @@ impl<'a> Body<'a> {
             });
         }
         if let Some(face) = self.face {
-            let plane = &self.shape.planes[face as usize];
+            let plane = &self.shape.planes[face.index()];
             let off = one_norm(&(direction - plane.normal));
             if off < FLUSH {
                 return Extreme {
@@ -114,32 +114,32 @@ impl<'a> Body<'a> {
     }
 
     /// Takes note of the feature that was measured, and a vertex of it.
-    fn note(&mut self, feature: Feature, vertex: u32) {
+    fn note(&mut self, feature: Feature, vertex: VertexId) {
         self.hint = vertex;
         self.face = match feature {
-            Feature::Face(face) => Some(face.0),
+            Feature::Face(face) => Some(face),
             _ => None,
         };
     }
 
-    fn edge(&self, edge: EdgeId) -> [u32; 2] {
-        let t = &self.shape.topology;
-        [t.from(edge.0), t.half_edge(edge.0).to]
+    fn edge(&self, edge: EdgeId) -> [VertexId; 2] {
+        let (t, h) = (&self.shape.topology, edge.half_edge());
+        [t.from(h), t.half_edge(h).to]
     }
 
     fn direction(&self, edge: EdgeId) -> Vector3<f64> {
-        let [from, to] = self.edge(edge).map(|v| self.shape.points[v as usize]);
+        let [from, to] = self.edge(edge).map(|v| self.shape.points[v.index()]);
         to - from
     }
 
     /// Returns the triangle of a fan of a face whose least side is farthest from a point: the
     /// triangle contains the point if the face does.
-    fn triangle(&self, face: FaceId, point: &Vector3<f64>) -> Option<[u32; 3]> {
+    fn triangle(&self, face: FaceId, point: &Vector3<f64>) -> Option<[VertexId; 3]> {
         let t = &self.shape.topology;
         let normal = self.shape.planes[face.index()].normal;
-        let corner = |h: u32| self.shape.points[t.from(h) as usize];
+        let corner = |h: HalfEdgeId| self.shape.points[t.from(h).index()];
         let side = |p: Vector3<f64>, q: Vector3<f64>| normal.dot(&(q - p).cross(&(point - p)));
-        let mut rim = t.rim(face.0);
+        let mut rim = t.rim(face);
         let first = rim.next()?;
         let mut before = rim.next()?;
         let mut best = (f64::NEG_INFINITY, None);
@@ -218,13 +218,13 @@ impl<'a> PolyhedronPair<'a> {
         let features = seen.features?;
         let (on_a, on_b) = (&seen.point_on_a.coords, &seen.point_on_b.coords);
         let facet = match (features.a, features.b) {
-            (Feature::Face(f), Feature::Vertex(v)) => self.a.triangle(f, on_a)?.map(|u| [u, v.0]),
-            (Feature::Vertex(u), Feature::Face(f)) => self.b.triangle(f, on_b)?.map(|v| [u.0, v]),
+            (Feature::Face(f), Feature::Vertex(v)) => self.a.triangle(f, on_a)?.map(|u| [u, v]),
+            (Feature::Vertex(u), Feature::Face(f)) => self.b.triangle(f, on_b)?.map(|v| [u, v]),
             (Feature::Edge(e), Feature::Edge(f)) => {
                 let ([p, q], [r, s]) = (self.a.edge(e), self.b.edge(f));
-                let along = |body: &Body, edge: EdgeId, from: u32, at: &Vector3<f64>| {
+                let along = |body: &Body, edge: EdgeId, from: VertexId, at: &Vector3<f64>| {
                     let way = body.direction(edge);
-                    (at - body.shape.points[from as usize]).dot(&way) / way.norm_squared()
+                    (at - body.shape.points[from.index()]).dot(&way) / way.norm_squared()
                 };
                 if along(&self.a, e, p, on_a) + along(&self.b, f, r, on_b) < 1.0 {
                     [[p, r], [q, r], [p, s]]

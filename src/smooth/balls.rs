@@ -12,6 +12,7 @@ use crate::minimum::simplex::Simplex;
 use crate::num::scalar::{Scalar, Vec3, dot, root, sub};
 use crate::pair::difference::MinkowskiPoint;
 use crate::pair::transform::ErrorScale;
+use crate::polyhedron::VertexId;
 use crate::shape::Support;
 use crate::tolerance::AGREE_CURVED;
 
@@ -104,8 +105,8 @@ fn nearest(points: impl Iterator<Item = Vec3<f64>>, place: &Vec3<f64>) -> Option
     for (k, point) in points.take(3).enumerate() {
         list[k] = point;
         let corner = MinkowskiPoint {
-            a: k as u32,
-            b: 0,
+            a: VertexId(k as u32),
+            b: VertexId(0),
             w: sub(&point, place),
         };
         match &mut simplex {
@@ -120,7 +121,7 @@ fn nearest(points: impl Iterator<Item = Vec3<f64>>, place: &Vec3<f64>) -> Option
     let mut sum = [0.0; 3];
     for (corner, weight) in simplex.points().iter().zip(simplex.weights()) {
         for k in 0..3 {
-            sum[k] += list[corner.a as usize % 3][k] * weight;
+            sum[k] += list[corner.a.index() % 3][k] * weight;
         }
     }
     Some(sum)

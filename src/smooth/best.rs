@@ -5,6 +5,7 @@ use crate::minimum::simplex::Simplex;
 use crate::num::scalar::{Scalar, Vec3, dot, root, scaled};
 use crate::pair::difference::MinkowskiPoint;
 use crate::pair::transform::ErrorScale;
+use crate::polyhedron::VertexId;
 use crate::shape::Support;
 use crate::tolerance::{AGREE_CURVED, UNIT};
 
@@ -160,8 +161,8 @@ impl<T: Scalar> Best<T> {
             shared: 0.0,
         };
         let corner = |k: usize| MinkowskiPoint {
-            a: k as u32,
-            b: 0,
+            a: VertexId(k as u32),
+            b: VertexId(0),
             w: pieces[k].w,
         };
         if pieces.is_empty() {
@@ -173,7 +174,7 @@ impl<T: Scalar> Best<T> {
         }
         let mut weights = [T::from(0.0); KEPT];
         for (c, &weight) in simplex.points().iter().zip(simplex.weights()) {
-            weights[c.a as usize % KEPT] = weight;
+            weights[c.a.index() % KEPT] = weight;
         }
         self.mixture(posed, pieces, &weights);
     }

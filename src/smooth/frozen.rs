@@ -12,6 +12,7 @@ use crate::minimum::simplex::Simplex;
 use crate::num::scalar::{Scalar, Vec3, neg};
 use crate::pair::difference::MinkowskiPoint;
 use crate::pair::transform::ErrorScale;
+use crate::polyhedron::VertexId;
 use crate::shape::Support;
 
 /// Support points one solve may take.
@@ -90,8 +91,8 @@ pub(super) fn solve<A: Support, B: Support, T: Scalar>(
     best.point(&first);
     let mut points = [first; POINTS];
     let corner = |k: usize, piece: &Piece<T>| MinkowskiPoint {
-        a: k as u32,
-        b: 0,
+        a: VertexId(k as u32),
+        b: VertexId(0),
         w: neg(&piece.w),
     };
     let mut simplex = Simplex::vertex(corner(0, &first));
@@ -107,13 +108,13 @@ pub(super) fn solve<A: Support, B: Support, T: Scalar>(
         if simplex.len() == 4 {
             let mut held = [piece; 6];
             for (held, c) in held.iter_mut().zip(simplex.points()) {
-                *held = points[c.a as usize];
+                *held = points[c.a.index()];
             }
             return Frozen::Inside(Around { points: held, len: 4 });
         }
         let mut kept = [piece; 4];
         for (kept, c) in kept.iter_mut().zip(simplex.points()) {
-            *kept = points[c.a as usize];
+            *kept = points[c.a.index()];
         }
         best.mixture(posed, &kept[..simplex.len().min(4)], simplex.weights());
         if best.closes(posed) {
@@ -122,7 +123,7 @@ pub(super) fn solve<A: Support, B: Support, T: Scalar>(
         let near = goal == Goal::Approach && height + height > simplex.witness_distance();
         if near || !gains || goal == Goal::Close && k % ATTEMPT == 0 {
             let mut set = Set::default();
-            simplex.points().iter().for_each(|c| set.add(points[c.a as usize].of));
+            simplex.points().iter().for_each(|c| set.add(points[c.a.index()].of));
             if goal == Goal::Approach {
                 best.set = set;
                 return Frozen::Open;

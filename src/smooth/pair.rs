@@ -16,7 +16,7 @@ use crate::pair::answer::round_outward;
 use crate::pair::outcome::{Class, Outcome, Solver};
 use crate::pair::transform::Transform;
 use crate::polyhedron::{FeaturePair, exponent_of, power_of_two};
-use crate::pose::{Operand, RelativePose};
+use crate::pose::RelativePose;
 use crate::shape::{Core, Support};
 use crate::tolerance::{AGREE_CURVED, CERTIFICATE, SMALL_PAIR, SPECK, UNIT, UNIT_DOUBLE_DOUBLE};
 
@@ -216,7 +216,7 @@ fn toward_witness<A: Support, B: Support, T: Scalar>(posed: &Posed<A, B, T>, bes
 /// Returns the outcome of a pair of known kinds, in the unit of the solvers.
 #[inline(never)]
 pub(super) fn closest_of<A: Kind, B: Kind>(a: &A, b: &B, setting: &Setting, memory: &mut Memory) -> Outcome {
-    let mut outcome = Outcome::starting_at(FeaturePair::vertices(Operand::A, 0, 0));
+    let mut outcome = Outcome::starting_at(FeaturePair::FIRST);
     let Some(frame) = setting.frame() else { return outcome };
     let t = Vector3::from(frame.translation);
     let size = a.reach() + b.reach() + sqrt(t.norm_squared()) + UNIT_DOUBLE_DOUBLE / UNIT * setting.offsets;
@@ -411,7 +411,7 @@ fn scaled(core: &Core, exponent: i32) -> Any<'_> {
 /// Returns the outcome of cores so far apart that the sizes are below the rounding of the distance;
 /// `t` and `apart` are in sixteenths.
 fn far(setting: &Setting, t: &Vector3<f64>, apart: f64, offsets: f64) -> Outcome {
-    let mut outcome = Outcome::starting_at(FeaturePair::vertices(Operand::A, 0, 0));
+    let mut outcome = Outcome::starting_at(FeaturePair::FIRST);
     let radii = setting.radii[0] + setting.radii[1];
     let distance = 16.0 * apart;
     let slack = CERTIFICATE * UNIT * (distance + radii + offsets) + 2.0 * radii;

@@ -27,7 +27,7 @@ impl Support for Hull<'_> {
         } else {
             0
         };
-        let branch = support_vertex(self.body, n, hint);
+        let VertexId(branch) = support_vertex(self.body, n, VertexId(hint));
         (branch, self.of_branch(branch, n))
     }
 
@@ -57,9 +57,13 @@ impl Support for Hull<'_> {
     }
 
     fn feature(&self, branches: &[u32], _: &Vector3<f64>) -> Feature {
-        if branches.is_empty() || branches.iter().any(|&v| v as usize >= self.body.points.len()) {
+        let mut vertices = [VertexId(branches.first().copied().unwrap_or(0)); 3];
+        for (vertex, &branch) in vertices.iter_mut().zip(branches) {
+            *vertex = VertexId(branch);
+        }
+        if vertices.iter().any(|v| v.index() >= self.body.points.len()) {
             return Feature::Vertex(VertexId(0));
         }
-        self.body.feature_of(branches)
+        self.body.feature_of(&vertices)
     }
 }

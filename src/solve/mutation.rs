@@ -16,7 +16,7 @@ use crate::pair::edge::Edge;
 use crate::pair::outcome::{Accuracy, Class, Solver, Work};
 use crate::pair::posed::PosedPair;
 use crate::pair::star::falls_into_both_faces;
-use crate::polyhedron::{ConvexPolyhedron, FeaturePair, solids};
+use crate::polyhedron::{ConvexPolyhedron, FeaturePair, VertexId, solids};
 use crate::pose::{Operand, RelativePose};
 use crate::solve::solve;
 use crate::tolerance::UNIT;
@@ -51,12 +51,10 @@ std::thread_local! {
 pub(super) fn falsify(posed: &PosedPair, draft: &mut Draft, ended: bool) -> bool {
     let Some(fault) = FAULT.get() else { return ended };
     let vertices = |draft: &mut Draft, seed: u64| {
-        let (a, b) = (
-            seed % posed.a.points.len() as u64,
-            seed / 7 % posed.b.points.len() as u64,
-        );
-        draft.features = FeaturePair::vertices(Operand::A, a as u32, b as u32);
-        let (p, q) = (posed.a.points[a as usize], posed.b.points[b as usize]);
+        let of = |body: &ConvexPolyhedron, seed: u64| VertexId((seed % body.points.len() as u64) as u32);
+        let (a, b) = (of(posed.a, seed), of(posed.b, seed / 7));
+        draft.features = FeaturePair::vertices(Operand::A, a, b);
+        let (p, q) = (posed.a.points[a.index()], posed.b.points[b.index()]);
         let between = posed.point_in_a(&q) - p;
         draft.distance = between.norm();
         draft.normal = Unit::new_normalize(between);
@@ -137,7 +135,7 @@ fn a_walk_that_errs_is_found_out() {
                 let truth = ask(&posed, None, None);
                 assert_eq!((truth.class, truth.solver), (Class::Separated, Solver::Walk));
                 for fault in faults() {
-                    for start in [None, Some(FeaturePair::vertices(Operand::A, 0, 0))] {
+                    for start in [None, Some(FeaturePair::FIRST)] {
                         let x = ask(&posed, Some(fault), start);
                         let what = format!("{fault:?}: {x:?} for {truth:?}");
                         assert_eq!(x.class, Class::Separated, "{what}");
@@ -175,11 +173,11 @@ fn a_bound_by_two_planes_holds_for_any_planes_and_weights() {
             let high = body.points.iter().fold(f64::NEG_INFINITY, |m, p| m.max(n.dot(p)));
             assert!(!(bound < high - 1e-15 * body.radius), "{bound} {high}");
             finite += usize::from(bound.is_finite());
-            let v = ((random() + 1.0) * 0.5 * body.points.len() as f64) as u32;
+            let v = VertexId(((random() + 1.0) * 0.5 * body.points.len() as f64) as u32);
             let fan = body.fan_minimum(v, &n);
             if body.proves_lowest(&fan, &n) {
                 let low = body.points.iter().fold(f64::INFINITY, |m, p| m.min(n.dot(p)));
-                assert_eq!(low, n.dot(&body.points[v as usize]));
+                assert_eq!(low, n.dot(&body.points[v.index()]));
             }
         }
     }
@@ -193,7 +191,7 @@ fn an_edge_that_signs_prove_extreme_is_so() {
     let (mut proven, mut doubtful) = (0, 0);
     for body in bodies() {
         for e in body.edges() {
-            let edge = Edge::new(&body, e.0);
+            let edge = Edge::new(&body, e);
             let u = PackedVec3::new(&edge.q) - PackedVec3::new(&edge.p);
             for k in 0..300 {
                 // Random directions, and directions closer and closer to the normal of a face.

@@ -129,7 +129,10 @@ impl Tracker {
     #[cfg(feature = "exact")]
     #[cold]
     fn decide_within(&self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose, d: f64) -> bool {
-        let hint = self.last.map_or((0, 0), |s| s.vertices_of(a, b));
+        let hint = self
+            .last
+            .unwrap_or(crate::polyhedron::FeaturePair::FIRST)
+            .vertices_of(a, b);
         crate::exact::within(a, b, a_from_b, hint, d)
     }
 

@@ -40,7 +40,10 @@ impl Tracker {
         a_from_b: &RelativePose,
         reach: &[f64],
     ) -> bool {
-        let hint = self.last.map_or((0, 0), |s| s.vertices_of(a, b));
+        let hint = self
+            .last
+            .unwrap_or(crate::polyhedron::FeaturePair::FIRST)
+            .vertices_of(a, b);
         reach.contains(&f64::INFINITY) || crate::exact::compare(a, b, a_from_b, hint, reach).is_le()
     }
 

@@ -26,7 +26,7 @@ use crate::pair::draft::Draft;
 use crate::pair::edge::Edge;
 use crate::pair::posed::{AFirst, BFirst, PosedPair};
 use crate::pair::star::falls_into_both_faces;
-use crate::polyhedron::{ConvexPolyhedron, FeaturePair};
+use crate::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, FeaturePair, HalfEdgeId};
 use crate::pose::Operand;
 use crate::tolerance::{DIFFERENCE, DIRECTION, NEARLY_PARALLEL, ON_BOUNDARY, PARALLEL};
 use crate::walk::slide::{Slide, slide};
@@ -36,7 +36,7 @@ use crate::walk::step::Step;
 // Not inlined: otherwise the loop of the walk would hoist the loads of every kind of pair and spill
 // them.
 #[inline(never)]
-pub(crate) fn test<const CERTIFY: bool>(posed: &PosedPair, a: u32, b: u32, draft: &mut Draft) -> Step {
+pub(crate) fn test<const CERTIFY: bool>(posed: &PosedPair, a: EdgeId, b: EdgeId, draft: &mut Draft) -> Step {
     let (ea, eb) = (Edge::new(posed.a, a), Edge::new(posed.b, b));
     let (p1, p2_in_b) = (PackedVec3::new(&ea.p), PackedVec3::new(&eb.p));
     let (u, w_in_b) = (PackedVec3::new(&ea.q) - p1, PackedVec3::new(&eb.q) - p2_in_b);
@@ -109,7 +109,7 @@ pub(crate) fn test<const CERTIFY: bool>(posed: &PosedPair, a: u32, b: u32, draft
 #[inline(never)]
 fn bound_by_planes(
     posed: &PosedPair,
-    (a, b): (u32, u32),
+    (a, b): (EdgeId, EdgeId),
     normal: PackedVec3,
     on_a: (f64, f64),
     on_b: (f64, f64),
@@ -123,7 +123,7 @@ fn bound_by_planes(
 
 /// Slides the edge of B over the right or left face of the edge of A, descending from `t`.
 #[inline(never)]
-fn slide_over_face_of_a(posed: &PosedPair, a: u32, b: u32, right: bool, t: f64, draft: &mut Draft) -> Step {
+fn slide_over_face_of_a(posed: &PosedPair, a: EdgeId, b: EdgeId, right: bool, t: f64, draft: &mut Draft) -> Step {
     let eb = Edge::new(posed.b, b);
     let start = posed.point_in_a(&(eb.p + (eb.q - eb.p) * t));
     let along = posed.vector_in_a(&(eb.q - eb.p));
@@ -142,7 +142,7 @@ fn slide_over_face_of_a(posed: &PosedPair, a: u32, b: u32, right: bool, t: f64, 
 
 /// Slides the edge of A over the right or left face of the edge of B, descending from `s`.
 #[inline(never)]
-fn slide_over_face_of_b(posed: &PosedPair, a: u32, b: u32, right: bool, s: f64, draft: &mut Draft) -> Step {
+fn slide_over_face_of_b(posed: &PosedPair, a: EdgeId, b: EdgeId, right: bool, s: f64, draft: &mut Draft) -> Step {
     let ea = Edge::new(posed.a, a);
     let start = posed.point_in_b(&(ea.p + (ea.q - ea.p) * s));
     let along = posed.vector_in_b(&(ea.q - ea.p));
@@ -163,25 +163,25 @@ fn slide_over_face_of_b(posed: &PosedPair, a: u32, b: u32, right: bool, s: f64, 
 /// `along`) that descends towards the face.
 fn descending_half_edge(
     body: &ConvexPolyhedron,
-    hinge: u32,
+    hinge: EdgeId,
     right: bool,
     along: &Vector3<f64>,
     other: &ConvexPolyhedron,
-    edge: u32,
-) -> (u32, u32) {
-    let e = body.topology.half_edge(hinge);
+    edge: EdgeId,
+) -> (FaceId, HalfEdgeId) {
+    let e = body.topology.half_edge(hinge.half_edge());
     let face = if right {
         body.topology.half_edge(e.twin).face
     } else {
         e.face
     };
-    let rising = body.planes[face as usize].normal.dot(along) > 0.0;
+    let rising = body.planes[face.index()].normal.dot(along) > 0.0;
     (
         face,
         if rising {
-            other.topology.half_edge(edge).twin
+            other.topology.half_edge(edge.half_edge()).twin
         } else {
-            edge
+            edge.half_edge()
         },
     )
 }
@@ -189,7 +189,7 @@ fn descending_half_edge(
 /// Moves to the closest points of the two segments with at least one endpoint among them: each
 /// endpoint is projected on the opposite segment, and the best of the four pairs is taken.
 #[cold]
-fn closest_with_endpoint(posed: &PosedPair, a: u32, b: u32, draft: &mut Draft) -> Step {
+fn closest_with_endpoint(posed: &PosedPair, a: EdgeId, b: EdgeId, draft: &mut Draft) -> Step {
     let (ea, eb) = (Edge::new(posed.a, a), Edge::new(posed.b, b));
     let (u, w) = (ea.q - ea.p, posed.vector_in_a(&(eb.q - eb.p)));
     let r = posed.point_in_a(&eb.p) - ea.p;

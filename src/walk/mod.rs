@@ -45,12 +45,12 @@ use crate::walk::step::Step;
 fn test_pair<const CERTIFY: bool>(posed: &PosedPair, draft: &mut Draft) -> Step {
     use Feature::{Edge, Face, Vertex};
     match (draft.features.a, draft.features.b) {
-        (Edge(e), Edge(g)) => edge_edge::test::<CERTIFY>(posed, e.0, g.0, draft),
-        (Vertex(v), Face(f)) => vertex_face::test::<CERTIFY, _>(&AFirst(posed), v.0, f.0, draft),
-        (Face(f), Vertex(v)) => vertex_face::test::<CERTIFY, _>(&BFirst(posed), v.0, f.0, draft),
-        (Vertex(v), Edge(e)) => vertex_edge::test::<CERTIFY, _>(&AFirst(posed), v.0, e.0, draft),
-        (Edge(e), Vertex(v)) => vertex_edge::test::<CERTIFY, _>(&BFirst(posed), v.0, e.0, draft),
-        (Vertex(v), Vertex(w)) => vertex_vertex::test::<CERTIFY>(posed, v.0, w.0, draft),
+        (Edge(e), Edge(g)) => edge_edge::test::<CERTIFY>(posed, e, g, draft),
+        (Vertex(v), Face(f)) => vertex_face::test::<CERTIFY, _>(&AFirst(posed), v, f, draft),
+        (Face(f), Vertex(v)) => vertex_face::test::<CERTIFY, _>(&BFirst(posed), v, f, draft),
+        (Vertex(v), Edge(e)) => vertex_edge::test::<CERTIFY, _>(&AFirst(posed), v, e, draft),
+        (Edge(e), Vertex(v)) => vertex_edge::test::<CERTIFY, _>(&BFirst(posed), v, e, draft),
+        (Vertex(v), Vertex(w)) => vertex_vertex::test::<CERTIFY>(posed, v, w, draft),
         // Not a state: no step leads here (see `walkable`).
         (Edge(_), Face(_)) | (Face(_), Edge(_) | Face(_)) => Step::Lost,
     }

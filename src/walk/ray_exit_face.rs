@@ -10,8 +10,8 @@ use nalgebra::Vector3;
 
 use crate::pair::draft::Draft;
 use crate::pair::posed::OrderedPair;
-use crate::polyhedron::unimodal::top_of_ring;
-use crate::polyhedron::{ConvexPolyhedron, FeaturePair};
+use crate::polyhedron::cycle::Cycle;
+use crate::polyhedron::{ConvexPolyhedron, FaceId, FeaturePair, HalfEdgeId, VertexId};
 use crate::tolerance::{ON_BOUNDARY, UNIT};
 use crate::tuning::polyhedron::LARGE;
 use crate::walk::step::Step;
@@ -19,30 +19,30 @@ use crate::walk::step::Step;
 /// Returns the exit face of the ray from the vertex mean of the body to `x`, if `x` is above the
 /// face by more than `least`.
 #[cold]
-pub(crate) fn exit_face(body: &ConvexPolyhedron, x: &Vector3<f64>, least: f64) -> Option<u32> {
+pub(crate) fn exit_face(body: &ConvexPolyhedron, x: &Vector3<f64>, least: f64) -> Option<FaceId> {
     let (t, center) = (&body.topology, body.vertex_mean);
     let ray = x - center;
     // The depth of the mean is zero for flat bodies; then the side of `x` decides. The substitute
     // for zero scales with the body.
     let zero = UNIT * UNIT * body.radius;
-    let ratio = |f: u32| {
-        let plane = &body.planes[f as usize];
+    let ratio = |f: FaceId| {
+        let plane = &body.planes[f.index()];
         plane.normal.dot(&ray) / (plane.offset - plane.normal.dot(&center)).max(zero)
     };
     let start = body.support_cold(&ray);
-    let mut best = t.half_edge(t.fan(start).next()?).face;
+    let mut best = t.half_edge(t.fan(start).iter().next()?).face;
     let mut top = ratio(best);
-    let across = |h: u32| t.half_edge(t.half_edge(h).twin).face;
+    let across = |h: HalfEdgeId| t.half_edge(t.half_edge(h).twin).face;
     // Round a face boundary or a fan the ratio is unimodal, or nearly so: bisection finds the best
     // of thousands of faces.
-    let best_across_ring = |ring: &[u32]| across(ring[top_of_ring(ring.len(), |k| ratio(across(ring[k])))]);
-    let best_of_fan = |v: u32| {
-        let face = |k: usize| t.half_edge(t.fan(v).start + k as u32).face;
-        face(top_of_ring(t.fan(v).len(), |k| ratio(face(k))))
+    let best_across_ring = |ring: &[HalfEdgeId]| across(ring.top(|h| ratio(across(h))));
+    let best_of_fan = |v: VertexId| {
+        let face = |h| t.half_edge(h).face;
+        face(t.fan(v).top(|h| ratio(face(h))))
     };
     loop {
         let from = best;
-        let mut consider = |f: u32| {
+        let mut consider = |f: FaceId| {
             let value = ratio(f);
             if value > top {
                 (best, top) = (f, value);
@@ -65,7 +65,7 @@ pub(crate) fn exit_face(body: &ConvexPolyhedron, x: &Vector3<f64>, least: f64) -
             break;
         }
     }
-    let plane = &body.planes[best as usize];
+    let plane = &body.planes[best.index()];
     (plane.normal.dot(x) - plane.offset > least).then_some(best)
 }
 
@@ -73,8 +73,8 @@ pub(crate) fn exit_face(body: &ConvexPolyhedron, x: &Vector3<f64>, least: f64) -
 #[cold]
 pub(crate) fn jump_to_exit_face<S: OrderedPair>(
     pair: &S,
-    vertex: u32,
-    face: u32,
+    vertex: VertexId,
+    face: FaceId,
     x: &Vector3<f64>,
     draft: &mut Draft,
 ) -> Step {

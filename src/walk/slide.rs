@@ -15,20 +15,20 @@ use crate::num::packed::PackedVec3;
 use crate::pair::draft::Draft;
 use crate::pair::face::Face;
 use crate::pair::posed::OrderedPair;
-use crate::polyhedron::FeaturePair;
+use crate::polyhedron::{EdgeId, FaceId, FeaturePair, HalfEdgeId};
 use crate::walk::ray_exit_face::jump_to_exit_face;
 use crate::walk::step::Step;
 
 /// A half-edge over a face, descending towards the face.
 pub(crate) struct Slide {
     /// The half-edge of the first body, in the descending direction.
-    pub(crate) half_edge: u32,
+    pub(crate) half_edge: HalfEdgeId,
     /// Point at which to begin, in the frame of the face's body.
     pub(crate) start: PackedVec3,
     /// The face of the second body.
-    pub(crate) face: u32,
+    pub(crate) face: FaceId,
     /// The edge of the face boundary over which the half-edge enters, if any.
-    pub(crate) entry_edge: Option<u32>,
+    pub(crate) entry_edge: Option<EdgeId>,
 }
 
 /// Follows the edge to the first of: a side plane of the face (edge-edge), the end of the edge
@@ -37,8 +37,8 @@ pub(crate) fn slide<S: OrderedPair>(pair: &S, s: &Slide, draft: &mut Draft) -> S
     let (body, other) = (pair.first(), pair.second());
     let topology = &body.topology;
     let end = topology.half_edge(s.half_edge).to;
-    let displacement = PackedVec3::new(&pair.point_in_second(&body.points[end as usize])) - s.start;
-    let plane = &other.planes[s.face as usize];
+    let displacement = PackedVec3::new(&pair.point_in_second(&body.points[end.index()])) - s.start;
+    let plane = &other.planes[s.face.index()];
     let face = Face {
         body: other,
         face: s.face,

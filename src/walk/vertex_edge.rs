@@ -17,7 +17,7 @@ use crate::pair::draft::Draft;
 use crate::pair::edge::Edge;
 use crate::pair::posed::OrderedPair;
 use crate::pair::star::one_norm;
-use crate::polyhedron::{ConvexPolyhedron, FeaturePair};
+use crate::polyhedron::{ConvexPolyhedron, EdgeId, FeaturePair, VertexId};
 use crate::tolerance::{DIFFERENCE, ON_BOUNDARY};
 use crate::walk::step::Step;
 
@@ -25,12 +25,17 @@ use crate::walk::step::Step;
 // Not inlined: otherwise the loop of the walk would hoist the loads of every kind of pair and spill
 // them.
 #[inline(never)]
-pub(crate) fn test<const CERTIFY: bool, S: OrderedPair>(pair: &S, vertex: u32, edge: u32, draft: &mut Draft) -> Step {
+pub(crate) fn test<const CERTIFY: bool, S: OrderedPair>(
+    pair: &S,
+    vertex: VertexId,
+    edge: EdgeId,
+    draft: &mut Draft,
+) -> Step {
     let (body, other) = (pair.first(), pair.second());
-    let e = other.topology.half_edge(edge);
+    let e = other.topology.half_edge(edge.half_edge());
     let twin = other.topology.half_edge(e.twin);
-    let (p, q) = (other.points[twin.to as usize], other.points[e.to as usize]);
-    let vertex_point = body.points[vertex as usize];
+    let (p, q) = (other.points[twin.to.index()], other.points[e.to.index()]);
+    let vertex_point = body.points[vertex.index()];
     let x = pair.point_in_second(&vertex_point);
     let (u, r) = (q - p, x - p);
     let noise = DIFFERENCE * pair.size();
@@ -50,7 +55,7 @@ pub(crate) fn test<const CERTIFY: bool, S: OrderedPair>(pair: &S, vertex: u32, e
     let (s, d) = (s + correction, d - u * correction);
     // Voronoi planes of the adjacent faces: F(left), F(right).
     let w = u.cross(&d);
-    let (left, right) = (&other.planes[e.face as usize], &other.planes[twin.face as usize]);
+    let (left, right) = (&other.planes[e.face.index()], &other.planes[twin.face.index()]);
     let (alpha, beta) = (right.normal.dot(&w), -left.normal.dot(&w));
     if alpha < -slack || beta < -slack {
         let face = if alpha < beta { twin.face } else { e.face };
@@ -93,7 +98,7 @@ pub(crate) fn test<const CERTIFY: bool, S: OrderedPair>(pair: &S, vertex: u32, e
 #[inline(never)]
 fn height_over_planes(
     body: &ConvexPolyhedron,
-    edge: u32,
+    edge: EdgeId,
     d: &Vector3<f64>,
     x: &Vector3<f64>,
     weights: (f64, f64),

@@ -16,7 +16,7 @@ use crate::num::scalar::sqrt;
 use crate::pair::draft::Draft;
 use crate::pair::face::{Face, FaceLocation};
 use crate::pair::posed::OrderedPair;
-use crate::polyhedron::{ConvexPolyhedron, FeaturePair};
+use crate::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, FeaturePair, VertexId};
 use crate::tolerance::{DIRECTION, ON_BOUNDARY};
 use crate::walk::ray_exit_face::jump_to_exit_face;
 use crate::walk::slide::{Slide, slide};
@@ -26,11 +26,16 @@ use crate::walk::step::Step;
 // Not inlined: otherwise the loop of the walk would hoist the loads of every kind of pair and spill
 // them.
 #[inline(never)]
-pub(crate) fn test<const CERTIFY: bool, S: OrderedPair>(pair: &S, vertex: u32, face: u32, draft: &mut Draft) -> Step {
+pub(crate) fn test<const CERTIFY: bool, S: OrderedPair>(
+    pair: &S,
+    vertex: VertexId,
+    face: FaceId,
+    draft: &mut Draft,
+) -> Step {
     let (body, other) = (pair.first(), pair.second());
-    let vertex_point = body.points[vertex as usize];
+    let vertex_point = body.points[vertex.index()];
     let x = pair.point_in_second(&vertex_point);
-    let plane = &other.planes[face as usize];
+    let plane = &other.planes[face.index()];
     let size = pair.size();
     let (location, corner) = Face {
         body: other,
@@ -76,10 +81,10 @@ pub(crate) fn test<const CERTIFY: bool, S: OrderedPair>(pair: &S, vertex: u32, f
 /// the foot of the perpendicular may fall outside the face, and far outside at an acute vertex; the
 /// point returned here belongs to the body.
 #[cold]
-fn closest_on_edge(body: &ConvexPolyhedron, edge: u32, x: &Vector3<f64>) -> (Vector3<f64>, f64) {
+fn closest_on_edge(body: &ConvexPolyhedron, edge: EdgeId, x: &Vector3<f64>) -> (Vector3<f64>, f64) {
     let (p, q) = (
-        body.points[body.topology.from(edge) as usize],
-        body.points[body.topology.half_edge(edge).to as usize],
+        body.points[body.topology.from(edge.half_edge()).index()],
+        body.points[body.topology.half_edge(edge.half_edge()).to.index()],
     );
     let u = q - p;
     let foot = p + u * ((x - p).dot(&u) / u.norm_squared()).clamp(0.0, 1.0);

@@ -4,7 +4,7 @@
 use crate::num::scalar::sqrt;
 use crate::pair::draft::Draft;
 use crate::pair::posed::PosedPair;
-use crate::polyhedron::FeaturePair;
+use crate::polyhedron::{FeaturePair, VertexId};
 use crate::pose::Operand;
 use crate::tolerance::{DIFFERENCE, ON_BOUNDARY};
 use crate::walk::step::Step;
@@ -13,8 +13,8 @@ use crate::walk::step::Step;
 // Not inlined: otherwise the loop of the walk would hoist the loads of every kind of pair and spill
 // them.
 #[inline(never)]
-pub(crate) fn test<const CERTIFY: bool>(posed: &PosedPair, a: u32, b: u32, draft: &mut Draft) -> Step {
-    let (p, q) = (posed.a.points[a as usize], posed.b.points[b as usize]);
+pub(crate) fn test<const CERTIFY: bool>(posed: &PosedPair, a: VertexId, b: VertexId, draft: &mut Draft) -> Step {
+    let (p, q) = (posed.a.points[a.index()], posed.b.points[b.index()]);
     let to_b = posed.point_in_a(&q) - p;
     let noise = DIFFERENCE * posed.size();
     let from_b = -to_b;

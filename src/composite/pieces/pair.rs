@@ -9,7 +9,7 @@ use crate::composite::parts::Parted;
 use crate::composite::search::{Judge, Measured};
 use crate::pair::outcome::{Class, Outcome};
 use crate::polyhedron::FeaturePair;
-use crate::pose::{Operand, RelativePose};
+use crate::pose::RelativePose;
 use crate::shape::Shape;
 use crate::shape_tracker::ShapeTracker;
 
@@ -66,7 +66,7 @@ impl<'a, A: Parted, B: Parted> PartPair<'a, A, B> {
             normal: Vector3::x(),
             on_a,
             on_b,
-            features: FeaturePair::vertices(Operand::A, 0, 0),
+            features: FeaturePair::FIRST,
             crosses: false,
         }
     }

@@ -10,7 +10,7 @@ use crate::composite::search::MeshWork;
 use crate::composite::state::{Answer, Posed, State};
 use crate::pair::outcome::{Class, Distance};
 use crate::polyhedron::FeaturePair;
-use crate::pose::{Operand, RelativePose};
+use crate::pose::RelativePose;
 use crate::tuning::composite::TRACKERS;
 
 /// The closest points of two bodies of convex parts, with proof.
@@ -175,7 +175,7 @@ impl CompositeTracker {
 }
 
 fn outcome<A: Parts, B: Parts>(a: &A, b: &B, answer: &Answer<FeaturePair>) -> CompositeOutcome {
-    let ([i, j], features) = answer.of.unwrap_or(([0, 0], FeaturePair::vertices(Operand::A, 0, 0)));
+    let ([i, j], features) = answer.of.unwrap_or(([0, 0], FeaturePair::FIRST));
     CompositeOutcome {
         class: answer.class,
         distance: answer.distance,

@@ -1,22 +1,23 @@
 //! Set of the vertex pairs whose points lie on a large surface.
 
+use crate::polyhedron::VertexId;
 use alloc::vec::Vec;
 
 /// Marks a free slot: no vertices have such numbers.
-const VACANT: [u32; 2] = [u32::MAX; 2];
+const VACANT: [VertexId; 2] = [VertexId(u32::MAX); 2];
 
 /// A hash table without removal: open addressing, linear probing (Knuth, section 6.4).
 #[derive(Clone, Debug, Default)]
 pub(super) struct VertexPairs {
     /// At most half of the slots are occupied.
-    slots: Vec<[u32; 2]>,
+    slots: Vec<[VertexId; 2]>,
     count: usize,
 }
 
 impl VertexPairs {
     /// Returns the allocated bytes on the heap.
     pub(super) fn heap_bytes(&self) -> usize {
-        self.slots.capacity() * size_of::<[u32; 2]>()
+        self.slots.capacity() * size_of::<[VertexId; 2]>()
     }
 
     pub(super) fn clear(&mut self) {
@@ -29,11 +30,11 @@ impl VertexPairs {
         self.count
     }
 
-    pub(super) fn contains(&self, pair: [u32; 2]) -> bool {
+    pub(super) fn contains(&self, pair: [VertexId; 2]) -> bool {
         !self.slots.is_empty() && self.slots[self.slot(pair)] == pair
     }
 
-    pub(super) fn insert(&mut self, pair: [u32; 2]) {
+    pub(super) fn insert(&mut self, pair: [VertexId; 2]) {
         self.count += 1;
         if 2 * self.count > self.slots.len() {
             let larger = alloc::vec![VACANT; 4 * self.count];
@@ -48,9 +49,9 @@ impl VertexPairs {
     }
 
     /// Returns the slot of a pair, or the free slot for a new pair. The table must not be empty.
-    fn slot(&self, [a, b]: [u32; 2]) -> usize {
+    fn slot(&self, [a, b]: [VertexId; 2]) -> usize {
         // High half of a product with 2^64 over the golden ratio.
-        let hash = (u64::from(a) << 32 | u64::from(b)).wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 32;
+        let hash = (u64::from(a.0) << 32 | u64::from(b.0)).wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 32;
         let mut slot = ((hash * self.slots.len() as u64) >> 32) as usize;
         while self.slots[slot] != VACANT && self.slots[slot] != [a, b] {
             slot = if slot + 1 < self.slots.len() { slot + 1 } else { 0 };
@@ -74,7 +75,7 @@ mod tests {
             set.clear();
             let mut known = 0;
             for _ in 0..4000 {
-                let pair = [rng.below(60) as u32, rng.below(60) as u32];
+                let pair = [0; 2].map(|_| VertexId(rng.below(60) as u32));
                 known += usize::from(set.contains(&pair));
                 assert_eq!(pairs.contains(pair), set.contains(&pair));
                 pairs.insert(pair);

@@ -11,11 +11,11 @@ use alloc::vec::Vec;
 use nalgebra::{Point3, Vector3};
 
 use crate::num::sign::side;
-use crate::polyhedron::ConvexPolyhedron;
 use crate::polyhedron::build::cloud::{Cloud, power_of_two};
 use crate::polyhedron::build::error::BuildError;
 use crate::polyhedron::build::source_faces::source_faces;
 use crate::polyhedron::plane::{plane, widest_corners};
+use crate::polyhedron::{ConvexPolyhedron, VertexId};
 use crate::tolerance::{PLANARITY, SIDE_ERROR};
 
 const NONE: u32 = u32::MAX;
@@ -322,17 +322,20 @@ impl Mesh {
                 .face(f)
                 .iter()
                 .map(|&c| vertex_at[c as usize])
-                .filter(|&v| v != NONE);
-            let start = corners.min_by_key(|&v| body.topology.fan(v).len()).unwrap_or(0);
+                .filter(|&v| v != NONE)
+                .map(VertexId);
+            let start = corners
+                .min_by_key(|&v| body.topology.fan(v).len())
+                .unwrap_or(VertexId(0));
             let front = body.support_climb(&p.normal, start);
-            let by = p.normal.dot(&(body.points[front as usize] - p.base));
+            let by = p.normal.dot(&(body.points[front.index()] - p.base));
             if by > accept {
                 let back = body.support_climb(&-p.normal, start);
-                let behind = p.normal.dot(&(p.base - body.points[back as usize]));
+                let behind = p.normal.dot(&(p.base - body.points[back.index()]));
                 if behind <= accept {
                     return Err(BuildError::WrongOrientation { face: f });
                 }
-                let vertex = body.source[front as usize] as usize;
+                let vertex = body.source[front.index()] as usize;
                 return Err(BuildError::NotConvex {
                     face: f,
                     vertex,

@@ -259,7 +259,7 @@ mod tests {
             let copies: Vec<usize> = report.duplicates.iter().map(|d| d.0 as usize).collect();
             for (i, p) in points.iter().enumerate().filter(|(i, _)| !copies.contains(i)) {
                 let stored = (p.coords - body.origin) / body.unit();
-                let on = body.faces().filter(|f| body.face_side(f.0, &stored) == 0.0).count();
+                let on = body.faces().filter(|f| body.face_side(*f, &stored) == 0.0).count();
                 let i = i as u32;
                 let listed = [&report.interior, &report.on_faces, &report.on_edges].map(|list| list.contains(&i));
                 assert_eq!(listed, [on == 0, on == 1, on == 2], "{round}: {p} is on {on} faces");

@@ -29,7 +29,7 @@ use crate::polyhedron::fans::Fans;
 use crate::polyhedron::plane::{plane, widest_corners};
 use crate::polyhedron::support::CubeMap;
 use crate::polyhedron::topology::Topology;
-use crate::polyhedron::{ConvexPolyhedron, Plane};
+use crate::polyhedron::{ConvexPolyhedron, FaceId, HalfEdgeId, Plane};
 use crate::tolerance::{COPLANAR, ROUND_UP};
 use crate::tuning::polyhedron::{FEW, FLAT};
 
@@ -117,9 +117,9 @@ impl ConvexPolyhedron {
         let squares = points.iter().map(|p| (p - vertex_mean) * (p - vertex_mean).transpose());
         let covariance3 = squares.sum::<Matrix3<f64>>() * (3.0 / points.len() as f64);
         let mean = covariance3.trace() / 3.0;
-        let has_coplanar_neighbours = (0..topology.half_edge_count() as u32).any(|h| {
+        let has_coplanar_neighbours = HalfEdgeId::all(topology.half_edge_count()).any(|h| {
             let e = topology.half_edge(h);
-            let [m, n] = [e.face, topology.half_edge(e.twin).face].map(|f| planes[f as usize].normal);
+            let [m, n] = [e.face, topology.half_edge(e.twin).face].map(|f| planes[f.index()].normal);
             m.dot(&n) > 0.0 && m.cross(&n).norm_squared() <= COPLANAR * COPLANAR
         });
         let fans = Fans::new(&topology, &points, &planes);
@@ -170,11 +170,11 @@ impl ConvexPolyhedron {
 
     /// Returns an exact sign: positive if a point in stored coordinates is in front of a face, 0 in
     /// its plane.
-    pub(crate) fn face_side(&self, face: u32, p: &Vector3<f64>) -> f64 {
+    pub(crate) fn face_side(&self, face: FaceId, p: &Vector3<f64>) -> f64 {
         let h = self.topology.rim_half_edge(face);
         let e = self.topology.half_edge(h);
         let corners = [self.topology.from(h), e.to, self.topology.half_edge(e.next).to];
-        let [a, b, c] = corners.map(|v| &self.points[v as usize]);
+        let [a, b, c] = corners.map(|v| &self.points[v.index()]);
         side(a, b, c, p)
     }
 

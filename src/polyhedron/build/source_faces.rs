@@ -4,10 +4,8 @@ use alloc::vec;
 use alloc::vec::Vec;
 use nalgebra::Vector3;
 
-use crate::polyhedron::ConvexPolyhedron;
 use crate::polyhedron::build::faces::Mesh;
-
-const NONE: u32 = u32::MAX;
+use crate::polyhedron::{ConvexPolyhedron, FaceId};
 
 /// A vertex of more faces than this adds no candidates if another vertex has added some.
 const CROWD: usize = 8;
@@ -21,14 +19,14 @@ pub(crate) fn source_faces(mesh: &Mesh, body: &ConvexPolyhedron, places: &[u32],
     let incidence = Incidence::new(mesh);
     // For each of the caller's faces the last face compared with it, and the number of shared
     // vertices.
-    let mut shared = vec![(NONE, 0u32); mesh.face_count()];
+    let mut shared = vec![(None, 0u32); mesh.face_count()];
     let mut rim: Vec<u32> = Vec::new();
     let mut candidates: Vec<u32> = Vec::new();
     let mut result = Vec::with_capacity(body.face_count());
-    for f in 0..body.face_count() as u32 {
+    for f in body.faces() {
         rim.clear();
         candidates.clear();
-        rim.extend(body.topology.rim(f).map(|h| places[body.topology.from(h) as usize]));
+        rim.extend(body.topology.rim(f).map(|h| places[body.topology.from(h).index()]));
         // Vertices of many faces, such as the apex of a cone, come last and are looked up only in
         // the candidates known by then.
         rim.sort_by_key(|&c| incidence.faces_at(c).len());
@@ -41,8 +39,8 @@ pub(crate) fn source_faces(mesh: &Mesh, body: &ConvexPolyhedron, places: &[u32],
             }
             for &g in incidence.faces_at(corner) {
                 let (last, count) = &mut shared[g as usize];
-                if *last != f {
-                    (*last, *count) = (f, 0);
+                if *last != Some(f) {
+                    (*last, *count) = (Some(f), 0);
                     candidates.push(g);
                 }
                 *count += 1;
@@ -66,8 +64,8 @@ pub(crate) fn source_faces(mesh: &Mesh, body: &ConvexPolyhedron, places: &[u32],
 
 /// Returns how far three spread vertices of a caller's face reach below the plane of a face of the
 /// body.
-fn depth_below(corners: &[u32], body: &ConvexPolyhedron, face: u32, points: &[Vector3<f64>]) -> f64 {
-    let plane = &body.planes[face as usize];
+fn depth_below(corners: &[u32], body: &ConvexPolyhedron, face: FaceId, points: &[Vector3<f64>]) -> f64 {
+    let plane = &body.planes[face.index()];
     let spread = [0, 1, 2].map(|k| corners[k * corners.len() / 3]);
     let depths = spread.map(|c| plane.offset - plane.normal.dot(&points[c as usize]));
     depths.into_iter().fold(0.0, f64::max)

@@ -13,7 +13,8 @@
 
 use nalgebra::Vector3;
 
-use crate::polyhedron::{ConvexPolyhedron, Feature};
+use crate::polyhedron::cycle::{Cycle, Fan};
+use crate::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, Feature, HalfEdgeId, VertexId};
 use crate::tuning::polyhedron::LARGE;
 use crate::tuning::walk::SPAN;
 
@@ -27,9 +28,9 @@ pub(super) struct RingCurve<'a> {
 #[derive(Clone, Copy)]
 enum RingKind<'a> {
     /// The half-edges of a long face boundary.
-    Boundary(&'a [u32]),
-    /// The link of a vertex of many edges: the fan of `apex`, from the first half-edge.
-    Link { apex: u32, first: u32, len: usize },
+    Boundary(&'a [HalfEdgeId]),
+    /// The link of a vertex of many edges.
+    Link { apex: VertexId, fan: Fan },
 }
 
 /// Location of a feature relative to a ring.
@@ -54,22 +55,16 @@ pub(super) struct ParabolaFit {
 
 impl<'a> RingCurve<'a> {
     /// Returns the link of `apex`, if the fan of `apex` is large.
-    fn of_link(body: &'a ConvexPolyhedron, apex: u32) -> Option<Self> {
+    fn of_link(body: &'a ConvexPolyhedron, apex: VertexId) -> Option<Self> {
         let fan = body.topology.fan(apex);
-        (fan.len() > LARGE).then(|| RingCurve {
-            body,
-            kind: RingKind::Link {
-                apex,
-                first: fan.start,
-                len: fan.len(),
-            },
-        })
+        let kind = RingKind::Link { apex, fan };
+        (fan.len() > LARGE).then_some(RingCurve { body, kind })
     }
 
     /// Returns the ring that contains the half-edge `h`, with the index of the tail of `h`: the
     /// boundary of the face on the left, or the link of the vertex opposite to `h` in the triangle
     /// on the left.
-    fn of_half_edge(body: &'a ConvexPolyhedron, h: u32) -> Option<(Self, usize)> {
+    fn of_half_edge(body: &'a ConvexPolyhedron, h: HalfEdgeId) -> Option<(Self, usize)> {
         let t = &body.topology;
         if let Some((ring, k)) = t.long_rim(t.from(h)).filter(|(ring, k)| ring[*k] == h) {
             let kind = RingKind::Boundary(ring);
@@ -81,9 +76,9 @@ impl<'a> RingCurve<'a> {
     }
 
     /// Returns the index of a half-edge of the fan.
-    fn index_of(&self, h: u32) -> usize {
+    fn index_of(&self, h: HalfEdgeId) -> usize {
         match self.kind {
-            RingKind::Link { first, len, .. } => (h.wrapping_sub(first) as usize).min(len - 1),
+            RingKind::Link { fan, .. } => fan.index_of(h),
             RingKind::Boundary(_) => 0,
         }
     }
@@ -92,54 +87,54 @@ impl<'a> RingCurve<'a> {
     fn len(&self) -> usize {
         match self.kind {
             RingKind::Boundary(ring) => ring.len(),
-            RingKind::Link { len, .. } => len,
+            RingKind::Link { fan, .. } => fan.len(),
         }
     }
 
     /// Returns the vertex at index `k`.
-    pub(super) fn vertex(&self, k: usize) -> u32 {
+    pub(super) fn vertex(&self, k: usize) -> VertexId {
         let t = &self.body.topology;
         match self.kind {
             RingKind::Boundary(ring) => t.from(ring[k]),
-            RingKind::Link { first, .. } => t.half_edge(first + k as u32).to,
+            RingKind::Link { fan, .. } => t.half_edge(fan.at(k)).to,
         }
     }
 
     /// Returns the vertex closest to the point at `fraction` of the edge from index `k` to the
     /// next.
-    pub(super) fn nearest_vertex(&self, k: usize, fraction: f64) -> u32 {
+    pub(super) fn nearest_vertex(&self, k: usize, fraction: f64) -> VertexId {
         self.vertex(if fraction < 0.5 { k } else { (k + 1) % self.len() })
     }
 
     /// Returns the edge from index `k` to the next.
-    pub(super) fn edge(&self, k: usize) -> u32 {
+    pub(super) fn edge(&self, k: usize) -> EdgeId {
         let t = &self.body.topology;
         match self.kind {
             RingKind::Boundary(ring) => t.edge(ring[k]),
-            RingKind::Link { first, .. } => t.edge(t.half_edge(first + k as u32).next),
+            RingKind::Link { fan, .. } => t.edge(t.half_edge(fan.at(k)).next),
         }
     }
 
     /// Returns the half-edge of spoke `k`. On a face boundary it leads to the far end, and exists
     /// if the vertex has three edges: the edge outside the boundary. On a link it leads from the
     /// apex.
-    fn spoke_half_edge(&self, k: usize) -> Option<u32> {
+    fn spoke_half_edge(&self, k: usize) -> Option<HalfEdgeId> {
         let t = &self.body.topology;
         match self.kind {
             RingKind::Boundary(ring) => {
                 (t.fan(t.from(ring[k])).len() == 3).then(|| t.half_edge(t.half_edge(ring[k]).twin).next)
             }
-            RingKind::Link { first, .. } => Some(first + k as u32),
+            RingKind::Link { fan, .. } => Some(fan.at(k)),
         }
     }
 
     /// Returns the edge of spoke `k`.
-    pub(super) fn spoke(&self, k: usize) -> Option<u32> {
+    pub(super) fn spoke(&self, k: usize) -> Option<EdgeId> {
         self.spoke_half_edge(k).map(|h| self.body.topology.edge(h))
     }
 
     /// Returns the vertex at the far end of spoke `k`.
-    pub(super) fn spoke_end(&self, k: usize) -> Option<u32> {
+    pub(super) fn spoke_end(&self, k: usize) -> Option<VertexId> {
         match self.kind {
             RingKind::Boundary(_) => self.spoke_half_edge(k).map(|h| self.body.topology.half_edge(h).to),
             RingKind::Link { apex, .. } => Some(apex),
@@ -147,17 +142,17 @@ impl<'a> RingCurve<'a> {
     }
 
     /// Returns the side face between spoke `k` and the next.
-    pub(super) fn side_face(&self, k: usize) -> u32 {
+    pub(super) fn side_face(&self, k: usize) -> FaceId {
         let t = &self.body.topology;
         match self.kind {
             RingKind::Boundary(ring) => t.half_edge(t.half_edge(ring[k]).twin).face,
-            RingKind::Link { first, .. } => t.half_edge(first + k as u32).face,
+            RingKind::Link { fan, .. } => t.half_edge(fan.at(k)).face,
         }
     }
 
     /// Returns the position of the vertex at index `k`.
     fn at(&self, k: usize) -> Vector3<f64> {
-        self.body.points[self.vertex(k) as usize]
+        self.body.points[self.vertex(k).index()]
     }
 
     /// Returns the point at `fraction` of the edge from index `k` to the next.
@@ -210,7 +205,7 @@ impl<'a> RingCurve<'a> {
             [p, left * x1 - right * x0, (right - left) * 2.0]
         };
         let spoke_ends = if spokes {
-            let [a, q, b] = indices.map(|k| self.spoke_end(k).map(|v| self.body.points[v as usize]));
+            let [a, q, b] = indices.map(|k| self.spoke_end(k).map(|v| self.body.points[v.index()]));
             parabola(a?, q?, b?)
         } else {
             [Vector3::zeros(); 3]
@@ -272,14 +267,14 @@ impl ConvexPolyhedron {
     /// Returns the location of a feature relative to a large ring, if the feature touches one.
     pub(super) fn ring_location(&self, feature: Feature) -> Option<RingLocation<'_>> {
         match feature {
-            Feature::Vertex(v) => self.ring_of_vertex(v.0),
-            Feature::Edge(e) => self.ring_of_edge(e.0),
-            Feature::Face(f) => self.ring_of_face(f.0),
+            Feature::Vertex(v) => self.ring_of_vertex(v),
+            Feature::Edge(e) => self.ring_of_edge(e),
+            Feature::Face(f) => self.ring_of_face(f),
         }
     }
 
     /// Returns the ring that contains a vertex.
-    fn ring_of_vertex(&self, v: u32) -> Option<RingLocation<'_>> {
+    fn ring_of_vertex(&self, v: VertexId) -> Option<RingLocation<'_>> {
         let t = &self.topology;
         if t.fan(v).len() > LARGE {
             return None;
@@ -288,7 +283,7 @@ impl ConvexPolyhedron {
             let kind = RingKind::Boundary(ring);
             return Some(RingLocation::Ring(RingCurve { body: self, kind }, k));
         }
-        t.fan(v).find_map(|h| {
+        t.fan(v).iter().find_map(|h| {
             let e = t.half_edge(h);
             let curve = RingCurve::of_link(self, e.to)?;
             Some(RingLocation::Ring(curve, curve.index_of(e.twin)))
@@ -296,31 +291,29 @@ impl ConvexPolyhedron {
     }
 
     /// Returns the ring that contains an edge, or has the edge as a spoke.
-    fn ring_of_edge(&self, edge: u32) -> Option<RingLocation<'_>> {
+    fn ring_of_edge(&self, edge: EdgeId) -> Option<RingLocation<'_>> {
         let t = &self.topology;
-        let e = t.half_edge(edge);
+        let h = edge.half_edge();
+        let e = t.half_edge(h);
         let tail = t.half_edge(e.twin).to;
         // A spoke of a fan.
-        for (apex, h) in [(tail, edge), (e.to, e.twin)] {
+        for (apex, h) in [(tail, h), (e.to, e.twin)] {
             if let Some(curve) = RingCurve::of_link(self, apex) {
                 return Some(RingLocation::Spokes(curve, curve.index_of(h)));
             }
         }
         // An edge of a ring, in either direction.
-        if let Some((curve, k)) = RingCurve::of_half_edge(self, edge).or_else(|| RingCurve::of_half_edge(self, e.twin))
-        {
+        if let Some((curve, k)) = RingCurve::of_half_edge(self, h).or_else(|| RingCurve::of_half_edge(self, e.twin)) {
             return Some(RingLocation::Ring(curve, k));
         }
         match self.ring_of_vertex(tail)? {
-            RingLocation::Ring(curve, k) if curve.spoke(k) == Some(t.edge(edge)) => {
-                Some(RingLocation::Spokes(curve, k))
-            }
+            RingLocation::Ring(curve, k) if curve.spoke(k) == Some(edge) => Some(RingLocation::Spokes(curve, k)),
             _ => None,
         }
     }
 
     /// Returns the ring that has the face as a side face.
-    fn ring_of_face(&self, face: u32) -> Option<RingLocation<'_>> {
+    fn ring_of_face(&self, face: FaceId) -> Option<RingLocation<'_>> {
         let t = &self.topology;
         if t.ring(face).is_some() {
             return None;

@@ -24,11 +24,11 @@ use crate::walk::rings::curve::{ParabolaFit, RingCurve, RingLocation};
 /// The feature of one body as a smooth set of points.
 enum Side<'a> {
     /// A vertex on no ring.
-    Vertex(u32, Vector3<f64>),
+    Vertex(VertexId, Vector3<f64>),
     /// An edge on no ring: the tail, and the vector to the head.
-    Edge(u32, [Vector3<f64>; 2]),
+    Edge(EdgeId, [Vector3<f64>; 2]),
     /// A face on no ring: a point of the plane, and the unit normal.
-    Face(u32, [Vector3<f64>; 2]),
+    Face(FaceId, [Vector3<f64>; 2]),
     /// A vertex or an edge of a ring: the index and the fit around the index.
     Ring(RingCurve<'a>, usize, ParabolaFit),
     /// A spoke or a side face of a ring: the index and the fit around the index.
@@ -59,18 +59,18 @@ struct SidePosition {
 impl<'a> Side<'a> {
     /// Returns the side of a feature; `None` if the ring of the feature has no fit.
     fn of(body: &'a ConvexPolyhedron, feature: Feature) -> Option<Self> {
-        let (t, at) = (&body.topology, |v: u32| body.points[v as usize]);
+        let (t, at) = (&body.topology, |v: VertexId| body.points[v.index()]);
         Some(match (body.ring_location(feature), feature) {
             (Some(RingLocation::Ring(ring, k)), _) => Side::Ring(ring, k, ring.fit(k, false)?),
             (Some(RingLocation::Spokes(ring, k)), _) => Side::Spokes(ring, k, ring.fit(k, true)?),
-            (None, Feature::Vertex(v)) => Side::Vertex(v.0, at(v.0)),
+            (None, Feature::Vertex(v)) => Side::Vertex(v, at(v)),
             (None, Feature::Edge(e)) => {
-                let (p, q) = (at(t.from(e.0)), at(t.half_edge(e.0).to));
-                Side::Edge(e.0, [p, q - p])
+                let (p, q) = (at(t.from(e.half_edge())), at(t.half_edge(e.half_edge()).to));
+                Side::Edge(e, [p, q - p])
             }
             (None, Feature::Face(f)) => {
-                let p = at(t.half_edge(t.rim_half_edge(f.0)).to);
-                Side::Face(f.0, [p, body.planes[f.index()].normal])
+                let p = at(t.half_edge(t.rim_half_edge(f)).to);
+                Side::Face(f, [p, body.planes[f.index()].normal])
             }
         })
     }
@@ -167,7 +167,7 @@ impl<'a> Side<'a> {
     /// Returns the point of the body itself at a position, in the frame of the body; `None` for a
     /// face.
     fn point(&self, body: &ConvexPolyhedron, position: &SidePosition) -> Option<Vector3<f64>> {
-        let at = |v: u32| body.points[v as usize];
+        let at = |v: VertexId| body.points[v.index()];
         let &SidePosition {
             index: j, fraction, y, ..
         } = position;
@@ -175,7 +175,7 @@ impl<'a> Side<'a> {
             Side::Vertex(v, _) => at(*v),
             Side::Edge(e, _) => {
                 let t = &body.topology;
-                at(t.from(*e)) * (1.0 - y) + at(t.half_edge(*e).to) * y
+                at(t.from(e.half_edge())) * (1.0 - y) + at(t.half_edge(e.half_edge()).to) * y
             }
             Side::Face(..) => return None,
             Side::Ring(ring, ..) => ring.point(j, fraction),
@@ -188,8 +188,7 @@ impl<'a> Side<'a> {
         let &SidePosition {
             index: j, y, fraction, ..
         } = position;
-        let vertex = |v: u32| Feature::Vertex(VertexId(v));
-        let edge = |e: u32| Feature::Edge(EdgeId(e));
+        let (vertex, edge) = (Feature::Vertex, Feature::Edge);
         let t = &body.topology;
         let on_ring = |ring: &RingCurve| {
             if other == 2 {
@@ -200,15 +199,15 @@ impl<'a> Side<'a> {
         };
         match self {
             Side::Vertex(v, _) => vertex(*v),
-            Side::Face(f, _) => Feature::Face(FaceId(*f)),
-            Side::Edge(e, _) if y <= 0.0 => vertex(t.from(*e)),
-            Side::Edge(e, _) if y >= 1.0 => vertex(t.half_edge(*e).to),
+            Side::Face(f, _) => Feature::Face(*f),
+            Side::Edge(e, _) if y <= 0.0 => vertex(t.from(e.half_edge())),
+            Side::Edge(e, _) if y >= 1.0 => vertex(t.half_edge(e.half_edge()).to),
             Side::Edge(e, _) => edge(*e),
             Side::Ring(ring, ..) => on_ring(ring),
             Side::Spokes(ring, ..) => match (ring.spoke(j), ring.spoke_end(j)) {
                 _ if y <= 0.0 => on_ring(ring),
                 (_, Some(far)) if y >= 1.0 => vertex(far),
-                _ if other == 0 => Feature::Face(FaceId(ring.side_face(j))),
+                _ if other == 0 => Feature::Face(ring.side_face(j)),
                 (Some(spoke), _) if other == 1 => edge(spoke),
                 _ => vertex(ring.nearest_vertex(j, fraction)),
             },
@@ -262,7 +261,7 @@ enum Landing {
     /// Squared distance of the two points.
     SquaredDistance(f64),
     /// The point is over no part of the face: it lies beyond this edge.
-    OutsideFace(u32),
+    OutsideFace(EdgeId),
 }
 
 impl NewtonJump<'_, '_> {
@@ -302,7 +301,7 @@ impl NewtonJump<'_, '_> {
 
     /// Returns the pair for a jump from over a face to beyond `edge` of the face boundary: the
     /// boundary edge that is passed first, and the edge of the curve that passes.
-    fn across_boundary(&self, start: &Four, at: &Four, mut edge: u32) -> FeaturePair {
+    fn across_boundary(&self, start: &Four, at: &Four, mut edge: EdgeId) -> FeaturePair {
         let (mut over, mut out, mut positions) = (0.0, 1.0, self.positions(at));
         for _ in 0..BISECTIONS {
             let middle = 0.5 * (over + out);
@@ -317,11 +316,11 @@ impl NewtonJump<'_, '_> {
 
     /// Returns the features at two positions; `edge` replaces a face if the point lies beyond this
     /// boundary edge.
-    fn features(&self, positions: &(SidePosition, SidePosition), edge: Option<u32>) -> FeaturePair {
+    fn features(&self, positions: &(SidePosition, SidePosition), edge: Option<EdgeId>) -> FeaturePair {
         let dimension =
             |side: &Side, position: &SidePosition| if edge.is_some() { 1 } else { side.dimension(position.y) };
         let name = |side: &Side, body: &ConvexPolyhedron, position: &SidePosition, other: usize| match (side, edge) {
-            (Side::Face(..), Some(e)) => Feature::Edge(EdgeId(e)),
+            (Side::Face(..), Some(e)) => Feature::Edge(e),
             _ => side.feature(body, position, other),
         };
         FeaturePair {
@@ -338,8 +337,8 @@ fn interpolate(from: &Four, to: &Four, fraction: f64) -> Four {
 
 /// Evaluates a point over a face: the squared height, or the boundary edge beyond which the point
 /// lies.
-fn height_over_face(body: &ConvexPolyhedron, face: u32, x: &Vector3<f64>, size: f64) -> Landing {
-    let plane = &body.planes[face as usize];
+fn height_over_face(body: &ConvexPolyhedron, face: FaceId, x: &Vector3<f64>, size: f64) -> Landing {
+    let plane = &body.planes[face.index()];
     let face = Face {
         body,
         face,

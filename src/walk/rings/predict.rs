@@ -4,7 +4,7 @@
 //! query, and in a steady motion by about as many as in the query before. A start at the predicted
 //! features saves the Newton jump (see [`newton_jump`](super::newton_jump)).
 
-use crate::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, Feature, FeaturePair, VertexId};
+use crate::polyhedron::{ConvexPolyhedron, Feature, FeaturePair};
 use crate::walk::rings::curve::RingLocation;
 
 /// Extrapolates the motion from `before` to `now`, each feature along its ring. A feature that is
@@ -39,10 +39,10 @@ impl ConvexPolyhedron {
         let (RingLocation::Ring(ring, to) | RingLocation::Spokes(ring, to)) = location;
         let index = ring.extrapolate(&old_ring, from, to)?;
         Some(match (location, now) {
-            (RingLocation::Ring(..), Feature::Vertex(_)) => Feature::Vertex(VertexId(ring.vertex(index))),
-            (RingLocation::Ring(..), _) => Feature::Edge(EdgeId(ring.edge(index))),
-            (RingLocation::Spokes(..), Feature::Edge(_)) => Feature::Edge(EdgeId(ring.spoke(index)?)),
-            (RingLocation::Spokes(..), _) => Feature::Face(FaceId(ring.side_face(index))),
+            (RingLocation::Ring(..), Feature::Vertex(_)) => Feature::Vertex(ring.vertex(index)),
+            (RingLocation::Ring(..), _) => Feature::Edge(ring.edge(index)),
+            (RingLocation::Spokes(..), Feature::Edge(_)) => Feature::Edge(ring.spoke(index)?),
+            (RingLocation::Spokes(..), _) => Feature::Face(ring.side_face(index)),
         })
     }
 }
