@@ -6,7 +6,7 @@ use super::ascent::{Place, Slice};
 use super::checker::Checker;
 use super::error::PlanError;
 use super::space::ConfigurationSpace;
-use crate::tuning::plan::{HOP, TRACE};
+use crate::tuning::plan::{CLOSED, HOP, TRACE};
 
 /// The reason why a freeway ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -57,7 +57,7 @@ impl<C: ConfigurationSpace> Checker<C> {
                 Tried::Kept(place) => {
                     way = (1.5 * way)
                         .min(slice.longest)
-                        .min(4.0 * place.distance.max(slice.shortest));
+                        .min(4.0 * place.distance.max(CLOSED * slice.shortest));
                     places.push(place);
                 }
                 Tried::Lost(end) => {

@@ -340,6 +340,7 @@ impl<C: ConfigurationSpace> Search<'_, C> {
             &mut self.work.bridges
         } += 1;
         let tips = [nodes[0], nodes[nodes.len() - 1]];
+        let least = self.checker.margin() + CLOSED * slice.shortest;
         self.link(&spaced(&nodes))?;
         self.roadmap.freeways.push(Freeway {
             coordinate,
@@ -348,7 +349,10 @@ impl<C: ConfigurationSpace> Search<'_, C> {
             ends: [lower, upper],
         });
         for (tip, end) in tips.into_iter().zip([lower, upper]) {
-            if end == FreewayEnd::Inflection || end == FreewayEnd::Closed {
+            // Where a channel has closed altogether, its slice holds nothing about it.
+            let is_open = |near: Near| near.distance > least;
+            let q = &self.roadmap.nodes[tip];
+            if end != FreewayEnd::Bound && self.checker.clearance(q)?.is_some_and(is_open) {
                 self.bridge(tip, &slice, depth)?;
             }
         }

@@ -205,7 +205,11 @@ fn freeways_are_local_maxima_in_their_slices() {
         .expect("free ends");
     let (mut judged, mut kept) = (0, 0);
     for freeway in &plan.roadmap.freeways {
-        assert!(freeway.ends.iter().all(|end| *end != FreewayEnd::Budget), "{freeway:?}");
+        assert!(
+            freeway.ends.iter().all(|end| *end != FreewayEnd::Budget),
+            "{:?}",
+            freeway.ends
+        );
         for &node in &freeway.nodes {
             let q = &plan.roadmap.nodes[node];
             let here = checker.clearance(q).expect("a configuration").expect("a pair").distance;
