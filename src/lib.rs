@@ -60,6 +60,7 @@
 //! | Meshes that are not convex? | [`MeshTracker`] on [`Mesh`]es | the same questions, [`MeshOutcome`]; inside a solid is an overlap |
 //! | Bodies of several convex pieces, or a convex body and a mesh? | [`CompositeTracker`] on [`Composite`]s and [`Mesh`]es | [`CompositeOutcome`] |
 //! | Many moving bodies? | [`scene::Scene`] | events and answers for the effects called for; [`closest_pair`](scene::Scene::closest_pair) |
+//! | Is a motion of a robot free over its whole length; is there a path? | [`plan::Checker`] | [`plan::Verdict`], proven; [`plan::Plan`] |
 //! | Only the pairs of boxes? | [`broad::PencilSweep`] | pairs, events, stable ids |
 //! | Which feature pairs would the walk test? | [`Tracker::trace`] | the walk, pair by pair |
 //! | How do I report this query? | [`Tracker::replay`] | [`Replay`]: a text that rebuilds it bit for bit |
@@ -252,7 +253,7 @@
 //! | chapter 4, curved bodies | [`shape`], `smooth`, [`ShapeTracker`] |
 //! | chapter 4, non-convex bodies | [`composite`] |
 //! | chapter 5, many moving bodies | [`broad`], [`scene`]; scheduling by time: [`impact`], [`schedule`] |
-//! | chapter 6, path planning | not yet |
+//! | chapter 6, path planning | [`plan`] |
 //!
 //! Departures:
 //!
@@ -295,6 +296,7 @@ mod minimum;
 pub mod motion;
 mod num;
 mod pair;
+pub mod plan;
 pub mod polyhedron;
 mod pose;
 mod replay;

@@ -293,6 +293,80 @@ pub(crate) mod scene {
     pub(crate) const QUERY_IN_BOXES: u64 = 32;
 }
 
+/// Motions of a robot among obstacles.
+pub(crate) mod plan {
+    /// Width at which the bracket of a contact ends, in units of the sum of both radii: free
+    /// segments that come nearer than this need more looks. Not measured.
+    pub(crate) const CONTACT: f64 = 1.0 / (1u64 << 20) as f64;
+
+    /// Places of a segment measured before its clearance is proven. Not measured.
+    pub(crate) const SAMPLES: u32 = 8;
+
+    /// How often the clearance to be proven is lowered along a segment before nothing is said. Not
+    /// measured.
+    pub(crate) const LOWERED: u32 = 1000;
+
+    /// Steps of an ascent, at most. Not measured.
+    pub(crate) const ASCENT: usize = 96;
+
+    /// Gain of a step, over the length of the trust region, below which the clearance is taken for
+    /// stationary. Not measured.
+    pub(crate) const FLAT: f64 = 1.0 / 256.0;
+
+    /// Part of the expected gain that a step must bring. Not measured.
+    pub(crate) const GOOD: f64 = 1.0 / 8.0;
+
+    /// Pairs that count at one place, at most: as many bounds determine a maximum in six dimensions
+    /// twice over. Not measured.
+    pub(crate) const PLANES: usize = 12;
+
+    /// Exchanges between two weights in the search for a step, at most: of random models with six
+    /// planes 2 % are not at their maximum to a thousandth after 64, 0.2 % after 256.
+    pub(crate) const EXCHANGES: usize = 256;
+
+    /// Clearance, in units of the shortest step, below which a freeway has closed and no bridge
+    /// begins. Not measured.
+    pub(crate) const CLOSED: f64 = 64.0;
+
+    /// Steps of a trace of a freeway in one direction, at most. Not measured.
+    pub(crate) const TRACE: usize = 256;
+
+    /// Lengths of a step by which a corrector may move a place: farther is another maximum. Not
+    /// measured.
+    pub(crate) const HOP: f64 = 4.0;
+
+    /// The longest and the shortest step of an ascent or a trace, in units of the largest extent of
+    /// the bounds. Not measured.
+    pub(crate) const LONGEST: f64 = 1.0 / 16.0;
+    pub(crate) const SHORTEST: f64 = 1.0 / 32_768.0;
+
+    /// Feelers before a slice begins at a uniform configuration: a feeler costs a few queries, a
+    /// slice some hundred. Measured, a plank of 0.2 through a hole of 0.6, 20 seeds: 16 are as fast
+    /// in the median as 64, and faster in the worst case.
+    pub(crate) const FEELERS: usize = 16;
+
+    /// Random nodes of which the nearest is taken: no search over all nodes. Not measured.
+    pub(crate) const FEW: usize = 64;
+
+    /// Cosine of gradients that count as opposite. Not measured.
+    pub(crate) const OPPOSITE: f64 = 0.25;
+
+    /// Part of the way to a contact that is left out. Not measured.
+    pub(crate) const SHORT: f64 = 1.0 / 64.0;
+
+    /// Clearances within which a place of a freeway counts as known. Not measured.
+    pub(crate) const KNOWN: f64 = 1.0;
+
+    /// Components to which straight segments from one node are tried, at most. Not measured.
+    pub(crate) const LINKS: usize = 4;
+
+    /// Places of a freeway from which links are tried, less one. Not measured.
+    pub(crate) const TRIES_A_FREEWAY: usize = 4;
+
+    /// Dimensions by which slices of slices may lose. Not measured.
+    pub(crate) const DEPTH: usize = 1;
+}
+
 /// Meshes and bodies of pieces.
 pub(crate) mod composite {
     /// Motions up to this, as the norm of the difference of rotations and as a part of L, are worth

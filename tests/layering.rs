@@ -322,6 +322,24 @@ const MAY_USE: &[(&str, &[&str])] = &[
             "tolerance",
         ],
     ),
+    // Motions of a robot among obstacles: the trackers and shapes of scenes, casts, boxes.
+    (
+        "plan",
+        &[
+            "plan",
+            "scene",
+            "impact",
+            "separation",
+            "broad",
+            "motion",
+            "polyhedron",
+            "pair",
+            "pose",
+            "num",
+            "tolerance",
+            "tuning",
+        ],
+    ),
 ];
 
 #[test]

@@ -2,7 +2,7 @@
 //!
 //! Everything here works on plain data: a point is `[f64; 3]`, a face is a list of point indices counter-clockwise
 //! from outside, a pose is [`Pose`]. So a judge never borrows the code it judges;
-//! only [`boxes`], [`casts`], [`crowd`] and [`contacts`] speak the crate's own types.
+//! only [`boxes`], [`casts`], [`crowd`], [`rooms`] and [`contacts`] speak the crate's own types.
 //!
 //! | module | what it gives |
 //! |---|---|
@@ -12,6 +12,7 @@
 //! | [`boxes`], [`crowd`] | scenes of moving boxes, and of moving hulls |
 //! | [`contacts`] | scenes of two bodies in contact |
 //! | [`casts`] | bodies thrown at each other, and conservative advancement |
+//! | [`rooms`] | rooms full of hulls, and a robot that goes through them |
 //! | [`soups`], [`brute`] | meshes that are not convex, and their naive oracle |
 //! | [`exact`] | the naive oracle: exact class and distance of two small bodies |
 //! | [`brute_hull`] | exact faces of a few points |
@@ -49,6 +50,7 @@ pub mod rational;
 pub mod record;
 #[path = "../../tests/support/rng.rs"]
 pub mod rng;
+pub mod rooms;
 pub mod shapes;
 pub mod soups;
 pub mod suite;

@@ -1,12 +1,14 @@
 //! The search of a cast: look, step, prove.
 
+use alloc::vec::Vec;
+
 use nalgebra::Isometry3;
 
-use super::{Impact, Tolerance};
+use super::{Certificate, Impact, Tolerance};
 use crate::motion::Motion;
 use crate::pair::outcome::Class;
 use crate::pose::{PoseError, RelativePose};
-use crate::separation::{Flight, Measure, Separation};
+use crate::separation::{Flight, Measure, Proof, Separation};
 use crate::tolerance::ROOT;
 use crate::tuning::impact::{AIM, CLEAR, DOUBLINGS, LEAST, LOOKS, SHRINK};
 
@@ -22,6 +24,8 @@ pub(super) struct Search<'a, S: ?Sized, A: ?Sized, B: ?Sized> {
     pub(super) seen: Option<Measure>,
     pub(super) queries: u32,
     pub(super) proofs: u32,
+    /// Takes the proof of each step, one after the other from the begin of the interval.
+    pub(super) trail: Option<&'a mut Vec<Certificate>>,
 }
 
 /// The continuation of a search after a look.
@@ -40,11 +44,13 @@ impl<S: Separation + ?Sized, A: Motion + ?Sized, B: Motion + ?Sized> Search<'_, 
             let (relative, flight) = flight(self.motion_a, self.motion_b, time, self.until, self.distance)?;
             let apart = flight.apart(self.pair);
             if apart.span >= flight.span && apart.span > 0.0 {
+                self.note((time, self.until), self.distance, Proof::Balls);
                 return Ok(Impact::Miss);
             }
             if apart.gap > CLEAR * apart.reach {
                 let next = later(time, apart.span);
                 if next > time {
+                    self.note((time, next), self.distance, Proof::Balls);
                     time = next;
                     continue;
                 }
@@ -72,6 +78,17 @@ impl<S: Separation + ?Sized, A: Motion + ?Sized, B: Motion + ?Sized> Search<'_, 
             }
         }
         Ok(Impact::Unknown { safe: time })
+    }
+
+    fn note(&mut self, (from, until): (f64, f64), distance: f64, proof: Proof) {
+        if let Some(trail) = &mut self.trail {
+            trail.push(Certificate {
+                from,
+                until,
+                distance,
+                proof,
+            });
+        }
     }
 
     fn is_met(&self, seen: &Measure) -> bool {
@@ -115,11 +132,13 @@ impl<S: Separation + ?Sized, A: Motion + ?Sized, B: Motion + ?Sized> Search<'_, 
             flight.keep = self.distance + aim;
             let free = self.pair.free_for(seen, &flight);
             if free.span >= flight.span {
+                self.note((time, self.until), flight.keep, free.proof);
                 return Ok(Next::Found(Impact::Miss));
             }
-            let next = later(time, free.span);
+            let next = later(time, free.span).min(self.until);
             if next > time {
-                return Ok(Next::Go(next.min(self.until)));
+                self.note((time, next), flight.keep, free.proof);
+                return Ok(Next::Go(next));
             }
             if allowed == least {
                 let distance = seen.upper;

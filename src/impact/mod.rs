@@ -67,6 +67,8 @@
 mod cast;
 mod certificate;
 
+use alloc::vec::Vec;
+
 use crate::motion::Motion;
 use crate::pair::outcome::Class;
 use crate::pose::PoseError;
@@ -208,6 +210,26 @@ where
     A: Motion + ?Sized,
     B: Motion + ?Sized,
 {
+    cast_noting(pair, motion_a, motion_b, interval, (tolerance, distance), None)
+}
+
+/// Casts within a distance, and appends the proof of every step to a trail.
+///
+/// # Errors
+/// As [`cast_within`].
+pub(crate) fn cast_noting<S, A, B>(
+    pair: &mut S,
+    motion_a: &A,
+    motion_b: &B,
+    interval: (f64, f64),
+    (tolerance, distance): (Tolerance, f64),
+    trail: Option<&mut Vec<Certificate>>,
+) -> Result<Cast, ImpactError>
+where
+    S: Separation + ?Sized,
+    A: Motion + ?Sized,
+    B: Motion + ?Sized,
+{
     check(interval)?;
     let (Tolerance::Distance(size) | Tolerance::Time(size)) = tolerance;
     for (what, value) in [("tolerance", size), ("distance", distance)] {
@@ -225,6 +247,7 @@ where
         seen: None,
         queries: 0,
         proofs: 0,
+        trail,
     };
     let impact = search.run(interval.0)?;
     Ok(Cast {
@@ -294,6 +317,7 @@ where
         seen: Some(seen),
         queries: 1,
         proofs: 0,
+        trail: None,
     };
     let impact = search.run(0.0)?;
     Ok(Ahead {

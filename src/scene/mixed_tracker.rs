@@ -19,7 +19,7 @@ use crate::shape_tracker::ShapeTracker;
 
 /// The tracker of a pair that is not of two polyhedra.
 #[derive(Clone, Debug)]
-pub(super) enum MixedTracker {
+pub(crate) enum MixedTracker {
     /// Two convex shapes.
     Convex(Box<ShapeTracker>),
     /// Two composites, or a composite and a polyhedron.
@@ -30,7 +30,7 @@ pub(super) enum MixedTracker {
 
 /// A tracker of two bodies of many pieces.
 #[derive(Clone, Debug)]
-pub(super) struct Tracked<T, S> {
+pub(crate) struct Tracked<T, S> {
     tracker: T,
     /// The body in the form in which the tracker takes it, for a body of another kind.
     stand_ins: [Option<Arc<S>>; 2],

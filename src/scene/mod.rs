@@ -179,6 +179,7 @@ use filter::Ignored;
 use kinds::Census;
 pub use kinds::ShapeKind;
 use pair_table::PairTables;
+pub(crate) use pair_tracker::AnyTracker;
 pub use report::{Bytes, Counts, Report, Times};
 pub use search::Near;
 

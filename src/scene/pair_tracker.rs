@@ -130,20 +130,20 @@ impl PairTracker for Tracker {
 }
 
 /// The shapes of A and B.
-pub(super) type ShapePair<'a> = (&'a BodyShape, &'a BodyShape);
+pub(crate) type ShapePair<'a> = (&'a BodyShape, &'a BodyShape);
 
-/// The tracker of a pair of any kinds, on the way from one table to another: tables store the
-/// variants apart.
+/// The tracker of a pair of any kinds: of a planner's pair, or on the way from one table of a scene
+/// to another, since tables of scenes store the variants apart.
 #[derive(Clone, Debug)]
-#[allow(clippy::large_enum_variant, reason = "moved, never stored")]
-pub(super) enum AnyTracker {
+#[allow(clippy::large_enum_variant, reason = "polyhedra, the usual pair, stay in place")]
+pub(crate) enum AnyTracker {
     Polyhedra(Tracker),
     Mixed(MixedTracker),
 }
 
 impl AnyTracker {
     /// Returns a tracker without a start; `None` for kinds that no tracker takes together.
-    pub(super) fn new(a: &BodyShape, b: &BodyShape) -> Option<Self> {
+    pub(crate) fn new(a: &BodyShape, b: &BodyShape) -> Option<Self> {
         match (a, b) {
             (BodyShape::Polyhedron(_), BodyShape::Polyhedron(_)) => Some(Self::Polyhedra(Tracker::new())),
             _ => MixedTracker::new(a, b).map(Self::Mixed),
@@ -152,7 +152,7 @@ impl AnyTracker {
 
     /// Returns the signed distance with bounds and features of the shapes for which the tracker was
     /// made.
-    pub(super) fn measure(&mut self, (a, b): ShapePair<'_>, pose: &RelativePose, until: Until) -> Outcome {
+    pub(crate) fn measure(&mut self, (a, b): ShapePair<'_>, pose: &RelativePose, until: Until) -> Outcome {
         match self {
             Self::Polyhedra(tracker) => match Tracker::shapes(a, b) {
                 Some(shapes) => PairTracker::measure(tracker, shapes, pose, until),
@@ -163,7 +163,7 @@ impl AnyTracker {
     }
 
     /// Returns whether the shapes are at most `d` apart, from the outcome of the last measurement.
-    pub(super) fn decides_within(
+    pub(crate) fn decides_within(
         &mut self,
         (a, b): ShapePair<'_>,
         pose: &RelativePose,
@@ -177,8 +177,23 @@ impl AnyTracker {
         }
     }
 
+    /// Asks the pair in the form that can be measured over time; `None` for shapes of another pair.
+    pub(crate) fn over_time<R>(
+        &mut self,
+        (a, b): ShapePair<'_>,
+        ask: impl FnOnce(&mut dyn Separation) -> R,
+    ) -> Option<R> {
+        match self {
+            Self::Polyhedra(tracker) => {
+                let shapes = Tracker::shapes(a, b)?;
+                tracker.over_time(shapes, None, |pair, _| ask(pair))
+            }
+            Self::Mixed(tracker) => tracker.over_time((a, b), None, |pair, _| ask(pair)),
+        }
+    }
+
     /// Returns the pieces or triangles of the last measurement.
-    pub(super) fn pieces(&self) -> [u32; 2] {
+    pub(crate) fn pieces(&self) -> [u32; 2] {
         match self {
             Self::Polyhedra(_) => [0; 2],
             Self::Mixed(tracker) => tracker.pieces(),

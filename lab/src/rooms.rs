@@ -1,0 +1,64 @@
+//! Rooms full of hulls, and a long hull that goes through them: the segments of the planner's tests and races.
+
+use lin_canny::ConvexPolyhedron;
+use lin_canny::plan::{RigidSpace, World};
+use nalgebra::{Isometry3, Vector3};
+
+use crate::casts::{rotation, solid};
+use crate::rng::Rng;
+use crate::shapes::ellipsoid;
+
+/// Half side of a room.
+pub const HALF: f64 = 4.0;
+
+/// Hulls that stand in a room, and a robot that is one hull.
+#[derive(Clone, Debug)]
+pub struct Room {
+    /// The robot: a long hull of radius 0.6 and half width 0.12.
+    pub robot: ConvexPolyhedron,
+    /// The obstacles.
+    pub hulls: Vec<(ConvexPolyhedron, Isometry3<f64>)>,
+}
+
+impl Room {
+    /// A room of `n` hulls of 8 to 40 vertices, always the same for a seed.
+    pub fn new(n: usize, seed: u64) -> Self {
+        let mut rng = Rng::new(0x900 + seed);
+        let robot = solid(&ellipsoid(&mut rng, 24, [0.6, 0.12, 0.12]).points);
+        let hulls = (0..n).map(|_| {
+            let axes = [0; 3].map(|_| rng.range(0.15, 0.6));
+            let vertices = 8 + rng.below(33);
+            let at = Vector3::from([0; 3].map(|_| rng.range(-HALF, HALF)));
+            let hull = solid(&ellipsoid(&mut rng, vertices, axes).points);
+            (hull, Isometry3::from_parts(at.into(), rotation(&mut rng)))
+        });
+        let hulls = hulls.collect();
+        Self { robot, hulls }
+    }
+
+    /// The room as the planner's world.
+    pub fn world(&self) -> World {
+        let mut world = World::new();
+        world.robot_body("robot", self.robot.clone());
+        for (k, (hull, pose)) in self.hulls.iter().enumerate() {
+            world.obstacle(k, hull.clone(), *pose);
+        }
+        world
+    }
+
+    /// The space of the robot; configurations may lie a little outside the room.
+    pub fn space(&self) -> RigidSpace {
+        let bounds = [[-HALF - 2.0, HALF + 2.0]; 3];
+        RigidSpace::new(bounds, 0.6, 1).expect("bounds are finite")
+    }
+
+    /// A segment: a start anywhere, an end up to 1.6 away and turned by up to 1.6 radians.
+    pub fn segment(&self, rng: &mut Rng) -> [Isometry3<f64>; 2] {
+        let at = Vector3::from([0; 3].map(|_| rng.range(-HALF, HALF)));
+        let start = Isometry3::from_parts(at.into(), rotation(rng));
+        let way = Vector3::from(rng.unit()) * rng.range(0.4, 1.6);
+        let turn = Vector3::from(rng.unit()) * rng.range(0.0, 1.6);
+        let spin = lin_canny::Velocity::new(way, turn);
+        [start, spin.applied(&start, 1.0)]
+    }
+}

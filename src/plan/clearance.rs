@@ -1,0 +1,233 @@
+//! The clearance at a configuration and along a segment.
+
+use alloc::vec::Vec;
+
+use nalgebra::{Isometry3, Point3};
+
+use super::checker::Checker;
+use super::error::PlanError;
+use super::space::ConfigurationSpace;
+use super::world::{Part, PartPair};
+use crate::impact::Impact;
+use crate::pair::outcome::{Class, Until};
+use crate::pose::RelativePose;
+use crate::tuning::plan::{LOWERED, SAMPLES};
+
+/// A pair near its closest at a configuration.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Near {
+    /// The pair.
+    pub pair: PartPair,
+    /// The signed distance: negative for an overlap, zero for an overlap of unknown depth.
+    pub distance: f64,
+    /// Lower bound of the signed distance.
+    pub lower: f64,
+    /// Upper bound of the signed distance.
+    pub upper: f64,
+    /// The witness points on both parts, in the world.
+    pub witnesses: [Point3<f64>; 2],
+    /// Derivative of the signed distance by each component of a step, over the component's
+    /// [`scale`](ConfigurationSpace::scales): by a displacement, so to say. Zero for an overlap of
+    /// unknown depth.
+    pub gradient: Vec<f64>,
+}
+
+/// The clearance along a segment: a proven lower bound, and a distance that is attained.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SegmentClearance {
+    /// All pairs are proven at least this far apart over the whole segment; zero without a proof.
+    pub lower: f64,
+    /// At `t` a pair is at most this far apart.
+    pub upper: f64,
+    /// A time at which `upper` holds.
+    pub t: f64,
+    /// The pair that is nearest there, if there is any pair.
+    pub pair: Option<PartPair>,
+}
+
+impl<C: ConfigurationSpace> Checker<C> {
+    /// Returns the pair of least signed distance at a configuration; `None` if there is no pair.
+    ///
+    /// # Errors
+    /// A configuration that is not of the space.
+    pub fn clearance(&mut self, configuration: &[f64]) -> Result<Option<Near>, PlanError> {
+        let mut near = self.nearest(configuration, 0.0)?;
+        near.truncate(1);
+        Ok(near.pop())
+    }
+
+    /// Returns all pairs whose signed distance exceeds the least by at most `slack`, the nearest
+    /// first: the active set of the clearance.
+    ///
+    /// # Errors
+    /// A configuration that is not of the space.
+    pub fn nearest(&mut self, configuration: &[f64], slack: f64) -> Result<Vec<Near>, PlanError> {
+        self.space.check(configuration)?;
+        let mut poses = core::mem::take(&mut self.poses);
+        self.space.place(configuration, &mut poses);
+        let found = self.measured(configuration, &poses, slack);
+        self.poses = poses;
+        found
+    }
+
+    fn measured(&mut self, q: &[f64], poses: &[Isometry3<f64>], slack: f64) -> Result<Vec<Near>, PlanError> {
+        self.work.configurations += 1;
+        let mut order: Vec<(f64, usize)> = (0..self.pairs.all.len())
+            .map(|k| (self.ball_gap(k, poses), k))
+            .collect();
+        order.sort_unstable_by(|x, y| x.0.total_cmp(&y.0).then(x.1.cmp(&y.1)));
+        let mut found: Vec<Near> = Vec::new();
+        let mut least = f64::INFINITY;
+        for (gap, k) in order {
+            if gap > least + slack {
+                break;
+            }
+            let near = self.measure(k, q, poses)?;
+            least = least.min(near.distance);
+            if near.distance <= least + slack {
+                found.push(near);
+            }
+        }
+        found.retain(|near| near.distance <= least + slack);
+        found.sort_by(|x, y| x.distance.total_cmp(&y.distance));
+        Ok(found)
+    }
+
+    /// Returns the distance of the balls about both parts: negative if the balls overlap.
+    fn ball_gap(&self, index: usize, poses: &[Isometry3<f64>]) -> f64 {
+        let pair = self.pairs.all[index].pair;
+        let ball = |part: Part| {
+            let (pose, (centre, radius)) = match part {
+                Part::Robot(k) => (&poses[k], self.pairs.robot_balls[k]),
+                Part::Obstacle(k) => (&self.world.obstacles[k].2, self.pairs.obstacle_balls[k]),
+            };
+            (pose * centre, radius)
+        };
+        let ((p, r), (q, s)) = (ball(pair.a), ball(pair.b));
+        (q - p).norm() - r - s
+    }
+
+    /// Measures one pair at posed bodies.
+    fn measure(&mut self, index: usize, q: &[f64], poses: &[Isometry3<f64>]) -> Result<Near, PlanError> {
+        self.work.measures += 1;
+        let tracked = &mut self.pairs.all[index];
+        let pair = tracked.pair;
+        let world = &self.world;
+        let pose_of = |part: Part| match part {
+            Part::Robot(k) => poses[k],
+            Part::Obstacle(k) => world.obstacles[k].2,
+        };
+        let [pose_a, pose_b] = [pair.a, pair.b].map(pose_of);
+        let relative = RelativePose::new(&pose_a, &pose_b)?;
+        let shapes = (world.shape(pair.a), world.shape(pair.b));
+        let outcome = tracked
+            .tracked(shapes)
+            .map(|t| t.measure(shapes, &relative, Until::Depth));
+        // Kinds without a tracker are refused when the checker is made.
+        let outcome = outcome.ok_or(PlanError::Empty)?;
+        let witnesses = [pose_a * outcome.point_on_a, pose_b * outcome.point_on_b];
+        let normal = pose_a.rotation * outcome.normal.into_inner();
+        let mut gradient = alloc::vec![0.0; self.space.freedom()];
+        let is_known = outcome.class != Class::Overlapping || outcome.lower > f64::NEG_INFINITY;
+        if is_known {
+            let mut part = gradient.clone();
+            for (k, sign) in [(pair.b, 1.0), (pair.a, -1.0)] {
+                if let Part::Robot(body) = k {
+                    let at = usize::from(sign > 0.0);
+                    self.space.gradient(q, body, &witnesses[at], &normal, &mut part);
+                    gradient.iter_mut().zip(&part).for_each(|(g, p)| *g += sign * p);
+                }
+            }
+            let scales = self.space.scales();
+            gradient.iter_mut().zip(scales).for_each(|(g, s)| *g /= s);
+        }
+        Ok(Near {
+            pair,
+            distance: if is_known { outcome.distance } else { 0.0 },
+            lower: outcome.lower,
+            upper: outcome.upper,
+            witnesses,
+            gradient,
+        })
+    }
+
+    /// Returns the least clearance along a segment, in bounds that are apart by a part `relative`
+    /// of the upper bound.
+    ///
+    /// # Errors
+    /// A configuration that is not of the space, or a part that is not between 0 and 1.
+    pub fn clearance_along(&mut self, from: &[f64], to: &[f64], relative: f64) -> Result<SegmentClearance, PlanError> {
+        if !(relative > 0.0 && relative < 1.0) {
+            return Err(PlanError::Value {
+                what: "relative width of a clearance",
+                value: relative,
+            });
+        }
+        let segment = self.segment(from, to)?;
+        let mut found = SegmentClearance {
+            lower: 0.0,
+            upper: f64::INFINITY,
+            t: 0.0,
+            pair: None,
+        };
+        for k in 0..=SAMPLES {
+            let t = f64::from(k) / f64::from(SAMPLES);
+            if let Some(near) = self.clearance(&self.space.between(from, to, t))? {
+                found.lower_to(near.upper, t, near.pair);
+            }
+        }
+        let mut keep = found.upper * (1.0 - relative);
+        if found.pair.is_none() || !(keep > 0.0) {
+            return Ok(found);
+        }
+        for k in 0..self.pairs.all.len() {
+            match self.lowered(k, &segment, keep, relative, &mut found)? {
+                Some(kept) => keep = kept,
+                None => return Ok(found),
+            }
+        }
+        found.lower = keep;
+        Ok(found)
+    }
+
+    /// Lowers the distance that a pair is proven to keep until the pair keeps it; `None` if nothing
+    /// is proven.
+    fn lowered(
+        &mut self,
+        index: usize,
+        segment: &C::Segment,
+        mut keep: f64,
+        relative: f64,
+        found: &mut SegmentClearance,
+    ) -> Result<Option<f64>, PlanError> {
+        let mut time = 0.0;
+        for _ in 0..LOWERED {
+            let cast = self.cast(index, segment, (time, 1.0), keep, None)?;
+            self.work.queries += u64::from(cast.queries + cast.proofs);
+            let pair = self.pairs.all[index].pair;
+            match cast.impact {
+                Impact::Miss => return Ok(Some(keep)),
+                Impact::Start { seen } => found.lower_to(seen.upper, time, pair),
+                Impact::Hit { safe, seen, .. } => {
+                    time = safe;
+                    found.lower_to(seen.upper, time, pair);
+                }
+                Impact::Near { safe, .. } | Impact::Unknown { safe } => time = safe,
+            }
+            keep = keep.min(found.upper) * (1.0 - relative);
+            if !(keep > 0.0) {
+                break;
+            }
+        }
+        Ok(None)
+    }
+}
+
+impl SegmentClearance {
+    fn lower_to(&mut self, upper: f64, t: f64, pair: PartPair) {
+        if upper < self.upper {
+            (self.upper, self.t, self.pair) = (upper, t, Some(pair));
+        }
+    }
+}

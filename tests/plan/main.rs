@@ -1,0 +1,7 @@
+//! Promise: what the planner calls free is free at every instant, what it calls blocked is blocked, and paths are made of
+//! segments proven free.
+
+mod certify;
+mod judge;
+mod planner;
+mod spaces;

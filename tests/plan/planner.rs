@@ -1,0 +1,269 @@
+//! Paths of the opportunistic planner: judged by dense predicates; a blocked world has none.
+
+use crate::judge::{Placed, first_contact, pose_of};
+use cpu_time::ThreadTime;
+use lin_canny::nalgebra::{Isometry3, UnitQuaternion, Vector3};
+use lin_canny::plan::{
+    Checker, ConfigurationSpace, FreewayEnd, PlanError, PlanOptions, PlanarSpace, RigidSpace, TranslationSpace, World,
+};
+use lin_canny::polyhedron::solids;
+use lin_canny::{ConvexPolyhedron, Piece};
+use std::time::Duration;
+
+fn cuboid(x: f64, y: f64, z: f64) -> ConvexPolyhedron {
+    solids::cuboid(Vector3::new(x, y, z)).expect("a box")
+}
+
+fn world(robot: &ConvexPolyhedron, obstacles: &[Placed]) -> World {
+    let mut world = World::new();
+    world.robot_body("robot", robot.clone());
+    for (k, (hull, pose)) in obstacles.iter().enumerate() {
+        world.obstacle(k, hull.clone(), *pose);
+    }
+    world
+}
+
+/// A wall across the plane x = 0 with a square hole of this width about the middle; half a unit thick, ten wide.
+fn wall(width: f64) -> Vec<Placed> {
+    let (half, rest) = (0.5 * width, 0.5 * (5.0 - 0.5 * width));
+    let at = Isometry3::translation;
+    vec![
+        (cuboid(0.25, 5.0, rest), at(0.0, 0.0, half + rest)),
+        (cuboid(0.25, 5.0, rest), at(0.0, 0.0, -half - rest)),
+        (cuboid(0.25, rest, half), at(0.0, half + rest, 0.0)),
+        (cuboid(0.25, rest, half), at(0.0, -half - rest, 0.0)),
+    ]
+}
+
+/// Judges every segment of a path of a rigid body.
+fn judge(path: &[Vec<f64>], robot: &ConvexPolyhedron, obstacles: &[Placed], steps: usize) {
+    for ends in path.windows(2) {
+        let [p, q] = [0, 1].map(|k| pose_of(&ends[k]));
+        let contact = first_contact(std::slice::from_ref(robot), obstacles, [&p, &q], 1.0, steps);
+        assert_eq!(contact, None, "{ends:?}");
+    }
+}
+
+fn options(seed: u64) -> PlanOptions {
+    PlanOptions {
+        seed,
+        ..PlanOptions::default()
+    }
+}
+
+/// A plank that must turn to pass a hole, and comes turned wrongly: how many seeds find a way within a limit of processor time.
+fn passage(width: f64, seeds: u64, limit: Duration) -> (u64, Duration) {
+    let robot = cuboid(0.8, 0.1, 0.1);
+    let obstacles = wall(width);
+    let (mut solved, mut longest) = (0, Duration::ZERO);
+    for seed in 0..seeds {
+        let space = RigidSpace::new([[-2.5, 2.5], [-2.0, 2.0], [-2.0, 2.0]], 0.8, 1).expect("a space");
+        let mut checker = Checker::new(space, world(&robot, &obstacles)).expect("a world");
+        let turned = |x: f64, y: f64| {
+            let turn = UnitQuaternion::from_scaled_axis(Vector3::new(0.2, 0.1, 1.5));
+            RigidSpace::configuration(&Isometry3::from_parts(Vector3::new(x, y, 0.7).into(), turn))
+        };
+        let (start, goal) = (turned(-1.8, -0.9), turned(1.8, 0.9));
+        let began = ThreadTime::now();
+        let plan = checker
+            .plan_until(&start, &goal, &options(seed), &mut || began.elapsed() > limit)
+            .expect("free ends");
+        let took = began.elapsed();
+        longest = longest.max(took);
+        println!("width {width} seed {seed}: {took:?} {:?}", plan.work);
+        let Some(path) = plan.path else { continue };
+        solved += 1;
+        assert_eq!((&path[0], &path[path.len() - 1]), (&start, &goal));
+        judge(&path, &robot, &obstacles, 200);
+        assert!(checker.certify_path(&path).expect("a path").1.is_free());
+        let short = checker.shorten(&path, 100, seed).expect("a path");
+        assert!(checker.path_length(&short) <= checker.path_length(&path) * (1.0 + 1e-12));
+        assert!(checker.certify_path(&short).expect("a path").1.is_free());
+        judge(&short, &robot, &obstacles, 400);
+    }
+    (solved, longest)
+}
+
+#[test]
+fn a_wide_passage_is_found() {
+    let (solved, longest) = passage(0.6, 4, Duration::from_secs(10));
+    assert!(solved == 4, "{solved} in up to {longest:?}");
+}
+
+#[test]
+#[ignore = "a minute: 20 seeds for each width"]
+fn passages_are_found_for_twenty_seeds() {
+    // The plank is 0.2 thick.
+    let found = [0.6, 0.4].map(|width| (width, passage(width, 20, Duration::from_secs(10))));
+    println!("{found:?}");
+    assert!(found.iter().all(|(_, (solved, _))| *solved >= 19), "{found:?}");
+}
+
+/// A closed wall, and a box with the goal inside: never a path.
+#[test]
+fn a_blocked_world_has_no_path() {
+    let robot = cuboid(0.3, 0.1, 0.1);
+    let bounds = [[-2.5, 2.5], [-2.0, 2.0], [-2.0, 2.0]];
+    let at = |x: f64| RigidSpace::configuration(&Isometry3::translation(x, 0.0, 0.0));
+    // Closed, and with a hole that the thinnest section does not pass.
+    for obstacles in [vec![(cuboid(0.25, 5.0, 5.0), Isometry3::identity())], wall(0.19)] {
+        for seed in 0..3 {
+            let space = RigidSpace::new(bounds, 0.3, 1).expect("a space");
+            let mut checker = Checker::new(space, world(&robot, &obstacles)).expect("a world");
+            let few = PlanOptions {
+                slices: 12,
+                ..options(seed)
+            };
+            let plan = checker.plan(&at(-2.0), &at(2.0), &few).expect("free ends");
+            assert_eq!(plan.path, None);
+            assert!(plan.work.slices == 12 && plan.work.freeways > 0, "{:?}", plan.work);
+        }
+    }
+}
+
+/// The same seed gives the same answer to the bit; budgets end a search.
+#[test]
+fn searches_repeat_and_end() {
+    let robot = cuboid(0.8, 0.1, 0.1);
+    let obstacles = wall(0.6);
+    let run = |options: &PlanOptions| {
+        let space = RigidSpace::new([[-2.5, 2.5], [-2.0, 2.0], [-2.0, 2.0]], 0.8, 1).expect("a space");
+        let mut checker = Checker::new(space, world(&robot, &obstacles)).expect("a world");
+        let at = |x: f64, y: f64| {
+            let turn = UnitQuaternion::from_scaled_axis(Vector3::z() * 1.5);
+            RigidSpace::configuration(&Isometry3::from_parts(Vector3::new(x, y, 0.0).into(), turn))
+        };
+        checker
+            .plan(&at(-1.8, -1.0), &at(1.8, 1.0), options)
+            .expect("free ends")
+    };
+    let few = PlanOptions {
+        slices: 3,
+        ..options(9)
+    };
+    assert_eq!(run(&few), run(&few));
+    let none = PlanOptions {
+        queries: 1,
+        ..options(9)
+    };
+    let ended = run(&none);
+    assert!(ended.path.is_none() && ended.work.slices == 0, "{:?}", ended.work);
+}
+
+#[test]
+fn ends_in_contact_are_named() {
+    let robot = cuboid(0.8, 0.1, 0.1);
+    let space = RigidSpace::new([[-3.0, 3.0]; 3], 0.8, 1).expect("a space");
+    let mut checker = Checker::new(space, world(&robot, &wall(0.5))).expect("a world");
+    let at = |x: f64| RigidSpace::configuration(&Isometry3::translation(x, 1.0, 1.0));
+    let refused = checker.plan(&at(-2.0), &at(0.5), &options(0));
+    assert!(
+        matches!(refused, Err(PlanError::Contact { end: "goal", .. })),
+        "{refused:?}"
+    );
+}
+
+/// A rectangle in the plane through a gap in which it fits lengthwise only.
+#[test]
+fn a_rectangle_turns_in_the_plane() {
+    for seed in 0..3 {
+        let mut world = World::new();
+        world.robot_body("rectangle", cuboid(0.5, 0.1, 0.1));
+        for (y, name) in [(1.15, "left"), (-1.15, "right")] {
+            world.obstacle(name, cuboid(0.3, 1.0, 1.0), Isometry3::translation(0.0, y, 0.0));
+        }
+        let space = PlanarSpace::new([[-2.0, 2.0]; 2], 0.5, 1).expect("a space");
+        let mut checker = Checker::new(space, world).expect("a world");
+        let (start, goal) = ([-1.5, 0.5, 1.57], [1.5, -0.5, 1.57]);
+        let plan = checker.plan(&start, &goal, &options(seed)).expect("free ends");
+        let path = plan.path.expect("there is a way");
+        assert!(checker.certify_path(&path).expect("a path").1.is_free());
+    }
+}
+
+/// Along a freeway no small step within the slice has more clearance, but for the precision of the ascent; the freeway of a
+/// corridor is its middle.
+#[test]
+fn freeways_are_local_maxima_in_their_slices() {
+    let robot = cuboid(0.3, 0.1, 0.1);
+    let obstacles: Vec<Placed> = [(0.0, 1.0), (0.4, -1.0)]
+        .iter()
+        .map(|&(tilt, side)| {
+            let turn = UnitQuaternion::from_scaled_axis(Vector3::z() * (0.1 * tilt));
+            let pose = Isometry3::from_parts(Vector3::new(0.0, 1.5 * side, 0.0).into(), turn);
+            (cuboid(4.0, 0.5, 4.0), pose)
+        })
+        .collect();
+    let bounds = [[-2.0, 2.0]; 3];
+    // A post keeps the straight way closed.
+    let mut all = obstacles.clone();
+    all.push((cuboid(0.2, 0.6, 1.5), Isometry3::translation(0.0, 0.0, 0.0)));
+    let space = TranslationSpace::new(bounds, UnitQuaternion::identity(), 1).expect("a space");
+    let mut checker = Checker::new(space, world(&robot, &all)).expect("a world");
+    let plan = checker
+        .plan(&[-1.5, 0.3, 0.1], &[1.5, -0.3, 0.0], &options(1))
+        .expect("free ends");
+    let (mut judged, mut kept) = (0, 0);
+    for freeway in &plan.roadmap.freeways {
+        assert!(
+            freeway.ends.iter().all(|end| *end != FreewayEnd::Budget),
+            "{:?}",
+            freeway.ends
+        );
+        for &node in &freeway.nodes {
+            let q = &plan.roadmap.nodes[node];
+            let here = checker.clearance(q).expect("a configuration").expect("a pair").distance;
+            if here >= 0.5 || freeway.depth > 0 {
+                // Clearance enough ends an ascent before the maximum; bridges have smaller slices.
+                continue;
+            }
+            judged += 1;
+            let h = 1e-2;
+            let is_best = (0..3).filter(|k| *k != freeway.coordinate).all(|k| {
+                [h, -h].iter().all(|step| {
+                    let mut way = vec![0.0; 3];
+                    way[k] = *step;
+                    let moved = checker.space().moved(q, &way);
+                    let there = checker
+                        .clearance(&moved)
+                        .expect("a configuration")
+                        .expect("a pair")
+                        .distance;
+                    // Flat directions are no descent; a slope of a tenth would be one.
+                    there <= here + 0.1 * h
+                })
+            });
+            kept += u32::from(is_best);
+        }
+    }
+    println!("{kept} of {judged} places");
+    assert!(judged > 10 && kept == judged, "{kept} of {judged}");
+}
+
+/// Two pieces that move as one; a composite obstacle.
+#[test]
+fn robots_of_several_pieces() {
+    let mut world = World::new();
+    world.robot_body("bar", cuboid(0.5, 0.1, 0.1));
+    world.robot_body(
+        "hook",
+        cuboid(0.1, 0.3, 0.1)
+            .transformed(&Isometry3::translation(0.4, 0.2, 0.0))
+            .expect("a box"),
+    );
+    let posts = [-1.0, 1.0].map(|y| {
+        let mut piece = Piece::new(cuboid(0.2, 0.6, 2.0));
+        piece.pose = Isometry3::translation(0.0, y, 0.0);
+        piece
+    });
+    let gate = lin_canny::Composite::new(posts.to_vec()).expect("two pieces");
+    world.obstacle("gate", gate, Isometry3::identity());
+    let space = RigidSpace::new([[-2.0, 2.0]; 3], 0.6, 2).expect("a space");
+    let mut checker = Checker::new(space, world).expect("a world");
+    let at = |x: f64, y: f64| RigidSpace::configuration(&Isometry3::translation(x, y, 0.0));
+    let plan = checker
+        .plan(&at(-1.5, 1.0), &at(1.5, -1.0), &options(2))
+        .expect("free ends");
+    let path = plan.path.expect("there is a way");
+    assert!(checker.certify_path(&path).expect("a path").1.is_free());
+}

@@ -1,0 +1,155 @@
+//! Motions of configuration spaces keep the contract of `Motion`, and gradients are derivatives.
+
+use lab::casts::rotation;
+use lab::rng::Rng;
+use lin_canny::nalgebra::{Isometry3, Point3, Unit, Vector3};
+use lin_canny::plan::{ConfigurationSpace, Joint, PlanarSpace, RigidSpace, SegmentMotion, SerialArm, TranslationSpace};
+
+/// An arm of random joints, both kinds, bodies on every link.
+fn arm(rng: &mut Rng, joints: usize) -> SerialArm {
+    let pose = |rng: &mut Rng| {
+        let at = Vector3::from(rng.in_ball());
+        Isometry3::from_parts(at.into(), rotation(rng))
+    };
+    let base = pose(rng);
+    let joint = |rng: &mut Rng| {
+        let (origin, axis) = (pose(rng), Unit::new_normalize(Vector3::from(rng.unit())));
+        if rng.chance(0.3) {
+            Joint::prismatic(origin, axis, [-1.0, 2.0])
+        } else {
+            Joint::revolute(origin, axis, [-3.0, 3.0])
+        }
+    };
+    let joints: Vec<Joint> = (0..joints).map(|_| joint(rng)).collect();
+    let links = (0..=joints.len()).collect();
+    SerialArm::new(base, joints, links, 1.0).expect("an arm")
+}
+
+fn configuration<C: ConfigurationSpace>(space: &C, rng: &mut Rng) -> Vec<f64> {
+    space.sample(&mut || rng.uniform())
+}
+
+/// For random segments, bodies, times and spans: no point leaves the model of the course by more than the bound. Returns how
+/// many bounds were used by half and more.
+fn contract<C: ConfigurationSpace>(space: &C, rng: &mut Rng, rounds: usize, exact: bool) -> u32 {
+    let mut tight = 0;
+    for _ in 0..rounds {
+        let (from, to) = (configuration(space, rng), configuration(space, rng));
+        let segment = space.segment(&from, &to).expect("a segment");
+        let body = rng.below(space.bodies());
+        let time = rng.uniform();
+        let span = (1.0 - time) * rng.log_range(1e-3, 1.0);
+        let course = segment.course(body, time, span);
+        let start = segment.pose(body, time);
+        for _ in 0..8 {
+            let s = span * rng.uniform();
+            let now = segment.pose(body, time + s);
+            let x = Point3::from(Vector3::from(rng.unit()) * rng.range(0.0, 2.0));
+            let arm = x - course.pivot;
+            let pivot = start * course.pivot + course.linear * s + course.acceleration * (0.5 * s * s);
+            let turn = lin_canny::nalgebra::UnitQuaternion::from_scaled_axis(course.angular * s);
+            let model = pivot + turn * (start.rotation * arm);
+            let bound = course.shift.at(s) + arm.norm() * course.turn.at(s);
+            let off = (now * x - model).norm();
+            // The comparison itself rounds.
+            let slack = if exact {
+                4e-15 * (1.0 + model.coords.norm())
+            } else {
+                0.0
+            };
+            assert!(
+                off <= bound + slack,
+                "{off:e} {bound:e} at {time} + {s} of {from:?} {to:?}"
+            );
+            tight += u32::from(off > 0.2 * bound);
+        }
+    }
+    tight
+}
+
+#[test]
+fn segments_keep_the_contract_of_motions() {
+    let mut rng = Rng::new(3);
+    let bounds = [[-3.0, 3.0]; 3];
+    let plane = PlanarSpace::new([[-3.0, 3.0]; 2], 1.0, 1).expect("a space");
+    let rigid = RigidSpace::new(bounds, 1.0, 1).expect("a space");
+    let straight = TranslationSpace::new(bounds, rotation(&mut rng), 1).expect("a space");
+    contract(&plane, &mut rng, 500, true);
+    contract(&rigid, &mut rng, 500, true);
+    contract(&straight, &mut rng, 500, true);
+    let mut tight = 0;
+    for joints in [1, 2, 3, 6, 9] {
+        for _ in 0..40 {
+            let arm = arm(&mut rng, joints);
+            tight += contract(&arm, &mut rng, 20, true);
+        }
+    }
+    // Bounds of arms are sums of magnitudes; a share of them is nearly used.
+    assert!(tight > 200, "{tight}");
+}
+
+/// Ends of segments are the configurations, and `between` follows the segment.
+#[test]
+fn segments_lead_from_end_to_end() {
+    fn ends<C: ConfigurationSpace>(space: &C, rng: &mut Rng) {
+        for _ in 0..200 {
+            let (from, to) = (configuration(space, rng), configuration(space, rng));
+            let segment = space.segment(&from, &to).expect("a segment");
+            let mut poses = vec![];
+            for t in [0.0, rng.uniform(), 1.0] {
+                let q = space.between(&from, &to, t);
+                space.check(&q).expect("a configuration between two");
+                space.place(&q, &mut poses);
+                for (body, pose) in poses.iter().enumerate() {
+                    let other = segment.pose(body, t);
+                    let off = (other.translation.vector - pose.translation.vector).norm();
+                    assert!(
+                        off < 1e-13 && other.rotation.angle_to(&pose.rotation) < 1e-7,
+                        "{t} {off:e}"
+                    );
+                }
+            }
+            assert!((space.distance(&from, &to) - space.distance(&to, &from)).abs() < 1e-12);
+        }
+    }
+    let mut rng = Rng::new(4);
+    ends(&PlanarSpace::new([[-3.0, 3.0]; 2], 1.0, 2).expect("a space"), &mut rng);
+    ends(&RigidSpace::new([[-3.0, 3.0]; 3], 1.0, 2).expect("a space"), &mut rng);
+    for joints in [1, 4, 7] {
+        let arm = arm(&mut rng, joints);
+        ends(&arm, &mut rng);
+    }
+}
+
+/// Against central differences of the place of a point.
+#[test]
+fn gradients_are_derivatives() {
+    fn differences<C: ConfigurationSpace>(space: &C, rng: &mut Rng) {
+        let mut gradient = vec![0.0; space.freedom()];
+        for _ in 0..100 {
+            let q = space.between(&configuration(space, rng), &configuration(space, rng), 0.5);
+            let body = rng.below(space.bodies());
+            let (own, direction) = (Point3::from(rng.in_ball()), Vector3::from(rng.unit()));
+            let place = |q: &[f64]| {
+                let mut poses = vec![];
+                space.place(q, &mut poses);
+                poses[body] * own
+            };
+            space.gradient(&q, body, &place(&q), &direction, &mut gradient);
+            for (k, value) in gradient.iter().enumerate() {
+                let height = |h: f64| {
+                    let mut step = vec![0.0; space.freedom()];
+                    step[k] = h;
+                    direction.dot(&place(&space.moved(&q, &step)).coords)
+                };
+                let slope = (height(1e-6) - height(-1e-6)) / 2e-6;
+                assert!((slope - value).abs() < 1e-8, "component {k}: {slope} {value}");
+            }
+        }
+    }
+    let mut rng = Rng::new(5);
+    differences(&PlanarSpace::new([[-3.0, 3.0]; 2], 1.0, 1).expect("a space"), &mut rng);
+    differences(&RigidSpace::new([[-3.0, 3.0]; 3], 1.0, 1).expect("a space"), &mut rng);
+    let arm = arm(&mut rng, 6);
+    differences(&arm, &mut rng);
+}
