@@ -21,7 +21,7 @@ use super::reduce::reduce;
 use super::{MOST_POINTS, ManifoldOptions, tangents_of};
 use crate::num::scalar::sqrt;
 use crate::pair::outcome::{Class, Distance};
-use crate::polyhedron::{ConvexPolyhedron, VertexId};
+use crate::polyhedron::{ConvexPolyhedron, FaceId, VertexId};
 use crate::pose::RelativePose;
 use crate::tolerance::{ACROSS, CERTIFICATE, PLACE_MAX, STEEP, UNIT};
 use crate::tuning::contact::SAMPLE;
@@ -180,7 +180,7 @@ struct Placed<'a> {
     pose: &'a RelativePose,
     /// Direction in the body's frame along which the body comes nearer to the half-space.
     down: Vector3<f64>,
-    lowest: u32,
+    lowest: VertexId,
 }
 
 impl<'a> Placed<'a> {
@@ -197,18 +197,18 @@ impl<'a> Placed<'a> {
     }
 
     /// Returns a vertex in the frame of the half-space, and its height above the plane.
-    fn place(&self, vertex: u32) -> (Vector3<f64>, f64) {
-        let point = self.body.to_user(&self.body.points[vertex as usize]);
+    fn place(&self, vertex: VertexId) -> (Vector3<f64>, f64) {
+        let point = self.body.to_user(&self.body.points[vertex.index()]);
         let at = self.pose.rotation() * point.coords + self.pose.translation();
         (at, self.space.normal.dot(&at) - self.space.offset)
     }
 
-    fn contact(&self, vertex: u32) -> HalfSpaceContact {
+    fn contact(&self, vertex: VertexId) -> HalfSpaceContact {
         let (at, separation) = self.place(vertex);
         HalfSpaceContact {
-            vertex: VertexId(vertex),
+            vertex,
             point_on_plane: (at - self.space.normal.into_inner() * separation).into(),
-            point_on_body: self.body.to_user(&self.body.points[vertex as usize]),
+            point_on_body: self.body.to_user(&self.body.points[vertex.index()]),
             separation,
         }
     }
@@ -242,10 +242,10 @@ impl<'a> Placed<'a> {
     fn add_points(&self, options: &ManifoldOptions, contacts: &mut HalfSpaceContacts) {
         let axes = tangents_of(&self.space.normal);
         let mut candidates = Candidates::new(0.0, options.prediction);
-        let mut add = |vertex: u32| {
+        let mut add = |vertex: VertexId| {
             let (at, height) = self.place(vertex);
             let at = axes.map(|axis| axis.dot(&at));
-            candidates.push(at, [0.0, height], [Location::WHOLE, Location::vertex(vertex as usize)]);
+            candidates.push(at, [0.0, height], [Location::WHOLE, Location::vertex(vertex.index())]);
         };
         add(self.lowest);
         let t = &self.body.topology;
@@ -261,17 +261,17 @@ impl<'a> Placed<'a> {
         let all = candidates.all();
         for &k in reduce(all, 0, options.most(), merge, noise).all() {
             if let Some(vertex) = all[k].on[1].as_vertex() {
-                contacts.points[contacts.count] = self.contact(vertex as u32);
+                contacts.points[contacts.count] = self.contact(VertexId(vertex as u32));
                 contacts.count += 1;
             }
         }
     }
 
     /// Returns the face at the lowest vertex most nearly parallel to the plane, if near enough.
-    fn bearing_face(&self, sine: f64) -> Option<u32> {
+    fn bearing_face(&self, sine: f64) -> Option<FaceId> {
         let t = &self.body.topology;
-        let along = |f: u32| self.body.planes[f as usize].normal.dot(&self.down);
-        let faces = t.fan(self.lowest).map(|h| t.half_edge(h).face);
+        let along = |f: FaceId| self.body.planes[f.index()].normal.dot(&self.down);
+        let faces = t.fan(self.lowest).iter().map(|h| t.half_edge(h).face);
         let face = faces.max_by(|f, g| along(*f).total_cmp(&along(*g)))?;
         // The null face of a segment has no normal.
         let cosine = along(face);
@@ -280,10 +280,10 @@ impl<'a> Placed<'a> {
 
     /// Returns the other end of the edge at the lowest vertex most nearly parallel to the plane, if
     /// near enough.
-    fn bearing_edge(&self, sine: f64) -> Option<u32> {
+    fn bearing_edge(&self, sine: f64) -> Option<VertexId> {
         let (t, points) = (&self.body.topology, &self.body.points);
-        let slope = |v: u32| {
-            let e = points[v as usize] - points[self.lowest as usize];
+        let slope = |v: VertexId| {
+            let e = points[v.index()] - points[self.lowest.index()];
             -self.down.dot(&e) / sqrt(e.norm_squared())
         };
         let end = t

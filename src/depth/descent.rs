@@ -27,7 +27,7 @@ use crate::pair::edge::Edge;
 use crate::pair::face::{Face, FaceLocation};
 use crate::pair::posed::{AFirst, BFirst, OrderedPair, PosedPair};
 use crate::pair::star::falls_into_both_faces;
-use crate::polyhedron::{ConvexPolyhedron, Feature, FeaturePair};
+use crate::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, Feature, FeaturePair, VertexId};
 use crate::pose::Operand;
 use crate::tolerance::{FOOT, NEARLY_PARALLEL, PARALLEL};
 use crate::tuning::depth::{DESCENTS, FAN};
@@ -69,9 +69,9 @@ pub(super) fn descend(posed: &PosedPair, from: FeaturePair, visited: &mut u32) -
     for _ in 0..DESCENTS {
         *visited += 1;
         let look = match (at.a, at.b) {
-            (Feature::Edge(e), Feature::Edge(g)) => EdgeFacet::new(posed, e.0, g.0).and_then(|f| f.look()),
-            (Feature::Vertex(v), Feature::Face(f)) => look_at_face(&AFirst(posed), v.0, f.0),
-            (Feature::Face(f), Feature::Vertex(v)) => look_at_face(&BFirst(posed), v.0, f.0),
+            (Feature::Edge(e), Feature::Edge(g)) => EdgeFacet::new(posed, e, g).and_then(|f| f.look()),
+            (Feature::Vertex(v), Feature::Face(f)) => look_at_face(&AFirst(posed), v, f),
+            (Feature::Face(f), Feature::Vertex(v)) => look_at_face(&BFirst(posed), v, f),
             _ => None,
         };
         match look {
@@ -91,10 +91,15 @@ fn first_facet(posed: &PosedPair, from: FeaturePair) -> Option<FeaturePair> {
         return Some(from);
     }
     let (v, w) = from.vertices_of(posed.a, posed.b);
-    let (p, q) = (posed.a.points[v as usize], posed.b.points[w as usize]);
-    let lowest = |body: &ConvexPolyhedron, at: u32, x: Vector3<f64>| {
-        let faces = body.topology.fan(at).take(FAN).map(|h| body.topology.half_edge(h).face);
-        let height = |f: u32| body.planes[f as usize].offset - body.planes[f as usize].normal.dot(&x);
+    let (p, q) = (posed.a.points[v.index()], posed.b.points[w.index()]);
+    let lowest = |body: &ConvexPolyhedron, at: VertexId, x: Vector3<f64>| {
+        let faces = body
+            .topology
+            .fan(at)
+            .iter()
+            .take(FAN)
+            .map(|h| body.topology.half_edge(h).face);
+        let height = |f: FaceId| body.planes[f.index()].offset - body.planes[f.index()].normal.dot(&x);
         faces.map(|f| (height(f), f)).min_by(|x, y| x.0.total_cmp(&y.0))
     };
     let of_a = lowest(posed.a, v, posed.point_in_a(&q)).map(|(h, f)| (h, FeaturePair::vertex_face(Operand::B, w, f)));
@@ -106,13 +111,13 @@ fn first_facet(posed: &PosedPair, from: FeaturePair) -> Option<FeaturePair> {
 /// Looks at the facet of a face of the second body and the vertex of the first body opposite, at
 /// or near `vertex`.
 #[inline]
-fn look_at_face<S: OrderedPair>(pair: &S, vertex: u32, face: u32) -> Option<Look> {
+fn look_at_face<S: OrderedPair>(pair: &S, vertex: VertexId, face: FaceId) -> Option<Look> {
     let (body, other) = (pair.first(), pair.second());
-    let plane = &other.planes[face as usize];
+    let plane = &other.planes[face.index()];
     let n = pair.direction_in_first(&plane.normal);
     let vertex = body.support_certified(&-n, vertex).vertex;
     let facet = FeaturePair::vertex_face(S::FIRST, vertex, face);
-    let x = pair.point_in_second(&body.points[vertex as usize]);
+    let x = pair.point_in_second(&body.points[vertex.index()]);
     let height = plane.offset - plane.normal.dot(&x);
     if height < 0.0 {
         return Some(Look::Outside(facet));
@@ -133,13 +138,13 @@ fn look_at_face<S: OrderedPair>(pair: &S, vertex: u32, face: u32) -> Option<Look
             support,
         }));
     };
-    let e = other.topology.half_edge(edge);
+    let e = other.topology.half_edge(edge.half_edge());
     let across = if e.face == face {
         other.topology.half_edge(e.twin).face
     } else {
         e.face
     };
-    let end = pair.direction_in_first(&other.planes[across as usize].normal);
+    let end = pair.direction_in_first(&other.planes[across.index()].normal);
     let met = leaving_edge(body, vertex, &-n, &-end)?;
     Some(Look::Lower(match met {
         Some(met) => FeaturePair::edges(S::FIRST, met, edge),
@@ -150,15 +155,20 @@ fn look_at_face<S: OrderedPair>(pair: &S, vertex: u32, face: u32) -> Option<Look
 /// Returns the edge at which an arc of directions, from `start` to `end`, leaves the directions
 /// along which `vertex` is the support vertex; `Some(None)` if the arc does not leave them, and
 /// `None` if the vertex has too many edges.
-fn leaving_edge(body: &ConvexPolyhedron, vertex: u32, start: &Vector3<f64>, end: &Vector3<f64>) -> Option<Option<u32>> {
+fn leaving_edge(
+    body: &ConvexPolyhedron,
+    vertex: VertexId,
+    start: &Vector3<f64>,
+    end: &Vector3<f64>,
+) -> Option<Option<EdgeId>> {
     let t = &body.topology;
     if t.fan(vertex).len() > FAN {
         return None;
     }
-    let p = body.points[vertex as usize];
+    let p = body.points[vertex.index()];
     let (mut first, mut met) = (1.0, None);
     t.each_leaving(vertex, |half_edge, to| {
-        let e = body.points[to as usize] - p;
+        let e = body.points[to.index()] - p;
         let rise = end.dot(&e);
         if rise > 0.0 {
             // Rounding aside, nothing rises along `start`.
@@ -174,7 +184,7 @@ fn leaving_edge(body: &ConvexPolyhedron, vertex: u32, start: &Vector3<f64>, end:
 /// The facet of two edges.
 struct EdgeFacet<'a, 'b> {
     posed: &'a PosedPair<'b>,
-    names: (u32, u32),
+    names: (EdgeId, EdgeId),
     edges: (Edge<'a>, Edge<'a>),
     /// The edges as vectors: of A in A's frame, of B in A's frame, and of A in B's frame.
     u: PackedVec3,
@@ -191,7 +201,7 @@ struct EdgeFacet<'a, 'b> {
 impl<'a, 'b> EdgeFacet<'a, 'b> {
     /// Returns the facet of an edge of A and an edge of B; `None` if the edges are parallel.
     #[inline]
-    fn new(posed: &'a PosedPair<'b>, e: u32, g: u32) -> Option<Self> {
+    fn new(posed: &'a PosedPair<'b>, e: EdgeId, g: EdgeId) -> Option<Self> {
         let (ea, eb) = (Edge::new(posed.a, e), Edge::new(posed.b, g));
         let (p, q) = (PackedVec3::new(&ea.p), PackedVec3::new(&eb.p));
         let (u, w_in_b) = (PackedVec3::new(&ea.q) - p, PackedVec3::new(&eb.q) - q);
@@ -267,7 +277,10 @@ impl<'a, 'b> EdgeFacet<'a, 'b> {
         let [(left_a, right_a), (left_b, right_b)] = self.weights;
         // A negative weight of one face puts the normal beyond the other face.
         let (t, u) = (&self.posed.a.topology, &self.posed.b.topology);
-        let (e, g) = (t.half_edge(self.names.0), u.half_edge(self.names.1));
+        let (e, g) = (
+            t.half_edge(self.names.0.half_edge()),
+            u.half_edge(self.names.1.half_edge()),
+        );
         if left_a.min(right_a) < 0.0 {
             let face = if left_a < 0.0 { t.half_edge(e.twin).face } else { e.face };
             Some(FeaturePair::vertex_face(Operand::B, g.to, face))
@@ -322,8 +335,8 @@ impl<'a, 'b> EdgeFacet<'a, 'b> {
 }
 
 /// Returns the face left or right of an edge.
-fn face_of(body: &ConvexPolyhedron, edge: u32, left: bool) -> u32 {
-    let e = body.topology.half_edge(edge);
+fn face_of(body: &ConvexPolyhedron, edge: EdgeId, left: bool) -> FaceId {
+    let e = body.topology.half_edge(edge.half_edge());
     if left {
         e.face
     } else {

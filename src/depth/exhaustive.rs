@@ -200,7 +200,7 @@ mod tests {
                         panic!("in range")
                     };
                     let mut draft = Draft::starting_at(FeaturePair::FIRST);
-                    solve(Accuracy::Certified, &posed, false, &mut draft);
+                    solve(Accuracy::Certified, &posed, false, &mut draft, |_| false);
                     if draft.class != Class::Overlapping {
                         continue;
                     }

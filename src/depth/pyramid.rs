@@ -28,7 +28,7 @@ use crate::depth::verify_surface::Target;
 use crate::num::scalar::{Vec3, cross, dot, neg, sub};
 use crate::pair::edge::Edge;
 use crate::pair::posed::PosedPair;
-use crate::polyhedron::{ConvexPolyhedron, Feature, FeaturePair};
+use crate::polyhedron::{ConvexPolyhedron, FaceId, Feature, FeaturePair, VertexId};
 use crate::tolerance::{AGREE_DEPTH, ALMOST_FLAT};
 use crate::tuning::depth::SUPPORTS;
 use crate::tuning::polyhedron::LARGE;
@@ -54,16 +54,16 @@ pub(super) fn proves(posed: &PosedPair, facet: FeaturePair, best: &Best<f64>) ->
         (Feature::Face(f), Feature::Vertex(v)) => {
             let q = posed.point_in_a(&posed.b.points[v.index()]);
             let place = |p: &Vector3<f64>| p - q;
-            sides.of_face(posed.a, f.0, slack, place)
+            sides.of_face(posed.a, f, slack, place)
         }
         (Feature::Vertex(v), Feature::Face(f)) => {
             // The reflected facet is turned like the face.
             let p = posed.a.points[v.index()];
             let place = |q: &Vector3<f64>| posed.point_in_a(q) - p;
-            sides.reflected().of_face(posed.b, f.0, slack, place)
+            sides.reflected().of_face(posed.b, f, slack, place)
         }
         (Feature::Edge(e), Feature::Edge(g)) => {
-            let (a, b) = (Edge::new(posed.a, e.0), Edge::new(posed.b, g.0));
+            let (a, b) = (Edge::new(posed.a, e), Edge::new(posed.b, g));
             let (x, y) = (posed.point_in_a(&b.p), posed.point_in_a(&b.q));
             let n = Vector3::from(best.normal);
             let is_left = n.dot(&(a.q - a.p).cross(&(x - y))) > 0.0;
@@ -136,7 +136,7 @@ impl Sides<'_, '_> {
         let along = if self.is_reflected { neg(normal) } else { *normal };
         let (a, b) = (Vector3::from(along), -self.posed.direction_in_b(&along.into()));
         let (p, q) = (self.posed.a.support_cold(&a), self.posed.b.support_cold(&b));
-        let tip = self.posed.a.points[p as usize] - self.posed.point_in_a(&self.posed.b.points[q as usize]);
+        let tip = self.posed.a.points[p.index()] - self.posed.point_in_a(&self.posed.b.points[q.index()]);
         if self.is_reflected { (-tip).into() } else { tip.into() }
     }
 
@@ -146,17 +146,17 @@ impl Sides<'_, '_> {
     fn of_face(
         &mut self,
         body: &ConvexPolyhedron,
-        face: u32,
+        face: FaceId,
         slack: f64,
         place: impl Fn(&Vector3<f64>) -> Vector3<f64>,
     ) -> bool {
-        let (t, plane) = (&body.topology, &body.planes[face as usize]);
+        let (t, plane) = (&body.topology, &body.planes[face.index()]);
         let start = t.rim_half_edge(face);
         let (ring, step) = t.ring(face).map_or((None, 1), |r| (Some(r), r.len().div_ceil(LARGE)));
         let last = ring.map_or(t.from(start), |r| t.from(r[(r.len() - 1) / step * step]));
-        let mut from = place(&body.points[last as usize]);
-        let mut is_far = |v: u32| {
-            let corner = &body.points[v as usize];
+        let mut from = place(&body.points[last.index()]);
+        let mut is_far = |v: VertexId| {
+            let corner = &body.points[v.index()];
             let to = place(corner);
             let is_far = plane.normal.dot(corner) >= plane.offset - slack && self.is_far(&from, &to);
             from = to;

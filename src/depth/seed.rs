@@ -15,7 +15,7 @@ use crate::num::scalar::{Vec3, cross, dot, neg, sub};
 use crate::pair::difference::{MinkowskiPoint, difference_point, support};
 use crate::pair::posed::PosedPair;
 use crate::pair::transform::Transform;
-use crate::polyhedron::{Feature, FeaturePair};
+use crate::polyhedron::{Feature, FeaturePair, VertexId};
 
 /// Searches for the depth from a facet; `None` if the search does not close.
 pub(super) fn search_from(
@@ -50,16 +50,17 @@ fn pierced(
     apex: &Vec3<f64>,
 ) -> Option<[MinkowskiPoint<f64>; 3]> {
     let along = neg(apex);
-    let point = |(a, b): (u32, u32)| difference_point(posed, frame, a, b);
+    let point = |(a, b): (VertexId, VertexId)| difference_point(posed, frame, a, b);
     // Whether the ray passes to the left of the way from `p` to `q`, seen along the ray.
     let is_left = |p: &MinkowskiPoint<f64>, q: &MinkowskiPoint<f64>| {
         dot(&along, &cross(&sub(&p.w, apex), &sub(&q.w, apex))) >= 0.0
     };
-    let corner = |k: u32, v: u32, w: u32| if k == 0 { (v, w) } else { (w, v) };
+    let corner = |k: u32, v: VertexId, w: VertexId| if k == 0 { (v, w) } else { (w, v) };
     let (first, rest) = match (facet.a, facet.b) {
         (Feature::Edge(e), Feature::Edge(g)) => {
             let (t, u) = (&posed.a.topology, &posed.b.topology);
-            let ((p, q), (x, y)) = ((t.from(e.0), t.half_edge(e.0).to), (u.from(g.0), u.half_edge(g.0).to));
+            let (e, g) = (e.half_edge(), g.half_edge());
+            let ((p, q), (x, y)) = ((t.from(e), t.half_edge(e).to), (u.from(g), u.half_edge(g).to));
             let c = [(p, x), (q, x), (q, y), (p, y)].map(point);
             let n = cross(&sub(&c[1].w, &c[0].w), &sub(&c[3].w, &c[0].w));
             let [p, q, r, s] = if dot(&n, normal) > 0.0 {
@@ -69,8 +70,8 @@ fn pierced(
             };
             return Some(if is_left(&p, &r) { [p, r, s] } else { [p, q, r] });
         }
-        (Feature::Face(f), Feature::Vertex(v)) => ((0, v.0), sample_rim(posed.a, f.0)),
-        (Feature::Vertex(v), Feature::Face(f)) => ((1, v.0), sample_rim(posed.b, f.0)),
+        (Feature::Face(f), Feature::Vertex(v)) => ((0, v), sample_rim(posed.a, f)),
+        (Feature::Vertex(v), Feature::Face(f)) => ((1, v), sample_rim(posed.b, f)),
         _ => return None,
     };
     let (side, other) = first;

@@ -12,7 +12,9 @@ use super::path::Path;
 use super::random::Random;
 use super::roadmap::{EdgeKind, Freeway, Roadmap};
 use super::space::ConfigurationSpace;
-use crate::tuning::plan::{DEPTH, FEELERS, FEW, KNOWN, LINKS, LONGEST, OPPOSITE, SHORT, SHORTEST, TRIES_A_FREEWAY};
+use crate::tuning::plan::{
+    CLOSED, DEPTH, FEELERS, FEW, KNOWN, LINKS, LONGEST, OPPOSITE, SHORT, SHORTEST, TRIES_A_FREEWAY,
+};
 
 /// The budget of a search, and its seed.
 #[derive(Clone, Debug, PartialEq)]

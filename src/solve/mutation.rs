@@ -85,7 +85,7 @@ pub(super) fn falsify(posed: &PosedPair, draft: &mut Draft, ended: bool) -> bool
 fn ask(posed: &PosedPair, fault: Option<Fault>, start: Option<FeaturePair>) -> Draft {
     FAULT.set(fault);
     let mut draft = Draft::starting_at(start.unwrap_or_else(|| seed::cold(posed, &mut Work::default())));
-    solve(Accuracy::Certified, posed, start.is_some(), &mut draft);
+    solve(Accuracy::Certified, posed, start.is_some(), &mut draft, |_| false);
     FAULT.set(None);
     draft
 }

@@ -11,6 +11,7 @@
 mod boxes;
 mod broad;
 #[path = "../../../examples/race/common.rs"]
+#[expect(dead_code, reason = "what races of pairs share is in the same file")]
 mod common;
 #[path = "../../../examples/race/hulls.rs"]
 mod hulls;
