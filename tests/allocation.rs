@@ -110,7 +110,7 @@ fn queries_below_the_exact_rung_allocate_nothing() {
         }
     }
     assert!(
-        separated > 500 && overlapping > 500 && tracked > 300 && fallbacks > 50 && points > 500,
+        separated > 500 && overlapping > 500 && tracked > 300 && fallbacks > 10 && points > 500,
         "{separated} {overlapping} {tracked} {fallbacks} {points}"
     );
 }

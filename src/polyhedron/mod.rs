@@ -99,8 +99,8 @@ pub struct ConvexPolyhedron {
     pub(crate) is_unscaled: bool,
     /// Largest distance of a vertex from the stored origin, rounded up, in stored units.
     pub(crate) radius: f64,
-    /// The mean of the vertices, in stored coordinates, right up to 2 UNIT of each coordinate: always
-    /// inside the body but for rounding, unlike the centre of the bounding box.
+    /// The mean of the vertices, in stored coordinates, right up to 2 UNIT of each coordinate:
+    /// always inside the body but for rounding, unlike the centre of the bounding box.
     pub(crate) vertex_mean: Vector3<f64>,
     /// Three times the covariance of the vertices: for points on an ellipsoid, the matrix of the
     /// ellipsoid.

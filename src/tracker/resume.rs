@@ -8,10 +8,11 @@ use crate::pair::posed::PosedPair;
 use crate::polyhedron::{ConvexPolyhedron, FeaturePair};
 
 impl Tracker {
-    /// Returns a tracker that starts as after an answer of this class at these features: for callers
-    /// who keep features and class in state of their own, and no tracker. After an overlap, the next
-    /// query for a depth begins at the facet of the features; after any other class the tracker is
-    /// that of [`starting_from`](Self::starting_from). A wrong hint costs time and never an answer.
+    /// Returns a tracker that starts as after an answer of this class at these features: for
+    /// callers who keep features and class in state of their own, and no tracker. After an overlap,
+    /// the next query for a depth begins at the facet of the features; after any other class the
+    /// tracker is that of [`starting_from`](Self::starting_from). A wrong hint costs time and never
+    /// an answer.
     ///
     /// ```
     /// use lin_canny::nalgebra::{Isometry3, Vector3};
@@ -19,7 +20,9 @@ impl Tracker {
     ///
     /// let a = solids::cuboid(Vector3::new(1.0, 1.0, 1.0))?;
     /// let b = solids::octahedron(0.5)?;
-    /// let pose = |x| RelativePose::from_isometry(&Isometry3::translation(x, 0.2, 0.1));
+    /// let pose = |x| {
+    ///     RelativePose::from_isometry(&Isometry3::translation(x, 0.2, 0.1))
+    /// };
     /// let before = Tracker::new().closest(&a, &b, &pose(1.48)?);
     ///
     /// // In the next frame, from what the caller kept:

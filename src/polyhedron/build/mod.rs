@@ -114,8 +114,8 @@ impl ConvexPolyhedron {
         if loops.len() > 1 && report.euler_characteristic != 2 {
             return Err(BuildError::Inconsistent);
         }
-        // Summed in double-double: however many vertices, the mean is off the body by no more than a
-        // few units of rounding, as the proof of a depth requires (`depth::pyramid`).
+        // Summed in double-double: however many vertices, the mean is off the body by no more than
+        // a few units of rounding, as the proof of a depth requires (`depth::pyramid`).
         let sum = |k: usize| {
             points
                 .iter()
