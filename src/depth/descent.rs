@@ -84,8 +84,8 @@ pub(super) fn descend(posed: &PosedPair, from: FeaturePair, visited: &mut u32) -
     Descent::Lost
 }
 
-/// Returns `from` if it names a facet, else the lowest of the faces at its vertices, with the vertex
-/// opposite.
+/// Returns `from` if it names a facet, else the lowest of the faces at its vertices, with the
+/// vertex opposite.
 fn first_facet(posed: &PosedPair, from: FeaturePair) -> Option<FeaturePair> {
     if from.a.dimension() + from.b.dimension() == 2 {
         return Some(from);

@@ -1,5 +1,5 @@
-//! A search that begins at a facet: the first tetrahedron joins three points of the facet to a point
-//! deep in P = A - B.
+//! A search that begins at a facet: the first tetrahedron joins three points of the facet to a
+//! point deep in P = A - B.
 //!
 //! The facet found by a descent is mostly the deepest, so that its height is a target from the
 //! start, and the surface grows only where P is in doubt. The bodies need not be known to overlap:
