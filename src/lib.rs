@@ -296,6 +296,7 @@ mod minimum;
 pub mod motion;
 mod num;
 mod pair;
+pub mod patch;
 pub mod plan;
 pub mod polyhedron;
 mod pose;

@@ -5,6 +5,8 @@
 //! neither a comment nor `benches/record` holds a number, and the value may be changed for a better
 //! one. Bounds of errors are in [`tolerance`](crate::tolerance).
 
+pub(crate) mod patch;
+
 /// Bodies and their support vertices.
 pub(crate) mod polyhedron {
     /// Faces of more edges are kept as rings too: bisection on a list for longer lists in memory.
