@@ -1,9 +1,9 @@
 //! Two points close to each other, one on each of two patches, by Newton's method.
 //!
-//! Minimises `|w|^2 / 2`, `w = b(s, t) - a(u, v)`, over the four parameters between 0 and 1: Newton's
-//! step where the second derivative is positive definite, else the step of Gauss and Newton with
-//! damping (Levenberg 1944). Parameters at a border that are pushed outward are held there. Any result
-//! is an upper bound of the distance.
+//! Minimises `|w|^2 / 2`, `w = b(s, t) - a(u, v)`, over the four parameters between 0 and 1:
+//! Newton's step where the second derivative is positive definite, else the step of Gauss and
+//! Newton with damping (Levenberg 1944). Parameters at a border that are pushed outward are held
+//! there. Any result is an upper bound of the distance.
 
 use nalgebra::Vector3;
 
@@ -164,7 +164,8 @@ impl Pair<'_> {
 }
 
 impl State {
-    /// Returns the gradient, and the second derivative without and with the curvature of the patches.
+    /// Returns the gradient, and the second derivative without and with the curvature of the
+    /// patches.
     fn derivatives(&self) -> (Row, [Row; 4], [Row; 4]) {
         let (a, b, w) = (&self.a, &self.b, &self.w);
         let j = [-a.u, -a.v, b.u, b.v];

@@ -1,11 +1,11 @@
 //! A proof that two patches share a point.
 //!
-//! With one of the four parameters fixed, `F(z) = b - a = 0` is a system of three equations in three
-//! unknowns. Let C be any matrix, and B the ball of radius rho about z0 in the maximum norm. If
-//! `|C F(z0)| <= rho / 2` and `|I - C F'(z)| <= 1/2` for all z in B, then `z - C F(z)` maps B into itself
-//! and has a fixed point by Brouwer's theorem; C is not singular, since `I - C F'` is shorter than one; so
-//! F has a zero in B (Krawczyk 1969; Neumaier 1990, "Interval Methods for Systems of Equations", section
-//! 5.1). B must lie inside the patches.
+//! With one of the four parameters fixed, `F(z) = b - a = 0` is a system of three equations in
+//! three unknowns. Let C be any matrix, and B the ball of radius rho about z0 in the maximum norm.
+//! If `|C F(z0)| <= rho / 2` and `|I - C F'(z)| <= 1/2` for all z in B, then `z - C F(z)` maps B
+//! into itself and has a fixed point by Brouwer's theorem; C is not singular, since `I - C F'` is
+//! shorter than one; so F has a zero in B (Krawczyk 1969; Neumaier 1990, "Interval Methods for
+//! Systems of Equations", section 5.1). B must lie inside the patches.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -63,9 +63,10 @@ fn shares(pair: &Pair, meeting: &Meeting, fixed: usize) -> bool {
     is_inside && (residual + shift).max() < 0.49
 }
 
-/// Returns bounds of all first and second derivatives of a patch. With R the reach, d the sum of the
-/// degrees and omega the ratio of the weights, for `x = N / w`: `|N_u| <= 2 d R` and `|w_u| <= d`, in
-/// units of the largest weight, give `|x_u| <= 3 d R omega`; the same once more `14 d^2 R omega^2`.
+/// Returns bounds of all first and second derivatives of a patch. With R the reach, d the sum of
+/// the degrees and omega the ratio of the weights, for `x = N / w`: `|N_u| <= 2 d R` and `|w_u| <=
+/// d`, in units of the largest weight, give `|x_u| <= 3 d R omega`; the same once more `14 d^2 R
+/// omega^2`.
 fn bends(patch: &Patch) -> (f64, f64) {
     let weights = || patch.net.iter().map(|h| h[3]);
     let ratio = weights().fold(0.0, f64::max) / weights().fold(f64::INFINITY, f64::min);

@@ -22,8 +22,8 @@ pub(super) struct Frame {
 }
 
 impl Frame {
-    /// `None` if the surfaces are so far apart, or so small, that squares of lengths leave the range
-    /// of f64.
+    /// `None` if the surfaces are so far apart, or so small, that squares of lengths leave the
+    /// range of f64.
     pub(super) fn new(a: &Surface, b: &Surface, pose: &RelativePose) -> Option<Self> {
         let translation = pose.translation();
         let size = a.reach + b.reach + sqrt(translation.norm_squared());

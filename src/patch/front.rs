@@ -1,9 +1,10 @@
-//! The front of the last answer: pairs of nodes under which every pair of patches lies, each with the
-//! direction that proved it far enough.
+//! The front of the last answer: pairs of nodes under which every pair of patches lies, each with
+//! the direction that proved it far enough.
 //!
-//! As [`composite::front`](crate::composite), in double precision: let Y, the points below a node of
-//! B, lie in the ball of radius rho about c in B's frame, and X, the points below a node of A, be at
-//! least g below Y along n in A's frame, at the pose (R0, t0). At the pose (R, t) the gap is at least
+//! As [`composite::front`](crate::composite), in double precision: let Y, the points below a node
+//! of B, lie in the ball of radius rho about c in B's frame, and X, the points below a node of A,
+//! be at least g below Y along n in A's frame, at the pose (R0, t0). At the pose (R, t) the gap is
+//! at least
 //!
 //! `g + n . (R c + t) - n . (R0 c + t0) - rho |R^T n - R0^T n|`,
 //!

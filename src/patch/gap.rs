@@ -15,8 +15,8 @@ use crate::tuning::patch::STEPS;
 /// A node of A and a node of B.
 pub(super) type Pair = [u32; 2];
 
-/// A gap along a unit direction from A to B in A's frame: a lower bound of the distance of the parts
-/// of the surfaces below two nodes.
+/// A gap along a unit direction from A to B in A's frame: a lower bound of the distance of the
+/// parts of the surfaces below two nodes.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Gap {
     pub(super) n: Vector3<f64>,

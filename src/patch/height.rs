@@ -1,17 +1,17 @@
 //! The greatest height of a node along a direction.
 //!
 //! Two upper bounds. The points of the net: the hull holds the patch. And a second-order Taylor
-//! bound about the highest point of the node (the concavity cap): with coefficients
-//! `g = n . N - c w`, homogeneous points N, weights w and c the height at the highest point found,
-//! the polynomial g is positive exactly where the height exceeds c. Second differences of its
-//! coefficients bound its second derivatives a, b (from above) and c (absolutely) over the node, so
+//! bound about the highest point of the node (the concavity cap): with coefficients `g = n . N - c
+//! w`, homogeneous points N, weights w and c the height at the highest point found, the polynomial
+//! g is positive exactly where the height exceeds c. Second differences of its coefficients bound
+//! its second derivatives a, b (from above) and c (absolutely) over the node, so
 //!
 //! `g(p0 + d) <= g(p0) + grad g . d + (a du^2 + b dv^2 + 2 c |du dv|) / 2`.
 //!
 //! Where g is concave the last term is not positive, and where p0 is the highest point the linear
 //! term is not positive anywhere in the node, on its border either: the bound is the height of a
-//! point, whatever the size of the node. (Bernstein coefficients of derivatives: Farin 2002, section
-//! 5.3; the term for a lack of concavity: Adjiman and Floudas 1996, alpha-BB.)
+//! point, whatever the size of the node. (Bernstein coefficients of derivatives: Farin 2002,
+//! section 5.3; the term for a lack of concavity: Adjiman and Floudas 1996, alpha-BB.)
 
 use nalgebra::Vector3;
 
@@ -225,8 +225,8 @@ fn level(node: &Node, pairs: &[[f64; 2]], at: [f64; 2]) -> (f64, Jet<1>) {
     )
 }
 
-/// Returns the next parameters: Newton's step where the height is concave, else along the gradient to
-/// the border; a parameter at the border that is pushed outward stays there.
+/// Returns the next parameters: Newton's step where the height is concave, else along the gradient
+/// to the border; a parameter at the border that is pushed outward stays there.
 fn newton(at: [f64; 2], f: &Jet<1>) -> [f64; 2] {
     let (gradient, uv) = ([f.u[0], f.v[0]], f.uv[0]);
     let bend = [f.uu[0], f.vv[0]];

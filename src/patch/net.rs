@@ -83,8 +83,8 @@ impl Patch {
         Ok(Self::assembled(degrees, homogeneous(points, Some((weights, scale)))))
     }
 
-    /// Returns the triangular patch of a degree, polynomial without weights. Its `(n + 1)(n + 2) / 2`
-    /// control points are given row by row from the first corner: row r has `r + 1` points.
+    /// Returns the triangular patch of a degree, polynomial without weights. Its `(n + 1)(n + 2) /
+    /// 2` control points are given row by row from the first corner: row r has `r + 1` points.
     ///
     /// # Errors
     ///
@@ -165,9 +165,9 @@ impl Patch {
         [jet.u, jet.v]
     }
 
-    /// Returns the unit normal at (u, v), the direction of the cross product of the derivatives by u
-    /// and by v. If the product vanishes there, as at a pole, the normal is taken a little inside the
-    /// patch; `None` if it vanishes there as well.
+    /// Returns the unit normal at (u, v), the direction of the cross product of the derivatives by
+    /// u and by v. If the product vanishes there, as at a pole, the normal is taken a little inside
+    /// the patch; `None` if it vanishes there as well.
     #[must_use]
     pub fn normal(&self, u: f64, v: f64) -> Option<Unit<Vector3<f64>>> {
         let inside = |t: f64| t.clamp(0.0, 1.0) + (0.5 - t.clamp(0.0, 1.0)) / 65_536.0;

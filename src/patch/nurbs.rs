@@ -3,8 +3,8 @@
 //! Between two different knots a B-spline is a polynomial, whose control points are the values of
 //! its blossom at the two knots (Ramshaw 1989): what repeated insertion of both knots (Boehm 1980;
 //! Piegl and Tiller 1997, "The NURBS Book", algorithms A5.6 and A5.7) leaves between the knots. De
-//! Boor's algorithm with one argument a step computes a value of the blossom by convex combinations,
-//! so errors are relative to the control points ([`KNOTS`](crate::tolerance::KNOTS)).
+//! Boor's algorithm with one argument a step computes a value of the blossom by convex
+//! combinations, so errors are relative to the control points ([`KNOTS`](crate::tolerance::KNOTS)).
 
 use alloc::vec::Vec;
 use nalgebra::Point3;
@@ -141,8 +141,8 @@ impl Nurbs<'_> {
     }
 }
 
-/// Returns the value of the blossom at the lower end of a span, `degree - upper` times, and the upper
-/// end, `upper` times.
+/// Returns the value of the blossom at the lower end of a span, `degree - upper` times, and the
+/// upper end, `upper` times.
 fn blossom(points: &[[f64; 4]], knots: &[f64], span: &Span, upper: usize) -> [f64; 4] {
     let degree = points.len() - 1;
     let mut d = [[0.0; 4]; ORDER];

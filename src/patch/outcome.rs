@@ -11,7 +11,8 @@ use crate::pair::outcome::{Class, Distance};
 #[non_exhaustive]
 pub struct SurfaceOutcome {
     /// [`Class::Separated`] if the lower bound is positive; [`Class::Touching`] if the surfaces are
-    /// proven to share a point; else [`Class::Undecided`]. Surfaces have no inside and never overlap.
+    /// proven to share a point; else [`Class::Undecided`]. Surfaces have no inside and never
+    /// overlap.
     pub class: Class,
     /// The distance of the witnesses, between the bounds.
     pub distance: f64,
@@ -20,8 +21,8 @@ pub struct SurfaceOutcome {
     /// Upper bound of the distance.
     pub upper: f64,
     /// Whether the bounds are no farther apart than was asked for. If not, the budget of splits was
-    /// used up, or the width is below [`PATCH_LIMIT`](crate::tolerance::PATCH_LIMIT) times the size of
-    /// the pair; the bounds hold all the same.
+    /// used up, or the width is below [`PATCH_LIMIT`](crate::tolerance::PATCH_LIMIT) times the size
+    /// of the pair; the bounds hold all the same.
     pub is_reached: bool,
     /// The witness on A by its parameters.
     pub on_a: SurfacePoint,
@@ -47,7 +48,8 @@ impl From<&SurfaceOutcome> for Distance {
     }
 }
 
-/// The answer to a question of yes or no by bounds: no exact arithmetic decides what they leave open.
+/// The answer to a question of yes or no by bounds: no exact arithmetic decides what they leave
+/// open.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Decision {

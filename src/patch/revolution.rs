@@ -11,15 +11,16 @@ use crate::num::scalar::sqrt;
 /// Returns the surface that some Bezier curves sweep in a turn about z.
 ///
 /// A curve is given by its control points `[radius, height, weight]`, and swept through four
-/// quarters of a turn, each a rational patch of degree 2 in v (Piegl and Tiller 1997, "The NURBS Book",
-/// section 8.5); u runs along the curve. The patches of a curve follow each other. The weight of the
-/// middle of a quarter is the root of 1/2, rounded: circles are round to some UNIT of their radius.
+/// quarters of a turn, each a rational patch of degree 2 in v (Piegl and Tiller 1997, "The NURBS
+/// Book", section 8.5); u runs along the curve. The patches of a curve follow each other. The
+/// weight of the middle of a quarter is the root of 1/2, rounded: circles are round to some UNIT of
+/// their radius.
 ///
 /// # Errors
 ///
-/// No curve; a curve with fewer than two or more than eight control points, with a coordinate or weight
-/// out of range: the error names points of the first patch of the curve, three for each point of the
-/// curve.
+/// No curve; a curve with fewer than two or more than eight control points, with a coordinate or
+/// weight out of range: the error names points of the first patch of the curve, three for each
+/// point of the curve.
 ///
 /// ```
 /// // A cone frustum and a half of a ball below.

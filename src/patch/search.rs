@@ -156,8 +156,8 @@ impl Search<'_, '_> {
         self.front.entries.push(Entry::new(self.trees, pair, gap));
     }
 
-    /// Searches until the goal is reached, or the budget is used up; returns the least lower bound of
-    /// all pairs, zero at least.
+    /// Searches until the goal is reached, or the budget is used up; returns the least lower bound
+    /// of all pairs, zero at least.
     pub(super) fn run(&mut self) -> f64 {
         while !self.is_over() {
             let Some(open) = self.heap.pop() else { break };

@@ -16,8 +16,8 @@ use crate::pair::outcome::{Class, Distance};
 use crate::pose::RelativePose;
 use crate::tuning::patch::{GROWTH, KEPT, SPLITS};
 
-/// The front of the last answer for one pair of surfaces, from which the next query starts, the nodes
-/// made so far, and counters.
+/// The front of the last answer for one pair of surfaces, from which the next query starts, the
+/// nodes made so far, and counters.
 ///
 /// Owns no surface. State changes time, never which distances an answer allows: bounds are proven
 /// anew at every pose. A tracker that comes from another pair, or is out of date, is allowed. Not
@@ -120,8 +120,9 @@ impl SurfaceTracker {
 
     /// Returns the closest points with bounds of the distance that are at most `width` apart, a
     /// length in the caller's unit. A width that is no number, or that is below
-    /// [`PATCH_LIMIT`](crate::tolerance::PATCH_LIMIT) times the size L (the farthest control points of
-    /// both surfaces from their origins, and the distance of the origins), is taken as that limit.
+    /// [`PATCH_LIMIT`](crate::tolerance::PATCH_LIMIT) times the size L (the farthest control points
+    /// of both surfaces from their origins, and the distance of the origins), is taken as that
+    /// limit.
     pub fn closest(&mut self, a: &Surface, b: &Surface, a_from_b: &RelativePose, width: f64) -> SurfaceOutcome {
         let found = self.search(a, b, a_from_b, Goal::Width(width.max(0.0)));
         let class = if found.lower > 0.0 {
@@ -152,7 +153,8 @@ impl SurfaceTracker {
     }
 
     /// Decides whether the surfaces share a point. Yes is proven where one surface runs through the
-    /// other inside two patches, by an existence theorem; surfaces that merely touch stay undecided.
+    /// other inside two patches, by an existence theorem; surfaces that merely touch stay
+    /// undecided.
     pub fn intersects(&mut self, a: &Surface, b: &Surface, a_from_b: &RelativePose) -> Decision {
         let found = self.search(a, b, a_from_b, Goal::Within(0.0));
         let (lower, upper) = (found.lower, found.upper);

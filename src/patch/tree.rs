@@ -1,9 +1,9 @@
 //! Trees of control nets: groups of patches above, halves of patches below.
 //!
-//! A node is a set of points whose convex hull holds a part of the surface: the corners of a box for
-//! a group of patches, a control net for a part of a patch. The upper part of the tree belongs to the
-//! surface; nodes below whole patches are made when a search splits them, and are kept by the
-//! tracker.
+//! A node is a set of points whose convex hull holds a part of the surface: the corners of a box
+//! for a group of patches, a control net for a part of a patch. The upper part of the tree belongs
+//! to the surface; nodes below whole patches are made when a search splits them, and are kept by
+//! the tracker.
 
 use alloc::vec;
 use alloc::vec::Vec;

@@ -49,8 +49,8 @@ pub(crate) const SEAM: f64 = 1024.0 * UNIT;
 /// 1. Each second difference of coefficients has two or three roundings of numbers up to 4 G: times
 ///    its factor at most `8 d^2`. This is added to each of the three bounds before use
 ///    ([`CURVATURE`]), so that their signs can be trusted.
-/// 2. The value by de Casteljau: `3 d`. A first derivative: differences up to 2 G with one rounding,
-///    `3 d` roundings each, times p or q: both together `6 d^2 + 2 d`.
+/// 2. The value by de Casteljau: `3 d`. A first derivative: differences up to 2 G with one
+///    rounding, `3 d` roundings each, times p or q: both together `6 d^2 + 2 d`.
 /// 3. The sums and quotients of the three bounds, numbers up to `4 d^2 G`, have up to four
 ///    roundings each: `16 d^2`.
 ///
@@ -76,8 +76,8 @@ pub(crate) const CARRIED: f64 = 256.0 * UNIT;
 pub const PATCH_LIMIT: f64 = 1.0 / (1u64 << 42) as f64;
 
 /// Error of a first derivative of a patch, times its bound `3 d R omega` (`patch::crossing`): the
-/// differences of control points and up to 14 steps of three roundings are 45 UNIT, each of numerator
-/// and denominator and of the point that multiplies the derivative of the denominator, times omega
-/// (counted in the bound); the turn into the other frame 80 UNIT. A product with the inverse adds some
-/// UNIT. Room by a factor of two.
+/// differences of control points and up to 14 steps of three roundings are 45 UNIT, each of
+/// numerator and denominator and of the point that multiplies the derivative of the denominator,
+/// times omega (counted in the bound); the turn into the other frame 80 UNIT. A product with the
+/// inverse adds some UNIT. Room by a factor of two.
 pub(crate) const PATCH_SLOPE: f64 = 512.0 * UNIT;
