@@ -250,7 +250,7 @@
 //! | thesis | here |
 //! |---|---|
 //! | chapter 3, incremental distance computation | [`polyhedron`], [`Tracker`] |
-//! | chapter 4, curved bodies | [`shape`], `smooth`, [`ShapeTracker`] |
+//! | chapter 4, curved bodies | [`shape`], `smooth`, [`ShapeTracker`]; curved surfaces: [`patch`] |
 //! | chapter 4, non-convex bodies | [`composite`] |
 //! | chapter 5, many moving bodies | [`broad`], [`scene`]; scheduling by time: [`impact`], [`schedule`] |
 //! | chapter 6, path planning | [`plan`] |

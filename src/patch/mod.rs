@@ -12,9 +12,9 @@
 //! distance of the sets X and Y; the distance of two points is an upper bound. A patch lies in the
 //! convex hull of its control net, of a rational one with positive weights too, and halves of a
 //! patch have nets of their own, four times as flat. So bounds of pairs of ever smaller nodes
-//! converge, and a front of pairs under which all pairs of patches lie, each proven at least `upper
-//! - width` apart, is the answer. Where the height of a patch is proven concave about its highest
-//! point, no split is needed however narrow the interval.
+//! converge. A front is a set of pairs under which all pairs of patches lie; if each is proven at
+//! least `upper - width` apart, the interval is as narrow as asked for. Where the height of a patch
+//! is proven concave about its highest point, no split is needed however narrow the interval.
 //!
 //! Sources: M. C. Lin 1993, sections 4.3 to 4.5 (curved surfaces; resultants and eigenvalues are
 //! not needed here); Johnson and Cohen 1998 (lower bounds by hulls of control nets); fronts:

@@ -302,7 +302,7 @@ pub(super) fn check_weights(weights: &[f64], expected: usize) -> Result<f64, Pat
         return Err(PatchError::WeightCount { given, expected });
     }
     let largest = weights.iter().copied().fold(0.0, f64::max);
-    let is_bad = |w: f64| !(w > 0.0 && w >= largest * WEIGHT_RATIO && w <= PATCH_MAX && w >= 1.0 / PATCH_MAX);
+    let is_bad = |w: f64| !((1.0 / PATCH_MAX..=PATCH_MAX).contains(&w) && w >= largest * WEIGHT_RATIO);
     match weights.iter().position(|&w| is_bad(w)) {
         Some(index) => Err(PatchError::Weight {
             index,
