@@ -84,6 +84,26 @@ pub(super) fn jet<const K: usize>(net: &[[f64; K]], [p, q]: [usize; 2], [u, v]: 
     }
 }
 
+/// Returns the value alone of a patch, as [`jet`] does.
+#[inline(always)]
+pub(super) fn value<const K: usize>(net: &[[f64; K]], [p, q]: [usize; 2], [u, v]: [f64; 2]) -> [f64; K] {
+    let mut column = [[0.0; K]; ORDER];
+    let mut row = [[0.0; K]; ORDER];
+    let end = |points: &mut [[f64; K]], t: f64| {
+        for left in (1..points.len()).rev() {
+            for i in 0..left {
+                points[i] = mixed(&points[i], &points[i + 1], t);
+            }
+        }
+        points[0]
+    };
+    for i in 0..=p {
+        row[..=q].copy_from_slice(&net[i * (q + 1)..][..=q]);
+        column[i] = end(&mut row[..=q], v);
+    }
+    end(&mut column[..=p], u)
+}
+
 /// Splits one coordinate of a net in the middle of a direction, 0 for u and 1 for v.
 #[inline(always)]
 pub(super) fn halves(net: &[f64], [p, q]: [usize; 2], direction: u8, low: &mut [f64], high: &mut [f64]) {

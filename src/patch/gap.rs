@@ -43,11 +43,11 @@ pub(super) struct Trees<'a> {
 impl Trees<'_> {
     /// Returns the gap along a direction by the hulls of the nets.
     #[inline]
-    pub(super) fn gap(&mut self, [x, y]: Pair, n: &Vector3<f64>) -> f64 {
+    fn gap(&mut self, [x, y]: Pair, n: &Vector3<f64>) -> f64 {
         self.counts.gaps += 1;
         let m = -self.frame.direction_in_b(n);
-        let (high, low) = (self.a.net(x).highest(n), -self.b.net(y).highest(&m));
-        n.dot(&self.frame.translation) + low - high - self.error([x, y])
+        let (high_a, high_b) = (self.a.net(x).highest(n), self.b.net(y).highest(&m));
+        n.dot(&self.frame.translation) - high_b - high_a - self.error([x, y])
     }
 
     #[inline]
@@ -56,8 +56,15 @@ impl Trees<'_> {
     }
 
     /// Returns a gap of a pair that is at least `target`, or the largest one found: along `start`,
-    /// along `hint`, along directions from the minimum-norm point of both nets.
-    pub(super) fn bound(&mut self, pair: Pair, start: &Vector3<f64>, hint: Option<&Vector3<f64>>, target: f64) -> Gap {
+    /// along `hint`, along directions from the minimum-norm point of both nets, unless points of
+    /// both parts are known to be no farther apart than the target (`is_near`).
+    pub(super) fn bound(
+        &mut self,
+        pair: Pair,
+        (start, hint): (&Vector3<f64>, Option<&Vector3<f64>>),
+        target: f64,
+        is_near: bool,
+    ) -> Gap {
         let mut best = Gap {
             n: *start,
             gap: self.gap(pair, start),
@@ -66,15 +73,18 @@ impl Trees<'_> {
             return best;
         }
         if let Some(n) = hint {
-            let gap = self.gap(pair, n);
-            if gap > best.gap {
-                best = Gap { n: *n, gap };
+            let of = Gap {
+                n: *n,
+                gap: self.gap(pair, n),
+            };
+            if of.gap > best.gap {
+                best = of;
             }
-            if gap < target {
-                self.cap(pair, &Gap { n: *n, gap }, target, &mut best);
+            if of.gap < target {
+                self.cap(pair, &of, target, &mut best);
             }
         }
-        if best.gap < target {
+        if best.gap < target && !is_near {
             let along = best.n;
             self.descend(pair, target, &mut best);
             if best.gap < target && best.n != along {
@@ -95,12 +105,15 @@ impl Trees<'_> {
         let m = -self.frame.direction_in_b(&of.n);
         let (high_a, high_b) = (net_a.highest(&of.n), net_b.highest(&m));
         let need = target - of.gap;
-        let (top_a, top_b) = (
-            taylor(a, &net_a, &of.n, high_a, need),
-            taylor(b, &net_b, &m, high_b, need),
-        );
+        // Corners lie on the surface: no bound is below their height.
+        let corner_a = net_a.highest_corner(a.degrees, &of.n);
+        let corner_b = net_b.highest_corner(b.degrees, &m);
+        if !((high_a - corner_a) + (high_b - corner_b) > need) {
+            return;
+        }
         self.counts.caps += 1;
-        let (top_a, top_b) = (top_a.unwrap_or(high_a).min(high_a), top_b.unwrap_or(high_b).min(high_b));
+        let top_a = taylor(a, &net_a, &of.n, high_a, need).unwrap_or(high_a).min(high_a);
+        let top_b = taylor(b, &net_b, &m, high_b, need).unwrap_or(high_b).min(high_b);
         let gap = of.n.dot(&self.frame.translation) - top_b - top_a - self.error([x, y]);
         if gap > best.gap {
             *best = Gap { n: of.n, gap };

@@ -57,6 +57,14 @@ impl Net<'_> {
         at
     }
 
+    /// Returns the greatest height of the four corners, which lie on the surface.
+    #[inline]
+    pub(super) fn highest_corner(&self, [p, q]: [usize; 2], n: &Vector3<f64>) -> f64 {
+        let last = p * (q + 1);
+        let heights = [0, q, last, last + q].map(|k| n.dot(&self.point(k)));
+        heights[0].max(heights[1]).max(heights[2].max(heights[3]))
+    }
+
     #[inline]
     pub(super) fn point(&self, k: usize) -> Vector3<f64> {
         Vector3::new(self.points[0][k], self.points[1][k], self.points[2][k])

@@ -53,7 +53,7 @@ mod tree;
 pub use error::PatchError;
 pub use net::Patch;
 pub use nurbs::Nurbs;
-pub use outcome::{Decision, SurfaceOutcome, SurfaceWork};
+pub use outcome::{Decision, SurfaceOutcome, SurfacePart, SurfaceWork};
 pub use revolution::revolution;
 pub use surface::{Surface, SurfacePoint};
 pub use tracker::SurfaceTracker;

@@ -4,7 +4,7 @@ use alloc::vec;
 use alloc::vec::Vec;
 use nalgebra::{Point3, Unit, Vector3};
 
-use super::bezier::{Jet, ORDER, jet};
+use super::bezier::{Jet, ORDER, jet, value};
 use super::error::PatchError;
 use crate::num::scalar::sqrt;
 use crate::tolerance::{PATCH_MAX, RAISED, ROUND_UP, WEIGHT_RATIO};
@@ -26,9 +26,10 @@ use crate::tolerance::{PATCH_MAX, RAISED, ROUND_UP, WEIGHT_RATIO};
 /// // A quarter of a cylinder of radius 1 about z, between z = 0 and z = 2.
 /// let (one, half) = (1.0, 0.5_f64.sqrt());
 /// let arc = [(1.0, 0.0, one), (1.0, 1.0, half), (0.0, 1.0, one)];
-/// let points = [0.0, 2.0].map(|z| arc.map(|(x, y, _)| Point3::new(x, y, z)));
-/// let weights = [arc.map(|a| a.2); 2];
-/// let patch = Patch::rational([1, 2], points.as_flattened(), weights.as_flattened())?;
+/// let row = |z: f64| arc.map(|(x, y, _)| Point3::new(x, y, z));
+/// let points = [row(0.0), row(2.0)].concat();
+/// let weights = [arc.map(|a| a.2); 2].concat();
+/// let patch = Patch::rational([1, 2], &points, &weights)?;
 /// let p = patch.point(0.5, 0.5);
 /// assert!((p.x.hypot(p.y) - 1.0).abs() < 1e-15 && p.z == 1.0);
 /// # Ok::<(), lin_canny::patch::PatchError>(())
@@ -155,7 +156,12 @@ impl Patch {
     /// Returns the point at (u, v), clamped to 0..=1.
     #[must_use]
     pub fn point(&self, u: f64, v: f64) -> Point3<f64> {
-        self.jet([u, v]).point.into()
+        let [x, y, z, w] = value::<4>(&self.net, self.degrees, [u, v].map(|t| t.clamp(0.0, 1.0)));
+        if self.is_rational {
+            Point3::new(x / w, y / w, z / w)
+        } else {
+            Point3::new(x, y, z)
+        }
     }
 
     /// Returns the derivatives by u and by v at (u, v), clamped to 0..=1.

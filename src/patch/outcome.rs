@@ -3,6 +3,7 @@
 use nalgebra::{Point3, Unit, Vector3};
 
 use super::surface::SurfacePoint;
+use super::tree::Node;
 use crate::pair::outcome::{Class, Distance};
 
 /// The closest points of two surfaces, with proof.
@@ -45,6 +46,25 @@ impl From<&SurfaceOutcome> for Distance {
             lower: o.lower,
             upper: o.upper,
         }
+    }
+}
+
+/// A part of a surface: a node of its tree.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SurfacePart {
+    /// The number of the patch; `None` for a group of whole patches.
+    pub patch: Option<u32>,
+    /// Least and greatest parameter u.
+    pub u: [f64; 2],
+    /// Least and greatest parameter v.
+    pub v: [f64; 2],
+}
+
+impl SurfacePart {
+    pub(super) fn of(node: &Node) -> Self {
+        let [u, v] = node.domain();
+        let patch = (!node.is_group()).then_some(node.patch());
+        Self { patch, u, v }
     }
 }
 

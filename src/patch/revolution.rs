@@ -26,7 +26,8 @@ use crate::num::scalar::sqrt;
 /// // A cone frustum and a half of a ball below.
 /// let half = 0.5_f64.sqrt();
 /// let side: &[[f64; 3]] = &[[1.0, 0.0, 1.0], [0.5, 2.0, 1.0]];
-/// let bowl: &[[f64; 3]] = &[[0.0, -1.0, 1.0], [1.0, -1.0, half], [1.0, 0.0, 1.0]];
+/// let bowl: &[[f64; 3]] =
+///     &[[0.0, -1.0, 1.0], [1.0, -1.0, half], [1.0, 0.0, 1.0]];
 /// let surface = lin_canny::patch::revolution(&[bowl, side])?;
 /// assert_eq!(surface.patches().len(), 8);
 /// # Ok::<(), lin_canny::patch::PatchError>(())

@@ -128,7 +128,7 @@ impl Search<'_, '_> {
             }
             self.work.failed += 1;
             let n = entry.direction(self.trees.frame);
-            let gap = self.trees.bound(entry.pair, &n, self.hint.as_ref(), self.level());
+            let gap = self.bound(entry.pair, &n);
             if gap.gap.max(0.0) >= self.level() {
                 self.least = self.least.min(gap.gap);
                 self.front.entries[k] = Entry::new(self.trees, entry.pair, &gap);
@@ -143,12 +143,26 @@ impl Search<'_, '_> {
     /// Puts a pair to the front or to the open ones.
     fn sort(&mut self, pair: Pair, along: &Vector3<f64>) {
         let level = self.level();
-        let gap = self.trees.bound(pair, along, self.hint.as_ref(), level);
+        let gap = self.bound(pair, along);
         if gap.gap.max(0.0) >= level {
             self.close(pair, &gap);
         } else {
             self.heap.push(Open { pair, gap });
         }
+    }
+
+    fn bound(&mut self, pair: Pair, along: &Vector3<f64>) -> Gap {
+        let (level, is_near) = (self.level(), self.is_at_best(pair));
+        self.trees.bound(pair, (along, self.hint.as_ref()), level, is_near)
+    }
+
+    /// Returns whether the best points lie below a pair.
+    fn is_at_best(&self, pair: Pair) -> bool {
+        let (x, y) = (self.trees.a.node(pair[0]), self.trees.b.node(pair[1]));
+        self.best.as_ref().is_some_and(|best| {
+            let [u, v, s, t] = best.at;
+            best.patches == [x.patch(), y.patch()] && x.holds([u, v]) && y.holds([s, t])
+        })
     }
 
     fn close(&mut self, pair: Pair, gap: &Gap) {
@@ -209,21 +223,22 @@ impl Search<'_, '_> {
     /// Looks for closer points below a pair, unless the best ones lie there.
     fn improve(&mut self, open: &Open) {
         let (x, y) = (self.trees.a.node(open.pair[0]), self.trees.b.node(open.pair[1]));
-        if x.is_group() || y.is_group() {
+        if x.is_group() || y.is_group() || self.is_at_best(open.pair) {
+            return;
+        }
+        let frame = self.trees.frame;
+        let is_close = |p: &Vector3<f64>, q: &Vector3<f64>, room: f64| {
+            let most = self.upper + room;
+            (frame.place(q) - p).norm_squared() < most * most
+        };
+        if !is_close(&x.centre, &y.centre, 0.5 * (x.radius + y.radius)) {
             return;
         }
         let patches = [x.patch(), y.patch()];
-        if let Some(best) = &self.best {
-            let [u, v, s, t] = best.at;
-            if best.patches == patches && x.holds([u, v]) && y.holds([s, t]) {
-                return;
-            }
-        }
         let ([u, v], [s, t]) = (x.middle(), y.middle());
         let p = self.patches[0][patches[0] as usize].point(u, v);
         let q = self.patches[1][patches[1] as usize].point(s, t);
-        let square = (self.trees.frame.place(&q.coords) - p.coords).norm_squared();
-        if square < self.upper * self.upper {
+        if is_close(&p.coords, &q.coords, 0.0) {
             self.offer(patches, [u, v, s, t]);
         }
     }

@@ -22,11 +22,19 @@ use crate::tolerance::SEAM;
 /// use lin_canny::patch::{Nurbs, Surface};
 ///
 /// // A biquadratic B-spline of two patches.
-/// let at = |i: usize| Point3::new((i / 3) as f64, (i % 3) as f64, (i % 2) as f64);
-/// let points: Vec<_> = (0..12).map(at).collect();
-/// let knots: [&[f64]; 2] = [&[0.0, 0.0, 0.0, 1.0, 2.0, 2.0, 2.0], &[0.0, 0.0, 0.0, 1.0, 1.0, 1.0]];
-/// let surface = Surface::from_nurbs(&Nurbs { degrees: [2, 2], knots, points: &points, ..Nurbs::default() })?;
-/// assert_eq!((surface.patches().len(), surface.is_closed()), (2, false));
+/// let at = |i: usize| [(i / 3) as f64, (i % 3) as f64, (i % 2) as f64];
+/// let points: Vec<_> = (0..12).map(|i| Point3::from(at(i))).collect();
+/// let surface = Surface::from_nurbs(&Nurbs {
+///     degrees: [2, 2],
+///     knots: [
+///         &[0.0, 0.0, 0.0, 1.0, 2.0, 2.0, 2.0],
+///         &[0.0, 0.0, 0.0, 1.0, 1.0, 1.0],
+///     ],
+///     points: &points,
+///     ..Nurbs::default()
+/// })?;
+/// assert_eq!(surface.patches().len(), 2);
+/// assert!(!surface.is_closed());
 /// # Ok::<(), lin_canny::patch::PatchError>(())
 /// ```
 #[derive(Clone, Debug)]

@@ -8,7 +8,7 @@ use super::crossing::crosses;
 use super::frame::{Frame, far};
 use super::front::Front;
 use super::gap::{Counts, Trees};
-use super::outcome::{Decision, SurfaceOutcome, SurfaceWork};
+use super::outcome::{Decision, SurfaceOutcome, SurfacePart, SurfaceWork};
 use super::search::{Goal, Open, Search};
 use super::surface::{Surface, SurfacePoint};
 use super::tree::{Grown, Nodes};
@@ -29,14 +29,17 @@ use crate::tuning::patch::{GROWTH, KEPT, SPLITS};
 /// use lin_canny::patch::{Patch, Surface, SurfaceTracker};
 ///
 /// // A quarter of a parabolic roof, and a copy that moves away from it.
-/// let height = |i: usize, j: usize| if i == 1 && j == 1 { 1.0 } else { 0.0 };
-/// let at = |k: usize| Point3::new((k / 3) as f64, (k % 3) as f64, height(k / 3, k % 3));
+/// let at = |k: usize| {
+///     let height = if k == 4 { 1.0 } else { 0.0 };
+///     Point3::new((k / 3) as f64, (k % 3) as f64, height)
+/// };
 /// let points: Vec<_> = (0..9).map(at).collect();
 /// let roof = Surface::new(vec![Patch::polynomial([2, 2], &points)?])?;
 /// let mut pair = SurfaceTracker::new();
 /// for k in 0..10 {
 ///     let pose = Isometry3::translation(0.0, 0.0, 1.0 + 0.1 * k as f64);
-///     let c = pair.closest(&roof, &roof, &RelativePose::from_isometry(&pose)?, 1e-9);
+///     let a_from_b = RelativePose::from_isometry(&pose)?;
+///     let c = pair.closest(&roof, &roof, &a_from_b, 1e-9);
 ///     assert!(c.is_reached && c.upper - c.lower <= 1e-9 && c.lower > 0.5);
 /// }
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -103,6 +106,19 @@ impl SurfaceTracker {
     #[must_use]
     pub fn front_len(&self) -> usize {
         self.front.entries.len()
+    }
+
+    /// Returns the front that is kept for these surfaces: pairs of parts of A and of B that are
+    /// proven apart, under which every pair of patches lies. Empty for surfaces other than those of
+    /// the last query.
+    pub fn front<'t>(&'t self, a: &'t Surface, b: &'t Surface) -> impl Iterator<Item = [SurfacePart; 2]> + 't {
+        let is_of = self.fingerprints == [a.fingerprint, b.fingerprint];
+        let entries = if is_of { &self.front.entries[..] } else { &[] };
+        let part = |s: &Surface, grown: &Grown, id: u32| SurfacePart::of(grown.node(&s.tree, id));
+        entries.iter().map(move |e| {
+            let [x, y] = e.pair;
+            [part(a, &self.grown[0], x), part(b, &self.grown[1], y)]
+        })
     }
 
     /// Returns the bytes kept on the heap.

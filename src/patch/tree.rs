@@ -295,6 +295,21 @@ pub(super) struct Grown {
 }
 
 impl Grown {
+    /// Returns a node of a surface's own tree or of those made of it.
+    #[inline]
+    pub(super) fn node<'t>(&'t self, own: &'t Tree, id: u32) -> &'t Node {
+        let (tree, k) = self.tree(own, id);
+        &tree.nodes[k]
+    }
+
+    #[inline]
+    fn tree<'t>(&'t self, own: &'t Tree, id: u32) -> (&'t Tree, usize) {
+        match (id as usize).checked_sub(own.nodes.len()) {
+            Some(k) => (&self.tree, k),
+            None => (own, id as usize),
+        }
+    }
+
     pub(super) fn numbers(&self) -> usize {
         self.tree.numbers.len()
     }
@@ -318,23 +333,14 @@ impl<'a> Nodes<'a> {
         Self { own, grown }
     }
 
-    fn tree(&self, id: u32) -> (&Tree, usize) {
-        let own = self.own.nodes.len();
-        match (id as usize).checked_sub(own) {
-            Some(k) => (&self.grown.tree, k),
-            None => (self.own, id as usize),
-        }
-    }
-
     #[inline]
     pub(super) fn node(&self, id: u32) -> &Node {
-        let (tree, k) = self.tree(id);
-        &tree.nodes[k]
+        self.grown.node(self.own, id)
     }
 
     #[inline]
     pub(super) fn net(&self, id: u32) -> Net<'_> {
-        let (tree, k) = self.tree(id);
+        let (tree, k) = self.grown.tree(self.own, id);
         tree.net(&tree.nodes[k])
     }
 

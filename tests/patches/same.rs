@@ -115,21 +115,12 @@ fn a_triangle_is_half_of_a_plane_patch() {
     let mut rng = Rng::new(2);
     let b = one(bumpy(&mut rng, [2, 2], 0.5));
     let a = one(patch.clone());
-    let four = patch.split(0).into_iter().flat_map(|p| p.split(1)).collect();
+    let four: Vec<Patch> = patch.split(0).into_iter().flat_map(|p| p.split(1)).collect();
+    let four = Surface::new(four).expect("parts");
     for _ in 0..20 {
         let at = place(&mut rng, 2.5);
-        same(
-            &a,
-            &Surface::new(four_of(&four)).expect("parts"),
-            &b,
-            &at,
-            "triangle split",
-        );
+        same(&a, &four, &b, &at, "triangle split");
     }
-}
-
-fn four_of(four: &Vec<Patch>) -> Vec<Patch> {
-    four.clone()
 }
 
 /// A value of a B-spline by its definition (Cox 1972, de Boor 1972).
