@@ -126,7 +126,7 @@ fn track(a: &Surface, b: &Surface, at: &[RelativePose], width: f64) -> (Vec<Surf
 /// Where a point is drawn.
 fn project(p: Point3<f64>) -> [f64; 2] {
     let p: Point = p.into();
-    [360.0 + 150.0 * dot(p, VIEW[1]), 330.0 - 150.0 * dot(p, VIEW[2])]
+    [395.0 + 185.0 * dot(p, VIEW[1]), 345.0 - 185.0 * dot(p, VIEW[2])]
 }
 
 /// Both surfaces as lines of equal parameters, the parts of the front, the closest points of all frames.
@@ -138,8 +138,8 @@ fn picture(
     pose: &Isometry3<f64>,
 ) -> String {
     let mut svg = String::from(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 760 680\" font-family=\"sans-serif\">\n\
-         <rect width=\"760\" height=\"680\" fill=\"#fff\"/>\n",
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 760 620\" font-family=\"sans-serif\">\n\
+         <rect width=\"760\" height=\"620\" fill=\"#fff\"/>\n",
     );
     let identity = Isometry3::identity();
     for (body, (surface, place, hue)) in [(a, &identity, 205), (b, pose, 28)].into_iter().enumerate() {
@@ -168,7 +168,7 @@ fn picture(
         let _ = writeln!(
             svg,
             "<text x=\"20\" y=\"36\" font-size=\"17\">{} pairs of parts prove the distance {:.9} to {:.0e}</text>\n\
-             <text x=\"20\" y=\"660\" font-size=\"14\">dark: parts of the front; red dots: closest points on the pot, frame by frame</text>",
+             <text x=\"20\" y=\"600\" font-size=\"14\">dark: parts of the front; red dots: closest points on the pot, frame by frame</text>",
             tracker.front_len(),
             o.distance,
             o.upper - o.lower

@@ -6,9 +6,10 @@ use lin_canny::patch::{Patch, Surface, SurfaceTracker};
 use crate::bodies::{bumpy, grid, place, pose};
 use crate::truth::{Sentence, judge};
 
-/// A patch of any kind and degree up to 4, of size 2.
+/// A patch of any kind and degree, of size 2.
 fn any(rng: &mut Rng) -> Surface {
-    let degrees = [1 + rng.below(4), 1 + rng.below(4)];
+    let most = if rng.chance(0.2) { 7 } else { 4 };
+    let degrees = [1 + rng.below(most), 1 + rng.below(most)];
     let bump = rng.range(0.1, 1.5);
     let weights = |rng: &mut Rng, count: usize| -> Vec<f64> { (0..count).map(|_| rng.range(0.2, 3.0)).collect() };
     let patch = match rng.below(4) {
@@ -19,11 +20,10 @@ fn any(rng: &mut Rng) -> Surface {
             Patch::rational(degrees, &points, &weights).expect("a patch")
         }
         _ => {
-            let n = degrees[0].min(3);
+            let n = degrees[0];
             let count = (n + 1) * (n + 2) / 2;
             let points = &grid(rng, [n, n], bump)[..count];
             let weights = weights(rng, count);
-            // Raised rows of higher degrees are rounded: the judge would judge the rounded patch.
             Patch::triangular(n, points, Some(&weights)).expect("a patch")
         }
     };
