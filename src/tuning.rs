@@ -2,8 +2,7 @@
 //! how often its bounds stay open, but never makes a bound wrong.
 //!
 //! Each constant names the costs it trades, and the measurement if there is one. "Not measured":
-//! neither a comment nor `benches/record` holds a number, and the value may be changed for a better
-//! one. Bounds of errors are in [`tolerance`](crate::tolerance).
+//! no number is on record. Bounds of errors are in [`tolerance`](crate::tolerance).
 
 pub(crate) mod patch;
 
@@ -142,6 +141,10 @@ pub(crate) mod depth {
     /// Facets of a descent, at most: descents are short after small motions, and a surface is a
     /// better start for the others.
     pub(crate) const DESCENTS: usize = 12;
+
+    /// Corners of a face over which a pyramid is tried first. Measured on a prism of 32 vertices
+    /// that slides on another: 5 corners answer, in two thirds of the time of all 16.
+    pub(crate) const CORNERS: usize = 5;
 
     /// Support points that one pyramid may take in beside its apex. Not measured.
     pub(crate) const SUPPORTS: u32 = 6;
