@@ -43,7 +43,8 @@ pub struct Patch {
     pub(super) is_triangular: bool,
     /// Error of the control points, times `reach`.
     pub(super) noise: f64,
-    /// The largest distance of a control point from the origin, rounded up.
+    /// The largest distance of a control point from the origin, rounded up: of those given, if the
+    /// net was computed from them, since rounding is relative to what is summed.
     pub(super) reach: f64,
 }
 
@@ -107,6 +108,7 @@ impl Patch {
         }
         let mut patch = Self::assembled([degree; 2], net);
         patch.is_triangular = true;
+        patch.reach = patch.reach.max(reach(points));
         patch.noise = if degree > 1 { RAISED } else { 0.0 };
         Ok(patch)
     }
@@ -122,8 +124,8 @@ impl Patch {
             noise: 0.0,
             reach: 0.0,
         };
-        let far = |p: Point3<f64>| sqrt(p.coords.norm_squared()) * ROUND_UP;
-        patch.reach = patch.control_points().map(|(p, _)| far(p)).fold(0.0, f64::max);
+        let points: Vec<_> = patch.control_points().map(|(p, _)| p).collect();
+        patch.reach = reach(&points);
         patch
     }
 
@@ -187,7 +189,8 @@ impl Patch {
     }
 
     /// Returns the two halves of the patch at the middle of u (`direction` 0) or of v (any other),
-    /// by de Casteljau's algorithm.
+    /// by de Casteljau's algorithm. The halves are patches in their own right, of rounded control
+    /// points; those of a triangular patch are tensor-product patches.
     #[must_use]
     pub fn split(&self, direction: usize) -> [Self; 2] {
         let count = self.net.len();
@@ -201,9 +204,14 @@ impl Patch {
             }
         }
         parts.map(|net| {
-            let mut half = Self::assembled(self.degrees, net);
-            half.noise = self.noise;
-            half
+            let half = Self::assembled(self.degrees, net);
+            let reach = half.reach.max(self.reach);
+            Self {
+                noise: self.noise,
+                is_triangular: false,
+                reach,
+                ..half
+            }
         })
     }
 
@@ -250,6 +258,12 @@ impl Patch {
             vv: first(&vv) - pv * (2.0 * v[3] / w),
         }
     }
+}
+
+/// Returns the largest distance of a point from the origin, rounded up.
+pub(super) fn reach(points: &[Point3<f64>]) -> f64 {
+    let far = |p: &Point3<f64>| sqrt(p.coords.norm_squared()) * ROUND_UP;
+    points.iter().map(far).fold(0.0, f64::max)
 }
 
 /// Raises the degree of a curve from n to n + 1.

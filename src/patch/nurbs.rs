@@ -11,7 +11,7 @@ use nalgebra::Point3;
 
 use super::bezier::{NET, ORDER};
 use super::error::PatchError;
-use super::net::{Patch, check_degrees, check_points, check_weights, homogeneous};
+use super::net::{Patch, check_degrees, check_points, check_weights, homogeneous, reach};
 use crate::tolerance::{KNOTS, PATCH_MAX};
 
 /// A NURBS surface as files hold it.
@@ -54,12 +54,13 @@ impl Nurbs<'_> {
             None => None,
         };
         let spans = [self.spans(0)?, self.spans(1)?];
-        let given = homogeneous(self.points, weights);
+        let (given, reach) = (homogeneous(self.points, weights), reach(self.points));
         let mut parts = Vec::with_capacity(spans[0].len() * spans[1].len());
         for u in &spans[0] {
             for v in &spans[1] {
                 let mut patch = Patch::assembled(self.degrees, self.taken_out(&given, counts[1], [u, v]));
                 patch.noise = KNOTS;
+                patch.reach = patch.reach.max(reach);
                 parts.push((patch, [u.ends, v.ends]));
             }
         }

@@ -12,6 +12,7 @@ use super::front::{Entry, Front};
 use super::gap::{Gap, Pair, Trees};
 use super::net::Patch;
 use super::outcome::SurfaceWork;
+use crate::num::scalar::sqrt;
 
 /// A pair that may be closer than the goal.
 #[derive(Clone, Copy, Debug)]
@@ -105,8 +106,9 @@ impl Search<'_, '_> {
         self.front.entries.clear();
         let (x, y) = (self.trees.a.node(0), self.trees.b.node(0));
         let between = self.trees.frame.place(&y.centre) - x.centre;
-        let along = if between.norm_squared() > 0.0 {
-            between.normalize()
+        let square = between.norm_squared();
+        let along = if square > 0.0 {
+            between / sqrt(square)
         } else {
             Vector3::x()
         };

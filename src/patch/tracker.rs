@@ -14,14 +14,14 @@ use super::surface::{Surface, SurfacePoint};
 use super::tree::{Grown, Nodes};
 use crate::pair::outcome::{Class, Distance};
 use crate::pose::RelativePose;
-use crate::tuning::patch::{GROWTH, KEPT, SPLITS};
+use crate::tuning::patch::{GROWTH, KEPT, MOST_SPLITS, SPLITS};
 
 /// The front of the last answer for one pair of surfaces, from which the next query starts, the
 /// nodes made so far, and counters.
 ///
 /// Owns no surface. State changes time, never which distances an answer allows: bounds are proven
 /// anew at every pose. A tracker that comes from another pair, or is out of date, is allowed. Not
-/// saved to files.
+/// saved to files. A query allocates where it splits nodes.
 ///
 /// ```
 /// use lin_canny::RelativePose;
@@ -89,10 +89,10 @@ impl SurfaceTracker {
     }
 
     /// Returns the tracker with another budget: the number of pairs of nodes that one query may
-    /// split. A query that uses up its budget returns wider bounds.
+    /// split, at most `2^22`. A query that uses up its budget returns wider bounds.
     #[must_use]
     pub fn with_budget(mut self, splits: usize) -> Self {
-        self.budget = splits;
+        self.budget = splits.min(MOST_SPLITS);
         self
     }
 
@@ -241,16 +241,16 @@ impl SurfaceTracker {
         } else {
             search.offer([0, 0], [0.5; 4]);
         }
-        let is_stale = search.front.entries.len() > GROWTH * search.front.cut;
-        if search.front.entries.is_empty() || is_stale {
+        let entries = search.front.entries.len();
+        let is_new = entries == 0 || entries > GROWTH * search.front.cut;
+        if is_new {
             search.start();
-            search.front.cut = usize::MAX / GROWTH;
         } else {
             search.renew();
         }
         let lower = search.run();
         let (upper, best, hint) = (search.upper, search.best, search.hint);
-        if self.front.cut == usize::MAX / GROWTH {
+        if is_new {
             self.front.cut = self.front.entries.len();
         }
         self.work.gaps += trees.counts.gaps;

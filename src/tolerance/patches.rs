@@ -69,10 +69,10 @@ pub(crate) const COEFFICIENT: f64 = 8.0 * UNIT;
 /// pose, and the turn of a direction times the radius of a ball, 80 UNIT L at each pose.
 pub(crate) const CARRIED: f64 = 256.0 * UNIT;
 
-/// Intervals of two surfaces are not asked to be narrower than this times the size L, `2^-42`:
-/// the errors of both bounds are about [`CERTIFICATE`](super::CERTIFICATE) UNIT L each, those of
-/// points 256 UNIT L at most, those of nodes split forty times as much, and [`TAYLOR`] some 1,000
-/// UNIT times the size of a node.
+/// Intervals of two surfaces are not asked to be narrower than this times the size L, `2^-42`: the
+/// errors of both bounds are about [`CERTIFICATE`](super::CERTIFICATE) UNIT L each, those of points
+/// 256 UNIT L at most, those of nodes split forty times as much, and those of second derivatives
+/// some 1,000 UNIT times the size of a node.
 pub const PATCH_LIMIT: f64 = 1.0 / (1u64 << 42) as f64;
 
 /// Error of a first derivative of a patch, times its bound `3 d R omega` (`patch::crossing`): the

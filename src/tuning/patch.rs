@@ -4,6 +4,10 @@
 /// need some hundred, surfaces that touch along a curve any number.
 pub(crate) const SPLITS: usize = 20_000;
 
+/// Splits that a query may be allowed: two nodes each of 448 numbers at most are counted in 32
+/// bits.
+pub(crate) const MOST_SPLITS: usize = 1 << 22;
+
 /// Steps of the minimum-norm solver on two nets before a pair is split instead. Not measured.
 pub(crate) const STEPS: usize = 4;
 
