@@ -126,7 +126,7 @@ fn track(a: &Surface, b: &Surface, at: &[RelativePose], width: f64) -> (Vec<Surf
 /// Where a point is drawn.
 fn project(p: Point3<f64>) -> [f64; 2] {
     let p: Point = p.into();
-    [395.0 + 185.0 * dot(p, VIEW[1]), 345.0 - 185.0 * dot(p, VIEW[2])]
+    [385.0 + 165.0 * dot(p, VIEW[1]), 400.0 - 165.0 * dot(p, VIEW[2])]
 }
 
 /// Both surfaces as lines of equal parameters, the parts of the front, the closest points of all frames.
