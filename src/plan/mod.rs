@@ -107,12 +107,14 @@ mod checker;
 mod clearance;
 mod error;
 mod freeway;
+mod links;
 mod opportunistic;
 mod pairs;
 mod path;
 mod random;
 mod rigid;
 mod roadmap;
+mod search;
 mod space;
 mod world;
 
