@@ -51,7 +51,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// Ascends within a slice and returns the places passed, the last of them a local maximum of
     /// the clearance, up to the precision of the slice.
     pub(super) fn ascend(&mut self, start: Vec<f64>, slice: &Slice) -> Result<Vec<Place>, PlanError> {
-        let mut centre = self.place(start, 2.0 * slice.longest)?;
+        let mut centre = self.place(start, slice.longest)?;
         let mut mu = (0.5 * centre.distance.abs()).clamp(slice.shortest * 4.0, slice.longest);
         let mut passed = Vec::new();
         let mut planes = planes_at(&centre, mu);
@@ -70,7 +70,7 @@ impl<C: ConfigurationSpace> Checker<C> {
                 own = planes.len();
                 continue;
             }
-            let tried = self.place(self.space.moved(&centre.q, &step), 2.0 * mu)?;
+            let tried = self.place(self.space.moved(&centre.q, &step), mu)?;
             if tried.distance >= centre.distance + GOOD * gain {
                 mu = (2.0 * mu).min(slice.longest);
                 planes = planes_at(&tried, mu);
