@@ -68,7 +68,15 @@ fn job(file: &Value, out: PathBuf) -> Result<Job, String> {
     if !file.is_object() {
         return Err("not an object".into());
     }
+    for name in ["robot", "obstacles", "start", "goal", "bounds"] {
+        if file[name].is_null() {
+            return Err(format!("{name} is missing"));
+        }
+    }
     let robot = hulls(&file["robot"], "robot")?;
+    if robot.is_empty() {
+        return Err("robot has no hull".into());
+    }
     let mut world = World::new();
     // A radian counts as the farthest point of the robot from its origin.
     let points = robot.iter().flat_map(ConvexPolyhedron::vertex_points);
@@ -77,12 +85,7 @@ fn job(file: &Value, out: PathBuf) -> Result<Job, String> {
     for (k, hull) in robot.into_iter().enumerate() {
         world.robot_body(format!("robot[{k}]"), hull);
     }
-    let obstacles = if file["obstacles"].is_null() {
-        return Err("obstacles are missing".into());
-    } else {
-        hulls(&file["obstacles"], "obstacles")?
-    };
-    for (k, hull) in obstacles.into_iter().enumerate() {
+    for (k, hull) in hulls(&file["obstacles"], "obstacles")?.into_iter().enumerate() {
         world.obstacle(format!("obstacles[{k}]"), BodyShape::from(hull), Isometry3::identity());
     }
     let [low, high] = bounds(&file["bounds"])?;
@@ -95,9 +98,8 @@ fn job(file: &Value, out: PathBuf) -> Result<Job, String> {
         world,
         space: space.map_err(|e| format!("bounds: {e}"))?,
         ends: [pose(&file["start"], "start")?, pose(&file["goal"], "goal")?],
-        seed: number(&file["seed"], "seed", 0.0)? as u64,
-        limit: Duration::try_from_secs_f64(number(&file["seconds"], "seconds", 10.0)?)
-            .map_err(|e| format!("seconds: {e}"))?,
+        seed: seed(&file["seed"])?,
+        limit: seconds(&file["seconds"])?,
         out,
     };
     check(&job)?;
@@ -155,21 +157,38 @@ fn numbers<const N: usize>(value: &Value, name: &str) -> Result<[f64; N], String
         .map_err(|_| format!("{name} has {count} numbers, not {N}"))
 }
 
-fn number(value: &Value, name: &str, default: f64) -> Result<f64, String> {
+fn seed(value: &Value) -> Result<u64, String> {
     match value {
-        Value::Null => Ok(default),
-        _ => value
-            .as_f64()
-            .filter(|x| *x >= 0.0)
-            .ok_or(format!("{name} is no number of at least zero")),
+        Value::Null => Ok(0),
+        _ => value.as_u64().ok_or("seed is no whole number of at least zero".into()),
     }
 }
 
+fn seconds(value: &Value) -> Result<Duration, String> {
+    let seconds = match value {
+        Value::Null => 10.0,
+        _ => value.as_f64().ok_or("seconds is no number")?,
+    };
+    Duration::try_from_secs_f64(seconds).map_err(|e| format!("seconds: {e}"))
+}
+
 fn bounds(value: &Value) -> Result<[[f64; 3]; 2], String> {
-    match value.as_array().map(Vec::as_slice) {
-        Some([low, high]) => Ok([numbers(low, "bounds[0]")?, numbers(high, "bounds[1]")?]),
-        _ => Err("bounds is no list of two corners".into()),
+    let Some([low, high]) = value.as_array().map(Vec::as_slice) else {
+        return Err("bounds is no list of two corners".into());
+    };
+    let [low, high] = [numbers(low, "bounds[0]")?, numbers(high, "bounds[1]")?];
+    if let Some(k) = (0..3).find(|&k| low[k] > high[k]) {
+        return Err(format!(
+            "bounds: {} is above {} in {}",
+            low[k],
+            high[k],
+            ["x", "y", "z"][k]
+        ));
     }
+    if low == high {
+        return Err("bounds hold a single point".into());
+    }
+    Ok([low, high])
 }
 
 /// A configuration; a quaternion that was rounded to few digits is normalised.

@@ -13,6 +13,7 @@ mod impact;
 mod meshes;
 mod pairs;
 mod plan;
+mod rrt;
 mod scene;
 mod tree;
 

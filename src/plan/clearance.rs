@@ -36,7 +36,8 @@ pub struct Near {
 /// The clearance along a segment: a proven lower bound, and a distance that is attained.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SegmentClearance {
-    /// All pairs are proven at least this far apart over the whole segment; zero without a proof.
+    /// All pairs are proven at least this far apart over the whole segment; zero without a proof,
+    /// infinite without a pair.
     pub lower: f64,
     /// At `t` a pair is at most this far apart.
     pub upper: f64,
@@ -169,8 +170,9 @@ impl<C: ConfigurationSpace> Checker<C> {
             });
         }
         let segment = self.segment(from, to)?;
+        let is_empty = self.pairs.all.is_empty();
         let mut found = SegmentClearance {
-            lower: 0.0,
+            lower: if is_empty { f64::INFINITY } else { 0.0 },
             upper: f64::INFINITY,
             t: 0.0,
             pair: None,
