@@ -233,13 +233,14 @@ fn search(scene: &str, room: Room, space: &RigidSpace, ends: [Vec<f64>; 2], seed
 }
 
 /// From corner to corner of a room of 150 hulls, and a plank of 0.2 through a hole of 0.4.
-fn searches(o: &Options, rows: &mut Rows) {
+fn searches(o: &Options, progress: &Progress, rows: &mut Rows) {
     if o.wants("search-150") {
         let room = Room::new(150, 3);
         let ends = [-5.0, 5.0].map(|c| RigidSpace::configuration(&Isometry3::translation(c, c, c)));
         let space = room.space();
         search("search-150", room, &space, ends, if o.quick { 5 } else { 50 }, rows);
     }
+    progress.step();
     if o.wants("search-hole") {
         let robot = solids::cuboid(Vector3::new(0.8, 0.1, 0.1)).expect("a box");
         let hulls = lab::rooms::wall(0.4);
@@ -268,6 +269,7 @@ pub(crate) fn run(o: &Options) -> Rows {
         }
         progress.step();
     }
-    searches(o, &mut rows);
+    searches(o, &progress, &mut rows);
+    progress.step();
     rows
 }

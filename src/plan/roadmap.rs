@@ -95,14 +95,19 @@ impl Roadmap {
             .map(|(number, nodes)| (*number, nodes.as_slice()))
     }
 
+    /// Returns the nodes that segments join with each node.
+    fn neighbours(&self) -> Vec<Vec<usize>> {
+        let mut beside: Vec<Vec<usize>> = alloc::vec![Vec::new(); self.nodes.len()];
+        for Edge { ends: [a, b], .. } in &self.edges {
+            beside[*a].push(*b);
+            beside[*b].push(*a);
+        }
+        beside
+    }
+
     /// Returns the nodes of a shortest way between two nodes by the lengths of segments.
     pub(super) fn way(&self, from: usize, to: usize, length: impl Fn(&[f64], &[f64]) -> f64) -> Option<Vec<usize>> {
-        let mut beside: Vec<Vec<usize>> = alloc::vec![Vec::new(); self.nodes.len()];
-        for edge in &self.edges {
-            let [a, b] = edge.ends;
-            beside[a].push(b);
-            beside[b].push(a);
-        }
+        let beside = self.neighbours();
         let mut best = alloc::vec![(f64::INFINITY, usize::MAX); self.nodes.len()];
         best[from] = (0.0, from);
         let mut heap = BinaryHeap::from([Reverse(Reached { far: 0.0, node: from })]);
