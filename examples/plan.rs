@@ -8,7 +8,7 @@
 
 use lab::command::Arguments;
 use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, UnitQuaternion, Vector3};
-use lin_canny::plan::{Checker, PlanError, PlanOptions, RigidSpace, World};
+use lin_canny::plan::{Checker, Path, PlanError, PlanOptions, RigidSpace, World};
 use lin_canny::{ConvexPolyhedron, scene::BodyShape};
 use serde_json::Value;
 use std::fmt::Write as _;
@@ -234,22 +234,32 @@ fn run(job: &Job) -> Result<bool, String> {
         println!("no path found in {took:.1?}: there may be one nevertheless");
         return Ok(false);
     };
-    let path = checker.shorten(&found, 200, job.seed).map_err(said)?;
-    let (length, short) = (checker.path_length(&found), checker.path_length(&path));
+    let path = shortened(&mut checker, &found, job.seed).map_err(said)?;
+    lab::command::write(&job.out, &rows(&path))?;
+    println!("written: {}", job.out.display());
+    Ok(true)
+}
+
+/// A shorter path; says how long and how clear.
+fn shortened(checker: &mut Checker<RigidSpace>, found: &[Vec<f64>], seed: u64) -> Result<Path, PlanError> {
+    let path = checker.shorten(found, 200, seed)?;
+    let (length, short) = (checker.path_length(found), checker.path_length(&path));
     let mut least = f64::INFINITY;
     for ends in path.windows(2) {
-        least = least.min(checker.clearance_along(&ends[0], &ends[1], 0.05).map_err(said)?.lower);
+        least = least.min(checker.clearance_along(&ends[0], &ends[1], 0.05)?.lower);
     }
     println!(
         "path: {} configurations, length {short:.3} ({length:.3} before shortening), proven clearance {least:.2e}",
         path.len()
     );
+    Ok(path)
+}
+
+fn rows(path: &[Vec<f64>]) -> String {
     let mut rows = String::from("x,y,z,qx,qy,qz,qw\n");
-    for q in &path {
+    for q in path {
         let words: Vec<String> = q.iter().map(|x| format!("{x:?}")).collect();
         let _ = writeln!(rows, "{}", words.join(","));
     }
-    lab::command::write(&job.out, &rows)?;
-    println!("written: {}", job.out.display());
-    Ok(true)
+    rows
 }

@@ -133,14 +133,14 @@ fn room(o: &Options, scene: &str, n: usize, rows: &mut Rows) {
     println!("{scene}: {} of {} segments free", free.len(), segments.len());
     let line = |name: &str, wrong: usize, calls: f64, [free, blocked]: [f64; 2]| {
         println!(
-            "  {name:<12}{wrong:>7}{calls:>10.2}{:>10.2}{:>7.3}{:>10.2}",
+            "  {name:<12}{wrong:>7}{calls:>10.2}{:>10.2}{:>7.3}{:>12.2}",
             free / 1000.0,
             ours[0] / free,
             blocked / 1000.0
         );
     };
     println!(
-        "  {:<12}{:>7}{:>10}{:>10}{:>7}{:>10}",
+        "  {:<12}{:>7}{:>10}{:>10}{:>7}{:>12}",
         "", "wrong", "calls", "free us", "ratio", "blocked us"
     );
     line("certified", 0, calls, ours);
