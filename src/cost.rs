@@ -9,8 +9,8 @@
 //! cargo run --release --example accuracy_cost -- --mesh A.obj --mesh B.stl
 //! ```
 //!
-//! Errors are relative to exact arithmetic, in units of the size L of the pair (both radii plus the
-//! distance of the origins). Bodies of up to 16 vertices are solved over the integers; for larger
+//! Errors are relative to exact arithmetic, in units of the size L of the pair ([front
+//! page](crate#guarantees)). Bodies of up to 16 vertices are solved over the integers; for larger
 //! bodies, exact arithmetic gives the bound proven by a direction and the distance of two points,
 //! and the error of an answer is its distance from the interval between the two (at most `1e-16 L`
 //! wide). Numbers and pictures of this page are from the newest `benches/record/*-accuracy.csv`: a

@@ -1,5 +1,5 @@
 //! Bounds of rounding errors and limits of range, each with its derivation. Thresholds that only
-//! steer work are in `tuning`.
+//! steer work change no answer, and are not public.
 //!
 //! Derivations count relative roundings, as they are of normal numbers. Errors by underflow are
 //! absolute, and fall under one of five cases:

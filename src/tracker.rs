@@ -73,8 +73,8 @@ impl Tracker {
     }
 
     /// Returns the closest features, their witnesses and bounds of the distance, certified:
-    /// separated bodies get bounds no wider than `1e-13 L`, with `L` the sum of both radii and the
-    /// distance of the bodies. Overlapping bodies get their depth as a negative distance, bounded
+    /// separated bodies get bounds no wider than `1e-13 L`, with `L` the size of the pair ([front
+    /// page](crate#guarantees)). Overlapping bodies get their depth as a negative distance, bounded
     /// as well. Queries of separated bodies allocate nothing, unless exact arithmetic is needed;
     /// the depth of an overlap takes memory that the tracker keeps, or has allocated before
     /// ([`reserve`](Self::reserve)).
@@ -93,7 +93,9 @@ impl Tracker {
 
     /// Returns the closest features as [`closest`](Self::closest) does, with the distance of
     /// separated bodies within one unit in the last place of the truth. Costs microseconds: every
-    /// answer is computed again in double-double arithmetic, some answers in exact integers.
+    /// answer is computed again in double-double arithmetic, some answers in exact integers. The
+    /// depth of an overlap keeps the bounds of [`closest`](Self::closest) unless its facets are
+    /// decided over integers ([`Solver::Exact`](crate::Solver)).
     #[cfg(feature = "exact")]
     pub fn closest_exact(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Outcome {
         let before = self.before(a, b);

@@ -141,6 +141,10 @@ pub(crate) mod depth {
     /// better start for the others.
     pub(crate) const DESCENTS: usize = 12;
 
+    /// Corners of a face over which a pyramid is tried first. Measured on a prism of 32 vertices
+    /// that slides on another: 5 corners answer, in two thirds of the time of all 16.
+    pub(crate) const CORNERS: usize = 5;
+
     /// Support points that one pyramid may take in beside its apex. Not measured.
     pub(crate) const SUPPORTS: u32 = 6;
 

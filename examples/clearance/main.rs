@@ -264,7 +264,7 @@ fn run(options: &Options) -> Result<(), Trouble> {
     };
     println!("\nleast clearance:");
     tell(frame, &name, &near);
-    let caption = format!("{title}, frame {frame}: {:.4} between {name}", near.outcome.distance);
+    let caption = format!("{title}, frame {frame}: {:.4}, {name}", near.outcome.distance);
     let picture = draw::Picture {
         caption,
         parts: &stage.parts,

@@ -1,7 +1,7 @@
 //! Certified contacts of [`lin_canny`] inside parry: a hull shape and a query dispatcher.
 //!
-//! Module [`single`](crate::single) is for `parry3d` (feature `f32`, on by default), module
-//! [`double`](crate::double) for `parry3d-f64` (feature `f64`). Both have the same items, and both
+//! Module [`single`] is for `parry3d` (feature `f32`, on by default), module
+//! [`double`] for `parry3d-f64` (feature `f64`). Both have the same items, and both
 //! features may be on. rapier and bevy_rapier take the dispatcher as it is; `lin-canny-rapier` has
 //! whole simulations.
 //!

@@ -123,9 +123,11 @@ impl Effects {
 pub struct Settings {
     /// Time of a step. Default 1/60.
     pub time_step: f64,
-    /// Size of an ordinary body: rapier's `length_unit`, to which its prediction, slop and
+    /// Diameter of an ordinary body: rapier's `length_unit`, to which its prediction, slop and
     /// thresholds of sleep are relative. Default 1. Millimetre parts in metres need 0.001, and
-    /// short steps: a body falls 2.7 mm in a sixtieth of a second.
+    /// short steps: no body should move by more than its size in a step. Sixty hulls of 6 mm that
+    /// fell into a bin at 1 m/s came to rest 61 % of their radius deep with steps of 1/60 s, 6 %
+    /// with 1/240 s, and 1 % with 1/1000 s.
     pub size: f64,
     /// What a scene without response answers about pairs of bodies; refused with response.
     pub observe: scene::Effects,

@@ -1,8 +1,8 @@
 //! Dynamics by the effects a scene calls for: rapier under the certified contacts of
 //! [`lin_canny`], and no engine at all if nothing calls for one.
 //!
-//! Module [`single`](crate::single) is for `rapier3d` (feature `f32`, on by default), module
-//! [`double`](crate::double) for `rapier3d-f64` (feature `f64`).
+//! Module [`single`] is for `rapier3d` (feature `f32`, on by default), module
+//! [`double`] for `rapier3d-f64` (feature `f64`).
 //!
 //! ```
 //! use lin_canny_rapier::single::{Hull, Simulation};

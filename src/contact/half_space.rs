@@ -38,7 +38,8 @@ use crate::tuning::contact::SAMPLE;
 ///
 /// let floor = HalfSpace::new(Vector3::z(), 0.0)?;
 /// let part = solids::cuboid(Vector3::new(0.5, 0.5, 0.5))?;
-/// let pose = RelativePose::from_isometry(&Isometry3::translation(3.0, 0.0, 0.49))?;
+/// let resting = Isometry3::translation(3.0, 0.0, 0.49);
+/// let pose = RelativePose::from_isometry(&resting)?;
 /// let contacts = floor.contacts(&part, &pose, &ManifoldOptions::within(0.02));
 /// assert_eq!(contacts.points().len(), 4);
 /// assert!((contacts.distance().value + 0.01).abs() < 1e-15);

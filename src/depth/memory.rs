@@ -151,11 +151,6 @@ impl Memory {
         }
     }
 
-    /// Returns the deepest facet of the last answer, if the last answer was an overlap.
-    pub(crate) fn facet(&self) -> Option<FeaturePair> {
-        self.facet
-    }
-
     /// Makes another facet the deepest. The surface stays: a surface is checked before use.
     pub(crate) fn move_to(&mut self, facet: FeaturePair) {
         (self.facet, self.witness_features) = (Some(facet), None);

@@ -17,14 +17,14 @@ use crate::pair::posed::PosedPair;
 use crate::pair::transform::Transform;
 use crate::polyhedron::FeaturePair;
 
-/// What the nearest facet says.
+/// What a search from cached state says.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Nearest {
     /// The depth is proven and written.
     Proven,
     /// The bodies seem to be apart; the features are a start for the walk.
     Apart(FeaturePair),
-    /// Neither; the facet on which the descent ended, if any, is a start for a search.
+    /// Neither; the facet on which a descent ended, if any, is a start for a search.
     Open(Option<FeaturePair>),
 }
 
@@ -44,6 +44,8 @@ pub(crate) fn nearest_facet(posed: &PosedPair, from: FeaturePair, memory: &mut M
         }
         return Nearest::Open(Some(facet.features));
     };
+    // The next query asks the facet before a surface.
+    memory.clear();
     memory.move_to(facet.features);
     write_overlap(posed, &found, draft);
     Nearest::Proven

@@ -28,9 +28,9 @@ use crate::depth::verify_surface::Target;
 use crate::num::scalar::{Vec3, cross, dot, neg, sub};
 use crate::pair::edge::Edge;
 use crate::pair::posed::PosedPair;
-use crate::polyhedron::{ConvexPolyhedron, FaceId, Feature, FeaturePair, VertexId};
+use crate::polyhedron::{ConvexPolyhedron, FaceId, Feature, FeaturePair, HalfEdgeId};
 use crate::tolerance::{AGREE_DEPTH, ALMOST_FLAT};
-use crate::tuning::depth::SUPPORTS;
+use crate::tuning::depth::{CORNERS, SUPPORTS};
 use crate::tuning::polyhedron::LARGE;
 
 /// Returns whether the pyramid over a facet proves the height of the facet to be the depth.
@@ -141,7 +141,8 @@ impl Sides<'_, '_> {
     }
 
     /// Returns whether the sides over a face, placed by `place`, are beyond the target, and the
-    /// corners in the plane of the face up to `slack`. A sample stands for a large face.
+    /// corners in the plane of the face up to `slack`. Few corners stand for the face if they do,
+    /// and a sample for a large face.
     #[inline(always)]
     fn of_face(
         &mut self,
@@ -150,31 +151,45 @@ impl Sides<'_, '_> {
         slack: f64,
         place: impl Fn(&Vector3<f64>) -> Vector3<f64>,
     ) -> bool {
-        let (t, plane) = (&body.topology, &body.planes[face.index()]);
-        let start = t.rim_half_edge(face);
-        let (ring, step) = t.ring(face).map_or((None, 1), |r| (Some(r), r.len().div_ceil(LARGE)));
-        let last = ring.map_or(t.from(start), |r| t.from(r[(r.len() - 1) / step * step]));
-        let mut from = place(&body.points[last.index()]);
-        let mut is_far = |v: VertexId| {
-            let corner = &body.points[v.index()];
-            let to = place(corner);
-            let is_far = plane.normal.dot(corner) >= plane.offset - slack && self.is_far(&from, &to);
-            from = to;
-            is_far
-        };
-        if let Some(ring) = ring {
-            return ring.iter().step_by(step).all(|&h| is_far(t.from(h)));
-        }
-        let mut h = start;
-        loop {
-            let e = t.half_edge(h);
-            if !is_far(e.to) {
-                return false;
-            }
-            h = e.next;
-            if h == start {
+        let t = &body.topology;
+        let count = t.ring(face).map_or_else(|| t.rim(face).count(), <[_]>::len);
+        let (coarse, fine) = (count.div_ceil(CORNERS), count.div_ceil(LARGE));
+        if coarse > fine {
+            let supports = core::mem::take(&mut self.supports);
+            if self.of_sample(body, face, coarse, slack, &place) {
                 return true;
             }
+            self.supports = supports;
         }
+        self.of_sample(body, face, fine, slack, &place)
+    }
+
+    /// As [`of_face`](Self::of_face), over every `step`-th corner.
+    #[inline]
+    fn of_sample(
+        &mut self,
+        body: &ConvexPolyhedron,
+        face: FaceId,
+        step: usize,
+        slack: f64,
+        place: &impl Fn(&Vector3<f64>) -> Vector3<f64>,
+    ) -> bool {
+        let (t, plane) = (&body.topology, &body.planes[face.index()]);
+        let corner = |h: HalfEdgeId| body.points[t.from(h).index()];
+        let (mut first, mut from) = (None, Vector3::zeros());
+        let mut is_far = |h: HalfEdgeId| {
+            let at = corner(h);
+            let to = place(&at);
+            let is_first = first.is_none();
+            let is_far = is_first || self.is_far(&from, &to);
+            from = to;
+            first.get_or_insert(to);
+            is_far && plane.normal.dot(&at) >= plane.offset - slack
+        };
+        let all_far = match t.ring(face) {
+            Some(ring) => ring.iter().step_by(step).all(|&h| is_far(h)),
+            None => t.rim(face).step_by(step).all(is_far),
+        };
+        all_far && first.is_some_and(|to| self.is_far(&from, &to))
     }
 }

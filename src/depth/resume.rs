@@ -1,10 +1,12 @@
-//! Resumes the depth from the surface of the previous answer.
+//! Resumes the depth from the facet or the surface of the previous answer.
 //!
 //! A cached surface remains a valid certificate at a new pose if the surface still encloses the
 //! origin. A closed surface does if the origin lies behind every triangle, since every ray from the
 //! origin then crosses the surface outward only. If every triangle is beyond the facet, the depth
 //! is proven in a single pass; if the facet covers the triangles below target, by the facet itself
-//! ([`facet_disc`](super::facet_disc)); else the surface grows. A folded surface is dropped.
+//! ([`facet_disc`](super::facet_disc)). A surface that proves nothing grows, and a folded surface
+//! is dropped, unless the nearest facet proves the depth alone ([`nearest`](super::nearest)).
+//! Whatever proved the last depth is asked first.
 
 use crate::num::scalar::{Vec3, sub};
 use crate::pair::difference::MinkowskiPoint;
@@ -19,21 +21,28 @@ use crate::depth::facet::{facets, height_of};
 use crate::depth::facet_disc::{disc_radius, holds_disc, pierced_facet};
 use crate::depth::foot::{WitnessPoints, flush, foot};
 use crate::depth::memory::{MAX_POINTS, Memory, Scratch};
+use crate::depth::nearest::{Nearest, nearest_facet};
 use crate::depth::result::{Best, SearchEnd, SearchResult};
 use crate::depth::search::{Search, search};
 use crate::depth::seed::search_from;
 use crate::depth::verify_surface::{SurfaceState, verify_surface};
 use crate::depth::write_overlap;
 
-/// Resumes the depth from the cached surface. Returns false, with no statement about the bodies, if
-/// the surface no longer proves an overlap.
-pub(crate) fn resume(posed: &PosedPair, memory: &mut Memory, draft: &mut Draft) -> bool {
+/// Resumes the depth from the deepest facet and the cached surface. Unless proven, nothing is said
+/// about the bodies.
+pub(crate) fn resume(posed: &PosedPair, memory: &mut Memory, draft: &mut Draft) -> Nearest {
     let Some(facet) = memory.facet.filter(|f| f.is_of(posed.a, posed.b)) else {
-        return false;
+        return Nearest::Open(None);
     };
     let frame = Transform::of(posed);
+    if memory.triangles.is_empty() {
+        return match nearest_facet(posed, facet, memory, draft) {
+            Nearest::Open(_) => memory.with_scratch(|memory, scratch| restart(posed, &frame, memory, scratch, draft)),
+            done => done,
+        };
+    }
     let Some((normal, height)) = height_of(posed, &frame, facet) else {
-        return false;
+        return Nearest::Open(None);
     };
     let best = Best {
         normal,
@@ -41,9 +50,7 @@ pub(crate) fn resume(posed: &PosedPair, memory: &mut Memory, draft: &mut Draft) 
         features: Some(facet),
     };
     memory.with_scratch(|memory, scratch| {
-        if memory.triangles.is_empty() {
-            restart(posed, &frame, memory, scratch, draft)
-        } else if memory.points.len() <= FEW_POINTS {
+        if memory.points.len() <= FEW_POINTS {
             resume_with::<FEW_POINTS>(posed, &frame, (memory, scratch), best, draft)
         } else {
             resume_with::<MAX_POINTS>(posed, &frame, (memory, scratch), best, draft)
@@ -51,31 +58,42 @@ pub(crate) fn resume(posed: &PosedPair, memory: &mut Memory, draft: &mut Draft) 
     })
 }
 
-/// Resumes from a cached surface of at most `N` points.
+/// Resumes from a cached surface of at most `N` points. If the surface proves nothing, the nearest
+/// facet is asked before the surface grows.
 fn resume_with<const N: usize>(
     posed: &PosedPair,
     frame: &Transform<f64>,
     (memory, scratch): (&mut Memory, &mut Scratch),
     mut best: Best<f64>,
     draft: &mut Draft,
-) -> bool {
+) -> Nearest {
     let mut positions = [[0.0; 3]; N];
     for (position, &[a, b]) in positions.iter_mut().zip(&memory.points) {
         let (Some(p), Some(q)) = (posed.a.points.get(a.index()), posed.b.points.get(b.index())) else {
-            return false;
+            return Nearest::Open(None);
         };
         *position = sub(&[p.x, p.y, p.z], &frame.point(q));
     }
-    let size = posed.size();
+    let (size, target) = (posed.size(), best.height);
     let mut state = verify_surface(&memory.triangles, &positions, &best, size, &mut scratch.below_target);
     let positions = &positions[..memory.points.len()];
-    if let SurfaceState::Encloses = state {
+    if state != SurfaceState::Proven {
+        let Some(facet) = best.features else {
+            return Nearest::Open(None);
+        };
+        match nearest_facet(posed, facet, memory, draft) {
+            Nearest::Open(nearest) => best.try_facet(posed, frame, nearest.unwrap_or(facet)),
+            done => return done,
+        }
+    }
+    if state == SurfaceState::Encloses {
         if let Some(witnesses) = memory.prove_by_disc(posed, frame, (&scratch.below_target, positions), &mut best) {
             (memory.facet, memory.witness_features) = (best.features, None);
             write_overlap(posed, &SearchResult::proven(&best, witnesses, size), draft);
-            return true;
+            return Nearest::Proven;
         }
-        if memory.try_facets_of(posed, frame, &scratch.below_target, &mut best) {
+        memory.try_facets_of(posed, frame, &scratch.below_target, &mut best);
+        if best.height < target {
             state = verify_surface(&memory.triangles, positions, &best, size, &mut scratch.below_target);
         }
     }
@@ -85,7 +103,7 @@ fn resume_with<const N: usize>(
         SurfaceState::Proven => {
             let found = finish(posed, frame, (memory, scratch), start);
             write_overlap(posed, &found, draft);
-            true
+            Nearest::Proven
         }
         SurfaceState::Encloses => grow(posed, frame, (memory, scratch), start, draft),
     }
@@ -113,19 +131,19 @@ fn finish(
     }
 }
 
-/// Grows the surface at the triangles below target; returns whether the search closed.
+/// Grows the surface at the triangles below target.
 fn grow(
     posed: &PosedPair,
     frame: &Transform<f64>,
     (memory, scratch): (&mut Memory, &mut Scratch),
     (positions, best): (&[Vec3<f64>], Best<f64>),
     draft: &mut Draft,
-) -> bool {
+) -> Nearest {
     memory.recall(scratch, positions, best.height - AGREE_DEPTH * posed.size());
     let found = Search::resumed(posed, frame, &mut scratch.surface, best).run(frame, 0.0);
     if found.end != SearchEnd::Closed {
         draft.work.points_added += found.points_added;
-        return false;
+        return Nearest::Open(None);
     }
     write_overlap(posed, &found, draft);
     if found.points_added > 0 {
@@ -133,7 +151,7 @@ fn grow(
     } else {
         memory.facet = Some(draft.features);
     }
-    true
+    Nearest::Proven
 }
 
 /// Searches again from the features of the facet, instead of from a folded surface.
@@ -143,56 +161,55 @@ fn restart(
     memory: &mut Memory,
     scratch: &mut Scratch,
     draft: &mut Draft,
-) -> bool {
-    let Some(facet) = memory.facet else { return false };
+) -> Nearest {
+    let Some(facet) = memory.facet else {
+        return Nearest::Open(None);
+    };
     let surface = &mut scratch.surface;
     let seeded = search_from(posed, frame, facet, surface);
     match seeded.or_else(|| search(posed, frame, facet, &ORIGIN_SHIFTS[..1], surface)) {
         Some(found) if found.end == SearchEnd::Closed => {
             write_overlap(posed, &found, draft);
             memory.keep(&scratch.surface, draft.features, None);
-            true
+            Nearest::Proven
         }
-        _ => false,
+        _ => Nearest::Open(None),
     }
 }
 
 impl Best<f64> {
-    /// Tries the facets that may contain triangles, each given by three vertices of A and of B;
-    /// returns whether the support along a facet normal is lower.
+    /// Tries the facets that may contain triangles, each given by three vertices of A and of B.
     fn try_facets(
         &mut self,
         posed: &PosedPair,
         frame: &Transform<f64>,
         triangles: impl Iterator<Item = [[VertexId; 3]; 2]>,
-    ) -> bool {
-        let before = self.height;
+    ) {
         for [on_a, on_b] in triangles {
             for facet in facets(posed, &on_a, &on_b).into_iter().flatten() {
-                if let Some((normal, height)) = height_of(posed, frame, facet)
-                    && height < self.height
-                {
-                    (self.normal, self.height, self.features) = (normal, height, Some(facet));
-                }
+                self.try_facet(posed, frame, facet);
             }
         }
-        self.height < before
+    }
+
+    /// Makes a facet the best if the support along its normal is lower.
+    fn try_facet(&mut self, posed: &PosedPair, frame: &Transform<f64>, facet: FeaturePair) {
+        if let Some((normal, height)) = height_of(posed, frame, facet)
+            && height < self.height
+        {
+            (self.normal, self.height, self.features) = (normal, height, Some(facet));
+        }
     }
 }
 
 impl Memory {
-    /// Tries the facets of the triangles below target if there are few; returns whether the support
-    /// along a facet normal is lower.
-    fn try_facets_of(
-        &self,
-        posed: &PosedPair,
-        frame: &Transform<f64>,
-        below_target: &[u32],
-        best: &mut Best<f64>,
-    ) -> bool {
+    /// Tries the facets of the triangles below target if there are few.
+    fn try_facets_of(&self, posed: &PosedPair, frame: &Transform<f64>, below_target: &[u32], best: &mut Best<f64>) {
         let vertices = below_target.iter().map(|t| self.vertices(*t));
         let vertex_pairs = vertices.map(|at| [0, 1].map(|side| at.map(|k| self.points[k][side])));
-        below_target.len() <= FEW_TRIANGLES && best.try_facets(posed, frame, vertex_pairs)
+        if below_target.len() <= FEW_TRIANGLES {
+            best.try_facets(posed, frame, vertex_pairs);
+        }
     }
 
     /// Returns the radius of the disc that covers for the triangles below target, if worth a try.

@@ -12,6 +12,7 @@ use crate::pair::difference::MinkowskiPoint;
 use crate::tolerance::{AGREE_DEPTH, CERTIFICATE, ORIENTATION, UNIT};
 
 /// Result of the verification.
+#[derive(Clone, Copy, PartialEq)]
 pub(super) enum SurfaceState {
     /// The surface encloses the origin and every triangle is beyond the facet: the depth is proven.
     Proven,

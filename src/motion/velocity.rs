@@ -6,7 +6,8 @@ use super::turn::Spin;
 use crate::num::scalar::sqrt;
 
 /// The velocity of a rigid body in the world's frame: linear velocity of the body's own origin, and
-/// angular velocity about this origin in radians.
+/// angular velocity about this origin in radians. Physics engines mostly mean the velocity of the
+/// centre of mass: the two agree if this is the origin, or if the body does not rotate.
 ///
 /// For the time of impact of two bodies with constant velocities see
 /// [`impact::cast`](crate::impact::cast) of two [`Steady`](crate::motion::Steady) motions.

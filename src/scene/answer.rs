@@ -12,7 +12,8 @@ use crate::pair::outcome::{Distance, Outcome};
 /// Answers for one pair: `Some` for each effect that is called for, and `None` otherwise.
 ///
 /// Witnesses, contact points and normals are in the frames of the bodies: `point_on_a` and `normal`
-/// in the frame of `a`, `point_on_b` in the frame of `b`. [`Scene::pose`] leads to the world.
+/// in the frame of `a`, `point_on_b` in the frame of `b`. [`Scene::pose`] leads to the world as
+/// long as no pose was set since the last step: answers are those of the poses of that step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct PairAnswer<'a> {

@@ -53,6 +53,16 @@
 //!
 //! # The nearest pair of a robot and its cell
 //!
+//! | when | how | microseconds a cycle |
+//! |---|---|---:|
+//! | every cycle, a range is known | effect `distance` up to the range, least of [`pairs`](Scene::pairs) | 4 to 7 |
+//! | now and then, or no range is known | [`closest_pair`](Scene::closest_pair) with effect `boxes`; keeps no features between calls | 13 to 21 |
+//! | few pairs, always the same | a [`Tracker`](crate::Tracker) for each | 17 to 31 |
+//! | distances of all pairs | effect `distance` with the range infinity | 30 to 45 |
+//!
+//! The figures are medians of an arm of seven links among thirty boxes, itself included, 195 pairs,
+//! at a range of 0.2 m; the bodies move at 1 kHz.
+//!
 //! A distance is called for up to a range, and the least distance that a step found is the
 //! clearance. The answer for a pair is in the frames of the two bodies, as in
 //! [`Outcome`](crate::Outcome); the poses of the bodies lead to the world.
@@ -413,7 +423,8 @@ impl Scene {
         Ok(())
     }
 
-    /// Returns the pose last set.
+    /// Returns the pose last set. After [`set_pose`](Self::set_pose) the answers of the last step
+    /// are still those of the pose before.
     #[must_use]
     pub fn pose(&self, id: BodyId) -> Option<&Isometry3<f64>> {
         Some(&self.bodies.poses[self.bodies.index_of(id).ok()?])

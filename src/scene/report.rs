@@ -51,7 +51,8 @@ pub struct Counts {
     pub(crate) answered: [u64; Solver::COUNT],
     /// Queries with the result that the bodies are apart.
     pub separated: u64,
-    /// Feature pairs tested by walks, and facets of the surfaces that answered without a walk.
+    /// Feature pairs tested by walks (`steps` of [`Work`](crate::Work)), and facets of the surfaces
+    /// that answered without a walk.
     pub walked: u64,
     /// Certificates computed; a surface that answers counts as a certificate.
     pub certificates: u64,

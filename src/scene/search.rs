@@ -19,12 +19,14 @@ use crate::polyhedron::BoxHint;
 use crate::pose::RelativePose;
 use crate::tolerance::{BOX_DISTANCE_DOWN, SCENE_REACH};
 
-/// A pair and its closest features.
+/// A pair and its closest features, in the frames of the bodies as in
+/// [`PairAnswer`](super::PairAnswer).
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Near {
-    /// The query body, or the body of the first group: A of the outcome.
+    /// The query body, or the body of the first group; of two bodies of one group the one with the
+    /// lower index. A of the outcome.
     pub a: BodyId,
     /// The second body: B of the outcome.
     pub b: BodyId,

@@ -45,21 +45,12 @@ impl Tracker {
     #[inline(never)]
     pub(super) fn resume(&mut self, posed: &PosedPair, draft: &mut Draft) -> bool {
         let first = *draft;
-        let facet = self.memory.facet().filter(|f| f.is_of(posed.a, posed.b));
-        let nearest = facet.map_or(Nearest::Open(None), |f| {
-            depth::nearest_facet(posed, f, &mut self.memory, draft)
-        });
-        let is_done = match nearest {
-            Nearest::Proven => true,
-            Nearest::Open(_) => depth::resume(posed, &mut self.memory, draft),
-            Nearest::Apart(start) => {
-                self.memory.clear();
-                self.stay(start);
-                return false;
-            }
-        };
-        if !is_done {
+        let resumed = depth::resume(posed, &mut self.memory, draft);
+        if resumed != Nearest::Proven {
             self.memory.clear();
+            if let Nearest::Apart(start) = resumed {
+                self.stay(start);
+            }
             let (grown, visited) = (draft.work.points_added, draft.work.facets);
             *draft = first;
             (draft.work.points_added, draft.work.facets) = (grown, visited);

@@ -49,7 +49,7 @@ impl Default for ContactOptions {
 }
 
 /// Query dispatcher that answers convex shapes by [`lin_canny`] and all others by parry: see the
-/// table on the [page of the crate](crate).
+/// table on the page of the crate `lin_canny_parry`.
 ///
 /// A manifold depends on the relative pose and on the contacts kept in it, and on nothing else.
 /// Cheap to clone; clones share the bodies that were made of cuboids, balls, capsules and plain

@@ -88,7 +88,8 @@ impl Simulation {
         }
     }
 
-    /// Returns the pose of a body's frame.
+    /// Returns the pose of a body's frame. The rotation is normalised in `f64`, as poses of
+    /// [`lin_canny`] need.
     #[must_use]
     pub fn pose(&self, body: BodyId) -> Option<Isometry3<f64>> {
         match &self.engine {
@@ -134,7 +135,8 @@ impl Simulation {
     }
 
     /// Returns the rapier world of a simulation with response, for what effects do not cover:
-    /// joints, forces, sensors.
+    /// joints, forces, sensors. `world.narrow_phase = NarrowPhase::new()` before the first step puts
+    /// parry's contacts in the place of the certified ones, for a comparison.
     pub fn world_mut(&mut self) -> Option<&mut PhysicsWorld> {
         match &mut self.engine {
             Engine::Free(_) => None,
