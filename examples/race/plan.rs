@@ -196,7 +196,7 @@ impl Searches {
 
 /// Searches from one end to the other by seed; beside it RRT-Connect at steps of 0.01.
 fn search(scene: &str, room: Room, space: &RigidSpace, ends: [Vec<f64>; 2], seeds: u64, rows: &mut Rows) {
-    let engines = ["opportunistic", "oxmpl, step 0.01"];
+    let engines = ["opportunistic", "oxmpl step 0.01"];
     let mut searches = [Searches::default(), Searches::default()];
     // The checker of `oxmpl` outlives every scope.
     let room: &'static Room = Box::leak(Box::new(room));
