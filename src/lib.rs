@@ -251,7 +251,7 @@
 //! | thesis | here |
 //! |---|---|
 //! | chapter 3, incremental distance computation | [`polyhedron`], [`Tracker`] |
-//! | chapter 4, curved bodies | [`shape`], [`ShapeTracker`] |
+//! | chapter 4, curved bodies | [`shape`], [`ShapeTracker`]; curved surfaces: [`patch`] |
 //! | chapter 4, non-convex bodies | [`composite`] |
 //! | chapter 5, many moving bodies | [`broad`], [`scene`]; scheduling by time: [`impact`], [`schedule`] |
 //! | chapter 6, path planning | [`plan`] |
@@ -297,6 +297,7 @@ mod minimum;
 pub mod motion;
 mod num;
 mod pair;
+pub mod patch;
 pub mod plan;
 pub mod polyhedron;
 mod pose;

@@ -26,8 +26,11 @@
 //!   `tracker::to_user_units`, and are rounded outward there.
 
 mod motions;
+mod patches;
 
 pub(crate) use motions::*;
+pub(crate) use patches::*;
+pub use patches::{PATCH_LIMIT, PATCH_POINT};
 
 /// Unit roundoff of f64: the largest relative error of one rounded operation.
 pub const UNIT: f64 = f64::EPSILON / 2.0;

@@ -2,8 +2,9 @@
 //! how often its bounds stay open, but never makes a bound wrong.
 //!
 //! Each constant names the costs it trades, and the measurement if there is one. "Not measured":
-//! neither a comment nor `benches/record` holds a number, and the value may be changed for a better
-//! one. Bounds of errors are in [`tolerance`](crate::tolerance).
+//! no number is on record. Bounds of errors are in [`tolerance`](crate::tolerance).
+
+pub(crate) mod patch;
 
 /// Bodies and their support vertices.
 pub(crate) mod polyhedron {

@@ -292,6 +292,21 @@ const MAY_USE: &[(&str, &[&str])] = &[
             "tuning",
         ],
     ),
+    // Curved surfaces: nets, the minimum-norm solver on their points; meshes are surfaces too.
+    (
+        "patch",
+        &[
+            "patch",
+            "composite",
+            "minimum",
+            "pair",
+            "polyhedron",
+            "pose",
+            "num",
+            "tolerance",
+            "tuning",
+        ],
+    ),
     // Ids, ticks and bounds only.
     ("schedule", &["tolerance", "tuning"]),
     // Time of impact: motions and the seam, no shape.

@@ -1,7 +1,7 @@
 //! Races against other libraries on the same motions.
 //!
 //! ```text
-//! cargo run --release --example race -- pairs|curved|contact|boxes|scene|impact|meshes|plan [--csv FILE] [--quick] [--only SCENE] [--upto N]
+//! cargo run --release --example race -- pairs|curved|contact|boxes|scene|impact|meshes|plan|patches [--csv FILE] [--quick] [--only SCENE] [--upto N]
 //! ```
 
 mod boxes;
@@ -12,6 +12,7 @@ mod hulls;
 mod impact;
 mod meshes;
 mod pairs;
+mod patches;
 mod plan;
 mod rrt;
 mod scene;
@@ -22,13 +23,13 @@ use lab::boxes::Kind;
 use std::process::ExitCode;
 
 const USAGE: &str = "\
-usage: race pairs|curved|contact|boxes|scene|impact|meshes|plan [--csv FILE] [--quick] [--only SCENE] [--upto N]
+usage: race pairs|curved|contact|boxes|scene|impact|meshes|plan|patches [--csv FILE] [--quick] [--only SCENE] [--upto N]
 
 Ours against other libraries: closest points of two bodies, of two curved shapes, their contacts, boxes of many bodies,
-whole scenes, casts of moving bodies, meshes, segments of planners.
+whole scenes, casts of moving bodies, meshes, segments of planners, curved surfaces.
 
   --csv FILE     one row a result: scene,shape,n,engine,ns
-  --quick        pairs, contact, impact and plan: fewer frames and passes; boxes and scene: a thousand bodies
+  --quick        pairs, contact, impact, plan and patches: fewer frames and passes; boxes and scene: a thousand bodies
   --only SCENE   one scene of the race
   --upto N       boxes and scene: no more bodies than these";
 
@@ -47,6 +48,7 @@ fn race((name, options): &(String, Options)) -> Result<(), String> {
         "impact" => (impact::SCENES.map(|s| s.0).into(), impact::run),
         "meshes" => (meshes::SCENES.into(), meshes::run),
         "plan" => (plan::SCENES.into(), plan::run),
+        "patches" => (patches::SCENES.into(), patches::run),
         _ => return Err(format!("{name} is no race")),
     };
     options.check(&scenes)?;

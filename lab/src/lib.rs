@@ -13,6 +13,7 @@
 //! | [`contacts`] | scenes of two bodies in contact |
 //! | [`casts`] | bodies thrown at each other, and conservative advancement |
 //! | [`rooms`] | rooms full of hulls, and a robot that goes through them |
+//! | [`nets`] | control points of curved surfaces |
 //! | [`soups`], [`brute`] | meshes that are not convex, and their naive oracle |
 //! | [`exact`] | the naive oracle: exact class and distance of two small bodies |
 //! | [`brute_hull`] | exact faces of a few points |
@@ -41,6 +42,7 @@ pub mod crowd;
 pub mod exact;
 pub mod meshes;
 pub mod motion;
+pub mod nets;
 pub mod parry;
 pub mod parry_f32;
 pub mod plot;

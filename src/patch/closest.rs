@@ -1,0 +1,228 @@
+//! Two points close to each other, one on each of two patches, by Newton's method.
+//!
+//! Minimises `|w|^2 / 2`, `w = b(s, t) - a(u, v)`, over the four parameters between 0 and 1:
+//! Newton's step where the second derivative is positive definite, else the step of Gauss and
+//! Newton with damping (Levenberg 1944). Parameters at a border that are pushed outward are held
+//! there. Any result is an upper bound of the distance.
+
+use nalgebra::Vector3;
+
+use super::frame::Frame;
+use super::net::{Patch, SurfaceJet};
+use crate::num::scalar::sqrt;
+use crate::tolerance::{AGREE, PARALLEL, UNIT};
+use crate::tuning::patch::NEWTON;
+
+/// A point on each surface.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Meeting {
+    /// The patches of A and B.
+    pub(super) patches: [u32; 2],
+    /// u and v on A, then on B.
+    pub(super) at: [f64; 4],
+    /// In A's frame.
+    pub(super) on_a: Vector3<f64>,
+    /// In B's frame.
+    pub(super) on_b: Vector3<f64>,
+    /// From A to B, in A's frame.
+    pub(super) w: Vector3<f64>,
+    /// Derivatives by the four parameters of the point of A, and of B in A's frame.
+    pub(super) tangents: [Vector3<f64>; 4],
+}
+
+impl Meeting {
+    pub(super) fn distance(&self) -> f64 {
+        sqrt(self.w.norm_squared())
+    }
+
+    /// Returns a unit direction from A to B: along w, or, where w is short beside `size`, along the
+    /// normal of A or B that is nearly parallel to it and knows the direction better.
+    pub(super) fn normal(&self, size: f64, toward: &Vector3<f64>) -> Option<Vector3<f64>> {
+        let d = self.distance();
+        if d > size / 65_536.0 {
+            return Some(self.w / d);
+        }
+        let t = &self.tangents;
+        for n in [t[0].cross(&t[1]), t[2].cross(&t[3])] {
+            let square = n.norm_squared();
+            let rise = n.dot(&self.w);
+            let is_along = d == 0.0 || d < 16.0 * UNIT * size || rise * rise > 0.75 * square * d * d;
+            if square > 0.0 && is_along {
+                let up = if rise.abs() > 16.0 * UNIT * size * sqrt(square) {
+                    rise
+                } else {
+                    n.dot(toward)
+                };
+                return Some(n * if up < 0.0 { -1.0 } else { 1.0 } / sqrt(square));
+            }
+        }
+        (d > 0.0).then(|| self.w / d)
+    }
+}
+
+/// A point of four parameters.
+struct State {
+    at: [f64; 4],
+    a: SurfaceJet,
+    /// In B's frame.
+    on_b: Vector3<f64>,
+    /// Derivatives in A's frame.
+    b: SurfaceJet,
+    w: Vector3<f64>,
+    square: f64,
+}
+
+/// Two patches at a pose.
+pub(super) struct Pair<'a> {
+    pub(super) a: &'a Patch,
+    pub(super) b: &'a Patch,
+    pub(super) frame: &'a Frame,
+}
+
+type Row = [f64; 4];
+
+impl Pair<'_> {
+    /// Returns two close points from a start, with the number of steps.
+    pub(super) fn descend(&self, patches: [u32; 2], start: Row) -> (Meeting, u64) {
+        let mut now = self.state(start);
+        let enough = AGREE * UNIT * self.frame.size * self.frame.size * AGREE;
+        let mut damping = 1.0 / 1024.0;
+        let mut steps = 0;
+        while steps < NEWTON && now.square > enough {
+            steps += 1;
+            let Some(next) = self.step(&now, &mut damping) else {
+                break;
+            };
+            let gained = now.square - next.square;
+            now = next;
+            if !(gained > AGREE * now.square) {
+                break;
+            }
+        }
+        (now.meeting(patches), steps as u64)
+    }
+
+    fn state(&self, at: Row) -> State {
+        let a = self.a.jet([at[0], at[1]]);
+        let local = self.b.jet([at[2], at[3]]);
+        let turned = |x: &Vector3<f64>| self.frame.rotation * x;
+        let b = SurfaceJet {
+            point: self.frame.place(&local.point),
+            u: turned(&local.u),
+            v: turned(&local.v),
+            uu: turned(&local.uu),
+            uv: turned(&local.uv),
+            vv: turned(&local.vv),
+        };
+        let w = b.point - a.point;
+        State {
+            at,
+            a,
+            on_b: local.point,
+            b,
+            w,
+            square: w.norm_squared(),
+        }
+    }
+
+    /// Returns a closer state.
+    fn step(&self, now: &State, damping: &mut f64) -> Option<State> {
+        let (gradient, gauss, bent) = now.derivatives();
+        let held: [bool; 4] =
+            core::array::from_fn(|k| now.at[k] <= 0.0 && gradient[k] >= 0.0 || now.at[k] >= 1.0 && gradient[k] <= 0.0);
+        if held.iter().all(|h| *h) {
+            return None;
+        }
+        if let Some(next) = solve(&bent, &gradient, &held).and_then(|s| self.tried(now, &s, 2)) {
+            return Some(next);
+        }
+        for _ in 0..6 {
+            let mut damped = gauss;
+            (0..4).for_each(|k| damped[k][k] += *damping * (gauss[k][k] + gauss[0][0].max(gauss[2][2]) / 1024.0));
+            let step = solve(&damped, &gradient, &held);
+            if let Some(next) = step.and_then(|s| self.tried(now, &s, 1)) {
+                *damping /= 16.0;
+                return Some(next);
+            }
+            *damping *= 8.0;
+        }
+        None
+    }
+
+    /// Returns the state after a step or a part of it, if closer.
+    fn tried(&self, now: &State, step: &Row, times: usize) -> Option<State> {
+        let mut part = 1.0;
+        for _ in 0..times {
+            let next = self.state(core::array::from_fn(|k| (now.at[k] - part * step[k]).clamp(0.0, 1.0)));
+            if next.square < now.square {
+                return Some(next);
+            }
+            part *= 0.25;
+        }
+        None
+    }
+}
+
+impl State {
+    /// Returns the gradient, and the second derivative without and with the curvature of the
+    /// patches.
+    fn derivatives(&self) -> (Row, [Row; 4], [Row; 4]) {
+        let (a, b, w) = (&self.a, &self.b, &self.w);
+        let j = [-a.u, -a.v, b.u, b.v];
+        let gradient = j.map(|c| c.dot(w));
+        let gauss: [Row; 4] = core::array::from_fn(|r| core::array::from_fn(|c| j[r].dot(&j[c])));
+        let mut bent = gauss;
+        bent[0][0] -= w.dot(&a.uu);
+        bent[1][1] -= w.dot(&a.vv);
+        bent[2][2] += w.dot(&b.uu);
+        bent[3][3] += w.dot(&b.vv);
+        let (of_a, of_b) = (w.dot(&a.uv), w.dot(&b.uv));
+        bent[0][1] -= of_a;
+        bent[1][0] -= of_a;
+        bent[2][3] += of_b;
+        bent[3][2] += of_b;
+        (gradient, gauss, bent)
+    }
+
+    fn meeting(&self, patches: [u32; 2]) -> Meeting {
+        Meeting {
+            patches,
+            at: self.at,
+            on_a: self.a.point,
+            on_b: self.on_b,
+            w: self.w,
+            tangents: [self.a.u, self.a.v, self.b.u, self.b.v],
+        }
+    }
+}
+
+/// Solves a symmetric system in the parameters that are not held; `None` if it is not positive
+/// definite.
+fn solve(matrix: &[Row; 4], right: &Row, held: &[bool; 4]) -> Option<Row> {
+    let (mut m, mut x) = (*matrix, *right);
+    for k in (0..4).filter(|&k| held[k]) {
+        for i in 0..4 {
+            (m[k][i], m[i][k]) = (0.0, 0.0);
+        }
+        (m[k][k], x[k]) = (1.0, 0.0);
+    }
+    for k in 0..4 {
+        if !(m[k][k] > PARALLEL * matrix[k][k].abs()) {
+            return None;
+        }
+        for i in k + 1..4 {
+            let factor = m[i][k] / m[k][k];
+            for j in k + 1..4 {
+                m[i][j] -= factor * m[k][j];
+            }
+            x[i] -= factor * x[k];
+        }
+    }
+    for k in (0..4).rev() {
+        for j in k + 1..4 {
+            x[k] -= m[k][j] * x[j];
+        }
+        x[k] /= m[k][k];
+    }
+    x.iter().all(|x| x.is_finite()).then_some(x)
+}

@@ -1,0 +1,79 @@
+//! Errors of patches and surfaces.
+
+/// Error returned if numbers make no patch or surface.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum PatchError {
+    /// A degree is not between 1 and 7.
+    #[error("degree {degree} in direction {direction} is not between 1 and 7")]
+    Degree {
+        /// The direction: 0 for u, 1 for v.
+        direction: usize,
+        /// The degree.
+        degree: usize,
+    },
+    /// The number of control points does not fit the degrees or the knots.
+    #[error("{given} control points are given where {expected} are needed")]
+    Count {
+        /// Number of control points given.
+        given: usize,
+        /// Number of control points needed.
+        expected: usize,
+    },
+    /// The number of weights is not the number of control points.
+    #[error("{given} weights are given for {expected} control points")]
+    WeightCount {
+        /// Number of weights given.
+        given: usize,
+        /// Number of control points.
+        expected: usize,
+    },
+    /// A coordinate of a control point is not finite, or beyond `2^200`.
+    #[error("control point {index}: coordinate {axis} is {value}")]
+    Coordinate {
+        /// Index of the control point.
+        index: usize,
+        /// Index of the coordinate: 0, 1 or 2.
+        axis: usize,
+        /// The value.
+        value: f64,
+    },
+    /// A weight is not positive and finite, or below `2^-40` of the largest weight.
+    #[error("weight {index} is {value}: weights must be positive, and none below 2^-40 of the largest")]
+    Weight {
+        /// Index of the weight.
+        index: usize,
+        /// The value.
+        value: f64,
+    },
+    /// A knot is not finite, or less than the knot before, or repeated more often than the degree
+    /// allows.
+    #[error("knot {index} in direction {direction} is {value}: not finite, out of order, or repeated too often")]
+    Knot {
+        /// The direction: 0 for u, 1 for v.
+        direction: usize,
+        /// Index of the knot.
+        index: usize,
+        /// The value.
+        value: f64,
+    },
+    /// The knots do not fit the control points: `points + degree + 1` are needed.
+    #[error("{given} knots are given in direction {direction} where {expected} are needed")]
+    KnotCount {
+        /// The direction: 0 for u, 1 for v.
+        direction: usize,
+        /// Number of knots given.
+        given: usize,
+        /// Number of knots needed.
+        expected: usize,
+    },
+    /// The surface is trimmed: only whole patches are supported.
+    #[error("the surface has {curves} trimming curves: trimmed surfaces are not supported")]
+    Trimmed {
+        /// Number of trimming curves.
+        curves: usize,
+    },
+    /// A surface without a patch.
+    #[error("a surface needs at least one patch")]
+    Empty,
+}

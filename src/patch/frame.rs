@@ -1,0 +1,63 @@
+//! Two surfaces at a relative pose.
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::surface::Surface;
+use crate::num::scalar::sqrt;
+use crate::pose::RelativePose;
+use crate::tolerance::{CERTIFICATE, FAR, KNOTS, NEAR, PATCH_LIMIT, PATCH_POINT, RAISED, UNIT};
+
+/// `a_from_b` with the errors of points placed by it.
+pub(super) struct Frame {
+    pub(super) rotation: Matrix3<f64>,
+    pub(super) translation: Vector3<f64>,
+    /// The size L of the pair: both reaches and the distance of the origins.
+    pub(super) size: f64,
+    /// Error of a height or of a distance by the pose and by dot products.
+    pub(super) error: f64,
+    /// Error of a distance by the points.
+    pub(super) points: f64,
+    /// Intervals are not asked to be narrower.
+    pub(super) limit: f64,
+}
+
+impl Frame {
+    /// `None` if the surfaces are so far apart, or so small, that squares of lengths leave the
+    /// range of f64.
+    pub(super) fn new(a: &Surface, b: &Surface, pose: &RelativePose) -> Option<Self> {
+        let translation = pose.translation();
+        let size = a.reach + b.reach + sqrt(translation.norm_squared());
+        // Written so that NaN goes the safe way.
+        (size > NEAR && size < FAR).then(|| Self {
+            rotation: pose.rotation(),
+            translation,
+            size,
+            error: CERTIFICATE * UNIT * size,
+            points: (a.reach + b.reach) * (PATCH_POINT + RAISED.max(KNOTS)),
+            limit: PATCH_LIMIT * size,
+        })
+    }
+
+    /// Returns the place of a point of B in A's frame.
+    #[inline(always)]
+    pub(super) fn place(&self, p: &Vector3<f64>) -> Vector3<f64> {
+        self.rotation * p + self.translation
+    }
+
+    /// Returns the direction of B's frame along which points rise as along `n` in A's.
+    #[inline(always)]
+    pub(super) fn direction_in_b(&self, n: &Vector3<f64>) -> Vector3<f64> {
+        self.rotation.tr_mul(n)
+    }
+}
+
+/// Returns bounds of the distance by the origins alone, and the direction from A to B.
+pub(super) fn far(a: &Surface, b: &Surface, pose: &RelativePose) -> (f64, f64, Vector3<f64>) {
+    let sixteenth = pose.translation_sixteenth();
+    let length = sixteenth.amax();
+    let n = if length > 0.0 { sixteenth / length } else { Vector3::x() };
+    let norm = sqrt(n.norm_squared());
+    let distance = length * norm * 16.0;
+    let slack = distance * (CERTIFICATE * UNIT) + 2.0 * (a.reach + b.reach);
+    ((distance - slack).max(0.0), distance + slack, n / norm)
+}

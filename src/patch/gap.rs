@@ -1,0 +1,165 @@
+//! Lower bounds of the distance of two nodes: the gap between two planes.
+
+use nalgebra::Vector3;
+
+use super::frame::Frame;
+use super::height::taylor;
+use super::tree::Nodes;
+use crate::minimum::simplex::Simplex;
+use crate::num::scalar::sqrt;
+use crate::pair::difference::MinkowskiPoint;
+use crate::pair::transform::ErrorScale;
+use crate::polyhedron::VertexId;
+use crate::tuning::patch::STEPS;
+
+/// A node of A and a node of B.
+pub(super) type Pair = [u32; 2];
+
+/// A gap along a unit direction from A to B in A's frame: a lower bound of the distance of the
+/// parts of the surfaces below two nodes.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Gap {
+    pub(super) n: Vector3<f64>,
+    pub(super) gap: f64,
+}
+
+/// Counters of bounds.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Counts {
+    /// Heights of two nets along a direction.
+    pub(super) gaps: u64,
+    /// Heights by second derivatives.
+    pub(super) caps: u64,
+}
+
+/// Two trees at a pose.
+pub(super) struct Trees<'a> {
+    pub(super) a: Nodes<'a>,
+    pub(super) b: Nodes<'a>,
+    pub(super) frame: &'a Frame,
+    pub(super) counts: Counts,
+}
+
+impl Trees<'_> {
+    /// Returns the gap along a direction by the hulls of the nets.
+    #[inline]
+    fn gap(&mut self, [x, y]: Pair, n: &Vector3<f64>) -> f64 {
+        self.counts.gaps += 1;
+        let m = -self.frame.direction_in_b(n);
+        let (high_a, high_b) = (self.a.net(x).highest(n), self.b.net(y).highest(&m));
+        n.dot(&self.frame.translation) - high_b - high_a - self.error([x, y])
+    }
+
+    #[inline]
+    fn error(&self, [x, y]: Pair) -> f64 {
+        self.frame.error + self.a.node(x).error + self.b.node(y).error
+    }
+
+    /// Returns a gap of a pair that is at least `target`, or the largest one found: along `start`,
+    /// along `hint`, along directions from the minimum-norm point of both nets, unless points of
+    /// both parts are known to be no farther apart than the target (`is_near`).
+    pub(super) fn bound(
+        &mut self,
+        pair: Pair,
+        (start, hint): (&Vector3<f64>, Option<&Vector3<f64>>),
+        target: f64,
+        is_near: bool,
+    ) -> Gap {
+        let mut best = Gap {
+            n: *start,
+            gap: self.gap(pair, start),
+        };
+        if best.gap >= target {
+            return best;
+        }
+        if let Some(n) = hint {
+            let of = Gap {
+                n: *n,
+                gap: self.gap(pair, n),
+            };
+            if of.gap > best.gap {
+                best = of;
+            }
+            if of.gap < target {
+                self.cap(pair, &of, target, &mut best);
+            }
+        }
+        if best.gap < target && !is_near {
+            let along = best.n;
+            self.descend(pair, target, &mut best);
+            if best.gap < target && best.n != along {
+                let now = best;
+                self.cap(pair, &now, target, &mut best);
+            }
+        }
+        best
+    }
+
+    /// Tries the heights by second derivatives along the direction of a gap.
+    fn cap(&mut self, [x, y]: Pair, of: &Gap, target: f64, best: &mut Gap) {
+        let (a, b) = (self.a.node(x), self.b.node(y));
+        if a.is_group() || b.is_group() {
+            return;
+        }
+        let (net_a, net_b) = (self.a.net(x), self.b.net(y));
+        let m = -self.frame.direction_in_b(&of.n);
+        let (high_a, high_b) = (net_a.highest(&of.n), net_b.highest(&m));
+        let need = target - of.gap;
+        // Corners lie on the surface: no bound is below their height.
+        let corner_a = net_a.highest_corner(a.degrees, &of.n);
+        let corner_b = net_b.highest_corner(b.degrees, &m);
+        if !((high_a - corner_a) + (high_b - corner_b) > need) {
+            return;
+        }
+        self.counts.caps += 1;
+        let top_a = taylor(a, &net_a, &of.n, high_a, need).unwrap_or(high_a).min(high_a);
+        let top_b = taylor(b, &net_b, &m, high_b, need).unwrap_or(high_b).min(high_b);
+        let gap = of.n.dot(&self.frame.translation) - top_b - top_a - self.error([x, y]);
+        if gap > best.gap {
+            *best = Gap { n: of.n, gap };
+        }
+    }
+
+    /// Raises a gap by a few steps of the minimum-norm solver on the points of the nets (Gilbert,
+    /// Johnson and Keerthi 1988).
+    fn descend(&mut self, pair: Pair, target: f64, best: &mut Gap) {
+        let scale = ErrorScale {
+            size: self.frame.size,
+            shared: 0.0,
+        };
+        let mut simplex = Simplex::vertex(self.support(pair, &best.n).0);
+        for _ in 0..STEPS {
+            let d = Vector3::from(simplex.direction());
+            let square = d.norm_squared();
+            if !(square > 0.0 && square.is_finite()) {
+                return;
+            }
+            let n = d / -sqrt(square);
+            let (point, gap) = self.support(pair, &n);
+            if gap > best.gap {
+                *best = Gap { n, gap };
+            }
+            let is_known = simplex.contains(point.a, point.b);
+            if best.gap >= target || is_known || !simplex.add(point, scale) || simplex.len() == 4 {
+                return;
+            }
+        }
+    }
+
+    /// Returns the support point of the difference of the nets against `n`, and the gap along `n`.
+    fn support(&mut self, [x, y]: Pair, n: &Vector3<f64>) -> (MinkowskiPoint<f64>, f64) {
+        self.counts.gaps += 1;
+        let m = -self.frame.direction_in_b(n);
+        let (net_a, net_b) = (self.a.net(x), self.b.net(y));
+        let (i, j) = (net_a.highest_index(n), net_b.highest_index(&m));
+        let (p, q) = (net_a.point(i), net_b.point(j));
+        let w = p - self.frame.place(&q);
+        let point = MinkowskiPoint {
+            a: VertexId(i as u32),
+            b: VertexId(j as u32),
+            w: w.into(),
+        };
+        let gap = n.dot(&self.frame.translation) - m.dot(&q) - n.dot(&p) - self.error([x, y]);
+        (point, gap)
+    }
+}

@@ -1,0 +1,275 @@
+//! The greatest height of a node along a direction.
+//!
+//! Two upper bounds. The points of the net: the hull holds the patch. And a second-order Taylor
+//! bound about the highest point of the node (the concavity cap): with coefficients `g = n . N - c
+//! w`, homogeneous points N, weights w and c the height at the highest point found, the polynomial
+//! g is positive exactly where the height exceeds c. Second differences of its coefficients bound
+//! its second derivatives a, b (from above) and c (absolutely) over the node, so
+//!
+//! `g(p0 + d) <= g(p0) + grad g . d + (a du^2 + b dv^2 + 2 c |du dv|) / 2`.
+//!
+//! Where g is concave the last term is not positive, and where p0 is the highest point the linear
+//! term is not positive anywhere in the node, on its border either: the bound is the height of a
+//! point, whatever the size of the node. (Bernstein coefficients of derivatives: Farin 2002,
+//! section 5.3; the term for a lack of concavity: Adjiman and Floudas 1996, alpha-BB.)
+
+use nalgebra::Vector3;
+
+use super::bezier::{Jet, NET, jet};
+use super::tree::{Net, Node};
+use crate::tolerance::{COEFFICIENT, CURVATURE, TAYLOR, UNIT};
+use crate::tuning::patch::CLIMB;
+
+impl Net<'_> {
+    /// Returns the greatest height of the points.
+    #[inline]
+    pub(super) fn highest(&self, n: &Vector3<f64>) -> f64 {
+        let [x, y, z] = self.points;
+        let (mut even, mut odd) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
+        let count = x.len();
+        let (y, z) = (&y[..count], &z[..count]);
+        let height = |k: usize| n.x * x[k] + n.y * y[k] + n.z * z[k];
+        let mut k = 0;
+        while k + 1 < count {
+            let (h, g) = (height(k), height(k + 1));
+            even = if h > even { h } else { even };
+            odd = if g > odd { g } else { odd };
+            k += 2;
+        }
+        if k < count {
+            let h = height(k);
+            even = if h > even { h } else { even };
+        }
+        if even > odd { even } else { odd }
+    }
+
+    /// Returns the number of the highest point.
+    #[inline]
+    pub(super) fn highest_index(&self, n: &Vector3<f64>) -> usize {
+        let [x, y, z] = self.points;
+        let (mut best, mut at) = (f64::NEG_INFINITY, 0);
+        for k in 0..x.len() {
+            let h = n.x * x[k] + n.y * y[k] + n.z * z[k];
+            if h > best {
+                (best, at) = (h, k);
+            }
+        }
+        at
+    }
+
+    /// Returns the greatest height of the four corners, which lie on the surface.
+    #[inline]
+    pub(super) fn highest_corner(&self, [p, q]: [usize; 2], n: &Vector3<f64>) -> f64 {
+        let last = p * (q + 1);
+        let heights = [0, q, last, last + q].map(|k| n.dot(&self.point(k)));
+        heights[0].max(heights[1]).max(heights[2].max(heights[3]))
+    }
+
+    #[inline]
+    pub(super) fn point(&self, k: usize) -> Vector3<f64> {
+        Vector3::new(self.points[0][k], self.points[1][k], self.points[2][k])
+    }
+}
+
+/// Bounds of second derivatives: uu and vv from above, |uv|.
+#[derive(Clone, Copy)]
+struct Curvature {
+    uu: f64,
+    vv: f64,
+    uv: f64,
+}
+
+impl Curvature {
+    fn new(g: &[[f64; 1]], [p, q]: [usize; 2], size: f64) -> Self {
+        let width = q + 1;
+        let (mut uu, mut vv, mut uv) = (f64::NEG_INFINITY, f64::NEG_INFINITY, 0.0_f64);
+        for i in 0..p.saturating_sub(1) {
+            for j in 0..=q {
+                let k = i * width + j;
+                uu = uu.max(g[k][0] - 2.0 * g[k + width][0] + g[k + 2 * width][0]);
+            }
+        }
+        for i in 0..=p {
+            for j in 0..q.saturating_sub(1) {
+                let k = i * width + j;
+                vv = vv.max(g[k][0] - 2.0 * g[k + 1][0] + g[k + 2][0]);
+            }
+        }
+        for i in 0..p {
+            for j in 0..q {
+                let k = i * width + j;
+                let (near, far) = (g[k + 1][0] - g[k][0], g[k + width + 1][0] - g[k + width][0]);
+                uv = uv.max((far - near).abs());
+            }
+        }
+        let (p, q) = (p as f64, q as f64);
+        let error = CURVATURE * (p + q) * (p + q) * size;
+        let second = |x: f64, n: f64| if n > 1.0 { x * n * (n - 1.0) + error } else { error };
+        Self {
+            uu: second(uu, p),
+            vv: second(vv, q),
+            uv: uv * p * q + error,
+        }
+    }
+
+    /// Returns factors k, l, not negative, with `a du^2 + b dv^2 + 2 c |du dv| <= k du^2 + l dv^2`.
+    fn excess(&self) -> [f64; 2] {
+        let Self { uu, vv, uv } = *self;
+        let mut best = [(uu + uv).max(0.0), (vv + uv).max(0.0)];
+        let mut take = |k: f64, l: f64| {
+            if k + l < best[0] + best[1] {
+                best = [k, l];
+            }
+        };
+        if uu < 0.0 {
+            take(0.0, (vv + uv * uv / -uu).max(0.0));
+        }
+        if vv < 0.0 {
+            take((uu + uv * uv / -vv).max(0.0), 0.0);
+        }
+        best
+    }
+}
+
+/// Returns an upper bound of the height of the part of a surface below a node by its second
+/// derivatives, the error of the node not counted; `None` if the bound has no hope to be below
+/// `net`, the height of the net, by `need`.
+pub(super) fn taylor(node: &Node, net: &Net, n: &Vector3<f64>, highest: f64, need: f64) -> Option<f64> {
+    let mut coefficients = [[0.0; 2]; NET];
+    let pairs = &mut coefficients[..node.count as usize];
+    fill(pairs, net, n);
+    let mut room = [[0.0]; NET];
+    let g = &mut room[..pairs.len()];
+    let size = shifted(pairs, highest, g);
+    // Half of an excess counts at most, and a quarter is left after a split.
+    let [k, l] = Curvature::new(g, node.degrees, size).excess();
+    if !(0.125 * (k + l) < need) {
+        return None;
+    }
+    let (at, c) = climb(node, pairs, net.highest_index(n));
+    let size = shifted(pairs, c, g);
+    let excess = Curvature::new(g, node.degrees, size).excess();
+    let f = jet::<1>(g, node.degrees, at);
+    let rise = |d: f64, k: f64, at: f64| {
+        let to = |x: f64| x * (d + 0.5 * k * x);
+        to(-at).max(to(1.0 - at)).max(0.0)
+    };
+    let over = rise(f.u[0], excess[0], at[0]) + rise(f.v[0], excess[1], at[1]);
+    let degree = (node.degrees[0] + node.degrees[1]) as f64;
+    let error = TAYLOR * degree * degree * size + 4.0 * UNIT * over;
+    let least_weight = pairs.iter().map(|p| p[1]).fold(f64::INFINITY, f64::min);
+    let most = (f.value[0].max(0.0) + over + error) / least_weight;
+    Some(c + most * (1.0 + 4.0 * UNIT) + COEFFICIENT * node.reach)
+}
+
+/// Writes the coefficients of `g` for a height c, and returns the largest.
+#[inline(always)]
+fn shifted(pairs: &[[f64; 2]], c: f64, g: &mut [[f64; 1]]) -> f64 {
+    let mut size = 0.0_f64;
+    for (g, [h, w]) in g.iter_mut().zip(pairs) {
+        g[0] = h - c * w;
+        size = size.max(g[0].abs());
+    }
+    size
+}
+
+#[inline(always)]
+fn fill(pairs: &mut [[f64; 2]], net: &Net, n: &Vector3<f64>) {
+    let unit = net.points;
+    let ([x, y, z], weights) = match net.homogeneous {
+        Some([x, y, z, w]) => ([x, y, z], Some(w)),
+        None => (unit, None),
+    };
+    for k in 0..pairs.len() {
+        let h = n.x * x[k] + n.y * y[k] + n.z * z[k];
+        pairs[k] = [h, weights.map_or(1.0, |w| w[k])];
+    }
+}
+
+/// Returns the parameters of a high point of the node and its height, by Newton's method within the
+/// node from a control point.
+fn climb(node: &Node, pairs: &[[f64; 2]], start: usize) -> ([f64; 2], f64) {
+    let [p, q] = node.degrees;
+    let mut at = [(start / (q + 1)) as f64 / p as f64, (start % (q + 1)) as f64 / q as f64];
+    let (mut c, mut f) = level(node, pairs, at);
+    for _ in 0..CLIMB {
+        let next = newton(at, &f);
+        if next == at {
+            break;
+        }
+        let (higher, g) = level(node, pairs, next);
+        if !(higher > c) {
+            break;
+        }
+        (at, c, f) = (next, higher, g);
+    }
+    (at, c)
+}
+
+/// Returns the height at a point, and value and derivatives of `g` for this height.
+#[inline(always)]
+fn level(node: &Node, pairs: &[[f64; 2]], at: [f64; 2]) -> (f64, Jet<1>) {
+    let Jet {
+        value,
+        u,
+        v,
+        uu,
+        uv,
+        vv,
+    } = jet::<2>(pairs, node.degrees, at);
+    let c = value[0] / value[1];
+    let of = |x: [f64; 2]| [x[0] - c * x[1]];
+    let [value, u, v, uu, uv, vv] = [value, u, v, uu, uv, vv].map(of);
+    (
+        c,
+        Jet {
+            value,
+            u,
+            v,
+            uu,
+            uv,
+            vv,
+        },
+    )
+}
+
+/// Returns the next parameters: Newton's step where the height is concave, else along the gradient
+/// to the border; a parameter at the border that is pushed outward stays there.
+fn newton(at: [f64; 2], f: &Jet<1>) -> [f64; 2] {
+    let (gradient, uv) = ([f.u[0], f.v[0]], f.uv[0]);
+    let bend = [f.uu[0], f.vv[0]];
+    let is_held = |k: usize| at[k] == 0.0 && gradient[k] <= 0.0 || at[k] == 1.0 && gradient[k] >= 0.0;
+    let alone = |k: usize, slope: f64| {
+        if bend[k] < 0.0 {
+            (at[k] - slope / bend[k]).clamp(0.0, 1.0)
+        } else if slope > 0.0 {
+            1.0
+        } else {
+            0.0
+        }
+    };
+    match (is_held(0), is_held(1)) {
+        (true, true) => at,
+        (true, false) => [at[0], alone(1, gradient[1])],
+        (false, true) => [alone(0, gradient[0]), at[1]],
+        (false, false) => {
+            let det = bend[0] * bend[1] - uv * uv;
+            if !(bend[0] < 0.0 && det > 0.0) {
+                return [alone(0, gradient[0]), alone(1, gradient[1])];
+            }
+            let u = at[0] - (gradient[0] * bend[1] - gradient[1] * uv) / det;
+            let v = at[1] - (gradient[1] * bend[0] - gradient[0] * uv) / det;
+            if (0.0..=1.0).contains(&u) && (0.0..=1.0).contains(&v) {
+                return [u, v];
+            }
+            // The parameter that leaves the node first stays at the border.
+            if (u - u.clamp(0.0, 1.0)).abs() >= (v - v.clamp(0.0, 1.0)).abs() {
+                let u = u.clamp(0.0, 1.0);
+                [u, alone(1, gradient[1] + uv * (u - at[0]))]
+            } else {
+                let v = v.clamp(0.0, 1.0);
+                [alone(0, gradient[0] + uv * (v - at[1])), v]
+            }
+        }
+    }
+}

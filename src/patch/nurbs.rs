@@ -1,0 +1,160 @@
+//! NURBS surfaces taken apart into Bezier patches.
+//!
+//! Between two different knots a B-spline is a polynomial, whose control points are the values of
+//! its blossom at the two knots (Ramshaw 1989): what repeated insertion of both knots (Boehm 1980;
+//! Piegl and Tiller 1997, "The NURBS Book", algorithms A5.6 and A5.7) leaves between the knots. De
+//! Boor's algorithm with one argument a step computes a value of the blossom by convex
+//! combinations, so errors are relative to the control points ([`KNOTS`](crate::tolerance::KNOTS)).
+
+use alloc::vec::Vec;
+use nalgebra::Point3;
+
+use super::bezier::{NET, ORDER};
+use super::error::PatchError;
+use super::net::{Patch, check_degrees, check_points, check_weights, homogeneous, reach};
+use crate::tolerance::{KNOTS, PATCH_MAX};
+
+/// A NURBS surface as files hold it.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Nurbs<'a> {
+    /// The degrees in u and v, 1 to 7.
+    pub degrees: [usize; 2],
+    /// The knots in u and v, none less than the one before; the surface is defined from knot number
+    /// `degree` to the knot that has `degree` knots behind it. Ends need not be repeated.
+    pub knots: [&'a [f64]; 2],
+    /// The control points: rows of constant u follow each other, v runs along a row.
+    pub points: &'a [Point3<f64>],
+    /// A weight for each control point; `None` if all are equal.
+    pub weights: Option<&'a [f64]>,
+    /// The number of trimming curves: a surface with any is refused.
+    pub trimming_curves: usize,
+}
+
+/// A patch between knots: the number of the first knot of the span, and the ends.
+struct Span {
+    knot: usize,
+    ends: [f64; 2],
+}
+
+/// A Bezier patch of a NURBS surface with the knots between which it lies, in u and v.
+pub(super) type Part = (Patch, [[f64; 2]; 2]);
+
+impl Nurbs<'_> {
+    /// Returns the Bezier patches, those of equal u after each other.
+    pub(super) fn patches(&self) -> Result<Vec<Part>, PatchError> {
+        if self.trimming_curves > 0 {
+            let curves = self.trimming_curves;
+            return Err(PatchError::Trimmed { curves });
+        }
+        check_degrees(self.degrees)?;
+        let counts = self.counts()?;
+        check_points(self.points, counts[0] * counts[1])?;
+        let weights = match self.weights {
+            Some(w) => Some((w, check_weights(w, self.points.len())?)),
+            None => None,
+        };
+        let spans = [self.spans(0)?, self.spans(1)?];
+        let (given, reach) = (homogeneous(self.points, weights), reach(self.points));
+        let mut parts = Vec::with_capacity(spans[0].len() * spans[1].len());
+        for u in &spans[0] {
+            for v in &spans[1] {
+                let mut patch = Patch::assembled(self.degrees, self.taken_out(&given, counts[1], [u, v]));
+                patch.noise = KNOTS;
+                patch.reach = patch.reach.max(reach);
+                parts.push((patch, [u.ends, v.ends]));
+            }
+        }
+        Ok(parts)
+    }
+
+    /// Returns the numbers of control points in u and v.
+    fn counts(&self) -> Result<[usize; 2], PatchError> {
+        let mut counts = [0; 2];
+        for direction in 0..2 {
+            let (given, degree) = (self.knots[direction].len(), self.degrees[direction]);
+            if given < 2 * degree + 2 {
+                return Err(PatchError::KnotCount {
+                    direction,
+                    given,
+                    expected: 2 * degree + 2,
+                });
+            }
+            counts[direction] = given - degree - 1;
+        }
+        Ok(counts)
+    }
+
+    /// Returns the spans of a direction that are not empty.
+    fn spans(&self, direction: usize) -> Result<Vec<Span>, PatchError> {
+        let (knots, degree) = (self.knots[direction], self.degrees[direction]);
+        for (index, &value) in knots.iter().enumerate() {
+            let is_early = index > 0 && value < knots[index - 1];
+            // So many equal knots tear the surface, or are one too many at an end.
+            let is_inside = value > knots[degree] && value < knots[knots.len() - degree - 1];
+            let most = if is_inside { degree } else { degree + 1 };
+            let is_torn = index >= most && value == knots[index - most];
+            if !(value.abs() <= PATCH_MAX) || is_early || is_torn {
+                return Err(PatchError::Knot {
+                    direction,
+                    index,
+                    value,
+                });
+            }
+        }
+        let span = |knot: usize| Span {
+            knot,
+            ends: [knots[knot], knots[knot + 1]],
+        };
+        let spans: Vec<Span> = (degree..knots.len() - degree - 1)
+            .map(span)
+            .filter(|s| s.ends[0] < s.ends[1])
+            .collect();
+        if spans.is_empty() {
+            let value = knots[degree];
+            return Err(PatchError::Knot {
+                direction,
+                index: degree,
+                value,
+            });
+        }
+        Ok(spans)
+    }
+
+    /// Returns the control points of the patch in a pair of spans.
+    fn taken_out(&self, given: &[[f64; 4]], width: usize, [u, v]: [&Span; 2]) -> Vec<[f64; 4]> {
+        let [p, q] = self.degrees;
+        let mut rows = [[0.0; 4]; NET];
+        for i in 0..=p {
+            let from = (u.knot - p + i) * width + v.knot - q;
+            for j in 0..=q {
+                rows[i * (q + 1) + j] = blossom(&given[from..][..=q], self.knots[1], v, j);
+            }
+        }
+        let mut net = Vec::with_capacity((p + 1) * (q + 1));
+        for i in 0..=p {
+            for j in 0..=q {
+                let mut column = [[0.0; 4]; ORDER];
+                (0..=p).for_each(|k| column[k] = rows[k * (q + 1) + j]);
+                net.push(blossom(&column[..=p], self.knots[0], u, i));
+            }
+        }
+        net
+    }
+}
+
+/// Returns the value of the blossom at the lower end of a span, `degree - upper` times, and the
+/// upper end, `upper` times.
+fn blossom(points: &[[f64; 4]], knots: &[f64], span: &Span, upper: usize) -> [f64; 4] {
+    let degree = points.len() - 1;
+    let mut d = [[0.0; 4]; ORDER];
+    d[..=degree].copy_from_slice(points);
+    for level in 1..=degree {
+        let t = span.ends[usize::from(level <= upper)];
+        for i in (level..=degree).rev() {
+            let (low, high) = (knots[span.knot + i - degree], knots[span.knot + 1 + i - level]);
+            let (s, r) = ((high - t) / (high - low), (t - low) / (high - low));
+            d[i] = core::array::from_fn(|k| s * d[i - 1][k] + r * d[i][k]);
+        }
+    }
+    d[degree]
+}

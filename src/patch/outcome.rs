@@ -1,0 +1,122 @@
+//! Answers of queries of two surfaces.
+
+use nalgebra::{Point3, Unit, Vector3};
+
+use super::surface::SurfacePoint;
+use super::tree::Node;
+use crate::pair::outcome::{Class, Distance};
+
+/// The closest points of two surfaces, with proof.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct SurfaceOutcome {
+    /// [`Class::Separated`] if the lower bound is positive; [`Class::Touching`] if the surfaces are
+    /// proven to share a point; else [`Class::Undecided`]. Surfaces have no inside and never
+    /// overlap.
+    pub class: Class,
+    /// The distance of the witnesses, between the bounds.
+    pub distance: f64,
+    /// Lower bound of the distance.
+    pub lower: f64,
+    /// Upper bound of the distance.
+    pub upper: f64,
+    /// Whether the bounds are no farther apart than was asked for. If not, the budget of splits was
+    /// used up, or the width is below [`PATCH_LIMIT`](crate::tolerance::PATCH_LIMIT) times the size
+    /// of the pair; the bounds hold all the same.
+    pub is_reached: bool,
+    /// The witness on A by its parameters.
+    pub on_a: SurfacePoint,
+    /// The witness on B by its parameters.
+    pub on_b: SurfacePoint,
+    /// The witness on A, in A's frame.
+    pub point_on_a: Point3<f64>,
+    /// The witness on B, in B's frame.
+    pub point_on_b: Point3<f64>,
+    /// Unit direction from the witness on A to that on B, in A's frame; where the witnesses
+    /// coincide, a normal of a surface.
+    pub normal: Unit<Vector3<f64>>,
+}
+
+impl From<&SurfaceOutcome> for Distance {
+    fn from(o: &SurfaceOutcome) -> Self {
+        Self {
+            class: o.class,
+            value: o.distance,
+            lower: o.lower,
+            upper: o.upper,
+        }
+    }
+}
+
+/// A part of a surface: a node of its tree.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SurfacePart {
+    /// The number of the patch; `None` for a group of whole patches.
+    pub patch: Option<u32>,
+    /// Least and greatest parameter u.
+    pub u: [f64; 2],
+    /// Least and greatest parameter v.
+    pub v: [f64; 2],
+}
+
+impl SurfacePart {
+    pub(super) fn of(node: &Node) -> Self {
+        let [u, v] = node.domain();
+        let patch = (!node.is_group()).then_some(node.patch());
+        Self { patch, u, v }
+    }
+}
+
+/// The answer to a question of yes or no by bounds: no exact arithmetic decides what they leave
+/// open.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Decision {
+    /// Proven.
+    Yes,
+    /// Proven not to be so.
+    No,
+    /// The bounds of the distance leave both possible.
+    Undecided {
+        /// Lower bound of the distance.
+        lower: f64,
+        /// Upper bound of the distance.
+        upper: f64,
+    },
+}
+
+impl Decision {
+    /// Returns the answer, `None` if undecided.
+    #[must_use]
+    pub fn known(self) -> Option<bool> {
+        match self {
+            Self::Yes => Some(true),
+            Self::No => Some(false),
+            Self::Undecided { .. } => None,
+        }
+    }
+}
+
+/// The work of queries of two surfaces.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct SurfaceWork {
+    /// Queries answered.
+    pub queries: u64,
+    /// Entries of fronts tested by their directions.
+    pub entries: u64,
+    /// Entries that their directions did not prove.
+    pub failed: u64,
+    /// Gaps of two nets along a direction.
+    pub gaps: u64,
+    /// Pairs bounded by second derivatives.
+    pub caps: u64,
+    /// Steps of Newton's method for two points.
+    pub steps: u64,
+    /// Pairs of nodes split.
+    pub splits: u64,
+    /// Searches from the roots.
+    pub searches: u64,
+}

@@ -1,0 +1,247 @@
+//! Best-first search down two trees.
+//!
+//! The open pair with the least lower bound is split, until no open pair is as close as the goal.
+//! Pairs that are far enough go to the front: together they are the proof.
+
+use alloc::collections::BinaryHeap;
+use core::cmp::Ordering;
+use nalgebra::Vector3;
+
+use super::closest::{Meeting, Pair as Patches};
+use super::front::{Entry, Front};
+use super::gap::{Gap, Pair, Trees};
+use super::net::Patch;
+use super::outcome::SurfaceWork;
+use crate::num::scalar::sqrt;
+
+/// A pair that may be closer than the goal.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Open {
+    pair: Pair,
+    gap: Gap,
+}
+
+impl PartialEq for Open {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other).is_eq()
+    }
+}
+
+impl Eq for Open {}
+
+impl PartialOrd for Open {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Open {
+    /// The least gap is the greatest: the first off the heap.
+    fn cmp(&self, other: &Self) -> Ordering {
+        let by_gap = other.gap.gap.total_cmp(&self.gap.gap);
+        by_gap.then_with(|| other.pair.cmp(&self.pair))
+    }
+}
+
+/// What a search is for.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Goal {
+    /// An interval of the distance no wider than this.
+    Width(f64),
+    /// Whether the distance is at most this.
+    Within(f64),
+}
+
+/// A search under way.
+pub(super) struct Search<'a, 't> {
+    pub(super) trees: &'a mut Trees<'t>,
+    pub(super) patches: [&'a [Patch]; 2],
+    pub(super) goal: Goal,
+    /// Splits that are left.
+    pub(super) budget: usize,
+    pub(super) heap: &'a mut BinaryHeap<Open>,
+    pub(super) front: &'a mut Front,
+    pub(super) best: Option<Meeting>,
+    /// Upper bound of the distance, errors included.
+    pub(super) upper: f64,
+    /// A direction from A to B at the best meeting.
+    pub(super) hint: Option<Vector3<f64>>,
+    /// The least lower bound of all pairs closed so far.
+    pub(super) least: f64,
+    pub(super) work: &'a mut SurfaceWork,
+}
+
+impl Search<'_, '_> {
+    /// Pairs whose distance is at least this need no further look.
+    fn level(&self) -> f64 {
+        let limit = self.trees.frame.limit;
+        match self.goal {
+            Goal::Width(width) => self.upper - width.max(limit),
+            Goal::Within(d) => d.next_up().min(self.upper - limit),
+        }
+    }
+
+    fn is_over(&self) -> bool {
+        matches!(self.goal, Goal::Within(d) if self.upper <= d)
+    }
+
+    /// Takes two points if they are closer than the best.
+    pub(super) fn offer(&mut self, patches: [u32; 2], start: [f64; 4]) {
+        let [a, b] = [0, 1].map(|k| &self.patches[k][patches[k] as usize]);
+        let frame = self.trees.frame;
+        let (meeting, steps) = Patches { a, b, frame }.descend(patches, start);
+        self.work.steps += steps;
+        let upper = meeting.distance() + frame.error + frame.points;
+        if upper < self.upper {
+            self.upper = upper;
+            let toward = frame.translation;
+            self.hint = meeting.normal(frame.size, &toward);
+            self.best = Some(meeting);
+        }
+    }
+
+    /// Opens the pair of roots.
+    pub(super) fn start(&mut self) {
+        self.work.searches += 1;
+        self.front.entries.clear();
+        let (x, y) = (self.trees.a.node(0), self.trees.b.node(0));
+        let between = self.trees.frame.place(&y.centre) - x.centre;
+        let square = between.norm_squared();
+        let along = if square > 0.0 {
+            between / sqrt(square)
+        } else {
+            Vector3::x()
+        };
+        self.sort([0, 0], &along);
+    }
+
+    /// Proves the front again at the new pose; entries that are not proven are bounded anew, or
+    /// opened.
+    pub(super) fn renew(&mut self) {
+        self.work.entries += self.front.entries.len() as u64;
+        let mut k = 0;
+        while k < self.front.entries.len() {
+            let entry = self.front.entries[k];
+            let carried = entry.gap(self.trees.frame);
+            if carried.max(0.0) >= self.level() {
+                self.least = self.least.min(carried);
+                k += 1;
+                continue;
+            }
+            self.work.failed += 1;
+            let n = entry.direction(self.trees.frame);
+            let gap = self.bound(entry.pair, &n);
+            if gap.gap.max(0.0) >= self.level() {
+                self.least = self.least.min(gap.gap);
+                self.front.entries[k] = Entry::new(self.trees, entry.pair, &gap);
+                k += 1;
+            } else {
+                self.front.entries.swap_remove(k);
+                self.heap.push(Open { pair: entry.pair, gap });
+            }
+        }
+    }
+
+    /// Puts a pair to the front or to the open ones.
+    fn sort(&mut self, pair: Pair, along: &Vector3<f64>) {
+        let level = self.level();
+        let gap = self.bound(pair, along);
+        if gap.gap.max(0.0) >= level {
+            self.close(pair, &gap);
+        } else {
+            self.heap.push(Open { pair, gap });
+        }
+    }
+
+    fn bound(&mut self, pair: Pair, along: &Vector3<f64>) -> Gap {
+        let (level, is_near) = (self.level(), self.is_at_best(pair));
+        self.trees.bound(pair, (along, self.hint.as_ref()), level, is_near)
+    }
+
+    /// Returns whether the best points lie below a pair.
+    fn is_at_best(&self, pair: Pair) -> bool {
+        let (x, y) = (self.trees.a.node(pair[0]), self.trees.b.node(pair[1]));
+        self.best.as_ref().is_some_and(|best| {
+            let [u, v, s, t] = best.at;
+            best.patches == [x.patch(), y.patch()] && x.holds([u, v]) && y.holds([s, t])
+        })
+    }
+
+    fn close(&mut self, pair: Pair, gap: &Gap) {
+        self.least = self.least.min(gap.gap);
+        self.front.entries.push(Entry::new(self.trees, pair, gap));
+    }
+
+    /// Searches until the goal is reached, or the budget is used up; returns the least lower bound
+    /// of all pairs, zero at least.
+    pub(super) fn run(&mut self) -> f64 {
+        while !self.is_over() {
+            let Some(open) = self.heap.pop() else { break };
+            self.improve(&open);
+            let is_far = open.gap.gap.max(0.0) >= self.level();
+            if is_far || !self.split(&open) {
+                self.close(open.pair, &open.gap);
+                if is_far || self.budget == 0 {
+                    break;
+                }
+            }
+        }
+        let rest = core::mem::take(self.heap);
+        for open in rest.iter() {
+            self.close(open.pair, &open.gap);
+        }
+        *self.heap = rest;
+        self.heap.clear();
+        self.least.clamp(0.0, self.upper)
+    }
+
+    /// Splits the larger node of a pair and sorts the two new pairs; false if nothing can be split.
+    fn split(&mut self, open: &Open) -> bool {
+        let [x, y] = open.pair;
+        if self.budget == 0 {
+            return false;
+        }
+        let (a, b) = (self.trees.a.node(x), self.trees.b.node(y));
+        let of_a = match (a.can_split(), b.can_split()) {
+            (false, false) => return false,
+            (true, true) => a.radius >= b.radius,
+            (of_a, _) => of_a,
+        };
+        self.budget -= 1;
+        self.work.splits += 1;
+        let pairs = if of_a {
+            let child = self.trees.a.split(x);
+            [[child, y], [child + 1, y]]
+        } else {
+            let child = self.trees.b.split(y);
+            [[x, child], [x, child + 1]]
+        };
+        for pair in pairs {
+            self.sort(pair, &open.gap.n);
+        }
+        true
+    }
+
+    /// Looks for closer points below a pair, unless the best ones lie there.
+    fn improve(&mut self, open: &Open) {
+        let (x, y) = (self.trees.a.node(open.pair[0]), self.trees.b.node(open.pair[1]));
+        if x.is_group() || y.is_group() || self.is_at_best(open.pair) {
+            return;
+        }
+        let frame = self.trees.frame;
+        let is_close = |p: &Vector3<f64>, q: &Vector3<f64>, room: f64| {
+            let most = self.upper + room;
+            (frame.place(q) - p).norm_squared() < most * most
+        };
+        if !is_close(&x.centre, &y.centre, 0.5 * (x.radius + y.radius)) {
+            return;
+        }
+        let patches = [x.patch(), y.patch()];
+        let ([u, v], [s, t]) = (x.middle(), y.middle());
+        let p = self.patches[0][patches[0] as usize].point(u, v);
+        let q = self.patches[1][patches[1] as usize].point(s, t);
+        if is_close(&p.coords, &q.coords, 0.0) {
+            self.offer(patches, [u, v, s, t]);
+        }
+    }
+}

@@ -1,0 +1,219 @@
+//! A surface: many patches and the tree above them.
+
+use alloc::vec::Vec;
+use nalgebra::{Point3, Unit, Vector3};
+
+use super::error::PatchError;
+use super::net::Patch;
+use super::nurbs::Nurbs;
+use super::tree::Tree;
+use crate::composite::mesh::Mesh;
+use crate::polyhedron::ConvexPolyhedron;
+use crate::tolerance::SEAM;
+
+/// A surface of Bezier patches, not trimmed: the set of points of its patches.
+///
+/// A surface has no inside, even when it is [closed](Self::is_closed): a distance to it is the
+/// distance to its points. Immutable; coordinates are in the caller's unit and the surface's own
+/// frame.
+///
+/// ```
+/// use lin_canny::nalgebra::Point3;
+/// use lin_canny::patch::{Nurbs, Surface};
+///
+/// // A biquadratic B-spline of two patches.
+/// let at = |i: usize| [(i / 3) as f64, (i % 3) as f64, (i % 2) as f64];
+/// let points: Vec<_> = (0..12).map(|i| Point3::from(at(i))).collect();
+/// let surface = Surface::from_nurbs(&Nurbs {
+///     degrees: [2, 2],
+///     knots: [
+///         &[0.0, 0.0, 0.0, 1.0, 2.0, 2.0, 2.0],
+///         &[0.0, 0.0, 0.0, 1.0, 1.0, 1.0],
+///     ],
+///     points: &points,
+///     ..Nurbs::default()
+/// })?;
+/// assert_eq!(surface.patches().len(), 2);
+/// assert!(!surface.is_closed());
+/// # Ok::<(), lin_canny::patch::PatchError>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Surface {
+    patches: Vec<Patch>,
+    /// The knots about each patch of a NURBS surface, in u and v.
+    domains: Vec<[[f64; 2]; 2]>,
+    pub(super) tree: Tree,
+    /// The largest distance of a control point from the origin, rounded up.
+    pub(super) reach: f64,
+    pub(super) fingerprint: u64,
+    is_closed: bool,
+}
+
+/// A point of a surface by its parameters.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct SurfacePoint {
+    /// The number of the patch.
+    pub patch: u32,
+    /// Parameter between 0 and 1.
+    pub u: f64,
+    /// Parameter between 0 and 1.
+    pub v: f64,
+}
+
+impl Surface {
+    /// Returns the surface of some patches.
+    ///
+    /// # Errors
+    ///
+    /// No patch.
+    pub fn new(patches: Vec<Patch>) -> Result<Self, PatchError> {
+        let domains = patches.iter().map(|_| [[0.0, 1.0]; 2]).collect();
+        Self::assembled(patches, domains)
+    }
+
+    /// Returns the Bezier patches of a NURBS surface as a surface.
+    ///
+    /// # Errors
+    ///
+    /// A degree, knot, control point or weight out of range, or a surface with trimming curves
+    /// ([`PatchError::Trimmed`]).
+    pub fn from_nurbs(nurbs: &Nurbs) -> Result<Self, PatchError> {
+        let (patches, domains) = nurbs.patches()?.into_iter().unzip();
+        Self::assembled(patches, domains)
+    }
+
+    /// Returns the triangles of a mesh as flat patches, in the order of [`Mesh::triangles`].
+    ///
+    /// # Errors
+    ///
+    /// A coordinate beyond `2^200`.
+    pub fn from_mesh(mesh: &Mesh) -> Result<Self, PatchError> {
+        Self::from_triangles(mesh.triangles().map(|(_, corners)| corners))
+    }
+
+    /// Returns the boundary of a convex polyhedron as flat patches, in the order of its
+    /// [triangles](ConvexPolyhedron::triangles).
+    ///
+    /// # Errors
+    ///
+    /// A body without faces ([`PatchError::Empty`]), a coordinate beyond `2^200`.
+    pub fn from_convex(body: &ConvexPolyhedron) -> Result<Self, PatchError> {
+        let corner = |v| body.vertex(v).unwrap_or_default();
+        Self::from_triangles(body.triangles().map(|t| t.map(corner)))
+    }
+
+    fn from_triangles(corners: impl Iterator<Item = [Point3<f64>; 3]>) -> Result<Self, PatchError> {
+        let flat = |c: [Point3<f64>; 3]| Patch::triangular(1, &c, None);
+        Self::new(corners.map(flat).collect::<Result<_, _>>()?)
+    }
+
+    fn assembled(patches: Vec<Patch>, domains: Vec<[[f64; 2]; 2]>) -> Result<Self, PatchError> {
+        if patches.is_empty() {
+            return Err(PatchError::Empty);
+        }
+        let reach = patches.iter().map(|p| p.reach).fold(0.0, f64::max);
+        let tree = Tree::new(&patches);
+        let (fingerprint, is_closed) = (fingerprint(&patches), is_closed(&patches, reach));
+        Ok(Self {
+            patches,
+            domains,
+            tree,
+            reach,
+            fingerprint,
+            is_closed,
+        })
+    }
+
+    /// Returns the patches.
+    #[must_use]
+    pub fn patches(&self) -> &[Patch] {
+        &self.patches
+    }
+
+    /// Returns whether every border of a patch that is no single point lies on exactly one other
+    /// border, control point on control point: the surface is closed.
+    #[must_use]
+    pub fn is_closed(&self) -> bool {
+        self.is_closed
+    }
+
+    /// Returns a point of the surface; `None` if there is no such patch.
+    #[must_use]
+    pub fn point(&self, at: &SurfacePoint) -> Option<Point3<f64>> {
+        Some(self.patches.get(at.patch as usize)?.point(at.u, at.v))
+    }
+
+    /// Returns the unit normal at a point of the surface, as [`Patch::normal`].
+    #[must_use]
+    pub fn normal(&self, at: &SurfacePoint) -> Option<Unit<Vector3<f64>>> {
+        self.patches.get(at.patch as usize)?.normal(at.u, at.v)
+    }
+
+    /// Returns the parameters of a point in the knots of the NURBS surface; those of the patch for
+    /// any other surface; `None` if there is no such patch.
+    #[must_use]
+    pub fn parameters(&self, at: &SurfacePoint) -> Option<[f64; 2]> {
+        let [u, v] = self.domains.get(at.patch as usize)?;
+        let mixed = |[low, high]: [f64; 2], t: f64| low * (1.0 - t) + high * t;
+        Some([mixed(*u, at.u), mixed(*v, at.v)])
+    }
+
+    /// Returns the least box about all control points.
+    #[must_use]
+    pub fn aabb(&self) -> (Point3<f64>, Point3<f64>) {
+        let start = self.patches[0].aabb();
+        self.patches
+            .iter()
+            .map(Patch::aabb)
+            .fold(start, |s, b| (s.0.inf(&b.0), s.1.sup(&b.1)))
+    }
+}
+
+/// A 64-bit fingerprint: cached state uses it to detect another surface.
+fn fingerprint(patches: &[Patch]) -> u64 {
+    let stir = |h: u64, x: u64| (h ^ x).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(29);
+    patches.iter().fold(patches.len() as u64, |h, p| {
+        let h = stir(h, (p.degrees[0] * 8 + p.degrees[1]) as u64);
+        p.net.as_flattened().iter().fold(h, |h, x| stir(h, x.to_bits()))
+    })
+}
+
+/// Whether borders lie on each other in pairs, each by its control points.
+fn is_closed(patches: &[Patch], reach: f64) -> bool {
+    let near = |p: &Point3<f64>, q: &Point3<f64>| (p - q).amax() <= SEAM * reach;
+    let mut borders: Vec<(f64, Vec<Point3<f64>>, bool)> = Vec::new();
+    for patch in patches {
+        let net: Vec<Point3<f64>> = patch.control_points().map(|(p, _)| p).collect();
+        let [p, q] = patch.degrees;
+        let at = |i: usize, j: usize| net[i * (q + 1) + j];
+        let sides: [Vec<Point3<f64>>; 4] = [
+            (0..=q).map(|j| at(0, j)).collect(),
+            (0..=q).map(|j| at(p, j)).collect(),
+            (0..=p).map(|i| at(i, 0)).collect(),
+            (0..=p).map(|i| at(i, q)).collect(),
+        ];
+        let is_line = |s: &Vec<Point3<f64>>| s.iter().any(|x| !near(x, &s[0]));
+        for side in sides.into_iter().filter(is_line) {
+            borders.push((side[0].x + side[side.len() - 1].x, side, false));
+        }
+    }
+    borders.sort_by(|a, b| a.0.total_cmp(&b.0));
+    for k in 0..borders.len() {
+        if borders[k].2 {
+            continue;
+        }
+        let (key, side, _) = &borders[k];
+        let runs_along = |other: &[Point3<f64>]| {
+            let forward = || side.iter().zip(other).all(|(p, q)| near(p, q));
+            let backward = || side.iter().rev().zip(other).all(|(p, q)| near(p, q));
+            other.len() == side.len() && (forward() || backward())
+        };
+        let close = (k + 1..borders.len()).take_while(|&m| borders[m].0 - key <= 4.0 * SEAM * reach);
+        let Some(other) = close.into_iter().find(|&m| !borders[m].2 && runs_along(&borders[m].1)) else {
+            return false;
+        };
+        borders[other].2 = true;
+    }
+    true
+}

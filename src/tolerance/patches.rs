@@ -1,0 +1,83 @@
+//! Bounds of rounding errors of Bezier and NURBS patches, each with its derivation.
+//!
+//! Sums `sum of c_k w_k P_k` of a patch have factors `c_k` and weights `w_k` that are not negative.
+//! If each term errs by `e` of itself, the sum errs by at most `e R sum of c_k w_k`, with R the
+//! largest distance of a control point from the origin, and the denominator `sum of c_k w_k` by `e`
+//! of itself: after the division the point errs by `2 e R`, and one rounding. The ratio of the
+//! weights drops out. Underflow: coordinates and weights are limited ([`PATCH_MAX`],
+//! [`WEIGHT_RATIO`]), case S.
+
+use super::UNIT;
+
+/// Largest coordinate of a control point, `2^200`, and the limits of knots.
+pub(crate) const PATCH_MAX: f64 = f64::from_bits((1023 + 200) << 52);
+
+/// Weights of a patch are no smaller than this times the largest, `2^-40`.
+pub(crate) const WEIGHT_RATIO: f64 = 1.0 / (1u64 << 40) as f64;
+
+/// Error of a point at given parameters, times R. A step of de Casteljau, `(1 - t) a + t b`, has
+/// three roundings a term, and a patch of degrees up to 7 has up to 14 steps: 42 UNIT, doubled by
+/// the division: 84; the product of weight and coordinate, doubled, and the division: 3 more.
+pub const PATCH_POINT: f64 = 96.0 * UNIT;
+
+/// Error of a control point of a node, times R, beside [`NET_STEP`]: the product of weight and
+/// coordinate, doubled, and the division 3 UNIT, and room.
+pub(crate) const NET: f64 = 4.0 * UNIT;
+
+/// Error of a control point of a node, times R, for each step of de Casteljau since the patch
+/// itself: half of a sum has one rounding, doubled by the division.
+pub(crate) const NET_STEP: f64 = 2.0 * UNIT;
+
+/// Error, times R, of a triangular patch as a tensor-product patch: raising the degree of a row has
+/// four roundings a term (two quotients, a product, a sum), up to six times, doubled by the
+/// division: 48 UNIT, and room.
+pub(crate) const RAISED: f64 = 64.0 * UNIT;
+
+/// Error, times R, of patches taken out of a NURBS surface: a step of de Boor's algorithm has five
+/// roundings a term (two differences, a quotient, a product, a sum), with up to seven steps in each
+/// direction 70 UNIT, doubled by the division, and room.
+pub(crate) const KNOTS: f64 = 160.0 * UNIT;
+
+/// Corners of two borders closer than this times the size of the surface are the same corner: both
+/// err by [`KNOTS`] or [`RAISED`], and control points of one surface computed twice by some tens of
+/// UNIT. Steers what is reported as closed, no bound.
+pub(crate) const SEAM: f64 = 1024.0 * UNIT;
+
+/// Error of a height over a node by its second derivatives, in UNIT times `(p + q)^2` times the
+/// largest coefficient G. With `d = p + q` and UNIT G as the unit:
+///
+/// 1. Each second difference of coefficients has two or three roundings of numbers up to 4 G: times
+///    its factor at most `8 d^2`. This is added to each of the three bounds before use
+///    ([`CURVATURE`]), so that their signs can be trusted.
+/// 2. The value by de Casteljau: `3 d`. A first derivative: differences up to 2 G with one
+///    rounding, `3 d` roundings each, times p or q: both together `6 d^2 + 2 d`.
+/// 3. The sums and quotients of the three bounds, numbers up to `4 d^2 G`, have up to four
+///    roundings each: `16 d^2`.
+///
+/// Together below `24 d^2 + 5 d`, and d is at least 2.
+pub(crate) const TAYLOR: f64 = 32.0 * UNIT;
+
+/// Step 1 of [`TAYLOR`].
+pub(crate) const CURVATURE: f64 = 8.0 * UNIT;
+
+/// Error of a coefficient of a height, `n . N - c w`, times R and the weight: the dot product three
+/// UNIT, the product with c, at most R, two, and the difference two.
+pub(crate) const COEFFICIENT: f64 = 8.0 * UNIT;
+
+/// A pair on a front claims its gap less this times the size L at each of the two poses: the claim
+/// is a sum of heights of points of B's frame, [`CERTIFICATE`](super::CERTIFICATE) UNIT L at each
+/// pose, and the turn of a direction times the radius of a ball, 80 UNIT L at each pose.
+pub(crate) const CARRIED: f64 = 256.0 * UNIT;
+
+/// Intervals of two surfaces are not asked to be narrower than this times the size L, `2^-42`: the
+/// errors of both bounds are about [`CERTIFICATE`](super::CERTIFICATE) UNIT L each, those of points
+/// 256 UNIT L at most, those of nodes split forty times as much, and those of second derivatives
+/// some 1,000 UNIT times the size of a node.
+pub const PATCH_LIMIT: f64 = 1.0 / (1u64 << 42) as f64;
+
+/// Error of a first derivative of a patch, times its bound `3 d R omega` (`patch::crossing`): the
+/// differences of control points and up to 14 steps of three roundings are 45 UNIT, each of
+/// numerator and denominator and of the point that multiplies the derivative of the denominator,
+/// times omega (counted in the bound); the turn into the other frame 80 UNIT. A product with the
+/// inverse adds some UNIT. Room by a factor of two.
+pub(crate) const PATCH_SLOPE: f64 = 512.0 * UNIT;

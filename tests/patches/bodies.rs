@@ -1,0 +1,49 @@
+//! Surfaces of the tests.
+
+use lab::rng::Rng;
+use lin_canny::RelativePose;
+use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
+use lin_canny::patch::{Patch, Surface, revolution};
+
+pub(crate) const HALF: f64 = std::f64::consts::FRAC_1_SQRT_2;
+
+/// A sphere as eight rational octants.
+pub(crate) fn sphere(r: f64) -> Surface {
+    let south: &[[f64; 3]] = &[[0.0, -r, 1.0], [r, -r, HALF], [r, 0.0, 1.0]];
+    let north: &[[f64; 3]] = &[[r, 0.0, 1.0], [r, r, HALF], [0.0, r, 1.0]];
+    revolution(&[south, north]).expect("a sphere")
+}
+
+/// The side of a cylinder about z.
+pub(crate) fn tube(r: f64, h: f64) -> Surface {
+    revolution(&[&[[r, -h, 1.0], [r, h, 1.0]]]).expect("a cylinder")
+}
+
+/// A vase of 32 patches.
+pub(crate) fn vase() -> Surface {
+    let curves = lab::nets::vase();
+    let curves: Vec<&[[f64; 3]]> = curves.iter().map(Vec::as_slice).collect();
+    revolution(&curves).expect("a vase")
+}
+
+/// A bicubic patch over a square of size 2 with bumps.
+pub(crate) fn bumpy(rng: &mut Rng, degrees: [usize; 2], bump: f64) -> Patch {
+    let points = grid(rng, degrees, bump);
+    Patch::polynomial(degrees, &points).expect("a patch")
+}
+
+pub(crate) fn grid(rng: &mut Rng, degrees: [usize; 2], bump: f64) -> Vec<Point3<f64>> {
+    let points = lab::nets::bumps(rng, degrees, bump);
+    points.into_iter().map(Point3::from).collect()
+}
+
+/// Any pose with the origins so far apart.
+pub(crate) fn place(rng: &mut Rng, apart: f64) -> Isometry3<f64> {
+    let direction = Vector3::from(rng.unit());
+    let turn = UnitQuaternion::from_scaled_axis(Vector3::from(rng.unit()) * rng.range(0.0, 3.1));
+    Isometry3::from_parts((direction * apart).into(), turn)
+}
+
+pub(crate) fn pose(p: &Isometry3<f64>) -> RelativePose {
+    RelativePose::from_isometry(p).expect("a pose")
+}

@@ -1,0 +1,299 @@
+//! Saddles, poles, cusps, tangent and crossing surfaces, refused input, budgets.
+
+use lab::rng::Rng;
+use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
+use lin_canny::patch::{Decision, Nurbs, Patch, PatchError, Surface, SurfaceTracker, revolution};
+use lin_canny::{Class, Mesh, MeshTracker, RelativePose};
+
+use crate::bodies::{place, pose, sphere, tube, vase};
+use crate::truth::judge;
+
+fn square(f: impl Fn(f64, f64) -> f64) -> Vec<Point3<f64>> {
+    let at = |k: usize| {
+        let (x, y) = ((k / 3) as f64 - 1.0, (k % 3) as f64 - 1.0);
+        Point3::new(x, y, f(x, y))
+    };
+    (0..9).map(at).collect()
+}
+
+fn one(degrees: [usize; 2], points: &[Point3<f64>]) -> Surface {
+    Surface::new(vec![Patch::polynomial(degrees, points).expect("a patch")]).expect("a surface")
+}
+
+#[test]
+fn saddles_in_each_other() {
+    let a = one([2, 2], &square(|x, y| x * y));
+    for (gap, turn) in [(0.3, 0.0), (1e-3, 0.3), (0.05, 1.2)] {
+        let turned = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), turn);
+        let at = Isometry3::from_parts(Vector3::new(0.05, -0.02, gap).into(), turned);
+        let mut tracker = SurfaceTracker::new();
+        let o = tracker.closest(&a, &a, &pose(&at), 1e-6);
+        judge(&a, &a, &at, &o, 1e-13);
+        println!("{gap} {turn}: {} {} {:?}", o.lower, o.upper, tracker.work());
+    }
+}
+
+#[test]
+fn poles_face_each_other() {
+    let a = sphere(1.0);
+    for k in 0..20 {
+        let tilt = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), 1e-4 * (k * k) as f64);
+        let at = Isometry3::from_parts(Vector3::new(0.0, 1e-5 * k as f64, 2.01).into(), tilt);
+        let mut tracker = SurfaceTracker::new();
+        let o = tracker.closest(&a, &a, &pose(&at), 1e-9);
+        let truth = at.translation.vector.norm() - 2.0;
+        assert!(
+            o.is_reached && (o.distance - truth).abs() < 2e-9,
+            "{k} {truth} {o:?} {:?}",
+            tracker.work()
+        );
+    }
+}
+
+#[test]
+fn cusps_and_points() {
+    // A fold whose rows turn back upon themselves, a patch that is one point, a patch that is a curve.
+    let fold: Vec<_> = [0.0, 1.0, 2.0]
+        .iter()
+        .flat_map(|y| [0.0, 1.0, 0.0].map(|x| Point3::new(x, *y, x * x)))
+        .collect();
+    let point = vec![Point3::new(0.5, 0.5, 0.0); 4];
+    let curve: Vec<_> = [0.0, 0.0, 1.0, 1.0].map(|x| Point3::new(x, x * x, 0.0)).into();
+    let bodies = [one([2, 2], &fold), one([1, 1], &point), one([1, 1], &curve)];
+    let mut rng = Rng::new(8);
+    for a in &bodies {
+        for b in &bodies {
+            for _ in 0..5 {
+                let at = place(&mut rng, 3.5);
+                let o = SurfaceTracker::new().closest(a, b, &pose(&at), 1e-9);
+                assert!(o.is_reached && o.lower > 0.0, "{o:?}");
+                judge(a, b, &at, &o, 1e-13);
+                assert!((o.normal.norm() - 1.0).abs() < 1e-14);
+            }
+        }
+    }
+    let share = SurfaceTracker::new().closest(&bodies[1], &bodies[1], &pose(&Isometry3::identity()), 1e-9);
+    assert!(share.is_reached && share.lower == 0.0 && share.class == Class::Undecided);
+}
+
+#[test]
+fn tangent_and_crossing_surfaces() {
+    let a = sphere(1.0);
+    let mut tracker = SurfaceTracker::new();
+    let at = |x: f64| pose(&Isometry3::translation(0.6 * x, 0.8 * x, 0.0));
+    let touching = tracker.closest(&a, &a, &at(2.0), 1e-9);
+    assert!(
+        touching.is_reached && touching.upper < 1e-9 && touching.class != Class::Separated,
+        "{touching:?}"
+    );
+    assert!(tracker.intersects(&a, &a, &at(2.0)).known() != Some(false));
+    assert_eq!(tracker.intersects(&a, &a, &at(2.1)), Decision::No);
+    let mut yes = 0;
+    for k in 0..40 {
+        let cross = at(0.05 + 0.048 * k as f64);
+        yes += u32::from(tracker.intersects(&a, &a, &cross).known() == Some(true));
+        let o = tracker.closest(&a, &a, &cross, 1e-9);
+        assert!(o.is_reached && o.lower == 0.0 && o.upper < 1e-12, "{o:?}");
+    }
+    assert_eq!(yes, 40);
+    assert_eq!(tracker.within(&a, &a, &at(2.5), 0.5 + 1e-9), Decision::Yes);
+    assert_eq!(tracker.within(&a, &a, &at(2.5), 0.5 - 1e-9), Decision::No);
+    assert_eq!(tracker.within(&a, &a, &at(2.5), -1.0), Decision::No);
+    assert!(
+        matches!(tracker.within(&a, &a, &at(2.5), 0.5), Decision::Undecided { lower, upper } if lower <= 0.5 && upper >= 0.5)
+    );
+    // Nearly, but not.
+    let flat = one([2, 2], &square(|_, _| 0.0));
+    let dish = one([2, 2], &square(|x, y| x * x + y * y));
+    let under = pose(&Isometry3::translation(0.0, 0.0, -1e-10));
+    assert_eq!(SurfaceTracker::new().intersects(&dish, &flat, &under), Decision::No);
+}
+
+#[test]
+fn a_budget_ends_what_has_no_end() {
+    // Two cylinders about one axis are equally far everywhere.
+    let (a, b) = (tube(1.0, 1.0), tube(0.6, 1.0));
+    let mut tracker = SurfaceTracker::new().with_budget(500);
+    let o = tracker.closest(&a, &b, &pose(&Isometry3::identity()), 1e-9);
+    assert!(
+        !o.is_reached && o.lower <= 0.4 && o.upper >= 0.4 - 1e-15 && o.upper - o.lower < 0.1,
+        "{o:?}"
+    );
+    assert!(tracker.work().splits <= 500);
+    let coarse = SurfaceTracker::new().closest(&a, &b, &pose(&Isometry3::identity()), 0.01);
+    assert!(coarse.is_reached, "{coarse:?}");
+    for width in [0.0, -1.0, f64::NAN] {
+        let ball = sphere(1.0);
+        let at = pose(&Isometry3::translation(2.5, 0.3, 0.1));
+        let o = SurfaceTracker::new().closest(&ball, &ball, &at, width);
+        assert!(!o.is_reached && o.upper - o.lower < 1e-11, "{o:?}");
+    }
+}
+
+#[test]
+fn far_and_foreign() {
+    let (a, b) = (sphere(1.0), vase());
+    let far = RelativePose::from_isometry(&Isometry3::translation(1e200, 0.0, 0.0)).expect("a pose");
+    let o = SurfaceTracker::new().closest(&a, &a, &far, 1e-9);
+    assert!(o.lower <= 1e200 && o.upper >= 1e200 && o.lower > 0.9e200 && !o.is_reached);
+    // A tracker of other surfaces.
+    let mut tracker = SurfaceTracker::new();
+    let at = pose(&Isometry3::translation(3.0, 0.2, 0.1));
+    let first = tracker.closest(&a, &b, &at, 1e-9);
+    tracker.closest(&b, &a, &at, 1e-9);
+    tracker.closest(&b, &b, &at, 1e-9);
+    let again = tracker.closest(&a, &b, &at, 1e-9);
+    assert!(first.lower <= again.upper && again.lower <= first.upper && again.is_reached);
+    assert!(tracker.heap_bytes() > 0 && tracker.front_len() > 0);
+    tracker.reset();
+    assert_eq!((tracker.front_len(), tracker.work()), (0, Default::default()));
+}
+
+/// The mesh of a sphere with vertices on it.
+fn globe(n: usize) -> Mesh {
+    let mut points = Vec::new();
+    for i in 0..=n {
+        for j in 0..2 * n {
+            let (s, t) = (
+                std::f64::consts::PI * i as f64 / n as f64,
+                std::f64::consts::PI * j as f64 / n as f64,
+            );
+            points.push(Point3::new(s.sin() * t.cos(), s.sin() * t.sin(), s.cos()));
+        }
+    }
+    let at = |i: usize, j: usize| (i * 2 * n + j % (2 * n)) as u32;
+    let mut triangles = Vec::new();
+    for i in 0..n {
+        for j in 0..2 * n {
+            triangles.extend([
+                [at(i, j), at(i + 1, j), at(i + 1, j + 1)],
+                [at(i, j), at(i + 1, j + 1), at(i, j + 1)],
+            ]);
+        }
+    }
+    Mesh::new(&points, &triangles).expect("a mesh")
+}
+
+#[test]
+fn finer_meshes_come_closer() {
+    let a = sphere(1.0);
+    let at = pose(&Isometry3::new(
+        Vector3::new(1.9, 0.8, 0.9),
+        Vector3::new(0.4, 0.5, 0.6),
+    ));
+    let exact = SurfaceTracker::new().closest(&a, &a, &at, 1e-11);
+    let mut errors = Vec::new();
+    for n in [8, 16, 32] {
+        let mesh = globe(n);
+        let o = MeshTracker::new().closest(&mesh, &mesh, &at);
+        assert!(o.lower >= exact.upper - 1e-11, "an inscribed mesh is farther");
+        let flat = Surface::from_mesh(&mesh).expect("a surface");
+        let p = SurfaceTracker::new().closest(&flat, &flat, &at, 1e-9);
+        assert!(p.is_reached && p.lower <= o.upper && o.lower <= p.upper, "{o:?} {p:?}");
+        errors.push(o.distance - exact.distance);
+    }
+    assert!(
+        errors[2] < 0.5 * errors[0] && errors[2] < 8.0 / (32.0 * 32.0),
+        "{errors:?}"
+    );
+}
+
+#[test]
+fn what_is_no_surface_is_named() {
+    let p = square(|_, _| 0.0);
+    let bad = |k: usize, x: f64| {
+        let mut q = p.clone();
+        q[k].y = x;
+        Patch::polynomial([2, 2], &q)
+    };
+    assert!(matches!(
+        bad(4, f64::NAN),
+        Err(PatchError::Coordinate { index: 4, axis: 1, .. })
+    ));
+    assert!(matches!(
+        bad(7, 1e70),
+        Err(PatchError::Coordinate { index: 7, axis: 1, .. })
+    ));
+    assert_eq!(
+        Patch::polynomial([8, 2], &p),
+        Err(PatchError::Degree {
+            direction: 0,
+            degree: 8
+        })
+    );
+    assert_eq!(
+        Patch::polynomial([2, 0], &p),
+        Err(PatchError::Degree {
+            direction: 1,
+            degree: 0
+        })
+    );
+    assert_eq!(
+        Patch::polynomial([2, 3], &p),
+        Err(PatchError::Count { given: 9, expected: 12 })
+    );
+    assert_eq!(
+        Patch::triangular(2, &p, None),
+        Err(PatchError::Count { given: 9, expected: 6 })
+    );
+    let weights = |k: usize, w: f64| {
+        let mut all = vec![1.0; 9];
+        all[k] = w;
+        Patch::rational([2, 2], &p, &all)
+    };
+    for w in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e-20] {
+        assert!(matches!(weights(3, w), Err(PatchError::Weight { .. })), "{w}");
+    }
+    assert_eq!(
+        Patch::rational([2, 2], &p, &[1.0; 8]),
+        Err(PatchError::WeightCount { given: 8, expected: 9 })
+    );
+    assert!(matches!(Surface::new(vec![]), Err(PatchError::Empty)));
+    let knots: [&[f64]; 2] = [&[0.0, 0.0, 0.0, 1.0, 1.0, 1.0]; 2];
+    let good = Nurbs {
+        degrees: [2, 2],
+        knots,
+        points: &p,
+        ..Nurbs::default()
+    };
+    assert!(Surface::from_nurbs(&good).is_ok());
+    let refused = |n: Nurbs| Surface::from_nurbs(&n).expect_err("refused");
+    assert_eq!(
+        refused(Nurbs {
+            trimming_curves: 1,
+            ..good
+        }),
+        PatchError::Trimmed { curves: 1 }
+    );
+    let late: &[f64] = &[0.0, 0.0, 0.0, 1.0, 0.5, 1.0];
+    assert!(matches!(
+        refused(Nurbs {
+            knots: [late, late],
+            ..good
+        }),
+        PatchError::Knot {
+            direction: 0,
+            index: 4,
+            ..
+        }
+    ));
+    let torn: &[f64] = &[0.0, 0.0, 0.0, 0.0, 1.0, 1.0];
+    assert!(matches!(
+        refused(Nurbs {
+            knots: [knots[0], torn],
+            ..good
+        }),
+        PatchError::Knot { direction: 1, .. }
+    ));
+    let short: &[f64] = &[0.0, 1.0];
+    assert!(matches!(
+        refused(Nurbs {
+            knots: [short, short],
+            ..good
+        }),
+        PatchError::KnotCount { direction: 0, .. }
+    ));
+    assert!(revolution(&[&[[1.0, 0.0, 1.0]]]).is_err() && revolution(&[]).is_err());
+    let text = PatchError::Trimmed { curves: 2 }.to_string();
+    assert!(text.contains("trimm"), "{text}");
+}
