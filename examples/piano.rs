@@ -23,7 +23,7 @@ An L, 0.9 by 0.5, goes through a door in a wall. Searches a path with the opport
 freeways (by sweep coordinate), bridges, links and the path in the plane of the positions.
 
   --door WIDTH   width of the door (default: 0.36)
-  --seed N       seed of the random slices (default: 1)
+  --seed N       seed of the random slices (default: 3)
   --seconds S    limit of the search (default: 10)
   --out FILE     where to draw (default: target/piano.svg)";
 
@@ -40,7 +40,7 @@ fn parse(words: Option<Arguments>) -> Result<Option<Options>, String> {
     let Some(mut words) = words else { return Ok(None) };
     let options = Options {
         door: words.number("--door", 0.0, 0.36)?,
-        seed: words.number("--seed", 0, 1)?,
+        seed: words.number("--seed", 0, 3)?,
         limit: Duration::try_from_secs_f64(words.number("--seconds", 0.0, 10.0)?).map_err(|e| e.to_string())?,
         out: words.value("--out")?.unwrap_or("target/piano.svg".into()).into(),
     };
@@ -207,8 +207,8 @@ fn draw(checker: &Checker<PlanarSpace>, walls: &[Flat], plan: &Plan, path: &[Vec
     for (k, (name, colour)) in keys.into_iter().enumerate() {
         let x = 60.0 + 155.0 * k as f64;
         svg.line(
-            [x, 580.0],
-            [x + 26.0, 580.0],
+            [x, 614.0],
+            [x + 26.0, 614.0],
             &format!("stroke=\"{colour}\" stroke-width=\"3\""),
         );
         svg.words([x + 34.0, 619.0], 13, "start", name);

@@ -8,7 +8,7 @@
 
 use lab::command::Arguments;
 use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, UnitQuaternion, Vector3};
-use lin_canny::plan::{Checker, PlanError, PlanOptions, RigidSpace, World};
+use lin_canny::plan::{Checker, Path, PlanError, PlanOptions, RigidSpace, World};
 use lin_canny::{ConvexPolyhedron, scene::BodyShape};
 use serde_json::Value;
 use std::fmt::Write as _;
@@ -68,7 +68,15 @@ fn job(file: &Value, out: PathBuf) -> Result<Job, String> {
     if !file.is_object() {
         return Err("not an object".into());
     }
+    for name in ["robot", "obstacles", "start", "goal", "bounds"] {
+        if file[name].is_null() {
+            return Err(format!("{name} is missing"));
+        }
+    }
     let robot = hulls(&file["robot"], "robot")?;
+    if robot.is_empty() {
+        return Err("robot has no hull".into());
+    }
     let mut world = World::new();
     // A radian counts as the farthest point of the robot from its origin.
     let points = robot.iter().flat_map(ConvexPolyhedron::vertex_points);
@@ -77,12 +85,7 @@ fn job(file: &Value, out: PathBuf) -> Result<Job, String> {
     for (k, hull) in robot.into_iter().enumerate() {
         world.robot_body(format!("robot[{k}]"), hull);
     }
-    let obstacles = if file["obstacles"].is_null() {
-        return Err("obstacles are missing".into());
-    } else {
-        hulls(&file["obstacles"], "obstacles")?
-    };
-    for (k, hull) in obstacles.into_iter().enumerate() {
+    for (k, hull) in hulls(&file["obstacles"], "obstacles")?.into_iter().enumerate() {
         world.obstacle(format!("obstacles[{k}]"), BodyShape::from(hull), Isometry3::identity());
     }
     let [low, high] = bounds(&file["bounds"])?;
@@ -95,9 +98,8 @@ fn job(file: &Value, out: PathBuf) -> Result<Job, String> {
         world,
         space: space.map_err(|e| format!("bounds: {e}"))?,
         ends: [pose(&file["start"], "start")?, pose(&file["goal"], "goal")?],
-        seed: number(&file["seed"], "seed", 0.0)? as u64,
-        limit: Duration::try_from_secs_f64(number(&file["seconds"], "seconds", 10.0)?)
-            .map_err(|e| format!("seconds: {e}"))?,
+        seed: seed(&file["seed"])?,
+        limit: seconds(&file["seconds"])?,
         out,
     };
     check(&job)?;
@@ -155,21 +157,38 @@ fn numbers<const N: usize>(value: &Value, name: &str) -> Result<[f64; N], String
         .map_err(|_| format!("{name} has {count} numbers, not {N}"))
 }
 
-fn number(value: &Value, name: &str, default: f64) -> Result<f64, String> {
+fn seed(value: &Value) -> Result<u64, String> {
     match value {
-        Value::Null => Ok(default),
-        _ => value
-            .as_f64()
-            .filter(|x| *x >= 0.0)
-            .ok_or(format!("{name} is no number of at least zero")),
+        Value::Null => Ok(0),
+        _ => value.as_u64().ok_or("seed is no whole number of at least zero".into()),
     }
 }
 
+fn seconds(value: &Value) -> Result<Duration, String> {
+    let seconds = match value {
+        Value::Null => 10.0,
+        _ => value.as_f64().ok_or("seconds is no number")?,
+    };
+    Duration::try_from_secs_f64(seconds).map_err(|e| format!("seconds: {e}"))
+}
+
 fn bounds(value: &Value) -> Result<[[f64; 3]; 2], String> {
-    match value.as_array().map(Vec::as_slice) {
-        Some([low, high]) => Ok([numbers(low, "bounds[0]")?, numbers(high, "bounds[1]")?]),
-        _ => Err("bounds is no list of two corners".into()),
+    let Some([low, high]) = value.as_array().map(Vec::as_slice) else {
+        return Err("bounds is no list of two corners".into());
+    };
+    let [low, high] = [numbers(low, "bounds[0]")?, numbers(high, "bounds[1]")?];
+    if let Some(k) = (0..3).find(|&k| low[k] > high[k]) {
+        return Err(format!(
+            "bounds: {} is above {} in {}",
+            low[k],
+            high[k],
+            ["x", "y", "z"][k]
+        ));
     }
+    if low == high {
+        return Err("bounds hold a single point".into());
+    }
+    Ok([low, high])
 }
 
 /// A configuration; a quaternion that was rounded to few digits is normalised.
@@ -215,22 +234,32 @@ fn run(job: &Job) -> Result<bool, String> {
         println!("no path found in {took:.1?}: there may be one nevertheless");
         return Ok(false);
     };
-    let path = checker.shorten(&found, 200, job.seed).map_err(said)?;
-    let (length, short) = (checker.path_length(&found), checker.path_length(&path));
+    let path = shortened(&mut checker, &found, job.seed).map_err(said)?;
+    lab::command::write(&job.out, &rows(&path))?;
+    println!("written: {}", job.out.display());
+    Ok(true)
+}
+
+/// A shorter path; says how long and how clear.
+fn shortened(checker: &mut Checker<RigidSpace>, found: &[Vec<f64>], seed: u64) -> Result<Path, PlanError> {
+    let path = checker.shorten(found, 200, seed)?;
+    let (length, short) = (checker.path_length(found), checker.path_length(&path));
     let mut least = f64::INFINITY;
     for ends in path.windows(2) {
-        least = least.min(checker.clearance_along(&ends[0], &ends[1], 0.05).map_err(said)?.lower);
+        least = least.min(checker.clearance_along(&ends[0], &ends[1], 0.05)?.lower);
     }
     println!(
         "path: {} configurations, length {short:.3} ({length:.3} before shortening), proven clearance {least:.2e}",
         path.len()
     );
+    Ok(path)
+}
+
+fn rows(path: &[Vec<f64>]) -> String {
     let mut rows = String::from("x,y,z,qx,qy,qz,qw\n");
-    for q in &path {
+    for q in path {
         let words: Vec<String> = q.iter().map(|x| format!("{x:?}")).collect();
         let _ = writeln!(rows, "{}", words.join(","));
     }
-    lab::command::write(&job.out, &rows)?;
-    println!("written: {}", job.out.display());
-    Ok(true)
+    rows
 }

@@ -14,6 +14,7 @@ mod meshes;
 mod pairs;
 mod patches;
 mod plan;
+mod rrt;
 mod scene;
 mod tree;
 

@@ -5,19 +5,25 @@
 //! check if its balls overlap. Wrong are the segments that the steps call free and the certificate proves blocked.
 
 use std::hint::black_box;
+use std::time::Duration;
 
 use cpu_time::ThreadTime;
 use lab::progress::Progress;
 use lab::rng::Rng;
 use lab::rooms::Room;
 use lin_canny::broad::{Aabb, Body, BroadPhase, PencilSweep};
-use lin_canny::nalgebra::Isometry3;
-use lin_canny::plan::{Checker, ConfigurationSpace, PlanOptions, RigidSpace};
+use lin_canny::nalgebra::{Isometry3, Vector3};
+use lin_canny::plan::{Checker, ConfigurationSpace, PlanOptions, RigidSpace, Verdict};
+use lin_canny::polyhedron::solids;
 use lin_canny::{BoxHint, RelativePose, Tracker};
 
 use crate::common::{Options, Rows, median};
+use crate::rrt;
 
-pub(crate) const SCENES: [&str; 3] = ["room-40", "room-150", "search"];
+pub(crate) const SCENES: [&str; 4] = ["room-40", "room-150", "search-150", "search-hole"];
+
+/// Processor time of a search, at most; of `oxmpl` time by the clock.
+const LIMIT: Duration = Duration::from_secs(1);
 
 /// Lengths of the fixed steps.
 const STEPS: [f64; 3] = [0.2, 0.05, 0.01];
@@ -127,14 +133,14 @@ fn room(o: &Options, scene: &str, n: usize, rows: &mut Rows) {
     println!("{scene}: {} of {} segments free", free.len(), segments.len());
     let line = |name: &str, wrong: usize, calls: f64, [free, blocked]: [f64; 2]| {
         println!(
-            "  {name:<12}{wrong:>7}{calls:>10.2}{:>10.2}{:>7.3}{:>10.2}",
+            "  {name:<12}{wrong:>7}{calls:>10.2}{:>10.2}{:>7.3}{:>12.2}",
             free / 1000.0,
             ours[0] / free,
             blocked / 1000.0
         );
     };
     println!(
-        "  {:<12}{:>7}{:>10}{:>10}{:>7}{:>10}",
+        "  {:<12}{:>7}{:>10}{:>10}{:>7}{:>12}",
         "", "wrong", "calls", "free us", "ratio", "blocked us"
     );
     line("certified", 0, calls, ours);
@@ -154,38 +160,100 @@ fn room(o: &Options, scene: &str, n: usize, rows: &mut Rows) {
     }
 }
 
-/// Searches through the room of 150 hulls, corner to corner, by seed.
-fn search(o: &Options, rows: &mut Rows) {
-    let room = Room::new(150, 3);
-    let seeds = if o.quick { 5 } else { 50 };
-    let mut times: Vec<f64> = Vec::new();
-    let (mut queries, mut found) = (0, 0);
+/// Times of searches, and paths found; paths that a certificate proves blocked.
+#[derive(Default)]
+struct Searches {
+    times: Vec<f64>,
+    found: usize,
+    wrong: usize,
+}
+
+impl Searches {
+    fn push(&mut self, took: Duration, path: Option<(&[Vec<f64>], &mut Checker<RigidSpace>)>) {
+        self.times.push(took.as_nanos() as f64);
+        if let Some((path, checker)) = path {
+            self.found += 1;
+            let (_, verdict) = checker.certify_path(path).expect("a path");
+            self.wrong += usize::from(matches!(verdict, Verdict::Blocked { .. }));
+        }
+    }
+
+    fn print(mut self, (scene, n): (&str, usize), engine: &str, rows: &mut Rows) {
+        let typical = median(&mut self.times);
+        let worst = self.times[self.times.len() - 1];
+        println!(
+            "  {engine:<16}{:>5} of {:<5}{:>6}{:>12.2}{:>12.2}",
+            self.found,
+            self.times.len(),
+            self.wrong,
+            typical / 1e6,
+            worst / 1e6
+        );
+        rows.push((scene, "median", n), engine, typical, 0);
+        rows.push((scene, "worst", n), engine, worst, 0);
+    }
+}
+
+/// Searches from one end to the other by seed; beside it RRT-Connect at steps of 0.01.
+fn search(scene: &str, room: Room, space: &RigidSpace, ends: [Vec<f64>; 2], seeds: u64, rows: &mut Rows) {
+    let engines = ["opportunistic", "oxmpl step 0.01"];
+    let mut searches = [Searches::default(), Searches::default()];
+    // The checker of `oxmpl` outlives every scope.
+    let room: &'static Room = Box::leak(Box::new(room));
+    let [start, goal] = &ends;
     for seed in 0..seeds {
-        let mut checker = Checker::new(room.space(), room.world()).expect("a room");
-        let corner = |side: f64| RigidSpace::configuration(&Isometry3::translation(side * 5.0, side * 5.0, side * 5.0));
+        let mut checker = Checker::new(space.clone(), room.world()).expect("a room");
         let options = PlanOptions {
             seed,
-            slices: 200,
             ..PlanOptions::default()
         };
         let began = ThreadTime::now();
-        let plan = checker
-            .plan(&corner(-1.0), &corner(1.0), &options)
-            .expect("corners are free");
-        times.push(began.elapsed().as_nanos() as f64);
-        queries += plan.work.checks.queries + plan.work.checks.measures;
-        found += u32::from(plan.path.is_some());
+        let mut stop = || began.elapsed() > LIMIT;
+        let plan = checker.plan_until(start, goal, &options, &mut stop).expect("free ends");
+        let took = began.elapsed();
+        searches[0].push(took, plan.path.as_deref().map(|path| (path, &mut checker)));
+        let (mut fixed, mut poses) = (Fixed::new(room), Vec::new());
+        let is_clear = move |q: &[f64]| {
+            fixed.space.place(q, &mut poses);
+            fixed.is_clear(&poses[0])
+        };
+        let began = ThreadTime::now();
+        let path = rrt::search(space, [start, goal], 0.01, seed, LIMIT, is_clear);
+        let took = began.elapsed();
+        searches[1].push(took, path.as_deref().map(|path| (path, &mut checker)));
     }
-    let typical = median(&mut times);
-    let worst = times[times.len() - 1];
     println!(
-        "search: {found} of {seeds} seeds, {:.2} ms median, {:.2} ms at most, {} distance queries on average",
-        typical / 1e6,
-        worst / 1e6,
-        queries / seeds
+        "{scene}\n  {:<16}{:>14}{:>6}{:>12}{:>12}",
+        "", "found", "wrong", "median ms", "worst ms"
     );
-    rows.push(("search", "median", 150), "opportunistic", typical, 0);
-    rows.push(("search", "worst", 150), "opportunistic", worst, 0);
+    let n = room.hulls.len();
+    for (searches, engine) in searches.into_iter().zip(engines) {
+        searches.print((scene, n), engine, rows);
+    }
+}
+
+/// From corner to corner of a room of 150 hulls, and a plank of 0.2 through a hole of 0.4.
+fn searches(o: &Options, progress: &Progress, rows: &mut Rows) {
+    if o.wants("search-150") {
+        let room = Room::new(150, 3);
+        let ends = [-5.0, 5.0].map(|c| RigidSpace::configuration(&Isometry3::translation(c, c, c)));
+        let space = room.space();
+        search("search-150", room, &space, ends, if o.quick { 5 } else { 50 }, rows);
+    }
+    progress.step();
+    if o.wants("search-hole") {
+        let robot = solids::cuboid(Vector3::new(0.8, 0.1, 0.1)).expect("a box");
+        let hulls = lab::rooms::wall(0.4);
+        let (space, ends) = lab::rooms::passage();
+        search(
+            "search-hole",
+            Room { robot, hulls },
+            &space,
+            ends,
+            if o.quick { 3 } else { 20 },
+            rows,
+        );
+    }
 }
 
 pub(crate) fn run(o: &Options) -> Rows {
@@ -201,8 +269,7 @@ pub(crate) fn run(o: &Options) -> Rows {
         }
         progress.step();
     }
-    if o.wants("search") {
-        search(o, &mut rows);
-    }
+    searches(o, &progress, &mut rows);
+    progress.step();
     rows
 }

@@ -2,7 +2,8 @@
 
 use lin_canny::ConvexPolyhedron;
 use lin_canny::plan::{RigidSpace, World};
-use nalgebra::{Isometry3, Vector3};
+use lin_canny::polyhedron::solids;
+use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
 use crate::casts::{rotation, solid};
 use crate::rng::Rng;
@@ -61,4 +62,30 @@ impl Room {
         let spin = lin_canny::Velocity::new(way, turn);
         [start, spin.applied(&start, 1.0)]
     }
+}
+
+/// A wall across the plane x = 0 with a square hole of this width about the middle; half a unit thick, ten wide.
+pub fn wall(width: f64) -> Vec<(ConvexPolyhedron, Isometry3<f64>)> {
+    let (half, rest) = (0.5 * width, 0.5 * (5.0 - 0.5 * width));
+    let block = |half_sizes: [f64; 3], [x, y, z]: [f64; 3]| {
+        let block = solids::cuboid(Vector3::from(half_sizes)).expect("a box");
+        (block, Isometry3::translation(x, y, z))
+    };
+    vec![
+        block([0.25, 5.0, rest], [0.0, 0.0, half + rest]),
+        block([0.25, 5.0, rest], [0.0, 0.0, -half - rest]),
+        block([0.25, rest, half], [0.0, half + rest, 0.0]),
+        block([0.25, rest, half], [0.0, -half - rest, 0.0]),
+    ]
+}
+
+/// The space of a plank of 1.6 by 0.2 by 0.2 before such a wall, and its configurations on both sides, turned wrongly.
+pub fn passage() -> (RigidSpace, [Vec<f64>; 2]) {
+    let space = RigidSpace::new([[-2.5, 2.5], [-2.0, 2.0], [-2.0, 2.0]], 0.8, 1).expect("bounds are finite");
+    let ends = [-1.0, 1.0].map(|side: f64| {
+        let turn = UnitQuaternion::from_scaled_axis(Vector3::new(0.2, 0.1, 1.5));
+        let at = Vector3::new(1.8 * side, 0.9 * side, 0.7);
+        RigidSpace::configuration(&Isometry3::from_parts(at.into(), turn))
+    });
+    (space, ends)
 }

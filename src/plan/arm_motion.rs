@@ -65,54 +65,62 @@ pub struct ArmSegment {
     rate: Vec<f64>,
     /// The greater absolute value of each joint.
     most: Vec<f64>,
+    /// Pose and course of each link at the begin, where every pair is looked at first.
+    begin: Vec<(Isometry3<f64>, Course)>,
 }
 
 impl ArmSegment {
     pub(super) fn new(chain: &Chain, links: &[usize], from: &[f64], to: &[f64]) -> Self {
         let ends = || from.iter().zip(to);
-        Self {
+        let mut segment = Self {
             chain: chain.clone(),
             links: links.into(),
             from: from.into(),
             rate: ends().map(|(a, b)| b - a).collect(),
             most: ends().map(|(a, b)| a.abs().max(b.abs())).collect(),
-        }
+            begin: Vec::new(),
+        };
+        segment.begin = chain.poses(from).zip(segment.courses(0.0)).collect();
+        segment
     }
 
     fn values(&self, time: f64) -> impl Iterator<Item = f64> {
         self.from.iter().zip(&self.rate).map(move |(q, rate)| q + rate * time)
     }
+
+    /// Returns the courses of the base and of all links.
+    fn courses(&self, time: f64) -> impl Iterator<Item = Course> {
+        let (base, joints) = &*self.chain.0;
+        let mut link = Link::new(base);
+        let first = link.course();
+        let values = self.values(time).zip(&self.rate).zip(&self.most);
+        let moved = joints.iter().zip(values).map(move |(joint, ((value, &rate), &most))| {
+            link.pass(joint, value, rate, most);
+            link.course()
+        });
+        core::iter::once(first).chain(moved)
+    }
 }
 
 impl SegmentMotion for ArmSegment {
     fn pose(&self, body: usize, time: f64) -> Isometry3<f64> {
+        let link = self.links[body];
+        if time == 0.0 {
+            return self.begin[link].0;
+        }
         let (base, joints) = &*self.chain.0;
-        let links = joints.iter().zip(self.values(time)).take(self.links[body]);
-        links.fold(*base, |pose, (joint, value)| joint.after(&pose, value))
+        let before = joints.iter().zip(self.values(time)).take(link);
+        before.fold(*base, |pose, (joint, value)| joint.after(&pose, value))
     }
 
     fn course(&self, body: usize, time: f64, _: f64) -> Course {
-        let (base, joints) = &*self.chain.0;
-        let mut link = Link::new(base);
-        let values = self.values(time).zip(&self.rate).zip(&self.most);
-        for (joint, ((value, &rate), &most)) in joints.iter().zip(values).take(self.links[body]) {
-            link.carry(&joint.origin.translation.vector, 0.0, None);
-            link.turn_by(&joint.origin.rotation);
-            link.bounds.turn += ARM_TURN + ARM_VALUE * most;
-            let axis = link.rotation * joint.axis.into_inner();
-            match joint.kind {
-                JointKind::Revolute => {
-                    link.spin(&axis, rate);
-                    link.turn_by(&joint.moved(value).rotation);
-                }
-                JointKind::Prismatic => link.carry(
-                    &(joint.axis.into_inner() * value),
-                    most - value.abs(),
-                    Some((axis, rate)),
-                ),
-            }
+        let link = self.links[body];
+        let begin = self.begin[link].1;
+        if time == 0.0 {
+            begin
+        } else {
+            self.courses(time).nth(link).unwrap_or(begin)
         }
-        link.course()
     }
 }
 
@@ -159,6 +167,25 @@ impl Link {
                 place: ARM_PLACE * length,
                 ..Bounds::default()
             },
+        }
+    }
+
+    /// Goes on to the link behind a joint of this value and rate, whose greatest value is `most`.
+    fn pass(&mut self, joint: &Joint, value: f64, rate: f64, most: f64) {
+        self.carry(&joint.origin.translation.vector, 0.0, None);
+        self.turn_by(&joint.origin.rotation);
+        self.bounds.turn += ARM_TURN + ARM_VALUE * most;
+        let axis = self.rotation * joint.axis.into_inner();
+        match joint.kind {
+            JointKind::Revolute => {
+                self.spin(&axis, rate);
+                self.turn_by(&joint.moved(value).rotation);
+            }
+            JointKind::Prismatic => self.carry(
+                &(joint.axis.into_inner() * value),
+                most - value.abs(),
+                Some((axis, rate)),
+            ),
         }
     }
 

@@ -51,7 +51,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// Ascends within a slice and returns the places passed, the last of them a local maximum of
     /// the clearance, up to the precision of the slice.
     pub(super) fn ascend(&mut self, start: Vec<f64>, slice: &Slice) -> Result<Vec<Place>, PlanError> {
-        let mut centre = self.place(start, 2.0 * slice.longest)?;
+        let mut centre = self.place(start, slice.longest)?;
         let mut mu = (0.5 * centre.distance.abs()).clamp(slice.shortest * 4.0, slice.longest);
         let mut passed = Vec::new();
         let mut planes = planes_at(&centre, mu);
@@ -70,7 +70,7 @@ impl<C: ConfigurationSpace> Checker<C> {
                 own = planes.len();
                 continue;
             }
-            let tried = self.place(self.space.moved(&centre.q, &step), 2.0 * mu)?;
+            let tried = self.place(self.space.moved(&centre.q, &step), mu)?;
             if tried.distance >= centre.distance + GOOD * gain {
                 mu = (2.0 * mu).min(slice.longest);
                 planes = planes_at(&tried, mu);
@@ -162,11 +162,23 @@ fn maximum(planes: &[Plane], mu: f64, fixed: &[bool]) -> (Vec<f64>, f64) {
     weights[first] = 1.0;
     let of_first = planes.iter().zip(&products[first]);
     let mut values: Vec<f64> = of_first.map(|(p, product)| p.value + mu * product).collect();
+    exchange(&mut weights, &mut values, &products, mu);
+    let of = |k: usize| gradients.iter().zip(&weights).map(move |(g, w)| mu * w * g[k]).sum();
+    let z: Vec<f64> = (0..fixed.len()).map(of).collect();
+    let least = planes.iter().zip(&gradients).map(|(p, g)| p.value + dot(g, &z));
+    let least = least.fold(f64::INFINITY, f64::min);
+    (z, least)
+}
+
+/// Moves weight from the plane of the highest value to that of the lowest until all planes with
+/// weight are equally high. A value is the height of a plane after the step of the weights.
+fn exchange(weights: &mut [f64], values: &mut [f64], products: &[Vec<f64>], mu: f64) {
     for _ in 0..EXCHANGES {
         let by_value = |i: &usize, j: &usize| values[*i].total_cmp(&values[*j]);
-        let low = (0..values.len()).min_by(by_value).unwrap_or(first);
         let weighty = (0..values.len()).filter(|&k| weights[k] > 0.0);
-        let high = weighty.max_by(by_value).unwrap_or(first);
+        let (Some(low), Some(high)) = ((0..values.len()).min_by(by_value), weighty.max_by(by_value)) else {
+            break;
+        };
         let gap = values[high] - values[low];
         let square = products[low][low] - 2.0 * products[low][high] + products[high][high];
         if !(gap > FLAT * FLAT * mu && square > 0.0) {
@@ -179,11 +191,6 @@ fn maximum(planes: &[Plane], mu: f64, fixed: &[bool]) -> (Vec<f64>, f64) {
             *value += mu * part * (products[low][k] - products[high][k]);
         }
     }
-    let of = |k: usize| gradients.iter().zip(&weights).map(move |(g, w)| mu * w * g[k]).sum();
-    let z: Vec<f64> = (0..fixed.len()).map(of).collect();
-    let least = planes.iter().zip(&gradients).map(|(p, g)| p.value + dot(g, &z));
-    let least = least.fold(f64::INFINITY, f64::min);
-    (z, least)
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use alloc::vec::Vec;
 
-use nalgebra::{Isometry3, Point3};
+use nalgebra::{Isometry3, Point3, Vector3};
 
 use super::checker::Checker;
 use super::error::PlanError;
@@ -36,7 +36,8 @@ pub struct Near {
 /// The clearance along a segment: a proven lower bound, and a distance that is attained.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SegmentClearance {
-    /// All pairs are proven at least this far apart over the whole segment; zero without a proof.
+    /// All pairs are proven at least this far apart over the whole segment; zero without a proof,
+    /// infinite without a pair.
     pub lower: f64,
     /// At `t` a pair is at most this far apart.
     pub upper: f64,
@@ -77,21 +78,22 @@ impl<C: ConfigurationSpace> Checker<C> {
             .map(|k| (self.ball_gap(k, poses), k))
             .collect();
         order.sort_unstable_by(|x, y| x.0.total_cmp(&y.0).then(x.1.cmp(&y.1)));
-        let mut found: Vec<Near> = Vec::new();
+        let mut found: Vec<(Near, Vector3<f64>)> = Vec::new();
         let mut least = f64::INFINITY;
         for (gap, k) in order {
             if gap > least + slack {
                 break;
             }
-            let near = self.measure(k, q, poses)?;
-            least = least.min(near.distance);
-            if near.distance <= least + slack {
-                found.push(near);
-            }
+            let measured = self.measure(k, poses)?;
+            least = least.min(measured.0.distance);
+            found.push(measured);
         }
-        found.retain(|near| near.distance <= least + slack);
-        found.sort_by(|x, y| x.distance.total_cmp(&y.distance));
-        Ok(found)
+        found.retain(|(near, _)| near.distance <= least + slack);
+        found.sort_by(|(x, _), (y, _)| x.distance.total_cmp(&y.distance));
+        for (near, normal) in &mut found {
+            self.slope(near, normal, q);
+        }
+        Ok(found.into_iter().map(|(near, _)| near).collect())
     }
 
     /// Returns the distance of the balls about both parts: negative if the balls overlap.
@@ -108,8 +110,9 @@ impl<C: ConfigurationSpace> Checker<C> {
         (q - p).norm() - r - s
     }
 
-    /// Measures one pair at posed bodies.
-    fn measure(&mut self, index: usize, q: &[f64], poses: &[Isometry3<f64>]) -> Result<Near, PlanError> {
+    /// Measures one pair at posed bodies, but for its gradient. Returns the normal in the world as
+    /// well, zero for an overlap of unknown depth.
+    fn measure(&mut self, index: usize, poses: &[Isometry3<f64>]) -> Result<(Near, Vector3<f64>), PlanError> {
         self.work.measures += 1;
         let tracked = &mut self.pairs.all[index];
         let pair = tracked.pair;
@@ -126,30 +129,32 @@ impl<C: ConfigurationSpace> Checker<C> {
             .map(|t| t.measure(shapes, &relative, Until::Depth));
         // Kinds without a tracker are refused when the checker is made.
         let outcome = outcome.ok_or(PlanError::Empty)?;
-        let witnesses = [pose_a * outcome.point_on_a, pose_b * outcome.point_on_b];
-        let normal = pose_a.rotation * outcome.normal.into_inner();
-        let mut gradient = alloc::vec![0.0; self.space.freedom()];
         let is_known = outcome.class != Class::Overlapping || outcome.lower > f64::NEG_INFINITY;
-        if is_known {
-            let mut part = gradient.clone();
-            for (k, sign) in [(pair.b, 1.0), (pair.a, -1.0)] {
-                if let Part::Robot(body) = k {
-                    let at = usize::from(sign > 0.0);
-                    self.space.gradient(q, body, &witnesses[at], &normal, &mut part);
-                    gradient.iter_mut().zip(&part).for_each(|(g, p)| *g += sign * p);
-                }
-            }
-            let scales = self.space.scales();
-            gradient.iter_mut().zip(scales).for_each(|(g, s)| *g /= s);
-        }
-        Ok(Near {
+        let near = Near {
             pair,
             distance: if is_known { outcome.distance } else { 0.0 },
             lower: outcome.lower,
             upper: outcome.upper,
-            witnesses,
-            gradient,
-        })
+            witnesses: [pose_a * outcome.point_on_a, pose_b * outcome.point_on_b],
+            gradient: Vec::new(),
+        };
+        let normal = pose_a.rotation * outcome.normal.into_inner();
+        Ok((near, if is_known { normal } else { Vector3::zeros() }))
+    }
+
+    /// Fills in the gradient of a pair.
+    fn slope(&self, near: &mut Near, normal: &Vector3<f64>, q: &[f64]) {
+        let mut gradient = alloc::vec![0.0; self.space.freedom()];
+        let mut part = gradient.clone();
+        for (k, (of, sign)) in [(near.pair.a, -1.0), (near.pair.b, 1.0)].into_iter().enumerate() {
+            if let Part::Robot(body) = of {
+                self.space.gradient(q, body, &near.witnesses[k], normal, &mut part);
+                gradient.iter_mut().zip(&part).for_each(|(g, p)| *g += sign * p);
+            }
+        }
+        let scales = self.space.scales();
+        gradient.iter_mut().zip(scales).for_each(|(g, s)| *g /= s);
+        near.gradient = gradient;
     }
 
     /// Returns the least clearance along a segment, in bounds that are apart by a part `relative`
@@ -165,8 +170,9 @@ impl<C: ConfigurationSpace> Checker<C> {
             });
         }
         let segment = self.segment(from, to)?;
+        let is_empty = self.pairs.all.is_empty();
         let mut found = SegmentClearance {
-            lower: 0.0,
+            lower: if is_empty { f64::INFINITY } else { 0.0 },
             upper: f64::INFINITY,
             t: 0.0,
             pair: None,

@@ -20,7 +20,7 @@ pub enum PlanError {
         found: usize,
     },
     /// A coordinate of a configuration that is not finite or outside the bounds.
-    #[error("coordinate {index} of a configuration is out of bounds: {value}")]
+    #[error("coordinate {index} of a configuration is out of bounds: {value:?}")]
     Coordinate {
         /// The index of the coordinate.
         index: usize,
@@ -34,7 +34,7 @@ pub enum PlanError {
         squared_norm: f64,
     },
     /// Bounds, limits, lengths or counts that define no space or no search.
-    #[error("{what} is out of range: {value}")]
+    #[error("{what} is out of range: {value:?}")]
     Value {
         /// The name of the number.
         what: &'static str,

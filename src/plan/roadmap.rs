@@ -1,6 +1,6 @@
 //! Roadmaps: configurations joined by segments proven free.
 
-use alloc::collections::BinaryHeap;
+use alloc::collections::{BTreeMap, BinaryHeap};
 use alloc::vec::Vec;
 use core::cmp::{Ordering, Reverse};
 
@@ -50,55 +50,64 @@ pub struct Roadmap {
     pub edges: Vec<Edge>,
     /// The freeways.
     pub freeways: Vec<Freeway>,
-    /// Links of a forest of components.
-    parents: Vec<usize>,
+    /// The number of the component of each node.
+    numbers: Vec<usize>,
+    /// The nodes of each component by its number.
+    components: BTreeMap<usize, Vec<usize>>,
 }
 
 impl Roadmap {
     pub(super) fn add(&mut self, q: Vec<f64>) -> usize {
+        let node = self.nodes.len();
         self.nodes.push(q);
-        self.parents.push(self.nodes.len() - 1);
-        self.nodes.len() - 1
+        self.numbers.push(node);
+        self.components.insert(node, [node].into());
+        node
     }
 
+    /// Joins two nodes; the smaller component goes into the larger.
     pub(super) fn join(&mut self, a: usize, b: usize, kind: EdgeKind) {
         self.edges.push(Edge { ends: [a, b], kind });
-        let (x, y) = (self.component(a), self.component(b));
-        let (low, high) = (x.min(y), x.max(y));
-        self.parents[high] = low;
-        // Short ways to the roots of both.
-        for k in [a, b] {
-            self.parents[k] = low;
+        let size = |number: usize| self.components.get(&number).map_or(0, Vec::len);
+        let [x, y] = [a, b].map(|node| self.numbers[node]);
+        let (large, small) = if size(x) < size(y) { (y, x) } else { (x, y) };
+        if large == small {
+            return;
         }
+        let moved = self.components.remove(&small).unwrap_or_default();
+        for &node in &moved {
+            self.numbers[node] = large;
+        }
+        self.components.entry(large).or_default().extend(moved);
     }
 
-    /// Returns a number that configurations joined by segments share: the least of their numbers.
+    /// Returns the number of the component of a node: configurations joined by segments share a
+    /// number, the number of one of them.
     #[must_use]
     pub fn component(&self, node: usize) -> usize {
-        let mut root = node;
-        while self.parents[root] != root {
-            root = self.parents[root];
-        }
-        root
+        self.numbers[node]
     }
 
-    /// Returns the component of every node. A parent never has the higher number.
-    pub(super) fn components(&self) -> Vec<usize> {
-        let mut components: Vec<usize> = Vec::with_capacity(self.parents.len());
-        for (node, &parent) in self.parents.iter().enumerate() {
-            components.push(if parent == node { node } else { components[parent] });
+    /// Returns the components, each with its number and nodes.
+    pub(super) fn components(&self) -> impl Iterator<Item = (usize, &[usize])> {
+        self.components
+            .iter()
+            .map(|(number, nodes)| (*number, nodes.as_slice()))
+    }
+
+    /// Returns the nodes that segments join with each node.
+    fn neighbours(&self) -> Vec<Vec<usize>> {
+        let mut beside: Vec<Vec<usize>> = alloc::vec![Vec::new(); self.nodes.len()];
+        for Edge { ends: [a, b], .. } in &self.edges {
+            beside[*a].push(*b);
+            beside[*b].push(*a);
         }
-        components
+        beside
     }
 
     /// Returns the nodes of a shortest way between two nodes by the lengths of segments.
     pub(super) fn way(&self, from: usize, to: usize, length: impl Fn(&[f64], &[f64]) -> f64) -> Option<Vec<usize>> {
-        let mut beside: Vec<Vec<usize>> = alloc::vec![Vec::new(); self.nodes.len()];
-        for edge in &self.edges {
-            let [a, b] = edge.ends;
-            beside[a].push(b);
-            beside[b].push(a);
-        }
+        let beside = self.neighbours();
         let mut best = alloc::vec![(f64::INFINITY, usize::MAX); self.nodes.len()];
         best[from] = (0.0, from);
         let mut heap = BinaryHeap::from([Reverse(Reached { far: 0.0, node: from })]);

@@ -1,7 +1,9 @@
 //! Promise: what the planner calls free is free at every instant, what it calls blocked is blocked, and paths are made of
 //! segments proven free.
 
+mod arm;
 mod certify;
 mod judge;
 mod planner;
 mod spaces;
+pub(crate) type Trouble = Box<dyn std::error::Error>;

@@ -37,7 +37,8 @@ fn contract<C: ConfigurationSpace>(space: &C, rng: &mut Rng, rounds: usize, exac
         let (from, to) = (configuration(space, rng), configuration(space, rng));
         let segment = space.segment(&from, &to).expect("a segment");
         let body = rng.below(space.bodies());
-        let time = rng.uniform();
+        // The begin is looked at most.
+        let time = if rng.chance(0.25) { 0.0 } else { rng.uniform() };
         let span = (1.0 - time) * rng.log_range(1e-3, 1.0);
         let course = segment.course(body, time, span);
         let start = segment.pose(body, time);
