@@ -38,6 +38,7 @@
 //! |---|---|---|
 //! | Is a segment free? | [`Checker::certify`], [`is_free`](Checker::is_free) | [`Verdict`]: free, blocked at a time by a pair, unknown |
 //! | Is a path free? | [`Checker::certify_path`] | the first segment that is not |
+//! | Is a spline, or a motion with an error of tracking, free? | [`Checker::certify_tube`] | [`Verdict`] on all motions that close to the segment |
 //! | Why is the segment free? | [`Checker::prove`] | the certificates of every pair, one after the other |
 //! | How clear is the segment? | [`Checker::clearance_along`] | a proven bound, and a distance that is attained |
 //! | How clear is a configuration? | [`Checker::clearance`], [`nearest`](Checker::nearest) | signed distance, witnesses, gradient |

@@ -31,6 +31,39 @@ impl<C: ConfigurationSpace> Checker<C> {
         Ok((0, Verdict::Free { clearance }))
     }
 
+    /// Returns the verdict on a tube about a segment: on all motions that keep every point of the
+    /// robot within `radius` of its place on the segment at the same time, such as a spline between
+    /// the ends, or the segment driven with an error of tracking. The margin of the checker holds
+    /// inside the tube.
+    ///
+    /// `Blocked` and `Unknown` say that a pair comes within the margin and the radius; a tube of
+    /// which this is true may hold a motion that is free. Pairs of two bodies of the robot count
+    /// the radius twice, and so do all pairs of a robot with such pairs.
+    ///
+    /// # Errors
+    /// A configuration that is not of the space, or a radius that is negative or not finite.
+    pub fn certify_tube(&mut self, from: &[f64], to: &[f64], radius: f64) -> Result<Verdict, PlanError> {
+        if !(0.0..=crate::tolerance::EXTENT_MAX).contains(&radius) {
+            return Err(PlanError::Value {
+                what: "radius",
+                value: radius,
+            });
+        }
+        let margin = self.margin();
+        let moving = if self.pairs.own < self.pairs.all.len() {
+            2.0
+        } else {
+            1.0
+        };
+        self.set_margin((margin + moving * radius).next_up())?;
+        let verdict = self.certify(from, to);
+        self.set_margin(margin)?;
+        Ok(match verdict? {
+            Verdict::Free { .. } => Verdict::Free { clearance: margin },
+            other => other,
+        })
+    }
+
     /// Returns the length of a path.
     pub fn path_length(&self, path: &[Vec<f64>]) -> f64 {
         path.windows(2).map(|e| self.space.distance(&e[0], &e[1])).sum()

@@ -90,6 +90,52 @@ fn ten_thousand_segments_are_judged_right() {
     }
 }
 
+/// Splines that bulge from the chord by no more than the radius of a free tube meet no obstacle; a tube wider than the
+/// clearance is not free.
+#[test]
+fn splines_within_a_tube_are_free() {
+    let mut world = World::new();
+    world.robot_body("ball", Shape::ball(0.1).expect("a ball"));
+    let block = solids::cuboid(Vector3::new(0.2, 0.2, 0.2)).expect("a cuboid");
+    let at = [[0.0, 0.7, 0.0], [0.0, -0.9, 0.1], [0.5, 0.1, 0.8], [-0.3, 0.2, -0.7]];
+    for (k, [x, y, z]) in at.into_iter().enumerate() {
+        world.obstacle(k, block.clone(), Isometry3::translation(x, y, z));
+    }
+    let space = TranslationSpace::new([[-2.0, 2.0]; 3], Default::default(), 1).expect("a space");
+    let mut checker = Checker::new(space, world).expect("a checker");
+    let (from, to) = ([-1.5, 0.0, 0.0], [1.5, 0.1, 0.0]);
+    let clearance = checker.clearance_along(&from, &to, 1e-3).expect("a segment").lower;
+    let mut rng = Rng::new(5);
+    let (mut free, mut blocked) = (0, 0);
+    for k in 0..200 {
+        let radius = (0.01 * f64::from(k) + 0.005) * clearance;
+        let verdict = checker.certify_tube(&from, &to, radius).expect("a segment");
+        assert_eq!(checker.margin(), 0.0);
+        assert_eq!(
+            verdict.is_free(),
+            radius < clearance,
+            "{radius} of {clearance}: {verdict:?}"
+        );
+        if !verdict.is_free() {
+            blocked += 1;
+            continue;
+        }
+        free += 1;
+        // A quadratic spline whose middle is off the chord by the radius.
+        let off = Vector3::from(rng.unit()) * radius;
+        for i in 0..=100 {
+            let t = 0.01 * f64::from(i);
+            let q: Vec<f64> = (0..3)
+                .map(|c| from[c] + t * (to[c] - from[c]) + 4.0 * t * (1.0 - t) * off[c])
+                .collect();
+            let near = checker.clearance(&q).expect("a configuration").expect("a pair");
+            assert!(near.distance > 0.0, "{radius} {t} {near:?}");
+        }
+    }
+    assert!(free >= 95 && blocked >= 95, "{free} {blocked}");
+    assert!(checker.certify_tube(&from, &to, -1.0).is_err() && checker.certify_tube(&from, &to, f64::NAN).is_err());
+}
+
 /// Steps of a length miss thin contacts that certificates find. The table of the issue is printed by `race plan`.
 #[test]
 fn fixed_steps_miss_what_certificates_find() {
