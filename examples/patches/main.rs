@@ -1,11 +1,11 @@
 //! Curved surfaces: a pot of rational patches and a twisted blade of a B-spline that swings about the pot.
 //!
 //! ```text
-//! cargo run --release --example patches -- [--frames N] [--width W] [FILE.svg]
+//! cargo run --release --example patches -- [--frames N] [--width W] [--out FILE.svg]
 //! ```
 //!
 //! Prints what intervals of several widths cost and how far they miss the narrowest, then draws the front of one frame and the closest points
-//! of all frames: `patches.svg` unless named.
+//! of all frames: `target/patches.svg` unless named.
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -21,12 +21,13 @@ use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use lin_canny::patch::{Nurbs, PatchError, Surface, SurfaceOutcome, SurfacePart, SurfaceTracker, revolution};
 
 const USAGE: &str = "\
-usage: patches [--frames N] [--width W] [FILE.svg]
+usage: patches [--frames N] [--width W] [--out FILE.svg]
 
 A blade swings about a pot: the front of a frame and the closest points as a picture.
 
   --frames N   frames of half a degree (240)
-  --width W    width of the interval asked for in the picture (1e-9)";
+  --width W    width of the interval asked for in the picture (1e-9)
+  --out FILE   where to draw (default: target/patches.svg)";
 
 /// Towards the viewer, to the right and up.
 const VIEW: [Point; 3] = [[0.36, -0.80, 0.48], [0.91, 0.41, 0.0], [-0.20, 0.44, 0.88]];
@@ -43,11 +44,13 @@ fn main() -> ExitCode {
 
 fn options(arguments: Option<Arguments>) -> Result<Option<Options>, String> {
     let Some(mut a) = arguments else { return Ok(None) };
-    Ok(Some(Options {
+    let options = Options {
         frames: a.number("--frames", 1, 240)?,
         width: a.number("--width", 0.0, 1e-9)?,
-        file: a.files(1)?.pop().unwrap_or("patches.svg".into()).into(),
-    }))
+        file: a.value("--out")?.unwrap_or("target/patches.svg".into()).into(),
+    };
+    a.files(0)?;
+    Ok(Some(options))
 }
 
 fn pot() -> Result<Surface, PatchError> {
