@@ -176,7 +176,11 @@ impl Steady {
 impl Motion for Steady {
     #[inline]
     fn pose(&self, time: f64) -> Isometry3<f64> {
-        let rotation = UnitQuaternion::new_unchecked(self.spin.after(time) * self.rotation);
+        let rotation = UnitQuaternion::new_unchecked(if self.velocity.angular == Vector3::zeros() {
+            self.rotation
+        } else {
+            self.spin.after(time) * self.rotation
+        });
         let mut at = self.centre + self.velocity.linear * time + self.acceleration * (0.5 * time * time);
         if self.pivot != Point3::origin() {
             at -= rotation * self.pivot.coords;

@@ -51,15 +51,16 @@ use crate::tuning::separation::{AHEAD, ENOUGH, FAR, TRIES};
 
 /// Returns the time for which a turning plane proves the shapes more than `flight.keep` apart.
 pub(super) fn free_for<S: Separation + ?Sized>(pair: &mut S, seen: &Measure, flight: &Flight) -> Free {
-    let setting = Setting::new(pair, flight);
-    let normal = setting.a.rotation * seen.normal.into_inner();
     let still = Vector3::zeros();
-    if seen.by_plane && setting.a.rate == 0.0 && setting.b.rate == 0.0 {
+    if seen.by_plane && turns_neither(flight) {
+        let normal = flight.pose_a.rotation * seen.normal.into_inner();
         return Free {
-            span: setting.shifted(&normal, seen.lower),
+            span: straight_until(pair, flight, &normal, seen.lower),
             proof: Proof::Plane { normal, spin: still },
         };
     }
+    let setting = Setting::new(pair, flight);
+    let normal = setting.a.rotation * seen.normal.into_inner();
     let at = (setting.a.height(pair, &normal), setting.b.height(pair, &-normal));
     let spin = setting.spin(&normal, &seen.tangent);
     let (mut plane, mut chosen) = (setting.plane(&normal, &spin, &at), spin);
@@ -77,6 +78,11 @@ pub(super) fn free_for<S: Separation + ?Sized>(pair: &mut S, seen: &Measure, fli
 
 /// Returns the time in which the witnesses come nearer by `way`, to second order; `None` if never.
 pub(super) fn forecast<S: Separation + ?Sized>(pair: &S, seen: &Measure, flight: &Flight, way: f64) -> Option<f64> {
+    let ahead = |slope: f64, bend: f64| Some(time_to(way, slope, bend)).filter(|t| *t < f64::INFINITY);
+    if turns_neither(flight) {
+        let normal = flight.pose_a.rotation * seen.normal.into_inner();
+        return ahead(normal.dot(&flight.velocity()), normal.dot(&flight.acceleration()));
+    }
     let set = Setting::new(pair, flight);
     let normal = set.a.rotation * seen.normal.into_inner();
     let spin = set.spin(&normal, &seen.tangent);
@@ -89,8 +95,63 @@ pub(super) fn forecast<S: Separation + ?Sized>(pair: &S, seen: &Measure, flight:
     let [_, f1, f2] = set.way(&normal, &spin);
     let slope = f1 - turn_a.first.dot(&on_a) + turn_b.first.dot(&on_b);
     let bend = f2 - turn_a.second.dot(&on_a) + turn_b.second.dot(&on_b);
-    let time = time_to(way, slope, bend);
-    (time < f64::INFINITY).then_some(time)
+    ahead(slope, bend)
+}
+
+/// Whether neither shape turns: then a plane that proves the shapes apart keeps its normal, and the
+/// gap is a parabola, exactly.
+fn turns_neither(flight: &Flight) -> bool {
+    flight.course_a.angular == Vector3::zeros() && flight.course_b.angular == Vector3::zeros()
+}
+
+/// Returns the time for which shapes that do not turn are apart along a normal, from the gap along
+/// the normal now.
+fn straight_until<S: Separation + ?Sized>(pair: &S, flight: &Flight, n: &Vector3<f64>, gap: f64) -> f64 {
+    let reach = |which: Operand, course: &Course| {
+        let (centre, radius) = pair.ball(which);
+        radius + one_norm(&(centre - course.pivot))
+    };
+    let (course_a, course_b) = (&flight.course_a, &flight.course_b);
+    let (reach_a, reach_b) = (reach(Operand::A, course_a), reach(Operand::B, course_b));
+    let size = flight.size(reach_a + reach_b);
+    let Drift([d0, d1, d2, d3]) = course_a.drift(reach_a) + course_b.drift(reach_b);
+    let (velocity, acceleration) = (flight.velocity(), flight.acceleration());
+    let (slope, bend) = (n.dot(&velocity), n.dot(&acceleration));
+    let length = flight.span.min(AHEAD * time_to(gap, slope, bend));
+    if !(length < f64::INFINITY) {
+        return 0.0;
+    }
+    let ways = length * (one_norm(&velocity) + length * one_norm(&acceleration));
+    let b0 = gap - (PLANE * (size + ways) + flight.keep + d0);
+    let way = |k: f64| slope * length * (k / 3.0);
+    let (late, square) = (d1 * length, 0.5 * (bend - d2) * length * length);
+    let cube = d3 * length * length * length * (1.0 / 6.0);
+    let part = positive_until([
+        b0,
+        b0 + way(1.0) - late * (1.0 / 3.0),
+        b0 + way(2.0) - late * (2.0 / 3.0) + square * (1.0 / 3.0),
+        b0 + way(3.0) - late + square - cube,
+    ]);
+    part * length
+}
+
+impl Flight {
+    /// Returns the velocity of B's pivot less that of A's.
+    fn velocity(&self) -> Vector3<f64> {
+        self.course_b.linear - self.course_a.linear
+    }
+
+    fn acceleration(&self) -> Vector3<f64> {
+        self.course_b.acceleration - self.course_a.acceleration
+    }
+
+    /// Returns lengths to which rounding is relative, without the displacements of the pivots;
+    /// `reach` is the sum of those of both shapes.
+    fn size(&self, reach: f64) -> f64 {
+        let offset = self.pose_b.translation.vector - self.pose_a.translation.vector;
+        let pivots = one_norm(&self.course_a.pivot.coords) + one_norm(&self.course_b.pivot.coords);
+        reach + one_norm(&offset) + 2.0 * pivots + self.keep
+    }
 }
 
 /// The first time at which `way + slope s + bend s^2 / 2` is zero; infinite if never.
@@ -198,14 +259,12 @@ impl<'a> Setting<'a> {
         let offset = flight.pose_b.translation.vector - flight.pose_a.translation.vector;
         let (pivot_a, pivot_b) = (course_a.pivot.coords, course_b.pivot.coords);
         let between = offset + (b.rotation * pivot_b - a.rotation * pivot_a);
-        let size =
-            a.reach + b.reach + one_norm(&offset) + 2.0 * (one_norm(&pivot_a) + one_norm(&pivot_b)) + flight.keep;
         Self {
             between,
-            velocity: course_b.linear - course_a.linear,
-            acceleration: course_b.acceleration - course_a.acceleration,
+            velocity: flight.velocity(),
+            acceleration: flight.acceleration(),
             drift: course_a.drift(a.reach) + course_b.drift(b.reach),
-            size,
+            size: flight.size(a.reach + b.reach),
             flight,
             a,
             b,
@@ -256,34 +315,6 @@ impl<'a> Setting<'a> {
             plane.ahead = plane.shortened(self.flight.span.min(AHEAD * plane.expected()));
         }
         plane
-    }
-
-    /// Returns the time for which shapes that do not turn are apart along a normal, from the gap
-    /// along the normal now: a parabola, exactly.
-    fn shifted(&self, n: &Vector3<f64>, gap: f64) -> f64 {
-        let span = self.flight.span;
-        let (slope, bend) = (n.dot(&self.velocity), n.dot(&self.acceleration));
-        let ways = |length: f64| length * (one_norm(&self.velocity) + length * one_norm(&self.acceleration));
-        let [d0, d1, d2, d3] = self.drift.0;
-        let reach = |length: f64| {
-            let taken = PLANE * (self.size + ways(length)) + self.flight.keep + d0;
-            let way = |k: f64| slope * length * (k / 3.0);
-            let (square, cube) = (
-                0.5 * (bend - d2) * length * length,
-                d3 * length * length * length * (1.0 / 6.0),
-            );
-            let b0 = gap - taken;
-            let late = d1 * length;
-            let part = positive_until([
-                b0,
-                b0 + way(1.0) - late * (1.0 / 3.0),
-                b0 + way(2.0) - late * (2.0 / 3.0) + square * (1.0 / 3.0),
-                b0 + way(3.0) - late + square - cube,
-            ]);
-            part * length
-        };
-        let length = span.min(AHEAD * time_to(gap, slope, bend));
-        if length < f64::INFINITY { reach(length) } else { 0.0 }
     }
 
     /// `n(s) . (dc + dv s + da s^2 / 2)` and its first two derivatives.
