@@ -110,7 +110,7 @@ fn widest(choices: &[ContactCandidate], kept: u64, chosen: &Chosen, merge: f64) 
 
 /// Returns whether bit `k` is set.
 fn has_bit(bits: u64, k: usize) -> bool {
-    bits >> k & 1 == 1
+    k < 64 && bits >> k & 1 == 1
 }
 
 fn between(p: &ContactCandidate, q: &ContactCandidate) -> [f64; 2] {

@@ -277,6 +277,7 @@ impl Snapshot {
             impacts: self.impacts,
             report: self.report,
             replanned: self.replanned,
+            is_patching: true,
             changed: self.changed,
             growths,
             partners: self.partners,
