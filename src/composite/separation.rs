@@ -129,8 +129,7 @@ fn ahead<S: Separation, A: Parted, B: Parted>(
 ) -> Free {
     let apart = flight.apart(pair);
     let mut span = flight.held(pair, seen.lower - flight.keep - apart.noise);
-    if BEFORE
-        && span < flight.span
+    if span < flight.span
         && seen.lower > flight.keep
         && let Ok(pose) = RelativePose::new(&flight.pose_a, &flight.pose_b)
         && let Some(posed) = Posed::new(a, b, &pose)
