@@ -459,7 +459,10 @@ fn contacts_of_meshes_and_composites_are_those_of_their_patches() {
         }
         scene.step();
         for &(below, id, count) in &pairs {
-            let pair = scene.pair(below, id).unwrap();
+            let Some(pair) = scene.pair(below, id) else {
+                assert!(lift > 0.01);
+                continue;
+            };
             let points: Vec<(f64, Vector3<f64>)> = match (pair.manifold, pair.contacts) {
                 (Some(m), None) => m.points().iter().map(|p| (p.separation, *m.normal())).collect(),
                 (None, Some(groups)) => {

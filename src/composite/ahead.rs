@@ -1,17 +1,18 @@
 //! How long two bodies of many parts stay apart: each pair of nodes by its own direction.
 //!
 //! Let n be a unit direction that turns with one body P, Q the other, c the centre of a ball of
-//! radius rho about the node of Q, and `g` the gap of the two nodes along n at the instant. With the
-//! velocities of a [`Flight`], `D` from P's pivot to c, `V` the velocity of c less that of P's pivot
-//! and `a` the arm of c about Q's pivot, the height of c over P's pivot along n changes by at least
+//! radius rho about the node of Q, and `g` the gap of the two nodes along n at the instant. With
+//! the velocities of a [`Flight`], `D` from P's pivot to c, `V` the velocity of c less that of P's
+//! pivot and `a` the arm of c about Q's pivot, the height of c over P's pivot along n changes by at
+//! least
 //!
 //! `s ((wP x n) . D + n . V) - s^2 / 2 (|wP|^2 |D| + 2 |wP| |V| + |acceleration| + |wQ|^2 |a|)`
 //!
-//! within a horizon over which the lengths in the last term are bounded; the height of P's node over
-//! its pivot does not change, and that of Q's node over c by at most `rho |wP - wQ| s`. So each pair
-//! of nodes has a time of its own, long if the bodies move across its direction. The bodies stay
-//! apart for the least of these times over any set of pairs under which all pairs of parts lie: a
-//! front, or both roots. Pairs that last less than the closest pair are split.
+//! within a horizon over which the lengths in the last term are bounded; the height of P's node
+//! over its pivot does not change, and that of Q's node over c by at most `rho |wP - wQ| s`. So
+//! each pair of nodes has a time of its own, long if the bodies move across its direction. The
+//! bodies stay apart for the least of these times over any set of pairs under which all pairs of
+//! parts lie: a front, or both roots. Pairs that last less than the closest pair are split.
 //!
 //! Sources: conservative advancement with the speed along the closest direction, Mirtich 1996; over
 //! pairs of nodes, Tang, Kim and Manocha 2009. Departures: 1. the direction of each pair is the
@@ -186,8 +187,8 @@ impl<'a, A: Parted, B: Parted> Ahead<'a, A, B> {
         (low + n.dot(&frame.translation) - 2.0 * frame.error - high) * a.stored_unit()
     }
 
-    /// The time for which two nodes stay apart along a direction, by the gap at the instant: at most
-    /// the flight's span.
+    /// The time for which two nodes stay apart along a direction, by the gap at the instant: at
+    /// most the flight's span.
     fn time(&self, [x, y]: Pair, n: &Vector3<f64>, gap: f64) -> f64 {
         let way = gap - self.keep;
         if !(way > 0.0) {

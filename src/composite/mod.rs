@@ -2,12 +2,12 @@
 //! convex pieces.
 //!
 //! Reading order: [`mesh`] (triangles to a checked mesh), `pieces` (placed shapes to a body),
-//! `parts` (both as convex parts), `placed` (poses of parts), `tree` (oriented boxes in single precision), `frame` (a pair
-//! at a pose), `bounds` (eight pairs of boxes at once), `front` (the proof of the last answer),
-//! `search` (down both trees), `kept` (front and search from frame to frame), `triangle` (two
-//! triangles), `inside` (winding numbers), `state` (the queries), `tracker` (the state of
-//! a pair), `contact` (manifolds of convex patches), `penetration` (bounds of the depth), `separation` (pairs over time) and `ahead`
-//! (the bound of a look).
+//! `parts` (both as convex parts), `placed` (poses of parts), `tree` (oriented boxes in single
+//! precision), `frame` (a pair at a pose), `bounds` (eight pairs of boxes at once), `front` (the
+//! proof of the last answer), `search` (down both trees), `kept` (front and search from frame to
+//! frame), `triangle` (two triangles), `inside` (winding numbers), `state` (the queries), `tracker`
+//! (the state of a pair), `contact` (manifolds of convex patches), `penetration` (bounds of the
+//! depth), `separation` (pairs over time) and `ahead` (the bound of a look).
 //!
 //! # The proof
 //!

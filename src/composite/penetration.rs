@@ -1,13 +1,13 @@
 //! Bounds of the penetration depth of two solids that are not convex.
 //!
 //! The depth is the length of the shortest translation of B after which the bodies share no inner
-//! point. A point of one body that is `r` deep inside the other must leave, so the depth is at least
-//! `r`; any translation after which the bodies are proven apart is at least as long as the depth.
-//! Two convex pieces must be parted as well, so their depth is a lower bound too.
+//! point. A point of one body that is `r` deep inside the other must leave, so the depth is at
+//! least `r`; any translation after which the bodies are proven apart is at least as long as the
+//! depth. Two convex pieces must be parted as well, so their depth is a lower bound too.
 //!
 //! The search moves B by the deepest point, or the deepest pair of pieces, until the bodies are
-//! apart, then shortens the translation by bisection; and it shortens the translation that parts the
-//! hulls. None of this need find the shortest: the interval stays open, and says so.
+//! apart, then shortens the translation by bisection; and it shortens the translation that parts
+//! the hulls. None of this need find the shortest: the interval stays open, and says so.
 //!
 //! Source: the two bounds of Zhang, Kim, Varadhan and Manocha 2007, "Generalized penetration depth
 //! computation" (there for convex containers and pieces); moving by local depths: Je et al. 2012,
@@ -29,9 +29,9 @@ use crate::polyhedron::ConvexPolyhedron;
 use crate::pose::RelativePose;
 use crate::shape::{Core, Shape};
 use crate::shape_tracker::ShapeTracker;
-use crate::tolerance::{CERTIFICATE, UNIT};
+use crate::tolerance::{CERTIFICATE, UNIT, UNIT_SINGLE};
 use crate::tracker::Tracker;
-use crate::tuning::composite::{DEEP_POINTS, HALVINGS, PUSHES};
+use crate::tuning::composite::{BEYOND, DEEP_POINTS, HALVINGS, PUSHES};
 
 /// Bounds of the penetration depth of two bodies: an interval, not a distance. The depth is the
 /// length of the shortest translation of B after which the bodies share no inner point.
@@ -94,7 +94,7 @@ impl<O: Overlap> Search<'_, O> {
         let length = sqrt(apart.norm_squared());
         let n = if length > 0.0 { apart / length } else { Vector3::x() };
         let reach = sqrt((high_a - low_a).norm_squared()) + sqrt((high_b - low_b).norm_squared());
-        n * (0.5 * reach * (1.0 + 1e-9) + 4.0 * self.noise - length).max(0.0)
+        n * (0.5 * reach * BEYOND + 4.0 * self.noise - length).max(0.0)
     }
 
     /// Moves B by the deepest overlap found until the bodies are apart.
@@ -106,7 +106,7 @@ impl<O: Overlap> Search<'_, O> {
             }
             let pose = self.shifted(&shift)?;
             match self.bodies.deepest(&pose) {
-                Some((_, more)) => shift += more * (1.0 + 1e-6),
+                Some((_, more)) => shift += more * BEYOND,
                 // Edges cross, and no inner point is found.
                 None => shift *= 1.25,
             }
@@ -138,7 +138,7 @@ impl<O: Overlap> Search<'_, O> {
         let mut best = self.far();
         let starts = [self.bodies.by_hulls(pose), deepest.and_then(|d| self.pushed(d))];
         for start in starts.into_iter().flatten() {
-            let start = start * (1.0 + 1e-9);
+            let start = start * BEYOND;
             if start.norm_squared() > 0.0 && self.parts(&start) {
                 let shift = self.shortened(start, lower);
                 if shift.norm_squared() < best.norm_squared() {
@@ -260,8 +260,8 @@ fn points(mesh: &Mesh) -> impl Iterator<Item = Vector3<f64>> + '_ {
     mesh.points.iter().step_by(step).copied()
 }
 
-/// The depth of each point that is certainly inside a solid, and the way out, both at least right to
-/// `doubt`.
+/// The depth of each point that is certainly inside a solid, and the way out, both at least right
+/// to `doubt`.
 fn inner(
     mesh: &Mesh,
     points: impl Iterator<Item = Vector3<f64>>,
@@ -286,13 +286,14 @@ fn inner(
 fn nearest(mesh: &Mesh, point: &Vector3<f64>) -> (f64, Vector3<f64>) {
     let tree = &mesh.tree;
     let place = (point - tree.centre) / tree.unit();
-    // Below the distance of all points of the box, rounding included.
+    // Axes as stored are orthonormal within 8 UNIT_SINGLE.
+    let slack = 32.0 * UNIT_SINGLE * (1.0 + place.amax());
     let least = |node: u32| {
         let b = &tree.boxes[node as usize];
         let (d, half) = (place - b.centre(), b.half());
-        let out = |k: usize| (b.axis(k).dot(&d).abs() - half[k] * (1.0 + 1e-6) - 1e-6).max(0.0);
+        let out = |k: usize| (b.axis(k).dot(&d).abs() - half[k] - slack).max(0.0);
         let away = sqrt(out(0) * out(0) + out(1) * out(1) + out(2) * out(2));
-        away * (1.0 - 1e-6) * tree.unit()
+        away * (1.0 - slack) * tree.unit()
     };
     let mut best = (f64::INFINITY, *point);
     let mut stack = alloc::vec![(least(0), 0)];
@@ -326,8 +327,8 @@ fn by_hulls(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &RelativePose) -> 
 }
 
 impl CompositeTracker {
-    /// Returns bounds of the penetration depth of two bodies of pieces: an interval by a name of its
-    /// own, no [`distance`](Self::distance).
+    /// Returns bounds of the penetration depth of two bodies of pieces: an interval by a name of
+    /// its own, no [`distance`](Self::distance).
     ///
     /// Below stands the depth of the deepest pair of pieces, above a translation that parts the
     /// bodies. Every pair of pieces is measured, then dozens of queries.

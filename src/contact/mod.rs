@@ -36,7 +36,6 @@ mod query;
 mod reduce;
 mod rims;
 
-use alloc::vec::Vec;
 use nalgebra::{Matrix3, Point3, Vector3};
 
 use crate::num::scalar::sqrt;
@@ -45,11 +44,12 @@ use crate::pair::rounding;
 use crate::polyhedron::{ConvexPolyhedron, Feature, FeaturePair};
 use crate::tolerance::{ACROSS, AGREE, STEEP};
 use axes::Axes;
-use candidates::{Candidates, ContactCandidate, Location};
+pub(crate) use candidates::ContactCandidate;
+use candidates::{Candidates, Location};
 use keep::Projections;
 use projection::{LazyProjection, ProjectedFeature};
 use promote::Promotion;
-use reduce::reduce;
+pub(crate) use reduce::reduce;
 use rims::Rays;
 
 pub(crate) use facet::{Facet, RoundFace};
@@ -61,33 +61,6 @@ pub(crate) use query::{Extent, Query};
 
 /// Most points of a manifold.
 pub(crate) const MOST_POINTS: usize = 8;
-
-/// Chooses a few of many points along one normal, as a manifold does: the deepest, and those that
-/// span the most area. The first `before` points are preferred among nearly equal ones.
-pub(crate) fn spread(
-    normal: &Vector3<f64>,
-    points: &[ContactPoint],
-    before: usize,
-    (most, merge, tie): (usize, f64, f64),
-) -> Vec<usize> {
-    let Some(first) = points.first() else {
-        return Vec::new();
-    };
-    let [u, v] = tangents_of(normal);
-    let candidate = |p: &ContactPoint| {
-        let d = p.point_on_a - first.point_on_a;
-        ContactCandidate {
-            at: [u.dot(&d), v.dot(&d)],
-            separation: p.separation,
-            on: ContactCandidate::WITNESS,
-        }
-    };
-    let candidates: Vec<_> = points.iter().map(candidate).collect();
-    let kept = if before < 64 { (1 << before) - 1 } else { u64::MAX };
-    reduce(&candidates, kept, most.clamp(1, MOST_POINTS), merge, tie)
-        .all()
-        .to_vec()
-}
 
 /// The contacts of an outcome.
 struct Contacts {
@@ -379,7 +352,7 @@ impl ConvexPolyhedron {
 
 /// Returns two unit directions perpendicular to a unit direction and to each other, right-handed
 /// with `n`.
-fn tangents_of(n: &Vector3<f64>) -> [Vector3<f64>; 2] {
+pub(crate) fn tangents_of(n: &Vector3<f64>) -> [Vector3<f64>; 2] {
     let other = if n.x.abs() < 0.6 {
         Vector3::new(0.0, -n.z, n.y)
     } else {

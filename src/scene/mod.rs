@@ -210,8 +210,6 @@ pub struct Scene {
     report: Report,
     /// Groups whose effects changed since the last step, as bits.
     replanned: u32,
-    /// Whether bodies may have come that have no patches yet.
-    is_patching: bool,
     /// Whether bodies were inserted, removed or moved to another group since the last step.
     changed: bool,
     /// By group, as of the last step that applied changed effects: the growth of the boxes, and the
@@ -270,7 +268,6 @@ impl Scene {
             impacts: Vec::new(),
             report: Report::default(),
             replanned: 0,
-            is_patching: true,
             changed: false,
             growths: [0.0; GROUPS],
             partners: [0; GROUPS],
@@ -312,7 +309,6 @@ impl Scene {
         self.census.check_effects(these, those, &effects)?;
         self.table.call_for(these, those, effects)?;
         self.replanned |= 1 << these.number() | 1 << those.number();
-        self.is_patching = true;
         Ok(())
     }
 
@@ -341,7 +337,6 @@ impl Scene {
             .check_body(solid.member(), |other| self.table.effects(solid.group, other))?;
         let mut hint = BoxHint::default();
         let proxy = self.create_proxy(&mut solid, &pose, &mut hint)?;
-        self.is_patching |= !solid.member().1.is_convex();
         self.changed = true;
         self.census.add(solid.member());
         Ok(self.bodies.insert(solid, pose, proxy, hint))
@@ -423,7 +418,6 @@ impl Scene {
         }
         self.census.add(solid.member());
         checked?;
-        self.is_patching |= !kind.is_convex();
         // Applied together with the effects of both groups.
         self.replanned |= 1 << old.number() | 1 << group.number();
         Ok(())

@@ -30,7 +30,9 @@ impl Scene {
             self.bodies.narrow();
             let mut clock = Clock::start();
             let recreated = self.replan();
-            self.make_patches();
+            if self.changed || self.replanned != 0 {
+                self.make_patches();
+            }
             self.make_boxes();
             self.report.times.boxes = clock.lap();
             let changes = self.find_pairs(recreated);
@@ -82,12 +84,11 @@ impl Scene {
 
     /// Makes the patches of meshes and composites whose contacts are called for, once for each
     /// shape.
-    fn make_patches(&mut self) {
+    pub(super) fn make_patches(&mut self) {
         let groups = self.table.manifold_groups();
-        if !self.is_patching || !self.census.has_parts(groups) {
+        if !self.census.has_parts(groups) {
             return;
         }
-        self.is_patching = false;
         let mut made = BTreeMap::new();
         for solid in self.bodies.solids.iter().flatten() {
             if let Some(patches) = &solid.patches {

@@ -113,3 +113,7 @@ pub(crate) const HALVINGS: usize = 10;
 
 /// Faces whose depths differ by less than this part count as equally deep.
 pub(crate) const NEARLY: f64 = 1.0 / 64.0;
+
+/// By which factor a translation that should part two bodies is longer: rounding shall not keep
+/// them in contact.
+pub(crate) const BEYOND: f64 = 1.0 + 1.0 / 1_073_741_824.0;

@@ -27,7 +27,7 @@ use super::frame::Frame;
 use super::front::Pair;
 use super::placed::Placed;
 use super::search::split_pair;
-use crate::contact::{ContactPoint, ManifoldOptions, spread};
+use crate::contact::{ContactCandidate, ContactPoint, ManifoldOptions, reduce, tangents_of};
 use crate::pose::RelativePose;
 use crate::tolerance::ACROSS;
 use crate::tuning::composite::ALIKE;
@@ -185,7 +185,7 @@ impl PatchTracker {
 
 /// Puts contacts of like normals together and keeps a few of each; the first `old` were there
 /// before.
-fn groups(all: &[PatchContact], old: usize, limits: (usize, f64, f64)) -> Vec<PatchContacts> {
+fn groups(all: &[PatchContact], old: usize, (most, merge, tie): (usize, f64, f64)) -> Vec<PatchContacts> {
     let mut deepest: Vec<usize> = (0..all.len()).collect();
     deepest.sort_by(|&i, &j| all[i].point.separation.total_cmp(&all[j].point.separation));
     let mut groups: Vec<(Unit<Vector3<f64>>, Vec<usize>)> = Vec::new();
@@ -200,11 +200,18 @@ fn groups(all: &[PatchContact], old: usize, limits: (usize, f64, f64)) -> Vec<Pa
     let reduced = |(normal, mut members): (Unit<Vector3<f64>>, Vec<usize>)| {
         members.sort_unstable();
         let before = members.partition_point(|&k| k < old);
-        let points: Vec<ContactPoint> = members.iter().map(|&k| all[k].point).collect();
-        let chosen = spread(&normal, &points, before, limits);
+        let [u, v] = tangents_of(&normal);
+        let first = all[members[0]].point.point_on_a;
+        let candidate = |&k: &usize| {
+            let d = all[k].point.point_on_a - first;
+            ContactCandidate::at([u.dot(&d), v.dot(&d)], all[k].point.separation)
+        };
+        let candidates: Vec<_> = members.iter().map(candidate).collect();
+        let kept = if before < 64 { (1 << before) - 1 } else { u64::MAX };
+        let chosen = reduce(&candidates, kept, most, merge, tie);
         PatchContacts {
             normal,
-            contacts: chosen.into_iter().map(|k| all[members[k]]).collect(),
+            contacts: chosen.all().iter().map(|&k| all[members[k]]).collect(),
         }
     };
     groups.into_iter().map(reduced).collect()

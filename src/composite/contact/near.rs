@@ -202,8 +202,8 @@ impl Posed<'_> {
             .fold(0, |bits, bit| bits | bit)
     }
 
-    /// Whether the face of an outcome is the nearest to the point that overlaps most: of a ridge that
-    /// another body has entered from one side, the other side bears no contact.
+    /// Whether the face of an outcome is the nearest to the point that overlaps most: of a ridge
+    /// that another body has entered from one side, the other side bears no contact.
     fn is_nearest(&self, is_of_a: bool, outcome: &Outcome) -> bool {
         let Query { a, b, doubt, .. } = self.query;
         let depth = -outcome.distance * (1.0 - NEARLY) - doubt;

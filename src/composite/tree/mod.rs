@@ -138,8 +138,8 @@ impl Tree {
         crate::polyhedron::power_of_two(self.exponent)
     }
 
-    /// Asks about the items whose boxes are at most twice `reach` from a point in stored coordinates
-    /// of the body, until an answer is true.
+    /// Asks about the items whose boxes are at most twice `reach` from a point in stored
+    /// coordinates of the body, until an answer is true.
     pub(crate) fn any_near(&self, point: &Vector3<f64>, reach: f64, mut is_found: impl FnMut(u32) -> bool) -> bool {
         let place = (point - self.centre) / self.unit();
         // Twice for the rounding of all that follows.
