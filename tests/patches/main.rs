@@ -6,6 +6,3 @@ mod hard;
 mod random;
 mod same;
 mod truth;
-#[path = "../curved/wide.rs"]
-#[expect(dead_code, reason = "shared with the tests of curved shapes")]
-mod wide;
