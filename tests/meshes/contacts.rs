@@ -226,7 +226,7 @@ fn ground(n: usize, amplitude: f64, rng: &mut Rng) -> Soup {
     let cells = (0..n * n).flat_map(|k| {
         let a = (k / n * m + k % n) as u32;
         let [b, c, d] = [a + 1, a + 1 + m as u32, a + m as u32];
-        if (k / n + k % n) % 2 == 0 {
+        if (k / n + k % n).is_multiple_of(2) {
             [[a, b, c], [a, c, d]]
         } else {
             [[a, b, d], [b, c, d]]

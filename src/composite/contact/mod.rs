@@ -17,6 +17,7 @@ mod near;
 mod surface;
 
 use alloc::collections::BTreeMap;
+use alloc::collections::btree_map::Entry;
 use alloc::vec::Vec;
 use nalgebra::{Unit, Vector3};
 
@@ -167,16 +168,15 @@ impl PatchTracker {
         let mut all = Vec::new();
         self.near.values_mut().for_each(|n| n.is_seen = false);
         for patches in near_pairs(query, frame) {
-            if !self.near.contains_key(&patches) {
-                let Some(near) = Near::new((query.a, query.b), patches) else {
-                    continue;
-                };
-                self.near.insert(patches, near);
-            }
-            if let Some(near) = self.near.get_mut(&patches) {
-                near.is_seen = true;
-                near.ask(query, patches, |contact| all.push(contact));
-            }
+            let near = match self.near.entry(patches) {
+                Entry::Occupied(known) => known.into_mut(),
+                Entry::Vacant(place) => match Near::new((query.a, query.b), patches) {
+                    Some(near) => place.insert(near),
+                    None => continue,
+                },
+            };
+            near.is_seen = true;
+            near.ask(query, patches, |contact| all.push(contact));
         }
         self.near.retain(|_, near| near.is_seen);
         all
