@@ -22,10 +22,12 @@ impl Parts for PartsRef<'_> {}
 ///
 /// ```
 /// use lin_canny::nalgebra::{Isometry3, Vector3};
-/// use lin_canny::{Composite, CompositeTracker, Mesh, PartsRef, RelativePose, Shape};
+/// use lin_canny::{Composite, CompositeTracker, Mesh, PartsRef};
+/// use lin_canny::{RelativePose, Shape};
 ///
 /// let die = lin_canny::polyhedron::solids::cuboid(Vector3::new(1.0, 1.0, 1.0))?;
-/// let (mesh, ball) = (Mesh::from_convex(&die)?, Composite::from(Shape::ball(0.5)?));
+/// let mesh = Mesh::from_convex(&die)?;
+/// let ball = Composite::from(Shape::ball(0.5)?);
 /// let bodies = [PartsRef::from(&mesh), PartsRef::from(&ball)];
 /// let at = RelativePose::from_isometry(&Isometry3::translation(3.0, 0.0, 0.0))?;
 /// let found = CompositeTracker::new().distance(&bodies[0], &bodies[1], &at);

@@ -190,7 +190,8 @@ impl MeshTracker {
     ///
     /// let ball = Mesh::from_convex(&solids::geodesic_sphere(3, 1.0)?)?;
     /// let at = RelativePose::from_isometry(&Isometry3::translation(1.7, 0.0, 0.1))?;
-    /// let found = MeshTracker::new().penetration(&ball, &ball, &at).expect("two solids");
+    /// let found = MeshTracker::new().penetration(&ball, &ball, &at);
+    /// let found = found.expect("two solids");
     /// assert!(found.lower > 0.2 && found.upper < 0.31 && found.lower <= found.upper);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```

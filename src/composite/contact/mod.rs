@@ -70,7 +70,8 @@ pub struct PatchContacts {
 /// ```
 /// use lin_canny::nalgebra::{Isometry3, Vector3};
 /// use lin_canny::polyhedron::solids;
-/// use lin_canny::{ContactPatches, ManifoldOptions, Mesh, PatchTracker, RelativePose, Shape};
+/// use lin_canny::{ContactPatches, ManifoldOptions, Mesh};
+/// use lin_canny::{PatchTracker, RelativePose, Shape};
 ///
 /// let floor = Mesh::from_convex(&solids::cuboid(Vector3::new(5.0, 5.0, 1.0))?)?;
 /// let floor = ContactPatches::of_mesh(floor);
