@@ -132,8 +132,8 @@
 //! V-Clip wins on small bodies: replayed frames train the branch predictor, which favours its many
 //! small steps, and V-Clip is given rotation matrices, this crate quaternions. With frames that do
 //! not repeat, this crate takes 0.98 of V-Clip's time at n = 8 and 0.5 degrees, 0.97 at 25 degrees.
-//! PhysX wins where each pair is met once in 256 queries, and on depths of eight vertices; one depth
-//! of PhysX in eighteen is wrong by more than `1e-4` of the depth.
+//! PhysX wins where each pair is met once in 256 queries, and on depths of eight vertices; one
+//! depth of PhysX in eighteen is wrong by more than `1e-4` of the depth.
 //!
 //! # Cases this crate loses
 //!
