@@ -283,6 +283,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
             "shape_tracker",
             "shape",
             "tracker",
+            "contact",
             "pair",
             "motion",
             "polyhedron",

@@ -10,6 +10,7 @@ use lin_canny::{
     Tracker, Velocity,
 };
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
 type Keys = BTreeSet<(BodyId, BodyId)>;
 
@@ -380,6 +381,111 @@ fn pieces_and_features_are_named() {
     assert!((near[0].outcome.distance - found.distance.unwrap().value).abs() < 1e-14);
 }
 
+/// Rounded and curved shapes, wires and bodies with curved pieces, against meshes and composites.
+#[test]
+fn shapes_of_every_kind_against_composites_and_meshes_equal_brute_force() {
+    for (seed, effects) in [(6, predicates()), (7, measured())] {
+        let mut rng = Rng::new(300 + seed);
+        let mut bodies: Vec<(BodyShape, Pieces)> = (0..6).map(|k| solid(1 + k % 3, &mut rng)).collect();
+        bodies.extend((0..9).map(|k| {
+            let shape = convex(k, &mut rng);
+            (shape.clone().into(), vec![(shape, Isometry3::identity())])
+        }));
+        let wire = Shape::from(ConvexPolyhedron::segment([0.0; 3].into(), [0.5, 0.3, 0.0].into()).unwrap());
+        bodies.push((wire.clone().into(), vec![(wire, Isometry3::identity())]));
+        let pieces: Pieces = [3, 5].map(|k| (convex(k, &mut rng), pose(&mut rng, 0.3))).to_vec();
+        let placed = |(shape, pose): &(Shape, Isometry3<f64>)| {
+            let mut piece = Piece::new(shape.clone());
+            piece.pose = *pose;
+            piece
+        };
+        let curved = Composite::new(pieces.iter().map(placed).collect()).unwrap();
+        bodies.push((curved.into(), pieces));
+        let mix = play(effects, bodies, seed);
+        println!("{mix:?}");
+        assert!(mix.overlapping > 300 && mix.within > mix.overlapping + 100, "{mix:?}");
+        assert!(!effects.features || mix.apart > 100, "{mix:?}");
+        assert!(effects.features || mix.skipped > 50, "{mix:?}");
+    }
+}
+
+/// Bodies of every kind rest on a plate of many triangles, on a plate of two pieces and on a box.
+#[test]
+fn contacts_of_meshes_and_composites_are_those_of_their_patches() {
+    let options = ManifoldOptions::within(0.01);
+    let mut scene = Scene::new();
+    let manifold = Some(options);
+    scene.call_for(ALL, ALL, Effects { manifold, ..NONE }).unwrap();
+    let half = Vector3::new(4.0, 4.0, 0.5);
+    let tile = |x: f64| Piece {
+        pose: Isometry3::translation(x, 0.0, 0.0),
+        ..Piece::new(Shape::cuboid(Vector3::new(2.0, 4.0, 0.5)).unwrap())
+    };
+    let mesh = Arc::new(Mesh::from_convex(&solids::cuboid(half).unwrap()).unwrap());
+    let tiles = Arc::new(Composite::new(vec![tile(-2.0), tile(2.0)]).unwrap());
+    let die = || solids::cuboid(Vector3::repeat(0.5)).unwrap();
+    let floors: [BodyShape; 3] = [
+        mesh.clone().into(),
+        tiles.clone().into(),
+        Shape::cuboid(half).unwrap().into(),
+    ];
+    let tops: [(BodyShape, usize); 5] = [
+        (die().into(), 4),
+        (Shape::ball(0.5).unwrap().into(), 1),
+        (Shape::cylinder(0.5, 0.4).unwrap().into(), 4),
+        (Mesh::from_convex(&die()).unwrap().into(), 4),
+        (Composite::new(vec![Piece::new(die())]).unwrap().into(), 4),
+    ];
+    let mut pairs = Vec::new();
+    for (f, floor) in floors.iter().enumerate() {
+        let home = Vector3::new(0.0, 20.0 * f as f64, 0.0);
+        let below = scene.insert(Body::fixed(floor.clone()), Isometry3::from(home)).unwrap();
+        for (k, (top, count)) in tops.iter().enumerate() {
+            let at = home + Vector3::new(1.5 * k as f64 - 3.0, 0.2, 1.0);
+            let id = scene.insert(Body::moving(top.clone()), Isometry3::from(at)).unwrap();
+            pairs.push((below, id, *count));
+        }
+    }
+    for frame in 0..40 {
+        let lift = [3e-3, -2e-3, 1e-9, 0.02][frame % 4];
+        for &(_, id, _) in &pairs {
+            let mut at = *scene.pose(id).unwrap();
+            at.translation.vector.z = 1.0 + lift;
+            at.translation.vector.x += 0.01;
+            scene.set_pose(id, at).unwrap();
+        }
+        if frame == 20 {
+            scene = through_text(&scene);
+        }
+        scene.step();
+        for &(below, id, count) in &pairs {
+            let Some(pair) = scene.pair(below, id) else {
+                assert!(lift > 0.01);
+                continue;
+            };
+            let points: Vec<(f64, Vector3<f64>)> = match (pair.manifold, pair.contacts) {
+                (Some(m), None) => m.points().iter().map(|p| (p.separation, *m.normal())).collect(),
+                (None, Some(groups)) => {
+                    let all = groups.iter().flat_map(|g| &g.contacts);
+                    all.map(|c| (c.point.separation, *c.normal)).collect()
+                }
+                (None, None) => Vec::new(),
+                both => panic!("{both:?}"),
+            };
+            assert_eq!(
+                points.len(),
+                if lift > 0.01 { 0 } else { count },
+                "{frame} {id:?} {pair:?}"
+            );
+            assert!(
+                points.iter().all(|(s, n)| (s - lift).abs() < 1e-9 && n.z > 1.0 - 1e-9),
+                "{points:?}"
+            );
+        }
+    }
+    assert_eq!(scene.report().counts.manifolds, 0, "out of reach in the last frame");
+}
+
 #[test]
 fn effects_that_kinds_cannot_answer_are_refused_by_name() {
     let other = Group::new(1).unwrap();
@@ -406,40 +512,36 @@ fn effects_that_kinds_cannot_answer_are_refused_by_name() {
     // When the effect comes; pairs within a group need two bodies that are not fixed.
     let cylinder = || Shape::cylinder(1.0, 1.0).unwrap();
     let mut scene = Scene::new();
-    let contacts = Effects {
-        manifold: Some(ManifoldOptions::within(0.1)),
-        ..NONE
-    };
+    let deep = Effects { depth: true, ..near };
     let id = scene.insert(Body::moving(mesh()), at).unwrap();
-    scene.call_for(ALL, ALL, contacts).unwrap();
+    scene.call_for(ALL, ALL, deep).unwrap();
     let refused = scene.insert(Body::moving(mesh()), at).unwrap_err();
-    assert_eq!(refused, refusal("manifold", ShapeKind::Mesh, ShapeKind::Mesh));
+    assert_eq!(refused, refusal("depth", ShapeKind::Mesh, ShapeKind::Mesh));
     scene.insert(Body::moving(cylinder()).group(other), at).unwrap();
-    let refused = scene.call_for(ALL, other, near).unwrap_err();
-    assert_eq!(refused, refusal("within", ShapeKind::Mesh, ShapeKind::Curved));
+    let refused = scene.call_for(ALL, other, deep).unwrap_err();
+    assert_eq!(refused, refusal("depth", ShapeKind::Mesh, ShapeKind::Curved));
     assert_eq!(scene.effects(ALL, other), NONE, "a refused call changes nothing");
-    scene.call_for(ALL, other, Effects { boxes: true, ..NONE }).unwrap();
+    scene.call_for(ALL, other, near).unwrap();
 
     // When the group changes; the body keeps its group.
     let third = Group::new(2).unwrap();
-    scene.call_for(other, third, near).unwrap();
+    scene.call_for(other, third, deep).unwrap();
     let refused = scene.set_group(id, third).unwrap_err();
-    assert_eq!(refused, refusal("within", ShapeKind::Mesh, ShapeKind::Curved));
+    assert_eq!(refused, refusal("depth", ShapeKind::Mesh, ShapeKind::Curved));
     assert_eq!(scene.group(id), Some(ALL));
     scene.set_group(id, ALL).unwrap();
 
     // A body that is gone is no reason.
     scene.remove(id).unwrap();
-    scene.call_for(ALL, other, near).unwrap();
+    scene.call_for(ALL, other, deep).unwrap();
 
     // Fixed bodies make no pair.
     let mut scene = Scene::new();
-    scene.call_for(ALL, ALL, contacts).unwrap();
+    scene.call_for(ALL, ALL, deep).unwrap();
     scene.insert(Body::fixed(mesh()), at).unwrap();
     scene.insert(Body::fixed(mesh()), at).unwrap();
     assert!(scene.insert(Body::moving(cylinder()), at).is_err());
     let wire = ConvexPolyhedron::point([0.0; 3].into()).unwrap();
-    scene.call_for(ALL, ALL, near).unwrap();
     let refused = scene.insert(Body::moving(wire), at).unwrap_err();
-    assert_eq!(refused, refusal("within", ShapeKind::Wire, ShapeKind::Mesh));
+    assert_eq!(refused, refusal("depth", ShapeKind::Wire, ShapeKind::Mesh));
 }

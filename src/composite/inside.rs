@@ -82,30 +82,36 @@ impl Mesh {
 
     /// Whether the surface is certainly farther than `error` from a point in stored coordinates.
     pub(super) fn is_clear_of(&self, point: &Vector3<f64>, error: f64) -> bool {
-        let place = (point - self.tree.centre) / self.tree.unit();
-        // Twice for the rounding of all that follows.
-        let reach = 2.0 * error / self.tree.unit() + 16.0 * UNIT_SINGLE;
+        !self.tree.any_near(point, error, |t| {
+            let (square, _) = super::triangle::nearest(point, &self.corners(t));
+            !(square > 4.0 * error * error)
+        })
+    }
+
+    /// Whether a segment certainly passes through a triangle from which its first end is farther
+    /// than `skin`.
+    pub(super) fn is_crossed(&self, from: &Vector3<f64>, to: &Vector3<f64>, skin: f64) -> bool {
+        let segment = Segment::new(&self.tree, from, to);
+        let crosses = |t: u32| {
+            let corners = self.corners(t);
+            matches!(crossing(&corners, from, to), Some(1 | -1))
+                && super::triangle::nearest(from, &corners).0 > skin * skin
+        };
         let mut stack = vec![0];
         while let Some(node) = stack.pop() {
-            let b = &self.tree.boxes[node as usize];
-            let (d, half) = (place - b.centre(), b.half());
-            if (0..3).any(|k| b.axis(k).dot(&d).abs() > half[k] * (1.0 + 16.0 * UNIT_SINGLE) + reach) {
+            if segment.misses(&self.tree.boxes[node as usize]) {
                 continue;
             }
             match self.tree.below(node) {
                 Below::Children(c) => stack.extend([c, c + 1]),
                 Below::Leaf(first, count) => {
-                    let near = |t| {
-                        let (square, _) = super::triangle::nearest(point, &self.corners(t));
-                        !(square > 4.0 * error * error)
-                    };
-                    if (first..first + count).any(near) {
-                        return false;
+                    if (first..first + count).any(crosses) {
+                        return true;
                     }
                 }
             }
         }
-        true
+        false
     }
 }
 

@@ -2,11 +2,12 @@
 //! convex pieces.
 //!
 //! Reading order: [`mesh`] (triangles to a checked mesh), `pieces` (placed shapes to a body),
-//! `parts` (both as convex parts), `tree` (oriented boxes in single precision), `frame` (a pair
-//! at a pose), `bounds` (eight pairs of boxes at once), `front` (the proof of the last answer),
-//! `search` (down both trees), `kept` (front and search from frame to frame), `triangle` (two
-//! triangles), `inside` (winding numbers), `state` (the queries), `tracker` (the state of
-//! a pair), `separation` (pairs over time).
+//! `parts` (both as convex parts), `placed` (poses of parts), `tree` (oriented boxes in single
+//! precision), `frame` (a pair at a pose), `bounds` (eight pairs of boxes at once), `front` (the
+//! proof of the last answer), `search` (down both trees), `kept` (front and search from frame to
+//! frame), `triangle` (two triangles), `inside` (winding numbers), `state` (the queries), `tracker`
+//! (the state of a pair), `contact` (manifolds of convex patches), `penetration` (bounds of the
+//! depth), `separation` (pairs over time) and `ahead` (the bound of a look).
 //!
 //! # The proof
 //!
@@ -28,8 +29,10 @@
 //! 3. Closed meshes are solids: a part inside another body is an overlap, decided by exact winding
 //!    numbers.
 
+mod ahead;
 pub(crate) mod audit;
 mod bounds;
+pub(crate) mod contact;
 mod frame;
 mod front;
 mod heights;
@@ -39,7 +42,9 @@ pub mod mesh;
 pub(crate) mod outcome;
 mod pair;
 pub(crate) mod parts;
+pub(crate) mod penetration;
 pub(crate) mod pieces;
+mod placed;
 pub(crate) mod search;
 pub(crate) mod separation;
 mod state;

@@ -16,6 +16,43 @@ pub trait Parts: Parted {}
 
 impl Parts for Mesh {}
 impl Parts for Composite {}
+impl Parts for PartsRef<'_> {}
+
+/// A mesh or a composite, for callers who know the kind of a body at run time only.
+///
+/// ```
+/// use lin_canny::nalgebra::{Isometry3, Vector3};
+/// use lin_canny::{Composite, CompositeTracker, Mesh, PartsRef};
+/// use lin_canny::{RelativePose, Shape};
+///
+/// let die = lin_canny::polyhedron::solids::cuboid(Vector3::new(1.0, 1.0, 1.0))?;
+/// let mesh = Mesh::from_convex(&die)?;
+/// let ball = Composite::from(Shape::ball(0.5)?);
+/// let bodies = [PartsRef::from(&mesh), PartsRef::from(&ball)];
+/// let at = RelativePose::from_isometry(&Isometry3::translation(3.0, 0.0, 0.0))?;
+/// let found = CompositeTracker::new().distance(&bodies[0], &bodies[1], &at);
+/// assert!((found.value - 1.5).abs() < 1e-14);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Copy, Debug)]
+pub enum PartsRef<'a> {
+    /// A mesh of triangles.
+    Mesh(&'a Mesh),
+    /// A body of pieces.
+    Pieces(&'a Composite),
+}
+
+impl<'a> From<&'a Mesh> for PartsRef<'a> {
+    fn from(mesh: &'a Mesh) -> Self {
+        Self::Mesh(mesh)
+    }
+}
+
+impl<'a> From<&'a Composite> for PartsRef<'a> {
+    fn from(body: &'a Composite) -> Self {
+        Self::Pieces(body)
+    }
+}
 
 /// The methods behind [`Parts`], which callers do not see. Points and directions are in stored
 /// units of the body; an item is a part by its number in the tree.
@@ -28,6 +65,9 @@ pub trait Parted {
 
     /// Returns one stored unit in the caller's.
     fn stored_unit(&self) -> f64;
+
+    /// Returns the corners of a bounding box in the body's own frame, right up to rounding.
+    fn corners_of_box(&self) -> (Point3<f64>, Point3<f64>);
 
     /// Returns whether all parts stand in the frame of the body, so that no pose is composed.
     fn is_in_place(&self) -> bool;
@@ -80,6 +120,10 @@ impl Parted for Mesh {
         self.unit()
     }
 
+    fn corners_of_box(&self) -> (Point3<f64>, Point3<f64>) {
+        self.aabb()
+    }
+
     fn is_in_place(&self) -> bool {
         true
     }
@@ -128,5 +172,105 @@ impl Parted for Mesh {
             return None;
         }
         self.winding(point).map(|w| w != 0)
+    }
+}
+
+impl Parted for PartsRef<'_> {
+    fn side(&self) -> Side<'_> {
+        match self {
+            Self::Mesh(x) => Parted::side(*x),
+            Self::Pieces(x) => Parted::side(*x),
+        }
+    }
+
+    fn fingerprint(&self) -> u64 {
+        match self {
+            Self::Mesh(x) => Parted::fingerprint(*x),
+            Self::Pieces(x) => Parted::fingerprint(*x),
+        }
+    }
+
+    fn stored_unit(&self) -> f64 {
+        match self {
+            Self::Mesh(x) => Parted::stored_unit(*x),
+            Self::Pieces(x) => Parted::stored_unit(*x),
+        }
+    }
+
+    fn corners_of_box(&self) -> (Point3<f64>, Point3<f64>) {
+        match self {
+            Self::Mesh(x) => Parted::corners_of_box(*x),
+            Self::Pieces(x) => Parted::corners_of_box(*x),
+        }
+    }
+
+    fn is_in_place(&self) -> bool {
+        match self {
+            Self::Mesh(x) => Parted::is_in_place(*x),
+            Self::Pieces(x) => Parted::is_in_place(*x),
+        }
+    }
+
+    fn highest(&self, item: u32, n: &Vector3<f64>) -> f64 {
+        match self {
+            Self::Mesh(x) => Parted::highest(*x, item, n),
+            Self::Pieces(x) => Parted::highest(*x, item, n),
+        }
+    }
+
+    fn number(&self, item: u32) -> u32 {
+        match self {
+            Self::Mesh(x) => Parted::number(*x, item),
+            Self::Pieces(x) => Parted::number(*x, item),
+        }
+    }
+
+    fn part(&self, item: u32) -> Option<(Shape, Isometry3<f64>)> {
+        match self {
+            Self::Mesh(x) => Parted::part(*x, item),
+            Self::Pieces(x) => Parted::part(*x, item),
+        }
+    }
+
+    fn is_solid(&self) -> bool {
+        match self {
+            Self::Mesh(x) => Parted::is_solid(*x),
+            Self::Pieces(x) => Parted::is_solid(*x),
+        }
+    }
+
+    fn may_hold(&self) -> bool {
+        match self {
+            Self::Mesh(x) => Parted::may_hold(*x),
+            Self::Pieces(x) => Parted::may_hold(*x),
+        }
+    }
+
+    fn probe_count(&self) -> usize {
+        match self {
+            Self::Mesh(x) => Parted::probe_count(*x),
+            Self::Pieces(x) => Parted::probe_count(*x),
+        }
+    }
+
+    fn probe(&self, k: usize) -> [Vector3<f64>; 2] {
+        match self {
+            Self::Mesh(x) => Parted::probe(*x, k),
+            Self::Pieces(x) => Parted::probe(*x, k),
+        }
+    }
+
+    fn has_inner_probes(&self) -> bool {
+        match self {
+            Self::Mesh(x) => Parted::has_inner_probes(*x),
+            Self::Pieces(x) => Parted::has_inner_probes(*x),
+        }
+    }
+
+    fn holds(&self, point: &Vector3<f64>, doubt: f64) -> Option<bool> {
+        match self {
+            Self::Mesh(x) => Parted::holds(*x, point, doubt),
+            Self::Pieces(x) => Parted::holds(*x, point, doubt),
+        }
     }
 }

@@ -1,15 +1,19 @@
 //! Pairs of composites and of meshes over time.
 //!
-//! No plane separates bodies that reach into each other's hollows, so a look ahead bounds the
-//! displacement of all points instead: bodies that are `d` apart stay apart until their points,
-//! seen from each other, may have moved by `d` (Mirtich 1996, conservative advancement). Looks
-//! converge linearly.
+//! No plane separates bodies that reach into each other's hollows, so a look ahead bounds every
+//! pair of nodes of the two trees along a direction of its own (`ahead`), and the displacement of
+//! all points: bodies that are `d` apart stay apart until their points, seen from each other, may
+//! have moved by `d` (Mirtich 1996, conservative advancement). The longer time counts.
 
 use nalgebra::{Point3, Vector3};
 
+use super::ahead::Ahead;
+use super::kept::Kept;
 use super::mesh::Mesh;
 use super::outcome::{MeshFeature, MeshOutcome, MeshSpot};
-use super::pieces::{Composite, CompositeOutcome, CompositeTracker};
+use super::parts::{Parted, PartsRef};
+use super::pieces::{CompositeOutcome, CompositeTracker};
+use super::state::Posed;
 use super::tracker::MeshTracker;
 use crate::num::scalar::sqrt;
 use crate::polyhedron::{EdgeId, FaceId, Feature, FeaturePair, VertexId};
@@ -17,7 +21,7 @@ use crate::pose::{Operand, RelativePose};
 use crate::separation::{Flight, Free, Measure, Proof, Separation, Tangent};
 use crate::tolerance::BOX_TURNED;
 
-/// Two composites that can be measured over time.
+/// Two composites, or a composite and a mesh, that can be measured over time.
 ///
 /// ```
 /// use lin_canny::impact::{Impact, Tolerance, cast};
@@ -51,22 +55,26 @@ use crate::tolerance::BOX_TURNED;
 /// ```
 #[derive(Clone, Debug)]
 pub struct CompositePair<'a> {
-    a: &'a Composite,
-    b: &'a Composite,
+    a: PartsRef<'a>,
+    b: PartsRef<'a>,
     tracker: CompositeTracker,
 }
 
 impl<'a> CompositePair<'a> {
     /// Returns the pair with a new tracker.
     #[must_use]
-    pub fn new(a: &'a Composite, b: &'a Composite) -> Self {
+    pub fn new(a: impl Into<PartsRef<'a>>, b: impl Into<PartsRef<'a>>) -> Self {
         Self::with_tracker(a, b, CompositeTracker::new())
     }
 
     /// Returns the pair with a tracker that has followed the pair before.
     #[must_use]
-    pub fn with_tracker(a: &'a Composite, b: &'a Composite, tracker: CompositeTracker) -> Self {
-        Self { a, b, tracker }
+    pub fn with_tracker(a: impl Into<PartsRef<'a>>, b: impl Into<PartsRef<'a>>, tracker: CompositeTracker) -> Self {
+        Self {
+            a: a.into(),
+            b: b.into(),
+            tracker,
+        }
     }
 
     /// Returns the tracker, to be kept.
@@ -112,11 +120,24 @@ pub(crate) fn ball_about((low, high): (Point3<f64>, Point3<f64>)) -> (Point3<f64
     (centre, sqrt(half.norm_squared()) + BOX_TURNED * far)
 }
 
-/// Returns how long the lower bound of a distance lasts.
-fn held<S: Separation>(pair: &S, seen: &Measure, flight: &Flight) -> Free {
-    let way = seen.lower - flight.keep - flight.apart(pair).noise;
+/// Returns how long the lower bound of a distance lasts, or the pairs of nodes stay apart.
+fn ahead<S: Separation, A: Parted, B: Parted>(
+    pair: &S,
+    (a, b, kept): (&A, &B, &Kept),
+    seen: &Measure,
+    flight: &Flight,
+) -> Free {
+    let apart = flight.apart(pair);
+    let mut span = flight.held(pair, seen.lower - flight.keep - apart.noise);
+    if span < flight.span
+        && seen.lower > flight.keep
+        && let Ok(pose) = RelativePose::new(&flight.pose_a, &flight.pose_b)
+        && let Some(posed) = Posed::new(a, b, &pose)
+    {
+        span = span.max(Ahead::new(&posed, flight, apart.noise, apart.radii).span(kept, seen));
+    }
     Free {
-        span: flight.held(pair, way),
+        span,
         proof: Proof::Own,
     }
 }
@@ -169,20 +190,20 @@ impl From<&MeshOutcome> for Measure {
 
 impl Separation for CompositePair<'_> {
     fn ball(&self, of: Operand) -> (Point3<f64>, f64) {
-        ball_about(if of == Operand::A { self.a } else { self.b }.aabb())
+        ball_about(if of == Operand::A { self.a } else { self.b }.corners_of_box())
     }
 
     fn measure(&mut self, a_from_b: &RelativePose) -> Measure {
-        Measure::from(&self.tracker.closest(self.a, self.b, a_from_b))
+        Measure::from(&self.tracker.closest(&self.a, &self.b, a_from_b))
     }
 
     /// By [`CompositeTracker::within`]: ties count as met.
     fn meets(&mut self, a_from_b: &RelativePose, distance: f64, _: &Measure) -> bool {
-        self.tracker.within(self.a, self.b, a_from_b, distance)
+        self.tracker.within(&self.a, &self.b, a_from_b, distance)
     }
 
     fn free_for(&mut self, seen: &Measure, flight: &Flight) -> Free {
-        held(self, seen, flight)
+        ahead(self, (&self.a, &self.b, self.tracker.kept()), seen, flight)
     }
 }
 
@@ -201,6 +222,6 @@ impl Separation for MeshPair<'_> {
     }
 
     fn free_for(&mut self, seen: &Measure, flight: &Flight) -> Free {
-        held(self, seen, flight)
+        ahead(self, (self.a, self.b, self.tracker.kept()), seen, flight)
     }
 }

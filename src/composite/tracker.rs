@@ -1,6 +1,7 @@
 //! The state of a pair of meshes, and the queries.
 
 use super::audit::{FrontFault, audit};
+use super::kept::Kept;
 use super::mesh::Mesh;
 use super::outcome::MeshOutcome;
 use super::pair::{MeshPair, spots};
@@ -52,6 +53,10 @@ impl MeshTracker {
     #[must_use]
     pub fn work(&self) -> MeshWork {
         self.state.kept.work
+    }
+
+    pub(super) fn kept(&self) -> &Kept {
+        &self.state.kept
     }
 
     /// Returns the number of entries of the front that is kept.

@@ -83,6 +83,23 @@ pub(super) fn nearest(point: &Vector3<f64>, y: &Triangle) -> (f64, Spot) {
     }
 }
 
+/// The squared distance of a point from a triangle, and the nearest point.
+pub(super) fn foot_of(point: &Vector3<f64>, y: &Triangle) -> (f64, Vector3<f64>) {
+    let (square, spot) = nearest(point, y);
+    let foot = match spot {
+        Spot::Vertex(k) => y[k as usize % 3],
+        Spot::Edge(k) => {
+            let (from, along) = (y[k as usize % 3], y[(k as usize + 1) % 3] - y[k as usize % 3]);
+            from + along * clamp(along.dot(&(point - from)) / along.norm_squared())
+        }
+        Spot::Inside => {
+            let n = normal(y);
+            point - n * (n.dot(&(point - y[0])) / n.norm_squared())
+        }
+    };
+    (square, foot)
+}
+
 /// The closest points of the nine pairs of edges.
 #[inline(always)]
 fn edges(p: &Triangle, q: &Triangle, best: &mut Closest) {

@@ -40,7 +40,7 @@ impl Location {
 //
 // The value of an empty slot is all zero bits, so an empty list is cheap to initialize.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct ContactCandidate {
+pub(crate) struct ContactCandidate {
     pub(super) at: [f64; 2],
     /// Height of the point on B above the point on A.
     pub(super) separation: f64,
@@ -49,6 +49,15 @@ pub(super) struct ContactCandidate {
 
 impl ContactCandidate {
     pub(super) const WITNESS: [Location; 2] = [Location::WHOLE; 2];
+
+    /// Returns the candidate of a pair of points by its place in the plane of contact.
+    pub(crate) fn at(at: [f64; 2], separation: f64) -> Self {
+        Self {
+            at,
+            separation,
+            on: Self::WITNESS,
+        }
+    }
 }
 
 /// Short list of the candidates no further apart than the prediction.

@@ -44,11 +44,12 @@ use crate::pair::rounding;
 use crate::polyhedron::{ConvexPolyhedron, Feature, FeaturePair};
 use crate::tolerance::{ACROSS, AGREE, STEEP};
 use axes::Axes;
-use candidates::{Candidates, ContactCandidate, Location};
+pub(crate) use candidates::ContactCandidate;
+use candidates::{Candidates, Location};
 use keep::Projections;
 use projection::{LazyProjection, ProjectedFeature};
 use promote::Promotion;
-use reduce::reduce;
+pub(crate) use reduce::reduce;
 use rims::Rays;
 
 pub(crate) use facet::{Facet, RoundFace};
@@ -351,7 +352,7 @@ impl ConvexPolyhedron {
 
 /// Returns two unit directions perpendicular to a unit direction and to each other, right-handed
 /// with `n`.
-fn tangents_of(n: &Vector3<f64>) -> [Vector3<f64>; 2] {
+pub(crate) fn tangents_of(n: &Vector3<f64>) -> [Vector3<f64>; 2] {
     let other = if n.x.abs() < 0.6 {
         Vector3::new(0.0, -n.z, n.y)
     } else {

@@ -55,7 +55,7 @@ impl ManifoldOptions {
         }
     }
 
-    pub(super) fn most(&self) -> usize {
+    pub(crate) fn most(&self) -> usize {
         self.max_points.clamp(1, MOST_POINTS)
     }
 }

@@ -6,13 +6,13 @@ use crate::tolerance::STAY;
 
 /// Indices of the chosen candidates.
 #[derive(Debug, Default)]
-pub(super) struct Chosen {
+pub(crate) struct Chosen {
     list: [usize; MOST_POINTS],
     count: usize,
 }
 
 impl Chosen {
-    pub(super) fn all(&self) -> &[usize] {
+    pub(crate) fn all(&self) -> &[usize] {
         &self.list[..self.count]
     }
 
@@ -29,7 +29,7 @@ impl Chosen {
 /// the largest triangle to the polygon of the chosen points. No chosen point is within `merge` of
 /// another, or of a side. Depths within `tie` count as equal; among equals, and within a factor in
 /// size, candidates with a bit in `kept` are preferred.
-pub(super) fn reduce(choices: &[ContactCandidate], kept: u64, most: usize, merge: f64, tie: f64) -> Chosen {
+pub(crate) fn reduce(choices: &[ContactCandidate], kept: u64, most: usize, merge: f64, tie: f64) -> Chosen {
     let mut chosen = Chosen::default();
     let first = deepest(choices, kept, tie);
     chosen.insert(0, first);
@@ -110,7 +110,7 @@ fn widest(choices: &[ContactCandidate], kept: u64, chosen: &Chosen, merge: f64) 
 
 /// Returns whether bit `k` is set.
 fn has_bit(bits: u64, k: usize) -> bool {
-    bits >> k & 1 == 1
+    k < 64 && bits >> k & 1 == 1
 }
 
 fn between(p: &ContactCandidate, q: &ContactCandidate) -> [f64; 2] {

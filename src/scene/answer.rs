@@ -6,6 +6,7 @@ use super::effects::NEVER;
 use super::step::bodies_of;
 use super::{BodyId, PairId, Scene, SceneError};
 use crate::broad::{self, Aabb, BroadPhase};
+use crate::composite::contact::PatchContacts;
 use crate::contact::Manifold;
 use crate::pair::outcome::{Distance, Outcome};
 
@@ -32,13 +33,19 @@ pub struct PairAnswer<'a> {
     /// Features, witnesses and normal; `None` also for bodies farther apart than the range called
     /// for. Features of a composite are those of the piece. Features of a mesh have the caller's
     /// numbers: a vertex that of the point, a face that of the triangle, an edge that of the point
-    /// at which the edge of the triangle begins.
+    /// at which the edge of the triangle begins. Against a shape that is rounded or curved, and
+    /// against a composite with such a piece, they are those of the triangle as a polygon of its
+    /// own, and so are those against points and segments.
     pub outcome: Option<&'a Outcome>,
     /// The piece of a composite, or the triangle of a mesh, to which the features of `a` and of `b`
     /// belong, by the caller's order; zero for a convex shape.
     pub pieces: Option<[u32; 2]>,
-    /// Contact points; `None` also for bodies farther apart than the prediction.
+    /// Contact points of two convex shapes; `None` also for bodies farther apart than the
+    /// prediction.
     pub manifold: Option<&'a Manifold>,
+    /// Contact points of a pair with a mesh or a composite, by direction; `None` also for bodies
+    /// farther apart than the prediction.
+    pub contacts: Option<&'a [PatchContacts]>,
 }
 
 impl Scene {
@@ -95,12 +102,14 @@ impl Scene {
             outcome: None,
             pieces: None,
             manifold: None,
+            contacts: None,
         };
         if let Some(seen) = self.pair_tables.get(pair.id.slot) {
             let plan = self.table.plan(seen.header.class);
             answer.overlaps = (plan.overlap && seen.header.state.known).then_some(seen.header.state.overlaps);
             answer.within = (plan.within != NEVER && seen.header.state.known).then_some(seen.header.state.within);
             (answer.distance, answer.outcome, answer.manifold) = (seen.distance, seen.outcome, seen.manifold);
+            answer.contacts = seen.contacts;
             answer.pieces = seen.outcome.map(|_| seen.pieces);
         }
         answer

@@ -14,6 +14,7 @@ use super::moving::{Moving, Sweep, Ticks};
 use super::{BodyId, SceneError};
 use crate::broad::slots::Slots;
 use crate::broad::{self, Aabb};
+use crate::composite::contact::ContactPatches;
 use crate::motion::{Velocity, displacement};
 use crate::polyhedron::BoxHint;
 use crate::pose::{PoseError, RelativePose};
@@ -80,6 +81,8 @@ pub(super) struct Solid {
     /// Whether the broad phase has a box of the body: none if the range of the body is infinite.
     pub(super) boxed: bool,
     pub(super) user_data: u64,
+    /// The convex patches of a mesh or composite, if contacts are called for.
+    pub(super) patches: Option<ContactPatches>,
 }
 
 impl Solid {
@@ -102,6 +105,7 @@ impl Solid {
             fixed: body.fixed,
             boxed: true,
             user_data: body.user_data,
+            patches: None,
         })
     }
 

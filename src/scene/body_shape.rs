@@ -22,15 +22,20 @@ use crate::tolerance::BOX_TURNED;
 /// |---|---|---|
 /// | polyhedra | [`Tracker`](crate::Tracker) | none |
 /// | convex shapes | [`ShapeTracker`](crate::ShapeTracker) | none |
-/// | composite with composite or polyhedron | [`CompositeTracker`] | `depth`, `manifold` |
-/// | mesh with mesh, composite or polyhedron | [`MeshTracker`] | `depth`, `manifold` |
-/// | composite or mesh with rounded or curved shape | none | all but `boxes` |
-/// | mesh with point or segment | none | all but `boxes` |
+/// | composite with composite or convex shape | [`CompositeTracker`] | `depth` |
+/// | mesh with mesh, polyhedron or composite of polyhedra | [`MeshTracker`] | `depth` |
+/// | mesh with any other shape | [`CompositeTracker`] | `depth` |
+///
+/// The effect `manifold` of a pair with a composite or mesh is answered by
+/// [`PatchTracker`](crate::PatchTracker), as [`PairAnswer::contacts`](super::PairAnswer::contacts);
+/// overlaps of such a pair have the distance 0.
 ///
 /// A call that would make a pair with an effect that the pair cannot answer is refused with
 /// [`SceneError::Unanswered`](super::SceneError::Unanswered): insertion of a body, change of a
-/// group, call for an effect. Against a composite a polyhedron is a composite of one piece, against
-/// a mesh the mesh of the surface: the pair makes that once, when the boxes meet.
+/// group, call for an effect. Against a composite a convex shape is a composite of one piece,
+/// against a mesh a polyhedron is the mesh of the surface: the pair makes that once, when the boxes
+/// meet. The patches for contacts are made once for each shape, in the step after they are called
+/// for.
 ///
 /// [`CompositeTracker`]: crate::CompositeTracker
 /// [`MeshTracker`]: crate::MeshTracker
@@ -139,7 +144,6 @@ impl BodyShape {
     }
 
     /// Returns the address of the shared shape, equal for bodies that share the shape.
-    #[cfg(feature = "serde")]
     pub(super) fn address(&self) -> usize {
         match self {
             Self::Polyhedron(body) => Arc::as_ptr(body) as usize,

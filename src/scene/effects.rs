@@ -243,6 +243,7 @@ pub(super) struct Table {
     effects: Box<[Effects]>,
     plans: Box<[Plan]>,
     impacts: u32,
+    manifolds: u32,
 }
 
 impl Default for Table {
@@ -252,6 +253,7 @@ impl Default for Table {
             effects: alloc::vec![nothing; GROUPS * GROUPS].into(),
             plans: alloc::vec![nothing.resolved(); GROUPS * GROUPS].into(),
             impacts: 0,
+            manifolds: 0,
         }
     }
 }
@@ -262,9 +264,20 @@ impl Table {
         let class = usize::from(group_pair_of(g, h));
         self.effects[class] = effects;
         self.plans[class] = effects.resolved();
-        let calls = |g: &u8| (0..GROUPS as u8).any(|h| self.effects(Group(*g), Group(h)).impact.is_some());
-        self.impacts = (0..GROUPS as u8).filter(calls).fold(0, |mask, g| mask | 1 << g);
+        self.impacts = self.groups(|effects| effects.impact.is_some());
+        self.manifolds = self.groups(|effects| effects.manifold.is_some());
         Ok(())
+    }
+
+    /// Returns the groups with effects called for that `is_meant` accepts, as bits.
+    fn groups(&self, is_meant: impl Fn(&Effects) -> bool) -> u32 {
+        let calls = |g: &u8| (0..GROUPS as u8).any(|h| is_meant(&self.effects(Group(*g), Group(h))));
+        (0..GROUPS as u8).filter(calls).fold(0, |mask, g| mask | 1 << g)
+    }
+
+    /// Returns the groups with which contact points are called for, as bits.
+    pub(super) fn manifold_groups(&self) -> u32 {
+        self.manifolds
     }
 
     /// Returns the groups with which an impact is called for, as bits.

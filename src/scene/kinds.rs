@@ -38,7 +38,7 @@ impl core::fmt::Display for ShapeKind {
 }
 
 impl ShapeKind {
-    fn is_convex(self) -> bool {
+    pub(super) fn is_convex(self) -> bool {
         !matches!(self, Self::Composite | Self::Mesh)
     }
 }
@@ -48,34 +48,7 @@ fn unanswered(effects: &Effects, a: ShapeKind, b: ShapeKind) -> Option<&'static 
     if a.is_convex() && b.is_convex() {
         return None;
     }
-    if effects.manifold.is_some() {
-        return Some("manifold");
-    }
-    if effects.depth {
-        return Some("depth");
-    }
-    let is_rounded = |kind| matches!(kind, ShapeKind::Rounded | ShapeKind::Curved);
-    let has_mesh = a == ShapeKind::Mesh || b == ShapeKind::Mesh;
-    let has_wire = a == ShapeKind::Wire || b == ShapeKind::Wire;
-    if is_rounded(a) || is_rounded(b) || has_mesh && has_wire {
-        return called(effects);
-    }
-    None
-}
-
-/// Returns the name of the lowest effect called for beyond boxes.
-fn called(effects: &Effects) -> Option<&'static str> {
-    let names = [
-        (effects.overlap, "overlap"),
-        (effects.within.is_some(), "within"),
-        (effects.distance.is_some(), "distance"),
-        (effects.features, "features"),
-        (effects.impact.is_some(), "impact"),
-    ];
-    names
-        .into_iter()
-        .find(|(is_called, _)| *is_called)
-        .map(|(_, name)| name)
+    effects.depth.then_some("depth")
 }
 
 /// The number of bodies by group and kind. Two fixed bodies make no pair, so fixed bodies are
@@ -100,6 +73,12 @@ impl Census {
                 self.0.remove(&member);
             }
         }
+    }
+
+    /// Whether a body of these groups, as bits, is a composite or a mesh.
+    pub(super) fn has_parts(&self, groups: u32) -> bool {
+        let of = |key: &&Member| groups & 1 << key.0.number() != 0 && !key.1.is_convex();
+        self.0.keys().any(|key| of(&key))
     }
 
     /// Returns the number of bodies of the groups that `is_asked` accepts.

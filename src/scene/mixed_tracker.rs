@@ -4,10 +4,12 @@ use alloc::boxed::Box;
 use alloc::sync::Arc;
 
 use super::body_shape::BodyShape;
-use super::pair_tracker::PairTracker;
+use super::pair_tracker::{ContactAsk, PairTracker};
 use super::report::Counts;
+use crate::composite::contact::{ContactPatches, PatchContacts, PatchTracker};
 use crate::composite::mesh::Mesh;
-use crate::composite::pieces::{Composite, CompositeTracker, Piece};
+use crate::composite::parts::PartsRef;
+use crate::composite::pieces::{Composite, CompositeTracker};
 use crate::composite::separation::{CompositePair, MeshPair};
 use crate::composite::tracker::MeshTracker;
 use crate::contact::{Manifold, ManifoldOptions};
@@ -22,9 +24,9 @@ use crate::shape_tracker::ShapeTracker;
 pub(crate) enum MixedTracker {
     /// Two convex shapes.
     Convex(Box<ShapeTracker>),
-    /// Two composites, or a composite and a polyhedron.
+    /// Two bodies of which one is a composite or a mesh, and the other of any kind.
     Pieces(Box<Tracked<CompositeTracker, Composite>>),
-    /// Two meshes, or a mesh and a body that has a surface.
+    /// Two meshes, or a mesh and a body whose surface is one.
     Triangles(Box<Tracked<MeshTracker, Mesh>>),
 }
 
@@ -35,6 +37,15 @@ pub(crate) struct Tracked<T, S> {
     /// The body in the form in which the tracker takes it, for a body of another kind.
     stand_ins: [Option<Arc<S>>; 2],
     pieces: [u32; 2],
+    contacts: Option<Box<Contacts>>,
+}
+
+/// The contacts of a pair that is within the prediction.
+#[derive(Clone, Debug)]
+struct Contacts {
+    tracker: PatchTracker,
+    /// The patches of a convex body.
+    stand_ins: [Option<ContactPatches>; 2],
 }
 
 impl<T: Default, S> Tracked<T, S> {
@@ -43,32 +54,29 @@ impl<T: Default, S> Tracked<T, S> {
             tracker: T::default(),
             stand_ins,
             pieces: [0; 2],
+            contacts: None,
         })
     }
 }
 
 impl MixedTracker {
-    /// Returns a tracker without a start; `None` for kinds that no tracker takes together.
-    pub(super) fn new(a: &BodyShape, b: &BodyShape) -> Option<Self> {
+    /// Returns a tracker without a start.
+    pub(super) fn new(a: &BodyShape, b: &BodyShape) -> Self {
         use BodyShape::{Composite as C, Mesh as M};
-        Some(match (a, b) {
-            (M(_), _) | (_, M(_)) => Self::Triangles(Tracked::new([as_mesh(a)?, as_mesh(b)?])),
-            (C(_), _) | (_, C(_)) => Self::Pieces(Tracked::new([as_composite(a)?, as_composite(b)?])),
+        match (a, b) {
+            (M(_), _) | (_, M(_)) if let (Some(x), Some(y)) = (as_mesh(a), as_mesh(b)) => {
+                Self::Triangles(Tracked::new([x, y]))
+            }
+            (M(_) | C(_), _) | (_, M(_) | C(_)) => Self::Pieces(Tracked::new([as_composite(a), as_composite(b)])),
             _ => Self::Convex(Box::default()),
-        })
+        }
     }
 }
 
-/// Returns the composite that stands for a body: `Some(None)` for the body itself.
-fn as_composite(shape: &BodyShape) -> Option<Option<Arc<Composite>>> {
-    match shape {
-        BodyShape::Composite(_) => Some(None),
-        BodyShape::Polyhedron(body) => {
-            let only = Composite::new(alloc::vec![Piece::new((**body).clone())]);
-            only.ok().map(|c| Some(Arc::new(c)))
-        }
-        BodyShape::Convex(_) | BodyShape::Mesh(_) => None,
-    }
+/// Returns the composite that stands for a convex body; `None` for any other body.
+fn as_composite(shape: &BodyShape) -> Option<Arc<Composite>> {
+    let convex = shape.as_convex()?;
+    Some(Arc::new(Composite::from(convex.into_owned())))
 }
 
 /// Returns the mesh that stands for a body: `Some(None)` for the body itself.
@@ -87,13 +95,39 @@ impl Tracked<CompositeTracker, Composite> {
         &'a mut self,
         a: &'a BodyShape,
         b: &'a BodyShape,
-    ) -> Option<(&'a mut CompositeTracker, [&'a Composite; 2])> {
+    ) -> Option<(&'a mut CompositeTracker, [PartsRef<'a>; 2])> {
         let [x, y] = &self.stand_ins;
         let side = |own: &'a BodyShape, stand_in: &'a Option<Arc<Composite>>| match own {
-            BodyShape::Composite(composite) => Some(&**composite),
-            _ => stand_in.as_deref(),
+            BodyShape::Composite(composite) => Some(PartsRef::Pieces(composite)),
+            BodyShape::Mesh(mesh) => Some(PartsRef::Mesh(mesh)),
+            _ => stand_in.as_deref().map(PartsRef::Pieces),
         };
         Some((&mut self.tracker, [side(a, x)?, side(b, y)?]))
+    }
+}
+
+impl<T, S> Tracked<T, S> {
+    /// Finds the contacts of two bodies at a pose; the patches of convex bodies are made here.
+    fn find_contacts(
+        &mut self,
+        (a, b): (&BodyShape, &BodyShape),
+        patches: [Option<&ContactPatches>; 2],
+        pose: &RelativePose,
+        options: &ManifoldOptions,
+    ) -> bool {
+        let contacts = self.contacts.get_or_insert_with(|| {
+            let of = |shape: &BodyShape| shape.as_convex().map(|s| ContactPatches::from(s.into_owned()));
+            Box::new(Contacts {
+                tracker: PatchTracker::new(),
+                stand_ins: [of(a), of(b)],
+            })
+        });
+        let [x, y] = &contacts.stand_ins;
+        let (Some(x), Some(y)) = (patches[0].or(x.as_ref()), patches[1].or(y.as_ref())) else {
+            return false;
+        };
+        contacts.tracker.contacts(x, y, pose, options);
+        true
     }
 }
 
@@ -167,7 +201,7 @@ impl PairTracker for MixedTracker {
                 let Some((tracker, [x, y])) = tracked.sides(a, b) else {
                     return unknown();
                 };
-                let found = tracker.closest(x, y, pose);
+                let found = tracker.closest(&x, &y, pose);
                 tracked.pieces = found.pieces;
                 return without_depth(outcome_of(&Measure::from(&found)));
             }
@@ -198,7 +232,7 @@ impl PairTracker for MixedTracker {
                 (Some(x), Some(y)) => tracker.within(&x, &y, pose, d),
                 _ => true,
             },
-            Self::Pieces(tracked) => tracked.sides(a, b).is_none_or(|(t, [x, y])| t.within(x, y, pose, d)),
+            Self::Pieces(tracked) => tracked.sides(a, b).is_none_or(|(t, [x, y])| t.within(&x, &y, pose, d)),
             Self::Triangles(tracked) => tracked.sides(a, b).is_none_or(|(t, [x, y])| t.within(x, y, pose, d)),
         }
     }
@@ -235,23 +269,48 @@ impl PairTracker for MixedTracker {
         }
     }
 
-    /// Manifolds of composites and meshes are refused, so only convex shapes have any.
+    /// Convex shapes have a manifold, all others contacts by patches.
     fn update_manifold(
         &mut self,
         (a, b): Self::Shapes<'_>,
         pose: &RelativePose,
-        (_, options): (&Outcome, &ManifoldOptions),
+        ask: ContactAsk<'_>,
         stored: &mut Option<Box<Manifold>>,
         counts: &mut Counts,
     ) {
-        let (Self::Convex(tracker), Some(x), Some(y)) = (self, a.as_convex(), b.as_convex()) else {
-            return;
+        let ContactAsk { options, patches, .. } = ask;
+        let is_found = match self {
+            Self::Pieces(tracked) => tracked.find_contacts((a, b), patches, pose, options),
+            Self::Triangles(tracked) => tracked.find_contacts((a, b), patches, pose, options),
+            Self::Convex(tracker) => {
+                let (Some(x), Some(y)) = (a.as_convex(), b.as_convex()) else {
+                    return;
+                };
+                let queries = tracker.totals().queries;
+                tracker.manifold(&x, &y, pose, options, stored.get_or_insert_default());
+                // A manifold is rebuilt from a query.
+                counts.renewed += u64::from(tracker.totals().queries > queries);
+                true
+            }
         };
-        let queries = tracker.totals().queries;
-        tracker.manifold(&x, &y, pose, options, stored.get_or_insert_default());
-        counts.manifolds += 1;
-        // A manifold is rebuilt from a query.
-        counts.renewed += u64::from(tracker.totals().queries > queries);
+        counts.manifolds += u64::from(is_found);
+    }
+
+    fn contacts(&self) -> Option<&[PatchContacts]> {
+        let contacts = match self {
+            Self::Convex(_) => None,
+            Self::Pieces(tracked) => tracked.contacts.as_deref(),
+            Self::Triangles(tracked) => tracked.contacts.as_deref(),
+        };
+        contacts.map(|c| c.tracker.found())
+    }
+
+    fn drop_contacts(&mut self) {
+        match self {
+            Self::Convex(_) => {}
+            Self::Pieces(tracked) => tracked.contacts = None,
+            Self::Triangles(tracked) => tracked.contacts = None,
+        }
     }
 
     fn pieces(&self) -> [u32; 2] {
@@ -300,7 +359,7 @@ impl MixedTracker {
 
     /// Returns the tracker of two bodies as written; `None` if the tracker is of other kinds.
     pub(super) fn restored(stored: StoredTracker, a: &BodyShape, b: &BodyShape) -> Option<Self> {
-        let mut tracker = Self::new(a, b)?;
+        let mut tracker = Self::new(a, b);
         match (&mut tracker, stored) {
             (Self::Convex(tracker), StoredTracker::Convex(known)) => *tracker = known,
             (Self::Pieces(tracked), StoredTracker::Pieces(pieces)) => tracked.pieces = pieces,

@@ -9,7 +9,7 @@ use super::budget::{slack, wake};
 use super::effects::{Detail, NEVER, Plan, Table};
 use super::events::{Change, PairChange, PairImpact};
 use super::pair_table::{PairFlags, PairHeader, PairTable};
-use super::pair_tracker::PairTracker;
+use super::pair_tracker::{ContactAsk, PairTracker};
 use super::report::Counts;
 use super::stored_answer::StoredAnswer;
 use crate::pair::outcome::{Class, Outcome};
@@ -139,6 +139,7 @@ impl Context<'_> {
         if is_apart || self.is_clear(header, plan.reach, counts) {
             if let Some(stored) = answer.manifold() {
                 *stored = None;
+                tracker.drop_contacts();
             }
             return;
         }
@@ -169,8 +170,14 @@ impl Context<'_> {
         }
         if let (Some(stored), Some(options)) = (answer.manifold(), &plan.manifold) {
             if is_near {
-                tracker.update_manifold(shapes, &pose, (&outcome, options), stored, counts);
+                let ask = ContactAsk {
+                    outcome: &outcome,
+                    options,
+                    patches: [solid_a.patches.as_ref(), solid_b.patches.as_ref()],
+                };
+                tracker.update_manifold(shapes, &pose, ask, stored, counts);
             } else {
+                tracker.drop_contacts();
                 *stored = None;
             }
         }

@@ -19,6 +19,7 @@ use super::mixed_tracker::MixedTracker;
 use super::pair_tracker::{AnyTracker, PairTracker, TrackerRef};
 use super::stored_answer::{StoredAnswer, StoredContact};
 use crate::broad::PairId;
+use crate::composite::contact::PatchContacts;
 use crate::contact::Manifold;
 use crate::pair::outcome::{Distance, Outcome, Until};
 use crate::tracker::Tracker;
@@ -100,6 +101,7 @@ impl<T: PairTracker, A: StoredAnswer> PairTable<T, A> {
             distance: answer.distance().filter(|_| header.state.measured),
             outcome: answer.outcome().filter(|_| header.state.measured),
             manifold: answer.contacts().filter(|_| header.state.measured),
+            contacts: tracker.contacts().filter(|_| header.state.measured),
         })
     }
 
@@ -174,6 +176,7 @@ pub(super) struct PairView<'a> {
     pub(super) distance: Option<Distance>,
     pub(super) outcome: Option<&'a Outcome>,
     pub(super) manifold: Option<&'a Manifold>,
+    pub(super) contacts: Option<&'a [PatchContacts]>,
 }
 
 /// The tables of the pairs of one type of tracker, one for each level of detail that is stored.

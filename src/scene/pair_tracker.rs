@@ -6,12 +6,21 @@ use alloc::boxed::Box;
 use super::body_shape::BodyShape;
 use super::mixed_tracker::MixedTracker;
 use super::report::Counts;
+use crate::composite::contact::{ContactPatches, PatchContacts};
 use crate::contact::{Manifold, ManifoldOptions, Query};
 use crate::pair::outcome::{Outcome, Until};
 use crate::polyhedron::{ConvexPolyhedron, FeaturePair};
 use crate::pose::RelativePose;
 use crate::separation::{Measure, PolyhedronPair, Separation};
 use crate::tracker::Tracker;
+
+/// What a contact stage starts from: the last outcome, the options, and the patches of bodies that
+/// are not convex.
+pub(super) struct ContactAsk<'a> {
+    pub(super) outcome: &'a Outcome,
+    pub(super) options: &'a ManifoldOptions,
+    pub(super) patches: [Option<&'a ContactPatches>; 2],
+}
 
 /// State of a pair between queries. Implemented by two types, so that pairs of polyhedra pay
 /// nothing for the other kinds.
@@ -43,10 +52,18 @@ pub(super) trait PairTracker: Clone + Send + Sync {
         &mut self,
         shapes: Self::Shapes<'_>,
         pose: &RelativePose,
-        found: (&Outcome, &ManifoldOptions),
+        ask: ContactAsk<'_>,
         stored: &mut Option<Box<Manifold>>,
         counts: &mut Counts,
     );
+
+    /// Returns the contacts of a pair with a body that is not convex.
+    fn contacts(&self) -> Option<&[PatchContacts]> {
+        None
+    }
+
+    /// Forgets the contacts of a pair that is beyond the prediction.
+    fn drop_contacts(&mut self) {}
 
     /// Returns the pieces or triangles of the last measurement; zero for shapes of one piece.
     fn pieces(&self) -> [u32; 2];
@@ -98,7 +115,7 @@ impl PairTracker for Tracker {
         &mut self,
         (a, b): Self::Shapes<'_>,
         pose: &RelativePose,
-        (outcome, options): (&Outcome, &ManifoldOptions),
+        ContactAsk { outcome, options, .. }: ContactAsk<'_>,
         stored: &mut Option<Box<Manifold>>,
         counts: &mut Counts,
     ) {
@@ -142,11 +159,11 @@ pub(crate) enum AnyTracker {
 }
 
 impl AnyTracker {
-    /// Returns a tracker without a start; `None` for kinds that no tracker takes together.
-    pub(crate) fn new(a: &BodyShape, b: &BodyShape) -> Option<Self> {
+    /// Returns a tracker without a start.
+    pub(crate) fn new(a: &BodyShape, b: &BodyShape) -> Self {
         match (a, b) {
-            (BodyShape::Polyhedron(_), BodyShape::Polyhedron(_)) => Some(Self::Polyhedra(Tracker::new())),
-            _ => MixedTracker::new(a, b).map(Self::Mixed),
+            (BodyShape::Polyhedron(_), BodyShape::Polyhedron(_)) => Self::Polyhedra(Tracker::new()),
+            _ => Self::Mixed(MixedTracker::new(a, b)),
         }
     }
 

@@ -266,7 +266,7 @@ impl Snapshot {
         let pair_tables = pair_tables.ok_or("two pairs of the scene sit in one seat")?;
         check_rows(&pair_tables, &bodies, &self.broad)?;
         let census = census_of(&bodies, &table)?;
-        Ok(Scene {
+        let mut scene = Scene {
             bodies,
             census,
             table,
@@ -284,7 +284,9 @@ impl Snapshot {
             schedule: self.schedule,
             settings: self.settings,
             batch: Vec::new(),
-        })
+        };
+        scene.make_patches();
+        Ok(scene)
     }
 }
 

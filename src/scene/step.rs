@@ -1,9 +1,11 @@
 //! A step: the stages of the pipeline, in order.
 
+use alloc::collections::BTreeMap;
 use alloc::vec::Vec;
 
 use super::Scene;
 use super::body::{Bodies, box_of, swept_box};
+use super::body_shape::BodyShape;
 use super::effects::{Detail, GROUPS, Group, Table, group_pair_of};
 use super::events::{Change, Event, PairChange, PairImpact};
 use super::narrow_phase::{Context, Tally, test_table};
@@ -11,6 +13,7 @@ use super::pair_table::{DetailTables, PairFlags, PairHeader, PairState, PairTabl
 use super::pair_tracker::{AnyTracker, PairTracker};
 use super::report::{Clock, Report};
 use crate::broad::{self, Aabb, BroadPhase, PairId};
+use crate::composite::contact::ContactPatches;
 use crate::polyhedron::BoxHint;
 #[cfg(feature = "parallel")]
 use crate::tuning::scene::QUERY_IN_BOXES;
@@ -27,6 +30,9 @@ impl Scene {
             self.bodies.narrow();
             let mut clock = Clock::start();
             let recreated = self.replan();
+            if self.changed || self.replanned != 0 {
+                self.make_patches();
+            }
             self.make_boxes();
             self.report.times.boxes = clock.lap();
             let changes = self.find_pairs(recreated);
@@ -74,6 +80,35 @@ impl Scene {
             }
         }
         recreated
+    }
+
+    /// Makes the patches of meshes and composites whose contacts are called for, once for each
+    /// shape.
+    pub(super) fn make_patches(&mut self) {
+        let groups = self.table.manifold_groups();
+        if !self.census.has_parts(groups) {
+            return;
+        }
+        let mut made = BTreeMap::new();
+        for solid in self.bodies.solids.iter().flatten() {
+            if let Some(patches) = &solid.patches {
+                made.insert(solid.shape.address(), Some(patches.clone()));
+            }
+        }
+        for solid in self.bodies.solids.iter_mut().flatten() {
+            if groups & 1 << solid.group.number() == 0 || solid.patches.is_some() {
+                continue;
+            }
+            let shape = &solid.shape;
+            let new = || match shape {
+                BodyShape::Mesh(mesh) => Some(ContactPatches::of_mesh(mesh.clone())),
+                BodyShape::Composite(body) => Some(ContactPatches::of_pieces(body.clone())),
+                _ => None,
+            };
+            if shape.as_convex().is_none() {
+                solid.patches = made.entry(shape.address()).or_insert_with(new).clone();
+            }
+        }
     }
 
     /// Removes a body from the broad phase and inserts the body again, with a box or unbounded.
@@ -310,7 +345,7 @@ fn begin(
     let tracker = pair_state.tracker.or_else(|| {
         let shape = |i: u32| bodies.solids[i as usize].as_ref().map(|solid| &solid.shape);
         if plan.detail > Detail::Boxes {
-            AnyTracker::new(shape(a)?, shape(b)?)
+            Some(AnyTracker::new(shape(a)?, shape(b)?))
         } else {
             None
         }

@@ -12,7 +12,8 @@ use crate::tolerance::{BALLS, PLANE, ROOT};
 pub(crate) struct Apart {
     /// Time for which the balls are apart; infinite if for ever.
     pub(crate) span: f64,
-    /// The sum of the radii.
+    /// The radii about the pivots, and their sum.
+    pub(crate) radii: [f64; 2],
     pub(crate) reach: f64,
     /// The distance of the balls.
     pub(crate) gap: f64,
@@ -66,6 +67,7 @@ pub(super) fn apart<S: Separation + ?Sized>(pair: &S, flight: &Flight) -> Apart 
     };
     Apart {
         span,
+        radii: [radius_a, radius_b],
         reach,
         gap: sqrt(square) - radius,
         noise,

@@ -5,6 +5,7 @@ use nalgebra::Vector3;
 use super::ShapeTracker;
 use crate::contact::{Extent, Facet, Manifold, ManifoldOptions, Query, RoundFace};
 use crate::num::scalar::sqrt;
+use crate::pair::outcome::Outcome;
 use crate::polyhedron::{EdgeId, FaceId, Feature, VertexId};
 use crate::pose::RelativePose;
 use crate::shape::{Cone, Core, Cylinder, Shape};
@@ -51,6 +52,21 @@ impl ShapeTracker {
         options: &ManifoldOptions,
         manifold: &mut Manifold,
     ) {
+        self.manifold_by((a, b), a_from_b, options, manifold, |tracker| {
+            tracker.closest_cores(a, b, a_from_b)
+        });
+    }
+
+    /// Computes the contact points as [`manifold`](Self::manifold) does, from an outcome of the
+    /// cores that is asked for only if the old points do not stand any more.
+    pub(crate) fn manifold_by(
+        &mut self,
+        (a, b): (&Shape, &Shape),
+        a_from_b: &RelativePose,
+        options: &ManifoldOptions,
+        manifold: &mut Manifold,
+        outcome: impl FnOnce(&mut Self) -> Outcome,
+    ) {
         let radii = [a.round(), b.round()];
         // The cores are farther apart by the radii.
         let of_cores = ManifoldOptions {
@@ -60,16 +76,14 @@ impl ShapeTracker {
         if let (Core::Polyhedron(x), Core::Polyhedron(y)) = (a.core(), b.core()) {
             let query = Query::new(x, y, a_from_b, &of_cores).rounded(radii);
             if let Err(moved) = manifold.refresh(&query) {
-                let outcome = self.polyhedral.closest(x, y, a_from_b);
-                manifold.renew(&query, &outcome, moved);
+                manifold.renew(&query, &outcome(self), moved);
             }
             return;
         }
         let extents = [extent(a.core()), extent(b.core())];
         let mut query = Query::of(extents, [Facet::Point; 2], a_from_b, &of_cores).rounded(radii);
         if let Err(moved) = manifold.refresh(&query) {
-            let outcome = smooth::closest(a.core(), b.core(), a_from_b, &mut self.curved);
-            self.count(&outcome);
+            let outcome = outcome(self);
             let normal = outcome.normal.into_inner();
             let bears = |previous: Option<Feature>| Bearing {
                 sine: options.sine,
@@ -82,6 +96,16 @@ impl ShapeTracker {
             ];
             manifold.renew(&query, &outcome, moved);
         }
+    }
+
+    /// Returns the closest points of the cores of two shapes.
+    pub(crate) fn closest_cores(&mut self, a: &Shape, b: &Shape, a_from_b: &RelativePose) -> Outcome {
+        if let (Core::Polyhedron(x), Core::Polyhedron(y)) = (a.core(), b.core()) {
+            return self.polyhedral.closest(x, y, a_from_b);
+        }
+        let outcome = smooth::closest(a.core(), b.core(), a_from_b, &mut self.curved);
+        self.count(&outcome);
+        outcome
     }
 }
 

@@ -67,3 +67,53 @@ pub(crate) const TOUCHES: usize = 128;
 /// proves as much as the direction of the witnesses: two more gaps for directions that prove
 /// flush neighbours. Plates of 3,000 triangles at a gap of 1e-3: 300 bounds a query without.
 pub(crate) const SHARP: f64 = 1.0 / 256.0;
+
+/// The depth of the hull of a patch that does not go round a body, in its radius. Overlaps deeper
+/// than half of it take the normal of a face instead of the hull's, at the price of one gap for
+/// each face. Not measured.
+pub(crate) const DEPTH: f64 = 0.25;
+
+/// Most planes of a patch for contacts: larger patches for a build in time that grows with their
+/// square. Not measured.
+pub(crate) const PLANES: usize = 1024;
+
+/// The hulls of patches of so many triangles are built with the patches, those of smaller ones
+/// when a body comes near: a hull takes kilobytes, most patches of scanned meshes have three to six
+/// triangles. Not measured.
+pub(crate) const MANY_TRIANGLES: usize = 12;
+
+/// Sine of the largest angle between a contact's normal and the normals of the mesh at the point:
+/// witnesses 1e-9 apart have a direction right to 1e-7.
+pub(crate) const CONE: f64 = 1.0 / 1_048_576.0;
+
+/// Sine of the largest angle between the normals of contacts that are reduced together.
+pub(crate) const ALIKE: f64 = 1.0 / 64.0;
+
+/// Faces that are tried for a contact whose normal the mesh does not have. Not measured.
+pub(crate) const FACES_TRIED: usize = 6;
+
+/// Pairs of nodes that a look ahead splits at most. Not measured.
+pub(crate) const AHEAD_PAIRS: usize = 2048;
+
+/// Parts of a node that are few enough to be looked at one by one in a look ahead. Not measured.
+pub(crate) const AHEAD_ITEMS: u32 = 8;
+
+/// Horizons over which the second order of a look ahead is bounded, each a half of the last or
+/// less. Not measured.
+pub(crate) const HORIZONS: usize = 6;
+
+/// Vertices of a mesh that are looked at for a lower bound of the depth. Not measured.
+pub(crate) const DEEP_POINTS: usize = 2048;
+
+/// Moves by the deepest overlap in a search for a translation that parts two bodies.
+pub(crate) const PUSHES: usize = 12;
+
+/// Bisections of the length of a translation that parts two bodies: a thousandth of the length.
+pub(crate) const HALVINGS: usize = 10;
+
+/// Faces whose depths differ by less than this part count as equally deep.
+pub(crate) const NEARLY: f64 = 1.0 / 64.0;
+
+/// By which factor a translation that should part two bodies is longer: rounding shall not keep
+/// them in contact.
+pub(crate) const BEYOND: f64 = 1.0 + 1.0 / 1_073_741_824.0;

@@ -1,9 +1,12 @@
 //! Promise: queries of meshes equal brute force over all pairs of triangles, whatever the tracker has seen before.
 
+mod ahead;
+mod contacts;
 mod contain;
 mod frames;
 mod hard;
 mod many;
+mod penetration;
 mod pieces;
 mod shapes;
 

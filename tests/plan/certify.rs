@@ -295,6 +295,5 @@ fn bad_input_is_named() {
         Mesh::from_convex(&room.robot).expect("a mesh"),
         Isometry3::identity(),
     );
-    let refused = Checker::new(room.space(), round).err();
-    assert!(matches!(refused, Some(PlanError::Unanswered { .. })), "{refused:?}");
+    assert!(Checker::new(room.space(), round).is_ok(), "every two kinds are a pair");
 }

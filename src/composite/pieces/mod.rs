@@ -271,6 +271,10 @@ impl Parted for Composite {
         self.unit()
     }
 
+    fn corners_of_box(&self) -> (Point3<f64>, Point3<f64>) {
+        self.aabb()
+    }
+
     fn is_in_place(&self) -> bool {
         self.in_place
     }

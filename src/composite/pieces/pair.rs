@@ -1,11 +1,12 @@
 //! Two bodies of convex parts at a pose: pairs of parts are asked by trackers that are kept.
 
 use alloc::collections::BTreeMap;
-use nalgebra::{Isometry3, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Vector3};
 
 use crate::composite::frame::Frame;
 use crate::composite::front::Pair;
 use crate::composite::parts::Parted;
+use crate::composite::placed::Placed;
 use crate::composite::search::{Judge, Measured};
 use crate::pair::outcome::{Class, Outcome};
 use crate::polyhedron::FeaturePair;
@@ -24,9 +25,7 @@ pub(super) struct Near {
 pub(super) struct PartPair<'a, A, B> {
     a: &'a A,
     b: &'a B,
-    pose: &'a RelativePose,
-    /// B in A's frame, if poses have to be composed.
-    composed: Option<Isometry3<f64>>,
+    placed: Placed<'a>,
     /// The distance in question, in the caller's unit, if that is the question.
     within: Option<f64>,
     near: &'a mut BTreeMap<Pair, Near>,
@@ -39,17 +38,10 @@ impl<'a, A: Parted, B: Parted> PartPair<'a, A, B> {
         within: Option<f64>,
         near: &'a mut BTreeMap<Pair, Near>,
     ) -> Self {
-        let composed = (!(a.is_in_place() && b.is_in_place())).then(|| {
-            let (pose_a, pose_b) = pose.poses();
-            let unit = |q: UnitQuaternion<f64>| UnitQuaternion::new_normalize(q.into_inner());
-            let rotation = unit(unit(pose_a.rotation).inverse() * unit(pose_b.rotation));
-            Isometry3::from_parts(pose.translation().into(), rotation)
-        });
         Self {
             a,
             b,
-            pose,
-            composed,
+            placed: Placed::of(pose, a, b),
             within,
             near,
         }
@@ -70,21 +62,6 @@ impl<'a, A: Parted, B: Parted> PartPair<'a, A, B> {
             crosses: false,
         }
     }
-}
-
-/// The relative pose of two parts, and whether it is the bodies' own without rounding.
-fn pose_of(
-    pose: &RelativePose,
-    composed: Option<&Isometry3<f64>>,
-    p: &Isometry3<f64>,
-    q: &Isometry3<f64>,
-) -> (RelativePose, bool) {
-    let Some(composed) = composed else {
-        return (*pose, true);
-    };
-    let mut placed = composed * q;
-    placed.rotation = UnitQuaternion::new_normalize(placed.rotation.into_inner());
-    RelativePose::new(p, &placed).map_or((*pose, false), |pose| (pose, false))
 }
 
 impl<A: Parted, B: Parted> Judge for PartPair<'_, A, B> {
@@ -128,7 +105,7 @@ impl<A: Parted, B: Parted> Judge for PartPair<'_, A, B> {
             return self.unknown(frame, pair);
         };
         let [(p, at_p), (q, at_q)] = parts;
-        let (pose, exact) = pose_of(self.pose, self.composed.as_ref(), at_p, at_q);
+        let (pose, exact) = self.placed.between(at_p, at_q);
         let mut o: Outcome = tracker.closest_or_class(p, q, &pose);
         if !exact && o.class == Class::Overlapping {
             // Only a depth beyond the rounding of composed poses proves an overlap.

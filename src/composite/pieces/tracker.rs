@@ -5,6 +5,7 @@ use nalgebra::{Point3, Unit, Vector3};
 
 use super::pair::{Near, PartPair};
 use crate::composite::front::Pair;
+use crate::composite::kept::Kept;
 use crate::composite::parts::Parts;
 use crate::composite::search::MeshWork;
 use crate::composite::state::{Answer, Posed, State};
@@ -94,6 +95,10 @@ impl CompositeTracker {
     #[must_use]
     pub fn work(&self) -> MeshWork {
         self.state.kept.work
+    }
+
+    pub(in crate::composite) fn kept(&self) -> &Kept {
+        &self.state.kept
     }
 
     /// Returns the number of entries of the front that is kept.

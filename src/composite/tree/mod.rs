@@ -12,6 +12,8 @@ mod split;
 use alloc::vec::Vec;
 use nalgebra::Vector3;
 
+use crate::tolerance::UNIT_SINGLE;
+
 /// A box in single precision: every point below the node is `centre + sum of s_k axis_k` with
 /// `|s_k| <= half_k`, exactly, for the numbers as stored. Coordinates are those of the tree
 /// ([`Tree::centre`], [`Tree::exponent`]).
@@ -134,6 +136,31 @@ impl Tree {
     /// One length of the tree in stored lengths of the body.
     pub(crate) fn unit(&self) -> f64 {
         crate::polyhedron::power_of_two(self.exponent)
+    }
+
+    /// Asks about the items whose boxes are at most twice `reach` from a point in stored
+    /// coordinates of the body, until an answer is true.
+    pub(crate) fn any_near(&self, point: &Vector3<f64>, reach: f64, mut is_found: impl FnMut(u32) -> bool) -> bool {
+        let place = (point - self.centre) / self.unit();
+        // Twice for the rounding of all that follows.
+        let reach = 2.0 * reach / self.unit() + 16.0 * UNIT_SINGLE;
+        let mut stack = alloc::vec![0];
+        while let Some(node) = stack.pop() {
+            let b = &self.boxes[node as usize];
+            let (d, half) = (place - b.centre(), b.half());
+            if (0..3).any(|k| b.axis(k).dot(&d).abs() > half[k] * (1.0 + 16.0 * UNIT_SINGLE) + reach) {
+                continue;
+            }
+            match self.below(node) {
+                Below::Children(c) => stack.extend([c, c + 1]),
+                Below::Leaf(first, count) => {
+                    if (first..first + count).any(&mut is_found) {
+                        return true;
+                    }
+                }
+            }
+        }
+        false
     }
 
     pub(crate) fn heap_bytes(&self) -> usize {

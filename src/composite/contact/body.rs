@@ -1,0 +1,218 @@
+//! A body as its contacts see it: the convex patches of a mesh, or the pieces of a composite.
+
+use alloc::sync::Arc;
+use alloc::vec::Vec;
+use nalgebra::{Isometry3, Point3, Vector3};
+
+use super::surface::{Borne, Surface};
+use crate::composite::frame::Side;
+use crate::composite::mesh::Mesh;
+use crate::composite::parts::Parted;
+use crate::composite::pieces::Composite;
+use crate::polyhedron::ConvexPolyhedron;
+use crate::pose::RelativePose;
+use crate::shape::{Core, Shape};
+use crate::shape_tracker::ShapeTracker;
+
+/// A body as its contacts see it: convex patches of a mesh's surface, or the pieces of a
+/// [`Composite`].
+///
+/// Built once for each body; [`PatchTracker`](crate::PatchTracker) finds the contacts of two. The
+/// patches of a mesh face outward, whether the mesh is closed or not: a body that touches an open
+/// mesh from behind has no contact.
+#[derive(Clone, Debug)]
+pub struct ContactPatches(Body);
+
+#[derive(Clone, Debug)]
+enum Body {
+    Surface(Arc<Surface>),
+    Pieces(Arc<Composite>, f64),
+}
+
+impl ContactPatches {
+    /// Returns the patches of a mesh. Flat regions and convex bodies are one patch each, however
+    /// finely they are cut into triangles; saddles and walls seen from inside give small patches.
+    ///
+    /// Patches are convex to `64 * 2^-53` times the radius of the mesh about its origin, the
+    /// rounding of a mesh in double precision that was turned.
+    #[must_use]
+    pub fn of_mesh(mesh: impl Into<Arc<Mesh>>) -> Self {
+        Self::of_mesh_within(mesh, 0.0)
+    }
+
+    /// Returns the patches of a mesh that are convex within a tolerance in the caller's unit, for
+    /// meshes stored in single precision: some 1e-6 times the size of the mesh. Reflex edges that
+    /// shallow bear contacts as if they were flat.
+    #[must_use]
+    pub fn of_mesh_within(mesh: impl Into<Arc<Mesh>>, tolerance: f64) -> Self {
+        let mesh: Arc<Mesh> = mesh.into();
+        let stored = tolerance.max(0.0) / mesh.unit();
+        Self(Body::Surface(Arc::new(Surface::new(mesh, stored))))
+    }
+
+    /// Returns the pieces of a body as its patches. Where pieces meet or overlap, only the outside
+    /// of the whole bears contacts.
+    #[must_use]
+    pub fn of_pieces(body: impl Into<Arc<Composite>>) -> Self {
+        Self::of_pieces_within(body, 0.0)
+    }
+
+    /// Returns the pieces of a body as its patches. Pieces closer than a tolerance, in the caller's
+    /// unit, count as meeting: for decompositions whose pieces fit roughly.
+    #[must_use]
+    pub fn of_pieces_within(body: impl Into<Arc<Composite>>, tolerance: f64) -> Self {
+        Self(Body::Pieces(body.into(), tolerance.max(0.0)))
+    }
+
+    /// Returns the number of patches or pieces.
+    #[must_use]
+    pub fn count(&self) -> usize {
+        match &self.0 {
+            Body::Surface(surface) => surface.count(),
+            Body::Pieces(body, _) => body.pieces().len(),
+        }
+    }
+
+    /// Returns the triangles of a patch by the caller's numbers; none for pieces.
+    pub fn triangles(&self, patch: u32) -> impl Iterator<Item = u32> + '_ {
+        let surface = match &self.0 {
+            Body::Surface(surface) => Some(&**surface),
+            Body::Pieces(..) => None,
+        };
+        let named = move |s: &'_ Surface| -> Vec<u32> {
+            let source = &s.mesh.source_triangles;
+            s.triangles(patch).iter().map(|&t| source[t as usize]).collect()
+        };
+        surface.map(named).unwrap_or_default().into_iter()
+    }
+
+    pub(super) fn side(&self) -> Side<'_> {
+        match &self.0 {
+            Body::Surface(surface) => surface.side(),
+            Body::Pieces(body, _) => body.side(),
+        }
+    }
+
+    pub(super) fn fingerprint(&self) -> u64 {
+        match &self.0 {
+            Body::Surface(surface) => surface.fingerprint,
+            Body::Pieces(body, tolerance) => body.fingerprint() ^ tolerance.to_bits(),
+        }
+    }
+
+    pub(super) fn unit(&self) -> f64 {
+        match &self.0 {
+            Body::Surface(surface) => surface.mesh.unit(),
+            Body::Pieces(body, _) => body.stored_unit(),
+        }
+    }
+
+    pub(super) fn is_in_place(&self) -> bool {
+        match &self.0 {
+            Body::Surface(_) => true,
+            Body::Pieces(body, _) => body.is_in_place(),
+        }
+    }
+
+    pub(super) fn is_mesh(&self) -> bool {
+        matches!(self.0, Body::Surface(_))
+    }
+
+    /// The patch of an item of the tree.
+    pub(super) fn patch(&self, item: u32) -> u32 {
+        match &self.0 {
+            Body::Surface(surface) => surface.patch_of_item(item),
+            Body::Pieces(body, _) => body.number(item),
+        }
+    }
+
+    /// The convex body of a patch, and its pose in the body's frame.
+    pub(super) fn part(&self, patch: u32) -> Option<(Shape, Isometry3<f64>)> {
+        match &self.0 {
+            Body::Surface(surface) => Some((surface.hull(patch)?, Isometry3::identity())),
+            Body::Pieces(body, _) => {
+                let piece = body.pieces().get(patch as usize)?;
+                Some((piece.shape.clone(), piece.pose))
+            }
+        }
+    }
+
+    /// Whether a normal in the body's frame is that of a face of a patch.
+    pub(super) fn has_face(&self, patch: u32, n: &Vector3<f64>) -> bool {
+        match &self.0 {
+            Body::Surface(surface) => surface.has_face(patch, n),
+            Body::Pieces(..) => true,
+        }
+    }
+
+    /// How far a patch bears a contact at a point along an outward normal, both in the body's frame
+    /// and the caller's unit.
+    pub(super) fn bears(&self, patch: u32, point: &Point3<f64>, n: &Vector3<f64>, (sine, doubt): (f64, f64)) -> Borne {
+        match &self.0 {
+            Body::Surface(surface) => surface.bears(patch, point, n, (sine, doubt)),
+            Body::Pieces(body, tolerance) => {
+                if is_covered(body, patch, point, n, tolerance + doubt) {
+                    Borne::No
+                } else {
+                    Borne::Fully
+                }
+            }
+        }
+    }
+
+    /// Whether no face of a part, or of the mesh, is nearer to a point inside than `depth`. Both in
+    /// the frame of the part, which is the body's for meshes.
+    pub(super) fn is_clear(&self, part: &Shape, point: &Point3<f64>, depth: f64) -> bool {
+        match (&self.0, part.core()) {
+            (Body::Surface(surface), _) => surface.is_clear(point, depth),
+            (_, Core::Polyhedron(core)) => core.faces().all(|face| {
+                let plane = core.face_plane(face);
+                plane.is_none_or(|(n, offset)| offset - n.dot(&point.coords) >= depth - part.round())
+            }),
+            _ => true,
+        }
+    }
+
+    /// Whether the way from a point of the surface to a point below leaves the body.
+    pub(super) fn is_left(&self, from: &Point3<f64>, to: &Point3<f64>, doubt: f64) -> bool {
+        matches!(&self.0, Body::Surface(surface) if surface.is_left(from, to, doubt))
+    }
+}
+
+impl From<Shape> for ContactPatches {
+    /// Returns a convex body as its only patch.
+    fn from(shape: Shape) -> Self {
+        Self::of_pieces(Composite::from(shape))
+    }
+}
+
+/// Whether another piece holds the point and is higher along the normal: then the whole has no such
+/// normal there.
+fn is_covered(body: &Composite, of: u32, point: &Point3<f64>, n: &Vector3<f64>, slack: f64) -> bool {
+    if body.pieces().len() == 1 {
+        return false;
+    }
+    let unit = body.stored_unit();
+    let covers = |item: u32| {
+        let piece = &body.pieces()[body.number(item) as usize];
+        if body.number(item) == of {
+            return false;
+        }
+        let local = piece.pose.inverse_transform_point(point);
+        let m = piece.pose.inverse_transform_vector(n);
+        piece.shape.support_height(&m) > m.dot(&local.coords) + 2.0 * slack && is_in(&piece.shape, &local, slack)
+    };
+    body.side().tree.any_near(&(point.coords / unit), slack / unit, covers)
+}
+
+/// Whether a point is within `slack` of a shape.
+pub(super) fn is_in(shape: &Shape, point: &Point3<f64>, slack: f64) -> bool {
+    let at = Isometry3::translation(point.x, point.y, point.z);
+    let (Ok(dot), Ok(at)) = (
+        ConvexPolyhedron::point(Point3::origin()),
+        RelativePose::from_isometry(&at),
+    ) else {
+        return false;
+    };
+    ShapeTracker::new().within(shape, &Shape::from(dot), &at, slack)
+}

@@ -1,0 +1,247 @@
+//! Contacts of meshes and bodies of pieces: one manifold for each pair of convex patches.
+//!
+//! Triangles of a convex region are a single body to a manifold, so that the edges inside the
+//! region bear no contact (`grow`, `surface`). The manifold of two patches (`near`) is kept if both
+//! bodies have its normal at the deepest point: that of a face, or in the cone of normals of a
+//! convex edge or vertex. A reflex edge has none, and neither has a face that a piece next to it
+//! covers. Else the normal of a face is taken, that of least overlap along which the bodies bear a
+//! contact. So a body that slides over the edges of a tessellated floor, or along a reflex edge,
+//! feels none of them.
+//!
+//! Normal cones: Clarke 1990, "Optimization and Nonsmooth Analysis", section 2.5 (proximal
+//! normals). Patches: see `grow`.
+
+mod body;
+mod grow;
+mod near;
+mod surface;
+
+use alloc::collections::BTreeMap;
+use alloc::collections::btree_map::Entry;
+use alloc::vec::Vec;
+use nalgebra::{Unit, Vector3};
+
+pub use body::ContactPatches;
+
+use super::bounds::bounds;
+use super::frame::Frame;
+use super::front::Pair;
+use super::placed::Placed;
+use super::search::split_pair;
+use crate::contact::{ContactCandidate, ContactPoint, ManifoldOptions, reduce, tangents_of};
+use crate::pose::RelativePose;
+use crate::tolerance::ACROSS;
+use crate::tuning::composite::ALIKE;
+use near::Near;
+
+/// A contact and the patches that bear it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct PatchContact {
+    /// The patch or piece of A and of B. With the id of the point, a name that lasts as long as the
+    /// contact.
+    pub patches: [u32; 2],
+    /// Unit direction from A to B, in A's frame, along which the points lie opposite each other.
+    pub normal: Unit<Vector3<f64>>,
+    /// The points, in the bodies' frames. Features are those of the patches' hulls.
+    pub point: ContactPoint,
+}
+
+/// Contacts along nearly one direction.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct PatchContacts {
+    /// Unit direction from A to B, in A's frame: that of the deepest contact. The others' differ by
+    /// a degree at most.
+    pub normal: Unit<Vector3<f64>>,
+    /// At most [`ManifoldOptions::max_points`] contacts of all patches: the deepest, and those that
+    /// span the most area.
+    pub contacts: Vec<PatchContact>,
+}
+
+/// The manifolds of the pairs of patches of two bodies that are near.
+///
+/// Contacts are those of shallow overlap: a body that is wholly behind a face, or whose deepest
+/// point has left the mesh on another side, has no contact with that face. Depth of bodies is
+/// another question.
+///
+/// ```
+/// use lin_canny::nalgebra::{Isometry3, Vector3};
+/// use lin_canny::polyhedron::solids;
+/// use lin_canny::{ContactPatches, ManifoldOptions, Mesh};
+/// use lin_canny::{PatchTracker, RelativePose, Shape};
+///
+/// let floor = Mesh::from_convex(&solids::cuboid(Vector3::new(5.0, 5.0, 1.0))?)?;
+/// let floor = ContactPatches::of_mesh(floor);
+/// let die = ContactPatches::from(Shape::cuboid(Vector3::new(0.5, 0.5, 0.5))?);
+/// let mut pair = PatchTracker::new();
+/// let at = RelativePose::from_isometry(&Isometry3::translation(0.1, 0.0, 1.49))?;
+/// let found = pair.contacts(&floor, &die, &at, &ManifoldOptions::within(0.02));
+/// assert_eq!((found.len(), found[0].contacts.len()), (1, 4));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug, Default)]
+pub struct PatchTracker {
+    fingerprints: [u64; 2],
+    near: BTreeMap<Pair, Near>,
+    found: Vec<PatchContacts>,
+}
+
+/// A question about two bodies.
+struct Query<'a> {
+    a: &'a ContactPatches,
+    b: &'a ContactPatches,
+    pose: &'a RelativePose,
+    placed: Placed<'a>,
+    options: &'a ManifoldOptions,
+    /// By how much a contact may be off its place, in the caller's unit.
+    doubt: f64,
+}
+
+impl PatchTracker {
+    /// Returns a tracker without a start.
+    #[must_use]
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Returns the contacts of the last query.
+    #[must_use]
+    pub fn found(&self) -> &[PatchContacts] {
+        &self.found
+    }
+
+    /// Returns the number of pairs of patches that the last query looked at.
+    #[must_use]
+    pub fn near_len(&self) -> usize {
+        self.near.len()
+    }
+
+    /// Returns the contacts within `options.prediction`, in groups of one direction, the group of
+    /// the deepest contact first. `options.sine` and `options.drift` are those of the manifold of
+    /// two patches.
+    pub fn contacts(
+        &mut self,
+        a: &ContactPatches,
+        b: &ContactPatches,
+        a_from_b: &RelativePose,
+        options: &ManifoldOptions,
+    ) -> &[PatchContacts] {
+        let fingerprints = [a.fingerprint(), b.fingerprint()];
+        if self.fingerprints != fingerprints {
+            *self = Self::default();
+            self.fingerprints = fingerprints;
+        }
+        let before = self.names();
+        self.found.clear();
+        let Some(frame) = Frame::new(a.side(), b.side(), a_from_b) else {
+            return &self.found;
+        };
+        let query = Query {
+            a,
+            b,
+            pose: a_from_b,
+            placed: Placed::new(a_from_b, a.is_in_place() && b.is_in_place()),
+            options,
+            doubt: ACROSS * frame.size * a.unit(),
+        };
+        let mut all = self.ask_all(&query, &frame);
+        // The old first, so that they stay among equals.
+        let name = |c: &PatchContact| (c.patches, c.point.id);
+        all.sort_by_key(|c| !before.contains(&name(c)));
+        let is_old = all.iter().take_while(|c| before.contains(&name(c))).count();
+        let radius = a.side().radius.min(b.side().radius * frame.scale) * a.unit();
+        let merge = query.doubt.max(options.drift * radius);
+        self.found = groups(&all, is_old, (options.most(), merge, query.doubt));
+        &self.found
+    }
+
+    /// The names of the contacts of the last query.
+    fn names(&self) -> Vec<(Pair, crate::polyhedron::FeaturePair)> {
+        let all = self.found.iter().flat_map(|g| &g.contacts);
+        all.map(|c| (c.patches, c.point.id)).collect()
+    }
+
+    /// The contacts of all pairs of patches that are near.
+    fn ask_all(&mut self, query: &Query, frame: &Frame) -> Vec<PatchContact> {
+        let mut all = Vec::new();
+        self.near.values_mut().for_each(|n| n.is_seen = false);
+        for patches in near_pairs(query, frame) {
+            let near = match self.near.entry(patches) {
+                Entry::Occupied(known) => known.into_mut(),
+                Entry::Vacant(place) => match Near::new((query.a, query.b), patches) {
+                    Some(near) => place.insert(near),
+                    None => continue,
+                },
+            };
+            near.is_seen = true;
+            near.ask(query, patches, |contact| all.push(contact));
+        }
+        self.near.retain(|_, near| near.is_seen);
+        all
+    }
+}
+
+/// Puts contacts of like normals together and keeps a few of each; the first `old` were there
+/// before.
+fn groups(all: &[PatchContact], old: usize, (most, merge, tie): (usize, f64, f64)) -> Vec<PatchContacts> {
+    let mut deepest: Vec<usize> = (0..all.len()).collect();
+    deepest.sort_by(|&i, &j| all[i].point.separation.total_cmp(&all[j].point.separation));
+    let mut groups: Vec<(Unit<Vector3<f64>>, Vec<usize>)> = Vec::new();
+    for k in deepest {
+        let n = all[k].normal;
+        let is_alike = |m: &Unit<Vector3<f64>>| m.dot(&n) > 0.0 && m.cross(&n).norm_squared() <= ALIKE * ALIKE;
+        match groups.iter_mut().find(|g| is_alike(&g.0)) {
+            Some(group) => group.1.push(k),
+            None => groups.push((n, alloc::vec![k])),
+        }
+    }
+    let reduced = |(normal, mut members): (Unit<Vector3<f64>>, Vec<usize>)| {
+        members.sort_unstable();
+        let before = members.partition_point(|&k| k < old);
+        let [u, v] = tangents_of(&normal);
+        let first = all[members[0]].point.point_on_a;
+        let candidate = |&k: &usize| {
+            let d = all[k].point.point_on_a - first;
+            ContactCandidate::at([u.dot(&d), v.dot(&d)], all[k].point.separation)
+        };
+        let candidates: Vec<_> = members.iter().map(candidate).collect();
+        let kept = if before < 64 { (1 << before) - 1 } else { u64::MAX };
+        let chosen = reduce(&candidates, kept, most, merge, tie);
+        PatchContacts {
+            normal,
+            contacts: chosen.all().iter().map(|&k| all[members[k]]).collect(),
+        }
+    };
+    groups.into_iter().map(reduced).collect()
+}
+
+/// The pairs of patches whose boxes are not proven farther apart than the prediction, in order.
+fn near_pairs(query: &Query, frame: &Frame) -> Vec<Pair> {
+    let Query { a, b, options, .. } = query;
+    let (of_a, of_b) = (a.side().tree, b.side().tree);
+    let level = frame.single_up(options.prediction.max(0.0) / a.unit());
+    let (mut stack, mut found) = (alloc::vec![[0, 0]], Vec::new());
+    while !stack.is_empty() {
+        let batch = stack.split_off(stack.len().saturating_sub(8));
+        let at = |k: usize| batch[k.min(batch.len() - 1)];
+        let gaps = bounds(
+            &frame.single,
+            core::array::from_fn(|k| &of_a.boxes[at(k)[0] as usize]),
+            core::array::from_fn(|k| &of_b.boxes[at(k)[1] as usize]),
+        );
+        for (&pair, gap) in batch.iter().zip(gaps.gap) {
+            if frame.single.error.is_finite() && gap - frame.single.error > level {
+                continue;
+            }
+            match split_pair((of_a, of_b), frame, pair) {
+                Some(two) => stack.extend(two),
+                None => found.push([a.patch(of_a.range(pair[0]).0), b.patch(of_b.range(pair[1]).0)]),
+            }
+        }
+    }
+    found.sort_unstable();
+    found
+}

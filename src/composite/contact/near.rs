@@ -1,0 +1,255 @@
+//! Two patches that are near: the manifold of their hulls, as far as both bodies bear it.
+
+use nalgebra::{Isometry3, Point3, Unit, Vector3};
+
+use super::body::{ContactPatches, is_in};
+use super::surface::Borne;
+use super::{PatchContact, Query};
+use crate::composite::front::Pair;
+use crate::contact::{ContactPoint, Manifold};
+use crate::pair::outcome::Outcome;
+use crate::polyhedron::ConvexPolyhedron;
+use crate::pose::RelativePose;
+use crate::shape::{Core, Shape};
+use crate::shape_tracker::{ShapeTracker, along_face, swapped};
+use crate::tuning::composite::{FACES_TRIED, NEARLY};
+
+/// The state of two patches that are near.
+#[derive(Clone, Debug)]
+pub(super) struct Near {
+    parts: [(Shape, Isometry3<f64>); 2],
+    tracker: ShapeTracker,
+    manifold: Manifold,
+    /// The points of the manifold that both bodies bear, as bits.
+    borne: u8,
+    /// Whether the last query met the pair.
+    pub(super) is_seen: bool,
+}
+
+/// Two patches at a pose.
+struct Posed<'a> {
+    query: &'a Query<'a>,
+    patches: Pair,
+    parts: &'a [(Shape, Isometry3<f64>); 2],
+    /// From the frame of the part of B to that of the part of A.
+    pose: RelativePose,
+}
+
+impl Near {
+    /// `None` for a patch that is no body.
+    pub(super) fn new((a, b): (&ContactPatches, &ContactPatches), [p, q]: Pair) -> Option<Self> {
+        Some(Self {
+            parts: [a.part(p)?, b.part(q)?],
+            tracker: ShapeTracker::new(),
+            manifold: Manifold::new(),
+            borne: 0,
+            is_seen: false,
+        })
+    }
+
+    /// Calls `found` with the contacts of the patches at a pose.
+    pub(super) fn ask(&mut self, query: &Query, patches: Pair, mut found: impl FnMut(PatchContact)) {
+        let Self {
+            parts,
+            tracker,
+            manifold,
+            borne,
+            ..
+        } = self;
+        let (pose, _) = query.placed.between(&parts[0].1, &parts[1].1);
+        let posed = Posed {
+            query,
+            patches,
+            parts,
+            pose,
+        };
+        let shapes = (&parts[0].0, &parts[1].0);
+        let mut is_new = false;
+        tracker.manifold_by(shapes, &pose, query.options, manifold, |tracker| {
+            is_new = true;
+            tracker.closest_cores(shapes.0, shapes.1, &pose)
+        });
+        if is_new {
+            *borne = posed.borne(manifold);
+            if *borne == 0 && !manifold.points().is_empty() {
+                *borne = posed.by_faces(tracker, manifold);
+            }
+        }
+        let normal = posed.normal(manifold);
+        for (k, point) in manifold.points().iter().enumerate() {
+            if *borne >> k & 1 == 1 && point.separation <= query.options.prediction {
+                found(PatchContact {
+                    patches,
+                    normal,
+                    point: posed.point(point),
+                });
+            }
+        }
+    }
+}
+
+impl Posed<'_> {
+    /// The normal of a manifold in A's frame.
+    fn normal(&self, manifold: &Manifold) -> Unit<Vector3<f64>> {
+        self.parts[0].1 * manifold.normal()
+    }
+
+    /// A contact of the parts as one of the bodies.
+    fn point(&self, point: &ContactPoint) -> ContactPoint {
+        ContactPoint {
+            point_on_a: self.parts[0].1 * point.point_on_a,
+            point_on_b: self.parts[1].1 * point.point_on_b,
+            ..*point
+        }
+    }
+
+    /// The points of a manifold that both bodies bear, as bits: none unless both bear the deepest
+    /// fully. Points that are nearly borne lend their places to a normal that is a body's own.
+    fn borne(&self, manifold: &Manifold) -> u8 {
+        let Some(deepest) = manifold.deepest() else { return 0 };
+        let n = self.normal(manifold);
+        if deepest.separation < 0.0 && self.is_behind(&manifold.normal(), deepest) {
+            return 0;
+        }
+        let (mut fully, mut nearly) = (0u8, 0u8);
+        let mut is_deepest_borne = false;
+        for (k, point) in manifold.points().iter().enumerate() {
+            let borne = self.how_borne(&n, &self.point(point));
+            nearly |= u8::from(borne >= Borne::Nearly) << k;
+            fully |= u8::from(borne == Borne::Fully) << k;
+            let is_deepest = point.separation <= deepest.separation + self.query.doubt;
+            is_deepest_borne |= borne == Borne::Fully && is_deepest;
+        }
+        if is_deepest_borne { nearly | fully } else { 0 }
+    }
+
+    fn how_borne(&self, n: &Vector3<f64>, point: &ContactPoint) -> Borne {
+        let Query {
+            a,
+            b,
+            pose,
+            options,
+            doubt,
+            ..
+        } = self.query;
+        let rotation = pose.rotation();
+        let limits = (options.sine, *doubt);
+        let of_a = a.bears(self.patches[0], &point.point_on_a, n, limits);
+        if of_a == Borne::No {
+            return Borne::No;
+        }
+        let of_b = b.bears(self.patches[1], &point.point_on_b, &-rotation.tr_mul(n), limits);
+        if of_b == Borne::No || point.separation < 0.0 && self.is_through(point) {
+            return Borne::No;
+        }
+        of_a.min(of_b)
+    }
+
+    /// Whether the deepest contact leaves one of the bodies on the other side.
+    fn is_through(&self, point: &ContactPoint) -> bool {
+        let Query { a, b, pose, doubt, .. } = self.query;
+        let (rotation, translation) = (pose.rotation(), pose.translation());
+        let in_a = Point3::from(rotation * point.point_on_b.coords + translation);
+        let in_b = Point3::from(rotation.tr_mul(&(point.point_on_a.coords - translation)));
+        a.is_left(&point.point_on_a, &in_a, *doubt) || b.is_left(&point.point_on_b, &in_b, *doubt)
+    }
+
+    /// Whether a patch of a mesh has all of the other part behind it, from where no contact comes.
+    fn is_behind(&self, n: &Vector3<f64>, deepest: &ContactPoint) -> bool {
+        let Query { a, b, .. } = self.query;
+        let [(p, _), (q, _)] = self.parts;
+        let m = self.pose.rotation().tr_mul(n);
+        let shift = n.dot(&self.pose.translation());
+        let top = q.support_height(&m) + shift;
+        let bottom = -p.support_height(&-n);
+        let on_b = m.dot(&deepest.point_on_b.coords) + shift;
+        a.is_mesh() && top <= n.dot(&deepest.point_on_a.coords) || b.is_mesh() && bottom >= on_b
+    }
+
+    /// Takes the normal of a face, with the least overlap, if the bodies bear a contact along it.
+    fn by_faces(&self, tracker: &mut ShapeTracker, manifold: &mut Manifold) -> u8 {
+        let shapes = (&self.parts[0].0, &self.parts[1].0);
+        for (is_of_a, outcome) in self.faces() {
+            if !self.is_nearest(is_of_a, &outcome) {
+                continue;
+            }
+            let mut trial = Manifold::new();
+            tracker.manifold_by(shapes, &self.pose, self.query.options, &mut trial, |_| outcome);
+            let borne = self.borne(&trial) & self.on_parts(&trial);
+            if borne != 0 {
+                *manifold = trial;
+                return borne;
+            }
+        }
+        0
+    }
+
+    /// The points of a manifold that lie on the parts that are convex bodies, as bits: witnesses on
+    /// the plane of a face may lie beside the face.
+    fn on_parts(&self, manifold: &Manifold) -> u8 {
+        let Query { a, b, doubt, .. } = self.query;
+        let [(p, _), (q, _)] = self.parts;
+        let is_on = |point: &ContactPoint| {
+            (a.is_mesh() || is_in(p, &point.point_on_a, 2.0 * doubt))
+                && (b.is_mesh() || is_in(q, &point.point_on_b, 2.0 * doubt))
+        };
+        let bit = |(k, point)| u8::from(is_on(point)) << k;
+        manifold
+            .points()
+            .iter()
+            .enumerate()
+            .map(bit)
+            .fold(0, |bits, bit| bits | bit)
+    }
+
+    /// Whether the face of an outcome is the nearest to the point that overlaps most: of a ridge
+    /// that another body has entered from one side, the other side bears no contact.
+    fn is_nearest(&self, is_of_a: bool, outcome: &Outcome) -> bool {
+        let Query { a, b, doubt, .. } = self.query;
+        let depth = -outcome.distance * (1.0 - NEARLY) - doubt;
+        if !(depth > 0.0) {
+            return true;
+        }
+        let (rotation, translation) = (self.pose.rotation(), self.pose.translation());
+        if is_of_a {
+            let inner = rotation * outcome.point_on_b.coords + translation;
+            a.is_clear(&self.parts[0].0, &Point3::from(inner), depth)
+        } else {
+            let inner = rotation.tr_mul(&(outcome.point_on_a.coords - translation));
+            b.is_clear(&self.parts[1].0, &Point3::from(inner), depth)
+        }
+    }
+
+    /// The outcomes along the normals of faces of A or of B, the greatest gap first.
+    fn faces(&self) -> impl Iterator<Item = (bool, Outcome)> + '_ {
+        let Query { a, b, .. } = self.query;
+        let [(p, at_p), (q, at_q)] = self.parts;
+        let back = self.pose.swapped();
+        let of_a = faces(p.core(), q.core(), &self.pose);
+        let of_b = faces(q.core(), p.core(), &back);
+        let mut all: alloc::vec::Vec<(bool, Outcome)> =
+            of_a.map(|o| (true, o)).chain(of_b.map(|o| (false, o))).collect();
+        all.sort_by(|x, y| y.1.distance.total_cmp(&x.1.distance));
+        let most = self.query.options.prediction + p.round() + q.round();
+        let is_real = move |(of_a, o): &(bool, Outcome)| {
+            o.distance <= most
+                && if *of_a {
+                    a.has_face(self.patches[0], &(at_p * o.normal))
+                } else {
+                    b.has_face(self.patches[1], &(at_q * o.normal))
+                }
+        };
+        let real = all.into_iter().filter(is_real).take(FACES_TRIED);
+        real.map(move |(of_a, o)| (of_a, if of_a { o } else { swapped(&o, &back) }))
+    }
+}
+
+/// The outcomes of the faces of a core that is a polyhedron.
+fn faces<'a>(core: &'a Core, other: &'a Core, pose: &'a RelativePose) -> impl Iterator<Item = Outcome> + 'a {
+    let body: Option<&ConvexPolyhedron> = match core {
+        Core::Polyhedron(body) => Some(body),
+        _ => None,
+    };
+    let of = move |body: &'a ConvexPolyhedron| body.faces().filter_map(move |f| along_face(body, f, other, pose));
+    body.into_iter().flat_map(of)
+}

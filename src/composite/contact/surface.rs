@@ -1,0 +1,199 @@
+//! The surface of a mesh as its contacts see it: convex patches with their hulls, possible places
+//! and normals of contacts.
+
+use alloc::boxed::Box;
+use alloc::sync::Arc;
+use alloc::vec::Vec;
+use nalgebra::{Point3, Vector3};
+
+use super::grow::{Patch, corners, grow};
+use crate::composite::frame::Side;
+use crate::composite::mesh::{Mesh, stir};
+use crate::composite::tree::Tree;
+use crate::composite::triangle;
+use crate::num::scalar::sqrt;
+use crate::polyhedron::{ConvexPolyhedron, bounding_box};
+use crate::shape::Shape;
+use crate::tolerance::ACROSS;
+use crate::tuning::composite::{CONE, DEPTH, MANY_TRIANGLES};
+
+/// How far a mesh admits a contact.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Borne {
+    /// Beside the patch, or along no normal of the mesh.
+    No,
+    /// On a face that is nearly perpendicular to the normal.
+    Nearly,
+    /// Along a normal of the mesh: of a face, or in the cone of a convex edge or vertex.
+    Fully,
+}
+
+/// A mesh in patches.
+#[derive(Clone, Debug)]
+pub(super) struct Surface {
+    pub(super) mesh: Arc<Mesh>,
+    tree: Tree,
+    /// The patch of each leaf of the tree.
+    order: Vec<u32>,
+    /// The triangles of each patch: where its list begins, and the lists.
+    first: Vec<u32>,
+    of_patch: Vec<u32>,
+    patch_of: Vec<u32>,
+    /// The vertices that span the hull of each patch.
+    corners: Vec<Box<[u32]>>,
+    /// The hulls of large patches.
+    hulls: Vec<Option<Shape>>,
+    /// How far a triangle may be off the hull of its patch, in stored units.
+    slack: f64,
+    pub(super) fingerprint: u64,
+}
+
+impl Surface {
+    /// Cuts a mesh into patches that are convex within a tolerance in stored units.
+    pub(super) fn new(mesh: Arc<Mesh>, tolerance: f64) -> Self {
+        let slack = tolerance.max(ACROSS * mesh.radius);
+        let patches = grow(&mesh, slack);
+        let vertices: Vec<Vec<u32>> = patches.iter().map(|p| corners(&mesh, p, slack)).collect();
+        let (mut tree, order) = Tree::split(&mesh.points, &vertices, 1);
+        let items: Vec<&[u32]> = order.iter().map(|&k| &vertices[k as usize][..]).collect();
+        tree.fit(&mesh.points, &items, 0.0);
+        let is_large = |p: &Patch| p.len() >= MANY_TRIANGLES;
+        let mut surface = Self {
+            fingerprint: stir(mesh.fingerprint ^ slack.to_bits()),
+            tree,
+            order,
+            first: alloc::vec![0],
+            of_patch: Vec::with_capacity(mesh.triangles.len()),
+            patch_of: alloc::vec![0; mesh.triangles.len()],
+            hulls: Vec::with_capacity(patches.len()),
+            corners: Vec::with_capacity(patches.len()),
+            slack,
+            mesh,
+        };
+        for (k, (patch, corners)) in (0u32..).zip(patches.iter().zip(vertices)) {
+            patch.iter().for_each(|&(t, _)| surface.patch_of[t as usize] = k);
+            surface.of_patch.extend(patch.iter().map(|p| p.0));
+            surface.first.push(surface.of_patch.len() as u32);
+            surface.corners.push(corners.into());
+            let hull = if is_large(patch) { surface.build(k) } else { None };
+            surface.hulls.push(hull);
+        }
+        surface
+    }
+
+    pub(super) fn side(&self) -> Side<'_> {
+        Side {
+            tree: &self.tree,
+            exponent: self.mesh.exponent,
+            radius: self.mesh.radius,
+        }
+    }
+
+    pub(super) fn patch_of_item(&self, item: u32) -> u32 {
+        self.order[item as usize]
+    }
+
+    pub(super) fn count(&self) -> usize {
+        self.hulls.len()
+    }
+
+    /// The triangles of a patch; none for a patch that is not there.
+    pub(super) fn triangles(&self, patch: u32) -> &[u32] {
+        let range = self.first.get(patch as usize..patch as usize + 2);
+        range.map_or(&[], |r| &self.of_patch[r[0] as usize..r[1] as usize])
+    }
+
+    /// The hull of a patch, with depth; `None` for a patch too small beside its place to be a body.
+    pub(super) fn hull(&self, patch: u32) -> Option<Shape> {
+        match self.hulls.get(patch as usize)? {
+            Some(hull) => Some(hull.clone()),
+            None => self.build(patch),
+        }
+    }
+
+    fn build(&self, patch: u32) -> Option<Shape> {
+        let mesh = &self.mesh;
+        let corners = &self.corners[patch as usize];
+        let mut points: Vec<_> = corners.iter().map(|&v| mesh.given(&mesh.points[v as usize])).collect();
+        let normals = || {
+            self.triangles(patch)
+                .iter()
+                .map(|&t| triangle::normal(&mesh.corners(t)))
+        };
+        let sum: Vector3<f64> = normals().sum();
+        let mean = sum / sqrt(sum.norm_squared());
+        // A patch that goes round a body has depth of its own.
+        if normals().all(|n| mean.dot(&n) > 0.25 * sqrt(n.norm_squared())) {
+            let (low, high) = bounding_box(points.iter().map(|p| &p.coords));
+            let down = mean * (-0.5 * DEPTH * sqrt((high - low).norm_squared()));
+            let deep: Vec<_> = points.iter().map(|p: &Point3<f64>| p + down).collect();
+            points.extend(deep);
+        }
+        let built = ConvexPolyhedron::from_points(&points).or_else(|_| ConvexPolyhedron::polygon(&points));
+        built.ok().map(Shape::from)
+    }
+
+    /// How far the mesh admits a contact of a patch at a point in the caller's unit, along an
+    /// outward unit normal. `doubt` is by how much the point may be off its place, `sine` the
+    /// largest angle of a face that is nearly perpendicular to the normal.
+    pub(super) fn bears(&self, patch: u32, point: &Point3<f64>, n: &Vector3<f64>, (sine, doubt): (f64, f64)) -> Borne {
+        let place = point.coords / self.mesh.unit();
+        let skin = self.slack + doubt / self.mesh.unit();
+        let (mut is_outward, mut rise) = (false, 0.0f64);
+        let mut borne = None;
+        self.mesh.tree.any_near(&place, skin, |t| {
+            let corners = self.mesh.corners(t);
+            if triangle::nearest(&place, &corners).0 > skin * skin {
+                return false;
+            }
+            for corner in corners {
+                let d = corner - place;
+                let length = sqrt(d.norm_squared());
+                if length > 2.0 * skin {
+                    rise = rise.max((n.dot(&d) - skin) / length);
+                }
+            }
+            let own = triangle::normal(&corners);
+            let (along, square) = (own.dot(n), own.norm_squared());
+            is_outward |= along > 0.0;
+            if self.patch_of[t as usize] == patch {
+                let off = own.cross(n).norm_squared();
+                let now = match along > 0.0 {
+                    true if off <= CONE * CONE * square => Borne::Fully,
+                    true if off <= sine * sine * square => Borne::Nearly,
+                    _ => Borne::No,
+                };
+                borne = borne.max(Some(now));
+            }
+            false
+        });
+        match borne {
+            None => Borne::No,
+            // No vertex about the point is higher: one of the normals of a convex feature.
+            Some(_) if is_outward && rise <= CONE => Borne::Fully,
+            Some(borne) => borne,
+        }
+    }
+
+    /// Whether a patch has a triangle with this normal.
+    pub(super) fn has_face(&self, patch: u32, n: &Vector3<f64>) -> bool {
+        self.triangles(patch).iter().any(|&t| {
+            let own = triangle::normal(&self.mesh.corners(t));
+            own.dot(n) > 0.0 && own.cross(n).norm_squared() <= CONE * CONE * own.norm_squared()
+        })
+    }
+
+    /// Whether a point is as far from the mesh as `depth`.
+    pub(super) fn is_clear(&self, point: &Point3<f64>, depth: f64) -> bool {
+        let (place, reach) = (point.coords / self.mesh.unit(), depth / self.mesh.unit() - self.slack);
+        let is_nearer = |t: u32| triangle::nearest(&place, &self.mesh.corners(t)).0 < reach * reach;
+        !(reach > 0.0 && self.mesh.tree.any_near(&place, reach, is_nearer))
+    }
+
+    /// Whether the way from a point of the surface to a point below leaves the mesh.
+    pub(super) fn is_left(&self, from: &Point3<f64>, to: &Point3<f64>, doubt: f64) -> bool {
+        let unit = self.mesh.unit();
+        let skin = 2.0 * (self.slack + doubt / unit);
+        self.mesh.is_crossed(&(from.coords / unit), &(to.coords / unit), skin)
+    }
+}

@@ -1,0 +1,494 @@
+//! Contacts by convex patches: no ghosts on inner edges, normals of the mesh, names that last.
+
+use super::{mesh, relative};
+use lab::Pose;
+use lab::pose::{add, quat, quat_mul, scale, sub, unit_quat};
+use lab::rng::Rng;
+use lab::soups::{self, Soup};
+use lin_canny::nalgebra::{Point3, Vector3};
+use lin_canny::{
+    Composite, ContactPatches, ManifoldOptions, MeshTracker, PatchContact, PatchContacts, PatchTracker, Piece, Shape,
+};
+
+fn patches(soup: &Soup) -> ContactPatches {
+    ContactPatches::of_mesh(mesh(soup))
+}
+
+fn within(prediction: f64) -> ManifoldOptions {
+    ManifoldOptions::within(prediction)
+}
+
+/// Points chosen anew whenever a body moves at all.
+fn exact(prediction: f64) -> ManifoldOptions {
+    let mut options = within(prediction);
+    options.drift = 0.0;
+    options
+}
+
+fn cuboid(half: [f64; 3]) -> ContactPatches {
+    ContactPatches::from(Shape::cuboid(Vector3::from(half)).unwrap())
+}
+
+fn all(found: &[PatchContacts]) -> impl Iterator<Item = &PatchContact> {
+    found.iter().flat_map(|g| &g.contacts)
+}
+
+fn deepest(found: &[PatchContacts]) -> f64 {
+    all(found).map(|c| c.point.separation).fold(f64::INFINITY, f64::min)
+}
+
+/// Triangles that hold a point within 1e-8, by brute force.
+fn holding(soup: &Soup, p: Point3<f64>) -> Vec<[Vector3<f64>; 3]> {
+    let near = |t: &[Vector3<f64>; 3]| {
+        let [a, b, c] = *t;
+        let n = (b - a).cross(&(c - a)).normalize();
+        let foot = p.coords - n * n.dot(&(p.coords - a));
+        let side = |s: Vector3<f64>, e: Vector3<f64>| (e - s).normalize().cross(&(foot - s)).dot(&n) > -1e-8;
+        (p.coords - foot).norm() < 1e-8 && side(a, b) && side(b, c) && side(c, a)
+    };
+    let corners = (0..soup.triangles.len()).map(|t| soup.corners(t).map(Vector3::from));
+    corners.filter(near).collect()
+}
+
+/// Whether a point lies on a mesh, and whether `n` is a normal of the mesh there: that of a face,
+/// or such that no triangle about the point rises along `n`.
+fn is_normal(soup: &Soup, p: Point3<f64>, n: Vector3<f64>) -> (bool, bool) {
+    let about = holding(soup, p);
+    let own = |t: &[Vector3<f64>; 3]| (t[1] - t[0]).cross(&(t[2] - t[0])).normalize();
+    let of_face = about.iter().any(|t| (own(t) - n).norm() < 1e-6);
+    let rises = |v: &Vector3<f64>| n.dot(&(v - p.coords)) > 1e-6 * (v - p.coords).norm() + 1e-8;
+    let in_cone = !about.iter().flatten().any(rises) && about.iter().any(|t| own(t).dot(&n) > 0.0);
+    (!about.is_empty(), of_face || in_cone)
+}
+
+/// Every contact on the meshes, opposite each other along its normal, and of every pair of patches
+/// one at least whose normal is a normal of both meshes.
+fn check(found: &[PatchContacts], soups: [Option<&Soup>; 2], pose: &Pose, what: &str) {
+    let turn = pose.isometry().rotation;
+    for c in all(found) {
+        let n = c.normal.into_inner();
+        let between = pose.isometry() * c.point.point_on_b - c.point.point_on_a;
+        assert!((between - n * c.point.separation).norm() < 1e-9, "{what} {c:?}");
+        let places = [c.point.point_on_a, c.point.point_on_b];
+        let normals = [n, -(turn.inverse() * n)];
+        for k in 0..2 {
+            let Some(soup) = soups[k] else { continue };
+            assert!(
+                is_normal(soup, places[k], normals[k]).0,
+                "{what}: {k} off the mesh {c:?}"
+            );
+        }
+    }
+    for group in found {
+        let c = group
+            .contacts
+            .iter()
+            .min_by(|x, y| x.point.separation.total_cmp(&y.point.separation))
+            .unwrap();
+        let n = c.normal.into_inner();
+        let level = c.point.separation + 1e-9;
+        let places = |c: &PatchContact| [c.point.point_on_a, c.point.point_on_b];
+        let normals = [n, -(turn.inverse() * n)];
+        let fits = |c: &&PatchContact| {
+            c.point.separation <= level
+                && (0..2).all(|k| soups[k].is_none_or(|s| is_normal(s, places(c)[k], normals[k]).1))
+        };
+        assert!(group.contacts.iter().any(|c| fits(&c)), "{what}: ghost {group:?}");
+    }
+}
+
+#[test]
+fn convex_bodies_and_flat_regions_are_one_patch_turned_or_not() {
+    let turn = Pose {
+        q: unit_quat([0.3, 0.2, 0.5, 0.7]),
+        t: [0.3, 7.0, -2.0],
+    };
+    for soup in [soups::plate(8, [1.0, 0.5, 0.1]), soups::sphere(2)] {
+        assert_eq!(patches(&soup).count(), 1);
+        assert_eq!(patches(&soup.moved(&turn)).count(), 1);
+    }
+    assert_eq!(
+        patches(&soups::plate(4, [1.0, 0.5, 0.1]).flipped().moved(&turn)).count(),
+        6
+    );
+    let torus = soups::torus(24, 12, 0.3);
+    let found = patches(&torus);
+    let mut seen: Vec<u32> = (0..found.count() as u32).flat_map(|p| found.triangles(p)).collect();
+    seen.sort_unstable();
+    assert_eq!(seen, (0..torus.triangles.len() as u32).collect::<Vec<_>>());
+    assert!(found.count() < torus.triangles.len() / 2, "{}", found.count());
+}
+
+/// Facts of the tessellation vanish: a plate of a thousand triangles bears four points.
+#[test]
+fn a_plate_on_a_plate_has_four_contacts_whose_names_last() {
+    let plate = soups::plate(12, [1.0, 1.0, 0.05]);
+    let p = patches(&plate);
+    let mut tracker = PatchTracker::new();
+    let mut names = Vec::new();
+    for (k, gap) in [4e-3, 3e-3, 1e-9, 0.0, -3e-3, -4e-3, -4e-3].into_iter().enumerate() {
+        let pose = Pose {
+            q: quat([0.0, 0.0, 1.0], 0.3),
+            t: [0.2, 0.1, 0.1 + gap],
+        };
+        let found = tracker.contacts(&p, &p, &relative(&pose), &within(0.01)).to_vec();
+        assert_eq!((found.len(), all(&found).count()), (1, 4), "{gap} {found:?}");
+        assert!((*found[0].normal - Vector3::z()).norm() < 1e-9, "{gap} {found:?}");
+        assert!(
+            all(&found).all(|c| (c.point.separation - gap).abs() < 1e-12),
+            "{gap} {found:?}"
+        );
+        check(&found, [Some(&plate); 2], &pose, "plates");
+        let mut now: Vec<_> = all(&found).map(|c| (c.patches, c.point.id.to_string())).collect();
+        now.sort();
+        assert!(k == 0 || names == now, "{gap} {names:?} {now:?}");
+        names = now;
+    }
+}
+
+#[test]
+fn bodies_on_a_plate_have_a_few_contacts_upward() {
+    let plate = soups::plate(8, [2.0, 2.0, 0.1]);
+    let floor = patches(&plate);
+    let on_its_side = quat([1.0, 0.0, 0.0], core::f64::consts::FRAC_PI_2);
+    let bodies = [
+        ("gear", soups::gear(12), unit_quat([0.0, 0.0, 0.0, 1.0]), 0.2, 4),
+        (
+            "torus",
+            soups::torus(24, 12, 0.3),
+            unit_quat([0.0, 0.0, 0.0, 1.0]),
+            0.3,
+            4,
+        ),
+        ("bracket", soups::bracket(), unit_quat([0.0, 0.0, 0.0, 1.0]), 0.3, 4),
+        ("bracket on its side", soups::bracket(), on_its_side, 0.4, 4),
+    ];
+    for (name, soup, q, height, count) in bodies {
+        let body = patches(&soup);
+        for gap in [5e-3, 1e-9, -4e-3] {
+            let pose = Pose {
+                q,
+                t: [0.1, 0.2, 0.1 + height + gap],
+            };
+            let found = PatchTracker::new()
+                .contacts(&floor, &body, &relative(&pose), &within(0.01))
+                .to_vec();
+            assert_eq!((found.len(), all(&found).count()), (1, count), "{name} {gap} {found:?}");
+            assert!(
+                (*found[0].normal - Vector3::z()).norm() < 1e-9,
+                "{name} {gap} {found:?}"
+            );
+            assert!((deepest(&found) - gap).abs() < 1e-12, "{name} {gap} {found:?}");
+            check(&found, [Some(&plate), Some(&soup)], &pose, name);
+            // The other order: the same contacts.
+            let back = relative(&pose).swapped();
+            let other = PatchTracker::new()
+                .contacts(&body, &floor, &back, &within(0.01))
+                .to_vec();
+            assert_eq!(all(&other).count(), count, "{name} {gap} {other:?}");
+            assert!((deepest(&other) - gap).abs() < 1e-12, "{name} {gap} {other:?}");
+        }
+    }
+}
+
+#[test]
+fn an_l_in_an_l_has_contacts_along_both_walls() {
+    let l = soups::bracket();
+    let p = patches(&l);
+    let mut tracker = PatchTracker::new();
+    for gap in [4e-3, -4e-3] {
+        // The back of one in the corner of the other.
+        let pose = Pose {
+            t: [0.3 + gap, 0.3 + gap, 0.1],
+            ..Pose::IDENTITY
+        };
+        let found = tracker.contacts(&p, &p, &relative(&pose), &within(0.01)).to_vec();
+        check(&found, [Some(&l); 2], &pose, "L in L");
+        assert!((deepest(&found) - gap).abs() < 1e-12, "{found:?}");
+        for axis in [Vector3::x(), Vector3::y()] {
+            assert!(
+                found.iter().any(|g| g.normal.dot(&axis) > 1.0 - 1e-9),
+                "{gap} {axis} {found:?}"
+            );
+        }
+    }
+}
+
+/// A floor in squares with random heights, as an open surface.
+fn ground(n: usize, amplitude: f64, rng: &mut Rng) -> Soup {
+    let m = n + 1;
+    let place = |k: usize| [k % m, k / m].map(|i| 2.0 * i as f64 / n as f64 - 1.0);
+    let points = (0..m * m).map(|k| {
+        let [x, y] = place(k);
+        [x, y, amplitude * rng.range(-1.0, 1.0)]
+    });
+    let points = points.collect();
+    let cells = (0..n * n).flat_map(|k| {
+        let a = (k / n * m + k % n) as u32;
+        let [b, c, d] = [a + 1, a + 1 + m as u32, a + m as u32];
+        if (k / n + k % n).is_multiple_of(2) {
+            [[a, b, c], [a, c, d]]
+        } else {
+            [[a, b, d], [b, c, d]]
+        }
+    });
+    Soup {
+        triangles: cells.collect(),
+        points,
+    }
+}
+
+/// The height of the ground under a point.
+fn height(soup: &Soup, x: f64, y: f64) -> f64 {
+    let at = |t: usize| {
+        let [a, b, c] = soup.corners(t);
+        let cross = |p: [f64; 3], q: [f64; 3]| (p[0] - x) * (q[1] - y) - (p[1] - y) * (q[0] - x);
+        let w = [cross(b, c), cross(c, a), cross(a, b)];
+        let sum = w[0] + w[1] + w[2];
+        let inside = w.iter().all(|w| *w >= -1e-12);
+        inside.then(|| (w[0] * a[2] + w[1] * b[2] + w[2] * c[2]) / sum)
+    };
+    (0..soup.triangles.len()).find_map(at).unwrap()
+}
+
+#[test]
+fn a_ball_rolls_over_bumps_without_ghosts_and_always_with_its_deepest_contact() {
+    let mut rng = Rng::new(4);
+    let soup = ground(10, 0.06, &mut rng);
+    let (floor, surface) = (patches(&soup), mesh(&soup));
+    let (ball, radius) = (ContactPatches::from(Shape::ball(0.11).unwrap()), 0.11);
+    let speck = Composite::from(Shape::ball(1e-6).unwrap());
+    let options = exact(0.01);
+    let mut tracker = PatchTracker::new();
+    let (mut apart, mut deep) = (0, 0);
+    for k in 0..600 {
+        let angle = 0.013 * f64::from(k);
+        let [x, y] = [0.7 * angle.sin(), 0.7 * (1.31 * angle).cos()];
+        let depth = if k % 2 == 0 {
+            rng.range(0.0, 0.01)
+        } else {
+            rng.range(-0.02, 0.0)
+        };
+        let mut t = [x, y, height(&soup, x, y) + 0.2];
+        let middle = |t| {
+            let at = relative(&Pose::shift(t));
+            lin_canny::CompositeTracker::new().distance(&surface, &speck, &at).value + 1e-6
+        };
+        // Down until the middle is as far from the ground as wanted.
+        let (mut low, mut high) = (t[2] - 0.2, t[2]);
+        for _ in 0..50 {
+            t[2] = 0.5 * (low + high);
+            *(if middle(t) > radius + depth {
+                &mut high
+            } else {
+                &mut low
+            }) = t[2];
+        }
+        let truth = middle(t) - radius;
+        let found = tracker
+            .contacts(&floor, &ball, &relative(&Pose::shift(t)), &options)
+            .to_vec();
+        check(&found, [Some(&soup), None], &Pose::shift(t), &format!("ball {k}"));
+        assert!((deepest(&found) - truth).abs() < 1e-8, "{k} {truth} {found:?}");
+        *(if truth > 0.0 { &mut apart } else { &mut deep }) += 1;
+    }
+    assert!(apart > 250 && deep > 250, "{apart} {deep}");
+}
+
+#[test]
+fn a_box_tumbles_over_bumps_without_ghosts() {
+    let mut rng = Rng::new(5);
+    let soup = ground(10, 0.05, &mut rng);
+    let (floor, half) = (patches(&soup), [0.15, 0.1, 0.12]);
+    let (cube, solid) = (cuboid(half), soups::plate(1, half));
+    let (mut met, mut deep, mut lost) = (0, 0, Vec::new());
+    let (mut q, mut tracker) = (rng.quat(), PatchTracker::new());
+    for k in 0..400u32 {
+        q = unit_quat(quat_mul(quat(rng.unit(), 0.03), q));
+        let angle = 0.017 * f64::from(k);
+        let mut t = [0.6 * angle.sin(), 0.6 * (1.31 * angle).cos(), 0.5];
+        let (m, n) = (mesh(&soup), mesh(&solid));
+        let distance = |t| MeshTracker::new().distance(&m, &n, &relative(&Pose { q, t })).value;
+        for _ in 0..60 {
+            t[2] -= distance(t);
+        }
+        let gap = [2e-3, 5e-3, -2e-3, -8e-3][k as usize % 4];
+        t[2] += gap;
+        let pose = Pose { q, t };
+        let truth = distance(t);
+        let found = tracker
+            .contacts(&floor, &cube, &relative(&pose), &within(0.01))
+            .to_vec();
+        check(&found, [Some(&soup), None], &pose, &format!("box {k}"));
+        if truth > 0.0 {
+            let options = exact(0.01);
+            let cold = PatchTracker::new()
+                .contacts(&floor, &cube, &relative(&pose), &options)
+                .to_vec();
+            assert!((deepest(&cold) - truth).abs() < 1e-9, "{k} {truth} {cold:?}");
+        } else {
+            // Overlaps: no deeper than the way down. Where edges cross far below, patches on both
+            // sides may have no contact to bear.
+            if found.is_empty() {
+                lost.push(gap);
+                continue;
+            }
+            assert!(
+                deepest(&found) < 1e-9 && deepest(&found) > gap - 1e-3,
+                "{k} {gap} {found:?}"
+            );
+            deep += 1;
+        }
+        met += 1;
+    }
+    println!("lost: {lost:?}");
+    assert!(lost.len() <= 4 && lost.iter().all(|gap| *gap < -5e-3), "{lost:?}");
+    assert!(met > 390 && deep > 150, "{met} {deep}");
+}
+
+/// A floor slides by under a body for a thousand frames: the normal is the plane's.
+fn slide((floor, turn): (&ContactPatches, &Pose), (body, lift, count): (&ContactPatches, f64, usize), what: &str) {
+    let up = Vector3::from(turn.rotate([0.0, 0.0, 1.0]));
+    let mut rng = Rng::new(3);
+    let mut tracker = PatchTracker::new();
+    for k in 0..1000 {
+        let angle = 0.0171 * f64::from(k);
+        let depth = rng.range(-2e-3, 2e-3);
+        let at = [0.9 * angle.sin(), 0.9 * (1.3 * angle).cos(), lift + depth];
+        let pose = Pose {
+            q: unit_quat(quat_mul(turn.q, quat([0.0, 0.0, 1.0], angle))),
+            t: turn.apply(at),
+        };
+        let found = tracker.contacts(floor, body, &relative(&pose), &within(5e-3));
+        assert_eq!((found.len(), all(found).count()), (1, count), "{what} {k} {found:?}");
+        assert!((deepest(found) - depth).abs() < 1e-9, "{what} {k} {depth} {found:?}");
+        for c in all(found) {
+            assert!((*c.normal - up).norm() < 1e-9, "{what} {k} {c:?}");
+        }
+    }
+}
+
+#[test]
+fn a_body_that_slides_over_inner_edges_for_a_thousand_frames_feels_none() {
+    // The inside of a room, as an open surface: the floor is at -1.
+    let room = soups::plate(10, [2.0, 2.0, 1.0]).flipped();
+    let turned = Pose {
+        q: unit_quat([0.3, 0.2, 0.5, 0.7]),
+        t: [0.3, 0.2, -0.1],
+    };
+    let bracket = soups::bracket();
+    for turn in [Pose::IDENTITY, turned] {
+        let floor = patches(&room.clone().moved(&turn));
+        slide((&floor, &turn), (&cuboid([0.3, 0.2, 0.25]), -0.75, 4), "box");
+        slide((&floor, &turn), (&patches(&bracket), -0.7, 4), "bracket");
+        slide(
+            (&floor, &turn),
+            (&ContactPatches::from(Shape::ball(0.2).unwrap()), -0.8, 1),
+            "ball",
+        );
+    }
+    // A floor of tiles, each a piece.
+    let tiles = (0..100).map(|k| Piece {
+        pose: Pose::shift([f64::from(k % 10) * 0.4 - 1.8, f64::from(k / 10) * 0.4 - 1.8, -1.1]).isometry(),
+        ..Piece::new(Shape::cuboid(Vector3::new(0.2, 0.2, 0.1)).unwrap())
+    });
+    let floor = ContactPatches::of_pieces(Composite::new(tiles.collect()).unwrap());
+    slide(
+        (&floor, &Pose::IDENTITY),
+        (&cuboid([0.3, 0.2, 0.25]), -0.75, 4),
+        "box on tiles",
+    );
+    slide(
+        (&floor, &Pose::IDENTITY),
+        (&ContactPatches::from(Shape::ball(0.2).unwrap()), -0.8, 1),
+        "ball on tiles",
+    );
+}
+
+#[test]
+fn a_body_in_a_corner_has_both_walls_and_a_body_behind_a_wall_none() {
+    let room = soups::plate(10, [2.0, 2.0, 1.0]).flipped();
+    let (r, c) = (patches(&room), cuboid([0.3, 0.2, 0.25]));
+    for k in 0..50 {
+        let depth = 1e-4 * f64::from(k - 25);
+        let pose = Pose::shift([1.7 + depth, 0.01 * f64::from(k), -0.75 - depth]);
+        let found = PatchTracker::new()
+            .contacts(&r, &c, &relative(&pose), &within(5e-3))
+            .to_vec();
+        check(&found, [Some(&room), None], &pose, "corner");
+        assert_eq!(found.len(), 2, "{k} {found:?}");
+        assert!(found.iter().all(|g| g.contacts.len() == 4), "{k} {found:?}");
+    }
+    // A box below a thin shelf, in whose hull it is.
+    let mut shelf = soups::plate(4, [1.0, 1.0, 0.02]);
+    shelf = shelf.with(&soups::plate(4, [0.1, 0.1, 0.5]).map(|p| add(p, [0.0, 0.0, 0.6])));
+    let p = patches(&shelf);
+    let below = Pose::shift([0.7, 0.0, -0.02 - 0.25 - 0.02]);
+    let found = PatchTracker::new()
+        .contacts(&p, &c, &relative(&below), &within(5e-3))
+        .to_vec();
+    assert_eq!(found, [], "{found:?}");
+}
+
+#[test]
+fn contacts_of_tumbling_bodies_lie_on_both_and_their_normals_are_the_meshes_own() {
+    let shapes = [
+        soups::torus(20, 10, 0.3),
+        soups::gear(8),
+        soups::bracket(),
+        soups::rock(1, 3),
+    ];
+    let parts: Vec<_> = shapes.iter().map(patches).collect();
+    let meshes: Vec<_> = shapes.iter().map(mesh).collect();
+    let options = exact(0.01);
+    let mut rng = Rng::new(9);
+    let mut met = 0;
+    for k in 0..60 {
+        let (i, j) = (rng.below(4), rng.below(4));
+        let (mut q, axis, at) = (rng.quat(), rng.unit(), rng.unit());
+        let (m, n) = (&meshes[i], &meshes[j]);
+        let mut tracker = PatchTracker::new();
+        for frame in 0..4 {
+            q = unit_quat(quat_mul(quat(axis, 0.01), q));
+            let mut pose = Pose { q, t: scale(at, 2.6) };
+            for _ in 0..30 {
+                let d = MeshTracker::new().distance(m, n, &relative(&pose)).value;
+                pose.t = sub(pose.t, scale(at, (d - 0.002).max(0.0)));
+            }
+            let truth = MeshTracker::new().closest(m, n, &relative(&pose));
+            let found = tracker
+                .contacts(&parts[i], &parts[j], &relative(&pose), &options)
+                .to_vec();
+            check(
+                &found,
+                [Some(&shapes[i]), Some(&shapes[j])],
+                &pose,
+                &format!("{k} {frame} {i} {j}"),
+            );
+            if truth.distance < 0.01 {
+                met += 1;
+                assert!(
+                    (deepest(&found) - truth.distance).abs() < 1e-9,
+                    "{k} {frame} {truth:?} {found:?}"
+                );
+            }
+        }
+    }
+    assert!(met > 200, "{met}");
+}
+
+#[test]
+fn pieces_bear_contacts_as_they_are() {
+    let beam = Shape::cuboid(Vector3::new(1.0, 0.1, 0.1)).unwrap();
+    let mut post = Piece::new(Shape::cylinder(0.1, 0.5).unwrap());
+    post.pose.translation.vector.z = 0.6;
+    let body = Composite::new(vec![Piece::new(beam), post]).unwrap();
+    let p = ContactPatches::of_pieces(body);
+    let floor = cuboid([3.0, 3.0, 1.0]);
+    let pose = Pose::shift([0.0, 0.0, 1.099]);
+    let found = PatchTracker::new()
+        .contacts(&floor, &p, &relative(&pose), &within(1e-3))
+        .to_vec();
+    assert_eq!((found.len(), all(&found).count()), (1, 4));
+    assert!(all(&found).all(|c| c.patches == [0, 0] && (c.point.separation + 1e-3).abs() < 1e-12));
+}
