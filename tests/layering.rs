@@ -298,6 +298,10 @@ const MAY_USE: &[(&str, &[&str])] = &[
         &[
             "patch",
             "composite",
+            "separation",
+            "shape",
+            "shape_tracker",
+            "motion",
             "minimum",
             "pair",
             "polyhedron",
@@ -320,6 +324,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
         &[
             "scene",
             "composite",
+            "patch",
             "impact",
             "schedule",
             "separation",

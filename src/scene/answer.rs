@@ -32,10 +32,11 @@ pub struct PairAnswer<'a> {
     /// Features, witnesses and normal; `None` also for bodies farther apart than the range called
     /// for. Features of a composite are those of the piece. Features of a mesh have the caller's
     /// numbers: a vertex that of the point, a face that of the triangle, an edge that of the point
-    /// at which the edge of the triangle begins.
+    /// at which the edge of the triangle begins. The feature of a surface is the face with the
+    /// number of the patch.
     pub outcome: Option<&'a Outcome>,
-    /// The piece of a composite, or the triangle of a mesh, to which the features of `a` and of `b`
-    /// belong, by the caller's order; zero for a convex shape.
+    /// The piece of a composite, the triangle of a mesh, or the patch of a surface, to which the
+    /// features of `a` and of `b` belong, by the caller's order; zero for a convex shape.
     pub pieces: Option<[u32; 2]>,
     /// Contact points; `None` also for bodies farther apart than the prediction.
     pub manifold: Option<&'a Manifold>,

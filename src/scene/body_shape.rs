@@ -9,6 +9,7 @@ use super::kinds::ShapeKind;
 use crate::composite::mesh::Mesh;
 use crate::composite::pieces::Composite;
 use crate::composite::separation::ball_about;
+use crate::patch::Surface;
 use crate::polyhedron::{BoxHint, ConvexPolyhedron};
 use crate::pose::rotation_matrix;
 use crate::shape::{Core, Shape};
@@ -26,11 +27,19 @@ use crate::tolerance::BOX_TURNED;
 /// | mesh with mesh, composite or polyhedron | [`MeshTracker`] | `depth`, `manifold` |
 /// | composite or mesh with rounded or curved shape | none | all but `boxes` |
 /// | mesh with point or segment | none | all but `boxes` |
+/// | surface with surface | [`SurfaceTracker`](crate::patch::SurfaceTracker) | `depth`, `manifold` |
+/// | surface with convex shape | [`SurfaceShapeTracker`](crate::patch::SurfaceShapeTracker) | `depth`, `manifold` |
+/// | surface with composite or mesh | none | all but `boxes` |
 ///
 /// A call that would make a pair with an effect that the pair cannot answer is refused with
 /// [`SceneError::Unanswered`](super::SceneError::Unanswered): insertion of a body, change of a
 /// group, call for an effect. Against a composite a polyhedron is a composite of one piece, against
 /// a mesh the mesh of the surface: the pair makes that once, when the boxes meet.
+///
+/// Distances of surfaces of patches have bounds that are at most `2^-30` of the size of the pair
+/// apart; two that the bounds cannot tell from a threshold count as within. A surface has no
+/// inside: a body within a closed one does not overlap it. A mesh that is meant as its triangles
+/// alone stands against surfaces as [`Surface::from_mesh`].
 ///
 /// [`CompositeTracker`]: crate::CompositeTracker
 /// [`MeshTracker`]: crate::MeshTracker
@@ -72,6 +81,8 @@ pub enum BodyShape {
     Composite(Arc<Composite>),
     /// A mesh of triangles.
     Mesh(Arc<Mesh>),
+    /// A surface of curved patches, without an inside.
+    Surface(Arc<Surface>),
 }
 
 impl BodyShape {
@@ -84,13 +95,14 @@ impl BodyShape {
         }
     }
 
-    /// Returns the body as a convex shape, unless the body is a composite or a mesh.
+    /// Returns the body as a convex shape, unless the body is a composite, a mesh or a
+    /// surface.
     #[must_use]
     pub fn as_convex(&self) -> Option<Cow<'_, Shape>> {
         match self {
             Self::Polyhedron(body) => Some(Cow::Owned(Shape::from(body.clone()))),
             Self::Convex(shape) => Some(Cow::Borrowed(shape)),
-            Self::Composite(_) | Self::Mesh(_) => None,
+            Self::Composite(_) | Self::Mesh(_) | Self::Surface(_) => None,
         }
     }
 
@@ -113,6 +125,7 @@ impl BodyShape {
             },
             Self::Composite(_) => ShapeKind::Composite,
             Self::Mesh(_) => ShapeKind::Mesh,
+            Self::Surface(_) => ShapeKind::Surface,
         }
     }
 
@@ -124,6 +137,7 @@ impl BodyShape {
             Self::Convex(shape) => shape.bounding_ball(),
             Self::Composite(composite) => ball_about(composite.aabb()),
             Self::Mesh(mesh) => ball_about(mesh.aabb()),
+            Self::Surface(surface) => surface.bounding_ball(),
         }
     }
 
@@ -135,6 +149,7 @@ impl BodyShape {
             Self::Convex(shape) => shape.aabb_at(pose, hint),
             Self::Composite(composite) => turned_box(composite.aabb(), pose),
             Self::Mesh(mesh) => turned_box(mesh.aabb(), pose),
+            Self::Surface(surface) => turned_box(surface.outer_box(), pose),
         }
     }
 
@@ -146,6 +161,7 @@ impl BodyShape {
             Self::Convex(shape) => Arc::as_ptr(shape) as usize,
             Self::Composite(composite) => Arc::as_ptr(composite) as usize,
             Self::Mesh(mesh) => Arc::as_ptr(mesh) as usize,
+            Self::Surface(surface) => Arc::as_ptr(surface) as usize,
         }
     }
 }
@@ -218,6 +234,18 @@ impl From<Arc<Mesh>> for BodyShape {
     }
 }
 
+impl From<Surface> for BodyShape {
+    fn from(surface: Surface) -> Self {
+        Self::Surface(Arc::new(surface))
+    }
+}
+
+impl From<Arc<Surface>> for BodyShape {
+    fn from(surface: Arc<Surface>) -> Self {
+        Self::Surface(surface)
+    }
+}
+
 /// The serialized form of a shape.
 #[cfg(feature = "serde")]
 #[derive(serde::Serialize, serde::Deserialize)]
@@ -227,6 +255,7 @@ enum Stored {
     Convex(Shape),
     Composite(alloc::boxed::Box<Composite>),
     Mesh(alloc::boxed::Box<Mesh>),
+    Surface(alloc::boxed::Box<Surface>),
 }
 
 #[cfg(feature = "serde")]
@@ -237,6 +266,7 @@ impl From<Stored> for BodyShape {
             Stored::Convex(shape) => Self::Convex(Arc::new(shape)),
             Stored::Composite(composite) => Self::from(*composite),
             Stored::Mesh(mesh) => Self::from(*mesh),
+            Stored::Surface(surface) => Self::from(*surface),
         }
     }
 }
@@ -250,6 +280,7 @@ impl From<BodyShape> for Stored {
             BodyShape::Convex(shape) => Self::Convex(Arc::unwrap_or_clone(shape)),
             BodyShape::Composite(composite) => Self::Composite(Box::new(Arc::unwrap_or_clone(composite))),
             BodyShape::Mesh(mesh) => Self::Mesh(Box::new(Arc::unwrap_or_clone(mesh))),
+            BodyShape::Surface(surface) => Self::Surface(Box::new(Arc::unwrap_or_clone(surface))),
         }
     }
 }

@@ -22,6 +22,8 @@ pub enum ShapeKind {
     Composite,
     /// A mesh of triangles.
     Mesh,
+    /// A surface of curved patches.
+    Surface,
 }
 
 impl core::fmt::Display for ShapeKind {
@@ -33,13 +35,14 @@ impl core::fmt::Display for ShapeKind {
             Self::Curved => "curved shape",
             Self::Composite => "composite",
             Self::Mesh => "mesh",
+            Self::Surface => "surface of patches",
         })
     }
 }
 
 impl ShapeKind {
     fn is_convex(self) -> bool {
-        !matches!(self, Self::Composite | Self::Mesh)
+        !matches!(self, Self::Composite | Self::Mesh | Self::Surface)
     }
 }
 
@@ -53,6 +56,15 @@ fn unanswered(effects: &Effects, a: ShapeKind, b: ShapeKind) -> Option<&'static 
     }
     if effects.depth {
         return Some("depth");
+    }
+    let is_surface = |kind| kind == ShapeKind::Surface;
+    if is_surface(a) || is_surface(b) {
+        let is_answered = |kind: ShapeKind| kind.is_convex() || is_surface(kind);
+        return if is_answered(a) && is_answered(b) {
+            None
+        } else {
+            called(effects)
+        };
     }
     let is_rounded = |kind| matches!(kind, ShapeKind::Rounded | ShapeKind::Curved);
     let has_mesh = a == ShapeKind::Mesh || b == ShapeKind::Mesh;

@@ -1,10 +1,12 @@
-//! The tracker of a pair that is not of two polyhedra: convex shapes, composites, meshes.
+//! The tracker of a pair that is not of two polyhedra: convex shapes, composites, meshes, surfaces
+//! of patches.
 
 use alloc::boxed::Box;
 use alloc::sync::Arc;
 
 use super::body_shape::BodyShape;
 use super::pair_tracker::PairTracker;
+use super::patch_tracker::PatchTracker;
 use super::report::Counts;
 use crate::composite::mesh::Mesh;
 use crate::composite::pieces::{Composite, CompositeTracker, Piece};
@@ -26,6 +28,8 @@ pub(crate) enum MixedTracker {
     Pieces(Box<Tracked<CompositeTracker, Composite>>),
     /// Two meshes, or a mesh and a body that has a surface.
     Triangles(Box<Tracked<MeshTracker, Mesh>>),
+    /// A surface of patches, and another or a convex shape.
+    Patches(Box<PatchTracker>),
 }
 
 /// A tracker of two bodies of many pieces.
@@ -50,8 +54,9 @@ impl<T: Default, S> Tracked<T, S> {
 impl MixedTracker {
     /// Returns a tracker without a start; `None` for kinds that no tracker takes together.
     pub(super) fn new(a: &BodyShape, b: &BodyShape) -> Option<Self> {
-        use BodyShape::{Composite as C, Mesh as M};
+        use BodyShape::{Composite as C, Mesh as M, Surface as S};
         Some(match (a, b) {
+            (S(_), _) | (_, S(_)) => Self::Patches(Box::new(PatchTracker::new(a, b)?)),
             (M(_), _) | (_, M(_)) => Self::Triangles(Tracked::new([as_mesh(a)?, as_mesh(b)?])),
             (C(_), _) | (_, C(_)) => Self::Pieces(Tracked::new([as_composite(a)?, as_composite(b)?])),
             _ => Self::Convex(Box::default()),
@@ -67,7 +72,7 @@ fn as_composite(shape: &BodyShape) -> Option<Option<Arc<Composite>>> {
             let only = Composite::new(alloc::vec![Piece::new((**body).clone())]);
             only.ok().map(|c| Some(Arc::new(c)))
         }
-        BodyShape::Convex(_) | BodyShape::Mesh(_) => None,
+        BodyShape::Convex(_) | BodyShape::Mesh(_) | BodyShape::Surface(_) => None,
     }
 }
 
@@ -77,7 +82,7 @@ fn as_mesh(shape: &BodyShape) -> Option<Option<Arc<Mesh>>> {
         BodyShape::Mesh(_) => return Some(None),
         BodyShape::Composite(composite) => composite.to_mesh(),
         BodyShape::Polyhedron(body) => Mesh::from_convex(body),
-        BodyShape::Convex(_) => return None,
+        BodyShape::Convex(_) | BodyShape::Surface(_) => return None,
     };
     surface.ok().map(|mesh| Some(Arc::new(mesh)))
 }
@@ -179,6 +184,12 @@ impl PairTracker for MixedTracker {
                 tracked.pieces = [found.on_a.triangle, found.on_b.triangle];
                 return without_depth(outcome_of(&Measure::from(&found)));
             }
+            Self::Patches(tracker) => {
+                return match tracker.measure(a, b, pose) {
+                    Some(found) => without_depth(outcome_of(&found)),
+                    None => unknown(),
+                };
+            }
         };
         match until {
             Until::Depth => outcome,
@@ -200,6 +211,7 @@ impl PairTracker for MixedTracker {
             },
             Self::Pieces(tracked) => tracked.sides(a, b).is_none_or(|(t, [x, y])| t.within(x, y, pose, d)),
             Self::Triangles(tracked) => tracked.sides(a, b).is_none_or(|(t, [x, y])| t.within(x, y, pose, d)),
+            Self::Patches(tracker) => tracker.within(a, b, pose, d),
         }
     }
 
@@ -232,10 +244,11 @@ impl PairTracker for MixedTracker {
                 *tracker = pair.into_tracker();
                 Some(answer)
             }
+            Self::Patches(tracker) => tracker.over_time(a, b, |pair| ask(pair, seen)),
         }
     }
 
-    /// Manifolds of composites and meshes are refused, so only convex shapes have any.
+    /// Manifolds of composites, meshes and surfaces are refused, so only convex shapes have any.
     fn update_manifold(
         &mut self,
         (a, b): Self::Shapes<'_>,
@@ -259,6 +272,7 @@ impl PairTracker for MixedTracker {
             Self::Convex(_) => [0; 2],
             Self::Pieces(tracked) => tracked.pieces,
             Self::Triangles(tracked) => tracked.pieces,
+            Self::Patches(tracker) => tracker.pieces,
         }
     }
 
@@ -273,18 +287,20 @@ impl PairTracker for MixedTracker {
             Self::Convex(_) => size_of::<ShapeTracker>(),
             Self::Pieces(_) => size_of::<Tracked<CompositeTracker, Composite>>(),
             Self::Triangles(tracked) => size_of::<Tracked<MeshTracker, Mesh>>() + tracked.tracker.heap_bytes(),
+            Self::Patches(tracker) => size_of::<PatchTracker>() + tracker.heap_bytes(),
         }
     }
 }
 
-/// The serialized form of a tracker. Fronts of composites and meshes are not written: these
-/// trackers begin anew.
+/// The serialized form of a tracker. Fronts of composites, meshes and surfaces are not written:
+/// these trackers begin anew.
 #[cfg(feature = "serde")]
 #[derive(serde::Serialize, serde::Deserialize)]
 pub(super) enum StoredTracker {
     Convex(Box<ShapeTracker>),
     Pieces([u32; 2]),
     Triangles([u32; 2]),
+    Patches([u32; 2]),
 }
 
 #[cfg(feature = "serde")]
@@ -295,6 +311,7 @@ impl MixedTracker {
             Self::Convex(tracker) => StoredTracker::Convex(tracker.clone()),
             Self::Pieces(tracked) => StoredTracker::Pieces(tracked.pieces),
             Self::Triangles(tracked) => StoredTracker::Triangles(tracked.pieces),
+            Self::Patches(tracker) => StoredTracker::Patches(tracker.pieces),
         }
     }
 
@@ -305,6 +322,7 @@ impl MixedTracker {
             (Self::Convex(tracker), StoredTracker::Convex(known)) => *tracker = known,
             (Self::Pieces(tracked), StoredTracker::Pieces(pieces)) => tracked.pieces = pieces,
             (Self::Triangles(tracked), StoredTracker::Triangles(pieces)) => tracked.pieces = pieces,
+            (Self::Patches(tracker), StoredTracker::Patches(pieces)) => tracker.pieces = pieces,
             _ => return None,
         }
         Some(tracker)

@@ -159,6 +159,7 @@ mod moving;
 mod narrow_phase;
 mod pair_table;
 mod pair_tracker;
+mod patch_tracker;
 #[cfg(feature = "parallel")]
 mod parallel;
 mod report;
