@@ -13,9 +13,10 @@
 //!
 //! no point of X is nearer to a point of Y than T. Both brackets are polynomials of one part alone,
 //! of twice its degrees, bounded as heights are ([`highest`](super::height)). Near the closest
-//! points X lies below and Y above the graph of S if S is between their curvatures.
+//! points X lies below and Y above the graph of S if S is between their curvatures: at a border
+//! only along the border.
 
-use nalgebra::{Matrix2, Vector3};
+use nalgebra::{Matrix2, Vector2, Vector3};
 
 use super::bezier::{NET, ORDER};
 use super::frame::Frame;
@@ -66,22 +67,42 @@ fn curvature(jet: &SurfaceJet, n: &Vector3<f64>, e: &[Vector3<f64>; 2]) -> Optio
     Some(inverse.transpose() * Matrix2::new(uu, uv, uv, vv) * inverse)
 }
 
+/// Returns half of a form along the border on which a point lies; zero for a corner.
+fn along(jet: &SurfaceJet, is_at_border: [bool; 2], e: &[Vector3<f64>; 2], form: &Matrix2<f64>) -> Matrix2<f64> {
+    let side = match is_at_border {
+        [true, false] => jet.v,
+        [false, true] => jet.u,
+        _ => return Matrix2::zeros(),
+    };
+    let f = Vector2::new(e[0].dot(&side), e[1].dot(&side));
+    let square = f.norm_squared();
+    if square > 0.0 {
+        f * f.transpose() * (0.5 * f.dot(&(form * f)).max(0.0) / (square * square))
+    } else {
+        Matrix2::zeros()
+    }
+}
+
 impl Bowl {
-    /// Returns a bowl between two surfaces at a pair of close points: its form is half-way between
-    /// the curvatures, or near to that of one surface where the point of the other is at a border.
+    /// Returns a bowl between two surfaces at a pair of close points `distance` apart. Its form is
+    /// half-way between the curvatures. Where the point of one surface is at a border, the form is
+    /// that of the other across the border, moved by as much as the other needs; `is_at_border` is
+    /// for u and v of A and of B.
     pub(super) fn between(
         [a, b]: [&SurfaceJet; 2],
         n: &Vector3<f64>,
-        is_at_border: [bool; 2],
+        distance: f64,
+        is_at_border: [bool; 4],
         frame: &Frame,
     ) -> Option<Self> {
         let e = tangents(n);
         let (of_a, of_b) = (curvature(a, n, &e)?, curvature(b, n, &e)?);
-        let form = match is_at_border {
-            [false, false] => (of_a + of_b) * 0.5,
-            [true, false] => of_b,
-            [false, true] => of_a,
-            [true, true] => return None,
+        let [u, v, s, t] = is_at_border;
+        let between = of_b - of_a;
+        let form = match (u || v, s || t) {
+            (true, false) => of_b - of_b * of_b * distance - along(a, [u, v], &e, &between),
+            (false, true) => of_a + of_a * of_a * distance + along(b, [s, t], &e, &between),
+            _ => (of_a + of_b) * 0.5,
         };
         let length = sqrt(form.norm_squared()) * ROUND_UP;
         let is_of_use = length > 0.0 && length * frame.size < f64::INFINITY;

@@ -10,7 +10,6 @@ use nalgebra::Vector3;
 use super::bowl::Bowl;
 use super::frame::Frame;
 use super::net::{Patch, SurfaceJet};
-use super::side::Meets;
 use super::surface::SurfacePoint;
 use crate::num::scalar::sqrt;
 use crate::polyhedron::{FaceId, Feature};
@@ -77,6 +76,16 @@ impl Meeting {
         }
         (d > 0.0).then(|| self.w / d)
     }
+}
+
+/// Close points of a pair, one on each body.
+pub(super) trait Meets {
+    /// Returns two close points from a start, with the number of steps; `None` if the pair cannot
+    /// be measured there.
+    fn descend(&mut self, patches: [u32; 2], start: [f64; 4]) -> Option<(Meeting, u64)>;
+
+    /// Returns whether the points at some parameters are less than `most` apart: no bound.
+    fn is_closer(&mut self, patches: [u32; 2], at: [f64; 4], most: f64) -> bool;
 }
 
 /// All patches of two surfaces at a pose.
@@ -249,12 +258,10 @@ impl State {
             bowl: None,
         };
         meeting.normal = meeting.direction(frame.size, &frame.translation);
-        let is_at_border = |u: f64, v: f64| [u, v].iter().any(|t| *t <= 0.0 || *t >= 1.0);
-        let [u, v, s, t] = self.at;
-        meeting.bowl = meeting.normal.and_then(|n| {
-            let borders = [is_at_border(u, v), is_at_border(s, t)];
-            Bowl::between([&self.a, &self.b], &n, borders, frame)
-        });
+        let borders = self.at.map(|t| t <= 0.0 || t >= 1.0);
+        meeting.bowl = meeting
+            .normal
+            .and_then(|n| Bowl::between([&self.a, &self.b], &n, distance, borders, frame));
         meeting
     }
 }

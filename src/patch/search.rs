@@ -7,12 +7,13 @@ use alloc::collections::BinaryHeap;
 use core::cmp::Ordering;
 use nalgebra::Vector3;
 
-use super::closest::Meeting;
+use super::closest::{Meeting, Meets};
 use super::front::{Entry, Front};
 use super::gap::{Gap, Pair, Trees};
 use super::outcome::SurfaceWork;
-use super::side::{Meets, Side};
+use super::side::Side;
 use crate::num::scalar::sqrt;
+use crate::tolerance::UNIT;
 
 /// A pair that may be closer than the goal.
 #[derive(Clone, Copy, Debug)]
@@ -169,9 +170,11 @@ impl<B: Side, M: Meets> Search<'_, '_, B, M> {
         let (level, is_near) = (self.level(), self.is_at_best(pair));
         let gap = self.trees.bound(pair, (along, self.hint.as_ref()), level, is_near);
         let bowl = self.best.as_ref().and_then(|best| best.bowl.as_ref());
+        // A little more, so that rounding of the level leaves the interval no wider than asked for.
+        let more = level + 4.0 * UNIT * self.trees.frame.size;
         match bowl {
-            Some(bowl) if gap.gap < level && level > 0.0 && self.trees.is_about(pair, bowl, level) => Gap {
-                gap: level,
+            Some(bowl) if gap.gap < level && level > 0.0 && self.trees.is_about(pair, bowl, more) => Gap {
+                gap: more,
                 is_plane: false,
                 ..gap
             },
@@ -250,7 +253,9 @@ impl<B: Side, M: Meets> Search<'_, '_, B, M> {
             return;
         }
         let frame = self.trees.frame;
-        let most = self.upper + 0.5 * (x.radius + y.radius);
+        // A body that is not split is as large as ever, however near its points are.
+        let share = if y.can_split() { 0.5 } else { 1.0 };
+        let most = self.upper + share * (x.radius + y.radius);
         let between = frame.place(&y.centre) - x.centre;
         if !(between.norm_squared() < most * most) {
             return;

@@ -1,9 +1,8 @@
-//! What a search asks of the bodies of a pair: nodes and their heights, and close points.
+//! What a search asks of a body: nodes and their heights.
 
 use nalgebra::Vector3;
 
 use super::bowl::Half;
-use super::closest::Meeting;
 use super::height::taylor;
 use super::tree::{Node, Nodes};
 
@@ -76,14 +75,4 @@ impl Side for Nodes<'_> {
     fn split(&mut self, id: u32) -> u32 {
         self.split(id)
     }
-}
-
-/// Close points of a pair, one on each body.
-pub(super) trait Meets {
-    /// Returns two close points from a start, with the number of steps; `None` if the pair cannot
-    /// be measured there.
-    fn descend(&mut self, patches: [u32; 2], start: [f64; 4]) -> Option<(Meeting, u64)>;
-
-    /// Returns whether the points at some parameters are less than `most` apart: no bound.
-    fn is_closer(&mut self, patches: [u32; 2], at: [f64; 4], most: f64) -> bool;
 }

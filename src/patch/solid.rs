@@ -4,10 +4,10 @@
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
 use super::bowl::Half;
-use super::closest::{Meeting, Row, solve};
+use super::closest::{Meeting, Meets, Row, solve};
 use super::frame::Frame;
 use super::net::{Patch, SurfaceJet};
-use super::side::{Meets, Side};
+use super::side::Side;
 use super::tree::Node;
 use crate::pair::outcome::Outcome;
 use crate::pose::{RelativePose, normalize};

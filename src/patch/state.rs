@@ -2,12 +2,12 @@
 
 use alloc::collections::BinaryHeap;
 
-use super::closest::Meeting;
+use super::closest::{Meeting, Meets};
 use super::front::{Entry, Front};
 use super::gap::Trees;
 use super::outcome::SurfaceWork;
 use super::search::{Goal, Open, Search};
-use super::side::{Meets, Side};
+use super::side::Side;
 use crate::tuning::patch::{GROWTH, MOST_SPLITS, SPLITS};
 
 /// The front of the last answer, the last witnesses, and counters.

@@ -57,7 +57,7 @@ fn unanswered(effects: &Effects, a: ShapeKind, b: ShapeKind) -> Option<&'static 
     if effects.depth {
         return Some("depth");
     }
-    let is_surface = |kind| kind == ShapeKind::Surface;
+    let is_surface = |kind: ShapeKind| kind == ShapeKind::Surface;
     if is_surface(a) || is_surface(b) {
         let is_answered = |kind: ShapeKind| kind.is_convex() || is_surface(kind);
         return if is_answered(a) && is_answered(b) {

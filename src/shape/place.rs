@@ -90,7 +90,7 @@ impl Shape {
     }
 
     /// Returns a point of the shape of about the greatest height along a unit direction, and the
-    /// vertex of a polyhedral core.
+    /// vertex of a polyhedron that is not rounded.
     pub(crate) fn support_point(&self, n: &Vector3<f64>) -> (Option<u32>, Vector3<f64>) {
         let along = [n.x, n.y, n.z];
         let (vertex, point) = match &self.core {
@@ -104,7 +104,8 @@ impl Shape {
             Core::Cone(core) => (None, core.support(&along, 0).1.into()),
             Core::Superquadric(core) => (None, core.support(&along, 0).1.into()),
         };
-        (vertex, point + n * self.round)
+        // The point of a rounded vertex moves with the direction.
+        (vertex.filter(|_| self.round == 0.0), point + n * self.round)
     }
 
     /// Returns the axis-aligned box of the shape at a pose, rounded outward: least and greatest
