@@ -50,6 +50,14 @@
 //!
 #![doc = include_str!("../images/geometry.svg")]
 //!
+//! # Curved shapes
+//!
+//! A cylinder and an ellipsoid as themselves ([`Shape`](crate::Shape)), and replaced by hulls, half
+//! a degree a frame. A hull of a few hundred vertices is faster than the curved pair and wrong in
+//! the third digit; each further digit takes ten to a hundred times the vertices.
+//!
+#![doc = include_str!("../images/curved.svg")]
+//!
 //! # Asking less
 //!
 //! A slow motion of two flat bodies, with every query. An inner hull is the hull of a few vertices,

@@ -10,6 +10,7 @@
 //! | `motion` | the same against the motion in a frame |
 //! | `gap` | the same against the gap, and which layer answers near contact |
 //! | `geometry` | a sphere replaced by hulls of 12 to 100,000 vertices: what a finer shape costs |
+//! | `curved` | curved shapes as themselves, and replaced by hulls |
 //! | `asking` | one motion, every question from "overlap?" to exact, and inner hulls with a bound |
 //!
 //! Every engine gets two world poses and the same vertices and faces, and returns the distance and, where it has them, both
@@ -17,6 +18,7 @@
 
 mod asking;
 mod bodies;
+mod curved;
 mod engines;
 mod geometry;
 mod measure;
@@ -42,8 +44,10 @@ fn main() -> ExitCode {
 
 fn run(options: &Options) -> Result<(), Trouble> {
     let with_geometry = options.meshes.is_none();
-    let steps =
-        parts::count(options) + if with_geometry { geometry::count(options) } else { 0 } + asking::count(options);
+    let steps = parts::count(options)
+        + if with_geometry { geometry::count(options) } else { 0 }
+        + asking::count(options)
+        + curved::count(options);
     let progress = Progress::new("accuracy_cost", steps);
     let (mut rows, mut charts): (Vec<Row>, Vec<(&str, Chart)>) = (Vec::new(), Vec::new());
     if options.does("levels") {
@@ -69,6 +73,10 @@ fn run(options: &Options) -> Result<(), Trouble> {
     if options.does("geometry") && with_geometry {
         geometry::run(options, &mut rows, &progress)?;
         charts.push(("geometry.svg", accuracy::geometry(&rows)));
+    }
+    if options.does("curved") && with_geometry {
+        curved::run(options, &mut rows, &progress)?;
+        charts.push(("curved.svg", accuracy::curved(&rows, "cylinder-ellipsoid")));
     }
     if options.does("asking") {
         let n = asking::run(options, &mut rows, &progress)?;

@@ -45,6 +45,7 @@ pub(crate) fn pictures(folder: &Path) -> Result<Vec<(&'static str, String)>, Tro
         ("contact-error.svg", text(&accuracy::error_and_gap(&rows, "flush", 8))?),
         ("contact-time.svg", text(&accuracy::time_and_gap(&rows, "flush", 8))?),
         ("geometry.svg", text(&accuracy::geometry(&rows))?),
+        ("curved.svg", text(&accuracy::curved(&rows, "cylinder-ellipsoid"))?),
         ("asking.svg", text(&accuracy::asking(&rows, "asking 0.05deg", 512))?),
     ])
 }

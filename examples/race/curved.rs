@@ -8,54 +8,14 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use lab::motion::{self, Frame};
+use lab::parry::{Core, Map, MapGjk};
 use lab::rng::Rng;
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::{RelativePose, Shape, ShapeTracker, Solver, Totals};
-use parry3d_f64::math::Vector;
-use parry3d_f64::query::details::closest_points_support_map_support_map_with_params;
-use parry3d_f64::query::gjk::{GJKResult, VoronoiSimplex};
-use parry3d_f64::shape::SupportMap;
 
 use crate::common::{Options, Rows, WARM_UP, median};
 
 pub(crate) const SCENES: [&str; 1] = ["0.5"];
-
-/// A shape as parry's GJK sees it, rounded or not.
-struct Map {
-    core: Core,
-    round: f64,
-}
-
-enum Core {
-    Box([f64; 3]),
-    Segment(f64),
-    Cylinder(f64, f64),
-    Cone(f64, f64),
-    Ellipsoid([f64; 3]),
-}
-
-impl SupportMap for Map {
-    fn local_support_point(&self, n: Vector) -> Vector {
-        let flat = n.x.hypot(n.y).max(f64::MIN_POSITIVE);
-        let rim = |r: f64, z: f64| Vector::new(n.x * r / flat, n.y * r / flat, z);
-        let core = match self.core {
-            Core::Box([x, y, z]) => Vector::new(x.copysign(n.x), y.copysign(n.y), z.copysign(n.z)),
-            Core::Segment(h) => Vector::new(0.0, 0.0, h.copysign(n.z)),
-            Core::Cylinder(h, r) => rim(r, h.copysign(n.z)),
-            Core::Cone(h, r) if 2.0 * h * n.z >= r * flat => Vector::new(0.0, 0.0, h),
-            Core::Cone(h, r) => rim(r, -h),
-            Core::Ellipsoid([a, b, c]) => {
-                let p = Vector::new(a * a * n.x, b * b * n.y, c * c * n.z);
-                p / p.dot(n).sqrt()
-            }
-        };
-        if self.round > 0.0 {
-            core + n * (self.round / n.length())
-        } else {
-            core
-        }
-    }
-}
 
 struct Body {
     shape: Shape,
@@ -107,20 +67,9 @@ fn ours(pair: &mut ShapeTracker, a: &Shape, b: &Shape, poses: &Poses) -> f64 {
     o.distance
 }
 
-fn parry(last: &mut Option<Vector>, simplex: &mut VoronoiSimplex, a: &Map, b: &Map, f: &Frame) -> f64 {
-    let (pa, pb) = (lab::parry::pose(&f.a), lab::parry::pose(&f.b));
-    let between = pa.inv_mul(&pb);
-    match closest_points_support_map_support_map_with_params(&between, a, b, f64::MAX, simplex, *last) {
-        GJKResult::ClosestPoints(p, q, n) => {
-            *last = Some(n);
-            black_box((pa * p, pa * q));
-            (q - p).length()
-        }
-        _ => {
-            *last = None;
-            0.0
-        }
-    }
+fn parry(gjk: &mut MapGjk, a: &Map, b: &Map, f: &Frame) -> f64 {
+    let found = gjk.closest(a, b, f);
+    black_box(&found).as_ref().map_or(0.0, |w| w.distance)
 }
 
 /// Nanoseconds a frame: the least of some passes.
@@ -176,19 +125,19 @@ fn race(rows: &mut Rows, names: (&str, &str), (a, b): (&Body, &Body), count: usi
     let mine = time_of(&a.shape, &b.shape, &mut totals);
     let core = time_of(&a.core, &b.core, &mut Totals::default());
     let theirs = timed(count, || {
-        let (mut last, mut simplex) = (None, VoronoiSimplex::new());
+        let mut gjk = MapGjk::default();
         for f in &frames {
-            black_box(parry(&mut last, &mut simplex, &a.map, &b.map, f));
+            parry(&mut gjk, &a.map, &b.map, f);
         }
     });
-    let (mut pair, mut last, mut simplex) = (ShapeTracker::new(), None, VoronoiSimplex::new());
+    let (mut pair, mut gjk) = (ShapeTracker::new(), MapGjk::default());
     let mut errors: Vec<f64> = frames
         .iter()
         .zip(&poses)
         .map(|(f, p)| {
             let size = radii.0 + radii.1 + lab::pose::norm(f.b.t);
             let truth = ours(&mut pair, &a.shape, &b.shape, p);
-            (parry(&mut last, &mut simplex, &a.map, &b.map, f) - truth).abs() / size
+            (parry(&mut gjk, &a.map, &b.map, f) - truth).abs() / size
         })
         .collect();
     median(&mut errors);

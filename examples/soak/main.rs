@@ -1,5 +1,5 @@
-//! A long run against an independent judge: random bodies of every hard family, moved at random, one tracker along each
-//! motion, every frame judged.
+//! A long run against an independent judge: random bodies of every hard family and curved shapes, moved at random, one tracker along
+//! each motion, every frame judged.
 //!
 //! ```text
 //! cargo run --release --example soak -- --minutes 60 [--seed S] [--threads N] [--out DIR] [--trial K]
@@ -8,6 +8,7 @@
 //! What fails is written to DIR (`target/soak-failures`) as a text that `cargo run --example replay` answers; the run goes on and
 //! ends with exit code 1. A trial is named by seed and number: `--trial K` runs that one alone.
 
+mod curved;
 mod draw;
 mod judge;
 #[path = "../../tests/support/lattice.rs"]
@@ -45,8 +46,8 @@ struct Options {
 const USAGE: &str = "\
 usage: soak [--minutes M] [--seed S] [--threads N] [--out DIR] [--trial K]
 
-Random bodies of every hard family in random motions, and worlds of boxes, every frame judged by arithmetic of its own. Failures
-are written to DIR as texts for the example replay, and end the program with status 1.
+Random bodies of every hard family and curved shapes in random motions, and worlds of boxes, every frame judged by arithmetic
+of its own. Failures are written to DIR as texts for the example replay, and end the program with status 1.
 
   --minutes M   how long (default: 1)
   --seed S      names the run (default: 1)
@@ -209,6 +210,7 @@ fn run(options: &Options, number: u64) -> Tally {
         );
     }
     worlds(options, number, &mut run.tally);
+    curves(options, number, &mut run.tally);
     let frames = run.tally.frames;
     run.tally.body(trial.a.family, frames);
     run.tally.body(trial.b.family, frames);
@@ -234,6 +236,23 @@ fn worlds(options: &Options, number: u64, tally: &mut Tally) {
         };
         tally.failures += 1;
         eprintln!("seed {} trial {number}: world {seed}: {what}", options.seed);
+    }
+}
+
+/// Motions of curved shapes a trial.
+const CURVES: u64 = 4;
+
+/// Curved and rounded shapes; a failure is written as the numbers of the pair, since only polyhedra can be replayed.
+fn curves(options: &Options, number: u64, tally: &mut Tally) {
+    for k in 0..CURVES {
+        let seed = Rng::of_case(options.seed ^ 0xc0c0, number * CURVES + k).bits();
+        match curved::play(seed) {
+            Ok(mix) => tally.curves.add(&mix),
+            Err(what) => {
+                tally.failures += 1;
+                eprintln!("seed {} trial {number}: curved motion {seed}: {what}\n", options.seed);
+            }
+        }
     }
 }
 

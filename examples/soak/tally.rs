@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use crate::curved;
 use crate::lattice::Mix;
 use lin_canny::Outcome;
 
@@ -30,6 +31,8 @@ pub(crate) struct Tally {
     pub(crate) failures: u64,
     /// Worlds of equal boxes.
     pub(crate) worlds: Mix,
+    /// Motions of curved shapes.
+    pub(crate) curves: curved::Mix,
     /// Nanoseconds of the slowest query, and its trial.
     pub(crate) slowest: (u128, u64),
     classes: [u64; 4],
@@ -59,6 +62,7 @@ impl Tally {
         self.truths += o.truths;
         self.failures += o.failures;
         self.worlds.add(&o.worlds);
+        self.curves.add(&o.curves);
         self.slowest = self.slowest.max(o.slowest);
         self.classes.iter_mut().zip(o.classes).for_each(|(s, n)| *s += n);
         self.layers.iter_mut().zip(o.layers).for_each(|(s, n)| *s += n);
@@ -82,6 +86,16 @@ impl Tally {
             self.queries as f64 / seconds
         );
         println!("worlds of equal boxes: {:?}", self.worlds);
+        let c = &self.curves;
+        println!(
+            "{} frames of curved shapes, {} queries: {}; {} of rounded shapes, {} separated beyond the first solver, bounds at most {:.1e} L wide",
+            c.frames,
+            c.queries,
+            list(&CLASSES, &c.classes),
+            c.rounded,
+            c.beyond,
+            c.widest
+        );
         println!(
             "{} frames of {} motions: {}",
             self.frames,

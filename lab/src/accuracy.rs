@@ -1,7 +1,7 @@
 //! The pictures of what accuracy costs, from the rows of a record.
 //!
 //! Families name bodies and motion: `sphere 0.5deg`, `sphere random`, `motion 0.1deg` (spheres too), `sphere gap 1e-3`, `ball`
-//! (a sphere replaced by a hull), `asking 0.05deg`. Engines and levels are those of the example `accuracy_cost`.
+//! (a sphere replaced by a hull), `curved cylinder-cone` (n = 0: as themselves), `asking 0.05deg`. Engines and levels are those of the example `accuracy_cost`.
 
 use crate::plot::{Chart, Spread};
 use crate::record::{Row, spread};
@@ -266,6 +266,44 @@ pub fn geometry(rows: &[Row]) -> Chart {
     chart
 }
 
+/// What it costs to be curved: a pair as itself, and replaced by hulls, time against error.
+pub fn curved(rows: &[Row], pair: &str) -> Chart {
+    let family = format!("curved {pair}");
+    let of = |engine: &str, level: &str, n: usize| cell(rows, engine, level, &family, n);
+    let mut sizes: Vec<usize> = rows.iter().filter(|r| r.family == family).map(|r| r.n).collect();
+    sizes.sort_unstable();
+    sizes.dedup();
+    let hulls = sizes.iter().filter_map(|&n| of("ours", "hull", n));
+    let hulls: Vec<(f64, f64)> = hulls.map(|c| (c.err[2].max(FLOOR), c.ns[1])).collect();
+    let range = match (sizes.iter().find(|&&n| n > 0), sizes.last()) {
+        (Some(least), Some(most)) => format!("ours, hulls of {least} to {most} vertices"),
+        _ => String::new(),
+    };
+    let mut chart = Chart::new(format!("{pair}: as curved shapes, and as hulls"))
+        .axes("error of the distance over the size of the pair", "nanoseconds a query")
+        .log_x()
+        .log_y()
+        .size(880, 440)
+        .legend_beside()
+        .curve(range, hulls);
+    let alone = [
+        ("ours", "certified", "ours, the shapes themselves"),
+        ("ours-cold", "certified", "ours, nothing kept"),
+        ("gjk-cached", "closest", "parry's GJK f64, direction kept"),
+    ];
+    for (engine, level, name) in alone {
+        if let Some(c) = of(engine, level, 0) {
+            let point = Spread {
+                x: c.err.map(|e| e.max(FLOOR)),
+                y: c.ns,
+                word: String::new(),
+            };
+            chart = chart.spreads(name, [point]);
+        }
+    }
+    chart
+}
+
 /// What each question costs: a line each, with the error of its answers.
 pub fn asking(rows: &[Row], family: &str, n: usize) -> Chart {
     let mut chart = Chart::new(format!("what asking less saves: {}, {n} vertices a body", told(family)))
@@ -322,7 +360,12 @@ mod tests {
             ns,
             err,
         };
-        let mut all = vec![row("ours", "overlap?", "asking 0.05deg", 8, 30.0, f64::NAN)];
+        let mut all = vec![
+            row("ours", "overlap?", "asking 0.05deg", 8, 30.0, f64::NAN),
+            row("ours", "certified", "curved cone-cone", 0, 300.0, 1e-17),
+            row("ours", "hull", "curved cone-cone", 16, 80.0, 1e-2),
+            row("ours", "hull", "curved cone-cone", 64, 90.0, 1e-3),
+        ];
         for k in 1..4 {
             let (n, x) = (8 << k, f64::from(k));
             for (engine, level) in [("ours", "certified"), ("ours", "walk"), ("parry-f64", "distance")] {
@@ -352,6 +395,7 @@ mod tests {
             (error_and_gap(&rows, "sphere", 8), vec!["ours, the walk alone"]),
             (geometry(&rows), vec!["ours, certified", "parry f64"]),
             (asking(&rows, "asking 0.05deg", 8), vec!["overlap?"]),
+            (curved(&rows, "cone-cone"), vec!["hulls of 16 to 64", "themselves"]),
         ];
         for (chart, words) in pictures {
             let svg = chart.svg().unwrap();
@@ -374,11 +418,11 @@ mod tests {
         let mut rows = rows();
         rows.push(Row {
             ns: 1.0,
-            ..rows[1].clone()
+            ..rows[4].clone()
         });
         rows.push(Row {
             ns: 1000.0,
-            ..rows[1].clone()
+            ..rows[4].clone()
         });
         let c = cell(&rows, "ours", "certified", "sphere 0.5deg", 16).unwrap();
         assert_eq!(c.ns, [1.0, 81.0, 1000.0]);

@@ -2,7 +2,7 @@
 //!
 //! Everything here works on plain data: a point is `[f64; 3]`, a face is a list of point indices counter-clockwise
 //! from outside, a pose is [`Pose`]. So a judge never borrows the code it judges;
-//! only [`boxes`], [`casts`], [`crowd`], [`rooms`] and [`contacts`] speak the crate's own types.
+//! only [`boxes`], [`casts`], [`crowd`], [`curved`], [`rooms`] and [`contacts`] speak the crate's own types.
 //!
 //! | module | what it gives |
 //! |---|---|
@@ -16,6 +16,7 @@
 //! | [`nets`] | control points of curved surfaces |
 //! | [`soups`], [`brute`] | meshes that are not convex, and their naive oracle |
 //! | [`exact`] | the naive oracle: exact class and distance of two small bodies |
+//! | [`curved`] | the judge of curved pairs: the duality gap in double-double |
 //! | [`brute_hull`] | exact faces of a few points |
 //! | [`bound`] | exact checks of an answer for bodies of any size |
 //! | [`suite`] | files of cases with or without their truth |
@@ -39,6 +40,7 @@ pub mod command;
 pub mod contacts;
 pub mod corpus;
 pub mod crowd;
+pub mod curved;
 pub mod exact;
 pub mod meshes;
 pub mod motion;

@@ -10,6 +10,7 @@
 
 pub mod casts;
 mod climber;
+mod maps;
 
 use crate::shapes::triangles;
 use crate::{Face, Point, Pose};
@@ -19,6 +20,7 @@ use parry3d_f64::query::{self, ClosestPoints, Contact, ContactManifold, TrackedC
 use parry3d_f64::shape::{ConvexPolyhedron, SupportMap};
 
 pub use climber::{Climber, GjkCached};
+pub use maps::{Core, Map, MapGjk};
 
 /// Distance and witness points in the world.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -4,9 +4,9 @@
 #[allow(unreachable_pub)]
 mod parse;
 
-use super::kinds::Kind;
+use super::Mix;
 use super::suites::sampled;
-use super::{Mix, Place};
+use lab::curved::{Kind, Place};
 use lab::rng::Rng;
 use lin_canny::shape::Core;
 use lin_canny::{Class, Outcome, RelativePose, Shape, ShapeTracker};

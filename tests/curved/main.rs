@@ -1,59 +1,17 @@
 //! Promise: bounds of curved pairs hold the truth and are no wider than 1e-13 L, warm and cold, A to B and B to A.
 //!
-//! The judge is the duality gap in double-double, with arithmetic, supports and memberships of its own: the height of the
-//! difference along the normal returned is a lower bound of the truth, the distance of the witnesses and how far they are outside their shapes
-//! an upper one.
+//! The judge is the duality gap in double-double (`lab::curved`): the height of the difference along the normal returned is a lower
+//! bound of the truth, the distance of the witnesses and how far they are outside their shapes an upper one.
 
 mod corpus;
-mod kinds;
 mod manifolds;
 mod opposite;
 mod suites;
-mod wide;
 
-use kinds::Kind;
+use lab::curved::{KINDS, Kind, Place, Wide};
 use lab::rng::Rng;
-use lin_canny::nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
-use lin_canny::{Class, Outcome, RelativePose, ShapeTracker, Solver};
-use wide::{Triple, Wide, dot, matrix, norm, turned, turned_back, wide};
-
-/// B in the frame of A.
-#[derive(Clone, Copy, Debug)]
-struct Place {
-    q: [f64; 4],
-    t: [f64; 3],
-}
-
-impl Place {
-    fn isometry(&self) -> Isometry3<f64> {
-        let [x, y, z, w] = self.q;
-        let q = UnitQuaternion::new_unchecked(Quaternion::new(w, x, y, z));
-        Isometry3::from_parts(Translation3::from(self.t), q)
-    }
-
-    fn pose(&self) -> RelativePose {
-        RelativePose::from_isometry(&self.isometry()).expect("a pose")
-    }
-
-    /// `n . b - n . a`, the least of it over both shapes, over the length of `n`.
-    fn height(&self, a: &Kind, b: &Kind, n: &Triple) -> Wide {
-        let m = turned_back(&matrix(self.q), n).map(|x| -x);
-        (dot(n, &wide(self.t)) - a.height(n) - b.height(&m)) / norm(n)
-    }
-
-    fn size(&self, a: &Kind, b: &Kind) -> f64 {
-        a.radius() + b.radius() + lab::pose::norm(self.t)
-    }
-
-    /// Bounds of the truth from a normal and two witnesses.
-    fn truth(&self, a: &Kind, b: &Kind, o: &Outcome) -> (Wide, Wide) {
-        let lower = self.height(a, b, &wide((*o.normal).into()));
-        let (p, q) = (wide(o.point_on_a.coords.into()), wide(o.point_on_b.coords.into()));
-        let (t, r) = (wide(self.t), turned(&matrix(self.q), &q));
-        let w = [0, 1, 2].map(|k| r[k] + t[k] - p[k]);
-        (lower, norm(&w) + Wide::from(a.outside(&p)) + Wide::from(b.outside(&q)))
-    }
-}
+use lin_canny::nalgebra::Vector3;
+use lin_canny::{Class, Outcome, ShapeTracker, Solver};
 
 /// What a suite met.
 #[derive(Default, Debug)]
@@ -158,16 +116,6 @@ fn count() -> u32 {
         .and_then(|n| n.parse().ok())
         .unwrap_or(300)
 }
-
-const KINDS: [&str; 7] = [
-    "segment",
-    "box",
-    "hull",
-    "ellipsoid",
-    "cylinder",
-    "cone",
-    "superquadric",
-];
 
 /// Each pair of kinds of which one is curved.
 fn pairs() -> impl Iterator<Item = (&'static str, &'static str)> {

@@ -1,9 +1,8 @@
 //! Promise: contacts of shapes lie on both surfaces, opposite each other along the normal, never deeper than the outcome;
 //! and those of a shape at rest stand still.
 
-use super::kinds::Kind;
-use super::wide::wide;
-use super::{KINDS, Place, at_gap};
+use super::at_gap;
+use lab::curved::{KINDS, Kind, Place, wide};
 use lab::rng::Rng;
 use lin_canny::nalgebra::{Point3, Vector3};
 use lin_canny::{Class, ContactPoint, Manifold, ManifoldOptions, Shape, ShapeTracker, Tracker};

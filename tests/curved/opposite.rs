@@ -1,9 +1,8 @@
 //! Promise: witnesses of every outcome (apart, touching, overlapping) lie on both surfaces, opposite each other along the
 //! normal at the distance returned.
 
-use super::kinds::Kind;
-use super::wide::{turned_back, wide};
-use super::{Place, at_gap, pairs};
+use super::{at_gap, pairs};
+use lab::curved::{Kind, Place, matrix, turned_back, wide};
 use lab::rng::Rng;
 use lin_canny::nalgebra::Vector3;
 use lin_canny::{Class, Outcome, ShapeTracker};
@@ -19,9 +18,7 @@ pub(crate) fn off(kinds: [&Kind; 2], radii: [f64; 2], place: &Place, o: &Outcome
     let (at, n) = (place.isometry(), *o.normal);
     let between = at * o.point_on_b - o.point_on_a;
     let size = place.size(kinds[0], kinds[1]);
-    let m: Vector3<f64> = turned_back(&super::matrix(place.q), &wide(n.into()))
-        .map(|x| -x.0)
-        .into();
+    let m: Vector3<f64> = turned_back(&matrix(place.q), &wide(n.into())).map(|x| -x.0).into();
     let mut beside = 0.0f64;
     for (kind, p, n, r) in [
         (kinds[0], o.point_on_a.coords, n, radii[0]),

@@ -1,8 +1,7 @@
 //! Overlaps, identities, hard families and stale trackers.
 
-use super::kinds::Kind;
-use super::wide::wide;
-use super::{KINDS, Mix, Place, at_gap, count, pairs};
+use super::{Mix, at_gap, count, pairs};
+use lab::curved::{KINDS, Kind, Place, wide};
 use lab::rng::Rng;
 use lin_canny::nalgebra::Vector3;
 use lin_canny::polyhedron::solids;

@@ -8,6 +8,3 @@ mod random;
 mod same;
 mod shapes;
 mod truth;
-#[path = "../curved/wide.rs"]
-#[expect(dead_code, reason = "shared with the tests of curved shapes")]
-mod wide;

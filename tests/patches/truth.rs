@@ -7,7 +7,7 @@
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::patch::{Surface, SurfaceOutcome, SurfacePoint};
 
-use crate::wide::{Triple, Wide, dot, matrix, norm, turned, wide};
+use lab::curved::{Triple, Wide, dot, matrix, norm, turned, wide};
 
 type Homogeneous = [Wide; 4];
 

@@ -4,7 +4,7 @@ use core::ops::{Add, Div, Mul, Neg, Sub};
 
 /// An unevaluated sum of two numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Wide(pub f64, pub f64);
+pub struct Wide(pub f64, pub f64);
 
 fn quick(a: f64, b: f64) -> Wide {
     let s = a + b;
@@ -65,7 +65,8 @@ impl Div for Wide {
 }
 
 impl Wide {
-    pub(crate) fn root(self) -> Self {
+    /// The square root; zero of what is not positive.
+    pub fn root(self) -> Self {
         if self.0 <= 0.0 {
             return Self(0.0, 0.0);
         }
@@ -73,27 +74,32 @@ impl Wide {
         r + Self::from((self - r * r).0 / (2.0 * r.0))
     }
 
-    pub(crate) fn max(self, o: Self) -> Self {
+    /// The larger of two.
+    pub fn max(self, o: Self) -> Self {
         if (self - o).0 >= 0.0 { self } else { o }
     }
 }
 
-pub(crate) type Triple = [Wide; 3];
+/// Coordinates.
+pub type Triple = [Wide; 3];
 
-pub(crate) fn wide(v: [f64; 3]) -> Triple {
+/// Coordinates without a second part.
+pub fn wide(v: [f64; 3]) -> Triple {
     v.map(Wide::from)
 }
 
-pub(crate) fn dot(a: &Triple, b: &Triple) -> Wide {
+/// Scalar product.
+pub fn dot(a: &Triple, b: &Triple) -> Wide {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-pub(crate) fn norm(a: &Triple) -> Wide {
+/// Length.
+pub fn norm(a: &Triple) -> Wide {
     dot(a, a).root()
 }
 
 /// The matrix of `q` over its squared norm.
-pub(crate) fn matrix(q: [f64; 4]) -> [Triple; 3] {
+pub fn matrix(q: [f64; 4]) -> [Triple; 3] {
     let [x, y, z, w] = q.map(Wide::from);
     let (one, two) = (Wide::from(1.0), Wide::from(2.0));
     let s = two / (x * x + y * y + z * z + w * w);
@@ -104,10 +110,12 @@ pub(crate) fn matrix(q: [f64; 4]) -> [Triple; 3] {
     ]
 }
 
-pub(crate) fn turned(m: &[Triple; 3], v: &Triple) -> Triple {
+/// `m v`.
+pub fn turned(m: &[Triple; 3], v: &Triple) -> Triple {
     [dot(&m[0], v), dot(&m[1], v), dot(&m[2], v)]
 }
 
-pub(crate) fn turned_back(m: &[Triple; 3], v: &Triple) -> Triple {
+/// The transpose of `m` times `v`.
+pub fn turned_back(m: &[Triple; 3], v: &Triple) -> Triple {
     [0, 1, 2].map(|c| m[0][c] * v[0] + m[1][c] * v[1] + m[2][c] * v[2])
 }

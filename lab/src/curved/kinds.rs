@@ -1,23 +1,39 @@
 //! Shapes as the judge knows them: parameters, support heights and how far a point is outside.
 
 use super::wide::{Triple, Wide, dot, wide};
-use lab::rng::Rng;
+use crate::rng::Rng;
 use lin_canny::Shape;
 use lin_canny::nalgebra::{Point3, Vector3};
 
-/// The parameters of a core, and its rounding.
+/// The names that [`Kind::random`] knows; from the fourth on, curved.
+pub const KINDS: [&str; 7] = [
+    "segment",
+    "box",
+    "hull",
+    "ellipsoid",
+    "cylinder",
+    "cone",
+    "superquadric",
+];
+
+/// The parameters of a core.
 #[derive(Clone, Debug)]
-pub(crate) enum Kind {
+pub enum Kind {
+    /// Corners.
     Hull(Vec<[f64; 3]>),
+    /// Semi-axes.
     Ellipsoid([f64; 3]),
+    /// Half the height, radius; the axis is z.
     Cylinder(f64, f64),
+    /// Half the height, radius of the base; the apex is up z.
     Cone(f64, f64),
+    /// Semi-axes and both exponents.
     Superquadric([f64; 3], [f64; 2]),
 }
 
 impl Kind {
     /// One of a name, of a size about one and of an aspect up to `aspect`.
-    pub(crate) fn random(name: &str, rng: &mut Rng, aspect: f64) -> Self {
+    pub fn random(name: &str, rng: &mut Rng, aspect: f64) -> Self {
         let mut size = || rng.log_range(1.0 / aspect, 1.0);
         match name {
             "segment" => Self::Hull(vec![[0.0, 0.0, -size()], [0.0, 0.0, 1.0]]),
@@ -51,7 +67,8 @@ impl Kind {
         }
     }
 
-    pub(crate) fn shape(&self) -> Shape {
+    /// The shape of the crate.
+    pub fn shape(&self) -> Shape {
         match self {
             Self::Hull(points) if points.len() == 1 => {
                 Shape::from(lin_canny::ConvexPolyhedron::point(Point3::from(points[0])).expect("a point"))
@@ -70,17 +87,18 @@ impl Kind {
         }
     }
 
-    pub(crate) fn radius(&self) -> f64 {
+    /// Of a ball about the origin that contains the shape.
+    pub fn radius(&self) -> f64 {
         match self {
-            Self::Hull(points) => lab::pose::radius(points),
+            Self::Hull(points) => crate::pose::radius(points),
             Self::Ellipsoid(a) => a.iter().fold(0.0, |r, x| x.max(r)),
             Self::Cylinder(h, r) | Self::Cone(h, r) => h.hypot(*r),
-            Self::Superquadric(a, _) => lab::pose::norm(*a),
+            Self::Superquadric(a, _) => crate::pose::norm(*a),
         }
     }
 
     /// The greatest `n . x`.
-    pub(crate) fn height(&self, n: &Triple) -> Wide {
+    pub fn height(&self, n: &Triple) -> Wide {
         let of = Wide::from;
         let flat = (n[0] * n[0] + n[1] * n[1]).root();
         let rim = |r: f64| of(r) * flat;
@@ -104,7 +122,7 @@ impl Kind {
     }
 
     /// How far a point is outside, at most by rounding too little; of hulls not asked.
-    pub(crate) fn outside(&self, p: &Triple) -> f64 {
+    pub fn outside(&self, p: &Triple) -> f64 {
         let of = Wide::from;
         let flat = (p[0] * p[0] + p[1] * p[1]).root();
         let size = (dot(p, p)).root().0;
