@@ -287,7 +287,10 @@ fn surfaces_come_back() {
     .expect("a surface");
     let weights = [1.0, 0.3, 2.0, 0.7, 1.0, 0.9];
     let triangle = Patch::triangular(2, &points[..6], Some(&weights)).expect("a patch");
-    let both = Surface::new(vec![triangle.clone(), Patch::polynomial([2, 3], &points).expect("a patch")]);
+    let both = Surface::new(vec![
+        triangle.clone(),
+        Patch::polynomial([2, 3], &points).expect("a patch"),
+    ]);
     round_trip(&triangle);
     triangle.split(0).iter().for_each(|half| drop(round_trip(half)));
     let pose = RelativePose::from_isometry(&Isometry3::translation(0.3, 0.2, 4.0)).expect("a pose");
@@ -318,6 +321,11 @@ fn surfaces_come_back() {
         assert!(wrong("\"domains\":[", "\"domains\":[[[0.0,1.0],[0.0,1.0]],").is_err());
     }
     let bad = r#"{"degrees":[1,1],"net":[[0,0,0,1],[1,0,0,1],[0,1,0,-1],[1,1,0,1]],"is_triangular":false,"source":"Points","reach":2}"#;
-    let error = serde_json::from_str::<Patch>(bad).expect_err("a weight below zero").to_string();
-    assert!(error.contains(&PatchError::Weight { index: 2, value: -1.0 }.to_string()), "{error}");
+    let error = serde_json::from_str::<Patch>(bad)
+        .expect_err("a weight below zero")
+        .to_string();
+    assert!(
+        error.contains(&PatchError::Weight { index: 2, value: -1.0 }.to_string()),
+        "{error}"
+    );
 }

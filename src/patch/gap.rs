@@ -105,8 +105,12 @@ impl<B: Side> Trees<'_, B> {
     /// Returns whether a bowl proves a pair at least `target` apart.
     pub(super) fn is_about(&mut self, [x, y]: Pair, bowl: &Bowl, target: f64) -> bool {
         let (of_a, of_b) = (bowl.of_a(target), bowl.of_b(target, self.frame));
-        let Some(high_a) = self.a.above(x, &of_a) else { return false };
-        let Some(high_b) = self.b.above(y, &of_b) else { return false };
+        let Some(high_a) = self.a.above(x, &of_a) else {
+            return false;
+        };
+        let Some(high_b) = self.b.above(y, &of_b) else {
+            return false;
+        };
         self.counts.bowls += 1;
         -high_a - high_b - 4.0 * self.frame.error >= target
     }
@@ -151,11 +155,7 @@ impl<B: Side> Trees<'_, B> {
             let n = d / -sqrt(square);
             let (point, gap) = self.support(pair, &n);
             if gap > best.gap {
-                *best = Gap {
-                    n,
-                    gap,
-                    is_plane: true,
-                };
+                *best = Gap { n, gap, is_plane: true };
             }
             let is_known = simplex.contains(point.a, point.b);
             if best.gap >= target || is_known || !simplex.add(point, scale) || simplex.len() == 4 {

@@ -89,7 +89,10 @@ impl TryFrom<StoredPatch> for Patch {
         check_degrees(stored.degrees)?;
         check_net(&stored.net, (p + 1) * (q + 1))?;
         if stored.is_triangular && p != q {
-            return Err(PatchError::Degree { direction: 1, degree: q });
+            return Err(PatchError::Degree {
+                direction: 1,
+                degree: q,
+            });
         }
         let mut patch = Self::assembled(stored.degrees, stored.net);
         // The least that is right for the net; NaN fails the comparison.

@@ -115,7 +115,11 @@ impl<'a> SurfaceShapePair<'a> {
     /// Returns the pair with the shape as A and the surface as B.
     #[must_use]
     pub fn swapped(mut self) -> Self {
-        self.order = if self.order == Operand::A { Operand::B } else { Operand::A };
+        self.order = if self.order == Operand::A {
+            Operand::B
+        } else {
+            Operand::A
+        };
         self
     }
 
@@ -245,7 +249,9 @@ impl Separation for SurfaceShapePair<'_> {
 
     fn measure(&mut self, a_from_b: &RelativePose) -> Measure {
         let pose = self.pose(a_from_b);
-        let found = self.tracker.answer(self.surface, self.shape, &pose, Goal::Part(MEASURED));
+        let found = self
+            .tracker
+            .answer(self.surface, self.shape, &pose, Goal::Part(MEASURED));
         let seen = Measure::from(&found);
         if self.order == Operand::A {
             seen

@@ -225,7 +225,7 @@ fn apart(a: &Surface, b: &Shape, a_from_b: &RelativePose) -> SurfaceShapeOutcome
         is_reached: false,
         on_a: SurfacePoint::default(),
         point_on_a: a.patches()[0].point(0.0, 0.0),
-        point_on_b: b.support_point(&facing).1.into(),
+        point_on_b: (b.core_point(&facing).1 + facing * b.round()).into(),
         normal: Unit::new_unchecked(n),
         feature: Feature::Vertex(VertexId(0)),
     }

@@ -16,8 +16,8 @@ pub(super) trait Side {
     /// Returns the greatest height of the convex set.
     fn highest(&mut self, id: u32, n: &Vector3<f64>) -> f64;
 
-    /// Returns the number of a point of the convex set of about greatest height, the point, and an
-    /// upper bound of the height of the convex set.
+    /// Returns the number and the place of a point towards which the convex set is highest, for the
+    /// search of directions, and an upper bound of the height of the convex set.
     fn support(&mut self, id: u32, n: &Vector3<f64>) -> (u32, Vector3<f64>, f64);
 
     /// Returns a height below which no upper bound of the part can be, if the convex set reaches to

@@ -203,9 +203,8 @@ impl SurfaceTracker {
         let Some((lower, best)) = self.state.search(&mut trees, &mut points, goal) else {
             return apart(a, b, a_from_b);
         };
-        let shares = lower == 0.0
-            && best.distance <= frame.limit
-            && crosses(&points.pair(best.patches), &best, frame.limit);
+        let shares =
+            lower == 0.0 && best.distance <= frame.limit && crosses(&points.pair(best.patches), &best, frame.limit);
         Found {
             lower,
             upper: best.upper,

@@ -159,9 +159,9 @@ mod moving;
 mod narrow_phase;
 mod pair_table;
 mod pair_tracker;
-mod patch_tracker;
 #[cfg(feature = "parallel")]
 mod parallel;
+mod patch_tracker;
 mod report;
 mod search;
 #[cfg(feature = "serde")]

@@ -89,11 +89,11 @@ impl Shape {
         (height + self.round * (1.0 + BOX)) * length
     }
 
-    /// Returns a point of the shape of about the greatest height along a unit direction, and the
-    /// vertex of a polyhedron that is not rounded.
-    pub(crate) fn support_point(&self, n: &Vector3<f64>) -> (Option<u32>, Vector3<f64>) {
+    /// Returns a point of the core of about the greatest height along a unit direction, and the
+    /// vertex of a polyhedral core.
+    pub(crate) fn core_point(&self, n: &Vector3<f64>) -> (Option<u32>, Vector3<f64>) {
         let along = [n.x, n.y, n.z];
-        let (vertex, point) = match &self.core {
+        match &self.core {
             Core::Polyhedron(body) => {
                 let v = body.extreme_vertex(n);
                 let p = body.vertex(v).unwrap_or_else(Point3::origin);
@@ -103,9 +103,7 @@ impl Shape {
             Core::Cylinder(core) => (None, core.support(&along, 0).1.into()),
             Core::Cone(core) => (None, core.support(&along, 0).1.into()),
             Core::Superquadric(core) => (None, core.support(&along, 0).1.into()),
-        };
-        // The point of a rounded vertex moves with the direction.
-        (vertex.filter(|_| self.round == 0.0), point + n * self.round)
+        }
     }
 
     /// Returns the axis-aligned box of the shape at a pose, rounded outward: least and greatest

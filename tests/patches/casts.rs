@@ -4,9 +4,7 @@ use lab::rng::Rng;
 use lin_canny::impact::{Impact, Tolerance, cast, cast_within, free_until};
 use lin_canny::motion::{Motion, Steady};
 use lin_canny::nalgebra::{Isometry3, Vector3};
-use lin_canny::patch::{
-    Decision, Surface, SurfacePair, SurfaceShapePair, SurfaceShapeTracker, SurfaceTracker,
-};
+use lin_canny::patch::{Decision, Surface, SurfacePair, SurfaceShapePair, SurfaceShapeTracker, SurfaceTracker};
 use lin_canny::separation::Separation;
 use lin_canny::{RelativePose, Shape, Velocity};
 
@@ -23,7 +21,11 @@ fn at(a: &Steady, b: &Steady, time: f64) -> RelativePose {
 
 /// The first time at which two balls whose radii add up to `reach` meet.
 fn meeting(from: Vector3<f64>, velocity: Vector3<f64>, reach: f64) -> Option<f64> {
-    let (a, b, c) = (velocity.norm_squared(), from.dot(&velocity), from.norm_squared() - reach * reach);
+    let (a, b, c) = (
+        velocity.norm_squared(),
+        from.dot(&velocity),
+        from.norm_squared() - reach * reach,
+    );
     let root = b * b - a * c;
     (root > 0.0 && b < 0.0).then(|| c / (-b + root.sqrt()))
 }
@@ -34,7 +36,10 @@ fn judge(pair: &mut dyn Separation, throw: [&Steady; 2], truth: Option<f64>, kee
     let found = cast_within(pair, a, b, (0.0, 1.0), Tolerance::Distance(1e-6), keep).expect("a cast");
     match (found.impact, truth) {
         (Impact::Hit { safe, hit, .. }, Some(t)) => {
-            assert!(safe <= t + 1e-14 && t - 1e-14 <= hit && hit - safe < 1e-3, "{t} {found:?}");
+            assert!(
+                safe <= t + 1e-14 && t - 1e-14 <= hit && hit - safe < 1e-3,
+                "{t} {found:?}"
+            );
             assert!(hit - safe < 2e-5 || t > 0.0, "{found:?}");
             true
         }
@@ -59,7 +64,11 @@ fn spheres_meet_on_time() {
     for k in 0..40 {
         let from = Vector3::from(rng.unit()) * rng.range(1.6, 3.0);
         let velocity = Vector3::from(rng.unit()) * 3.0;
-        let velocity = if k % 4 > 0 { (velocity - from * 2.0) * 0.5 } else { velocity };
+        let velocity = if k % 4 > 0 {
+            (velocity - from * 2.0) * 0.5
+        } else {
+            velocity
+        };
         let spin = Vector3::from(rng.unit()) * rng.range(0.0, 4.0);
         let (a, b) = (
             moving(Vector3::zeros(), Vector3::zeros(), spin),
@@ -72,7 +81,12 @@ fn spheres_meet_on_time() {
         }
         let truth = truth.filter(|t| *t < 1.0);
         let is_hit = judge(&mut SurfaceShapePair::new(&shell, &ball), [&a, &b], truth, keep);
-        judge(&mut SurfaceShapePair::new(&shell, &ball).swapped(), [&b, &a], truth, keep);
+        judge(
+            &mut SurfaceShapePair::new(&shell, &ball).swapped(),
+            [&b, &a],
+            truth,
+            keep,
+        );
         if k % 4 == 1 {
             judge(&mut SurfacePair::new(&shell, &other), [&a, &b], truth, keep);
         }
@@ -102,7 +116,7 @@ fn hollows_are_no_matter() {
 #[test]
 fn patches_meet_shapes_never_late() {
     let mut rng = Rng::new(42);
-    let (mut hits, mut misses) = (0, 0);
+    let (mut hits, mut misses, mut open) = (0, 0, 0);
     for (k, shape) in kinds().iter().enumerate() {
         for _ in 0..3 {
             let surface = Surface::new(vec![bumpy(&mut rng, [3, 3], 0.6)]).expect("a surface");
@@ -128,6 +142,12 @@ fn patches_meet_shapes_never_late() {
                     misses += 1;
                     1.0
                 }
+                // Near contact a curved core may be too hard for narrow bounds: said so, and no more.
+                Impact::Near { safe, .. } | Impact::Unknown { safe } => {
+                    println!("{k}: {:?}", found.impact);
+                    open += 1;
+                    safe
+                }
                 other => panic!("{k}: {other:?}"),
             };
             for i in 0..=20 {
@@ -137,8 +157,8 @@ fn patches_meet_shapes_never_late() {
             }
         }
     }
-    println!("{hits} hits, {misses} misses");
-    assert!(hits >= 10 && misses >= 3, "{hits} {misses}");
+    println!("{hits} hits, {misses} misses, {open} open");
+    assert!(hits >= 10 && misses >= 3 && open <= 3, "{hits} {misses} {open}");
 }
 
 /// Two patches: the cast agrees with a march in small steps.

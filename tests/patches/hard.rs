@@ -36,8 +36,14 @@ fn saddles_in_each_other() {
 /// A saddle over a flatter one, and a dish in a wider dish: no plane stands between, and narrow intervals are no dearer.
 #[test]
 fn hollows_and_saddles_cost_no_more_when_narrow() {
-    let saddle = [one([2, 2], &square(|x, y| x * x - y * y)), one([2, 2], &square(|x, y| 1.6 * x * x - 0.4 * y * y - 0.6))];
-    let dish = [one([2, 2], &square(|x, y| 0.5 * x * x + 0.3 * y * y)), one([2, 2], &square(|x, y| x * x + 0.9 * y * y - 0.55))];
+    let saddle = [
+        one([2, 2], &square(|x, y| x * x - y * y)),
+        one([2, 2], &square(|x, y| 1.6 * x * x - 0.4 * y * y - 0.6)),
+    ];
+    let dish = [
+        one([2, 2], &square(|x, y| 0.5 * x * x + 0.3 * y * y)),
+        one([2, 2], &square(|x, y| x * x + 0.9 * y * y - 0.55)),
+    ];
     let cubic = [one([3, 3], &cubic(0.3, 0.0)), one([3, 3], &cubic(0.8, -0.15))];
     let mut worst = 0.0_f64;
     for (k, [a, b]) in [saddle, dish, cubic].iter().enumerate() {
@@ -51,7 +57,6 @@ fn hollows_and_saddles_cost_no_more_when_narrow() {
                 judge(a, b, &at, &o, 1e-13);
                 assert!(o.is_reached || o.lower == 0.0, "{k} {gap}: {o:?}");
                 splits.push(tracker.work().splits);
-                println!("{width:e} {:?} {:e} {:?} {:?}", tracker.work(), o.upper - o.lower, o.on_a, o.on_b);
                 // Warm, and the other way round.
                 let again = tracker.closest(a, b, &pose(&at), width);
                 let back = SurfaceTracker::new().closest(b, a, &pose(&at).swapped(), width);

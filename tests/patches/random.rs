@@ -121,7 +121,13 @@ fn cost() {
         for (k, (name, times)) in [("cold", &mut cold), ("warm", &mut warm)].into_iter().enumerate() {
             times.sort_unstable();
             let at = |p: usize| times[(times.len() - 1) * p / 100];
-            println!("{width:e} {name}: median {} p90 {} max {} ns; sums {:?}", at(50), at(90), at(100), works[k]);
+            println!(
+                "{width:e} {name}: median {} p90 {} max {} ns; sums {:?}",
+                at(50),
+                at(90),
+                at(100),
+                works[k]
+            );
         }
     }
 }
