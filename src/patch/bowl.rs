@@ -106,7 +106,7 @@ impl Bowl {
         };
         let length = sqrt(form.norm_squared()) * ROUND_UP;
         let is_of_use = length > 0.0 && length * frame.size < f64::INFINITY;
-        is_of_use.then(|| Self {
+        is_of_use.then_some(Self {
             n: *n,
             e,
             at: a.point,

@@ -206,10 +206,11 @@ fn held<S: Separation>(
 ) -> Free {
     let left = seen.upper - flight.keep;
     let mut bound = seen.lower;
-    if left > 0.0 && bound - flight.keep < (1.0 - NARROWER) * left {
-        if let Ok(pose) = RelativePose::new(&flight.pose_a, &flight.pose_b) {
-            bound = bound.max(lower(pair, &pose, MEASURED * left));
-        }
+    if left > 0.0
+        && bound - flight.keep < (1.0 - NARROWER) * left
+        && let Ok(pose) = RelativePose::new(&flight.pose_a, &flight.pose_b)
+    {
+        bound = bound.max(lower(pair, &pose, MEASURED * left));
     }
     let way = bound - flight.keep - flight.apart(pair).noise;
     Free {

@@ -152,10 +152,8 @@ impl<'a> Feet<'a> {
         let round = self.roundness(now)?;
         let [uu, uv, vv] = [now.jet.uu, now.jet.uv, now.jet.vv].map(|x| -n.dot(&x));
         let bent = matrix([round[0] + uu, round[1] + uv, round[2] + vv]);
-        if let Some(step) = solve(&bent, &right, &held) {
-            if let Some(next) = self.tried(patch, now, &step) {
-                return Some(next);
-            }
+        if let Some(next) = solve(&bent, &right, &held).and_then(|s| self.tried(patch, now, &s)) {
+            return Some(next);
         }
         let square = [j[0].norm_squared(), j[1].norm_squared()];
         let mut damping = 1.0 / self.frame.size;

@@ -14,6 +14,7 @@ pub(crate) struct PatchTracker {
 }
 
 #[derive(Clone, Debug)]
+#[allow(clippy::large_enum_variant, reason = "the tracker about it is in a box")]
 enum Kind {
     Surfaces(SurfaceTracker),
     /// A surface and a convex shape, in either order.
