@@ -3,7 +3,8 @@
 //!
 //! Reading order: [`net`](Patch) (one patch), `bezier` (de Casteljau), `nurbs` ([`Nurbs`], taken
 //! apart), `surface` ([`Surface`]), `revolution`, `tree` (control nets by halves), `height` (how
-//! far a node reaches along a direction), `frame` (a pair at a pose), `gap` (two nodes apart),
+//! far a node reaches along a direction), `bowl` (where no plane stands between), `frame` (a pair at
+//! a pose), `gap` (two nodes apart),
 //! `closest` (two points, by Newton's method), `crossing` (a proof that surfaces meet), `front`,
 //! `search` and `state` (the proof of an answer), `tracker` ([`SurfaceTracker`], the queries);
 //! `side` (what the proof asks of a body), `solid` (a convex shape as such a body), `shape_tracker`
@@ -25,7 +26,8 @@
 //!
 //! 1. The answer is an interval of a width asked for, down to `2^-42` of the size, with every
 //!    rounding counted.
-//! 2. Nodes are closed by second derivatives, so the cost of a narrow interval does not grow with
+//! 2. Where no plane stands between (nested saddles, hollows), a quadratic surface does (`bowl`).
+//! 3. Nodes are closed by second derivatives, so the cost of a narrow interval does not grow with
 //!    its narrowness where one surface curves away from the plane between.
 //!
 //! # Which pair
@@ -41,9 +43,10 @@
 //!
 //! Trimmed surfaces; insides of closed surfaces, so a body within a closed surface has a positive
 //! distance; depths and contact manifolds; looks over time along directions, so that a surface that
-//! slides along another is looked at often; a cap where both surfaces are
-//! saddles or one lies in the hollow of the other: there the number of splits grows with the
-//! logarithm of the width; no exact arithmetic decides touching surfaces.
+//! slides along another is looked at often; a bowl for patches of a degree above three and for
+//! shapes in hollows of a surface: there the number of splits grows with the logarithm of the
+//! width, and a look near contact may end as undecided; scenes with composites and meshes; no
+//! exact arithmetic decides touching surfaces.
 
 mod bezier;
 mod bowl;

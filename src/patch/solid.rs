@@ -51,8 +51,8 @@ impl Side for Solid<'_> {
     }
 
     /// The point is one of the core: a radius moves no direction between closest points, and the
-    /// minimum-norm solver ends after few steps on a polyhedral core. Points of curved cores are all
-    /// different, so each has a number of its own.
+    /// minimum-norm solver ends after few steps on a polyhedral core. Points of curved cores are
+    /// all different, so each has a number of its own.
     fn support(&mut self, id: u32, n: &Vector3<f64>) -> (u32, Vector3<f64>, f64) {
         self.next += 1;
         let (vertex, point) = self.shape.core_point(n);

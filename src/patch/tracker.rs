@@ -21,8 +21,8 @@ use crate::tuning::patch::KEPT;
 ///
 /// Owns no surface. State changes time, never which distances an answer allows: bounds are proven
 /// anew at every pose. A tracker that comes from another pair, or is out of date, is allowed. Not
-/// saved to files: nodes are made again by one query, and the size of a front by far exceeds that of
-/// the surfaces. A query allocates where it splits nodes.
+/// saved to files: nodes are made again by one query, and a front is much larger than its surfaces.
+/// A query allocates where it splits nodes.
 ///
 /// ```
 /// use lin_canny::RelativePose;

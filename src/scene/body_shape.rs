@@ -27,8 +27,8 @@ use crate::tolerance::BOX_TURNED;
 /// | mesh with mesh, composite or polyhedron | [`MeshTracker`] | `depth`, `manifold` |
 /// | composite or mesh with rounded or curved shape | none | all but `boxes` |
 /// | mesh with point or segment | none | all but `boxes` |
-/// | surface with surface | [`SurfaceTracker`](crate::patch::SurfaceTracker) | `depth`, `manifold` |
-/// | surface with convex shape | [`SurfaceShapeTracker`](crate::patch::SurfaceShapeTracker) | `depth`, `manifold` |
+/// | surface with surface | [`SurfaceTracker`] | `depth`, `manifold` |
+/// | surface with convex shape | [`SurfaceShapeTracker`] | `depth`, `manifold` |
 /// | surface with composite or mesh | none | all but `boxes` |
 ///
 /// A call that would make a pair with an effect that the pair cannot answer is refused with
@@ -41,6 +41,8 @@ use crate::tolerance::BOX_TURNED;
 /// inside: a body within a closed one does not overlap it. A mesh that is meant as its triangles
 /// alone stands against surfaces as [`Surface::from_mesh`].
 ///
+/// [`SurfaceTracker`]: crate::patch::SurfaceTracker
+/// [`SurfaceShapeTracker`]: crate::patch::SurfaceShapeTracker
 /// [`CompositeTracker`]: crate::CompositeTracker
 /// [`MeshTracker`]: crate::MeshTracker
 ///

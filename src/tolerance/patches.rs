@@ -43,8 +43,8 @@ pub(crate) const SURFACE_POINT: f64 = PATCH_POINT + if RAISED > KNOTS { RAISED }
 
 /// Error of the distance of a point from a convex shape, in units of the largest distance of the
 /// shape's points from its origin, beside the shape's own bounds and
-/// [`CERTIFICATE`](super::CERTIFICATE): the relative rotation as a product of two quaternions, eight
-/// roundings, normalised with eight more, twice as many for the turned vector, and room.
+/// [`CERTIFICATE`](super::CERTIFICATE): the relative rotation as a product of two quaternions,
+/// eight roundings, normalised with eight more, twice as many for the turned vector, and room.
 pub(crate) const SHAPE_POINT: f64 = 64.0 * UNIT;
 
 /// Corners of two borders closer than this times the size of the surface are the same corner: both
