@@ -98,6 +98,43 @@
 //!
 #![doc = include_str!("../images/casts.svg")]
 //!
+//! # Beside other engines
+//!
+//! Fourteen engines on one workload in one run: two world poses in, distance and witnesses out,
+//! 2,000 frames replayed, pairs of hulls of n random points on a sphere; nanoseconds a query on an
+//! AMD EPYC (Zen 4), 2026-11-20. Licences forbid to ship V-Clip and PhysX, so this repository
+//! cannot reproduce their columns. This crate returns proven bounds; PhysX works in `f32` and takes
+//! at most 255 vertices.
+//!
+//! | motion a frame | n | this crate | V-Clip 1.0 | SWIFT 1 | PhysX 5.6 | openGJK | MuJoCo 4 |
+//! |---|---:|---:|---:|---:|---:|---:|---:|
+//! | 0.5 degrees | 8 | 71 | 61 | 91 | 97 | 257 | 726 |
+//! | | 32 | 74 | 68 | 97 | 143 | 672 | 1049 |
+//! | | 512 | 90 | 84 | 113 | | 8700 | 1518 |
+//! | | 2048 | 119 | 119 | 136 | | 38486 | 1728 |
+//! | 5 degrees | 8 | 90 | 74 | 102 | 127 | 308 | 757 |
+//! | | 32 | 112 | 90 | 116 | 262 | 726 | 1233 |
+//! | | 512 | 313 | 342 | 260 | | 8755 | 1605 |
+//! | | 2048 | 383 | 1078 | 796 | | 38150 | 1829 |
+//! | 25 degrees | 8 | 157 | 110 | 135 | 227 | 319 | 759 |
+//! | | 32 | 335 | 339 | 309 | 666 | 732 | 1274 |
+//! | | 512 | 365 | 1258 | 986 | | 8744 | 1606 |
+//! | random pose | 8 | 272 | 315 | 302 | 307 | 273 | 668 |
+//! | | 32 | 273 | 712 | 595 | 663 | 654 | 1074 |
+//! | | 512 | 339 | 2718 | 1815 | | 7918 | 1307 |
+//! | 256 pairs in turn | 8 | 180 | 219 | | 109 | | |
+//! | | 32 | 194 | 281 | | 150 | | |
+//! | | 128 | 184 | 378 | | 254 | | |
+//! | depth, shallow | 8 | 306 | | | 277 | | 849 |
+//! | | 32 | 418 | | | 531 | | 1484 |
+//! | | 512 | 1629 | | | | | 3420 |
+//!
+//! V-Clip wins on small bodies: replayed frames train the branch predictor, which favours its many
+//! small steps, and V-Clip is given rotation matrices, this crate quaternions. With frames that do
+//! not repeat, this crate takes 0.98 of V-Clip's time at n = 8 and 0.5 degrees, 0.97 at 25 degrees.
+//! PhysX wins where each pair is met once in 256 queries, and on depths of eight vertices; one depth
+//! of PhysX in eighteen is wrong by more than `1e-4` of the depth.
+//!
 //! # Cases this crate loses
 //!
 //! * Exact distances: parry's f64 answer for bodies of eight vertices is right to `1e-15 L` and

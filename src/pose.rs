@@ -37,6 +37,23 @@ pub enum PoseError {
     },
 }
 
+/// Parts of a pose that can be refused: three coordinates and the rotation.
+const PARTS: usize = 4;
+
+impl PoseError {
+    /// Returns the error of a part: those of A first, then those of B.
+    fn of(which: usize, value: f64) -> Self {
+        let body = if which < PARTS { Operand::A } else { Operand::B };
+        match which % PARTS {
+            axis @ 0..=2 => Self::Translation { body, axis, value },
+            _ => Self::Rotation {
+                body,
+                norm_squared: value,
+            },
+        }
+    }
+}
+
 /// The first or the second body of a query.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -132,22 +149,17 @@ impl PoseBits {
         self.t.spare()
     }
 
-    fn check(&self, body: Operand) -> Result<(), PoseError> {
+    /// Returns the part that is no part of a rigid motion, and the value: the axis of the
+    /// translation, or 3 and the squared norm of the rotation.
+    fn refused(&self) -> Option<(usize, f64)> {
         let t = self.t();
         if let Some(axis) = (0..3).find(|&k| !t[k].is_finite()) {
-            return Err(PoseError::Translation {
-                body,
-                axis,
-                value: t[axis],
-            });
+            return Some((axis, t[axis]));
         }
         let norm_squared = self.norm_squared();
         // NaN fails the comparison and is refused.
-        if (norm_squared - 1.0).abs() <= POSE_UNIT {
-            Ok(())
-        } else {
-            Err(PoseError::Rotation { body, norm_squared })
-        }
+        let unit = (norm_squared - 1.0).abs() <= POSE_UNIT;
+        (!unit).then_some((PARTS - 1, norm_squared))
     }
 
     pub(crate) fn isometry(&self) -> Isometry3<f64> {
@@ -189,8 +201,10 @@ impl RelativePose {
         if near && unit(&a) && unit(&b) {
             Ok(Self { a, b })
         } else {
-            // Starts again from the arguments: a pose whose address is taken would be copied whole.
-            Err(refusal(pose_a, pose_b))
+            // Starts again from the arguments, and returns two registers: a pose whose address is
+            // taken, or a result that a cold path writes to, would be copied whole in every query.
+            let (which, value) = refusal(pose_a, pose_b);
+            Err(PoseError::of(which, value))
         }
     }
 
@@ -278,22 +292,23 @@ impl RelativePose {
     }
 }
 
-/// Returns the error of two poses; at least one of the two, or their offset, must be invalid.
+/// Returns the part of two poses that is refused, as [`PoseError::of`] reads it, and the value; at
+/// least one of the two, or their offset, must be invalid.
 #[cold]
-fn refusal(pose_a: &Isometry3<f64>, pose_b: &Isometry3<f64>) -> PoseError {
+#[inline(never)]
+fn refusal(pose_a: &Isometry3<f64>, pose_b: &Isometry3<f64>) -> (usize, f64) {
     let (a, b) = (PoseBits::new(pose_a), PoseBits::new(pose_b));
-    if let Err(e) = a.check(Operand::A).and(b.check(Operand::B)) {
-        return e;
+    if let Some((part, value)) = a.refused() {
+        return (part, value);
+    }
+    if let Some((part, value)) = b.refused() {
+        return (PARTS + part, value);
     }
     let offset = offset(&a, &b).vector();
     // If the sum of three absolute coordinates is too large, the largest is at least a third of the
     // sum.
     let axis = offset.iamax();
-    PoseError::Translation {
-        body: Operand::B,
-        axis,
-        value: offset[axis],
-    }
+    (PARTS + axis, offset[axis])
 }
 
 /// Returns `t_b - t_a`: world offsets cancel here.

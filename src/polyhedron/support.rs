@@ -22,7 +22,7 @@ use crate::polyhedron::highest;
 use crate::polyhedron::topology::Topology;
 use crate::polyhedron::{ConvexPolyhedron, VertexId};
 use crate::tolerance::EDGE_SIGN;
-use crate::tuning::polyhedron::{FLATTEST, LEAP};
+use crate::tuning::polyhedron::{FLATTEST, LEAP, SCAN};
 
 /// Climbs from `start` to a vertex with no adjacent vertex certainly higher along `n`.
 #[inline]
@@ -110,7 +110,24 @@ impl ConvexPolyhedron {
     /// Returns the support vertex along `n` up to rounding, without a hint.
     #[inline]
     pub(crate) fn support_cold(&self, n: &Vector3<f64>) -> VertexId {
-        self.support_climb(n, self.lookup.cell(n))
+        if self.points.len() <= SCAN {
+            self.highest_of_few(n)
+        } else {
+            self.support_climb(n, self.lookup.cell(n))
+        }
+    }
+
+    /// Returns the support vertex along `n` up to rounding, by a scan.
+    #[inline]
+    fn highest_of_few(&self, n: &Vector3<f64>) -> VertexId {
+        let (mut best, mut highest) = (VertexId(0), f64::NEG_INFINITY);
+        for (vertex, p) in self.vertices().zip(&self.points) {
+            let height = n.dot(p);
+            if height > highest {
+                (best, highest) = (vertex, height);
+            }
+        }
+        best
     }
 
     /// Returns a start for a climb along `n`: the higher of `hint` and the vertex of the cube map.

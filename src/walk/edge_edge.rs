@@ -46,7 +46,8 @@ pub(crate) fn test<const CERTIFY: bool>(posed: &PosedPair, a: EdgeId, b: EdgeId,
     let (uu, ww) = (u.norm_squared(), w.norm_squared());
     let mut n = u.cross(w);
     let mut nn = n.norm_squared();
-    if nn < NEARLY_PARALLEL * uu * ww {
+    let nearly_parallel = nn < NEARLY_PARALLEL * uu * ww;
+    if nearly_parallel {
         n = n - u * (n.dot(u) / uu);
         nn = n.norm_squared();
         if nn <= PARALLEL * uu * ww {
@@ -58,7 +59,11 @@ pub(crate) fn test<const CERTIFY: bool>(posed: &PosedPair, a: EdgeId, b: EdgeId,
     if s < 0.0 || t < 0.0 || s > 1.0 || t > 1.0 {
         let off = |s: f64, squared: f64| (s - s.clamp(0.0, 1.0)).abs() * sqrt(squared) > DIFFERENCE * posed.size();
         if off(s, uu) || off(t, ww) {
-            return closest_with_endpoint(posed, a, b, draft);
+            if nearly_parallel {
+                return closest_with_endpoint(posed, a, b, draft);
+            }
+            let products = (u.dot(w), r.dot(u), r.dot(w));
+            return move_to_endpoint((&ea, a), (&eb, b), closest_feet((s, t), products, (uu, ww)), draft);
         }
     }
     let along = r.dot(n);
@@ -186,7 +191,42 @@ fn descending_half_edge(
     )
 }
 
-/// Moves to the closest points of the two segments with at least one endpoint among them: each
+/// Returns the positions of the closest points of two segments whose lines are closest at `s` and
+/// `t`, at least one of them off its segment: each position is cut to the segment, and is then the
+/// best for the other. `products` are `u . w`, `r . u` and `r . w`.
+#[inline(always)]
+fn closest_feet((s, t): (f64, f64), (uw, ru, rw): (f64, f64, f64), (uu, ww): (f64, f64)) -> (f64, f64) {
+    let cut = s.clamp(0.0, 1.0);
+    let t = if cut == s { t } else { (cut * uw - rw) / ww };
+    if (0.0..=1.0).contains(&t) {
+        return (cut, t);
+    }
+    let t = t.clamp(0.0, 1.0);
+    (((t * uw + ru) / uu).clamp(0.0, 1.0), t)
+}
+
+/// Moves to two closest points of the edges, at least one of them an endpoint.
+#[inline(always)]
+fn move_to_endpoint((ea, a): (&Edge, EdgeId), (eb, b): (&Edge, EdgeId), (s, t): (f64, f64), draft: &mut Draft) -> Step {
+    let end = |e: &Edge, x: f64| {
+        if x == 0.0 {
+            Some(e.tail)
+        } else if x == 1.0 {
+            Some(e.head)
+        } else {
+            None
+        }
+    };
+    draft.move_to(match (end(ea, s), end(eb, t)) {
+        (Some(v), Some(w)) => FeaturePair::vertices(Operand::A, v, w),
+        (Some(v), None) => FeaturePair::vertex_edge(Operand::A, v, b),
+        (None, Some(v)) => FeaturePair::vertex_edge(Operand::B, v, a),
+        // A position is NaN: the tails stand in.
+        (None, None) => FeaturePair::vertices(Operand::A, ea.tail, eb.tail),
+    })
+}
+
+/// Moves to the closest points of two parallel segments with at least one endpoint among them: each
 /// endpoint is projected on the opposite segment, and the best of the four pairs is taken.
 #[cold]
 fn closest_with_endpoint(posed: &PosedPair, a: EdgeId, b: EdgeId, draft: &mut Draft) -> Step {
@@ -205,20 +245,5 @@ fn closest_with_endpoint(posed: &PosedPair, a: EdgeId, b: EdgeId, draft: &mut Dr
             best = *c;
         }
     }
-    let end = |e: &Edge, x: f64| {
-        if x == 0.0 {
-            Some(e.tail)
-        } else if x == 1.0 {
-            Some(e.head)
-        } else {
-            None
-        }
-    };
-    draft.move_to(match (end(&ea, best.0), end(&eb, best.1)) {
-        (Some(v), Some(w)) => FeaturePair::vertices(Operand::A, v, w),
-        (Some(v), None) => FeaturePair::vertex_edge(Operand::A, v, b),
-        (None, Some(v)) => FeaturePair::vertex_edge(Operand::B, v, a),
-        // A projection is NaN: the tails stand in.
-        (None, None) => FeaturePair::vertices(Operand::A, ea.tail, eb.tail),
-    })
+    move_to_endpoint((&ea, a), (&eb, b), best, draft)
 }
