@@ -3,8 +3,8 @@
 //!
 //! Reading order: [`net`](Patch) (one patch), `bezier` (de Casteljau), `nurbs` ([`Nurbs`], taken
 //! apart), `surface` ([`Surface`]), `revolution`, `tree` (control nets by halves), `height` (how
-//! far a node reaches along a direction), `bowl` (where no plane stands between), `frame` (a pair at
-//! a pose), `gap` (two nodes apart),
+//! far a node reaches along a direction), `bowl` (where no plane stands between), `frame` (a pair
+//! at a pose), `gap` (two nodes apart),
 //! `closest` (two points, by Newton's method), `crossing` (a proof that surfaces meet), `front`,
 //! `search` and `state` (the proof of an answer), `tracker` ([`SurfaceTracker`], the queries);
 //! `side` (what the proof asks of a body), `solid` (a convex shape as such a body), `shape_tracker`
