@@ -59,7 +59,7 @@
 //! | When must a pair be measured again? | [`schedule::Schedule`] | due pairs, by integer ticks |
 //! | Meshes that are not convex? | [`MeshTracker`] on [`Mesh`]es | the same questions, [`MeshOutcome`]; inside a solid is an overlap |
 //! | Bodies of several convex pieces, or a convex body and a mesh? | [`CompositeTracker`] on [`Composite`]s and [`Mesh`]es | [`CompositeOutcome`] |
-//! | Which points hold meshes and bodies of pieces apart? | [`PatchTracker`] on [`ContactPatches`] | [`PatchContacts`]: points by direction, with names that last |
+//! | Which points hold meshes and bodies of pieces apart? | [`ContactTracker`] on [`ContactPatches`] | [`PatchContacts`]: points by direction, with names that last |
 //! | Many moving bodies? | [`scene::Scene`] | events and answers for the effects called for; [`closest_pair`](scene::Scene::closest_pair) |
 //! | Is a motion of a robot free over its whole length; is there a path? | [`plan::Checker`] | [`plan::Verdict`], proven; [`plan::Plan`] |
 //! | Only the pairs of boxes? | [`broad::PencilSweep`] | pairs, events, stable ids |
@@ -123,7 +123,7 @@
 //!   be flat to the last bit, as the faces of hulls are, and at most four million pairs of edges
 //!   are examined, 65,536 of them exactly. Otherwise the bounds stay open and are returned as they
 //!   are.
-//! * Contacts of meshes and bodies of pieces ([`PatchTracker`]) are those of shallow overlap. Their
+//! * Contacts of meshes and bodies of pieces ([`ContactTracker`]) are those of shallow overlap. Their
 //!   depth is an interval ([`MeshTracker::penetration`]) that may stay wide.
 //! * Curved shapes ([`shape`]) have the same bounds. Class and predicates are exact for polyhedra,
 //!   rounded or not; for other shapes within `3e-14 L` of contact they are undecided, and
@@ -322,7 +322,7 @@ mod tuning;
 mod walk;
 
 pub use composite::audit::FrontFault;
-pub use composite::contact::{ContactPatches, PatchContact, PatchContacts, PatchTracker};
+pub use composite::contact::{ContactPatches, ContactTracker, PatchContact, PatchContacts};
 pub use composite::mesh::{HullFit, Mesh, MeshError, MeshInspection, MeshKind, MeshPart, MeshReport};
 pub use composite::outcome::{MeshFeature, MeshOutcome, MeshSpot};
 pub use composite::parts::{Parts, PartsRef};

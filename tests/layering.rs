@@ -299,6 +299,10 @@ const MAY_USE: &[(&str, &[&str])] = &[
         &[
             "patch",
             "composite",
+            "separation",
+            "shape",
+            "shape_tracker",
+            "motion",
             "minimum",
             "pair",
             "polyhedron",
@@ -321,6 +325,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
         &[
             "scene",
             "composite",
+            "patch",
             "impact",
             "schedule",
             "separation",

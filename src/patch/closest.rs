@@ -7,9 +7,12 @@
 
 use nalgebra::Vector3;
 
+use super::bowl::Bowl;
 use super::frame::Frame;
 use super::net::{Patch, SurfaceJet};
+use super::surface::SurfacePoint;
 use crate::num::scalar::sqrt;
+use crate::polyhedron::{FaceId, Feature};
 use crate::tolerance::{AGREE, PARALLEL, UNIT};
 use crate::tuning::patch::NEWTON;
 
@@ -28,17 +31,32 @@ pub(super) struct Meeting {
     pub(super) w: Vector3<f64>,
     /// Derivatives by the four parameters of the point of A, and of B in A's frame.
     pub(super) tangents: [Vector3<f64>; 4],
+    /// The distance of the points.
+    pub(super) distance: f64,
+    /// Upper bound of the distance of the bodies.
+    pub(super) upper: f64,
+    /// A unit direction from A to B.
+    pub(super) normal: Option<Vector3<f64>>,
+    /// The feature of B; of a surface, the patch.
+    pub(super) feature: Feature,
+    /// A curved surface between both.
+    pub(super) bowl: Option<Bowl>,
 }
 
 impl Meeting {
-    pub(super) fn distance(&self) -> f64 {
-        sqrt(self.w.norm_squared())
+    /// Returns the point of A (0) or of B (1) by its parameters.
+    pub(super) fn place(&self, k: usize) -> SurfacePoint {
+        SurfacePoint {
+            patch: self.patches[k],
+            u: self.at[2 * k],
+            v: self.at[2 * k + 1],
+        }
     }
 
     /// Returns a unit direction from A to B: along w, or, where w is short beside `size`, along the
     /// normal of A or B that is nearly parallel to it and knows the direction better.
-    pub(super) fn normal(&self, size: f64, toward: &Vector3<f64>) -> Option<Vector3<f64>> {
-        let d = self.distance();
+    fn direction(&self, size: f64, toward: &Vector3<f64>) -> Option<Vector3<f64>> {
+        let d = self.distance;
         if d > size / 65_536.0 {
             return Some(self.w / d);
         }
@@ -57,6 +75,46 @@ impl Meeting {
             }
         }
         (d > 0.0).then(|| self.w / d)
+    }
+}
+
+/// Close points of a pair, one on each body.
+pub(super) trait Meets {
+    /// Returns two close points from a start, with the number of steps; `None` if the pair cannot
+    /// be measured there.
+    fn descend(&mut self, patches: [u32; 2], start: [f64; 4]) -> Option<(Meeting, u64)>;
+
+    /// Returns whether the points at some parameters are less than `most` apart: no bound.
+    fn is_closer(&mut self, patches: [u32; 2], at: [f64; 4], most: f64) -> bool;
+}
+
+/// All patches of two surfaces at a pose.
+pub(super) struct Patches<'a> {
+    pub(super) a: &'a [Patch],
+    pub(super) b: &'a [Patch],
+    pub(super) frame: &'a Frame,
+}
+
+impl<'a> Patches<'a> {
+    /// Returns the pair of two patches.
+    pub(super) fn pair(&self, [p, q]: [u32; 2]) -> Pair<'a> {
+        Pair {
+            a: &self.a[p as usize],
+            b: &self.b[q as usize],
+            frame: self.frame,
+        }
+    }
+}
+
+impl Meets for Patches<'_> {
+    fn descend(&mut self, patches: [u32; 2], start: [f64; 4]) -> Option<(Meeting, u64)> {
+        Some(self.pair(patches).descend(patches, start))
+    }
+
+    fn is_closer(&mut self, patches: [u32; 2], [u, v, s, t]: [f64; 4], most: f64) -> bool {
+        let Pair { a, b, frame } = self.pair(patches);
+        let (p, q) = (a.point(u, v), b.point(s, t));
+        (frame.place(&q.coords) - p.coords).norm_squared() < most * most
     }
 }
 
@@ -79,7 +137,7 @@ pub(super) struct Pair<'a> {
     pub(super) frame: &'a Frame,
 }
 
-type Row = [f64; 4];
+pub(super) type Row = [f64; 4];
 
 impl Pair<'_> {
     /// Returns two close points from a start, with the number of steps.
@@ -99,7 +157,7 @@ impl Pair<'_> {
                 break;
             }
         }
-        (now.meeting(patches), steps as u64)
+        (now.meeting(patches, self.frame), steps as u64)
     }
 
     fn state(&self, at: Row) -> State {
@@ -184,21 +242,33 @@ impl State {
         (gradient, gauss, bent)
     }
 
-    fn meeting(&self, patches: [u32; 2]) -> Meeting {
-        Meeting {
+    fn meeting(&self, patches: [u32; 2], frame: &Frame) -> Meeting {
+        let distance = sqrt(self.square);
+        let mut meeting = Meeting {
             patches,
             at: self.at,
             on_a: self.a.point,
             on_b: self.on_b,
             w: self.w,
             tangents: [self.a.u, self.a.v, self.b.u, self.b.v],
-        }
+            distance,
+            upper: distance + frame.error + frame.points,
+            normal: None,
+            feature: Feature::Face(FaceId(patches[1])),
+            bowl: None,
+        };
+        meeting.normal = meeting.direction(frame.size, &frame.translation);
+        let borders = self.at.map(|t| t <= 0.0 || t >= 1.0);
+        meeting.bowl = meeting
+            .normal
+            .and_then(|n| Bowl::between([&self.a, &self.b], &n, distance, borders, frame));
+        meeting
     }
 }
 
 /// Solves a symmetric system in the parameters that are not held; `None` if it is not positive
 /// definite.
-fn solve(matrix: &[Row; 4], right: &Row, held: &[bool; 4]) -> Option<Row> {
+pub(super) fn solve(matrix: &[Row; 4], right: &Row, held: &[bool; 4]) -> Option<Row> {
     let (mut m, mut x) = (*matrix, *right);
     for k in (0..4).filter(|&k| held[k]) {
         for i in 0..4 {

@@ -34,7 +34,7 @@ pub(super) fn crosses(pair: &Pair, meeting: &Meeting, upper: f64) -> bool {
         } else {
             pair.descend(meeting.patches, at).0
         };
-        moved.distance() <= upper && (0..4).any(|fixed| shares(pair, &moved, fixed))
+        moved.distance <= upper && (0..4).any(|fixed| shares(pair, &moved, fixed))
     })
 }
 

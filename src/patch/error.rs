@@ -73,6 +73,12 @@ pub enum PatchError {
         /// Number of trimming curves.
         curves: usize,
     },
+    /// The reach of a patch read from a file is not finite, or less than that of its points.
+    #[error("the reach of a patch is {value}: not finite, or less than that of its points")]
+    Reach {
+        /// The value.
+        value: f64,
+    },
     /// A surface without a patch.
     #[error("a surface needs at least one patch")]
     Empty,

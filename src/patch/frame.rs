@@ -1,11 +1,10 @@
-//! Two surfaces at a relative pose.
+//! Two bodies at a relative pose.
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::surface::Surface;
 use crate::num::scalar::sqrt;
 use crate::pose::RelativePose;
-use crate::tolerance::{CERTIFICATE, FAR, KNOTS, NEAR, PATCH_LIMIT, PATCH_POINT, RAISED, UNIT};
+use crate::tolerance::{CERTIFICATE, FAR, NEAR, PATCH_LIMIT, UNIT};
 
 /// `a_from_b` with the errors of points placed by it.
 pub(super) struct Frame {
@@ -22,18 +21,19 @@ pub(super) struct Frame {
 }
 
 impl Frame {
-    /// `None` if the surfaces are so far apart, or so small, that squares of lengths leave the
-    /// range of f64.
-    pub(super) fn new(a: &Surface, b: &Surface, pose: &RelativePose) -> Option<Self> {
+    /// Returns the frame of bodies with points so far from their origins, whose points err by
+    /// `points`. `None` if the bodies are so far apart, or so small, that squares of lengths leave
+    /// the range of f64.
+    pub(super) fn new(reach: [f64; 2], points: f64, pose: &RelativePose) -> Option<Self> {
         let translation = pose.translation();
-        let size = a.reach + b.reach + sqrt(translation.norm_squared());
+        let size = reach[0] + reach[1] + sqrt(translation.norm_squared());
         // Written so that NaN goes the safe way.
         (size > NEAR && size < FAR).then(|| Self {
             rotation: pose.rotation(),
             translation,
             size,
             error: CERTIFICATE * UNIT * size,
-            points: (a.reach + b.reach) * (PATCH_POINT + RAISED.max(KNOTS)),
+            points,
             limit: PATCH_LIMIT * size,
         })
     }
@@ -52,12 +52,12 @@ impl Frame {
 }
 
 /// Returns bounds of the distance by the origins alone, and the direction from A to B.
-pub(super) fn far(a: &Surface, b: &Surface, pose: &RelativePose) -> (f64, f64, Vector3<f64>) {
+pub(super) fn far(reach: [f64; 2], pose: &RelativePose) -> (f64, f64, Vector3<f64>) {
     let sixteenth = pose.translation_sixteenth();
     let length = sixteenth.amax();
     let n = if length > 0.0 { sixteenth / length } else { Vector3::x() };
     let norm = sqrt(n.norm_squared());
     let distance = length * norm * 16.0;
-    let slack = distance * (CERTIFICATE * UNIT) + 2.0 * (a.reach + b.reach);
+    let slack = distance * (CERTIFICATE * UNIT) + 2.0 * (reach[0] + reach[1]);
     ((distance - slack).max(0.0), distance + slack, n / norm)
 }

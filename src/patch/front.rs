@@ -16,6 +16,7 @@ use nalgebra::Vector3;
 
 use super::frame::Frame;
 use super::gap::{Gap, Pair, Trees};
+use super::side::Side;
 use crate::num::scalar::sqrt;
 use crate::tolerance::CARRIED;
 
@@ -33,11 +34,13 @@ pub(super) struct Entry {
     base: f64,
     /// Whether the ball is that of A's node.
     is_of_a: bool,
+    /// Whether the gap was proven by planes: else nothing is claimed at another pose.
+    is_plane: bool,
 }
 
 impl Entry {
     /// Returns the entry of a pair with a gap at this pose.
-    pub(super) fn new(trees: &Trees, pair: Pair, gap: &Gap) -> Self {
+    pub(super) fn new<B: Side>(trees: &Trees<B>, pair: Pair, gap: &Gap) -> Self {
         let (x, y) = (trees.a.node(pair[0]), trees.b.node(pair[1]));
         let is_of_a = x.radius < y.radius;
         let ball = if is_of_a { x } else { y };
@@ -49,6 +52,7 @@ impl Entry {
             radius: ball.radius + ball.error,
             base: 0.0,
             is_of_a,
+            is_plane: gap.is_plane,
         };
         entry.base = gap.gap - entry.height(trees.frame) - CARRIED * trees.frame.size;
         entry
@@ -67,6 +71,9 @@ impl Entry {
     /// Returns a lower bound of the gap at a pose.
     #[inline(always)]
     pub(super) fn gap(&self, frame: &Frame) -> f64 {
+        if !self.is_plane {
+            return f64::NEG_INFINITY;
+        }
         let turned = if self.is_of_a {
             frame.rotation * self.m - self.n
         } else {

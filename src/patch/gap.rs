@@ -2,8 +2,9 @@
 
 use nalgebra::Vector3;
 
+use super::bowl::Bowl;
 use super::frame::Frame;
-use super::height::taylor;
+use super::side::Side;
 use super::tree::Nodes;
 use crate::minimum::simplex::Simplex;
 use crate::num::scalar::sqrt;
@@ -21,6 +22,8 @@ pub(super) type Pair = [u32; 2];
 pub(super) struct Gap {
     pub(super) n: Vector3<f64>,
     pub(super) gap: f64,
+    /// Whether planes perpendicular to `n` prove the gap: else a bowl does, at this pose alone.
+    pub(super) is_plane: bool,
 }
 
 /// Counters of bounds.
@@ -30,23 +33,25 @@ pub(super) struct Counts {
     pub(super) gaps: u64,
     /// Heights by second derivatives.
     pub(super) caps: u64,
+    /// Heights above a bowl.
+    pub(super) bowls: u64,
 }
 
-/// Two trees at a pose.
-pub(super) struct Trees<'a> {
+/// A surface and another body at a pose.
+pub(super) struct Trees<'a, B> {
     pub(super) a: Nodes<'a>,
-    pub(super) b: Nodes<'a>,
+    pub(super) b: B,
     pub(super) frame: &'a Frame,
     pub(super) counts: Counts,
 }
 
-impl Trees<'_> {
-    /// Returns the gap along a direction by the hulls of the nets.
+impl<B: Side> Trees<'_, B> {
+    /// Returns the gap along a direction by the convex sets about both parts.
     #[inline]
     fn gap(&mut self, [x, y]: Pair, n: &Vector3<f64>) -> f64 {
         self.counts.gaps += 1;
         let m = -self.frame.direction_in_b(n);
-        let (high_a, high_b) = (self.a.net(x).highest(n), self.b.net(y).highest(&m));
+        let (high_a, high_b) = (self.a.highest(x, n), self.b.highest(y, &m));
         n.dot(&self.frame.translation) - high_b - high_a - self.error([x, y])
     }
 
@@ -68,6 +73,7 @@ impl Trees<'_> {
         let mut best = Gap {
             n: *start,
             gap: self.gap(pair, start),
+            is_plane: true,
         };
         if best.gap >= target {
             return best;
@@ -76,6 +82,7 @@ impl Trees<'_> {
             let of = Gap {
                 n: *n,
                 gap: self.gap(pair, n),
+                is_plane: true,
             };
             if of.gap > best.gap {
                 best = of;
@@ -95,33 +102,44 @@ impl Trees<'_> {
         best
     }
 
+    /// Returns whether a bowl proves a pair at least `target` apart.
+    pub(super) fn is_about(&mut self, [x, y]: Pair, bowl: &Bowl, target: f64) -> bool {
+        let (of_a, of_b) = (bowl.of_a(target), bowl.of_b(target, self.frame));
+        let Some(high_a) = self.a.above(x, &of_a) else {
+            return false;
+        };
+        let Some(high_b) = self.b.above(y, &of_b) else {
+            return false;
+        };
+        self.counts.bowls += 1;
+        -high_a - high_b - 4.0 * self.frame.error >= target
+    }
+
     /// Tries the heights by second derivatives along the direction of a gap.
     fn cap(&mut self, [x, y]: Pair, of: &Gap, target: f64, best: &mut Gap) {
         let (a, b) = (self.a.node(x), self.b.node(y));
         if a.is_group() || b.is_group() {
             return;
         }
-        let (net_a, net_b) = (self.a.net(x), self.b.net(y));
         let m = -self.frame.direction_in_b(&of.n);
-        let (high_a, high_b) = (net_a.highest(&of.n), net_b.highest(&m));
+        let (high_a, high_b) = (self.a.highest(x, &of.n), self.b.highest(y, &m));
         let need = target - of.gap;
-        // Corners lie on the surface: no bound is below their height.
-        let corner_a = net_a.highest_corner(a.degrees, &of.n);
-        let corner_b = net_b.highest_corner(b.degrees, &m);
-        if !((high_a - corner_a) + (high_b - corner_b) > need) {
+        let least_a = self.a.least(x, &of.n, high_a);
+        let least_b = self.b.least(y, &m, high_b);
+        if !((high_a - least_a) + (high_b - least_b) > need) {
             return;
         }
         self.counts.caps += 1;
-        let top_a = taylor(a, &net_a, &of.n, high_a, need).unwrap_or(high_a).min(high_a);
-        let top_b = taylor(b, &net_b, &m, high_b, need).unwrap_or(high_b).min(high_b);
+        let top_a = self.a.cap(x, &of.n, high_a, need);
+        let top_b = self.b.cap(y, &m, high_b, need);
         let gap = of.n.dot(&self.frame.translation) - top_b - top_a - self.error([x, y]);
         if gap > best.gap {
-            *best = Gap { n: of.n, gap };
+            *best = Gap { gap, ..*of };
         }
     }
 
-    /// Raises a gap by a few steps of the minimum-norm solver on the points of the nets (Gilbert,
-    /// Johnson and Keerthi 1988).
+    /// Raises a gap by a few steps of the minimum-norm solver on the convex sets (Gilbert, Johnson
+    /// and Keerthi 1988).
     fn descend(&mut self, pair: Pair, target: f64, best: &mut Gap) {
         let scale = ErrorScale {
             size: self.frame.size,
@@ -137,7 +155,7 @@ impl Trees<'_> {
             let n = d / -sqrt(square);
             let (point, gap) = self.support(pair, &n);
             if gap > best.gap {
-                *best = Gap { n, gap };
+                *best = Gap { n, gap, is_plane: true };
             }
             let is_known = simplex.contains(point.a, point.b);
             if best.gap >= target || is_known || !simplex.add(point, scale) || simplex.len() == 4 {
@@ -146,20 +164,19 @@ impl Trees<'_> {
         }
     }
 
-    /// Returns the support point of the difference of the nets against `n`, and the gap along `n`.
+    /// Returns the support point of the difference against `n`, and the gap along `n`.
     fn support(&mut self, [x, y]: Pair, n: &Vector3<f64>) -> (MinkowskiPoint<f64>, f64) {
         self.counts.gaps += 1;
         let m = -self.frame.direction_in_b(n);
-        let (net_a, net_b) = (self.a.net(x), self.b.net(y));
-        let (i, j) = (net_a.highest_index(n), net_b.highest_index(&m));
-        let (p, q) = (net_a.point(i), net_b.point(j));
+        let (i, p, high_a) = self.a.support(x, n);
+        let (j, q, high_b) = self.b.support(y, &m);
         let w = p - self.frame.place(&q);
         let point = MinkowskiPoint {
-            a: VertexId(i as u32),
-            b: VertexId(j as u32),
+            a: VertexId(i),
+            b: VertexId(j),
             w: w.into(),
         };
-        let gap = n.dot(&self.frame.translation) - m.dot(&q) - n.dot(&p) - self.error([x, y]);
+        let gap = n.dot(&self.frame.translation) - high_b - high_a - self.error([x, y]);
         (point, gap)
     }
 }

@@ -133,33 +133,46 @@ impl Curvature {
 
 /// Returns an upper bound of the height of the part of a surface below a node by its second
 /// derivatives, the error of the node not counted; `None` if the bound has no hope to be below
-/// `net`, the height of the net, by `need`.
+/// `highest`, the height of the net, by `need`.
 pub(super) fn taylor(node: &Node, net: &Net, n: &Vector3<f64>, highest: f64, need: f64) -> Option<f64> {
     let mut coefficients = [[0.0; 2]; NET];
     let pairs = &mut coefficients[..node.count as usize];
     fill(pairs, net, n);
+    let most = bounded(pairs, node.degrees, net.highest_index(n), (highest, need))?;
+    Some(most + COEFFICIENT * node.reach)
+}
+
+/// Returns an upper bound of a quotient of two polynomials, the second positive, from coefficients
+/// of both and a place to start at: by second derivatives. `None` if the bound has no hope to be
+/// below `highest`, an upper bound, by `need`. Errors of the coefficients are not counted.
+pub(super) fn bounded(
+    pairs: &[[f64; 2]],
+    degrees: [usize; 2],
+    start: usize,
+    (highest, need): (f64, f64),
+) -> Option<f64> {
     let mut room = [[0.0]; NET];
     let g = &mut room[..pairs.len()];
     let size = shifted(pairs, highest, g);
     // Half of an excess counts at most, and a quarter is left after a split.
-    let [k, l] = Curvature::new(g, node.degrees, size).excess();
+    let [k, l] = Curvature::new(g, degrees, size).excess();
     if !(0.125 * (k + l) < need) {
         return None;
     }
-    let (at, c) = climb(node, pairs, net.highest_index(n));
+    let (at, c) = climb(degrees, pairs, start);
     let size = shifted(pairs, c, g);
-    let excess = Curvature::new(g, node.degrees, size).excess();
-    let f = jet::<1>(g, node.degrees, at);
+    let excess = Curvature::new(g, degrees, size).excess();
+    let f = jet::<1>(g, degrees, at);
     let rise = |d: f64, k: f64, at: f64| {
         let to = |x: f64| x * (d + 0.5 * k * x);
         to(-at).max(to(1.0 - at)).max(0.0)
     };
     let over = rise(f.u[0], excess[0], at[0]) + rise(f.v[0], excess[1], at[1]);
-    let degree = (node.degrees[0] + node.degrees[1]) as f64;
+    let degree = (degrees[0] + degrees[1]) as f64;
     let error = TAYLOR * degree * degree * size + 4.0 * UNIT * over;
     let least_weight = pairs.iter().map(|p| p[1]).fold(f64::INFINITY, f64::min);
     let most = (f.value[0].max(0.0) + over + error) / least_weight;
-    Some(c + most * (1.0 + 4.0 * UNIT) + COEFFICIENT * node.reach)
+    Some(c + most * (1.0 + 4.0 * UNIT))
 }
 
 /// Writes the coefficients of `g` for a height c, and returns the largest.
@@ -188,16 +201,16 @@ fn fill(pairs: &mut [[f64; 2]], net: &Net, n: &Vector3<f64>) {
 
 /// Returns the parameters of a high point of the node and its height, by Newton's method within the
 /// node from a control point.
-fn climb(node: &Node, pairs: &[[f64; 2]], start: usize) -> ([f64; 2], f64) {
-    let [p, q] = node.degrees;
+fn climb(degrees: [usize; 2], pairs: &[[f64; 2]], start: usize) -> ([f64; 2], f64) {
+    let [p, q] = degrees;
     let mut at = [(start / (q + 1)) as f64 / p as f64, (start % (q + 1)) as f64 / q as f64];
-    let (mut c, mut f) = level(node, pairs, at);
+    let (mut c, mut f) = level(degrees, pairs, at);
     for _ in 0..CLIMB {
         let next = newton(at, &f);
         if next == at {
             break;
         }
-        let (higher, g) = level(node, pairs, next);
+        let (higher, g) = level(degrees, pairs, next);
         if !(higher > c) {
             break;
         }
@@ -208,7 +221,7 @@ fn climb(node: &Node, pairs: &[[f64; 2]], start: usize) -> ([f64; 2], f64) {
 
 /// Returns the height at a point, and value and derivatives of `g` for this height.
 #[inline(always)]
-fn level(node: &Node, pairs: &[[f64; 2]], at: [f64; 2]) -> (f64, Jet<1>) {
+fn level(degrees: [usize; 2], pairs: &[[f64; 2]], at: [f64; 2]) -> (f64, Jet<1>) {
     let Jet {
         value,
         u,
@@ -216,7 +229,7 @@ fn level(node: &Node, pairs: &[[f64; 2]], at: [f64; 2]) -> (f64, Jet<1>) {
         uu,
         uv,
         vv,
-    } = jet::<2>(pairs, node.degrees, at);
+    } = jet::<2>(pairs, degrees, at);
     let c = value[0] / value[1];
     let of = |x: [f64; 2]| [x[0] - c * x[1]];
     let [value, u, v, uu, uv, vv] = [value, u, v, uu, uv, vv].map(of);

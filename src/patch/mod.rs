@@ -1,10 +1,14 @@
-//! Curved surfaces: Bezier patches and NURBS, and the distance of two of them in a proven interval.
+//! Curved surfaces: Bezier patches and NURBS; the distance of two of them, and of one and a convex
+//! shape, in a proven interval.
 //!
 //! Reading order: [`net`](Patch) (one patch), `bezier` (de Casteljau), `nurbs` ([`Nurbs`], taken
 //! apart), `surface` ([`Surface`]), `revolution`, `tree` (control nets by halves), `height` (how
-//! far a node reaches along a direction), `frame` (a pair at a pose), `gap` (two nodes apart),
-//! `closest` (two points, by Newton's method), `crossing` (a proof that surfaces meet), `front` and
-//! `search` (the proof of an answer), `tracker` ([`SurfaceTracker`], the queries).
+//! far a node reaches along a direction), `bowl` (where no plane stands between), `frame` (a pair
+//! at a pose), `gap` (two nodes apart),
+//! `closest` (two points, by Newton's method), `crossing` (a proof that surfaces meet), `front`,
+//! `search` and `state` (the proof of an answer), `tracker` ([`SurfaceTracker`], the queries);
+//! `side` (what the proof asks of a body), `solid` (a convex shape as such a body), `shape_tracker`
+//! ([`SurfaceShapeTracker`]); `separation` (pairs over time).
 //!
 //! # The proof
 //!
@@ -22,18 +26,30 @@
 //!
 //! 1. The answer is an interval of a width asked for, down to `2^-42` of the size, with every
 //!    rounding counted.
-//! 2. Nodes are closed by second derivatives, so the cost of a narrow interval does not grow with
+//! 2. Where no plane stands between (nested saddles, hollows), a quadratic surface does (`bowl`).
+//! 3. Nodes are closed by second derivatives, so the cost of a narrow interval does not grow with
 //!    its narrowness where one surface curves away from the plane between.
+//!
+//! # Which pair
+//!
+//! | against | tracker |
+//! |---|---|
+//! | a surface | [`SurfaceTracker`] |
+//! | a [`Shape`](crate::Shape), curved, rounded or a polyhedron | [`SurfaceShapeTracker`]: the shape is solid and is not split |
+//! | a [`Mesh`](crate::Mesh) | [`SurfaceTracker`] and [`Surface::from_mesh`]: the triangles alone, without an inside |
+//! | a [`Composite`](crate::Composite) | [`SurfaceShapeTracker`] for each [piece](crate::Composite::pieces) at its pose |
 //!
 //! # What is missing
 //!
 //! Trimmed surfaces; insides of closed surfaces, so a body within a closed surface has a positive
-//! distance; contacts with [`Shape`](crate::Shape)s, which are not split (convex polyhedra and
-//! meshes are surfaces of flat patches); time of impact and scenes; a cap where both surfaces are
-//! saddles or one lies in the hollow of the other: there the number of splits grows with the
-//! logarithm of the width; no exact arithmetic decides touching surfaces.
+//! distance; depths and contact manifolds; looks over time along directions, so that a surface that
+//! slides along another is looked at often; a bowl for patches of a degree above three and for
+//! shapes in hollows of a surface: there the number of splits grows with the logarithm of the
+//! width, and a look near contact may end as undecided; scenes with composites and meshes; no
+//! exact arithmetic decides touching surfaces.
 
 mod bezier;
+mod bowl;
 mod closest;
 mod crossing;
 mod error;
@@ -44,8 +60,15 @@ mod height;
 mod net;
 mod nurbs;
 mod outcome;
+#[cfg(feature = "serde")]
+mod persist;
 mod revolution;
 mod search;
+mod separation;
+mod shape_tracker;
+mod side;
+mod solid;
+mod state;
 mod surface;
 mod tracker;
 mod tree;
@@ -53,7 +76,10 @@ mod tree;
 pub use error::PatchError;
 pub use net::Patch;
 pub use nurbs::Nurbs;
-pub use outcome::{Decision, SurfaceOutcome, SurfacePart, SurfaceWork};
+pub use outcome::{Decision, SurfaceOutcome, SurfacePart, SurfaceShapeOutcome, SurfaceWork};
 pub use revolution::revolution;
+pub(crate) use separation::exchanged;
+pub use separation::{SurfacePair, SurfaceShapePair};
+pub use shape_tracker::SurfaceShapeTracker;
 pub use surface::{Surface, SurfacePoint};
 pub use tracker::SurfaceTracker;

@@ -35,6 +35,11 @@ use crate::tolerance::{PATCH_MAX, RAISED, ROUND_UP, WEIGHT_RATIO};
 /// # Ok::<(), lin_canny::patch::PatchError>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(try_from = "super::persist::StoredPatch", into = "super::persist::StoredPatch")
+)]
 pub struct Patch {
     pub(super) degrees: [usize; 2],
     /// Weight times point, and weight; the largest weight is about one.

@@ -5,6 +5,7 @@ use nalgebra::{Point3, Unit, Vector3};
 use super::surface::SurfacePoint;
 use super::tree::Node;
 use crate::pair::outcome::{Class, Distance};
+use crate::polyhedron::Feature;
 
 /// The closest points of two surfaces, with proof.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,6 +37,48 @@ pub struct SurfaceOutcome {
     /// Unit direction from the witness on A to that on B, in A's frame; where the witnesses
     /// coincide, a normal of a surface.
     pub normal: Unit<Vector3<f64>>,
+}
+
+/// The closest points of a surface and a convex shape, with proof.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct SurfaceShapeOutcome {
+    /// [`Class::Separated`] if the lower bound is positive; [`Class::Overlapping`] if a point of
+    /// the surface is proven to lie in the shape; else [`Class::Undecided`].
+    pub class: Class,
+    /// The distance of the witnesses, between the bounds; zero for an overlap, which has no depth.
+    pub distance: f64,
+    /// Lower bound of the distance.
+    pub lower: f64,
+    /// Upper bound of the distance: zero exactly if the class is [`Class::Overlapping`].
+    pub upper: f64,
+    /// Whether the bounds are no farther apart than was asked for, as
+    /// [`SurfaceOutcome::is_reached`].
+    pub is_reached: bool,
+    /// The witness on the surface by its parameters; of an overlap, a point within the shape.
+    pub on_a: SurfacePoint,
+    /// The witness on the surface, in its frame.
+    pub point_on_a: Point3<f64>,
+    /// The point of the boundary of the shape that is closest to the witness on the surface, in
+    /// the frame of the shape.
+    pub point_on_b: Point3<f64>,
+    /// Unit direction from the surface to the shape, in the frame of the surface; of an overlap,
+    /// from the witness inwards.
+    pub normal: Unit<Vector3<f64>>,
+    /// The feature of the core of the shape that is closest to the witness on the surface.
+    pub feature: Feature,
+}
+
+impl From<&SurfaceShapeOutcome> for Distance {
+    fn from(o: &SurfaceShapeOutcome) -> Self {
+        Self {
+            class: o.class,
+            value: o.distance,
+            lower: o.lower,
+            upper: o.upper,
+        }
+    }
 }
 
 impl From<&SurfaceOutcome> for Distance {
@@ -87,6 +130,17 @@ pub enum Decision {
 }
 
 impl Decision {
+    /// Returns whether a distance is at most `d`, by its bounds.
+    pub(super) fn by(lower: f64, upper: f64, d: f64) -> Self {
+        if upper <= d {
+            Self::Yes
+        } else if lower > d {
+            Self::No
+        } else {
+            Self::Undecided { lower, upper }
+        }
+    }
+
     /// Returns the answer, `None` if undecided.
     #[must_use]
     pub fn known(self) -> Option<bool> {
@@ -113,6 +167,8 @@ pub struct SurfaceWork {
     pub gaps: u64,
     /// Pairs bounded by second derivatives.
     pub caps: u64,
+    /// Pairs bounded by a curved surface between them.
+    pub bowls: u64,
     /// Steps of Newton's method for two points.
     pub steps: u64,
     /// Pairs of nodes split.

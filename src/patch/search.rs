@@ -7,12 +7,13 @@ use alloc::collections::BinaryHeap;
 use core::cmp::Ordering;
 use nalgebra::Vector3;
 
-use super::closest::{Meeting, Pair as Patches};
+use super::closest::{Meeting, Meets};
 use super::front::{Entry, Front};
 use super::gap::{Gap, Pair, Trees};
-use super::net::Patch;
 use super::outcome::SurfaceWork;
+use super::side::Side;
 use crate::num::scalar::sqrt;
+use crate::tolerance::UNIT;
 
 /// A pair that may be closer than the goal.
 #[derive(Clone, Copy, Debug)]
@@ -48,14 +49,27 @@ impl Ord for Open {
 pub(super) enum Goal {
     /// An interval of the distance no wider than this.
     Width(f64),
+    /// An interval no wider than this part of the distance.
+    Part(f64),
     /// Whether the distance is at most this.
     Within(f64),
 }
 
+impl Goal {
+    /// Returns whether bounds are as close as asked for.
+    pub(super) fn is_reached(self, lower: f64, upper: f64) -> bool {
+        match self {
+            Self::Width(width) => upper - lower <= width,
+            Self::Part(part) => upper - lower <= part * upper,
+            Self::Within(d) => upper <= d || lower > d,
+        }
+    }
+}
+
 /// A search under way.
-pub(super) struct Search<'a, 't> {
-    pub(super) trees: &'a mut Trees<'t>,
-    pub(super) patches: [&'a [Patch]; 2],
+pub(super) struct Search<'a, 't, B, M> {
+    pub(super) trees: &'a mut Trees<'t, B>,
+    pub(super) points: &'a mut M,
     pub(super) goal: Goal,
     /// Splits that are left.
     pub(super) budget: usize,
@@ -71,12 +85,13 @@ pub(super) struct Search<'a, 't> {
     pub(super) work: &'a mut SurfaceWork,
 }
 
-impl Search<'_, '_> {
+impl<B: Side, M: Meets> Search<'_, '_, B, M> {
     /// Pairs whose distance is at least this need no further look.
     fn level(&self) -> f64 {
         let limit = self.trees.frame.limit;
         match self.goal {
-            Goal::Width(width) => self.upper - width.max(limit),
+            Goal::Width(width) => self.upper - limit.max(width),
+            Goal::Part(part) => self.upper - (part * self.upper).max(limit),
             Goal::Within(d) => d.next_up().min(self.upper - limit),
         }
     }
@@ -87,15 +102,13 @@ impl Search<'_, '_> {
 
     /// Takes two points if they are closer than the best.
     pub(super) fn offer(&mut self, patches: [u32; 2], start: [f64; 4]) {
-        let [a, b] = [0, 1].map(|k| &self.patches[k][patches[k] as usize]);
-        let frame = self.trees.frame;
-        let (meeting, steps) = Patches { a, b, frame }.descend(patches, start);
+        let Some((meeting, steps)) = self.points.descend(patches, start) else {
+            return;
+        };
         self.work.steps += steps;
-        let upper = meeting.distance() + frame.error + frame.points;
-        if upper < self.upper {
-            self.upper = upper;
-            let toward = frame.translation;
-            self.hint = meeting.normal(frame.size, &toward);
+        if meeting.upper < self.upper {
+            self.upper = meeting.upper;
+            self.hint = meeting.normal;
             self.best = Some(meeting);
         }
     }
@@ -155,7 +168,18 @@ impl Search<'_, '_> {
 
     fn bound(&mut self, pair: Pair, along: &Vector3<f64>) -> Gap {
         let (level, is_near) = (self.level(), self.is_at_best(pair));
-        self.trees.bound(pair, (along, self.hint.as_ref()), level, is_near)
+        let gap = self.trees.bound(pair, (along, self.hint.as_ref()), level, is_near);
+        let bowl = self.best.as_ref().and_then(|best| best.bowl.as_ref());
+        // A little more, so that rounding of the level leaves the interval no wider than asked for.
+        let more = level + 4.0 * UNIT * self.trees.frame.size;
+        match bowl {
+            Some(bowl) if gap.gap < level && level > 0.0 && self.trees.is_about(pair, bowl, more) => Gap {
+                gap: more,
+                is_plane: false,
+                ..gap
+            },
+            _ => gap,
+        }
     }
 
     /// Returns whether the best points lie below a pair.
@@ -229,18 +253,16 @@ impl Search<'_, '_> {
             return;
         }
         let frame = self.trees.frame;
-        let is_close = |p: &Vector3<f64>, q: &Vector3<f64>, room: f64| {
-            let most = self.upper + room;
-            (frame.place(q) - p).norm_squared() < most * most
-        };
-        if !is_close(&x.centre, &y.centre, 0.5 * (x.radius + y.radius)) {
+        // A body that is not split is as large as ever, however near its points are.
+        let share = if y.can_split() { 0.5 } else { 1.0 };
+        let most = self.upper + share * (x.radius + y.radius);
+        let between = frame.place(&y.centre) - x.centre;
+        if !(between.norm_squared() < most * most) {
             return;
         }
         let patches = [x.patch(), y.patch()];
         let ([u, v], [s, t]) = (x.middle(), y.middle());
-        let p = self.patches[0][patches[0] as usize].point(u, v);
-        let q = self.patches[1][patches[1] as usize].point(s, t);
-        if is_close(&p.coords, &q.coords, 0.0) {
+        if self.points.is_closer(patches, [u, v, s, t], self.upper) {
             self.offer(patches, [u, v, s, t]);
         }
     }

@@ -8,8 +8,9 @@ use super::net::Patch;
 use super::nurbs::Nurbs;
 use super::tree::Tree;
 use crate::composite::mesh::Mesh;
+use crate::composite::separation::ball_about;
 use crate::polyhedron::ConvexPolyhedron;
-use crate::tolerance::SEAM;
+use crate::tolerance::{SEAM, SURFACE_POINT};
 
 /// A surface of Bezier patches, not trimmed: the set of points of its patches.
 ///
@@ -38,10 +39,15 @@ use crate::tolerance::SEAM;
 /// # Ok::<(), lin_canny::patch::PatchError>(())
 /// ```
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(try_from = "super::persist::StoredSurface", into = "super::persist::StoredSurface")
+)]
 pub struct Surface {
-    patches: Vec<Patch>,
+    pub(super) patches: Vec<Patch>,
     /// The knots about each patch of a NURBS surface, in u and v.
-    domains: Vec<[[f64; 2]; 2]>,
+    pub(super) domains: Vec<[[f64; 2]; 2]>,
     pub(super) tree: Tree,
     /// The largest distance of a control point from the origin, rounded up.
     pub(super) reach: f64,
@@ -108,7 +114,7 @@ impl Surface {
         Self::new(corners.map(flat).collect::<Result<_, _>>()?)
     }
 
-    fn assembled(patches: Vec<Patch>, domains: Vec<[[f64; 2]; 2]>) -> Result<Self, PatchError> {
+    pub(super) fn assembled(patches: Vec<Patch>, domains: Vec<[[f64; 2]; 2]>) -> Result<Self, PatchError> {
         if patches.is_empty() {
             return Err(PatchError::Empty);
         }
@@ -157,6 +163,20 @@ impl Surface {
         let [u, v] = self.domains.get(at.patch as usize)?;
         let mixed = |[low, high]: [f64; 2], t: f64| low * (1.0 - t) + high * t;
         Some([mixed(*u, at.u), mixed(*v, at.v)])
+    }
+
+    /// Returns a ball that contains the surface: centre and radius.
+    #[must_use]
+    pub fn bounding_ball(&self) -> (Point3<f64>, f64) {
+        let (centre, radius) = ball_about(self.aabb());
+        (centre, radius + self.reach * SURFACE_POINT)
+    }
+
+    /// Returns a box that contains the surface, errors of points included.
+    pub(crate) fn outer_box(&self) -> (Point3<f64>, Point3<f64>) {
+        let error = Vector3::repeat(self.reach * SURFACE_POINT);
+        let (low, high) = self.aabb();
+        (low - error, high + error)
     }
 
     /// Returns the least box about all control points.

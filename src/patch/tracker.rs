@@ -1,27 +1,28 @@
 //! The state of a pair of surfaces, and the queries.
 
-use alloc::collections::BinaryHeap;
 use nalgebra::{Point3, Unit, Vector3};
 
-use super::closest::Pair as Patches;
+use super::closest::Patches;
 use super::crossing::crosses;
 use super::frame::{Frame, far};
-use super::front::Front;
 use super::gap::{Counts, Trees};
 use super::outcome::{Decision, SurfaceOutcome, SurfacePart, SurfaceWork};
-use super::search::{Goal, Open, Search};
+use super::search::Goal;
+use super::state::State;
 use super::surface::{Surface, SurfacePoint};
 use super::tree::{Grown, Nodes};
 use crate::pair::outcome::{Class, Distance};
 use crate::pose::RelativePose;
-use crate::tuning::patch::{GROWTH, KEPT, MOST_SPLITS, SPLITS};
+use crate::tolerance::SURFACE_POINT;
+use crate::tuning::patch::KEPT;
 
 /// The front of the last answer for one pair of surfaces, from which the next query starts, the
 /// nodes made so far, and counters.
 ///
 /// Owns no surface. State changes time, never which distances an answer allows: bounds are proven
 /// anew at every pose. A tracker that comes from another pair, or is out of date, is allowed. Not
-/// saved to files. A query allocates where it splits nodes.
+/// saved to files: nodes are made again by one query, and a front is much larger than its surfaces.
+/// A query allocates where it splits nodes.
 ///
 /// ```
 /// use lin_canny::RelativePose;
@@ -44,30 +45,10 @@ use crate::tuning::patch::{GROWTH, KEPT, MOST_SPLITS, SPLITS};
 /// }
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct SurfaceTracker {
-    fingerprints: [u64; 2],
-    budget: usize,
-    front: Front,
+    state: State,
     grown: [Grown; 2],
-    /// Patches and parameters of the last witnesses.
-    last: Option<([u32; 2], [f64; 4])>,
-    heap: BinaryHeap<Open>,
-    work: SurfaceWork,
-}
-
-impl Default for SurfaceTracker {
-    fn default() -> Self {
-        Self {
-            fingerprints: [0; 2],
-            budget: SPLITS,
-            front: Front::default(),
-            grown: [Grown::default(), Grown::default()],
-            last: None,
-            heap: BinaryHeap::new(),
-            work: SurfaceWork::default(),
-        }
-    }
 }
 
 /// What a search found.
@@ -92,28 +73,27 @@ impl SurfaceTracker {
     /// split, at most `2^22`. A query that uses up its budget returns wider bounds.
     #[must_use]
     pub fn with_budget(mut self, splits: usize) -> Self {
-        self.budget = splits.min(MOST_SPLITS);
+        self.state.allow(splits);
         self
     }
 
     /// Returns the work of all queries so far.
     #[must_use]
     pub fn work(&self) -> SurfaceWork {
-        self.work
+        self.state.work
     }
 
     /// Returns the number of entries of the front that is kept.
     #[must_use]
     pub fn front_len(&self) -> usize {
-        self.front.entries.len()
+        self.state.front.entries.len()
     }
 
     /// Returns the front that is kept for these surfaces: pairs of parts of A and of B that are
     /// proven apart, under which every pair of patches lies. Empty for surfaces other than those of
     /// the last query.
     pub fn front<'t>(&'t self, a: &'t Surface, b: &'t Surface) -> impl Iterator<Item = [SurfacePart; 2]> + 't {
-        let is_of = self.fingerprints == [a.fingerprint, b.fingerprint];
-        let entries = if is_of { &self.front.entries[..] } else { &[] };
+        let entries = self.state.entries([a.fingerprint, b.fingerprint]);
         let part = |s: &Surface, grown: &Grown, id: u32| SurfacePart::of(grown.node(&s.tree, id));
         entries.iter().map(move |e| {
             let [x, y] = e.pair;
@@ -124,14 +104,13 @@ impl SurfaceTracker {
     /// Returns the bytes kept on the heap.
     #[must_use]
     pub fn heap_bytes(&self) -> usize {
-        self.grown.iter().map(Grown::heap_bytes).sum::<usize>()
-            + self.front.entries.capacity() * size_of::<super::front::Entry>()
-            + self.heap.capacity() * size_of::<Open>()
+        self.grown.iter().map(Grown::heap_bytes).sum::<usize>() + self.state.heap_bytes()
     }
 
     /// Forgets everything that is kept, counters too; the budget stays.
     pub fn reset(&mut self) {
-        *self = Self::default().with_budget(self.budget);
+        self.state.reset();
+        self.grown = Default::default();
     }
 
     /// Returns the closest points with bounds of the distance that are at most `width` apart, a
@@ -140,7 +119,12 @@ impl SurfaceTracker {
     /// of both surfaces from their origins, and the distance of the origins), is taken as that
     /// limit.
     pub fn closest(&mut self, a: &Surface, b: &Surface, a_from_b: &RelativePose, width: f64) -> SurfaceOutcome {
-        let found = self.search(a, b, a_from_b, Goal::Width(width.max(0.0)));
+        self.answer(a, b, a_from_b, Goal::Width(width))
+    }
+
+    /// Returns the closest points with bounds as close as a goal asks for.
+    pub(super) fn answer(&mut self, a: &Surface, b: &Surface, a_from_b: &RelativePose, goal: Goal) -> SurfaceOutcome {
+        let found = self.search(a, b, a_from_b, goal);
         let class = if found.lower > 0.0 {
             Class::Separated
         } else if found.shares {
@@ -153,7 +137,7 @@ impl SurfaceTracker {
             distance: found.distance.clamp(found.lower, found.upper),
             lower: found.lower,
             upper: found.upper,
-            is_reached: found.upper - found.lower <= width,
+            is_reached: goal.is_reached(found.lower, found.upper),
             on_a: found.on[0],
             on_b: found.on[1],
             point_on_a: found.points[0],
@@ -190,30 +174,18 @@ impl SurfaceTracker {
             return Decision::No;
         }
         let found = self.search(a, b, a_from_b, Goal::Within(d));
-        let (lower, upper) = (found.lower, found.upper);
-        if upper <= d || found.shares {
-            Decision::Yes
-        } else if lower > d {
-            Decision::No
-        } else {
-            Decision::Undecided { lower, upper }
-        }
-    }
-
-    /// Forgets the state of other surfaces, and nodes that are too many.
-    fn recognise(&mut self, a: &Surface, b: &Surface) {
-        let fingerprints = [a.fingerprint, b.fingerprint];
-        if self.fingerprints != fingerprints || self.grown.iter().any(|g| g.numbers() > KEPT) {
-            let (work, budget) = (self.work, self.budget);
-            *self = Self::default().with_budget(budget);
-            (self.fingerprints, self.work) = (fingerprints, work);
-        }
+        let upper = if found.shares { 0.0 } else { found.upper };
+        Decision::by(found.lower, upper, d)
     }
 
     fn search(&mut self, a: &Surface, b: &Surface, a_from_b: &RelativePose, goal: Goal) -> Found {
-        self.recognise(a, b);
-        self.work.queries += 1;
-        let Some(frame) = Frame::new(a, b, a_from_b) else {
+        let is_full = self.grown.iter().any(|g| g.numbers() > KEPT);
+        if !self.state.recognises([a.fingerprint, b.fingerprint], is_full) {
+            self.grown = Default::default();
+        }
+        let reach = [a.reach, b.reach];
+        let points = reach[0] * SURFACE_POINT + reach[1] * SURFACE_POINT;
+        let Some(frame) = Frame::new(reach, points, a_from_b) else {
             return apart(a, b, a_from_b);
         };
         let [grown_a, grown_b] = &mut self.grown;
@@ -223,61 +195,23 @@ impl SurfaceTracker {
             frame: &frame,
             counts: Counts::default(),
         };
-        let mut search = Search {
-            trees: &mut trees,
-            patches: [a.patches(), b.patches()],
-            goal,
-            budget: self.budget,
-            heap: &mut self.heap,
-            front: &mut self.front,
-            best: None,
-            upper: f64::INFINITY,
-            hint: None,
-            least: f64::INFINITY,
-            work: &mut self.work,
+        let mut points = Patches {
+            a: a.patches(),
+            b: b.patches(),
+            frame: &frame,
         };
-        if let Some((patches, at)) = self.last {
-            search.offer(patches, at);
-        } else {
-            search.offer([0, 0], [0.5; 4]);
-        }
-        let entries = search.front.entries.len();
-        let is_new = entries == 0 || entries > GROWTH * search.front.cut;
-        if is_new {
-            search.start();
-        } else {
-            search.renew();
-        }
-        let lower = search.run();
-        let (upper, best, hint) = (search.upper, search.best, search.hint);
-        if is_new {
-            self.front.cut = self.front.entries.len();
-        }
-        self.work.gaps += trees.counts.gaps;
-        self.work.caps += trees.counts.caps;
-        let Some(best) = best else { return apart(a, b, a_from_b) };
-        self.last = Some((best.patches, best.at));
-        let shares = lower == 0.0 && best.distance() <= frame.limit && {
-            let [p, q] = best.patches.map(|k| k as usize);
-            let pair = Patches {
-                a: &a.patches()[p],
-                b: &b.patches()[q],
-                frame: &frame,
-            };
-            crosses(&pair, &best, frame.limit)
+        let Some((lower, best)) = self.state.search(&mut trees, &mut points, goal) else {
+            return apart(a, b, a_from_b);
         };
-        let point = |k: usize| SurfacePoint {
-            patch: best.patches[k],
-            u: best.at[2 * k],
-            v: best.at[2 * k + 1],
-        };
+        let shares =
+            lower == 0.0 && best.distance <= frame.limit && crosses(&points.pair(best.patches), &best, frame.limit);
         Found {
             lower,
-            upper,
-            on: [point(0), point(1)],
+            upper: best.upper,
+            on: [0, 1].map(|k| best.place(k)),
             points: [best.on_a.into(), best.on_b.into()],
-            normal: Unit::new_unchecked(hint.unwrap_or_else(Vector3::x)),
-            distance: best.distance(),
+            normal: Unit::new_unchecked(best.normal.unwrap_or_else(Vector3::x)),
+            distance: best.distance,
             shares,
         }
     }
@@ -286,7 +220,7 @@ impl SurfaceTracker {
 /// Surfaces so far apart, or so small beside their distance, that only balls about their origins
 /// count.
 fn apart(a: &Surface, b: &Surface, a_from_b: &RelativePose) -> Found {
-    let (lower, upper, n) = far(a, b, a_from_b);
+    let (lower, upper, n) = far([a.reach, b.reach], a_from_b);
     Found {
         lower,
         upper,

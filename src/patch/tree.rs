@@ -56,6 +56,18 @@ impl Node {
         self.patch
     }
 
+    /// Returns the only node of a body that is never split, with a ball about the body.
+    pub(super) fn whole(centre: Vector3<f64>, radius: f64, error: f64) -> Self {
+        Self {
+            patch: 0,
+            splits: [DEEPEST; 2],
+            centre,
+            radius,
+            error,
+            ..empty()
+        }
+    }
+
     /// Returns the box of parameters.
     pub(super) fn domain(&self) -> [[f64; 2]; 2] {
         [0, 1].map(|k| {

@@ -115,7 +115,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     ///
     /// # Errors
     /// If the space moves another number of bodies than the world has bodies of the robot, a pose
-    /// is out of range.
+    /// is out of range, or a pair of kinds cannot be measured.
     pub fn new(space: C, world: World) -> Result<Self, PlanError> {
         if space.bodies() != world.robot.len() {
             return Err(PlanError::Bodies {
@@ -328,8 +328,8 @@ impl<C: ConfigurationSpace> Checker<C> {
         };
         let shapes = (self.world.shape(tracked.pair.a), self.world.shape(tracked.pair.b));
         let tracker = tracked.tracked(shapes);
-        let answer = tracker.over_time(shapes, |pair| ask(pair, &moving(body), &partner));
-        // The tracker was made for these shapes.
+        let answer = tracker.and_then(|t| t.over_time(shapes, |pair| ask(pair, &moving(body), &partner)));
+        // Kinds without a tracker are refused when the checker is made.
         answer.unwrap_or(Err(ImpactError::Size {
             what: "kind of a pair",
             value: f64::NAN,

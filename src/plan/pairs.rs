@@ -1,5 +1,6 @@
 //! The pairs of a checker: a tracker each, and the boxes of the obstacles.
 
+use alloc::string::ToString;
 use alloc::vec::Vec;
 
 use nalgebra::{Isometry3, Point3};
@@ -20,8 +21,11 @@ pub(super) struct Tracked {
 
 impl Tracked {
     /// Returns the tracker of the pair of these shapes.
-    pub(super) fn tracked(&mut self, (a, b): (&BodyShape, &BodyShape)) -> &mut AnyTracker {
-        self.tracker.get_or_insert_with(|| AnyTracker::new(a, b))
+    pub(super) fn tracked(&mut self, (a, b): (&BodyShape, &BodyShape)) -> Option<&mut AnyTracker> {
+        if self.tracker.is_none() {
+            self.tracker = AnyTracker::new(a, b);
+        }
+        self.tracker.as_mut()
     }
 }
 
@@ -90,6 +94,12 @@ impl Pairs {
     fn add(&mut self, world: &World, pair: PartPair) -> Result<u32, PlanError> {
         if world.is_excluded(pair) {
             return Ok(NONE);
+        }
+        if AnyTracker::new(world.shape(pair.a), world.shape(pair.b)).is_none() {
+            return Err(PlanError::Unanswered {
+                a: world.name(pair.a).to_string(),
+                b: world.name(pair.b).to_string(),
+            });
         }
         self.all.push(Tracked { pair, tracker: None });
         Ok(self.all.len() as u32 - 1)

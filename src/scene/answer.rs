@@ -35,10 +35,11 @@ pub struct PairAnswer<'a> {
     /// numbers: a vertex that of the point, a face that of the triangle, an edge that of the point
     /// at which the edge of the triangle begins. Against a shape that is rounded or curved, and
     /// against a composite with such a piece, they are those of the triangle as a polygon of its
-    /// own, and so are those against points and segments.
+    /// own, and so are those against points and segments. The feature of a surface of patches is
+    /// the face with the number of the patch.
     pub outcome: Option<&'a Outcome>,
-    /// The piece of a composite, or the triangle of a mesh, to which the features of `a` and of `b`
-    /// belong, by the caller's order; zero for a convex shape.
+    /// The piece of a composite, the triangle of a mesh, or the patch of a surface, to which the
+    /// features of `a` and of `b` belong, by the caller's order; zero for a convex shape.
     pub pieces: Option<[u32; 2]>,
     /// Contact points of two convex shapes; `None` also for bodies farther apart than the
     /// prediction.

@@ -9,6 +9,7 @@ use super::kinds::ShapeKind;
 use crate::composite::mesh::Mesh;
 use crate::composite::pieces::Composite;
 use crate::composite::separation::ball_about;
+use crate::patch::Surface;
 use crate::polyhedron::{BoxHint, ConvexPolyhedron};
 use crate::pose::rotation_matrix;
 use crate::shape::{Core, Shape};
@@ -25,10 +26,14 @@ use crate::tolerance::BOX_TURNED;
 /// | composite with composite or convex shape | [`CompositeTracker`] | `depth` |
 /// | mesh with mesh, polyhedron or composite of polyhedra | [`MeshTracker`] | `depth` |
 /// | mesh with any other shape | [`CompositeTracker`] | `depth` |
+/// | surface with surface | [`SurfaceTracker`] | `depth`, `manifold` |
+/// | surface with convex shape | [`SurfaceShapeTracker`] | `depth`, `manifold` |
+/// | surface with composite or mesh | none | all but `boxes` |
 ///
 /// The effect `manifold` of a pair with a composite or mesh is answered by
-/// [`PatchTracker`](crate::PatchTracker), as [`PairAnswer::contacts`](super::PairAnswer::contacts);
-/// overlaps of such a pair have the distance 0.
+/// [`ContactTracker`](crate::ContactTracker), as
+/// [`PairAnswer::contacts`](super::PairAnswer::contacts); overlaps of such a pair have the distance
+/// 0.
 ///
 /// A call that would make a pair with an effect that the pair cannot answer is refused with
 /// [`SceneError::Unanswered`](super::SceneError::Unanswered): insertion of a body, change of a
@@ -37,6 +42,13 @@ use crate::tolerance::BOX_TURNED;
 /// meet. The patches for contacts are made once for each shape, in the step after they are called
 /// for.
 ///
+/// Distances of surfaces of patches have bounds that are at most `2^-30` of the size of the pair
+/// apart; two that the bounds cannot tell from a threshold count as within. A surface has no
+/// inside: a body within a closed one does not overlap it. A mesh that is meant as its triangles
+/// alone stands against surfaces as [`Surface::from_mesh`].
+///
+/// [`SurfaceTracker`]: crate::patch::SurfaceTracker
+/// [`SurfaceShapeTracker`]: crate::patch::SurfaceShapeTracker
 /// [`CompositeTracker`]: crate::CompositeTracker
 /// [`MeshTracker`]: crate::MeshTracker
 ///
@@ -77,6 +89,8 @@ pub enum BodyShape {
     Composite(Arc<Composite>),
     /// A mesh of triangles.
     Mesh(Arc<Mesh>),
+    /// A surface of curved patches, without an inside.
+    Surface(Arc<Surface>),
 }
 
 impl BodyShape {
@@ -89,13 +103,14 @@ impl BodyShape {
         }
     }
 
-    /// Returns the body as a convex shape, unless the body is a composite or a mesh.
+    /// Returns the body as a convex shape, unless the body is a composite, a mesh or a
+    /// surface.
     #[must_use]
     pub fn as_convex(&self) -> Option<Cow<'_, Shape>> {
         match self {
             Self::Polyhedron(body) => Some(Cow::Owned(Shape::from(body.clone()))),
             Self::Convex(shape) => Some(Cow::Borrowed(shape)),
-            Self::Composite(_) | Self::Mesh(_) => None,
+            Self::Composite(_) | Self::Mesh(_) | Self::Surface(_) => None,
         }
     }
 
@@ -118,6 +133,7 @@ impl BodyShape {
             },
             Self::Composite(_) => ShapeKind::Composite,
             Self::Mesh(_) => ShapeKind::Mesh,
+            Self::Surface(_) => ShapeKind::Surface,
         }
     }
 
@@ -129,6 +145,7 @@ impl BodyShape {
             Self::Convex(shape) => shape.bounding_ball(),
             Self::Composite(composite) => ball_about(composite.aabb()),
             Self::Mesh(mesh) => ball_about(mesh.aabb()),
+            Self::Surface(surface) => surface.bounding_ball(),
         }
     }
 
@@ -140,6 +157,7 @@ impl BodyShape {
             Self::Convex(shape) => shape.aabb_at(pose, hint),
             Self::Composite(composite) => turned_box(composite.aabb(), pose),
             Self::Mesh(mesh) => turned_box(mesh.aabb(), pose),
+            Self::Surface(surface) => turned_box(surface.outer_box(), pose),
         }
     }
 
@@ -150,6 +168,7 @@ impl BodyShape {
             Self::Convex(shape) => Arc::as_ptr(shape) as usize,
             Self::Composite(composite) => Arc::as_ptr(composite) as usize,
             Self::Mesh(mesh) => Arc::as_ptr(mesh) as usize,
+            Self::Surface(surface) => Arc::as_ptr(surface) as usize,
         }
     }
 }
@@ -222,6 +241,18 @@ impl From<Arc<Mesh>> for BodyShape {
     }
 }
 
+impl From<Surface> for BodyShape {
+    fn from(surface: Surface) -> Self {
+        Self::Surface(Arc::new(surface))
+    }
+}
+
+impl From<Arc<Surface>> for BodyShape {
+    fn from(surface: Arc<Surface>) -> Self {
+        Self::Surface(surface)
+    }
+}
+
 /// The serialized form of a shape.
 #[cfg(feature = "serde")]
 #[derive(serde::Serialize, serde::Deserialize)]
@@ -231,6 +262,7 @@ enum Stored {
     Convex(Shape),
     Composite(alloc::boxed::Box<Composite>),
     Mesh(alloc::boxed::Box<Mesh>),
+    Surface(alloc::boxed::Box<Surface>),
 }
 
 #[cfg(feature = "serde")]
@@ -241,6 +273,7 @@ impl From<Stored> for BodyShape {
             Stored::Convex(shape) => Self::Convex(Arc::new(shape)),
             Stored::Composite(composite) => Self::from(*composite),
             Stored::Mesh(mesh) => Self::from(*mesh),
+            Stored::Surface(surface) => Self::from(*surface),
         }
     }
 }
@@ -254,6 +287,7 @@ impl From<BodyShape> for Stored {
             BodyShape::Convex(shape) => Self::Convex(Arc::unwrap_or_clone(shape)),
             BodyShape::Composite(composite) => Self::Composite(Box::new(Arc::unwrap_or_clone(composite))),
             BodyShape::Mesh(mesh) => Self::Mesh(Box::new(Arc::unwrap_or_clone(mesh))),
+            BodyShape::Surface(surface) => Self::Surface(Box::new(Arc::unwrap_or_clone(surface))),
         }
     }
 }

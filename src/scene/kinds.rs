@@ -22,6 +22,8 @@ pub enum ShapeKind {
     Composite,
     /// A mesh of triangles.
     Mesh,
+    /// A surface of curved patches.
+    Surface,
 }
 
 impl core::fmt::Display for ShapeKind {
@@ -33,13 +35,14 @@ impl core::fmt::Display for ShapeKind {
             Self::Curved => "curved shape",
             Self::Composite => "composite",
             Self::Mesh => "mesh",
+            Self::Surface => "surface of patches",
         })
     }
 }
 
 impl ShapeKind {
     pub(super) fn is_convex(self) -> bool {
-        !matches!(self, Self::Composite | Self::Mesh)
+        !matches!(self, Self::Composite | Self::Mesh | Self::Surface)
     }
 }
 
@@ -48,7 +51,35 @@ fn unanswered(effects: &Effects, a: ShapeKind, b: ShapeKind) -> Option<&'static 
     if a.is_convex() && b.is_convex() {
         return None;
     }
-    effects.depth.then_some("depth")
+    if effects.depth {
+        return Some("depth");
+    }
+    let is_surface = |kind: ShapeKind| kind == ShapeKind::Surface;
+    if !is_surface(a) && !is_surface(b) {
+        return None;
+    }
+    if effects.manifold.is_some() {
+        return Some("manifold");
+    }
+    let is_answered = |kind: ShapeKind| kind.is_convex() || is_surface(kind);
+    if is_answered(a) && is_answered(b) {
+        None
+    } else {
+        called(effects)
+    }
+}
+
+/// Returns the name of the lowest effect called for beyond boxes.
+fn called(effects: &Effects) -> Option<&'static str> {
+    let names = [
+        (effects.overlap, "overlap"),
+        (effects.within.is_some(), "within"),
+        (effects.distance.is_some(), "distance"),
+        (effects.features, "features"),
+        (effects.impact.is_some(), "impact"),
+    ];
+    let first = names.into_iter().find(|(is_called, _)| *is_called);
+    first.map(|(_, name)| name)
 }
 
 /// The number of bodies by group and kind. Two fixed bodies make no pair, so fixed bodies are

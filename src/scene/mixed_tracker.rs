@@ -1,4 +1,5 @@
-//! The tracker of a pair that is not of two polyhedra: convex shapes, composites, meshes.
+//! The tracker of a pair that is not of two polyhedra: convex shapes, composites, meshes, surfaces
+//! of patches.
 
 use alloc::boxed::Box;
 use alloc::sync::Arc;
@@ -6,7 +7,8 @@ use alloc::sync::Arc;
 use super::body_shape::BodyShape;
 use super::pair_tracker::{ContactAsk, PairTracker};
 use super::report::Counts;
-use crate::composite::contact::{ContactPatches, PatchContacts, PatchTracker};
+use super::surface_tracker::WithSurface;
+use crate::composite::contact::{ContactPatches, ContactTracker, PatchContacts};
 use crate::composite::mesh::Mesh;
 use crate::composite::parts::PartsRef;
 use crate::composite::pieces::{Composite, CompositeTracker};
@@ -28,6 +30,8 @@ pub(crate) enum MixedTracker {
     Pieces(Box<Tracked<CompositeTracker, Composite>>),
     /// Two meshes, or a mesh and a body whose surface is one.
     Triangles(Box<Tracked<MeshTracker, Mesh>>),
+    /// A surface of patches, and another or a convex shape.
+    Patches(Box<WithSurface>),
 }
 
 /// A tracker of two bodies of many pieces.
@@ -43,7 +47,7 @@ pub(crate) struct Tracked<T, S> {
 /// The contacts of a pair that is within the prediction.
 #[derive(Clone, Debug)]
 struct Contacts {
-    tracker: PatchTracker,
+    tracker: ContactTracker,
     /// The patches of a convex body.
     stand_ins: [Option<ContactPatches>; 2],
 }
@@ -60,16 +64,17 @@ impl<T: Default, S> Tracked<T, S> {
 }
 
 impl MixedTracker {
-    /// Returns a tracker without a start.
-    pub(super) fn new(a: &BodyShape, b: &BodyShape) -> Self {
-        use BodyShape::{Composite as C, Mesh as M};
-        match (a, b) {
+    /// Returns a tracker without a start; `None` for kinds that no tracker takes together.
+    pub(super) fn new(a: &BodyShape, b: &BodyShape) -> Option<Self> {
+        use BodyShape::{Composite as C, Mesh as M, Surface as S};
+        Some(match (a, b) {
+            (S(_), _) | (_, S(_)) => Self::Patches(Box::new(WithSurface::new(a, b)?)),
             (M(_), _) | (_, M(_)) if let (Some(x), Some(y)) = (as_mesh(a), as_mesh(b)) => {
                 Self::Triangles(Tracked::new([x, y]))
             }
             (M(_) | C(_), _) | (_, M(_) | C(_)) => Self::Pieces(Tracked::new([as_composite(a), as_composite(b)])),
             _ => Self::Convex(Box::default()),
-        }
+        })
     }
 }
 
@@ -85,7 +90,7 @@ fn as_mesh(shape: &BodyShape) -> Option<Option<Arc<Mesh>>> {
         BodyShape::Mesh(_) => return Some(None),
         BodyShape::Composite(composite) => composite.to_mesh(),
         BodyShape::Polyhedron(body) => Mesh::from_convex(body),
-        BodyShape::Convex(_) => return None,
+        BodyShape::Convex(_) | BodyShape::Surface(_) => return None,
     };
     surface.ok().map(|mesh| Some(Arc::new(mesh)))
 }
@@ -118,7 +123,7 @@ impl<T, S> Tracked<T, S> {
         let contacts = self.contacts.get_or_insert_with(|| {
             let of = |shape: &BodyShape| shape.as_convex().map(|s| ContactPatches::from(s.into_owned()));
             Box::new(Contacts {
-                tracker: PatchTracker::new(),
+                tracker: ContactTracker::new(),
                 stand_ins: [of(a), of(b)],
             })
         });
@@ -213,6 +218,12 @@ impl PairTracker for MixedTracker {
                 tracked.pieces = [found.on_a.triangle, found.on_b.triangle];
                 return without_depth(outcome_of(&Measure::from(&found)));
             }
+            Self::Patches(tracker) => {
+                return match tracker.measure(a, b, pose) {
+                    Some(found) => without_depth(outcome_of(&found)),
+                    None => unknown(),
+                };
+            }
         };
         match until {
             Until::Depth => outcome,
@@ -234,6 +245,7 @@ impl PairTracker for MixedTracker {
             },
             Self::Pieces(tracked) => tracked.sides(a, b).is_none_or(|(t, [x, y])| t.within(&x, &y, pose, d)),
             Self::Triangles(tracked) => tracked.sides(a, b).is_none_or(|(t, [x, y])| t.within(x, y, pose, d)),
+            Self::Patches(tracker) => tracker.within(a, b, pose, d),
         }
     }
 
@@ -266,10 +278,11 @@ impl PairTracker for MixedTracker {
                 *tracker = pair.into_tracker();
                 Some(answer)
             }
+            Self::Patches(tracker) => tracker.over_time(a, b, |pair| ask(pair, seen)),
         }
     }
 
-    /// Convex shapes have a manifold, all others contacts by patches.
+    /// Convex shapes have a manifold, composites and meshes contacts by patches.
     fn update_manifold(
         &mut self,
         (a, b): Self::Shapes<'_>,
@@ -282,6 +295,7 @@ impl PairTracker for MixedTracker {
         let is_found = match self {
             Self::Pieces(tracked) => tracked.find_contacts((a, b), patches, pose, options),
             Self::Triangles(tracked) => tracked.find_contacts((a, b), patches, pose, options),
+            Self::Patches(_) => false,
             Self::Convex(tracker) => {
                 let (Some(x), Some(y)) = (a.as_convex(), b.as_convex()) else {
                     return;
@@ -298,7 +312,7 @@ impl PairTracker for MixedTracker {
 
     fn contacts(&self) -> Option<&[PatchContacts]> {
         let contacts = match self {
-            Self::Convex(_) => None,
+            Self::Convex(_) | Self::Patches(_) => None,
             Self::Pieces(tracked) => tracked.contacts.as_deref(),
             Self::Triangles(tracked) => tracked.contacts.as_deref(),
         };
@@ -307,7 +321,7 @@ impl PairTracker for MixedTracker {
 
     fn drop_contacts(&mut self) {
         match self {
-            Self::Convex(_) => {}
+            Self::Convex(_) | Self::Patches(_) => {}
             Self::Pieces(tracked) => tracked.contacts = None,
             Self::Triangles(tracked) => tracked.contacts = None,
         }
@@ -318,6 +332,7 @@ impl PairTracker for MixedTracker {
             Self::Convex(_) => [0; 2],
             Self::Pieces(tracked) => tracked.pieces,
             Self::Triangles(tracked) => tracked.pieces,
+            Self::Patches(tracker) => tracker.pieces,
         }
     }
 
@@ -332,18 +347,20 @@ impl PairTracker for MixedTracker {
             Self::Convex(_) => size_of::<ShapeTracker>(),
             Self::Pieces(_) => size_of::<Tracked<CompositeTracker, Composite>>(),
             Self::Triangles(tracked) => size_of::<Tracked<MeshTracker, Mesh>>() + tracked.tracker.heap_bytes(),
+            Self::Patches(tracker) => size_of::<WithSurface>() + tracker.heap_bytes(),
         }
     }
 }
 
-/// The serialized form of a tracker. Fronts of composites and meshes are not written: these
-/// trackers begin anew.
+/// The serialized form of a tracker. Fronts of composites, meshes and surfaces are not written:
+/// these trackers begin anew.
 #[cfg(feature = "serde")]
 #[derive(serde::Serialize, serde::Deserialize)]
 pub(super) enum StoredTracker {
     Convex(Box<ShapeTracker>),
     Pieces([u32; 2]),
     Triangles([u32; 2]),
+    Patches([u32; 2]),
 }
 
 #[cfg(feature = "serde")]
@@ -354,16 +371,18 @@ impl MixedTracker {
             Self::Convex(tracker) => StoredTracker::Convex(tracker.clone()),
             Self::Pieces(tracked) => StoredTracker::Pieces(tracked.pieces),
             Self::Triangles(tracked) => StoredTracker::Triangles(tracked.pieces),
+            Self::Patches(tracker) => StoredTracker::Patches(tracker.pieces),
         }
     }
 
     /// Returns the tracker of two bodies as written; `None` if the tracker is of other kinds.
     pub(super) fn restored(stored: StoredTracker, a: &BodyShape, b: &BodyShape) -> Option<Self> {
-        let mut tracker = Self::new(a, b);
+        let mut tracker = Self::new(a, b)?;
         match (&mut tracker, stored) {
             (Self::Convex(tracker), StoredTracker::Convex(known)) => *tracker = known,
             (Self::Pieces(tracked), StoredTracker::Pieces(pieces)) => tracked.pieces = pieces,
             (Self::Triangles(tracked), StoredTracker::Triangles(pieces)) => tracked.pieces = pieces,
+            (Self::Patches(tracker), StoredTracker::Patches(pieces)) => tracker.pieces = pieces,
             _ => return None,
         }
         Some(tracker)

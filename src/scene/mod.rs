@@ -100,8 +100,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Adjacent links of an arm touch by design: [`ignore_pair`](Scene::ignore_pair) excludes single
-//! pairs, any number of them.
+//! Adjacent links of an arm touch by design: [`ignore_pair`](Scene::ignore_pair) excludes pairs.
 //!
 //! # What it costs
 //!
@@ -167,6 +166,7 @@ mod search;
 mod snapshot;
 mod step;
 mod stored_answer;
+mod surface_tracker;
 mod velocity;
 
 use alloc::vec::Vec;

@@ -159,11 +159,11 @@ pub(crate) enum AnyTracker {
 }
 
 impl AnyTracker {
-    /// Returns a tracker without a start.
-    pub(crate) fn new(a: &BodyShape, b: &BodyShape) -> Self {
+    /// Returns a tracker without a start; `None` for kinds that no tracker takes together.
+    pub(crate) fn new(a: &BodyShape, b: &BodyShape) -> Option<Self> {
         match (a, b) {
-            (BodyShape::Polyhedron(_), BodyShape::Polyhedron(_)) => Self::Polyhedra(Tracker::new()),
-            _ => Self::Mixed(MixedTracker::new(a, b)),
+            (BodyShape::Polyhedron(_), BodyShape::Polyhedron(_)) => Some(Self::Polyhedra(Tracker::new())),
+            _ => MixedTracker::new(a, b).map(Self::Mixed),
         }
     }
 

@@ -209,7 +209,7 @@ impl Scene {
         let seen = pair.and_then(|pair| self.pair_tables.get(pair.id.slot));
         let known = seen.and_then(|seen| seen.tracker.started(x, y, a < b));
         Some(PairQuery {
-            tracker: known.unwrap_or_else(|| AnyTracker::new(x, y)),
+            tracker: known.or_else(|| AnyTracker::new(x, y))?,
             shapes: (x, y),
             pose,
         })

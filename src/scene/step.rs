@@ -345,7 +345,7 @@ fn begin(
     let tracker = pair_state.tracker.or_else(|| {
         let shape = |i: u32| bodies.solids[i as usize].as_ref().map(|solid| &solid.shape);
         if plan.detail > Detail::Boxes {
-            Some(AnyTracker::new(shape(a)?, shape(b)?))
+            AnyTracker::new(shape(a)?, shape(b)?)
         } else {
             None
         }

@@ -89,6 +89,23 @@ impl Shape {
         (height + self.round * (1.0 + BOX)) * length
     }
 
+    /// Returns a point of the core of about the greatest height along a unit direction, and the
+    /// vertex of a polyhedral core.
+    pub(crate) fn core_point(&self, n: &Vector3<f64>) -> (Option<u32>, Vector3<f64>) {
+        let along = [n.x, n.y, n.z];
+        match &self.core {
+            Core::Polyhedron(body) => {
+                let v = body.extreme_vertex(n);
+                let p = body.vertex(v).unwrap_or_else(Point3::origin);
+                (Some(v.0), p.coords)
+            }
+            Core::Ellipsoid(core) => (None, core.support(&along, 0).1.into()),
+            Core::Cylinder(core) => (None, core.support(&along, 0).1.into()),
+            Core::Cone(core) => (None, core.support(&along, 0).1.into()),
+            Core::Superquadric(core) => (None, core.support(&along, 0).1.into()),
+        }
+    }
+
     /// Returns the axis-aligned box of the shape at a pose, rounded outward: least and greatest
     /// corner, in the frame that the pose leads to. `hint` caches the extreme vertices of a
     /// polyhedron from one frame to the next.

@@ -38,6 +38,15 @@ pub(crate) const RAISED: f64 = 64.0 * UNIT;
 /// direction 70 UNIT, doubled by the division, and room.
 pub(crate) const KNOTS: f64 = 160.0 * UNIT;
 
+/// Error, times R, of a point of a surface at given parameters, however its patches were given.
+pub(crate) const SURFACE_POINT: f64 = PATCH_POINT + if RAISED > KNOTS { RAISED } else { KNOTS };
+
+/// Error of the distance of a point from a convex shape, in units of the largest distance of the
+/// shape's points from its origin, beside the shape's own bounds and
+/// [`CERTIFICATE`](super::CERTIFICATE): the relative rotation as a product of two quaternions,
+/// eight roundings, normalised with eight more, twice as many for the turned vector, and room.
+pub(crate) const SHAPE_POINT: f64 = 64.0 * UNIT;
+
 /// Corners of two borders closer than this times the size of the surface are the same corner: both
 /// err by [`KNOTS`] or [`RAISED`], and control points of one surface computed twice by some tens of
 /// UNIT. Steers what is reported as closed, no bound.
@@ -63,6 +72,14 @@ pub(crate) const CURVATURE: f64 = 8.0 * UNIT;
 /// Error of a coefficient of a height, `n . N - c w`, times R and the weight: the dot product three
 /// UNIT, the product with c, at most R, two, and the difference two.
 pub(crate) const COEFFICIENT: f64 = 8.0 * UNIT;
+
+/// Error of a coefficient of a height above a bowl (`patch::bowl`), times the denominator's
+/// coefficient, R and the distance of the point of contact from the origin. The form has a length
+/// of at most one over the distance of the points from there, so the quadratic part is no larger
+/// than the height. The shift by the point of contact has two roundings, products with a direction,
+/// a form and a weight nine, a coefficient up to 16 products, each with two binomials and a sum, a
+/// quotient; the quadratic part twice. The orthogonality of the directions is off by six UNIT.
+pub(crate) const BENT: f64 = 96.0 * UNIT;
 
 /// A pair on a front claims its gap less this times the size L at each of the two poses: the claim
 /// is a sum of heights of points of B's frame, [`CERTIFICATE`](super::CERTIFICATE) UNIT L at each

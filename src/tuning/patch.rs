@@ -14,6 +14,23 @@ pub(crate) const STEPS: usize = 4;
 /// Steps of Newton's method for two points. Quadratic once near; not measured.
 pub(crate) const NEWTON: usize = 24;
 
+/// The way, in parameters, over which the turn of a shape's normal is taken as its curvature. Not
+/// measured.
+pub(crate) const PROBE: f64 = 1.0 / 65_536.0;
+
+/// Width of a measure over time, as a part of the distance: a look of conservative advancement goes
+/// so much less far. Not measured.
+pub(crate) const MEASURED: f64 = 1.0 / 64.0;
+
+/// Width of a distance of surfaces in a scene, as a part of both radii. Not measured.
+pub(crate) const SCENE_WIDTH: f64 = 1.0 / (1u64 << 30) as f64;
+
+/// A look over time that would go less far by more than this part is measured again, narrower.
+pub(crate) const NARROWER: f64 = 1.0 / 16.0;
+
+/// Dampings, each eight times the one before, of a step of a point towards a shape.
+pub(crate) const DAMPINGS: usize = 10;
+
 /// Steps of Newton's method for the highest point of one node. Not measured.
 pub(crate) const CLIMB: usize = 4;
 

@@ -7,7 +7,7 @@ use lab::rng::Rng;
 use lab::soups::{self, Soup};
 use lin_canny::nalgebra::{Point3, Vector3};
 use lin_canny::{
-    Composite, ContactPatches, ManifoldOptions, MeshTracker, PatchContact, PatchContacts, PatchTracker, Piece, Shape,
+    Composite, ContactPatches, ContactTracker, ManifoldOptions, MeshTracker, PatchContact, PatchContacts, Piece, Shape,
 };
 
 fn patches(soup: &Soup) -> ContactPatches {
@@ -124,7 +124,7 @@ fn convex_bodies_and_flat_regions_are_one_patch_turned_or_not() {
 fn a_plate_on_a_plate_has_four_contacts_whose_names_last() {
     let plate = soups::plate(12, [1.0, 1.0, 0.05]);
     let p = patches(&plate);
-    let mut tracker = PatchTracker::new();
+    let mut tracker = ContactTracker::new();
     let mut names = Vec::new();
     for (k, gap) in [4e-3, 3e-3, 1e-9, 0.0, -3e-3, -4e-3, -4e-3].into_iter().enumerate() {
         let pose = Pose {
@@ -170,7 +170,7 @@ fn bodies_on_a_plate_have_a_few_contacts_upward() {
                 q,
                 t: [0.1, 0.2, 0.1 + height + gap],
             };
-            let found = PatchTracker::new()
+            let found = ContactTracker::new()
                 .contacts(&floor, &body, &relative(&pose), &within(0.01))
                 .to_vec();
             assert_eq!((found.len(), all(&found).count()), (1, count), "{name} {gap} {found:?}");
@@ -182,7 +182,7 @@ fn bodies_on_a_plate_have_a_few_contacts_upward() {
             check(&found, [Some(&plate), Some(&soup)], &pose, name);
             // The other order: the same contacts.
             let back = relative(&pose).swapped();
-            let other = PatchTracker::new()
+            let other = ContactTracker::new()
                 .contacts(&body, &floor, &back, &within(0.01))
                 .to_vec();
             assert_eq!(all(&other).count(), count, "{name} {gap} {other:?}");
@@ -195,7 +195,7 @@ fn bodies_on_a_plate_have_a_few_contacts_upward() {
 fn an_l_in_an_l_has_contacts_along_both_walls() {
     let l = soups::bracket();
     let p = patches(&l);
-    let mut tracker = PatchTracker::new();
+    let mut tracker = ContactTracker::new();
     for gap in [4e-3, -4e-3] {
         // The back of one in the corner of the other.
         let pose = Pose {
@@ -259,7 +259,7 @@ fn a_ball_rolls_over_bumps_without_ghosts_and_always_with_its_deepest_contact() 
     let (ball, radius) = (ContactPatches::from(Shape::ball(0.11).unwrap()), 0.11);
     let speck = Composite::from(Shape::ball(1e-6).unwrap());
     let options = exact(0.01);
-    let mut tracker = PatchTracker::new();
+    let mut tracker = ContactTracker::new();
     let (mut apart, mut deep) = (0, 0);
     for k in 0..600 {
         let angle = 0.013 * f64::from(k);
@@ -302,7 +302,7 @@ fn a_box_tumbles_over_bumps_without_ghosts() {
     let (floor, half) = (patches(&soup), [0.15, 0.1, 0.12]);
     let (cube, solid) = (cuboid(half), soups::plate(1, half));
     let (mut met, mut deep, mut lost) = (0, 0, Vec::new());
-    let (mut q, mut tracker) = (rng.quat(), PatchTracker::new());
+    let (mut q, mut tracker) = (rng.quat(), ContactTracker::new());
     for k in 0..400u32 {
         q = unit_quat(quat_mul(quat(rng.unit(), 0.03), q));
         let angle = 0.017 * f64::from(k);
@@ -322,7 +322,7 @@ fn a_box_tumbles_over_bumps_without_ghosts() {
         check(&found, [Some(&soup), None], &pose, &format!("box {k}"));
         if truth > 0.0 {
             let options = exact(0.01);
-            let cold = PatchTracker::new()
+            let cold = ContactTracker::new()
                 .contacts(&floor, &cube, &relative(&pose), &options)
                 .to_vec();
             assert!((deepest(&cold) - truth).abs() < 1e-9, "{k} {truth} {cold:?}");
@@ -350,7 +350,7 @@ fn a_box_tumbles_over_bumps_without_ghosts() {
 fn slide((floor, turn): (&ContactPatches, &Pose), (body, lift, count): (&ContactPatches, f64, usize), what: &str) {
     let up = Vector3::from(turn.rotate([0.0, 0.0, 1.0]));
     let mut rng = Rng::new(3);
-    let mut tracker = PatchTracker::new();
+    let mut tracker = ContactTracker::new();
     for k in 0..1000 {
         let angle = 0.0171 * f64::from(k);
         let depth = rng.range(-2e-3, 2e-3);
@@ -412,7 +412,7 @@ fn a_body_in_a_corner_has_both_walls_and_a_body_behind_a_wall_none() {
     for k in 0..50 {
         let depth = 1e-4 * f64::from(k - 25);
         let pose = Pose::shift([1.7 + depth, 0.01 * f64::from(k), -0.75 - depth]);
-        let found = PatchTracker::new()
+        let found = ContactTracker::new()
             .contacts(&r, &c, &relative(&pose), &within(5e-3))
             .to_vec();
         check(&found, [Some(&room), None], &pose, "corner");
@@ -424,7 +424,7 @@ fn a_body_in_a_corner_has_both_walls_and_a_body_behind_a_wall_none() {
     shelf = shelf.with(&soups::plate(4, [0.1, 0.1, 0.5]).map(|p| add(p, [0.0, 0.0, 0.6])));
     let p = patches(&shelf);
     let below = Pose::shift([0.7, 0.0, -0.02 - 0.25 - 0.02]);
-    let found = PatchTracker::new()
+    let found = ContactTracker::new()
         .contacts(&p, &c, &relative(&below), &within(5e-3))
         .to_vec();
     assert_eq!(found, [], "{found:?}");
@@ -447,7 +447,7 @@ fn contacts_of_tumbling_bodies_lie_on_both_and_their_normals_are_the_meshes_own(
         let (i, j) = (rng.below(4), rng.below(4));
         let (mut q, axis, at) = (rng.quat(), rng.unit(), rng.unit());
         let (m, n) = (&meshes[i], &meshes[j]);
-        let mut tracker = PatchTracker::new();
+        let mut tracker = ContactTracker::new();
         for frame in 0..4 {
             q = unit_quat(quat_mul(quat(axis, 0.01), q));
             let mut pose = Pose { q, t: scale(at, 2.6) };
@@ -486,7 +486,7 @@ fn pieces_bear_contacts_as_they_are() {
     let p = ContactPatches::of_pieces(body);
     let floor = cuboid([3.0, 3.0, 1.0]);
     let pose = Pose::shift([0.0, 0.0, 1.099]);
-    let found = PatchTracker::new()
+    let found = ContactTracker::new()
         .contacts(&floor, &p, &relative(&pose), &within(1e-3))
         .to_vec();
     assert_eq!((found.len(), all(&found).count()), (1, 4));

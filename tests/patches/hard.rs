@@ -1,7 +1,7 @@
 //! Saddles, poles, cusps, tangent and crossing surfaces, refused input, budgets.
 
 use lab::rng::Rng;
-use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
+use lin_canny::nalgebra::{Isometry3, Point3, Unit, UnitQuaternion, Vector3};
 use lin_canny::patch::{Decision, Nurbs, Patch, PatchError, Surface, SurfaceTracker, revolution};
 use lin_canny::{Class, Mesh, MeshTracker, RelativePose};
 
@@ -31,6 +31,53 @@ fn saddles_in_each_other() {
         judge(&a, &a, &at, &o, 1e-13);
         println!("{gap} {turn}: {} {} {:?}", o.lower, o.upper, tracker.work());
     }
+}
+
+/// A saddle over a flatter one, and a dish in a wider dish: no plane stands between, and narrow intervals are no dearer.
+#[test]
+fn hollows_and_saddles_cost_no_more_when_narrow() {
+    let saddle = [
+        one([2, 2], &square(|x, y| x * x - y * y)),
+        one([2, 2], &square(|x, y| 1.6 * x * x - 0.4 * y * y - 0.6)),
+    ];
+    let dish = [
+        one([2, 2], &square(|x, y| 0.5 * x * x + 0.3 * y * y)),
+        one([2, 2], &square(|x, y| x * x + 0.9 * y * y - 0.55)),
+    ];
+    let cubic = [one([3, 3], &cubic(0.3, 0.0)), one([3, 3], &cubic(0.8, -0.15))];
+    let mut worst = 0.0_f64;
+    for (k, [a, b]) in [saddle, dish, cubic].iter().enumerate() {
+        for (x, gap, turn) in [(0.0, 0.05, 0.0), (0.03, 1e-3, 0.1), (-0.05, 0.05, 0.3)] {
+            let turned = UnitQuaternion::from_axis_angle(&Unit::new_normalize(Vector3::new(0.1, 0.2, 1.0)), turn);
+            let at = Isometry3::from_parts(Vector3::new(x, -0.5 * x, gap).into(), turned);
+            let mut splits = Vec::new();
+            for width in [1e-4, 1e-7, 1e-10] {
+                let mut tracker = SurfaceTracker::new();
+                let o = tracker.closest(a, b, &pose(&at), width);
+                judge(a, b, &at, &o, 1e-13);
+                assert!(o.is_reached || o.lower == 0.0, "{k} {gap}: {o:?}");
+                splits.push(tracker.work().splits);
+                // Warm, and the other way round.
+                let again = tracker.closest(a, b, &pose(&at), width);
+                let back = SurfaceTracker::new().closest(b, a, &pose(&at).swapped(), width);
+                for other in [again, back] {
+                    assert!(other.lower <= o.upper && o.lower <= other.upper, "{o:?} {other:?}");
+                }
+            }
+            println!("{k} {gap} {turn}: {splits:?} splits");
+            worst = worst.max(splits[2] as f64 / splits[1].max(8) as f64);
+        }
+    }
+    assert!(worst < 1.3, "{worst}");
+}
+
+/// Control points of a bowl of degree 3.
+fn cubic(bend: f64, height: f64) -> Vec<Point3<f64>> {
+    let at = |k: usize| {
+        let (x, y) = ((k / 4) as f64 / 1.5 - 1.0, (k % 4) as f64 / 1.5 - 1.0);
+        Point3::new(x, y, height + bend * (x * x + y * y + 0.2 * x * x * x - 0.3 * x * y))
+    };
+    (0..16).map(at).collect()
 }
 
 #[test]

@@ -71,3 +71,63 @@ fn bounds_hold_on_random_pairs() {
 fn bounds_hold_on_many_random_pairs() {
     run(10_000);
 }
+
+/// Work of two bicubic patches that tumble by half a degree a frame, cold and tracked.
+#[test]
+#[ignore = "prints times"]
+fn cost() {
+    use crate::bodies::bumpy;
+    use lin_canny::nalgebra::{UnitQuaternion, Vector3};
+    for width in [1e-4, 1e-9] {
+        let (mut cold, mut warm) = (Vec::new(), Vec::new());
+        let mut works = [lin_canny::patch::SurfaceWork::default(); 2];
+        let mut add = |k: usize, w: lin_canny::patch::SurfaceWork| {
+            let sum = &mut works[k];
+            sum.gaps += w.gaps;
+            sum.caps += w.caps;
+            sum.bowls += w.bowls;
+            sum.steps += w.steps;
+            sum.splits += w.splits;
+            sum.entries += w.entries;
+            sum.failed += w.failed;
+            sum.queries += w.queries;
+        };
+        for k in 0..16 {
+            let mut rng = Rng::of_case(61, k);
+            let mut one = || Surface::new(vec![bumpy(&mut rng, [3, 3], 0.5)]).expect("a surface");
+            let (a, b) = (one(), one());
+            let mut at = place(&mut rng, 3.0);
+            let axis = Vector3::from(rng.unit()) * 0.5_f64.to_radians();
+            let mut tracker = SurfaceTracker::new();
+            for _ in 0..40 {
+                at.rotation = UnitQuaternion::from_scaled_axis(axis) * at.rotation;
+                let d = tracker.distance(&a, &b, &pose(&at), 1e-3).value;
+                at.translation.vector *= 1.0 + 0.3 * (0.2 - d);
+            }
+            tracker = SurfaceTracker::new();
+            for _ in 0..40 {
+                at.rotation = UnitQuaternion::from_scaled_axis(axis) * at.rotation;
+                let began = std::time::Instant::now();
+                std::hint::black_box(tracker.closest(&a, &b, &pose(&at), width));
+                warm.push(began.elapsed().as_nanos());
+                let began = std::time::Instant::now();
+                let mut fresh = SurfaceTracker::new();
+                std::hint::black_box(fresh.closest(&a, &b, &pose(&at), width));
+                cold.push(began.elapsed().as_nanos());
+                add(0, fresh.work());
+            }
+            add(1, tracker.work());
+        }
+        for (k, (name, times)) in [("cold", &mut cold), ("warm", &mut warm)].into_iter().enumerate() {
+            times.sort_unstable();
+            let at = |p: usize| times[(times.len() - 1) * p / 100];
+            println!(
+                "{width:e} {name}: median {} p90 {} max {} ns; sums {:?}",
+                at(50),
+                at(90),
+                at(100),
+                works[k]
+            );
+        }
+    }
+}

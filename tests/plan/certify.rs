@@ -4,6 +4,7 @@ use crate::judge::{first_contact, meet, replay};
 use lab::rng::Rng;
 use lab::rooms::Room;
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
+use lin_canny::patch::Surface;
 use lin_canny::plan::{Checker, Part, PlanError, RigidSpace, TranslationSpace, Verdict, World};
 use lin_canny::polyhedron::solids;
 use lin_canny::{Composite, Mesh, Piece, Shape, Tracker};
@@ -295,5 +296,12 @@ fn bad_input_is_named() {
         Mesh::from_convex(&room.robot).expect("a mesh"),
         Isometry3::identity(),
     );
-    assert!(Checker::new(room.space(), round).is_ok(), "every two kinds are a pair");
+    assert!(Checker::new(room.space(), round).is_ok());
+    let mesh = Mesh::from_convex(&room.robot).expect("a mesh");
+    let mut curved = World::new();
+    let patches = Surface::from_mesh(&mesh).expect("a surface");
+    curved.robot_body("bracket", mesh);
+    curved.obstacle("dome", patches, Isometry3::identity());
+    let refused = Checker::new(room.space(), curved).err();
+    assert!(matches!(refused, Some(PlanError::Unanswered { .. })), "{refused:?}");
 }

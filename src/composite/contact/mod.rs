@@ -71,19 +71,19 @@ pub struct PatchContacts {
 /// use lin_canny::nalgebra::{Isometry3, Vector3};
 /// use lin_canny::polyhedron::solids;
 /// use lin_canny::{ContactPatches, ManifoldOptions, Mesh};
-/// use lin_canny::{PatchTracker, RelativePose, Shape};
+/// use lin_canny::{ContactTracker, RelativePose, Shape};
 ///
 /// let floor = Mesh::from_convex(&solids::cuboid(Vector3::new(5.0, 5.0, 1.0))?)?;
 /// let floor = ContactPatches::of_mesh(floor);
 /// let die = ContactPatches::from(Shape::cuboid(Vector3::new(0.5, 0.5, 0.5))?);
-/// let mut pair = PatchTracker::new();
+/// let mut pair = ContactTracker::new();
 /// let at = RelativePose::from_isometry(&Isometry3::translation(0.1, 0.0, 1.49))?;
 /// let found = pair.contacts(&floor, &die, &at, &ManifoldOptions::within(0.02));
 /// assert_eq!((found.len(), found[0].contacts.len()), (1, 4));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, Default)]
-pub struct PatchTracker {
+pub struct ContactTracker {
     fingerprints: [u64; 2],
     near: BTreeMap<Pair, Near>,
     found: Vec<PatchContacts>,
@@ -100,7 +100,7 @@ struct Query<'a> {
     doubt: f64,
 }
 
-impl PatchTracker {
+impl ContactTracker {
     /// Returns a tracker without a start.
     #[must_use]
     pub fn new() -> Self {

@@ -1,0 +1,227 @@
+//! A curved surface between two parts, where no plane proves them apart: nested saddles, and one
+//! surface in the hollow of another.
+//!
+//! Let n be a unit direction, S a symmetric form on the plane perpendicular to n, and
+//! `g(x) = n . x - x . S x / 2`, places seen from a point of contact o. For a quadratic function
+//! `g(b) - g(a) = grad g(m) . (b - a)` with m half-way between a and b, and
+//!
+//! `|grad g(m)| <= 1 + |S m|^2 / 2 <= 1 + |S a|^2 / 4 + |S b|^2 / 4`.
+//!
+//! So if for all points a of X and b of Y
+//!
+//! `[n . b - b . (S + T S^2 / 2) b / 2] - [n . a - a . (S - T S^2 / 2) a / 2] >= T`,
+//!
+//! no point of X is nearer to a point of Y than T. Both brackets are polynomials of one part alone,
+//! of twice its degrees, bounded as heights are ([`highest`](super::height)). Near the closest
+//! points X lies below and Y above the graph of S if S is between their curvatures: at a border
+//! only along the border.
+
+use nalgebra::{Matrix2, Vector2, Vector3};
+
+use super::bezier::{NET, ORDER};
+use super::frame::Frame;
+use super::height::bounded;
+use super::net::SurfaceJet;
+use super::tree::{Net, Node};
+use crate::num::scalar::sqrt;
+use crate::tolerance::{BENT, ROUND_UP};
+
+/// A quadratic function of points.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Bowl {
+    n: Vector3<f64>,
+    /// Unit vectors perpendicular to n and to each other.
+    e: [Vector3<f64>; 2],
+    /// In A's frame.
+    at: Vector3<f64>,
+    /// The form S.
+    form: Matrix2<f64>,
+    /// Upper bound of the length of S.
+    length: f64,
+}
+
+/// A bowl as one body sees it: heights are `n . x + x . M x / 2`, places seen from `at`.
+pub(super) struct Half {
+    n: Vector3<f64>,
+    e: [Vector3<f64>; 2],
+    at: Vector3<f64>,
+    form: Matrix2<f64>,
+    length: f64,
+}
+
+/// Returns two unit vectors perpendicular to a unit vector and to each other.
+fn tangents(n: &Vector3<f64>) -> [Vector3<f64>; 2] {
+    let mut axis = Vector3::zeros();
+    axis[n.iamin()] = 1.0;
+    let e = n.cross(&axis);
+    let e = e / sqrt(e.norm_squared());
+    [e, n.cross(&e)]
+}
+
+/// Returns the curvature of a surface over the plane of `e`, as a form.
+fn curvature(jet: &SurfaceJet, n: &Vector3<f64>, e: &[Vector3<f64>; 2]) -> Option<Matrix2<f64>> {
+    let [d, f] = e;
+    let tangents = Matrix2::new(d.dot(&jet.u), d.dot(&jet.v), f.dot(&jet.u), f.dot(&jet.v));
+    let inverse = tangents.try_inverse()?;
+    let (uu, uv, vv) = (n.dot(&jet.uu), n.dot(&jet.uv), n.dot(&jet.vv));
+    Some(inverse.transpose() * Matrix2::new(uu, uv, uv, vv) * inverse)
+}
+
+/// Returns half of a form along the border on which a point lies; zero for a corner.
+fn along(jet: &SurfaceJet, is_at_border: [bool; 2], e: &[Vector3<f64>; 2], form: &Matrix2<f64>) -> Matrix2<f64> {
+    let side = match is_at_border {
+        [true, false] => jet.v,
+        [false, true] => jet.u,
+        _ => return Matrix2::zeros(),
+    };
+    let f = Vector2::new(e[0].dot(&side), e[1].dot(&side));
+    let square = f.norm_squared();
+    if square > 0.0 {
+        f * f.transpose() * (0.5 * f.dot(&(form * f)).max(0.0) / (square * square))
+    } else {
+        Matrix2::zeros()
+    }
+}
+
+impl Bowl {
+    /// Returns a bowl between two surfaces at a pair of close points `distance` apart. Its form is
+    /// half-way between the curvatures. Where the point of one surface is at a border, the form is
+    /// that of the other across the border, moved by as much as the other needs; `is_at_border` is
+    /// for u and v of A and of B.
+    pub(super) fn between(
+        [a, b]: [&SurfaceJet; 2],
+        n: &Vector3<f64>,
+        distance: f64,
+        is_at_border: [bool; 4],
+        frame: &Frame,
+    ) -> Option<Self> {
+        let e = tangents(n);
+        let (of_a, of_b) = (curvature(a, n, &e)?, curvature(b, n, &e)?);
+        let [u, v, s, t] = is_at_border;
+        let between = of_b - of_a;
+        let form = match (u || v, s || t) {
+            (true, false) => of_b - of_b * of_b * distance - along(a, [u, v], &e, &between),
+            (false, true) => of_a + of_a * of_a * distance + along(b, [s, t], &e, &between),
+            _ => (of_a + of_b) * 0.5,
+        };
+        let length = sqrt(form.norm_squared()) * ROUND_UP;
+        let is_of_use = length > 0.0 && length * frame.size < f64::INFINITY;
+        is_of_use.then_some(Self {
+            n: *n,
+            e,
+            at: a.point,
+            form,
+            length,
+        })
+    }
+
+    /// Returns the half that A sees, for a target T.
+    pub(super) fn of_a(&self, target: f64) -> Half {
+        Half {
+            n: self.n,
+            e: self.e,
+            at: self.at,
+            form: self.form * self.form * (0.5 * target) - self.form,
+            length: self.length * (1.0 + target * self.length),
+        }
+    }
+
+    /// Returns the half that B sees, for a target T, in B's frame.
+    pub(super) fn of_b(&self, target: f64, frame: &Frame) -> Half {
+        Half {
+            n: -frame.direction_in_b(&self.n),
+            e: self.e.map(|e| frame.direction_in_b(&e)),
+            at: frame.rotation.tr_mul(&(self.at - frame.translation)),
+            form: self.form * self.form * (0.5 * target) + self.form,
+            length: self.length * (1.0 + target * self.length),
+        }
+    }
+}
+
+impl Half {
+    /// Returns whether the heights of a node are worth a look: the node is no farther than its size
+    /// from the point of contact, and the form has little effect over it, on errors too.
+    pub(super) fn is_near(&self, node: &Node) -> bool {
+        let off = sqrt((node.centre - self.at).norm_squared());
+        !node.is_group() && off <= 2.0 * node.radius && self.length * (off + node.radius) <= 1.0
+    }
+
+    /// Returns an upper bound of the heights of the part of a surface below a node, errors of the
+    /// pose aside; `None` for a degree above three.
+    pub(super) fn highest(&self, node: &Node, net: &Net) -> Option<f64> {
+        let [p, q] = node.degrees;
+        if 2 * p >= ORDER || 2 * q >= ORDER {
+            return None;
+        }
+        let mut room = [[0.0; 2]; NET];
+        let degrees = [2 * p, 2 * q];
+        let pairs = &mut room[..(2 * p + 1) * (2 * q + 1)];
+        self.fill(pairs, node.degrees, net);
+        let height = |p: &[f64; 2]| p[0] / p[1];
+        let mut start = 0;
+        for k in 1..pairs.len() {
+            if height(&pairs[k]) > height(&pairs[start]) {
+                start = k;
+            }
+        }
+        let most = height(&pairs[start]);
+        let of = bounded(pairs, degrees, start, (most, f64::INFINITY))?;
+        Some(of.min(most) + 2.0 * node.error + BENT * (node.reach + self.at.abs().sum()))
+    }
+
+    /// Writes the coefficients of the numerator and the denominator of the heights.
+    fn fill(&self, pairs: &mut [[f64; 2]], [p, q]: [usize; 2], net: &Net) {
+        let count = (p + 1) * (q + 1);
+        // Heights, coordinates along both tangents, their images, weights; times binomials.
+        let mut of = [[0.0; NET]; 6];
+        let (planes, weights) = match net.homogeneous {
+            Some([x, y, z, w]) => ([x, y, z], Some(w)),
+            None => (net.points, None),
+        };
+        for k in 0..count {
+            let w = weights.map_or(1.0, |w| w[k]);
+            let x = Vector3::new(planes[0][k], planes[1][k], planes[2][k]) - self.at * w;
+            let (s, t) = (self.e[0].dot(&x), self.e[1].dot(&x));
+            let m = &self.form;
+            let scale = BINOMIAL[p][k / (q + 1)] * BINOMIAL[q][k % (q + 1)];
+            let row = [
+                self.n.dot(&x),
+                s,
+                t,
+                0.5 * (m[(0, 0)] * s + m[(0, 1)] * t),
+                0.5 * (m[(1, 0)] * s + m[(1, 1)] * t),
+                w,
+            ];
+            (0..6).for_each(|i| of[i][k] = scale * row[i]);
+        }
+        let [height, s, t, of_s, of_t, w] = &of;
+        for i in 0..count {
+            let (row, column) = (i / (q + 1), i % (q + 1));
+            for j in 0..count {
+                let k = (row + j / (q + 1)) * (2 * q + 1) + column + j % (q + 1);
+                pairs[k][0] += height[i] * w[j] + s[i] * of_s[j] + t[i] * of_t[j];
+                pairs[k][1] += w[i] * w[j];
+            }
+        }
+        for (k, pair) in pairs.iter_mut().enumerate() {
+            let scale = BINOMIAL[2 * p][k / (2 * q + 1)] * BINOMIAL[2 * q][k % (2 * q + 1)];
+            *pair = pair.map(|x| x / scale);
+        }
+    }
+}
+
+/// Binomial coefficients.
+const BINOMIAL: [[f64; ORDER]; ORDER] = {
+    let mut rows = [[0.0; ORDER]; ORDER];
+    let mut n = 0;
+    while n < ORDER {
+        rows[n][0] = 1.0;
+        let mut k = 1;
+        while k <= n {
+            rows[n][k] = rows[n - 1][k - 1] + if k < n { rows[n - 1][k] } else { 0.0 };
+            k += 1;
+        }
+        n += 1;
+    }
+    rows
+};

@@ -1,0 +1,143 @@
+//! Serialized form of patches and surfaces (feature `serde`): nets bit for bit, checked on
+//! deserialization.
+
+use alloc::vec::Vec;
+use serde::{Deserialize, Serialize};
+
+use super::error::PatchError;
+use super::net::{Patch, check_degrees};
+use super::surface::Surface;
+use crate::tolerance::{KNOTS, PATCH_MAX, RAISED, WEIGHT_RATIO};
+
+/// Serialized form of a patch.
+#[derive(Serialize, Deserialize)]
+#[serde(rename = "Patch")]
+pub(super) struct StoredPatch {
+    degrees: [usize; 2],
+    /// Weight times point, and weight.
+    net: Vec<[f64; 4]>,
+    is_triangular: bool,
+    source: Source,
+    /// The farthest point of those from which the net was computed.
+    reach: f64,
+}
+
+/// What the control points were computed from, which bounds their errors.
+#[derive(Serialize, Deserialize)]
+enum Source {
+    Points,
+    Triangle,
+    Knots,
+}
+
+/// Serialized form of a surface.
+#[derive(Serialize, Deserialize)]
+#[serde(rename = "Surface")]
+pub(super) struct StoredSurface {
+    patches: Vec<Patch>,
+    /// The knots about each patch, in u and v.
+    domains: Vec<[[f64; 2]; 2]>,
+}
+
+impl From<Patch> for StoredPatch {
+    fn from(patch: Patch) -> Self {
+        let source = if patch.noise == KNOTS {
+            Source::Knots
+        } else if patch.noise == RAISED {
+            Source::Triangle
+        } else {
+            Source::Points
+        };
+        Self {
+            degrees: patch.degrees,
+            net: patch.net,
+            is_triangular: patch.is_triangular,
+            source,
+            reach: patch.reach,
+        }
+    }
+}
+
+/// Rounding of a net halved again and again leaves coordinates and weights within a factor of two
+/// of their limits.
+fn check_net(net: &[[f64; 4]], expected: usize) -> Result<(), PatchError> {
+    let given = net.len();
+    if given != expected {
+        return Err(PatchError::Count { given, expected });
+    }
+    let largest = net.iter().map(|h| h[3]).fold(0.0, f64::max);
+    for (index, h) in net.iter().enumerate() {
+        let value = h[3];
+        // NaN fails the comparisons.
+        let is_weight = value >= 0.5 * WEIGHT_RATIO * largest && (WEIGHT_RATIO * WEIGHT_RATIO..=2.0).contains(&value);
+        if !is_weight {
+            return Err(PatchError::Weight { index, value });
+        }
+        if let Some(axis) = (0..3).find(|&k| !((h[k] / value).abs() <= 2.0 * PATCH_MAX)) {
+            let value = h[axis] / value;
+            return Err(PatchError::Coordinate { index, axis, value });
+        }
+    }
+    Ok(())
+}
+
+impl TryFrom<StoredPatch> for Patch {
+    type Error = PatchError;
+
+    fn try_from(stored: StoredPatch) -> Result<Self, PatchError> {
+        let [p, q] = stored.degrees;
+        check_degrees(stored.degrees)?;
+        check_net(&stored.net, (p + 1) * (q + 1))?;
+        if stored.is_triangular && p != q {
+            return Err(PatchError::Degree {
+                direction: 1,
+                degree: q,
+            });
+        }
+        let mut patch = Self::assembled(stored.degrees, stored.net);
+        // The least that is right for the net; NaN fails the comparison.
+        if !(stored.reach >= patch.reach && stored.reach <= 4.0 * PATCH_MAX) {
+            return Err(PatchError::Reach { value: stored.reach });
+        }
+        patch.reach = stored.reach;
+        patch.is_triangular = stored.is_triangular;
+        patch.noise = match stored.source {
+            Source::Points => 0.0,
+            Source::Triangle => RAISED,
+            Source::Knots => KNOTS,
+        };
+        Ok(patch)
+    }
+}
+
+impl From<Surface> for StoredSurface {
+    fn from(surface: Surface) -> Self {
+        Self {
+            patches: surface.patches,
+            domains: surface.domains,
+        }
+    }
+}
+
+impl TryFrom<StoredSurface> for Surface {
+    type Error = PatchError;
+
+    fn try_from(stored: StoredSurface) -> Result<Self, PatchError> {
+        let (given, expected) = (stored.domains.len(), stored.patches.len());
+        if given != expected {
+            return Err(PatchError::Count { given, expected });
+        }
+        for (index, domain) in stored.domains.iter().enumerate() {
+            for (direction, [low, high]) in domain.iter().enumerate() {
+                if !(low < high && low.abs() <= PATCH_MAX && high.abs() <= PATCH_MAX) {
+                    return Err(PatchError::Knot {
+                        direction,
+                        index,
+                        value: *high,
+                    });
+                }
+            }
+        }
+        Self::assembled(stored.patches, stored.domains)
+    }
+}

@@ -1,0 +1,249 @@
+//! A convex shape beside a surface: one node that is never split, since its support function gives
+//! its exact height along every direction, and its closest point to a point of the surface.
+
+use nalgebra::{Isometry3, UnitQuaternion, Vector3};
+
+use super::bowl::Half;
+use super::closest::{Meeting, Meets, Row, solve};
+use super::frame::Frame;
+use super::net::{Patch, SurfaceJet};
+use super::side::Side;
+use super::tree::Node;
+use crate::pair::outcome::Outcome;
+use crate::pose::{RelativePose, normalize};
+use crate::shape::Shape;
+use crate::shape_tracker::ShapeTracker;
+use crate::tolerance::UNIT;
+use crate::tuning::patch::{DAMPINGS, NEWTON, PROBE};
+
+/// A convex shape as one node.
+pub(super) struct Solid<'a> {
+    shape: &'a Shape,
+    node: Node,
+    /// The last direction and the height along it: searches ask many nodes along one direction.
+    last: (Vector3<f64>, f64),
+    /// The number of the next support point.
+    next: u32,
+}
+
+impl<'a> Solid<'a> {
+    pub(super) fn new(shape: &'a Shape) -> Self {
+        let (centre, radius) = shape.bounding_ball();
+        Self {
+            shape,
+            node: Node::whole(centre.coords, radius, 0.0),
+            last: (Vector3::zeros(), 0.0),
+            next: 0,
+        }
+    }
+}
+
+impl Side for Solid<'_> {
+    fn node(&self, _: u32) -> &Node {
+        &self.node
+    }
+
+    fn highest(&mut self, _: u32, n: &Vector3<f64>) -> f64 {
+        if self.last.0 != *n {
+            self.last = (*n, self.shape.support_height(n));
+        }
+        self.last.1
+    }
+
+    /// The point is one of the core: a radius moves no direction between closest points, and the
+    /// minimum-norm solver ends after few steps on a polyhedral core. Points of curved cores are
+    /// all different, so each has a number of its own.
+    fn support(&mut self, id: u32, n: &Vector3<f64>) -> (u32, Vector3<f64>, f64) {
+        self.next += 1;
+        let (vertex, point) = self.shape.core_point(n);
+        (vertex.unwrap_or(self.next), point, self.highest(id, n))
+    }
+
+    fn least(&self, _: u32, _: &Vector3<f64>, highest: f64) -> f64 {
+        highest
+    }
+
+    fn cap(&self, _: u32, _: &Vector3<f64>, highest: f64, _: f64) -> f64 {
+        highest
+    }
+
+    fn above(&self, _: u32, _: &Half) -> Option<f64> {
+        None
+    }
+
+    /// Of no use: the node cannot be split.
+    fn split(&mut self, id: u32) -> u32 {
+        id
+    }
+}
+
+/// Points of a surface and their closest points of a convex shape.
+pub(super) struct Feet<'a> {
+    patches: &'a [Patch],
+    /// A point at the origin.
+    point: &'a Shape,
+    shape: &'a Shape,
+    tracker: &'a mut ShapeTracker,
+    frame: &'a Frame,
+    /// The rotation of `a_from_b`.
+    turn: UnitQuaternion<f64>,
+}
+
+/// A point of the surface and the closest point of the shape.
+struct Foot {
+    at: [f64; 2],
+    jet: SurfaceJet,
+    found: Outcome,
+}
+
+impl<'a> Feet<'a> {
+    pub(super) fn new(
+        patches: &'a [Patch],
+        [point, shape]: [&'a Shape; 2],
+        tracker: &'a mut ShapeTracker,
+        frame: &'a Frame,
+        pose: &RelativePose,
+    ) -> Self {
+        let (a, b) = pose.poses();
+        let turn = normalize(&Isometry3::from_parts(
+            Vector3::zeros().into(),
+            a.rotation.inverse() * b.rotation,
+        ));
+        Self {
+            patches,
+            point,
+            shape,
+            tracker,
+            frame,
+            turn: turn.rotation,
+        }
+    }
+
+    /// Returns the closest point of the shape to a point in A's frame, with the signed distance.
+    fn look(&mut self, p: &Vector3<f64>) -> Option<Outcome> {
+        let offset = self.frame.translation - p;
+        let pose = Isometry3::from_parts(offset.into(), self.turn);
+        let pose = RelativePose::from_isometry(&pose).ok()?;
+        Some(self.tracker.closest(self.point, self.shape, &pose))
+    }
+
+    fn foot(&mut self, patch: &Patch, at: [f64; 2]) -> Option<Foot> {
+        let jet = patch.jet(at);
+        let found = self.look(&jet.point)?;
+        Some(Foot { at, jet, found })
+    }
+
+    /// Error of a signed distance by the point and the pose.
+    fn error(&self) -> f64 {
+        self.frame.error + self.frame.points
+    }
+
+    /// Returns a foot nearer to the shape, or deeper inside: Newton's method where the distance is
+    /// convex, else with the curvature of the shape alone and damping (Levenberg 1944).
+    fn step(&mut self, patch: &Patch, now: &Foot) -> Option<Foot> {
+        let (n, j) = (*now.found.normal, [now.jet.u, now.jet.v]);
+        let gradient = j.map(|c| -n.dot(&c));
+        let is_held = |k: usize| now.at[k] <= 0.0 && gradient[k] >= 0.0 || now.at[k] >= 1.0 && gradient[k] <= 0.0;
+        let held = [is_held(0), is_held(1), true, true];
+        if held == [true; 4] {
+            return None;
+        }
+        let right = [gradient[0], gradient[1], 0.0, 0.0];
+        let round = self.roundness(now)?;
+        let [uu, uv, vv] = [now.jet.uu, now.jet.uv, now.jet.vv].map(|x| -n.dot(&x));
+        let bent = matrix([round[0] + uu, round[1] + uv, round[2] + vv]);
+        if let Some(next) = solve(&bent, &right, &held).and_then(|s| self.tried(patch, now, &s)) {
+            return Some(next);
+        }
+        let square = [j[0].norm_squared(), j[1].norm_squared()];
+        let mut damping = 1.0 / self.frame.size;
+        for _ in 0..DAMPINGS {
+            let damped = [round[0] + damping * square[0], round[1], round[2] + damping * square[1]];
+            let step = solve(&matrix(damped), &right, &held);
+            if let Some(next) = step.and_then(|s| self.tried(patch, now, &s)) {
+                return Some(next);
+            }
+            damping *= 8.0;
+        }
+        None
+    }
+
+    /// Returns the second derivative of the distance of a point from the shape, in the parameters
+    /// of the patch: entries 00, 01, 11 of a form that is not negative, by the turn of the normal
+    /// over a small way. Steers the search alone.
+    fn roundness(&mut self, now: &Foot) -> Option<[f64; 3]> {
+        let (n, j) = (*now.found.normal, [now.jet.u, now.jet.v]);
+        let mut form = [[0.0; 2]; 2];
+        for k in 0..2 {
+            let turned = *self.look(&(now.jet.point + j[k] * PROBE))?.normal;
+            let by = (n - turned) / PROBE;
+            form[k] = [by.dot(&j[0]), by.dot(&j[1])];
+        }
+        let (uu, vv) = (form[0][0].max(0.0), form[1][1].max(0.0));
+        let most = crate::num::scalar::sqrt(uu * vv);
+        Some([uu, (0.5 * (form[0][1] + form[1][0])).clamp(-most, most), vv])
+    }
+
+    fn tried(&mut self, patch: &Patch, now: &Foot, step: &Row) -> Option<Foot> {
+        let mut part = 1.0;
+        for _ in 0..2 {
+            let at = [0, 1].map(|k| (now.at[k] - part * step[k]).clamp(0.0, 1.0));
+            let next = self.foot(patch, at)?;
+            if next.found.distance < now.found.distance {
+                return Some(next);
+            }
+            part *= 0.25;
+        }
+        None
+    }
+
+    fn meeting(&self, number: u32, foot: &Foot) -> Meeting {
+        let on_b = foot.found.point_on_b.coords;
+        let zero = Vector3::zeros();
+        Meeting {
+            patches: [number, 0],
+            at: [foot.at[0], foot.at[1], 0.0, 0.0],
+            on_a: foot.jet.point,
+            on_b,
+            w: self.frame.place(&on_b) - foot.jet.point,
+            tangents: [foot.jet.u, foot.jet.v, zero, zero],
+            distance: foot.found.distance.max(0.0),
+            upper: (foot.found.upper + self.error()).max(0.0),
+            normal: Some(*foot.found.normal),
+            feature: foot.found.features.b,
+            bowl: None,
+        }
+    }
+}
+
+/// Returns the form of two parameters as one of four.
+fn matrix([uu, uv, vv]: [f64; 3]) -> [Row; 4] {
+    let mut m = [[0.0; 4]; 4];
+    (m[0][0], m[0][1], m[1][0], m[1][1]) = (uu, uv, uv, vv);
+    m
+}
+
+impl Meets for Feet<'_> {
+    /// Ends where the point is proven to lie in the shape: the upper bound is zero there.
+    fn descend(&mut self, [number, _]: [u32; 2], start: [f64; 4]) -> Option<(Meeting, u64)> {
+        let patches = self.patches;
+        let patch = &patches[number as usize];
+        let mut now = self.foot(patch, [start[0], start[1]])?;
+        let mut steps = 0;
+        while steps < NEWTON && now.found.upper + self.error() > 0.0 {
+            steps += 1;
+            let Some(next) = self.step(patch, &now) else { break };
+            let gained = now.found.distance - next.found.distance;
+            now = next;
+            if !(gained > 4.0 * UNIT * self.frame.size) {
+                break;
+            }
+        }
+        Some((self.meeting(number, &now), steps as u64))
+    }
+
+    fn is_closer(&mut self, [number, _]: [u32; 2], [u, v, ..]: [f64; 4], most: f64) -> bool {
+        let p = self.patches[number as usize].point(u, v);
+        self.look(&p.coords).is_some_and(|found| found.distance < most)
+    }
+}

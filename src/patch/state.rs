@@ -1,0 +1,122 @@
+//! What the trackers of all pairs with a surface keep, and the course of a query.
+
+use alloc::collections::BinaryHeap;
+
+use super::closest::{Meeting, Meets};
+use super::front::{Entry, Front};
+use super::gap::Trees;
+use super::outcome::SurfaceWork;
+use super::search::{Goal, Open, Search};
+use super::side::Side;
+use crate::tuning::patch::{GROWTH, MOST_SPLITS, SPLITS};
+
+/// The front of the last answer, the last witnesses, and counters.
+#[derive(Clone, Debug)]
+pub(super) struct State {
+    fingerprints: [u64; 2],
+    budget: usize,
+    pub(super) front: Front,
+    /// Patches and parameters of the last witnesses.
+    last: Option<([u32; 2], [f64; 4])>,
+    heap: BinaryHeap<Open>,
+    pub(super) work: SurfaceWork,
+}
+
+impl Default for State {
+    fn default() -> Self {
+        Self {
+            fingerprints: [0; 2],
+            budget: SPLITS,
+            front: Front::default(),
+            last: None,
+            heap: BinaryHeap::new(),
+            work: SurfaceWork::default(),
+        }
+    }
+}
+
+impl State {
+    /// Sets the number of splits that a query may make.
+    pub(super) fn allow(&mut self, splits: usize) {
+        self.budget = splits.min(MOST_SPLITS);
+    }
+
+    /// Forgets everything but the budget.
+    pub(super) fn reset(&mut self) {
+        let budget = self.budget;
+        *self = Self {
+            budget,
+            ..Self::default()
+        };
+    }
+
+    /// Begins a query of two bodies: returns whether the state is theirs; if not, or if it
+    /// `is_full`, forgets it.
+    pub(super) fn recognises(&mut self, fingerprints: [u64; 2], is_full: bool) -> bool {
+        let is_known = self.fingerprints == fingerprints && !is_full;
+        if !is_known {
+            let work = self.work;
+            self.reset();
+            (self.fingerprints, self.work) = (fingerprints, work);
+        }
+        self.work.queries += 1;
+        is_known
+    }
+
+    /// Returns the front of these bodies, empty for others.
+    pub(super) fn entries(&self, fingerprints: [u64; 2]) -> &[Entry] {
+        if self.fingerprints == fingerprints {
+            &self.front.entries
+        } else {
+            &[]
+        }
+    }
+
+    pub(super) fn heap_bytes(&self) -> usize {
+        self.front.entries.capacity() * size_of::<Entry>() + self.heap.capacity() * size_of::<Open>()
+    }
+
+    /// Returns a lower bound of the distance and the closest points; `None` if no points were
+    /// found.
+    pub(super) fn search<B: Side, M: Meets>(
+        &mut self,
+        trees: &mut Trees<'_, B>,
+        points: &mut M,
+        goal: Goal,
+    ) -> Option<(f64, Meeting)> {
+        let mut search = Search {
+            trees,
+            points,
+            goal,
+            budget: self.budget,
+            heap: &mut self.heap,
+            front: &mut self.front,
+            best: None,
+            upper: f64::INFINITY,
+            hint: None,
+            least: f64::INFINITY,
+            work: &mut self.work,
+        };
+        let (patches, at) = self.last.unwrap_or(([0, 0], [0.5; 4]));
+        search.offer(patches, at);
+        search.best.as_ref()?;
+        let entries = search.front.entries.len();
+        let is_new = entries == 0 || entries > GROWTH * search.front.cut;
+        if is_new {
+            search.start();
+        } else {
+            search.renew();
+        }
+        let lower = search.run();
+        let best = search.best;
+        if is_new {
+            self.front.cut = self.front.entries.len();
+        }
+        self.work.gaps += trees.counts.gaps;
+        self.work.caps += trees.counts.caps;
+        self.work.bowls += trees.counts.bowls;
+        let best = best?;
+        self.last = Some((best.patches, best.at));
+        Some((lower, best))
+    }
+}

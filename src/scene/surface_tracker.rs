@@ -1,0 +1,123 @@
+//! The tracker of a pair with a surface of patches.
+
+use super::body_shape::BodyShape;
+use crate::patch::{Decision, Surface, SurfacePair, SurfaceShapePair, SurfaceShapeTracker, SurfaceTracker, exchanged};
+use crate::pose::RelativePose;
+use crate::separation::{Measure, Separation};
+use crate::tuning::patch::SCENE_WIDTH;
+
+/// The tracker of a surface and another body, and the patches of the last witnesses.
+#[derive(Clone, Debug)]
+pub(crate) struct WithSurface {
+    kind: Kind,
+    pub(super) pieces: [u32; 2],
+}
+
+#[derive(Clone, Debug)]
+#[allow(clippy::large_enum_variant, reason = "the tracker about it is in a box")]
+enum Kind {
+    Surfaces(SurfaceTracker),
+    /// A surface and a convex shape, in either order.
+    Convex(SurfaceShapeTracker),
+}
+
+/// A surface and a convex shape, and whether the shape is A.
+type Mixed<'a> = (&'a Surface, alloc::borrow::Cow<'a, crate::shape::Shape>, bool);
+
+fn surfaces<'a>(a: &'a BodyShape, b: &'a BodyShape) -> Option<[&'a Surface; 2]> {
+    match (a, b) {
+        (BodyShape::Surface(x), BodyShape::Surface(y)) => Some([x, y]),
+        _ => None,
+    }
+}
+
+fn mixed<'a>(a: &'a BodyShape, b: &'a BodyShape) -> Option<Mixed<'a>> {
+    match (a, b) {
+        (BodyShape::Surface(x), y) => Some((x, y.as_convex()?, false)),
+        (x, BodyShape::Surface(y)) => Some((y, x.as_convex()?, true)),
+        _ => None,
+    }
+}
+
+impl WithSurface {
+    /// Returns a tracker without a start; `None` for kinds that no tracker takes together.
+    pub(super) fn new(a: &BodyShape, b: &BodyShape) -> Option<Self> {
+        let kind = match surfaces(a, b) {
+            Some(_) => Kind::Surfaces(SurfaceTracker::new()),
+            None => mixed(a, b).map(|_| Kind::Convex(SurfaceShapeTracker::new()))?,
+        };
+        let pieces = [0; 2];
+        Some(Self { kind, pieces })
+    }
+
+    /// Returns the closest points; `None` for bodies of other kinds.
+    pub(super) fn measure(&mut self, a: &BodyShape, b: &BodyShape, pose: &RelativePose) -> Option<Measure> {
+        let (_, of_a) = a.bounding_ball();
+        let (_, of_b) = b.bounding_ball();
+        let width = SCENE_WIDTH * (of_a + of_b);
+        let seen = match &mut self.kind {
+            Kind::Surfaces(tracker) => {
+                let [x, y] = surfaces(a, b)?;
+                Measure::from(&tracker.closest(x, y, pose, width))
+            }
+            Kind::Convex(tracker) => {
+                let (surface, shape, is_second) = mixed(a, b)?;
+                if is_second {
+                    let turned = pose.swapped();
+                    exchanged(&(&tracker.closest(surface, &shape, &turned, width)).into(), &turned)
+                } else {
+                    (&tracker.closest(surface, &shape, pose, width)).into()
+                }
+            }
+        };
+        self.pieces = [seen.pieces.0, seen.pieces.1];
+        Some(seen)
+    }
+
+    /// Returns whether the bodies are at most `d` apart; true if the bounds leave that open.
+    pub(super) fn within(&mut self, a: &BodyShape, b: &BodyShape, pose: &RelativePose, d: f64) -> bool {
+        let decision = match &mut self.kind {
+            Kind::Surfaces(tracker) => surfaces(a, b).map(|[x, y]| tracker.within(x, y, pose, d)),
+            Kind::Convex(tracker) => mixed(a, b).map(|(surface, shape, is_second)| {
+                let pose = if is_second { pose.swapped() } else { *pose };
+                tracker.within(surface, &shape, &pose, d)
+            }),
+        };
+        decision != Some(Decision::No)
+    }
+
+    /// Asks the pair in the form that can be measured over time.
+    pub(super) fn over_time<R>(
+        &mut self,
+        a: &BodyShape,
+        b: &BodyShape,
+        ask: impl FnOnce(&mut dyn Separation) -> R,
+    ) -> Option<R> {
+        Some(match &mut self.kind {
+            Kind::Surfaces(tracker) => {
+                let [x, y] = surfaces(a, b)?;
+                let mut pair = SurfacePair::with_tracker(x, y, core::mem::take(tracker));
+                let answer = ask(&mut pair);
+                *tracker = pair.into_tracker();
+                answer
+            }
+            Kind::Convex(tracker) => {
+                let (surface, shape, is_second) = mixed(a, b)?;
+                let mut pair = SurfaceShapePair::with_tracker(surface, &shape, core::mem::take(tracker));
+                if is_second {
+                    pair = pair.swapped();
+                }
+                let answer = ask(&mut pair);
+                *tracker = pair.into_tracker();
+                answer
+            }
+        })
+    }
+
+    pub(super) fn heap_bytes(&self) -> usize {
+        match &self.kind {
+            Kind::Surfaces(tracker) => tracker.heap_bytes(),
+            Kind::Convex(tracker) => tracker.heap_bytes(),
+        }
+    }
+}
