@@ -123,8 +123,8 @@
 //!   be flat to the last bit, as the faces of hulls are, and at most four million pairs of edges
 //!   are examined, 65,536 of them exactly. Otherwise the bounds stay open and are returned as they
 //!   are.
-//! * Contacts of meshes and bodies of pieces ([`ContactTracker`]) are those of shallow overlap. Their
-//!   depth is an interval ([`MeshTracker::penetration`]) that may stay wide.
+//! * Contacts of meshes and bodies of pieces ([`ContactTracker`]) are those of shallow overlap.
+//!   Their depth is an interval ([`MeshTracker::penetration`]) that may stay wide.
 //! * Curved shapes ([`shape`]) have the same bounds. Class and predicates are exact for polyhedra,
 //!   rounded or not; for other shapes within `3e-14 L` of contact they are undecided, and
 //!   `intersects` and `within` return true.

@@ -256,14 +256,19 @@ impl Tracker {
         if a.exponent != b.exponent && has_the_unit(b, a) {
             self.solve_in_units_of_b(a, b, a_from_b, ask, draft);
         } else if let Ok(posed) = PosedPair::new(a, b, a_from_b) {
-            if ask.until == Until::Depth && !self.memory.is_empty() && self.resume(&posed, draft) {
-                return;
+            let mut near = None;
+            if ask.until == Until::Depth && !self.memory.is_empty() {
+                match self.resume(&posed, draft) {
+                    Resumed::Proven => return,
+                    Resumed::Apart(start) => near = Some(start),
+                    Resumed::Open => {}
+                }
             }
             if ask == Ask::certified(Until::Class) && self.overlap_proof.is_some() && self.still_overlaps(&posed, draft)
             {
                 return;
             }
-            let warm = self.start(a, b);
+            let warm = near.or_else(|| self.start(a, b));
             match warm {
                 Some(pair) => draft.features = pair,
                 None => draft.features = seed::cold(&posed, &mut draft.work),
@@ -367,7 +372,7 @@ mod look;
 mod reach;
 mod resume;
 
-use resume::enters_overlap;
+use resume::{Resumed, enters_overlap};
 
 fn replay(
     a: &ConvexPolyhedron,

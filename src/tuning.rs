@@ -53,6 +53,11 @@ pub(crate) mod pair {
 
 /// The walk and its starts.
 pub(crate) mod walk {
+    /// Squared sine of the angle of two edges below which their closest points are the best of four
+    /// projections of ends instead of a projection of the feet on the lines, whose rounding grows
+    /// with the inverse of the sine. Not measured.
+    pub(crate) const SKEW: f64 = 1.0 / (1u64 << 20) as f64;
+
     /// Jumps to a far face (vertex-face from behind) in a walk, at most. Jumps are not monotone; a
     /// larger number keeps walks alive that another solver ends sooner. Not measured.
     pub(crate) const JUMPS: u32 = 3;

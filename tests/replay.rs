@@ -48,7 +48,7 @@ fn a_query_comes_back_bit_for_bit() {
                     pair.closest(a, b, &pose),
                     other.closest(&again.a, &again.b, &again.pose),
                 );
-                assert_eq!(bits(mine), bits(theirs));
+                assert_eq!(bits(mine), bits(theirs), "{replay}");
             }
         }
     }

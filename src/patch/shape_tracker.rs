@@ -32,19 +32,19 @@ use crate::tuning::patch::KEPT;
 /// use lin_canny::patch::{Patch, Surface, SurfaceShapeTracker};
 /// use lin_canny::{RelativePose, Shape};
 ///
-/// // A parabolic dish under an ellipsoid.
+/// // An ellipsoid over the top of a dome.
 /// let at = |k: usize| {
 ///     let (x, y) = ((k / 3) as f64 - 1.0, (k % 3) as f64 - 1.0);
-///     Point3::new(x, y, x.abs() + y.abs())
+///     Point3::new(x, y, -x.abs() - y.abs())
 /// };
 /// let points: Vec<_> = (0..9).map(at).collect();
-/// let dish = Surface::new(vec![Patch::polynomial([2, 2], &points)?])?;
+/// let dome = Surface::new(vec![Patch::polynomial([2, 2], &points)?])?;
 /// let egg = Shape::ellipsoid(Vector3::new(0.3, 0.2, 0.5))?;
 /// let mut pair = SurfaceShapeTracker::new();
 /// for k in 0..10 {
 ///     let pose = Isometry3::translation(0.1, 0.0, 2.0 + 0.1 * k as f64);
 ///     let a_from_b = RelativePose::from_isometry(&pose)?;
-///     let c = pair.closest(&dish, &egg, &a_from_b, 1e-9);
+///     let c = pair.closest(&dome, &egg, &a_from_b, 1e-9);
 ///     assert!(c.is_reached && c.upper - c.lower <= 1e-9 && c.lower > 0.5);
 /// }
 /// # Ok::<(), Box<dyn std::error::Error>>(())

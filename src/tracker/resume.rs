@@ -7,6 +7,16 @@ use crate::pair::outcome::Class;
 use crate::pair::posed::PosedPair;
 use crate::polyhedron::{ConvexPolyhedron, FeaturePair};
 
+/// What became of the last overlap.
+pub(super) enum Resumed {
+    /// The draft holds the proven depth.
+    Proven,
+    /// The bodies seem apart: these features are near the closest ones.
+    Apart(FeaturePair),
+    /// Nothing is known.
+    Open,
+}
+
 impl Tracker {
     /// Returns a tracker that starts as after an answer of this class at these features: for
     /// callers who keep features and class in state of their own, and no tracker. After an overlap,
@@ -41,27 +51,28 @@ impl Tracker {
     }
 
     /// Answers from the deepest facet or the surface of the last answer. State of no further use is
-    /// dropped.
+    /// dropped. Bodies that came apart since get the start of a walk, whatever the costs of starts
+    /// were: these costs are no part of a replay.
     #[inline(never)]
-    pub(super) fn resume(&mut self, posed: &PosedPair, draft: &mut Draft) -> bool {
+    pub(super) fn resume(&mut self, posed: &PosedPair, draft: &mut Draft) -> Resumed {
         let first = *draft;
         let resumed = depth::resume(posed, &mut self.memory, draft);
         if resumed != Nearest::Proven {
             self.memory.clear();
-            if let Nearest::Apart(start) = resumed {
-                self.stay(start);
-            }
             let (grown, visited) = (draft.work.points_added, draft.work.facets);
             *draft = first;
             (draft.work.points_added, draft.work.facets) = (grown, visited);
-            return false;
+            return match resumed {
+                Nearest::Apart(start) => Resumed::Apart(start),
+                _ => Resumed::Open,
+            };
         }
         self.totals.note(true, draft.solver, &draft.work);
         self.stay(draft.features);
         if !(posed.a.is_unscaled && posed.b.is_unscaled) {
             to_user_units(posed.a, posed.b, draft);
         }
-        true
+        Resumed::Proven
     }
 }
 

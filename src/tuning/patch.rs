@@ -20,13 +20,18 @@ pub(crate) const PROBE: f64 = 1.0 / 65_536.0;
 
 /// Width of a measure over time, as a part of the distance: a look of conservative advancement goes
 /// so much less far. Not measured.
-pub(crate) const MEASURED: f64 = 1.0 / 64.0;
+pub(crate) const MEASURED: f64 = 1.0 / 4.0;
 
 /// Width of a distance of surfaces in a scene, as a part of both radii. Not measured.
 pub(crate) const SCENE_WIDTH: f64 = 1.0 / (1u64 << 30) as f64;
 
 /// A look over time that would go less far by more than this part is measured again, narrower.
-pub(crate) const NARROWER: f64 = 1.0 / 16.0;
+pub(crate) const NARROWER: f64 = 1.0 / 2.0;
+
+/// A look ahead gives up if its bound proves less than this part of the distance left: the search
+/// for a narrower one has met its limit, and each further look would cost as much for less.
+/// Measured: 10 of 28 casts of shapes at bumpy patches end so, and would take thousands of looks.
+pub(crate) const HOPE: f64 = 0.125;
 
 /// Dampings, each eight times the one before, of a step of a point towards a shape.
 pub(crate) const DAMPINGS: usize = 10;

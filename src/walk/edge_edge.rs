@@ -29,6 +29,7 @@ use crate::pair::star::falls_into_both_faces;
 use crate::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, FeaturePair, HalfEdgeId};
 use crate::pose::Operand;
 use crate::tolerance::{DIFFERENCE, DIRECTION, NEARLY_PARALLEL, ON_BOUNDARY, PARALLEL};
+use crate::tuning::walk::SKEW;
 use crate::walk::slide::{Slide, slide};
 use crate::walk::step::Step;
 
@@ -46,8 +47,7 @@ pub(crate) fn test<const CERTIFY: bool>(posed: &PosedPair, a: EdgeId, b: EdgeId,
     let (uu, ww) = (u.norm_squared(), w.norm_squared());
     let mut n = u.cross(w);
     let mut nn = n.norm_squared();
-    let nearly_parallel = nn < NEARLY_PARALLEL * uu * ww;
-    if nearly_parallel {
+    if nn < NEARLY_PARALLEL * uu * ww {
         n = n - u * (n.dot(u) / uu);
         nn = n.norm_squared();
         if nn <= PARALLEL * uu * ww {
@@ -59,7 +59,7 @@ pub(crate) fn test<const CERTIFY: bool>(posed: &PosedPair, a: EdgeId, b: EdgeId,
     if s < 0.0 || t < 0.0 || s > 1.0 || t > 1.0 {
         let off = |s: f64, squared: f64| (s - s.clamp(0.0, 1.0)).abs() * sqrt(squared) > DIFFERENCE * posed.size();
         if off(s, uu) || off(t, ww) {
-            if nearly_parallel {
+            if nn < SKEW * uu * ww {
                 return closest_with_endpoint(posed, a, b, draft);
             }
             let products = (u.dot(w), r.dot(u), r.dot(w));
@@ -226,8 +226,9 @@ fn move_to_endpoint((ea, a): (&Edge, EdgeId), (eb, b): (&Edge, EdgeId), (s, t): 
     })
 }
 
-/// Moves to the closest points of two parallel segments with at least one endpoint among them: each
-/// endpoint is projected on the opposite segment, and the best of the four pairs is taken.
+/// Moves to the closest points of two nearly parallel segments with at least one endpoint among
+/// them: each endpoint is projected on the opposite segment, and the best of the four pairs is
+/// taken.
 #[cold]
 fn closest_with_endpoint(posed: &PosedPair, a: EdgeId, b: EdgeId, draft: &mut Draft) -> Step {
     let (ea, eb) = (Edge::new(posed.a, a), Edge::new(posed.b, b));

@@ -115,10 +115,20 @@ fn hollows_are_no_matter() {
 /// Patches thrown at shapes of every kind: free up to `safe` by samples, met at the hit.
 #[test]
 fn patches_meet_shapes_never_late() {
+    throw_shapes(1);
+}
+
+#[test]
+#[ignore = "half a minute"]
+fn many_patches_meet_shapes_never_late() {
+    throw_shapes(3);
+}
+
+fn throw_shapes(trials: u32) {
     let mut rng = Rng::new(42);
     let (mut hits, mut misses, mut open) = (0, 0, 0);
     for (k, shape) in kinds().iter().enumerate() {
-        for _ in 0..3 {
+        for _ in 0..trials {
             let surface = Surface::new(vec![bumpy(&mut rng, [3, 3], 0.6)]).expect("a surface");
             let from = Vector3::from(rng.unit()) * rng.range(1.5, 2.5);
             let aside = Vector3::from(rng.unit()) * rng.range(0.0, 1.6);
@@ -142,7 +152,7 @@ fn patches_meet_shapes_never_late() {
                     misses += 1;
                     1.0
                 }
-                // Near contact a curved core may be too hard for narrow bounds: said so, and no more.
+                // Near contact the bounds of a hollow may stay too wide: said so, and no more.
                 Impact::Near { safe, .. } | Impact::Unknown { safe } => {
                     println!("{k}: {:?}", found.impact);
                     open += 1;
@@ -158,7 +168,10 @@ fn patches_meet_shapes_never_late() {
         }
     }
     println!("{hits} hits, {misses} misses, {open} open");
-    assert!(hits >= 10 && misses >= 3 && open <= 3, "{hits} {misses} {open}");
+    assert!(
+        hits >= 5 * trials && misses < hits && open <= 4 * trials,
+        "{hits} {misses} {open}"
+    );
 }
 
 /// Two patches: the cast agrees with a march in small steps.
