@@ -13,8 +13,9 @@
 //! page](crate#guarantees)). Bodies of up to 16 vertices are solved over the integers; for larger
 //! bodies, exact arithmetic gives the bound proven by a direction and the distance of two points,
 //! and the error of an answer is its distance from the interval between the two (at most `1e-16 L`
-//! wide). Numbers and pictures of this page are from the newest `benches/record/*-accuracy.csv`: a
-//! core of a shared AMD EPYC (Zen 5), default flags.
+//! wide). Numbers and pictures of this page are from the newest records in `benches/record`
+//! (`*-accuracy.csv`, and `*-shapes.csv` for curved shapes): a core of a shared AMD EPYC (Zen 5),
+//! default flags.
 //!
 //! # The levels
 //!
@@ -54,7 +55,7 @@
 //!
 //! A cylinder and an ellipsoid as themselves ([`Shape`](crate::Shape)), and replaced by hulls, half
 //! a degree a frame. A hull of a few hundred vertices is faster than the curved pair and wrong in
-//! the third digit; each further digit takes ten to a hundred times the vertices.
+//! the third digit; each further digit takes some ten times the vertices.
 //!
 #![doc = include_str!("../images/curved.svg")]
 //!

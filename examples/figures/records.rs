@@ -8,16 +8,15 @@ use lab::record;
 
 use crate::Trouble;
 
-/// The newest `*-accuracy.csv`; dates sort as their names do.
-fn newest(folder: &Path) -> Result<PathBuf, Trouble> {
+/// The newest file of an ending; dates sort as their names do.
+fn newest(folder: &Path, ending: &str) -> Result<PathBuf, Trouble> {
     let files = std::fs::read_dir(folder).map_err(|e| format!("{}: {e}", folder.display()))?;
-    let name = |p: &PathBuf| {
-        p.file_name()
-            .is_some_and(|n| n.to_string_lossy().ends_with("-accuracy.csv"))
-    };
+    let name = |p: &PathBuf| p.file_name().is_some_and(|n| n.to_string_lossy().ends_with(ending));
     let mut records: Vec<PathBuf> = files.filter_map(|f| Some(f.ok()?.path())).filter(name).collect();
     records.sort();
-    Ok(records.pop().ok_or("no record of accuracy_cost in benches/record")?)
+    Ok(records
+        .pop()
+        .ok_or(format!("no record that ends in {ending} in benches/record"))?)
 }
 
 /// A chart as text that can stand in documentation: without blank lines, and no wider than the page.
@@ -29,9 +28,10 @@ pub(crate) fn text(chart: &Chart) -> Result<String, Trouble> {
 
 /// Names and texts of the pictures, and of the table beside them.
 pub(crate) fn pictures(folder: &Path) -> Result<Vec<(&'static str, String)>, Trouble> {
-    let file = newest(folder)?;
-    let rows = record::read(&file)?;
-    println!("from {}", file.display());
+    let files = [newest(folder, "-accuracy.csv")?, newest(folder, "-shapes.csv")?];
+    let rows = record::read(&files[0])?;
+    let shapes = record::read(&files[1])?;
+    println!("from {} and {}", files[0].display(), files[1].display());
     Ok(vec![
         (
             "cost.md",
@@ -45,7 +45,7 @@ pub(crate) fn pictures(folder: &Path) -> Result<Vec<(&'static str, String)>, Tro
         ("contact-error.svg", text(&accuracy::error_and_gap(&rows, "flush", 8))?),
         ("contact-time.svg", text(&accuracy::time_and_gap(&rows, "flush", 8))?),
         ("geometry.svg", text(&accuracy::geometry(&rows))?),
-        ("curved.svg", text(&accuracy::curved(&rows, "cylinder-ellipsoid"))?),
+        ("curved.svg", text(&accuracy::curved(&shapes, "cylinder-ellipsoid"))?),
         ("asking.svg", text(&accuracy::asking(&rows, "asking 0.05deg", 512))?),
     ])
 }
