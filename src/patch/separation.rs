@@ -22,9 +22,9 @@ use crate::tuning::patch::{HOPE, MEASURED, NARROWER};
 
 /// Two surfaces that can be measured over time.
 ///
-/// A measure has bounds that are at most a quarter of the distance apart. A hit is proven by a crossing
-/// of the surfaces ([`SurfaceTracker::intersects`]), so a tolerance must leave room for one: from
-/// some `1e-8` of the size on.
+/// A measure has bounds that are at most a quarter of the distance apart. A hit is proven by a
+/// crossing of the surfaces ([`SurfaceTracker::intersects`]), so a tolerance must leave room for
+/// one: from some `1e-8` of the size on.
 ///
 /// ```
 /// use lin_canny::impact::{Impact, Tolerance, cast};
@@ -83,9 +83,9 @@ impl<'a> SurfacePair<'a> {
 /// A surface and a convex shape that can be measured over time.
 ///
 /// A measure has bounds that are at most a quarter of the distance apart. A hit is proven by a
-/// point of the surface within the shape. Where the shape comes into a hollow of the surface, bounds
-/// may stay too wide below some thousandth of the size: a third of the casts of shapes at bumpy
-/// patches end as [`Impact::Near`](crate::impact::Impact::Near), with the distance reached.
+/// point of the surface within the shape. Where the shape comes into a hollow of the surface,
+/// bounds may stay too wide below some thousandth of the size: a third of the casts of shapes at
+/// bumpy patches end as [`Impact::Near`](crate::impact::Impact::Near), with the distance reached.
 #[derive(Clone, Debug)]
 pub struct SurfaceShapePair<'a> {
     surface: &'a Surface,
