@@ -59,6 +59,9 @@
 //!
 #![doc = include_str!("../images/curved.svg")]
 //!
+//! Coal 3.0.3 with its cached guess takes 770 to 1,130 ns on pairs of these kinds (tolerance 1e-6,
+//! errors up to `5e-7 L`; AMD EPYC, 2026-11-20), some three times as long as a curved pair here.
+//!
 //! # Asking less
 //!
 //! A slow motion of two flat bodies, with every query. An inner hull is the hull of a few vertices,
