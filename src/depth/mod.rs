@@ -62,7 +62,7 @@ use result::{SearchEnd, SearchResult};
 use search::search;
 use surface::EnclosingSurface;
 
-pub(crate) use memory::{Memory, RawMemory};
+pub(crate) use memory::{Memory, RawMemory, Workspace};
 pub(crate) use nearest::{Nearest, depth_from, nearest_facet};
 pub(crate) use resume::resume;
 
