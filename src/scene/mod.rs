@@ -487,18 +487,4 @@ impl Scene {
     pub fn report(&self) -> &Report {
         &self.report
     }
-
-    /// Returns the bytes reserved, without the shapes, which may be shared.
-    #[must_use]
-    pub fn bytes(&self) -> Bytes {
-        Bytes {
-            bodies: self.bodies.bytes() + self.ignored.bytes(),
-            broad: self.broad.bytes(),
-            pairs: self.pair_tables.bytes(),
-            scratch: self.batch.capacity() * size_of::<(broad::BodyId, broad::Aabb)>()
-                + self.workspace.heap_bytes()
-                + self.events.capacity() * size_of::<Event>()
-                + self.impacts.capacity() * size_of::<PairImpact>(),
-        }
-    }
 }

@@ -4,6 +4,8 @@ use core::fmt;
 use core::ops::AddAssign;
 use core::time::Duration;
 
+use super::{Event, PairImpact, Scene};
+use crate::broad::{self, BroadPhase};
 use crate::pair::outcome::{Outcome, Solver};
 use crate::pair::world::AnsweredBy;
 
@@ -279,5 +281,21 @@ impl Bytes {
     #[must_use]
     pub fn total(&self) -> usize {
         self.bodies + self.broad + self.pairs + self.scratch
+    }
+}
+
+impl Scene {
+    /// Returns the bytes reserved, without the shapes, which may be shared.
+    #[must_use]
+    pub fn bytes(&self) -> Bytes {
+        Bytes {
+            bodies: self.bodies.bytes() + self.ignored.bytes(),
+            broad: self.broad.bytes(),
+            pairs: self.pair_tables.bytes(),
+            scratch: self.batch.capacity() * size_of::<(broad::BodyId, broad::Aabb)>()
+                + self.workspace.heap_bytes()
+                + self.events.capacity() * size_of::<Event>()
+                + self.impacts.capacity() * size_of::<PairImpact>(),
+        }
     }
 }
