@@ -7,6 +7,7 @@ use super::bowl::Half;
 use super::closest::{Meeting, Meets, Row, solve};
 use super::frame::Frame;
 use super::net::{Patch, SurfaceJet};
+use super::region::Cut;
 use super::side::Side;
 use super::tree::Node;
 use crate::pair::outcome::Outcome;
@@ -67,7 +68,11 @@ impl Side for Solid<'_> {
         highest
     }
 
-    fn above(&self, _: u32, _: &Half) -> Option<f64> {
+    fn least_above(&self, _: u32, _: &Half) -> Option<f64> {
+        None
+    }
+
+    fn above(&self, _: u32, _: &Half, _: f64) -> Option<f64> {
         None
     }
 
@@ -245,5 +250,9 @@ impl Meets for Feet<'_> {
     fn is_closer(&mut self, [number, _]: [u32; 2], [u, v, ..]: [f64; 4], most: f64) -> bool {
         let p = self.patches[number as usize].point(u, v);
         self.look(&p.coords).is_some_and(|found| found.distance < most)
+    }
+
+    fn cut(&self, side: usize, patch: u32, sides: [[f64; 2]; 2]) -> Option<Cut> {
+        (side == 0).then(|| Cut::new(&self.patches[patch as usize], sides))
     }
 }
