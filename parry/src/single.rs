@@ -2,6 +2,8 @@
 
 pub use parry3d as parry;
 
+#[path = "bridge/cast.rs"]
+mod cast;
 #[path = "bridge/dispatcher.rs"]
 mod dispatcher;
 #[path = "bridge/half_space.rs"]
