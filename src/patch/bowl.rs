@@ -160,9 +160,8 @@ impl Half {
     }
 
     /// Returns an upper bound of the heights of the part of a surface below a node, errors of the
-    /// pose aside; `None` for a degree above three, or if the bound has no hope to be below
-    /// `enough`.
-    pub(super) fn highest(&self, node: &Node, net: &Net, enough: f64) -> Option<f64> {
+    /// pose aside; `None` for a degree above three.
+    pub(super) fn highest(&self, node: &Node, net: &Net) -> Option<f64> {
         let [p, q] = node.degrees;
         if 2 * p >= ORDER || 2 * q >= ORDER {
             return None;
@@ -179,12 +178,8 @@ impl Half {
             }
         }
         let most = height(&pairs[start]);
-        let error = 2.0 * node.error + BENT * (node.reach + self.at.abs().sum());
-        if most + error <= enough {
-            return Some(most + error);
-        }
-        let of = bounded(pairs, degrees, start, (most, most + error - enough))?;
-        Some(of.min(most) + error)
+        let of = bounded(pairs, degrees, start, (most, f64::INFINITY))?;
+        Some(of.min(most) + 2.0 * node.error + BENT * (node.reach + self.at.abs().sum()))
     }
 
     /// Writes the coefficients of the numerator and the denominator of the heights.

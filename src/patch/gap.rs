@@ -116,10 +116,10 @@ impl<B: Side> Trees<'_, B> {
             return false;
         }
         self.counts.bowls += 1;
-        let Some(high_a) = self.a.above(x, &of_a, most - least_b) else {
+        let Some(high_a) = self.a.above(x, &of_a) else {
             return false;
         };
-        let Some(high_b) = self.b.above(y, &of_b, most - high_a) else {
+        let Some(high_b) = self.b.above(y, &of_b) else {
             return false;
         };
         -high_a - high_b - 4.0 * self.frame.error >= target

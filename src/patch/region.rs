@@ -116,10 +116,10 @@ fn is_about<B: Side>([a, b]: [&Cut; 2], bowl: &Bowl, target: f64, trees: &mut Tr
         return false;
     }
     trees.counts.bowls += 1;
-    let Some(high_a) = of_a.highest(&a.node, &a.net(), most - least_b) else {
+    let Some(high_a) = of_a.highest(&a.node, &a.net()) else {
         return false;
     };
-    let Some(high_b) = of_b.highest(&b.node, &b.net(), most - high_a) else {
+    let Some(high_b) = of_b.highest(&b.node, &b.net()) else {
         return false;
     };
     -high_a - high_b - 4.0 * trees.frame.error >= target

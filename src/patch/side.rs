@@ -28,13 +28,13 @@ pub(super) trait Side {
     /// known that is lower, or has a hope to be lower by `need`.
     fn cap(&self, id: u32, n: &Vector3<f64>, highest: f64, need: f64) -> f64;
 
-    /// Returns a height above a bowl that the part reaches, and whether [`above`](Self::above) is
+    /// Returns a height above a bowl that the part reaches; `None` if [`above`](Self::above) is not
     /// worth a try.
     fn least_above(&self, id: u32, half: &Half) -> Option<f64>;
 
     /// Returns an upper bound of the heights of the part above a bowl, errors of the pose aside;
-    /// `None` if none is known that may be below `enough`.
-    fn above(&self, id: u32, half: &Half, enough: f64) -> Option<f64>;
+    /// `None` if none is known.
+    fn above(&self, id: u32, half: &Half) -> Option<f64>;
 
     /// Returns the first of the two children; the second follows. Only of a node that can be split.
     fn split(&mut self, id: u32) -> u32;
@@ -76,8 +76,8 @@ impl Side for Nodes<'_> {
         half.is_near(node).then(|| half.least(node, &self.net(id)))
     }
 
-    fn above(&self, id: u32, half: &Half, enough: f64) -> Option<f64> {
-        half.highest(self.node(id), &self.net(id), enough)
+    fn above(&self, id: u32, half: &Half) -> Option<f64> {
+        half.highest(self.node(id), &self.net(id))
     }
 
     fn split(&mut self, id: u32) -> u32 {

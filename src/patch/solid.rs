@@ -72,7 +72,7 @@ impl Side for Solid<'_> {
         None
     }
 
-    fn above(&self, _: u32, _: &Half, _: f64) -> Option<f64> {
+    fn above(&self, _: u32, _: &Half) -> Option<f64> {
         None
     }
 

@@ -100,7 +100,7 @@ fn excess(rng: &mut Rng, far: f64) -> Option<f64> {
     if !half.is_near(node) {
         return None;
     }
-    let bound = half.highest(node, &nodes.net(id), f64::NEG_INFINITY)?;
+    let bound = half.highest(node, &nodes.net(id))?;
     // The best of a grid, then of ever smaller steps about it.
     let at = |[x, y]: [f64; 2]| [u[0] + (u[1] - u[0]) * x, v[0] + (v[1] - v[0]) * y];
     let of = |p: [f64; 2]| height(&half, &exact(&patch, at(p)));
