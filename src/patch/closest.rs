@@ -8,9 +8,9 @@
 use nalgebra::Vector3;
 
 use super::bowl::Bowl;
+use super::cut::Cut;
 use super::frame::Frame;
 use super::net::{Patch, SurfaceJet};
-use super::region::Cut;
 use super::surface::SurfacePoint;
 use crate::num::scalar::sqrt;
 use crate::polyhedron::{FaceId, Feature};

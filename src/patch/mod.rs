@@ -55,6 +55,7 @@ mod bezier;
 mod bowl;
 mod closest;
 mod crossing;
+mod cut;
 mod error;
 mod frame;
 mod front;

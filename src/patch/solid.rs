@@ -5,9 +5,9 @@ use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
 use super::bowl::Half;
 use super::closest::{Meeting, Meets, Row, solve};
+use super::cut::Cut;
 use super::frame::Frame;
 use super::net::{Patch, SurfaceJet};
-use super::region::Cut;
 use super::side::Side;
 use super::tree::Node;
 use crate::pair::outcome::Outcome;

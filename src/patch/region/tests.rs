@@ -10,6 +10,7 @@ use super::*;
 use crate::patch::closest::Patches;
 use crate::patch::frame::Frame;
 use crate::patch::gap::Counts;
+use crate::patch::net::Patch;
 use crate::patch::surface::Surface;
 use crate::patch::tree::{Grown, Nodes};
 use crate::pose::RelativePose;
