@@ -47,9 +47,9 @@
 //! distance; depths and contact manifolds; looks over time along directions, so that a surface that
 //! slides along another is looked at often; a bowl for patches of a degree above three and for
 //! shapes in hollows of a surface: there the number of splits grows with the logarithm of the
-//! width, and a look near contact may end as undecided (of random shapes beside random surfaces 4 in
-//! 100 use up their budget, nearly all of them placed to touch); scenes with composites and meshes;
-//! no exact arithmetic decides touching surfaces.
+//! width, and a look near contact may end as undecided (of random shapes beside random surfaces 4
+//! in 100 use up their budget, nearly all of them placed to touch); scenes with composites and
+//! meshes; no exact arithmetic decides touching surfaces.
 
 mod bezier;
 mod bowl;
