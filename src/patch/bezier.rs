@@ -36,6 +36,16 @@ fn difference<const K: usize>(a: &[f64; K], b: &[f64; K], factor: f64) -> [f64; 
 /// are used up.
 #[inline(always)]
 fn along<const K: usize>(points: &mut [[f64; K]], t: f64) -> [[f64; K]; 3] {
+    // Loops of a known length: the common degrees take half as many instructions.
+    match points.len() {
+        3 => along_of(&mut points[..3], t),
+        4 => along_of(&mut points[..4], t),
+        _ => along_of(points, t),
+    }
+}
+
+#[inline(always)]
+fn along_of<const K: usize>(points: &mut [[f64; K]], t: f64) -> [[f64; K]; 3] {
     let degree = points.len() - 1;
     let n = degree as f64;
     for left in (3..=degree).rev() {

@@ -146,6 +146,19 @@ impl Half {
         !node.is_group() && off <= 2.0 * node.radius && self.length * (off + node.radius) <= 1.0
     }
 
+    /// Returns a height that the part of a surface below a node reaches: that of a corner.
+    pub(super) fn least(&self, node: &Node, net: &Net) -> f64 {
+        let [p, q] = node.degrees;
+        let last = p * (q + 1);
+        let height = |k: usize| {
+            let x = net.point(k) - self.at;
+            let s = Vector2::new(self.e[0].dot(&x), self.e[1].dot(&x));
+            self.n.dot(&x) + 0.5 * s.dot(&(self.form * s))
+        };
+        let [a, b, c, d] = [0, q, last, last + q].map(height);
+        a.max(b).max(c.max(d))
+    }
+
     /// Returns an upper bound of the heights of the part of a surface below a node, errors of the
     /// pose aside; `None` for a degree above three.
     pub(super) fn highest(&self, node: &Node, net: &Net) -> Option<f64> {
@@ -173,7 +186,7 @@ impl Half {
     fn fill(&self, pairs: &mut [[f64; 2]], [p, q]: [usize; 2], net: &Net) {
         let count = (p + 1) * (q + 1);
         // Heights, coordinates along both tangents, their images, weights; times binomials.
-        let mut of = [[0.0; NET]; 6];
+        let mut of = [[0.0; FEW]; 6];
         let (planes, weights) = match net.homogeneous {
             Some([x, y, z, w]) => ([x, y, z], Some(w)),
             None => (net.points, None),
@@ -210,6 +223,9 @@ impl Half {
     }
 }
 
+/// Most control points of a patch of degrees up to three.
+const FEW: usize = 16;
+
 /// Binomial coefficients.
 const BINOMIAL: [[f64; ORDER]; ORDER] = {
     let mut rows = [[0.0; ORDER]; ORDER];
@@ -225,3 +241,6 @@ const BINOMIAL: [[f64; ORDER]; ORDER] = {
     }
     rows
 };
+
+#[cfg(test)]
+mod tests;

@@ -8,6 +8,7 @@
 use nalgebra::Vector3;
 
 use super::bowl::Bowl;
+use super::cut::Cut;
 use super::frame::Frame;
 use super::net::{Patch, SurfaceJet};
 use super::surface::SurfacePoint;
@@ -86,6 +87,10 @@ pub(super) trait Meets {
 
     /// Returns whether the points at some parameters are less than `most` apart: no bound.
     fn is_closer(&mut self, patches: [u32; 2], at: [f64; 4], most: f64) -> bool;
+
+    /// Returns the part of a patch of A (0) or B (1) over a box of parameters; `None` for a body
+    /// without patches.
+    fn cut(&self, side: usize, patch: u32, sides: [[f64; 2]; 2]) -> Option<Cut>;
 }
 
 /// All patches of two surfaces at a pose.
@@ -115,6 +120,11 @@ impl Meets for Patches<'_> {
         let Pair { a, b, frame } = self.pair(patches);
         let (p, q) = (a.point(u, v), b.point(s, t));
         (frame.place(&q.coords) - p.coords).norm_squared() < most * most
+    }
+
+    fn cut(&self, side: usize, patch: u32, sides: [[f64; 2]; 2]) -> Option<Cut> {
+        let patches = if side == 0 { self.a } else { self.b };
+        Some(Cut::new(&patches[patch as usize], sides))
     }
 }
 

@@ -60,6 +60,16 @@ impl<B: Side> Trees<'_, B> {
         self.frame.error + self.a.node(x).error + self.b.node(y).error
     }
 
+    /// Returns the gap along a direction alone.
+    pub(super) fn along(&mut self, pair: Pair, n: &Vector3<f64>) -> Gap {
+        let gap = self.gap(pair, n);
+        Gap {
+            n: *n,
+            gap,
+            is_plane: true,
+        }
+    }
+
     /// Returns a gap of a pair that is at least `target`, or the largest one found: along `start`,
     /// along `hint`, along directions from the minimum-norm point of both nets, unless points of
     /// both parts are known to be no farther apart than the target (`is_near`).
@@ -70,20 +80,12 @@ impl<B: Side> Trees<'_, B> {
         target: f64,
         is_near: bool,
     ) -> Gap {
-        let mut best = Gap {
-            n: *start,
-            gap: self.gap(pair, start),
-            is_plane: true,
-        };
+        let mut best = self.along(pair, start);
         if best.gap >= target {
             return best;
         }
         if let Some(n) = hint {
-            let of = Gap {
-                n: *n,
-                gap: self.gap(pair, n),
-                is_plane: true,
-            };
+            let of = self.along(pair, n);
             if of.gap > best.gap {
                 best = of;
             }
@@ -105,13 +107,21 @@ impl<B: Side> Trees<'_, B> {
     /// Returns whether a bowl proves a pair at least `target` apart.
     pub(super) fn is_about(&mut self, [x, y]: Pair, bowl: &Bowl, target: f64) -> bool {
         let (of_a, of_b) = (bowl.of_a(target), bowl.of_b(target, self.frame));
+        let least = [self.a.least_above(x, &of_a), self.b.least_above(y, &of_b)];
+        let [Some(least_a), Some(least_b)] = least else {
+            return false;
+        };
+        let most = -target - 4.0 * self.frame.error;
+        if !(least_a + least_b <= most) {
+            return false;
+        }
+        self.counts.bowls += 1;
         let Some(high_a) = self.a.above(x, &of_a) else {
             return false;
         };
         let Some(high_b) = self.b.above(y, &of_b) else {
             return false;
         };
-        self.counts.bowls += 1;
         -high_a - high_b - 4.0 * self.frame.error >= target
     }
 

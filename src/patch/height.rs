@@ -71,6 +71,12 @@ impl Net<'_> {
     }
 }
 
+/// Returns the larger of two numbers by one comparison.
+#[inline(always)]
+fn larger(a: f64, b: f64) -> f64 {
+    if b > a { b } else { a }
+}
+
 /// Bounds of second derivatives: uu and vv from above, |uv|.
 #[derive(Clone, Copy)]
 struct Curvature {
@@ -86,20 +92,20 @@ impl Curvature {
         for i in 0..p.saturating_sub(1) {
             for j in 0..=q {
                 let k = i * width + j;
-                uu = uu.max(g[k][0] - 2.0 * g[k + width][0] + g[k + 2 * width][0]);
+                uu = larger(uu, g[k][0] - 2.0 * g[k + width][0] + g[k + 2 * width][0]);
             }
         }
         for i in 0..=p {
             for j in 0..q.saturating_sub(1) {
                 let k = i * width + j;
-                vv = vv.max(g[k][0] - 2.0 * g[k + 1][0] + g[k + 2][0]);
+                vv = larger(vv, g[k][0] - 2.0 * g[k + 1][0] + g[k + 2][0]);
             }
         }
         for i in 0..p {
             for j in 0..q {
                 let k = i * width + j;
                 let (near, far) = (g[k + 1][0] - g[k][0], g[k + width + 1][0] - g[k + width][0]);
-                uv = uv.max((far - near).abs());
+                uv = larger(uv, (far - near).abs());
             }
         }
         let (p, q) = (p as f64, q as f64);

@@ -4,10 +4,10 @@
 //! Reading order: [`net`](Patch) (one patch), `bezier` (de Casteljau), `nurbs` ([`Nurbs`], taken
 //! apart), `surface` ([`Surface`]), `revolution`, `tree` (control nets by halves), `height` (how
 //! far a node reaches along a direction), `bowl` (where no plane stands between), `frame` (a pair
-//! at a pose), `gap` (two nodes apart),
-//! `closest` (two points, by Newton's method), `crossing` (a proof that surfaces meet), `front`,
-//! `search` and `state` (the proof of an answer), `tracker` ([`SurfaceTracker`], the queries);
-//! `side` (what the proof asks of a body), `solid` (a convex shape as such a body), `shape_tracker`
+//! at a pose), `gap` (two nodes apart), `closest` (two points, by Newton's method), `region` (their
+//! surroundings, proven at once), `crossing` (a proof that surfaces meet), `front`, `search` and
+//! `state` (the proof of an answer), `tracker` ([`SurfaceTracker`], the queries); `side` (what the
+//! proof asks of a body), `solid` (a convex shape as such a body), `shape_tracker`
 //! ([`SurfaceShapeTracker`]); `separation` (pairs over time).
 //!
 //! # The proof
@@ -29,6 +29,8 @@
 //! 2. Where no plane stands between (nested saddles, hollows), a quadratic surface does (`bowl`).
 //! 3. Nodes are closed by second derivatives, so the cost of a narrow interval does not grow with
 //!    its narrowness where one surface curves away from the plane between.
+//! 4. The surroundings of the closest points are cut out of the patches and proven at once, as
+//!    large as may be (`region`): halves meet there in large numbers, and none would last a frame.
 //!
 //! # Which pair
 //!
@@ -45,13 +47,15 @@
 //! distance; depths and contact manifolds; looks over time along directions, so that a surface that
 //! slides along another is looked at often; a bowl for patches of a degree above three and for
 //! shapes in hollows of a surface: there the number of splits grows with the logarithm of the
-//! width, and a look near contact may end as undecided; scenes with composites and meshes; no
-//! exact arithmetic decides touching surfaces.
+//! width, and a look near contact may end as undecided (of random shapes beside random surfaces 4
+//! in 100 use up their budget, nearly all of them placed to touch); scenes with composites and
+//! meshes; no exact arithmetic decides touching surfaces.
 
 mod bezier;
 mod bowl;
 mod closest;
 mod crossing;
+mod cut;
 mod error;
 mod frame;
 mod front;
@@ -62,6 +66,7 @@ mod nurbs;
 mod outcome;
 #[cfg(feature = "serde")]
 mod persist;
+mod region;
 mod revolution;
 mod search;
 mod separation;

@@ -169,6 +169,10 @@ pub struct SurfaceWork {
     pub caps: u64,
     /// Pairs bounded by a curved surface between them.
     pub bowls: u64,
+    /// Surroundings of closest points proven at once.
+    pub regions: u64,
+    /// Surroundings of closest points that were tried and not proven.
+    pub refused: u64,
     /// Steps of Newton's method for two points.
     pub steps: u64,
     /// Pairs of nodes split.

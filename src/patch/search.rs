@@ -11,9 +11,12 @@ use super::closest::{Meeting, Meets};
 use super::front::{Entry, Front};
 use super::gap::{Gap, Pair, Trees};
 use super::outcome::SurfaceWork;
+use super::region::Region;
 use super::side::Side;
+use super::tree::Node;
 use crate::num::scalar::sqrt;
 use crate::tolerance::UNIT;
+use crate::tuning::patch::{BEGINNING, GROWING, PATIENCE, SHRINKING, SMALL};
 
 /// A pair that may be closer than the goal.
 #[derive(Clone, Copy, Debug)]
@@ -80,6 +83,14 @@ pub(super) struct Search<'a, 't, B, M> {
     pub(super) upper: f64,
     /// A direction from A to B at the best meeting.
     pub(super) hint: Option<Vector3<f64>>,
+    /// The surroundings of the best meeting, proven.
+    pub(super) region: Option<Region>,
+    /// How far a region reaches along the surfaces; `None` if the search has found none.
+    pub(super) way: &'a mut Option<f64>,
+    /// Pairs to be split until two points are looked for below one of them, whatever its middle.
+    pub(super) patience: usize,
+    /// Regions that may still be tried.
+    pub(super) tries: usize,
     /// The least lower bound of all pairs closed so far.
     pub(super) least: f64,
     pub(super) work: &'a mut SurfaceWork,
@@ -110,6 +121,7 @@ impl<B: Side, M: Meets> Search<'_, '_, B, M> {
             self.upper = meeting.upper;
             self.hint = meeting.normal;
             self.best = Some(meeting);
+            self.region = None;
         }
     }
 
@@ -117,6 +129,7 @@ impl<B: Side, M: Meets> Search<'_, '_, B, M> {
     pub(super) fn start(&mut self) {
         self.work.searches += 1;
         self.front.entries.clear();
+        *self.way = self.way.filter(|way| *way > 0.0);
         let (x, y) = (self.trees.a.node(0), self.trees.b.node(0));
         let between = self.trees.frame.place(&y.centre) - x.centre;
         let square = between.norm_squared();
@@ -132,6 +145,9 @@ impl<B: Side, M: Meets> Search<'_, '_, B, M> {
     /// opened.
     pub(super) fn renew(&mut self) {
         self.work.entries += self.front.entries.len() as u64;
+        if self.way.is_some_and(|way| way > 0.0) {
+            self.find_region();
+        }
         let mut k = 0;
         while k < self.front.entries.len() {
             let entry = self.front.entries[k];
@@ -167,19 +183,89 @@ impl<B: Side, M: Meets> Search<'_, '_, B, M> {
     }
 
     fn bound(&mut self, pair: Pair, along: &Vector3<f64>) -> Gap {
+        if let Some(gap) = self.covered(pair, along) {
+            return gap;
+        }
         let (level, is_near) = (self.level(), self.is_at_best(pair));
+        if is_near && self.region.is_some() {
+            // Larger than what could be proven at once.
+            return self.trees.along(pair, along);
+        }
         let gap = self.trees.bound(pair, (along, self.hint.as_ref()), level, is_near);
+        if gap.gap >= level || !(level > 0.0) {
+            return gap;
+        }
+        if is_near && self.is_small(pair) && self.find_region() {
+            return self.covered(pair, along).unwrap_or(gap);
+        }
         let bowl = self.best.as_ref().and_then(|best| best.bowl.as_ref());
-        // A little more, so that rounding of the level leaves the interval no wider than asked for.
-        let more = level + 4.0 * UNIT * self.trees.frame.size;
+        let more = self.target();
         match bowl {
-            Some(bowl) if gap.gap < level && level > 0.0 && self.trees.is_about(pair, bowl, more) => Gap {
+            Some(bowl) if self.trees.is_about(pair, bowl, more) => Gap {
                 gap: more,
                 is_plane: false,
                 ..gap
             },
             _ => gap,
         }
+    }
+
+    /// A little more than the level, so that rounding leaves the interval no wider than asked for.
+    fn target(&self) -> f64 {
+        self.level() + 4.0 * UNIT * self.trees.frame.size
+    }
+
+    /// Returns the gap of a pair in the region.
+    fn covered(&self, pair: Pair, along: &Vector3<f64>) -> Option<Gap> {
+        let region = self.region.as_ref()?;
+        let (x, y) = (self.trees.a.node(pair[0]), self.trees.b.node(pair[1]));
+        region.covers(x, y).then_some(Gap {
+            n: *along,
+            gap: region.target,
+            is_plane: false,
+        })
+    }
+
+    /// Returns whether a pair is about as small as a region to be tried.
+    fn is_small(&self, pair: Pair) -> bool {
+        let (x, y) = (self.trees.a.node(pair[0]), self.trees.b.node(pair[1]));
+        let size = if y.can_split() {
+            x.radius.max(y.radius)
+        } else {
+            x.radius
+        };
+        size <= SMALL * self.first_way()
+    }
+
+    /// Returns how far a region to be tried first reaches.
+    fn first_way(&self) -> f64 {
+        self.way.unwrap_or_else(|| {
+            let radius = |node: &Node| if node.can_split() { node.radius } else { f64::INFINITY };
+            BEGINNING * radius(self.trees.a.node(0)).min(radius(self.trees.b.node(0)))
+        })
+    }
+
+    /// Proves the surroundings of the best meeting, as large as may be.
+    pub(super) fn find_region(&mut self) -> bool {
+        let target = self.target();
+        let Some(best) = self.best.filter(|_| target > 0.0) else {
+            return false;
+        };
+        let mut way = self.first_way();
+        while self.tries > 0 {
+            self.tries -= 1;
+            self.region = Region::about(&best, way, target, &*self.points, self.trees);
+            if self.region.is_some() {
+                self.work.regions += 1;
+                *self.way = Some(way * GROWING);
+                return true;
+            }
+            self.work.refused += 1;
+            way *= SHRINKING;
+        }
+        // Not tried again until a search begins at the roots.
+        *self.way = Some(0.0);
+        false
     }
 
     /// Returns whether the best points lie below a pair.
@@ -252,6 +338,14 @@ impl<B: Side, M: Meets> Search<'_, '_, B, M> {
         if x.is_group() || y.is_group() || self.is_at_best(open.pair) {
             return;
         }
+        let patches = [x.patch(), y.patch()];
+        let ([u, v], [s, t]) = (x.middle(), y.middle());
+        // Bodies that cross have no bound to follow: parts that lie in each other have any.
+        self.patience -= 1;
+        if self.patience == 0 {
+            self.patience = PATIENCE;
+            return self.offer(patches, [u, v, s, t]);
+        }
         let frame = self.trees.frame;
         // A body that is not split is as large as ever, however near its points are.
         let share = if y.can_split() { 0.5 } else { 1.0 };
@@ -260,8 +354,6 @@ impl<B: Side, M: Meets> Search<'_, '_, B, M> {
         if !(between.norm_squared() < most * most) {
             return;
         }
-        let patches = [x.patch(), y.patch()];
-        let ([u, v], [s, t]) = (x.middle(), y.middle());
         if self.points.is_closer(patches, [u, v, s, t], self.upper) {
             self.offer(patches, [u, v, s, t]);
         }

@@ -28,6 +28,10 @@ pub(super) trait Side {
     /// known that is lower, or has a hope to be lower by `need`.
     fn cap(&self, id: u32, n: &Vector3<f64>, highest: f64, need: f64) -> f64;
 
+    /// Returns a height above a bowl that the part reaches; `None` if [`above`](Self::above) is not
+    /// worth a try.
+    fn least_above(&self, id: u32, half: &Half) -> Option<f64>;
+
     /// Returns an upper bound of the heights of the part above a bowl, errors of the pose aside;
     /// `None` if none is known.
     fn above(&self, id: u32, half: &Half) -> Option<f64>;
@@ -67,9 +71,13 @@ impl Side for Nodes<'_> {
         of.unwrap_or(highest).min(highest)
     }
 
-    fn above(&self, id: u32, half: &Half) -> Option<f64> {
+    fn least_above(&self, id: u32, half: &Half) -> Option<f64> {
         let node = self.node(id);
-        half.is_near(node).then(|| half.highest(node, &self.net(id)))?
+        half.is_near(node).then(|| half.least(node, &self.net(id)))
+    }
+
+    fn above(&self, id: u32, half: &Half) -> Option<f64> {
+        half.highest(self.node(id), &self.net(id))
     }
 
     fn split(&mut self, id: u32) -> u32 {

@@ -5,6 +5,7 @@ use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
 use super::bowl::Half;
 use super::closest::{Meeting, Meets, Row, solve};
+use super::cut::Cut;
 use super::frame::Frame;
 use super::net::{Patch, SurfaceJet};
 use super::side::Side;
@@ -65,6 +66,10 @@ impl Side for Solid<'_> {
 
     fn cap(&self, _: u32, _: &Vector3<f64>, highest: f64, _: f64) -> f64 {
         highest
+    }
+
+    fn least_above(&self, _: u32, _: &Half) -> Option<f64> {
+        None
     }
 
     fn above(&self, _: u32, _: &Half) -> Option<f64> {
@@ -245,5 +250,9 @@ impl Meets for Feet<'_> {
     fn is_closer(&mut self, [number, _]: [u32; 2], [u, v, ..]: [f64; 4], most: f64) -> bool {
         let p = self.patches[number as usize].point(u, v);
         self.look(&p.coords).is_some_and(|found| found.distance < most)
+    }
+
+    fn cut(&self, side: usize, patch: u32, sides: [[f64; 2]; 2]) -> Option<Cut> {
+        (side == 0).then(|| Cut::new(&self.patches[patch as usize], sides))
     }
 }

@@ -8,7 +8,7 @@ use super::gap::Trees;
 use super::outcome::SurfaceWork;
 use super::search::{Goal, Open, Search};
 use super::side::Side;
-use crate::tuning::patch::{GROWTH, MOST_SPLITS, SPLITS};
+use crate::tuning::patch::{GROWTH, IMPATIENT, MOST_SPLITS, SPLITS, TRIES};
 
 /// The front of the last answer, the last witnesses, and counters.
 #[derive(Clone, Debug)]
@@ -18,6 +18,8 @@ pub(super) struct State {
     pub(super) front: Front,
     /// Patches and parameters of the last witnesses.
     last: Option<([u32; 2], [f64; 4])>,
+    /// How far the region of the last search reached.
+    way: Option<f64>,
     heap: BinaryHeap<Open>,
     pub(super) work: SurfaceWork,
 }
@@ -29,6 +31,7 @@ impl Default for State {
             budget: SPLITS,
             front: Front::default(),
             last: None,
+            way: None,
             heap: BinaryHeap::new(),
             work: SurfaceWork::default(),
         }
@@ -94,6 +97,10 @@ impl State {
             best: None,
             upper: f64::INFINITY,
             hint: None,
+            region: None,
+            way: &mut self.way,
+            patience: IMPATIENT,
+            tries: TRIES,
             least: f64::INFINITY,
             work: &mut self.work,
         };

@@ -68,7 +68,21 @@ impl Node {
         }
     }
 
+    /// Returns a part of a patch that stands in no tree, without a ball.
+    pub(super) fn part(patch: &Patch, error: f64) -> Self {
+        Self {
+            patch: 0,
+            count: patch.net.len() as u32,
+            is_rational: patch.is_rational,
+            degrees: patch.degrees,
+            error,
+            reach: patch.reach,
+            ..empty()
+        }
+    }
+
     /// Returns the box of parameters.
+    #[inline]
     pub(super) fn domain(&self) -> [[f64; 2]; 2] {
         [0, 1].map(|k| {
             let unit = 1.0 / (1u64 << DEEPEST) as f64;
@@ -107,6 +121,18 @@ pub(super) struct Tree {
 pub(super) struct Net<'a> {
     pub(super) points: [&'a [f64]; 3],
     pub(super) homogeneous: Option<[&'a [f64]; 4]>,
+}
+
+impl<'a> Net<'a> {
+    /// Returns the net at the beginning of some numbers.
+    #[inline]
+    pub(super) fn of(numbers: &'a [f64], count: usize, is_rational: bool) -> Self {
+        let plane = |k: usize| &numbers[k * count..][..count];
+        Self {
+            points: [plane(0), plane(1), plane(2)],
+            homogeneous: is_rational.then(|| [plane(3), plane(4), plane(5), plane(6)]),
+        }
+    }
 }
 
 impl Tree {
@@ -271,12 +297,7 @@ impl Tree {
     }
 
     fn net(&self, node: &Node) -> Net<'_> {
-        let count = node.count as usize;
-        let plane = |k: usize| &self.numbers[node.at as usize + k * count..][..count];
-        Net {
-            points: [plane(0), plane(1), plane(2)],
-            homogeneous: node.is_rational.then(|| [plane(3), plane(4), plane(5), plane(6)]),
-        }
+        Net::of(&self.numbers[node.at as usize..], node.count as usize, node.is_rational)
     }
 }
 

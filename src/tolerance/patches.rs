@@ -28,6 +28,15 @@ pub(crate) const NET: f64 = 4.0 * UNIT;
 /// itself: half of a sum has one rounding, doubled by the division.
 pub(crate) const NET_STEP: f64 = 2.0 * UNIT;
 
+/// Error of a control point of a part cut out of a patch over a box of parameters, times R and the
+/// sum of the degrees: two cuts in each direction, each step `(1 - t) a + t b` with three roundings
+/// a term, doubled by the division.
+pub(crate) const NET_CUT: f64 = 12.0 * UNIT;
+
+/// By how much the ends of such a box, between 0 and 1, may be off: a quotient of two of them is
+/// rounded once, and the difference from one once.
+pub(crate) const REGION: f64 = 4.0 * UNIT;
+
 /// Error, times R, of a triangular patch as a tensor-product patch: raising the degree of a row has
 /// four roundings a term (two quotients, a product, a sum), up to six times, doubled by the
 /// division: 48 UNIT, and room.

@@ -47,3 +47,27 @@ pub(crate) const GROWTH: usize = 4;
 
 /// Numbers that a tracker keeps for the nets of split nodes, at most: 16 MB.
 pub(crate) const KEPT: usize = 1 << 21;
+
+/// The surroundings of the closest points are tried to be proven at once where a pair of nodes is
+/// at most so many times as large.
+pub(crate) const SMALL: f64 = 4.0;
+
+/// How far the first region reaches, as a part of the radius of the smaller surface.
+pub(crate) const BEGINNING: f64 = 0.25;
+
+/// A region that was proven is this much larger in the next frame.
+pub(crate) const GROWING: f64 = 1.05;
+
+/// A region that was not proven is tried so much smaller.
+pub(crate) const SHRINKING: f64 = 0.5;
+
+/// Regions tried in one search.
+pub(crate) const TRIES: usize = 5;
+
+/// After so many pairs split the search is taken to be stuck at a local minimum, as where bodies
+/// cross: then two points are looked for below every 32nd pair, wherever its middle is. A search
+/// for points costs as much as some six splits.
+pub(crate) const IMPATIENT: usize = 128;
+
+/// See [`IMPATIENT`].
+pub(crate) const PATIENCE: usize = 32;

@@ -71,6 +71,40 @@ fn hollows_and_saddles_cost_no_more_when_narrow() {
     assert!(worst < 1.3, "{worst}");
 }
 
+/// A wall that ends above a floor by less than any interval resolves does not meet the floor, though the wall continued would.
+#[test]
+fn a_border_that_stops_short_is_no_crossing() {
+    let floor = one([2, 2], &square(|_, _| 0.0));
+    // The border that is lowest, z = 0 in its middle, is that of v = 0, v = 1, u = 0 and u = 1 in turn.
+    let wall = |side: usize| {
+        let at = |k: usize| {
+            let (i, j) = (k / 3, k % 3);
+            let (along, up) = [(i, j), (i, 2 - j), (j, i), (2 - j, 2 - i)][side];
+            let (x, bottom) = (0.1 + 0.2 * along as f64, [0.04, -0.04, 0.04][along]);
+            Point3::new(x, 0.1 * x, 0.5 * up as f64 + bottom)
+        };
+        one([2, 2], &(0..9).map(at).collect::<Vec<_>>())
+    };
+    for side in 0..4 {
+        let wall = wall(side);
+        for (gap, meets) in [(1e-14, false), (5e-14, false), (-0.01, true)] {
+            let at = pose(&Isometry3::translation(0.0, 0.0, gap));
+            let mut tracker = SurfaceTracker::new();
+            for found in [
+                tracker.intersects(&floor, &wall, &at),
+                tracker.intersects(&wall, &floor, &at.swapped()),
+            ] {
+                assert_eq!(found == Decision::Yes, meets, "{side} {gap:e}: {found:?}");
+            }
+            assert_eq!(
+                tracker.closest(&floor, &wall, &at, 1e-9).class == Class::Touching,
+                meets,
+                "{side} {gap:e}"
+            );
+        }
+    }
+}
+
 /// Control points of a bowl of degree 3.
 fn cubic(bend: f64, height: f64) -> Vec<Point3<f64>> {
     let at = |k: usize| {

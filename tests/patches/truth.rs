@@ -2,20 +2,34 @@
 //!
 //! The upper bound is judged by the points at the parameters returned. The lower bound by a search that
 //! must prove every pair of parts at least so far apart, along the normal returned, or along the line of
-//! the middles of both parts.
+//! the middles of both parts. f64 decides only what it decides with room to spare.
+
+use std::cell::OnceCell;
+use std::rc::Rc;
 
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
-use lin_canny::patch::{Surface, SurfaceOutcome, SurfacePoint};
+use lin_canny::patch::{Surface, SurfaceOutcome, SurfacePoint, SurfaceShapeOutcome};
+use lin_canny::{ConvexPolyhedron, RelativePose, Shape, ShapeTracker};
 
-use lab::curved::{Triple, Wide, dot, matrix, norm, turned, wide};
+use lab::curved::{Kind, Triple, Wide, dot, matrix, norm, turned, turned_back, wide};
 
 type Homogeneous = [Wide; 4];
 
-/// A patch given by its control points and weights, in A's frame.
-#[derive(Clone)]
+/// Pairs that a judge looks at before it gives up.
+const LOOKS: usize = 60_000;
+
+/// What f64 may be off by on sets of a size of some tens.
+const ROUGH: f64 = 1e-12;
+
+/// A part of a surface, in A's frame.
 struct Part {
     degrees: [usize; 2],
     net: Vec<Homogeneous>,
+    /// The control points, rounded, and a ball about them.
+    rough: Vec<Vector3<f64>>,
+    middle: Vector3<f64>,
+    size: f64,
+    halves: OnceCell<[Rc<Part>; 2]>,
 }
 
 /// What a judge saw.
@@ -26,9 +40,13 @@ pub(crate) enum Sentence {
     Open,
 }
 
-fn half(a: &Homogeneous, b: &Homogeneous, t: Wide) -> Homogeneous {
-    let s = Wide::from(1.0) - t;
+fn mixed(a: &Homogeneous, b: &Homogeneous, t: f64) -> Homogeneous {
+    let (t, s) = (Wide::from(t), Wide::from(1.0) - Wide::from(t));
     [0, 1, 2, 3].map(|k| a[k] * s + b[k] * t)
+}
+
+fn half(a: &Homogeneous, b: &Homogeneous) -> Homogeneous {
+    [0, 1, 2, 3].map(|k| a[k] + b[k]).map(|x| Wide(0.5 * x.0, 0.5 * x.1))
 }
 
 fn place(h: &Homogeneous) -> Triple {
@@ -39,84 +57,122 @@ fn less(a: &Triple, b: &Triple) -> Triple {
     [0, 1, 2].map(|k| a[k] - b[k])
 }
 
-impl Part {
-    /// The parts of a surface, placed; numbers are those of the surface.
-    fn all(surface: &Surface, pose: &Isometry3<f64>) -> Vec<Self> {
+/// A pose in twice the digits.
+struct Place {
+    rotation: [Triple; 3],
+    t: Triple,
+}
+
+impl Place {
+    fn new(pose: &Isometry3<f64>) -> Self {
         let c = pose.rotation.coords;
-        let (rotation, t) = (matrix([c.x, c.y, c.z, c.w]), wide(pose.translation.vector.into()));
+        Self {
+            rotation: matrix([c.x, c.y, c.z, c.w]),
+            t: wide(pose.translation.vector.into()),
+        }
+    }
+
+    fn of(&self, p: &Triple) -> Triple {
+        let q = turned(&self.rotation, p);
+        [0, 1, 2].map(|k| q[k] + self.t[k])
+    }
+}
+
+impl Part {
+    fn new(degrees: [usize; 2], net: Vec<Homogeneous>) -> Rc<Self> {
+        let rough: Vec<_> = net.iter().map(|h| Vector3::from(place(h).map(|x| x.0))).collect();
+        let middle = rough.iter().sum::<Vector3<f64>>() / rough.len() as f64;
+        let size = rough.iter().map(|p| (p - middle).norm()).fold(0.0, f64::max);
+        Rc::new(Self {
+            degrees,
+            net,
+            rough,
+            middle,
+            size,
+            halves: OnceCell::new(),
+        })
+    }
+
+    /// The patches of a surface, placed; numbers are those of the surface.
+    fn all(surface: &Surface, pose: &Isometry3<f64>) -> Vec<Rc<Self>> {
+        let pose = Place::new(pose);
         let placed = |(p, w): (Point3<f64>, f64)| {
-            let q = turned(&rotation, &wide(p.coords.into()));
-            let w = Wide::from(w);
-            [(q[0] + t[0]) * w, (q[1] + t[1]) * w, (q[2] + t[2]) * w, w]
+            let (q, w) = (pose.of(&wide(p.coords.into())), Wide::from(w));
+            [q[0] * w, q[1] * w, q[2] * w, w]
         };
-        let part = |p: &lin_canny::patch::Patch| Self {
-            degrees: p.degrees(),
-            net: p.control_points().map(placed).collect(),
-        };
+        let part = |p: &lin_canny::patch::Patch| Self::new(p.degrees(), p.control_points().map(placed).collect());
         surface.patches().iter().map(part).collect()
     }
 
     fn point(&self, at: &SurfacePoint) -> Triple {
-        let [p, q] = self.degrees;
+        let q = self.degrees[1];
         let curve = |mut c: Vec<Homogeneous>, t: f64| {
             while c.len() > 1 {
-                c = c.windows(2).map(|w| half(&w[0], &w[1], Wide::from(t))).collect();
+                c = c.windows(2).map(|w| mixed(&w[0], &w[1], t)).collect();
             }
             c[0]
         };
-        let rows = (0..=p).map(|i| curve(self.net[i * (q + 1)..][..=q].to_vec(), at.v));
+        let rows = self.net.chunks(q + 1).map(|row| curve(row.to_vec(), at.v));
         place(&curve(rows.collect(), at.u))
     }
 
     /// The halves by the direction in which the net is longer.
-    fn halves(&self) -> [Self; 2] {
-        let [p, q] = self.degrees;
-        let at = |i: usize, j: usize| i * (q + 1) + j;
-        let leg = |i: usize, j: usize| norm(&less(&place(&self.net[i]), &place(&self.net[j]))).0;
-        let long_u = (0..=q)
-            .map(|j| (0..p).map(|i| leg(at(i, j), at(i + 1, j))).sum::<f64>())
-            .fold(0.0, f64::max);
-        let long_v = (0..=p)
-            .map(|i| (0..q).map(|j| leg(at(i, j), at(i, j + 1))).sum::<f64>())
-            .fold(0.0, f64::max);
-        let (mut low, mut high) = (self.clone(), self.clone());
-        let mut line = |ids: Vec<usize>| {
-            let mut c: Vec<Homogeneous> = ids.iter().map(|&k| self.net[k]).collect();
-            for level in 0..ids.len() {
-                low.net[ids[level]] = c[0];
-                high.net[ids[ids.len() - 1 - level]] = c[c.len() - 1];
-                c = c.windows(2).map(|w| half(&w[0], &w[1], Wide::from(0.5))).collect();
+    fn halves(&self) -> &[Rc<Self>; 2] {
+        self.halves.get_or_init(|| {
+            let [p, q] = self.degrees;
+            let at = |i: usize, j: usize| i * (q + 1) + j;
+            let leg = |i: usize, j: usize| (self.rough[i] - self.rough[j]).norm();
+            let long_u = (0..=q)
+                .map(|j| (0..p).map(|i| leg(at(i, j), at(i + 1, j))).sum::<f64>())
+                .fold(0.0, f64::max);
+            let long_v = (0..=p)
+                .map(|i| (0..q).map(|j| leg(at(i, j), at(i, j + 1))).sum::<f64>())
+                .fold(0.0, f64::max);
+            let (mut low, mut high) = (self.net.clone(), self.net.clone());
+            let mut line = |ids: Vec<usize>| {
+                let mut c: Vec<Homogeneous> = ids.iter().map(|&k| self.net[k]).collect();
+                for level in 0..ids.len() {
+                    low[ids[level]] = c[0];
+                    high[ids[ids.len() - 1 - level]] = c[c.len() - 1];
+                    c = c.windows(2).map(|w| half(&w[0], &w[1])).collect();
+                }
+            };
+            if long_u >= long_v {
+                (0..=q).for_each(|j| line((0..=p).map(|i| at(i, j)).collect()));
+            } else {
+                (0..=p).for_each(|i| line((0..=q).map(|j| at(i, j)).collect()));
             }
-        };
-        if long_u >= long_v {
-            (0..=q).for_each(|j| line((0..=p).map(|i| at(i, j)).collect()));
-        } else {
-            (0..=p).for_each(|i| line((0..=q).map(|j| at(i, j)).collect()));
-        }
-        [low, high]
+            [low, high].map(|net| Self::new(self.degrees, net))
+        })
     }
 
-    fn points(&self) -> impl Iterator<Item = Triple> + '_ {
-        self.net.iter().map(place)
+    /// The greatest height along a direction.
+    fn high(&self, n: &Triple) -> Wide {
+        let heights = self.net.iter().map(|h| dot(&place(h), n));
+        heights.reduce(Wide::max).expect("a point")
     }
 
-    fn middle_and_size(&self) -> ([f64; 3], f64) {
-        let all: Vec<[f64; 3]> = self.points().map(|p| p.map(|x| x.0)).collect();
-        let mean = [0, 1, 2].map(|k| all.iter().map(|p| p[k]).sum::<f64>() / all.len() as f64);
-        let far = |p: &[f64; 3]| (Vector3::from(*p) - Vector3::from(mean)).norm();
-        (mean, all.iter().map(far).fold(0.0, f64::max))
+    fn rough_high(&self, n: &Vector3<f64>) -> f64 {
+        self.rough.iter().map(|p| p.dot(n)).fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    fn corner(&self) -> Triple {
+        place(&self.net[0])
     }
 }
 
-/// The gap of two parts along a direction.
-fn gap(a: &Part, b: &Part, n: &Triple) -> f64 {
-    let low = b
-        .points()
-        .map(|p| dot(&p, n))
-        .reduce(|m, x| if (x - m).0 < 0.0 { x } else { m });
-    let high = a.points().map(|p| dot(&p, n)).reduce(Wide::max);
-    low.zip(high)
-        .map_or(f64::INFINITY, |(low, high)| ((low - high) / norm(n)).0)
+/// Whether two parts are at least `goal` apart along a direction.
+fn is_apart(a: &Part, b: &Part, n: &Vector3<f64>, goal: f64) -> bool {
+    let length = n.norm();
+    if !(length > 0.0) {
+        return false;
+    }
+    let rough = (-b.rough_high(&-n) - a.rough_high(n)) / length;
+    if (rough - goal).abs() > ROUGH {
+        return rough > goal;
+    }
+    let (n, back) = (wide((*n).into()), wide((-n).into()));
+    ((-b.high(&back) - a.high(&n)) / norm(&n) - Wide::from(goal)).0 >= 0.0
 }
 
 /// Judges an outcome; panics if a bound is wrong by more than `slack`.
@@ -130,33 +186,119 @@ pub(crate) fn judge(a: &Surface, b: &Surface, pose: &Isometry3<f64>, o: &Surface
         return Sentence::Holds;
     }
     let goal = o.lower - slack;
-    let normal = wide((*o.normal).into());
-    let mut open: Vec<(Part, Part)> = Vec::new();
+    let mut open: Vec<(Rc<Part>, Rc<Part>)> = Vec::new();
     parts_a
         .iter()
         .for_each(|x| open.extend(parts_b.iter().map(|y| (x.clone(), y.clone()))));
     let mut looks = 0;
     while let Some((x, y)) = open.pop() {
         looks += 1;
-        if looks > 60_000 {
+        if looks > LOOKS {
             return Sentence::Open;
         }
-        let ((c, r), (d, s)) = (x.middle_and_size(), y.middle_and_size());
-        let line = Vector3::from(d) - Vector3::from(c);
-        if line.norm() - r - s > goal + 1e-9 || gap(&x, &y, &normal) >= goal || gap(&x, &y, &wide(line.into())) >= goal
+        let line = y.middle - x.middle;
+        if line.norm() - x.size - y.size > goal + 1e-9
+            || is_apart(&x, &y, &o.normal, goal)
+            || is_apart(&x, &y, &line, goal)
         {
             continue;
         }
-        let corner = |p: &Part| place(&p.net[0]);
-        let apart = norm(&less(&corner(&x), &corner(&y))).0;
+        let apart = norm(&less(&x.corner(), &y.corner())).0;
         assert!(apart >= goal, "two points are {apart:e} apart: {o:?}");
-        if r >= s {
+        if x.size >= y.size {
             let [low, high] = x.halves();
-            open.extend([(low, y.clone()), (high, y)]);
+            open.extend([(low.clone(), y.clone()), (high.clone(), y)]);
         } else {
             let [low, high] = y.halves();
-            open.extend([(x.clone(), low), (x, high)]);
+            open.extend([(x.clone(), low.clone()), (x, high.clone())]);
         }
+    }
+    Sentence::Holds
+}
+
+/// A convex shape as a judge knows it, at a pose.
+pub(crate) struct Body {
+    pub(crate) kind: Kind,
+    pub(crate) round: f64,
+    pub(crate) shape: Shape,
+}
+
+impl Body {
+    /// The support point along a direction.
+    pub(crate) fn top(&self, n: &Vector3<f64>) -> Vector3<f64> {
+        let point = ConvexPolyhedron::point(Point3::from(n * 100.0)).expect("a point");
+        let at = RelativePose::from_isometry(&Isometry3::identity()).expect("a pose");
+        let found = ShapeTracker::new().closest(&Shape::from(point), &self.shape, &at);
+        found.point_on_b.coords
+    }
+
+    /// The least height along a direction.
+    fn low(&self, place: &Place, n: &Triple) -> Wide {
+        let m = turned_back(&place.rotation, n).map(|x| -x);
+        dot(n, &place.t) - self.kind.height(&m) - Wide::from(self.round) * norm(n)
+    }
+
+    /// Judges the upper bound and the witnesses.
+    fn judge_witnesses(&self, place: &Place, p: &Triple, o: &SurfaceShapeOutcome, slack: f64) {
+        let inward = turned_back(&place.rotation, &wide((*o.normal).into()));
+        let q = wide(o.point_on_b.coords.into());
+        let core = [0, 1, 2].map(|k| q[k] + inward[k] * Wide::from(self.round));
+        let off = self.kind.outside(&core);
+        if o.upper == 0.0 {
+            let inside = turned_back(&place.rotation, &less(p, &place.t));
+            let near = norm(&less(&inside, &core)).0;
+            assert!(
+                self.kind.outside(&inside) <= slack || off <= slack && near <= self.round + slack,
+                "a point outside: {o:?}"
+            );
+            return;
+        }
+        assert!(off <= slack, "a witness {off:e} outside: {o:?}");
+        // By the core: a witness on a rounded shape is as far aside as the normal errs.
+        let between = norm(&less(&place.of(&core), p)).0 - self.round;
+        assert!(between <= o.upper + slack, "witnesses are {between:e} apart: {o:?}");
+    }
+}
+
+/// Judges an outcome; panics if a bound is wrong by more than `slack`. Directions, and points that would
+/// refute a bound, are those of the tracker of shapes.
+pub(crate) fn judge_shape(
+    a: &Surface,
+    b: &Body,
+    pose: &Isometry3<f64>,
+    o: &SurfaceShapeOutcome,
+    slack: f64,
+) -> Sentence {
+    let (parts, place) = (Part::all(a, &Isometry3::identity()), Place::new(pose));
+    b.judge_witnesses(&place, &parts[o.on_a.patch as usize].point(&o.on_a), o, slack);
+    if o.lower == 0.0 {
+        return Sentence::Holds;
+    }
+    let goal = o.lower - slack;
+    let point = Shape::from(ConvexPolyhedron::point(Point3::origin()).expect("a point"));
+    let mut tracker = ShapeTracker::new();
+    let mut open = parts;
+    let mut looks = 0;
+    while let Some(x) = open.pop() {
+        looks += 1;
+        if looks > LOOKS {
+            return Sentence::Open;
+        }
+        let mut from = |p: Vector3<f64>| {
+            let at = RelativePose::new(&Isometry3::from(p), pose).expect("a pose");
+            tracker.closest(&point, &b.shape, &at)
+        };
+        let seen = from(x.middle);
+        let is_apart = |n: &Vector3<f64>| {
+            let n = wide((*n).into());
+            ((b.low(&place, &n) - x.high(&n)) / norm(&n) - Wide::from(goal)).0 >= 0.0
+        };
+        if seen.lower - x.size > goal + 1e-9 || is_apart(&o.normal) || is_apart(&seen.normal) {
+            continue;
+        }
+        let near = from(x.rough[0]);
+        assert!(near.upper >= goal - 1e-14, "a point is {} near: {o:?}", near.upper);
+        open.extend(x.halves().iter().cloned());
     }
     Sentence::Holds
 }
