@@ -2,6 +2,8 @@
 
 pub use parry3d as parry;
 
+#[path = "bridge/decomposition.rs"]
+mod decomposition;
 #[path = "bridge/dispatcher.rs"]
 mod dispatcher;
 #[path = "bridge/half_space.rs"]
@@ -19,6 +21,7 @@ mod number;
 #[path = "bridge/part.rs"]
 mod part;
 
+pub use decomposition::{DecompositionError, decompose};
 pub use dispatcher::{Certified, ContactOptions};
 pub use hull::{Conversion, Hull, HullError};
 pub use number::{isometry, pose};

@@ -14,8 +14,14 @@ pub(crate) const JUMP: f64 = 1.0 / 12.0;
 /// 0.5 degrees a frame: 313, 284 and 274 bounds a query with 2, 3 and 5.
 pub(crate) const GROWTH: usize = 3;
 
+/// If the pairs that were closest are farther apart than so many times the last distance, a new
+/// pair is looked for before the front is proven again: with a distance that is too large a front
+/// is split in vain. Bodies that slide on each other leave a pair every few frames.
+pub(crate) const STALE: f64 = 4.0;
+
 /// Fronts of more entries than this are given up if the directions of over half of them fail.
 /// Plates in flush contact have some 30 entries, half of which only double precision can prove.
+/// Fronts of no more are never cut.
 pub(crate) const FEW_ENTRIES: usize = 64;
 
 /// Nodes of fewer items have no slab: their corners are looked at one by one.
@@ -89,8 +95,20 @@ pub(crate) const CONE: f64 = 1.0 / 1_048_576.0;
 /// Sine of the largest angle between the normals of contacts that are reduced together.
 pub(crate) const ALIKE: f64 = 1.0 / 64.0;
 
-/// Faces that are tried for a contact whose normal the mesh does not have. Not measured.
+/// Faces, and pairs of edges, that are tried for a contact whose normal the mesh does not have. Not
+/// measured.
 pub(crate) const FACES_TRIED: usize = 6;
+
+/// Pairs of edges of two parts that are tried for a contact that no face bears: more cost more than
+/// the contact of two bodies that overlap deeply is worth. Not measured.
+pub(crate) const EDGE_PAIRS: usize = 1 << 14;
+
+/// Edges that cross bear a contact if no face is nearer than this part of their overlap.
+pub(crate) const SHALLOW: f64 = 1.0 / 16.0;
+
+/// Bodies whose boxes overlap by less than this part of L along a normal are parted by the normal:
+/// more than the rounding of boxes in single precision. Not measured.
+pub(crate) const PARTED: f64 = 1.0 / 65_536.0;
 
 /// Pairs of nodes that a look ahead splits at most. Not measured.
 pub(crate) const AHEAD_PAIRS: usize = 2048;
