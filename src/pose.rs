@@ -149,6 +149,12 @@ impl PoseBits {
         self.t.spare()
     }
 
+    /// Whether the rotation is a unit quaternion. NaN fails the comparison.
+    #[inline(always)]
+    fn is_unit(&self) -> bool {
+        (self.norm_squared() - 1.0).abs() <= POSE_UNIT
+    }
+
     /// Returns the part that is no part of a rigid motion, and the value: the axis of the
     /// translation, or 3 and the squared norm of the rotation.
     fn refused(&self) -> Option<(usize, f64)> {
@@ -156,10 +162,7 @@ impl PoseBits {
         if let Some(axis) = (0..3).find(|&k| !t[k].is_finite()) {
             return Some((axis, t[axis]));
         }
-        let norm_squared = self.norm_squared();
-        // NaN fails the comparison and is refused.
-        let unit = (norm_squared - 1.0).abs() <= POSE_UNIT;
-        (!unit).then_some((PARTS - 1, norm_squared))
+        (!self.is_unit()).then(|| (PARTS - 1, self.norm_squared()))
     }
 
     pub(crate) fn isometry(&self) -> Isometry3<f64> {
@@ -167,6 +170,12 @@ impl PoseBits {
         let q = nalgebra::UnitQuaternion::new_unchecked(Quaternion::new(w, x, y, z));
         Isometry3::from_parts(Vector3::from(self.t()).into(), q)
     }
+}
+
+/// Whether the rotation of a pose is a unit quaternion, as [`RelativePose::new`] requires.
+#[inline]
+pub(crate) fn is_unit(pose: &Isometry3<f64>) -> bool {
+    PoseBits::new(pose).is_unit()
 }
 
 /// Returns the pose with its quaternion divided by the norm, as [`RelativePose::new`] and a scene
@@ -195,10 +204,9 @@ impl RelativePose {
     pub fn new(pose_a: &Isometry3<f64>, pose_b: &Isometry3<f64>) -> Result<Self, PoseError> {
         let (a, b) = (PoseBits::new(pose_a), PoseBits::new(pose_b));
         let offset = offset(&a, &b);
-        let unit = |p: &PoseBits| (p.norm_squared() - 1.0).abs() <= POSE_UNIT;
         // Comparisons with NaN are false.
         let near = offset.one_norm() < REACH;
-        if near && unit(&a) && unit(&b) {
+        if near && a.is_unit() && b.is_unit() {
             Ok(Self { a, b })
         } else {
             // Starts again from the arguments, and returns two registers: a pose whose address is

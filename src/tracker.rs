@@ -277,7 +277,7 @@ impl Tracker {
             solve::solve(ask.accuracy, &posed, warm.is_some(), draft, |draft| {
                 ask.until == Until::Depth && enters_overlap(&posed, memory, draft)
             });
-            self.deepen(ask.until, &posed, draft);
+            self.deepen(ask, &posed, draft);
             self.count(warm.is_some(), a, b, draft);
             if !(a.is_unscaled && b.is_unscaled) {
                 to_user_units(a, b, draft);
@@ -290,10 +290,12 @@ impl Tracker {
     /// Computes the depth of an overlap, if requested; if not, the next query begins with the
     /// expectation of another overlap.
     #[inline(always)]
-    fn deepen(&mut self, until: Until, posed: &PosedPair, draft: &mut Draft) {
+    fn deepen(&mut self, ask: Ask, posed: &PosedPair, draft: &mut Draft) {
         if draft.class == Class::Overlapping {
-            self.overlap_proof = (until == Until::Class).then(OverlapProof::default);
-            if until == Until::Depth && draft.lower == f64::NEG_INFINITY {
+            self.overlap_proof = (ask.until == Until::Class).then(OverlapProof::default);
+            let is_open = ask.until == Until::Depth && draft.lower == f64::NEG_INFINITY;
+            let is_touch = is_open && ask.accuracy != Accuracy::Exact && depth::of_touch(posed, draft);
+            if is_open && !is_touch {
                 depth::penetration_depth(posed, &mut self.memory, draft);
             }
         }
@@ -315,7 +317,7 @@ impl Tracker {
         let warm = self.start(a, b).map(FeaturePair::swapped);
         draft.features = warm.unwrap_or_else(|| seed::cold(&posed, &mut draft.work));
         solve::solve(ask.accuracy, &posed, warm.is_some(), draft, |_| false);
-        self.deepen(ask.until, &posed, draft);
+        self.deepen(ask, &posed, draft);
         // The names of the surface are the names of the bodies exchanged.
         self.memory.clear();
         self.overlap_proof = None;

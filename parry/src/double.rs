@@ -2,6 +2,8 @@
 
 pub use parry3d_f64 as parry;
 
+#[path = "bridge/cast.rs"]
+mod cast;
 #[path = "bridge/decomposition.rs"]
 mod decomposition;
 #[path = "bridge/dispatcher.rs"]

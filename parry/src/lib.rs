@@ -60,9 +60,24 @@
 //! | compounds | part by part | part by part |
 //! | triangles, meshes, height fields, voxels, custom shapes | parry | parry |
 //!
-//! Casts are parry's: a `Hull` shows itself to them as a parry convex polyhedron. parry's `f32`
-//! tolerances are absolute, so **small parts on a mesh or height field floor are not cured**: build
-//! such floors of hulls or cuboids, or scale the scene.
+//! parry's `f32` tolerances are absolute, so **small parts on a mesh or height field floor are not
+//! cured**: build such floors of hulls or cuboids, or scale the scene.
+//!
+//! # Casts
+//!
+//! `cast_shapes` and `cast_shapes_nonlinear` of all convex shapes of the table but two balls, and of
+//! compounds part by part, are those of [`impact`](lin_canny::impact): the shapes are proven apart
+//! (or farther than the target distance) until the time of impact, and within some units in the last
+//! place of the engine's numbers there. No contact is passed over, whatever the turn. Departures
+//! from parry:
+//!
+//! * A cast that ends without a decision, because rounding hides whether the shapes meet, is a hit
+//!   at the last instant proven free. The status is `OutOfIterations` if a limit of work was
+//!   reached, and `Failed` never occurs.
+//! * A cast with turns that does not stop at a penetration, of shapes that meet at the start, is
+//!   parry's.
+//! * rapier sweeps hulls, cuboids, balls and capsules by code of its own, which no dispatcher
+//!   replaces; cylinders and cones in continuous motion are cast by its dispatcher, and so here.
 //!
 //! # Limits
 //!

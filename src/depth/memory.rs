@@ -39,7 +39,21 @@ pub(crate) struct Memory {
     pub(super) built: u32,
     /// Working memory, allocated at the first overlap; not part of the cached state.
     #[cfg_attr(feature = "serde", serde(skip))]
-    scratch: Option<Box<Scratch>>,
+    scratch: Workspace,
+}
+
+/// Working memory of searches, allocated at the first overlap. Holds nothing between two searches,
+/// so that trackers may take turns with one workspace.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Workspace(Option<Box<Scratch>>);
+
+impl Workspace {
+    /// Returns the allocated bytes on the heap.
+    pub(crate) fn heap_bytes(&self) -> usize {
+        self.0.as_ref().map_or(0, |r| {
+            size_of::<Scratch>() + r.below_target.capacity() * size_of::<u32>() + r.surface.heap_bytes()
+        })
+    }
 }
 
 /// Features of the deepest facet, features of the witnesses, initial number of triangles, points,
@@ -91,7 +105,7 @@ impl From<RawMemory> for Memory {
             facet: raw.facet,
             witness_features: raw.witness_features,
             built: raw.built,
-            scratch: None,
+            scratch: Workspace::default(),
         }
     }
 }
@@ -132,15 +146,21 @@ impl Memory {
 
     /// Runs `work` with the working memory, allocated if absent.
     pub(super) fn with_scratch<R>(&mut self, work: impl FnOnce(&mut Self, &mut Scratch) -> R) -> R {
-        let mut scratch = self.scratch.take().unwrap_or_else(|| {
+        let mut scratch = self.scratch.0.take().unwrap_or_else(|| {
             Box::new(Scratch {
                 surface: EnclosingSurface::new(),
                 below_target: Vec::new(),
             })
         });
         let result = work(self, &mut scratch);
-        self.scratch = Some(scratch);
+        self.scratch.0 = Some(scratch);
         result
+    }
+
+    /// Exchanges the working memory for another.
+    #[inline]
+    pub(crate) fn exchange(&mut self, workspace: &mut Workspace) {
+        core::mem::swap(&mut self.scratch, workspace);
     }
 
     /// Returns a cache without a surface, after an overlap whose deepest facet was this one.
@@ -173,9 +193,7 @@ impl Memory {
     pub(crate) fn heap_bytes(&self) -> usize {
         self.points.capacity() * size_of::<[VertexId; 2]>()
             + self.triangles.capacity() * size_of::<[u8; 6]>()
-            + self.scratch.as_ref().map_or(0, |r| {
-                size_of::<Scratch>() + r.below_target.capacity() * size_of::<u32>() + r.surface.heap_bytes()
-            })
+            + self.scratch.heap_bytes()
     }
 
     /// Returns the first broken invariant of the cached surface: closed, and of few points. Its

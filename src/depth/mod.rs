@@ -47,24 +47,55 @@ mod surface;
 mod verify_surface;
 
 use crate::num::double_double::DoubleDouble;
-use crate::num::scalar::Scalar;
+use crate::num::scalar::{Scalar, dot};
 use crate::pair::answer::{round_outward, unit, walk_state};
+use crate::pair::difference::{difference_point, support};
 use crate::pair::draft::Draft;
 use crate::pair::outcome::{Class, Solver};
 use crate::pair::posed::PosedPair;
 use crate::pair::transform::Transform;
 #[cfg(feature = "exact")]
-use crate::tolerance::{AGREE_DEPTH, AGREE_WITNESS};
-use crate::tolerance::{CERTIFICATE, ORIGIN_SHIFTS};
+use crate::tolerance::AGREE_WITNESS;
+use crate::tolerance::{AGREE_DEPTH, CERTIFICATE, ORIGIN_SHIFTS, UNIT};
 use crate::tuning::depth::SHIFTS_PLAIN;
 use nalgebra::Vector3;
 use result::{SearchEnd, SearchResult};
 use search::search;
 use surface::EnclosingSurface;
 
-pub(crate) use memory::{Memory, RawMemory};
+pub(crate) use memory::{Memory, RawMemory, Workspace};
 pub(crate) use nearest::{Nearest, depth_from, nearest_facet};
 pub(crate) use resume::resume;
+
+/// Bounds the depth of an overlap that took double-double to be told from a touch, by the support
+/// of A - B along the direction in which the bodies nearly part: an upper bound of the depth, which
+/// is within rounding of zero. Returns false, with the draft unchanged, if the support is higher.
+#[cold]
+pub(crate) fn of_touch(posed: &PosedPair, draft: &mut Draft) -> bool {
+    if draft.solver != Solver::DoubleDouble {
+        return false;
+    }
+    let Some(frame) = Transform::<DoubleDouble>::new(posed.a, posed.b, posed.pose) else {
+        return false;
+    };
+    let (a, b) = draft.features.vertices_of(posed.a, posed.b);
+    let n = draft.normal.map(DoubleDouble::from).into();
+    let height = dot(
+        &n,
+        &support(posed, &frame, &n, &difference_point(posed, &frame, a, b)).w,
+    );
+    let depth = height.value();
+    // Comparisons with NaN are false.
+    if !(depth > 0.0 && depth <= AGREE_DEPTH * posed.size()) {
+        return false;
+    }
+    // The normal is of unit length within a few UNIT.
+    let term = CERTIFICATE * DoubleDouble::UNIT * posed.error_scale::<DoubleDouble>().total();
+    draft.work.depths += 1;
+    draft.lower = -round_outward(height, term + 8.0 * UNIT * depth);
+    (draft.distance, draft.upper) = (-depth, 0.0);
+    true
+}
 
 /// Computes depth, normal, witnesses and features of two bodies already proven to overlap.
 #[cold]

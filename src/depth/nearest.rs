@@ -12,10 +12,13 @@ use crate::depth::pyramid::proves;
 use crate::depth::result::{Best, SearchResult};
 use crate::depth::seed::search_from;
 use crate::depth::write_overlap;
+use crate::pair::answer::unit;
 use crate::pair::draft::Draft;
+use crate::pair::outcome::Class;
 use crate::pair::posed::PosedPair;
 use crate::pair::transform::Transform;
 use crate::polyhedron::FeaturePair;
+use crate::tolerance::AGREE_DEPTH;
 
 /// What a search from cached state says.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,6 +27,9 @@ pub(crate) enum Nearest {
     Proven,
     /// The bodies seem to be apart; the features are a start for the walk.
     Apart(FeaturePair),
+    /// The nearest facet is within rounding of the origin: the draft holds features, witnesses and
+    /// direction of the touch.
+    Touch,
     /// Neither; the facet on which a descent ended, if any, is a start for a search.
     Open(Option<FeaturePair>),
 }
@@ -42,13 +48,31 @@ pub(crate) fn nearest_facet(posed: &PosedPair, from: FeaturePair, memory: &mut M
         if !memory.is_empty() {
             memory.move_to(facet.features);
         }
-        return Nearest::Open(Some(facet.features));
+        return if writes_touch(posed, &facet, draft) {
+            Nearest::Touch
+        } else {
+            Nearest::Open(Some(facet.features))
+        };
     };
     // The next query asks the facet before a surface.
     memory.clear();
     memory.move_to(facet.features);
     write_overlap(posed, &found, draft);
     Nearest::Proven
+}
+
+/// Writes the touch of bodies at a facet that is no higher than rounding; returns false for a higher
+/// facet.
+fn writes_touch(posed: &PosedPair, facet: &LowFacet, draft: &mut Draft) -> bool {
+    let at = facet.support.filter(|at| at.1 <= AGREE_DEPTH * posed.size());
+    let Some((at, witnesses)) = at.and_then(|at| Some((at, foot(posed, facet.features, &at)?))) else {
+        return false;
+    };
+    draft.class = Class::Touching;
+    draft.features = facet.features;
+    draft.normal = unit(&at.0.into());
+    (draft.point_on_a, draft.point_on_b) = witnesses;
+    true
 }
 
 /// Searches for the depth of bodies not yet known to overlap, from a facet; returns false, with no

@@ -23,6 +23,7 @@ use crate::tolerance::{DISPLACEMENT, FAR, LEAST_SQUARE, NEAR, WAY};
 ///
 /// Two unit quaternions of opposite sign are one rotation; the nearer of the two is `c = 2
 /// sin(angle / 4)` away, and `2 sin(angle / 2) <= 2 c`.
+#[inline]
 pub(crate) fn displacement(
     shift: &Vector3<f64>,
     radius: f64,

@@ -60,6 +60,7 @@ impl Ball {
     }
 
     /// Returns an upper bound of the error of the posed centre.
+    #[inline]
     pub(super) fn error(&self, t: &Vector3<f64>) -> f64 {
         let sum = |v: &Vector3<f64>| v.x.abs() + v.y.abs() + v.z.abs();
         if self.centre == Vector3::zeros() {

@@ -17,7 +17,7 @@ use crate::broad::{self, Aabb};
 use crate::composite::contact::ContactPatches;
 use crate::motion::{Velocity, displacement};
 use crate::polyhedron::BoxHint;
-use crate::pose::{PoseError, RelativePose};
+use crate::pose::{PoseError, RelativePose, is_unit};
 use crate::tolerance::{ROUND_UP, SCENE_REACH};
 
 /// A body to insert: a shape, which may be shared by many bodies, a group, and whether the body is
@@ -114,11 +114,11 @@ impl Solid {
         self.ball.centre.norm() * ROUND_UP + self.ball.radius
     }
 
-    /// Returns an upper bound of the displacement of any point between two poses; `from` is the
-    /// ball at the first pose.
+    /// Returns an upper bound of the displacement of any point between two poses, given with the
+    /// balls there.
     #[inline]
-    fn displacement(&self, from: &Ball, old: &Isometry3<f64>, new: &Isometry3<f64>) -> f64 {
-        let shift = self.ball.at(new).centre - from.centre;
+    fn displacement(&self, (old, from): (&Isometry3<f64>, &Ball), (new, to): (&Isometry3<f64>, &Ball)) -> f64 {
+        let shift = to.centre - from.centre;
         displacement(&shift, self.ball.radius, &old.rotation, &new.rotation)
             + self.ball.error(&old.translation.vector)
             + self.ball.error(&new.translation.vector)
@@ -307,25 +307,27 @@ impl Bodies {
         if self.poses[i] == *pose {
             return;
         }
-        let way = solid.displacement(&self.balls[i], &self.poses[i], pose);
+        let ball = solid.ball.at(pose);
+        let way = solid.displacement((&self.poses[i], &self.balls[i]), (pose, &ball));
         if !self.moving.is_empty() {
             self.disturb(i);
             self.keep_start(i);
         }
-        self.shift(i, pose, way);
+        self.shift(i, (pose, ball), way);
     }
 
     /// Moves a body by a tick.
     pub(super) fn advance(&mut self, i: usize, pose: &Isometry3<f64>, sweep: Option<Sweep>) {
         let Some(solid) = &self.solids[i] else { return };
-        let way = solid.displacement(&self.balls[i], &self.poses[i], pose);
+        let ball = solid.ball.at(pose);
+        let way = solid.displacement((&self.poses[i], &self.balls[i]), (pose, &ball));
         // A point may go out and come back within a sweep.
         let farthest = sweep.map_or(way, |s| way.max(s.displacement(solid.reach(), self.ticks.length.abs())));
         if sweep.is_some() {
             self.sweeps[i] = sweep;
             self.swept.push(i as u32);
         }
-        self.shift(i, pose, farthest);
+        self.shift(i, (pose, ball), farthest);
     }
 
     /// Notes the pose of a body that is moved after the tick of the step and not by the tick.
@@ -341,11 +343,11 @@ impl Bodies {
         }
     }
 
+    /// Puts a body and its ball at a pose, `way` being an upper bound of the displacement.
     #[inline]
-    fn shift(&mut self, i: usize, pose: &Isometry3<f64>, way: f64) {
-        let Some(solid) = &self.solids[i] else { return };
+    fn shift(&mut self, i: usize, (pose, ball): (&Isometry3<f64>, Ball), way: f64) {
         self.travels[i].add(way, self.step);
-        self.balls[i] = solid.ball.at(pose);
+        self.balls[i] = ball;
         self.poses[i] = *pose;
         self.mark_due(i);
     }
@@ -408,19 +410,32 @@ impl Bodies {
 }
 
 /// Refuses a pose that is not a rigid motion, or that puts a body outside a scene.
+#[inline]
 pub(super) fn checked(pose: &Isometry3<f64>, body: Option<BodyId>) -> Result<(), SceneError> {
-    RelativePose::from_isometry(pose).map_err(|error| SceneError::Pose {
-        body,
-        error: as_only(error),
-    })?;
-    let t = &pose.translation.vector;
-    match (0..3).find(|&k| t[k].abs() > SCENE_REACH) {
-        None => Ok(()),
-        Some(axis) => Err(SceneError::TooFar {
+    // A comparison with NaN is false.
+    let is_near = pose.translation.vector.iter().all(|t| t.abs() <= SCENE_REACH);
+    if is_near && is_unit(pose) {
+        return Ok(());
+    }
+    Err(refusal(pose, body))
+}
+
+/// Returns why a pose is refused.
+#[cold]
+fn refusal(pose: &Isometry3<f64>, body: Option<BodyId>) -> SceneError {
+    if let Err(error) = RelativePose::from_isometry(pose) {
+        return SceneError::Pose {
             body,
-            axis,
-            value: t[axis],
-        }),
+            error: as_only(error),
+        };
+    }
+    // A finite translation that is too far out along the axis of its largest coordinate.
+    let t = &pose.translation.vector;
+    let axis = t.iamax();
+    SceneError::TooFar {
+        body,
+        axis,
+        value: t[axis],
     }
 }
 

@@ -174,6 +174,7 @@ use alloc::vec::Vec;
 use nalgebra::Isometry3;
 
 use crate::broad::{self, BroadPhase, Groups, PencilSweep};
+use crate::depth::Workspace;
 use crate::polyhedron::BoxHint;
 
 pub use crate::broad::{BodyId, PairId, Settings};
@@ -219,8 +220,9 @@ pub struct Scene {
     budget: bool,
     schedule: bool,
     settings: Settings,
-    /// Scratch buffer, kept for its capacity.
+    /// Scratch buffers, kept for their capacity.
     batch: Vec<(broad::BodyId, broad::Aabb)>,
+    workspace: Workspace,
 }
 
 /// Prints sizes only: a scene is too large to be printed whole.
@@ -275,6 +277,7 @@ impl Scene {
             schedule: true,
             settings,
             batch: Vec::new(),
+            workspace: Workspace::default(),
         }
     }
 
@@ -493,6 +496,7 @@ impl Scene {
             broad: self.broad.bytes(),
             pairs: self.pair_tables.bytes(),
             scratch: self.batch.capacity() * size_of::<(broad::BodyId, broad::Aabb)>()
+                + self.workspace.heap_bytes()
                 + self.events.capacity() * size_of::<Event>()
                 + self.impacts.capacity() * size_of::<PairImpact>(),
         }

@@ -12,6 +12,7 @@ use super::pair_table::{PairFlags, PairHeader, PairTable};
 use super::pair_tracker::{ContactAsk, PairTracker};
 use super::report::Counts;
 use super::stored_answer::StoredAnswer;
+use crate::depth::Workspace;
 use crate::pair::outcome::{Class, Outcome};
 use crate::pose::RelativePose;
 
@@ -30,6 +31,8 @@ pub(super) struct Tally {
     pub(super) counts: Counts,
     pub(super) changes: Vec<PairChange>,
     pub(super) impacts: Vec<PairImpact>,
+    /// Lent to the trackers in turn.
+    pub(super) workspace: Workspace,
 }
 
 /// Tests all pairs of a table.
@@ -135,8 +138,7 @@ impl Context<'_> {
         let is_apart = plan
             .impact
             .is_some_and(|tolerance| self.sweep_pair(header, (tracker, shapes), (plan, tolerance), tally));
-        let counts = &mut tally.counts;
-        if is_apart || self.is_clear(header, plan.reach, counts) {
+        if is_apart || self.is_clear(header, plan.reach, &mut tally.counts) {
             if let Some(stored) = answer.manifold() {
                 *stored = None;
                 tracker.drop_contacts();
@@ -147,7 +149,10 @@ impl Context<'_> {
         let Ok(pose) = RelativePose::new(&self.bodies.poses[a], &self.bodies.poses[b]) else {
             return;
         };
+        tracker.exchange(&mut tally.workspace);
         let outcome = tracker.measure(shapes, &pose, plan.until);
+        tracker.exchange(&mut tally.workspace);
+        let counts = &mut tally.counts;
         counts.note(&outcome, tracker.facets());
         let mut within = |t: f64| t != NEVER && tracker.decides_within(shapes, &pose, &outcome, t);
         header.state = PairFlags {

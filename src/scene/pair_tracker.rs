@@ -8,6 +8,7 @@ use super::mixed_tracker::MixedTracker;
 use super::report::Counts;
 use crate::composite::contact::{ContactPatches, PatchContacts};
 use crate::contact::{Manifold, ManifoldOptions, Query};
+use crate::depth::Workspace;
 use crate::pair::outcome::{Outcome, Until};
 use crate::polyhedron::{ConvexPolyhedron, FeaturePair};
 use crate::pose::RelativePose;
@@ -34,6 +35,9 @@ pub(super) trait PairTracker: Clone + Send + Sync {
     /// Returns the signed distance with bounds and features; an overlap without a depth if `until`
     /// is [`Until::Class`].
     fn measure(&mut self, shapes: Self::Shapes<'_>, pose: &RelativePose, until: Until) -> Outcome;
+
+    /// Exchanges the working memory of measurements, which holds nothing between two, for another.
+    fn exchange(&mut self, _: &mut Workspace) {}
 
     /// Returns whether the shapes are at most `d` apart, from the outcome of the last measurement.
     fn decides_within(&mut self, shapes: Self::Shapes<'_>, pose: &RelativePose, outcome: &Outcome, d: f64) -> bool;
@@ -89,6 +93,11 @@ impl PairTracker for Tracker {
     #[inline]
     fn measure(&mut self, (a, b): Self::Shapes<'_>, pose: &RelativePose, until: Until) -> Outcome {
         Self::measure(self, a, b, pose, until)
+    }
+
+    #[inline]
+    fn exchange(&mut self, workspace: &mut Workspace) {
+        Self::exchange(self, workspace);
     }
 
     #[inline]

@@ -25,6 +25,7 @@ use super::stored_answer::{StoredAnswer, StoredContact};
 use super::{Event, PairImpact, Scene, Settings};
 use crate::broad::slots::Slots;
 use crate::broad::{self, BroadPhase, PencilSweep};
+use crate::depth::Workspace;
 use crate::motion::Velocity;
 use crate::pair::outcome::{Distance, Outcome};
 use crate::polyhedron::BoxHint;
@@ -284,6 +285,7 @@ impl Snapshot {
             schedule: self.schedule,
             settings: self.settings,
             batch: Vec::new(),
+            workspace: Workspace::default(),
         };
         scene.make_patches();
         Ok(scene)

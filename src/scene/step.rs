@@ -234,6 +234,7 @@ impl Scene {
             counts: self.report.counts,
             changes,
             impacts: Vec::new(),
+            workspace: core::mem::take(&mut self.workspace),
         };
         #[cfg(feature = "parallel")]
         let is_parallel = is_shared(last.max(self.report.counts.began), self.settings.parallel_from);
@@ -242,6 +243,7 @@ impl Scene {
         test_tables(&mut self.pair_tables.polyhedra, &context, &mut tally, is_parallel);
         test_tables(&mut self.pair_tables.mixed, &context, &mut tally, is_parallel);
         self.report.counts = tally.counts;
+        self.workspace = core::mem::take(&mut tally.workspace);
         tally
     }
 

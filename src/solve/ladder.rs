@@ -16,10 +16,11 @@ use crate::solve::certified_walk;
 use crate::tolerance::CERTIFICATE;
 use crate::walk::seed;
 
-/// Runs restart, f64 solver, double-double and exact arithmetic until one proves the outcome.
+/// Runs restart, f64 solver, double-double and exact arithmetic until one proves the outcome. Bodies
+/// that touch up to the rounding of f64 go to double-double at once.
 #[cold]
 pub(crate) fn refine(posed: &PosedPair, warm: bool, draft: &mut Draft) {
-    if warm && posed.same_scale() {
+    if warm && posed.same_scale() && draft.class != Class::Touching {
         draft.work.restarts += 1;
         draft.features = seed::cold(posed, &mut draft.work);
         draft.solver = Solver::Restart;
@@ -27,9 +28,9 @@ pub(crate) fn refine(posed: &PosedPair, warm: bool, draft: &mut Draft) {
             return;
         }
     }
-    draft.work.fallbacks += 1;
-    draft.solver = Solver::Fallback;
-    write_minimum(posed, &solve(posed, &Transform::of(posed), draft.features), draft);
+    if draft.class != Class::Touching {
+        gjk_unchecked(posed, draft);
+    }
     if !is_proven(posed, draft) {
         refine_in_double_double(posed, draft);
     }
@@ -45,6 +46,7 @@ pub(crate) fn gjk_unchecked(posed: &PosedPair, draft: &mut Draft) {
 
 /// Runs the double-double solver and, if the outcome is not proven, the last step of the ladder.
 fn refine_in_double_double(posed: &PosedPair, draft: &mut Draft) {
+    let coarse = *draft;
     draft.work.double_doubles += 1;
     draft.solver = Solver::DoubleDouble;
     match Transform::<DoubleDouble>::new(posed.a, posed.b, posed.pose) {
@@ -53,6 +55,11 @@ fn refine_in_double_double(posed: &PosedPair, draft: &mut Draft) {
     }
     if !is_proven(posed, draft) {
         decide(posed, draft);
+    } else if draft.class == Class::Overlapping && coarse.class == Class::Touching {
+        // Closest features, witnesses and direction in f64 hold for the overlap too; a combination
+        // of four points names no feature.
+        (draft.features, draft.normal) = (coarse.features, coarse.normal);
+        (draft.point_on_a, draft.point_on_b) = (coarse.point_on_a, coarse.point_on_b);
     }
 }
 

@@ -53,14 +53,16 @@ fn supports_agree(posed: &PosedPair, draft: &mut Draft) -> bool {
     bounds_agree(posed, draft)
 }
 
-/// Widens the bounds by the error terms and returns whether the lower bound remains positive.
+/// Widens the bounds by the error terms and returns whether the lower bound remains positive; if
+/// not, the bodies touch up to rounding.
 #[inline(always)]
 fn proves_separated(posed: &PosedPair, draft: &mut Draft) -> bool {
     let term = CERTIFICATE * UNIT * posed.size();
     draft.lower -= term;
     draft.upper = draft.distance + term;
-    draft.class = Class::Separated;
-    draft.lower > 0.0
+    let is_apart = draft.lower > 0.0;
+    draft.class = if is_apart { Class::Separated } else { Class::Touching };
+    is_apart
 }
 
 /// Answers from the features of `outcome`; `warm` if the features come from the cache. `overlap` is
@@ -80,7 +82,8 @@ pub(crate) fn solve(
         }
         return;
     }
-    if !(posed.same_scale() && (certified_walk(posed, draft) || overlap(draft))) {
+    let may_overlap = |draft: &mut Draft| draft.class != Class::Touching && overlap(draft);
+    if !(posed.same_scale() && (certified_walk(posed, draft) || may_overlap(draft))) {
         ladder::refine(posed, warm, draft);
     }
     #[cfg(feature = "exact")]

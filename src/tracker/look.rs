@@ -1,7 +1,7 @@
 //! Queries that may stop at the class of an overlap, and predicates decided from their outcomes.
 
 use super::{Tracker, clear_of, to_user_units};
-use crate::depth::Memory;
+use crate::depth::{Memory, Workspace};
 use crate::minimum::overlap_proof::{self, OverlapProof};
 use crate::pair::draft::Draft;
 use crate::pair::outcome::{Ask, Class, Distance, Outcome, Until};
@@ -95,6 +95,13 @@ impl Tracker {
     /// Drops the cached surface of an overlap, and its memory.
     pub(crate) fn shed(&mut self) {
         self.memory = Memory::default();
+    }
+
+    /// Exchanges the working memory of searches for a depth for another: a scene lends one to all
+    /// its trackers, since one for each would not stay in the cache.
+    #[inline]
+    pub(crate) fn exchange(&mut self, workspace: &mut Workspace) {
+        self.memory.exchange(workspace);
     }
 
     /// Returns the bytes on the heap.

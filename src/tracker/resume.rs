@@ -87,6 +87,6 @@ pub(super) fn enters_overlap(posed: &PosedPair, memory: &mut Memory, draft: &mut
     match depth::nearest_facet(posed, from, memory, draft) {
         Nearest::Proven => true,
         Nearest::Open(Some(facet)) => depth::depth_from(posed, facet, memory, draft),
-        Nearest::Open(None) | Nearest::Apart(_) => false,
+        Nearest::Open(None) | Nearest::Apart(_) | Nearest::Touch => false,
     }
 }

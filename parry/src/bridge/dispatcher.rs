@@ -5,13 +5,16 @@ use std::sync::Arc;
 use lin_canny::nalgebra::{Point3, UnitQuaternion};
 use lin_canny::{Class, Outcome, RelativePose, ShapeTracker};
 
+use super::cast::{self, Flown};
 use super::half_space;
 use super::known::Known;
 use super::manifold::PosedPair;
 use super::number::{isometry, narrow};
 use super::parry::math::{Pose, Real, Vector};
 use super::parry::query::details::{
-    NormalConstraints, ShapeCastOptions, closest_points_composite_shape_shape, closest_points_shape_composite_shape,
+    NormalConstraints, ShapeCastOptions, cast_shapes_composite_shape_shape,
+    cast_shapes_nonlinear_composite_shape_shape, cast_shapes_nonlinear_shape_composite_shape,
+    cast_shapes_shape_composite_shape, closest_points_composite_shape_shape, closest_points_shape_composite_shape,
     contact_composite_shape_shape, contact_manifolds_composite_shape_composite_shape,
     contact_manifolds_composite_shape_shape, contact_shape_composite_shape, distance_composite_shape_shape,
     distance_shape_composite_shape, intersection_test_composite_shape_shape, intersection_test_shape_composite_shape,
@@ -225,7 +228,23 @@ impl QueryDispatcher for Certified {
         b: &dyn Shape,
         options: ShapeCastOptions,
     ) -> Result<Option<ShapeCastHit>, Unsupported> {
-        DefaultQueryDispatcher.cast_shapes(pos12, vel12, a, b, options)
+        let pair = part::cast(&self.known, a, b).filter(|_| pos12.is_finite());
+        if let Some((on_a, on_b)) = pair {
+            match cast::linear((&on_a, &on_b), pos12, vel12, &options) {
+                Flown::Free => return Ok(None),
+                Flown::Hit(hit) | Flown::Start(hit) => return Ok(Some(hit)),
+                Flown::Refused => {}
+            }
+        }
+        match (compound(a), compound(b)) {
+            (Some(c), _) if pos12.is_finite() => {
+                Ok(cast_shapes_composite_shape_shape(self, pos12, vel12, c, b, options))
+            }
+            (_, Some(c)) if pos12.is_finite() => {
+                Ok(cast_shapes_shape_composite_shape(self, pos12, vel12, a, c, options))
+            }
+            _ => parrys(pos12, a, b)?.cast_shapes(pos12, vel12, a, b, options),
+        }
     }
 
     fn cast_shapes_nonlinear(
@@ -238,7 +257,26 @@ impl QueryDispatcher for Certified {
         end: Real,
         stop_at_penetration: bool,
     ) -> Result<Option<ShapeCastHit>, Unsupported> {
-        DefaultQueryDispatcher.cast_shapes_nonlinear(motion1, a, motion2, b, start, end, stop_at_penetration)
+        let (x, y) = (motion1, motion2);
+        if let Some((on_a, on_b)) = part::cast(&self.known, a, b) {
+            match cast::nonlinear((&on_a, &on_b), (x, y), (start, end)) {
+                Flown::Free => return Ok(None),
+                Flown::Hit(hit) => return Ok(Some(hit)),
+                Flown::Start(hit) if stop_at_penetration => return Ok(Some(hit)),
+                // What happens after a penetration at the start is asked of parry.
+                Flown::Start(_) | Flown::Refused => {}
+            }
+        }
+        let stop = stop_at_penetration;
+        match (compound(a), compound(b)) {
+            (Some(c), _) => Ok(cast_shapes_nonlinear_composite_shape_shape(
+                self, x, c, y, b, start, end, stop,
+            )),
+            (_, Some(c)) => Ok(cast_shapes_nonlinear_shape_composite_shape(
+                self, x, a, y, c, start, end, stop,
+            )),
+            _ => DefaultQueryDispatcher.cast_shapes_nonlinear(x, a, y, b, start, end, stop),
+        }
     }
 }
 

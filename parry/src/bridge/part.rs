@@ -130,11 +130,24 @@ pub(super) fn placed(known: &Known, a: &dyn shape::Shape, b: &dyn shape::Shape) 
     if kind(a).zip(kind(b)).is_some_and(|(k, l)| is_closed_form(k, l)) {
         return None;
     }
-    let one = |shape: &dyn shape::Shape| match curved(shape) {
+    Some((one(known, a)?, one(known, b)?))
+}
+
+/// Returns two shapes to cast as shapes of [`lin_canny`], if that has both kinds; `None` too for two
+/// balls, whose casts have a closed form.
+pub(super) fn cast(known: &Known, a: &dyn shape::Shape, b: &dyn shape::Shape) -> Option<(Placed, Placed)> {
+    if a.as_ball().is_some() && b.as_ball().is_some() {
+        return None;
+    }
+    Some((one(known, a)?, one(known, b)?))
+}
+
+/// Returns a shape as a shape of [`lin_canny`].
+fn one(known: &Known, shape: &dyn shape::Shape) -> Option<Placed> {
+    match curved(shape) {
         Some(placed) => Some(placed),
         None => part(known, shape)?.placed(),
-    };
-    Some((one(a)?, one(b)?))
+    }
 }
 
 /// Returns a cylinder or cone, whose axis is y in parry and z in [`lin_canny`].

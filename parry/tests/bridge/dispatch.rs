@@ -4,8 +4,10 @@ use lab::rng::Rng;
 use lin_canny_parry::lin_canny::{RelativePose, Tracker};
 
 use super::engine::parry::math::{Pose, Real, Rotation, Vector};
+use super::engine::parry::query::details::ShapeCastOptions;
 use super::engine::parry::query::{
-    ClosestPoints, ContactManifold, DefaultQueryDispatcher, PersistentQueryDispatcher, QueryDispatcher,
+    ClosestPoints, ContactManifold, DefaultQueryDispatcher, NonlinearRigidMotion, PersistentQueryDispatcher,
+    QueryDispatcher,
 };
 use super::engine::parry::shape::{
     Ball, Capsule, Compound, Cone, ConvexPolyhedron, Cuboid, Cylinder, HalfSpace, RoundShape, Shape, SharedShape,
@@ -21,14 +23,14 @@ fn points(rng: &mut Rng, n: usize, size: f64) -> Vec<Vector> {
     points.into_iter().map(|p| Vector::from(p.map(|x| x as Real))).collect()
 }
 
-fn random_pose(rng: &mut Rng, apart: f64) -> Pose {
+pub(super) fn random_pose(rng: &mut Rng, apart: f64) -> Pose {
     let [x, y, z, w] = rng.quat().map(|x| x as Real);
     let at = Vector::from(rng.unit().map(|c| (apart * c) as Real));
     Pose::from_parts(at, Rotation::from_xyzw(x, y, z, w).normalize())
 }
 
 /// One shape of every kind, of size about `size`.
-fn kinds(rng: &mut Rng, size: Real) -> Vec<SharedShape> {
+pub(super) fn kinds(rng: &mut Rng, size: Real) -> Vec<SharedShape> {
     let hull = points(rng, 20, f64::from(size));
     let plain = ConvexPolyhedron::from_convex_hull(&points(rng, 20, 1.0)).expect("a hull");
     let cuboid = Cuboid::new(Vector::new(0.5, 0.6, 0.7) * size);
@@ -56,7 +58,7 @@ fn kinds(rng: &mut Rng, size: Real) -> Vec<SharedShape> {
 }
 
 /// Number of kinds that [`Certified`] answers, in the order of [`kinds`].
-const CONVEX: usize = 8;
+pub(super) const CONVEX: usize = 8;
 
 /// At ordinary sizes both engines agree; the answers of both orders agree too.
 #[test]
@@ -255,6 +257,22 @@ fn parts_of_compounds_are_answered_here() {
     }
 }
 
+/// Casts with velocities and limits of any kind.
+fn cast_any(ours: &Certified, pose: &Pose, a: &dyn Shape, b: &dyn Shape) {
+    for bad in [0.3, 0.0, Real::NAN, Real::INFINITY] {
+        let options = ShapeCastOptions {
+            max_time_of_impact: bad,
+            target_distance: if bad == 0.3 { 0.1 } else { bad },
+            stop_at_penetration: bad == 0.0,
+            ..ShapeCastOptions::default()
+        };
+        let _ = ours.cast_shapes(pose, Vector::X * bad, a, b, options);
+        let motion = NonlinearRigidMotion::new(*pose, Vector::ZERO, Vector::X * bad, Vector::Y * bad);
+        let rest = NonlinearRigidMotion::identity();
+        let _ = ours.cast_shapes_nonlinear(&rest, a, &motion, b, 0.0, 1.0, true);
+    }
+}
+
 /// Poses, shapes and predictions of any kind: an answer or `Unsupported`, never a panic.
 #[test]
 fn no_query_panics() {
@@ -289,6 +307,7 @@ fn no_query_panics() {
                 let _ = ours.intersection_test(pose, &**a, &**b);
                 let _ = ours.contact(pose, &**a, &**b, 0.1);
                 let _ = ours.closest_points(pose, &**a, &**b, 0.1);
+                cast_any(&ours, pose, &**a, &**b);
             }
         }
     }

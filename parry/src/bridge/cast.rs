@@ -1,0 +1,134 @@
+//! Casts: the instant at which two moving shapes first come within a distance of each other.
+
+use lin_canny::impact::{Impact, Tolerance, cast_within};
+use lin_canny::motion::{Motion, Steady, Velocity};
+use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
+use lin_canny::separation::ShapePair;
+use lin_canny::{RelativePose, ShapeTracker};
+
+use super::number::{down, isometry, narrow, wide, wide_point};
+use super::parry::math::{Pose, Real, Vector};
+use super::parry::query::details::ShapeCastOptions;
+use super::parry::query::{NonlinearRigidMotion, ShapeCastHit, ShapeCastStatus};
+use super::part::Placed;
+
+/// Width of the bracket of a hit over the size of the pair, as a distance: a few units in the last
+/// place of the engine's numbers.
+const TOLERANCE: f64 = 4.0 * Real::EPSILON as f64;
+
+/// The answer of a cast.
+pub(super) enum Flown {
+    /// The shapes stay apart.
+    Free,
+    Hit(ShapeCastHit),
+    /// The shapes meet at the start already.
+    Start(ShapeCastHit),
+    /// A motion, the interval or the distance is out of range: nothing is known.
+    Refused,
+}
+
+/// Casts two shapes in the frame of the first, the second at a constant velocity without a turn.
+pub(super) fn linear((a, b): (&Placed, &Placed), pos12: &Pose, vel12: Vector, options: &ShapeCastOptions) -> Flown {
+    let (velocity, target) = (wide(vel12), f64::from(options.target_distance));
+    let start = isometry(pos12) * b.at;
+    let speed = velocity.norm();
+    let reach = start.translation.vector.norm() + reach(a) + reach(b) + target;
+    // Later than this the shapes are farther than `target` from each other.
+    let passed = if speed > 0.0 { 1.000_001 * reach / speed } else { 0.0 };
+    let until = f64::from(options.max_time_of_impact).min(passed);
+    let rest = Steady::new(&a.at, Velocity::default());
+    let way = Steady::new(&start, Velocity::new(velocity, Vector3::zeros()));
+    let (Ok(rest), Ok(way)) = (rest, way) else {
+        return Flown::Refused;
+    };
+    match fly((a, b), (&rest, &way), (0.0, until), target) {
+        // The distance of convex shapes at a constant velocity is a convex function of time, so
+        // that shapes that move apart stay apart.
+        Flown::Start(hit) if !options.stop_at_penetration && wide(hit.normal1).dot(&velocity) >= 0.0 => Flown::Free,
+        Flown::Start(hit) => Flown::Hit(hit),
+        flown => flown,
+    }
+}
+
+/// Casts two shapes that move and turn at constant velocities.
+pub(super) fn nonlinear(
+    (a, b): (&Placed, &Placed),
+    (motion1, motion2): (&NonlinearRigidMotion, &NonlinearRigidMotion),
+    (start, end): (Real, Real),
+) -> Flown {
+    match (steady(a, motion1), steady(b, motion2)) {
+        (Some(x), Some(y)) => fly((a, b), (&x, &y), (f64::from(start), f64::from(end)), 0.0),
+        _ => Flown::Refused,
+    }
+}
+
+/// Returns the motion of the shape of [`lin_canny`] with the shape of the engine.
+fn steady(placed: &Placed, motion: &NonlinearRigidMotion) -> Option<Steady> {
+    let pose = isometry(&motion.start) * placed.at;
+    let pivot: Point3<f64> = placed.at.inverse_transform_point(&wide_point(motion.local_center));
+    let velocity = Velocity::new(wide(motion.linvel), wide(motion.angvel));
+    Steady::about(&pose, pivot, velocity).ok()
+}
+
+fn fly((a, b): (&Placed, &Placed), (x, y): (&Steady, &Steady), interval: (f64, f64), target: f64) -> Flown {
+    use ShapeCastStatus::{Converged, OutOfIterations, PenetratingOrWithinTargetDist};
+    let mut pair = ShapePair::new(&a.shape, &b.shape);
+    let size = a.shape.bounding_ball().1 + b.shape.bounding_ball().1;
+    let tolerance = Tolerance::Distance(TOLERANCE * size);
+    let Ok(cast) = cast_within(&mut pair, x, y, interval, tolerance, target) else {
+        return Flown::Refused;
+    };
+    let mut tracker = pair.into_tracker();
+    let mut hit = |time| hit((a, b), (&x.pose(time), &y.pose(time)), time, &mut tracker);
+    let (found, status) = match cast.impact {
+        Impact::Miss => return Flown::Free,
+        Impact::Start { seen } => {
+            let is_touching = seen.distance >= target;
+            let status = if is_touching {
+                Converged
+            } else {
+                PenetratingOrWithinTargetDist
+            };
+            let start = hit(interval.0).map(|found| Flown::Start(ShapeCastHit { status, ..found }));
+            return start.unwrap_or(Flown::Refused);
+        }
+        // Proven apart up to `safe`, and nearer than the tolerance there.
+        Impact::Hit { safe, .. } | Impact::Near { safe, .. } => (hit(safe), Converged),
+        Impact::Unknown { safe } => (hit(safe), OutOfIterations),
+        _ => (None, Converged),
+    };
+    found.map_or(Flown::Refused, |found| Flown::Hit(ShapeCastHit { status, ..found }))
+}
+
+/// Returns time, witnesses and normals at a time, in the frames of the two shapes of the engine.
+fn hit(
+    (a, b): (&Placed, &Placed),
+    (pose_a, pose_b): (&Isometry3<f64>, &Isometry3<f64>),
+    time: f64,
+    tracker: &mut ShapeTracker,
+) -> Option<ShapeCastHit> {
+    let pose = RelativePose::new(pose_a, pose_b).ok()?;
+    let outcome = tracker.closest(&a.shape, &b.shape, &pose);
+    let in_world = pose_a.rotation * outcome.normal.into_inner();
+    let on = |placed: &Placed, p: &Point3<f64>| narrow(&(placed.at * p).coords);
+    // Out of the shape whose own frame is placed at `at` in the frame of the engine's shape.
+    let out = |placed: &Placed, pose: &Isometry3<f64>, n: Vector3<f64>| {
+        narrow(&(placed.at.rotation * pose.rotation.inverse_transform_vector(&n)))
+    };
+    Some(ShapeCastHit {
+        time_of_impact: down(time),
+        witness1: on(a, &outcome.point_on_a),
+        witness2: on(b, &outcome.point_on_b),
+        normal1: out(a, pose_a, in_world),
+        normal2: out(b, pose_b, -in_world),
+        status: ShapeCastStatus::Converged,
+        subshape1: 0,
+        subshape2: 0,
+    })
+}
+
+/// Returns the largest distance of a point of the shape from the origin of the engine's frame.
+fn reach(placed: &Placed) -> f64 {
+    let (centre, radius) = placed.shape.bounding_ball();
+    (placed.at * centre).coords.norm() + radius
+}
