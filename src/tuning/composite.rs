@@ -69,6 +69,10 @@ pub(crate) const SEGMENTS: usize = 24;
 /// Pairs of triangles in contact that are looked at for inner points. Not measured.
 pub(crate) const TOUCHES: usize = 128;
 
+/// Triangles of each body that are looked at for inner points where bodies touch and no normal
+/// parts them. Not measured.
+pub(crate) const SPREAD: usize = 32;
+
 /// Triangles nearer than this part of L take the direction of a face or of two edges if one
 /// proves as much as the direction of the witnesses: two more gaps for directions that prove
 /// flush neighbours. Plates of 3,000 triangles at a gap of 1e-3: 300 bounds a query without.
