@@ -1,9 +1,9 @@
 //! Convex pieces that stand for a mesh, and how far the two are apart.
 //!
 //! No surface point of the pieces is farther than the *excess* from the mesh, no point of the
-//! mesh's surface farther than the *shortfall* from the pieces. Let another body be `d` apart from the
-//! pieces. The closest point of the pieces is on their surface, so the mesh is at most `d + excess`
-//! apart. If the mesh were nearer than `d - shortfall`, so would be a point of its surface, and the
+//! mesh's surface farther than the *shortfall* from the pieces. Let another body be `d` apart from
+//! the pieces. The closest point of the pieces is on their surface, so the mesh is at most
+//! `d + excess` apart. If the mesh were nearer than `d - shortfall`, so would be a point of its surface, and the
 //! pieces nearer than `d`; the only other way for the mesh to meet the body is to hold it, which a
 //! winding number decides.
 //!

@@ -1,7 +1,6 @@
 //! The state that a caller keeps per pair of shapes.
 
 mod contains;
-mod crossing;
 mod face;
 mod manifold;
 mod round;
@@ -12,7 +11,6 @@ use crate::replay::Replay;
 use crate::shape::{Core, Shape};
 use crate::smooth;
 use crate::tracker::{Totals, Tracker};
-pub(crate) use crossing::across_edges;
 pub(crate) use face::{along_face, swapped};
 
 /// Closest features of the last answer of one pair of shapes, from which the next query starts.

@@ -99,16 +99,8 @@ pub(crate) const CONE: f64 = 1.0 / 1_048_576.0;
 /// Sine of the largest angle between the normals of contacts that are reduced together.
 pub(crate) const ALIKE: f64 = 1.0 / 64.0;
 
-/// Faces, and pairs of edges, that are tried for a contact whose normal the mesh does not have. Not
-/// measured.
+/// Faces that are tried for a contact whose normal the mesh does not have. Not measured.
 pub(crate) const FACES_TRIED: usize = 6;
-
-/// Pairs of edges of two parts that are tried for a contact that no face bears: more cost more than
-/// the contact of two bodies that overlap deeply is worth. Not measured.
-pub(crate) const EDGE_PAIRS: usize = 1 << 14;
-
-/// Edges that cross bear a contact if no face is nearer than this part of their overlap.
-pub(crate) const SHALLOW: f64 = 1.0 / 16.0;
 
 /// Bodies whose boxes overlap by less than this part of L along a normal are parted by the normal:
 /// more than the rounding of boxes in single precision. Not measured.

@@ -90,7 +90,7 @@ fn gaps_are_bracketed() {
             "{excess} {shortfall} {fit}"
         );
         assert!(
-            excess > 0.3 * fit.excess_lower && shortfall > 0.3 * fit.shortfall_lower,
+            excess >= 0.3 * fit.excess_lower && shortfall >= 0.3 * fit.shortfall_lower,
             "{excess} {shortfall} {fit}"
         );
         assert!(fit.excess_upper - fit.excess_lower < 0.01, "{fit}");

@@ -1,7 +1,5 @@
 //! Two patches that are near: the manifold of their hulls, as far as both bodies bear it.
 
-use alloc::vec::Vec;
-
 use nalgebra::{Isometry3, Point3, Unit, Vector3};
 
 use super::body::{ContactPatches, is_in};
@@ -13,8 +11,8 @@ use crate::pair::outcome::Outcome;
 use crate::polyhedron::ConvexPolyhedron;
 use crate::pose::RelativePose;
 use crate::shape::{Core, Shape};
-use crate::shape_tracker::{ShapeTracker, across_edges, along_face, swapped};
-use crate::tuning::composite::{EDGE_PAIRS, FACES_TRIED, NEARLY, SHALLOW};
+use crate::shape_tracker::{ShapeTracker, along_face, swapped};
+use crate::tuning::composite::{FACES_TRIED, NEARLY};
 
 /// The state of two patches that are near.
 #[derive(Clone, Debug)]
@@ -74,7 +72,7 @@ impl Near {
         if is_new {
             *borne = posed.borne(manifold);
             if *borne == 0 && !manifold.points().is_empty() {
-                *borne = posed.by_facets(tracker, manifold);
+                *borne = posed.by_faces(tracker, manifold);
             }
         }
         let normal = posed.normal(manifold);
@@ -168,14 +166,13 @@ impl Posed<'_> {
         a.is_mesh() && top <= n.dot(&deepest.point_on_a.coords) || b.is_mesh() && bottom >= on_b
     }
 
-    /// Takes the normal of a face, or else of two edges that cross, with the least overlap along
-    /// which the bodies bear a contact.
-    fn by_facets(&self, tracker: &mut ShapeTracker, manifold: &mut Manifold) -> u8 {
+    /// Takes the normal of a face, with the least overlap, if the bodies bear a contact along it.
+    fn by_faces(&self, tracker: &mut ShapeTracker, manifold: &mut Manifold) -> u8 {
         let shapes = (&self.parts[0].0, &self.parts[1].0);
-        let nearest = |(is_of_a, outcome): (bool, Outcome)| self.is_nearest(is_of_a, &outcome).then_some(outcome);
-        let edges = core::iter::once_with(|| self.edges()).flatten();
-        let edges = edges.filter(|outcome| self.is_shallow(outcome));
-        for outcome in self.faces().filter_map(nearest).chain(edges) {
+        for (is_of_a, outcome) in self.faces() {
+            if !self.is_nearest(is_of_a, &outcome) {
+                continue;
+            }
             let mut trial = Manifold::new();
             tracker.manifold_by(shapes, &self.pose, self.query.options, &mut trial, |_| outcome);
             let borne = self.borne(&trial) & self.on_parts(&trial);
@@ -223,22 +220,6 @@ impl Posed<'_> {
         }
     }
 
-    /// Whether two edges that cross are about as deep in the bodies as they overlap: of edges that
-    /// have passed each other, the bodies part in another direction. On a sharp edge, a face is
-    /// nearer than the edge by the cosine of the angle between its normal and the contact's.
-    fn is_shallow(&self, outcome: &Outcome) -> bool {
-        let Query { a, b, doubt, .. } = self.query;
-        let depth = -outcome.distance * SHALLOW - doubt;
-        if !(depth > 0.0) {
-            return true;
-        }
-        let (rotation, translation) = (self.pose.rotation(), self.pose.translation());
-        let in_a = rotation * outcome.point_on_b.coords + translation;
-        let in_b = rotation.tr_mul(&(outcome.point_on_a.coords - translation));
-        a.is_clear(&self.parts[0].0, &Point3::from(in_a), depth)
-            && b.is_clear(&self.parts[1].0, &Point3::from(in_b), depth)
-    }
-
     /// The outcomes along the normals of faces of A or of B, the greatest gap first.
     fn faces(&self) -> impl Iterator<Item = (bool, Outcome)> + '_ {
         let Query { a, b, .. } = self.query;
@@ -246,7 +227,8 @@ impl Posed<'_> {
         let back = self.pose.swapped();
         let of_a = faces(p.core(), q.core(), &self.pose);
         let of_b = faces(q.core(), p.core(), &back);
-        let mut all: Vec<(bool, Outcome)> = of_a.map(|o| (true, o)).chain(of_b.map(|o| (false, o))).collect();
+        let mut all: alloc::vec::Vec<(bool, Outcome)> =
+            of_a.map(|o| (true, o)).chain(of_b.map(|o| (false, o))).collect();
         all.sort_by(|x, y| y.1.distance.total_cmp(&x.1.distance));
         let most = self.query.options.prediction + p.round() + q.round();
         let is_real = move |(of_a, o): &(bool, Outcome)| {
@@ -259,21 +241,6 @@ impl Posed<'_> {
         };
         let real = all.into_iter().filter(is_real).take(FACES_TRIED);
         real.map(move |(of_a, o)| (of_a, if of_a { o } else { swapped(&o, &back) }))
-    }
-
-    /// The outcomes along the normals of edges that cross, the greatest gap first: of an edge
-    /// between two patches no face of either hull need be a normal of the mesh.
-    fn edges(&self) -> impl Iterator<Item = Outcome> + '_ {
-        let [(p, _), (q, _)] = self.parts;
-        let most = self.query.options.prediction + p.round() + q.round();
-        let mut all: Vec<Outcome> = match (p.core(), q.core()) {
-            (Core::Polyhedron(x), Core::Polyhedron(y)) if x.edge_count() * y.edge_count() <= EDGE_PAIRS => {
-                across_edges(x, y, &self.pose).filter(|o| o.distance <= most).collect()
-            }
-            _ => Vec::new(),
-        };
-        all.sort_by(|x, y| y.distance.total_cmp(&x.distance));
-        all.into_iter().take(FACES_TRIED)
     }
 }
 
