@@ -4,8 +4,6 @@ pub use parry3d_f64 as parry;
 
 #[path = "bridge/cast.rs"]
 mod cast;
-#[path = "bridge/decomposition.rs"]
-mod decomposition;
 #[path = "bridge/dispatcher.rs"]
 mod dispatcher;
 #[path = "bridge/half_space.rs"]
@@ -23,7 +21,6 @@ mod number;
 #[path = "bridge/part.rs"]
 mod part;
 
-pub use decomposition::{DecompositionError, decompose};
 pub use dispatcher::{Certified, ContactOptions};
 pub use hull::{Conversion, Hull, HullError};
 pub use number::{isometry, pose};
