@@ -4,6 +4,7 @@
 use alloc::string::String;
 use alloc::vec::Vec;
 
+pub(crate) use crate::depth::Workspace;
 use crate::depth::{self, Memory};
 use crate::minimum::overlap_proof::OverlapProof;
 use crate::pair::draft::Draft;

@@ -61,8 +61,8 @@ pub(crate) fn nearest_facet(posed: &PosedPair, from: FeaturePair, memory: &mut M
     Nearest::Proven
 }
 
-/// Writes the touch of bodies at a facet that is no higher than rounding; returns false for a higher
-/// facet.
+/// Writes the touch of bodies at a facet that is no higher than rounding; returns false for a
+/// higher facet.
 fn writes_touch(posed: &PosedPair, facet: &LowFacet, draft: &mut Draft) -> bool {
     let at = facet.support.filter(|at| at.1 <= AGREE_DEPTH * posed.size());
     let Some((at, witnesses)) = at.and_then(|at| Some((at, foot(posed, facet.features, &at)?))) else {

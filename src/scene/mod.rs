@@ -174,8 +174,8 @@ use alloc::vec::Vec;
 use nalgebra::Isometry3;
 
 use crate::broad::{self, BroadPhase, Groups, PencilSweep};
-use crate::depth::Workspace;
 use crate::polyhedron::BoxHint;
+use crate::tracker::Workspace;
 
 pub use crate::broad::{BodyId, PairId, Settings};
 pub use answer::PairAnswer;

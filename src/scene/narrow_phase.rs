@@ -12,9 +12,9 @@ use super::pair_table::{PairFlags, PairHeader, PairTable};
 use super::pair_tracker::{ContactAsk, PairTracker};
 use super::report::Counts;
 use super::stored_answer::StoredAnswer;
-use crate::depth::Workspace;
 use crate::pair::outcome::{Class, Outcome};
 use crate::pose::RelativePose;
+use crate::tracker::Workspace;
 
 /// The parts of a scene that the narrow phase reads.
 pub(super) struct Context<'a> {

@@ -8,12 +8,11 @@ use super::mixed_tracker::MixedTracker;
 use super::report::Counts;
 use crate::composite::contact::{ContactPatches, PatchContacts};
 use crate::contact::{Manifold, ManifoldOptions, Query};
-use crate::depth::Workspace;
 use crate::pair::outcome::{Outcome, Until};
 use crate::polyhedron::{ConvexPolyhedron, FeaturePair};
 use crate::pose::RelativePose;
 use crate::separation::{Measure, PolyhedronPair, Separation};
-use crate::tracker::Tracker;
+use crate::tracker::{Tracker, Workspace};
 
 /// What a contact stage starts from: the last outcome, the options, and the patches of bodies that
 /// are not convex.

@@ -25,11 +25,11 @@ use super::stored_answer::{StoredAnswer, StoredContact};
 use super::{Event, PairImpact, Scene, Settings};
 use crate::broad::slots::Slots;
 use crate::broad::{self, BroadPhase, PencilSweep};
-use crate::depth::Workspace;
 use crate::motion::Velocity;
 use crate::pair::outcome::{Distance, Outcome};
 use crate::polyhedron::BoxHint;
 use crate::tracker::Tracker;
+use crate::tracker::Workspace;
 
 /// The values of one index in the tables of bodies.
 #[derive(Serialize, Deserialize)]

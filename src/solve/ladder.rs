@@ -16,8 +16,8 @@ use crate::solve::certified_walk;
 use crate::tolerance::CERTIFICATE;
 use crate::walk::seed;
 
-/// Runs restart, f64 solver, double-double and exact arithmetic until one proves the outcome. Bodies
-/// that touch up to the rounding of f64 go to double-double at once.
+/// Runs restart, f64 solver, double-double and exact arithmetic until one proves the outcome.
+/// Bodies that touch up to the rounding of f64 go to double-double at once.
 #[cold]
 pub(crate) fn refine(posed: &PosedPair, warm: bool, draft: &mut Draft) {
     if warm && posed.same_scale() && draft.class != Class::Touching {
