@@ -69,6 +69,7 @@
 //! | Where does B stand? | [`RelativePose::new`] | a checked pose, or a [`PoseError`] |
 //! | A body of points, of faces? | [`ConvexPolyhedron::from_points`], [`from_faces`](ConvexPolyhedron::from_faces) | a body with its [`BuildReport`], or a [`BuildError`] |
 //! | How much does the hull of a mesh add? | [`Mesh::hull_fit`] | [`HullFit`]: volumes and the largest gap |
+//! | How well do convex pieces stand for a mesh? | [`Decomposition`] | [`DecompositionFit`]: gaps; distances as intervals that hold for the mesh |
 //! | A common solid? | [`polyhedron::solids`] | a body |
 //! | A flat body? | [`polygon`](ConvexPolyhedron::polygon), [`segment`](ConvexPolyhedron::segment), [`point`](ConvexPolyhedron::point) | a body |
 //! | Is a point inside, what is the nearest one? | [`contains`](ConvexPolyhedron::contains), [`closest_point`](ConvexPolyhedron::closest_point) | one body, one point |
@@ -184,7 +185,8 @@
 //!
 //! [`Mesh`] takes the mesh as it is. The [`hull`](Mesh::hull) of a mesh is faster;
 //! [`Mesh::hull_fit`] measures how much the hull adds. A part that was decomposed elsewhere (CoACD,
-//! V-HACD) is a [`Composite`] of the pieces.
+//! V-HACD) is a [`Composite`] of the pieces, and [`Decomposition`] measures how far mesh and pieces
+//! are apart.
 //!
 //! # The idea in five minutes
 //!
@@ -323,14 +325,15 @@ mod walk;
 
 pub use composite::audit::FrontFault;
 pub use composite::contact::{ContactPatches, ContactTracker, PatchContact, PatchContacts};
+pub use composite::decomposition::{Decomposition, DecompositionFit};
 pub use composite::mesh::{HullFit, Mesh, MeshError, MeshInspection, MeshKind, MeshPart, MeshReport};
 pub use composite::outcome::{MeshFeature, MeshOutcome, MeshSpot};
 pub use composite::parts::{Parts, PartsRef};
 pub use composite::penetration::PenetrationBounds;
 pub use composite::pieces::{Composite, CompositeError, CompositeOutcome, CompositeTracker, Piece};
-pub use composite::search::MeshWork;
 pub use composite::separation::{CompositePair, MeshPair};
 pub use composite::tracker::MeshTracker;
+pub use composite::work::MeshWork;
 pub use contact::{
     ContactPoint, Gradient, HalfSpace, HalfSpaceContact, HalfSpaceContacts, HalfSpaceError, Manifold, ManifoldOptions,
 };

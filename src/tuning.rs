@@ -17,9 +17,9 @@ pub(crate) mod polyhedron {
     /// Fans of more edges are searched; up to here examining every edge is as cheap. Not measured.
     pub(crate) const MANY: usize = 128;
 
-    /// Boxes of bodies of up to this many vertices are scanned in `f32`, boxes of larger bodies
-    /// found by hill climbing from the extreme vertices of the last frame. Scanning takes linear
-    /// time but has no branch to mispredict. Not measured.
+    /// Boxes of bodies of up to this many vertices are scanned in `f32`, and heights in `f64`;
+    /// boxes of larger bodies are found by hill climbing from the extreme vertices of the last
+    /// frame. Scanning takes linear time but has no branch to mispredict. Not measured.
     pub(crate) const SCANNED: usize = 64;
 
     /// A support vertex without a hint is found by a scan on bodies of up to this many vertices: no

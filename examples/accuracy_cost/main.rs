@@ -11,6 +11,7 @@
 //! | `gap` | the same against the gap, and which layer answers near contact |
 //! | `geometry` | a sphere replaced by hulls of 12 to 100,000 vertices: what a finer shape costs |
 //! | `curved` | curved shapes as themselves, and replaced by hulls |
+//! | `nonconvex` | meshes that are not convex as they are, as hulls and as pieces of V-HACD |
 //! | `asking` | one motion, every question from "overlap?" to exact, and inner hulls with a bound |
 //!
 //! Every engine gets two world poses and the same vertices and faces, and returns the distance and, where it has them, both
@@ -22,6 +23,7 @@ mod curved;
 mod engines;
 mod geometry;
 mod measure;
+mod nonconvex;
 mod options;
 mod parts;
 mod truth;
@@ -47,7 +49,8 @@ fn run(options: &Options) -> Result<(), Trouble> {
     let steps = parts::count(options)
         + if with_geometry { geometry::count(options) } else { 0 }
         + asking::count(options)
-        + curved::count(options);
+        + curved::count(options)
+        + nonconvex::count(options);
     let progress = Progress::new("accuracy_cost", steps);
     let (mut rows, mut charts): (Vec<Row>, Vec<(&str, Chart)>) = (Vec::new(), Vec::new());
     if options.does("levels") {
@@ -77,6 +80,9 @@ fn run(options: &Options) -> Result<(), Trouble> {
     if options.does("curved") && with_geometry {
         curved::run(options, &mut rows, &progress)?;
         charts.push(("curved.svg", accuracy::curved(&rows, "cylinder-ellipsoid")));
+    }
+    if options.does("nonconvex") && with_geometry {
+        nonconvex::run(options, &mut rows, &progress)?;
     }
     if options.does("asking") {
         let n = asking::run(options, &mut rows, &progress)?;

@@ -11,10 +11,10 @@ arithmetic. Prints tables and draws pictures.
   --csv FILE     one row a pass: engine,level,family,n,ns,err (err over the size of the pair)
   --out FOLDER   where to draw (default: target/accuracy-cost)
   --quick        fewer frames and passes: ten seconds
-  --only PART    levels, motion, gap, geometry, curved or asking
+  --only PART    levels, motion, gap, geometry, curved, nonconvex or asking
   --mesh FILE    two meshes of your own instead of ours, taken as hulls of radius 1 (parts levels, motion, gap, asking)";
 
-pub(crate) const PARTS: [&str; 6] = ["levels", "motion", "gap", "geometry", "curved", "asking"];
+pub(crate) const PARTS: [&str; 7] = ["levels", "motion", "gap", "geometry", "curved", "nonconvex", "asking"];
 
 pub(crate) struct Options {
     pub(crate) csv: Option<PathBuf>,

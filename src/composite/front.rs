@@ -205,13 +205,13 @@ impl Block {
         let (r, t) = (&way.rotation, &way.translation);
         let (cx, cy, cz) = (f32x8::new(*cx), f32x8::new(*cy), f32x8::new(*cz));
         let (nx, ny, nz) = (f32x8::new(*nx), f32x8::new(*ny), f32x8::new(*nz));
-        let x = r[0] * cx + r[1] * cy + r[2] * cz + t[0];
-        let y = r[3] * cx + r[4] * cy + r[5] * cz + t[1];
-        let z = r[6] * cx + r[7] * cy + r[8] * cz + t[2];
-        let along = nx * x + ny * y + nz * z;
-        let u = r[0] * nx + r[3] * ny + r[6] * nz - f32x8::new(*mx);
-        let v = r[1] * nx + r[4] * ny + r[7] * nz - f32x8::new(*my);
-        let w = r[2] * nx + r[5] * ny + r[8] * nz - f32x8::new(*mz);
+        let (ux, uy, uz) = (
+            r[0] * nx + r[3] * ny + r[6] * nz,
+            r[1] * nx + r[4] * ny + r[7] * nz,
+            r[2] * nx + r[5] * ny + r[8] * nz,
+        );
+        let along = ux * cx + uy * cy + uz * cz + (nx * t[0] + ny * t[1] + nz * t[2]);
+        let (u, v, w) = (ux - f32x8::new(*mx), uy - f32x8::new(*my), uz - f32x8::new(*mz));
         let turned = (u * u + v * v + w * w).sqrt();
         f32x8::new(*base) + along - f32x8::new(*radius) * turned
     }

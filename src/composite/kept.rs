@@ -5,9 +5,10 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::frame::Frame;
 use super::front::{Front, Pair, Place};
-use super::search::{Judge, MeshWork, Search};
+use super::search::{Judge, Search};
+use super::work::MeshWork;
 use crate::num::scalar::sqrt;
-use crate::tuning::composite::{FEW_ENTRIES, GROWTH, JUMP, NEAR};
+use crate::tuning::composite::{FEW_ENTRIES, GROWTH, JUMP, NEAR, STALE};
 
 /// Front, last pairs and buffers.
 #[derive(Clone, Debug, Default)]
@@ -18,6 +19,9 @@ pub(super) struct Kept {
     /// The two closest pairs of items of the last answers.
     #[cfg_attr(feature = "serde", serde(skip))]
     last: [Option<Pair>; 2],
+    /// The last distance, in A's stored units.
+    #[cfg_attr(feature = "serde", serde(skip))]
+    distance: f64,
     #[cfg_attr(feature = "serde", serde(skip))]
     pose: Option<(Matrix3<f64>, Vector3<f64>)>,
     #[cfg_attr(feature = "serde", serde(skip))]
@@ -45,6 +49,10 @@ impl Kept {
         }
         if !search.is_over() {
             if motion < NEAR && !self.front.is_empty() {
+                // A pair that has left a contact says nothing about the next.
+                if search.level() > STALE * self.distance + search.frame.tie {
+                    search.seed();
+                }
                 self.renew(search);
             } else {
                 self.begin(search, motion);
@@ -52,7 +60,9 @@ impl Kept {
         }
         if search.is_over() {
             self.front.clear();
-        } else if motion < NEAR && (self.front.is_empty() || self.front.len() > GROWTH * self.front.cut) {
+        } else if motion < NEAR
+            && (self.front.is_empty() || self.front.len() > (GROWTH * self.front.cut).max(FEW_ENTRIES))
+        {
             self.cut(search);
         }
         self.conclude(search);
@@ -75,6 +85,7 @@ impl Kept {
         self.work += search.work;
         self.work.settled += search.judge.settled();
         let Some(best) = &search.best else { return };
+        self.distance = best.distance;
         match search.directions[0] {
             // Of pairs that are equally close, the one whose direction proves the others.
             Some((pair, _)) if pair != best.pair => self.last = [Some(pair), Some(best.pair)],

@@ -7,7 +7,8 @@
 //! proof of the last answer), `search` (down both trees), `kept` (front and search from frame to
 //! frame), `triangle` (two triangles), `inside` (winding numbers), `state` (the queries), `tracker`
 //! (the state of a pair), `contact` (manifolds of convex patches), `penetration` (bounds of the
-//! depth), `separation` (pairs over time) and `ahead` (the bound of a look).
+//! depth), `decomposition` (pieces in the place of a mesh, over `greatest`), `separation` (pairs
+//! over time), `ahead` (the bound of a look) and `work` (counters).
 //!
 //! # The proof
 //!
@@ -33,8 +34,10 @@ mod ahead;
 pub(crate) mod audit;
 mod bounds;
 pub(crate) mod contact;
+pub(crate) mod decomposition;
 mod frame;
 mod front;
+mod greatest;
 mod heights;
 mod inside;
 mod kept;
@@ -51,3 +54,4 @@ mod state;
 pub(crate) mod tracker;
 mod tree;
 mod triangle;
+pub(crate) mod work;

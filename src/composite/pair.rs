@@ -4,6 +4,7 @@ use nalgebra::{Point3, Vector3};
 
 use super::frame::Frame;
 use super::front::Pair;
+use super::heights::height;
 use super::mesh::Mesh;
 use super::outcome::{MeshFeature, MeshSpot};
 use super::parts::Parted;
@@ -14,7 +15,7 @@ use crate::pair::outcome::Outcome;
 use crate::polyhedron::ConvexPolyhedron;
 use crate::pose::RelativePose;
 use crate::tracker::Tracker;
-use crate::tuning::composite::{SHARP, TOUCHES};
+use crate::tuning::composite::{PARTED, SHARP, SPREAD, TOUCHES};
 
 /// Judges pairs of triangles.
 pub(super) struct MeshPair<'a> {
@@ -116,6 +117,12 @@ fn spot(mesh: &Mesh, triangle: u32, spot: Spot) -> MeshSpot {
     }
 }
 
+/// A few triangles from all over a mesh.
+fn spread(mesh: &Mesh) -> impl Iterator<Item = u32> {
+    let count = mesh.triangles.len();
+    (0..count as u32).step_by(count.div_ceil(SPREAD))
+}
+
 /// The gap of two placed triangles along a direction.
 #[inline(always)]
 fn gap(p: &Triangle, q: &Triangle, n: &Vector3<f64>) -> f64 {
@@ -166,18 +173,36 @@ impl Judge for MeshPair<'_> {
     }
 
     /// Whether one of the triangles in contact has its middle certainly inside the other solid.
-    /// Middles on their own side of the plane of contact are not looked at: in flush contact none
-    /// is left.
+    /// Where the normal parts the bodies, middles on their own side of the plane of contact are not
+    /// looked at: in flush contact none is left. Elsewhere, as where two boxes share the planes of
+    /// their sides, a few triangles from all over the bodies are looked at too.
     fn shares_inside(&self, frame: &Frame, best: &Measured<[Spot; 2]>) -> bool {
         let ratio = self.a.unit() / self.b.unit();
         let middle = |t: [Vector3<f64>; 3]| (t[0] + t[1] + t[2]) / 3.0;
-        let height = |p: &Vector3<f64>| best.normal.dot(&(p - best.on_a));
-        self.touching[..self.touch_count].iter().any(|&[i, j]| {
-            let (p, q) = (middle(self.a.corners(i)), frame.point(&middle(self.b.corners(j))));
+        let n = &best.normal;
+        let (top, bottom) = (
+            height(&self.a.tree, 0, n),
+            -height(&self.b.tree, 0, &-frame.direction_in_b(n)) + n.dot(&frame.translation),
+        );
+        let is_parted = top - bottom < PARTED * frame.size;
+        let rise = |p: &Vector3<f64>| n.dot(&(p - best.on_a));
+        let in_a = |q: &Vector3<f64>| self.a.holds(q, 2.0 * frame.error) == Some(true);
+        let in_b = |p: &Vector3<f64>| {
             let back = frame.rotation.tr_mul(&(p - frame.translation)) * ratio;
-            height(&q) < -frame.tie && self.a.holds(&q, 2.0 * frame.error) == Some(true)
-                || height(&p) > frame.tie && self.b.holds(&back, 2.0 * frame.error * ratio) == Some(true)
-        })
+            self.b.holds(&back, 2.0 * frame.error * ratio) == Some(true)
+        };
+        let of_a = |i: u32| middle(self.a.corners(i));
+        let of_b = |j: u32| frame.point(&middle(self.b.corners(j)));
+        let touching = &self.touching[..self.touch_count];
+        if is_parted {
+            return touching.iter().any(|&[i, j]| {
+                let (p, q) = (of_a(i), of_b(j));
+                rise(&q) < -frame.tie && in_a(&q) || rise(&p) > frame.tie && in_b(&p)
+            });
+        }
+        touching.iter().any(|&[i, j]| in_a(&of_b(j)) || in_b(&of_a(i)))
+            || spread(self.b).any(|j| in_a(&of_b(j)))
+            || spread(self.a).any(|i| in_b(&of_a(i)))
     }
 
     fn touches(&mut self, pair: Pair) {
@@ -212,10 +237,12 @@ impl Judge for MeshPair<'_> {
         if best >= enough {
             // Witnesses so near have a direction that errs by rounding over their distance, which
             // long triangles and whole plates in flush contact show.
-            let level = enough.max(best - frame.error);
-            let sharp = |n: &Vector3<f64>| distance < SHARP * frame.size && gap(&p, &q, n) >= level;
-            if let Some(n) = candidates(&p, &q, &found).iter().filter_map(unit).find(sharp) {
-                (best, normal) = (gap(&p, &q, &n), n);
+            if distance < SHARP * frame.size {
+                let level = enough.max(best - frame.error);
+                let sharp = |n: &Vector3<f64>| gap(&p, &q, n) >= level;
+                if let Some(n) = candidates(&p, &q, &found).iter().filter_map(unit).find(sharp) {
+                    (best, normal) = (gap(&p, &q, &n), n);
+                }
             }
         } else {
             for n in candidates(&p, &q, &found).iter().filter_map(unit) {

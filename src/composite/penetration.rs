@@ -21,15 +21,13 @@ use super::pieces::{Composite, CompositeTracker};
 use super::placed::{Placed, relative};
 use super::state::Posed;
 use super::tracker::MeshTracker;
-use super::tree::Below;
-use super::triangle;
 use crate::num::scalar::sqrt;
 use crate::pair::outcome::Class;
 use crate::polyhedron::ConvexPolyhedron;
 use crate::pose::RelativePose;
 use crate::shape::{Core, Shape};
 use crate::shape_tracker::ShapeTracker;
-use crate::tolerance::{CERTIFICATE, UNIT, UNIT_SINGLE};
+use crate::tolerance::{CERTIFICATE, UNIT};
 use crate::tracker::Tracker;
 use crate::tuning::composite::{BEYOND, DEEP_POINTS, HALVINGS, PUSHES};
 
@@ -274,51 +272,13 @@ fn inner(
         if !is_boxed || mesh.winding(&p).is_none_or(|w| w == 0) {
             continue;
         }
-        let (square, nearest) = nearest(mesh, &p);
-        let depth = sqrt(square) - doubt;
+        let nearest = mesh.nearest(&p);
+        let depth = sqrt(nearest.square) - doubt;
         // Beyond doubt, the point is on its side of the surface.
         if depth > doubt {
-            found(depth, nearest - p);
+            found(depth, nearest.point - p);
         }
     }
-}
-
-/// The squared distance of a point from the surface, and the nearest point.
-fn nearest(mesh: &Mesh, point: &Vector3<f64>) -> (f64, Vector3<f64>) {
-    let tree = &mesh.tree;
-    let place = (point - tree.centre) / tree.unit();
-    // Axes as stored are orthonormal within 8 UNIT_SINGLE.
-    let slack = 32.0 * UNIT_SINGLE * (1.0 + place.amax());
-    let least = |node: u32| {
-        let b = &tree.boxes[node as usize];
-        let (d, half) = (place - b.centre(), b.half());
-        let out = |k: usize| (b.axis(k).dot(&d).abs() - half[k] - slack).max(0.0);
-        let away = sqrt(out(0) * out(0) + out(1) * out(1) + out(2) * out(2));
-        away * (1.0 - slack) * tree.unit()
-    };
-    let mut best = (f64::INFINITY, *point);
-    let mut stack = alloc::vec![(least(0), 0)];
-    while let Some((bound, node)) = stack.pop() {
-        if bound * bound >= best.0 {
-            continue;
-        }
-        match tree.below(node) {
-            Below::Children(c) => {
-                let two = [(least(c), c), (least(c + 1), c + 1)];
-                // The nearer one on top.
-                stack.extend(if two[0].0 < two[1].0 { [two[1], two[0]] } else { two });
-            }
-            Below::Leaf(first, count) => {
-                for t in first..first + count {
-                    let (square, foot) = triangle::foot_of(point, &mesh.corners(t));
-                    if square < best.0 {
-                        best = (square, foot);
-                    }
-                }
-            }
-        }
-    }
-    best
 }
 
 /// The translation of B that parts two convex bodies; `None` if they are apart.

@@ -8,6 +8,7 @@ use super::frame::Frame;
 use super::front::{Front, Pair};
 use super::heights::{height, unit};
 use super::tree::{Below, LEAF, Tree};
+use super::work::MeshWork;
 use crate::tuning::composite::{AT_ONCE, FEW_ITEMS};
 
 /// The contents of two leaves: triangles or convex pieces, by the number of the tree's items.
@@ -55,48 +56,6 @@ pub(super) struct Measured<F> {
     pub(super) crosses: bool,
 }
 
-/// Work done by queries.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[non_exhaustive]
-pub struct MeshWork {
-    /// Queries.
-    pub queries: u64,
-    /// Entries of the front that were proven again, or not, by their direction.
-    pub entries: u64,
-    /// Entries whose direction no longer proved them.
-    pub failed: u64,
-    /// Pairs of boxes bounded anew.
-    pub bounds: u64,
-    /// Pairs of boxes bounded in double precision.
-    pub looks: u64,
-    /// Pairs of leaves judged.
-    pub leaves: u64,
-    /// Pairs of triangles or pieces measured.
-    pub measured: u64,
-    /// Pairs settled by a certified query of two polygons.
-    pub settled: u64,
-    /// Fronts cut.
-    pub cuts: u64,
-    /// Winding numbers taken.
-    pub windings: u64,
-}
-
-impl core::ops::AddAssign for MeshWork {
-    fn add_assign(&mut self, o: Self) {
-        self.queries += o.queries;
-        self.entries += o.entries;
-        self.failed += o.failed;
-        self.bounds += o.bounds;
-        self.looks += o.looks;
-        self.leaves += o.leaves;
-        self.measured += o.measured;
-        self.settled += o.settled;
-        self.cuts += o.cuts;
-        self.windings += o.windings;
-    }
-}
-
 /// The question.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Goal {
@@ -120,6 +79,8 @@ pub(super) struct Search<'a, J: Judge> {
     /// The direction of the best pair, by which most others are proven. Of several pairs that are
     /// equally close, as in flush contact, the pairs whose directions proved the most lately.
     pub(super) directions: [Option<(Pair, Vector3<f64>)>; 2],
+    /// The level in single precision.
+    single: f32,
     pub(super) work: MeshWork,
 }
 
@@ -128,7 +89,7 @@ type Proof = ([f32; 3], f32);
 
 impl<'a, J: Judge> Search<'a, J> {
     pub(super) fn new((a, b): (&'a Tree, &'a Tree), frame: &'a Frame, judge: J, goal: Goal) -> Self {
-        Self {
+        let mut search = Self {
             a,
             b,
             frame,
@@ -137,8 +98,11 @@ impl<'a, J: Judge> Search<'a, J> {
             best: None,
             lower: f64::INFINITY,
             directions: [None; 2],
+            single: f32::INFINITY,
             work: MeshWork::default(),
-        }
+        };
+        search.single = search.single_level();
+        search
     }
 
     /// The gap that a pair must exceed to be passed by, in A's stored units.
@@ -184,6 +148,7 @@ impl<'a, J: Judge> Search<'a, J> {
         if is_closer || self.best.is_none() {
             let before = self.best.replace(found);
             self.lower = self.lower.min(before.map_or(f64::INFINITY, |b| b.lower));
+            self.single = self.single_level();
         } else {
             self.lower = self.lower.min(found.lower);
         }
@@ -222,7 +187,7 @@ impl<'a, J: Judge> Search<'a, J> {
     /// Tries to prove a pair: by its gap, in double precision if the gap is close, or item by item.
     pub(super) fn settle(&mut self, pair: Pair, gap: f32, normal: [f32; 3]) -> Option<Proof> {
         let error = self.frame.single.error;
-        let level = self.single_level();
+        let level = self.single;
         if gap - error >= level {
             return Some((normal, gap - error));
         }
@@ -235,8 +200,43 @@ impl<'a, J: Judge> Search<'a, J> {
                 return Some(self.proof(&n, gap));
             }
         }
-        if self.a.is_leaf(pair[0]) && self.b.is_leaf(pair[1]) {
-            return Some(self.judge_leaves(pair, normal));
+        match (self.a.is_leaf(pair[0]), self.b.is_leaf(pair[1])) {
+            (true, true) => Some(self.judge_leaves(pair, normal)),
+            (false, false) => None,
+            _ => self.by_support(pair, gap, normal),
+        }
+    }
+
+    /// Tries to prove a node of one body against the only item of the other, by the height of the
+    /// item itself: a box about a round body is much larger than the body.
+    fn by_support(&mut self, [x, y]: Pair, gap: f32, normal: [f32; 3]) -> Option<Proof> {
+        let (is_a, is_b) = (self.a.is_alone(), self.b.is_alone());
+        let reach = match (is_a, is_b) {
+            (true, _) => self.a.boxes[0].radius() * self.frame.single.scale_a,
+            (_, true) => self.b.boxes[0].radius() * self.frame.single.scale_b,
+            _ => return None,
+        };
+        if gap + reach < self.single {
+            return None;
+        }
+        let own = unit(&Vector3::from(normal.map(f64::from)));
+        for n in [own, self.directions[0].map(|d| d.1)].into_iter().flatten() {
+            self.work.looks += 1;
+            let in_b = self.frame.direction_in_b(&n);
+            let high = if is_a {
+                self.judge.highest_in_a(0, &n)
+            } else {
+                height(self.a, x, &n)
+            };
+            let low = if is_b {
+                self.judge.lowest_in_b(0, &in_b)
+            } else {
+                -height(self.b, y, &-in_b)
+            };
+            let gap = low + n.dot(&self.frame.translation) - 2.0 * self.frame.error - high;
+            if self.passes(gap) {
+                return Some(self.proof(&n, gap));
+            }
         }
         None
     }
@@ -312,19 +312,27 @@ impl<'a, J: Judge> Search<'a, J> {
         let ((i, m), (j, k)) = (open.of_a, open.of_b);
         let in_b = self.frame.direction_in_b(n);
         let lift = n.dot(&self.frame.translation) - self.frame.error;
-        let (mut high, mut low) = ([0.0; LEAF], [0.0; LEAF]);
-        (0..m).for_each(|x| high[x as usize] = self.judge.highest_in_a(i + x, n));
-        (0..k).for_each(|y| low[y as usize] = self.judge.lowest_in_b(j + y, &in_b) + lift);
-        let mut least = f64::INFINITY;
+        let (mut high, mut low) = ([f64::NEG_INFINITY; LEAF], [f64::INFINITY; LEAF]);
         for x in 0..m {
-            for y in 0..k {
-                let gap = low[y as usize] - high[x as usize];
-                least = least.min(gap);
-                let bit = 1 << (4 * x + y);
-                if open.left & bit != 0 && self.passes(gap) {
-                    open.left &= !bit;
+            high[x as usize] = self.judge.highest_in_a(i + x, n);
+        }
+        for y in 0..k {
+            low[y as usize] = self.judge.lowest_in_b(j + y, &in_b) + lift;
+        }
+        let [top, bottom] = [
+            high.iter().copied().fold(f64::NEG_INFINITY, f64::max),
+            low.iter().copied().fold(f64::INFINITY, f64::min),
+        ];
+        let least = bottom - top;
+        if least > self.frame.tie && self.passes(least) {
+            open.left = 0;
+        } else {
+            for bit in bits(open.left) {
+                let gap = low[bit as usize % LEAF] - high[bit as usize / LEAF];
+                if self.passes(gap) {
+                    open.left &= !(1 << bit);
                     if gap <= self.frame.tie {
-                        self.judge.touches([i + x, j + y]);
+                        self.judge.touches([i + bit / 4, j + bit % 4]);
                     }
                 }
             }
@@ -472,6 +480,16 @@ impl Open {
             best: None,
         }
     }
+}
+
+/// The numbers of the bits that are set.
+#[inline(always)]
+fn bits(mut left: u32) -> impl Iterator<Item = u32> {
+    core::iter::from_fn(move || {
+        let bit = (left != 0).then(|| left.trailing_zeros())?;
+        left &= left - 1;
+        Some(bit)
+    })
 }
 
 /// The items of a node, if they are few.

@@ -45,7 +45,7 @@ pub(super) struct Answer<F> {
 }
 
 /// Whether one body is inside the other.
-enum Inside {
+pub(super) enum Inside {
     No,
     /// At a point of the inner one, in A's frame and in B's.
     At(Vector3<f64>, Vector3<f64>),
@@ -81,7 +81,7 @@ impl<'a, A: Parted, B: Parted> Posed<'a, A, B> {
 
     /// Whether a part of one body is inside the other, whose surfaces are proven to be `lower`
     /// apart; and the winding numbers taken.
-    fn inside(&self, lower: f64) -> (Inside, u64) {
+    pub(super) fn inside(&self, lower: f64) -> (Inside, u64) {
         // A point moved to the other frame is off its place by the error of the frame: on its side
         // of a surface that is farther.
         let error = self.frame.error;

@@ -5,9 +5,9 @@ use super::kept::Kept;
 use super::mesh::Mesh;
 use super::outcome::MeshOutcome;
 use super::pair::{MeshPair, spots};
-use super::search::MeshWork;
 use super::state::{Answer, Posed, State};
 use super::triangle::Spot;
+use super::work::MeshWork;
 use crate::pair::outcome::Distance;
 use crate::pose::RelativePose;
 

@@ -7,6 +7,7 @@
 //! an edge pair is as close. The caller judges the proposal along its own directions.
 
 use nalgebra::Vector3;
+use wide::f64x4;
 
 /// A feature of a triangle by the number of its vertex, of its edge (from the vertex of that number
 /// to the next), or the inside.
@@ -49,7 +50,8 @@ pub(super) fn closest(p: &Triangle, q: &Triangle) -> Closest {
     let (of_p, of_q) = (normal(p), normal(q));
     let over_q = p.map(|x| of_q.dot(&(x - q[0])));
     let over_p = q.map(|x| of_p.dot(&(x - p[0])));
-    let one_side = |h: &[f64; 3]| h.iter().all(|x| *x > 0.0) || h.iter().all(|x| *x < 0.0);
+    // A vertex in the plane touches, and does not pierce.
+    let one_side = |h: &[f64; 3]| h.iter().all(|x| *x >= 0.0) || h.iter().all(|x| *x <= 0.0);
     match (one_side(&over_q), one_side(&over_p)) {
         (false, false) => pierce((p, &of_p, &over_p), (q, &of_q, &over_q), &mut best),
         (above_q, above_p) => {
@@ -73,7 +75,7 @@ pub(super) fn nearest(point: &Vector3<f64>, y: &Triangle) -> (f64, Spot) {
         spots: [Spot::Vertex(0); 2],
         pierces: false,
     };
-    edges(&[*point; 3], y, &mut best);
+    Sides::new(y).closest_to(point, &Vector3::zeros(), 0, &mut best);
     let n = normal(y);
     let (square, height) = (n.norm_squared(), n.dot(&(point - y[0])));
     if height * height < best.square * square && is_over(point, y, &n) {
@@ -103,34 +105,78 @@ pub(super) fn foot_of(point: &Vector3<f64>, y: &Triangle) -> (f64, Vector3<f64>)
 /// The closest points of the nine pairs of edges.
 #[inline(always)]
 fn edges(p: &Triangle, q: &Triangle, best: &mut Closest) {
-    let next = [1, 2, 0];
-    let v = [0, 1, 2].map(|j| q[next[j]] - q[j]);
-    let vv = v.map(|v| v.norm_squared());
+    let sides = Sides::new(q);
     for i in 0..3 {
-        let u = p[next[i]] - p[i];
-        let uu = u.norm_squared();
+        sides.closest_to(&p[i], &(p[[1, 2, 0][i]] - p[i]), i, best);
+    }
+}
+
+/// The three edges of a triangle, side by side.
+struct Sides<'a> {
+    corners: &'a Triangle,
+    from: [f64x4; 3],
+    along: [f64x4; 3],
+    square: f64x4,
+}
+
+impl<'a> Sides<'a> {
+    #[inline(always)]
+    fn new(corners: &'a Triangle) -> Self {
+        let [a, b, c] = corners;
+        let lanes = |k: usize| f64x4::new([a[k], b[k], c[k], c[k]]);
+        let next = |k: usize| f64x4::new([b[k], c[k], a[k], a[k]]);
+        let from = [lanes(0), lanes(1), lanes(2)];
+        let along = [next(0) - from[0], next(1) - from[1], next(2) - from[2]];
+        Self {
+            corners,
+            from,
+            along,
+            square: dot(&along, &along),
+        }
+    }
+
+    /// The closest points of an edge, the `i`-th of another triangle, and the three.
+    #[inline(always)]
+    fn closest_to(&self, from: &Vector3<f64>, along: &Vector3<f64>, i: usize, best: &mut Closest) {
+        let (zero, one) = (f64x4::splat(0.0), f64x4::splat(1.0));
+        let (v, vv) = (&self.along, self.square);
+        let u = [f64x4::splat(along.x), f64x4::splat(along.y), f64x4::splat(along.z)];
+        let uu = f64x4::splat(along.norm_squared());
+        // An edge without length has the products zero.
+        let least = f64x4::splat(f64::MIN_POSITIVE);
+        let w = [
+            f64x4::splat(from.x) - self.from[0],
+            f64x4::splat(from.y) - self.from[1],
+            f64x4::splat(from.z) - self.from[2],
+        ];
+        let (uv, uw, vw) = (dot(&u, v), dot(&u, &w), dot(v, &w));
+        let below = uu * vv - uv * uv;
+        let slanted = (uv * vw - uw * vv) / below.fast_max(least);
+        let s = below.simd_gt(zero).select(slanted, zero).fast_max(zero).fast_min(one);
+        let free = (uv * s + vw) / vv.fast_max(least);
+        let t = free.fast_max(zero).fast_min(one);
+        let again = ((uv * t - uw) / uu.fast_max(least)).fast_max(zero).fast_min(one);
+        let s = t.simd_eq(free).select(s, again);
+        let between = [
+            w[0] + u[0] * s - v[0] * t,
+            w[1] + u[1] * s - v[1] * t,
+            w[2] + u[2] * s - v[2] * t,
+        ];
+        let (squares, s, t) = (dot(&between, &between).to_array(), s.to_array(), t.to_array());
         for j in 0..3 {
-            let w = p[i] - q[j];
-            let (uv, uw, vw) = (u.dot(&v[j]), u.dot(&w), v[j].dot(&w));
-            let below = uu * vv[j] - uv * uv;
-            let s = if below > 0.0 {
-                clamp((uv * vw - uw * vv[j]) / below)
-            } else {
-                0.0
-            };
-            let free = (uv * s + vw) / vv[j];
-            let t = clamp(free);
-            let s = if t == free { s } else { clamp((uv * t - uw) / uu) };
-            let between = w + u * s - v[j] * t;
-            let square = between.norm_squared();
-            if square < best.square {
-                best.square = square;
-                best.on_p = p[i] + u * s;
-                best.on_q = q[j] + v[j] * t;
-                best.spots = [spot(i, s), spot(j, t)];
+            if squares[j] < best.square {
+                best.square = squares[j];
+                best.on_p = from + along * s[j];
+                best.on_q = self.corners[j] + (self.corners[[1, 2, 0][j]] - self.corners[j]) * t[j];
+                best.spots = [spot(i, s[j]), spot(j, t[j])];
             }
         }
     }
+}
+
+#[inline(always)]
+fn dot(a: &[f64x4; 3], b: &[f64x4; 3]) -> f64x4 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 #[inline(always)]

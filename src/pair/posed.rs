@@ -245,13 +245,12 @@ fn shifted_and_scaled(
         let translation = pose.packed_translation() * power_of_two(-a.exponent);
         return Ok((PackedRotation::new(&(pose.rotation() * scale)), translation, scale, 0.0));
     }
-    let frame = Transform::<DoubleDouble>::new(a, b, pose).ok_or(OutOfRange)?;
-    let matrix = Matrix3::from_fn(|r, c| frame.matrix[r][c].value());
-    let translation = Vector3::from_fn(|r, _| frame.translation[r].value());
+    let shift = Transform::shift((&a.origin, a.exponent), &b.origin, pose).ok_or(OutOfRange)?;
+    let translation = Vector3::from(shift.map(DoubleDouble::value));
     let length = |v: &Vector3<f64>| v.abs().sum();
     let offsets = (length(&a.origin) + length(&b.origin)) / a.unit();
     Ok((
-        PackedRotation::new(&matrix),
+        PackedRotation::new(&(pose.rotation() * scale)),
         PackedVec3::new(&translation),
         scale,
         offsets,

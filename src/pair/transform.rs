@@ -54,17 +54,8 @@ impl Transform<DoubleDouble> {
     /// Returns the transform between two stored frames, each given by its origin and by the
     /// exponent of its unit, a power of two. `None` as for [`new`](Self::new).
     pub(crate) fn between(a: (&Vector3<f64>, i32), b: (&Vector3<f64>, i32), pose: &RelativePose) -> Option<Self> {
-        // The bodies' own offsets are at most 1e116 and cannot leave the range alone.
-        if pose.translation().amax() > FAR * power_of_two(a.1) {
-            return None;
-        }
-        let (ra, rb) = (rotation(&pose.a.q()), rotation(&pose.b.q()));
-        let at_b = apply(&rb, &b.0.map(DoubleDouble::from).into());
-        let offset = core::array::from_fn(|k| at_b[k] + DoubleDouble::sum(pose.b.t()[k], -pose.a.t()[k]));
-        let ra = transposed(&ra);
-        let unit = DoubleDouble::from(power_of_two(-a.1));
-        let in_a = apply(&ra, &offset);
-        let translation = core::array::from_fn(|k| (in_a[k] - DoubleDouble::from(a.0[k])) * unit);
+        let translation = Self::shift(a, b.0, pose)?;
+        let (ra, rb) = (transposed(&rotation(&pose.a.q())), rotation(&pose.b.q()));
         let scale = DoubleDouble::from(power_of_two(b.1 - a.1));
         let columns: [[DoubleDouble; 3]; 3] =
             core::array::from_fn(|c| apply(&ra, &core::array::from_fn(|r| rb[r][c] * scale)));
@@ -72,6 +63,19 @@ impl Transform<DoubleDouble> {
             matrix: transposed(&columns),
             translation,
         })
+    }
+
+    /// Returns the place of B's origin in A's stored frame. `None` as for [`new`](Self::new).
+    pub(crate) fn shift(a: (&Vector3<f64>, i32), b: &Vector3<f64>, pose: &RelativePose) -> Option<[DoubleDouble; 3]> {
+        // The bodies' own offsets are at most 1e116 and cannot leave the range alone.
+        if pose.translation().amax() > FAR * power_of_two(a.1) {
+            return None;
+        }
+        let at_b = turned(&pose.b.q(), &b.map(DoubleDouble::from).into(), |m| m);
+        let offset = core::array::from_fn(|k| at_b[k] + DoubleDouble::sum(pose.b.t()[k], -pose.a.t()[k]));
+        let in_a = turned(&pose.a.q(), &offset, |m| transposed(&m));
+        let unit = DoubleDouble::from(power_of_two(-a.1));
+        Some(core::array::from_fn(|k| (in_a[k] - DoubleDouble::from(a.0[k])) * unit))
     }
 }
 
@@ -95,6 +99,18 @@ impl<T: Scalar> Transform<T> {
     pub(crate) fn direction(&self, n: &[T; 3]) -> [T; 3] {
         core::array::from_fn(|c| self.matrix[0][c] * n[0] + self.matrix[1][c] * n[1] + self.matrix[2][c] * n[2])
     }
+}
+
+/// Returns a vector turned by a quaternion, or back: the vector itself if the quaternion is real.
+fn turned(
+    q: &[f64; 4],
+    v: &[DoubleDouble; 3],
+    way: impl FnOnce([[DoubleDouble; 3]; 3]) -> [[DoubleDouble; 3]; 3],
+) -> [DoubleDouble; 3] {
+    if q[..3] == [0.0; 3] {
+        return *v;
+    }
+    apply(&way(rotation(q)), v)
 }
 
 /// Returns the rotation matrix of the quaternion `q`, divided by `|q|^2`.

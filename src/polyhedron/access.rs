@@ -6,6 +6,7 @@ use nalgebra::{Point3, Unit, Vector3};
 use crate::num::scalar::sqrt;
 use crate::polyhedron::{BuildReport, ConvexPolyhedron, EdgeId, FaceId, Feature, HalfEdgeId, VertexId};
 use crate::tolerance::RADIUS_UP;
+use crate::tuning::polyhedron::SCANNED;
 
 /// Ids are checked: an id that names no feature of this body, such as an id of a larger body, gives
 /// `None` or an empty iterator.
@@ -267,6 +268,18 @@ impl PartialEq for ConvexPolyhedron {
 }
 
 impl ConvexPolyhedron {
+    /// Returns the greatest height of a vertex along a direction of any length, in the caller's
+    /// unit, right up to rounding; `None` for bodies of more vertices than are worth a scan.
+    #[inline]
+    pub(crate) fn scanned_height(&self, n: &Vector3<f64>) -> Option<f64> {
+        if self.points.len() > SCANNED {
+            return None;
+        }
+        let higher = |top: f64, h: f64| if h > top { h } else { top };
+        let top = self.points.iter().map(|p| n.dot(p)).fold(f64::NEG_INFINITY, higher);
+        Some(top * self.unit() + n.dot(&self.origin))
+    }
+
     /// Returns the centre of the bounding box, in stored coordinates.
     #[inline]
     pub(crate) fn center(&self) -> Vector3<f64> {

@@ -24,8 +24,8 @@ use crate::tolerance::BOX_TURNED;
 /// | polyhedra | [`Tracker`](crate::Tracker) | none |
 /// | convex shapes | [`ShapeTracker`](crate::ShapeTracker) | none |
 /// | composite with composite or convex shape | [`CompositeTracker`] | `depth` |
-/// | mesh with mesh, polyhedron or composite of polyhedra | [`MeshTracker`] | `depth` |
-/// | mesh with any other shape | [`CompositeTracker`] | `depth` |
+/// | mesh with mesh or composite of polyhedra | [`MeshTracker`] | `depth` |
+/// | mesh with convex shape or any other composite | [`CompositeTracker`] | `depth` |
 /// | surface with surface | [`SurfaceTracker`] | `depth`, `manifold` |
 /// | surface with convex shape | [`SurfaceShapeTracker`] | `depth`, `manifold` |
 /// | surface with composite or mesh | none | all but `boxes` |
@@ -37,9 +37,9 @@ use crate::tolerance::BOX_TURNED;
 ///
 /// A call that would make a pair with an effect that the pair cannot answer is refused with
 /// [`SceneError::Unanswered`](super::SceneError::Unanswered): insertion of a body, change of a
-/// group, call for an effect. Against a composite a convex shape is a composite of one piece,
-/// against a mesh a polyhedron is the mesh of the surface: the pair makes that once, when the boxes
-/// meet. The patches for contacts are made once for each shape, in the step after they are called
+/// group, call for an effect. Against a composite or a mesh a convex shape is a composite of one
+/// piece, a single leaf with its own support points: the pair makes that once, when the boxes meet.
+/// The patches for contacts are made once for each shape, in the step after they are called
 /// for.
 ///
 /// Distances of surfaces of patches have bounds that are at most `2^-30` of the size of the pair

@@ -26,9 +26,10 @@ use crate::shape_tracker::ShapeTracker;
 pub(crate) enum MixedTracker {
     /// Two convex shapes.
     Convex(Box<ShapeTracker>),
-    /// Two bodies of which one is a composite or a mesh, and the other of any kind.
+    /// Two bodies of which one is a composite or a mesh, and the other of any kind: a convex body
+    /// is a single leaf with its own support points.
     Pieces(Box<Tracked<CompositeTracker, Composite>>),
-    /// Two meshes, or a mesh and a body whose surface is one.
+    /// Two meshes, or a mesh and a composite whose surface is one.
     Triangles(Box<Tracked<MeshTracker, Mesh>>),
     /// A surface of patches, and another or a convex shape.
     Patches(Box<WithSurface>),
@@ -84,13 +85,12 @@ fn as_composite(shape: &BodyShape) -> Option<Arc<Composite>> {
     Some(Arc::new(Composite::from(convex.into_owned())))
 }
 
-/// Returns the mesh that stands for a body: `Some(None)` for the body itself.
+/// Returns the mesh that stands for a body that is not convex: `Some(None)` for the body itself.
 fn as_mesh(shape: &BodyShape) -> Option<Option<Arc<Mesh>>> {
     let surface = match shape {
         BodyShape::Mesh(_) => return Some(None),
         BodyShape::Composite(composite) => composite.to_mesh(),
-        BodyShape::Polyhedron(body) => Mesh::from_convex(body),
-        BodyShape::Convex(_) | BodyShape::Surface(_) => return None,
+        BodyShape::Polyhedron(_) | BodyShape::Convex(_) | BodyShape::Surface(_) => return None,
     };
     surface.ok().map(|mesh| Some(Arc::new(mesh)))
 }

@@ -73,6 +73,13 @@ impl Shape {
         if !(size > 0.0 && size.is_finite()) {
             return 0.0;
         }
+        if let Core::Polyhedron(body) = &self.core
+            && self.round == 0.0
+            && let Some(height) = body.scanned_height(direction)
+        {
+            let reach = body.radius * body.unit() + body.origin.abs().sum();
+            return height + BOX * reach * direction.abs().sum();
+        }
         let length = size * sqrt((direction / size).norm_squared());
         let n = direction / length;
         let of = |height: f64, reach: f64, noise: f64| height + (BOX + noise * UNIT) * reach;

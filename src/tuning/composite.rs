@@ -14,8 +14,14 @@ pub(crate) const JUMP: f64 = 1.0 / 12.0;
 /// 0.5 degrees a frame: 313, 284 and 274 bounds a query with 2, 3 and 5.
 pub(crate) const GROWTH: usize = 3;
 
+/// If the pairs that were closest are farther apart than so many times the last distance, a new
+/// pair is looked for before the front is proven again: with a distance that is too large a front
+/// is split in vain. Bodies that slide on each other leave a pair every few frames.
+pub(crate) const STALE: f64 = 4.0;
+
 /// Fronts of more entries than this are given up if the directions of over half of them fail.
 /// Plates in flush contact have some 30 entries, half of which only double precision can prove.
+/// Fronts of no more are never cut.
 pub(crate) const FEW_ENTRIES: usize = 64;
 
 /// Nodes of fewer items have no slab: their corners are looked at one by one.
@@ -63,6 +69,10 @@ pub(crate) const SEGMENTS: usize = 24;
 /// Pairs of triangles in contact that are looked at for inner points. Not measured.
 pub(crate) const TOUCHES: usize = 128;
 
+/// Triangles of each body that are looked at for inner points where bodies touch and no normal
+/// parts them. Not measured.
+pub(crate) const SPREAD: usize = 32;
+
 /// Triangles nearer than this part of L take the direction of a face or of two edges if one
 /// proves as much as the direction of the witnesses: two more gaps for directions that prove
 /// flush neighbours. Plates of 3,000 triangles at a gap of 1e-3: 300 bounds a query without.
@@ -91,6 +101,10 @@ pub(crate) const ALIKE: f64 = 1.0 / 64.0;
 
 /// Faces that are tried for a contact whose normal the mesh does not have. Not measured.
 pub(crate) const FACES_TRIED: usize = 6;
+
+/// Bodies whose boxes overlap by less than this part of L along a normal are parted by the normal:
+/// more than the rounding of boxes in single precision. Not measured.
+pub(crate) const PARTED: f64 = 1.0 / 65_536.0;
 
 /// Pairs of nodes that a look ahead splits at most. Not measured.
 pub(crate) const AHEAD_PAIRS: usize = 2048;

@@ -214,6 +214,39 @@ fn an_l_in_an_l_has_contacts_along_both_walls() {
     }
 }
 
+#[test]
+fn an_l_on_an_l_and_a_finger_of_overlapping_parts_on_a_plate_rest_on_a_few_contacts() {
+    let (l, plate) = (soups::bracket(), soups::plate(8, [2.0, 2.0, 0.1]));
+    // Three closed parts, each inside the next by a quarter, as the links of a hand are modelled; the tip points up.
+    let link = soups::plate(2, [0.4, 0.15, 0.1]);
+    let tip = Pose {
+        q: quat([0.0, 1.0, 0.0], -0.5),
+        t: [1.0, 0.0, 0.25],
+    };
+    let finger = link
+        .clone()
+        .with(&link.clone().map(|p| add(p, [0.6, 0.0, 0.0])))
+        .with(&link.clone().moved(&tip));
+    let cases = [
+        ("L on L", &l, &l, [0.05, 0.02, 0.6]),
+        ("finger on plate", &plate, &finger, [-0.4, 0.1, 0.2]),
+    ];
+    for (name, a, b, t) in cases {
+        let (p, q) = (patches(a), patches(b));
+        let mut tracker = ContactTracker::new();
+        for gap in [5e-3, 1e-9, -4e-3] {
+            let pose = Pose::shift(add(t, [0.0, 0.0, gap]));
+            let found = tracker.contacts(&p, &q, &relative(&pose), &within(0.01)).to_vec();
+            check(&found, [Some(a), Some(b)], &pose, name);
+            assert!((deepest(&found) - gap).abs() < 1e-12, "{name} {gap} {found:?}");
+            let upward = |g: &&PatchContacts| (*g.normal - Vector3::z()).norm() < 1e-9;
+            let up = found.iter().find(upward).expect("a contact upward");
+            assert!((3..=4).contains(&up.contacts.len()), "{name} {gap} {found:?}");
+            assert!(all(&found).count() <= 12, "{name} {gap} {found:?}");
+        }
+    }
+}
+
 /// A floor in squares with random heights, as an open surface.
 fn ground(n: usize, amplitude: f64, rng: &mut Rng) -> Soup {
     let m = n + 1;
@@ -330,7 +363,7 @@ fn a_box_tumbles_over_bumps_without_ghosts() {
             // Overlaps: no deeper than the way down. Where edges cross far below, patches on both
             // sides may have no contact to bear.
             if found.is_empty() {
-                lost.push(gap);
+                lost.push((k, gap));
                 continue;
             }
             assert!(
@@ -341,9 +374,8 @@ fn a_box_tumbles_over_bumps_without_ghosts() {
         }
         met += 1;
     }
-    println!("lost: {lost:?}");
-    assert!(lost.len() <= 4 && lost.iter().all(|gap| *gap < -5e-3), "{lost:?}");
-    assert!(met > 390 && deep > 150, "{met} {deep}");
+    assert!(lost.len() <= 1 && lost.iter().all(|l| l.1 < -5e-3), "{lost:?}");
+    assert!(met >= 399 && deep > 150, "{met} {deep}");
 }
 
 /// A floor slides by under a body for a thousand frames: the normal is the plane's.

@@ -100,6 +100,26 @@ fn soups_and_slivers_are_surfaces_and_equal_brute_force() {
 }
 
 #[test]
+fn plates_that_slide_flush_need_no_finer_arithmetic_and_a_short_front() {
+    // Vertices stand exactly in planes: they touch, and pierce nothing.
+    let plate = soups::plate(19, [1.0, 1.0, 0.05]);
+    let m = mesh(&plate);
+    let mut tracker = MeshTracker::new();
+    for k in 0..120 {
+        let angle = 0.5f64.to_radians() * f64::from(k);
+        let pose = Pose {
+            q: quat([0.0, 0.0, 1.0], angle),
+            t: [0.3 * angle.sin(), 0.2 * angle.cos(), 0.1],
+        };
+        let found = tracker.closest(&m, &m, &relative(&pose));
+        assert_eq!((found.class, found.lower), (Class::Touching, 0.0), "{k}");
+    }
+    let w = tracker.work();
+    assert_eq!(w.settled, 0, "{w:?}");
+    assert!(w.bounds < 150 * w.queries, "{w:?}");
+}
+
+#[test]
 fn powers_of_two_scale_the_answer() {
     let (a, b) = (soups::knot(60, 8, 0.12), soups::gear(12));
     let mut rng = Rng::new(10);

@@ -3,6 +3,7 @@
 mod ahead;
 mod contacts;
 mod contain;
+mod decomposition;
 mod frames;
 mod hard;
 mod many;

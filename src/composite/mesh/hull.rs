@@ -3,30 +3,21 @@
 //! The gap of a point is its distance from the mesh. Over a triangle of the hull's surface the gap
 //! is at most the gap of the centroid plus the radius of the triangle about the centroid, and at
 //! most the greatest distance of the three vertices from any one triangle of the mesh, because the
-//! distance from a convex set is a convex function. Triangles are halved, the one with the greatest
-//! bound first (branch and bound: Land and Doig 1960), until no bound exceeds the greatest gap
-//! found by more than the resolution.
+//! distance from a convex set is a convex function.
 
-use alloc::collections::BinaryHeap;
 use alloc::vec::Vec;
-use core::cmp::Ordering;
 use core::fmt;
-use core::ops::Range;
 
 use nalgebra::{Point3, Vector3};
 
 use super::Mesh;
+use crate::composite::greatest::greatest;
+use crate::composite::triangle::{self, Triangle};
 use crate::num::scalar::sqrt;
-use crate::polyhedron::{BuildError, ConvexPolyhedron, bounding_box};
-
-/// Triangles of the mesh that share a box. Not measured.
-const GROUP: usize = 32;
+use crate::polyhedron::{BuildError, ConvexPolyhedron};
 
 /// The gap is bracketed to this part of half the diagonal of the mesh's box: 0.4 %.
-const RESOLUTION: f64 = 1.0 / 256.0;
-
-/// Triangles of the hull that are examined at most; a tenth of a second and more. Not measured.
-const EXAMINED: usize = 1 << 16;
+pub(in crate::composite) const RESOLUTION: f64 = 1.0 / 256.0;
 
 /// How much a convex hull adds to a mesh. Lengths and volumes are in the caller's unit, right up to
 /// rounding.
@@ -133,146 +124,42 @@ impl Mesh {
 
     /// Returns bounds of the largest gap, in stored units.
     fn gap(&self, hull: &ConvexPolyhedron) -> (f64, f64) {
-        let groups = Groups::new(self);
         let scale = 1.0 / self.unit();
         let points: Vec<Vector3<f64>> = hull.vertex_points().map(|p| p.coords * scale).collect();
-        let corners = |t: [crate::polyhedron::VertexId; 3]| t.map(|v| points[v.index()]);
-        let (mut lower, mut heap) = (0.0f64, BinaryHeap::new());
+        let triangles = hull.triangles().map(|t| t.map(|v| points[v.index()]));
         let size = sqrt((self.high - self.low).norm_squared()) * 0.5;
-        for t in hull.triangles() {
-            heap.push(groups.examined(corners(t), &mut lower));
-        }
-        for _ in 0..EXAMINED {
-            let Some(widest) = heap.peek().filter(|t| t.upper > lower + RESOLUTION * size) else {
-                break;
-            };
-            let halves = halves(&widest.corners);
-            heap.pop();
-            for half in halves {
-                heap.push(groups.examined(half, &mut lower));
-            }
-        }
-        (lower, heap.peek().map_or(lower, |t| t.upper.max(lower)))
-    }
-}
-
-/// Returns the two halves of a triangle, cut at the middle of the longest side.
-fn halves([a, b, c]: &[Vector3<f64>; 3]) -> [[Vector3<f64>; 3]; 2] {
-    let long = |p: &Vector3<f64>, q: &Vector3<f64>| (q - p).norm_squared();
-    let (ab, bc, ca) = (long(a, b), long(b, c), long(c, a));
-    let [a, b, c] = if ab >= bc && ab >= ca {
-        [a, b, c]
-    } else if bc >= ca {
-        [b, c, a]
-    } else {
-        [c, a, b]
-    };
-    let middle = (a + b) * 0.5;
-    [[*a, middle, *c], [middle, *b, *c]]
-}
-
-/// A triangle of the hull's surface and an upper bound of the gap over the triangle.
-struct Examined {
-    upper: f64,
-    corners: [Vector3<f64>; 3],
-}
-
-impl Ord for Examined {
-    fn cmp(&self, other: &Self) -> Ordering {
-        self.upper.total_cmp(&other.upper)
-    }
-}
-
-impl PartialOrd for Examined {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl PartialEq for Examined {
-    fn eq(&self, other: &Self) -> bool {
-        self.cmp(other).is_eq()
-    }
-}
-
-impl Eq for Examined {}
-
-/// The triangles of a mesh in groups with a box, in the order of the mesh's tree: triangles of a
-/// group are close together.
-struct Groups<'a> {
-    mesh: &'a Mesh,
-    boxes: Vec<(Vector3<f64>, Vector3<f64>)>,
-}
-
-impl<'a> Groups<'a> {
-    fn new(mesh: &'a Mesh) -> Self {
-        let of_group = |triangles: &[[u32; 3]]| {
-            let vertices = triangles.iter().flatten();
-            bounding_box(vertices.map(|v| &mesh.points[*v as usize]))
-        };
-        Self {
-            mesh,
-            boxes: mesh.triangles.chunks(GROUP).map(of_group).collect(),
-        }
+        greatest(triangles, RESOLUTION * size, |corners| {
+            let gap = self.gap_over(corners);
+            (gap.at_centroid, gap.upper)
+        })
     }
 
-    /// Bounds the gap over a triangle, and raises `lower` to the gap of the centroid.
-    fn examined(&self, corners: [Vector3<f64>; 3], lower: &mut f64) -> Examined {
+    /// Returns the gap of the centroid of a triangle in stored coordinates, and an upper bound of
+    /// the gap over the triangle.
+    pub(in crate::composite) fn gap_over(&self, corners: &Triangle) -> GapOver {
         let [a, b, c] = corners;
         let centroid = (a + b + c) / 3.0;
-        let (squared, closest) = self.closest(&centroid);
-        let gap = sqrt(squared);
-        *lower = lower.max(gap);
+        let nearest = self.nearest(&centroid);
+        let at_centroid = sqrt(nearest.square);
         let greatest = |of: &dyn Fn(&Vector3<f64>) -> f64| sqrt(corners.iter().map(of).fold(0.0, f64::max));
-        let by_radius = gap + greatest(&|p| (p - centroid).norm_squared());
-        let by_triangle = greatest(&|p| distance_squared(p, &self.mesh.corners(closest)));
-        Examined {
-            upper: by_radius.min(by_triangle),
-            corners,
+        let radius = greatest(&|p| (p - centroid).norm_squared());
+        let other = self.corners(nearest.triangle);
+        let by_triangle = greatest(&|p| triangle::nearest(p, &other).0);
+        GapOver {
+            centroid,
+            at_centroid,
+            radius,
+            upper: (at_centroid + radius).min(by_triangle),
         }
-    }
-
-    /// Returns the squared distance of a point from the mesh, and the closest triangle.
-    fn closest(&self, p: &Vector3<f64>) -> (f64, u32) {
-        let mut best = (f64::INFINITY, 0);
-        let apart = |(low, high): &(Vector3<f64>, Vector3<f64>)| {
-            let out = (low - p).sup(&(p - high)).sup(&Vector3::zeros());
-            out.norm_squared()
-        };
-        // The group with the closest box first, so that most of the others are passed over.
-        let bounds: Vec<f64> = self.boxes.iter().map(apart).collect();
-        let first = (0..bounds.len()).min_by(|&x, &y| bounds[x].total_cmp(&bounds[y]));
-        for group in first.into_iter().chain(0..bounds.len()) {
-            if bounds[group] < best.0 {
-                for t in self.members(group) {
-                    let squared = distance_squared(p, &self.mesh.corners(t));
-                    if squared < best.0 {
-                        best = (squared, t);
-                    }
-                }
-            }
-        }
-        best
-    }
-
-    fn members(&self, group: usize) -> Range<u32> {
-        let end = ((group + 1) * GROUP).min(self.mesh.triangles.len());
-        (group * GROUP) as u32..end as u32
     }
 }
 
-/// Returns the squared distance of a point from a triangle with an area.
-fn distance_squared(p: &Vector3<f64>, [a, b, c]: &[Vector3<f64>; 3]) -> f64 {
-    let n = (b - a).cross(&(c - a));
-    let sides = [(a, b), (b, c), (c, a)];
-    if sides.iter().all(|(s, e)| (*e - *s).cross(&(p - *s)).dot(&n) >= 0.0) {
-        let height = (p - a).dot(&n);
-        return height * height / n.norm_squared();
-    }
-    let from_side = |(s, e): (&Vector3<f64>, &Vector3<f64>)| {
-        let (along, to) = (e - s, p - s);
-        let t = (to.dot(&along) / along.norm_squared()).clamp(0.0, 1.0);
-        (to - along * t).norm_squared()
-    };
-    sides.into_iter().map(from_side).fold(f64::INFINITY, f64::min)
+/// How far a triangle is from a mesh, in stored units.
+pub(in crate::composite) struct GapOver {
+    pub(in crate::composite) centroid: Vector3<f64>,
+    pub(in crate::composite) at_centroid: f64,
+    /// The farthest corner from the centroid.
+    pub(in crate::composite) radius: f64,
+    /// Upper bound of the gap of every point.
+    pub(in crate::composite) upper: f64,
 }

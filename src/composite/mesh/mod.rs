@@ -2,9 +2,10 @@
 
 mod build;
 mod edges;
-mod hull;
+pub(super) mod hull;
 mod inspect;
 mod mass;
+mod nearest;
 #[cfg(feature = "serde")]
 mod persist;
 mod report;

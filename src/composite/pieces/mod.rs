@@ -134,7 +134,12 @@ impl Composite {
 
     fn assemble(pieces: Vec<Piece>, given: &[Vector3<f64>], corners: &[Vec<u32>]) -> Self {
         let (low, high) = bounding_box(given);
-        let size = sqrt(((high - low) * 0.5).norm_squared()).max(f64::MIN_POSITIVE);
+        // A point, or a body far smaller than its distance from the origin, is as large as the
+        // rounding of its place.
+        let place = low.amax().max(high.amax()) * UNIT;
+        let size = sqrt(((high - low) * 0.5).norm_squared())
+            .max(place)
+            .max(f64::MIN_POSITIVE);
         let window = 2 * EXPONENT_FREE;
         let exponent = (exponent_of(size) + EXPONENT_FREE).div_euclid(window) * window;
         let scale = power_of_two(-exponent);

@@ -111,6 +111,12 @@ impl Tree {
         self.links[node as usize] & LEAF_MARK != 0
     }
 
+    /// Whether the tree has a single item.
+    #[inline(always)]
+    pub(crate) fn is_alone(&self) -> bool {
+        self.links[0] == LEAF_MARK
+    }
+
     /// First item below a node, and the one after the last.
     pub(crate) fn range(&self, node: u32) -> (u32, u32) {
         let (mut left, mut right) = (node, node);

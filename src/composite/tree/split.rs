@@ -9,6 +9,7 @@ use super::eigen::axes;
 use super::{COUNT_SHIFT, LEAF_MARK, OrientedBox, Tree};
 use crate::num::scalar::sqrt;
 use crate::polyhedron::{bounding_box, exponent_of, power_of_two};
+use crate::tolerance::UNIT;
 use crate::tuning::composite::{FEW_CORNERS, LEVEL, LOPSIDED, THIN};
 
 /// A triangle or a piece while it is sorted, in the tree's coordinates.
@@ -29,7 +30,9 @@ impl Tree {
         let used = given.iter().flat_map(|i| i.as_ref()).map(|&v| &points[v as usize]);
         let (low, high) = bounding_box(used);
         let centre = low * 0.5 + high * 0.5;
-        let exponent = exponent_of(sqrt(((high - low) * 0.5).norm_squared()));
+        // No smaller than the rounding of the place.
+        let place = low.amax().max(high.amax()) * UNIT;
+        let exponent = exponent_of(sqrt(((high - low) * 0.5).norm_squared()).max(place));
         let mut splitter = Splitter {
             points,
             given,

@@ -1,0 +1,67 @@
+//! The point of a mesh that is nearest to a point.
+
+use nalgebra::Vector3;
+
+use super::Mesh;
+use crate::composite::tree::Below;
+use crate::composite::triangle;
+use crate::num::scalar::sqrt;
+use crate::tolerance::UNIT_SINGLE;
+
+/// The nearest point of a mesh, in stored coordinates.
+#[derive(Clone, Copy)]
+pub(in crate::composite) struct Foot {
+    /// The squared distance.
+    pub(in crate::composite) square: f64,
+    pub(in crate::composite) point: Vector3<f64>,
+    pub(in crate::composite) triangle: u32,
+}
+
+impl Mesh {
+    /// Returns the point of the surface that is nearest to a point in stored coordinates, right up
+    /// to rounding.
+    pub(in crate::composite) fn nearest(&self, point: &Vector3<f64>) -> Foot {
+        let tree = &self.tree;
+        let place = (point - tree.centre) / tree.unit();
+        // Axes as stored are orthonormal within 8 UNIT_SINGLE.
+        let slack = 32.0 * UNIT_SINGLE * (1.0 + place.amax());
+        let least = |node: u32| {
+            let b = &tree.boxes[node as usize];
+            let (d, half) = (place - b.centre(), b.half());
+            let out = |k: usize| (b.axis(k).dot(&d).abs() - half[k] - slack).max(0.0);
+            let away = sqrt(out(0) * out(0) + out(1) * out(1) + out(2) * out(2));
+            away * (1.0 - slack) * tree.unit()
+        };
+        let mut best = Foot {
+            square: f64::INFINITY,
+            point: *point,
+            triangle: 0,
+        };
+        let mut stack = alloc::vec![(least(0), 0)];
+        while let Some((bound, node)) = stack.pop() {
+            if bound * bound >= best.square {
+                continue;
+            }
+            match tree.below(node) {
+                Below::Children(c) => {
+                    let two = [(least(c), c), (least(c + 1), c + 1)];
+                    // The nearer one on top.
+                    stack.extend(if two[0].0 < two[1].0 { [two[1], two[0]] } else { two });
+                }
+                Below::Leaf(first, count) => {
+                    for triangle in first..first + count {
+                        let (square, point) = triangle::foot_of(point, &self.corners(triangle));
+                        if square < best.square {
+                            best = Foot {
+                                square,
+                                point,
+                                triangle,
+                            };
+                        }
+                    }
+                }
+            }
+        }
+        best
+    }
+}

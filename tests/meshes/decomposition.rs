@@ -1,0 +1,183 @@
+//! Convex pieces in place of a mesh: gaps are bracketed, and distances are intervals that hold for the mesh.
+
+use super::{mesh, relative};
+use lab::Pose;
+use lab::pose::scale;
+use lab::rng::Rng;
+use lab::soups::{self, Soup};
+use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
+use lin_canny::{
+    Class, Composite, CompositeTracker, ConvexPolyhedron, Decomposition, Mesh, MeshError, MeshTracker, Piece, Shape,
+};
+
+fn hull(points: &[[f64; 3]]) -> Piece {
+    let points: Vec<_> = points.iter().map(|p| Point3::from(*p)).collect();
+    Piece::new(ConvexPolyhedron::from_points(&points).unwrap())
+}
+
+/// A tube as the hulls of stretches of so many rows of `m` points.
+fn stretches(soup: &Soup, m: usize, rows: usize) -> Composite {
+    let count = soup.points.len() / m;
+    let piece = |first: usize| {
+        let points = (first..=first + rows).flat_map(|i| &soup.points[i % count * m..][..m]);
+        hull(&points.copied().collect::<Vec<_>>())
+    };
+    Composite::new((0..count).step_by(rows).map(piece).collect()).unwrap()
+}
+
+/// Meshes with pieces that are larger, smaller and none of both.
+fn cases() -> Vec<(Mesh, Composite)> {
+    let torus = soups::torus(24, 12, 0.3);
+    let thin = soups::torus(24, 12, 0.25);
+    let knot = soups::knot(104, 8, 0.12);
+    let mut turned = stretches(&torus, 12, 3).pieces().to_vec();
+    for piece in &mut turned {
+        // The same pieces, each in a frame of its own.
+        let turn = Isometry3::new(Vector3::new(0.1, -0.2, 0.3), Vector3::new(0.4, 0.1, -0.2));
+        let body = ConvexPolyhedron::from_points(&corners(piece).map(|p| turn * p).collect::<Vec<_>>()).unwrap();
+        *piece = Piece {
+            pose: turn.inverse(),
+            ..Piece::new(body)
+        };
+    }
+    vec![
+        (mesh(&torus), stretches(&torus, 12, 3)),
+        (mesh(&torus), Composite::new(turned).unwrap()),
+        (mesh(&torus), stretches(&thin, 12, 4)),
+        (mesh(&knot), stretches(&knot, 8, 4)),
+        (
+            mesh(&soups::bracket()),
+            Composite::new(vec![hull(&soups::bracket().points)]).unwrap(),
+        ),
+    ]
+}
+
+fn corners(piece: &Piece) -> impl Iterator<Item = Point3<f64>> + '_ {
+    let lin_canny::shape::Core::Polyhedron(body) = piece.shape.core() else {
+        panic!("a polyhedron");
+    };
+    body.vertex_points().map(|p| piece.pose * p)
+}
+
+#[test]
+fn gaps_are_bracketed() {
+    let mut rng = Rng::new(21);
+    for (m, pieces) in cases() {
+        let d = Decomposition::new(m.clone(), pieces).unwrap();
+        let fit = d.fit();
+        let mut speck = MeshTracker::new();
+        let mut other = CompositeTracker::new();
+        let (mut excess, mut shortfall) = (0.0f64, 0.0f64);
+        let dot = |p: Point3<f64>| Composite::from(Shape::from(ConvexPolyhedron::point(p).unwrap()));
+        let still = relative(&Pose::IDENTITY);
+        for piece in d.pieces().pieces() {
+            let all: Vec<_> = corners(piece).collect();
+            for _ in 0..40 {
+                // Points of the hull, most of them on its surface: corners drawn a few at a time.
+                let w = [0, 1, 2].map(|_| rng.range(0.0, 1.0));
+                let [a, b, c] = [0, 1, 2].map(|_| all[rng.below(all.len())].coords);
+                let p = (a * w[0] + b * w[1] + c * w[2]) / (w[0] + w[1] + w[2]);
+                excess = excess.max(other.distance(&m, &dot(Point3::from(p)), &still).value);
+            }
+        }
+        for (_, [a, b, c]) in m.triangles().step_by(3) {
+            let (u, v) = (rng.range(0.0, 0.5), rng.range(0.0, 0.5));
+            let p = a + (b - a) * u + (c - a) * v;
+            shortfall = shortfall.max(other.distance(d.pieces(), &dot(p), &still).value);
+        }
+        assert!(
+            excess <= fit.excess_upper && shortfall <= fit.shortfall_upper,
+            "{excess} {shortfall} {fit}"
+        );
+        assert!(
+            excess >= 0.3 * fit.excess_lower && shortfall >= 0.3 * fit.shortfall_lower,
+            "{excess} {shortfall} {fit}"
+        );
+        assert!(fit.excess_upper - fit.excess_lower < 0.01, "{fit}");
+        assert!(fit.shortfall_upper - fit.shortfall_lower < 0.01, "{fit}");
+        assert_eq!(
+            speck
+                .distance(&m, d.mesh(), &relative(&Pose::shift([9.0, 0.0, 0.0])))
+                .class,
+            Class::Separated
+        );
+    }
+}
+
+#[test]
+fn distances_are_intervals_that_hold_for_the_mesh() {
+    let mut rng = Rng::new(22);
+    let others = [
+        soups::torus(14, 7, 0.3),
+        soups::gear(6),
+        soups::sphere(1).map(|p| scale(p, 0.1)),
+    ];
+    let others = others.map(|s| mesh(&s));
+    let (mut apart, mut open) = (0, 0);
+    for (m, pieces) in cases() {
+        let d = Decomposition::new(m.clone(), pieces).unwrap();
+        for other in &others {
+            let (mut pair, mut exact) = (CompositeTracker::new(), MeshTracker::new());
+            for k in 0..60 {
+                let pose = Pose {
+                    q: rng.quat(),
+                    t: scale(rng.unit(), rng.range(0.0, 3.0)),
+                };
+                let found = d.distance(&mut pair, other, &relative(&pose));
+                let truth = exact.distance(&m, other, &relative(&pose));
+                assert!(
+                    found.lower <= truth.upper && truth.lower <= found.upper,
+                    "{k} {found:?} {truth:?}"
+                );
+                assert!((found.lower..=found.upper).contains(&found.value), "{k} {found:?}");
+                match found.class {
+                    Class::Separated => apart += 1,
+                    Class::Overlapping => panic!("{k}: no body is held here {found:?}"),
+                    _ => open += 1,
+                }
+            }
+        }
+    }
+    assert!(apart > 300 && open > 100, "{apart} {open}");
+}
+
+#[test]
+fn a_body_that_the_mesh_holds_and_the_pieces_do_not_is_found() {
+    // Six walls stand for a solid cube: near all of its surface, and hollow.
+    let cube = mesh(&soups::plate(2, [1.0, 1.0, 1.0]));
+    let wall = |axis: usize, side: f64| {
+        let mut half = Vector3::repeat(1.0);
+        half[axis] = 0.05;
+        let mut piece = Piece::new(Shape::cuboid(half).unwrap());
+        piece.pose.translation.vector[axis] = 0.95 * side;
+        piece
+    };
+    let walls = (0..6).map(|k| wall(k / 2, if k % 2 == 0 { 1.0 } else { -1.0 }));
+    let d = Decomposition::new(cube.clone(), Composite::new(walls.collect()).unwrap()).unwrap();
+    assert!(
+        d.fit().shortfall_upper < 0.01 && d.fit().excess_upper < 0.01,
+        "{}",
+        d.fit()
+    );
+    let pebble = mesh(&soups::sphere(1).map(|p| scale(p, 0.2)));
+    let found = d.distance(&mut CompositeTracker::new(), &pebble, &relative(&Pose::IDENTITY));
+    assert_eq!((found.class, found.lower, found.upper), (Class::Overlapping, 0.0, 0.0));
+    // The other way round: another body holds both.
+    let big = mesh(&soups::sphere(2).map(|p| scale(p, 9.0)));
+    let found = d.distance(&mut CompositeTracker::new(), &big, &relative(&Pose::IDENTITY));
+    assert!(found.lower == 0.0, "{found:?}");
+}
+
+#[test]
+fn pieces_without_corners_are_refused_and_flat_ones_are_measured() {
+    let plate = mesh(&soups::plate(2, [1.0, 0.5, 0.1]));
+    let ball = Composite::from(Shape::ball(0.5).unwrap());
+    let refused = Decomposition::new(plate.clone(), ball).unwrap_err();
+    assert_eq!(refused, MeshError::Curved { piece: 0 });
+    let rod = ConvexPolyhedron::segment(Point3::new(-1.0, 0.0, 0.0), Point3::new(2.0, 0.0, 0.0)).unwrap();
+    let d = Decomposition::new(plate, Composite::from(Shape::from(rod))).unwrap();
+    let fit = d.fit();
+    // The end of the rod stands out by one; a corner of the plate is the root of .26 away.
+    assert!(fit.excess_lower > 0.99 && fit.excess_upper < 1.01, "{fit}");
+    assert!(fit.shortfall_lower > 0.5 && fit.shortfall_upper < 0.52, "{fit}");
+}
