@@ -3,9 +3,9 @@
 //! No surface point of the pieces is farther than the *excess* from the mesh, no point of the
 //! mesh's surface farther than the *shortfall* from the pieces. Let another body be `d` apart from
 //! the pieces. The closest point of the pieces is on their surface, so the mesh is at most
-//! `d + excess` apart. If the mesh were nearer than `d - shortfall`, so would be a point of its surface, and the
-//! pieces nearer than `d`; the only other way for the mesh to meet the body is to hold it, which a
-//! winding number decides.
+//! `d + excess` apart. If the mesh were nearer than `d - shortfall`, so would be a point of its
+//! surface, and the pieces nearer than `d`; the only other way for the mesh to meet the body is to
+//! hold it, which a winding number decides.
 //!
 //! Over a triangle the distance from a convex set is greatest at a corner, because it is a convex
 //! function. This bounds the shortfall by the piece nearest to the centroid, and the excess by the
@@ -67,13 +67,16 @@ impl fmt::Display for DecompositionFit {
 /// ```
 /// use lin_canny::nalgebra::{Isometry3, Vector3};
 /// use lin_canny::polyhedron::solids;
-/// use lin_canny::{Composite, CompositeTracker, Decomposition, Mesh, Piece, RelativePose};
+/// use lin_canny::{Composite, CompositeTracker, Decomposition};
+/// use lin_canny::{Mesh, Piece, RelativePose};
 ///
 /// // A ball of 1,280 triangles, and a coarser one in its place.
 /// let mesh = Mesh::from_convex(&solids::geodesic_sphere(3, 1.0)?)?;
-/// let pieces = Composite::new(vec![Piece::new(solids::geodesic_sphere(2, 1.0)?)])?;
+/// let coarse = Piece::new(solids::geodesic_sphere(2, 1.0)?);
+/// let pieces = Composite::new(vec![coarse])?;
 /// let coarse = Decomposition::new(mesh.clone(), pieces)?;
-/// assert!(coarse.fit().excess_upper < 0.01 && coarse.fit().shortfall_upper < 0.03);
+/// let fit = coarse.fit();
+/// assert!(fit.excess_upper < 0.01 && fit.shortfall_upper < 0.03);
 ///
 /// let at = RelativePose::from_isometry(&Isometry3::translation(2.5, 0.1, 0.2))?;
 /// let found = coarse.distance(&mut CompositeTracker::new(), &mesh, &at);

@@ -69,7 +69,8 @@ fn linear_casts_stop_at_the_first_contact() {
             for b in &list[k..CONVEX] {
                 let apart = f64::from(size) * rng.range(1.0, 4.0);
                 let pos12 = random_pose(&mut rng, apart);
-                let aside = vector(&mut rng, f64::from(size) * rng.range(0.0, 1.5));
+                let far = f64::from(size) * rng.range(0.0, 1.5);
+                let aside = vector(&mut rng, far);
                 let velocity = -pos12.translation + aside;
                 let options = ShapeCastOptions {
                     max_time_of_impact: [2.0, Real::MAX][round / 2 % 2],
@@ -140,7 +141,8 @@ fn turning_casts_stop_at_the_first_contact() {
                 };
                 let here = random_pose(&mut rng, 0.0);
                 let there = random_pose(&mut rng, apart);
-                let aside = vector(&mut rng, f64::from(size) * rng.range(0.0, 1.5));
+                let far = f64::from(size) * rng.range(0.0, 1.5);
+                let aside = vector(&mut rng, far);
                 let x = motion(here, Vector::ZERO, &mut rng);
                 let y = motion(there, -there.translation + aside, &mut rng);
                 let (start, end) = (0.25, 2.0);
