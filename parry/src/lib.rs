@@ -63,11 +63,11 @@
 //!
 //! # Casts
 //!
-//! `cast_shapes` and `cast_shapes_nonlinear` of all convex shapes of the table but two balls, and of
-//! compounds part by part, are those of [`impact`](lin_canny::impact): the shapes are proven apart
-//! (or farther than the target distance) until the time of impact, and within some units in the last
-//! place of the engine's numbers there. No contact is passed over, whatever the turn. Departures
-//! from parry:
+//! `cast_shapes` and `cast_shapes_nonlinear` of all convex shapes of the table, and of compounds
+//! part by part, are those of [`impact`](lin_canny::impact); two balls without a turn have parry's
+//! closed form. The shapes are proven apart (or farther than the target distance) until the time of
+//! impact, and are within some units in the last place of the engine's numbers there. No contact is
+//! passed over, whatever the turn. Departures from parry:
 //!
 //! * A cast that ends without a decision, because rounding hides whether the shapes meet, is a hit
 //!   at the last instant proven free. The status is `OutOfIterations` if a limit of work was

@@ -228,8 +228,10 @@ impl QueryDispatcher for Certified {
         b: &dyn Shape,
         options: ShapeCastOptions,
     ) -> Result<Option<ShapeCastHit>, Unsupported> {
-        let pair = part::cast(&self.known, a, b).filter(|_| pos12.is_finite());
-        if let Some((on_a, on_b)) = pair {
+        // parry has a closed form for two balls.
+        let are_balls = a.as_ball().is_some() && b.as_ball().is_some();
+        let pair = if are_balls { None } else { part::cast(&self.known, a, b) };
+        if let Some((on_a, on_b)) = pair.filter(|_| pos12.is_finite()) {
             match cast::linear((&on_a, &on_b), pos12, vel12, &options) {
                 Flown::Free => return Ok(None),
                 Flown::Hit(hit) | Flown::Start(hit) => return Ok(Some(hit)),
@@ -243,7 +245,10 @@ impl QueryDispatcher for Certified {
             (_, Some(c)) if pos12.is_finite() => {
                 Ok(cast_shapes_shape_composite_shape(self, pos12, vel12, a, c, options))
             }
-            _ => parrys(pos12, a, b)?.cast_shapes(pos12, vel12, a, b, options),
+            _ if vel12.is_finite() && has_length(a) && has_length(b) => {
+                parrys(pos12, a, b)?.cast_shapes(pos12, vel12, a, b, options)
+            }
+            _ => Err(Unsupported),
         }
     }
 
@@ -269,13 +274,16 @@ impl QueryDispatcher for Certified {
         }
         let stop = stop_at_penetration;
         match (compound(a), compound(b)) {
-            (Some(c), _) => Ok(cast_shapes_nonlinear_composite_shape_shape(
+            (Some(c), _) if is_finite(x) && is_finite(y) => Ok(cast_shapes_nonlinear_composite_shape_shape(
                 self, x, c, y, b, start, end, stop,
             )),
-            (_, Some(c)) => Ok(cast_shapes_nonlinear_shape_composite_shape(
+            (_, Some(c)) if is_finite(x) && is_finite(y) => Ok(cast_shapes_nonlinear_shape_composite_shape(
                 self, x, a, y, c, start, end, stop,
             )),
-            _ => DefaultQueryDispatcher.cast_shapes_nonlinear(x, a, y, b, start, end, stop),
+            _ if is_finite(x) && is_finite(y) && has_length(a) && has_length(b) => {
+                parrys(&x.start, a, b)?.cast_shapes_nonlinear(x, a, y, b, start, end, stop)
+            }
+            _ => Err(Unsupported),
         }
     }
 }
@@ -354,6 +362,20 @@ fn parrys(pos12: &Pose, a: &dyn Shape, b: &dyn Shape) -> Result<DefaultQueryDisp
     } else {
         Err(Unsupported)
     }
+}
+
+/// Returns whether the pose and the velocities of a motion are finite.
+fn is_finite(motion: &NonlinearRigidMotion) -> bool {
+    let velocities = [motion.local_center, motion.linvel, motion.angvel];
+    motion.start.is_finite() && velocities.iter().all(|v| v.is_finite())
+}
+
+/// Returns whether the ends of a capsule differ, which casts of parry assert, and its radius is a
+/// number; true for other shapes.
+fn has_length(shape: &dyn Shape) -> bool {
+    let (capsule, ball) = (shape.as_capsule(), shape.as_ball());
+    capsule.is_none_or(|c| (c.segment.b - c.segment.a).length() > 0.0 && c.radius >= 0.0)
+        && ball.is_none_or(|b| b.radius >= 0.0)
 }
 
 /// Returns whether the extents of a cuboid are numbers and not negative; true for other shapes.

@@ -133,12 +133,8 @@ pub(super) fn placed(known: &Known, a: &dyn shape::Shape, b: &dyn shape::Shape) 
     Some((one(known, a)?, one(known, b)?))
 }
 
-/// Returns two shapes to cast as shapes of [`lin_canny`], if that has both kinds; `None` too for two
-/// balls, whose casts have a closed form.
+/// Returns two shapes to cast as shapes of [`lin_canny`], if that has both kinds.
 pub(super) fn cast(known: &Known, a: &dyn shape::Shape, b: &dyn shape::Shape) -> Option<(Placed, Placed)> {
-    if a.as_ball().is_some() && b.as_ball().is_some() {
-        return None;
-    }
     Some((one(known, a)?, one(known, b)?))
 }
 
