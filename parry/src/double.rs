@@ -4,6 +4,8 @@ pub use parry3d_f64 as parry;
 
 #[path = "bridge/cast.rs"]
 mod cast;
+#[path = "bridge/decomposition.rs"]
+mod decomposition;
 #[path = "bridge/dispatcher.rs"]
 mod dispatcher;
 #[path = "bridge/half_space.rs"]
@@ -21,6 +23,7 @@ mod number;
 #[path = "bridge/part.rs"]
 mod part;
 
+pub use decomposition::{DecompositionError, decompose};
 pub use dispatcher::{Certified, ContactOptions};
 pub use hull::{Conversion, Hull, HullError};
 pub use number::{isometry, pose};

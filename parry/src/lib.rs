@@ -40,6 +40,8 @@
 //!   balls, capsules and their rounded and compound forms by [`lin_canny`], in `f64`, without an
 //!   absolute tolerance, and hands all other pairs to parry. Distances, tests and contacts of
 //!   cylinders and cones are answered as well; their manifolds are parry's.
+//! * **V-HACD, checked.** [`decompose`](crate::single::decompose) cuts a mesh into convex pieces by
+//!   parry's V-HACD and measures the gaps: distances are intervals that hold for the mesh.
 //! * **No state.** A manifold is a function of the relative pose and of the contacts that the
 //!   engine itself kept: the closest features of the last query stand in the feature ids of the
 //!   contacts. Snapshots go on bit for bit, any number of threads gives the same bits, and a

@@ -1,0 +1,86 @@
+//! V-HACD behind its validator: intervals hold for the mesh, at any size and place.
+
+use lab::Pose;
+use lab::pose::scale;
+use lab::rng::Rng;
+use lab::soups::{self, Soup};
+use lin_canny_parry::lin_canny::nalgebra::Point3;
+use lin_canny_parry::lin_canny::{Class, CompositeTracker, Decomposition, Mesh, MeshTracker, RelativePose};
+
+use super::engine::parry::transformation::vhacd::VHACDParameters;
+use super::engine::{DecompositionError, decompose};
+
+fn mesh(soup: &Soup) -> Mesh {
+    let points: Vec<Point3<f64>> = soup.points.iter().map(|p| Point3::from(*p)).collect();
+    Mesh::new(&points, &soup.triangles).expect("made meshes are sound")
+}
+
+fn coarse() -> VHACDParameters {
+    VHACDParameters {
+        resolution: 24,
+        ..Default::default()
+    }
+}
+
+/// Poses of a mesh about a decomposed one; returns how many are told apart.
+fn holds(pieces: &Decomposition, m: &Mesh, size: f64, rng: &mut Rng) -> usize {
+    let mut apart = 0;
+    let (mut pair, mut exact) = (CompositeTracker::new(), MeshTracker::new());
+    for k in 0..60 {
+        let pose = Pose {
+            q: rng.quat(),
+            t: scale(rng.unit(), size * rng.range(0.0, 3.0)),
+        };
+        let pose = RelativePose::from_isometry(&pose.isometry()).expect("unit");
+        let found = pieces.distance(&mut pair, m, &pose);
+        let truth = exact.distance(pieces.mesh(), m, &pose);
+        assert!(
+            found.lower <= truth.upper && truth.lower <= found.upper,
+            "{k} {found:?} {truth:?}"
+        );
+        assert!(
+            found.class != Class::Separated || truth.class == Class::Separated,
+            "{k} {found:?} {truth:?}"
+        );
+        apart += usize::from(found.class == Class::Separated);
+    }
+    apart
+}
+
+#[test]
+fn distances_of_pieces_are_intervals_that_hold_for_the_mesh() {
+    let mut rng = Rng::new(31);
+    for soup in [soups::torus(24, 12, 0.3), soups::gear(8), soups::bracket()] {
+        for grow in [1.0, 1e-4, 1e3] {
+            let m = mesh(&soup.clone().map(|p| scale(p, grow)));
+            let pieces = decompose(m.clone(), &coarse()).expect("a solid has pieces");
+            let fit = pieces.fit();
+            assert!(pieces.pieces().pieces().len() > 1);
+            assert!(
+                fit.excess_upper < 0.25 * grow && fit.shortfall_upper < 0.15 * grow,
+                "{fit}"
+            );
+            assert!(fit.excess_upper - fit.excess_lower < 0.01 * grow, "{fit}");
+            let apart = holds(&pieces, &m, grow, &mut rng);
+            assert!(apart > 10, "{apart}");
+        }
+    }
+}
+
+#[test]
+fn what_cannot_be_decomposed_is_refused_by_name() {
+    let m = mesh(&soups::bracket());
+    for resolution in [0, 3, 4096] {
+        let parameters = VHACDParameters { resolution, ..coarse() };
+        let refused = decompose(m.clone(), &parameters).map(|_| ());
+        assert_eq!(refused, Err(DecompositionError::Resolution(resolution)));
+    }
+    // A surface has no volume, and perhaps no pieces.
+    let sheet = mesh(&Soup {
+        points: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+        triangles: vec![[0, 1, 2]],
+    });
+    if let Err(refused) = decompose(sheet, &coarse()) {
+        assert!(matches!(refused, DecompositionError::Empty { .. }), "{refused}");
+    }
+}
