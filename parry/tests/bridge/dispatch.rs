@@ -86,8 +86,8 @@ fn distances_agree_with_parry_where_parry_is_right() {
                     .contact(&pos12, &**a, &**b, 10.0)
                     .expect("supported")
                     .expect("within");
-                // Closed forms of parry: a ball with a simple shape, two cuboids, two capsules.
-                let is_parrys = matches!((k, l), (2..=4, 3) | (3, 2 | 4) | (2, 2) | (4, 4));
+                // Closed forms of parry: a ball with a simple shape.
+                let is_parrys = matches!((k, l), (2..=4, 3) | (3, 2 | 4));
                 let witness = (pos12 * contact.point2 - contact.point1).dot(contact.normal1);
                 let off = (witness - contact.dist).abs();
                 assert!(is_parrys || off < 1e-5, "{witness} {}: {k} {l}", contact.dist);
