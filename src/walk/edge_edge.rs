@@ -239,11 +239,17 @@ fn closest_with_endpoint(posed: &PosedPair, a: EdgeId, b: EdgeId, draft: &mut Dr
     let on_b = |s: f64| ((s * uw - rw) / ww).clamp(0.0, 1.0);
     let on_a = |t: f64| ((t * uw + ru) / uu).clamp(0.0, 1.0);
     let candidates = [(0.0, on_b(0.0)), (1.0, on_b(1.0)), (on_a(0.0), 0.0), (on_a(1.0), 1.0)];
-    let gap = |&(s, t): &(f64, f64)| (r + w * t - u * s).norm_squared();
+    let gap = |(s, t): (f64, f64)| r + w * t - u * s;
+    // |g|^2 - |h|^2 = (g - h) . (g + h), where g - h comes from the differences of the positions:
+    // edges in line overlap by little, and the squares would differ by less than their rounding.
+    let is_closer = |c: (f64, f64), d: (f64, f64)| {
+        let difference = w * (c.1 - d.1) - u * (c.0 - d.0);
+        difference.dot(&(gap(c) + gap(d))) < 0.0
+    };
     let mut best = candidates[0];
-    for c in &candidates[1..] {
-        if gap(c) < gap(&best) {
-            best = *c;
+    for &c in &candidates[1..] {
+        if is_closer(c, best) {
+            best = c;
         }
     }
     move_to_endpoint((&ea, a), (&eb, b), best, draft)

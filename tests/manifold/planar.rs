@@ -98,5 +98,10 @@ pub(crate) fn spanned(
         axes.map(|e| dot(e, x))
     };
     let points = hull(m.points().iter().map(at).collect());
-    Some((area(&points), area(&shared), shared.len()))
+    // Faces that meet along an edge only: what they share is as wide as a corner is off by rounding.
+    let extent = shared.iter().flatten().fold(0.0, |m: f64, x| m.max(x.abs()));
+    let rounding = 8.0 * f64::EPSILON * extent * extent;
+    let shared_area = area(&shared);
+    let shared_area = if shared_area > rounding { shared_area } else { 0.0 };
+    Some((area(&points), shared_area, shared.len()))
 }
