@@ -24,7 +24,8 @@ use super::height::bounded;
 use super::net::SurfaceJet;
 use super::tree::{Net, Node};
 use crate::num::scalar::sqrt;
-use crate::tolerance::{BENT, ROUND_UP};
+use crate::tolerance::{BENT, ROUND_UP, SLOPE};
+use crate::tuning::patch::{CROSSING, MARGIN};
 
 /// A quadratic function of points.
 #[derive(Clone, Copy, Debug)]
@@ -67,42 +68,86 @@ fn curvature(jet: &SurfaceJet, n: &Vector3<f64>, e: &[Vector3<f64>; 2]) -> Optio
     Some(inverse.transpose() * Matrix2::new(uu, uv, uv, vv) * inverse)
 }
 
-/// Returns half of a form along the border on which a point lies; zero for a corner.
-fn along(jet: &SurfaceJet, is_at_border: [bool; 2], e: &[Vector3<f64>; 2], form: &Matrix2<f64>) -> Matrix2<f64> {
-    let side = match is_at_border {
-        [true, false] => jet.v,
-        [false, true] => jet.u,
-        _ => return Matrix2::zeros(),
-    };
-    let f = Vector2::new(e[0].dot(&side), e[1].dot(&side));
-    let square = f.norm_squared();
-    if square > 0.0 {
-        f * f.transpose() * (0.5 * f.dot(&(form * f)).max(0.0) / (square * square))
-    } else {
-        Matrix2::zeros()
+/// Where a surface keeps its height about a point of contact to first order, and how it bends
+/// there. At a border it falls away across the border, whatever its curvature.
+#[derive(Clone, Copy)]
+enum Rim {
+    /// Inside a patch: everywhere.
+    All(Matrix2<f64>),
+    /// At a border: along a unit vector of the plane, with a curvature.
+    Along(Vector2<f64>, f64),
+    /// At a corner: nowhere.
+    Point,
+}
+
+impl Rim {
+    fn new(jet: &SurfaceJet, is_at_border: [bool; 2], n: &Vector3<f64>, e: &[Vector3<f64>; 2]) -> Option<Self> {
+        let (side, bend) = match is_at_border {
+            [false, false] => return curvature(jet, n, e).map(Self::All),
+            [true, true] => return Some(Self::Point),
+            [true, false] => (jet.v, n.dot(&jet.vv)),
+            [false, true] => (jet.u, n.dot(&jet.uu)),
+        };
+        let f = Vector2::new(e[0].dot(&side), e[1].dot(&side));
+        let square = f.norm_squared();
+        (square > 0.0).then(|| Self::Along(f / sqrt(square), bend / square))
     }
+
+    /// Returns the same as seen from the other side.
+    fn turned(self) -> Self {
+        match self {
+            Self::All(form) => Self::All(-form),
+            Self::Along(f, bend) => Self::Along(f, -bend),
+            Self::Point => Self::Point,
+        }
+    }
+}
+
+/// Returns a form between that of a surface below, inside a patch, and one above, whose point is at
+/// a border.
+fn above(below: Matrix2<f64>, rim: &Rim) -> Matrix2<f64> {
+    let across = MARGIN * sqrt(below.norm_squared());
+    match rim {
+        Rim::Along(f, bend) => {
+            let half = 0.5 * (bend - f.dot(&(below * f))).max(0.0);
+            below + Matrix2::identity() * across + f * f.transpose() * (half - across)
+        }
+        _ => below + Matrix2::identity() * across,
+    }
+}
+
+/// Returns a form between two borders that bend by `low`, below, along f, and by `high` along g.
+fn between_borders((f, low): (Vector2<f64>, f64), (g, high): (Vector2<f64>, f64)) -> Matrix2<f64> {
+    let cross = f.perp(&g);
+    if cross.abs() < CROSSING {
+        return f * f.transpose() * (0.5 * (low + high));
+    }
+    // One form has any curvatures along two directions; the surfaces need them with a margin.
+    let margin = MARGIN * (low.abs() + high.abs());
+    let (p, q) = (Vector2::new(g.y, -g.x) / cross, Vector2::new(-f.y, f.x) / cross);
+    p * p.transpose() * (low + margin) + q * q.transpose() * (high - margin)
 }
 
 impl Bowl {
     /// Returns a bowl between two surfaces at a pair of close points `distance` apart. Its form is
-    /// half-way between the curvatures. Where the point of one surface is at a border, the form is
-    /// that of the other across the border, moved by as much as the other needs; `is_at_border` is
-    /// for u and v of A and of B.
+    /// half-way between the curvatures, as far as the surfaces keep their heights;
+    /// `is_at_border` is for u and v of A and of B.
     pub(super) fn between(
         [a, b]: [&SurfaceJet; 2],
         n: &Vector3<f64>,
         distance: f64,
-        is_at_border: [bool; 4],
+        [u, v, s, t]: [bool; 4],
         frame: &Frame,
     ) -> Option<Self> {
         let e = tangents(n);
-        let (of_a, of_b) = (curvature(a, n, &e)?, curvature(b, n, &e)?);
-        let [u, v, s, t] = is_at_border;
-        let between = of_b - of_a;
-        let form = match (u || v, s || t) {
-            (true, false) => of_b - of_b * of_b * distance - along(a, [u, v], &e, &between),
-            (false, true) => of_a + of_a * of_a * distance + along(b, [s, t], &e, &between),
-            _ => (of_a + of_b) * 0.5,
+        let form = match (Rim::new(a, [u, v], n, &e)?, Rim::new(b, [s, t], n, &e)?) {
+            (Rim::All(of_a), Rim::All(of_b)) => (of_a + of_b) * 0.5,
+            (Rim::All(of_a), rim) => above(of_a + of_a * of_a * distance, &rim),
+            (rim, Rim::All(of_b)) => -above(of_b * of_b * distance - of_b, &rim.turned()),
+            (Rim::Along(f, low), Rim::Along(g, high)) => between_borders((f, low), (g, high)),
+            (Rim::Along(f, low), Rim::Point) => f * f.transpose() * (low + MARGIN * low.abs()),
+            (Rim::Point, Rim::Along(g, high)) => g * g.transpose() * (high - MARGIN * high.abs()),
+            (Rim::Point, Rim::Point) => return None,
         };
         let length = sqrt(form.norm_squared()) * ROUND_UP;
         let is_of_use = length > 0.0 && length * frame.size < f64::INFINITY;
@@ -140,10 +185,21 @@ impl Bowl {
 
 impl Half {
     /// Returns whether the heights of a node are worth a look: the node is no farther than its size
-    /// from the point of contact, and the form has little effect over it, on errors too.
+    /// from the line through the points of contact, and errors of its points grow by little.
     pub(super) fn is_near(&self, node: &Node) -> bool {
-        let off = sqrt((node.centre - self.at).norm_squared());
-        !node.is_group() && off <= 2.0 * node.radius && self.length * (off + node.radius) <= 1.0
+        !node.is_group() && self.off(node) <= 2.0 * node.radius && self.slope(node) <= SLOPE
+    }
+
+    /// Returns the distance of a node's centre from the line along n.
+    fn off(&self, node: &Node) -> f64 {
+        let x = node.centre - self.at;
+        let [s, t] = self.e.map(|e| e.dot(&x));
+        sqrt(s * s + t * t)
+    }
+
+    /// Returns the greatest gradient of the quadratic part over a node.
+    fn slope(&self, node: &Node) -> f64 {
+        self.length * (self.off(node) + node.radius)
     }
 
     /// Returns a height that the part of a surface below a node reaches: that of a corner.
@@ -179,7 +235,9 @@ impl Half {
         }
         let most = height(&pairs[start]);
         let of = bounded(pairs, degrees, start, (most, f64::INFINITY))?;
-        Some(of.min(most) + 2.0 * node.error + BENT * (node.reach + self.at.abs().sum()))
+        let slope = self.slope(node);
+        let rounding = BENT * slope.max(1.0) * (node.reach + self.at.abs().sum());
+        Some(of.min(most) + (1.0 + slope) * node.error + rounding)
     }
 
     /// Writes the coefficients of the numerator and the denominator of the heights.

@@ -88,6 +88,10 @@ pub(super) trait Meets {
     /// Returns whether the points at some parameters are less than `most` apart: no bound.
     fn is_closer(&mut self, patches: [u32; 2], at: [f64; 4], most: f64) -> bool;
 
+    /// Returns the unit direction from a point of A to the closest point of B, in A's frame; `None`
+    /// if B has no closest point that is found at once.
+    fn direction(&mut self, patch: u32, at: [f64; 2]) -> Option<Vector3<f64>>;
+
     /// Returns the part of a patch of A (0) or B (1) over a box of parameters; `None` for a body
     /// without patches.
     fn cut(&self, side: usize, patch: u32, sides: [[f64; 2]; 2]) -> Option<Cut>;
@@ -114,6 +118,10 @@ impl<'a> Patches<'a> {
 impl Meets for Patches<'_> {
     fn descend(&mut self, patches: [u32; 2], start: [f64; 4]) -> Option<(Meeting, u64)> {
         Some(self.pair(patches).descend(patches, start))
+    }
+
+    fn direction(&mut self, _: u32, _: [f64; 2]) -> Option<Vector3<f64>> {
+        None
     }
 
     fn is_closer(&mut self, patches: [u32; 2], [u, v, s, t]: [f64; 4], most: f64) -> bool {

@@ -11,6 +11,7 @@ use crate::num::scalar::sqrt;
 use crate::pair::difference::MinkowskiPoint;
 use crate::pair::transform::ErrorScale;
 use crate::polyhedron::VertexId;
+use crate::tolerance::BENT_POSE;
 use crate::tuning::patch::STEPS;
 
 /// A node of A and a node of B.
@@ -70,38 +71,37 @@ impl<B: Side> Trees<'_, B> {
         }
     }
 
-    /// Returns a gap of a pair that is at least `target`, or the largest one found: along `start`,
-    /// along `hint`, along directions from the minimum-norm point of both nets, unless points of
-    /// both parts are known to be no farther apart than the target (`is_near`).
-    pub(super) fn bound(
-        &mut self,
-        pair: Pair,
-        (start, hint): (&Vector3<f64>, Option<&Vector3<f64>>),
-        target: f64,
-        is_near: bool,
-    ) -> Gap {
+    /// Returns the gap along `start`, or along `hint` if that is larger and the first is less than
+    /// `target`.
+    pub(super) fn bound(&mut self, pair: Pair, start: &Vector3<f64>, hint: Option<&Vector3<f64>>, target: f64) -> Gap {
         let mut best = self.along(pair, start);
-        if best.gap >= target {
-            return best;
-        }
-        if let Some(n) = hint {
-            let of = self.along(pair, n);
-            if of.gap > best.gap {
-                best = of;
-            }
-            if of.gap < target {
-                self.cap(pair, &of, target, &mut best);
-            }
-        }
-        if best.gap < target && !is_near {
-            let along = best.n;
-            self.descend(pair, target, &mut best);
-            if best.gap < target && best.n != along {
-                let now = best;
-                self.cap(pair, &now, target, &mut best);
-            }
+        if best.gap < target
+            && let Some(n) = hint
+        {
+            self.improve(pair, n, target, &mut best);
         }
         best
+    }
+
+    /// Raises a gap below `target` along directions from the minimum-norm point of both nets.
+    pub(super) fn turn(&mut self, pair: Pair, target: f64, best: &mut Gap) {
+        let along = best.n;
+        self.descend(pair, target, best);
+        if best.gap < target && best.n != along {
+            let now = *best;
+            self.cap(pair, &now, target, best);
+        }
+    }
+
+    /// Raises a gap by that along another direction.
+    pub(super) fn improve(&mut self, pair: Pair, n: &Vector3<f64>, target: f64, best: &mut Gap) {
+        let of = self.along(pair, n);
+        if of.gap > best.gap {
+            *best = of;
+        }
+        if of.gap < target {
+            self.cap(pair, &of, target, best);
+        }
     }
 
     /// Returns whether a bowl proves a pair at least `target` apart.
@@ -111,7 +111,7 @@ impl<B: Side> Trees<'_, B> {
         let [Some(least_a), Some(least_b)] = least else {
             return false;
         };
-        let most = -target - 4.0 * self.frame.error;
+        let most = -target - BENT_POSE * self.frame.error;
         if !(least_a + least_b <= most) {
             return false;
         }
@@ -122,7 +122,7 @@ impl<B: Side> Trees<'_, B> {
         let Some(high_b) = self.b.above(y, &of_b) else {
             return false;
         };
-        -high_a - high_b - 4.0 * self.frame.error >= target
+        -high_a - high_b - BENT_POSE * self.frame.error >= target
     }
 
     /// Tries the heights by second derivatives along the direction of a gap.

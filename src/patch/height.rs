@@ -118,22 +118,19 @@ impl Curvature {
         }
     }
 
-    /// Returns factors k, l, not negative, with `a du^2 + b dv^2 + 2 c |du dv| <= k du^2 + l dv^2`.
-    fn excess(&self) -> [f64; 2] {
+    /// Returns pairs of factors k, l, not negative, each with
+    /// `a du^2 + b dv^2 + 2 c |du dv| <= k du^2 + l dv^2`.
+    fn excess(&self) -> [[f64; 2]; 3] {
         let Self { uu, vv, uv } = *self;
-        let mut best = [(uu + uv).max(0.0), (vv + uv).max(0.0)];
-        let mut take = |k: f64, l: f64| {
-            if k + l < best[0] + best[1] {
-                best = [k, l];
-            }
-        };
-        if uu < 0.0 {
-            take(0.0, (vv + uv * uv / -uu).max(0.0));
-        }
-        if vv < 0.0 {
-            take((uu + uv * uv / -vv).max(0.0), 0.0);
-        }
-        best
+        let both = [(uu + uv).max(0.0), (vv + uv).max(0.0)];
+        let square = uv * uv * (1.0 + 8.0 * UNIT);
+        let of_v = [0.0, (vv + square / -uu).max(0.0)];
+        let of_u = [(uu + square / -vv).max(0.0), 0.0];
+        [
+            both,
+            if uu < 0.0 { of_v } else { both },
+            if vv < 0.0 { of_u } else { both },
+        ]
     }
 }
 
@@ -161,8 +158,8 @@ pub(super) fn bounded(
     let g = &mut room[..pairs.len()];
     let size = shifted(pairs, highest, g);
     // Half of an excess counts at most, and a quarter is left after a split.
-    let [k, l] = Curvature::new(g, degrees, size).excess();
-    if !(0.125 * (k + l) < need) {
+    let excess = Curvature::new(g, degrees, size).excess();
+    if !excess.iter().any(|[k, l]| 0.125 * (k + l) < need) {
         return None;
     }
     let (at, c) = climb(degrees, pairs, start);
@@ -173,7 +170,8 @@ pub(super) fn bounded(
         let to = |x: f64| x * (d + 0.5 * k * x);
         to(-at).max(to(1.0 - at)).max(0.0)
     };
-    let over = rise(f.u[0], excess[0], at[0]) + rise(f.v[0], excess[1], at[1]);
+    let over = excess.map(|[k, l]| rise(f.u[0], k, at[0]) + rise(f.v[0], l, at[1]));
+    let over = over[0].min(over[1]).min(over[2]);
     let degree = (degrees[0] + degrees[1]) as f64;
     let error = TAYLOR * degree * degree * size + 4.0 * UNIT * over;
     let least_weight = pairs.iter().map(|p| p[1]).fold(f64::INFINITY, f64::min);

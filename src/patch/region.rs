@@ -16,7 +16,7 @@ use super::height::taylor;
 use super::side::Side;
 use super::tree::Node;
 use crate::num::scalar::sqrt;
-use crate::tolerance::REGION;
+use crate::tolerance::{BENT_POSE, REGION};
 
 /// Boxes of parameters whose parts are proven `target` apart.
 #[derive(Clone, Copy, Debug)]
@@ -109,7 +109,7 @@ fn is_about<B: Side>([a, b]: [&Cut; 2], bowl: &Bowl, target: f64, trees: &mut Tr
     if !of_a.is_near(&a.node) || !of_b.is_near(&b.node) {
         return false;
     }
-    let most = -target - 4.0 * trees.frame.error;
+    let most = -target - BENT_POSE * trees.frame.error;
     let (least_a, least_b) = (of_a.least(&a.node, &a.net()), of_b.least(&b.node, &b.net()));
     if !(least_a + least_b <= most) {
         return false;
@@ -121,7 +121,7 @@ fn is_about<B: Side>([a, b]: [&Cut; 2], bowl: &Bowl, target: f64, trees: &mut Tr
     let Some(high_b) = of_b.highest(&b.node, &b.net()) else {
         return false;
     };
-    -high_a - high_b - 4.0 * trees.frame.error >= target
+    -high_a - high_b - BENT_POSE * trees.frame.error >= target
 }
 
 #[cfg(test)]

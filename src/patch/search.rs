@@ -191,7 +191,14 @@ impl<B: Side, M: Meets> Search<'_, '_, B, M> {
             // Larger than what could be proven at once.
             return self.trees.along(pair, along);
         }
-        let gap = self.trees.bound(pair, (along, self.hint.as_ref()), level, is_near);
+        let mut gap = self.trees.bound(pair, along, self.hint.as_ref(), level);
+        if gap.gap < level {
+            self.raise(pair, level, &mut gap);
+        }
+        // Points of both parts may be known to be no farther apart than the level.
+        if gap.gap < level && !is_near {
+            self.trees.turn(pair, level, &mut gap);
+        }
         if gap.gap >= level || !(level > 0.0) {
             return gap;
         }
@@ -207,6 +214,19 @@ impl<B: Side, M: Meets> Search<'_, '_, B, M> {
                 ..gap
             },
             _ => gap,
+        }
+    }
+
+    /// Raises a gap to a convex body along the direction from the middle of A's node to the closest
+    /// point of B. The distance of a point from a convex body is convex, and this direction its
+    /// gradient: the gap falls short by terms of second order alone.
+    fn raise(&mut self, pair: Pair, level: f64, gap: &mut Gap) {
+        let x = self.trees.a.node(pair[0]);
+        if B::IS_CONVEX
+            && !x.is_group()
+            && let Some(n) = self.points.direction(x.patch(), x.middle())
+        {
+            self.trees.improve(pair, &n, level, gap);
         }
     }
 

@@ -83,9 +83,7 @@ impl<'a> SurfacePair<'a> {
 /// A surface and a convex shape that can be measured over time.
 ///
 /// A measure has bounds that are at most a quarter of the distance apart. A hit is proven by a
-/// point of the surface within the shape. Where the shape comes into a hollow of the surface,
-/// bounds may stay too wide below some thousandth of the size: a third of the casts of shapes at
-/// bumpy patches end as [`Impact::Near`](crate::impact::Impact::Near), with the distance reached.
+/// point of the surface within the shape.
 #[derive(Clone, Debug)]
 pub struct SurfaceShapePair<'a> {
     surface: &'a Surface,

@@ -11,6 +11,9 @@ use super::tree::{Node, Nodes};
 /// Directions are unit vectors in the frame of the body. Errors of a node
 /// ([`Node::error`]) are not part of a height.
 pub(super) trait Side {
+    /// Whether the body is one convex set, whose closest point to a point is found at once.
+    const IS_CONVEX: bool;
+
     fn node(&self, id: u32) -> &Node;
 
     /// Returns the greatest height of the convex set.
@@ -41,6 +44,8 @@ pub(super) trait Side {
 }
 
 impl Side for Nodes<'_> {
+    const IS_CONVEX: bool = false;
+
     #[inline]
     fn node(&self, id: u32) -> &Node {
         self.node(id)

@@ -40,6 +40,8 @@ impl<'a> Solid<'a> {
 }
 
 impl Side for Solid<'_> {
+    const IS_CONVEX: bool = true;
+
     fn node(&self, _: u32) -> &Node {
         &self.node
     }
@@ -250,6 +252,11 @@ impl Meets for Feet<'_> {
     fn is_closer(&mut self, [number, _]: [u32; 2], [u, v, ..]: [f64; 4], most: f64) -> bool {
         let p = self.patches[number as usize].point(u, v);
         self.look(&p.coords).is_some_and(|found| found.distance < most)
+    }
+
+    fn direction(&mut self, patch: u32, [u, v]: [f64; 2]) -> Option<Vector3<f64>> {
+        let p = self.patches[patch as usize].point(u, v);
+        self.look(&p.coords).map(|found| *found.normal)
     }
 
     fn cut(&self, side: usize, patch: u32, sides: [[f64; 2]; 2]) -> Option<Cut> {

@@ -69,8 +69,9 @@ pub(crate) const SEAM: f64 = 1024.0 * UNIT;
 ///    ([`CURVATURE`]), so that their signs can be trusted.
 /// 2. The value by de Casteljau: `3 d`. A first derivative: differences up to 2 G with one
 ///    rounding, `3 d` roundings each, times p or q: both together `6 d^2 + 2 d`.
-/// 3. The sums and quotients of the three bounds, numbers up to `4 d^2 G`, have up to four
-///    roundings each: `16 d^2`.
+/// 3. The sums of the three bounds, numbers up to `4 d^2 G`, have up to four roundings each:
+///    `16 d^2`. The quotients, which may be larger, are rounded up; beside a first derivative they
+///    matter only as far as they are no larger than that.
 ///
 /// Together below `24 d^2 + 5 d`, and d is at least 2.
 pub(crate) const TAYLOR: f64 = 32.0 * UNIT;
@@ -83,12 +84,20 @@ pub(crate) const CURVATURE: f64 = 8.0 * UNIT;
 pub(crate) const COEFFICIENT: f64 = 8.0 * UNIT;
 
 /// Error of a coefficient of a height above a bowl (`patch::bowl`), times the denominator's
-/// coefficient, R and the distance of the point of contact from the origin. The form has a length
-/// of at most one over the distance of the points from there, so the quadratic part is no larger
-/// than the height. The shift by the point of contact has two roundings, products with a direction,
+/// coefficient, R and the distance of the point of contact from the origin. Where the gradient of
+/// the quadratic part is at most one, that part is no larger than the height; a larger gradient
+/// multiplies the error. The shift by the point of contact has two roundings, products with a direction,
 /// a form and a weight nine, a coefficient up to 16 products, each with two binomials and a sum, a
 /// quotient; the quadratic part twice. The orthogonality of the directions is off by six UNIT.
 pub(crate) const BENT: f64 = 96.0 * UNIT;
+
+/// Gradient of the quadratic part of a bowl over a node, at most: errors of points grow by one more
+/// than that.
+pub(crate) const SLOPE: f64 = 4.0;
+
+/// Effect of the error of a pose on the heights of both bodies above a bowl: on each body twice,
+/// by its points and by the point of contact, as gradients up to `1 + SLOPE` carry it.
+pub(crate) const BENT_POSE: f64 = 4.0 * (1.0 + SLOPE);
 
 /// A pair on a front claims its gap less this times the size L at each of the two poses: the claim
 /// is a sum of heights of points of B's frame, [`CERTIFICATE`](super::CERTIFICATE) UNIT L at each

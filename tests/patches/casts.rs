@@ -115,23 +115,13 @@ fn hollows_are_no_matter() {
 /// Patches thrown at shapes of every kind: free up to `safe` by samples, met at the hit.
 #[test]
 fn patches_meet_shapes_never_late() {
-    throw_shapes(1);
-}
-
-#[test]
-#[ignore = "half a minute"]
-fn many_patches_meet_shapes_never_late() {
-    throw_shapes(3);
-}
-
-fn throw_shapes(trials: u32) {
     let mut rng = Rng::new(42);
-    let (mut hits, mut misses, mut open) = (0, 0, 0);
+    let (mut hits, mut misses) = (0, 0);
     for (k, shape) in kinds().iter().enumerate() {
-        for _ in 0..trials {
+        for _ in 0..12 {
             let surface = Surface::new(vec![bumpy(&mut rng, [3, 3], 0.6)]).expect("a surface");
             let from = Vector3::from(rng.unit()) * rng.range(1.5, 2.5);
-            let aside = Vector3::from(rng.unit()) * rng.range(0.0, 1.6);
+            let aside = Vector3::from(rng.unit()) * rng.range(0.0, 2.4);
             let (a, b) = (
                 moving(Vector3::zeros(), Vector3::zeros(), Vector3::from(rng.unit())),
                 moving(from, aside - from * 1.5, Vector3::from(rng.unit()) * 2.0),
@@ -152,12 +142,6 @@ fn throw_shapes(trials: u32) {
                     misses += 1;
                     1.0
                 }
-                // Near contact the bounds of a hollow may stay too wide: said so, and no more.
-                Impact::Near { safe, .. } | Impact::Unknown { safe } => {
-                    println!("{k}: {:?}", found.impact);
-                    open += 1;
-                    safe
-                }
                 other => panic!("{k}: {other:?}"),
             };
             for i in 0..=20 {
@@ -167,11 +151,8 @@ fn throw_shapes(trials: u32) {
             }
         }
     }
-    println!("{hits} hits, {misses} misses, {open} open");
-    assert!(
-        hits >= 5 * trials && misses < hits && open <= 4 * trials,
-        "{hits} {misses} {open}"
-    );
+    println!("{hits} hits, {misses} misses");
+    assert!(hits > 60 && misses > 10, "{hits} {misses}");
 }
 
 /// Two patches: the cast agrees with a march in small steps.

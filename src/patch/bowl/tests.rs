@@ -88,7 +88,8 @@ fn excess(rng: &mut Rng, far: f64) -> Option<f64> {
     let at = patch.point(inside(rng, u), inside(rng, v)).coords;
     let n = unit(rng);
     let (a, b, c) = (rng.range(-1.0, 1.0), rng.range(-1.0, 1.0), rng.range(-1.0, 1.0));
-    let form = Matrix2::new(a, b, b, c) * 0.4;
+    // From a form that hardly matters to the steepest that is looked at.
+    let form = Matrix2::new(a, b, b, c) * rng.log_range(0.1, 6.0);
     let length = sqrt(form.norm_squared()) * ROUND_UP;
     let half = Half {
         n,
