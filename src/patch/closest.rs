@@ -38,6 +38,8 @@ pub(super) struct Meeting {
     pub(super) upper: f64,
     /// A unit direction from A to B.
     pub(super) normal: Option<Vector3<f64>>,
+    /// The same, known better where rounding turns the line of both points.
+    pub(super) along: Option<Vector3<f64>>,
     /// The feature of B; of a surface, the patch.
     pub(super) feature: Feature,
     /// A curved surface between both.
@@ -58,25 +60,38 @@ impl Meeting {
     /// normal of A or B that is nearly parallel to it and knows the direction better.
     fn direction(&self, size: f64, toward: &Vector3<f64>) -> Option<Vector3<f64>> {
         let d = self.distance;
-        if d > size / 65_536.0 {
+        if d > CLOSE * size {
             return Some(self.w / d);
         }
         let t = &self.tangents;
         for n in [t[0].cross(&t[1]), t[2].cross(&t[3])] {
-            let square = n.norm_squared();
-            let rise = n.dot(&self.w);
-            let is_along = d == 0.0 || d < 16.0 * UNIT * size || rise * rise > 0.75 * square * d * d;
-            if square > 0.0 && is_along {
-                let up = if rise.abs() > 16.0 * UNIT * size * sqrt(square) {
-                    rise
-                } else {
-                    n.dot(toward)
-                };
-                return Some(n * if up < 0.0 { -1.0 } else { 1.0 } / sqrt(square));
+            let along = if d < 16.0 * UNIT * size {
+                let rise = n.dot(&self.w);
+                let is_clear = rise.abs() > 16.0 * UNIT * size * sqrt(n.norm_squared());
+                facing(&n, if is_clear { &self.w } else { toward }, f64::INFINITY)
+            } else {
+                facing(&n, &(self.w / d), size / d)
+            };
+            if along.is_some() {
+                return along;
             }
         }
         (d > 0.0).then(|| self.w / d)
     }
+}
+
+/// Distance, as a part of the size, below which rounding turns the line of two points by more than
+/// the normal of a surface.
+pub(super) const CLOSE: f64 = 1.0 / 65_536.0;
+
+/// Returns a normal m of any length as a unit vector along n, if a unit vector n is parallel to it
+/// but for what rounding of points may turn the line of two points, `size` lengths between them
+/// long.
+pub(super) fn facing(m: &Vector3<f64>, n: &Vector3<f64>, size: f64) -> Option<Vector3<f64>> {
+    let length = sqrt(m.norm_squared());
+    let sine = sqrt(m.cross(n).norm_squared()) / length;
+    let is_along = length > 0.0 && sine <= 1.0 / 1024.0 + 64.0 * UNIT * size;
+    is_along.then(|| m * if m.dot(n) < 0.0 { -1.0 } else { 1.0 } / length)
 }
 
 /// Close points of a pair, one on each body.
@@ -272,10 +287,12 @@ impl State {
             distance,
             upper: distance + frame.error + frame.points,
             normal: None,
+            along: None,
             feature: Feature::Face(FaceId(patches[1])),
             bowl: None,
         };
         meeting.normal = meeting.direction(frame.size, &frame.translation);
+        meeting.along = meeting.normal;
         let borders = self.at.map(|t| t <= 0.0 || t >= 1.0);
         meeting.bowl = meeting
             .normal

@@ -53,7 +53,7 @@ impl Region {
         points: &M,
         trees: &mut Trees<'_, B>,
     ) -> Option<Self> {
-        let n = best.normal?;
+        let n = best.along?;
         let sides = core::array::from_fn(|k| {
             let length = sqrt(best.tangents[k].norm_squared());
             // A parameter that moves no point may have any value.

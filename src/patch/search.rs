@@ -119,7 +119,7 @@ impl<B: Side, M: Meets> Search<'_, '_, B, M> {
         self.work.steps += steps;
         if meeting.upper < self.upper {
             self.upper = meeting.upper;
-            self.hint = meeting.normal;
+            self.hint = meeting.along;
             self.best = Some(meeting);
             self.region = None;
         }

@@ -4,7 +4,7 @@
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
 use super::bowl::Half;
-use super::closest::{Meeting, Meets, Row, solve};
+use super::closest::{CLOSE, Meeting, Meets, Row, facing, solve};
 use super::cut::Cut;
 use super::frame::Frame;
 use super::net::{Patch, SurfaceJet};
@@ -15,7 +15,7 @@ use crate::pose::{RelativePose, normalize};
 use crate::shape::Shape;
 use crate::shape_tracker::ShapeTracker;
 use crate::tolerance::UNIT;
-use crate::tuning::patch::{DAMPINGS, NEWTON, PROBE};
+use crate::tuning::patch::{BACK, DAMPINGS, NEWTON, PROBE};
 
 /// A convex shape as one node.
 pub(super) struct Solid<'a> {
@@ -156,6 +156,9 @@ impl<'a> Feet<'a> {
             return None;
         }
         let right = [gradient[0], gradient[1], 0.0, 0.0];
+        if let Some(next) = self.toward_top(patch, now, &held) {
+            return Some(next);
+        }
         let round = self.roundness(now)?;
         let [uu, uv, vv] = [now.jet.uu, now.jet.uv, now.jet.vv].map(|x| -n.dot(&x));
         let bent = matrix([round[0] + uu, round[1] + uv, round[2] + vv]);
@@ -173,6 +176,23 @@ impl<'a> Feet<'a> {
             damping *= 8.0;
         }
         None
+    }
+
+    /// Returns a foot nearer to a close shape, towards the point of the shape that is lowest over the
+    /// surface. Beside an edge of the shape the distance bends as sharply as it is short, and no
+    /// difference of normals tells how.
+    fn toward_top(&mut self, patch: &Patch, now: &Foot, held: &[bool; 4]) -> Option<Foot> {
+        if now.found.distance.abs() > CLOSE * self.frame.size {
+            return None;
+        }
+        let (p, j) = (now.jet.point, [now.jet.u, now.jet.v]);
+        let n = self.frame.direction_in_b(&self.along(now));
+        let top = self.shape.core_point(&-n).1 - n * self.shape.round();
+        let way = self.frame.place(&top) - p;
+        let right = [-j[0].dot(&way), -j[1].dot(&way), 0.0, 0.0];
+        let square = [j[0].norm_squared(), j[0].dot(&j[1]), j[1].norm_squared()];
+        let step = solve(&matrix(square), &right, held)?;
+        self.tried(patch, now, &step)
     }
 
     /// Returns the second derivative of the distance of a point from the shape, in the parameters
@@ -204,20 +224,45 @@ impl<'a> Feet<'a> {
         None
     }
 
-    fn meeting(&self, number: u32, foot: &Foot) -> Meeting {
-        let on_b = foot.found.point_on_b.coords;
+    /// Returns the direction from a point to the shape. For a point so near that rounding turns the
+    /// line to the shape: the normal of the surface if both are nearly parallel, else the direction
+    /// from a point farther back, which sees the same place of the shape.
+    fn along(&mut self, foot: &Foot) -> Vector3<f64> {
+        let (n, size) = (*foot.found.normal, self.frame.size);
+        let distance = foot.found.distance.abs();
+        if distance > CLOSE * size {
+            return n;
+        }
+        let of_surface = facing(&foot.jet.u.cross(&foot.jet.v), &n, size / distance);
+        of_surface.unwrap_or_else(|| {
+            let back = foot.jet.point - n * (BACK * size);
+            self.look(&back).map_or(n, |found| *found.normal)
+        })
+    }
+
+    /// A point that may lie in the shape, as far as rounding tells, is its own witness: its depth
+    /// is within rounding, and that of the shape may be farther away.
+    fn meeting(&mut self, number: u32, foot: &Foot) -> Meeting {
+        let (p, found) = (foot.jet.point, &foot.found);
+        let upper = (found.upper + self.error()).max(0.0);
+        let on_b = if found.distance <= 0.0 && upper > 0.0 {
+            self.frame.rotation.tr_mul(&(p - self.frame.translation))
+        } else {
+            found.point_on_b.coords
+        };
         let zero = Vector3::zeros();
         Meeting {
             patches: [number, 0],
             at: [foot.at[0], foot.at[1], 0.0, 0.0],
-            on_a: foot.jet.point,
+            on_a: p,
             on_b,
-            w: self.frame.place(&on_b) - foot.jet.point,
+            w: self.frame.place(&on_b) - p,
             tangents: [foot.jet.u, foot.jet.v, zero, zero],
-            distance: foot.found.distance.max(0.0),
-            upper: (foot.found.upper + self.error()).max(0.0),
-            normal: Some(*foot.found.normal),
-            feature: foot.found.features.b,
+            distance: found.distance.max(0.0),
+            upper,
+            normal: Some(*found.normal),
+            along: Some(self.along(foot)),
+            feature: found.features.b,
             bowl: None,
         }
     }

@@ -18,6 +18,10 @@ pub(crate) const NEWTON: usize = 24;
 /// measured.
 pub(crate) const PROBE: f64 = 1.0 / 65_536.0;
 
+/// How far back a point is from which the direction to a close shape is seen without the rounding
+/// of a short line, as a part of the size. Not measured.
+pub(crate) const BACK: f64 = 1.0 / 256.0;
+
 /// Width of a measure over time, as a part of the distance: a look of conservative advancement goes
 /// so much less far. Not measured.
 pub(crate) const MEASURED: f64 = 1.0 / 4.0;

@@ -16,7 +16,7 @@ use lab::curved::{Kind, Triple, Wide, dot, matrix, norm, turned, turned_back, wi
 type Homogeneous = [Wide; 4];
 
 /// Pairs that a judge looks at before it gives up.
-const LOOKS: usize = 60_000;
+const LOOKS: usize = 600_000;
 
 /// What f64 may be off by on sets of a size of some tens.
 const ROUGH: f64 = 1e-12;
