@@ -90,7 +90,12 @@ impl Rim {
         };
         let f = Vector2::new(e[0].dot(&side), e[1].dot(&side));
         let square = f.norm_squared();
-        (square > 0.0).then(|| Self::Along(f / sqrt(square), bend / square))
+        // A border that is one point, as a pole, is as good as a corner.
+        Some(if square > 0.0 {
+            Self::Along(f / sqrt(square), bend / square)
+        } else {
+            Self::Point
+        })
     }
 
     /// Returns the same as seen from the other side.

@@ -45,11 +45,11 @@
 //!
 //! Trimmed surfaces; insides of closed surfaces, so a body within a closed surface has a positive
 //! distance; depths and contact manifolds; looks over time along directions, so that a surface that
-//! slides along another is looked at often; a bowl for patches of a degree above three and for
-//! shapes in hollows of a surface: there the number of splits grows with the logarithm of the
-//! width, and a look near contact may end as undecided (of random shapes beside random surfaces 4
-//! in 100 use up their budget, nearly all of them placed to touch); scenes with composites and
-//! meshes; no exact arithmetic decides touching surfaces.
+//! slides along another is looked at often; a bowl for patches of a degree above three: there the
+//! number of splits grows with the logarithm of the width; scenes with composites and meshes; no
+//! exact arithmetic decides touching surfaces. A few queries use up their budget and return a wider
+//! interval: of 10,000 random pairs of surfaces 9, all with the closest point at a pole, and of
+//! 10,000 surfaces and shapes 14, all within some 1e-6 of the rim of a cylinder or cone.
 
 mod bezier;
 mod bowl;

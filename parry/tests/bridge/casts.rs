@@ -63,7 +63,7 @@ fn judge(
 fn linear_casts_stop_at_the_first_contact() {
     let mut rng = Rng::new(21);
     let (ours, mut seen) = (Certified::default(), Seen::default());
-    for round in 0..12 {
+    for round in 0..16 {
         let size: Real = [1.0, 1e-3][round % 2];
         let list = kinds(&mut rng, size);
         for (k, a) in list[..CONVEX].iter().enumerate() {
@@ -106,7 +106,7 @@ fn linear_casts_stop_at_the_first_contact() {
             }
         }
     }
-    assert!(seen.hits > 150 && seen.misses > 20 && seen.starts > 10, "{seen:?}");
+    assert!(seen.hits > 150 && seen.misses > 30 && seen.starts > 10, "{seen:?}");
 }
 
 fn check_contact(hit: &ShapeCastHit, pos12: &Pose, target: Real, size: Real) {
