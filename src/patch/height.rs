@@ -290,3 +290,32 @@ fn newton(at: [f64; 2], f: &Jet<1>) -> [f64; 2] {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rng::Rng;
+
+    /// Each pair of factors bounds the second derivatives along every way over a node.
+    #[test]
+    fn an_excess_bounds_every_way() {
+        let mut rng = Rng::new(81);
+        let mut quotients = 0;
+        for _ in 0..2_000 {
+            let mut bend = || rng.range(-1.0, 1.0);
+            let (uu, vv, uv) = (bend(), bend(), bend().abs());
+            for [k, l] in (Curvature { uu, vv, uv }).excess() {
+                quotients += u32::from(k == 0.0 && vv > 0.0 || l == 0.0 && uu > 0.0);
+                for step in 0..=64 {
+                    let (u, v) = (f64::from(step) / 64.0, 1.0 - f64::from(step) / 64.0);
+                    let bent = uu * u * u + vv * v * v + 2.0 * uv * u * v;
+                    assert!(
+                        bent <= k * u * u + l * v * v + 8.0 * UNIT * (1.0 + k + l),
+                        "{uu} {vv} {uv}"
+                    );
+                }
+            }
+        }
+        assert!(quotients > 500, "{quotients}");
+    }
+}
