@@ -119,6 +119,10 @@ pub(crate) const HORIZONS: usize = 6;
 /// Vertices of a mesh that are looked at for a lower bound of the depth. Not measured.
 pub(crate) const DEEP_POINTS: usize = 2048;
 
+/// Steps to the point of a piece that is deepest in a mesh. One finds the deepest point of a ball;
+/// more turn with the faces of the mesh. Not measured.
+pub(crate) const SINKS: usize = 4;
+
 /// Moves by the deepest overlap in a search for a translation that parts two bodies.
 pub(crate) const PUSHES: usize = 12;
 

@@ -7,6 +7,7 @@ mod decomposition;
 mod frames;
 mod hard;
 mod many;
+mod mixed_depth;
 mod penetration;
 mod pieces;
 mod shapes;
