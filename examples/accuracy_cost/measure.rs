@@ -1,5 +1,7 @@
 //! Cases of one pair, passes interleaved: rows of a record, and lines of a table.
 
+use std::time::Duration;
+
 use lab::progress::Progress;
 use lab::record::{Row, spread};
 use lin_canny::{Solver, Totals};
@@ -8,6 +10,9 @@ use crate::bodies::Pair;
 use crate::engines::{self, Case};
 use crate::options::Options;
 use crate::truth::Sampled;
+
+/// The time of a pass over shapes and meshes, which begin with a search of microseconds.
+const PASS: Duration = Duration::from_millis(50);
 
 /// What one case was seen to do.
 pub(crate) struct Seen {
@@ -68,7 +73,7 @@ pub(crate) fn passes<S>(
     fresh: impl Fn() -> S + Copy,
     ask: impl Fn(usize, &mut S) -> f64 + Copy,
 ) -> [Vec<f64>; 2] {
-    let times = (0..options.passes()).map(|_| engines::clocked(frames, fresh, ask));
+    let times = (0..options.passes()).map(|_| engines::clocked_within(PASS, frames, fresh, ask));
     let times = times.collect();
     let mut state = fresh();
     let answers: Vec<f64> = (0..frames).map(|f| ask(f, &mut state)).collect();

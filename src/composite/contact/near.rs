@@ -173,8 +173,8 @@ impl Posed<'_> {
         a.is_mesh() && top <= n.dot(&deepest.point_on_a.coords) || b.is_mesh() && bottom >= on_b
     }
 
-    /// Takes the normal of a face, with the least overlap, if the bodies bear a contact along it: at
-    /// the deepest vertex, or else where the edges of that vertex come over the face.
+    /// Takes the normal of a face, with the least overlap, if the bodies bear a contact along it:
+    /// at the deepest vertex, or else where the edges of that vertex come over the face.
     fn by_faces(&self, tracker: &mut ShapeTracker, manifold: &mut Manifold) -> u8 {
         let shapes = (&self.parts[0].0, &self.parts[1].0);
         let mut beside = None;

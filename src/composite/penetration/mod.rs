@@ -48,8 +48,8 @@ pub struct PenetrationBounds {
     pub queries: u32,
 }
 
-/// Two bodies whose depth is sought, and a query of a tracker: the class of the bodies at a pose, and
-/// a lower bound of the distance.
+/// Two bodies whose depth is sought, and a query of a tracker: the class of the bodies at a pose,
+/// and a lower bound of the distance.
 struct Overlap<'a, A, B, Q> {
     a: &'a A,
     b: &'a B,
@@ -229,8 +229,8 @@ impl CompositeTracker {
     /// surface.
     ///
     /// Below stands the depth of the deepest pair of pieces, or of the deepest of some thousand
-    /// points if one body is a mesh; above a translation that parts the bodies. Edges of a mesh that
-    /// cross a piece without a vertex in either give no lower bound. Every pair of pieces is
+    /// points if one body is a mesh; above a translation that parts the bodies. Edges of a mesh
+    /// that cross a piece without a vertex in either give no lower bound. Every pair of pieces is
     /// measured, or every piece against the points, then dozens of queries.
     ///
     /// ```
