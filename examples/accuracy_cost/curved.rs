@@ -9,14 +9,15 @@ use lab::curved::{Kind, Place};
 use lab::motion::{self, Frame};
 use lab::parry::{Core, Map, MapGjk};
 use lab::progress::Progress;
-use lab::record::{Row, spread};
+use lab::record::Row;
 use lab::rng::Rng;
 use lin_canny::nalgebra::{Isometry3, Point3};
 use lin_canny::{ConvexPolyhedron, RelativePose, Shape, ShapeTracker, Tracker};
 
 use crate::bodies::ball;
-use crate::engines::clocked;
+use crate::measure;
 use crate::options::Options;
+use crate::truth::{Sampled, Truth};
 
 type Trouble = Box<dyn std::error::Error>;
 
@@ -83,8 +84,7 @@ struct Scene {
     b: Body,
     frames: Vec<Frame>,
     poses: Vec<(Isometry3<f64>, Isometry3<f64>)>,
-    /// Frames of which the truth is known: number, lower and upper bound, size of the pair.
-    truths: Vec<(usize, f64, f64, f64)>,
+    truth: Sampled,
 }
 
 impl Scene {
@@ -96,40 +96,27 @@ impl Scene {
             let place = Place::of(&frames[f]);
             let o = ShapeTracker::new().closest(&a.shape, &b.shape, &place.pose());
             let (lower, upper) = place.truth(&a.kind, &b.kind, &o);
-            (f, lower.0, upper.0, place.size(&a.kind, &b.kind))
+            let [lower, upper] = [lower.0, upper.0];
+            (Truth { lower, upper }, place.size(&a.kind, &b.kind))
         };
-        let step = (frames.len() / options.sampled()).max(1);
-        let truths = (0..frames.len()).step_by(step).map(truth).collect();
+        let truth = Sampled::of(frames.len(), options.sampled(), truth);
         let poses = frames.iter().map(|f| (f.a.isometry(), f.b.isometry())).collect();
         Self {
             a,
             b,
             frames,
             poses,
-            truths,
+            truth,
         }
     }
 
-    /// Times of some passes, and the greatest error of each stretch of the motion.
     fn seen<S>(
         &self,
         options: &Options,
         fresh: impl Fn() -> S + Copy,
         ask: impl Fn(usize, &mut S) -> f64 + Copy,
     ) -> [Vec<f64>; 2] {
-        let passes = options.passes();
-        let times = (0..passes).map(|_| clocked(self.frames.len(), fresh, ask)).collect();
-        let mut state = fresh();
-        let answers: Vec<f64> = (0..self.frames.len()).map(|f| ask(f, &mut state)).collect();
-        let miss = |&(f, lower, upper, size): &(usize, f64, f64, f64)| {
-            (lower - answers[f]).max(answers[f] - upper).max(0.0) / size
-        };
-        let n = self.truths.len();
-        let errors = (0..passes).map(|p| {
-            let stretch = &self.truths[p * n / passes..(p + 1) * n / passes];
-            stretch.iter().map(miss).fold(0.0, f64::max)
-        });
-        [times, errors.collect()]
+        measure::passes(options, (self.frames.len(), &self.truth), fresh, ask)
     }
 
     fn relative(&self, f: usize) -> RelativePose {
@@ -164,17 +151,16 @@ pub(crate) fn count(options: &Options) -> u64 {
 }
 
 pub(crate) fn run(options: &Options, rows: &mut Vec<Row>, progress: &Progress) -> Result<(), Trouble> {
-    println!("\nCurved shapes as themselves (n = 0) and as hulls of n vertices, 0.5 degrees a frame");
-    println!(
-        "{:<20} {:>6}  {:<11} {:<10} {:>9} {:>17}  {:>9}",
-        "pair", "n", "engine", "level", "ns", "from .. to", "error"
+    measure::title(
+        "Curved shapes as themselves (n = 0) and as hulls of n vertices, 0.5 degrees a frame",
+        "pair",
     );
     for names in PAIRS {
         let family = names.join("-");
         progress.say(&family);
         let scene = Scene::new(names, options);
         let mut note = |n: usize, engine: &str, level: &str, seen: [Vec<f64>; 2]| {
-            add(rows, (&family, n), (engine, level), seen);
+            measure::line(rows, ("curved", &family, n), (engine, level), seen);
         };
         note(
             0,
@@ -198,24 +184,4 @@ pub(crate) fn run(options: &Options, rows: &mut Vec<Row>, progress: &Progress) -
         progress.step();
     }
     Ok(())
-}
-
-/// Prints a line and takes its rows into the record.
-fn add(rows: &mut Vec<Row>, (family, n): (&str, usize), (engine, level): (&str, &str), [times, errors]: [Vec<f64>; 2]) {
-    let ns = spread(times.iter().copied());
-    println!(
-        "{family:<20} {n:>6}  {engine:<11} {level:<10} {:>9.1} {:>8.1} {:>8.1}  {:>9.1e}",
-        ns[1],
-        ns[0],
-        ns[2],
-        errors.iter().copied().fold(0.0, f64::max)
-    );
-    rows.extend(times.iter().zip(&errors).map(|(&ns, &err)| Row {
-        engine: engine.into(),
-        level: level.into(),
-        family: format!("curved {family}"),
-        n,
-        ns,
-        err,
-    }));
 }

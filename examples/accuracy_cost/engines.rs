@@ -218,6 +218,17 @@ fn pass(pair: &Pair, ask: impl Fn(&Pair, usize, &mut State) -> Answer) -> f64 {
 /// Nanoseconds of processor time a query: the first passes find the caches and branch tables of another engine, the last is the one that counts.
 #[inline(always)]
 pub(crate) fn clocked<S, A>(frames: usize, fresh: impl Fn() -> S, ask: impl Fn(usize, &mut S) -> A) -> f64 {
+    clocked_within(2 * WARM_UP, frames, fresh, ask)
+}
+
+/// As many frames as fit into `time`: so many that the first search of an engine that tracks does not count.
+#[inline(always)]
+pub(crate) fn clocked_within<S, A>(
+    time: Duration,
+    frames: usize,
+    fresh: impl Fn() -> S,
+    ask: impl Fn(usize, &mut S) -> A,
+) -> f64 {
     let run = |frames: usize| {
         let mut state = fresh();
         let began = ThreadTime::now();
@@ -228,7 +239,7 @@ pub(crate) fn clocked<S, A>(frames: usize, fresh: impl Fn() -> S, ask: impl Fn(u
     };
     // A slow engine gets fewer frames.
     let first = run(frames.min(16)).as_nanos().max(1) as usize / 16;
-    let frames = (WARM_UP.as_nanos() as usize * 2 / first.max(1))
+    let frames = (time.as_nanos() as usize / first.max(1))
         .clamp(16, frames.max(16))
         .min(frames);
     let began = ThreadTime::now();

@@ -83,6 +83,8 @@ fn run(options: &Options) -> Result<(), Trouble> {
     }
     if options.does("nonconvex") && with_geometry {
         nonconvex::run(options, &mut rows, &progress)?;
+        charts.push(("nonconvex.svg", accuracy::nonconvex(&rows, "rings")));
+        charts.push(("nonconvex-gears.svg", accuracy::nonconvex(&rows, "gears")));
     }
     if options.does("asking") {
         let n = asking::run(options, &mut rows, &progress)?;

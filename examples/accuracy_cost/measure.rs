@@ -1,5 +1,7 @@
 //! Cases of one pair, passes interleaved: rows of a record, and lines of a table.
 
+use std::time::Duration;
+
 use lab::progress::Progress;
 use lab::record::{Row, spread};
 use lin_canny::{Solver, Totals};
@@ -8,6 +10,9 @@ use crate::bodies::Pair;
 use crate::engines::{self, Case};
 use crate::options::Options;
 use crate::truth::Sampled;
+
+/// The time of a pass over shapes and meshes, which begin with a search of microseconds.
+const PASS: Duration = Duration::from_millis(50);
 
 /// What one case was seen to do.
 pub(crate) struct Seen {
@@ -59,6 +64,54 @@ pub(crate) fn record(rows: &mut Vec<Row>, seen: &[Seen], family: &str, n: usize)
         };
         rows.extend(s.ns.iter().zip(&s.err).map(row));
     }
+}
+
+/// Times of some passes of `ask` over a motion, and the greatest error of each stretch of the motion.
+pub(crate) fn passes<S>(
+    options: &Options,
+    (frames, truth): (usize, &Sampled),
+    fresh: impl Fn() -> S + Copy,
+    ask: impl Fn(usize, &mut S) -> f64 + Copy,
+) -> [Vec<f64>; 2] {
+    let times = (0..options.passes()).map(|_| engines::clocked_within(PASS, frames, fresh, ask));
+    let times = times.collect();
+    let mut state = fresh();
+    let answers: Vec<f64> = (0..frames).map(|f| ask(f, &mut state)).collect();
+    [times, truth.errors(options.passes(), |f| answers[f])]
+}
+
+/// The title of a table with a line for each engine, and the heads of its columns.
+pub(crate) fn title(title: &str, what: &str) {
+    println!("\n{title}");
+    println!(
+        "{what:<20} {:>6}  {:<11} {:<10} {:>11} {:>23}  {:>9}",
+        "n", "engine", "level", "ns", "from .. to", "error"
+    );
+}
+
+/// Prints a line and takes its rows into the record, as those of the family `part name`.
+pub(crate) fn line(
+    rows: &mut Vec<Row>,
+    (part, name, n): (&str, &str, usize),
+    (engine, level): (&str, &str),
+    [times, errors]: [Vec<f64>; 2],
+) {
+    let ns = spread(times.iter().copied());
+    println!(
+        "{name:<20} {n:>6}  {engine:<11} {level:<10} {:>11.1} {:>11.1} {:>11.1}  {:>9.1e}",
+        ns[1],
+        ns[0],
+        ns[2],
+        errors.iter().copied().fold(0.0, f64::max)
+    );
+    rows.extend(times.iter().zip(&errors).map(|(&ns, &err)| Row {
+        engine: engine.into(),
+        level: level.into(),
+        family: format!("{part} {name}"),
+        n,
+        ns,
+        err,
+    }));
 }
 
 pub(crate) fn head(title: &str) {

@@ -7,7 +7,7 @@ use std::hint::black_box;
 
 use lab::pose::{Pose, quat, quat_mul, unit_quat};
 use lab::progress::Progress;
-use lab::record::{Row, spread};
+use lab::record::Row;
 use lab::rng::Rng;
 use lab::soups::{self, Soup};
 use lab::{brute, pose};
@@ -20,8 +20,9 @@ use parry3d_f64::query;
 use parry3d_f64::shape::TriMesh;
 use parry3d_f64::transformation::vhacd::{VHACD, VHACDParameters};
 
-use crate::engines::clocked;
+use crate::measure;
 use crate::options::Options;
+use crate::truth::{Sampled, Truth};
 
 type Trouble = Box<dyn std::error::Error>;
 
@@ -34,8 +35,7 @@ struct Scene {
     mesh: Mesh,
     poses: Vec<Pose>,
     relative: Vec<RelativePose>,
-    /// Frames of which the truth is known: number, distance, size of the pair.
-    truths: Vec<(usize, f64, f64)>,
+    truth: Sampled,
 }
 
 impl Scene {
@@ -53,13 +53,16 @@ impl Scene {
             tumbling(&mesh, 2.0 * soup.radius(), options.frames())?
         };
         let relative = poses.iter().map(|p| RelativePose::from_isometry(&p.isometry()));
-        let step = (poses.len() / options.sampled()).max(1);
         let truth = |f: usize| {
-            let size = 2.0 * soup.radius() + pose::norm(poses[f].t);
-            (f, brute::distance(&soup, &soup, &poses[f]).0, size)
+            let distance = brute::distance(&soup, &soup, &poses[f]).0;
+            let truth = Truth {
+                lower: distance,
+                upper: distance,
+            };
+            (truth, 2.0 * soup.radius() + pose::norm(poses[f].t))
         };
         Ok(Self {
-            truths: (0..poses.len()).step_by(step).map(truth).collect(),
+            truth: Sampled::of(poses.len(), options.sampled(), truth),
             relative: relative.collect::<Result<_, _>>()?,
             mesh,
             soup,
@@ -67,26 +70,18 @@ impl Scene {
         })
     }
 
-    /// Times of some passes, and the greatest error of each stretch of the motion.
+    /// Times and errors; an overlap counts as the distance zero.
     fn seen<S>(
         &self,
         options: &Options,
         fresh: impl Fn() -> S + Copy,
         ask: impl Fn(usize, &mut S) -> f64 + Copy,
     ) -> [Vec<f64>; 2] {
-        let passes = options.passes();
-        let times = (0..passes).map(|_| clocked(self.poses.len(), fresh, ask)).collect();
-        let mut state = fresh();
-        let miss = |&(f, truth, size): &(usize, f64, f64)| (ask(f, &mut state).max(0.0) - truth).abs() / size;
-        let misses: Vec<f64> = self.truths.iter().map(miss).collect();
-        let n = misses.len();
-        let errors = (0..passes).map(|p| {
-            misses[p * n / passes..(p + 1) * n / passes]
-                .iter()
-                .copied()
-                .fold(0.0, f64::max)
-        });
-        [times, errors.collect()]
+        let apart = |f: usize, state: &mut S| match ask(f, state) {
+            overlap if overlap < 0.0 => 0.0,
+            distance => distance,
+        };
+        measure::passes(options, (self.poses.len(), &self.truth), fresh, apart)
     }
 
     /// The pieces of V-HACD as a body.
@@ -151,19 +146,16 @@ pub(crate) fn count(options: &Options) -> u64 {
 }
 
 pub(crate) fn run(options: &Options, rows: &mut Vec<Row>, progress: &Progress) -> Result<(), Trouble> {
-    println!(
-        "\nMeshes that are not convex: as they are, as hulls, as pieces of V-HACD; 0.5 degrees a frame; n parts a body"
-    );
-    println!(
-        "{:<8} {:>6}  {:<7} {:<10} {:>10} {:>21}  {:>9}",
-        "scene", "n", "engine", "level", "ns", "from .. to", "error"
+    measure::title(
+        "Meshes that are not convex: as they are, as hulls, as pieces of V-HACD; 0.5 degrees a frame; n parts a body",
+        "scene",
     );
     for name in SCENES {
         progress.say(name);
         let scene = Scene::new(name, options)?;
         let n = scene.mesh.triangle_count();
         let mut note = |n: usize, engine: &str, level: &str, seen: [Vec<f64>; 2]| {
-            add(rows, (name, n), (engine, level), seen);
+            measure::line(rows, ("nonconvex", name, n), (engine, level), seen);
         };
         let mesh = |f: usize, s: &mut MeshTracker| s.distance(&scene.mesh, &scene.mesh, &scene.relative[f]).value;
         note(n, "ours", "mesh", scene.seen(options, MeshTracker::new, mesh));
@@ -190,28 +182,8 @@ pub(crate) fn run(options: &Options, rows: &mut Vec<Row>, progress: &Progress) -
             let found = query::distance(&still, &theirs, &lab::parry::pose(&scene.poses[f]), &theirs);
             black_box(found).map_or(f64::NAN, |d| d.distance)
         };
-        note(n, "parry", "mesh", scene.seen(options, || (), parry));
+        note(n, "parry-f64", "mesh", scene.seen(options, || (), parry));
         progress.step();
     }
     Ok(())
-}
-
-/// Prints a line and takes its rows into the record.
-fn add(rows: &mut Vec<Row>, (family, n): (&str, usize), (engine, level): (&str, &str), [times, errors]: [Vec<f64>; 2]) {
-    let ns = spread(times.iter().copied());
-    println!(
-        "{family:<8} {n:>6}  {engine:<7} {level:<10} {:>10.1} {:>10.1} {:>10.1}  {:>9.1e}",
-        ns[1],
-        ns[0],
-        ns[2],
-        errors.iter().copied().fold(0.0, f64::max)
-    );
-    rows.extend(times.iter().zip(&errors).map(|(&ns, &err)| Row {
-        engine: engine.into(),
-        level: level.into(),
-        family: format!("nonconvex {family}"),
-        n,
-        ns,
-        err,
-    }));
 }

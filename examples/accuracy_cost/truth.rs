@@ -59,19 +59,21 @@ pub(crate) struct Sampled {
 
 impl Sampled {
     pub(crate) fn new(pair: &Pair, count: usize) -> Self {
+        Self::of(pair.frames.len(), count, |f| (Truth::of(pair, f), pair.size(f)))
+    }
+
+    /// Of some of `total` frames, by a function that returns the truth of a frame and the size of the pair.
+    pub(crate) fn of(total: usize, count: usize, truth: impl Fn(usize) -> (Truth, f64)) -> Self {
         // One frame of each stretch, which one by chance: what comes again every so many frames is met.
-        let (mut rng, total) = (Rng::new(29), pair.frames.len());
+        let mut rng = Rng::new(29);
         let stretch = |k: usize| k * total / count..(k + 1) * total / count;
         let frames: Vec<usize> = (0..count)
             .map(stretch)
             .filter(|s| !s.is_empty())
             .map(|s| s.start + rng.below(s.len()))
             .collect();
-        Self {
-            truths: frames.iter().map(|&f| Truth::of(pair, f)).collect(),
-            sizes: frames.iter().map(|&f| pair.size(f)).collect(),
-            frames,
-        }
+        let (truths, sizes) = frames.iter().map(|&f| truth(f)).unzip();
+        Self { frames, truths, sizes }
     }
 
     /// The widest of what is left open, over the size of the pair.

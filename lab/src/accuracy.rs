@@ -1,7 +1,9 @@
 //! The pictures of what accuracy costs, from the rows of a record.
 //!
 //! Families name bodies and motion: `sphere 0.5deg`, `sphere random`, `motion 0.1deg` (spheres too), `sphere gap 1e-3`, `ball`
-//! (a sphere replaced by a hull), `curved cylinder-cone` (n = 0: as themselves), `asking 0.05deg`. Engines and levels are those of the example `accuracy_cost`.
+//! (a sphere replaced by a hull), `curved cylinder-cone` (n = 0: as themselves), `nonconvex rings`
+//! (n: triangles or pieces), `asking 0.05deg`. Engines and levels are those of the example
+//! `accuracy_cost`.
 
 use crate::plot::{Chart, Spread};
 use crate::record::{Row, spread};
@@ -266,13 +268,59 @@ pub fn geometry(rows: &[Row]) -> Chart {
     chart
 }
 
+/// The numbers of vertices or parts in the rows of a family, in order.
+fn sizes(rows: &[Row], family: &str) -> Vec<usize> {
+    let mut sizes: Vec<usize> = rows.iter().filter(|r| r.family == family).map(|r| r.n).collect();
+    sizes.sort_unstable();
+    sizes.dedup();
+    sizes
+}
+
+/// What it costs to be exact about a mesh that is not convex: the mesh, its hull, and pieces of a
+/// decomposition, time against error.
+pub fn nonconvex(rows: &[Row], scene: &str) -> Chart {
+    let family = format!("nonconvex {scene}");
+    let mut chart = Chart::new(format!("{scene}: as a mesh, as its hull, and as convex pieces"))
+        .axes(
+            format!("error of the distance over the size of the pair ({FLOOR:e}: none seen)"),
+            "nanoseconds a query",
+        )
+        .log_x()
+        .log_y()
+        .size(880, 440)
+        .legend_beside();
+    let alike = [
+        ("ours", "mesh", "ours, the mesh itself"),
+        ("ours", "hull", "ours, the convex hull"),
+        ("ours", "pieces", "ours, so many pieces of V-HACD"),
+        ("parry-f64", "mesh", "parry f64, the mesh itself"),
+    ];
+    for (engine, level, name) in alike {
+        let point = |n: usize| {
+            let c = cell(rows, engine, level, &family, n)?;
+            Some(Spread {
+                x: c.err.map(|e| e.max(FLOOR)),
+                y: c.ns,
+                word: if level == "pieces" {
+                    n.to_string()
+                } else {
+                    String::new()
+                },
+            })
+        };
+        let points: Vec<Spread> = sizes(rows, &family).into_iter().filter_map(point).collect();
+        if !points.is_empty() {
+            chart = chart.spreads(name, points);
+        }
+    }
+    chart
+}
+
 /// What it costs to be curved: a pair as itself, and replaced by hulls, time against error.
 pub fn curved(rows: &[Row], pair: &str) -> Chart {
     let family = format!("curved {pair}");
     let of = |engine: &str, level: &str, n: usize| cell(rows, engine, level, &family, n);
-    let mut sizes: Vec<usize> = rows.iter().filter(|r| r.family == family).map(|r| r.n).collect();
-    sizes.sort_unstable();
-    sizes.dedup();
+    let sizes = sizes(rows, &family);
     let hulls = sizes.iter().filter_map(|&n| of("ours", "hull", n));
     let hulls: Vec<(f64, f64)> = hulls.map(|c| (c.err[2].max(FLOOR), c.ns[1])).collect();
     let range = match (sizes.iter().find(|&&n| n > 0), sizes.last()) {
@@ -375,6 +423,8 @@ mod tests {
                 all.push(row(engine, level, "ball", n as usize, 80.0, 0.1 / x));
             }
         }
+        all.push(row("ours", "mesh", "nonconvex rings", 900, 3e3, 0.0));
+        all.push(row("ours", "pieces", "nonconvex rings", 12, 2e3, 1e-2));
         all
     }
 
@@ -396,6 +446,7 @@ mod tests {
             (geometry(&rows), vec!["ours, certified", "parry f64"]),
             (asking(&rows, "asking 0.05deg", 8), vec!["overlap?"]),
             (curved(&rows, "cone-cone"), vec!["hulls of 16 to 64", "themselves"]),
+            (nonconvex(&rows, "rings"), vec!["the mesh itself", "pieces of V-HACD"]),
         ];
         for (chart, words) in pictures {
             let svg = chart.svg().unwrap();

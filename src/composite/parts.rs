@@ -57,6 +57,9 @@ impl<'a> From<&'a Composite> for PartsRef<'a> {
 /// The methods behind [`Parts`], which callers do not see. Points and directions are in stored
 /// units of the body; an item is a part by its number in the tree.
 pub trait Parted {
+    /// Returns the body by its kind, for questions that meshes and pieces answer in other ways.
+    fn by_kind(&self) -> PartsRef<'_>;
+
     /// Returns the body as its tree sees it.
     fn side(&self) -> Side<'_>;
 
@@ -104,6 +107,10 @@ pub trait Parted {
 }
 
 impl Parted for Mesh {
+    fn by_kind(&self) -> PartsRef<'_> {
+        PartsRef::Mesh(self)
+    }
+
     fn side(&self) -> Side<'_> {
         Side {
             tree: &self.tree,
@@ -176,6 +183,10 @@ impl Parted for Mesh {
 }
 
 impl Parted for PartsRef<'_> {
+    fn by_kind(&self) -> PartsRef<'_> {
+        *self
+    }
+
     fn side(&self) -> Side<'_> {
         match self {
             Self::Mesh(x) => Parted::side(*x),

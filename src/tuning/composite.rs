@@ -102,6 +102,13 @@ pub(crate) const ALIKE: f64 = 1.0 / 64.0;
 /// Faces that are tried for a contact whose normal the mesh does not have. Not measured.
 pub(crate) const FACES_TRIED: usize = 6;
 
+/// The part of an edge beyond which a contact beside a vertex is looked for: a millionth.
+pub(crate) const SHORT_EDGE: f64 = 1.0 / 1_048_576.0;
+
+/// Bisections of the place along an edge at which a body begins to bear a contact: to the last bit
+/// of a place that is not right at the vertex.
+pub(crate) const EDGE_HALVINGS: usize = 52;
+
 /// Bodies whose boxes overlap by less than this part of L along a normal are parted by the normal:
 /// more than the rounding of boxes in single precision. Not measured.
 pub(crate) const PARTED: f64 = 1.0 / 65_536.0;
@@ -118,6 +125,10 @@ pub(crate) const HORIZONS: usize = 6;
 
 /// Vertices of a mesh that are looked at for a lower bound of the depth. Not measured.
 pub(crate) const DEEP_POINTS: usize = 2048;
+
+/// Steps to the point of a piece that is deepest in a mesh. One finds the deepest point of a ball;
+/// more turn with the faces of the mesh. Not measured.
+pub(crate) const SINKS: usize = 4;
 
 /// Moves by the deepest overlap in a search for a translation that parts two bodies.
 pub(crate) const PUSHES: usize = 12;

@@ -10,22 +10,22 @@ use lin_canny::{
     Composite, ContactPatches, ContactTracker, ManifoldOptions, MeshTracker, PatchContact, PatchContacts, Piece, Shape,
 };
 
-fn patches(soup: &Soup) -> ContactPatches {
+pub(crate) fn patches(soup: &Soup) -> ContactPatches {
     ContactPatches::of_mesh(mesh(soup))
 }
 
-fn within(prediction: f64) -> ManifoldOptions {
+pub(crate) fn within(prediction: f64) -> ManifoldOptions {
     ManifoldOptions::within(prediction)
 }
 
 /// Points chosen anew whenever a body moves at all.
-fn exact(prediction: f64) -> ManifoldOptions {
+pub(crate) fn exact(prediction: f64) -> ManifoldOptions {
     let mut options = within(prediction);
     options.drift = 0.0;
     options
 }
 
-fn cuboid(half: [f64; 3]) -> ContactPatches {
+pub(crate) fn cuboid(half: [f64; 3]) -> ContactPatches {
     ContactPatches::from(Shape::cuboid(Vector3::from(half)).unwrap())
 }
 
@@ -33,7 +33,7 @@ fn all(found: &[PatchContacts]) -> impl Iterator<Item = &PatchContact> {
     found.iter().flat_map(|g| &g.contacts)
 }
 
-fn deepest(found: &[PatchContacts]) -> f64 {
+pub(crate) fn deepest(found: &[PatchContacts]) -> f64 {
     all(found).map(|c| c.point.separation).fold(f64::INFINITY, f64::min)
 }
 
@@ -63,7 +63,7 @@ fn is_normal(soup: &Soup, p: Point3<f64>, n: Vector3<f64>) -> (bool, bool) {
 
 /// Every contact on the meshes, opposite each other along its normal, and of every pair of patches
 /// one at least whose normal is a normal of both meshes.
-fn check(found: &[PatchContacts], soups: [Option<&Soup>; 2], pose: &Pose, what: &str) {
+pub(crate) fn check(found: &[PatchContacts], soups: [Option<&Soup>; 2], pose: &Pose, what: &str) {
     let turn = pose.isometry().rotation;
     for c in all(found) {
         let n = c.normal.into_inner();
@@ -245,137 +245,6 @@ fn an_l_on_an_l_and_a_finger_of_overlapping_parts_on_a_plate_rest_on_a_few_conta
             assert!(all(&found).count() <= 12, "{name} {gap} {found:?}");
         }
     }
-}
-
-/// A floor in squares with random heights, as an open surface.
-fn ground(n: usize, amplitude: f64, rng: &mut Rng) -> Soup {
-    let m = n + 1;
-    let place = |k: usize| [k % m, k / m].map(|i| 2.0 * i as f64 / n as f64 - 1.0);
-    let points = (0..m * m).map(|k| {
-        let [x, y] = place(k);
-        [x, y, amplitude * rng.range(-1.0, 1.0)]
-    });
-    let points = points.collect();
-    let cells = (0..n * n).flat_map(|k| {
-        let a = (k / n * m + k % n) as u32;
-        let [b, c, d] = [a + 1, a + 1 + m as u32, a + m as u32];
-        if (k / n + k % n).is_multiple_of(2) {
-            [[a, b, c], [a, c, d]]
-        } else {
-            [[a, b, d], [b, c, d]]
-        }
-    });
-    Soup {
-        triangles: cells.collect(),
-        points,
-    }
-}
-
-/// The height of the ground under a point.
-fn height(soup: &Soup, x: f64, y: f64) -> f64 {
-    let at = |t: usize| {
-        let [a, b, c] = soup.corners(t);
-        let cross = |p: [f64; 3], q: [f64; 3]| (p[0] - x) * (q[1] - y) - (p[1] - y) * (q[0] - x);
-        let w = [cross(b, c), cross(c, a), cross(a, b)];
-        let sum = w[0] + w[1] + w[2];
-        let inside = w.iter().all(|w| *w >= -1e-12);
-        inside.then(|| (w[0] * a[2] + w[1] * b[2] + w[2] * c[2]) / sum)
-    };
-    (0..soup.triangles.len()).find_map(at).unwrap()
-}
-
-#[test]
-fn a_ball_rolls_over_bumps_without_ghosts_and_always_with_its_deepest_contact() {
-    let mut rng = Rng::new(4);
-    let soup = ground(10, 0.06, &mut rng);
-    let (floor, surface) = (patches(&soup), mesh(&soup));
-    let (ball, radius) = (ContactPatches::from(Shape::ball(0.11).unwrap()), 0.11);
-    let speck = Composite::from(Shape::ball(1e-6).unwrap());
-    let options = exact(0.01);
-    let mut tracker = ContactTracker::new();
-    let (mut apart, mut deep) = (0, 0);
-    for k in 0..600 {
-        let angle = 0.013 * f64::from(k);
-        let [x, y] = [0.7 * angle.sin(), 0.7 * (1.31 * angle).cos()];
-        let depth = if k % 2 == 0 {
-            rng.range(0.0, 0.01)
-        } else {
-            rng.range(-0.02, 0.0)
-        };
-        let mut t = [x, y, height(&soup, x, y) + 0.2];
-        let middle = |t| {
-            let at = relative(&Pose::shift(t));
-            lin_canny::CompositeTracker::new().distance(&surface, &speck, &at).value + 1e-6
-        };
-        // Down until the middle is as far from the ground as wanted.
-        let (mut low, mut high) = (t[2] - 0.2, t[2]);
-        for _ in 0..50 {
-            t[2] = 0.5 * (low + high);
-            *(if middle(t) > radius + depth {
-                &mut high
-            } else {
-                &mut low
-            }) = t[2];
-        }
-        let truth = middle(t) - radius;
-        let found = tracker
-            .contacts(&floor, &ball, &relative(&Pose::shift(t)), &options)
-            .to_vec();
-        check(&found, [Some(&soup), None], &Pose::shift(t), &format!("ball {k}"));
-        assert!((deepest(&found) - truth).abs() < 1e-8, "{k} {truth} {found:?}");
-        *(if truth > 0.0 { &mut apart } else { &mut deep }) += 1;
-    }
-    assert!(apart > 250 && deep > 250, "{apart} {deep}");
-}
-
-#[test]
-fn a_box_tumbles_over_bumps_without_ghosts() {
-    let mut rng = Rng::new(5);
-    let soup = ground(10, 0.05, &mut rng);
-    let (floor, half) = (patches(&soup), [0.15, 0.1, 0.12]);
-    let (cube, solid) = (cuboid(half), soups::plate(1, half));
-    let (mut met, mut deep, mut lost) = (0, 0, Vec::new());
-    let (mut q, mut tracker) = (rng.quat(), ContactTracker::new());
-    for k in 0..400u32 {
-        q = unit_quat(quat_mul(quat(rng.unit(), 0.03), q));
-        let angle = 0.017 * f64::from(k);
-        let mut t = [0.6 * angle.sin(), 0.6 * (1.31 * angle).cos(), 0.5];
-        let (m, n) = (mesh(&soup), mesh(&solid));
-        let distance = |t| MeshTracker::new().distance(&m, &n, &relative(&Pose { q, t })).value;
-        for _ in 0..60 {
-            t[2] -= distance(t);
-        }
-        let gap = [2e-3, 5e-3, -2e-3, -8e-3][k as usize % 4];
-        t[2] += gap;
-        let pose = Pose { q, t };
-        let truth = distance(t);
-        let found = tracker
-            .contacts(&floor, &cube, &relative(&pose), &within(0.01))
-            .to_vec();
-        check(&found, [Some(&soup), None], &pose, &format!("box {k}"));
-        if truth > 0.0 {
-            let options = exact(0.01);
-            let cold = ContactTracker::new()
-                .contacts(&floor, &cube, &relative(&pose), &options)
-                .to_vec();
-            assert!((deepest(&cold) - truth).abs() < 1e-9, "{k} {truth} {cold:?}");
-        } else {
-            // Overlaps: no deeper than the way down. Where edges cross far below, patches on both
-            // sides may have no contact to bear.
-            if found.is_empty() {
-                lost.push((k, gap));
-                continue;
-            }
-            assert!(
-                deepest(&found) < 1e-9 && deepest(&found) > gap - 1e-3,
-                "{k} {gap} {found:?}"
-            );
-            deep += 1;
-        }
-        met += 1;
-    }
-    assert!(lost.len() <= 1 && lost.iter().all(|l| l.1 < -5e-3), "{lost:?}");
-    assert!(met >= 399 && deep > 150, "{met} {deep}");
 }
 
 /// A floor slides by under a body for a thousand frames: the normal is the plane's.

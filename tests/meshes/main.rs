@@ -1,12 +1,14 @@
 //! Promise: queries of meshes equal brute force over all pairs of triangles, whatever the tracker has seen before.
 
 mod ahead;
+mod bumps;
 mod contacts;
 mod contain;
 mod decomposition;
 mod frames;
 mod hard;
 mod many;
+mod mixed_depth;
 mod penetration;
 mod pieces;
 mod shapes;
@@ -45,7 +47,17 @@ pub(crate) fn shapes() -> Vec<Soup> {
 }
 
 /// Compares a query with brute force; returns its class.
-pub(crate) fn judge(tracker: &mut MeshTracker, (a, b): (&Soup, &Soup), (m, n): (&Mesh, &Mesh), pose: &Pose) -> Class {
+pub(crate) fn judge(tracker: &mut MeshTracker, soups: (&Soup, &Soup), meshes: (&Mesh, &Mesh), pose: &Pose) -> Class {
+    judge_by_surfaces(tracker, soups, meshes, pose).0
+}
+
+/// Compares a query with brute force; returns its class and the distance of the surfaces.
+pub(crate) fn judge_by_surfaces(
+    tracker: &mut MeshTracker,
+    (a, b): (&Soup, &Soup),
+    (m, n): (&Mesh, &Mesh),
+    pose: &Pose,
+) -> (Class, f64) {
     let truth = brute::distance(a, b, pose).0;
     let found = tracker.closest(m, n, &relative(pose));
     let noise = 1e-14 * size(a, b, pose);
@@ -82,7 +94,7 @@ pub(crate) fn judge(tracker: &mut MeshTracker, (a, b): (&Soup, &Soup), (m, n): (
             assert!(bound <= truth + noise, "{bound} {truth}");
         }
     }
-    found.class
+    (found.class, truth)
 }
 
 #[test]

@@ -32,7 +32,7 @@ fn chain(count: usize, in_place: bool, seed: u64) -> Composite {
     Composite::new(pieces.collect()).unwrap()
 }
 
-fn soup(body: &Composite) -> Soup {
+pub(crate) fn soup(body: &Composite) -> Soup {
     let mut soup = Soup::default();
     for (_, corners) in body.to_mesh().unwrap().triangles() {
         let base = soup.points.len() as u32;

@@ -13,20 +13,24 @@ use super::parry::transformation::vhacd::{VHACD, VHACDParameters};
 const RESOLUTIONS: std::ops::RangeInclusive<u32> = 4..=512;
 
 /// Reason for which a mesh has no decomposition.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum DecompositionError {
     /// `VHACDParameters::resolution` lies outside 4..=512.
+    #[error("a resolution of {0} lies outside 4..=512")]
     Resolution(u32),
     /// No piece of V-HACD has a volume.
+    #[error("none of {pieces} pieces has a volume")]
     Empty {
         /// Pieces that V-HACD made.
         pieces: usize,
     },
     /// The pieces make no body.
-    Pieces(CompositeError),
+    #[error(transparent)]
+    Pieces(#[from] CompositeError),
     /// The pieces cannot be measured.
-    Measure(MeshError),
+    #[error(transparent)]
+    Measure(#[from] MeshError),
 }
 
 /// Returns the convex pieces into which parry's V-HACD cuts a mesh, each the hull of the mesh's
@@ -88,19 +92,5 @@ pub fn decompose(
     if pieces.is_empty() {
         return Err(DecompositionError::Empty { pieces: parts.len() });
     }
-    let pieces = Composite::new(pieces).map_err(DecompositionError::Pieces)?;
-    Decomposition::new(mesh, pieces).map_err(DecompositionError::Measure)
+    Ok(Decomposition::new(mesh, Composite::new(pieces)?)?)
 }
-
-impl std::fmt::Display for DecompositionError {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Resolution(cells) => write!(f, "a resolution of {cells} lies outside 4..=512"),
-            Self::Empty { pieces } => write!(f, "none of {pieces} pieces has a volume"),
-            Self::Pieces(e) => e.fmt(f),
-            Self::Measure(e) => e.fmt(f),
-        }
-    }
-}
-
-impl std::error::Error for DecompositionError {}

@@ -63,30 +63,15 @@ impl Conversion {
 }
 
 /// Reason for which a shape of parry has no [`Hull`].
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum HullError {
     /// The points make no body; the error names the point.
-    Build(BuildError),
+    #[error(transparent)]
+    Build(#[from] BuildError),
     /// The shape is neither a convex polyhedron, a cuboid, a triangle, a segment nor a tetrahedron.
+    #[error("the shape has no vertices: not a convex polyhedron, cuboid, triangle or segment")]
     Kind,
-}
-
-impl std::fmt::Display for HullError {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Build(e) => e.fmt(f),
-            Self::Kind => f.pad("the shape has no vertices: not a convex polyhedron, cuboid, triangle or segment"),
-        }
-    }
-}
-
-impl std::error::Error for HullError {}
-
-impl From<BuildError> for HullError {
-    fn from(e: BuildError) -> Self {
-        Self::Build(e)
-    }
 }
 
 /// Mass properties at density 1.

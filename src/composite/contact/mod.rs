@@ -5,8 +5,9 @@
 //! bodies have its normal at the deepest point: that of a face, or in the cone of normals of a
 //! convex edge or vertex. A reflex edge has none, and neither has a face that a piece next to it
 //! covers. Else the normal of a face is taken, that of least overlap along which the bodies bear a
-//! contact. So a body that slides over the edges of a tessellated floor, or along a reflex edge,
-//! feels none of them.
+//! contact: at the deepest vertex, or, if the vertex is below the next face of a valley, on an edge
+//! of the vertex. So a body that slides over the edges of a tessellated floor, or along a reflex
+//! edge, feels none of them.
 //!
 //! Normal cones: Clarke 1990, "Optimization and Nonsmooth Analysis", section 2.5 (proximal
 //! normals). Patches: see `grow`.

@@ -8,11 +8,11 @@ use super::{PatchContact, Query};
 use crate::composite::front::Pair;
 use crate::contact::{ContactPoint, Manifold};
 use crate::pair::outcome::Outcome;
-use crate::polyhedron::ConvexPolyhedron;
+use crate::polyhedron::{ConvexPolyhedron, EdgeId, Feature};
 use crate::pose::RelativePose;
 use crate::shape::{Core, Shape};
 use crate::shape_tracker::{ShapeTracker, along_face, swapped};
-use crate::tuning::composite::{FACES_TRIED, NEARLY};
+use crate::tuning::composite::{EDGE_HALVINGS, FACES_TRIED, NEARLY, SHORT_EDGE};
 
 /// The state of two patches that are near.
 #[derive(Clone, Debug)]
@@ -123,6 +123,13 @@ impl Posed<'_> {
         if is_deepest_borne { nearly | fully } else { 0 }
     }
 
+    /// The points of a manifold that both bodies bear fully, as bits.
+    fn fully_borne(&self, manifold: &Manifold) -> u8 {
+        let n = self.normal(manifold);
+        let is_borne = |p: &ContactPoint| self.how_borne(&n, &self.point(p)) == Borne::Fully;
+        bits(manifold, is_borne)
+    }
+
     fn how_borne(&self, n: &Vector3<f64>, point: &ContactPoint) -> Borne {
         let Query {
             a,
@@ -166,9 +173,11 @@ impl Posed<'_> {
         a.is_mesh() && top <= n.dot(&deepest.point_on_a.coords) || b.is_mesh() && bottom >= on_b
     }
 
-    /// Takes the normal of a face, with the least overlap, if the bodies bear a contact along it.
+    /// Takes the normal of a face, with the least overlap, if the bodies bear a contact along it:
+    /// at the deepest vertex, or else where the edges of that vertex come over the face.
     fn by_faces(&self, tracker: &mut ShapeTracker, manifold: &mut Manifold) -> u8 {
         let shapes = (&self.parts[0].0, &self.parts[1].0);
+        let mut beside = None;
         for (is_of_a, outcome) in self.faces() {
             if !self.is_nearest(is_of_a, &outcome) {
                 continue;
@@ -180,8 +189,87 @@ impl Posed<'_> {
                 *manifold = trial;
                 return borne;
             }
+            beside = beside.or_else(|| self.beside(is_of_a, &outcome));
         }
-        0
+        let Some(outcome) = beside else { return 0 };
+        let mut trial = Manifold::new();
+        tracker.manifold_by(shapes, &self.pose, self.query.options, &mut trial, |_| outcome);
+        let borne = self.fully_borne(&trial) & self.on_parts(&trial);
+        if borne != 0 {
+            *manifold = trial;
+        }
+        borne
+    }
+
+    /// The outcome along the normal of a face at the deepest place over the face on an edge of the
+    /// other part's deepest vertex, which is not over the face itself.
+    ///
+    /// ```text
+    ///    face \       / other face     A vertex v in a valley is below both faces. Its foot on the
+    ///          \  |  /                 plane of either lies beyond the bottom of the valley, where
+    ///           \_|_/                  the face ends: the contact of a face is where an edge at v
+    ///             v  ` foot            passes over its end.
+    /// ```
+    fn beside(&self, is_of_a: bool, outcome: &Outcome) -> Option<Outcome> {
+        let (part, feature) = if is_of_a {
+            (&self.parts[1].0, outcome.features.b)
+        } else {
+            (&self.parts[0].0, outcome.features.a)
+        };
+        let (Core::Polyhedron(body), Feature::Vertex(vertex), 0.0) = (part.core(), feature, part.round()) else {
+            return None;
+        };
+        let from = body.vertex(vertex)?;
+        let along = |edge| {
+            let [v, w] = body.edge_vertices(edge)?;
+            let to = body.vertex(if v == vertex { w } else { v })?;
+            self.first_borne(is_of_a, outcome, edge, &(to - from))
+        };
+        let places = body.vertex_edges(vertex).filter_map(along);
+        places.min_by(|x, y| x.distance.total_cmp(&y.distance))
+    }
+
+    /// The first place along an edge, from the vertex of an outcome, at which the bodies overlap
+    /// and fully bear a contact along the outcome's normal.
+    fn first_borne(&self, is_of_a: bool, outcome: &Outcome, edge: EdgeId, along: &Vector3<f64>) -> Option<Outcome> {
+        let n = self.parts[0].1 * outcome.normal;
+        let at = |t: f64| self.moved(is_of_a, outcome, edge, along * t);
+        let overlaps = |o: &Outcome| o.distance < -self.query.doubt;
+        let is_borne = |o: &Outcome| overlaps(o) && self.how_borne(&n, &self.point(&witness(o))) == Borne::Fully;
+        let (mut off, mut on) = (0.0, SHORT_EDGE);
+        while !is_borne(&at(on)) {
+            if on >= 1.0 || !overlaps(&at(on)) {
+                return None;
+            }
+            (off, on) = (on, 2.0 * on);
+        }
+        for _ in 0..EDGE_HALVINGS {
+            let middle = 0.5 * (off + on);
+            *(if is_borne(&at(middle)) { &mut on } else { &mut off }) = middle;
+        }
+        Some(at(on))
+    }
+
+    /// An outcome along a face whose point on the other part moves along an edge by a step in the
+    /// other part's frame.
+    fn moved(&self, is_of_a: bool, outcome: &Outcome, edge: EdgeId, step: Vector3<f64>) -> Outcome {
+        let (n, rotation, mut moved) = (outcome.normal, self.pose.rotation(), *outcome);
+        if is_of_a {
+            let in_a = rotation * step;
+            let rise = n.dot(&in_a);
+            moved.distance += rise;
+            moved.point_on_b += step;
+            moved.point_on_a += in_a - *n * rise;
+            moved.features.b = Feature::Edge(edge);
+        } else {
+            let rise = n.dot(&step);
+            moved.distance -= rise;
+            moved.point_on_a += step;
+            moved.point_on_b += rotation.tr_mul(&(step - *n * rise));
+            moved.features.a = Feature::Edge(edge);
+        }
+        (moved.lower, moved.upper) = (moved.distance, moved.distance);
+        moved
     }
 
     /// The points of a manifold that lie on the parts that are convex bodies, as bits: witnesses on
@@ -193,13 +281,7 @@ impl Posed<'_> {
             (a.is_mesh() || is_in(p, &point.point_on_a, 2.0 * doubt))
                 && (b.is_mesh() || is_in(q, &point.point_on_b, 2.0 * doubt))
         };
-        let bit = |(k, point)| u8::from(is_on(point)) << k;
-        manifold
-            .points()
-            .iter()
-            .enumerate()
-            .map(bit)
-            .fold(0, |bits, bit| bits | bit)
+        bits(manifold, is_on)
     }
 
     /// Whether the face of an outcome is the nearest to the point that overlaps most: of a ridge
@@ -241,6 +323,23 @@ impl Posed<'_> {
         };
         let real = all.into_iter().filter(is_real).take(FACES_TRIED);
         real.map(move |(of_a, o)| (of_a, if of_a { o } else { swapped(&o, &back) }))
+    }
+}
+
+/// The points of a manifold that pass a test, as bits.
+fn bits(manifold: &Manifold, passes: impl Fn(&ContactPoint) -> bool) -> u8 {
+    let points = manifold.points().iter().enumerate();
+    points.fold(0, |bits, (k, point)| bits | u8::from(passes(point)) << k)
+}
+
+/// The closest points of an outcome as a contact.
+fn witness(outcome: &Outcome) -> ContactPoint {
+    ContactPoint {
+        point_on_a: outcome.point_on_a,
+        point_on_b: outcome.point_on_b,
+        separation: outcome.distance,
+        features: outcome.features,
+        id: outcome.features,
     }
 }
 

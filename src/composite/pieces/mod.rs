@@ -11,10 +11,10 @@ pub use tracker::{CompositeOutcome, CompositeTracker};
 
 use super::frame::Side;
 use super::mesh::{Mesh, MeshError, stir};
-use super::parts::Parted;
+use super::parts::{Parted, PartsRef};
 use super::tree::Tree;
 use crate::num::scalar::sqrt;
-use crate::polyhedron::{BoxHint, bounding_box, exponent_of, power_of_two};
+use crate::polyhedron::{BoxHint, BuildError, ConvexPolyhedron, bounding_box, exponent_of, power_of_two};
 use crate::shape::{Core, Mass, Shape};
 use crate::tolerance::{CERTIFICATE, EXPONENT_FREE, PLACE_MAX, UNIT};
 
@@ -244,6 +244,18 @@ impl Composite {
         })
     }
 
+    /// Returns a polyhedron about all pieces: the hull, if all are polyhedra without a radius; else
+    /// with the boxes of the others.
+    pub(super) fn hull(&self) -> Result<ConvexPolyhedron, BuildError> {
+        let mut points = Vec::new();
+        for piece in &self.pieces {
+            let mut own = Vec::new();
+            extend_by_hull(&mut own, &piece.shape);
+            points.extend(own.into_iter().map(|p| piece.pose * Point3::from(p)));
+        }
+        ConvexPolyhedron::from_points(&points)
+    }
+
     fn unit(&self) -> f64 {
         power_of_two(self.exponent)
     }
@@ -260,6 +272,10 @@ impl From<Shape> for Composite {
 }
 
 impl Parted for Composite {
+    fn by_kind(&self) -> PartsRef<'_> {
+        PartsRef::Pieces(self)
+    }
+
     fn side(&self) -> Side<'_> {
         Side {
             tree: &self.tree,

@@ -1,0 +1,222 @@
+//! The deepest inner point that two solids share, and the translation that frees the bodies of it.
+//!
+//! ```text
+//!            way
+//!             ^      outer mesh
+//!   ----------|--------------------   foot
+//!        .    |    .                  |
+//!      .      |      .                | distance
+//!      .      x------.                centre of a ball of the inner body
+//!        .    radius                  way = distance + radius, if x is inside the mesh;
+//!           .   .                     way = radius - distance, if x is outside
+//! ```
+//!
+//! Let the inner body hold the ball about x. If x is inside a solid mesh, the mesh holds the ball
+//! about x up to the foot, and two balls about one point share inner points until they are moved by
+//! the sum of their radii. If x is outside, the foot is a point of the mesh that is
+//! `radius - distance` deep in the ball. A vertex is a ball of radius zero. So none of the points
+//! that are tried need be a good one.
+
+use alloc::vec::Vec;
+use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
+
+use crate::composite::mesh::Mesh;
+use crate::composite::parts::{Parted, PartsRef};
+use crate::composite::pieces::{Composite, Piece};
+use crate::composite::placed::Placed;
+use crate::composite::state::Posed;
+use crate::num::scalar::sqrt;
+use crate::pair::outcome::{Class, Outcome};
+use crate::polyhedron::ConvexPolyhedron;
+use crate::pose::RelativePose;
+use crate::shape::{Core, Shape};
+use crate::shape_tracker::ShapeTracker;
+use crate::tuning::composite::{DEEP_POINTS, SINKS};
+
+/// A lower bound of a depth, and the translation of the inner body that ends the overlap found.
+pub(super) type Deep = (f64, Vector3<f64>);
+
+/// The inner body seen from the frame of the outer one, in stored units.
+struct Inner<'a> {
+    body: PartsRef<'a>,
+    place: &'a dyn Fn(&Vector3<f64>) -> Vector3<f64>,
+    rotation: Matrix3<f64>,
+    /// One stored unit in the outer body's.
+    scale: f64,
+    /// By how much a place may be off.
+    doubt: f64,
+}
+
+/// Returns the deepest overlap found, with the translation of B, in A's frame and the caller's
+/// unit; `None` if no inner point is found.
+pub(super) fn deepest<A: Parted, B: Parted>(a: &A, b: &B, pose: &RelativePose) -> Option<Deep> {
+    let posed = Posed::new(a, b, pose)?;
+    let (rotation, scale, doubt) = (posed.frame.rotation, posed.frame.scale, 2.0 * posed.frame.error);
+    let b_in_a = Inner {
+        body: b.by_kind(),
+        place: &|p| posed.frame.point(p),
+        rotation,
+        scale,
+        doubt,
+    };
+    let a_in_b = Inner {
+        body: a.by_kind(),
+        place: &|p| posed.back(p),
+        rotation: rotation.transpose(),
+        scale: 1.0 / scale,
+        doubt: doubt / scale,
+    };
+    let [in_a, in_b] = match (a.by_kind(), b.by_kind()) {
+        (PartsRef::Pieces(a), PartsRef::Pieces(b)) => [of_pieces(a, b, pose), None],
+        (PartsRef::Mesh(a), PartsRef::Mesh(b)) => [b_in_a.in_mesh(a), a_in_b.in_mesh(b)],
+        (PartsRef::Mesh(a), PartsRef::Pieces(b)) => [b_in_a.in_mesh(a), in_pieces(b, a, &a_in_b)],
+        (PartsRef::Pieces(a), PartsRef::Mesh(b)) => [in_pieces(a, b, &b_in_a), a_in_b.in_mesh(b)],
+    };
+    let in_b = in_b.map(|(depth, way)| (depth, rotation * -way));
+    in_a.into_iter().chain(in_b).reduce(deeper)
+}
+
+fn deeper(x: Deep, y: Deep) -> Deep {
+    if x.0 < y.0 { y } else { x }
+}
+
+/// Adds an overlap if it is one, and deeper than the one before.
+fn keep_deeper(best: &mut Option<Deep>, new: Deep) {
+    if new.0 > 0.0 && best.is_none_or(|b| b.0 < new.0) {
+        *best = Some(new);
+    }
+}
+
+/// Some thousand vertices of a mesh, spread over the surface.
+fn points(mesh: &Mesh) -> impl Iterator<Item = &Vector3<f64>> {
+    let step = mesh.points.len().div_ceil(DEEP_POINTS);
+    mesh.points.iter().step_by(step)
+}
+
+impl Inner<'_> {
+    /// The deepest overlap with a mesh, in the mesh's frame and the caller's unit.
+    fn in_mesh(&self, outer: &Mesh) -> Option<Deep> {
+        let (mut best, unit) = (None, outer.unit());
+        let mut found = |depth: f64, way: Vector3<f64>| keep_deeper(&mut best, (depth * unit, way * unit));
+        match self.body {
+            PartsRef::Mesh(mesh) => {
+                for place in points(mesh).map(|p| (self.place)(p)) {
+                    if may_hold(outer, &place, 0.0) {
+                        let (depth, out) = ball(outer, &place, 0.0, self.doubt);
+                        found(depth, out * (depth + self.doubt));
+                    }
+                }
+            }
+            PartsRef::Pieces(body) => {
+                for piece in body.pieces() {
+                    self.sink(outer, (piece, body.stored_unit()), &mut found);
+                }
+            }
+        }
+        best
+    }
+
+    /// Calls `found` with overlaps of a piece and a mesh: of balls in the piece about the vertices,
+    /// the middle, and points that lie deepest along the way out of the last one.
+    fn sink(&self, outer: &Mesh, (piece, unit): (&Piece, f64), found: &mut dyn FnMut(f64, Vector3<f64>)) {
+        let mut ask = |local: &Vector3<f64>, radius: f64| {
+            let at = (piece.pose * Point3::from(*local)).coords / unit;
+            let (depth, out) = ball(outer, &(self.place)(&at), radius / unit * self.scale, self.doubt);
+            found(depth, out * (depth + self.doubt));
+            out
+        };
+        let (shape, round) = (&piece.shape, piece.shape.round());
+        let middle = match shape.core() {
+            Core::Polyhedron(body) => body.centroid().coords,
+            _ => Vector3::zeros(),
+        };
+        let mut out = ask(
+            &middle,
+            depth_in(&mut ShapeTracker::new(), shape, &middle).map_or(0.0, |d| d.0),
+        );
+        for _ in 0..SINKS {
+            let down = piece
+                .pose
+                .rotation
+                .inverse_transform_vector(&-self.rotation.tr_mul(&out));
+            out = ask(&shape.core_point(&down).1, round);
+        }
+        if let Core::Polyhedron(body) = shape.core() {
+            let step = body.vertex_count().div_ceil(DEEP_POINTS);
+            for p in body.vertex_points().step_by(step) {
+                ask(&p.coords, round);
+            }
+        }
+    }
+}
+
+/// Whether the box of a mesh meets a ball.
+fn may_hold(mesh: &Mesh, centre: &Vector3<f64>, radius: f64) -> bool {
+    (0..3).all(|k| centre[k] >= mesh.low[k] - radius && centre[k] <= mesh.high[k] + radius)
+}
+
+/// How deep a ball overlaps a solid mesh, at least; negative if nothing is known. And the unit
+/// direction in which the ball leaves. All in stored units of the mesh.
+fn ball(mesh: &Mesh, centre: &Vector3<f64>, radius: f64, doubt: f64) -> (f64, Vector3<f64>) {
+    let foot = mesh.nearest(centre);
+    let distance = sqrt(foot.square);
+    if !(distance > 0.0) {
+        return (radius - doubt, Vector3::zeros());
+    }
+    let to_foot = (foot.point - centre) / distance;
+    // Beyond doubt, the centre is on its side of the surface.
+    let is_beyond = distance > 2.0 * doubt && may_hold(mesh, centre, 0.0);
+    if is_beyond && mesh.winding(centre).is_some_and(|w| w != 0) {
+        (radius + distance - doubt, to_foot)
+    } else {
+        (radius - distance - doubt, -to_foot)
+    }
+}
+
+/// The deepest of a mesh's vertices in the pieces of a body, in the body's frame and the caller's
+/// unit.
+fn in_pieces(outer: &Composite, mesh: &Mesh, inner: &Inner) -> Option<Deep> {
+    let unit = outer.stored_unit();
+    let points: Vec<Point3<f64>> = points(mesh).map(|p| Point3::from((inner.place)(p) * unit)).collect();
+    let mut best = None;
+    for Piece { shape, pose, .. } in outer.pieces() {
+        let (centre, radius) = shape.bounding_ball();
+        let mut tracker = ShapeTracker::new();
+        for p in points.iter().map(|p| pose.inverse_transform_point(p)) {
+            if sqrt((p - centre).norm_squared()) < radius
+                && let Some((depth, way)) = depth_in(&mut tracker, shape, &p.coords)
+            {
+                keep_deeper(&mut best, (depth - inner.doubt * unit, pose.rotation * way));
+            }
+        }
+    }
+    best
+}
+
+/// How deep a point is in a shape, at least, and the way out.
+fn depth_in(tracker: &mut ShapeTracker, shape: &Shape, point: &Vector3<f64>) -> Option<Deep> {
+    let dot = Shape::from(ConvexPolyhedron::point(Point3::origin()).ok()?);
+    let at = RelativePose::from_isometry(&Isometry3::translation(point.x, point.y, point.z)).ok()?;
+    overlap(&tracker.closest(shape, &dot, &at))
+}
+
+/// The overlap of an outcome, and the translation of B that ends the overlap.
+fn overlap(found: &Outcome) -> Option<Deep> {
+    let is_deep = found.class == Class::Overlapping && found.upper < 0.0;
+    is_deep.then(|| (-found.upper, found.normal.into_inner() * -found.distance))
+}
+
+/// The deepest pair of pieces.
+fn of_pieces(a: &Composite, b: &Composite, pose: &RelativePose) -> Option<Deep> {
+    let placed = Placed::of(pose, a, b);
+    let mut best = None;
+    for p in a.pieces() {
+        for q in b.pieces() {
+            let at = placed.between(&p.pose, &q.pose).0;
+            if let Some((depth, way)) = overlap(&ShapeTracker::new().closest(&p.shape, &q.shape, &at)) {
+                keep_deeper(&mut best, (depth, p.pose.rotation * way));
+            }
+        }
+    }
+    best
+}
