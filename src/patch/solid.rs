@@ -178,9 +178,9 @@ impl<'a> Feet<'a> {
         None
     }
 
-    /// Returns a foot nearer to a close shape, towards the point of the shape that is lowest over the
-    /// surface. Beside an edge of the shape the distance bends as sharply as it is short, and no
-    /// difference of normals tells how.
+    /// Returns a foot nearer to a close shape, towards the point of the shape that is lowest over
+    /// the surface. Beside an edge of the shape the distance bends as sharply as it is short, and
+    /// no difference of normals tells how.
     fn toward_top(&mut self, patch: &Patch, now: &Foot, held: &[bool; 4]) -> Option<Foot> {
         if now.found.distance.abs() > CLOSE * self.frame.size {
             return None;

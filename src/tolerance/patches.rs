@@ -86,9 +86,10 @@ pub(crate) const COEFFICIENT: f64 = 8.0 * UNIT;
 /// Error of a coefficient of a height above a bowl (`patch::bowl`), times the denominator's
 /// coefficient, R and the distance of the point of contact from the origin. Where the gradient of
 /// the quadratic part is at most one, that part is no larger than the height; a larger gradient
-/// multiplies the error. The shift by the point of contact has two roundings, products with a direction,
-/// a form and a weight nine, a coefficient up to 16 products, each with two binomials and a sum, a
-/// quotient; the quadratic part twice. The orthogonality of the directions is off by six UNIT.
+/// multiplies the error. The shift by the point of contact has two roundings, products with a
+/// direction, a form and a weight nine, a coefficient up to 16 products, each with two binomials
+/// and a sum, a quotient; the quadratic part twice. The orthogonality of the directions is off by
+/// six UNIT.
 pub(crate) const BENT: f64 = 96.0 * UNIT;
 
 /// Gradient of the quadratic part of a bowl over a node, at most: errors of points grow by one more
