@@ -47,7 +47,7 @@ mod pair;
 pub(crate) mod parts;
 pub(crate) mod penetration;
 pub(crate) mod pieces;
-mod placed;
+pub(crate) mod placed;
 pub(crate) mod search;
 pub(crate) mod separation;
 mod state;

@@ -14,7 +14,7 @@ pub(super) fn relative(pose: &RelativePose) -> Isometry3<f64> {
 }
 
 /// From the pose of two bodies to those of their parts.
-pub(super) struct Placed<'a> {
+pub(crate) struct Placed<'a> {
     pose: &'a RelativePose,
     /// B in A's frame, if poses have to be composed.
     composed: Option<Isometry3<f64>>,
@@ -22,7 +22,7 @@ pub(super) struct Placed<'a> {
 
 impl<'a> Placed<'a> {
     /// `is_in_place`: whether all parts of both bodies stand in the frames of the bodies.
-    pub(super) fn new(pose: &'a RelativePose, is_in_place: bool) -> Self {
+    pub(crate) fn new(pose: &'a RelativePose, is_in_place: bool) -> Self {
         let composed = (!is_in_place).then(|| relative(pose));
         Self { pose, composed }
     }
@@ -32,7 +32,7 @@ impl<'a> Placed<'a> {
     }
 
     /// The relative pose of two parts, and whether it is the bodies' own without rounding.
-    pub(super) fn between(&self, p: &Isometry3<f64>, q: &Isometry3<f64>) -> (RelativePose, bool) {
+    pub(crate) fn between(&self, p: &Isometry3<f64>, q: &Isometry3<f64>) -> (RelativePose, bool) {
         let Some(composed) = &self.composed else {
             return (*self.pose, true);
         };

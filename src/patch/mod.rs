@@ -1,5 +1,5 @@
 //! Curved surfaces: Bezier patches and NURBS; the distance of two of them, and of one and a convex
-//! shape, in a proven interval.
+//! shape or a body of such shapes, in a proven interval.
 //!
 //! Reading order: [`net`](Patch) (one patch), `bezier` (de Casteljau), `nurbs` ([`Nurbs`], taken
 //! apart), `surface` ([`Surface`]), `revolution`, `tree` (control nets by halves), `height` (how
@@ -8,7 +8,8 @@
 //! surroundings, proven at once), `crossing` (a proof that surfaces meet), `front`, `search` and
 //! `state` (the proof of an answer), `tracker` ([`SurfaceTracker`], the queries); `side` (what the
 //! proof asks of a body), `solid` (a convex shape as such a body), `shape_tracker`
-//! ([`SurfaceShapeTracker`]); `separation` (pairs over time).
+//! ([`SurfaceShapeTracker`]), `composite_tracker` ([`SurfaceCompositeTracker`]); `separation` and
+//! `composite_pair` (pairs over time).
 //!
 //! # The proof
 //!
@@ -39,14 +40,14 @@
 //! | a surface | [`SurfaceTracker`] |
 //! | a [`Shape`](crate::Shape), curved, rounded or a polyhedron | [`SurfaceShapeTracker`]: the shape is solid and is not split |
 //! | a [`Mesh`](crate::Mesh) | [`SurfaceTracker`] and [`Surface::from_mesh`]: the triangles alone, without an inside |
-//! | a [`Composite`](crate::Composite) | [`SurfaceShapeTracker`] for each [piece](crate::Composite::pieces) at its pose |
+//! | a [`Composite`](crate::Composite) | [`SurfaceCompositeTracker`]: a tracker for each piece |
 //!
 //! # What is missing
 //!
 //! Trimmed surfaces; insides of closed surfaces, so a body within a closed surface has a positive
 //! distance; depths and contact manifolds; looks over time along directions, so that a surface that
 //! slides along another is looked at often; a bowl for patches of a degree above three: there the
-//! number of splits grows with the logarithm of the width; scenes with composites and meshes; no
+//! number of splits grows with the logarithm of the width; scenes with meshes; no
 //! exact arithmetic decides touching surfaces. A few queries use up their budget and return a wider
 //! interval: of 10,000 random pairs of surfaces 9, all with the closest point at a pole, and of
 //! 10,000 surfaces and shapes 14, all within some 1e-6 of the rim of a cylinder or cone.
@@ -54,6 +55,8 @@
 mod bezier;
 mod bowl;
 mod closest;
+mod composite_pair;
+mod composite_tracker;
 mod crossing;
 mod cut;
 mod error;
@@ -78,10 +81,12 @@ mod surface;
 mod tracker;
 mod tree;
 
+pub use composite_pair::SurfaceCompositePair;
+pub use composite_tracker::SurfaceCompositeTracker;
 pub use error::PatchError;
 pub use net::Patch;
 pub use nurbs::Nurbs;
-pub use outcome::{Decision, SurfaceOutcome, SurfacePart, SurfaceShapeOutcome, SurfaceWork};
+pub use outcome::{Decision, SurfaceCompositeOutcome, SurfaceOutcome, SurfacePart, SurfaceShapeOutcome, SurfaceWork};
 pub use revolution::revolution;
 pub(crate) use separation::exchanged;
 pub use separation::{SurfacePair, SurfaceShapePair};

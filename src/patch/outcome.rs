@@ -2,6 +2,8 @@
 
 use nalgebra::{Point3, Unit, Vector3};
 
+use super::search::Goal;
+use super::shape_tracker::class;
 use super::surface::SurfacePoint;
 use super::tree::Node;
 use crate::pair::outcome::{Class, Distance};
@@ -61,13 +63,36 @@ pub struct SurfaceShapeOutcome {
     /// The witness on the surface, in its frame.
     pub point_on_a: Point3<f64>,
     /// The point of the boundary of the shape that is closest to the witness on the surface, in
-    /// the frame of the shape.
+    /// the frame of the shape; where rounding hides whether that witness lies in the shape, the
+    /// same point.
     pub point_on_b: Point3<f64>,
     /// Unit direction from the surface to the shape, in the frame of the surface; of an overlap,
     /// from the witness inwards.
     pub normal: Unit<Vector3<f64>>,
     /// The feature of the core of the shape that is closest to the witness on the surface.
     pub feature: Feature,
+}
+
+impl SurfaceShapeOutcome {
+    /// Lowers the lower bound to that of other pieces.
+    pub(super) fn lower_to(&mut self, lower: f64, goal: Goal) {
+        self.lower = self.lower.min(lower);
+        self.distance = self.distance.max(self.lower);
+        self.class = class(self.lower, self.upper);
+        self.is_reached = goal.is_reached(self.lower, self.upper);
+    }
+}
+
+/// The closest points of a surface and a body of convex pieces, with proof.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct SurfaceCompositeOutcome {
+    /// The closest piece, in the order of [`Composite::pieces`](crate::Composite::pieces).
+    pub piece: u32,
+    /// The closest points of that piece, with bounds for the whole body. The witness on B is in the
+    /// frame of the body; the feature is one of the piece.
+    pub closest: SurfaceShapeOutcome,
 }
 
 impl From<&SurfaceShapeOutcome> for Distance {

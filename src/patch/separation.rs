@@ -8,7 +8,7 @@
 
 use nalgebra::Point3;
 
-use super::outcome::{Decision, SurfaceOutcome, SurfaceShapeOutcome};
+use super::outcome::{Decision, SurfaceCompositeOutcome, SurfaceOutcome, SurfaceShapeOutcome};
 use super::search::Goal;
 use super::shape_tracker::SurfaceShapeTracker;
 use super::surface::{Surface, SurfacePoint};
@@ -128,14 +128,23 @@ impl<'a> SurfaceShapePair<'a> {
     pub fn into_tracker(self) -> SurfaceShapeTracker {
         self.tracker
     }
+}
 
-    /// Returns the pose of the shape in the frame of the surface.
-    fn pose(&self, a_from_b: &RelativePose) -> RelativePose {
-        if self.order == Operand::A {
-            *a_from_b
-        } else {
-            a_from_b.swapped()
-        }
+/// Returns the pose of the other body in the frame of a surface that is A or B.
+pub(super) fn from_surface(order: Operand, a_from_b: &RelativePose) -> RelativePose {
+    if order == Operand::A {
+        *a_from_b
+    } else {
+        a_from_b.swapped()
+    }
+}
+
+/// Returns a measure with the surface as A as that of the pair, for the pose of the measure.
+pub(super) fn in_order(order: Operand, seen: Measure, pose: &RelativePose) -> Measure {
+    if order == Operand::A {
+        seen
+    } else {
+        exchanged(&seen, pose)
     }
 }
 
@@ -184,6 +193,14 @@ impl From<&SurfaceShapeOutcome> for Measure {
     }
 }
 
+impl From<&SurfaceCompositeOutcome> for Measure {
+    fn from(o: &SurfaceCompositeOutcome) -> Self {
+        let seen = Self::from(&o.closest);
+        let pieces = (seen.pieces.0, o.piece);
+        Self { pieces, ..seen }
+    }
+}
+
 /// Returns the measure with A and B exchanged, for the pose of the measure.
 pub(crate) fn exchanged(seen: &Measure, pose: &RelativePose) -> Measure {
     Measure {
@@ -199,7 +216,7 @@ pub(crate) fn exchanged(seen: &Measure, pose: &RelativePose) -> Measure {
 /// Returns how long a lower bound lasts, where `lower` takes a width and returns a new bound: asked
 /// if the bound seen is far below the distance that is left. The answer is zero if no search comes
 /// near that distance.
-fn held<S: Separation>(
+pub(super) fn held<S: Separation>(
     pair: &mut S,
     seen: &Measure,
     flight: &Flight,
@@ -252,26 +269,20 @@ impl Separation for SurfaceShapePair<'_> {
     }
 
     fn measure(&mut self, a_from_b: &RelativePose) -> Measure {
-        let pose = self.pose(a_from_b);
-        let found = self
-            .tracker
-            .answer(self.surface, self.shape, &pose, Goal::Part(MEASURED));
-        let seen = Measure::from(&found);
-        if self.order == Operand::A {
-            seen
-        } else {
-            exchanged(&seen, &pose)
-        }
+        let pose = from_surface(self.order, a_from_b);
+        let goal = Goal::Part(MEASURED);
+        let found = self.tracker.answer(self.surface, self.shape, &pose, goal);
+        in_order(self.order, Measure::from(&found), &pose)
     }
 
     fn meets(&mut self, a_from_b: &RelativePose, distance: f64, _: &Measure) -> bool {
-        let pose = self.pose(a_from_b);
+        let pose = from_surface(self.order, a_from_b);
         self.tracker.within(self.surface, self.shape, &pose, distance) == Decision::Yes
     }
 
     fn free_for(&mut self, seen: &Measure, flight: &Flight) -> Free {
         held(self, seen, flight, |pair, a_from_b, width| {
-            let pose = pair.pose(a_from_b);
+            let pose = from_surface(pair.order, a_from_b);
             pair.tracker.closest(pair.surface, pair.shape, &pose, width).lower
         })
     }

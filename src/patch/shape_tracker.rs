@@ -157,15 +157,28 @@ impl SurfaceShapeTracker {
         a_from_b: &RelativePose,
         goal: Goal,
     ) -> SurfaceShapeOutcome {
+        self.answer_placed(a, b, a_from_b, goal, 0.0)
+    }
+
+    /// Returns the closest points at a pose that puts points of B up to `placing` aside.
+    pub(super) fn answer_placed(
+        &mut self,
+        a: &Surface,
+        b: &Shape,
+        a_from_b: &RelativePose,
+        goal: Goal,
+        placing: f64,
+    ) -> SurfaceShapeOutcome {
         let is_full = self.grown.numbers() > KEPT;
         if !self.state.recognises([a.fingerprint, fingerprint(b)], is_full) {
             self.grown = Grown::default();
         }
         let reach = [a.reach, reach(b)];
         let points = reach[0] * SURFACE_POINT + reach[1] * SHAPE_POINT;
-        let (Some(frame), Some(point)) = (Frame::new(reach, points, a_from_b), &self.point) else {
-            return apart(a, b, a_from_b);
+        let (Some(mut frame), Some(point)) = (Frame::new(reach, points, a_from_b), &self.point) else {
+            return far_apart(a, b, a_from_b);
         };
+        frame.error += placing;
         let mut trees = Trees {
             a: Nodes::new(&a.tree, &mut self.grown),
             b: Solid::new(b),
@@ -186,13 +199,13 @@ impl SurfaceShapeTracker {
                 normal: Unit::new_unchecked(best.normal.unwrap_or_else(Vector3::x)),
                 feature: best.feature,
             },
-            None => apart(a, b, a_from_b),
+            None => far_apart(a, b, a_from_b),
         }
     }
 }
 
 /// An upper bound of zero is proven by a point of the surface within the shape.
-fn class(lower: f64, upper: f64) -> Class {
+pub(super) fn class(lower: f64, upper: f64) -> Class {
     if lower > 0.0 {
         Class::Separated
     } else if upper == 0.0 {
@@ -214,7 +227,7 @@ fn fingerprint(shape: &Shape) -> u64 {
 
 /// Bodies so far apart, or so small beside their distance, that only balls about their origins
 /// count.
-fn apart(a: &Surface, b: &Shape, a_from_b: &RelativePose) -> SurfaceShapeOutcome {
+pub(super) fn far_apart(a: &Surface, b: &Shape, a_from_b: &RelativePose) -> SurfaceShapeOutcome {
     let (lower, upper, n) = far([a.reach, reach(b)], a_from_b);
     let facing = -a_from_b.rotation().tr_mul(&n);
     SurfaceShapeOutcome {

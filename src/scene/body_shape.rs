@@ -28,7 +28,8 @@ use crate::tolerance::BOX_TURNED;
 /// | mesh with convex shape or any other composite | [`CompositeTracker`] | `depth` |
 /// | surface with surface | [`SurfaceTracker`] | `depth`, `manifold` |
 /// | surface with convex shape | [`SurfaceShapeTracker`] | `depth`, `manifold` |
-/// | surface with composite or mesh | none | all but `boxes` |
+/// | surface with composite | [`SurfaceCompositeTracker`] | `depth`, `manifold` |
+/// | surface with mesh | none | all but `boxes` |
 ///
 /// The effect `manifold` of a pair with a composite or mesh is answered by
 /// [`ContactTracker`](crate::ContactTracker), as
@@ -49,6 +50,7 @@ use crate::tolerance::BOX_TURNED;
 ///
 /// [`SurfaceTracker`]: crate::patch::SurfaceTracker
 /// [`SurfaceShapeTracker`]: crate::patch::SurfaceShapeTracker
+/// [`SurfaceCompositeTracker`]: crate::patch::SurfaceCompositeTracker
 /// [`CompositeTracker`]: crate::CompositeTracker
 /// [`MeshTracker`]: crate::MeshTracker
 ///

@@ -61,11 +61,10 @@ fn unanswered(effects: &Effects, a: ShapeKind, b: ShapeKind) -> Option<&'static 
     if effects.manifold.is_some() {
         return Some("manifold");
     }
-    let is_answered = |kind: ShapeKind| kind.is_convex() || is_surface(kind);
-    if is_answered(a) && is_answered(b) {
-        None
-    } else {
+    if [a, b].contains(&ShapeKind::Mesh) {
         called(effects)
+    } else {
+        None
     }
 }
 

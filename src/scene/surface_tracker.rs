@@ -1,7 +1,11 @@
 //! The tracker of a pair with a surface of patches.
 
 use super::body_shape::BodyShape;
-use crate::patch::{Decision, Surface, SurfacePair, SurfaceShapePair, SurfaceShapeTracker, SurfaceTracker, exchanged};
+use crate::composite::pieces::Composite;
+use crate::patch::{
+    Decision, Surface, SurfaceCompositePair, SurfaceCompositeTracker, SurfacePair, SurfaceShapePair,
+    SurfaceShapeTracker, SurfaceTracker, exchanged,
+};
 use crate::pose::RelativePose;
 use crate::separation::{Measure, Separation};
 use crate::tuning::patch::SCENE_WIDTH;
@@ -19,6 +23,8 @@ enum Kind {
     Surfaces(SurfaceTracker),
     /// A surface and a convex shape, in either order.
     Convex(SurfaceShapeTracker),
+    /// A surface and a body of pieces, in either order.
+    Pieces(SurfaceCompositeTracker),
 }
 
 /// A surface and a convex shape, and whether the shape is A.
@@ -39,11 +45,30 @@ fn mixed<'a>(a: &'a BodyShape, b: &'a BodyShape) -> Option<Mixed<'a>> {
     }
 }
 
+fn of_pieces<'a>(a: &'a BodyShape, b: &'a BodyShape) -> Option<(&'a Surface, &'a Composite, bool)> {
+    match (a, b) {
+        (BodyShape::Surface(x), BodyShape::Composite(y)) => Some((x, y, false)),
+        (BodyShape::Composite(x), BodyShape::Surface(y)) => Some((y, x, true)),
+        _ => None,
+    }
+}
+
+/// Returns the measure of a surface, as A, and another body, in their order in the scene.
+fn ordered(is_second: bool, pose: &RelativePose, see: impl FnOnce(&RelativePose) -> Measure) -> Measure {
+    if is_second {
+        let turned = pose.swapped();
+        exchanged(&see(&turned), &turned)
+    } else {
+        see(pose)
+    }
+}
+
 impl WithSurface {
     /// Returns a tracker without a start; `None` for kinds that no tracker takes together.
     pub(super) fn new(a: &BodyShape, b: &BodyShape) -> Option<Self> {
         let kind = match surfaces(a, b) {
             Some(_) => Kind::Surfaces(SurfaceTracker::new()),
+            None if of_pieces(a, b).is_some() => Kind::Pieces(SurfaceCompositeTracker::new()),
             None => mixed(a, b).map(|_| Kind::Convex(SurfaceShapeTracker::new()))?,
         };
         let pieces = [0; 2];
@@ -62,12 +87,15 @@ impl WithSurface {
             }
             Kind::Convex(tracker) => {
                 let (surface, shape, is_second) = mixed(a, b)?;
-                if is_second {
-                    let turned = pose.swapped();
-                    exchanged(&(&tracker.closest(surface, &shape, &turned, width)).into(), &turned)
-                } else {
+                ordered(is_second, pose, |pose| {
                     (&tracker.closest(surface, &shape, pose, width)).into()
-                }
+                })
+            }
+            Kind::Pieces(tracker) => {
+                let (surface, body, is_second) = of_pieces(a, b)?;
+                ordered(is_second, pose, |pose| {
+                    (&tracker.closest(surface, body, pose, width)).into()
+                })
             }
         };
         self.pieces = [seen.pieces.0, seen.pieces.1];
@@ -81,6 +109,10 @@ impl WithSurface {
             Kind::Convex(tracker) => mixed(a, b).map(|(surface, shape, is_second)| {
                 let pose = if is_second { pose.swapped() } else { *pose };
                 tracker.within(surface, &shape, &pose, d)
+            }),
+            Kind::Pieces(tracker) => of_pieces(a, b).map(|(surface, body, is_second)| {
+                let pose = if is_second { pose.swapped() } else { *pose };
+                tracker.within(surface, body, &pose, d)
             }),
         };
         decision != Some(Decision::No)
@@ -111,6 +143,16 @@ impl WithSurface {
                 *tracker = pair.into_tracker();
                 answer
             }
+            Kind::Pieces(tracker) => {
+                let (surface, body, is_second) = of_pieces(a, b)?;
+                let mut pair = SurfaceCompositePair::with_tracker(surface, body, core::mem::take(tracker));
+                if is_second {
+                    pair = pair.swapped();
+                }
+                let answer = ask(&mut pair);
+                *tracker = pair.into_tracker();
+                answer
+            }
         })
     }
 
@@ -118,6 +160,7 @@ impl WithSurface {
         match &self.kind {
             Kind::Surfaces(tracker) => tracker.heap_bytes(),
             Kind::Convex(tracker) => tracker.heap_bytes(),
+            Kind::Pieces(tracker) => tracker.heap_bytes(),
         }
     }
 }

@@ -2,6 +2,7 @@
 
 mod bodies;
 mod casts;
+mod composites;
 mod forms;
 mod hard;
 mod random;

@@ -348,6 +348,30 @@ fn bounds_hold_on_many_random_shapes() {
     assert!(wide <= 15 && open <= 5, "{wide} {open}");
 }
 
+/// Closest points lie inside patches, at borders, at corners: their surroundings are proven at once
+/// nearly always, and few nodes are split.
+#[test]
+fn surroundings_of_the_closest_points_are_proven_at_once() {
+    use crate::bodies::bumpy;
+    let mut sum = lin_canny::patch::SurfaceWork::default();
+    for k in 0..128 {
+        let mut rng = Rng::of_case(62, k);
+        let mut one = || Surface::new(vec![bumpy(&mut rng, [3, 3], 0.5)]).expect("a surface");
+        let (a, b) = (one(), one());
+        let mut at = place(&mut rng, 3.0);
+        let mut tracker = SurfaceTracker::new();
+        for _ in 0..20 {
+            let d = tracker.distance(&a, &b, &pose(&at), 1e-3).value;
+            at.translation.vector *= 1.0 + 0.3 * (0.2 - d);
+        }
+        let mut cold = SurfaceTracker::new();
+        assert!(cold.closest(&a, &b, &pose(&at), 1e-9).is_reached);
+        (sum.regions, sum.splits) = (sum.regions + cold.work().regions, sum.splits + cold.work().splits);
+    }
+    println!("{} regions, {} splits", sum.regions, sum.splits);
+    assert!(sum.regions > 110 && sum.splits < 128 * 40, "{sum:?}");
+}
+
 /// Work of two bicubic patches that tumble by half a degree a frame, cold and tracked.
 #[test]
 #[ignore = "prints times"]

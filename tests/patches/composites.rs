@@ -1,0 +1,130 @@
+//! Surfaces against bodies of convex pieces: piece by piece, over time, in both orders.
+
+use lab::rng::Rng;
+use lin_canny::impact::{Impact, Tolerance, cast};
+use lin_canny::motion::{Motion, Steady};
+use lin_canny::nalgebra::{Isometry3, UnitQuaternion, Vector3};
+use lin_canny::patch::{Decision, Surface, SurfaceCompositePair, SurfaceCompositeTracker, SurfaceShapeTracker};
+use lin_canny::{Class, Composite, Piece, RelativePose, Velocity};
+
+use crate::bodies::{bumpy, place, pose};
+use crate::shapes::{kinds, sampled};
+
+/// Three pieces of other kinds, turned, about the origin.
+fn body(rng: &mut Rng, k: usize) -> Composite {
+    let shapes = kinds();
+    let piece = |i: usize| {
+        let turn = UnitQuaternion::from_scaled_axis(Vector3::from(rng.unit()) * rng.range(0.0, 3.0));
+        let at = Vector3::from(rng.unit()) * rng.range(0.0, 0.8);
+        Piece {
+            pose: Isometry3::from_parts(at.into(), turn),
+            ..Piece::new(shapes[(k + i) % shapes.len()].clone())
+        }
+    };
+    Composite::new((0..3).map(piece).collect()).expect("a body")
+}
+
+fn of_piece(at: &Isometry3<f64>, piece: &Piece) -> RelativePose {
+    RelativePose::new(&Isometry3::identity(), &(at * piece.pose)).expect("a pose")
+}
+
+#[test]
+fn the_closest_piece_is_found() {
+    let mut rng = Rng::new(91);
+    let (mut overlaps, mut apart, mut of) = (0, 0, [0; 3]);
+    for k in 0..40 {
+        let surface = Surface::new(vec![bumpy(&mut rng, [3, 3], 0.6)]).expect("a surface");
+        let body = body(&mut rng, k);
+        let mut tracker = SurfaceCompositeTracker::new();
+        for _ in 0..5 {
+            let far = rng.range(0.3, 3.0);
+            let at = place(&mut rng, far);
+            let found = tracker.closest(&surface, &body, &pose(&at), 1e-9);
+            let (mut lower, mut upper) = (f64::INFINITY, f64::INFINITY);
+            for piece in body.pieces() {
+                let o = SurfaceShapeTracker::new().closest(&surface, &piece.shape, &of_piece(&at, piece), 1e-9);
+                (lower, upper) = (o.lower.min(lower), o.upper.min(upper));
+            }
+            let o = &found.closest;
+            assert!(o.is_reached && o.upper - o.lower <= 1e-9, "{found:?}");
+            assert!(
+                o.lower <= upper + 1e-13 && lower <= o.upper + 1e-13,
+                "{lower} {upper} {found:?}"
+            );
+            let between = (at * o.point_on_b - o.point_on_a).norm();
+            let is_overlap = o.class == Class::Overlapping;
+            assert!(
+                is_overlap || (between - o.distance).abs() < 1e-12,
+                "{between} {found:?}"
+            );
+            assert_eq!(is_overlap, upper == 0.0, "{found:?}");
+            let within = tracker.within(&surface, &body, &pose(&at), 0.5 * o.distance);
+            assert!(is_overlap || within == Decision::No, "{within:?} {found:?}");
+            (overlaps, apart) = (overlaps + u32::from(is_overlap), apart + u32::from(o.lower > 0.0));
+            of[found.piece as usize] += 1;
+        }
+    }
+    assert!(
+        overlaps > 20 && apart > 80 && of.iter().all(|n| *n > 30),
+        "{overlaps} {apart} {of:?}"
+    );
+}
+
+#[test]
+fn bodies_of_pieces_are_met_on_time_in_both_orders() {
+    let mut rng = Rng::new(92);
+    let (mut hits, mut misses) = (0, 0);
+    for k in 0..40 {
+        let surface = Surface::new(vec![bumpy(&mut rng, [3, 3], 0.6)]).expect("a surface");
+        let body = body(&mut rng, k);
+        let from = Vector3::from(rng.unit()) * rng.range(2.5, 3.5);
+        let velocity = Vector3::from(rng.unit()) * rng.range(0.0, 2.5) - from * 1.2;
+        let moving = |at: Vector3<f64>, linear, angular| {
+            Steady::new(&Isometry3::from(at), Velocity::new(linear, angular)).expect("a motion")
+        };
+        let still = moving(Vector3::zeros(), Vector3::zeros(), Vector3::from(rng.unit()));
+        let flight = moving(from, velocity, Vector3::from(rng.unit()) * 2.0);
+        let tolerance = Tolerance::Distance(1e-5);
+        let found = cast(
+            &mut SurfaceCompositePair::new(&surface, &body),
+            &still,
+            &flight,
+            (0.0, 1.0),
+            tolerance,
+        );
+        let mut back = SurfaceCompositePair::new(&surface, &body).swapped();
+        let swapped = cast(&mut back, &flight, &still, (0.0, 1.0), tolerance).expect("a cast");
+        let until = match (found.expect("a cast").impact, swapped.impact) {
+            (
+                Impact::Hit { safe, hit, .. },
+                Impact::Hit {
+                    safe: again,
+                    hit: other,
+                    ..
+                },
+            ) => {
+                assert!(safe <= other && again <= hit, "{k}: {safe} {hit} {again} {other}");
+                let (a, b) = (still.pose(hit), flight.pose(hit));
+                let at = RelativePose::new(&a, &b).expect("a pose");
+                let within = SurfaceCompositeTracker::new().within(&surface, &body, &at, 2e-5);
+                assert_eq!(within, Decision::Yes, "{k}");
+                hits += 1;
+                safe
+            }
+            (Impact::Miss, Impact::Miss) => {
+                misses += 1;
+                1.0
+            }
+            other => panic!("{k}: {other:?}"),
+        };
+        for i in 0..=20 {
+            let time = until * f64::from(i) / 20.0;
+            let at = still.pose(time).inverse() * flight.pose(time);
+            for piece in body.pieces() {
+                let least = sampled(&surface, &piece.shape, &of_piece(&at, piece), 8);
+                assert!(least > 0.0, "{k}: {least} at {time}, safe {until}");
+            }
+        }
+    }
+    assert!(hits > 20 && misses > 2, "{hits} {misses}");
+}
