@@ -14,6 +14,8 @@ pub(super) struct Frame {
     pub(super) size: f64,
     /// Error of a height or of a distance by the pose and by dot products.
     pub(super) error: f64,
+    /// How far the pose may put points of B aside, as part of `error`: of poses that were composed.
+    pub(super) placing: f64,
     /// Error of a distance by the points.
     pub(super) points: f64,
     /// Intervals are not asked to be narrower.
@@ -33,9 +35,19 @@ impl Frame {
             translation,
             size,
             error: CERTIFICATE * UNIT * size,
+            placing: 0.0,
             points,
             limit: PATCH_LIMIT * size,
         })
+    }
+
+    /// Returns the frame of a pose that puts points of B up to `placing` aside.
+    pub(super) fn placed(self, placing: f64) -> Self {
+        Self {
+            error: self.error + placing,
+            placing,
+            ..self
+        }
     }
 
     /// Returns the place of a point of B in A's frame.

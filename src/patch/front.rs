@@ -80,7 +80,7 @@ impl Entry {
             frame.direction_in_b(&self.n) - self.m
         };
         let lost = self.radius * sqrt(turned.norm_squared());
-        self.base + self.height(frame) - lost - CARRIED * frame.size
+        self.base + self.height(frame) - lost - CARRIED * frame.size - frame.placing
     }
 
     /// Returns the direction in A's frame at a pose.

@@ -175,10 +175,10 @@ impl SurfaceShapeTracker {
         }
         let reach = [a.reach, reach(b)];
         let points = reach[0] * SURFACE_POINT + reach[1] * SHAPE_POINT;
-        let (Some(mut frame), Some(point)) = (Frame::new(reach, points, a_from_b), &self.point) else {
+        let (Some(frame), Some(point)) = (Frame::new(reach, points, a_from_b), &self.point) else {
             return far_apart(a, b, a_from_b);
         };
-        frame.error += placing;
+        let frame = frame.placed(placing);
         let mut trees = Trees {
             a: Nodes::new(&a.tree, &mut self.grown),
             b: Solid::new(b),
