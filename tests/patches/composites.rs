@@ -128,3 +128,26 @@ fn bodies_of_pieces_are_met_on_time_in_both_orders() {
     }
     assert!(hits > 20 && misses > 2, "{hits} {misses}");
 }
+
+/// Poses far beyond the size of the bodies, and numbers that are none.
+#[test]
+fn far_bodies_have_bounds() {
+    let mut rng = Rng::new(93);
+    let surface = Surface::new(vec![bumpy(&mut rng, [3, 3], 0.6)]).expect("a surface");
+    let body = body(&mut rng, 0);
+    let mut tracker = SurfaceCompositeTracker::new();
+    for far in [1e3, 1e9, 1e30, 1e120, 1e200, 1e305, 10.0] {
+        let at = Isometry3::translation(0.0, 0.0, far);
+        for width in [1e-9, 0.0, -1.0, f64::NAN] {
+            let o = tracker.closest(&surface, &body, &pose(&at), width).closest;
+            assert!(o.lower <= o.distance && o.distance <= o.upper, "{far:e} {width}: {o:?}");
+            assert!(o.lower <= far + 4.0 && far - 4.0 <= o.upper, "{far:e} {width}: {o:?}");
+        }
+        assert_eq!(tracker.within(&surface, &body, &pose(&at), f64::NAN), Decision::No);
+        assert_eq!(tracker.within(&surface, &body, &pose(&at), -1.0), Decision::No);
+        assert_eq!(
+            tracker.within(&surface, &body, &pose(&at), f64::INFINITY),
+            Decision::Yes
+        );
+    }
+}
