@@ -4,8 +4,9 @@
 //! tracker, `ours-cold` begins each query anew; parry's `distance` of two `TriMesh`es keeps nothing.
 //!
 //! Scenes: B tumbles by 0.5 or 0.02 degrees a frame at gaps of 0.02 to 0.2 (`tracked`), stands anywhere (`random`), slides and turns flush
-//! on A (`flush`); a box tumbles over a mesh (`box-over`). Tori are linked. In `pieces` rings and knots are made of convex pieces, and `n` is
-//! their number: ours as a `Composite`, parry's as a `Compound`.
+//! on A (`flush`); a box tumbles over a mesh (`box-over`). Tori are linked; `torus-centred` has each tube near the middle of the other's
+//! hole, where most of both is nearly equally close. In `pieces` rings and knots are made of convex pieces, a rock by parry's VHACD, and `n`
+//! is the number of pieces: ours as a `Composite`, parry's as a `Compound`.
 
 use std::hint::black_box;
 use std::time::{Duration, Instant};
@@ -20,6 +21,7 @@ use lin_canny::{Composite, CompositeTracker, ConvexPolyhedron, Mesh, MeshTracker
 use parry3d_f64::math::Vector;
 use parry3d_f64::query;
 use parry3d_f64::shape::{Compound, SharedShape, TriMesh};
+use parry3d_f64::transformation::vhacd::{VHACD, VHACDParameters};
 
 use crate::common::{Options, Rows, median};
 
@@ -76,18 +78,29 @@ fn tumbling(a: &Mesh, b: &Mesh, reach: f64, degrees: f64, frames: usize) -> Vec<
     poses.split_off(20)
 }
 
-/// One ring through the other.
-fn linked(degrees: f64, frames: usize) -> Vec<Pose> {
+/// One ring through the other, by so many degrees a frame: B's tube through the middle of A's hole, or beside it at the gaps of
+/// [`tumbling`]. In the middle all of both inner rims is nearly equally close.
+fn linked(rings: Option<(&Mesh, &Mesh)>, degrees: f64, frames: usize) -> Vec<Pose> {
     let turned = quat([1.0, 0.0, 0.0], std::f64::consts::FRAC_PI_2);
-    let pose = |k: usize| {
-        let phase = k as f64 * degrees.to_radians();
+    let (mut x, mut tracker, mut poses) = (1.05, MeshTracker::new(), Vec::new());
+    while poses.len() < frames {
+        let phase = poses.len() as f64 * degrees.to_radians();
         let spin = quat_mul(quat([0.0, 1.0, 0.0], phase), turned);
-        Pose {
+        let mut pose = Pose {
             q: unit_quat(quat_mul(quat([0.0, 0.0, 1.0], 0.3 * phase.sin()), spin)),
             t: [1.05 + 0.1 * phase.sin(), 0.1 * phase.cos(), 0.05],
+        };
+        if let Some((a, b)) = rings {
+            for _ in 0..if poses.is_empty() { 60 } else { 2 } {
+                pose.t[0] = x;
+                let at = RelativePose::from_isometry(&pose.isometry()).expect("unit");
+                x += 0.5 * (tracker.distance(a, b, &at).value - 0.11 - 0.09 * phase.sin());
+            }
+            pose.t[0] = x;
         }
-    };
-    (0..frames).map(pose).collect()
+        poses.push(pose);
+    }
+    poses
 }
 
 /// Anywhere near, but apart.
@@ -155,12 +168,17 @@ fn races(scene: &str, n: usize, frames: usize) -> Vec<Race> {
             let of = |shape: &'static str| {
                 move |a: &Mesh, b: &Mesh, r: f64| match (scene, shape) {
                     ("random", _) => random(a, b, r, frames),
-                    (_, "torus") => linked(degrees, frames),
+                    (_, "torus") => linked(Some((a, b)), degrees, frames),
+                    (_, "torus-centred") => linked(None, degrees, frames),
                     _ => tumbling(a, b, r, degrees, frames),
                 }
             };
-            let all = shapes(n).into_iter();
-            all.map(|(shape, a)| pair(shape, a.clone(), a, &of(shape))).collect()
+            let mut all = shapes(n);
+            if scene != "random" {
+                all.insert(1, ("torus-centred", all[0].1.clone()));
+            }
+            let race = |(shape, a): (_, Soup)| pair(shape, a.clone(), a, &of(shape));
+            all.into_iter().map(race).collect()
         }
     }
 }
@@ -218,7 +236,7 @@ fn race(scene: &str, n: usize, race: &Race, csv: &mut Rows) {
     let w = counted.work();
     let each = |x: u64| x as f64 / w.queries as f64;
     println!(
-        "{scene:<13}{:<7}{:>8}{ours:>10.0}{cold:>10.0}{parry:>14.0}{:>9.0}{:>8.0}{:>8.1}{:>8.1}{:>7.2}{:>8.0}",
+        "{scene:<13}{:<14}{:>8}{ours:>10.0}{cold:>10.0}{parry:>14.0}{:>9.0}{:>8.0}{:>8.1}{:>8.1}{:>7.2}{:>8.0}",
         race.shape,
         race.a.triangles.len(),
         parry / ours,
@@ -243,27 +261,42 @@ fn stretches(soup: &Soup, m: usize, rows: usize) -> Vec<Vec<[f64; 3]>> {
     (0..count).step_by(rows).map(stretch).collect()
 }
 
-/// Tubes of convex pieces.
+/// The hulls of an approximate convex decomposition.
+fn decomposed(soup: &Soup) -> Vec<Vec<[f64; 3]>> {
+    let points: Vec<_> = soup.points.iter().map(|p| Vector::new(p[0], p[1], p[2])).collect();
+    let parameters = VHACDParameters {
+        resolution: 64,
+        ..Default::default()
+    };
+    let found = VHACD::decompose(&parameters, &points, &soup.triangles, true);
+    let hulls = found.compute_exact_convex_hulls(&points, &soup.triangles);
+    let points = |(points, _): (Vec<Vector>, _)| points.iter().map(|p| [p.x, p.y, p.z]).collect();
+    hulls.into_iter().map(points).collect()
+}
+
+/// Bodies of convex pieces.
 fn pieces(frames: usize, csv: &mut Rows) {
-    let tubes = [
-        ("torus", soups::torus(16, 12, 0.3), 2),
-        ("torus", soups::torus(52, 12, 0.3), 2),
-        ("knot", soups::knot(104, 8, 0.12), 4),
+    let (ring, large) = (soups::torus(16, 12, 0.3), soups::torus(52, 12, 0.3));
+    let (knot, rock) = (soups::knot(104, 8, 0.12), soups::rock(3, 1));
+    let bodies = [
+        ("torus", &ring, stretches(&ring, 12, 2)),
+        ("torus", &large, stretches(&large, 12, 2)),
+        ("torus-centred", &large, stretches(&large, 12, 2)),
+        ("knot", &knot, stretches(&knot, 8, 4)),
+        ("rock", &rock, decomposed(&rock)),
     ];
-    for (shape, soup, rows) in tubes {
-        let m = if shape == "torus" { 12 } else { 8 };
-        let hulls = stretches(&soup, m, rows);
+    for (shape, soup, hulls) in bodies {
         let body = |points: &Vec<[f64; 3]>| {
             let points: Vec<_> = points.iter().map(|p| Point3::from(*p)).collect();
-            Piece::new(ConvexPolyhedron::from_points(&points).expect("a stretch has a volume"))
+            Piece::new(ConvexPolyhedron::from_points(&points).expect("a piece has a volume"))
         };
         let ours = Composite::new(hulls.iter().map(body).collect()).expect("pieces stand in place");
         let reach = 2.0 * soup.radius();
-        let (a, b) = (mesh(&soup), mesh(&soup));
-        let poses = if shape == "torus" {
-            linked(0.5, frames)
-        } else {
-            tumbling(&a, &b, reach, 0.5, frames)
+        let (a, b) = (mesh(soup), mesh(soup));
+        let poses = match shape {
+            "torus" => linked(Some((&a, &b)), 0.5, frames),
+            "torus-centred" => linked(None, 0.5, frames),
+            _ => tumbling(&a, &b, reach, 0.5, frames),
         };
         let at: Vec<RelativePose> = poses
             .iter()
@@ -280,7 +313,7 @@ fn pieces(frames: usize, csv: &mut Rows) {
             let points: Vec<_> = points.iter().map(|p| Vector::new(p[0], p[1], p[2])).collect();
             (
                 Default::default(),
-                SharedShape::convex_hull(&points).expect("a stretch has a volume"),
+                SharedShape::convex_hull(&points).expect("a piece has a volume"),
             )
         };
         let compound = Compound::new(hulls.iter().map(hull).collect());
@@ -295,7 +328,7 @@ fn pieces(frames: usize, csv: &mut Rows) {
         let w = counted.work();
         let each = |x: u64| x as f64 / w.queries as f64;
         println!(
-            "{:<13}{shape:<7}{:>8}{tracked:>10.0}{cold:>10.0}{parry:>14.0}{:>9.0}{:>8.0}{:>8.1}{:>8.1}{:>7.2}{:>8.0}",
+            "{:<13}{shape:<14}{:>8}{tracked:>10.0}{cold:>10.0}{parry:>14.0}{:>9.0}{:>8.0}{:>8.1}{:>8.1}{:>7.2}{:>8.0}",
             "pieces",
             hulls.len(),
             parry / tracked,
@@ -333,7 +366,7 @@ pub(crate) fn run(o: &Options) -> Rows {
     }
     println!("\nns a query, thread CPU time; counts a query of `ours`\n");
     println!(
-        "{:<13}{:<7}{:>8}{:>10}{:>10}{:>14}{:>9}{:>8}{:>8}{:>8}{:>7}{:>8}",
+        "{:<13}{:<14}{:>8}{:>10}{:>10}{:>14}{:>9}{:>8}{:>8}{:>8}{:>7}{:>8}",
         "scene", "shape", "n", "ours", "cold", "parry", "/ours", "bounds", "failed", "measure", "cuts", "front"
     );
     if o.wants("pieces") {

@@ -152,14 +152,9 @@ impl<'a, A: Parted, B: Parted> Ahead<'a, A, B> {
         };
         self.left -= 1;
         let frame = &self.posed.frame;
-        let at = |k: usize| halves[k.min(1)];
-        let found = super::bounds::bounds(
-            &frame.single,
-            core::array::from_fn(|k| &trees.0.boxes[at(k)[0] as usize]),
-            core::array::from_fn(|k| &trees.1.boxes[at(k)[1] as usize]),
-        );
+        let found = super::bounds::bounds(&frame.single, trees, &halves);
         for (k, half) in halves.into_iter().enumerate() {
-            let m = Vector3::from([0, 1, 2].map(|c| f64::from(found.normal[c][k])));
+            let m = Vector3::from(found.normal[k].map(f64::from));
             let length = sqrt(m.norm_squared());
             let claim = if frame.single.error.is_finite() && length > 0.5 {
                 let gap = f64::from(found.gap[k] - frame.single.error) * frame.single.unit;

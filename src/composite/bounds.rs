@@ -1,4 +1,4 @@
-//! Lower bounds of the distance of eight pairs of boxes at once.
+//! Lower bounds of the distance of pairs of boxes, four at once.
 //!
 //! Three directions are tried: the line of centres, and the excess vector in the axes of either
 //! box, with the amounts by which the centres are farther apart along each axis than both
@@ -7,51 +7,50 @@
 //! that the gap is a proof whether or not the axes are orthonormal. The error term is
 //! [`BOXES`](crate::tolerance::BOXES).
 
-use wide::f32x8;
+use wide::f32x4;
 
 use super::frame::Single;
-use super::tree::OrientedBox;
+use super::front::Pair;
+use super::tree::{OrientedBox, Tree};
+
+/// Pairs of boxes bounded at once: the width of a register on every target.
+pub(super) const WIDTH: usize = 4;
+
+/// Most pairs of a call.
+pub(super) const MOST: usize = 8;
 
 /// Gaps along unit directions in A's frame, in the unit of the frame in single precision.
 #[derive(Clone, Copy)]
 pub(super) struct Bounds {
-    pub(super) gap: [f32; 8],
-    pub(super) normal: [[f32; 8]; 3],
+    pub(super) gap: [f32; MOST],
+    pub(super) normal: [[f32; 3]; MOST],
 }
 
-/// Eight boxes by component.
-struct Eight {
-    axes: [[f32x8; 3]; 3],
-    centre: [f32x8; 3],
-    half: [f32x8; 3],
+impl Bounds {
+    /// Of pairs about which nothing is known.
+    pub(super) const NONE: Self = Self {
+        gap: [-f32::MAX; MOST],
+        normal: [[0.0; 3]; MOST],
+    };
 }
 
-impl Eight {
+/// Four boxes by component.
+struct Four {
+    axes: [[f32x4; 3]; 3],
+    centre: [f32x4; 3],
+    half: [f32x4; 3],
+}
+
+impl Four {
     #[inline(always)]
-    fn new(boxes: [&OrientedBox; 8], scale: f32) -> Self {
-        let [b0, b1, b2, b3, b4, b5, b6, b7] = boxes;
-        let row = |b: &OrientedBox, k: usize| f32x8::new(b.rows[k]);
-        let [xx, xy, xz, yx, yy, yz, zx, zy] = f32x8::transpose([
-            row(b0, 0),
-            row(b1, 0),
-            row(b2, 0),
-            row(b3, 0),
-            row(b4, 0),
-            row(b5, 0),
-            row(b6, 0),
-            row(b7, 0),
-        ]);
-        let [zz, cx, cy, cz, hx, hy, hz, _] = f32x8::transpose([
-            row(b0, 1),
-            row(b1, 1),
-            row(b2, 1),
-            row(b3, 1),
-            row(b4, 1),
-            row(b5, 1),
-            row(b6, 1),
-            row(b7, 1),
-        ]);
-        let s = f32x8::splat(scale);
+    fn new(boxes: [&OrientedBox; WIDTH], scale: f32) -> Self {
+        let [b0, b1, b2, b3] = boxes;
+        let row = |k: usize| f32x4::transpose([b0, b1, b2, b3].map(|b| f32x4::new(b.rows[k])));
+        let [xx, xy, xz, yx] = row(0);
+        let [yy, yz, zx, zy] = row(1);
+        let [zz, cx, cy, cz] = row(2);
+        let [hx, hy, hz, _] = row(3);
+        let s = f32x4::splat(scale);
         Self {
             axes: [[xx, xy, xz], [yx, yy, yz], [zx, zy, zz]],
             centre: [cx * s, cy * s, cz * s],
@@ -61,12 +60,12 @@ impl Eight {
 }
 
 #[inline(always)]
-fn dot(a: [f32x8; 3], b: [f32x8; 3]) -> f32x8 {
+fn dot(a: [f32x4; 3], b: [f32x4; 3]) -> f32x4 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 #[inline(always)]
-fn turned(r: &[f32x8; 9], v: [f32x8; 3]) -> [f32x8; 3] {
+fn turned(r: &[f32x4; 9], v: [f32x4; 3]) -> [f32x4; 3] {
     [
         r[0] * v[0] + r[1] * v[1] + r[2] * v[2],
         r[3] * v[0] + r[4] * v[1] + r[5] * v[2],
@@ -76,12 +75,12 @@ fn turned(r: &[f32x8; 9], v: [f32x8; 3]) -> [f32x8; 3] {
 
 /// `x` with the sign of `s`, for `x` not negative.
 #[inline(always)]
-fn signed(x: f32x8, s: f32x8) -> f32x8 {
-    x | (s & f32x8::splat(-0.0))
+fn signed(x: f32x4, s: f32x4) -> f32x4 {
+    x | (s & f32x4::splat(-0.0))
 }
 
 #[inline(always)]
-fn combined(w: [f32x8; 3], v: &[[f32x8; 3]; 3]) -> [f32x8; 3] {
+fn combined(w: [f32x4; 3], v: &[[f32x4; 3]; 3]) -> [f32x4; 3] {
     [
         w[0] * v[0][0] + w[1] * v[1][0] + w[2] * v[2][0],
         w[0] * v[0][1] + w[1] * v[1][1] + w[2] * v[2][1],
@@ -93,10 +92,10 @@ fn combined(w: [f32x8; 3], v: &[[f32x8; 3]; 3]) -> [f32x8; 3] {
 /// axes of one box, half extents of that box and of the other, and the products of the axes, by the
 /// axis of the first.
 #[inline(always)]
-fn excess(d: [f32x8; 3], h: [f32x8; 3], g: [f32x8; 3], m: &[[f32x8; 3]; 3]) -> (f32x8, f32x8, [f32x8; 3]) {
+fn excess(d: [f32x4; 3], h: [f32x4; 3], g: [f32x4; 3], m: &[[f32x4; 3]; 3]) -> (f32x4, f32x4, [f32x4; 3]) {
     let over = [d[0].abs() - h[0], d[1].abs() - h[1], d[2].abs() - h[2]];
     let reach = |k: usize| g[0] * m[k][0].abs() + g[1] * m[k][1].abs() + g[2] * m[k][2].abs();
-    let zero = f32x8::splat(0.0);
+    let zero = f32x4::splat(0.0);
     let x = (over[0] - reach(0)).fast_max(zero);
     let y = (over[1] - reach(1)).fast_max(zero);
     let z = (over[2] - reach(2)).fast_max(zero);
@@ -105,16 +104,31 @@ fn excess(d: [f32x8; 3], h: [f32x8; 3], g: [f32x8; 3], m: &[[f32x8; 3]; 3]) -> (
     let [p, q, r] = combined(e, m);
     let own = x * over[0] + y * over[1] + z * over[2];
     let other = g[0] * p.abs() + g[1] * q.abs() + g[2] * r.abs();
-    let inverse = f32x8::splat(1.0) / square.sqrt().fast_max(f32x8::splat(f32::MIN_POSITIVE));
+    let inverse = f32x4::splat(1.0) / square.sqrt().fast_max(f32x4::splat(f32::MIN_POSITIVE));
     let open = square.simd_gt(zero);
-    let gap = open.select((own - other) * inverse, f32x8::splat(-f32::MAX));
+    let gap = open.select((own - other) * inverse, f32x4::splat(-f32::MAX));
     (gap, inverse, e)
 }
 
-/// The best gap of each pair, and its direction.
+/// The best gap of each of up to eight pairs of nodes, and its direction.
+pub(super) fn bounds(frame: &Single, (a, b): (&Tree, &Tree), pairs: &[Pair]) -> Bounds {
+    let mut found = Bounds::NONE;
+    if !frame.error.is_finite() {
+        return found;
+    }
+    for (k, four) in pairs.chunks(WIDTH).enumerate().take(MOST / WIDTH) {
+        let at = [0, 1, 2, 3].map(|k| four[k.min(four.len() - 1)]);
+        let of_a = at.map(|[x, _]| &a.boxes[x as usize]);
+        let of_b = at.map(|[_, y]| &b.boxes[y as usize]);
+        bound_four(frame, of_a, of_b, WIDTH * k, &mut found);
+    }
+    found
+}
+
+/// The best gap of each of four pairs, and its direction, told from a number on.
 #[inline(never)]
-pub(super) fn bounds(frame: &Single, a: [&OrientedBox; 8], b: [&OrientedBox; 8]) -> Bounds {
-    let (a, b) = (Eight::new(a, frame.scale_a), Eight::new(b, frame.scale_b));
+fn bound_four(frame: &Single, a: [&OrientedBox; WIDTH], b: [&OrientedBox; WIDTH], first: usize, found: &mut Bounds) {
+    let (a, b) = (Four::new(a, frame.scale_a), Four::new(b, frame.scale_b));
     let r = &frame.ways[0].rotation;
     let axes = [turned(r, b.axes[0]), turned(r, b.axes[1]), turned(r, b.axes[2])];
     let at = turned(r, b.centre);
@@ -141,7 +155,7 @@ pub(super) fn bounds(frame: &Single, a: [&OrientedBox; 8], b: [&OrientedBox; 8])
     let db = [dot(axes[0], d), dot(axes[1], d), dot(axes[2], d)];
 
     let square = dot(d, d);
-    let inverse = f32x8::splat(1.0) / square.sqrt().fast_max(f32x8::splat(f32::MIN_POSITIVE));
+    let inverse = f32x4::splat(1.0) / square.sqrt().fast_max(f32x4::splat(f32::MIN_POSITIVE));
     let reach_a = a.half[0] * da[0].abs() + a.half[1] * da[1].abs() + a.half[2] * da[2].abs();
     let reach_b = b.half[0] * db[0].abs() + b.half[1] * db[1].abs() + b.half[2] * db[2].abs();
     let by_centres = (square - reach_a - reach_b) * inverse;
@@ -149,15 +163,16 @@ pub(super) fn bounds(frame: &Single, a: [&OrientedBox; 8], b: [&OrientedBox; 8])
     let (by_a, inverse_a, ea) = excess(da, a.half, b.half, &m);
     let (by_b, inverse_b, eb) = excess(db, b.half, a.half, &mt);
     let (na, nb) = (combined(ea, &a.axes), combined(eb, &axes));
-    let first = by_a.simd_ge(by_b);
+    let a_wins = by_a.simd_ge(by_b);
     let gap = by_a.fast_max(by_b);
     let excess_wins = gap.simd_ge(by_centres);
     let normal = |k: usize| {
-        let n = first.select(na[k] * inverse_a, nb[k] * inverse_b);
-        excess_wins.select(n, d[k] * inverse).to_array()
+        let n = a_wins.select(na[k] * inverse_a, nb[k] * inverse_b);
+        excess_wins.select(n, d[k] * inverse)
     };
-    Bounds {
-        gap: gap.fast_max(by_centres).to_array(),
-        normal: [normal(0), normal(1), normal(2)],
+    found.gap[first..first + WIDTH].copy_from_slice(&gap.fast_max(by_centres).to_array());
+    let [x, y, z] = [normal(0).to_array(), normal(1).to_array(), normal(2).to_array()];
+    for k in 0..WIDTH {
+        found.normal[first + k] = [x[k], y[k], z[k]];
     }
 }

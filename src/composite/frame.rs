@@ -2,7 +2,7 @@
 //! errors of each.
 
 use nalgebra::{Matrix3, Vector3};
-use wide::f32x8;
+use wide::f32x4;
 
 use super::tree::{Tree, up};
 use crate::num::scalar::sqrt;
@@ -47,8 +47,9 @@ pub(super) struct Frame {
 
 /// The frame in single precision, in a unit in which the larger tree has a size of about one.
 pub(super) struct Single {
-    /// The unit in A's stored units.
+    /// The unit in A's stored units, a power of two, and its inverse.
     pub(super) unit: f64,
+    pub(super) per_unit: f64,
     /// From B's tree to A's, and back.
     pub(super) ways: [Way; 2],
     pub(super) scale_a: f32,
@@ -59,8 +60,8 @@ pub(super) struct Single {
 
 /// A map `x -> R x + t` in single precision.
 pub(super) struct Way {
-    pub(super) rotation: [f32x8; 9],
-    pub(super) translation: [f32x8; 3],
+    pub(super) rotation: [f32x4; 9],
+    pub(super) translation: [f32x4; 3],
     /// Both again, for a single point.
     r: [f32; 9],
     t: [f32; 3],
@@ -71,8 +72,8 @@ impl Way {
         let r = core::array::from_fn(|k| rotation[(k / 3, k % 3)] as f32);
         let t = [translation.x as f32, translation.y as f32, translation.z as f32];
         Self {
-            rotation: r.map(f32x8::splat),
-            translation: t.map(f32x8::splat),
+            rotation: r.map(f32x4::splat),
+            translation: t.map(f32x4::splat),
             r,
             t,
         }
@@ -141,7 +142,7 @@ impl Frame {
     /// Lengths in A's stored units in the unit of single precision, rounded up.
     #[inline(always)]
     pub(super) fn single_up(&self, length: f64) -> f32 {
-        up(length / self.single.unit)
+        up(length * self.single.per_unit)
     }
 }
 
@@ -163,6 +164,7 @@ impl Single {
         let error = BOXES as f32 * reach + (2.0 * CERTIFICATE * UNIT * size / unit) as f32 + LEAST;
         Self {
             unit,
+            per_unit: 1.0 / unit,
             ways: [
                 Way::new(rotation, &shift),
                 Way::new(&rotation.transpose(), &-rotation.tr_mul(&shift)),

@@ -17,17 +17,18 @@
 //! instead of a direction fails ten times as often.
 
 use alloc::vec::Vec;
-use wide::f32x8;
+use wide::f32x4;
 
+use super::bounds::WIDTH;
 use super::frame::{Single, Way};
 use super::tree::{OrientedBox, Tree};
 
 /// A node of A and a node of B.
 pub(super) type Pair = [u32; 2];
 
-/// Eight entries by component: n, m, c, the radius, the base.
+/// Four entries by component: n, m, c, the radius, the base.
 #[derive(Clone, Debug, PartialEq)]
-struct Block([[f32; 8]; 11]);
+struct Block([[f32; WIDTH]; 11]);
 
 /// Entries with the larger node on one side.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -92,12 +93,12 @@ impl Front {
     /// Calls `failed` with the place of every entry that is not proven to be at least `distance`
     /// apart: the places in each half rise.
     pub(super) fn test(&self, frame: &Single, distance: f32, mut failed: impl FnMut(Place)) {
-        let level = f32x8::splat(distance + self.error);
+        let level = f32x4::splat(distance + self.error);
         for (half, (entries, way)) in (0u8..).zip(self.halves.iter().zip(&frame.ways)) {
             for (k, block) in (0u32..).zip(&entries.blocks) {
-                let mut open = !block.gaps(way).simd_ge(level).to_bitmask() & 0xff;
+                let mut open = !block.gaps(way).simd_ge(level).to_bitmask() & 0xf;
                 while open != 0 {
-                    let at = 8 * k + open.trailing_zeros();
+                    let at = WIDTH as u32 * k + open.trailing_zeros();
                     if (at as usize) < entries.pairs.len() {
                         failed(Place { half, at });
                     }
@@ -110,8 +111,8 @@ impl Front {
     /// Calls `each` with every entry, its pair and the proven gap at this pose.
     pub(super) fn gaps(&self, frame: &Single, mut each: impl FnMut(Place, Pair, f32)) {
         for (half, (entries, way)) in (0u8..).zip(self.halves.iter().zip(&frame.ways)) {
-            for (k, (block, pairs)) in (0u32..).zip(entries.blocks.iter().zip(entries.pairs.chunks(8))) {
-                for (at, (pair, gap)) in (8 * k..).zip(pairs.iter().zip(block.gaps(way).to_array())) {
+            for (k, (block, pairs)) in (0u32..).zip(entries.blocks.iter().zip(entries.pairs.chunks(WIDTH))) {
+                for (at, (pair, gap)) in (WIDTH as u32 * k..).zip(pairs.iter().zip(block.gaps(way).to_array())) {
                     each(Place { half, at }, *pair, gap - self.error);
                 }
             }
@@ -124,8 +125,8 @@ impl Front {
         let entries = &mut self.halves[half as usize];
         let at = entries.pairs.len() as u32;
         entries.pairs.push(pair);
-        if entries.pairs.len() > 8 * entries.blocks.len() {
-            entries.blocks.push(Block([[0.0; 8]; 11]));
+        if entries.pairs.len() > WIDTH * entries.blocks.len() {
+            entries.blocks.push(Block([[0.0; WIDTH]; 11]));
         }
         self.set(frame, trees, Place { half, at }, normal, gap);
     }
@@ -141,12 +142,13 @@ impl Front {
             let n = frame.ways[0].back(normal).map(|x| -x);
             (&a.boxes[x as usize], frame.scale_a, n)
         };
-        let [_, cx, cy, cz, _, _, _, radius] = ball.rows[1].map(|c| c * scale);
+        let [_, cx, cy, cz] = ball.rows[2].map(|c| c * scale);
+        let radius = ball.radius() * scale;
         let [x, y, z] = way.place([cx, cy, cz]);
         let m = way.back(n);
         let base = gap - (n[0] * x + n[1] * y + n[2] * z);
         let values = [n[0], n[1], n[2], m[0], m[1], m[2], cx, cy, cz, radius, base];
-        let (block, lane) = (place.at as usize / 8, place.at as usize % 8);
+        let (block, lane) = (place.at as usize / WIDTH, place.at as usize % WIDTH);
         for (slot, value) in entries.blocks[block].0.iter_mut().zip(values) {
             slot[lane] = value;
         }
@@ -158,10 +160,10 @@ impl Front {
         let last = entries.pairs.len() - 1;
         entries.pairs.swap_remove(k);
         for c in 0..11 {
-            let moved = entries.blocks[last / 8].0[c][last % 8];
-            entries.blocks[k / 8].0[c][k % 8] = moved;
+            let moved = entries.blocks[last / WIDTH].0[c][last % WIDTH];
+            entries.blocks[k / WIDTH].0[c][k % WIDTH] = moved;
         }
-        if last.is_multiple_of(8) {
+        if last.is_multiple_of(WIDTH) {
             entries.blocks.pop();
         }
     }
@@ -169,7 +171,7 @@ impl Front {
     /// Spoils an entry, so that a test can see it found.
     #[cfg(test)]
     pub(super) fn corrupt(&mut self, place: Place, by: f32) {
-        self.halves[place.half as usize].blocks[place.at as usize / 8].0[10][place.at as usize % 8] += by;
+        self.halves[place.half as usize].blocks[place.at as usize / WIDTH].0[10][place.at as usize % WIDTH] += by;
     }
 
     /// The place of an entry by its number.
@@ -182,8 +184,8 @@ impl Front {
 
     /// The direction of an entry at a pose, in A's frame.
     pub(super) fn normal(&self, frame: &Single, place: Place) -> [f32; 3] {
-        let block = &self.halves[place.half as usize].blocks[place.at as usize / 8].0;
-        let n = [0, 1, 2].map(|c| block[c][place.at as usize % 8]);
+        let block = &self.halves[place.half as usize].blocks[place.at as usize / WIDTH].0;
+        let n = [0, 1, 2].map(|c| block[c][place.at as usize % WIDTH]);
         if place.half == 0 {
             n
         } else {
@@ -200,19 +202,19 @@ fn half(frame: &Single, (a, b): (&Tree, &Tree), [x, y]: Pair) -> u8 {
 
 impl Block {
     #[inline(always)]
-    fn gaps(&self, way: &Way) -> f32x8 {
+    fn gaps(&self, way: &Way) -> f32x4 {
         let [nx, ny, nz, mx, my, mz, cx, cy, cz, radius, base] = &self.0;
         let (r, t) = (&way.rotation, &way.translation);
-        let (cx, cy, cz) = (f32x8::new(*cx), f32x8::new(*cy), f32x8::new(*cz));
-        let (nx, ny, nz) = (f32x8::new(*nx), f32x8::new(*ny), f32x8::new(*nz));
+        let (cx, cy, cz) = (f32x4::new(*cx), f32x4::new(*cy), f32x4::new(*cz));
+        let (nx, ny, nz) = (f32x4::new(*nx), f32x4::new(*ny), f32x4::new(*nz));
         let (ux, uy, uz) = (
             r[0] * nx + r[3] * ny + r[6] * nz,
             r[1] * nx + r[4] * ny + r[7] * nz,
             r[2] * nx + r[5] * ny + r[8] * nz,
         );
         let along = ux * cx + uy * cy + uz * cz + (nx * t[0] + ny * t[1] + nz * t[2]);
-        let (u, v, w) = (ux - f32x8::new(*mx), uy - f32x8::new(*my), uz - f32x8::new(*mz));
+        let (u, v, w) = (ux - f32x4::new(*mx), uy - f32x4::new(*my), uz - f32x4::new(*mz));
         let turned = (u * u + v * v + w * w).sqrt();
-        f32x8::new(*base) + along - f32x8::new(*radius) * turned
+        f32x4::new(*base) + along - f32x4::new(*radius) * turned
     }
 }

@@ -142,8 +142,7 @@ impl Kept {
             let found = search.bound(&pairs[..batch.len()]);
             for k in (0..batch.len()).rev() {
                 let (at, pair) = (batch[k], pairs[k]);
-                let normal = [0, 1, 2].map(|c| found.normal[c][k]);
-                match search.settle(pair, found.gap[k], normal) {
+                match search.settle(pair, found.gap[k], found.normal[k]) {
                     Some((n, gap)) => {
                         self.front.set(&search.frame.single, (search.a, search.b), at, n, gap);
                     }

@@ -41,6 +41,7 @@ mod greatest;
 mod heights;
 mod inside;
 mod kept;
+mod leaves;
 pub mod mesh;
 pub(crate) mod outcome;
 mod pair;

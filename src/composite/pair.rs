@@ -10,7 +10,7 @@ use super::outcome::{MeshFeature, MeshSpot};
 use super::parts::Parted;
 use super::search::{Judge, Measured};
 use super::triangle::{self, Closest, Spot, Triangle, certainly_cross};
-use crate::num::scalar::sqrt;
+use crate::num::scalar::{lesser, sqrt};
 use crate::pair::outcome::Outcome;
 use crate::polyhedron::ConvexPolyhedron;
 use crate::pose::RelativePose;
@@ -165,7 +165,7 @@ impl Judge for MeshPair<'_> {
     #[inline(always)]
     fn lowest_in_b(&self, item: u32, n: &Vector3<f64>) -> f64 {
         let [a, b, c] = self.b.corners(item);
-        n.dot(&a).min(n.dot(&b)).min(n.dot(&c))
+        lesser(lesser(n.dot(&a), n.dot(&b)), n.dot(&c))
     }
 
     fn settled(&self) -> u64 {

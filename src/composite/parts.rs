@@ -5,6 +5,7 @@ use nalgebra::{Isometry3, Point3, Vector3};
 use super::frame::Side;
 use super::mesh::Mesh;
 use super::pieces::Composite;
+use crate::num::scalar::greater;
 use crate::polyhedron::ConvexPolyhedron;
 use crate::shape::Shape;
 
@@ -138,7 +139,7 @@ impl Parted for Mesh {
     #[inline(always)]
     fn highest(&self, item: u32, n: &Vector3<f64>) -> f64 {
         let [a, b, c] = self.corners(item);
-        n.dot(&a).max(n.dot(&b)).max(n.dot(&c))
+        greater(greater(n.dot(&a), n.dot(&b)), n.dot(&c))
     }
 
     fn number(&self, item: u32) -> u32 {

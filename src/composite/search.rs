@@ -7,7 +7,7 @@ use super::bounds::{Bounds, bounds};
 use super::frame::Frame;
 use super::front::{Front, Pair};
 use super::heights::{height, unit};
-use super::tree::{Below, LEAF, Tree};
+use super::tree::{Below, Tree};
 use super::work::MeshWork;
 use crate::tuning::composite::{AT_ONCE, FEW_ITEMS};
 
@@ -78,14 +78,35 @@ pub(super) struct Search<'a, J: Judge> {
     pub(super) lower: f64,
     /// The direction of the best pair, by which most others are proven. Of several pairs that are
     /// equally close, as in flush contact, the pairs whose directions proved the most lately.
-    pub(super) directions: [Option<(Pair, Vector3<f64>)>; 2],
+    pub(super) directions: [Option<(Pair, Direction)>; 2],
     /// The level in single precision.
     single: f32,
     pub(super) work: MeshWork,
 }
 
+/// A unit direction from A to B.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Direction {
+    /// In A's stored frame and in B's.
+    pub(super) in_a: Vector3<f64>,
+    pub(super) in_b: Vector3<f64>,
+    /// The height of the origin of B's frame.
+    pub(super) lift: f64,
+}
+
+impl Direction {
+    #[inline(always)]
+    pub(super) fn new(frame: &Frame, n: &Vector3<f64>) -> Self {
+        Self {
+            in_a: *n,
+            in_b: frame.direction_in_b(n),
+            lift: n.dot(&frame.translation),
+        }
+    }
+}
+
 /// A direction and a gap along it that are proven, in single precision.
-type Proof = ([f32; 3], f32);
+pub(super) type Proof = ([f32; 3], f32);
 
 impl<'a, J: Judge> Search<'a, J> {
     pub(super) fn new((a, b): (&'a Tree, &'a Tree), frame: &'a Frame, judge: J, goal: Goal) -> Self {
@@ -139,7 +160,7 @@ impl<'a, J: Judge> Search<'a, J> {
         let level = self.best.as_ref().map_or(f64::INFINITY, |b| b.distance);
         let is_tie = found.distance <= level + self.frame.tie;
         let is_closer = found.distance < level || found.crosses && self.best.as_ref().is_some_and(|b| !b.crosses);
-        let own = Some((pair, found.normal));
+        let own = Some((pair, Direction::new(self.frame, &found.normal)));
         if found.distance < level - self.frame.tie || self.best.is_none() {
             self.directions = [own, None];
         } else if is_tie {
@@ -158,7 +179,7 @@ impl<'a, J: Judge> Search<'a, J> {
     /// Whether a gap in double precision, error taken off, lets a pair pass; if so, it is
     /// remembered.
     #[inline(always)]
-    fn passes(&mut self, gap: f64) -> bool {
+    pub(super) fn passes(&mut self, gap: f64) -> bool {
         let passes = match self.goal {
             Goal::Least => gap >= self.level() - self.frame.tie,
             Goal::Within(d) => gap > d,
@@ -172,32 +193,29 @@ impl<'a, J: Judge> Search<'a, J> {
     /// Bounds up to eight pairs of boxes.
     pub(super) fn bound(&mut self, pairs: &[Pair]) -> Bounds {
         self.work.bounds += pairs.len() as u64;
-        if !self.frame.single.error.is_finite() {
-            return Bounds {
-                gap: [-f32::MAX; 8],
-                normal: [[0.0; 8]; 3],
-            };
-        }
-        let at = |k: usize| pairs[k.min(pairs.len() - 1)];
-        let of_a = [0, 1, 2, 3, 4, 5, 6, 7].map(|k| &self.a.boxes[at(k)[0] as usize]);
-        let of_b = [0, 1, 2, 3, 4, 5, 6, 7].map(|k| &self.b.boxes[at(k)[1] as usize]);
-        bounds(&self.frame.single, of_a, of_b)
+        bounds(&self.frame.single, (self.a, self.b), pairs)
     }
 
     /// Tries to prove a pair: by its gap, in double precision if the gap is close, or item by item.
+    #[inline(always)]
     pub(super) fn settle(&mut self, pair: Pair, gap: f32, normal: [f32; 3]) -> Option<Proof> {
-        let error = self.frame.single.error;
-        let level = self.single;
-        if gap - error >= level {
-            return Some((normal, gap - error));
+        let proven = gap - self.frame.single.error;
+        if proven >= self.single {
+            return Some((normal, proven));
         }
+        self.settle_close(pair, gap, normal)
+    }
+
+    #[inline(never)]
+    fn settle_close(&mut self, pair: Pair, gap: f32, normal: [f32; 3]) -> Option<Proof> {
+        let (error, level) = (self.frame.single.error, self.single);
         let is_close = gap + 3.0 * error >= level || level < 8.0 * error;
         for k in 0..if is_close { 2 } else { 0 } {
             let Some((_, n)) = self.directions[k] else { break };
             let gap = self.look(pair, &n);
             if self.passes(gap) {
                 self.directions.swap(0, k);
-                return Some(self.proof(&n, gap));
+                return Some(self.proof(&n.in_a, gap));
             }
         }
         match (self.a.is_leaf(pair[0]), self.b.is_leaf(pair[1])) {
@@ -219,127 +237,66 @@ impl<'a, J: Judge> Search<'a, J> {
         if gap + reach < self.single {
             return None;
         }
-        let own = unit(&Vector3::from(normal.map(f64::from)));
+        let own = self.own_direction(normal);
         for n in [own, self.directions[0].map(|d| d.1)].into_iter().flatten() {
             self.work.looks += 1;
-            let in_b = self.frame.direction_in_b(&n);
             let high = if is_a {
-                self.judge.highest_in_a(0, &n)
+                self.judge.highest_in_a(0, &n.in_a)
             } else {
-                height(self.a, x, &n)
+                height(self.a, x, &n.in_a)
             };
             let low = if is_b {
-                self.judge.lowest_in_b(0, &in_b)
+                self.judge.lowest_in_b(0, &n.in_b)
             } else {
-                -height(self.b, y, &-in_b)
+                -height(self.b, y, &-n.in_b)
             };
-            let gap = low + n.dot(&self.frame.translation) - 2.0 * self.frame.error - high;
+            let gap = low + n.lift - 2.0 * self.frame.error - high;
             if self.passes(gap) {
-                return Some(self.proof(&n, gap));
+                return Some(self.proof(&n.in_a, gap));
             }
         }
         None
     }
 
+    /// The direction along which two boxes are parted best.
+    pub(super) fn own_direction(&self, normal: [f32; 3]) -> Option<Direction> {
+        let n = unit(&Vector3::from(normal.map(f64::from)))?;
+        Some(Direction::new(self.frame, &n))
+    }
+
     /// A direction and a gap in double precision, as an entry of the front keeps them.
-    fn proof(&self, n: &Vector3<f64>, gap: f64) -> Proof {
+    pub(super) fn proof(&self, n: &Vector3<f64>, gap: f64) -> Proof {
         // Rounding the direction moves heights by v L, the gap by v of itself: the error of single
         // precision is far more.
-        let gap = (gap / self.frame.single.unit) as f32 - self.frame.single.error;
+        let gap = (gap * self.frame.single.per_unit) as f32 - self.frame.single.error;
         ([n.x as f32, n.y as f32, n.z as f32], gap)
     }
 
     /// The gap of two nodes along a direction in double precision, error taken off: by boxes and
     /// slabs, and if the gap is short by no more than single precision can hide, by the vertices of
     /// small nodes.
-    fn look(&mut self, [x, y]: Pair, n: &Vector3<f64>) -> f64 {
+    fn look(&mut self, [x, y]: Pair, n: &Direction) -> f64 {
         self.work.looks += 1;
-        let in_b = self.frame.direction_in_b(n);
-        let lift = n.dot(&self.frame.translation) - 2.0 * self.frame.error;
-        let (mut low, mut high) = (-height(self.b, y, &-in_b), height(self.a, x, n));
+        let lift = n.lift - 2.0 * self.frame.error;
+        let (mut low, mut high) = (-height(self.b, y, &-n.in_b), height(self.a, x, &n.in_a));
         let hidden = f64::from(self.frame.single.error) * self.frame.single.unit;
         let level = self.level() - self.frame.tie;
         let is_short = |gap: f64| gap < level && gap + hidden >= level;
         if is_short(low + lift - high) {
             if let Some((first, last)) = few(self.b, y) {
                 low = (first..last)
-                    .map(|k| self.judge.lowest_in_b(k, &in_b))
+                    .map(|k| self.judge.lowest_in_b(k, &n.in_b))
                     .fold(f64::INFINITY, f64::min);
             }
             if is_short(low + lift - high)
                 && let Some((first, last)) = few(self.a, x)
             {
                 high = (first..last)
-                    .map(|k| self.judge.highest_in_a(k, n))
+                    .map(|k| self.judge.highest_in_a(k, &n.in_a))
                     .fold(f64::NEG_INFINITY, f64::max);
             }
         }
         low + lift - high
-    }
-
-    /// Judges all items of two leaves: along the best direction so far, along the boxes' own, by
-    /// measuring. The proof returned is the best single direction, whether it proves the pair far
-    /// enough or not.
-    fn judge_leaves(&mut self, pair: Pair, normal: [f32; 3]) -> Proof {
-        self.work.leaves += 1;
-        let (Below::Leaf(i, m), Below::Leaf(j, n)) = (self.a.below(pair[0]), self.b.below(pair[1])) else {
-            return (normal, -f32::MAX);
-        };
-        let mut open = Open::new((i, m), (j, n));
-        let own = unit(&Vector3::from(normal.map(f64::from)));
-        let [first, second] = self.directions.map(|d| d.map(|d| d.1));
-        for n in [first, second, own].into_iter().flatten() {
-            self.along(&mut open, &n);
-            if open.left == 0 {
-                break;
-            }
-        }
-        while open.left != 0 && !self.is_over() {
-            let bit = open.left.trailing_zeros();
-            open.left &= open.left - 1;
-            let (n, _) = self.measure([i + bit / 4, j + bit % 4]);
-            self.along(&mut open, &n);
-        }
-        match open.best {
-            Some((n, gap)) => self.proof(&n, gap),
-            None => (normal, -f32::MAX),
-        }
-    }
-
-    /// Passes by the pairs of items that a direction proves.
-    #[inline(always)]
-    fn along(&mut self, open: &mut Open, n: &Vector3<f64>) {
-        let ((i, m), (j, k)) = (open.of_a, open.of_b);
-        let in_b = self.frame.direction_in_b(n);
-        let lift = n.dot(&self.frame.translation) - self.frame.error;
-        let (mut high, mut low) = ([f64::NEG_INFINITY; LEAF], [f64::INFINITY; LEAF]);
-        for x in 0..m {
-            high[x as usize] = self.judge.highest_in_a(i + x, n);
-        }
-        for y in 0..k {
-            low[y as usize] = self.judge.lowest_in_b(j + y, &in_b) + lift;
-        }
-        let [top, bottom] = [
-            high.iter().copied().fold(f64::NEG_INFINITY, f64::max),
-            low.iter().copied().fold(f64::INFINITY, f64::min),
-        ];
-        let least = bottom - top;
-        if least > self.frame.tie && self.passes(least) {
-            open.left = 0;
-        } else {
-            for bit in bits(open.left) {
-                let gap = low[bit as usize % LEAF] - high[bit as usize / LEAF];
-                if self.passes(gap) {
-                    open.left &= !(1 << bit);
-                    if gap <= self.frame.tie {
-                        self.judge.touches([i + bit / 4, j + bit % 4]);
-                    }
-                }
-            }
-        }
-        if open.best.is_none_or(|b| b.1 < least) {
-            open.best = Some((*n, least));
-        }
     }
 
     /// Splits the pairs on the stack until each is proven, nearest first. Proven pairs go to the
@@ -364,8 +321,7 @@ impl<'a, J: Judge> Search<'a, J> {
             let mut open = [(0.0, [0; 2]); 2 * AT_ONCE];
             let mut left = 0;
             for (k, &pair) in halves.iter().enumerate() {
-                let normal = [0, 1, 2].map(|c| found.normal[c][k]);
-                match self.settle(pair, found.gap[k], normal) {
+                match self.settle(pair, found.gap[k], found.normal[k]) {
                     Some((n, gap)) => {
                         if let Some(front) = front.as_deref_mut() {
                             front.push(&self.frame.single, (self.a, self.b), pair, n, gap);
@@ -388,8 +344,7 @@ impl<'a, J: Judge> Search<'a, J> {
         stack.clear();
         let root = [0, 0];
         let found = self.bound(&[root]);
-        let normal = [0, 1, 2].map(|c| found.normal[c][0]);
-        match self.settle(root, found.gap[0], normal) {
+        match self.settle(root, found.gap[0], found.normal[0]) {
             Some((n, gap)) => {
                 if let Some(front) = front {
                     front.push(&self.frame.single, (self.a, self.b), root, n, gap);
@@ -422,11 +377,10 @@ impl<'a, J: Judge> Search<'a, J> {
             let found = self.bound(&halves[..count]);
             let mut next = [(f32::INFINITY, [0u32; 2], [0.0f32; 3]); AT_ONCE];
             for (k, &pair) in halves[..count].iter().enumerate() {
-                let normal = [0, 1, 2].map(|c| found.normal[c][k]);
                 let is_leaf = self.a.is_leaf(pair[0]) && self.b.is_leaf(pair[1]);
                 keep(
                     if is_leaf { &mut leaves } else { &mut next },
-                    (found.gap[k], pair, normal),
+                    (found.gap[k], pair, found.normal[k]),
                 );
             }
             width = next.iter().filter(|x| x.0 < f32::INFINITY).count();
@@ -457,39 +411,6 @@ fn keep(list: &mut [(f32, Pair, [f32; 3]); AT_ONCE], new: (f32, Pair, [f32; 3]))
         list[AT_ONCE - 1] = new;
         list.sort_by(|p, q| p.0.total_cmp(&q.0));
     }
-}
-
-/// Pairs of items of two leaves that are not proven yet.
-struct Open {
-    of_a: (u32, u32),
-    of_b: (u32, u32),
-    /// A bit for each pair, four to an item of A.
-    left: u32,
-    /// The direction with the greatest least gap.
-    best: Option<(Vector3<f64>, f64)>,
-}
-
-impl Open {
-    fn new(of_a: (u32, u32), of_b: (u32, u32)) -> Self {
-        let row = (1 << of_b.1) - 1;
-        let left = (0..of_a.1).fold(0, |bits, x| bits | row << (4 * x));
-        Self {
-            of_a,
-            of_b,
-            left,
-            best: None,
-        }
-    }
-}
-
-/// The numbers of the bits that are set.
-#[inline(always)]
-fn bits(mut left: u32) -> impl Iterator<Item = u32> {
-    core::iter::from_fn(move || {
-        let bit = (left != 0).then(|| left.trailing_zeros())?;
-        left &= left - 1;
-        Some(bit)
-    })
 }
 
 /// The items of a node, if they are few.

@@ -9,6 +9,18 @@ pub(crate) fn sqrt(x: f64) -> f64 {
     return libm::sqrt(x);
 }
 
+/// The greater of two numbers, the second if one is NaN: a single instruction.
+#[inline(always)]
+pub(crate) fn greater(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
+}
+
+/// The lesser of two numbers, the second if one is NaN: a single instruction.
+#[inline(always)]
+pub(crate) fn lesser(a: f64, b: f64) -> f64 {
+    if a < b { a } else { b }
+}
+
 /// Arithmetic of a solver: the generic code runs in f64 and in double-double.
 pub(crate) trait Scalar:
     Copy

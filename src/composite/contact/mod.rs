@@ -24,7 +24,7 @@ use nalgebra::{Unit, Vector3};
 
 pub use body::ContactPatches;
 
-use super::bounds::bounds;
+use super::bounds::{MOST, bounds};
 use super::frame::Frame;
 use super::front::Pair;
 use super::placed::Placed;
@@ -226,13 +226,8 @@ fn near_pairs(query: &Query, frame: &Frame) -> Vec<Pair> {
     let level = frame.single_up(options.prediction.max(0.0) / a.unit());
     let (mut stack, mut found) = (alloc::vec![[0, 0]], Vec::new());
     while !stack.is_empty() {
-        let batch = stack.split_off(stack.len().saturating_sub(8));
-        let at = |k: usize| batch[k.min(batch.len() - 1)];
-        let gaps = bounds(
-            &frame.single,
-            core::array::from_fn(|k| &of_a.boxes[at(k)[0] as usize]),
-            core::array::from_fn(|k| &of_b.boxes[at(k)[1] as usize]),
-        );
+        let batch = stack.split_off(stack.len().saturating_sub(MOST));
+        let gaps = bounds(&frame.single, (of_a, of_b), &batch);
         for (&pair, gap) in batch.iter().zip(gaps.gap) {
             if frame.single.error.is_finite() && gap - frame.single.error > level {
                 continue;

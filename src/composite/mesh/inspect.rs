@@ -4,7 +4,7 @@ use alloc::vec::Vec;
 use nalgebra::{Isometry3, Vector3};
 
 use super::Mesh;
-use crate::composite::bounds::bounds;
+use crate::composite::bounds::{MOST, bounds};
 use crate::composite::frame::Frame;
 use crate::composite::parts::Parted;
 use crate::composite::search::split_pair;
@@ -53,13 +53,8 @@ impl Mesh {
         let tree = &self.tree;
         let mut stack = alloc::vec![[0, 0]];
         while !stack.is_empty() {
-            let batch = stack.split_off(stack.len().saturating_sub(8));
-            let at = |k: usize| batch[k.min(batch.len() - 1)];
-            let gaps = bounds(
-                &frame.single,
-                core::array::from_fn(|k| &tree.boxes[at(k)[0] as usize]),
-                core::array::from_fn(|k| &tree.boxes[at(k)[1] as usize]),
-            );
+            let batch = stack.split_off(stack.len().saturating_sub(MOST));
+            let gaps = bounds(&frame.single, (tree, tree), &batch);
             for (&[x, y], gap) in batch.iter().zip(gaps.gap) {
                 if gap > frame.single.error {
                     continue;

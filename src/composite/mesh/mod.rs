@@ -147,6 +147,11 @@ impl Mesh {
     /// The corners of a triangle in stored coordinates.
     #[inline(always)]
     pub(crate) fn corners(&self, triangle: u32) -> [Vector3<f64>; 3] {
-        self.triangles[triangle as usize].map(|v| self.points[v as usize])
+        let [a, b, c] = self.triangles[triangle as usize];
+        [
+            self.points[a as usize],
+            self.points[b as usize],
+            self.points[c as usize],
+        ]
     }
 }

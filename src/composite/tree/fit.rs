@@ -106,7 +106,7 @@ impl Tree {
         if sides[2] < sides[0] / 64.0 {
             // Nearly flat: the normal of the largest triangle is as good an axis as there is.
             if let Some(axes) = self.flat_axes(node, range, vertices) {
-                self.turn_to(node, &axes);
+                self.boxes[node].set_axes(&axes);
                 (low, high) = extents(&self.boxes[node], range, vertices);
                 if range.1 - range.0 >= SLAB_ITEMS {
                     self.push_slab(node, &axes, heights(&axes, range, vertices), vertices.doubt);
@@ -145,12 +145,6 @@ impl Tree {
             .min_by(|i, j| area(i).total_cmp(&area(j)))?;
         let [long, wide] = flat[best];
         Some([long, wide, normal])
-    }
-
-    fn turn_to(&mut self, node: usize, axes: &[Vector3<f64>; 3]) {
-        for (k, x) in axes.iter().flat_map(|r| r.iter()).enumerate() {
-            self.boxes[node].rows[k / 8][k % 8] = *x as f32;
-        }
     }
 
     /// Keeps a slab, in stored coordinates of the body, if the node is thin, and much thinner than
@@ -197,10 +191,10 @@ impl Tree {
         });
         let rows = &mut self.boxes[node].rows;
         for k in 0..3 {
-            rows[1][1 + k] = stored[k];
-            rows[1][4 + k] = up(half[k] + slack);
+            rows[2][1 + k] = stored[k];
+            rows[3][k] = up(half[k] + slack);
         }
-        rows[1][7] = up(sqrt(square) + slack);
+        rows[3][3] = up(sqrt(square) + slack);
     }
 }
 

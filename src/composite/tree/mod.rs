@@ -18,33 +18,41 @@ use crate::tolerance::UNIT_SINGLE;
 /// `|s_k| <= half_k`, exactly, for the numbers as stored. Coordinates are those of the tree
 /// ([`Tree::centre`], [`Tree::exponent`]).
 ///
-/// Sixteen numbers, so that eight boxes are read by two transpositions: three axes, the centre, the
-/// half extents, the radius.
+/// Sixteen numbers, a line of the cache, so that four boxes are read by four transpositions: three
+/// axes, the centre, the half extents, the radius.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
+#[repr(align(64))]
 pub(crate) struct OrientedBox {
-    pub(crate) rows: [[f32; 8]; 2],
+    pub(crate) rows: [[f32; 4]; 4],
 }
 
 impl OrientedBox {
+    /// Turns the box to axes.
+    pub(crate) fn set_axes(&mut self, axes: &[Vector3<f64>; 3]) {
+        for (k, x) in axes.iter().flat_map(|r| r.iter()).enumerate() {
+            self.rows[k / 4][k % 4] = *x as f32;
+        }
+    }
+
     pub(crate) fn axis(&self, k: usize) -> Vector3<f64> {
-        let at = |i: usize| f64::from(self.rows[i / 8][i % 8]);
+        let at = |i: usize| f64::from(self.rows[i / 4][i % 4]);
         Vector3::new(at(3 * k), at(3 * k + 1), at(3 * k + 2))
     }
 
     pub(crate) fn centre(&self) -> Vector3<f64> {
-        let [_, x, y, z, ..] = self.rows[1].map(f64::from);
+        let [_, x, y, z] = self.rows[2].map(f64::from);
         Vector3::new(x, y, z)
     }
 
     pub(crate) fn half(&self) -> Vector3<f64> {
-        let [_, _, _, _, x, y, z, _] = self.rows[1].map(f64::from);
+        let [x, y, z, _] = self.rows[3].map(f64::from);
         Vector3::new(x, y, z)
     }
 
     /// No point below the node is farther than this from the centre.
     #[inline(always)]
     pub(crate) fn radius(&self) -> f32 {
-        self.rows[1][7]
+        self.rows[3][3]
     }
 }
 

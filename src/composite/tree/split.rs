@@ -93,7 +93,7 @@ impl<I: AsRef<[u32]>> Splitter<'_, I> {
         let mut tasks: Vec<Task> = vec![(0, 0, self.items.len())];
         while let Some((node, first, count)) = tasks.pop() {
             let (rows, mean, values) = self.spread(first, count);
-            self.store_axes(node, &rows);
+            self.tree.boxes[node as usize].set_axes(&rows);
             let thin = values[2] <= THIN * THIN * values[0];
             if count == 1 || count <= self.most && thin {
                 self.tree.links[node as usize] = LEAF_MARK | (count as u32 - 1) << COUNT_SHIFT | first as u32;
@@ -115,13 +115,6 @@ impl<I: AsRef<[u32]>> Splitter<'_, I> {
         self.tree.boxes.push(OrientedBox::default());
         self.tree.links.push(0);
         self.tree.boxes.len() as u32 - 1
-    }
-
-    fn store_axes(&mut self, node: u32, rows: &[Vector3<f64>; 3]) {
-        let flat = &mut self.tree.boxes[node as usize].rows;
-        for (k, x) in rows.iter().flat_map(|r| r.iter()).enumerate() {
-            flat[k / 8][k % 8] = *x as f32;
-        }
     }
 
     /// Axes of the spread, its mean and its eigenvalues.
