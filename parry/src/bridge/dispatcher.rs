@@ -8,7 +8,7 @@ use lin_canny::{Class, Outcome, RelativePose, ShapeTracker};
 use super::cast::{self, Flown};
 use super::half_space;
 use super::known::Known;
-use super::manifold::PosedPair;
+use super::manifold::{PosedPair, is_far};
 use super::number::{isometry, narrow};
 use super::parry::math::{Pose, Real, Vector};
 use super::parry::query::details::{
@@ -343,6 +343,13 @@ where
         // Corrected normals of mesh triangles are parry's.
         let is_free = constraints1.is_none() && constraints2.is_none();
         let pair = if is_free { part::pair(&self.known, a, b) } else { None };
+        if pair
+            .as_ref()
+            .is_some_and(|pair| is_far(pair, pos12, prediction * self.options.reach))
+        {
+            out.clear();
+            return Ok(());
+        }
         if let Some(posed) = pair.as_ref().and_then(|pair| PosedPair::new(pair, pos12)) {
             posed.write(prediction, &self.options, out);
             return Ok(());

@@ -10,6 +10,39 @@ use super::parry::query::{ContactManifold, TrackedContact};
 use super::parry::shape::{FeatureId, PackedFeatureId};
 use super::part::Part;
 
+/// Most points that are copied to be matched; other engines may have left more.
+const MOST_KEPT: usize = 8;
+
+/// Returns whether the bounding balls of two parts are farther apart than a distance, by more than
+/// the rounding of the pose: two cache lines instead of a query. False for a pose that is not
+/// finite.
+pub(super) fn is_far((a, b): &(Part, Part), pos12: &Pose, distance: Real) -> bool {
+    let (of_a, of_b) = (a.core.ball, b.core.ball);
+    let between = (pos12 * of_b.center - of_a.center).length();
+    let reach = of_a.radius + of_b.radius + (a.radius + b.radius) as Real + distance;
+    let rounding = pos12.translation.length() + of_a.center.length() + of_b.center.length() + reach;
+    between - reach > 64.0 * Real::EPSILON * rounding
+}
+
+/// Writes contacts over those of a manifold, and hands the data of equal features on.
+fn exchange<M, C: Default + Copy>(out: &mut ContactManifold<M, C>, write: impl FnOnce(&mut Vec<TrackedContact<C>>)) {
+    match out.points[..] {
+        [first, ..] if out.points.len() <= MOST_KEPT => {
+            let mut kept = [first; MOST_KEPT];
+            let count = out.points.len();
+            kept[..count].copy_from_slice(&out.points);
+            out.points.clear();
+            write(&mut out.points);
+            out.match_contacts(&kept[..count]);
+        }
+        _ => {
+            let kept = core::mem::take(&mut out.points);
+            write(&mut out.points);
+            out.match_contacts(&kept);
+        }
+    }
+}
+
 /// A pair of rounded polyhedra at a pose.
 pub(super) struct PosedPair<'a> {
     a: &'a Part<'a>,
@@ -28,7 +61,7 @@ impl<'a> PosedPair<'a> {
     }
 
     /// Writes the contacts within the prediction, or one true contact beyond it: the closest
-    /// points, by whose features the next query starts.
+    /// points, by whose features the next query starts. Pairs that are [far](is_far) have none.
     pub(super) fn write<M, C: Default + Copy>(
         &self,
         prediction: Real,
@@ -38,24 +71,23 @@ impl<'a> PosedPair<'a> {
         let outcome = self.closest(&out.points);
         let radii = self.a.radius + self.b.radius;
         let prediction = f64::from(prediction) * f64::from(options.reach) + radii;
-        let kept = core::mem::take(&mut out.points);
-        if outcome.lower <= prediction {
-            let bodies = (self.a.body(), self.b.body());
-            let mut chosen = ManifoldOptions::within(prediction);
-            (chosen.sine, chosen.max_points) = (f64::from(options.sine), options.max_points);
-            let manifold = Manifold::of_outcome(bodies, &self.pose, &outcome, &chosen);
-            for p in manifold.points() {
-                let contact = self.contact(&outcome, &p.point_on_a, &p.point_on_b, p.separation, p.features);
-                out.points.push(contact);
-            }
-        }
-        if out.points.is_empty() {
-            let (on_a, on_b) = (&outcome.point_on_a, &outcome.point_on_b);
-            out.points
-                .push(self.contact(&outcome, on_a, on_b, outcome.distance, outcome.features));
-        }
         (out.local_n1, out.local_n2) = self.normals(&outcome);
-        out.match_contacts(&kept);
+        exchange(out, |points| {
+            if outcome.lower <= prediction {
+                let bodies = (self.a.body(), self.b.body());
+                let mut chosen = ManifoldOptions::within(prediction);
+                (chosen.sine, chosen.max_points) = (f64::from(options.sine), options.max_points);
+                let manifold = Manifold::of_outcome(bodies, &self.pose, &outcome, &chosen);
+                for p in manifold.points() {
+                    let contact = self.contact(&outcome, &p.point_on_a, &p.point_on_b, p.separation, p.features);
+                    points.push(contact);
+                }
+            }
+            if points.is_empty() {
+                let (on_a, on_b) = (&outcome.point_on_a, &outcome.point_on_b);
+                points.push(self.contact(&outcome, on_a, on_b, outcome.distance, outcome.features));
+            }
+        });
     }
 
     /// Returns the closest points of the cores, from the features of the deepest contact, and from

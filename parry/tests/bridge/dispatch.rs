@@ -202,12 +202,13 @@ fn impulses_go_with_the_features() {
     assert!((kept[0].points[0].dist + 0.01).abs() < 1e-6 && kept[0].local_n1.y > 0.999);
 }
 
-/// A manifold holds the deepest point, none deeper, all within the prediction times the reach.
+/// A manifold holds the deepest point, none deeper; only shapes whose balls are farther apart than the prediction times the reach
+/// have none.
 #[test]
 fn manifolds_hold_the_deepest_contact() {
     let mut rng = Rng::new(14);
     let ours = Certified::default();
-    let (mut overlapping, mut flat) = (0, 0);
+    let (mut overlapping, mut flat, mut far) = (0, 0, 0);
     for k in 0..400 {
         let make = |rng: &mut Rng| Hull::from_points(&points(rng, [8, 24, 100][k % 3], 1.0)).expect("a solid");
         let (a, b) = (make(&mut rng), make(&mut rng));
@@ -219,7 +220,12 @@ fn manifolds_hold_the_deepest_contact() {
         ours.contact_manifolds(&pos12, &a, &b, 0.02, &mut kept, &mut None)
             .expect("supported");
         let m = &kept[0];
-        let deepest = f64::from(m.find_deepest_contact().expect("always one").dist);
+        let Some(deepest) = m.find_deepest_contact() else {
+            assert!(d > 0.08, "{d}");
+            far += 1;
+            continue;
+        };
+        let deepest = f64::from(deepest.dist);
         assert!((deepest - d).abs() < 1e-6, "{deepest} {d}");
         for p in &m.points {
             let apart = (pos12 * p.local_p2 - p.local_p1).dot(m.local_n1);
@@ -228,7 +234,7 @@ fn manifolds_hold_the_deepest_contact() {
         overlapping += usize::from(d < 0.0);
         flat += usize::from(m.points.len() > 2);
     }
-    assert!(overlapping > 50 && flat > 50, "{overlapping} {flat}");
+    assert!(overlapping > 50 && flat > 50 && far > 20, "{overlapping} {flat} {far}");
 }
 
 /// The parts of compounds are asked for by this dispatcher: small compounds do not sink into each other.
