@@ -105,6 +105,15 @@ pub(crate) const FACES_TRIED: usize = 6;
 /// The part of an edge beyond which a contact beside a vertex is looked for: a millionth.
 pub(crate) const SHORT_EDGE: f64 = 1.0 / 1_048_576.0;
 
+/// Pieces that are cut off a face, one after the other, to find the part that none covers. Not
+/// measured.
+pub(crate) const COVERS: usize = 4;
+
+/// How far from a point that another piece covers a place of the same face is looked for that is
+/// not covered, in the slack of the point: faces that meet at less than one part in this many of a
+/// radian are one. Not measured.
+pub(crate) const BESIDE_END: f64 = 64.0;
+
 /// Bisections of the place along an edge at which a body begins to bear a contact: to the last bit
 /// of a place that is not right at the vertex.
 pub(crate) const EDGE_HALVINGS: usize = 52;

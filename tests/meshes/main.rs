@@ -12,6 +12,7 @@ mod mixed_depth;
 mod penetration;
 mod pieces;
 mod shapes;
+mod valleys;
 
 use lab::rng::Rng;
 use lab::soups::{self, Soup};

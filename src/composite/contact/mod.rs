@@ -12,10 +12,13 @@
 //! Normal cones: Clarke 1990, "Optimization and Nonsmooth Analysis", section 2.5 (proximal
 //! normals). Patches: see `grow`.
 
+mod beside;
 mod body;
+mod clear;
 mod grow;
 mod near;
 mod surface;
+mod union;
 
 use alloc::collections::BTreeMap;
 use alloc::collections::btree_map::Entry;
