@@ -139,6 +139,15 @@ pub(crate) const DEEP_POINTS: usize = 2048;
 /// more turn with the faces of the mesh. Not measured.
 pub(crate) const SINKS: usize = 4;
 
+/// Width to each side of the convex part of a body that proves a depth, in the depth.
+pub(crate) const CELL_REACH: f64 = 4.0;
+
+/// Most planes of a convex part; with more the part is made half as wide. Not measured.
+pub(crate) const CELL_PLANES: usize = 128;
+
+/// Widths tried for a convex part. Not measured.
+pub(crate) const CELL_HALVINGS: usize = 4;
+
 /// Moves by the deepest overlap in a search for a translation that parts two bodies.
 pub(crate) const PUSHES: usize = 12;
 

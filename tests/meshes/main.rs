@@ -4,6 +4,7 @@ mod ahead;
 mod bumps;
 mod contacts;
 mod contain;
+mod crossing;
 mod decomposition;
 mod frames;
 mod hard;
