@@ -154,6 +154,10 @@ pub(crate) const PUSHES: usize = 12;
 /// Bisections of the length of a translation that parts two bodies: a thousandth of the length.
 pub(crate) const HALVINGS: usize = 10;
 
+/// Distances of points from pieces are measured by planes alone if that leaves less than this part
+/// of the resolution open. Not measured.
+pub(crate) const GAP: f64 = 1.0 / 64.0;
+
 /// Faces whose depths differ by less than this part count as equally deep.
 pub(crate) const NEARLY: f64 = 1.0 / 64.0;
 
