@@ -323,3 +323,55 @@ fn a_corner_between_two_faces_of_a_mesh_has_contacts_along_both() {
     }
     assert!(all);
 }
+
+/// A corner beside a ridge that two pieces make has the contact of its side alone, or of the ridge.
+#[test]
+fn a_corner_beside_a_ridge_between_two_pieces_has_contacts_of_the_ridge() {
+    let mut rng = Rng::new(60);
+    let (mut apart, mut deep) = (0, 0);
+    for k in 0..400 {
+        let kind = [0, 1, 2, 3, 4, 6][k % 6];
+        let (shape, core, radius) = body(kind);
+        let ridge = Valley::new(-rng.range(0.1, 0.8), -rng.range(0.1, 0.8));
+        // Wedges that meet below the ridge: the faces fall away from the middle.
+        let a = ridge.pieces(0, 0.0, &mut rng);
+        let depth = if k % 2 == 0 {
+            rng.range(1e-4, 4e-3)
+        } else {
+            -10f64.powf(rng.range(-5.0, -2.5))
+        };
+        let side = rng.below(2);
+        // Next to the ridge, over one of the sides.
+        let on = ridge.up[side] * rng.range(0.0, 0.02) + ridge.normals[side] * (depth + radius);
+        let q = UnitQuaternion::new(Vector3::from(rng.unit()) * rng.range(0.0, 0.15));
+        let pose = Pose {
+            q: [q.i, q.j, q.k, q.w],
+            t: [on.x, rng.range(-0.3, 0.3), on.z],
+        };
+        let placed: Vec<_> = core
+            .iter()
+            .map(|p| (pose.isometry() * Point3::from(*p)).coords)
+            .collect();
+        let found = ContactTracker::new()
+            .contacts(&a, &ContactPatches::from(shape), &relative(&pose), &exact(PREDICTION))
+            .to_vec();
+        let (height, is_vertex) = ridge.lowest(side, (&placed, radius));
+        let what = format!("{k} {kind} {side} {depth:e} {height:e} {is_vertex} {found:?}");
+        assert!(!found.is_empty(), "{what}");
+        for c in found.iter().flat_map(|g| &g.contacts) {
+            let (n, on_a) = (c.normal.into_inner(), c.point.point_on_a.coords);
+            // In the cone of the ridge; on one of the faces; and no deeper than the body is.
+            let is_normal = n.y.abs() < 1e-9 && (0..2).all(|s| ridge.up[s].dot(&n) < 1e-9);
+            let own = [0, 1].into_iter().any(|s| (n - ridge.normals[s]).norm() < 1e-9);
+            let is_on = (0..2).any(|s| ridge.normals[s].dot(&on_a).abs() < 1e-9 && ridge.up[s].dot(&on_a) > -1e-9);
+            let lowest = placed.iter().map(|p| n.dot(p) - radius).fold(f64::INFINITY, f64::min);
+            assert!(
+                (own || is_normal) && is_on && c.point.separation > lowest - n.dot(&on_a) - 1e-9,
+                "{what}"
+            );
+        }
+        *(if depth > 0.0 { &mut apart } else { &mut deep }) += 1;
+    }
+    println!("{apart} apart, {deep} overlapping");
+    assert!(apart == 200 && deep == 200);
+}
