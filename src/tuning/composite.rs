@@ -143,7 +143,7 @@ pub(crate) const DEEP_POINTS: usize = 2048;
 /// more turn with the faces of the mesh. Not measured.
 pub(crate) const SINKS: usize = 4;
 
-/// Width to each side of the convex part of a body that proves a depth, in the depth. In 250
+/// Width to each side of the convex part of a body that proves a depth, in the depth. In 372
 /// overlaps of bars, Ls, gears, tori, rocks and screws the bounds are the same with 1 to 16; with
 /// 0.5 lower bounds of bars are 0.90 of the upper ones instead of 1.
 pub(crate) const CELL_REACH: f64 = 4.0;
@@ -161,8 +161,8 @@ pub(crate) const CELL_HALVINGS: usize = 4;
 pub(crate) const PUSHES: usize = 12;
 
 /// Bisections of the length of a translation that parts two bodies: a thousandth of the length. Of
-/// 24 overlaps of Ls the ratio of lower and upper bound is 0.78 at 10 % with 6, 0.83 with 10 and 16;
-/// of gears 0.61, 0.67 and 0.67.
+/// 24 overlaps of Ls the ratio of lower and upper bound is 0.78 at 10 % with 6, 0.83 with 10 and
+/// 16; of gears 0.61, 0.67 and 0.67.
 pub(crate) const HALVINGS: usize = 10;
 
 /// Distances of points from pieces are measured by planes alone if that leaves less than this part

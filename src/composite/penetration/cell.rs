@@ -1,21 +1,21 @@
 //! A convex part of a solid mesh about an inner point.
 //!
 //! ```text
-//!     +-----------.  own plane of the nearest triangle
+//!     +-----------.   own plane of the nearest triangle
 //!     |    x      |
-//!     |     `.    |      A plane through the point of a triangle that is nearest to x, upright on the
-//!     +--------`--+      way there, has the triangle beyond it. So has the plane of a triangle that
-//!              / \       x is below.
+//!     |     `.    |   A plane through the point of a triangle that is nearest to x, upright on
+//!     +--------`--+   the way there, has the triangle beyond it. So has the plane of a triangle
+//!              / \    that x is below.
 //! ```
 //!
 //! Triangles are taken the nearest first; one that lies beyond a plane already needs none of its
 //! own. Below all planes is no triangle, so what is there is all inside, or all outside, and a
-//! winding number says which. The vertices of the part are checked against the planes, the
-//! triangles were: no intermediate step need be right.
+//! winding number says which. Triangles and the vertices of the part are checked against the
+//! planes: no step between need be right.
 //!
 //! Source: the first step of IRIS (Deits and Tedrake 2015, "Computing large convex regions of
-//! obstacle-free space through semidefinite programming"), with a ball in the place of the ellipsoid.
-//! Departure: the plane of the triangle itself where it serves.
+//! obstacle-free space through semidefinite programming"), with a ball in the place of the
+//! ellipsoid. Departure: the plane of the triangle itself where it serves.
 
 use alloc::collections::BinaryHeap;
 use alloc::vec::Vec;
