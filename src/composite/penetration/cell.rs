@@ -80,7 +80,7 @@ impl<'a> Cut<'a> {
     fn new(mesh: &'a Mesh, place: &'a Vector3<f64>, reach: f64) -> Self {
         let box_plane = |k: usize| {
             let mut n = Vector3::zeros();
-            n[k / 2] = if k % 2 == 0 { 1.0 } else { -1.0 };
+            n[k / 2] = if k.is_multiple_of(2) { 1.0 } else { -1.0 };
             Plane {
                 level: n.dot(place) + reach,
                 n,
