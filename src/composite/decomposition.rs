@@ -89,7 +89,8 @@ pub struct Decomposition {
 
 impl Decomposition {
     /// Measures the gaps between a mesh and pieces that stand for it: in general within 0.4 % of
-    /// half the diagonal of the mesh's box. A second for a hundred thousand triangles.
+    /// half the diagonal of the mesh's box. Some 0.03 to 0.25 s for meshes of 1,000 to 5,000
+    /// triangles.
     ///
     /// # Errors
     ///
