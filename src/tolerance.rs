@@ -155,6 +155,11 @@ pub const ALMOST_FLAT: f64 = 1.0 / 65_536.0;
 /// vertices this far outside belong to the region. Not a matter of soundness.
 pub const ACROSS: f64 = 64.0 * UNIT;
 
+/// Twice the rounding of the height of a point along a direction of length one, times the distance
+/// of the point from the origin: three products and two sums, each off by one UNIT at most of what
+/// is less than 1.8 times that distance.
+pub const CELL: f64 = 16.0 * UNIT;
+
 /// Faces whose normals differ by less than this, `2^-46`, bear a contact as a single face: a flat
 /// face whose vertices were rounded comes as several, with normals apart by a few UNIT times the
 /// size of the face over the width of the parts. A point attributed to the wrong part is off by no

@@ -12,23 +12,17 @@
 //! triangle nearest to it.
 
 use alloc::sync::Arc;
-use alloc::vec::Vec;
 use core::fmt;
 
-use nalgebra::{Isometry3, Point3, Vector3};
-
-use super::greatest::greatest;
+use super::gaps::{Hull, excess, hulls, shortfall};
 use super::mesh::hull::RESOLUTION;
 use super::mesh::{Mesh, MeshError};
 use super::parts::{Parted, Parts};
-use super::pieces::{Composite, CompositeTracker, Piece};
+use super::pieces::{Composite, CompositeTracker};
 use super::state::{Inside, Posed};
-use super::triangle::Triangle;
 use crate::num::scalar::sqrt;
 use crate::pair::outcome::{Class, Distance};
-use crate::polyhedron::ConvexPolyhedron;
 use crate::pose::RelativePose;
-use crate::shape::Core;
 use crate::tolerance::{CERTIFICATE, UNIT};
 
 /// How far convex pieces and a mesh are apart, in the caller's unit.
@@ -95,16 +89,20 @@ pub struct Decomposition {
 
 impl Decomposition {
     /// Measures the gaps between a mesh and pieces that stand for it: in general within 0.4 % of
-    /// half the diagonal of the mesh's box. A second for a hundred thousand triangles.
+    /// half the diagonal of the mesh's box. Some 0.03 to 0.25 s for meshes of 1,000 to 5,000
+    /// triangles.
     ///
     /// # Errors
     ///
     /// A piece that is rounded or curved ([`MeshError::Curved`]).
     pub fn new(mesh: impl Into<Arc<Mesh>>, pieces: impl Into<Arc<Composite>>) -> Result<Self, MeshError> {
         let (mesh, pieces) = (mesh.into(), pieces.into());
-        let hulls = hulls(&pieces)?;
+        let mut hulls = hulls(&pieces)?;
         let resolution = RESOLUTION * sqrt((mesh.high - mesh.low).norm_squared()) * 0.5;
-        let (excess, shortfall) = (excess(&mesh, &hulls, resolution), shortfall(&mesh, &hulls, resolution));
+        let (excess, shortfall) = (
+            excess(&mesh, &hulls, resolution),
+            shortfall(&mesh, &mut hulls, resolution),
+        );
         // The rounding of distances of points.
         let noise = CERTIFICATE * UNIT * (mesh.radius * mesh.unit() + pieces.side().radius * pieces.stored_unit());
         let fit = DecompositionFit {
@@ -194,107 +192,4 @@ fn open(upper: f64) -> Distance {
         lower: 0.0,
         upper,
     }
-}
-
-/// A piece that is a polyhedron.
-struct Hull<'a> {
-    body: &'a ConvexPolyhedron,
-    pose: &'a Isometry3<f64>,
-    /// A ball about the piece in the body's frame.
-    centre: Point3<f64>,
-    radius: f64,
-}
-
-fn hulls(pieces: &Composite) -> Result<Vec<Hull<'_>>, MeshError> {
-    let mut hulls = Vec::with_capacity(pieces.pieces().len());
-    for (piece, Piece { shape, pose, .. }) in pieces.pieces().iter().enumerate() {
-        let (Core::Polyhedron(body), 0.0) = (shape.core(), shape.round()) else {
-            return Err(MeshError::Curved { piece });
-        };
-        let (centre, radius) = body.bounding_ball();
-        hulls.push(Hull {
-            body,
-            pose,
-            centre: pose * centre,
-            radius,
-        });
-    }
-    Ok(hulls)
-}
-
-impl Hull<'_> {
-    /// The distance of a point from the piece, in the caller's unit.
-    fn distance(&self, p: &Point3<f64>) -> f64 {
-        let local = self.pose.inverse_transform_point(p);
-        let foot = self.body.closest_point(&local);
-        foot.map_or(f64::INFINITY, |foot| sqrt((foot - local).norm_squared()))
-    }
-
-    /// Half the shortest side of the box: no point of the piece is deeper inside.
-    fn depth(&self) -> f64 {
-        let (low, high) = self.body.aabb();
-        0.5 * (high - low).min()
-    }
-}
-
-/// Bounds of the farthest point of the pieces' surface from the mesh, in stored units of the mesh.
-fn excess(mesh: &Mesh, hulls: &[Hull], resolution: f64) -> (f64, f64) {
-    let scale = 1.0 / mesh.unit();
-    let triangles = hulls.iter().flat_map(|hull| {
-        let at = |v| {
-            hull.body
-                .vertex(v)
-                .map_or_else(Vector3::zeros, |p| (hull.pose * p).coords * scale)
-        };
-        // A segment or a point is a triangle without area.
-        let mut ends = hull.body.vertices();
-        let first = ends.next();
-        let wire = first.map(|v| [v, v, ends.last().unwrap_or(v)]);
-        let is_wire = hull.body.face_count() == 0;
-        hull.body
-            .triangles()
-            .chain(wire.filter(|_| is_wire))
-            .map(move |t| t.map(at))
-    });
-    greatest(triangles, resolution, |corners: &Triangle| {
-        let gap = mesh.gap_over(corners);
-        let is_in = mesh.is_solid() && gap.upper > 0.0 && mesh.winding(&gap.centroid).is_some_and(|w| w != 0);
-        if is_in {
-            // The distance from a solid is zero inside.
-            (0.0, gap.upper.min((gap.radius - gap.at_centroid).max(0.0)))
-        } else {
-            (gap.at_centroid, gap.upper)
-        }
-    })
-}
-
-/// Bounds of the farthest point of the mesh's surface from the pieces, in stored units of the mesh.
-fn shortfall(mesh: &Mesh, hulls: &[Hull], resolution: f64) -> (f64, f64) {
-    let (unit, scale) = (mesh.unit(), 1.0 / mesh.unit());
-    let triangles = (0..mesh.triangles.len() as u32).map(|t| mesh.corners(t));
-    greatest(triangles, resolution, |corners: &Triangle| {
-        let [a, b, c] = corners.map(|p| Point3::from(p * unit));
-        let centroid = Point3::from((a.coords + b.coords + c.coords) / 3.0);
-        let (distance, nearest) = nearest(hulls, &centroid);
-        let radius = [a, b, c]
-            .iter()
-            .map(|p| (p - centroid).norm_squared())
-            .fold(0.0, f64::max);
-        let by_piece = [a, b, c].iter().map(|p| nearest.distance(p)).fold(0.0, f64::max);
-        (distance * scale, (distance + sqrt(radius)).min(by_piece) * scale)
-    })
-}
-
-/// The piece that is nearest to a point, and its distance. There is at least one piece.
-fn nearest<'a, 'b>(hulls: &'a [Hull<'b>], p: &Point3<f64>) -> (f64, &'a Hull<'b>) {
-    let mut best = (f64::INFINITY, &hulls[0]);
-    for hull in hulls {
-        if sqrt((p - hull.centre).norm_squared()) - hull.radius < best.0 {
-            let distance = hull.distance(p);
-            if distance < best.0 {
-                best = (distance, hull);
-            }
-        }
-    }
-    best
 }

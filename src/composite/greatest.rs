@@ -8,20 +8,25 @@ use super::triangle::Triangle;
 /// Triangles that are halved at most; a tenth of a second and more. Not measured.
 const HALVED: usize = 1 << 16;
 
+/// What is less than this part of the resolution above the greatest value found is not looked at
+/// more closely. Not measured.
+const ENOUGH: f64 = 1.0 / 16.0;
+
 /// Brackets the greatest value over triangles of a function with non-negative values. `judge`
 /// returns the value at some point of a triangle, or less, and an upper bound over the triangle,
-/// which tends to the value as the triangle shrinks.
+/// which tends to the value as the triangle shrinks. Bounds below its second argument are as good
+/// as any: the greatest value found so far and a little more.
 ///
 /// Triangles are halved, that with the greatest bound first (branch and bound: Land and Doig 1960),
 /// until no bound exceeds the greatest value found by more than `resolution`.
 pub(super) fn greatest(
     triangles: impl Iterator<Item = Triangle>,
     resolution: f64,
-    mut judge: impl FnMut(&Triangle) -> (f64, f64),
+    mut judge: impl FnMut(&Triangle, f64) -> (f64, f64),
 ) -> (f64, f64) {
     let (mut lower, mut settled, mut open) = (0.0f64, 0.0f64, BinaryHeap::new());
     let mut examine = |corners: Triangle, open: &mut BinaryHeap<Bounded>| {
-        let (value, upper) = judge(&corners);
+        let (value, upper) = judge(&corners, lower + ENOUGH * resolution);
         lower = lower.max(value);
         if upper > lower + resolution {
             open.push(Bounded { upper, corners });

@@ -7,8 +7,8 @@
 //! proof of the last answer), `search` (down both trees), `kept` (front and search from frame to
 //! frame), `triangle` (two triangles), `inside` (winding numbers), `state` (the queries), `tracker`
 //! (the state of a pair), `contact` (manifolds of convex patches), `penetration` (bounds of the
-//! depth), `decomposition` (pieces in the place of a mesh, over `greatest`), `separation` (pairs
-//! over time), `ahead` (the bound of a look) and `work` (counters).
+//! depth), `decomposition` (pieces in the place of a mesh, over `gaps` and `greatest`),
+//! `separation` (pairs over time), `ahead` (the bound of a look) and `work` (counters).
 //!
 //! # The proof
 //!
@@ -37,6 +37,7 @@ pub(crate) mod contact;
 pub(crate) mod decomposition;
 mod frame;
 mod front;
+mod gaps;
 mod greatest;
 mod heights;
 mod inside;

@@ -145,9 +145,21 @@ pub(super) fn intersection([p, q]: &[LocalPoint; 2], [r, s]: &[LocalPoint; 2]) -
     // Exactly one of the two values is negative; if rounding hides the parameter, take the middle.
     let t = from / (from - to);
     let t = if (0.0..=1.0).contains(&t) { t } else { 0.5 };
-    let at = [p[0] + t * u[0], p[1] + t * u[1]];
-    let along = ((at[0] - r[0]) * v[0] + (at[1] - r[1]) * v[1]) / (v[0] * v[0] + v[1] * v[1]);
-    let along = if along > 0.0 { along.min(1.0) } else { 0.0 };
+    let place = |t: f64| [p[0] + t * u[0], p[1] + t * u[1]];
+    let foot = |at: [f64; 2], from: &LocalPoint, way: [f64; 2]| {
+        let along = (at[0] - from[0]) * way[0] + (at[1] - from[1]) * way[1];
+        along / (way[0] * way[0] + way[1] * way[1])
+    };
+    let along = foot(place(t), r, v);
+    // Edges on one line cross anywhere on both: at an end of B's if A's goes beyond.
+    let (t, along) = if (0.0..=1.0).contains(&along) {
+        (t, along)
+    } else {
+        let end = if along > 0.0 { 1.0 } else { 0.0 };
+        let beside = foot([r[0] + end * v[0], r[1] + end * v[1]], p, u);
+        (if beside > 0.0 { beside.min(1.0) } else { 0.0 }, end)
+    };
+    let at = place(t);
     Crossing {
         at,
         along: [t, along],

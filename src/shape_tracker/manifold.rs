@@ -98,6 +98,25 @@ impl ShapeTracker {
         }
     }
 
+    /// Computes the witnesses of an outcome of the cores as the only contact, new in `manifold`.
+    pub(crate) fn manifold_of_witnesses(
+        (a, b): (&Shape, &Shape),
+        a_from_b: &RelativePose,
+        options: &ManifoldOptions,
+        outcome: &Outcome,
+    ) -> Manifold {
+        let radii = [a.round(), b.round()];
+        let of_cores = ManifoldOptions {
+            prediction: options.prediction + radii[0] + radii[1],
+            ..*options
+        };
+        let extents = [extent(a.core()), extent(b.core())];
+        let query = Query::of(extents, [Facet::Point; 2], a_from_b, &of_cores).rounded(radii);
+        let mut manifold = Manifold::new();
+        manifold.renew(&query, outcome, 0.0);
+        manifold
+    }
+
     /// Returns the closest points of the cores of two shapes.
     pub(crate) fn closest_cores(&mut self, a: &Shape, b: &Shape, a_from_b: &RelativePose) -> Outcome {
         if let (Core::Polyhedron(x), Core::Polyhedron(y)) = (a.core(), b.core()) {

@@ -96,18 +96,31 @@ pub(crate) const MANY_TRIANGLES: usize = 12;
 /// witnesses 1e-9 apart have a direction right to 1e-7.
 pub(crate) const CONE: f64 = 1.0 / 1_048_576.0;
 
-/// Sine of the largest angle between the normals of contacts that are reduced together.
+/// Sine of the largest angle between the normals of contacts that are reduced together. Not
+/// measured.
 pub(crate) const ALIKE: f64 = 1.0 / 64.0;
 
 /// Faces that are tried for a contact whose normal the mesh does not have. Not measured.
 pub(crate) const FACES_TRIED: usize = 6;
 
-/// The part of an edge beyond which a contact beside a vertex is looked for: a millionth.
+/// The part of an edge beyond which a contact beside a vertex is looked for: a millionth. Corners
+/// in 8,400 poses in valleys have the same contacts with 1e-9, 1e-6 and 1e-3, in 13.3, 12.2 and
+/// 10.4 s of a build for tests.
 pub(crate) const SHORT_EDGE: f64 = 1.0 / 1_048_576.0;
 
-/// Bisections of the place along an edge at which a body begins to bear a contact: to the last bit
-/// of a place that is not right at the vertex.
-pub(crate) const EDGE_HALVINGS: usize = 52;
+/// Pieces that are cut off a face, one after the other, to find the part that none covers. Not
+/// measured.
+pub(crate) const COVERS: usize = 4;
+
+/// How far from a point that another piece covers a place of the same face is looked for that is
+/// not covered, in the slack of the point: faces that meet at less than one part in this many of a
+/// radian are one. Not measured.
+pub(crate) const BESIDE_END: f64 = 64.0;
+
+/// Bisections of the place along an edge at which a body begins to bear a contact: to 1e-9 of the
+/// place. Corners in 8,400 poses in valleys have the same contacts, right to 1e-9, with 20, 30, 40
+/// and 52, in 4.2, 6.2, 8.7 and 11.8 s of a build for tests.
+pub(crate) const EDGE_HALVINGS: usize = 30;
 
 /// Bodies whose boxes overlap by less than this part of L along a normal are parted by the normal:
 /// more than the rounding of boxes in single precision. Not measured.
@@ -130,13 +143,33 @@ pub(crate) const DEEP_POINTS: usize = 2048;
 /// more turn with the faces of the mesh. Not measured.
 pub(crate) const SINKS: usize = 4;
 
-/// Moves by the deepest overlap in a search for a translation that parts two bodies.
+/// Width to each side of the convex part of a body that proves a depth, in the depth. In 372
+/// overlaps of bars, Ls, gears, tori, rocks and screws the bounds are the same with 1 to 16; with
+/// 0.5 lower bounds of bars are 0.90 of the upper ones instead of 1.
+pub(crate) const CELL_REACH: f64 = 4.0;
+
+/// Most planes of a convex part; with more the part is made half as wide. In the same overlaps the
+/// bounds are the same with 32 and with 512.
+pub(crate) const CELL_PLANES: usize = 128;
+
+/// Widths tried for a convex part. In the same overlaps the bounds are the same with one.
+pub(crate) const CELL_HALVINGS: usize = 4;
+
+/// Moves by the deepest overlap in a search for a translation that parts two bodies. Of 24 overlaps
+/// of Ls the ratio of lower and upper bound is 0.78 at 10 % with 4, 0.83 with 12 and 32; of gears
+/// 0.63 and 0.67.
 pub(crate) const PUSHES: usize = 12;
 
-/// Bisections of the length of a translation that parts two bodies: a thousandth of the length.
+/// Bisections of the length of a translation that parts two bodies: a thousandth of the length. Of
+/// 24 overlaps of Ls the ratio of lower and upper bound is 0.78 at 10 % with 6, 0.83 with 10 and
+/// 16; of gears 0.61, 0.67 and 0.67.
 pub(crate) const HALVINGS: usize = 10;
 
-/// Faces whose depths differ by less than this part count as equally deep.
+/// Distances of points from pieces are measured by planes alone if that leaves less than this part
+/// of the resolution open. Not measured.
+pub(crate) const GAP: f64 = 1.0 / 64.0;
+
+/// Faces whose depths differ by less than this part count as equally deep. Not measured.
 pub(crate) const NEARLY: f64 = 1.0 / 64.0;
 
 /// By which factor a translation that should part two bodies is longer: rounding shall not keep

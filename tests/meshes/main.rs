@@ -4,6 +4,7 @@ mod ahead;
 mod bumps;
 mod contacts;
 mod contain;
+mod crossing;
 mod decomposition;
 mod frames;
 mod hard;
@@ -12,6 +13,7 @@ mod mixed_depth;
 mod penetration;
 mod pieces;
 mod shapes;
+mod valleys;
 
 use lab::rng::Rng;
 use lab::soups::{self, Soup};

@@ -4,15 +4,14 @@ use alloc::sync::Arc;
 use alloc::vec::Vec;
 use nalgebra::{Isometry3, Point3, Vector3};
 
+use super::clear::is_clear;
 use super::surface::{Borne, Surface};
+use super::union::{Under, is_covered, is_end, under};
 use crate::composite::frame::Side;
 use crate::composite::mesh::Mesh;
 use crate::composite::parts::Parted;
 use crate::composite::pieces::Composite;
-use crate::polyhedron::ConvexPolyhedron;
-use crate::pose::RelativePose;
-use crate::shape::{Core, Shape};
-use crate::shape_tracker::ShapeTracker;
+use crate::shape::Shape;
 
 /// A body as its contacts see it: convex patches of a mesh's surface, or the pieces of a
 /// [`Composite`].
@@ -145,6 +144,12 @@ impl ContactPatches {
         }
     }
 
+    /// Whether a point along an outward normal is at the end of what a piece bears, both in the
+    /// body's frame: what bears contacts is closed.
+    pub(super) fn ends(&self, patch: u32, point: &Point3<f64>, n: &Vector3<f64>, doubt: f64) -> bool {
+        matches!(&self.0, Body::Pieces(body, tolerance) if is_end(body, patch, point, n, tolerance + doubt))
+    }
+
     /// How far a patch bears a contact at a point along an outward normal, both in the body's frame
     /// and the caller's unit.
     pub(super) fn bears(&self, patch: u32, point: &Point3<f64>, n: &Vector3<f64>, (sine, doubt): (f64, f64)) -> Borne {
@@ -160,16 +165,21 @@ impl ContactPatches {
         }
     }
 
-    /// Whether no face of a part, or of the mesh, is nearer to a point inside than `depth`. Both in
-    /// the frame of the part, which is the body's for meshes.
-    pub(super) fn is_clear(&self, part: &Shape, point: &Point3<f64>, depth: f64) -> bool {
-        match (&self.0, part.core()) {
-            (Body::Surface(surface), _) => surface.is_clear(point, depth),
-            (_, Core::Polyhedron(core)) => core.faces().all(|face| {
-                let plane = core.face_plane(face);
-                plane.is_none_or(|(n, offset)| offset - n.dot(&point.coords) >= depth - part.round())
-            }),
-            _ => true,
+    /// Whether no surface of the body is nearer to a point inside than `depth`. The point is in the
+    /// frame of the patch's part.
+    pub(super) fn is_clear(&self, patch: u32, point: &Point3<f64>, (depth, doubt): (f64, f64)) -> bool {
+        match &self.0 {
+            Body::Surface(surface) => surface.is_clear(point, depth),
+            Body::Pieces(body, tolerance) => is_clear(body, patch, point, (depth, tolerance + doubt)),
+        }
+    }
+
+    /// What is at a point of the plane of a patch's face, beyond the face, in the body's frame.
+    pub(super) fn under(&self, patch: u32, point: &Point3<f64>, n: &Vector3<f64>, doubt: f64) -> Under {
+        match &self.0 {
+            Body::Surface(surface) if surface.is_below(point, doubt) => Under::Body,
+            Body::Surface(_) => Under::Unknown,
+            Body::Pieces(body, tolerance) => under(body, patch, point, n, tolerance + doubt),
         }
     }
 
@@ -184,35 +194,4 @@ impl From<Shape> for ContactPatches {
     fn from(shape: Shape) -> Self {
         Self::of_pieces(Composite::from(shape))
     }
-}
-
-/// Whether another piece holds the point and is higher along the normal: then the whole has no such
-/// normal there.
-fn is_covered(body: &Composite, of: u32, point: &Point3<f64>, n: &Vector3<f64>, slack: f64) -> bool {
-    if body.pieces().len() == 1 {
-        return false;
-    }
-    let unit = body.stored_unit();
-    let covers = |item: u32| {
-        let piece = &body.pieces()[body.number(item) as usize];
-        if body.number(item) == of {
-            return false;
-        }
-        let local = piece.pose.inverse_transform_point(point);
-        let m = piece.pose.inverse_transform_vector(n);
-        piece.shape.support_height(&m) > m.dot(&local.coords) + 2.0 * slack && is_in(&piece.shape, &local, slack)
-    };
-    body.side().tree.any_near(&(point.coords / unit), slack / unit, covers)
-}
-
-/// Whether a point is within `slack` of a shape.
-pub(super) fn is_in(shape: &Shape, point: &Point3<f64>, slack: f64) -> bool {
-    let at = Isometry3::translation(point.x, point.y, point.z);
-    let (Ok(dot), Ok(at)) = (
-        ConvexPolyhedron::point(Point3::origin()),
-        RelativePose::from_isometry(&at),
-    ) else {
-        return false;
-    };
-    ShapeTracker::new().within(shape, &Shape::from(dot), &at, slack)
 }

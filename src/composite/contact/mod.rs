@@ -4,18 +4,22 @@
 //! region bear no contact (`grow`, `surface`). The manifold of two patches (`near`) is kept if both
 //! bodies have its normal at the deepest point: that of a face, or in the cone of normals of a
 //! convex edge or vertex. A reflex edge has none, and neither has a face that a piece next to it
-//! covers. Else the normal of a face is taken, that of least overlap along which the bodies bear a
-//! contact: at the deepest vertex, or, if the vertex is below the next face of a valley, on an edge
-//! of the vertex. So a body that slides over the edges of a tessellated floor, or along a reflex
-//! edge, feels none of them.
+//! covers (`union`). Else the normal of a face is taken, that of least overlap along which the
+//! bodies bear a contact: at the deepest vertex, if no surface is nearer to the vertex (`clear`),
+//! or on an edge of the vertex, if the face ends in a valley before it comes to the vertex
+//! (`beside`). So a body that slides over the edges of a tessellated floor, or along a reflex edge,
+//! feels none of them.
 //!
 //! Normal cones: Clarke 1990, "Optimization and Nonsmooth Analysis", section 2.5 (proximal
 //! normals). Patches: see `grow`.
 
+mod beside;
 mod body;
+mod clear;
 mod grow;
 mod near;
 mod surface;
+mod union;
 
 use alloc::collections::BTreeMap;
 use alloc::collections::btree_map::Entry;

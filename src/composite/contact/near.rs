@@ -2,17 +2,18 @@
 
 use nalgebra::{Isometry3, Point3, Unit, Vector3};
 
-use super::body::{ContactPatches, is_in};
+use super::body::ContactPatches;
 use super::surface::Borne;
+use super::union::is_in;
 use super::{PatchContact, Query};
 use crate::composite::front::Pair;
 use crate::contact::{ContactPoint, Manifold};
 use crate::pair::outcome::Outcome;
-use crate::polyhedron::{ConvexPolyhedron, EdgeId, Feature};
+use crate::polyhedron::ConvexPolyhedron;
 use crate::pose::RelativePose;
 use crate::shape::{Core, Shape};
 use crate::shape_tracker::{ShapeTracker, along_face, swapped};
-use crate::tuning::composite::{EDGE_HALVINGS, FACES_TRIED, NEARLY, SHORT_EDGE};
+use crate::tuning::composite::{FACES_TRIED, NEARLY};
 
 /// The state of two patches that are near.
 #[derive(Clone, Debug)]
@@ -27,12 +28,12 @@ pub(super) struct Near {
 }
 
 /// Two patches at a pose.
-struct Posed<'a> {
-    query: &'a Query<'a>,
-    patches: Pair,
-    parts: &'a [(Shape, Isometry3<f64>); 2],
+pub(super) struct Posed<'a> {
+    pub(super) query: &'a Query<'a>,
+    pub(super) patches: Pair,
+    pub(super) parts: &'a [(Shape, Isometry3<f64>); 2],
     /// From the frame of the part of B to that of the part of A.
-    pose: RelativePose,
+    pub(super) pose: RelativePose,
 }
 
 impl Near {
@@ -95,7 +96,7 @@ impl Posed<'_> {
     }
 
     /// A contact of the parts as one of the bodies.
-    fn point(&self, point: &ContactPoint) -> ContactPoint {
+    pub(super) fn point(&self, point: &ContactPoint) -> ContactPoint {
         ContactPoint {
             point_on_a: self.parts[0].1 * point.point_on_a,
             point_on_b: self.parts[1].1 * point.point_on_b,
@@ -123,14 +124,36 @@ impl Posed<'_> {
         if is_deepest_borne { nearly | fully } else { 0 }
     }
 
-    /// The points of a manifold that both bodies bear fully, as bits.
+    /// The points of a manifold that both bodies bear fully, as bits, with those at the end of a
+    /// face that goes on below the other face of a valley.
     fn fully_borne(&self, manifold: &Manifold) -> u8 {
         let n = self.normal(manifold);
-        let is_borne = |p: &ContactPoint| self.how_borne(&n, &self.point(p)) == Borne::Fully;
-        bits(manifold, is_borne)
+        bits(manifold, |point| {
+            let point = self.point(point);
+            self.how_borne(&n, &point) == Borne::Fully || self.is_at_end(&n, &point)
+        })
     }
 
-    fn how_borne(&self, n: &Vector3<f64>, point: &ContactPoint) -> Borne {
+    /// Whether a point is at the end of a face of a piece, and on a face of the other body.
+    fn is_at_end(&self, n: &Vector3<f64>, point: &ContactPoint) -> bool {
+        let Query {
+            a,
+            b,
+            pose,
+            options,
+            doubt,
+            ..
+        } = self.query;
+        let (limits, down) = ((options.sine, *doubt), -pose.rotation().tr_mul(n));
+        let [p, q] = self.patches;
+        let of_a = || a.bears(p, &point.point_on_a, n, limits) == Borne::Fully;
+        let of_b = || b.bears(q, &point.point_on_b, &down, limits) == Borne::Fully;
+        let ends_a = a.ends(p, &point.point_on_a, n, *doubt);
+        let ends_b = b.ends(q, &point.point_on_b, &down, *doubt);
+        (ends_a || of_a()) && (ends_b || of_b())
+    }
+
+    pub(super) fn how_borne(&self, n: &Vector3<f64>, point: &ContactPoint) -> Borne {
         let Query {
             a,
             b,
@@ -179,114 +202,52 @@ impl Posed<'_> {
         let shapes = (&self.parts[0].0, &self.parts[1].0);
         let mut beside = None;
         for (is_of_a, outcome) in self.faces() {
-            if !self.is_nearest(is_of_a, &outcome) {
-                continue;
+            let is_nearest = self.is_nearest(is_of_a, &outcome);
+            if is_nearest {
+                let mut trial = Manifold::new();
+                tracker.manifold_by(shapes, &self.pose, self.query.options, &mut trial, |_| outcome);
+                let borne = self.borne(&trial) & self.on_parts(&trial);
+                if borne != 0 {
+                    *manifold = trial;
+                    return borne;
+                }
             }
-            let mut trial = Manifold::new();
-            tracker.manifold_by(shapes, &self.pose, self.query.options, &mut trial, |_| outcome);
-            let borne = self.borne(&trial) & self.on_parts(&trial);
-            if borne != 0 {
-                *manifold = trial;
-                return borne;
-            }
-            beside = beside.or_else(|| self.beside(is_of_a, &outcome));
+            beside = beside.or_else(|| self.beside(is_of_a, &outcome, is_nearest));
         }
         let Some(outcome) = beside else { return 0 };
+        let (pose, options) = (&self.pose, self.query.options);
         let mut trial = Manifold::new();
-        tracker.manifold_by(shapes, &self.pose, self.query.options, &mut trial, |_| outcome);
-        let borne = self.fully_borne(&trial) & self.on_parts(&trial);
+        tracker.manifold_by(shapes, pose, options, &mut trial, |_| outcome);
+        let mut borne = self.fully_borne(&trial) & self.on_parts(&trial);
+        let level = trial.upper() + self.query.doubt;
+        if bits(&trial, |point| point.separation <= level) & borne == 0 {
+            // The face goes on below another one, and the points of the whole face hide the place.
+            trial = ShapeTracker::manifold_of_witnesses(shapes, pose, options, &outcome);
+            borne = self.fully_borne(&trial) & self.on_parts(&trial);
+        }
         if borne != 0 {
             *manifold = trial;
         }
         borne
     }
 
-    /// The outcome along the normal of a face at the deepest place over the face on an edge of the
-    /// other part's deepest vertex, which is not over the face itself.
-    ///
-    /// ```text
-    ///    face \       / other face     A vertex v in a valley is below both faces. Its foot on the
-    ///          \  |  /                 plane of either lies beyond the bottom of the valley, where
-    ///           \_|_/                  the face ends: the contact of a face is where an edge at v
-    ///             v  ` foot            passes over its end.
-    /// ```
-    fn beside(&self, is_of_a: bool, outcome: &Outcome) -> Option<Outcome> {
-        let (part, feature) = if is_of_a {
-            (&self.parts[1].0, outcome.features.b)
-        } else {
-            (&self.parts[0].0, outcome.features.a)
-        };
-        let (Core::Polyhedron(body), Feature::Vertex(vertex), 0.0) = (part.core(), feature, part.round()) else {
-            return None;
-        };
-        let from = body.vertex(vertex)?;
-        let along = |edge| {
-            let [v, w] = body.edge_vertices(edge)?;
-            let to = body.vertex(if v == vertex { w } else { v })?;
-            self.first_borne(is_of_a, outcome, edge, &(to - from))
-        };
-        let places = body.vertex_edges(vertex).filter_map(along);
-        places.min_by(|x, y| x.distance.total_cmp(&y.distance))
-    }
-
-    /// The first place along an edge, from the vertex of an outcome, at which the bodies overlap
-    /// and fully bear a contact along the outcome's normal.
-    fn first_borne(&self, is_of_a: bool, outcome: &Outcome, edge: EdgeId, along: &Vector3<f64>) -> Option<Outcome> {
-        let n = self.parts[0].1 * outcome.normal;
-        let at = |t: f64| self.moved(is_of_a, outcome, edge, along * t);
-        let overlaps = |o: &Outcome| o.distance < -self.query.doubt;
-        let is_borne = |o: &Outcome| overlaps(o) && self.how_borne(&n, &self.point(&witness(o))) == Borne::Fully;
-        let (mut off, mut on) = (0.0, SHORT_EDGE);
-        while !is_borne(&at(on)) {
-            if on >= 1.0 || !overlaps(&at(on)) {
-                return None;
-            }
-            (off, on) = (on, 2.0 * on);
-        }
-        for _ in 0..EDGE_HALVINGS {
-            let middle = 0.5 * (off + on);
-            *(if is_borne(&at(middle)) { &mut on } else { &mut off }) = middle;
-        }
-        Some(at(on))
-    }
-
-    /// An outcome along a face whose point on the other part moves along an edge by a step in the
-    /// other part's frame.
-    fn moved(&self, is_of_a: bool, outcome: &Outcome, edge: EdgeId, step: Vector3<f64>) -> Outcome {
-        let (n, rotation, mut moved) = (outcome.normal, self.pose.rotation(), *outcome);
-        if is_of_a {
-            let in_a = rotation * step;
-            let rise = n.dot(&in_a);
-            moved.distance += rise;
-            moved.point_on_b += step;
-            moved.point_on_a += in_a - *n * rise;
-            moved.features.b = Feature::Edge(edge);
-        } else {
-            let rise = n.dot(&step);
-            moved.distance -= rise;
-            moved.point_on_a += step;
-            moved.point_on_b += rotation.tr_mul(&(step - *n * rise));
-            moved.features.a = Feature::Edge(edge);
-        }
-        (moved.lower, moved.upper) = (moved.distance, moved.distance);
-        moved
-    }
-
     /// The points of a manifold that lie on the parts that are convex bodies, as bits: witnesses on
     /// the plane of a face may lie beside the face.
     fn on_parts(&self, manifold: &Manifold) -> u8 {
+        bits(manifold, |point| self.is_on_parts(point))
+    }
+
+    /// Whether a contact lies on the parts that are convex bodies.
+    pub(super) fn is_on_parts(&self, point: &ContactPoint) -> bool {
         let Query { a, b, doubt, .. } = self.query;
         let [(p, _), (q, _)] = self.parts;
-        let is_on = |point: &ContactPoint| {
-            (a.is_mesh() || is_in(p, &point.point_on_a, 2.0 * doubt))
-                && (b.is_mesh() || is_in(q, &point.point_on_b, 2.0 * doubt))
-        };
-        bits(manifold, is_on)
+        (a.is_mesh() || is_in(p, &point.point_on_a, 2.0 * doubt))
+            && (b.is_mesh() || is_in(q, &point.point_on_b, 2.0 * doubt))
     }
 
     /// Whether the face of an outcome is the nearest to the point that overlaps most: of a ridge
     /// that another body has entered from one side, the other side bears no contact.
-    fn is_nearest(&self, is_of_a: bool, outcome: &Outcome) -> bool {
+    pub(super) fn is_nearest(&self, is_of_a: bool, outcome: &Outcome) -> bool {
         let Query { a, b, doubt, .. } = self.query;
         let depth = -outcome.distance * (1.0 - NEARLY) - doubt;
         if !(depth > 0.0) {
@@ -295,10 +256,10 @@ impl Posed<'_> {
         let (rotation, translation) = (self.pose.rotation(), self.pose.translation());
         if is_of_a {
             let inner = rotation * outcome.point_on_b.coords + translation;
-            a.is_clear(&self.parts[0].0, &Point3::from(inner), depth)
+            a.is_clear(self.patches[0], &Point3::from(inner), (depth, *doubt))
         } else {
             let inner = rotation.tr_mul(&(outcome.point_on_a.coords - translation));
-            b.is_clear(&self.parts[1].0, &Point3::from(inner), depth)
+            b.is_clear(self.patches[1], &Point3::from(inner), (depth, *doubt))
         }
     }
 
@@ -330,17 +291,6 @@ impl Posed<'_> {
 fn bits(manifold: &Manifold, passes: impl Fn(&ContactPoint) -> bool) -> u8 {
     let points = manifold.points().iter().enumerate();
     points.fold(0, |bits, (k, point)| bits | u8::from(passes(point)) << k)
-}
-
-/// The closest points of an outcome as a contact.
-fn witness(outcome: &Outcome) -> ContactPoint {
-    ContactPoint {
-        point_on_a: outcome.point_on_a,
-        point_on_b: outcome.point_on_b,
-        separation: outcome.distance,
-        features: outcome.features,
-        id: outcome.features,
-    }
 }
 
 /// The outcomes of the faces of a core that is a polyhedron.

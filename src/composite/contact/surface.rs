@@ -190,6 +190,15 @@ impl Surface {
         !(reach > 0.0 && self.mesh.tree.any_near(&place, reach, is_nearer))
     }
 
+    /// Whether a point is below the triangle that is nearest to it.
+    pub(super) fn is_below(&self, point: &Point3<f64>, doubt: f64) -> bool {
+        let place = point.coords / self.mesh.unit();
+        let foot = self.mesh.nearest(&place);
+        let n = triangle::normal(&self.mesh.corners(foot.triangle));
+        let skin = self.slack + doubt / self.mesh.unit();
+        n.dot(&(place - foot.point)) < -skin * sqrt(n.norm_squared())
+    }
+
     /// Whether the way from a point of the surface to a point below leaves the mesh.
     pub(super) fn is_left(&self, from: &Point3<f64>, to: &Point3<f64>, doubt: f64) -> bool {
         let unit = self.mesh.unit();

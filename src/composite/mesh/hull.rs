@@ -128,7 +128,7 @@ impl Mesh {
         let points: Vec<Vector3<f64>> = hull.vertex_points().map(|p| p.coords * scale).collect();
         let triangles = hull.triangles().map(|t| t.map(|v| points[v.index()]));
         let size = sqrt((self.high - self.low).norm_squared()) * 0.5;
-        greatest(triangles, RESOLUTION * size, |corners| {
+        greatest(triangles, RESOLUTION * size, |corners, _| {
             let gap = self.gap_over(corners);
             (gap.at_centroid, gap.upper)
         })

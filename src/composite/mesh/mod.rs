@@ -5,7 +5,7 @@ mod edges;
 pub(super) mod hull;
 mod inspect;
 mod mass;
-mod nearest;
+pub(super) mod nearest;
 #[cfg(feature = "serde")]
 mod persist;
 mod report;

@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 
 use super::Mesh;
-use crate::composite::tree::Below;
+use crate::composite::tree::{Below, Tree};
 use crate::composite::triangle;
 use crate::num::scalar::sqrt;
 use crate::tolerance::UNIT_SINGLE;
@@ -17,21 +17,38 @@ pub(in crate::composite) struct Foot {
     pub(in crate::composite) triangle: u32,
 }
 
+/// A point seen from a tree.
+pub(in crate::composite) struct From<'a> {
+    tree: &'a Tree,
+    place: Vector3<f64>,
+    slack: f64,
+}
+
+impl<'a> From<'a> {
+    /// A point in stored coordinates of the body.
+    pub(in crate::composite) fn new(tree: &'a Tree, point: &Vector3<f64>) -> Self {
+        let place = (point - tree.centre) / tree.unit();
+        // Axes as stored are orthonormal within 8 UNIT_SINGLE.
+        let slack = 32.0 * UNIT_SINGLE * (1.0 + place.amax());
+        Self { tree, place, slack }
+    }
+
+    /// Returns a lower bound of the distance of everything below a node, in stored units.
+    pub(in crate::composite) fn least(&self, node: u32) -> f64 {
+        let b = &self.tree.boxes[node as usize];
+        let (d, half) = (self.place - b.centre(), b.half());
+        let out = |k: usize| (b.axis(k).dot(&d).abs() - half[k] - self.slack).max(0.0);
+        let away = sqrt(out(0) * out(0) + out(1) * out(1) + out(2) * out(2));
+        away * (1.0 - self.slack) * self.tree.unit()
+    }
+}
+
 impl Mesh {
     /// Returns the point of the surface that is nearest to a point in stored coordinates, right up
     /// to rounding.
     pub(in crate::composite) fn nearest(&self, point: &Vector3<f64>) -> Foot {
-        let tree = &self.tree;
-        let place = (point - tree.centre) / tree.unit();
-        // Axes as stored are orthonormal within 8 UNIT_SINGLE.
-        let slack = 32.0 * UNIT_SINGLE * (1.0 + place.amax());
-        let least = |node: u32| {
-            let b = &tree.boxes[node as usize];
-            let (d, half) = (place - b.centre(), b.half());
-            let out = |k: usize| (b.axis(k).dot(&d).abs() - half[k] - slack).max(0.0);
-            let away = sqrt(out(0) * out(0) + out(1) * out(1) + out(2) * out(2));
-            away * (1.0 - slack) * tree.unit()
-        };
+        let (tree, from) = (&self.tree, From::new(&self.tree, point));
+        let least = |node: u32| from.least(node);
         let mut best = Foot {
             square: f64::INFINITY,
             point: *point,

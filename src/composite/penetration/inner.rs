@@ -20,6 +20,7 @@
 use alloc::vec::Vec;
 use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
 
+use super::cell::cell;
 use crate::composite::mesh::Mesh;
 use crate::composite::parts::{Parted, PartsRef};
 use crate::composite::pieces::{Composite, Piece};
@@ -204,6 +205,48 @@ fn depth_in(tracker: &mut ShapeTracker, shape: &Shape, point: &Vector3<f64>) -> 
 fn overlap(found: &Outcome) -> Option<Deep> {
     let is_deep = found.class == Class::Overlapping && found.upper < 0.0;
     is_deep.then(|| (-found.upper, found.normal.into_inner() * -found.distance))
+}
+
+/// Returns the overlap of convex parts of both bodies about a point in A's frame, and its
+/// translation of B; parts of meshes are at most `reach` wide. All in the caller's unit.
+pub(super) fn of_parts<A: Parted, B: Parted>(
+    (a, b): (&A, &B),
+    pose: &RelativePose,
+    point: &Point3<f64>,
+    reach: f64,
+) -> Option<Deep> {
+    let posed = Posed::new(a, b, pose)?;
+    let (placed, place) = (Placed::of(pose, a, b), point.coords / a.stored_unit());
+    let of_b = about(b.by_kind(), &posed.back(&place), reach / b.stored_unit());
+    let mut best = None;
+    for (p, at_p) in about(a.by_kind(), &place, reach / a.stored_unit()) {
+        for (q, at_q) in &of_b {
+            let at = placed.between(&at_p, at_q).0;
+            if let Some((depth, way)) = overlap(&ShapeTracker::new().closest(&p, q, &at)) {
+                keep_deeper(&mut best, (depth, at_p.rotation * way));
+            }
+        }
+    }
+    best
+}
+
+/// Convex parts of a body about a point in stored coordinates, with their poses.
+fn about(body: PartsRef, place: &Vector3<f64>, reach: f64) -> Vec<(Shape, Isometry3<f64>)> {
+    match body {
+        PartsRef::Mesh(mesh) => {
+            let part = cell(mesh, place, reach).map(|part| (part, Isometry3::identity()));
+            part.into_iter().collect()
+        }
+        PartsRef::Pieces(body) => {
+            let point = Point3::from(place * body.stored_unit());
+            let holds = |p: &&Piece| {
+                let local = p.pose.inverse_transform_point(&point);
+                depth_in(&mut ShapeTracker::new(), &p.shape, &local.coords).is_some()
+            };
+            let pieces = body.pieces().iter().filter(holds);
+            pieces.map(|p| (p.shape.clone(), p.pose)).collect()
+        }
+    }
 }
 
 /// The deepest pair of pieces.

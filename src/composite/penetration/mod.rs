@@ -3,7 +3,10 @@
 //! The depth is the length of the shortest translation of B after which the bodies share no inner
 //! point. A point of one body that is `r` deep inside the other must leave, so the depth is at
 //! least `r`; any translation after which the bodies are proven apart is at least as long as the
-//! depth. Two convex pieces must be parted as well, so their depth is a lower bound too.
+//! depth. Two convex parts must be parted as well, so their depth is a lower bound too: that of two
+//! pieces, or of convex parts of meshes (`cell`) about the middle of an overlap that a translation
+//! ends. The last is the depth itself where the bodies are convex about the overlap, as at edges
+//! that cross without a vertex inside.
 //!
 //! The search moves B by the deepest point, or the deepest pair of pieces (`inner`), until the
 //! bodies are apart, then shortens the translation by bisection; and it shortens the translation
@@ -13,6 +16,7 @@
 //! computation" (there for convex containers and pieces); moving by local depths: Je et al. 2012,
 //! "PolyDepth". Departure: both ends are proven.
 
+mod cell;
 mod inner;
 
 use nalgebra::{Isometry3, Point3, Translation3, Vector3};
@@ -29,7 +33,7 @@ use crate::polyhedron::{BuildError, ConvexPolyhedron};
 use crate::pose::RelativePose;
 use crate::tolerance::{CERTIFICATE, UNIT};
 use crate::tracker::Tracker;
-use crate::tuning::composite::{BEYOND, HALVINGS, PUSHES};
+use crate::tuning::composite::{BEYOND, CELL_REACH, HALVINGS, PUSHES};
 
 /// Bounds of the penetration depth of two bodies: an interval, not a distance. The depth is the
 /// length of the shortest translation of B after which the bodies share no inner point.
@@ -48,19 +52,23 @@ pub struct PenetrationBounds {
     pub queries: u32,
 }
 
-/// Two bodies whose depth is sought, and a query of a tracker: the class of the bodies at a pose,
-/// and a lower bound of the distance.
+/// What a tracker found at a pose: the class of the bodies, a lower bound of the distance, and the
+/// closest point of A.
+type Found = (Class, f64, Point3<f64>);
+
+/// Two bodies whose depth is sought, and a query of a tracker.
 struct Overlap<'a, A, B, Q> {
     a: &'a A,
     b: &'a B,
     query: Q,
 }
 
-impl<A: Parted, B: Parted, Q: FnMut(&RelativePose) -> (Class, f64)> Overlap<'_, A, B, Q> {
-    /// Returns a lower bound of the distance of the bodies at a pose, if they are proven apart.
-    fn apart(&mut self, pose: &RelativePose) -> Option<f64> {
-        let (class, lower) = (self.query)(pose);
-        (class == Class::Separated).then_some(lower)
+impl<A: Parted, B: Parted, Q: FnMut(&RelativePose) -> Found> Overlap<'_, A, B, Q> {
+    /// Returns a lower bound of the distance of the bodies at a pose, if they are proven apart, and
+    /// the closest point of A.
+    fn apart(&mut self, pose: &RelativePose) -> Option<(f64, Point3<f64>)> {
+        let (class, lower, point) = (self.query)(pose);
+        (class == Class::Separated).then_some((lower, point))
     }
 
     /// Returns the translation of B that parts convex bodies about both; `None` if they are apart.
@@ -85,9 +93,11 @@ struct Search<'a, A, B, Q> {
     /// A distance within the rounding of a pose that is shifted.
     noise: f64,
     queries: u32,
+    /// The last translation after which the bodies were apart, and the closest point of A.
+    parted: Option<(Vector3<f64>, Point3<f64>)>,
 }
 
-impl<A: Parted, B: Parted, Q: FnMut(&RelativePose) -> (Class, f64)> Search<'_, A, B, Q> {
+impl<A: Parted, B: Parted, Q: FnMut(&RelativePose) -> Found> Search<'_, A, B, Q> {
     fn shifted(&self, shift: &Vector3<f64>) -> Option<RelativePose> {
         RelativePose::from_isometry(&(Translation3::from(*shift) * self.at)).ok()
     }
@@ -96,7 +106,11 @@ impl<A: Parted, B: Parted, Q: FnMut(&RelativePose) -> (Class, f64)> Search<'_, A
         self.queries += 1;
         let pose = self.shifted(shift);
         let apart = pose.and_then(|pose| self.bodies.apart(&pose));
-        apart.is_some_and(|lower| lower > self.noise)
+        let Some((_, point)) = apart.filter(|a| a.0 > self.noise) else {
+            return false;
+        };
+        self.parted = Some((*shift, point));
+        true
     }
 
     /// A translation that moves the balls about the boxes apart.
@@ -146,18 +160,30 @@ impl<A: Parted, B: Parted, Q: FnMut(&RelativePose) -> (Class, f64)> Search<'_, A
         shift * high
     }
 
+    /// A lower bound of the depth by convex parts about the middle of the overlap that the last
+    /// translation ended: where the bodies then were nearest.
+    fn between(&self, pose: &RelativePose) -> f64 {
+        let Some((shift, on_a)) = &self.parted else { return 0.0 };
+        let (middle, length) = (on_a - shift * 0.5, sqrt(shift.norm_squared()));
+        let bodies = (self.bodies.a, self.bodies.b);
+        let found = inner::of_parts(bodies, pose, &middle, CELL_REACH * length);
+        found.map_or(0.0, |d| d.0 - self.noise)
+    }
+
     fn run(mut self, pose: &RelativePose) -> PenetrationBounds {
         let deepest = inner::deepest(self.bodies.a, self.bodies.b, pose);
-        let lower = deepest.map_or(0.0, |d| (d.0 - self.noise).max(0.0));
+        let mut lower = deepest.map_or(0.0, |d| (d.0 - self.noise).max(0.0));
         let mut best = self.far();
         let starts = [self.bodies.by_hulls(pose), deepest.and_then(|d| self.pushed(d))];
         for start in starts.into_iter().flatten() {
-            let start = start * BEYOND;
+            // Beyond the rounding of the pose too.
+            let start = start * (BEYOND + 4.0 * self.noise / sqrt(start.norm_squared()));
             if start.norm_squared() > 0.0 && self.parts(&start) {
                 let shift = self.shortened(start, lower);
                 if shift.norm_squared() < best.norm_squared() {
                     best = shift;
                 }
+                lower = lower.max(self.between(pose));
             }
         }
         PenetrationBounds {
@@ -173,7 +199,7 @@ impl<A: Parted, B: Parted, Q: FnMut(&RelativePose) -> (Class, f64)> Search<'_, A
 fn bounds<A: Parted, B: Parted>(
     (a, b): (&A, &B),
     pose: &RelativePose,
-    query: impl FnMut(&RelativePose) -> (Class, f64),
+    query: impl FnMut(&RelativePose) -> Found,
 ) -> Option<PenetrationBounds> {
     let posed = Posed::new(a, b, pose).filter(|_| a.is_solid() && b.is_solid())?;
     let mut bodies = Overlap { a, b, query };
@@ -190,6 +216,7 @@ fn bounds<A: Parted, B: Parted>(
         at: relative(pose),
         noise: 4.0 * CERTIFICATE * UNIT * posed.frame.size * a.stored_unit(),
         queries: 1,
+        parted: None,
     };
     Some(search.run(pose))
 }
@@ -198,10 +225,11 @@ impl MeshTracker {
     /// Returns bounds of the penetration depth of two solids: an interval by a name of its own, no
     /// [`distance`](Self::distance). `None` if a mesh is a surface.
     ///
-    /// Below stands the depth of the deepest of some thousand vertices inside the other body, above
-    /// a translation that parts the bodies. The interval may be wide: crossing edges without a
-    /// vertex inside give no lower bound, and slots lead the search astray. Takes some dozens of
-    /// queries, milliseconds for meshes of thousands of triangles.
+    /// Below stands the depth of the deepest of some thousand vertices inside the other body, or of
+    /// convex parts of both bodies where they overlap; above a translation that parts the bodies.
+    /// The interval may be wide: bodies that hold each other at several places are deeper than at
+    /// any one of them, and slots lead the search astray. Takes some dozens of queries,
+    /// milliseconds for meshes of thousands of triangles.
     ///
     /// ```
     /// use lin_canny::nalgebra::{Isometry3, Vector3};
@@ -218,7 +246,7 @@ impl MeshTracker {
     pub fn penetration(&mut self, a: &Mesh, b: &Mesh, a_from_b: &RelativePose) -> Option<PenetrationBounds> {
         bounds((a, b), a_from_b, |pose| {
             let found = self.closest(a, b, pose);
-            (found.class, found.lower)
+            (found.class, found.lower, found.point_on_a)
         })
     }
 }
@@ -228,10 +256,10 @@ impl CompositeTracker {
     /// interval by a name of its own, no [`distance`](Self::distance). `None` if a mesh is a
     /// surface.
     ///
-    /// Below stands the depth of the deepest pair of pieces, or of the deepest of some thousand
-    /// points if one body is a mesh; above a translation that parts the bodies. Edges of a mesh
-    /// that cross a piece without a vertex in either give no lower bound. Every pair of pieces is
-    /// measured, or every piece against the points, then dozens of queries.
+    /// Below stands the depth of the deepest pair of pieces, or, if one body is a mesh, of the
+    /// deepest of some thousand points, or of a piece and a convex part of the mesh where they
+    /// overlap; above a translation that parts the bodies. Every pair of pieces is measured, or
+    /// every piece against the points, then dozens of queries.
     ///
     /// ```
     /// use lin_canny::nalgebra::{Isometry3, Vector3};
@@ -255,7 +283,7 @@ impl CompositeTracker {
     ) -> Option<PenetrationBounds> {
         bounds((a, b), a_from_b, |pose| {
             let found = self.closest(a, b, pose);
-            (found.class, found.lower)
+            (found.class, found.lower, found.point_on_a)
         })
     }
 }

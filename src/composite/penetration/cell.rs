@@ -1,0 +1,206 @@
+//! A convex part of a solid mesh about an inner point.
+//!
+//! ```text
+//!     +-----------.   own plane of the nearest triangle
+//!     |    x      |
+//!     |     `.    |   A plane through the point of a triangle that is nearest to x, upright on
+//!     +--------`--+   the way there, has the triangle beyond it. So has the plane of a triangle
+//!              / \    that x is below.
+//! ```
+//!
+//! Triangles are taken the nearest first; one that lies beyond a plane already needs none of its
+//! own. Below all planes is no triangle, so what is there is all inside, or all outside, and a
+//! winding number says which. Triangles and the vertices of the part are checked against the
+//! planes: no step between need be right.
+//!
+//! Source: the first step of IRIS (Deits and Tedrake 2015, "Computing large convex regions of
+//! obstacle-free space through semidefinite programming"), with a ball in the place of the
+//! ellipsoid. Departure: the plane of the triangle itself where it serves.
+
+use alloc::collections::BinaryHeap;
+use alloc::vec::Vec;
+use core::cmp::Ordering;
+use nalgebra::{Point3, Vector3};
+
+use crate::composite::heights::height;
+use crate::composite::mesh::Mesh;
+use crate::composite::mesh::nearest::From;
+use crate::composite::tree::Below;
+use crate::composite::triangle;
+use crate::num::scalar::sqrt;
+use crate::polyhedron::ConvexPolyhedron;
+use crate::shape::Shape;
+use crate::tolerance::CELL;
+use crate::tuning::composite::{BEYOND, CELL_HALVINGS, CELL_PLANES};
+
+/// Returns a convex body inside a solid mesh, in the caller's unit, about a point in stored
+/// coordinates, at most `reach` wide to each side; `None` if none is found.
+pub(super) fn cell(mesh: &Mesh, place: &Vector3<f64>, reach: f64) -> Option<Shape> {
+    let mut reach = reach.min(mesh.radius);
+    let planes = (0..CELL_HALVINGS).find_map(|_| {
+        let cut = Cut::new(mesh, place, reach).run();
+        reach *= 0.5;
+        cut
+    })?;
+    let body = ConvexPolyhedron::from_points(&corners(mesh, place, &planes)?).ok()?;
+    let stored = |p: Point3<f64>| p.coords / mesh.unit();
+    let is_in = |p: &Vector3<f64>| planes.iter().all(|plane| plane.n.dot(p) <= plane.level);
+    let is_free = body.vertex_points().map(stored).all(|p| is_in(&p));
+    let first = body.vertex_points().next().map(stored)?;
+    let is_inside = is_free && mesh.winding(&first).is_some_and(|w| w != 0);
+    is_inside.then(|| Shape::from(body))
+}
+
+/// All of the cell is at most `level` high along `n`, every triangle beyond more than a margin
+/// higher.
+struct Plane {
+    n: Vector3<f64>,
+    level: f64,
+}
+
+/// A node or a triangle, and a lower bound of its distance.
+struct Open {
+    away: f64,
+    is_triangle: bool,
+    number: u32,
+}
+
+/// The planes about a point.
+struct Cut<'a> {
+    mesh: &'a Mesh,
+    place: &'a Vector3<f64>,
+    from: From<'a>,
+    planes: Vec<Plane>,
+    /// Twice the rounding of a height of a corner of a triangle or of the cell.
+    margin: f64,
+    open: BinaryHeap<Open>,
+}
+
+impl<'a> Cut<'a> {
+    fn new(mesh: &'a Mesh, place: &'a Vector3<f64>, reach: f64) -> Self {
+        let box_plane = |k: usize| {
+            let mut n = Vector3::zeros();
+            n[k / 2] = if k.is_multiple_of(2) { 1.0 } else { -1.0 };
+            Plane {
+                level: n.dot(place) + reach,
+                n,
+            }
+        };
+        Self {
+            planes: (0..6).map(box_plane).collect(),
+            margin: CELL * (mesh.radius + 2.0 * reach),
+            from: From::new(&mesh.tree, place),
+            open: BinaryHeap::new(),
+            mesh,
+            place,
+        }
+    }
+
+    /// The planes; `None` if there are too many, or a triangle is too near.
+    fn run(mut self) -> Option<Vec<Plane>> {
+        self.add(false, 0);
+        while let Some(Open {
+            is_triangle, number, ..
+        }) = self.open.pop()
+        {
+            if is_triangle {
+                self.part(number)?;
+                continue;
+            }
+            match self.mesh.tree.below(number) {
+                Below::Children(c) => (c..c + 2).for_each(|node| self.add(false, node)),
+                Below::Leaf(first, count) => (first..first + count).for_each(|t| self.add(true, t)),
+            }
+        }
+        Some(self.planes)
+    }
+
+    /// Adds a node or a triangle if it is not beyond a plane.
+    fn add(&mut self, is_triangle: bool, number: u32) {
+        let away = if is_triangle {
+            let (square, _) = triangle::nearest(self.place, &self.mesh.corners(number));
+            sqrt(square)
+        } else {
+            self.from.least(number)
+        };
+        let is_beyond = |plane: &Plane| {
+            let lowest = -height(&self.mesh.tree, number, &-plane.n);
+            lowest >= plane.level + 2.0 * self.margin
+        };
+        if is_triangle || !self.planes.iter().rev().any(is_beyond) {
+            self.open.push(Open {
+                away,
+                is_triangle,
+                number,
+            });
+        }
+    }
+
+    /// Adds a plane before a triangle if it is beyond none.
+    fn part(&mut self, number: u32) -> Option<()> {
+        let corners = self.mesh.corners(number);
+        let lowest = |n: &Vector3<f64>| corners.iter().map(|p| n.dot(p)).fold(f64::INFINITY, f64::min);
+        if self.planes.iter().rev().any(|p| lowest(&p.n) >= p.level + self.margin) {
+            return Some(());
+        }
+        let (square, foot) = triangle::foot_of(self.place, &corners);
+        let distance = sqrt(square);
+        let own = triangle::normal(&corners);
+        let length = sqrt(own.norm_squared());
+        let own = own / length;
+        let rise = own.dot(&(corners[0] - self.place));
+        // False for NaN.
+        let n = if rise >= 0.5 * distance {
+            own
+        } else {
+            (foot - self.place) / distance
+        };
+        let level = lowest(&n) - 2.0 * self.margin;
+        if !(n.dot(self.place) < level) || self.planes.len() == CELL_PLANES {
+            return None;
+        }
+        self.planes.push(Plane { n, level });
+        Some(())
+    }
+}
+
+/// The corners of the part below all planes, in the caller's unit: the polar of the hull of the
+/// planes' poles.
+fn corners(mesh: &Mesh, place: &Vector3<f64>, planes: &[Plane]) -> Option<Vec<Point3<f64>>> {
+    let room = |plane: &Plane| plane.level - plane.n.dot(place);
+    let poles: Vec<_> = planes.iter().map(|p| Point3::from(p.n / room(p))).collect();
+    let polar = ConvexPolyhedron::from_points(&poles).ok()?;
+    let corner = |(n, offset): (nalgebra::Unit<Vector3<f64>>, f64)| (offset > 0.0).then(|| n.into_inner() / offset);
+    let ways: Vec<_> = polar
+        .faces()
+        .map(|f| polar.face_plane(f).and_then(corner))
+        .collect::<Option<_>>()?;
+    // Rounding may put corners beyond planes.
+    let beyond = |way: &Vector3<f64>| planes.iter().map(|p| p.n.dot(way) / room(p)).fold(1.0, f64::max);
+    let most = ways.iter().map(beyond).fold(1.0, f64::max) * BEYOND;
+    Some(ways.iter().map(|way| mesh.given(&(place + way / most))).collect())
+}
+
+impl Ord for Open {
+    /// The nearest is the greatest.
+    fn cmp(&self, other: &Self) -> Ordering {
+        let order = other.away.total_cmp(&self.away);
+        order
+            .then(other.number.cmp(&self.number))
+            .then(other.is_triangle.cmp(&self.is_triangle))
+    }
+}
+
+impl PartialOrd for Open {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl PartialEq for Open {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other).is_eq()
+    }
+}
+
+impl Eq for Open {}
