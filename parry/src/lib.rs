@@ -45,7 +45,8 @@
 //! * **No state.** A manifold is a function of the relative pose and of the contacts that the
 //!   engine itself kept: the closest features of the last query stand in the feature ids of the
 //!   contacts. Shapes whose bounding balls are farther apart than the prediction asks for have no
-//!   contact; others beyond the prediction keep one. Snapshots go on bit for bit, any number of threads gives the same bits, and a
+//!   contact; others beyond the prediction keep one. Snapshots go on bit for bit, any number of
+//!   threads gives the same bits, and a
 //!   dropped pair leaves nothing behind. Only bodies made of cuboids, balls, capsules and plain
 //!   polyhedra are remembered, by their points (at most 4096 of them).
 //!

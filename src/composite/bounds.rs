@@ -112,11 +112,12 @@ fn excess(d: [f32x4; 3], h: [f32x4; 3], g: [f32x4; 3], m: &[[f32x4; 3]; 3]) -> (
 
 /// The best gap of each of up to eight pairs of nodes, and its direction.
 pub(super) fn bounds(frame: &Single, (a, b): (&Tree, &Tree), pairs: &[Pair]) -> Bounds {
+    debug_assert!(pairs.len() <= MOST, "{} pairs", pairs.len());
     let mut found = Bounds::NONE;
     if !frame.error.is_finite() {
         return found;
     }
-    for (k, four) in pairs.chunks(WIDTH).enumerate().take(MOST / WIDTH) {
+    for (k, four) in pairs.chunks(WIDTH).enumerate() {
         let at = [0, 1, 2, 3].map(|k| four[k.min(four.len() - 1)]);
         let of_a = at.map(|[x, _]| &a.boxes[x as usize]);
         let of_b = at.map(|[_, y]| &b.boxes[y as usize]);
@@ -125,7 +126,7 @@ pub(super) fn bounds(frame: &Single, (a, b): (&Tree, &Tree), pairs: &[Pair]) -> 
     found
 }
 
-/// The best gap of each of four pairs, and its direction, told from a number on.
+/// Writes the best gap of each of four pairs, and its direction, as the entries from `first` on.
 #[inline(never)]
 fn bound_four(frame: &Single, a: [&OrientedBox; WIDTH], b: [&OrientedBox; WIDTH], first: usize, found: &mut Bounds) {
     let (a, b) = (Four::new(a, frame.scale_a), Four::new(b, frame.scale_b));
