@@ -3,6 +3,7 @@
 
 use crate::minimum::gjk::{Minimum, solve};
 use crate::minimum::simplex::Simplex;
+use crate::minimum::start::vertex_of;
 use crate::minimum::witnesses::witnesses;
 use crate::num::scalar::{Scalar, Vec3, dot, neg};
 use crate::pair::difference::MinkowskiPoint;
@@ -104,7 +105,7 @@ impl<'a, T: Scalar> Search<'a, T> {
         for (t, offset) in shifted.translation.iter_mut().zip(SHIFT_DIRECTION) {
             *t = *t + T::from(offset * shift * size);
         }
-        let simplex = match solve(posed, &shifted, from) {
+        let simplex = match solve(posed, &shifted, vertex_of(posed, &shifted, from)) {
             Minimum::Inside { simplex } => simplex,
             Minimum::Outside { simplex, direction, .. } => return Err(undecided(posed, frame, &simplex, &direction)),
         };

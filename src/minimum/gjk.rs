@@ -2,8 +2,8 @@
 //! the walk.
 //!
 //! Gilbert, Johnson and Keerthi 1988, in f64 and in double-double. Departures:
-//! 1. The solver starts from the features on which the walk ended, so a few supports settle most
-//!    cases.
+//! 1. The solver starts from the features on which the walk ended ([`start`](crate::minimum::start)),
+//!    so one support or a few settle most cases.
 //! 2. The direction of a triangle is the normal, and the direction of an edge is orthogonalised
 //!    once more (never the rounded nearest point), so the last support is also the certificate.
 //! 3. Supports are proven (see [`support`]). The solver ends if the support is in the simplex
@@ -12,10 +12,9 @@
 
 use crate::minimum::simplex::Simplex;
 use crate::num::scalar::{Scalar, Vec3, dot, neg, root};
-use crate::pair::difference::{difference_point, support};
+use crate::pair::difference::support;
 use crate::pair::posed::PosedPair;
 use crate::pair::transform::Transform;
-use crate::polyhedron::FeaturePair;
 use crate::tolerance::{ON_BOUNDARY, UNIT};
 use crate::tuning::minimum::SUPPORTS;
 
@@ -33,12 +32,10 @@ pub(crate) enum Minimum<T> {
     Inside { simplex: Simplex<T> },
 }
 
-/// Solves from a vertex of each feature of `from`.
-pub(crate) fn solve<T: Scalar>(posed: &PosedPair, frame: &Transform<T>, from: FeaturePair) -> Minimum<T> {
-    let (a, b) = from.vertices_of(posed.a, posed.b);
+/// Solves from a simplex of points of the difference.
+pub(crate) fn solve<T: Scalar>(posed: &PosedPair, frame: &Transform<T>, mut simplex: Simplex<T>) -> Minimum<T> {
     let scale = posed.error_scale::<T>();
     let touches = T::from(ON_BOUNDARY * T::UNIT / UNIT * scale.total());
-    let mut simplex = Simplex::vertex(difference_point(posed, frame, a, b));
     let (mut lower, mut direction) = (T::from(f64::NEG_INFINITY), simplex.direction());
     for _ in 0..SUPPORTS {
         let d = simplex.direction();
@@ -48,11 +45,14 @@ pub(crate) fn solve<T: Scalar>(posed: &PosedPair, frame: &Transform<T>, from: Fe
         }
         let (hint, toward) = (simplex.points()[simplex.len() - 1], neg(&d));
         let c = support(posed, frame, &toward, &hint);
-        let height = dot(&d, &c.w) / root(norm_squared);
+        let reach = dot(&d, &c.w);
+        let height = reach / root(norm_squared);
         if height > lower {
             (lower, direction) = (height, d);
         }
-        if simplex.contains(c.a, c.b) || !simplex.add(c, scale) {
+        // Of equal points, as of a face of more than three vertices, one is as good as another.
+        let is_closest = simplex.points().iter().all(|p| dot(&d, &p.w) <= reach);
+        if is_closest || simplex.contains(c.a, c.b) || !simplex.add(c, scale) {
             break;
         }
         if simplex.len() == 4 {

@@ -4,4 +4,5 @@
 pub(crate) mod gjk;
 pub(crate) mod overlap_proof;
 pub(crate) mod simplex;
+pub(crate) mod start;
 pub(crate) mod witnesses;

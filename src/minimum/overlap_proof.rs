@@ -7,6 +7,7 @@
 
 use crate::minimum::gjk::{Minimum, solve};
 use crate::minimum::simplex::Simplex;
+use crate::minimum::start::vertex_of;
 use crate::minimum::witnesses::witnesses;
 use crate::pair::answer::{is_proven, set_overlapping};
 use crate::pair::difference::difference_point;
@@ -64,7 +65,8 @@ impl OverlapProof {
 #[cold]
 pub(crate) fn solve_overlap(posed: &PosedPair, from: FeaturePair, draft: &mut Draft) -> Option<OverlapProof> {
     draft.work.fallbacks += 1;
-    let Minimum::Inside { simplex } = solve(posed, &Transform::of(posed), from) else {
+    let frame = Transform::of(posed);
+    let Minimum::Inside { simplex } = solve(posed, &frame, vertex_of(posed, &frame, from)) else {
         return None;
     };
     draft.solver = Solver::Fallback;

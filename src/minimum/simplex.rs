@@ -162,10 +162,19 @@ impl<T: Scalar> Simplex<T> {
         }
     }
 
+    /// Returns the simplex of two points.
+    pub(crate) fn edge([p, q]: [MinkowskiPoint<T>; 2]) -> Self {
+        Self::reduced([p, q, q, q], ClosestPoint::edge(&[p, q, q, q], 0, 1))
+    }
+
     /// Returns the simplex of a triangle.
     pub(crate) fn triangle([p, q, r]: [MinkowskiPoint<T>; 3]) -> Self {
         let points = [p, q, r, r];
-        let closest = ClosestPoint::triangle(&points, [0, 1, 2]);
+        Self::reduced(points, ClosestPoint::triangle(&points, [0, 1, 2]))
+    }
+
+    /// Keeps the points that span the closest point.
+    fn reduced(points: [MinkowskiPoint<T>; 4], closest: ClosestPoint<T>) -> Self {
         Self {
             points: closest.ids.map(|k| points[k as usize]),
             closest,
@@ -190,8 +199,7 @@ impl<T: Scalar> Simplex<T> {
         };
         let better = closest.squared < self.closest.squared;
         if better {
-            self.points = closest.ids.map(|k| points[k as usize]);
-            self.closest = closest;
+            *self = Self::reduced(points, closest);
         }
         better
     }

@@ -33,6 +33,9 @@ pub(crate) struct Transform<T> {
     pub(crate) translation: [T; 3],
 }
 
+/// A rotation matrix by rows.
+type Rotation = [[DoubleDouble; 3]; 3];
+
 impl Transform<f64> {
     /// Returns the transform of a posed pair, as rounded to f64.
     pub(crate) fn of(posed: &PosedPair) -> Self {
@@ -54,11 +57,11 @@ impl Transform<DoubleDouble> {
     /// Returns the transform between two stored frames, each given by its origin and by the
     /// exponent of its unit, a power of two. `None` as for [`new`](Self::new).
     pub(crate) fn between(a: (&Vector3<f64>, i32), b: (&Vector3<f64>, i32), pose: &RelativePose) -> Option<Self> {
-        let translation = Self::shift(a, b.0, pose)?;
-        let (ra, rb) = (transposed(&rotation(&pose.a.q())), rotation(&pose.b.q()));
+        let (a_from_world, rb) = (transposed(&rotation(&pose.a.q())), rotation(&pose.b.q()));
+        let translation = Self::shift_by((&a_from_world, &rb), a, b.0, pose)?;
         let scale = DoubleDouble::from(power_of_two(b.1 - a.1));
         let columns: [[DoubleDouble; 3]; 3] =
-            core::array::from_fn(|c| apply(&ra, &core::array::from_fn(|r| rb[r][c] * scale)));
+            core::array::from_fn(|c| apply(&a_from_world, &core::array::from_fn(|r| rb[r][c] * scale)));
         Some(Self {
             matrix: transposed(&columns),
             translation,
@@ -67,13 +70,24 @@ impl Transform<DoubleDouble> {
 
     /// Returns the place of B's origin in A's stored frame. `None` as for [`new`](Self::new).
     pub(crate) fn shift(a: (&Vector3<f64>, i32), b: &Vector3<f64>, pose: &RelativePose) -> Option<[DoubleDouble; 3]> {
+        let rotations = (&transposed(&rotation(&pose.a.q())), &rotation(&pose.b.q()));
+        Self::shift_by(rotations, a, b, pose)
+    }
+
+    /// Returns [`shift`](Self::shift) by the rotations of the world to A and of B to the world.
+    fn shift_by(
+        (a_from_world, world_from_b): (&Rotation, &Rotation),
+        a: (&Vector3<f64>, i32),
+        b: &Vector3<f64>,
+        pose: &RelativePose,
+    ) -> Option<[DoubleDouble; 3]> {
         // The bodies' own offsets are at most 1e116 and cannot leave the range alone.
         if pose.translation().amax() > FAR * power_of_two(a.1) {
             return None;
         }
-        let at_b = turned(&pose.b.q(), &b.map(DoubleDouble::from).into(), |m| m);
+        let at_b = turned(&pose.b.q(), world_from_b, &b.map(DoubleDouble::from).into());
         let offset = core::array::from_fn(|k| at_b[k] + DoubleDouble::sum(pose.b.t()[k], -pose.a.t()[k]));
-        let in_a = turned(&pose.a.q(), &offset, |m| transposed(&m));
+        let in_a = turned(&pose.a.q(), a_from_world, &offset);
         let unit = DoubleDouble::from(power_of_two(-a.1));
         Some(core::array::from_fn(|k| (in_a[k] - DoubleDouble::from(a.0[k])) * unit))
     }
@@ -101,20 +115,17 @@ impl<T: Scalar> Transform<T> {
     }
 }
 
-/// Returns a vector turned by a quaternion, or back: the vector itself if the quaternion is real.
-fn turned(
-    q: &[f64; 4],
-    v: &[DoubleDouble; 3],
-    way: impl FnOnce([[DoubleDouble; 3]; 3]) -> [[DoubleDouble; 3]; 3],
-) -> [DoubleDouble; 3] {
+/// Returns a vector turned by the rotation of a quaternion: the vector itself if the quaternion is
+/// real.
+fn turned(q: &[f64; 4], rotation: &Rotation, v: &[DoubleDouble; 3]) -> [DoubleDouble; 3] {
     if q[..3] == [0.0; 3] {
         return *v;
     }
-    apply(&way(rotation(q)), v)
+    apply(rotation, v)
 }
 
 /// Returns the rotation matrix of the quaternion `q`, divided by `|q|^2`.
-fn rotation(q: &[f64; 4]) -> [[DoubleDouble; 3]; 3] {
+fn rotation(q: &[f64; 4]) -> Rotation {
     let [x, y, z, w] = q.map(DoubleDouble::from);
     let two = DoubleDouble::from(2.0);
     let one = DoubleDouble::from(1.0);

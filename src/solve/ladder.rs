@@ -4,6 +4,7 @@
 use nalgebra::Vector3;
 
 use crate::minimum::gjk::{Minimum, solve};
+use crate::minimum::start::{about_witnesses, vertex_of};
 use crate::minimum::witnesses::{features, witnesses};
 use crate::num::double_double::DoubleDouble;
 use crate::num::scalar::Scalar;
@@ -41,7 +42,9 @@ pub(crate) fn refine(posed: &PosedPair, warm: bool, draft: &mut Draft) {
 pub(crate) fn gjk_unchecked(posed: &PosedPair, draft: &mut Draft) {
     draft.work.fallbacks += 1;
     draft.solver = Solver::Fallback;
-    write_minimum(posed, &solve(posed, &Transform::of(posed), draft.features), draft);
+    let frame = Transform::of(posed);
+    let start = vertex_of(posed, &frame, draft.features);
+    write_minimum(posed, &solve(posed, &frame, start), draft);
 }
 
 /// Runs the double-double solver and, if the outcome is not proven, the last step of the ladder.
@@ -50,7 +53,10 @@ fn refine_in_double_double(posed: &PosedPair, draft: &mut Draft) {
     draft.work.double_doubles += 1;
     draft.solver = Solver::DoubleDouble;
     match Transform::<DoubleDouble>::new(posed.a, posed.b, posed.pose) {
-        Some(frame) => write_minimum(posed, &solve(posed, &frame, draft.features), draft),
+        Some(frame) => {
+            let start = about_witnesses(posed, &frame, draft);
+            write_minimum(posed, &solve(posed, &frame, start), draft);
+        }
         None => set_undecided(posed, draft),
     }
     if !is_proven(posed, draft) {
@@ -91,7 +97,7 @@ pub(crate) fn sharpen(posed: &PosedPair, draft: &mut Draft) {
     draft.work.double_doubles += 1;
     draft.solver = Solver::DoubleDouble;
     if let Some(frame) = Transform::<DoubleDouble>::new(posed.a, posed.b, posed.pose) {
-        let minimum = solve(posed, &frame, draft.features);
+        let minimum = solve(posed, &frame, about_witnesses(posed, &frame, draft));
         if let Minimum::Outside { simplex, lower, .. } = &minimum {
             let distance = simplex.witness_distance();
             let gap = (distance - *lower).value().abs()
