@@ -44,13 +44,6 @@ pub(crate) mod polyhedron {
     pub(crate) const FEW: usize = 12;
 }
 
-/// Support vertices of the Minkowski difference.
-pub(crate) mod pair {
-    /// Bodies of up to this many vertices are climbed from the hint, larger bodies from the better
-    /// of the hint and the cube map: one more look-up for a shorter climb. Not measured.
-    pub(crate) const SMALL: usize = 64;
-}
-
 /// The walk and its starts.
 pub(crate) mod walk {
     /// Squared sine of the angle of two edges below which their closest points are the best of four

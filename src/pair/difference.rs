@@ -11,7 +11,6 @@ use crate::pair::transform::Transform;
 use crate::polyhedron::heights::Direction;
 use crate::polyhedron::{ConvexPolyhedron, VertexId};
 use crate::tolerance::UNIT;
-use crate::tuning::pair::SMALL;
 
 /// A point of the Minkowski difference A - B: a vertex of each body.
 #[derive(Clone, Copy, Debug)]
@@ -52,12 +51,7 @@ pub(crate) fn difference_point<T: Scalar>(
 pub(crate) fn support_vertex<T: Scalar>(body: &ConvexPolyhedron, n: &Vec3<T>, hint: VertexId) -> VertexId {
     let rounded = Vector3::new(n[0].value(), n[1].value(), n[2].value());
     if T::UNIT == UNIT {
-        let start = if body.points.len() > SMALL {
-            body.start_vertex(&rounded, hint)
-        } else {
-            hint
-        };
-        return body.support_certified(&rounded, start).vertex;
+        return body.support_certified_anywhere(&rounded, hint).vertex;
     }
     let rest = Vector3::from_fn(|k, _| (n[k] - T::from(rounded[k])).value());
     let direction = Direction::new(&body.points, &rounded, &rest);

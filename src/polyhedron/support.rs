@@ -22,7 +22,7 @@ use crate::polyhedron::highest;
 use crate::polyhedron::topology::Topology;
 use crate::polyhedron::{ConvexPolyhedron, VertexId};
 use crate::tolerance::EDGE_SIGN;
-use crate::tuning::polyhedron::{FLATTEST, LEAP, SCAN};
+use crate::tuning::polyhedron::{FLATTEST, LEAP, SCAN, SCANNED};
 
 /// Climbs from `start` to a vertex with no adjacent vertex certainly higher along `n`.
 #[inline]
@@ -111,23 +111,26 @@ impl ConvexPolyhedron {
     #[inline]
     pub(crate) fn support_cold(&self, n: &Vector3<f64>) -> VertexId {
         if self.points.len() <= SCAN {
-            self.highest_of_few(n)
+            self.highest_of_few(n).vertex
         } else {
             self.support_climb(n, self.lookup.cell(n))
         }
     }
 
-    /// Returns the support vertex along `n` up to rounding, by a scan.
+    /// Returns the support vertex along `n`, proven by a scan.
     #[inline]
-    fn highest_of_few(&self, n: &Vector3<f64>) -> VertexId {
-        let (mut best, mut highest) = (VertexId(0), f64::NEG_INFINITY);
+    fn highest_of_few(&self, n: &Vector3<f64>) -> Extreme {
+        let mut top = Extreme {
+            vertex: VertexId(0),
+            value: f64::NEG_INFINITY,
+        };
         for (vertex, p) in self.vertices().zip(&self.points) {
-            let height = n.dot(p);
-            if height > highest {
-                (best, highest) = (vertex, height);
+            let value = n.dot(p);
+            if value > top.value {
+                top = Extreme { vertex, value };
             }
         }
-        best
+        top
     }
 
     /// Returns a start for a climb along `n`: the higher of `hint` and the vertex of the cube map.
@@ -138,6 +141,16 @@ impl ConvexPolyhedron {
             hint
         } else {
             cell
+        }
+    }
+
+    /// Returns the proven support vertex along `n` for directions far from those that `hint`
+    /// supports: by a scan of a small body, else from the cube map or the hint.
+    pub(crate) fn support_certified_anywhere(&self, n: &Vector3<f64>, hint: VertexId) -> Extreme {
+        if self.points.len() <= SCANNED {
+            self.highest_of_few(n)
+        } else {
+            self.support_certified(n, self.start_vertex(n, hint))
         }
     }
 

@@ -128,6 +128,10 @@ impl Context<'_> {
         tally: &mut Tally,
     ) {
         let plan = self.table.plan(header.class);
+        // First, as balls lie closer together in memory than shapes.
+        if plan.impact.is_none() && self.is_clear(header, plan.reach, &mut tally.counts) {
+            return drop_contacts(tracker, answer);
+        }
         let (a, b) = (header.a as usize, header.b as usize);
         let (Some(solid_a), Some(solid_b)) = (&self.bodies.solids[a], &self.bodies.solids[b]) else {
             return;
@@ -135,15 +139,11 @@ impl Context<'_> {
         let Some(shapes) = T::shapes(&solid_a.shape, &solid_b.shape) else {
             return;
         };
-        let is_apart = plan
-            .impact
-            .is_some_and(|tolerance| self.sweep_pair(header, (tracker, shapes), (plan, tolerance), tally));
-        if is_apart || self.is_clear(header, plan.reach, &mut tally.counts) {
-            if let Some(stored) = answer.manifold() {
-                *stored = None;
-                tracker.drop_contacts();
-            }
-            return;
+        if let Some(tolerance) = plan.impact
+            && (self.sweep_pair(header, (tracker, shapes), (plan, tolerance), tally)
+                || self.is_clear(header, plan.reach, &mut tally.counts))
+        {
+            return drop_contacts(tracker, answer);
         }
         // Poses within the reach of a scene always have a relative pose.
         let Ok(pose) = RelativePose::new(&self.bodies.poses[a], &self.bodies.poses[b]) else {
@@ -182,10 +182,17 @@ impl Context<'_> {
                 };
                 tracker.update_manifold(shapes, &pose, ask, stored, counts);
             } else {
-                tracker.drop_contacts();
-                *stored = None;
+                drop_contacts(tracker, answer);
             }
         }
+    }
+}
+
+/// Drops the contacts of a pair that is beyond the prediction, if contacts are called for.
+fn drop_contacts<T: PairTracker, A: StoredAnswer>(tracker: &mut T, answer: &mut A) {
+    if let Some(stored) = answer.manifold() {
+        *stored = None;
+        tracker.drop_contacts();
     }
 }
 
