@@ -28,7 +28,7 @@ pub(super) fn search_from(
     let (v, w) = facet.vertices_of(posed.a, posed.b);
     let apex = support(posed, frame, &neg(&normal), &difference_point(posed, frame, v, w));
     let [p, q, r] = pierced(posed, frame, facet, &normal, &apex.w)?;
-    let simplex = Simplex::around_origin([p, q, r, apex], posed.error_scale::<f64>())?;
+    let simplex = Simplex::tetrahedron([p, q, r, apex], posed.error_scale::<f64>());
     if !surface.start(simplex.points()) {
         return None;
     }

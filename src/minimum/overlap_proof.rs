@@ -2,8 +2,8 @@
 //!
 //! A point of the difference is a vertex pair, and stays a point of the difference at any pose.
 //! After most small motions the tetrahedron of the four points at the new pose still contains the
-//! origin, which four signed volumes prove; if not, the solver starts from the last features. Only
-//! for answers without a depth: an answer with a depth keeps a whole surface.
+//! origin, which four signed volumes prove; if not, the solver starts from the points closest to
+//! the origin. Only for answers without a depth: an answer with a depth keeps a whole surface.
 
 use crate::minimum::gjk::{Minimum, solve};
 use crate::minimum::simplex::Simplex;
@@ -41,32 +41,40 @@ impl OverlapProof {
         Self(points)
     }
 
-    /// Returns whether the four points prove an overlap at this pose, and writes the answer, which
-    /// is as good as the solver's.
+    /// Writes an overlap if the four points prove one at this pose or, from what is left of them,
+    /// the solver does; returns the new proof. The bodies had the features `from` in the last
+    /// answer.
     #[inline]
-    pub(crate) fn proves(&self, posed: &PosedPair, draft: &mut Draft) -> bool {
+    pub(crate) fn renewed(&self, posed: &PosedPair, from: FeaturePair, draft: &mut Draft) -> Option<Self> {
+        let frame = Transform::of(posed);
         let (a, b) = (posed.a.points.len(), posed.b.points.len());
         // State from a file, or of different bodies, may name vertices that do not exist.
-        if !self.0.iter().all(|[x, y]| x.index() < a && y.index() < b) {
-            return false;
+        let is_valid = *self != Self::default() && self.0.iter().all(|[x, y]| x.index() < a && y.index() < b);
+        if !is_valid {
+            return solve_overlap(posed, &frame, vertex_of(posed, &frame, from), draft);
         }
-        let frame = Transform::of(posed);
         let points = self.0.map(|[x, y]| difference_point(posed, &frame, x, y));
-        let Some(simplex) = Simplex::around_origin(points, posed.error_scale::<f64>()) else {
-            return false;
-        };
-        draft.solver = Solver::Surface;
-        write_overlap(posed, &simplex, draft)
+        let simplex = Simplex::tetrahedron(points, posed.error_scale::<f64>());
+        if simplex.len() == 4 {
+            draft.solver = Solver::Surface;
+            if write_overlap(posed, &simplex, draft) {
+                return Some(*self);
+            }
+        }
+        solve_overlap(posed, &frame, simplex, draft)
     }
 }
 
-/// Solves at once for an overlap, because the last answer was an overlap. Returns the proof if the
-/// bodies still overlap.
+/// Solves for an overlap from a simplex; returns the proof if the bodies overlap.
 #[cold]
-pub(crate) fn solve_overlap(posed: &PosedPair, from: FeaturePair, draft: &mut Draft) -> Option<OverlapProof> {
+fn solve_overlap(
+    posed: &PosedPair,
+    frame: &Transform<f64>,
+    start: Simplex<f64>,
+    draft: &mut Draft,
+) -> Option<OverlapProof> {
     draft.work.fallbacks += 1;
-    let frame = Transform::of(posed);
-    let Minimum::Inside { simplex } = solve(posed, &frame, vertex_of(posed, &frame, from)) else {
+    let Minimum::Inside { simplex } = solve(posed, frame, start) else {
         return None;
     };
     draft.solver = Solver::Fallback;

@@ -181,10 +181,10 @@ impl<T: Scalar> Simplex<T> {
         }
     }
 
-    /// Returns the tetrahedron if the origin is inside, proven against rounding.
-    pub(crate) fn around_origin(points: [MinkowskiPoint<T>; 4], scale: ErrorScale) -> Option<Self> {
-        let closest = ClosestPoint::tetrahedron(&points, scale);
-        (closest.len == 4).then_some(Self { points, closest })
+    /// Returns the simplex of a tetrahedron: four points if the origin is inside, proven against
+    /// rounding.
+    pub(crate) fn tetrahedron(points: [MinkowskiPoint<T>; 4], scale: ErrorScale) -> Self {
+        Self::reduced(points, ClosestPoint::tetrahedron(&points, scale))
     }
 
     /// Adds a point, and returns whether the hull comes closer to the origin or contains the

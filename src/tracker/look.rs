@@ -2,7 +2,7 @@
 
 use super::{Tracker, clear_of, to_user_units};
 use crate::depth::{Memory, Workspace};
-use crate::minimum::overlap_proof::{self, OverlapProof};
+use crate::minimum::overlap_proof::OverlapProof;
 use crate::pair::draft::Draft;
 use crate::pair::outcome::{Ask, Class, Distance, Outcome, Until};
 use crate::pair::posed::PosedPair;
@@ -117,14 +117,12 @@ impl Tracker {
             return false;
         };
         draft.features = features;
-        if !hold.proves(posed, draft) {
-            self.overlap_proof = overlap_proof::solve_overlap(posed, features, draft);
-            if self.overlap_proof.is_none() {
-                let work = draft.work;
-                *draft = first;
-                draft.work = work;
-                return false;
-            }
+        self.overlap_proof = hold.renewed(posed, features, draft);
+        if self.overlap_proof.is_none() {
+            let work = draft.work;
+            *draft = first;
+            draft.work = work;
+            return false;
         }
         self.totals.note(true, draft.solver, &draft.work);
         if !(posed.a.is_unscaled && posed.b.is_unscaled) {
