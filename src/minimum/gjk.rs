@@ -2,8 +2,8 @@
 //! the walk.
 //!
 //! Gilbert, Johnson and Keerthi 1988, in f64 and in double-double. Departures:
-//! 1. The solver starts from the features on which the walk ended ([`start`](crate::minimum::start)),
-//!    so one support or a few settle most cases.
+//! 1. The solver starts from the features on which the walk ended
+//!    ([`start`](crate::minimum::start)), so one support or a few settle most cases.
 //! 2. The direction of a triangle is the normal, and the direction of an edge is orthogonalised
 //!    once more (never the rounded nearest point), so the last support is also the certificate.
 //! 3. Supports are proven (see [`support`]). The solver ends if the support is in the simplex
