@@ -105,39 +105,70 @@
 //! # Beside other engines
 //!
 //! Fourteen engines on one workload in one run: two world poses in, distance and witnesses out,
-//! 2,000 frames replayed, pairs of hulls of n random points on a sphere; nanoseconds a query on an
-//! AMD EPYC (Zen 4), 2026-11-20. Licences forbid to ship V-Clip and PhysX, so this repository
-//! cannot reproduce their columns. This crate returns proven bounds; PhysX works in `f32` and takes
-//! at most 255 vertices.
+//! 2,000 frames replayed, pairs of hulls of n random points on a sphere, flat ones of 1:1:0.1;
+//! nanoseconds a query on an AMD EPYC (Zen 4), 2026-11-20. Licences forbid to ship V-Clip and
+//! PhysX, so this repository cannot reproduce their columns. This crate returns proven bounds;
+//! PhysX works in `f32` and takes at most 255 vertices.
 //!
 //! | motion a frame | n | this crate | V-Clip 1.0 | SWIFT 1 | PhysX 5.6 | openGJK | MuJoCo 4 |
 //! |---|---:|---:|---:|---:|---:|---:|---:|
 //! | 0.5 degrees | 8 | 71 | 61 | 91 | 97 | 257 | 726 |
 //! | | 32 | 74 | 68 | 97 | 143 | 672 | 1049 |
+//! | | 128 | 78 | 69 | 98 | 141 | 2003 | 1235 |
 //! | | 512 | 90 | 84 | 113 | | 8700 | 1518 |
 //! | | 2048 | 119 | 119 | 136 | | 38486 | 1728 |
+//! | | 8192 | 140 | 146 | 159 | | 169746 | 2065 |
 //! | 5 degrees | 8 | 90 | 74 | 102 | 127 | 308 | 757 |
 //! | | 32 | 112 | 90 | 116 | 262 | 726 | 1233 |
+//! | | 128 | 163 | 123 | 148 | 578 | 2145 | 1426 |
 //! | | 512 | 313 | 342 | 260 | | 8755 | 1605 |
 //! | | 2048 | 383 | 1078 | 796 | | 38150 | 1829 |
+//! | | 8192 | 453 | 2214 | 1436 | | 170233 | 2158 |
+//! | 5 degrees, flat | 8 | 90 | 76 | 104 | 125 | 314 | 822 |
+//! | | 32 | 118 | 88 | 115 | 297 | 821 | 1660 |
+//! | | 128 | 175 | 130 | 150 | 675 | 2414 | 2191 |
+//! | | 512 | 404 | 410 | 312 | | 9769 | 3114 |
+//! | | 2048 | 792 | 994 | 664 | | 45723 | 4899 |
+//! | | 8192 | 1214 | 1687 | 1148 | | 205782 | 8042 |
 //! | 25 degrees | 8 | 157 | 110 | 135 | 227 | 319 | 759 |
 //! | | 32 | 335 | 339 | 309 | 666 | 732 | 1274 |
+//! | | 128 | 365 | 651 | 566 | 1131 | 2164 | 1436 |
 //! | | 512 | 365 | 1258 | 986 | | 8744 | 1606 |
+//! | | 2048 | 394 | 3513 | 2503 | | 37981 | 1863 |
+//! | | 8192 | 451 | 5576 | 3541 | | 171102 | 2201 |
 //! | random pose | 8 | 272 | 315 | 302 | 307 | 273 | 668 |
 //! | | 32 | 273 | 712 | 595 | 663 | 654 | 1074 |
+//! | | 128 | 303 | 1335 | 1007 | 1039 | 1945 | 1161 |
 //! | | 512 | 339 | 2718 | 1815 | | 7918 | 1307 |
+//! | | 2048 | 357 | 6404 | 4031 | | 34255 | 1517 |
+//! | | 8192 | 469 | 19769 | 8511 | | 152367 | 1846 |
+//! | random, flat | 8 | 391 | 321 | 335 | 326 | 300 | 752 |
+//! | | 32 | 502 | 766 | 677 | 751 | 733 | 1462 |
+//! | | 128 | 644 | 1457 | 1185 | 1285 | 2233 | 2000 |
+//! | | 512 | 850 | 3208 | 2208 | | 9074 | 2792 |
+//! | random, boxes | 8 | 210 | 133 | 248 | 279 | 251 | 601 |
 //! | 256 pairs in turn | 8 | 180 | 219 | | 109 | | |
 //! | | 32 | 194 | 281 | | 150 | | |
 //! | | 128 | 184 | 378 | | 254 | | |
+//! | | 512 | 377 | 699 | | | | |
 //! | depth, shallow | 8 | 306 | | | 277 | | 849 |
 //! | | 32 | 418 | | | 531 | | 1484 |
+//! | | 128 | 902 | | | 845 | | 2263 |
 //! | | 512 | 1629 | | | | | 3420 |
+//! | | 2048 | 3384 | | | | | 5681 |
+//! | | 8192 | 5062 | | | | | 10589 |
 //!
-//! V-Clip wins on small bodies: replayed frames train the branch predictor, which favours its many
-//! small steps, and V-Clip is given rotation matrices, this crate quaternions. With frames that do
-//! not repeat, this crate takes 0.98 of V-Clip's time at n = 8 and 0.5 degrees, 0.97 at 25 degrees.
-//! PhysX wins where each pair is met once in 256 queries, and on depths of eight vertices; one
-//! depth of PhysX in eighteen is wrong by more than `1e-4` of the depth.
+//! Where others win: V-Clip on small bodies, up to 512 vertices at 0.5 degrees and 128 at 5
+//! (replayed frames train the branch predictor, which favours its many small steps, and V-Clip is
+//! given rotation matrices, this crate quaternions; with frames that do not repeat, this crate
+//! takes 0.98 of V-Clip's time at n = 8 and 0.5 degrees, 0.97 at 25 degrees); SWIFT at 5 degrees,
+//! on round bodies of 128 and 512 vertices and on flat ones from 32 on, and on up to 32 at 25
+//! degrees; four engines at random poses of flat bodies of eight vertices; PhysX where each pair is
+//! met once in 256 queries, and on depths of eight and 128 vertices. One depth of PhysX in eighteen
+//! is wrong by more than `1e-4` of the depth.
+//!
+//! Since that run, walks at random poses take half a step to a step less, and small bodies 10 to 15
+//! % less time; at 0.5 degrees nothing changed. This crate beside parry now: `BENCHMARKS.md`.
 //!
 //! # Cases this crate loses
 //!
