@@ -327,3 +327,35 @@ fn stretch(points: &[Vector3<f64>]) -> Vector3<f64> {
         Vector3::repeat(1.0)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rng::Rng;
+    use nalgebra::Point3;
+
+    /// Bodies that are scanned and bodies that are climbed, from every hint: the highest vertex, and
+    /// of exactly equal ones on a cube the first.
+    #[test]
+    fn supports_from_anywhere_are_the_highest() {
+        let mut rng = Rng::new(3);
+        for n in [4, 8, 33, SCANNED, SCANNED + 1, 200] {
+            let cloud: Vec<Point3<f64>> = (0..n).map(|_| Point3::from(rng.unit())).collect();
+            let body = ConvexPolyhedron::from_points(&cloud).expect("a solid");
+            for hint in body.vertices().take(60) {
+                let direction = Vector3::from(rng.unit());
+                let highest = body.points.iter().map(|p| direction.dot(p)).fold(f64::MIN, f64::max);
+                let top = body.support_certified_anywhere(&direction, hint);
+                assert_eq!(top.value, highest, "{n} {hint:?}");
+                assert_eq!(direction.dot(&body.points[top.vertex.index()]), highest);
+            }
+        }
+        let cube = crate::polyhedron::solids::cuboid(Vector3::repeat(0.5)).expect("a cube");
+        for axis in [Vector3::x(), -Vector3::x(), Vector3::y(), Vector3::z()] {
+            let first = cube.vertices().find(|v| axis.dot(&cube.points[v.index()]) == 0.5);
+            for hint in cube.vertices() {
+                assert_eq!(Some(cube.support_certified_anywhere(&axis, hint).vertex), first);
+            }
+        }
+    }
+}

@@ -40,3 +40,38 @@ fn facing(body: &ConvexPolyhedron, vertex: VertexId, n: &Vector3<f64>) -> Option
     let along = faces.map(|face| (body.planes[face.index()].normal.dot(n), face));
     along.reduce(|best, one| if one.0 > best.0 { one } else { best })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::RelativePose;
+    use crate::polyhedron::{Feature, solids};
+    use nalgebra::{Isometry3, Point3};
+
+    /// A cube beside a cube: the face that faces the other body, whichever body it belongs to.
+    /// Bodies without faces, and apexes of many faces, start at vertices.
+    #[test]
+    fn a_cold_start_is_the_face_that_faces_the_other_body() {
+        let cube = solids::cuboid(Vector3::repeat(0.5)).unwrap();
+        let ball = solids::octahedron(0.5).unwrap();
+        let segment = ConvexPolyhedron::segment(Point3::origin(), Point3::new(0.0, 1.0, 0.0)).unwrap();
+        let start = |a: &ConvexPolyhedron, b: &ConvexPolyhedron, x: f64| {
+            let pose = RelativePose::from_isometry(&Isometry3::translation(x, 0.01, 0.02)).unwrap();
+            let posed = PosedPair::new(a, b, &pose).ok().unwrap();
+            cold(&posed, &mut Work::default())
+        };
+        for x in [-3.0, 3.0] {
+            let (face_of_a, face_of_b) = (start(&cube, &ball, x), start(&ball, &cube, x));
+            for (face, vertex, side) in [(face_of_a.a, face_of_a.b, x), (face_of_b.b, face_of_b.a, -x)] {
+                let Feature::Face(f) = face else { panic!("{face:?}") };
+                assert!(matches!(vertex, Feature::Vertex(_)));
+                assert_eq!(cube.planes[f.index()].normal, Vector3::x() * side.signum());
+            }
+        }
+        assert_eq!(start(&segment, &segment, 3.0).a.dimension(), 0);
+        let cone = solids::cone(40, 1.0, 1.0).unwrap();
+        let above = RelativePose::from_isometry(&Isometry3::translation(0.0, 0.0, 5.0)).unwrap();
+        let posed = PosedPair::new(&cone, &cube, &above).ok().unwrap();
+        assert_eq!(cold(&posed, &mut Work::default()).a.dimension(), 0);
+    }
+}
