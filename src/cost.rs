@@ -167,8 +167,7 @@
 //! met once in 256 queries, and on depths of eight and 128 vertices. One depth of PhysX in eighteen
 //! is wrong by more than `1e-4` of the depth.
 //!
-//! Since that run, walks at random poses take half a step to a step less, and small bodies 10 to 15
-//! % less time; at 0.5 degrees nothing changed. This crate beside parry now: `BENCHMARKS.md`.
+//! This crate beside parry now: `BENCHMARKS.md`.
 //!
 //! # Cases this crate loses
 //!

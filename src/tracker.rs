@@ -67,7 +67,7 @@ pub struct Tracker {
 
 impl Tracker {
     /// Returns a tracker without a start: the first query begins at the support vertices along the
-    /// line of centres, and the face at either that faces the other body most.
+    /// line of centres.
     #[must_use]
     pub fn new() -> Self {
         Self::default()

@@ -46,10 +46,6 @@ pub(crate) mod polyhedron {
 
 /// The walk and its starts.
 pub(crate) mod walk {
-    /// Faces at a vertex up to which a cold start looks for one that faces the other body. Larger
-    /// fans are searched from the vertex by the walk.
-    pub(crate) const FACING: usize = 16;
-
     /// Squared sine of the angle of two edges below which their closest points are the best of four
     /// projections of ends instead of a projection of the feet on the lines, whose rounding grows
     /// with the inverse of the sine. Not measured.

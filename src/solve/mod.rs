@@ -1,7 +1,7 @@
 //! The Lin-Canny core: from a feature pair to the closest feature pair, with proof.
 //!
-//! 1. **Walk** ([`walk`]): from the cached pair, or from a face and a vertex that face each other
-//!    along the line of centres ([`seed`](crate::walk::seed)).
+//! 1. **Walk** ([`walk`]): from the cached pair, or from the support vertices along the line of
+//!    centres ([`seed`](crate::walk::seed)).
 //! 2. **Certify** ([`certificate`]): witnesses against supporting planes. Agreement within
 //!    `64 UNIT L` is an answer; the bounds are widened by the error term and reported.
 //! 3. **Refine** ([`ladder`]), if the bounds disagree. Both supports along the same direction are
