@@ -70,9 +70,9 @@ fn triangle(body: &ConvexPolyhedron, face: FaceId, x: &Vector3<f64>) -> [VertexI
         let opposite = &ring[1..ring.len() - 1];
         opposite[opposite.partition_point(ends_right).min(opposite.len() - 1)]
     } else {
-        let mut opposite = t.rim(face).skip(1).take_while(|&h| to(h) != first);
+        let opposite = t.rim(face).skip(1).take_while(|&h| to(h) != first);
         let mut exit = t.half_edge(t.rim_half_edge(face)).next;
-        while let Some(h) = opposite.next() {
+        for h in opposite {
             exit = h;
             if !ends_right(&h) {
                 break;
