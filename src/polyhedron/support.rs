@@ -334,8 +334,8 @@ mod tests {
     use crate::rng::Rng;
     use nalgebra::Point3;
 
-    /// Bodies that are scanned and bodies that are climbed, from every hint: the highest vertex, and
-    /// of exactly equal ones on a cube the first.
+    /// Bodies that are scanned and bodies that are climbed, from every hint: the highest vertex,
+    /// and of exactly equal ones on a cube the first.
     #[test]
     fn supports_from_anywhere_are_the_highest() {
         let mut rng = Rng::new(3);
