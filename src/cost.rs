@@ -30,7 +30,8 @@
 //! * **The proof is cheap.** [`Tracker::closest`](crate::Tracker::closest) takes one to three
 //!   nanoseconds more than the walk alone.
 //! * **The last bit is expensive**: [`closest_exact`](crate::Tracker) takes microseconds, some
-//!   hundred times a certified answer.
+//!   thirty times a certified answer; since this record it takes a half to a sixth of the time
+//!   (`BENCHMARKS.md`).
 //!
 //! A slower motion, 0.05 degrees a frame, and 512 vertices, each engine and level a point with its
 //! spread (parry's `distance` caches nothing between frames):
@@ -80,8 +81,8 @@
 //!
 //! A line on the diagonal reports separated bodies as touching: an error of the whole gap. Here
 //! this crate is slow: below `1e-13 L` a certified answer comes from double-double arithmetic and
-//! takes some ten microseconds, an exact answer a hundred, while parry's GJK finishes, wrong, in
-//! less than one.
+//! takes some ten microseconds (half as long since this record), an exact answer a hundred, while
+//! parry's GJK finishes, wrong, in less than one.
 //!
 #![doc = include_str!("../images/contact-time.svg")]
 //!
