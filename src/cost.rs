@@ -29,9 +29,9 @@
 //!   solver is often sold with a tolerance; on polytopes a tolerance buys nothing here.
 //! * **The proof is cheap.** [`Tracker::closest`](crate::Tracker::closest) takes one to three
 //!   nanoseconds more than the walk alone.
-//! * **The last bit is expensive**: [`closest_exact`](crate::Tracker) takes microseconds, some
-//!   thirty times a certified answer; since this record it takes a half to a sixth of the time
-//!   (`BENCHMARKS.md`).
+//! * **The last bit is expensive**: [`closest_exact`](crate::Tracker) takes microseconds, in this
+//!   table some hundred times a certified answer. Since this record it has become 1.6 to 7 times as
+//!   fast: 17 to 44 times a certified answer (`BENCHMARKS.md`).
 //!
 //! A slower motion, 0.05 degrees a frame, and 512 vertices, each engine and level a point with its
 //! spread (parry's `distance` caches nothing between frames):
@@ -81,8 +81,8 @@
 //!
 //! A line on the diagonal reports separated bodies as touching: an error of the whole gap. Here
 //! this crate is slow: below `1e-13 L` a certified answer comes from double-double arithmetic and
-//! takes some ten microseconds (half as long since this record), an exact answer a hundred, while
-//! parry's GJK finishes, wrong, in less than one.
+//! takes some ten microseconds, an exact answer a hundred, while parry's GJK finishes, wrong, in
+//! less than one.
 //!
 #![doc = include_str!("../images/contact-time.svg")]
 //!
@@ -159,13 +159,14 @@
 //! | | 2048 | 3384 | | | | | 5681 |
 //! | | 8192 | 5062 | | | | | 10589 |
 //!
-//! Where others win: V-Clip on small bodies, up to 512 vertices at 0.5 degrees and 128 at 5
-//! (replayed frames train the branch predictor, which favours its many small steps, and V-Clip is
+//! Where others win: V-Clip up to 512 vertices at 0.5 degrees, up to 128 at 5, at 8 at 25 degrees,
+//! and on boxes at random poses (replayed frames train the branch predictor, which favours its many small steps, and V-Clip is
 //! given rotation matrices, this crate quaternions; with frames that do not repeat, this crate
 //! takes 0.98 of V-Clip's time at n = 8 and 0.5 degrees, 0.97 at 25 degrees); SWIFT at 5 degrees,
 //! on round bodies of 128 and 512 vertices and on flat ones from 32 on, and on up to 32 at 25
-//! degrees; four engines at random poses of flat bodies of eight vertices; PhysX where each pair is
-//! met once in 256 queries, and on depths of eight and 128 vertices. One depth of PhysX in eighteen
+//! degrees; four engines at random poses of flat bodies of eight vertices; PhysX on bodies of
+//! up to 32 vertices where each pair is met once in 256 queries, and on depths of eight and 128
+//! vertices. One depth of PhysX in eighteen
 //! is wrong by more than `1e-4` of the depth.
 //!
 //! This crate beside parry now: `BENCHMARKS.md`.
@@ -173,7 +174,7 @@
 //! # Cases this crate loses
 //!
 //! * Exact distances: parry's f64 answer for bodies of eight vertices is right to `1e-15 L` and
-//!   eight times as fast.
+//!   four times as fast.
 //! * Contact below `1e-13 L`, in time (above).
 //! * Random poses, for which no cached state helps: five times a tracked query on round bodies of
 //!   512 vertices, nine times on flat bodies.

@@ -50,7 +50,7 @@ pub(crate) fn solve<T: Scalar>(posed: &PosedPair, frame: &Transform<T>, mut simp
         if height > lower {
             (lower, direction) = (height, d);
         }
-        // Of equal points, as of a face of more than three vertices, one is as good as another.
+        // The support is no closer than the simplex: another vertex of the same face, for example.
         let is_closest = simplex.points().iter().all(|p| dot(&d, &p.w) <= reach);
         if is_closest || simplex.contains(c.a, c.b) || !simplex.add(c, scale) {
             break;

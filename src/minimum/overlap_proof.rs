@@ -41,27 +41,30 @@ impl OverlapProof {
         Self(points)
     }
 
-    /// Writes an overlap if the four points prove one at this pose or, from what is left of them,
-    /// the solver does; returns the new proof. The bodies had the features `from` in the last
-    /// answer.
+    /// Proves the overlap at this pose and writes it, by the four points or, if they do not contain
+    /// the origin, by the solver, which starts from those closest to the origin. Returns the new
+    /// proof; `None` if the bodies are not proven to overlap. `from`, the features of the last
+    /// answer, are the start if the four points are of no use.
     #[inline]
     pub(crate) fn renewed(&self, posed: &PosedPair, from: FeaturePair, draft: &mut Draft) -> Option<Self> {
         let frame = Transform::of(posed);
         let (a, b) = (posed.a.points.len(), posed.b.points.len());
         // State from a file, or of different bodies, may name vertices that do not exist.
         let is_valid = *self != Self::default() && self.0.iter().all(|[x, y]| x.index() < a && y.index() < b);
-        if !is_valid {
-            return solve_overlap(posed, &frame, vertex_of(posed, &frame, from), draft);
-        }
-        let points = self.0.map(|[x, y]| difference_point(posed, &frame, x, y));
-        let simplex = Simplex::tetrahedron(points, posed.error_scale::<f64>());
-        if simplex.len() == 4 {
-            draft.solver = Solver::Surface;
-            if write_overlap(posed, &simplex, draft) {
+        let mut start = None;
+        if is_valid {
+            let points = self.0.map(|[x, y]| difference_point(posed, &frame, x, y));
+            let simplex = Simplex::tetrahedron(points, posed.error_scale::<f64>());
+            if simplex.len() < 4 {
+                start = Some(simplex);
+            } else if write_overlap(posed, &simplex, draft) {
+                draft.solver = Solver::Surface;
                 return Some(*self);
             }
         }
-        solve_overlap(posed, &frame, simplex, draft)
+        // Four points around the origin whose witnesses differ are no start: nothing is left to add.
+        let start = start.unwrap_or_else(|| vertex_of(posed, &frame, from));
+        solve_overlap(posed, &frame, start, draft)
     }
 }
 

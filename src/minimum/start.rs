@@ -2,14 +2,13 @@
 //! about its witnesses.
 //!
 //! ```text
-//!   v_k+1 .------. v_k        Of a face, the triangle of one fan of its vertices that holds the
-//!         |`.  x |            witness x, with the vertex of the other body. Of two edges, the half
-//!         |   `. |            of their parallelogram that holds the crossing.
+//!   v_k+1 .------. v_k        Face and vertex: of the triangles v_0 v_k v_k+1 of the face, the one
+//!         |`.  x |            that holds the witness x, minus the vertex. Two edges: the half of
+//!         |   `. |            the parallelogram of their differences that holds the crossing.
 //!         '-----`. v_0
 //! ```
 //!
-//! If the features of the proposal are the closest ones, the solver needs one more support, which
-//! is the proof.
+//! If the features of the proposal are the closest ones, one support more is the proof.
 
 use nalgebra::Vector3;
 
@@ -56,7 +55,7 @@ fn ends(body: &ConvexPolyhedron, edge: EdgeId, x: &Vector3<f64>) -> [VertexId; 2
     }
 }
 
-/// Returns three vertices of a face round `x`: the first vertex, and the ends of the edge by which
+/// Returns three vertices of a face around `x`: the first vertex, and the ends of the edge by which
 /// the ray from the first vertex through `x` leaves the face.
 fn triangle(body: &ConvexPolyhedron, face: FaceId, x: &Vector3<f64>) -> [VertexId; 3] {
     let t = &body.topology;

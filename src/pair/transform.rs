@@ -57,11 +57,11 @@ impl Transform<DoubleDouble> {
     /// Returns the transform between two stored frames, each given by its origin and by the
     /// exponent of its unit, a power of two. `None` as for [`new`](Self::new).
     pub(crate) fn between(a: (&Vector3<f64>, i32), b: (&Vector3<f64>, i32), pose: &RelativePose) -> Option<Self> {
-        let (a_from_world, rb) = (transposed(&rotation(&pose.a.q())), rotation(&pose.b.q()));
-        let translation = Self::shift_by((&a_from_world, &rb), a, b.0, pose)?;
+        let (a_from_world, world_from_b) = (transposed(&rotation(&pose.a.q())), rotation(&pose.b.q()));
+        let translation = Self::shift_by((&a_from_world, &world_from_b), a, b.0, pose)?;
         let scale = DoubleDouble::from(power_of_two(b.1 - a.1));
         let columns: [[DoubleDouble; 3]; 3] =
-            core::array::from_fn(|c| apply(&a_from_world, &core::array::from_fn(|r| rb[r][c] * scale)));
+            core::array::from_fn(|c| apply(&a_from_world, &core::array::from_fn(|r| world_from_b[r][c] * scale)));
         Some(Self {
             matrix: transposed(&columns),
             translation,
@@ -74,7 +74,7 @@ impl Transform<DoubleDouble> {
         Self::shift_by(rotations, a, b, pose)
     }
 
-    /// Returns [`shift`](Self::shift) by the rotations of the world to A and of B to the world.
+    /// Returns [`shift`](Self::shift), given the rotations of the pose.
     fn shift_by(
         (a_from_world, world_from_b): (&Rotation, &Rotation),
         a: (&Vector3<f64>, i32),

@@ -144,8 +144,9 @@ impl ConvexPolyhedron {
         }
     }
 
-    /// Returns the proven support vertex along `n` for directions far from those that `hint`
-    /// supports: by a scan of a small body, else from the cube map or the hint.
+    /// Returns the proven support vertex along `n`, for solvers whose directions jump: a body of up
+    /// to [`SCANNED`] vertices is scanned, a larger one climbed from the better of `hint` and the
+    /// cube map.
     pub(crate) fn support_certified_anywhere(&self, n: &Vector3<f64>, hint: VertexId) -> Extreme {
         if self.points.len() <= SCANNED {
             self.highest_of_few(n)

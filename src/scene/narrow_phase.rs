@@ -128,7 +128,7 @@ impl Context<'_> {
         tally: &mut Tally,
     ) {
         let plan = self.table.plan(header.class);
-        // First, as balls lie closer together in memory than shapes.
+        // Balls before shapes: a far pair then reads no shape. A sweep must come before its balls.
         if plan.impact.is_none() && self.is_clear(header, plan.reach, &mut tally.counts) {
             return drop_contacts(tracker, answer);
         }
