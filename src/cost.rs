@@ -160,14 +160,14 @@
 //! | | 8192 | 5062 | | | | | 10589 |
 //!
 //! Where others win: V-Clip up to 512 vertices at 0.5 degrees, up to 128 at 5, at 8 at 25 degrees,
-//! and on boxes at random poses (replayed frames train the branch predictor, which favours its many small steps, and V-Clip is
-//! given rotation matrices, this crate quaternions; with frames that do not repeat, this crate
-//! takes 0.98 of V-Clip's time at n = 8 and 0.5 degrees, 0.97 at 25 degrees); SWIFT at 5 degrees,
-//! on round bodies of 128 and 512 vertices and on flat ones from 32 on, and on up to 32 at 25
-//! degrees; four engines at random poses of flat bodies of eight vertices; PhysX on bodies of
-//! up to 32 vertices where each pair is met once in 256 queries, and on depths of eight and 128
-//! vertices. One depth of PhysX in eighteen
-//! is wrong by more than `1e-4` of the depth.
+//! and on boxes at random poses (replayed frames train the branch predictor, which favours its many
+//! small steps, and V-Clip is given rotation matrices, this crate quaternions; with frames that do
+//! not repeat, this crate takes 0.98 of V-Clip's time at n = 8 and 0.5 degrees, 0.97 at 25
+//! degrees); SWIFT at 5 degrees, on round bodies of 128 and 512 vertices and on flat ones from 32
+//! on, and on up to 32 at 25 degrees; four engines at random poses of flat bodies of eight
+//! vertices; PhysX on bodies of up to 32 vertices where each pair is met once in 256 queries, and
+//! on depths of eight and 128 vertices. One depth of PhysX in eighteen is wrong by more than `1e-4`
+//! of the depth.
 //!
 //! This crate beside parry now: `BENCHMARKS.md`.
 //!

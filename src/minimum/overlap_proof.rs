@@ -62,7 +62,7 @@ impl OverlapProof {
                 return Some(*self);
             }
         }
-        // Four points around the origin whose witnesses differ are no start: nothing is left to add.
+        // Four points around the origin whose witnesses differ are no start: no point is closer.
         let start = start.unwrap_or_else(|| vertex_of(posed, &frame, from));
         solve_overlap(posed, &frame, start, draft)
     }
