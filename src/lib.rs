@@ -98,6 +98,7 @@
 //! |---|---|
 //! | [`Tracker::propose`] | the result of the walk: no bounds in its type |
 //! | [`Tracker::closest`], [`Tracker::distance`] | bounds no wider than `1e-13 L` |
+//! | [`Tracker::closest_with_local_depth`] | as `closest`; the depth of an overlap is bounded from above by a translation that parts the bodies, perhaps not the shortest |
 //! | `Tracker::closest_exact` | the class is exact, the distance of separated bodies within one unit in the last place; depths as by `closest` |
 //! | [`Tracker::intersects`], [`Tracker::within`] | exact with the feature `exact`; without the feature, ties count as within |
 //! | [`impact::cast`] | a bracket of the first contact of two motions, or a miss, proven for every instant |

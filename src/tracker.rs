@@ -86,10 +86,7 @@ impl Tracker {
     /// may be the deepest, and is tested, in some 3 to 7 us.
     #[inline]
     pub fn closest(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Outcome {
-        let before = self.before(a, b);
-        let outcome = self.answer(a, b, a_from_b, Ask::certified(Until::Depth));
-        debug_check(a, b, a_from_b, &before, Accuracy::Certified, &outcome);
-        outcome
+        self.checked(a, b, a_from_b, Until::Depth)
     }
 
     /// Returns the closest features as [`closest`](Self::closest) does, with the distance of
@@ -127,7 +124,7 @@ impl Tracker {
         b: &ConvexPolyhedron,
         a_from_b: &RelativePose,
     ) -> Outcome {
-        self.answer(a, b, a_from_b, Ask::certified(Until::Class))
+        self.measure(a, b, a_from_b, Until::Class)
     }
 
     /// Returns the distance and its bounds without the witnesses.
@@ -258,8 +255,8 @@ impl Tracker {
             self.solve_in_units_of_b(a, b, a_from_b, ask, draft);
         } else if let Ok(posed) = PosedPair::new(a, b, a_from_b) {
             let mut near = None;
-            if ask.until == Until::Depth && !self.memory.is_empty() {
-                match self.resume(&posed, draft) {
+            if ask.until.has_depth() && !self.memory.is_empty() {
+                match self.resume(&posed, ask.until, draft) {
                     Resumed::Proven => return,
                     Resumed::Apart(start) => near = Some(start),
                     Resumed::Open => {}
@@ -276,7 +273,7 @@ impl Tracker {
             }
             let memory = &mut self.memory;
             solve::solve(ask.accuracy, &posed, warm.is_some(), draft, |draft| {
-                ask.until == Until::Depth && enters_overlap(&posed, memory, draft)
+                ask.until.has_depth() && enters_overlap(&posed, memory, draft)
             });
             self.deepen(ask, &posed, draft);
             self.count(warm.is_some(), a, b, draft);
@@ -294,7 +291,7 @@ impl Tracker {
     fn deepen(&mut self, ask: Ask, posed: &PosedPair, draft: &mut Draft) {
         if draft.class == Class::Overlapping {
             self.overlap_proof = (ask.until == Until::Class).then(OverlapProof::default);
-            let is_open = ask.until == Until::Depth && draft.lower == f64::NEG_INFINITY;
+            let is_open = ask.until.has_depth() && draft.lower == f64::NEG_INFINITY;
             let is_touch = is_open && ask.accuracy != Accuracy::Exact && depth::of_touch(posed, draft);
             if is_open && !is_touch {
                 depth::penetration_depth(posed, &mut self.memory, draft);
@@ -371,6 +368,7 @@ impl Tracker {
 
 // Below the methods above, so that the documentation begins with `new` and `closest`.
 mod contacts;
+mod local;
 mod look;
 mod reach;
 mod resume;

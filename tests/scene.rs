@@ -419,3 +419,63 @@ fn most_separated_pairs_are_answered_by_the_budget() {
         assert!(share > 0.6, "{share}");
     }
 }
+
+/// A local depth in a scene bounds the depth, under contacts too, and neither effect changes who overlaps.
+#[test]
+fn local_depths_bound_the_depths() {
+    let near = Effects {
+        distance: Some(0.3),
+        features: true,
+        ..NONE
+    };
+    let mut options = ManifoldOptions::within(D);
+    options.local_depth = true;
+    let asked = [
+        Effects { depth: true, ..near },
+        Effects {
+            local_depth: true,
+            ..near
+        },
+        Effects {
+            manifold: Some(options),
+            ..near
+        },
+        // What calls for the depth gets the depth.
+        Effects {
+            manifold: Some(options),
+            depth: true,
+            ..near
+        },
+        Effects {
+            manifold: Some(ManifoldOptions::within(D)),
+            local_depth: true,
+            ..near
+        },
+    ];
+    let (mut overlaps, mut wide) = (0, [0; 5]);
+    let mut plays = asked.map(|effects| Play::new(Kind::Pile, 60, effects));
+    for _ in 0..60 {
+        plays.iter_mut().for_each(Play::step);
+        let [deep, others @ ..] = &plays;
+        for pair in deep.scene.pairs() {
+            let depth = pair.outcome;
+            for (k, other) in others.iter().enumerate() {
+                let outcome = other.scene.pair(pair.a, pair.b).and_then(|p| p.outcome);
+                assert_eq!(
+                    outcome.map(|o| o.class),
+                    depth.map(|o| o.class),
+                    "{outcome:?} {depth:?}"
+                );
+                let (Some(o), Some(d)) = (outcome, depth) else { continue };
+                assert!(o.lower <= d.upper && d.lower <= o.upper, "{o:?} {d:?}");
+                overlaps += usize::from(o.class == Class::Overlapping);
+                wide[k + 1] += usize::from(o.upper - o.lower > 1e-12);
+            }
+        }
+    }
+    let [_, local, contacts, both, proven] = wide;
+    assert!(
+        overlaps > 2000 && local > 100 && contacts > 100 && both + proven == 0,
+        "{overlaps} {wide:?}"
+    );
+}

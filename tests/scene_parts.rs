@@ -7,7 +7,7 @@ use lin_canny::{Distance, Manifold, ManifoldOptions, Outcome};
 
 const KINDS: [Kind; 2] = [Kind::Sparse, Kind::Pile];
 
-fn sets() -> [Effects; 5] {
+fn sets() -> [Effects; 6] {
     let none = Effects::none();
     [
         Effects {
@@ -33,6 +33,12 @@ fn sets() -> [Effects; 5] {
         },
         Effects {
             manifold: Some(ManifoldOptions::within(0.05)),
+            ..none
+        },
+        Effects {
+            features: true,
+            local_depth: true,
+            overlap: true,
             ..none
         },
     ]

@@ -1,7 +1,7 @@
 //! Bodies in contact: depth, normal and contact points, ours against parry, the same frames for every engine, passes
 //! interleaved.
 //!
-//! Every engine gets two world poses. `ours` and `parry-contact` return signed distance, normal and both points in the world;
+//! Every engine gets two world poses. `ours`, `ours-local` (a local depth) and `parry-contact` return signed distance, normal and both points in the world;
 //! the manifolds stay in the bodies' frames. The scenes are those of `lab::contacts`.
 
 use std::hint::black_box;
@@ -19,14 +19,16 @@ use crate::common::{Options, Rows, WARM_UP, median};
 #[derive(Clone, Copy, PartialEq)]
 enum Engine {
     Ours,
+    Local,
     Manifold,
     ParryContact,
     ParryManifold,
 }
 
 impl Engine {
-    const ALL: [Engine; 4] = [
+    const ALL: [Engine; 5] = [
         Engine::Ours,
+        Engine::Local,
         Engine::Manifold,
         Engine::ParryContact,
         Engine::ParryManifold,
@@ -35,6 +37,7 @@ impl Engine {
     fn name(self) -> &'static str {
         match self {
             Engine::Ours => "ours",
+            Engine::Local => "ours-local",
             Engine::Manifold => "ours-manifold",
             Engine::ParryContact => "parry-contact",
             Engine::ParryManifold => "parry-manifold-warm",
@@ -81,12 +84,16 @@ type Answer = (f64, usize);
 fn ask(engine: Engine, race: &Race, frame: usize, state: &mut State) -> Answer {
     let none = (f64::NAN, 0);
     match engine {
-        Engine::Ours => {
+        Engine::Ours | Engine::Local => {
             let (pa, pb) = &race.poses[frame];
             let Ok(relative) = RelativePose::new(pa, pb) else {
                 return none;
             };
-            let o = state.tracker.closest(&race.scene.a, &race.scene.b, &relative);
+            let (a, b, tracker) = (&race.scene.a, &race.scene.b, &mut state.tracker);
+            let o = match engine {
+                Engine::Local => tracker.closest_with_local_depth(a, b, &relative),
+                _ => tracker.closest(a, b, &relative),
+            };
             black_box((pa * o.point_on_a, pb * o.point_on_b, pa * o.normal.into_inner()));
             (o.distance, 1)
         }
@@ -122,6 +129,7 @@ fn ask(engine: Engine, race: &Race, frame: usize, state: &mut State) -> Answer {
 fn pass(engine: Engine, race: &Race, frames: usize) -> f64 {
     match engine {
         Engine::Ours => time(frames, |f, s| ask(Engine::Ours, race, f, s)),
+        Engine::Local => time(frames, |f, s| ask(Engine::Local, race, f, s)),
         Engine::Manifold => time(frames, |f, s| ask(Engine::Manifold, race, f, s)),
         Engine::ParryContact => time(frames, |f, s| ask(Engine::ParryContact, race, f, s)),
         Engine::ParryManifold => time(frames, |f, s| ask(Engine::ParryManifold, race, f, s)),
@@ -211,7 +219,7 @@ fn run_scene(scene: &'static str, shape: &'static str, n: usize, quick: bool) ->
     let count = if quick { 200 } else { 1000 };
     let race = Race::new(Scene::new(scene, shape, n, count))?;
     let share = |e: Engine| match e {
-        Engine::Ours | Engine::Manifold => count,
+        Engine::Ours | Engine::Local | Engine::Manifold => count,
         _ => (40_000 / n).clamp(16, count),
     };
     let reference = answers(Engine::Ours, &race, count);
@@ -247,11 +255,12 @@ fn run_scene(scene: &'static str, shape: &'static str, n: usize, quick: bool) ->
 fn print(row: &Row) {
     let at = |e: Engine| row.ns[Engine::ALL.iter().position(|&x| x == e).unwrap_or(0)];
     println!(
-        "{:<12} {:<7} {:>5} {:>9.0} {:>9.0} {:>9.0} {:>9.0} {:>7.4} {:>7.4} {:>9.0} {:>6.1} {:>4.1} {:>4.1}{}",
+        "{:<12} {:<7} {:>5} {:>9.0} {:>9.0} {:>9.0} {:>9.0} {:>9.0} {:>7.4} {:>7.4} {:>9.0} {:>6.1} {:>4.1} {:>4.1}{}",
         row.scene,
         row.shape,
         row.n,
         at(Engine::Ours),
+        at(Engine::Local),
         at(Engine::Manifold),
         at(Engine::ParryContact),
         at(Engine::ParryManifold),
@@ -275,13 +284,25 @@ pub(crate) fn run(o: &Options) -> Rows {
         })
         .collect();
     println!(
-        "nanoseconds a frame. ours: depth and witnesses; manifold: ours; parry: its contact; p-manif: its manifold, kept.\n\
+        "nanoseconds a frame. ours: depth and witnesses; local: with a local depth; manifold: ours; parry: its contact; p-manif: its manifold, kept.\n\
          /parry, /p-man: ours over theirs. frame, p99: the median frame of ours, and the 99th percentile over it. points: contacts of a\n\
          manifold on the mean, ours and parry's. off: how far a signed distance is from our certified one, for bodies of radius 1.\n"
     );
     println!(
-        "{:<12} {:<7} {:>5} {:>9} {:>9} {:>9} {:>9} {:>7} {:>7} {:>9} {:>6} {:>9}",
-        "scene", "shape", "n", "ours", "manifold", "parry", "p-manif", "/parry", "/p-man", "frame", "p99", "points"
+        "{:<12} {:<7} {:>5} {:>9} {:>9} {:>9} {:>9} {:>9} {:>7} {:>7} {:>9} {:>6} {:>9}",
+        "scene",
+        "shape",
+        "n",
+        "ours",
+        "local",
+        "manifold",
+        "parry",
+        "p-manif",
+        "/parry",
+        "/p-man",
+        "frame",
+        "p99",
+        "points"
     );
     let progress = Progress::new("race contact", plan.len() as u64);
     let mut rows = vec![];

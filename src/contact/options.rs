@@ -1,6 +1,7 @@
 //! Options of a contact manifold.
 
 use super::MOST_POINTS;
+use crate::pair::outcome::Until;
 
 /// Options of a contact manifold. A NaN option requests nothing.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,6 +35,14 @@ pub struct ManifoldOptions {
     /// long as they stay in the overlap and include the deepest. Default 1/16.
     #[cfg_attr(feature = "serde", serde(with = "crate::num::scalar::infinite"))]
     pub choice: f64,
+    /// Whether a local depth will do: normal and separations of an overlap from the nearest facet
+    /// about the last one, for a fraction of the time, whether or not a shorter translation parts
+    /// the bodies: see [`Tracker::closest_with_local_depth`]. For polyhedra, sharp or rounded;
+    /// other shapes, and bodies of pieces, keep the depth. Default false.
+    ///
+    /// [`Tracker::closest_with_local_depth`]: crate::Tracker::closest_with_local_depth
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub local_depth: bool,
 }
 
 impl Default for ManifoldOptions {
@@ -52,7 +61,13 @@ impl ManifoldOptions {
             sine: 0.5,
             drift: 1.0 / 1024.0,
             choice: 1.0 / 16.0,
+            local_depth: false,
         }
+    }
+
+    /// Returns what the contacts need of an overlap.
+    pub(crate) fn until(&self) -> Until {
+        Until::of_depth(true, self.local_depth)
     }
 
     pub(crate) fn most(&self) -> usize {

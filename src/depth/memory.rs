@@ -10,6 +10,7 @@ use alloc::vec::Vec;
 
 use crate::num::scalar::Vec3;
 use crate::pair::difference::MinkowskiPoint;
+use crate::pair::posed::PosedPair;
 use crate::polyhedron::{FeaturePair, VertexId};
 use crate::tuning::depth::{GAIN, MAX_TRIANGLES};
 
@@ -207,6 +208,11 @@ impl Memory {
             None if self.points.len() > MAX_POINTS => Err("the cached surface has too many points".into()),
             None => Ok(()),
         }
+    }
+
+    /// Returns the cached facet if the bodies have one of this name.
+    pub(crate) fn facet_of(&self, posed: &PosedPair) -> Option<FeaturePair> {
+        self.facet.filter(|facet| facet.is_of(posed.a, posed.b))
     }
 
     /// Returns whether the cache holds no facet to resume from.

@@ -23,7 +23,9 @@
 //!    beneath the boundary of P ([`facet_disc`]).
 //! 6. A shallow overlap needs no surface: a facet found by a walk over facets ([`descent`]) and one
 //!    point deep in P prove the depth ([`pyramid`]), at the price of a walk ([`nearest`]).
-//! 7. If the origin lies on the boundary of the first tetrahedron (lattices, concentric and equal
+//! 7. A local depth, an upper bound alone, is the height of the facet on which the descent ends; a
+//!    pyramid or four points around the origin prove the overlap ([`local`]).
+//! 8. If the origin lies on the boundary of the first tetrahedron (lattices, concentric and equal
 //!    bodies), the surface is grown about a point close to the origin until the ball about the
 //!    shifted point contains the origin too.
 
@@ -35,6 +37,7 @@ mod exhaustive;
 mod facet;
 mod facet_disc;
 mod foot;
+mod local;
 mod memory;
 mod nearest;
 mod pyramid;
@@ -63,6 +66,7 @@ use result::{SearchEnd, SearchResult};
 use search::search;
 use surface::EnclosingSurface;
 
+pub(crate) use local::local_depth;
 pub(crate) use memory::{Memory, RawMemory, Workspace};
 pub(crate) use nearest::{Nearest, depth_from, nearest_facet};
 pub(crate) use resume::resume;

@@ -23,7 +23,7 @@ use crate::tolerance::AGREE_DEPTH;
 /// What a search from cached state says.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Nearest {
-    /// The depth is proven and written.
+    /// The depth is written, with bounds as close as the request requires.
     Proven,
     /// The bodies seem to be apart; the features are a start for the walk.
     Apart(FeaturePair),
@@ -48,17 +48,22 @@ pub(crate) fn nearest_facet(posed: &PosedPair, from: FeaturePair, memory: &mut M
         if !memory.is_empty() {
             memory.move_to(facet.features);
         }
-        return if writes_touch(posed, &facet, draft) {
-            Nearest::Touch
-        } else {
-            Nearest::Open(Some(facet.features))
-        };
+        return touch_or_open(posed, &facet, draft);
     };
     // The next query asks the facet before a surface.
     memory.clear();
     memory.move_to(facet.features);
     write_overlap(posed, &found, draft);
     Nearest::Proven
+}
+
+/// Returns what a facet tells that proves no depth: a touch, or a start for a search.
+pub(super) fn touch_or_open(posed: &PosedPair, facet: &LowFacet, draft: &mut Draft) -> Nearest {
+    if writes_touch(posed, facet, draft) {
+        Nearest::Touch
+    } else {
+        Nearest::Open(Some(facet.features))
+    }
 }
 
 /// Writes the touch of bodies at a facet that is no higher than rounding; returns false for a

@@ -39,11 +39,17 @@ impl SearchResult<f64> {
     /// Returns the result if the difference contains the ball up to the best facet, which has
     /// witnesses.
     pub(super) fn proven(best: &Best<f64>, witnesses: WitnessPoints, size: f64) -> Self {
+        Self::of_facet(best, witnesses, best.height - AGREE_DEPTH * size)
+    }
+
+    /// Returns the result if the difference contains a ball of this radius, with the best facet and
+    /// its witnesses.
+    pub(super) fn of_facet(best: &Best<f64>, witnesses: WitnessPoints, radius: f64) -> Self {
         Self {
             end: SearchEnd::Closed,
             normal: best.normal,
             height: best.height,
-            radius: best.height - AGREE_DEPTH * size,
+            radius,
             vertices: [MinkowskiPoint::default(); 3],
             witnesses: Some(witnesses),
             features: best.features,

@@ -71,14 +71,27 @@ impl Ask {
 pub(crate) enum Until {
     /// An overlap is proven; the penetration depth stays open.
     Class,
+    /// The penetration depth of an overlap is bounded from above, by a locally deepest facet.
+    LocalDepth,
     /// The penetration depth of an overlap is bounded as well.
     Depth,
 }
 
 impl Until {
-    /// Returns [`Until::Depth`] if the depth of overlaps is called for.
-    pub(crate) fn depth_if(depth: bool) -> Self {
-        if depth { Self::Depth } else { Self::Class }
+    /// Returns where to stop for the depth of overlaps, if called for: a local depth will do or
+    /// not.
+    pub(crate) fn of_depth(depth: bool, local: bool) -> Self {
+        match (depth, local) {
+            (false, _) => Self::Class,
+            (true, true) => Self::LocalDepth,
+            (true, false) => Self::Depth,
+        }
+    }
+
+    /// Returns whether overlaps get a depth.
+    #[inline(always)]
+    pub(crate) fn has_depth(self) -> bool {
+        self != Self::Class
     }
 }
 

@@ -76,13 +76,13 @@ impl From<Group> for u8 {
 /// | nothing | [`none`](Self::none) | the bodies are never paired | nothing |
 /// | boxes | `boxes` | boxes begin and cease to overlap | a slot |
 /// | predicates | `overlap`, `within`, `impact` | an exact yes or no, or the budget | a tracker |
-/// | distance | `distance`, `depth` | the signed distance and its bounds | the distance as well |
+/// | distance | `distance`, `depth`, `local_depth` | signed distance, bounds | distance as well |
 /// | features | `features` | features, witnesses and normal as well | the outcome as well |
 /// | manifold | `manifold` | contact points as well | a manifold as well, within its prediction |
 ///
 /// A level includes the levels above in the table as far as called for: events of overlaps need no
-/// further query if a distance is computed anyway. `depth` is a property of the last two levels:
-/// without `depth` an overlap is only known to be an overlap.
+/// further query if a distance is computed anyway. `depth` and `local_depth` are properties of the
+/// levels from distance on: without them an overlap is only known to be an overlap.
 ///
 /// ```
 /// use lin_canny::scene::Effects;
@@ -111,11 +111,20 @@ pub struct Effects {
     /// Features, witness points and normal of the pairs with a distance. Without `distance`, pairs
     /// up to `within` apart are measured, or, if `within` is not set, bodies that share a point.
     pub features: bool,
-    /// The depth of an overlap: without this effect an overlap has the distance 0 and no lower
-    /// bound. Without `distance` or `features` only overlaps are measured.
+    /// The depth of an overlap: without this effect and `local_depth` an overlap has the distance 0
+    /// and no lower bound. Without `distance` or `features` only overlaps are measured.
     pub depth: bool,
+    /// A local depth of an overlap, where `depth` does not call for the least: an upper bound for
+    /// a fraction of the time, see [`Tracker::closest_with_local_depth`]. Bodies other than
+    /// polyhedra, sharp or rounded, get the depth. Without `distance` or `features` only overlaps
+    /// are measured.
+    ///
+    /// [`Tracker::closest_with_local_depth`]: crate::Tracker::closest_with_local_depth
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub local_depth: bool,
     /// The contact points of bodies within the prediction of these options, including the effects
-    /// of `features` and `depth`. Boxes grow by the prediction.
+    /// of `features` and `depth` (of `local_depth` if the options call for no more). Boxes grow by
+    /// the prediction.
     pub manifold: Option<ManifoldOptions>,
     /// Continuous detection: when two bodies that [`Scene::advance`](super::Scene::advance) moves
     /// first meet between two steps, however fast and thin they are, in a bracket of this width:
@@ -134,6 +143,7 @@ impl Effects {
             distance: None,
             features: false,
             depth: false,
+            local_depth: false,
             manifold: None,
             impact: None,
         }
@@ -164,8 +174,15 @@ impl Effects {
         }
     }
 
+    /// Returns what the effects need of an overlap: the least that serves all of them.
+    fn until(&self) -> Until {
+        let has_depth = self.depth || self.local_depth || self.manifold.is_some();
+        let is_local = !self.depth && self.manifold.is_none_or(|m| m.local_depth);
+        Until::of_depth(has_depth, is_local)
+    }
+
     fn resolved(&self) -> Plan {
-        let measured = self.distance.is_some() || self.features || self.depth;
+        let measured = self.distance.is_some() || self.features || self.depth || self.local_depth;
         let range = self.distance.or_else(|| measured.then(|| self.within.unwrap_or(0.0)));
         let within = self.within.unwrap_or(NEVER);
         let at_contact = self.overlap || self.impact.is_some();
@@ -187,7 +204,7 @@ impl Effects {
             overlap: self.overlap,
             within,
             range,
-            until: Until::depth_if(self.depth || self.manifold.is_some()),
+            until: self.until(),
             manifold: self.manifold,
             impact: self.impact,
             reach: least.max(within).max(range),

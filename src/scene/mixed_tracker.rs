@@ -199,7 +199,7 @@ impl PairTracker for MixedTracker {
         };
         let outcome = match self {
             Self::Convex(tracker) => match (a.as_convex(), b.as_convex()) {
-                (Some(x), Some(y)) => tracker.closest(&x, &y, pose),
+                (Some(x), Some(y)) => tracker.measure(&x, &y, pose, until),
                 _ => unknown(),
             },
             Self::Pieces(tracked) => {
@@ -226,7 +226,7 @@ impl PairTracker for MixedTracker {
             }
         };
         match until {
-            Until::Depth => outcome,
+            Until::Depth | Until::LocalDepth => outcome,
             Until::Class => without_depth(outcome),
         }
     }

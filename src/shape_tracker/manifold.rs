@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use super::ShapeTracker;
 use crate::contact::{Extent, Facet, Manifold, ManifoldOptions, Query, RoundFace};
 use crate::num::scalar::sqrt;
-use crate::pair::outcome::Outcome;
+use crate::pair::outcome::{Outcome, Until};
 use crate::polyhedron::{EdgeId, FaceId, Feature, VertexId};
 use crate::pose::RelativePose;
 use crate::shape::{Cone, Core, Cylinder, Shape};
@@ -53,7 +53,7 @@ impl ShapeTracker {
         manifold: &mut Manifold,
     ) {
         self.manifold_by((a, b), a_from_b, options, manifold, |tracker| {
-            tracker.closest_cores(a, b, a_from_b)
+            tracker.closest_cores(a, b, a_from_b, options.until())
         });
     }
 
@@ -117,10 +117,11 @@ impl ShapeTracker {
         manifold
     }
 
-    /// Returns the closest points of the cores of two shapes.
-    pub(crate) fn closest_cores(&mut self, a: &Shape, b: &Shape, a_from_b: &RelativePose) -> Outcome {
+    /// Returns the closest points of the cores of two shapes, with a local depth of polyhedra if
+    /// that will do.
+    pub(crate) fn closest_cores(&mut self, a: &Shape, b: &Shape, a_from_b: &RelativePose, until: Until) -> Outcome {
         if let (Core::Polyhedron(x), Core::Polyhedron(y)) = (a.core(), b.core()) {
-            return self.polyhedral.closest(x, y, a_from_b);
+            return self.polyhedral.checked(x, y, a_from_b, until);
         }
         let outcome = smooth::closest(a.core(), b.core(), a_from_b, &mut self.curved);
         self.count(&outcome);

@@ -5,7 +5,7 @@ mod face;
 mod manifold;
 mod round;
 
-use crate::pair::outcome::{Accuracy, Distance, Outcome};
+use crate::pair::outcome::{Accuracy, Distance, Outcome, Until};
 use crate::pose::RelativePose;
 use crate::replay::Replay;
 use crate::shape::{Core, Shape};
@@ -52,9 +52,22 @@ impl ShapeTracker {
     /// or ellipsoid, to 1e-9 times the size of the pair, or a superquadric, 1e-8; if only an
     /// interval of the depth is known, to 1e-6. Features are those of the cores.
     pub fn closest(&mut self, a: &Shape, b: &Shape, a_from_b: &RelativePose) -> Outcome {
+        self.measure(a, b, a_from_b, Until::Depth)
+    }
+
+    /// Returns the closest points as [`closest`](Self::closest) does, and of overlapping cores that
+    /// are polyhedra a local depth, as [`Tracker::closest_with_local_depth`]: an upper bound of the
+    /// depth at about the price of a walk. Other shapes get the depth.
+    pub fn closest_with_local_depth(&mut self, a: &Shape, b: &Shape, a_from_b: &RelativePose) -> Outcome {
+        self.measure(a, b, a_from_b, Until::LocalDepth)
+    }
+
+    /// Returns the closest points; of an overlap a local depth if that will do. Only
+    /// [`closest_or_class`](Self::closest_or_class) stops at the class.
+    pub(crate) fn measure(&mut self, a: &Shape, b: &Shape, a_from_b: &RelativePose, until: Until) -> Outcome {
         match (a.core(), b.core()) {
             (Core::Polyhedron(x), Core::Polyhedron(y)) => {
-                let mut outcome = self.polyhedral.closest(x, y, a_from_b);
+                let mut outcome = self.polyhedral.checked(x, y, a_from_b, until);
                 let radii = [a.round(), b.round()];
                 if radii != [0.0; 2] {
                     round::grow((x, y), a_from_b, radii, &mut outcome);

@@ -47,7 +47,10 @@ impl Tracker {
     ) {
         let query = Query::new(a, b, a_from_b, options);
         if let Err(moved) = manifold.refresh(&query) {
-            let outcome = self.closest(a, b, a_from_b);
+            let outcome = match options.local_depth {
+                false => self.closest(a, b, a_from_b),
+                true => self.closest_with_local_depth(a, b, a_from_b),
+            };
             manifold.renew(&query, &outcome, moved);
         }
     }

@@ -1,10 +1,10 @@
 //! Queries that may stop at the class of an overlap, and predicates decided from their outcomes.
 
-use super::{Tracker, clear_of, to_user_units};
+use super::{Tracker, clear_of, debug_check, to_user_units};
 use crate::depth::{Memory, Workspace};
 use crate::minimum::overlap_proof::OverlapProof;
 use crate::pair::draft::Draft;
-use crate::pair::outcome::{Ask, Class, Distance, Outcome, Until};
+use crate::pair::outcome::{Accuracy, Ask, Class, Distance, Outcome, Until};
 use crate::pair::posed::PosedPair;
 use crate::polyhedron::ConvexPolyhedron;
 use crate::pose::RelativePose;
@@ -41,11 +41,10 @@ impl Tracker {
         a_from_b: &RelativePose,
         until: Until,
     ) -> Distance {
-        Distance::from(&self.answer(a, b, a_from_b, Ask::certified(until)))
+        Distance::from(&self.measure(a, b, a_from_b, until))
     }
 
-    /// Returns the certified outcome; the depth of an overlap stays open if `until` is
-    /// [`Until::Class`].
+    /// Returns the certified outcome; of an overlap as much as `until` calls for.
     #[inline]
     pub(crate) fn measure(
         &mut self,
@@ -55,6 +54,21 @@ impl Tracker {
         until: Until,
     ) -> Outcome {
         self.answer(a, b, a_from_b, Ask::certified(until))
+    }
+
+    /// Returns the outcome of [`measure`](Self::measure), checked in debug builds.
+    #[inline]
+    pub(crate) fn checked(
+        &mut self,
+        a: &ConvexPolyhedron,
+        b: &ConvexPolyhedron,
+        a_from_b: &RelativePose,
+        until: Until,
+    ) -> Outcome {
+        let before = self.before(a, b);
+        let outcome = self.measure(a, b, a_from_b, until);
+        debug_check(a, b, a_from_b, &before, Accuracy::Certified, &outcome);
+        outcome
     }
 
     /// Returns the answer of [`within`](Self::within) for a `d` that is not negative, from the

@@ -3,7 +3,7 @@
 use super::{Tracker, to_user_units};
 use crate::depth::{self, Memory, Nearest};
 use crate::pair::draft::Draft;
-use crate::pair::outcome::Class;
+use crate::pair::outcome::{Class, Until};
 use crate::pair::posed::PosedPair;
 use crate::polyhedron::{ConvexPolyhedron, FeaturePair};
 
@@ -54,9 +54,12 @@ impl Tracker {
     /// dropped. Bodies that came apart since get the start of a walk, whatever the costs of starts
     /// were: these costs are no part of a replay.
     #[inline(never)]
-    pub(super) fn resume(&mut self, posed: &PosedPair, draft: &mut Draft) -> Resumed {
+    pub(super) fn resume(&mut self, posed: &PosedPair, until: Until, draft: &mut Draft) -> Resumed {
         let first = *draft;
-        let resumed = depth::resume(posed, &mut self.memory, draft);
+        let resumed = match self.memory.facet_of(posed).filter(|_| until == Until::LocalDepth) {
+            Some(facet) => depth::local_depth(posed, facet, (&mut self.memory, &mut self.overlap_proof), draft),
+            None => depth::resume(posed, &mut self.memory, draft),
+        };
         if resumed != Nearest::Proven {
             self.memory.clear();
             let (grown, visited) = (draft.work.points_added, draft.work.facets);
@@ -76,7 +79,8 @@ impl Tracker {
     }
 }
 
-/// Answers an overlap from the features at which a walk was refused.
+/// Answers an overlap from the features at which a walk was refused. The depth is the least even if
+/// a local one will do: the next queries start from its facet.
 #[cold]
 #[inline(never)]
 pub(super) fn enters_overlap(posed: &PosedPair, memory: &mut Memory, draft: &mut Draft) -> bool {

@@ -10,7 +10,7 @@ use lab::shapes::{self, Shape};
 use lab::{Body, Pose, exact, workload};
 use lin_canny::{Class, ConvexPolyhedron, Outcome, Solver, Tracker};
 
-fn shape(rng: &mut Rng) -> Shape {
+pub(crate) fn shape(rng: &mut Rng) -> Shape {
     let shape = match rng.below(8) {
         0 => shapes::cube(),
         1 => shapes::cuboid([1.0, 0.7, 0.02]),
@@ -26,7 +26,12 @@ fn shape(rng: &mut Rng) -> Shape {
 }
 
 /// A pose of a pair at about this depth: in general position, on a lattice, or with faces flush up to a tilt.
-fn pose(rng: &mut Rng, (a, b): (&ConvexPolyhedron, &ConvexPolyhedron), radii: (f64, f64), depth: f64) -> Frame {
+pub(crate) fn pose(
+    rng: &mut Rng,
+    (a, b): (&ConvexPolyhedron, &ConvexPolyhedron),
+    radii: (f64, f64),
+    depth: f64,
+) -> Frame {
     let reach = radii.0.min(radii.1);
     let start = match rng.below(4) {
         0 => {
@@ -57,7 +62,7 @@ fn pose(rng: &mut Rng, (a, b): (&ConvexPolyhedron, &ConvexPolyhedron), radii: (f
 }
 
 /// A small motion of B.
-fn nudged(rng: &mut Rng, frame: &Frame, reach: f64) -> Frame {
+pub(crate) fn nudged(rng: &mut Rng, frame: &Frame, reach: f64) -> Frame {
     let by = rng.log_range(1e-9, 1e-2);
     let q = unit_quat(quat_mul(quat(rng.unit(), by), frame.b.q));
     let t = add(frame.b.t, scale(rng.unit(), by * reach * rng.uniform()));

@@ -80,6 +80,7 @@ impl Play {
                 .chance(0.2)
                 .then(|| ManifoldOptions::within(distance(&mut self.rng))),
             impact: self.rng.chance(0.2).then_some(Tolerance::Distance(1e-6)),
+            local_depth: self.rng.chance(0.2),
         }
     }
 
@@ -207,7 +208,8 @@ impl Play {
         let touches = effects.manifold.is_some_and(|m| at_most(m.prediction));
         assert_eq!(manifold.is_some(), touches);
         if let Some(d) = distance {
-            let known = d.class != Class::Overlapping || effects.depth || effects.manifold.is_some();
+            let is_deep = effects.depth || effects.local_depth || effects.manifold.is_some();
+            let known = d.class != Class::Overlapping || is_deep;
             assert!(
                 !known || d.lower <= truth.upper && truth.lower <= d.upper,
                 "{d:?} {truth:?}"
@@ -267,7 +269,7 @@ struct Now {
 
 /// How far apart bodies may be for a distance to be called for; none where it is not.
 fn range(effects: &Effects) -> Option<f64> {
-    let is_measured = effects.distance.is_some() || effects.depth || effects.features;
+    let is_measured = effects.distance.is_some() || effects.depth || effects.local_depth || effects.features;
     let own = is_measured.then(|| effects.distance.or(effects.within).unwrap_or(0.0));
     let prediction = effects.manifold.map(|m| m.prediction);
     own.into_iter().chain(prediction).reduce(f64::max)

@@ -8,7 +8,7 @@ use super::union::is_in;
 use super::{PatchContact, Query};
 use crate::composite::front::Pair;
 use crate::contact::{ContactPoint, Manifold};
-use crate::pair::outcome::Outcome;
+use crate::pair::outcome::{Outcome, Until};
 use crate::polyhedron::ConvexPolyhedron;
 use crate::pose::RelativePose;
 use crate::shape::{Core, Shape};
@@ -68,7 +68,7 @@ impl Near {
         let mut is_new = false;
         tracker.manifold_by(shapes, &pose, query.options, manifold, |tracker| {
             is_new = true;
-            tracker.closest_cores(shapes.0, shapes.1, &pose)
+            tracker.closest_cores(shapes.0, shapes.1, &pose, Until::Depth)
         });
         if is_new {
             *borne = posed.borne(manifold);
