@@ -13,7 +13,7 @@
 
 use crate::depth::descent::{Descent, LowFacet, descend};
 use crate::depth::facet::height_of;
-use crate::depth::foot::{foot, sample_rim};
+use crate::depth::foot::{flush, foot, sample_rim};
 use crate::depth::memory::Memory;
 use crate::depth::nearest::{Nearest, touch_or_open};
 use crate::depth::result::{Best, SearchResult};
@@ -70,13 +70,17 @@ fn overlap_at(
         height: at.1,
         features: Some(features),
     };
-    let witnesses = foot(posed, features, &at)?;
+    let own = foot(posed, features, &at).map(|witnesses| (features, witnesses));
+    let (witness_features, witnesses) = own.or_else(|| flush(posed, features, &at))?;
     let radius = match pyramid_radius(posed, features, &best) {
         Some(radius) => radius,
         None if is_enclosed(posed, features, proof, draft) => 0.0,
         None => return None,
     };
-    Some(SearchResult::of_facet(&best, witnesses, radius))
+    Some(SearchResult {
+        features: Some(witness_features),
+        ..SearchResult::of_facet(&best, witnesses, radius)
+    })
 }
 
 /// Returns whether four points enclose the origin: those kept, or those that the solver finds.

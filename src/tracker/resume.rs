@@ -56,9 +56,11 @@ impl Tracker {
     #[inline(never)]
     pub(super) fn resume(&mut self, posed: &PosedPair, until: Until, draft: &mut Draft) -> Resumed {
         let first = *draft;
-        let resumed = match self.memory.facet_of(posed).filter(|_| until == Until::LocalDepth) {
-            Some(facet) => depth::local_depth(posed, facet, (&mut self.memory, &mut self.overlap_proof), draft),
-            None => depth::resume(posed, &mut self.memory, draft),
+        let from = self.memory.facet_of(posed).filter(|_| until == Until::LocalDepth);
+        let kept = (&mut self.memory, &mut self.overlap_proof);
+        let resumed = match from.map(|facet| depth::local_depth(posed, facet, kept, draft)) {
+            None | Some(Nearest::Open(_)) => depth::resume(posed, &mut self.memory, draft),
+            Some(done) => done,
         };
         if resumed != Nearest::Proven {
             self.memory.clear();
