@@ -49,6 +49,14 @@ fn ours(group: &mut Group, s: &Scene, n: usize) {
             ))
         });
     });
+    let (mut k, mut pair) = (0, Tracker::new());
+    group.bench_function(BenchmarkId::new("ours-local", n), |bench| {
+        bench.iter(|| {
+            k = (k + 1) % FRAMES;
+            let o = pair.closest_with_local_depth(&s.a, &s.b, &relative(k));
+            black_box((o.point_on_a, o.point_on_b, o.normal, o.distance))
+        });
+    });
     let (mut k, mut pair, mut manifold) = (0, Tracker::new(), Manifold::new());
     let options = ManifoldOptions::within(PREDICTION);
     group.bench_function(BenchmarkId::new("ours-manifold", n), |bench| {

@@ -73,6 +73,11 @@
 //!
 #![doc = include_str!("../images/asking.svg")]
 //!
+//! Of an overlap, the depth may be asked for as an upper bound alone
+//! ([`Tracker::closest_with_local_depth`](crate::Tracker::closest_with_local_depth)): two to three
+//! walks, without the slow frames of the search for the least depth, and deeper than the depth in
+//! every tenth to every second frame (`BENCHMARKS.md`).
+//!
 //! # Near contact
 //!
 //! Boxes face on face, from a tenth of their size apart to `1e-16` of their size:

@@ -186,8 +186,8 @@ struct Row {
     n: usize,
     /// By engine.
     ns: Vec<f64>,
-    /// Median of a frame of ours, and the 99th percentile over it.
-    spread: (f64, f64),
+    /// Median of a frame of ours, and the 99th percentile over it; the same with a local depth.
+    spread: [(f64, f64); 2],
     /// Contacts of a manifold on the mean, ours and parry's.
     points: [f64; 2],
     note: String,
@@ -228,7 +228,7 @@ fn run_scene(scene: &'static str, shape: &'static str, n: usize, quick: bool) ->
         shape,
         n,
         ns: vec![],
-        spread: spread(frame_times(Engine::Ours, &race, 3)),
+        spread: [Engine::Ours, Engine::Local].map(|e| spread(frame_times(e, &race, 3))),
         points: [0.0; 2],
         note: String::new(),
     };
@@ -255,7 +255,7 @@ fn run_scene(scene: &'static str, shape: &'static str, n: usize, quick: bool) ->
 fn print(row: &Row) {
     let at = |e: Engine| row.ns[Engine::ALL.iter().position(|&x| x == e).unwrap_or(0)];
     println!(
-        "{:<12} {:<7} {:>5} {:>9.0} {:>9.0} {:>9.0} {:>9.0} {:>9.0} {:>7.4} {:>7.4} {:>9.0} {:>6.1} {:>4.1} {:>4.1}{}",
+        "{:<12} {:<7} {:>5} {:>9.0} {:>9.0} {:>9.0} {:>9.0} {:>9.0} {:>7.4} {:>7.4} {:>9.0} {:>6.1} {:>6.1} {:>4.1} {:>4.1}{}",
         row.scene,
         row.shape,
         row.n,
@@ -266,8 +266,9 @@ fn print(row: &Row) {
         at(Engine::ParryManifold),
         at(Engine::Ours) / at(Engine::ParryContact),
         at(Engine::Manifold) / at(Engine::ParryManifold),
-        row.spread.0,
-        row.spread.1,
+        row.spread[0].0,
+        row.spread[0].1,
+        row.spread[1].1,
         row.points[0],
         row.points[1],
         row.note
@@ -285,11 +286,11 @@ pub(crate) fn run(o: &Options) -> Rows {
         .collect();
     println!(
         "nanoseconds a frame. ours: depth and witnesses; local: with a local depth; manifold: ours; parry: its contact; p-manif: its manifold, kept.\n\
-         /parry, /p-man: ours over theirs. frame, p99: the median frame of ours, and the 99th percentile over it. points: contacts of a\n\
+         /parry, /p-man: ours over theirs. frame, p99: the median frame of ours, and the 99th percentile over it; l-p99: of local. points: contacts of a\n\
          manifold on the mean, ours and parry's. off: how far a signed distance is from our certified one, for bodies of radius 1.\n"
     );
     println!(
-        "{:<12} {:<7} {:>5} {:>9} {:>9} {:>9} {:>9} {:>9} {:>7} {:>7} {:>9} {:>6} {:>9}",
+        "{:<12} {:<7} {:>5} {:>9} {:>9} {:>9} {:>9} {:>9} {:>7} {:>7} {:>9} {:>6} {:>6} {:>9}",
         "scene",
         "shape",
         "n",
@@ -302,6 +303,7 @@ pub(crate) fn run(o: &Options) -> Rows {
         "/p-man",
         "frame",
         "p99",
+        "l-p99",
         "points"
     );
     let progress = Progress::new("race contact", plan.len() as u64);
