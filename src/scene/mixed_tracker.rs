@@ -199,7 +199,8 @@ impl PairTracker for MixedTracker {
         };
         let outcome = match self {
             Self::Convex(tracker) => match (a.as_convex(), b.as_convex()) {
-                (Some(x), Some(y)) => tracker.measure(&x, &y, pose, until),
+                (Some(x), Some(y)) if until == Until::LocalDepth => tracker.closest_with_local_depth(&x, &y, pose),
+                (Some(x), Some(y)) => tracker.closest(&x, &y, pose),
                 _ => unknown(),
             },
             Self::Pieces(tracked) => {

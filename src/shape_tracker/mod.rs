@@ -57,14 +57,13 @@ impl ShapeTracker {
 
     /// Returns the closest points as [`closest`](Self::closest) does, and of overlapping cores that
     /// are polyhedra a local depth, as [`Tracker::closest_with_local_depth`]: an upper bound of the
-    /// depth at about the price of a walk. Other shapes get the depth.
+    /// depth at two to three times the price of a walk. Other shapes get the depth.
     pub fn closest_with_local_depth(&mut self, a: &Shape, b: &Shape, a_from_b: &RelativePose) -> Outcome {
         self.measure(a, b, a_from_b, Until::LocalDepth)
     }
 
-    /// Returns the closest points; of an overlap a local depth if that will do. Only
-    /// [`closest_or_class`](Self::closest_or_class) stops at the class.
-    pub(crate) fn measure(&mut self, a: &Shape, b: &Shape, a_from_b: &RelativePose, until: Until) -> Outcome {
+    /// Returns the closest points, of an overlap with the depth or a local one.
+    fn measure(&mut self, a: &Shape, b: &Shape, a_from_b: &RelativePose, until: Until) -> Outcome {
         match (a.core(), b.core()) {
             (Core::Polyhedron(x), Core::Polyhedron(y)) => {
                 let mut outcome = self.polyhedral.checked(x, y, a_from_b, until);

@@ -15,13 +15,17 @@ impl Tracker {
     /// `upper` is what the search happens to prove: equal to the distance (within `1e-13 L`) if the
     /// depth is proven to be the least, else a bound, and zero if only the overlap is proven.
     ///
-    /// Worth its loss for bodies of 32 vertices or more in shallow contact, where
+    /// Use this for bodies of 32 vertices or more in shallow contact: there
     /// [`closest`](Self::closest) takes 2 to 16 times as long, and one query in a hundred 20 to 60
-    /// times. Measured on bodies 1 % deep, half a degree a frame: with `upper` at zero one answer
-    /// in four (flat bodies) to four in five is deeper than the depth, with a bound one in fifty to
-    /// two in five. From 128 vertices on such an answer is at most 1.2 times the depth, at eight
-    /// vertices 5 times (round) or 33 times (flat): the facet is nearest only in its neighbourhood,
-    /// and the next queries start from it. Not for bodies of few vertices, nor for deep overlaps.
+    /// times. Do not use it for bodies of few vertices, nor for deep overlaps. Measured on bodies
+    /// 1 % deep that turn by half a degree a frame:
+    ///
+    /// * If `upper` is zero, a quarter (flat bodies) to four fifths of the answers are deeper than
+    ///   the depth; if `upper` is a bound below zero, 2 % to 40 % are.
+    /// * From 128 vertices on, such an answer is at most 1.2 times the depth. At eight vertices it
+    ///   is up to 5 times (round bodies) or 33 times (flat bodies) the depth: the facet is nearest
+    ///   only in its neighbourhood, and the next queries start from it.
+    ///
     /// [`closest`](Self::closest) of the same tracker leads back to the deepest facet:
     ///
     /// ```
