@@ -56,12 +56,16 @@ impl Tracker {
     #[inline(never)]
     pub(super) fn resume(&mut self, posed: &PosedPair, until: Until, draft: &mut Draft) -> Resumed {
         let first = *draft;
-        let from = self.memory.facet_of(posed).filter(|_| until == Until::LocalDepth);
-        let kept = (&mut self.memory, &mut self.overlap_proof);
-        let resumed = match from.map(|facet| depth::local_depth(posed, facet, kept, draft)) {
-            None | Some(Nearest::Open(_)) => depth::resume(posed, &mut self.memory, draft),
-            Some(done) => done,
-        };
+        let mut resumed = Nearest::Open(None);
+        if until == Until::LocalDepth
+            && let Some(facet) = self.memory.facet_of(posed)
+        {
+            let kept = (&mut self.memory, &mut self.overlap_proof);
+            resumed = depth::local_depth(posed, facet, kept, draft);
+        }
+        if let Nearest::Open(_) = resumed {
+            resumed = depth::resume(posed, &mut self.memory, draft);
+        }
         if resumed != Nearest::Proven {
             self.memory.clear();
             let (grown, visited) = (draft.work.points_added, draft.work.facets);
