@@ -74,7 +74,7 @@
 #![doc = include_str!("../images/asking.svg")]
 //!
 //! Of an overlap, the depth may be asked for as an upper bound alone
-//! ([`Tracker::closest_with_local_depth`](crate::Tracker::closest_with_local_depth)): two to three
+//! ([`Tracker::closest_with_local_depth`](crate::Tracker::closest_with_local_depth)): about three
 //! walks, without the slow frames of the search for the least depth, and deeper than the depth in
 //! every tenth to every second frame (`BENCHMARKS.md`).
 //!

@@ -57,7 +57,7 @@ impl ShapeTracker {
 
     /// Returns the closest points as [`closest`](Self::closest) does, and of overlapping cores that
     /// are polyhedra a local depth, as [`Tracker::closest_with_local_depth`]: an upper bound of the
-    /// depth at two to three times the price of a walk. Other shapes get the depth.
+    /// depth at about three times the price of a walk. Other shapes get the depth.
     pub fn closest_with_local_depth(&mut self, a: &Shape, b: &Shape, a_from_b: &RelativePose) -> Outcome {
         self.measure(a, b, a_from_b, Until::LocalDepth)
     }

@@ -7,7 +7,7 @@ use crate::pose::RelativePose;
 
 impl Tracker {
     /// Returns the closest features as [`closest`](Self::closest) does, and of an overlap a local
-    /// depth, at two to three times the price of a walk: `normal` and `distance` are those of a
+    /// depth, at about three times the price of a walk: `normal` and `distance` are those of a
     /// facet of the Minkowski difference that is nearest in its neighbourhood, found by a walk from
     /// the facet of the last answer. A translation of B by `-lower` along the normal is proven to
     /// part the bodies, so `-lower` bounds the depth from above; a shorter translation may do.
