@@ -12,7 +12,6 @@
 //! open.
 
 use crate::depth::descent::{Descent, LowFacet, descend};
-use crate::depth::facet::height_of;
 use crate::depth::foot::{flush, foot, sample_rim};
 use crate::depth::memory::Memory;
 use crate::depth::nearest::{Nearest, touch_or_open};
@@ -24,7 +23,6 @@ use crate::num::scalar::sqrt;
 use crate::pair::draft::Draft;
 use crate::pair::edge::Edge;
 use crate::pair::posed::PosedPair;
-use crate::pair::transform::Transform;
 use crate::polyhedron::{Feature, FeaturePair};
 use crate::tolerance::{AGREE_DEPTH, CERTIFICATE, ORIENTATION, UNIT};
 
@@ -61,15 +59,8 @@ fn overlap_at(
     proof: &mut Option<OverlapProof>,
     draft: &mut Draft,
 ) -> Option<SearchResult<f64>> {
-    let features = facet.features;
-    let at = facet
-        .support
-        .or_else(|| height_of(posed, &Transform::of(posed), features))?;
-    let best = Best {
-        normal: at.0,
-        height: at.1,
-        features: Some(features),
-    };
+    let (features, best) = (facet.features, facet.best(posed)?);
+    let at = best.rounded();
     let own = foot(posed, features, &at).map(|witnesses| (features, witnesses));
     let (witness_features, witnesses) = own.or_else(|| flush(posed, features, &at))?;
     let radius = match pyramid_radius(posed, features, &best) {

@@ -97,18 +97,24 @@ pub(crate) fn depth_from(posed: &PosedPair, facet: FeaturePair, memory: &mut Mem
 
 /// Returns the depth if the facet proves the depth.
 fn prove(posed: &PosedPair, facet: &LowFacet) -> Option<SearchResult<f64>> {
-    let features = facet.features;
-    let at = facet
-        .support
-        .or_else(|| height_of(posed, &Transform::of(posed), features))?;
-    let best = Best {
-        normal: at.0,
-        height: at.1,
-        features: Some(features),
-    };
-    if !proves(posed, features, &best) {
+    let best = facet.best(posed)?;
+    if !proves(posed, facet.features, &best) {
         return None;
     }
-    let witnesses = foot(posed, features, &at)?;
+    let witnesses = foot(posed, facet.features, &best.rounded())?;
     Some(SearchResult::proven(&best, witnesses, posed.size()))
+}
+
+impl LowFacet {
+    /// Returns normal and height of the facet; `None` if the features have no normal.
+    #[inline(always)]
+    pub(super) fn best(&self, posed: &PosedPair) -> Option<Best<f64>> {
+        let of_features = || height_of(posed, &Transform::of(posed), self.features);
+        let (normal, height) = self.support.or_else(of_features)?;
+        Some(Best {
+            normal,
+            height,
+            features: Some(self.features),
+        })
+    }
 }

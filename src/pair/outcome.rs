@@ -71,15 +71,16 @@ impl Ask {
 pub(crate) enum Until {
     /// An overlap is proven; the penetration depth stays open.
     Class,
-    /// The penetration depth of an overlap is bounded from above, by a locally deepest facet.
+    /// The penetration depth of an overlap is bounded from above, by the height of a facet that is
+    /// nearest in its neighbourhood.
     LocalDepth,
     /// The penetration depth of an overlap is bounded as well.
     Depth,
 }
 
 impl Until {
-    /// Returns where to stop for the depth of overlaps, if called for: a local depth will do or
-    /// not.
+    /// Returns where a query may stop: whether the depth of an overlap is called for at all, and
+    /// whether a local depth is enough.
     pub(crate) fn of_depth(depth: bool, local: bool) -> Self {
         match (depth, local) {
             (false, _) => Self::Class,
@@ -119,7 +120,8 @@ pub enum Solver {
     /// A surface around the origin of the Minkowski difference: overlap and depth at once. For most
     /// shallow overlaps a pyramid over the nearest facet, found from the last features by a walk
     /// over facets; else a surface kept from the last answer, or begun at the nearest facet. If no
-    /// depth is requested: four points kept from the last answer.
+    /// depth is requested, four points kept from the last answer; if a local depth is, a pyramid or
+    /// four points.
     Surface,
 }
 

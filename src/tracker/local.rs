@@ -15,11 +15,13 @@ impl Tracker {
     /// `upper` is what the search happens to prove: equal to the distance (within `1e-13 L`) if the
     /// depth is proven to be the least, else a bound, and zero if only the overlap is proven.
     ///
-    /// Use this for bodies of 32 vertices or more in shallow contact: there
-    /// [`closest`](Self::closest) takes 2 to 16 times as long, and one query in a hundred 20 to 60
-    /// times. Do not use it for bodies of few vertices, nor for deep overlaps. Measured on bodies
-    /// 1 % deep that turn by half a degree a frame:
+    /// Use this for bodies of 32 vertices or more in shallow contact; do not use it for bodies of
+    /// few vertices, nor for deep overlaps. Measured on round and flat bodies 1 % deep that turn by
+    /// half a degree a frame:
     ///
+    /// * From 32 vertices on, [`closest`](Self::closest) takes 2.5 to 16 times as long, and one
+    ///   query in a hundred 16 to 87 times. (Prisms that slide flush on each other: 1.0 to 1.7
+    ///   times as long.)
     /// * If `upper` is zero, a quarter (flat bodies) to four fifths of the answers are deeper than
     ///   the depth; if `upper` is a bound below zero, 2 % to 40 % are.
     /// * From 128 vertices on, such an answer is at most 1.2 times the depth. At eight vertices it

@@ -96,11 +96,13 @@ pub fn drive(bytes: &[u8]) -> Tally {
 pub fn query(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &RelativePose, stray: &mut Tracker, d: f64) -> Class {
     let p = stray.propose(a, b, pose);
     assert!(!p.distance.is_some_and(f64::is_nan), "{p:?}");
+    let local = stray.clone().closest_with_local_depth(a, b, pose);
+    let hinted = Tracker::resuming(p.features, Class::Overlapping, a, b).closest_with_local_depth(a, b, pose);
     let warm = stray.closest(a, b, pose);
     let cold = Tracker::new().closest(a, b, pose);
     let swapped = Tracker::new().closest(b, a, &pose.swapped());
     let exact = stray.closest_exact(a, b, pose);
-    for o in [&warm, &cold, &swapped, &exact] {
+    for o in [&warm, &cold, &swapped, &exact, &local, &hinted] {
         sane(o);
         assert_eq!(o.class, exact.class, "{o:?} {exact:?}");
         assert!(o.lower <= exact.upper && exact.lower <= o.upper, "{o:?} {exact:?}");
