@@ -103,6 +103,7 @@ fn job(file: &Value, out: PathBuf) -> Result<Job, String> {
         out,
     };
     check(&job)?;
+    lab::command::writable(&job.out)?;
     Ok(job)
 }
 
@@ -143,6 +144,7 @@ fn hull(value: &Value, name: &str) -> Result<ConvexPolyhedron, String> {
     let body = match points[..] {
         [p] => ConvexPolyhedron::point(p),
         [p, q] => ConvexPolyhedron::segment(p, q),
+        [_, _, _] => ConvexPolyhedron::polygon(&points),
         _ => ConvexPolyhedron::from_points(&points).or_else(|e| ConvexPolyhedron::polygon(&points).map_err(|_| e)),
     };
     body.map_err(|e| format!("{name}: {e}"))

@@ -105,14 +105,33 @@ impl Arguments {
     }
 }
 
+/// Refuses a path that cannot be written, before long work; makes its folder, and leaves what the file holds.
+///
+/// # Errors
+/// The folder or the file cannot be written; the text names which.
+pub fn writable(path: &std::path::Path) -> Result<(), String> {
+    let named = |e: std::io::Error| format!("{}: {e}", path.display());
+    if let Some(folder) = path.parent().filter(|f| !f.as_os_str().is_empty()) {
+        std::fs::create_dir_all(folder).map_err(named)?;
+    }
+    let is_new = !path.exists();
+    std::fs::OpenOptions::new()
+        .append(true)
+        .create(true)
+        .open(path)
+        .map_err(named)?;
+    if is_new {
+        std::fs::remove_file(path).map_err(named)?;
+    }
+    Ok(())
+}
+
 /// Writes `text` to `path` and makes its folder.
 ///
 /// # Errors
 /// The folder or the file cannot be written; the text names which.
 pub fn write(path: &std::path::Path, text: &str) -> Result<(), String> {
-    if let Some(folder) = path.parent().filter(|f| !f.as_os_str().is_empty()) {
-        std::fs::create_dir_all(folder).map_err(|e| format!("{}: {e}", path.display()))?;
-    }
+    writable(path)?;
     std::fs::write(path, text).map_err(|e| format!("{}: {e}", path.display()))
 }
 

@@ -142,9 +142,16 @@ impl SerialArm {
     }
 
     /// Returns the pose of a link at a configuration: 0 for the base.
-    #[must_use]
-    pub fn link_pose(&self, configuration: &[f64], link: usize) -> Isometry3<f64> {
-        self.chain.poses(configuration).nth(link).unwrap_or_default()
+    ///
+    /// # Errors
+    /// A configuration that is not of the space, or a link that does not exist.
+    pub fn link_pose(&self, configuration: &[f64], link: usize) -> Result<Isometry3<f64>, PlanError> {
+        self.check(configuration)?;
+        let pose = self.chain.poses(configuration).nth(link);
+        pose.ok_or(PlanError::Value {
+            what: "number of a link",
+            value: link as f64,
+        })
     }
 
     /// Returns the link of each body.

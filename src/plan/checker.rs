@@ -67,7 +67,7 @@ pub struct CheckWork {
     pub segments: u64,
     /// Segments proven free.
     pub free: u64,
-    /// Pairs whose boxes met on a segment.
+    /// Pairs whose boxes met on a segment, or might hold the least distance at a configuration.
     pub pairs: u64,
     /// Distance queries on segments, proofs of contact included.
     pub queries: u64,
@@ -106,8 +106,10 @@ pub struct Checker<C> {
     margin: f64,
     pub(super) work: CheckWork,
     /// Scratch: pairs to look at, and poses.
-    candidates: Vec<usize>,
+    pub(super) candidates: Vec<usize>,
     pub(super) poses: Vec<Isometry3<f64>>,
+    /// The distance within which the last clearance was found: how far the next one looks first.
+    pub(super) reach: f64,
 }
 
 impl<C: ConfigurationSpace> Checker<C> {
@@ -132,6 +134,7 @@ impl<C: ConfigurationSpace> Checker<C> {
             work: CheckWork::default(),
             candidates: Vec::new(),
             poses: Vec::new(),
+            reach: 0.0,
         })
     }
 

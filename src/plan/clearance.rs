@@ -6,12 +6,14 @@ use nalgebra::{Isometry3, Point3, Vector3};
 
 use super::checker::Checker;
 use super::error::PlanError;
+use super::pairs::swept_box;
 use super::space::ConfigurationSpace;
 use super::world::{Part, PartPair};
 use crate::impact::Impact;
+use crate::motion::{Motion, Steady, Velocity};
 use crate::pair::outcome::{Class, Until};
 use crate::pose::RelativePose;
-use crate::tuning::plan::{LOWERED, SAMPLES};
+use crate::tuning::plan::{ENLARGED, LOWERED, SAMPLES};
 
 /// A pair near its closest at a configuration.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,6 +33,17 @@ pub struct Near {
     /// [`scale`](ConfigurationSpace::scales): by a displacement, so to say. Zero for an overlap of
     /// unknown depth.
     pub gradient: Vec<f64>,
+}
+
+/// A pair as measured, before its gradient.
+struct Measured {
+    /// The distance of the balls about both parts, and the number of the pair: the order among
+    /// pairs of equal distance.
+    gap: f64,
+    index: usize,
+    near: Near,
+    /// The normal in the world, zero for an overlap of unknown depth.
+    normal: Vector3<f64>,
 }
 
 /// The clearance along a segment: a proven lower bound, and a distance that is attained.
@@ -74,26 +87,85 @@ impl<C: ConfigurationSpace> Checker<C> {
 
     fn measured(&mut self, q: &[f64], poses: &[Isometry3<f64>], slack: f64) -> Result<Vec<Near>, PlanError> {
         self.work.configurations += 1;
-        let mut order: Vec<(f64, usize)> = (0..self.pairs.all.len())
-            .map(|k| (self.ball_gap(k, poses), k))
-            .collect();
-        order.sort_unstable_by(|x, y| x.0.total_cmp(&y.0).then(x.1.cmp(&y.1)));
-        let mut found: Vec<(Near, Vector3<f64>)> = Vec::new();
+        let mut found: Vec<Measured> = Vec::new();
         let mut least = f64::INFINITY;
-        for (gap, k) in order {
-            if gap > least + slack {
+        // The last answer says how far to look; whatever is left out is farther than `reach`.
+        let mut reach = self.reach;
+        loop {
+            self.gather_within(reach, poses)?;
+            let is_all = self.candidates.len() == self.pairs.all.len();
+            self.measure_nearest(poses, slack, &mut least, &mut found)?;
+            if is_all || least + slack <= reach {
                 break;
             }
-            let measured = self.measure(k, poses)?;
-            least = least.min(measured.0.distance);
-            found.push(measured);
+            let wide = ENLARGED * self.reach;
+            reach = match least < f64::INFINITY {
+                true => least + slack,
+                false if reach < wide => wide,
+                false => f64::INFINITY,
+            };
         }
-        found.retain(|(near, _)| near.distance <= least + slack);
-        found.sort_by(|(x, _), (y, _)| x.distance.total_cmp(&y.distance));
-        for (near, normal) in &mut found {
-            self.slope(near, normal, q);
+        if least + slack < f64::INFINITY {
+            self.reach = (least + slack).max(self.pairs.robot_radius);
         }
-        Ok(found.into_iter().map(|(near, _)| near).collect())
+        found.retain(|m| m.near.distance <= least + slack);
+        found.sort_by(|x, y| {
+            let by_distance = x.near.distance.total_cmp(&y.near.distance);
+            by_distance.then(x.gap.total_cmp(&y.gap)).then(x.index.cmp(&y.index))
+        });
+        for m in &mut found {
+            self.slope(&mut m.near, &m.normal, q);
+        }
+        Ok(found.into_iter().map(|m| m.near).collect())
+    }
+
+    /// Collects the pairs that may be within `reach`, and all pairs of two bodies of the robot.
+    fn gather_within(&mut self, reach: f64, poses: &[Isometry3<f64>]) -> Result<(), PlanError> {
+        self.candidates.clear();
+        if !(reach < f64::INFINITY) {
+            self.candidates.extend(0..self.pairs.own);
+        } else {
+            for (body, pose) in poses.iter().enumerate() {
+                let still = Steady::new(pose, Velocity::default())?.course(0.0, 1.0);
+                let about = swept_box(self.pairs.robot_balls[body], pose, &still, reach);
+                self.pairs.near(body, &about, &mut self.candidates)?;
+            }
+        }
+        self.candidates.extend(self.pairs.own..self.pairs.all.len());
+        self.work.pairs += self.candidates.len() as u64;
+        Ok(())
+    }
+
+    /// Measures candidates in the order of the distances of their balls, as long as one may be
+    /// within `slack` of the least.
+    fn measure_nearest(
+        &mut self,
+        poses: &[Isometry3<f64>],
+        slack: f64,
+        least: &mut f64,
+        found: &mut Vec<Measured>,
+    ) -> Result<(), PlanError> {
+        let candidates = self.candidates.iter();
+        let mut order: Vec<(f64, usize)> = candidates.map(|&k| (self.ball_gap(k, poses), k)).collect();
+        order.sort_unstable_by(|x, y| x.0.total_cmp(&y.0).then(x.1.cmp(&y.1)));
+        for (gap, index) in order {
+            if gap > *least + slack {
+                break;
+            }
+            let now = self.work.configurations;
+            if core::mem::replace(&mut self.pairs.all[index].measured, now) == now {
+                continue;
+            }
+            let (near, normal) = self.measure(index, poses)?;
+            *least = least.min(near.distance);
+            found.push(Measured {
+                gap,
+                index,
+                near,
+                normal,
+            });
+        }
+        Ok(())
     }
 
     /// Returns the distance of the balls about both parts: negative if the balls overlap.

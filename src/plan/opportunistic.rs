@@ -54,7 +54,8 @@ pub struct PlanWork {
 /// The answer of a search.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
-    /// The path from start to goal, every segment proven free; `None` if the budget ended first.
+    /// The path from start to goal, every segment proven free in the direction of travel; `None` if
+    /// the budget ended first, or if the segments of the space are not the same motions both ways.
     /// No answer says that there is no path.
     pub path: Option<Path>,
     /// What was found.
@@ -104,8 +105,13 @@ impl<C: ConfigurationSpace> Checker<C> {
             stop,
         };
         search.run(start, goal, options.slices)?;
-        let path = search.path();
+        let found = search.path();
         let (roadmap, mut work) = (search.roadmap, search.work);
+        // The roadmap has proven its segments in either direction.
+        let path = match found {
+            Some(path) if self.certify_path(&path)?.1.is_free() => Some(path),
+            _ => None,
+        };
         work.checks = self.work.since(&before);
         Ok(Plan { path, roadmap, work })
     }

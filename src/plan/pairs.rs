@@ -17,6 +17,8 @@ use crate::tolerance::PLANE;
 pub(super) struct Tracked {
     pub(super) pair: PartPair,
     pub(super) tracker: Option<AnyTracker>,
+    /// The number of the configuration at which the pair was measured last.
+    pub(super) measured: u64,
 }
 
 impl Tracked {
@@ -45,6 +47,8 @@ pub(super) struct Pairs {
     /// A ball about each body of the robot and about each obstacle, in the frame of the shape.
     pub(super) robot_balls: Vec<(Point3<f64>, f64)>,
     pub(super) obstacle_balls: Vec<(Point3<f64>, f64)>,
+    /// The greatest radius of a ball of the robot.
+    pub(super) robot_radius: f64,
 }
 
 const NONE: u32 = u32::MAX;
@@ -61,7 +65,9 @@ impl Pairs {
             resting: Vec::new(),
             robot_balls: world.robot.iter().map(|b| b.1.bounding_ball()).collect(),
             obstacle_balls: Vec::new(),
+            robot_radius: 0.0,
         };
+        pairs.robot_radius = pairs.robot_balls.iter().map(|b| b.1).fold(0.0, f64::max);
         for (_, shape, pose) in &world.obstacles {
             pairs.obstacle(shape, pose)?;
         }
@@ -101,7 +107,11 @@ impl Pairs {
                 b: world.name(pair.b).to_string(),
             });
         }
-        self.all.push(Tracked { pair, tracker: None });
+        self.all.push(Tracked {
+            pair,
+            tracker: None,
+            measured: 0,
+        });
         Ok(self.all.len() as u32 - 1)
     }
 

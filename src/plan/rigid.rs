@@ -73,12 +73,13 @@ impl PlanarSpace {
     }
 }
 
-/// Returns the angle between two angles the shorter way round, in (-pi, pi].
+/// Returns the angle between two angles the shorter way round, in [-pi, pi]: with the ends
+/// exchanged the negative angle, half a turn included, as a roadmap drives segments both ways.
 fn shorter(from: f64, to: f64) -> f64 {
     let turn = libm::fmod(to - from, TAU);
     if turn > PI {
         turn - TAU
-    } else if turn <= -PI {
+    } else if turn < -PI {
         turn + TAU
     } else {
         turn

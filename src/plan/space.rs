@@ -46,6 +46,9 @@ pub trait ConfigurationSpace {
 
     /// Returns the motion along the segment between two configurations, over the times 0 to 1.
     ///
+    /// The segment with its ends exchanged must be the same motion backwards, half a turn
+    /// included: a roadmap drives its segments both ways.
+    ///
     /// # Errors
     /// Numbers that are out of range.
     fn segment(&self, from: &[f64], to: &[f64]) -> Result<Self::Segment, PlanError>;

@@ -73,3 +73,7 @@ pub(crate) const TRIES_A_FREEWAY: usize = 4;
 
 /// Dimensions by which slices of slices may lose. Not measured.
 pub(crate) const DEPTH: usize = 1;
+
+/// Factor by which the distance is enlarged within which the last clearance was found, if no
+/// obstacle is as near any more; if none is within that, all are asked. Not measured.
+pub(crate) const ENLARGED: f64 = 4.0;

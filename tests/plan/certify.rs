@@ -202,6 +202,71 @@ fn margins_are_kept() {
     assert!(checker.set_margin(f64::NAN).is_err());
 }
 
+/// The clearance among few and many obstacles, the robot near some, far from all, in contact, by small steps and by jumps:
+/// that of the least pair of all, with all pairs within the slack. What is looked at does not grow with the obstacles.
+#[test]
+fn clearances_are_those_of_all_pairs() {
+    for n in [0, 1, 8, 300] {
+        let room = Room::new(n, 3);
+        let mut checker = Checker::new(room.space(), room.world()).expect("a room");
+        let mut rng = Rng::new(n as u64);
+        let mut at = [0.0; 3];
+        for k in 0..120 {
+            let jump = rng.chance(0.3);
+            at = std::array::from_fn(|i| {
+                if jump {
+                    rng.range(-6.0, 6.0)
+                } else {
+                    (at[i] + rng.range(-0.1, 0.1)).clamp(-6.0, 6.0)
+                }
+            });
+            let pose = Isometry3::from_parts(Vector3::from(at).into(), lab::casts::rotation(&mut rng));
+            let slack = *rng.pick(&[0.0, 0.0, 0.3, f64::INFINITY]);
+            let near = checker
+                .nearest(&RigidSpace::configuration(&pose), slack)
+                .expect("a configuration");
+            let each = room.hulls.iter().map(|(hull, other)| {
+                let relative = lin_canny::RelativePose::new(&pose, other).expect("a pose");
+                Tracker::new().distance(&room.robot, hull, &relative).value
+            });
+            let all: Vec<f64> = each.collect();
+            let least = all.iter().copied().fold(f64::INFINITY, f64::min);
+            assert_eq!(near.is_empty(), n == 0);
+            for pair in near.iter().take(1) {
+                assert!((pair.distance - least).abs() < 1e-12, "{k}: {} {least}", pair.distance);
+            }
+            let within = |slack: f64| all.iter().filter(|d| **d <= least + slack).count();
+            let counts = [within(slack - 1e-12), within(slack + 1e-12)];
+            assert!(
+                n == 0 || (counts[0].max(1)..=counts[1]).contains(&near.len()),
+                "{k}: {counts:?} {}",
+                near.len()
+            );
+        }
+    }
+    // As dense, over ten times the side: as much to look at.
+    let looked = [4, 40].map(|side| {
+        let mut world = World::new();
+        world.robot_body("ball", Shape::ball(0.3).expect("a ball"));
+        for k in 0..side * side {
+            let at = Vector3::new(f64::from(k % side), f64::from(k / side), 0.0);
+            world.obstacle(
+                k,
+                Shape::ball(0.2).expect("a ball"),
+                Isometry3::from_parts(at.into(), Default::default()),
+            );
+        }
+        let space = TranslationSpace::new([[0.0, 40.0]; 3], Default::default(), 1).expect("a space");
+        let mut checker = Checker::new(space, world).expect("a world");
+        for k in 0..100 {
+            let q = [1.0 + 0.01 * f64::from(k), 1.5, 0.6];
+            checker.clearance(&q).expect("a configuration");
+        }
+        checker.work().pairs
+    });
+    assert!(looked[1] < 2 * looked[0] + 1600, "{looked:?}");
+}
+
 /// A rod turns between two posts: only the middle of the turn is blocked.
 #[test]
 fn a_turn_is_more_than_its_ends() {

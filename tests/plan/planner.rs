@@ -3,7 +3,7 @@
 use crate::judge::{Placed, first_contact, pose_of};
 use cpu_time::ThreadTime;
 use lab::rooms::wall;
-use lin_canny::nalgebra::{Isometry3, UnitQuaternion, Vector3};
+use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use lin_canny::plan::{
     Checker, ConfigurationSpace, FreewayEnd, PlanError, PlanOptions, PlanarSpace, RigidSpace, TranslationSpace, World,
 };
@@ -163,6 +163,111 @@ fn a_rectangle_turns_in_the_plane() {
         let path = plan.path.expect("there is a way");
         assert!(checker.certify_path(&path).expect("a path").1.is_free());
     }
+}
+
+/// A rod among posts, its start and its goal exactly half a turn apart; the first three of the seeds give roadmaps that drive
+/// half a turn backwards.
+fn half_turns<C: ConfigurationSpace + Clone>(space: &C) -> u32 {
+    let mut found = 0;
+    for seed in [17, 341, 1965].into_iter().chain(0..40) {
+        let mut rng = lab::rng::Rng::of_case(17, seed);
+        let mut world = World::new();
+        world.robot_body("rod", cuboid(rng.range(0.4, 1.0), 0.05, 0.1));
+        for k in 0..4 + rng.below(20) {
+            let at = Vector3::new(rng.range(-3.5, 3.5), rng.range(-2.5, 2.5), 0.0);
+            let pose = Isometry3::from_parts(at.into(), UnitQuaternion::identity());
+            world.obstacle(k, cuboid(0.08, 0.08, 1.0), pose);
+        }
+        let mut checker = Checker::new(space.clone(), world).expect("a world");
+        let turned = *rng.pick(&[0.0, std::f64::consts::PI]);
+        let start = [-3.0, rng.range(-1.9, 1.9), turned];
+        let goal = [
+            *rng.pick(&[-3.0, 3.0]),
+            rng.range(-1.9, 1.9),
+            std::f64::consts::PI - turned,
+        ];
+        let few = PlanOptions {
+            slices: 20,
+            ..options(seed)
+        };
+        // Some ends are in contact.
+        let Ok(Some(path)) = checker.plan(&start, &goal, &few).map(|plan| plan.path) else {
+            continue;
+        };
+        found += 1;
+        let verdict = checker.certify_path(&path).expect("a path");
+        assert!(verdict.1.is_free(), "seed {seed}: {verdict:?} of {path:?}");
+        let short = checker.shorten(&path, 50, seed).expect("a path");
+        let verdict = checker.certify_path(&short).expect("a path");
+        assert!(verdict.1.is_free(), "seed {seed}, shortened: {verdict:?} of {short:?}");
+    }
+    found
+}
+
+/// A plane in which half a turn goes counterclockwise from either end: not the same motion backwards, against the contract.
+#[derive(Clone)]
+struct OneWay(PlanarSpace);
+
+impl OneWay {
+    fn nudged(&self, from: &[f64], to: &[f64]) -> Vec<f64> {
+        let mut to = to.to_vec();
+        let turn = self.0.difference(from, &to)[2];
+        // Half a turn and a little more is the other way round, as the shorter way goes.
+        if turn < -3.1415926 {
+            to[2] -= 1e-7;
+        }
+        to
+    }
+}
+
+impl ConfigurationSpace for OneWay {
+    type Segment = <PlanarSpace as ConfigurationSpace>::Segment;
+
+    fn coordinates(&self) -> usize {
+        3
+    }
+    fn freedom(&self) -> usize {
+        3
+    }
+    fn bodies(&self) -> usize {
+        1
+    }
+    fn bounds(&self) -> &[[f64; 2]] {
+        self.0.bounds()
+    }
+    fn scales(&self) -> &[f64] {
+        self.0.scales()
+    }
+    fn check(&self, q: &[f64]) -> Result<(), PlanError> {
+        self.0.check(q)
+    }
+    fn place(&self, q: &[f64], poses: &mut Vec<Isometry3<f64>>) {
+        self.0.place(q, poses);
+    }
+    fn segment(&self, from: &[f64], to: &[f64]) -> Result<Self::Segment, PlanError> {
+        self.0.segment(from, &self.nudged(from, to))
+    }
+    fn difference(&self, from: &[f64], to: &[f64]) -> Vec<f64> {
+        self.0.difference(from, to)
+    }
+    fn moved(&self, from: &[f64], step: &[f64]) -> Vec<f64> {
+        self.0.moved(from, step)
+    }
+    fn sample(&self, uniform: &mut dyn FnMut() -> f64) -> Vec<f64> {
+        self.0.sample(uniform)
+    }
+    fn gradient(&self, q: &[f64], body: usize, p: &Point3<f64>, direction: &Vector3<f64>, gradient: &mut [f64]) {
+        self.0.gradient(q, body, p, direction, gradient);
+    }
+}
+
+#[test]
+fn paths_with_half_turns_are_free_in_the_direction_of_travel() {
+    let space = PlanarSpace::new([[-3.0, 3.0], [-2.0, 2.0]], 0.9, 1).expect("a space");
+    let found = half_turns(&space);
+    assert!(found > 25, "{found} paths");
+    let found = half_turns(&OneWay(space));
+    assert!(found > 20, "{found} paths");
 }
 
 /// Along a freeway no small step within the slice has more clearance, but for the precision of the ascent; the freeway of a

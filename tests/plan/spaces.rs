@@ -122,6 +122,68 @@ fn segments_lead_from_end_to_end() {
     }
 }
 
+/// A roadmap drives its segments both ways: with the ends exchanged a segment is the same motion backwards. Half turns decide
+/// between two motions, so angles are multiples of a quarter turn half of the time, and rotations often half turns about axes.
+#[test]
+fn segments_are_the_same_motion_backwards() {
+    fn backwards<C: ConfigurationSpace>(space: &C, rng: &mut Rng, draw: impl Fn(&mut Rng) -> Vec<f64>) {
+        for _ in 0..2000 {
+            let (from, to) = (draw(rng), draw(rng));
+            let [there, back] = [(&from, &to), (&to, &from)].map(|(p, q)| space.segment(p, q).expect("a segment"));
+            for t in [0.0, 0.25, 0.5, rng.uniform(), 1.0] {
+                let [p, q] = [there.pose(0, t), back.pose(0, 1.0 - t)];
+                let off = (p.translation.vector - q.translation.vector).norm();
+                let turned = p.rotation.angle_to(&q.rotation);
+                assert!(
+                    off < 1e-12 && turned < 1e-7,
+                    "{from:?} {to:?} at {t}: {off:e} {turned:e}"
+                );
+            }
+        }
+    }
+    let mut rng = Rng::new(6);
+    let quarter = std::f64::consts::FRAC_PI_2;
+    let plane = PlanarSpace::new([[-3.0, 3.0]; 2], 1.0, 1).expect("a space");
+    backwards(&plane, &mut rng, |rng| {
+        let mut q = configuration(&plane, rng);
+        if rng.chance(0.5) {
+            q[2] = quarter * rng.int(-8, 8) as f64;
+        }
+        q
+    });
+    let rigid = RigidSpace::new([[-3.0, 3.0]; 3], 1.0, 1).expect("a space");
+    backwards(&rigid, &mut rng, |rng| {
+        let mut q = configuration(&rigid, rng);
+        if rng.chance(0.7) {
+            q[3..].fill(0.0);
+            q[3 + rng.below(4)] = *rng.pick(&[1.0, -1.0]);
+        }
+        q
+    });
+    let arm = arm(&mut rng, 5);
+    backwards(&arm, &mut rng, |rng| configuration(&arm, rng));
+}
+
+/// Links by number and configurations by length: what does not exist is refused by name.
+#[test]
+fn the_pose_of_a_link_is_that_of_the_body_on_it() {
+    let mut rng = Rng::new(7);
+    let arm = arm(&mut rng, 4);
+    let mut poses = vec![];
+    for _ in 0..20 {
+        let q = configuration(&arm, &mut rng);
+        arm.place(&q, &mut poses);
+        for (link, pose) in poses.iter().enumerate() {
+            assert_eq!(arm.link_pose(&q, link), Ok(*pose));
+        }
+        let beyond = arm.link_pose(&q, 5).expect_err("there are links 0 to 4");
+        assert!(beyond.to_string().contains("link"), "{beyond}");
+        for wrong in [&[][..], &q[1..], &[f64::NAN; 4], &[9.0; 4]] {
+            assert!(arm.link_pose(wrong, 0).is_err(), "{wrong:?}");
+        }
+    }
+}
+
 /// Against central differences of the place of a point.
 #[test]
 fn gradients_are_derivatives() {
