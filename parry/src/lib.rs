@@ -48,23 +48,27 @@
 //!   contact; others beyond the prediction keep one. Snapshots go on bit for bit, any number of
 //!   threads gives the same bits, and a
 //!   dropped pair leaves nothing behind. Only bodies made of cuboids, balls, capsules and plain
-//!   polyhedra are remembered, by their points (at most 4096 of them).
+//!   polyhedra are remembered, by their points: all that are in use, and at most as many again, or
+//!   4,096, that are not.
 //!
 //! # Which pairs are answered by whom
 //!
 //! | pair | distance, contact, test, closest points | manifold |
 //! |---|---|---|
-//! | a hull, convex polyhedron or rounded one, and one of these, a cuboid, ball or capsule | here | here |
-//! | rounded cuboid, and any of these; cuboid and capsule | here | here |
-//! | balls with balls, cuboids and capsules | parry (closed forms) | parry |
-//! | two cuboids; two capsules | here | parry (closed forms) |
+//! | a hull, cuboid, capsule, convex polyhedron or rounded one of these, and one of these | here | here |
+//! | a ball, and any of the shapes above but a cuboid | here | here |
+//! | ball and cuboid | here | parry (closed form) |
+//! | two balls | parry (closed form) | parry (closed form) |
 //! | cylinder, cone, and any of the shapes above | here | parry |
-//! | half-space, and a hull, convex polyhedron or rounded one | parry | here |
+//! | half-space, and a hull, capsule, convex polyhedron or rounded one | parry | here |
 //! | compounds | part by part | part by part |
 //! | triangles, meshes, height fields, voxels, custom shapes | parry | parry |
 //!
-//! parry's `f32` tolerances are absolute, so **small parts on a mesh or height field floor are not
-//! cured**: build such floors of hulls or cuboids, or scale the scene.
+//! The closed forms of parry that are kept compare no length with an absolute number. Its other
+//! tolerances in `f32` are absolute, so **small parts on a mesh or height field floor are not cured**,
+//! nor are the manifolds of small cylinders and cones: build such floors of hulls or cuboids and such
+//! parts of hulls, or scale the scene. rapier's character controller asks parry's own dispatcher,
+//! whichever is set.
 //!
 //! # Casts
 //!
@@ -78,14 +82,19 @@
 //!   at the last instant proven free. The status is `OutOfIterations` if a limit of work was
 //!   reached, and `Failed` never occurs.
 //! * A cast with turns that does not stop at a penetration, of shapes that meet at the start, is
-//!   parry's.
+//!   parry's, unless the shapes pass more than ten thousand of their thicknesses: then the start is
+//!   the hit.
 //! * rapier sweeps hulls, cuboids, balls and capsules by code of its own, which no dispatcher
 //!   replaces; cylinders and cones in continuous motion are cast by its dispatcher, and so here.
 //!
 //! # Limits
 //!
-//! * A pose that is not finite goes to parry's dispatcher, as does a pair of sizes beyond those of
-//!   [`lin_canny`]. No query panics.
+//! * A query of numbers that the code in charge cannot work with is `Unsupported`, and no query
+//!   panics or goes on without end: negative or infinite sizes, poses that are none, and where parry
+//!   answers, coordinates, velocities and ways above 1e9 in `f32` (1e76 in `f64`), manifolds of voxels
+//!   with half-spaces and of polyhedra of which parry kept no face, and casts over more than 65,536
+//!   cells of a field. A prediction below zero asks for overlaps at least as deep. Vertices of meshes are not
+//!   looked at: they must be finite.
 //! * Serialized, a `Hull` is a parry `ConvexPolyhedron` with the vertices of the hull; read back,
 //!   the dispatcher makes a body of these vertices again, which costs a hash of all vertices in
 //!   each query ([`Hull::try_from`](crate::single::Hull) saves that). After reading a snapshot the

@@ -8,6 +8,8 @@ mod cast;
 mod decomposition;
 #[path = "bridge/dispatcher.rs"]
 mod dispatcher;
+#[path = "bridge/guard.rs"]
+mod guard;
 #[path = "bridge/half_space.rs"]
 mod half_space;
 #[path = "bridge/hull.rs"]

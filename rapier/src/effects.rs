@@ -5,6 +5,41 @@ use lin_canny::{Velocity, scene};
 
 use crate::SimulationError;
 
+/// The numbers of which an engine of a precision has the squares and the squares of the inverses, with
+/// a factor of 100 to spare.
+#[derive(Clone, Copy)]
+pub(crate) struct Reals {
+    least: f64,
+    most: f64,
+}
+
+impl Reals {
+    /// Of the least positive normal number and the largest number of a precision.
+    pub(crate) fn new(least: f64, most: f64) -> Self {
+        Self {
+            least: 100.0 * least.sqrt(),
+            most: 0.01 * most.sqrt(),
+        }
+    }
+
+    /// Refuses a number that is not positive, or none of the engine's.
+    fn positive(self, what: &'static str, value: f64) -> Result<(), SimulationError> {
+        match value >= self.least && value <= self.most {
+            true => Ok(()),
+            false => Err(SimulationError::Number { what, value }),
+        }
+    }
+
+    /// Refuses a vector with a coordinate that the engine does not have.
+    fn vector(self, what: &'static str, v: &Vector3<f64>) -> Result<(), SimulationError> {
+        // Written so that NaN is refused.
+        match v.iter().find(|x| !(x.abs() <= self.most)) {
+            Some(&value) => Err(SimulationError::Number { what, value }),
+            None => Ok(()),
+        }
+    }
+}
+
 /// The effects a simulation computes. An effect left out is not computed; see the table on the
 /// [page of the crate](crate) for what that saves.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -84,15 +119,15 @@ impl Effects {
     }
 
     /// Refuses numbers that are none, and effects that need response.
-    pub(crate) fn check(&self) -> Result<(), SimulationError> {
+    pub(crate) fn check(&self, reals: Reals) -> Result<(), SimulationError> {
         let number = |what, x: Option<f64>| match x {
             Some(value) if !(0.0..=1e6).contains(&value) => Err(SimulationError::Number { what, value }),
             _ => Ok(()),
         };
         number("friction", self.friction)?;
         number("restitution", self.restitution)?;
-        if let Some(&value) = self.gravity.iter().flat_map(|g| g.iter()).find(|x| !x.is_finite()) {
-            return Err(SimulationError::Number { what: "gravity", value });
+        if let Some(gravity) = &self.gravity {
+            reals.vector("gravity", gravity)?;
         }
         if self.response {
             return match self.iterations {
@@ -144,13 +179,9 @@ impl Default for Settings {
 }
 
 impl Settings {
-    pub(crate) fn check(&self) -> Result<(), SimulationError> {
-        let positive = |what, value: f64| match value > 0.0 && value.is_finite() {
-            true => Ok(()),
-            false => Err(SimulationError::Number { what, value }),
-        };
-        positive("time_step", self.time_step)?;
-        positive("size", self.size)
+    pub(crate) fn check(&self, reals: Reals) -> Result<(), SimulationError> {
+        reals.positive("time_step", self.time_step)?;
+        reals.positive("size", self.size)
     }
 }
 
@@ -191,19 +222,21 @@ impl Body {
         Self { velocity, ..self }
     }
 
-    pub(crate) fn check(&self) -> Result<(), SimulationError> {
+    pub(crate) fn check(&self, reals: Reals) -> Result<(), SimulationError> {
         lin_canny::RelativePose::from_isometry(&self.pose)?;
         if let Some(value) = self.density.filter(|d| !(*d > 0.0 && d.is_finite())) {
             return Err(SimulationError::Number { what: "density", value });
         }
-        let parts = self.velocity.linear.iter().chain(self.velocity.angular.iter());
-        match parts.copied().find(|x| !x.is_finite()) {
-            Some(value) => Err(SimulationError::Number {
-                what: "velocity",
+        // A position may be as near to the origin as it likes.
+        let at = &self.pose.translation.vector;
+        if let Some(&value) = at.iter().find(|x| x.abs() > reals.most) {
+            return Err(SimulationError::Number {
+                what: "position",
                 value,
-            }),
-            None => Ok(()),
+            });
         }
+        reals.vector("velocity", &self.velocity.linear)?;
+        reals.vector("velocity", &self.velocity.angular)
     }
 }
 

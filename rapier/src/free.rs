@@ -62,12 +62,23 @@ impl Free {
             .unwrap_or_else(Matrix3::identity);
         let spun = inverse.try_inverse().unwrap_or_else(Matrix3::identity);
         let turn = body.pose.rotation;
+        // What does not move has no velocity, as in the engine with response.
+        let linear = if is_fixed {
+            Vector3::zeros()
+        } else {
+            body.velocity.linear
+        };
+        let spin = if is_fixed || !self.effects.rotation {
+            Vector3::zeros()
+        } else {
+            body.velocity.angular
+        };
         let made = FreeBody {
             id,
             is_fixed,
             center: shape.centroid(),
-            linear: body.velocity.linear,
-            momentum: turn * (spun * turn.inverse_transform_vector(&body.velocity.angular)),
+            linear,
+            momentum: turn * (spun * turn.inverse_transform_vector(&spin)),
             inverse,
         };
         let index = BodyId(self.bodies.len() as u32);
@@ -100,12 +111,7 @@ impl Free {
         for body in self.bodies.iter_mut().flatten().filter(|b| !b.is_fixed) {
             let Some(pose) = self.scene.pose(body.id) else { continue };
             let linear = body.linear + gravity * dt;
-            let spin = if self.effects.rotation {
-                body.spin(pose)
-            } else {
-                Vector3::zeros()
-            };
-            let next = body.advanced(pose, &linear, &spin, dt);
+            let next = body.advanced(pose, &linear, &body.spin(pose), dt);
             self.scene.set_pose(body.id, next)?;
             body.linear = linear;
             self.moved += 1;

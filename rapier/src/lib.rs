@@ -69,8 +69,9 @@
 //! in a `Startup` system, as setting it empties the narrow phase, and make colliders of hulls:
 //!
 //! ```ignore
-//! fn certify(mut context: WriteRapierContext) {
+//! fn certify(mut context: WriteRapierContext) -> Result {
 //!     context.single_mut()?.simulation.set_query_dispatcher(Certified::default());
+//!     Ok(())
 //! }
 //! let collider = Collider::from(SharedShape::from(Hull::from_points(&points)?));
 //! ```
@@ -83,7 +84,9 @@
 //! Its broad phase, contact graph, constraint graph and islands are public.
 //!
 //! rapier's solver cannot be fed from outside: `NarrowPhase::register_pairs`, `compute_contacts`
-//! and the island solver are private to rapier 0.36.1. The dispatcher is the way in.
+//! and the island solver are private to rapier 0.36.1. The dispatcher is the way in. rapier's
+//! character controller has parry's dispatcher built in: it walks by parry's contacts, and a character
+//! or floor of a few centimetres or less has the defects of these in `f32`.
 //!
 //! # Defects of rapier 0.36.1 that are worked round
 //!

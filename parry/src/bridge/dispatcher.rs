@@ -6,6 +6,7 @@ use lin_canny::nalgebra::{Point3, UnitQuaternion};
 use lin_canny::{Class, Outcome, RelativePose, ShapeTracker};
 
 use super::cast::{self, Flown};
+use super::guard::{self, Turning, margin, parrys};
 use super::half_space;
 use super::known::Known;
 use super::manifold::{PosedPair, is_far};
@@ -23,7 +24,7 @@ use super::parry::query::{
     ClosestPoints, Contact, ContactManifold, ContactManifoldsWorkspace, DefaultQueryDispatcher, NonlinearRigidMotion,
     PersistentQueryDispatcher, QueryDispatcher, ShapeCastHit, ShapeDistance, ShapeIntersection, Unsupported,
 };
-use super::parry::shape::{CompositeShape, Cuboid, Shape, ShapeType};
+use super::parry::shape::{CompositeShape, Shape, ShapeType};
 use super::part::{self, Placed};
 
 /// Which contacts a manifold holds.
@@ -158,10 +159,11 @@ impl QueryDispatcher for Certified {
         if let Some(posed) = self.posed(pos12, a, b) {
             return Ok(posed.intersects().into());
         }
+        let parry = parrys(pos12, a, b)?;
         match (compound(a), compound(b)) {
             (Some(c), _) => Ok(intersection_test_composite_shape_shape(self, pos12, c, b)),
             (_, Some(c)) => Ok(intersection_test_shape_composite_shape(self, pos12, a, c)),
-            _ => parrys(pos12, a, b)?.intersection_test(pos12, a, b),
+            _ => parry.intersection_test(pos12, a, b),
         }
     }
 
@@ -169,10 +171,11 @@ impl QueryDispatcher for Certified {
         if let Some(posed) = self.posed(pos12, a, b) {
             return Ok(ShapeDistance::new(posed.closest().distance.max(0.0) as Real));
         }
+        let parry = parrys(pos12, a, b)?;
         match (compound(a), compound(b)) {
             (Some(c), _) => Ok(distance_composite_shape_shape(self, pos12, c, b)),
             (_, Some(c)) => Ok(distance_shape_composite_shape(self, pos12, a, c)),
-            _ => parrys(pos12, a, b)?.distance(pos12, a, b),
+            _ => parry.distance(pos12, a, b),
         }
     }
 
@@ -188,11 +191,13 @@ impl QueryDispatcher for Certified {
             let is_near = outcome.distance <= f64::from(prediction);
             return Ok(is_near.then(|| posed.contact(&outcome)));
         }
-        match (compound(a), compound(b)) {
-            (Some(c), _) => Ok(contact_composite_shape_shape(self, pos12, c, b, prediction)),
-            (_, Some(c)) => Ok(contact_shape_composite_shape(self, pos12, a, c, prediction)),
-            _ => parrys(pos12, a, b)?.contact(pos12, a, b, prediction),
-        }
+        let (parry, within) = (parrys(pos12, a, b)?, margin(prediction));
+        let found = match (compound(a), compound(b)) {
+            (Some(c), _) => contact_composite_shape_shape(self, pos12, c, b, within),
+            (_, Some(c)) => contact_shape_composite_shape(self, pos12, a, c, within),
+            _ => parry.contact(pos12, a, b, within)?,
+        };
+        Ok(found.filter(|contact| contact.dist <= prediction))
     }
 
     fn closest_points(
@@ -213,11 +218,16 @@ impl QueryDispatcher for Certified {
                 _ => ClosestPoints::Disjoint,
             });
         }
-        match (compound(a), compound(b)) {
-            (Some(c), _) => Ok(closest_points_composite_shape_shape(self, pos12, c, b, max_dist)),
-            (_, Some(c)) => Ok(closest_points_shape_composite_shape(self, pos12, a, c, max_dist)),
-            _ => parrys(pos12, a, b)?.closest_points(pos12, a, b, max_dist),
-        }
+        let (parry, within) = (parrys(pos12, a, b)?, margin(max_dist));
+        let found = match (compound(a), compound(b)) {
+            (Some(c), _) => closest_points_composite_shape_shape(self, pos12, c, b, within),
+            (_, Some(c)) => closest_points_shape_composite_shape(self, pos12, a, c, within),
+            _ => parry.closest_points(pos12, a, b, within)?,
+        };
+        Ok(match found {
+            ClosestPoints::WithinMargin(..) if !(max_dist >= 0.0) => ClosestPoints::Disjoint,
+            found => found,
+        })
     }
 
     fn cast_shapes(
@@ -228,9 +238,7 @@ impl QueryDispatcher for Certified {
         b: &dyn Shape,
         options: ShapeCastOptions,
     ) -> Result<Option<ShapeCastHit>, Unsupported> {
-        // parry has a closed form for two balls.
-        let are_balls = a.as_ball().is_some() && b.as_ball().is_some();
-        let pair = if are_balls { None } else { part::cast(&self.known, a, b) };
+        let pair = part::placed(&self.known, a, b);
         if let Some((on_a, on_b)) = pair.filter(|_| pos12.is_finite()) {
             match cast::linear((&on_a, &on_b), pos12, vel12, &options) {
                 Flown::Free => return Ok(None),
@@ -238,17 +246,11 @@ impl QueryDispatcher for Certified {
                 Flown::Refused => {}
             }
         }
+        let (parry, options) = guard::casting(pos12, vel12, (a, b), &options)?;
         match (compound(a), compound(b)) {
-            (Some(c), _) if pos12.is_finite() => {
-                Ok(cast_shapes_composite_shape_shape(self, pos12, vel12, c, b, options))
-            }
-            (_, Some(c)) if pos12.is_finite() => {
-                Ok(cast_shapes_shape_composite_shape(self, pos12, vel12, a, c, options))
-            }
-            _ if vel12.is_finite() && has_length(a) && has_length(b) => {
-                parrys(pos12, a, b)?.cast_shapes(pos12, vel12, a, b, options)
-            }
-            _ => Err(Unsupported),
+            (Some(c), _) => Ok(cast_shapes_composite_shape_shape(self, pos12, vel12, c, b, options)),
+            (_, Some(c)) => Ok(cast_shapes_shape_composite_shape(self, pos12, vel12, a, c, options)),
+            _ => parry.cast_shapes(pos12, vel12, a, b, options),
         }
     }
 
@@ -262,29 +264,29 @@ impl QueryDispatcher for Certified {
         end: Real,
         stop_at_penetration: bool,
     ) -> Result<Option<ShapeCastHit>, Unsupported> {
-        let (x, y) = (motion1, motion2);
-        if let Some((on_a, on_b)) = part::cast(&self.known, a, b) {
-            match cast::nonlinear((&on_a, &on_b), (x, y), (start, end)) {
+        let mut met = None;
+        if let Some((on_a, on_b)) = part::both(&self.known, a, b) {
+            match cast::nonlinear((&on_a, &on_b), (motion1, motion2), (start, end)) {
                 Flown::Free => return Ok(None),
                 Flown::Hit(hit) => return Ok(Some(hit)),
                 Flown::Start(hit) if stop_at_penetration => return Ok(Some(hit)),
-                // What happens after a penetration at the start is asked of parry.
-                Flown::Start(_) | Flown::Refused => {}
+                // What happens after a penetration at the start is asked of parry, if it can tell.
+                Flown::Start(hit) => met = Some(hit),
+                Flown::Refused => {}
             }
         }
-        let stop = stop_at_penetration;
-        match (compound(a), compound(b)) {
-            (Some(c), _) if is_finite(x) && is_finite(y) => Ok(cast_shapes_nonlinear_composite_shape_shape(
-                self, x, c, y, b, start, end, stop,
-            )),
-            (_, Some(c)) if is_finite(x) && is_finite(y) => Ok(cast_shapes_nonlinear_shape_composite_shape(
-                self, x, a, y, c, start, end, stop,
-            )),
-            _ if is_finite(x) && is_finite(y) && has_length(a) && has_length(b) => {
-                parrys(&x.start, a, b)?.cast_shapes_nonlinear(x, a, y, b, start, end, stop)
-            }
-            _ => Err(Unsupported),
+        let asked = Turning::new((a, b), (motion1, motion2), (start, end), stop_at_penetration);
+        if let Some(hit) = met.filter(|_| !asked.as_ref().is_ok_and(|asked| !asked.stop_at_penetration)) {
+            return Ok(Some(hit));
         }
+        let asked = asked?;
+        let (x, y, end, stop) = (&asked.motion1, &asked.motion2, asked.end, asked.stop_at_penetration);
+        let hit = match (a.as_composite_shape(), b.as_composite_shape()) {
+            (Some(c), _) => cast_shapes_nonlinear_composite_shape_shape(self, x, c, y, b, 0.0, end, stop),
+            (_, Some(c)) => cast_shapes_nonlinear_shape_composite_shape(self, x, a, y, c, 0.0, end, stop),
+            _ => DefaultQueryDispatcher.cast_shapes_nonlinear(x, a, y, b, 0.0, end, stop)?,
+        };
+        Ok(hit.map(|hit| asked.told(hit)))
     }
 }
 
@@ -302,11 +304,14 @@ where
         out: &mut Vec<ContactManifold<M, C>>,
         kept: &mut Option<ContactManifoldsWorkspace>,
     ) -> Result<(), Unsupported> {
-        // parry asserts on both inside of composites; the contacts there are left as they are.
-        let prediction = if prediction >= 0.0 { prediction } else { 0.0 };
-        if !(pos12.is_finite() || is_single(a) && is_single(b)) {
-            return Err(Unsupported);
+        let prediction = margin(prediction);
+        if is_single(a) && is_single(b) {
+            if out.is_empty() {
+                out.push(ContactManifold::new());
+            }
+            return self.contact_manifold_convex_convex(pos12, a, b, None, None, prediction, &mut out[0]);
         }
+        let parry = guard::touching(pos12, a, b)?;
         match (compound(a), compound(b)) {
             (Some(c), Some(d)) => {
                 contact_manifolds_composite_shape_composite_shape(self, pos12, c, d, prediction, out, kept);
@@ -320,13 +325,7 @@ where
                 contact_manifolds_composite_shape_shape(self, &pos12.inverse(), c, a, prediction, out, kept, true);
                 Ok(())
             }
-            _ if is_single(a) && is_single(b) => {
-                if out.is_empty() {
-                    out.push(ContactManifold::new());
-                }
-                self.contact_manifold_convex_convex(pos12, a, b, None, None, prediction, &mut out[0])
-            }
-            _ => DefaultQueryDispatcher.contact_manifolds(pos12, a, b, prediction, out, kept),
+            _ => parry.contact_manifolds(pos12, a, b, prediction, out, kept),
         }
     }
 
@@ -357,36 +356,14 @@ where
         if is_free && half_space::write(&self.known, pos12, (a, b), prediction, &self.options, out) {
             return Ok(());
         }
-        parrys(pos12, a, b)?.contact_manifold_convex_convex(pos12, a, b, constraints1, constraints2, prediction, out)
+        guard::touching(pos12, a, b)?.contact_manifold_convex_convex(
+            pos12,
+            a,
+            b,
+            constraints1,
+            constraints2,
+            prediction,
+            out,
+        )
     }
-}
-
-/// Returns parry's dispatcher for a pair that it can answer: for two cuboids, parry asserts that the
-/// pose is finite and that the cuboids have a size.
-fn parrys(pos12: &Pose, a: &dyn Shape, b: &dyn Shape) -> Result<DefaultQueryDispatcher, Unsupported> {
-    if pos12.is_finite() && has_size(a) && has_size(b) {
-        Ok(DefaultQueryDispatcher)
-    } else {
-        Err(Unsupported)
-    }
-}
-
-/// Returns whether the pose and the velocities of a motion are finite.
-fn is_finite(motion: &NonlinearRigidMotion) -> bool {
-    let velocities = [motion.local_center, motion.linvel, motion.angvel];
-    motion.start.is_finite() && velocities.iter().all(|v| v.is_finite())
-}
-
-/// Returns whether the ends of a capsule differ, which casts of parry assert, and its radius is a
-/// number; true for other shapes.
-fn has_length(shape: &dyn Shape) -> bool {
-    let (capsule, ball) = (shape.as_capsule(), shape.as_ball());
-    capsule.is_none_or(|c| (c.segment.b - c.segment.a).length() > 0.0 && c.radius >= 0.0)
-        && ball.is_none_or(|b| b.radius >= 0.0)
-}
-
-/// Returns whether the extents of a cuboid are numbers and not negative; true for other shapes.
-fn has_size(shape: &dyn Shape) -> bool {
-    let of = |cuboid: &Cuboid| (0..3).all(|k| cuboid.half_extents[k] >= 0.0 && cuboid.half_extents[k].is_finite());
-    shape.as_cuboid().is_none_or(of)
 }

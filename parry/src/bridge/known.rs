@@ -1,6 +1,7 @@
 //! Bodies made of the points of parry's own shapes, each made once.
 
 use std::collections::HashMap;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, PoisonError, RwLock};
 
 use lin_canny::ConvexPolyhedron;
@@ -9,39 +10,81 @@ use super::hull::Hull;
 use super::number::wide_point;
 use super::parry::math::Vector;
 
-/// Most shapes that are remembered; beyond, all are forgotten and made again.
-const MOST: usize = 4096;
+/// Shapes that are remembered before any is forgotten.
+const LEAST: usize = 4096;
 
 /// A table from points to the body they span. Only a memory: what it returns depends on the points
 /// alone.
+///
+/// A body that was asked for since the last sweep survives the next one, and the sweep after a sweep
+/// comes when the table has doubled: shapes in use are never made again, however many they are, and
+/// the table holds at most twice as many as were asked for between two sweeps.
 #[derive(Default)]
-pub(super) struct Known(RwLock<HashMap<u64, Vec<Entry>>>);
+pub(super) struct Known(RwLock<Table>);
+
+#[derive(Default)]
+struct Table {
+    entries: HashMap<u64, Vec<Entry>>,
+    count: usize,
+    /// Number of entries that survived the last sweep.
+    survived: usize,
+}
 
 struct Entry {
     points: Box<[Vector]>,
     /// `None` if the points make no body.
     hull: Option<Arc<Hull>>,
+    /// Whether the body was asked for since the last sweep.
+    is_asked: AtomicBool,
 }
 
 impl Known {
     /// Returns the body of one point, of the segment of two points, or else the hull.
     pub(super) fn hull(&self, points: &[Vector]) -> Option<Arc<Hull>> {
         let key = key(points);
-        let of = |map: &HashMap<u64, Vec<Entry>>| {
-            let entry = map.get(&key)?.iter().find(|e| same(&e.points, points))?;
-            Some(entry.hull.clone())
-        };
-        if let Some(found) = of(&self.0.read().unwrap_or_else(PoisonError::into_inner)) {
+        if let Some(found) = self.0.read().unwrap_or_else(PoisonError::into_inner).find(key, points) {
             return found;
         }
         let hull = made(points).map(Arc::new);
-        let mut map = self.0.write().unwrap_or_else(PoisonError::into_inner);
-        if map.len() >= MOST {
-            map.clear();
+        let mut table = self.0.write().unwrap_or_else(PoisonError::into_inner);
+        if let Some(found) = table.find(key, points) {
+            return found;
         }
-        let (points, kept) = (points.into(), hull.clone());
-        map.entry(key).or_default().push(Entry { points, hull: kept });
+        table.insert(key, points, hull.clone());
         hull
+    }
+}
+
+impl Table {
+    fn find(&self, key: u64, points: &[Vector]) -> Option<Option<Arc<Hull>>> {
+        let entry = self.entries.get(&key)?.iter().find(|e| same(&e.points, points))?;
+        // Read first: threads that only read share the cache line.
+        if !entry.is_asked.load(Ordering::Relaxed) {
+            entry.is_asked.store(true, Ordering::Relaxed);
+        }
+        Some(entry.hull.clone())
+    }
+
+    fn insert(&mut self, key: u64, points: &[Vector], hull: Option<Arc<Hull>>) {
+        if self.count >= LEAST.max(2 * self.survived) {
+            self.sweep();
+        }
+        let (points, is_asked) = (points.into(), AtomicBool::new(true));
+        self.entries
+            .entry(key)
+            .or_default()
+            .push(Entry { points, hull, is_asked });
+        self.count += 1;
+    }
+
+    /// Forgets the bodies that were not asked for since the last sweep.
+    fn sweep(&mut self) {
+        self.entries.retain(|_, list| {
+            list.retain_mut(|entry| std::mem::take(entry.is_asked.get_mut()));
+            !list.is_empty()
+        });
+        self.count = self.entries.values().map(Vec::len).sum();
+        self.survived = self.count;
     }
 }
 
@@ -60,8 +103,51 @@ fn made(points: &[Vector]) -> Option<Hull> {
     let wide: Vec<_> = points.iter().map(|&p| wide_point(p)).collect();
     let body = match wide[..] {
         [p] => ConvexPolyhedron::point(p),
+        [p, q] if p == q => ConvexPolyhedron::point(p),
         [p, q] => ConvexPolyhedron::segment(p, q),
         _ => ConvexPolyhedron::from_points(&wide),
     };
     body.ok().map(Hull::new)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::parry::math::Real;
+    use super::*;
+
+    /// Distinct bodies of one point.
+    fn asked(known: &Known, of: std::ops::Range<usize>) -> Vec<Arc<Hull>> {
+        let point = |k: usize| [Vector::new(k as Real, 1.0, 0.0)];
+        of.map(|k| known.hull(&point(k)).expect("a body")).collect()
+    }
+
+    /// A scene with more shapes than are remembered at least: none of them is made twice.
+    #[test]
+    fn shapes_in_use_are_made_once() {
+        for count in [LEAST - 1, LEAST + 1, 3 * LEAST] {
+            let known = Known::default();
+            let first = asked(&known, 0..count);
+            for _ in 0..3 {
+                let again = asked(&known, 0..count);
+                let made = first.iter().zip(&again).filter(|(a, b)| !Arc::ptr_eq(a, b)).count();
+                assert_eq!(made, 0, "of {count}");
+                // A shape that is asked for once, now and then.
+                asked(&known, 10 * LEAST..10 * LEAST + 10);
+            }
+        }
+    }
+
+    /// Shapes that come and go do not fill the memory, and those in use stay.
+    #[test]
+    fn shapes_out_of_use_are_forgotten() {
+        let known = Known::default();
+        let first = asked(&known, 0..100);
+        for k in 1..40 {
+            asked(&known, k * 1000..(k + 1) * 1000);
+            let again = asked(&known, 0..100);
+            assert!(first.iter().zip(&again).all(|(a, b)| Arc::ptr_eq(a, b)), "round {k}");
+        }
+        let count = known.0.read().expect("no panic").count;
+        assert!(count <= 2 * LEAST + 200, "{count}");
+    }
 }

@@ -34,32 +34,34 @@ impl Deref for Core<'_> {
     }
 }
 
-/// The kinds among which parry's closed forms are right and faster.
+/// The kinds that tell for which pairs parry's manifold is a closed form.
 #[derive(Clone, Copy, PartialEq)]
 enum Kind {
     Ball,
-    Capsule,
     Cuboid,
     /// Every other rounded polyhedron.
     Polyhedron,
 }
 
-/// Returns whether parry has a closed form for a pair of kinds.
+/// Returns whether parry's manifold of a pair of kinds is a closed form that is right at every size.
+/// Its code for two cuboids, for two capsules and for a ball and a capsule compares lengths with
+/// absolute numbers.
 fn is_closed_form(a: Kind, b: Kind) -> bool {
-    match (a, b) {
-        (Kind::Polyhedron, _) | (_, Kind::Polyhedron) => false,
-        (Kind::Ball, _) | (_, Kind::Ball) => true,
-        (a, b) => a == b,
-    }
+    use Kind::{Ball, Cuboid};
+    matches!((a, b), (Ball, Ball | Cuboid) | (Cuboid, Ball))
+}
+
+/// Returns whether two shapes are balls, for which all queries of parry are closed forms.
+fn are_balls(a: &dyn shape::Shape, b: &dyn shape::Shape) -> bool {
+    a.as_ball().is_some() && b.as_ball().is_some()
 }
 
 fn kind(shape: &dyn shape::Shape) -> Option<Kind> {
     use shape::ShapeType::{Ball, Capsule, ConvexPolyhedron, Cuboid, Custom, RoundConvexPolyhedron, RoundCuboid};
     match shape.shape_type() {
         Ball => Some(Kind::Ball),
-        Capsule => Some(Kind::Capsule),
         Cuboid => Some(Kind::Cuboid),
-        ConvexPolyhedron | RoundConvexPolyhedron | RoundCuboid => Some(Kind::Polyhedron),
+        Capsule | ConvexPolyhedron | RoundConvexPolyhedron | RoundCuboid => Some(Kind::Polyhedron),
         Custom => shape.as_shape::<Hull>().map(|_| Kind::Polyhedron),
         _ => None,
     }
@@ -124,19 +126,16 @@ impl Part<'_> {
     }
 }
 
-/// Returns two shapes as shapes of [`lin_canny`], if that has both kinds; `None` too for a ball with a
-/// simple shape, for which parry has a closed form. Its distances of two cuboids and of two capsules
-/// are no closed forms, and too large by as much as a hundredth.
+/// Returns two shapes as shapes of [`lin_canny`], if that has both kinds; `None` too for two balls.
 pub(super) fn placed(known: &Known, a: &dyn shape::Shape, b: &dyn shape::Shape) -> Option<(Placed, Placed)> {
-    let is_ball = |k: Kind, l: Kind| (k == Kind::Ball || l == Kind::Ball) && is_closed_form(k, l);
-    if kind(a).zip(kind(b)).is_some_and(|(k, l)| is_ball(k, l)) {
+    if are_balls(a, b) {
         return None;
     }
-    cast(known, a, b)
+    both(known, a, b)
 }
 
-/// Returns two shapes to cast as shapes of [`lin_canny`], if that has both kinds.
-pub(super) fn cast(known: &Known, a: &dyn shape::Shape, b: &dyn shape::Shape) -> Option<(Placed, Placed)> {
+/// Returns two shapes as shapes of [`lin_canny`], if that has both kinds.
+pub(super) fn both(known: &Known, a: &dyn shape::Shape, b: &dyn shape::Shape) -> Option<(Placed, Placed)> {
     Some((one(known, a)?, one(known, b)?))
 }
 

@@ -4,10 +4,8 @@ use lab::rng::Rng;
 use lin_canny_parry::lin_canny::{RelativePose, Tracker};
 
 use super::engine::parry::math::{Pose, Real, Rotation, Vector};
-use super::engine::parry::query::details::ShapeCastOptions;
 use super::engine::parry::query::{
-    ClosestPoints, ContactManifold, DefaultQueryDispatcher, NonlinearRigidMotion, PersistentQueryDispatcher,
-    QueryDispatcher,
+    ClosestPoints, ContactManifold, DefaultQueryDispatcher, PersistentQueryDispatcher, QueryDispatcher,
 };
 use super::engine::parry::shape::{
     Ball, Capsule, Compound, Cone, ConvexPolyhedron, Cuboid, Cylinder, HalfSpace, RoundShape, Shape, SharedShape,
@@ -86,8 +84,8 @@ fn distances_agree_with_parry_where_parry_is_right() {
                     .contact(&pos12, &**a, &**b, 10.0)
                     .expect("supported")
                     .expect("within");
-                // Closed forms of parry: a ball with a simple shape.
-                let is_parrys = matches!((k, l), (2..=4, 3) | (3, 2 | 4));
+                // A closed form of parry: two balls.
+                let is_parrys = matches!((k, l), (3, 3));
                 let witness = (pos12 * contact.point2 - contact.point1).dot(contact.normal1);
                 let off = (witness - contact.dist).abs();
                 assert!(is_parrys || off < 1e-5, "{witness} {}: {k} {l}", contact.dist);
@@ -261,61 +259,4 @@ fn parts_of_compounds_are_answered_here() {
             .expect("supported");
         assert!(!kept.is_empty() && kept.iter().all(|m| m.points.iter().all(|p| p.dist > 0.3 * scale)));
     }
-}
-
-/// Casts with velocities and limits of any kind.
-fn cast_any(ours: &Certified, pose: &Pose, a: &dyn Shape, b: &dyn Shape) {
-    for bad in [0.3, 0.0, Real::NAN, Real::INFINITY] {
-        let options = ShapeCastOptions {
-            max_time_of_impact: bad,
-            target_distance: if bad == 0.3 { 0.1 } else { bad },
-            stop_at_penetration: bad == 0.0,
-            ..ShapeCastOptions::default()
-        };
-        let _ = ours.cast_shapes(pose, Vector::X * bad, a, b, options);
-        let motion = NonlinearRigidMotion::new(*pose, Vector::ZERO, Vector::X * bad, Vector::Y * bad);
-        let rest = NonlinearRigidMotion::identity();
-        let _ = ours.cast_shapes_nonlinear(&rest, a, &motion, b, 0.0, 1.0, true);
-    }
-}
-
-/// Poses, shapes and predictions of any kind: an answer or `Unsupported`, never a panic.
-#[test]
-fn no_query_panics() {
-    let mut rng = Rng::new(16);
-    let ours = Certified::default();
-    let mut list = kinds(&mut rng, 1.0);
-    list.extend(kinds(&mut rng, 1e-3));
-    for bad in [0.0, -1.0, Real::NAN, Real::INFINITY] {
-        list.push(SharedShape::new(Cuboid::new(Vector::splat(bad))));
-        list.push(SharedShape::new(Ball::new(bad)));
-        list.push(SharedShape::new(Capsule::new_y(bad, bad)));
-    }
-    let nan = Pose::from_parts(Vector::splat(Real::NAN), Rotation::IDENTITY);
-    let zero = Pose::from_parts(Vector::ZERO, Rotation::from_xyzw(0.0, 0.0, 0.0, 0.0));
-    let poses = [
-        Pose::identity(),
-        nan,
-        zero,
-        Pose::translation(1e30, 0.0, 0.0),
-        Pose::translation(0.5, 0.2, 0.1),
-    ];
-    let mut answered = 0;
-    for a in &list {
-        for b in &list {
-            for pose in &poses {
-                let mut kept = Manifolds::new();
-                for prediction in [0.02, 0.0, Real::NAN] {
-                    let made = ours.contact_manifolds(pose, &**a, &**b, prediction, &mut kept, &mut None);
-                    answered += usize::from(made.is_ok());
-                }
-                let _ = ours.distance(pose, &**a, &**b);
-                let _ = ours.intersection_test(pose, &**a, &**b);
-                let _ = ours.contact(pose, &**a, &**b, 0.1);
-                let _ = ours.closest_points(pose, &**a, &**b, 0.1);
-                cast_any(&ours, pose, &**a, &**b);
-            }
-        }
-    }
-    assert!(answered > 1000, "{answered}");
 }

@@ -10,3 +10,7 @@ mod decomposition;
 mod dispatch;
 #[path = "hulls.rs"]
 mod hulls;
+#[path = "manifolds.rs"]
+mod manifolds;
+#[path = "numbers.rs"]
+mod numbers;

@@ -6,8 +6,10 @@ use lin_canny::scene::{self, Scene};
 
 use super::Hull;
 use super::rapier::dynamics::RigidBodyHandle;
+use super::rapier::math::Real;
 use super::rapier::pipeline::PhysicsWorld;
 use super::world::World;
+use crate::effects::Reals;
 use crate::free::Free;
 use crate::{Body, BodyId, Effects, Report, Settings, SimulationError};
 
@@ -33,11 +35,13 @@ impl Simulation {
     /// Returns an empty simulation.
     ///
     /// # Errors
-    /// If a number of the effects or settings is out of range, an effect needs response that is not
+    /// If a number of the effects or settings is out of range (with response, that of the engine's
+    /// precision: see [`SimulationError::Number`]), an effect needs response that is not
     /// called for, or pairs are observed with response.
     pub fn new(effects: Effects, settings: Settings) -> Result<Self, SimulationError> {
-        effects.check()?;
-        settings.check()?;
+        let reals = reals(effects.response);
+        effects.check(reals)?;
+        settings.check(reals)?;
         let engine = if effects.response {
             if settings.observe != scene::Effects::none() {
                 return Err(SimulationError::ObservedResponse);
@@ -52,13 +56,13 @@ impl Simulation {
     /// Puts a body into the simulation.
     ///
     /// # Errors
-    /// If the pose is not a rigid motion, density or velocity is not a number, or the shape is too
-    /// large for a scene.
+    /// If the pose is not a rigid motion, position, density, mass or velocity is not a number of the
+    /// engine, or the shape is too large for a scene.
     pub fn insert(&mut self, shape: &Hull, body: Body) -> Result<BodyId, SimulationError> {
-        body.check()?;
+        body.check(reals(matches!(self.engine, Engine::Response(_))))?;
         match &mut self.engine {
             Engine::Free(free) => free.insert(shape.body(), &body),
-            Engine::Response(world) => Ok(world.insert(shape, &body)),
+            Engine::Response(world) => world.insert(shape, &body),
         }
     }
 
@@ -151,5 +155,14 @@ impl Simulation {
             Engine::Free(_) => None,
             Engine::Response(world) => world.handle(body),
         }
+    }
+}
+
+/// Returns the numbers of the engine: rapier's, or without response those of [`lin_canny`].
+fn reals(response: bool) -> Reals {
+    if response {
+        Reals::new(f64::from(Real::MIN_POSITIVE), f64::from(Real::MAX))
+    } else {
+        Reals::new(f64::MIN_POSITIVE, f64::MAX)
     }
 }

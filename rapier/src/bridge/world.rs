@@ -58,8 +58,14 @@ impl World {
         }
     }
 
-    pub(super) fn insert(&mut self, shape: &Hull, body: &Body) -> BodyId {
+    pub(super) fn insert(&mut self, shape: &Hull, body: &Body) -> Result<BodyId, SimulationError> {
         let effects = &self.effects;
+        let is_solid = shape.body().volume() > 0.0;
+        // rapier takes a body without an inverse mass for one that never moves.
+        let is_heavy = |density: f64| shape.mass_properties_at(density as Real).inv_mass > 0.0;
+        if let Some(value) = body.density.filter(|&density| is_solid && !is_heavy(density)) {
+            return Err(SimulationError::Number { what: "density", value });
+        }
         let turning = if effects.rotation {
             body.velocity.angular
         } else {
@@ -85,7 +91,7 @@ impl World {
         let (handle, _) = self.world.insert(builder.pose(engine::pose(&body.pose)), collider);
         let id = BodyId(self.bodies.len() as u32);
         self.bodies.push(Some(handle));
-        id
+        Ok(id)
     }
 
     pub(super) fn remove(&mut self, body: BodyId) -> Result<(), SimulationError> {

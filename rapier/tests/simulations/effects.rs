@@ -5,6 +5,7 @@ use lin_canny_rapier::lin_canny_parry::lin_canny::polyhedron::solids;
 use lin_canny_rapier::lin_canny_parry::lin_canny::{ManifoldOptions, Velocity, scene};
 use lin_canny_rapier::{Body, BodyId, Continuous, Effects, FrictionModel, Report, Settings, SimulationError};
 
+use super::engine::rapier::math::Real;
 use super::engine::{Hull, Simulation};
 
 const DOWN: Vector3<f64> = Vector3::new(0.0, -9.81, 0.0);
@@ -125,6 +126,30 @@ fn a_block_tumbles_with_its_angular_momentum() {
     let (mut s, id) = thrown(still, 3.0, velocity);
     run(&mut s, 30);
     assert_eq!(s.pose(id).expect("a body").rotation, UnitQuaternion::identity());
+}
+
+/// The velocity told is the one by which the pose changes, in both engines.
+#[test]
+fn a_body_that_does_not_move_has_no_velocity() {
+    let velocity = Velocity::new(Vector3::new(1.0, 2.0, 0.5), Vector3::new(0.0, 3.0, 0.0));
+    for response in [false, true] {
+        for rotation in [false, true] {
+            let base = if response { Effects::response() } else { Effects::none() };
+            let mut s = simulation(Effects { rotation, ..base });
+            let free = Body::moving(Isometry3::translation(0.0, 9.0, 0.0), 1.0).velocity(velocity);
+            let moving = s.insert(&block(), free).expect("a block");
+            let still = Body::fixed(Isometry3::identity()).velocity(velocity);
+            let fixed = s.insert(&block(), still).expect("a block");
+            for _ in 0..3 {
+                let told = |s: &Simulation, id| s.velocity(id).expect("a body");
+                let what = format!("response {response}, rotation {rotation}");
+                assert_eq!(told(&s, fixed), Velocity::default(), "{what}");
+                assert_eq!(told(&s, moving).angular.norm() > 0.0, rotation, "{what}");
+                assert_eq!(told(&s, moving).linear, velocity.linear, "{what}");
+                run(&mut s, 1);
+            }
+        }
+    }
 }
 
 #[test]
@@ -287,5 +312,91 @@ fn nonsense_is_refused_by_name() {
         assert_eq!(s.remove(id), Err(SimulationError::NoBody { body: id }));
         assert_eq!((s.pose(id), s.velocity(id)), (None, None));
         assert_eq!(run(&mut s, 5).moved, 0);
+    }
+}
+
+/// With response, numbers are those of the engine: `f32` has neither 1e39 nor 1e-60.
+#[test]
+fn numbers_the_engine_does_not_have_are_refused() {
+    let (least, most) = (f64::from(Real::MIN_POSITIVE), f64::from(Real::MAX));
+    let is_number = |e: Option<SimulationError>| matches!(e, Some(SimulationError::Number { .. }));
+    let new = |effects, settings| Simulation::new(effects, settings).err();
+    let (response, default) = (Effects::response(), Settings::default());
+    for size in [
+        1e-3 * least,
+        least,
+        1e-3 * least.sqrt(),
+        1e3 * most.sqrt(),
+        most,
+        f64::INFINITY,
+        f64::NAN,
+    ] {
+        assert!(is_number(new(response, Settings { size, ..default })), "size {size:e}");
+        let time_step = size;
+        assert!(
+            is_number(new(response, Settings { time_step, ..default })),
+            "step {size:e}"
+        );
+    }
+    for far in [1e3 * most.sqrt(), most, 10.0 * most, -10.0 * most, f64::NAN] {
+        let gravity = Some(DOWN * far);
+        assert!(
+            is_number(new(Effects { gravity, ..response }, default)),
+            "gravity {far:e}"
+        );
+        let mut s = simulation(response);
+        let at = |x: f64| Body::moving(Isometry3::translation(x, 0.0, 0.0), 1.0);
+        for velocity in [Velocity::new(DOWN * far, DOWN), Velocity::new(DOWN, DOWN * far)] {
+            assert!(
+                is_number(s.insert(&block(), at(0.0).velocity(velocity)).err()),
+                "velocity {far:e}"
+            );
+        }
+        if far.is_finite() {
+            assert!(is_number(s.insert(&block(), at(far)).err()), "position {far:e}");
+        }
+    }
+    for density in [1e-3 * least, 0.1 / most, 1e3 * most] {
+        let mut s = simulation(response);
+        let body = Body::moving(Isometry3::identity(), density);
+        assert!(is_number(s.insert(&block(), body).err()), "density {density:e}");
+    }
+}
+
+/// What is accepted moves: at the ends of the range as in its middle.
+#[test]
+fn what_is_accepted_falls() {
+    let (least, most) = (f64::from(Real::MIN_POSITIVE), f64::from(Real::MAX));
+    let effects = Effects {
+        gravity: Some(DOWN),
+        ..Effects::response()
+    };
+    for (size, density) in [(1.0, 1e-30), (1.0, 1e30), (1e-6, 1.0), (1e5, 1.0)] {
+        let settings = Settings {
+            size,
+            ..Settings::default()
+        };
+        let mut s = Simulation::new(effects, settings).expect("consistent");
+        let id = s
+            .insert(&block(), Body::moving(Isometry3::identity(), density))
+            .expect("a block");
+        run(&mut s, 10);
+        assert!(
+            height(&s, id) < -0.1,
+            "size {size:e}, density {density:e}: {}",
+            height(&s, id)
+        );
+    }
+    for time_step in [200.0 * least.sqrt(), 1e-6, 1.0, 1e-3 * most.sqrt()] {
+        let settings = Settings {
+            time_step,
+            ..Settings::default()
+        };
+        let mut s = Simulation::new(effects, settings).expect("consistent");
+        let id = s
+            .insert(&block(), Body::moving(Isometry3::identity(), 1.0))
+            .expect("a block");
+        run(&mut s, 1);
+        assert!(s.velocity(id).expect("a body").linear.y < 0.0, "step {time_step:e}");
     }
 }

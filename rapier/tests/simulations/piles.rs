@@ -129,6 +129,46 @@ fn hulls_of_a_thousandth_pile_up_as_large_ones_do() {
     assert!(large > 1e-5 && small > 1e-5, "bodies must touch: {large} {small}");
 }
 
+/// Towers of five of rapier's own cuboids, and of five capsules between walls, stand at any size.
+#[test]
+fn towers_of_plain_shapes_stand_at_any_size() {
+    for size in [0.005, 0.01, 0.02, 0.1, 1.0] {
+        let mut world = certified_world(Certified::default(), size, 1.0 / 240.0);
+        world.gravity = Vector::new(0.0, -9.81 * size.min(0.1) * 10.0, 0.0);
+        let floor = ColliderBuilder::cuboid(20.0 * size, size, 20.0 * size);
+        let at = |x: Real, y: Real| Vector::new(x * size, y * size, 0.0);
+        world.insert(RigidBodyBuilder::fixed().translation(at(0.0, -1.0)), floor);
+        for x in [5.5, 6.5] {
+            let wall = ColliderBuilder::cuboid(0.1 * size, 5.0 * size, size);
+            world.insert(RigidBodyBuilder::fixed().translation(at(x, 5.0)), wall);
+        }
+        let mut bodies = Vec::new();
+        for k in 0..5 {
+            let y = k as Real + 0.5;
+            let cuboid = ColliderBuilder::cuboid(0.5 * size, 0.5 * size, 0.5 * size);
+            bodies.push((
+                y,
+                world
+                    .insert(RigidBodyBuilder::dynamic().translation(at(0.0, y)), cuboid)
+                    .0,
+            ));
+            let capsule = ColliderBuilder::capsule_z(0.5 * size, 0.39 * size);
+            let y = 0.39 + 0.78 * k as Real;
+            bodies.push((
+                y,
+                world
+                    .insert(RigidBodyBuilder::dynamic().translation(at(6.0, y)), capsule)
+                    .0,
+            ));
+        }
+        (0..480).for_each(|_| world.step());
+        for (y, handle) in &bodies {
+            let sunk = y - world.bodies[*handle].translation().y / size;
+            assert!(sunk.abs() < 0.05, "size {size}: {sunk} sizes at {y}");
+        }
+    }
+}
+
 /// The greatest depth of two bodies in each other.
 fn depth(world: &PhysicsWorld, bodies: &[(RigidBodyHandle, Hull)]) -> f64 {
     let pose = |h: RigidBodyHandle| {

@@ -1,0 +1,191 @@
+//! Manifolds at any size: judged by the core in `f64`, of the same bodies at the same pose.
+
+use lab::rng::Rng;
+use lin_canny_parry::lin_canny::nalgebra::{Isometry3, Point3};
+use lin_canny_parry::lin_canny::{ConvexPolyhedron, Outcome, RelativePose, Shape, ShapeTracker};
+
+use super::dispatch::random_pose;
+use super::engine::parry::math::{Pose, Real, Vector};
+use super::engine::parry::query::{ContactManifold, PersistentQueryDispatcher, QueryDispatcher};
+use super::engine::parry::shape::{Ball, Capsule, ConvexPolyhedron as Points, Cuboid, RoundShape, SharedShape};
+use super::engine::{Certified, isometry};
+
+type Manifolds = Vec<ContactManifold<(), ()>>;
+
+/// Sizes of the bodies: from a tenth of a millimetre to ten kilometres, in metres.
+const SIZES: [Real; 9] = [1e-4, 1e-3, 5e-3, 1e-2, 2e-2, 0.1, 1.0, 100.0, 1e4];
+
+/// Steps of a motion through which a manifold is kept.
+const STEPS: usize = 12;
+
+fn wide(p: Vector) -> Point3<f64> {
+    Point3::from(p.to_array().map(f64::from))
+}
+
+/// A shape of parry and the shape of the core that it is.
+struct Judged {
+    name: &'static str,
+    shape: SharedShape,
+    truth: Shape,
+}
+
+impl Judged {
+    /// The hull of points, rounded.
+    fn new(name: &'static str, shape: SharedShape, core: &[Vector], radius: Real) -> Self {
+        let points: Vec<_> = core.iter().map(|&p| wide(p)).collect();
+        let core = match points[..] {
+            [p] => ConvexPolyhedron::point(p),
+            [p, q] => ConvexPolyhedron::segment(p, q),
+            _ => ConvexPolyhedron::from_points(&points),
+        };
+        let truth = Shape::from(core.expect("a body")).rounded(f64::from(radius));
+        let truth = truth.expect("a radius");
+        Self { name, shape, truth }
+    }
+}
+
+/// The corners of a cuboid.
+fn corners(half: Vector) -> Vec<Vector> {
+    let side = |k: u32, bit: u32| if k & bit == 0 { -1.0 } else { 1.0 };
+    (0..8)
+        .map(|k| Vector::new(side(k, 1), side(k, 2), side(k, 4)) * half)
+        .collect()
+}
+
+/// Every kind of which a manifold is promised at any size, twice with other proportions.
+fn judged(rng: &mut Rng, size: Real) -> Vec<Judged> {
+    let mut list = Vec::new();
+    for _ in 0..2 {
+        let mut side = || size * rng.range(0.2, 0.6) as Real;
+        let half = Vector::new(side(), side(), side());
+        let (length, radius) = (side(), side());
+        let plain = Points::from_convex_hull(&corners(half)).expect("a hull");
+        let round = RoundShape {
+            inner_shape: Cuboid::new(half),
+            border_radius: 0.2 * size,
+        };
+        let (a, b) = (Vector::Y * -length, Vector::new(0.3 * length, length, 0.0));
+        let capsule = SharedShape::new(Capsule::new(a, b, radius));
+        let ball = SharedShape::new(Ball::new(radius));
+        list.extend([
+            Judged::new("cuboid", SharedShape::new(Cuboid::new(half)), &corners(half), 0.0),
+            Judged::new("capsule", capsule, &[a, b], radius),
+            Judged::new("ball", ball, &[Vector::ZERO], radius),
+            Judged::new("plain", SharedShape::new(plain), &corners(half), 0.0),
+            Judged::new("round", SharedShape::new(round), &corners(half), 0.2 * size),
+        ]);
+    }
+    list
+}
+
+fn truth(a: &Judged, b: &Judged, pos12: &Pose) -> Outcome {
+    let pose = RelativePose::new(&Isometry3::identity(), &isometry(pos12)).expect("a pose");
+    ShapeTracker::new().closest(&a.truth, &b.truth, &pose)
+}
+
+/// Checks a manifold by the closest points in `f64`. Returns whether it holds contacts.
+fn check(a: &Judged, b: &Judged, (pos12, size): (&Pose, Real), kept: &Manifolds, prediction: Real) -> bool {
+    let (what, close) = ((a.name, b.name, size), f64::from(size) * 1e-5);
+    let truth = truth(a, b, pos12);
+    let (m, d) = (&kept[0], truth.distance);
+    let Some(deepest) = m.find_deepest_contact().map(|p| f64::from(p.dist)) else {
+        assert!(d > f64::from(prediction) - close, "{what:?}: none at {d:e}");
+        return false;
+    };
+    // parry's reach of a ball's manifold is the prediction, the reach of others is farther.
+    assert!((deepest - d).abs() < close, "{what:?}: {deepest:e} for {d:e}");
+    for p in &m.points {
+        let apart = f64::from((pos12 * p.local_p2 - p.local_p1).dot(m.local_n1));
+        assert!((apart - f64::from(p.dist)).abs() < close, "{what:?}: {apart:e} {p:?}");
+    }
+    let along = (pos12.rotation * m.local_n2 + m.local_n1).length();
+    assert!(
+        (m.local_n1.length() - 1.0).abs() < 1e-5 && along < 1e-5,
+        "{what:?}: {m:?}"
+    );
+    d <= f64::from(prediction)
+}
+
+/// Manifolds kept through a motion, from apart to deep, are those of the bodies at each instant.
+#[test]
+fn manifolds_are_right_at_any_size() {
+    let mut seen = 0;
+    for size in SIZES {
+        let mut rng = Rng::new(61);
+        let list = judged(&mut rng, size);
+        let ours = Certified::default();
+        for (k, a) in list.iter().enumerate() {
+            for b in &list[k..] {
+                let (mut kept, prediction) = (Manifolds::new(), 0.02 * size);
+                let far = random_pose(&mut rng, f64::from(size) * 1.3);
+                let aside = Vector::from(rng.unit().map(|x| 0.2 * x as Real)) * size;
+                for step in 0..STEPS {
+                    let at = far.translation * (1.0 - step as Real / STEPS as Real) + aside;
+                    let pos12 = Pose::from_parts(at, far.rotation);
+                    ours.contact_manifolds(&pos12, &*a.shape, &*b.shape, prediction, &mut kept, &mut None)
+                        .expect("supported");
+                    seen += usize::from(check(a, b, (&pos12, size), &kept, prediction));
+                }
+            }
+        }
+    }
+    assert!(seen > 2000, "{seen}");
+}
+
+/// The other queries of the same pairs, at any size.
+#[test]
+fn contacts_are_right_at_any_size() {
+    let mut deep = 0;
+    for size in SIZES {
+        let mut rng = Rng::new(62);
+        let list = judged(&mut rng, size);
+        let (ours, close) = (Certified::default(), f64::from(size) * 2e-6);
+        for (k, a) in list.iter().enumerate() {
+            for b in &list[k..] {
+                for _ in 0..4 {
+                    let apart = f64::from(size) * rng.range(0.2, 1.6);
+                    let pos12 = random_pose(&mut rng, apart);
+                    let d = truth(a, b, &pos12).distance;
+                    let what = (a.name, b.name, size, d);
+                    let (x, y) = (&*a.shape, &*b.shape);
+                    let gap = f64::from(ours.distance(&pos12, x, y).expect("supported").distance);
+                    assert!((gap - d.max(0.0)).abs() < close, "{what:?}: {gap:e}");
+                    let contact = ours.contact(&pos12, x, y, 10.0 * size).expect("supported");
+                    let contact = contact.expect("within");
+                    assert!((f64::from(contact.dist) - d).abs() < close, "{what:?}: {contact:?}");
+                    let meets = ours.intersection_test(&pos12, x, y).expect("supported");
+                    assert!(meets.intersecting == (d < 0.0) || d.abs() < close, "{what:?}");
+                    deep += usize::from(d < 0.0);
+                }
+            }
+        }
+    }
+    assert!(deep > 500, "{deep}");
+}
+
+/// Boxes laid on boxes, and capsules side by side, have the contacts that hold them.
+#[test]
+fn flush_faces_have_contacts_at_their_ends() {
+    let ours = Certified::default();
+    for size in SIZES {
+        let cuboid = Cuboid::new(Vector::splat(0.5 * size));
+        let capsule = Capsule::new_x(0.5 * size, 0.3 * size);
+        for (turn, least) in [(0.0, 4), (0.3, 4)] {
+            let turned = Pose::rotation(Vector::Y * turn);
+            let mut kept = Manifolds::new();
+            for gap in [-0.05, -1e-3, 0.0, 0.01] {
+                let at = Vector::new(0.1, 1.0 + gap, 0.05) * size;
+                let pose = Pose::from_parts(at, turned.rotation);
+                ours.contact_manifolds(&pose, &cuboid, &cuboid, 0.02 * size, &mut kept, &mut None)
+                    .expect("supported");
+                let near = kept[0].points.iter().filter(|p| p.dist < 0.02 * size);
+                assert!(near.count() >= least, "{size} {turn} {gap}: {kept:?}");
+            }
+        }
+        let mut kept = Manifolds::new();
+        let side = Pose::translation(0.1 * size, 0.59 * size, 0.0);
+        ours.contact_manifolds(&side, &capsule, &capsule, 0.02 * size, &mut kept, &mut None)
+            .expect("supported");
+        assert_eq!(kept[0].points.len(), 2, "{size}: {kept:?}");
+    }
+}
