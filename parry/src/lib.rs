@@ -89,12 +89,12 @@
 //!
 //! # Limits
 //!
-//! * A query of numbers that the code in charge cannot work with is `Unsupported`, and no query
-//!   panics or goes on without end: negative or infinite sizes, poses that are none, and where parry
-//!   answers, coordinates, velocities and ways above 1e9 in `f32` (1e76 in `f64`), manifolds of voxels
-//!   with half-spaces and of polyhedra of which parry kept no face, and casts over more than 65,536
-//!   cells of a field. A prediction below zero asks for overlaps at least as deep. Vertices of meshes are not
-//!   looked at: they must be finite.
+//! * A query of numbers that the code in charge cannot work with is `Unsupported`: no query panics, nor
+//!   does a search of parry's go on without end. Such numbers are negative or infinite sizes, poses
+//!   that are none, and where parry answers, coordinates, velocities and ways above 1e9 in `f32` (1e76
+//!   in `f64`); such queries are manifolds of voxels with half-spaces and of polyhedra of which parry
+//!   kept no face, and casts over more than 65,536 cells of a field. A prediction below zero asks for
+//!   overlaps at least as deep. Vertices of meshes are not looked at: they must be finite.
 //! * Serialized, a `Hull` is a parry `ConvexPolyhedron` with the vertices of the hull; read back,
 //!   the dispatcher makes a body of these vertices again, which costs a hash of all vertices in
 //!   each query ([`Hull::try_from`](crate::single::Hull) saves that). After reading a snapshot the

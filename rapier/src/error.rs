@@ -10,8 +10,9 @@ use crate::BodyId;
 pub enum SimulationError {
     /// A number is not finite, or not in the range of its kind. With response the range is that of
     /// rapier's precision: in `f32`, coordinates of positions, velocities and gravity are at most
-    /// 1.8e17, time step and size lie between 1.1e-17 and that, and the mass of a moving solid has an
-    /// inverse. In `f64`, and without response, it is 1.4e-152 to 1.3e152.
+    /// 1.8e17, and time step and size lie between 1.1e-17 and that; in `f64`, and without response, the
+    /// range is 1.5e-152 to 1.3e152. The mass of a moving solid has an inverse, which to rapier is one
+    /// above 1e-20.
     #[error("{what} is {value}")]
     Number {
         /// Name of the number.

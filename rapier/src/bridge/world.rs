@@ -11,6 +11,9 @@ use super::rapier::{self};
 use super::{Certified, Hull, engine};
 use crate::{Body, BodyId, Continuous, Effects, FrictionModel, Report, Settings, SimulationError};
 
+/// Inverse mass up to which rapier takes a body for one that no force moves.
+const IMMOVABLE: Real = 1e-20;
+
 /// Returns an empty rapier world without gravity, under a dispatcher, with the length unit and the
 /// contact stiffness that bodies of about `size` and steps of `time_step` need.
 ///
@@ -61,9 +64,8 @@ impl World {
     pub(super) fn insert(&mut self, shape: &Hull, body: &Body) -> Result<BodyId, SimulationError> {
         let effects = &self.effects;
         let is_solid = shape.body().volume() > 0.0;
-        // rapier takes a body without an inverse mass for one that never moves.
-        let is_heavy = |density: f64| shape.mass_properties_at(density as Real).inv_mass > 0.0;
-        if let Some(value) = body.density.filter(|&density| is_solid && !is_heavy(density)) {
+        let is_moved = |density: f64| shape.mass_properties_at(density as Real).inv_mass > IMMOVABLE;
+        if let Some(value) = body.density.filter(|&density| is_solid && !is_moved(density)) {
             return Err(SimulationError::Number { what: "density", value });
         }
         let turning = if effects.rotation {

@@ -356,7 +356,7 @@ fn numbers_the_engine_does_not_have_are_refused() {
             assert!(is_number(s.insert(&block(), at(far)).err()), "position {far:e}");
         }
     }
-    for density in [1e-3 * least, 0.1 / most, 1e3 * most] {
+    for density in [1e-3 * least, 0.1 / most, 1e22, 1e30, 1e3 * most] {
         let mut s = simulation(response);
         let body = Body::moving(Isometry3::identity(), density);
         assert!(is_number(s.insert(&block(), body).err()), "density {density:e}");
@@ -371,7 +371,7 @@ fn what_is_accepted_falls() {
         gravity: Some(DOWN),
         ..Effects::response()
     };
-    for (size, density) in [(1.0, 1e-30), (1.0, 1e30), (1e-6, 1.0), (1e5, 1.0)] {
+    for (size, density) in [(1.0, 1e-30), (1.0, 1e20), (1e-6, 1.0), (1e5, 1.0)] {
         let settings = Settings {
             size,
             ..Settings::default()
@@ -382,7 +382,7 @@ fn what_is_accepted_falls() {
             .expect("a block");
         run(&mut s, 10);
         assert!(
-            height(&s, id) < -0.1,
+            height(&s, id) < 0.0,
             "size {size:e}, density {density:e}: {}",
             height(&s, id)
         );
@@ -397,6 +397,6 @@ fn what_is_accepted_falls() {
             .insert(&block(), Body::moving(Isometry3::identity(), 1.0))
             .expect("a block");
         run(&mut s, 1);
-        assert!(s.velocity(id).expect("a body").linear.y < 0.0, "step {time_step:e}");
+        assert!(height(&s, id) < 0.0, "step {time_step:e}");
     }
 }
