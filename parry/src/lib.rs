@@ -48,8 +48,7 @@
 //!   contact; others beyond the prediction keep one. Snapshots go on bit for bit, any number of
 //!   threads gives the same bits, and a
 //!   dropped pair leaves nothing behind. Only bodies made of cuboids, balls, capsules and plain
-//!   polyhedra are remembered, by their points: all that are in use, and at most as many again, or
-//!   4,096, that are not.
+//!   polyhedra are remembered, by their points: those in use, and some thousands that are not.
 //!
 //! # Which pairs are answered by whom
 //!
