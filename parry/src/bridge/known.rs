@@ -20,8 +20,8 @@ const MOST_FORGOTTEN: usize = 16 * LEAST;
 /// alone.
 ///
 /// A body that was asked for since the last sweep survives the next one. A sweep comes when as many
-/// bodies as half of its survivors are new, and a forgotten body that is asked for again puts it off:
-/// shapes in use are soon kept, however many they are, and few others are.
+/// bodies as half of its survivors, or [`LEAST`], are new, and a forgotten body that is asked for again
+/// puts it off: tens of thousands of shapes in use are soon kept, and few others are.
 #[derive(Default)]
 pub(super) struct Known(RwLock<Table>);
 
